@@ -1,0 +1,5 @@
+//! Articulated bodies.
+mod error;
+pub mod tree;
+pub use error::Error;
+pub use tree::{Axis, Joint, KinematicTree, Link, Point};
