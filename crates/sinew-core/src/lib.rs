@@ -1,1 +1,3 @@
 //! Vocabulary.
+pub mod elementary;
+pub mod lanes;

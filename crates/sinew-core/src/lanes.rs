@@ -1,0 +1,770 @@
+//! Eight states at once: one scalar-like trait, five types behind it, the instruction set chosen at run time.
+//!
+//! A kernel is written once, generic over [`Real`], and implements [`Kernel`]. [`dispatch`] runs it on the registers that the processor has:
+//!
+//! | type | processor | memory |
+//! |---|---|---|
+//! | one `__m512d` | AVX-512 (F, DQ, VL, BW) | [`Block`] |
+//! | two `__m256d` | AVX2 and FMA | [`Block`] |
+//! | `[f64; 8]`, vectorised by the compiler | any (SSE2, NEON, wasm) | [`Block`] |
+//! | one `f64` with or without fused multiply-add | as above | `f64` |
+//!
+//! Every function from [`Kernel::run`] down carries `#[inline(always)]`: one that stays outside the entry point is compiled without the
+//! instruction set, and each of its operations becomes a call. For the same reason kernels use plain loops, never `array::from_fn` or `map` on arrays.
+//!
+//! This is the only file of the workspace with `unsafe`: loads and stores of aligned blocks, intrinsics (each needs only the feature of its
+//! entry point) and the three calls into the entry points (guarded by detection, since [`Isa`] can be made in no other way).
+//!
+//! The fused multiply-add rounds once, the baseline's multiply-then-add twice. So the same set gives the same bits, and two sets agree to rounding only.
+//!
+//! ```
+//! use sinew_core::lanes::{Block, Isa, Kernel, Real, dispatch};
+//! struct Square<'a>(&'a mut Block);
+//! impl Kernel<Block> for Square<'_> {
+//!     type Out = ();
+//!     #[inline(always)]
+//!     fn run<V: Real<Mem = Block>>(self) {
+//!         let x = V::load(self.0);
+//!         (x * x).store(self.0);
+//!     }
+//! }
+//! let mut x = Block([1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0]);
+//! dispatch(Isa::best(), Square(&mut x));
+//! assert_eq!(x.0[7], 64.0);
+//! ```
+#![allow(unsafe_code)]
+
+use core::ops::{Add, Div, Mul, Neg, Sub};
+
+/// States in a block, on every instruction set.
+pub const LANES: usize = 8;
+
+/// One coordinate of [`LANES`] states. A block of states of dimension `d` is `[Block; d]`, dimension-major.
+#[repr(C, align(64))]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Block(pub [f64; LANES]);
+
+impl Block {
+    /// All lanes zero.
+    pub const ZERO: Self = Self([0.0; LANES]);
+
+    /// All lanes equal.
+    #[must_use]
+    pub const fn splat(x: f64) -> Self {
+        Self([x; LANES])
+    }
+}
+
+/// Copies one state into a lane of a block of states.
+pub fn set_lane(block: &mut [Block], lane: usize, state: &[f64]) {
+    for (b, &x) in block.iter_mut().zip(state) {
+        b.0[lane] = x;
+    }
+}
+
+/// Copies a lane of a block of states out.
+pub fn get_lane(block: &[Block], lane: usize, state: &mut [f64]) {
+    for (x, b) in state.iter_mut().zip(block) {
+        *x = b.0[lane];
+    }
+}
+
+/// Instruction set for lane kernels. Only detection makes one, so holding it proves that the processor has it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Isa(Kind);
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Kind {
+    #[cfg(target_arch = "x86_64")]
+    Avx512,
+    #[cfg(target_arch = "x86_64")]
+    Avx2,
+    Baseline,
+}
+
+impl Isa {
+    /// The best set of this processor.
+    #[must_use]
+    pub fn best() -> Self {
+        Self::available()[0]
+    }
+
+    /// What any processor of the target architecture runs.
+    #[must_use]
+    pub const fn baseline() -> Self {
+        Self(Kind::Baseline)
+    }
+
+    /// Every set of this processor, best first.
+    #[must_use]
+    pub fn available() -> Vec<Self> {
+        let mut sets = Vec::with_capacity(3);
+        #[cfg(target_arch = "x86_64")]
+        {
+            let avx2 =
+                is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma") && is_x86_feature_detected!("bmi2");
+            if avx2
+                && is_x86_feature_detected!("avx512f")
+                && is_x86_feature_detected!("avx512dq")
+                && is_x86_feature_detected!("avx512vl")
+                && is_x86_feature_detected!("avx512bw")
+            {
+                sets.push(Self(Kind::Avx512));
+            }
+            if avx2 {
+                sets.push(Self(Kind::Avx2));
+            }
+        }
+        sets.push(Self(Kind::Baseline));
+        sets
+    }
+
+    /// `avx512`, `avx2` or `baseline`.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self.0 {
+            #[cfg(target_arch = "x86_64")]
+            Kind::Avx512 => "avx512",
+            #[cfg(target_arch = "x86_64")]
+            Kind::Avx2 => "avx2",
+            Kind::Baseline => "baseline",
+        }
+    }
+
+    /// The set of that name, if this processor has it.
+    #[must_use]
+    pub fn by_name(name: &str) -> Option<Self> {
+        Self::available().into_iter().find(|isa| isa.name() == name)
+    }
+}
+
+/// A real number for each state of a block, or one real number: what a kernel computes with.
+pub trait Real:
+    Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self> + Neg<Output = Self>
+{
+    /// How it lies in memory: [`Block`] for lanes, `f64` for one state.
+    type Mem: Copy;
+    /// The same value in every lane.
+    fn splat(x: f64) -> Self;
+    /// Reads from memory.
+    fn load(m: &Self::Mem) -> Self;
+    /// Writes to memory.
+    fn store(self, m: &mut Self::Mem);
+    /// `self · b + c`, fused where the set has it.
+    fn fma(self, b: Self, c: Self) -> Self;
+    /// `c − self · b`, fused where the set has it.
+    fn fnma(self, b: Self, c: Self) -> Self;
+    /// Square root.
+    fn sqrt(self) -> Self;
+    /// The larger of two; neither may be NaN.
+    fn max(self, other: Self) -> Self;
+    /// `yes` where `self > limit`, else `no`; a NaN lane takes `no`.
+    fn select_gt(self, limit: f64, yes: Self, no: Self) -> Self;
+    /// For `t = k + 1.5 · 2⁵²` with integer `k`: `yes` where `k` is odd, else `no`.
+    fn select_odd(t: Self, yes: Self, no: Self) -> Self;
+    /// For `t` as in [`Real::select_odd`]: `self` negated where bit 1 of `k` is set.
+    fn negate_by_bit1(self, t: Self) -> Self;
+    /// For `t` as in [`Real::select_odd`] and −1022 ≤ `k` ≤ 1023: `2ᵏ`.
+    fn pow2(t: Self) -> Self;
+    /// For positive normal numbers `m · 2ᵉ`: (`e`, `m` in [1, 2)).
+    fn exponent_mantissa(self) -> (Self, Self);
+}
+
+/// `1.5 · 2⁵²`: added to a small number it leaves the nearest integer in the low bits of the mantissa.
+pub const ROUND_MAGIC: f64 = 6_755_399_441_055_744.0;
+const SIGN: u64 = 1 << 63;
+const MANTISSA: u64 = (1 << 52) - 1;
+const ONE_BITS: u64 = 0x3FF0_0000_0000_0000;
+/// Bits of 2⁵²: or-ed onto a small integer they make the double `2⁵² + integer`.
+const TWO52_BITS: u64 = 0x4330_0000_0000_0000;
+const TWO52_PLUS_BIAS: f64 = 4_503_599_627_370_496.0 + 1023.0;
+
+/// Work to be run on lanes (`M` = [`Block`]) or on one state (`M` = `f64`).
+pub trait Kernel<M> {
+    /// What it returns.
+    type Out;
+    /// The work; must be `#[inline(always)]`, like everything that it calls.
+    fn run<V: Real<Mem = M>>(self) -> Self::Out;
+}
+
+/// Runs a kernel over a block of states with the given instruction set.
+#[inline]
+pub fn dispatch<K: Kernel<Block>>(isa: Isa, kernel: K) -> K::Out {
+    match isa.0 {
+        // SAFETY: an `Isa` of this kind exists only after its features were detected.
+        #[cfg(target_arch = "x86_64")]
+        Kind::Avx512 => unsafe { x86::on_avx512(kernel) },
+        // SAFETY: as above.
+        #[cfg(target_arch = "x86_64")]
+        Kind::Avx2 => unsafe { x86::on_avx2(kernel) },
+        Kind::Baseline => kernel.run::<A8>(),
+    }
+}
+
+/// Runs a kernel on one state, with fused multiply-add where the instruction set has it.
+#[inline]
+pub fn dispatch_one<K: Kernel<f64>>(isa: Isa, kernel: K) -> K::Out {
+    match isa.0 {
+        // SAFETY: both kinds exist only after AVX2 and FMA were detected.
+        #[cfg(target_arch = "x86_64")]
+        Kind::Avx512 | Kind::Avx2 => unsafe { x86::one_on_fma(kernel) },
+        Kind::Baseline => kernel.run::<One>(),
+    }
+}
+
+/// One state, multiply then add.
+#[derive(Clone, Copy)]
+struct One(f64);
+
+/// Eight states in an array, for the compiler to vectorise.
+#[derive(Clone, Copy)]
+struct A8([f64; LANES]);
+
+#[inline(always)]
+fn odd(t: f64) -> bool {
+    t.to_bits() & 1 == 1
+}
+
+#[inline(always)]
+fn negate_by_bit1(x: f64, t: f64) -> f64 {
+    f64::from_bits(x.to_bits() ^ ((t.to_bits() << 62) & SIGN))
+}
+
+#[inline(always)]
+fn pow2(t: f64) -> f64 {
+    f64::from_bits((t.to_bits() << 52).wrapping_add(ONE_BITS))
+}
+
+#[inline(always)]
+fn exponent(x: f64) -> f64 {
+    f64::from_bits((x.to_bits() >> 52) | TWO52_BITS) - TWO52_PLUS_BIAS
+}
+
+#[inline(always)]
+fn mantissa(x: f64) -> f64 {
+    f64::from_bits((x.to_bits() & MANTISSA) | ONE_BITS)
+}
+
+macro_rules! one_state {
+    ($name:ident, $fma:expr) => {
+        impl Add for $name {
+            type Output = Self;
+            #[inline(always)]
+            fn add(self, o: Self) -> Self {
+                Self(self.0 + o.0)
+            }
+        }
+        impl Sub for $name {
+            type Output = Self;
+            #[inline(always)]
+            fn sub(self, o: Self) -> Self {
+                Self(self.0 - o.0)
+            }
+        }
+        impl Mul for $name {
+            type Output = Self;
+            #[inline(always)]
+            fn mul(self, o: Self) -> Self {
+                Self(self.0 * o.0)
+            }
+        }
+        impl Div for $name {
+            type Output = Self;
+            #[inline(always)]
+            fn div(self, o: Self) -> Self {
+                Self(self.0 / o.0)
+            }
+        }
+        impl Neg for $name {
+            type Output = Self;
+            #[inline(always)]
+            fn neg(self) -> Self {
+                Self(-self.0)
+            }
+        }
+        impl Real for $name {
+            type Mem = f64;
+            #[inline(always)]
+            fn splat(x: f64) -> Self {
+                Self(x)
+            }
+            #[inline(always)]
+            fn load(m: &f64) -> Self {
+                Self(*m)
+            }
+            #[inline(always)]
+            fn store(self, m: &mut f64) {
+                *m = self.0;
+            }
+            #[inline(always)]
+            fn fma(self, b: Self, c: Self) -> Self {
+                Self($fma(self.0, b.0, c.0))
+            }
+            #[inline(always)]
+            fn fnma(self, b: Self, c: Self) -> Self {
+                Self($fma(-self.0, b.0, c.0))
+            }
+            #[inline(always)]
+            fn sqrt(self) -> Self {
+                Self(self.0.sqrt())
+            }
+            #[inline(always)]
+            fn max(self, o: Self) -> Self {
+                Self(if self.0 > o.0 { self.0 } else { o.0 })
+            }
+            #[inline(always)]
+            fn select_gt(self, limit: f64, yes: Self, no: Self) -> Self {
+                if self.0 > limit { yes } else { no }
+            }
+            #[inline(always)]
+            fn select_odd(t: Self, yes: Self, no: Self) -> Self {
+                if odd(t.0) { yes } else { no }
+            }
+            #[inline(always)]
+            fn negate_by_bit1(self, t: Self) -> Self {
+                Self(negate_by_bit1(self.0, t.0))
+            }
+            #[inline(always)]
+            fn pow2(t: Self) -> Self {
+                Self(pow2(t.0))
+            }
+            #[inline(always)]
+            fn exponent_mantissa(self) -> (Self, Self) {
+                (Self(exponent(self.0)), Self(mantissa(self.0)))
+            }
+        }
+    };
+}
+
+one_state!(One, |a: f64, b: f64, c: f64| a * b + c);
+
+macro_rules! eachwise {
+    ($i:ident => $e:expr) => {{
+        let mut out = [0.0; LANES];
+        let mut $i = 0;
+        while $i < LANES {
+            out[$i] = $e;
+            $i += 1;
+        }
+        A8(out)
+    }};
+}
+
+impl Add for A8 {
+    type Output = Self;
+    #[inline(always)]
+    fn add(self, o: Self) -> Self {
+        eachwise!(i => self.0[i] + o.0[i])
+    }
+}
+impl Sub for A8 {
+    type Output = Self;
+    #[inline(always)]
+    fn sub(self, o: Self) -> Self {
+        eachwise!(i => self.0[i] - o.0[i])
+    }
+}
+impl Mul for A8 {
+    type Output = Self;
+    #[inline(always)]
+    fn mul(self, o: Self) -> Self {
+        eachwise!(i => self.0[i] * o.0[i])
+    }
+}
+impl Div for A8 {
+    type Output = Self;
+    #[inline(always)]
+    fn div(self, o: Self) -> Self {
+        eachwise!(i => self.0[i] / o.0[i])
+    }
+}
+impl Neg for A8 {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        eachwise!(i => -self.0[i])
+    }
+}
+impl Real for A8 {
+    type Mem = Block;
+    #[inline(always)]
+    fn splat(x: f64) -> Self {
+        Self([x; LANES])
+    }
+    #[inline(always)]
+    fn load(m: &Block) -> Self {
+        Self(m.0)
+    }
+    #[inline(always)]
+    fn store(self, m: &mut Block) {
+        m.0 = self.0;
+    }
+    #[inline(always)]
+    fn fma(self, b: Self, c: Self) -> Self {
+        eachwise!(i => self.0[i] * b.0[i] + c.0[i])
+    }
+    #[inline(always)]
+    fn fnma(self, b: Self, c: Self) -> Self {
+        eachwise!(i => c.0[i] - self.0[i] * b.0[i])
+    }
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        eachwise!(i => self.0[i].sqrt())
+    }
+    #[inline(always)]
+    fn max(self, o: Self) -> Self {
+        eachwise!(i => if self.0[i] > o.0[i] { self.0[i] } else { o.0[i] })
+    }
+    #[inline(always)]
+    fn select_gt(self, limit: f64, yes: Self, no: Self) -> Self {
+        eachwise!(i => if self.0[i] > limit { yes.0[i] } else { no.0[i] })
+    }
+    #[inline(always)]
+    fn select_odd(t: Self, yes: Self, no: Self) -> Self {
+        eachwise!(i => if odd(t.0[i]) { yes.0[i] } else { no.0[i] })
+    }
+    #[inline(always)]
+    fn negate_by_bit1(self, t: Self) -> Self {
+        eachwise!(i => negate_by_bit1(self.0[i], t.0[i]))
+    }
+    #[inline(always)]
+    fn pow2(t: Self) -> Self {
+        eachwise!(i => pow2(t.0[i]))
+    }
+    #[inline(always)]
+    fn exponent_mantissa(self) -> (Self, Self) {
+        (eachwise!(i => exponent(self.0[i])), eachwise!(i => mantissa(self.0[i])))
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+mod x86 {
+    use super::{
+        Add, Block, Div, Kernel, MANTISSA, Mul, Neg, ONE_BITS, Real, SIGN, Sub, TWO52_BITS, TWO52_PLUS_BIAS, exponent,
+        mantissa, negate_by_bit1, odd, pow2,
+    };
+    use core::arch::x86_64::*;
+
+    #[target_feature(enable = "avx512f,avx512dq,avx512vl,avx512bw,avx2,fma,bmi2")]
+    pub(super) fn on_avx512<K: Kernel<Block>>(kernel: K) -> K::Out {
+        kernel.run::<Z8>()
+    }
+
+    #[target_feature(enable = "avx2,fma,bmi2")]
+    pub(super) fn on_avx2<K: Kernel<Block>>(kernel: K) -> K::Out {
+        kernel.run::<Y8>()
+    }
+
+    #[target_feature(enable = "avx2,fma,bmi2")]
+    pub(super) fn one_on_fma<K: Kernel<f64>>(kernel: K) -> K::Out {
+        kernel.run::<OneFused>()
+    }
+
+    /// One state with fused multiply-add.
+    #[derive(Clone, Copy)]
+    pub(super) struct OneFused(f64);
+    one_state!(OneFused, f64::mul_add);
+
+    /// Eight states in one register.
+    #[derive(Clone, Copy)]
+    pub(super) struct Z8(__m512d);
+
+    /// Eight states in two registers.
+    #[derive(Clone, Copy)]
+    pub(super) struct Y8(__m256d, __m256d);
+
+    // SAFETY of all intrinsics below: these types are private to this module and constructed only inside the two entry
+    // points, which enable every feature named by the intrinsics. Blocks are 64-byte aligned by their type.
+
+    macro_rules! z8_operator {
+        ($trait:ident, $fn:ident, $intrinsic:ident) => {
+            impl $trait for Z8 {
+                type Output = Self;
+                #[inline(always)]
+                fn $fn(self, o: Self) -> Self {
+                    Self(unsafe { $intrinsic(self.0, o.0) })
+                }
+            }
+        };
+    }
+    z8_operator!(Add, add, _mm512_add_pd);
+    z8_operator!(Sub, sub, _mm512_sub_pd);
+    z8_operator!(Mul, mul, _mm512_mul_pd);
+    z8_operator!(Div, div, _mm512_div_pd);
+    impl Neg for Z8 {
+        type Output = Self;
+        #[inline(always)]
+        fn neg(self) -> Self {
+            Self(unsafe { _mm512_xor_pd(self.0, _mm512_set1_pd(-0.0)) })
+        }
+    }
+    impl Real for Z8 {
+        type Mem = Block;
+        #[inline(always)]
+        fn splat(x: f64) -> Self {
+            Self(unsafe { _mm512_set1_pd(x) })
+        }
+        #[inline(always)]
+        fn load(m: &Block) -> Self {
+            Self(unsafe { _mm512_load_pd(m.0.as_ptr()) })
+        }
+        #[inline(always)]
+        fn store(self, m: &mut Block) {
+            unsafe { _mm512_store_pd(m.0.as_mut_ptr(), self.0) }
+        }
+        #[inline(always)]
+        fn fma(self, b: Self, c: Self) -> Self {
+            Self(unsafe { _mm512_fmadd_pd(self.0, b.0, c.0) })
+        }
+        #[inline(always)]
+        fn fnma(self, b: Self, c: Self) -> Self {
+            Self(unsafe { _mm512_fnmadd_pd(self.0, b.0, c.0) })
+        }
+        #[inline(always)]
+        fn sqrt(self) -> Self {
+            Self(unsafe { _mm512_sqrt_pd(self.0) })
+        }
+        #[inline(always)]
+        fn max(self, o: Self) -> Self {
+            Self(unsafe { _mm512_max_pd(self.0, o.0) })
+        }
+        #[inline(always)]
+        fn select_gt(self, limit: f64, yes: Self, no: Self) -> Self {
+            Self(unsafe {
+                let mask = _mm512_cmp_pd_mask::<_CMP_GT_OQ>(self.0, _mm512_set1_pd(limit));
+                _mm512_mask_blend_pd(mask, no.0, yes.0)
+            })
+        }
+        #[inline(always)]
+        fn select_odd(t: Self, yes: Self, no: Self) -> Self {
+            Self(unsafe {
+                let mask = _mm512_test_epi64_mask(_mm512_castpd_si512(t.0), _mm512_set1_epi64(1));
+                _mm512_mask_blend_pd(mask, no.0, yes.0)
+            })
+        }
+        #[inline(always)]
+        fn negate_by_bit1(self, t: Self) -> Self {
+            Self(unsafe {
+                let sign = _mm512_and_si512(
+                    _mm512_slli_epi64::<62>(_mm512_castpd_si512(t.0)),
+                    _mm512_set1_epi64(SIGN.cast_signed()),
+                );
+                _mm512_xor_pd(self.0, _mm512_castsi512_pd(sign))
+            })
+        }
+        #[inline(always)]
+        fn pow2(t: Self) -> Self {
+            Self(unsafe {
+                let k = _mm512_slli_epi64::<52>(_mm512_castpd_si512(t.0));
+                _mm512_castsi512_pd(_mm512_add_epi64(k, _mm512_set1_epi64(ONE_BITS.cast_signed())))
+            })
+        }
+        #[inline(always)]
+        fn exponent_mantissa(self) -> (Self, Self) {
+            unsafe {
+                let bits = _mm512_castpd_si512(self.0);
+                let e = _mm512_or_si512(_mm512_srli_epi64::<52>(bits), _mm512_set1_epi64(TWO52_BITS.cast_signed()));
+                let m = _mm512_or_si512(
+                    _mm512_and_si512(bits, _mm512_set1_epi64(MANTISSA.cast_signed())),
+                    _mm512_set1_epi64(ONE_BITS.cast_signed()),
+                );
+                (
+                    Self(_mm512_sub_pd(_mm512_castsi512_pd(e), _mm512_set1_pd(TWO52_PLUS_BIAS))),
+                    Self(_mm512_castsi512_pd(m)),
+                )
+            }
+        }
+    }
+
+    macro_rules! y8_operator {
+        ($trait:ident, $fn:ident, $intrinsic:ident) => {
+            impl $trait for Y8 {
+                type Output = Self;
+                #[inline(always)]
+                fn $fn(self, o: Self) -> Self {
+                    unsafe { Self($intrinsic(self.0, o.0), $intrinsic(self.1, o.1)) }
+                }
+            }
+        };
+    }
+    y8_operator!(Add, add, _mm256_add_pd);
+    y8_operator!(Sub, sub, _mm256_sub_pd);
+    y8_operator!(Mul, mul, _mm256_mul_pd);
+    y8_operator!(Div, div, _mm256_div_pd);
+    impl Neg for Y8 {
+        type Output = Self;
+        #[inline(always)]
+        fn neg(self) -> Self {
+            unsafe {
+                let sign = _mm256_set1_pd(-0.0);
+                Self(_mm256_xor_pd(self.0, sign), _mm256_xor_pd(self.1, sign))
+            }
+        }
+    }
+
+    #[inline(always)]
+    unsafe fn y_select_odd(t: __m256d, yes: __m256d, no: __m256d) -> __m256d {
+        unsafe {
+            let mask = _mm256_slli_epi64::<63>(_mm256_castpd_si256(t));
+            _mm256_blendv_pd(no, yes, _mm256_castsi256_pd(mask))
+        }
+    }
+    #[inline(always)]
+    unsafe fn y_negate_by_bit1(x: __m256d, t: __m256d) -> __m256d {
+        unsafe {
+            let sign = _mm256_and_si256(
+                _mm256_slli_epi64::<62>(_mm256_castpd_si256(t)),
+                _mm256_set1_epi64x(SIGN.cast_signed()),
+            );
+            _mm256_xor_pd(x, _mm256_castsi256_pd(sign))
+        }
+    }
+    #[inline(always)]
+    unsafe fn y_pow2(t: __m256d) -> __m256d {
+        unsafe {
+            let k = _mm256_slli_epi64::<52>(_mm256_castpd_si256(t));
+            _mm256_castsi256_pd(_mm256_add_epi64(k, _mm256_set1_epi64x(ONE_BITS.cast_signed())))
+        }
+    }
+    #[inline(always)]
+    unsafe fn y_exponent(x: __m256d) -> __m256d {
+        unsafe {
+            let e = _mm256_or_si256(
+                _mm256_srli_epi64::<52>(_mm256_castpd_si256(x)),
+                _mm256_set1_epi64x(TWO52_BITS.cast_signed()),
+            );
+            _mm256_sub_pd(_mm256_castsi256_pd(e), _mm256_set1_pd(TWO52_PLUS_BIAS))
+        }
+    }
+    #[inline(always)]
+    unsafe fn y_mantissa(x: __m256d) -> __m256d {
+        unsafe {
+            let m = _mm256_and_si256(_mm256_castpd_si256(x), _mm256_set1_epi64x(MANTISSA.cast_signed()));
+            _mm256_castsi256_pd(_mm256_or_si256(m, _mm256_set1_epi64x(ONE_BITS.cast_signed())))
+        }
+    }
+
+    impl Real for Y8 {
+        type Mem = Block;
+        #[inline(always)]
+        fn splat(x: f64) -> Self {
+            unsafe { Self(_mm256_set1_pd(x), _mm256_set1_pd(x)) }
+        }
+        #[inline(always)]
+        fn load(m: &Block) -> Self {
+            unsafe { Self(_mm256_load_pd(m.0.as_ptr()), _mm256_load_pd(m.0.as_ptr().add(4))) }
+        }
+        #[inline(always)]
+        fn store(self, m: &mut Block) {
+            unsafe {
+                _mm256_store_pd(m.0.as_mut_ptr(), self.0);
+                _mm256_store_pd(m.0.as_mut_ptr().add(4), self.1);
+            }
+        }
+        #[inline(always)]
+        fn fma(self, b: Self, c: Self) -> Self {
+            unsafe { Self(_mm256_fmadd_pd(self.0, b.0, c.0), _mm256_fmadd_pd(self.1, b.1, c.1)) }
+        }
+        #[inline(always)]
+        fn fnma(self, b: Self, c: Self) -> Self {
+            unsafe { Self(_mm256_fnmadd_pd(self.0, b.0, c.0), _mm256_fnmadd_pd(self.1, b.1, c.1)) }
+        }
+        #[inline(always)]
+        fn sqrt(self) -> Self {
+            unsafe { Self(_mm256_sqrt_pd(self.0), _mm256_sqrt_pd(self.1)) }
+        }
+        #[inline(always)]
+        fn max(self, o: Self) -> Self {
+            unsafe { Self(_mm256_max_pd(self.0, o.0), _mm256_max_pd(self.1, o.1)) }
+        }
+        #[inline(always)]
+        fn select_gt(self, limit: f64, yes: Self, no: Self) -> Self {
+            unsafe {
+                let l = _mm256_set1_pd(limit);
+                Self(
+                    _mm256_blendv_pd(no.0, yes.0, _mm256_cmp_pd::<_CMP_GT_OQ>(self.0, l)),
+                    _mm256_blendv_pd(no.1, yes.1, _mm256_cmp_pd::<_CMP_GT_OQ>(self.1, l)),
+                )
+            }
+        }
+        #[inline(always)]
+        fn select_odd(t: Self, yes: Self, no: Self) -> Self {
+            unsafe { Self(y_select_odd(t.0, yes.0, no.0), y_select_odd(t.1, yes.1, no.1)) }
+        }
+        #[inline(always)]
+        fn negate_by_bit1(self, t: Self) -> Self {
+            unsafe { Self(y_negate_by_bit1(self.0, t.0), y_negate_by_bit1(self.1, t.1)) }
+        }
+        #[inline(always)]
+        fn pow2(t: Self) -> Self {
+            unsafe { Self(y_pow2(t.0), y_pow2(t.1)) }
+        }
+        #[inline(always)]
+        fn exponent_mantissa(self) -> (Self, Self) {
+            unsafe { (Self(y_exponent(self.0), y_exponent(self.1)), Self(y_mantissa(self.0), y_mantissa(self.1))) }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    struct Everything<'a> {
+        x: &'a [Block],
+        out: &'a mut [Block],
+    }
+    impl Kernel<Block> for Everything<'_> {
+        type Out = ();
+        #[inline(always)]
+        fn run<V: Real<Mem = Block>>(self) {
+            let (a, b) = (V::load(&self.x[0]), V::load(&self.x[1]));
+            let t = a + V::splat(ROUND_MAGIC);
+            let (e, m) = b.exponent_mantissa();
+            let all = [
+                a + b,
+                a - b,
+                a * b,
+                a / b,
+                -a,
+                b.sqrt(),
+                a.max(b),
+                a.select_gt(0.5, a, b),
+                V::select_odd(t, a, b),
+                a.negate_by_bit1(t),
+                V::pow2(t),
+                e,
+                m,
+            ];
+            for (o, v) in self.out.iter_mut().zip(all) {
+                v.store(o);
+            }
+        }
+    }
+
+    #[test]
+    fn every_set_gives_the_same_bits_where_nothing_is_fused() {
+        let x =
+            [Block([0.0, 1.0, -1.0, 2.0, -2.5, 3.0, 7.0, -8.0]), Block([1.0, 0.3, 2.0, 4.5, 1e-300, 1e300, 0.1, 3.0])];
+        let run = |isa| {
+            let mut out = [Block::ZERO; 13];
+            dispatch(isa, Everything { x: &x, out: &mut out });
+            out
+        };
+        let baseline = run(Isa::baseline());
+        assert_eq!(baseline[8].0[1], 1.0);
+        assert_eq!(baseline[9].0[3], -2.0);
+        assert_eq!(baseline[10].0[7], 1.0 / 256.0);
+        assert_eq!((baseline[11].0[3], baseline[12].0[3]), (2.0, 1.125));
+        for isa in Isa::available() {
+            assert_eq!(run(isa), baseline, "{}", isa.name());
+        }
+    }
+
+    #[test]
+    fn sets_are_found_by_name() {
+        assert_eq!(Isa::by_name("baseline"), Some(Isa::baseline()));
+        assert_eq!(Isa::by_name(Isa::best().name()), Some(Isa::best()));
+        assert_eq!(Isa::by_name("mmx"), None);
+    }
+}
