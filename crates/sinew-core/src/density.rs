@@ -1,0 +1,203 @@
+//! Log densities on a flat state, of one state or of a block of eight.
+//!
+//! [`LogDensity`] ⊂ [`GradLogDensity`] ⊂ [`GaussNewton`]: a function asks for the least that it needs, and the compiler says which target offers it.
+//! A numerical leaf is written once as a [`LaneDensity`] and becomes all of these through the wrapper [`Lanes`].
+//!
+//! # Laws
+//! 1. The value is finite or −∞, never NaN or +∞.
+//! 2. Evaluation is pure: the same state gives the same bits.
+//! 3. Block and single state agree to `1e-12 · max(1, |log p|)`.
+//! 4. A gradient is overwritten, never added to; where the value is −∞ its content is unspecified.
+//! 5. The content of a workspace before and after a call means nothing.
+
+use crate::lanes::{Block, Isa, Kernel, LANES, Real, dispatch, dispatch_one, get_lane};
+
+/// A log density on ℝᵈ, up to a constant that does not depend on the state.
+pub trait LogDensity: Sync {
+    /// Dimension d of the state.
+    fn dim(&self) -> usize;
+
+    /// Blocks of scratch that the block methods need.
+    fn workspace(&self) -> usize {
+        0
+    }
+
+    /// Log density of one state of length d.
+    fn log_density(&self, x: &[f64]) -> f64;
+
+    /// Log densities of a block of states, `x` = d blocks, `ws` ≥ [`LogDensity::workspace`] blocks.
+    fn log_density_block(&self, x: &[Block], ws: &mut [Block]) -> Block {
+        let _ = ws;
+        let mut state = vec![0.0; self.dim()];
+        let mut out = Block::ZERO;
+        for lane in 0..LANES {
+            get_lane(x, lane, &mut state);
+            out.0[lane] = self.log_density(&state);
+        }
+        out
+    }
+}
+
+/// A log density with its gradient.
+pub trait GradLogDensity: LogDensity {
+    /// Log density of one state; its gradient is written to `grad` (length d).
+    fn log_density_grad(&self, x: &[f64], grad: &mut [f64]) -> f64;
+
+    /// Log densities of a block; gradients are written to `grad` (d blocks).
+    fn log_density_grad_block(&self, x: &[Block], grad: &mut [Block], ws: &mut [Block]) -> Block {
+        let _ = ws;
+        let mut state = vec![0.0; self.dim()];
+        let mut g = vec![0.0; self.dim()];
+        let mut out = Block::ZERO;
+        for lane in 0..LANES {
+            get_lane(x, lane, &mut state);
+            out.0[lane] = self.log_density_grad(&state, &mut g);
+            for (b, &g) in grad.iter_mut().zip(&g) {
+                b.0[lane] = g;
+            }
+        }
+        out
+    }
+}
+
+/// A log density that knows its Gauss–Newton curvature: the diagonal of `Jᵀ W J ≈ −∂² log p`, never negative.
+pub trait GaussNewton: GradLogDensity {
+    /// Writes the diagonals for a block of states to `diagonal` (d blocks).
+    fn gauss_newton_diagonal_block(&self, x: &[Block], diagonal: &mut [Block], ws: &mut [Block]);
+}
+
+/// A numerical leaf, written once over the lane scalar. All methods must be `#[inline(always)]`.
+pub trait LaneDensity: Sync {
+    /// Dimension d of the state.
+    fn dim(&self) -> usize;
+
+    /// Length of the scratch that [`LaneDensity::eval`] needs.
+    fn workspace(&self) -> usize {
+        0
+    }
+
+    /// Log density at `x`; with `GRAD` the gradient is written to `grad` (else `grad` is not touched).
+    fn eval<V: Real, const GRAD: bool>(&self, x: &[V::Mem], grad: &mut [V::Mem], ws: &mut [V::Mem]) -> V;
+}
+
+/// A [`LaneDensity`] with Gauss–Newton curvature.
+pub trait LaneGaussNewton: LaneDensity {
+    /// Writes the diagonal of the Gauss–Newton matrix at `x`.
+    fn gauss_newton_diagonal<V: Real>(&self, x: &[V::Mem], diagonal: &mut [V::Mem], ws: &mut [V::Mem]);
+}
+
+/// A leaf together with the instruction set that runs it: an object-safe density.
+#[derive(Clone, Copy, Debug)]
+pub struct Lanes<T> {
+    /// The leaf.
+    pub leaf: T,
+    /// The instruction set.
+    pub isa: Isa,
+}
+
+struct Eval<'a, T, M, const GRAD: bool> {
+    leaf: &'a T,
+    x: &'a [M],
+    grad: &'a mut [M],
+    ws: &'a mut [M],
+}
+
+impl<T: LaneDensity, const GRAD: bool> Kernel<Block> for Eval<'_, T, Block, GRAD> {
+    type Out = Block;
+    #[inline(always)]
+    fn run<V: Real<Mem = Block>>(self) -> Block {
+        let mut out = Block::ZERO;
+        self.leaf.eval::<V, GRAD>(self.x, self.grad, self.ws).store(&mut out);
+        out
+    }
+}
+
+impl<T: LaneDensity, const GRAD: bool> Kernel<f64> for Eval<'_, T, f64, GRAD> {
+    type Out = f64;
+    #[inline(always)]
+    fn run<V: Real<Mem = f64>>(self) -> f64 {
+        let mut out = 0.0;
+        self.leaf.eval::<V, GRAD>(self.x, self.grad, self.ws).store(&mut out);
+        out
+    }
+}
+
+struct Curvature<'a, T> {
+    leaf: &'a T,
+    x: &'a [Block],
+    diagonal: &'a mut [Block],
+    ws: &'a mut [Block],
+}
+
+impl<T: LaneGaussNewton> Kernel<Block> for Curvature<'_, T> {
+    type Out = ();
+    #[inline(always)]
+    fn run<V: Real<Mem = Block>>(self) {
+        self.leaf.gauss_newton_diagonal::<V>(self.x, self.diagonal, self.ws);
+    }
+}
+
+impl<T: LaneDensity> LogDensity for Lanes<T> {
+    fn dim(&self) -> usize {
+        self.leaf.dim()
+    }
+    fn workspace(&self) -> usize {
+        self.leaf.workspace()
+    }
+    fn log_density(&self, x: &[f64]) -> f64 {
+        let ws = &mut vec![0.0; self.leaf.workspace()];
+        dispatch_one(self.isa, Eval::<_, _, false> { leaf: &self.leaf, x, grad: &mut [], ws })
+    }
+    fn log_density_block(&self, x: &[Block], ws: &mut [Block]) -> Block {
+        dispatch(self.isa, Eval::<_, _, false> { leaf: &self.leaf, x, grad: &mut [], ws })
+    }
+}
+
+impl<T: LaneDensity> GradLogDensity for Lanes<T> {
+    fn log_density_grad(&self, x: &[f64], grad: &mut [f64]) -> f64 {
+        let ws = &mut vec![0.0; self.leaf.workspace()];
+        dispatch_one(self.isa, Eval::<_, _, true> { leaf: &self.leaf, x, grad, ws })
+    }
+    fn log_density_grad_block(&self, x: &[Block], grad: &mut [Block], ws: &mut [Block]) -> Block {
+        dispatch(self.isa, Eval::<_, _, true> { leaf: &self.leaf, x, grad, ws })
+    }
+}
+
+impl<T: LaneGaussNewton> GaussNewton for Lanes<T> {
+    fn gauss_newton_diagonal_block(&self, x: &[Block], diagonal: &mut [Block], ws: &mut [Block]) {
+        dispatch(self.isa, Curvature { leaf: &self.leaf, x, diagonal, ws });
+    }
+}
+
+macro_rules! forward_to_target {
+    ($($wrapper:ty),*) => {$(
+        impl<D: LogDensity + ?Sized> LogDensity for $wrapper where Self: Sync {
+            fn dim(&self) -> usize {
+                (**self).dim()
+            }
+            fn workspace(&self) -> usize {
+                (**self).workspace()
+            }
+            fn log_density(&self, x: &[f64]) -> f64 {
+                (**self).log_density(x)
+            }
+            fn log_density_block(&self, x: &[Block], ws: &mut [Block]) -> Block {
+                (**self).log_density_block(x, ws)
+            }
+        }
+        impl<D: GradLogDensity + ?Sized> GradLogDensity for $wrapper where Self: Sync {
+            fn log_density_grad(&self, x: &[f64], grad: &mut [f64]) -> f64 {
+                (**self).log_density_grad(x, grad)
+            }
+            fn log_density_grad_block(&self, x: &[Block], grad: &mut [Block], ws: &mut [Block]) -> Block {
+                (**self).log_density_grad_block(x, grad, ws)
+            }
+        }
+        impl<D: GaussNewton + ?Sized> GaussNewton for $wrapper where Self: Sync {
+            fn gauss_newton_diagonal_block(&self, x: &[Block], diagonal: &mut [Block], ws: &mut [Block]) {
+                (**self).gauss_newton_diagonal_block(x, diagonal, ws);
+            }
+        }
+    )*};
+}
+forward_to_target!(&D, Box<D>);

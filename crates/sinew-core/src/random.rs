@@ -1,0 +1,227 @@
+//! Random streams that depend on what they are for, never on who draws first.
+//!
+//! Every use of randomness has a 256-bit key and a 64-bit stream number of the counter-based generator ChaCha8:
+//!
+//! - key = hash of (seed, purpose), where the purpose is the path of names handed down: experiment, run, verb, layer;
+//! - stream = frame << 32 | block of eight particles or chains.
+//!
+//! So results do not depend on the number of threads, any block can be replayed alone, and seed *n* shares nothing with seed *n* + 1.
+//! A [`Stage`] is consumed by the verb that uses it: drawing twice from one stage does not compile.
+//!
+//! Normal deviates are drawn in lanes by Box & Muller (1958) from 32-bit uniforms (`(k + ½) · 2⁻³²`), so no deviate exceeds 6.77 in size.
+//!
+//! ```
+//! use sinew_core::random::Stage;
+//! use sinew_core::lanes::{Block, Isa};
+//! let verbs = |stage: Stage| stage.split(["predict", "resample"]);
+//! let [predict, _resample] = verbs(Stage::new(7, "example").at_frame(3));
+//! let mut noise = [Block::ZERO; 4];
+//! predict.block(0).fill_normal(Isa::best(), &mut noise);
+//! assert!(noise.iter().all(|b| b.0.iter().all(|z| z.abs() < 6.8)));
+//! ```
+
+use crate::elementary::{ln, sin_cos};
+use crate::lanes::{Block, Isa, Kernel, LANES, Real, dispatch};
+use rand::SeedableRng;
+use rand::rand_core::{Infallible, TryRng};
+use rand_chacha::ChaCha8Rng;
+
+/// Key and frame of one use of randomness. Not `Clone`: a stage is used once.
+#[derive(Debug)]
+pub struct Stage {
+    key: [u8; 32],
+    frame: u32,
+}
+
+fn derive(key: [u8; 32], name: &str) -> [u8; 32] {
+    // FNV-1a of the name selects the stream from which the derived key is read.
+    let hash = name.bytes().fold(0xcbf2_9ce4_8422_2325_u64, |h, b| (h ^ u64::from(b)).wrapping_mul(0x0100_0000_01b3));
+    let mut rng = ChaCha8Rng::from_seed(key);
+    rng.set_stream(hash);
+    let mut derived = [0; 32];
+    rand::Rng::fill_bytes(&mut rng, &mut derived);
+    derived
+}
+
+impl Stage {
+    /// The root of a seed and purpose, at frame 0.
+    #[must_use]
+    pub fn new(seed: u64, purpose: &str) -> Self {
+        let mut key = *b"sinew random stage 1 ........ ..";
+        key[24..].copy_from_slice(&seed.to_le_bytes());
+        Self { key: derive(key, purpose), frame: 0 }
+    }
+
+    /// The same purpose at another frame.
+    #[must_use]
+    pub fn at_frame(self, frame: u32) -> Self {
+        Self { frame, ..self }
+    }
+
+    /// One stage for each of the named verbs.
+    #[must_use]
+    pub fn split<const N: usize>(self, verbs: [&str; N]) -> [Self; N] {
+        verbs.map(|verb| Self { key: derive(self.key, verb), frame: self.frame })
+    }
+
+    /// The stage of one numbered round of a repeated verb.
+    #[must_use]
+    pub fn round(&self, index: usize) -> Self {
+        Self { key: derive(self.key, &format!("round {index}")), frame: self.frame }
+    }
+
+    /// The generator of one block of eight particles or chains.
+    #[must_use]
+    pub fn block(&self, block: u32) -> BlockRng {
+        let mut rng = ChaCha8Rng::from_seed(self.key);
+        rng.set_stream(u64::from(self.frame) << 32 | u64::from(block));
+        BlockRng(rng)
+    }
+
+    /// The generator of a verb that is not divided into blocks.
+    #[must_use]
+    pub fn whole(self) -> BlockRng {
+        self.block(u32::MAX)
+    }
+}
+
+/// Random numbers for one block; a [`rand::Rng`].
+#[derive(Clone, Debug)]
+pub struct BlockRng(ChaCha8Rng);
+
+impl TryRng for BlockRng {
+    type Error = Infallible;
+    fn try_next_u32(&mut self) -> Result<u32, Infallible> {
+        self.0.try_next_u32()
+    }
+    fn try_next_u64(&mut self) -> Result<u64, Infallible> {
+        self.0.try_next_u64()
+    }
+    fn try_fill_bytes(&mut self, dst: &mut [u8]) -> Result<(), Infallible> {
+        self.0.try_fill_bytes(dst)
+    }
+}
+
+const WORDS: usize = 2 * LANES;
+
+struct BoxMuller<'a> {
+    words: &'a [u32; WORDS],
+    pair: [&'a mut Block; 2],
+}
+
+impl Kernel<Block> for BoxMuller<'_> {
+    type Out = ();
+    #[inline(always)]
+    fn run<V: Real<Mem = Block>>(self) {
+        let mut uniform = [Block::ZERO; 2];
+        for lane in 0..LANES {
+            uniform[0].0[lane] = f64::from(self.words[lane]);
+            uniform[1].0[lane] = f64::from(self.words[LANES + lane]);
+        }
+        const SCALE: f64 = 1.0 / 4_294_967_296.0;
+        let (scale, half) = (V::splat(SCALE), V::splat(0.5 * SCALE));
+        let u = V::load(&uniform[0]).fma(scale, half);
+        let v = V::load(&uniform[1]).fma(scale, half) * V::splat(core::f64::consts::TAU);
+        let radius = (ln(u) * V::splat(-2.0)).sqrt();
+        let (sin, cos) = sin_cos(v);
+        (radius * cos).store(self.pair[0]);
+        (radius * sin).store(self.pair[1]);
+    }
+}
+
+impl BlockRng {
+    /// Fills with uniform numbers in (0, 1).
+    pub fn fill_uniform(&mut self, out: &mut [Block]) {
+        for block in out {
+            let words: [u32; LANES] = self.words();
+            for (x, word) in block.0.iter_mut().zip(words) {
+                *x = (f64::from(word) + 0.5) / 4_294_967_296.0;
+            }
+        }
+    }
+
+    /// Fills with independent standard normal deviates.
+    pub fn fill_normal(&mut self, isa: Isa, out: &mut [Block]) {
+        let mut spare = Block::ZERO;
+        for pair in out.chunks_mut(2) {
+            let words = &self.words();
+            let pair = match pair {
+                [a, b] => [a, b],
+                [a] => [a, &mut spare],
+                _ => continue,
+            };
+            dispatch(isa, BoxMuller { words, pair });
+        }
+    }
+
+    fn words<const N: usize>(&mut self) -> [u32; N] {
+        let mut words = [0; N];
+        for word in &mut words {
+            *word = rand::Rng::next_u32(&mut self.0);
+        }
+        words
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::HashSet;
+
+    fn prefix(rng: &mut BlockRng) -> u128 {
+        let mut bytes = [0; 16];
+        rand::Rng::fill_bytes(rng, &mut bytes);
+        u128::from_le_bytes(bytes)
+    }
+
+    #[test]
+    fn streams_never_share_a_prefix() {
+        let mut seen = HashSet::new();
+        let mut count = 0;
+        for seed in 0..50 {
+            for purpose in ["track", "set-up", "demo", "a", "b"] {
+                for frame in 0..20 {
+                    let stage = Stage::new(seed, purpose).at_frame(frame);
+                    for block in 0..20 {
+                        seen.insert(prefix(&mut stage.block(block)));
+                        count += 1;
+                    }
+                    for stage in stage.split(["predict", "resample"]) {
+                        seen.insert(prefix(&mut stage.whole()));
+                        count += 1;
+                    }
+                }
+            }
+        }
+        assert_eq!(seen.len(), count);
+    }
+
+    #[test]
+    fn the_same_stage_gives_the_same_numbers() {
+        let draw = || prefix(&mut Stage::new(1, "x").at_frame(9).round(4).block(3));
+        assert_eq!(draw(), draw());
+    }
+
+    #[test]
+    fn normal_deviates_have_the_moments_and_distribution_of_a_standard_normal() {
+        for isa in Isa::available() {
+            let mut noise = vec![Block::ZERO; 25_001];
+            Stage::new(11, "normal").block(0).fill_normal(isa, &mut noise);
+            let mut z: Vec<f64> = noise.iter().flat_map(|b| b.0).collect();
+            let n = z.len() as f64;
+            for (power, expected, variance) in [(1, 0.0, 1.0), (2, 1.0, 2.0), (3, 0.0, 15.0), (4, 3.0, 96.0)] {
+                let mean = z.iter().map(|z| z.powi(power)).sum::<f64>() / n;
+                let score = (mean - expected) / (variance / n).sqrt();
+                assert!(score.abs() < 4.5, "moment {power}: z = {score} on {}", isa.name());
+            }
+            z.sort_by(f64::total_cmp);
+            let ranked = |p: f64| z[(p * n) as usize];
+            for (p, quantile, density) in
+                [(0.05, -1.644_853_627, 0.103_135), (0.5, 0.0, 0.398_942), (0.975, 1.959_963_985, 0.058_445)]
+            {
+                let score = (ranked(p) - quantile) / ((p * (1.0 - p) / n).sqrt() / density);
+                assert!(score.abs() < 4.5, "quantile {p}: z = {score}");
+            }
+        }
+    }
+}
