@@ -1,0 +1,187 @@
+//! The bodies that come with the project: CF28 of Choo & Fleet and H32 for real recordings.
+//!
+//! Both stand upright at the zero pose with hanging arms: x right, y forward, z up; limbs extend along −z. Elbow flexion is positive, knee flexion negative about
+//! x. Sizes are [`Proportions`], data of a subject.
+
+use crate::tree::{Axis, Joint, KinematicTree, Link, Point};
+
+/// Segment lengths and point offsets of a subject, metres; left and right are mirrored. `Default`: an adult of 1.75 m.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Proportions {
+    /// Spine origin (waist) to neck base.
+    pub spine: f64,
+    /// Spine origin to the line of the shoulders.
+    pub shoulder_height: f64,
+    /// Half the distance of the shoulders.
+    pub shoulder_half_width: f64,
+    /// Half the distance of the hips.
+    pub hip_half_width: f64,
+    /// Spine origin down to the centre of the hips.
+    pub pelvis_drop: f64,
+    /// Shoulder to elbow.
+    pub upper_arm: f64,
+    /// Elbow to wrist.
+    pub forearm: f64,
+    /// Hip to knee.
+    pub thigh: f64,
+    /// Knee to ankle.
+    pub shin: f64,
+    /// Head top in the head's frame (origin: neck base).
+    pub head_top: [f64; 3],
+    /// Nose in the head's frame.
+    pub nose: [f64; 3],
+    /// Right eye in the head's frame; the left is mirrored in x.
+    pub eye: [f64; 3],
+    /// Right ear in the head's frame; the left is mirrored.
+    pub ear: [f64; 3],
+    /// Right heel in the foot's frame (origin: ankle); the left is mirrored.
+    pub heel: [f64; 3],
+    /// Right big toe in the foot's frame; the left is mirrored.
+    pub big_toe: [f64; 3],
+    /// Right small toe in the foot's frame; the left is mirrored.
+    pub small_toe: [f64; 3],
+}
+
+impl Default for Proportions {
+    fn default() -> Self {
+        Self {
+            spine: 0.48,
+            shoulder_height: 0.42,
+            shoulder_half_width: 0.18,
+            hip_half_width: 0.09,
+            pelvis_drop: 0.10,
+            upper_arm: 0.30,
+            forearm: 0.26,
+            thigh: 0.43,
+            shin: 0.42,
+            head_top: [0.0, 0.0, 0.25],
+            nose: [0.0, 0.10, 0.12],
+            eye: [0.03, 0.09, 0.15],
+            ear: [0.075, 0.0, 0.13],
+            heel: [0.0, -0.05, -0.06],
+            big_toe: [-0.02, 0.17, -0.06],
+            small_toe: [0.05, 0.14, -0.06],
+        }
+    }
+}
+
+/// Height of the spine origin above the ground at the zero pose, for an adult of 1.75 m (ankles at 0.07 m), metres.
+pub const STANDING_HEIGHT_M: f64 = 1.02;
+
+fn link(name: &str, parent: Option<usize>, offset: [f64; 3], rotations: &[Axis]) -> Link {
+    Link { name: name.into(), parent, offset, joints: rotations.iter().map(|&a| Joint::Rotate(a)).collect() }
+}
+
+fn point(name: &str, link: usize, offset: [f64; 3]) -> Point {
+    Point { name: name.into(), link, offset }
+}
+
+fn mirrored([x, y, z]: [f64; 3]) -> [f64; 3] {
+    [-x, y, z]
+}
+
+fn cf28_links(p: &Proportions) -> Vec<Link> {
+    use Axis::{X, Y, Z};
+    let mut root = link("spine", None, [0.0; 3], &[]);
+    root.joints = [X, Y, Z].map(Joint::Translate).into_iter().chain([Z, Y, X].map(Joint::Rotate)).collect();
+    vec![
+        root,
+        link("head", Some(0), [0.0, 0.0, p.spine], &[Z, Y, X]),
+        link("girdle", Some(0), [0.0, 0.0, p.shoulder_height], &[Z]),
+        link("l_upper_arm", Some(2), [-p.shoulder_half_width, 0.0, 0.0], &[Z, Y, X]),
+        link("l_forearm", Some(3), [0.0, 0.0, -p.upper_arm], &[X]),
+        link("r_upper_arm", Some(2), [p.shoulder_half_width, 0.0, 0.0], &[Z, Y, X]),
+        link("r_forearm", Some(5), [0.0, 0.0, -p.upper_arm], &[X]),
+        link("pelvis", Some(0), [0.0; 3], &[Z, Y]),
+        link("l_thigh", Some(7), [-p.hip_half_width, 0.0, -p.pelvis_drop], &[Z, Y, X]),
+        link("l_shin", Some(8), [0.0, 0.0, -p.thigh], &[X]),
+        link("r_thigh", Some(7), [p.hip_half_width, 0.0, -p.pelvis_drop], &[Z, Y, X]),
+        link("r_shin", Some(10), [0.0, 0.0, -p.thigh], &[X]),
+    ]
+}
+
+/// Joint centres that both bodies share, under the names of the keypoint layouts.
+fn joint_points(p: &Proportions) -> Vec<Point> {
+    let side = |sign: f64, [shoulder, elbow, wrist, hip, knee, ankle]: [&str; 6], links: [usize; 4]| {
+        [
+            point(shoulder, 2, [sign * p.shoulder_half_width, 0.0, 0.0]),
+            point(elbow, links[0], [0.0, 0.0, -p.upper_arm]),
+            point(wrist, links[1], [0.0, 0.0, -p.forearm]),
+            point(hip, 7, [sign * p.hip_half_width, 0.0, -p.pelvis_drop]),
+            point(knee, links[2], [0.0, 0.0, -p.thigh]),
+            point(ankle, links[3], [0.0, 0.0, -p.shin]),
+        ]
+    };
+    let right = side(1.0, ["RShoulder", "RElbow", "RWrist", "RHip", "RKnee", "RAnkle"], [5, 6, 10, 11]);
+    let left = side(-1.0, ["LShoulder", "LElbow", "LWrist", "LHip", "LKnee", "LAnkle"], [3, 4, 8, 9]);
+    right.into_iter().chain(left).collect()
+}
+
+fn built(links: Vec<Link>, points: Vec<Point>) -> KinematicTree {
+    KinematicTree::new(links, points).expect("the built-in bodies are valid for every finite size")
+}
+
+/// Body of Choo & Fleet (2001): 28 degrees of freedom, 17 markers (spec: 6 spine, 3 head, 1 girdle, 3 + 1 each arm, 2 pelvis, 3 + 1 each leg).
+///
+/// # Panics
+/// If a size is not finite.
+#[must_use]
+pub fn cf28(p: &Proportions) -> KinematicTree {
+    let mut points = vec![
+        point("Head", 1, p.head_top),
+        point("Nose", 1, p.nose),
+        point("Neck", 0, [0.0, 0.0, p.spine]),
+        point("Spine", 0, [0.0; 3]),
+        point("MidHip", 7, [0.0, 0.0, -p.pelvis_drop]),
+    ];
+    points.extend(joint_points(p));
+    built(cf28_links(p), points)
+}
+
+/// Standard body for real people: CF28 with two-axis feet, 32 degrees of freedom, and the face and foot points of keypoint detectors.
+///
+/// # Panics
+/// If a size is not finite.
+#[must_use]
+pub fn h32(p: &Proportions) -> KinematicTree {
+    use Axis::{X, Y};
+    let mut links = cf28_links(p);
+    links.push(link("l_foot", Some(9), [0.0, 0.0, -p.shin], &[X, Y]));
+    links.push(link("r_foot", Some(11), [0.0, 0.0, -p.shin], &[X, Y]));
+    let mut points = joint_points(p);
+    for (side, foot, place) in [("R", 13, (|o| o) as fn([f64; 3]) -> [f64; 3]), ("L", 12, mirrored)] {
+        points.extend([
+            point(&format!("{side}BigToe"), foot, place(p.big_toe)),
+            point(&format!("{side}SmallToe"), foot, place(p.small_toe)),
+            point(&format!("{side}Heel"), foot, place(p.heel)),
+            point(&format!("{side}Eye"), 1, place(p.eye)),
+            point(&format!("{side}Ear"), 1, place(p.ear)),
+        ]);
+    }
+    points.extend([
+        point("Neck", 0, [0.0, 0.0, p.spine]),
+        point("Head", 1, p.head_top),
+        point("Nose", 1, p.nose),
+        point("MidHip", 7, [0.0, 0.0, -p.pelvis_drop]),
+    ]);
+    built(links, points)
+}
+
+/// The fifteen joints of pose evaluation, by point name: pelvis, neck base, shoulders, elbows, wrists, hips, knees, ankles, head top.
+pub const EVALUATION_JOINTS: [&str; 15] = [
+    "MidHip",
+    "Neck",
+    "LShoulder",
+    "RShoulder",
+    "LElbow",
+    "RElbow",
+    "LWrist",
+    "RWrist",
+    "LHip",
+    "RHip",
+    "LKnee",
+    "RKnee",
+    "LAnkle",
+    "RAnkle",
+    "Head",
+];

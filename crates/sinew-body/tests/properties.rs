@@ -1,0 +1,132 @@
+//! Laws of forward kinematics and of the backward sweep, on random trees.
+
+use proptest::prelude::*;
+use sinew_body::{
+    Axis, Joint, KinematicTree, Link, Plan, Point, point_jacobian, point_positions, point_positions_block,
+};
+use sinew_core::lanes::{Block, Isa, Kernel, LANES, Real, dispatch, get_lane, set_lane};
+
+fn axis() -> impl Strategy<Value = Axis> {
+    prop_oneof![Just(Axis::X), Just(Axis::Y), Just(Axis::Z)]
+}
+
+fn joint() -> impl Strategy<Value = Joint> {
+    prop_oneof![1 => axis().prop_map(Joint::Translate), 3 => axis().prop_map(Joint::Rotate)]
+}
+
+fn offset() -> impl Strategy<Value = [f64; 3]> {
+    let component = prop_oneof![1 => Just(0.0), 3 => -1.0..1.0];
+    [component.clone(), component.clone(), component]
+}
+
+/// A tree of 1 to 6 links with up to four joints each and two points a link, and two poses.
+fn tree_and_pose() -> impl Strategy<Value = (KinematicTree, Vec<f64>)> {
+    let link = (any::<prop::sample::Index>(), offset(), prop::collection::vec(joint(), 0..5), offset(), offset());
+    prop::collection::vec(link, 1..7)
+        .prop_map(|described| {
+            let mut links = vec![];
+            let mut points = vec![];
+            for (i, (parent, offset, joints, a, b)) in described.into_iter().enumerate() {
+                let parent = (i > 0).then(|| parent.index(i));
+                links.push(Link { name: format!("link{i}"), parent, offset, joints });
+                points.push(Point { name: format!("a{i}"), link: i, offset: a });
+                points.push(Point { name: format!("b{i}"), link: i, offset: b });
+            }
+            KinematicTree::new(links, points).expect("built valid")
+        })
+        .prop_flat_map(|tree| {
+            let pose = prop::collection::vec(-3.0..3.0, tree.dof());
+            (Just(tree), pose)
+        })
+}
+
+fn positions(plan: &Plan, q: &[f64]) -> Vec<f64> {
+    let mut out = vec![0.0; 3 * plan.points()];
+    point_positions(plan, Isa::best(), q, &mut out);
+    out
+}
+
+struct Diagonal<'a>(&'a Plan, &'a [Block], &'a mut [Block]);
+impl Kernel<Block> for Diagonal<'_> {
+    type Out = ();
+    #[inline(always)]
+    fn run<V: Real<Mem = Block>>(self) {
+        let mut ws = vec![Block::ZERO; self.0.workspace()];
+        self.0.forward::<V, true>(self.1, &mut ws);
+        for k in 0..self.0.points() {
+            let s = |x| V::splat(x);
+            self.0.set_information(&mut ws, k, [s(2.0), s(0.5), s(-0.3), s(1.0), s(0.1), s(3.0)]);
+        }
+        self.0.gauss_newton_diagonal::<V>(&mut ws, self.2);
+    }
+}
+
+proptest! {
+    /// K4: the sweep's derivatives are those of central differences.
+    #[test]
+    fn sweep_agrees_with_central_differences((tree, q) in tree_and_pose()) {
+        let plan = Plan::with_all_points(&tree);
+        let (d, n) = (plan.dof(), 3 * plan.points());
+        let (mut p, mut jacobian) = (vec![0.0; n], vec![0.0; n * d]);
+        point_jacobian(&plan, Isa::best(), &q, &mut p, &mut jacobian);
+        prop_assert_eq!(&p, &positions(&plan, &q));
+        let largest = jacobian.iter().fold(1.0_f64, |m, x| m.max(x.abs()));
+        for j in 0..d {
+            let at = |h: f64| {
+                let mut q = q.clone();
+                q[j] += h;
+                positions(&plan, &q)
+            };
+            let (above, below) = (at(1e-6), at(-1e-6));
+            for i in 0..n {
+                let numeric = (above[i] - below[i]) / 2e-6;
+                prop_assert!((numeric - jacobian[i * d + j]).abs() < 1e-7 * largest, "row {i}, coordinate {j}");
+            }
+        }
+    }
+
+    /// K5: the Gauss–Newton diagonal is `Σ Jᵀ M J` of the points' Jacobians.
+    #[test]
+    fn gauss_newton_diagonal_is_that_of_the_jacobian((tree, q) in tree_and_pose()) {
+        let plan = Plan::with_all_points(&tree);
+        let (d, n) = (plan.dof(), 3 * plan.points());
+        let (mut p, mut jacobian) = (vec![0.0; n], vec![0.0; n * d]);
+        point_jacobian(&plan, Isa::best(), &q, &mut p, &mut jacobian);
+        let m = [[2.0, 0.5, -0.3], [0.5, 1.0, 0.1], [-0.3, 0.1, 3.0]];
+        let block: Vec<Block> = q.iter().map(|&x| Block::splat(x)).collect();
+        for isa in Isa::available() {
+            let mut diagonal = vec![Block::ZERO; d];
+            dispatch(isa, Diagonal(&plan, &block, &mut diagonal));
+            for j in 0..d {
+                let column = |k: usize, a: usize| jacobian[(3 * k + a) * d + j];
+                let expected: f64 = (0..plan.points())
+                    .map(|k| (0..3).map(|a| (0..3).map(|b| column(k, a) * m[a][b] * column(k, b)).sum::<f64>()).sum::<f64>())
+                    .sum();
+                prop_assert!((diagonal[j].0[3] - expected).abs() < 1e-9 * (1.0 + expected), "{} {expected}", diagonal[j].0[3]);
+            }
+        }
+    }
+
+    /// The block path gives each lane what the path of one state gives it, on every instruction set.
+    #[test]
+    fn block_agrees_with_single_states((tree, q) in tree_and_pose()) {
+        let plan = Plan::with_all_points(&tree);
+        let d = plan.dof();
+        let mut block = vec![Block::ZERO; d];
+        let states: Vec<Vec<f64>> = (0..LANES).map(|l| q.iter().map(|x| x * (1.0 - 0.1 * l as f64)).collect()).collect();
+        for (lane, state) in states.iter().enumerate() {
+            set_lane(&mut block, lane, state);
+        }
+        for isa in Isa::available() {
+            let mut out = vec![Block::ZERO; 3 * plan.points()];
+            point_positions_block(&plan, isa, &block, &mut out, &mut vec![Block::ZERO; plan.workspace()]);
+            for (lane, state) in states.iter().enumerate() {
+                let mut found = vec![0.0; out.len()];
+                get_lane(&out, lane, &mut found);
+                for (a, b) in found.iter().zip(positions(&plan, state)) {
+                    prop_assert!((a - b).abs() < 1e-13);
+                }
+            }
+        }
+    }
+}
