@@ -1,0 +1,135 @@
+//! JSON from other programs: where it ends too early, how deep it nests, and Python's `NaN`.
+//!
+//! One scan over the text comes first. It refuses deep nesting before anything is built and knows which bracket is open
+//! where a truncated file ends. `NaN` outside strings, which Python writes and JSON forbids, is read as `null`;
+//! `Infinity` and numbers like `1e999` are errors.
+
+use crate::source_text::{line_at, shortened, without_mark};
+use crate::{Error, Place};
+use serde::de::DeserializeOwned;
+use std::borrow::Cow;
+
+/// Nesting allowed; detectors need five levels.
+pub const MAX_DEPTH: usize = 100;
+
+/// Parses JSON text into a value.
+///
+/// # Errors
+/// [`Error::Truncated`], [`Error::TooDeep`], [`Error::OutOfRange`] or [`Error::Syntax`], with the line.
+pub fn parse<T: DeserializeOwned>(name: &str, text: &str) -> Result<T, Error> {
+    let text = without_mark(text);
+    let scan = scan(name, text)?;
+    let json = if scan.nan.is_empty() { Cow::Borrowed(text) } else { Cow::Owned(nan_as_null(text, &scan.nan)) };
+    serde_json::from_str(&json).map_err(|error| {
+        if error.is_eof() {
+            return Error::Truncated {
+                place: Place::file(name),
+                inside: scan.open,
+                offset: text.len(),
+                line: line_at(text, text.len()),
+            };
+        }
+        let place = Place::file(name);
+        let line = error.line();
+        let message = error.to_string();
+        let what = message.rsplit_once(" at line ").map_or(message.as_str(), |(what, _)| what);
+        match scan.infinity {
+            Some(infinity) if infinity <= line => Error::OutOfRange { place, line: infinity },
+            _ if what == "number out of range" => Error::OutOfRange { place, line },
+            _ => Error::Syntax {
+                place: place.at_line(line),
+                found: shortened(what),
+                expected: "JSON of this kind".into(),
+            },
+        }
+    })
+}
+
+struct Scan {
+    open: &'static str,
+    nan: Vec<usize>,
+    infinity: Option<usize>,
+}
+
+fn scan(name: &str, text: &str) -> Result<Scan, Error> {
+    let mut stack = Vec::new();
+    let mut nan = Vec::new();
+    let mut infinity = None;
+    let (mut in_string, mut escaped) = (false, false);
+    for (offset, byte) in text.bytes().enumerate() {
+        if in_string {
+            match byte {
+                _ if escaped => escaped = false,
+                b'\\' => escaped = true,
+                b'"' => in_string = false,
+                _ => {}
+            }
+            continue;
+        }
+        match byte {
+            b'"' => in_string = true,
+            b'[' | b'{' => {
+                if stack.len() == MAX_DEPTH {
+                    return Err(Error::TooDeep {
+                        place: Place::file(name).at_line(line_at(text, offset)),
+                        limit: MAX_DEPTH,
+                    });
+                }
+                stack.push(if byte == b'[' { "an array" } else { "an object" });
+            }
+            b']' | b'}' => {
+                stack.pop();
+            }
+            b'N' if text.as_bytes().get(offset..offset + 3) == Some(b"NaN") => nan.push(offset),
+            b'I' if infinity.is_none() => infinity = Some(line_at(text, offset)),
+            _ => {}
+        }
+    }
+    let open = if in_string { "a string" } else { stack.last().copied().unwrap_or("a value") };
+    Ok(Scan { open, nan, infinity })
+}
+
+fn nan_as_null(text: &str, places: &[usize]) -> String {
+    let mut out = String::with_capacity(text.len() + places.len());
+    let mut done = 0;
+    for &place in places {
+        out.push_str(text.get(done..place).unwrap_or_default());
+        if out.ends_with('-') {
+            out.pop();
+        }
+        out.push_str("null");
+        done = place + 3;
+    }
+    out.push_str(text.get(done..).unwrap_or_default());
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn check(text: &str, message: &str) {
+        assert_eq!(parse::<Vec<f64>>("a.json", text).unwrap_err().to_string(), message, "{text}");
+    }
+
+    #[test]
+    fn the_place_of_every_fault_is_named() {
+        check("[1, 2,\n3,", "a.json: ends inside an array at byte 9 (line 2)");
+        check("", "a.json: ends inside a value at byte 0 (line 1)");
+        check("[\"abc", "a.json: ends inside a string at byte 5 (line 1)");
+        check("[1, x]", "a.json:1: expected value; expected JSON of this kind");
+    }
+
+    #[test]
+    fn numbers_out_of_range_are_refused_and_nan_is_null() {
+        check("[1,\n2,\n1e999]", "a.json: value out of range at line 3");
+        check("[1,\n-Infinity]", "a.json: value out of range at line 2");
+        let read: Vec<Option<f64>> = parse("a.json", "[NaN, 1.5, -NaN]").unwrap();
+        assert_eq!(read, [None, Some(1.5), None]);
+    }
+
+    #[test]
+    fn deep_nesting_is_refused() {
+        check(&"[".repeat(100_000), "a.json:1: nested more than 100 deep");
+    }
+}

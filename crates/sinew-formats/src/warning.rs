@@ -1,0 +1,161 @@
+//! What is odd about a file that is read all the same.
+//!
+//! Libraries do not print: a reader returns its warnings as values, and the caller counts and shows them.
+
+use crate::Place;
+use crate::numbers::Rough;
+use std::fmt;
+
+/// Something odd that was read all the same.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Warning {
+    /// Frames whose file names nobody, or that have no file.
+    NoPerson {
+        /// Camera.
+        camera: String,
+        /// How many.
+        empty: u64,
+        /// Of how many.
+        frames: u64,
+        /// First of them.
+        first: u64,
+    },
+    /// Holes in the numbering of a camera's files.
+    LacksFrames {
+        /// Camera.
+        camera: String,
+        /// Numbers that are missing.
+        frames: Vec<u64>,
+    },
+    /// Confident keypoints without coordinates.
+    NoCoordinates {
+        /// How many.
+        points: u64,
+    },
+    /// Confident keypoints at exactly (0, 0).
+    AtOrigin {
+        /// Confidence of the first of them.
+        confidence: f64,
+        /// In how many frames.
+        frames: u64,
+    },
+    /// A rotation matrix that was made orthonormal.
+    RotationRepaired {
+        /// Camera.
+        place: Place,
+        /// Largest entry of R'R − 1 before the repair.
+        deviation: f64,
+    },
+    /// A skew in the camera matrix, which the camera model lacks.
+    SkewIgnored {
+        /// Camera.
+        place: Place,
+        /// Skew, pixels.
+        skew: f64,
+    },
+    /// Cameras much farther away than a person is tall.
+    FarCameras {
+        /// Median distance from the origin, in the units of the file.
+        distance: f64,
+        /// Height of the body, metres.
+        height: f64,
+    },
+    /// A count in a header that the file does not keep.
+    CountDisagrees {
+        /// File.
+        place: Place,
+        /// Name of the field.
+        field: &'static str,
+        /// Count stated.
+        stated: u64,
+        /// Count found.
+        found: u64,
+    },
+    /// Coordinate labels that are not X1 Y1 Z1 X2 …
+    OddLabels {
+        /// File.
+        place: Place,
+        /// First label found.
+        first: String,
+    },
+    /// Spaces where tabs belong.
+    SpacesForTabs {
+        /// File.
+        place: Place,
+    },
+    /// Rows with the time of the row above.
+    TimeStandsStill {
+        /// File.
+        place: Place,
+        /// How many rows.
+        rows: u64,
+        /// First of them, counted from 1.
+        first: u64,
+    },
+    /// A field that is not there and was assumed.
+    Assumed {
+        /// File.
+        place: Place,
+        /// Name of the field.
+        field: &'static str,
+        /// Value taken.
+        value: String,
+    },
+    /// A calibrated camera for which there is no data.
+    NoKeypoints {
+        /// Name in the calibration.
+        camera: String,
+        /// Names of the keypoint folders.
+        folders: Vec<String>,
+    },
+}
+
+/// Numbers listed before a list is cut short.
+const LISTED: usize = 12;
+
+impl fmt::Display for Warning {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NoPerson { camera, empty, frames, first } => {
+                write!(f, "camera {camera}: {empty} of {frames} frames have no person (first: {first})")
+            }
+            Self::LacksFrames { camera, frames } => {
+                let listed: Vec<String> = frames.iter().take(LISTED).map(u64::to_string).collect();
+                write!(f, "{camera} lacks frames {}", listed.join(", "))?;
+                if frames.len() > LISTED { write!(f, " and {} more", frames.len() - LISTED) } else { Ok(()) }
+            }
+            Self::NoCoordinates { points } => {
+                write!(f, "{points} points have no coordinates but confidence > 0; treated as missing")
+            }
+            Self::AtOrigin { confidence, frames } => write!(
+                f,
+                "point at exactly (0,0) with confidence {confidence} in {frames} frames; is this your tracker's mark for 'not found'?"
+            ),
+            Self::RotationRepaired { place, deviation } => {
+                write!(f, "{place}: R'R differs from identity by {}; repaired", Rough(*deviation))
+            }
+            Self::SkewIgnored { place, skew } => write!(f, "{place}: skew of {skew} px ignored"),
+            Self::FarCameras { distance, height } => write!(
+                f,
+                "cameras stand {distance:.0} units from the origin but the skeleton is {height:.1} tall; are translations in millimetres?"
+            ),
+            Self::CountDisagrees { place, field, stated, found } => {
+                write!(f, "{place}: {field} says {stated}, the file holds {found}")
+            }
+            Self::OddLabels { place, first } => {
+                write!(f, "{place}: coordinate labels start with `{first}` instead of `X1`; taken in order")
+            }
+            Self::SpacesForTabs { place } => {
+                write!(f, "{place}: spaces instead of tabs; names cannot contain spaces then")
+            }
+            Self::TimeStandsStill { place, rows, first } => {
+                write!(f, "{place}: {rows} rows have the time of the row above (first: row {first})")
+            }
+            Self::Assumed { place, field, value } => write!(f, "{place}: {field} is not given; {value} assumed"),
+            Self::NoKeypoints { camera, folders } => {
+                write!(f, "no keypoints for calibrated camera `{camera}`; folders: {}", folders.join(", "))
+            }
+        }
+    }
+}
