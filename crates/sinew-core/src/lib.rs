@@ -17,6 +17,7 @@
 pub mod combinators;
 pub mod decode;
 pub mod density;
+pub mod diagnostics;
 pub mod elementary;
 mod error;
 pub mod kernel;

@@ -16,6 +16,12 @@ pub trait Transition: Sync {
     /// Draws the next state of each lane from its previous state; all slices have one block a dimension.
     fn sample_block(&self, previous: &[Block], next: &mut [Block], rng: &mut BlockRng);
 
+    /// Draws a block of states of the first frame around a given one; by default, a step from it.
+    fn sample_initial_block(&self, centre: &[f64], next: &mut [Block], rng: &mut BlockRng) {
+        let previous: Vec<Block> = centre.iter().map(|&x| Block::splat(x)).collect();
+        self.sample_block(&previous, next, rng);
+    }
+
     /// `log p(next | previous)` with all constants.
     fn log_density(&self, previous: &[f64], next: &[f64]) -> f64;
 }
@@ -32,33 +38,54 @@ pub trait PartTransition: Transition {
     fn sample_part_block(&self, part: &Part, next: &mut [Block], rng: &mut BlockRng);
 }
 
-/// Equally weighted draws of one frame's posterior.
+/// Mean and covariance of a distribution on the state.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Moments {
+    /// Mean, length d.
+    pub mean: Vec<f64>,
+    /// Covariance, d × d, row after row.
+    pub covariance: Vec<f64>,
+}
+
+/// What a filter hands from one frame to the next: the posterior as last states and as moments.
 #[derive(Clone, Copy, Debug)]
 pub struct Cloud<'a> {
-    /// Blocks of eight states, `dim` blocks each, one after the other: all kept draws of the frame.
-    pub draws: &'a [Block],
-    /// The last states of the chains (or the resampled particles), stored alike.
+    /// Last states of the chains, blocks of eight states, d blocks each, one after the other.
     pub last: &'a [Block],
-    /// Number of effectively independent draws among `draws`.
-    pub effective: f64,
+    /// Number of chains; lanes beyond it are to be ignored.
+    pub count: usize,
+    /// Moments of all kept draws, the covariance shrunk towards its diagonal.
+    pub moments: &'a Moments,
 }
 
 /// A transition that turns the posterior of one frame into the prior of the next.
-pub trait Predict {
+pub trait Predict: Sync {
     /// The prior of a frame.
     type Prior: FramePrior;
+    /// Why there is no prior, for instance a covariance that cannot be factored.
+    type Error: core::error::Error + Send + Sync + 'static;
+
+    /// Dimension of the state.
+    fn dim(&self) -> usize;
 
     /// Prior of the frame after `cloud`'s.
-    fn predict(&self, cloud: Cloud<'_>) -> Self::Prior;
+    ///
+    /// # Errors
+    /// [`Predict::Error`] where the cloud has no prior.
+    fn predict(&self, cloud: Cloud<'_>) -> Result<Self::Prior, Self::Error>;
 
     /// Prior of the first frame, centred on a given state.
-    fn initial(&self, centre: &[f64]) -> Self::Prior;
+    ///
+    /// # Errors
+    /// [`Predict::Error`] where the centre has no prior.
+    fn initial(&self, centre: &[f64]) -> Result<Self::Prior, Self::Error>;
 }
 
 /// Prior of one frame: a differentiable density that can also be drawn from.
 pub trait FramePrior: GradLogDensity + Send {
-    /// Draws a block of eight independent states.
-    fn sample_block(&self, out: &mut [Block], rng: &mut BlockRng);
+    /// Draws the states 8 · `block` to 8 · `block` + 7 of a sample of the prior. Each follows the prior when `block` is uniform over whole rounds of its components:
+    /// a mixture takes its components in turn, so that a sample as large as the mixture has one state from each.
+    fn sample_block(&self, block: usize, out: &mut [Block], rng: &mut BlockRng);
 
     /// Diagonal of an upper bound of the prior's precision, the same for every state.
     fn precision_diagonal(&self) -> &[f64];
