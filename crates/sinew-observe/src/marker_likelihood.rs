@@ -1,0 +1,126 @@
+//! Gaussian likelihood of markers in one normalised image (Choo & Fleet 2001, eqs. 18 and 20).
+//!
+//! The camera stands at C and looks along +Y with focal length 1. A marker at P = (X, Y, Z) + C is seen at `(x, z) = (X/Y, Z/Y)`, with
+//!
+//! ```text
+//! log p(d | s) = −n log(2π σ²) − 1/(2σ²) Σ_l |d_l − d̂_l(s)|²        r_l = d_l − d̂_l
+//! ∂ log p/∂P_l = 1/(σ² Y) (r₁, −(x r₁ + z r₂), r₂)                  Π = 1/Y [[1, −x, 0], [0, −z, 1]]
+//! ```
+//!
+//! A marker that was not seen drops out. Any seen marker at depth Y ≤ 0.05 m makes the density −∞.
+
+use crate::camera::MIN_DEPTH_M;
+use crate::model::ObservationModel;
+use sinew_body::Plan;
+use sinew_core::density::{LaneDensity, LaneGaussNewton, Lanes};
+use sinew_core::lanes::{Isa, Real};
+use std::sync::Arc;
+
+/// Markers on a body, seen by the paper's camera.
+#[derive(Clone, Debug)]
+pub struct MarkerModel {
+    /// The body; its points are the markers.
+    pub plan: Arc<Plan>,
+    /// Camera centre in the world, metres.
+    pub centre: [f64; 3],
+    /// Standard deviation of each image coordinate, in units of the focal length.
+    pub sigma: f64,
+    /// Instruction set for the kernels.
+    pub isa: Isa,
+}
+
+/// The likelihood of one frame of markers.
+#[derive(Clone, Debug)]
+pub struct MarkerLikelihood {
+    plan: Arc<Plan>,
+    centre: [f64; 3],
+    information: f64,
+    constant: f64,
+    seen: Vec<(usize, [f64; 2])>,
+    unseen: Vec<usize>,
+}
+
+impl ObservationModel for MarkerModel {
+    /// One image position for each point of the plan; `None` where it was not seen.
+    type Frame<'a> = &'a [Option<[f64; 2]>];
+    type Bound = Lanes<MarkerLikelihood>;
+
+    fn bind(&self, frame: Self::Frame<'_>) -> Self::Bound {
+        let seen: Vec<_> = frame.iter().enumerate().filter_map(|(k, d)| d.map(|d| (k, d))).collect();
+        let unseen = (0..self.plan.points()).filter(|&k| frame.get(k).is_none_or(Option::is_none)).collect();
+        let variance = self.sigma * self.sigma;
+        let constant = -(seen.len() as f64) * (std::f64::consts::TAU * variance).ln();
+        let leaf = MarkerLikelihood {
+            plan: Arc::clone(&self.plan),
+            centre: self.centre,
+            information: 1.0 / variance,
+            constant,
+            seen,
+            unseen,
+        };
+        Lanes { leaf, isa: self.isa }
+    }
+}
+
+impl LaneDensity for MarkerLikelihood {
+    fn dim(&self) -> usize {
+        self.plan.dof()
+    }
+
+    fn workspace(&self) -> usize {
+        self.plan.workspace()
+    }
+
+    #[inline(always)]
+    fn eval<V: Real, const GRAD: bool>(&self, x: &[V::Mem], grad: &mut [V::Mem], ws: &mut [V::Mem]) -> V {
+        let plan = &*self.plan;
+        plan.forward::<V, GRAD>(x, ws);
+        let information = V::splat(self.information);
+        let mut squares = V::splat(0.0);
+        let mut nearest = V::splat(f64::MIN);
+        for &(k, observed) in &self.seen {
+            let p = plan.position::<V>(ws, k);
+            let depth = p[1] - V::splat(self.centre[1]);
+            nearest = nearest.max(-depth);
+            let inverse = V::splat(1.0) / depth.max(V::splat(MIN_DEPTH_M));
+            let u = (p[0] - V::splat(self.centre[0])) * inverse;
+            let v = (p[2] - V::splat(self.centre[2])) * inverse;
+            let (r0, r1) = (V::splat(observed[0]) - u, V::splat(observed[1]) - v);
+            squares = r1.fma(r1, r0.fma(r0, squares));
+            if GRAD {
+                let scale = information * inverse;
+                let (g0, g2) = (scale * r0, scale * r1);
+                plan.set_force::<V>(ws, k, [g0, -v.fma(g2, u * g0), g2]);
+            }
+        }
+        if GRAD {
+            for &k in &self.unseen {
+                plan.set_force::<V>(ws, k, [V::splat(0.0); 3]);
+            }
+            plan.pullback::<V>(ws, grad);
+        }
+        let value = squares.fma(V::splat(-0.5 * self.information), V::splat(self.constant));
+        nearest.select_gt(-MIN_DEPTH_M, V::splat(f64::NEG_INFINITY), value)
+    }
+}
+
+impl LaneGaussNewton for MarkerLikelihood {
+    #[inline(always)]
+    fn gauss_newton_diagonal<V: Real>(&self, x: &[V::Mem], diagonal: &mut [V::Mem], ws: &mut [V::Mem]) {
+        let plan = &*self.plan;
+        plan.forward::<V, true>(x, ws);
+        let zero = V::splat(0.0);
+        for &(k, _) in &self.seen {
+            let p = plan.position::<V>(ws, k);
+            let inverse = V::splat(1.0) / (p[1] - V::splat(self.centre[1])).max(V::splat(MIN_DEPTH_M));
+            let u = (p[0] - V::splat(self.centre[0])) * inverse;
+            let v = (p[2] - V::splat(self.centre[2])) * inverse;
+            let w = V::splat(self.information) * inverse * inverse;
+            plan.set_information::<V>(ws, k, [w, -(w * u), zero, w * v.fma(v, u * u), -(w * v), w]);
+        }
+        for &k in &self.unseen {
+            plan.set_information::<V>(ws, k, [zero; 6]);
+        }
+        plan.gauss_newton_diagonal::<V>(ws, diagonal);
+    }
+}

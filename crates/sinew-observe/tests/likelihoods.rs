@@ -1,0 +1,258 @@
+//! Gradients, curvature and lanes of the likelihoods, on random poses of the standard bodies.
+
+use proptest::prelude::*;
+use sinew_body::standard::{cf28, h32};
+use sinew_body::{Plan, Proportions, point_jacobian, point_positions};
+use sinew_core::density::{GaussNewton, GradLogDensity, LogDensity};
+use sinew_core::lanes::{Block, Isa, LANES, set_lane};
+use sinew_observe::{
+    Camera, Detection, Distortion, Intrinsics, KeypointFrame, KeypointModel, MarkerModel, Noise, ObservationModel, View,
+};
+use std::sync::Arc;
+
+/// Four distorted cameras on a circle of 4 m, looking at (0, 0, 1).
+fn views() -> Vec<View> {
+    (0..4)
+        .map(|i| {
+            let (s, c) = (0.4 + 1.57 * f64::from(i)).sin_cos();
+            let rotation = [[-s, c, 0.0], [0.0, 0.0, -1.0], [-c, -s, 0.0]];
+            let camera = Camera {
+                name: format!("cam{i}"),
+                image_size_px: [1000.0, 1200.0],
+                intrinsics: Intrinsics { fx: 900.0, fy: 880.0, cx: 500.0, cy: 610.0 },
+                distortion: Distortion { k1: -0.05, k2: 0.03, p1: 0.002, p2: -0.001, k3: 0.01 },
+                rotation,
+                translation: [0.0, 1.0, 4.0],
+            };
+            View { camera, offset_px: [3.0, -2.0], sigma_px: 8.0, usual_confidence: 0.7 }
+        })
+        .collect()
+}
+
+fn project(camera: &Camera, p: &[f64]) -> [f64; 2] {
+    let c: Vec<f64> =
+        (0..3).map(|i| (0..3).map(|j| camera.rotation[i][j] * p[j]).sum::<f64>() + camera.translation[i]).collect();
+    let (x, y) = (c[0] / c[2], c[1] / c[2]);
+    let d = camera.distortion;
+    let r2 = x * x + y * y;
+    let radial = 1.0 + d.k1 * r2 + d.k2 * r2 * r2 + d.k3 * r2 * r2 * r2;
+    let xd = x * radial + 2.0 * d.p1 * x * y + d.p2 * (r2 + 2.0 * x * x);
+    let yd = y * radial + 2.0 * d.p2 * x * y + d.p1 * (r2 + 2.0 * y * y);
+    let i = camera.intrinsics;
+    [i.fx * xd + i.cx, i.fy * yd + i.cy]
+}
+
+/// Detections of the standing body, some of them missing, one a gross outlier.
+fn keypoints(noise: Noise, isa: Isa) -> (KeypointModel, impl LogDensity + GradLogDensity + GaussNewton + use<>) {
+    let plan = Arc::new(Plan::with_all_points(&h32(&Proportions::default())));
+    let views = views();
+    let mut q = vec![0.0; plan.dof()];
+    q[2] = 1.0;
+    let mut points = vec![0.0; 3 * plan.points()];
+    point_positions(&plan, isa, &q, &mut points);
+    let detections: Vec<Vec<Option<Detection>>> = views
+        .iter()
+        .enumerate()
+        .map(|(c, view)| {
+            (0..plan.points())
+                .map(|k| {
+                    let [u, v] = project(&view.camera, &points[3 * k..3 * k + 3]);
+                    let jitter = f64::from((7 * k as u32 + 3 * c as u32) % 11) - 5.0;
+                    let gross = if k == 4 && c == 1 { 400.0 } else { 0.0 };
+                    ((k + c) % 9 != 0)
+                        .then_some(Detection { pixel: [u + jitter + 3.0, v - jitter + gross - 2.0], confidence: 0.6 })
+                })
+                .collect()
+        })
+        .collect();
+    let model = KeypointModel { plan, views, noise, model_error_m: 0.015, least_confidence: 0.05, isa };
+    let bound = model.bind(KeypointFrame { detections: &detections, predicted: &points });
+    (model, bound)
+}
+
+fn check_gradient(density: &impl GradLogDensity, x: &[f64]) {
+    let mut grad = vec![0.0; x.len()];
+    density.log_density_grad(x, &mut grad);
+    let largest = grad.iter().fold(1.0_f64, |m, g| m.max(g.abs()));
+    for j in 0..x.len() {
+        let at = |h: f64| {
+            let mut x = x.to_vec();
+            x[j] += h;
+            density.log_density(&x)
+        };
+        let h = 1e-4;
+        let numeric = (8.0 * (at(h) - at(-h)) - (at(2.0 * h) - at(-2.0 * h))) / (12.0 * h);
+        assert!((numeric - grad[j]).abs() < 1e-6 * largest, "coordinate {j}: {numeric} against {}", grad[j]);
+    }
+}
+
+/// Block and single state agree, on every instruction set, to 1e-12 · max(1, |log p|).
+fn check_lanes<D: GradLogDensity>(density: impl Fn(Isa) -> D, x: &[f64]) {
+    let d = x.len();
+    let mut block = vec![Block::ZERO; d];
+    let states: Vec<Vec<f64>> = (0..LANES).map(|l| x.iter().map(|x| x + 0.01 * l as f64).collect()).collect();
+    for (lane, state) in states.iter().enumerate() {
+        set_lane(&mut block, lane, state);
+    }
+    let reference = density(Isa::baseline());
+    for isa in Isa::available() {
+        let density = density(isa);
+        let mut ws = vec![Block::ZERO; density.workspace()];
+        let mut grad = vec![Block::ZERO; d];
+        let value = density.log_density_grad_block(&block, &mut grad, &mut ws);
+        let plain = density.log_density_block(&block, &mut ws);
+        for (lane, state) in states.iter().enumerate() {
+            let mut g = vec![0.0; d];
+            let expected = reference.log_density_grad(state, &mut g);
+            let single = density.log_density(state);
+            let tolerance = 1e-12 * expected.abs().max(1.0);
+            for found in [value.0[lane], plain.0[lane], single] {
+                assert!((found - expected).abs() <= tolerance, "{}: {found} against {expected}", isa.name());
+            }
+            let largest = g.iter().fold(1.0_f64, |m, g| m.max(g.abs()));
+            for j in 0..d {
+                assert!((grad[j].0[lane] - g[j]).abs() <= 1e-11 * largest);
+            }
+        }
+    }
+}
+
+fn pose(d: usize) -> impl Strategy<Value = Vec<f64>> {
+    prop::collection::vec(-0.3..0.3, d).prop_map(|mut q| {
+        q[2] += 1.0;
+        q
+    })
+}
+
+const NOISES: [Noise; 2] = [Noise::OutlierFloor { outlier: 0.02 }, Noise::StudentT { degrees: 4.0 }];
+
+fn markers(isa: Isa) -> impl LogDensity + GradLogDensity + GaussNewton {
+    let plan = Arc::new(Plan::with_all_points(&cf28(&Proportions::default())));
+    let model = MarkerModel { plan, centre: [0.1, -4.8, 1.0], sigma: 0.003, isa };
+    let frame: Vec<_> =
+        (0..17).map(|k| (k != 3).then(|| [0.003 * f64::from(k) - 0.02, 0.01 * f64::from(k) - 0.1])).collect();
+    model.bind(&frame)
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(40))]
+
+    /// K6 for the likelihoods.
+    #[test]
+    fn keypoint_gradient_agrees_with_central_differences(q in pose(32)) {
+        for noise in NOISES {
+            check_gradient(&keypoints(noise, Isa::best()).1, &q);
+        }
+    }
+
+    #[test]
+    fn marker_gradient_agrees_with_central_differences(q in pose(28)) {
+        check_gradient(&markers(Isa::best()), &q);
+    }
+
+    #[test]
+    fn block_and_single_state_agree_on_every_instruction_set(q in pose(32)) {
+        for noise in NOISES {
+            check_lanes(|isa| keypoints(noise, isa).1, &q);
+        }
+        check_lanes(markers, &q[..28]);
+    }
+
+    /// K5: the diagonal is the squared column norm of the numerical Jacobian of the projected markers.
+    #[test]
+    fn marker_curvature_agrees_with_the_numerical_jacobian(q in pose(28)) {
+        let tree = cf28(&Proportions::default());
+        let plan = Plan::with_all_points(&tree);
+        let images = |q: &[f64]| -> Vec<f64> {
+            let mut p = vec![0.0; 3 * plan.points()];
+            point_positions(&plan, Isa::best(), q, &mut p);
+            (0..17)
+                .filter(|&k| k != 3)
+                .flat_map(|k| {
+                    let y = p[3 * k + 1] + 4.8;
+                    [(p[3 * k] - 0.1) / y, (p[3 * k + 2] - 1.0) / y]
+                })
+                .collect()
+        };
+        let density = markers(Isa::best());
+        let block: Vec<Block> = q.iter().map(|&x| Block::splat(x)).collect();
+        let mut diagonal = vec![Block::ZERO; 28];
+        density.gauss_newton_diagonal_block(&block, &mut diagonal, &mut vec![Block::ZERO; density.workspace()]);
+        let all: Vec<f64> = (0..28)
+            .map(|j| {
+                let at = |h: f64| {
+                    let mut q = q.clone();
+                    q[j] += h;
+                    images(&q)
+                };
+                at(1e-6).iter().zip(at(-1e-6)).map(|(a, b)| ((a - b) / 2e-6).powi(2)).sum::<f64>() / (0.003 * 0.003)
+            })
+            .collect();
+        let largest = all.iter().fold(0.0_f64, |m, &x| m.max(x));
+        for (found, expected) in diagonal.iter().zip(all) {
+            prop_assert!((found.0[1] - expected).abs() < 1e-7 * largest, "{} against {expected}", found.0[1]);
+        }
+    }
+}
+
+/// The keypoint curvature is that of the same sum over sightings, with every sighting at full weight.
+#[test]
+fn keypoint_curvature_agrees_with_the_numerical_jacobian() {
+    let (model, density) = keypoints(NOISES[0], Isa::best());
+    let mut q = vec![0.05; 32];
+    q[2] = 1.0;
+    let block: Vec<Block> = q.iter().map(|&x| Block::splat(x)).collect();
+    let mut diagonal = vec![Block::ZERO; 32];
+    density.gauss_newton_diagonal_block(&block, &mut diagonal, &mut vec![Block::ZERO; density.workspace()]);
+    let n = model.plan.points();
+    let (mut p, mut jacobian) = (vec![0.0; 3 * n], vec![0.0; 3 * n * 32]);
+    point_jacobian(&model.plan, Isa::best(), &q, &mut p, &mut jacobian);
+    let mut at_binding = vec![0.0; 32];
+    at_binding[2] = 1.0;
+    let mut standing = vec![0.0; 3 * n];
+    point_positions(&model.plan, Isa::best(), &at_binding, &mut standing);
+    let mut expected = [0.0; 32];
+    for k in 0..n {
+        let seen: Vec<_> = (0..4).filter(|c| (k + c) % 9 != 0).collect();
+        for &c in &seen {
+            let camera = &model.views[c].camera;
+            let z = (0..3).map(|j| camera.rotation[2][j] * standing[3 * k + j]).sum::<f64>() + camera.translation[2];
+            let variance = 64.0 * 0.7 / 0.6 + 2.0 / 3.0 * seen.len() as f64 * (0.015 * 900.0 / z).powi(2);
+            for (j, e) in expected.iter_mut().enumerate() {
+                let moved = |h: f64| {
+                    let moved: Vec<f64> = (0..3).map(|a| p[3 * k + a] + h * jacobian[(3 * k + a) * 32 + j]).collect();
+                    project(camera, &moved)
+                };
+                let (a, b) = (moved(1e-5), moved(-1e-5));
+                *e += (0..2).map(|i| ((a[i] - b[i]) / 2e-5).powi(2)).sum::<f64>() / variance;
+            }
+        }
+    }
+    for (found, expected) in diagonal.iter().zip(expected) {
+        assert!((found.0[0] - expected).abs() < 1e-6 * expected.max(1.0), "{} against {expected}", found.0[0]);
+    }
+}
+
+#[test]
+fn a_point_behind_a_camera_counts_as_an_outlier_and_does_not_pull() {
+    for noise in NOISES {
+        let (model, density) = keypoints(noise, Isa::best());
+        let mut q = vec![0.0; 32];
+        q[0] = 50.0;
+        let mut grad = vec![0.0; 32];
+        let value = density.log_density_grad(&q, &mut grad);
+        assert!(value.is_finite());
+        assert!(grad.iter().all(|g| g.is_finite()), "{grad:?}");
+        let nothing = vec![vec![None; model.plan.points()]; 4];
+        let empty = model.bind(KeypointFrame { detections: &nothing, predicted: &vec![0.0; 3 * model.plan.points()] });
+        assert_eq!(empty.log_density_grad(&q, &mut grad), 0.0);
+        assert!(grad.iter().all(|&g| g == 0.0));
+    }
+}
+
+#[test]
+fn a_marker_behind_the_camera_makes_the_density_vanish() {
+    let mut q = vec![0.0; 28];
+    q[1] = -6.0;
+    assert_eq!(markers(Isa::best()).log_density(&q), f64::NEG_INFINITY);
+}
