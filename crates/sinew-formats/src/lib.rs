@@ -9,6 +9,9 @@
 //! |---|---|---|---|
 //! | [`openpose`] | OpenPose-style JSON keypoints, with [`layout`], [`frame_number`] and [`camera_name`] | yes | – |
 //! | [`calib_toml`] | Pose2Sim `Calib.toml` | yes | yes |
+//! | [`trc`], [`mot`] | trajectories of points, coordinates (OpenSim) | yes | yes |
+//! | [`bvh`] | skeleton and joint angles (Blender) | yes | yes |
+//! | [`asf`], [`amc`] | Acclaim skeleton and motion | yes | – |
 //!
 //! ```
 //! use sinew_formats::{calib_toml, camera_name, frame_number, layout, openpose};
@@ -25,19 +28,25 @@
 //! # Ok::<(), sinew_formats::Error>(())
 //! ```
 
+pub mod amc;
+pub mod asf;
+pub mod bvh;
 pub mod calib_toml;
 pub mod camera_name;
 mod error;
 pub mod frame_number;
 pub mod json_text;
 pub mod layout;
+pub mod mot;
 pub mod nearest;
 mod numbers;
 pub mod openpose;
 mod place;
 pub mod rotation;
+mod row_time;
 pub mod source_text;
 mod toml_text;
+pub mod trc;
 mod warning;
 
 pub use error::Error;

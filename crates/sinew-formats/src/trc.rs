@@ -1,0 +1,146 @@
+//! TRC: trajectories of named points, as OpenSim and Pose2Sim exchange them.
+//!
+//! ```text
+//! PathFileType  4  (X/Y/Z)  markers.trc
+//! DataRate  CameraRate  NumFrames  NumMarkers  Units  OrigDataRate  OrigDataStartFrame  OrigNumFrames
+//! 60  60  0000000100  2  m  60  1  0000000100
+//! Frame#  Time  RHip  .  .  RKnee  .  .
+//! .  .  X1  Y1  Z1  X2  Y2  Z2
+//!
+//! 1  0.0  -0.06497  0.9015  -1.40059  -0.03962  0.49309  -1.44852
+//! ```
+//!
+//! Columns are separated by tabs (a dot above is an empty cell). The axes are Y up: (X, Y, Z) = (y, z, x) of the world,
+//! see [`trc_from_world`]. This module keeps axes and units of the file.
+//!
+//! Quirks that are read: empty cells and `NaN` (the point is missing), CRLF, no blank line 6, names with spaces, labels
+//! that do not start at X1, spaces for tabs (names cannot have spaces then), header counts that disagree, `mm` and `cm`.
+//!
+//! Written are `NaN`, never an empty cell (a row that ends in empty cells makes OpenSim 4.6 reject the file), and frame
+//! counts of ten digits with leading zeros: OpenSim splits the header at blanks, so that spaces would not do, and the
+//! header can be written again over itself once the number of frames is known.
+//!
+//! ```
+//! use sinew_formats::trc;
+//! let header = trc::Header::new("markers.trc", 60.0, vec!["RHip".into()]);
+//! let mut file = Vec::new();
+//! trc::write_header(&mut file, &header, 1)?;
+//! trc::write_frame(&mut file, 1, 0.0, &[Some(trc::trc_from_world([1.0, 2.0, 3.0]))])?;
+//! let read = trc::read("markers.trc", std::str::from_utf8(&file).unwrap())?;
+//! assert_eq!(read.frames[0].points[0], Some([2.0, 3.0, 1.0]));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod reader;
+mod writer;
+
+pub use reader::read;
+pub use writer::{write, write_frame, write_header};
+
+use crate::Warning;
+
+/// Unit of length of a file.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Units {
+    /// Metres.
+    #[default]
+    Metres,
+    /// Centimetres.
+    Centimetres,
+    /// Millimetres.
+    Millimetres,
+}
+
+impl Units {
+    /// Metres per unit.
+    #[must_use]
+    pub const fn metres(self) -> f64 {
+        match self {
+            Self::Metres => 1.0,
+            Self::Centimetres => 1e-2,
+            Self::Millimetres => 1e-3,
+        }
+    }
+
+    /// Symbol in the header.
+    #[must_use]
+    pub const fn symbol(self) -> &'static str {
+        match self {
+            Self::Metres => "m",
+            Self::Centimetres => "cm",
+            Self::Millimetres => "mm",
+        }
+    }
+}
+
+/// What the five lines of the header say, but for the number of frames.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Header {
+    /// Name of the file that line 1 repeats.
+    pub file_name: String,
+    /// Frames per second.
+    pub rate_hz: f64,
+    /// Unit of length.
+    pub units: Units,
+    /// First frame of the original recording.
+    pub start_frame: i64,
+    /// Names of the points.
+    pub markers: Vec<String>,
+}
+
+impl Header {
+    /// A header in metres that starts at frame 1.
+    #[must_use]
+    pub fn new(file_name: &str, rate_hz: f64, markers: Vec<String>) -> Self {
+        Self { file_name: file_name.into(), rate_hz, units: Units::Metres, start_frame: 1, markers }
+    }
+}
+
+/// A row of a file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Frame {
+    /// Number in the first column, counted from 1.
+    pub number: i64,
+    /// Time, seconds.
+    pub time_s: f64,
+    /// Points in the order of the header, in units and axes of the file; `None` is missing.
+    pub points: Vec<Option<[f64; 3]>>,
+}
+
+/// A file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Trc {
+    /// Header.
+    pub header: Header,
+    /// Rows.
+    pub frames: Vec<Frame>,
+    /// What was odd.
+    pub warnings: Vec<Warning>,
+}
+
+impl Trc {
+    /// Position of a point in the world (Z up, metres), if the frame has it.
+    #[must_use]
+    pub fn point_in_world(&self, frame: usize, marker: usize) -> Option<[f64; 3]> {
+        let point = (*self.frames.get(frame)?.points.get(marker)?)?;
+        Some(world_from_trc(point).map(|v| v * self.header.units.metres()))
+    }
+
+    /// Index of the point of that name.
+    #[must_use]
+    pub fn marker_index(&self, name: &str) -> Option<usize> {
+        self.header.markers.iter().position(|marker| marker == name)
+    }
+}
+
+/// From the world (Z up) to the axes of the file (Y up).
+#[must_use]
+pub const fn trc_from_world([x, y, z]: [f64; 3]) -> [f64; 3] {
+    [y, z, x]
+}
+
+/// From the axes of the file (Y up) to the world (Z up).
+#[must_use]
+pub const fn world_from_trc([x, y, z]: [f64; 3]) -> [f64; 3] {
+    [z, x, y]
+}
