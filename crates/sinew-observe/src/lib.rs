@@ -1,9 +1,13 @@
 //! Cameras and likelihoods.
 pub mod camera;
+mod distortion;
+mod error;
 pub mod keypoint_likelihood;
 pub mod marker_likelihood;
 pub mod model;
-pub use camera::{Camera, Distortion, Intrinsics, MIN_DEPTH_M};
+pub mod triangulate;
+pub use camera::{Camera, Distortion, Intrinsics, MIN_DEPTH_M, Projection};
+pub use error::Error;
 pub use keypoint_likelihood::{Detection, KeypointFrame, KeypointLikelihood, KeypointModel, Noise, View};
 pub use marker_likelihood::{MarkerLikelihood, MarkerModel};
 pub use model::ObservationModel;
