@@ -11,6 +11,8 @@
 //! | [`calib_toml`] | Pose2Sim `Calib.toml` | yes | yes |
 //! | [`trc`], [`mot`] | trajectories of points, coordinates (OpenSim) | yes | yes |
 //! | [`bvh`] | skeleton and joint angles (Blender) | yes | yes |
+//! | [`tidy_csv`], [`point_table`] | tables with the unit in every column name | yes | yes |
+//! | [`body_toml`] | kinematic trees of our own | yes | yes |
 //! | [`asf`], [`amc`] | Acclaim skeleton and motion | yes | – |
 //!
 //! ```
@@ -30,6 +32,7 @@
 
 pub mod amc;
 pub mod asf;
+pub mod body_toml;
 pub mod bvh;
 pub mod calib_toml;
 pub mod camera_name;
@@ -42,9 +45,11 @@ pub mod nearest;
 mod numbers;
 pub mod openpose;
 mod place;
+pub mod point_table;
 pub mod rotation;
 mod row_time;
 pub mod source_text;
+pub mod tidy_csv;
 mod toml_text;
 pub mod trc;
 mod warning;

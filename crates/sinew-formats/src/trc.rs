@@ -17,8 +17,8 @@
 //! that do not start at X1, spaces for tabs (names cannot have spaces then), header counts that disagree, `mm` and `cm`.
 //!
 //! Written are `NaN`, never an empty cell (a row that ends in empty cells makes OpenSim 4.6 reject the file), and frame
-//! counts of ten digits with leading zeros: OpenSim splits the header at blanks, so that spaces would not do, and the
-//! header can be written again over itself once the number of frames is known.
+//! counts of ten digits, so that the header can be written again over itself once the number of frames is known. They
+//! have leading zeros rather than blanks, because many readers split the header at any blank.
 //!
 //! ```
 //! use sinew_formats::trc;
