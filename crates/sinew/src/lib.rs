@@ -9,3 +9,11 @@ pub use sinew_formats as formats;
 pub use sinew_observe as observe;
 pub use sinew_samplers as samplers;
 pub use sinew_tracking as tracking;
+
+mod error;
+pub mod estimate;
+pub mod files;
+pub mod output;
+pub mod recording;
+
+pub use error::Error;

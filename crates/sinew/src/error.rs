@@ -1,0 +1,132 @@
+//! What can go wrong in a run, with the exit code and the advice that belong to it.
+//!
+//! | code | meaning |
+//! |---|---|
+//! | 0 | done |
+//! | 1 | failed for another reason: numerical failure, a bug |
+//! | 2 | wrong usage or configuration |
+//! | 3 | bad input data |
+//! | 4 | finished and written, but a diagnostic failed |
+//! | 5 | files and disk |
+//! | 75 | interrupted; what was done is written and marked incomplete |
+//! | 130 | second interrupt, nothing saved since |
+
+use std::io;
+use std::path::PathBuf;
+
+/// Everything that ends a run early.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// A file that its reader refuses.
+    #[error(transparent)]
+    Format(#[from] sinew_formats::Error),
+    /// A file or folder that cannot be read or written.
+    #[error("cannot {doing} {}", path.display())]
+    Io {
+        /// Verb of the sentence.
+        doing: &'static str,
+        /// File or folder.
+        path: PathBuf,
+        /// What the system says.
+        #[source]
+        source: io::Error,
+    },
+    /// The output folder holds something.
+    #[error("{} exists{}", path.display(), why)]
+    OutputExists {
+        /// Output folder.
+        path: PathBuf,
+        /// What is in it, as the rest of the sentence.
+        why: &'static str,
+    },
+    /// The output folder is being written by another run.
+    #[error("{} is in use by another run{}", path.display(), pid.map(|pid| format!(" (process {pid})")).unwrap_or_default())]
+    OutputLocked {
+        /// Output folder.
+        path: PathBuf,
+        /// Process that holds the lock.
+        pid: Option<u32>,
+    },
+    /// The output folder holds or is an input.
+    #[error("the output folder {} is also the input {}", path.display(), input.display())]
+    OutputIsInput {
+        /// Output folder.
+        path: PathBuf,
+        /// Input inside it.
+        input: PathBuf,
+    },
+    /// A configuration with mistakes, all of them.
+    #[error("{}", crate::error::listed(file, problems))]
+    Config {
+        /// File, or `the command line`.
+        file: String,
+        /// What is wrong, one sentence each.
+        problems: Vec<String>,
+    },
+    /// A request that cannot be carried out as it stands.
+    #[error("{message}")]
+    Usage {
+        /// What is wrong.
+        message: String,
+        /// What to do.
+        help: String,
+    },
+    /// Input data that cannot be used.
+    #[error("{message}")]
+    Input {
+        /// What was found and what was expected.
+        message: String,
+        /// What to do.
+        help: Option<String>,
+    },
+    /// A computation that failed.
+    #[error("{message}")]
+    Numerical {
+        /// What failed, with the frame.
+        message: String,
+    },
+}
+
+fn listed(file: &str, problems: &[String]) -> String {
+    match problems {
+        [one] => format!("{file}: {one}"),
+        many => format!("{} problems in {file}:\n  {}", many.len(), many.join("\n  ")),
+    }
+}
+
+impl Error {
+    /// An [`Error::Io`] in the making: `map_err(Error::io("read", path))`.
+    pub fn io(doing: &'static str, path: impl Into<PathBuf>) -> impl FnOnce(io::Error) -> Self {
+        let path = path.into();
+        move |source| Self::Io { doing, path, source }
+    }
+
+    /// Code with which the program ends.
+    #[must_use]
+    pub const fn exit_code(&self) -> u8 {
+        match self {
+            Self::Numerical { .. } => 1,
+            Self::Config { .. } | Self::Usage { .. } | Self::OutputIsInput { .. } => 2,
+            Self::Format(sinew_formats::Error::UnknownLayout { .. }) => 2,
+            Self::Format(_) | Self::Input { .. } => 3,
+            Self::Io { .. } | Self::OutputExists { .. } | Self::OutputLocked { .. } => 5,
+        }
+    }
+
+    /// What the user can do about it.
+    #[must_use]
+    pub fn help(&self) -> Option<String> {
+        match self {
+            Self::Format(error) => error.help(),
+            Self::OutputExists { .. } => {
+                Some("choose another folder with `-o`, or replace what is there with `--force`".into())
+            }
+            Self::OutputLocked { .. } => Some("wait for it to end, or choose another folder with `-o`".into()),
+            Self::OutputIsInput { .. } => Some("choose another folder with `-o`".into()),
+            Self::Usage { help, .. } => Some(help.clone()),
+            Self::Input { help, .. } => help.clone(),
+            Self::Io { .. } | Self::Config { .. } | Self::Numerical { .. } => None,
+        }
+    }
+}

@@ -1,0 +1,31 @@
+//! Reading whole files: size checked before memory is taken, text decoded, every failure with its path.
+
+use crate::Error;
+use sinew_formats::source_text::{check_size, decode};
+use std::fs;
+use std::io::Read as _;
+use std::path::Path;
+
+/// Bytes of a file of at most `limit` bytes.
+///
+/// # Errors
+/// [`Error::Io`] with the path, [`Error::Format`] for a file that is too large.
+pub fn read_bytes(path: &Path, limit: u64) -> Result<Vec<u8>, Error> {
+    let file = fs::File::open(path).map_err(Error::io("read", path))?;
+    let size = file.metadata().map_err(Error::io("read", path))?.len();
+    let shown = path.display().to_string();
+    check_size(&shown, size, limit)?;
+    let mut bytes = Vec::new();
+    file.take(limit + 1).read_to_end(&mut bytes).map_err(Error::io("read", path))?;
+    check_size(&shown, bytes.len() as u64, limit)?;
+    Ok(bytes)
+}
+
+/// Text of a file of at most `limit` bytes.
+///
+/// # Errors
+/// As [`read_bytes`], and for bytes that are not UTF-8.
+pub fn read_text(path: &Path, limit: u64) -> Result<String, Error> {
+    let bytes = read_bytes(path, limit)?;
+    Ok(decode(&path.display().to_string(), &bytes, limit)?.to_owned())
+}

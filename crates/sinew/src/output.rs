@@ -1,0 +1,115 @@
+//! The result folder: everything that a run leaves behind.
+//!
+//! ```text
+//! summary.json   written last; "complete": true means done      timings.json   the only file that differs from run to run
+//! config.toml    repeats the run with --config                  setup.toml     repeats the set-up with --setup
+//! markers.trc    markers_sd.csv    angles.mot    motion.bvh     of the mean pose
+//! joints.csv     angles.csv        frames.csv                   tidy tables with units in the column names
+//! posterior.zarr load.py                                        draws, and how to open them
+//! ```
+//!
+//! 1. [`claim`] a folder before any computing: refuses results that are there, inputs, and folders in use.
+//! 2. [`ResultFolder::create`] opens every file under its provisional name `NAME.partial`.
+//! 3. [`ResultFolder::append`] streams one frame into all of them; nothing grows with the number of frames but a few numbers a frame for the summary.
+//! 4. [`ResultFolder::finish`] completes the headers, syncs, checks, renames, and writes `summary.json` last.
+//!
+//! A run that is stopped in between leaves readable `*.partial` files and no summary.
+
+mod claim;
+mod markers;
+mod partial;
+mod pose;
+mod storage;
+mod summary;
+mod table;
+mod tables;
+
+pub use claim::{Claim, LOCK_NAME, claim, claim_in};
+pub use markers::{REFERENCE_ORDER, order as marker_order};
+pub use pose::{Pose, pose};
+pub use storage::{Disk, Storage, StoredFile};
+pub use summary::{Diagnostics, Ending, Limits, Summary};
+
+use crate::Error;
+use crate::estimate::{FrameEstimate, RunInfo};
+use markers::Markers;
+use partial::PartialFile;
+use std::sync::Arc;
+use summary::Statistics;
+use tables::Tables;
+
+/// A result folder being filled.
+pub struct ResultFolder {
+    info: RunInfo,
+    markers: Markers,
+    tables: Tables,
+    whole: Vec<PartialFile>,
+    statistics: Statistics,
+    claim: Claim,
+}
+
+/// Texts that stand in the folder as they are.
+#[derive(Clone, Debug, Default)]
+pub struct Texts {
+    /// `config.toml`.
+    pub config_toml: String,
+    /// Settings with their origins, for the summary.
+    pub settings: serde_json::Value,
+    /// Hash of the settings that matter for the numbers.
+    pub settings_hash: String,
+}
+
+impl ResultFolder {
+    /// Opens all files.
+    ///
+    /// # Errors
+    /// [`Error::Io`] with the path.
+    pub fn create(claim: Claim, info: RunInfo, texts: Texts) -> Result<Self, Error> {
+        let storage = Arc::clone(&claim.storage);
+        let folder = claim.folder.clone();
+        let text = |name: &str, text: &str| PartialFile::with_text(&storage, folder.join(name), text);
+        Ok(Self {
+            markers: Markers::create(&storage, &folder, &info)?,
+            tables: Tables::create(&storage, &folder, &info)?,
+            whole: vec![text("config.toml", &texts.config_toml)?, text("setup.toml", &info.setup_toml)?],
+            statistics: Statistics::new(&info, texts),
+            claim,
+            info,
+        })
+    }
+
+    /// Writes a frame into every file.
+    ///
+    /// # Errors
+    /// [`Error::Io`] with the path at the first failure.
+    pub fn append(&mut self, estimate: &FrameEstimate) -> Result<(), Error> {
+        let pose = pose(&self.info.body, &estimate.mean_state);
+        self.markers.append(self.statistics.frames(), estimate, &pose)?;
+        self.tables.append(estimate)?;
+        self.statistics.add(estimate);
+        Ok(())
+    }
+
+    /// Completes, syncs and renames all files; `summary.json` last.
+    ///
+    /// # Errors
+    /// [`Error::Io`] with the path at the first failure; what is not renamed by then keeps its provisional name.
+    pub fn finish(self, ending: &Ending) -> Result<Summary, Error> {
+        let Self { info, markers, tables, mut whole, statistics, claim } = self;
+        whole.extend(markers.finish(statistics.frames())?);
+        whole.extend(tables.finish());
+        let timings = serde_json::to_string_pretty(&ending.timings).unwrap_or_default() + "\n";
+        whole.push(PartialFile::with_text(&claim.storage, claim.folder.join("timings.json"), &timings)?);
+        let summary = statistics.summary(&info, ending);
+        let text = serde_json::to_string_pretty(&summary).unwrap_or_default() + "\n";
+        let mut last = PartialFile::with_text(&claim.storage, claim.folder.join("summary.json"), &text)?;
+        whole.iter_mut().try_for_each(PartialFile::sync)?;
+        last.sync()?;
+        // An older summary must not speak for new files.
+        let old = claim.folder.join("summary.json");
+        claim.storage.remove(&old).map_err(Error::io("replace", &old))?;
+        whole.into_iter().try_for_each(PartialFile::rename)?;
+        last.rename()?;
+        Ok(summary)
+    }
+}

@@ -1,0 +1,71 @@
+//! Frames of all links and points of a body in one state, by a plain walk over the tree.
+//!
+//! Once per written frame; whatever runs per particle uses [`sinew_body::Plan`].
+
+use sinew_body::{Joint, KinematicTree};
+use sinew_formats::rotation::{IDENTITY, Matrix, about_axis, apply, product};
+
+/// World rotation and origin of every link, and position of every point.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Pose {
+    /// Rotation, world from link.
+    pub rotations: Vec<Matrix>,
+    /// Origin of each link after its joints, metres.
+    pub origins: Vec<[f64; 3]>,
+    /// Position of each point, metres.
+    pub points: Vec<[f64; 3]>,
+}
+
+/// Pose of a body in a state.
+///
+/// # Panics
+/// If the state is shorter than the body's number of degrees of freedom.
+#[must_use]
+pub fn pose(body: &KinematicTree, state: &[f64]) -> Pose {
+    let mut pose = Pose::default();
+    for (index, link) in body.links().iter().enumerate() {
+        let (mut rotation, mut origin) = match link.parent {
+            Some(parent) => (pose.rotations[parent], moved(pose.origins[parent], &pose.rotations[parent], link.offset)),
+            None => (IDENTITY, link.offset),
+        };
+        for (joint, value) in link.joints.iter().zip(&state[body.first_dof(index)..]) {
+            match joint {
+                Joint::Translate(axis) => {
+                    let mut step = [0.0; 3];
+                    step[axis.index()] = *value;
+                    origin = moved(origin, &rotation, step);
+                }
+                Joint::Rotate(axis) => rotation = product(&rotation, &about_axis(axis.index(), *value)),
+            }
+        }
+        pose.rotations.push(rotation);
+        pose.origins.push(origin);
+    }
+    pose.points =
+        body.points().iter().map(|p| moved(pose.origins[p.link], &pose.rotations[p.link], p.offset)).collect();
+    pose
+}
+
+fn moved(origin: [f64; 3], rotation: &Matrix, step: [f64; 3]) -> [f64; 3] {
+    let step = apply(rotation, step);
+    [0, 1, 2].map(|k| origin[k] + step[k])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use sinew_body::{Plan, Proportions, point_positions, standard};
+    use sinew_core::lanes::Isa;
+
+    #[test]
+    fn agrees_with_the_lane_plan() {
+        let body = standard::h32(&Proportions::default());
+        let state: Vec<f64> = (0..body.dof()).map(|i| (i as f64 * 1.7).sin()).collect();
+        let plan = Plan::with_all_points(&body);
+        let mut points = vec![0.0; 3 * plan.points()];
+        point_positions(&plan, Isa::best(), &state, &mut points);
+        for (a, b) in pose(&body, &state).points.iter().flatten().zip(&points) {
+            assert!((a - b).abs() < 1e-12);
+        }
+    }
+}

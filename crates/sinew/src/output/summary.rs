@@ -1,0 +1,343 @@
+//! `summary.json`: what was run, with which settings, and whether to believe it.
+//!
+//! Everything in it is the same from run to run. A diagnostic *fails* above the [`Limits`]: then the program ends with code 4. Frames without observation and large
+//! residuals are warnings.
+
+use super::Texts;
+use crate::estimate::{FrameEstimate, RunInfo};
+use serde::Serialize;
+use std::collections::BTreeMap;
+
+/// Version of the layout of this file.
+const SCHEMA_VERSION: u32 = 1;
+
+/// R-hat above which a frame is counted.
+const R_HAT_NOTED: f64 = 1.05;
+
+/// Where diagnostics fail.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Limits {
+    /// Split R-hat of a frame.
+    pub r_hat: f64,
+    /// Share of frames that may be above it.
+    pub r_hat_share: f64,
+    /// Share of trajectories that may diverge.
+    pub divergent_share: f64,
+    /// Least median effective sample size of a particle method.
+    pub ess: f64,
+}
+
+impl Default for Limits {
+    fn default() -> Self {
+        Self { r_hat: R_HAT_NOTED, r_hat_share: 0.05, divergent_share: 0.01, ess: 10.0 }
+    }
+}
+
+/// How a run ended.
+#[derive(Clone, Debug, Default)]
+pub struct Ending {
+    /// Whether all frames were tracked.
+    pub complete: bool,
+    /// Warnings of the input and the tracker, each once.
+    pub warnings: Vec<String>,
+    /// Hashes of the inputs, by name.
+    pub input_hashes: BTreeMap<String, String>,
+    /// Where diagnostics fail.
+    pub limits: Limits,
+    /// Wall times and dates, for `timings.json`.
+    pub timings: serde_json::Map<String, serde_json::Value>,
+}
+
+/// Content of `summary.json`.
+#[derive(Clone, Debug, Serialize)]
+pub struct Summary {
+    /// Version of this layout.
+    pub schema_version: u32,
+    /// Whether all frames were tracked.
+    pub complete: bool,
+    /// Version of the program.
+    pub sinew_version: &'static str,
+    /// Method.
+    pub method: String,
+    /// `filtered` or `smoothed`.
+    pub kind: &'static str,
+    /// Seed.
+    pub seed: u64,
+    /// Instruction set.
+    pub isa: String,
+    /// Frames per second.
+    pub fps: f64,
+    /// First frame and the one after the last.
+    pub frames: [u64; 2],
+    /// Frames written.
+    pub frame_count: u64,
+    /// Frames in which a camera saw the person.
+    pub observed_frames: u64,
+    /// Degrees of freedom of the body.
+    pub degrees_of_freedom: usize,
+    /// What the cameras say.
+    pub cameras: Vec<CameraSummary>,
+    /// Diagnostics.
+    pub diagnostics: Diagnostics,
+    /// Diagnostics that failed, in words.
+    pub failed_diagnostics: Vec<String>,
+    /// Warnings.
+    pub warnings: Vec<String>,
+    /// Hashes of the inputs.
+    pub input_hashes: BTreeMap<String, String>,
+    /// Settings with their origins.
+    pub settings: serde_json::Value,
+    /// Hash of the settings, without threads and paths.
+    pub settings_hash: String,
+}
+
+/// What a camera says.
+#[derive(Clone, Debug, Serialize)]
+pub struct CameraSummary {
+    /// Name.
+    pub name: String,
+    /// Frames in which it saw the person.
+    pub frames: u64,
+    /// Root mean square residual of the mean pose, pixels.
+    pub residual_px: Option<f64>,
+    /// Constant offset, observed minus projected, pixels.
+    pub offset_px: [f64; 2],
+}
+
+/// Spread of a number over the frames.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct Spread {
+    /// Median.
+    pub median: f64,
+    /// 95th percentile.
+    pub p95: f64,
+    /// Frames above 1.05.
+    pub frames_above_1_05: u64,
+}
+
+/// Diagnostics of a run.
+#[derive(Clone, Debug, Serialize)]
+pub struct Diagnostics {
+    /// Mean acceptance probability; `null` where nothing is accepted or rejected.
+    pub acceptance: Option<f64>,
+    /// Split R-hat over a frame's chains; `null` for particle methods.
+    pub r_hat: Option<Spread>,
+    /// Median effective sample size.
+    pub ess_median: Option<f64>,
+    /// Least effective sample size.
+    pub ess_least: Option<f64>,
+    /// Divergent trajectories.
+    pub divergences: u64,
+    /// Trajectories.
+    pub trajectories: u64,
+    /// Log evidence of all frames, where the method estimates it.
+    pub log_evidence: Option<f64>,
+}
+
+/// Running sums over the frames.
+pub(crate) struct Statistics {
+    texts: Texts,
+    frames: u64,
+    first: Option<u64>,
+    last: u64,
+    observed: u64,
+    unobserved: Vec<[u64; 2]>,
+    unobserved_spans: u64,
+    in_span: bool,
+    // Four bytes a frame are kept for the quantiles.
+    r_hat: Vec<f32>,
+    ess: Vec<f32>,
+    acceptance: [f64; 2],
+    divergences: u64,
+    trajectories: u64,
+    log_evidence: Option<f64>,
+    residual_squares: Vec<(u64, f64)>,
+    particles: bool,
+}
+
+/// Spans without observation that are listed.
+const SPANS_LISTED: usize = 5;
+
+impl Statistics {
+    pub(crate) fn new(info: &RunInfo, texts: Texts) -> Self {
+        Self {
+            texts,
+            frames: 0,
+            first: None,
+            last: 0,
+            observed: 0,
+            unobserved: Vec::new(),
+            unobserved_spans: 0,
+            in_span: false,
+            r_hat: Vec::new(),
+            ess: Vec::new(),
+            acceptance: [0.0; 2],
+            divergences: 0,
+            trajectories: 0,
+            log_evidence: None,
+            residual_squares: vec![(0, 0.0); info.cameras.len()],
+            particles: false,
+        }
+    }
+
+    pub(crate) const fn frames(&self) -> u64 {
+        self.frames
+    }
+
+    pub(crate) fn add(&mut self, estimate: &FrameEstimate) {
+        self.first.get_or_insert(estimate.number);
+        if estimate.observed {
+            self.observed += 1;
+        } else if self.in_span {
+            if self.unobserved_spans <= SPANS_LISTED as u64
+                && let Some([_, last]) = self.unobserved.last_mut()
+            {
+                *last = estimate.number;
+            }
+        } else {
+            self.unobserved_spans += 1;
+            if self.unobserved.len() < SPANS_LISTED {
+                self.unobserved.push([estimate.number; 2]);
+            }
+        }
+        self.in_span = !estimate.observed;
+        self.frames += 1;
+        self.last = estimate.number;
+        self.ess.push(estimate.ess as f32);
+        self.r_hat.extend(estimate.r_hat.map(|r_hat| r_hat as f32));
+        if let Some(acceptance) = estimate.acceptance {
+            self.acceptance = [self.acceptance[0] + acceptance, self.acceptance[1] + 1.0];
+        }
+        self.divergences += estimate.divergences;
+        self.trajectories += estimate.trajectories;
+        if let Some(evidence) = estimate.log_evidence {
+            *self.log_evidence.get_or_insert(0.0) += evidence;
+        }
+        self.particles |= estimate.particles.is_some();
+        for ((count, squares), residual) in self.residual_squares.iter_mut().zip(&estimate.residual_px) {
+            if let Some(residual) = residual {
+                *count += 1;
+                *squares += residual * residual;
+            }
+        }
+    }
+
+    fn diagnostics(&self) -> Diagnostics {
+        let [sum, count] = self.acceptance;
+        let r_hat = quantiles(&self.r_hat, [0.5, 0.95]).map(|[median, p95]| Spread {
+            median,
+            p95,
+            frames_above_1_05: above(&self.r_hat, R_HAT_NOTED),
+        });
+        let ess = quantiles(&self.ess, [0.5, 0.0]);
+        Diagnostics {
+            acceptance: (count > 0.0).then(|| sum / count),
+            r_hat,
+            ess_median: ess.map(|[median, _]| median),
+            ess_least: ess.map(|[_, least]| least),
+            divergences: self.divergences,
+            trajectories: self.trajectories,
+            log_evidence: self.log_evidence,
+        }
+    }
+
+    fn failed(&self, limits: &Limits) -> Vec<String> {
+        let mut failed = Vec::new();
+        let high = above(&self.r_hat, limits.r_hat);
+        if high as f64 > limits.r_hat_share * self.r_hat.len() as f64 {
+            failed.push(format!(
+                "split R-hat is above {} in {high} of {} frames; at most {} % may be",
+                limits.r_hat,
+                self.r_hat.len(),
+                100.0 * limits.r_hat_share
+            ));
+        }
+        if self.divergences as f64 > limits.divergent_share * self.trajectories as f64 {
+            failed.push(format!(
+                "{} of {} trajectories diverged; at most {} % may",
+                self.divergences,
+                self.trajectories,
+                100.0 * limits.divergent_share
+            ));
+        }
+        if self.particles
+            && let Some([median]) = quantiles(&self.ess, [0.5])
+            && median < limits.ess
+        {
+            failed.push(format!("the median effective sample size is {median:.1}; at least {} is needed", limits.ess));
+        }
+        failed
+    }
+
+    fn warnings(&self, info: &RunInfo) -> Vec<String> {
+        let mut warnings = Vec::new();
+        for [first, last] in &self.unobserved {
+            let which = if first == last { format!("frame {first}") } else { format!("frames {first}-{last}") };
+            warnings.push(format!("{which}: no observation in any camera; estimates come from the motion model only"));
+        }
+        if self.unobserved_spans > SPANS_LISTED as u64 {
+            warnings.push(format!("{} more spans without observation", self.unobserved_spans - SPANS_LISTED as u64));
+        }
+        for (camera, residual) in info.cameras.iter().zip(self.residuals()) {
+            if let Some(residual) = residual.filter(|&residual| residual > 3.0 * info.sigma_px) {
+                let (name, sigma) = (&camera.name, info.sigma_px);
+                warnings.push(format!(
+                    "{name}: residual of {residual:.1} px, more than three times the noise of {sigma:.1} px"
+                ));
+            }
+        }
+        warnings
+    }
+
+    fn residuals(&self) -> Vec<Option<f64>> {
+        self.residual_squares.iter().map(|&(n, squares)| (n > 0).then(|| (squares / n as f64).sqrt())).collect()
+    }
+
+    pub(crate) fn summary(self, info: &RunInfo, ending: &Ending) -> Summary {
+        let names = info.cameras.iter().map(|camera| camera.name.clone());
+        let cameras = names.zip(self.residuals()).enumerate().map(|(i, (name, residual_px))| CameraSummary {
+            name,
+            frames: self.residual_squares[i].0,
+            residual_px,
+            offset_px: info.camera_offset_px.get(i).copied().unwrap_or_default(),
+        });
+        let mut warnings = ending.warnings.clone();
+        warnings.extend(self.warnings(info));
+        Summary {
+            schema_version: SCHEMA_VERSION,
+            complete: ending.complete,
+            sinew_version: env!("CARGO_PKG_VERSION"),
+            method: info.method.clone(),
+            kind: info.kind.name(),
+            seed: info.seed,
+            isa: info.isa.clone(),
+            fps: info.fps,
+            frames: match self.first {
+                Some(first) => [first, self.last + 1],
+                None => [info.first_frame; 2],
+            },
+            frame_count: self.frames,
+            observed_frames: self.observed,
+            degrees_of_freedom: info.body.dof(),
+            cameras: cameras.collect(),
+            diagnostics: self.diagnostics(),
+            failed_diagnostics: self.failed(&ending.limits),
+            warnings,
+            input_hashes: ending.input_hashes.clone(),
+            settings: self.texts.settings,
+            settings_hash: self.texts.settings_hash,
+        }
+    }
+}
+
+fn above(values: &[f32], limit: f64) -> u64 {
+    values.iter().filter(|&&value| f64::from(value) > limit || value.is_nan()).count() as u64
+}
+
+/// Quantiles by the nearest rank.
+fn quantiles<const N: usize>(values: &[f32], at: [f64; N]) -> Option<[f64; N]> {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f32::total_cmp);
+    let last = sorted.len().checked_sub(1)?;
+    Some(at.map(|q| f64::from(sorted[(q * last as f64).round() as usize])))
+}

@@ -1,0 +1,269 @@
+//! A recording on disk: keypoint folders `<camera>_json/*.json` of calibrated cameras, read one frame at a time.
+//!
+//! [`Recording::open`] lists the files, matches folders to cameras by name and checks what can be checked without reading every file; [`Recording::frame`] reads
+//! the files of one frame. What is odd about single frames is counted, each frame once however often it is read, and told at the end by [`Recording::warnings`].
+//!
+//! Frames go by the number in the file names. A number without a file is a frame that the camera missed.
+
+mod guess;
+mod listing;
+
+use crate::{Error, files};
+use listing::CameraFiles;
+use sinew_formats::openpose::{self, Person, Tally};
+use sinew_formats::source_text::{MAX_CONFIG_BYTES, MAX_KEYPOINT_BYTES};
+use sinew_formats::{Layout, calib_toml, camera_name, frame_number, layout};
+use sinew_observe::Camera;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+
+/// What to take from a recording.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Options {
+    /// Name of a layout or path of a mapping file; guessed if `None`.
+    pub layout: Option<String>,
+    /// Confidence that means certainty.
+    pub confidence_scale: f64,
+    /// Frames to take, by number; all if `None`.
+    pub frames: Option<Range<u64>>,
+    /// Cameras to take, by name; all if `None`.
+    pub cameras: Option<Vec<String>>,
+    /// Whether cameras may begin and end apart.
+    pub trim: bool,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self { layout: None, confidence_scale: 1.0, frames: None, cameras: None, trim: false }
+    }
+}
+
+/// An opened recording.
+#[derive(Debug)]
+pub struct Recording {
+    cameras: Vec<Camera>,
+    files: Vec<CameraFiles>,
+    layout: Layout,
+    confidence_scale: f64,
+    available: Range<u64>,
+    frames: Range<u64>,
+    counted: Vec<bool>,
+    tallies: Vec<Tally>,
+    warnings: Vec<String>,
+}
+
+impl Recording {
+    /// Opens the keypoint folder of the cameras in a calibration file.
+    ///
+    /// # Errors
+    /// What [`calib_toml::read`] refuses; folders that do not fit the calibration; cameras that begin or end apart, unless trimmed; an empty selection; a layout
+    /// that is unknown or too poor.
+    pub fn open(calibration: &Path, keypoints: &Path, options: &Options) -> Result<Self, Error> {
+        let text = files::read_text(calibration, MAX_CONFIG_BYTES)?;
+        let calibration = calib_toml::read(&calibration.display().to_string(), &text)?;
+        let mut warnings: Vec<String> = calibration.warnings.iter().map(ToString::to_string).collect();
+        let folders = listing::camera_folders(keypoints)?;
+        let (cameras, folders) = chosen(calibration.cameras, folders, options.cameras.as_deref())?;
+
+        let names: Vec<&str> = folders.iter().map(|folder| folder.name.as_str()).collect();
+        let camera_names: Vec<&str> = cameras.iter().map(|camera| camera.name.as_str()).collect();
+        let matching = camera_name::match_names(&names, &camera_names)?;
+        warnings.extend(matching.warnings(&names, &camera_names).iter().map(ToString::to_string));
+        let mut folders: Vec<Option<listing::Folder>> = folders.into_iter().map(Some).collect();
+        let mut used = Vec::new();
+        let mut listed = Vec::new();
+        for (folder, camera) in matching.pairs {
+            let Some(folder) = folders.get_mut(folder).and_then(Option::take) else { continue };
+            listed.push(listing::files(folder, &cameras[camera].name)?);
+            used.push(cameras[camera].clone());
+        }
+        if used.len() == 1 {
+            warnings.push("one camera: depth comes from the prior only".into());
+        }
+
+        let (available, frames) = ranges(&listed, options)?;
+        for camera in &listed {
+            let numbers: Vec<u64> = camera.numbers().filter(|number| frames.contains(number)).collect();
+            warnings.extend(frame_number::holes(&camera.camera, &numbers).map(|warning| warning.to_string()));
+        }
+        let layout = match &options.layout {
+            Some(name) => named_layout(name)?,
+            None => {
+                let (layout, warning) = guess::layout(&listed, keypoints)?;
+                warnings.extend(warning);
+                layout
+            }
+        };
+        check_layout(&layout)?;
+        Ok(Self {
+            tallies: vec![Tally::default(); used.len()],
+            counted: vec![false; (frames.end - frames.start) as usize],
+            cameras: used,
+            files: listed,
+            layout,
+            confidence_scale: options.confidence_scale,
+            available,
+            frames,
+            warnings,
+        })
+    }
+
+    /// Cameras with keypoints, in the order of the calibration.
+    #[must_use]
+    pub fn cameras(&self) -> &[Camera] {
+        &self.cameras
+    }
+
+    /// Meaning of the keypoint indices.
+    #[must_use]
+    pub const fn layout(&self) -> &Layout {
+        &self.layout
+    }
+
+    /// Frames to be tracked.
+    #[must_use]
+    pub fn frames(&self) -> Range<u64> {
+        self.frames.clone()
+    }
+
+    /// Frames that exist, from which a set-up may take others than those to be tracked.
+    #[must_use]
+    pub fn available(&self) -> Range<u64> {
+        self.available.clone()
+    }
+
+    /// People in each camera's view, in the order of [`Recording::cameras`]; nobody where a camera has no file.
+    ///
+    /// # Errors
+    /// Files that cannot be read, or that [`openpose::read`] refuses.
+    pub fn frame(&mut self, number: u64) -> Result<Vec<Vec<Person>>, Error> {
+        let slot = number.checked_sub(self.frames.start).and_then(|i| self.counted.get_mut(usize::try_from(i).ok()?));
+        let count = slot.is_some_and(|counted| !std::mem::replace(counted, true));
+        let mut views = Vec::with_capacity(self.files.len());
+        for (files, tally) in self.files.iter().zip(&mut self.tallies) {
+            let frame = match files.path(number) {
+                Some(path) => Some(read_frame(&path, number, &self.layout, self.confidence_scale)?),
+                None => None,
+            };
+            if count {
+                tally.add(number, frame.as_ref());
+            }
+            views.push(frame.map(|frame| frame.people).unwrap_or_default());
+        }
+        Ok(views)
+    }
+
+    /// What is odd about the recording, as far as it was read.
+    #[must_use]
+    pub fn warnings(&self) -> Vec<String> {
+        let counted = self.cameras.iter().zip(&self.tallies).flat_map(|(camera, tally)| tally.warnings(&camera.name));
+        self.warnings.iter().cloned().chain(counted.map(|warning| warning.to_string())).collect()
+    }
+
+    /// Files and folders that the recording is read from.
+    #[must_use]
+    pub fn folders(&self) -> Vec<PathBuf> {
+        self.files.iter().map(|files| files.folder.clone()).collect()
+    }
+}
+
+fn read_frame(path: &Path, number: u64, layout: &Layout, confidence_scale: f64) -> Result<openpose::Frame, Error> {
+    let text = files::read_text(path, MAX_KEYPOINT_BYTES)?;
+    let options = openpose::Options { frame: Some(number), layout: Some(layout), confidence_scale };
+    Ok(openpose::read(&path.display().to_string(), &text, &options)?)
+}
+
+/// The cameras and folders of the names asked for.
+fn chosen(
+    cameras: Vec<Camera>,
+    folders: Vec<listing::Folder>,
+    names: Option<&[String]>,
+) -> Result<(Vec<Camera>, Vec<listing::Folder>), Error> {
+    let Some(names) = names else { return Ok((cameras, folders)) };
+    for name in names {
+        let wanted = camera_name::fold(name);
+        if !cameras.iter().any(|camera| camera_name::fold(&camera.name) == wanted) {
+            let known: Vec<&str> = cameras.iter().map(|camera| camera.name.as_str()).collect();
+            return Err(Error::Usage {
+                message: format!("no camera `{name}` in the calibration; calibrated: {}", known.join(", ")),
+                help: "give `--cameras` a list of these names, separated by commas".into(),
+            });
+        }
+        if !folders.iter().any(|folder| camera_name::fold(&folder.name) == wanted) {
+            let known: Vec<&str> = folders.iter().map(|folder| folder.name.as_str()).collect();
+            return Err(Error::Usage {
+                message: format!("no keypoints for camera `{name}`; folders: {}", known.join(", ")),
+                help: "leave the camera out of `--cameras`".into(),
+            });
+        }
+    }
+    let wanted: Vec<String> = names.iter().map(|name| camera_name::fold(name)).collect();
+    let keeps = |name: &str| wanted.contains(&camera_name::fold(name));
+    let cameras = cameras.into_iter().filter(|camera| keeps(&camera.name)).collect();
+    Ok((cameras, folders.into_iter().filter(|folder| keeps(&folder.name)).collect()))
+}
+
+/// Frames that exist and frames to be tracked.
+fn ranges(listed: &[CameraFiles], options: &Options) -> Result<(Range<u64>, Range<u64>), Error> {
+    let whole: Vec<(&str, Range<u64>)> = listed.iter().map(|files| (files.camera.as_str(), files.range())).collect();
+    let available = frame_number::common_range(&whole, true)?;
+    let frames = match &options.frames {
+        None => frame_number::common_range(&whole, options.trim)?,
+        Some(asked) => {
+            let cut = |range: &Range<u64>| {
+                let start = range.start.max(asked.start);
+                start..range.end.min(asked.end).max(start)
+            };
+            let cut: Vec<(&str, Range<u64>)> = whole.iter().map(|(name, range)| (*name, cut(range))).collect();
+            frame_number::common_range(&cut, options.trim)?
+        }
+    };
+    if frames.is_empty() {
+        let message = match &options.frames {
+            Some(asked) => format!(
+                "frames {}..{} were asked for; the recording has {}..{}",
+                asked.start, asked.end, available.start, available.end
+            ),
+            None => "no frame is in all cameras".into(),
+        };
+        return Err(Error::Input {
+            message,
+            help: Some("`--frames A..B` takes the numbers in the file names, A included, B not".into()),
+        });
+    }
+    let most = listed.iter().map(|files| files.len()).max().unwrap_or_default() as u64;
+    if frames.end - frames.start > 1000 * (most + 1) {
+        return Err(Error::Input {
+            message: format!(
+                "frame numbers run from {} to {}, but there are only {most} files a camera",
+                frames.start,
+                frames.end - 1
+            ),
+            help: Some("the last number in a file name must be the frame number, as in `cam01.0034.json`".into()),
+        });
+    }
+    Ok((available, frames))
+}
+
+fn named_layout(name: &str) -> Result<Layout, Error> {
+    let path = Path::new(name);
+    if path.extension().is_some_and(|extension| extension == "toml") {
+        let text = files::read_text(path, MAX_CONFIG_BYTES)?;
+        return Ok(layout::read(name, &text)?);
+    }
+    Ok(layout::find(name)?)
+}
+
+/// Points without which a body cannot be placed.
+const NEEDED: [(&str, &str); 4] =
+    [("LHip", "left hip"), ("RHip", "right hip"), ("LShoulder", "left shoulder"), ("RShoulder", "right shoulder")];
+
+fn check_layout(layout: &Layout) -> Result<(), Error> {
+    match NEEDED.iter().find(|(point, _)| layout.index(point).is_none()) {
+        None => Ok(()),
+        Some((point, words)) => Err(Error::Input {
+            message: format!("layout `{}` has no {words}; the model needs it", layout.name),
+            help: Some(format!("name the keypoint `{point}` in the mapping file")),
+        }),
+    }
+}
