@@ -16,6 +16,8 @@
 //! assert!((points[3 * head + 2] - 1.75).abs() < 1e-12);
 //! ```
 mod error;
+pub mod fit;
+pub mod initial;
 pub mod kinematics;
 pub mod standard;
 pub mod tree;

@@ -1,0 +1,281 @@
+//! Pose from points: nonlinear least squares on the joint angles by Levenberg–Marquardt.
+//!
+//! ```text
+//! min_q  Σ_k v_k ρ(|J_k − P_k(q)|) + λ |q − q_previous|²
+//! ```
+//!
+//! over the points k that were measured, with ρ the square or, beyond [`Config::huber_m`], Huber's continuation of it. Each step solves
+//! `(JᵀVJ + λ + μ diag) δ = JᵀV r − λ (q − q_previous)`; μ falls after a success and rises after a failure (Marquardt 1963; Nielsen's rule is not needed here).
+//! The starting pose comes from [`initial_pose`](crate::initial::initial_pose) or from the frame before.
+//!
+//! ```
+//! use sinew_body::{fit, initial::initial_pose, standard::h32, Plan, Proportions, point_positions};
+//! use sinew_core::lanes::Isa;
+//!
+//! let body = h32(&Proportions::default());
+//! let plan = Plan::with_all_points(&body);
+//! let mut truth = vec![0.1; body.dof()];
+//! truth[3] = 2.5; // heading
+//! let mut points = vec![0.0; 3 * plan.points()];
+//! point_positions(&plan, Isa::baseline(), &truth, &mut points);
+//!
+//! let targets: Vec<_> = points.chunks(3).map(|p| Some(fit::Target { position: [p[0], p[1], p[2]], weight: 1.0 })).collect();
+//! let start = initial_pose(&body, &targets).unwrap();
+//! let config = fit::Config { damping: 0.0, ..fit::Config::default() };
+//! let found = fit::fit_pose(&plan, &targets, &start, &config);
+//! assert!(found.rms_m < 1e-6);
+//! ```
+
+use crate::kinematics::{Plan, point_jacobian, point_positions};
+use nalgebra::{DMatrix, DVector};
+use sinew_core::lanes::Isa;
+
+/// Where a point was measured.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Target {
+    /// World position, metres.
+    pub position: [f64; 3],
+    /// Weight v of its squared distance.
+    pub weight: f64,
+}
+
+/// How to fit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Config {
+    /// λ: weight of the squared change of each degree of freedom since the previous pose.
+    pub damping: f64,
+    /// Distance from which on a point pulls with constant force, metres.
+    pub huber_m: f64,
+    /// Steps at most.
+    pub steps: usize,
+    /// The fit ends when a step changes no degree of freedom by more (radians, metres).
+    pub tolerance: f64,
+}
+
+impl Default for Config {
+    fn default() -> Self {
+        Self { damping: 1e-4, huber_m: f64::INFINITY, steps: 100, tolerance: 1e-9 }
+    }
+}
+
+/// A fitted pose.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Fit {
+    /// The state.
+    pub pose: Vec<f64>,
+    /// Root of the weighted mean squared distance over the measured points, metres; NaN without any.
+    pub rms_m: f64,
+    /// Steps taken.
+    pub steps: usize,
+    /// Whether the last step was below the tolerance.
+    pub converged: bool,
+}
+
+/// Instruction set for fitting: the one that every machine has, so that a fit is the same everywhere.
+const ISA: Isa = Isa::baseline();
+
+const FIRST_MU: f64 = 1e-3;
+const LARGEST_MU: f64 = 1e12;
+
+/// Fits the pose to the measured points (one entry per point of the plan; `None` and non-finite ones do not count), starting from and damped towards `previous`.
+///
+/// Entries beyond the plan's points and degrees of freedom are ignored; a short `previous` counts as zeros.
+#[must_use]
+pub fn fit_pose(plan: &Plan, targets: &[Option<Target>], previous: &[f64], config: &Config) -> Fit {
+    let dof = plan.dof();
+    let mut previous = previous.to_vec();
+    previous.resize(dof, 0.0);
+    let targets: Vec<(usize, Target)> = measured(targets).filter(|(k, _)| *k < plan.points()).collect();
+    let n = 3 * plan.points();
+    let (mut positions, mut jacobian) = (vec![0.0; n], vec![0.0; n * dof]);
+    let mut pose = previous.clone();
+    point_jacobian(plan, ISA, &pose, &mut positions, &mut jacobian);
+    let mut cost = total(&targets, &positions, &pose, &previous, config);
+    let mut mu = FIRST_MU;
+    let (mut steps, mut converged) = (0, false);
+    let (mut normal, mut gradient) = equations(&targets, &positions, &jacobian, &pose, &previous, config);
+    while steps < config.steps && mu < LARGEST_MU {
+        steps += 1;
+        let mut damped = normal.clone();
+        for j in 0..dof {
+            // Degrees of freedom that no point tells anything about get a unit of their own.
+            damped[(j, j)] += mu * normal[(j, j)].max(1e-6);
+        }
+        let Some(step) = damped.cholesky().map(|c| c.solve(&gradient)) else {
+            mu *= 10.0;
+            continue;
+        };
+        let next: Vec<f64> = pose.iter().zip(step.iter()).map(|(q, d)| q + d).collect();
+        point_positions(plan, ISA, &next, &mut positions);
+        let next_cost = total(&targets, &positions, &next, &previous, config);
+        if !(next_cost <= cost) {
+            mu *= 4.0;
+            continue;
+        }
+        pose = next;
+        cost = next_cost;
+        mu = (0.2 * mu).max(1e-12);
+        if step.amax() < config.tolerance {
+            converged = true;
+            break;
+        }
+        point_jacobian(plan, ISA, &pose, &mut positions, &mut jacobian);
+        (normal, gradient) = equations(&targets, &positions, &jacobian, &pose, &previous, config);
+    }
+    converged |= mu >= LARGEST_MU;
+    point_positions(plan, ISA, &pose, &mut positions);
+    Fit { rms_m: rms(&targets, &positions), pose, steps, converged }
+}
+
+/// The measured points with their indices.
+pub(crate) fn measured(targets: &[Option<Target>]) -> impl Iterator<Item = (usize, Target)> + '_ {
+    let usable = |t: &Target| t.weight > 0.0 && t.weight.is_finite() && t.position.iter().all(|x| x.is_finite());
+    targets.iter().enumerate().filter_map(move |(k, t)| t.filter(usable).map(|t| (k, t)))
+}
+
+fn distance(positions: &[f64], k: usize, target: &Target) -> f64 {
+    (0..3).map(|a| (target.position[a] - positions[3 * k + a]).powi(2)).sum::<f64>().sqrt()
+}
+
+fn total(targets: &[(usize, Target)], positions: &[f64], pose: &[f64], previous: &[f64], config: &Config) -> f64 {
+    let points: f64 = targets
+        .iter()
+        .map(|(k, target)| {
+            let d = distance(positions, *k, target);
+            let h = config.huber_m;
+            target.weight * if d <= h { d * d } else { h * (2.0 * d - h) }
+        })
+        .sum();
+    points + config.damping * pose.iter().zip(previous).map(|(a, b)| (a - b).powi(2)).sum::<f64>()
+}
+
+fn equations(
+    targets: &[(usize, Target)],
+    positions: &[f64],
+    jacobian: &[f64],
+    pose: &[f64],
+    previous: &[f64],
+    config: &Config,
+) -> (DMatrix<f64>, DVector<f64>) {
+    let dof = pose.len();
+    let mut rows = DMatrix::zeros(dof, 3 * targets.len());
+    let mut residual = DVector::zeros(3 * targets.len());
+    for (i, (k, target)) in targets.iter().enumerate() {
+        let share = (config.huber_m / distance(positions, *k, target)).min(1.0);
+        let root = (target.weight * share).sqrt();
+        for a in 0..3 {
+            let row = (3 * k + a) * dof;
+            for j in 0..dof {
+                rows[(j, 3 * i + a)] = root * jacobian[row + j];
+            }
+            residual[3 * i + a] = root * (target.position[a] - positions[3 * k + a]);
+        }
+    }
+    let mut normal = &rows * rows.transpose();
+    let mut gradient = &rows * residual;
+    for j in 0..dof {
+        normal[(j, j)] += config.damping;
+        gradient[j] -= config.damping * (pose[j] - previous[j]);
+    }
+    (normal, gradient)
+}
+
+fn rms(targets: &[(usize, Target)], positions: &[f64]) -> f64 {
+    let weight: f64 = targets.iter().map(|(_, t)| t.weight).sum();
+    (targets.iter().map(|(k, t)| t.weight * distance(positions, *k, t).powi(2)).sum::<f64>() / weight).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::initial::initial_pose;
+    use crate::standard::{Proportions, cf28, h32};
+    use crate::tree::KinematicTree;
+
+    fn targets(plan: &Plan, q: &[f64]) -> Vec<Option<Target>> {
+        let mut p = vec![0.0; 3 * plan.points()];
+        point_positions(plan, Isa::best(), q, &mut p);
+        p.chunks(3).map(|p| Some(Target { position: [p[0], p[1], p[2]], weight: 1.0 })).collect()
+    }
+
+    fn walking(tree: &KinematicTree, heading: f64) -> Vec<f64> {
+        let mut q = vec![0.0; tree.dof()];
+        q[..6].copy_from_slice(&[0.3, -1.2, 1.0, heading, 0.1, -0.1]);
+        for (name, value) in [
+            ("l_upper_arm.ry", 0.9),
+            ("l_upper_arm.rx", -0.4),
+            ("l_forearm.rx", 0.8),
+            ("r_upper_arm.ry", -1.2),
+            ("r_upper_arm.rx", 0.7),
+            ("r_forearm.rx", 0.3),
+            ("l_thigh.rx", 0.6),
+            ("l_shin.rx", -0.7),
+            ("r_thigh.rx", -0.2),
+            ("r_thigh.ry", -0.1),
+            ("r_shin.rx", -0.1),
+            ("girdle.rz", 0.1),
+            ("pelvis.rz", -0.1),
+        ] {
+            let names = tree.dof_names();
+            let j = names.iter().position(|n| n == name).expect("a degree of freedom of the body");
+            q[j] = value;
+        }
+        q
+    }
+
+    /// K15, from every heading.
+    #[test]
+    fn a_body_is_fitted_to_its_own_points_from_any_heading() {
+        for tree in [cf28(&Proportions::default()), h32(&Proportions::default())] {
+            let plan = Plan::with_all_points(&tree);
+            for heading in 0..12 {
+                let truth = walking(&tree, 0.55 * f64::from(heading) - 3.0);
+                let targets = targets(&plan, &truth);
+                let start = initial_pose(&tree, &targets).unwrap();
+                let found = fit_pose(&plan, &targets, &start, &Config { damping: 0.0, ..Config::default() });
+                assert!(found.converged && found.rms_m < 1e-6, "heading {heading}: {} m", found.rms_m);
+                let elbow = tree.first_dof(tree.link_index("l_forearm").unwrap());
+                assert!((found.pose[elbow] - 0.8).abs() < 1e-4, "{}", found.pose[elbow]);
+            }
+        }
+    }
+
+    #[test]
+    fn missing_points_leave_the_rest_in_place() {
+        let tree = h32(&Proportions::default());
+        let plan = Plan::with_all_points(&tree);
+        let truth = walking(&tree, 1.0);
+        let mut few = targets(&plan, &truth);
+        for name in ["LWrist", "RKnee", "Nose", "LEar", "RHeel"] {
+            few[tree.point_index(name).unwrap()] = None;
+        }
+        few[0] = Some(Target { position: [f64::NAN; 3], weight: 1.0 });
+        let found = fit_pose(&plan, &few, &initial_pose(&tree, &few).unwrap(), &Config::default());
+        assert!(found.rms_m < 2e-3, "{}", found.rms_m);
+        let none = fit_pose(&plan, &vec![None; plan.points()], &truth, &Config::default());
+        assert_eq!(none.pose, truth);
+        assert!(none.rms_m.is_nan());
+    }
+
+    #[test]
+    fn one_wrong_point_moves_a_robust_fit_little() {
+        let tree = h32(&Proportions::default());
+        let plan = Plan::with_all_points(&tree);
+        let truth = walking(&tree, -2.0);
+        let mut wrong = targets(&plan, &truth);
+        let hip = tree.point_index("RHip").unwrap();
+        if let Some(t) = &mut wrong[hip] {
+            t.position[0] += 0.5;
+        }
+        let mut expected = vec![0.0; 3 * plan.points()];
+        point_positions(&plan, Isa::best(), &truth, &mut expected);
+        let moved = |huber_m| {
+            let found = fit_pose(&plan, &wrong, &truth, &Config { huber_m, damping: 1e-6, ..Config::default() });
+            let mut at = vec![0.0; 3 * plan.points()];
+            point_positions(&plan, Isa::best(), &found.pose, &mut at);
+            at.iter().zip(&expected).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+        };
+        let (squares, robust) = (moved(f64::INFINITY), moved(0.005));
+        assert!(robust < 0.02 && squares > 5.0 * robust, "{robust} m, {squares} m with squares");
+    }
+}
