@@ -1,1 +1,39 @@
-//! Crate.
+//! Samplers on plain targets: log weights, resampling, particle verbs, moments, Hamiltonian Monte Carlo and its tuning.
+//!
+//! Nothing here knows of frames, bodies or cameras: a target is a [`sinew_core::density::LogDensity`], with a gradient where one is needed. A verb is a free function on
+//! [`particles::Particles`]; a Markov kernel is usable alone. Diagnostics of chains are re-exported from [`sinew_core::diagnostics`].
+//!
+//! ```
+//! use sinew_core::density::Lanes;
+//! use sinew_core::kernel::MarkovKernel;
+//! use sinew_core::lanes::Isa;
+//! use sinew_core::random::Stage;
+//! use sinew_core::toy::Quadratic;
+//! use sinew_samplers::hmc::Hmc;
+//! use sinew_samplers::one_chain::OneChain;
+//!
+//! let isa = Isa::best();
+//! let target = Lanes { leaf: Quadratic { centre: vec![1.0, -2.0], precision: vec![1.0, 25.0] }, isa };
+//! let mut kernel = OneChain::new(target, Hmc::new(0.8, &[1.0, 25.0], 4, 0.2, isa)?);
+//! let mut rng = Stage::new(1, "example").whole();
+//! let mut state = [1.0, -2.0];
+//! let mut sum = 0.0;
+//! for _ in 0..2000 {
+//!     kernel.step(&mut state, &mut rng);
+//!     sum += state[1];
+//! }
+//! assert!((sum / 2000.0 + 2.0).abs() < 0.03);
+//! # Ok::<(), sinew_samplers::Error>(())
+//! ```
+pub mod curvature;
+mod error;
+pub mod hmc;
+pub mod moments;
+pub mod one_chain;
+pub mod particles;
+pub mod resample;
+pub mod tuning;
+pub mod weights;
+
+pub use error::Error;
+pub use sinew_core::diagnostics;

@@ -1,0 +1,149 @@
+//! Mean, covariance and a covariance shrunk towards its diagonal, of weighted states in blocks.
+//!
+//! m = Σ W_i s_i and C = Σ W_i (s_i − m)(s_i − m)ᵀ / (1 − 1 / n_eff), where n_eff is the effective number of draws (1 / Σ W² of independent weighted states, n / τ of chains).
+//!
+//! Shrinkage (Schäfer & Strimmer 2005, target "diagonal, unequal variance"): the off-diagonal entries are multiplied by 1 − λ,
+//! λ = min(1, Σ_{i≠j} Var(r_ij) / Σ_{i≠j} r_ij²), with the correlations r_ij and the large-sample value Var(r) = (1 − r²)² / (n_eff − 1). Variances are not touched. With λ > 0 the result
+//! is positive definite where all variances are positive.
+
+use sinew_core::lanes::{Block, Isa, Kernel, LANES, Real, dispatch};
+use sinew_core::transition::Moments;
+
+/// Weighted mean of `weights.len()` states; the weights add up to 1.
+#[must_use]
+pub fn mean(states: &[Block], dim: usize, weights: &[f64]) -> Vec<f64> {
+    let mut sum = vec![Block::ZERO; dim];
+    for (states, weights) in states.chunks_exact(dim).zip(weights.chunks(LANES)) {
+        let w = padded(weights);
+        for (sum, x) in sum.iter_mut().zip(states) {
+            for lane in 0..LANES {
+                sum.0[lane] += w.0[lane] * x.0[lane];
+            }
+        }
+    }
+    sum.iter().map(|b| b.0.iter().sum()).collect()
+}
+
+fn padded(weights: &[f64]) -> Block {
+    let mut w = Block::ZERO;
+    w.0[..weights.len()].copy_from_slice(weights);
+    w
+}
+
+struct Outer<'a> {
+    states: &'a [Block],
+    weight: &'a Block,
+    mean: &'a [f64],
+    centred: &'a mut [Block],
+    sum: &'a mut [Block],
+}
+
+impl Kernel<Block> for Outer<'_> {
+    type Out = ();
+    #[inline(always)]
+    fn run<V: Real<Mem = Block>>(self) {
+        let d = self.mean.len();
+        let (states, centred) = (&self.states[..d], &mut self.centred[..d]);
+        let w = V::load(self.weight);
+        let mut row = &mut self.sum[..];
+        for i in 0..d {
+            let x = V::load(&states[i]) - V::splat(self.mean[i]);
+            x.store(&mut centred[i]);
+            let wx = x * w;
+            let (this, rest) = row.split_at_mut(i + 1);
+            row = rest;
+            for (s, c) in this.iter_mut().zip(&*centred) {
+                wx.fma(V::load(c), V::load(s)).store(s);
+            }
+        }
+    }
+}
+
+/// Mean and covariance of `weights.len()` states that are worth `effective` independent ones.
+#[must_use]
+pub fn moments(isa: Isa, states: &[Block], dim: usize, weights: &[f64], effective: f64) -> Moments {
+    let mean = mean(states, dim, weights);
+    let mut sum = vec![Block::ZERO; dim * (dim + 1) / 2];
+    let mut centred = vec![Block::ZERO; dim];
+    for (states, weights) in states.chunks_exact(dim).zip(weights.chunks(LANES)) {
+        let weight = &padded(weights);
+        dispatch(isa, Outer { states, weight, mean: &mean, centred: &mut centred, sum: &mut sum });
+    }
+    let unbiased = if effective > 1.0 { 1.0 / (1.0 - 1.0 / effective) } else { 1.0 };
+    let mut covariance = vec![0.0; dim * dim];
+    let mut entries = sum.iter().map(|b| unbiased * b.0.iter().sum::<f64>());
+    for i in 0..dim {
+        for (j, entry) in (0..=i).zip(&mut entries) {
+            covariance[i * dim + j] = entry;
+            covariance[j * dim + i] = entry;
+        }
+    }
+    Moments { mean, covariance }
+}
+
+/// Shrinks the covariance of `effective` independent draws towards its diagonal and returns λ.
+pub fn shrink(moments: &mut Moments, effective: f64) -> f64 {
+    let d = moments.mean.len();
+    let c = &mut moments.covariance;
+    let (mut uncertain, mut squares) = (0.0, 0.0);
+    for i in 0..d {
+        for j in 0..i {
+            let scale = c[i * d + i] * c[j * d + j];
+            let r2 = if scale > 0.0 { (c[i * d + j] * c[i * d + j] / scale).min(1.0) } else { 0.0 };
+            uncertain += (1.0 - r2) * (1.0 - r2) / (effective - 1.0);
+            squares += r2;
+        }
+    }
+    let known = effective > 1.0 && uncertain < squares;
+    let lambda = if known { uncertain / squares } else { 1.0 };
+    for i in 0..d {
+        for j in (0..d).filter(|&j| j != i) {
+            c[i * d + j] *= 1.0 - lambda;
+        }
+    }
+    lambda
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn moments_match_the_sums_written_out() {
+        let states: Vec<[f64; 2]> = (0..11).map(|i| [f64::from(i * i % 7), f64::from(i) - 3.0]).collect();
+        let raw: Vec<f64> = (0..11).map(|i| f64::from(1 + i % 3)).collect();
+        let total: f64 = raw.iter().sum();
+        let weights: Vec<f64> = raw.iter().map(|w| w / total).collect();
+        let mut blocks = vec![Block::splat(1e9); 4];
+        for (i, s) in states.iter().enumerate() {
+            blocks[i / LANES * 2].0[i % LANES] = s[0];
+            blocks[i / LANES * 2 + 1].0[i % LANES] = s[1];
+        }
+        let effective = crate::weights::effective_number(&weights);
+        for isa in Isa::available() {
+            let got = moments(isa, &blocks, 2, &weights, effective);
+            let mean = |k: usize| states.iter().zip(&weights).map(|(s, w)| w * s[k]).sum::<f64>();
+            let cov = |k: usize, l: usize| {
+                states.iter().zip(&weights).map(|(s, w)| w * (s[k] - mean(k)) * (s[l] - mean(l))).sum::<f64>()
+                    / (1.0 - 1.0 / effective)
+            };
+            assert!((got.mean[1] - mean(1)).abs() < 1e-13);
+            for (k, l) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
+                assert!((got.covariance[k * 2 + l] - cov(k, l)).abs() < 1e-12);
+            }
+        }
+    }
+
+    #[test]
+    fn shrinkage_falls_with_the_number_of_draws_and_leaves_variances() {
+        let start = || Moments { mean: vec![0.0; 2], covariance: vec![4.0, 1.0, 1.0, 1.0] };
+        let (mut few, mut many, mut one) = (start(), start(), start());
+        let lambdas = (shrink(&mut few, 20.0), shrink(&mut many, 2000.0), shrink(&mut one, 1.0));
+        // r² = 1/4: Var(r) = (9/16) / 19, λ = that over 1/4.
+        assert!((lambdas.0 - 9.0 / 4.0 / 19.0).abs() < 1e-15);
+        assert!(lambdas.1 < 0.01 && lambdas.2 == 1.0);
+        assert_eq!((few.covariance[0], few.covariance[3]), (4.0, 1.0));
+        assert_eq!(few.covariance[1], 1.0 - lambdas.0);
+        assert_eq!(one.covariance[1], 0.0);
+    }
+}

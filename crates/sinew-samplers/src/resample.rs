@@ -1,0 +1,182 @@
+//! Resampling: from weights to the ancestors of `n` new states.
+//!
+//! | scheme | rule | counts |
+//! |---|---|---|
+//! | [`multinomial`] | u_k independent uniforms | binomial(n, W_i) |
+//! | [`residual`] | ⌊n W_i⌋ copies, the rest multinomial on what remains (Liu & Chen 1998) | ≥ ⌊n W_i⌋ |
+//! | [`stratified`] | u_k = (k + U_k) / n (Kitagawa 1996) | mean n W_i |
+//! | [`systematic`] | u_k = (k + U) / n, one U (Carpenter, Clifford & Fearnhead 1999) | ⌊n W_i⌋ or ⌈n W_i⌉ |
+//!
+//! The ancestor of u is the least j with W_1 + … + W_j ≥ u. All four keep E[count_i] = n W_i. Ancestors come *sorted*, so that a gather walks through memory: the multinomial ones by drawing sorted uniforms
+//! from exponential spacings (Devroye 1986, V.3.1). Where two independently resampled sub-vectors are later paired by index, permute one of them.
+//!
+//! [`keep_once_refill`] (Husz, Wallace & Green 2007: "only the highest 80 % survive") is biased on purpose.
+//!
+//! Weights need not be normalised; they must be finite, not negative and not all zero, as [`crate::weights::normalise`] makes them. A weight of zero has no offspring.
+//!
+//! ```
+//! use sinew_core::random::Stage;
+//! use sinew_samplers::resample::systematic;
+//! let ancestors = systematic(&[0.5, 0.25, 0.25], 4, &mut Stage::new(1, "example").whole());
+//! assert_eq!(ancestors, [0, 0, 1, 2]);
+//! ```
+
+use rand::Rng;
+
+/// Indices of the states from which the new ones come.
+pub type Ancestors = Vec<usize>;
+
+/// Choice of an unbiased scheme.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Scheme {
+    /// [`multinomial`], what all four papers use.
+    #[default]
+    Multinomial,
+    /// [`residual`].
+    Residual,
+    /// [`stratified`].
+    Stratified,
+    /// [`systematic`].
+    Systematic,
+}
+
+impl Scheme {
+    /// Draws `n` ancestors by this scheme.
+    pub fn ancestors(self, weights: &[f64], n: usize, rng: &mut impl Rng) -> Ancestors {
+        match self {
+            Self::Multinomial => multinomial(weights, n, rng),
+            Self::Residual => residual(weights, n, rng),
+            Self::Stratified => stratified(weights, n, rng),
+            Self::Systematic => systematic(weights, n, rng),
+        }
+    }
+}
+
+/// Uniform in (0, 1), never an end.
+fn uniform(rng: &mut impl Rng) -> f64 {
+    ((rng.next_u64() >> 12) as f64 + 0.5) / (1_u64 << 52) as f64
+}
+
+/// Ancestors of ascending positions in (0, n), where state i covers n W_i. The running sum keeps its whole part apart, so that its error does not grow with it.
+fn walk(weights: &[f64], n: usize, mut position: impl FnMut(usize) -> f64) -> Ancestors {
+    let scale = n as f64 / weights.iter().sum::<f64>();
+    let mut ancestors = Vec::with_capacity(n);
+    let (mut whole, mut fraction) = (0.0, 0.0);
+    let mut next = if n > 0 { position(0) } else { 0.0 };
+    let mut last = 0;
+    for (i, &weight) in weights.iter().enumerate() {
+        if weight > 0.0 {
+            last = i;
+        }
+        fraction += weight * scale;
+        let carry = f64::floor(fraction);
+        whole += carry;
+        fraction -= carry;
+        while ancestors.len() < n && next - whole <= fraction {
+            ancestors.push(i);
+            if ancestors.len() < n {
+                next = position(ancestors.len());
+            }
+        }
+    }
+    ancestors.resize(n, last);
+    ancestors
+}
+
+/// Independent draws with probabilities proportional to the weights.
+pub fn multinomial(weights: &[f64], n: usize, rng: &mut impl Rng) -> Ancestors {
+    let spacings: Vec<f64> = (0..=n).map(|_| -uniform(rng).ln()).collect();
+    let scale = n as f64 / spacings.iter().sum::<f64>();
+    let mut sum = 0.0;
+    walk(weights, n, |k| {
+        sum += spacings[k];
+        sum * scale
+    })
+}
+
+/// One draw from each of `n` equal strata.
+pub fn stratified(weights: &[f64], n: usize, rng: &mut impl Rng) -> Ancestors {
+    walk(weights, n, |k| k as f64 + uniform(rng))
+}
+
+/// A comb of `n` equal teeth with one random offset.
+pub fn systematic(weights: &[f64], n: usize, rng: &mut impl Rng) -> Ancestors {
+    let offset = uniform(rng);
+    walk(weights, n, |k| k as f64 + offset)
+}
+
+/// The whole part of each expected count, the rest at random.
+pub fn residual(weights: &[f64], n: usize, rng: &mut impl Rng) -> Ancestors {
+    let scale = n as f64 / weights.iter().sum::<f64>();
+    // The factor keeps an expected count that is whole but for rounding whole.
+    let copies = |w: f64| (w * scale * (1.0 + 1e-13)).floor();
+    let rest: Vec<f64> = weights.iter().map(|&w| (w * scale - copies(w)).max(0.0)).collect();
+    let mut ancestors: Ancestors =
+        weights.iter().enumerate().flat_map(|(i, &w)| std::iter::repeat_n(i, copies(w) as usize)).take(n).collect();
+    let missing = n - ancestors.len();
+    if missing > 0 {
+        ancestors.extend(multinomial(&rest, missing, rng));
+        ancestors.sort_unstable();
+    }
+    ancestors
+}
+
+/// The highest `surviving` share of the states (rounded up; of equals the lower index) keep their slots once; the freed slots are refilled from the survivors, systematically by weight.
+/// The new states have equal weights. Not unbiased: it keeps variety. Not sorted: survivors stay where they are.
+pub fn keep_once_refill(weights: &[f64], surviving: f64, rng: &mut impl Rng) -> Ancestors {
+    let n = weights.len();
+    let survivors = ((surviving * n as f64 - 1e-9).ceil() as usize).clamp(n.min(1), n);
+    let mut order: Vec<usize> = (0..n).collect();
+    order.sort_by(|&a, &b| weights[b].total_cmp(&weights[a]));
+    let freed = order.split_off(survivors);
+    let mut kept = weights.to_vec();
+    for &slot in &freed {
+        kept[slot] = 0.0;
+    }
+    let mut ancestors: Ancestors = (0..n).collect();
+    let mut slots = freed;
+    slots.sort_unstable();
+    for (slot, ancestor) in slots.iter().zip(systematic(&kept, slots.len(), rng)) {
+        ancestors[*slot] = ancestor;
+    }
+    ancestors
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use sinew_core::random::Stage;
+
+    const SCHEMES: [Scheme; 4] = [Scheme::Multinomial, Scheme::Residual, Scheme::Stratified, Scheme::Systematic];
+
+    /// R4.
+    #[test]
+    fn zeros_single_weights_and_equal_weights() {
+        let mut rng = Stage::new(4, "R4").whole();
+        for scheme in SCHEMES {
+            assert_eq!(scheme.ancestors(&[0.0, 1.0, 0.0], 5, &mut rng), [1; 5]);
+            assert_eq!(scheme.ancestors(&[0.3], 3, &mut rng), [0; 3]);
+            assert_eq!(scheme.ancestors(&[0.2, 0.8], 1, &mut rng).len(), 1);
+            assert!(scheme.ancestors(&[0.2, 0.8], 0, &mut rng).is_empty());
+            for n in [1, 7, 49, 1000, 100_000] {
+                let ancestors = scheme.ancestors(&vec![1.0 / n as f64; n], n, &mut rng);
+                assert_eq!(ancestors.len(), n);
+                if matches!(scheme, Scheme::Systematic | Scheme::Stratified | Scheme::Residual) {
+                    assert!(ancestors.iter().copied().eq(0..n), "{scheme:?}, {n} equal weights");
+                }
+            }
+        }
+    }
+
+    /// R5.
+    #[test]
+    fn keep_once_refill_keeps_the_highest_share_in_place() {
+        let weights = [0.05, 0.3, 0.01, 0.2, 0.02, 0.1, 0.05, 0.2, 0.02, 0.05];
+        let ancestors = keep_once_refill(&weights, 0.8, &mut Stage::new(5, "R5").whole());
+        // The two lowest are 2 (0.01) and, of the two with 0.02, the one of higher index.
+        for i in (0..10).filter(|i| ![2, 8].contains(i)) {
+            assert_eq!(ancestors[i], i);
+        }
+        assert!(ancestors.iter().all(|a| ![2, 8].contains(a)));
+    }
+}
