@@ -13,6 +13,7 @@
 //! | [`bvh`] | skeleton and joint angles (Blender) | yes | yes |
 //! | [`tidy_csv`], [`point_table`] | tables with the unit in every column name | yes | yes |
 //! | [`body_toml`] | kinematic trees of our own | yes | yes |
+//! | [`zarr`] | draws and statistics (ArviZ, xarray) | – | yes |
 //! | [`asf`], [`amc`] | Acclaim skeleton and motion | yes | – |
 //!
 //! ```
@@ -53,6 +54,7 @@ pub mod tidy_csv;
 mod toml_text;
 pub mod trc;
 mod warning;
+pub mod zarr;
 
 pub use error::Error;
 pub use layout::Layout;

@@ -1,0 +1,292 @@
+//! Streams frames into a store.
+
+use super::metadata::{self, Element};
+use super::{CHUNK_FRAMES, DataType, FRAME, Group, Labels, Schema, Store, Values, Variable};
+use serde_json::{Map, Value};
+use std::collections::BTreeSet;
+use std::io;
+
+/// Name of the coordinate that holds the seconds of the frames.
+const TIME: &str = "time";
+
+/// Writes a store frame by frame.
+pub struct Writer<S> {
+    store: S,
+    attributes: Map<String, Value>,
+    /// Documents that never change, by path.
+    fixed: Map<String, Value>,
+    /// Arrays over `frame`: for each group its variables, then `frame` and `time`.
+    growing: Vec<Growing>,
+    /// Where the coordinates `frame` and `time` are among the growing arrays.
+    is_time: Vec<Option<Time>>,
+    frames: usize,
+}
+
+#[derive(Clone, Copy, PartialEq)]
+enum Time {
+    Number,
+    Seconds,
+}
+
+/// An array over `frame` with its open chunk.
+struct Growing {
+    path: String,
+    variable: Variable,
+    /// Number of elements in the dimensions before and after `frame`.
+    outer: usize,
+    inner: usize,
+    /// Shape with 1 for `frame`.
+    shape: Vec<usize>,
+    frame_axis: usize,
+    chunk: Vec<u8>,
+}
+
+impl<S: Store> Writer<S> {
+    /// Checks the schema and writes everything that does not grow.
+    ///
+    /// # Errors
+    /// Those of the store; `InvalidInput` for dimensions without labels, names that are used twice or cannot be part of
+    /// a path, growing variables without `frame`, constants with it or of another size.
+    pub fn create(mut store: S, schema: Schema) -> io::Result<Self> {
+        let mut fixed = Map::new();
+        let mut growing = Vec::new();
+        let mut is_time = Vec::new();
+        let Schema { dimensions, attributes, groups } = schema;
+        let labels = |name: &str| {
+            let found = dimensions.get(name).filter(|labels| !labels.is_empty());
+            found.ok_or_else(|| invalid(format!("dimension `{name}` has no labels")))
+        };
+        let mut paths = BTreeSet::new();
+        let mut claim = |path: &str| {
+            let odd = path.split('/').any(|part| part.is_empty() || part.starts_with('.') || part.starts_with("__"));
+            if odd || path.contains(char::is_control) || !paths.insert(path.to_owned()) {
+                return Err(invalid(format!("`{path}` cannot be a path in a store, or is there twice")));
+            }
+            Ok(())
+        };
+        for group in groups {
+            claim(&group.name)?;
+            fixed.insert(group.name.clone(), metadata::group(&group.attributes));
+            for name in coordinates(&group) {
+                let path = format!("{}/{name}", group.name);
+                claim(&path)?;
+                let labels = labels(&name)?;
+                let (element, bytes) = match labels {
+                    Labels::Count(count) => {
+                        let bytes = (0..*count as i64).flat_map(i64::to_le_bytes).collect();
+                        (Element::Number(DataType::Int64), bytes)
+                    }
+                    Labels::Names(names) => (Element::Text, vlen_utf8(names)?),
+                };
+                let shape = [labels.len()];
+                store.put(&format!("{path}/c/0"), &bytes)?;
+                fixed.insert(path, metadata::array(element, &shape, &shape, &[name], &Map::new()));
+            }
+            for constant in &group.constants {
+                let Variable { name, dimensions, data_type, attributes } = &constant.variable;
+                let path = format!("{}/{name}", group.name);
+                claim(&path)?;
+                let sizes = dimensions.iter().map(|name| Ok(labels(name)?.len()));
+                let shape = sizes.collect::<io::Result<Vec<usize>>>()?;
+                if dimensions.iter().any(|name| name == FRAME)
+                    || shape.iter().product::<usize>() != constant.values.len()
+                {
+                    return Err(invalid(format!(
+                        "`{path}` has {} values for the shape {shape:?}",
+                        constant.values.len()
+                    )));
+                }
+                let key = shape.iter().fold(format!("{path}/c"), |key, _| key + "/0");
+                let bytes: Vec<u8> = constant.values.iter().flat_map(|&value| encoded(*data_type, value)).collect();
+                store.put(&key, &bytes)?;
+                let element = Element::Number(*data_type);
+                fixed.insert(path, metadata::array(element, &shape, &shape, dimensions, attributes));
+            }
+            let streams = !group.variables.is_empty();
+            let times = [(FRAME, DataType::Int64, Time::Number), (TIME, DataType::Float64, Time::Seconds)];
+            let times = times.into_iter().filter(|_| streams).map(|(name, data_type, time)| {
+                let variable = Variable::new(name, &[FRAME], data_type);
+                (if time == Time::Seconds { variable.with_attribute("units", "s") } else { variable }, Some(time))
+            });
+            let variables =
+                group.variables.into_iter().map(|variable| (variable.with_attribute("coordinates", TIME), None));
+            for (variable, time) in variables.chain(times) {
+                let path = format!("{}/{}", group.name, variable.name);
+                claim(&path)?;
+                let size = |name: &String| if name == FRAME { Ok(1) } else { labels(name).map(Labels::len) };
+                let shape = variable.dimensions.iter().map(size).collect::<io::Result<Vec<usize>>>()?;
+                growing.push(Growing::new(path, variable, shape)?);
+                is_time.push(time);
+            }
+        }
+        let mut writer = Self { store, attributes, fixed, growing, is_time, frames: 0 };
+        for (path, document) in &writer.fixed {
+            writer.store.put(&format!("{path}/zarr.json"), &metadata::bytes(document))?;
+        }
+        writer.store.put("zarr.json", &metadata::bytes(&metadata::group(&writer.attributes)))?;
+        writer.put_growing_metadata()?;
+        Ok(writer)
+    }
+
+    /// Frames pushed so far.
+    #[must_use]
+    pub const fn frames(&self) -> usize {
+        self.frames
+    }
+
+    /// Appends a frame: its number, its time, and the values of every growing variable in the order of the schema.
+    ///
+    /// # Errors
+    /// Those of the store; `InvalidInput` for values that are too many, too few or of the wrong kind. The frame is then
+    /// not counted.
+    pub fn push(&mut self, number: i64, time_s: f64, values: &[Values<'_>]) -> io::Result<()> {
+        let expected = self.is_time.iter().filter(|time| time.is_none()).count();
+        if values.len() != expected {
+            return Err(invalid(format!("{} variables given, the store has {expected}", values.len())));
+        }
+        let place = self.frames % CHUNK_FRAMES;
+        let mut given = values.iter();
+        for (array, time) in self.growing.iter_mut().zip(&self.is_time) {
+            match time {
+                Some(Time::Number) => array.set(place, Values::Integers(&[number]))?,
+                Some(Time::Seconds) => array.set(place, Values::Numbers(&[time_s]))?,
+                None => given.next().map_or(Ok(()), |&values| array.set(place, values))?,
+            }
+        }
+        self.frames += 1;
+        if self.frames.is_multiple_of(CHUNK_FRAMES) { self.flush() } else { Ok(()) }
+    }
+
+    /// Writes the open chunk, shapes and consolidated metadata, and gives the store back.
+    ///
+    /// # Errors
+    /// Those of the store.
+    pub fn finish(mut self) -> io::Result<S> {
+        if !self.frames.is_multiple_of(CHUNK_FRAMES) {
+            self.flush()?;
+        }
+        let mut nodes = std::mem::take(&mut self.fixed);
+        nodes.extend(self.growing.iter().map(|array| (array.path.clone(), array.metadata(self.frames))));
+        let root = metadata::consolidated_root(&self.attributes, nodes);
+        self.store.put("zarr.json", &metadata::bytes(&root))?;
+        Ok(self.store)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        let chunk = self.frames.saturating_sub(1) / CHUNK_FRAMES;
+        for array in &mut self.growing {
+            self.store.put(&array.key(chunk), &array.chunk)?;
+            array.clear();
+        }
+        self.put_growing_metadata()
+    }
+
+    fn put_growing_metadata(&mut self) -> io::Result<()> {
+        for array in &self.growing {
+            self.store.put(&format!("{}/zarr.json", array.path), &metadata::bytes(&array.metadata(self.frames)))?;
+        }
+        Ok(())
+    }
+}
+
+impl Growing {
+    fn new(path: String, variable: Variable, shape: Vec<usize>) -> io::Result<Self> {
+        let mut frame_axes = variable.dimensions.iter().enumerate().filter(|(_, name)| *name == FRAME).map(|(i, _)| i);
+        let (Some(frame_axis), None) = (frame_axes.next(), frame_axes.next()) else {
+            return Err(invalid(format!("`{path}` must have the dimension `frame` once")));
+        };
+        let outer = shape.iter().take(frame_axis).product();
+        let inner = shape.iter().skip(frame_axis).product();
+        let mut array = Self { path, variable, outer, inner, shape, frame_axis, chunk: Vec::new() };
+        array.clear();
+        Ok(array)
+    }
+
+    fn clear(&mut self) {
+        let elements = self.outer * CHUNK_FRAMES * self.inner;
+        let fill = match self.variable.data_type {
+            DataType::Float32 | DataType::Float64 => f64::NAN,
+            DataType::Int64 | DataType::Bool => 0.0,
+        };
+        let fill: Vec<u8> = encoded(self.variable.data_type, fill).collect();
+        self.chunk = fill.repeat(elements);
+    }
+
+    fn set(&mut self, place: usize, values: Values<'_>) -> io::Result<()> {
+        let expected = self.outer * self.inner;
+        let data_type = self.variable.data_type;
+        let fits = match (values, data_type) {
+            (Values::Numbers(_), DataType::Float32 | DataType::Float64) => true,
+            (Values::Integers(_), DataType::Int64) | (Values::Flags(_), DataType::Bool) => true,
+            _ => false,
+        };
+        if !fits || values.len() != expected {
+            return Err(invalid(format!("`{}` takes {expected} values as {data_type:?} a frame", self.path)));
+        }
+        let bytes: Vec<u8> = match values {
+            Values::Numbers(values) => values.iter().flat_map(|&value| encoded(data_type, value)).collect(),
+            Values::Integers(values) => values.iter().flat_map(|value| value.to_le_bytes()).collect(),
+            Values::Flags(values) => values.iter().map(|&flag| u8::from(flag)).collect(),
+        };
+        let row = bytes.len() / self.outer;
+        let slabs = self.chunk.chunks_exact_mut(CHUNK_FRAMES * row);
+        for (slab, new) in slabs.zip(bytes.chunks_exact(row)) {
+            slab.iter_mut().skip(place * row).zip(new).for_each(|(slot, byte)| *slot = *byte);
+        }
+        Ok(())
+    }
+
+    fn key(&self, chunk: usize) -> String {
+        let mut key = format!("{}/c", self.path);
+        for axis in 0..self.shape.len() {
+            key.push('/');
+            key.push_str(&if axis == self.frame_axis { chunk } else { 0 }.to_string());
+        }
+        key
+    }
+
+    fn metadata(&self, frames: usize) -> Value {
+        let with_frames = |frames: usize| {
+            let mut shape = self.shape.clone();
+            shape.iter_mut().skip(self.frame_axis).take(1).for_each(|size| *size = frames);
+            shape
+        };
+        let Variable { dimensions, data_type, attributes, .. } = &self.variable;
+        let element = Element::Number(*data_type);
+        metadata::array(element, &with_frames(frames), &with_frames(CHUNK_FRAMES), dimensions, attributes)
+    }
+}
+
+/// Dimensions of a group but `frame`, each once.
+fn coordinates(group: &Group) -> Vec<String> {
+    let variables = group.variables.iter().chain(group.constants.iter().map(|constant| &constant.variable));
+    let names: BTreeSet<&String> = variables.flat_map(|variable| &variable.dimensions).collect();
+    names.into_iter().filter(|name| *name != FRAME).cloned().collect()
+}
+
+fn encoded(data_type: DataType, value: f64) -> impl Iterator<Item = u8> + Clone {
+    let (bytes, length) = match data_type {
+        DataType::Float32 => {
+            let [a, b, c, d] = (value as f32).to_le_bytes();
+            ([a, b, c, d, 0, 0, 0, 0], 4)
+        }
+        DataType::Float64 => (value.to_le_bytes(), 8),
+        DataType::Int64 => ((value as i64).to_le_bytes(), 8),
+        DataType::Bool => ([u8::from(value != 0.0), 0, 0, 0, 0, 0, 0, 0], 1),
+    };
+    bytes.into_iter().take(length)
+}
+
+fn vlen_utf8(names: &[String]) -> io::Result<Vec<u8>> {
+    let length = |n: usize| u32::try_from(n).map_err(|_| invalid("too many or too long names".into()));
+    let mut out = length(names.len())?.to_le_bytes().to_vec();
+    for name in names {
+        out.extend(length(name.len())?.to_le_bytes());
+        out.extend(name.as_bytes());
+    }
+    Ok(out)
+}
+
+fn invalid(what: String) -> io::Error {
+    io::Error::new(io::ErrorKind::InvalidInput, what)
+}
