@@ -1,7 +1,7 @@
 //! Forward kinematics and the backward sweep over lanes.
 //!
 //! A [`Plan`] is a [`KinematicTree`] flattened for evaluation: topological arrays, points sorted by link, every link's translations before its rotations (a link
-//! written otherwise becomes two). It works in a caller's workspace, on one state or on a block of eight:
+//! written otherwise becomes two). It works in a caller's workspace, divided into [`Sections`], on one state or on a block of eight:
 //!
 //! 1. [`Plan::forward`] stores for each link its axes (columns of `R`) and origin `p`, for each degree of freedom its world axis `u`, for each point its position `P`.
 //! 2. The caller puts a force `g = ∂E/∂P` on each point, and [`Plan::pullback`] returns `∂E/∂q`. With f and n the force and moment about the *world* origin
@@ -20,7 +20,6 @@
 use crate::tree::{Axis, Joint, KinematicTree};
 use sinew_core::elementary::sin_cos;
 use sinew_core::lanes::{Block, Isa, Kernel, Real, dispatch, dispatch_one};
-use std::ops::Range;
 
 /// Vector of three lanes.
 pub type V3<V> = [V; 3];
@@ -71,118 +70,118 @@ fn cross_sub<V: Real>(a: V3<V>, b: V3<V>, c: V3<V>) -> V3<V> {
 }
 
 #[inline(always)]
-fn load3<V: Real>(m: &[V::Mem], at: usize) -> V3<V> {
-    let m = &m[at..at + 3];
+fn load3<V: Real>(m: &[V::Mem; 3]) -> V3<V> {
     [V::load(&m[0]), V::load(&m[1]), V::load(&m[2])]
 }
 
 #[inline(always)]
-fn store3<V: Real>(v: V3<V>, m: &mut [V::Mem], at: usize) {
-    let m = &mut m[at..at + 3];
+fn store3<V: Real>(v: V3<V>, m: &mut [V::Mem; 3]) {
     v[0].store(&mut m[0]);
     v[1].store(&mut m[1]);
     v[2].store(&mut m[2]);
-}
-
-#[derive(Clone, Copy, Debug)]
-struct PlanJoint {
-    axis: Axis,
-    dof: usize,
 }
 
 #[derive(Clone, Debug)]
 struct PlanLink {
     parent: Option<usize>,
     offset: [f64; 3],
-    translations: Range<usize>,
-    rotations: Range<usize>,
-    points: Range<usize>,
+    translations: usize,
+    rotations: usize,
+    points: usize,
     has_children: bool,
-}
-
-#[derive(Clone, Debug)]
-struct PlanPoint {
-    offset: [f64; 3],
-    /// Position in the caller's order.
-    slot: usize,
 }
 
 /// A kinematic tree flattened for lane kernels.
 #[derive(Clone, Debug)]
 pub struct Plan {
     links: Vec<PlanLink>,
-    joints: Vec<PlanJoint>,
-    points: Vec<PlanPoint>,
-    dof: usize,
+    /// Axis of each degree of freedom, in state order: link by link, translations before rotations.
+    axes: Vec<Axis>,
+    /// Offset of each point, link by link.
+    offsets: Vec<[f64; 3]>,
+    /// The caller's index of each point, in the same order.
+    order: Vec<usize>,
 }
 
-// Workspace: 12 numbers a link (three columns, origin), 3 a degree of freedom (axis), 3 a point (position),
-// 6 a point (force or information), 21 a link (force and moment, or the upper triangle of S).
-const LINK: usize = 12;
-const AXIS: usize = 3;
-const POSITION: usize = 3;
-const LOAD: usize = 6;
-const SUM: usize = 21;
+const FRAME: usize = 12;
+const FORCE: usize = 6;
+const INERTIA: usize = 21;
+
+/// A workspace divided among links, degrees of freedom and points. Points stand in the order of [`Plan::order`].
+#[derive(Debug)]
+pub struct Sections<'a, M> {
+    /// Three axes and origin of each link that has children; of the others the origin only.
+    frames: &'a mut [[M; FRAME]],
+    /// World axis of each degree of freedom.
+    axes: &'a mut [[M; 3]],
+    /// World position of each point, metres; set by [`Plan::forward`].
+    pub positions: &'a mut [[M; 3]],
+    /// Force `∂E/∂P` on each point; read by [`Plan::pullback`].
+    pub forces: &'a mut [[M; 3]],
+    /// Information matrix (xx, xy, xz, yy, yz, zz) of each point; read by [`Plan::gauss_newton_diagonal`].
+    pub information: &'a mut [[M; 6]],
+    /// Force and moment about the world origin, of each link and what is below it.
+    totals: &'a mut [[M; FORCE]],
+    /// S of each link: upper triangle of the moment block, the mixed block, upper triangle of the force block.
+    inertias: &'a mut [[M; INERTIA]],
+}
+
+fn divide<'a, M, const N: usize>(ws: &mut &'a mut [M], count: usize) -> &'a mut [[M; N]] {
+    let (taken, rest) = std::mem::take(ws).split_at_mut(count * N);
+    *ws = rest;
+    taken.as_chunks_mut().0
+}
 
 impl Plan {
-    /// Flattens a tree with the points of the given indices, in that order.
+    /// Flattens a tree with the points of the given indices.
     ///
     /// # Panics
     /// If an index is not that of a point of the tree.
     #[must_use]
     pub fn new(tree: &KinematicTree, points: &[usize]) -> Self {
-        let mut plan = Self { links: vec![], joints: vec![], points: vec![], dof: tree.dof() };
+        let mut plan = Self { links: vec![], axes: vec![], offsets: vec![], order: vec![] };
         let mut last_segment: Vec<usize> = Vec::with_capacity(tree.links().len());
         for (index, link) in tree.links().iter().enumerate() {
             let mut parent = link.parent.map(|p| last_segment[p]);
             let mut offset = link.offset;
-            let mut rest: Vec<PlanJoint> = vec![];
-            let mut kinds = link.joints.iter().enumerate().peekable();
+            let mut joints = link.joints.iter().peekable();
             loop {
-                let first = plan.joints.len();
-                rest.clear();
-                while let Some((j, Joint::Translate(axis))) = kinds.peek().copied() {
-                    plan.joints.push(PlanJoint { axis: *axis, dof: tree.first_dof(index) + j });
-                    kinds.next();
+                let before = plan.axes.len();
+                while let Some(Joint::Translate(axis)) = joints.peek() {
+                    plan.axes.push(*axis);
+                    joints.next();
                 }
-                let middle = plan.joints.len();
-                while let Some((j, Joint::Rotate(axis))) = kinds.peek().copied() {
-                    plan.joints.push(PlanJoint { axis: *axis, dof: tree.first_dof(index) + j });
-                    kinds.next();
+                let translations = plan.axes.len() - before;
+                while let Some(Joint::Rotate(axis)) = joints.peek() {
+                    plan.axes.push(*axis);
+                    joints.next();
                 }
+                let rotations = plan.axes.len() - before - translations;
                 if let Some(p) = parent {
                     plan.links[p].has_children = true;
                 }
-                plan.links.push(PlanLink {
-                    parent,
-                    offset,
-                    translations: first..middle,
-                    rotations: middle..plan.joints.len(),
-                    points: 0..0,
-                    has_children: false,
-                });
+                plan.links.push(PlanLink { parent, offset, translations, rotations, points: 0, has_children: false });
                 parent = Some(plan.links.len() - 1);
                 offset = [0.0; 3];
-                if kinds.peek().is_none() {
+                if joints.peek().is_none() {
                     break;
                 }
             }
-            last_segment.push(plan.links.len() - 1);
-        }
-        for (index, &segment) in last_segment.iter().enumerate() {
-            let first = plan.points.len();
-            for (slot, &p) in points.iter().enumerate() {
+            let segment = plan.links.len() - 1;
+            last_segment.push(segment);
+            for (k, &p) in points.iter().enumerate() {
                 let point = &tree.points()[p];
                 if point.link == index {
-                    plan.points.push(PlanPoint { offset: point.offset, slot });
+                    plan.offsets.push(point.offset);
+                    plan.order.push(k);
+                    plan.links[segment].points += 1;
                 }
             }
-            plan.links[segment].points = first..plan.points.len();
         }
         plan
     }
 
-    /// Flattens a tree with all its points, in their order.
+    /// Flattens a tree with all its points.
     #[must_use]
     pub fn with_all_points(tree: &KinematicTree) -> Self {
         Self::new(tree, &(0..tree.points().len()).collect::<Vec<_>>())
@@ -191,203 +190,181 @@ impl Plan {
     /// Number of degrees of freedom.
     #[must_use]
     pub const fn dof(&self) -> usize {
-        self.dof
+        self.axes.len()
     }
 
     /// Number of points.
     #[must_use]
     pub const fn points(&self) -> usize {
-        self.points.len()
+        self.order.len()
+    }
+
+    /// For each point of a workspace its index among the points that the plan was made with.
+    #[must_use]
+    pub fn order(&self) -> &[usize] {
+        &self.order
     }
 
     /// Numbers (or blocks) of scratch that the methods need.
     #[must_use]
     pub const fn workspace(&self) -> usize {
-        (LINK + SUM) * self.links.len() + AXIS * self.joints.len() + (POSITION + LOAD) * self.points.len()
+        (FRAME + FORCE + INERTIA) * self.links.len() + 3 * self.axes.len() + (3 + 3 + 6) * self.order.len()
     }
 
-    const fn axes_at(&self) -> usize {
-        LINK * self.links.len()
-    }
-    const fn positions_at(&self) -> usize {
-        self.axes_at() + AXIS * self.joints.len()
-    }
-    const fn loads_at(&self) -> usize {
-        self.positions_at() + POSITION * self.points.len()
-    }
-    const fn sums_at(&self) -> usize {
-        self.loads_at() + LOAD * self.points.len()
+    /// Divides a workspace.
+    ///
+    /// # Panics
+    /// If it is shorter than [`Plan::workspace`].
+    #[inline(always)]
+    pub fn sections<'a, M>(&self, mut ws: &'a mut [M]) -> Sections<'a, M> {
+        let ws = &mut ws;
+        Sections {
+            frames: divide(ws, self.links.len()),
+            axes: divide(ws, self.axes.len()),
+            positions: divide(ws, self.order.len()),
+            forces: divide(ws, self.order.len()),
+            information: divide(ws, self.order.len()),
+            totals: divide(ws, self.links.len()),
+            inertias: divide(ws, self.links.len()),
+        }
     }
 
     /// Computes all link frames and point positions at `q`; with `AXES` also what [`Plan::pullback`] needs.
     #[inline(always)]
-    pub fn forward<V: Real, const AXES: bool>(&self, q: &[V::Mem], ws: &mut [V::Mem]) {
-        let q = &q[..self.dof];
-        let ws = &mut ws[..self.workspace()];
-        let (links, rest) = ws.split_at_mut(self.axes_at());
-        let (axes, rest) = rest.split_at_mut(self.positions_at() - self.axes_at());
-        let (positions, _) = rest.split_at_mut(self.loads_at() - self.positions_at());
+    pub fn forward<V: Real, const AXES: bool>(&self, q: &[V::Mem], s: &mut Sections<'_, V::Mem>) {
+        let mut joints = self.axes.iter().zip(q).zip(s.axes.iter_mut());
+        let mut points = self.offsets.iter().zip(s.positions.iter_mut());
+        let (zero, one) = (V::splat(0.0), V::splat(1.0));
         for (index, link) in self.links.iter().enumerate() {
-            let zero = V::splat(0.0);
-            let one = V::splat(1.0);
             let [mut cx, mut cy, mut cz] = [[one, zero, zero], [zero, one, zero], [zero, zero, one]];
             let mut p = v3!(K => V::splat(link.offset[K]));
             if let Some(parent) = link.parent {
-                let at = LINK * parent;
-                cx = load3::<V>(links, at);
-                cy = load3::<V>(links, at + 3);
-                cz = load3::<V>(links, at + 6);
-                p = moved::<V>(load3::<V>(links, at + 9), cx, cy, cz, &link.offset);
+                let frame = &s.frames[parent];
+                cx = v3!(K => V::load(&frame[K]));
+                cy = v3!(K => V::load(&frame[3 + K]));
+                cz = v3!(K => V::load(&frame[6 + K]));
+                p = moved::<V>(v3!(K => V::load(&frame[9 + K])), cx, cy, cz, &link.offset);
             }
-            for j in link.translations.clone() {
-                let joint = self.joints[j];
-                let x = V::load(&q[joint.dof]);
-                let u = match joint.axis {
+            for ((axis, q), stored) in joints.by_ref().take(link.translations) {
+                let u = match axis {
                     Axis::X => cx,
                     Axis::Y => cy,
                     Axis::Z => cz,
                 };
+                let x = V::load(q);
                 p = v3!(K => x.fma(u[K], p[K]));
                 if AXES {
-                    store3(u, axes, AXIS * j);
+                    store3(u, stored);
                 }
             }
-            for j in link.rotations.clone() {
-                let joint = self.joints[j];
-                let (s, c) = sin_cos(V::load(&q[joint.dof]));
+            for ((axis, q), stored) in joints.by_ref().take(link.rotations) {
+                let (sin, cos) = sin_cos(V::load(q));
                 let u;
-                match joint.axis {
+                match axis {
                     Axis::X => {
                         u = cx;
-                        (cy, cz) = turned(cy, cz, s, c);
+                        (cy, cz) = turned(cy, cz, sin, cos);
                     }
                     Axis::Y => {
                         u = cy;
-                        (cz, cx) = turned(cz, cx, s, c);
+                        (cz, cx) = turned(cz, cx, sin, cos);
                     }
                     Axis::Z => {
                         u = cz;
-                        (cx, cy) = turned(cx, cy, s, c);
+                        (cx, cy) = turned(cx, cy, sin, cos);
                     }
                 }
                 if AXES {
-                    store3(u, axes, AXIS * j);
+                    store3(u, stored);
                 }
             }
-            let at = LINK * index;
-            if link.has_children {
-                store3(cx, links, at);
-                store3(cy, links, at + 3);
-                store3(cz, links, at + 6);
+            for (offset, position) in points.by_ref().take(link.points) {
+                store3(moved::<V>(p, cx, cy, cz, offset), position);
             }
-            store3(p, links, at + 9);
-            for k in link.points.clone() {
-                let point = &self.points[k];
-                store3(moved::<V>(p, cx, cy, cz, &point.offset), positions, POSITION * point.slot);
+            let frame = &mut s.frames[index];
+            if link.has_children {
+                for k in 0..3 {
+                    cx[k].store(&mut frame[k]);
+                    cy[k].store(&mut frame[3 + k]);
+                    cz[k].store(&mut frame[6 + k]);
+                }
+            }
+            for k in 0..3 {
+                p[k].store(&mut frame[9 + k]);
             }
         }
-    }
-
-    /// World position of a point, metres, after [`Plan::forward`].
-    #[inline(always)]
-    pub fn position<V: Real>(&self, ws: &[V::Mem], point: usize) -> V3<V> {
-        load3::<V>(ws, self.positions_at() + POSITION * point)
-    }
-
-    /// Puts the force `∂E/∂P` on a point.
-    #[inline(always)]
-    pub fn set_force<V: Real>(&self, ws: &mut [V::Mem], point: usize, force: V3<V>) {
-        store3(force, ws, self.loads_at() + LOAD * point);
     }
 
     /// Turns the forces on all points into `∂E/∂q`, after [`Plan::forward`] with axes.
     #[inline(always)]
-    pub fn pullback<V: Real>(&self, ws: &mut [V::Mem], grad: &mut [V::Mem]) {
-        let grad = &mut grad[..self.dof];
-        let ws = &mut ws[..self.workspace()];
-        let (links, rest) = ws.split_at_mut(self.axes_at());
-        let (axes, rest) = rest.split_at_mut(self.positions_at() - self.axes_at());
-        let (positions, rest) = rest.split_at_mut(self.loads_at() - self.positions_at());
-        let (loads, sums) = rest.split_at_mut(self.sums_at() - self.loads_at());
-        let none = [V::splat(0.0); 3];
-        for (index, link) in self.links.iter().enumerate() {
+    pub fn pullback<V: Real>(&self, s: &mut Sections<'_, V::Mem>, grad: &mut [V::Mem]) {
+        let mut joints = s.axes.iter().zip(grad.iter_mut()).rev();
+        let mut points = s.positions.iter().zip(s.forces.iter()).rev();
+        let none = V::splat(0.0);
+        for (link, total) in self.links.iter().zip(s.totals.iter_mut()) {
             if link.has_children {
-                store3(none, sums, SUM * index);
-                store3(none, sums, SUM * index + 3);
+                for x in total {
+                    none.store(x);
+                }
             }
         }
         for (index, link) in self.links.iter().enumerate().rev() {
-            let (mut f, mut n) = (none, none);
+            let (mut f, mut n) = ([none; 3], [none; 3]);
             if link.has_children {
-                f = load3::<V>(sums, SUM * index);
-                n = load3::<V>(sums, SUM * index + 3);
+                let total = &s.totals[index];
+                f = v3!(K => V::load(&total[K]));
+                n = v3!(K => V::load(&total[3 + K]));
             }
-            for k in link.points.clone() {
-                let slot = self.points[k].slot;
-                let g = load3::<V>(loads, LOAD * slot);
+            for (position, force) in points.by_ref().take(link.points) {
+                let g = load3::<V>(force);
                 f = v3!(K => f[K] + g[K]);
-                n = cross_add(load3::<V>(positions, POSITION * slot), g, n);
+                n = cross_add(load3::<V>(position), g, n);
             }
-            for j in link.translations.clone() {
-                dot(load3::<V>(axes, AXIS * j), f).store(&mut grad[self.joints[j].dof]);
-            }
-            if !link.rotations.is_empty() {
-                let m = cross_sub(load3::<V>(links, LINK * index + 9), f, n);
-                for j in link.rotations.clone() {
-                    dot(load3::<V>(axes, AXIS * j), m).store(&mut grad[self.joints[j].dof]);
+            if link.rotations > 0 {
+                let frame = &s.frames[index];
+                let m = cross_sub(v3!(K => V::load(&frame[9 + K])), f, n);
+                for (axis, out) in joints.by_ref().take(link.rotations) {
+                    dot(load3::<V>(axis), m).store(out);
                 }
             }
+            for (axis, out) in joints.by_ref().take(link.translations) {
+                dot(load3::<V>(axis), f).store(out);
+            }
             if let Some(parent) = link.parent {
-                let at = SUM * parent;
-                let (f0, n0) = (load3::<V>(sums, at), load3::<V>(sums, at + 3));
-                store3(v3!(K => f0[K] + f[K]), sums, at);
-                store3(v3!(K => n0[K] + n[K]), sums, at + 3);
+                let total = &mut s.totals[parent];
+                for k in 0..3 {
+                    (V::load(&total[k]) + f[k]).store(&mut total[k]);
+                    (V::load(&total[3 + k]) + n[k]).store(&mut total[3 + k]);
+                }
             }
         }
-    }
-
-    /// Puts a symmetric information matrix (xx, xy, xz, yy, yz, zz) on a point.
-    #[inline(always)]
-    pub fn set_information<V: Real>(&self, ws: &mut [V::Mem], point: usize, m: [V; 6]) {
-        let at = self.loads_at() + LOAD * point;
-        store3([m[0], m[1], m[2]], ws, at);
-        store3([m[3], m[4], m[5]], ws, at + 3);
     }
 
     /// Turns the information on all points into the diagonal of the Gauss–Newton matrix, after [`Plan::forward`] with axes.
     #[inline(always)]
-    pub fn gauss_newton_diagonal<V: Real>(&self, ws: &mut [V::Mem], diagonal: &mut [V::Mem]) {
-        let ws = &mut ws[..self.workspace()];
-        let (links, rest) = ws.split_at_mut(self.axes_at());
-        let (axes, rest) = rest.split_at_mut(self.positions_at() - self.axes_at());
-        let (positions, rest) = rest.split_at_mut(self.loads_at() - self.positions_at());
-        let (loads, sums) = rest.split_at_mut(self.sums_at() - self.loads_at());
-        for sum in sums.iter_mut() {
-            V::splat(0.0).store(sum);
+    pub fn gauss_newton_diagonal<V: Real>(&self, s: &mut Sections<'_, V::Mem>, diagonal: &mut [V::Mem]) {
+        let mut joints = s.axes.iter().zip(diagonal.iter_mut()).rev();
+        let mut points = s.positions.iter().zip(s.information.iter()).rev();
+        let none = [V::splat(0.0); 3];
+        for x in s.inertias.iter_mut().flatten() {
+            V::splat(0.0).store(x);
         }
         for (index, link) in self.links.iter().enumerate().rev() {
-            let sum = &mut sums[SUM * index..SUM * (index + 1)];
-            for k in link.points.clone() {
-                let slot = self.points[k].slot;
-                let m0 = load3::<V>(loads, LOAD * slot);
-                let m1 = load3::<V>(loads, LOAD * slot + 3);
-                add_point(sum, load3::<V>(positions, POSITION * slot), [m0, m1]);
+            let inertia = &mut s.inertias[index];
+            for (position, information) in points.by_ref().take(link.points) {
+                add_point::<V>(inertia, load3::<V>(position), information);
             }
-            for j in link.translations.clone() {
-                let u = load3::<V>(axes, AXIS * j);
-                let none = [V::splat(0.0); 3];
-                quadratic_form(sum, none, u).store(&mut diagonal[self.joints[j].dof]);
+            for (axis, out) in joints.by_ref().take(link.rotations) {
+                let u = load3::<V>(axis);
+                let origin = v3!(K => V::load(&s.frames[index][9 + K]));
+                quadratic_form(inertia, u, cross_add(origin, u, none)).store(out);
             }
-            for j in link.rotations.clone() {
-                let u = load3::<V>(axes, AXIS * j);
-                let zero = [V::splat(0.0); 3];
-                let v = cross_add(load3::<V>(links, LINK * index + 9), u, zero);
-                quadratic_form(sum, u, v).store(&mut diagonal[self.joints[j].dof]);
+            for (axis, out) in joints.by_ref().take(link.translations) {
+                quadratic_form(inertia, none, load3::<V>(axis)).store(out);
             }
             if let Some(parent) = link.parent {
-                let (above, below) = sums.split_at_mut(SUM * index);
-                let above = &mut above[SUM * parent..SUM * (parent + 1)];
-                for (a, b) in above.iter_mut().zip(&below[..SUM]) {
+                let below = s.inertias[index];
+                for (a, b) in s.inertias[parent].iter_mut().zip(&below) {
                     (V::load(a) + V::load(b)).store(a);
                 }
             }
@@ -414,58 +391,40 @@ fn turned<V: Real>(a: V3<V>, b: V3<V>, s: V, c: V) -> (V3<V>, V3<V>) {
     (v3!(K => s.fma(b[K], c * a[K])), v3!(K => s.fnma(a[K], c * b[K])))
 }
 
-/// Adds `Bᵀ M B` of a point to the upper triangle (moment–moment, moment–force, force–force) of S: 6 + 9 + 6 numbers.
+/// Adds `Bᵀ M B` of a point to S.
 #[inline(always)]
-fn add_point<V: Real>(sum: &mut [V::Mem], p: V3<V>, m: [V3<V>; 2]) {
-    let sum = &mut sum[..SUM];
+fn add_point<V: Real>(s: &mut [V::Mem; INERTIA], p: V3<V>, information: &[V::Mem; 6]) {
     let zero = [V::splat(0.0); 3];
-    let rows = [[m[0][0], m[0][1], m[0][2]], [m[0][1], m[1][0], m[1][1]], [m[0][2], m[1][1], m[1][2]]];
-    // Row i of [P]× M has as its columns P × (column of M); [P]× M [P]×ᵀ follows by the same product on rows.
+    let m = |i: usize| V::load(&information[i]);
+    let rows = [[m(0), m(1), m(2)], [m(1), m(3), m(4)], [m(2), m(4), m(5)]];
     let columns = [cross_add(p, rows[0], zero), cross_add(p, rows[1], zero), cross_add(p, rows[2], zero)];
     let mixed = v3!(I => v3!(J => columns[J][I]));
     let moment = [cross_add(p, mixed[0], zero), cross_add(p, mixed[1], zero), cross_add(p, mixed[2], zero)];
-    let all = [
-        moment[0][0],
-        moment[0][1],
-        moment[0][2],
-        moment[1][1],
-        moment[1][2],
-        moment[2][2],
-        mixed[0][0],
-        mixed[0][1],
-        mixed[0][2],
-        mixed[1][0],
-        mixed[1][1],
-        mixed[1][2],
-        mixed[2][0],
-        mixed[2][1],
-        mixed[2][2],
-        rows[0][0],
-        rows[0][1],
-        rows[0][2],
-        rows[1][1],
-        rows[1][2],
-        rows[2][2],
-    ];
-    for (s, x) in sum.iter_mut().zip(all) {
-        (V::load(s) + x).store(s);
+    let triangle = |a: [V3<V>; 3]| [a[0][0], a[0][1], a[0][2], a[1][1], a[1][2], a[2][2]];
+    let mut add = |at: usize, x: V| (V::load(&s[at]) + x).store(&mut s[at]);
+    for (i, x) in triangle(moment).into_iter().enumerate() {
+        add(i, x);
+    }
+    for (i, x) in mixed.into_iter().flatten().enumerate() {
+        add(6 + i, x);
+    }
+    for (i, x) in triangle(rows).into_iter().enumerate() {
+        add(15 + i, x);
     }
 }
 
 /// `(w, v)ᵀ S (w, v)` for the twist with angular part `w` and linear part `v`.
 #[inline(always)]
-fn quadratic_form<V: Real>(sum: &[V::Mem], w: V3<V>, v: V3<V>) -> V {
-    let sum = &sum[..SUM];
+fn quadratic_form<V: Real>(s: &[V::Mem; INERTIA], w: V3<V>, v: V3<V>) -> V {
+    let m = |i: usize| V::load(&s[i]);
+    let two = V::splat(2.0);
     let symmetric = |at: usize, x: V3<V>| {
-        let two = V::splat(2.0);
-        let a = load3::<V>(sum, at);
-        let b = load3::<V>(sum, at + 3);
-        let diagonal = (b[2] * x[2]).fma(x[2], (b[0] * x[1]).fma(x[1], a[0] * x[0] * x[0]));
-        let off = (b[1] * x[1]).fma(x[2], (a[2] * x[0]).fma(x[2], a[1] * x[0] * x[1]));
+        let diagonal = (m(at + 5) * x[2]).fma(x[2], (m(at + 3) * x[1]).fma(x[1], m(at) * x[0] * x[0]));
+        let off = (m(at + 4) * x[1]).fma(x[2], (m(at + 2) * x[0]).fma(x[2], m(at + 1) * x[0] * x[1]));
         two.fma(off, diagonal)
     };
-    let rows = v3!(I => dot(load3::<V>(sum, 6 + 3 * I), v));
-    V::splat(2.0).fma(dot(w, rows), symmetric(0, w) + symmetric(15, v))
+    let row = |i: usize| dot([m(6 + 3 * i), m(7 + 3 * i), m(8 + 3 * i)], v);
+    two.fma(dot(w, [row(0), row(1), row(2)]), symmetric(0, w) + symmetric(15, v))
 }
 
 struct Positions<'a, M> {
@@ -479,10 +438,12 @@ impl<M: Copy> Kernel<M> for Positions<'_, M> {
     type Out = ();
     #[inline(always)]
     fn run<V: Real<Mem = M>>(self) {
-        self.plan.forward::<V, false>(self.q, self.ws);
-        let at = self.plan.positions_at();
-        let n = POSITION * self.plan.points();
-        self.out[..n].copy_from_slice(&self.ws[at..at + n]);
+        let mut s = self.plan.sections(self.ws);
+        self.plan.forward::<V, false>(self.q, &mut s);
+        let (out, _) = self.out.as_chunks_mut::<3>();
+        for (position, &k) in s.positions.iter().zip(self.plan.order()) {
+            out[k] = *position;
+        }
     }
 }
 
@@ -509,17 +470,17 @@ impl Kernel<f64> for Jacobian<'_> {
     fn run<V: Real<Mem = f64>>(self) {
         let plan = self.plan;
         let mut ws = vec![0.0; plan.workspace()];
-        plan.forward::<V, true>(self.q, &mut ws);
-        let n = POSITION * plan.points();
-        self.positions[..n].copy_from_slice(&ws[plan.positions_at()..plan.positions_at() + n]);
-        for k in 0..plan.points() {
+        let mut s = plan.sections(&mut ws);
+        plan.forward::<V, true>(self.q, &mut s);
+        s.forces.fill([0.0; 3]);
+        let (out, _) = self.positions.as_chunks_mut::<3>();
+        for (i, &k) in plan.order().iter().enumerate() {
+            out[k] = s.positions[i];
             for axis in 0..3 {
-                for other in 0..plan.points() {
-                    let unit = |i: usize| V::splat(if other == k && i == axis { 1.0 } else { 0.0 });
-                    plan.set_force::<V>(&mut ws, other, [unit(0), unit(1), unit(2)]);
-                }
-                let row = (3 * k + axis) * plan.dof;
-                plan.pullback::<V>(&mut ws, &mut self.jacobian[row..row + plan.dof]);
+                s.forces[i][axis] = 1.0;
+                let row = (3 * k + axis) * plan.dof();
+                plan.pullback::<V>(&mut s, &mut self.jacobian[row..row + plan.dof()]);
+                s.forces[i][axis] = 0.0;
             }
         }
     }

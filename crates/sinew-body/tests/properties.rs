@@ -52,12 +52,10 @@ impl Kernel<Block> for Diagonal<'_> {
     #[inline(always)]
     fn run<V: Real<Mem = Block>>(self) {
         let mut ws = vec![Block::ZERO; self.0.workspace()];
-        self.0.forward::<V, true>(self.1, &mut ws);
-        for k in 0..self.0.points() {
-            let s = |x| V::splat(x);
-            self.0.set_information(&mut ws, k, [s(2.0), s(0.5), s(-0.3), s(1.0), s(0.1), s(3.0)]);
-        }
-        self.0.gauss_newton_diagonal::<V>(&mut ws, self.2);
+        let mut s = self.0.sections(&mut ws);
+        self.0.forward::<V, true>(self.1, &mut s);
+        s.information.fill([2.0, 0.5, -0.3, 1.0, 0.1, 3.0].map(Block::splat));
+        self.0.gauss_newton_diagonal::<V>(&mut s, self.2);
     }
 }
 

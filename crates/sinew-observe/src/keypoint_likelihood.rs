@@ -114,7 +114,7 @@ pub struct KeypointLikelihood {
     plan: Arc<Plan>,
     lenses: Vec<Lens>,
     sightings: Vec<Sighting>,
-    /// Sightings of point k: `sightings[first[k]..first[k + 1]]`.
+    /// Sightings of point k in the plan's order: `sightings[first[k]..first[k + 1]]`.
     first: Vec<usize>,
     noise: Noise,
     constant: f64,
@@ -157,7 +157,7 @@ impl ObservationModel for KeypointModel {
         let mut sightings = vec![];
         let mut first = vec![0];
         let mut constant = 0.0;
-        for k in 0..self.plan.points() {
+        for &k in self.plan.order() {
             let seen: Vec<(usize, Detection)> = frame
                 .detections
                 .iter()
@@ -282,11 +282,13 @@ impl LaneDensity for KeypointLikelihood {
         /// Factors of the likelihood whose product cannot underflow before its logarithm is taken.
         const FACTORS: usize = 16;
         let plan = &*self.plan;
-        plan.forward::<V, GRAD>(x, ws);
+        let mut sections = plan.sections(ws);
+        plan.forward::<V, GRAD>(x, &mut sections);
         let s = |x: f64| V::splat(x);
         let mut value = s(self.constant);
-        for (k, range) in self.first.windows(2).enumerate() {
-            let p = plan.position::<V>(ws, k);
+        let points = sections.positions.iter().zip(sections.forces.iter_mut());
+        for (range, (position, force_out)) in self.first.windows(2).zip(points) {
+            let p = [V::load(&position[0]), V::load(&position[1]), V::load(&position[2])];
             let mut force = [s(0.0); 3];
             for sightings in self.sightings[range[0]..range[1]].chunks(FACTORS) {
                 let mut product = s(1.0);
@@ -324,11 +326,13 @@ impl LaneDensity for KeypointLikelihood {
                 value = ln(product).fma(s(exponent), value);
             }
             if GRAD {
-                plan.set_force::<V>(ws, k, force);
+                for (f, out) in force.into_iter().zip(force_out) {
+                    f.store(out);
+                }
             }
         }
         if GRAD {
-            plan.pullback::<V>(ws, grad);
+            plan.pullback::<V>(&mut sections, grad);
         }
         value
     }
@@ -339,9 +343,11 @@ impl LaneGaussNewton for KeypointLikelihood {
     #[inline(always)]
     fn gauss_newton_diagonal<V: Real>(&self, x: &[V::Mem], diagonal: &mut [V::Mem], ws: &mut [V::Mem]) {
         let plan = &*self.plan;
-        plan.forward::<V, true>(x, ws);
-        for (k, range) in self.first.windows(2).enumerate() {
-            let p = plan.position::<V>(ws, k);
+        let mut sections = plan.sections(ws);
+        plan.forward::<V, true>(x, &mut sections);
+        let points = sections.positions.iter().zip(sections.information.iter_mut());
+        for (range, (position, out)) in self.first.windows(2).zip(points) {
+            let p = [V::load(&position[0]), V::load(&position[1]), V::load(&position[2])];
             let zero = V::splat(0.0);
             let mut m = [zero; 6];
             for sighting in &self.sightings[range[0]..range[1]] {
@@ -361,8 +367,10 @@ impl LaneGaussNewton for KeypointLikelihood {
                     ];
                 }
             }
-            plan.set_information::<V>(ws, k, m);
+            for (m, out) in m.into_iter().zip(out) {
+                m.store(out);
+            }
         }
-        plan.gauss_newton_diagonal::<V>(ws, diagonal);
+        plan.gauss_newton_diagonal::<V>(&mut sections, diagonal);
     }
 }

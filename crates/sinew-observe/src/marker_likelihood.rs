@@ -36,8 +36,8 @@ pub struct MarkerLikelihood {
     centre: [f64; 3],
     information: f64,
     constant: f64,
-    seen: Vec<(usize, [f64; 2])>,
-    unseen: Vec<usize>,
+    /// Image position of each point in the plan's order.
+    seen: Vec<Option<[f64; 2]>>,
 }
 
 impl ObservationModel for MarkerModel {
@@ -46,17 +46,15 @@ impl ObservationModel for MarkerModel {
     type Bound = Lanes<MarkerLikelihood>;
 
     fn bind(&self, frame: Self::Frame<'_>) -> Self::Bound {
-        let seen: Vec<_> = frame.iter().enumerate().filter_map(|(k, d)| d.map(|d| (k, d))).collect();
-        let unseen = (0..self.plan.points()).filter(|&k| frame.get(k).is_none_or(Option::is_none)).collect();
+        let seen: Vec<_> = self.plan.order().iter().map(|&k| frame.get(k).copied().flatten()).collect();
         let variance = self.sigma * self.sigma;
-        let constant = -(seen.len() as f64) * (std::f64::consts::TAU * variance).ln();
+        let constant = -(seen.iter().flatten().count() as f64) * (std::f64::consts::TAU * variance).ln();
         let leaf = MarkerLikelihood {
             plan: Arc::clone(&self.plan),
             centre: self.centre,
             information: 1.0 / variance,
             constant,
             seen,
-            unseen,
         };
         Lanes { leaf, isa: self.isa }
     }
@@ -74,12 +72,21 @@ impl LaneDensity for MarkerLikelihood {
     #[inline(always)]
     fn eval<V: Real, const GRAD: bool>(&self, x: &[V::Mem], grad: &mut [V::Mem], ws: &mut [V::Mem]) -> V {
         let plan = &*self.plan;
-        plan.forward::<V, GRAD>(x, ws);
+        let mut s = plan.sections(ws);
+        plan.forward::<V, GRAD>(x, &mut s);
         let information = V::splat(self.information);
         let mut squares = V::splat(0.0);
         let mut nearest = V::splat(f64::MIN);
-        for &(k, observed) in &self.seen {
-            let p = plan.position::<V>(ws, k);
+        for ((observed, position), force) in self.seen.iter().zip(s.positions.iter()).zip(s.forces.iter_mut()) {
+            let Some(observed) = observed else {
+                if GRAD {
+                    for f in force {
+                        V::splat(0.0).store(f);
+                    }
+                }
+                continue;
+            };
+            let p = [V::load(&position[0]), V::load(&position[1]), V::load(&position[2])];
             let depth = p[1] - V::splat(self.centre[1]);
             nearest = nearest.max(-depth);
             let inverse = V::splat(1.0) / depth.max(V::splat(MIN_DEPTH_M));
@@ -90,14 +97,13 @@ impl LaneDensity for MarkerLikelihood {
             if GRAD {
                 let scale = information * inverse;
                 let (g0, g2) = (scale * r0, scale * r1);
-                plan.set_force::<V>(ws, k, [g0, -v.fma(g2, u * g0), g2]);
+                g0.store(&mut force[0]);
+                (-v.fma(g2, u * g0)).store(&mut force[1]);
+                g2.store(&mut force[2]);
             }
         }
         if GRAD {
-            for &k in &self.unseen {
-                plan.set_force::<V>(ws, k, [V::splat(0.0); 3]);
-            }
-            plan.pullback::<V>(ws, grad);
+            plan.pullback::<V>(&mut s, grad);
         }
         let value = squares.fma(V::splat(-0.5 * self.information), V::splat(self.constant));
         nearest.select_gt(-MIN_DEPTH_M, V::splat(f64::NEG_INFINITY), value)
@@ -108,19 +114,20 @@ impl LaneGaussNewton for MarkerLikelihood {
     #[inline(always)]
     fn gauss_newton_diagonal<V: Real>(&self, x: &[V::Mem], diagonal: &mut [V::Mem], ws: &mut [V::Mem]) {
         let plan = &*self.plan;
-        plan.forward::<V, true>(x, ws);
+        let mut s = plan.sections(ws);
+        plan.forward::<V, true>(x, &mut s);
         let zero = V::splat(0.0);
-        for &(k, _) in &self.seen {
-            let p = plan.position::<V>(ws, k);
+        for ((seen, position), out) in self.seen.iter().zip(s.positions.iter()).zip(s.information.iter_mut()) {
+            let p = [V::load(&position[0]), V::load(&position[1]), V::load(&position[2])];
             let inverse = V::splat(1.0) / (p[1] - V::splat(self.centre[1])).max(V::splat(MIN_DEPTH_M));
             let u = (p[0] - V::splat(self.centre[0])) * inverse;
             let v = (p[2] - V::splat(self.centre[2])) * inverse;
-            let w = V::splat(self.information) * inverse * inverse;
-            plan.set_information::<V>(ws, k, [w, -(w * u), zero, w * v.fma(v, u * u), -(w * v), w]);
+            let w = V::splat(if seen.is_some() { self.information } else { 0.0 }) * inverse * inverse;
+            let information = [w, -(w * u), zero, w * v.fma(v, u * u), -(w * v), w];
+            for (m, out) in information.into_iter().zip(out) {
+                m.store(out);
+            }
         }
-        for &k in &self.unseen {
-            plan.set_information::<V>(ws, k, [zero; 6]);
-        }
-        plan.gauss_newton_diagonal::<V>(ws, diagonal);
+        plan.gauss_newton_diagonal::<V>(&mut s, diagonal);
     }
 }
