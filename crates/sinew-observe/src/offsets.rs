@@ -1,0 +1,214 @@
+//! One constant offset per camera, and how much its detections scatter.
+//!
+//! A camera whose calibration is slightly wrong, or whose detector leans to one side, sees everything shifted by a constant `b_c` (observed − projected, pixels).
+//! It is estimated once, before any pose: together with the pose a free offset is a free shift of the whole body. Rounds of
+//!
+//! 1. point of each frame and keypoint from all cameras that saw it, from pixels less the present offsets ([`refined`], robust);
+//! 2. `b_c` = median over frames and keypoints of (observed − projected), per axis;
+//!
+//! until nothing moves. The first round alone is not enough where cameras see different keypoints or large residuals are weighed down: points absorb part of the
+//! offsets then. What no amount of rounds can show is the *common mode*: offsets `J_c δ` that a shift δ of the whole world explains as well (`J_c` the derivative
+//! of camera c's pixels at the middle of the recording). It is removed: the offsets are those of least sum of squares, `Σ_c |b_c − J_c δ|²` minimised over δ, which
+//! trusts all calibrations equally and leaves the points, on average, where cameras without offsets put them.
+//!
+//! The scatter σ_c per axis is the scaled median absolute deviation of what remains, each residual divided by `√(1 − h)`, h its leverage: a point fitted to few
+//! cameras lies near their pixels whatever their noise is.
+
+use crate::camera::Camera;
+use crate::keypoint_likelihood::Detection;
+use crate::triangulate::{Refined, Seen, linear, refined};
+use nalgebra::{Matrix3, Vector3};
+
+/// The tracked person's keypoints in one frame: camera by camera, empty where he was not found.
+pub type Sighted = Vec<Vec<Option<Detection>>>;
+
+/// How offsets are estimated.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Config {
+    /// Detections of lower confidence do not count.
+    pub least_confidence: f64,
+    /// Rounds at most.
+    pub rounds: usize,
+    /// Change at which rounds end, pixels.
+    pub tolerance_px: f64,
+    /// Scatter assumed at first, pixels.
+    pub first_sigma_px: f64,
+    /// Least scatter, pixels.
+    pub least_sigma_px: f64,
+    /// Keep all offsets 0 and estimate the scatter only.
+    pub no_offsets: bool,
+}
+
+impl Default for Config {
+    fn default() -> Self {
+        Self {
+            least_confidence: 0.3,
+            rounds: 30,
+            tolerance_px: 0.01,
+            first_sigma_px: 10.0,
+            least_sigma_px: 0.5,
+            no_offsets: false,
+        }
+    }
+}
+
+/// What is constant about each camera's detections.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CameraNoise {
+    /// Observed − projected, pixels.
+    pub offset_px: [f64; 2],
+    /// Standard deviation per axis of what remains, pixels; NaN where nothing was seen.
+    pub sigma_px: f64,
+    /// Median confidence of the detections that count; NaN where there is none.
+    pub usual_confidence: f64,
+    /// Residuals that this rests on.
+    pub residuals: usize,
+}
+
+/// Median; NaN of nothing.
+#[must_use]
+pub fn median(values: &mut [f64]) -> f64 {
+    values.sort_by(f64::total_cmp);
+    match values.len() {
+        0 => f64::NAN,
+        n if n % 2 == 1 => values[n / 2],
+        n => 0.5 * (values[n / 2 - 1] + values[n / 2]),
+    }
+}
+
+/// 1.4826 × the median absolute value: the standard deviation of a centred Gaussian, untouched by outliers.
+#[must_use]
+pub fn robust_sigma(values: impl Iterator<Item = f64>) -> f64 {
+    1.4826 * median(&mut values.map(f64::abs).collect::<Vec<_>>())
+}
+
+/// A keypoint in space from all cameras that saw it, with offsets removed; also the cameras, in the order of its residuals.
+#[must_use]
+pub fn point_from_views(
+    cameras: &[Camera],
+    noise: &[CameraNoise],
+    frame: &Sighted,
+    keypoint: usize,
+    least_confidence: f64,
+) -> Option<(Refined, Vec<usize>)> {
+    let mut used = vec![];
+    let mut sigma = vec![];
+    let mut seen = vec![];
+    for (c, camera) in cameras.iter().enumerate() {
+        let Some(d) = frame.get(c).and_then(|points| points.get(keypoint).copied().flatten()) else { continue };
+        if d.confidence >= least_confidence && d.pixel.iter().all(|x| x.is_finite()) {
+            let [du, dv] = noise[c].offset_px;
+            seen.push(Seen { camera, pixel: [d.pixel[0] - du, d.pixel[1] - dv], confidence: d.confidence });
+            sigma.push(if noise[c].sigma_px.is_finite() { noise[c].sigma_px } else { 1.0 });
+            used.push(c);
+        }
+    }
+    let ideal: Vec<Seen<'_>> = seen
+        .iter()
+        .filter_map(|s| Some(Seen { pixel: s.camera.undistort(s.pixel).ok()?, ..*s }))
+        .collect();
+    let start = linear(&ideal, true)?;
+    Some((refined(&seen, &sigma, start)?, used))
+}
+
+/// Estimates offsets and scatter of all cameras.
+#[must_use]
+pub fn estimate(cameras: &[Camera], frames: &[Sighted], config: &Config) -> Vec<CameraNoise> {
+    let mut noise: Vec<CameraNoise> = (0..cameras.len())
+        .map(|c| {
+            let mut confidences: Vec<f64> = frames
+                .iter()
+                .filter_map(|frame| frame.get(c))
+                .flatten()
+                .flatten()
+                .map(|d| d.confidence)
+                .filter(|c| *c >= config.least_confidence)
+                .collect();
+            CameraNoise {
+                offset_px: [0.0; 2],
+                sigma_px: config.first_sigma_px,
+                usual_confidence: median(&mut confidences),
+                residuals: 0,
+            }
+        })
+        .collect();
+    let keypoints = frames.iter().flatten().map(Vec::len).max().unwrap_or(0);
+    for _ in 0..config.rounds.max(1) {
+        let mut residuals: Vec<[Vec<(f64, f64)>; 2]> = vec![[vec![], vec![]]; cameras.len()];
+        let mut points: Vec<[f64; 3]> = vec![];
+        for frame in frames {
+            for k in 0..keypoints {
+                let Some((found, used)) = point_from_views(cameras, &noise, frame, k, config.least_confidence) else {
+                    continue;
+                };
+                points.push(found.point);
+                for (i, &c) in used.iter().enumerate() {
+                    if let Some(r) = found.residual_px[i] {
+                        for axis in 0..2 {
+                            residuals[c][axis].push((r[axis], found.leverage[i][axis]));
+                        }
+                    }
+                }
+            }
+        }
+        let mut moved = 0.0_f64;
+        for (c, axes) in residuals.iter().enumerate() {
+            noise[c].residuals = axes[0].len();
+            let mut shift = [0.0; 2];
+            if !config.no_offsets {
+                shift = [0, 1].map(|a: usize| median(&mut axes[a].iter().map(|(r, _)| *r).collect::<Vec<_>>()));
+                shift = shift.map(|s| if s.is_finite() { s } else { 0.0 });
+            }
+            let standardised = axes.iter().zip(shift).flat_map(|(axis, s)| {
+                // A residual that its own leverage hides says nothing.
+                axis.iter().filter(|(_, h)| *h < 0.9).map(move |(r, h)| (r - s) / (1.0 - h).sqrt())
+            });
+            let sigma = robust_sigma(standardised);
+            let sigma = if sigma.is_nan() { sigma } else { sigma.max(config.least_sigma_px) };
+            if sigma.is_finite() {
+                moved = moved.max((sigma - noise[c].sigma_px).abs());
+                noise[c].sigma_px = sigma;
+            }
+            for axis in 0..2 {
+                noise[c].offset_px[axis] += shift[axis];
+                moved = moved.max(shift[axis].abs());
+            }
+        }
+        if !config.no_offsets {
+            remove_common_mode(cameras, &mut noise, &points);
+        }
+        if moved < config.tolerance_px {
+            break;
+        }
+    }
+    for n in &mut noise {
+        if n.residuals == 0 {
+            n.sigma_px = f64::NAN;
+        }
+    }
+    noise
+}
+
+/// Takes from the offsets what a shift of the world explains.
+fn remove_common_mode(cameras: &[Camera], noise: &mut [CameraNoise], points: &[[f64; 3]]) {
+    let middle = [0, 1, 2].map(|k: usize| median(&mut points.iter().map(|p| p[k]).collect::<Vec<_>>()));
+    let rows: Vec<Option<[[f64; 3]; 2]>> = cameras
+        .iter()
+        .zip(&*noise)
+        .map(|(camera, n)| camera.project_with_jacobian(middle).filter(|_| n.residuals > 0).map(|(_, jacobian)| jacobian))
+        .collect();
+    let (mut normal, mut right) = (Matrix3::zeros(), Vector3::zeros());
+    for (jacobian, n) in rows.iter().zip(&*noise) {
+        for (d, b) in jacobian.iter().flatten().zip(n.offset_px) {
+            let d = Vector3::from(*d);
+            normal += d * d.transpose();
+            right += b * d;
+        }
+    }
+    let Some(shift) = normal.cholesky().map(|c| c.solve(&right)) else { return };
+    for (jacobian, n) in rows.iter().zip(noise) {
+        for (d, b) in jacobian.iter().flatten().zip(&mut n.offset_px) {
+            *b -= Vector3::from(*d).dot(&shift);
+        }
+    }
+}
