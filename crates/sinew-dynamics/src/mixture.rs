@@ -1,0 +1,312 @@
+//! Equally weighted Gaussian mixture with one diagonal covariance: the prior between frames of Choo & Fleet (2001, eq. 9).
+//!
+//! log p(s) = −log M − Σ_j log(√(2π) σ_j) + logsumexp_i a_i, a_i = −½ Σ_j ((s_j − μ_ij) / σ_j)²; with responsibilities ρ_i = exp(a_i − logsumexp a) the gradient is
+//! Σ⁻¹ (Σ_i ρ_i μ_i − s).
+//!
+//! Coordinates are centred on the mean of all components and divided by σ once, so that a_i = −½ |z|² + z·m_i − ½ |m_i|² costs one fused multiply-add a component and coordinate, in registers for up to
+//! eight components at a time; a second pass forms Σ ρ_i m_i. No component is left out.
+
+use crate::Error;
+use core::f64::consts::TAU;
+use sinew_core::density::{LaneDensity, LaneGaussNewton};
+use sinew_core::elementary::{exp, ln};
+use sinew_core::lanes::Real;
+
+/// Components whose sums are held in registers together.
+const WIDEST: usize = 8;
+
+/// The mixture.
+#[derive(Clone, Debug)]
+pub struct Mixture {
+    means: Vec<Vec<f64>>,
+    sd: Vec<f64>,
+    precision: Vec<f64>,
+    centre: Vec<f64>,
+    inverse_sd: Vec<f64>,
+    /// Number of components in each chunk; chunk after chunk, `scaled` holds (μ_ij − c_j) / σ_j with the components of one coordinate side by side.
+    widths: Vec<usize>,
+    scaled: Vec<f64>,
+    /// −½ |m_i|².
+    bias: Vec<f64>,
+    log_norm: f64,
+}
+
+impl Mixture {
+    /// A mixture of components at `means`, all with the standard deviations `sd`.
+    ///
+    /// # Errors
+    /// [`Error::Shape`] or [`Error::OutOfRange`].
+    pub fn new(means: Vec<Vec<f64>>, sd: &[f64]) -> Result<Self, Error> {
+        let dim = sd.len();
+        if dim == 0 || means.is_empty() {
+            return Err(Error::Shape { name: "mixture", found: 0, expected: 1 });
+        }
+        for (index, &value) in sd.iter().enumerate() {
+            if !(value > 0.0 && value.is_finite()) {
+                let expected = "must be positive and finite";
+                return Err(Error::OutOfRange { name: "standard deviation", index, value, expected });
+            }
+        }
+        for mean in &means {
+            if mean.len() != dim {
+                return Err(Error::Shape { name: "mean", found: mean.len(), expected: dim });
+            }
+            if let Some(index) = mean.iter().position(|x| !x.is_finite()) {
+                return Err(Error::OutOfRange { name: "mean", index, value: mean[index], expected: "must be finite" });
+            }
+        }
+        let count = means.len();
+        let centre: Vec<f64> =
+            (0..dim).map(|j| means[0][j] + means.iter().map(|m| m[j] - means[0][j]).sum::<f64>() / count as f64).collect();
+        let place = |mean: &Vec<f64>, j: usize| (mean[j] - centre[j]) / sd[j];
+        let chunks = count.div_ceil(WIDEST);
+        let widths: Vec<usize> = (0..chunks).map(|c| count / chunks + usize::from(c < count % chunks)).collect();
+        let mut scaled = Vec::with_capacity(count * dim);
+        let mut first = 0;
+        for &width in &widths {
+            for j in 0..dim {
+                scaled.extend(means[first..first + width].iter().map(|m| place(m, j)));
+            }
+            first += width;
+        }
+        let bias = means.iter().map(|m| -0.5 * (0..dim).map(|j| place(m, j) * place(m, j)).sum::<f64>()).collect();
+        Ok(Self {
+            sd: sd.to_vec(),
+            precision: sd.iter().map(|s| 1.0 / (s * s)).collect(),
+            inverse_sd: sd.iter().map(|s| 1.0 / s).collect(),
+            log_norm: -(count as f64).ln() - sd.iter().map(|s| 0.5 * TAU.ln() + s.ln()).sum::<f64>(),
+            centre,
+            widths,
+            scaled,
+            bias,
+            means,
+        })
+    }
+
+    /// Means of the components.
+    #[must_use]
+    pub fn means(&self) -> &[Vec<f64>] {
+        &self.means
+    }
+
+    /// Standard deviations of every component.
+    #[must_use]
+    pub fn sd(&self) -> &[f64] {
+        &self.sd
+    }
+
+    /// Inverse variances: an upper bound of the mixture's curvature.
+    #[must_use]
+    pub fn precision(&self) -> &[f64] {
+        &self.precision
+    }
+}
+
+/// Writes a_i + ½ |z|² of `N` components.
+#[inline(always)]
+fn exponents<V: Real, const N: usize>(z: &[V::Mem], scaled: &[f64], bias: &[f64], out: &mut [V::Mem]) {
+    let mut sum = [V::splat(0.0); N];
+    for (z, m) in z.iter().zip(scaled.chunks_exact(N)) {
+        let z = V::load(z);
+        let mut i = 0;
+        while i < N {
+            sum[i] = z.fma(V::splat(m[i]), sum[i]);
+            i += 1;
+        }
+    }
+    for ((sum, &bias), out) in sum.iter().zip(bias).zip(out) {
+        (*sum + V::splat(bias)).store(out);
+    }
+}
+
+/// Adds Σ weight_i m_i of `N` components to `out`.
+#[inline(always)]
+fn add_means<V: Real, const N: usize>(weights: &[V::Mem], scaled: &[f64], out: &mut [V::Mem]) {
+    let mut weight = [V::splat(0.0); N];
+    for (w, m) in weight.iter_mut().zip(weights) {
+        *w = V::load(m);
+    }
+    for (out, m) in out.iter_mut().zip(scaled.chunks_exact(N)) {
+        let mut sum = V::load(out);
+        let mut i = 0;
+        while i < N {
+            sum = weight[i].fma(V::splat(m[i]), sum);
+            i += 1;
+        }
+        sum.store(out);
+    }
+}
+
+/// Calls a function of a width in 1..=8 with the width as a constant.
+macro_rules! by_width {
+    ($width:expr, $function:ident, $($argument:expr),*) => {
+        match $width {
+            1 => $function::<V, 1>($($argument),*),
+            2 => $function::<V, 2>($($argument),*),
+            3 => $function::<V, 3>($($argument),*),
+            4 => $function::<V, 4>($($argument),*),
+            5 => $function::<V, 5>($($argument),*),
+            6 => $function::<V, 6>($($argument),*),
+            7 => $function::<V, 7>($($argument),*),
+            _ => $function::<V, 8>($($argument),*),
+        }
+    };
+}
+
+impl LaneDensity for Mixture {
+    fn dim(&self) -> usize {
+        self.sd.len()
+    }
+    fn workspace(&self) -> usize {
+        self.sd.len() + self.bias.len()
+    }
+    #[inline(always)]
+    fn eval<V: Real, const GRAD: bool>(&self, x: &[V::Mem], grad: &mut [V::Mem], ws: &mut [V::Mem]) -> V {
+        let d = self.sd.len();
+        let count = self.bias.len();
+        let (z, ws) = ws.split_at_mut(d);
+        let a = &mut ws[..count];
+        let (x, centre, inverse_sd) = (&x[..d], &self.centre[..d], &self.inverse_sd[..d]);
+        let mut square = V::splat(0.0);
+        for j in 0..d {
+            let place = (V::load(&x[j]) - V::splat(centre[j])) * V::splat(inverse_sd[j]);
+            square = place.fma(place, square);
+            place.store(&mut z[j]);
+        }
+        let mut first = 0;
+        for &width in &self.widths {
+            let scaled = &self.scaled[first * d..(first + width) * d];
+            let range = first..first + width;
+            by_width!(width, exponents, z, scaled, &self.bias[range.clone()], &mut a[range]);
+            first += width;
+        }
+        let mut max = V::load(&a[0]);
+        for a in &a[1..] {
+            max = max.max(V::load(a));
+        }
+        let mut sum = V::splat(0.0);
+        for a in a.iter_mut() {
+            let weight = exp(V::load(a) - max);
+            sum = sum + weight;
+            weight.store(a);
+        }
+        if GRAD {
+            let grad = &mut grad[..d];
+            for g in grad.iter_mut() {
+                V::splat(0.0).store(g);
+            }
+            let mut first = 0;
+            for &width in &self.widths {
+                let scaled = &self.scaled[first * d..(first + width) * d];
+                by_width!(width, add_means, &a[first..first + width], scaled, grad);
+                first += width;
+            }
+            let share = V::splat(1.0) / sum;
+            for j in 0..d {
+                let pull = share.fma(V::load(&grad[j]), -V::load(&z[j]));
+                (pull * V::splat(inverse_sd[j])).store(&mut grad[j]);
+            }
+        }
+        let value = square.fma(V::splat(-0.5), max + ln(sum)) + V::splat(self.log_norm);
+        // Far beyond every component the squares overflow.
+        value.select_gt(f64::MIN, value, V::splat(f64::NEG_INFINITY))
+    }
+}
+
+impl LaneGaussNewton for Mixture {
+    #[inline(always)]
+    fn gauss_newton_diagonal<V: Real>(&self, _x: &[V::Mem], diagonal: &mut [V::Mem], _ws: &mut [V::Mem]) {
+        for (d, &precision) in diagonal.iter_mut().zip(&self.precision) {
+            V::splat(precision).store(d);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use sinew_core::density::{GradLogDensity, Lanes, LogDensity};
+    use sinew_core::lanes::{Block, Isa};
+
+    /// Deterministic numbers in (−1, 1).
+    fn number(seed: usize) -> f64 {
+        ((seed as f64 * 12.9898).sin() * 43758.5453).fract()
+    }
+
+    fn mixture(count: usize, dim: usize) -> Mixture {
+        let means = (0..count).map(|i| (0..dim).map(|j| number(i * 31 + j)).collect()).collect();
+        let sd: Vec<f64> = (0..dim).map(|j| 0.3 + 0.2 * number(j + 999).abs()).collect();
+        Mixture::new(means, &sd).expect("valid")
+    }
+
+    fn literal(m: &Mixture, x: &[f64]) -> f64 {
+        let a: Vec<f64> = (m.means.iter())
+            .map(|mean| {
+                let terms = x.iter().zip(mean).zip(&m.sd);
+                terms.map(|((x, m), s)| -0.5 * ((x - m) / s).powi(2) - (TAU.sqrt() * s).ln()).sum()
+            })
+            .collect();
+        let max = a.iter().copied().fold(f64::MIN, f64::max);
+        max + a.iter().map(|a| (a - max).exp()).sum::<f64>().ln() - (a.len() as f64).ln()
+    }
+
+    #[test]
+    fn value_and_gradient_match_the_formula_written_out() {
+        for count in (1..=10).chain([16, 23, 64]) {
+            for isa in Isa::available() {
+                let density = Lanes { leaf: mixture(count, 5), isa };
+                let x: Vec<f64> = (0..5).map(|j| 1.2 * number(j + 77 * count)).collect();
+                let mut grad = vec![0.0; 5];
+                let value = density.log_density_grad(&x, &mut grad);
+                assert!((value - literal(&density.leaf, &x)).abs() < 1e-12 * value.abs().max(1.0));
+                assert_eq!(value, density.log_density(&x));
+                for j in 0..5 {
+                    let at = |h: f64| {
+                        let mut x = x.clone();
+                        x[j] += h;
+                        literal(&density.leaf, &x)
+                    };
+                    let numeric = (at(1e-5) - at(-1e-5)) / 2e-5;
+                    assert!((numeric - grad[j]).abs() < 1e-7, "{count}: {numeric} against {}", grad[j]);
+                }
+                let block: Vec<Block> = x.iter().map(|&x| Block::splat(x)).collect();
+                let mut ws = vec![Block::ZERO; density.workspace()];
+                let mut grad_block = vec![Block::ZERO; 5];
+                let values = density.log_density_grad_block(&block, &mut grad_block, &mut ws);
+                assert!((values.0[6] - value).abs() <= 1e-12 * value.abs().max(1.0));
+                assert!((grad_block[3].0[1] - grad[3]).abs() < 1e-12);
+            }
+        }
+    }
+
+    /// K7.
+    #[test]
+    fn equal_components_are_one_gaussian_and_a_far_one_has_no_effect() {
+        let isa = Isa::best();
+        let sd = [0.015, 0.15, 0.3];
+        let one = Lanes { leaf: Mixture::new(vec![vec![0.1, -0.7, 1e3]], &sd).expect("valid"), isa };
+        let equal = Lanes { leaf: Mixture::new(vec![vec![0.1, -0.7, 1e3]; 7], &sd).expect("valid"), isa };
+        let far =
+            Lanes { leaf: Mixture::new(vec![vec![0.1, -0.7, 1e3], vec![3.0, 9.0, 1e3]], &sd).expect("valid"), isa };
+        let x = [0.11, -0.9, 1000.2];
+        let (mut a, mut b, mut c) = ([0.0; 3], [0.0; 3], [0.0; 3]);
+        let alone = one.log_density_grad(&x, &mut a);
+        assert!((equal.log_density_grad(&x, &mut b) - alone).abs() < 1e-12 * alone.abs().max(1.0));
+        let with_far = far.log_density_grad(&x, &mut c) + 2.0_f64.ln();
+        // The far component is 190 standard deviations away: the expansion about the centre rounds at 1e-16 · 190².
+        assert!((with_far - alone).abs() < 1e-11, "{with_far} against {alone}");
+        for j in 0..3 {
+            assert!((a[j] - b[j]).abs() < 1e-12 * a[j].abs() && (a[j] - c[j]).abs() < 1e-11 * a[j].abs().max(1.0));
+        }
+    }
+
+    #[test]
+    fn extreme_states_are_minus_infinity_and_bad_input_is_refused() {
+        let density = Lanes { leaf: mixture(10, 4), isa: Isa::best() };
+        assert_eq!(density.log_density(&[1e200, 0.0, 0.0, 0.0]), f64::NEG_INFINITY);
+        assert!(density.log_density(&[1e9, -1e9, 0.0, 0.0]).is_finite());
+        assert!(Mixture::new(vec![], &[1.0]).is_err() && Mixture::new(vec![vec![0.0]], &[]).is_err());
+        assert!(Mixture::new(vec![vec![0.0]], &[0.0]).is_err() && Mixture::new(vec![vec![0.0]], &[f64::NAN]).is_err());
+        assert!(Mixture::new(vec![vec![f64::NAN]], &[1.0]).is_err() && Mixture::new(vec![vec![]], &[1.0]).is_err());
+    }
+}
