@@ -21,13 +21,9 @@ pub fn parse<T: DeserializeOwned>(name: &str, text: &str) -> Result<T, Error> {
     let scan = scan(name, text)?;
     let json = if scan.nan.is_empty() { Cow::Borrowed(text) } else { Cow::Owned(nan_as_null(text, &scan.nan)) };
     serde_json::from_str(&json).map_err(|error| {
-        if error.is_eof() {
-            return Error::Truncated {
-                place: Place::file(name),
-                inside: scan.open,
-                offset: text.len(),
-                line: line_at(text, text.len()),
-            };
+        if error.is_eof() || (scan.open != NOTHING && is_at_end(&json, &error)) {
+            let (place, offset) = (Place::file(name), text.len());
+            return Error::Truncated { place, inside: scan.open, offset, line: line_at(text, offset) };
         }
         let place = Place::file(name);
         let line = error.line();
@@ -44,6 +40,15 @@ pub fn parse<T: DeserializeOwned>(name: &str, text: &str) -> Result<T, Error> {
         }
     })
 }
+
+/// Whether an error is about the last bytes of a text: a number or literal that is cut, like `-` or `Na`.
+fn is_at_end(text: &str, error: &serde_json::Error) -> bool {
+    let last_line = text.rsplit('\n').next().unwrap_or_default();
+    error.line() == line_at(text, text.len()) && error.column() + 3 > last_line.len()
+}
+
+/// What is open at the end of a text whose brackets are closed.
+const NOTHING: &str = "a value";
 
 struct Scan {
     open: &'static str,
@@ -85,7 +90,7 @@ fn scan(name: &str, text: &str) -> Result<Scan, Error> {
             _ => {}
         }
     }
-    let open = if in_string { "a string" } else { stack.last().copied().unwrap_or("a value") };
+    let open = if in_string { "a string" } else { stack.last().copied().unwrap_or(NOTHING) };
     Ok(Scan { open, nan, infinity })
 }
 

@@ -1,0 +1,310 @@
+//! Laws of readers and writers: what is written reads back equal, and no input makes a reader panic.
+
+use proptest::prelude::*;
+use sinew_body::{Axis, Joint, KinematicTree, Link, Point};
+use sinew_formats::rotation::from_rodrigues;
+use sinew_formats::tidy_csv::Cell;
+use sinew_formats::*;
+use sinew_observe::{Camera, Distortion, Intrinsics};
+
+/// Finite numbers of every kind: zeros of both signs, denormals, 1e±300, ordinary ones.
+fn number() -> impl Strategy<Value = f64> {
+    use proptest::num::f64::{NEGATIVE, NORMAL, POSITIVE, SUBNORMAL, ZERO};
+    prop_oneof![-10.0..10.0f64, POSITIVE | NEGATIVE | NORMAL | SUBNORMAL | ZERO, Just(1e300), Just(-1e-300)]
+}
+
+fn vector() -> impl Strategy<Value = [f64; 3]> {
+    [number(), number(), number()]
+}
+
+fn same_bits(a: f64, b: f64) -> bool {
+    a.to_bits() == b.to_bits() || (a.is_nan() && b.is_nan())
+}
+
+fn text(bytes: &[u8]) -> &str {
+    std::str::from_utf8(bytes).unwrap()
+}
+
+/// Rising times.
+fn times(frames: usize) -> Vec<f64> {
+    (0..frames).map(|i| i as f64 / 59.94).collect()
+}
+
+prop_compose! {
+    fn trc_file()(names in prop::collection::vec("[A-Za-z*_][A-Za-z0-9 _é]{0,6}[A-Za-z0-9]", 1..4))(
+        frames in prop::collection::vec(prop::collection::vec(prop::option::of(vector()), names.len()), 0..5),
+        rate_hz in prop_oneof![Just(60.0), 1e-3..1e6f64],
+        start_frame in 0..1_000_000i64,
+        units in prop_oneof![Just(trc::Units::Metres), Just(trc::Units::Centimetres), Just(trc::Units::Millimetres)],
+        names in Just(names),
+    ) -> trc::Trc {
+        let frames = frames.into_iter().zip(times(5)).enumerate();
+        let frames = frames.map(|(i, (points, time_s))| trc::Frame { number: i as i64 + 1, time_s, points });
+        let header = trc::Header { file_name: "a b.trc".into(), rate_hz, units, start_frame, markers: names };
+        trc::Trc { header, frames: frames.collect(), warnings: Vec::new() }
+    }
+}
+
+prop_compose! {
+    fn bvh_file()(shape in prop::collection::vec((any::<prop::sample::Index>(), vector(), prop::option::of(vector())), 1..6))(
+        channels in prop::collection::vec(prop::sample::subsequence(vec![0usize, 1, 2, 3, 4, 5], 0..=6).prop_shuffle(), shape.len()),
+        frames in 0..4usize,
+        shape in Just(shape),
+        values in prop::collection::vec(number(), 4 * 6 * 6),
+    ) -> bvh::Bvh {
+        let channel = |i: usize| if i < 3 { bvh::Channel::Position(i) } else { bvh::Channel::Rotation(i - 3) };
+        // A depth-first order: each joint hangs on the last one or on one of its ancestors.
+        let mut joints: Vec<bvh::Joint> = Vec::new();
+        for (i, ((pick, offset, end_site), channels)) in shape.into_iter().zip(channels).enumerate() {
+            let mut ancestors = Vec::new();
+            let mut at = i.checked_sub(1);
+            while let Some(joint) = at {
+                ancestors.push(joint);
+                at = joints[joint].parent;
+            }
+            let parent = (!ancestors.is_empty()).then(|| ancestors[pick.index(ancestors.len())]);
+            let channels = channels.into_iter().map(channel).collect();
+            joints.push(bvh::Joint { name: format!("joint {i}"), parent, offset, channels, end_site });
+        }
+        let width: usize = joints.iter().map(|joint| joint.channels.len()).sum();
+        let frames = if width == 0 { 0 } else { frames };
+        let frames = (0..frames).map(|f| values[f * 36..f * 36 + width].to_vec()).collect();
+        bvh::Bvh { joints, frame_time_s: 0.008_333_3, frames, warnings: Vec::new() }
+    }
+}
+
+prop_compose! {
+    fn body()(links in prop::collection::vec((any::<prop::sample::Index>(), "[ -~é\n]{0,5}", vector(), prop::collection::vec(0..6usize, 0..6)), 1..6))(
+        points in prop::collection::vec((0..links.len(), "[ -~]{0,5}", vector()), 0..4),
+        links in Just(links),
+    ) -> KinematicTree {
+        let axes = [Axis::X, Axis::Y, Axis::Z];
+        let joint = |j: usize| if j < 3 { Joint::Translate(axes[j]) } else { Joint::Rotate(axes[j - 3]) };
+        let links = links.into_iter().enumerate().map(|(i, (parent, name, offset, joints))| Link {
+            name: format!("{i}{name}"),
+            parent: (i > 0).then(|| parent.index(i)),
+            offset,
+            joints: joints.into_iter().map(joint).collect(),
+        });
+        let points = points.into_iter().enumerate();
+        let points = points.map(|(i, (link, name, offset))| Point { name: format!("{name}{i}"), link, offset });
+        KinematicTree::new(links.collect(), points.collect()).unwrap()
+    }
+}
+
+prop_compose! {
+    fn cameras()(cameras in prop::collection::vec(
+        ("[ -~é]{0,6}", [1.0..5000.0f64, 1.0..5000.0], [1e-3..1e5f64, 1e-3..1e5], [-1.0..2.0f64, -1.0..2.0],
+         [number(), number(), number(), number(), number()], [-3.0..3.0f64, -3.0..3.0, -3.0..3.0], vector()), 1..4,
+    )) -> Vec<Camera> {
+        cameras.into_iter().enumerate().map(|(i, (name, size, [fx, fy], [cx, cy], [k1, k2, p1, p2, k3], turn, translation))| Camera {
+            name: format!("{name}{i}"),
+            image_size_px: size,
+            intrinsics: Intrinsics { fx, fy, cx: cx * size[0], cy: cy * size[1] },
+            distortion: Distortion { k1, k2, p1, p2, k3 },
+            rotation: from_rodrigues(turn),
+            translation,
+        }).collect()
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig {
+        failure_persistence: Some(Box::new(proptest::test_runner::FileFailurePersistence::Direct("tests/properties.proptest-regressions"))),
+        ..ProptestConfig::default()
+    })]
+
+    #[test]
+    fn trc_reads_back_equal(file in trc_file()) {
+        let mut out = Vec::new();
+        trc::write(&mut out, &file).unwrap();
+        let read = trc::read("a.trc", text(&out)).unwrap();
+        for (a, b) in file.frames.iter().zip(&read.frames) {
+            for (a, b) in a.points.iter().flatten().flatten().zip(b.points.iter().flatten().flatten()) {
+                prop_assert!(same_bits(*a, *b));
+            }
+        }
+        prop_assert_eq!(read, file);
+    }
+
+    #[test]
+    fn mot_reads_back_equal(
+        columns in prop::collection::vec("[a-z_]{1,8}", 0..4),
+        rows in prop::collection::vec(prop::collection::vec(prop_oneof![number(), Just(f64::NAN)], 4), 0..5),
+    ) {
+        let mut out = Vec::new();
+        mot::write_header(&mut out, "Coordinates", &columns, rows.len() as u32).unwrap();
+        for (row, time_s) in rows.iter().zip(times(5)) {
+            mot::write_row(&mut out, time_s, &row[..columns.len()]).unwrap();
+        }
+        let read = mot::read("a.mot", text(&out)).unwrap();
+        prop_assert_eq!(&read.columns, &columns);
+        prop_assert!(read.warnings.is_empty() && read.in_degrees);
+        prop_assert_eq!(&read.time_s, &times(rows.len()));
+        for (a, b) in rows.iter().zip(&read.rows) {
+            prop_assert!(a[..columns.len()].iter().zip(b).all(|(a, b)| same_bits(*a, *b)) && b.len() == columns.len());
+        }
+    }
+
+    #[test]
+    fn bvh_reads_back_equal(file in bvh_file()) {
+        let mut out = Vec::new();
+        bvh::write(&mut out, &file).unwrap();
+        let read = bvh::read("a.bvh", text(&out)).unwrap();
+        for (a, b) in file.frames.iter().flatten().zip(read.frames.iter().flatten()) {
+            prop_assert!(same_bits(*a, *b));
+        }
+        prop_assert_eq!(read, file);
+    }
+
+    #[test]
+    fn csv_reads_back_equal(
+        columns in prop::collection::vec("[ -~é\n\r\t]{0,6}", 1..5),
+        rows in prop::collection::vec(prop::collection::vec(prop_oneof![number(), Just(f64::NAN)], 5), 0..5),
+    ) {
+        let mut out = Vec::new();
+        tidy_csv::write_header(&mut out, &columns).unwrap();
+        for row in &rows {
+            let cells: Vec<Cell<'_>> = row[..columns.len()].iter().map(|&value| Cell::Number(value)).collect();
+            tidy_csv::write_row(&mut out, &cells).unwrap();
+        }
+        let read = tidy_csv::read_numbers("a.csv", text(&out)).unwrap();
+        prop_assert_eq!(&read.columns, &columns);
+        prop_assert_eq!(read.rows.len(), rows.len());
+        for (a, b) in rows.iter().zip(&read.rows) {
+            prop_assert!(a.iter().zip(b).all(|(a, b)| same_bits(*a, *b)));
+        }
+    }
+
+    #[test]
+    fn body_reads_back_equal(tree in body()) {
+        let read = body_toml::read("body.toml", &body_toml::write(&tree)).unwrap();
+        let bits = |tree: &KinematicTree| -> Vec<u64> {
+            let offsets = tree.links().iter().map(|link| link.offset).chain(tree.points().iter().map(|point| point.offset));
+            offsets.flatten().map(f64::to_bits).collect()
+        };
+        prop_assert_eq!(bits(&read), bits(&tree));
+        prop_assert_eq!(read, tree);
+    }
+
+    #[test]
+    fn calibration_reads_back_equal(cameras in cameras()) {
+        let mut read = calib_toml::read("Calib.toml", &calib_toml::write(&cameras)).unwrap();
+        prop_assert!(read.warnings.is_empty());
+        prop_assert_eq!(read.cameras.len(), cameras.len());
+        for (a, b) in cameras.iter().zip(&mut read.cameras) {
+            for (a, b) in a.rotation.iter().flatten().zip(b.rotation.iter().flatten()) {
+                prop_assert!((a - b).abs() <= 2e-15, "{} {}", a, b);
+            }
+            b.rotation = a.rotation;
+        }
+        prop_assert_eq!(read.cameras, cameras);
+    }
+
+    #[test]
+    fn keypoints_read_back_equal(points in prop::collection::vec(prop::option::of((number(), number(), 1e-6..=1.0f64)), 1..30)) {
+        let numbers = points.iter().flat_map(|point| point.map_or([0.0; 3], |(x, y, c)| [x, y, c]));
+        let numbers: Vec<String> = numbers.map(|v| format!("{v:?}")).collect();
+        let json = format!("{{\"people\":[{{\"pose_keypoints_2d\":[{}]}}]}}", numbers.join(","));
+        let frame = openpose::read("a.json", &json, &openpose::Options::default()).unwrap();
+        let found: Vec<_> = frame.people[0].keypoints.iter().map(|k| k.map(|k| (k.x, k.y, k.confidence))).collect();
+        prop_assert_eq!(found, points);
+    }
+
+    #[test]
+    fn arbitrary_text_is_refused_or_read(input in any::<Vec<u8>>(), wanted in "[\\PC\n\t]{0,200}") {
+        let _ = source_text::decode("a", &input, 1 << 20).map(read_all);
+        read_all(&wanted);
+    }
+
+    #[test]
+    fn damaged_files_are_refused_or_read(file in 0..FILES.len(), place in any::<prop::sample::Index>(), bytes in prop::collection::vec(any::<u8>(), 0..4), cut in 0..3usize) {
+        let mut damaged = FILES[file].as_bytes().to_vec();
+        let start = place.index(damaged.len());
+        let end = (start + cut).min(damaged.len());
+        damaged.splice(start..end, bytes);
+        let _ = source_text::decode("a", &damaged, 1 << 20).map(read_all);
+    }
+
+    #[test]
+    fn names_are_matched_or_refused(names in prop::collection::vec("\\PC{0,12}", 0..6), others in prop::collection::vec("[a-z0-9_]{0,6}", 0..6)) {
+        let _ = frame_number::order(&names);
+        let _ = camera_name::match_names(&names, &others);
+        for name in &names {
+            let _ = (layout::find(name), nearest::nearest(name, others.iter().map(String::as_str)), tidy_csv::unit(name));
+            prop_assert!(!camera_name::fold(name).is_empty() || name.is_empty());
+        }
+    }
+}
+
+/// Gives a text to every reader.
+fn read_all(text: &str) {
+    let skeleton = asf::read("a.asf", ASF).unwrap();
+    let outcomes = [
+        openpose::read("a.json", text, &openpose::Options::default()).err(),
+        layout::read("a.toml", text).err(),
+        calib_toml::read("a.toml", text).err(),
+        body_toml::read("a.toml", text).err(),
+        trc::read("a.trc", text).err(),
+        mot::read("a.mot", text).err(),
+        bvh::read("a.bvh", text).map(|file| drop(file.positions(0))).err(),
+        asf::read("a.asf", text).map(|file| drop(file.bone_ends_m(&[1.0; 4]))).err(),
+        amc::read("a.amc", text, &skeleton)
+            .map(|file| file.frames.iter().for_each(|f| drop(skeleton.bone_ends_m(&f.values))))
+            .err(),
+        tidy_csv::read_numbers("a.csv", text).map(|table| drop(point_table::from_numbers("a.csv", &table))).err(),
+    ];
+    for error in outcomes.into_iter().flatten() {
+        assert!(!error.to_string().is_empty());
+        let _ = error.help();
+    }
+}
+
+const ASF: &str = "# skeleton\n:version 1.10\n:units\n length 0.45\n angle deg\n:root\n order TX TY TZ RX RY RZ\n axis XYZ\n position 0 0 0\n orientation 0 0 5\n:bonedata\n begin\n id 1\n name a\n direction 0 -1 0\n length 7\n axis 0 0 20 XYZ\n dof rx rz\n limits (-10.0 170.0)\n (0 1)\n end\n begin\n name b\n direction 0 -1 0\n length 7\n axis 0 0 20 ZYX\n end\n:hierarchy\n begin\n root a\n a b\n end\n";
+
+const FILES: [&str; 9] = [
+    "{\"version\":1.3,\"people\":[{\"person_id\":[-1],\"pose_keypoints_2d\":[505.232,431.63,0.664216,null,NaN,0.60741,0,0,0]},{}],\"x\":\"a\\\"}[\"}",
+    "name = \"mine\"\npoints = [\"Nose\", \"\", \"LHip\"]\n",
+    "[cam_01]\nname = \"cam_01\"\nsize = [ 1088.0, 1920.0]\nmatrix = [ [ 1681.2, 0.0, 532.9], [ 0.0, 1681.0, 948.1], [ 0.0, 0.0, 1.0]]\ndistortions = [ -0.0007, 0.002, 9.5e-06, 1.0e-05]\nrotation = [[1, 0, 0.0001], [0, 1, 0], [0, 0, 1]]\ntranslation = [ 0.3, 0.9, 2.8]\nfisheye = false\n\n[metadata]\nadjusted = false\n",
+    "[[link]]\nname = \"pelvis\"\njoints = [\"tx\", \"rz\"]\n[[link]]\nname = \"thigh\"\nparent = \"pelvis\"\noffset = [0.1, 0.0, -0.1]\n[[point]]\nname = \"LKnee\"\nlink = \"thigh\"\noffset = [0.0, 0.0, -0.43]\n",
+    "PathFileType\t4\t(X/Y/Z)\ta.trc\nDataRate\tCameraRate\tNumFrames\tNumMarkers\tUnits\tOrigDataRate\tOrigDataStartFrame\tOrigNumFrames\n60\t60\t2\t2\tmm\t60\t1\t2\nFrame#\tTime\tR Hip\t\t\tNose\t\t\n\t\tX1\tY1\tZ1\tX2\tY2\tZ2\n\n1\t0.0\t1\t2\t3\t4\t5\t6\n2\t0.5\t\t\t\t7\tNaN\t9\n",
+    "Coordinates\nversion=1\nnRows=2\nnColumns=3\ninDegrees=yes\n\nendheader\ntime\ta\tb\n0.0\t1.5\t-2\n0.5\tnan\t3\n",
+    "HIERARCHY\nROOT Hips\n{\n\tOFFSET 0 0 0\n\tCHANNELS 6 Xposition Yposition Zposition Zrotation Yrotation Xrotation\n\tJOINT Leg\n\t{\n\t\tOFFSET 0 -1 0\n\t\tCHANNELS 1 Zrotation\n\t\tEnd Site\n\t\t{\n\t\t\tOFFSET 0 -2 0\n\t\t}\n\t}\n}\nMOTION\nFrames: 1\nFrame Time: .0083333\n1 2 3 90 0 0 45\n",
+    ":FULLY-SPECIFIED\n:DEGREES\n1\nroot 1 2 3 4 5 6\na 7 8\n2\na 7 -9.5e-15\nroot 1 2 3 4 5 6\n",
+    "time_s,RHip_x_m,\"RHip_y_m\",RHip_z_m\r\n0.0,1,2,3\r\n0.1,\"1\",NaN,\r\n",
+];
+
+/// Which reader takes which of the files.
+#[test]
+fn the_files_are_valid() {
+    let skeleton = asf::read("a.asf", ASF).unwrap();
+    assert!(openpose::read("a", FILES[0], &openpose::Options::default()).is_ok());
+    assert!(layout::read("a", FILES[1]).is_ok());
+    assert!(calib_toml::read("a", FILES[2]).is_ok());
+    assert!(body_toml::read("a", FILES[3]).is_ok());
+    assert!(trc::read("a", FILES[4]).is_ok());
+    assert!(mot::read("a", FILES[5]).is_ok());
+    assert!(bvh::read("a", FILES[6]).is_ok());
+    assert!(amc::read("a", FILES[7], &skeleton).is_ok());
+    assert!(point_table::from_numbers("a", &tidy_csv::read_numbers("a", FILES[8]).unwrap()).is_ok());
+}
+
+#[test]
+fn files_cut_at_every_byte_are_refused_or_read() {
+    for file in FILES.iter().chain(&[ASF]) {
+        for end in 0..file.len() {
+            if let Some(cut) = file.get(..end) {
+                read_all(cut);
+            }
+        }
+    }
+}
+
+/// A truncated JSON or TOML file says so, wherever it is cut inside a bracket or string.
+#[test]
+fn truncated_keypoints_are_called_truncated() {
+    for end in 0..FILES[0].len() {
+        let error = openpose::read("a.json", &FILES[0][..end], &openpose::Options::default()).unwrap_err();
+        assert!(matches!(error, Error::Truncated { offset, .. } if offset == end), "{end}: {error}");
+    }
+}
