@@ -45,7 +45,9 @@ impl Skeleton {
         let mut joints: Vec<Joint> = Vec::with_capacity(links.len());
         for &index in &links {
             let Some(link) = tree.links().get(index) else { continue };
-            let in_rest = |link: usize, offset: [f64; 3]| bvh_from_world(apply(&rest_of(link), offset));
+            // Adding 0 turns −0 into 0.
+            let in_rest =
+                |link: usize, offset: [f64; 3]| bvh_from_world(apply(&rest_of(link), offset)).map(|v| v + 0.0);
             let rotations = [2, 1, 0].map(Channel::Rotation);
             let (offset, channels) = match link.parent {
                 Some(parent) => (in_rest(parent, link.offset), rotations.to_vec()),
@@ -85,7 +87,7 @@ impl Skeleton {
                 }
             };
             let before = previous.and_then(|row_before| row_before.get(row.len()..row.len() + 3));
-            row.extend(nearest_angles(to_zyx(&local).map(f64::to_degrees), before));
+            row.extend(nearest_angles(to_zyx(&local).map(f64::to_degrees), before).map(|angle| angle + 0.0));
         }
         row
     }

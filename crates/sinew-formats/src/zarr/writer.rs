@@ -215,11 +215,12 @@ impl Growing {
     fn set(&mut self, place: usize, values: Values<'_>) -> io::Result<()> {
         let expected = self.outer * self.inner;
         let data_type = self.variable.data_type;
-        let fits = match (values, data_type) {
-            (Values::Numbers(_), DataType::Float32 | DataType::Float64) => true,
-            (Values::Integers(_), DataType::Int64) | (Values::Flags(_), DataType::Bool) => true,
-            _ => false,
-        };
+        let fits = matches!(
+            (values, data_type),
+            (Values::Numbers(_), DataType::Float32 | DataType::Float64)
+                | (Values::Integers(_), DataType::Int64)
+                | (Values::Flags(_), DataType::Bool)
+        );
         if !fits || values.len() != expected {
             return Err(invalid(format!("`{}` takes {expected} values as {data_type:?} a frame", self.path)));
         }

@@ -1,0 +1,220 @@
+//! What a user reads when an input is bad: one test per row of the table of bad inputs that concerns these formats.
+
+use insta::assert_snapshot;
+use sinew_formats::*;
+
+fn keypoints(text: &str) -> Error {
+    openpose::read("cam01.0012.json", text, &openpose::Options::default()).unwrap_err()
+}
+
+fn one_person(numbers: &str) -> String {
+    format!("{{\"people\": [{{\"pose_keypoints_2d\": [{numbers}]}}]}}")
+}
+
+fn calibration(field: &str, value: &str) -> Result<calib_toml::Calibration, Error> {
+    let mut fields = vec![
+        ("size", "[1088, 1920]"),
+        ("matrix", "[[1681.5, 0, 533.0], [0, 1681.0, 948.0], [0, 0, 1]]"),
+        ("distortions", "[-0.1, 0.2, 0.001, 0.002]"),
+        ("rotation", "[1.5, 1.0, -0.5]"),
+        ("translation", "[0.5, 1.0, 3.0]"),
+    ];
+    fields.retain(|(name, _)| *name != field);
+    fields.push((field, value));
+    let lines: Vec<String> = fields.iter().map(|(name, value)| format!("{name} = {value}")).collect();
+    calib_toml::read("Calib.toml", &format!("[cam1]\n{}\n", lines.join("\n")))
+}
+
+fn trc(change: impl Fn(&str) -> String) -> Result<trc::Trc, Error> {
+    let text = "PathFileType\t4\t(X/Y/Z)\ta.trc\n\
+        DataRate\tCameraRate\tNumFrames\tNumMarkers\tUnits\tOrigDataRate\tOrigDataStartFrame\tOrigNumFrames\n\
+        60\t60\t2\t2\tm\t60\t1\t2\nFrame#\tTime\tRHip\t\t\tNose\t\t\n\t\tX1\tY1\tZ1\tX2\tY2\tZ2\n\n\
+        1\t0.0\t1\t2\t3\t4\t5\t6\n2\t0.5\t1\t2\t3\t7\t8\t9\n";
+    trc::read("a.trc", &change(text))
+}
+
+#[test]
+fn empty_people_or_no_file() {
+    let mut tally = openpose::Tally::default();
+    let empty = openpose::read("a.json", "{\"people\": []}", &openpose::Options::default()).unwrap();
+    let person = openpose::read("a.json", &one_person("1, 2, 0.5"), &openpose::Options::default()).unwrap();
+    for frame in 0..900 {
+        let seen = match frame {
+            118 | 200..=230 => Some(&empty),
+            300..=304 => None,
+            _ => Some(&person),
+        };
+        tally.add(frame, seen);
+    }
+    assert_snapshot!(tally.warnings("cam2")[0], @"camera cam2: 37 of 900 frames have no person (first: 118)");
+}
+
+#[test]
+fn null_or_nan_coordinates() {
+    let mut tally = openpose::Tally::default();
+    let text = one_person("null, 2, 0.5, 1, NaN, 0.5, null, null, 1, 3, 4, 0.9");
+    let frame = openpose::read("a.json", &text, &openpose::Options::default()).unwrap();
+    (0..4).for_each(|number| tally.add(number, Some(&frame)));
+    assert_snapshot!(tally.warnings("cam1")[0], @"12 points have no coordinates but confidence > 0; treated as missing");
+}
+
+#[test]
+fn origin_with_confidence() {
+    let mut tally = openpose::Tally::default();
+    let frame = openpose::read("a.json", &one_person("0, 0, 0.8, 0, 0, 0"), &openpose::Options::default()).unwrap();
+    assert!(frame.people[0].keypoints[0].is_some() && frame.people[0].keypoints[1].is_none());
+    (0..40).for_each(|number| tally.add(number, Some(&frame)));
+    assert_snapshot!(tally.warnings("cam1")[0], @"point at exactly (0,0) with confidence 0.8 in 40 frames; is this your tracker's mark for 'not found'?");
+}
+
+#[test]
+fn confidence_out_of_range() {
+    assert_snapshot!(keypoints(&one_person("1, 2, 87.0")), @"cam01.0012.json: confidence 87.0 found; expected 0 to 1; set `confidence_scale = 100`");
+    assert_snapshot!(keypoints(&one_person("1, 2, -0.1")), @"cam01.0012.json: confidence -0.1 found; expected 0 to 1; negative confidences have no meaning");
+}
+
+#[test]
+fn fewer_numbers_than_the_layout_has() {
+    let layout = layout::find("body25").unwrap();
+    let options = openpose::Options { frame: Some(12), layout: Some(&layout), ..openpose::Options::default() };
+    let error = openpose::read("cam01.0012.json", &one_person(&["1"; 51].join(",")), &options).unwrap_err();
+    assert_snapshot!(error, @"cam01.0012.json (frame 12): 51 numbers, layout `BODY_25` needs 75");
+    assert_snapshot!(error.help().unwrap(), @"these keypoints may be COCO_17; set `--layout`");
+    assert_snapshot!(keypoints(&one_person("1, 2")), @"cam01.0012.json: 2 numbers; keypoints are triples x, y, confidence");
+}
+
+#[test]
+fn unknown_layout() {
+    assert_snapshot!(layout::find("halpe27").unwrap_err(), @"unknown layout `halpe27`; known: BODY_25B, BODY_25, HALPE_26, COCO_17, COCO_133; or give a mapping file; did you mean `HALPE_26`?");
+}
+
+#[test]
+fn cameras_that_begin_or_end_apart() {
+    let ranges = [("cam1", 0..900), ("cam3", 0..897)];
+    let error = frame_number::common_range(&ranges, false).unwrap_err();
+    assert_snapshot!(error, @"cam1 has 900 frames, cam3 has 897; difference 3");
+    assert_snapshot!(error.help().unwrap(), @"pass `--trim` to use only the frames that all cameras have");
+    assert_eq!(frame_number::common_range(&ranges, true), Ok(0..897));
+}
+
+#[test]
+fn dropped_frames() {
+    let frames: Vec<u64> = (0..400).filter(|frame| ![45, 46, 301].contains(frame)).collect();
+    assert_snapshot!(frame_number::holes("cam2", &frames).unwrap(), @"cam2 lacks frames 45, 46, 301");
+}
+
+#[test]
+fn two_files_of_one_frame() {
+    let error = frame_number::order(&["cam1.1.json", "cam1.10.json", "cam1_b.0010.json"]).unwrap_err();
+    assert_snapshot!(error, @"two files claim frame 10: cam1.10.json, cam1_b.0010.json");
+    assert_snapshot!(frame_number::order(&["keypoints.json"]).unwrap_err(), @"keypoints.json: no frame number in the file name; expected a name like `cam01.0034.json`");
+}
+
+#[test]
+fn time_that_goes_back() {
+    let error = trc(|text| text.replace("2\t0.5", "2\t-0.04")).unwrap_err();
+    assert_snapshot!(error, @"a.trc: time goes back at row 2: -0.04 after 0 s");
+}
+
+#[test]
+fn cameras_without_calibration() {
+    let error = camera_name::match_names(&["cam4_json"], &["cam1", "cam2", "cam3"]).unwrap_err();
+    assert_snapshot!(error, @"no calibration for `cam4_json`; calibrated: cam1, cam2, cam3");
+    let error = camera_name::match_names(&["cam1_json", "cam_01"], &["cam1"]).unwrap_err();
+    assert_snapshot!(error, @"cameras `cam1_json` and `cam_01` have the same name but for punctuation, case and leading zeros");
+    let matching = camera_name::match_names(&["cam1_json"], &["cam1", "cam2"]).unwrap();
+    assert_snapshot!(matching.warnings(&["cam1_json"], &["cam1", "cam2"])[0], @"no keypoints for calibrated camera `cam2`; folders: cam1_json");
+}
+
+#[test]
+fn millimetres_for_metres() {
+    let cameras = calibration("translation", "[0, 0, 4200]").unwrap().cameras;
+    assert_snapshot!(calib_toml::far_cameras(&cameras, 1.7).unwrap(), @"cameras stand 4200 units from the origin but the skeleton is 1.7 tall; are translations in millimetres?");
+}
+
+#[test]
+fn impossible_intrinsics() {
+    let matrix = |fx: &str, cx: &str| format!("[[{fx}, 0, {cx}], [0, 1681, 948], [0, 0, 1]]");
+    let error = |fx, cx| calibration("matrix", &matrix(fx, cx)).unwrap_err();
+    assert_snapshot!(error("0", "533"), @"Calib.toml:6 (cam1): fx = 0; must be positive");
+    assert_snapshot!(error("-5", "533"), @"Calib.toml:6 (cam1): fx = -5; must be positive");
+    assert_snapshot!(error("nan", "533"), @"Calib.toml (cam1): value out of range at line 6");
+    assert_snapshot!(error("5", "9000"), @"Calib.toml:6 (cam1): cx = 9000; must be within one image of the image, -1088 to 2176");
+}
+
+#[test]
+fn rotations_that_are_none() {
+    let matrix = |off: f64| calibration("rotation", &format!("[[1, {off}, 0], [0, 1, 0], [0, 0, 1]]"));
+    assert_eq!(matrix(1e-7).unwrap().warnings, []);
+    assert_snapshot!(matrix(1e-4).unwrap().warnings[0], @"Calib.toml:6 (cam1): R'R differs from identity by 0.0001; repaired");
+    assert_snapshot!(matrix(0.04).unwrap_err(), @"Calib.toml:6 (cam1): R'R differs from identity by 0.04");
+    let mirror = calibration("rotation", "[[1, 0, 0], [0, 1, 0], [0, 0, -1]]").unwrap_err();
+    assert_snapshot!(mirror, @"Calib.toml:6 (cam1): R is a mirror image (determinant -1); axes are left-handed");
+}
+
+#[test]
+fn lenses_that_are_not_supported() {
+    assert_snapshot!(calibration("fisheye", "true").unwrap_err(), @"Calib.toml:7 (cam1): a fisheye lens is not supported");
+}
+
+#[test]
+fn truncated_files() {
+    let text = format!("{{\"people\": [{{\"pose_keypoints_2d\": [{}", "1.5,\n".repeat(1202));
+    let padded = format!("{text}{}", " ".repeat(40_961 - text.len()));
+    assert_snapshot!(keypoints(&padded), @"cam01.0012.json: ends inside an array at byte 40 961 (line 1203)");
+    let error = calib_toml::read("Calib.toml", "[cam1]\nsize = [1088,").unwrap_err();
+    assert_snapshot!(error, @"Calib.toml: ends inside an array at byte 20 (line 2)");
+}
+
+#[test]
+fn text_that_is_no_text() {
+    let error = source_text::decode("a.trc", b"1\n2\n3\n4\n5\n6\nMarqu\xE9\n", 1000).unwrap_err();
+    assert_snapshot!(error, @"a.trc: byte 0xE9 at line 7 is not UTF-8; save as UTF-8");
+    let marked = source_text::decode("a.json", b"\xEF\xBB\xBF{\r\n\"people\": []}\r\n", 1000).unwrap();
+    assert!(openpose::read("a.json", marked, &openpose::Options::default()).is_ok());
+    let error = tidy_csv::read_numbers("a.csv", "time_s;x_m\n0,5;1,5\n").unwrap_err();
+    assert_snapshot!(error, @"a.csv:2 (time_s): `0,5` has a decimal comma; expected a decimal point");
+    assert_snapshot!(error.help().unwrap(), @"export with an English locale, so that numbers read 0.5 and not 0,5");
+}
+
+#[test]
+fn files_that_claim_too_much() {
+    assert_snapshot!(keypoints(&"[".repeat(100_000)), @"cam01.0012.json:1: nested more than 100 deep");
+    let deep = format!("a = {}", "[".repeat(100_000));
+    assert!(calib_toml::read("Calib.toml", &deep).is_err());
+    let error = source_text::check_size("a.json", 4_000_000_000, source_text::MAX_KEYPOINT_BYTES).unwrap_err();
+    assert_snapshot!(error, @"a.json: the file has 4 GB; at most 67 MB are read");
+    let error =
+        trc(|text| format!("{}{}", text.replace("60\t2\t2", "60\t1000000000\t2"), "\n".repeat(11_770))).unwrap_err();
+    assert_snapshot!(error, @"a.trc: file claims 10^9 frames, holds 12 kB");
+    let channels = "HIERARCHY\nROOT a\n{\nOFFSET 0 0 0\nCHANNELS 1000000000 Xposition\n";
+    assert_snapshot!(bvh::read("a.bvh", channels).unwrap_err(), @"a.bvh:5: CHANNELS = 1000000000; must be 0 to 6");
+}
+
+#[test]
+fn keys_that_are_unknown_or_there_twice() {
+    let body = |text: &str| body_toml::read("body.toml", text).unwrap_err();
+    assert_snapshot!(body("[[link]]\nname = \"a\"\noffest = [0, 0, 0]\n"), @"body.toml:3: unknown key `offest`; did you mean `offset`?");
+    assert_snapshot!(body("[[link]]\nname = \"a\"\nname = \"b\"\n"), @"body.toml:3: the key `name` is there twice");
+    let error = calib_toml::read("Calib.toml", "[cam1]\nsize = [1, 1]\n[cam1]\nsize = [1, 1]\n").unwrap_err();
+    assert_snapshot!(error, @"Calib.toml:3: the key `cam1` is there twice");
+}
+
+#[test]
+fn numbers_out_of_range() {
+    assert_snapshot!(keypoints("{\"people\": [\n{\"pose_keypoints_2d\":\n[1e999, 2, 0.5]}]}"), @"cam01.0012.json: value out of range at line 3");
+    assert_snapshot!(keypoints("{\"people\": [\n{\"pose_keypoints_2d\":\n[Infinity, 2, 0.5]}]}"), @"cam01.0012.json: value out of range at line 3");
+    assert_snapshot!(calibration("translation", "[inf, 0, 0]").unwrap_err(), @"Calib.toml (cam1): value out of range at line 6");
+    assert_snapshot!(trc(|text| text.replace("\t7\t", "\t1e999\t")).unwrap_err(), @"a.trc: value out of range at line 8");
+}
+
+#[test]
+fn odd_trajectory_files() {
+    let warning = |change: &dyn Fn(&str) -> String| trc(change).unwrap().warnings[0].to_string();
+    assert_eq!(trc(|text| text.replace("7\t8\t9", "\tnan\t")).unwrap().frames[1].points[1], None);
+    assert_eq!(trc(|text| text.replace("Nose", "*60 é")).unwrap().header.markers[1], "*60 é");
+    assert_snapshot!(warning(&|text| text.replace('\t', " ")), @"a.trc: spaces instead of tabs; names cannot contain spaces then");
+    assert_snapshot!(warning(&|text| text.replace("X1", "X25")), @"a.trc: coordinate labels start with `X25` instead of `X1`; taken in order");
+    assert_snapshot!(warning(&|text| text.replace("60\t2\t2", "60\t3\t2")), @"a.trc: NumFrames says 3, the file holds 2");
+    assert_snapshot!(trc(|text| text.replace("9\n", "9\t10\n")).unwrap_err(), @"a.trc:8: 9 values; expected 8");
+}
