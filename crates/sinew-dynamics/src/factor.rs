@@ -40,14 +40,17 @@ pub fn cholesky(name: &'static str, matrix: &[f64], dim: usize) -> Result<Choles
         }
         if let Ok(llt) = a.llt(Side::Lower) {
             let l = llt.L();
-            let lower =
-                (0..dim * dim).map(|k| if k % dim <= k / dim { l[(k / dim, k % dim)] } else { 0.0 }).collect();
+            let lower = (0..dim * dim).map(|k| if k % dim <= k / dim { l[(k / dim, k % dim)] } else { 0.0 }).collect();
             return Ok(Cholesky { lower, jitter });
         }
         jitter = 1e-10 * mean * 10.0_f64.powi(attempt);
     }
     let smallest = smallest_eigenvalue(m);
-    if smallest < -jitter.abs() { Err(Error::Indefinite { name, smallest }) } else { Err(Error::Singular { name, jitter }) }
+    if smallest < -jitter.abs() {
+        Err(Error::Indefinite { name, smallest })
+    } else {
+        Err(Error::Singular { name, jitter })
+    }
 }
 
 fn smallest_eigenvalue(m: MatRef<'_, f64>) -> f64 {
@@ -85,9 +88,7 @@ mod tests {
     use super::*;
 
     fn square(root: &[f64], dim: usize) -> Vec<f64> {
-        (0..dim * dim)
-            .map(|k| (0..dim).map(|l| root[k / dim * dim + l] * root[k % dim * dim + l]).sum())
-            .collect()
+        (0..dim * dim).map(|k| (0..dim).map(|l| root[k / dim * dim + l] * root[k % dim * dim + l]).sum()).collect()
     }
 
     #[test]

@@ -174,9 +174,7 @@ mod tests {
     use sinew_core::random::Stage;
 
     fn covariance(d: usize) -> Vec<f64> {
-        (0..d * d)
-            .map(|k| (-0.4 * (k as f64 / d as f64).floor().mul_add(1.0, -((k % d) as f64)).abs()).exp())
-            .collect()
+        (0..d * d).map(|k| (-0.4 * (k as f64 / d as f64).floor().mul_add(1.0, -((k % d) as f64)).abs()).exp()).collect()
     }
 
     #[test]

@@ -56,8 +56,9 @@ impl Mixture {
             }
         }
         let count = means.len();
-        let centre: Vec<f64> =
-            (0..dim).map(|j| means[0][j] + means.iter().map(|m| m[j] - means[0][j]).sum::<f64>() / count as f64).collect();
+        let centre: Vec<f64> = (0..dim)
+            .map(|j| means[0][j] + means.iter().map(|m| m[j] - means[0][j]).sum::<f64>() / count as f64)
+            .collect();
         let place = |mean: &Vec<f64>, j: usize| (mean[j] - centre[j]) / sd[j];
         let chunks = count.div_ceil(WIDEST);
         let widths: Vec<usize> = (0..chunks).map(|c| count / chunks + usize::from(c < count % chunks)).collect();

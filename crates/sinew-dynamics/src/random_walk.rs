@@ -37,7 +37,9 @@ pub struct RandomWalk {
 
 fn check(name: &'static str, values: &[f64]) -> Result<(), Error> {
     match values.iter().position(|v| !(*v > 0.0 && v.is_finite())) {
-        Some(index) => Err(Error::OutOfRange { name, index, value: values[index], expected: "must be positive and finite" }),
+        Some(index) => {
+            Err(Error::OutOfRange { name, index, value: values[index], expected: "must be positive and finite" })
+        }
         None => Ok(()),
     }
 }
@@ -220,8 +222,7 @@ mod tests {
         let x = [0.3, -0.4, 0.9];
         let exact = Transition::log_density(&walk(Between::Mixture), &centre, &x);
         for between in [Between::Mixture, Between::Gaussian] {
-            let prior =
-                walk(between).predict(Cloud { last: &last, count: 1, moments: &moments }).expect("valid");
+            let prior = walk(between).predict(Cloud { last: &last, count: 1, moments: &moments }).expect("valid");
             assert!((prior.log_density(&x) - exact).abs() < 1e-13, "{between:?}");
             assert!((prior.precision_diagonal()[0] - 16.0).abs() < 1e-12);
             let initial = walk(between).initial(&centre).expect("valid");

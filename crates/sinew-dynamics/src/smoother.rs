@@ -136,7 +136,13 @@ impl Smoother {
     ///
     /// # Errors
     /// Those of [`root`].
-    pub fn sample_last(&self, filtered: &Moments, last: &mut [Block], isa: Isa, rng: &mut BlockRng) -> Result<(), Error> {
+    pub fn sample_last(
+        &self,
+        filtered: &Moments,
+        last: &mut [Block],
+        isa: Isa,
+        rng: &mut BlockRng,
+    ) -> Result<(), Error> {
         let root = root("covariance", &filtered.covariance, self.dim)?;
         for state in last.chunks_exact_mut(self.dim) {
             draw(state, &filtered.mean, None, &root, isa, rng);

@@ -45,7 +45,9 @@ pub enum Error {
         value: f64,
     },
     /// No step size has the wanted acceptance.
-    #[error("no step size accepts {target} of the trajectories: at {step_size} after {tried} halvings or doublings it is {acceptance}")]
+    #[error(
+        "no step size accepts {target} of the trajectories: at {step_size} after {tried} halvings or doublings it is {acceptance}"
+    )]
     StepSizeNotFound {
         /// Acceptance wanted.
         target: f64,

@@ -34,13 +34,7 @@ impl Hmc {
     ///
     /// # Errors
     /// [`Error::OutOfRange`] unless the step size and each curvature are positive and finite, there is at least one step, and 0 ≤ jitter < 1.
-    pub fn new(
-        step_size: f64,
-        curvature: &[f64],
-        leapfrog_steps: usize,
-        jitter: f64,
-        isa: Isa,
-    ) -> Result<Self, Error> {
+    pub fn new(step_size: f64, curvature: &[f64], leapfrog_steps: usize, jitter: f64, isa: Isa) -> Result<Self, Error> {
         let positive = |name, value: f64| {
             let expected = "must be positive and finite";
             if value > 0.0 && value.is_finite() { Ok(()) } else { Err(Error::OutOfRange { name, value, expected }) }

@@ -25,6 +25,7 @@
 //! assert!((sum / 2000.0 + 2.0).abs() < 0.03);
 //! # Ok::<(), sinew_samplers::Error>(())
 //! ```
+pub mod chains;
 pub mod curvature;
 mod error;
 pub mod hmc;

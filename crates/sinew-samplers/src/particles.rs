@@ -107,14 +107,16 @@ pub fn start<T: Transition + ?Sized>(particles: &mut Particles, transition: &T, 
 pub fn predict<T: Transition + ?Sized>(particles: &mut Particles, transition: &T, stage: Stage) {
     let Particles { dim, states, previous, .. } = particles;
     std::mem::swap(states, previous);
-    states
-        .par_chunks_mut(*dim)
-        .zip(previous.par_chunks(*dim))
-        .with_min_len(BLOCKS_A_TASK)
-        .enumerate()
-        .for_each(|(block, (next, previous))| {
+    states.par_chunks_mut(*dim).zip(previous.par_chunks(*dim)).with_min_len(BLOCKS_A_TASK).enumerate().for_each(
+        |(block, (next, previous))| {
             transition.sample_block(previous, next, &mut stage.block(block as u32));
-        });
+        },
+    );
+}
+
+/// Takes the last [`predict`] back.
+pub fn retreat(particles: &mut Particles) {
+    std::mem::swap(&mut particles.states, &mut particles.previous);
 }
 
 /// Multiplies the weights by the likelihood and normalises them. Returns log Σ W_i exp l_i, the evidence of the observation given the earlier ones.

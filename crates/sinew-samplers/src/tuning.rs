@@ -1,1 +1,212 @@
-//! Step size and trajectory length by trial (on the first frame; both are then fixed).
+//! Step size and trajectory length of Hamiltonian Monte Carlo by trial, before any draw is kept; both are then fixed (Choo & Fleet 2001).
+//!
+//! - η: the acceptance probability falls with η. It is halved or doubled from a first guess until the target acceptance is bracketed (at most 50 times, then an error), then log η is bisected, with some 200 trajectories an
+//!   evaluation, until the acceptance is within the tolerance. The chains go on from evaluation to evaluation and so reach the target's bulk on the way.
+//! - L: for each candidate η is found as above, chains run, and the L with the least cost per effective draw, τ L, wins (τ: the largest over coordinates of the integrated autocorrelation time).
+
+use crate::Error;
+use crate::chains::{Draws, Schedule, draw};
+use crate::diagnostics::effective_sample_size;
+use crate::hmc::Hmc;
+use sinew_core::density::GradLogDensity;
+use sinew_core::lanes::{Block, Isa, LANES};
+use sinew_core::random::Stage;
+
+/// Halvings or doublings of the step size before the search gives up.
+pub const MOST_HALVINGS: usize = 50;
+/// Bisections of log η: the bracket is then narrower than the noise.
+const BISECTIONS: usize = 20;
+
+/// Settings; the default aims at the paper's 15 % of rejections.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Config {
+    /// Acceptance probability to aim at.
+    pub acceptance: f64,
+    /// Allowed deviation from it.
+    pub tolerance: f64,
+    /// Trajectories of one evaluation of the acceptance (rounded up over all lanes).
+    pub trajectories: usize,
+    /// First guess of η.
+    pub first_step_size: f64,
+    /// Trajectory lengths L to compare.
+    pub lengths: Vec<usize>,
+    /// Updates a chain for the comparison.
+    pub updates: usize,
+    /// Jitter in use.
+    pub jitter: f64,
+}
+
+impl Default for Config {
+    fn default() -> Self {
+        Self {
+            acceptance: 0.85,
+            tolerance: 0.03,
+            trajectories: 200,
+            first_step_size: 0.5,
+            lengths: vec![1, 2, 5, 10, 20, 40, 80],
+            updates: 100,
+            jitter: 0.0,
+        }
+    }
+}
+
+/// Result of a search.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tuned {
+    /// η.
+    pub step_size: f64,
+    /// L.
+    pub leapfrog_steps: usize,
+    /// Acceptance probability found there.
+    pub acceptance: f64,
+    /// Gradients per effective draw, τ L; NaN where it was not measured.
+    pub gradients_per_draw: f64,
+}
+
+/// A target with the chains that try step sizes on it.
+pub struct Trial<'a, T: ?Sized> {
+    /// The target.
+    pub target: &'a T,
+    /// Curvature h of the coordinates.
+    pub curvature: &'a [f64],
+    /// Where the chains stand: blocks of the target's dimension, every lane in use.
+    pub states: Vec<Block>,
+    /// Instruction set.
+    pub isa: Isa,
+}
+
+impl<T: GradLogDensity + ?Sized> Trial<'_, T> {
+    fn chains(&self) -> usize {
+        self.states.len() / self.target.dim().max(1) * LANES
+    }
+
+    fn run(&mut self, eta: f64, steps: usize, jitter: f64, updates: usize, stage: &Stage) -> Result<Draws, Error> {
+        let hmc = Hmc::new(eta, self.curvature, steps, jitter, self.isa)?;
+        let schedule = Schedule { updates, burn_in: 1.min(updates) };
+        let draws = draw(self.target, &hmc, &self.states, self.chains(), schedule, stage)?;
+        self.states.clone_from(&draws.last);
+        Ok(draws)
+    }
+}
+
+/// The step size for trajectories of `steps` leapfrog steps.
+///
+/// # Errors
+/// [`Error::StepSizeNotFound`], [`Error::BadStart`], [`Error::OutOfRange`].
+pub fn step_size<T: GradLogDensity + ?Sized>(
+    trial: &mut Trial<'_, T>,
+    steps: usize,
+    config: &Config,
+    stage: &Stage,
+) -> Result<Tuned, Error> {
+    let updates = config.trajectories.div_ceil(trial.chains().max(1));
+    let mut round = 0;
+    let mut acceptance = |eta: f64| {
+        round += 1;
+        Ok::<_, Error>(trial.run(eta, steps, config.jitter, updates, &stage.round(round))?.acceptance)
+    };
+    let found =
+        |eta, acceptance| Ok(Tuned { step_size: eta, leapfrog_steps: steps, acceptance, gradients_per_draw: f64::NAN });
+    let mut eta = config.first_step_size;
+    let mut rate = acceptance(eta)?;
+    let grow = rate > config.acceptance;
+    let factor = if grow { 2.0 } else { 0.5 };
+    let mut tried = 0;
+    while (rate > config.acceptance) == grow {
+        if (rate - config.acceptance).abs() <= config.tolerance {
+            return found(eta, rate);
+        }
+        if tried == MOST_HALVINGS {
+            let (target, step_size) = (config.acceptance, eta);
+            return Err(Error::StepSizeNotFound { target, step_size, acceptance: rate, tried });
+        }
+        tried += 1;
+        eta *= factor;
+        rate = acceptance(eta)?;
+    }
+    let (mut low, mut high) = if grow { (eta / 2.0, eta) } else { (eta, 2.0 * eta) };
+    for _ in 0..BISECTIONS {
+        eta = (low * high).sqrt();
+        rate = acceptance(eta)?;
+        if (rate - config.acceptance).abs() <= config.tolerance {
+            break;
+        }
+        if rate > config.acceptance { low = eta } else { high = eta }
+    }
+    found(eta, rate)
+}
+
+/// Step size and length with the fewest gradients per effective draw.
+///
+/// # Errors
+/// Those of [`step_size`]; [`Error::OutOfRange`] without candidates.
+pub fn length<T: GradLogDensity + ?Sized>(
+    trial: &mut Trial<'_, T>,
+    config: &Config,
+    stage: &Stage,
+) -> Result<Tuned, Error> {
+    let mut best: Option<Tuned> = None;
+    for (i, &steps) in config.lengths.iter().enumerate() {
+        let stage = stage.round(i);
+        let tuned = step_size(trial, steps, config, &stage)?;
+        let draws = trial.run(tuned.step_size, steps, config.jitter, config.updates, &stage.round(0))?;
+        let least = (0..draws.dim).map(|j| effective_sample_size(&draws.series(j))).fold(f64::INFINITY, f64::min);
+        let gradients_per_draw = (draws.stats.len() * steps) as f64 / least;
+        if best.is_none_or(|b| gradients_per_draw < b.gradients_per_draw) {
+            best = Some(Tuned { gradients_per_draw, ..tuned });
+        }
+    }
+    best.ok_or(Error::OutOfRange { name: "number of lengths", value: 0.0, expected: "must be at least 1" })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use sinew_core::density::{Lanes, LogDensity};
+    use sinew_core::toy::Quadratic;
+
+    /// A target that no trajectory survives: log density falls without end at any step.
+    struct Spike;
+    impl LogDensity for Spike {
+        fn dim(&self) -> usize {
+            1
+        }
+        fn log_density(&self, x: &[f64]) -> f64 {
+            if x[0] == 0.0 { 0.0 } else { f64::NEG_INFINITY }
+        }
+    }
+    impl GradLogDensity for Spike {
+        fn log_density_grad(&self, x: &[f64], grad: &mut [f64]) -> f64 {
+            grad[0] = 1.0;
+            self.log_density(x)
+        }
+    }
+
+    #[test]
+    fn acceptance_is_reached_and_a_length_chosen() {
+        let precision: Vec<f64> = (0..10).map(|j| 1.0 + 3.0 * f64::from(j)).collect();
+        let isa = Isa::best();
+        let target = Lanes { leaf: Quadratic { centre: vec![0.0; 10], precision }, isa };
+        // A curvature of 1 leaves a condition number of 28.
+        let mut trial = Trial { target: &target, curvature: &[1.0; 10], states: vec![Block::splat(0.1); 20], isa };
+        let config = Config { jitter: 0.2, lengths: vec![1, 5, 10, 80], ..Config::default() };
+        let tuned = length(&mut trial, &config, &Stage::new(4, "tune")).expect("tunable");
+        assert!((tuned.acceptance - 0.85).abs() <= 0.03, "{tuned:?}");
+        assert!([5, 10].contains(&tuned.leapfrog_steps), "{tuned:?}");
+        let again = trial.run(tuned.step_size, tuned.leapfrog_steps, 0.2, 200, &Stage::new(5, "check"));
+        assert!((again.expect("valid").acceptance - 0.85).abs() < 0.06);
+    }
+
+    #[test]
+    fn a_search_without_end_is_an_error() {
+        let isa = Isa::best();
+        let mut trial = Trial { target: &Spike, curvature: &[1.0], states: vec![Block::ZERO], isa };
+        let error = step_size(&mut trial, 2, &Config::default(), &Stage::new(1, "spike"));
+        assert!(matches!(error, Err(Error::StepSizeNotFound { tried: 50, acceptance: 0.0, .. })), "{error:?}");
+        let flat = Lanes { leaf: Quadratic { centre: vec![0.0], precision: vec![0.0] }, isa };
+        let mut trial = Trial { target: &flat, curvature: &[1.0], states: vec![Block::ZERO], isa };
+        let error = step_size(&mut trial, 2, &Config::default(), &Stage::new(1, "flat"));
+        assert!(matches!(error, Err(Error::StepSizeNotFound { tried: 50, .. })), "{error:?}");
+        assert!(length(&mut trial, &Config { lengths: vec![], ..Config::default() }, &Stage::new(1, "none")).is_err());
+    }
+}

@@ -1,1 +1,41 @@
-//! Crate.
+//! Trackers, one file per algorithm, and the one time loop around them.
+//!
+//! A [`Tracker`] turns the observation of a frame, a log density on the state, into draws of the posterior. It knows neither bodies nor images, so every tracker runs on a two-dimensional Gaussian:
+//!
+//! ```
+//! use sinew_core::density::Lanes;
+//! use sinew_core::lanes::Isa;
+//! use sinew_core::random::Stage;
+//! use sinew_core::toy::Quadratic;
+//! use sinew_dynamics::random_walk::{Between, RandomWalk};
+//! use sinew_tracking::bootstrap::{Bootstrap, Config};
+//! use sinew_tracking::{StepInfo, run};
+//!
+//! let isa = Isa::best();
+//! let walk = RandomWalk::new(&[1.0, 1.0], 0.01, Between::Mixture, isa)?;
+//! let mut tracker = Bootstrap::new(Config { particles: 1000, ..Config::default() }, walk, vec![0.0, 0.0])?;
+//! let seen = |frame: u32| Lanes { leaf: Quadratic { centre: vec![0.1 * f64::from(frame), 0.0], precision: vec![100.0; 2] }, isa };
+//! let mut last: Option<StepInfo> = None;
+//! run(
+//!     &mut tracker,
+//!     0..20,
+//!     |frame| Stage::new(1, "example").at_frame(frame),
+//!     |frame, _| Ok::<_, sinew_tracking::Error>(seen(frame)),
+//!     |_, info, _| {
+//!         last = Some(info);
+//!         Ok(std::ops::ControlFlow::Continue(()))
+//!     },
+//! )?;
+//! assert!((last.expect("20 frames").mean[0] - 1.9).abs() < 0.2);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+pub mod bootstrap;
+mod error;
+pub mod hmc_filter;
+pub mod posterior;
+mod run;
+mod tracker;
+
+pub use error::Error;
+pub use run::run;
+pub use tracker::{StepInfo, Tracker};

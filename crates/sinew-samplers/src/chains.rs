@@ -1,0 +1,186 @@
+//! Many Hamiltonian chains on one target: blocks of eight in parallel, all kept draws in one compact set.
+//!
+//! Every chain makes R updates from its start s^(0); the samples r = 0 … b − 1 are discarded (b = 6 in Choo & Fleet 2001), so M chains leave M (R + 1 − b) draws. Draw r of chain i has index (r − b) M + i and lies in lane
+//! index mod 8 of block index / 8. Blocks have their own random streams; nothing depends on the number of threads.
+
+use crate::Error;
+use crate::hmc::{Chains, Hmc, Update, Workspace, update};
+use rayon::prelude::*;
+use sinew_core::density::GradLogDensity;
+use sinew_core::lanes::{Block, LANES};
+use sinew_core::random::Stage;
+
+/// What is known of one draw of a chain.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ChainStat {
+    /// Log density of the target.
+    pub log_density: f64,
+    /// Probability with which the trajectory was accepted; 1 for a start.
+    pub acceptance: f64,
+    /// Factor of the step size in this trajectory (jitter).
+    pub step_factor: f64,
+    /// Whether it diverged.
+    pub divergent: bool,
+    /// Hamiltonian of the draw; of a start its potential.
+    pub energy: f64,
+}
+
+/// How long chains run and what is kept.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Schedule {
+    /// Updates R of each chain.
+    pub updates: usize,
+    /// Samples b ≤ R to discard, the start included.
+    pub burn_in: usize,
+}
+
+/// Kept draws of all chains.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Draws {
+    /// Dimension of the state.
+    pub dim: usize,
+    /// Number of chains M.
+    pub chains: usize,
+    /// The draws, blocks of `dim`.
+    pub states: Vec<Block>,
+    /// One entry a draw.
+    pub stats: Vec<ChainStat>,
+    /// Last states of the chains, blocks of `dim`; lanes beyond `chains` mean nothing.
+    pub last: Vec<Block>,
+    /// Mean acceptance probability of all trajectories, discarded ones included.
+    pub acceptance: f64,
+    /// Divergent trajectories.
+    pub divergences: usize,
+}
+
+impl Draws {
+    /// Values of one coordinate: one series a chain.
+    #[must_use]
+    pub fn series(&self, coordinate: usize) -> Vec<Vec<f64>> {
+        let value = |index: usize| self.states[index / LANES * self.dim + coordinate].0[index % LANES];
+        (0..self.chains).map(|i| (i..self.stats.len()).step_by(self.chains).map(value).collect()).collect()
+    }
+}
+
+struct Lockstep {
+    kept: Vec<Block>,
+    log: Vec<(Block, Option<Update>)>,
+    last: Vec<Block>,
+}
+
+fn lockstep<T: GradLogDensity + ?Sized>(
+    target: &T,
+    hmc: &Hmc,
+    start: &[Block],
+    schedule: Schedule,
+    stage: &Stage,
+    block: usize,
+) -> Result<Lockstep, Error> {
+    let mut rng = stage.block(block as u32);
+    let mut chains = Chains::new(target, start.to_vec())?;
+    let mut ws = Workspace::new(target);
+    let mut kept = Vec::with_capacity((schedule.updates + 1 - schedule.burn_in) * start.len());
+    let mut log = Vec::with_capacity(schedule.updates + 1);
+    for r in 0..=schedule.updates {
+        let moved = (r > 0).then(|| update(target, hmc, &mut chains, &mut ws, &mut rng));
+        log.push((chains.log_density, moved));
+        if r >= schedule.burn_in {
+            kept.extend_from_slice(&chains.position);
+        }
+    }
+    Ok(Lockstep { kept, log, last: chains.position })
+}
+
+/// Runs `chains` chains from `starts` (blocks of the target's dimension; every lane must hold a state of finite log density, idle ones too).
+///
+/// # Errors
+/// [`Error::Empty`], [`Error::OutOfRange`] for a schedule that keeps nothing, [`Error::BadStart`].
+pub fn draw<T: GradLogDensity + ?Sized>(
+    target: &T,
+    hmc: &Hmc,
+    starts: &[Block],
+    chains: usize,
+    schedule: Schedule,
+    stage: &Stage,
+) -> Result<Draws, Error> {
+    let dim = target.dim();
+    if chains == 0 || starts.len() != chains.div_ceil(LANES) * dim {
+        return Err(Error::Empty { count: chains, dim });
+    }
+    if schedule.burn_in > schedule.updates {
+        let (name, value) = ("burn-in", schedule.burn_in as f64);
+        return Err(Error::OutOfRange { name, value, expected: "must not exceed the number of updates" });
+    }
+    let runs: Vec<Lockstep> = starts
+        .par_chunks(dim)
+        .enumerate()
+        .map(|(block, start)| lockstep(target, hmc, start, schedule, stage, block))
+        .collect::<Result<_, _>>()?;
+
+    let per_chain = schedule.updates + 1 - schedule.burn_in;
+    let count = chains * per_chain;
+    let mut states = vec![Block::ZERO; count.div_ceil(LANES) * dim];
+    let mut stats = Vec::with_capacity(count);
+    let (mut acceptance, mut divergences) = (0.0, 0);
+    for r in 0..=schedule.updates {
+        for chain in 0..chains {
+            let (run, lane) = (&runs[chain / LANES], chain % LANES);
+            let (log_density, moved) = (run.log[r].0.0[lane], run.log[r].1.as_ref());
+            let divergent = moved.is_some_and(|m| m.divergent[lane]);
+            acceptance += moved.map_or(0.0, |m| m.acceptance.0[lane]);
+            divergences += usize::from(divergent);
+            if r < schedule.burn_in {
+                continue;
+            }
+            let index = stats.len();
+            let old = &run.kept[(r - schedule.burn_in) * dim..][..dim];
+            for (new, old) in states[index / LANES * dim..].iter_mut().zip(old) {
+                new.0[index % LANES] = old.0[lane];
+            }
+            stats.push(ChainStat {
+                log_density,
+                acceptance: moved.map_or(1.0, |m| m.acceptance.0[lane]),
+                step_factor: moved.map_or(1.0, |m| m.factor.0[lane]),
+                divergent,
+                energy: moved.map_or(-log_density, |m| m.energy.0[lane]),
+            });
+        }
+    }
+    let last = runs.iter().flat_map(|run| run.last.iter().copied()).collect();
+    acceptance /= (chains * schedule.updates.max(1)) as f64;
+    Ok(Draws { dim, chains, states, stats, last, acceptance, divergences })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use sinew_core::density::{Lanes, LogDensity};
+    use sinew_core::lanes::Isa;
+    use sinew_core::toy::Quadratic;
+
+    #[test]
+    fn draws_are_compact_and_counted() {
+        let leaf = Quadratic { centre: vec![0.0, 3.0], precision: vec![1.0, 1.0] };
+        let target = Lanes { leaf, isa: Isa::best() };
+        let hmc = Hmc::new(0.9, &[1.0, 1.0], 3, 0.2, Isa::best()).expect("valid");
+        let starts = vec![Block::ZERO; 4];
+        let schedule = Schedule { updates: 9, burn_in: 6 };
+        let draws = draw(&target, &hmc, &starts, 10, schedule, &Stage::new(1, "compact")).expect("valid");
+        assert_eq!((draws.stats.len(), draws.states.len(), draws.last.len()), (40, 10, 4));
+        let series: Vec<_> = (0..2).map(|j| draws.series(j)).collect();
+        for (index, stat) in draws.stats.iter().enumerate() {
+            let state = [series[0][index % 10][index / 10], series[1][index % 10][index / 10]];
+            assert!((target.log_density(&state) - stat.log_density).abs() < 1e-13);
+            assert!(stat.energy >= -stat.log_density && stat.acceptance <= 1.0 && !stat.divergent);
+        }
+        for chain in 0..10 {
+            assert_eq!(series[1][chain][3], draws.last[chain / 8 * 2 + 1].0[chain % 8]);
+        }
+        let none = draw(&target, &hmc, &starts, 10, Schedule { updates: 5, burn_in: 6 }, &Stage::new(1, "none"));
+        assert!(matches!(none, Err(Error::OutOfRange { name: "burn-in", .. })));
+        assert!(matches!(
+            draw(&target, &hmc, &starts, 17, schedule, &Stage::new(1, "few")),
+            Err(Error::Empty { count: 17, dim: 2 })
+        ));
+    }
+}

@@ -1,0 +1,126 @@
+//! Bootstrap particle filter (Gordon, Salmond & Smith 1993), in vision CONDENSATION (Isard & Blake 1998).
+//!
+//! For each frame t, with N particles:
+//!
+//! 1. ancestors = resample(W_{t−1}), by default multinomial and in every frame
+//! 2. s_i ~ p(s_t | s_{t−1} = s_ancestor(i)); in the first frame around the given start
+//! 3. l_i = log p(z_t | s_i)
+//! 4. W ∝ W_before exp l, where W_before = 1/N if the particles were resampled
+//! 5. estimate = Σ W_i s_i, N_eff = 1 / Σ W_i², log evidence of the frame = log Σ W_before exp l
+//!
+//! N likelihood evaluations a frame. The evidence is unbiased on the natural scale. An effective number below ten says that N is too small for the noise and the dimension.
+
+use crate::posterior::Posterior;
+use crate::{Error, StepInfo, Tracker};
+use sinew_core::density::LogDensity;
+use sinew_core::random::Stage;
+use sinew_core::transition::Transition;
+use sinew_samplers::particles::{Particles, aggregate, predict, resample, retreat, reweight, start};
+use sinew_samplers::resample::Scheme;
+
+/// Settings; the default resamples multinomially in every frame, as in all the papers.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Config {
+    /// Number of particles N.
+    pub particles: usize,
+    /// Resampling scheme.
+    pub scheme: Scheme,
+    /// The particles are resampled where N_eff / N is at most this: 1 means always, 0.5 is the usual adaptive rule, which reproductions must leave off.
+    pub resample_below: f64,
+}
+
+impl Default for Config {
+    fn default() -> Self {
+        Self { particles: 1000, scheme: Scheme::Multinomial, resample_below: 1.0 }
+    }
+}
+
+/// The filter.
+#[derive(Clone, Debug)]
+pub struct Bootstrap<T> {
+    config: Config,
+    transition: T,
+    estimate: Vec<f64>,
+    particles: Particles,
+    started: bool,
+}
+
+impl<T: Transition> Bootstrap<T> {
+    /// A filter that starts around `centre`.
+    ///
+    /// # Errors
+    /// [`Error::Config`], [`Error::Dimension`], or no particles.
+    pub fn new(config: Config, transition: T, centre: Vec<f64>) -> Result<Self, Error> {
+        let (found, expected) = (centre.len(), transition.dim());
+        if found != expected {
+            return Err(Error::Dimension { name: "start", found, expected });
+        }
+        if !(0.0..=1.0).contains(&config.resample_below) {
+            let (name, value) = ("resample_below", config.resample_below);
+            return Err(Error::Config { name, value, expected: "must be between 0 and 1" });
+        }
+        let particles = Particles::new(&centre, config.particles)?;
+        Ok(Self { config, transition, estimate: centre, particles, started: false })
+    }
+
+    /// The particles with their weights.
+    #[must_use]
+    pub fn particles(&self) -> &Particles {
+        &self.particles
+    }
+}
+
+impl<T: Transition + Send, O: LogDensity + ?Sized> Tracker<O> for Bootstrap<T> {
+    fn step(&mut self, observed: &O, stage: Stage) -> Result<StepInfo, Error> {
+        let (found, expected) = (observed.dim(), self.particles.dim());
+        if found != expected {
+            return Err(Error::Dimension { name: "observation", found, expected });
+        }
+        let [to_resample, to_predict] = stage.split(["resample", "predict"]);
+        let particles = &mut self.particles;
+        let count = particles.count();
+        let mut resampled = false;
+        if self.started {
+            resampled = particles.effective_sample_size() <= self.config.resample_below * count as f64 * (1.0 + 1e-9);
+            if resampled {
+                resample(particles, self.config.scheme, to_resample);
+            }
+            predict(particles, &self.transition, to_predict);
+        } else {
+            start(particles, &self.transition, &self.estimate, to_predict);
+        }
+        let log_evidence = match reweight(particles, observed) {
+            Ok(log_evidence) => log_evidence,
+            Err(error) => {
+                if self.started {
+                    retreat(particles);
+                }
+                return Err(error.into());
+            }
+        };
+        self.started = true;
+        self.estimate = aggregate(particles);
+        Ok(StepInfo {
+            mean: self.estimate.clone(),
+            ess: particles.effective_sample_size(),
+            log_evidence: Some(log_evidence),
+            resampled: Some(resampled),
+            likelihood_evaluations: count,
+            ..StepInfo::default()
+        })
+    }
+
+    fn posterior(&self) -> Posterior<'_> {
+        Posterior {
+            dim: self.particles.dim(),
+            states: self.particles.states(),
+            weights: self.particles.weights(),
+            effective: self.particles.effective_sample_size(),
+            chain_stats: &[],
+        }
+    }
+
+    fn estimate(&self) -> &[f64] {
+        &self.estimate
+    }
+}

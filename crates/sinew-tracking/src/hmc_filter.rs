@@ -1,0 +1,222 @@
+//! Hybrid Monte Carlo filter (Choo & Fleet 2001).
+//!
+//! For each frame t, with M chains, R updates, b discarded samples, L leapfrog steps and factor η:
+//!
+//! 1. prior = the transition's prediction from frame t − 1 (eq. 9, or another: a value of the transition); in the first frame around the given start
+//! 2. u_i ~ prior, i = 1 … M, from a mixture one a component; w_i = p(z_t | u_i)
+//! 3. s^(i,0) = M draws with replacement from {u_i, w_i}
+//! 4. target = p(z_t | s) · prior(s) (eq. 10)
+//! 5. h_j = curvature from K prior draws, ε_j = η / √h_j (eq. 17); both frozen for the frame
+//! 6. for each chain i and r = 1 … R: s^(i,r) = hybrid Monte Carlo update of s^(i,r−1) (eqs. 13–16)
+//! 7. estimate = mean of s^(i,r) over all i and r ≥ b; a rejected state counts again
+//!
+//! Only the last states s^(i,R), and the moments of all kept draws, go on to the next frame. M(R + 1 − b) draws, M + M R L evaluations and one gradient a chain to begin with. Chains are moved in blocks of eight lanes: 10 chains cost as much as 16.
+//! The chains of one frame start close together, so R̂ within a frame is the sign to look at.
+
+use crate::posterior::Posterior;
+use crate::{Error, StepInfo, Tracker};
+use sinew_core::combinators::Sum;
+use sinew_core::density::GaussNewton;
+use sinew_core::diagnostics::{effective_sample_size, split_r_hat};
+use sinew_core::lanes::{Block, Isa, LANES};
+use sinew_core::random::Stage;
+use sinew_core::transition::{Cloud, FramePrior, Moments, Predict};
+use sinew_samplers::chains::{Draws, Schedule, draw};
+use sinew_samplers::curvature::curvature;
+use sinew_samplers::hmc::Hmc;
+use sinew_samplers::resample::multinomial;
+use sinew_samplers::tuning::{self, Trial, Tuned};
+use sinew_samplers::{moments, weights};
+
+/// Settings; the default is the paper's 28-dimensional one, with η in units of our curvature.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Config {
+    /// Chains M.
+    pub chains: usize,
+    /// Updates R of each chain.
+    pub updates: usize,
+    /// Samples b of each chain to discard, the start included.
+    pub burn_in: usize,
+    /// Factor η of the component steps.
+    pub step_size: f64,
+    /// Leapfrog steps L of a trajectory.
+    pub leapfrog_steps: usize,
+    /// Steps are multiplied by a number uniform in 1 ± jitter, one a trajectory.
+    pub jitter: f64,
+    /// Prior draws K for the curvature.
+    pub curvature_draws: usize,
+}
+
+impl Default for Config {
+    fn default() -> Self {
+        Self {
+            chains: 10,
+            updates: 32,
+            burn_in: 6,
+            step_size: 0.35,
+            leapfrog_steps: 40,
+            jitter: 0.0,
+            curvature_draws: 64,
+        }
+    }
+}
+
+impl Config {
+    /// For real recordings, not the paper's: 16 chains (what 10 cost) and jitter; to be used with a Gaussian prior between frames.
+    #[must_use]
+    pub fn real_recordings() -> Self {
+        Self { chains: 16, leapfrog_steps: 20, jitter: 0.2, ..Self::default() }
+    }
+}
+
+/// The filter.
+#[derive(Clone, Debug)]
+pub struct HmcFilter<T> {
+    config: Config,
+    transition: T,
+    isa: Isa,
+    estimate: Vec<f64>,
+    draws: Draws,
+    weights: Vec<f64>,
+    effective: f64,
+    moments: Option<Moments>,
+}
+
+/// What a frame's chains start with.
+struct Start<P> {
+    prior: P,
+    states: Vec<Block>,
+    curvature: Vec<f64>,
+    log_evidence: f64,
+}
+
+impl<T: Predict> HmcFilter<T> {
+    /// A filter that starts around `centre`.
+    ///
+    /// # Errors
+    /// [`Error::Config`] or [`Error::Dimension`].
+    pub fn new(config: Config, transition: T, centre: Vec<f64>, isa: Isa) -> Result<Self, Error> {
+        let (found, expected) = (centre.len(), transition.dim());
+        if found != expected {
+            return Err(Error::Dimension { name: "start", found, expected });
+        }
+        Hmc::new(config.step_size, &[], config.leapfrog_steps, config.jitter, isa)?;
+        for (name, value, least) in [("chains", config.chains, 1), ("updates", config.updates, config.burn_in.max(1))] {
+            if value < least {
+                let expected = "must be at least 1, and updates at least burn_in";
+                return Err(Error::Config { name, value: value as f64, expected });
+            }
+        }
+        let weights = vec![
+            1.0 / (config.chains * (config.updates + 1 - config.burn_in)) as f64;
+            config.chains * (config.updates + 1 - config.burn_in)
+        ];
+        let draws = Draws { dim: expected, ..Draws::default() };
+        Ok(Self { config, transition, isa, estimate: centre, draws, weights, effective: 0.0, moments: None })
+    }
+
+    /// Steps 1–3 and 5: prior, starting states, curvature.
+    fn start<O: GaussNewton + ?Sized>(&self, observed: &O, stage: Stage) -> Result<Start<T::Prior>, Error> {
+        let (d, chains) = (self.transition.dim(), self.config.chains);
+        if observed.dim() != d {
+            return Err(Error::Dimension { name: "observation", found: observed.dim(), expected: d });
+        }
+        let prior = match &self.moments {
+            None => self.transition.initial(&self.estimate),
+            Some(moments) => self.transition.predict(Cloud { last: &self.draws.last, count: chains, moments }),
+        };
+        let prior = prior.map_err(|e| Error::Prior(Box::new(e)))?;
+        let [to_draw, to_resample, to_average] = stage.split(["prior", "start", "curvature"]);
+        let mut proposed = vec![Block::ZERO; chains.div_ceil(LANES) * d];
+        let mut ws = vec![Block::ZERO; observed.workspace()];
+        let mut log_weights = Vec::with_capacity(proposed.len() / d * LANES);
+        for (block, states) in proposed.chunks_exact_mut(d).enumerate() {
+            prior.sample_block(block, states, &mut to_draw.block(block as u32));
+            log_weights.extend(observed.log_density_block(states, &mut ws).0);
+        }
+        let mut weights = Vec::new();
+        let log_evidence = weights::normalise(&log_weights[..chains], &mut weights)? - (chains as f64).ln();
+        let ancestors = multinomial(&weights, chains, &mut to_resample.whole());
+        let mut states = vec![Block::ZERO; proposed.len()];
+        for slot in 0..log_weights.len() {
+            let from = ancestors[slot % chains];
+            for j in 0..d {
+                states[slot / LANES * d + j].0[slot % LANES] = proposed[from / LANES * d + j].0[from % LANES];
+            }
+        }
+        let curvature = curvature(observed, &prior, self.config.curvature_draws, to_average);
+        Ok(Start { prior, states, curvature, log_evidence })
+    }
+
+    /// Step size and length for the coming frame, given its observation; the filter does not move. Use them in the [`Config`] of all frames.
+    ///
+    /// # Errors
+    /// Where the frame has no start or the search no end.
+    pub fn tune<O: GaussNewton + ?Sized>(
+        &self,
+        observed: &O,
+        config: &tuning::Config,
+        stage: Stage,
+    ) -> Result<Tuned, Error> {
+        let [to_start, to_tune] = stage.split(["start", "tune"]);
+        let Start { prior, states, curvature, .. } = self.start(observed, to_start)?;
+        let mut trial = Trial { target: &Sum(observed, &prior), curvature: &curvature, states, isa: self.isa };
+        Ok(tuning::length(&mut trial, config, &to_tune)?)
+    }
+}
+
+impl<T: Predict + Send, O: GaussNewton + ?Sized> Tracker<O> for HmcFilter<T> {
+    fn step(&mut self, observed: &O, stage: Stage) -> Result<StepInfo, Error> {
+        let Config { chains, updates, burn_in, step_size, leapfrog_steps, jitter, curvature_draws } = self.config;
+        let [to_start, to_move] = stage.split(["start", "chains"]);
+        let Start { prior, states, curvature, log_evidence } = self.start(observed, to_start)?;
+        let hmc = Hmc::new(step_size, &curvature, leapfrog_steps, jitter, self.isa)?;
+        let target = Sum(observed, &prior);
+        self.draws = draw(&target, &hmc, &states, chains, Schedule { updates, burn_in }, &to_move)?;
+
+        let d = self.draws.dim;
+        self.estimate = moments::mean(&self.draws.states, d, &self.weights);
+        let (mut ess, mut r_hat, mut effective) = (f64::INFINITY, f64::NAN, 0.0);
+        for (j, mean) in self.estimate.iter().enumerate() {
+            let mut series = self.draws.series(j);
+            ess = effective_sample_size(&series).min(ess);
+            r_hat = split_r_hat(&series).max(r_hat);
+            series.iter_mut().flatten().for_each(|x| *x = (*x - mean) * (*x - mean));
+            effective += effective_sample_size(&series) / d as f64;
+        }
+        self.effective = effective;
+        self.moments = Some(self.posterior_of().shrunk_moments(self.isa));
+        Ok(StepInfo {
+            mean: self.estimate.clone(),
+            ess,
+            log_evidence: Some(log_evidence),
+            acceptance: Some(self.draws.acceptance),
+            trajectories: chains * updates,
+            divergences: self.draws.divergences,
+            r_hat: r_hat.is_finite().then_some(r_hat),
+            resampled: None,
+            likelihood_evaluations: chains,
+            gradient_evaluations: chains * (1 + updates * leapfrog_steps) + curvature_draws,
+        })
+    }
+
+    fn posterior(&self) -> Posterior<'_> {
+        self.posterior_of()
+    }
+
+    fn estimate(&self) -> &[f64] {
+        &self.estimate
+    }
+}
+
+impl<T> HmcFilter<T> {
+    fn posterior_of(&self) -> Posterior<'_> {
+        Posterior {
+            dim: self.draws.dim,
+            states: &self.draws.states,
+            weights: &self.weights,
+            effective: self.effective,
+            chain_stats: &self.draws.stats,
+        }
+    }
+}

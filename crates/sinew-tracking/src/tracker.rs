@@ -1,0 +1,45 @@
+//! What every tracker is: a step from one frame's observation to the posterior of the state.
+
+use crate::Error;
+use crate::posterior::Posterior;
+use sinew_core::random::Stage;
+
+/// A filter on observations of type `O`, for instance `dyn GaussNewton`. The parameter names what the tracker demands, so a box of trackers offers exactly what all of its members need.
+pub trait Tracker<O: ?Sized>: Send {
+    /// Moves on to a frame and takes in its observation. A frame without observation is a log density of 0 everywhere: the tracker continues on its prior.
+    ///
+    /// # Errors
+    /// Where the frame has no posterior; the tracker then stands where it stood before.
+    fn step(&mut self, observed: &O, stage: Stage) -> Result<StepInfo, Error>;
+
+    /// Draws of the last frame's posterior; before the first step they mean nothing.
+    fn posterior(&self) -> Posterior<'_>;
+
+    /// Best known state: the mean of the last frame, before the first step the start.
+    fn estimate(&self) -> &[f64];
+}
+
+/// What a diagnostician wants to know of one step of any tracker.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct StepInfo {
+    /// Mean state of the posterior.
+    pub mean: Vec<f64>,
+    /// Effective number of draws: 1 / Σ W² of particles, the least n / τ over coordinates of chains.
+    pub ess: f64,
+    /// Estimate of log p(observation | earlier observations). By `hmc` from one prior draw a chain: unbiased on the natural scale, but rough in many dimensions.
+    pub log_evidence: Option<f64>,
+    /// Mean acceptance probability of trajectories.
+    pub acceptance: Option<f64>,
+    /// Trajectories made.
+    pub trajectories: usize,
+    /// Divergent ones among them.
+    pub divergences: usize,
+    /// Split R̂ over the chains' kept draws, the largest over coordinates.
+    pub r_hat: Option<f64>,
+    /// Whether the particles were resampled at the start of the step.
+    pub resampled: Option<bool>,
+    /// Evaluations of the observation's log density without gradient.
+    pub likelihood_evaluations: usize,
+    /// Evaluations with gradient.
+    pub gradient_evaluations: usize,
+}
