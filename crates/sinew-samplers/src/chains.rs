@@ -4,6 +4,7 @@
 //! index mod 8 of block index / 8. Blocks have their own random streams; nothing depends on the number of threads.
 
 use crate::Error;
+use crate::diagnostics::{effective_sample_size, split_r_hat};
 use crate::hmc::{Chains, Hmc, Update, Workspace, update};
 use rayon::prelude::*;
 use sinew_core::density::GradLogDensity;
@@ -59,6 +60,33 @@ impl Draws {
     pub fn series(&self, coordinate: usize) -> Vec<Vec<f64>> {
         let value = |index: usize| self.states[index / LANES * self.dim + coordinate].0[index % LANES];
         (0..self.chains).map(|i| (i..self.stats.len()).step_by(self.chains).map(value).collect()).collect()
+    }
+}
+
+/// How well the draws represent their target.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Quality {
+    /// Effective number of draws, the least over coordinates.
+    pub ess: f64,
+    /// Split R̂ over the chains, the largest over coordinates; NaN where it does not exist.
+    pub r_hat: f64,
+    /// Effective number of draws for second moments: that of the squared deviations, averaged over coordinates.
+    pub ess_of_squares: f64,
+}
+
+impl Draws {
+    /// Diagnostics of the draws about their mean.
+    #[must_use]
+    pub fn quality(&self, mean: &[f64]) -> Quality {
+        let mut quality = Quality { ess: f64::INFINITY, r_hat: f64::NAN, ess_of_squares: 0.0 };
+        for (j, mean) in mean.iter().enumerate() {
+            let mut series = self.series(j);
+            quality.ess = effective_sample_size(&series).min(quality.ess);
+            quality.r_hat = split_r_hat(&series).max(quality.r_hat);
+            series.iter_mut().flatten().for_each(|x| *x = (*x - mean) * (*x - mean));
+            quality.ess_of_squares += effective_sample_size(&series) / self.dim as f64;
+        }
+        quality
     }
 }
 

@@ -33,6 +33,7 @@ pub mod moments;
 pub mod one_chain;
 pub mod particles;
 pub mod resample;
+pub mod starts;
 pub mod tuning;
 pub mod weights;
 

@@ -17,16 +17,15 @@ use crate::posterior::Posterior;
 use crate::{Error, StepInfo, Tracker};
 use sinew_core::combinators::Sum;
 use sinew_core::density::GaussNewton;
-use sinew_core::diagnostics::{effective_sample_size, split_r_hat};
-use sinew_core::lanes::{Block, Isa, LANES};
+use sinew_core::lanes::{Block, Isa};
 use sinew_core::random::Stage;
-use sinew_core::transition::{Cloud, FramePrior, Moments, Predict};
+use sinew_core::transition::{Cloud, Moments, Predict};
 use sinew_samplers::chains::{Draws, Schedule, draw};
 use sinew_samplers::curvature::curvature;
 use sinew_samplers::hmc::Hmc;
-use sinew_samplers::resample::multinomial;
+use sinew_samplers::moments;
+use sinew_samplers::starts::importance_starts;
 use sinew_samplers::tuning::{self, Trial, Tuned};
-use sinew_samplers::{moments, weights};
 
 /// Settings; the default is the paper's 28-dimensional one, with η in units of our curvature.
 #[derive(Clone, Debug, PartialEq)]
@@ -107,10 +106,8 @@ impl<T: Predict> HmcFilter<T> {
                 return Err(Error::Config { name, value: value as f64, expected });
             }
         }
-        let weights = vec![
-            1.0 / (config.chains * (config.updates + 1 - config.burn_in)) as f64;
-            config.chains * (config.updates + 1 - config.burn_in)
-        ];
+        let kept = config.chains * (config.updates + 1 - config.burn_in);
+        let weights = vec![1.0 / kept as f64; kept];
         let draws = Draws { dim: expected, ..Draws::default() };
         Ok(Self { config, transition, isa, estimate: centre, draws, weights, effective: 0.0, moments: None })
     }
@@ -126,26 +123,20 @@ impl<T: Predict> HmcFilter<T> {
             Some(moments) => self.transition.predict(Cloud { last: &self.draws.last, count: chains, moments }),
         };
         let prior = prior.map_err(|e| Error::Prior(Box::new(e)))?;
-        let [to_draw, to_resample, to_average] = stage.split(["prior", "start", "curvature"]);
-        let mut proposed = vec![Block::ZERO; chains.div_ceil(LANES) * d];
-        let mut ws = vec![Block::ZERO; observed.workspace()];
-        let mut log_weights = Vec::with_capacity(proposed.len() / d * LANES);
-        for (block, states) in proposed.chunks_exact_mut(d).enumerate() {
-            prior.sample_block(block, states, &mut to_draw.block(block as u32));
-            log_weights.extend(observed.log_density_block(states, &mut ws).0);
-        }
-        let mut weights = Vec::new();
-        let log_evidence = weights::normalise(&log_weights[..chains], &mut weights)? - (chains as f64).ln();
-        let ancestors = multinomial(&weights, chains, &mut to_resample.whole());
-        let mut states = vec![Block::ZERO; proposed.len()];
-        for slot in 0..log_weights.len() {
-            let from = ancestors[slot % chains];
-            for j in 0..d {
-                states[slot / LANES * d + j].0[slot % LANES] = proposed[from / LANES * d + j].0[from % LANES];
-            }
-        }
+        let [to_start, to_average] = stage.split(["start", "curvature"]);
+        let (states, log_evidence) = importance_starts(observed, &prior, chains, to_start)?;
         let curvature = curvature(observed, &prior, self.config.curvature_draws, to_average);
         Ok(Start { prior, states, curvature, log_evidence })
+    }
+
+    fn view(&self) -> Posterior<'_> {
+        Posterior {
+            dim: self.draws.dim,
+            states: &self.draws.states,
+            weights: &self.weights,
+            effective: self.effective,
+            chain_stats: &self.draws.stats,
+        }
     }
 
     /// Step size and length for the coming frame, given its observation; the filter does not move. Use them in the [`Config`] of all frames.
@@ -174,26 +165,18 @@ impl<T: Predict + Send, O: GaussNewton + ?Sized> Tracker<O> for HmcFilter<T> {
         let target = Sum(observed, &prior);
         self.draws = draw(&target, &hmc, &states, chains, Schedule { updates, burn_in }, &to_move)?;
 
-        let d = self.draws.dim;
-        self.estimate = moments::mean(&self.draws.states, d, &self.weights);
-        let (mut ess, mut r_hat, mut effective) = (f64::INFINITY, f64::NAN, 0.0);
-        for (j, mean) in self.estimate.iter().enumerate() {
-            let mut series = self.draws.series(j);
-            ess = effective_sample_size(&series).min(ess);
-            r_hat = split_r_hat(&series).max(r_hat);
-            series.iter_mut().flatten().for_each(|x| *x = (*x - mean) * (*x - mean));
-            effective += effective_sample_size(&series) / d as f64;
-        }
-        self.effective = effective;
-        self.moments = Some(self.posterior_of().shrunk_moments(self.isa));
+        self.estimate = moments::mean(&self.draws.states, self.draws.dim, &self.weights);
+        let quality = self.draws.quality(&self.estimate);
+        self.effective = quality.ess_of_squares;
+        self.moments = Some(self.view().shrunk_moments(self.isa));
         Ok(StepInfo {
             mean: self.estimate.clone(),
-            ess,
+            ess: quality.ess,
             log_evidence: Some(log_evidence),
             acceptance: Some(self.draws.acceptance),
             trajectories: chains * updates,
             divergences: self.draws.divergences,
-            r_hat: r_hat.is_finite().then_some(r_hat),
+            r_hat: Some(quality.r_hat).filter(|r| !r.is_nan()),
             resampled: None,
             likelihood_evaluations: chains,
             gradient_evaluations: chains * (1 + updates * leapfrog_steps) + curvature_draws,
@@ -201,22 +184,10 @@ impl<T: Predict + Send, O: GaussNewton + ?Sized> Tracker<O> for HmcFilter<T> {
     }
 
     fn posterior(&self) -> Posterior<'_> {
-        self.posterior_of()
+        self.view()
     }
 
     fn estimate(&self) -> &[f64] {
         &self.estimate
-    }
-}
-
-impl<T> HmcFilter<T> {
-    fn posterior_of(&self) -> Posterior<'_> {
-        Posterior {
-            dim: self.draws.dim,
-            states: &self.draws.states,
-            weights: &self.weights,
-            effective: self.effective,
-            chain_stats: &self.draws.stats,
-        }
     }
 }
