@@ -20,6 +20,7 @@ pub mod fit;
 pub mod initial;
 pub mod kinematics;
 pub mod standard;
+pub mod subject;
 pub mod tree;
 
 pub use error::Error;

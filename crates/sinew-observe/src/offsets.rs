@@ -103,10 +103,8 @@ pub fn point_from_views(
             used.push(c);
         }
     }
-    let ideal: Vec<Seen<'_>> = seen
-        .iter()
-        .filter_map(|s| Some(Seen { pixel: s.camera.undistort(s.pixel).ok()?, ..*s }))
-        .collect();
+    let ideal: Vec<Seen<'_>> =
+        seen.iter().filter_map(|s| Some(Seen { pixel: s.camera.undistort(s.pixel).ok()?, ..*s })).collect();
     let start = linear(&ideal, true)?;
     Some((refined(&seen, &sigma, start)?, used))
 }
@@ -195,7 +193,9 @@ fn remove_common_mode(cameras: &[Camera], noise: &mut [CameraNoise], points: &[[
     let rows: Vec<Option<[[f64; 3]; 2]>> = cameras
         .iter()
         .zip(&*noise)
-        .map(|(camera, n)| camera.project_with_jacobian(middle).filter(|_| n.residuals > 0).map(|(_, jacobian)| jacobian))
+        .map(|(camera, n)| {
+            camera.project_with_jacobian(middle).filter(|_| n.residuals > 0).map(|(_, jacobian)| jacobian)
+        })
         .collect();
     let (mut normal, mut right) = (Matrix3::zeros(), Vector3::zeros());
     for (jacobian, n) in rows.iter().zip(&*noise) {

@@ -15,5 +15,6 @@ pub mod estimate;
 pub mod files;
 pub mod output;
 pub mod recording;
+pub mod setup;
 
 pub use error::Error;

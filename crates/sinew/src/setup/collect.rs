@@ -1,0 +1,138 @@
+//! The first half of the set-up: follow the person through the frames and keep an evenly spaced part of what he shows.
+//!
+//! Memory is bounded whatever the length of the recording: every n-th frame is kept, and when that becomes more than twice the wanted number every second one is
+//! dropped and n doubled. The first frames are also kept without gaps, for what depends on time.
+
+use super::stored::Body;
+use crate::Error;
+use sinew_formats::Layout;
+use sinew_observe::Camera;
+use sinew_observe::association::{self, Following, Person, associate};
+use sinew_observe::offsets::{self, Sighted};
+
+/// What to set up, and how.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Request {
+    /// The body.
+    pub body: Body,
+    /// Which person: 0 is the most complete one at the start.
+    pub person: usize,
+    /// Frames kept, at most twice as many.
+    pub frames: usize,
+    /// Frames kept without gaps at the beginning.
+    pub window: usize,
+    /// Frames from which sizes are measured.
+    pub shape_frames: usize,
+    /// How people are told apart.
+    pub association: association::Config,
+    /// How offsets are estimated.
+    pub offsets: offsets::Config,
+}
+
+impl Default for Request {
+    fn default() -> Self {
+        Self {
+            body: Body::H32,
+            person: 0,
+            frames: 500,
+            window: 300,
+            shape_frames: 120,
+            association: association::Config::default(),
+            offsets: offsets::Config::default(),
+        }
+    }
+}
+
+/// The tracked person in some frames.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Collected {
+    /// Frame numbers and what the cameras saw, evenly spaced.
+    pub spread: Vec<(u64, Sighted)>,
+    /// The same without gaps, from the first frame in which he was found.
+    pub window: Vec<(u64, Sighted)>,
+    /// Frames read.
+    pub read: u64,
+    /// Frames in which he was found.
+    pub found: u64,
+    /// Largest number of people in one view.
+    pub people: usize,
+}
+
+impl Collected {
+    /// What the cameras saw in the evenly spaced frames.
+    #[must_use]
+    pub fn sighted(&self) -> Vec<Sighted> {
+        self.spread.iter().map(|(_, s)| s.clone()).collect()
+    }
+}
+
+/// Follows the person through the frames.
+///
+/// # Errors
+/// Those of the iterator; nobody found.
+pub fn collect(
+    cameras: &[Camera],
+    layout: &Layout,
+    request: &Request,
+    frames: impl IntoIterator<Item = Result<(u64, Vec<Vec<Person>>), Error>>,
+) -> Result<Collected, Error> {
+    let mut following = Following { person: request.person, ..Following::default() };
+    let mut out = Collected::default();
+    let mut stride = 1;
+    let wanted = request.frames.max(1);
+    for frame in frames {
+        let (number, people) = frame?;
+        out.read += 1;
+        out.people = out.people.max(people.iter().map(Vec::len).max().unwrap_or(0));
+        let members = associate(&mut following, cameras, &people, None, &request.association);
+        if members.iter().all(Option::is_none) {
+            continue;
+        }
+        out.found += 1;
+        let sighted: Sighted = members
+            .iter()
+            .zip(people)
+            .map(|(member, mut people)| match member {
+                Some(i) if *i < people.len() => people.swap_remove(*i),
+                _ => vec![],
+            })
+            .collect();
+        if out.window.len() < request.window {
+            out.window.push((number, sighted.clone()));
+        }
+        if (out.found - 1) % stride == 0 {
+            out.spread.push((number, sighted));
+        }
+        if out.spread.len() > 2 * wanted {
+            let mut index = 0_usize;
+            out.spread.retain(|_| {
+                index += 1;
+                index % 2 == 1
+            });
+            stride *= 2;
+        }
+    }
+    if out.found == 0 {
+        return Err(nobody(cameras, layout, request, &out));
+    }
+    Ok(out)
+}
+
+fn nobody(cameras: &[Camera], layout: &Layout, request: &Request, out: &Collected) -> Error {
+    let (message, help) = if out.people == 0 {
+        (format!("no person in any view of {} frames", out.read), "look at the keypoint files, and at `--setup-frames`")
+    } else if request.person > 0 {
+        (
+            format!("no person number {} that the cameras agree on in {} frames", request.person, out.read),
+            "`--person` counts from 0, the most complete person first",
+        )
+    } else if cameras.len() > 1 {
+        (
+            format!("no person whom two of {} cameras agree on in {} frames", cameras.len(), out.read),
+            "check the calibration against the keypoints with `sinew inspect`",
+        )
+    } else {
+        (format!("too few keypoints of layout `{}` in {} frames", layout.name, out.read), "check `--layout`")
+    };
+    Error::Input { message, help: Some(help.into()) }
+}

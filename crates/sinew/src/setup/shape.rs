@@ -1,0 +1,151 @@
+//! The second half of the set-up: points in space, sizes, poses and the model error.
+//!
+//! The model error is the distance, per axis, between where the detectors' keypoints lie in space and the points of the fitted body. Its variance is what the
+//! residuals of the fit have beyond the noise of the triangulated points,
+//!
+//! ```text
+//! m² = median over points of  (1.4826 · median |J − P − b|)² · n/(n − d)  −  mean of the points' own variances
+//! ```
+//!
+//! after each point's constant bias b in the frame of its link; n counts the coordinates of a frame and d the degrees of freedom of the body, which take their
+//! share of the residuals.
+
+use super::collect::{Collected, Request};
+use super::warning::Warning;
+use crate::Error;
+use sinew_body::fit::Target;
+use sinew_body::{Plan, Proportions, point_positions, subject};
+use sinew_core::lanes::Isa;
+use sinew_formats::Layout;
+use sinew_observe::Camera;
+use sinew_observe::offsets::{CameraNoise, Sighted, median, point_from_views, robust_sigma};
+
+/// What points in space tell.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Shape {
+    /// Sizes of the subject.
+    pub proportions: Proportions,
+    /// Distance between a keypoint and the body's point, per axis, metres.
+    pub model_error_m: f64,
+    /// Number of the first frame with a pose.
+    pub start_frame: u64,
+    /// State of the body in that frame.
+    pub start_pose: Vec<f64>,
+    /// World axis that points from feet to head.
+    pub up_axis: &'static str,
+    /// Mean distance of the fitted body from the points, metres.
+    pub fit_error_m: f64,
+    /// Mean distance for each point of the body, metres; NaN where it was not seen.
+    pub point_error_m: Vec<(String, f64)>,
+}
+
+/// A frame's keypoints in space: for each point of the layout, position and mean variance per axis.
+pub type Points = Vec<Option<([f64; 3], f64)>>;
+
+/// Keypoints in space, offsets removed.
+#[must_use]
+pub fn points_in_space(cameras: &[Camera], noise: &[CameraNoise], frame: &Sighted, least_confidence: f64) -> Points {
+    let keypoints = frame.iter().map(Vec::len).max().unwrap_or(0);
+    (0..keypoints)
+        .map(|k| {
+            let (found, _) = point_from_views(cameras, noise, frame, k, least_confidence)?;
+            let variance = (0..3).map(|a| found.covariance[a][a]).sum::<f64>() / 3.0;
+            Some((found.point, variance))
+        })
+        .collect()
+}
+
+/// Measures the subject in the collected frames.
+///
+/// # Errors
+/// No frame shows enough of the person for a pose.
+pub fn measure(
+    cameras: &[Camera],
+    layout: &Layout,
+    request: &Request,
+    noise: &[CameraNoise],
+    collected: &Collected,
+    warnings: &mut Vec<Warning>,
+) -> Result<Shape, Error> {
+    let stride = collected.spread.len().div_ceil(request.shape_frames.max(1)).max(1);
+    let frames: Vec<(u64, Points)> = collected
+        .spread
+        .iter()
+        .step_by(stride)
+        .map(|(n, s)| (*n, points_in_space(cameras, noise, s, request.offsets.least_confidence)))
+        .collect();
+    let names: Vec<&str> = layout.points.iter().map(|p| p.as_deref().unwrap_or("")).collect();
+    let bare: Vec<Vec<Option<[f64; 3]>>> =
+        frames.iter().map(|(_, points)| points.iter().map(|p| p.map(|(p, _)| p)).collect()).collect();
+    let measured = subject::from_distances(&names, &bare);
+    if !measured.unmeasured.is_empty() {
+        warnings.push(Warning::Unmeasured { sizes: measured.unmeasured.clone() });
+    }
+    let build = request.body.builder();
+    let tree = build(&measured.proportions);
+    let index: Vec<Option<usize>> = tree.points().iter().map(|p| layout.index(&p.name)).collect();
+    let without: Vec<String> =
+        layout.points.iter().flatten().filter(|name| tree.point_index(name).is_none()).cloned().collect();
+    if !without.is_empty() {
+        warnings.push(Warning::PointsWithoutPlace { points: without });
+    }
+    let targets: Vec<Vec<Option<Target>>> = frames
+        .iter()
+        .map(|(_, points)| {
+            let target = |k: &Option<usize>| {
+                let (position, _) = points.get((*k)?).copied().flatten()?;
+                Some(Target { position, weight: 1.0 })
+            };
+            index.iter().map(target).collect()
+        })
+        .collect();
+    let subject = subject::refine(build, &measured.proportions, &targets, &subject::Config::default());
+    let tree = build(&subject.proportions);
+    let plan = Plan::with_all_points(&tree);
+    let mut residuals: Vec<Vec<[f64; 3]>> = vec![vec![]; tree.points().len()];
+    let mut variances = vec![];
+    let mut coordinates = 0;
+    let mut fitted = 0;
+    for ((targets, pose), (_, points)) in targets.iter().zip(&subject.poses).zip(&frames) {
+        let Some(pose) = pose else { continue };
+        fitted += 1;
+        let mut at = vec![0.0; 3 * plan.points()];
+        point_positions(&plan, Isa::baseline(), pose, &mut at);
+        for (k, target) in targets.iter().enumerate() {
+            if let Some(t) = target {
+                residuals[k].push([0, 1, 2].map(|a: usize| t.position[a] - at[3 * k + a]));
+                coordinates += 3;
+            }
+        }
+        variances.extend(points.iter().flatten().map(|(_, v)| *v));
+    }
+    let Some((start_frame, start_pose)) =
+        frames.iter().zip(&subject.poses).find_map(|((n, _), pose)| Some((*n, pose.clone()?)))
+    else {
+        return Err(Error::Input {
+            message: "no frame shows enough of the person for a pose".into(),
+            help: Some("check the calibration against the keypoints with `sinew inspect`".into()),
+        });
+    };
+    let length = |r: &[f64; 3]| r.iter().map(|x| x * x).sum::<f64>().sqrt();
+    let point_error_m: Vec<(String, f64)> = tree
+        .points()
+        .iter()
+        .zip(&residuals)
+        .map(|(p, r)| (p.name.clone(), r.iter().map(length).sum::<f64>() / r.len() as f64))
+        .collect();
+    let all: Vec<f64> = residuals.iter().flatten().map(length).collect();
+    let freedom =
+        coordinates as f64 / (coordinates as f64 - (fitted * tree.dof()) as f64).max(0.25 * coordinates as f64);
+    let spread = robust_sigma(residuals.iter().flatten().flatten().copied()).powi(2) * freedom;
+    let own = median(&mut variances);
+    Ok(Shape {
+        proportions: subject.proportions,
+        model_error_m: (spread - own).max(0.0).sqrt().max(0.005),
+        start_frame,
+        start_pose,
+        up_axis: "+z",
+        fit_error_m: all.iter().sum::<f64>() / all.len() as f64,
+        point_error_m,
+    })
+}

@@ -1,0 +1,115 @@
+//! The value of the set-up pass and its file, `setup.toml`.
+
+use serde::{Deserialize, Serialize};
+use sinew_body::standard::{cf28, h32};
+use sinew_body::{KinematicTree, Proportions};
+
+/// Version of the file's structure.
+pub const SCHEMA: u32 = 1;
+
+/// A body by name.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Body {
+    /// The standard body for real people, 32 degrees of freedom.
+    #[default]
+    H32,
+    /// The body of Choo & Fleet (2001), 28 degrees of freedom.
+    CF28,
+}
+
+impl Body {
+    /// What builds the body from the subject's sizes.
+    #[must_use]
+    pub const fn builder(self) -> fn(&Proportions) -> KinematicTree {
+        match self {
+            Self::H32 => h32,
+            Self::CF28 => cf28,
+        }
+    }
+}
+
+/// What is constant about a camera's detections.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CameraSetup {
+    /// Name in the calibration.
+    pub name: String,
+    /// Observed − projected, pixels.
+    pub offset_px: [f64; 2],
+    /// Standard deviation per axis of a detection of usual confidence, pixels.
+    pub sigma_px: f64,
+    /// Median confidence of the detections.
+    pub usual_confidence: f64,
+}
+
+/// Everything that tracking needs before it streams.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Setup {
+    /// Version of this structure.
+    pub schema: u32,
+    /// The body.
+    pub body: Body,
+    /// Name of the keypoint layout.
+    pub layout: String,
+    /// Which person: 0 is the most complete one at the start.
+    pub person: usize,
+    /// World axis that points from feet to head, as found: `+z` where all is well.
+    pub up_axis: String,
+    /// Distance between a keypoint and the body's point, per axis, metres.
+    pub model_error_m: f64,
+    /// Frame of `start_pose`.
+    pub start_frame: u64,
+    /// State of the body in that frame.
+    pub start_pose: Vec<f64>,
+    /// Step size of Hamiltonian Monte Carlo, once tuned.
+    pub step_size: Option<f64>,
+    /// Leapfrog steps of a trajectory, once tuned.
+    pub leapfrog_steps: Option<u32>,
+    /// Motion noise of each degree of freedom per square-root second (metres, radians), once chosen.
+    pub motion_sd: Option<Vec<f64>>,
+    /// Sizes of the subject.
+    #[serde(with = "Sizes")]
+    pub proportions: Proportions,
+    /// Cameras in use, in the order of the calibration.
+    pub camera: Vec<CameraSetup>,
+}
+
+/// [`Proportions`] as a table.
+#[derive(Serialize, Deserialize)]
+#[serde(remote = "Proportions", deny_unknown_fields)]
+struct Sizes {
+    spine: f64,
+    shoulder_height: f64,
+    shoulder_half_width: f64,
+    hip_half_width: f64,
+    pelvis_drop: f64,
+    upper_arm: f64,
+    forearm: f64,
+    thigh: f64,
+    shin: f64,
+    head_top: [f64; 3],
+    nose: [f64; 3],
+    eye: [f64; 3],
+    ear: [f64; 3],
+    heel: [f64; 3],
+    big_toe: [f64; 3],
+    small_toe: [f64; 3],
+}
+
+impl Setup {
+    /// The body with the subject's sizes.
+    #[must_use]
+    pub fn tree(&self) -> KinematicTree {
+        self.body.builder()(&self.proportions)
+    }
+
+    /// The text of `setup.toml`.
+    ///
+    /// # Errors
+    /// None that is known; the serialiser's are passed on.
+    pub fn to_toml(&self) -> Result<String, crate::Error> {
+        toml::to_string(self)
+            .map_err(|e| crate::Error::Numerical { message: format!("the set-up cannot be written: {e}") })
+    }
+}

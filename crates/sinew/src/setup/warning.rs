@@ -1,0 +1,100 @@
+//! What the set-up found odd.
+
+use std::fmt;
+
+/// An oddity of a recording or its calibration.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Warning {
+    /// One camera only.
+    OneCamera,
+    /// Sizes that nothing told.
+    Unmeasured {
+        /// Their names.
+        sizes: Vec<&'static str>,
+    },
+    /// Layout points that the body lacks.
+    PointsWithoutPlace {
+        /// Their names.
+        points: Vec<String>,
+    },
+    /// The cameras are far away for a body of this size.
+    Millimetres {
+        /// Largest distance of a camera from the origin.
+        distance: f64,
+        /// Size of the skeleton, in the same unit.
+        height: f64,
+    },
+    /// The subject lies behind some cameras.
+    Behind {
+        /// Cameras that the subject is behind.
+        cameras: usize,
+        /// Of so many.
+        of: usize,
+    },
+    /// The world's z axis points down the body.
+    FeetAboveHead {
+        /// Frames looked at.
+        frames: usize,
+        /// The axis that points up the body.
+        up_axis: &'static str,
+    },
+    /// A camera's clock is off.
+    Unsynchronised {
+        /// Camera.
+        camera: String,
+        /// Shift that fits best, frames.
+        lag: i64,
+        /// Residual there, pixels.
+        best_px: f64,
+        /// Residual without a shift, pixels.
+        now_px: f64,
+    },
+    /// Left and right are swapped in one camera for a span.
+    Swapped {
+        /// Camera.
+        camera: String,
+        /// First frame.
+        first: u64,
+        /// Last frame.
+        last: u64,
+        /// Residual as labelled, pixels.
+        residual_px: f64,
+        /// Residual with the labels swapped, pixels.
+        swapped_px: f64,
+    },
+}
+
+impl fmt::Display for Warning {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::OneCamera => write!(f, "one camera: depth comes from the prior only"),
+            Self::Unmeasured { sizes } => {
+                write!(f, "not measured, scaled with the other sizes: {}", sizes.join(", "))
+            }
+            Self::PointsWithoutPlace { points } => {
+                write!(f, "points of the layout that the body lacks, ignored: {}", points.join(", "))
+            }
+            Self::Millimetres { distance, height } => write!(
+                f,
+                "cameras stand {distance:.0} units from the origin but the skeleton is {height:.1} tall; are translations in millimetres?"
+            ),
+            Self::Behind { cameras, of } => {
+                write!(f, "in {cameras} of {of} cameras the subject lies behind the lens; is the pose inverted?")
+            }
+            Self::FeetAboveHead { frames, up_axis } => {
+                let what = if *up_axis == "-z" { "feet are above the head" } else { "the body does not stand along z" };
+                write!(f, "{what} in the first {frames} frames; set `up_axis`")?;
+                write!(f, " (found: {up_axis})")
+            }
+            Self::Unsynchronised { camera, lag, best_px, now_px } => write!(
+                f,
+                "{camera} fits best when shifted by {lag:+} frames (residual {best_px:.1} px instead of {now_px:.1} px)"
+            ),
+            Self::Swapped { camera, first, last, residual_px, swapped_px } => write!(
+                f,
+                "{camera} frames {first}-{last}: swapping left and right lowers the residual from {residual_px:.0} to {swapped_px:.0} px"
+            ),
+        }
+    }
+}
