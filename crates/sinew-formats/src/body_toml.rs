@@ -48,6 +48,9 @@ const JOINTS: [(&str, Joint); 6] = [
     ("rz", Joint::Rotate(Axis::Z)),
 ];
 
+/// Links or points that a body may have: two names are compared for every pair.
+const MAX_PARTS: usize = 2000;
+
 /// Reads a body.
 ///
 /// # Errors
@@ -58,7 +61,7 @@ pub fn read(name: &str, text: &str) -> Result<KinematicTree, Error> {
     let root = document.root();
     root.allow(&["link", "point"])?;
     let mut links: Vec<Link> = Vec::new();
-    for table in root.array_of_tables("link")? {
+    for table in tables(root, "link")? {
         table.allow(&["name", "parent", "offset", "joints"])?;
         let link = Link {
             name: unique_name(table, "link", links.iter().map(|link| link.name.as_str()))?,
@@ -69,7 +72,7 @@ pub fn read(name: &str, text: &str) -> Result<KinematicTree, Error> {
         links.push(link);
     }
     let mut points: Vec<Point> = Vec::new();
-    for table in root.array_of_tables("point")? {
+    for table in tables(root, "point")? {
         table.allow(&["name", "link", "offset"])?;
         let point = Point {
             name: unique_name(table, "point", points.iter().map(|point| point.name.as_str()))?,
@@ -79,6 +82,15 @@ pub fn read(name: &str, text: &str) -> Result<KinematicTree, Error> {
         points.push(point);
     }
     KinematicTree::new(links, points).map_err(|reason| Error::Body { place: Place::file(name), reason })
+}
+
+fn tables<'a>(root: Table<'a>, key: &'a str) -> Result<Vec<Table<'a>>, Error> {
+    let tables = root.array_of_tables(key)?;
+    if tables.len() > MAX_PARTS {
+        let (field, found) = (format!("[[{key}]]"), format!("{} tables", tables.len()));
+        return Err(Error::BadValue { place: root.place(), field, found, expected: format!("at most {MAX_PARTS}") });
+    }
+    Ok(tables)
 }
 
 fn unique_name<'n>(

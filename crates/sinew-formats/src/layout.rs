@@ -18,6 +18,7 @@
 use crate::nearest::nearest;
 use crate::toml_text::{Document, quoted};
 use crate::{Error, Place};
+use std::collections::BTreeSet;
 
 /// Meaning of the indices of a keypoint list.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -145,10 +146,9 @@ pub fn read(name: &str, text: &str) -> Result<Layout, Error> {
     let root = document.root();
     root.allow(&["name", "points"])?;
     let points: Vec<String> = root.strings("points")?;
-    for (i, point) in points.iter().enumerate() {
-        if !point.is_empty() && points.iter().take(i).any(|other| other == point) {
-            return Err(Error::DuplicateName { place: Place::file(name), what: "point", name: point.clone() });
-        }
+    let mut seen = BTreeSet::new();
+    if let Some(twice) = points.iter().find(|point| !point.is_empty() && !seen.insert(point.as_str())) {
+        return Err(Error::DuplicateName { place: Place::file(name), what: "point", name: twice.clone() });
     }
     let title = root.optional_string("name")?.unwrap_or_else(|| name.to_owned());
     Ok(Layout { name: title, points: points.into_iter().map(|point| (!point.is_empty()).then_some(point)).collect() })

@@ -308,3 +308,39 @@ fn truncated_keypoints_are_called_truncated() {
         assert!(matches!(error, Error::Truncated { offset, .. } if offset == end), "{end}: {error}");
     }
 }
+
+/// A megabyte of what costs most per byte is handled in well under the limit, which allows for busy machines.
+#[test]
+fn a_megabyte_of_nonsense_is_no_burden() {
+    let megabyte = |start: &str, unit: &dyn Fn(usize) -> String| {
+        let mut text = start.to_owned();
+        (0..)
+            .map(unit)
+            .take_while(|unit| {
+                text.push_str(unit);
+                text.len() < 1 << 20
+            })
+            .for_each(drop);
+        text
+    };
+    let trc_header = FILES[4].split("\n1\t").next().unwrap();
+    let many_markers = (0..30_000).map(|i| format!("m{i}\t\t\t")).collect::<String>();
+    for text in [
+        megabyte("HIERARCHY\n", &|i| format!("ROOT {i}\n{{\n}}\n")),
+        megabyte("HIERARCHY\nROOT r {\n", &|i| format!("JOINT {i}\n{{\n")),
+        megabyte(":bonedata\n", &|i| format!("begin\nname {i}\nend\n")),
+        megabyte("", &|i| format!("[[link]]\nname=\"{i}\"\n")),
+        megabyte("", &|i| format!("[c{i}]\n")),
+        megabyte("points = [", &|i| format!("\"{i}\",")),
+        megabyte("{\"people\":[", &|_| "{},".into()),
+        megabyte("{\"people\":[{\"pose_keypoints_2d\":[", &|_| "NaN,".into()),
+        megabyte(&trc_header.replace("R Hip\t\t\t", &many_markers), &|i| format!("{i}\t{i}\n")),
+        megabyte("a\n", &|_| "1\n".into()),
+        megabyte("", &|_| ",".into()),
+        megabyte("", &|_| "\"\"".into()),
+    ] {
+        let start = std::time::Instant::now();
+        read_all(&text);
+        assert!(start.elapsed().as_secs() < 20, "{:.60} took {:?}", text, start.elapsed());
+    }
+}

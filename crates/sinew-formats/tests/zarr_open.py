@@ -29,7 +29,10 @@ stats = tree["sample_stats"].to_dataset()
 assert stats["diverging"].dtype == bool and stats["n_steps"].dtype == np.int64
 assert list(tree["constant_data"]["camera_centre"].values[0]) == [1.0, 2.0, 3.0]
 assert posterior.attrs["inference_library"] == "sinew" and posterior.attrs["kind"] == "filtered"
-print("xarray opens the store")
+
+killed = xr.open_datatree(sys.argv[2], engine="zarr", consolidated=False).load()["posterior"]
+assert killed.sizes["frame"] == 64 and not np.isnan(killed["angle"].values).any()
+print("xarray opens the store, and what a killed run left")
 
 
 def check_arviz():

@@ -221,12 +221,16 @@ fn python_opens_the_store() {
     let mut writer = Writer::create(Folder(path.clone()), example_schema()).unwrap();
     push_frames(&mut writer, FRAMES).unwrap();
     writer.finish().unwrap();
+    let killed = folder.path().join("killed.zarr");
+    let mut writer = Writer::create(Folder(killed.clone()), example_schema()).unwrap();
+    push_frames(&mut writer, 100).unwrap();
+    drop(writer);
     let script = if has("arviz") {
         concat!(include_str!("zarr_open.py"), "\ncheck_arviz()\n")
     } else {
         include_str!("zarr_open.py")
     };
-    let output = Command::new(&python).args(["-W", "ignore", "-c", script]).arg(&path).output().unwrap();
+    let output = Command::new(&python).args(["-W", "ignore", "-c", script]).args([&path, &killed]).output().unwrap();
     let text = String::from_utf8_lossy(&output.stdout);
     assert!(output.status.success(), "{text}{}", String::from_utf8_lossy(&output.stderr));
     println!("{text}");

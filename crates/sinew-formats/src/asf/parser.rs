@@ -5,7 +5,7 @@ use crate::nearest::nearest;
 use crate::rotation::IDENTITY;
 use crate::source_text::{finite, numbered_lines, shortened};
 use crate::{Error, Place};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Reads a skeleton.
 ///
@@ -242,7 +242,8 @@ impl Parser<'_> {
                 order,
             });
         }
-        if let Some((name, raw)) = self.bones.iter().find(|(name, _)| !bones.iter().any(|bone| bone.name == **name)) {
+        let reached: BTreeSet<&str> = bones.iter().map(|bone| bone.name.as_str()).collect();
+        if let Some((name, raw)) = self.bones.iter().find(|(name, _)| !reached.contains(name.as_str())) {
             let place = Place::file(self.name).at_line(raw.line).within(name.as_str());
             return Err(Error::MissingField { place, field: "a path to the root in :hierarchy".into() });
         }

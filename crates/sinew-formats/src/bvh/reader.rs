@@ -4,6 +4,7 @@ use super::{Bvh, CHANNEL_NAMES, Channel, Joint};
 use crate::nearest::nearest;
 use crate::source_text::{check_claim, finite, numbered_lines, shortened};
 use crate::{Error, Place, Warning};
+use std::collections::BTreeSet;
 
 /// Reads a file.
 ///
@@ -12,7 +13,7 @@ use crate::{Error, Place, Warning};
 /// that the file cannot hold.
 pub fn read(name: &str, text: &str) -> Result<Bvh, Error> {
     let mut lines = numbered_lines(text);
-    let mut words = Words { name, pending: Vec::new(), line: 0 };
+    let mut words = Words { name, pending: Vec::new(), line: 0, joint_names: BTreeSet::new() };
     let joints = hierarchy(&mut words, &mut lines)?;
     let channels: usize = joints.iter().map(|joint| joint.channels.len()).sum();
 
@@ -64,6 +65,7 @@ struct Words<'a> {
     name: &'a str,
     pending: Vec<&'a str>,
     line: usize,
+    joint_names: BTreeSet<String>,
 }
 
 impl<'a> Words<'a> {
@@ -184,7 +186,7 @@ fn new_joint<'a>(
         name.push_str(word);
     }
     open_brace(words, lines)?;
-    if joints.iter().any(|joint| joint.name == name) {
+    if !words.joint_names.insert(name.clone()) {
         return Err(Error::DuplicateName { place: words.place(), what: "joint", name });
     }
     joints.push(Joint { name, parent, offset: [0.0; 3], channels: Vec::new(), end_site: None });

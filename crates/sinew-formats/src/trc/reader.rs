@@ -49,6 +49,7 @@ pub fn read(name: &str, text: &str) -> Result<Trc, Error> {
         lines.next();
     }
     for (number, line) in lines.filter(|(_, line)| !line.trim().is_empty()) {
+        check_size(name, (frames.len() + 1) * header.markers.len(), text)?;
         let frame = row(&Place::file(name).at_line(number), line, header.markers.len())?;
         time.check(name, frame.time_s)?;
         frames.push(frame);
@@ -64,6 +65,16 @@ pub fn read(name: &str, text: &str) -> Result<Trc, Error> {
     compare("NumMarkers", stated_markers, header.markers.len());
     warnings.extend(time.warning(name));
     Ok(Trc { header, frames, warnings })
+}
+
+/// Rows may stop early, so that few bytes could ask for much memory.
+fn check_size(name: &str, points: usize, text: &str) -> Result<(), Error> {
+    const ALWAYS: usize = 1_000_000;
+    if points <= ALWAYS + 2 * text.len() {
+        return Ok(());
+    }
+    let (claimed, bytes) = (points as u64, text.len() as u64);
+    Err(Error::ImpossibleCount { place: Place::file(name), claimed, unit: "points", bytes })
 }
 
 /// Cells of a line: at tabs where there is one, else at blanks.
