@@ -136,6 +136,19 @@ pub struct FrameEstimate {
     pub residual_px: Vec<Option<f64>>,
 }
 
+/// Which statistics every frame of a run brings; what is left out here is left out of the files.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Carried {
+    /// Log posterior density of each draw.
+    pub lp: bool,
+    /// [`HmcStatistics`].
+    pub hmc: bool,
+    /// Log evidence.
+    pub log_evidence: bool,
+    /// Number of particles, with [`ParticleStatistics`].
+    pub particles: Option<usize>,
+}
+
 /// What is the same for all frames of a run.
 #[derive(Clone, Debug)]
 pub struct RunInfo {
@@ -149,6 +162,10 @@ pub struct RunInfo {
     pub fps: f64,
     /// First frame that will be appended.
     pub first_frame: u64,
+    /// Draws of each frame.
+    pub draws: usize,
+    /// Statistics of each frame.
+    pub carried: Carried,
     /// Seed of all random streams.
     pub seed: u64,
     /// Instruction set in use.

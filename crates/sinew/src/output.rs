@@ -16,9 +16,12 @@
 //! A run that is stopped in between leaves readable `*.partial` files and no summary.
 
 mod claim;
+mod coordinates;
+mod draws;
 mod markers;
 mod partial;
 mod pose;
+mod skeleton;
 mod storage;
 mod summary;
 mod table;
@@ -27,22 +30,31 @@ mod tables;
 pub use claim::{Claim, LOCK_NAME, claim, claim_in};
 pub use markers::{REFERENCE_ORDER, order as marker_order};
 pub use pose::{Pose, pose};
+pub use skeleton::t_pose;
 pub use storage::{Disk, Storage, StoredFile};
 pub use summary::{Diagnostics, Ending, Limits, Summary};
 
 use crate::Error;
 use crate::estimate::{FrameEstimate, RunInfo};
+use coordinates::Coordinates;
+use draws::DrawStore;
 use markers::Markers;
 use partial::PartialFile;
+use skeleton::SkeletonFile;
 use std::sync::Arc;
 use summary::Statistics;
 use tables::Tables;
+
+const LOAD_PY: &str = include_str!("output/load.py");
 
 /// A result folder being filled.
 pub struct ResultFolder {
     info: RunInfo,
     markers: Markers,
     tables: Tables,
+    coordinates: Coordinates,
+    skeleton: SkeletonFile,
+    draws: DrawStore,
     whole: Vec<PartialFile>,
     statistics: Statistics,
     claim: Claim,
@@ -71,7 +83,14 @@ impl ResultFolder {
         Ok(Self {
             markers: Markers::create(&storage, &folder, &info)?,
             tables: Tables::create(&storage, &folder, &info)?,
-            whole: vec![text("config.toml", &texts.config_toml)?, text("setup.toml", &info.setup_toml)?],
+            coordinates: Coordinates::create(&storage, &folder, &info)?,
+            skeleton: SkeletonFile::create(&storage, &folder, &info)?,
+            draws: DrawStore::create(&storage, &folder, &info)?,
+            whole: vec![
+                text("config.toml", &texts.config_toml)?,
+                text("setup.toml", &info.setup_toml)?,
+                text("load.py", LOAD_PY)?,
+            ],
             statistics: Statistics::new(&info, texts),
             claim,
             info,
@@ -86,6 +105,9 @@ impl ResultFolder {
         let pose = pose(&self.info.body, &estimate.mean_state);
         self.markers.append(self.statistics.frames(), estimate, &pose)?;
         self.tables.append(estimate)?;
+        self.coordinates.append(estimate, &pose)?;
+        self.skeleton.append(&pose)?;
+        self.draws.append(estimate)?;
         self.statistics.add(estimate);
         Ok(())
     }
@@ -95,9 +117,12 @@ impl ResultFolder {
     /// # Errors
     /// [`Error::Io`] with the path at the first failure; what is not renamed by then keeps its provisional name.
     pub fn finish(self, ending: &Ending) -> Result<Summary, Error> {
-        let Self { info, markers, tables, mut whole, statistics, claim } = self;
+        let Self { info, markers, tables, coordinates, skeleton, draws, mut whole, statistics, claim } = self;
         whole.extend(markers.finish(statistics.frames())?);
         whole.extend(tables.finish());
+        whole.push(coordinates.finish(statistics.frames())?);
+        whole.push(skeleton.finish(statistics.frames())?);
+        let draws = draws.finish()?;
         let timings = serde_json::to_string_pretty(&ending.timings).unwrap_or_default() + "\n";
         whole.push(PartialFile::with_text(&claim.storage, claim.folder.join("timings.json"), &timings)?);
         let summary = statistics.summary(&info, ending);
@@ -109,6 +134,7 @@ impl ResultFolder {
         let old = claim.folder.join("summary.json");
         claim.storage.remove(&old).map_err(Error::io("replace", &old))?;
         whole.into_iter().try_for_each(PartialFile::rename)?;
+        draws.rename()?;
         last.rename()?;
         Ok(summary)
     }

@@ -6,10 +6,11 @@
 use super::partial::PartialFile;
 use super::pose::Pose;
 use super::storage::Storage;
-use super::table::Table;
+use super::table::{Table, integer};
 use crate::Error;
 use crate::estimate::{FrameEstimate, RunInfo};
 use sinew_body::KinematicTree;
+use sinew_formats::tidy_csv::Cell;
 use sinew_formats::trc;
 use std::path::Path;
 use std::sync::Arc;
@@ -66,7 +67,7 @@ impl Markers {
         trc.write(|out| trc::write_header(out, &header, 0))?;
         let columns =
             ["frame".into(), "time_s".into()].into_iter().chain(names.iter().map(|name| format!("{name}_sd_m")));
-        let sd = Table::create(storage, folder.join("markers_sd.csv"), columns)?;
+        let sd = Table::create(storage, folder.join("markers_sd.csv"), &columns.collect::<Vec<String>>())?;
         Ok(Self { order, header, trc, sd })
     }
 
@@ -77,14 +78,11 @@ impl Markers {
         self.trc.write(|out| trc::write_frame(out, number, estimate.time_s, &points))?;
         let deviation = |index: &usize| {
             let [x, y, z] = estimate.points[*index].sd;
-            ((x * x + y * y + z * z) / 3.0).sqrt()
+            Cell::Number(((x * x + y * y + z * z) / 3.0).sqrt())
         };
-        let mut cells = self.sd.row();
-        cells.integer(estimate.number).number(estimate.time_s);
-        self.order.iter().for_each(|index| {
-            cells.number(deviation(index));
-        });
-        cells.end()
+        let mut cells = vec![integer(estimate.number), Cell::Number(estimate.time_s)];
+        cells.extend(self.order.iter().map(deviation));
+        self.sd.append(&cells)
     }
 
     pub(crate) fn finish(mut self, frames: u64) -> Result<[PartialFile; 2], Error> {

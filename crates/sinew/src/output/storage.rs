@@ -33,6 +33,12 @@ pub trait Storage: Send + Sync {
     /// Those of the system.
     fn create(&self, path: &Path) -> io::Result<Box<dyn StoredFile>>;
 
+    /// Hands a written and closed file to the disk and waits for it.
+    ///
+    /// # Errors
+    /// Those of the system.
+    fn sync(&self, path: &Path) -> io::Result<()>;
+
     /// Renames a file or folder, over a file that may be there.
     ///
     /// # Errors
@@ -57,6 +63,10 @@ impl Storage for Disk {
 
     fn create(&self, path: &Path) -> io::Result<Box<dyn StoredFile>> {
         Ok(Box::new(fs::File::create(path)?))
+    }
+
+    fn sync(&self, path: &Path) -> io::Result<()> {
+        fs::File::options().append(true).open(path)?.sync_all()
     }
 
     fn rename(&self, from: &Path, to: &Path) -> io::Result<()> {

@@ -10,15 +10,16 @@
 
 use super::partial::PartialFile;
 use super::storage::Storage;
-use super::table::Table;
+use super::table::{Table, integer, optional};
 use crate::Error;
 use crate::estimate::{FrameEstimate, RunInfo};
 use sinew_body::Joint;
+use sinew_formats::tidy_csv::Cell;
 use std::path::Path;
 use std::sync::Arc;
 
 /// Number of the tracked person in the tables; there is one.
-const PERSON: u64 = 0;
+const PERSON: Cell<'_> = Cell::Integer(0);
 
 pub(crate) struct Tables {
     joints: Table,
@@ -29,61 +30,62 @@ pub(crate) struct Tables {
     rotations: Vec<(usize, String)>,
 }
 
-fn columns<'a>(names: impl IntoIterator<Item = &'a str>) -> impl Iterator<Item = String> {
-    names.into_iter().map(str::to_owned).collect::<Vec<_>>().into_iter()
-}
+const MARGINALS: [&str; 12] = [
+    "x_mean_m", "y_mean_m", "z_mean_m", "x_sd_m", "y_sd_m", "z_sd_m", "x_q05_m", "y_q05_m", "z_q05_m", "x_q95_m",
+    "y_q95_m", "z_q95_m",
+];
 
 impl Tables {
     pub(crate) fn create(storage: &Arc<dyn Storage>, folder: &Path, info: &RunInfo) -> Result<Self, Error> {
-        let axes =
-            ["mean", "sd", "q05", "q95"].iter().flat_map(|what| ["x", "y", "z"].map(|axis| format!("{axis}_{what}_m")));
         let joint_columns =
-            columns(["frame", "time_s", "person", "joint"]).chain(axes).chain(columns(["observed", "quality"]));
-        let angle_columns = columns(["time_s", "person", "name", "mean_deg", "q05_deg", "q95_deg"]);
-        let diagnostics = ["ess", "log_evidence", "r_hat", "acceptance", "divergences", "residual_px"];
-        let per_camera = info.cameras.iter().map(|camera| format!("residual_{}_px", camera.name));
-        let frame_columns =
-            columns(["frame", "time_s", "observed", "quality"]).chain(columns(diagnostics)).chain(per_camera);
+            [&["frame", "time_s", "person", "joint"][..], &MARGINALS, &["observed", "quality"]].concat();
+        let angle_columns = ["time_s", "person", "name", "mean_deg", "q05_deg", "q95_deg"];
+        let mut frame_columns: Vec<String> = [
+            "frame",
+            "time_s",
+            "observed",
+            "quality",
+            "ess",
+            "log_evidence",
+            "r_hat",
+            "acceptance",
+            "divergences",
+            "residual_px",
+        ]
+        .map(Into::into)
+        .into();
+        frame_columns.extend(info.cameras.iter().map(|camera| format!("residual_{}_px", camera.name)));
         let named = info.body.dof_names().into_iter().zip(info.body.joints()).enumerate();
         let rotations =
             named.filter(|(_, (_, (_, joint)))| matches!(joint, Joint::Rotate(_))).map(|(dof, (name, _))| (dof, name));
         Ok(Self {
-            joints: Table::create(storage, folder.join("joints.csv"), joint_columns)?,
-            angles: Table::create(storage, folder.join("angles.csv"), angle_columns)?,
-            frames: Table::create(storage, folder.join("frames.csv"), frame_columns)?,
+            joints: Table::create(storage, folder.join("joints.csv"), &joint_columns)?,
+            angles: Table::create(storage, folder.join("angles.csv"), &angle_columns)?,
+            frames: Table::create(storage, folder.join("frames.csv"), &frame_columns)?,
             point_names: info.body.points().iter().map(|point| point.name.clone()).collect(),
             rotations: rotations.collect(),
         })
     }
 
     pub(crate) fn append(&mut self, estimate: &FrameEstimate) -> Result<(), Error> {
-        let (observed, quality) = (u64::from(estimate.observed), estimate.quality as u64);
+        let time = Cell::Number(estimate.time_s);
+        let flags = [integer(estimate.observed.into()), integer(estimate.quality as u64)];
         for (name, point) in self.point_names.iter().zip(&estimate.points) {
-            let mut row = self.joints.row();
-            row.integer(estimate.number).number(estimate.time_s).integer(PERSON).text(name);
-            for value in [point.mean, point.sd, point.q05, point.q95].as_flattened() {
-                row.number(*value);
-            }
-            row.integer(observed).integer(quality);
-            row.end()?;
+            let mut cells = vec![integer(estimate.number), time, PERSON, Cell::Text(name)];
+            cells.extend([point.mean, point.sd, point.q05, point.q95].as_flattened().iter().copied().map(Cell::Number));
+            cells.extend(flags);
+            self.joints.append(&cells)?;
         }
         for (dof, name) in &self.rotations {
             let angle = &estimate.state[*dof];
-            let mut row = self.angles.row();
-            row.number(estimate.time_s).integer(PERSON).text(name);
-            [angle.mean, angle.q05, angle.q95].iter().for_each(|value| {
-                row.number(value.to_degrees());
-            });
-            row.end()?;
+            let [mean, q05, q95] = [angle.mean, angle.q05, angle.q95].map(|value| Cell::Number(value.to_degrees()));
+            self.angles.append(&[time, PERSON, Cell::Text(name), mean, q05, q95])?;
         }
-        let mut row = self.frames.row();
-        row.integer(estimate.number).number(estimate.time_s).integer(observed).integer(quality);
-        row.number(estimate.ess).optional(estimate.log_evidence).optional(estimate.r_hat).optional(estimate.acceptance);
-        row.integer(estimate.divergences).optional(mean(&estimate.residual_px));
-        estimate.residual_px.iter().for_each(|residual| {
-            row.optional(*residual);
-        });
-        row.end()
+        let mut cells = vec![integer(estimate.number), time, flags[0], flags[1], Cell::Number(estimate.ess)];
+        cells.extend([estimate.log_evidence, estimate.r_hat, estimate.acceptance].map(optional));
+        cells.extend([integer(estimate.divergences), optional(rms(&estimate.residual_px))]);
+        cells.extend(estimate.residual_px.iter().copied().map(optional));
+        self.frames.append(&cells)
     }
 
     pub(crate) fn finish(self) -> [PartialFile; 3] {
@@ -92,7 +94,7 @@ impl Tables {
 }
 
 /// Root mean square over the cameras that saw the person.
-fn mean(residuals: &[Option<f64>]) -> Option<f64> {
+fn rms(residuals: &[Option<f64>]) -> Option<f64> {
     let seen: Vec<f64> = residuals.iter().flatten().copied().collect();
     (!seen.is_empty()).then(|| (seen.iter().map(|r| r * r).sum::<f64>() / seen.len() as f64).sqrt())
 }

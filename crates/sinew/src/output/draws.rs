@@ -1,0 +1,202 @@
+//! `posterior.zarr`: equal-weight draws and their statistics, streamed chunk by chunk for ArviZ and xarray.
+//!
+//! `posterior` holds the rotations of the state, the root's place and the position of every point; `sample_stats` what the method brings and nothing else.
+
+use super::partial::partial_path;
+use super::storage::Storage;
+use crate::Error;
+use crate::estimate::{Carried, FrameEstimate, Kind, RunInfo};
+use sinew_body::{Joint, Plan, point_positions};
+use sinew_core::lanes::Isa;
+use sinew_formats::zarr::inference_data::{self, Run};
+use sinew_formats::zarr::{Constant, DataType, Labels, Store, Values, Variable, Writer};
+use std::collections::BTreeSet;
+use std::io::{self, Write as _};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// A folder of the storage as a place for Zarr keys.
+struct FolderStore {
+    storage: Arc<dyn Storage>,
+    folder: PathBuf,
+    folders: BTreeSet<PathBuf>,
+    written: BTreeSet<PathBuf>,
+}
+
+impl Store for FolderStore {
+    fn put(&mut self, key: &str, bytes: &[u8]) -> io::Result<()> {
+        let path = self.folder.join(key);
+        if let Some(parent) = path.parent().filter(|parent| !self.folders.contains(*parent)) {
+            self.storage.create_folder(parent)?;
+            self.folders.insert(parent.to_owned());
+        }
+        self.storage.create(&path)?.write_all(bytes)?;
+        self.written.insert(path);
+        Ok(())
+    }
+}
+
+pub(crate) struct DrawStore {
+    writer: Writer<FolderStore>,
+    partial: PathBuf,
+    path: PathBuf,
+    plan: Plan,
+    isa: Isa,
+    dof: usize,
+    rotations: Vec<usize>,
+    root: [Option<usize>; 3],
+    carried: Carried,
+}
+
+/// A complete store under its provisional name.
+pub(crate) struct FinishedDraws {
+    storage: Arc<dyn Storage>,
+    partial: PathBuf,
+    path: PathBuf,
+}
+
+impl FinishedDraws {
+    pub(crate) fn rename(self) -> Result<(), Error> {
+        self.storage.remove(&self.path).map_err(Error::io("replace", &self.path))?;
+        self.storage.rename(&self.partial, &self.path).map_err(Error::io("write", &self.path))
+    }
+}
+
+impl DrawStore {
+    pub(crate) fn create(storage: &Arc<dyn Storage>, folder: &Path, info: &RunInfo) -> Result<Self, Error> {
+        let path = folder.join("posterior.zarr");
+        let partial = partial_path(&path);
+        storage.remove(&partial).map_err(Error::io("replace", &partial))?;
+        let joints: Vec<(usize, Joint)> = info.body.joints().collect();
+        let is_rotation = |dof: &usize| matches!(joints[*dof].1, Joint::Rotate(_));
+        let rotations: Vec<usize> = (0..joints.len()).filter(is_rotation).collect();
+        let translation = |axis: usize| {
+            joints.iter().position(|(link, joint)| {
+                info.body.links()[*link].parent.is_none() && matches!(joint, Joint::Translate(a) if a.index() == axis)
+            })
+        };
+        let store = FolderStore {
+            storage: Arc::clone(storage),
+            folder: partial.clone(),
+            folders: BTreeSet::new(),
+            written: BTreeSet::new(),
+        };
+        let writer = Writer::create(store, schema(info, &rotations)).map_err(Error::io("write", &partial))?;
+        Ok(Self {
+            writer,
+            partial,
+            path,
+            plan: Plan::with_all_points(&info.body),
+            // The draws are stored as float32: the same on every instruction set but for rounding ties.
+            isa: Isa::baseline(),
+            dof: info.body.dof(),
+            rotations,
+            root: [0, 1, 2].map(translation),
+            carried: info.carried,
+        })
+    }
+
+    pub(crate) fn append(&mut self, estimate: &FrameEstimate) -> Result<(), Error> {
+        let draws = &estimate.draws;
+        let states = || draws.states.chunks_exact(self.dof);
+        let angle: Vec<f64> = states().flat_map(|state| self.rotations.iter().map(|&dof| state[dof])).collect();
+        let root: Vec<f64> =
+            states().flat_map(|state| self.root.map(|dof| dof.map_or(0.0, |dof| state[dof]))).collect();
+        let mut markers = vec![0.0; 3 * self.plan.points() * (draws.states.len() / self.dof.max(1))];
+        for (state, out) in states().zip(markers.chunks_exact_mut((3 * self.plan.points()).max(1))) {
+            point_positions(&self.plan, self.isa, state, out);
+        }
+        let steps: Vec<i64> = draws.hmc.iter().flat_map(|hmc| &hmc.n_steps).map(|&n| i64::from(n)).collect();
+        let evidence = [estimate.log_evidence.unwrap_or(f64::NAN)];
+        let ess = [estimate.ess];
+        let mut values = vec![Values::Numbers(&angle), Values::Numbers(&root), Values::Numbers(&markers)];
+        if self.carried.lp {
+            values.push(Values::Numbers(&draws.lp));
+        }
+        if self.carried.hmc {
+            let hmc = draws.hmc.as_ref().ok_or_else(|| lacking("hmc"))?;
+            values.extend([
+                Values::Numbers(&hmc.acceptance_rate),
+                Values::Numbers(&hmc.step_size),
+                Values::Integers(&steps),
+                Values::Flags(&hmc.diverging),
+                Values::Numbers(&hmc.energy),
+            ]);
+        }
+        values.push(Values::Numbers(&ess));
+        if self.carried.log_evidence {
+            values.push(Values::Numbers(&evidence));
+        }
+        let resampled = [estimate.particles.as_ref().is_some_and(|particles| particles.resampled)];
+        if self.carried.particles.is_some() {
+            let particles = estimate.particles.as_ref().ok_or_else(|| lacking("particle"))?;
+            values.extend([Values::Flags(&resampled), Values::Numbers(&particles.log_weight)]);
+        }
+        let number = i64::try_from(estimate.number).unwrap_or(i64::MAX);
+        self.writer.push(number, estimate.time_s, &values).map_err(Error::io("write", &self.partial))
+    }
+
+    pub(crate) fn finish(self) -> Result<FinishedDraws, Error> {
+        let store = self.writer.finish().map_err(Error::io("write", &self.partial))?;
+        for path in &store.written {
+            store.storage.sync(path).map_err(Error::io("write", path))?;
+        }
+        Ok(FinishedDraws { storage: store.storage, partial: self.partial, path: self.path })
+    }
+}
+
+fn lacking(what: &str) -> Error {
+    Error::Numerical { message: format!("a frame lacks the {what} statistics that its run announces") }
+}
+
+fn schema(info: &RunInfo, rotations: &[usize]) -> sinew_formats::zarr::Schema {
+    let run = Run {
+        library_version: env!("CARGO_PKG_VERSION"),
+        method: &info.method,
+        kind: match info.kind {
+            Kind::Filtered => inference_data::Kind::Filtered,
+            Kind::Smoothed => inference_data::Kind::Smoothed,
+        },
+        seed: info.seed,
+        created_at: None,
+    };
+    let names = info.body.dof_names();
+    let dof = rotations.iter().map(|&dof| names[dof].clone()).collect();
+    let points = info.body.points().iter().map(|point| point.name.clone()).collect();
+    let mut schema = inference_data::schema(1, info.draws, dof, points);
+    let mut statistics = inference_data::group("sample_stats", &run);
+    let per_draw = &["chain", "draw", "frame"][..];
+    let per_frame = &["chain", "frame"][..];
+    let mut add = |wanted: bool, name: &str, dimensions: &[&str], data_type| {
+        if wanted {
+            statistics.variables.push(Variable::new(name, dimensions, data_type));
+        }
+    };
+    let Carried { lp, hmc, log_evidence, particles } = info.carried;
+    add(lp, "lp", per_draw, DataType::Float64);
+    add(hmc, "acceptance_rate", per_draw, DataType::Float64);
+    add(hmc, "step_size", per_draw, DataType::Float64);
+    add(hmc, "n_steps", per_draw, DataType::Int64);
+    add(hmc, "diverging", per_draw, DataType::Bool);
+    add(hmc, "energy", per_draw, DataType::Float64);
+    add(true, "ess", per_frame, DataType::Float64);
+    add(log_evidence, "log_evidence", per_frame, DataType::Float64);
+    add(particles.is_some(), "resampled", per_frame, DataType::Bool);
+    add(particles.is_some(), "log_weight", &["chain", "particle", "frame"], DataType::Float64);
+    if let Some(count) = particles {
+        schema.dimensions.insert("particle".into(), Labels::Count(count));
+    }
+    let mut constants = inference_data::group("constant_data", &run);
+    let cameras = info.cameras.iter().map(|camera| camera.name.clone()).collect();
+    schema.dimensions.insert("camera".into(), Labels::Names(cameras));
+    let centres = info.cameras.iter().flat_map(|camera| {
+        let (r, t) = (&camera.rotation, &camera.translation);
+        [0, 1, 2].map(|k| -(0..3).map(|j| r[j][k] * t[j]).sum::<f64>())
+    });
+    constants.constants.push(Constant {
+        variable: Variable::new("camera_centre", &["camera", "axis"], DataType::Float64).with_attribute("units", "m"),
+        values: centres.collect(),
+    });
+    schema.groups.extend([inference_data::posterior(&run), statistics, constants]);
+    schema
+}
