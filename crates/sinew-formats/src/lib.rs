@@ -7,7 +7,7 @@
 //!
 //! | module | format | reads | writes |
 //! |---|---|---|---|
-//! | [`openpose`] | OpenPose-style JSON keypoints, with [`layout`], [`frame_number`] and [`camera_name`] | yes | – |
+//! | [`openpose`] | OpenPose-style JSON keypoints, with [`layout`], [`frame_number`] and [`camera_name`] | yes | yes |
 //! | [`calib_toml`] | Pose2Sim `Calib.toml` | yes | yes |
 //! | [`trc`], [`mot`] | trajectories of points, coordinates (OpenSim) | yes | yes |
 //! | [`bvh`] | skeleton and joint angles (Blender) | yes | yes |

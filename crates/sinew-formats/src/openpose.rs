@@ -1,4 +1,4 @@
-//! Reader of OpenPose-style keypoint files: JSON, one file per camera and frame.
+//! OpenPose-style keypoint files: JSON, one file per camera and frame.
 //!
 //! `people[i].pose_keypoints_2d` is a flat list of x, y (pixels) and confidence for each keypoint of the layout. Other
 //! fields are ignored. Quirks that are ordinary input:
@@ -12,16 +12,20 @@
 //! frame: add every frame to a [`Tally`].
 //!
 //! ```
-//! use sinew_formats::openpose::{read, Options};
+//! use sinew_formats::openpose::{read, write, Options};
 //! let text = r#"{"people": [{"pose_keypoints_2d": [10.5, 20.0, 0.9, 0, 0, 0]}]}"#;
 //! let frame = read("cam01.0034.json", text, &Options::default())?;
 //! assert_eq!(frame.people[0].keypoints[0].unwrap().x, 10.5);
 //! assert!(frame.people[0].keypoints[1].is_none());
+//! assert_eq!(read("again.json", &write(&frame.people), &Options::default())?, frame);
 //! # Ok::<(), sinew_formats::Error>(())
 //! ```
 
 use crate::{Error, Layout, Place, Warning, json_text};
 use serde::Deserialize;
+
+/// Absent people that are written before one who is there.
+const MAX_PEOPLE: usize = 1000;
 
 /// How to read keypoint files.
 #[derive(Clone, Copy, Debug)]
@@ -196,6 +200,24 @@ fn keypoint(
         frame.at_origin.get_or_insert(confidence);
     }
     Ok(Some(Keypoint { x, y, confidence }))
+}
+
+/// Writes a file that [`read`] and other programs read: `{}` for people that are absent, `0, 0, 0` for keypoints that are
+/// missing or not finite. People must come by rising index, as they are read.
+#[must_use]
+pub fn write(people: &[Person]) -> String {
+    let mut entries: Vec<String> = Vec::new();
+    for person in people {
+        entries.resize(entries.len().max(person.index.min(MAX_PEOPLE)), "{}".into());
+        let finite = |point: &Keypoint| point.x.is_finite() && point.y.is_finite() && point.confidence.is_finite();
+        let numbers = person.keypoints.iter().map(|point| match point.filter(finite) {
+            Some(Keypoint { x, y, confidence }) => format!("{x:?},{y:?},{confidence:?}"),
+            None => "0,0,0".into(),
+        });
+        let numbers: Vec<String> = numbers.collect();
+        entries.push(format!("{{\"person_id\":[-1],\"pose_keypoints_2d\":[{}]}}", numbers.join(",")));
+    }
+    format!("{{\"version\":1.3,\"people\":[{}]}}\n", entries.join(","))
 }
 
 #[cfg(test)]

@@ -202,13 +202,20 @@ proptest! {
     }
 
     #[test]
-    fn keypoints_read_back_equal(points in prop::collection::vec(prop::option::of((number(), number(), 1e-6..=1.0f64)), 1..30)) {
-        let numbers = points.iter().flat_map(|point| point.map_or([0.0; 3], |(x, y, c)| [x, y, c]));
-        let numbers: Vec<String> = numbers.map(|v| format!("{v:?}")).collect();
-        let json = format!("{{\"people\":[{{\"pose_keypoints_2d\":[{}]}}]}}", numbers.join(","));
-        let frame = openpose::read("a.json", &json, &openpose::Options::default()).unwrap();
-        let found: Vec<_> = frame.people[0].keypoints.iter().map(|k| k.map(|k| (k.x, k.y, k.confidence))).collect();
-        prop_assert_eq!(found, points);
+    fn keypoints_read_back_equal(people in prop::collection::vec(
+        (0..3usize, prop::collection::vec(prop::option::of((number(), number(), 1e-6..=1.0f64)), 1..30)), 0..4,
+    )) {
+        let mut index = 0;
+        let mut written = Vec::new();
+        for (absent, points) in people {
+            index += absent;
+            let keypoint = |(x, y, confidence)| openpose::Keypoint { x, y, confidence };
+            let keypoints = points.into_iter().map(|point| point.map(keypoint)).collect();
+            written.push(openpose::Person { index, keypoints });
+            index += 1;
+        }
+        let read = openpose::read("a.json", &openpose::write(&written), &openpose::Options::default()).unwrap();
+        prop_assert_eq!(read.people, written);
     }
 
     #[test]
