@@ -124,12 +124,16 @@ fn stores() {
 /// Runs a script with arguments if its module is there.
 fn python(module: &str, script: &str, arguments: &[PathBuf]) {
     let python = std::env::var_os("SINEW_PYTHON").unwrap_or_else(|| "python3".into());
-    let found = Command::new(&python).args(["-c", &format!("import {module}")]).output();
+    // Some of these programs leave a log in the folder in which they run.
+    let folder = tempfile::tempdir().unwrap();
+    let mut command = Command::new(&python);
+    let found = command.current_dir(&folder).args(["-c", &format!("import {module}")]).output();
     if !found.is_ok_and(|output| output.status.success()) {
         println!("skipped: no {module}");
         return;
     }
-    let output = Command::new(&python).args(["-c", script]).args(arguments).output().unwrap();
+    let mut command = Command::new(&python);
+    let output = command.current_dir(&folder).args(["-c", script]).args(arguments).output().unwrap();
     let text = String::from_utf8_lossy(&output.stdout);
     assert!(output.status.success(), "{text}{}", String::from_utf8_lossy(&output.stderr));
 }
