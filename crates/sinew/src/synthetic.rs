@@ -1,0 +1,27 @@
+//! Synthetic recordings: a person who stands and walks, virtual cameras around him, and a detector that errs as real ones do.
+//!
+//! | module | what |
+//! |---|---|
+//! | [`gait`] | normative joint-angle curves of walking as Fourier series |
+//! | [`walker`] | the whole body's state over time, feet on the ground |
+//! | [`points`] | named points in space over time, from states or from recorded motion |
+//! | [`ring`] | cameras on a circle around a motion |
+//! | [`detector`] | projections with offset, jitter, missing keypoints and gross outliers |
+//! | [`recording`] | all of it together, and as the files that other programs read |
+//!
+//! Everything follows from a seed, and nothing depends on the processor or the number of threads: the same seed gives the same bytes.
+//!
+//! ```
+//! use sinew::synthetic::recording::{Recording, Script};
+//! let recording = Recording::new(&Script { duration_s: 0.5, ..Script::default() }, 7)?;
+//! assert_eq!((recording.cameras.len(), recording.truth.frames.len()), (4, 15));
+//! assert_eq!(recording.keypoints[0][0].len(), recording.layout.points.len());
+//! # Ok::<(), sinew::observe::Error>(())
+//! ```
+
+pub mod detector;
+pub mod gait;
+pub mod points;
+pub mod recording;
+pub mod ring;
+pub mod walker;
