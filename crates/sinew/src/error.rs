@@ -126,7 +126,10 @@ impl Error {
             Self::OutputIsInput { .. } => Some("choose another folder with `-o`".into()),
             Self::Usage { help, .. } => Some(help.clone()),
             Self::Input { help, .. } => help.clone(),
-            Self::Io { .. } | Self::Config { .. } | Self::Numerical { .. } => None,
+            Self::Config { .. } => {
+                Some("`sinew track --help` lists the settings; `--print-config` shows the values in force".into())
+            }
+            Self::Io { .. } | Self::Numerical { .. } => None,
         }
     }
 }

@@ -1,0 +1,180 @@
+//! Values of settings: from text (flags, environment), from TOML, and back to TOML.
+
+use super::setting::{Kind, Setting};
+use sinew_formats::nearest::nearest;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+use toml::de::DeValue;
+
+/// A value.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Value {
+    /// A file or folder.
+    Path(PathBuf),
+    /// A name.
+    Text(String),
+    /// A whole number.
+    Count(u64),
+    /// A number.
+    Number(f64),
+    /// Yes or no.
+    Flag(bool),
+    /// Frame numbers.
+    Frames(Range<u64>),
+    /// Names.
+    Names(Vec<String>),
+}
+
+fn checked_number(setting: &Setting, value: f64, shown: &str) -> Result<Value, String> {
+    let Kind::Number { least, excluded, most } = setting.kind else { return Ok(Value::Number(value)) };
+    // NaN fails the comparison.
+    let low = if excluded { value > least } else { value >= least };
+    if low && value <= most && value.is_finite() {
+        return Ok(Value::Number(value));
+    }
+    let wanted = match (excluded, most.is_finite()) {
+        (true, _) => format!("greater than {least}"),
+        (false, false) => format!("at least {least}"),
+        (false, true) => format!("from {least} to {most}"),
+    };
+    Err(format!("`{}` is {shown}; it must be {wanted}", setting.key))
+}
+
+fn checked_count(setting: &Setting, value: Option<u64>, shown: &str) -> Result<Value, String> {
+    let Kind::Count(least) = setting.kind else { return Err(unexpected(setting, shown)) };
+    match value {
+        Some(value) if value >= least => Ok(Value::Count(value)),
+        _ => Err(format!("`{}` is {shown}; it must be a whole number of at least {least}", setting.key)),
+    }
+}
+
+fn checked_choice(setting: &Setting, known: &[&'static str], text: &str) -> Result<Value, String> {
+    if known.contains(&text) {
+        return Ok(Value::Text(text.into()));
+    }
+    let meant =
+        nearest(text, known.iter().copied()).map(|name| format!("; did you mean `{name}`?")).unwrap_or_default();
+    Err(format!("`{}` is `{text}`; it must be one of {}{meant}", setting.key, known.join(", ")))
+}
+
+fn frames(setting: &Setting, text: &str) -> Result<Value, String> {
+    let parts = text.split_once("..").and_then(|(a, b)| Some((a.trim().parse().ok()?, b.trim().parse().ok()?)));
+    match parts {
+        Some((first, end)) if first < end => Ok(Value::Frames(first..end)),
+        Some(_) => Err(format!("`{}` is {text}; the end must come after the start", setting.key)),
+        None => Err(format!("`{}` is `{text}`; it must be frame numbers A..B, for example 0..60", setting.key)),
+    }
+}
+
+fn unexpected(setting: &Setting, shown: &str) -> String {
+    let wanted = match setting.kind {
+        Kind::Path => "a path in quotes",
+        Kind::NameOrPath => "a name or a path in quotes",
+        Kind::Choice(_) => "a name in quotes",
+        Kind::Count(_) => "a whole number",
+        Kind::Number { .. } => "a number",
+        Kind::Flag => "true or false",
+        Kind::Frames => "frame numbers in quotes, for example \"0..60\"",
+        Kind::Names => "a list of names, for example [\"cam1\", \"cam2\"]",
+    };
+    format!("`{}` is {shown}; it must be {wanted}", setting.key)
+}
+
+/// A path, or a name that is one if it ends in `.toml`, seen from a folder.
+fn placed(kind: Kind, text: &str, folder: &Path) -> Value {
+    let is_path = kind == Kind::Path || Path::new(text).extension().is_some_and(|extension| extension == "toml");
+    if is_path { Value::Path(folder.join(text)) } else { Value::Text(text.into()) }
+}
+
+/// A value as typed on the command line or in the environment; paths are seen from `folder`.
+///
+/// # Errors
+/// One sentence that names the setting, what was found and what was expected.
+pub fn from_text(setting: &Setting, text: &str, folder: &Path) -> Result<Value, String> {
+    let shown = format!("`{text}`");
+    match setting.kind {
+        Kind::Path | Kind::NameOrPath if text.is_empty() => Err(unexpected(setting, "empty")),
+        Kind::Path | Kind::NameOrPath => Ok(placed(setting.kind, text, folder)),
+        Kind::Choice(known) => checked_choice(setting, known, text),
+        Kind::Count(_) => match text.parse::<u64>() {
+            Ok(value) => checked_count(setting, Some(value), text),
+            Err(_) => checked_count(setting, None, &shown),
+        },
+        Kind::Number { .. } => match text.parse() {
+            Ok(value) => checked_number(setting, value, text),
+            Err(_) => Err(unexpected(setting, &shown)),
+        },
+        Kind::Flag => match text {
+            "true" | "1" | "yes" => Ok(Value::Flag(true)),
+            "false" | "0" | "no" => Ok(Value::Flag(false)),
+            _ => Err(unexpected(setting, &shown)),
+        },
+        Kind::Frames => frames(setting, text),
+        Kind::Names => {
+            let names: Vec<String> =
+                text.split(',').map(|name| name.trim().to_owned()).filter(|name| !name.is_empty()).collect();
+            if names.is_empty() { Err(unexpected(setting, &shown)) } else { Ok(Value::Names(names)) }
+        }
+    }
+}
+
+/// A value in a TOML file of the given folder.
+///
+/// # Errors
+/// As [`from_text`].
+pub fn from_toml(setting: &Setting, value: &DeValue<'_>, shown: &str, folder: &Path) -> Result<Value, String> {
+    let bad = || Err(unexpected(setting, shown));
+    match (setting.kind, value) {
+        (Kind::Count(_), DeValue::Integer(found)) => {
+            checked_count(setting, u64::from_str_radix(found.as_str(), found.radix()).ok(), shown)
+        }
+        (Kind::Count(_), DeValue::Float(_)) => checked_count(setting, None, shown),
+        (Kind::Number { .. }, DeValue::Float(found)) => match found.as_str().parse() {
+            Ok(number) => checked_number(setting, number, shown),
+            Err(_) => bad(),
+        },
+        (Kind::Number { .. }, DeValue::Integer(found)) => match found.as_str().parse() {
+            Ok(number) => checked_number(setting, number, shown),
+            Err(_) => bad(),
+        },
+        (Kind::Flag, DeValue::Boolean(flag)) => Ok(Value::Flag(*flag)),
+        (Kind::Names, DeValue::Array(items)) => {
+            let names: Option<Vec<String>> =
+                items.iter().map(|item| Some(item.get_ref().as_str()?.to_owned())).collect();
+            names.filter(|names| !names.is_empty()).map_or_else(bad, |names| Ok(Value::Names(names)))
+        }
+        (Kind::Path | Kind::NameOrPath | Kind::Choice(_) | Kind::Frames, DeValue::String(text)) => {
+            from_text(setting, text, folder)
+        }
+        _ => bad(),
+    }
+}
+
+/// The value as TOML, which [`from_toml`] reads back equal.
+#[must_use]
+pub fn to_toml(value: &Value) -> String {
+    let quoted = |text: &str| toml::Value::String(text.to_owned()).to_string();
+    match value {
+        Value::Path(path) => quoted(&path.to_string_lossy()),
+        Value::Text(text) => quoted(text),
+        Value::Count(count) => count.to_string(),
+        Value::Number(number) => format!("{number:?}"),
+        Value::Flag(flag) => flag.to_string(),
+        Value::Frames(frames) => quoted(&format!("{}..{}", frames.start, frames.end)),
+        Value::Names(names) => format!("[{}]", names.iter().map(|name| quoted(name)).collect::<Vec<_>>().join(", ")),
+    }
+}
+
+/// The value as JSON.
+#[must_use]
+pub fn to_json(value: &Value) -> serde_json::Value {
+    match value {
+        Value::Path(path) => path.to_string_lossy().into_owned().into(),
+        Value::Text(text) => text.as_str().into(),
+        Value::Count(count) => (*count).into(),
+        Value::Number(number) => (*number).into(),
+        Value::Flag(flag) => (*flag).into(),
+        Value::Frames(frames) => format!("{}..{}", frames.start, frames.end).into(),
+        Value::Names(names) => names.clone().into(),
+    }
+}
