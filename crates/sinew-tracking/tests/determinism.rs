@@ -1,0 +1,216 @@
+//! Same bits for every number of threads, in one run or two halves; trackers in boxes; frames without observation.
+
+use sinew_core::density::{GaussNewton, GradLogDensity, Lanes, LogDensity};
+use sinew_core::lanes::{Block, Isa};
+use sinew_core::random::Stage;
+use sinew_core::toy::Quadratic;
+use sinew_dynamics::random_walk::{Between, RandomWalk};
+use sinew_samplers::tuning;
+use sinew_tracking::bootstrap::{self, Bootstrap};
+use sinew_tracking::hmc_filter::{self, HmcFilter};
+use sinew_tracking::{Error, StepInfo, Tracker, run};
+use std::ops::ControlFlow;
+
+type Boxed = Box<dyn Tracker<dyn GaussNewton>>;
+type Record = Vec<(StepInfo, Vec<Block>, Vec<f64>)>;
+
+/// No observation: a density of 0 everywhere.
+struct Nothing;
+impl LogDensity for Nothing {
+    fn dim(&self) -> usize {
+        2
+    }
+    fn log_density(&self, _x: &[f64]) -> f64 {
+        0.0
+    }
+}
+impl GradLogDensity for Nothing {
+    fn log_density_grad(&self, _x: &[f64], grad: &mut [f64]) -> f64 {
+        grad.fill(0.0);
+        0.0
+    }
+}
+impl GaussNewton for Nothing {
+    fn gauss_newton_diagonal_block(&self, _x: &[Block], diagonal: &mut [Block], _ws: &mut [Block]) {
+        diagonal.fill(Block::ZERO);
+    }
+}
+
+/// An observation that no state explains.
+struct Impossible;
+impl LogDensity for Impossible {
+    fn dim(&self) -> usize {
+        2
+    }
+    fn log_density(&self, _x: &[f64]) -> f64 {
+        f64::NEG_INFINITY
+    }
+}
+
+fn walk(between: Between) -> RandomWalk {
+    RandomWalk::new(&[1.0, 0.5], 0.04, between, Isa::best()).expect("valid")
+}
+
+fn filter(between: Between) -> HmcFilter<RandomWalk> {
+    let config = hmc_filter::Config {
+        chains: 20,
+        updates: 12,
+        leapfrog_steps: 5,
+        step_size: 0.6,
+        jitter: 0.2,
+        ..hmc_filter::Config::default()
+    };
+    HmcFilter::new(config, walk(between), vec![0.0, 1.0], Isa::best()).expect("valid")
+}
+
+fn trackers() -> Vec<Boxed> {
+    let config = bootstrap::Config { particles: 1003, ..bootstrap::Config::default() };
+    let adaptive = bootstrap::Config { resample_below: 0.5, ..config.clone() };
+    let bootstrap = |config| Bootstrap::new(config, walk(Between::Mixture), vec![0.0, 1.0]).expect("valid");
+    vec![
+        Box::new(bootstrap(config)),
+        Box::new(bootstrap(adaptive)),
+        Box::new(filter(Between::Mixture)),
+        Box::new(filter(Between::Gaussian)),
+    ]
+}
+
+/// A target that circles; every seventh frame is not seen.
+fn observation(frame: u32) -> Box<dyn GaussNewton> {
+    if frame % 7 == 6 {
+        return Box::new(Nothing);
+    }
+    let angle = f64::from(frame) * 0.1;
+    let leaf = Quadratic { centre: vec![angle.sin(), angle.cos()], precision: vec![50.0, 200.0] };
+    Box::new(Lanes { leaf, isa: Isa::best() })
+}
+
+fn follow(tracker: &mut Boxed, frames: std::ops::Range<u32>, record: &mut Record) {
+    run::<dyn GaussNewton, _, Error>(
+        tracker.as_mut(),
+        frames,
+        |frame| Stage::new(42, "determinism").at_frame(frame),
+        |frame, _| Ok(observation(frame)),
+        |_, info, posterior| {
+            record.push((info, posterior.states.to_vec(), posterior.weights.to_vec()));
+            Ok(ControlFlow::Continue(()))
+        },
+    )
+    .expect("every frame has a posterior");
+}
+
+#[test]
+fn threads_do_not_change_a_bit() {
+    let with_threads = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
+        pool.install(|| {
+            let mut record = Record::new();
+            trackers().iter_mut().for_each(|tracker| follow(tracker, 0..15, &mut record));
+            record
+        })
+    };
+    let one = with_threads(1);
+    assert!(one == with_threads(2) && one == with_threads(8) && one == with_threads(1));
+}
+
+#[test]
+fn two_halves_are_one_run() {
+    for (mut whole, mut halved) in trackers().into_iter().zip(trackers()) {
+        let (mut one, mut two) = (Record::new(), Record::new());
+        follow(&mut whole, 0..20, &mut one);
+        follow(&mut halved, 0..9, &mut two);
+        follow(&mut halved, 9..20, &mut two);
+        assert!(one == two);
+    }
+}
+
+#[test]
+fn every_tracker_follows_and_reports() {
+    for mut tracker in trackers() {
+        let mut record = Record::new();
+        follow(&mut tracker, 0..40, &mut record);
+        let (info, ..) = &record[39];
+        let angle = 3.9_f64;
+        assert!((info.mean[0] - angle.sin()).abs() < 0.2 && (info.mean[1] - angle.cos()).abs() < 0.2, "{info:?}");
+        assert_eq!(tracker.estimate(), info.mean);
+        assert!(info.ess > 1.0 && info.log_evidence.is_some_and(f64::is_finite), "{info:?}");
+        assert!(info.r_hat.is_none_or(|r| r < 1.2) && info.divergences == 0, "{info:?}");
+        // A frame without observation says nothing of the evidence.
+        assert!(record[34].0.log_evidence.is_some_and(|l| l.abs() < 1e-9));
+    }
+}
+
+#[test]
+fn without_observations_the_variance_grows_by_the_walk() {
+    for between in [Between::Mixture, Between::Gaussian] {
+        let mut tracker = filter(between);
+        for frame in 0..100 {
+            let info = tracker.step(&Nothing, Stage::new(3, "blind").at_frame(frame)).expect("continues");
+            assert_eq!(info.log_evidence.map(|l| l.abs() < 1e-9), Some(true));
+        }
+        let variance = Tracker::<Nothing>::posterior(&tracker).moments(Isa::best()).covariance[0];
+        // 100 steps of 0.2²; the walk of the summary itself scatters, most with few chains.
+        assert!((0.5..20.0).contains(&variance), "{between:?}: {variance} against 4");
+    }
+}
+
+#[test]
+fn an_impossible_frame_is_an_error_and_can_be_passed_over() {
+    let config = bootstrap::Config { particles: 100, ..bootstrap::Config::default() };
+    let make = || Bootstrap::new(config.clone(), walk(Between::Mixture), vec![0.0, 1.0]).expect("valid");
+    let mut tracker = make();
+    let stage = |frame| Stage::new(1, "impossible").at_frame(frame);
+    for first in [true, false] {
+        let refused = tracker.step(&Impossible, stage(0));
+        assert!(matches!(refused, Err(Error::Samplers(sinew_samplers::Error::AllWeightsZero { count: 100 }))));
+        if first {
+            tracker.step(&Nothing, stage(1)).expect("continues");
+        }
+    }
+    let spread = Tracker::<Nothing>::posterior(&tracker).moments(Isa::best()).covariance[0];
+    assert!((0.02..0.07).contains(&spread), "one step of variance 0.04, not two: {spread}");
+    let mut walked: Box<dyn Tracker<Impossible>> = Box::new(make());
+    let result = run::<Impossible, _, Error>(
+        walked.as_mut(),
+        5..9,
+        stage,
+        |_, _| Ok(Impossible),
+        |_, _, _| Ok(ControlFlow::Continue(())),
+    );
+    assert!(matches!(result, Err(Error::Frame { frame: 5, .. })));
+}
+
+#[test]
+fn settings_are_checked() {
+    let hmc = |config| HmcFilter::new(config, walk(Between::Mixture), vec![0.0; 2], Isa::best()).map(|_| ());
+    let default = hmc_filter::Config::default;
+    assert!(hmc(default()).is_ok() && hmc(hmc_filter::Config::real_recordings()).is_ok());
+    for bad in [
+        hmc_filter::Config { chains: 0, ..default() },
+        hmc_filter::Config { updates: 5, ..default() },
+        hmc_filter::Config { updates: 0, burn_in: 0, ..default() },
+        hmc_filter::Config { step_size: f64::NAN, ..default() },
+        hmc_filter::Config { leapfrog_steps: 0, ..default() },
+        hmc_filter::Config { jitter: 1.0, ..default() },
+    ] {
+        assert!(hmc(bad.clone()).is_err(), "{bad:?}");
+    }
+    let start = HmcFilter::new(default(), walk(Between::Mixture), vec![0.0; 3], Isa::best());
+    assert!(matches!(start, Err(Error::Dimension { name: "start", found: 3, expected: 2 })));
+    for config in [
+        bootstrap::Config { particles: 0, ..Default::default() },
+        bootstrap::Config { resample_below: 2.0, ..Default::default() },
+        bootstrap::Config { resample_below: f64::NAN, ..Default::default() },
+    ] {
+        assert!(Bootstrap::new(config, walk(Between::Mixture), vec![0.0; 2]).is_err());
+    }
+}
+
+#[test]
+fn tuning_gives_settings_that_accept_as_asked() {
+    let filter = filter(Between::Gaussian);
+    let config = tuning::Config { jitter: 0.2, lengths: vec![1, 2, 5, 10], ..tuning::Config::default() };
+    let observed = observation(0);
+    let tuned = filter.tune(observed.as_ref(), &config, Stage::new(1, "tune")).expect("tunable");
+    assert!((tuned.acceptance - 0.85).abs() <= 0.03 && tuned.leapfrog_steps <= 5, "{tuned:?}");
+}
