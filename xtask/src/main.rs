@@ -1,2 +1,29 @@
-//! Placeholder.
-fn main() {}
+//! Chores of the workspace: `cargo xtask <command>`. This file is the whole command line; each command has a file of its own.
+
+mod source;
+mod tidy;
+
+use clap::{Parser, Subcommand};
+use std::path::Path;
+use std::process::ExitCode;
+
+/// Chores of the workspace.
+#[derive(Parser)]
+#[command(name = "cargo xtask")]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Check the rules that docs/ARCHITECTURE.md states: layers, who may do IO, leftovers, module docs.
+    Tidy,
+}
+
+fn main() -> ExitCode {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap_or(Path::new("."));
+    match Cli::parse().command {
+        Command::Tidy => tidy::run(root),
+    }
+}

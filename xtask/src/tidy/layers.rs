@@ -1,0 +1,148 @@
+//! Arrows between crates point down: what each crate's manifest and product code may name.
+
+use super::{File, Violation, Workspace};
+use std::collections::BTreeSet;
+
+/// What each crate may depend on, of ours.
+const ALLOWED: [(&str, &[&str]); 11] = [
+    ("sinew-core", &[]),
+    ("sinew-body", &["sinew-core"]),
+    ("sinew-observe", &["sinew-body", "sinew-core"]),
+    ("sinew-dynamics", &["sinew-core"]),
+    ("sinew-latent", &["sinew-core"]),
+    ("sinew-samplers", &["sinew-core"]),
+    ("sinew-tracking", &["sinew-samplers", "sinew-core"]),
+    ("sinew-formats", &["sinew-body", "sinew-observe"]),
+    ("sinew-invariance", &["sinew-core"]),
+    ("xtask", &["sinew"]),
+    ("sinew-tests", &["sinew"]),
+];
+
+/// Modules of core that bodies may use: lanes and what runs on them, no probability and no randomness.
+const CORE_FOR_BODY: [&str; 3] = ["lanes", "elementary", "kernel"];
+
+/// Checks manifests and imports.
+pub fn check(workspace: &Workspace) -> Vec<Violation> {
+    let mut violations = Vec::new();
+    for file in &workspace.files {
+        if file.path.ends_with("Cargo.toml") {
+            check_manifest(file, &mut violations);
+        } else {
+            check_imports(file, &mut violations);
+        }
+    }
+    violations
+}
+
+fn allowed(name: &str) -> Option<&'static [&'static str]> {
+    ALLOWED.iter().find(|(other, _)| *other == name).map(|(_, allowed)| *allowed)
+}
+
+fn check_manifest(file: &File, violations: &mut Vec<Violation>) {
+    let mut complain = |what: String| violations.push(Violation::of_file(&file.path, what));
+    let manifest: toml::Table = match file.text.parse() {
+        Ok(manifest) => manifest,
+        Err(error) => return complain(format!("not TOML: {error}")),
+    };
+    let Some(name) = manifest.get("package").and_then(|package| package.get("name")).and_then(toml::Value::as_str)
+    else {
+        return;
+    };
+    let member = file.path.starts_with("crates/") || file.path.starts_with("xtask/") || file.path.starts_with("tests/");
+    let inherits = manifest.get("lints").and_then(|lints| lints.get("workspace")).and_then(toml::Value::as_bool);
+    if member && inherits != Some(true) {
+        complain("does not inherit the workspace's lints".into());
+    }
+    let names = |key: &str| -> BTreeSet<String> {
+        let table = manifest.get(key).and_then(toml::Value::as_table);
+        table.map(|table| table.keys().cloned().collect()).unwrap_or_default()
+    };
+    let Some(allowed) = allowed(name) else {
+        if file.path.starts_with("crates/") && name != "sinew" {
+            complain(format!("`{name}` has no place among the layers; give it one in xtask/src/tidy/layers.rs"));
+        }
+        return;
+    };
+    for dependency in names("dependencies").iter().chain(&names("build-dependencies")) {
+        if (dependency == "sinew" || dependency.starts_with("sinew-")) && !allowed.contains(&dependency.as_str()) {
+            complain(format!("`{name}` must not depend on `{dependency}`"));
+        }
+        if name == "sinew-body" && dependency.starts_with("rand") {
+            complain("bodies hold no randomness".into());
+        }
+    }
+}
+
+fn check_imports(file: &File, violations: &mut Vec<Violation>) {
+    let Some(name) = file.library() else { return };
+    let Some(allowed) = allowed(name) else { return };
+    for (line, text) in (1..).zip(file.product.lines()) {
+        for (at, _) in text.match_indices("sinew_") {
+            if text[..at].ends_with(|c: char| c.is_alphanumeric() || c == '_') {
+                continue;
+            }
+            let word: String = text[at..].chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect();
+            let import = word.replace('_', "-");
+            if import != name && !allowed.contains(&import.as_str()) {
+                violations.push(Violation::at(&file.path, line, format!("`{name}` must not know `{word}`")));
+            }
+            let of_core = text[at + word.len()..].strip_prefix("::").filter(|_| word == "sinew_core");
+            if name == "sinew-body"
+                && let Some(path) = of_core
+                && !CORE_FOR_BODY.iter().any(|module| path.starts_with(module))
+            {
+                violations.push(Violation::at(&file.path, line, "bodies know only the lanes of core"));
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::planted;
+    use super::*;
+
+    fn manifest(name: &str, dependency: &str) -> String {
+        format!("[package]\nname = \"{name}\"\n[lints]\nworkspace = true\n[dependencies]\n{dependency} = \"1\"\n")
+    }
+
+    #[test]
+    fn manifests_that_point_up_are_caught() {
+        for (name, bad, good) in [
+            ("sinew-core", "sinew-body", "rand"),
+            ("sinew-body", "sinew-observe", "sinew-core"),
+            ("sinew-body", "rand_chacha", "nalgebra"),
+            ("sinew-dynamics", "sinew-body", "sinew-core"),
+            ("sinew-samplers", "sinew-tracking", "sinew-core"),
+            ("sinew-tracking", "sinew-body", "sinew-samplers"),
+            ("sinew-formats", "sinew-core", "sinew-body"),
+            ("sinew-new", "rand", "rand"),
+        ] {
+            let path = format!("crates/{name}/Cargo.toml");
+            let found = planted::violations(check, &path, &manifest(name, bad));
+            assert_eq!(found.len(), 1, "{name} on {bad}: {found:?}");
+            if name != "sinew-new" {
+                assert_eq!(planted::violations(check, &path, &manifest(name, good)), [], "{name} on {good}");
+            }
+        }
+        let lints = "[package]\nname = \"sinew-core\"\n";
+        assert_eq!(planted::violations(check, "crates/sinew-core/Cargo.toml", lints).len(), 1);
+        assert_eq!(planted::violations(check, "xtask/Cargo.toml", &manifest("xtask", "sinew-core")).len(), 1);
+    }
+
+    #[test]
+    fn imports_that_point_up_are_caught() {
+        let tracker = "crates/sinew-tracking/src/bootstrap.rs";
+        planted::check(check, tracker, "use sinew_body::Plan;", "use sinew_samplers::resample; // sinew_body");
+        planted::check(
+            check,
+            tracker,
+            "fn f(x: sinew_formats::Layout) {}",
+            "#[cfg(test)]\nmod tests { use sinew_dynamics::x; }",
+        );
+        let body = "crates/sinew-body/src/tree.rs";
+        planted::check(check, body, "use sinew_core::random::Stage;", "use sinew_core::lanes::Real;");
+        planted::check(check, body, "use sinew_core::density::LogDensity;", "use sinew_core::elementary::sin_cos;");
+        assert_eq!(planted::violations(check, "crates/sinew/src/run.rs", "use sinew_body::Plan;"), []);
+    }
+}

@@ -1,0 +1,95 @@
+//! Only the facade and xtask do IO, set up thread pools or print; `unsafe` has one home; bodies draw no random numbers.
+
+use super::{Violation, Workspace};
+use crate::source::lines_with;
+
+/// What a library does not do, with the reason.
+const FORBIDDEN: [(&str, &str); 21] = [
+    ("println!", "prints"),
+    ("eprintln!", "prints"),
+    ("print!", "prints"),
+    ("eprint!", "prints"),
+    ("stdout()", "prints"),
+    ("stderr()", "prints"),
+    ("stdin()", "reads a stream of the process"),
+    ("std::fs", "touches files"),
+    ("fs::", "touches files"),
+    ("File::open", "touches files"),
+    ("File::create", "touches files"),
+    ("std::net", "touches the network"),
+    ("std::env", "reads the environment"),
+    ("env::var", "reads the environment"),
+    ("std::process", "touches processes"),
+    ("thread::spawn", "starts a thread"),
+    ("thread::scope", "starts threads"),
+    ("ThreadPoolBuilder", "sets up a thread pool"),
+    ("SystemTime", "reads a clock"),
+    ("Instant::now", "reads a clock"),
+    ("thread_rng", "draws from a global generator"),
+];
+
+/// Where `unsafe` is allowed.
+const UNSAFE: &str = "crates/sinew-core/src/lanes.rs";
+
+/// Checks product code; `unsafe` in all code.
+pub fn check(workspace: &Workspace) -> Vec<Violation> {
+    let mut violations = Vec::new();
+    for file in &workspace.files {
+        if file.path != UNSAFE && !file.path.starts_with("fuzz/") {
+            for line in lines_with(&file.code, "unsafe") {
+                violations.push(Violation::at(&file.path, line, format!("`unsafe` outside {UNSAFE}")));
+            }
+        }
+        let Some(library) = file.library().filter(|name| *name != "sinew") else { continue };
+        let mut seen = Vec::new();
+        for (words, why) in FORBIDDEN {
+            for line in lines_with(&file.product, words) {
+                if !seen.contains(&line) {
+                    seen.push(line);
+                    let what = format!("`{words}`: a library {why}; only the facade and xtask may");
+                    violations.push(Violation::at(&file.path, line, what));
+                }
+            }
+        }
+        if library == "sinew-body" {
+            for line in lines_with(&file.product, "rand::") {
+                violations.push(Violation::at(&file.path, line, "bodies hold no randomness"));
+            }
+        }
+    }
+    violations
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::planted;
+    use super::*;
+
+    const LIBRARY: &str = "crates/sinew-samplers/src/hmc.rs";
+
+    #[test]
+    fn io_in_a_library_is_caught() {
+        for (words, _) in FORBIDDEN {
+            let bad = format!("fn f() {{ {words} }}");
+            let good = format!("fn f() {{}} // {words}\n#[cfg(test)]\nmod tests {{ {words} }}");
+            planted::check(check, LIBRARY, &bad, &good);
+            assert_eq!(planted::violations(check, "crates/sinew/src/cli.rs", &bad), []);
+            assert_eq!(planted::violations(check, "crates/sinew-core/benches/x.rs", &bad), []);
+        }
+        planted::check(check, LIBRARY, "use std::{fs, io};\nfs::read(x)", "use std::io;");
+    }
+
+    #[test]
+    fn unsafe_has_one_home() {
+        let word = concat!("uns", "afe");
+        let text = format!("fn f() {{ {word} {{ g() }} }}");
+        planted::check(check, LIBRARY, &text, "#![deny(unsafe_code)]");
+        assert_eq!(planted::violations(check, "tests/tests/x.rs", &text).len(), 1);
+        assert_eq!(planted::violations(check, UNSAFE, &text), []);
+    }
+
+    #[test]
+    fn randomness_in_a_body_is_caught() {
+        planted::check(check, "crates/sinew-body/src/tree.rs", "use rand::Rng;", "use operand::Rng;");
+    }
+}
