@@ -4,9 +4,12 @@
 
 use criterion::{Bencher, Criterion, criterion_group, criterion_main};
 use sinew::body::{Plan, Proportions, point_positions_block, standard};
-use sinew::core::density::{GradLogDensity, LogDensity};
+use sinew::core::combinators::Sum;
+use sinew::core::density::{GradLogDensity, Lanes};
 use sinew::core::lanes::{Block, Isa, LANES};
+use sinew::dynamics::mixture::Mixture;
 use sinew::observe::{MarkerModel, ObservationModel};
+use sinew::problem28;
 use std::hint::black_box;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -32,10 +35,7 @@ fn sets() -> Vec<Isa> {
 }
 
 fn density_rows(c: &mut Criterion, name: &str, target: &dyn GradLogDensity, isa: Isa, pose: &[f64]) {
-    let block: Vec<Block> = pose
-        .iter()
-        .map(|&x| Block(std::array::from_fn(|lane| x + 0.001 * lane as f64)))
-        .collect();
+    let block: Vec<Block> = pose.iter().map(|&x| Block(std::array::from_fn(|lane| x + 0.001 * lane as f64))).collect();
     let mut grad = vec![Block::ZERO; pose.len()];
     let mut ws = vec![Block::ZERO; target.workspace()];
     let mut group = c.benchmark_group(format!("{name}/{}", isa.name()));
@@ -73,15 +73,22 @@ fn kinematics(c: &mut Criterion) {
     }
 }
 
-fn markers(c: &mut Criterion) {
+fn posteriors(c: &mut Criterion) {
+    let problem = problem28::load();
+    for isa in sets() {
+        density_rows(c, "problem28 posterior", &problem.target(isa), isa, &problem.true_pose);
+        density_rows(c, "problem28 likelihood", &problem.likelihood(isa), isa, &problem.true_pose);
+        density_rows(c, "problem28 mixture prior", &problem.prior(isa), isa, &problem.true_pose);
+    }
     let plan = Arc::new(Plan::with_all_points(&standard::cf28(&Proportions::default())));
     let frame: Vec<_> = (0..17).map(|k| Some([0.003 * f64::from(k) - 0.02, 0.01 * f64::from(k) - 0.1])).collect();
-    let pose = vec![0.1; 28];
     for isa in sets() {
         let model = MarkerModel { plan: Arc::clone(&plan), centre: [0.0, -4.8, 1.0], sigma: 0.003, isa };
-        density_rows(c, "CF28 marker likelihood", &model.bind(&frame), isa, &pose);
+        let centres = (0..10).map(|i| vec![0.01 * f64::from(i); 28]).collect();
+        let leaf = Mixture::new(centres, &problem.prior_sd).expect("valid mixture");
+        density_rows(c, "CF28 posterior", &Sum(model.bind(&frame), Lanes { leaf, isa }), isa, &[0.05; 28]);
     }
 }
 
-criterion_group!(benches, kinematics, markers);
+criterion_group!(benches, kinematics, posteriors);
 criterion_main!(benches);

@@ -21,6 +21,9 @@ pub enum Error {
     /// A file that its reader refuses.
     #[error(transparent)]
     Format(#[from] sinew_formats::Error),
+    /// A frame without a posterior.
+    #[error(transparent)]
+    Tracking(#[from] sinew_tracking::Error),
     /// A file or folder that cannot be read or written.
     #[error("cannot {doing} {}", path.display())]
     Io {
@@ -106,7 +109,7 @@ impl Error {
     #[must_use]
     pub const fn exit_code(&self) -> u8 {
         match self {
-            Self::Numerical { .. } => 1,
+            Self::Numerical { .. } | Self::Tracking(_) => 1,
             Self::Config { .. } | Self::Usage { .. } | Self::OutputIsInput { .. } => 2,
             Self::Format(sinew_formats::Error::UnknownLayout { .. }) => 2,
             Self::Format(_) | Self::Input { .. } => 3,
@@ -129,7 +132,7 @@ impl Error {
             Self::Config { .. } => {
                 Some("`sinew track --help` lists the settings; `--print-config` shows the values in force".into())
             }
-            Self::Io { .. } | Self::Numerical { .. } => None,
+            Self::Io { .. } | Self::Numerical { .. } | Self::Tracking(_) => None,
         }
     }
 }

@@ -10,11 +10,17 @@ pub use sinew_observe as observe;
 pub use sinew_samplers as samplers;
 pub use sinew_tracking as tracking;
 
+pub mod bodies;
+pub mod config;
 mod error;
 pub mod estimate;
 pub mod files;
+pub mod job;
 pub mod output;
+pub mod pipeline;
+pub mod problem28;
 pub mod recording;
 pub mod setup;
+pub mod synthetic;
 
 pub use error::Error;

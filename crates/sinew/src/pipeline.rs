@@ -1,0 +1,335 @@
+//! From the people in the views of a frame to the posterior of the pose: what `sinew track` and `sinew demo` run for every frame.
+//!
+//! For each frame, in order of their numbers:
+//!
+//! 1. the tracked person is found in each view, near to where the last pose projects ([`sinew_observe::association`]);
+//! 2. his keypoints become the points of the body, and are bound to a likelihood at the predicted pose ([`sinew_observe::keypoint_likelihood`]);
+//! 3. the tracker steps ([`sinew_tracking::run`]);
+//! 4. its draws become marginals of points and angles ([`marginals`]).
+//!
+//! Frames without the person continue on the motion prior and are flagged. Someone who was lost for some frames and is found again elsewhere restarts the tracker at the pose that fits there.
+//! Nothing is kept but the tracker and a few numbers a frame, so memory does not grow.
+
+mod marginals;
+pub mod motion;
+mod scene;
+mod smooth;
+mod source;
+
+pub use scene::Scene;
+pub use smooth::{Spool, smooth};
+pub use source::FrameSource;
+
+use crate::Error;
+use crate::estimate::{Carried, Draws, FrameEstimate, HmcStatistics, ParticleStatistics, Quality};
+use crate::setup::Setup;
+use marginals::Marginals;
+use sinew_body::KinematicTree;
+use sinew_core::density::GaussNewton;
+use sinew_core::lanes::Isa;
+use sinew_core::random::Stage;
+use sinew_core::transition::Moments;
+use sinew_dynamics::random_walk::{Between, RandomWalk};
+use sinew_formats::Layout;
+use sinew_observe::{Camera, KeypointLikelihood, Noise};
+use sinew_samplers::tuning;
+use sinew_tracking::posterior::Posterior;
+use sinew_tracking::{StepInfo, Tracker, bootstrap, hmc_filter, run};
+use std::cell::RefCell;
+use std::ops::ControlFlow;
+
+/// Trackers that the program offers.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Method {
+    /// Hybrid Monte Carlo filter.
+    #[default]
+    Hmc,
+    /// Bootstrap particle filter.
+    Bootstrap,
+}
+
+impl Method {
+    /// Name on the command line and in files.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Hmc => "hmc",
+            Self::Bootstrap => "bootstrap",
+        }
+    }
+}
+
+/// How to track; the default is the preset for real recordings.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Settings {
+    /// The tracker.
+    pub method: Method,
+    /// Seed of all random streams.
+    pub seed: u64,
+    /// Frames per second.
+    pub fps: f64,
+    /// Instruction set.
+    pub isa: Isa,
+    /// Density of a keypoint.
+    pub noise: Noise,
+    /// Keypoints of lower confidence count as missing.
+    pub least_confidence: f64,
+    /// Prior between frames.
+    pub between: Between,
+    /// Factor on the motion noise that the set-up pass found.
+    pub motion_scale: f64,
+    /// Chains of `hmc`.
+    pub chains: usize,
+    /// Updates of each chain in a frame.
+    pub updates: usize,
+    /// First samples of each chain that are discarded.
+    pub burn_in: usize,
+    /// Jitter of the step size.
+    pub jitter: f64,
+    /// Particles of `bootstrap`.
+    pub particles: usize,
+    /// Thinned draws kept of each frame.
+    pub draws: usize,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            method: Method::Hmc,
+            seed: 1,
+            fps: 30.0,
+            isa: Isa::best(),
+            noise: Noise::OutlierFloor { outlier: 0.02 },
+            least_confidence: 0.1,
+            between: Between::Gaussian,
+            motion_scale: 1.0,
+            chains: 16,
+            updates: 32,
+            burn_in: 6,
+            jitter: 0.2,
+            particles: 10_000,
+            draws: 64,
+        }
+    }
+}
+
+/// What is bound in a frame.
+type Observed = dyn GaussNewton;
+
+/// A tracker with all that surrounds it for one recording.
+pub struct Pipeline {
+    settings: Settings,
+    tracker: Box<dyn Tracker<Observed>>,
+    scene: Scene,
+    marginals: Marginals,
+    transition: RandomWalk,
+}
+
+impl Pipeline {
+    /// A pipeline that starts at the set-up's pose.
+    ///
+    /// # Errors
+    /// A set-up that does not fit the cameras, the layout or the body.
+    pub fn new(
+        setup: &Setup,
+        tree: &KinematicTree,
+        cameras: &[Camera],
+        layout: &Layout,
+        settings: Settings,
+    ) -> Result<Self, Error> {
+        let scene = Scene::new(setup, tree, cameras, layout, &settings)?;
+        let transition = walk(setup, tree, &settings)?;
+        let tracker = tracker(setup, &settings, &transition, scene.start().to_vec())?;
+        let marginals = Marginals::new(tree, settings.isa);
+        Ok(Self { settings, tracker, scene, marginals, transition })
+    }
+
+    /// Statistics that each frame brings.
+    #[must_use]
+    pub fn carried(&self) -> Carried {
+        let hmc = self.settings.method == Method::Hmc;
+        Carried { lp: hmc, hmc, log_evidence: true, particles: (!hmc).then_some(self.settings.particles) }
+    }
+
+    /// The motion prior.
+    #[must_use]
+    pub fn transition(&self) -> &RandomWalk {
+        &self.transition
+    }
+
+    /// Tracks the frames of `numbers`, in order, and gives each estimate with the moments of its posterior to `record`, which may stop the run. Call it again to go on.
+    ///
+    /// # Errors
+    /// Those of the source and of `record`; frames without a posterior.
+    pub fn track(
+        &mut self,
+        source: &mut dyn FrameSource,
+        numbers: impl IntoIterator<Item = u64>,
+        mut record: impl FnMut(FrameEstimate, &Posterior<'_>) -> Result<ControlFlow<()>, Error>,
+    ) -> Result<(), Error> {
+        let numbers = numbers.into_iter().map(frame_index).collect::<Result<Vec<_>, _>>()?;
+        let Self { settings, tracker, scene, marginals, .. } = self;
+        let scene = RefCell::new(scene);
+        let seed = settings.seed;
+        run(
+            &mut **tracker,
+            numbers,
+            |frame| Stage::new(seed, "track").at_frame(frame),
+            |frame, estimate| {
+                let people = source.people(u64::from(frame))?;
+                let bound = scene.borrow_mut().observe(u64::from(frame), &people, estimate);
+                Ok::<Box<Observed>, Error>(Box::new(bound))
+            },
+            |frame, info, posterior| {
+                let estimate = describe(settings, &scene.borrow(), marginals, u64::from(frame), info, &posterior);
+                record(estimate, &posterior)
+            },
+        )
+    }
+}
+
+fn frame_index(number: u64) -> Result<u32, Error> {
+    u32::try_from(number).map_err(|_| Error::Input {
+        message: format!("frame number {number} is above {}", u32::MAX),
+        help: Some("renumber the files".into()),
+    })
+}
+
+/// The motion prior of a recording.
+fn walk(setup: &Setup, tree: &KinematicTree, settings: &Settings) -> Result<RandomWalk, Error> {
+    let sd = match &setup.motion_sd {
+        Some(sd) if sd.len() == tree.dof() => sd.clone(),
+        _ => motion::default_sd(tree),
+    };
+    let sd: Vec<f64> = sd.iter().map(|sd| sd * settings.motion_scale).collect();
+    let walk = RandomWalk::new(&sd, 1.0 / settings.fps, settings.between, settings.isa);
+    walk.and_then(|walk| walk.with_initial_sd(motion::initial_sd(tree))).map_err(numerical)
+}
+
+fn numerical(error: impl std::fmt::Display) -> Error {
+    Error::Numerical { message: error.to_string() }
+}
+
+fn hmc_config(setup: &Setup, settings: &Settings) -> hmc_filter::Config {
+    let preset = hmc_filter::Config::real_recordings();
+    hmc_filter::Config {
+        chains: settings.chains,
+        updates: settings.updates,
+        burn_in: settings.burn_in,
+        jitter: settings.jitter,
+        step_size: setup.step_size.unwrap_or(preset.step_size),
+        leapfrog_steps: setup.leapfrog_steps.map_or(preset.leapfrog_steps, |l| l as usize),
+        ..preset
+    }
+}
+
+fn tracker(
+    setup: &Setup,
+    settings: &Settings,
+    transition: &RandomWalk,
+    start: Vec<f64>,
+) -> Result<Box<dyn Tracker<Observed>>, Error> {
+    Ok(match settings.method {
+        Method::Hmc => Box::new(
+            hmc_filter::HmcFilter::new(hmc_config(setup, settings), transition.clone(), start, settings.isa)
+                .map_err(numerical)?,
+        ),
+        Method::Bootstrap => {
+            let config = bootstrap::Config { particles: settings.particles, ..bootstrap::Config::default() };
+            Box::new(bootstrap::Bootstrap::new(config, transition.clone(), start).map_err(numerical)?)
+        }
+    })
+}
+
+/// Step size and trajectory length for a recording, from its first frames: the last value of the set-up pass.
+///
+/// # Errors
+/// Those of the source; no step size found.
+pub fn tune(
+    setup: &mut Setup,
+    tree: &KinematicTree,
+    source: &mut dyn FrameSource,
+    number: u64,
+    settings: &Settings,
+) -> Result<(), Error> {
+    let (cameras, layout) = (source.cameras().to_vec(), source.layout().clone());
+    let mut scene = Scene::new(setup, tree, &cameras, &layout, settings)?;
+    let transition = walk(setup, tree, settings)?.with_initial_sd(steady_sd(setup, tree, settings)).map_err(numerical)?;
+    let start = scene.start().to_vec();
+    let observed = scene.observe(number, &source.people(number)?, &start);
+    let filter = hmc_filter::HmcFilter::new(hmc_config(setup, settings), transition, scene.start().to_vec(), settings.isa)
+        .map_err(numerical)?;
+    let config = tuning::Config { jitter: settings.jitter, lengths: vec![5, 10, 15, 20, 30, 40], ..tuning::Config::default() };
+    let tuned = filter.tune(&observed, &config, Stage::new(settings.seed, "set-up")).map_err(numerical)?;
+    setup.step_size = Some(tuned.step_size);
+    setup.leapfrog_steps = u32::try_from(tuned.leapfrog_steps).ok();
+    Ok(())
+}
+
+/// Spread of the prior in the middle of a recording, where step sizes are tuned: that of one step of motion.
+fn steady_sd(setup: &Setup, tree: &KinematicTree, settings: &Settings) -> Vec<f64> {
+    walk(setup, tree, settings).map_or_else(|_| motion::initial_sd(tree), |walk| walk.sd().to_vec())
+}
+
+/// Turns a step into what is written of it.
+fn describe(
+    settings: &Settings,
+    scene: &Scene,
+    marginals: &mut Marginals,
+    number: u64,
+    info: StepInfo,
+    posterior: &Posterior<'_>,
+) -> FrameEstimate {
+    let stage = Stage::new(settings.seed, "thin").at_frame(number as u32);
+    let kept = posterior.equal_weight(settings.draws, &mut stage.whole());
+    let mut states = vec![0.0; kept.len() * posterior.dim];
+    for (state, &index) in states.chunks_exact_mut(posterior.dim).zip(&kept) {
+        posterior.state(index, state);
+    }
+    let stats = |index: &usize| posterior.chain_stats.get(*index);
+    let chosen: Vec<_> = kept.iter().filter_map(stats).collect();
+    let hmc = (!chosen.is_empty()).then(|| HmcStatistics {
+        acceptance_rate: chosen.iter().map(|s| s.acceptance).collect(),
+        step_size: chosen.iter().map(|s| s.step_factor * scene.step_size()).collect(),
+        n_steps: vec![scene.leapfrog_steps(); chosen.len()],
+        diverging: chosen.iter().map(|s| s.divergent).collect(),
+        energy: chosen.iter().map(|s| s.energy).collect(),
+    });
+    let particles = posterior.chain_stats.is_empty().then(|| ParticleStatistics {
+        log_weight: posterior.weights.iter().map(|w| w.ln()).collect(),
+        resampled: info.resampled.unwrap_or(false),
+    });
+    let (points, state) = marginals.of(posterior);
+    let cameras = scene.cameras_with_person();
+    FrameEstimate {
+        number,
+        time_s: number as f64 / settings.fps,
+        observed: cameras > 0,
+        quality: match cameras {
+            0 => Quality::Predicted,
+            1 => Quality::OneCamera,
+            _ => Quality::Good,
+        },
+        residual_px: scene.residual_px(&info.mean),
+        mean_state: info.mean,
+        points,
+        state,
+        draws: Draws { states, lp: chosen.iter().map(|s| s.log_density).collect(), hmc },
+        particles,
+        ess: info.ess,
+        log_evidence: info.log_evidence,
+        r_hat: info.r_hat,
+        acceptance: info.acceptance,
+        divergences: info.divergences as u64,
+        trajectories: info.trajectories as u64,
+    }
+}
+
+/// Moments that a smoother takes from a frame.
+#[must_use]
+pub fn moments(posterior: &Posterior<'_>, isa: Isa) -> Moments {
+    posterior.shrunk_moments(isa)
+}
+
+/// What a keypoint likelihood is made of in a frame.
+pub type Bound = sinew_core::density::Lanes<KeypointLikelihood>;

@@ -1,0 +1,219 @@
+//! One person in all views: association, layout to body, binding, residuals.
+
+use super::{Bound, Settings};
+use crate::Error;
+use crate::setup::Setup;
+use sinew_body::fit::{self, Target, fit_pose};
+use sinew_body::{KinematicTree, Plan, point_positions};
+use sinew_formats::Layout;
+use sinew_observe::association::{self, Following, Person, associate};
+use sinew_observe::offsets::{CameraNoise, Sighted, point_from_views};
+use sinew_observe::{Camera, Detection, KeypointFrame, KeypointModel, ObservationModel, View};
+use std::sync::Arc;
+
+/// The tracked person in the cameras.
+pub struct Scene {
+    model: KeypointModel,
+    cameras: Vec<Camera>,
+    noise: Vec<CameraNoise>,
+    /// For each point of the plan its index in the layout.
+    keypoint: Vec<usize>,
+    layout_points: usize,
+    following: Following,
+    association: association::Config,
+    /// Detections of the current frame: camera by camera, by point of the plan.
+    detections: Vec<Vec<Option<Detection>>>,
+    sighted: Sighted,
+    start: Vec<f64>,
+    step_size: f64,
+    leapfrog_steps: u32,
+}
+
+impl Scene {
+    /// A scene before its first frame.
+    ///
+    /// # Errors
+    /// A camera without set-up; a layout that shares no point with the body; a pose of another body.
+    pub fn new(
+        setup: &Setup,
+        tree: &KinematicTree,
+        cameras: &[Camera],
+        layout: &Layout,
+        settings: &Settings,
+    ) -> Result<Self, Error> {
+        let mut views = vec![];
+        let mut noise = vec![];
+        for camera in cameras {
+            let Some(known) = setup.camera.iter().find(|c| c.name == camera.name) else {
+                let names: Vec<_> = setup.camera.iter().map(|c| c.name.as_str()).collect();
+                return Err(Error::Input {
+                    message: format!("the set-up knows no camera `{}`; it has {}", camera.name, names.join(", ")),
+                    help: Some("use the set-up of this recording, or leave `--setup` out".into()),
+                });
+            };
+            views.push(View {
+                camera: camera.clone(),
+                offset_px: known.offset_px,
+                sigma_px: known.sigma_px,
+                usual_confidence: known.usual_confidence,
+            });
+            noise.push(CameraNoise {
+                offset_px: known.offset_px,
+                sigma_px: known.sigma_px,
+                usual_confidence: known.usual_confidence,
+                residuals: 0,
+            });
+        }
+        let shared: Vec<(usize, usize)> = tree
+            .points()
+            .iter()
+            .enumerate()
+            .filter_map(|(p, point)| layout.index(&point.name).map(|k| (p, k)))
+            .collect();
+        if shared.len() < 4 {
+            return Err(Error::Input {
+                message: format!("layout `{}` and the body share {} points; 4 are needed", layout.name, shared.len()),
+                help: Some("name the body's points like those of the layout: `sinew body` lists them".into()),
+            });
+        }
+        if setup.start_pose.len() != tree.dof() {
+            return Err(Error::Input {
+                message: format!(
+                    "the set-up's start pose has {} numbers, the body {} degrees of freedom",
+                    setup.start_pose.len(),
+                    tree.dof()
+                ),
+                help: Some("use the set-up of this body, or leave `--setup` out".into()),
+            });
+        }
+        let points: Vec<usize> = shared.iter().map(|(p, _)| *p).collect();
+        let model = KeypointModel {
+            plan: Arc::new(Plan::new(tree, &points)),
+            views,
+            noise: settings.noise,
+            model_error_m: setup.model_error_m,
+            least_confidence: settings.least_confidence,
+            isa: settings.isa,
+        };
+        Ok(Self {
+            detections: vec![vec![None; points.len()]; cameras.len()],
+            sighted: vec![vec![]; cameras.len()],
+            keypoint: shared.iter().map(|(_, k)| *k).collect(),
+            layout_points: layout.points.len(),
+            following: Following { person: setup.person, ..Following::default() },
+            association: association::Config::default(),
+            cameras: cameras.to_vec(),
+            start: setup.start_pose.clone(),
+            step_size: setup.step_size.unwrap_or(f64::NAN),
+            leapfrog_steps: setup.leapfrog_steps.unwrap_or(0),
+            noise,
+            model,
+        })
+    }
+
+    /// State in which tracking starts.
+    #[must_use]
+    pub fn start(&self) -> &[f64] {
+        &self.start
+    }
+
+    /// Step size of the set-up.
+    #[must_use]
+    pub const fn step_size(&self) -> f64 {
+        self.step_size
+    }
+
+    /// Leapfrog steps of the set-up.
+    #[must_use]
+    pub const fn leapfrog_steps(&self) -> u32 {
+        self.leapfrog_steps
+    }
+
+    fn points(&self, state: &[f64]) -> Vec<f64> {
+        let mut points = vec![0.0; 3 * self.model.plan.points()];
+        point_positions(&self.model.plan, self.model.isa, state, &mut points);
+        points
+    }
+
+    /// Pixels, offset included, at which each camera should see each point.
+    fn expected(&self, points: &[f64]) -> Vec<Vec<Option<[f64; 2]>>> {
+        let pixel = |view: &View, p: &[f64]| {
+            let [u, v] = view.camera.project([p[0], p[1], p[2]]).pixel()?;
+            Some([u + view.offset_px[0], v + view.offset_px[1]])
+        };
+        self.model.views.iter().map(|view| points.chunks_exact(3).map(|p| pixel(view, p)).collect()).collect()
+    }
+
+    /// Finds the person in a frame and binds his keypoints; `estimate` is the state that the tracker expects.
+    pub fn observe(&mut self, _number: u64, people: &[Vec<Person>], estimate: &[f64]) -> Bound {
+        let points = self.points(estimate);
+        let expected = self.expected(&points);
+        let by_layout: Vec<Vec<Option<[f64; 2]>>> = expected
+            .iter()
+            .map(|expected| {
+                let mut all = vec![None; self.layout_points];
+                for (&k, e) in self.keypoint.iter().zip(expected) {
+                    all[k] = *e;
+                }
+                all
+            })
+            .collect();
+        let members =
+            associate(&mut self.following, &self.cameras, people, Some(&by_layout), &self.association);
+        self.sighted = members
+            .iter()
+            .zip(people)
+            .map(|(member, people)| member.and_then(|i| people.get(i)).cloned().unwrap_or_default())
+            .collect();
+        for (out, seen) in self.detections.iter_mut().zip(&self.sighted) {
+            for (out, &k) in out.iter_mut().zip(&self.keypoint) {
+                *out = seen.get(k).copied().flatten();
+            }
+        }
+        self.model.bind(KeypointFrame { detections: &self.detections, predicted: &points })
+    }
+
+    /// Pose fitted to what was seen in the current frame, from a former pose; `None` where too little can be triangulated.
+    #[must_use]
+    pub fn fitted(&self, tree: &KinematicTree, former: &[f64]) -> Option<Vec<f64>> {
+        let targets: Vec<Option<Target>> = self
+            .keypoint
+            .iter()
+            .map(|&k| {
+                let (found, _) =
+                    point_from_views(&self.cameras, &self.noise, &self.sighted, k, self.model.least_confidence)?;
+                Some(Target { position: found.point, weight: 1.0 })
+            })
+            .collect();
+        let enough = 2 * targets.iter().flatten().count() > targets.len();
+        let _ = tree;
+        enough.then(|| fit_pose(&self.model.plan, &targets, former, &fit::Config::default()).pose)
+    }
+
+    /// Cameras that saw the person in the current frame.
+    #[must_use]
+    pub fn cameras_with_person(&self) -> usize {
+        self.detections.iter().filter(|points| points.iter().any(Option::is_some)).count()
+    }
+
+    /// Root mean square distance, per camera, of the keypoints from the projection of a pose, pixels.
+    #[must_use]
+    pub fn residual_px(&self, state: &[f64]) -> Vec<Option<f64>> {
+        let expected = self.expected(&self.points(state));
+        self.detections
+            .iter()
+            .zip(&expected)
+            .map(|(seen, expected)| {
+                let squares: Vec<f64> = seen
+                    .iter()
+                    .zip(expected)
+                    .filter_map(|(d, e)| {
+                        let (d, e) = ((*d)?, (*e)?);
+                        Some((d.pixel[0] - e[0]).powi(2) + (d.pixel[1] - e[1]).powi(2))
+                    })
+                    .collect();
+                (!squares.is_empty()).then(|| (squares.iter().sum::<f64>() / squares.len() as f64).sqrt())
+            })
+            .collect()
+    }
+}

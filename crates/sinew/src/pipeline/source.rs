@@ -1,0 +1,61 @@
+//! Where frames come from.
+
+use crate::Error;
+use crate::synthetic::recording::Recording as Synthetic;
+use crate::{recording, setup};
+use sinew_formats::Layout;
+use sinew_observe::association::Person;
+use sinew_observe::{Camera, Detection};
+use std::ops::Range;
+
+/// Keypoints of all people in all views, one frame at a time.
+pub trait FrameSource {
+    /// The cameras.
+    fn cameras(&self) -> &[Camera];
+    /// Names of the keypoints.
+    fn layout(&self) -> &Layout;
+    /// Numbers of the frames.
+    fn frames(&self) -> Range<u64>;
+    /// For each camera the people that it saw in a frame.
+    ///
+    /// # Errors
+    /// A frame that cannot be read.
+    fn people(&mut self, number: u64) -> Result<Vec<Vec<Person>>, Error>;
+}
+
+impl FrameSource for recording::Recording {
+    fn cameras(&self) -> &[Camera] {
+        self.cameras()
+    }
+    fn layout(&self) -> &Layout {
+        self.layout()
+    }
+    fn frames(&self) -> Range<u64> {
+        self.frames()
+    }
+    fn people(&mut self, number: u64) -> Result<Vec<Vec<Person>>, Error> {
+        Ok(setup::detections(&self.frame(number)?))
+    }
+}
+
+impl FrameSource for Synthetic {
+    fn cameras(&self) -> &[Camera] {
+        &self.cameras
+    }
+    fn layout(&self) -> &Layout {
+        &self.layout
+    }
+    fn frames(&self) -> Range<u64> {
+        0..self.keypoints.first().map_or(0, Vec::len) as u64
+    }
+    fn people(&mut self, number: u64) -> Result<Vec<Vec<Person>>, Error> {
+        let person = |camera: &Vec<Vec<Option<sinew_formats::openpose::Keypoint>>>| {
+            camera.get(number as usize).map_or_else(Vec::new, |points| {
+                let detection =
+                    |k: sinew_formats::openpose::Keypoint| Detection { pixel: [k.x, k.y], confidence: k.confidence };
+                vec![points.iter().map(|k| k.map(detection)).collect()]
+            })
+        };
+        Ok(self.keypoints.iter().map(person).collect())
+    }
+}
