@@ -16,8 +16,7 @@
 
 use crate::camera::Camera;
 use crate::keypoint_likelihood::Detection;
-use crate::triangulate::{Refined, Seen, linear, refined};
-use nalgebra::{Matrix3, Vector3};
+use crate::triangulate::{self, Refined, Seen, linear, refined};
 
 /// The tracked person's keypoints in one frame: camera by camera, empty where he was not found.
 pub type Sighted = Vec<Vec<Option<Detection>>>;
@@ -44,7 +43,7 @@ impl Default for Config {
         Self {
             least_confidence: 0.3,
             rounds: 30,
-            tolerance_px: 0.01,
+            tolerance_px: 0.05,
             first_sigma_px: 10.0,
             least_sigma_px: 0.5,
             no_offsets: false,
@@ -82,6 +81,9 @@ pub fn robust_sigma(values: impl Iterator<Item = f64>) -> f64 {
     1.4826 * median(&mut values.map(f64::abs).collect::<Vec<_>>())
 }
 
+/// Residual, in standard deviations, beyond which a detection is left out.
+const GROSS: f64 = 5.0;
+
 /// A keypoint in space from all cameras that saw it, with offsets removed; also the cameras, in the order of its residuals.
 #[must_use]
 pub fn point_from_views(
@@ -103,10 +105,25 @@ pub fn point_from_views(
             used.push(c);
         }
     }
-    let ideal: Vec<Seen<'_>> =
-        seen.iter().filter_map(|s| Some(Seen { pixel: s.camera.undistort(s.pixel).ok()?, ..*s })).collect();
-    let start = linear(&ideal, true)?;
-    Some((refined(&seen, &sigma, start)?, used))
+    loop {
+        let ideal: Vec<Seen<'_>> =
+            seen.iter().filter_map(|s| Some(Seen { pixel: s.camera.undistort(s.pixel).ok()?, ..*s })).collect();
+        let found = refined(&seen, &sigma, linear(&ideal, true)?)?;
+        let scaled = |i: usize| match found.residual_px[i] {
+            Some([u, v]) => u.hypot(v) / sigma[i],
+            None => f64::INFINITY,
+        };
+        let worst = (0..seen.len()).max_by(|&a, &b| scaled(a).total_cmp(&scaled(b)))?;
+        if scaled(worst) <= GROSS {
+            return Some((found, used));
+        }
+        if seen.len() <= 2 {
+            return None;
+        }
+        seen.remove(worst);
+        sigma.remove(worst);
+        used.remove(worst);
+    }
 }
 
 /// Estimates offsets and scatter of all cameras.
@@ -131,15 +148,22 @@ pub fn estimate(cameras: &[Camera], frames: &[Sighted], config: &Config) -> Vec<
         })
         .collect();
     let keypoints = frames.iter().flatten().map(Vec::len).max().unwrap_or(0);
+    let plain: Vec<Vec<Option<[f64; 3]>>> = frames
+        .iter()
+        .map(|frame| (0..keypoints).map(|k| without_offsets(cameras, frame, k, config)).collect())
+        .collect();
     for _ in 0..config.rounds.max(1) {
         let mut residuals: Vec<[Vec<(f64, f64)>; 2]> = vec![[vec![], vec![]]; cameras.len()];
-        let mut points: Vec<[f64; 3]> = vec![];
-        for frame in frames {
-            for k in 0..keypoints {
+        let (mut points, mut shifts): (Vec<[f64; 3]>, Vec<[f64; 3]>) = (vec![], vec![]);
+        for (frame, plain) in frames.iter().zip(&plain) {
+            for (k, plain) in plain.iter().enumerate() {
                 let Some((found, used)) = point_from_views(cameras, &noise, frame, k, config.least_confidence) else {
                     continue;
                 };
                 points.push(found.point);
+                if let Some(plain) = plain {
+                    shifts.push([0, 1, 2].map(|a: usize| plain[a] - found.point[a]));
+                }
                 for (i, &c) in used.iter().enumerate() {
                     if let Some(r) = found.residual_px[i] {
                         for axis in 0..2 {
@@ -173,7 +197,7 @@ pub fn estimate(cameras: &[Camera], frames: &[Sighted], config: &Config) -> Vec<
             }
         }
         if !config.no_offsets {
-            remove_common_mode(cameras, &mut noise, &points);
+            settle_common_mode(cameras, &mut noise, &shifts, &points);
         }
         if moved < config.tolerance_px {
             break;
@@ -187,28 +211,35 @@ pub fn estimate(cameras: &[Camera], frames: &[Sighted], config: &Config) -> Vec<
     noise
 }
 
-/// Takes from the offsets what a shift of the world explains.
-fn remove_common_mode(cameras: &[Camera], noise: &mut [CameraNoise], points: &[[f64; 3]]) {
-    let middle = [0, 1, 2].map(|k: usize| median(&mut points.iter().map(|p| p[k]).collect::<Vec<_>>()));
-    let rows: Vec<Option<[[f64; 3]; 2]>> = cameras
+/// Where a keypoint lies by those cameras that agree best as they are calibrated.
+fn without_offsets(cameras: &[Camera], frame: &Sighted, keypoint: usize, config: &Config) -> Option<[f64; 3]> {
+    let seen: Vec<Seen<'_>> = cameras
         .iter()
-        .zip(&*noise)
-        .map(|(camera, n)| {
-            camera.project_with_jacobian(middle).filter(|_| n.residuals > 0).map(|(_, jacobian)| jacobian)
+        .zip(frame)
+        .filter_map(|(camera, points)| {
+            let d = points.get(keypoint).copied().flatten()?;
+            Some(Seen { camera, pixel: d.pixel, confidence: d.confidence })
         })
         .collect();
-    let (mut normal, mut right) = (Matrix3::zeros(), Vector3::zeros());
-    for (jacobian, n) in rows.iter().zip(&*noise) {
-        for (d, b) in jacobian.iter().flatten().zip(n.offset_px) {
-            let d = Vector3::from(*d);
-            normal += d * d.transpose();
-            right += b * d;
-        }
+    let plain = triangulate::Config { least_confidence: config.least_confidence, ..triangulate::Config::default() };
+    triangulate::triangulate(&seen, &plain).map(|t| t.point)
+}
+
+/// Chooses the common mode: the shift of the world that takes the points, in the median, to where they are without offsets.
+fn settle_common_mode(cameras: &[Camera], noise: &mut [CameraNoise], shifts: &[[f64; 3]], points: &[[f64; 3]]) {
+    let middle_of =
+        |points: &[[f64; 3]]| [0, 1, 2].map(|k: usize| median(&mut points.iter().map(|p| p[k]).collect::<Vec<_>>()));
+    let (middle, shift) = (middle_of(points), middle_of(shifts));
+    if !shift.iter().chain(&middle).all(|x| x.is_finite()) {
+        return;
     }
-    let Some(shift) = normal.cholesky().map(|c| c.solve(&right)) else { return };
-    for (jacobian, n) in rows.iter().zip(noise) {
-        for (d, b) in jacobian.iter().flatten().zip(&mut n.offset_px) {
-            *b -= Vector3::from(*d).dot(&shift);
+    for (camera, n) in cameras.iter().zip(noise) {
+        if n.residuals == 0 {
+            continue;
+        }
+        let Some((_, jacobian)) = camera.project_with_jacobian(middle) else { continue };
+        for (d, b) in jacobian.iter().zip(&mut n.offset_px) {
+            *b -= (0..3).map(|k| d[k] * shift[k]).sum::<f64>();
         }
     }
 }

@@ -36,7 +36,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     print!("{}", found.to_toml()?);
 
     let collected = setup::collect(&cameras, &layout, &request, again.into_iter().map(Ok))?;
-    let noise = offsets::estimate(&cameras, &collected.sighted(), &request.offsets);
+    let noise = offsets::estimate(&cameras, &collected.sighted(150), &request.offsets);
     let shape = setup::shape::measure(&cameras, &layout, &request, &noise, &collected, &mut vec![])?;
     println!("fit error {:.1} mm", 1e3 * shape.fit_error_m);
     for (name, error) in &shape.point_error_m {

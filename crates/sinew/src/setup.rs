@@ -11,6 +11,7 @@
 //! With one camera there are no points in space: offsets stay 0, the body keeps its default sizes, and the pose is fitted to pixels, its depth told by the size of
 //! the body ([`one_camera`]).
 
+pub mod checks;
 mod collect;
 pub mod one_camera;
 pub mod shape;
@@ -22,10 +23,13 @@ pub use stored::{Body, CameraSetup, Setup};
 pub use warning::Warning;
 
 use crate::Error;
+use sinew_body::fit::{self, Target, fit_pose};
+use sinew_body::initial::initial_pose;
+use sinew_body::{Plan, Proportions};
 use sinew_formats::Layout;
 use sinew_formats::openpose::Person;
 use sinew_observe::association::Person as Pixels;
-use sinew_observe::offsets::{self, CameraNoise};
+use sinew_observe::offsets::{self, CameraNoise, Sighted};
 use sinew_observe::{Camera, Detection};
 
 /// A frame's people, camera by camera, as the keypoint reader gives them, in the form that association takes.
@@ -50,24 +54,96 @@ pub fn set_up(
 ) -> Result<(Setup, Vec<Warning>), Error> {
     let collected = collect(cameras, layout, request, frames)?;
     let mut warnings = vec![];
-    let noise = offsets::estimate(cameras, &collected.sighted(), &request.offsets);
-    let shape = shape::measure(cameras, layout, request, &noise, &collected, &mut warnings)?;
-    let setup = Setup {
+    let tree = request.body.builder()(&Proportions::default());
+    let points: Vec<String> =
+        layout.points.iter().flatten().filter(|name| tree.point_index(name).is_none()).cloned().collect();
+    if !points.is_empty() {
+        warnings.push(Warning::PointsWithoutPlace { points });
+    }
+    let noise = offsets::estimate(cameras, &collected.sighted(request.offset_frames), &request.offsets);
+    let camera: Vec<CameraSetup> =
+        cameras.iter().zip(&noise).map(|(camera, n)| camera_setup(camera, n, &noise)).collect();
+    let mut setup = Setup {
         schema: stored::SCHEMA,
         body: request.body,
         layout: layout.name.clone(),
         person: request.person,
-        up_axis: shape.up_axis.into(),
-        model_error_m: shape.model_error_m,
-        start_frame: shape.start_frame,
-        start_pose: shape.start_pose,
+        up_axis: "+z".into(),
+        model_error_m: ONE_CAMERA_ERROR_M,
+        start_frame: 0,
+        start_pose: vec![],
         step_size: None,
         leapfrog_steps: None,
         motion_sd: None,
-        proportions: shape.proportions,
-        camera: cameras.iter().zip(&noise).map(|(camera, n)| camera_setup(camera, n, &noise)).collect(),
+        proportions: Proportions::default(),
+        camera,
     };
+    if let [_] = cameras {
+        warnings.push(Warning::OneCamera);
+        let found = collected.window.iter().find_map(|(n, s)| Some((*n, pose_of(&setup, cameras, layout, s, None)?)));
+        (setup.start_frame, setup.start_pose) = found.ok_or_else(no_pose)?;
+        return Ok((setup, warnings));
+    }
+    warnings.extend(checks::oddities(cameras, layout, request, &noise, &collected));
+    let shape = shape::measure(cameras, layout, request, &noise, &collected, &mut warnings)?;
+    setup.up_axis = shape.up_axis.into();
+    setup.model_error_m = shape.model_error_m;
+    setup.start_frame = shape.start_frame;
+    setup.start_pose = shape.start_pose;
+    setup.proportions = shape.proportions;
     Ok((setup, warnings))
+}
+
+/// The pose of one frame of the tracked person, afresh or from a former pose; `None` where too little is seen.
+#[must_use]
+pub fn pose_of(
+    setup: &Setup,
+    cameras: &[Camera],
+    layout: &Layout,
+    sighted: &Sighted,
+    former: Option<&[f64]>,
+) -> Option<Vec<f64>> {
+    let tree = setup.tree();
+    let place: Vec<Option<usize>> = tree.points().iter().map(|p| layout.index(&p.name)).collect();
+    let views = setup.views(cameras);
+    if let ([view], [seen]) = (&views[..], &sighted[..]) {
+        let detections: Vec<Option<Detection>> =
+            place.iter().map(|k| k.and_then(|k| seen.get(k).copied().flatten())).collect();
+        return one_camera::pose_from_one_view(&tree, view, &detections).map(|fit| fit.pose);
+    }
+    let noise: Vec<CameraNoise> = views
+        .iter()
+        .map(|v| CameraNoise {
+            offset_px: v.offset_px,
+            sigma_px: v.sigma_px,
+            usual_confidence: v.usual_confidence,
+            residuals: 0,
+        })
+        .collect();
+    let used: Vec<Camera> = views.into_iter().map(|v| v.camera).collect();
+    let points = shape::points_in_space(&used, &noise, sighted, offsets::Config::default().least_confidence);
+    let targets: Vec<Option<Target>> = place
+        .iter()
+        .map(|k| points.get((*k)?).copied().flatten().map(|(position, _)| Target { position, weight: 1.0 }))
+        .collect();
+    let start = match former {
+        Some(pose) => pose.to_vec(),
+        None => initial_pose(&tree, &targets)?,
+    };
+    let found = fit_pose(&Plan::with_all_points(&tree), &targets, &start, &POSE);
+    found.rms_m.is_finite().then_some(found.pose)
+}
+
+/// Model error where none can be measured, metres.
+const ONE_CAMERA_ERROR_M: f64 = 0.02;
+/// A few outliers must not bend a first pose.
+const POSE: fit::Config = fit::Config { damping: 1e-4, huber_m: 0.05, steps: 100, tolerance: 1e-9 };
+
+fn no_pose() -> Error {
+    Error::Input {
+        message: "no frame shows enough of the person for a pose".into(),
+        help: Some("check the calibration against the keypoints with `sinew inspect`".into()),
+    }
 }
 
 /// Scatter assumed where nothing was seen and nothing can be borrowed, pixels.

@@ -4,10 +4,12 @@
 //! dropped and n doubled. The first frames are also kept without gaps, for what depends on time.
 
 use super::stored::Body;
+use super::warning::Warning;
 use crate::Error;
 use sinew_formats::Layout;
 use sinew_observe::Camera;
-use sinew_observe::association::{self, Following, Person, associate};
+use sinew_observe::association::{self, Following, Person, follow};
+use sinew_observe::cross_view::cameras_behind;
 use sinew_observe::offsets::{self, Sighted};
 
 /// What to set up, and how.
@@ -21,6 +23,8 @@ pub struct Request {
     pub frames: usize,
     /// Frames kept without gaps at the beginning.
     pub window: usize,
+    /// Frames from which offsets are estimated.
+    pub offset_frames: usize,
     /// Frames from which sizes are measured.
     pub shape_frames: usize,
     /// How people are told apart.
@@ -36,6 +40,7 @@ impl Default for Request {
             person: 0,
             frames: 500,
             window: 300,
+            offset_frames: 150,
             shape_frames: 120,
             association: association::Config::default(),
             offsets: offsets::Config::default(),
@@ -59,10 +64,11 @@ pub struct Collected {
 }
 
 impl Collected {
-    /// What the cameras saw in the evenly spaced frames.
+    /// What the cameras saw in at most about `most` evenly spaced frames.
     #[must_use]
-    pub fn sighted(&self) -> Vec<Sighted> {
-        self.spread.iter().map(|(_, s)| s.clone()).collect()
+    pub fn sighted(&self, most: usize) -> Vec<Sighted> {
+        let stride = self.spread.len().div_ceil(most.max(1)).max(1);
+        self.spread.iter().step_by(stride).map(|(_, s)| s.clone()).collect()
     }
 }
 
@@ -79,24 +85,21 @@ pub fn collect(
     let mut following = Following { person: request.person, ..Following::default() };
     let mut out = Collected::default();
     let mut stride = 1;
+    let mut behind = (0, 0);
     let wanted = request.frames.max(1);
     for frame in frames {
         let (number, people) = frame?;
         out.read += 1;
         out.people = out.people.max(people.iter().map(Vec::len).max().unwrap_or(0));
-        let members = associate(&mut following, cameras, &people, None, &request.association);
-        if members.iter().all(Option::is_none) {
+        let associated = follow(&mut following, cameras, &people, None, &request.association);
+        if !associated.is_present() {
+            if behind.0 == 0 && out.found == 0 {
+                behind = cameras_behind(cameras, &people);
+            }
             continue;
         }
         out.found += 1;
-        let sighted: Sighted = members
-            .iter()
-            .zip(people)
-            .map(|(member, mut people)| match member {
-                Some(i) if *i < people.len() => people.swap_remove(*i),
-                _ => vec![],
-            })
-            .collect();
+        let sighted: Sighted = associated.people;
         if out.window.len() < request.window {
             out.window.push((number, sighted.clone()));
         }
@@ -113,13 +116,18 @@ pub fn collect(
         }
     }
     if out.found == 0 {
-        return Err(nobody(cameras, layout, request, &out));
+        return Err(nobody(cameras, layout, request, &out, behind));
     }
     Ok(out)
 }
 
-fn nobody(cameras: &[Camera], layout: &Layout, request: &Request, out: &Collected) -> Error {
-    let (message, help) = if out.people == 0 {
+fn nobody(cameras: &[Camera], layout: &Layout, request: &Request, out: &Collected, behind: (usize, usize)) -> Error {
+    let (message, help) = if cameras.len() > 1 && 2 * behind.0 >= behind.1.max(1) {
+        (
+            Warning::Behind { cameras: behind.0, of: behind.1 }.to_string(),
+            "the calibration must give the camera from the world, `Xcam = R Xworld + t`",
+        )
+    } else if out.people == 0 {
         (format!("no person in any view of {} frames", out.read), "look at the keypoint files, and at `--setup-frames`")
     } else if request.person > 0 {
         (

@@ -10,6 +10,7 @@
 //! after each point's constant bias b in the frame of its link; n counts the coordinates of a frame and d the degrees of freedom of the body, which take their
 //! share of the residuals.
 
+use super::checks::{check_scale, up_axis};
 use super::collect::{Collected, Request};
 use super::warning::Warning;
 use crate::Error;
@@ -19,6 +20,11 @@ use sinew_core::lanes::Isa;
 use sinew_formats::Layout;
 use sinew_observe::Camera;
 use sinew_observe::offsets::{CameraNoise, Sighted, median, point_from_views, robust_sigma};
+
+/// Share of the residuals' variance that is left to the model error at least: the noise of the points is itself an estimate.
+const LEAST_SHARE: f64 = 0.25;
+/// Model error at least, metres.
+const LEAST_ERROR_M: f64 = 0.002;
 
 /// What points in space tell.
 #[derive(Clone, Debug, PartialEq)]
@@ -78,17 +84,17 @@ pub fn measure(
     let bare: Vec<Vec<Option<[f64; 3]>>> =
         frames.iter().map(|(_, points)| points.iter().map(|p| p.map(|(p, _)| p)).collect()).collect();
     let measured = subject::from_distances(&names, &bare);
+    check_scale(cameras, measured.scale)?;
+    let up_axis = up_axis(layout, &frames);
+    if up_axis != "+z" {
+        warnings.push(Warning::FeetAboveHead { frames: frames.len(), up_axis });
+    }
     if !measured.unmeasured.is_empty() {
         warnings.push(Warning::Unmeasured { sizes: measured.unmeasured.clone() });
     }
     let build = request.body.builder();
     let tree = build(&measured.proportions);
     let index: Vec<Option<usize>> = tree.points().iter().map(|p| layout.index(&p.name)).collect();
-    let without: Vec<String> =
-        layout.points.iter().flatten().filter(|name| tree.point_index(name).is_none()).cloned().collect();
-    if !without.is_empty() {
-        warnings.push(Warning::PointsWithoutPlace { points: without });
-    }
     let targets: Vec<Vec<Option<Target>>> = frames
         .iter()
         .map(|(_, points)| {
@@ -122,10 +128,7 @@ pub fn measure(
     let Some((start_frame, start_pose)) =
         frames.iter().zip(&subject.poses).find_map(|((n, _), pose)| Some((*n, pose.clone()?)))
     else {
-        return Err(Error::Input {
-            message: "no frame shows enough of the person for a pose".into(),
-            help: Some("check the calibration against the keypoints with `sinew inspect`".into()),
-        });
+        return Err(super::no_pose());
     };
     let length = |r: &[f64; 3]| r.iter().map(|x| x * x).sum::<f64>().sqrt();
     let point_error_m: Vec<(String, f64)> = tree
@@ -135,16 +138,18 @@ pub fn measure(
         .map(|(p, r)| (p.name.clone(), r.iter().map(length).sum::<f64>() / r.len() as f64))
         .collect();
     let all: Vec<f64> = residuals.iter().flatten().map(length).collect();
-    let freedom =
-        coordinates as f64 / (coordinates as f64 - (fitted * tree.dof()) as f64).max(0.25 * coordinates as f64);
+    let all_coordinates = coordinates as f64;
+    let taken = (fitted * tree.dof()) as f64;
+    let freedom = all_coordinates / (all_coordinates - taken).max(0.25 * all_coordinates);
     let spread = robust_sigma(residuals.iter().flatten().flatten().copied()).powi(2) * freedom;
     let own = median(&mut variances);
+    let model_error_m = (spread - own).max(LEAST_SHARE * spread).sqrt().max(LEAST_ERROR_M);
     Ok(Shape {
         proportions: subject.proportions,
-        model_error_m: (spread - own).max(0.0).sqrt().max(0.005),
+        model_error_m,
         start_frame,
         start_pose,
-        up_axis: "+z",
+        up_axis,
         fit_error_m: all.iter().sum::<f64>() / all.len() as f64,
         point_error_m,
     })

@@ -1,8 +1,10 @@
 //! The value of the set-up pass and its file, `setup.toml`.
 
+use crate::Error;
 use serde::{Deserialize, Serialize};
 use sinew_body::standard::{cf28, h32};
 use sinew_body::{KinematicTree, Proportions};
+use sinew_observe::{Camera, View};
 
 /// Version of the file's structure.
 pub const SCHEMA: u32 = 1;
@@ -104,12 +106,66 @@ impl Setup {
         self.body.builder()(&self.proportions)
     }
 
+    /// What the likelihood needs to know about each camera, for those of the set-up.
+    #[must_use]
+    pub fn views(&self, cameras: &[Camera]) -> Vec<View> {
+        let view = |known: &CameraSetup| {
+            let camera = cameras.iter().find(|camera| camera.name == known.name)?;
+            let CameraSetup { offset_px, sigma_px, usual_confidence, .. } = *known;
+            Some(View { camera: camera.clone(), offset_px, sigma_px, usual_confidence })
+        };
+        self.camera.iter().filter_map(view).collect()
+    }
+
+    /// Reads a `setup.toml`; `name` is that of the file, for messages.
+    ///
+    /// # Errors
+    /// TOML that is malformed, unknown or missing keys, and all values that cannot be, in one message.
+    pub fn from_toml(name: &str, text: &str) -> Result<Self, Error> {
+        let refused = |problems| Error::Config { file: name.into(), problems };
+        let setup: Self = toml::from_str(text).map_err(|e| refused(vec![e.to_string().trim_end().into()]))?;
+        let problems = setup.problems();
+        if problems.is_empty() { Ok(setup) } else { Err(refused(problems)) }
+    }
+
+    fn problems(&self) -> Vec<String> {
+        let mut problems = vec![];
+        if self.schema != SCHEMA {
+            problems.push(format!("schema = {}; this version reads {SCHEMA}", self.schema));
+            return problems;
+        }
+        let sizes = [self.proportions.spine, self.proportions.upper_arm, self.proportions.thigh, self.proportions.shin];
+        if !sizes.iter().all(|x| *x > 0.0 && x.is_finite()) {
+            problems.push("proportions: lengths must be positive".into());
+        } else {
+            let dof = self.tree().dof();
+            if self.start_pose.len() != dof {
+                let found = self.start_pose.len();
+                problems.push(format!("start_pose has {found} numbers; {:?} has {dof} degrees of freedom", self.body));
+            }
+        }
+        if !self.start_pose.iter().all(|x| x.is_finite()) {
+            problems.push("start_pose holds a number that is not finite".into());
+        }
+        if !(self.model_error_m >= 0.0 && self.model_error_m.is_finite()) {
+            problems.push(format!("model_error_m = {}; must not be negative", self.model_error_m));
+        }
+        for camera in &self.camera {
+            if !(camera.sigma_px > 0.0 && camera.sigma_px.is_finite()) {
+                problems.push(format!("camera `{}`: sigma_px = {}; must be positive", camera.name, camera.sigma_px));
+            }
+            if !camera.offset_px.iter().all(|x| x.is_finite()) {
+                problems.push(format!("camera `{}`: offset_px is not finite", camera.name));
+            }
+        }
+        problems
+    }
+
     /// The text of `setup.toml`.
     ///
     /// # Errors
     /// None that is known; the serialiser's are passed on.
-    pub fn to_toml(&self) -> Result<String, crate::Error> {
-        toml::to_string(self)
-            .map_err(|e| crate::Error::Numerical { message: format!("the set-up cannot be written: {e}") })
+    pub fn to_toml(&self) -> Result<String, Error> {
+        toml::to_string(self).map_err(|e| Error::Numerical { message: format!("the set-up cannot be written: {e}") })
     }
 }

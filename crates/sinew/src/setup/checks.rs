@@ -1,0 +1,103 @@
+//! What the set-up can say about the recording and its calibration before anything is tracked.
+
+use super::collect::{Collected, Request};
+use super::shape::Points;
+use super::warning::Warning;
+use crate::Error;
+use sinew_formats::Layout;
+use sinew_observe::Camera;
+use sinew_observe::cross_view::{best_lag, swapped_spans};
+use sinew_observe::offsets::{CameraNoise, median};
+
+/// Largest lag that is tried, frames.
+const LAG: i64 = 10;
+/// A lag counts where the residual falls below this share of what it is without.
+const LAG_SHARE: f64 = 0.8;
+/// Frames looked at for lags and swaps.
+const WINDOW: usize = 120;
+/// A body outside these multiples of the default is none.
+const PLAUSIBLE: std::ops::RangeInclusive<f64> = 0.2..=5.0;
+/// Height of the default body, metres.
+const HEIGHT_M: f64 = 1.75;
+
+/// Refuses units that make a body of the wrong size.
+///
+/// # Errors
+/// The size is that of no person.
+pub fn check_scale(cameras: &[Camera], scale: f64) -> Result<(), Error> {
+    if PLAUSIBLE.contains(&scale) {
+        return Ok(());
+    }
+    let mut distances: Vec<f64> =
+        cameras.iter().map(|camera| camera.centre().iter().map(|x| x * x).sum::<f64>().sqrt()).collect();
+    let distance = median(&mut distances);
+    let message = if scale > 1.0 {
+        Warning::Millimetres { distance, height: HEIGHT_M }.to_string()
+    } else {
+        format!("the person would be {:.3} m tall; are translations in metres?", scale * HEIGHT_M)
+    };
+    Err(Error::Input { message, help: Some("give the translations of the calibration in metres".into()) })
+}
+
+const AXES: [[&str; 2]; 3] = [["-x", "+x"], ["-y", "+y"], ["-z", "+z"]];
+const LOW: [&str; 6] = ["LAnkle", "RAnkle", "LHeel", "RHeel", "LKnee", "RKnee"];
+const HIGH: [&str; 6] = ["Head", "Nose", "Neck", "LShoulder", "RShoulder", "MidShoulder"];
+
+/// World axis nearest to the median direction from feet to head; `+z` where nothing is known.
+#[must_use]
+pub fn up_axis(layout: &Layout, frames: &[(u64, Points)]) -> &'static str {
+    let mut directions: [Vec<f64>; 3] = [vec![], vec![], vec![]];
+    for (_, points) in frames {
+        let middle = |names: &[&str]| {
+            let found: Vec<[f64; 3]> =
+                names.iter().filter_map(|n| Some(points.get(layout.index(n)?).copied().flatten()?.0)).collect();
+            let count = found.len() as f64;
+            (!found.is_empty()).then(|| [0, 1, 2].map(|k: usize| found.iter().map(|p| p[k]).sum::<f64>() / count))
+        };
+        if let (Some(low), Some(high)) = (middle(&LOW), middle(&HIGH)) {
+            for k in 0..3 {
+                directions[k].push(high[k] - low[k]);
+            }
+        }
+    }
+    let direction = directions.map(|mut d| median(&mut d));
+    let largest = (0..3).max_by(|&a, &b| direction[a].abs().total_cmp(&direction[b].abs())).unwrap_or(2);
+    if direction[largest].is_nan() { "+z" } else { AXES[largest][usize::from(direction[largest] > 0.0)] }
+}
+
+/// Clocks, swapped sides, and the subject's place before the cameras.
+#[must_use]
+pub fn oddities(
+    cameras: &[Camera],
+    layout: &Layout,
+    request: &Request,
+    noise: &[CameraNoise],
+    collected: &Collected,
+) -> Vec<Warning> {
+    let mut warnings = vec![];
+    let window = &collected.window[..collected.window.len().min(WINDOW)];
+    let least = request.offsets.least_confidence;
+    let pairs = layout.left_right_pairs();
+    for (c, camera) in cameras.iter().enumerate() {
+        let swapped = swapped_spans(cameras, noise, window, c, &pairs, least);
+        warnings.extend(swapped.into_iter().map(|s| Warning::Swapped {
+            camera: camera.name.clone(),
+            first: s.first,
+            last: s.last,
+            residual_px: s.residual_px,
+            swapped_px: s.swapped_px,
+        }));
+        if let Some(lag) = best_lag(cameras, noise, window, c, LAG, least)
+            && lag.frames != 0
+            && lag.best_px < LAG_SHARE * lag.now_px
+        {
+            warnings.push(Warning::Unsynchronised {
+                camera: camera.name.clone(),
+                lag: lag.frames,
+                best_px: lag.best_px,
+                now_px: lag.now_px,
+            });
+        }
+    }
+    warnings
+}
