@@ -8,6 +8,7 @@
 //! | [`ring`] | cameras on a circle around a motion |
 //! | [`detector`] | projections with offset, jitter, missing keypoints and gross outliers |
 //! | [`recording`] | all of it together, and as the files that other programs read |
+//! | [`cmu`] | recorded motion as points and as a motion of the standard body |
 //!
 //! Everything follows from a seed, and nothing depends on the processor or the number of threads: the same seed gives the same bytes.
 //!
@@ -19,6 +20,7 @@
 //! # Ok::<(), sinew::observe::Error>(())
 //! ```
 
+pub mod cmu;
 pub mod detector;
 pub mod gait;
 pub mod points;

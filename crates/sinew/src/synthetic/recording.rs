@@ -70,11 +70,26 @@ impl Recording {
         let walker = Walker::new(gait);
         let states = walker_states(&walker, script.rate_hz);
         let truth = of_states(&walker.body, &states);
+        Self::of_motion(walker.body, states, truth, script, seed)
+    }
+
+    /// Records any motion of a body: `truth` holds the points that the detector sees and that estimates are compared with, either those of the body in its states or
+    /// recorded joints that the body only follows. Duration and proportions of the script do not matter.
+    ///
+    /// # Errors
+    /// As [`around`].
+    pub fn of_motion(
+        body: KinematicTree,
+        states: Vec<Vec<f64>>,
+        truth: Trajectories,
+        script: &Script,
+        seed: u64,
+    ) -> Result<Self, Error> {
         let cameras = around(&truth, &script.ring)?;
         let layout = body_25b();
         let stage = Stage::new(seed, "synthetic recording");
         let Detections { offsets_px, keypoints } = detect(&truth, &layout, &cameras, &script.noise, stage);
-        let (body, rate_hz) = (walker.body, script.rate_hz);
+        let rate_hz = script.rate_hz;
         Ok(Self { body, states, truth, cameras, offsets_px, layout, keypoints, rate_hz })
     }
 
