@@ -108,7 +108,7 @@ pub fn fit_pose(plan: &Plan, targets: &[Option<Target>], previous: &[f64], confi
         let next: Vec<f64> = pose.iter().zip(step.iter()).map(|(q, d)| q + d).collect();
         point_positions(plan, ISA, &next, &mut positions);
         let next_cost = total(&targets, &positions, &next, &previous, config);
-        if !(next_cost <= cost) {
+        if next_cost.is_nan() || next_cost > cost {
             mu *= 4.0;
             continue;
         }

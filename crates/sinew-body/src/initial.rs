@@ -115,7 +115,7 @@ fn rigid_motion(targets: &[(usize, Target)], rest: &[f64]) -> Option<(Matrix3<f6
     let (u, v_t) = (svd.u?, svd.v_t?);
     let mut sizes: Vec<f64> = svd.singular_values.iter().copied().collect();
     sizes.sort_by(f64::total_cmp);
-    if !(sizes[1] > 1e-6 * sizes[2]) {
+    if sizes[1].is_nan() || sizes[1] <= 1e-6 * sizes[2] {
         return None;
     }
     let mut sign = Matrix3::identity();

@@ -15,6 +15,7 @@
 //! let head = body.point_index("Head").unwrap();
 //! assert!((points[3 * head + 2] - 1.75).abs() < 1e-12);
 //! ```
+pub mod bundle;
 mod error;
 pub mod fit;
 pub mod initial;

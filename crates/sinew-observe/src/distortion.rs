@@ -62,7 +62,7 @@ impl Distortion {
             }
             let [[a, b], [c, d]] = self.derivative(p);
             let determinant = a * d - b * c;
-            if !(determinant.abs() > f64::MIN_POSITIVE) {
+            if determinant.is_nan() || determinant.abs() <= f64::MIN_POSITIVE {
                 return None;
             }
             p[0] += (d * error[0] - b * error[1]) / determinant;
@@ -118,7 +118,7 @@ fn turning_points(a: f64, b: f64, c: f64) -> Vec<f64> {
         return if b == 0.0 { vec![] } else { vec![-c / b] };
     }
     let discriminant = b * b - 4.0 * a * c;
-    if !(discriminant > 0.0) {
+    if discriminant.is_nan() || discriminant <= 0.0 {
         return vec![];
     }
     let q = -0.5 * (b + discriminant.sqrt().copysign(b));

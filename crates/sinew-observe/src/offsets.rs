@@ -191,9 +191,9 @@ pub fn estimate(cameras: &[Camera], frames: &[Sighted], config: &Config) -> Vec<
                 moved = moved.max((sigma - noise[c].sigma_px).abs());
                 noise[c].sigma_px = sigma;
             }
-            for axis in 0..2 {
-                noise[c].offset_px[axis] += shift[axis];
-                moved = moved.max(shift[axis].abs());
+            for (offset, shift) in noise[c].offset_px.iter_mut().zip(shift) {
+                *offset += shift;
+                moved = moved.max(shift.abs());
             }
         }
         if !config.no_offsets {

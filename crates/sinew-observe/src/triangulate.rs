@@ -98,7 +98,7 @@ pub fn triangulate(seen: &[Seen<'_>], config: &Config) -> Option<Triangulated> {
         .collect();
     let all: Vec<usize> = (0..ideal.len()).collect();
     let mut best = candidate(&ideal, all, config)?;
-    while !(best.error_px < config.error_px) {
+    while best.error_px.is_nan() || best.error_px >= config.error_px {
         let size = best.used.len() - 1;
         if size < 2 {
             return None;

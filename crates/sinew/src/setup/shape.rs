@@ -15,7 +15,7 @@ use super::collect::{Collected, Request};
 use super::warning::Warning;
 use crate::Error;
 use sinew_body::fit::Target;
-use sinew_body::{Plan, Proportions, point_positions, subject};
+use sinew_body::{Plan, Proportions, bundle, point_positions, subject};
 use sinew_core::lanes::Isa;
 use sinew_formats::Layout;
 use sinew_observe::Camera;
@@ -105,7 +105,7 @@ pub fn measure(
             index.iter().map(target).collect()
         })
         .collect();
-    let subject = subject::refine(build, &measured.proportions, &targets, &subject::Config::default());
+    let subject = bundle::refine(build, &measured.proportions, &targets, &bundle::Config::default());
     let tree = build(&subject.proportions);
     let plan = Plan::with_all_points(&tree);
     let mut residuals: Vec<Vec<[f64; 3]>> = vec![vec![]; tree.points().len()];

@@ -1,0 +1,229 @@
+//! Sizes and poses of a subject together: bundle adjustment over joint angles (Triggs, McLauchlan, Hartley & Fitzgibbon 2000, §6.1).
+//!
+//! [`refine`] alternates: fit every pose ([`fit_pose`]); then one Gauss–Newton step on the sizes s in which the poses move along. Points are linear in s at fixed
+//! angles, `P = P₀(q) + S(q) s`, so the step solves
+//!
+//! ```text
+//! (Σ_f SᵀWS − SᵀWJ (JᵀWJ + λ)⁻¹ JᵀWS + prior) δs = Σ_f SᵀW r − SᵀWJ (JᵀWJ + λ)⁻¹ JᵀW r + prior
+//! ```
+//!
+//! with J the derivatives by the angles of frame f and W Huber's weights over σ². The prior is a Gaussian around the sizes given at first: it decides what poses and
+//! sizes could trade (a head that always looks 5° lower has other face offsets).
+
+use crate::fit::{self, Target, fit_pose, measured};
+use crate::initial::initial_pose;
+use crate::kinematics::{Plan, point_jacobian, point_positions};
+use crate::standard::Proportions;
+use crate::subject::SIZES;
+use crate::tree::{Joint, KinematicTree};
+use nalgebra::{DMatrix, DVector};
+use sinew_core::lanes::Isa;
+
+const ISA: Isa = Isa::baseline();
+
+/// How to refine.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Config {
+    /// Rounds of poses and sizes.
+    pub rounds: usize,
+    /// Expected distance of a measured point from the body, per axis, metres.
+    pub sigma_m: f64,
+    /// Prior standard deviation of a length, metres.
+    pub length_sd_m: f64,
+    /// Prior standard deviation of a coordinate of an offset, metres.
+    pub offset_sd_m: f64,
+    /// Prior standard deviation of a degree of freedom's change from frame to frame.
+    pub change_sd: f64,
+}
+
+impl Default for Config {
+    fn default() -> Self {
+        Self { rounds: 6, sigma_m: 0.02, length_sd_m: 0.05, offset_sd_m: 0.03, change_sd: 1.0 }
+    }
+}
+
+/// Sizes and poses that belong together.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Subject {
+    /// The sizes, metres.
+    pub proportions: Proportions,
+    /// Pose of each frame; `None` where its points did not tell one.
+    pub poses: Vec<Option<Vec<f64>>>,
+}
+
+/// Poses of all frames for one body, each started from the frame before or, where that fits badly, afresh.
+#[must_use]
+pub fn fit_poses(
+    tree: &KinematicTree,
+    frames: &[Vec<Option<Target>>],
+    starts: &[Option<Vec<f64>>],
+    config: &fit::Config,
+) -> Vec<Option<Vec<f64>>> {
+    let plan = Plan::with_all_points(tree);
+    let mut previous: Option<Vec<f64>> = None;
+    frames
+        .iter()
+        .enumerate()
+        .map(|(f, targets)| {
+            let start = starts.get(f).cloned().flatten();
+            let fresh = || initial_pose(tree, targets).map(|pose| near(tree, &pose, previous.as_deref()));
+            let start = start.or_else(|| previous.clone()).or_else(fresh)?;
+            let mut found = fit_pose(&plan, targets, &start, config);
+            if found.rms_m > 0.05 * extent(targets)
+                && let Some(fresh) = initial_pose(tree, targets)
+            {
+                let again = fit_pose(&plan, targets, &near(tree, &fresh, previous.as_deref()), config);
+                if again.rms_m < found.rms_m {
+                    found = again;
+                }
+            }
+            if !found.rms_m.is_finite() {
+                return None;
+            }
+            previous = Some(found.pose.clone());
+            Some(found.pose)
+        })
+        .collect()
+}
+
+/// The same pose with angles within half a turn of another's.
+fn near(tree: &KinematicTree, pose: &[f64], other: Option<&[f64]>) -> Vec<f64> {
+    let Some(other) = other else { return pose.to_vec() };
+    let turn = std::f64::consts::TAU;
+    pose.iter()
+        .zip(other)
+        .zip(tree.joints())
+        .map(|((q, o), (_, joint))| match joint {
+            Joint::Rotate(_) => q - turn * ((q - o) / turn).round(),
+            Joint::Translate(_) => *q,
+        })
+        .collect()
+}
+
+/// Largest side of the box around the measured points, metres.
+fn extent(targets: &[Option<Target>]) -> f64 {
+    let range = |k: usize| {
+        let values = measured(targets).map(|(_, t)| t.position[k]);
+        let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
+        high - low
+    };
+    (0..3).map(range).fold(0.0, f64::max)
+}
+
+/// Refines sizes and poses of the body that `build` makes, given the measured points of each frame (one entry per point of the body).
+#[must_use]
+pub fn refine(
+    build: fn(&Proportions) -> KinematicTree,
+    start: &Proportions,
+    frames: &[Vec<Option<Target>>],
+    config: &Config,
+) -> Subject {
+    let weight = config.sigma_m.powi(-2);
+    let huber_m = 2.0 * config.sigma_m;
+    let damping = config.change_sd.powi(-2);
+    let frames: Vec<Vec<Option<Target>>> = frames
+        .iter()
+        .map(|f| f.iter().map(|t| t.map(|t| Target { weight: t.weight * weight, ..t })).collect())
+        .collect();
+    let coarse = fit::Config { damping, huber_m, steps: 30, tolerance: 1e-5 };
+    let mut proportions = *start;
+    let mut poses = vec![];
+    for _ in 0..config.rounds {
+        let tree = build(&proportions);
+        poses = fit_poses(&tree, &frames, &poses, &coarse);
+        let (mut normal, mut right) = prior(start, &proportions, config);
+        for (targets, pose) in frames.iter().zip(&poses) {
+            if let Some(pose) = pose {
+                add_frame(build, &proportions, targets, pose, damping, huber_m, &mut normal, &mut right);
+            }
+        }
+        let Some(step) = normal.cholesky().map(|c| c.solve(&right)) else { break };
+        let mut next = proportions;
+        for ((_, length, size), step) in SIZES.iter().zip(step.iter()) {
+            let place = size(&mut next);
+            *place += step;
+            if *length {
+                *place = place.max(1e-3);
+            }
+        }
+        if !step.iter().all(|x| x.is_finite()) {
+            break;
+        }
+        proportions = next;
+        if step.amax() < 1e-5 {
+            break;
+        }
+    }
+    let poses = fit_poses(&build(&proportions), &frames, &poses, &coarse);
+    Subject { proportions, poses }
+}
+
+fn prior(start: &Proportions, now: &Proportions, config: &Config) -> (DMatrix<f64>, DVector<f64>) {
+    let mut normal = DMatrix::zeros(SIZES.len(), SIZES.len());
+    let mut right = DVector::zeros(SIZES.len());
+    let (mut start, mut now) = (*start, *now);
+    for (i, (_, length, size)) in SIZES.iter().enumerate() {
+        let weight = if *length { config.length_sd_m } else { config.offset_sd_m }.powi(-2);
+        normal[(i, i)] = weight;
+        right[i] = weight * (*size(&mut start) - *size(&mut now));
+    }
+    (normal, right)
+}
+
+/// Adds a frame's share of the equations for the sizes, its pose eliminated.
+#[allow(clippy::too_many_arguments)]
+fn add_frame(
+    build: fn(&Proportions) -> KinematicTree,
+    proportions: &Proportions,
+    targets: &[Option<Target>],
+    pose: &[f64],
+    damping: f64,
+    huber_m: f64,
+    normal: &mut DMatrix<f64>,
+    right: &mut DVector<f64>,
+) {
+    let tree = build(proportions);
+    let plan = Plan::with_all_points(&tree);
+    let (n, dof) = (3 * plan.points(), plan.dof());
+    let (mut positions, mut jacobian) = (vec![0.0; n], vec![0.0; n * dof]);
+    point_jacobian(&plan, ISA, pose, &mut positions, &mut jacobian);
+    // Points are linear in every size: a difference of any length is the derivative.
+    let by_size: Vec<Vec<f64>> = SIZES
+        .iter()
+        .map(|(_, _, size)| {
+            let mut longer = *proportions;
+            *size(&mut longer) += 1.0;
+            let mut moved = vec![0.0; n];
+            point_positions(&Plan::with_all_points(&build(&longer)), ISA, pose, &mut moved);
+            moved.iter().zip(&positions).map(|(a, b)| a - b).collect()
+        })
+        .collect();
+    let seen: Vec<(usize, Target)> = measured(targets).filter(|(k, _)| *k < plan.points()).collect();
+    let mut j = DMatrix::zeros(dof, 3 * seen.len());
+    let mut s = DMatrix::zeros(SIZES.len(), 3 * seen.len());
+    let mut r = DVector::zeros(3 * seen.len());
+    for (i, (k, target)) in seen.iter().enumerate() {
+        let residual = [0, 1, 2].map(|a: usize| target.position[a] - positions[3 * k + a]);
+        let distance = residual.iter().map(|x| x * x).sum::<f64>().sqrt();
+        let root = (target.weight * (huber_m / distance).min(1.0)).sqrt();
+        for (a, residual) in residual.iter().enumerate() {
+            let (row, column) = (3 * k + a, 3 * i + a);
+            r[column] = root * residual;
+            for d in 0..dof {
+                j[(d, column)] = root * jacobian[row * dof + d];
+            }
+            for (size, moved) in by_size.iter().enumerate() {
+                s[(size, column)] = root * moved[row];
+            }
+        }
+    }
+    let mut pose_normal = &j * j.transpose();
+    for d in 0..dof {
+        pose_normal[(d, d)] += damping;
+    }
+    let Some(pose_normal) = pose_normal.cholesky() else { return };
+    let cross = &j * s.transpose();
+    let solved = pose_normal.solve(&cross);
+    *normal += &s * s.transpose() - cross.transpose() * &solved;
+    *right += &s * &r - solved.transpose() * (&j * &r);
+}
