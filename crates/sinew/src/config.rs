@@ -114,6 +114,7 @@ pub fn resolve(sources: &Sources) -> Result<Resolved, Error> {
         let value = value.map_err(|problem| Error::Config { file: "the defaults".into(), problems: vec![problem] })?;
         resolved.values.entry(setting.key).or_insert((value, Origin::Default));
     }
+    resolved.check()?;
     Ok(resolved)
 }
 
@@ -144,6 +145,16 @@ impl Resolved {
             }
             Err(problem) => problems.push(problem),
         }
+    }
+
+    /// What no setting alone can tell.
+    fn check(&self) -> Result<(), Error> {
+        let (burn_in, updates) = (self.count("burn_in").unwrap_or_default(), self.count("updates").unwrap_or(1));
+        if burn_in < updates {
+            return Ok(());
+        }
+        let problem = format!("`burn_in` is {burn_in}; it must be less than `updates`, which is {updates}");
+        Err(Error::Config { file: "the configuration".into(), problems: vec![problem] })
     }
 
     fn add(&mut self, file: file::ConfigFile) {
@@ -296,6 +307,7 @@ impl Resolved {
                 Some("mixture") => Prior::Mixture,
                 _ => Prior::Gaussian,
             },
+            motion_scale: self.number("motion_scale").unwrap_or(1.0),
             setup: self.path("setup"),
             setup_frames: self.frames("setup_frames"),
             smooth: self.flag("smooth"),
@@ -303,6 +315,8 @@ impl Resolved {
             chains: self.size("chains"),
             particles: self.size("particles"),
             draws: self.size("draws"),
+            updates: self.size("updates"),
+            burn_in: self.size("burn_in"),
             jitter: self.number("jitter").unwrap_or_default(),
             simd: self.text("simd"),
             threads: self.count("threads").map(|threads| usize::try_from(threads).unwrap_or(usize::MAX)),
@@ -353,7 +367,7 @@ pub struct TrackConfig {
     pub fps: Option<f64>,
     /// Cameras to use.
     pub cameras: Option<Vec<String>>,
-    /// Index of the person in the first frame.
+    /// Which person: 0 is the most complete one at the start.
     pub person: Option<usize>,
     /// Whether cameras may begin and end apart.
     pub trim: bool,
@@ -363,6 +377,8 @@ pub struct TrackConfig {
     pub body: String,
     /// What a frame hands on to the next.
     pub prior: Prior,
+    /// Factor on the motion noise that the set-up pass found.
+    pub motion_scale: f64,
     /// Set-up of an earlier run.
     pub setup: Option<PathBuf>,
     /// Frames for the set-up pass.
@@ -373,6 +389,10 @@ pub struct TrackConfig {
     pub seed: u64,
     /// Chains of a frame.
     pub chains: usize,
+    /// Updates of each chain in a frame.
+    pub updates: usize,
+    /// First samples of each chain that are discarded.
+    pub burn_in: usize,
     /// Particles.
     pub particles: usize,
     /// Draws of a frame that are written.

@@ -139,3 +139,15 @@ impl ResultFolder {
         Ok(summary)
     }
 }
+
+/// Writes a single file beside its place, and renames it once it is whole.
+///
+/// # Errors
+/// [`Error::Io`] with the path.
+pub fn write_whole(path: &std::path::Path, bytes: &[u8]) -> Result<(), Error> {
+    let storage: Arc<dyn Storage> = Arc::new(Disk);
+    let mut file = PartialFile::create(&storage, path.to_owned())?;
+    file.write(|out| std::io::Write::write_all(out, bytes))?;
+    file.sync()?;
+    file.rename()
+}

@@ -7,6 +7,7 @@
 
 mod guess;
 mod listing;
+pub mod survey;
 
 use crate::{Error, files};
 use listing::CameraFiles;
@@ -14,6 +15,7 @@ use sinew_formats::openpose::{self, Person, Tally};
 use sinew_formats::source_text::{MAX_CONFIG_BYTES, MAX_KEYPOINT_BYTES};
 use sinew_formats::{Layout, calib_toml, camera_name, frame_number, layout};
 use sinew_observe::Camera;
+use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
@@ -50,6 +52,8 @@ pub struct Recording {
     counted: Vec<bool>,
     tallies: Vec<Tally>,
     warnings: Vec<String>,
+    calibration_hash: u64,
+    keypoints_hash: u64,
 }
 
 impl Recording {
@@ -60,6 +64,7 @@ impl Recording {
     /// that is unknown or too poor.
     pub fn open(calibration: &Path, keypoints: &Path, options: &Options) -> Result<Self, Error> {
         let text = files::read_text(calibration, MAX_CONFIG_BYTES)?;
+        let calibration_hash = files::fnv(files::FNV_START, text.as_bytes());
         let calibration = calib_toml::read(&calibration.display().to_string(), &text)?;
         let mut warnings: Vec<String> = calibration.warnings.iter().map(ToString::to_string).collect();
         let folders = listing::camera_folders(keypoints)?;
@@ -105,6 +110,8 @@ impl Recording {
             available,
             frames,
             warnings,
+            calibration_hash,
+            keypoints_hash: 0,
         })
     }
 
@@ -140,9 +147,23 @@ impl Recording {
         let slot = number.checked_sub(self.frames.start).and_then(|i| self.counted.get_mut(usize::try_from(i).ok()?));
         let count = slot.is_some_and(|counted| !std::mem::replace(counted, true));
         let mut views = Vec::with_capacity(self.files.len());
-        for (files, tally) in self.files.iter().zip(&mut self.tallies) {
+        for (index, (files, tally)) in self.files.iter().zip(&mut self.tallies).enumerate() {
             let frame = match files.path(number) {
-                Some(path) => Some(read_frame(&path, number, &self.layout, self.confidence_scale)?),
+                Some(path) => {
+                    let text = files::read_text(&path, MAX_KEYPOINT_BYTES)?;
+                    if count {
+                        // A sum does not depend on the order in which frames are read.
+                        let place =
+                            files::fnv(files::fnv(files::FNV_START, &number.to_le_bytes()), &index.to_le_bytes());
+                        self.keypoints_hash = self.keypoints_hash.wrapping_add(files::fnv(place, text.as_bytes()));
+                    }
+                    let options = openpose::Options {
+                        frame: Some(number),
+                        layout: Some(&self.layout),
+                        confidence_scale: self.confidence_scale,
+                    };
+                    Some(openpose::read(&path.display().to_string(), &text, &options)?)
+                }
                 None => None,
             };
             if count {
@@ -160,17 +181,18 @@ impl Recording {
         self.warnings.iter().cloned().chain(counted.map(|warning| warning.to_string())).collect()
     }
 
+    /// Hashes of the calibration and of the keypoints read so far.
+    #[must_use]
+    pub fn input_hashes(&self) -> BTreeMap<String, String> {
+        let hashes = [("calibration", self.calibration_hash), ("keypoints", self.keypoints_hash)];
+        hashes.map(|(name, hash)| (name.to_owned(), format!("{hash:016x}"))).into()
+    }
+
     /// Files and folders that the recording is read from.
     #[must_use]
     pub fn folders(&self) -> Vec<PathBuf> {
         self.files.iter().map(|files| files.folder.clone()).collect()
     }
-}
-
-fn read_frame(path: &Path, number: u64, layout: &Layout, confidence_scale: f64) -> Result<openpose::Frame, Error> {
-    let text = files::read_text(path, MAX_KEYPOINT_BYTES)?;
-    let options = openpose::Options { frame: Some(number), layout: Some(layout), confidence_scale };
-    Ok(openpose::read(&path.display().to_string(), &text, &options)?)
 }
 
 /// The cameras and folders of the names asked for.

@@ -33,21 +33,33 @@ pub enum Kind {
 /// A setting.
 #[derive(Clone, Copy, Debug)]
 pub struct Setting {
+    /// Heading under which the help shows it.
+    pub group: &'static str,
     /// Name.
     pub key: &'static str,
     /// Values.
     pub kind: Kind,
+    /// Word for the value in the help.
+    pub value: &'static str,
     /// Value where nobody gives one, as it would be typed; empty for none.
     pub default: &'static str,
-    /// Meaning, with the unit.
+    /// Meaning, with the unit and what happens without it.
     pub help: &'static str,
     /// Whether it changes numbers: threads and paths do not.
     pub hashed: bool,
+    /// Whether only the long help shows it.
+    pub rare: bool,
 }
 
-const fn setting(key: &'static str, kind: Kind, default: &'static str, help: &'static str) -> Setting {
+type Columns = (&'static str, &'static str, Kind, &'static str, &'static str, &'static str);
+
+const fn common((group, key, kind, value, default, help): Columns) -> Setting {
     let hashed = !matches!(kind, Kind::Path);
-    Setting { key, kind, default, help, hashed }
+    Setting { group, key, kind, value, default, help, hashed, rare: false }
+}
+
+const fn rare(columns: Columns) -> Setting {
+    Setting { rare: true, ..common(columns) }
 }
 
 const fn unhashed(setting: Setting) -> Setting {
@@ -58,49 +70,52 @@ const POSITIVE: Kind = Kind::Number { least: 0.0, excluded: true, most: f64::INF
 const SHARE: Kind = Kind::Number { least: 0.0, excluded: false, most: 1.0 };
 const AT_LEAST_ONE: Kind = Kind::Number { least: 1.0, excluded: false, most: f64::INFINITY };
 const NOT_NEGATIVE: Kind = Kind::Number { least: 0.0, excluded: false, most: f64::INFINITY };
+const METHODS: Kind = Kind::Choice(&["hmc", "bootstrap"]);
+const PRIORS: Kind = Kind::Choice(&["gaussian", "mixture"]);
+const SETS: Kind = Kind::Choice(&["avx512", "avx2", "baseline"]);
+const INPUT: &str = "Input";
+const OUTPUT: &str = "Output";
+const METHOD: &str = "Method";
+const SAMPLING: &str = "Sampling";
+const GENERAL: &str = "General";
 
 /// Every setting.
-pub const SETTINGS: [Setting; 29] = [
-    setting("calibration", Kind::Path, "", "calibration of the cameras, `Calib.toml` of Pose2Sim"),
-    setting("keypoints", Kind::Path, "", "folder of keypoints, one folder `<camera>_json` per camera"),
-    setting("layout", Kind::NameOrPath, "", "keypoint layout, or a mapping file; guessed from the keypoints"),
-    setting("confidence_scale", POSITIVE, "1", "confidence that means certainty"),
-    setting("frames", Kind::Frames, "", "frames to track, by the numbers in the file names; all"),
-    setting("fps", POSITIVE, "", "frames per second; 30 with a warning"),
-    setting("cameras", Kind::Names, "", "cameras to use; all with keypoints"),
-    setting(
-        "person",
-        Kind::Count(0),
-        "",
-        "index of the person in the first frame's files; the most complete one that all cameras agree on",
-    ),
-    setting("trim", Kind::Flag, "false", "take only the frames that all cameras have"),
-    setting("method", Kind::Choice(&["hmc", "bootstrap"]), "hmc", "tracker"),
-    setting("body", Kind::NameOrPath, "h32", "body: h32, cf28 or a body file"),
-    setting("prior", Kind::Choice(&["gaussian", "mixture"]), "gaussian", "what a frame hands on to the next"),
-    setting("setup", Kind::Path, "", "set-up of an earlier run, `setup.toml`"),
-    setting("setup_frames", Kind::Frames, "", "frames for the set-up pass; all"),
-    setting("smooth", Kind::Flag, "false", "let every frame see all frames, by a backward pass"),
-    setting("seed", Kind::Count(0), "1", "seed of all random streams"),
-    setting("chains", Kind::Count(1), "16", "chains of a frame (hmc)"),
-    setting("particles", Kind::Count(1), "4096", "particles (bootstrap)"),
-    setting("draws", Kind::Count(1), "64", "draws of a frame that are written"),
-    setting("jitter", SHARE, "0.2", "relative jitter of the step size (hmc)"),
-    unhashed(setting(
-        "simd",
-        Kind::Choice(&["avx512", "avx2", "baseline"]),
-        "",
-        "instruction set; the best of the processor",
-    )),
-    unhashed(setting("threads", Kind::Count(1), "", "threads; as many as the system grants")),
-    setting("max_r_hat", AT_LEAST_ONE, "1.05", "split R-hat above which a frame counts as not converged"),
-    setting("max_r_hat_share", SHARE, "0.05", "share of frames above it at which the run fails"),
-    setting("max_divergent_share", SHARE, "0.01", "share of divergent trajectories at which the run fails"),
-    setting("min_ess", NOT_NEGATIVE, "10", "median effective sample size below which a particle method fails"),
-    setting("out", Kind::Path, "", "output folder; sinew-out/<trial>"),
-    unhashed(setting("force", Kind::Flag, "false", "replace results that are there")),
-    unhashed(setting("quiet", Kind::Flag, "false", "show errors only")),
+#[rustfmt::skip]
+pub const SETTINGS: [Setting; SETTING_COUNT] = [
+    common((INPUT, "calibration", Kind::Path, "FILE", "", "calibration of the cameras (Calib.toml of Pose2Sim)")),
+    common((INPUT, "keypoints", Kind::Path, "DIR", "", "keypoints, one folder <camera>_json per camera")),
+    common((INPUT, "layout", Kind::NameOrPath, "NAME", "", "keypoint layout or mapping file [default: guessed]")),
+    common((INPUT, "frames", Kind::Frames, "A..B", "", "frames to track, by file number [default: all]")),
+    common((INPUT, "fps", POSITIVE, "F", "", "frames per second [default: 30, with a warning]")),
+    common((INPUT, "cameras", Kind::Names, "LIST", "", "cameras to use, a,b,c [default: all]")),
+    rare((INPUT, "person", Kind::Count(0), "N", "", "which person: 0 is the most complete one on whom the cameras agree at the start [default: 0]")),
+    common((INPUT, "trim", Kind::Flag, "", "false", "take only the frames that all cameras have")),
+    rare((INPUT, "confidence_scale", POSITIVE, "C", "1", "confidence that means certainty")),
+    common((METHOD, "method", METHODS, "NAME", "hmc", "tracker: hmc or bootstrap")),
+    common((METHOD, "body", Kind::NameOrPath, "NAME", "h32", "body: h32, cf28 or a body file")),
+    common((METHOD, "setup", Kind::Path, "FILE", "", "set-up of an earlier run, its setup.toml")),
+    common((METHOD, "setup_frames", Kind::Frames, "A..B", "", "frames for the set-up pass [default: all]")),
+    common((METHOD, "smooth", Kind::Flag, "", "false", "let every frame see all frames (backward pass)")),
+    rare((METHOD, "prior", PRIORS, "NAME", "gaussian", "what a frame hands on to the next: gaussian or mixture")),
+    rare((METHOD, "motion_scale", POSITIVE, "X", "1", "factor on the motion noise that the set-up pass found")),
+    rare((SAMPLING, "chains", Kind::Count(1), "N", "16", "chains of a frame (hmc)")),
+    rare((SAMPLING, "updates", Kind::Count(1), "N", "32", "updates of each chain in a frame (hmc)")),
+    rare((SAMPLING, "burn_in", Kind::Count(0), "N", "6", "first samples of each chain that are discarded (hmc)")),
+    rare((SAMPLING, "jitter", SHARE, "X", "0.2", "relative jitter of the step size (hmc)")),
+    rare((SAMPLING, "particles", Kind::Count(1), "N", "10000", "particles (bootstrap)")),
+    rare((SAMPLING, "draws", Kind::Count(1), "N", "64", "draws of a frame that are written")),
+    unhashed(common((SAMPLING, "simd", SETS, "SET", "", "instruction set: avx512, avx2 or baseline [default: best]"))),
+    rare((SAMPLING, "max_r_hat", AT_LEAST_ONE, "X", "1.05", "split R-hat above which a frame has not converged")),
+    rare((SAMPLING, "max_r_hat_share", SHARE, "X", "0.05", "share of such frames above which the run fails (exit 4)")),
+    rare((SAMPLING, "max_divergent_share", SHARE, "X", "0.01", "share of divergent trajectories above which the run fails")),
+    rare((SAMPLING, "min_ess", NOT_NEGATIVE, "X", "10", "median effective sample size below which a particle method fails")),
+    common((GENERAL, "seed", Kind::Count(0), "N", "1", "seed of all random streams")),
+    unhashed(common((GENERAL, "threads", Kind::Count(1), "N", "", "threads [default: what the system grants]"))),
+    common((OUTPUT, "out", Kind::Path, "DIR", "", "output folder [default: sinew-out/<trial>]")),
+    unhashed(common((OUTPUT, "force", Kind::Flag, "", "false", "replace results that are there"))),
 ];
+
+const SETTING_COUNT: usize = 31;
 
 /// The setting of that name.
 #[must_use]
@@ -111,5 +126,5 @@ pub fn find(key: &str) -> Option<&'static Setting> {
 /// Settings that say where to write and how to behave, not what to compute: they are not repeated in `config.toml`.
 #[must_use]
 pub fn is_local(key: &str) -> bool {
-    matches!(key, "out" | "force" | "threads" | "quiet")
+    matches!(key, "out" | "force" | "threads")
 }

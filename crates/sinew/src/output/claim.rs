@@ -48,6 +48,14 @@ pub fn claim_in(storage: Arc<dyn Storage>, folder: &Path, inputs: &[PathBuf], fo
     Ok(Claim { folder: folder.to_owned(), storage, lock: Some(lock), stale_lock_of })
 }
 
+impl Claim {
+    /// The folder.
+    #[must_use]
+    pub fn folder(&self) -> &Path {
+        &self.folder
+    }
+}
+
 impl Drop for Claim {
     fn drop(&mut self) {
         if let Some(lock) = self.lock.take() {

@@ -1,0 +1,33 @@
+//! Bodies by name or from a body file.
+
+use crate::{Error, files};
+use sinew_body::{KinematicTree, Proportions, standard};
+use sinew_formats::body_toml;
+use sinew_formats::nearest::nearest;
+use sinew_formats::source_text::MAX_CONFIG_BYTES;
+use std::path::Path;
+
+/// Names of the bodies that come with the project.
+pub const NAMES: [&str; 2] = ["h32", "cf28"];
+
+/// The body of that name with the sizes of an adult of 1.75 m, or the body in a file.
+///
+/// # Errors
+/// An unknown name, a file that cannot be read or is no body.
+pub fn find(name: &str) -> Result<KinematicTree, Error> {
+    match name.to_lowercase().as_str() {
+        "h32" => return Ok(standard::h32(&Proportions::default())),
+        "cf28" => return Ok(standard::cf28(&Proportions::default())),
+        _ => {}
+    }
+    let path = Path::new(name);
+    if path.extension().is_some_and(|extension| extension == "toml") || path.exists() {
+        let text = files::read_text(path, MAX_CONFIG_BYTES)?;
+        return Ok(body_toml::read(name, &text)?);
+    }
+    let meant = nearest(name, NAMES).map(|name| format!("; did you mean `{name}`?")).unwrap_or_default();
+    Err(Error::Usage {
+        message: format!("no body `{name}`; known: {}{meant}", NAMES.join(", ")),
+        help: "give one of these names or the path of a body file, which ends in .toml".into(),
+    })
+}

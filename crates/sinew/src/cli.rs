@@ -1,0 +1,61 @@
+//! The command line: arguments in, answers to stdout, everything else to stderr, exit codes by the table of [`sinew::Error`].
+
+mod args;
+mod body;
+mod convert;
+mod demo;
+mod inspect;
+mod interrupt;
+mod manual;
+mod progress;
+mod report;
+mod track;
+
+use args::{Cli, Command};
+use clap::Parser as _;
+use report::Report;
+use std::process::ExitCode;
+
+/// How a command ended, if not with an error.
+pub(crate) enum Ended {
+    /// Done.
+    Done,
+    /// Finished and written, but a diagnostic failed.
+    Doubtful,
+    /// Interrupted; what was done is written.
+    Interrupted,
+}
+
+impl Ended {
+    const fn code(&self) -> u8 {
+        match self {
+            Self::Done => 0,
+            Self::Doubtful => 4,
+            Self::Interrupted => 75,
+        }
+    }
+}
+
+/// Runs the program.
+pub(crate) fn main() -> ExitCode {
+    let cli = Cli::parse();
+    let report = Report::new(&cli.general);
+    let ended = match &cli.command {
+        Command::Demo => demo::run(&cli.general, &report),
+        Command::Inspect(args) => inspect::run(args, &cli.general, &report),
+        Command::Track(args) => track::run(args, &cli.general, &report),
+        Command::Convert(args) => convert::run(args, &cli.general, &report),
+        Command::Body { body } => body::run(body, &cli.general, &report),
+        Command::Completions { shell } => manual::completions(*shell),
+        Command::Man => manual::man(),
+    };
+    match ended {
+        Ok(ended) => ExitCode::from(ended.code()),
+        // Whoever read our answer has enough of it.
+        Err(error) if report::is_closed_pipe(&error) => ExitCode::SUCCESS,
+        Err(error) => {
+            report.error(&error);
+            ExitCode::from(error.exit_code())
+        }
+    }
+}

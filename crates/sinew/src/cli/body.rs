@@ -1,0 +1,78 @@
+//! `sinew body`: a body as a tree of links with their joints, lengths and points.
+
+use super::args::General;
+use super::report::{self, Report};
+use super::{Ended, args};
+use serde_json::json;
+use sinew::Error;
+use sinew::bodies;
+use sinew::body::KinematicTree;
+
+/// Prints a body.
+pub(crate) fn run(name: &str, general: &args::General, _: &Report) -> Result<Ended, Error> {
+    let body = bodies::find(name)?;
+    print(name, &body, general)?;
+    Ok(Ended::Done)
+}
+
+fn print(name: &str, body: &KinematicTree, general: &General) -> Result<(), Error> {
+    if general.json {
+        let link = |index: usize| {
+            let link = &body.links()[index];
+            let parent = link.parent.map(|parent| body.links()[parent].name.clone());
+            let joints = body.dof_names()[body.first_dof(index)..][..link.joints.len()].to_vec();
+            json!({ "name": link.name, "parent": parent, "offset_m": link.offset, "degrees_of_freedom": joints })
+        };
+        let links: Vec<_> = (0..body.links().len()).map(link).collect();
+        let point = |point: &sinew::body::Point| json!({ "name": point.name, "link": body.links()[point.link].name, "offset_m": point.offset });
+        let points: Vec<_> = body.points().iter().map(point).collect();
+        return report::answer_json(
+            &json!({ "name": name, "degrees_of_freedom": body.dof(), "links": links, "points": points }),
+        );
+    }
+    let mut text = format!(
+        "{name}: {} links, {} degrees of freedom, {} points\n",
+        body.links().len(),
+        body.dof(),
+        body.points().len()
+    );
+    for index in (0..body.links().len()).filter(|&index| body.links()[index].parent.is_none()) {
+        branch(body, index, "", "", &mut text);
+    }
+    report::answer(&text)
+}
+
+/// A link and all below it; `lead` starts its own line, `rest` those below.
+fn branch(body: &KinematicTree, index: usize, lead: &str, rest: &str, text: &mut String) {
+    let link = &body.links()[index];
+    let [x, y, z] = link.offset;
+    let length = x.hypot(y).hypot(z);
+    let first = body.first_dof(index);
+    let names = body.dof_names();
+    let joints: Vec<&str> =
+        names[first..first + link.joints.len()].iter().filter_map(|name| name.rsplit('.').next()).collect();
+    let mut line = format!("{lead}{}", link.name);
+    if !joints.is_empty() {
+        line += &format!(
+            "  [{}: {}]",
+            if joints.len() == 1 { first.to_string() } else { format!("{first}-{}", first + joints.len() - 1) },
+            joints.join(" ")
+        );
+    }
+    if length > 0.0 {
+        line += &format!("  {length:.3} m from its parent");
+    }
+    let points: Vec<&str> =
+        body.points().iter().filter(|point| point.link == index).map(|point| point.name.as_str()).collect();
+    if !points.is_empty() {
+        line += &format!("  · {}", points.join(" "));
+    }
+    text.push_str(&line);
+    text.push('\n');
+    let children: Vec<usize> =
+        (0..body.links().len()).filter(|&child| body.links()[child].parent == Some(index)).collect();
+    for (i, &child) in children.iter().enumerate() {
+        let (own, below) = if i + 1 == children.len() { ("└─ ", "   ") } else { ("├─ ", "│  ") };
+        branch(body, child, &format!("{rest}{own}"), &format!("{rest}{below}"), text);
+    }
+}

@@ -1,0 +1,22 @@
+//! Ctrl-C and SIGTERM: the first asks for an end after the frame, the second ends at once.
+
+use std::io::Write as _;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// Exit code of a second interrupt: nothing was saved since the first.
+const AT_ONCE: i32 = 130;
+
+/// A flag that the first interrupt sets.
+pub(crate) fn flag() -> Arc<AtomicBool> {
+    let asked = Arc::new(AtomicBool::new(false));
+    let seen = Arc::clone(&asked);
+    // Where no handler can be set, an interrupt ends the program as usual.
+    let _ = ctrlc::set_handler(move || {
+        if seen.swap(true, Ordering::SeqCst) {
+            std::process::exit(AT_ONCE);
+        }
+        let _ = writeln!(std::io::stderr(), "interrupted: finishing the frame; once more to end at once");
+    });
+    asked
+}

@@ -1,0 +1,208 @@
+//! `sinew track`: settings, checks, the run, and what to tell about it.
+
+use super::args::{General, TrackArgs};
+use super::progress::Progress;
+use super::report::{self, Report};
+use super::{Ended, interrupt};
+use sinew::config::{Resolved, Sources, TrackConfig, resolve};
+use sinew::job::{Outcome, Pass, Watch};
+use sinew::output::{Claim, claim};
+use sinew::recording::{Options, Recording};
+use sinew::{Error, job};
+use std::path::{Path, PathBuf};
+
+/// Runs the command.
+pub(crate) fn run(args: &TrackArgs, general: &General, report: &Report) -> Result<Ended, Error> {
+    let resolved = settings(args, general)?;
+    report.warnings(&resolved.warnings);
+    if args.print_config {
+        if general.json {
+            report::answer_json(&resolved.to_json())?;
+        } else {
+            report::answer(&resolved.describe())?;
+        }
+        return Ok(Ended::Done);
+    }
+    let config = resolved.track();
+    let (calibration, keypoints) = inputs(&config)?;
+    let options = Options {
+        layout: config.layout.clone(),
+        confidence_scale: config.confidence_scale,
+        frames: config.frames.clone(),
+        cameras: config.cameras.clone(),
+        trim: config.trim,
+    };
+    let mut read_from = vec![calibration.clone(), keypoints.clone()];
+    read_from.extend(config.setup.clone());
+    read_from.extend(general.config.clone());
+    let claim = claimed(&config, &read_from, report)?;
+    let mut recording = Recording::open(&calibration, &keypoints, &options)?;
+    let setup_frames = match &config.setup_frames {
+        None => recording.available(),
+        Some(asked) => {
+            let all = recording.available();
+            let cut = asked.start.max(all.start)..asked.end.min(all.end);
+            if cut.is_empty() {
+                return Err(Error::Input {
+                    message: format!(
+                        "set-up frames {}..{} were asked for; the recording has {}..{}",
+                        asked.start, asked.end, all.start, all.end
+                    ),
+                    help: Some("`--setup-frames A..B` takes the numbers in the file names, A included, B not".into()),
+                });
+            }
+            cut
+        }
+    };
+    let outcome = with_threads(&config, || {
+        let mut progress = PassProgress::new(general);
+        let stop = interrupt::flag();
+        let mut tell = |pass, done, total| progress.at(pass, done, total);
+        let mut watch = Watch { progress: &mut tell, stop: &stop };
+        job::track(&mut recording, setup_frames, &resolved, claim, &mut watch, |recording| {
+            (recording.warnings(), recording.input_hashes())
+        })
+    })?;
+    tell(&outcome, &config.out, general, report)
+}
+
+/// Settings from all their sources.
+pub(crate) fn settings(args: &TrackArgs, general: &General) -> Result<Resolved, Error> {
+    let mut flags = args.settings.clone();
+    flags.extend(general.settings());
+    let environment =
+        std::env::vars_os().filter_map(|(name, value)| Some((name.into_string().ok()?, value.into_string().ok()?)));
+    let mut environment: Vec<(String, String)> = environment.filter(|(name, _)| name.starts_with("SINEW_")).collect();
+    environment.sort();
+    resolve(&Sources { flags, environment, file: general.config.clone() })
+}
+
+/// Calibration and keypoints, or what to try without them.
+fn inputs(config: &TrackConfig) -> Result<(PathBuf, PathBuf), Error> {
+    match (&config.calibration, &config.keypoints) {
+        (Some(calibration), Some(keypoints)) => Ok((calibration.clone(), keypoints.clone())),
+        (calibration, keypoints) => {
+            let missing = match (calibration, keypoints) {
+                (None, None) => "neither calibration nor keypoints were given",
+                (None, _) => "no calibration was given",
+                (_, None) => "no keypoints were given",
+                _ => "an input is missing",
+            };
+            Err(Error::Usage {
+                message: missing.into(),
+                help: "try one of\n  sinew track --calibration Calib.toml --keypoints pose --fps 60\n  sinew demo"
+                    .into(),
+            })
+        }
+    }
+}
+
+/// The output folder, for us alone.
+pub(crate) fn claimed(config: &TrackConfig, inputs: &[PathBuf], report: &Report) -> Result<Claim, Error> {
+    let claim = claim(&config.out, inputs, config.force)?;
+    if let Some(pid) = claim.stale_lock_of {
+        report.warnings(&[format!(
+            "process {pid} left its lock in {}; it is gone, the lock is taken over",
+            config.out.display()
+        )]);
+    }
+    Ok(claim)
+}
+
+/// Runs in a pool of the threads asked for.
+pub(crate) fn with_threads<T: Send>(
+    config: &TrackConfig,
+    run: impl FnOnce() -> Result<T, Error> + Send,
+) -> Result<T, Error> {
+    let granted = std::thread::available_parallelism().map_or(1, |n| n.get());
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(config.threads.unwrap_or(granted)).build();
+    let pool = pool.map_err(|error| Error::Numerical { message: format!("threads cannot be started: {error}") })?;
+    pool.install(run)
+}
+
+/// One progress a pass.
+pub(crate) struct PassProgress<'a> {
+    general: &'a General,
+    current: Option<(Pass, Progress)>,
+}
+
+impl<'a> PassProgress<'a> {
+    pub(crate) fn new(general: &'a General) -> Self {
+        Self { general, current: None }
+    }
+
+    pub(crate) fn at(&mut self, pass: Pass, done: u64, total: u64) {
+        let same = self.current.as_ref().is_some_and(|(current, _)| *current == pass);
+        if !same {
+            let what = match pass {
+                Pass::SetUp => "set-up",
+                Pass::Track => "tracking",
+                Pass::Smooth => "smoothing",
+            };
+            // The bar before is cleared first.
+            self.current = None;
+            self.current = Some((pass, Progress::start(self.general, what, total)));
+        }
+        if let Some((_, progress)) = &mut self.current {
+            progress.at(done);
+        }
+    }
+}
+
+/// Says what came of it.
+fn tell(outcome: &Outcome, out: &Path, general: &General, report: &Report) -> Result<Ended, Error> {
+    let summary = &outcome.summary;
+    report.warnings(&summary.warnings);
+    if general.json {
+        report::answer_json(&serde_json::to_value(summary).unwrap_or_default())?;
+    } else {
+        report::answer(&table(outcome, out))?;
+    }
+    Ok(ended(outcome, report))
+}
+
+/// The end of a run by its summary.
+pub(crate) fn ended(outcome: &Outcome, report: &Report) -> Ended {
+    if !outcome.summary.complete {
+        report.note("interrupted; what was done is written and marked incomplete");
+        return Ended::Interrupted;
+    }
+    for failed in &outcome.summary.failed_diagnostics {
+        report.failed(failed);
+    }
+    if outcome.summary.failed_diagnostics.is_empty() { Ended::Done } else { Ended::Doubtful }
+}
+
+fn table(outcome: &Outcome, out: &Path) -> String {
+    let summary = &outcome.summary;
+    let [first, end] = summary.frames;
+    let mut rows: Vec<(String, String)> = vec![
+        ("frames".into(), format!("{} ({first}..{end}), {} observed", summary.frame_count, summary.observed_frames)),
+        ("method".into(), format!("{}, {}, seed {}, {}", summary.method, summary.kind, summary.seed, summary.isa)),
+        ("speed".into(), format!("{:.1} ms per frame", outcome.ms_per_frame)),
+    ];
+    let diagnostics = &summary.diagnostics;
+    if let Some(r_hat) = diagnostics.r_hat {
+        rows.push((
+            "R-hat".into(),
+            format!("median {:.3}, 95 % {:.3}, {} frames above 1.05", r_hat.median, r_hat.p95, r_hat.frames_above_1_05),
+        ));
+    }
+    if let Some(ess) = diagnostics.ess_median {
+        rows.push(("effective size".into(), format!("median {ess:.0}")));
+    }
+    for camera in &summary.cameras {
+        let residual =
+            camera.residual_px.map_or("no observation".into(), |residual| format!("residual {residual:.1} px"));
+        let [u, v] = camera.offset_px;
+        rows.push((camera.name.clone(), format!("{residual}, offset {u:+.1} {v:+.1} px, {} frames", camera.frames)));
+    }
+    rows.push(("results".into(), out.display().to_string()));
+    aligned(&rows)
+}
+
+/// Two columns.
+pub(crate) fn aligned(rows: &[(String, String)]) -> String {
+    let width = rows.iter().map(|(left, _)| left.chars().count()).max().unwrap_or_default();
+    rows.iter().map(|(left, right)| format!("{left:width$}  {right}\n")).collect()
+}

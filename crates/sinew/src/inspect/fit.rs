@@ -1,0 +1,111 @@
+//! Whether a calibration and keypoints belong together, before any tracking.
+//!
+//! The person is followed through the first frames. For each camera:
+//!
+//! - *RMS*: distance of the keypoints from the projection of their plain triangulation from all cameras, pixels;
+//! - *offset*: the constant part of it (observed − projected), and the *scatter* that remains per axis;
+//! - *lag*: the shift in frames at which the camera agrees best with the others; 0 for synchronised cameras.
+//!
+//! The set-up pass over the same frames adds what it finds odd: units, axes, cameras that look away, sides swapped.
+
+use super::Facts;
+use crate::Error;
+use crate::recording::Recording;
+use crate::setup::{self, Request, collect};
+use sinew_observe::cross_view::best_lag;
+use sinew_observe::offsets::{self, Sighted};
+use sinew_observe::triangulate::{Seen, linear};
+use sinew_observe::{Camera, Detection};
+
+/// Frames looked at.
+const FRAMES: u64 = 200;
+
+/// Largest lag looked for, frames.
+const LARGEST_LAG: i64 = 10;
+
+/// Scatter, pixels, above which the calibration is doubted, per 1000 px of image diagonal.
+const DOUBTFUL: f64 = 15.0;
+
+/// Looks at a recording.
+///
+/// # Errors
+/// Files that cannot be read.
+pub fn facts(recording: &mut Recording) -> Result<Facts, Error> {
+    let cameras = recording.cameras().to_vec();
+    let layout = recording.layout().clone();
+    let range = recording.frames();
+    let numbers = range.start..range.end.min(range.start + FRAMES);
+    let mut frames = Vec::new();
+    for number in numbers.clone() {
+        frames.push((number, setup::detections(&recording.frame(number)?)));
+    }
+    let mut facts = Facts::new(format!("fit of calibration and keypoints, frames {}..{}", numbers.start, numbers.end));
+    let request = Request { frames: frames.len(), window: frames.len(), ..Request::default() };
+    let collected = match collect(&cameras, &layout, &request, frames.iter().cloned().map(Ok)) {
+        Ok(collected) => collected,
+        Err(error) => {
+            facts.odd.push(error.to_string());
+            return Ok(facts);
+        }
+    };
+    facts.row("person", format!("found in {} of {} frames", collected.found, collected.read));
+    let sighted: Vec<Sighted> = collected.window.iter().map(|(_, sighted)| sighted.clone()).collect();
+    let config = offsets::Config::default();
+    let noise = offsets::estimate(&cameras, &sighted, &config);
+    let rms = reprojection_rms(&cameras, &sighted, config.least_confidence);
+    for (index, camera) in cameras.iter().enumerate() {
+        let lag = best_lag(&cameras, &noise, &collected.window, index, LARGEST_LAG, config.least_confidence);
+        let clock = lag.map_or("lag unknown".into(), |lag| format!("best lag {:+} frames", lag.frames));
+        let [u, v] = noise[index].offset_px;
+        let rms = rms[index].map_or("RMS unknown".into(), |rms| format!("RMS {rms:.1} px"));
+        let scatter = noise[index].sigma_px;
+        facts.row(&camera.name, format!("{rms}, offset ({u:+.1}, {v:+.1}) px, then {scatter:.1} px per axis, {clock}"));
+        let [width, height] = camera.image_size_px;
+        if scatter > DOUBTFUL * width.hypot(height) / 1000.0 {
+            facts.odd.push(format!(
+                "{}: keypoints scatter by {scatter:.0} px; is this the calibration of this camera?",
+                camera.name
+            ));
+        }
+    }
+    match setup::set_up(&cameras, &layout, &Request::default(), frames.into_iter().map(Ok)) {
+        Ok((_, warnings)) => facts.odd.extend(warnings.iter().map(ToString::to_string)),
+        Err(error) => facts.odd.push(error.to_string()),
+    }
+    facts.odd.extend(recording.warnings());
+    let verdict =
+        if facts.odd.is_empty() { "calibration and keypoints fit" } else { "look at what is odd before tracking" };
+    facts.row("verdict", verdict);
+    Ok(facts)
+}
+
+/// Root mean square reprojection distance of each camera, pixels.
+fn reprojection_rms(cameras: &[Camera], frames: &[Sighted], least_confidence: f64) -> Vec<Option<f64>> {
+    let mut sums = vec![(0.0, 0_u32); cameras.len()];
+    for frame in frames {
+        let keypoints = frame.iter().map(Vec::len).max().unwrap_or_default();
+        for keypoint in 0..keypoints {
+            let at = |camera: usize| -> Option<Detection> {
+                let detection = frame.get(camera)?.get(keypoint).copied().flatten()?;
+                (detection.confidence >= least_confidence).then_some(detection)
+            };
+            let seen: Vec<(usize, Seen<'_>)> = cameras
+                .iter()
+                .enumerate()
+                .filter_map(|(index, camera)| {
+                    let Detection { pixel, confidence } = at(index)?;
+                    Some((index, Seen { camera, pixel: camera.undistort(pixel).ok()?, confidence }))
+                })
+                .collect();
+            let views: Vec<Seen<'_>> = seen.iter().map(|(_, seen)| *seen).collect();
+            let Some(point) = linear(&views, true).filter(|_| views.len() > 1) else { continue };
+            for (index, seen) in &seen {
+                if let Some([u, v]) = seen.camera.project_ideal(point) {
+                    sums[*index].0 += (seen.pixel[0] - u).powi(2) + (seen.pixel[1] - v).powi(2);
+                    sums[*index].1 += 1;
+                }
+            }
+        }
+    }
+    sums.into_iter().map(|(sum, count)| (count > 0).then(|| (sum / f64::from(count)).sqrt())).collect()
+}

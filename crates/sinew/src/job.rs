@@ -1,0 +1,249 @@
+//! A whole run: set-up, tracking, smoothing, result folder; what `sinew track` and `sinew demo` have in common.
+//!
+//! ```text
+//! frames ──▶ set-up ──▶ setup.toml          (or a set-up of an earlier run)
+//!    └─────▶ tracker ──▶ result folder      (through a spool on disk and a backward pass with `smooth`)
+//! ```
+//!
+//! An interrupt ends the run after the frame at hand; what was done is written and marked incomplete.
+
+use crate::config::{Prior, Resolved, TrackConfig};
+use crate::estimate::{Carried, FrameEstimate, Kind, RunInfo};
+use crate::files;
+use crate::output::{Claim, Ending, ResultFolder, Summary, Texts};
+use crate::pipeline::{self, FrameSource, Method, Pipeline, Settings, Spool, motion};
+use crate::setup::{self, Request, Setup};
+use crate::{Error, config};
+use sinew_core::lanes::Isa;
+use sinew_dynamics::random_walk::Between;
+use sinew_formats::source_text::MAX_CONFIG_BYTES;
+use std::collections::BTreeMap;
+use std::ops::{ControlFlow, Range};
+use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Instant, SystemTime, UNIX_EPOCH};
+
+/// Part of a run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Pass {
+    /// Frames are read for the set-up.
+    SetUp,
+    /// Frames are tracked.
+    Track,
+    /// Frames are smoothed.
+    Smooth,
+}
+
+/// Who looks on.
+pub struct Watch<'a> {
+    /// Told a pass, the frames done and all of them.
+    pub progress: &'a mut dyn FnMut(Pass, u64, u64),
+    /// Set to end after the frame at hand.
+    pub stop: &'a AtomicBool,
+}
+
+/// How a run ended.
+#[derive(Clone, Debug)]
+pub struct Outcome {
+    /// What stands in `summary.json`.
+    pub summary: Summary,
+    /// Wall time of the tracking pass per frame, milliseconds.
+    pub ms_per_frame: f64,
+}
+
+/// Rate taken where none is given.
+pub const DEFAULT_FPS: f64 = 30.0;
+
+/// Trajectories that a backward pass draws.
+const SMOOTHED_DRAWS: usize = 128;
+
+/// Tracks the frames of a source into a claimed folder.
+///
+/// `warn` gives the warnings of the source when all is read.
+///
+/// # Errors
+/// Those of the source, the set-up, the tracker and the disk.
+pub fn track<S: FrameSource>(
+    source: &mut S,
+    setup_frames: Range<u64>,
+    resolved: &Resolved,
+    claim: Claim,
+    watch: &mut Watch<'_>,
+    inputs: impl FnOnce(&S) -> (Vec<String>, BTreeMap<String, String>),
+) -> Result<Outcome, Error> {
+    let config = resolved.track();
+    let started = SystemTime::now();
+    let clock = Instant::now();
+    let mut warnings = Vec::new();
+    let mut settings = settings(&config)?;
+    if config.fps.is_none() {
+        warnings.push(format!("no frame rate given; {DEFAULT_FPS} frames per second assumed (`--fps`)"));
+    }
+    settings.fps = config.fps.unwrap_or(DEFAULT_FPS);
+
+    let setup = match &config.setup {
+        Some(path) => read_setup(path)?,
+        None => set_up(source, setup_frames, &config, &settings, watch, &mut warnings)?,
+    };
+    let setup_s = clock.elapsed().as_secs_f64();
+    let tree = setup.tree();
+    let cameras = source.cameras().to_vec();
+    let mut pipeline = Pipeline::new(&setup, &tree, &cameras, source.layout(), settings.clone())?;
+    let frames = source.frames();
+    let kind = if config.smooth { Kind::Smoothed } else { Kind::Filtered };
+    let carried = pipeline.carried();
+    let info = RunInfo {
+        method: settings.method.name().into(),
+        kind,
+        body: tree.clone(),
+        fps: settings.fps,
+        first_frame: frames.start,
+        draws: if config.smooth { settings.draws.min(SMOOTHED_DRAWS) } else { settings.draws },
+        carried: if config.smooth {
+            Carried { log_evidence: carried.log_evidence, ..Carried::default() }
+        } else {
+            carried
+        },
+        seed: settings.seed,
+        isa: settings.isa.name().into(),
+        camera_offset_px: setup.camera.iter().map(|camera| camera.offset_px).collect(),
+        sigma_px: setup.camera.iter().map(|camera| camera.sigma_px).fold(0.0, f64::max),
+        cameras,
+        setup_toml: setup.to_toml()?,
+    };
+    let mut spool = match config.smooth {
+        true => Some(Spool::create(&claim.folder().join("smooth.partial"), tree.dof(), info.cameras.len())?),
+        false => None,
+    };
+    let texts = Texts { config_toml: resolved.to_toml(), settings: resolved.to_json(), settings_hash: resolved.hash() };
+    let mut results = ResultFolder::create(claim, info, texts)?;
+
+    let total = frames.end - frames.start;
+    let mut done = 0;
+    pipeline.track(source, frames, |estimate: FrameEstimate, posterior| {
+        match &mut spool {
+            Some(spool) => spool.append(&estimate, &pipeline::moments(posterior, settings.isa))?,
+            None => results.append(&estimate)?,
+        }
+        done += 1;
+        (watch.progress)(Pass::Track, done, total);
+        Ok(go_on(watch.stop))
+    })?;
+    let track_s = clock.elapsed().as_secs_f64() - setup_s;
+    if let Some(spool) = &mut spool {
+        let mut smoothed = 0;
+        pipeline::smooth(spool, pipeline.transition(), &tree, &settings, |estimate| {
+            results.append(&estimate)?;
+            smoothed += 1;
+            (watch.progress)(Pass::Smooth, smoothed, done);
+            Ok(ControlFlow::Continue(()))
+        })?;
+    }
+    drop(spool);
+    let (source_warnings, input_hashes) = inputs(source);
+    warnings.splice(0..0, source_warnings);
+    let wall_s = clock.elapsed().as_secs_f64();
+    let timings = serde_json::json!({
+        "started_unix_s": started.duration_since(UNIX_EPOCH).map_or(0, |since| since.as_secs()),
+        "wall_s": wall_s,
+        "set_up_s": setup_s,
+        "track_s": track_s,
+        "frames_per_second": done as f64 / track_s,
+        "threads": rayon::current_num_threads(),
+    });
+    let ending = Ending {
+        complete: done == total,
+        warnings,
+        input_hashes,
+        limits: config.limits,
+        timings: timings.as_object().cloned().unwrap_or_default(),
+    };
+    let summary = results.finish(&ending)?;
+    Ok(Outcome { summary, ms_per_frame: 1e3 * track_s / done.max(1) as f64 })
+}
+
+fn go_on(stop: &AtomicBool) -> ControlFlow<()> {
+    if stop.load(Ordering::SeqCst) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+}
+
+/// The tracker's settings; the frame rate is settled elsewhere.
+fn settings(config: &TrackConfig) -> Result<Settings, Error> {
+    let isa = match &config.simd {
+        None => Isa::best(),
+        Some(name) => Isa::by_name(name).ok_or_else(|| {
+            let available: Vec<&str> = Isa::available().into_iter().map(Isa::name).collect();
+            Error::Usage {
+                message: format!("this processor has no `{name}`; it has {}", available.join(", ")),
+                help: "leave `--simd` out to take the best".into(),
+            }
+        })?,
+    };
+    Ok(Settings {
+        method: match config.method {
+            config::Method::Hmc => Method::Hmc,
+            config::Method::Bootstrap => Method::Bootstrap,
+        },
+        seed: config.seed,
+        isa,
+        between: match config.prior {
+            Prior::Gaussian => Between::Gaussian,
+            Prior::Mixture => Between::Mixture,
+        },
+        motion_scale: config.motion_scale,
+        chains: config.chains,
+        updates: config.updates,
+        burn_in: config.burn_in,
+        jitter: config.jitter,
+        particles: config.particles,
+        draws: config.draws,
+        ..Settings::default()
+    })
+}
+
+fn read_setup(path: &Path) -> Result<Setup, Error> {
+    let text = files::read_text(path, MAX_CONFIG_BYTES)?;
+    toml::from_str(&text).map_err(|error| {
+        let line = error.span().map_or(1, |span| 1 + text[..span.start].matches('\n').count());
+        Error::Input {
+            message: format!("{}:{line}: {}", path.display(), error.message()),
+            help: Some("give `--setup` the setup.toml of a result folder of this version, or leave it out".into()),
+        }
+    })
+}
+
+fn set_up<S: FrameSource>(
+    source: &mut S,
+    numbers: Range<u64>,
+    config: &TrackConfig,
+    settings: &Settings,
+    watch: &mut Watch<'_>,
+    warnings: &mut Vec<String>,
+) -> Result<Setup, Error> {
+    let body = match config.body.to_lowercase().as_str() {
+        "h32" => setup::Body::H32,
+        "cf28" => setup::Body::CF28,
+        other => {
+            return Err(Error::Usage {
+                message: format!("the set-up pass cannot size the body `{other}`"),
+                help: "track with `--body h32` or `--body cf28`".into(),
+            });
+        }
+    };
+    let request = Request { body, person: config.person.unwrap_or_default(), ..Request::default() };
+    let (cameras, layout) = (source.cameras().to_vec(), source.layout().clone());
+    let total = numbers.end - numbers.start;
+    let frames = numbers.clone().map(|number| {
+        let people = source.people(number)?;
+        (watch.progress)(Pass::SetUp, number - numbers.start + 1, total);
+        Ok((number, people))
+    });
+    let (mut setup, found) = setup::set_up(&cameras, &layout, &request, frames)?;
+    warnings.extend(found.iter().map(ToString::to_string));
+    let tree = setup.tree();
+    setup.motion_sd = Some(motion::default_sd(&tree));
+    if settings.method == Method::Hmc {
+        let start = setup.start_frame;
+        pipeline::tune(&mut setup, &tree, source, start, settings)?;
+    }
+    Ok(setup)
+}
