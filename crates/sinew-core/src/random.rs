@@ -102,38 +102,46 @@ impl TryRng for BlockRng {
     }
 }
 
+/// 32-bit words of a pair of deviates in every lane.
 const WORDS: usize = 2 * LANES;
+/// Pairs that one kernel makes: as many words as the generator makes at a time.
+const PAIRS: usize = 4;
 
 struct BoxMuller<'a> {
-    words: &'a [u32; WORDS],
-    pair: [&'a mut Block; 2],
+    words: &'a [u32],
+    out: &'a mut [Block],
 }
 
 impl Kernel<Block> for BoxMuller<'_> {
     type Out = ();
     #[inline(always)]
     fn run<V: Real<Mem = Block>>(self) {
-        let mut uniform = [Block::ZERO; 2];
-        for lane in 0..LANES {
-            uniform[0].0[lane] = f64::from(self.words[lane]);
-            uniform[1].0[lane] = f64::from(self.words[LANES + lane]);
-        }
         const SCALE: f64 = 1.0 / 4_294_967_296.0;
         let (scale, half) = (V::splat(SCALE), V::splat(0.5 * SCALE));
-        let u = V::load(&uniform[0]).fma(scale, half);
-        let v = V::load(&uniform[1]).fma(scale, half) * V::splat(core::f64::consts::TAU);
-        let radius = (ln(u) * V::splat(-2.0)).sqrt();
-        let (sin, cos) = sin_cos(v);
-        (radius * cos).store(self.pair[0]);
-        (radius * sin).store(self.pair[1]);
+        for (pair, words) in self.out.chunks_mut(2).zip(self.words.chunks_exact(WORDS)) {
+            let mut uniform = [Block::ZERO; 2];
+            for lane in 0..LANES {
+                uniform[0].0[lane] = f64::from(words[lane]);
+                uniform[1].0[lane] = f64::from(words[LANES + lane]);
+            }
+            let u = V::load(&uniform[0]).fma(scale, half);
+            let v = V::load(&uniform[1]).fma(scale, half) * V::splat(core::f64::consts::TAU);
+            let radius = (ln(u) * V::splat(-2.0)).sqrt();
+            let (sin, cos) = sin_cos(v);
+            (radius * cos).store(&mut pair[0]);
+            if let Some(second) = pair.get_mut(1) {
+                (radius * sin).store(second);
+            }
+        }
     }
 }
 
 impl BlockRng {
     /// Fills with uniform numbers in (0, 1).
     pub fn fill_uniform(&mut self, out: &mut [Block]) {
+        let mut words = [0; LANES];
         for block in out {
-            let words: [u32; LANES] = self.words();
+            self.fill_words(&mut words);
             for (x, word) in block.0.iter_mut().zip(words) {
                 *x = (f64::from(word) + 0.5) / 4_294_967_296.0;
             }
@@ -142,24 +150,21 @@ impl BlockRng {
 
     /// Fills with independent standard normal deviates.
     pub fn fill_normal(&mut self, isa: Isa, out: &mut [Block]) {
-        let mut spare = Block::ZERO;
-        for pair in out.chunks_mut(2) {
-            let words = &self.words();
-            let pair = match pair {
-                [a, b] => [a, b],
-                [a] => [a, &mut spare],
-                _ => continue,
-            };
-            dispatch(isa, BoxMuller { words, pair });
+        let mut words = [0; PAIRS * WORDS];
+        for out in out.chunks_mut(2 * PAIRS) {
+            let words = &mut words[..out.len().div_ceil(2) * WORDS];
+            self.fill_words(words);
+            dispatch(isa, BoxMuller { words, out });
         }
     }
 
-    fn words<const N: usize>(&mut self) -> [u32; N] {
-        let mut words = [0; N];
-        for word in &mut words {
-            *word = rand::Rng::next_u32(&mut self.0);
+    fn fill_words(&mut self, words: &mut [u32]) {
+        let mut bytes = [[0; 4]; PAIRS * WORDS];
+        let bytes = &mut bytes[..words.len()];
+        rand::Rng::fill_bytes(&mut self.0, bytes.as_flattened_mut());
+        for (word, bytes) in words.iter_mut().zip(bytes) {
+            *word = u32::from_le_bytes(*bytes);
         }
-        words
     }
 }
 

@@ -83,8 +83,7 @@ pub trait Predict: Sync {
 
 /// Prior of one frame: a differentiable density that can also be drawn from.
 pub trait FramePrior: GradLogDensity + Send {
-    /// Draws the states 8 · `block` to 8 · `block` + 7 of a sample of the prior. Each follows the prior when `block` is uniform over whole rounds of its components:
-    /// a mixture takes its components in turn, so that a sample as large as the mixture has one state from each.
+    /// Draws states 8 · `block` to 8 · `block` + 7 of a sample of the prior. A mixture takes its components in turn, so that a sample of its size has one state from each; other priors ignore the number.
     fn sample_block(&self, block: usize, out: &mut [Block], rng: &mut BlockRng);
 
     /// Diagonal of an upper bound of the prior's precision, the same for every state.

@@ -1,11 +1,12 @@
 //! Weighted states in blocks of eight, and the verbs of a particle filter on them.
 //!
-//! [`Particles`] holds `count` states, dimension-major in blocks: state i is lane i mod 8 of block i / 8. The lanes of the last block beyond `count` are moved along and never counted. The states before
-//! the last [`predict`] are kept as well, so that one [`resample`] moves both.
+//! [`Particles`] holds `count` states, dimension-major in blocks: state i is lane i mod 8 of block i / 8. The lanes of the last block beyond `count` are moved along and never counted. The population before
+//! the last [`predict`] is kept as well, with the place in it of each state's ancestor.
 //!
-//! A step of a bootstrap filter is [`resample`], [`predict`], [`reweight`], [`aggregate`]. Blocks are mapped in parallel, each with its own random stream; sums are taken in index order, so the thread count does not change a bit.
+//! A step of a bootstrap filter is [`resample`], [`predict`], [`reweight`], [`aggregate`]. Resampling only draws ancestors; [`predict`] gathers and moves them in one pass, since a large population is bound by
+//! memory and not by arithmetic. Blocks are mapped in parallel, each with its own random stream; sums are taken in index order, so the thread count does not change a bit.
 
-use crate::resample::Scheme;
+use crate::resample::{Ancestors, Scheme};
 use crate::weights::{effective_number, normalise};
 use crate::{Error, moments};
 use rayon::prelude::*;
@@ -23,10 +24,12 @@ pub struct Particles {
     dim: usize,
     count: usize,
     states: Vec<Block>,
-    previous: Vec<Block>,
     log_weights: Vec<f64>,
     weights: Vec<f64>,
-    spare: Vec<Block>,
+    previous: Vec<Block>,
+    previous_log_weights: Vec<f64>,
+    ancestors: Option<Ancestors>,
+    values: Vec<Block>,
 }
 
 impl Particles {
@@ -45,10 +48,12 @@ impl Particles {
             dim,
             count,
             previous: states.clone(),
-            spare: states.clone(),
             states,
             log_weights: vec![-(count as f64).ln(); count],
+            previous_log_weights: vec![-(count as f64).ln(); count],
             weights: vec![1.0 / count as f64; count],
+            ancestors: None,
+            values: vec![Block::ZERO; blocks],
         })
     }
 
@@ -70,10 +75,16 @@ impl Particles {
         &self.states
     }
 
-    /// The states before the last [`predict`], stored alike.
+    /// The population before the last [`predict`], stored alike.
     #[must_use]
     pub fn previous(&self) -> &[Block] {
         &self.previous
+    }
+
+    /// Place in [`Particles::previous`] of the state that state `index` came from.
+    #[must_use]
+    pub fn ancestor(&self, index: usize) -> usize {
+        self.ancestors.as_ref().map_or(index, |a| a[index])
     }
 
     /// Logarithms of the normalised weights.
@@ -103,20 +114,57 @@ pub fn start<T: Transition + ?Sized>(particles: &mut Particles, transition: &T, 
     });
 }
 
-/// Moves every state by the transition; the old states become [`Particles::previous`].
-pub fn predict<T: Transition + ?Sized>(particles: &mut Particles, transition: &T, stage: Stage) {
-    let Particles { dim, states, previous, .. } = particles;
+/// Draws the ancestors of a new population by the weights.
+#[must_use]
+pub fn resample(particles: &Particles, scheme: Scheme, stage: Stage) -> Ancestors {
+    scheme.ancestors(&particles.weights, particles.count, &mut stage.whole())
+}
+
+/// Moves the states by the transition: each from its ancestor, with equal weights, or without `ancestors` each from itself, with the weight it has.
+pub fn predict<T: Transition + ?Sized>(
+    particles: &mut Particles,
+    ancestors: Option<Ancestors>,
+    transition: &T,
+    stage: Stage,
+) {
+    let Particles { dim, count, states, previous, .. } = particles;
+    let d = *dim;
     std::mem::swap(states, previous);
-    states.par_chunks_mut(*dim).zip(previous.par_chunks(*dim)).with_min_len(BLOCKS_A_TASK).enumerate().for_each(
-        |(block, (next, previous))| {
-            transition.sample_block(previous, next, &mut stage.block(block as u32));
+    let gather = |block: usize, gathered: &mut [Block], ancestors: &[usize]| {
+        for (lane, &ancestor) in ancestors[block * LANES..].iter().take(LANES).enumerate() {
+            let old = &previous[ancestor / LANES * d..][..d];
+            for (new, old) in gathered.iter_mut().zip(old) {
+                new.0[lane] = old.0[ancestor % LANES];
+            }
+        }
+    };
+    states.par_chunks_mut(d).with_min_len(BLOCKS_A_TASK).enumerate().for_each_init(
+        || vec![Block::ZERO; d],
+        |gathered, (block, next)| {
+            let rng = &mut stage.block(block as u32);
+            match &ancestors {
+                None => transition.sample_block(&previous[block * d..][..d], next, rng),
+                Some(ancestors) => {
+                    gather(block, gathered, ancestors);
+                    transition.sample_block(gathered, next, rng);
+                }
+            }
         },
     );
+    particles.previous_log_weights.copy_from_slice(&particles.log_weights);
+    if ancestors.is_some() {
+        particles.log_weights.fill(-(*count as f64).ln());
+        particles.weights.fill(1.0 / *count as f64);
+    }
+    particles.ancestors = ancestors;
 }
 
 /// Takes the last [`predict`] back.
 pub fn retreat(particles: &mut Particles) {
     std::mem::swap(&mut particles.states, &mut particles.previous);
+    particles.log_weights.copy_from_slice(&particles.previous_log_weights);
+    particles.weights.iter_mut().zip(&particles.log_weights).for_each(|(w, l)| *w = l.exp());
+    particles.ancestors = None;
 }
 
 /// Multiplies the weights by the likelihood and normalises them. Returns log Σ W_i exp l_i, the evidence of the observation given the earlier ones.
@@ -124,8 +172,7 @@ pub fn retreat(particles: &mut Particles) {
 /// # Errors
 /// [`Error::AllWeightsZero`], [`Error::BadWeight`]; the weights are then those before the call.
 pub fn reweight<D: LogDensity + ?Sized>(particles: &mut Particles, likelihood: &D) -> Result<f64, Error> {
-    let Particles { dim, count, states, spare, log_weights, weights, .. } = particles;
-    let values = &mut spare[..count.div_ceil(LANES)];
+    let Particles { dim, states, values, log_weights, weights, .. } = particles;
     values.par_iter_mut().zip(states.par_chunks(*dim)).with_min_len(BLOCKS_A_TASK).for_each_init(
         || vec![Block::ZERO; likelihood.workspace()],
         |ws, (value, states)| *value = likelihood.log_density_block(states, ws),
@@ -134,27 +181,6 @@ pub fn reweight<D: LogDensity + ?Sized>(particles: &mut Particles, likelihood: &
     let evidence = normalise(&updated, weights)?;
     log_weights.iter_mut().zip(updated).for_each(|(w, u)| *w = u - evidence);
     Ok(evidence)
-}
-
-/// Draws the states anew by their weights, which become equal.
-pub fn resample(particles: &mut Particles, scheme: Scheme, stage: Stage) {
-    let Particles { dim, count, states, previous, log_weights, weights, spare } = particles;
-    let ancestors = scheme.ancestors(weights, *count, &mut stage.whole());
-    for population in [states, previous] {
-        spare.par_chunks_mut(*dim).zip(ancestors.par_chunks(LANES)).with_min_len(BLOCKS_A_TASK).for_each(
-            |(new, ancestors)| {
-                for (lane, &ancestor) in ancestors.iter().enumerate() {
-                    let old = &population[ancestor / LANES * *dim..][..*dim];
-                    for (new, old) in new.iter_mut().zip(old) {
-                        new.0[lane] = old.0[ancestor % LANES];
-                    }
-                }
-            },
-        );
-        std::mem::swap(population, spare);
-    }
-    log_weights.fill(-(*count as f64).ln());
-    weights.fill(1.0 / *count as f64);
 }
 
 /// Weighted mean state.
@@ -206,27 +232,35 @@ mod tests {
     fn moved() -> Particles {
         let mut particles = Particles::new(&[0.0, 5.0], 19).expect("not empty");
         start(&mut particles, &Shift(0.0), &[0.0, 5.0], Stage::new(1, "start"));
-        predict(&mut particles, &Shift(1.0), Stage::new(1, "predict"));
+        predict(&mut particles, None, &Shift(1.0), Stage::new(1, "predict"));
         particles
     }
 
     #[test]
-    fn resample_moves_both_populations_and_keeps_the_evidence() {
+    fn states_follow_their_ancestors_and_can_retreat() {
         let mut particles = moved();
         let evidence = reweight(&mut particles, &Ramp).expect("finite");
         let expected: f64 =
             particles.states.chunks(2).flat_map(|b| b[0].0).take(19).map(|x| (-10.0 * x).exp() / 19.0).sum();
         assert!((evidence - expected.ln()).abs() < 1e-12);
         assert!((particles.weights.iter().sum::<f64>() - 1.0).abs() < 1e-14);
-        resample(&mut particles, Scheme::Systematic, Stage::new(1, "resample"));
+        let before = particles.clone();
+        let ancestors = resample(&particles, Scheme::Systematic, Stage::new(1, "resample"));
+        predict(&mut particles, Some(ancestors.clone()), &Shift(1.0), Stage::new(1, "again"));
         assert_eq!(particles.effective_sample_size().round(), 19.0);
-        for (s, p) in particles.states.iter().zip(&particles.previous) {
-            for lane in 0..3 {
-                let step = s.0[lane] - p.0[lane];
-                assert!((1.0..2.0).contains(&step), "a state and its previous one belong together: {step}");
+        for (i, &ancestor) in ancestors.iter().enumerate() {
+            assert_eq!(particles.ancestor(i), ancestor);
+            for j in 0..2 {
+                let old = particles.previous[ancestor / 8 * 2 + j].0[ancestor % 8];
+                let step = particles.states[i / 8 * 2 + j].0[i % 8] - old;
+                assert!((1.0..2.0).contains(&step), "a state and its ancestor belong together: {step}");
             }
         }
-        assert!(aggregate(&particles)[1] > 6.0);
+        assert!(aggregate(&particles)[1] > 7.0);
+        retreat(&mut particles);
+        assert_eq!(particles.states, before.states);
+        assert_eq!(particles.log_weights, before.log_weights);
+        assert!(particles.weights.iter().zip(&before.weights).all(|(a, b)| (a - b).abs() < 1e-14));
     }
 
     #[test]

@@ -59,7 +59,7 @@ fn uniform(rng: &mut impl Rng) -> f64 {
 
 /// Ancestors of ascending positions in (0, n), where state i covers n W_i. The running sum keeps its whole part apart, so that its error does not grow with it.
 fn walk(weights: &[f64], n: usize, mut position: impl FnMut(usize) -> f64) -> Ancestors {
-    let scale = n as f64 / weights.iter().sum::<f64>();
+    let (total, n_real) = (weights.iter().sum::<f64>(), n as f64);
     let mut ancestors = Vec::with_capacity(n);
     let (mut whole, mut fraction) = (0.0, 0.0);
     let mut next = if n > 0 { position(0) } else { 0.0 };
@@ -68,7 +68,7 @@ fn walk(weights: &[f64], n: usize, mut position: impl FnMut(usize) -> f64) -> An
         if weight > 0.0 {
             last = i;
         }
-        fraction += weight * scale;
+        fraction += weight / total * n_real;
         let carry = f64::floor(fraction);
         whole += carry;
         fraction -= carry;
@@ -107,10 +107,11 @@ pub fn systematic(weights: &[f64], n: usize, rng: &mut impl Rng) -> Ancestors {
 
 /// The whole part of each expected count, the rest at random.
 pub fn residual(weights: &[f64], n: usize, rng: &mut impl Rng) -> Ancestors {
-    let scale = n as f64 / weights.iter().sum::<f64>();
+    let total: f64 = weights.iter().sum();
+    let expected = |w: f64| w / total * n as f64;
     // The factor keeps an expected count that is whole but for rounding whole.
-    let copies = |w: f64| (w * scale * (1.0 + 1e-13)).floor();
-    let rest: Vec<f64> = weights.iter().map(|&w| (w * scale - copies(w)).max(0.0)).collect();
+    let copies = |w: f64| (expected(w) * (1.0 + 1e-13)).floor();
+    let rest: Vec<f64> = weights.iter().map(|&w| (expected(w) - copies(w)).max(0.0)).collect();
     let mut ancestors: Ancestors =
         weights.iter().enumerate().flat_map(|(i, &w)| std::iter::repeat_n(i, copies(w) as usize)).take(n).collect();
     let missing = n - ancestors.len();

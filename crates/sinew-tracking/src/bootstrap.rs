@@ -82,10 +82,8 @@ impl<T: Transition + Send, O: LogDensity + ?Sized> Tracker<O> for Bootstrap<T> {
         let mut resampled = false;
         if self.started {
             resampled = particles.effective_sample_size() <= self.config.resample_below * count as f64 * (1.0 + 1e-9);
-            if resampled {
-                resample(particles, self.config.scheme, to_resample);
-            }
-            predict(particles, &self.transition, to_predict);
+            let ancestors = resampled.then(|| resample(particles, self.config.scheme, to_resample));
+            predict(particles, ancestors, &self.transition, to_predict);
         } else {
             start(particles, &self.transition, &self.estimate, to_predict);
         }
