@@ -11,6 +11,7 @@
 //! assert!(found.unmeasured.contains(&"shin"));
 //! ```
 
+pub use crate::bundle::{Config, Subject, fit_poses, refine};
 use crate::standard::Proportions;
 
 /// A size: its name, whether it is a length (else a coordinate of an offset), and its place.

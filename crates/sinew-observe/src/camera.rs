@@ -171,6 +171,13 @@ impl Camera {
         Ok(())
     }
 
+    /// The same camera in a world that is turned about its origin: pixels of `new_from_old · P` are those of P before.
+    #[must_use]
+    pub fn turned(&self, new_from_old: [[f64; 3]; 3]) -> Self {
+        let rotation = self.rotation.map(|row| new_from_old.map(|axis| dot(row, axis)));
+        Self { rotation, ..self.clone() }
+    }
+
     /// Centre of projection in the world, `−Rᵀ t`.
     #[must_use]
     pub fn centre(&self) -> [f64; 3] {

@@ -18,7 +18,7 @@ pub mod shape;
 mod stored;
 mod warning;
 
-pub use collect::{Collected, Request, collect};
+pub use collect::{Collected, Request, collect, limb_lengths};
 pub use stored::{Body, CameraSetup, Setup};
 pub use warning::Warning;
 
@@ -80,6 +80,7 @@ pub fn set_up(
     };
     if let [_] = cameras {
         warnings.push(Warning::OneCamera);
+        warnings.extend(checks::far_cameras(cameras));
         let found = collected.window.iter().find_map(|(n, s)| Some((*n, pose_of(&setup, cameras, layout, s, None)?)));
         (setup.start_frame, setup.start_pose) = found.ok_or_else(no_pose)?;
         return Ok((setup, warnings));

@@ -168,6 +168,18 @@ fn units_axes_and_inverted_cameras_are_diagnosed() {
     let text: Vec<String> = warnings.iter().map(ToString::to_string).collect();
     assert_eq!(text, ["feet are above the head in the first 12 frames; set `up_axis` (found: -z)"]);
 
+    let z_up = setup::checks::z_up_from("-z").unwrap();
+    let repaired: Vec<Camera> = turned.iter().map(|c| c.turned(z_up)).collect();
+    assert_eq!(set_up(&repaired, &layout, frames.clone()).unwrap().0.up_axis, "+z");
+    for up in ["+x", "-x", "+y", "-y", "+z", "-z"] {
+        let turn = setup::checks::z_up_from(up).unwrap();
+        let old = ["+x", "+y", "+z", "-x", "-y", "-z"].iter().position(|u| *u == up).unwrap();
+        let axis = [0, 1, 2].map(|k: usize| f64::from(u8::from(k == old % 3)) * if old < 3 { 1.0 } else { -1.0 });
+        let moved = turn.map(|row| row.iter().zip(axis).map(|(r, a)| r * a).sum::<f64>());
+        assert_eq!(moved, [0.0, 0.0, 1.0], "{up}");
+        assert!(ring(1)[0].turned(turn).validate().is_ok(), "{up} keeps right-handed axes");
+    }
+
     let facing_away = |c: &Camera| {
         let rotation = [c.rotation[0].map(|x| -x), c.rotation[1], c.rotation[2].map(|x| -x)];
         let t = c.translation;

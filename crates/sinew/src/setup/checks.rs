@@ -17,6 +17,8 @@ const LAG_SHARE: f64 = 0.8;
 const WINDOW: usize = 120;
 /// A body outside these multiples of the default is none.
 const PLAUSIBLE: std::ops::RangeInclusive<f64> = 0.2..=5.0;
+/// Body heights between a camera and the origin that are too many.
+const FAR: f64 = 100.0;
 /// Height of the default body, metres.
 const HEIGHT_M: f64 = 1.75;
 
@@ -37,6 +39,29 @@ pub fn check_scale(cameras: &[Camera], scale: f64) -> Result<(), Error> {
         format!("the person would be {:.3} m tall; are translations in metres?", scale * HEIGHT_M)
     };
     Err(Error::Input { message, help: Some("give the translations of the calibration in metres".into()) })
+}
+
+/// Warns when cameras stand so far from the origin that metres are unlikely.
+#[must_use]
+pub fn far_cameras(cameras: &[Camera]) -> Option<Warning> {
+    let mut distances: Vec<f64> =
+        cameras.iter().map(|camera| camera.centre().iter().map(|x| x * x).sum::<f64>().sqrt()).collect();
+    let distance = median(&mut distances);
+    (distance > FAR * HEIGHT_M).then_some(Warning::Millimetres { distance, height: HEIGHT_M })
+}
+
+/// The rotation that takes a world whose `up` axis is one of `+x`, `-x`, `+y`, `-y`, `+z`, `-z` to one with z up, for [`Camera::turned`]; `None` for other names.
+#[must_use]
+pub fn z_up_from(up: &str) -> Option<[[f64; 3]; 3]> {
+    Some(match up {
+        "+x" => [[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]],
+        "-x" => [[0.0, 1.0, 0.0], [0.0, 0.0, -1.0], [-1.0, 0.0, 0.0]],
+        "+y" => [[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]],
+        "-y" => [[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]],
+        "+z" => [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+        "-z" => [[1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, -1.0]],
+        _ => return None,
+    })
 }
 
 const AXES: [[&str; 2]; 3] = [["-x", "+x"], ["-y", "+y"], ["-z", "+z"]];

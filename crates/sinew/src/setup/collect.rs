@@ -99,6 +99,9 @@ pub fn collect(
             continue;
         }
         out.found += 1;
+        if following.lengths.is_empty() {
+            following.lengths = limb_lengths(cameras, layout, &associated.people, &request.association);
+        }
         let sighted: Sighted = associated.people;
         if out.window.len() < request.window {
             out.window.push((number, sighted.clone()));
@@ -119,6 +122,43 @@ pub fn collect(
         return Err(nobody(cameras, layout, request, &out, behind));
     }
     Ok(out)
+}
+
+/// Segments by which a person is known again.
+const LIMBS: [[&str; 2]; 10] = [
+    ["LHip", "LKnee"],
+    ["RHip", "RKnee"],
+    ["LKnee", "LAnkle"],
+    ["RKnee", "RAnkle"],
+    ["LShoulder", "LElbow"],
+    ["RShoulder", "RElbow"],
+    ["LElbow", "LWrist"],
+    ["RElbow", "RWrist"],
+    ["LShoulder", "LHip"],
+    ["RShoulder", "RHip"],
+];
+
+/// Lengths of the limbs that a frame shows, once there are several; for [`Following::lengths`].
+#[must_use]
+pub fn limb_lengths(
+    cameras: &[Camera],
+    layout: &Layout,
+    people: &[Person],
+    config: &association::Config,
+) -> Vec<(usize, usize, f64)> {
+    let views: Vec<Vec<Person>> = people.iter().map(|p| vec![p.clone()]).collect();
+    let members: Vec<Option<usize>> = people.iter().map(|p| (!p.is_empty()).then_some(0)).collect();
+    let points = association::triangulated(cameras, &views, &members, config);
+    let at = |k: usize| points.get(k).copied().flatten();
+    let lengths: Vec<(usize, usize, f64)> = LIMBS
+        .iter()
+        .filter_map(|[a, b]| {
+            let (i, j) = (layout.index(a)?, layout.index(b)?);
+            let (a, b) = (at(i)?, at(j)?);
+            Some((i, j, (0..3).map(|k| (a[k] - b[k]).powi(2)).sum::<f64>().sqrt()))
+        })
+        .collect();
+    if 2 * lengths.len() >= LIMBS.len() { lengths } else { vec![] }
 }
 
 fn nobody(cameras: &[Camera], layout: &Layout, request: &Request, out: &Collected, behind: (usize, usize)) -> Error {
