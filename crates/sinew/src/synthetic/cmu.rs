@@ -12,6 +12,7 @@
 //! The database: "The data used in this project was obtained from mocap.cs.cmu.edu. The database was created with funding from NSF EIA-0196217."
 
 use super::points::{Trajectories, of_states};
+use crate::body::bundle;
 use crate::body::fit::{self, Target, fit_pose};
 use crate::body::initial::initial_pose;
 use crate::body::standard::{EVALUATION_JOINTS, h32};
@@ -122,9 +123,9 @@ pub fn retarget(recorded: &Trajectories) -> Option<Retargeted> {
         .iter()
         .map(|frame| columns.iter().map(|k| k.map(|k| Target { position: frame[k], weight: 1.0 })).collect())
         .collect();
-    let config = subject::Config::default();
+    let config = bundle::Config::default();
     let sample: Vec<_> = targets.iter().step_by(targets.len().div_ceil(SIZING_FRAMES).max(1)).cloned().collect();
-    let proportions = subject::refine(h32, &proportions, &sample, &config).proportions;
+    let proportions = bundle::refine(h32, &proportions, &sample, &config).proportions;
     let body = h32(&proportions);
     let plan = Plan::with_all_points(&body);
     let mut states: Vec<Vec<f64>> = Vec::with_capacity(targets.len());
