@@ -1,0 +1,164 @@
+//! One check per reader: whatever the bytes, it returns a value or an error with words in it, and what its writer makes of a value it reads again.
+//!
+//! Used by the fuzz targets and, with the corpus, by an ordinary test (`tests/tests/corpus.rs`), which is why it knows the formats only as `crate::formats`.
+
+use crate::formats::source_text::decode;
+use crate::formats::{
+    Error, amc, asf, body_toml, bvh, calib_toml, camera_name, frame_number, layout, mot, openpose, tidy_csv, trc,
+};
+use std::fmt::Display;
+
+/// Larger inputs are refused before they are decoded.
+const LIMIT: u64 = 1 << 24;
+
+/// The text of an input, if it is one; an error has a message and perhaps advice.
+fn text<'a>(name: &str, data: &'a [u8]) -> Option<&'a str> {
+    accepted(decode(name, data, LIMIT))
+}
+
+fn accepted<T>(result: Result<T, Error>) -> Option<T> {
+    match result {
+        Ok(value) => Some(value),
+        Err(error) => {
+            assert!(!error.to_string().is_empty());
+            if let Some(help) = error.help() {
+                assert!(!help.to_string().is_empty());
+            }
+            None
+        }
+    }
+}
+
+/// Warnings can be shown.
+fn shown(warnings: &[impl Display]) {
+    assert!(warnings.iter().all(|warning| !warning.to_string().is_empty()));
+}
+
+/// What a writer wrote must be read without an error.
+fn reread<T>(written: &[u8], read: impl Fn(&str, &str) -> Result<T, Error>) {
+    let text = std::str::from_utf8(written).expect("writers write UTF-8");
+    if let Err(error) = read("written", text) {
+        panic!("{error} in what was written:\n{text}");
+    }
+}
+
+/// Keypoint files, with and without a layout.
+pub fn openpose(data: &[u8]) {
+    let Some(text) = text("cam1.0001.json", data) else { return };
+    let layout = layout::find("BODY_25B").ok();
+    for options in [
+        openpose::Options::default(),
+        openpose::Options { frame: Some(1), layout: layout.as_ref(), confidence_scale: 100.0 },
+    ] {
+        if let Some(frame) = accepted(openpose::read("cam1.0001.json", text, &options)) {
+            let mut tally = openpose::Tally::default();
+            tally.add(1, Some(&frame));
+            shown(&tally.warnings("cam1"));
+            let keypoints = frame.people.iter().flat_map(|person| person.keypoints.iter().flatten());
+            for keypoint in keypoints {
+                assert!(keypoint.x.is_finite() && keypoint.y.is_finite());
+                assert!((0.0..=1.0).contains(&keypoint.confidence));
+            }
+        }
+    }
+}
+
+/// Calibrations.
+pub fn calib_toml(data: &[u8]) {
+    let Some(text) = text("Calib.toml", data) else { return };
+    if let Some(calibration) = accepted(calib_toml::read("Calib.toml", text)) {
+        shown(&calibration.warnings);
+        reread(calib_toml::write(&calibration.cameras).as_bytes(), calib_toml::read);
+    }
+}
+
+/// Layout mapping files.
+pub fn layout(data: &[u8]) {
+    let Some(text) = text("layout.toml", data) else { return };
+    accepted(layout::find(text));
+    if let Some(layout) = accepted(layout::read("layout.toml", text)) {
+        assert!(layout.left_right_pairs().len() <= layout.points.len());
+    }
+}
+
+/// Body files.
+pub fn body_toml(data: &[u8]) {
+    let Some(text) = text("body.toml", data) else { return };
+    if let Some(body) = accepted(body_toml::read("body.toml", text)) {
+        reread(body_toml::write(&body).as_bytes(), body_toml::read);
+    }
+}
+
+/// TRC files.
+pub fn trc(data: &[u8]) {
+    let Some(text) = text("a.trc", data) else { return };
+    if let Some(trc) = accepted(trc::read("a.trc", text)) {
+        shown(&trc.warnings);
+        let mut written = Vec::new();
+        if trc::write(&mut written, &trc).is_ok() {
+            reread(&written, trc::read);
+        }
+    }
+}
+
+/// MOT files.
+pub fn mot(data: &[u8]) {
+    let Some(text) = text("a.mot", data) else { return };
+    if let Some(mot) = accepted(mot::read("a.mot", text)) {
+        shown(&mot.warnings);
+        let mut written = Vec::new();
+        let mut write = || -> std::io::Result<()> {
+            mot::write_header(&mut written, &mot.title, &mot.columns, mot.rows.len() as u32)?;
+            let mut rows = mot.time_s.iter().zip(&mot.rows);
+            rows.try_for_each(|(&time_s, row)| mot::write_row(&mut written, time_s, row))
+        };
+        if write().is_ok() {
+            reread(&written, mot::read);
+        }
+    }
+}
+
+/// BVH files.
+pub fn bvh(data: &[u8]) {
+    let Some(text) = text("a.bvh", data) else { return };
+    if let Some(bvh) = accepted(bvh::read("a.bvh", text)) {
+        shown(&bvh.warnings);
+        let mut written = Vec::new();
+        if bvh::write(&mut written, &bvh).is_ok() {
+            reread(&written, bvh::read);
+        }
+    }
+}
+
+/// A skeleton, and after a line `%%%` a motion.
+pub fn asf_amc(data: &[u8]) {
+    let Some(text) = text("a.asf", data) else { return };
+    let (skeleton, motion) = text.split_once("%%%\n").unwrap_or((text, ""));
+    let Some(skeleton) = accepted(asf::read("a.asf", skeleton)) else { return };
+    let points = skeleton.point_names().len();
+    assert_eq!(skeleton.bone_ends_m(&vec![0.0; skeleton.channels()]).len(), points);
+    if let Some(motion) = accepted(amc::read("a.amc", motion, &skeleton)) {
+        shown(&motion.warnings);
+        for frame in &motion.frames {
+            assert_eq!(skeleton.bone_ends_m(&frame.values).len(), points);
+        }
+    }
+}
+
+/// Tables, as cells and as numbers.
+pub fn tidy_csv(data: &[u8]) {
+    let Some(text) = text("a.csv", data) else { return };
+    accepted(tidy_csv::read_cells("a.csv", text));
+    accepted(tidy_csv::read_numbers("a.csv", text));
+}
+
+/// Names of files and cameras, one a line.
+pub fn file_names(data: &[u8]) {
+    let Some(text) = text("names", data) else { return };
+    let names: Vec<&str> = text.lines().collect();
+    accepted(frame_number::order(&names));
+    let (folders, cameras) = names.split_at(names.len() / 2);
+    if let Some(matching) = accepted(camera_name::match_names(folders, cameras)) {
+        shown(&matching.warnings(folders, cameras));
+    }
+}
