@@ -20,23 +20,20 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         Recording::open(Path::new(calibration), Path::new(keypoints), &Options { frames, ..Options::default() })?;
     let (cameras, layout) = (recording.cameras().to_vec(), recording.layout().clone());
     let request = Request::default();
+    let mut frames = Vec::new();
+    for number in recording.frames() {
+        frames.push((number, setup::detections(&recording.frame(number)?)));
+    }
     let started = std::time::Instant::now();
-    let range = recording.frames();
-    let mut read = || range.clone().map(|n| Ok((n, setup::detections(&recording.frame(n)?)))).collect::<Vec<_>>();
-    let all = read();
-    println!("read {:?}", started.elapsed());
-    let again: Vec<_> =
-        all.iter().map(|f| f.as_ref().map(Clone::clone).map_err(|_| ())).filter_map(Result::ok).collect();
-    let started = std::time::Instant::now();
-    let (found, warnings) = setup::set_up(&cameras, &layout, &request, all)?;
-    println!("set up {:?}", started.elapsed());
+    let (found, warnings) = setup::set_up(&cameras, &layout, &request, frames.iter().cloned().map(Ok))?;
+    println!("set up in {:?}", started.elapsed());
     for warning in warnings {
         println!("warning: {warning}");
     }
     print!("{}", found.to_toml()?);
 
-    let collected = setup::collect(&cameras, &layout, &request, again.into_iter().map(Ok))?;
-    let noise = offsets::estimate(&cameras, &collected.sighted(150), &request.offsets);
+    let collected = setup::collect(&cameras, &layout, &request, frames.into_iter().map(Ok))?;
+    let noise = offsets::estimate(&cameras, &collected.sighted(request.offset_frames), &request.offsets);
     let shape = setup::shape::measure(&cameras, &layout, &request, &noise, &collected, &mut vec![])?;
     println!("fit error {:.1} mm", 1e3 * shape.fit_error_m);
     for (name, error) in &shape.point_error_m {

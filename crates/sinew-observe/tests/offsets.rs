@@ -1,0 +1,78 @@
+//! Offsets of cameras: found but for a shift of the world, and never from nothing.
+
+use sinew_observe::offsets::{Config, Sighted, estimate};
+use sinew_observe::triangulate::{Seen, linear};
+use sinew_observe::{Camera, Detection};
+
+fn ring(n: usize) -> Vec<Camera> {
+    (0..n)
+        .map(|i| {
+            let angle = 0.4 + std::f64::consts::TAU * i as f64 / n as f64;
+            let centre = [4.0 * angle.cos(), 4.0 * angle.sin(), 1.8];
+            Camera::look_at(&format!("C{i}"), [1000.0, 1000.0], 1000.0, centre, [0.0, 0.0, 1.0]).expect("a view")
+        })
+        .collect()
+}
+
+/// Forty frames of twelve points near the middle.
+fn frames(cameras: &[Camera], offsets: &[[f64; 2]]) -> Vec<Sighted> {
+    (0..40)
+        .map(|f| {
+            let point = |k: usize| {
+                let t = f as f64 * 0.37 + k as f64;
+                [0.3 * t.sin(), 0.3 * (1.7 * t).cos(), 1.0 + 0.6 * (0.9 * t).sin()]
+            };
+            let seen = |camera: &Camera, [du, dv]: [f64; 2]| {
+                let pixel = |k| camera.project(point(k)).pixel().map(|[u, v]| [u + du, v + dv]);
+                (0..12).map(|k| Some(Detection { pixel: pixel(k)?, confidence: 0.7 })).collect()
+            };
+            cameras.iter().zip(offsets).map(|(camera, offset)| seen(camera, *offset)).collect()
+        })
+        .collect()
+}
+
+#[test]
+fn offsets_make_rays_meet_and_shift_nobody() {
+    let cameras = ring(4);
+    let truth = [[8.0, -3.0], [-6.0, 2.0], [3.0, 5.0], [-4.0, -4.0]];
+    let frames = frames(&cameras, &truth);
+    let noise = estimate(&cameras, &frames, &Config { tolerance_px: 1e-4, rounds: 200, ..Config::default() });
+    let mut shifts = vec![];
+    for frame in &frames {
+        for k in 0..12 {
+            let seen = |without: bool| -> Vec<Seen<'_>> {
+                let at = |c: usize| {
+                    let d = frame[c][k].expect("seen");
+                    let [u, v] = if without { noise[c].offset_px } else { [0.0; 2] };
+                    Seen { camera: &cameras[c], pixel: [d.pixel[0] - u, d.pixel[1] - v], confidence: d.confidence }
+                };
+                (0..4).map(at).collect()
+            };
+            let point = linear(&seen(true), true).expect("four rays");
+            for s in seen(true) {
+                let [u, v] = s.camera.project(point).pixel().expect("in front");
+                let residual = (u - s.pixel[0]).hypot(v - s.pixel[1]);
+                assert!(residual < 1.5, "{residual} px remain of offsets up to 8.5");
+            }
+            let plain = linear(&seen(false), true).expect("four rays");
+            shifts.push([0, 1, 2].map(|a: usize| plain[a] - point[a]));
+        }
+    }
+    for axis in 0..3 {
+        let mut along: Vec<f64> = shifts.iter().map(|s| s[axis]).collect();
+        assert!(sinew_observe::offsets::median(&mut along).abs() < 2e-3, "points are shifted along axis {axis}");
+    }
+    assert!(noise.iter().all(|n| n.sigma_px < 1.0 && n.usual_confidence == 0.7));
+}
+
+#[test]
+fn nothing_seen_gives_no_offset_and_no_scatter() {
+    let cameras = ring(3);
+    for noise in [
+        estimate(&cameras, &[], &Config::default()),
+        estimate(&cameras, &[vec![vec![None; 12]; 3]], &Config::default()),
+        estimate(&cameras, &frames(&cameras[..1], &[[5.0, 5.0]]), &Config::default()),
+    ] {
+        assert!(noise.iter().all(|n| n.offset_px == [0.0; 2] && n.sigma_px.is_nan()));
+    }
+}
