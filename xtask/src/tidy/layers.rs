@@ -1,6 +1,7 @@
 //! Arrows between crates point down: what each crate's manifest and product code may name.
 
 use super::{File, Violation, Workspace};
+use crate::source::lines_with;
 use std::collections::BTreeSet;
 
 /// What each crate may depend on, of ours.
@@ -27,6 +28,7 @@ pub fn check(workspace: &Workspace) -> Vec<Violation> {
     for file in &workspace.files {
         if file.path.ends_with("Cargo.toml") {
             check_manifest(file, &mut violations);
+            check_use(file, workspace, &mut violations);
         } else {
             check_imports(file, &mut violations);
         }
@@ -73,6 +75,23 @@ fn check_manifest(file: &File, violations: &mut Vec<Violation>) {
     }
 }
 
+/// A dependency of a published crate that no file of its `src` names is paid for by every user.
+fn check_use(manifest: &File, workspace: &Workspace, violations: &mut Vec<Violation>) {
+    let Some(folder) = manifest.path.strip_suffix("Cargo.toml").filter(|path| path.starts_with("crates/")) else {
+        return;
+    };
+    let Ok(table) = manifest.text.parse::<toml::Table>() else { return };
+    let Some(dependencies) = table.get("dependencies").and_then(toml::Value::as_table) else { return };
+    let sources = format!("{folder}src/");
+    for dependency in dependencies.keys() {
+        let word = dependency.replace('-', "_");
+        let mut files = workspace.files.iter().filter(|file| file.path.starts_with(&sources));
+        if !files.any(|file| !lines_with(&file.product, &word).is_empty()) {
+            violations.push(Violation::of_file(&manifest.path, format!("`{dependency}` is never used; remove it")));
+        }
+    }
+}
+
 fn check_imports(file: &File, violations: &mut Vec<Violation>) {
     let Some(name) = file.library() else { return };
     let Some(allowed) = allowed(name) else { return };
@@ -106,6 +125,18 @@ mod tests {
         format!("[package]\nname = \"{name}\"\n[lints]\nworkspace = true\n[dependencies]\n{dependency} = \"1\"\n")
     }
 
+    /// What is wrong with a manifest whose dependency is used.
+    fn complaints(path: &str, text: &str, used: &str) -> Vec<Violation> {
+        let source = format!("{}src/main.rs", path.trim_end_matches("Cargo.toml"));
+        // As in a product that names the dependency, but outside what the rule on imports looks at.
+        let source = File { product: used.into(), ..File::new(&source, "") };
+        let manifest = File::new(path, text);
+        let mut violations = Vec::new();
+        check_manifest(&manifest, &mut violations);
+        check_use(&manifest, &Workspace { top: Vec::new(), files: vec![source] }, &mut violations);
+        violations
+    }
+
     #[test]
     fn manifests_that_point_up_are_caught() {
         for (name, bad, good) in [
@@ -116,18 +147,25 @@ mod tests {
             ("sinew-samplers", "sinew-tracking", "sinew-core"),
             ("sinew-tracking", "sinew-body", "sinew-samplers"),
             ("sinew-formats", "sinew-core", "sinew-body"),
-            ("sinew-new", "rand", "rand"),
+            ("sinew-new", "rand", ""),
         ] {
             let path = format!("crates/{name}/Cargo.toml");
-            let found = planted::violations(check, &path, &manifest(name, bad));
+            let found = complaints(&path, &manifest(name, bad), &bad.replace('-', "_"));
             assert_eq!(found.len(), 1, "{name} on {bad}: {found:?}");
-            if name != "sinew-new" {
-                assert_eq!(planted::violations(check, &path, &manifest(name, good)), [], "{name} on {good}");
+            if !good.is_empty() {
+                assert_eq!(complaints(&path, &manifest(name, good), &good.replace('-', "_")), [], "{name} on {good}");
             }
         }
         let lints = "[package]\nname = \"sinew-core\"\n";
         assert_eq!(planted::violations(check, "crates/sinew-core/Cargo.toml", lints).len(), 1);
         assert_eq!(planted::violations(check, "xtask/Cargo.toml", &manifest("xtask", "sinew-core")).len(), 1);
+    }
+
+    #[test]
+    fn unused_dependencies_are_caught() {
+        let (path, text) = ("crates/sinew-core/Cargo.toml", manifest("sinew-core", "rand_chacha"));
+        assert_eq!(complaints(path, &text, "use rand_chacha::ChaCha8Rng;"), []);
+        assert_eq!(complaints(path, &text, "use rand_chacha8::Rng;").len(), 1);
     }
 
     #[test]
