@@ -18,6 +18,7 @@
 //! Cost O(links + points + degrees of freedom); nothing is allocated.
 
 use crate::tree::{Axis, Joint, KinematicTree};
+use sinew_core::density::triangle;
 use sinew_core::elementary::sin_cos;
 use sinew_core::lanes::{Block, Isa, Kernel, Real, dispatch, dispatch_one};
 
@@ -85,6 +86,8 @@ fn store3<V: Real>(v: V3<V>, m: &mut [V::Mem; 3]) {
 struct PlanLink {
     parent: Option<usize>,
     offset: [f64; 3],
+    /// First degree of freedom.
+    first: usize,
     translations: usize,
     rotations: usize,
     points: usize,
@@ -160,7 +163,16 @@ impl Plan {
                 if let Some(p) = parent {
                     plan.links[p].has_children = true;
                 }
-                plan.links.push(PlanLink { parent, offset, translations, rotations, points: 0, has_children: false });
+                let first = before;
+                plan.links.push(PlanLink {
+                    parent,
+                    offset,
+                    first,
+                    translations,
+                    rotations,
+                    points: 0,
+                    has_children: false,
+                });
                 parent = Some(plan.links.len() - 1);
                 offset = [0.0; 3];
                 if joints.peek().is_none() {
@@ -343,17 +355,11 @@ impl Plan {
     /// Turns the information on all points into the diagonal of the Gauss–Newton matrix, after [`Plan::forward`] with axes.
     #[inline(always)]
     pub fn gauss_newton_diagonal<V: Real>(&self, s: &mut Sections<'_, V::Mem>, diagonal: &mut [V::Mem]) {
+        self.gather::<V>(s);
         let mut joints = s.axes.iter().zip(diagonal.iter_mut()).rev();
-        let mut points = s.positions.iter().zip(s.information.iter()).rev();
         let none = [V::splat(0.0); 3];
-        for x in s.inertias.iter_mut().flatten() {
-            V::splat(0.0).store(x);
-        }
         for (index, link) in self.links.iter().enumerate().rev() {
-            let inertia = &mut s.inertias[index];
-            for (position, information) in points.by_ref().take(link.points) {
-                add_point::<V>(inertia, load3::<V>(position), information);
-            }
+            let inertia = &s.inertias[index];
             for (axis, out) in joints.by_ref().take(link.rotations) {
                 let u = load3::<V>(axis);
                 let origin = v3!(K => V::load(&s.frames[index][9 + K]));
@@ -362,10 +368,59 @@ impl Plan {
             for (axis, out) in joints.by_ref().take(link.translations) {
                 quadratic_form(inertia, none, load3::<V>(axis)).store(out);
             }
+        }
+    }
+
+    /// Sums the information of each link's points and of what is below it.
+    #[inline(always)]
+    fn gather<V: Real>(&self, s: &mut Sections<'_, V::Mem>) {
+        let mut points = s.positions.iter().zip(s.information.iter()).rev();
+        for x in s.inertias.iter_mut().flatten() {
+            V::splat(0.0).store(x);
+        }
+        for (index, link) in self.links.iter().enumerate().rev() {
+            for (position, information) in points.by_ref().take(link.points) {
+                add_point::<V>(&mut s.inertias[index], load3::<V>(position), information);
+            }
             if let Some(parent) = link.parent {
                 let below = s.inertias[index];
                 for (a, b) in s.inertias[parent].iter_mut().zip(&below) {
                     (V::load(a) + V::load(b)).store(a);
+                }
+            }
+        }
+    }
+
+    /// Turns the information on all points into the Gauss–Newton matrix, after [`Plan::forward`] with axes: its lower triangle, row after row. `H_ij = ξ_iᵀ S ξ_j`
+    /// with the S of the deeper link where one link is above the other, else 0.
+    #[inline(always)]
+    pub fn gauss_newton<V: Real>(&self, s: &mut Sections<'_, V::Mem>, matrix: &mut [V::Mem]) {
+        self.gather::<V>(s);
+        let zero = V::splat(0.0);
+        for x in matrix.iter_mut() {
+            zero.store(x);
+        }
+        let twist = |link: &PlanLink, index: usize, j: usize, s: &Sections<'_, V::Mem>| {
+            let u = load3::<V>(&s.axes[j]);
+            if j < link.first + link.translations {
+                return ([zero; 3], u);
+            }
+            let origin = v3!(K => V::load(&s.frames[index][9 + K]));
+            (u, cross_add(origin, u, [zero; 3]))
+        };
+        for (index, link) in self.links.iter().enumerate() {
+            for j in link.first..link.first + link.translations + link.rotations {
+                let (w, v) = twist(link, index, j, s);
+                let (moment, force) = wrench::<V>(&s.inertias[index], w, v);
+                let mut above = Some(index);
+                while let Some(b) = above {
+                    let other = &self.links[b];
+                    let end = if b == index { j + 1 } else { other.first + other.translations + other.rotations };
+                    for i in other.first..end {
+                        let (w, v) = twist(other, b, i, s);
+                        (dot(w, moment) + dot(v, force)).store(&mut matrix[triangle(j, i)]);
+                    }
+                    above = other.parent;
                 }
             }
         }
@@ -411,6 +466,26 @@ fn add_point<V: Real>(s: &mut [V::Mem; INERTIA], p: V3<V>, information: &[V::Mem
     for (i, x) in triangle(rows).into_iter().enumerate() {
         add(15 + i, x);
     }
+}
+
+/// `S (w, v)`: moment and force that belong to the twist with angular part `w` and linear part `v`.
+#[inline(always)]
+fn wrench<V: Real>(s: &[V::Mem; INERTIA], w: V3<V>, v: V3<V>) -> (V3<V>, V3<V>) {
+    let m = |i: usize| V::load(&s[i]);
+    let symmetric = |at: usize, x: V3<V>| {
+        [
+            dot([m(at), m(at + 1), m(at + 2)], x),
+            dot([m(at + 1), m(at + 3), m(at + 4)], x),
+            dot([m(at + 2), m(at + 4), m(at + 5)], x),
+        ]
+    };
+    let (ww, vv) = (symmetric(0, w), symmetric(15, v));
+    let mixed = |i: usize| dot([m(6 + 3 * i), m(7 + 3 * i), m(8 + 3 * i)], v);
+    let transposed = |j: usize| dot([m(6 + j), m(9 + j), m(12 + j)], w);
+    (
+        [ww[0] + mixed(0), ww[1] + mixed(1), ww[2] + mixed(2)],
+        [vv[0] + transposed(0), vv[1] + transposed(1), vv[2] + transposed(2)],
+    )
 }
 
 /// `(w, v)ᵀ S (w, v)` for the twist with angular part `w` and linear part `v`.

@@ -4,6 +4,7 @@ use proptest::prelude::*;
 use sinew_body::{
     Axis, Joint, KinematicTree, Link, Plan, Point, point_jacobian, point_positions, point_positions_block,
 };
+use sinew_core::density::triangle;
 use sinew_core::lanes::{Block, Isa, Kernel, LANES, Real, dispatch, get_lane, set_lane};
 
 fn axis() -> impl Strategy<Value = Axis> {
@@ -46,7 +47,7 @@ fn positions(plan: &Plan, q: &[f64]) -> Vec<f64> {
     out
 }
 
-struct Diagonal<'a>(&'a Plan, &'a [Block], &'a mut [Block]);
+struct Diagonal<'a>(&'a Plan, &'a [Block], &'a mut [Block], &'a mut [Block]);
 impl Kernel<Block> for Diagonal<'_> {
     type Out = ();
     #[inline(always)]
@@ -56,6 +57,7 @@ impl Kernel<Block> for Diagonal<'_> {
         self.0.forward::<V, true>(self.1, &mut s);
         s.information.fill([2.0, 0.5, -0.3, 1.0, 0.1, 3.0].map(Block::splat));
         self.0.gauss_newton_diagonal::<V>(&mut s, self.2);
+        self.0.gauss_newton::<V>(&mut s, self.3);
     }
 }
 
@@ -83,9 +85,9 @@ proptest! {
         }
     }
 
-    /// K5: the Gauss–Newton diagonal is `Σ Jᵀ M J` of the points' Jacobians.
+    /// K5: the Gauss–Newton matrix is `Σ Jᵀ M J` of the points' Jacobians, and so is its diagonal alone.
     #[test]
-    fn gauss_newton_diagonal_is_that_of_the_jacobian((tree, q) in tree_and_pose()) {
+    fn gauss_newton_matrix_is_that_of_the_jacobian((tree, q) in tree_and_pose()) {
         let plan = Plan::with_all_points(&tree);
         let (d, n) = (plan.dof(), 3 * plan.points());
         let (mut p, mut jacobian) = (vec![0.0; n], vec![0.0; n * d]);
@@ -94,13 +96,23 @@ proptest! {
         let block: Vec<Block> = q.iter().map(|&x| Block::splat(x)).collect();
         for isa in Isa::available() {
             let mut diagonal = vec![Block::ZERO; d];
-            dispatch(isa, Diagonal(&plan, &block, &mut diagonal));
-            for j in 0..d {
-                let column = |k: usize, a: usize| jacobian[(3 * k + a) * d + j];
-                let expected: f64 = (0..plan.points())
-                    .map(|k| (0..3).map(|a| (0..3).map(|b| column(k, a) * m[a][b] * column(k, b)).sum::<f64>()).sum::<f64>())
-                    .sum();
-                prop_assert!((diagonal[j].0[3] - expected).abs() < 1e-9 * (1.0 + expected), "{} {expected}", diagonal[j].0[3]);
+            let mut matrix = vec![Block::ZERO; triangle(d, 0)];
+            dispatch(isa, Diagonal(&plan, &block, &mut diagonal, &mut matrix));
+            for i in 0..d {
+                for j in 0..=i {
+                    let at = |k: usize, a: usize, j: usize| jacobian[(3 * k + a) * d + j];
+                    let expected: f64 = (0..plan.points())
+                        .map(|k| {
+                            let row = |a: usize| (0..3).map(|b| m[a][b] * at(k, b, j)).sum::<f64>();
+                            (0..3).map(|a| at(k, a, i) * row(a)).sum::<f64>()
+                        })
+                        .sum();
+                    let found = matrix[triangle(i, j)].0[5];
+                    prop_assert!((found - expected).abs() < 1e-9 * (1.0 + expected.abs()), "{found} {expected}");
+                    if i == j {
+                        prop_assert!((diagonal[j].0[3] - expected).abs() < 1e-9 * (1.0 + expected));
+                    }
+                }
             }
         }
     }

@@ -1,7 +1,7 @@
 //! Densities made of densities: [`Sum`], [`Tempered`], [`OnPart`], [`Through`].
 
 use crate::decode::Decode;
-use crate::density::{GaussNewton, GradLogDensity, LogDensity};
+use crate::density::{GaussNewton, GradLogDensity, LogDensity, triangle};
 use crate::lanes::Block;
 use crate::part::Part;
 
@@ -53,6 +53,14 @@ impl<A: GaussNewton, B: GaussNewton> GaussNewton for Sum<A, B> {
         self.1.gauss_newton_diagonal_block(x, other, ws);
         for (d, o) in diagonal.iter_mut().zip(other) {
             *d = add(*d, *o);
+        }
+    }
+    fn gauss_newton_block(&self, x: &[Block], matrix: &mut [Block], ws: &mut [Block]) {
+        let mut other = vec![Block::ZERO; matrix.len()];
+        self.0.gauss_newton_block(x, matrix, ws);
+        self.1.gauss_newton_block(x, &mut other, ws);
+        for (m, o) in matrix.iter_mut().zip(other) {
+            *m = add(*m, o);
         }
     }
 }
@@ -189,6 +197,19 @@ impl<D: GaussNewton> GaussNewton for OnPart<D> {
         self.target.gauss_newton_diagonal_block(full, full_diagonal, ws);
         for (d, &i) in diagonal.iter_mut().zip(self.part.indices()) {
             *d = full_diagonal[i];
+        }
+    }
+    fn gauss_newton_block(&self, x: &[Block], matrix: &mut [Block], ws: &mut [Block]) {
+        let n = self.target.dim();
+        let mut full_matrix = vec![Block::ZERO; triangle(n, 0)];
+        let (full, ws) = ws.split_at_mut(n);
+        self.complete_block(x, full);
+        self.target.gauss_newton_block(full, &mut full_matrix, ws);
+        let indices = self.part.indices();
+        for (a, &i) in indices.iter().enumerate() {
+            for (b, &j) in indices[..=a].iter().enumerate() {
+                matrix[triangle(a, b)] = full_matrix[triangle(i, j)];
+            }
         }
     }
 }

@@ -60,10 +60,27 @@ pub trait GradLogDensity: LogDensity {
     }
 }
 
-/// A log density that knows its Gauss–Newton curvature: the diagonal of `Jᵀ W J ≈ −∂² log p`, never negative.
+/// A log density that knows its Gauss–Newton curvature `Jᵀ W J ≈ −∂² log p`, a positive semi-definite matrix.
 pub trait GaussNewton: GradLogDensity {
     /// Writes the diagonals for a block of states to `diagonal` (d blocks).
     fn gauss_newton_diagonal_block(&self, x: &[Block], diagonal: &mut [Block], ws: &mut [Block]);
+
+    /// Writes the matrices for a block of states to `matrix`: lower triangle, row after row, d (d + 1) / 2 blocks. By default only their diagonals.
+    fn gauss_newton_block(&self, x: &[Block], matrix: &mut [Block], ws: &mut [Block]) {
+        let mut diagonal = vec![Block::ZERO; self.dim()];
+        self.gauss_newton_diagonal_block(x, &mut diagonal, ws);
+        matrix.fill(Block::ZERO);
+        for (j, entry) in diagonal.into_iter().enumerate() {
+            matrix[triangle(j, j)] = entry;
+        }
+    }
+}
+
+/// Place of row i, column j ≤ i in a packed lower triangle.
+#[inline(always)]
+#[must_use]
+pub const fn triangle(i: usize, j: usize) -> usize {
+    i * (i + 1) / 2 + j
 }
 
 /// A numerical leaf, written once over the lane scalar. All methods must be `#[inline(always)]`.
@@ -84,6 +101,9 @@ pub trait LaneDensity: Sync {
 pub trait LaneGaussNewton: LaneDensity {
     /// Writes the diagonal of the Gauss–Newton matrix at `x`.
     fn gauss_newton_diagonal<V: Real>(&self, x: &[V::Mem], diagonal: &mut [V::Mem], ws: &mut [V::Mem]);
+
+    /// Writes the lower triangle of the Gauss–Newton matrix at `x`, row after row.
+    fn gauss_newton<V: Real>(&self, x: &[V::Mem], matrix: &mut [V::Mem], ws: &mut [V::Mem]);
 }
 
 /// A leaf together with the instruction set that runs it: an object-safe density.
@@ -137,6 +157,21 @@ impl<T: LaneGaussNewton> Kernel<Block> for Curvature<'_, T> {
     }
 }
 
+struct Matrix<'a, T> {
+    leaf: &'a T,
+    x: &'a [Block],
+    matrix: &'a mut [Block],
+    ws: &'a mut [Block],
+}
+
+impl<T: LaneGaussNewton> Kernel<Block> for Matrix<'_, T> {
+    type Out = ();
+    #[inline(always)]
+    fn run<V: Real<Mem = Block>>(self) {
+        self.leaf.gauss_newton::<V>(self.x, self.matrix, self.ws);
+    }
+}
+
 impl<T: LaneDensity> LogDensity for Lanes<T> {
     fn dim(&self) -> usize {
         self.leaf.dim()
@@ -167,6 +202,9 @@ impl<T: LaneGaussNewton> GaussNewton for Lanes<T> {
     fn gauss_newton_diagonal_block(&self, x: &[Block], diagonal: &mut [Block], ws: &mut [Block]) {
         dispatch(self.isa, Curvature { leaf: &self.leaf, x, diagonal, ws });
     }
+    fn gauss_newton_block(&self, x: &[Block], matrix: &mut [Block], ws: &mut [Block]) {
+        dispatch(self.isa, Matrix { leaf: &self.leaf, x, matrix, ws });
+    }
 }
 
 macro_rules! forward_to_target {
@@ -196,6 +234,9 @@ macro_rules! forward_to_target {
         impl<D: GaussNewton + ?Sized> GaussNewton for $wrapper where Self: Sync {
             fn gauss_newton_diagonal_block(&self, x: &[Block], diagonal: &mut [Block], ws: &mut [Block]) {
                 (**self).gauss_newton_diagonal_block(x, diagonal, ws);
+            }
+            fn gauss_newton_block(&self, x: &[Block], matrix: &mut [Block], ws: &mut [Block]) {
+                (**self).gauss_newton_block(x, matrix, ws);
             }
         }
     )*};

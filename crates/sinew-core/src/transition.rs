@@ -88,4 +88,20 @@ pub trait FramePrior: GradLogDensity + Send {
 
     /// Diagonal of an upper bound of the prior's precision, the same for every state.
     fn precision_diagonal(&self) -> &[f64];
+
+    /// The same bound as a matrix, d × d, row after row. By default the diagonal.
+    fn precision(&self) -> Vec<f64> {
+        diagonal_matrix(self.precision_diagonal())
+    }
+}
+
+/// The matrix with this diagonal, row after row.
+#[must_use]
+pub fn diagonal_matrix(diagonal: &[f64]) -> Vec<f64> {
+    let d = diagonal.len();
+    let mut matrix = vec![0.0; d * d];
+    for (j, &entry) in diagonal.iter().enumerate() {
+        matrix[j * (d + 1)] = entry;
+    }
+    matrix
 }

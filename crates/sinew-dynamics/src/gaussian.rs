@@ -5,7 +5,7 @@
 use crate::Error;
 use crate::factor::{cholesky, inverse_lower};
 use core::f64::consts::TAU;
-use sinew_core::density::{LaneDensity, LaneGaussNewton};
+use sinew_core::density::{LaneDensity, LaneGaussNewton, triangle};
 use sinew_core::lanes::{Block, Isa, Kernel, Real, dispatch};
 use sinew_core::random::BlockRng;
 
@@ -19,6 +19,7 @@ pub struct Gaussian {
     lower: Vec<f64>,
     /// W in groups of [`ROWS`] rows; within a group column after column up to the last that is not zero.
     whitening: Vec<f64>,
+    precision: Vec<f64>,
     precision_diagonal: Vec<f64>,
     log_norm: f64,
     jitter: f64,
@@ -45,16 +46,37 @@ impl Gaussian {
                 whitening.extend((first..first + ROWS).map(|i| if i < d { inverse[i * d + j] } else { 0.0 }));
             }
         }
-        let precision_diagonal =
-            (0..d).map(|j| (j..d).map(|i| inverse[i * d + j] * inverse[i * d + j]).sum()).collect();
+        let mut precision = vec![0.0; d * d];
+        for row in inverse.chunks_exact(d) {
+            for (out, a) in precision.chunks_exact_mut(d).zip(row) {
+                for (out, b) in out.iter_mut().zip(row) {
+                    *out += a * b;
+                }
+            }
+        }
+        let precision_diagonal = (0..d).map(|j| precision[j * (d + 1)]).collect();
         let log_norm = -0.5 * d as f64 * TAU.ln() - (0..d).map(|i| factor.lower[i * d + i].ln()).sum::<f64>();
-        Ok(Self { mean, lower: factor.lower, whitening, precision_diagonal, log_norm, jitter: factor.jitter })
+        Ok(Self {
+            mean,
+            lower: factor.lower,
+            whitening,
+            precision,
+            precision_diagonal,
+            log_norm,
+            jitter: factor.jitter,
+        })
     }
 
     /// The mean.
     #[must_use]
     pub fn mean(&self) -> &[f64] {
         &self.mean
+    }
+
+    /// Inverse covariance, row after row.
+    #[must_use]
+    pub fn precision(&self) -> &[f64] {
+        &self.precision
     }
 
     /// Diagonal of the inverse covariance.
@@ -163,6 +185,16 @@ impl LaneGaussNewton for Gaussian {
     fn gauss_newton_diagonal<V: Real>(&self, _x: &[V::Mem], diagonal: &mut [V::Mem], _ws: &mut [V::Mem]) {
         for (d, &precision) in diagonal.iter_mut().zip(&self.precision_diagonal) {
             V::splat(precision).store(d);
+        }
+    }
+
+    #[inline(always)]
+    fn gauss_newton<V: Real>(&self, _x: &[V::Mem], matrix: &mut [V::Mem], _ws: &mut [V::Mem]) {
+        let d = self.mean.len();
+        for i in 0..d {
+            for j in 0..=i {
+                V::splat(self.precision[i * d + j]).store(&mut matrix[triangle(i, j)]);
+            }
         }
     }
 }

@@ -71,4 +71,11 @@ impl FramePrior for Prior {
             Self::Mixture(p) => p.leaf.precision(),
         }
     }
+
+    fn precision(&self) -> Vec<f64> {
+        match self {
+            Self::Gaussian(p) => p.leaf.precision().to_vec(),
+            Self::Mixture(p) => sinew_core::transition::diagonal_matrix(p.leaf.precision()),
+        }
+    }
 }

@@ -19,6 +19,7 @@
 use crate::camera::{Camera, MIN_DEPTH_M};
 use crate::model::ObservationModel;
 use sinew_body::Plan;
+use sinew_body::kinematics::Sections;
 use sinew_core::density::{LaneDensity, LaneGaussNewton, Lanes};
 use sinew_core::elementary::{exp, ln};
 use sinew_core::lanes::{Isa, Real};
@@ -338,13 +339,12 @@ impl LaneDensity for KeypointLikelihood {
     }
 }
 
-impl LaneGaussNewton for KeypointLikelihood {
-    /// Every sighting counts in full, outlier or not: an upper bound, as a step size needs it.
+impl KeypointLikelihood {
+    /// Puts on each point what its sightings tell of its position. Every sighting counts in full, outlier or not: an upper bound, as a step size needs it.
     #[inline(always)]
-    fn gauss_newton_diagonal<V: Real>(&self, x: &[V::Mem], diagonal: &mut [V::Mem], ws: &mut [V::Mem]) {
+    fn inform<V: Real>(&self, x: &[V::Mem], sections: &mut Sections<'_, V::Mem>) {
         let plan = &*self.plan;
-        let mut sections = plan.sections(ws);
-        plan.forward::<V, true>(x, &mut sections);
+        plan.forward::<V, true>(x, sections);
         let points = sections.positions.iter().zip(sections.information.iter_mut());
         for (range, (position, out)) in self.first.windows(2).zip(points) {
             let p = [V::load(&position[0]), V::load(&position[1]), V::load(&position[2])];
@@ -371,6 +371,21 @@ impl LaneGaussNewton for KeypointLikelihood {
                 m.store(out);
             }
         }
-        plan.gauss_newton_diagonal::<V>(&mut sections, diagonal);
+    }
+}
+
+impl LaneGaussNewton for KeypointLikelihood {
+    #[inline(always)]
+    fn gauss_newton_diagonal<V: Real>(&self, x: &[V::Mem], diagonal: &mut [V::Mem], ws: &mut [V::Mem]) {
+        let mut sections = self.plan.sections(ws);
+        self.inform::<V>(x, &mut sections);
+        self.plan.gauss_newton_diagonal::<V>(&mut sections, diagonal);
+    }
+
+    #[inline(always)]
+    fn gauss_newton<V: Real>(&self, x: &[V::Mem], matrix: &mut [V::Mem], ws: &mut [V::Mem]) {
+        let mut sections = self.plan.sections(ws);
+        self.inform::<V>(x, &mut sections);
+        self.plan.gauss_newton::<V>(&mut sections, matrix);
     }
 }

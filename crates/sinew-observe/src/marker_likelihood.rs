@@ -12,6 +12,7 @@
 use crate::camera::MIN_DEPTH_M;
 use crate::model::ObservationModel;
 use sinew_body::Plan;
+use sinew_body::kinematics::Sections;
 use sinew_core::density::{LaneDensity, LaneGaussNewton, Lanes};
 use sinew_core::lanes::{Isa, Real};
 use std::sync::Arc;
@@ -110,12 +111,12 @@ impl LaneDensity for MarkerLikelihood {
     }
 }
 
-impl LaneGaussNewton for MarkerLikelihood {
+impl MarkerLikelihood {
+    /// Puts on each point what its image tells of its position.
     #[inline(always)]
-    fn gauss_newton_diagonal<V: Real>(&self, x: &[V::Mem], diagonal: &mut [V::Mem], ws: &mut [V::Mem]) {
+    fn inform<V: Real>(&self, x: &[V::Mem], s: &mut Sections<'_, V::Mem>) {
         let plan = &*self.plan;
-        let mut s = plan.sections(ws);
-        plan.forward::<V, true>(x, &mut s);
+        plan.forward::<V, true>(x, s);
         let zero = V::splat(0.0);
         for ((seen, position), out) in self.seen.iter().zip(s.positions.iter()).zip(s.information.iter_mut()) {
             let p = [V::load(&position[0]), V::load(&position[1]), V::load(&position[2])];
@@ -128,6 +129,21 @@ impl LaneGaussNewton for MarkerLikelihood {
                 m.store(out);
             }
         }
-        plan.gauss_newton_diagonal::<V>(&mut s, diagonal);
+    }
+}
+
+impl LaneGaussNewton for MarkerLikelihood {
+    #[inline(always)]
+    fn gauss_newton_diagonal<V: Real>(&self, x: &[V::Mem], diagonal: &mut [V::Mem], ws: &mut [V::Mem]) {
+        let mut sections = self.plan.sections(ws);
+        self.inform::<V>(x, &mut sections);
+        self.plan.gauss_newton_diagonal::<V>(&mut sections, diagonal);
+    }
+
+    #[inline(always)]
+    fn gauss_newton<V: Real>(&self, x: &[V::Mem], matrix: &mut [V::Mem], ws: &mut [V::Mem]) {
+        let mut sections = self.plan.sections(ws);
+        self.inform::<V>(x, &mut sections);
+        self.plan.gauss_newton::<V>(&mut sections, matrix);
     }
 }

@@ -58,4 +58,7 @@ pub enum Error {
         /// Halvings or doublings done.
         tried: usize,
     },
+    /// A metric must be a finite, positive definite matrix.
+    #[error("the metric is not a finite, positive definite matrix; is the prior or an observation without bounds?")]
+    Metric,
 }

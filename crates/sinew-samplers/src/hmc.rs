@@ -13,6 +13,7 @@
 //! in [`Chains`], so that an update costs L gradients; it allocates nothing.
 
 use crate::Error;
+use crate::metric::{Dense, Metric};
 use sinew_core::density::GradLogDensity;
 use sinew_core::lanes::{Block, Isa, Kernel, LANES, Real, dispatch};
 use sinew_core::random::BlockRng;
@@ -23,13 +24,40 @@ pub const DIVERGENCE: f64 = 1000.0;
 /// Steps of the integrator; fixed while chains run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Hmc {
-    component_steps: Vec<f64>,
+    steps: Steps,
     leapfrog_steps: usize,
     jitter: f64,
     isa: Isa,
 }
 
+/// The matrix η A of the metric in use.
+#[derive(Clone, Debug, PartialEq)]
+enum Steps {
+    Components(Vec<f64>),
+    Dense(Dense),
+}
+
 impl Hmc {
+    /// Steps for a metric.
+    ///
+    /// # Errors
+    /// As [`Hmc::new`].
+    pub fn with_metric(
+        step_size: f64,
+        metric: &Metric,
+        leapfrog_steps: usize,
+        jitter: f64,
+        isa: Isa,
+    ) -> Result<Self, Error> {
+        match metric {
+            Metric::Diagonal(curvature) => Self::new(step_size, curvature, leapfrog_steps, jitter, isa),
+            Metric::Dense(dense) => {
+                let unit = Self::new(step_size, &[], leapfrog_steps, jitter, isa)?;
+                Ok(Self { steps: Steps::Dense(dense.clone().scaled(step_size)), ..unit })
+            }
+        }
+    }
+
     /// Component steps η / √h_j for the `curvature` h.
     ///
     /// # Errors
@@ -47,14 +75,8 @@ impl Hmc {
         if !(0.0..1.0).contains(&jitter) {
             return Err(Error::OutOfRange { name: "jitter", value: jitter, expected: "must be in [0, 1)" });
         }
-        let component_steps = curvature.iter().map(|h| step_size / h.sqrt()).collect();
-        Ok(Self { component_steps, leapfrog_steps, jitter, isa })
-    }
-
-    /// The steps ε_j.
-    #[must_use]
-    pub fn component_steps(&self) -> &[f64] {
-        &self.component_steps
+        let steps = Steps::Components(curvature.iter().map(|h| step_size / h.sqrt()).collect());
+        Ok(Self { steps, leapfrog_steps, jitter, isa })
     }
 
     /// Leapfrog steps L of a trajectory.
@@ -134,6 +156,89 @@ struct KickDrift<'a> {
     gradient: &'a [Block],
 }
 
+/// The same with a dense metric.
+struct DenseKickDrift<'a> {
+    steps: &'a Dense,
+    factor: &'a Block,
+    kick: f64,
+    position: &'a mut [Block],
+    momentum: &'a mut [Block],
+    gradient: &'a [Block],
+}
+
+/// p + kick · Aᵀ g, coordinate by coordinate.
+#[inline(always)]
+fn dense_kick<V: Real<Mem = Block>>(steps: &Dense, kick: V, momentum: &mut [Block], gradient: &[Block]) {
+    let mut column = &steps.columns[..];
+    for (j, p) in momentum.iter_mut().enumerate() {
+        let (entries, rest) = column.split_at(j + 1);
+        column = rest;
+        let mut sum = V::splat(0.0);
+        for (&a, g) in entries.iter().zip(gradient) {
+            sum = V::splat(a).fma(V::load(g), sum);
+        }
+        sum.fma(kick, V::load(p)).store(p);
+    }
+}
+
+impl Kernel<Block> for DenseKickDrift<'_> {
+    type Out = ();
+    #[inline(always)]
+    fn run<V: Real<Mem = Block>>(self) {
+        let d = self.steps.dim();
+        let (x, p, g) = (&mut self.position[..d], &mut self.momentum[..d], &self.gradient[..d]);
+        let factor = V::load(self.factor);
+        dense_kick(self.steps, factor * V::splat(self.kick), p, g);
+        let mut row = &self.steps.rows[..];
+        for (i, x) in x.iter_mut().enumerate() {
+            let (entries, rest) = row.split_at(d - i);
+            row = rest;
+            let mut sum = V::splat(0.0);
+            for (&a, p) in entries.iter().zip(&p[i..]) {
+                sum = V::splat(a).fma(V::load(p), sum);
+            }
+            sum.fma(factor, V::load(x)).store(x);
+        }
+    }
+}
+
+/// The closing half step with a dense metric.
+struct DenseKick<'a> {
+    steps: &'a Dense,
+    factor: &'a Block,
+    kick: f64,
+    momentum: &'a mut [Block],
+    gradient: &'a [Block],
+}
+
+impl Kernel<Block> for DenseKick<'_> {
+    type Out = ();
+    #[inline(always)]
+    fn run<V: Real<Mem = Block>>(self) {
+        let d = self.steps.dim();
+        let kick = V::load(self.factor) * V::splat(self.kick);
+        dense_kick(self.steps, kick, &mut self.momentum[..d], &self.gradient[..d]);
+    }
+}
+
+/// p·p / 2.
+struct Kinetic<'a>(&'a [Block]);
+
+impl Kernel<Block> for Kinetic<'_> {
+    type Out = Block;
+    #[inline(always)]
+    fn run<V: Real<Mem = Block>>(self) -> Block {
+        let mut square = V::splat(0.0);
+        for p in self.0 {
+            let p = V::load(p);
+            square = p.fma(p, square);
+        }
+        let mut kinetic = Block::ZERO;
+        (square * V::splat(0.5)).store(&mut kinetic);
+        kinetic
+    }
+}
+
 impl Kernel<Block> for KickDrift<'_> {
     type Out = ();
     #[inline(always)]
@@ -151,7 +256,7 @@ impl Kernel<Block> for KickDrift<'_> {
     }
 }
 
-/// The closing half step; returns the kinetic energies. With a `kick` of 0 it only does the latter.
+/// The closing half step.
 struct LastKick<'a> {
     steps: &'a [f64],
     factor: &'a Block,
@@ -161,21 +266,16 @@ struct LastKick<'a> {
 }
 
 impl Kernel<Block> for LastKick<'_> {
-    type Out = Block;
+    type Out = ();
     #[inline(always)]
-    fn run<V: Real<Mem = Block>>(self) -> Block {
+    fn run<V: Real<Mem = Block>>(self) {
         let d = self.steps.len();
         let (p, g) = (&mut self.momentum[..d], &self.gradient[..d]);
         let kick = V::load(self.factor) * V::splat(self.kick);
-        let mut square = V::splat(0.0);
         for j in 0..d {
             let momentum = (V::splat(self.steps[j]) * kick).fma(V::load(&g[j]), V::load(&p[j]));
             momentum.store(&mut p[j]);
-            square = momentum.fma(momentum, square);
         }
-        let mut kinetic = Block::ZERO;
-        (square * V::splat(0.5)).store(&mut kinetic);
-        kinetic
     }
 }
 
@@ -218,18 +318,28 @@ pub fn leapfrog<T: GradLogDensity + ?Sized>(
     gradient: &mut [Block],
     workspace: &mut [Block],
 ) -> End {
-    let steps = &hmc.component_steps[..];
     let mut log_density = Block::ZERO;
     let mut broken = Block::ZERO;
     for step in 0..hmc.leapfrog_steps {
         let kick = if step == 0 { 0.5 } else { 1.0 };
-        dispatch(hmc.isa, KickDrift { steps, factor, kick, position, momentum, gradient });
+        match &hmc.steps {
+            Steps::Components(steps) => {
+                dispatch(hmc.isa, KickDrift { steps, factor, kick, position, momentum, gradient });
+            }
+            Steps::Dense(steps) => {
+                dispatch(hmc.isa, DenseKickDrift { steps, factor, kick, position, momentum, gradient });
+            }
+        }
         log_density = target.log_density_grad_block(position, gradient, workspace);
         for (b, l) in broken.0.iter_mut().zip(log_density.0) {
             *b += l - l;
         }
     }
-    let kinetic = dispatch(hmc.isa, LastKick { steps, factor, kick: 0.5, momentum, gradient });
+    match &hmc.steps {
+        Steps::Components(steps) => dispatch(hmc.isa, LastKick { steps, factor, kick: 0.5, momentum, gradient }),
+        Steps::Dense(steps) => dispatch(hmc.isa, DenseKick { steps, factor, kick: 0.5, momentum, gradient }),
+    }
+    let kinetic = dispatch(hmc.isa, Kinetic(momentum));
     End { log_density, kinetic, broken }
 }
 
@@ -251,8 +361,7 @@ pub fn update<T: GradLogDensity + ?Sized>(
     }
     position.copy_from_slice(&chains.position);
     gradient.copy_from_slice(&chains.gradient);
-    let steps = &hmc.component_steps[..];
-    let kinetic = dispatch(hmc.isa, LastKick { steps, factor: &factor, kick: 0.0, momentum, gradient });
+    let kinetic = dispatch(hmc.isa, Kinetic(momentum));
     let end = leapfrog(target, hmc, &factor, position, momentum, gradient, scratch);
 
     let mut taken = Block::ZERO;

@@ -52,9 +52,16 @@ impl Scheme {
     }
 }
 
-/// Uniform in (0, 1), never an end.
-fn uniform(rng: &mut impl Rng) -> f64 {
-    ((rng.next_u64() >> 12) as f64 + 0.5) / (1_u64 << 52) as f64
+/// Uniforms in (0, 1), never an end.
+fn uniforms(n: usize, rng: &mut impl Rng) -> Vec<f64> {
+    let mut bytes = [[0; 8]; 32];
+    let mut out = Vec::with_capacity(n + bytes.len());
+    while out.len() < n {
+        rng.fill_bytes(bytes.as_flattened_mut());
+        out.extend(bytes.map(|b| ((u64::from_le_bytes(b) >> 12) as f64 + 0.5) / (1_u64 << 52) as f64));
+    }
+    out.truncate(n);
+    out
 }
 
 /// Ancestors of ascending positions in (0, n), where state i covers n W_i. The running sum keeps its whole part apart, so that its error does not grow with it.
@@ -85,7 +92,8 @@ fn walk(weights: &[f64], n: usize, mut position: impl FnMut(usize) -> f64) -> An
 
 /// Independent draws with probabilities proportional to the weights.
 pub fn multinomial(weights: &[f64], n: usize, rng: &mut impl Rng) -> Ancestors {
-    let spacings: Vec<f64> = (0..=n).map(|_| -uniform(rng).ln()).collect();
+    let mut spacings = uniforms(n + 1, rng);
+    spacings.iter_mut().for_each(|u| *u = -u.ln());
     let scale = n as f64 / spacings.iter().sum::<f64>();
     let mut sum = 0.0;
     walk(weights, n, |k| {
@@ -96,12 +104,13 @@ pub fn multinomial(weights: &[f64], n: usize, rng: &mut impl Rng) -> Ancestors {
 
 /// One draw from each of `n` equal strata.
 pub fn stratified(weights: &[f64], n: usize, rng: &mut impl Rng) -> Ancestors {
-    walk(weights, n, |k| k as f64 + uniform(rng))
+    let offsets = uniforms(n, rng);
+    walk(weights, n, |k| k as f64 + offsets[k])
 }
 
 /// A comb of `n` equal teeth with one random offset.
 pub fn systematic(weights: &[f64], n: usize, rng: &mut impl Rng) -> Ancestors {
-    let offset = uniform(rng);
+    let offset = uniforms(1, rng)[0];
     walk(weights, n, |k| k as f64 + offset)
 }
 

@@ -8,6 +8,7 @@ use crate::Error;
 use crate::chains::{Draws, Schedule, draw};
 use crate::diagnostics::effective_sample_size;
 use crate::hmc::Hmc;
+use crate::metric::Metric;
 use sinew_core::density::GradLogDensity;
 use sinew_core::lanes::{Block, Isa, LANES};
 use sinew_core::random::Stage;
@@ -67,8 +68,8 @@ pub struct Tuned {
 pub struct Trial<'a, T: ?Sized> {
     /// The target.
     pub target: &'a T,
-    /// Curvature h of the coordinates.
-    pub curvature: &'a [f64],
+    /// Metric of the trajectories.
+    pub metric: &'a Metric,
     /// Where the chains stand: blocks of the target's dimension, every lane in use.
     pub states: Vec<Block>,
     /// Instruction set.
@@ -81,7 +82,7 @@ impl<T: GradLogDensity + ?Sized> Trial<'_, T> {
     }
 
     fn run(&mut self, eta: f64, steps: usize, jitter: f64, updates: usize, stage: &Stage) -> Result<Draws, Error> {
-        let hmc = Hmc::new(eta, self.curvature, steps, jitter, self.isa)?;
+        let hmc = Hmc::with_metric(eta, self.metric, steps, jitter, self.isa)?;
         let schedule = Schedule { updates, burn_in: 1.min(updates) };
         let draws = draw(self.target, &hmc, &self.states, self.chains(), schedule, stage)?;
         self.states.clone_from(&draws.last);
@@ -188,7 +189,12 @@ mod tests {
         let isa = Isa::best();
         let target = Lanes { leaf: Quadratic { centre: vec![0.0; 10], precision }, isa };
         // A curvature of 1 leaves a condition number of 28.
-        let mut trial = Trial { target: &target, curvature: &[1.0; 10], states: vec![Block::splat(0.1); 20], isa };
+        let mut trial = Trial {
+            target: &target,
+            metric: &Metric::Diagonal(vec![1.0; 10]),
+            states: vec![Block::splat(0.1); 20],
+            isa,
+        };
         let config = Config { jitter: 0.2, lengths: vec![1, 5, 10, 80], ..Config::default() };
         let tuned = length(&mut trial, &config, &Stage::new(4, "tune")).expect("tunable");
         assert!((tuned.acceptance - 0.85).abs() <= 0.03, "{tuned:?}");
@@ -200,11 +206,11 @@ mod tests {
     #[test]
     fn a_search_without_end_is_an_error() {
         let isa = Isa::best();
-        let mut trial = Trial { target: &Spike, curvature: &[1.0], states: vec![Block::ZERO], isa };
+        let mut trial = Trial { target: &Spike, metric: &Metric::Diagonal(vec![1.0]), states: vec![Block::ZERO], isa };
         let error = step_size(&mut trial, 2, &Config::default(), &Stage::new(1, "spike"));
         assert!(matches!(error, Err(Error::StepSizeNotFound { tried: 50, acceptance: 0.0, .. })), "{error:?}");
         let flat = Lanes { leaf: Quadratic { centre: vec![0.0], precision: vec![0.0] }, isa };
-        let mut trial = Trial { target: &flat, curvature: &[1.0], states: vec![Block::ZERO], isa };
+        let mut trial = Trial { target: &flat, metric: &Metric::Diagonal(vec![1.0]), states: vec![Block::ZERO], isa };
         let error = step_size(&mut trial, 2, &Config::default(), &Stage::new(1, "flat"));
         assert!(matches!(error, Err(Error::StepSizeNotFound { tried: 50, .. })), "{error:?}");
         assert!(length(&mut trial, &Config { lengths: vec![], ..Config::default() }, &Stage::new(1, "none")).is_err());

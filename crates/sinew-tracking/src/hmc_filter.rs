@@ -6,7 +6,7 @@
 //! 2. u_i ~ prior, i = 1 … M, from a mixture one a component; w_i = p(z_t | u_i)
 //! 3. s^(i,0) = M draws with replacement from {u_i, w_i}
 //! 4. target = p(z_t | s) · prior(s) (eq. 10)
-//! 5. h_j = curvature from K prior draws, ε_j = η / √h_j (eq. 17); both frozen for the frame
+//! 5. h_j = curvature from K prior draws, ε_j = η / √h_j (eq. 17), or with [`Geometry::Dense`] the whole Gauss–Newton matrix as metric; frozen for the frame
 //! 6. for each chain i and r = 1 … R: s^(i,r) = hybrid Monte Carlo update of s^(i,r−1) (eqs. 13–16)
 //! 7. estimate = mean of s^(i,r) over all i and r ≥ b; a rejected state counts again
 //!
@@ -21,8 +21,8 @@ use sinew_core::lanes::{Block, Isa};
 use sinew_core::random::Stage;
 use sinew_core::transition::{Cloud, Moments, Predict};
 use sinew_samplers::chains::{Draws, Schedule, draw};
-use sinew_samplers::curvature::curvature;
 use sinew_samplers::hmc::Hmc;
+use sinew_samplers::metric::{Geometry, Metric, metric};
 use sinew_samplers::moments;
 use sinew_samplers::starts::importance_starts;
 use sinew_samplers::tuning::{self, Trial, Tuned};
@@ -44,6 +44,8 @@ pub struct Config {
     pub jitter: f64,
     /// Prior draws K for the curvature.
     pub curvature_draws: usize,
+    /// Metric of the trajectories: the paper's curvature for each coordinate, or the whole matrix.
+    pub geometry: Geometry,
 }
 
 impl Default for Config {
@@ -56,15 +58,23 @@ impl Default for Config {
             leapfrog_steps: 40,
             jitter: 0.0,
             curvature_draws: 64,
+            geometry: Geometry::Diagonal,
         }
     }
 }
 
 impl Config {
-    /// For real recordings, not the paper's: 16 chains (what 10 cost) and jitter; to be used with a Gaussian prior between frames.
+    /// For real recordings, not the paper's: 16 chains (what 10 cost), jitter and a dense metric; to be used with a Gaussian prior between frames.
     #[must_use]
     pub fn real_recordings() -> Self {
-        Self { chains: 16, leapfrog_steps: 20, jitter: 0.2, ..Self::default() }
+        Self {
+            chains: 16,
+            step_size: 0.5,
+            leapfrog_steps: 5,
+            jitter: 0.2,
+            geometry: Geometry::Dense,
+            ..Self::default()
+        }
     }
 }
 
@@ -85,7 +95,7 @@ pub struct HmcFilter<T> {
 struct Start<P> {
     prior: P,
     states: Vec<Block>,
-    curvature: Vec<f64>,
+    metric: Metric,
     log_evidence: f64,
 }
 
@@ -125,8 +135,8 @@ impl<T: Predict> HmcFilter<T> {
         let prior = prior.map_err(|e| Error::Prior(Box::new(e)))?;
         let [to_start, to_average] = stage.split(["start", "curvature"]);
         let (states, log_evidence) = importance_starts(observed, &prior, chains, to_start)?;
-        let curvature = curvature(observed, &prior, self.config.curvature_draws, to_average);
-        Ok(Start { prior, states, curvature, log_evidence })
+        let metric = metric(self.config.geometry, observed, &prior, self.config.curvature_draws, to_average)?;
+        Ok(Start { prior, states, metric, log_evidence })
     }
 
     fn view(&self) -> Posterior<'_> {
@@ -150,18 +160,18 @@ impl<T: Predict> HmcFilter<T> {
         stage: Stage,
     ) -> Result<Tuned, Error> {
         let [to_start, to_tune] = stage.split(["start", "tune"]);
-        let Start { prior, states, curvature, .. } = self.start(observed, to_start)?;
-        let mut trial = Trial { target: &Sum(observed, &prior), curvature: &curvature, states, isa: self.isa };
+        let Start { prior, states, metric, .. } = self.start(observed, to_start)?;
+        let mut trial = Trial { target: &Sum(observed, &prior), metric: &metric, states, isa: self.isa };
         Ok(tuning::length(&mut trial, config, &to_tune)?)
     }
 }
 
 impl<T: Predict + Send, O: GaussNewton + ?Sized> Tracker<O> for HmcFilter<T> {
     fn step(&mut self, observed: &O, stage: Stage) -> Result<StepInfo, Error> {
-        let Config { chains, updates, burn_in, step_size, leapfrog_steps, jitter, curvature_draws } = self.config;
+        let Config { chains, updates, burn_in, step_size, leapfrog_steps, jitter, curvature_draws, .. } = self.config;
         let [to_start, to_move] = stage.split(["start", "chains"]);
-        let Start { prior, states, curvature, log_evidence } = self.start(observed, to_start)?;
-        let hmc = Hmc::new(step_size, &curvature, leapfrog_steps, jitter, self.isa)?;
+        let Start { prior, states, metric, log_evidence } = self.start(observed, to_start)?;
+        let hmc = Hmc::with_metric(step_size, &metric, leapfrog_steps, jitter, self.isa)?;
         let target = Sum(observed, &prior);
         self.draws = draw(&target, &hmc, &states, chains, Schedule { updates, burn_in }, &to_move)?;
 

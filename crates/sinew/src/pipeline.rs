@@ -12,6 +12,7 @@
 
 mod marginals;
 pub mod motion;
+mod restart;
 mod scene;
 mod smooth;
 mod source;
@@ -24,6 +25,7 @@ use crate::Error;
 use crate::estimate::{Carried, Draws, FrameEstimate, HmcStatistics, ParticleStatistics, Quality};
 use crate::setup::Setup;
 use marginals::Marginals;
+use restart::Restarting;
 use sinew_body::KinematicTree;
 use sinew_core::density::GaussNewton;
 use sinew_core::lanes::Isa;
@@ -37,6 +39,7 @@ use sinew_tracking::posterior::Posterior;
 use sinew_tracking::{StepInfo, Tracker, bootstrap, hmc_filter, run};
 use std::cell::RefCell;
 use std::ops::ControlFlow;
+use std::sync::PoisonError;
 
 /// Trackers that the program offers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -119,7 +122,7 @@ type Observed = dyn GaussNewton;
 /// A tracker with all that surrounds it for one recording.
 pub struct Pipeline {
     settings: Settings,
-    tracker: Box<dyn Tracker<Observed>>,
+    tracker: Restarting,
     scene: Scene,
     marginals: Marginals,
     transition: RandomWalk,
@@ -139,7 +142,9 @@ impl Pipeline {
     ) -> Result<Self, Error> {
         let scene = Scene::new(setup, tree, cameras, layout, &settings)?;
         let transition = walk(setup, tree, &settings)?;
-        let tracker = tracker(setup, &settings, &transition, scene.start().to_vec())?;
+        let (for_new, walk, known) = (settings.clone(), transition.clone(), setup.clone());
+        let make = Box::new(move |start| tracker(&known, &for_new, &walk, start));
+        let tracker = Restarting::new(make, scene.start().to_vec())?;
         let marginals = Marginals::new(tree, settings.isa);
         Ok(Self { settings, tracker, scene, marginals, transition })
     }
@@ -170,14 +175,17 @@ impl Pipeline {
         let numbers = numbers.into_iter().map(frame_index).collect::<Result<Vec<_>, _>>()?;
         let Self { settings, tracker, scene, marginals, .. } = self;
         let scene = RefCell::new(scene);
-        let seed = settings.seed;
+        let (seed, pending) = (settings.seed, tracker.pending());
         run(
-            &mut **tracker,
+            tracker,
             numbers,
             |frame| Stage::new(seed, "track").at_frame(frame),
             |frame, estimate| {
                 let people = source.people(u64::from(frame))?;
-                let bound = scene.borrow_mut().observe(u64::from(frame), &people, estimate);
+                let (bound, restart) = scene.borrow_mut().observe(&people, estimate);
+                if restart.is_some() {
+                    *pending.lock().unwrap_or_else(PoisonError::into_inner) = restart;
+                }
                 Ok::<Box<Observed>, Error>(Box::new(bound))
             },
             |frame, info, posterior| {
@@ -256,10 +264,11 @@ pub fn tune(
     let mut scene = Scene::new(setup, tree, &cameras, &layout, settings)?;
     let transition = walk(setup, tree, settings)?.with_initial_sd(steady_sd(setup, tree, settings)).map_err(numerical)?;
     let start = scene.start().to_vec();
-    let observed = scene.observe(number, &source.people(number)?, &start);
-    let filter = hmc_filter::HmcFilter::new(hmc_config(setup, settings), transition, scene.start().to_vec(), settings.isa)
+    let (observed, found) = scene.observe(&source.people(number)?, &start);
+    let start = found.unwrap_or(start);
+    let filter = hmc_filter::HmcFilter::new(hmc_config(setup, settings), transition, start, settings.isa)
         .map_err(numerical)?;
-    let config = tuning::Config { jitter: settings.jitter, lengths: vec![5, 10, 15, 20, 30, 40], ..tuning::Config::default() };
+    let config = tuning::Config { jitter: settings.jitter, lengths: vec![3, 4, 5, 6, 8, 10, 15], ..tuning::Config::default() };
     let tuned = filter.tune(&observed, &config, Stage::new(settings.seed, "set-up")).map_err(numerical)?;
     setup.step_size = Some(tuned.step_size);
     setup.leapfrog_steps = u32::try_from(tuned.leapfrog_steps).ok();

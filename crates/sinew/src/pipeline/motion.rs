@@ -57,8 +57,8 @@ pub fn measured_sd(tree: &KinematicTree, poses: &[Option<Vec<f64>>], fps: f64) -
 #[cfg(test)]
 mod tests {
     use super::*;
-    use sinew_body::standard::h32;
     use sinew_body::Proportions;
+    use sinew_body::standard::h32;
 
     #[test]
     fn the_step_of_a_smooth_motion_is_told_from_white_errors() {

@@ -2,31 +2,25 @@
 
 use super::{Bound, Settings};
 use crate::Error;
-use crate::setup::Setup;
-use sinew_body::fit::{self, Target, fit_pose};
+use crate::setup::{self, Setup};
 use sinew_body::{KinematicTree, Plan, point_positions};
 use sinew_formats::Layout;
-use sinew_observe::association::{self, Following, Person, associate};
-use sinew_observe::offsets::{CameraNoise, Sighted, point_from_views};
+use sinew_observe::association::{self, Following, Person, follow};
 use sinew_observe::{Camera, Detection, KeypointFrame, KeypointModel, ObservationModel, View};
 use std::sync::Arc;
 
 /// The tracked person in the cameras.
 pub struct Scene {
     model: KeypointModel,
+    setup: Setup,
     cameras: Vec<Camera>,
-    noise: Vec<CameraNoise>,
+    layout: Layout,
     /// For each point of the plan its index in the layout.
     keypoint: Vec<usize>,
-    layout_points: usize,
     following: Following,
     association: association::Config,
     /// Detections of the current frame: camera by camera, by point of the plan.
     detections: Vec<Vec<Option<Detection>>>,
-    sighted: Sighted,
-    start: Vec<f64>,
-    step_size: f64,
-    leapfrog_steps: u32,
 }
 
 impl Scene {
@@ -42,7 +36,6 @@ impl Scene {
         settings: &Settings,
     ) -> Result<Self, Error> {
         let mut views = vec![];
-        let mut noise = vec![];
         for camera in cameras {
             let Some(known) = setup.camera.iter().find(|c| c.name == camera.name) else {
                 let names: Vec<_> = setup.camera.iter().map(|c| c.name.as_str()).collect();
@@ -56,12 +49,6 @@ impl Scene {
                 offset_px: known.offset_px,
                 sigma_px: known.sigma_px,
                 usual_confidence: known.usual_confidence,
-            });
-            noise.push(CameraNoise {
-                offset_px: known.offset_px,
-                sigma_px: known.sigma_px,
-                usual_confidence: known.usual_confidence,
-                residuals: 0,
             });
         }
         let shared: Vec<(usize, usize)> = tree
@@ -97,16 +84,12 @@ impl Scene {
         };
         Ok(Self {
             detections: vec![vec![None; points.len()]; cameras.len()],
-            sighted: vec![vec![]; cameras.len()],
             keypoint: shared.iter().map(|(_, k)| *k).collect(),
-            layout_points: layout.points.len(),
             following: Following { person: setup.person, ..Following::default() },
             association: association::Config::default(),
             cameras: cameras.to_vec(),
-            start: setup.start_pose.clone(),
-            step_size: setup.step_size.unwrap_or(f64::NAN),
-            leapfrog_steps: setup.leapfrog_steps.unwrap_or(0),
-            noise,
+            layout: layout.clone(),
+            setup: setup.clone(),
             model,
         })
     }
@@ -114,19 +97,19 @@ impl Scene {
     /// State in which tracking starts.
     #[must_use]
     pub fn start(&self) -> &[f64] {
-        &self.start
+        &self.setup.start_pose
     }
 
     /// Step size of the set-up.
     #[must_use]
-    pub const fn step_size(&self) -> f64 {
-        self.step_size
+    pub fn step_size(&self) -> f64 {
+        self.setup.step_size.unwrap_or(f64::NAN)
     }
 
     /// Leapfrog steps of the set-up.
     #[must_use]
-    pub const fn leapfrog_steps(&self) -> u32 {
-        self.leapfrog_steps
+    pub fn leapfrog_steps(&self) -> u32 {
+        self.setup.leapfrog_steps.unwrap_or(0)
     }
 
     fn points(&self, state: &[f64]) -> Vec<f64> {
@@ -144,50 +127,38 @@ impl Scene {
         self.model.views.iter().map(|view| points.chunks_exact(3).map(|p| pixel(view, p)).collect()).collect()
     }
 
-    /// Finds the person in a frame and binds his keypoints; `estimate` is the state that the tracker expects.
-    pub fn observe(&mut self, _number: u64, people: &[Vec<Person>], estimate: &[f64]) -> Bound {
-        let points = self.points(estimate);
-        let expected = self.expected(&points);
-        let by_layout: Vec<Vec<Option<[f64; 2]>>> = expected
+    /// Finds the person in a frame and binds his keypoints; `estimate` is the state that the tracker expects. Where he is found for the first time, or again after he was lost, also the pose that fits what is seen.
+    pub fn observe(&mut self, people: &[Vec<Person>], estimate: &[f64]) -> (Bound, Option<Vec<f64>>) {
+        let by_layout: Vec<Vec<Option<[f64; 2]>>> = self
+            .expected(&self.points(estimate))
             .iter()
             .map(|expected| {
-                let mut all = vec![None; self.layout_points];
+                let mut all = vec![None; self.layout.points.len()];
                 for (&k, e) in self.keypoint.iter().zip(expected) {
                     all[k] = *e;
                 }
                 all
             })
             .collect();
-        let members =
-            associate(&mut self.following, &self.cameras, people, Some(&by_layout), &self.association);
-        self.sighted = members
-            .iter()
-            .zip(people)
-            .map(|(member, people)| member.and_then(|i| people.get(i)).cloned().unwrap_or_default())
-            .collect();
-        for (out, seen) in self.detections.iter_mut().zip(&self.sighted) {
+        let away = !self.following.started || self.following.lost >= self.association.lost_frames;
+        let found = follow(&mut self.following, &self.cameras, people, Some(&by_layout), &self.association);
+        for (out, seen) in self.detections.iter_mut().zip(&found.people) {
             for (out, &k) in out.iter_mut().zip(&self.keypoint) {
                 *out = seen.get(k).copied().flatten();
             }
         }
-        self.model.bind(KeypointFrame { detections: &self.detections, predicted: &points })
-    }
-
-    /// Pose fitted to what was seen in the current frame, from a former pose; `None` where too little can be triangulated.
-    #[must_use]
-    pub fn fitted(&self, tree: &KinematicTree, former: &[f64]) -> Option<Vec<f64>> {
-        let targets: Vec<Option<Target>> = self
-            .keypoint
-            .iter()
-            .map(|&k| {
-                let (found, _) =
-                    point_from_views(&self.cameras, &self.noise, &self.sighted, k, self.model.least_confidence)?;
-                Some(Target { position: found.point, weight: 1.0 })
-            })
-            .collect();
-        let enough = 2 * targets.iter().flatten().count() > targets.len();
-        let _ = tree;
-        enough.then(|| fit_pose(&self.model.plan, &targets, former, &fit::Config::default()).pose)
+        let mut restart = None;
+        if away && found.is_present() {
+            if self.following.lengths.is_empty() {
+                self.following.lengths =
+                    setup::limb_lengths(&self.cameras, &self.layout, &found.people, &self.association);
+            }
+            restart = setup::pose_of(&self.setup, &self.cameras, &self.layout, &found.people, None)
+                .filter(|pose| pose.len() == estimate.len());
+        }
+        let predicted = self.points(restart.as_deref().unwrap_or(estimate));
+        let bound = self.model.bind(KeypointFrame { detections: &self.detections, predicted: &predicted });
+        (bound, restart)
     }
 
     /// Cameras that saw the person in the current frame.

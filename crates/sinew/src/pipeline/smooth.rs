@@ -183,16 +183,17 @@ pub fn smooth(
         for (i, state) in numbers.chunks_exact(d).enumerate() {
             set_lane(&mut states[i / LANES * d..][..d], i % LANES, state);
         }
-        let posterior = Posterior {
-            dim: d,
-            states: &states,
-            weights: &weights,
-            effective: TRAJECTORIES as f64,
-            chain_stats: &[],
-        };
+        let posterior =
+            Posterior { dim: d, states: &states, weights: &weights, effective: TRAJECTORIES as f64, chain_stats: &[] };
         let (points, state) = marginals.of(&posterior);
         let draws = Draws { states: numbers[..settings.draws.min(TRAJECTORIES) * d].to_vec(), ..Draws::default() };
-        let estimate = FrameEstimate { mean_state: mean_state.to_vec(), points, state, draws, ..spool.estimate(frame, settings.fps)? };
+        let estimate = FrameEstimate {
+            mean_state: mean_state.to_vec(),
+            points,
+            state,
+            draws,
+            ..spool.estimate(frame, settings.fps)?
+        };
         if record(estimate)?.is_break() {
             break;
         }
