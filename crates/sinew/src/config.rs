@@ -82,7 +82,11 @@ pub fn resolve(sources: &Sources) -> Result<Resolved, Error> {
     for (name, text) in &sources.environment {
         let Some(key) = name.strip_prefix("SINEW_").map(str::to_lowercase) else { continue };
         match setting::find(&key) {
-            Some(setting) => resolved.take(setting.key, text, Origin::Environment, &mut problems),
+            Some(setting) => {
+                let mut of_variable = Vec::new();
+                resolved.take(setting.key, text, Origin::Environment, &mut of_variable);
+                problems.extend(of_variable.into_iter().map(|problem| format!("{name}: {problem}")));
+            }
             None if OTHER_VARIABLES.contains(&name.as_str()) => {}
             None => {
                 let meant = nearest(&key, SETTINGS.iter().map(|setting| setting.key));

@@ -25,7 +25,7 @@ pub enum Error {
     #[error(transparent)]
     Tracking(#[from] sinew_tracking::Error),
     /// A file or folder that cannot be read or written.
-    #[error("cannot {doing} {}", path.display())]
+    #[error("cannot {doing} `{}`", path.display())]
     Io {
         /// Verb of the sentence.
         doing: &'static str,
@@ -36,7 +36,7 @@ pub enum Error {
         source: io::Error,
     },
     /// The output folder holds something.
-    #[error("{} exists{}", path.display(), why)]
+    #[error("`{}` exists{}", path.display(), why)]
     OutputExists {
         /// Output folder.
         path: PathBuf,
@@ -44,7 +44,7 @@ pub enum Error {
         why: &'static str,
     },
     /// The output folder is being written by another run.
-    #[error("{} is in use by another run{}", path.display(), pid.map(|pid| format!(" (process {pid})")).unwrap_or_default())]
+    #[error("`{}` is in use by another run{}", path.display(), pid.map(|pid| format!(" (process {pid})")).unwrap_or_default())]
     OutputLocked {
         /// Output folder.
         path: PathBuf,
@@ -52,7 +52,7 @@ pub enum Error {
         pid: Option<u32>,
     },
     /// The output folder holds or is an input.
-    #[error("the output folder {} is also the input {}", path.display(), input.display())]
+    #[error("the output folder `{}` is also the input `{}`", path.display(), input.display())]
     OutputIsInput {
         /// Output folder.
         path: PathBuf,
@@ -83,6 +83,9 @@ pub enum Error {
         /// What to do.
         help: Option<String>,
     },
+    /// The user asked for an end before there was anything to write.
+    #[error("interrupted during the set-up pass; nothing was written")]
+    Interrupted,
     /// A computation that failed.
     #[error("{message}")]
     Numerical {
@@ -93,7 +96,10 @@ pub enum Error {
 
 fn listed(file: &str, problems: &[String]) -> String {
     match problems {
-        [one] => format!("{file}: {one}"),
+        [one] => match one.strip_prefix("line ") {
+            Some(rest) => format!("{file}:{rest}"),
+            None => format!("{file}: {one}"),
+        },
         many => format!("{} problems in {file}:\n  {}", many.len(), many.join("\n  ")),
     }
 }
@@ -110,6 +116,7 @@ impl Error {
     pub const fn exit_code(&self) -> u8 {
         match self {
             Self::Numerical { .. } | Self::Tracking(_) => 1,
+            Self::Interrupted => 75,
             Self::Config { .. } | Self::Usage { .. } | Self::OutputIsInput { .. } => 2,
             Self::Format(sinew_formats::Error::UnknownLayout { .. }) => 2,
             Self::Format(_) | Self::Input { .. } => 3,
@@ -122,6 +129,9 @@ impl Error {
     pub fn help(&self) -> Option<String> {
         match self {
             Self::Format(error) => error.help(),
+            Self::OutputExists { why, .. } if why.is_empty() => {
+                Some("write to another file, or replace it with `--force`".into())
+            }
             Self::OutputExists { .. } => {
                 Some("choose another folder with `-o`, or replace what is there with `--force`".into())
             }
@@ -132,7 +142,7 @@ impl Error {
             Self::Config { .. } => {
                 Some("`sinew track --help` lists the settings; `--print-config` shows the values in force".into())
             }
-            Self::Io { .. } | Self::Numerical { .. } | Self::Tracking(_) => None,
+            Self::Io { .. } | Self::Interrupted | Self::Numerical { .. } | Self::Tracking(_) => None,
         }
     }
 }

@@ -17,7 +17,7 @@ use crate::{Error, config};
 use sinew_core::lanes::Isa;
 use sinew_dynamics::random_walk::Between;
 use sinew_formats::source_text::MAX_CONFIG_BYTES;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::ops::{ControlFlow, Range};
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -142,6 +142,8 @@ pub fn track<S: FrameSource>(
     drop(spool);
     let (source_warnings, input_hashes) = inputs(source);
     warnings.splice(0..0, source_warnings);
+    let mut told = BTreeSet::new();
+    warnings.retain(|warning| told.insert(warning.clone()));
     let wall_s = clock.elapsed().as_secs_f64();
     let timings = serde_json::json!({
         "started_unix_s": started.duration_since(UNIX_EPOCH).map_or(0, |since| since.as_secs()),
@@ -233,6 +235,9 @@ fn set_up<S: FrameSource>(
     let (cameras, layout) = (source.cameras().to_vec(), source.layout().clone());
     let total = numbers.end - numbers.start;
     let frames = numbers.clone().map(|number| {
+        if watch.stop.load(Ordering::SeqCst) {
+            return Err(Error::Interrupted);
+        }
         let people = source.people(number)?;
         (watch.progress)(Pass::SetUp, number - numbers.start + 1, total);
         Ok((number, people))

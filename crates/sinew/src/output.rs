@@ -27,7 +27,7 @@ mod summary;
 mod table;
 mod tables;
 
-pub use claim::{Claim, LOCK_NAME, claim, claim_in};
+pub use claim::{Claim, LOCK_NAME, RESULT_NAMES, claim, claim_in};
 pub use markers::{REFERENCE_ORDER, order as marker_order};
 pub use pose::{Pose, pose};
 pub use skeleton::t_pose;

@@ -52,6 +52,7 @@ pub struct Recording {
     counted: Vec<bool>,
     tallies: Vec<Tally>,
     warnings: Vec<String>,
+    layout_note: Option<String>,
     calibration_hash: u64,
     keypoints_hash: u64,
 }
@@ -91,13 +92,9 @@ impl Recording {
             let numbers: Vec<u64> = camera.numbers().filter(|number| frames.contains(number)).collect();
             warnings.extend(frame_number::holes(&camera.camera, &numbers).map(|warning| warning.to_string()));
         }
-        let layout = match &options.layout {
-            Some(name) => named_layout(name)?,
-            None => {
-                let (layout, warning) = guess::layout(&listed, keypoints)?;
-                warnings.extend(warning);
-                layout
-            }
+        let (layout, layout_note) = match &options.layout {
+            Some(name) => (named_layout(name)?, None),
+            None => guess::layout(&listed, keypoints)?,
         };
         check_layout(&layout)?;
         Ok(Self {
@@ -110,6 +107,7 @@ impl Recording {
             available,
             frames,
             warnings,
+            layout_note,
             calibration_hash,
             keypoints_hash: 0,
         })
@@ -174,9 +172,15 @@ impl Recording {
         Ok(views)
     }
 
-    /// What is odd about the recording, as far as it was read.
+    /// What is odd about the recording as far as it was read, and what was guessed.
     #[must_use]
     pub fn warnings(&self) -> Vec<String> {
+        self.layout_note.iter().cloned().chain(self.oddities()).collect()
+    }
+
+    /// What is odd about the recording as far as it was read.
+    #[must_use]
+    pub fn oddities(&self) -> Vec<String> {
         let counted = self.cameras.iter().zip(&self.tallies).flat_map(|(camera, tally)| tally.warnings(&camera.name));
         self.warnings.iter().cloned().chain(counted.map(|warning| warning.to_string())).collect()
     }

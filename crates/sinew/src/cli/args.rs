@@ -53,10 +53,10 @@ pub(crate) struct General {
     #[arg(long, global = true, value_name = "FILE")]
     pub(crate) config: Option<PathBuf>,
     /// Seed of all random streams [default: 1]
-    #[arg(long, global = true, value_name = "N")]
+    #[arg(long, global = true, value_name = "N", allow_negative_numbers = true)]
     pub(crate) seed: Option<String>,
     /// Threads [default: what the system grants]
-    #[arg(long, global = true, value_name = "N")]
+    #[arg(long, global = true, value_name = "N", allow_negative_numbers = true)]
     pub(crate) threads: Option<String>,
     /// Show errors only
     #[arg(short, long, global = true)]
@@ -162,16 +162,21 @@ fn is_general(setting: &Setting) -> bool {
     matches!(setting.key, "out" | "force" | "seed" | "threads")
 }
 
+fn sentence(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
+}
+
 fn argument(setting: &'static Setting) -> Arg {
     let argument = Arg::new(setting.key)
         .long(setting.key.replace('_', "-"))
         .help_heading(setting.group)
         .hide_short_help(setting.rare);
     if setting.kind == Kind::Flag {
-        return argument.action(ArgAction::SetTrue).help(setting.help);
+        return argument.action(ArgAction::SetTrue).help(sentence(setting.help));
     }
     let default = if setting.default.is_empty() { String::new() } else { format!(" [default: {}]", setting.default) };
-    argument.value_name(setting.value).help(format!("{}{default}", setting.help)).allow_hyphen_values(true)
+    argument.value_name(setting.value).help(format!("{}{default}", sentence(setting.help))).allow_negative_numbers(true)
 }
 
 impl Args for TrackArgs {

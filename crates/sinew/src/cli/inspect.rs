@@ -21,10 +21,9 @@ pub(crate) fn run(args: &InspectArgs, general: &General, report: &Report) -> Res
         subjects.iter().find_map(|subject| if let Subject::Keypoints(path) = subject { Some(path) } else { None });
     if let (Some(calibration), Some(keypoints)) = (calibration, keypoints) {
         let mut recording = open(calibration, keypoints, args.layout.as_deref(), args.trim)?;
-        let mut facts = fit::facts(&mut recording)?;
         // What was said about a file is not said again about the pair.
-        facts.odd.retain(|odd| !all.iter().any(|other| other.odd.contains(odd)));
-        all.push(facts);
+        let known: Vec<String> = all.iter().flat_map(|facts| facts.odd.clone()).collect();
+        all.push(fit::facts(&mut recording, &known)?);
     }
     if general.json {
         let facts = |facts: &Facts| {

@@ -23,6 +23,7 @@ pub(crate) fn run(args: &TrackArgs, general: &General, report: &Report) -> Resul
         }
         return Ok(Ended::Done);
     }
+    report.detail(&resolved.describe());
     let config = resolved.track();
     let (calibration, keypoints) = inputs(&config)?;
     let options = Options {

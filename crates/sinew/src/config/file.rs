@@ -66,7 +66,10 @@ fn parse(text: &str, folder: &Path) -> Result<(BTreeMap<&'static str, Value>, bo
         }
         let Some(setting) = find(name) else {
             let known = SETTINGS.iter().map(|setting| setting.key).chain([ROOT]);
-            let meant = nearest(name, known).map(|name| format!("; did you mean `{name}`?")).unwrap_or_default();
+            let meant = match value.get_ref().is_table() {
+                true => "; settings stand at the top of the file, without tables".into(),
+                false => nearest(name, known).map(|name| format!("; did you mean `{name}`?")).unwrap_or_default(),
+            };
             problems.push((at, format!("unknown key `{name}`{meant}")));
             continue;
         };

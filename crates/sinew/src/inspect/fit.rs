@@ -24,13 +24,13 @@ const FRAMES: u64 = 200;
 const LARGEST_LAG: i64 = 10;
 
 /// Scatter, pixels, above which the calibration is doubted, per 1000 px of image diagonal.
-const DOUBTFUL: f64 = 15.0;
+const DOUBTFUL: f64 = 8.0;
 
-/// Looks at a recording.
+/// Looks at a recording; what is `known` to be odd is not repeated.
 ///
 /// # Errors
 /// Files that cannot be read.
-pub fn facts(recording: &mut Recording) -> Result<Facts, Error> {
+pub fn facts(recording: &mut Recording, known: &[String]) -> Result<Facts, Error> {
     let cameras = recording.cameras().to_vec();
     let layout = recording.layout().clone();
     let range = recording.frames();
@@ -45,6 +45,7 @@ pub fn facts(recording: &mut Recording) -> Result<Facts, Error> {
         Ok(collected) => collected,
         Err(error) => {
             facts.odd.push(error.to_string());
+            verdict(&mut facts, known);
             return Ok(facts);
         }
     };
@@ -72,11 +73,15 @@ pub fn facts(recording: &mut Recording) -> Result<Facts, Error> {
         Ok((_, warnings)) => facts.odd.extend(warnings.iter().map(ToString::to_string)),
         Err(error) => facts.odd.push(error.to_string()),
     }
-    facts.odd.extend(recording.warnings());
-    let verdict =
-        if facts.odd.is_empty() { "calibration and keypoints fit" } else { "look at what is odd before tracking" };
-    facts.row("verdict", verdict);
+    facts.odd.extend(recording.oddities());
+    facts.odd.retain(|odd| !known.contains(odd));
+    verdict(&mut facts, known);
     Ok(facts)
+}
+
+fn verdict(facts: &mut Facts, known: &[String]) {
+    let fits = facts.odd.is_empty() && known.is_empty();
+    facts.row("verdict", if fits { "calibration and keypoints fit" } else { "look at what is odd before tracking" });
 }
 
 /// Root mean square reprojection distance of each camera, pixels.

@@ -8,7 +8,8 @@ use std::path::Path;
 pub(super) fn facts(path: &Path, layout: Option<&str>) -> Result<Facts, Error> {
     let survey = survey(path, layout)?;
     let mut facts = Facts::new(format!("{}: keypoints of {} cameras", path.display(), survey.cameras.len()));
-    facts.row("layout", format!("{}, {} keypoints", survey.layout.name, survey.layout.points.len()));
+    let guess = if survey.is_guess { ", by the place of the hips" } else { "" };
+    facts.row("layout", format!("{}, {} keypoints{guess}", survey.layout.name, survey.layout.points.len()));
     for camera in &survey.cameras {
         facts.row(&camera.name, line(camera));
     }
@@ -33,8 +34,9 @@ pub(super) fn facts(path: &Path, layout: Option<&str>) -> Result<Facts, Error> {
 
 fn line(camera: &CameraSurvey) -> String {
     let people = match (camera.fewest, camera.most) {
-        (a, b) if a == b => format!("{a}"),
-        (a, b) => format!("{a} to {b}"),
+        (1, 1) => "1 person".into(),
+        (a, b) if a == b => format!("{a} people"),
+        (a, b) => format!("{a} to {b} people"),
     };
     let [left, top, right, bottom] = camera.bounds_px;
     let seen = if left <= right {
@@ -42,5 +44,5 @@ fn line(camera: &CameraSurvey) -> String {
     } else {
         String::new()
     };
-    format!("{} files, frames {}..{}, {people} people{seen}", camera.files, camera.first, camera.end)
+    format!("{} files, frames {}..{}, {people}{seen}", camera.files, camera.first, camera.end)
 }

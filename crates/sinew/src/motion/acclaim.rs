@@ -103,11 +103,17 @@ mod tests {
         for (frame, row) in amc.frames.iter().zip(&bvh.frames) {
             let ends = asf.bone_ends_m(&frame.values);
             let points: Vec<_> = bvh.point_names().into_iter().zip(forward_kinematics(&bvh.joints, row)).collect();
+            let end_of = |bone: &str| ends[asf.point_names().iter().position(|name| *name == bone).unwrap()];
             let find = |name: &str| points.iter().find(|(found, _)| found == name).unwrap().1;
             // The shin starts where the thigh ends; tips end bones without children.
-            for (name, bone) in [("root", 0), ("shin", 1), ("spine_End", 2), ("shin_End", 3)] {
+            for (name, bone) in [("root", "root"), ("shin", "thigh"), ("spine_End", "spine"), ("shin_End", "shin")] {
                 for k in 0..3 {
-                    assert!((find(name)[k] - ends[bone][k]).abs() < 1e-9, "{name}: {:?} {:?}", find(name), ends[bone]);
+                    assert!(
+                        (find(name)[k] - end_of(bone)[k]).abs() < 1e-9,
+                        "{name}: {:?} {:?}",
+                        find(name),
+                        end_of(bone)
+                    );
                 }
             }
         }

@@ -172,17 +172,21 @@ fn of_csv(name: &str, text: &str) -> Result<Motion, Error> {
     })
 }
 
-/// Heights of a skeleton that are plausible in metres.
+/// Extents of a skeleton that are plausible in metres.
 const PLAUSIBLE_M: std::ops::Range<f64> = 0.4..3.0;
 
 fn odd_size(motion: &Motion) -> Option<String> {
     let points = motion.points()?;
-    let heights = points.frames.first()?.iter().flatten().map(|point| point[2]);
-    let (low, high) = heights.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), z| (low.min(z), high.max(z)));
-    let height = high - low;
-    (!PLAUSIBLE_M.contains(&height)).then(|| {
+    let first = points.frames.first()?;
+    let extent = |axis: usize| {
+        let values = first.iter().flatten().map(|point| point[axis]);
+        let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
+        high - low
+    };
+    let size = (0..3).map(extent).fold(0.0, f64::max);
+    (!PLAUSIBLE_M.contains(&size)).then(|| {
         format!(
-            "the skeleton is {height:.1} units tall in its first frame; BVH files state no unit, it is taken as metres"
+            "the skeleton is {size:.1} units large in its first frame; BVH files state no unit, it is taken as metres"
         )
     })
 }

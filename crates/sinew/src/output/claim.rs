@@ -16,6 +16,23 @@ use std::sync::Arc;
 /// Name of the lock file.
 pub const LOCK_NAME: &str = "sinew.lock";
 
+/// Everything that a run leaves in its folder.
+pub const RESULT_NAMES: [&str; 13] = [
+    "angles.csv",
+    "angles.mot",
+    "config.toml",
+    "frames.csv",
+    "joints.csv",
+    "load.py",
+    "markers.trc",
+    "markers_sd.csv",
+    "motion.bvh",
+    "posterior.zarr",
+    "setup.toml",
+    "summary.json",
+    "timings.json",
+];
+
 /// A folder that this process alone may write.
 #[must_use]
 pub struct Claim {
@@ -90,7 +107,9 @@ fn refuse_inputs(folder: &Path, inputs: &[PathBuf]) -> Result<(), Error> {
     for input in inputs {
         let found = resolved(input);
         let is_folder = found.is_dir();
-        if found == out || (is_folder && (out.starts_with(&found) || found.starts_with(&out))) {
+        let is_replaced = found.parent() == Some(&out)
+            && found.file_name().is_some_and(|name| RESULT_NAMES.iter().any(|own| name == *own));
+        if found == out || is_replaced || (is_folder && (out.starts_with(&found) || found.starts_with(&out))) {
             return Err(Error::OutputIsInput { path: folder.to_owned(), input: input.clone() });
         }
     }
@@ -109,12 +128,12 @@ fn refuse_results(folder: &Path) -> Result<(), Error> {
     if is_incomplete(folder) {
         return Ok(());
     }
+    if folder.join("summary.json").exists() {
+        return Err(Error::OutputExists { path: folder.to_owned(), why: " and holds results" });
+    }
     for entry in entries {
         let name = entry.map_err(Error::io("read", folder))?.file_name();
         let name = name.to_string_lossy();
-        if name == "summary.json" {
-            return Err(Error::OutputExists { path: folder.to_owned(), why: " and holds results" });
-        }
         if name != LOCK_NAME && !name.ends_with(".partial") {
             return Err(Error::OutputExists { path: folder.to_owned(), why: " and is not empty" });
         }
@@ -174,16 +193,16 @@ mod tests {
         fs::write(out.join("markers.trc.partial"), "").unwrap();
         assert_eq!(message(&out, &[], false), "ok");
         fs::write(out.join("notes.txt"), "").unwrap();
-        assert_eq!(message(&out, &[], false), "./out exists and is not empty");
+        assert_eq!(message(&out, &[], false), "`./out` exists and is not empty");
         fs::write(out.join("summary.json"), r#"{"complete": false}"#).unwrap();
         assert_eq!(message(&out, &[], false), "ok");
         fs::write(out.join("summary.json"), r#"{"complete": true}"#).unwrap();
         fs::remove_file(out.join("notes.txt")).unwrap();
-        assert_eq!(message(&out, &[], false), "./out exists and holds results");
+        assert_eq!(message(&out, &[], false), "`./out` exists and holds results");
         assert_eq!(message(&out, &[], true), "ok");
         let file = root.path().join("file");
         fs::write(&file, "").unwrap();
-        assert_eq!(message(&file, &[], false), "./file exists and is not a folder");
+        assert_eq!(message(&file, &[], false), "`./file` exists and is not a folder");
     }
 
     #[test]
@@ -204,7 +223,7 @@ mod tests {
         let root = tempfile::tempdir().unwrap();
         let out = root.path().join("out");
         let first = claim(&out, &[], false).unwrap();
-        let expected = format!("./out is in use by another run (process {})", std::process::id());
+        let expected = format!("`./out` is in use by another run (process {})", std::process::id());
         assert_eq!(message(&out, &[], true), expected);
         drop(first);
         assert_eq!(message(&out, &[], false), "ok");

@@ -98,7 +98,7 @@ pub struct CameraSummary {
     pub name: String,
     /// Frames in which it saw the person.
     pub frames: u64,
-    /// Root mean square residual of the mean pose, pixels.
+    /// Median over the frames of the residual of the mean pose, pixels.
     pub residual_px: Option<f64>,
     /// Constant offset, observed minus projected, pixels.
     pub offset_px: [f64; 2],
@@ -144,14 +144,14 @@ pub(crate) struct Statistics {
     unobserved: Vec<[u64; 2]>,
     unobserved_spans: u64,
     in_span: bool,
-    // Four bytes a frame are kept for the quantiles.
+    // Four bytes a number and frame are kept for the quantiles.
     r_hat: Vec<f32>,
     ess: Vec<f32>,
     acceptance: [f64; 2],
     divergences: u64,
     trajectories: u64,
     log_evidence: Option<f64>,
-    residual_squares: Vec<(u64, f64)>,
+    residual_px: Vec<Vec<f32>>,
     particles: bool,
 }
 
@@ -175,7 +175,7 @@ impl Statistics {
             divergences: 0,
             trajectories: 0,
             log_evidence: None,
-            residual_squares: vec![(0, 0.0); info.cameras.len()],
+            residual_px: vec![Vec::new(); info.cameras.len()],
             particles: false,
         }
     }
@@ -214,11 +214,8 @@ impl Statistics {
             *self.log_evidence.get_or_insert(0.0) += evidence;
         }
         self.particles |= estimate.particles.is_some();
-        for ((count, squares), residual) in self.residual_squares.iter_mut().zip(&estimate.residual_px) {
-            if let Some(residual) = residual {
-                *count += 1;
-                *squares += residual * residual;
-            }
+        for (all, residual) in self.residual_px.iter_mut().zip(&estimate.residual_px) {
+            all.extend(residual.map(|residual| residual as f32));
         }
     }
 
@@ -290,14 +287,14 @@ impl Statistics {
     }
 
     fn residuals(&self) -> Vec<Option<f64>> {
-        self.residual_squares.iter().map(|&(n, squares)| (n > 0).then(|| (squares / n as f64).sqrt())).collect()
+        self.residual_px.iter().map(|all| quantiles(all, [0.5]).map(|[median]| median)).collect()
     }
 
     pub(crate) fn summary(self, info: &RunInfo, ending: &Ending) -> Summary {
         let names = info.cameras.iter().map(|camera| camera.name.clone());
         let cameras = names.zip(self.residuals()).enumerate().map(|(i, (name, residual_px))| CameraSummary {
             name,
-            frames: self.residual_squares[i].0,
+            frames: self.residual_px[i].len() as u64,
             residual_px,
             offset_px: info.camera_offset_px.get(i).copied().unwrap_or_default(),
         });

@@ -83,14 +83,17 @@ pub(super) fn camera_folders(keypoints: &Path) -> Result<Vec<Folder>, Error> {
         let (message, help) = if loose > 0 {
             (
                 format!(
-                    "{} holds {loose} keypoint files itself; expected a folder for each camera",
+                    "`{}` holds {loose} keypoint files itself; expected a folder for each camera",
                     keypoints.display()
                 ),
                 "give the folder above it, which holds one folder `<camera>_json` for each camera",
             )
         } else {
             (
-                format!("{} holds no keypoints; expected folders `<camera>_json` with JSON files", keypoints.display()),
+                format!(
+                    "`{}` holds no keypoints; expected folders `<camera>_json` with JSON files",
+                    keypoints.display()
+                ),
                 "`--keypoints` takes the folder that a detector fills, for example `pose`",
             )
         };

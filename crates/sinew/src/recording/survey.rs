@@ -16,6 +16,8 @@ const READ: usize = 200;
 pub struct Survey {
     /// Meaning of the keypoint indices.
     pub layout: Layout,
+    /// Whether other layouts fit as well.
+    pub is_guess: bool,
     /// Its cameras, by name.
     pub cameras: Vec<CameraSurvey>,
     /// What is odd.
@@ -55,18 +57,18 @@ pub fn survey(keypoints: &Path, layout: Option<&str>) -> Result<Survey, Error> {
         let name = folder.name.clone();
         listed.push(listing::files(folder, &name)?);
     }
-    let (layout, warning) = match layout {
+    let (layout, guessed) = match layout {
         Some(name) => (named_layout(name)?, None),
         None => guess::layout(&listed, keypoints)?,
     };
-    let mut warnings: Vec<String> = warning.into_iter().collect();
+    let mut warnings = Vec::new();
     let mut cameras = Vec::new();
     for files in &listed {
         let numbers: Vec<u64> = files.numbers().collect();
         warnings.extend(frame_number::holes(&files.camera, &numbers).map(|warning| warning.to_string()));
         cameras.push(camera(files, &numbers, &layout, &mut warnings)?);
     }
-    Ok(Survey { layout, cameras, warnings })
+    Ok(Survey { layout, is_guess: guessed.is_some(), cameras, warnings })
 }
 
 fn camera(

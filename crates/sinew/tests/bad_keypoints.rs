@@ -1,0 +1,227 @@
+//! What the user reads about bad keypoint folders and calibrations that do not fit them.
+
+mod common;
+
+use common::{Trial, trial};
+use std::fs;
+
+/// Third keypoint list entry by entry: x, y, confidence of the first person in a file.
+fn set_first_point(trial: &Trial, camera: usize, frame: usize, point: &str) {
+    trial.edit(&trial.keypoints(camera, frame), |text| {
+        let start = text.find("_2d\": [").unwrap() + "_2d\": [".len();
+        let end = text[start..].match_indices(", ").nth(2).unwrap().0 + start;
+        format!("{}{point}{}", &text[..start], &text[end..])
+    });
+}
+
+fn check_error(name: &str, harm: impl FnOnce(&Trial), more: &[&str]) {
+    let trial = trial(0.2);
+    harm(&trial);
+    insta::assert_snapshot!(name, trial.track_told(more));
+    assert!(!trial.path("out/summary.json").exists());
+}
+
+fn check_warning(name: &str, harm: impl FnOnce(&Trial), more: &[&str]) {
+    let trial = trial(0.4);
+    harm(&trial);
+    let output = trial.track(more);
+    insta::assert_snapshot!(name, trial.told(&output).replace("exit 4", "exit 0"));
+    assert!(trial.path("out/summary.json").exists());
+}
+
+#[test]
+fn nobody_in_some_frames() {
+    check_warning(
+        "nobody",
+        |trial| {
+            fs::write(trial.keypoints(2, 5), r#"{"people": []}"#).unwrap();
+            fs::write(trial.keypoints(2, 7), r#"{"people": [{}]}"#).unwrap();
+        },
+        &[],
+    );
+}
+
+#[test]
+fn nobody_anywhere_for_a_while() {
+    check_warning(
+        "nobody_anywhere",
+        |trial| {
+            for camera in 1..=4 {
+                for frame in [4, 5, 6] {
+                    fs::write(trial.keypoints(camera, frame), r#"{"people": []}"#).unwrap();
+                }
+            }
+        },
+        &[],
+    );
+}
+
+#[test]
+fn points_without_coordinates() {
+    check_warning("null_coordinates", |trial| set_first_point(trial, 1, 3, "null, 5.0, 0.8"), &[]);
+}
+
+#[test]
+fn points_at_the_origin() {
+    check_warning("origin", |trial| set_first_point(trial, 1, 3, "0, 0, 0.8"), &[]);
+}
+
+#[test]
+fn missing_files() {
+    check_warning("holes", |trial| fs::remove_file(trial.keypoints(2, 4)).unwrap(), &[]);
+}
+
+#[test]
+fn one_camera() {
+    check_warning("one_camera", |_| {}, &["--cameras", "C1"]);
+}
+
+#[test]
+fn a_camera_without_folder() {
+    check_warning("camera_without_folder", |trial| fs::remove_dir_all(trial.path("pose/C3_json")).unwrap(), &[]);
+}
+
+#[test]
+fn confidence_in_percent() {
+    check_error("confidence", |trial| set_first_point(trial, 1, 0, "10, 10, 87.0"), &[]);
+}
+
+#[test]
+fn too_few_numbers() {
+    let short = r#"{"people": [{"pose_keypoints_2d": [1, 2, 0.5]}]}"#;
+    check_error("too_few_numbers", |trial| fs::write(trial.keypoints(1, 0), short).unwrap(), &[]);
+}
+
+#[test]
+fn an_unknown_layout() {
+    let trial = trial(0.1);
+    let output = trial.run(&["track", "--calibration", "Calib.toml", "--keypoints", "pose", "--layout", "halpe27"]);
+    insta::assert_snapshot!("unknown_layout", trial.told(&output));
+}
+
+#[test]
+fn a_layout_without_hips() {
+    let trial = trial(0.1);
+    fs::write(trial.path("mine.toml"), "points = [\"Nose\", \"RHip\"]\n").unwrap();
+    let output = trial.run(&["track", "--calibration", "Calib.toml", "--keypoints", "pose", "--layout", "mine.toml"]);
+    insta::assert_snapshot!("layout_without_hips", trial.told(&output));
+}
+
+#[test]
+fn cameras_that_end_apart() {
+    let shorten = |trial: &Trial| fs::remove_file(trial.keypoints(3, 5)).unwrap();
+    check_error("ends_apart", shorten, &[]);
+    check_warning("ends_apart_trimmed", |trial| fs::remove_file(trial.keypoints(3, 11)).unwrap(), &["--trim"]);
+}
+
+#[test]
+fn frames_that_do_not_exist() {
+    check_error("no_such_frames", |_| {}, &["--frames", "100..200"]);
+}
+
+#[test]
+fn two_files_of_one_frame() {
+    let double =
+        |trial: &Trial| fs::copy(trial.keypoints(1, 1), trial.path("pose/C1_json/C1.1.json")).map(drop).unwrap();
+    check_error("two_files", double, &[]);
+}
+
+#[test]
+fn a_file_without_number() {
+    check_error("no_number", |trial| fs::write(trial.path("pose/C1_json/notes.json"), "{}").unwrap(), &[]);
+}
+
+#[test]
+fn frame_numbers_that_are_dates() {
+    let rename = |trial: &Trial| {
+        fs::rename(trial.keypoints(1, 0), trial.path("pose/C1_json/C1.20240228120000.json")).unwrap();
+    };
+    check_error("dates", rename, &["--trim", "--cameras", "C1"]);
+}
+
+#[test]
+fn a_folder_that_is_not_calibrated() {
+    let rename = |trial: &Trial| fs::rename(trial.path("pose/C3_json"), trial.path("pose/cam9_json")).unwrap();
+    check_error("not_calibrated", rename, &[]);
+}
+
+#[test]
+fn two_folders_of_one_camera() {
+    let copy = |trial: &Trial| {
+        fs::create_dir(trial.path("pose/c_01_json")).unwrap();
+    };
+    check_error("two_folders", copy, &[]);
+}
+
+#[test]
+fn an_unknown_camera() {
+    check_error("unknown_camera", |_| {}, &["--cameras", "C1,C7"]);
+}
+
+#[test]
+fn no_keypoints_at_all() {
+    let trial = trial(0.1);
+    fs::create_dir(trial.path("empty")).unwrap();
+    let track =
+        |keypoints: &str| trial.told(&trial.run(&["track", "--calibration", "Calib.toml", "--keypoints", keypoints]));
+    insta::assert_snapshot!("empty_folder", track("empty"));
+    insta::assert_snapshot!("camera_folder_itself", track("pose/C1_json"));
+    insta::assert_snapshot!("no_such_folder", track("pse"));
+}
+
+#[test]
+fn damaged_files() {
+    check_error("truncated", |trial| trial.edit(&trial.keypoints(2, 2), |text| text[..200].to_owned()), &[]);
+    check_error("not_utf8", |trial| fs::write(trial.keypoints(2, 2), b"{\"people\": \"\n\xE9\"}").unwrap(), &[]);
+    check_error("deep", |trial| fs::write(trial.keypoints(2, 2), "[".repeat(100_000)).unwrap(), &[]);
+    check_error("out_of_range", |trial| set_first_point(trial, 2, 2, "1e999, 5, 0.8"), &[]);
+    check_error(
+        "calibration_truncated",
+        |trial| trial.edit(&trial.path("Calib.toml"), |text| text[..60].to_owned()),
+        &[],
+    );
+}
+
+#[test]
+fn marks_and_line_ends_do_not_matter() {
+    let trial = trial(0.2);
+    let plain = trial.track(&[]);
+    let markers = fs::read(trial.path("out/markers.trc")).unwrap();
+    for frame in 0..6 {
+        trial.edit(&trial.keypoints(1, frame), |text| format!("\u{feff}{}", text.replace('\n', "\r\n")));
+    }
+    let marked = trial.track(&["--force"]);
+    assert_eq!(plain.status.code(), marked.status.code());
+    assert_eq!(fs::read(trial.path("out/markers.trc")).unwrap(), markers);
+}
+
+/// Files 9, 10 and 11 sort as 10, 11, 9 by name.
+#[test]
+fn frames_go_by_number() {
+    let trial = trial(0.4);
+    for camera in 1..=4 {
+        for frame in 0..12 {
+            fs::rename(
+                trial.keypoints(camera, frame),
+                trial.path(&format!("pose/C{camera}_json/C{camera}.{frame}.json")),
+            )
+            .unwrap();
+        }
+    }
+    let output = trial.track(&["--frames", "8..12"]);
+    assert!(matches!(output.status.code(), Some(0 | 4)), "{}", trial.told(&output));
+    let table = fs::read_to_string(trial.path("out/frames.csv")).unwrap();
+    let frames: Vec<&str> = table.lines().skip(1).filter_map(|line| line.split(',').next()).collect();
+    assert_eq!(frames, ["8", "9", "10", "11"]);
+}
+
+#[cfg(unix)]
+#[test]
+fn names_need_not_be_utf8() {
+    use std::os::unix::ffi::OsStrExt as _;
+    let trial = trial(0.2);
+    let odd = trial.folder.path().join(std::ffi::OsStr::from_bytes(b"p\xFFose"));
+    fs::rename(trial.path("pose"), &odd).unwrap();
+    let mut command = trial.command(&["inspect"]);
+    assert_eq!(command.arg(&odd).output().unwrap().status.code(), Some(0));
+}

@@ -1,0 +1,80 @@
+//! What the user reads about settings: mistakes in files, flags and variables; and where values come from.
+
+mod common;
+
+use common::trial;
+use std::fs;
+
+fn check_file(name: &str, text: &str) {
+    let trial = trial(0.1);
+    fs::write(trial.path("sinew.toml"), text).unwrap();
+    let output = trial.run(&["track", "--calibration", "Calib.toml", "--keypoints", "pose"]);
+    insta::assert_snapshot!(name, trial.told(&output));
+    assert!(!trial.path("sinew-out").exists());
+}
+
+#[test]
+fn mistakes_in_a_file() {
+    check_file("unknown_key", "paticles = 10\n");
+    check_file("duplicate_key", "seed = 1\nfps = 30\nseed = 2\n");
+    check_file("three_problems", "particles = 0\nfps = -1.0\nmethod = \"nuts\"\n");
+    check_file("not_a_number", "fps = nan\nmax_r_hat = 1e999\n");
+    check_file("no_toml", "seed = = 1\n");
+    check_file("a_table", "[track]\nseed = 1\n");
+    check_file("burn_in", "burn_in = 40\n");
+}
+
+#[test]
+fn mistakes_on_the_command_line() {
+    let trial = trial(0.1);
+    let told = |arguments: &[&str]| trial.told(&trial.run(arguments));
+    insta::assert_snapshot!("bad_flags", told(&["track", "--method", "hcm", "--frames", "9..3", "--seed", "-1"]));
+    insta::assert_snapshot!("unknown_flag", told(&["track", "--keypoint", "pose"]));
+    insta::assert_snapshot!("unknown_command", told(&["trac"]));
+    insta::assert_snapshot!("no_such_config", told(&["track", "--config", "none.toml"]));
+    insta::assert_snapshot!("unknown_body", told(&["body", "h33"]));
+    insta::assert_snapshot!("no_input", told(&["track"]));
+}
+
+#[test]
+fn mistakes_in_the_environment() {
+    let trial = trial(0.1);
+    let output = trial.command(&["track"]).env("SINEW_CHAINS", "none").output().unwrap();
+    insta::assert_snapshot!("bad_variable", trial.told(&output));
+    let output = trial.command(&["track", "--print-config"]).env("SINEW_CHAIN", "8").output().unwrap();
+    insta::assert_snapshot!("unknown_variable", trial.told(&output));
+}
+
+#[test]
+fn values_show_their_origin() {
+    let trial = trial(0.1);
+    fs::write(trial.path("sinew.toml"), "root = true\nfps = 50\nchains = 24\nkeypoints = \"pose\"\n").unwrap();
+    let output = trial
+        .command(&["track", "--print-config", "--seed", "5", "-o", "x"])
+        .env("SINEW_CHAINS", "8")
+        .output()
+        .unwrap();
+    let text = String::from_utf8(output.stdout).unwrap().replace(&trial.folder.path().display().to_string(), "[trial]");
+    let text: Vec<&str> = text.lines().map(|line| line.split("  # ").last().map_or(line, |_| line)).collect();
+    let shown: Vec<String> = text.iter().map(|line| line.split_whitespace().collect::<Vec<_>>().join(" ")).collect();
+    insta::assert_snapshot!("origins", shown.join("\n"));
+}
+
+#[test]
+fn help_fits_one_screen_and_starts_with_examples() {
+    let trial = trial(0.1);
+    for command in ["", "demo", "inspect", "track", "convert", "body", "completions", "man"] {
+        let arguments: Vec<&str> = [command, "-h"].into_iter().filter(|word| !word.is_empty()).collect();
+        let text = String::from_utf8(trial.run(&arguments).stdout).unwrap();
+        assert!(text.lines().count() <= 44, "{command}: {} lines", text.lines().count());
+        assert!(text.lines().all(|line| line.chars().count() <= 100), "{command}");
+        let examples = text.find("Examples:").unwrap();
+        assert!(text[examples..].lines().skip(1).take(2).all(|line| line.starts_with("  sinew ")), "{command}");
+        let name = if command.is_empty() { "sinew" } else { command };
+        insta::assert_snapshot!(format!("help_{name}"), text);
+    }
+    for shell in ["bash", "zsh", "fish", "powershell"] {
+        assert!(!trial.run(&["completions", shell]).stdout.is_empty());
+    }
+    assert!(String::from_utf8(trial.run(&["man"]).stdout).unwrap().contains("confidence\\-scale"));
+}

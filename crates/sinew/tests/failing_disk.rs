@@ -1,0 +1,142 @@
+//! A disk that fails at any write, sync or rename: the first failure is told with its path, and nothing half done passes for a result.
+
+use sinew::estimate::{Draws, FrameEstimate, PointMarginal, RunInfo, StateMarginal};
+use sinew::formats::calib_toml;
+use sinew::output::{Disk, Ending, ResultFolder, Storage, StoredFile, Texts, claim_in};
+use sinew::{Error, bodies};
+use std::io::{self, Seek, SeekFrom, Write};
+use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// The disk, until a counter runs out.
+#[derive(Clone)]
+struct Failing(Arc<AtomicUsize>);
+
+impl Failing {
+    fn step(&self) -> io::Result<()> {
+        match self.0.fetch_update(Ordering::SeqCst, Ordering::SeqCst, |left| left.checked_sub(1)) {
+            Ok(_) => Ok(()),
+            Err(_) => Err(io::Error::new(io::ErrorKind::StorageFull, "injected")),
+        }
+    }
+}
+
+struct FailingFile(Failing, Box<dyn StoredFile>);
+
+impl Write for FailingFile {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.0.step()?;
+        self.1.write(bytes)
+    }
+    fn flush(&mut self) -> io::Result<()> {
+        self.1.flush()
+    }
+}
+
+impl Seek for FailingFile {
+    fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
+        self.1.seek(to)
+    }
+}
+
+impl StoredFile for FailingFile {
+    fn sync(&mut self) -> io::Result<()> {
+        // Hundreds of runs need no real disk.
+        self.0.step()
+    }
+}
+
+impl Storage for Failing {
+    fn create_folder(&self, path: &Path) -> io::Result<()> {
+        self.step()?;
+        Disk.create_folder(path)
+    }
+    fn create(&self, path: &Path) -> io::Result<Box<dyn StoredFile>> {
+        self.step()?;
+        Ok(Box::new(FailingFile(self.clone(), Disk.create(path)?)))
+    }
+    fn sync(&self, _: &Path) -> io::Result<()> {
+        self.step()
+    }
+    fn rename(&self, from: &Path, to: &Path) -> io::Result<()> {
+        self.step()?;
+        Disk.rename(from, to)
+    }
+    fn remove(&self, path: &Path) -> io::Result<()> {
+        self.step()?;
+        Disk.remove(path)
+    }
+}
+
+const FRAMES: u64 = 3;
+
+const CALIBRATION: &str = "[cam1]\nsize = [640, 480]\nmatrix = [[500, 0, 320], [0, 500, 240], [0, 0, 1]]\ndistortions = [0, 0, 0, 0]\nrotation = [0, 0, 0]\ntranslation = [0, 0, 3]\n";
+
+/// Writes a small result folder; gives the steps that are left over.
+fn write(folder: &Path, steps: usize) -> Result<usize, Error> {
+    let left = Arc::new(AtomicUsize::new(steps));
+    let body = bodies::find("cf28")?;
+    let info = RunInfo {
+        method: "hmc".into(),
+        kind: Default::default(),
+        fps: 30.0,
+        first_frame: 0,
+        draws: 1,
+        carried: Default::default(),
+        seed: 1,
+        isa: "baseline".into(),
+        cameras: calib_toml::read("Calib.toml", CALIBRATION)?.cameras,
+        camera_offset_px: vec![[0.0; 2]],
+        sigma_px: 1.0,
+        setup_toml: "schema = 1\n".into(),
+        body,
+    };
+    let dof = info.body.dof();
+    let points = info.body.points().len();
+    let claim = claim_in(Arc::new(Failing(Arc::clone(&left))), folder, &[], false)?;
+    let mut results = ResultFolder::create(claim, info, Texts::default())?;
+    for number in 0..FRAMES {
+        results.append(&FrameEstimate {
+            number,
+            time_s: number as f64 / 30.0,
+            observed: true,
+            mean_state: vec![0.0; dof],
+            points: vec![PointMarginal::default(); points],
+            state: vec![StateMarginal::default(); dof],
+            draws: Draws { states: vec![0.0; dof], ..Draws::default() },
+            ess: 20.0,
+            ..FrameEstimate::default()
+        })?;
+    }
+    results.finish(&Ending { complete: true, ..Ending::default() })?;
+    Ok(left.load(Ordering::SeqCst))
+}
+
+#[test]
+fn every_failure_is_told_and_nothing_false_is_left() {
+    const MANY: usize = 100_000;
+    let root = tempfile::tempdir().unwrap();
+    let needed = MANY - write(&root.path().join("whole"), MANY).unwrap();
+    assert!(needed > 100, "{needed}");
+    // Every step at the beginning and the end, where all kinds of step are, and some in between.
+    let few = |steps: &usize| *steps < 60 || *steps + 60 > needed || steps.is_multiple_of(7);
+    for steps in (0..needed).filter(few) {
+        let folder = root.path().join(format!("{steps}"));
+        match write(&folder, steps) {
+            Err(Error::Io { path, source, .. }) => {
+                assert!(path.starts_with(&folder), "{steps}: {}", path.display());
+                assert_eq!(source.to_string(), "injected", "{steps}");
+            }
+            other => panic!("{steps} of {needed}: {other:?}"),
+        }
+        assert!(!folder.join("summary.json").exists(), "{steps}");
+        // The next run may take the folder, unless files have their names already.
+        if !folder.join("config.toml").exists()
+            && !folder.join("load.py").exists()
+            && !folder.join("setup.toml").exists()
+        {
+            assert!(sinew::output::claim(&folder, &[], false).is_ok(), "{steps}");
+        }
+    }
+}

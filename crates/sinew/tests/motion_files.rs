@@ -1,0 +1,117 @@
+//! `sinew convert` and `sinew inspect`: what becomes of motion files, and what is said about files.
+
+mod common;
+
+use common::{Trial, trial};
+use std::fs;
+
+const TRC: &str = "PathFileType\t4\t(X/Y/Z)\ta.trc\n\
+    DataRate\tCameraRate\tNumFrames\tNumMarkers\tUnits\tOrigDataRate\tOrigDataStartFrame\tOrigNumFrames\n\
+    60\t60\t2\t2\tmm\t60\t5\t2\n\
+    Frame#\tTime\tRHip\t\t\tNose\t\t\n\
+    \t\tX1\tY1\tZ1\tX2\tY2\tZ2\n\
+    \n\
+    1\t0.0\t100\t900\t300\t50\t1600\t310\n\
+    2\t0.016667\t101\t901\t301\t\t\t\n";
+
+const BVH: &str = "HIERARCHY\nROOT Hips\n{\n  OFFSET 0.0 0.0 0.0\n  CHANNELS 6 Xposition Yposition Zposition Zrotation Yrotation Xrotation\n  JOINT Knee\n  {\n    OFFSET 0.0 -0.43 0.0\n    CHANNELS 3 Zrotation Yrotation Xrotation\n    End Site\n    {\n      OFFSET 0.0 -0.42 0.0\n    }\n  }\n}\nMOTION\nFrames: 1\nFrame Time: 0.0333333\n0 0.95 0 0 0 90 0 0 0\n";
+
+fn with(files: &[(&str, &str)]) -> Trial {
+    let trial = trial(0.1);
+    for (name, text) in files {
+        fs::write(trial.path(name), text).unwrap();
+    }
+    trial
+}
+
+fn check(trial: &Trial, arguments: &[&str]) {
+    let output = trial.run(&[&["convert"], arguments].concat());
+    assert!(output.status.success(), "{arguments:?}: {}", trial.told(&output));
+}
+
+#[test]
+fn markers_become_a_table_and_back() {
+    let trial = with(&[("a.trc", TRC)]);
+    check(&trial, &["a.trc", "a.csv"]);
+    let table = fs::read_to_string(trial.path("a.csv")).unwrap();
+    insta::assert_snapshot!("trc_as_csv", table);
+    check(&trial, &["a.csv", "b.trc"]);
+    check(&trial, &["b.trc", "b.csv"]);
+    assert_eq!(fs::read_to_string(trial.path("b.csv")).unwrap(), table);
+}
+
+#[test]
+fn a_skeleton_becomes_points_and_channels() {
+    let trial = with(&[("a.bvh", BVH)]);
+    check(&trial, &["a.bvh", "a.csv"]);
+    let motion = sinew::motion::read(&trial.path("a.csv"), None, None).unwrap();
+    let points = motion.points().unwrap();
+    assert_eq!(points.names, ["Hips", "Knee", "Knee_End"]);
+    // The hips are turned by 90 degrees about the file's x: the leg points along −z there, which is y of the world.
+    let tip = points.frames[0][2].unwrap();
+    assert!(tip.iter().zip([0.0, 0.85, 0.95]).all(|(a, b)| (a - b).abs() < 1e-12), "{tip:?}");
+    check(&trial, &["a.bvh", "a.mot"]);
+    check(&trial, &["a.mot", "coordinates.csv"]);
+    let header = fs::read_to_string(trial.path("coordinates.csv")).unwrap().lines().next().unwrap().to_owned();
+    assert_eq!(
+        header,
+        "time_s,Hips_tx_m,Hips_ty_m,Hips_tz_m,Hips_rz_deg,Hips_ry_deg,Hips_rx_deg,Knee_rz_deg,Knee_ry_deg,Knee_rx_deg"
+    );
+    check(&trial, &["coordinates.csv", "again.mot"]);
+    assert_eq!(fs::read(trial.path("again.mot")).unwrap(), fs::read(trial.path("a.mot")).unwrap());
+}
+
+#[test]
+fn what_cannot_be_is_said() {
+    let trial = with(&[("a.trc", TRC), ("a.bvh", BVH), ("a.amc", ":DEGREES\n1\nroot 0 0 0 0 0 0\n"), ("a.xyz", "")]);
+    check(&trial, &["a.bvh", "a.mot"]);
+    let told: Vec<String> = [
+        &["a.trc", "b.bvh"][..],
+        &["a.trc", "b.mot"],
+        &["a.mot", "b.trc"],
+        &["a.mot", "b.bvh"],
+        &["a.amc", "b.bvh"],
+        &["a.trc", "b.amc"],
+        &["a.xyz", "b.trc"],
+        &["a.trc", "a.trc"],
+        &["a.trc", "a.bvh", "--skeleton", "a.asf"],
+        &["none.trc", "b.csv"],
+        &["a.trc", "a.mot"],
+    ]
+    .iter()
+    .map(|arguments| {
+        format!("convert {}\n{}", arguments.join(" "), trial.told(&trial.run(&[&["convert"], *arguments].concat())))
+    })
+    .collect();
+    insta::assert_snapshot!("impossible", told.join("\n\n"));
+}
+
+#[test]
+fn files_are_described() {
+    let trial = with(&[("a.trc", &TRC.replace("\t2\tmm", "\t3\tmm")), ("a.bvh", BVH), ("notes.txt", "")]);
+    let shown = |arguments: &[&str]| String::from_utf8(trial.run(&[&["inspect"], arguments].concat()).stdout).unwrap();
+    insta::assert_snapshot!("inspect_motion", shown(&["a.trc", "a.bvh"]));
+    trial.edit(&trial.path("Calib.toml"), |text| text.replace("translation = ", "translation = [9000.0, 0.0, 0.0] # "));
+    let calibration = shown(&["Calib.toml"]);
+    assert!(calibration.starts_with("Calib.toml: calibration of 4 cameras\n  C1"), "{calibration}");
+    assert!(calibration.contains("are translations in millimetres?"), "{calibration}");
+    insta::assert_snapshot!("inspect_nothing", trial.told(&trial.run(&["inspect", "notes.txt"])));
+    let json: serde_json::Value = serde_json::from_slice(&trial.run(&["inspect", "a.bvh", "--json"]).stdout).unwrap();
+    assert_eq!(json[0]["facts"]["frames"], "1 at 30 per second, 0.03 s");
+}
+
+#[test]
+fn calibration_and_keypoints_are_compared() {
+    let trial = trial(1.5);
+    let shown =
+        || String::from_utf8(trial.run(&["inspect", "Calib.toml", "pose", "--layout", "BODY_25B"]).stdout).unwrap();
+    let fitting = shown();
+    assert!(
+        fitting.contains("fit of calibration and keypoints, frames 0..45") && fitting.contains("best lag"),
+        "{fitting}"
+    );
+    // Two cameras take each other's place.
+    trial.edit(&trial.path("Calib.toml"), |text| text.replace("C1", "CX").replace("C2", "C1").replace("CX", "C2"));
+    let swapped = shown();
+    assert!(swapped.contains("odd: ") && swapped.contains("look at what is odd"), "{swapped}");
+}
