@@ -129,7 +129,7 @@ impl Error {
     pub fn help(&self) -> Option<String> {
         match self {
             Self::Format(error) => error.help(),
-            Self::OutputExists { why, .. } if why.is_empty() => {
+            Self::OutputExists { why: "", .. } => {
                 Some("write to another file, or replace it with `--force`".into())
             }
             Self::OutputExists { .. } => {

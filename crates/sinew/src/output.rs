@@ -102,6 +102,7 @@ impl ResultFolder {
     /// # Errors
     /// [`Error::Io`] with the path at the first failure.
     pub fn append(&mut self, estimate: &FrameEstimate) -> Result<(), Error> {
+        self.check(estimate)?;
         let pose = pose(&self.info.body, &estimate.mean_state);
         self.markers.append(self.statistics.frames(), estimate, &pose)?;
         self.tables.append(estimate)?;
@@ -110,6 +111,28 @@ impl ResultFolder {
         self.draws.append(estimate)?;
         self.statistics.add(estimate);
         Ok(())
+    }
+
+    /// Refuses an estimate of another size than the run's, and numbers that are none.
+    fn check(&self, estimate: &FrameEstimate) -> Result<(), Error> {
+        let (dof, points) = (self.info.body.dof(), self.info.body.points().len());
+        let sizes = [
+            ("mean state", estimate.mean_state.len(), dof),
+            ("marginals of the state", estimate.state.len(), dof),
+            ("marginals of the points", estimate.points.len(), points),
+            ("draws", estimate.draws.states.len(), dof * self.info.draws),
+        ];
+        let failed = |what: String| Err(Error::Numerical { message: format!("frame {}: {what}", estimate.number) });
+        if let Some((what, found, expected)) = sizes.into_iter().find(|(_, found, expected)| found != expected) {
+            return failed(format!("{what}: {found} numbers instead of {expected}"));
+        }
+        let finite = |values: &[f64]| values.iter().all(|value| value.is_finite());
+        let points = estimate.points.iter().all(|p| [p.mean, p.sd, p.q05, p.q95].iter().all(|values| finite(values)));
+        let state = estimate.state.iter().all(|s| finite(&[s.mean, s.q05, s.q95]));
+        match finite(&estimate.mean_state) && points && state && finite(&estimate.draws.states) {
+            true => Ok(()),
+            false => failed("the estimate has numbers that are not finite".into()),
+        }
     }
 
     /// Completes, syncs and renames all files; `summary.json` last.

@@ -1,4 +1,4 @@
-//! The few operations on files that results need, as a trait: one clock hand away from the disk, so that a test can let any of them fail.
+//! The few operations on files that results need, as a trait, so that a test can let any of them fail.
 
 use std::fs;
 use std::io::{self, Seek, Write};

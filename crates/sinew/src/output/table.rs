@@ -33,7 +33,7 @@ pub(crate) fn integer(value: u64) -> Cell<'static> {
     Cell::Integer(i64::try_from(value).unwrap_or(i64::MAX))
 }
 
-/// A number, or nothing where a method does not have it.
+/// A diagnostic, or nothing where a method does not have it; an infinite one (R-hat of chains that never moved) becomes NaN.
 pub(crate) fn optional(value: Option<f64>) -> Cell<'static> {
-    value.map_or(Cell::Empty, Cell::Number)
+    value.map_or(Cell::Empty, |value| Cell::Number(if value.is_finite() { value } else { f64::NAN }))
 }

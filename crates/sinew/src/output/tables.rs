@@ -81,7 +81,7 @@ impl Tables {
             let [mean, q05, q95] = [angle.mean, angle.q05, angle.q95].map(|value| Cell::Number(value.to_degrees()));
             self.angles.append(&[time, PERSON, Cell::Text(name), mean, q05, q95])?;
         }
-        let mut cells = vec![integer(estimate.number), time, flags[0], flags[1], Cell::Number(estimate.ess)];
+        let mut cells = vec![integer(estimate.number), time, flags[0], flags[1], optional(Some(estimate.ess))];
         cells.extend([estimate.log_evidence, estimate.r_hat, estimate.acceptance].map(optional));
         cells.extend([integer(estimate.divergences), optional(rms(&estimate.residual_px))]);
         cells.extend(estimate.residual_px.iter().copied().map(optional));
