@@ -4,10 +4,10 @@
 //! angle(φ) = c₀ + Σ_k a_k cos 2πkφ + b_k sin 2πkφ            φ: fraction of the cycle since this side's heel strike
 //! ```
 //!
-//! **Source.** [`TABLE`] lists hip, knee and ankle flexion every 5 % of the cycle, rounded to a degree by us from the mean curves of adults at natural cadence in
-//! Winter, *The Biomechanics and Motor Control of Human Gait*, 2nd ed. (1991), and *Biomechanics and Motor Control of Human Movement*, 4th ed. (2009), and in Perry &
-//! Burnfield, *Gait Analysis*, 2nd ed. (2010); compare Kadaba, Ramakrishnan & Wootten, J. Orthop. Res. 8 (1990) 383–392. It is an approximation of printed curves,
-//! not a copy of any table.
+//! **Source.** [`TABLE`] lists hip, knee and ankle flexion every 5 % of the cycle. We wrote its values, whole degrees, to follow the normative curves of adults at natural cadence that
+//! Winter, *The Biomechanics and Motor Control of Human Gait*, 2nd ed. (1991), *Biomechanics and Motor Control of Human Movement*, 4th ed. (2009), and Perry & Burnfield, *Gait Analysis*,
+//! 2nd ed. (2010) publish: their extremes and the times of these. It is neither a copy of a table nor digitised from a figure; expect it to be right to a few degrees, as published
+//! curves agree with each other (Kadaba, Ramakrishnan & Wootten, J. Orthop. Res. 8 (1990) 383–392).
 //!
 //! The coefficients were fitted to [`TABLE`] by least squares (standard deviation 3.5°, about that between subjects) together with the condition that the foot of
 //! a standard body neither slides nor leaves the ground while it bears weight (8 mm): published curves come from bodies with other proportions and bending toes. They differ
@@ -54,7 +54,7 @@ pub const ANKLE: Curve = Curve {
     harmonics: &[[-2.23, 7.99], [1.69, -8.28], [-3.48, 0.04], [2.20, 0.43], [0.47, -1.78], [-0.08, -0.05]],
 };
 
-/// Hip, knee and ankle flexion in degrees at 0, 5, …, 95 % of the cycle from heel strike, rounded from the sources above.
+/// Hip, knee and ankle flexion in degrees at 0, 5, …, 95 % of the cycle from heel strike, approximately as in the sources above.
 pub const TABLE: [[f64; 20]; 3] = [
     [
         22.0, 22.0, 20.0, 16.0, 12.0, 8.0, 3.0, -2.0, -6.0, -10.0, -12.0, -10.0, -3.0, 6.0, 14.0, 20.0, 24.0, 25.0,
