@@ -144,8 +144,8 @@ fn the_energy_error_falls_with_the_square_of_the_step() {
             let before = gradient_at(&target, &x).0;
             let kinetic: Vec<f64> = (0..LANES).map(|l| p.iter().map(|p| 0.5 * p.0[l] * p.0[l]).sum()).collect();
             let end = trajectory(&target, &hmc, &mut x, &mut p);
-            for lane in 0..LANES {
-                let change = end.kinetic.0[lane] - end.log_density.0[lane] - kinetic[lane] + before.0[lane];
+            for (lane, kinetic) in kinetic.iter().enumerate() {
+                let change = end.kinetic.0[lane] - end.log_density.0[lane] - kinetic + before.0[lane];
                 total += change.abs() / (blocks * LANES) as f64;
             }
         }
@@ -202,8 +202,8 @@ fn the_mean_of_exp_minus_the_energy_error_is_one() {
         let before = gradient_at(&target, x).0;
         let kinetic: Vec<f64> = (0..LANES).map(|l| p.iter().map(|p| 0.5 * p.0[l] * p.0[l]).sum()).collect();
         let end = trajectory(&target, &hmc, x, p);
-        for lane in 0..LANES {
-            let ratio = (kinetic[lane] - before.0[lane] - end.kinetic.0[lane] + end.log_density.0[lane]).exp();
+        for (lane, kinetic) in kinetic.iter().enumerate() {
+            let ratio = (kinetic - before.0[lane] - end.kinetic.0[lane] + end.log_density.0[lane]).exp();
             sum += ratio;
             square += ratio * ratio;
             acceptance += ratio.min(1.0);

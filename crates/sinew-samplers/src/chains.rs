@@ -201,8 +201,8 @@ mod tests {
             assert!((target.log_density(&state) - stat.log_density).abs() < 1e-13);
             assert!(stat.energy >= -stat.log_density && stat.acceptance <= 1.0 && !stat.divergent);
         }
-        for chain in 0..10 {
-            assert_eq!(series[1][chain][3], draws.last[chain / 8 * 2 + 1].0[chain % 8]);
+        for (chain, series) in series[1].iter().enumerate() {
+            assert_eq!(series[3], draws.last[chain / 8 * 2 + 1].0[chain % 8]);
         }
         let none = draw(&target, &hmc, &starts, 10, Schedule { updates: 5, burn_in: 6 }, &Stage::new(1, "none"));
         assert!(matches!(none, Err(Error::OutOfRange { name: "burn-in", .. })));

@@ -332,7 +332,7 @@ pub fn leapfrog<T: GradLogDensity + ?Sized>(
         }
         log_density = target.log_density_grad_block(position, gradient, workspace);
         for (b, l) in broken.0.iter_mut().zip(log_density.0) {
-            *b += l - l;
+            *b += 0.0 * l;
         }
     }
     match &hmc.steps {
@@ -376,8 +376,7 @@ pub fn update<T: GradLogDensity + ?Sized>(
         let before = kinetic.0[lane] - chains.log_density.0[lane];
         let after = end.kinetic.0[lane] - end.log_density.0[lane] + end.broken.0[lane];
         let error = after - before;
-        // A NaN is on the divergent side.
-        let divergent = !(error <= DIVERGENCE);
+        let divergent = error.is_nan() || error > DIVERGENCE;
         let acceptance = if divergent { 0.0 } else { (-error).exp().min(1.0) };
         let accepted = uniforms[0].0[lane] < acceptance;
         update.divergent[lane] = divergent;

@@ -2,9 +2,9 @@
 //!
 //! m = Σ W_i s_i and C = Σ W_i (s_i − m)(s_i − m)ᵀ / (1 − 1 / n_eff), where n_eff is the effective number of draws (1 / Σ W² of independent weighted states, n / τ of chains).
 //!
-//! Shrinkage (Schäfer & Strimmer 2005, target "diagonal, unequal variance"): the off-diagonal entries are multiplied by 1 − λ,
-//! λ = min(1, Σ_{i≠j} Var(r_ij) / Σ_{i≠j} r_ij²), with the correlations r_ij and the large-sample value Var(r) = (1 − r²)² / (n_eff − 1). Variances are not touched. With λ > 0 the result
-//! is positive definite where all variances are positive.
+//! Shrinkage: C ← (n_eff C + n₀ diag C) / (n_eff + n₀) with n₀ = d pseudo-draws, so the off-diagonal entries are multiplied by 1 − λ, λ = d / (n_eff + d). Variances are not touched, and the result is positive
+//! definite where all of them are positive. A λ fitted to the correlations (Schäfer & Strimmer 2005) is twice as large where there are many weak ones: in a linear-Gaussian filter of ten dimensions, with 464
+//! draws a frame, it pulled means by up to 0.18 posterior standard deviations, away from the exact filter and the same way in every run.
 
 use sinew_core::lanes::{Block, Isa, Kernel, LANES, Real, dispatch};
 use sinew_core::transition::Moments;
@@ -81,24 +81,13 @@ pub fn moments(isa: Isa, states: &[Block], dim: usize, weights: &[f64], effectiv
     Moments { mean, covariance }
 }
 
-/// Shrinks the covariance of `effective` independent draws towards its diagonal and returns λ.
+/// Shrinks the covariance of `effective` independent draws towards its diagonal and returns λ; without draws only the diagonal is left.
 pub fn shrink(moments: &mut Moments, effective: f64) -> f64 {
     let d = moments.mean.len();
-    let c = &mut moments.covariance;
-    let (mut uncertain, mut squares) = (0.0, 0.0);
-    for i in 0..d {
-        for j in 0..i {
-            let scale = c[i * d + i] * c[j * d + j];
-            let r2 = if scale > 0.0 { (c[i * d + j] * c[i * d + j] / scale).min(1.0) } else { 0.0 };
-            uncertain += (1.0 - r2) * (1.0 - r2) / (effective - 1.0);
-            squares += r2;
-        }
-    }
-    let known = effective > 1.0 && uncertain < squares;
-    let lambda = if known { uncertain / squares } else { 1.0 };
-    for i in 0..d {
-        for j in (0..d).filter(|&j| j != i) {
-            c[i * d + j] *= 1.0 - lambda;
+    let lambda = d as f64 / (effective.max(0.0) + d as f64);
+    for (k, entry) in moments.covariance.iter_mut().enumerate() {
+        if k / d != k % d {
+            *entry *= 1.0 - lambda;
         }
     }
     lambda
@@ -137,13 +126,11 @@ mod tests {
     #[test]
     fn shrinkage_falls_with_the_number_of_draws_and_leaves_variances() {
         let start = || Moments { mean: vec![0.0; 2], covariance: vec![4.0, 1.0, 1.0, 1.0] };
-        let (mut few, mut many, mut one) = (start(), start(), start());
-        let lambdas = (shrink(&mut few, 20.0), shrink(&mut many, 2000.0), shrink(&mut one, 1.0));
-        // r² = 1/4: Var(r) = (9/16) / 19, λ = that over 1/4.
-        assert!((lambdas.0 - 9.0 / 4.0 / 19.0).abs() < 1e-15);
-        assert!(lambdas.1 < 0.01 && lambdas.2 == 1.0);
+        let (mut few, mut many, mut none) = (start(), start(), start());
+        let lambdas = (shrink(&mut few, 18.0), shrink(&mut many, 1998.0), shrink(&mut none, 0.0));
+        assert_eq!(lambdas, (0.1, 0.001, 1.0));
         assert_eq!((few.covariance[0], few.covariance[3]), (4.0, 1.0));
         assert_eq!(few.covariance[1], 1.0 - lambdas.0);
-        assert_eq!(one.covariance[1], 0.0);
+        assert_eq!(none.covariance[1], 0.0);
     }
 }

@@ -6,6 +6,7 @@ use sinew_core::lanes::Isa;
 use sinew_core::random::Stage;
 use sinew_core::toy::Quadratic;
 use sinew_dynamics::random_walk::{Between, RandomWalk};
+use sinew_samplers::metric::Geometry;
 use sinew_samplers::resample::Scheme;
 use sinew_tracking::bootstrap::{self, Bootstrap};
 use sinew_tracking::hmc_filter::{self, HmcFilter};
@@ -56,10 +57,20 @@ proptest! {
     fn hmc_steps_for_every_size(
         dim in 1..6usize, chains in 1..20usize, burn_in in 0..4usize, more in 1..6usize, jitter in 0.0..0.5f64, seed: u64,
         between in prop::sample::select(vec![Between::Mixture, Between::Gaussian]),
+        geometry in prop::sample::select(vec![Geometry::Diagonal, Geometry::Dense]),
     ) {
         let walk = RandomWalk::new(&vec![1.0; dim], 0.04, between, Isa::best()).expect("valid");
         let updates = burn_in + more;
-        let config = hmc_filter::Config { chains, updates, burn_in, step_size: 0.5, leapfrog_steps: 3, jitter, curvature_draws: 8 };
+        let config = hmc_filter::Config {
+            chains,
+            updates,
+            burn_in,
+            step_size: 0.5,
+            leapfrog_steps: 3,
+            jitter,
+            curvature_draws: 8,
+            geometry,
+        };
         let filter = HmcFilter::new(config, walk, vec![0.0; dim], Isa::best()).expect("valid");
         let info = steps(filter, dim, seed)?;
         prop_assert_eq!(info.gradient_evaluations, chains * (1 + updates * 3) + 8);

@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 use sinew::core::density::{GaussNewton, GradLogDensity, LogDensity};
-use sinew::core::lanes::{Block, Isa};
+use sinew::core::lanes::{Block, Isa, Kernel, Real, dispatch};
 use sinew::core::random::Stage;
 use sinew::core::transition::{Moments, Transition};
 use sinew::dynamics::linear_gaussian::LinearGaussian;
@@ -12,47 +12,71 @@ use std::path::PathBuf;
 /// Rows of a matrix.
 pub type Rows = Vec<Vec<f64>>;
 
-/// z = C x + N(0, R) for one z, as a density of x with all constants.
+/// z = C x + N(0, R) for one z, as a density of x with all constants: log p = c + bᵀx − ½ xᵀH x with H = Cᵀ R⁻¹ C, b = Cᵀ R⁻¹ z.
 pub struct Sight {
-    z: Vec<f64>,
-    c: Rows,
-    precision: Rows,
-    log_norm: f64,
+    h: Vec<f64>,
+    b: Vec<f64>,
+    constant: f64,
 }
 
-impl Sight {
-    fn whitened(&self, x: &[f64]) -> (Vec<f64>, Vec<f64>) {
-        let r: Vec<f64> = self.z.iter().zip(&self.c).map(|(z, c)| z - dot(c, x)).collect();
-        let w = self.precision.iter().map(|p| dot(p, &r)).collect();
-        (r, w)
+/// Value and gradient b − H x for eight states.
+struct Eval<'a> {
+    sight: &'a Sight,
+    x: &'a [Block],
+    grad: &'a mut [Block],
+}
+
+impl Kernel<Block> for Eval<'_> {
+    type Out = Block;
+    #[inline(always)]
+    fn run<V: Real<Mem = Block>>(self) -> Block {
+        let mut twice = V::splat(0.0);
+        for (i, row) in self.sight.h.chunks_exact(self.x.len()).enumerate() {
+            let mut g = V::splat(self.sight.b[i]);
+            for (x, &h) in self.x.iter().zip(row) {
+                g = V::load(x).fnma(V::splat(h), g);
+            }
+            g.store(&mut self.grad[i]);
+            twice = (g + V::splat(self.sight.b[i])).fma(V::load(&self.x[i]), twice);
+        }
+        let mut out = Block::ZERO;
+        twice.fma(V::splat(0.5), V::splat(self.sight.constant)).store(&mut out);
+        out
     }
 }
 
 impl LogDensity for Sight {
     fn dim(&self) -> usize {
-        self.c[0].len()
+        self.b.len()
+    }
+    fn workspace(&self) -> usize {
+        self.b.len()
     }
     fn log_density(&self, x: &[f64]) -> f64 {
-        let (r, w) = self.whitened(x);
-        self.log_norm - 0.5 * dot(&r, &w)
+        self.log_density_grad(x, &mut vec![0.0; x.len()])
+    }
+    fn log_density_block(&self, x: &[Block], ws: &mut [Block]) -> Block {
+        dispatch(Isa::best(), Eval { sight: self, x, grad: ws })
     }
 }
 
 impl GradLogDensity for Sight {
     fn log_density_grad(&self, x: &[f64], grad: &mut [f64]) -> f64 {
-        let (r, w) = self.whitened(x);
-        for (j, g) in grad.iter_mut().enumerate() {
-            *g = self.c.iter().zip(&w).map(|(c, w)| c[j] * w).sum();
-        }
-        self.log_norm - 0.5 * dot(&r, &w)
+        let block: Vec<Block> = x.iter().map(|&x| Block::splat(x)).collect();
+        let mut grads = vec![Block::ZERO; x.len()];
+        let value = dispatch(Isa::best(), Eval { sight: self, x: &block, grad: &mut grads });
+        grad.iter_mut().zip(grads).for_each(|(g, b)| *g = b.0[0]);
+        value.0[0]
+    }
+    fn log_density_grad_block(&self, x: &[Block], grad: &mut [Block], _ws: &mut [Block]) -> Block {
+        dispatch(Isa::best(), Eval { sight: self, x, grad })
     }
 }
 
 impl GaussNewton for Sight {
-    fn gauss_newton_diagonal_block(&self, _x: &[Block], diagonal: &mut [Block], _ws: &mut [Block]) {
+    fn gauss_newton_diagonal_block(&self, x: &[Block], diagonal: &mut [Block], _ws: &mut [Block]) {
         for (j, d) in diagonal.iter_mut().enumerate() {
-            let column: Vec<f64> = self.c.iter().map(|c| c[j]).collect();
-            *d = Block::splat(self.precision.iter().zip(&column).map(|(p, c)| c * dot(p, &column)).sum());
+            *d = Block::splat(self.h[j * (x.len() + 1)]);
         }
     }
 }
@@ -132,7 +156,7 @@ impl Series {
     pub fn simulated(dim: usize, frames: usize, stage: &Stage) -> Self {
         let entry = |i: usize, j: usize| match (i, j) {
             _ if i == j => 0.97,
-            _ if i % 2 == 0 && j == i + 1 => 0.12,
+            _ if i.is_multiple_of(2) && j == i + 1 => 0.12,
             _ if i % 2 == 1 && j + 1 == i => -0.12,
             _ => 0.0,
         };
@@ -194,8 +218,16 @@ impl Series {
 
     pub fn sight(&self, frame: usize) -> Sight {
         let (precision, log_det) = inverse(&self.r);
-        let log_norm = -0.5 * (log_det + self.r.len() as f64 * std::f64::consts::TAU.ln());
-        Sight { z: self.z[frame].clone(), c: self.c.clone(), precision, log_norm }
+        let z = &self.z[frame];
+        let w: Vec<f64> = precision.iter().map(|p| dot(p, z)).collect();
+        let column = |j: usize| self.c.iter().map(|c| c[j]).collect::<Vec<f64>>();
+        let columns: Rows = (0..self.dim).map(column).collect();
+        let weighted: Rows = columns.iter().map(|c| precision.iter().map(|p| dot(p, c)).collect()).collect();
+        Sight {
+            h: (0..self.dim * self.dim).map(|k| dot(&weighted[k / self.dim], &columns[k % self.dim])).collect(),
+            b: columns.iter().map(|c| dot(c, &w)).collect(),
+            constant: -0.5 * (dot(z, &w) + log_det + z.len() as f64 * std::f64::consts::TAU.ln()),
+        }
     }
 
     /// The exact filter: moments after each frame, and log p(z_t | earlier).
