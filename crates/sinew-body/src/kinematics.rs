@@ -18,8 +18,8 @@
 //! Cost O(links + points + degrees of freedom); nothing is allocated.
 
 use crate::tree::{Axis, Joint, KinematicTree};
-use sinew_core::density::triangle;
 use sinew_core::elementary::sin_cos;
+use sinew_core::lanes::triangle;
 use sinew_core::lanes::{Block, Isa, Kernel, Real, dispatch, dispatch_one};
 
 /// Vector of three lanes.

@@ -4,7 +4,7 @@ use proptest::prelude::*;
 use sinew_body::{
     Axis, Joint, KinematicTree, Link, Plan, Point, point_jacobian, point_positions, point_positions_block,
 };
-use sinew_core::density::triangle;
+use sinew_core::lanes::triangle;
 use sinew_core::lanes::{Block, Isa, Kernel, LANES, Real, dispatch, get_lane, set_lane};
 
 fn axis() -> impl Strategy<Value = Axis> {

@@ -1,8 +1,8 @@
 //! Densities made of densities: [`Sum`], [`Tempered`], [`OnPart`], [`Through`].
 
 use crate::decode::Decode;
-use crate::density::{GaussNewton, GradLogDensity, LogDensity, triangle};
-use crate::lanes::Block;
+use crate::density::{GaussNewton, GradLogDensity, LogDensity};
+use crate::lanes::{Block, triangle};
 use crate::part::Part;
 
 /// Product of two densities over the same state: the sum of their logarithms.

@@ -10,7 +10,7 @@
 //! 4. A gradient is overwritten, never added to; where the value is −∞ its content is unspecified.
 //! 5. The content of a workspace before and after a call means nothing.
 
-use crate::lanes::{Block, Isa, Kernel, LANES, Real, dispatch, dispatch_one, get_lane};
+use crate::lanes::{Block, Isa, Kernel, LANES, Real, dispatch, dispatch_one, get_lane, triangle};
 
 /// A log density on ℝᵈ, up to a constant that does not depend on the state.
 pub trait LogDensity: Sync {
@@ -74,13 +74,6 @@ pub trait GaussNewton: GradLogDensity {
             matrix[triangle(j, j)] = entry;
         }
     }
-}
-
-/// Place of row i, column j ≤ i in a packed lower triangle.
-#[inline(always)]
-#[must_use]
-pub const fn triangle(i: usize, j: usize) -> usize {
-    i * (i + 1) / 2 + j
 }
 
 /// A numerical leaf, written once over the lane scalar. All methods must be `#[inline(always)]`.

@@ -69,6 +69,13 @@ pub fn get_lane(block: &[Block], lane: usize, state: &mut [f64]) {
     }
 }
 
+/// Place of row i, column j ≤ i in a packed lower triangle.
+#[inline(always)]
+#[must_use]
+pub const fn triangle(i: usize, j: usize) -> usize {
+    i * (i + 1) / 2 + j
+}
+
 /// Instruction set for lane kernels. Only detection makes one, so holding it proves that the processor has it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Isa(Kind);

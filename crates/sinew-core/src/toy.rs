@@ -1,7 +1,7 @@
 //! The smallest target: a Gaussian with independent coordinates, as a lane leaf and as a plain density.
 
-use crate::density::{GaussNewton, GradLogDensity, LaneDensity, LaneGaussNewton, LogDensity, triangle};
-use crate::lanes::{Block, Real};
+use crate::density::{GaussNewton, GradLogDensity, LaneDensity, LaneGaussNewton, LogDensity};
+use crate::lanes::{Block, Real, triangle};
 
 /// `log p = −½ Σ precision_j (x_j − centre_j)²`, without constant.
 #[derive(Clone, Debug, PartialEq)]

@@ -5,8 +5,8 @@
 use crate::Error;
 use crate::factor::{cholesky, inverse_lower};
 use core::f64::consts::TAU;
-use sinew_core::density::{LaneDensity, LaneGaussNewton, triangle};
-use sinew_core::lanes::{Block, Isa, Kernel, Real, dispatch};
+use sinew_core::density::{LaneDensity, LaneGaussNewton};
+use sinew_core::lanes::{Block, Isa, Kernel, Real, dispatch, triangle};
 use sinew_core::random::BlockRng;
 
 /// Rows of W whose sums are held in registers together.

@@ -8,9 +8,9 @@
 
 use crate::Error;
 use core::f64::consts::TAU;
-use sinew_core::density::{LaneDensity, LaneGaussNewton, triangle};
+use sinew_core::density::{LaneDensity, LaneGaussNewton};
 use sinew_core::elementary::{exp, ln};
-use sinew_core::lanes::Real;
+use sinew_core::lanes::{Real, triangle};
 
 /// Components whose sums are held in registers together.
 const WIDEST: usize = 8;

@@ -7,16 +7,16 @@
 //! p ← p + η/2 Aᵀ ∇ log π(x)        x ← x + η A p
 //! ```
 //!
-//! [`Metric::Diagonal`] is Choo & Fleet's component steps (eq. 17): A = diag(1/√h). [`Metric::Dense`] is the full Gauss–Newton matrix averaged over prior draws plus the prior's precision: where
-//! coordinates are strongly correlated, as the angles of one limb are, its trajectories need a few steps where the diagonal one needs a hundred. Both are made before the chains
-//! start and frozen: a metric that depended on a chain's state would destroy reversibility.
+//! [`Metric::Diagonal`] is Choo & Fleet's component steps (eq. 17): A = diag(1/√h). [`Metric::Dense`] is the full Gauss–Newton matrix plus the prior's precision, at the posterior's
+//! mode as found by a few Gauss–Newton steps from the middle of the prior: where coordinates are strongly correlated, as the angles of one limb are, its trajectories
+//! need a few steps where the diagonal one needs a hundred. Both are made before the chains start and frozen: a metric that changed with a chain's state would destroy reversibility.
 
 use crate::Error;
-use crate::curvature::curvature;
 use faer::{MatRef, Side};
-use sinew_core::density::{GaussNewton, triangle};
-use sinew_core::lanes::{Block, LANES};
-use sinew_core::random::Stage;
+use sinew_core::combinators::Sum;
+use sinew_core::density::{GaussNewton, GradLogDensity, LogDensity};
+use sinew_core::lanes::{Block, Isa, LANES, triangle};
+use sinew_core::random::{BlockRng, Stage};
 use sinew_core::transition::FramePrior;
 
 /// Which metric a frame's chains use.
@@ -66,6 +66,21 @@ impl Dense {
         Ok(Self { columns, rows, dim })
     }
 
+    /// `G⁻¹ b = A Aᵀ b`.
+    fn solve(&self, b: &[f64]) -> Vec<f64> {
+        let whitened: Vec<f64> = (0..self.dim)
+            .map(|j| self.columns[triangle(j, 0)..][..=j].iter().zip(b).map(|(a, b)| a * b).sum())
+            .collect();
+        let mut row = &self.rows[..];
+        (0..self.dim)
+            .map(|i| {
+                let (entries, rest) = row.split_at(self.dim - i);
+                row = rest;
+                entries.iter().zip(&whitened[i..]).map(|(a, w)| a * w).sum()
+            })
+            .collect()
+    }
+
     pub(crate) fn scaled(mut self, factor: f64) -> Self {
         self.columns.iter_mut().chain(&mut self.rows).for_each(|a| *a *= factor);
         self
@@ -76,51 +91,122 @@ impl Dense {
     }
 }
 
-/// The metric of a frame from `draws` draws of its prior (rounded up to blocks of eight). Draws at which an entry is not finite are left out.
+/// N(mode, G⁻¹): where the posterior's mode lies, and the Gauss–Newton matrix there with the prior's precision.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Laplace {
+    /// The mode.
+    pub mode: Vec<f64>,
+    /// Whitening of G.
+    pub metric: Dense,
+}
+
+impl Laplace {
+    /// Draws eight states and returns their log densities.
+    pub fn sample_block(&self, isa: Isa, out: &mut [Block], rng: &mut BlockRng) -> Block {
+        let d = self.mode.len();
+        let mut noise = vec![Block::ZERO; d];
+        rng.fill_normal(isa, &mut noise);
+        let log_det: f64 = (0..d).map(|j| self.metric.columns[triangle(j, j)].ln()).sum();
+        let mut log_density = Block::splat(-0.5 * d as f64 * std::f64::consts::TAU.ln() - log_det);
+        let mut row = &self.metric.rows[..];
+        for (i, x) in out.iter_mut().enumerate() {
+            let (entries, rest) = row.split_at(d - i);
+            row = rest;
+            for lane in 0..LANES {
+                let move_by: f64 = entries.iter().zip(&noise[i..]).map(|(a, z)| a * z.0[lane]).sum();
+                x.0[lane] = self.mode[i] + move_by;
+                log_density.0[lane] -= 0.5 * noise[i].0[lane] * noise[i].0[lane];
+            }
+        }
+        log_density
+    }
+}
+
+/// Mean of `draws` draws of the prior.
+fn middle<P: FramePrior>(prior: &P, draws: usize, stage: &Stage) -> Vec<f64> {
+    let mut state = vec![Block::ZERO; prior.dim()];
+    let mut sum = vec![0.0; prior.dim()];
+    let blocks = draws.div_ceil(LANES).max(1);
+    for block in 0..blocks {
+        prior.sample_block(block, &mut state, &mut stage.block(block as u32));
+        for (sum, x) in sum.iter_mut().zip(&state) {
+            *sum += x.0.iter().sum::<f64>();
+        }
+    }
+    sum.iter().map(|sum| sum / (blocks * LANES) as f64).collect()
+}
+
+/// Most Gauss–Newton steps towards the mode, and most halvings of one.
+const STEPS: usize = 4;
+const HALVINGS: usize = 4;
+/// Gain in log density below which the mode counts as found.
+const ENOUGH: f64 = 0.1;
+
+/// Precision of the prior plus the mean of the lanes of a packed Gauss–Newton matrix; lanes with an entry that is not finite are left out.
+fn posterior_precision(prior: &[f64], matrix: &[Block], d: usize) -> Vec<f64> {
+    let finite: Vec<usize> = (0..LANES).filter(|&lane| matrix.iter().all(|m| m.0[lane].is_finite())).collect();
+    let mut whole = prior.to_vec();
+    for i in 0..d {
+        for j in 0..=i {
+            let sum: f64 = finite.iter().map(|&lane| matrix[triangle(i, j)].0[lane]).sum();
+            let entry = sum / finite.len().max(1) as f64;
+            whole[i * d + j] += entry;
+            if i != j {
+                whole[j * d + i] += entry;
+            }
+        }
+    }
+    whole
+}
+
+/// The Laplace approximation of a frame's posterior, by damped Gauss–Newton steps from the mean of `draws` draws of the prior. Its matrix is the mean over eight draws from
+/// around the mode, since curvature at the mode alone makes steps too long for the flanks.
 ///
 /// # Errors
 /// [`Error::Metric`] where the matrix cannot be factored.
-pub fn metric<O: GaussNewton + ?Sized, P: FramePrior>(
-    geometry: Geometry,
+pub fn laplace<O: GaussNewton + ?Sized, P: FramePrior>(
     observed: &O,
     prior: &P,
     draws: usize,
+    isa: Isa,
     stage: Stage,
-) -> Result<Metric, Error> {
-    match geometry {
-        Geometry::Diagonal => Ok(Metric::Diagonal(curvature(observed, prior, draws, stage))),
-        Geometry::Dense => {
-            let d = prior.dim();
-            let mut state = vec![Block::ZERO; d];
-            let mut matrix = vec![Block::ZERO; triangle(d, 0)];
-            let mut ws = vec![Block::ZERO; observed.workspace()];
-            let mut sums = vec![0.0; matrix.len()];
-            let mut count = 0.0;
-            for block in 0..draws.div_ceil(LANES) {
-                prior.sample_block(block, &mut state, &mut stage.block(block as u32));
-                observed.gauss_newton_block(&state, &mut matrix, &mut ws);
-                for lane in 0..LANES {
-                    if matrix.iter().all(|entry| entry.0[lane].is_finite()) {
-                        count += 1.0;
-                        for (sum, entry) in sums.iter_mut().zip(&matrix) {
-                            *sum += entry.0[lane];
-                        }
-                    }
-                }
+) -> Result<Laplace, Error> {
+    let [to_explore, to_average] = stage.split(["explore", "average"]);
+    let start = middle(prior, draws, &to_explore);
+    let d = start.len();
+    let target = Sum(observed, prior);
+    let mut ws = vec![Block::ZERO; target.workspace()];
+    let mut gradient = vec![Block::ZERO; d];
+    let mut matrix = vec![Block::ZERO; triangle(d, 0)];
+    let mut x: Vec<Block> = start.iter().map(|&x| Block::splat(x)).collect();
+    let precision = prior.precision();
+    let mut value = target.log_density_grad_block(&x, &mut gradient, &mut ws).0[0];
+    let mut metric_at = |x: &[Block], ws: &mut [Block]| {
+        observed.gauss_newton_block(x, &mut matrix, ws);
+        Dense::new(&posterior_precision(&precision, &matrix, d), d)
+    };
+    let mut metric = metric_at(&x, &mut ws)?;
+    for _ in 0..STEPS {
+        let direction = metric.solve(&gradient.iter().map(|g| g.0[0]).collect::<Vec<_>>());
+        let before = value;
+        for halving in 0..HALVINGS {
+            let length = 0.5_f64.powi(halving as i32);
+            let next: Vec<Block> = x.iter().zip(&direction).map(|(x, v)| Block::splat(x.0[0] + length * v)).collect();
+            let there = target.log_density_grad_block(&next, &mut gradient, &mut ws).0[0];
+            if there > value {
+                (x, value) = (next, there);
+                break;
             }
-            let mut whole = prior.precision();
-            for i in 0..d {
-                for j in 0..=i {
-                    let entry = sums[triangle(i, j)] / f64::max(count, 1.0);
-                    whole[i * d + j] += entry;
-                    if i != j {
-                        whole[j * d + i] += entry;
-                    }
-                }
-            }
-            Ok(Metric::Dense(Dense::new(&whole, d)?))
+        }
+        metric = metric_at(&x, &mut ws)?;
+        if !(value > before + ENOUGH) {
+            break;
         }
     }
+    let mut laplace = Laplace { mode: x.iter().map(|x| x.0[0]).collect(), metric };
+    laplace.sample_block(isa, &mut x, &mut to_average.whole());
+    laplace.metric = metric_at(&x, &mut ws)?;
+    Ok(laplace)
 }
 
 #[cfg(test)]
@@ -146,6 +232,10 @@ mod tests {
                 let product: f64 = (0..3).map(|k| (0..3).map(|l| a[k][i] * g[3 * k + l] * a[l][j]).sum::<f64>()).sum();
                 assert!((product - f64::from(u8::from(i == j))).abs() < 1e-14);
             }
+        }
+        let solved = dense.solve(&[1.0, 2.0, 3.0]);
+        for (row, expected) in g.chunks(3).zip([1.0, 2.0, 3.0]) {
+            assert!((row.iter().zip(&solved).map(|(g, x)| g * x).sum::<f64>() - expected).abs() < 1e-13);
         }
         assert!(Dense::new(&[1.0, 2.0, 2.0, 1.0], 2).is_err());
         assert!(Dense::new(&[f64::NAN], 1).is_err());

@@ -6,7 +6,8 @@
 //! 2. u_i ~ prior, i = 1 … M, from a mixture one a component; w_i = p(z_t | u_i)
 //! 3. s^(i,0) = M draws with replacement from {u_i, w_i}
 //! 4. target = p(z_t | s) · prior(s) (eq. 10)
-//! 5. h_j = curvature from K prior draws, ε_j = η / √h_j (eq. 17), or with [`Geometry::Dense`] the whole Gauss–Newton matrix as metric; frozen for the frame
+//! 5. h_j = curvature from K prior draws, ε_j = η / √h_j (eq. 17), both frozen for the frame
+//!    (with [`Geometry::Dense`], not the paper's, steps 2 and 5 use the Laplace approximation at the mode: u_i are its draws, w_i their importance weights, and its whole matrix the metric)
 //! 6. for each chain i and r = 1 … R: s^(i,r) = hybrid Monte Carlo update of s^(i,r−1) (eqs. 13–16)
 //! 7. estimate = mean of s^(i,r) over all i and r ≥ b; a rejected state counts again
 //!
@@ -21,10 +22,11 @@ use sinew_core::lanes::{Block, Isa};
 use sinew_core::random::Stage;
 use sinew_core::transition::{Cloud, Moments, Predict};
 use sinew_samplers::chains::{Draws, Schedule, draw};
+use sinew_samplers::curvature::curvature;
 use sinew_samplers::hmc::Hmc;
-use sinew_samplers::metric::{Geometry, Metric, metric};
+use sinew_samplers::metric::{Geometry, Metric, laplace};
 use sinew_samplers::moments;
-use sinew_samplers::starts::importance_starts;
+use sinew_samplers::starts::{importance_starts, laplace_starts};
 use sinew_samplers::tuning::{self, Trial, Tuned};
 
 /// Settings; the default is the paper's 28-dimensional one, with η in units of our curvature.
@@ -44,7 +46,7 @@ pub struct Config {
     pub jitter: f64,
     /// Prior draws K for the curvature.
     pub curvature_draws: usize,
-    /// Metric of the trajectories: the paper's curvature for each coordinate, or the whole matrix.
+    /// Start and metric of the trajectories: the paper's, or those of the Laplace approximation.
     pub geometry: Geometry,
 }
 
@@ -134,8 +136,19 @@ impl<T: Predict> HmcFilter<T> {
         };
         let prior = prior.map_err(|e| Error::Prior(Box::new(e)))?;
         let [to_start, to_average] = stage.split(["start", "curvature"]);
-        let (states, log_evidence) = importance_starts(observed, &prior, chains, to_start)?;
-        let metric = metric(self.config.geometry, observed, &prior, self.config.curvature_draws, to_average)?;
+        let draws = self.config.curvature_draws;
+        let (states, log_evidence, metric) = match self.config.geometry {
+            Geometry::Diagonal => {
+                let (states, log_evidence) = importance_starts(observed, &prior, chains, to_start)?;
+                (states, log_evidence, Metric::Diagonal(curvature(observed, &prior, draws, to_average)))
+            }
+            Geometry::Dense => {
+                let laplace = laplace(observed, &prior, draws, self.isa, to_average)?;
+                let target = Sum(observed, &prior);
+                let (states, log_evidence) = laplace_starts(&target, &laplace, chains, self.isa, to_start)?;
+                (states, log_evidence, Metric::Dense(laplace.metric))
+            }
+        };
         Ok(Start { prior, states, metric, log_evidence })
     }
 

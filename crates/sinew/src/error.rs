@@ -129,9 +129,7 @@ impl Error {
     pub fn help(&self) -> Option<String> {
         match self {
             Self::Format(error) => error.help(),
-            Self::OutputExists { why: "", .. } => {
-                Some("write to another file, or replace it with `--force`".into())
-            }
+            Self::OutputExists { why: "", .. } => Some("write to another file, or replace it with `--force`".into()),
             Self::OutputExists { .. } => {
                 Some("choose another folder with `-o`, or replace what is there with `--force`".into())
             }

@@ -11,7 +11,7 @@ use crate::config::{Prior, Resolved, TrackConfig};
 use crate::estimate::{Carried, FrameEstimate, Kind, RunInfo};
 use crate::files;
 use crate::output::{Claim, Ending, ResultFolder, Summary, Texts};
-use crate::pipeline::{self, FrameSource, Method, Pipeline, Settings, Spool, motion};
+use crate::pipeline::{self, FrameSource, Method, Pipeline, Settings, Spool};
 use crate::setup::{self, Request, Setup};
 use crate::{Error, config};
 use sinew_core::lanes::Isa;
@@ -54,9 +54,6 @@ pub struct Outcome {
 /// Rate taken where none is given.
 pub const DEFAULT_FPS: f64 = 30.0;
 
-/// Trajectories that a backward pass draws.
-const SMOOTHED_DRAWS: usize = 128;
-
 /// Tracks the frames of a source into a claimed folder.
 ///
 /// `warn` gives the warnings of the source when all is read.
@@ -98,7 +95,7 @@ pub fn track<S: FrameSource>(
         body: tree.clone(),
         fps: settings.fps,
         first_frame: frames.start,
-        draws: if config.smooth { settings.draws.min(SMOOTHED_DRAWS) } else { settings.draws },
+        draws: if config.smooth { settings.draws.min(pipeline::TRAJECTORIES) } else { settings.draws },
         carried: if config.smooth {
             Carried { log_evidence: carried.log_evidence, ..Carried::default() }
         } else {
@@ -245,7 +242,7 @@ fn set_up<S: FrameSource>(
     let (mut setup, found) = setup::set_up(&cameras, &layout, &request, frames)?;
     warnings.extend(found.iter().map(ToString::to_string));
     let tree = setup.tree();
-    setup.motion_sd = Some(motion::default_sd(&tree));
+    setup.motion_sd = Some(pipeline::measure_motion(&setup, &tree, source, numbers, settings.fps)?);
     if settings.method == Method::Hmc {
         let start = setup.start_frame;
         pipeline::tune(&mut setup, &tree, source, start, settings)?;

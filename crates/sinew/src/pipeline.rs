@@ -5,7 +5,7 @@
 //! 1. the tracked person is found in each view, near to where the last pose projects ([`sinew_observe::association`]);
 //! 2. his keypoints become the points of the body, and are bound to a likelihood at the predicted pose ([`sinew_observe::keypoint_likelihood`]);
 //! 3. the tracker steps ([`sinew_tracking::run`]);
-//! 4. its draws become marginals of points and angles ([`marginals`]).
+//! 4. its draws become marginals of points and angles.
 //!
 //! Frames without the person continue on the motion prior and are flagged. Someone who was lost for some frames and is found again elsewhere restarts the tracker at the pose that fits there.
 //! Nothing is kept but the tracker and a few numbers a frame, so memory does not grow.
@@ -18,12 +18,12 @@ mod smooth;
 mod source;
 
 pub use scene::Scene;
-pub use smooth::{Spool, smooth};
+pub use smooth::{Spool, TRAJECTORIES, smooth};
 pub use source::FrameSource;
 
 use crate::Error;
 use crate::estimate::{Carried, Draws, FrameEstimate, HmcStatistics, ParticleStatistics, Quality};
-use crate::setup::Setup;
+use crate::setup::{self, Setup};
 use marginals::Marginals;
 use restart::Restarting;
 use sinew_body::KinematicTree;
@@ -33,12 +33,13 @@ use sinew_core::random::Stage;
 use sinew_core::transition::Moments;
 use sinew_dynamics::random_walk::{Between, RandomWalk};
 use sinew_formats::Layout;
+use sinew_observe::association::{self, Following, follow};
 use sinew_observe::{Camera, KeypointLikelihood, Noise};
 use sinew_samplers::tuning;
 use sinew_tracking::posterior::Posterior;
 use sinew_tracking::{StepInfo, Tracker, bootstrap, hmc_filter, run};
 use std::cell::RefCell;
-use std::ops::ControlFlow;
+use std::ops::{ControlFlow, Range};
 use std::sync::PoisonError;
 
 /// Trackers that the program offers.
@@ -249,6 +250,42 @@ fn tracker(
     })
 }
 
+/// Trajectory lengths to choose from. In units of the dense metric a trajectory should take a quarter to half of a period, 2π; longer ones come back to where they began.
+const LENGTHS: [usize; 3] = [5, 6, 8];
+
+/// Frames from which the motion noise is measured: so many runs of so many consecutive frames, evenly spaced.
+const MOTION_RUNS: u64 = 5;
+const MOTION_FRAMES: u64 = 30;
+
+/// Motion noise of a recording, from poses fitted to some of its frames one by one ([`motion::measured_sd`]).
+///
+/// # Errors
+/// Those of the source.
+pub fn measure_motion(
+    setup: &Setup,
+    tree: &KinematicTree,
+    source: &mut dyn FrameSource,
+    numbers: Range<u64>,
+    fps: f64,
+) -> Result<Vec<f64>, Error> {
+    let (cameras, layout) = (source.cameras().to_vec(), source.layout().clone());
+    let total = numbers.end - numbers.start;
+    let stride = (total / MOTION_RUNS).max(MOTION_FRAMES);
+    let mut poses = vec![];
+    for first in numbers.clone().step_by(stride as usize) {
+        let mut following = Following { person: setup.person, ..Following::default() };
+        poses.push(None);
+        for number in first..(first + MOTION_FRAMES).min(numbers.end) {
+            let people = source.people(number)?;
+            let found = follow(&mut following, &cameras, &people, None, &association::Config::default());
+            let former: Option<&[f64]> = poses.last().and_then(Option::as_deref);
+            let pose = setup::pose_of(setup, &cameras, &layout, &found.people, former);
+            poses.push(pose.filter(|pose| pose.len() == tree.dof()));
+        }
+    }
+    Ok(motion::measured_sd(tree, &poses, fps))
+}
+
 /// Step size and trajectory length for a recording, from its first frames: the last value of the set-up pass.
 ///
 /// # Errors
@@ -262,13 +299,14 @@ pub fn tune(
 ) -> Result<(), Error> {
     let (cameras, layout) = (source.cameras().to_vec(), source.layout().clone());
     let mut scene = Scene::new(setup, tree, &cameras, &layout, settings)?;
-    let transition = walk(setup, tree, settings)?.with_initial_sd(steady_sd(setup, tree, settings)).map_err(numerical)?;
+    let transition =
+        walk(setup, tree, settings)?.with_initial_sd(steady_sd(setup, tree, settings)).map_err(numerical)?;
     let start = scene.start().to_vec();
     let (observed, found) = scene.observe(&source.people(number)?, &start);
     let start = found.unwrap_or(start);
-    let filter = hmc_filter::HmcFilter::new(hmc_config(setup, settings), transition, start, settings.isa)
-        .map_err(numerical)?;
-    let config = tuning::Config { jitter: settings.jitter, lengths: vec![3, 4, 5, 6, 8, 10, 15], ..tuning::Config::default() };
+    let filter =
+        hmc_filter::HmcFilter::new(hmc_config(setup, settings), transition, start, settings.isa).map_err(numerical)?;
+    let config = tuning::Config { jitter: settings.jitter, lengths: LENGTHS.to_vec(), ..tuning::Config::default() };
     let tuned = filter.tune(&observed, &config, Stage::new(settings.seed, "set-up")).map_err(numerical)?;
     setup.step_size = Some(tuned.step_size);
     setup.leapfrog_steps = u32::try_from(tuned.leapfrog_steps).ok();
@@ -334,10 +372,10 @@ fn describe(
     }
 }
 
-/// Moments that a smoother takes from a frame.
+/// Moments that a smoother takes from a frame. They are not shrunk: correlations between the angles of a limb are what keeps its end in place.
 #[must_use]
 pub fn moments(posterior: &Posterior<'_>, isa: Isa) -> Moments {
-    posterior.shrunk_moments(isa)
+    posterior.moments(isa)
 }
 
 /// What a keypoint likelihood is made of in a frame.

@@ -36,7 +36,8 @@ use sinew_observe::{Camera, Detection};
 #[must_use]
 pub fn detections(people: &[Vec<Person>]) -> Vec<Vec<Pixels>> {
     let person = |person: &Person| {
-        let detection = |k: sinew_formats::openpose::Keypoint| Detection { pixel: [k.x, k.y], confidence: k.confidence };
+        let detection =
+            |k: sinew_formats::openpose::Keypoint| Detection { pixel: [k.x, k.y], confidence: k.confidence };
         person.keypoints.iter().map(|k| k.map(detection)).collect()
     };
     people.iter().map(|people| people.iter().map(person).collect()).collect()

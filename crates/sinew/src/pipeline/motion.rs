@@ -7,7 +7,7 @@
 use sinew_body::{Joint, KinematicTree};
 
 /// Least noise, metres and radians per square-root second.
-const LEAST: [f64; 2] = [0.05, 0.25];
+const LEAST: [f64; 2] = [0.1, 0.3];
 
 /// Noise of a recording without a measurement: that of brisk walking, metres and radians per square-root second.
 const BRISK: [f64; 2] = [0.25, 0.8];

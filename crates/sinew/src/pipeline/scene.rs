@@ -9,6 +9,10 @@ use sinew_observe::association::{self, Following, Person, follow};
 use sinew_observe::{Camera, Detection, KeypointFrame, KeypointModel, ObservationModel, View};
 use std::sync::Arc;
 
+/// Mean squared distance of the keypoints from a pose, in noise variances and at most [`WORST`] each, above which the pose is doubted. A right one has about 3.
+const MISFIT: f64 = 6.0;
+const WORST: f64 = 25.0;
+
 /// The tracked person in the cameras.
 pub struct Scene {
     model: KeypointModel,
@@ -127,7 +131,7 @@ impl Scene {
         self.model.views.iter().map(|view| points.chunks_exact(3).map(|p| pixel(view, p)).collect()).collect()
     }
 
-    /// Finds the person in a frame and binds his keypoints; `estimate` is the state that the tracker expects. Where he is found for the first time, or again after he was lost, also the pose that fits what is seen.
+    /// Finds the person in a frame and binds his keypoints; `estimate` is the state that the tracker expects. Where he is found for the first time, or again after he was lost, or where `estimate` did not fit the frame before, also the pose that fits what is seen.
     pub fn observe(&mut self, people: &[Vec<Person>], estimate: &[f64]) -> (Bound, Option<Vec<f64>>) {
         let by_layout: Vec<Vec<Option<[f64; 2]>>> = self
             .expected(&self.points(estimate))
@@ -141,24 +145,48 @@ impl Scene {
             })
             .collect();
         let away = !self.following.started || self.following.lost >= self.association.lost_frames;
+        let misfit = if away { f64::INFINITY } else { self.misfit(estimate) };
         let found = follow(&mut self.following, &self.cameras, people, Some(&by_layout), &self.association);
         for (out, seen) in self.detections.iter_mut().zip(&found.people) {
             for (out, &k) in out.iter_mut().zip(&self.keypoint) {
                 *out = seen.get(k).copied().flatten();
             }
         }
+        if away && self.following.lengths.is_empty() {
+            self.following.lengths = setup::limb_lengths(&self.cameras, &self.layout, &found.people, &self.association);
+        }
         let mut restart = None;
-        if away && found.is_present() {
-            if self.following.lengths.is_empty() {
-                self.following.lengths =
-                    setup::limb_lengths(&self.cameras, &self.layout, &found.people, &self.association);
-            }
-            restart = setup::pose_of(&self.setup, &self.cameras, &self.layout, &found.people, None)
-                .filter(|pose| pose.len() == estimate.len());
+        if misfit > MISFIT && found.is_present() {
+            let fitted = |former| setup::pose_of(&self.setup, &self.cameras, &self.layout, &found.people, former);
+            let start = &self.setup.start_pose;
+            let known = if away { Some(start.clone()) } else { None };
+            restart = [known, fitted(None), fitted(Some(estimate)), fitted(Some(start))]
+                .into_iter()
+                .flatten()
+                .filter(|pose| pose.len() == estimate.len())
+                .map(|pose| (self.misfit(&pose), pose))
+                .min_by(|a, b| a.0.total_cmp(&b.0))
+                .filter(|(better, _)| *better < 0.7 * misfit)
+                .map(|(_, pose)| pose);
         }
         let predicted = self.points(restart.as_deref().unwrap_or(estimate));
         let bound = self.model.bind(KeypointFrame { detections: &self.detections, predicted: &predicted });
         (bound, restart)
+    }
+
+    /// How badly a pose fits the keypoints of the current frame; 0 without any.
+    fn misfit(&self, state: &[f64]) -> f64 {
+        let expected = self.expected(&self.points(state));
+        let (mut sum, mut count) = (0.0, 0.0);
+        for ((view, seen), expected) in self.model.views.iter().zip(&self.detections).zip(&expected) {
+            for (d, e) in seen.iter().zip(expected) {
+                let Some(d) = d else { continue };
+                let square = e.map_or(f64::INFINITY, |e| (d.pixel[0] - e[0]).powi(2) + (d.pixel[1] - e[1]).powi(2));
+                sum += (square / view.sigma_px.powi(2)).min(WORST);
+                count += 1.0;
+            }
+        }
+        sum / f64::max(count, 1.0)
     }
 
     /// Cameras that saw the person in the current frame.
