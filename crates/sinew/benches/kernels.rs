@@ -5,12 +5,24 @@
 use criterion::{Bencher, Criterion, criterion_group, criterion_main};
 use sinew::body::{Plan, Proportions, point_positions_block, standard};
 use sinew::core::combinators::Sum;
-use sinew::core::density::{GradLogDensity, Lanes};
+use sinew::core::density::{GaussNewton, GradLogDensity, Lanes, LogDensity};
 use sinew::core::lanes::{Block, Isa, LANES};
+use sinew::core::random::Stage;
+use sinew::core::transition::diagonal_matrix;
 use sinew::dynamics::mixture::Mixture;
+use sinew::dynamics::random_walk::{Between, RandomWalk};
+use sinew::estimate::FrameEstimate;
 use sinew::observe::{MarkerModel, ObservationModel};
+use sinew::pipeline::{self, FrameSource, Pipeline, Settings};
 use sinew::problem28;
+use sinew::samplers::hmc::{Chains, Hmc, Workspace, update};
+use sinew::samplers::metric::{Dense, Metric};
+use sinew::samplers::resample::Scheme;
+use sinew::setup::{self, Request};
+use sinew::synthetic::recording::{Recording, Script};
+use sinew::tracking::{Tracker, bootstrap};
 use std::hint::black_box;
+use std::ops::ControlFlow;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -90,5 +102,113 @@ fn posteriors(c: &mut Criterion) {
     }
 }
 
-criterion_group!(benches, kinematics, posteriors);
+/// Rows of the samplers on problem28: one iteration is one chain and leapfrog step, one state of normal deviates, one particle and frame.
+fn samplers(c: &mut Criterion) {
+    const LEAPFROG_STEPS: usize = 20;
+    let problem = problem28::load();
+    for isa in sets() {
+        let target = problem.target(isa);
+        let mut group = c.benchmark_group(format!("problem28 sampling/{}", isa.name()));
+        let curvature = curvature_of(&problem, isa);
+        let whole = diagonal_matrix(&curvature);
+        let metrics = [
+            ("hmc leapfrog step, diagonal metric", Metric::Diagonal(curvature)),
+            ("hmc leapfrog step, dense metric", Metric::Dense(Dense::new(&whole, 28).expect("positive definite"))),
+        ];
+        for (name, metric) in metrics {
+            let hmc = Hmc::with_metric(0.3, &metric, LEAPFROG_STEPS, 0.2, isa).expect("valid steps");
+            let start: Vec<Block> = problem.true_pose.iter().map(|&x| Block::splat(x)).collect();
+            let mut chains = Chains::new(&target, start).expect("finite start");
+            let mut ws = Workspace::new(&target);
+            let mut rng = Stage::new(1, "bench").whole();
+            group.bench_function(name, |b| {
+                per_state(b, LANES * LEAPFROG_STEPS, || {
+                    black_box(update(&target, &hmc, &mut chains, &mut ws, &mut rng));
+                });
+            });
+        }
+        let mut rng = Stage::new(1, "bench").whole();
+        let mut noise = vec![Block::ZERO; 28];
+        group.bench_function("28 normal deviates", |b| {
+            per_state(b, LANES, || rng.fill_normal(isa, black_box(&mut noise)));
+        });
+        let likelihood = problem.likelihood(isa);
+        let walk = RandomWalk::choo_fleet(28, 1.0 / 30.0, Between::Mixture, isa).expect("valid walk");
+        for (name, scheme) in [("multinomial", Scheme::Multinomial), ("systematic", Scheme::Systematic)] {
+            let config = bootstrap::Config { particles: 8192, scheme, ..bootstrap::Config::default() };
+            let mut tracker =
+                bootstrap::Bootstrap::new(config, walk.clone(), problem.true_pose.clone()).expect("valid filter");
+            let mut frame = 0;
+            group.bench_function(format!("bootstrap particle-frame, {name}"), |b| {
+                per_state(b, 8192, || {
+                    frame += 1;
+                    black_box(tracker.step(&likelihood, Stage::new(1, "bench").at_frame(frame)).expect("weights"));
+                });
+            });
+        }
+        group.finish();
+    }
+}
+
+/// Gauss–Newton diagonal at the true pose plus the prior's precision.
+fn curvature_of(problem: &problem28::Problem, isa: Isa) -> Vec<f64> {
+    let likelihood = problem.likelihood(isa);
+    let x: Vec<Block> = problem.true_pose.iter().map(|&x| Block::splat(x)).collect();
+    let mut diagonal = vec![Block::ZERO; 28];
+    likelihood.gauss_newton_diagonal_block(&x, &mut diagonal, &mut vec![Block::ZERO; likelihood.workspace()]);
+    diagonal.iter().zip(&problem.prior_sd).map(|(h, sd)| h.0[0] + 1.0 / (sd * sd)).collect()
+}
+
+fn resampling(c: &mut Criterion) {
+    let mut group = c.benchmark_group("resampling, per particle");
+    for n in [1_000_usize, 1_000_000] {
+        let weights: Vec<f64> = (0..n).map(|i| 2.0 * (i + 1) as f64 / (n * (n + 1)) as f64).collect();
+        let mut rng = Stage::new(1, "bench").whole();
+        for (name, scheme) in [("multinomial", Scheme::Multinomial), ("systematic", Scheme::Systematic)] {
+            group.bench_function(format!("{name} {n}"), |b| {
+                per_state(b, n, || {
+                    black_box(scheme.ancestors(&weights, n, &mut rng));
+                });
+            });
+        }
+    }
+    group.finish();
+}
+
+/// The demo's recording with default settings, after its set-up: one iteration is one frame.
+fn tracking(c: &mut Criterion) {
+    let mut recording = Recording::new(&Script::default(), 1).expect("valid script");
+    let cameras = recording.cameras.clone();
+    let layout = recording.layout.clone();
+    let settings = Settings::default();
+    let frames = recording.frames();
+    let people: Vec<_> = frames.clone().map(|n| Ok((n, recording.people(n)?))).collect();
+    let (mut setup, _) = setup::set_up(&cameras, &layout, &Request::default(), people).expect("set-up");
+    let tree = setup.tree();
+    setup.motion_sd =
+        Some(pipeline::measure_motion(&setup, &tree, &mut recording, frames.clone(), settings.fps).expect("poses"));
+    pipeline::tune(&mut setup, &tree, &mut recording, 0, &settings).expect("step size");
+    let mut group = c.benchmark_group("track, hmc, 4 cameras, 25 keypoints, per frame");
+    group.sample_size(10).measurement_time(Duration::from_secs(8));
+    for threads in [1, 2] {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
+        group.bench_function(format!("{threads} threads"), |b| {
+            pool.install(|| {
+                per_state(b, frames.end as usize, || {
+                    let mut pipeline =
+                        Pipeline::new(&setup, &tree, &cameras, &layout, settings.clone()).expect("pipeline");
+                    pipeline
+                        .track(&mut recording, frames.clone(), |estimate: FrameEstimate, _| {
+                            black_box(estimate);
+                            Ok(ControlFlow::Continue(()))
+                        })
+                        .expect("tracked");
+                });
+            });
+        });
+    }
+    group.finish();
+}
+
+criterion_group!(benches, kinematics, posteriors, samplers, resampling, tracking);
 criterion_main!(benches);
