@@ -1,5 +1,6 @@
 //! Chores of the workspace: `cargo xtask <command>`. This file is the whole command line; each command has a file of its own.
 
+mod accuracy;
 mod source;
 mod tidy;
 
@@ -17,6 +18,8 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Command {
+    /// Measure accuracy and coverage: the tables of docs/accuracy.md.
+    Accuracy(accuracy::Args),
     /// Check the rules that docs/ARCHITECTURE.md states: layers, who may do IO, leftovers, module docs.
     Tidy,
 }
@@ -24,6 +27,7 @@ enum Command {
 fn main() -> ExitCode {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap_or(Path::new("."));
     match Cli::parse().command {
+        Command::Accuracy(args) => accuracy::run(root, &args),
         Command::Tidy => tidy::run(root),
     }
 }

@@ -14,6 +14,7 @@ pub mod bodies;
 pub mod config;
 mod error;
 pub mod estimate;
+pub mod evaluation;
 pub mod files;
 pub mod inspect;
 pub mod job;

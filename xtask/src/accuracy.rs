@@ -1,0 +1,344 @@
+//! `cargo xtask accuracy`: the experiments of docs/accuracy.md, printed as its tables.
+//!
+//! Data are sought in `SINEW_DATA`, else in `shared/data` beside the workspace.
+
+use sinew::body::standard::EVALUATION_JOINTS;
+use sinew::evaluation::{self, LIMB_JOINTS, LeftOut, PixelErrors, Run, Track};
+use sinew::formats::{amc, asf, trc};
+use sinew::observe::Noise;
+use sinew::observe::association::Person;
+use sinew::pipeline::{FrameSource as _, Method, Settings};
+use sinew::recording::{Options, Recording};
+use sinew::synthetic::cmu;
+use sinew::synthetic::detector::DetectorNoise;
+use sinew::synthetic::recording::{Recording as Synthetic, Script};
+use std::error::Error;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+/// Frames for set-up and all choices, and frames that judge.
+const CHOSEN: std::ops::Range<usize> = 0..60;
+const JUDGED: std::ops::Range<usize> = 60..100;
+const RATE_HZ: f64 = 60.0;
+const CUTOFF_HZ: f64 = 6.0;
+const CMU_RATE_HZ: f64 = 30.0;
+const SIGMA_PX: f64 = 3.0;
+/// Length of a bootstrap block, frames.
+const BLOCK: usize = 15;
+
+/// An experiment.
+#[derive(Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub enum Part {
+    /// The real recording against its reference.
+    Reference,
+    /// The real recording against cameras that were left out.
+    LeaveOut,
+    /// The density of a keypoint, chosen on the first frames.
+    Noise,
+    /// Recorded motion in virtual cameras.
+    Cmu,
+}
+
+/// What to run.
+#[derive(clap::Args)]
+pub struct Args {
+    /// Only these experiments.
+    #[arg(long, value_delimiter = ',')]
+    only: Vec<Part>,
+    /// Seeds of the experiments with virtual cameras.
+    #[arg(long, default_value_t = 10)]
+    seeds: u64,
+}
+
+type Outcome<T> = Result<T, Box<dyn Error>>;
+
+/// Runs the experiments.
+pub fn run(root: &Path, args: &Args) -> ExitCode {
+    let data = std::env::var_os("SINEW_DATA").map_or_else(|| root.join("../shared/data"), PathBuf::from);
+    if !data.is_dir() {
+        println!("skipped: no data");
+        return ExitCode::SUCCESS;
+    }
+    let wanted = |part| args.only.is_empty() || args.only.contains(&part);
+    let all = || -> Outcome<()> {
+        if wanted(Part::Reference) {
+            reference(&data)?;
+        }
+        if wanted(Part::LeaveOut) {
+            leave_out(&data)?;
+        }
+        if wanted(Part::Noise) {
+            noise(&data)?;
+        }
+        if wanted(Part::Cmu) {
+            recorded_motion(&data, args.seeds)?;
+        }
+        Ok(())
+    };
+    match all() {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn open(data: &Path, folder: &str, cameras: Option<Vec<String>>) -> Outcome<Recording> {
+    let data = data.join("pose2sim_single");
+    let options = Options { layout: Some("BODY_25B".into()), cameras, ..Options::default() };
+    Ok(Recording::open(&data.join("Calib.toml"), &data.join("T01_BalancingTrial").join(folder), &options)?)
+}
+
+fn settings() -> Settings {
+    Settings { fps: RATE_HZ, ..Settings::default() }
+}
+
+fn track(recording: &mut Recording, settings: &Settings) -> Outcome<Run> {
+    Ok(evaluation::run(recording, 0..CHOSEN.end as u64, 0..JUDGED.end as u64, settings, None)?)
+}
+
+/// The filtered reference of the real recording.
+fn butterworth(data: &Path) -> Outcome<Track> {
+    let name = "S00_P00_T01_BalancingTrial_0-100_filt_butterworth.trc";
+    let path = data.join("pose2sim_single/T01_BalancingTrial/pose-3d").join(name);
+    let file = trc::read(name, &std::fs::read_to_string(path)?)?;
+    let frame = |f| LIMB_JOINTS.iter().map(|joint| file.point_in_world(f, file.marker_index(joint)?)).collect();
+    Ok((0..file.frames.len()).map(frame).collect())
+}
+
+fn reference(data: &Path) -> Outcome<()> {
+    let reference = butterworth(data)?;
+    println!("\n| folder | method | frames 0–59, mm | frames 60–99, mm | mean sd, mm | split R-hat, median / 95 % |");
+    println!("|---|---|---|---|---|---|");
+    for folder in ["pose", "pose-associated"] {
+        for method in [Method::Hmc, Method::Bootstrap] {
+            let mut recording = open(data, folder, None)?;
+            let run = track(&mut recording, &Settings { method, ..settings() })?;
+            let r_hat = mixing(&run);
+            for (name, estimates) in [("", &run.filtered), (" --smooth", &run.smoothed)] {
+                let track = evaluation::positions(&run.tree, estimates, &LIMB_JOINTS);
+                let mm = |frames| 1e3 * evaluation::mean_distance(&track, &reference, frames);
+                let sd = 1e3 * evaluation::mean_sd(&run.tree, &estimates[JUDGED], &LIMB_JOINTS);
+                let (early, late) = (mm(CHOSEN), mm(JUDGED));
+                println!("| {folder} | {}{name} | {early:.1} | {late:.1} | {sd:.1} | {r_hat} |", method.name());
+            }
+        }
+    }
+    Ok(())
+}
+
+fn mixing(run: &Run) -> String {
+    let mut all: Vec<f64> = run.filtered.iter().filter_map(|e| e.r_hat).collect();
+    all.sort_by(f64::total_cmp);
+    match all.len() {
+        0 => "–".into(),
+        n => format!("{:.3} / {:.3}", all[n / 2], all[n * 19 / 20]),
+    }
+}
+
+/// What the person shows in each frame and camera.
+fn sightings(data: &Path) -> Outcome<Vec<Vec<Person>>> {
+    let mut recording = open(data, "pose-associated", None)?;
+    let first = |people: Vec<Vec<Person>>| people.into_iter().map(|p| p.into_iter().next().unwrap_or_default());
+    (0..JUDGED.end as u64).map(|f| Ok(first(recording.people(f)?).collect())).collect()
+}
+
+const CONTENDERS: [&str; 5] = ["raw recipe", "causal Butterworth", "zero-phase Butterworth", "hmc", "hmc --smooth"];
+
+fn leave_out(data: &Path) -> Outcome<()> {
+    let seen = sightings(data)?;
+    let reference = butterworth(data)?;
+    let whole = open(data, "pose-associated", None)?;
+    let (cameras, layout) = (whole.cameras().to_vec(), whole.layout().clone());
+    let mut growth = vec![];
+    for size in [4, 3, 2, 1] {
+        let subsets: Vec<Vec<usize>> = (0_u32..1 << cameras.len())
+            .filter(|bits| bits.count_ones() == size)
+            .map(|bits| (0..cameras.len()).filter(|c| bits >> c & 1 == 1).collect())
+            .collect();
+        let mut pixels: Vec<Vec<(usize, PixelErrors)>> = vec![vec![]; CONTENDERS.len()];
+        let mut errors = [vec![], vec![]];
+        for used in &subsets {
+            let names = used.iter().map(|&c| cameras[c].name.clone()).collect();
+            let run = track(&mut open(data, "pose-associated", Some(names))?, &settings())?;
+            let chosen: Vec<_> = used.iter().map(|&c| cameras[c].clone()).collect();
+            let views: Vec<Vec<Person>> =
+                seen.iter().map(|frame| used.iter().map(|&c| frame[c].clone()).collect()).collect();
+            let points = evaluation::triangulated(&chosen, &layout, &views, &LIMB_JOINTS);
+            let tracks = [
+                evaluation::filled(&points),
+                evaluation::causal(&points, RATE_HZ, CUTOFF_HZ),
+                evaluation::zero_phase(&points, RATE_HZ, CUTOFF_HZ),
+                evaluation::positions(&run.tree, &run.filtered, &LIMB_JOINTS),
+                evaluation::positions(&run.tree, &run.smoothed, &LIMB_JOINTS),
+            ];
+            for (i, estimates) in [&run.filtered, &run.smoothed].into_iter().enumerate() {
+                let error = 1e3 * evaluation::mean_distance(&tracks[3 + i], &reference, JUDGED);
+                errors[i].push([error, 1e3 * evaluation::mean_sd(&run.tree, &estimates[JUDGED], &LIMB_JOINTS)]);
+            }
+            for other in (0..cameras.len()).filter(|c| !used.contains(c)) {
+                let keypoints = seen.iter().map(|frame| &frame[other]).collect();
+                let left_out = LeftOut { camera: &cameras[other], keypoints, least_confidence: 0.3 };
+                for (track, out) in tracks.iter().zip(&mut pixels) {
+                    let found = evaluation::pixel_errors(&left_out, &layout, track, &LIMB_JOINTS, CHOSEN, JUDGED);
+                    out.push((other, found));
+                }
+            }
+        }
+        if size == 3 || size == 2 {
+            print_pixels(size, cameras.len(), &pixels);
+        }
+        let mean = |all: &[[f64; 2]], i: usize| all.iter().map(|x| x[i]).sum::<f64>() / all.len() as f64;
+        growth.push((size, [0, 1].map(|m: usize| [0, 1].map(|i| mean(&errors[m], i)))));
+    }
+    println!("\n| cameras | hmc: error, mm | hmc: mean sd, mm | --smooth: error, mm | --smooth: mean sd, mm |");
+    println!("|---|---|---|---|---|");
+    for (size, [[a, b], [c, d]]) in growth {
+        println!("| {size} | {a:.1} | {b:.1} | {c:.1} | {d:.1} |");
+    }
+    Ok(())
+}
+
+fn print_pixels(size: u32, cameras: usize, pixels: &[Vec<(usize, PixelErrors)>]) {
+    println!("\nTracked with {size} cameras; median / 90th percentile, px, in each camera that was left out:\n");
+    print!("| contender |");
+    (0..cameras).for_each(|c| print!(" cam {} |", c + 1));
+    println!(" mean |\n|---|{}---|", "---|".repeat(cameras));
+    for (name, found) in CONTENDERS.iter().zip(pixels) {
+        let mean = |of: &[&PixelErrors]| {
+            let n = of.len() as f64;
+            let [median, p90] = [|e: &PixelErrors| e.median, |e: &PixelErrors| e.p90]
+                .map(|value| of.iter().map(|e| value(e)).sum::<f64>() / n);
+            format!("{median:.1} / {p90:.1}")
+        };
+        print!("| {name} |");
+        for camera in 0..cameras {
+            print!(" {} |", mean(&found.iter().filter(|(c, _)| *c == camera).map(|(_, e)| e).collect::<Vec<_>>()));
+        }
+        println!(" {} |", mean(&found.iter().map(|(_, e)| e).collect::<Vec<_>>()));
+    }
+}
+
+fn noise(data: &Path) -> Outcome<()> {
+    let seen = sightings(data)?;
+    let whole = open(data, "pose-associated", None)?;
+    let (cameras, layout) = (whole.cameras().to_vec(), whole.layout().clone());
+    println!("\nLeave one camera out, frames 0–59 only; median / 90th percentile, px, mean over cameras:\n");
+    println!("| density | hmc | hmc --smooth | split R-hat, median / 95 %, each run |");
+    println!("|---|---|---|---|");
+    let choices = [
+        ("outlier floor 0.02", Noise::OutlierFloor { outlier: 0.02 }),
+        ("Student-t, 4 degrees", Noise::StudentT { degrees: 4.0 }),
+    ];
+    for (name, noise) in choices {
+        let mut sums = [[0.0; 2]; 2];
+        let mut mixed = vec![];
+        for (left, camera) in cameras.iter().enumerate() {
+            let names = cameras.iter().filter(|c| c.name != camera.name).map(|c| c.name.clone()).collect();
+            let settings = Settings { noise, ..settings() };
+            let chosen = 0..CHOSEN.end as u64;
+            let mut recording = open(data, "pose-associated", Some(names))?;
+            let run = evaluation::run(&mut recording, chosen.clone(), chosen, &settings, None)?;
+            let keypoints = seen.iter().map(|frame| &frame[left]).collect();
+            let left_out = LeftOut { camera, keypoints, least_confidence: 0.3 };
+            for (sum, estimates) in sums.iter_mut().zip([&run.filtered, &run.smoothed]) {
+                let track = evaluation::positions(&run.tree, estimates, &LIMB_JOINTS);
+                let e = evaluation::pixel_errors(&left_out, &layout, &track, &LIMB_JOINTS, CHOSEN, CHOSEN);
+                sum[0] += e.median / cameras.len() as f64;
+                sum[1] += e.p90 / cameras.len() as f64;
+            }
+            mixed.push(mixing(&run));
+        }
+        let [[a, b], [c, d]] = sums;
+        println!("| {name} | {a:.1} / {b:.1} | {c:.1} / {d:.1} | {} |", mixed.join("; "));
+    }
+    Ok(())
+}
+
+/// Results of one kind of experiment with virtual cameras.
+#[derive(Default)]
+struct Tally {
+    /// For each run and frame, the share of coordinates covered for each joint.
+    covered: Vec<Vec<Vec<f64>>>,
+    millimetres: Vec<f64>,
+    model_error_mm: Vec<f64>,
+    sigma_px: Vec<f64>,
+}
+
+fn recorded_motion(data: &Path, seeds: u64) -> Outcome<()> {
+    let data = data.join("cmu_amc");
+    println!("\nFour virtual cameras, Gaussian noise of {SIGMA_PX} px, {seeds} seeds, 30 frames/s.\n");
+    println!(
+        "| motion | keypoints from | proportions | method | error, mm | coverage, % | model error, mm | sigma, px |"
+    );
+    println!("|---|---|---|---|---|---|---|---|");
+    let mut pooled: Vec<(String, Vec<Vec<Vec<f64>>>)> = vec![];
+    for name in ["07_01", "09_06", "131_04"] {
+        let subject = name.split('_').next().unwrap_or(name);
+        let text = |file: String| std::fs::read_to_string(data.join(file));
+        let skeleton = asf::read(name, &text(format!("{subject}.asf"))?)?;
+        let motion = amc::read(name, &text(format!("{name}.amc"))?, &skeleton)?;
+        let recorded = cmu::joints(&skeleton, &motion, CMU_RATE_HZ);
+        let fitted = cmu::retarget(&recorded).ok_or("no pose in the first frame")?;
+        let kinds = [
+            ("fitted body", "set-up", &fitted.points, None),
+            ("fitted body", "known", &fitted.points, Some(&fitted.proportions)),
+            ("recorded joints", "set-up", &recorded, None),
+        ];
+        for (from, sizes, truth, known) in kinds {
+            let mut tallies = [Tally::default(), Tally::default()];
+            for seed in 1..=seeds {
+                let noise = DetectorNoise::stated_gaussian(SIGMA_PX);
+                let script = Script { noise, rate_hz: CMU_RATE_HZ, ..Script::default() };
+                let (body, states) = (fitted.body.clone(), fitted.states.clone());
+                let mut film = Synthetic::of_motion(body, states, truth.clone(), &script, seed)?;
+                let frames = 0..truth.frames.len() as u64;
+                let settings = Settings { seed, fps: CMU_RATE_HZ, ..Settings::default() };
+                let run = evaluation::run(&mut film, frames.clone(), frames, &settings, known)?;
+                let target = truth.select(&EVALUATION_JOINTS);
+                let target: Track =
+                    target.frames.into_iter().map(|frame| frame.into_iter().map(Some).collect()).collect();
+                for (tally, estimates) in tallies.iter_mut().zip([&run.filtered, &run.smoothed]) {
+                    let track = evaluation::positions(&run.tree, estimates, &EVALUATION_JOINTS);
+                    tally.millimetres.push(1e3 * evaluation::mean_distance(&track, &target, 0..target.len()));
+                    tally.covered.push(evaluation::covered(&run.tree, estimates, truth, &EVALUATION_JOINTS));
+                    tally.model_error_mm.push(1e3 * run.setup.model_error_m);
+                    let sigma = run.setup.camera.iter().map(|c| c.sigma_px).sum::<f64>();
+                    tally.sigma_px.push(sigma / run.setup.camera.len() as f64);
+                }
+            }
+            for (method, tally) in ["hmc", "hmc --smooth"].into_iter().zip(tallies) {
+                let mean = |x: &[f64]| x.iter().sum::<f64>() / x.len() as f64;
+                let (error, model, sigma) =
+                    (mean(&tally.millimetres), mean(&tally.model_error_mm), mean(&tally.sigma_px));
+                let share = coverage(&tally.covered, 0..EVALUATION_JOINTS.len());
+                println!("| {name} | {from} | {sizes} | {method} | {error:.1} | {share} | {model:.1} | {sigma:.2} |");
+                let kind = format!("{from}, {sizes}, {method}");
+                match pooled.iter_mut().find(|(known, _)| *known == kind) {
+                    Some((_, all)) => all.extend(tally.covered),
+                    None => pooled.push((kind, tally.covered)),
+                }
+            }
+        }
+    }
+    println!("\nAll motions; coverage in % ± standard error of a bootstrap of blocks of {BLOCK} frames:\n");
+    print!("| keypoints, proportions, method | pooled |");
+    EVALUATION_JOINTS.iter().for_each(|joint| print!(" {joint} |"));
+    println!("\n|---|---|{}", "---|".repeat(EVALUATION_JOINTS.len()));
+    for (kind, all) in &pooled {
+        print!("| {kind} | {} |", coverage(all, 0..EVALUATION_JOINTS.len()));
+        (0..EVALUATION_JOINTS.len()).for_each(|j| print!(" {} |", coverage(all, j..j + 1)));
+        println!();
+    }
+    Ok(())
+}
+
+/// Coverage of some joints in per cent with its standard error.
+fn coverage(runs: &[Vec<Vec<f64>>], joints: std::ops::Range<usize>) -> String {
+    let frame = |frame: &Vec<f64>| frame[joints.clone()].iter().sum::<f64>() / joints.len() as f64;
+    let series: Vec<Vec<f64>> = runs.iter().map(|run| run.iter().map(frame).collect()).collect();
+    let count = series.iter().map(Vec::len).sum::<usize>() as f64;
+    let mean = series.iter().flatten().sum::<f64>() / count;
+    format!("{:.1} ± {:.1}", 100.0 * mean, 100.0 * evaluation::block_bootstrap(&series, BLOCK, 500, 1))
+}
