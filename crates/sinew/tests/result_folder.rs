@@ -217,6 +217,62 @@ fn an_interrupt_leaves_what_was_done() {
     }
 }
 
+#[cfg(unix)]
+#[test]
+fn a_second_interrupt_ends_at_once() {
+    let trial = trial(1.0);
+    check_done(&trial, &["-oquick", "--frames", "0..2"]);
+    let mut child = trial
+        .command(&[&TRACK[..9], &["--setup=quick/setup.toml", "--chains=512", "--updates=2000", "-oout"]].concat())
+        .stderr(Stdio::piped())
+        .stdout(Stdio::null())
+        .spawn()
+        .unwrap();
+    let mut lines = BufReader::new(child.stderr.take().unwrap()).lines();
+    let id = child.id().to_string();
+    let interrupt = || assert!(std::process::Command::new("kill").args(["-INT", &id]).status().unwrap().success());
+    while !trial.path("out/joints.csv.partial").exists() {
+        std::thread::sleep(std::time::Duration::from_millis(5));
+        assert!(child.try_wait().unwrap().is_none());
+    }
+    interrupt();
+    assert!(lines.any(|line| line.unwrap().starts_with("interrupted: finishing the frame")));
+    interrupt();
+    assert_eq!(child.wait().unwrap().code(), Some(130));
+    assert!(!trial.path("out/summary.json").exists());
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn places_that_cannot_be_written_are_named() {
+    use std::os::unix::fs::PermissionsExt as _;
+    let trial = trial(0.1);
+    let full = fs::OpenOptions::new().write(true).open("/dev/full").unwrap();
+    let output = trial.command(&["body", "h32"]).stdout(full).output().unwrap();
+    let told = trial.told(&output);
+    assert!(told.starts_with("exit 5") && told.contains("standard output"), "{told}");
+    let locked = trial.path("locked");
+    fs::create_dir(&locked).unwrap();
+    fs::set_permissions(&locked, fs::Permissions::from_mode(0o555)).unwrap();
+    // Those who may do anything are not stopped by permissions.
+    if fs::write(locked.join("probe"), "").is_err() {
+        let told = trial.track_told(&["-olocked/out"]);
+        assert!(told.starts_with("exit 5") && told.contains("locked/out"), "{told}");
+    }
+}
+
+#[test]
+fn the_loader_is_short_and_valid() {
+    let trial = trial(0.2);
+    check_done(&trial, &[]);
+    let path = trial.path("out/load.py");
+    assert_eq!(fs::read_to_string(&path).unwrap().lines().count(), 15);
+    // Where there is no interpreter nothing can be said.
+    if let Ok(output) = std::process::Command::new("python3").args(["-m", "py_compile"]).arg(&path).output() {
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    }
+}
+
 #[test]
 fn a_closed_pipe_is_no_error() {
     let trial = trial(0.1);
