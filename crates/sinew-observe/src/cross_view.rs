@@ -47,10 +47,14 @@ pub struct Lag {
     pub now_px: f64,
 }
 
+/// Lags that a recording must be long, so that what overlaps at the largest one says something.
+const LENGTH_IN_LAGS: i64 = 3;
+
 /// Comparisons below which a lag is not judged.
 const FEWEST: usize = 50;
 
-/// The best lag of one camera up to `most` frames, from consecutive frames (number, detections); `None` where there is too little to compare.
+/// The best lag of one camera up to `most` frames, from consecutive frames (number, detections); `None` where there is too little to compare: fewer frames than three
+/// times `most`, or few keypoints. A lag counts only where it leaves half of the comparisons that there are without one.
 #[must_use]
 pub fn best_lag(
     cameras: &[Camera],
@@ -60,6 +64,9 @@ pub fn best_lag(
     most: i64,
     least_confidence: f64,
 ) -> Option<Lag> {
+    if i64::try_from(frames.len()).is_ok_and(|length| length < LENGTH_IN_LAGS * most) {
+        return None;
+    }
     let expected: Vec<Vec<Option<[f64; 2]>>> =
         frames.iter().map(|(_, f)| expected_from_others(cameras, noise, f, camera, least_confidence)).collect();
     let residual = |lag: i64| {
@@ -79,19 +86,21 @@ pub fn best_lag(
                 }
             }
         }
-        if errors[0].len() < FEWEST {
+        let compared = errors[0].len();
+        if compared < FEWEST {
             return None;
         }
         let middle = [median(&mut errors[0].clone()), median(&mut errors[1].clone())];
         let mut distances: Vec<f64> =
             errors[0].iter().zip(&errors[1]).map(|(u, v)| (u - middle[0]).hypot(v - middle[1])).collect();
-        Some(median(&mut distances))
+        Some((median(&mut distances), compared))
     };
-    let now_px = residual(0)?;
+    let (now_px, all) = residual(0)?;
     let mut best = Lag { frames: 0, best_px: now_px, now_px };
     for size in 1..=most {
         for lag in [size, -size] {
-            if let Some(px) = residual(lag)
+            if let Some((px, compared)) = residual(lag)
+                && 2 * compared >= all
                 && px < best.best_px
             {
                 best = Lag { frames: lag, best_px: px, now_px };

@@ -1,8 +1,8 @@
 //! Bodies by name or from a body file.
 
+use crate::setup::{Body, FileBody};
 use crate::{Error, files};
 use sinew_body::{KinematicTree, Proportions, standard};
-use sinew_formats::body_toml;
 use sinew_formats::nearest::nearest;
 use sinew_formats::source_text::MAX_CONFIG_BYTES;
 use std::path::Path;
@@ -20,10 +20,25 @@ pub fn find(name: &str) -> Result<KinematicTree, Error> {
         "cf28" => return Ok(standard::cf28(&Proportions::default())),
         _ => {}
     }
+    Ok(from_file(name)?.tree().clone())
+}
+
+/// The body of that name for the set-up pass to size, or the body in a file, which keeps its sizes.
+///
+/// # Errors
+/// As [`find`].
+pub fn to_track(name: &str) -> Result<Body, Error> {
+    match name.to_lowercase().as_str() {
+        "h32" => Ok(Body::H32),
+        "cf28" => Ok(Body::CF28),
+        _ => from_file(name).map(Body::File),
+    }
+}
+
+fn from_file(name: &str) -> Result<FileBody, Error> {
     let path = Path::new(name);
     if path.extension().is_some_and(|extension| extension == "toml") || path.exists() {
-        let text = files::read_text(path, MAX_CONFIG_BYTES)?;
-        return Ok(body_toml::read(name, &text)?);
+        return FileBody::read(name, &files::read_text(path, MAX_CONFIG_BYTES)?);
     }
     let meant = nearest(name, NAMES).map(|name| format!("; did you mean `{name}`?")).unwrap_or_default();
     Err(Error::Usage {

@@ -9,9 +9,13 @@ pub mod file;
 pub mod setting;
 pub mod value;
 
+pub use crate::pipeline::Method;
+
 use crate::Error;
 use setting::{SETTINGS, is_local};
+use sinew_dynamics::random_walk::Between;
 use sinew_formats::nearest::nearest;
+use sinew_observe::Noise;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::ops::Range;
@@ -302,15 +306,21 @@ impl Resolved {
             },
             person: self.count("person").and_then(|person| usize::try_from(person).ok()),
             trim: self.flag("trim"),
+            up_axis: self.text("up_axis"),
             method: match self.text("method").as_deref() {
                 Some("bootstrap") => Method::Bootstrap,
                 _ => Method::Hmc,
             },
             body: self.text("body").unwrap_or_default(),
             prior: match self.text("prior").as_deref() {
-                Some("mixture") => Prior::Mixture,
-                _ => Prior::Gaussian,
+                Some("mixture") => Between::Mixture,
+                _ => Between::Gaussian,
             },
+            noise: match self.text("noise").as_deref() {
+                Some("student-t") => Noise::StudentT { degrees: self.number("degrees").unwrap_or(4.0) },
+                _ => Noise::OutlierFloor { outlier: self.number("outlier").unwrap_or(0.02) },
+            },
+            least_confidence: self.number("least_confidence").unwrap_or_default(),
             motion_scale: self.number("motion_scale").unwrap_or(1.0),
             setup: self.path("setup"),
             setup_frames: self.frames("setup_frames"),
@@ -336,24 +346,6 @@ impl Resolved {
     }
 }
 
-/// Tracker.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Method {
-    /// Hamiltonian Monte Carlo filter.
-    Hmc,
-    /// Bootstrap particle filter.
-    Bootstrap,
-}
-
-/// What a frame hands on to the next.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Prior {
-    /// A Gaussian of its draws' moments.
-    Gaussian,
-    /// A mixture over its draws.
-    Mixture,
-}
-
 /// Settings of a tracking run.
 #[derive(Clone, Debug)]
 pub struct TrackConfig {
@@ -375,12 +367,18 @@ pub struct TrackConfig {
     pub person: Option<usize>,
     /// Whether cameras may begin and end apart.
     pub trim: bool,
+    /// Axis of the calibration's world that points up; `+z`, or what the set-up says, if `None`.
+    pub up_axis: Option<String>,
     /// Tracker.
     pub method: Method,
     /// `h32`, `cf28` or the path of a body file.
     pub body: String,
     /// What a frame hands on to the next.
-    pub prior: Prior,
+    pub prior: Between,
+    /// Density of a keypoint.
+    pub noise: Noise,
+    /// Keypoints of lower confidence count as missing.
+    pub least_confidence: f64,
     /// Factor on the motion noise that the set-up pass found.
     pub motion_scale: f64,
     /// Set-up of an earlier run.

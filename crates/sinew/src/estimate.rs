@@ -132,7 +132,7 @@ pub struct FrameEstimate {
     pub divergences: u64,
     /// Trajectories in all.
     pub trajectories: u64,
-    /// Root mean square distance of the mean pose's projection from the keypoints, per camera that saw the person.
+    /// Scatter per axis of the keypoints about the mean pose's projection, robust against outliers, per camera that saw the person.
     pub residual_px: Vec<Option<f64>>,
 }
 

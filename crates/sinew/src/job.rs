@@ -7,15 +7,14 @@
 //!
 //! An interrupt ends the run after the frame at hand; what was done is written and marked incomplete.
 
-use crate::config::{Prior, Resolved, TrackConfig};
+use crate::config::{Resolved, TrackConfig};
 use crate::estimate::{Carried, FrameEstimate, Kind, RunInfo};
 use crate::files;
 use crate::output::{Claim, Ending, ResultFolder, Summary, Texts};
-use crate::pipeline::{self, FrameSource, Method, Pipeline, Settings, Spool};
-use crate::setup::{self, Request, Setup};
-use crate::{Error, config};
+use crate::pipeline::{self, FrameSource, Method, Pipeline, Settings, Spool, Upright};
+use crate::setup::{self, Request, Setup, Warning};
+use crate::{Error, bodies};
 use sinew_core::lanes::Isa;
-use sinew_dynamics::random_walk::Between;
 use sinew_formats::source_text::MAX_CONFIG_BYTES;
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::{ControlFlow, Range};
@@ -78,9 +77,15 @@ pub fn track<S: FrameSource>(
     }
     settings.fps = config.fps.unwrap_or(DEFAULT_FPS);
 
-    let setup = match &config.setup {
-        Some(path) => read_setup(path)?,
-        None => set_up(source, setup_frames, &config, &settings, watch, &mut warnings)?,
+    let known = config.setup.as_deref().map(read_setup).transpose()?;
+    let up = world_up(&config, known.as_ref())?;
+    let mut source = Upright::new(source, &up);
+    let setup = match known {
+        Some(setup) => setup,
+        None => {
+            let setup = set_up(&mut source, setup_frames, &config, &settings, watch, &mut warnings)?;
+            Setup { world_up: up, ..setup }
+        }
     };
     let setup_s = clock.elapsed().as_secs_f64();
     let tree = setup.tree();
@@ -117,7 +122,7 @@ pub fn track<S: FrameSource>(
 
     let total = frames.end - frames.start;
     let mut done = 0;
-    pipeline.track(source, frames, |estimate: FrameEstimate, posterior| {
+    pipeline.track(&mut source, frames, |estimate: FrameEstimate, posterior| {
         match &mut spool {
             Some(spool) => spool.append(&estimate, &pipeline::moments(posterior, settings.isa))?,
             None => results.append(&estimate)?,
@@ -137,8 +142,9 @@ pub fn track<S: FrameSource>(
         })?;
     }
     drop(spool);
-    let (source_warnings, input_hashes) = inputs(source);
+    let (source_warnings, input_hashes) = inputs(source.source());
     warnings.splice(0..0, source_warnings);
+    warnings.extend(pipeline.warnings());
     let mut told = BTreeSet::new();
     warnings.retain(|warning| told.insert(warning.clone()));
     let wall_s = clock.elapsed().as_secs_f64();
@@ -178,16 +184,12 @@ fn settings(config: &TrackConfig) -> Result<Settings, Error> {
         })?,
     };
     Ok(Settings {
-        method: match config.method {
-            config::Method::Hmc => Method::Hmc,
-            config::Method::Bootstrap => Method::Bootstrap,
-        },
+        method: config.method,
         seed: config.seed,
         isa,
-        between: match config.prior {
-            Prior::Gaussian => Between::Gaussian,
-            Prior::Mixture => Between::Mixture,
-        },
+        noise: config.noise,
+        least_confidence: config.least_confidence,
+        between: config.prior,
         motion_scale: config.motion_scale,
         chains: config.chains,
         updates: config.updates,
@@ -199,15 +201,29 @@ fn settings(config: &TrackConfig) -> Result<Settings, Error> {
     })
 }
 
+/// The axis of the calibration's world that points up.
+fn world_up(config: &TrackConfig, setup: Option<&Setup>) -> Result<String, Error> {
+    match (&config.up_axis, setup) {
+        (Some(asked), Some(setup)) if *asked != setup.world_up => Err(Error::Usage {
+            message: format!("`up_axis` is {asked}; the set-up was made with {}", setup.world_up),
+            help: "leave `up_axis` out: the set-up knows it".into(),
+        }),
+        (_, Some(setup)) => Ok(setup.world_up.clone()),
+        (asked, None) => Ok(asked.clone().unwrap_or_else(|| setup::Z_UP.into())),
+    }
+}
+
 fn read_setup(path: &Path) -> Result<Setup, Error> {
     let text = files::read_text(path, MAX_CONFIG_BYTES)?;
-    toml::from_str(&text).map_err(|error| {
+    let setup: Setup = toml::from_str(&text).map_err(|error| {
         let line = error.span().map_or(1, |span| 1 + text[..span.start].matches('\n').count());
         Error::Input {
             message: format!("{}:{line}: {}", path.display(), error.message()),
             help: Some("give `--setup` the setup.toml of a result folder of this version, or leave it out".into()),
         }
-    })
+    })?;
+    let problems = setup.problems();
+    if problems.is_empty() { Ok(setup) } else { Err(Error::Config { file: path.display().to_string(), problems }) }
 }
 
 fn set_up<S: FrameSource>(
@@ -218,16 +234,7 @@ fn set_up<S: FrameSource>(
     watch: &mut Watch<'_>,
     warnings: &mut Vec<String>,
 ) -> Result<Setup, Error> {
-    let body = match config.body.to_lowercase().as_str() {
-        "h32" => setup::Body::H32,
-        "cf28" => setup::Body::CF28,
-        other => {
-            return Err(Error::Usage {
-                message: format!("the set-up pass cannot size the body `{other}`"),
-                help: "track with `--body h32` or `--body cf28`".into(),
-            });
-        }
-    };
+    let body = bodies::to_track(&config.body)?;
     let request = Request { body, person: config.person.unwrap_or_default(), ..Request::default() };
     let (cameras, layout) = (source.cameras().to_vec(), source.layout().clone());
     let total = numbers.end - numbers.start;
@@ -240,7 +247,10 @@ fn set_up<S: FrameSource>(
         Ok((number, people))
     });
     let (mut setup, found) = setup::set_up(&cameras, &layout, &request, frames)?;
-    warnings.extend(found.iter().map(ToString::to_string));
+    // The tracker looks for swapped sides in all its frames.
+    let tracked = source.frames();
+    let told_later = |warning: &Warning| matches!(warning, Warning::Swapped { first, last, .. } if tracked.contains(first) && tracked.contains(last));
+    warnings.extend(found.iter().filter(|warning| !told_later(warning)).map(ToString::to_string));
     let tree = setup.tree();
     setup.motion_sd = Some(pipeline::measure_motion(&setup, &tree, source, numbers, settings.fps)?);
     if settings.method == Method::Hmc {

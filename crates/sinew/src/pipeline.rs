@@ -12,6 +12,7 @@
 
 mod marginals;
 pub mod motion;
+mod oddities;
 mod restart;
 mod scene;
 mod smooth;
@@ -19,7 +20,7 @@ mod source;
 
 pub use scene::Scene;
 pub use smooth::{Spool, TRAJECTORIES, smooth};
-pub use source::FrameSource;
+pub use source::{FrameSource, Upright};
 
 use crate::Error;
 use crate::estimate::{Carried, Draws, FrameEstimate, HmcStatistics, ParticleStatistics, Quality};
@@ -157,6 +158,12 @@ impl Pipeline {
         Carried { lp: hmc, hmc, log_evidence: true, particles: (!hmc).then_some(self.settings.particles) }
     }
 
+    /// What was odd in the frames tracked so far.
+    #[must_use]
+    pub fn warnings(&self) -> Vec<String> {
+        self.scene.warnings()
+    }
+
     /// The motion prior.
     #[must_use]
     pub fn transition(&self) -> &RandomWalk {
@@ -190,6 +197,7 @@ impl Pipeline {
                 Ok::<Box<Observed>, Error>(Box::new(bound))
             },
             |frame, info, posterior| {
+                scene.borrow_mut().note(u64::from(frame), &info.mean);
                 let estimate = describe(settings, &scene.borrow(), marginals, u64::from(frame), info, &posterior);
                 record(estimate, &posterior)
             },

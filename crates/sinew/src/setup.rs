@@ -8,18 +8,22 @@
 //! 4. the model error: joints of the body are not keypoints of a detector ([`shape`]);
 //! 5. the pose of the first frame.
 //!
+//! A body from a file keeps the sizes that it has there: offsets, noise and the subject's sizes are found with H32, then the file's body is fitted to the points in
+//! space, and the model error is what remains for that body ([`own_body`]).
+//!
 //! With one camera there are no points in space: offsets stay 0, the body keeps its default sizes, and the pose is fitted to pixels, its depth told by the size of
 //! the body ([`one_camera`]).
 
 pub mod checks;
 mod collect;
 pub mod one_camera;
+pub mod own_body;
 pub mod shape;
 mod stored;
 mod warning;
 
 pub use collect::{Collected, Request, collect, limb_lengths};
-pub use stored::{Body, CameraSetup, Setup};
+pub use stored::{Body, CameraSetup, FileBody, Setup};
 pub use warning::Warning;
 
 use crate::Error;
@@ -55,7 +59,7 @@ pub fn set_up(
 ) -> Result<(Setup, Vec<Warning>), Error> {
     let collected = collect(cameras, layout, request, frames)?;
     let mut warnings = vec![];
-    let tree = request.body.builder()(&Proportions::default());
+    let tree = request.body.tree(&Proportions::default());
     let points: Vec<String> =
         layout.points.iter().flatten().filter(|name| tree.point_index(name).is_none()).cloned().collect();
     if !points.is_empty() {
@@ -66,10 +70,11 @@ pub fn set_up(
         cameras.iter().zip(&noise).map(|(camera, n)| camera_setup(camera, n, &noise)).collect();
     let mut setup = Setup {
         schema: stored::SCHEMA,
-        body: request.body,
+        body: request.body.clone(),
         layout: layout.name.clone(),
         person: request.person,
-        up_axis: "+z".into(),
+        world_up: Z_UP.into(),
+        up_axis: Z_UP.into(),
         model_error_m: ONE_CAMERA_ERROR_M,
         start_frame: 0,
         start_pose: vec![],
@@ -93,6 +98,12 @@ pub fn set_up(
     setup.start_frame = shape.start_frame;
     setup.start_pose = shape.start_pose;
     setup.proportions = shape.proportions;
+    if let Body::File(body) = &request.body {
+        let own = own_body::measure(body.tree(), cameras, layout, request, &noise, &collected).ok_or_else(no_pose)?;
+        setup.model_error_m = own.model_error_m;
+        setup.start_frame = own.start_frame;
+        setup.start_pose = own.start_pose;
+    }
     Ok((setup, warnings))
 }
 
@@ -129,9 +140,10 @@ pub fn pose_of(
         .map(|k| points.get((*k)?).copied().flatten().map(|(position, _)| Target { position, weight: 1.0 }))
         .collect();
     let start = match former {
-        Some(pose) => pose.to_vec(),
-        None => initial_pose(&tree, &targets)?,
+        Some(pose) => Some(pose.to_vec()),
+        None => initial_pose(&tree, &targets),
     };
+    let Some(start) = start else { return own_body::pose(&tree, &targets, None).map(|fit| fit.pose) };
     let found = fit_pose(&Plan::with_all_points(&tree), &targets, &start, &POSE);
     found.rms_m.is_finite().then_some(found.pose)
 }
@@ -140,6 +152,9 @@ pub fn pose_of(
 const ONE_CAMERA_ERROR_M: f64 = 0.02;
 /// A few outliers must not bend a first pose.
 const POSE: fit::Config = fit::Config { damping: 1e-4, huber_m: 0.05, steps: 100, tolerance: 1e-9 };
+
+/// The axis that points up in every world of ours.
+pub const Z_UP: &str = "+z";
 
 fn no_pose() -> Error {
     Error::Input {

@@ -195,6 +195,34 @@ fn marks_and_line_ends_do_not_matter() {
     assert_eq!(fs::read(trial.path("out/markers.trc")).unwrap(), markers);
 }
 
+#[test]
+fn swapped_sides_and_a_jump() {
+    let trial = trial(1.4);
+    let layout = sinew::formats::layout::find("BODY_25B").unwrap();
+    for frame in 20..30 {
+        trial.edit(&trial.keypoints(2, frame), |text| {
+            let mut json: serde_json::Value = serde_json::from_str(&text).unwrap();
+            let points = json["people"][0]["pose_keypoints_2d"].as_array_mut().unwrap();
+            for (l, r) in layout.left_right_pairs() {
+                (0..3).for_each(|k| points.swap(3 * l + k, 3 * r + k));
+            }
+            json.to_string()
+        });
+    }
+    trial.edit(&trial.keypoints(3, 35), |text| {
+        let mut json: serde_json::Value = serde_json::from_str(&text).unwrap();
+        let points = json["people"][0]["pose_keypoints_2d"].as_array_mut().unwrap();
+        for u in points.iter_mut().step_by(3) {
+            *u = serde_json::json!(u.as_f64().unwrap() + 400.0);
+        }
+        json.to_string()
+    });
+    let told = trial.track_told(&[]);
+    assert!(told.contains("C2 frames 20-29: swapping left and right lowers the residual from "), "{told}");
+    assert!(told.contains("C3 frame 35: jump of ") && told.contains(" px in all joints"), "{told}");
+    assert!(!told.contains("residual of") && told.matches("warning").count() == 2, "{told}");
+}
+
 /// Files 9, 10 and 11 sort as 10, 11, 9 by name.
 #[test]
 fn frames_go_by_number() {

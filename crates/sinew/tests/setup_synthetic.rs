@@ -180,11 +180,17 @@ fn units_axes_and_inverted_cameras_are_diagnosed() {
         assert!(ring(1)[0].turned(turn).validate().is_ok(), "{up} keeps right-handed axes");
     }
 
+    let one_away = |away: &dyn Fn(&Camera) -> Camera| -> Vec<Camera> {
+        cameras.iter().enumerate().map(|(c, camera)| if c == 2 { away(camera) } else { camera.clone() }).collect()
+    };
     let facing_away = |c: &Camera| {
         let rotation = [c.rotation[0].map(|x| -x), c.rotation[1], c.rotation[2].map(|x| -x)];
         let t = c.translation;
         Camera { rotation, translation: [-t[0], t[1], -t[2]], ..c.clone() }
     };
+    let (_, warnings) = set_up(&one_away(&facing_away), &layout, frames.clone()).unwrap();
+    let text: Vec<String> = warnings.iter().map(ToString::to_string).collect();
+    assert_eq!(text, ["in 1 of 4 cameras the subject lies behind the lens; is the pose inverted? (cam3)"]);
     let inverted: Vec<Camera> = cameras.iter().map(facing_away).collect();
     let mut mirrored = frames.clone();
     for (_, views) in &mut mirrored {

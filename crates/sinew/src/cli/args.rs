@@ -176,7 +176,11 @@ fn argument(setting: &'static Setting) -> Arg {
         return argument.action(ArgAction::SetTrue).help(sentence(setting.help));
     }
     let default = if setting.default.is_empty() { String::new() } else { format!(" [default: {}]", setting.default) };
-    argument.value_name(setting.value).help(format!("{}{default}", sentence(setting.help))).allow_negative_numbers(true)
+    argument
+        .value_name(setting.value)
+        .help(format!("{}{default}", sentence(setting.help)))
+        .allow_negative_numbers(true)
+        .allow_hyphen_values(setting.key == "up_axis")
 }
 
 impl Args for TrackArgs {

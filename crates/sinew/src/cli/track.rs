@@ -36,6 +36,7 @@ pub(crate) fn run(args: &TrackArgs, general: &General, report: &Report) -> Resul
     let mut read_from = vec![calibration.clone(), keypoints.clone()];
     read_from.extend(config.setup.clone());
     read_from.extend(general.config.clone());
+    read_from.extend(Some(PathBuf::from(&config.body)).filter(|body| body.is_file()));
     let claim = claimed(&config, &read_from, report)?;
     let mut recording = Recording::open(&calibration, &keypoints, &options)?;
     let setup_frames = match &config.setup_frames {

@@ -72,6 +72,9 @@ const AT_LEAST_ONE: Kind = Kind::Number { least: 1.0, excluded: false, most: f64
 const NOT_NEGATIVE: Kind = Kind::Number { least: 0.0, excluded: false, most: f64::INFINITY };
 const METHODS: Kind = Kind::Choice(&["hmc", "bootstrap"]);
 const PRIORS: Kind = Kind::Choice(&["gaussian", "mixture"]);
+const NOISES: Kind = Kind::Choice(&["floor", "student-t"]);
+const OUTLIER: Kind = Kind::Number { least: 0.0, excluded: true, most: 0.5 };
+const AXES: Kind = Kind::Choice(&["+x", "-x", "+y", "-y", "+z", "-z"]);
 const SETS: Kind = Kind::Choice(&["avx512", "avx2", "baseline"]);
 const INPUT: &str = "Input";
 const OUTPUT: &str = "Output";
@@ -91,6 +94,7 @@ pub const SETTINGS: [Setting; SETTING_COUNT] = [
     rare((INPUT, "person", Kind::Count(0), "N", "", "which person: 0 is the most complete one on whom the cameras agree at the start [default: 0]")),
     common((INPUT, "trim", Kind::Flag, "", "false", "take only the frames that all cameras have")),
     rare((INPUT, "confidence_scale", POSITIVE, "C", "1", "confidence that means certainty")),
+    rare((INPUT, "up_axis", AXES, "AXIS", "", "axis of the calibration's world that points up; results are in a world turned to z up [default: +z]")),
     common((METHOD, "method", METHODS, "NAME", "hmc", "tracker: hmc or bootstrap")),
     common((METHOD, "body", Kind::NameOrPath, "NAME", "h32", "body: h32, cf28 or a body file")),
     common((METHOD, "setup", Kind::Path, "FILE", "", "set-up of an earlier run, its setup.toml")),
@@ -98,6 +102,10 @@ pub const SETTINGS: [Setting; SETTING_COUNT] = [
     common((METHOD, "smooth", Kind::Flag, "", "false", "let every frame see all frames (backward pass)")),
     rare((METHOD, "prior", PRIORS, "NAME", "gaussian", "what a frame hands on to the next: gaussian or mixture")),
     rare((METHOD, "motion_scale", POSITIVE, "X", "1", "factor on the motion noise that the set-up pass found")),
+    rare((METHOD, "noise", NOISES, "NAME", "floor", "density of a keypoint: floor (a Gaussian with a floor for outliers) or student-t")),
+    rare((METHOD, "outlier", OUTLIER, "P", "0.02", "probability of a gross outlier (noise floor)")),
+    rare((METHOD, "degrees", POSITIVE, "N", "4", "degrees of freedom (noise student-t)")),
+    rare((METHOD, "least_confidence", SHARE, "C", "0.1", "keypoints of lower confidence, once scaled, count as missing")),
     rare((SAMPLING, "chains", Kind::Count(1), "N", "16", "chains of a frame (hmc)")),
     rare((SAMPLING, "updates", Kind::Count(1), "N", "32", "updates of each chain in a frame (hmc)")),
     rare((SAMPLING, "burn_in", Kind::Count(0), "N", "6", "first samples of each chain that are discarded (hmc)")),
@@ -115,7 +123,7 @@ pub const SETTINGS: [Setting; SETTING_COUNT] = [
     unhashed(common((OUTPUT, "force", Kind::Flag, "", "false", "replace results that are there"))),
 ];
 
-const SETTING_COUNT: usize = 31;
+const SETTING_COUNT: usize = 36;
 
 /// The setting of that name.
 #[must_use]

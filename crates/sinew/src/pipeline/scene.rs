@@ -1,11 +1,13 @@
 //! One person in all views: association, layout to body, binding, residuals.
 
+use super::oddities::Oddities;
 use super::{Bound, Settings};
 use crate::Error;
 use crate::setup::{self, Setup};
 use sinew_body::{KinematicTree, Plan, point_positions};
 use sinew_formats::Layout;
 use sinew_observe::association::{self, Following, Person, follow};
+use sinew_observe::offsets::median;
 use sinew_observe::{Camera, Detection, KeypointFrame, KeypointModel, ObservationModel, View};
 use std::sync::Arc;
 
@@ -25,6 +27,7 @@ pub struct Scene {
     association: association::Config,
     /// Detections of the current frame: camera by camera, by point of the plan.
     detections: Vec<Vec<Option<Detection>>>,
+    oddities: Oddities,
 }
 
 impl Scene {
@@ -86,7 +89,12 @@ impl Scene {
             least_confidence: settings.least_confidence,
             isa: settings.isa,
         };
+        let place = |k: usize| shared.iter().position(|(_, keypoint)| *keypoint == k);
+        let pairs = layout.left_right_pairs();
+        let pairs = pairs.into_iter().filter_map(|(l, r)| Some((place(l)?, place(r)?))).collect();
+        let watched = model.views.iter().map(|view| (view.camera.name.clone(), view.sigma_px));
         Ok(Self {
+            oddities: Oddities::new(watched, pairs),
             detections: vec![vec![None; points.len()]; cameras.len()],
             keypoint: shared.iter().map(|(_, k)| *k).collect(),
             following: Following { person: setup.person, ..Following::default() },
@@ -152,6 +160,16 @@ impl Scene {
                 *out = seen.get(k).copied().flatten();
             }
         }
+        for (c, (people, expected)) in people.iter().zip(&by_layout).enumerate() {
+            let distance = |(d, e): (&Option<Detection>, &Option<[f64; 2]>)| {
+                let (d, [u, v]) = ((*d)?, (*e)?);
+                Some((d.pixel[0] - u).hypot(d.pixel[1] - v))
+            };
+            let mut distances: Vec<f64> =
+                people.first().map_or(vec![], |person| person.iter().zip(expected).filter_map(distance).collect());
+            let is_found = found.members.get(c).is_some_and(Option::is_some);
+            self.oddities.people(c, people.len(), is_found, &mut distances);
+        }
         if away && self.following.lengths.is_empty() {
             self.following.lengths = setup::limb_lengths(&self.cameras, &self.layout, &found.people, &self.association);
         }
@@ -195,7 +213,24 @@ impl Scene {
         self.detections.iter().filter(|points| points.iter().any(Option::is_some)).count()
     }
 
-    /// Root mean square distance, per camera, of the keypoints from the projection of a pose, pixels.
+    /// Looks at a frame once it is tracked: `state` is the mean of its posterior.
+    pub fn note(&mut self, number: u64, state: &[f64]) {
+        let expected = self.expected(&self.points(state));
+        let detections = &self.detections;
+        self.oddities.note(number, |camera, seen, at| {
+            let ([u, v], d) = (expected[camera][at]?, detections[camera][seen]?);
+            Some((d.pixel[0] - u).hypot(d.pixel[1] - v))
+        });
+    }
+
+    /// What was odd in the frames so far.
+    #[must_use]
+    pub fn warnings(&self) -> Vec<String> {
+        self.oddities.warnings()
+    }
+
+    /// Scatter per axis, per camera, of the keypoints about the projection of a pose, pixels: their median distance divided by √(2 ln 2), which is the standard
+    /// deviation per axis of Gaussian errors and hardly moved by gross outliers.
     #[must_use]
     pub fn residual_px(&self, state: &[f64]) -> Vec<Option<f64>> {
         let expected = self.expected(&self.points(state));
@@ -203,15 +238,15 @@ impl Scene {
             .iter()
             .zip(&expected)
             .map(|(seen, expected)| {
-                let squares: Vec<f64> = seen
+                let mut distances: Vec<f64> = seen
                     .iter()
                     .zip(expected)
                     .filter_map(|(d, e)| {
                         let (d, e) = ((*d)?, (*e)?);
-                        Some((d.pixel[0] - e[0]).powi(2) + (d.pixel[1] - e[1]).powi(2))
+                        Some((d.pixel[0] - e[0]).hypot(d.pixel[1] - e[1]))
                     })
                     .collect();
-                (!squares.is_empty()).then(|| (squares.iter().sum::<f64>() / squares.len() as f64).sqrt())
+                (!distances.is_empty()).then(|| median(&mut distances) / (2.0 * std::f64::consts::LN_2).sqrt())
             })
             .collect()
     }

@@ -1,6 +1,7 @@
 //! Where frames come from.
 
 use crate::Error;
+use crate::setup::checks::z_up_from;
 use crate::synthetic::recording::Recording as Synthetic;
 use crate::{recording, setup};
 use sinew_formats::Layout;
@@ -21,6 +22,45 @@ pub trait FrameSource {
     /// # Errors
     /// A frame that cannot be read.
     fn people(&mut self, number: u64) -> Result<Vec<Vec<Person>>, Error>;
+}
+
+/// A source whose world is turned so that z points up.
+pub struct Upright<'a, S> {
+    source: &'a mut S,
+    cameras: Vec<Camera>,
+}
+
+impl<'a, S: FrameSource> Upright<'a, S> {
+    /// Turns the world of a source whose axis `up` (`+x` to `-z`) points up. Unknown names turn nothing.
+    pub fn new(source: &'a mut S, up: &str) -> Self {
+        let cameras = match z_up_from(up) {
+            // Nothing is computed for the usual world, so that its numbers stay as they are.
+            Some(turn) if up != "+z" => source.cameras().iter().map(|camera| camera.turned(turn)).collect(),
+            _ => source.cameras().to_vec(),
+        };
+        Self { source, cameras }
+    }
+
+    /// The source itself.
+    #[must_use]
+    pub fn source(&self) -> &S {
+        self.source
+    }
+}
+
+impl<S: FrameSource> FrameSource for Upright<'_, S> {
+    fn cameras(&self) -> &[Camera] {
+        &self.cameras
+    }
+    fn layout(&self) -> &Layout {
+        self.source.layout()
+    }
+    fn frames(&self) -> Range<u64> {
+        self.source.frames()
+    }
+    fn people(&mut self, number: u64) -> Result<Vec<Vec<Person>>, Error> {
+        self.source.people(number)
+    }
 }
 
 impl FrameSource for recording::Recording {

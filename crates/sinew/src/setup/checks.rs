@@ -1,7 +1,7 @@
 //! What the set-up can say about the recording and its calibration before anything is tracked.
 
 use super::collect::{Collected, Request};
-use super::shape::Points;
+use super::shape::{Points, points_in_space};
 use super::warning::Warning;
 use crate::Error;
 use sinew_formats::Layout;
@@ -90,6 +90,26 @@ pub fn up_axis(layout: &Layout, frames: &[(u64, Points)]) -> &'static str {
     if direction[largest].is_nan() { "+z" } else { AXES[largest][usize::from(direction[largest] > 0.0)] }
 }
 
+/// Frames in which the subject's place before the cameras is looked at.
+const PLACES: usize = 20;
+
+/// Cameras that show people although the subject, as the other cameras place him, is behind them.
+fn behind(cameras: &[Camera], request: &Request, noise: &[CameraNoise], collected: &Collected) -> Option<Warning> {
+    let mut counts = vec![(0, 0); cameras.len()];
+    for (_, sighted) in collected.window.iter().step_by(collected.window.len().div_ceil(PLACES).max(1)) {
+        let points = points_in_space(cameras, noise, sighted, request.offsets.least_confidence);
+        for (camera, count) in cameras.iter().zip(&mut counts) {
+            let mut depths: Vec<f64> = points.iter().flatten().map(|(p, _)| camera.point_in_camera(*p)[2]).collect();
+            let depth = median(&mut depths);
+            count.0 += usize::from(depth <= 0.0);
+            count.1 += usize::from(depth.is_finite());
+        }
+    }
+    let is_behind = |c: usize| 2 * counts[c].0 > counts[c].1 && collected.crowded.get(c).is_some_and(|n| *n > 0);
+    let names: Vec<String> = (0..cameras.len()).filter(|&c| is_behind(c)).map(|c| cameras[c].name.clone()).collect();
+    (!names.is_empty()).then(|| Warning::Behind { cameras: names.len(), of: cameras.len(), names })
+}
+
 /// Clocks, swapped sides, and the subject's place before the cameras.
 #[must_use]
 pub fn oddities(
@@ -99,7 +119,7 @@ pub fn oddities(
     noise: &[CameraNoise],
     collected: &Collected,
 ) -> Vec<Warning> {
-    let mut warnings = vec![];
+    let mut warnings: Vec<Warning> = behind(cameras, request, noise, collected).into_iter().collect();
     let window = &collected.window[..collected.window.len().min(WINDOW)];
     let least = request.offsets.least_confidence;
     let pairs = layout.left_right_pairs();

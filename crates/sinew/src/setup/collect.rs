@@ -61,6 +61,8 @@ pub struct Collected {
     pub found: u64,
     /// Largest number of people in one view.
     pub people: usize,
+    /// For each camera, the frames in which it showed somebody.
+    pub crowded: Vec<u64>,
 }
 
 impl Collected {
@@ -83,7 +85,7 @@ pub fn collect(
     frames: impl IntoIterator<Item = Result<(u64, Vec<Vec<Person>>), Error>>,
 ) -> Result<Collected, Error> {
     let mut following = Following { person: request.person, ..Following::default() };
-    let mut out = Collected::default();
+    let mut out = Collected { crowded: vec![0; cameras.len()], ..Collected::default() };
     let mut stride = 1;
     let mut behind = (0, 0);
     let wanted = request.frames.max(1);
@@ -91,6 +93,9 @@ pub fn collect(
         let (number, people) = frame?;
         out.read += 1;
         out.people = out.people.max(people.iter().map(Vec::len).max().unwrap_or(0));
+        for (count, people) in out.crowded.iter_mut().zip(&people) {
+            *count += u64::from(!people.is_empty());
+        }
         let associated = follow(&mut following, cameras, &people, None, &request.association);
         if !associated.is_present() {
             if behind.0 == 0 && out.found == 0 {
@@ -164,7 +169,7 @@ pub fn limb_lengths(
 fn nobody(cameras: &[Camera], layout: &Layout, request: &Request, out: &Collected, behind: (usize, usize)) -> Error {
     let (message, help) = if cameras.len() > 1 && 2 * behind.0 >= behind.1.max(1) {
         (
-            Warning::Behind { cameras: behind.0, of: behind.1 }.to_string(),
+            Warning::Behind { cameras: behind.0, of: behind.1, names: vec![] }.to_string(),
             "the calibration must give the camera from the world, `Xcam = R Xworld + t`",
         )
     } else if out.people == 0 {

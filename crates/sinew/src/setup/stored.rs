@@ -1,31 +1,102 @@
 //! The value of the set-up pass and its file, `setup.toml`.
+//!
+//! `body` is `"H32"`, `"CF28"`, or the whole text of a body file, so that the set-up repeats a run when that file is gone.
 
 use crate::Error;
 use serde::{Deserialize, Serialize};
 use sinew_body::standard::{cf28, h32};
 use sinew_body::{KinematicTree, Proportions};
+use sinew_formats::body_toml;
 use sinew_observe::{Camera, View};
 
 /// Version of the file's structure.
 pub const SCHEMA: u32 = 1;
 
-/// A body by name.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+/// A body by name or from a file.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "String", into = "String")]
 pub enum Body {
     /// The standard body for real people, 32 degrees of freedom.
     #[default]
     H32,
     /// The body of Choo & Fleet (2001), 28 degrees of freedom.
     CF28,
+    /// The body of a file, with the sizes that it has there.
+    File(FileBody),
+}
+
+/// A body file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FileBody {
+    text: String,
+    tree: KinematicTree,
+}
+
+impl FileBody {
+    /// Reads a body file; `name` is that of the file, for messages.
+    ///
+    /// # Errors
+    /// A text that is no body.
+    pub fn read(name: &str, text: &str) -> Result<Self, Error> {
+        Ok(Self { tree: body_toml::read(name, text)?, text: text.into() })
+    }
+
+    /// The body.
+    #[must_use]
+    pub const fn tree(&self) -> &KinematicTree {
+        &self.tree
+    }
 }
 
 impl Body {
-    /// What builds the body from the subject's sizes.
+    /// What builds a standard body from the subject's sizes. The subject of a body file is measured with H32: sizes tell whether the units are right and what is
+    /// missing, and the body keeps its own.
     #[must_use]
-    pub const fn builder(self) -> fn(&Proportions) -> KinematicTree {
+    pub const fn builder(&self) -> fn(&Proportions) -> KinematicTree {
         match self {
-            Self::H32 => h32,
+            Self::H32 | Self::File(_) => h32,
             Self::CF28 => cf28,
+        }
+    }
+
+    /// The body that is tracked.
+    #[must_use]
+    pub fn tree(&self, proportions: &Proportions) -> KinematicTree {
+        match self {
+            Self::File(body) => body.tree.clone(),
+            Self::H32 | Self::CF28 => self.builder()(proportions),
+        }
+    }
+
+    /// Name for messages.
+    #[must_use]
+    pub const fn name(&self) -> &'static str {
+        match self {
+            Self::H32 => "H32",
+            Self::CF28 => "CF28",
+            Self::File(_) => "the body of the file",
+        }
+    }
+}
+
+impl From<Body> for String {
+    fn from(body: Body) -> Self {
+        match body {
+            Body::File(body) => body.text,
+            named => named.name().into(),
+        }
+    }
+}
+
+impl TryFrom<String> for Body {
+    type Error = String;
+
+    fn try_from(text: String) -> Result<Self, String> {
+        match text.as_str() {
+            "H32" => Ok(Self::H32),
+            "CF28" => Ok(Self::CF28),
+            _ if text.contains("[[link]]") => FileBody::read("body", &text).map(Self::File).map_err(|e| e.to_string()),
+            _ => Err(format!("unknown body `{text}`; known: H32, CF28, or the text of a body file")),
         }
     }
 }
@@ -56,6 +127,9 @@ pub struct Setup {
     pub layout: String,
     /// Which person: 0 is the most complete one at the start.
     pub person: usize,
+    /// Axis of the calibration's world that points up, as declared; the set-up is that of the world turned to z up.
+    #[serde(default = "z_up")]
+    pub world_up: String,
     /// World axis that points from feet to head, as found: `+z` where all is well.
     pub up_axis: String,
     /// Distance between a keypoint and the body's point, per axis, metres.
@@ -75,6 +149,10 @@ pub struct Setup {
     pub proportions: Proportions,
     /// Cameras in use, in the order of the calibration.
     pub camera: Vec<CameraSetup>,
+}
+
+fn z_up() -> String {
+    super::Z_UP.into()
 }
 
 /// [`Proportions`] as a table.
@@ -100,10 +178,10 @@ struct Sizes {
 }
 
 impl Setup {
-    /// The body with the subject's sizes.
+    /// The body with the subject's sizes; that of a body file as it is.
     #[must_use]
     pub fn tree(&self) -> KinematicTree {
-        self.body.builder()(&self.proportions)
+        self.body.tree(&self.proportions)
     }
 
     /// What the likelihood needs to know about each camera, for those of the set-up.
@@ -128,7 +206,7 @@ impl Setup {
         if problems.is_empty() { Ok(setup) } else { Err(refused(problems)) }
     }
 
-    fn problems(&self) -> Vec<String> {
+    pub(crate) fn problems(&self) -> Vec<String> {
         let mut problems = vec![];
         if self.schema != SCHEMA {
             problems.push(format!("schema = {}; this version reads {SCHEMA}", self.schema));
@@ -141,8 +219,12 @@ impl Setup {
             let dof = self.tree().dof();
             if self.start_pose.len() != dof {
                 let found = self.start_pose.len();
-                problems.push(format!("start_pose has {found} numbers; {:?} has {dof} degrees of freedom", self.body));
+                let body = self.body.name();
+                problems.push(format!("start_pose has {found} numbers; {body} has {dof} degrees of freedom"));
             }
+        }
+        if super::checks::z_up_from(&self.world_up).is_none() {
+            problems.push(format!("world_up = {}; must be one of +x, -x, +y, -y, +z, -z", self.world_up));
         }
         if !self.start_pose.iter().all(|x| x.is_finite()) {
             problems.push("start_pose holds a number that is not finite".into());

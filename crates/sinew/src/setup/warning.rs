@@ -31,6 +31,8 @@ pub enum Warning {
         cameras: usize,
         /// Of so many.
         of: usize,
+        /// Which, where the others found him.
+        names: Vec<String>,
     },
     /// The world's z axis points down the body.
     FeetAboveHead {
@@ -49,6 +51,15 @@ pub enum Warning {
         best_px: f64,
         /// Residual without a shift, pixels.
         now_px: f64,
+    },
+    /// One camera suddenly shows someone elsewhere.
+    Jump {
+        /// Camera.
+        camera: String,
+        /// Frame.
+        frame: u64,
+        /// Median distance of the keypoints from where they are expected, pixels.
+        px: f64,
     },
     /// Left and right are swapped in one camera for a span.
     Swapped {
@@ -79,8 +90,9 @@ impl fmt::Display for Warning {
                 f,
                 "cameras stand {distance:.0} units from the origin but the skeleton is {height:.1} tall; are translations in millimetres?"
             ),
-            Self::Behind { cameras, of } => {
-                write!(f, "in {cameras} of {of} cameras the subject lies behind the lens; is the pose inverted?")
+            Self::Behind { cameras, of, names } => {
+                write!(f, "in {cameras} of {of} cameras the subject lies behind the lens; is the pose inverted?")?;
+                if names.is_empty() { Ok(()) } else { write!(f, " ({})", names.join(", ")) }
             }
             Self::FeetAboveHead { frames, up_axis } => {
                 let what = if *up_axis == "-z" { "feet are above the head" } else { "the body does not stand along z" };
@@ -91,6 +103,7 @@ impl fmt::Display for Warning {
                 f,
                 "{camera} fits best when shifted by {lag:+} frames (residual {best_px:.1} px instead of {now_px:.1} px)"
             ),
+            Self::Jump { camera, frame, px } => write!(f, "{camera} frame {frame}: jump of {px:.0} px in all joints"),
             Self::Swapped { camera, first, last, residual_px, swapped_px } => write!(
                 f,
                 "{camera} frames {first}-{last}: swapping left and right lowers the residual from {residual_px:.0} to {swapped_px:.0} px"
