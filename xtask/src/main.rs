@@ -1,6 +1,7 @@
 //! Chores of the workspace: `cargo xtask <command>`. This file is the whole command line; each command has a file of its own.
 
 mod accuracy;
+mod picture;
 mod source;
 mod tidy;
 
@@ -20,6 +21,8 @@ struct Cli {
 enum Command {
     /// Measure accuracy and coverage: the tables of docs/accuracy.md.
     Accuracy(accuracy::Args),
+    /// Draw docs/images/demo.svg, the picture of the README.
+    Picture,
     /// Check the rules that docs/ARCHITECTURE.md states: layers, who may do IO, leftovers, module docs.
     Tidy,
 }
@@ -28,6 +31,7 @@ fn main() -> ExitCode {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap_or(Path::new("."));
     match Cli::parse().command {
         Command::Accuracy(args) => accuracy::run(root, &args),
+        Command::Picture => picture::run(root),
         Command::Tidy => tidy::run(root),
     }
 }
