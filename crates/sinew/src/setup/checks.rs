@@ -107,7 +107,7 @@ fn behind(cameras: &[Camera], request: &Request, noise: &[CameraNoise], collecte
     }
     let is_behind = |c: usize| 2 * counts[c].0 > counts[c].1 && collected.crowded.get(c).is_some_and(|n| *n > 0);
     let names: Vec<String> = (0..cameras.len()).filter(|&c| is_behind(c)).map(|c| cameras[c].name.clone()).collect();
-    (!names.is_empty()).then(|| Warning::Behind { cameras: names.len(), of: cameras.len(), names })
+    (!names.is_empty()).then_some(Warning::Behind { cameras: names.len(), of: cameras.len(), names })
 }
 
 /// Clocks, swapped sides, and the subject's place before the cameras.

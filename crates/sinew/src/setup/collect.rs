@@ -111,7 +111,7 @@ pub fn collect(
         if out.window.len() < request.window {
             out.window.push((number, sighted.clone()));
         }
-        if (out.found - 1) % stride == 0 {
+        if (out.found - 1).is_multiple_of(stride) {
             out.spread.push((number, sighted));
         }
         if out.spread.len() > 2 * wanted {
