@@ -2,7 +2,7 @@
 //!
 //! The prior between frames is a random walk. Its noise is measured at set-up ([`measured_sd`]) from the poses fitted to consecutive frames: with differences `d = x_{t+1} − x_t`
 //! and second differences `e = x_{t+1} − 2 x_t + x_{t−1}` of a smooth motion x seen with white errors of variance n, `E d² = v² + 2n` and `E e² = 6n` (but for
-//! the acceleration), so that the step to be expected is `v² = E d² − E e²/3`.
+//! the acceleration), so that the step to be expected is `v² = E d² − E e²/3`. At least half of `E d²` is taken for motion: where limbs swing fast, e is acceleration and not error.
 
 use sinew_body::{Joint, KinematicTree};
 
@@ -50,7 +50,7 @@ pub fn measured_sd(tree: &KinematicTree, poses: &[Option<Vec<f64>>], fps: f64) -
         return default_sd(tree);
     }
     let own: Vec<f64> =
-        sums.iter().map(|(first, second)| ((first - second / 3.0) / count * fps).max(0.0).sqrt()).collect();
+        sums.iter().map(|(first, second)| ((first - second / 3.0).max(0.5 * first) / count * fps).sqrt()).collect();
     own.into_iter().zip(least).map(|(sd, least)| sd.max(least)).collect()
 }
 
