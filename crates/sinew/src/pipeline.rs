@@ -109,8 +109,8 @@ impl Default for Settings {
             between: Between::Gaussian,
             motion_scale: 1.0,
             chains: 16,
-            updates: 32,
-            burn_in: 6,
+            updates: 96,
+            burn_in: 24,
             jitter: 0.2,
             particles: 10_000,
             draws: 64,
@@ -259,7 +259,7 @@ fn tracker(
 }
 
 /// Trajectory lengths to choose from. In units of the dense metric a trajectory should take a quarter to half of a period, 2π; longer ones come back to where they began.
-const LENGTHS: [usize; 3] = [5, 6, 8];
+const LENGTHS: [usize; 2] = [6, 7];
 
 /// Frames from which the motion noise is measured: so many runs of so many consecutive frames, evenly spaced.
 const MOTION_RUNS: u64 = 5;

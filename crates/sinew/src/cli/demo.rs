@@ -143,7 +143,7 @@ fn tell(recording: &Recording, outcome: &Outcome, out: &Path, general: &General)
     ];
     let rows: Vec<(String, String)> = rows.map(|(left, right)| (left.to_owned(), right)).into();
     let next = format!(
-        "\nNext, the same from files, and then from yours:\n  sinew track --calibration {shown}/Calib.toml --keypoints {shown}/keypoints --fps {} -o sinew-out/demo-track\n",
+        "\nNext, the same from files, and then from yours:\n  sinew track --calibration {shown}/Calib.toml --keypoints {shown}/keypoints --layout BODY_25B --fps {} -o sinew-out/demo-track\n",
         recording.rate_hz
     );
     debug_assert!(!out.join(LOCK_NAME).exists());
