@@ -21,7 +21,7 @@ fn mistakes_in_a_file() {
     check_file("not_a_number", "fps = nan\nmax_r_hat = 1e999\n");
     check_file("no_toml", "seed = = 1\n");
     check_file("a_table", "[track]\nseed = 1\n");
-    check_file("burn_in", "burn_in = 40\n");
+    check_file("burn_in", "burn_in = 400\n");
 }
 
 #[test]
