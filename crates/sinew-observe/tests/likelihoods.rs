@@ -43,7 +43,7 @@ fn project(camera: &Camera, p: &[f64]) -> [f64; 2] {
 }
 
 /// Detections of the standing body, some of them missing, one a gross outlier.
-fn keypoints(noise: Noise, isa: Isa) -> (KeypointModel, impl LogDensity + GradLogDensity + GaussNewton + use<>) {
+fn keypoints(noise: Noise, isa: Isa) -> (KeypointModel, impl GaussNewton + use<>) {
     let plan = Arc::new(Plan::with_all_points(&h32(&Proportions::default())));
     let views = views();
     let mut q = vec![0.0; plan.dof()];
@@ -126,7 +126,7 @@ fn pose(d: usize) -> impl Strategy<Value = Vec<f64>> {
 
 const NOISES: [Noise; 2] = [Noise::OutlierFloor { outlier: 0.02 }, Noise::StudentT { degrees: 4.0 }];
 
-fn markers(isa: Isa) -> impl LogDensity + GradLogDensity + GaussNewton {
+fn markers(isa: Isa) -> impl GaussNewton {
     let plan = Arc::new(Plan::with_all_points(&cf28(&Proportions::default())));
     let model = MarkerModel { plan, centre: [0.1, -4.8, 1.0], sigma: 0.003, isa };
     let frame: Vec<_> =

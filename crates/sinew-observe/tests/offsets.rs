@@ -39,7 +39,7 @@ fn offsets_make_rays_meet_and_shift_nobody() {
     let noise = estimate(&cameras, &frames, &Config { tolerance_px: 1e-4, rounds: 200, ..Config::default() });
     let mut shifts = vec![];
     for frame in &frames {
-        for k in 0..12 {
+        for k in (0..12).collect::<Vec<usize>>() {
             let seen = |without: bool| -> Vec<Seen<'_>> {
                 let at = |c: usize| {
                     let d = frame[c][k].expect("seen");

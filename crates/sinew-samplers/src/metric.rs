@@ -199,7 +199,8 @@ pub fn laplace<O: GaussNewton + ?Sized, P: FramePrior>(
             }
         }
         metric = metric_at(&x, &mut ws)?;
-        if !(value > before + ENOUGH) {
+        let gain = value - before;
+        if gain.is_nan() || gain <= ENOUGH {
             break;
         }
     }
