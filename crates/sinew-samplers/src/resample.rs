@@ -7,7 +7,7 @@
 //! | [`stratified`] | u_k = (k + U_k) / n (Kitagawa 1996) | mean n W_i |
 //! | [`systematic`] | u_k = (k + U) / n, one U (Carpenter, Clifford & Fearnhead 1999) | ⌊n W_i⌋ or ⌈n W_i⌉ |
 //!
-//! The ancestor of u is the least j with W_1 + … + W_j ≥ u. All four keep E[count_i] = n W_i. Ancestors come *sorted*, so that a gather walks through memory: the multinomial ones by drawing sorted uniforms
+//! The ancestor of u is the least j with W_1 + … + W_j ≥ u. All four keep `E[count_i] = n W_i`. Ancestors come *sorted*, so that a gather walks through memory: the multinomial ones by drawing sorted uniforms
 //! from exponential spacings (Devroye 1986, V.3.1). Where two independently resampled sub-vectors are later paired by index, permute one of them.
 //!
 //! [`keep_once_refill`] (Husz, Wallace & Green 2007: "only the highest 80 % survive") is biased on purpose.
