@@ -1,226 +1,55 @@
 //! Forward kinematics and the backward sweep over lanes.
 //!
-//! A [`Plan`] is a [`KinematicTree`] flattened for evaluation: topological arrays, points sorted by link, every link's translations before its rotations (a link
-//! written otherwise becomes two). It works in a caller's workspace, divided into [`Sections`], on one state or on a block of eight:
+//! A [`Plan`] is a [`KinematicTree`](crate::KinematicTree) flattened for evaluation. It works in a caller's workspace ([`Plan::pass`]), on one state or on a block of eight:
 //!
-//! 1. [`Plan::forward`] stores for each link its axes (columns of `R`) and origin `p`, for each degree of freedom its world axis `u`, for each point its position `P`.
-//! 2. The caller puts a force `g = ∂E/∂P` on each point, and [`Plan::pullback`] returns `∂E/∂q`. With f and n the force and moment about the *world* origin
-//!    that act on a link and everything below it (children are added to parents without any shift),
+//! 1. [`Plan::forward`] walks from the root outwards, computes the frame of each link (columns of `R`, origin `p`) and the world axis `u` of each degree of freedom, and shows
+//!    the caller the position `P` of each point. The caller answers with a force `g = ∂E/∂P`; f and n sum the forces and moments about the *world* origin of each link's points.
+//! 2. [`Plan::pullback`] walks back. Children's f and n are added to their parents' without any shift, and
 //!
 //! ```text
 //! revolute j of link b:      ∂E/∂q_j = u_j · (n_b − p_b × f_b)
 //! translation j of link b:   ∂E/∂q_j = u_j · f_b
 //! ```
 //!
-//! 3. For the Gauss–Newton diagonal the caller puts a symmetric information matrix `M` on each point; with twists `ξ_j = (u_j, p_b × u_j)`, `B = [−[P]× | I]` and
-//!    `S_b = Σ Bᵀ M B` over the points at and below the link, `H_jj = ξ_jᵀ S_b ξ_j`.
-//!
-//! Cost O(links + points + degrees of freedom); nothing is allocated.
+//! Points never go through memory. Cost O(links + points + degrees of freedom); nothing is allocated. [`Plan::gauss_newton`] gives the curvature.
 
-use crate::tree::{Axis, Joint, KinematicTree};
+mod gauss_newton;
+mod plan;
+mod vector;
+
+use crate::tree::Axis;
+use gauss_newton::INERTIA;
+use plan::ORIGIN;
+pub use plan::Plan;
 use sinew_core::elementary::sin_cos;
-use sinew_core::lanes::triangle;
 use sinew_core::lanes::{Block, Isa, Kernel, Real, dispatch, dispatch_one};
+pub use vector::V3;
+use vector::{cross_add, cross_sub, dot, load3, moved, store3, turned, v3};
 
-/// Vector of three lanes.
-pub type V3<V> = [V; 3];
+/// Force and moment.
+const WRENCH: usize = 6;
 
-/// Componentwise `[e(0), e(1), e(2)]`, spelled out so that nothing is outlined.
-macro_rules! v3 {
-    ($k:ident => $e:expr) => {
-        [
-            {
-                const $k: usize = 0;
-                $e
-            },
-            {
-                const $k: usize = 1;
-                $e
-            },
-            {
-                const $k: usize = 2;
-                $e
-            },
-        ]
-    };
-}
-
-#[inline(always)]
-fn dot<V: Real>(a: V3<V>, b: V3<V>) -> V {
-    a[2].fma(b[2], a[1].fma(b[1], a[0] * b[0]))
-}
-
-/// `c + a × b`.
-#[inline(always)]
-fn cross_add<V: Real>(a: V3<V>, b: V3<V>, c: V3<V>) -> V3<V> {
-    [
-        a[2].fnma(b[1], a[1].fma(b[2], c[0])),
-        a[0].fnma(b[2], a[2].fma(b[0], c[1])),
-        a[1].fnma(b[0], a[0].fma(b[1], c[2])),
-    ]
-}
-
-/// `c − a × b`.
-#[inline(always)]
-fn cross_sub<V: Real>(a: V3<V>, b: V3<V>, c: V3<V>) -> V3<V> {
-    [
-        a[2].fma(b[1], a[1].fnma(b[2], c[0])),
-        a[0].fma(b[2], a[2].fnma(b[0], c[1])),
-        a[1].fma(b[0], a[0].fnma(b[1], c[2])),
-    ]
-}
-
-#[inline(always)]
-fn load3<V: Real>(m: &[V::Mem; 3]) -> V3<V> {
-    [V::load(&m[0]), V::load(&m[1]), V::load(&m[2])]
-}
-
-#[inline(always)]
-fn store3<V: Real>(v: V3<V>, m: &mut [V::Mem; 3]) {
-    v[0].store(&mut m[0]);
-    v[1].store(&mut m[1]);
-    v[2].store(&mut m[2]);
-}
-
-#[derive(Clone, Debug)]
-struct PlanLink {
-    parent: Option<usize>,
-    offset: [f64; 3],
-    /// First degree of freedom.
-    first: usize,
-    translations: usize,
-    rotations: usize,
-    points: usize,
-    has_children: bool,
-}
-
-/// A kinematic tree flattened for lane kernels.
-#[derive(Clone, Debug)]
-pub struct Plan {
-    links: Vec<PlanLink>,
-    /// Axis of each degree of freedom, in state order: link by link, translations before rotations.
-    axes: Vec<Axis>,
-    /// Offset of each point, link by link.
-    offsets: Vec<[f64; 3]>,
-    /// The caller's index of each point, in the same order.
-    order: Vec<usize>,
-}
-
-const FRAME: usize = 12;
-const FORCE: usize = 6;
-const INERTIA: usize = 21;
-
-/// A workspace divided among links, degrees of freedom and points. Points stand in the order of [`Plan::order`].
+/// What one evaluation keeps, in a caller's workspace.
 #[derive(Debug)]
-pub struct Sections<'a, M> {
-    /// Three axes and origin of each link that has children; of the others the origin only.
-    frames: &'a mut [[M; FRAME]],
-    /// World axis of each degree of freedom.
-    axes: &'a mut [[M; 3]],
-    /// World position of each point, metres; set by [`Plan::forward`].
-    pub positions: &'a mut [[M; 3]],
-    /// Force `∂E/∂P` on each point; read by [`Plan::pullback`].
-    pub forces: &'a mut [[M; 3]],
-    /// Information matrix (xx, xy, xz, yy, yz, zz) of each point; read by [`Plan::gauss_newton_diagonal`].
-    pub information: &'a mut [[M; 6]],
-    /// Force and moment about the world origin, of each link and what is below it.
-    totals: &'a mut [[M; FORCE]],
-    /// S of each link: upper triangle of the moment block, the mixed block, upper triangle of the force block.
-    inertias: &'a mut [[M; INERTIA]],
+pub struct Pass<'a, M> {
+    /// Frames and axes, where the plan places them.
+    vectors: &'a mut [[M; 3]],
+    /// Force and moment about the world origin, of each link's points, in the backward sweep also of what was gathered from below.
+    wrenches: &'a mut [[M; WRENCH]],
 }
 
-fn divide<'a, M, const N: usize>(ws: &mut &'a mut [M], count: usize) -> &'a mut [[M; N]] {
+/// Takes `count` groups of `N` from the front of a workspace.
+fn take<'a, M, const N: usize>(ws: &mut &'a mut [M], count: usize) -> &'a mut [[M; N]] {
     let (taken, rest) = std::mem::take(ws).split_at_mut(count * N);
     *ws = rest;
     taken.as_chunks_mut().0
 }
 
 impl Plan {
-    /// Flattens a tree with the points of the given indices.
-    ///
-    /// # Panics
-    /// If an index is not that of a point of the tree.
-    #[must_use]
-    pub fn new(tree: &KinematicTree, points: &[usize]) -> Self {
-        let mut plan = Self { links: vec![], axes: vec![], offsets: vec![], order: vec![] };
-        let mut last_segment: Vec<usize> = Vec::with_capacity(tree.links().len());
-        for (index, link) in tree.links().iter().enumerate() {
-            let mut parent = link.parent.map(|p| last_segment[p]);
-            let mut offset = link.offset;
-            let mut joints = link.joints.iter().peekable();
-            loop {
-                let before = plan.axes.len();
-                while let Some(Joint::Translate(axis)) = joints.peek() {
-                    plan.axes.push(*axis);
-                    joints.next();
-                }
-                let translations = plan.axes.len() - before;
-                while let Some(Joint::Rotate(axis)) = joints.peek() {
-                    plan.axes.push(*axis);
-                    joints.next();
-                }
-                let rotations = plan.axes.len() - before - translations;
-                if let Some(p) = parent {
-                    plan.links[p].has_children = true;
-                }
-                let first = before;
-                plan.links.push(PlanLink {
-                    parent,
-                    offset,
-                    first,
-                    translations,
-                    rotations,
-                    points: 0,
-                    has_children: false,
-                });
-                parent = Some(plan.links.len() - 1);
-                offset = [0.0; 3];
-                if joints.peek().is_none() {
-                    break;
-                }
-            }
-            let segment = plan.links.len() - 1;
-            last_segment.push(segment);
-            for (k, &p) in points.iter().enumerate() {
-                let point = &tree.points()[p];
-                if point.link == index {
-                    plan.offsets.push(point.offset);
-                    plan.order.push(k);
-                    plan.links[segment].points += 1;
-                }
-            }
-        }
-        plan
-    }
-
-    /// Flattens a tree with all its points.
-    #[must_use]
-    pub fn with_all_points(tree: &KinematicTree) -> Self {
-        Self::new(tree, &(0..tree.points().len()).collect::<Vec<_>>())
-    }
-
-    /// Number of degrees of freedom.
-    #[must_use]
-    pub const fn dof(&self) -> usize {
-        self.axes.len()
-    }
-
-    /// Number of points.
-    #[must_use]
-    pub const fn points(&self) -> usize {
-        self.order.len()
-    }
-
-    /// For each point of a workspace its index among the points that the plan was made with.
-    #[must_use]
-    pub fn order(&self) -> &[usize] {
-        &self.order
-    }
-
     /// Numbers (or blocks) of scratch that the methods need.
     #[must_use]
     pub const fn workspace(&self) -> usize {
-        (FRAME + FORCE + INERTIA) * self.links.len() + 3 * self.axes.len() + (3 + 3 + 6) * self.order.len()
+        3 * self.vectors + (WRENCH + INERTIA) * self.links.len()
     }
 
     /// Divides a workspace.
@@ -228,51 +57,45 @@ impl Plan {
     /// # Panics
     /// If it is shorter than [`Plan::workspace`].
     #[inline(always)]
-    pub fn sections<'a, M>(&self, mut ws: &'a mut [M]) -> Sections<'a, M> {
-        let ws = &mut ws;
-        Sections {
-            frames: divide(ws, self.links.len()),
-            axes: divide(ws, self.axes.len()),
-            positions: divide(ws, self.order.len()),
-            forces: divide(ws, self.order.len()),
-            information: divide(ws, self.order.len()),
-            totals: divide(ws, self.links.len()),
-            inertias: divide(ws, self.links.len()),
-        }
+    pub fn pass<'a, M>(&self, mut ws: &'a mut [M]) -> Pass<'a, M> {
+        Pass { vectors: take(&mut ws, self.vectors), wrenches: take(&mut ws, self.links.len()) }
     }
 
-    /// Computes all link frames and point positions at `q`; with `AXES` also what [`Plan::pullback`] needs.
+    /// Walks to all points at `q` and calls `force(k, P)` with the number of each in the plan's order and its world position, metres. With `BACK` it keeps what [`Plan::pullback`] needs;
+    /// else the answers are not used.
     #[inline(always)]
-    pub fn forward<V: Real, const AXES: bool>(&self, q: &[V::Mem], s: &mut Sections<'_, V::Mem>) {
-        let mut joints = self.axes.iter().zip(q).zip(s.axes.iter_mut());
-        let mut points = self.offsets.iter().zip(s.positions.iter_mut());
+    pub fn forward<V: Real, const BACK: bool>(
+        &self,
+        q: &[V::Mem],
+        pass: &mut Pass<'_, V::Mem>,
+        mut force: impl FnMut(usize, V3<V>) -> V3<V>,
+    ) {
+        let mut joints = self.joints.iter().zip(q);
+        let mut points = self.offsets.iter().enumerate();
         let (zero, one) = (V::splat(0.0), V::splat(1.0));
-        for (index, link) in self.links.iter().enumerate() {
-            let [mut cx, mut cy, mut cz] = [[one, zero, zero], [zero, one, zero], [zero, zero, one]];
-            let mut p = v3!(K => V::splat(link.offset[K]));
-            if let Some(parent) = link.parent {
-                let frame = &s.frames[parent];
-                cx = v3!(K => V::load(&frame[K]));
-                cy = v3!(K => V::load(&frame[3 + K]));
-                cz = v3!(K => V::load(&frame[6 + K]));
-                p = moved::<V>(v3!(K => V::load(&frame[9 + K])), cx, cy, cz, &link.offset);
-            }
-            for ((axis, q), stored) in joints.by_ref().take(link.translations) {
-                let u = match axis {
+        let vectors = &mut *pass.vectors;
+        for (column, unit) in
+            [[one, zero, zero], [zero, one, zero], [zero, zero, one], [zero; 3]].into_iter().enumerate()
+        {
+            store3(unit, &mut vectors[column]);
+        }
+        for (link, wrench) in self.links.iter().zip(pass.wrenches.iter_mut()) {
+            let from = &vectors[link.from..=link.from + ORIGIN];
+            let [mut cx, mut cy, mut cz] = [load3::<V>(&from[0]), load3::<V>(&from[1]), load3::<V>(&from[2])];
+            let mut p = moved(load3::<V>(&from[ORIGIN]), [cx, cy, cz], &link.offset);
+            for (joint, q) in joints.by_ref().take(link.translations) {
+                let u = match joint.axis {
                     Axis::X => cx,
                     Axis::Y => cy,
                     Axis::Z => cz,
                 };
                 let x = V::load(q);
                 p = v3!(K => x.fma(u[K], p[K]));
-                if AXES {
-                    store3(u, stored);
-                }
             }
-            for ((axis, q), stored) in joints.by_ref().take(link.rotations) {
+            for (joint, q) in joints.by_ref().take(link.rotations) {
                 let (sin, cos) = sin_cos(V::load(q));
                 let u;
-                match axis {
+                match joint.axis {
                     Axis::X => {
                         u = cx;
                         (cy, cz) = turned(cy, cz, sin, cos);
@@ -286,220 +109,70 @@ impl Plan {
                         (cx, cy) = turned(cx, cy, sin, cos);
                     }
                 }
-                if AXES {
-                    store3(u, stored);
+                if BACK && joint.stored {
+                    store3(u, &mut vectors[joint.place]);
                 }
             }
-            for (offset, position) in points.by_ref().take(link.points) {
-                store3(moved::<V>(p, cx, cy, cz, offset), position);
-            }
-            let frame = &mut s.frames[index];
             if link.has_children {
-                for k in 0..3 {
-                    cx[k].store(&mut frame[k]);
-                    cy[k].store(&mut frame[3 + k]);
-                    cz[k].store(&mut frame[6 + k]);
+                let frame = &mut vectors[link.frame..=link.frame + ORIGIN];
+                for (vector, place) in [cx, cy, cz, p].into_iter().zip(frame) {
+                    store3(vector, place);
+                }
+            } else if BACK {
+                store3(p, &mut vectors[link.frame]);
+            }
+            let (mut f, mut n) = ([zero; 3], [zero; 3]);
+            for (k, offset) in points.by_ref().take(link.points) {
+                let position = moved(p, [cx, cy, cz], offset);
+                let g = force(k, position);
+                if BACK {
+                    f = v3!(K => f[K] + g[K]);
+                    n = cross_add(position, g, n);
                 }
             }
-            for k in 0..3 {
-                p[k].store(&mut frame[9 + k]);
+            if BACK && link.gathers {
+                for k in 0..3 {
+                    f[k].store(&mut wrench[k]);
+                    n[k].store(&mut wrench[3 + k]);
+                }
             }
         }
     }
 
-    /// Turns the forces on all points into `∂E/∂q`, after [`Plan::forward`] with axes.
+    /// Turns the forces on all points into `∂E/∂q`, after [`Plan::forward`] with `BACK`.
     #[inline(always)]
-    pub fn pullback<V: Real>(&self, s: &mut Sections<'_, V::Mem>, grad: &mut [V::Mem]) {
-        let mut joints = s.axes.iter().zip(grad.iter_mut()).rev();
-        let mut points = s.positions.iter().zip(s.forces.iter()).rev();
-        let none = V::splat(0.0);
-        for (link, total) in self.links.iter().zip(s.totals.iter_mut()) {
-            if link.has_children {
-                for x in total {
-                    none.store(x);
-                }
-            }
-        }
+    pub fn pullback<V: Real>(&self, pass: &mut Pass<'_, V::Mem>, grad: &mut [V::Mem]) {
+        let mut joints = self.joints.iter().zip(grad.iter_mut()).rev();
+        let none = [V::splat(0.0); 3];
+        let (mut f, mut n) = (none, none);
         for (index, link) in self.links.iter().enumerate().rev() {
-            let (mut f, mut n) = ([none; 3], [none; 3]);
-            if link.has_children {
-                let total = &s.totals[index];
-                f = v3!(K => V::load(&total[K]));
-                n = v3!(K => V::load(&total[3 + K]));
-            }
-            for (position, force) in points.by_ref().take(link.points) {
-                let g = load3::<V>(force);
-                f = v3!(K => f[K] + g[K]);
-                n = cross_add(load3::<V>(position), g, n);
+            if link.gathers {
+                let wrench = &pass.wrenches[index];
+                f = v3!(K => f[K] + V::load(&wrench[K]));
+                n = v3!(K => n[K] + V::load(&wrench[3 + K]));
             }
             if link.rotations > 0 {
-                let frame = &s.frames[index];
-                let m = cross_sub(v3!(K => V::load(&frame[9 + K])), f, n);
-                for (axis, out) in joints.by_ref().take(link.rotations) {
-                    dot(load3::<V>(axis), m).store(out);
+                let m = cross_sub(load3::<V>(&pass.vectors[link.origin()]), f, n);
+                for (joint, out) in joints.by_ref().take(link.rotations) {
+                    dot(load3::<V>(&pass.vectors[joint.place]), m).store(out);
                 }
             }
-            for (axis, out) in joints.by_ref().take(link.translations) {
-                dot(load3::<V>(axis), f).store(out);
+            for (joint, out) in joints.by_ref().take(link.translations) {
+                dot(load3::<V>(&pass.vectors[joint.place]), f).store(out);
+            }
+            if link.follows {
+                continue;
             }
             if let Some(parent) = link.parent {
-                let total = &mut s.totals[parent];
+                let total = &mut pass.wrenches[parent];
                 for k in 0..3 {
                     (V::load(&total[k]) + f[k]).store(&mut total[k]);
                     (V::load(&total[3 + k]) + n[k]).store(&mut total[3 + k]);
                 }
             }
+            (f, n) = (none, none);
         }
     }
-
-    /// Turns the information on all points into the diagonal of the Gauss–Newton matrix, after [`Plan::forward`] with axes.
-    #[inline(always)]
-    pub fn gauss_newton_diagonal<V: Real>(&self, s: &mut Sections<'_, V::Mem>, diagonal: &mut [V::Mem]) {
-        self.gather::<V>(s);
-        let mut joints = s.axes.iter().zip(diagonal.iter_mut()).rev();
-        let none = [V::splat(0.0); 3];
-        for (index, link) in self.links.iter().enumerate().rev() {
-            let inertia = &s.inertias[index];
-            for (axis, out) in joints.by_ref().take(link.rotations) {
-                let u = load3::<V>(axis);
-                let origin = v3!(K => V::load(&s.frames[index][9 + K]));
-                quadratic_form(inertia, u, cross_add(origin, u, none)).store(out);
-            }
-            for (axis, out) in joints.by_ref().take(link.translations) {
-                quadratic_form(inertia, none, load3::<V>(axis)).store(out);
-            }
-        }
-    }
-
-    /// Sums the information of each link's points and of what is below it.
-    #[inline(always)]
-    fn gather<V: Real>(&self, s: &mut Sections<'_, V::Mem>) {
-        let mut points = s.positions.iter().zip(s.information.iter()).rev();
-        for x in s.inertias.iter_mut().flatten() {
-            V::splat(0.0).store(x);
-        }
-        for (index, link) in self.links.iter().enumerate().rev() {
-            for (position, information) in points.by_ref().take(link.points) {
-                add_point::<V>(&mut s.inertias[index], load3::<V>(position), information);
-            }
-            if let Some(parent) = link.parent {
-                let below = s.inertias[index];
-                for (a, b) in s.inertias[parent].iter_mut().zip(&below) {
-                    (V::load(a) + V::load(b)).store(a);
-                }
-            }
-        }
-    }
-
-    /// Turns the information on all points into the Gauss–Newton matrix, after [`Plan::forward`] with axes: its lower triangle, row after row. `H_ij = ξ_iᵀ S ξ_j`
-    /// with the S of the deeper link where one link is above the other, else 0.
-    #[inline(always)]
-    pub fn gauss_newton<V: Real>(&self, s: &mut Sections<'_, V::Mem>, matrix: &mut [V::Mem]) {
-        self.gather::<V>(s);
-        let zero = V::splat(0.0);
-        for x in matrix.iter_mut() {
-            zero.store(x);
-        }
-        let twist = |link: &PlanLink, index: usize, j: usize, s: &Sections<'_, V::Mem>| {
-            let u = load3::<V>(&s.axes[j]);
-            if j < link.first + link.translations {
-                return ([zero; 3], u);
-            }
-            let origin = v3!(K => V::load(&s.frames[index][9 + K]));
-            (u, cross_add(origin, u, [zero; 3]))
-        };
-        for (index, link) in self.links.iter().enumerate() {
-            for j in link.first..link.first + link.translations + link.rotations {
-                let (w, v) = twist(link, index, j, s);
-                let (moment, force) = wrench::<V>(&s.inertias[index], w, v);
-                let mut above = Some(index);
-                while let Some(b) = above {
-                    let other = &self.links[b];
-                    let end = if b == index { j + 1 } else { other.first + other.translations + other.rotations };
-                    for i in other.first..end {
-                        let (w, v) = twist(other, b, i, s);
-                        (dot(w, moment) + dot(v, force)).store(&mut matrix[triangle(j, i)]);
-                    }
-                    above = other.parent;
-                }
-            }
-        }
-    }
-}
-
-/// `p + cx·o₀ + cy·o₁ + cz·o₂`, skipping zero components.
-#[inline(always)]
-fn moved<V: Real>(p: V3<V>, cx: V3<V>, cy: V3<V>, cz: V3<V>, offset: &[f64; 3]) -> V3<V> {
-    let mut p = p;
-    for (column, &x) in [cx, cy, cz].into_iter().zip(offset) {
-        if x != 0.0 {
-            let x = V::splat(x);
-            p = v3!(K => x.fma(column[K], p[K]));
-        }
-    }
-    p
-}
-
-/// The two columns after a rotation by the angle of (s, c) that carries `a` towards `b`.
-#[inline(always)]
-fn turned<V: Real>(a: V3<V>, b: V3<V>, s: V, c: V) -> (V3<V>, V3<V>) {
-    (v3!(K => s.fma(b[K], c * a[K])), v3!(K => s.fnma(a[K], c * b[K])))
-}
-
-/// Adds `Bᵀ M B` of a point to S.
-#[inline(always)]
-fn add_point<V: Real>(s: &mut [V::Mem; INERTIA], p: V3<V>, information: &[V::Mem; 6]) {
-    let zero = [V::splat(0.0); 3];
-    let m = |i: usize| V::load(&information[i]);
-    let rows = [[m(0), m(1), m(2)], [m(1), m(3), m(4)], [m(2), m(4), m(5)]];
-    let columns = [cross_add(p, rows[0], zero), cross_add(p, rows[1], zero), cross_add(p, rows[2], zero)];
-    let mixed = v3!(I => v3!(J => columns[J][I]));
-    let moment = [cross_add(p, mixed[0], zero), cross_add(p, mixed[1], zero), cross_add(p, mixed[2], zero)];
-    let triangle = |a: [V3<V>; 3]| [a[0][0], a[0][1], a[0][2], a[1][1], a[1][2], a[2][2]];
-    let mut add = |at: usize, x: V| (V::load(&s[at]) + x).store(&mut s[at]);
-    for (i, x) in triangle(moment).into_iter().enumerate() {
-        add(i, x);
-    }
-    for (i, x) in mixed.into_iter().flatten().enumerate() {
-        add(6 + i, x);
-    }
-    for (i, x) in triangle(rows).into_iter().enumerate() {
-        add(15 + i, x);
-    }
-}
-
-/// `S (w, v)`: moment and force that belong to the twist with angular part `w` and linear part `v`.
-#[inline(always)]
-fn wrench<V: Real>(s: &[V::Mem; INERTIA], w: V3<V>, v: V3<V>) -> (V3<V>, V3<V>) {
-    let m = |i: usize| V::load(&s[i]);
-    let symmetric = |at: usize, x: V3<V>| {
-        [
-            dot([m(at), m(at + 1), m(at + 2)], x),
-            dot([m(at + 1), m(at + 3), m(at + 4)], x),
-            dot([m(at + 2), m(at + 4), m(at + 5)], x),
-        ]
-    };
-    let (ww, vv) = (symmetric(0, w), symmetric(15, v));
-    let mixed = |i: usize| dot([m(6 + 3 * i), m(7 + 3 * i), m(8 + 3 * i)], v);
-    let transposed = |j: usize| dot([m(6 + j), m(9 + j), m(12 + j)], w);
-    (
-        [ww[0] + mixed(0), ww[1] + mixed(1), ww[2] + mixed(2)],
-        [vv[0] + transposed(0), vv[1] + transposed(1), vv[2] + transposed(2)],
-    )
-}
-
-/// `(w, v)ᵀ S (w, v)` for the twist with angular part `w` and linear part `v`.
-#[inline(always)]
-fn quadratic_form<V: Real>(s: &[V::Mem; INERTIA], w: V3<V>, v: V3<V>) -> V {
-    let m = |i: usize| V::load(&s[i]);
-    let two = V::splat(2.0);
-    let symmetric = |at: usize, x: V3<V>| {
-        let diagonal = (m(at + 5) * x[2]).fma(x[2], (m(at + 3) * x[1]).fma(x[1], m(at) * x[0] * x[0]));
-        let off = (m(at + 4) * x[1]).fma(x[2], (m(at + 2) * x[0]).fma(x[2], m(at + 1) * x[0] * x[1]));
-        two.fma(off, diagonal)
-    };
-    let row = |i: usize| dot([m(6 + 3 * i), m(7 + 3 * i), m(8 + 3 * i)], v);
-    two.fma(dot(w, [row(0), row(1), row(2)]), symmetric(0, w) + symmetric(15, v))
 }
 
 struct Positions<'a, M> {
@@ -513,12 +186,12 @@ impl<M: Copy> Kernel<M> for Positions<'_, M> {
     type Out = ();
     #[inline(always)]
     fn run<V: Real<Mem = M>>(self) {
-        let mut s = self.plan.sections(self.ws);
-        self.plan.forward::<V, false>(self.q, &mut s);
         let (out, _) = self.out.as_chunks_mut::<3>();
-        for (position, &k) in s.positions.iter().zip(self.plan.order()) {
-            out[k] = *position;
-        }
+        let order = self.plan.order();
+        self.plan.forward::<V, false>(self.q, &mut self.plan.pass(self.ws), |k, position| {
+            store3(position, &mut out[order[k]]);
+            position
+        });
     }
 }
 
@@ -545,17 +218,29 @@ impl Kernel<f64> for Jacobian<'_> {
     fn run<V: Real<Mem = f64>>(self) {
         let plan = self.plan;
         let mut ws = vec![0.0; plan.workspace()];
-        let mut s = plan.sections(&mut ws);
-        plan.forward::<V, true>(self.q, &mut s);
-        s.forces.fill([0.0; 3]);
+        let mut pass = plan.pass(&mut ws);
         let (out, _) = self.positions.as_chunks_mut::<3>();
-        for (i, &k) in plan.order().iter().enumerate() {
-            out[k] = s.positions[i];
-            for axis in 0..3 {
-                s.forces[i][axis] = 1.0;
-                let row = (3 * k + axis) * plan.dof();
-                plan.pullback::<V>(&mut s, &mut self.jacobian[row..row + plan.dof()]);
-                s.forces[i][axis] = 0.0;
+        plan.forward::<V, true>(self.q, &mut pass, |k, position| {
+            store3(position, &mut out[plan.order()[k]]);
+            [V::splat(0.0); 3]
+        });
+        self.jacobian.fill(0.0);
+        for (&k, &link) in plan.order().iter().zip(&plan.link_of) {
+            let point = load3::<V>(&out[k]);
+            let mut above = Some(link);
+            while let Some(b) = above {
+                let link = &plan.links[b];
+                let origin = load3::<V>(&pass.vectors[link.origin()]);
+                let arm = v3!(K => point[K] - origin[K]);
+                for j in link.first..link.first + link.translations + link.rotations {
+                    let u = load3::<V>(&pass.vectors[plan.joints[j].place]);
+                    let turns = j >= link.first + link.translations;
+                    let moves = if turns { cross_add(u, arm, [V::splat(0.0); 3]) } else { u };
+                    for (axis, x) in moves.into_iter().enumerate() {
+                        x.store(&mut self.jacobian[(3 * k + axis) * plan.dof() + j]);
+                    }
+                }
+                above = link.parent;
             }
         }
     }
@@ -570,7 +255,7 @@ pub fn point_jacobian(plan: &Plan, isa: Isa, q: &[f64], positions: &mut [f64], j
 mod tests {
     use super::*;
     use crate::standard::{Proportions, cf28, h32};
-    use crate::tree::{Link, Point};
+    use crate::tree::{Joint, KinematicTree, Link, Point};
 
     fn positions(tree: &KinematicTree, q: &[f64]) -> Vec<[f64; 3]> {
         let plan = Plan::with_all_points(tree);

@@ -53,18 +53,59 @@ impl Kernel<Block> for Diagonal<'_> {
     #[inline(always)]
     fn run<V: Real<Mem = Block>>(self) {
         let mut ws = vec![Block::ZERO; self.0.workspace()];
-        let mut s = self.0.sections(&mut ws);
-        self.0.forward::<V, true>(self.1, &mut s);
-        s.information.fill([2.0, 0.5, -0.3, 1.0, 0.1, 3.0].map(Block::splat));
-        self.0.gauss_newton_diagonal::<V>(&mut s, self.2);
-        self.0.gauss_newton::<V>(&mut s, self.3);
+        let splat = |x| V::splat(x);
+        let m = [splat(2.0), splat(0.5), splat(-0.3), splat(1.0), splat(0.1), splat(3.0)];
+        self.0.gauss_newton_diagonal::<V>(self.1, &mut ws, self.2, |_, _| m);
+        self.0.gauss_newton::<V>(self.1, &mut ws, self.3, |_, _| m);
+    }
+}
+
+/// Force on point k in the plan's order.
+fn force(k: usize) -> [f64; 3] {
+    [1.0, 2.0, 3.0].map(|a| (a + 7.0 * k as f64).sin())
+}
+
+struct Sweep<'a>(&'a Plan, &'a [Block], &'a mut [Block]);
+impl Kernel<Block> for Sweep<'_> {
+    type Out = ();
+    #[inline(always)]
+    fn run<V: Real<Mem = Block>>(self) {
+        let mut ws = vec![Block::ZERO; self.0.workspace()];
+        let mut pass = self.0.pass(&mut ws);
+        self.0.forward::<V, true>(self.1, &mut pass, |k, _| {
+            let [x, y, z] = force(k);
+            [V::splat(x), V::splat(y), V::splat(z)]
+        });
+        self.0.pullback::<V>(&mut pass, self.2);
     }
 }
 
 proptest! {
-    /// K4: the sweep's derivatives are those of central differences.
+    /// K4: the backward sweep returns `Jᵀ g`, on every instruction set.
     #[test]
-    fn sweep_agrees_with_central_differences((tree, q) in tree_and_pose()) {
+    fn backward_sweep_is_the_transposed_jacobian((tree, q) in tree_and_pose()) {
+        let plan = Plan::with_all_points(&tree);
+        let (d, n) = (plan.dof(), 3 * plan.points());
+        let (mut p, mut jacobian) = (vec![0.0; n], vec![0.0; n * d]);
+        point_jacobian(&plan, Isa::best(), &q, &mut p, &mut jacobian);
+        let block: Vec<Block> = q.iter().map(|&x| Block::splat(x)).collect();
+        let largest = jacobian.iter().fold(1.0_f64, |m, x| m.max(x.abs()));
+        for isa in Isa::available() {
+            let mut grad = vec![Block::ZERO; d];
+            dispatch(isa, Sweep(&plan, &block, &mut grad));
+            for j in 0..d {
+                let expected: f64 = (plan.order().iter().enumerate())
+                    .flat_map(|(i, &k)| force(i).into_iter().enumerate().map(move |(a, g)| (3 * k + a, g)))
+                    .map(|(row, g)| g * jacobian[row * d + j])
+                    .sum();
+                prop_assert!((grad[j].0[3] - expected).abs() < 1e-12 * largest * n as f64, "{}, coordinate {j}", isa.name());
+            }
+        }
+    }
+
+    /// K4: the Jacobian is that of central differences.
+    #[test]
+    fn jacobian_agrees_with_central_differences((tree, q) in tree_and_pose()) {
         let plan = Plan::with_all_points(&tree);
         let (d, n) = (plan.dof(), 3 * plan.points());
         let (mut p, mut jacobian) = (vec![0.0; n], vec![0.0; n * d]);

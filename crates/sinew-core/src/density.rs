@@ -74,6 +74,12 @@ pub trait GaussNewton: GradLogDensity {
             matrix[triangle(j, j)] = entry;
         }
     }
+
+    /// The same observation with its errors `factor` times as large, for a search that would not reach the mode of a robust density from afar. `None` where that makes no sense.
+    fn broadened(&self, factor: f64) -> Option<Box<dyn GaussNewton + '_>> {
+        let _ = factor;
+        None
+    }
 }
 
 /// A numerical leaf, written once over the lane scalar. All methods must be `#[inline(always)]`.
@@ -97,6 +103,15 @@ pub trait LaneGaussNewton: LaneDensity {
 
     /// Writes the lower triangle of the Gauss–Newton matrix at `x`, row after row.
     fn gauss_newton<V: Real>(&self, x: &[V::Mem], matrix: &mut [V::Mem], ws: &mut [V::Mem]);
+
+    /// See [`GaussNewton::broadened`]. Not a kernel.
+    fn broadened(&self, factor: f64) -> Option<Self>
+    where
+        Self: Sized,
+    {
+        let _ = factor;
+        None
+    }
 }
 
 /// A leaf together with the instruction set that runs it: an object-safe density.
@@ -198,6 +213,10 @@ impl<T: LaneGaussNewton> GaussNewton for Lanes<T> {
     fn gauss_newton_block(&self, x: &[Block], matrix: &mut [Block], ws: &mut [Block]) {
         dispatch(self.isa, Matrix { leaf: &self.leaf, x, matrix, ws });
     }
+    fn broadened(&self, factor: f64) -> Option<Box<dyn GaussNewton + '_>> {
+        let leaf = self.leaf.broadened(factor)?;
+        Some(Box::new(Lanes { leaf, isa: self.isa }))
+    }
 }
 
 macro_rules! forward_to_target {
@@ -230,6 +249,9 @@ macro_rules! forward_to_target {
             }
             fn gauss_newton_block(&self, x: &[Block], matrix: &mut [Block], ws: &mut [Block]) {
                 (**self).gauss_newton_block(x, matrix, ws);
+            }
+            fn broadened(&self, factor: f64) -> Option<Box<dyn GaussNewton + '_>> {
+                (**self).broadened(factor)
             }
         }
     )*};

@@ -19,7 +19,6 @@
 use crate::camera::{Camera, MIN_DEPTH_M};
 use crate::model::ObservationModel;
 use sinew_body::Plan;
-use sinew_body::kinematics::Sections;
 use sinew_core::density::{LaneDensity, LaneGaussNewton, Lanes};
 use sinew_core::elementary::{exp, ln};
 use sinew_core::lanes::{Isa, Real};
@@ -269,6 +268,9 @@ fn pull<V: Real>(lens: &Lens, seen: &Seen<V>, e: [V; 2]) -> [V; 3] {
     [column(0), column(1), column(2)]
 }
 
+/// Factors of the likelihood whose product cannot underflow before its logarithm is taken.
+const FACTORS: usize = 16;
+
 impl LaneDensity for KeypointLikelihood {
     fn dim(&self) -> usize {
         self.plan.dof()
@@ -280,18 +282,13 @@ impl LaneDensity for KeypointLikelihood {
 
     #[inline(always)]
     fn eval<V: Real, const GRAD: bool>(&self, x: &[V::Mem], grad: &mut [V::Mem], ws: &mut [V::Mem]) -> V {
-        /// Factors of the likelihood whose product cannot underflow before its logarithm is taken.
-        const FACTORS: usize = 16;
         let plan = &*self.plan;
-        let mut sections = plan.sections(ws);
-        plan.forward::<V, GRAD>(x, &mut sections);
+        let mut pass = plan.pass(ws);
         let s = |x: f64| V::splat(x);
         let mut value = s(self.constant);
-        let points = sections.positions.iter().zip(sections.forces.iter_mut());
-        for (range, (position, force_out)) in self.first.windows(2).zip(points) {
-            let p = [V::load(&position[0]), V::load(&position[1]), V::load(&position[2])];
+        plan.forward::<V, GRAD>(x, &mut pass, |k, p| {
             let mut force = [s(0.0); 3];
-            for sightings in self.sightings[range[0]..range[1]].chunks(FACTORS) {
+            for sightings in self.sightings_of(k).chunks(FACTORS) {
                 let mut product = s(1.0);
                 for sighting in sightings {
                     let lens = &self.lenses[sighting.lens];
@@ -326,66 +323,71 @@ impl LaneDensity for KeypointLikelihood {
                 };
                 value = ln(product).fma(s(exponent), value);
             }
-            if GRAD {
-                for (f, out) in force.into_iter().zip(force_out) {
-                    f.store(out);
-                }
-            }
-        }
+            force
+        });
         if GRAD {
-            plan.pullback::<V>(&mut sections, grad);
+            plan.pullback::<V>(&mut pass, grad);
         }
         value
     }
 }
 
 impl KeypointLikelihood {
-    /// Puts on each point what its sightings tell of its position. Every sighting counts in full, outlier or not: an upper bound, as a step size needs it.
+    /// Sightings of point k in the plan's order.
     #[inline(always)]
-    fn inform<V: Real>(&self, x: &[V::Mem], sections: &mut Sections<'_, V::Mem>) {
-        let plan = &*self.plan;
-        plan.forward::<V, true>(x, sections);
-        let points = sections.positions.iter().zip(sections.information.iter_mut());
-        for (range, (position, out)) in self.first.windows(2).zip(points) {
-            let p = [V::load(&position[0]), V::load(&position[1]), V::load(&position[2])];
-            let zero = V::splat(0.0);
-            let mut m = [zero; 6];
-            for sighting in &self.sightings[range[0]..range[1]] {
-                let lens = &self.lenses[sighting.lens];
-                let seen = look::<V, true>(lens, p, sighting.pixel);
-                let information = V::splat(sighting.information);
-                for e in [[V::splat(1.0), zero], [zero, V::splat(1.0)]] {
-                    let g = pull(lens, &seen, e);
-                    let w = [information * g[0], information * g[1], information * g[2]];
-                    m = [
-                        w[0].fma(g[0], m[0]),
-                        w[0].fma(g[1], m[1]),
-                        w[0].fma(g[2], m[2]),
-                        w[1].fma(g[1], m[3]),
-                        w[1].fma(g[2], m[4]),
-                        w[2].fma(g[2], m[5]),
-                    ];
-                }
-            }
-            for (m, out) in m.into_iter().zip(out) {
-                m.store(out);
+    fn sightings_of(&self, k: usize) -> &[Sighting] {
+        &self.sightings[self.first[k]..self.first[k + 1]]
+    }
+
+    /// What the sightings of point k at `p` tell of its position. Every sighting counts in full, outlier or not: an upper bound, as a step size needs it.
+    #[inline(always)]
+    fn point_information<V: Real>(&self, k: usize, p: [V; 3]) -> [V; 6] {
+        let (zero, one) = (V::splat(0.0), V::splat(1.0));
+        let mut m = [zero; 6];
+        for sighting in self.sightings_of(k) {
+            let lens = &self.lenses[sighting.lens];
+            let seen = look::<V, true>(lens, p, sighting.pixel);
+            let information = V::splat(sighting.information);
+            for e in [[one, zero], [zero, one]] {
+                let g = pull(lens, &seen, e);
+                let w = [information * g[0], information * g[1], information * g[2]];
+                m = [
+                    w[0].fma(g[0], m[0]),
+                    w[0].fma(g[1], m[1]),
+                    w[0].fma(g[2], m[2]),
+                    w[1].fma(g[1], m[3]),
+                    w[1].fma(g[2], m[4]),
+                    w[2].fma(g[2], m[5]),
+                ];
             }
         }
+        m
     }
 }
 
 impl LaneGaussNewton for KeypointLikelihood {
     #[inline(always)]
     fn gauss_newton_diagonal<V: Real>(&self, x: &[V::Mem], diagonal: &mut [V::Mem], ws: &mut [V::Mem]) {
-        let mut sections = self.plan.sections(ws);
-        self.inform::<V>(x, &mut sections);
-        self.plan.gauss_newton_diagonal::<V>(&mut sections, diagonal);
+        self.plan.gauss_newton_diagonal::<V>(x, ws, diagonal, |k, p| self.point_information(k, p));
     }
 
     #[inline(always)]
     fn gauss_newton<V: Real>(&self, x: &[V::Mem], matrix: &mut [V::Mem], ws: &mut [V::Mem]) {
-        let mut sections = self.plan.sections(ws);
-        self.inform::<V>(x, &mut sections);
-        self.plan.gauss_newton::<V>(&mut sections, matrix);
+        self.plan.gauss_newton::<V>(x, ws, matrix, |k, p| self.point_information(k, p));
+    }
+
+    /// Every sighting's s is multiplied; its floor keeps its height.
+    fn broadened(&self, factor: f64) -> Option<Self> {
+        let square = factor * factor;
+        let mut broad = self.clone();
+        for sighting in &mut broad.sightings {
+            sighting.information /= square;
+            match self.noise {
+                Noise::OutlierFloor { .. } => sighting.shape *= square,
+                Noise::StudentT { .. } => sighting.shape /= square,
+            }
+        }
+        broad.constant -= square.ln() * self.sightings.len() as f64;
+        Some(broad)
     }
 }

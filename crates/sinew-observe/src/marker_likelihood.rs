@@ -12,7 +12,6 @@
 use crate::camera::MIN_DEPTH_M;
 use crate::model::ObservationModel;
 use sinew_body::Plan;
-use sinew_body::kinematics::Sections;
 use sinew_core::density::{LaneDensity, LaneGaussNewton, Lanes};
 use sinew_core::lanes::{Isa, Real};
 use std::sync::Arc;
@@ -73,77 +72,64 @@ impl LaneDensity for MarkerLikelihood {
     #[inline(always)]
     fn eval<V: Real, const GRAD: bool>(&self, x: &[V::Mem], grad: &mut [V::Mem], ws: &mut [V::Mem]) -> V {
         let plan = &*self.plan;
-        let mut s = plan.sections(ws);
-        plan.forward::<V, GRAD>(x, &mut s);
+        let mut pass = plan.pass(ws);
         let information = V::splat(self.information);
         let mut squares = V::splat(0.0);
         let mut nearest = V::splat(f64::MIN);
-        for ((observed, position), force) in self.seen.iter().zip(s.positions.iter()).zip(s.forces.iter_mut()) {
-            let Some(observed) = observed else {
-                if GRAD {
-                    for f in force {
-                        V::splat(0.0).store(f);
-                    }
-                }
-                continue;
-            };
-            let p = [V::load(&position[0]), V::load(&position[1]), V::load(&position[2])];
-            let depth = p[1] - V::splat(self.centre[1]);
+        plan.forward::<V, GRAD>(x, &mut pass, |k, p| {
+            let Some(observed) = self.seen[k] else { return [V::splat(0.0); 3] };
+            let Image { u, v, inverse_depth, depth } = self.image(p);
             nearest = nearest.max(-depth);
-            let inverse = V::splat(1.0) / depth.max(V::splat(MIN_DEPTH_M));
-            let u = (p[0] - V::splat(self.centre[0])) * inverse;
-            let v = (p[2] - V::splat(self.centre[2])) * inverse;
             let (r0, r1) = (V::splat(observed[0]) - u, V::splat(observed[1]) - v);
             squares = r1.fma(r1, r0.fma(r0, squares));
-            if GRAD {
-                let scale = information * inverse;
-                let (g0, g2) = (scale * r0, scale * r1);
-                g0.store(&mut force[0]);
-                (-v.fma(g2, u * g0)).store(&mut force[1]);
-                g2.store(&mut force[2]);
-            }
-        }
+            let scale = information * inverse_depth;
+            let (g0, g2) = (scale * r0, scale * r1);
+            [g0, -v.fma(g2, u * g0), g2]
+        });
         if GRAD {
-            plan.pullback::<V>(&mut s, grad);
+            plan.pullback::<V>(&mut pass, grad);
         }
         let value = squares.fma(V::splat(-0.5 * self.information), V::splat(self.constant));
         nearest.select_gt(-MIN_DEPTH_M, V::splat(f64::NEG_INFINITY), value)
     }
 }
 
+/// A point in the image.
+struct Image<V> {
+    u: V,
+    v: V,
+    /// Of the depth, or of the least depth where the point is nearer.
+    inverse_depth: V,
+    depth: V,
+}
+
 impl MarkerLikelihood {
-    /// Puts on each point what its image tells of its position.
     #[inline(always)]
-    fn inform<V: Real>(&self, x: &[V::Mem], s: &mut Sections<'_, V::Mem>) {
-        let plan = &*self.plan;
-        plan.forward::<V, true>(x, s);
-        let zero = V::splat(0.0);
-        for ((seen, position), out) in self.seen.iter().zip(s.positions.iter()).zip(s.information.iter_mut()) {
-            let p = [V::load(&position[0]), V::load(&position[1]), V::load(&position[2])];
-            let inverse = V::splat(1.0) / (p[1] - V::splat(self.centre[1])).max(V::splat(MIN_DEPTH_M));
-            let u = (p[0] - V::splat(self.centre[0])) * inverse;
-            let v = (p[2] - V::splat(self.centre[2])) * inverse;
-            let w = V::splat(if seen.is_some() { self.information } else { 0.0 }) * inverse * inverse;
-            let information = [w, -(w * u), zero, w * v.fma(v, u * u), -(w * v), w];
-            for (m, out) in information.into_iter().zip(out) {
-                m.store(out);
-            }
-        }
+    fn image<V: Real>(&self, p: [V; 3]) -> Image<V> {
+        let depth = p[1] - V::splat(self.centre[1]);
+        let inverse_depth = V::splat(1.0) / depth.max(V::splat(MIN_DEPTH_M));
+        let u = (p[0] - V::splat(self.centre[0])) * inverse_depth;
+        let v = (p[2] - V::splat(self.centre[2])) * inverse_depth;
+        Image { u, v, inverse_depth, depth }
+    }
+
+    /// What the image of point k at `p` tells of its position.
+    #[inline(always)]
+    fn point_information<V: Real>(&self, k: usize, p: [V; 3]) -> [V; 6] {
+        let Image { u, v, inverse_depth, .. } = self.image(p);
+        let w = V::splat(if self.seen[k].is_some() { self.information } else { 0.0 }) * inverse_depth * inverse_depth;
+        [w, -(w * u), V::splat(0.0), w * v.fma(v, u * u), -(w * v), w]
     }
 }
 
 impl LaneGaussNewton for MarkerLikelihood {
     #[inline(always)]
     fn gauss_newton_diagonal<V: Real>(&self, x: &[V::Mem], diagonal: &mut [V::Mem], ws: &mut [V::Mem]) {
-        let mut sections = self.plan.sections(ws);
-        self.inform::<V>(x, &mut sections);
-        self.plan.gauss_newton_diagonal::<V>(&mut sections, diagonal);
+        self.plan.gauss_newton_diagonal::<V>(x, ws, diagonal, |k, p| self.point_information(k, p));
     }
 
     #[inline(always)]
     fn gauss_newton<V: Real>(&self, x: &[V::Mem], matrix: &mut [V::Mem], ws: &mut [V::Mem]) {
-        let mut sections = self.plan.sections(ws);
-        self.inform::<V>(x, &mut sections);
-        self.plan.gauss_newton::<V>(&mut sections, matrix);
+        self.plan.gauss_newton::<V>(x, ws, matrix, |k, p| self.point_information(k, p));
     }
 }

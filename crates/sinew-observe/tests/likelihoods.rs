@@ -42,8 +42,12 @@ fn project(camera: &Camera, p: &[f64]) -> [f64; 2] {
     [i.fx * xd + i.cx, i.fy * yd + i.cy]
 }
 
-/// Detections of the standing body, some of them missing, one a gross outlier.
 fn keypoints(noise: Noise, isa: Isa) -> (KeypointModel, impl GaussNewton + use<>) {
+    keypoints_with_errors(1.0, noise, isa)
+}
+
+/// Detections of the standing body, some of them missing, one a gross outlier; all errors that the model assumes are multiplied by `factor`.
+fn keypoints_with_errors(factor: f64, noise: Noise, isa: Isa) -> (KeypointModel, impl GaussNewton + use<>) {
     let plan = Arc::new(Plan::with_all_points(&h32(&Proportions::default())));
     let views = views();
     let mut q = vec![0.0; plan.dof()];
@@ -65,7 +69,8 @@ fn keypoints(noise: Noise, isa: Isa) -> (KeypointModel, impl GaussNewton + use<>
                 .collect()
         })
         .collect();
-    let model = KeypointModel { plan, views, noise, model_error_m: 0.015, least_confidence: 0.05, isa };
+    let views = views.into_iter().map(|view| View { sigma_px: factor * view.sigma_px, ..view }).collect();
+    let model = KeypointModel { plan, views, noise, model_error_m: factor * 0.015, least_confidence: 0.05, isa };
     let bound = model.bind(KeypointFrame { detections: &detections, predicted: &points });
     (model, bound)
 }
@@ -142,6 +147,20 @@ proptest! {
     fn keypoint_gradient_agrees_with_central_differences(q in pose(32)) {
         for noise in NOISES {
             check_gradient(&keypoints(noise, Isa::best()).1, &q);
+        }
+    }
+
+    #[test]
+    fn a_broadened_likelihood_is_that_of_a_model_with_larger_errors(q in pose(32), factor in 1.5..20.0) {
+        for noise in [Noise::OutlierFloor { outlier: 0.02 }, Noise::StudentT { degrees: 4.0 }] {
+            let bound = keypoints(noise, Isa::best()).1;
+            let broad = bound.broadened(factor).expect("offered");
+            let expected = keypoints_with_errors(factor, noise, Isa::best()).1;
+            let (mut g, mut h) = (vec![0.0; 32], vec![0.0; 32]);
+            let (a, b) = (broad.log_density_grad(&q, &mut g), expected.log_density_grad(&q, &mut h));
+            prop_assert!((a - b).abs() < 1e-10 * b.abs().max(1.0), "{a} {b}");
+            let largest = h.iter().fold(1.0_f64, |m, x| m.max(x.abs()));
+            prop_assert!(g.iter().zip(&h).all(|(a, b)| (a - b).abs() < 1e-10 * largest));
         }
     }
 

@@ -78,15 +78,19 @@ impl Draws {
     /// Diagnostics of the draws about their mean.
     #[must_use]
     pub fn quality(&self, mean: &[f64]) -> Quality {
-        let mut quality = Quality { ess: f64::INFINITY, r_hat: f64::NAN, ess_of_squares: 0.0 };
-        for (j, mean) in mean.iter().enumerate() {
+        let of_coordinate = |j: usize| {
             let mut series = self.series(j);
-            quality.ess = effective_sample_size(&series).min(quality.ess);
-            quality.r_hat = split_r_hat(&series).max(quality.r_hat);
-            series.iter_mut().flatten().for_each(|x| *x = (*x - mean) * (*x - mean));
-            quality.ess_of_squares += effective_sample_size(&series) / self.dim as f64;
-        }
-        quality
+            let (ess, r_hat) = (effective_sample_size(&series), split_r_hat(&series));
+            series.iter_mut().flatten().for_each(|x| *x = (*x - mean[j]) * (*x - mean[j]));
+            Quality { ess, r_hat, ess_of_squares: effective_sample_size(&series) }
+        };
+        let all: Vec<Quality> = (0..mean.len()).into_par_iter().map(of_coordinate).collect();
+        let none = Quality { ess: f64::INFINITY, r_hat: f64::NAN, ess_of_squares: 0.0 };
+        all.iter().fold(none, |whole, of| Quality {
+            ess: of.ess.min(whole.ess),
+            r_hat: of.r_hat.max(whole.r_hat),
+            ess_of_squares: whole.ess_of_squares + of.ess_of_squares / self.dim as f64,
+        })
     }
 }
 

@@ -159,8 +159,79 @@ fn posterior_precision(prior: &[f64], matrix: &[Block], d: usize) -> Vec<f64> {
     whole
 }
 
+/// Factors by which the errors of the observations are broadened, one after the other, on the detour to the mode.
+const BROADENINGS: [f64; 2] = [16.0, 4.0];
+
+/// Where a climb has got to.
+struct Place {
+    state: Vec<f64>,
+    log_density: f64,
+    metric: Dense,
+}
+
+/// Scratch of a climb: gradient, packed matrix, workspace.
+struct Scratch {
+    gradient: Vec<Block>,
+    matrix: Vec<Block>,
+    ws: Vec<Block>,
+}
+
+impl Scratch {
+    fn new(d: usize) -> Self {
+        Self { gradient: vec![Block::ZERO; d], matrix: vec![Block::ZERO; triangle(d, 0)], ws: vec![] }
+    }
+}
+
+/// The precision of the posterior at a block of states, as a metric.
+fn metric_at<O: GaussNewton + ?Sized>(
+    observed: &O,
+    precision: &[f64],
+    x: &[Block],
+    scratch: &mut Scratch,
+) -> Result<Dense, Error> {
+    observed.gauss_newton_block(x, &mut scratch.matrix, &mut scratch.ws);
+    Dense::new(&posterior_precision(precision, &scratch.matrix, x.len()), x.len())
+}
+
+/// Damped Gauss–Newton steps towards a mode of `observed` · `prior`.
+fn climb<O: GaussNewton + ?Sized, P: FramePrior>(
+    observed: &O,
+    prior: &P,
+    precision: &[f64],
+    start: &[f64],
+    scratch: &mut Scratch,
+) -> Result<Place, Error> {
+    let target = Sum(observed, prior);
+    scratch.ws.resize(target.workspace().max(scratch.ws.len()), Block::ZERO);
+    let mut x: Vec<Block> = start.iter().map(|&x| Block::splat(x)).collect();
+    let mut value = target.log_density_grad_block(&x, &mut scratch.gradient, &mut scratch.ws).0[0];
+    let mut metric = metric_at(observed, precision, &x, scratch)?;
+    for _ in 0..STEPS {
+        let direction = metric.solve(&scratch.gradient.iter().map(|g| g.0[0]).collect::<Vec<_>>());
+        let before = value;
+        for halving in 0..HALVINGS {
+            let length = 0.5_f64.powi(halving as i32);
+            let next: Vec<Block> = x.iter().zip(&direction).map(|(x, v)| Block::splat(x.0[0] + length * v)).collect();
+            let there = target.log_density_grad_block(&next, &mut scratch.gradient, &mut scratch.ws).0[0];
+            if there > value {
+                (x, value) = (next, there);
+                break;
+            }
+        }
+        let gain = value - before;
+        if gain.is_nan() || gain <= ENOUGH {
+            break;
+        }
+        metric = metric_at(observed, precision, &x, scratch)?;
+    }
+    Ok(Place { state: x.iter().map(|x| x.0[0]).collect(), log_density: value, metric })
+}
+
 /// The Laplace approximation of a frame's posterior, by damped Gauss–Newton steps from the mean of `draws` draws of the prior. Its matrix is the mean over eight draws from
 /// around the mode, since curvature at the mode alone makes steps too long for the flanks.
+///
+/// A robust likelihood has modes that explain a fast limb as outliers. Where `observed` can be broadened, a second climb goes through its broadened versions first
+/// (graduated optimisation; Blake & Zisserman 1987), and the higher of the two ends counts.
 ///
 /// # Errors
 /// [`Error::Metric`] where the matrix cannot be factored.
@@ -174,39 +245,28 @@ pub fn laplace<O: GaussNewton + ?Sized, P: FramePrior>(
     let [to_explore, to_average] = stage.split(["explore", "average"]);
     let start = middle(prior, draws, &to_explore);
     let d = start.len();
-    let target = Sum(observed, prior);
-    let mut ws = vec![Block::ZERO; target.workspace()];
-    let mut gradient = vec![Block::ZERO; d];
-    let mut matrix = vec![Block::ZERO; triangle(d, 0)];
-    let mut x: Vec<Block> = start.iter().map(|&x| Block::splat(x)).collect();
     let precision = prior.precision();
-    let mut value = target.log_density_grad_block(&x, &mut gradient, &mut ws).0[0];
-    let mut metric_at = |x: &[Block], ws: &mut [Block]| {
-        observed.gauss_newton_block(x, &mut matrix, ws);
-        Dense::new(&posterior_precision(&precision, &matrix, d), d)
-    };
-    let mut metric = metric_at(&x, &mut ws)?;
-    for _ in 0..STEPS {
-        let direction = metric.solve(&gradient.iter().map(|g| g.0[0]).collect::<Vec<_>>());
-        let before = value;
-        for halving in 0..HALVINGS {
-            let length = 0.5_f64.powi(halving as i32);
-            let next: Vec<Block> = x.iter().zip(&direction).map(|(x, v)| Block::splat(x.0[0] + length * v)).collect();
-            let there = target.log_density_grad_block(&next, &mut gradient, &mut ws).0[0];
-            if there > value {
-                (x, value) = (next, there);
-                break;
+    let direct = || climb(observed, prior, &precision, &start, &mut Scratch::new(d));
+    let detour = || -> Result<Option<Place>, Error> {
+        let (mut from, scratch) = (None, &mut Scratch::new(d));
+        for factor in BROADENINGS {
+            if let Some(broad) = observed.broadened(factor) {
+                from = Some(climb(&*broad, prior, &precision, from.as_deref().unwrap_or(&start), scratch)?.state);
             }
         }
-        metric = metric_at(&x, &mut ws)?;
-        let gain = value - before;
-        if gain.is_nan() || gain <= ENOUGH {
-            break;
-        }
+        from.map(|from| climb(observed, prior, &precision, &from, scratch)).transpose()
+    };
+    let (direct, detour) = rayon::join(direct, detour);
+    let mut place = direct?;
+    if let Some(other) = detour?.filter(|other| other.log_density > place.log_density) {
+        place = other;
     }
-    let mut laplace = Laplace { mode: x.iter().map(|x| x.0[0]).collect(), metric };
-    laplace.sample_block(isa, &mut x, &mut to_average.whole());
-    laplace.metric = metric_at(&x, &mut ws)?;
+    let mut laplace = Laplace { mode: place.state, metric: place.metric };
+    let mut around = vec![Block::ZERO; d];
+    laplace.sample_block(isa, &mut around, &mut to_average.whole());
+    let scratch = &mut Scratch::new(d);
+    scratch.ws.resize(observed.workspace(), Block::ZERO);
+    laplace.metric = metric_at(observed, &precision, &around, scratch)?;
     Ok(laplace)
 }
 

@@ -22,6 +22,8 @@
 //! ```
 
 use rand::Rng;
+use sinew_core::elementary::ln;
+use sinew_core::lanes::{Block, Isa, Kernel, LANES, Real, dispatch};
 
 /// Indices of the states from which the new ones come.
 pub type Ancestors = Vec<usize>;
@@ -64,54 +66,82 @@ fn uniforms(n: usize, rng: &mut impl Rng) -> Vec<f64> {
     out
 }
 
-/// Ancestors of ascending positions in (0, n), where state i covers n W_i. The running sum keeps its whole part apart, so that its error does not grow with it.
-fn walk(weights: &[f64], n: usize, mut position: impl FnMut(usize) -> f64) -> Ancestors {
-    let (total, n_real) = (weights.iter().sum::<f64>(), n as f64);
-    let mut ancestors = Vec::with_capacity(n);
-    let (mut whole, mut fraction) = (0.0, 0.0);
-    let mut next = if n > 0 { position(0) } else { 0.0 };
-    let mut last = 0;
-    for (i, &weight) in weights.iter().enumerate() {
-        if weight > 0.0 {
-            last = i;
-        }
-        fraction += weight / total * n_real;
-        let carry = f64::floor(fraction);
-        whole += carry;
-        fraction -= carry;
-        while ancestors.len() < n && next - whole <= fraction {
-            ancestors.push(i);
-            if ancestors.len() < n {
-                next = position(ancestors.len());
-            }
+/// Ends of the parts of (0, n) that the states cover: state i has n W_i. What rounding takes from the running sum is summed apart (D. E. Knuth's exact sum of two), so that its error does not grow with it.
+fn ends(weights: &[f64], n: usize) -> Vec<f64> {
+    let (total, n) = (weights.iter().sum::<f64>(), n as f64);
+    let (mut sum, mut lost) = (0.0, 0.0);
+    let end = |weight: &f64| {
+        let part = weight / total * n;
+        let next = sum + part;
+        let added = next - sum;
+        lost += (sum - (next - added)) + (part - added);
+        sum = next;
+        sum + lost
+    };
+    weights.iter().map(end).collect()
+}
+
+/// Ancestors of ascending positions in (0, n). One step passes a position or a state, chosen without a branch: the counts are random, so a branch would be mispredicted for every second state.
+fn walk(weights: &[f64], positions: &[f64]) -> Ancestors {
+    let ends = ends(weights, positions.len());
+    let mut ancestors = vec![0; positions.len()];
+    let (mut state, mut k) = (0, 0);
+    while k < positions.len() && state < ends.len() {
+        ancestors[k] = state;
+        let inside = positions[k] <= ends[state];
+        let step = usize::from(inside);
+        k += step;
+        state += 1 - step;
+    }
+    // Positions that rounding left beyond the last end.
+    let last = weights.iter().rposition(|&w| w > 0.0).unwrap_or(0);
+    ancestors[k..].fill(last);
+    ancestors
+}
+
+/// Turns uniforms into exponential deviates.
+struct Exponentials<'a>(&'a mut [Block]);
+
+impl Kernel<Block> for Exponentials<'_> {
+    type Out = ();
+    #[inline(always)]
+    fn run<V: Real<Mem = Block>>(self) {
+        for block in self.0 {
+            (-ln(V::load(block))).store(block);
         }
     }
-    ancestors.resize(n, last);
-    ancestors
+}
+
+/// Exponential deviates; their bits do not depend on the instruction set.
+fn exponentials(n: usize, rng: &mut impl Rng) -> Vec<f64> {
+    let uniforms = uniforms(n.next_multiple_of(LANES), rng);
+    let mut blocks: Vec<Block> = uniforms.as_chunks::<LANES>().0.iter().map(|u| Block(*u)).collect();
+    dispatch(Isa::baseline(), Exponentials(&mut blocks));
+    blocks.iter().flat_map(|block| block.0).take(n).collect()
 }
 
 /// Independent draws with probabilities proportional to the weights.
 pub fn multinomial(weights: &[f64], n: usize, rng: &mut impl Rng) -> Ancestors {
-    let mut spacings = uniforms(n + 1, rng);
-    spacings.iter_mut().for_each(|u| *u = -u.ln());
+    let spacings = exponentials(n + 1, rng);
     let scale = n as f64 / spacings.iter().sum::<f64>();
     let mut sum = 0.0;
-    walk(weights, n, |k| {
-        sum += spacings[k];
+    let position = |spacing: &f64| {
+        sum += spacing;
         sum * scale
-    })
+    };
+    walk(weights, &spacings[..n].iter().map(position).collect::<Vec<_>>())
 }
 
 /// One draw from each of `n` equal strata.
 pub fn stratified(weights: &[f64], n: usize, rng: &mut impl Rng) -> Ancestors {
     let offsets = uniforms(n, rng);
-    walk(weights, n, |k| k as f64 + offsets[k])
+    walk(weights, &offsets.iter().enumerate().map(|(k, u)| k as f64 + u).collect::<Vec<_>>())
 }
 
 /// A comb of `n` equal teeth with one random offset.
 pub fn systematic(weights: &[f64], n: usize, rng: &mut impl Rng) -> Ancestors {
     let offset = uniforms(1, rng)[0];
-    walk(weights, n, |k| k as f64 + offset)
+    walk(weights, &(0..n).map(|k| k as f64 + offset).collect::<Vec<_>>())
 }
 
 /// The whole part of each expected count, the rest at random.

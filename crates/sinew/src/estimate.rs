@@ -108,6 +108,8 @@ pub struct FrameEstimate {
     pub time_s: f64,
     /// Whether any camera saw the person.
     pub observed: bool,
+    /// Whether tracking began anew here: the prior of this frame does not come from the frame before.
+    pub restarted: bool,
     /// How far the frame can be trusted.
     pub quality: Quality,
     /// Mean state.

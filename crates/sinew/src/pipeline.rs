@@ -39,7 +39,7 @@ use sinew_observe::{Camera, KeypointLikelihood, Noise};
 use sinew_samplers::tuning;
 use sinew_tracking::posterior::Posterior;
 use sinew_tracking::{StepInfo, Tracker, bootstrap, hmc_filter, run};
-use std::cell::RefCell;
+use std::cell::{Cell, RefCell};
 use std::ops::{ControlFlow, Range};
 use std::sync::PoisonError;
 
@@ -182,7 +182,7 @@ impl Pipeline {
     ) -> Result<(), Error> {
         let numbers = numbers.into_iter().map(frame_index).collect::<Result<Vec<_>, _>>()?;
         let Self { settings, tracker, scene, marginals, .. } = self;
-        let scene = RefCell::new(scene);
+        let (scene, restarted) = (RefCell::new(scene), Cell::new(false));
         let (seed, pending) = (settings.seed, tracker.pending());
         run(
             tracker,
@@ -191,6 +191,7 @@ impl Pipeline {
             |frame, estimate| {
                 let people = source.people(u64::from(frame))?;
                 let (bound, restart) = scene.borrow_mut().observe(&people, estimate);
+                restarted.set(restart.is_some());
                 if restart.is_some() {
                     *pending.lock().unwrap_or_else(PoisonError::into_inner) = restart;
                 }
@@ -199,7 +200,7 @@ impl Pipeline {
             |frame, info, posterior| {
                 scene.borrow_mut().note(u64::from(frame), &info.mean);
                 let estimate = describe(settings, &scene.borrow(), marginals, u64::from(frame), info, &posterior);
-                record(estimate, &posterior)
+                record(FrameEstimate { restarted: restarted.get(), ..estimate }, &posterior)
             },
         )
     }
@@ -358,6 +359,7 @@ fn describe(
     let cameras = scene.cameras_with_person();
     FrameEstimate {
         number,
+        restarted: false,
         time_s: number as f64 / settings.fps,
         observed: cameras > 0,
         quality: match cameras {

@@ -3,6 +3,7 @@
 //! Quantiles are those of the weighted draws: the least value at which the cumulated weight reaches p.
 
 use crate::estimate::{PointMarginal, StateMarginal};
+use rayon::prelude::*;
 use sinew_body::{KinematicTree, Plan, point_positions_block};
 use sinew_core::lanes::{Block, Isa, LANES};
 use sinew_tracking::posterior::Posterior;
@@ -11,10 +12,8 @@ use sinew_tracking::posterior::Posterior;
 pub(super) struct Marginals {
     plan: Plan,
     isa: Isa,
+    /// Positions of all points in each block of draws.
     positions: Vec<Block>,
-    ws: Vec<Block>,
-    /// One series of draws a coordinate.
-    series: Vec<Vec<f64>>,
 }
 
 /// Mean, standard deviation, 5 % and 95 % quantile of a series; reorders it where the weights are equal.
@@ -45,41 +44,41 @@ fn describe(series: &mut [f64], weights: &[f64], equal: bool) -> [f64; 4] {
 
 impl Marginals {
     pub(super) fn new(tree: &KinematicTree, isa: Isa) -> Self {
-        let plan = Plan::with_all_points(tree);
-        Self {
-            positions: vec![Block::ZERO; 3 * plan.points()],
-            ws: vec![Block::ZERO; plan.workspace()],
-            series: vec![vec![]; 3 * plan.points() + plan.dof()],
-            plan,
-            isa,
-        }
+        Self { plan: Plan::with_all_points(tree), isa, positions: vec![] }
     }
 
     /// Marginals of all points of the body and of all degrees of freedom.
     pub(super) fn of(&mut self, posterior: &Posterior<'_>) -> (Vec<PointMarginal>, Vec<StateMarginal>) {
-        let count = posterior.count();
-        for series in &mut self.series {
-            series.clear();
-        }
-        let coordinates = 3 * self.plan.points();
-        for (b, states) in posterior.states.chunks_exact(posterior.dim).enumerate() {
-            let lanes = LANES.min(count.saturating_sub(LANES * b));
-            point_positions_block(&self.plan, self.isa, states, &mut self.positions, &mut self.ws);
-            for (series, block) in self.series.iter_mut().zip(self.positions.iter().chain(states)) {
-                series.extend_from_slice(&block.0[..lanes]);
-            }
-        }
+        let Self { plan, isa, positions } = self;
+        let (d, coordinates) = (posterior.dim, 3 * plan.points());
+        positions.resize(posterior.count().div_ceil(LANES) * coordinates, Block::ZERO);
+        let blocks = posterior.states.par_chunks_exact(d).zip(positions.par_chunks_exact_mut(coordinates));
+        let scratch = || vec![Block::ZERO; plan.workspace()];
+        blocks.for_each_init(scratch, |ws, (states, out)| point_positions_block(plan, *isa, states, out, ws));
+
         let equal = !posterior.chain_stats.is_empty();
-        let mut described = self.series.iter_mut().map(|series| describe(series, posterior.weights, equal));
-        let mut points = vec![PointMarginal::default(); coordinates / 3];
-        for point in &mut points {
-            for axis in 0..3 {
-                let [mean, sd, q05, q95] = described.next().unwrap_or([f64::NAN; 4]);
+        let of_column = |all: &[Block], width: usize, column: usize| {
+            let blocks = all.iter().skip(column).step_by(width);
+            let mut series: Vec<f64> = blocks.flat_map(|block| block.0).take(posterior.count()).collect();
+            describe(&mut series, posterior.weights, equal)
+        };
+        let described: Vec<[f64; 4]> = (0..coordinates + d)
+            .into_par_iter()
+            .map(|column| match column.checked_sub(coordinates) {
+                None => of_column(positions, coordinates, column),
+                Some(j) => of_column(posterior.states, d, j),
+            })
+            .collect();
+        let (of_points, of_states) = described.split_at(coordinates);
+        let point = |axes: &[[f64; 4]]| {
+            let mut point = PointMarginal::default();
+            for (axis, &[mean, sd, q05, q95]) in axes.iter().enumerate() {
                 (point.mean[axis], point.sd[axis], point.q05[axis], point.q95[axis]) = (mean, sd, q05, q95);
             }
-        }
-        let state = described.map(|[mean, _, q05, q95]| StateMarginal { mean, q05, q95 }).collect();
-        (points, state)
+            point
+        };
+        let state = |&[mean, _, q05, q95]: &[f64; 4]| StateMarginal { mean, q05, q95 };
+        (of_points.chunks_exact(3).map(point).collect(), of_states.iter().map(state).collect())
     }
 }
 

@@ -4,6 +4,8 @@
 //! 2. Backward, each record is replaced by the states of [`TRAJECTORIES`] trajectories drawn from the smoothing distribution of the moments ([`sinew_dynamics::smoother`]).
 //! 3. Forward again, [`smooth`] reads the trajectories frame by frame and describes them; draw *i* of every frame belongs to trajectory *i*.
 //!
+//! Where tracking began anew the motion prior says nothing of the step, so the pass is cut there: the frame before counts as a last one.
+//!
 //! Exact for linear-Gaussian models; elsewhere each frame's posterior is taken for a Gaussian. Evidence, effective sample size and residuals stay those of the filter. Memory does not grow with the number
 //! of frames; the file takes some 40 kB a frame and is removed at the end.
 
@@ -26,7 +28,7 @@ use std::path::{Path, PathBuf};
 /// Trajectories drawn.
 pub const TRAJECTORIES: usize = 128;
 
-const SCALARS: usize = 9;
+const SCALARS: usize = 10;
 
 /// Moments and diagnostics of the frames tracked so far, in a file.
 pub struct Spool {
@@ -92,6 +94,7 @@ impl Spool {
             estimate.acceptance.unwrap_or(f64::NAN),
             estimate.divergences as f64,
             estimate.trajectories as f64,
+            f64::from(u8::from(estimate.restarted)),
         ];
         record.extend((0..self.cameras).map(|c| estimate.residual_px.get(c).copied().flatten().unwrap_or(f64::NAN)));
         record.extend(&moments.mean);
@@ -100,6 +103,10 @@ impl Spool {
         self.write_at(self.frames, 0, &record)?;
         self.frames += 1;
         Ok(())
+    }
+
+    fn restarted(&mut self, frame: u64) -> Result<bool, Error> {
+        Ok(self.read_at(frame, SCALARS - 1, 1)?[0] > 0.0)
     }
 
     fn moments(&mut self, frame: u64) -> Result<Moments, Error> {
@@ -127,6 +134,7 @@ impl Spool {
             acceptance: option(h[6]),
             divergences: h[7] as u64,
             trajectories: h[8] as u64,
+            restarted: h[9] > 0.0,
             residual_px: h[SCALARS..].iter().map(|&x| option(x)).collect(),
             ..FrameEstimate::default()
         })
@@ -173,7 +181,7 @@ pub fn smooth(
             get_lane(&states[i / LANES * d..][..d], i % LANES, state);
         }
         spool.write_at(frame, at, &numbers)?;
-        next = Some(smoothed);
+        next = if spool.restarted(frame)? { None } else { Some(smoothed) };
     }
     let weights = vec![1.0 / TRAJECTORIES as f64; TRAJECTORIES];
     let mut marginals = Marginals::new(tree, settings.isa);

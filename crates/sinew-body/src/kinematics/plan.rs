@@ -1,0 +1,192 @@
+//! A kinematic tree flattened for evaluation.
+//!
+//! Links stand parents first, points sorted by link, every link's translations before its rotations (a link written otherwise becomes two). All vectors that an evaluation keeps lie in one
+//! array, and the plan knows the place of each: the frame of a link with children takes four places (the columns of `R`, the origin), that of a link without one (the
+//! origin), the world's the first four. The axis of a rotation is a column of the frame before it or after it wherever such a frame is kept; only the others take a place of their own.
+
+use crate::tree::{Axis, Joint, KinematicTree};
+
+/// Places of a kept frame.
+const FRAME: usize = 4;
+/// Place of the origin in a frame.
+pub(super) const ORIGIN: usize = 3;
+
+#[derive(Clone, Debug)]
+pub(super) struct PlanLink {
+    pub parent: Option<usize>,
+    pub offset: [f64; 3],
+    /// First degree of freedom.
+    pub first: usize,
+    pub translations: usize,
+    pub rotations: usize,
+    pub points: usize,
+    pub has_children: bool,
+    /// Whether its force and moment go through memory: it has points, or a child that is not the next link.
+    pub gathers: bool,
+    /// Whether its parent is the link before it, to which the backward sweep hands force and moment in registers.
+    pub follows: bool,
+    /// Place of the parent's frame.
+    pub from: usize,
+    /// Place of the own frame, or of the origin alone.
+    pub frame: usize,
+}
+
+impl PlanLink {
+    /// Place of the origin.
+    #[inline(always)]
+    pub const fn origin(&self) -> usize {
+        if self.has_children { self.frame + ORIGIN } else { self.frame }
+    }
+}
+
+#[derive(Clone, Debug)]
+pub(super) struct PlanJoint {
+    pub axis: Axis,
+    /// Place of the world axis.
+    pub place: usize,
+    /// Whether the axis must be stored there: no frame has it.
+    pub stored: bool,
+}
+
+/// A kinematic tree flattened for lane kernels.
+#[derive(Clone, Debug)]
+pub struct Plan {
+    pub(super) links: Vec<PlanLink>,
+    /// Degrees of freedom in state order: link by link, translations before rotations.
+    pub(super) joints: Vec<PlanJoint>,
+    /// Offset of each point, link by link.
+    pub(super) offsets: Vec<[f64; 3]>,
+    /// Link of each point.
+    pub(super) link_of: Vec<usize>,
+    /// The caller's index of each point.
+    order: Vec<usize>,
+    /// Places of vectors in all.
+    pub(super) vectors: usize,
+}
+
+impl Plan {
+    /// Flattens a tree with the points of the given indices.
+    ///
+    /// # Panics
+    /// If an index is not that of a point of the tree.
+    #[must_use]
+    pub fn new(tree: &KinematicTree, points: &[usize]) -> Self {
+        let mut plan =
+            Self { links: vec![], joints: vec![], offsets: vec![], link_of: vec![], order: vec![], vectors: 0 };
+        let mut last_segment: Vec<usize> = Vec::with_capacity(tree.links().len());
+        for (index, link) in tree.links().iter().enumerate() {
+            let mut parent = link.parent.map(|p| last_segment[p]);
+            let mut offset = link.offset;
+            let mut joints = link.joints.iter().peekable();
+            loop {
+                let first = plan.joints.len();
+                let free = |axis: &Axis| PlanJoint { axis: *axis, place: 0, stored: false };
+                while let Some(Joint::Translate(axis)) = joints.peek() {
+                    plan.joints.push(free(axis));
+                    joints.next();
+                }
+                let translations = plan.joints.len() - first;
+                while let Some(Joint::Rotate(axis)) = joints.peek() {
+                    plan.joints.push(free(axis));
+                    joints.next();
+                }
+                let rotations = plan.joints.len() - first - translations;
+                if let Some(p) = parent {
+                    plan.links[p].has_children = true;
+                }
+                plan.links.push(PlanLink {
+                    parent,
+                    offset,
+                    first,
+                    translations,
+                    rotations,
+                    points: 0,
+                    has_children: false,
+                    gathers: false,
+                    follows: false,
+                    from: 0,
+                    frame: 0,
+                });
+                parent = Some(plan.links.len() - 1);
+                offset = [0.0; 3];
+                if joints.peek().is_none() {
+                    break;
+                }
+            }
+            let segment = plan.links.len() - 1;
+            last_segment.push(segment);
+            for (k, &p) in points.iter().enumerate() {
+                let point = &tree.points()[p];
+                if point.link == index {
+                    plan.offsets.push(point.offset);
+                    plan.link_of.push(segment);
+                    plan.order.push(k);
+                    plan.links[segment].points += 1;
+                }
+            }
+        }
+        plan.place_vectors();
+        plan
+    }
+
+    /// Gives every vector its place.
+    fn place_vectors(&mut self) {
+        let mut next = FRAME;
+        for index in 0..self.links.len() {
+            let parent = self.links[index].parent;
+            let from = parent.map_or(0, |parent| self.links[parent].frame);
+            let follows = parent.is_some_and(|parent| parent + 1 == index);
+            if let Some(parent) = parent.filter(|_| !follows) {
+                self.links[parent].gathers = true;
+            }
+            let link = &mut self.links[index];
+            link.from = from;
+            link.follows = follows;
+            link.gathers |= link.points > 0;
+            link.frame = next;
+            next += if link.has_children { FRAME } else { 1 };
+            let (translations, rotations) =
+                self.joints[link.first..][..link.translations + link.rotations].split_at_mut(link.translations);
+            for joint in translations {
+                joint.place = from + joint.axis as usize;
+            }
+            let axes: Vec<Axis> = rotations.iter().map(|joint| joint.axis).collect();
+            for (j, joint) in rotations.iter_mut().enumerate() {
+                if axes[..j].iter().all(|a| *a == joint.axis) {
+                    joint.place = from + joint.axis as usize;
+                } else if link.has_children && axes[j..].iter().all(|a| *a == joint.axis) {
+                    joint.place = link.frame + joint.axis as usize;
+                } else {
+                    joint.place = next;
+                    joint.stored = true;
+                    next += 1;
+                }
+            }
+        }
+        self.vectors = next;
+    }
+
+    /// Flattens a tree with all its points.
+    #[must_use]
+    pub fn with_all_points(tree: &KinematicTree) -> Self {
+        Self::new(tree, &(0..tree.points().len()).collect::<Vec<_>>())
+    }
+
+    /// Number of degrees of freedom.
+    #[must_use]
+    pub const fn dof(&self) -> usize {
+        self.joints.len()
+    }
+
+    /// Number of points.
+    #[must_use]
+    pub const fn points(&self) -> usize {
+        self.order.len()
+    }
+
+    /// For each point in the plan's order its index among the points that the plan was made with.
+    #[must_use]
+    pub fn order(&self) -> &[usize] {
+        &self.order
+    }
+}
