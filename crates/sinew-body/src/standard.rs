@@ -167,7 +167,7 @@ pub fn h32(p: &Proportions) -> KinematicTree {
     built(links, points)
 }
 
-/// The fifteen joints of pose evaluation, by point name: pelvis, neck base, shoulders, elbows, wrists, hips, knees, ankles, head top.
+/// The fifteen joints of pose evaluation, by point name: pelvis, neck base, then the twelve of the limbs: shoulders, elbows, wrists, hips, knees, ankles; last the head top.
 pub const EVALUATION_JOINTS: [&str; 15] = [
     "MidHip",
     "Neck",

@@ -101,8 +101,20 @@ pub trait LaneGaussNewton: LaneDensity {
     /// Writes the diagonal of the Gauss–Newton matrix at `x`.
     fn gauss_newton_diagonal<V: Real>(&self, x: &[V::Mem], diagonal: &mut [V::Mem], ws: &mut [V::Mem]);
 
-    /// Writes the lower triangle of the Gauss–Newton matrix at `x`, row after row.
-    fn gauss_newton<V: Real>(&self, x: &[V::Mem], matrix: &mut [V::Mem], ws: &mut [V::Mem]);
+    /// Writes the lower triangle of the Gauss–Newton matrix at `x`, row after row. By default only its diagonal.
+    #[inline(always)]
+    fn gauss_newton<V: Real>(&self, x: &[V::Mem], matrix: &mut [V::Mem], ws: &mut [V::Mem]) {
+        let d = self.dim();
+        self.gauss_newton_diagonal::<V>(x, &mut matrix[..d], ws);
+        // From the last row up, no entry is overwritten before it has moved.
+        for i in (0..d).rev() {
+            let entry = V::load(&matrix[i]);
+            for off_diagonal in &mut matrix[triangle(i, 0)..triangle(i, i)] {
+                V::splat(0.0).store(off_diagonal);
+            }
+            entry.store(&mut matrix[triangle(i, i)]);
+        }
+    }
 
     /// See [`GaussNewton::broadened`]. Not a kernel.
     fn broadened(&self, factor: f64) -> Option<Self>

@@ -1,7 +1,7 @@
 //! The smallest target: a Gaussian with independent coordinates, as a lane leaf and as a plain density.
 
 use crate::density::{GaussNewton, GradLogDensity, LaneDensity, LaneGaussNewton, LogDensity};
-use crate::lanes::{Block, Real, triangle};
+use crate::lanes::{Block, Real};
 
 /// `log p = −½ Σ precision_j (x_j − centre_j)²`, without constant.
 #[derive(Clone, Debug, PartialEq)]
@@ -36,15 +36,6 @@ impl LaneGaussNewton for Quadratic {
     fn gauss_newton_diagonal<V: Real>(&self, _x: &[V::Mem], diagonal: &mut [V::Mem], _ws: &mut [V::Mem]) {
         for (d, &precision) in diagonal.iter_mut().zip(&self.precision) {
             V::splat(precision).store(d);
-        }
-    }
-
-    #[inline(always)]
-    fn gauss_newton<V: Real>(&self, _x: &[V::Mem], matrix: &mut [V::Mem], _ws: &mut [V::Mem]) {
-        for (i, &precision) in self.precision.iter().enumerate() {
-            for j in 0..=i {
-                V::splat(if i == j { precision } else { 0.0 }).store(&mut matrix[triangle(i, j)]);
-            }
         }
     }
 }

@@ -10,7 +10,7 @@ use crate::Error;
 use core::f64::consts::TAU;
 use sinew_core::density::{LaneDensity, LaneGaussNewton};
 use sinew_core::elementary::{exp, ln};
-use sinew_core::lanes::{Real, triangle};
+use sinew_core::lanes::Real;
 
 /// Components whose sums are held in registers together.
 const WIDEST: usize = 8;
@@ -219,15 +219,6 @@ impl LaneGaussNewton for Mixture {
     fn gauss_newton_diagonal<V: Real>(&self, _x: &[V::Mem], diagonal: &mut [V::Mem], _ws: &mut [V::Mem]) {
         for (d, &precision) in diagonal.iter_mut().zip(&self.precision) {
             V::splat(precision).store(d);
-        }
-    }
-
-    #[inline(always)]
-    fn gauss_newton<V: Real>(&self, _x: &[V::Mem], matrix: &mut [V::Mem], _ws: &mut [V::Mem]) {
-        for (i, &precision) in self.precision.iter().enumerate() {
-            for j in 0..=i {
-                V::splat(if i == j { precision } else { 0.0 }).store(&mut matrix[triangle(i, j)]);
-            }
         }
     }
 }

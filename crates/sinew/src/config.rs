@@ -288,6 +288,12 @@ impl Resolved {
         format!("{hash:016x}")
     }
 
+    /// Whether a setting has a value that somebody gave.
+    #[must_use]
+    pub fn is_given(&self, key: &str) -> bool {
+        self.values.get(key).is_some_and(|(_, origin)| *origin != Origin::Default)
+    }
+
     /// The settings of a tracking run.
     #[must_use]
     pub fn track(&self) -> TrackConfig {

@@ -9,6 +9,7 @@
 //! | [`covered`], [`block_bootstrap`] | share of true coordinates inside the 90 % intervals, and its standard error |
 
 use crate::Error;
+use crate::body::standard::EVALUATION_JOINTS;
 use crate::body::{KinematicTree, Proportions};
 use crate::core::lanes::Block;
 use crate::core::random::Stage;
@@ -25,20 +26,7 @@ use std::ops::{ControlFlow, Range};
 use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Joints that are compared with a reference: those of the limbs.
-pub const LIMB_JOINTS: [&str; 12] = [
-    "LShoulder",
-    "RShoulder",
-    "LElbow",
-    "RElbow",
-    "LWrist",
-    "RWrist",
-    "LHip",
-    "RHip",
-    "LKnee",
-    "RKnee",
-    "LAnkle",
-    "RAnkle",
-];
+pub const LIMB_JOINTS: [&str; 12] = *EVALUATION_JOINTS.split_at(2).1.first_chunk().expect("fifteen joints");
 
 /// Positions of some points, frame by frame; `None` is missing.
 pub type Track = Vec<Vec<Option<[f64; 3]>>>;

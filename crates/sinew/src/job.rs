@@ -78,6 +78,9 @@ pub fn track<S: FrameSource>(
     settings.fps = config.fps.unwrap_or(DEFAULT_FPS);
 
     let known = config.setup.as_deref().map(read_setup).transpose()?;
+    if let Some(setup) = known.as_ref().filter(|_| resolved.is_given("body")) {
+        same_body(&config.body, setup)?;
+    }
     let up = world_up(&config, known.as_ref())?;
     let mut source = Upright::new(source, &up);
     let setup = match known {
@@ -211,6 +214,22 @@ fn world_up(config: &TrackConfig, setup: Option<&Setup>) -> Result<String, Error
         (_, Some(setup)) => Ok(setup.world_up.clone()),
         (asked, None) => Ok(asked.clone().unwrap_or_else(|| setup::Z_UP.into())),
     }
+}
+
+/// Refuses a body that is not that of the set-up.
+fn same_body(asked: &str, setup: &Setup) -> Result<(), Error> {
+    if bodies::to_track(asked)? == setup.body {
+        return Ok(());
+    }
+    let made_with = match &setup.body {
+        setup::Body::H32 => "h32",
+        setup::Body::CF28 => "cf28",
+        setup::Body::File(_) => "the body of a file",
+    };
+    Err(Error::Usage {
+        message: format!("`body` is {asked}; the set-up was made with {made_with}"),
+        help: "leave `--body` out: the set-up knows it; or leave `--setup` out".into(),
+    })
 }
 
 fn read_setup(path: &Path) -> Result<Setup, Error> {

@@ -16,6 +16,7 @@
 
 pub mod checks;
 mod collect;
+mod model_error;
 pub mod one_camera;
 pub mod own_body;
 pub mod shape;

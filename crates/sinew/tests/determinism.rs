@@ -185,4 +185,7 @@ fn a_world_that_is_declared_is_turned_to_z_up() {
     // The set-up knows the axis.
     let told = trial.track_told(&["-oagain", "--setup", "out/setup.toml", "--up-axis=+y"]);
     assert!(told.contains("`up_axis` is +y; the set-up was made with -y"), "{told}");
+    // It knows the body, too.
+    let told = trial.track_told(&["-oagain", "--setup", "out/setup.toml", "--body=cf28"]);
+    assert!(told.contains("`body` is cf28; the set-up was made with h32"), "{told}");
 }

@@ -10,6 +10,7 @@
 //! over all points J in space and the fitted points P of the body, n coordinates and d degrees of freedom of the poses.
 
 use super::collect::{Collected, Request};
+use super::model_error::model_error_m;
 use super::shape::{Points, points_in_space};
 use sinew_body::fit::{Fit, Target, fit_pose};
 use sinew_body::initial::initial_pose;
@@ -17,12 +18,8 @@ use sinew_body::{Axis, Joint, KinematicTree, Plan, point_positions};
 use sinew_core::lanes::Isa;
 use sinew_formats::Layout;
 use sinew_observe::Camera;
-use sinew_observe::offsets::{CameraNoise, median, robust_sigma};
+use sinew_observe::offsets::CameraNoise;
 
-/// Share of the residuals' variance that is left to the model error at least.
-const LEAST_SHARE: f64 = 0.25;
-/// Model error at least, metres.
-const LEAST_ERROR_M: f64 = 0.002;
 /// Points that a pose needs.
 const FEWEST: usize = 4;
 /// Headings tried where nothing else tells one.
@@ -72,11 +69,7 @@ pub fn measure(
         former = Some(fit.pose);
     }
     let (start_frame, start_pose) = first?;
-    let count = residuals.len() as f64;
-    let freedom = count / (count - taken).max(0.25 * count);
-    let spread = robust_sigma(residuals.into_iter()).powi(2) * freedom;
-    let own = median(&mut variances);
-    let model_error_m = (spread - own).max(LEAST_SHARE * spread).sqrt().max(LEAST_ERROR_M);
+    let model_error_m = model_error_m(&residuals, taken, &mut variances);
     Some(Fitted { model_error_m, start_frame, start_pose })
 }
 

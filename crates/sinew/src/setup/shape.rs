@@ -12,6 +12,7 @@
 
 use super::checks::{check_scale, up_axis};
 use super::collect::{Collected, Request};
+use super::model_error::model_error_m;
 use super::warning::Warning;
 use crate::Error;
 use sinew_body::fit::Target;
@@ -19,12 +20,7 @@ use sinew_body::{Plan, Proportions, bundle, point_positions, subject};
 use sinew_core::lanes::Isa;
 use sinew_formats::Layout;
 use sinew_observe::Camera;
-use sinew_observe::offsets::{CameraNoise, Sighted, median, point_from_views, robust_sigma};
-
-/// Share of the residuals' variance that is left to the model error at least: the noise of the points is itself an estimate.
-const LEAST_SHARE: f64 = 0.25;
-/// Model error at least, metres.
-const LEAST_ERROR_M: f64 = 0.002;
+use sinew_observe::offsets::{CameraNoise, Sighted, point_from_views};
 
 /// What points in space tell.
 #[derive(Clone, Debug, PartialEq)]
@@ -110,7 +106,6 @@ pub fn measure(
     let plan = Plan::with_all_points(&tree);
     let mut residuals: Vec<Vec<[f64; 3]>> = vec![vec![]; tree.points().len()];
     let mut variances = vec![];
-    let mut coordinates = 0;
     let mut fitted = 0;
     for ((targets, pose), (_, points)) in targets.iter().zip(&subject.poses).zip(&frames) {
         let Some(pose) = pose else { continue };
@@ -120,7 +115,6 @@ pub fn measure(
         for (k, target) in targets.iter().enumerate() {
             if let Some(t) = target {
                 residuals[k].push([0, 1, 2].map(|a: usize| t.position[a] - at[3 * k + a]));
-                coordinates += 3;
             }
         }
         variances.extend(points.iter().flatten().map(|(_, v)| *v));
@@ -138,12 +132,8 @@ pub fn measure(
         .map(|(p, r)| (p.name.clone(), r.iter().map(length).sum::<f64>() / r.len() as f64))
         .collect();
     let all: Vec<f64> = residuals.iter().flatten().map(length).collect();
-    let all_coordinates = coordinates as f64;
-    let taken = (fitted * tree.dof()) as f64;
-    let freedom = all_coordinates / (all_coordinates - taken).max(0.25 * all_coordinates);
-    let spread = robust_sigma(residuals.iter().flatten().flatten().copied()).powi(2) * freedom;
-    let own = median(&mut variances);
-    let model_error_m = (spread - own).max(LEAST_SHARE * spread).sqrt().max(LEAST_ERROR_M);
+    let coordinates: Vec<f64> = residuals.iter().flatten().flatten().copied().collect();
+    let model_error_m = model_error_m(&coordinates, (fitted * tree.dof()) as f64, &mut variances);
     Ok(Shape {
         proportions: subject.proportions,
         model_error_m,
