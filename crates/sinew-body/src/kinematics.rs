@@ -232,7 +232,7 @@ impl Kernel<f64> for Jacobian<'_> {
                 let link = &plan.links[b];
                 let origin = load3::<V>(&pass.vectors[link.origin()]);
                 let arm = v3!(K => point[K] - origin[K]);
-                for j in link.first..link.first + link.translations + link.rotations {
+                for j in link.dofs() {
                     let u = load3::<V>(&pass.vectors[plan.joints[j].place]);
                     let turns = j >= link.first + link.translations;
                     let moves = if turns { cross_add(u, arm, [V::splat(0.0); 3]) } else { u };

@@ -19,11 +19,21 @@ use std::ops::Range;
 /// Frame number in a file name.
 #[must_use]
 pub fn parse(file_name: &str) -> Option<u64> {
+    file_name[place(file_name)?].parse().ok()
+}
+
+/// Place of the digits of the frame number in a file name.
+#[must_use]
+pub fn place(file_name: &str) -> Option<Range<usize>> {
     let stem = match file_name.rsplit_once('.') {
         Some((stem, extension)) if !stem.is_empty() && !extension.bytes().all(|b| b.is_ascii_digit()) => stem,
         _ => file_name,
     };
-    stem.split(|c: char| !c.is_ascii_digit()).rfind(|run| !run.is_empty())?.parse().ok()
+    let end = stem.rfind(|c: char| c.is_ascii_digit())? + 1;
+    let start = stem[..end]
+        .rfind(|c: char| !c.is_ascii_digit())
+        .map_or(0, |at| at + stem[at..].chars().next().map_or(1, char::len_utf8));
+    Some(start..end)
 }
 
 /// Frame numbers in rising order, each with the index of its file in the list.

@@ -30,10 +30,11 @@ impl Plan {
         information: impl FnMut(usize, V3<V>) -> [V; 6],
     ) {
         let c = self.composite::<V>(q, ws, information);
-        for (index, link) in self.links.iter().enumerate() {
-            for j in link.first..link.first + link.translations + link.rotations {
+        let mut entries = diagonal.iter_mut();
+        for (link, inertia) in self.links.iter().zip(c.inertias.iter()) {
+            for (j, entry) in link.dofs().zip(entries.by_ref()) {
                 let (w, v) = self.twist::<V>(link, j, &c.pass);
-                quadratic_form(&c.inertias[index], w, v).store(&mut diagonal[j]);
+                quadratic_form(inertia, w, v).store(entry);
             }
         }
     }
@@ -52,13 +53,13 @@ impl Plan {
             V::splat(0.0).store(x);
         }
         for (index, link) in self.links.iter().enumerate() {
-            for j in link.first..link.first + link.translations + link.rotations {
+            for j in link.dofs() {
                 let (w, v) = self.twist::<V>(link, j, &c.pass);
                 let (moment, force) = wrench::<V>(&c.inertias[index], w, v);
                 let mut above = Some(index);
                 while let Some(b) = above {
                     let other = &self.links[b];
-                    let end = if b == index { j + 1 } else { other.first + other.translations + other.rotations };
+                    let end = if b == index { j + 1 } else { other.dofs().end };
                     for i in other.first..end {
                         let (w, v) = self.twist::<V>(other, i, &c.pass);
                         (dot(w, moment) + dot(v, force)).store(&mut matrix[triangle(j, i)]);

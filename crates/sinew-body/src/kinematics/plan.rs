@@ -5,6 +5,7 @@
 //! origin), the world's the first four. The axis of a rotation is a column of the frame before it or after it wherever such a frame is kept; only the others take a place of their own.
 
 use crate::tree::{Axis, Joint, KinematicTree};
+use std::ops::Range;
 
 /// Places of a kept frame.
 const FRAME: usize = 4;
@@ -32,6 +33,12 @@ pub(super) struct PlanLink {
 }
 
 impl PlanLink {
+    /// Its degrees of freedom.
+    #[inline(always)]
+    pub const fn dofs(&self) -> Range<usize> {
+        self.first..self.first + self.translations + self.rotations
+    }
+
     /// Place of the origin.
     #[inline(always)]
     pub const fn origin(&self) -> usize {
@@ -145,8 +152,7 @@ impl Plan {
             link.gathers |= link.points > 0;
             link.frame = next;
             next += if link.has_children { FRAME } else { 1 };
-            let (translations, rotations) =
-                self.joints[link.first..][..link.translations + link.rotations].split_at_mut(link.translations);
+            let (translations, rotations) = self.joints[link.dofs()].split_at_mut(link.translations);
             for joint in translations {
                 joint.place = from + joint.axis as usize;
             }

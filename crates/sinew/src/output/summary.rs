@@ -73,6 +73,8 @@ pub struct Summary {
     pub frame_count: u64,
     /// Frames in which a camera saw the person.
     pub observed_frames: u64,
+    /// Frames, after the first one written, in which tracking began anew.
+    pub restarted_frames: u64,
     /// Degrees of freedom of the body.
     pub degrees_of_freedom: usize,
     /// What the cameras say.
@@ -141,6 +143,7 @@ pub(crate) struct Statistics {
     first: Option<u64>,
     last: u64,
     observed: u64,
+    restarted: u64,
     unobserved: Vec<[u64; 2]>,
     unobserved_spans: u64,
     in_span: bool,
@@ -155,6 +158,9 @@ pub(crate) struct Statistics {
     particles: bool,
 }
 
+/// Share of frames in which tracking may begin anew without a warning.
+const RESTARTS_USUAL: f64 = 0.1;
+
 /// Spans without observation that are listed.
 const SPANS_LISTED: usize = 5;
 
@@ -166,6 +172,7 @@ impl Statistics {
             first: None,
             last: 0,
             observed: 0,
+            restarted: 0,
             unobserved: Vec::new(),
             unobserved_spans: 0,
             in_span: false,
@@ -185,6 +192,7 @@ impl Statistics {
     }
 
     pub(crate) fn add(&mut self, estimate: &FrameEstimate) {
+        self.restarted += u64::from(estimate.restarted && self.first.is_some());
         self.first.get_or_insert(estimate.number);
         if estimate.observed {
             self.observed += 1;
@@ -275,6 +283,12 @@ impl Statistics {
         if self.unobserved_spans > SPANS_LISTED as u64 {
             warnings.push(format!("{} more spans without observation", self.unobserved_spans - SPANS_LISTED as u64));
         }
+        if self.restarted as f64 > RESTARTS_USUAL * self.frames as f64 {
+            let (restarted, frames) = (self.restarted, self.frames);
+            warnings.push(format!(
+                "tracking began anew in {restarted} of {frames} frames, which are then fits of single frames (`restarted` in frames.csv)"
+            ));
+        }
         for (camera, residual) in info.cameras.iter().zip(self.residuals()) {
             if let Some(residual) = residual.filter(|&residual| residual > 3.0 * info.sigma_px) {
                 let (name, sigma) = (&camera.name, info.sigma_px);
@@ -315,6 +329,7 @@ impl Statistics {
             },
             frame_count: self.frames,
             observed_frames: self.observed,
+            restarted_frames: self.restarted,
             degrees_of_freedom: info.body.dof(),
             cameras: cameras.collect(),
             diagnostics: self.diagnostics(),
