@@ -19,6 +19,7 @@ mod vector;
 
 use crate::tree::Axis;
 use gauss_newton::INERTIA;
+pub use gauss_newton::Inform;
 use plan::ORIGIN;
 pub use plan::Plan;
 use sinew_core::elementary::sin_cos;
@@ -28,6 +29,12 @@ use vector::{cross_add, cross_sub, dot, load3, moved, store3, turned, v3};
 
 /// Force and moment.
 const WRENCH: usize = 6;
+
+/// What [`Plan::forward`] shows its points to. A trait and no closure: closures cannot be `#[inline(always)]`, and a long one stays outside the entry point of its instruction set.
+pub trait Visit<V> {
+    /// Point k in the plan's order at the world position `p`, metres. Answers with the force `∂E/∂P` on it. Must be `#[inline(always)]`.
+    fn point(&mut self, k: usize, p: V3<V>) -> V3<V>;
+}
 
 /// What one evaluation keeps, in a caller's workspace.
 #[derive(Debug)]
@@ -61,14 +68,13 @@ impl Plan {
         Pass { vectors: take(&mut ws, self.vectors), wrenches: take(&mut ws, self.links.len()) }
     }
 
-    /// Walks to all points at `q` and calls `force(k, P)` with the number of each in the plan's order and its world position, metres. With `BACK` it keeps what [`Plan::pullback`] needs;
-    /// else the answers are not used.
+    /// Walks to all points at `q` and shows them to the visitor. With `BACK` it keeps what [`Plan::pullback`] needs; else the answers are not used.
     #[inline(always)]
     pub fn forward<V: Real, const BACK: bool>(
         &self,
         q: &[V::Mem],
         pass: &mut Pass<'_, V::Mem>,
-        mut force: impl FnMut(usize, V3<V>) -> V3<V>,
+        visitor: &mut impl Visit<V>,
     ) {
         let mut joints = self.joints.iter().zip(q);
         let mut points = self.offsets.iter().enumerate();
@@ -124,7 +130,7 @@ impl Plan {
             let (mut f, mut n) = ([zero; 3], [zero; 3]);
             for (k, offset) in points.by_ref().take(link.points) {
                 let position = moved(p, [cx, cy, cz], offset);
-                let g = force(k, position);
+                let g = visitor.point(k, position);
                 if BACK {
                     f = v3!(K => f[K] + g[K]);
                     n = cross_add(position, g, n);
@@ -175,6 +181,20 @@ impl Plan {
     }
 }
 
+/// Writes positions in the caller's order.
+struct Record<'a, M> {
+    order: &'a [usize],
+    out: &'a mut [[M; 3]],
+}
+
+impl<V: Real> Visit<V> for Record<'_, V::Mem> {
+    #[inline(always)]
+    fn point(&mut self, k: usize, p: V3<V>) -> V3<V> {
+        store3(p, &mut self.out[self.order[k]]);
+        [V::splat(0.0); 3]
+    }
+}
+
 struct Positions<'a, M> {
     plan: &'a Plan,
     q: &'a [M],
@@ -187,11 +207,8 @@ impl<M: Copy> Kernel<M> for Positions<'_, M> {
     #[inline(always)]
     fn run<V: Real<Mem = M>>(self) {
         let (out, _) = self.out.as_chunks_mut::<3>();
-        let order = self.plan.order();
-        self.plan.forward::<V, false>(self.q, &mut self.plan.pass(self.ws), |k, position| {
-            store3(position, &mut out[order[k]]);
-            position
-        });
+        let mut record = Record { order: self.plan.order(), out };
+        self.plan.forward::<V, false>(self.q, &mut self.plan.pass(self.ws), &mut record);
     }
 }
 
@@ -220,10 +237,7 @@ impl Kernel<f64> for Jacobian<'_> {
         let mut ws = vec![0.0; plan.workspace()];
         let mut pass = plan.pass(&mut ws);
         let (out, _) = self.positions.as_chunks_mut::<3>();
-        plan.forward::<V, true>(self.q, &mut pass, |k, position| {
-            store3(position, &mut out[plan.order()[k]]);
-            [V::splat(0.0); 3]
-        });
+        plan.forward::<V, true>(self.q, &mut pass, &mut Record { order: plan.order(), out: &mut *out });
         self.jacobian.fill(0.0);
         for (&k, &link) in plan.order().iter().zip(&plan.link_of) {
             let point = load3::<V>(&out[k]);

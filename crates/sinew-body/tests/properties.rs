@@ -1,6 +1,7 @@
 //! Laws of forward kinematics and of the backward sweep, on random trees.
 
 use proptest::prelude::*;
+use sinew_body::kinematics::{Inform, V3, Visit};
 use sinew_body::{
     Axis, Joint, KinematicTree, Link, Plan, Point, point_jacobian, point_positions, point_positions_block,
 };
@@ -53,16 +54,31 @@ impl Kernel<Block> for Diagonal<'_> {
     #[inline(always)]
     fn run<V: Real<Mem = Block>>(self) {
         let mut ws = vec![Block::ZERO; self.0.workspace()];
-        let splat = |x| V::splat(x);
-        let m = [splat(2.0), splat(0.5), splat(-0.3), splat(1.0), splat(0.1), splat(3.0)];
-        self.0.gauss_newton_diagonal::<V>(self.1, &mut ws, self.2, |_, _| m);
-        self.0.gauss_newton::<V>(self.1, &mut ws, self.3, |_, _| m);
+        self.0.gauss_newton_diagonal::<V>(self.1, &mut ws, self.2, &Same);
+        self.0.gauss_newton::<V>(self.1, &mut ws, self.3, &Same);
+    }
+}
+
+struct Same;
+impl<V: Real> Inform<V> for Same {
+    #[inline(always)]
+    fn information(&self, _k: usize, _p: V3<V>) -> [V; 6] {
+        [V::splat(2.0), V::splat(0.5), V::splat(-0.3), V::splat(1.0), V::splat(0.1), V::splat(3.0)]
     }
 }
 
 /// Force on point k in the plan's order.
 fn force(k: usize) -> [f64; 3] {
     [1.0, 2.0, 3.0].map(|a| (a + 7.0 * k as f64).sin())
+}
+
+struct Pushed;
+impl<V: Real> Visit<V> for Pushed {
+    #[inline(always)]
+    fn point(&mut self, k: usize, _p: V3<V>) -> V3<V> {
+        let [x, y, z] = force(k);
+        [V::splat(x), V::splat(y), V::splat(z)]
+    }
 }
 
 struct Sweep<'a>(&'a Plan, &'a [Block], &'a mut [Block]);
@@ -72,10 +88,7 @@ impl Kernel<Block> for Sweep<'_> {
     fn run<V: Real<Mem = Block>>(self) {
         let mut ws = vec![Block::ZERO; self.0.workspace()];
         let mut pass = self.0.pass(&mut ws);
-        self.0.forward::<V, true>(self.1, &mut pass, |k, _| {
-            let [x, y, z] = force(k);
-            [V::splat(x), V::splat(y), V::splat(z)]
-        });
+        self.0.forward::<V, true>(self.1, &mut pass, &mut Pushed);
         self.0.pullback::<V>(&mut pass, self.2);
     }
 }

@@ -19,6 +19,7 @@
 use crate::camera::{Camera, MIN_DEPTH_M};
 use crate::model::ObservationModel;
 use sinew_body::Plan;
+use sinew_body::kinematics::{Inform, Visit};
 use sinew_core::density::{LaneDensity, LaneGaussNewton, Lanes};
 use sinew_core::elementary::{exp, ln};
 use sinew_core::lanes::{Isa, Real};
@@ -284,51 +285,62 @@ impl LaneDensity for KeypointLikelihood {
     fn eval<V: Real, const GRAD: bool>(&self, x: &[V::Mem], grad: &mut [V::Mem], ws: &mut [V::Mem]) -> V {
         let plan = &*self.plan;
         let mut pass = plan.pass(ws);
-        let s = |x: f64| V::splat(x);
-        let mut value = s(self.constant);
-        plan.forward::<V, GRAD>(x, &mut pass, |k, p| {
-            let mut force = [s(0.0); 3];
-            for sightings in self.sightings_of(k).chunks(FACTORS) {
-                let mut product = s(1.0);
-                for sighting in sightings {
-                    let lens = &self.lenses[sighting.lens];
-                    let seen = look::<V, GRAD>(lens, p, sighting.pixel);
-                    let [r0, r1] = seen.residual;
-                    let square = r1.fma(r1, r0 * r0);
-                    let weight;
-                    match self.noise {
-                        Noise::OutlierFloor { .. } => {
-                            let core = exp(square * s(-0.5 * sighting.information));
-                            let core = seen.depth.select_gt(MIN_DEPTH_M, core, s(0.0));
-                            let total = core + s(sighting.shape);
-                            product = product * total;
-                            weight = core / total * s(sighting.information);
-                        }
-                        Noise::StudentT { degrees } => {
-                            let spread = square.fma(s(sighting.shape), s(1.0));
-                            let spread = seen.depth.select_gt(MIN_DEPTH_M, spread, s(1e6 / degrees));
-                            product = product * spread;
-                            let strength = s((degrees + 2.0) * sighting.shape) / spread;
-                            weight = seen.depth.select_gt(MIN_DEPTH_M, strength, s(0.0));
-                        }
-                    }
-                    if GRAD {
-                        let g = pull(lens, &seen, [weight * r0, weight * r1]);
-                        force = [force[0] + g[0], force[1] + g[1], force[2] + g[2]];
-                    }
-                }
-                let exponent = match self.noise {
-                    Noise::OutlierFloor { .. } => 1.0,
-                    Noise::StudentT { degrees } => -0.5 * (degrees + 2.0),
-                };
-                value = ln(product).fma(s(exponent), value);
-            }
-            force
-        });
+        let mut visitor = LogDensities::<'_, V, GRAD> { of: self, value: V::splat(self.constant) };
+        plan.forward::<V, GRAD>(x, &mut pass, &mut visitor);
         if GRAD {
             plan.pullback::<V>(&mut pass, grad);
         }
-        value
+        visitor.value
+    }
+}
+
+/// Sum of the log densities of the sightings.
+struct LogDensities<'a, V, const GRAD: bool> {
+    of: &'a KeypointLikelihood,
+    value: V,
+}
+
+impl<V: Real, const GRAD: bool> Visit<V> for LogDensities<'_, V, GRAD> {
+    #[inline(always)]
+    fn point(&mut self, k: usize, p: [V; 3]) -> [V; 3] {
+        let s = |x: f64| V::splat(x);
+        let mut force = [s(0.0); 3];
+        for sightings in self.of.sightings_of(k).chunks(FACTORS) {
+            let mut product = s(1.0);
+            for sighting in sightings {
+                let lens = &self.of.lenses[sighting.lens];
+                let seen = look::<V, GRAD>(lens, p, sighting.pixel);
+                let [r0, r1] = seen.residual;
+                let square = r1.fma(r1, r0 * r0);
+                let weight;
+                match self.of.noise {
+                    Noise::OutlierFloor { .. } => {
+                        let core = exp(square * s(-0.5 * sighting.information));
+                        let core = seen.depth.select_gt(MIN_DEPTH_M, core, s(0.0));
+                        let total = core + s(sighting.shape);
+                        product = product * total;
+                        weight = core / total * s(sighting.information);
+                    }
+                    Noise::StudentT { degrees } => {
+                        let spread = square.fma(s(sighting.shape), s(1.0));
+                        let spread = seen.depth.select_gt(MIN_DEPTH_M, spread, s(1e6 / degrees));
+                        product = product * spread;
+                        let strength = s((degrees + 2.0) * sighting.shape) / spread;
+                        weight = seen.depth.select_gt(MIN_DEPTH_M, strength, s(0.0));
+                    }
+                }
+                if GRAD {
+                    let g = pull(lens, &seen, [weight * r0, weight * r1]);
+                    force = [force[0] + g[0], force[1] + g[1], force[2] + g[2]];
+                }
+            }
+            let exponent = match self.of.noise {
+                Noise::OutlierFloor { .. } => 1.0,
+                Noise::StudentT { degrees } => -0.5 * (degrees + 2.0),
+            };
+            self.value = ln(product).fma(s(exponent), self.value);
+        }
+        force
     }
 }
 
@@ -338,10 +350,12 @@ impl KeypointLikelihood {
     fn sightings_of(&self, k: usize) -> &[Sighting] {
         &self.sightings[self.first[k]..self.first[k + 1]]
     }
+}
 
-    /// What the sightings of point k at `p` tell of its position. Every sighting counts in full, outlier or not: an upper bound, as a step size needs it.
+impl<V: Real> Inform<V> for KeypointLikelihood {
+    /// Every sighting counts in full, outlier or not: an upper bound, as a step size needs it.
     #[inline(always)]
-    fn point_information<V: Real>(&self, k: usize, p: [V; 3]) -> [V; 6] {
+    fn information(&self, k: usize, p: [V; 3]) -> [V; 6] {
         let (zero, one) = (V::splat(0.0), V::splat(1.0));
         let mut m = [zero; 6];
         for sighting in self.sightings_of(k) {
@@ -368,12 +382,12 @@ impl KeypointLikelihood {
 impl LaneGaussNewton for KeypointLikelihood {
     #[inline(always)]
     fn gauss_newton_diagonal<V: Real>(&self, x: &[V::Mem], diagonal: &mut [V::Mem], ws: &mut [V::Mem]) {
-        self.plan.gauss_newton_diagonal::<V>(x, ws, diagonal, |k, p| self.point_information(k, p));
+        self.plan.gauss_newton_diagonal::<V>(x, ws, diagonal, self);
     }
 
     #[inline(always)]
     fn gauss_newton<V: Real>(&self, x: &[V::Mem], matrix: &mut [V::Mem], ws: &mut [V::Mem]) {
-        self.plan.gauss_newton::<V>(x, ws, matrix, |k, p| self.point_information(k, p));
+        self.plan.gauss_newton::<V>(x, ws, matrix, self);
     }
 
     /// Every sighting's s is multiplied; its floor keeps its height.

@@ -12,6 +12,7 @@
 use crate::camera::MIN_DEPTH_M;
 use crate::model::ObservationModel;
 use sinew_body::Plan;
+use sinew_body::kinematics::{Inform, Visit};
 use sinew_core::density::{LaneDensity, LaneGaussNewton, Lanes};
 use sinew_core::lanes::{Isa, Real};
 use std::sync::Arc;
@@ -73,24 +74,34 @@ impl LaneDensity for MarkerLikelihood {
     fn eval<V: Real, const GRAD: bool>(&self, x: &[V::Mem], grad: &mut [V::Mem], ws: &mut [V::Mem]) -> V {
         let plan = &*self.plan;
         let mut pass = plan.pass(ws);
-        let information = V::splat(self.information);
-        let mut squares = V::splat(0.0);
-        let mut nearest = V::splat(f64::MIN);
-        plan.forward::<V, GRAD>(x, &mut pass, |k, p| {
-            let Some(observed) = self.seen[k] else { return [V::splat(0.0); 3] };
-            let Image { u, v, inverse_depth, depth } = self.image(p);
-            nearest = nearest.max(-depth);
-            let (r0, r1) = (V::splat(observed[0]) - u, V::splat(observed[1]) - v);
-            squares = r1.fma(r1, r0.fma(r0, squares));
-            let scale = information * inverse_depth;
-            let (g0, g2) = (scale * r0, scale * r1);
-            [g0, -v.fma(g2, u * g0), g2]
-        });
+        let mut residuals = Residuals { of: self, squares: V::splat(0.0), nearest: V::splat(f64::MIN) };
+        plan.forward::<V, GRAD>(x, &mut pass, &mut residuals);
         if GRAD {
             plan.pullback::<V>(&mut pass, grad);
         }
-        let value = squares.fma(V::splat(-0.5 * self.information), V::splat(self.constant));
-        nearest.select_gt(-MIN_DEPTH_M, V::splat(f64::NEG_INFINITY), value)
+        let value = residuals.squares.fma(V::splat(-0.5 * self.information), V::splat(self.constant));
+        residuals.nearest.select_gt(-MIN_DEPTH_M, V::splat(f64::NEG_INFINITY), value)
+    }
+}
+
+/// Sum of squares of the residuals, and the largest negative depth.
+struct Residuals<'a, V> {
+    of: &'a MarkerLikelihood,
+    squares: V,
+    nearest: V,
+}
+
+impl<V: Real> Visit<V> for Residuals<'_, V> {
+    #[inline(always)]
+    fn point(&mut self, k: usize, p: [V; 3]) -> [V; 3] {
+        let Some(observed) = self.of.seen[k] else { return [V::splat(0.0); 3] };
+        let Image { u, v, inverse_depth, depth } = self.of.image(p);
+        self.nearest = self.nearest.max(-depth);
+        let (r0, r1) = (V::splat(observed[0]) - u, V::splat(observed[1]) - v);
+        self.squares = r1.fma(r1, r0.fma(r0, self.squares));
+        let scale = V::splat(self.of.information) * inverse_depth;
+        let (g0, g2) = (scale * r0, scale * r1);
+        [g0, -v.fma(g2, u * g0), g2]
     }
 }
 
@@ -112,10 +123,11 @@ impl MarkerLikelihood {
         let v = (p[2] - V::splat(self.centre[2])) * inverse_depth;
         Image { u, v, inverse_depth, depth }
     }
+}
 
-    /// What the image of point k at `p` tells of its position.
+impl<V: Real> Inform<V> for MarkerLikelihood {
     #[inline(always)]
-    fn point_information<V: Real>(&self, k: usize, p: [V; 3]) -> [V; 6] {
+    fn information(&self, k: usize, p: [V; 3]) -> [V; 6] {
         let Image { u, v, inverse_depth, .. } = self.image(p);
         let w = V::splat(if self.seen[k].is_some() { self.information } else { 0.0 }) * inverse_depth * inverse_depth;
         [w, -(w * u), V::splat(0.0), w * v.fma(v, u * u), -(w * v), w]
@@ -125,11 +137,11 @@ impl MarkerLikelihood {
 impl LaneGaussNewton for MarkerLikelihood {
     #[inline(always)]
     fn gauss_newton_diagonal<V: Real>(&self, x: &[V::Mem], diagonal: &mut [V::Mem], ws: &mut [V::Mem]) {
-        self.plan.gauss_newton_diagonal::<V>(x, ws, diagonal, |k, p| self.point_information(k, p));
+        self.plan.gauss_newton_diagonal::<V>(x, ws, diagonal, self);
     }
 
     #[inline(always)]
     fn gauss_newton<V: Real>(&self, x: &[V::Mem], matrix: &mut [V::Mem], ws: &mut [V::Mem]) {
-        self.plan.gauss_newton::<V>(x, ws, matrix, |k, p| self.point_information(k, p));
+        self.plan.gauss_newton::<V>(x, ws, matrix, self);
     }
 }

@@ -6,11 +6,32 @@
 
 use super::plan::{Plan, PlanLink};
 use super::vector::{V3, cross_add, dot, load3, v3};
-use super::{Pass, take};
+use super::{Pass, Visit, take};
 use sinew_core::lanes::{Real, triangle};
 
 /// Upper triangle of the moment block, the mixed block, upper triangle of the force block.
 pub(super) const INERTIA: usize = 21;
+
+/// What a point's observations tell of its position.
+pub trait Inform<V> {
+    /// Information matrix (xx, xy, xz, yy, yz, zz) of point k in the plan's order at the world position `p`, 1/m². Must be `#[inline(always)]`.
+    fn information(&self, k: usize, p: V3<V>) -> [V; 6];
+}
+
+/// Adds the information of each point to its link.
+struct Gather<'a, M, I> {
+    inertias: &'a mut [[M; INERTIA]],
+    link_of: &'a [usize],
+    from: &'a I,
+}
+
+impl<V: Real, I: Inform<V>> Visit<V> for Gather<'_, V::Mem, I> {
+    #[inline(always)]
+    fn point(&mut self, k: usize, p: V3<V>) -> V3<V> {
+        add_point::<V>(&mut self.inertias[self.link_of[k]], p, self.from.information(k, p));
+        [V::splat(0.0); 3]
+    }
+}
 
 /// Frames, and the inertia of each link with what is below it.
 struct Composite<'a, M> {
@@ -19,17 +40,16 @@ struct Composite<'a, M> {
 }
 
 impl Plan {
-    /// Writes the diagonal of the Gauss–Newton matrix at `q`. `information(k, P)` is the matrix (xx, xy, xz, yy, yz, zz) of point k in the plan's order at the world position P.
-    /// `ws` ≥ [`Plan::workspace`].
+    /// Writes the diagonal of the Gauss–Newton matrix at `q`. `ws` ≥ [`Plan::workspace`].
     #[inline(always)]
     pub fn gauss_newton_diagonal<V: Real>(
         &self,
         q: &[V::Mem],
         ws: &mut [V::Mem],
         diagonal: &mut [V::Mem],
-        information: impl FnMut(usize, V3<V>) -> [V; 6],
+        from: &impl Inform<V>,
     ) {
-        let c = self.composite::<V>(q, ws, information);
+        let c = self.composite::<V>(q, ws, from);
         let mut entries = diagonal.iter_mut();
         for (link, inertia) in self.links.iter().zip(c.inertias.iter()) {
             for (j, entry) in link.dofs().zip(entries.by_ref()) {
@@ -41,14 +61,8 @@ impl Plan {
 
     /// Writes the lower triangle of the Gauss–Newton matrix at `q`, row after row; the rest as in [`Plan::gauss_newton_diagonal`].
     #[inline(always)]
-    pub fn gauss_newton<V: Real>(
-        &self,
-        q: &[V::Mem],
-        ws: &mut [V::Mem],
-        matrix: &mut [V::Mem],
-        information: impl FnMut(usize, V3<V>) -> [V; 6],
-    ) {
-        let c = self.composite::<V>(q, ws, information);
+    pub fn gauss_newton<V: Real>(&self, q: &[V::Mem], ws: &mut [V::Mem], matrix: &mut [V::Mem], from: &impl Inform<V>) {
+        let c = self.composite::<V>(q, ws, from);
         for x in matrix.iter_mut() {
             V::splat(0.0).store(x);
         }
@@ -76,19 +90,15 @@ impl Plan {
         &self,
         q: &[V::Mem],
         mut ws: &'a mut [V::Mem],
-        mut information: impl FnMut(usize, V3<V>) -> [V; 6],
+        from: &impl Inform<V>,
     ) -> Composite<'a, V::Mem> {
         let inertias: &mut [[V::Mem; INERTIA]] = take(&mut ws, self.links.len());
         let mut pass = self.pass(ws);
         for x in inertias.iter_mut().flatten() {
             V::splat(0.0).store(x);
         }
-        let nothing = [V::splat(0.0); 3];
-        self.forward::<V, true>(q, &mut pass, |k, p| {
-            let m = information(k, p);
-            add_point::<V>(&mut inertias[self.link_of[k]], p, m);
-            nothing
-        });
+        let mut gather = Gather { inertias: &mut *inertias, link_of: &self.link_of, from };
+        self.forward::<V, true>(q, &mut pass, &mut gather);
         for (index, link) in self.links.iter().enumerate().rev() {
             if let Some(parent) = link.parent {
                 let below = inertias[index];

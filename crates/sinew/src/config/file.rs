@@ -130,7 +130,7 @@ mod tests {
                 "line 3: `method` is `hcm`; it must be one of hmc, bootstrap; did you mean `hmc`?",
                 "line 4: `jitter` is 1.5; it must be from 0 to 1",
                 "line 5: `frames` is 9..2; the end must come after the start",
-                "line 6: `threads` is 0; it must be a whole number of at least 1",
+                "line 6: `threads` is 0; it must be a whole number from 1 to 1024",
                 "line 7: `smooth` is \"yes\"; it must be true or false",
                 "line 8: `fps` is nan; it must be greater than 0",
             ]

@@ -11,8 +11,8 @@ pub enum Kind {
     NameOrPath,
     /// One of these names.
     Choice(&'static [&'static str]),
-    /// A whole number of at least this.
-    Count(u64),
+    /// A whole number between these, both included.
+    Count(u64, u64),
     /// A number between these, the first excluded if the flag says so.
     Number {
         /// Least value.
@@ -91,7 +91,7 @@ pub const SETTINGS: [Setting; SETTING_COUNT] = [
     common((INPUT, "frames", Kind::Frames, "A..B", "", "frames to track, by file number [default: all]")),
     common((INPUT, "fps", POSITIVE, "F", "", "frames per second [default: 30, with a warning]")),
     common((INPUT, "cameras", Kind::Names, "LIST", "", "cameras to use, a,b,c [default: all]")),
-    rare((INPUT, "person", Kind::Count(0), "N", "", "which person: 0 is the most complete one on whom the cameras agree at the start [default: 0]")),
+    rare((INPUT, "person", Kind::Count(0, 999), "N", "", "which person: 0 is the most complete one on whom the cameras agree at the start [default: 0]")),
     common((INPUT, "trim", Kind::Flag, "", "false", "take only the frames that all cameras have")),
     rare((INPUT, "confidence_scale", POSITIVE, "C", "1", "confidence that means certainty")),
     rare((INPUT, "up_axis", AXES, "AXIS", "", "axis of the calibration's world that points up; results are in a world turned to z up [default: +z]")),
@@ -106,19 +106,19 @@ pub const SETTINGS: [Setting; SETTING_COUNT] = [
     rare((METHOD, "outlier", OUTLIER, "P", "0.02", "probability of a gross outlier (noise floor)")),
     rare((METHOD, "degrees", POSITIVE, "N", "4", "degrees of freedom (noise student-t)")),
     rare((METHOD, "least_confidence", SHARE, "C", "0.1", "keypoints of lower confidence, once scaled, count as missing")),
-    rare((SAMPLING, "chains", Kind::Count(1), "N", "16", "chains of a frame (hmc)")),
-    rare((SAMPLING, "updates", Kind::Count(1), "N", "96", "updates of each chain in a frame (hmc)")),
-    rare((SAMPLING, "burn_in", Kind::Count(0), "N", "24", "first samples of each chain that are discarded (hmc)")),
+    rare((SAMPLING, "chains", Kind::Count(1, 100_000), "N", "16", "chains of a frame (hmc)")),
+    rare((SAMPLING, "updates", Kind::Count(1, 1_000_000), "N", "96", "updates of each chain in a frame (hmc)")),
+    rare((SAMPLING, "burn_in", Kind::Count(0, 1_000_000), "N", "24", "first samples of each chain that are discarded (hmc)")),
     rare((SAMPLING, "jitter", SHARE, "X", "0.2", "relative jitter of the step size (hmc)")),
-    rare((SAMPLING, "particles", Kind::Count(1), "N", "10000", "particles (bootstrap)")),
-    rare((SAMPLING, "draws", Kind::Count(1), "N", "64", "draws of a frame that are written")),
+    rare((SAMPLING, "particles", Kind::Count(1, 100_000_000), "N", "10000", "particles (bootstrap)")),
+    rare((SAMPLING, "draws", Kind::Count(1, 100_000), "N", "64", "draws of a frame that are written")),
     unhashed(common((SAMPLING, "simd", SETS, "SET", "", "instruction set: avx512, avx2 or baseline [default: best]"))),
     rare((SAMPLING, "max_r_hat", AT_LEAST_ONE, "X", "1.05", "split R-hat above which a frame has not converged")),
     rare((SAMPLING, "max_r_hat_share", SHARE, "X", "0.05", "share of such frames above which the run fails (exit 4)")),
     rare((SAMPLING, "max_divergent_share", SHARE, "X", "0.01", "share of divergent trajectories above which the run fails")),
     rare((SAMPLING, "min_ess", NOT_NEGATIVE, "X", "10", "median effective sample size below which a particle method fails")),
-    common((GENERAL, "seed", Kind::Count(0), "N", "1", "seed of all random streams")),
-    unhashed(common((GENERAL, "threads", Kind::Count(1), "N", "", "threads [default: what the system grants]"))),
+    common((GENERAL, "seed", Kind::Count(0, u64::MAX), "N", "1", "seed of all random streams")),
+    unhashed(common((GENERAL, "threads", Kind::Count(1, 1024), "N", "", "threads [default: what the system grants]"))),
     common((OUTPUT, "out", Kind::Path, "DIR", "", "output folder [default: sinew-out/<trial>]")),
     unhashed(common((OUTPUT, "force", Kind::Flag, "", "false", "replace results that are there"))),
 ];

@@ -41,10 +41,13 @@ fn checked_number(setting: &Setting, value: f64, shown: &str) -> Result<Value, S
 }
 
 fn checked_count(setting: &Setting, value: Option<u64>, shown: &str) -> Result<Value, String> {
-    let Kind::Count(least) = setting.kind else { return Err(unexpected(setting, shown)) };
+    let Kind::Count(least, most) = setting.kind else { return Err(unexpected(setting, shown)) };
     match value {
-        Some(value) if value >= least => Ok(Value::Count(value)),
-        _ => Err(format!("`{}` is {shown}; it must be a whole number of at least {least}", setting.key)),
+        Some(value) if (least..=most).contains(&value) => Ok(Value::Count(value)),
+        _ if most == u64::MAX => {
+            Err(format!("`{}` is {shown}; it must be a whole number of at least {least}", setting.key))
+        }
+        _ => Err(format!("`{}` is {shown}; it must be a whole number from {least} to {most}", setting.key)),
     }
 }
 
@@ -71,7 +74,7 @@ fn unexpected(setting: &Setting, shown: &str) -> String {
         Kind::Path => "a path in quotes",
         Kind::NameOrPath => "a name or a path in quotes",
         Kind::Choice(_) => "a name in quotes",
-        Kind::Count(_) => "a whole number",
+        Kind::Count(..) => "a whole number",
         Kind::Number { .. } => "a number",
         Kind::Flag => "true or false",
         Kind::Frames => "frame numbers in quotes, for example \"0..60\"",
@@ -96,7 +99,7 @@ pub fn from_text(setting: &Setting, text: &str, folder: &Path) -> Result<Value, 
         Kind::Path | Kind::NameOrPath if text.is_empty() => Err(unexpected(setting, "empty")),
         Kind::Path | Kind::NameOrPath => Ok(placed(setting.kind, text, folder)),
         Kind::Choice(known) => checked_choice(setting, known, text),
-        Kind::Count(_) => match text.parse::<u64>() {
+        Kind::Count(..) => match text.parse::<u64>() {
             Ok(value) => checked_count(setting, Some(value), text),
             Err(_) => checked_count(setting, None, &shown),
         },
@@ -125,10 +128,10 @@ pub fn from_text(setting: &Setting, text: &str, folder: &Path) -> Result<Value, 
 pub fn from_toml(setting: &Setting, value: &DeValue<'_>, shown: &str, folder: &Path) -> Result<Value, String> {
     let bad = || Err(unexpected(setting, shown));
     match (setting.kind, value) {
-        (Kind::Count(_), DeValue::Integer(found)) => {
+        (Kind::Count(..), DeValue::Integer(found)) => {
             checked_count(setting, u64::from_str_radix(found.as_str(), found.radix()).ok(), shown)
         }
-        (Kind::Count(_), DeValue::Float(_)) => checked_count(setting, None, shown),
+        (Kind::Count(..), DeValue::Float(_)) => checked_count(setting, None, shown),
         (Kind::Number { .. }, DeValue::Float(found)) => match found.as_str().parse() {
             Ok(number) => checked_number(setting, number, shown),
             Err(_) => bad(),
