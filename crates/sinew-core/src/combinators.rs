@@ -39,9 +39,7 @@ impl<A: GradLogDensity, B: GradLogDensity> GradLogDensity for Sum<A, B> {
         let (other, ws) = ws.split_at_mut(self.dim());
         let a = self.0.log_density_grad_block(x, grad, ws);
         let b = self.1.log_density_grad_block(x, other, ws);
-        for (g, o) in grad.iter_mut().zip(other) {
-            *g = add(*g, *o);
-        }
+        add_to(grad, other);
         add(a, b)
     }
 }
@@ -51,17 +49,25 @@ impl<A: GaussNewton, B: GaussNewton> GaussNewton for Sum<A, B> {
         let (other, ws) = ws.split_at_mut(self.dim());
         self.0.gauss_newton_diagonal_block(x, diagonal, ws);
         self.1.gauss_newton_diagonal_block(x, other, ws);
-        for (d, o) in diagonal.iter_mut().zip(other) {
-            *d = add(*d, *o);
-        }
+        add_to(diagonal, other);
     }
     fn gauss_newton_block(&self, x: &[Block], matrix: &mut [Block], ws: &mut [Block]) {
         let mut other = vec![Block::ZERO; matrix.len()];
         self.0.gauss_newton_block(x, matrix, ws);
         self.1.gauss_newton_block(x, &mut other, ws);
-        for (m, o) in matrix.iter_mut().zip(other) {
-            *m = add(*m, o);
-        }
+        add_to(matrix, &other);
+    }
+    fn weighted_gauss_newton_block(&self, x: &[Block], matrix: &mut [Block], ws: &mut [Block]) {
+        let mut other = vec![Block::ZERO; matrix.len()];
+        self.0.weighted_gauss_newton_block(x, matrix, ws);
+        self.1.weighted_gauss_newton_block(x, &mut other, ws);
+        add_to(matrix, &other);
+    }
+}
+
+fn add_to(a: &mut [Block], b: &[Block]) {
+    for (a, b) in a.iter_mut().zip(b) {
+        *a = add(*a, *b);
     }
 }
 

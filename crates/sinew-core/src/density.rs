@@ -75,6 +75,11 @@ pub trait GaussNewton: GradLogDensity {
         }
     }
 
+    /// The same matrices with every observation weighted as its density weighs it at `x`, so that what counts as an outlier there tells nothing. Else each counts in full: an upper bound, safe far from the mode.
+    fn weighted_gauss_newton_block(&self, x: &[Block], matrix: &mut [Block], ws: &mut [Block]) {
+        self.gauss_newton_block(x, matrix, ws);
+    }
+
     /// The same observation with its errors `factor` times as large, for a search that would not reach the mode of a robust density from afar. `None` where that makes no sense.
     fn broadened(&self, factor: f64) -> Option<Box<dyn GaussNewton + '_>> {
         let _ = factor;
@@ -114,6 +119,12 @@ pub trait LaneGaussNewton: LaneDensity {
             }
             entry.store(&mut matrix[triangle(i, i)]);
         }
+    }
+
+    /// See [`GaussNewton::weighted_gauss_newton_block`].
+    #[inline(always)]
+    fn weighted_gauss_newton<V: Real>(&self, x: &[V::Mem], matrix: &mut [V::Mem], ws: &mut [V::Mem]) {
+        self.gauss_newton::<V>(x, matrix, ws);
     }
 
     /// See [`GaussNewton::broadened`]. Not a kernel.
@@ -177,18 +188,22 @@ impl<T: LaneGaussNewton> Kernel<Block> for Curvature<'_, T> {
     }
 }
 
-struct Matrix<'a, T> {
+struct Matrix<'a, T, const WEIGHTED: bool> {
     leaf: &'a T,
     x: &'a [Block],
     matrix: &'a mut [Block],
     ws: &'a mut [Block],
 }
 
-impl<T: LaneGaussNewton> Kernel<Block> for Matrix<'_, T> {
+impl<T: LaneGaussNewton, const WEIGHTED: bool> Kernel<Block> for Matrix<'_, T, WEIGHTED> {
     type Out = ();
     #[inline(always)]
     fn run<V: Real<Mem = Block>>(self) {
-        self.leaf.gauss_newton::<V>(self.x, self.matrix, self.ws);
+        if WEIGHTED {
+            self.leaf.weighted_gauss_newton::<V>(self.x, self.matrix, self.ws);
+        } else {
+            self.leaf.gauss_newton::<V>(self.x, self.matrix, self.ws);
+        }
     }
 }
 
@@ -223,7 +238,10 @@ impl<T: LaneGaussNewton> GaussNewton for Lanes<T> {
         dispatch(self.isa, Curvature { leaf: &self.leaf, x, diagonal, ws });
     }
     fn gauss_newton_block(&self, x: &[Block], matrix: &mut [Block], ws: &mut [Block]) {
-        dispatch(self.isa, Matrix { leaf: &self.leaf, x, matrix, ws });
+        dispatch(self.isa, Matrix::<_, false> { leaf: &self.leaf, x, matrix, ws });
+    }
+    fn weighted_gauss_newton_block(&self, x: &[Block], matrix: &mut [Block], ws: &mut [Block]) {
+        dispatch(self.isa, Matrix::<_, true> { leaf: &self.leaf, x, matrix, ws });
     }
     fn broadened(&self, factor: f64) -> Option<Box<dyn GaussNewton + '_>> {
         let leaf = self.leaf.broadened(factor)?;
@@ -261,6 +279,9 @@ macro_rules! forward_to_target {
             }
             fn gauss_newton_block(&self, x: &[Block], matrix: &mut [Block], ws: &mut [Block]) {
                 (**self).gauss_newton_block(x, matrix, ws);
+            }
+            fn weighted_gauss_newton_block(&self, x: &[Block], matrix: &mut [Block], ws: &mut [Block]) {
+                (**self).weighted_gauss_newton_block(x, matrix, ws);
             }
             fn broadened(&self, factor: f64) -> Option<Box<dyn GaussNewton + '_>> {
                 (**self).broadened(factor)

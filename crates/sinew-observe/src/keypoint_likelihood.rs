@@ -345,6 +345,23 @@ impl<V: Real, const GRAD: bool> Visit<V> for LogDensities<'_, V, GRAD> {
 }
 
 impl KeypointLikelihood {
+    /// How much of a sighting's pull is left: 1 at its centre, 0 where it counts as an outlier.
+    #[inline(always)]
+    fn share<V: Real>(&self, sighting: &Sighting, seen: &Seen<V>) -> V {
+        let [r0, r1] = seen.residual;
+        let square = r1.fma(r1, r0 * r0);
+        let share = match self.noise {
+            Noise::OutlierFloor { .. } => {
+                let core = exp(square * V::splat(-0.5 * sighting.information));
+                core / (core + V::splat(sighting.shape))
+            }
+            Noise::StudentT { degrees } => {
+                V::splat((degrees + 2.0) / degrees) / square.fma(V::splat(sighting.shape), V::splat(1.0))
+            }
+        };
+        seen.depth.select_gt(MIN_DEPTH_M, share, V::splat(0.0))
+    }
+
     /// Sightings of point k in the plan's order.
     #[inline(always)]
     fn sightings_of(&self, k: usize) -> &[Sighting] {
@@ -352,16 +369,21 @@ impl KeypointLikelihood {
     }
 }
 
-impl<V: Real> Inform<V> for KeypointLikelihood {
-    /// Every sighting counts in full, outlier or not: an upper bound, as a step size needs it.
+/// What sightings tell of their points' positions: each in full, outlier or not, or `WEIGHTED` by the share of its core at the state.
+struct Information<'a, const WEIGHTED: bool>(&'a KeypointLikelihood);
+
+impl<V: Real, const WEIGHTED: bool> Inform<V> for Information<'_, WEIGHTED> {
     #[inline(always)]
     fn information(&self, k: usize, p: [V; 3]) -> [V; 6] {
         let (zero, one) = (V::splat(0.0), V::splat(1.0));
         let mut m = [zero; 6];
-        for sighting in self.sightings_of(k) {
-            let lens = &self.lenses[sighting.lens];
+        for sighting in self.0.sightings_of(k) {
+            let lens = &self.0.lenses[sighting.lens];
             let seen = look::<V, true>(lens, p, sighting.pixel);
-            let information = V::splat(sighting.information);
+            let mut information = V::splat(sighting.information);
+            if WEIGHTED {
+                information = information * self.0.share(sighting, &seen);
+            }
             for e in [[one, zero], [zero, one]] {
                 let g = pull(lens, &seen, e);
                 let w = [information * g[0], information * g[1], information * g[2]];
@@ -382,12 +404,17 @@ impl<V: Real> Inform<V> for KeypointLikelihood {
 impl LaneGaussNewton for KeypointLikelihood {
     #[inline(always)]
     fn gauss_newton_diagonal<V: Real>(&self, x: &[V::Mem], diagonal: &mut [V::Mem], ws: &mut [V::Mem]) {
-        self.plan.gauss_newton_diagonal::<V>(x, ws, diagonal, self);
+        self.plan.gauss_newton_diagonal::<V>(x, ws, diagonal, &Information::<false>(self));
     }
 
     #[inline(always)]
     fn gauss_newton<V: Real>(&self, x: &[V::Mem], matrix: &mut [V::Mem], ws: &mut [V::Mem]) {
-        self.plan.gauss_newton::<V>(x, ws, matrix, self);
+        self.plan.gauss_newton::<V>(x, ws, matrix, &Information::<false>(self));
+    }
+
+    #[inline(always)]
+    fn weighted_gauss_newton<V: Real>(&self, x: &[V::Mem], matrix: &mut [V::Mem], ws: &mut [V::Mem]) {
+        self.plan.gauss_newton::<V>(x, ws, matrix, &Information::<true>(self));
     }
 
     /// Every sighting's s is multiplied; its floor keeps its height.

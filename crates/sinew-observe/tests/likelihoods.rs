@@ -4,7 +4,7 @@ use proptest::prelude::*;
 use sinew_body::standard::{cf28, h32};
 use sinew_body::{Plan, Proportions, point_jacobian, point_positions};
 use sinew_core::density::{GaussNewton, GradLogDensity, LogDensity};
-use sinew_core::lanes::{Block, Isa, LANES, set_lane};
+use sinew_core::lanes::{Block, Isa, LANES, set_lane, triangle};
 use sinew_observe::{
     Camera, Detection, Distortion, Intrinsics, KeypointFrame, KeypointModel, MarkerModel, Noise, ObservationModel, View,
 };
@@ -274,4 +274,27 @@ fn a_marker_behind_the_camera_makes_the_density_vanish() {
     let mut q = vec![0.0; 28];
     q[1] = -6.0;
     assert_eq!(markers(Isa::best()).log_density(&q), f64::NEG_INFINITY);
+}
+
+#[test]
+fn a_weighted_matrix_leaves_out_what_counts_as_an_outlier() {
+    for noise in [Noise::OutlierFloor { outlier: 0.02 }, Noise::StudentT { degrees: 4.0 }] {
+        let (model, bound) = keypoints(noise, Isa::best());
+        let d = model.plan.dof();
+        let trace = |shift: f64| {
+            let mut x = vec![Block::ZERO; d];
+            (x[0], x[2]) = (Block::splat(shift), Block::splat(1.0));
+            let (mut full, mut weighted) = (vec![Block::ZERO; triangle(d, 0)], vec![Block::ZERO; triangle(d, 0)]);
+            let mut ws = vec![Block::ZERO; bound.workspace()];
+            bound.gauss_newton_block(&x, &mut full, &mut ws);
+            bound.weighted_gauss_newton_block(&x, &mut weighted, &mut ws);
+            let entry = |m: &[Block]| m[triangle(2, 2)].0[1];
+            entry(&weighted) / entry(&full)
+        };
+        // One of some ninety sightings is a gross outlier; a metre away all are.
+        let (near, far) = (trace(0.0), trace(1.0));
+        let most = if noise == (Noise::OutlierFloor { outlier: 0.02 }) { 1.0 } else { 1.5 };
+        assert!(near > 0.9 && near < most, "{near}");
+        assert!(far < 0.1, "{far}");
+    }
 }

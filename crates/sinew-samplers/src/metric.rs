@@ -266,7 +266,8 @@ pub fn laplace<O: GaussNewton + ?Sized, P: FramePrior>(
     laplace.sample_block(isa, &mut around, &mut to_average.whole());
     let scratch = &mut Scratch::new(d);
     scratch.ws.resize(observed.workspace(), Block::ZERO);
-    laplace.metric = metric_at(observed, &precision, &around, scratch)?;
+    observed.weighted_gauss_newton_block(&around, &mut scratch.matrix, &mut scratch.ws);
+    laplace.metric = Dense::new(&posterior_precision(&precision, &scratch.matrix, d), d)?;
     Ok(laplace)
 }
 

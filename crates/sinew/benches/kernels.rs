@@ -2,7 +2,7 @@
 //!
 //! One iteration is one state (or one particle, or one chain and leapfrog step), so criterion prints what a state costs.
 
-use criterion::{Bencher, Criterion, criterion_group, criterion_main};
+use criterion::{Bencher, Criterion, Throughput, criterion_group, criterion_main};
 use sinew::body::{Plan, Proportions, point_positions_block, standard};
 use sinew::core::combinators::Sum;
 use sinew::core::density::{GaussNewton, GradLogDensity, Lanes, LogDensity};
@@ -13,7 +13,7 @@ use sinew::dynamics::mixture::Mixture;
 use sinew::dynamics::random_walk::{Between, RandomWalk};
 use sinew::estimate::FrameEstimate;
 use sinew::observe::{MarkerModel, ObservationModel};
-use sinew::pipeline::{self, FrameSource, Pipeline, Settings};
+use sinew::pipeline::{self, FrameSource, Pipeline, Scene, Settings};
 use sinew::problem28;
 use sinew::samplers::hmc::{Chains, Hmc, Workspace, update};
 use sinew::samplers::metric::{Dense, Metric};
@@ -175,7 +175,7 @@ fn resampling(c: &mut Criterion) {
     group.finish();
 }
 
-/// The demo's recording with default settings, after its set-up: one iteration is one frame.
+/// The demo's recording with default settings, after its set-up: its likelihood, one iteration a state, and its tracking, one iteration a frame.
 fn tracking(c: &mut Criterion) {
     let mut recording = Recording::new(&Script::default(), 1).expect("valid script");
     let cameras = recording.cameras.clone();
@@ -188,26 +188,33 @@ fn tracking(c: &mut Criterion) {
     setup.motion_sd =
         Some(pipeline::measure_motion(&setup, &tree, &mut recording, frames.clone(), settings.fps).expect("poses"));
     pipeline::tune(&mut setup, &tree, &mut recording, 0, &settings).expect("step size");
-    let mut group = c.benchmark_group("track, hmc, 4 cameras, 25 keypoints, per frame");
-    group.sample_size(10).measurement_time(Duration::from_secs(8));
-    for threads in [1, 2] {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
-        group.bench_function(format!("{threads} threads"), |b| {
-            pool.install(|| {
-                per_state(b, frames.end as usize, || {
-                    let mut pipeline =
-                        Pipeline::new(&setup, &tree, &cameras, &layout, settings.clone()).expect("pipeline");
-                    pipeline
-                        .track(&mut recording, frames.clone(), |estimate: FrameEstimate, _| {
-                            black_box(estimate);
-                            Ok(ControlFlow::Continue(()))
-                        })
-                        .expect("tracked");
+    for isa in sets() {
+        let settings = Settings { isa, ..settings.clone() };
+        let mut scene = Scene::new(&setup, &tree, &cameras, &layout, &settings).expect("scene");
+        let pose = setup.start_pose.clone();
+        let (likelihood, _) = scene.observe(&recording.people(0).expect("people"), &pose);
+        density_rows(c, "H32 keypoint likelihood, 4 cameras", &likelihood, isa, &pose);
+        let mut group = c.benchmark_group(format!("track the demo, per frame/{}", isa.name()));
+        group.sample_size(10).measurement_time(Duration::from_secs(8)).throughput(Throughput::Elements(1));
+        for threads in [1, 2] {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
+            group.bench_function(format!("{threads} threads"), |b| {
+                pool.install(|| {
+                    per_state(b, frames.end as usize, || {
+                        let mut pipeline =
+                            Pipeline::new(&setup, &tree, &cameras, &layout, settings.clone()).expect("pipeline");
+                        pipeline
+                            .track(&mut recording, frames.clone(), |estimate: FrameEstimate, _| {
+                                black_box(estimate);
+                                Ok(ControlFlow::Continue(()))
+                            })
+                            .expect("tracked");
+                    });
                 });
             });
-        });
+        }
+        group.finish();
     }
-    group.finish();
 }
 
 criterion_group!(benches, kinematics, posteriors, samplers, resampling, tracking);
