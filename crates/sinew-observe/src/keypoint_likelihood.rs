@@ -380,7 +380,7 @@ impl<V: Real, const WEIGHTED: bool> Inform<V> for Information<'_, WEIGHTED> {
         for sighting in self.0.sightings_of(k) {
             let lens = &self.0.lenses[sighting.lens];
             let seen = look::<V, true>(lens, p, sighting.pixel);
-            let mut information = V::splat(sighting.information);
+            let mut information = seen.depth.select_gt(MIN_DEPTH_M, V::splat(sighting.information), zero);
             if WEIGHTED {
                 information = information * self.0.share(sighting, &seen);
             }

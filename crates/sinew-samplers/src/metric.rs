@@ -190,7 +190,12 @@ fn metric_at<O: GaussNewton + ?Sized>(
     scratch: &mut Scratch,
 ) -> Result<Dense, Error> {
     observed.gauss_newton_block(x, &mut scratch.matrix, &mut scratch.ws);
-    Dense::new(&posterior_precision(precision, &scratch.matrix, x.len()), x.len())
+    posterior_metric(precision, &scratch.matrix, x.len())
+}
+
+/// The metric of the prior's precision and a block of Gauss–Newton matrices; where those are beyond all bounds, as of a point in front of a lens, that of the prior alone.
+fn posterior_metric(prior: &[f64], matrix: &[Block], d: usize) -> Result<Dense, Error> {
+    Dense::new(&posterior_precision(prior, matrix, d), d).or_else(|_| Dense::new(prior, d))
 }
 
 /// Damped Gauss–Newton steps towards a mode of `observed` · `prior`.
@@ -267,7 +272,7 @@ pub fn laplace<O: GaussNewton + ?Sized, P: FramePrior>(
     let scratch = &mut Scratch::new(d);
     scratch.ws.resize(observed.workspace(), Block::ZERO);
     observed.weighted_gauss_newton_block(&around, &mut scratch.matrix, &mut scratch.ws);
-    laplace.metric = Dense::new(&posterior_precision(&precision, &scratch.matrix, d), d)?;
+    laplace.metric = posterior_metric(&precision, &scratch.matrix, d)?;
     Ok(laplace)
 }
 

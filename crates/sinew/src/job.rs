@@ -125,7 +125,7 @@ pub fn track<S: FrameSource>(
 
     let total = frames.end - frames.start;
     let mut done = 0;
-    pipeline.track(&mut source, frames, |estimate: FrameEstimate, posterior| {
+    let tracked = pipeline.track(&mut source, frames, |estimate: FrameEstimate, posterior| {
         match &mut spool {
             Some(spool) => spool.append(&estimate, &pipeline::moments(posterior, settings.isa))?,
             None => results.append(&estimate)?,
@@ -133,7 +133,12 @@ pub fn track<S: FrameSource>(
         done += 1;
         (watch.progress)(Pass::Track, done, total);
         Ok(go_on(watch.stop))
-    })?;
+    });
+    // What was done before a failure is written, too, unless the disk is what failed.
+    let tracked = match tracked {
+        Err(error) if done == 0 || matches!(error, Error::Io { .. }) => return Err(error),
+        other => other,
+    };
     let track_s = clock.elapsed().as_secs_f64() - setup_s;
     if let Some(spool) = &mut spool {
         let mut smoothed = 0;
@@ -160,13 +165,14 @@ pub fn track<S: FrameSource>(
         "threads": rayon::current_num_threads(),
     });
     let ending = Ending {
-        complete: done == total,
+        complete: done == total && tracked.is_ok(),
         warnings,
         input_hashes,
         limits: config.limits,
         timings: timings.as_object().cloned().unwrap_or_default(),
     };
     let summary = results.finish(&ending)?;
+    tracked?;
     Ok(Outcome { summary, ms_per_frame: 1e3 * track_s / done.max(1) as f64 })
 }
 

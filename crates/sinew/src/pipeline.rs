@@ -39,9 +39,10 @@ use sinew_observe::{Camera, KeypointLikelihood, Noise};
 use sinew_samplers::tuning;
 use sinew_tracking::posterior::Posterior;
 use sinew_tracking::{StepInfo, Tracker, bootstrap, hmc_filter, run};
-use std::cell::{Cell, RefCell};
+use std::cell::RefCell;
 use std::ops::{ControlFlow, Range};
 use std::sync::PoisonError;
+use std::sync::atomic::Ordering;
 
 /// Trackers that the program offers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -182,8 +183,8 @@ impl Pipeline {
     ) -> Result<(), Error> {
         let numbers = numbers.into_iter().map(frame_index).collect::<Result<Vec<_>, _>>()?;
         let Self { settings, tracker, scene, marginals, .. } = self;
-        let (scene, restarted) = (RefCell::new(scene), Cell::new(false));
-        let (seed, pending) = (settings.seed, tracker.pending());
+        let scene = RefCell::new(scene);
+        let (seed, pending, restarted) = (settings.seed, tracker.pending(), tracker.restarted());
         run(
             tracker,
             numbers,
@@ -191,7 +192,6 @@ impl Pipeline {
             |frame, estimate| {
                 let people = source.people(u64::from(frame))?;
                 let (bound, restart) = scene.borrow_mut().observe(&people, estimate);
-                restarted.set(restart.is_some());
                 if restart.is_some() {
                     *pending.lock().unwrap_or_else(PoisonError::into_inner) = restart;
                 }
@@ -200,7 +200,7 @@ impl Pipeline {
             |frame, info, posterior| {
                 scene.borrow_mut().note(u64::from(frame), &info.mean);
                 let estimate = describe(settings, &scene.borrow(), marginals, u64::from(frame), info, &posterior);
-                record(FrameEstimate { restarted: restarted.get(), ..estimate }, &posterior)
+                record(FrameEstimate { restarted: restarted.load(Ordering::Relaxed), ..estimate }, &posterior)
             },
         )
     }

@@ -67,6 +67,7 @@ pub fn set_up(
         warnings.push(Warning::PointsWithoutPlace { points });
     }
     let noise = offsets::estimate(cameras, &collected.sighted(request.offset_frames), &request.offsets);
+    same_person(cameras, &noise)?;
     let camera: Vec<CameraSetup> =
         cameras.iter().zip(&noise).map(|(camera, n)| camera_setup(camera, n, &noise)).collect();
     let mut setup = Setup {
@@ -156,6 +157,26 @@ const POSE: fit::Config = fit::Config { damping: 1e-4, huber_m: 0.05, steps: 100
 
 /// The axis that points up in every world of ours.
 pub const Z_UP: &str = "+z";
+
+/// Offset, as a share of the image's diagonal, beyond which a camera shows someone else.
+const FARTHEST_OFFSET: f64 = 0.25;
+
+/// Refuses cameras whose keypoints lie far from where the others see the person.
+fn same_person(cameras: &[Camera], noise: &[CameraNoise]) -> Result<(), Error> {
+    for (camera, noise) in cameras.iter().zip(noise) {
+        let distance = noise.offset_px[0].hypot(noise.offset_px[1]);
+        if !(distance <= FARTHEST_OFFSET * camera.image_size_px[0].hypot(camera.image_size_px[1])) {
+            return Err(Error::Input {
+                message: format!(
+                    "`{}` shows somebody else: the keypoints lie {distance:.0} px from where the other cameras see the person",
+                    camera.name
+                ),
+                help: Some("choose who is tracked with `--person`, leave the camera out of `--cameras`, or look at the calibration with `sinew inspect`".into()),
+            });
+        }
+    }
+    Ok(())
+}
 
 fn no_pose() -> Error {
     Error::Input {

@@ -5,6 +5,7 @@
 
 use super::Texts;
 use crate::estimate::{FrameEstimate, RunInfo};
+use crate::pipeline::Method;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -183,7 +184,7 @@ impl Statistics {
             trajectories: 0,
             log_evidence: None,
             residual_px: vec![Vec::new(); info.cameras.len()],
-            particles: false,
+            particles: info.method == Method::Bootstrap.name(),
         }
     }
 
@@ -221,7 +222,6 @@ impl Statistics {
         if let Some(evidence) = estimate.log_evidence {
             *self.log_evidence.get_or_insert(0.0) += evidence;
         }
-        self.particles |= estimate.particles.is_some();
         for (all, residual) in self.residual_px.iter_mut().zip(&estimate.residual_px) {
             all.extend(residual.map(|residual| residual as f32));
         }
