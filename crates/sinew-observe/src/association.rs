@@ -249,10 +249,12 @@ pub fn nearest(people: &[Vec<Person>], predicted: &[Vec<Option<[f64; 2]>>], conf
         .iter()
         .zip(predicted)
         .map(|(people, predicted)| {
-            let gate = config.near * size_px(predicted.iter().flatten().copied());
+            let expected = size_px(predicted.iter().flatten().copied());
             let distances = people.iter().enumerate().filter_map(|(i, person)| {
                 let (distance, _) = distance_px(person, predicted, config)?;
-                (distance <= gate).then_some((distance, i))
+                // Who is expected close to the lens, or beyond the image, has no size to measure by.
+                let size = expected.min(2.0 * person_size_px(person, config));
+                (distance <= config.near * size).then_some((distance, i))
             });
             distances.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, i)| i)
         })
