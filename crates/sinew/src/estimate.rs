@@ -134,6 +134,8 @@ pub struct FrameEstimate {
     pub divergences: u64,
     /// Trajectories in all.
     pub trajectories: u64,
+    /// What was seen, camera by camera, keypoint by keypoint in the order of [`RunInfo::keypoints`]: pixel and confidence, NaN where it is missing.
+    pub seen: Vec<[f64; 3]>,
     /// Scatter per axis of the keypoints about the mean pose's projection, robust against outliers, per camera that saw the person.
     pub residual_px: Vec<Option<f64>>,
 }
@@ -174,6 +176,8 @@ pub struct RunInfo {
     pub isa: String,
     /// Cameras in use.
     pub cameras: Vec<Camera>,
+    /// Keypoints that are points of the body.
+    pub keypoints: Vec<String>,
     /// Constant offset (observed minus projected) of each camera, pixels.
     pub camera_offset_px: Vec<[f64; 2]>,
     /// Noise of a keypoint, pixels, that residuals are to be compared with.

@@ -114,10 +114,14 @@ pub fn track<S: FrameSource>(
         camera_offset_px: setup.camera.iter().map(|camera| camera.offset_px).collect(),
         sigma_px: setup.camera.iter().map(|camera| camera.sigma_px).fold(0.0, f64::max),
         cameras,
+        keypoints: pipeline.keypoints(),
         setup_toml: setup.to_toml()?,
     };
     let mut spool = match config.smooth {
-        true => Some(Spool::create(&claim.folder().join("smooth.partial"), tree.dof(), info.cameras.len())?),
+        true => {
+            let file = claim.folder().join("smooth.partial");
+            Some(Spool::create(&file, tree.dof(), info.cameras.len(), info.keypoints.len())?)
+        }
         false => None,
     };
     let texts = Texts { config_toml: resolved.to_toml(), settings: resolved.to_json(), settings_hash: resolved.hash() };

@@ -159,6 +159,12 @@ impl Pipeline {
         Carried { lp: hmc, hmc, log_evidence: true, particles: (!hmc).then_some(self.settings.particles) }
     }
 
+    /// Names of the keypoints that are points of the body.
+    #[must_use]
+    pub fn keypoints(&self) -> Vec<String> {
+        self.scene.keypoints()
+    }
+
     /// What was odd in the frames tracked so far.
     #[must_use]
     pub fn warnings(&self) -> Vec<String> {
@@ -368,6 +374,7 @@ fn describe(
             _ => Quality::Good,
         },
         residual_px: scene.residual_px(&info.mean),
+        seen: scene.seen(),
         mean_state: info.mean,
         points,
         state,

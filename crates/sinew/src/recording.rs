@@ -88,6 +88,14 @@ impl Recording {
         }
 
         let (available, frames) = ranges(&listed, options)?;
+        if let Some(asked) =
+            options.frames.as_ref().filter(|asked| asked.start < frames.start || asked.end > frames.end)
+        {
+            warnings.push(format!(
+                "frames {}..{} were asked for; {}..{} are there and taken",
+                asked.start, asked.end, frames.start, frames.end
+            ));
+        }
         for camera in &listed {
             let numbers: Vec<u64> = camera.numbers().filter(|number| frames.contains(number)).collect();
             warnings.extend(frame_number::holes(&camera.camera, &numbers).map(|warning| warning.to_string()));

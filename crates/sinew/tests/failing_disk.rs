@@ -87,6 +87,7 @@ fn write(folder: &Path, steps: usize) -> Result<usize, Error> {
         seed: 1,
         isa: "baseline".into(),
         cameras: calib_toml::read("Calib.toml", CALIBRATION)?.cameras,
+        keypoints: vec!["Nose".into()],
         camera_offset_px: vec![[0.0; 2]],
         sigma_px: 1.0,
         setup_toml: "schema = 1\n".into(),
@@ -94,6 +95,7 @@ fn write(folder: &Path, steps: usize) -> Result<usize, Error> {
     };
     let dof = info.body.dof();
     let points = info.body.points().len();
+    let cameras = info.cameras.len();
     let claim = claim_in(Arc::new(Failing(Arc::clone(&left))), folder, &[], false)?;
     let mut results = ResultFolder::create(claim, info, Texts::default())?;
     for number in 0..FRAMES {
@@ -105,6 +107,7 @@ fn write(folder: &Path, steps: usize) -> Result<usize, Error> {
             points: vec![PointMarginal::default(); points],
             state: vec![StateMarginal::default(); dof],
             draws: Draws { states: vec![0.0; dof], ..Draws::default() },
+            seen: vec![[3.0, 4.0, 0.5]; cameras],
             ess: 20.0,
             ..FrameEstimate::default()
         })?;

@@ -49,6 +49,9 @@ pub(crate) fn run(general: &General, report: &Report) -> Result<Ended, Error> {
     for failed in &outcome.summary.failed_diagnostics {
         report.failed(failed);
     }
+    if !outcome.summary.complete {
+        report.note("interrupted; what was done is written and marked incomplete");
+    }
     Ok(if outcome.summary.complete { Ended::Done } else { Ended::Interrupted })
 }
 

@@ -132,7 +132,7 @@ mod tests {
                 "line 5: `frames` is 9..2; the end must come after the start",
                 "line 6: `threads` is 0; it must be a whole number from 1 to 1024",
                 "line 7: `smooth` is \"yes\"; it must be true or false",
-                "line 8: `fps` is nan; it must be greater than 0",
+                "line 8: `fps` is nan; it must be from 0.01 to 100000",
             ]
         );
     }

@@ -67,6 +67,9 @@ const fn unhashed(setting: Setting) -> Setting {
 }
 
 const POSITIVE: Kind = Kind::Number { least: 0.0, excluded: true, most: f64::INFINITY };
+/// Beyond these nothing is a camera or a moving person.
+const RATE: Kind = Kind::Number { least: 0.01, excluded: false, most: 1e5 };
+const FACTOR: Kind = Kind::Number { least: 1e-3, excluded: false, most: 1e3 };
 const SHARE: Kind = Kind::Number { least: 0.0, excluded: false, most: 1.0 };
 const AT_LEAST_ONE: Kind = Kind::Number { least: 1.0, excluded: false, most: f64::INFINITY };
 const NOT_NEGATIVE: Kind = Kind::Number { least: 0.0, excluded: false, most: f64::INFINITY };
@@ -89,7 +92,7 @@ pub const SETTINGS: [Setting; SETTING_COUNT] = [
     common((INPUT, "keypoints", Kind::Path, "DIR", "", "keypoints, one folder <camera>_json per camera")),
     common((INPUT, "layout", Kind::NameOrPath, "NAME", "", "keypoint layout or mapping file [default: guessed]")),
     common((INPUT, "frames", Kind::Frames, "A..B", "", "frames to track, by file number [default: all]")),
-    common((INPUT, "fps", POSITIVE, "F", "", "frames per second [default: 30, with a warning]")),
+    common((INPUT, "fps", RATE, "F", "", "frames per second [default: 30, with a warning]")),
     common((INPUT, "cameras", Kind::Names, "LIST", "", "cameras to use, a,b,c [default: all]")),
     rare((INPUT, "person", Kind::Count(0, 999), "N", "", "which person: 0 is the most complete one on whom the cameras agree at the start [default: 0]")),
     common((INPUT, "trim", Kind::Flag, "", "false", "take only the frames that all cameras have")),
@@ -98,10 +101,10 @@ pub const SETTINGS: [Setting; SETTING_COUNT] = [
     common((METHOD, "method", METHODS, "NAME", "hmc", "tracker: hmc or bootstrap")),
     common((METHOD, "body", Kind::NameOrPath, "NAME", "h32", "body: h32, cf28 or a body file")),
     common((METHOD, "setup", Kind::Path, "FILE", "", "set-up of an earlier run, its setup.toml")),
-    common((METHOD, "setup_frames", Kind::Frames, "A..B", "", "frames for the set-up pass [default: all]")),
+    common((METHOD, "setup_frames", Kind::Frames, "A..B", "", "frames for the set-up, thinned where many [default: all]")),
     common((METHOD, "smooth", Kind::Flag, "", "false", "let every frame see all frames (backward pass)")),
     rare((METHOD, "prior", PRIORS, "NAME", "gaussian", "what a frame hands on to the next: gaussian or mixture")),
-    rare((METHOD, "motion_scale", POSITIVE, "X", "1", "factor on the motion noise that the set-up pass found")),
+    rare((METHOD, "motion_scale", FACTOR, "X", "1", "factor on the motion noise that the set-up pass found")),
     rare((METHOD, "noise", NOISES, "NAME", "floor", "density of a keypoint: floor (a Gaussian with a floor for outliers) or student-t")),
     rare((METHOD, "outlier", OUTLIER, "P", "0.02", "probability of a gross outlier (noise floor)")),
     rare((METHOD, "degrees", POSITIVE, "N", "4", "degrees of freedom (noise student-t)")),

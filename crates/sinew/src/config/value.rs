@@ -33,7 +33,8 @@ fn checked_number(setting: &Setting, value: f64, shown: &str) -> Result<Value, S
         return Ok(Value::Number(value));
     }
     let wanted = match (excluded, most.is_finite()) {
-        (true, _) => format!("greater than {least}"),
+        (true, false) => format!("greater than {least}"),
+        (true, true) => format!("greater than {least} and at most {most}"),
         (false, false) => format!("at least {least}"),
         (false, true) => format!("from {least} to {most}"),
     };

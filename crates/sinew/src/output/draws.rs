@@ -1,6 +1,6 @@
 //! `posterior.zarr`: equal-weight draws and their statistics, streamed chunk by chunk for ArviZ and xarray.
 //!
-//! `posterior` holds the rotations of the state, the root's place and the position of every point; `sample_stats` what the method brings and nothing else.
+//! `posterior` holds the rotations of the state, the root's place and the position of every point; `sample_stats` what the method brings and nothing else; `observed_data` the keypoints that were used.
 
 use super::partial::partial_path;
 use super::storage::Storage;
@@ -132,6 +132,9 @@ impl DrawStore {
             let particles = estimate.particles.as_ref().ok_or_else(|| lacking("particle"))?;
             values.extend([Values::Flags(&resampled), Values::Numbers(&particles.log_weight)]);
         }
+        let pixels: Vec<f64> = estimate.seen.iter().flat_map(|[u, v, _]| [*u, *v]).collect();
+        let confidence: Vec<f64> = estimate.seen.iter().map(|[_, _, confidence]| *confidence).collect();
+        values.extend([Values::Numbers(&pixels), Values::Numbers(&confidence)]);
         let number = i64::try_from(estimate.number).unwrap_or(i64::MAX);
         self.writer.push(number, estimate.time_s, &values).map_err(Error::io("write", &self.partial))
     }
@@ -186,6 +189,13 @@ fn schema(info: &RunInfo, rotations: &[usize]) -> sinew_formats::zarr::Schema {
     if let Some(count) = particles {
         schema.dimensions.insert("particle".into(), Labels::Count(count));
     }
+    let mut observed = inference_data::group("observed_data", &run);
+    let sighting = &["frame", "camera", "keypoint"][..];
+    let pixel = [sighting, &["image_axis"]].concat();
+    observed.variables.push(Variable::new("pixel", &pixel, DataType::Float32).with_attribute("units", "px"));
+    observed.variables.push(Variable::new("confidence", sighting, DataType::Float32));
+    schema.dimensions.insert("keypoint".into(), Labels::Names(info.keypoints.clone()));
+    schema.dimensions.insert("image_axis".into(), Labels::Names(vec!["u".into(), "v".into()]));
     let mut constants = inference_data::group("constant_data", &run);
     let cameras = info.cameras.iter().map(|camera| camera.name.clone()).collect();
     schema.dimensions.insert("camera".into(), Labels::Names(cameras));
@@ -197,6 +207,6 @@ fn schema(info: &RunInfo, rotations: &[usize]) -> sinew_formats::zarr::Schema {
         variable: Variable::new("camera_centre", &["camera", "axis"], DataType::Float64).with_attribute("units", "m"),
         values: centres.collect(),
     });
-    schema.groups.extend([inference_data::posterior(&run), statistics, constants]);
+    schema.groups.extend([inference_data::posterior(&run), statistics, observed, constants]);
     schema
 }

@@ -207,6 +207,19 @@ impl Scene {
         sum / f64::max(count, 1.0)
     }
 
+    /// Names of the keypoints that are points of the body.
+    #[must_use]
+    pub fn keypoints(&self) -> Vec<String> {
+        self.keypoint.iter().map(|&k| self.layout.points[k].clone().unwrap_or_default()).collect()
+    }
+
+    /// What was seen of the person in the current frame ([`crate::estimate::FrameEstimate::seen`]).
+    #[must_use]
+    pub fn seen(&self) -> Vec<[f64; 3]> {
+        let one = |d: &Option<Detection>| d.map_or([f64::NAN; 3], |d| [d.pixel[0], d.pixel[1], d.confidence]);
+        self.detections.iter().flatten().map(one).collect()
+    }
+
     /// Cameras that saw the person in the current frame.
     #[must_use]
     pub fn cameras_with_person(&self) -> usize {

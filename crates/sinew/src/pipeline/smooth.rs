@@ -36,6 +36,7 @@ pub struct Spool {
     path: PathBuf,
     dim: usize,
     cameras: usize,
+    keypoints: usize,
     frames: u64,
 }
 
@@ -48,14 +49,14 @@ impl Spool {
     ///
     /// # Errors
     /// [`Error::Io`].
-    pub fn create(path: &Path, dim: usize, cameras: usize) -> Result<Self, Error> {
+    pub fn create(path: &Path, dim: usize, cameras: usize, keypoints: usize) -> Result<Self, Error> {
         let file = File::options().read(true).write(true).create_new(true).open(path);
         let file = file.map_err(Error::io("create", path))?;
-        Ok(Self { file, path: path.into(), dim, cameras, frames: 0 })
+        Ok(Self { file, path: path.into(), dim, cameras, keypoints, frames: 0 })
     }
 
     fn header(&self) -> usize {
-        SCALARS + self.cameras
+        SCALARS + self.cameras * (1 + 3 * self.keypoints)
     }
 
     /// Numbers in a record: diagnostics, then filtered moments, later the smoothed mean and trajectories.
@@ -97,6 +98,8 @@ impl Spool {
             f64::from(u8::from(estimate.restarted)),
         ];
         record.extend((0..self.cameras).map(|c| estimate.residual_px.get(c).copied().flatten().unwrap_or(f64::NAN)));
+        record.extend(estimate.seen.as_flattened());
+        record.resize(self.header(), f64::NAN);
         record.extend(&moments.mean);
         record.extend(&moments.covariance);
         record.resize(self.record(), 0.0);
@@ -135,7 +138,8 @@ impl Spool {
             divergences: h[7] as u64,
             trajectories: h[8] as u64,
             restarted: h[9] > 0.0,
-            residual_px: h[SCALARS..].iter().map(|&x| option(x)).collect(),
+            residual_px: h[SCALARS..][..self.cameras].iter().map(|&x| option(x)).collect(),
+            seen: h[SCALARS + self.cameras..].as_chunks().0.to_vec(),
             ..FrameEstimate::default()
         })
     }
