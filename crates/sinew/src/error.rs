@@ -104,6 +104,9 @@ fn listed(file: &str, problems: &[String]) -> String {
     }
 }
 
+/// Why a file cannot be an output folder.
+pub(crate) const NOT_A_FOLDER: &str = " and is not a folder";
+
 impl Error {
     /// An [`Error::Io`] in the making: `map_err(Error::io("read", path))`.
     pub fn io(doing: &'static str, path: impl Into<PathBuf>) -> impl FnOnce(io::Error) -> Self {
@@ -130,6 +133,9 @@ impl Error {
         match self {
             Self::Format(error) => error.help(),
             Self::OutputExists { why: "", .. } => Some("write to another file, or replace it with `--force`".into()),
+            Self::OutputExists { why, .. } if *why == NOT_A_FOLDER => {
+                Some("choose another folder with `-o`, or remove the file".into())
+            }
             Self::OutputExists { .. } => {
                 Some("choose another folder with `-o`, or replace what is there with `--force`".into())
             }

@@ -108,6 +108,20 @@ fn a_layout_without_hips() {
 }
 
 #[test]
+fn a_camera_folder_without_files() {
+    let empty = |trial: &Trial| {
+        fs::remove_dir_all(trial.path("pose/C2_json")).unwrap();
+        fs::create_dir(trial.path("pose/C2_json")).unwrap();
+    };
+    check_error("empty_camera_folder", empty, &[]);
+}
+
+#[test]
+fn frames_beyond_the_recording() {
+    check_warning("frames_clipped", |_| {}, &["--frames", "2..40"]);
+}
+
+#[test]
 fn cameras_that_end_apart() {
     let shorten = |trial: &Trial| fs::remove_file(trial.keypoints(3, 5)).unwrap();
     check_error("ends_apart", shorten, &[]);

@@ -25,6 +25,22 @@ fn mistakes_in_a_file() {
 }
 
 #[test]
+fn a_file_that_is_no_text() {
+    let trial = trial(0.1);
+    fs::write(trial.path("sinew.toml"), b"seed = 1\nmethod = \"\xE9\"\n").unwrap();
+    let output = trial.run(&["track", "--calibration", "Calib.toml", "--keypoints", "pose"]);
+    insta::assert_snapshot!("no_text", trial.told(&output));
+}
+
+#[test]
+fn an_output_folder_that_is_a_file() {
+    let trial = trial(0.1);
+    fs::write(trial.path("out"), "").unwrap();
+    let output = trial.run(&["track", "--calibration", "Calib.toml", "--keypoints", "pose", "-oout", "--force"]);
+    insta::assert_snapshot!("out_is_a_file", trial.told(&output));
+}
+
+#[test]
 fn mistakes_on_the_command_line() {
     let trial = trial(0.1);
     let told = |arguments: &[&str]| trial.told(&trial.run(arguments));

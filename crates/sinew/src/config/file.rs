@@ -31,7 +31,14 @@ pub struct ConfigFile {
 /// # Errors
 /// [`Error::Io`], and [`Error::Config`] with everything that is wrong in it.
 pub fn read(path: &Path) -> Result<ConfigFile, Error> {
-    let text = files::read_text(path, MAX_CONFIG_BYTES)?;
+    let text = files::read_text(path, MAX_CONFIG_BYTES).map_err(|error| match error {
+        Error::Format(error) => {
+            let (file, problem) = (path.display().to_string(), error.to_string());
+            let problem = problem.strip_prefix(&format!("{file}: ")).unwrap_or(&problem).to_owned();
+            Error::Config { file, problems: vec![problem] }
+        }
+        other => other,
+    })?;
     let folder = path.parent().unwrap_or_else(|| Path::new(""));
     let (values, is_root) =
         parse(&text, folder).map_err(|problems| Error::Config { file: path.display().to_string(), problems })?;

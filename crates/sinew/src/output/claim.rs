@@ -8,6 +8,7 @@
 
 use super::storage::{Disk, Storage};
 use crate::Error;
+use crate::error::NOT_A_FOLDER;
 use std::fs::{self, File, TryLockError};
 use std::io::{Read as _, Seek as _, Write as _};
 use std::path::{Path, PathBuf};
@@ -57,6 +58,9 @@ pub fn claim(folder: &Path, inputs: &[PathBuf], force: bool) -> Result<Claim, Er
 /// As [`claim`].
 pub fn claim_in(storage: Arc<dyn Storage>, folder: &Path, inputs: &[PathBuf], force: bool) -> Result<Claim, Error> {
     refuse_inputs(folder, inputs)?;
+    if folder.is_file() {
+        return Err(Error::OutputExists { path: folder.to_owned(), why: NOT_A_FOLDER });
+    }
     if !force {
         refuse_results(folder)?;
     }
@@ -121,7 +125,7 @@ fn refuse_results(folder: &Path) -> Result<(), Error> {
         Ok(entries) => entries,
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(()),
         Err(error) if error.kind() == std::io::ErrorKind::NotADirectory => {
-            return Err(Error::OutputExists { path: folder.to_owned(), why: " and is not a folder" });
+            return Err(Error::OutputExists { path: folder.to_owned(), why: NOT_A_FOLDER });
         }
         Err(error) => return Err(Error::io("read", folder)(error)),
     };

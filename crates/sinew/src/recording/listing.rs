@@ -163,6 +163,12 @@ pub(super) fn files(folder: Folder, camera: &str) -> Result<CameraFiles, Error> 
     if let Some(name) = names.unnumbered.iter().min() {
         return Err(FormatError::NoFrameNumber { name: shown(name) }.into());
     }
+    if names.files.is_empty() {
+        return Err(Error::Input {
+            message: format!("`{}` holds no keypoint files", path.display()),
+            help: Some("fill the folder or remove it, or leave the camera out of `--cameras`".into()),
+        });
+    }
     names.files.sort_unstable();
     if let Some(&[(frame, a), (_, b)]) =
         names.files.windows(2).filter_map(|pair| pair.first_chunk()).find(|[a, b]| a.0 == b.0)
