@@ -165,7 +165,8 @@ const FARTHEST_OFFSET: f64 = 0.25;
 fn same_person(cameras: &[Camera], noise: &[CameraNoise]) -> Result<(), Error> {
     for (camera, noise) in cameras.iter().zip(noise) {
         let distance = noise.offset_px[0].hypot(noise.offset_px[1]);
-        if !(distance <= FARTHEST_OFFSET * camera.image_size_px[0].hypot(camera.image_size_px[1])) {
+        let farthest = FARTHEST_OFFSET * camera.image_size_px[0].hypot(camera.image_size_px[1]);
+        if distance.is_nan() || distance > farthest {
             return Err(Error::Input {
                 message: format!(
                     "`{}` shows somebody else: the keypoints lie {distance:.0} px from where the other cameras see the person",
