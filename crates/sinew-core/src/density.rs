@@ -75,12 +75,12 @@ pub trait GaussNewton: GradLogDensity {
         }
     }
 
-    /// The same matrices with every observation weighted as its density weighs it at `x`, so that what counts as an outlier there tells nothing. Else each counts in full: an upper bound, safe far from the mode.
+    /// The same matrices with every observation weighted as its density weighs it at `x`, so that what counts as an outlier there tells nothing. Else each counts in full: an upper bound, safe far from the mode, and what this method gives by default.
     fn weighted_gauss_newton_block(&self, x: &[Block], matrix: &mut [Block], ws: &mut [Block]) {
         self.gauss_newton_block(x, matrix, ws);
     }
 
-    /// The same observation with its errors `factor` times as large, for a search that would not reach the mode of a robust density from afar. `None` where that makes no sense.
+    /// The same observation with its errors `factor` times as large, for a search that would not reach the mode of a robust density from afar. `None` by default, also from combinators.
     fn broadened(&self, factor: f64) -> Option<Box<dyn GaussNewton + '_>> {
         let _ = factor;
         None

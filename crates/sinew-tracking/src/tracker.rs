@@ -26,7 +26,7 @@ pub struct StepInfo {
     pub mean: Vec<f64>,
     /// Effective number of draws: 1 / Σ W² of particles, the least n / τ over coordinates of chains.
     pub ess: f64,
-    /// Estimate of log p(observation | earlier observations). By `hmc` from one prior draw a chain: unbiased on the natural scale, but rough in many dimensions.
+    /// Estimate of log p(observation | earlier observations). By `hmc` from one importance draw a chain, from the prior or from the Laplace approximation: unbiased on the natural scale, but rough in many dimensions.
     pub log_evidence: Option<f64>,
     /// Mean acceptance probability of trajectories.
     pub acceptance: Option<f64>,
@@ -40,6 +40,6 @@ pub struct StepInfo {
     pub resampled: Option<bool>,
     /// Evaluations of the observation's log density without gradient.
     pub likelihood_evaluations: usize,
-    /// Evaluations with gradient.
+    /// Evaluations with gradient; the few of a search for the mode before the chains start are not counted.
     pub gradient_evaluations: usize,
 }

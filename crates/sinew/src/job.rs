@@ -231,13 +231,8 @@ fn same_body(asked: &str, setup: &Setup) -> Result<(), Error> {
     if bodies::to_track(asked)? == setup.body {
         return Ok(());
     }
-    let made_with = match &setup.body {
-        setup::Body::H32 => "h32",
-        setup::Body::CF28 => "cf28",
-        setup::Body::File(_) => "the body of a file",
-    };
     Err(Error::Usage {
-        message: format!("`body` is {asked}; the set-up was made with {made_with}"),
+        message: format!("`body` is {asked}; the set-up was made with {}", setup.body.name().to_lowercase()),
         help: "leave `--body` out: the set-up knows it; or leave `--setup` out".into(),
     })
 }

@@ -57,16 +57,17 @@ impl Marginals {
         blocks.for_each_init(scratch, |ws, (states, out)| point_positions_block(plan, *isa, states, out, ws));
 
         let equal = !posterior.chain_stats.is_empty();
-        let of_column = |all: &[Block], width: usize, column: usize| {
+        let of_column = |series: &mut Vec<f64>, all: &[Block], width: usize, column: usize| {
             let blocks = all.iter().skip(column).step_by(width);
-            let mut series: Vec<f64> = blocks.flat_map(|block| block.0).take(posterior.count()).collect();
-            describe(&mut series, posterior.weights, equal)
+            series.clear();
+            series.extend(blocks.flat_map(|block| block.0).take(posterior.count()));
+            describe(series, posterior.weights, equal)
         };
         let described: Vec<[f64; 4]> = (0..coordinates + d)
             .into_par_iter()
-            .map(|column| match column.checked_sub(coordinates) {
-                None => of_column(positions, coordinates, column),
-                Some(j) => of_column(posterior.states, d, j),
+            .map_init(Vec::new, |series, column| match column.checked_sub(coordinates) {
+                None => of_column(series, positions, coordinates, column),
+                Some(j) => of_column(series, posterior.states, d, j),
             })
             .collect();
         let (of_points, of_states) = described.split_at(coordinates);

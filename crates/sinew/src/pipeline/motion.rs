@@ -12,8 +12,8 @@ const LEAST: [f64; 2] = [0.1, 0.3];
 /// Noise of a recording without a measurement: that of brisk walking, metres and radians per square-root second.
 const BRISK: [f64; 2] = [0.25, 0.8];
 
-/// Uncertainty of a fitted first pose, metres and radians. What keypoints cannot tell, as the twist of the spine about itself, keeps this spread for many frames, and a wide one is far from Gaussian there: with 0.25 rad
-/// instead, on frames 0–59 of the demonstration recording, 100 of 720 frames (ranges that begin at 0, 10, 20 and 30, two seeds, both folders) had a split R-hat above 1.05; now 11.
+/// Uncertainty of a fitted first pose, metres and radians. What keypoints cannot tell, as the twist of the spine about itself, keeps this spread for many frames; a wide one is far from
+/// Gaussian there, and chains mix badly (docs/accuracy.md).
 const INITIAL: [f64; 2] = [0.05, 0.12];
 
 fn by_kind(tree: &KinematicTree, [metres, radians]: [f64; 2]) -> Vec<f64> {
