@@ -396,3 +396,22 @@ fn length_error(points: &[Option<[f64; 3]>], lengths: &[(usize, usize, f64)]) ->
         .collect();
     if errors.is_empty() { 0.0 } else { median(&mut errors) }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn who_is_expected_beyond_all_bounds_is_not_taken_for_someone_far_away() {
+        let person = |x: f64, size: f64| -> Person {
+            let at = |k: usize| [x + size * (k % 3) as f64 / 2.0, 100.0 + size * (k / 3) as f64 / 2.0];
+            (0..9).map(|k| Some(Detection { pixel: at(k), confidence: 0.9 })).collect()
+        };
+        let expected = |x, size| person(x, size).into_iter().map(|d| d.map(|d| d.pixel)).collect::<Vec<_>>();
+        let people = [vec![person(0.0, 200.0)]];
+        let found = |x, size| nearest(&people, &[expected(x, size)], &Config::default())[0];
+        assert_eq!(found(20.0, 200.0), Some(0));
+        assert_eq!(found(4000.0, 200.0), None);
+        assert_eq!(found(4000.0, 20_000.0), None);
+    }
+}

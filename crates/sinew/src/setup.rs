@@ -205,3 +205,21 @@ fn camera_setup(camera: &Camera, noise: &CameraNoise, all: &[CameraNoise]) -> Ca
         usual_confidence: usual(|n| n.usual_confidence, 0.7),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_camera_that_shows_someone_else_is_refused() {
+        let camera = Camera::look_at("left", [1000.0, 1000.0], 900.0, [3.0, 3.0, 1.0], [0.0, 0.0, 1.0]).unwrap();
+        let told = |offset_px| {
+            let noise = CameraNoise { offset_px, sigma_px: 5.0, usual_confidence: 0.7, residuals: 90 };
+            same_person(std::slice::from_ref(&camera), &[noise]).err().map(|error| error.to_string())
+        };
+        assert_eq!(told([30.0, -20.0]), None);
+        let message = "`left` shows somebody else: the keypoints lie 500 px from where the other cameras see the person";
+        assert_eq!(told([300.0, -400.0]).as_deref(), Some(message));
+        assert!(told([f64::NAN, 0.0]).is_some());
+    }
+}

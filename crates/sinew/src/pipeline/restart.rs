@@ -65,3 +65,46 @@ impl Tracker<Observed> for Restarting {
         self.tracker.estimate()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use sinew_core::density::Lanes;
+    use sinew_core::lanes::Isa;
+    use sinew_core::toy::Quadratic;
+
+    /// Fails where its start is negative; remembers where it was started.
+    struct Fragile(Vec<f64>);
+
+    impl Tracker<Observed> for Fragile {
+        fn step(&mut self, _: &Observed, _: Stage) -> Result<StepInfo, sinew_tracking::Error> {
+            let broken = sinew_tracking::Error::Config { name: "start", value: self.0[0], expected: "not negative" };
+            if self.0[0] < 0.0 { Err(broken) } else { Ok(StepInfo::default()) }
+        }
+        fn posterior(&self) -> Posterior<'_> {
+            Posterior { dim: 1, states: &[], weights: &[], effective: 0.0, chain_stats: &[] }
+        }
+        fn estimate(&self) -> &[f64] {
+            &self.0
+        }
+    }
+
+    #[test]
+    fn a_failed_step_is_taken_again_by_a_new_tracker() {
+        let leaf = Quadratic { centre: vec![0.0], precision: vec![1.0] };
+        let observed = Lanes { leaf, isa: Isa::best() };
+        // A tracker made where the old one failed stands one further.
+        let further = |start: Vec<f64>| Box::new(Fragile(vec![start[0] + 1.0])) as Box<dyn Tracker<Observed>>;
+        let mut tracker = Restarting::new(Box::new(move |start| Ok(further(start))), vec![-1.5]).unwrap();
+        let restarted = tracker.restarted();
+        let step = |tracker: &mut Restarting| tracker.step(&observed, Stage::new(1, "restart")).is_ok();
+        assert!(step(&mut tracker) && restarted.load(Ordering::Relaxed));
+        assert_eq!(tracker.estimate(), [0.5]);
+        assert!(step(&mut tracker) && !restarted.load(Ordering::Relaxed));
+        *tracker.pending().lock().unwrap() = Some(vec![4.0]);
+        assert!(step(&mut tracker) && restarted.load(Ordering::Relaxed));
+        assert_eq!(tracker.estimate(), [5.0]);
+        *tracker.pending().lock().unwrap() = Some(vec![-7.0]);
+        assert!(!step(&mut tracker));
+    }
+}
