@@ -178,6 +178,14 @@ impl Camera {
         Self { rotation, ..self.clone() }
     }
 
+    /// The same camera with its images resized: every pixel is `scale` times what it was.
+    #[must_use]
+    pub fn resized(&self, scale: f64) -> Self {
+        let Intrinsics { fx, fy, cx, cy } = self.intrinsics;
+        let intrinsics = Intrinsics { fx: scale * fx, fy: scale * fy, cx: scale * cx, cy: scale * cy };
+        Self { image_size_px: self.image_size_px.map(|size| scale * size), intrinsics, ..self.clone() }
+    }
+
     /// Centre of projection in the world, `−Rᵀ t`.
     #[must_use]
     pub fn centre(&self) -> [f64; 3] {
@@ -309,6 +317,16 @@ mod tests {
         for (found, expected) in du.iter().zip([1.0, -u, 0.0]).chain(dv.iter().zip([0.0, -v, -1.0])) {
             assert!((found - expected / depth).abs() < 1e-15);
         }
+    }
+
+    #[test]
+    fn a_resized_camera_sees_the_same_at_other_pixels() {
+        let lens = Distortion { k1: -0.1, p1: 1e-3, ..Distortion::default() };
+        let camera = Camera { distortion: lens, ..camera() };
+        let half = camera.resized(0.5);
+        let [[u, v], [a, b]] = [&camera, &half].map(|c| c.project([0.4, 0.3, 1.6]).pixel().unwrap());
+        assert!((u - 2.0 * a).abs() < 1e-12 && (v - 2.0 * b).abs() < 1e-12);
+        assert_eq!(half.image_size_px, [160.0, 120.0]);
     }
 
     #[test]

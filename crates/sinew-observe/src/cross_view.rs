@@ -2,8 +2,8 @@
 //!
 //! A keypoint is triangulated from all cameras but one and projected into that one, offsets included ([`expected_from_others`]). Then
 //!
-//! - [`best_lag`]: the median distance of its detections of frame f + lag from what is expected in frame f, its own median offset removed, has its least value at
-//!   the lag of its clock;
+//! - [`residual_by_lag`]: the median distance of its detections of frame f + lag from what is expected in frame f, its own median offset removed, has its least
+//!   value at the lag of its clock ([`best_lag`]), and a lag that changes tells of another frame rate ([`lag_change`]);
 //! - [`swapped_spans`]: frames in which the distance falls to less than half when left and right are exchanged;
 //! - [`cameras_behind`]: cameras whose optical axis the subject lies behind.
 
@@ -53,17 +53,17 @@ const LENGTH_IN_LAGS: i64 = 3;
 /// Comparisons below which a lag is not judged.
 const FEWEST: usize = 50;
 
-/// The best lag of one camera up to `most` frames, from consecutive frames (number, detections); `None` where there is too little to compare: fewer frames than three
-/// times `most`, or few keypoints. A lag counts only where it leaves half of the comparisons that there are without one.
+/// Median residual, pixels, of one camera at each lag from −`most` to `most`, from consecutive frames (number, detections); `None` where there is too little to compare:
+/// fewer frames than three times `most`, or few keypoints. A lag counts only where it leaves half of the comparisons that there are without one.
 #[must_use]
-pub fn best_lag(
+pub fn residual_by_lag(
     cameras: &[Camera],
     noise: &[CameraNoise],
     frames: &[(u64, Sighted)],
     camera: usize,
     most: i64,
     least_confidence: f64,
-) -> Option<Lag> {
+) -> Option<Vec<(i64, f64)>> {
     if i64::try_from(frames.len()).is_ok_and(|length| length < LENGTH_IN_LAGS * most) {
         return None;
     }
@@ -95,19 +95,31 @@ pub fn best_lag(
             errors[0].iter().zip(&errors[1]).map(|(u, v)| (u - middle[0]).hypot(v - middle[1])).collect();
         Some((median(&mut distances), compared))
     };
-    let (now_px, all) = residual(0)?;
-    let mut best = Lag { frames: 0, best_px: now_px, now_px };
-    for size in 1..=most {
-        for lag in [size, -size] {
-            if let Some((px, compared)) = residual(lag)
-                && 2 * compared >= all
-                && px < best.best_px
-            {
-                best = Lag { frames: lag, best_px: px, now_px };
-            }
-        }
-    }
-    Some(best)
+    let (_, all) = residual(0)?;
+    let enough = |lag| residual(lag).filter(|(_, compared)| 2 * compared >= all).map(|(px, _)| (lag, px));
+    Some((-most..=most).filter_map(enough).collect())
+}
+
+/// The lag with the least residual, the smaller one of equals, among those of [`residual_by_lag`].
+#[must_use]
+pub fn best_lag(residuals: &[(i64, f64)]) -> Option<Lag> {
+    let (_, now_px) = *residuals.iter().find(|(lag, _)| *lag == 0)?;
+    let key = |(lag, px): &(i64, f64)| (*px, lag.abs());
+    let best = residuals.iter().min_by(|a, b| key(a).partial_cmp(&key(b)).unwrap_or(std::cmp::Ordering::Equal))?;
+    Some(Lag { frames: best.0, best_px: best.1, now_px })
+}
+
+/// Share of the residual at another window's lag that the own lag leaves at most, where clocks are said to run apart.
+const DECISIVE: f64 = 0.6;
+
+/// Change of a camera's lag, frames, between two windows of a recording, given the residuals of each ([`residual_by_lag`]); `None` unless each window speaks decidedly
+/// against the lag of the other.
+#[must_use]
+pub fn lag_change(early: &[(i64, f64)], late: &[(i64, f64)]) -> Option<i64> {
+    let (first, last) = (best_lag(early)?, best_lag(late)?);
+    let at = |residuals: &[(i64, f64)], wanted: i64| residuals.iter().find(|(lag, _)| *lag == wanted).map(|r| r.1);
+    let against = |own: Lag, residuals, other: Lag| Some(own.best_px < DECISIVE * at(residuals, other.frames)?);
+    (against(first, early, last)? && against(last, late, first)?).then_some(last.frames - first.frames)
 }
 
 /// Frames in which a camera seems to have exchanged left and right.

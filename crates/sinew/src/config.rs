@@ -304,6 +304,7 @@ impl Resolved {
             keypoints: self.path("keypoints"),
             layout: self.text("layout"),
             confidence_scale: self.number("confidence_scale").unwrap_or(1.0),
+            image_scale: self.number("image_scale").unwrap_or(1.0),
             frames: self.frames("frames"),
             fps: self.number("fps"),
             cameras: match self.get("cameras") {
@@ -363,6 +364,8 @@ pub struct TrackConfig {
     pub layout: Option<String>,
     /// Confidence that means certainty.
     pub confidence_scale: f64,
+    /// Size of the images over that of the calibrated ones.
+    pub image_scale: f64,
     /// Frames to track.
     pub frames: Option<Range<u64>>,
     /// Frames per second.

@@ -26,6 +26,8 @@ pub struct Options {
     pub layout: Option<String>,
     /// Confidence that means certainty.
     pub confidence_scale: f64,
+    /// Size of the images over that of the calibrated ones.
+    pub image_scale: f64,
     /// Frames to take, by number; all if `None`.
     pub frames: Option<Range<u64>>,
     /// Cameras to take, by name; all if `None`.
@@ -36,7 +38,7 @@ pub struct Options {
 
 impl Default for Options {
     fn default() -> Self {
-        Self { layout: None, confidence_scale: 1.0, frames: None, cameras: None, trim: false }
+        Self { layout: None, confidence_scale: 1.0, image_scale: 1.0, frames: None, cameras: None, trim: false }
     }
 }
 
@@ -51,6 +53,7 @@ pub struct Recording {
     frames: Range<u64>,
     counted: Vec<bool>,
     tallies: Vec<Tally>,
+    beyond_lens: Vec<u64>,
     warnings: Vec<String>,
     layout_note: Option<String>,
     calibration_hash: u64,
@@ -81,7 +84,7 @@ impl Recording {
         for (folder, camera) in matching.pairs {
             let Some(folder) = folders.get_mut(folder).and_then(Option::take) else { continue };
             listed.push(listing::files(folder, &cameras[camera].name)?);
-            used.push(cameras[camera].clone());
+            used.push(cameras[camera].resized(options.image_scale));
         }
         if used.len() == 1 {
             warnings.push("one camera: depth comes from the prior only".into());
@@ -96,6 +99,15 @@ impl Recording {
                 asked.start, asked.end, frames.start, frames.end
             ));
         }
+        if options.trim && options.frames.is_none() {
+            for camera in listed.iter().filter(|camera| camera.range() != frames) {
+                let Range { start, end } = camera.range();
+                warnings.push(format!(
+                    "{} has frames {start}..{end}; trimmed to {}..{}, which all cameras have",
+                    camera.camera, frames.start, frames.end
+                ));
+            }
+        }
         for camera in &listed {
             let numbers: Vec<u64> = camera.numbers().filter(|number| frames.contains(number)).collect();
             warnings.extend(frame_number::holes(&camera.camera, &numbers).map(|warning| warning.to_string()));
@@ -107,6 +119,7 @@ impl Recording {
         check_layout(&layout)?;
         Ok(Self {
             tallies: vec![Tally::default(); used.len()],
+            beyond_lens: vec![0; used.len()],
             counted: vec![false; (frames.end - frames.start) as usize],
             cameras: used,
             files: listed,
@@ -175,7 +188,12 @@ impl Recording {
             if count {
                 tally.add(number, frame.as_ref());
             }
-            views.push(frame.map(|frame| frame.people).unwrap_or_default());
+            let mut people = frame.map(|frame| frame.people).unwrap_or_default();
+            let dropped = drop_beyond_lens(&self.cameras[index], &mut people);
+            if count {
+                self.beyond_lens[index] += dropped;
+            }
+            views.push(people);
         }
         Ok(views)
     }
@@ -190,7 +208,14 @@ impl Recording {
     #[must_use]
     pub fn oddities(&self) -> Vec<String> {
         let counted = self.cameras.iter().zip(&self.tallies).flat_map(|(camera, tally)| tally.warnings(&camera.name));
-        self.warnings.iter().cloned().chain(counted.map(|warning| warning.to_string())).collect()
+        let lens = self.cameras.iter().zip(&self.beyond_lens).filter(|(_, points)| **points > 0);
+        let lens = lens.map(|(camera, points)| {
+            format!(
+                "{}: {points} points lie beyond the valid radius of the lens model; treated as missing",
+                camera.name
+            )
+        });
+        self.warnings.iter().cloned().chain(counted.map(|warning| warning.to_string())).chain(lens).collect()
     }
 
     /// Hashes of the calibration and of the keypoints read so far.
@@ -205,6 +230,18 @@ impl Recording {
     pub fn folders(&self) -> Vec<PathBuf> {
         self.files.iter().map(|files| files.folder.clone()).collect()
     }
+}
+
+/// Makes keypoints missing that no ray of the camera's lens model leads to, and counts them.
+fn drop_beyond_lens(camera: &Camera, people: &mut [Person]) -> u64 {
+    let mut dropped = 0;
+    for keypoint in people.iter_mut().flat_map(|person| &mut person.keypoints) {
+        if keypoint.is_some_and(|point| camera.undistort([point.x, point.y]).is_err()) {
+            *keypoint = None;
+            dropped += 1;
+        }
+    }
+    dropped
 }
 
 /// The cameras and folders of the names asked for.

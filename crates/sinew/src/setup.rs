@@ -14,6 +14,7 @@
 //! With one camera there are no points in space: offsets stay 0, the body keeps its default sizes, and the pose is fitted to pixels, its depth told by the size of
 //! the body ([`one_camera`]).
 
+mod calibration_fit;
 pub mod checks;
 mod collect;
 mod model_error;
@@ -51,7 +52,8 @@ pub fn detections(people: &[Vec<Person>]) -> Vec<Vec<Pixels>> {
 /// Sets up the tracking of a person in calibrated cameras from the frames of an iterator (number, people of each camera), which must come in order.
 ///
 /// # Errors
-/// Those of the iterator; no person found; a person behind the cameras.
+/// Those of the iterator; no person found; a person behind the cameras; a calibration that fits only when it is read differently; a camera of another frame rate, or one
+/// that shows someone else.
 pub fn set_up(
     cameras: &[Camera],
     layout: &Layout,
@@ -93,6 +95,7 @@ pub fn set_up(
         (setup.start_frame, setup.start_pose) = found.ok_or_else(no_pose)?;
         return Ok((setup, warnings));
     }
+    checks::same_rate(cameras, request, &noise, &collected)?;
     warnings.extend(checks::oddities(cameras, layout, request, &noise, &collected));
     let shape = shape::measure(cameras, layout, request, &noise, &collected, &mut warnings)?;
     setup.up_axis = shape.up_axis.into();
@@ -218,7 +221,8 @@ mod tests {
             same_person(std::slice::from_ref(&camera), &[noise]).err().map(|error| error.to_string())
         };
         assert_eq!(told([30.0, -20.0]), None);
-        let message = "`left` shows somebody else: the keypoints lie 500 px from where the other cameras see the person";
+        let message =
+            "`left` shows somebody else: the keypoints lie 500 px from where the other cameras see the person";
         assert_eq!(told([300.0, -400.0]).as_deref(), Some(message));
         assert!(told([f64::NAN, 0.0]).is_some());
     }

@@ -25,7 +25,7 @@ fn check_warning(name: &str, harm: impl FnOnce(&Trial), more: &[&str]) {
     let trial = trial(0.4);
     harm(&trial);
     let output = trial.track(more);
-    insta::assert_snapshot!(name, trial.told(&output).replace("exit 4", "exit 0"));
+    insta::assert_snapshot!(name, trial.told(&output));
     assert!(trial.path("out/summary.json").exists());
 }
 
@@ -231,10 +231,86 @@ fn swapped_sides_and_a_jump() {
         }
         json.to_string()
     });
-    let told = trial.track_told(&[]);
-    assert!(told.contains("C2 frames 20-29: swapping left and right lowers the residual from "), "{told}");
-    assert!(told.contains("C3 frame 35: jump of ") && told.contains(" px in all joints"), "{told}");
-    assert!(!told.contains("residual of") && told.matches("warning").count() == 2, "{told}");
+    insta::assert_snapshot!("swap_and_jump", without_pixels(&trial.track_told(&[])));
+}
+
+/// Numbers of pixels, which depend on chance, as `#`.
+fn without_pixels(text: &str) -> String {
+    let line = |line: &str| {
+        let words: Vec<&str> = line.split(' ').collect();
+        let counts =
+            |i: usize| words.get(i + 1) == Some(&"px") || words.get(i + 3) == Some(&"px") && words[i + 1] == "to";
+        let shown: Vec<&str> = (0..words.len()).map(|i| if counts(i) { "#" } else { words[i] }).collect();
+        shown.join(" ")
+    };
+    text.lines().map(line).collect::<Vec<_>>().join("\n")
+}
+
+/// Changes each camera of the calibration.
+fn edit_calibration(trial: &Trial, change: impl Fn(&str, &mut toml::Table)) {
+    trial.edit(&trial.path("Calib.toml"), |text| {
+        let mut calibration: toml::Table = text.parse().unwrap();
+        for (name, camera) in &mut calibration {
+            camera
+                .as_table_mut()
+                .into_iter()
+                .filter(|camera| camera.contains_key("matrix"))
+                .for_each(|c| change(name, c));
+        }
+        calibration.to_string()
+    });
+}
+
+fn multiply(value: &mut toml::Value, factor: f64) {
+    match value {
+        toml::Value::Array(items) => items.iter_mut().for_each(|item| multiply(item, factor)),
+        other => *other = (factor * other.as_float().unwrap()).into(),
+    }
+}
+
+#[test]
+fn images_resized_after_the_calibration() {
+    let larger = |trial: &Trial| {
+        edit_calibration(trial, |_, camera| {
+            multiply(&mut camera["size"], 1.5);
+            multiply(&mut camera["matrix"], 1.5);
+            camera["matrix"][2][2] = 1.0.into();
+        });
+    };
+    check_error("resized", larger, &[]);
+    check_warning("resized_and_told", larger, &["--image-scale", "0.6667"]);
+}
+
+#[test]
+fn millimetres_for_metres() {
+    check_error("millimetres", |trial| edit_calibration(trial, |_, c| multiply(&mut c["translation"], 1e3)), &[]);
+}
+
+#[test]
+fn poses_of_the_cameras_for_those_of_the_world() {
+    let invert = |trial: &Trial| {
+        let text = fs::read_to_string(trial.path("Calib.toml")).unwrap();
+        let cameras = sinew::formats::calib_toml::read("Calib.toml", &text).unwrap().cameras;
+        edit_calibration(trial, |name, entry| {
+            let camera = cameras.iter().find(|camera| camera.name == entry["name"].as_str().unwrap()).expect(name);
+            multiply(&mut entry["rotation"], -1.0);
+            entry["translation"] = camera.centre().to_vec().into();
+        });
+    };
+    check_error("inverted", invert, &[]);
+}
+
+#[test]
+fn points_beyond_the_lens() {
+    let harm = |trial: &Trial| {
+        edit_calibration(trial, |name, camera| {
+            if name.ends_with('1') {
+                camera["distortions"][0] = (-0.001).into();
+            }
+        });
+        set_first_point(trial, 1, 3, "90000.0, 10.0, 0.8");
+    };
+    check_warning("beyond_lens", harm, &[]);
 }
 
 /// Files 9, 10 and 11 sort as 10, 11, 9 by name.
@@ -251,7 +327,7 @@ fn frames_go_by_number() {
         }
     }
     let output = trial.track(&["--frames", "8..12"]);
-    assert!(matches!(output.status.code(), Some(0 | 4)), "{}", trial.told(&output));
+    assert_eq!(output.status.code(), Some(0), "{}", trial.told(&output));
     let table = fs::read_to_string(trial.path("out/frames.csv")).unwrap();
     let frames: Vec<&str> = table.lines().skip(1).filter_map(|line| line.split(',').next()).collect();
     assert_eq!(frames, ["8", "9", "10", "11"]);

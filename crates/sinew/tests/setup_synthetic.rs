@@ -150,6 +150,21 @@ fn a_swap_and_a_slow_clock_are_reported() {
 }
 
 #[test]
+fn a_camera_of_another_frame_rate_is_refused() {
+    let (cameras, layout) = (ring(4), body_25b());
+    let mut frames = record(&cameras, &layout, 300, 1.0);
+    let all: Vec<_> = frames.iter().map(|(_, views)| views[2].clone()).collect();
+    assert_eq!(set_up(&cameras, &layout, frames.clone()).unwrap().1, []);
+    // Of a hundred frames cam3 drops one, but its files are numbered without a hole.
+    for (n, (_, views)) in frames.iter_mut().enumerate() {
+        views[2] = all[(n + n / 99).min(299)].clone();
+    }
+    let error = set_up(&cameras, &layout, frames).unwrap_err().to_string();
+    let expected = "cam3 records 0.9905 frames for each frame of the other cameras: from frame 60 to 270 its lag changes by -2 frames";
+    assert_eq!(error, expected);
+}
+
+#[test]
 fn units_axes_and_inverted_cameras_are_diagnosed() {
     let (cameras, layout) = (ring(4), body_25b());
     let frames = record(&cameras, &layout, 12, 0.5);

@@ -29,6 +29,7 @@ pub(crate) fn run(args: &TrackArgs, general: &General, report: &Report) -> Resul
     let options = Options {
         layout: config.layout.clone(),
         confidence_scale: config.confidence_scale,
+        image_scale: config.image_scale,
         frames: config.frames.clone(),
         cameras: config.cameras.clone(),
         trim: config.trim,

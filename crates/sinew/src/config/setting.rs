@@ -97,6 +97,7 @@ pub const SETTINGS: [Setting; SETTING_COUNT] = [
     rare((INPUT, "person", Kind::Count(0, 999), "N", "", "which person: 0 is the most complete one on whom the cameras agree at the start [default: 0]")),
     common((INPUT, "trim", Kind::Flag, "", "false", "take only the frames that all cameras have")),
     rare((INPUT, "confidence_scale", POSITIVE, "C", "1", "confidence that means certainty")),
+    rare((INPUT, "image_scale", FACTOR, "S", "1", "size of the images with the keypoints over that of the calibrated images, where they were resized")),
     rare((INPUT, "up_axis", AXES, "AXIS", "", "axis of the calibration's world that points up; results are in a world turned to z up [default: +z]")),
     common((METHOD, "method", METHODS, "NAME", "hmc", "tracker: hmc or bootstrap")),
     common((METHOD, "body", Kind::NameOrPath, "NAME", "h32", "body: h32, cf28 or a body file")),
@@ -126,7 +127,7 @@ pub const SETTINGS: [Setting; SETTING_COUNT] = [
     unhashed(common((OUTPUT, "force", Kind::Flag, "", "false", "replace results that are there"))),
 ];
 
-const SETTING_COUNT: usize = 36;
+const SETTING_COUNT: usize = 37;
 
 /// The setting of that name.
 #[must_use]

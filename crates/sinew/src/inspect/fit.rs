@@ -12,7 +12,7 @@ use super::Facts;
 use crate::Error;
 use crate::recording::Recording;
 use crate::setup::{self, Request, collect};
-use sinew_observe::cross_view::best_lag;
+use sinew_observe::cross_view::{best_lag, residual_by_lag};
 use sinew_observe::offsets::{self, Sighted};
 use sinew_observe::triangulate::{Seen, linear};
 use sinew_observe::{Camera, Detection};
@@ -55,7 +55,8 @@ pub fn facts(recording: &mut Recording, known: &[String]) -> Result<Facts, Error
     let noise = offsets::estimate(&cameras, &sighted, &config);
     let rms = reprojection_rms(&cameras, &sighted, config.least_confidence);
     for (index, camera) in cameras.iter().enumerate() {
-        let lag = best_lag(&cameras, &noise, &collected.window, index, LARGEST_LAG, config.least_confidence);
+        let by_lag = residual_by_lag(&cameras, &noise, &collected.window, index, LARGEST_LAG, config.least_confidence);
+        let lag = by_lag.and_then(|by_lag| best_lag(&by_lag));
         let clock = lag.map_or("lag unknown".into(), |lag| format!("best lag {:+} frames", lag.frames));
         let [u, v] = noise[index].offset_px;
         let rms = rms[index].map_or("RMS unknown".into(), |rms| format!("RMS {rms:.1} px"));

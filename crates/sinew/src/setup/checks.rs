@@ -6,7 +6,7 @@ use super::warning::Warning;
 use crate::Error;
 use sinew_formats::Layout;
 use sinew_observe::Camera;
-use sinew_observe::cross_view::{best_lag, swapped_spans};
+use sinew_observe::cross_view::{best_lag, lag_change, residual_by_lag, swapped_spans};
 use sinew_observe::offsets::{CameraNoise, median};
 
 /// Largest lag that is tried, frames.
@@ -22,6 +22,13 @@ const FAR: f64 = 100.0;
 /// Height of the default body, metres.
 const HEIGHT_M: f64 = 1.75;
 
+/// Median distance of the cameras from the origin, in the unit of the calibration.
+fn usual_distance(cameras: &[Camera]) -> f64 {
+    median(
+        &mut cameras.iter().map(|camera| camera.centre().iter().map(|x| x * x).sum::<f64>().sqrt()).collect::<Vec<_>>(),
+    )
+}
+
 /// Refuses units that make a body of the wrong size.
 ///
 /// # Errors
@@ -30,23 +37,23 @@ pub fn check_scale(cameras: &[Camera], scale: f64) -> Result<(), Error> {
     if PLAUSIBLE.contains(&scale) {
         return Ok(());
     }
-    let mut distances: Vec<f64> =
-        cameras.iter().map(|camera| camera.centre().iter().map(|x| x * x).sum::<f64>().sqrt()).collect();
-    let distance = median(&mut distances);
-    let message = if scale > 1.0 {
-        Warning::Millimetres { distance, height: HEIGHT_M }.to_string()
-    } else {
-        format!("the person would be {:.3} m tall; are translations in metres?", scale * HEIGHT_M)
+    let (message, help) = match far_cameras(cameras) {
+        Some(warning) if scale > 1.0 => (warning.to_string(), "give the translations of the calibration in metres"),
+        _ => (
+            format!(
+                "the person would be {:.3} m tall; are translations in metres, and do the cameras' poses belong to these images?",
+                scale * HEIGHT_M
+            ),
+            "give translations in metres, and the camera from the world, `Xcam = R Xworld + t`",
+        ),
     };
-    Err(Error::Input { message, help: Some("give the translations of the calibration in metres".into()) })
+    Err(Error::Input { message, help: Some(help.into()) })
 }
 
 /// Warns when cameras stand so far from the origin that metres are unlikely.
 #[must_use]
 pub fn far_cameras(cameras: &[Camera]) -> Option<Warning> {
-    let mut distances: Vec<f64> =
-        cameras.iter().map(|camera| camera.centre().iter().map(|x| x * x).sum::<f64>().sqrt()).collect();
-    let distance = median(&mut distances);
+    let distance = usual_distance(cameras);
     (distance > FAR * HEIGHT_M).then_some(Warning::Millimetres { distance, height: HEIGHT_M })
 }
 
@@ -110,6 +117,42 @@ fn behind(cameras: &[Camera], request: &Request, noise: &[CameraNoise], collecte
     (!names.is_empty()).then_some(Warning::Behind { cameras: names.len(), of: cameras.len(), names })
 }
 
+/// Change of lag, frames, at which frame rates are said to differ.
+const DRIFT: i64 = 2;
+
+/// Refuses cameras whose lag against the others changes in the course of the recording.
+///
+/// # Errors
+/// The camera, its rate against that of the others, and where that was seen.
+pub fn same_rate(
+    cameras: &[Camera],
+    request: &Request,
+    noise: &[CameraNoise],
+    collected: &Collected,
+) -> Result<(), Error> {
+    let least = request.offsets.least_confidence;
+    let early = &collected.window[..collected.window.len().min(WINDOW)];
+    let middle = |frames: &[(u64, _)]| frames.get(frames.len() / 2).map(|(number, _): &(u64, _)| *number);
+    for late in &collected.later {
+        let mut drifts = cameras.iter().enumerate().filter_map(|(c, camera)| {
+            let by_lag = |frames| residual_by_lag(cameras, noise, frames, c, LAG, least);
+            let change = lag_change(&by_lag(early)?, &by_lag(late)?)?;
+            (change.abs() >= DRIFT).then_some((camera, change))
+        });
+        if let (Some((camera, change)), Some(from), Some(to)) = (drifts.next(), middle(early), middle(late)) {
+            let rate = 1.0 + change as f64 / (to - from) as f64;
+            return Err(Error::Input {
+                message: format!(
+                    "{} records {rate:.4} frames for each frame of the other cameras: from frame {from} to {to} its lag changes by {change:+} frames",
+                    camera.name
+                ),
+                help: Some("resample the keypoints to one frame rate, or leave the camera out of `--cameras`".into()),
+            });
+        }
+    }
+    Ok(())
+}
+
 /// Clocks, swapped sides, and the subject's place before the cameras.
 #[must_use]
 pub fn oddities(
@@ -132,7 +175,7 @@ pub fn oddities(
             residual_px: s.residual_px,
             swapped_px: s.swapped_px,
         }));
-        if let Some(lag) = best_lag(cameras, noise, window, c, LAG, least)
+        if let Some(lag) = residual_by_lag(cameras, noise, window, c, LAG, least).and_then(|by_lag| best_lag(&by_lag))
             && lag.frames != 0
             && lag.best_px < LAG_SHARE * lag.now_px
         {

@@ -1,8 +1,10 @@
 //! The first half of the set-up: follow the person through the frames and keep an evenly spaced part of what he shows.
 //!
 //! Memory is bounded whatever the length of the recording: every n-th frame is kept, and when that becomes more than twice the wanted number every second one is
-//! dropped and n doubled. The first frames are also kept without gaps, for what depends on time.
+//! dropped and n doubled. The first frames are also kept without gaps, for what depends on time, and so are short windows at frames 240, 480, 960 … after the first,
+//! for what changes with time.
 
+use super::calibration_fit;
 use super::stored::Body;
 use super::warning::Warning;
 use crate::Error;
@@ -55,6 +57,10 @@ pub struct Collected {
     pub spread: Vec<(u64, Sighted)>,
     /// The same without gaps, from the first frame in which he was found.
     pub window: Vec<(u64, Sighted)>,
+    /// Windows without gaps later in the recording, each twice as far from the first frame as the one before.
+    pub later: Vec<Vec<(u64, Sighted)>>,
+    /// Some of the first frames in which no camera shows more than one person.
+    pub alone: Vec<Sighted>,
     /// Frames read.
     pub read: u64,
     /// Frames in which he was found.
@@ -74,10 +80,30 @@ impl Collected {
     }
 }
 
+/// Distance of the first later window from the first frame.
+const LATER: u64 = 240;
+/// Frames of a later window.
+const LATER_FRAMES: u64 = 60;
+/// Frames kept in which nobody needs to be told from anybody.
+const ALONE: usize = 8;
+
+/// Index of the later window that a frame belongs to, so many frames after the first.
+fn later_window(since: u64) -> Option<usize> {
+    let doublings = (since / LATER).checked_ilog2()?;
+    (since - (LATER << doublings) < LATER_FRAMES).then_some(doublings as usize)
+}
+
+/// What the cameras saw of the only person there is; `None` where there are more, or fewer than two cameras saw him.
+fn alone(people: &[Vec<Person>]) -> Option<Sighted> {
+    let seen = people.iter().filter(|view| !view.is_empty()).count();
+    let is_one = seen > 1 && people.iter().all(|view| view.len() < 2);
+    is_one.then(|| people.iter().map(|view| view.first().cloned().unwrap_or_default()).collect())
+}
+
 /// Follows the person through the frames.
 ///
 /// # Errors
-/// Those of the iterator; nobody found.
+/// Those of the iterator; nobody found; a calibration that fits the keypoints only when it is read differently.
 pub fn collect(
     cameras: &[Camera],
     layout: &Layout,
@@ -96,6 +122,9 @@ pub fn collect(
         for (count, people) in out.crowded.iter_mut().zip(&people) {
             *count += u64::from(!people.is_empty());
         }
+        if out.alone.len() < ALONE {
+            out.alone.extend(alone(&people));
+        }
         let associated = follow(&mut following, cameras, &people, None, &request.association);
         if !associated.is_present() {
             if behind.0 == 0 && out.found == 0 {
@@ -108,6 +137,11 @@ pub fn collect(
             following.lengths = limb_lengths(cameras, layout, &associated.people, &request.association);
         }
         let sighted: Sighted = associated.people;
+        let first = out.window.first().map_or(number, |(first, _)| *first);
+        if let Some(window) = later_window(number.saturating_sub(first)) {
+            out.later.resize_with(out.later.len().max(window + 1), Vec::new);
+            out.later[window].push((number, sighted.clone()));
+        }
         if out.window.len() < request.window {
             out.window.push((number, sighted.clone()));
         }
@@ -123,6 +157,7 @@ pub fn collect(
             stride *= 2;
         }
     }
+    calibration_fit::check(cameras, &out.alone)?;
     if out.found == 0 {
         return Err(nobody(cameras, layout, request, &out, behind));
     }
