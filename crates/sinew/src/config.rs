@@ -266,14 +266,30 @@ impl Resolved {
         })
     }
 
-    /// Settings with origins, as JSON; threads and places for output are left out.
+    /// Settings with origins, as JSON; threads and paths are left out, and a file is named without its folder: the same run is told in the same words wherever
+    /// it happens.
     #[must_use]
     pub fn to_json(&self) -> serde_json::Value {
-        let origin = |key: &str| self.values.get(key).map(|(_, origin)| origin.describe());
-        let of = |(key, value): (&str, Value)| {
-            (key.to_owned(), serde_json::json!({ "value": to_json(&value), "origin": origin(key) }))
+        let of = |setting: &setting::Setting| {
+            let (value, origin) = self.values.get(setting.key)?;
+            let origin = match origin {
+                Origin::File(path) => path.file_name().unwrap_or_default().to_string_lossy().into_owned(),
+                other => other.describe(),
+            };
+            let told = !is_local(setting.key) && !matches!(value, Value::Path(_));
+            told.then(|| (setting.key.to_owned(), serde_json::json!({ "value": to_json(value), "origin": origin })))
         };
-        self.repeated().map(of).collect::<serde_json::Map<_, _>>().into()
+        SETTINGS.iter().filter_map(of).collect::<serde_json::Map<_, _>>().into()
+    }
+
+    /// Files that settings name, by setting.
+    #[must_use]
+    pub fn files(&self) -> BTreeMap<&'static str, PathBuf> {
+        let file = |(key, (value, _)): (&&'static str, &(Value, Origin))| match value {
+            Value::Path(path) if path.is_file() => Some((*key, path.clone())),
+            _ => None,
+        };
+        self.values.iter().filter_map(file).collect()
     }
 
     /// Hash of the settings that change numbers: FNV-1a, 64 bits, over `key = value` lines.

@@ -77,6 +77,7 @@ pub fn track<S: FrameSource>(
     }
     settings.fps = config.fps.unwrap_or(DEFAULT_FPS);
 
+    let settings_files = file_hashes(resolved)?;
     let known = config.setup.as_deref().map(read_setup).transpose()?;
     if let Some(setup) = known.as_ref().filter(|_| resolved.is_given("body")) {
         same_body(&config.body, setup)?;
@@ -154,7 +155,8 @@ pub fn track<S: FrameSource>(
         })?;
     }
     drop(spool);
-    let (source_warnings, input_hashes) = inputs(source.source());
+    let (source_warnings, mut input_hashes) = inputs(source.source());
+    input_hashes.extend(settings_files);
     warnings.splice(0..0, source_warnings);
     warnings.extend(pipeline.warnings());
     let mut told = BTreeSet::new();
@@ -178,6 +180,16 @@ pub fn track<S: FrameSource>(
     let summary = results.finish(&ending)?;
     tracked?;
     Ok(Outcome { summary, ms_per_frame: 1e3 * track_s / done.max(1) as f64 })
+}
+
+/// Hashes of the files that settings name: set-up, body and layout; the calibration is the source's.
+fn file_hashes(resolved: &Resolved) -> Result<BTreeMap<String, String>, Error> {
+    let mut hashes = BTreeMap::new();
+    for (key, path) in resolved.files() {
+        let text = files::read_text(&path, MAX_CONFIG_BYTES)?;
+        hashes.insert(key.to_owned(), format!("{:016x}", files::fnv(files::FNV_START, text.as_bytes())));
+    }
+    Ok(hashes)
 }
 
 fn go_on(stop: &AtomicBool) -> ControlFlow<()> {

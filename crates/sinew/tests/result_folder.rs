@@ -68,7 +68,10 @@ fn everything_is_there_and_readable() {
     assert_eq!(summary["complete"], true);
     assert_eq!(summary["frames"], serde_json::json!([2, 8]));
     assert_eq!(summary["settings"]["frames"], serde_json::json!({ "value": "2..8", "origin": "flag" }));
-    assert!(summary["settings"].get("threads").is_none());
+    for key in ["threads", "calibration", "keypoints", "out"] {
+        assert!(summary["settings"].get(key).is_none(), "{key}");
+    }
+    assert!(!text("summary.json").contains(&trial.folder.path().display().to_string()));
     let zarr: serde_json::Value = serde_json::from_str(&text("posterior.zarr/zarr.json")).unwrap();
     assert_eq!(zarr["consolidated_metadata"]["kind"], "inline");
     assert!(!out.join("posterior.zarr/sample_stats/log_weight").exists());
@@ -264,6 +267,17 @@ fn places_that_cannot_be_written_are_named() {
     if fs::write(locked.join("probe"), "").is_err() {
         let told = trial.track_told(&["-olocked/out"]);
         assert!(told.starts_with("exit 5") && told.contains("locked/out"), "{told}");
+    }
+}
+
+#[test]
+fn a_particle_filter_that_failed_says_so_after_smoothing_too() {
+    let trial = trial(0.3);
+    for smooth in [&[][..], &["--smooth"]] {
+        let method = ["--method=bootstrap", "--particles=32", "-oout", "--force"];
+        let told = trial.told(&trial.run(&[&TRACK[..], &method, smooth].concat()));
+        assert!(told.starts_with("exit 4\n"), "{told}");
+        assert!(told.contains("diagnostic failed: the median effective sample size is "), "{told}");
     }
 }
 

@@ -353,3 +353,86 @@ fn quantiles<const N: usize>(values: &[f32], at: [f64; N]) -> Option<[f64; N]> {
     let last = sorted.len().checked_sub(1)?;
     Some(at.map(|q| f64::from(sorted[(q * last as f64).round() as usize])))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use sinew_observe::Camera;
+
+    /// What is told about frames with the numbers 10, 11, …
+    fn told(method: Method, frames: impl IntoIterator<Item = FrameEstimate>) -> (Vec<String>, Vec<String>) {
+        let camera = Camera::look_at("C1", [640.0, 480.0], 500.0, [3.0, 0.0, 1.0], [0.0, 0.0, 1.0]).unwrap();
+        let info = RunInfo {
+            method: method.name().into(),
+            kind: Default::default(),
+            fps: 30.0,
+            first_frame: 10,
+            draws: 1,
+            carried: Default::default(),
+            seed: 1,
+            isa: "baseline".into(),
+            cameras: vec![camera],
+            keypoints: vec!["Nose".into()],
+            camera_offset_px: vec![[0.0; 2]],
+            sigma_px: 4.0,
+            setup_toml: String::new(),
+            body: crate::bodies::find("cf28").unwrap(),
+        };
+        let mut statistics = Statistics::new(&info, Texts::default());
+        for (number, frame) in (10..).zip(frames) {
+            statistics.add(&FrameEstimate { number, ..frame });
+        }
+        let summary = statistics.summary(&info, &Ending::default());
+        (summary.warnings, summary.failed_diagnostics)
+    }
+
+    fn usual() -> FrameEstimate {
+        FrameEstimate { observed: true, ess: 40.0, r_hat: Some(1.01), trajectories: 100, ..FrameEstimate::default() }
+    }
+
+    #[test]
+    fn frames_that_begin_anew_are_told_when_they_are_many() {
+        let with = |restarts: usize| {
+            told(Method::Hmc, (0..20).map(move |i| FrameEstimate { restarted: i <= restarts, ..usual() }))
+        };
+        // The first frame always begins.
+        assert_eq!(with(2), (vec![], vec![]));
+        let (warnings, _) = with(3);
+        assert_eq!(
+            warnings,
+            ["tracking began anew in 3 of 20 frames, which are then fits of single frames (`restarted` in frames.csv)"]
+        );
+    }
+
+    #[test]
+    fn spans_without_observation_and_large_residuals_are_told() {
+        let frame = |i: u64| FrameEstimate {
+            observed: !matches!(i, 3 | 5..8),
+            residual_px: vec![(i > 2).then_some(12.5)],
+            ..usual()
+        };
+        let (warnings, _) = told(Method::Hmc, (0..12).map(frame));
+        let expected = [
+            "frame 13: no observation in any camera; estimates come from the motion model only",
+            "frames 15-17: no observation in any camera; estimates come from the motion model only",
+            "C1: residual of 12.5 px, more than three times the noise of 4.0 px",
+        ];
+        assert_eq!(warnings, expected);
+        let (warnings, _) = told(Method::Hmc, (0..12).map(|i| FrameEstimate { observed: i % 2 == 1, ..usual() }));
+        assert_eq!((warnings.len(), warnings[5].as_str()), (6, "1 more spans without observation"));
+    }
+
+    #[test]
+    fn each_diagnostic_fails_beyond_its_limit() {
+        let frames = |high: usize| {
+            (0..40).map(move |i| FrameEstimate { r_hat: Some(if i < high { 1.2 } else { 1.0 }), ..usual() })
+        };
+        assert_eq!(told(Method::Hmc, frames(2)).1, Vec::<String>::new());
+        assert_eq!(told(Method::Hmc, frames(3)).1, ["split R-hat is above 1.05 in 3 of 40 frames; at most 5 % may be"]);
+        let diverging = (0..4).map(|_| FrameEstimate { divergences: 2, ..usual() });
+        assert_eq!(told(Method::Hmc, diverging).1, ["8 of 400 trajectories diverged; at most 1 % may"]);
+        let few = || (0..4).map(|_| FrameEstimate { ess: 9.4, ..usual() });
+        let message = "the median effective sample size is 9.4; at least 10 is needed";
+        assert_eq!((told(Method::Hmc, few()).1, told(Method::Bootstrap, few()).1), (vec![], vec![message.to_owned()]));
+    }
+}
