@@ -84,6 +84,8 @@ pub struct HmcStatistics {
 pub struct Draws {
     /// States, one after the other.
     pub states: Vec<f64>,
+    /// Size of the body in each, as a multiple of [`RunInfo::body`]; empty where the size is known.
+    pub size: Vec<f64>,
     /// Log posterior density of each, up to a constant of the frame.
     pub lp: Vec<f64>,
     /// For Hamiltonian samplers.
@@ -151,6 +153,8 @@ pub struct Carried {
     pub log_evidence: bool,
     /// Number of particles, with [`ParticleStatistics`].
     pub particles: Option<usize>,
+    /// Size of each draw.
+    pub size: bool,
 }
 
 /// What is the same for all frames of a run.

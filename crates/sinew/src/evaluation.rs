@@ -77,7 +77,7 @@ pub fn run(
         filtered.push(estimate);
         Ok(ControlFlow::Continue(()))
     })?;
-    pipeline::smooth(&mut spool, pipeline.transition(), &tree, settings, |estimate| {
+    pipeline::smooth(&mut spool, &pipeline, &tree, |estimate| {
         smoothed.push(estimate);
         Ok(ControlFlow::Continue(()))
     })?;

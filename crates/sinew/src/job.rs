@@ -106,7 +106,7 @@ pub fn track<S: FrameSource>(
         first_frame: frames.start,
         draws: if config.smooth { settings.draws.min(pipeline::TRAJECTORIES) } else { settings.draws },
         carried: if config.smooth {
-            Carried { log_evidence: carried.log_evidence, ..Carried::default() }
+            Carried { log_evidence: carried.log_evidence, size: carried.size, ..Carried::default() }
         } else {
             carried
         },
@@ -147,7 +147,7 @@ pub fn track<S: FrameSource>(
     let track_s = clock.elapsed().as_secs_f64() - setup_s;
     if let Some(spool) = &mut spool {
         let mut smoothed = 0;
-        pipeline::smooth(spool, pipeline.transition(), &tree, &settings, |estimate| {
+        pipeline::smooth(spool, &pipeline, &tree, |estimate| {
             results.append(&estimate)?;
             smoothed += 1;
             (watch.progress)(Pass::Smooth, smoothed, done);

@@ -17,6 +17,7 @@ mod restart;
 mod scene;
 mod smooth;
 mod source;
+mod unknown_size;
 
 pub use scene::Scene;
 pub use smooth::{Spool, TRAJECTORIES, smooth};
@@ -43,6 +44,7 @@ use std::cell::RefCell;
 use std::ops::{ControlFlow, Range};
 use std::sync::PoisonError;
 use std::sync::atomic::Ordering;
+use unknown_size::UnknownSize;
 
 /// Trackers that the program offers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -148,7 +150,7 @@ impl Pipeline {
         let (for_new, walk, known) = (settings.clone(), transition.clone(), setup.clone());
         let make = Box::new(move |start| tracker(&known, &for_new, &walk, start));
         let tracker = Restarting::new(make, scene.start().to_vec())?;
-        let marginals = Marginals::new(tree, settings.isa);
+        let marginals = Marginals::new(tree, settings.isa, UnknownSize::of(setup, cameras, settings.seed));
         Ok(Self { settings, tracker, scene, marginals, transition })
     }
 
@@ -156,7 +158,8 @@ impl Pipeline {
     #[must_use]
     pub fn carried(&self) -> Carried {
         let hmc = self.settings.method == Method::Hmc;
-        Carried { lp: hmc, hmc, log_evidence: true, particles: (!hmc).then_some(self.settings.particles) }
+        let size = self.marginals.size().is_some();
+        Carried { lp: hmc, hmc, log_evidence: true, particles: (!hmc).then_some(self.settings.particles), size }
     }
 
     /// Names of the keypoints that are points of the body.
@@ -169,12 +172,6 @@ impl Pipeline {
     #[must_use]
     pub fn warnings(&self) -> Vec<String> {
         self.scene.warnings()
-    }
-
-    /// The motion prior.
-    #[must_use]
-    pub fn transition(&self) -> &RandomWalk {
-        &self.transition
     }
 
     /// Tracks the frames of `numbers`, in order, and gives each estimate with the moments of its posterior to `record`, which may stop the run. Call it again to go on.
@@ -362,6 +359,7 @@ fn describe(
         resampled: info.resampled.unwrap_or(false),
     });
     let (points, state) = marginals.of(posterior);
+    let size = marginals.size_draws(kept.iter().copied(), &mut states, posterior.dim);
     let cameras = scene.cameras_with_person();
     FrameEstimate {
         number,
@@ -378,7 +376,7 @@ fn describe(
         mean_state: info.mean,
         points,
         state,
-        draws: Draws { states, lp: chosen.iter().map(|s| s.log_density).collect(), hmc },
+        draws: Draws { states, size, lp: chosen.iter().map(|s| s.log_density).collect(), hmc },
         particles,
         ess: info.ess,
         log_evidence: info.log_evidence,

@@ -1,6 +1,6 @@
 //! `posterior.zarr`: equal-weight draws and their statistics, streamed chunk by chunk for ArviZ and xarray.
 //!
-//! `posterior` holds the rotations of the state, the root's place and the position of every point; `sample_stats` what the method brings and nothing else; `observed_data` the keypoints that were used.
+//! `posterior` holds the rotations of the state, the root's place, the position of every point and, where it was not measured, the size of the body; `sample_stats` what the method brings and nothing else; `observed_data` the keypoints that were used.
 
 use super::partial::partial_path;
 use super::storage::Storage;
@@ -106,10 +106,20 @@ impl DrawStore {
         for (state, out) in states().zip(markers.chunks_exact_mut((3 * self.plan.points()).max(1))) {
             point_positions(&self.plan, self.isa, state, out);
         }
+        if self.carried.size {
+            let roots = root.chunks_exact(3).zip(&draws.size);
+            for ((root, size), points) in roots.zip(markers.chunks_exact_mut((3 * self.plan.points()).max(1))) {
+                let about = points.iter_mut().zip(root.iter().cycle());
+                about.for_each(|(x, root)| *x = root + size * (*x - root));
+            }
+        }
         let steps: Vec<i64> = draws.hmc.iter().flat_map(|hmc| &hmc.n_steps).map(|&n| i64::from(n)).collect();
         let evidence = [estimate.log_evidence.unwrap_or(f64::NAN)];
         let ess = [estimate.ess];
         let mut values = vec![Values::Numbers(&angle), Values::Numbers(&root), Values::Numbers(&markers)];
+        if self.carried.size {
+            values.push(Values::Numbers(&draws.size));
+        }
         if self.carried.lp {
             values.push(Values::Numbers(&draws.lp));
         }
@@ -175,7 +185,7 @@ fn schema(info: &RunInfo, rotations: &[usize]) -> sinew_formats::zarr::Schema {
             statistics.variables.push(Variable::new(name, dimensions, data_type));
         }
     };
-    let Carried { lp, hmc, log_evidence, particles } = info.carried;
+    let Carried { lp, hmc, log_evidence, particles, size } = info.carried;
     add(lp, "lp", per_draw, DataType::Float64);
     add(hmc, "acceptance_rate", per_draw, DataType::Float64);
     add(hmc, "step_size", per_draw, DataType::Float64);
@@ -207,6 +217,10 @@ fn schema(info: &RunInfo, rotations: &[usize]) -> sinew_formats::zarr::Schema {
         variable: Variable::new("camera_centre", &["camera", "axis"], DataType::Float64).with_attribute("units", "m"),
         values: centres.collect(),
     });
-    schema.groups.extend([inference_data::posterior(&run), statistics, observed, constants]);
+    let mut posterior = inference_data::posterior(&run);
+    if size {
+        posterior.variables.push(Variable::new("size", per_draw, DataType::Float32));
+    }
+    schema.groups.extend([posterior, statistics, observed, constants]);
     schema
 }

@@ -1,7 +1,9 @@
 //! Marginals of points and degrees of freedom from the draws of a frame.
 //!
-//! Quantiles are those of the weighted draws: the least value at which the cumulated weight reaches p.
+//! Quantiles are those of the weighted draws: the least value at which the cumulated weight reaches p. A body of unknown size before one camera has draws of all
+//! sizes ([`UnknownSize`]).
 
+use super::unknown_size::UnknownSize;
 use crate::estimate::{PointMarginal, StateMarginal};
 use rayon::prelude::*;
 use sinew_body::{KinematicTree, Plan, point_positions_block};
@@ -12,6 +14,7 @@ use sinew_tracking::posterior::Posterior;
 pub(super) struct Marginals {
     plan: Plan,
     isa: Isa,
+    size: Option<UnknownSize>,
     /// Positions of all points in each block of draws.
     positions: Vec<Block>,
 }
@@ -43,15 +46,34 @@ fn describe(series: &mut [f64], weights: &[f64], equal: bool) -> [f64; 4] {
 }
 
 impl Marginals {
-    pub(super) fn new(tree: &KinematicTree, isa: Isa) -> Self {
-        Self { plan: Plan::with_all_points(tree), isa, positions: vec![] }
+    pub(super) fn new(tree: &KinematicTree, isa: Isa, size: Option<UnknownSize>) -> Self {
+        Self { plan: Plan::with_all_points(tree), isa, size, positions: vec![] }
+    }
+
+    /// Sizes of the draws, for a body that was not measured.
+    pub(super) const fn size(&self) -> Option<&UnknownSize> {
+        self.size.as_ref()
+    }
+
+    /// Moves the states of some draws to where a body of their size stands, and gives these sizes; nothing for a body of known size. After [`Marginals::of`].
+    pub(super) fn size_draws(&self, draws: impl Iterator<Item = usize>, states: &mut [f64], dim: usize) -> Vec<f64> {
+        let Some(size) = &self.size else { return vec![] };
+        let place = |(draw, state): (usize, &mut [f64])| {
+            size.place_root(draw, state);
+            size.factor(draw)
+        };
+        draws.zip(states.chunks_exact_mut(dim)).map(place).collect()
     }
 
     /// Marginals of all points of the body and of all degrees of freedom.
     pub(super) fn of(&mut self, posterior: &Posterior<'_>) -> (Vec<PointMarginal>, Vec<StateMarginal>) {
-        let Self { plan, isa, positions } = self;
+        let Self { plan, isa, size, positions } = self;
         let (d, coordinates) = (posterior.dim, 3 * plan.points());
-        positions.resize(posterior.count().div_ceil(LANES) * coordinates, Block::ZERO);
+        let count = posterior.count().div_ceil(LANES);
+        if let Some(size) = size {
+            size.prepare(count);
+        }
+        positions.resize(count * coordinates, Block::ZERO);
         let blocks = posterior.states.par_chunks_exact(d).zip(positions.par_chunks_exact_mut(coordinates));
         let scratch = || vec![Block::ZERO; plan.workspace()];
         blocks.for_each_init(scratch, |ws, (states, out)| point_positions_block(plan, *isa, states, out, ws));
@@ -60,7 +82,11 @@ impl Marginals {
         let of_column = |series: &mut Vec<f64>, all: &[Block], width: usize, column: usize| {
             let blocks = all.iter().skip(column).step_by(width);
             series.clear();
-            series.extend(blocks.flat_map(|block| block.0).take(posterior.count()));
+            match size.as_ref().filter(|_| width == coordinates || column < 3) {
+                None => series.extend(blocks.flat_map(|block| block.0)),
+                Some(size) => series.extend(blocks.enumerate().flat_map(|(i, x)| size.place(i, column % 3, *x).0)),
+            }
+            series.truncate(posterior.count());
             describe(series, posterior.weights, equal)
         };
         let described: Vec<[f64; 4]> = (0..coordinates + d)
@@ -86,6 +112,7 @@ impl Marginals {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use sinew_observe::Camera;
 
     #[test]
     fn quantiles_of_equal_and_of_given_weights_agree() {
@@ -95,6 +122,47 @@ mod tests {
         assert_eq!(describe(&mut series, &weights, true)[2..], [4.0, 94.0]);
         assert!((weighted[0] - 49.5).abs() < 1e-12);
         assert!((weighted[2] - 4.0).abs() <= 1.0 && (weighted[3] - 94.0).abs() <= 1.0);
+    }
+
+    /// One camera five metres in front of a body of unknown size.
+    #[test]
+    fn an_unknown_size_widens_the_intervals_along_the_ray_only() {
+        let tree = sinew_body::standard::h32(&sinew_body::Proportions::default());
+        let camera = Camera::look_at("C1", [1000.0; 2], 1000.0, [5.0, 0.0, 1.0], [0.0, 0.0, 1.0]).unwrap();
+        let (draws, d) = (4096, tree.dof());
+        let mut states = vec![Block::ZERO; draws / LANES * d];
+        states.iter_mut().skip(2).step_by(d).for_each(|z| *z = Block([1.0; LANES]));
+        let weights = vec![1.0 / draws as f64; draws];
+        let posterior = Posterior { dim: d, states: &states, weights: &weights, effective: 1.0, chain_stats: &[] };
+        let size = UnknownSize::with_sd(&camera, 0.05, 1);
+        let mut marginals = Marginals::new(&tree, Isa::best(), Some(size));
+        let (points, state) = marginals.of(&posterior);
+        let hip = points[tree.point_index("MidHip").unwrap()];
+        assert!((hip.sd[0] - 0.25).abs() < 0.02 && hip.sd[1] < 1e-12 && hip.sd[2] < 0.01, "{hip:?}");
+        assert!((hip.q95[0] - hip.q05[0] - 2.0 * 1.645 * 0.25).abs() < 0.04, "{hip:?}");
+        assert!((state[0].q95 - state[0].q05 - (hip.q95[0] - hip.q05[0])).abs() < 0.01);
+
+        // Every draw is seen at the same pixels.
+        let mut kept: Vec<f64> =
+            (0..8).flat_map(|i| states[i / LANES * d..][..d].iter().map(move |b| b.0[i % LANES])).collect();
+        let sizes = marginals.size_draws(0..8, &mut kept, d);
+        let plan = Plan::with_all_points(&tree);
+        let nose = |state: &[f64], size: f64| {
+            let mut positions = vec![0.0; 3 * plan.points()];
+            sinew_body::point_positions(&plan, Isa::baseline(), state, &mut positions);
+            let k = tree.point_index("Nose").unwrap();
+            camera
+                .project([0, 1, 2].map(|a: usize| state[a] + size * (positions[3 * k + a] - state[a])))
+                .pixel()
+                .unwrap()
+        };
+        let mut first = vec![0.0; d];
+        first[2] = 1.0;
+        let [u, v] = nose(&first, 1.0);
+        for (state, size) in kept.chunks_exact(d).zip(sizes) {
+            let [a, b] = nose(state, size);
+            assert!((a - u).hypot(b - v) < 1e-9 && (size - 1.0).abs() > 1e-6);
+        }
     }
 
     #[test]

@@ -10,14 +10,13 @@
 //! of frames; the file takes some 40 kB a frame and is removed at the end.
 
 use super::marginals::Marginals;
-use super::{Settings, numerical};
+use super::{Pipeline, numerical};
 use crate::Error;
 use crate::estimate::{Draws, FrameEstimate, Quality};
 use sinew_body::KinematicTree;
 use sinew_core::lanes::{Block, LANES, get_lane, set_lane};
 use sinew_core::random::Stage;
 use sinew_core::transition::Moments;
-use sinew_dynamics::random_walk::RandomWalk;
 use sinew_dynamics::smoother::Smoother;
 use sinew_tracking::posterior::Posterior;
 use std::fs::{self, File};
@@ -157,13 +156,13 @@ impl Drop for Spool {
 /// [`Error::Io`], a covariance that cannot be factored, and those of `record`.
 pub fn smooth(
     spool: &mut Spool,
-    walk: &RandomWalk,
+    pipeline: &Pipeline,
     tree: &KinematicTree,
-    settings: &Settings,
     mut record: impl FnMut(FrameEstimate) -> Result<ControlFlow<()>, Error>,
 ) -> Result<(), Error> {
     let (d, at) = (spool.dim, spool.header());
-    let smoother = Smoother::random_walk(walk.sd());
+    let (settings, size) = (&pipeline.settings, pipeline.marginals.size().cloned());
+    let smoother = Smoother::random_walk(pipeline.transition.sd());
     let mut states = vec![Block::ZERO; TRAJECTORIES / LANES * d];
     let mut next: Option<Moments> = None;
     for frame in (0..spool.frames).rev() {
@@ -188,7 +187,7 @@ pub fn smooth(
         next = if spool.restarted(frame)? { None } else { Some(smoothed) };
     }
     let weights = vec![1.0 / TRAJECTORIES as f64; TRAJECTORIES];
-    let mut marginals = Marginals::new(tree, settings.isa);
+    let mut marginals = Marginals::new(tree, settings.isa, size);
     for frame in 0..spool.frames {
         let numbers = spool.read_at(frame, at, (1 + TRAJECTORIES) * d)?;
         let (mean_state, numbers) = numbers.split_at(d);
@@ -198,7 +197,9 @@ pub fn smooth(
         let posterior =
             Posterior { dim: d, states: &states, weights: &weights, effective: TRAJECTORIES as f64, chain_stats: &[] };
         let (points, state) = marginals.of(&posterior);
-        let draws = Draws { states: numbers[..settings.draws.min(TRAJECTORIES) * d].to_vec(), ..Draws::default() };
+        let mut kept = numbers[..settings.draws.min(TRAJECTORIES) * d].to_vec();
+        let size = marginals.size_draws(0..TRAJECTORIES, &mut kept, d);
+        let draws = Draws { states: kept, size, ..Draws::default() };
         let estimate = FrameEstimate {
             mean_state: mean_state.to_vec(),
             points,

@@ -134,6 +134,9 @@ pub struct Setup {
     pub up_axis: String,
     /// Distance between a keypoint and the body's point, per axis, metres.
     pub model_error_m: f64,
+    /// Standard deviation of the logarithm of the body's size about that of `proportions`: 0 where it was measured or given.
+    #[serde(default)]
+    pub size_sd: f64,
     /// Frame of `start_pose`.
     pub start_frame: u64,
     /// State of the body in that frame.
@@ -231,6 +234,9 @@ impl Setup {
         }
         if !(self.model_error_m >= 0.0 && self.model_error_m.is_finite()) {
             problems.push(format!("model_error_m = {}; must not be negative", self.model_error_m));
+        }
+        if !(0.0..1.0).contains(&self.size_sd) {
+            problems.push(format!("size_sd = {}; must be at least 0 and less than 1", self.size_sd));
         }
         for camera in &self.camera {
             if !(camera.sigma_px > 0.0 && camera.sigma_px.is_finite()) {

@@ -1,0 +1,61 @@
+//! One camera cannot tell a small person from a tall one farther away.
+//!
+//! When the body and its place are both scaled by s about the centre C of a camera, `P' = C + s (P − C)`, no pixel moves: the likelihood says nothing about s, and its
+//! posterior is its prior, `ln s ~ N(0, sd²)`. So each draw of a pose gets an independent s. It moves the root to `R' = C + s (R − C)` and makes the body s times as
+//! large about it. The same draw has the same s in every frame, as a trajectory of the smoother must.
+
+use crate::setup::Setup;
+use sinew_core::lanes::{Block, Isa, LANES};
+use sinew_core::random::Stage;
+use sinew_observe::Camera;
+
+/// Sizes of a body that was not measured, before a camera.
+#[derive(Clone, Debug)]
+pub(super) struct UnknownSize {
+    centre: [f64; 3],
+    sd: f64,
+    seed: u64,
+    /// Factor of each draw, in blocks like those of the draws.
+    factors: Vec<Block>,
+}
+
+impl UnknownSize {
+    /// `None` where the size of the body is known.
+    pub(super) fn of(setup: &Setup, cameras: &[Camera], seed: u64) -> Option<Self> {
+        let camera = cameras.first().filter(|_| setup.size_sd > 0.0)?;
+        Some(Self::with_sd(camera, setup.size_sd, seed))
+    }
+
+    /// Sizes with a standard deviation of `ln s` before a camera.
+    pub(super) fn with_sd(camera: &Camera, sd: f64, seed: u64) -> Self {
+        Self { centre: camera.centre(), sd, seed, factors: vec![] }
+    }
+
+    /// Draws the factors of so many blocks.
+    pub(super) fn prepare(&mut self, blocks: usize) {
+        if self.factors.len() < blocks {
+            self.factors.resize(blocks, Block::ZERO);
+            Stage::new(self.seed, "size").whole().fill_normal(Isa::baseline(), &mut self.factors);
+            self.factors.iter_mut().flat_map(|block| &mut block.0).for_each(|x| *x = (self.sd * *x).exp());
+        }
+    }
+
+    /// Factor of a draw.
+    pub(super) fn factor(&self, draw: usize) -> f64 {
+        self.factors[draw / LANES].0[draw % LANES]
+    }
+
+    /// Moves coordinate `axis` of a point away from the camera or towards it, in a block of draws.
+    pub(super) fn place(&self, block: usize, axis: usize, x: Block) -> Block {
+        let centre = self.centre[axis];
+        let mut moved = x;
+        moved.0.iter_mut().zip(self.factors[block].0).for_each(|(x, s)| *x = centre + s * (*x - centre));
+        moved
+    }
+
+    /// Moves the root of a state, its first three coordinates.
+    pub(super) fn place_root(&self, draw: usize, state: &mut [f64]) {
+        let s = self.factor(draw);
+        state.iter_mut().zip(self.centre).for_each(|(x, centre)| *x = centre + s * (*x - centre));
+    }
+}
