@@ -11,6 +11,7 @@ use sinew::pipeline::{FrameSource as _, Method, Settings};
 use sinew::recording::{Options, Recording};
 use sinew::synthetic::cmu;
 use sinew::synthetic::detector::DetectorNoise;
+use sinew::synthetic::points::Trajectories;
 use sinew::synthetic::recording::{Recording as Synthetic, Script};
 use std::error::Error;
 use std::path::{Path, PathBuf};
@@ -109,7 +110,9 @@ fn butterworth(data: &Path) -> Outcome<Track> {
 
 fn reference(data: &Path) -> Outcome<()> {
     let reference = butterworth(data)?;
-    println!("\n| folder | method | frames 0–59, mm | frames 60–99, mm | mean sd, mm | split R-hat, median / 95 % |");
+    println!(
+        "\n| folder | method | frames 0–59, mm | frames 60–99, mm | mean spread, mm | split R-hat, median / 95 % |"
+    );
     println!("|---|---|---|---|---|---|");
     for folder in ["pose", "pose-associated"] {
         for method in [Method::Hmc, Method::Bootstrap] {
@@ -119,7 +122,7 @@ fn reference(data: &Path) -> Outcome<()> {
             for (name, estimates) in [("", &run.filtered), (" --smooth", &run.smoothed)] {
                 let track = evaluation::positions(&run.tree, estimates, &LIMB_JOINTS);
                 let mm = |frames| 1e3 * evaluation::mean_distance(&track, &reference, frames);
-                let sd = 1e3 * evaluation::mean_sd(&run.tree, &estimates[JUDGED], &LIMB_JOINTS);
+                let sd = 1e3 * evaluation::mean_spread(&run.tree, &estimates[JUDGED], &LIMB_JOINTS);
                 let (early, late) = (mm(CHOSEN), mm(JUDGED));
                 println!("| {folder} | {}{name} | {early:.1} | {late:.1} | {sd:.1} | {r_hat} |", method.name());
             }
@@ -151,6 +154,9 @@ fn leave_out(data: &Path) -> Outcome<()> {
     let reference = butterworth(data)?;
     let whole = open(data, "pose-associated", None)?;
     let (cameras, layout) = (whole.cameras().to_vec(), whole.layout().clone());
+    let points = |frame: &Vec<Option<[f64; 3]>>| frame.iter().map(|p| p.unwrap_or([f64::NAN; 3])).collect();
+    let known =
+        Trajectories { names: LIMB_JOINTS.map(Into::into).into(), frames: reference.iter().map(points).collect() };
     let mut growth = vec![];
     for size in [4, 3, 2, 1] {
         let subsets: Vec<Vec<usize>> = (0_u32..1 << cameras.len())
@@ -175,7 +181,10 @@ fn leave_out(data: &Path) -> Outcome<()> {
             ];
             for (i, estimates) in [&run.filtered, &run.smoothed].into_iter().enumerate() {
                 let error = 1e3 * evaluation::mean_distance(&tracks[3 + i], &reference, JUDGED);
-                errors[i].push([error, 1e3 * evaluation::mean_sd(&run.tree, &estimates[JUDGED], &LIMB_JOINTS)]);
+                let spread = 1e3 * evaluation::mean_spread(&run.tree, &estimates[JUDGED], &LIMB_JOINTS);
+                let inside = evaluation::covered(&run.tree, &estimates[JUDGED], &known, &LIMB_JOINTS);
+                let share = inside.iter().flatten().sum::<f64>() / (inside.len() * LIMB_JOINTS.len()) as f64;
+                errors[i].push([error, spread, 100.0 * share]);
             }
             for other in (0..cameras.len()).filter(|c| !used.contains(c)) {
                 let keypoints = seen.iter().map(|frame| &frame[other]).collect();
@@ -189,13 +198,15 @@ fn leave_out(data: &Path) -> Outcome<()> {
         if size == 3 || size == 2 {
             print_pixels(size, cameras.len(), &pixels);
         }
-        let mean = |all: &[[f64; 2]], i: usize| all.iter().map(|x| x[i]).sum::<f64>() / all.len() as f64;
-        growth.push((size, [0, 1].map(|m: usize| [0, 1].map(|i| mean(&errors[m], i)))));
+        let mean = |all: &[[f64; 3]], i: usize| all.iter().map(|x| x[i]).sum::<f64>() / all.len() as f64;
+        growth.push((size, [0, 1].map(|m: usize| [0, 1, 2].map(|i| mean(&errors[m], i)))));
     }
-    println!("\n| cameras | hmc: error, mm | hmc: mean sd, mm | --smooth: error, mm | --smooth: mean sd, mm |");
+    println!("\n| cameras | method | error, mm | mean spread, mm | reference inside the 90 % intervals, % |");
     println!("|---|---|---|---|---|");
-    for (size, [[a, b], [c, d]]) in growth {
-        println!("| {size} | {a:.1} | {b:.1} | {c:.1} | {d:.1} |");
+    for (size, methods) in growth {
+        for (name, [error, spread, share]) in ["hmc", "hmc --smooth"].into_iter().zip(methods) {
+            println!("| {size} | {name} | {error:.1} | {spread:.1} | {share:.0} |");
+        }
     }
     Ok(())
 }

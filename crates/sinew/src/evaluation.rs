@@ -93,12 +93,13 @@ pub fn positions(tree: &KinematicTree, estimates: &[FrameEstimate], names: &[&st
     points.frames.iter().map(|frame| columns.iter().map(|k| k.map(|k| frame[k])).collect()).collect()
 }
 
-/// Mean over frames and named points of the standard deviation per axis, metres.
+/// Mean over frames and named points of the spread in space, the root of the summed variances of x, y and z, metres: what [`mean_distance`] should be near to.
 #[must_use]
-pub fn mean_sd(tree: &KinematicTree, estimates: &[FrameEstimate], names: &[&str]) -> f64 {
+pub fn mean_spread(tree: &KinematicTree, estimates: &[FrameEstimate], names: &[&str]) -> f64 {
     let columns = || names.iter().filter_map(|name| tree.point_index(name));
-    let all = estimates.iter().flat_map(|e| columns().flat_map(|k| e.points[k].sd));
-    let (sum, count) = all.fold((0.0, 0.0), |(sum, count), sd| (sum + sd, count + 1.0));
+    let spread = |sd: [f64; 3]| sd.iter().map(|sd| sd * sd).sum::<f64>().sqrt();
+    let all = estimates.iter().flat_map(|e| columns().map(move |k| spread(e.points[k].sd)));
+    let (sum, count) = all.fold((0.0, 0.0), |(sum, count), spread| (sum + spread, count + 1.0));
     sum / count
 }
 
@@ -144,21 +145,30 @@ pub fn filled(track: &Track) -> Track {
     out
 }
 
-/// Second-order Butterworth low-pass by the bilinear transform: `y = b0 x + b1 x' + b2 x'' − a1 y' − a2 y''`.
-fn low_pass(series: &[f64], rate_hz: f64, cutoff_hz: f64) -> Vec<f64> {
+/// Butterworth low-pass as sections of second order by the bilinear transform, `y = b0 x + b1 x' + b2 x'' − a1 y' − a2 y''`, each given by its damping, twice the
+/// negative cosine of the angle of its poles.
+fn low_pass(series: &[f64], rate_hz: f64, cutoff_hz: f64, dampings: &[f64]) -> Vec<f64> {
     let Some(&first) = series.first() else { return vec![] };
     let w = (PI * cutoff_hz / rate_hz).tan();
-    let norm = 1.0 + std::f64::consts::SQRT_2 * w + w * w;
-    let (b, a1, a2) = (w * w / norm, 2.0 * (w * w - 1.0) / norm, (1.0 - std::f64::consts::SQRT_2 * w + w * w) / norm);
-    // Begins as if the first value had always been.
-    let (mut x1, mut x2, mut y1, mut y2) = (first, first, first, first);
-    let step = |&x: &f64| {
-        let y = b * (x + 2.0 * x1 + x2) - a1 * y1 - a2 * y2;
-        (x2, x1, y2, y1) = (x1, x, y1, y);
-        y
-    };
-    series.iter().map(step).collect()
+    let mut out = series.to_vec();
+    for damping in dampings {
+        let norm = 1.0 + damping * w + w * w;
+        let (b, a1, a2) = (w * w / norm, 2.0 * (w * w - 1.0) / norm, (1.0 - damping * w + w * w) / norm);
+        // Begins as if the first value had always been.
+        let (mut x1, mut x2, mut y1, mut y2) = (first, first, first, first);
+        for value in &mut out {
+            let x = *value;
+            *value = b * (x + 2.0 * x1 + x2) - a1 * y1 - a2 * y2;
+            (x2, x1, y2, y1) = (x1, x, y1, *value);
+        }
+    }
+    out
 }
+
+/// Dampings of the Butterworth filter of second order.
+const SECOND_ORDER: [f64; 1] = [std::f64::consts::SQRT_2];
+/// Dampings of the Butterworth filter of fourth order, `2 cos(π/8)` and `2 cos(3π/8)`.
+const FOURTH_ORDER: [f64; 2] = [1.847_759_065_022_573_5, 0.765_366_864_730_179_6];
 
 /// Forward and backward, ends continued by reflection through the end point.
 fn low_pass_both_ways(series: &[f64], rate_hz: f64, cutoff_hz: f64) -> Vec<f64> {
@@ -167,9 +177,9 @@ fn low_pass_both_ways(series: &[f64], rate_hz: f64, cutoff_hz: f64) -> Vec<f64> 
     let before = (1..=pad).rev().map(|i| 2.0 * series[0] - series[i]);
     let after = (1..=pad).map(|i| 2.0 * series[n - 1] - series[n - 1 - i]);
     let extended: Vec<f64> = before.chain(series.iter().copied()).chain(after).collect();
-    let mut once = low_pass(&extended, rate_hz, cutoff_hz);
+    let mut once = low_pass(&extended, rate_hz, cutoff_hz, &SECOND_ORDER);
     once.reverse();
-    let mut twice = low_pass(&once, rate_hz, cutoff_hz);
+    let mut twice = low_pass(&once, rate_hz, cutoff_hz, &SECOND_ORDER);
     twice.reverse();
     twice[pad..pad + n].to_vec()
 }
@@ -190,10 +200,10 @@ fn each_coordinate(track: &Track, filter: impl Fn(&[f64]) -> Vec<f64>) -> Track 
     out
 }
 
-/// A Butterworth low-pass of second order, forward only.
+/// A Butterworth low-pass of fourth order, forward only.
 #[must_use]
 pub fn causal(track: &Track, rate_hz: f64, cutoff_hz: f64) -> Track {
-    each_coordinate(track, |series| low_pass(series, rate_hz, cutoff_hz))
+    each_coordinate(track, |series| low_pass(series, rate_hz, cutoff_hz, &FOURTH_ORDER))
 }
 
 /// A Butterworth low-pass of second order forward and backward: fourth order without delay, from the whole recording.
@@ -330,18 +340,25 @@ mod tests {
         (0..n).map(|t| (2.0 * PI * hz * t as f64 / 60.0).sin()).collect()
     }
 
+    /// Amplitude of a wave of whole periods.
     fn amplitude(series: &[f64]) -> f64 {
-        series.iter().map(|x| x.abs()).fold(0.0, f64::max)
+        (2.0 * series.iter().map(|x| x * x).sum::<f64>() / series.len() as f64).sqrt()
     }
 
     #[test]
     fn the_low_pass_has_half_the_power_at_its_cutoff_and_keeps_constants() {
-        let once = low_pass(&wave(6.0, 600), 60.0, 6.0);
-        // Ten samples a period: the largest one is at most 5 % below the amplitude.
-        assert!((amplitude(&once[300..]) - 0.5_f64.sqrt()).abs() < 0.03, "{}", amplitude(&once[300..]));
+        for order in [&SECOND_ORDER[..], &FOURTH_ORDER] {
+            let once = low_pass(&wave(6.0, 600), 60.0, 6.0, order);
+            assert!((amplitude(&once[300..]) - 0.5_f64.sqrt()).abs() < 1e-6, "{}", amplitude(&once[300..]));
+            // Beyond the cutoff the power falls with the frequency to twice the order, which the bilinear transform counts as tan(π f / rate).
+            let ratio = (PI * 0.2).tan() / (PI * 0.1).tan();
+            let expected = (1.0 + ratio.powi(4 * order.len() as i32)).sqrt().recip();
+            let beyond = amplitude(&low_pass(&wave(12.0, 600), 60.0, 6.0, order)[300..]);
+            assert!((beyond / expected - 1.0).abs() < 1e-6, "{beyond} {expected}");
+            assert!(low_pass(&[3.0; 50], 60.0, 6.0, order).iter().all(|y| (y - 3.0).abs() < 1e-12));
+        }
         let twice = low_pass_both_ways(&wave(6.0, 600), 60.0, 6.0);
-        assert!((amplitude(&twice[200..400]) - 0.5).abs() < 0.03);
-        assert!(low_pass(&[3.0; 50], 60.0, 6.0).iter().all(|y| (y - 3.0).abs() < 1e-12));
+        assert!((amplitude(&twice[200..400]) - 0.5).abs() < 1e-6);
     }
 
     #[test]
@@ -349,7 +366,7 @@ mod tests {
         let x = wave(1.0, 240);
         let lag = |y: &[f64]| (60..180).map(|t| (y[t] - x[t]).abs()).fold(0.0, f64::max);
         assert!(lag(&low_pass_both_ways(&x, 60.0, 6.0)) < 0.01);
-        assert!(lag(&low_pass(&x, 60.0, 6.0)) > 0.1);
+        assert!(lag(&low_pass(&x, 60.0, 6.0, &SECOND_ORDER)) > 0.1);
     }
 
     #[test]
