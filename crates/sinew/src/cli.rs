@@ -41,11 +41,11 @@ pub(crate) fn main() -> ExitCode {
     let cli = Cli::parse();
     let report = Report::new(&cli.general);
     let ended = match &cli.command {
-        Command::Demo => demo::run(&cli.general, &report),
-        Command::Inspect(args) => inspect::run(args, &cli.general, &report),
+        Command::Demo(args) => demo::run(args, &cli.general, &report),
+        Command::Inspect(args) => inspect::run(args, &report),
         Command::Track(args) => track::run(args, &cli.general, &report),
-        Command::Convert(args) => convert::run(args, &cli.general, &report),
-        Command::Body { body } => body::run(body, &cli.general, &report),
+        Command::Convert(args) => convert::run(args, &report),
+        Command::Body { body, answer } => body::run(body, *answer),
         Command::Completions { shell } => manual::completions(*shell),
         Command::Man => manual::man(),
     };

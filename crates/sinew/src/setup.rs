@@ -218,7 +218,8 @@ mod tests {
             same_person(std::slice::from_ref(&camera), &[noise]).err().map(|error| error.to_string())
         };
         assert_eq!(told([30.0, -20.0]), None);
-        let message = "`left` shows somebody else: the keypoints lie 500 px from where the other cameras see the person";
+        let message =
+            "`left` shows somebody else: the keypoints lie 500 px from where the other cameras see the person";
         assert_eq!(told([300.0, -400.0]).as_deref(), Some(message));
         assert!(told([f64::NAN, 0.0]).is_some());
     }

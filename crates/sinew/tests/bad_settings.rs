@@ -45,6 +45,7 @@ fn mistakes_on_the_command_line() {
     let trial = trial(0.1);
     let told = |arguments: &[&str]| trial.told(&trial.run(arguments));
     insta::assert_snapshot!("bad_flags", told(&["track", "--method", "hcm", "--frames", "9..3", "--seed", "-1"]));
+    insta::assert_snapshot!("too_large", told(&["track", "--seed", "99999999999999999999", "--threads", "2000"]));
     insta::assert_snapshot!("unknown_flag", told(&["track", "--keypoint", "pose"]));
     insta::assert_snapshot!("unknown_command", told(&["trac"]));
     insta::assert_snapshot!("no_such_config", told(&["track", "--config", "none.toml"]));

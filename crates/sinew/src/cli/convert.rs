@@ -1,7 +1,7 @@
 //! `sinew convert`: one motion file becomes another.
 
 use super::Ended;
-use super::args::{ConvertArgs, General};
+use super::args::ConvertArgs;
 use super::report::{self, Report};
 use serde_json::json;
 use sinew::Error;
@@ -9,7 +9,7 @@ use sinew::motion::{self, Format};
 use sinew::output::write_whole;
 
 /// Runs the command.
-pub(crate) fn run(args: &ConvertArgs, general: &General, report: &Report) -> Result<Ended, Error> {
+pub(crate) fn run(args: &ConvertArgs, report: &Report) -> Result<Ended, Error> {
     let format = Format::of(&args.output)?;
     if let Some(fps) = args.fps.filter(|fps| !(*fps > 0.0 && fps.is_finite())) {
         return Err(Error::Usage {
@@ -23,14 +23,14 @@ pub(crate) fn run(args: &ConvertArgs, general: &General, report: &Report) -> Res
             help: "write to another file".into(),
         });
     }
-    if args.output.exists() && !general.force {
+    if args.output.exists() && !args.force {
         return Err(Error::OutputExists { path: args.output.clone(), why: "" });
     }
     let motion = motion::read(&args.input, args.skeleton.as_deref(), args.fps)?;
     report.warnings(&motion.warnings);
     let name = args.output.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
     write_whole(&args.output, &motion::write(&motion, format, &name)?)?;
-    if general.json {
+    if args.answer.json {
         report::answer_json(
             &json!({ "frames": motion.frames(), "rate_hz": motion.rate_hz, "out": args.output.to_string_lossy() }),
         )?;

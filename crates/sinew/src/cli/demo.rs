@@ -3,7 +3,7 @@
 //! Mean error: distance between the points of the mean pose and the true ones, over frames and the fifteen joints of pose evaluation. Coverage: share of true
 //! coordinates inside their 90 % intervals, over the same.
 
-use super::args::General;
+use super::args::{DemoArgs, General};
 use super::report::{self, Report};
 use super::track::{PassProgress, aligned, claimed, with_threads};
 use super::{Ended, interrupt};
@@ -25,9 +25,9 @@ const OUT: &str = "sinew-out/demo";
 const TRUTH: &str = "truth.trc";
 
 /// Runs the command.
-pub(crate) fn run(general: &General, report: &Report) -> Result<Ended, Error> {
+pub(crate) fn run(args: &DemoArgs, general: &General, report: &Report) -> Result<Ended, Error> {
     let script = Script::default();
-    let resolved = settings(general, &script)?;
+    let resolved = settings(args, &script)?;
     let mut config = resolved.track();
     // A former demo is no loss.
     config.force |= config.out.join(TRUTH).is_file();
@@ -45,7 +45,7 @@ pub(crate) fn run(general: &General, report: &Report) -> Result<Ended, Error> {
         job::track(&mut recording, 0..frames, &resolved, claim, &mut watch, |_| (Vec::new(), BTreeMap::new()))
     })?;
     report.warnings(&outcome.summary.warnings);
-    tell(&recording, &outcome, &config.out, general)?;
+    tell(&recording, &outcome, &config.out, args)?;
     for failed in &outcome.summary.failed_diagnostics {
         report.failed(failed);
     }
@@ -55,14 +55,14 @@ pub(crate) fn run(general: &General, report: &Report) -> Result<Ended, Error> {
     Ok(if outcome.summary.complete { Ended::Done } else { Ended::Interrupted })
 }
 
-fn settings(general: &General, script: &Script) -> Result<Resolved, Error> {
-    let mut flags = general.settings();
-    if general.out.is_none() {
+fn settings(args: &DemoArgs, script: &Script) -> Result<Resolved, Error> {
+    let mut flags = args.settings.given.clone();
+    if !flags.iter().any(|(key, _)| *key == "out") {
         flags.push(("out", OUT.into()));
     }
     flags.push(("fps", script.rate_hz.to_string()));
     // The demo is the same everywhere: no files and no environment.
-    resolve(&Sources { flags, environment: Vec::new(), file: general.config.clone() })
+    resolve(&Sources { flags, environment: Vec::new(), file: args.config.file.clone() })
 }
 
 /// The recording as files that `sinew track` reads.
@@ -113,11 +113,11 @@ fn compare(recording: &Recording, out: &Path) -> Result<(f64, f64), Error> {
     Ok((1e3 * distance / joints, inside / (3.0 * joints)))
 }
 
-fn tell(recording: &Recording, outcome: &Outcome, out: &Path, general: &General) -> Result<(), Error> {
+fn tell(recording: &Recording, outcome: &Outcome, out: &Path, args: &DemoArgs) -> Result<(), Error> {
     let (error_mm, coverage) = compare(recording, out)?;
     let summary = &outcome.summary;
     let shown = out.display();
-    if general.json {
+    if args.answer.json {
         return report::answer_json(&json!({
             "frames": summary.frame_count,
             "cameras": recording.cameras.len(),
