@@ -7,11 +7,12 @@ mod demo;
 mod inspect;
 mod interrupt;
 mod manual;
+mod misplaced;
 mod progress;
 mod report;
 mod track;
 
-use args::{Cli, Command};
+use args::{Cli, Command, General};
 use clap::Parser as _;
 use report::Report;
 use std::process::ExitCode;
@@ -38,7 +39,14 @@ impl Ended {
 
 /// Runs the program.
 pub(crate) fn main() -> ExitCode {
-    let cli = Cli::parse();
+    let cli = match Cli::try_parse() {
+        Ok(cli) => cli,
+        Err(wrong) => {
+            let Some(error) = misplaced::flag(&wrong) else { wrong.exit() };
+            Report::new(&General::default()).error(&error);
+            return ExitCode::from(error.exit_code());
+        }
+    };
     let report = Report::new(&cli.general);
     let ended = match &cli.command {
         Command::Demo(args) => demo::run(args, &cli.general, &report),

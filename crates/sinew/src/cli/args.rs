@@ -37,21 +37,24 @@ pub(crate) enum Color {
     Never,
 }
 
+/// Place in the help after the flags of the command itself.
+const LAST: usize = 100;
+
 /// Flags that every command takes: how to speak.
-#[derive(Args, Debug)]
+#[derive(Args, Debug, Default)]
 #[command(next_help_heading = "General")]
 pub(crate) struct General {
     /// Show errors only
-    #[arg(short, long, global = true)]
+    #[arg(short, long, global = true, display_order = LAST)]
     pub(crate) quiet: bool,
     /// Show more; twice for still more
-    #[arg(short, long, global = true, action = ArgAction::Count, hide_short_help = true)]
+    #[arg(short, long, global = true, display_order = LAST, action = ArgAction::Count, hide_short_help = true)]
     pub(crate) verbose: u8,
     /// Colours on stderr; NO_COLOR is obeyed
-    #[arg(long, global = true, value_enum, default_value_t, value_name = "WHEN", hide_short_help = true)]
+    #[arg(long, global = true, display_order = LAST, value_enum, default_value_t, value_name = "WHEN", hide_short_help = true)]
     pub(crate) color: Color,
     /// Show no progress
-    #[arg(long, global = true, hide_short_help = true)]
+    #[arg(long, global = true, display_order = LAST, hide_short_help = true)]
     pub(crate) no_progress: bool,
 }
 

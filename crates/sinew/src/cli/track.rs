@@ -58,7 +58,9 @@ pub(crate) fn run(args: &TrackArgs, general: &General, report: &Report) -> Resul
         job::track(&mut recording, setup_frames, &resolved, claim, &mut watch, |recording| {
             (recording.warnings(), recording.input_hashes())
         })
-    })?;
+    });
+    // What is odd about the input may be why it could not be tracked.
+    let outcome = outcome.inspect_err(|_| report.warnings(&recording.warnings()))?;
     tell(&outcome, &config.out, args, report)
 }
 

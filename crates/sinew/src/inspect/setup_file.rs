@@ -34,17 +34,16 @@ pub(super) fn facts(path: &Path) -> Result<Facts, Error> {
     }
     let Proportions { spine, shoulder_half_width, hip_half_width, upper_arm, forearm, thigh, shin, .. } =
         setup.proportions;
+    // The subject of a body file is measured with H32.
+    let whose = if matches!(setup.body, Body::File(_)) { "subject, m" } else { "lengths, m" };
     facts.row(
-        "lengths, m",
+        whose,
         format!(
             "spine {spine:.3}, shoulders {:.3}, hips {:.3}, upper arm {upper_arm:.3}, forearm {forearm:.3}, thigh {thigh:.3}, shin {shin:.3}",
             2.0 * shoulder_half_width,
             2.0 * hip_half_width
         ),
     );
-    if matches!(setup.body, Body::File(_)) {
-        facts.row("", "the body of the file keeps its own lengths; these are the subject's");
-    }
     for camera in &setup.camera {
         let [u, v] = camera.offset_px;
         facts.row(&camera.name, format!("offset ({u:+.1}, {v:+.1}) px, then {:.1} px per axis", camera.sigma_px));
