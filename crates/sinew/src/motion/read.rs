@@ -55,7 +55,7 @@ pub fn read(path: &Path, skeleton: Option<&Path>, fps: Option<f64>) -> Result<Mo
             let mut warnings: Vec<String> = amc.warnings.iter().map(ToString::to_string).collect();
             if fps.is_none() {
                 warnings.push(format!(
-                    "{name}: AMC files state no rate; {AMC_RATE_HZ} frames per second assumed (`--fps`)"
+                    "{name}: AMC files state no rate; {AMC_RATE_HZ} frames per second assumed (`sinew convert --fps` sets another)"
                 ));
             }
             let start_frame = amc.frames.first().map_or(1, |frame| i64::try_from(frame.number).unwrap_or(1));
