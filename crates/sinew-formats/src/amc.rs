@@ -101,6 +101,13 @@ pub fn read(name: &str, text: &str, skeleton: &Asf) -> Result<Amc, Error> {
     Ok(Amc { frames, warnings: Vec::new() })
 }
 
+/// Numbers of the frames, which a text tells without its skeleton.
+#[must_use]
+pub fn frame_numbers(text: &str) -> Vec<u64> {
+    let first = |line: &str| line.split('#').next()?.split_whitespace().next()?.parse().ok();
+    numbered_lines(text).filter_map(|(_, line)| first(line)).collect()
+}
+
 /// First value and number of values of the root and of every bone.
 fn slots(skeleton: &Asf) -> BTreeMap<&str, (usize, usize)> {
     let mut next = skeleton.root_channels.len();
@@ -151,6 +158,7 @@ mod tests {
         let motion = read("a.amc", MOTION, &skeleton).unwrap();
         assert_eq!(motion.frames[0].values, [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0]);
         assert_eq!((motion.frames[1].number, motion.frames[1].values[7]), (3, -9.5e-15));
+        assert_eq!(frame_numbers(MOTION), [1, 3]);
     }
 
     #[test]

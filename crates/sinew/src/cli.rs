@@ -7,11 +7,12 @@ mod demo;
 mod inspect;
 mod interrupt;
 mod manual;
+mod misplaced;
 mod progress;
 mod report;
 mod track;
 
-use args::{Cli, Command};
+use args::{Cli, Command, General};
 use clap::Parser as _;
 use report::Report;
 use std::process::ExitCode;
@@ -38,14 +39,24 @@ impl Ended {
 
 /// Runs the program.
 pub(crate) fn main() -> ExitCode {
-    let cli = Cli::parse();
+    let cli = match Cli::try_parse() {
+        Ok(cli) => cli,
+        Err(wrong) => {
+            let Some(error) = misplaced::flag(&wrong) else { wrong.exit() };
+            Report::new(&General::default()).error(&error);
+            return ExitCode::from(error.exit_code());
+        }
+    };
     let report = Report::new(&cli.general);
+    let unused: Vec<String> =
+        cli.general.unused(&cli.command).iter().map(|flag| format!("`--{flag}` has no use in this command")).collect();
+    report.warnings(&unused);
     let ended = match &cli.command {
-        Command::Demo => demo::run(&cli.general, &report),
+        Command::Demo(answer) => demo::run(*answer, &cli.general, &report),
         Command::Inspect(args) => inspect::run(args, &cli.general, &report),
         Command::Track(args) => track::run(args, &cli.general, &report),
         Command::Convert(args) => convert::run(args, &cli.general, &report),
-        Command::Body { body } => body::run(body, &cli.general, &report),
+        Command::Body { body, answer } => body::run(body, *answer),
         Command::Completions { shell } => manual::completions(*shell),
         Command::Man => manual::man(),
     };

@@ -9,7 +9,7 @@
 //! | CSV of points | yes | yes | no | no |
 //! | MOT, CSV of coordinates | no | yes | yes | no |
 //! | BVH | joints and tips | joints and tips | its channels | yes |
-//! | AMC with ASF | bone ends | bone ends | no | yes |
+//! | AMC with ASF | bone ends | bone ends | channels of its BVH | yes |
 //!
 //! In between everything is in the world frame (Z up), metres and seconds; BVH files state no unit of length and are taken as metres.
 

@@ -21,15 +21,17 @@ mod draws;
 mod markers;
 mod partial;
 mod pose;
+mod result_table;
 mod skeleton;
 mod storage;
 mod summary;
 mod table;
 mod tables;
 
-pub use claim::{Claim, LOCK_NAME, RESULT_NAMES, claim, claim_in};
+pub use claim::{Claim, LOCK_NAME, RESULT_NAMES, claim, claim_in, is_in_use};
 pub use markers::{REFERENCE_ORDER, order as marker_order};
 pub use pose::{Pose, pose};
+pub use result_table::{MOTION_FILES, ResultTable};
 pub use skeleton::t_pose;
 pub use storage::{Disk, Storage, StoredFile};
 pub use summary::{Diagnostics, Ending, Limits, Summary};

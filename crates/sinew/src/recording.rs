@@ -116,6 +116,9 @@ impl Recording {
             Some(name) => (named_layout(name)?, None),
             None => guess::layout(&listed, keypoints)?,
         };
+        if options.layout.is_some() {
+            warnings.extend(guess::contradiction(&listed, &layout));
+        }
         check_layout(&layout)?;
         Ok(Self {
             tallies: vec![Tally::default(); used.len()],
@@ -260,7 +263,17 @@ fn chosen(
                 help: "give `--cameras` a list of these names, separated by commas".into(),
             });
         }
-        if !folders.iter().any(|folder| camera_name::fold(&folder.name) == wanted) {
+    }
+    let wanted: Vec<String> = names.iter().map(|name| camera_name::fold(name)).collect();
+    let cameras = cameras.into_iter().filter(|camera| wanted.contains(&camera_name::fold(&camera.name))).collect();
+    Ok((cameras, chosen_folders(folders, names)?))
+}
+
+/// The folders of the cameras asked for.
+fn chosen_folders(folders: Vec<listing::Folder>, names: &[String]) -> Result<Vec<listing::Folder>, Error> {
+    let wanted: Vec<String> = names.iter().map(|name| camera_name::fold(name)).collect();
+    for (name, wanted) in names.iter().zip(&wanted) {
+        if !folders.iter().any(|folder| camera_name::fold(&folder.name) == *wanted) {
             let known: Vec<&str> = folders.iter().map(|folder| folder.name.as_str()).collect();
             return Err(Error::Usage {
                 message: format!("no keypoints for camera `{name}`; folders: {}", known.join(", ")),
@@ -268,10 +281,17 @@ fn chosen(
             });
         }
     }
-    let wanted: Vec<String> = names.iter().map(|name| camera_name::fold(name)).collect();
-    let keeps = |name: &str| wanted.contains(&camera_name::fold(name));
-    let cameras = cameras.into_iter().filter(|camera| keeps(&camera.name)).collect();
-    Ok((cameras, folders.into_iter().filter(|folder| keeps(&folder.name)).collect()))
+    Ok(folders.into_iter().filter(|folder| wanted.contains(&camera_name::fold(&folder.name))).collect())
+}
+
+fn no_such_frames(asked: &Range<u64>, available: &Range<u64>) -> Error {
+    Error::Input {
+        message: format!(
+            "frames {}..{} were asked for; the recording has {}..{}",
+            asked.start, asked.end, available.start, available.end
+        ),
+        help: Some("`--frames A..B` takes the numbers in the file names, A included, B not".into()),
+    }
 }
 
 /// Frames that exist and frames to be tracked.
@@ -290,16 +310,12 @@ fn ranges(listed: &[CameraFiles], options: &Options) -> Result<(Range<u64>, Rang
         }
     };
     if frames.is_empty() {
-        let message = match &options.frames {
-            Some(asked) => format!(
-                "frames {}..{} were asked for; the recording has {}..{}",
-                asked.start, asked.end, available.start, available.end
-            ),
-            None => "no frame is in all cameras".into(),
-        };
-        return Err(Error::Input {
-            message,
-            help: Some("`--frames A..B` takes the numbers in the file names, A included, B not".into()),
+        return Err(match &options.frames {
+            Some(asked) => no_such_frames(asked, &available),
+            None => Error::Input {
+                message: "no frame is in all cameras".into(),
+                help: Some("look at the frames of each camera with `sinew inspect`".into()),
+            },
         });
     }
     let most = listed.iter().map(|files| files.len()).max().unwrap_or_default() as u64;
@@ -329,7 +345,7 @@ fn named_layout(name: &str) -> Result<Layout, Error> {
 const NEEDED: [(&str, &str); 4] =
     [("LHip", "left hip"), ("RHip", "right hip"), ("LShoulder", "left shoulder"), ("RShoulder", "right shoulder")];
 
-fn check_layout(layout: &Layout) -> Result<(), Error> {
+pub(crate) fn check_layout(layout: &Layout) -> Result<(), Error> {
     match NEEDED.iter().find(|(point, _)| layout.index(point).is_none()) {
         None => Ok(()),
         Some((point, words)) => Err(Error::Input {

@@ -100,6 +100,42 @@ fn an_unknown_layout() {
 }
 
 #[test]
+fn a_layout_that_the_keypoints_contradict() {
+    let trial = trial(0.4);
+    let inspect = |layout: &str| {
+        String::from_utf8(trial.run(&["inspect", "pose", "--layout", layout, "--frames", "0..2"]).stdout).unwrap()
+    };
+    assert!(!inspect("BODY_25B").contains("look like"));
+    let told = inspect("BODY_25");
+    assert!(told.contains("odd: keypoints look like BODY_25B, by the place of the hips; BODY_25 was asked"), "{told}");
+    let named = ["track", "--calibration", "Calib.toml", "--keypoints", "pose", "--layout", "BODY_25", "--fps=30"];
+    let output = trial.run(&[&named[..], &common::QUICK, &["-oout", "--no-progress"]].concat());
+    let told = trial.told(&output);
+    let warning = told.lines().find(|line| line.contains("look like"));
+    insta::assert_snapshot!("wrong_layout", warning.unwrap_or(&told));
+    // The same people in the order of the other layout.
+    let [ours, other] = ["BODY_25B", "BODY_25"].map(|name| sinew::formats::layout::find(name).unwrap());
+    for (camera, frame) in (1..=4).flat_map(|camera| (0..12).map(move |frame| (camera, frame))) {
+        trial.edit(&trial.keypoints(camera, frame), |text| {
+            let mut json: serde_json::Value = serde_json::from_str(&text).unwrap();
+            let points: Vec<f64> = serde_json::from_value(json["people"][0]["pose_keypoints_2d"].clone()).unwrap();
+            let at = |name: &str| ours.index(name).map(|index| [0, 1, 2].map(|k| points[3 * index + k]));
+            let mean = |a: &str, b: &str| Some([0, 1, 2].map(|k| (at(a).unwrap()[k] + at(b).unwrap()[k]) / 2.0));
+            let point = |name: &Option<String>| match name.as_deref().unwrap() {
+                "MidHip" => mean("LHip", "RHip"),
+                "MidShoulder" => mean("LShoulder", "RShoulder"),
+                name => at(name),
+            };
+            let moved: Vec<f64> = other.points.iter().flat_map(|name| point(name).unwrap_or_default()).collect();
+            json["people"][0]["pose_keypoints_2d"] = moved.into();
+            json.to_string()
+        });
+    }
+    assert!(!inspect("BODY_25").contains("look like"));
+    assert!(inspect("BODY_25B").contains("look like BODY_25, by the place of the hips; BODY_25B was asked"));
+}
+
+#[test]
 fn a_layout_without_hips() {
     let trial = trial(0.1);
     fs::write(trial.path("mine.toml"), "points = [\"Nose\", \"RHip\"]\n").unwrap();

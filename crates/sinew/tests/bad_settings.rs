@@ -45,6 +45,18 @@ fn mistakes_on_the_command_line() {
     let trial = trial(0.1);
     let told = |arguments: &[&str]| trial.told(&trial.run(arguments));
     insta::assert_snapshot!("bad_flags", told(&["track", "--method", "hcm", "--frames", "9..3", "--seed", "-1"]));
+    insta::assert_snapshot!("too_large", told(&["track", "--seed", "99999999999999999999", "--threads", "2000"]));
+    for (name, arguments) in [
+        ("no_use_in_body", &["body", "h32", "-o", "x"][..]),
+        ("no_use_in_inspect", &["inspect", "Calib.toml", "--seed", "3"]),
+        ("no_use_in_convert", &["convert", "a.trc", "b.csv", "--threads", "2"]),
+        ("no_use_in_man", &["man", "--json"]),
+        ("before_the_command", &["--seed=3", "track"]),
+        ("no_use_before_the_command", &["--chains=8", "track"]),
+        ("no_use_without_keypoints", &["inspect", "Calib.toml", "--cameras", "C1"]),
+    ] {
+        insta::assert_snapshot!(name, told(arguments));
+    }
     insta::assert_snapshot!("unknown_flag", told(&["track", "--keypoint", "pose"]));
     insta::assert_snapshot!("unknown_command", told(&["trac"]));
     insta::assert_snapshot!("no_such_config", told(&["track", "--config", "none.toml"]));

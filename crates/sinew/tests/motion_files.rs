@@ -61,9 +61,68 @@ fn a_skeleton_becomes_points_and_channels() {
     assert_eq!(fs::read(trial.path("again.mot")).unwrap(), fs::read(trial.path("a.mot")).unwrap());
 }
 
+/// Tables of a result folder, cut short.
+const TABLES: [(&str, &str); 4] = [
+    (
+        "joints.csv",
+        "frame,time_s,person,joint,x_mean_m,y_mean_m,z_mean_m,x_sd_m,y_sd_m,z_sd_m,observed,quality\n\
+         7,0.1,0,Nose,1,2,1.6,0.01,0.01,0.01,1,2\n7,0.1,0,RHip,1,2,0.9,0.01,0.01,0.01,1,2\n\
+         8,0.2,0,Nose,1,2,1.6,0.01,0.01,0.01,1,2\n8,0.2,0,RHip,1,2,0.9,0.01,0.01,0.01,1,2\n",
+    ),
+    ("angles.csv", "time_s,person,name,mean_deg,q05_deg,q95_deg\n0.1,0,r_shin.rx,1,0,2\n0.2,0,r_shin.rx,1,0,2\n"),
+    (
+        "frames.csv",
+        "frame,time_s,observed,quality,restarted,ess,residual_px\n7,0.1,1,2,0,300,4.5\n8,0.2,1,2,0,310,4.5\n",
+    ),
+    ("markers_sd.csv", "frame,time_s,RHip_sd_m,Nose_sd_m\n7,0.1,0.01,0.02\n8,0.2,0.01,0.02\n"),
+];
+
+#[test]
+fn tables_of_results_are_described() {
+    let trial = with(&TABLES);
+    let output = trial.run(&["inspect", "joints.csv", "angles.csv", "frames.csv", "markers_sd.csv"]);
+    insta::assert_snapshot!("inspect_tables", String::from_utf8(output.stdout).unwrap());
+}
+
+const ASF: &str = ":units\n length 0.45\n angle deg\n:root\n order TX TY TZ RX RY RZ\n axis XYZ\n position 0 0 0\n orientation 0 0 0\n\
+    :bonedata\n begin\n name thigh\n direction 0 -1 0\n length 7\n axis 0 0 20 XYZ\n dof rx ry\n end\n\
+    begin\n name shin\n direction 0 -1 0\n length 7\n axis 0 0 20 XYZ\n dof rx\n end\n\
+    :hierarchy\n begin\n root thigh\n thigh shin\n end\n";
+
+const AMC: &str = ":FULLY-SPECIFIED\n:DEGREES\n5\nroot 0 16 0 10 20 30\nthigh 30 10\nshin 15\n6\nroot 0 16 1 0 0 0\nthigh 0 5\nshin 20\n";
+
+#[test]
+fn an_acclaim_motion_becomes_what_its_skeleton_becomes() {
+    let trial = with(&[("a.asf", ASF), ("a.amc", AMC)]);
+    check(&trial, &["a.amc", "a.mot", "--skeleton", "a.asf"]);
+    check(&trial, &["a.amc", "a.bvh", "--skeleton", "a.asf"]);
+    check(&trial, &["a.bvh", "b.mot"]);
+    let read = |name: &str| sinew::formats::mot::read(name, &fs::read_to_string(trial.path(name)).unwrap()).unwrap();
+    let (direct, by_bvh) = (read("a.mot"), read("b.mot"));
+    assert_eq!(direct.columns, by_bvh.columns);
+    assert_eq!(direct.columns.len(), 6 + 3 + 3);
+    for (a, b) in direct.rows.concat().iter().zip(by_bvh.rows.concat()) {
+        assert!((a - b).abs() < 1e-5, "{a} {b}");
+    }
+}
+
+#[test]
+fn acclaim_files_are_described() {
+    let trial = with(&[("a.asf", ASF), ("b.asf", ASF), ("a.amc", AMC), ("empty.amc", "")]);
+    let shown = |arguments: &[&str]| {
+        let output = trial.run(&[&["inspect"], arguments].concat());
+        format!("{}{}", String::from_utf8_lossy(&output.stdout), trial.told(&output))
+    };
+    insta::assert_snapshot!("inspect_asf", shown(&["a.asf"]));
+    insta::assert_snapshot!("inspect_amc", shown(&["a.amc", "empty.amc"]));
+    insta::assert_snapshot!("inspect_asf_and_amc", shown(&["a.amc", "a.asf"]));
+    insta::assert_snapshot!("inspect_two_skeletons", shown(&["a.asf", "b.asf", "a.amc"]));
+}
+
 #[test]
 fn what_cannot_be_is_said() {
-    let trial = with(&[("a.trc", TRC), ("a.bvh", BVH), ("a.amc", ":DEGREES\n1\nroot 0 0 0 0 0 0\n"), ("a.xyz", "")]);
+    let files = [("a.trc", TRC), ("a.bvh", BVH), ("a.amc", AMC), ("a.xyz", "")];
+    let trial = with(&[&files[..], &TABLES].concat());
     check(&trial, &["a.bvh", "a.mot"]);
     let told: Vec<String> = [
         &["a.trc", "b.bvh"][..],
@@ -77,6 +136,10 @@ fn what_cannot_be_is_said() {
         &["a.trc", "a.bvh", "--skeleton", "a.asf"],
         &["none.trc", "b.csv"],
         &["a.trc", "a.mot"],
+        &["joints.csv", "b.trc"],
+        &["angles.csv", "b.mot"],
+        &["frames.csv", "b.trc"],
+        &["markers_sd.csv", "b.mot"],
     ]
     .iter()
     .map(|arguments| {

@@ -1,7 +1,8 @@
-//! Arguments of every command. The settings of `track` come from the one table of settings.
+//! Arguments of every command. Flags that are settings come from the one table of settings; a command has those that it uses.
 
 use clap::{Arg, ArgAction, ArgMatches, Args, FromArgMatches, Parser, Subcommand, ValueEnum};
 use sinew::config::setting::{Kind, SETTINGS, Setting};
+use std::marker::PhantomData;
 use std::path::PathBuf;
 
 macro_rules! template {
@@ -36,39 +37,39 @@ pub(crate) enum Color {
     Never,
 }
 
+/// Place in the help after the flags of the command itself.
+const LAST: usize = 100;
+
 /// Flags that every command takes.
-#[derive(Args, Debug)]
+#[derive(Args, Debug, Default)]
 #[command(next_help_heading = "General")]
 pub(crate) struct General {
-    /// Output folder or file [default: sinew-out/<trial>]
-    #[arg(short, long, global = true, value_name = "DIR", help_heading = "Output")]
+    /// Output folder [default: sinew-out/<trial>]
+    #[arg(short, long, global = true, display_order = LAST, value_name = "DIR", help_heading = "Output")]
     pub(crate) out: Option<String>,
     /// Replace results that are there
-    #[arg(long, global = true, help_heading = "Output")]
+    #[arg(long, global = true, display_order = LAST, help_heading = "Output")]
     pub(crate) force: bool,
-    /// Give the answer as JSON
-    #[arg(long, global = true, help_heading = "Output")]
-    pub(crate) json: bool,
     /// Settings from this file instead of the trial's sinew.toml
-    #[arg(long, global = true, value_name = "FILE")]
+    #[arg(long, global = true, display_order = LAST, value_name = "FILE")]
     pub(crate) config: Option<PathBuf>,
     /// Seed of all random streams [default: 1]
-    #[arg(long, global = true, value_name = "N", allow_negative_numbers = true)]
+    #[arg(long, global = true, display_order = LAST, value_name = "N", allow_negative_numbers = true)]
     pub(crate) seed: Option<String>,
     /// Threads [default: what the system grants]
-    #[arg(long, global = true, value_name = "N", allow_negative_numbers = true)]
+    #[arg(long, global = true, display_order = LAST, value_name = "N", allow_negative_numbers = true)]
     pub(crate) threads: Option<String>,
     /// Show errors only
-    #[arg(short, long, global = true)]
+    #[arg(short, long, global = true, display_order = LAST)]
     pub(crate) quiet: bool,
     /// Show more; twice for still more
-    #[arg(short, long, global = true, action = ArgAction::Count, hide_short_help = true)]
+    #[arg(short, long, global = true, display_order = LAST, action = ArgAction::Count, hide_short_help = true)]
     pub(crate) verbose: u8,
     /// Colours on stderr; NO_COLOR is obeyed
-    #[arg(long, global = true, value_enum, default_value_t, value_name = "WHEN", hide_short_help = true)]
+    #[arg(long, global = true, display_order = LAST, value_enum, default_value_t, value_name = "WHEN", hide_short_help = true)]
     pub(crate) color: Color,
     /// Show no progress
-    #[arg(long, global = true, hide_short_help = true)]
+    #[arg(long, global = true, display_order = LAST, hide_short_help = true)]
     pub(crate) no_progress: bool,
 }
 
@@ -82,13 +83,33 @@ impl General {
         }
         settings
     }
+
+    /// Flags that were given and that a command has no use for.
+    pub(crate) fn unused(&self, command: &Command) -> Vec<&'static str> {
+        let used: &[&str] = match command {
+            Command::Demo(_) | Command::Track(_) => return vec![],
+            Command::Inspect(_) => &["config"],
+            Command::Convert(_) => &["force"],
+            Command::Body { .. } | Command::Completions { .. } | Command::Man => &[],
+        };
+        let given = self.settings().into_iter().map(|(key, _)| key).chain(self.config.as_ref().map(|_| "config"));
+        given.filter(|key| !used.contains(key)).collect()
+    }
+}
+
+/// The flag of commands whose answer has a form for programs.
+#[derive(Args, Clone, Copy, Debug)]
+pub(crate) struct Answer {
+    /// Give the answer as JSON
+    #[arg(long, help_heading = "Output")]
+    pub(crate) json: bool,
 }
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
     /// Track a synthetic walker: no data needed, a few seconds
     #[command(help_template = template!("sinew demo", "sinew demo -o /tmp/walk --seed 7"))]
-    Demo,
+    Demo(Answer),
     /// Say what files contain, what is odd, and whether calibration and keypoints fit
     #[command(help_template = template!("sinew inspect Calib.toml pose", "sinew inspect markers.trc sinew-out/trial"))]
     Inspect(InspectArgs),
@@ -107,6 +128,8 @@ pub(crate) enum Command {
         /// h32, cf28 or a body file
         #[arg(value_name = "NAME|FILE")]
         body: String,
+        #[command(flatten)]
+        answer: Answer,
     },
     /// Print completions for a shell
     #[command(help_template = template!("sinew completions bash > sinew.bash", "sinew completions zsh > _sinew"))]
@@ -121,15 +144,13 @@ pub(crate) enum Command {
 
 #[derive(Args, Debug)]
 pub(crate) struct InspectArgs {
-    /// Calibrations, keypoint folders, motion files, result folders
+    /// Calibrations, keypoint folders, motion files, results; our other files
     #[arg(required = true, value_name = "FILE")]
     pub(crate) files: Vec<PathBuf>,
-    /// Keypoint layout or mapping file [default: guessed]
-    #[arg(long, value_name = "NAME")]
-    pub(crate) layout: Option<String>,
-    /// Take only the frames that all cameras have
-    #[arg(long)]
-    pub(crate) trim: bool,
+    #[command(flatten)]
+    pub(crate) settings: Typed<OfInspect>,
+    #[command(flatten)]
+    pub(crate) answer: Answer,
 }
 
 #[derive(Args, Debug)]
@@ -146,20 +167,51 @@ pub(crate) struct ConvertArgs {
     /// Frames per second where the input has none [default: 120 for .amc]
     #[arg(long, value_name = "F")]
     pub(crate) fps: Option<f64>,
+    #[command(flatten)]
+    pub(crate) answer: Answer,
 }
 
-/// Settings of a run, as typed.
-#[derive(Debug)]
+#[derive(Args, Debug)]
 pub(crate) struct TrackArgs {
-    pub(crate) settings: Vec<(&'static str, String)>,
+    #[command(flatten)]
+    pub(crate) settings: Typed<OfTrack>,
+    /// Show every setting with its origin, and stop
+    #[arg(long, help_heading = "General")]
     pub(crate) print_config: bool,
+    #[command(flatten)]
+    pub(crate) answer: Answer,
 }
 
-const PRINT_CONFIG: &str = "print_config";
+/// Which settings a command takes as flags.
+pub(crate) trait Takes {
+    fn takes(setting: &Setting) -> bool;
+}
 
-/// Settings that have a flag of their own in [`General`].
-fn is_general(setting: &Setting) -> bool {
-    matches!(setting.key, "out" | "force" | "seed" | "threads")
+#[derive(Debug)]
+pub(crate) struct OfTrack;
+
+impl Takes for OfTrack {
+    /// All but those of [`General`].
+    fn takes(setting: &Setting) -> bool {
+        !matches!(setting.key, "out" | "force" | "seed" | "threads")
+    }
+}
+
+/// What it takes to read a recording.
+#[derive(Debug)]
+pub(crate) struct OfInspect;
+
+impl Takes for OfInspect {
+    fn takes(setting: &Setting) -> bool {
+        matches!(setting.key, "layout" | "frames" | "cameras" | "trim" | "confidence_scale" | "image_scale")
+    }
+}
+
+/// Settings of a command, as typed.
+#[derive(Debug)]
+pub(crate) struct Typed<C> {
+    pub(crate) given: Vec<(&'static str, String)>,
+    command: PhantomData<C>,
 }
 
 fn sentence(text: &str) -> String {
@@ -183,11 +235,9 @@ fn argument(setting: &'static Setting) -> Arg {
         .allow_hyphen_values(setting.key == "up_axis")
 }
 
-impl Args for TrackArgs {
+impl<C: Takes> Args for Typed<C> {
     fn augment_args(command: clap::Command) -> clap::Command {
-        let arguments = SETTINGS.iter().filter(|setting| !is_general(setting)).map(argument);
-        let print = Arg::new(PRINT_CONFIG).long("print-config").action(ArgAction::SetTrue).help_heading("General");
-        command.args(arguments).arg(print.help("Show every setting with its origin, and stop"))
+        command.args(SETTINGS.iter().filter(|setting| C::takes(setting)).map(argument))
     }
 
     fn augment_args_for_update(command: clap::Command) -> clap::Command {
@@ -195,19 +245,19 @@ impl Args for TrackArgs {
     }
 }
 
-impl FromArgMatches for TrackArgs {
+impl<C: Takes> FromArgMatches for Typed<C> {
     fn from_arg_matches(matches: &ArgMatches) -> Result<Self, clap::Error> {
-        let mut settings = Vec::new();
-        for setting in SETTINGS.iter().filter(|setting| !is_general(setting)) {
+        let mut given = Vec::new();
+        for setting in SETTINGS.iter().filter(|setting| C::takes(setting)) {
             if setting.kind == Kind::Flag {
                 if matches.get_flag(setting.key) {
-                    settings.push((setting.key, "true".to_owned()));
+                    given.push((setting.key, "true".to_owned()));
                 }
             } else if let Some(text) = matches.get_one::<String>(setting.key) {
-                settings.push((setting.key, text.clone()));
+                given.push((setting.key, text.clone()));
             }
         }
-        Ok(Self { settings, print_config: matches.get_flag(PRINT_CONFIG) })
+        Ok(Self { given, command: PhantomData })
     }
 
     fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {

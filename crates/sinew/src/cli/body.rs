@@ -1,22 +1,21 @@
 //! `sinew body`: a body as a tree of links with their joints, lengths and points.
 
-use super::args::General;
-use super::report::{self, Report};
-use super::{Ended, args};
+use super::args::Answer;
+use super::{Ended, report};
 use serde_json::json;
 use sinew::Error;
 use sinew::bodies;
 use sinew::body::KinematicTree;
 
 /// Prints a body.
-pub(crate) fn run(name: &str, general: &args::General, _: &Report) -> Result<Ended, Error> {
+pub(crate) fn run(name: &str, answer: Answer) -> Result<Ended, Error> {
     let body = bodies::find(name)?;
-    print(name, &body, general)?;
+    print(name, &body, answer)?;
     Ok(Ended::Done)
 }
 
-fn print(name: &str, body: &KinematicTree, general: &General) -> Result<(), Error> {
-    if general.json {
+fn print(name: &str, body: &KinematicTree, answer: Answer) -> Result<(), Error> {
+    if answer.json {
         let link = |index: usize| {
             let link = &body.links()[index];
             let parent = link.parent.map(|parent| body.links()[parent].name.clone());

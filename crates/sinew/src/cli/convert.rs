@@ -30,7 +30,7 @@ pub(crate) fn run(args: &ConvertArgs, general: &General, report: &Report) -> Res
     report.warnings(&motion.warnings);
     let name = args.output.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
     write_whole(&args.output, &motion::write(&motion, format, &name)?)?;
-    if general.json {
+    if args.answer.json {
         report::answer_json(
             &json!({ "frames": motion.frames(), "rate_hz": motion.rate_hz, "out": args.output.to_string_lossy() }),
         )?;

@@ -3,7 +3,7 @@
 //! Mean error: distance between the points of the mean pose and the true ones, over frames and the fifteen joints of pose evaluation. Coverage: share of true
 //! coordinates inside their 90 % intervals, over the same.
 
-use super::args::General;
+use super::args::{Answer, General};
 use super::report::{self, Report};
 use super::track::{PassProgress, aligned, claimed, with_threads};
 use super::{Ended, interrupt};
@@ -25,7 +25,7 @@ const OUT: &str = "sinew-out/demo";
 const TRUTH: &str = "truth.trc";
 
 /// Runs the command.
-pub(crate) fn run(general: &General, report: &Report) -> Result<Ended, Error> {
+pub(crate) fn run(answer: Answer, general: &General, report: &Report) -> Result<Ended, Error> {
     let script = Script::default();
     let resolved = settings(general, &script)?;
     let mut config = resolved.track();
@@ -45,7 +45,7 @@ pub(crate) fn run(general: &General, report: &Report) -> Result<Ended, Error> {
         job::track(&mut recording, 0..frames, &resolved, claim, &mut watch, |_| (Vec::new(), BTreeMap::new()))
     })?;
     report.warnings(&outcome.summary.warnings);
-    tell(&recording, &outcome, &config.out, general)?;
+    tell(&recording, &outcome, &config.out, answer)?;
     for failed in &outcome.summary.failed_diagnostics {
         report.failed(failed);
     }
@@ -57,7 +57,7 @@ pub(crate) fn run(general: &General, report: &Report) -> Result<Ended, Error> {
 
 fn settings(general: &General, script: &Script) -> Result<Resolved, Error> {
     let mut flags = general.settings();
-    if general.out.is_none() {
+    if !flags.iter().any(|(key, _)| *key == "out") {
         flags.push(("out", OUT.into()));
     }
     flags.push(("fps", script.rate_hz.to_string()));
@@ -113,11 +113,11 @@ fn compare(recording: &Recording, out: &Path) -> Result<(f64, f64), Error> {
     Ok((1e3 * distance / joints, inside / (3.0 * joints)))
 }
 
-fn tell(recording: &Recording, outcome: &Outcome, out: &Path, general: &General) -> Result<(), Error> {
+fn tell(recording: &Recording, outcome: &Outcome, out: &Path, answer: Answer) -> Result<(), Error> {
     let (error_mm, coverage) = compare(recording, out)?;
     let summary = &outcome.summary;
     let shown = out.display();
-    if general.json {
+    if answer.json {
         return report::answer_json(&json!({
             "frames": summary.frame_count,
             "cameras": recording.cameras.len(),

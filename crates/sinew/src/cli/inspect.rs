@@ -1,31 +1,42 @@
 //! `sinew inspect`: what files contain, and whether calibration and keypoints fit.
+//!
+//! Keypoints are read with the settings of their trial, as `sinew track` reads them.
 
 use super::Ended;
 use super::args::{General, InspectArgs};
 use super::report::{self, Report};
-use super::track::aligned;
+use super::track::{aligned, reading, settings};
 use serde_json::json;
 use sinew::Error;
-use sinew::inspect::{Facts, Subject, file_facts, fit, open, subject};
+use sinew::inspect::{Facts, Subject, file_facts, fit, subjects};
+use sinew::recording::{Options, Recording};
+use std::path::Path;
 
 /// Runs the command.
 pub(crate) fn run(args: &InspectArgs, general: &General, report: &Report) -> Result<Ended, Error> {
-    let subjects = args.files.iter().map(|path| subject(path)).collect::<Result<Vec<Subject>, Error>>()?;
-    let mut all: Vec<Facts> = Vec::new();
-    for subject in &subjects {
-        all.push(file_facts(subject, args.layout.as_deref())?);
-    }
+    let subjects = subjects(&args.files)?;
     let calibration =
         subjects.iter().find_map(|subject| if let Subject::Calibration(path) = subject { Some(path) } else { None });
     let keypoints =
         subjects.iter().find_map(|subject| if let Subject::Keypoints(path) = subject { Some(path) } else { None });
+    let options = match keypoints {
+        Some(keypoints) => options(args, general, keypoints, report)?,
+        None => {
+            refuse_settings(args, general)?;
+            Options::default()
+        }
+    };
+    let mut all: Vec<Facts> = Vec::new();
+    for subject in &subjects {
+        all.push(file_facts(subject, &options)?);
+    }
     if let (Some(calibration), Some(keypoints)) = (calibration, keypoints) {
-        let mut recording = open(calibration, keypoints, args.layout.as_deref(), args.trim)?;
+        let mut recording = Recording::open(calibration, keypoints, &options)?;
         // What was said about a file is not said again about the pair.
         let known: Vec<String> = all.iter().flat_map(|facts| facts.odd.clone()).collect();
         all.push(fit::facts(&mut recording, &known)?);
     }
-    if general.json {
+    if args.answer.json {
         let facts = |facts: &Facts| {
             let rows: serde_json::Map<_, _> =
                 facts.rows.iter().map(|(name, value)| (name.clone(), value.clone().into())).collect();
@@ -38,6 +49,30 @@ pub(crate) fn run(args: &InspectArgs, general: &General, report: &Report) -> Res
     }
     report.detail(&format!("{} things looked at", all.len()));
     Ok(Ended::Done)
+}
+
+/// How to read the keypoints, from all sources of settings.
+fn options(args: &InspectArgs, general: &General, keypoints: &Path, report: &Report) -> Result<Options, Error> {
+    let mut flags = args.settings.given.clone();
+    flags.push(("keypoints", keypoints.to_string_lossy().into_owned()));
+    let resolved = settings(&flags, general)?;
+    report.warnings(&resolved.warnings);
+    Ok(reading(&resolved.track()))
+}
+
+/// Refuses flags that tell how to read keypoints where there are none.
+fn refuse_settings(args: &InspectArgs, general: &General) -> Result<(), Error> {
+    let given = args.settings.given.iter().map(|(key, _)| *key);
+    match given.chain(general.config.as_ref().map(|_| "config")).next() {
+        None => Ok(()),
+        Some(key) => Err(Error::Usage {
+            message: format!(
+                "`--{}` tells how to read keypoints, and no keypoint folder was given",
+                key.replace('_', "-")
+            ),
+            help: "give the keypoint folder too, or leave the flag out".into(),
+        }),
+    }
 }
 
 fn shown(facts: &Facts) -> String {

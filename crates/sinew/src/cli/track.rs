@@ -13,10 +13,10 @@ use std::path::{Path, PathBuf};
 
 /// Runs the command.
 pub(crate) fn run(args: &TrackArgs, general: &General, report: &Report) -> Result<Ended, Error> {
-    let resolved = settings(args, general)?;
+    let resolved = settings(&args.settings.given, general)?;
     report.warnings(&resolved.warnings);
     if args.print_config {
-        if general.json {
+        if args.answer.json {
             report::answer_json(&resolved.to_json())?;
         } else {
             report::answer(&resolved.describe())?;
@@ -26,14 +26,7 @@ pub(crate) fn run(args: &TrackArgs, general: &General, report: &Report) -> Resul
     report.detail(&resolved.describe());
     let config = resolved.track();
     let (calibration, keypoints) = inputs(&config)?;
-    let options = Options {
-        layout: config.layout.clone(),
-        confidence_scale: config.confidence_scale,
-        image_scale: config.image_scale,
-        frames: config.frames.clone(),
-        cameras: config.cameras.clone(),
-        trim: config.trim,
-    };
+    let options = reading(&config);
     let mut read_from = vec![calibration.clone(), keypoints.clone()];
     read_from.extend(config.setup.clone());
     read_from.extend(general.config.clone());
@@ -65,19 +58,32 @@ pub(crate) fn run(args: &TrackArgs, general: &General, report: &Report) -> Resul
         job::track(&mut recording, setup_frames, &resolved, claim, &mut watch, |recording| {
             (recording.warnings(), recording.input_hashes())
         })
-    })?;
-    tell(&outcome, &config.out, general, report)
+    });
+    // What is odd about the input may be why it could not be tracked.
+    let outcome = outcome.inspect_err(|_| report.warnings(&recording.warnings()))?;
+    tell(&outcome, &config.out, args, report)
 }
 
 /// Settings from all their sources.
-pub(crate) fn settings(args: &TrackArgs, general: &General) -> Result<Resolved, Error> {
-    let mut flags = args.settings.clone();
-    flags.extend(general.settings());
+pub(crate) fn settings(flags: &[(&'static str, String)], general: &General) -> Result<Resolved, Error> {
+    let flags = [flags, &general.settings()].concat();
     let environment =
         std::env::vars_os().filter_map(|(name, value)| Some((name.into_string().ok()?, value.into_string().ok()?)));
     let mut environment: Vec<(String, String)> = environment.filter(|(name, _)| name.starts_with("SINEW_")).collect();
     environment.sort();
     resolve(&Sources { flags, environment, file: general.config.clone() })
+}
+
+/// What to take from a recording.
+pub(crate) fn reading(config: &TrackConfig) -> Options {
+    Options {
+        layout: config.layout.clone(),
+        confidence_scale: config.confidence_scale,
+        image_scale: config.image_scale,
+        frames: config.frames.clone(),
+        cameras: config.cameras.clone(),
+        trim: config.trim,
+    }
 }
 
 /// Calibration and keypoints, or what to try without them.
@@ -153,10 +159,10 @@ impl<'a> PassProgress<'a> {
 }
 
 /// Says what came of it.
-fn tell(outcome: &Outcome, out: &Path, general: &General, report: &Report) -> Result<Ended, Error> {
+fn tell(outcome: &Outcome, out: &Path, args: &TrackArgs, report: &Report) -> Result<Ended, Error> {
     let summary = &outcome.summary;
     report.warnings(&summary.warnings);
-    if general.json {
+    if args.answer.json {
         report::answer_json(&serde_json::to_value(summary).unwrap_or_default())?;
     } else {
         report::answer(&table(outcome, out))?;

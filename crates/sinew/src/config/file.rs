@@ -13,7 +13,7 @@ use toml::de::DeTable;
 pub const FILE_NAME: &str = "sinew.toml";
 
 /// A key that is no setting: the search for files ends here.
-const ROOT: &str = "root";
+pub const ROOT: &str = "root";
 
 /// Settings of a file.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -133,7 +133,7 @@ mod tests {
             problems(text),
             [
                 "line 1: unknown key `paticles`; did you mean `particles`?",
-                "line 2: `seed` is -1; it must be a whole number of at least 0",
+                "line 2: `seed` is -1; it must be a whole number from 0 to 18446744073709551615",
                 "line 3: `method` is `hcm`; it must be one of hmc, bootstrap; did you mean `hmc`?",
                 "line 4: `jitter` is 1.5; it must be from 0 to 1",
                 "line 5: `frames` is 9..2; the end must come after the start",

@@ -91,7 +91,7 @@ pub const SETTINGS: [Setting; SETTING_COUNT] = [
     common((INPUT, "calibration", Kind::Path, "FILE", "", "calibration of the cameras (Calib.toml of Pose2Sim)")),
     common((INPUT, "keypoints", Kind::Path, "DIR", "", "keypoints, one folder <camera>_json per camera")),
     common((INPUT, "layout", Kind::NameOrPath, "NAME", "", "keypoint layout or mapping file [default: guessed]")),
-    common((INPUT, "frames", Kind::Frames, "A..B", "", "frames to track, by file number [default: all]")),
+    common((INPUT, "frames", Kind::Frames, "A..B", "", "frames to take, by file number [default: all]")),
     common((INPUT, "fps", RATE, "F", "", "frames per second [default: 30, with a warning]")),
     common((INPUT, "cameras", Kind::Names, "LIST", "", "cameras to use, a,b,c [default: all]")),
     rare((INPUT, "person", Kind::Count(0, 999), "N", "", "which person: 0 is the most complete one on whom the cameras agree at the start [default: 0]")),

@@ -45,9 +45,6 @@ fn checked_count(setting: &Setting, value: Option<u64>, shown: &str) -> Result<V
     let Kind::Count(least, most) = setting.kind else { return Err(unexpected(setting, shown)) };
     match value {
         Some(value) if (least..=most).contains(&value) => Ok(Value::Count(value)),
-        _ if most == u64::MAX => {
-            Err(format!("`{}` is {shown}; it must be a whole number of at least {least}", setting.key))
-        }
         _ => Err(format!("`{}` is {shown}; it must be a whole number from {least} to {most}", setting.key)),
     }
 }

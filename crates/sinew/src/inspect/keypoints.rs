@@ -2,11 +2,12 @@
 
 use super::Facts;
 use crate::Error;
+use crate::recording::Options;
 use crate::recording::survey::{CameraSurvey, survey};
 use std::path::Path;
 
-pub(super) fn facts(path: &Path, layout: Option<&str>) -> Result<Facts, Error> {
-    let survey = survey(path, layout)?;
+pub(super) fn facts(path: &Path, options: &Options) -> Result<Facts, Error> {
+    let survey = survey(path, options)?;
     let mut facts = Facts::new(format!("{}: keypoints of {} cameras", path.display(), survey.cameras.len()));
     let guess = if survey.is_guess { ", by the place of the hips" } else { "" };
     facts.row("layout", format!("{}, {} keypoints{guess}", survey.layout.name, survey.layout.points.len()));
@@ -15,7 +16,8 @@ pub(super) fn facts(path: &Path, layout: Option<&str>) -> Result<Facts, Error> {
     }
     facts.odd.extend(survey.warnings);
     let first = survey.cameras.first().map(|camera| (camera.first, camera.end));
-    if let Some(other) = survey.cameras.iter().find(|camera| Some((camera.first, camera.end)) != first) {
+    let apart = survey.cameras.iter().find(|camera| Some((camera.first, camera.end)) != first);
+    if let Some(other) = apart.filter(|_| !options.trim) {
         let (start, end) = first.unwrap_or_default();
         facts.odd.push(format!(
             "{} has frames {start}..{end}, {} has {}..{}; tracking needs `--trim`",

@@ -2,6 +2,7 @@
 
 use super::acclaim::skeleton_of;
 use super::{Content, Format, Motion, rate_of};
+use crate::output::{MOTION_FILES, ResultTable};
 use crate::{Error, files};
 use sinew_formats::mot::{self, Mot};
 use sinew_formats::point_table::{self, PointTable};
@@ -54,7 +55,7 @@ pub fn read(path: &Path, skeleton: Option<&Path>, fps: Option<f64>) -> Result<Mo
             let mut warnings: Vec<String> = amc.warnings.iter().map(ToString::to_string).collect();
             if fps.is_none() {
                 warnings.push(format!(
-                    "{name}: AMC files state no rate; {AMC_RATE_HZ} frames per second assumed (`--fps`)"
+                    "{name}: AMC files state no rate; {AMC_RATE_HZ} frames per second assumed (`sinew convert --fps` sets another)"
                 ));
             }
             let start_frame = amc.frames.first().map_or(1, |frame| i64::try_from(frame.number).unwrap_or(1));
@@ -117,6 +118,12 @@ pub(super) fn is_length(column: &str) -> bool {
 }
 
 fn of_csv(name: &str, text: &str) -> Result<Motion, Error> {
+    if let Some(table) = ResultTable::of(text) {
+        return Err(Error::Input {
+            message: format!("{name} is a table of results and no motion: {}", table.describe()),
+            help: Some(format!("convert {MOTION_FILES}")),
+        });
+    }
     let table = tidy_csv::read_numbers(name, text)?;
     if table.columns.iter().any(|column| column.ends_with("_x_m")) {
         let points = point_table::from_numbers(name, &table)?;
@@ -134,9 +141,7 @@ fn of_csv(name: &str, text: &str) -> Result<Motion, Error> {
             message: format!(
                 "{name}: no column `time_s`; expected time_s and points (`RHip_x_m` …) or coordinates (`knee_angle_r_deg` …)"
             ),
-            help: Some(
-                "joints.csv and angles.csv have one row per joint: convert markers.trc or angles.mot instead".into(),
-            ),
+            help: Some("name the column of the times `time_s`, in seconds".into()),
         });
     };
     let mut columns = Vec::new();

@@ -25,12 +25,7 @@ pub fn write(motion: &Motion, format: Format, file_name: &str) -> Result<Vec<u8>
             None => Ok(()),
         },
         (Format::Mot, Content::Coordinates(coordinates)) => as_mot(&mut out, coordinates),
-        (Format::Mot, Content::Skeleton(skeleton)) if motion.format == Format::Bvh => {
-            as_mot(&mut out, &channels(skeleton))
-        }
-        (Format::Mot, Content::Skeleton(_)) => {
-            return Err(impossible(motion, format, "an Acclaim skeleton has no coordinates of OpenSim"));
-        }
+        (Format::Mot, Content::Skeleton(skeleton)) => as_mot(&mut out, &channels(skeleton)),
         (Format::Mot, Content::Points(_)) => return Err(impossible(motion, format, "points have no joint angles")),
         (Format::Bvh, Content::Skeleton(skeleton)) => bvh::write(&mut out, skeleton),
         (Format::Bvh, Content::Points(_)) => return Err(impossible(motion, format, "points have no bones")),
@@ -57,7 +52,7 @@ fn impossible(motion: &Motion, format: Format, reason: &str) -> Error {
         help: match (&motion.content, format) {
             (Content::Points(_), _) => "that takes inverse kinematics: track the keypoints with `sinew track`, or use OpenSim; .csv is possible".into(),
             (Content::Coordinates(_), _) => "take the marker file of the same motion; .csv is possible".into(),
-            (Content::Skeleton(_), _) => ".trc, .csv and .bvh are possible".into(),
+            (Content::Skeleton(_), _) => ".trc, .csv, .mot and .bvh are possible".into(),
         },
     }
 }
@@ -99,7 +94,8 @@ fn as_mot(out: &mut Vec<u8>, coordinates: &mot::Mot) -> io::Result<()> {
     coordinates.rows.iter().zip(&coordinates.time_s).try_for_each(|(row, &time_s)| mot::write_row(out, time_s, row))
 }
 
-/// The columns of a BVH file as coordinates: `<joint>_rz` in degrees, `<joint>_tx` in the file's unit.
+/// The columns of a skeleton's BVH file as coordinates: `<joint>_rz` in degrees, `<joint>_tx` in the file's unit (metres where it comes from Acclaim). The names are
+/// the skeleton's, not those of a model of OpenSim.
 fn channels(skeleton: &Bvh) -> mot::Mot {
     let named = skeleton.joints.iter().flat_map(|joint| joint.channels.iter().map(move |channel| (joint, channel)));
     let columns = named.map(|(joint, channel)| {

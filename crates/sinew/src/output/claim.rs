@@ -69,6 +69,13 @@ pub fn claim_in(storage: Arc<dyn Storage>, folder: &Path, inputs: &[PathBuf], fo
     Ok(Claim { folder: folder.to_owned(), storage, lock: Some(lock), stale_lock_of })
 }
 
+/// Whether a run writes into a folder now.
+#[must_use]
+pub fn is_in_use(folder: &Path) -> bool {
+    let Ok(file) = File::open(folder.join(LOCK_NAME)) else { return false };
+    matches!(file.try_lock_shared(), Err(TryLockError::WouldBlock))
+}
+
 impl Claim {
     /// The folder.
     #[must_use]
@@ -229,7 +236,9 @@ mod tests {
         let first = claim(&out, &[], false).unwrap();
         let expected = format!("`./out` is in use by another run (process {})", std::process::id());
         assert_eq!(message(&out, &[], true), expected);
+        assert!(is_in_use(&out));
         drop(first);
+        assert!(!is_in_use(&out));
         assert_eq!(message(&out, &[], false), "ok");
         fs::write(out.join(LOCK_NAME), "4000000\n").unwrap();
         assert_eq!(claim(&out, &[], false).unwrap().stale_lock_of, Some(4_000_000));

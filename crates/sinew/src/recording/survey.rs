@@ -1,7 +1,7 @@
 //! A keypoint folder without a calibration: what its files hold, for `sinew inspect`.
 
 use super::listing::{self, CameraFiles};
-use super::{guess, named_layout};
+use super::{Options, chosen_folders, guess, named_layout, no_such_frames};
 use crate::{Error, files};
 use sinew_formats::openpose::{self, Tally};
 use sinew_formats::source_text::MAX_KEYPOINT_BYTES;
@@ -29,7 +29,7 @@ pub struct Survey {
 pub struct CameraSurvey {
     /// Name of the folder.
     pub name: String,
-    /// Number of files.
+    /// Number of files, of the frames asked for.
     pub files: usize,
     /// First frame.
     pub first: u64,
@@ -50,23 +50,37 @@ pub struct CameraSurvey {
 /// Looks at a folder.
 ///
 /// # Errors
-/// A folder without keypoints, file names without numbers, an unknown layout, files that cannot be read.
-pub fn survey(keypoints: &Path, layout: Option<&str>) -> Result<Survey, Error> {
+/// A folder without keypoints, file names without numbers, an unknown layout, cameras or frames that are not there, files that cannot be read.
+pub fn survey(keypoints: &Path, options: &Options) -> Result<Survey, Error> {
+    let mut folders = listing::camera_folders(keypoints)?;
+    if let Some(names) = &options.cameras {
+        folders = chosen_folders(folders, names)?;
+    }
     let mut listed = Vec::new();
-    for folder in listing::camera_folders(keypoints)? {
+    for folder in folders {
         let name = folder.name.clone();
         listed.push(listing::files(folder, &name)?);
     }
-    let (layout, guessed) = match layout {
+    let (layout, guessed) = match &options.layout {
         Some(name) => (named_layout(name)?, None),
         None => guess::layout(&listed, keypoints)?,
     };
     let mut warnings = Vec::new();
+    if options.layout.is_some() {
+        warnings.extend(guess::contradiction(&listed, &layout));
+    }
+    let is_asked = |number: &u64| options.frames.as_ref().is_none_or(|asked| asked.contains(number));
+    let numbers: Vec<Vec<u64>> = listed.iter().map(|files| files.numbers().filter(is_asked).collect()).collect();
+    if let Some(asked) = options.frames.as_ref().filter(|_| numbers.iter().all(Vec::is_empty)) {
+        let ranges = || listed.iter().map(CameraFiles::range);
+        let first = ranges().map(|range| range.start).min().unwrap_or_default();
+        let end = ranges().map(|range| range.end).max().unwrap_or_default();
+        return Err(no_such_frames(asked, &(first..end)));
+    }
     let mut cameras = Vec::new();
-    for files in &listed {
-        let numbers: Vec<u64> = files.numbers().collect();
-        warnings.extend(frame_number::holes(&files.camera, &numbers).map(|warning| warning.to_string()));
-        cameras.push(camera(files, &numbers, &layout, &mut warnings)?);
+    for (files, numbers) in listed.iter().zip(&numbers) {
+        warnings.extend(frame_number::holes(&files.camera, numbers).map(|warning| warning.to_string()));
+        cameras.push(camera(files, numbers, &layout, options.confidence_scale, &mut warnings)?);
     }
     Ok(Survey { layout, is_guess: guessed.is_some(), cameras, warnings })
 }
@@ -75,14 +89,14 @@ fn camera(
     files: &CameraFiles,
     numbers: &[u64],
     layout: &Layout,
+    confidence_scale: f64,
     warnings: &mut Vec<String>,
 ) -> Result<CameraSurvey, Error> {
-    let range = files.range();
     let mut survey = CameraSurvey {
         name: files.camera.clone(),
-        files: files.len(),
-        first: range.start,
-        end: range.end,
+        files: numbers.len(),
+        first: numbers.first().copied().unwrap_or_default(),
+        end: numbers.last().map_or(0, |last| last.saturating_add(1)),
         read: 0,
         empty: 0,
         fewest: usize::MAX,
@@ -93,7 +107,7 @@ fn camera(
     for &number in numbers.iter().step_by(numbers.len().div_ceil(READ).max(1)) {
         let Some(path) = files.path(number) else { continue };
         let text = files::read_text(&path, MAX_KEYPOINT_BYTES)?;
-        let options = openpose::Options { frame: Some(number), layout: Some(layout), confidence_scale: 1.0 };
+        let options = openpose::Options { frame: Some(number), layout: Some(layout), confidence_scale };
         let frame = openpose::read(&path.display().to_string(), &text, &options)?;
         tally.add(number, Some(&frame));
         survey.read += 1;

@@ -203,10 +203,16 @@ impl Setup {
     /// # Errors
     /// TOML that is malformed, unknown or missing keys, and all values that cannot be, in one message.
     pub fn from_toml(name: &str, text: &str) -> Result<Self, Error> {
-        let refused = |problems| Error::Config { file: name.into(), problems };
-        let setup: Self = toml::from_str(text).map_err(|e| refused(vec![e.to_string().trim_end().into()]))?;
+        let setup = Self::parse(name, text)?;
         let problems = setup.problems();
-        if problems.is_empty() { Ok(setup) } else { Err(refused(problems)) }
+        if problems.is_empty() { Ok(setup) } else { Err(Error::Config { file: name.into(), problems }) }
+    }
+
+    /// As [`Setup::from_toml`], with values that cannot be.
+    pub(crate) fn parse(name: &str, text: &str) -> Result<Self, Error> {
+        let refused =
+            |e: toml::de::Error| Error::Config { file: name.into(), problems: vec![e.to_string().trim_end().into()] };
+        toml::from_str(text).map_err(refused)
     }
 
     pub(crate) fn problems(&self) -> Vec<String> {

@@ -1,0 +1,23 @@
+//! Which settings a configuration sets.
+
+use super::Facts;
+use crate::Error;
+use crate::config::file;
+use crate::config::setting::SETTINGS;
+use crate::config::value::to_toml;
+use std::path::Path;
+
+pub(super) fn facts(path: &Path) -> Result<Facts, Error> {
+    let config = file::read(path)?;
+    let count = config.values.len();
+    let mut facts = Facts::new(format!("{}: configuration that sets {count} of {}", path.display(), SETTINGS.len()));
+    if config.is_root {
+        facts.row(file::ROOT, "true: files in the folders above do not count");
+    }
+    for setting in &SETTINGS {
+        if let Some(value) = config.values.get(setting.key) {
+            facts.row(setting.key, to_toml(value));
+        }
+    }
+    Ok(facts)
+}

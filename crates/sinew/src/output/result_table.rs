@@ -1,0 +1,79 @@
+//! Which table of a result folder a CSV file is, told by its header.
+
+use sinew_formats::tidy_csv;
+
+/// Where the motion is that the tables are about, in words.
+pub const MOTION_FILES: &str = "markers.trc (points), angles.mot (angles) or motion.bvh (skeleton) of the same folder";
+
+/// A table of a result folder.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ResultTable {
+    /// `joints.csv`.
+    Joints,
+    /// `angles.csv`.
+    Angles,
+    /// `frames.csv`.
+    Frames,
+    /// `markers_sd.csv`.
+    MarkersSd,
+}
+
+impl ResultTable {
+    /// The table that a text is; `None` for the tables of others.
+    #[must_use]
+    pub fn of(text: &str) -> Option<Self> {
+        let header = text.lines().find(|line| !line.trim().is_empty())?;
+        let columns = tidy_csv::read_cells("", header).ok()?.columns;
+        let has = |names: &[&str]| names.iter().all(|name| columns.iter().any(|column| column == name));
+        if has(&["frame", "time_s", "person", "joint", "x_mean_m"]) {
+            Some(Self::Joints)
+        } else if has(&["time_s", "person", "name", "mean_deg"]) {
+            Some(Self::Angles)
+        } else if has(&["frame", "time_s", "observed", "quality", "restarted"]) {
+            Some(Self::Frames)
+        } else {
+            let [frame, time, deviations @ ..] = &columns[..] else { return None };
+            let only_deviations = !deviations.is_empty() && deviations.iter().all(|column| column.ends_with("_sd_m"));
+            (frame == "frame" && time == "time_s" && only_deviations).then_some(Self::MarkersSd)
+        }
+    }
+
+    /// What it tells, and of what a row is.
+    #[must_use]
+    pub const fn describe(self) -> &'static str {
+        match self {
+            Self::Joints => "marginals of the points, a row for each point in a frame",
+            Self::Angles => "marginals of the rotations, a row for each rotation in a frame",
+            Self::Frames => "diagnostics, a row for each frame",
+            Self::MarkersSd => "standard deviations of the markers, a row for each frame",
+        }
+    }
+
+    /// Column that says what a row is about besides its frame.
+    #[must_use]
+    pub const fn name_column(self) -> Option<&'static str> {
+        match self {
+            Self::Joints => Some("joint"),
+            Self::Angles => Some("name"),
+            Self::Frames | Self::MarkersSd => None,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tables_are_told_by_their_header() {
+        let check = |header: &str, expected| assert_eq!(ResultTable::of(header), expected, "{header}");
+        check("frame,time_s,person,joint,x_mean_m,y_mean_m\n0,0,0,Nose,1,2\n", Some(ResultTable::Joints));
+        check("\u{feff}time_s;person;name;mean_deg\r\n", Some(ResultTable::Angles));
+        check("frame,time_s,observed,quality,restarted,ess\n", Some(ResultTable::Frames));
+        check("frame,time_s,RHip_sd_m,Nose_sd_m\n", Some(ResultTable::MarkersSd));
+        check("time_s,RHip_x_m,RHip_y_m,RHip_z_m\n", None);
+        check("frame,time_s,RHip_sd_m,knee_deg\n", None);
+        check("frame,time_s\n", None);
+        check("", None);
+    }
+}
