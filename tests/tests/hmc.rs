@@ -1,7 +1,7 @@
-//! Leapfrog and hybrid Monte Carlo on the 28-dimensional benchmark problem and on targets in closed form (H1–H5, H8, H9). Where the specification names CF28 and its parts, the
-//! benchmark's body of the same size stands for it: its density and gradient are known from elsewhere.
+//! Leapfrog and hybrid Monte Carlo on the 28-dimensional benchmark problem and on targets in closed form (H1–H5, H8, H9), and
+//! on a posterior of CF28 where the specification names that body.
 
-use sinew::body::standard::h32;
+use sinew::body::standard::{cf28, h32};
 use sinew::body::{KinematicTree, Plan, Proportions, point_positions};
 use sinew::core::combinators::{OnPart, Sum};
 use sinew::core::density::{GaussNewton, GradLogDensity, Lanes, LogDensity};
@@ -11,8 +11,11 @@ use sinew::core::part::Part;
 use sinew::core::random::Stage;
 use sinew::core::toy::Quadratic;
 use sinew::dynamics::gaussian::Gaussian;
+use sinew::dynamics::mixture::Mixture;
 use sinew::dynamics::prior::Prior;
-use sinew::observe::{Camera, Detection, KeypointFrame, KeypointModel, Noise, ObservationModel, View};
+use sinew::observe::{
+    Camera, Detection, KeypointFrame, KeypointModel, MarkerLikelihood, MarkerModel, Noise, ObservationModel, View,
+};
 use sinew::problem28;
 use sinew::samplers::chains::{Schedule, draw};
 use sinew::samplers::hmc::{End, Hmc, leapfrog};
@@ -39,14 +42,49 @@ fn trajectory<T: GradLogDensity>(target: &T, hmc: &Hmc, x: &mut [Block], p: &mut
     leapfrog(target, hmc, &UNIT, x, p, &mut gradient, &mut vec![Block::ZERO; target.workspace()])
 }
 
-/// Gauss–Newton curvature at the true pose plus the prior's precision.
-fn curvature28(problem: &problem28::Problem) -> Vec<f64> {
-    let likelihood = problem.likelihood(Isa::best());
-    let x: Vec<Block> = problem.true_pose.iter().map(|&x| Block::splat(x)).collect();
+/// Gauss–Newton curvature at a pose plus the prior's precision.
+fn curvature_at(likelihood: &impl GaussNewton, pose: &[f64], prior_sd: &[f64]) -> Vec<f64> {
+    let x: Vec<Block> = pose.iter().map(|&x| Block::splat(x)).collect();
     let mut diagonal = vec![Block::ZERO; x.len()];
-    let workspace = sinew::core::density::LogDensity::workspace(&likelihood);
-    likelihood.gauss_newton_diagonal_block(&x, &mut diagonal, &mut vec![Block::ZERO; workspace]);
-    diagonal.iter().zip(&problem.prior_sd).map(|(h, sd)| h.0[0] + 1.0 / (sd * sd)).collect()
+    likelihood.gauss_newton_diagonal_block(&x, &mut diagonal, &mut vec![Block::ZERO; likelihood.workspace()]);
+    diagonal.iter().zip(prior_sd).map(|(h, sd)| h.0[0] + 1.0 / (sd * sd)).collect()
+}
+
+fn curvature28(problem: &problem28::Problem) -> Vec<f64> {
+    curvature_at(&problem.likelihood(Isa::best()), &problem.true_pose, &problem.prior_sd)
+}
+
+/// A posterior of CF28: its markers in one view with errors of 0.003, and a mixture of ten poses as prior.
+struct Cf28 {
+    target: Sum<Lanes<MarkerLikelihood>, Lanes<Mixture>>,
+    pose: Vec<f64>,
+    curvature: Vec<f64>,
+}
+
+fn cf28_posterior() -> Cf28 {
+    let tree = cf28(&Proportions::default());
+    let plan = Arc::new(Plan::with_all_points(&tree));
+    let isa = Isa::best();
+    let wave = |j: usize| 0.2 * (1.7 * j as f64).sin();
+    let pose: Vec<f64> = (0..28).map(|j| wave(j) + if j == 2 { 1.0 } else { 0.0 }).collect();
+    let model = MarkerModel { plan: Arc::clone(&plan), centre: [0.0, -4.8, 1.0], sigma: 0.003, isa };
+    let mut points = vec![0.0; 3 * plan.points()];
+    point_positions(&plan, isa, &pose, &mut points);
+    let frame: Vec<Option<[f64; 2]>> = points
+        .chunks(3)
+        .zip(0..)
+        .map(|(p, k)| {
+            let depth = p[1] - model.centre[1];
+            let error = |i: usize| 0.003 * (1.3 * (k + i) as f64).sin();
+            Some([(p[0] - model.centre[0]) / depth + error(0), (p[2] - model.centre[2]) / depth + error(7)])
+        })
+        .collect();
+    let prior_sd = vec![0.1; 28];
+    let centre = |i: usize| (0..28).map(|j| pose[j] + 0.05 * ((i + 3 * j) as f64).sin()).collect();
+    let prior = Mixture::new((0..10).map(centre).collect(), &prior_sd).expect("valid mixture");
+    let likelihood = model.bind(&frame);
+    let curvature = curvature_at(&likelihood, &pose, &prior_sd);
+    Cf28 { target: Sum(likelihood, Lanes { leaf: prior, isa }), pose, curvature }
 }
 
 /// States of the posterior's bulk: `blocks` blocks after a short run from the true pose.
@@ -58,13 +96,16 @@ fn bulk28(problem: &problem28::Problem, blocks: usize) -> Vec<Block> {
     draw(&problem.target(Isa::best()), &hmc, &starts, blocks * LANES, schedule, &stage).expect("finite start").last
 }
 
-/// H1.
+/// H1, on CF28 and on the benchmark.
 #[test]
 fn reversed_momenta_lead_back() {
+    let body = cf28_posterior();
+    let start: Vec<Block> = body.pose.iter().map(|&x| Block::splat(x)).collect();
+    reversed(&body.target, &Hmc::new(0.2, &body.curvature, 80, 0.0, Isa::best()).expect("valid"), &start);
     let problem = problem28::load();
-    let target = problem.target(Isa::best());
+    let (target, start) = (problem.target(Isa::best()), bulk28(&problem, 1));
     for metric in [Metric::Diagonal(curvature28(&problem)), dense28(&problem)] {
-        reversed(&target, &Hmc::with_metric(0.2, &metric, 80, 0.0, Isa::best()).expect("valid"), &problem);
+        reversed(&target, &Hmc::with_metric(0.2, &metric, 80, 0.0, Isa::best()).expect("valid"), &start);
     }
 }
 
@@ -82,9 +123,9 @@ fn dense28(problem: &problem28::Problem) -> Metric {
     Metric::Dense(Dense::new(&whole, 28).expect("positive definite"))
 }
 
-fn reversed(target: &problem28::Target, hmc: &Hmc, problem: &problem28::Problem) {
-    let (start, momenta) = (bulk28(problem, 1), noise(28, Stage::new(1, "H1")));
-    let (mut x, mut p) = (start.clone(), momenta.clone());
+fn reversed(target: &impl GradLogDensity, hmc: &Hmc, start: &[Block]) {
+    let momenta = noise(28, Stage::new(1, "H1"));
+    let (mut x, mut p) = (start.to_vec(), momenta.clone());
     trajectory(target, hmc, &mut x, &mut p);
     assert!((x[20].0[3] - start[20].0[3]).abs() > 1e-3, "the trajectory moves");
     p.iter_mut().flat_map(|b| &mut b.0).for_each(|p| *p = -*p);
@@ -113,17 +154,21 @@ fn log_det(mut m: Vec<Vec<f64>>) -> f64 {
     log
 }
 
-/// H2.
+/// H2, on parts of CF28 and of the benchmark.
 #[test]
 fn a_leapfrog_step_preserves_volume() {
+    let body = cf28_posterior();
+    volume_is_preserved(&body.target, &body.curvature, &body.pose);
     let problem = problem28::load();
-    let h = curvature28(&problem);
-    let fixed = problem.true_pose.clone();
+    volume_is_preserved(&problem.target(Isa::best()), &curvature28(&problem), &problem.true_pose);
+}
+
+fn volume_is_preserved(target: &impl GradLogDensity, h: &[f64], fixed: &[f64]) {
     for indices in [vec![0, 5, 9, 20], vec![3, 4, 11, 12, 25, 27], vec![6, 7, 8]] {
         let d = indices.len();
         let scales: Vec<f64> = indices.iter().map(|&j| 1.0 / h[j].sqrt()).collect();
         let part = Part::new(indices.clone(), 28).expect("valid");
-        let target = OnPart { target: problem.target(Isa::best()), part, fixed: fixed.clone() };
+        let target = OnPart { target, part, fixed: fixed.to_vec() };
         let own: Vec<f64> = indices.iter().map(|&j| h[j]).collect();
         let hmc = Hmc::new(0.5, &own, 1, 0.0, Isa::best()).expect("valid");
         let step = |k: usize, by: f64| {
