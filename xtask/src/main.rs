@@ -2,6 +2,7 @@
 
 mod accuracy;
 mod picture;
+mod reproduce;
 mod source;
 mod tidy;
 
@@ -23,6 +24,8 @@ enum Command {
     Accuracy(accuracy::Args),
     /// Draw docs/images/demo.svg, the picture of the README.
     Picture,
+    /// Reproduce a paper: its tables and figures on our data, its claims judged.
+    Reproduce(reproduce::Args),
     /// Check the rules that docs/ARCHITECTURE.md states: layers, who may do IO, leftovers, module docs.
     Tidy,
 }
@@ -32,6 +35,7 @@ fn main() -> ExitCode {
     match Cli::parse().command {
         Command::Accuracy(args) => accuracy::run(root, &args),
         Command::Picture => picture::run(root),
+        Command::Reproduce(args) => reproduce::run(root, &args),
         Command::Tidy => tidy::run(root),
     }
 }

@@ -2,7 +2,7 @@
 //!
 //! 1. [`joints`]: positions of the evaluation joints in our world, `(x, y, z) → (x, −z, y)`, in metres, resampled linearly to a lower rate. The names mean
 //!    the *ends* of CMU's bones: hips and shoulders are the ends of the hip joints and clavicles, elbow, wrist, knee and ankle those of humerus, radius, femur and tibia, the
-//!    neck base that of the thorax, the head top that of the head; `MidHip` is the middle of the hips. The balls of the feet (`LBigToe`, `RBigToe`) go beyond
+//!    neck base that of the thorax, the head top that of the head; `MidHip` is the middle of the hips and `Spine` the root. The balls of the feet (`LBigToe`, `RBigToe`) go beyond
 //!    the fifteen: without them the feet's angles mean nothing.
 //! 2. [`retarget`]: sizes of H32 as robust medians over the frames, refined together with the poses; then each frame's pose by Levenberg–Marquardt from the frame before, its
 //!    angles continued without jumps. No smoothing. What the body cannot reach is reported as [`Retargeted::mean_error_m`].
@@ -26,7 +26,7 @@ use std::f64::consts::TAU;
 pub const RATE_HZ: f64 = 120.0;
 
 /// Our name and the bones whose ends it is the middle of.
-const JOINTS: [(&str, &[&str]); 17] = [
+const JOINTS: [(&str, &[&str]); 18] = [
     ("MidHip", &["lhipjoint", "rhipjoint"]),
     ("Neck", &["thorax"]),
     ("LShoulder", &["lclavicle"]),
@@ -44,6 +44,7 @@ const JOINTS: [(&str, &[&str]); 17] = [
     ("Head", &["head"]),
     ("LBigToe", &["lfoot"]),
     ("RBigToe", &["rfoot"]),
+    ("Spine", &["root"]),
 ];
 
 /// Positions of the joints that the skeleton has, at the given rate.
@@ -97,7 +98,7 @@ fn resampled(frames: &[Vec<[f64; 3]>], step: f64) -> Vec<Vec<[f64; 3]>> {
 /// A motion of the standard body that follows recorded points.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Retargeted {
-    /// The body, H32 of the subject's size.
+    /// The body in the subject's size.
     pub body: KinematicTree,
     /// Its sizes.
     pub proportions: Proportions,
@@ -109,14 +110,20 @@ pub struct Retargeted {
     pub mean_error_m: f64,
 }
 
-/// Fits the standard body to recorded points; `None` where the first frame's trunk does not tell a pose.
+/// Fits the standard body H32 to recorded points; `None` where the first frame's trunk does not tell a pose.
 #[must_use]
 pub fn retarget(recorded: &Trajectories) -> Option<Retargeted> {
+    retarget_to(h32, recorded)
+}
+
+/// Fits a body that is built from a subject's sizes, as [`retarget`] does.
+#[must_use]
+pub fn retarget_to(build: fn(&Proportions) -> KinematicTree, recorded: &Trajectories) -> Option<Retargeted> {
     let names: Vec<&str> = recorded.names.iter().map(String::as_str).collect();
     let frames: Vec<Vec<Option<[f64; 3]>>> =
         recorded.frames.iter().map(|frame| frame.iter().map(|&point| Some(point)).collect()).collect();
     let Measured { proportions, .. } = subject::from_distances(&names, &frames);
-    let start = h32(&proportions);
+    let start = build(&proportions);
     let columns: Vec<Option<usize>> = start.points().iter().map(|point| recorded.index(&point.name)).collect();
     let targets: Vec<Vec<Option<Target>>> = recorded
         .frames
@@ -125,8 +132,8 @@ pub fn retarget(recorded: &Trajectories) -> Option<Retargeted> {
         .collect();
     let config = bundle::Config::default();
     let sample: Vec<_> = targets.iter().step_by(targets.len().div_ceil(SIZING_FRAMES).max(1)).cloned().collect();
-    let proportions = bundle::refine(h32, &proportions, &sample, &config).proportions;
-    let body = h32(&proportions);
+    let proportions = bundle::refine(build, &proportions, &sample, &config).proportions;
+    let body = build(&proportions);
     let plan = Plan::with_all_points(&body);
     let mut states: Vec<Vec<f64>> = Vec::with_capacity(targets.len());
     for targets in &targets {

@@ -1,0 +1,34 @@
+//! `cargo xtask reproduce <paper>`: regenerates the tables and figures of a paper on our data and judges its claims.
+
+mod choo_fleet;
+
+use clap::{Args as ClapArgs, Subcommand};
+use std::path::Path;
+use std::process::ExitCode;
+
+/// Which paper.
+#[derive(ClapArgs)]
+pub(crate) struct Args {
+    #[command(subcommand)]
+    paper: Paper,
+}
+
+#[derive(Subcommand)]
+enum Paper {
+    /// Choo & Fleet, "People tracking using hybrid Monte Carlo filtering", ICCV 2001.
+    ChooFleet(choo_fleet::Args),
+}
+
+/// Runs the command.
+pub(crate) fn run(root: &Path, args: &Args) -> ExitCode {
+    let done = match &args.paper {
+        Paper::ChooFleet(args) => choo_fleet::run(root, args),
+    };
+    match done {
+        Ok(code) => code,
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}

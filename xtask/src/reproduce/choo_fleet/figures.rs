@@ -1,0 +1,209 @@
+//! Figures by their content: variance against cost (Figs 2 and 3), log likelihoods and log priors over frames (Figs 4 and 5).
+
+use super::Outcome;
+use super::chains::Variant;
+use super::claims::series;
+use super::curves::{Axis, Cell, curve};
+use super::problem::MODELS;
+use super::scene::Source;
+use super::store::Store;
+use super::{MULTI, Study, filters, frame_name, multi_key, reference_key};
+use plotters::coord::Shift;
+use plotters::prelude::*;
+use sinew::core::random::Stage;
+use std::f64::consts::LN_10;
+use std::path::Path;
+
+/// Colours that people who see red and green alike tell apart (Okabe & Ito 2008).
+const BLUE: RGBColor = RGBColor(0, 114, 178);
+const ORANGE: RGBColor = RGBColor(213, 94, 0);
+const GREEN: RGBColor = RGBColor(0, 158, 115);
+const PURPLE: RGBColor = RGBColor(204, 121, 167);
+
+fn colour(of: Option<Variant>) -> RGBColor {
+    match of {
+        None => ORANGE,
+        Some(Variant::Paper) => BLUE,
+        Some(Variant::Best) => GREEN,
+        Some(Variant::Dense) => PURPLE,
+    }
+}
+
+/// A line of points with the lower and upper end of each error bar.
+struct Line {
+    name: String,
+    colour: RGBColor,
+    points: Vec<[f64; 4]>,
+}
+
+type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
+
+/// A panel; where it is in decades, values are logarithms of base ten.
+fn panel(area: &Area<'_>, title: &str, x: &str, y: &str, lines: &[Line], in_decades: bool) -> Outcome<()> {
+    let all = || lines.iter().flat_map(|line| &line.points);
+    let ends = |of: &dyn Fn(&[f64; 4]) -> [f64; 2]| {
+        let low = all().map(|p| of(p)[0]).fold(f64::INFINITY, f64::min);
+        let high = all().map(|p| of(p)[1]).fold(f64::NEG_INFINITY, f64::max);
+        let margin = 0.05 * (high - low).max(1e-3);
+        (low - margin)..(high + margin)
+    };
+    let mut chart = ChartBuilder::on(area)
+        .caption(title, ("sans-serif", 15))
+        .margin(8)
+        .x_label_area_size(36)
+        .y_label_area_size(58)
+        .build_cartesian_2d(ends(&|p| [p[0], p[0]]), ends(&|p| [p[2], p[3]]))?;
+    let shown = |v: &f64| if in_decades { format!("1e{v:.1}") } else { format!("{v:.0}") };
+    chart
+        .configure_mesh()
+        .x_desc(x)
+        .y_desc(y)
+        .x_label_formatter(&shown)
+        .y_label_formatter(&shown)
+        .x_labels(5)
+        .y_labels(5)
+        .light_line_style(WHITE)
+        .bold_line_style(RGBColor(225, 225, 225))
+        .label_style(("sans-serif", 12))
+        .draw()?;
+    for line in lines {
+        chart.draw_series(LineSeries::new(line.points.iter().map(|p| (p[0], p[1])), line.colour.stroke_width(2)))?;
+        for &[x, _, low, high] in line.points.iter().filter(|p| p[3] > p[2]) {
+            chart.draw_series(std::iter::once(PathElement::new(
+                vec![(x, low), (x, high)],
+                line.colour.stroke_width(1),
+            )))?;
+        }
+        if let Some(last) = line.points.last() {
+            let style = ("sans-serif", 12).into_font().color(&line.colour);
+            let label = Text::new(
+                line.name.clone(),
+                (last[0], last[1]),
+                style.pos(plotters::style::text_anchor::Pos::new(
+                    plotters::style::text_anchor::HPos::Right,
+                    plotters::style::text_anchor::VPos::Bottom,
+                )),
+            );
+            chart.draw_series(std::iter::once(label))?;
+        }
+    }
+    Ok(())
+}
+
+/// A logarithm in base ten with its ends at two standard errors.
+fn decades(x: f64, natural_log: f64, error: f64) -> [f64; 4] {
+    let [y, low, high] = [natural_log, natural_log - 2.0 * error, natural_log + 2.0 * error].map(|v| v / LN_10);
+    [x, y, low, high]
+}
+
+fn contenders(study: &Study) -> Vec<(String, Option<Variant>)> {
+    let variants = study.size.variants.iter().map(|v| (v.name().to_owned(), Some(*v)));
+    std::iter::once(("particle filter".to_owned(), None)).chain(variants).collect()
+}
+
+fn finish(root: &Area<'_>) -> Outcome<()> {
+    Ok(root.present()?)
+}
+
+/// Geometric mean of the variances against cost: a row a model, a column a frame.
+fn variances(study: &Study, store: &Store, path: &Path) -> Outcome<()> {
+    let stage = Stage::new(study.seed, "choo-fleet bootstrap");
+    let columns = study.size.frames.len();
+    let root = SVGBackend::new(path, (300 * columns as u32, 840)).into_drawing_area();
+    root.fill(&WHITE)?;
+    let areas = root.split_evenly((MODELS.len(), columns));
+    for (row, model) in MODELS.iter().enumerate() {
+        for (column, &frame) in study.size.frames.iter().enumerate() {
+            let mut lines = vec![];
+            for (name, of) in contenders(study) {
+                let cells = curve(study, store, Source::Recorded, frame, model, of)?;
+                let point = |c: &Cell| decades(c.cost(Axis::Units).log10(), c.log_mean(), c.log_mean_error(&stage));
+                lines.push(Line { name, colour: colour(of), points: cells.iter().map(point).collect() });
+            }
+            let title = format!("{}-D, {}", model.dim, frame_name(frame));
+            panel(
+                &areas[row * columns + column],
+                &title,
+                "cost, likelihoods",
+                "variance (geometric mean)",
+                &lines,
+                true,
+            )?;
+        }
+    }
+    finish(&root)
+}
+
+/// Variance of every variable against cost in the tuning frame, particle filter and the paper's chains: a column a model.
+fn variables(study: &Study, store: &Store, path: &Path) -> Outcome<()> {
+    let root = SVGBackend::new(path, (1200, 420)).into_drawing_area();
+    root.fill(&WHITE)?;
+    for (model, area) in MODELS.iter().zip(root.split_evenly((1, MODELS.len()))) {
+        let mut lines = vec![];
+        for (name, of) in [("particle filter", None), ("hmc, paper's L", Some(Variant::Paper))] {
+            let cells = curve(study, store, Source::Recorded, study.size.frames[0], model, of)?;
+            for k in 0..model.dim {
+                let point = |c: &Cell| {
+                    let [variance, error] = c.variances()[k];
+                    decades(c.cost(Axis::Units).log10(), variance.ln(), error / variance)
+                };
+                let name = if k == 0 { name } else { "" };
+                lines.push(Line { name: name.into(), colour: colour(of), points: cells.iter().map(point).collect() });
+            }
+        }
+        let title = format!("{}-D, {}, each variable", model.dim, frame_name(study.size.frames[0]));
+        panel(&area, &title, "cost, likelihoods", "variance", &lines, true)?;
+    }
+    finish(&root)
+}
+
+/// Log likelihood of the mean and log prior of the truth over frames.
+fn frames(study: &Study, store: &Store, path: &Path) -> Outcome<()> {
+    let root = SVGBackend::new(path, (1000, 760)).into_drawing_area();
+    root.fill(&WHITE)?;
+    let areas = root.split_evenly((2, MULTI.len()));
+    for (row, (name, words)) in
+        [("log_likelihood", "log likelihood of the mean"), ("log_prior", "log prior of the truth")]
+            .into_iter()
+            .enumerate()
+    {
+        for (index, (model, _)) in MULTI.iter().enumerate() {
+            let both = series(study, store, index, name)?;
+            let line = |(runs, (name, of)): (&Vec<Vec<f64>>, (&str, Option<Variant>))| {
+                let n = runs.len() as f64;
+                let point = |frame: usize| {
+                    let mean = runs.iter().map(|run| run[frame]).sum::<f64>() / n;
+                    let variance = runs.iter().map(|run| (run[frame] - mean).powi(2)).sum::<f64>() / (n - 1.0);
+                    let error = (variance / n).sqrt();
+                    [frame as f64 + 1.0, mean, mean - 2.0 * error, mean + 2.0 * error]
+                };
+                let points = (0..runs.first().map_or(0, Vec::len)).map(point).collect();
+                Line { name: name.into(), colour: colour(of), points }
+            };
+            let names = [("hmc, R = 32", Some(Variant::Paper)), ("particle filter", None)];
+            let lines: Vec<Line> = both.iter().zip(names).map(line).collect();
+            panel(
+                &areas[row * MULTI.len() + index],
+                &format!("{}-D", MODELS[*model].dim),
+                "frame",
+                words,
+                &lines,
+                false,
+            )?;
+        }
+    }
+    finish(&root)
+}
+
+/// Draws the figures of what was run into a folder.
+pub(super) fn draw(study: &Study, store: &Store, folder: &Path) -> Outcome<()> {
+    if store.get(&reference_key(Source::Recorded, study.size.frames[0], &MODELS[0])).is_some() {
+        variances(study, store, &folder.join("variances.svg"))?;
+        variables(study, store, &folder.join("variables.svg"))?;
+    }
+    let (model, both) = filters(store, 0)?;
+    if study.size.noises > 0 && store.get(&multi_key(&model, &both[0], 0)).is_some() {
+        frames(study, store, &folder.join("frames.svg"))?;
+    }
+    Ok(())
+}
