@@ -300,7 +300,7 @@ fn difference(frames: u64, other_frames: u64, ends: (i64, i64)) -> String {
 }
 
 impl Error {
-    /// What the user can do about it, where that is not plain from the message.
+    /// What the user can do about it.
     #[must_use]
     pub fn help(&self) -> Option<String> {
         let help = match self {
@@ -308,7 +308,11 @@ impl Error {
             Self::TooLarge { .. } => "is this the right file? split the recording if it is".into(),
             Self::Truncated { .. } => "the program that wrote the file was probably stopped; write or copy it again".into(),
             Self::TooDeep { .. } | Self::ImpossibleCount { .. } => "the file is damaged or of another kind; write or copy it again".into(),
-            Self::OutOfRange { .. } => "every number must be finite; leave a missing value out or write null".into(),
+            Self::OutOfRange { place, .. } => {
+                let is_json = place.file.to_lowercase().ends_with(".json");
+                let missing = if is_json { "; write null for a missing value" } else { "" };
+                format!("every number must be finite{missing}")
+            }
             Self::DecimalComma { .. } => "export with an English locale, so that numbers read 0.5 and not 0,5".into(),
             Self::KeypointCount { found, layout, .. } => {
                 let fitting = crate::layout::with_numbers(*found);
@@ -327,7 +331,17 @@ impl Error {
             Self::NotOrthonormal { .. } => "calibrate again or export the rotation with more digits".into(),
             Self::MirrorRotation { .. } => "export the calibration with right-handed axes (x right, y down, z forward)".into(),
             Self::TimeBackwards { .. } => "sort the rows by time".into(),
-            _ => return None,
+            Self::Syntax { .. } => "correct the place, or write the file again with the program that made it".into(),
+            Self::BadValue { field, .. } => format!("correct `{field}`, or export the file again"),
+            Self::MissingField { field, .. } => format!("add `{field}`, or export the file with a program that writes it"),
+            Self::UnknownKey { .. } | Self::UnknownName { .. } => "correct the spelling, or take it out".into(),
+            Self::DuplicateName { .. } => "rename or remove one of them".into(),
+            Self::Unsupported { .. } => "write the file in a form that is read; the documentation of its format lists them".into(),
+            Self::RowLength { .. } => "the row or the header is damaged; write the file again".into(),
+            Self::NotTriples { .. } => "give each keypoint as x, y and confidence".into(),
+            Self::Confidence { .. } => "`confidence_scale` is the confidence that means certainty: 100 for percent".into(),
+            Self::NoFrameNumber { .. } => "rename the file, or take it out of the folder".into(),
+            Self::Body { .. } => "`sinew body h32` shows a body that is valid".into(),
         };
         Some(help)
     }

@@ -79,6 +79,13 @@ pub enum Warning {
         /// First label found.
         first: String,
     },
+    /// A marker name that stands for two columns.
+    RepeatedMarker {
+        /// File.
+        place: Place,
+        /// The name.
+        name: String,
+    },
     /// Spaces where tabs belong.
     SpacesForTabs {
         /// File.
@@ -145,6 +152,12 @@ impl fmt::Display for Warning {
             }
             Self::OddLabels { place, first } => {
                 write!(f, "{place}: coordinate labels start with `{first}` instead of `X1`; taken in order")
+            }
+            Self::RepeatedMarker { place, name } => {
+                write!(
+                    f,
+                    "{place}: marker `{name}` is there twice; the first one is taken where it is asked for by name"
+                )
             }
             Self::SpacesForTabs { place } => {
                 write!(f, "{place}: spaces instead of tabs; names cannot contain spaces then")

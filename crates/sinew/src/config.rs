@@ -157,12 +157,37 @@ impl Resolved {
 
     /// What no setting alone can tell.
     fn check(&self) -> Result<(), Error> {
+        if self.text("method").as_deref() == Some("bootstrap") {
+            return Ok(());
+        }
         let (burn_in, updates) = (self.count("burn_in").unwrap_or_default(), self.count("updates").unwrap_or(1));
         if burn_in < updates {
             return Ok(());
         }
         let problem = format!("`burn_in` is {burn_in}; it must be less than `updates`, which is {updates}");
         Err(Error::Config { file: "the configuration".into(), problems: vec![problem] })
+    }
+
+    /// Warnings about flags that change nothing beside the other settings.
+    #[must_use]
+    pub fn idle_flags(&self) -> Vec<String> {
+        let is = |key: &str, value: &str| self.text(key).as_deref() == Some(value);
+        let idle = |key: &str| match key {
+            "particles" | "min_ess" if is("method", "hmc") => Some("`--method hmc`"),
+            "chains" | "updates" | "burn_in" | "jitter" | "max_r_hat" | "max_r_hat_share" | "max_divergent_share"
+                if is("method", "bootstrap") =>
+            {
+                Some("`--method bootstrap`")
+            }
+            "degrees" if is("noise", "floor") => Some("`--noise floor`"),
+            "outlier" if is("noise", "student-t") => Some("`--noise student-t`"),
+            "setup_frames" | "person" if self.values.contains_key("setup") => Some("`--setup`"),
+            _ => None,
+        };
+        let given = self.values.iter().filter(|(_, (_, origin))| *origin == Origin::Flag);
+        given
+            .filter_map(|(key, _)| Some(format!("`--{}` changes nothing with {}", key.replace('_', "-"), idle(key)?)))
+            .collect()
     }
 
     fn add(&mut self, file: file::ConfigFile) {

@@ -117,6 +117,14 @@ fn subject(path: &Path) -> Result<Subject, Error> {
             Subject::Keypoints(path_buf)
         });
     }
+    // A file of a result folder that is no table, motion or set-up speaks for its folder.
+    let name = path.file_name().and_then(|name| name.to_str()).unwrap_or_default();
+    if ["summary.json", "timings.json", "load.py"].contains(&name) {
+        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        if results::is_results(folder) {
+            return Ok(Subject::Results(folder.to_owned()));
+        }
+    }
     match path.extension().map(|extension| extension.to_string_lossy().to_lowercase()).as_deref() {
         Some("toml") => Ok(toml_file::subject(path_buf, &read_text(path, MAX_CONFIG_BYTES)?)),
         Some("trc" | "bvh" | "mot" | "sto" | "csv") => Ok(Subject::Motion(path_buf)),

@@ -85,7 +85,10 @@ pub fn track<S: FrameSource>(
     let up = world_up(&config, known.as_ref())?;
     let mut source = Upright::new(source, &up);
     let setup = match known {
-        Some(setup) => setup,
+        Some(setup) => {
+            same_calibration(&mut source, config.image_scale)?;
+            setup
+        }
         None => {
             let setup = set_up(&mut source, setup_frames, &config, &settings, watch, &mut warnings)?;
             Setup { world_up: up, ..setup }
@@ -238,6 +241,21 @@ fn world_up(config: &TrackConfig, setup: Option<&Setup>) -> Result<String, Error
     }
 }
 
+/// Frames that are looked at to tell whether a set-up of an earlier run belongs to the calibration.
+const LOOKED_AT: u64 = 60;
+
+/// Refuses a calibration that fits the keypoints only when it is read differently; a set-up that is given skips the pass that would tell.
+fn same_calibration<S: FrameSource>(source: &mut S, image_scale: f64) -> Result<(), Error> {
+    let numbers = source.frames();
+    let mut frames = vec![];
+    for number in numbers.start..numbers.end.min(numbers.start + LOOKED_AT) {
+        frames.extend(setup::alone(&source.people(number)?));
+    }
+    let stride = frames.len().div_ceil(8).max(1);
+    let some: Vec<_> = frames.into_iter().step_by(stride).collect();
+    setup::calibration_fit::check(source.cameras(), &some, image_scale)
+}
+
 /// Refuses a body that is not that of the set-up.
 fn same_body(asked: &str, setup: &Setup) -> Result<(), Error> {
     if bodies::to_track(asked)? == setup.body {
@@ -271,7 +289,12 @@ fn set_up<S: FrameSource>(
     warnings: &mut Vec<String>,
 ) -> Result<Setup, Error> {
     let body = bodies::to_track(&config.body)?;
-    let request = Request { body, person: config.person.unwrap_or_default(), ..Request::default() };
+    let request = Request {
+        body,
+        person: config.person.unwrap_or_default(),
+        image_scale: config.image_scale,
+        ..Request::default()
+    };
     let (cameras, layout) = (source.cameras().to_vec(), source.layout().clone());
     let total = numbers.end - numbers.start;
     let frames = numbers.clone().map(|number| {
@@ -286,7 +309,14 @@ fn set_up<S: FrameSource>(
     // The tracker looks for swapped sides in all its frames.
     let tracked = source.frames();
     let told_later = |warning: &Warning| matches!(warning, Warning::Swapped { first, last, .. } if tracked.contains(first) && tracked.contains(last));
-    warnings.extend(found.iter().filter(|warning| !told_later(warning)).map(ToString::to_string));
+    let declared = config.up_axis.as_deref().unwrap_or(setup::Z_UP);
+    let found = found.into_iter().filter(|warning| !told_later(warning)).map(|warning| match warning {
+        Warning::FeetAboveHead { frames, up_axis } => {
+            Warning::FeetAboveHead { frames, up_axis: setup::checks::axis_before_turning(up_axis, declared) }
+        }
+        other => other,
+    });
+    warnings.extend(found.map(|warning| warning.to_string()));
     let tree = setup.tree();
     setup.motion_sd = Some(pipeline::measure_motion(&setup, &tree, source, numbers, settings.fps)?);
     if settings.method == Method::Hmc {

@@ -49,6 +49,7 @@ pub struct Recording {
     files: Vec<CameraFiles>,
     layout: Layout,
     confidence_scale: f64,
+    image_scale: f64,
     available: Range<u64>,
     frames: Range<u64>,
     counted: Vec<bool>,
@@ -128,6 +129,7 @@ impl Recording {
             files: listed,
             layout,
             confidence_scale: options.confidence_scale,
+            image_scale: options.image_scale,
             available,
             frames,
             warnings,
@@ -141,6 +143,12 @@ impl Recording {
     #[must_use]
     pub fn cameras(&self) -> &[Camera] {
         &self.cameras
+    }
+
+    /// Size of the images over that of the calibrated ones; the cameras are resized by it.
+    #[must_use]
+    pub const fn image_scale(&self) -> f64 {
+        self.image_scale
     }
 
     /// Meaning of the keypoint indices.

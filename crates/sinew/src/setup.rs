@@ -14,7 +14,7 @@
 //! With one camera there are no points in space: offsets stay 0, the body keeps its default sizes, and the pose is fitted to pixels, its depth told by the size of
 //! the body ([`one_camera`]). How far that size may be from the person's is part of every interval ([`Setup::size_sd`]).
 
-mod calibration_fit;
+pub mod calibration_fit;
 pub mod checks;
 mod collect;
 mod model_error;
@@ -24,7 +24,7 @@ pub mod shape;
 mod stored;
 mod warning;
 
-pub use collect::{Collected, Request, collect, limb_lengths};
+pub use collect::{Collected, Request, alone, collect, limb_lengths};
 pub use stored::{Body, CameraSetup, FileBody, Setup};
 pub use warning::Warning;
 
@@ -108,7 +108,8 @@ pub fn set_up(
     setup.start_pose = shape.start_pose;
     setup.proportions = shape.proportions;
     if let Body::File(body) = &request.body {
-        let own = own_body::measure(body.tree(), cameras, layout, request, &noise, &collected).ok_or_else(no_pose)?;
+        let own = own_body::measure(body.tree(), cameras, layout, request, &noise, &collected)
+            .ok_or_else(|| no_pose_of(body.tree(), layout))?;
         setup.model_error_m = own.model_error_m;
         setup.start_frame = own.start_frame;
         setup.start_pose = own.start_pose;
@@ -193,6 +194,23 @@ fn no_pose() -> Error {
     Error::Input {
         message: "no frame shows enough of the person for a pose".into(),
         help: Some("check the calibration against the keypoints with `sinew inspect`".into()),
+    }
+}
+
+/// Why a body of a file has no pose: its points.
+fn no_pose_of(tree: &sinew_body::KinematicTree, layout: &Layout) -> Error {
+    let names = tree.points().iter().map(|point| point.name.as_str());
+    let shared: Vec<&str> = names.filter(|name| layout.index(name).is_some()).collect();
+    Error::Input {
+        message: format!(
+            "no frame tells a pose of the body of the file; of layout `{}` it has {} points: {}",
+            layout.name,
+            shared.len(),
+            shared.join(", ")
+        ),
+        help: Some(
+            "name more of its points like those of the layout; `sinew body h32` shows a body that has them".into(),
+        ),
     }
 }
 

@@ -317,6 +317,62 @@ fn images_resized_after_the_calibration() {
     check_warning("resized_and_told", larger, &["--image-scale", "0.6667"]);
 }
 
+/// The calibrations of two cameras exchanged: all else of the run depends on chance.
+#[test]
+fn a_calibration_of_another_camera() {
+    let trial = trial(1.0);
+    trial.edit(&trial.path("Calib.toml"), |text| {
+        text.replace("\"C1\"", "\"X\"").replace("\"C2\"", "\"C1\"").replace("\"X\"", "\"C2\"")
+    });
+    let told = trial.track_told(&[]);
+    assert!(told.contains("is this the calibration of this camera?"), "{told}");
+}
+
+#[test]
+fn one_camera_that_shows_someone_whom_no_other_sees() {
+    let trial = trial(1.0);
+    for frame in 0..30 {
+        trial.edit(&trial.keypoints(2, frame), |text| {
+            let mut json: serde_json::Value = serde_json::from_str(&text).unwrap();
+            let points = json["people"][0]["pose_keypoints_2d"].as_array_mut().unwrap();
+            for u in points.iter_mut().step_by(3) {
+                *u = serde_json::json!(1280.0 - u.as_f64().unwrap() * 0.3);
+            }
+            json.to_string()
+        });
+    }
+    insta::assert_snapshot!("unmatched", without_pixels(&trial.track_told(&[])));
+}
+
+#[test]
+fn confidences_far_below_the_declared_scale() {
+    check_error("surest", |_| {}, &["--confidence-scale", "1000"]);
+}
+
+#[test]
+fn a_set_up_does_not_hide_what_no_longer_fits() {
+    let trial = trial(0.4);
+    assert_eq!(trial.track(&["-ofirst"]).status.code(), Some(0));
+    edit_calibration(&trial, |_, camera| {
+        multiply(&mut camera["size"], 1.5);
+        multiply(&mut camera["matrix"], 1.5);
+        camera["matrix"][2][2] = 1.0.into();
+    });
+    insta::assert_snapshot!("resized_with_set_up", trial.track_told(&["--setup", "first/setup.toml"]));
+    insta::assert_snapshot!("resized_twice", trial.track_told(&["--image-scale", "2"]));
+}
+
+#[test]
+fn the_advice_about_the_axis_is_that_of_the_calibration() {
+    let advised = |declared: &str| {
+        let trial = trial(0.4);
+        trial.track_told(&["--up-axis", declared])
+    };
+    for declared in ["-z", "+y", "-x"] {
+        assert!(advised(declared).contains("set `up_axis` (found: +z)"), "{}", advised(declared));
+    }
+}
+
 #[test]
 fn millimetres_for_metres() {
     check_error("millimetres", |trial| edit_calibration(trial, |_, c| multiply(&mut c["translation"], 1e3)), &[]);

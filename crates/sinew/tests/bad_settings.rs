@@ -65,6 +65,20 @@ fn mistakes_on_the_command_line() {
 }
 
 #[test]
+fn flags_that_change_nothing() {
+    let trial = trial(0.1);
+    let told = |flags: &[&str]| trial.told(&trial.run(&[&["track", "--print-config"], flags].concat()));
+    insta::assert_snapshot!(
+        "idle_with_hmc",
+        told(&["--particles=5", "--degrees=3", "--setup=a.toml", "--setup-frames=0..9"])
+    );
+    insta::assert_snapshot!(
+        "idle_with_bootstrap",
+        told(&["--method=bootstrap", "--chains=8", "--updates=5", "--noise=student-t", "--outlier=0.1"])
+    );
+}
+
+#[test]
 fn mistakes_in_the_environment() {
     let trial = trial(0.1);
     let output = trial.command(&["track"]).env("SINEW_CHAINS", "none").output().unwrap();

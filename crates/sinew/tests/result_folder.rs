@@ -137,7 +137,7 @@ fn smoothed_results_say_so() {
 #[test]
 fn particles_bring_their_weights() {
     let trial = trial(0.2);
-    check_done(&trial, &["--method", "bootstrap", "--particles", "512"]);
+    check_done(&trial, &["--method", "bootstrap", "--particles", "512", "--min-ess=0"]);
     let stats = trial.path("out/posterior.zarr/sample_stats");
     assert!(stats.join("log_weight").is_dir() && stats.join("resampled").is_dir() && !stats.join("energy").exists());
     let summary: serde_json::Value =

@@ -63,6 +63,11 @@ pub fn read(name: &str, text: &str) -> Result<Trc, Error> {
     };
     compare("NumFrames", stated_frames, frames.len());
     compare("NumMarkers", stated_markers, header.markers.len());
+    let mut names: Vec<&String> = header.markers.iter().collect();
+    names.sort();
+    let repeated = names.windows(2).filter(|pair| pair[0] == pair[1]).map(|pair| pair[0].clone());
+    let place = || Place::file(name);
+    warnings.extend(repeated.map(|name| Warning::RepeatedMarker { place: place(), name }));
     warnings.extend(time.warning(name));
     Ok(Trc { header, frames, warnings })
 }

@@ -15,6 +15,7 @@ use std::path::{Path, PathBuf};
 pub(crate) fn run(args: &TrackArgs, general: &General, report: &Report) -> Result<Ended, Error> {
     let resolved = settings(&args.settings.given, general)?;
     report.warnings(&resolved.warnings);
+    report.warnings(&resolved.idle_flags());
     if args.print_config {
         if args.answer.json {
             report::answer_json(&resolved.to_json())?;

@@ -18,13 +18,10 @@ use sinew_observe::triangulate::{Seen, linear};
 use sinew_observe::{Camera, Detection};
 
 /// Frames looked at.
-const FRAMES: u64 = 200;
+const FRAMES: u64 = 600;
 
 /// Largest lag looked for, frames.
 const LARGEST_LAG: i64 = 10;
-
-/// Scatter, pixels, above which the calibration is doubted, per 1000 px of image diagonal.
-const DOUBTFUL: f64 = 8.0;
 
 /// Looks at a recording; what is `known` to be odd is not repeated.
 ///
@@ -40,12 +37,12 @@ pub fn facts(recording: &mut Recording, known: &[String]) -> Result<Facts, Error
         frames.push((number, setup::detections(&recording.frame(number)?)));
     }
     let mut facts = Facts::new(format!("fit of calibration and keypoints, frames {}..{}", numbers.start, numbers.end));
-    let request = Request { frames: frames.len(), window: frames.len(), ..Request::default() };
+    let request = Request { frames: frames.len(), image_scale: recording.image_scale(), ..Request::default() };
     let collected = match collect(&cameras, &layout, &request, frames.iter().cloned().map(Ok)) {
         Ok(collected) => collected,
         Err(error) => {
             facts.odd.push(error.to_string());
-            verdict(&mut facts, known);
+            verdict(&mut facts);
             return Ok(facts);
         }
     };
@@ -62,27 +59,23 @@ pub fn facts(recording: &mut Recording, known: &[String]) -> Result<Facts, Error
         let rms = rms[index].map_or("RMS unknown".into(), |rms| format!("RMS {rms:.1} px"));
         let scatter = noise[index].sigma_px;
         facts.row(&camera.name, format!("{rms}, offset ({u:+.1}, {v:+.1}) px, then {scatter:.1} px per axis, {clock}"));
-        let [width, height] = camera.image_size_px;
-        if scatter > DOUBTFUL * width.hypot(height) / 1000.0 {
-            facts.odd.push(format!(
-                "{}: keypoints scatter by {scatter:.0} px; is this the calibration of this camera?",
-                camera.name
-            ));
-        }
     }
-    match setup::set_up(&cameras, &layout, &Request::default(), frames.into_iter().map(Ok)) {
+    let request = Request { image_scale: recording.image_scale(), ..Request::default() };
+    match setup::set_up(&cameras, &layout, &request, frames.into_iter().map(Ok)) {
         Ok((_, warnings)) => facts.odd.extend(warnings.iter().map(ToString::to_string)),
         Err(error) => facts.odd.push(error.to_string()),
     }
-    facts.odd.extend(recording.oddities());
     facts.odd.retain(|odd| !known.contains(odd));
-    verdict(&mut facts, known);
+    verdict(&mut facts);
     Ok(facts)
 }
 
-fn verdict(facts: &mut Facts, known: &[String]) {
-    let fits = facts.odd.is_empty() && known.is_empty();
-    facts.row("verdict", if fits { "calibration and keypoints fit" } else { "look at what is odd before tracking" });
+fn verdict(facts: &mut Facts) {
+    let fits = facts.odd.is_empty();
+    facts.row(
+        "verdict",
+        if fits { "calibration and keypoints fit" } else { "look at what is odd here before tracking" },
+    );
 }
 
 /// Root mean square reprojection distance of each camera, pixels.

@@ -47,6 +47,9 @@ fn extent(facts: &mut Facts, points: &PointTable) {
         let range = |k: usize| format!("{:.2} to {:.2}", low[k], high[k]);
         facts.row("world, m", format!("x {}, y {}, z {} (up)", range(0), range(1), range(2)));
         let height = high[2] - low[2];
+        if (0..3).all(|k| high[k] - low[k] < 0.05) && points.names.len() > 1 {
+            facts.odd.push("all points lie within 5 cm; is the unit of the file right?".into());
+        }
         if height > 20.0 {
             facts.odd.push(format!("points spread over {height:.0} m in height; is the unit of the file right?"));
         }

@@ -248,6 +248,9 @@ impl Statistics {
 
     fn failed(&self, limits: &Limits) -> Vec<String> {
         let mut failed = Vec::new();
+        if self.frames > 0 && self.observed == 0 {
+            failed.push(format!("no camera saw the person in any of {} frames", self.frames));
+        }
         let high = above(&self.r_hat, limits.r_hat);
         if high as f64 > limits.r_hat_share * self.r_hat.len() as f64 {
             failed.push(format!(
@@ -288,6 +291,11 @@ impl Statistics {
             warnings.push(format!(
                 "tracking began anew in {restarted} of {frames} frames, which are then fits of single frames (`restarted` in frames.csv)"
             ));
+        }
+        for (camera, seen) in info.cameras.iter().zip(&self.residual_px).filter(|_| self.observed > 0) {
+            if seen.is_empty() {
+                warnings.push(format!("{}: the person was found in none of {} frames", camera.name, self.frames));
+            }
         }
         for (camera, residual) in info.cameras.iter().zip(self.residuals()) {
             if let Some(residual) = residual.filter(|&residual| residual > 3.0 * info.sigma_px) {
@@ -387,7 +395,15 @@ mod tests {
     }
 
     fn usual() -> FrameEstimate {
-        FrameEstimate { observed: true, ess: 40.0, r_hat: Some(1.01), trajectories: 100, ..FrameEstimate::default() }
+        let residual_px = vec![Some(4.0)];
+        FrameEstimate {
+            observed: true,
+            ess: 40.0,
+            r_hat: Some(1.01),
+            trajectories: 100,
+            residual_px,
+            ..FrameEstimate::default()
+        }
     }
 
     #[test]
@@ -420,6 +436,11 @@ mod tests {
         assert_eq!(warnings, expected);
         let (warnings, _) = told(Method::Hmc, (0..12).map(|i| FrameEstimate { observed: i % 2 == 1, ..usual() }));
         assert_eq!((warnings.len(), warnings[5].as_str()), (6, "1 more spans without observation"));
+        let unseen = |i: u64| FrameEstimate { observed: i > 8, residual_px: vec![None], ..usual() };
+        let (warnings, failed) = told(Method::Hmc, (0..10).map(unseen));
+        assert_eq!((warnings[1].as_str(), failed.len()), ("C1: the person was found in none of 10 frames", 0));
+        let (_, failed) = told(Method::Hmc, (0..5).map(unseen));
+        assert_eq!(failed, ["no camera saw the person in any of 5 frames"]);
     }
 
     #[test]

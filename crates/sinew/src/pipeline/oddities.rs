@@ -3,8 +3,8 @@
 //! - A camera has *swapped* sides in frames where the keypoints of the left lie nearer to the projected points of the right and the other way: exchanging them
 //!   lowers the median distance to less than half, and by more than three times the camera's noise, in three frames at least. Up to two frames of another opinion
 //!   do not end a span.
-//! - A person *jumps* in a camera that shows one person, he alone so far, and suddenly shows one who is not where he is expected: the detector has turned to someone
-//!   else. The robust association leaves the camera out until he is back.
+//! - A person *jumps* in a camera that shows one person, he alone so far, and suddenly shows one who is not where he is expected, with left and right exchanged
+//!   neither: the detector has turned to someone else. The robust association leaves the camera out until he is back.
 //!
 //! Memory does not grow with the frames: a span is kept as its ends and sums, and only the first few of each camera are listed.
 
@@ -44,6 +44,8 @@ struct Watched {
     /// Whether the last frame showed the person and nobody else.
     alone: bool,
     jump_px: Option<f64>,
+    /// Distances as labelled and exchanged of someone who was not taken for the person because of his labels.
+    swapped_px: Option<(f64, f64)>,
 }
 
 impl Watched {
@@ -72,6 +74,11 @@ fn median(values: &mut [f64]) -> f64 {
     sinew_observe::offsets::median(values)
 }
 
+/// Whether exchanging left and right brings keypoints decidedly nearer.
+fn is_swap(straight: f64, crossed: f64, sigma_px: f64) -> bool {
+    crossed < 0.5 * straight && straight - crossed > 3.0 * sigma_px
+}
+
 impl Oddities {
     /// Nothing seen yet in cameras of these names and noises.
     pub(super) fn new(cameras: impl Iterator<Item = (String, f64)>, pairs: Vec<(usize, usize)>) -> Self {
@@ -80,12 +87,15 @@ impl Oddities {
     }
 
     /// Tells what a camera shows before the frame is tracked: how many people, whether the tracked one is among them, and the distances of the first one's
-    /// keypoints from where they are expected.
-    pub(super) fn people(&mut self, camera: usize, count: usize, found: bool, distances: &mut [f64]) {
+    /// keypoints from where they are expected, as labelled and with left and right exchanged.
+    pub(super) fn people(&mut self, camera: usize, count: usize, found: bool, [straight, crossed]: [&mut [f64]; 2]) {
         let Some(watched) = self.cameras.get_mut(camera) else { return };
-        let jumped = watched.alone && count == 1 && !found && distances.len() >= FEWEST;
-        watched.jump_px = jumped.then(|| median(distances));
-        watched.alone = count == 1 && found;
+        let is_other = count == 1 && !found && straight.len() >= FEWEST;
+        let (straight, crossed) = (median(straight), median(crossed));
+        let swapped = is_other && is_swap(straight, crossed, watched.sigma_px);
+        watched.swapped_px = swapped.then_some((straight, crossed));
+        watched.jump_px = (is_other && watched.alone && !swapped).then_some(straight);
+        watched.alone = count == 1 && (found || swapped);
     }
 
     /// Closes a frame: `distance(camera, seen, at)` is that of keypoint `seen` from the projection of point `at` of the tracked pose.
@@ -108,8 +118,9 @@ impl Oddities {
                 }
             }
             let enough = straight.len() >= FEWEST;
-            let (straight, crossed) = (median(&mut straight), median(&mut crossed));
-            if enough && crossed < 0.5 * straight && straight - crossed > 3.0 * watched.sigma_px {
+            let of_person = enough.then(|| (median(&mut straight), median(&mut crossed)));
+            let swapped = of_person.filter(|(s, x)| is_swap(*s, *x, watched.sigma_px)).or(watched.swapped_px.take());
+            if let Some((straight, crossed)) = swapped {
                 let open = &mut watched.open;
                 if open.frames == 0 {
                     open.first = number;
@@ -168,14 +179,18 @@ mod tests {
         let mut oddities = Oddities::new([("cam1".to_owned(), 2.0)].into_iter(), vec![(0, 1), (2, 3)]);
         for number in 0..40 {
             let swapped = (10..20).contains(&number) && number != 15 || number == 30;
-            let distance = |_, seen: usize, at: usize| Some(if (seen == at) == swapped { 41.0 } else { 6.0 });
-            oddities.people(0, 1, number != 25 && number != 26, &mut [310.0; 5]);
+            let is_there = !(35..38).contains(&number);
+            let px = |seen: usize, at: usize| if (seen == at) == swapped { 41.0 } else { 6.0 };
+            let distance = |_, seen: usize, at: usize| is_there.then(|| px(seen, at));
+            let near = if (35..38).contains(&number) { 6.0 } else { 300.0 };
+            oddities.people(0, 1, !matches!(number, 25 | 26 | 35..38), [&mut [310.0; 5], &mut [near; 5]]);
             oddities.note(number, distance);
         }
         assert_eq!(
             oddities.warnings(),
             [
                 "cam1 frames 10-19: swapping left and right lowers the residual from 41 to 6 px",
+                "cam1 frames 35-37: swapping left and right lowers the residual from 310 to 6 px",
                 "cam1 frame 25: jump of 310 px in all joints"
             ]
         );

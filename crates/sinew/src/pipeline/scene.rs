@@ -28,6 +28,8 @@ pub struct Scene {
     /// Detections of the current frame: camera by camera, by point of the plan.
     detections: Vec<Vec<Option<Detection>>>,
     oddities: Oddities,
+    /// For each point of the layout the one of the other side, or itself.
+    partners: Vec<usize>,
 }
 
 impl Scene {
@@ -91,10 +93,13 @@ impl Scene {
         };
         let place = |k: usize| shared.iter().position(|(_, keypoint)| *keypoint == k);
         let pairs = layout.left_right_pairs();
+        let mut partners: Vec<usize> = (0..layout.points.len()).collect();
+        pairs.iter().for_each(|&(l, r)| partners.swap(l, r));
         let pairs = pairs.into_iter().filter_map(|(l, r)| Some((place(l)?, place(r)?))).collect();
         let watched = model.views.iter().map(|view| (view.camera.name.clone(), view.sigma_px));
         Ok(Self {
             oddities: Oddities::new(watched, pairs),
+            partners,
             detections: vec![vec![None; points.len()]; cameras.len()],
             keypoint: shared.iter().map(|(_, k)| *k).collect(),
             following: Following { person: setup.person, ..Following::default() },
@@ -165,10 +170,12 @@ impl Scene {
                 let (d, [u, v]) = ((*d)?, (*e)?);
                 Some((d.pixel[0] - u).hypot(d.pixel[1] - v))
             };
-            let mut distances: Vec<f64> =
-                people.first().map_or(vec![], |person| person.iter().zip(expected).filter_map(distance).collect());
+            let first = people.first().map_or(&[][..], Vec::as_slice);
+            let mut distances: Vec<f64> = first.iter().zip(expected).filter_map(distance).collect();
+            let exchanged = self.partners.iter().filter_map(|&k| expected.get(k));
+            let mut crossed: Vec<f64> = first.iter().zip(exchanged).filter_map(distance).collect();
             let is_found = found.members.get(c).is_some_and(Option::is_some);
-            self.oddities.people(c, people.len(), is_found, &mut distances);
+            self.oddities.people(c, people.len(), is_found, [&mut distances, &mut crossed]);
         }
         if away && self.following.lengths.is_empty() {
             self.following.lengths = setup::limb_lengths(&self.cameras, &self.layout, &found.people, &self.association);

@@ -17,44 +17,50 @@ const BETTER: f64 = 0.3;
 /// Sizes looked at: from a tenth to ten times, in steps of a 32nd of a doubling.
 const STEPS: std::ops::RangeInclusive<i32> = -106..=106;
 const STEPS_PER_DOUBLING: f64 = 32.0;
-/// Usual ratios of image sizes, and how near one must be to be meant.
-const USUAL: [f64; 8] = [1.0 / 4.0, 1.0 / 3.0, 1.0 / 2.0, 2.0 / 3.0, 3.0 / 4.0, 4.0 / 3.0, 3.0 / 2.0, 2.0];
-const NEAR: f64 = 0.02;
+/// Usual ratios of image sizes. One is meant where its residual is not above so many times the least: constant offsets of the cameras move the least.
+const USUAL: [f64; 9] = [1.0 / 4.0, 1.0 / 3.0, 1.0 / 2.0, 2.0 / 3.0, 3.0 / 4.0, 1.0, 4.0 / 3.0, 3.0 / 2.0, 2.0];
+const AS_GOOD: f64 = 1.5;
 /// Keypoints below this confidence do not count.
 const LEAST_CONFIDENCE: f64 = 0.3;
 /// Comparisons below which nothing is said.
 const FEWEST: usize = 20;
 
-/// Refuses keypoints that fit the calibration only at another image size, or with the poses of its cameras inverted; `frames` show one person each.
+/// Refuses keypoints that fit the calibration only at another image size, or with the poses of its cameras inverted; `frames` show one person each, `declared` is the
+/// scale that the cameras were resized by.
 ///
 /// # Errors
 /// What fits.
-pub fn check(cameras: &[Camera], frames: &[Sighted]) -> Result<(), Error> {
+pub fn check(cameras: &[Camera], frames: &[Sighted], declared: f64) -> Result<(), Error> {
     let Some(now) = residual(cameras, frames, 1.0) else { return Ok(()) };
     let diagonals = cameras.iter().map(|camera| camera.image_size_px[0].hypot(camera.image_size_px[1]));
     if now <= DOUBTFUL * median(&mut diagonals.collect::<Vec<_>>()) / 1000.0 {
         return Ok(());
     }
-    let sizes = STEPS.map(|step| (f64::from(step) / STEPS_PER_DOUBLING).exp2()).chain(USUAL);
-    let best = sizes
-        .filter_map(|scale| Some((scale, residual(cameras, frames, scale)?)))
-        .min_by(|a, b| a.1.total_cmp(&b.1))
-        .filter(|(_, px)| *px < BETTER * now);
+    let best_of = |scales: &mut dyn Iterator<Item = f64>| {
+        let residuals = scales.filter_map(|scale| Some((scale, residual(cameras, frames, scale)?)));
+        residuals.min_by(|a, b| a.1.total_cmp(&b.1)).filter(|(_, px)| *px < BETTER * now)
+    };
+    let best = best_of(&mut STEPS.map(|step| (f64::from(step) / STEPS_PER_DOUBLING).exp2()));
+    let usual = best_of(&mut USUAL.into_iter().map(|scale| scale / declared));
+    let size = match (best, usual) {
+        (Some((_, least)), Some(usual)) if usual.1 <= AS_GOOD * least => Some(usual),
+        (best, _) => best,
+    };
     let inverted: Vec<Camera> = cameras.iter().map(inverted).collect();
     let best_inverted = residual(&inverted, frames, 1.0).filter(|px| *px < BETTER * now);
-    let (message, help) = match (best, best_inverted) {
-        (best, Some(px)) if best.is_none_or(|(_, other)| px < other) => (
+    let (message, help) = match (size, best_inverted) {
+        (size, Some(px)) if size.is_none_or(|(_, other)| px < other) => (
             format!("the poses of the cameras fit when they are inverted (residual {px:.0} px instead of {now:.0} px)"),
             "the calibration must give the camera from the world, `Xcam = R Xworld + t`".to_owned(),
         ),
         (Some((scale, px)), _) => {
-            let scale = USUAL.into_iter().find(|usual| (scale / usual - 1.0).abs() < NEAR).unwrap_or(scale);
-            let [width, height] = cameras[0].image_size_px;
+            let [width, height] = cameras[0].image_size_px.map(|size| size / declared);
             let name = &cameras[0].name;
+            let scale = scale * declared;
             let (other_width, other_height) = (scale * width, scale * height);
             (
                 format!(
-                    "{name} is calibrated at {width}x{height}, the keypoints fit images of {other_width:.0}x{other_height:.0} (residual {px:.0} px instead of {now:.0} px); set `image_scale`"
+                    "{name} is calibrated at {width:.0}x{height:.0}, the keypoints fit images of {other_width:.0}x{other_height:.0} (residual {px:.0} px instead of {now:.0} px); set `image_scale`"
                 ),
                 format!("`--image-scale {scale:.4}` if all images were resized so after the calibration"),
             )

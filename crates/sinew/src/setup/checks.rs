@@ -120,6 +120,10 @@ fn behind(cameras: &[Camera], request: &Request, noise: &[CameraNoise], collecte
 /// Change of lag, frames, at which frame rates are said to differ.
 const DRIFT: i64 = 2;
 
+/// Frames that a later window needs, and how many windows are looked at, the last ones.
+const FEWEST_LATER: usize = 40;
+const LATER_CHECKED: usize = 3;
+
 /// Refuses cameras whose lag against the others changes in the course of the recording.
 ///
 /// # Errors
@@ -133,7 +137,7 @@ pub fn same_rate(
     let least = request.offsets.least_confidence;
     let early = &collected.window[..collected.window.len().min(WINDOW)];
     let middle = |frames: &[(u64, _)]| frames.get(frames.len() / 2).map(|(number, _): &(u64, _)| *number);
-    for late in &collected.later {
+    for late in collected.later.iter().rev().filter(|late| late.len() >= FEWEST_LATER).take(LATER_CHECKED) {
         let mut drifts = cameras.iter().enumerate().filter_map(|(c, camera)| {
             let by_lag = |frames| residual_by_lag(cameras, noise, frames, c, LAG, least);
             let change = lag_change(&by_lag(early)?, &by_lag(late)?)?;
@@ -153,7 +157,40 @@ pub fn same_rate(
     Ok(())
 }
 
-/// Clocks, swapped sides, and the subject's place before the cameras.
+/// Scatter, pixels, above which a calibration is doubted, per 1000 px of image diagonal.
+const DOUBTFUL: f64 = 8.0;
+/// Share of the frames with people below which a camera is said not to show the tracked one.
+const HARDLY: f64 = 0.1;
+
+/// Cameras whose calibration may be another one's.
+fn doubtful_cameras(cameras: &[Camera], noise: &[CameraNoise], collected: &Collected) -> Vec<Warning> {
+    let mut warnings = vec![];
+    for (c, (camera, noise)) in cameras.iter().zip(noise).enumerate() {
+        let [width, height] = camera.image_size_px;
+        let (shown, matched) = (collected.crowded[c], collected.matched[c]);
+        if shown > 0 && (matched as f64) < HARDLY * shown as f64 {
+            warnings.push(Warning::Unmatched { camera: camera.name.clone(), shown, matched });
+        } else if noise.sigma_px > DOUBTFUL * width.hypot(height) / 1000.0 {
+            warnings.push(Warning::Scatter { camera: camera.name.clone(), px: noise.sigma_px });
+        }
+    }
+    warnings
+}
+
+/// The name, in a world whose axis `declared` was turned to z, of the axis that is now called `turned`: what is to be declared instead.
+#[must_use]
+pub fn axis_before_turning(turned: &str, declared: &str) -> &'static str {
+    let along = |name: &str| {
+        let axis = ["x", "y", "z"].iter().position(|axis| name.ends_with(axis)).unwrap_or(2);
+        (axis, if name.starts_with('-') { -1.0 } else { 1.0 })
+    };
+    let (row, sign) = along(turned);
+    let before = z_up_from(declared).map_or([0.0, 0.0, 1.0], |turn| turn[row].map(|x| sign * x));
+    let axis = (0..3).find(|&k| before[k] != 0.0).unwrap_or(2);
+    AXES[axis][usize::from(before[axis] > 0.0)]
+}
+
+/// Clocks, swapped sides, doubtful calibrations, and the subject's place before the cameras.
 #[must_use]
 pub fn oddities(
     cameras: &[Camera],
@@ -163,6 +200,9 @@ pub fn oddities(
     collected: &Collected,
 ) -> Vec<Warning> {
     let mut warnings: Vec<Warning> = behind(cameras, request, noise, collected).into_iter().collect();
+    if warnings.is_empty() {
+        warnings.extend(doubtful_cameras(cameras, noise, collected));
+    }
     let window = &collected.window[..collected.window.len().min(WINDOW)];
     let least = request.offsets.least_confidence;
     let pairs = layout.left_right_pairs();

@@ -1,8 +1,8 @@
 //! The first half of the set-up: follow the person through the frames and keep an evenly spaced part of what he shows.
 //!
 //! Memory is bounded whatever the length of the recording: every n-th frame is kept, and when that becomes more than twice the wanted number every second one is
-//! dropped and n doubled. The first frames are also kept without gaps, for what depends on time, and so are short windows at frames 240, 480, 960 … after the first,
-//! for what changes with time.
+//! dropped and n doubled. The first frames are also kept without gaps, for what depends on time, and so are short windows at frames 120, 180 … 480, 960, 1920 …
+//! after the first, for what changes with time.
 
 use super::calibration_fit;
 use super::stored::Body;
@@ -29,6 +29,8 @@ pub struct Request {
     pub offset_frames: usize,
     /// Frames from which sizes are measured.
     pub shape_frames: usize,
+    /// Size of the images over that of the calibrated ones, as declared; the cameras are resized already.
+    pub image_scale: f64,
     /// How people are told apart.
     pub association: association::Config,
     /// How offsets are estimated.
@@ -44,6 +46,7 @@ impl Default for Request {
             window: 300,
             offset_frames: 150,
             shape_frames: 120,
+            image_scale: 1.0,
             association: association::Config::default(),
             offsets: offsets::Config::default(),
         }
@@ -57,7 +60,7 @@ pub struct Collected {
     pub spread: Vec<(u64, Sighted)>,
     /// The same without gaps, from the first frame in which he was found.
     pub window: Vec<(u64, Sighted)>,
-    /// Windows without gaps later in the recording, each twice as far from the first frame as the one before.
+    /// Windows without gaps later in the recording.
     pub later: Vec<Vec<(u64, Sighted)>>,
     /// Some of the first frames in which no camera shows more than one person.
     pub alone: Vec<Sighted>,
@@ -69,6 +72,8 @@ pub struct Collected {
     pub people: usize,
     /// For each camera, the frames in which it showed somebody.
     pub crowded: Vec<u64>,
+    /// For each camera, the frames in which it showed him.
+    pub matched: Vec<u64>,
 }
 
 impl Collected {
@@ -80,21 +85,26 @@ impl Collected {
     }
 }
 
-/// Distance of the first later window from the first frame.
-const LATER: u64 = 240;
 /// Frames of a later window.
 const LATER_FRAMES: u64 = 60;
+/// Windows up to which one follows the other; beyond, each is twice as far from the first frame as the one before.
+const LATER_DENSE: u64 = 8;
 /// Frames kept in which nobody needs to be told from anybody.
 const ALONE: usize = 8;
 
 /// Index of the later window that a frame belongs to, so many frames after the first.
 fn later_window(since: u64) -> Option<usize> {
-    let doublings = (since / LATER).checked_ilog2()?;
-    (since - (LATER << doublings) < LATER_FRAMES).then_some(doublings as usize)
+    let number = since / LATER_FRAMES;
+    match number {
+        0..2 => None,
+        2..=LATER_DENSE => Some(number as usize - 2),
+        _ => number.is_power_of_two().then(|| (LATER_DENSE - 2 + u64::from((number / LATER_DENSE).ilog2())) as usize),
+    }
 }
 
 /// What the cameras saw of the only person there is; `None` where there are more, or fewer than two cameras saw him.
-fn alone(people: &[Vec<Person>]) -> Option<Sighted> {
+#[must_use]
+pub fn alone(people: &[Vec<Person>]) -> Option<Sighted> {
     let seen = people.iter().filter(|view| !view.is_empty()).count();
     let is_one = seen > 1 && people.iter().all(|view| view.len() < 2);
     is_one.then(|| people.iter().map(|view| view.first().cloned().unwrap_or_default()).collect())
@@ -111,9 +121,11 @@ pub fn collect(
     frames: impl IntoIterator<Item = Result<(u64, Vec<Vec<Person>>), Error>>,
 ) -> Result<Collected, Error> {
     let mut following = Following { person: request.person, ..Following::default() };
-    let mut out = Collected { crowded: vec![0; cameras.len()], ..Collected::default() };
+    let none = vec![0; cameras.len()];
+    let mut out = Collected { crowded: none.clone(), matched: none, ..Collected::default() };
     let mut stride = 1;
     let mut behind = (0, 0);
+    let mut surest = 0.0_f64;
     let wanted = request.frames.max(1);
     for frame in frames {
         let (number, people) = frame?;
@@ -122,6 +134,8 @@ pub fn collect(
         for (count, people) in out.crowded.iter_mut().zip(&people) {
             *count += u64::from(!people.is_empty());
         }
+        let confidences = people.iter().flatten().flatten().flatten().map(|d| d.confidence);
+        surest = confidences.fold(surest, f64::max);
         if out.alone.len() < ALONE {
             out.alone.extend(alone(&people));
         }
@@ -133,6 +147,9 @@ pub fn collect(
             continue;
         }
         out.found += 1;
+        for (count, person) in out.matched.iter_mut().zip(&associated.people) {
+            *count += u64::from(!person.is_empty());
+        }
         if following.lengths.is_empty() {
             following.lengths = limb_lengths(cameras, layout, &associated.people, &request.association);
         }
@@ -157,9 +174,9 @@ pub fn collect(
             stride *= 2;
         }
     }
-    calibration_fit::check(cameras, &out.alone)?;
+    calibration_fit::check(cameras, &out.alone, request.image_scale)?;
     if out.found == 0 {
-        return Err(nobody(cameras, layout, request, &out, behind));
+        return Err(nobody(cameras, layout, request, &out, behind, surest));
     }
     Ok(out)
 }
@@ -201,8 +218,23 @@ pub fn limb_lengths(
     if 2 * lengths.len() >= LIMBS.len() { lengths } else { vec![] }
 }
 
-fn nobody(cameras: &[Camera], layout: &Layout, request: &Request, out: &Collected, behind: (usize, usize)) -> Error {
-    let (message, help) = if cameras.len() > 1 && 2 * behind.0 >= behind.1.max(1) {
+fn nobody(
+    cameras: &[Camera],
+    layout: &Layout,
+    request: &Request,
+    out: &Collected,
+    behind: (usize, usize),
+    surest: f64,
+) -> Error {
+    let (message, help) = if out.people > 0 && surest < request.offsets.least_confidence {
+        (
+            format!(
+                "the surest keypoint has confidence {surest:.3}; {} is needed to set up",
+                request.offsets.least_confidence
+            ),
+            "check `confidence_scale`: it is the confidence that means certainty",
+        )
+    } else if cameras.len() > 1 && 2 * behind.0 >= behind.1.max(1) {
         (
             Warning::Behind { cameras: behind.0, of: behind.1, names: vec![] }.to_string(),
             "the calibration must give the camera from the world, `Xcam = R Xworld + t`",

@@ -41,6 +41,22 @@ pub enum Warning {
         /// The axis that points up the body.
         up_axis: &'static str,
     },
+    /// A camera's keypoints scatter about the others' as those of a calibrated one do not.
+    Scatter {
+        /// Camera.
+        camera: String,
+        /// Scatter per axis, pixels.
+        px: f64,
+    },
+    /// A camera shows people, and hardly ever the one that the others see.
+    Unmatched {
+        /// Camera.
+        camera: String,
+        /// Frames in which it shows people.
+        shown: u64,
+        /// Frames in which the tracked person is among them.
+        matched: u64,
+    },
     /// A camera's clock is off.
     Unsynchronised {
         /// Camera.
@@ -99,6 +115,13 @@ impl fmt::Display for Warning {
                 write!(f, "{what} in the first {frames} frames; set `up_axis`")?;
                 write!(f, " (found: {up_axis})")
             }
+            Self::Scatter { camera, px } => {
+                write!(f, "{camera}: keypoints scatter by {px:.0} px; is this the calibration of this camera?")
+            }
+            Self::Unmatched { camera, shown, matched } => write!(
+                f,
+                "{camera} shows people in {shown} frames, and in {matched} of them the person whom the other cameras see; is this the calibration of this camera?"
+            ),
             Self::Unsynchronised { camera, lag, best_px, now_px } => write!(
                 f,
                 "{camera} fits best when shifted by {lag:+} frames (residual {best_px:.1} px instead of {now_px:.1} px)"
