@@ -162,6 +162,9 @@ pub(crate) struct Statistics {
 /// Share of frames in which tracking may begin anew without a warning.
 const RESTARTS_USUAL: f64 = 0.1;
 
+/// Frames that are listed.
+const FRAMES_LISTED: usize = 8;
+
 /// Spans without observation that are listed.
 const SPANS_LISTED: usize = 5;
 
@@ -246,6 +249,15 @@ impl Statistics {
         }
     }
 
+    /// Numbers of the first frames whose R-hat is above a limit.
+    fn listed(&self, limit: f64) -> String {
+        let high = self.r_hat.iter().zip(self.first.unwrap_or(0)..).filter(|(r_hat, _)| is_above(**r_hat, limit));
+        let numbers: Vec<String> = high.map(|(_, number)| number.to_string()).collect();
+        let more = numbers.len().saturating_sub(FRAMES_LISTED);
+        let listed = numbers[..numbers.len() - more].join(", ");
+        if more > 0 { format!("{listed} and {more} more") } else { listed }
+    }
+
     fn failed(&self, limits: &Limits) -> Vec<String> {
         let mut failed = Vec::new();
         if self.frames > 0 && self.observed == 0 {
@@ -254,9 +266,10 @@ impl Statistics {
         let high = above(&self.r_hat, limits.r_hat);
         if high as f64 > limits.r_hat_share * self.r_hat.len() as f64 {
             failed.push(format!(
-                "split R-hat is above {} in {high} of {} frames; at most {} % may be",
+                "split R-hat is above {} in {high} of {} frames ({}): the chains disagree, do not trust the intervals there; at most {} % may be",
                 limits.r_hat,
                 self.r_hat.len(),
+                self.listed(limits.r_hat),
                 100.0 * limits.r_hat_share
             ));
         }
@@ -351,7 +364,12 @@ impl Statistics {
 }
 
 fn above(values: &[f32], limit: f64) -> u64 {
-    values.iter().filter(|&&value| f64::from(value) > limit || value.is_nan()).count() as u64
+    values.iter().filter(|value| is_above(**value, limit)).count() as u64
+}
+
+/// Whether a value is above a limit, or none at all.
+fn is_above(value: f32, limit: f64) -> bool {
+    f64::from(value) > limit || value.is_nan()
 }
 
 /// Quantiles by the nearest rank.
@@ -449,7 +467,12 @@ mod tests {
             (0..40).map(move |i| FrameEstimate { r_hat: Some(if i < high { 1.2 } else { 1.0 }), ..usual() })
         };
         assert_eq!(told(Method::Hmc, frames(2)).1, Vec::<String>::new());
-        assert_eq!(told(Method::Hmc, frames(3)).1, ["split R-hat is above 1.05 in 3 of 40 frames; at most 5 % may be"]);
+        assert_eq!(
+            told(Method::Hmc, frames(3)).1,
+            [
+                "split R-hat is above 1.05 in 3 of 40 frames (10, 11, 12): the chains disagree, do not trust the intervals there; at most 5 % may be"
+            ]
+        );
         let diverging = (0..4).map(|_| FrameEstimate { divergences: 2, ..usual() });
         assert_eq!(told(Method::Hmc, diverging).1, ["8 of 400 trajectories diverged; at most 1 % may"]);
         let few = || (0..4).map(|_| FrameEstimate { ess: 9.4, ..usual() });
