@@ -150,6 +150,7 @@ pub(crate) struct Statistics {
     in_span: bool,
     // Four bytes a number and frame are kept for the quantiles.
     r_hat: Vec<f32>,
+    r_hat_frames: Vec<u32>,
     ess: Vec<f32>,
     acceptance: [f64; 2],
     divergences: u64,
@@ -181,6 +182,7 @@ impl Statistics {
             unobserved_spans: 0,
             in_span: false,
             r_hat: Vec::new(),
+            r_hat_frames: Vec::new(),
             ess: Vec::new(),
             acceptance: [0.0; 2],
             divergences: 0,
@@ -216,7 +218,10 @@ impl Statistics {
         self.frames += 1;
         self.last = estimate.number;
         self.ess.push(estimate.ess as f32);
-        self.r_hat.extend(estimate.r_hat.map(|r_hat| r_hat as f32));
+        if let Some(r_hat) = estimate.r_hat {
+            self.r_hat.push(r_hat as f32);
+            self.r_hat_frames.push(estimate.number as u32);
+        }
         if let Some(acceptance) = estimate.acceptance {
             self.acceptance = [self.acceptance[0] + acceptance, self.acceptance[1] + 1.0];
         }
@@ -251,7 +256,7 @@ impl Statistics {
 
     /// Numbers of the first frames whose R-hat is above a limit.
     fn listed(&self, limit: f64) -> String {
-        let high = self.r_hat.iter().zip(self.first.unwrap_or(0)..).filter(|(r_hat, _)| is_above(**r_hat, limit));
+        let high = self.r_hat.iter().zip(&self.r_hat_frames).filter(|(r_hat, _)| is_above(**r_hat, limit));
         let numbers: Vec<String> = high.map(|(_, number)| number.to_string()).collect();
         let more = numbers.len().saturating_sub(FRAMES_LISTED);
         let listed = numbers[..numbers.len() - more].join(", ");
