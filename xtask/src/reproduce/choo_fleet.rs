@@ -283,8 +283,8 @@ const MULTI_UPDATES: usize = 32;
 /// Frames there.
 const MULTI_FRAMES: usize = 25;
 
-fn multi_key(model: &Model, filter: &multi::Filter, noise: usize) -> String {
-    format!("multi/{}/{}/{noise}", model.dim, filter.name())
+fn multi_key(source: Source, model: &Model, filter: &multi::Filter, noise: usize) -> String {
+    format!("multi/{}/{}/{}/{noise}", source.name(), model.dim, filter.name())
 }
 
 /// The two filters of a model in the multi-frame study.
@@ -299,14 +299,15 @@ fn multi_frames(study: &Study, store: &mut Store, threads: usize) -> Outcome<()>
     let mut tasks: Vec<Task<'_>> = vec![];
     for index in 0..MULTI.len() {
         let (model, both) = filters(store, index)?;
-        for filter in both {
+        let each = study.size.sources.iter().flat_map(|&source| both.map(|filter| (source, filter)));
+        for (source, filter) in each {
             for noise in 0..study.size.noises {
                 let seed = study.seed.wrapping_mul(1000).wrapping_add(noise as u64) as usize;
                 let task = move || {
                     let motion = &study.motions["07_01"];
-                    multi::run(motion, Source::Recorded, &model, &filter, MULTI_FRAMES, seed, study.isa)
+                    multi::run(motion, source, &model, &filter, MULTI_FRAMES, seed, study.isa)
                 };
-                tasks.push((multi_key(&model, &filter, noise), model.particles as f64, Box::new(task)));
+                tasks.push((multi_key(source, &model, &filter, noise), model.particles as f64, Box::new(task)));
             }
         }
     }
@@ -330,7 +331,7 @@ pub(super) fn run(root: &Path, args: &Args) -> Outcome<ExitCode> {
         motions.insert(name, scene::motion(&data, name)?);
     }
     let study = Study { isa: Isa::best(), seed: args.seed, size, motions };
-    let configuration = format!("version 1, {}, seed {}, {:?}", study.isa.name(), study.seed, study.size);
+    let configuration = format!("version 2, {}, seed {}, {:?}", study.isa.name(), study.seed, study.size);
     let mut store = Store::open(&folder, &configuration)?;
     let granted = std::thread::available_parallelism().map_or(1, |n| n.get());
     let threads = args.threads.unwrap_or(granted);

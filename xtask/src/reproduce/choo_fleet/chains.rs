@@ -17,6 +17,9 @@ pub(super) const BURN_IN: usize = 6;
 /// Draws of the prior from which the curvature is taken.
 const CURVATURE_DRAWS: usize = 64;
 
+/// Updates from which the effective number of draws of a length is taken: short runs flatter lengths that hardly move.
+const TUNING_UPDATES: usize = 2000;
+
 /// How trajectories move.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Variant {
@@ -86,8 +89,12 @@ pub(super) fn tune(problem: &Problem, variant: Variant, stage: Stage) -> Outcome
     let (states, metric) = start(problem, variant, 16, to_start)?;
     let target = problem.target();
     let mut trial = Trial { target: &target, metric: &metric, states, isa: problem.isa };
-    let config =
-        tuning::Config { jitter: variant.jitter(), lengths: variant.lengths(problem), ..tuning::Config::default() };
+    let config = tuning::Config {
+        jitter: variant.jitter(),
+        lengths: variant.lengths(problem),
+        updates: TUNING_UPDATES,
+        ..tuning::Config::default()
+    };
     let tuned = tuning::length(&mut trial, &config, &to_tune)?;
     Ok(Step { eta: tuned.step_size, steps: tuned.leapfrog_steps, acceptance: tuned.acceptance })
 }

@@ -53,7 +53,7 @@ fn panel(area: &Area<'_>, title: &str, x: &str, y: &str, lines: &[Line], in_deca
         .x_label_area_size(36)
         .y_label_area_size(58)
         .build_cartesian_2d(ends(&|p| [p[0], p[0]]), ends(&|p| [p[2], p[3]]))?;
-    let shown = |v: &f64| if in_decades { format!("1e{v:.1}") } else { format!("{v:.0}") };
+    let shown = |v: &f64| if in_decades { format!("{:.0e}", 10_f64.powf(*v)) } else { format!("{v:.0}") };
     chart
         .configure_mesh()
         .x_desc(x)
@@ -168,7 +168,7 @@ fn frames(study: &Study, store: &Store, path: &Path) -> Outcome<()> {
             .enumerate()
     {
         for (index, (model, _)) in MULTI.iter().enumerate() {
-            let both = series(study, store, index, name)?;
+            let both = series(study, store, Source::Recorded, index, name)?;
             let line = |(runs, (name, of)): (&Vec<Vec<f64>>, (&str, Option<Variant>))| {
                 let n = runs.len() as f64;
                 let point = |frame: usize| {
@@ -202,7 +202,7 @@ pub(super) fn draw(study: &Study, store: &Store, folder: &Path) -> Outcome<()> {
         variables(study, store, &folder.join("variables.svg"))?;
     }
     let (model, both) = filters(store, 0)?;
-    if study.size.noises > 0 && store.get(&multi_key(&model, &both[0], 0)).is_some() {
+    if study.size.noises > 0 && store.get(&multi_key(Source::Recorded, &model, &both[0], 0)).is_some() {
         frames(study, store, &folder.join("frames.svg"))?;
     }
     Ok(())
