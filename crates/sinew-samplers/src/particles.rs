@@ -4,7 +4,7 @@
 //! the last [`predict`] is kept as well, with the place in it of each state's ancestor.
 //!
 //! A step of a bootstrap filter is [`resample`], [`predict`], [`reweight`], [`aggregate`]. Resampling only draws ancestors; [`predict`] gathers and moves them in one pass, since a large population is bound by
-//! memory and not by arithmetic. Blocks are mapped in parallel, each with its own random stream; sums are taken in index order, so the thread count does not change a bit.
+//! memory and not by arithmetic, and [`predict_and_reweight`] evaluates each block while it is in the cache. Blocks are mapped in parallel, each with its own random stream; sums are taken in index order, so the thread count does not change a bit.
 
 use crate::resample::{Ancestors, Scheme};
 use crate::weights::{effective_number, normalise};
@@ -127,7 +127,35 @@ pub fn predict<T: Transition + ?Sized>(
     transition: &T,
     stage: Stage,
 ) {
-    let Particles { dim, count, states, previous, .. } = particles;
+    advance(particles, ancestors, transition, stage, 0, |_, _| Block::ZERO);
+}
+
+/// [`predict`] and [`reweight`] in one pass over the states.
+///
+/// # Errors
+/// As [`reweight`]; the states have moved, and [`retreat`] takes that back.
+pub fn predict_and_reweight<T: Transition + ?Sized, D: LogDensity + ?Sized>(
+    particles: &mut Particles,
+    ancestors: Option<Ancestors>,
+    transition: &T,
+    likelihood: &D,
+    stage: Stage,
+) -> Result<f64, Error> {
+    let value = |states: &[Block], ws: &mut [Block]| likelihood.log_density_block(states, ws);
+    advance(particles, ancestors, transition, stage, likelihood.workspace(), value);
+    multiply_weights(particles)
+}
+
+/// Moves the states and keeps what `value` says of each moved block, with `workspace` blocks of scratch.
+fn advance<T: Transition + ?Sized>(
+    particles: &mut Particles,
+    ancestors: Option<Ancestors>,
+    transition: &T,
+    stage: Stage,
+    workspace: usize,
+    value: impl Fn(&[Block], &mut [Block]) -> Block + Sync,
+) {
+    let Particles { dim, count, states, previous, values, .. } = particles;
     let d = *dim;
     std::mem::swap(states, previous);
     let gather = |block: usize, gathered: &mut [Block], ancestors: &[usize]| {
@@ -138,9 +166,10 @@ pub fn predict<T: Transition + ?Sized>(
             }
         }
     };
-    states.par_chunks_mut(d).with_min_len(BLOCKS_A_TASK).enumerate().for_each_init(
-        || vec![Block::ZERO; d],
-        |gathered, (block, next)| {
+    let blocks = states.par_chunks_mut(d).zip(values);
+    blocks.with_min_len(BLOCKS_A_TASK).enumerate().for_each_init(
+        || (vec![Block::ZERO; d], vec![Block::ZERO; workspace]),
+        |(gathered, ws), (block, (next, out))| {
             let rng = &mut stage.block(block as u32);
             match &ancestors {
                 None => transition.sample_block(&previous[block * d..][..d], next, rng),
@@ -149,6 +178,7 @@ pub fn predict<T: Transition + ?Sized>(
                     transition.sample_block(gathered, next, rng);
                 }
             }
+            *out = value(next, ws);
         },
     );
     particles.previous_log_weights.copy_from_slice(&particles.log_weights);
@@ -172,11 +202,17 @@ pub fn retreat(particles: &mut Particles) {
 /// # Errors
 /// [`Error::AllWeightsZero`], [`Error::BadWeight`]; the weights are then those before the call.
 pub fn reweight<D: LogDensity + ?Sized>(particles: &mut Particles, likelihood: &D) -> Result<f64, Error> {
-    let Particles { dim, states, values, log_weights, weights, .. } = particles;
+    let Particles { dim, states, values, .. } = particles;
     values.par_iter_mut().zip(states.par_chunks(*dim)).with_min_len(BLOCKS_A_TASK).for_each_init(
         || vec![Block::ZERO; likelihood.workspace()],
         |ws, (value, states)| *value = likelihood.log_density_block(states, ws),
     );
+    multiply_weights(particles)
+}
+
+/// Multiplies the weights by the exponentials of the values at hand and normalises them.
+fn multiply_weights(particles: &mut Particles) -> Result<f64, Error> {
+    let Particles { values, log_weights, weights, .. } = particles;
     let updated: Vec<f64> = log_weights.iter().zip(values.iter().flat_map(|b| b.0)).map(|(w, l)| w + l).collect();
     let evidence = normalise(&updated, weights)?;
     log_weights.iter_mut().zip(updated).for_each(|(w, u)| *w = u - evidence);

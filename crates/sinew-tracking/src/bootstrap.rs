@@ -15,7 +15,7 @@ use crate::{Error, StepInfo, Tracker};
 use sinew_core::density::LogDensity;
 use sinew_core::random::Stage;
 use sinew_core::transition::Transition;
-use sinew_samplers::particles::{Particles, aggregate, predict, resample, retreat, reweight, start};
+use sinew_samplers::particles::{Particles, aggregate, predict_and_reweight, resample, retreat, reweight, start};
 use sinew_samplers::resample::Scheme;
 
 /// Settings; the default resamples multinomially in every frame, as in all the papers.
@@ -80,14 +80,15 @@ impl<T: Transition + Send, O: LogDensity + ?Sized> Tracker<O> for Bootstrap<T> {
         let particles = &mut self.particles;
         let count = particles.count();
         let mut resampled = false;
-        if self.started {
+        let weighed = if self.started {
             resampled = particles.effective_sample_size() <= self.config.resample_below * count as f64 * (1.0 + 1e-9);
             let ancestors = resampled.then(|| resample(particles, self.config.scheme, to_resample));
-            predict(particles, ancestors, &self.transition, to_predict);
+            predict_and_reweight(particles, ancestors, &self.transition, observed, to_predict)
         } else {
             start(particles, &self.transition, &self.estimate, to_predict);
-        }
-        let log_evidence = match reweight(particles, observed) {
+            reweight(particles, observed)
+        };
+        let log_evidence = match weighed {
             Ok(log_evidence) => log_evidence,
             Err(error) => {
                 if self.started {
