@@ -22,6 +22,7 @@ fn mistakes_in_a_file() {
     check_file("no_toml", "seed = = 1\n");
     check_file("a_table", "[track]\nseed = 1\n");
     check_file("burn_in", "burn_in = 400\n");
+    check_file("nested", &format!("cameras = {}", "[".repeat(100_000)));
 }
 
 #[test]

@@ -51,6 +51,8 @@ enum Part {
     Single,
     /// Both filters over 25 frames.
     Multi,
+    /// The dimension in which hmc overtakes particles.
+    Crossover,
 }
 
 /// Reproduces the tables and figures of the hybrid Monte Carlo filter.
@@ -181,7 +183,9 @@ impl Study {
     fn settings(&self, model: &Model) -> Vec<Setting> {
         let doubled = |base: usize| self.size.doublings.iter().map(move |&k| base << k);
         let updates = |&variant| doubled(8).map(move |updates| Setting::Updates(variant, updates));
-        doubled(model.particles).map(Setting::Particles).chain(self.size.variants.iter().flat_map(updates)).collect()
+        let wanted = |variant: &&Variant| model.is_of_paper() || **variant != Variant::Paper;
+        let chains = self.size.variants.iter().filter(wanted).flat_map(updates);
+        doubled(model.particles).map(Setting::Particles).chain(chains).collect()
     }
 }
 
@@ -192,15 +196,19 @@ fn frame_name(frame: usize) -> String {
 }
 
 fn tuning_key(model: &Model, variant: Variant) -> String {
-    format!("tuning/{}/{}", model.dim, variant.name())
+    format!("tuning/{}/{}", model.name(), variant.name())
 }
 
 fn cell_key(source: Source, frame: usize, model: &Model, setting: &Setting) -> String {
-    format!("single/{}/{}/{}/{}", source.name(), frame_name(frame), model.dim, setting.name())
+    format!("single/{}/{}/{}/{}", source.name(), frame_name(frame), model.name(), setting.name())
+}
+
+fn factor_key(model: &Model) -> String {
+    format!("factor/{}", model.name())
 }
 
 fn reference_key(source: Source, frame: usize, model: &Model) -> String {
-    format!("reference/{}/{}/{}", source.name(), frame_name(frame), model.dim)
+    format!("reference/{}/{}/{}", source.name(), frame_name(frame), model.name())
 }
 
 fn step_of(store: &Store, model: &Model, variant: Variant) -> Outcome<Step> {
@@ -209,11 +217,11 @@ fn step_of(store: &Store, model: &Model, variant: Variant) -> Outcome<Step> {
     Ok(Step { eta: number("eta")?, steps: number("steps")? as usize, acceptance: number("acceptance")? })
 }
 
-fn tune(study: &Study, store: &mut Store, threads: usize) -> Outcome<()> {
+fn tune(study: &Study, store: &mut Store, models: &[Model], threads: usize) -> Outcome<()> {
     let mut tasks: Vec<Task<'_>> = vec![];
-    for model in MODELS {
+    for &model in models {
         tasks.push((
-            format!("factor/{}", model.dim),
+            factor_key(&model),
             1.0,
             Box::new(move || Ok(json!(study.problem(Source::Recorded, 0, model)?.gradient_factor()))),
         ));
@@ -235,17 +243,32 @@ fn tune(study: &Study, store: &mut Store, threads: usize) -> Outcome<()> {
     run_all(store, "tuning", tasks, threads)
 }
 
-fn single_frames(study: &Study, store: &mut Store, threads: usize) -> Outcome<()> {
+/// Which single frames of which parts of the body.
+struct Frames<'a> {
+    name: &'a str,
+    models: &'a [Model],
+    sources: &'a [Source],
+    frames: &'a [usize],
+    /// Updates of the references by long chains.
+    reference_updates: usize,
+}
+
+/// References, then all settings.
+fn single_frames(study: &Study, store: &mut Store, what: &Frames<'_>, threads: usize) -> Outcome<()> {
     let mut references: Vec<Task<'_>> = vec![];
     let mut cells: Vec<Task<'_>> = vec![];
-    let Size { runs, reference_parts, reference_updates, .. } = study.size;
-    for &source in &study.size.sources {
-        for &frame in &study.size.frames {
-            for model in MODELS {
+    let Size { runs, reference_parts, .. } = study.size;
+    let reference_updates = what.reference_updates;
+    for &source in what.sources {
+        for &frame in what.frames {
+            for &model in what.models {
                 let dense = step_of(store, &model, Variant::Dense)?;
                 let most = model.particles << study.size.doublings.last().copied().unwrap_or(0);
-                let work =
-                    if model.dim < 28 { most * reference_parts } else { 64 * 2 * reference_updates * dense.steps };
+                let work = if model.dim <= single::WEIGHABLE {
+                    most * reference_parts
+                } else {
+                    64 * 2 * reference_updates * dense.steps
+                };
                 let reference = move || {
                     let stage = Stage::new(study.seed, "choo-fleet reference").at_frame(frame as u32);
                     let problem = study.problem(source, frame, model)?;
@@ -272,9 +295,12 @@ fn single_frames(study: &Study, store: &mut Store, threads: usize) -> Outcome<()
             }
         }
     }
-    run_all(store, "references", references, threads)?;
-    run_all(store, "single frames", cells, threads)
+    run_all(store, &format!("references of {}", what.name), references, threads)?;
+    run_all(store, what.name, cells, threads)
 }
+
+/// Frames of walking, for the crossover.
+const CROSSOVER_FRAMES: [usize; 3] = [0, 1, 2];
 
 /// Models and particle numbers of the multi-frame study, at the cost of R = 32.
 const MULTI: [(usize, usize); 2] = [(1, 23_000), (2, 108_000)];
@@ -336,9 +362,29 @@ pub(super) fn run(root: &Path, args: &Args) -> Outcome<ExitCode> {
     let granted = std::thread::available_parallelism().map_or(1, |n| n.get());
     let threads = args.threads.unwrap_or(granted);
     let wanted = |part| args.only.is_empty() || args.only.contains(&part);
-    tune(&study, &mut store, threads)?;
+    tune(&study, &mut store, &MODELS, threads)?;
     if wanted(Part::Single) {
-        single_frames(&study, &mut store, threads)?;
+        let what = Frames {
+            name: "single frames",
+            models: &MODELS,
+            sources: &study.size.sources,
+            frames: &study.size.frames,
+            reference_updates: study.size.reference_updates,
+        };
+        single_frames(&study, &mut store, &what, threads)?;
+    }
+    let nested = problem::nested();
+    let with_crossover = wanted(Part::Crossover) && !args.quick;
+    if with_crossover {
+        tune(&study, &mut store, &nested, threads)?;
+        let what = Frames {
+            name: "crossover",
+            models: &nested,
+            sources: &[Source::Recorded],
+            frames: &CROSSOVER_FRAMES,
+            reference_updates: study.size.reference_updates / 4,
+        };
+        single_frames(&study, &mut store, &what, threads)?;
     }
     if wanted(Part::Multi) && study.size.noises > 0 {
         multi_frames(&study, &mut store, threads)?;
@@ -347,6 +393,12 @@ pub(super) fn run(root: &Path, args: &Args) -> Outcome<ExitCode> {
     claims::write(&study, &store, &judged, &folder)?;
     figures::draw(&study, &store, &folder)?;
     println!("{}", claims::table(&judged));
+    if with_crossover {
+        let found = claims::crossover(&study, &store, &nested, &CROSSOVER_FRAMES)?;
+        std::fs::write(folder.join("crossover.csv"), claims::crossover_table(&found))?;
+        figures::crossover(&found, &folder.join("crossover.svg"))?;
+        println!("{}", claims::crossover_table(&found));
+    }
     println!("{:.0} s; cells, tables and figures in {}", clock.elapsed().as_secs_f64(), folder.display());
     let directions = ["CF1", "CF2", "CF5"];
     let failed = args.quick && judged.iter().any(|claim| directions.contains(&claim.id) && !claim.direction);

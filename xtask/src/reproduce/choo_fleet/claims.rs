@@ -5,10 +5,10 @@
 use super::chains::Variant;
 use super::curves::{At, Axis, Cell, Ratio, curve, idle, ratio, slope, volumes};
 use super::multi::SHOWN;
-use super::problem::MODELS;
+use super::problem::{MODELS, Model};
 use super::scene::Source;
 use super::store::{Store, numbers};
-use super::{MULTI, Outcome, Study, filters, frame_name, multi_key, step_of, tuning_key};
+use super::{MULTI, Outcome, Study, factor_key, filters, frame_name, multi_key, step_of, tuning_key};
 use serde_json::json;
 use sinew::core::random::Stage;
 use std::fmt::Write as _;
@@ -358,6 +358,40 @@ pub(super) fn judge(study: &Study, store: &Store, single: bool, multi: bool) -> 
     Ok(claims)
 }
 
+/// Cost of particles over that of chains in a dimension: geometric mean over frames with its interval.
+pub(super) struct Crossover {
+    pub(super) dim: usize,
+    pub(super) variant: Variant,
+    pub(super) ratio: [f64; 3],
+}
+
+/// The ratio at equal variance for every part of a nested series, particles extrapolated by 1/N where they must be.
+pub(super) fn crossover(study: &Study, store: &Store, models: &[Model], frames: &[usize]) -> Outcome<Vec<Crossover>> {
+    let stage = Stage::new(study.seed, "choo-fleet bootstrap");
+    let mut found = vec![];
+    for variant in [Variant::Best, Variant::Dense] {
+        for model in models {
+            let of = |&frame: &usize| -> Outcome<Ratio> {
+                let particles = curve(study, store, Source::Recorded, frame, model, None)?;
+                let chains = curve(study, store, Source::Recorded, frame, model, Some(variant))?;
+                Ok(ratio(&particles, &chains, Axis::Units, At::Extrapolated, &stage))
+            };
+            let ratios = frames.iter().map(of).collect::<Outcome<Vec<_>>>()?;
+            found.push(Crossover { dim: model.dim, variant, ratio: over_frames(&ratios) });
+        }
+    }
+    Ok(found)
+}
+
+/// The same as CSV.
+pub(super) fn crossover_table(found: &[Crossover]) -> String {
+    let mut out = String::from("dim,contender,pf_over_hmc,low,high\n");
+    for Crossover { dim, variant, ratio: [middle, low, high] } in found {
+        let _ = writeln!(out, "{dim},{},{middle:.3},{low:.3},{high:.3}", variant.name().replace(',', ""));
+    }
+    out
+}
+
 /// The claims as a table in Markdown.
 pub(super) fn table(claims: &[Claim]) -> String {
     let mut out = String::from("| | paper | ours | criterion | |\n|---|---|---|---|---|\n");
@@ -466,7 +500,7 @@ pub(super) fn write(study: &Study, store: &Store, claims: &[Claim], folder: &Pat
     }
     let factors: Vec<_> = MODELS
         .iter()
-        .map(|m| json!({ "dim": m.dim, "gradient_factor": store.get(&format!("factor/{}", m.dim)), "idle_lane_factor": idle(m) }))
+        .map(|m| json!({ "dim": m.dim, "gradient_factor": store.get(&factor_key(m)), "idle_lane_factor": idle(m) }))
         .collect();
     let fit: serde_json::Map<_, _> =
         study.motions.iter().map(|(name, m)| ((*name).to_owned(), json!(1e3 * m.mean_error_m))).collect();

@@ -2,7 +2,7 @@
 
 use super::chains::Variant;
 use super::store::{numbers, rows};
-use super::{Model, Outcome, Setting, Source, Store, Study, cell_key, chains, reference_key};
+use super::{Model, Outcome, Setting, Source, Store, Study, cell_key, chains, factor_key, reference_key};
 use sinew::core::random::Stage;
 
 /// A cell: what it costs and what its runs estimated.
@@ -89,8 +89,7 @@ pub(super) fn curve(
 ) -> Outcome<Vec<Cell>> {
     let reference = store.get(&reference_key(source, frame, model)).ok_or("a reference is missing")?;
     let mean = numbers(&reference["mean"]);
-    let factor =
-        store.get(&format!("factor/{}", model.dim)).and_then(|f| f.as_f64()).ok_or("a gradient factor is missing")?;
+    let factor = store.get(&factor_key(model)).and_then(|f| f.as_f64()).ok_or("a gradient factor is missing")?;
     let mut cells = vec![];
     for setting in study.settings(model) {
         let belongs = match setting {

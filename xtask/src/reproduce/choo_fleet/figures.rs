@@ -1,9 +1,10 @@
-//! Figures by their content: variance against cost (Figs 2 and 3), log likelihoods and log priors over frames (Figs 4 and 5).
+//! Figures by their content: variance against cost (Figs 2 and 3), log likelihoods and log priors over frames (Figs 4 and 5), mean poses (Fig. 6); and the crossover.
 
 use super::Outcome;
 use super::chains::Variant;
-use super::claims::series;
+use super::claims::{Crossover, series};
 use super::curves::{Axis, Cell, curve};
+use super::multi::SHOWN_FRAME;
 use super::problem::MODELS;
 use super::scene::Source;
 use super::store::Store;
@@ -38,8 +39,8 @@ struct Line {
 
 type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 
-/// A panel; where it is in decades, values are logarithms of base ten.
-fn panel(area: &Area<'_>, title: &str, x: &str, y: &str, lines: &[Line], in_decades: bool) -> Outcome<()> {
+/// A panel; on axes (x, y) that are in decades, values are logarithms of base ten.
+fn panel(area: &Area<'_>, title: &str, x: &str, y: &str, lines: &[Line], in_decades: [bool; 2]) -> Outcome<()> {
     let all = || lines.iter().flat_map(|line| &line.points);
     let ends = |of: &dyn Fn(&[f64; 4]) -> [f64; 2]| {
         let low = all().map(|p| of(p)[0]).fold(f64::INFINITY, f64::min);
@@ -53,13 +54,13 @@ fn panel(area: &Area<'_>, title: &str, x: &str, y: &str, lines: &[Line], in_deca
         .x_label_area_size(36)
         .y_label_area_size(58)
         .build_cartesian_2d(ends(&|p| [p[0], p[0]]), ends(&|p| [p[2], p[3]]))?;
-    let shown = |v: &f64| if in_decades { format!("{:.0e}", 10_f64.powf(*v)) } else { format!("{v:.0}") };
+    let shown = |v: &f64, is: bool| if is { format!("{:.0e}", 10_f64.powf(*v)) } else { format!("{v:.0}") };
     chart
         .configure_mesh()
         .x_desc(x)
         .y_desc(y)
-        .x_label_formatter(&shown)
-        .y_label_formatter(&shown)
+        .x_label_formatter(&|v| shown(v, in_decades[0]))
+        .y_label_formatter(&|v| shown(v, in_decades[1]))
         .x_labels(5)
         .y_labels(5)
         .light_line_style(WHITE)
@@ -127,7 +128,7 @@ fn variances(study: &Study, store: &Store, path: &Path) -> Outcome<()> {
                 "cost, likelihoods",
                 "variance (geometric mean)",
                 &lines,
-                true,
+                [true; 2],
             )?;
         }
     }
@@ -152,7 +153,7 @@ fn variables(study: &Study, store: &Store, path: &Path) -> Outcome<()> {
             }
         }
         let title = format!("{}-D, {}, each variable", model.dim, frame_name(study.size.frames[0]));
-        panel(&area, &title, "cost, likelihoods", "variance", &lines, true)?;
+        panel(&area, &title, "cost, likelihoods", "variance", &lines, [true; 2])?;
     }
     finish(&root)
 }
@@ -188,8 +189,87 @@ fn frames(study: &Study, store: &Store, path: &Path) -> Outcome<()> {
                 "frame",
                 words,
                 &lines,
-                false,
+                [false; 2],
             )?;
+        }
+    }
+    finish(&root)
+}
+
+/// Cost of particles over that of chains against the number of degrees of freedom.
+pub(super) fn crossover(found: &[Crossover], path: &Path) -> Outcome<()> {
+    let root = SVGBackend::new(path, (640, 420)).into_drawing_area();
+    root.fill(&WHITE)?;
+    let mut lines = vec![];
+    for variant in [Variant::Best, Variant::Dense] {
+        let of = found.iter().filter(|c| c.variant == variant);
+        let point = |c: &Crossover| {
+            let [middle, low, high] = c.ratio.map(f64::log10);
+            [c.dim as f64, middle, low, high]
+        };
+        lines.push(Line {
+            name: variant.name().into(),
+            colour: colour(Some(variant)),
+            points: of.map(point).collect(),
+        });
+    }
+    let even = [[2.0, 0.0, 0.0, 0.0], [28.0, 0.0, 0.0, 0.0]].to_vec();
+    lines.push(Line { name: "equal cost".into(), colour: RGBColor(120, 120, 120), points: even });
+    let title = "Cost of the particle filter over that of hmc at equal variance";
+    panel(&root, title, "degrees of freedom", "ratio", &lines, [false, true])?;
+    finish(&root)
+}
+
+/// Bones of CF28 by the names of its points.
+const BONES: [[&str; 2]; 16] = [
+    ["Head", "Neck"],
+    ["Head", "Nose"],
+    ["Neck", "Spine"],
+    ["Spine", "MidHip"],
+    ["LShoulder", "RShoulder"],
+    ["LShoulder", "LElbow"],
+    ["LElbow", "LWrist"],
+    ["RShoulder", "RElbow"],
+    ["RElbow", "RWrist"],
+    ["LHip", "RHip"],
+    ["LHip", "LKnee"],
+    ["LKnee", "LAnkle"],
+    ["RHip", "RKnee"],
+    ["RKnee", "RAnkle"],
+    ["Neck", "LShoulder"],
+    ["Neck", "RShoulder"],
+];
+/// Runs whose mean poses are shown.
+const RUNS_SHOWN: usize = 6;
+
+/// Mean poses at one frame, seen from the side, so that what the camera does not show is seen: a row a filter, a column a run, the true pose in grey.
+fn poses(study: &Study, store: &Store, path: &Path) -> Outcome<()> {
+    let motion = &study.motions["07_01"];
+    let truth = motion.frame(SHOWN_FRAME, Source::Fitted)?.markers;
+    let points = motion.tree.points();
+    let index = |name: &str| points.iter().position(|point| point.name == name).ok_or(format!("CF28 has no {name}"));
+    let middle = truth[index("MidHip")?];
+    let (across, down) = ((middle[1] - 0.9)..(middle[1] + 0.9), (middle[2] - 1.2)..(middle[2] + 0.9));
+    let root = SVGBackend::new(path, (190 * RUNS_SHOWN as u32, 2 * 250)).into_drawing_area();
+    root.fill(&WHITE)?;
+    let areas = root.split_evenly((2, RUNS_SHOWN));
+    let both = series(study, store, Source::Recorded, 1, "shown")?;
+    for (row, (runs, (name, of))) in
+        both.iter().zip([("hmc", Some(Variant::Paper)), ("particle filter", None)]).enumerate()
+    {
+        for (run, pose) in runs.iter().take(RUNS_SHOWN).enumerate() {
+            let mut chart = ChartBuilder::on(&areas[row * RUNS_SHOWN + run])
+                .caption(format!("{name}, run {}", run + 1), ("sans-serif", 13))
+                .margin(4)
+                .build_cartesian_2d(across.clone(), down.clone())?;
+            let found: Vec<[f64; 3]> = pose.chunks(3).map(|p| [p[0], p[1], p[2]]).collect();
+            for (at, style) in [(&truth, RGBColor(170, 170, 170)), (&found, colour(of))] {
+                for [a, b] in BONES {
+                    let (a, b) = (at[index(a)?], at[index(b)?]);
+                    let line = PathElement::new(vec![(a[1], a[2]), (b[1], b[2])], style.stroke_width(2));
+                    chart.draw_series(std::iter::once(line))?;
+                }
+            }
         }
     }
     finish(&root)
@@ -204,6 +284,7 @@ pub(super) fn draw(study: &Study, store: &Store, folder: &Path) -> Outcome<()> {
     let (model, both) = filters(store, 0)?;
     if study.size.noises > 0 && store.get(&multi_key(Source::Recorded, &model, &both[0], 0)).is_some() {
         frames(study, store, &folder.join("frames.svg"))?;
+        poses(study, store, &folder.join("poses.svg"))?;
     }
     Ok(())
 }

@@ -22,6 +22,9 @@ const STEP: usize = 4;
 /// Frame whose mean states are kept.
 pub(super) const SHOWN: usize = 10;
 
+/// Number from 1 of the recorded frame of that step.
+pub(super) const SHOWN_FRAME: usize = FIRST + STEP * (SHOWN - 1);
+
 /// The filters that are compared.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Filter {

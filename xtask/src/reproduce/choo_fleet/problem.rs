@@ -14,6 +14,8 @@ use sinew::observe::MarkerLikelihood;
 /// A part of the body with the settings of Table 1.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Model {
+    /// What sets it apart from another part of as many degrees of freedom; empty for those of the paper.
+    set: &'static str,
     pub(super) dim: usize,
     /// First of its consecutive degrees of freedom in CF28.
     first: usize,
@@ -27,12 +29,28 @@ pub(super) struct Model {
 
 /// The right arm, the lower body and the whole body.
 pub(super) const MODELS: [Model; 3] = [
-    Model { dim: 4, first: 14, chains: 4, steps: 2, particles: 320 },
-    Model { dim: 10, first: 18, chains: 8, steps: 20, particles: 5700 },
-    Model { dim: 28, first: 0, chains: 10, steps: 40, particles: 27_000 },
+    Model { set: "", dim: 4, first: 14, chains: 4, steps: 2, particles: 320 },
+    Model { set: "", dim: 10, first: 18, chains: 8, steps: 20, particles: 5700 },
+    Model { set: "", dim: 28, first: 0, chains: 10, steps: 40, particles: 27_000 },
 ];
 
+/// The last degrees of freedom of the body, from those of one knee and hip to all: for the dimension in which hmc overtakes particles.
+pub(super) fn nested() -> Vec<Model> {
+    let of = |dim| Model { set: "last ", dim, first: 28 - dim, chains: 8, steps: 10, particles: 1000 };
+    [2, 4, 6, 8, 10, 14, 18, 22, 28].map(of).to_vec()
+}
+
 impl Model {
+    /// Name in the keys of cells.
+    pub(super) fn name(&self) -> String {
+        format!("{}{}", self.set, self.dim)
+    }
+
+    /// Whether it is one of the paper's.
+    pub(super) fn is_of_paper(&self) -> bool {
+        self.set.is_empty()
+    }
+
     /// Those coordinates of a state that are free.
     pub(super) fn part(&self, state: &[f64]) -> Vec<f64> {
         state[self.first..][..self.dim].to_vec()

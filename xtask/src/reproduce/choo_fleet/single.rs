@@ -72,6 +72,9 @@ pub(super) fn cell(
     }))
 }
 
+/// Degrees of freedom up to which weighted draws of the prior are a reference; beyond, long chains are.
+pub(super) const WEIGHABLE: usize = 10;
+
 /// Posterior mean and covariance of a frame, and the Monte Carlo error of the mean.
 pub(super) fn reference(
     problem: &Problem,
@@ -82,7 +85,7 @@ pub(super) fn reference(
     stage: Stage,
 ) -> Outcome<Value> {
     let d = problem.model.dim;
-    if d < 28 {
+    if d <= WEIGHABLE {
         let weighted = weigh_parts(problem, particles, parts, &stage);
         let covariance = weighted.covariance();
         let effective = weighted.effective();
