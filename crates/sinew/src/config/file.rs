@@ -50,14 +50,18 @@ fn parse(text: &str, folder: &Path) -> Result<(BTreeMap<&'static str, Value>, bo
     let line = |offset: usize| 1 + text.bytes().take(offset).filter(|&b| b == b'\n').count();
     let (table, errors) = DeTable::parse_recoverable(text);
     let mut problems: Vec<(usize, String)> = Vec::new();
+    // What follows an error of syntax may be its consequence: only the first is told, and too deep nesting before all that it leaves open.
+    let is_syntax = |error: &&toml::de::Error| error.message() != "duplicate key";
+    let too_deep = errors.iter().find(|error| error.message().contains("recurs"));
+    if let Some(error) = too_deep.or_else(|| errors.iter().find(is_syntax)) {
+        let at = line(error.span().map_or(0, |span| span.start));
+        let message = if too_deep.is_some() { "nested too deep" } else { error.message() };
+        return Err(vec![format!("line {at}: {message}")]);
+    }
     for error in errors {
         let span = error.span().unwrap_or(0..0);
         let shown = text.get(span.clone()).unwrap_or_default().trim();
-        let message = match error.message() {
-            "duplicate key" => format!("the key `{shown}` is there twice"),
-            other => other.to_owned(),
-        };
-        problems.push((line(span.start), message));
+        problems.push((line(span.start), format!("the key `{shown}` is there twice")));
     }
     let mut values = BTreeMap::new();
     let mut is_root = false;
