@@ -2,8 +2,8 @@
 //!
 //! Costs are counted in likelihood evaluations, a gradient as c_g of them (measured); wall times on one thread stand beside them in the files.
 
-use super::chains::Variant;
-use super::curves::{At, Axis, Cell, Ratio, curve, idle, ratio, slope, volumes};
+use super::chains::{Variant, idle_lanes};
+use super::curves::{At, Axis, Cell, Ratio, curve, ratio, slope, volumes};
 use super::multi::SHOWN;
 use super::problem::{MODELS, Model};
 use super::scene::Source;
@@ -500,7 +500,7 @@ pub(super) fn write(study: &Study, store: &Store, claims: &[Claim], folder: &Pat
     }
     let factors: Vec<_> = MODELS
         .iter()
-        .map(|m| json!({ "dim": m.dim, "gradient_factor": store.get(&factor_key(m)), "idle_lane_factor": idle(m) }))
+        .map(|m| json!({ "dim": m.dim, "gradient_factor": store.get(&factor_key(m)), "idle_lane_factor": idle_lanes(m.chains) }))
         .collect();
     let fit: serde_json::Map<_, _> =
         study.motions.iter().map(|(name, m)| ((*name).to_owned(), json!(1e3 * m.mean_error_m))).collect();

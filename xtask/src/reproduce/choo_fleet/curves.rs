@@ -2,7 +2,7 @@
 
 use super::chains::Variant;
 use super::store::{numbers, rows};
-use super::{Model, Outcome, Setting, Source, Store, Study, cell_key, chains, factor_key, reference_key};
+use super::{Model, Outcome, Setting, Source, Store, Study, cell_key, factor_key, reference_key};
 use sinew::core::random::Stage;
 
 /// A cell: what it costs and what its runs estimated.
@@ -229,11 +229,6 @@ fn log10_det(mut m: Vec<f64>, d: usize) -> f64 {
         }
     }
     log
-}
-
-/// Factor by which the lanes that its chains leave idle make a model dearer in wall time.
-pub(super) fn idle(model: &Model) -> f64 {
-    chains::idle_lanes(model.chains)
 }
 
 #[cfg(test)]
