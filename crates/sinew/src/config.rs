@@ -7,15 +7,15 @@
 
 pub mod file;
 pub mod setting;
+mod track;
 pub mod value;
 
 pub use crate::pipeline::Method;
+pub use track::TrackConfig;
 
 use crate::Error;
 use setting::{SETTINGS, is_local};
-use sinew_dynamics::random_walk::Between;
 use sinew_formats::nearest::nearest;
-use sinew_observe::Noise;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::ops::Range;
@@ -334,133 +334,6 @@ impl Resolved {
     pub fn is_given(&self, key: &str) -> bool {
         self.values.get(key).is_some_and(|(_, origin)| *origin != Origin::Default)
     }
-
-    /// The settings of a tracking run.
-    #[must_use]
-    pub fn track(&self) -> TrackConfig {
-        let trial = self.trial_folder().and_then(|folder| Some(folder.file_name()?.to_string_lossy().into_owned()));
-        let default_out = || Path::new("sinew-out").join(trial.clone().unwrap_or_else(|| "trial".into()));
-        TrackConfig {
-            calibration: self.path("calibration"),
-            keypoints: self.path("keypoints"),
-            layout: self.text("layout"),
-            confidence_scale: self.number("confidence_scale").unwrap_or(1.0),
-            image_scale: self.number("image_scale").unwrap_or(1.0),
-            frames: self.frames("frames"),
-            fps: self.number("fps"),
-            cameras: match self.get("cameras") {
-                Some(Value::Names(names)) => Some(names.clone()),
-                _ => None,
-            },
-            person: self.count("person").and_then(|person| usize::try_from(person).ok()),
-            trim: self.flag("trim"),
-            up_axis: self.text("up_axis"),
-            method: match self.text("method").as_deref() {
-                Some("bootstrap") => Method::Bootstrap,
-                _ => Method::Hmc,
-            },
-            body: self.text("body").unwrap_or_default(),
-            prior: match self.text("prior").as_deref() {
-                Some("mixture") => Between::Mixture,
-                _ => Between::Gaussian,
-            },
-            noise: match self.text("noise").as_deref() {
-                Some("student-t") => Noise::StudentT { degrees: self.number("degrees").unwrap_or(4.0) },
-                _ => Noise::OutlierFloor { outlier: self.number("outlier").unwrap_or(0.02) },
-            },
-            least_confidence: self.number("least_confidence").unwrap_or_default(),
-            motion_scale: self.number("motion_scale").unwrap_or(1.0),
-            setup: self.path("setup"),
-            setup_frames: self.frames("setup_frames"),
-            smooth: self.flag("smooth"),
-            seed: self.count("seed").unwrap_or_default(),
-            chains: self.size("chains"),
-            particles: self.size("particles"),
-            draws: self.size("draws"),
-            updates: self.size("updates"),
-            burn_in: self.size("burn_in"),
-            jitter: self.number("jitter").unwrap_or_default(),
-            simd: self.text("simd"),
-            threads: self.count("threads").map(|threads| usize::try_from(threads).unwrap_or(usize::MAX)),
-            limits: crate::output::Limits {
-                r_hat: self.number("max_r_hat").unwrap_or(f64::INFINITY),
-                r_hat_share: self.number("max_r_hat_share").unwrap_or(1.0),
-                divergent_share: self.number("max_divergent_share").unwrap_or(1.0),
-                ess: self.number("min_ess").unwrap_or_default(),
-            },
-            out: self.path("out").unwrap_or_else(default_out),
-            force: self.flag("force"),
-        }
-    }
-}
-
-/// Settings of a tracking run.
-#[derive(Clone, Debug)]
-pub struct TrackConfig {
-    /// Calibration file.
-    pub calibration: Option<PathBuf>,
-    /// Keypoint folder.
-    pub keypoints: Option<PathBuf>,
-    /// Name of a layout or path of a mapping file.
-    pub layout: Option<String>,
-    /// Confidence that means certainty.
-    pub confidence_scale: f64,
-    /// Size of the images over that of the calibrated ones.
-    pub image_scale: f64,
-    /// Frames to track.
-    pub frames: Option<Range<u64>>,
-    /// Frames per second.
-    pub fps: Option<f64>,
-    /// Cameras to use.
-    pub cameras: Option<Vec<String>>,
-    /// Which person: 0 is the most complete one at the start.
-    pub person: Option<usize>,
-    /// Whether cameras may begin and end apart.
-    pub trim: bool,
-    /// Axis of the calibration's world that points up; `+z`, or what the set-up says, if `None`.
-    pub up_axis: Option<String>,
-    /// Tracker.
-    pub method: Method,
-    /// `h32`, `cf28` or the path of a body file.
-    pub body: String,
-    /// What a frame hands on to the next.
-    pub prior: Between,
-    /// Density of a keypoint.
-    pub noise: Noise,
-    /// Keypoints of lower confidence count as missing.
-    pub least_confidence: f64,
-    /// Factor on the motion noise that the set-up pass found.
-    pub motion_scale: f64,
-    /// Set-up of an earlier run.
-    pub setup: Option<PathBuf>,
-    /// Frames for the set-up pass.
-    pub setup_frames: Option<Range<u64>>,
-    /// Whether a backward pass follows.
-    pub smooth: bool,
-    /// Seed.
-    pub seed: u64,
-    /// Chains of a frame.
-    pub chains: usize,
-    /// Updates of each chain in a frame.
-    pub updates: usize,
-    /// First samples of each chain that are discarded.
-    pub burn_in: usize,
-    /// Particles.
-    pub particles: usize,
-    /// Draws of a frame that are written.
-    pub draws: usize,
-    /// Relative jitter of the step size.
-    pub jitter: f64,
-    /// Instruction set; the best if `None`.
-    pub simd: Option<String>,
-    /// Threads; as many as the system grants if `None`.
-    pub threads: Option<usize>,
-    /// Where diagnostics fail.
-    pub limits: crate::output::Limits,
-    /// Output folder.
-    pub out: PathBuf,
-    /// Whether results there may be replaced.
-    pub force: bool,
 }
 
 #[cfg(test)]

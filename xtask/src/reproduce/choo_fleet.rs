@@ -9,7 +9,7 @@
 //! | [`store`] | finished cells on disk |
 //! | [`curves`] | variance against cost, and ratios at equal variance |
 //! | [`claims`] | the paper's claims and what became of them |
-//! | [`figures`] | figures |
+//! | [`tables`], [`figures`] | numbers as files, figures |
 //!
 //! Step sizes and lengths are tuned on the first frame of walking, before any result is seen, and stay.
 
@@ -23,6 +23,7 @@ mod problem;
 mod scene;
 mod single;
 mod store;
+mod tables;
 
 use chains::{Step, Variant};
 use clap::ValueEnum;
@@ -31,6 +32,7 @@ use scene::{Motion, Source};
 use serde_json::{Value, json};
 use sinew::core::lanes::Isa;
 use sinew::core::random::Stage;
+use sinew::files::FNV_START;
 use sinew::observe::ObservationModel as _;
 use single::Setting;
 use std::collections::BTreeMap;
@@ -168,7 +170,23 @@ struct Study {
     motions: BTreeMap<&'static str, Motion>,
 }
 
+/// Raised with every change of what a cell computes.
+const VERSION: u32 = 3;
+
 impl Study {
+    /// Everything that the numbers of a cell depend on, the motion included.
+    fn configuration(&self) -> String {
+        let motion = self.motions.values().fold(FNV_START, |hash, motion| motion.hash(hash));
+        format!(
+            "version {VERSION}, {}, seed {}, {:?}, {:?}, {MODELS:?}, {:?}, {MULTI:?}, {MULTI_UPDATES}, {MULTI_FRAMES}, {motion:016x}",
+            self.isa.name(),
+            self.seed,
+            self.size,
+            FRAMES,
+            problem::nested(),
+        )
+    }
+
     /// The problem of a frame; its observation is fixed by the seed.
     fn problem(&self, source: Source, frame: usize, model: Model) -> Outcome<Problem> {
         let (name, number) = FRAMES[frame];
@@ -357,7 +375,7 @@ pub(super) fn run(root: &Path, args: &Args) -> Outcome<ExitCode> {
         motions.insert(name, scene::motion(&data, name)?);
     }
     let study = Study { isa: Isa::best(), seed: args.seed, size, motions };
-    let configuration = format!("version 2, {}, seed {}, {:?}", study.isa.name(), study.seed, study.size);
+    let configuration = study.configuration();
     let mut store = Store::open(&folder, &configuration)?;
     let granted = std::thread::available_parallelism().map_or(1, |n| n.get());
     let threads = args.threads.unwrap_or(granted);
@@ -390,14 +408,19 @@ pub(super) fn run(root: &Path, args: &Args) -> Outcome<ExitCode> {
         multi_frames(&study, &mut store, threads)?;
     }
     let judged = claims::judge(&study, &store, wanted(Part::Single), wanted(Part::Multi) && study.size.noises > 0)?;
-    claims::write(&study, &store, &judged, &folder)?;
+    tables::write(&study, &store, &judged, &folder)?;
     figures::draw(&study, &store, &folder)?;
-    println!("{}", claims::table(&judged));
+    println!("{}", tables::claims(&judged));
+    if args.quick {
+        println!(
+            "reduced size: verdicts are those of the full run only; asserted are the directions of CF1, CF2 and CF5"
+        );
+    }
     if with_crossover {
         let found = claims::crossover(&study, &store, &nested, &CROSSOVER_FRAMES)?;
-        std::fs::write(folder.join("crossover.csv"), claims::crossover_table(&found))?;
+        std::fs::write(folder.join("crossover.csv"), tables::crossover(&found))?;
         figures::crossover(&found, &folder.join("crossover.svg"))?;
-        println!("{}", claims::crossover_table(&found));
+        println!("{}", tables::crossover(&found));
     }
     println!("{:.0} s; cells, tables and figures in {}", clock.elapsed().as_secs_f64(), folder.display());
     let directions = ["CF1", "CF2", "CF5"];

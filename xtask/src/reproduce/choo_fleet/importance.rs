@@ -125,3 +125,57 @@ pub(super) fn weigh_parts(problem: &Problem, count: usize, parts: usize, stage: 
     all.into_iter().for_each(|part| sum.merge(part));
     sum
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two coordinates of twelve draws in two blocks, the last four lanes idle, and their log weights.
+    fn draws() -> ([[Block; 2]; 2], [Block; 2]) {
+        let state = |b: usize, j: usize| Block(std::array::from_fn(|lane| ((8 * b + lane + 3 * j) as f64 * 0.7).sin()));
+        let weight = |b: usize| Block(std::array::from_fn(|lane| -600.0 + 90.0 * ((8 * b + lane) as f64).cos()));
+        ([0, 1].map(|b| [state(b, 0), state(b, 1)]), [0, 1].map(weight))
+    }
+
+    #[test]
+    fn running_sums_equal_the_sums_over_all() {
+        let (states, log_weights) = draws();
+        let origin = [0.3, -0.2];
+        let place = |i: usize| (i / LANES, i % LANES);
+        let largest = (0..12).map(|i| log_weights[place(i).0].0[place(i).1]).fold(f64::MIN, f64::max);
+        let weight = |i: usize| (log_weights[place(i).0].0[place(i).1] - largest).exp();
+        let x = |i: usize, j: usize| states[place(i).0][j].0[place(i).1];
+        let total: f64 = (0..12).map(weight).sum();
+        let mean = [0, 1].map(|j| (0..12).map(|i| weight(i) * x(i, j)).sum::<f64>() / total);
+        let covariance = |j: usize, k: usize| {
+            (0..12).map(|i| weight(i) * (x(i, j) - mean[j]) * (x(i, k) - mean[k])).sum::<f64>() / total
+        };
+        let squares: f64 = (0..12).map(|i| (weight(i) / total).powi(2)).sum();
+
+        let mut whole = Weighted::new(2, true);
+        let mut parts = [Weighted::new(2, true), Weighted::new(2, true)];
+        for b in 0..2 {
+            let count = if b == 0 { 8 } else { 4 };
+            whole.add(&states[b], log_weights[b], count, &origin);
+            parts[b].add(&states[b], log_weights[b], count, &origin);
+        }
+        let [mut merged, second] = parts;
+        merged.merge(second);
+        for found in [whole, merged] {
+            let near = |a: f64, b: f64| assert!((a - b).abs() < 1e-12, "{a} {b}");
+            (0..2).for_each(|j| near(found.mean(&origin)[j], mean[j]));
+            (0..4).for_each(|e| near(found.covariance()[e], covariance(e / 2, e % 2)));
+            near(found.effective() * squares, 1.0);
+        }
+    }
+
+    #[test]
+    fn draws_that_explain_nothing_count_nothing() {
+        let (states, log_weights) = draws();
+        let mut some = Weighted::new(2, false);
+        some.add(&states[0], Block::splat(f64::NEG_INFINITY), 8, &[0.0; 2]);
+        some.add(&states[1], log_weights[1], 1, &[0.0; 2]);
+        assert_eq!(some.mean(&[0.0; 2]), [states[1][0].0[0], states[1][1].0[0]]);
+        assert_eq!(some.effective(), 1.0);
+    }
+}

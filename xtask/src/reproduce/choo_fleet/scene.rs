@@ -11,6 +11,7 @@ use super::Outcome;
 use sinew::body::{KinematicTree, Plan, standard};
 use sinew::core::lanes::Isa;
 use sinew::core::random::Stage;
+use sinew::files::fnv;
 use sinew::formats::{amc, asf};
 use sinew::observe::MarkerModel;
 use sinew::synthetic::cmu;
@@ -99,6 +100,12 @@ pub(super) fn motion(data: &Path, name: &str) -> Outcome<Motion> {
 }
 
 impl Motion {
+    /// Continues a hash over true states and markers.
+    pub(super) fn hash(&self, hash: u64) -> u64 {
+        let markers = self.recorded.iter().chain(&self.fitted).flatten().flatten();
+        self.states.iter().flatten().chain(markers).fold(hash, |hash, x| fnv(hash, &x.to_le_bytes()))
+    }
+
     /// A frame by its number from 1.
     pub(super) fn frame(&self, number: usize, source: Source) -> Outcome<Frame> {
         let (now, before) = (number - 1, number - 1 - STEP);

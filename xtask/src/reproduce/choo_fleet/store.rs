@@ -70,3 +70,23 @@ pub(super) fn numbers(value: &Value) -> Vec<f64> {
 pub(super) fn rows(value: &Value) -> Vec<Vec<f64>> {
     value.as_array().into_iter().flatten().map(numbers).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cells_are_found_again_and_never_those_of_another_configuration() {
+        let folder = std::env::temp_dir().join(format!("sinew-store-{}", std::process::id()));
+        let store = Store::open(&folder, "one").unwrap();
+        store.keep("a", &serde_json::json!([1.0, 2.5])).unwrap();
+        // A run that was killed while it wrote.
+        fs::write(&store.path, format!("{}{{\"config\": \"on", fs::read_to_string(&store.path).unwrap())).unwrap();
+        let again = Store::open(&folder, "one").unwrap();
+        assert_eq!(numbers(again.get("a").unwrap()), [1.0, 2.5]);
+        again.keep("b", &serde_json::json!(3)).unwrap();
+        assert!(Store::open(&folder, "one").unwrap().get("b").is_some());
+        assert!(Store::open(&folder, "two").unwrap().get("a").is_none());
+        fs::remove_dir_all(&folder).unwrap();
+    }
+}
