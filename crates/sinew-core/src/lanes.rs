@@ -151,6 +151,8 @@ pub trait Real:
 {
     /// How it lies in memory: [`Block`] for lanes, `f64` for one state.
     type Mem: Copy;
+    /// Whether [`Real::fma`] rounds once.
+    const FUSED: bool;
     /// The same value in every lane.
     fn splat(x: f64) -> Self;
     /// Reads from memory.
@@ -253,7 +255,7 @@ fn mantissa(x: f64) -> f64 {
 }
 
 macro_rules! one_state {
-    ($name:ident, $fma:expr) => {
+    ($name:ident, $fused:expr, $fma:expr) => {
         impl Add for $name {
             type Output = Self;
             #[inline(always)]
@@ -291,6 +293,7 @@ macro_rules! one_state {
         }
         impl Real for $name {
             type Mem = f64;
+            const FUSED: bool = $fused;
             #[inline(always)]
             fn splat(x: f64) -> Self {
                 Self(x)
@@ -343,7 +346,7 @@ macro_rules! one_state {
     };
 }
 
-one_state!(One, |a: f64, b: f64, c: f64| a * b + c);
+one_state!(One, false, |a: f64, b: f64, c: f64| a * b + c);
 
 macro_rules! eachwise {
     ($i:ident => $e:expr) => {{
@@ -394,6 +397,7 @@ impl Neg for A8 {
 }
 impl Real for A8 {
     type Mem = Block;
+    const FUSED: bool = false;
     #[inline(always)]
     fn splat(x: f64) -> Self {
         Self([x; LANES])
@@ -470,7 +474,7 @@ mod x86 {
     /// One state with fused multiply-add.
     #[derive(Clone, Copy)]
     pub(super) struct OneFused(f64);
-    one_state!(OneFused, f64::mul_add);
+    one_state!(OneFused, true, f64::mul_add);
 
     /// Eight states in one register.
     #[derive(Clone, Copy)]
@@ -507,6 +511,7 @@ mod x86 {
     }
     impl Real for Z8 {
         type Mem = Block;
+        const FUSED: bool = true;
         #[inline(always)]
         fn splat(x: f64) -> Self {
             Self(unsafe { _mm512_set1_pd(x) })
@@ -653,6 +658,7 @@ mod x86 {
 
     impl Real for Y8 {
         type Mem = Block;
+        const FUSED: bool = true;
         #[inline(always)]
         fn splat(x: f64) -> Self {
             unsafe { Self(_mm256_set1_pd(x), _mm256_set1_pd(x)) }

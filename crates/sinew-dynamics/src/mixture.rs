@@ -3,8 +3,8 @@
 //! log p(s) = −log M − Σ_j log(√(2π) σ_j) + logsumexp_i a_i, a_i = −½ Σ_j ((s_j − μ_ij) / σ_j)²; with responsibilities ρ_i = exp(a_i − logsumexp a) the gradient is
 //! Σ⁻¹ (Σ_i ρ_i μ_i − s).
 //!
-//! Coordinates are centred on the mean of all components and divided by σ once, so that a_i = −½ |z|² + z·m_i − ½ |m_i|² costs one fused multiply-add a component and coordinate, in registers for up to
-//! eight components at a time; a second pass forms Σ ρ_i m_i. No component is left out.
+//! With y = s − μ_1 and b_i = Σ⁻¹ (μ_i − μ_1) this is a_i = −½ y·Σ⁻¹y + y·b_i − ½ (μ_i − μ_1)·b_i and the gradient Σ_i ρ_i b_i − Σ⁻¹ y: one fused multiply-add a coordinate and component but the first, whose b
+//! is zero, in each of two passes over one table. Sums are held in registers, for up to nine components at a time. No component is left out.
 
 use crate::Error;
 use core::f64::consts::TAU;
@@ -13,7 +13,7 @@ use sinew_core::elementary::{exp, ln};
 use sinew_core::lanes::Real;
 
 /// Components whose sums are held in registers together.
-const WIDEST: usize = 8;
+const WIDEST: usize = 9;
 
 /// The mixture.
 #[derive(Clone, Debug)]
@@ -21,12 +21,10 @@ pub struct Mixture {
     means: Vec<Vec<f64>>,
     sd: Vec<f64>,
     precision: Vec<f64>,
-    centre: Vec<f64>,
-    inverse_sd: Vec<f64>,
-    /// Number of components in each chunk; chunk after chunk, `scaled` holds (μ_ij − c_j) / σ_j with the components of one coordinate side by side.
+    /// Number of components in each chunk of those after the first; chunk after chunk, `pulls` holds b_i with the components of one coordinate side by side.
     widths: Vec<usize>,
-    scaled: Vec<f64>,
-    /// −½ |m_i|².
+    pulls: Vec<f64>,
+    /// −½ (μ_i − μ_1)·b_i.
     bias: Vec<f64>,
     log_norm: f64,
 }
@@ -55,30 +53,29 @@ impl Mixture {
                 return Err(Error::OutOfRange { name: "mean", index, value: mean[index], expected: "must be finite" });
             }
         }
-        let count = means.len();
-        let centre: Vec<f64> = (0..dim)
-            .map(|j| means[0][j] + means.iter().map(|m| m[j] - means[0][j]).sum::<f64>() / count as f64)
-            .collect();
-        let place = |mean: &Vec<f64>, j: usize| (mean[j] - centre[j]) / sd[j];
-        let chunks = count.div_ceil(WIDEST);
-        let widths: Vec<usize> = (0..chunks).map(|c| count / chunks + usize::from(c < count % chunks)).collect();
-        let mut scaled = Vec::with_capacity(count * dim);
-        let mut first = 0;
+        let precision: Vec<f64> = sd.iter().map(|s| 1.0 / (s * s)).collect();
+        let (first, others) = (&means[0], &means[1..]);
+        let pull = |mean: &Vec<f64>, j: usize| (mean[j] - first[j]) * precision[j];
+        let chunks = others.len().div_ceil(WIDEST);
+        let widths: Vec<usize> =
+            (0..chunks).map(|c| others.len() / chunks + usize::from(c < others.len() % chunks)).collect();
+        let mut pulls = Vec::with_capacity(others.len() * dim);
+        let mut rest = others;
         for &width in &widths {
+            let (chunk, after) = rest.split_at(width);
             for j in 0..dim {
-                scaled.extend(means[first..first + width].iter().map(|m| place(m, j)));
+                pulls.extend(chunk.iter().map(|m| pull(m, j)));
             }
-            first += width;
+            rest = after;
         }
-        let bias = means.iter().map(|m| -0.5 * (0..dim).map(|j| place(m, j) * place(m, j)).sum::<f64>()).collect();
+        let half_square = |m: &Vec<f64>| 0.5 * (0..dim).map(|j| pull(m, j) * (m[j] - first[j])).sum::<f64>();
+        let bias = others.iter().map(|m| -half_square(m)).collect();
         Ok(Self {
             sd: sd.to_vec(),
-            precision: sd.iter().map(|s| 1.0 / (s * s)).collect(),
-            inverse_sd: sd.iter().map(|s| 1.0 / s).collect(),
-            log_norm: -(count as f64).ln() - sd.iter().map(|s| 0.5 * TAU.ln() + s.ln()).sum::<f64>(),
-            centre,
+            log_norm: -(means.len() as f64).ln() - sd.iter().map(|s| 0.5 * TAU.ln() + s.ln()).sum::<f64>(),
+            precision,
             widths,
-            scaled,
+            pulls,
             bias,
             means,
         })
@@ -103,42 +100,45 @@ impl Mixture {
     }
 }
 
-/// Writes a_i + ½ |z|² of `N` components.
+/// Writes a_i + ½ y·Σ⁻¹y of `N` components.
 #[inline(always)]
-fn exponents<V: Real, const N: usize>(z: &[V::Mem], scaled: &[f64], bias: &[f64], out: &mut [V::Mem]) {
+fn exponents<V: Real, const N: usize>(y: &[V::Mem], pulls: &[f64], bias: &[f64], out: &mut [V::Mem]) {
     let mut sum = [V::splat(0.0); N];
-    for (z, m) in z.iter().zip(scaled.chunks_exact(N)) {
-        let z = V::load(z);
+    for (sum, &bias) in sum.iter_mut().zip(bias) {
+        *sum = V::splat(bias);
+    }
+    for (y, b) in y.iter().zip(pulls.as_chunks::<N>().0) {
+        let y = V::load(y);
         let mut i = 0;
         while i < N {
-            sum[i] = z.fma(V::splat(m[i]), sum[i]);
+            sum[i] = y.fma(V::splat(b[i]), sum[i]);
             i += 1;
         }
     }
-    for ((sum, &bias), out) in sum.iter().zip(bias).zip(out) {
-        (*sum + V::splat(bias)).store(out);
+    for (sum, out) in sum.iter().zip(out) {
+        sum.store(out);
     }
 }
 
-/// Adds Σ weight_i m_i of `N` components to `out`.
+/// Adds Σ weight_i b_i of `N` components to `out`.
 #[inline(always)]
-fn add_means<V: Real, const N: usize>(weights: &[V::Mem], scaled: &[f64], out: &mut [V::Mem]) {
+fn add_pulls<V: Real, const N: usize>(weights: &[V::Mem], pulls: &[f64], out: &mut [V::Mem]) {
     let mut weight = [V::splat(0.0); N];
     for (w, m) in weight.iter_mut().zip(weights) {
         *w = V::load(m);
     }
-    for (out, m) in out.iter_mut().zip(scaled.chunks_exact(N)) {
+    for (out, b) in out.iter_mut().zip(pulls.as_chunks::<N>().0) {
         let mut sum = V::load(out);
         let mut i = 0;
         while i < N {
-            sum = weight[i].fma(V::splat(m[i]), sum);
+            sum = weight[i].fma(V::splat(b[i]), sum);
             i += 1;
         }
         sum.store(out);
     }
 }
 
-/// Calls a function of a width in 1..=8 with the width as a constant.
+/// Calls a function of a width in 1..=9 with the width as a constant.
 macro_rules! by_width {
     ($width:expr, $function:ident, $($argument:expr),*) => {
         match $width {
@@ -149,7 +149,8 @@ macro_rules! by_width {
             5 => $function::<V, 5>($($argument),*),
             6 => $function::<V, 6>($($argument),*),
             7 => $function::<V, 7>($($argument),*),
-            _ => $function::<V, 8>($($argument),*),
+            8 => $function::<V, 8>($($argument),*),
+            _ => $function::<V, 9>($($argument),*),
         }
     };
 }
@@ -164,48 +165,47 @@ impl LaneDensity for Mixture {
     #[inline(always)]
     fn eval<V: Real, const GRAD: bool>(&self, x: &[V::Mem], grad: &mut [V::Mem], ws: &mut [V::Mem]) -> V {
         let d = self.sd.len();
-        let count = self.bias.len();
-        let (z, ws) = ws.split_at_mut(d);
-        let a = &mut ws[..count];
-        let (x, centre, inverse_sd) = (&x[..d], &self.centre[..d], &self.inverse_sd[..d]);
+        let (y, ws) = ws.split_at_mut(d);
+        let a = &mut ws[..self.bias.len()];
+        let grad = if GRAD { &mut grad[..d] } else { grad };
+        let (x, first, precision) = (&x[..d], &self.means[0][..d], &self.precision[..d]);
         let mut square = V::splat(0.0);
         for j in 0..d {
-            let place = (V::load(&x[j]) - V::splat(centre[j])) * V::splat(inverse_sd[j]);
-            square = place.fma(place, square);
-            place.store(&mut z[j]);
+            let place = V::load(&x[j]) - V::splat(first[j]);
+            let scaled = place * V::splat(precision[j]);
+            square = place.fma(scaled, square);
+            place.store(&mut y[j]);
+            if GRAD {
+                (-scaled).store(&mut grad[j]);
+            }
         }
-        let mut first = 0;
+        let mut done = 0;
         for &width in &self.widths {
-            let scaled = &self.scaled[first * d..(first + width) * d];
-            let range = first..first + width;
-            by_width!(width, exponents, z, scaled, &self.bias[range.clone()], &mut a[range]);
-            first += width;
+            let pulls = &self.pulls[done * d..(done + width) * d];
+            let range = done..done + width;
+            by_width!(width, exponents, y, pulls, &self.bias[range.clone()], &mut a[range]);
+            done += width;
         }
-        let mut max = V::load(&a[0]);
-        for a in &a[1..] {
+        let mut max = V::splat(0.0);
+        for a in a.iter() {
             max = max.max(V::load(a));
         }
-        let mut sum = V::splat(0.0);
+        let mut sum = exp(-max);
         for a in a.iter_mut() {
             let weight = exp(V::load(a) - max);
             sum = sum + weight;
             weight.store(a);
         }
         if GRAD {
-            let grad = &mut grad[..d];
-            for g in grad.iter_mut() {
-                V::splat(0.0).store(g);
-            }
-            let mut first = 0;
-            for &width in &self.widths {
-                let scaled = &self.scaled[first * d..(first + width) * d];
-                by_width!(width, add_means, &a[first..first + width], scaled, grad);
-                first += width;
-            }
             let share = V::splat(1.0) / sum;
-            for j in 0..d {
-                let pull = share.fma(V::load(&grad[j]), -V::load(&z[j]));
-                (pull * V::splat(inverse_sd[j])).store(&mut grad[j]);
+            for a in a.iter_mut() {
+                (V::load(a) * share).store(a);
+            }
+            let mut done = 0;
+            for &width in &self.widths {
+                let pulls = &self.pulls[done * d..(done + width) * d];
+                by_width!(width, add_pulls, &a[done..done + width], pulls, grad);
+                done += width;
             }
         }
         let value = square.fma(V::splat(-0.5), max + ln(sum)) + V::splat(self.log_norm);
