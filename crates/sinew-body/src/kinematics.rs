@@ -11,10 +11,12 @@
 //! translation j of link b:   ∂E/∂q_j = u_j · f_b
 //! ```
 //!
-//! Points never go through memory. Cost O(links + points + degrees of freedom); nothing is allocated. [`Plan::gauss_newton`] gives the curvature.
+//! [`Plan::sweep`] does both, for the built-in bodies in straight-line code that the build script writes. Points never go through memory. Cost O(links + points + degrees of freedom); nothing is allocated. [`Plan::gauss_newton`] gives the curvature.
 
 mod gauss_newton;
 mod plan;
+mod straight_line;
+mod structure;
 mod vector;
 
 use crate::tree::Axis;
@@ -66,6 +68,30 @@ impl Plan {
     #[inline(always)]
     pub fn pass<'a, M>(&self, mut ws: &'a mut [M]) -> Pass<'a, M> {
         Pass { vectors: take(&mut ws, self.vectors), wrenches: take(&mut ws, self.links.len()) }
+    }
+
+    /// Walks to all points at `q`, shows them to the visitor and, with `BACK`, turns its forces into `∂E/∂q`; `ws` as [`Plan::workspace`] says.
+    ///
+    /// Does what [`Plan::forward`] and [`Plan::pullback`] do. The built-in bodies have straight-line code for it, in which the visitor is written out once for each point: for short visitors only.
+    #[inline(always)]
+    pub fn sweep<V: Real, const BACK: bool>(
+        &self,
+        q: &[V::Mem],
+        grad: &mut [V::Mem],
+        ws: &mut [V::Mem],
+        visitor: &mut impl Visit<V>,
+    ) {
+        match &self.straight_line {
+            Some((body, links)) if BACK => body.sweep::<V, _>(q, links, &self.offsets, ws, grad, visitor),
+            Some((body, links)) => body.positions::<V, _>(q, links, &self.offsets, ws, visitor),
+            None => {
+                let mut pass = self.pass(ws);
+                self.forward::<V, BACK>(q, &mut pass, visitor);
+                if BACK {
+                    self.pullback::<V>(&mut pass, grad);
+                }
+            }
+        }
     }
 
     /// Walks to all points at `q` and shows them to the visitor. With `BACK` it keeps what [`Plan::pullback`] needs; else the answers are not used.
@@ -203,12 +229,11 @@ struct Positions<'a, M> {
 }
 
 impl<M: Copy> Kernel<M> for Positions<'_, M> {
-    type Out = ();
     #[inline(always)]
-    fn run<V: Real<Mem = M>>(self) {
+    fn run<V: Real<Mem = M>>(&mut self) {
         let (out, _) = self.out.as_chunks_mut::<3>();
         let mut record = Record { order: self.plan.order(), out };
-        self.plan.forward::<V, false>(self.q, &mut self.plan.pass(self.ws), &mut record);
+        self.plan.sweep::<V, false>(self.q, &mut [], self.ws, &mut record);
     }
 }
 
@@ -230,9 +255,8 @@ struct Jacobian<'a> {
 }
 
 impl Kernel<f64> for Jacobian<'_> {
-    type Out = ();
     #[inline(always)]
-    fn run<V: Real<Mem = f64>>(self) {
+    fn run<V: Real<Mem = f64>>(&mut self) {
         let plan = self.plan;
         let mut ws = vec![0.0; plan.workspace()];
         let mut pass = plan.pass(&mut ws);

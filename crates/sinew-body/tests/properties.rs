@@ -3,7 +3,8 @@
 use proptest::prelude::*;
 use sinew_body::kinematics::{Inform, V3, Visit};
 use sinew_body::{
-    Axis, Joint, KinematicTree, Link, Plan, Point, point_jacobian, point_positions, point_positions_block,
+    Axis, Joint, KinematicTree, Link, Plan, Point, Proportions, point_jacobian, point_positions, point_positions_block,
+    standard,
 };
 use sinew_core::lanes::triangle;
 use sinew_core::lanes::{Block, Isa, Kernel, LANES, Real, dispatch, get_lane, set_lane};
@@ -50,9 +51,8 @@ fn positions(plan: &Plan, q: &[f64]) -> Vec<f64> {
 
 struct Diagonal<'a>(&'a Plan, &'a [Block], &'a mut [Block], &'a mut [Block]);
 impl Kernel<Block> for Diagonal<'_> {
-    type Out = ();
     #[inline(always)]
-    fn run<V: Real<Mem = Block>>(self) {
+    fn run<V: Real<Mem = Block>>(&mut self) {
         let mut ws = vec![Block::ZERO; self.0.workspace()];
         self.0.gauss_newton_diagonal::<V>(self.1, &mut ws, self.2, &Same);
         self.0.gauss_newton::<V>(self.1, &mut ws, self.3, &Same);
@@ -83,13 +83,10 @@ impl<V: Real> Visit<V> for Pushed {
 
 struct Sweep<'a>(&'a Plan, &'a [Block], &'a mut [Block]);
 impl Kernel<Block> for Sweep<'_> {
-    type Out = ();
     #[inline(always)]
-    fn run<V: Real<Mem = Block>>(self) {
+    fn run<V: Real<Mem = Block>>(&mut self) {
         let mut ws = vec![Block::ZERO; self.0.workspace()];
-        let mut pass = self.0.pass(&mut ws);
-        self.0.forward::<V, true>(self.1, &mut pass, &mut Pushed);
-        self.0.pullback::<V>(&mut pass, self.2);
+        self.0.sweep::<V, true>(self.1, self.2, &mut ws, &mut Pushed);
     }
 }
 
@@ -135,6 +132,36 @@ proptest! {
             for i in 0..n {
                 let numeric = (above[i] - below[i]) / 2e-6;
                 prop_assert!((numeric - jacobian[i * d + j]).abs() < 1e-7 * largest, "row {i}, coordinate {j}");
+            }
+        }
+    }
+
+    /// The straight-line code of the built-in bodies does what the walk does, for any sizes and poses: points and gradients to 1e-12, on every instruction set.
+    #[test]
+    fn straight_line_code_is_the_walk(
+        scale in 0.5..1.5,
+        angles in prop::collection::vec(-3.0..3.0, 32),
+        body in 0_usize..3,
+    ) {
+        let p = Proportions::default();
+        let p = Proportions { thigh: scale * p.thigh, nose: p.nose.map(|x| scale * x), ..p };
+        let tree = [standard::cf28(&p), standard::h32(&p), standard::problem28()][body].clone();
+        let straight = Plan::with_all_points(&tree);
+        prop_assert!(straight.has_straight_line());
+        let walk = straight.clone().without_straight_line();
+        prop_assert!(!walk.has_straight_line());
+        let block: Vec<Block> =
+            (0..tree.dof()).map(|j| Block(std::array::from_fn(|lane| angles[j] * (1.0 - 0.1 * lane as f64)))).collect();
+        for isa in Isa::available() {
+            let run = |plan: &Plan| {
+                let mut grad = vec![Block::ZERO; plan.dof()];
+                dispatch(isa, Sweep(plan, &block, &mut grad));
+                let mut out = vec![Block::ZERO; 3 * plan.points()];
+                point_positions_block(plan, isa, &block, &mut out, &mut vec![Block::ZERO; plan.workspace()]);
+                grad.into_iter().chain(out).flat_map(|b| b.0)
+            };
+            for (a, b) in run(&straight).zip(run(&walk)) {
+                prop_assert!((a - b).abs() <= 1e-12 * b.abs().max(1.0), "{}: {a} and {b}", isa.name());
             }
         }
     }

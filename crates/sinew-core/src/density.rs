@@ -151,25 +151,20 @@ struct Eval<'a, T, M, const GRAD: bool> {
     x: &'a [M],
     grad: &'a mut [M],
     ws: &'a mut [M],
+    value: &'a mut M,
 }
 
 impl<T: LaneDensity, const GRAD: bool> Kernel<Block> for Eval<'_, T, Block, GRAD> {
-    type Out = Block;
     #[inline(always)]
-    fn run<V: Real<Mem = Block>>(self) -> Block {
-        let mut out = Block::ZERO;
-        self.leaf.eval::<V, GRAD>(self.x, self.grad, self.ws).store(&mut out);
-        out
+    fn run<V: Real<Mem = Block>>(&mut self) {
+        self.leaf.eval::<V, GRAD>(self.x, self.grad, self.ws).store(self.value);
     }
 }
 
 impl<T: LaneDensity, const GRAD: bool> Kernel<f64> for Eval<'_, T, f64, GRAD> {
-    type Out = f64;
     #[inline(always)]
-    fn run<V: Real<Mem = f64>>(self) -> f64 {
-        let mut out = 0.0;
-        self.leaf.eval::<V, GRAD>(self.x, self.grad, self.ws).store(&mut out);
-        out
+    fn run<V: Real<Mem = f64>>(&mut self) {
+        self.leaf.eval::<V, GRAD>(self.x, self.grad, self.ws).store(self.value);
     }
 }
 
@@ -181,9 +176,8 @@ struct Curvature<'a, T> {
 }
 
 impl<T: LaneGaussNewton> Kernel<Block> for Curvature<'_, T> {
-    type Out = ();
     #[inline(always)]
-    fn run<V: Real<Mem = Block>>(self) {
+    fn run<V: Real<Mem = Block>>(&mut self) {
         self.leaf.gauss_newton_diagonal::<V>(self.x, self.diagonal, self.ws);
     }
 }
@@ -196,9 +190,8 @@ struct Matrix<'a, T, const WEIGHTED: bool> {
 }
 
 impl<T: LaneGaussNewton, const WEIGHTED: bool> Kernel<Block> for Matrix<'_, T, WEIGHTED> {
-    type Out = ();
     #[inline(always)]
-    fn run<V: Real<Mem = Block>>(self) {
+    fn run<V: Real<Mem = Block>>(&mut self) {
         if WEIGHTED {
             self.leaf.weighted_gauss_newton::<V>(self.x, self.matrix, self.ws);
         } else {
@@ -216,20 +209,28 @@ impl<T: LaneDensity> LogDensity for Lanes<T> {
     }
     fn log_density(&self, x: &[f64]) -> f64 {
         let ws = &mut vec![0.0; self.leaf.workspace()];
-        dispatch_one(self.isa, Eval::<_, _, false> { leaf: &self.leaf, x, grad: &mut [], ws })
+        let mut value = 0.0;
+        dispatch_one(self.isa, Eval::<_, _, false> { leaf: &self.leaf, x, grad: &mut [], ws, value: &mut value });
+        value
     }
     fn log_density_block(&self, x: &[Block], ws: &mut [Block]) -> Block {
-        dispatch(self.isa, Eval::<_, _, false> { leaf: &self.leaf, x, grad: &mut [], ws })
+        let mut value = Block::ZERO;
+        dispatch(self.isa, Eval::<_, _, false> { leaf: &self.leaf, x, grad: &mut [], ws, value: &mut value });
+        value
     }
 }
 
 impl<T: LaneDensity> GradLogDensity for Lanes<T> {
     fn log_density_grad(&self, x: &[f64], grad: &mut [f64]) -> f64 {
         let ws = &mut vec![0.0; self.leaf.workspace()];
-        dispatch_one(self.isa, Eval::<_, _, true> { leaf: &self.leaf, x, grad, ws })
+        let mut value = 0.0;
+        dispatch_one(self.isa, Eval::<_, _, true> { leaf: &self.leaf, x, grad, ws, value: &mut value });
+        value
     }
     fn log_density_grad_block(&self, x: &[Block], grad: &mut [Block], ws: &mut [Block]) -> Block {
-        dispatch(self.isa, Eval::<_, _, true> { leaf: &self.leaf, x, grad, ws })
+        let mut value = Block::ZERO;
+        dispatch(self.isa, Eval::<_, _, true> { leaf: &self.leaf, x, grad, ws, value: &mut value });
+        value
     }
 }
 

@@ -3,6 +3,7 @@
 //! | function | range | error |
 //! |---|---|---|
 //! | [`sin_cos`] | \|x\| ≤ 1e5 | ≤ 2 ulp + 1e-27 |
+//! | [`sin_cos_turns`] | \|u\| ≤ 1e5 turns | ≤ 2 ulp + 1e-27 |
 //! | [`exp`] | −708 ≤ x ≤ 0 (smaller arguments are taken as −708) | ≤ 2 ulp |
 //! | [`ln`] | positive normal numbers | ≤ 2 ulp |
 //!
@@ -11,7 +12,7 @@
 //! with the first two (33 bits each) being exact; with it in two, since k times the double next to π/2 and its difference from x are exact there; what is lost are relative digits of results below 1e-11, next to multiples of π/2.
 
 use crate::lanes::{ROUND_MAGIC, Real};
-use core::f64::consts::FRAC_PI_2;
+use core::f64::consts::{FRAC_PI_2, TAU};
 
 const PIO2: [f64; 3] = [
     f64::from_bits(0x3FF9_21FB_5440_0000),
@@ -81,6 +82,20 @@ pub fn sin_cos<V: Real>(x: V) -> (V, V) {
     } else {
         k.fnma(V::splat(PIO2[2]), k.fnma(V::splat(PIO2[1]), k.fnma(V::splat(PIO2[0]), x)))
     };
+    in_quadrant(r, t)
+}
+
+/// (sin 2πu, cos 2πu) for |u| ≤ 1e5.
+#[inline(always)]
+pub fn sin_cos_turns<V: Real>(u: V) -> (V, V) {
+    let t = u.fma(V::splat(4.0), V::splat(ROUND_MAGIC));
+    let k = t - V::splat(ROUND_MAGIC);
+    in_quadrant(k.fnma(V::splat(0.25), u) * V::splat(TAU), t)
+}
+
+/// (sin, cos) of r + k π/2 for |r| ≤ π/4 and t = k + 1.5 · 2⁵².
+#[inline(always)]
+fn in_quadrant<V: Real>(r: V, t: V) -> (V, V) {
     let z = r * r;
     let sin = (r * z).fma(horner(z, &SIN), r);
     let cos = z.fma(z.fma(horner(z, &COS), V::splat(-0.5)), V::splat(1.0));
@@ -123,18 +138,21 @@ mod tests {
     enum Which {
         Sin,
         Cos,
+        SinTurns,
+        CosTurns,
         Exp,
         Ln,
     }
     struct Apply<'a>(Which, &'a mut Block);
     impl Kernel<Block> for Apply<'_> {
-        type Out = ();
         #[inline(always)]
-        fn run<V: Real<Mem = Block>>(self) {
+        fn run<V: Real<Mem = Block>>(&mut self) {
             let x = V::load(self.1);
             let y = match self.0 {
                 Which::Sin => sin_cos(x).0,
                 Which::Cos => sin_cos(x).1,
+                Which::SinTurns => sin_cos_turns(x).0,
+                Which::CosTurns => sin_cos_turns(x).1,
                 Which::Exp => exp(x),
                 Which::Ln => ln(x),
             };
@@ -143,7 +161,7 @@ mod tests {
     }
 
     /// Largest error beyond 1e-27 in units of the last place of the standard library's result, over every instruction set of this machine.
-    fn worst_ulp(which: Which, reference: fn(f64) -> f64, arguments: impl Iterator<Item = f64> + Clone) -> f64 {
+    fn worst_ulp(which: Which, reference: impl Fn(f64) -> f64, arguments: impl Iterator<Item = f64> + Clone) -> f64 {
         let mut worst = 0.0_f64;
         for isa in Isa::available() {
             for x in arguments.clone() {
@@ -176,6 +194,26 @@ mod tests {
     fn sine_and_cosine_are_within_two_ulp() {
         assert!(worst_ulp(Which::Sin, f64::sin, angles(1e5)) <= 2.0);
         assert!(worst_ulp(Which::Cos, f64::cos, angles(1e5)) <= 2.0);
+    }
+
+    /// Multiples of 2⁻¹⁶ in (−1, 1): their reduction to the nearest quarter turn is exact, and so is the reference's.
+    #[test]
+    fn sine_and_cosine_of_turns_are_within_two_ulp() {
+        let turns = || (-65_535..65_536).map(|i| f64::from(i) / 65_536.0);
+        let reference = |shift: f64| {
+            move |u: f64| {
+                let quarters = (4.0 * u).round();
+                let (sin, cos) = (TAU * (u - quarters / 4.0)).sin_cos();
+                match (quarters + shift).rem_euclid(4.0) {
+                    0.0 => sin,
+                    1.0 => cos,
+                    2.0 => -sin,
+                    _ => -cos,
+                }
+            }
+        };
+        assert!(worst_ulp(Which::SinTurns, reference(0.0), turns()) <= 2.0);
+        assert!(worst_ulp(Which::CosTurns, reference(1.0), turns()) <= 2.0);
     }
 
     #[test]

@@ -5,7 +5,7 @@
 //! | type | processor | memory |
 //! |---|---|---|
 //! | one `__m512d` | AVX-512 (F, DQ, VL, BW) | [`Block`] |
-//! | two `__m256d` | AVX2 and FMA | [`Block`] |
+//! | one `__m256d`, for half of the block and then for the other half | AVX2 and FMA | [`Block`] |
 //! | `[f64; 8]`, vectorised by the compiler | any (SSE2, NEON, wasm) | [`Block`] |
 //! | one `f64` with or without fused multiply-add | as above | `f64` |
 //!
@@ -21,9 +21,8 @@
 //! use sinew_core::lanes::{Block, Isa, Kernel, Real, dispatch};
 //! struct Square<'a>(&'a mut Block);
 //! impl Kernel<Block> for Square<'_> {
-//!     type Out = ();
 //!     #[inline(always)]
-//!     fn run<V: Real<Mem = Block>>(self) {
+//!     fn run<V: Real<Mem = Block>>(&mut self) {
 //!         let x = V::load(self.0);
 //!         (x * x).store(self.0);
 //!     }
@@ -54,6 +53,9 @@ impl Block {
         Self([x; LANES])
     }
 }
+
+/// A little-endian 32-bit number, as a generator of random bits writes it.
+pub type Word = [u8; 4];
 
 /// Copies one state into a lane of a block of states.
 pub fn set_lane(block: &mut [Block], lane: usize, state: &[f64]) {
@@ -159,6 +161,8 @@ pub trait Real:
     fn load(m: &Self::Mem) -> Self;
     /// Writes to memory.
     fn store(self, m: &mut Self::Mem);
+    /// `(k + ½) · 2⁻³²` of the little-endian 32-bit number k of each lane (of the first, for one state).
+    fn from_words(words: &[Word; LANES]) -> Self;
     /// `self · b + c`, fused where the set has it.
     fn fma(self, b: Self, c: Self) -> Self;
     /// `c − self · b`, fused where the set has it.
@@ -186,37 +190,39 @@ const MANTISSA: u64 = (1 << 52) - 1;
 const ONE_BITS: u64 = 0x3FF0_0000_0000_0000;
 /// Bits of 2⁵²: or-ed onto a small integer they make the double `2⁵² + integer`.
 const TWO52_BITS: u64 = 0x4330_0000_0000_0000;
+/// 1 − ½ · 2⁻³²: what the double with the bits of 1.0 and a word in the upper mantissa has too much.
+const WORD_SHIFT: f64 = 1.0 - 0.5 / 4_294_967_296.0;
 const TWO52_PLUS_BIAS: f64 = 4_503_599_627_370_496.0 + 1023.0;
 
 /// Work to be run on lanes (`M` = [`Block`]) or on one state (`M` = `f64`).
 pub trait Kernel<M> {
-    /// What it returns.
-    type Out;
     /// The work; must be `#[inline(always)]`, like everything that it calls.
-    fn run<V: Real<Mem = M>>(self) -> Self::Out;
+    ///
+    /// It may be run for some lanes after the others: what it writes must depend on the same lanes of what it reads, and on nothing that it changed otherwise.
+    fn run<V: Real<Mem = M>>(&mut self);
 }
 
 /// Runs a kernel over a block of states with the given instruction set.
 #[inline]
-pub fn dispatch<K: Kernel<Block>>(isa: Isa, kernel: K) -> K::Out {
+pub fn dispatch<K: Kernel<Block>>(isa: Isa, mut kernel: K) {
     match isa.0 {
         // SAFETY: an `Isa` of this kind exists only after its features were detected.
         #[cfg(target_arch = "x86_64")]
-        Kind::Avx512 => unsafe { x86::on_avx512(kernel) },
+        Kind::Avx512 => unsafe { x86::on_avx512(&mut kernel) },
         // SAFETY: as above.
         #[cfg(target_arch = "x86_64")]
-        Kind::Avx2 => unsafe { x86::on_avx2(kernel) },
+        Kind::Avx2 => unsafe { x86::on_avx2(&mut kernel) },
         Kind::Baseline => kernel.run::<A8>(),
     }
 }
 
 /// Runs a kernel on one state, with fused multiply-add where the instruction set has it.
 #[inline]
-pub fn dispatch_one<K: Kernel<f64>>(isa: Isa, kernel: K) -> K::Out {
+pub fn dispatch_one<K: Kernel<f64>>(isa: Isa, mut kernel: K) {
     match isa.0 {
         // SAFETY: both kinds exist only after AVX2 and FMA were detected.
         #[cfg(target_arch = "x86_64")]
-        Kind::Avx512 | Kind::Avx2 => unsafe { x86::one_on_fma(kernel) },
+        Kind::Avx512 | Kind::Avx2 => unsafe { x86::one_on_fma(&mut kernel) },
         Kind::Baseline => kernel.run::<One>(),
     }
 }
@@ -228,6 +234,11 @@ struct One(f64);
 /// Eight states in an array, for the compiler to vectorise.
 #[derive(Clone, Copy)]
 struct A8([f64; LANES]);
+
+#[inline(always)]
+fn from_word(word: Word) -> f64 {
+    f64::from_bits(u64::from(u32::from_le_bytes(word)) << 20 | ONE_BITS) - WORD_SHIFT
+}
 
 #[inline(always)]
 fn odd(t: f64) -> bool {
@@ -305,6 +316,10 @@ macro_rules! one_state {
             #[inline(always)]
             fn store(self, m: &mut f64) {
                 *m = self.0;
+            }
+            #[inline(always)]
+            fn from_words(words: &[Word; LANES]) -> Self {
+                Self(from_word(words[0]))
             }
             #[inline(always)]
             fn fma(self, b: Self, c: Self) -> Self {
@@ -411,6 +426,10 @@ impl Real for A8 {
         m.0 = self.0;
     }
     #[inline(always)]
+    fn from_words(words: &[Word; LANES]) -> Self {
+        eachwise!(i => from_word(words[i]))
+    }
+    #[inline(always)]
     fn fma(self, b: Self, c: Self) -> Self {
         eachwise!(i => self.0[i] * b.0[i] + c.0[i])
     }
@@ -451,24 +470,26 @@ impl Real for A8 {
 #[cfg(target_arch = "x86_64")]
 mod x86 {
     use super::{
-        Add, Block, Div, Kernel, MANTISSA, Mul, Neg, ONE_BITS, Real, SIGN, Sub, TWO52_BITS, TWO52_PLUS_BIAS, exponent,
-        mantissa, negate_by_bit1, odd, pow2,
+        Add, Block, Div, Kernel, LANES, MANTISSA, Mul, Neg, ONE_BITS, Real, SIGN, Sub, TWO52_BITS, TWO52_PLUS_BIAS,
+        WORD_SHIFT, Word, exponent, from_word, mantissa, negate_by_bit1, odd, pow2,
     };
     use core::arch::x86_64::*;
 
     #[target_feature(enable = "avx512f,avx512dq,avx512vl,avx512bw,avx2,fma,bmi2")]
-    pub(super) fn on_avx512<K: Kernel<Block>>(kernel: K) -> K::Out {
-        kernel.run::<Z8>()
+    pub(super) fn on_avx512<K: Kernel<Block>>(kernel: &mut K) {
+        kernel.run::<Z8>();
+    }
+
+    /// Half after half: with both at once, sixteen registers do not hold what a kernel works on.
+    #[target_feature(enable = "avx2,fma,bmi2")]
+    pub(super) fn on_avx2<K: Kernel<Block>>(kernel: &mut K) {
+        kernel.run::<Y4<0>>();
+        kernel.run::<Y4<4>>();
     }
 
     #[target_feature(enable = "avx2,fma,bmi2")]
-    pub(super) fn on_avx2<K: Kernel<Block>>(kernel: K) -> K::Out {
-        kernel.run::<Y8>()
-    }
-
-    #[target_feature(enable = "avx2,fma,bmi2")]
-    pub(super) fn one_on_fma<K: Kernel<f64>>(kernel: K) -> K::Out {
-        kernel.run::<OneFused>()
+    pub(super) fn one_on_fma<K: Kernel<f64>>(kernel: &mut K) {
+        kernel.run::<OneFused>();
     }
 
     /// One state with fused multiply-add.
@@ -480,12 +501,12 @@ mod x86 {
     #[derive(Clone, Copy)]
     pub(super) struct Z8(__m512d);
 
-    /// Eight states in two registers.
+    /// Four of eight states, from lane `AT` on, in one register.
     #[derive(Clone, Copy)]
-    pub(super) struct Y8(__m256d, __m256d);
+    pub(super) struct Y4<const AT: usize>(__m256d);
 
     // SAFETY of all intrinsics below: these types are private to this module and constructed only inside the two entry
-    // points, which enable every feature named by the intrinsics. Blocks are 64-byte aligned by their type.
+    // points, which enable every feature named by the intrinsics. Blocks are 64-byte aligned by their type; `AT` is 0 or 4.
 
     macro_rules! z8_operator {
         ($trait:ident, $fn:ident, $intrinsic:ident) => {
@@ -523,6 +544,14 @@ mod x86 {
         #[inline(always)]
         fn store(self, m: &mut Block) {
             unsafe { _mm512_store_pd(m.0.as_mut_ptr(), self.0) }
+        }
+        #[inline(always)]
+        fn from_words(words: &[Word; LANES]) -> Self {
+            Self(unsafe {
+                let k = _mm512_cvtepu32_epi64(_mm256_loadu_si256(words.as_ptr().cast()));
+                let bits = _mm512_or_si512(_mm512_slli_epi64::<20>(k), _mm512_set1_epi64(ONE_BITS.cast_signed()));
+                _mm512_sub_pd(_mm512_castsi512_pd(bits), _mm512_set1_pd(WORD_SHIFT))
+            })
         }
         #[inline(always)]
         fn fma(self, b: Self, c: Self) -> Self {
@@ -588,133 +617,112 @@ mod x86 {
         }
     }
 
-    macro_rules! y8_operator {
+    macro_rules! y4_operator {
         ($trait:ident, $fn:ident, $intrinsic:ident) => {
-            impl $trait for Y8 {
+            impl<const AT: usize> $trait for Y4<AT> {
                 type Output = Self;
                 #[inline(always)]
                 fn $fn(self, o: Self) -> Self {
-                    unsafe { Self($intrinsic(self.0, o.0), $intrinsic(self.1, o.1)) }
+                    Self(unsafe { $intrinsic(self.0, o.0) })
                 }
             }
         };
     }
-    y8_operator!(Add, add, _mm256_add_pd);
-    y8_operator!(Sub, sub, _mm256_sub_pd);
-    y8_operator!(Mul, mul, _mm256_mul_pd);
-    y8_operator!(Div, div, _mm256_div_pd);
-    impl Neg for Y8 {
+    y4_operator!(Add, add, _mm256_add_pd);
+    y4_operator!(Sub, sub, _mm256_sub_pd);
+    y4_operator!(Mul, mul, _mm256_mul_pd);
+    y4_operator!(Div, div, _mm256_div_pd);
+    impl<const AT: usize> Neg for Y4<AT> {
         type Output = Self;
         #[inline(always)]
         fn neg(self) -> Self {
-            unsafe {
-                let sign = _mm256_set1_pd(-0.0);
-                Self(_mm256_xor_pd(self.0, sign), _mm256_xor_pd(self.1, sign))
-            }
+            Self(unsafe { _mm256_xor_pd(self.0, _mm256_set1_pd(-0.0)) })
         }
     }
-
-    #[inline(always)]
-    unsafe fn y_select_odd(t: __m256d, yes: __m256d, no: __m256d) -> __m256d {
-        unsafe {
-            let mask = _mm256_slli_epi64::<63>(_mm256_castpd_si256(t));
-            _mm256_blendv_pd(no, yes, _mm256_castsi256_pd(mask))
-        }
-    }
-    #[inline(always)]
-    unsafe fn y_negate_by_bit1(x: __m256d, t: __m256d) -> __m256d {
-        unsafe {
-            let sign = _mm256_and_si256(
-                _mm256_slli_epi64::<62>(_mm256_castpd_si256(t)),
-                _mm256_set1_epi64x(SIGN.cast_signed()),
-            );
-            _mm256_xor_pd(x, _mm256_castsi256_pd(sign))
-        }
-    }
-    #[inline(always)]
-    unsafe fn y_pow2(t: __m256d) -> __m256d {
-        unsafe {
-            let k = _mm256_slli_epi64::<52>(_mm256_castpd_si256(t));
-            _mm256_castsi256_pd(_mm256_add_epi64(k, _mm256_set1_epi64x(ONE_BITS.cast_signed())))
-        }
-    }
-    #[inline(always)]
-    unsafe fn y_exponent(x: __m256d) -> __m256d {
-        unsafe {
-            let e = _mm256_or_si256(
-                _mm256_srli_epi64::<52>(_mm256_castpd_si256(x)),
-                _mm256_set1_epi64x(TWO52_BITS.cast_signed()),
-            );
-            _mm256_sub_pd(_mm256_castsi256_pd(e), _mm256_set1_pd(TWO52_PLUS_BIAS))
-        }
-    }
-    #[inline(always)]
-    unsafe fn y_mantissa(x: __m256d) -> __m256d {
-        unsafe {
-            let m = _mm256_and_si256(_mm256_castpd_si256(x), _mm256_set1_epi64x(MANTISSA.cast_signed()));
-            _mm256_castsi256_pd(_mm256_or_si256(m, _mm256_set1_epi64x(ONE_BITS.cast_signed())))
-        }
-    }
-
-    impl Real for Y8 {
+    impl<const AT: usize> Real for Y4<AT> {
         type Mem = Block;
         const FUSED: bool = true;
         #[inline(always)]
         fn splat(x: f64) -> Self {
-            unsafe { Self(_mm256_set1_pd(x), _mm256_set1_pd(x)) }
+            Self(unsafe { _mm256_set1_pd(x) })
         }
         #[inline(always)]
         fn load(m: &Block) -> Self {
-            unsafe { Self(_mm256_load_pd(m.0.as_ptr()), _mm256_load_pd(m.0.as_ptr().add(4))) }
+            Self(unsafe { _mm256_load_pd(m.0.as_ptr().add(AT)) })
         }
         #[inline(always)]
         fn store(self, m: &mut Block) {
-            unsafe {
-                _mm256_store_pd(m.0.as_mut_ptr(), self.0);
-                _mm256_store_pd(m.0.as_mut_ptr().add(4), self.1);
-            }
+            unsafe { _mm256_store_pd(m.0.as_mut_ptr().add(AT), self.0) }
+        }
+        #[inline(always)]
+        fn from_words(words: &[Word; LANES]) -> Self {
+            Self(unsafe {
+                let k = _mm256_cvtepu32_epi64(_mm_loadu_si128(words.as_ptr().add(AT).cast()));
+                let bits = _mm256_or_si256(_mm256_slli_epi64::<20>(k), _mm256_set1_epi64x(ONE_BITS.cast_signed()));
+                _mm256_sub_pd(_mm256_castsi256_pd(bits), _mm256_set1_pd(WORD_SHIFT))
+            })
         }
         #[inline(always)]
         fn fma(self, b: Self, c: Self) -> Self {
-            unsafe { Self(_mm256_fmadd_pd(self.0, b.0, c.0), _mm256_fmadd_pd(self.1, b.1, c.1)) }
+            Self(unsafe { _mm256_fmadd_pd(self.0, b.0, c.0) })
         }
         #[inline(always)]
         fn fnma(self, b: Self, c: Self) -> Self {
-            unsafe { Self(_mm256_fnmadd_pd(self.0, b.0, c.0), _mm256_fnmadd_pd(self.1, b.1, c.1)) }
+            Self(unsafe { _mm256_fnmadd_pd(self.0, b.0, c.0) })
         }
         #[inline(always)]
         fn sqrt(self) -> Self {
-            unsafe { Self(_mm256_sqrt_pd(self.0), _mm256_sqrt_pd(self.1)) }
+            Self(unsafe { _mm256_sqrt_pd(self.0) })
         }
         #[inline(always)]
         fn max(self, o: Self) -> Self {
-            unsafe { Self(_mm256_max_pd(self.0, o.0), _mm256_max_pd(self.1, o.1)) }
+            Self(unsafe { _mm256_max_pd(self.0, o.0) })
         }
         #[inline(always)]
         fn select_gt(self, limit: f64, yes: Self, no: Self) -> Self {
-            unsafe {
-                let l = _mm256_set1_pd(limit);
-                Self(
-                    _mm256_blendv_pd(no.0, yes.0, _mm256_cmp_pd::<_CMP_GT_OQ>(self.0, l)),
-                    _mm256_blendv_pd(no.1, yes.1, _mm256_cmp_pd::<_CMP_GT_OQ>(self.1, l)),
-                )
-            }
+            Self(unsafe {
+                let mask = _mm256_cmp_pd::<_CMP_GT_OQ>(self.0, _mm256_set1_pd(limit));
+                _mm256_blendv_pd(no.0, yes.0, mask)
+            })
         }
         #[inline(always)]
         fn select_odd(t: Self, yes: Self, no: Self) -> Self {
-            unsafe { Self(y_select_odd(t.0, yes.0, no.0), y_select_odd(t.1, yes.1, no.1)) }
+            Self(unsafe {
+                let mask = _mm256_slli_epi64::<63>(_mm256_castpd_si256(t.0));
+                _mm256_blendv_pd(no.0, yes.0, _mm256_castsi256_pd(mask))
+            })
         }
         #[inline(always)]
         fn negate_by_bit1(self, t: Self) -> Self {
-            unsafe { Self(y_negate_by_bit1(self.0, t.0), y_negate_by_bit1(self.1, t.1)) }
+            Self(unsafe {
+                let sign = _mm256_and_si256(
+                    _mm256_slli_epi64::<62>(_mm256_castpd_si256(t.0)),
+                    _mm256_set1_epi64x(SIGN.cast_signed()),
+                );
+                _mm256_xor_pd(self.0, _mm256_castsi256_pd(sign))
+            })
         }
         #[inline(always)]
         fn pow2(t: Self) -> Self {
-            unsafe { Self(y_pow2(t.0), y_pow2(t.1)) }
+            Self(unsafe {
+                let k = _mm256_slli_epi64::<52>(_mm256_castpd_si256(t.0));
+                _mm256_castsi256_pd(_mm256_add_epi64(k, _mm256_set1_epi64x(ONE_BITS.cast_signed())))
+            })
         }
         #[inline(always)]
         fn exponent_mantissa(self) -> (Self, Self) {
-            unsafe { (Self(y_exponent(self.0), y_exponent(self.1)), Self(y_mantissa(self.0), y_mantissa(self.1))) }
+            unsafe {
+                let bits = _mm256_castpd_si256(self.0);
+                let e = _mm256_or_si256(_mm256_srli_epi64::<52>(bits), _mm256_set1_epi64x(TWO52_BITS.cast_signed()));
+                let m = _mm256_or_si256(
+                    _mm256_and_si256(bits, _mm256_set1_epi64x(MANTISSA.cast_signed())),
+                    _mm256_set1_epi64x(ONE_BITS.cast_signed()),
+                );
+                (
+                    Self(_mm256_sub_pd(_mm256_castsi256_pd(e), _mm256_set1_pd(TWO52_PLUS_BIAS))),
+                    Self(_mm256_castsi256_pd(m)),
+                )
+            }
         }
     }
 }
@@ -728,13 +736,14 @@ mod tests {
         out: &'a mut [Block],
     }
     impl Kernel<Block> for Everything<'_> {
-        type Out = ();
         #[inline(always)]
-        fn run<V: Real<Mem = Block>>(self) {
+        fn run<V: Real<Mem = Block>>(&mut self) {
             let (a, b) = (V::load(&self.x[0]), V::load(&self.x[1]));
             let t = a + V::splat(ROUND_MAGIC);
             let (e, m) = b.exponent_mantissa();
+            let words = [0, 1, 2, 3, 1 << 31, u32::MAX, 77, 1 << 30].map(u32::to_le_bytes);
             let all = [
+                V::from_words(&words),
                 a + b,
                 a - b,
                 a * b,
@@ -760,15 +769,16 @@ mod tests {
         let x =
             [Block([0.0, 1.0, -1.0, 2.0, -2.5, 3.0, 7.0, -8.0]), Block([1.0, 0.3, 2.0, 4.5, 1e-300, 1e300, 0.1, 3.0])];
         let run = |isa| {
-            let mut out = [Block::ZERO; 13];
+            let mut out = [Block::ZERO; 14];
             dispatch(isa, Everything { x: &x, out: &mut out });
             out
         };
         let baseline = run(Isa::baseline());
-        assert_eq!(baseline[8].0[1], 1.0);
-        assert_eq!(baseline[9].0[3], -2.0);
-        assert_eq!(baseline[10].0[7], 1.0 / 256.0);
-        assert_eq!((baseline[11].0[3], baseline[12].0[3]), (2.0, 1.125));
+        assert_eq!((baseline[0].0[0], baseline[0].0[4]), (0.5_f64.powi(33), 0.5 + 0.5_f64.powi(33)));
+        assert_eq!(baseline[9].0[1], 1.0);
+        assert_eq!(baseline[10].0[3], -2.0);
+        assert_eq!(baseline[11].0[7], 1.0 / 256.0);
+        assert_eq!((baseline[12].0[3], baseline[13].0[3]), (2.0, 1.125));
         for isa in Isa::available() {
             assert_eq!(run(isa), baseline, "{}", isa.name());
         }

@@ -20,8 +20,8 @@
 //! assert!(noise.iter().all(|b| b.0.iter().all(|z| z.abs() < 6.8)));
 //! ```
 
-use crate::elementary::{ln, sin_cos};
-use crate::lanes::{Block, Isa, Kernel, LANES, Real, dispatch};
+use crate::elementary::{ln, sin_cos_turns};
+use crate::lanes::{Block, Isa, Kernel, LANES, Real, Word, dispatch};
 use rand::SeedableRng;
 use rand::rand_core::{Infallible, TryRng};
 use rand_chacha::ChaCha8Rng;
@@ -102,32 +102,38 @@ impl TryRng for BlockRng {
     }
 }
 
-/// 32-bit words of a pair of deviates in every lane.
-const WORDS: usize = 2 * LANES;
-/// Pairs that one kernel makes: as many words as the generator makes at a time.
-const PAIRS: usize = 4;
+/// Blocks that are drawn together: four times what the generator makes at a time, so that words are in memory before they are read as vectors.
+const AT_ONCE: usize = 32;
 
+/// Words for uniforms that are not yet numbers.
+type Words = [[Word; LANES]; AT_ONCE];
+
+struct Uniform<'a> {
+    words: &'a Words,
+    out: &'a mut [Block],
+}
+
+impl Kernel<Block> for Uniform<'_> {
+    #[inline(always)]
+    fn run<V: Real<Mem = Block>>(&mut self) {
+        for (words, out) in self.words.iter().zip(&mut *self.out) {
+            V::from_words(words).store(out);
+        }
+    }
+}
+
+/// Normal deviates, in pairs; the second of the last pair may be left out.
 struct BoxMuller<'a> {
-    words: &'a [u32],
+    words: &'a Words,
     out: &'a mut [Block],
 }
 
 impl Kernel<Block> for BoxMuller<'_> {
-    type Out = ();
     #[inline(always)]
-    fn run<V: Real<Mem = Block>>(self) {
-        const SCALE: f64 = 1.0 / 4_294_967_296.0;
-        let (scale, half) = (V::splat(SCALE), V::splat(0.5 * SCALE));
-        for (pair, words) in self.out.chunks_mut(2).zip(self.words.chunks_exact(WORDS)) {
-            let mut uniform = [Block::ZERO; 2];
-            for lane in 0..LANES {
-                uniform[0].0[lane] = f64::from(words[lane]);
-                uniform[1].0[lane] = f64::from(words[LANES + lane]);
-            }
-            let u = V::load(&uniform[0]).fma(scale, half);
-            let v = V::load(&uniform[1]).fma(scale, half) * V::splat(core::f64::consts::TAU);
-            let radius = (ln(u) * V::splat(-2.0)).sqrt();
-            let (sin, cos) = sin_cos(v);
+    fn run<V: Real<Mem = Block>>(&mut self) {
+        for ([u, v], pair) in self.words.as_chunks().0.iter().zip(self.out.chunks_mut(2)) {
+            let radius = (ln(V::from_words(u)) * V::splat(-2.0)).sqrt();
+            let (sin, cos) = sin_cos_turns(V::from_words(v));
             (radius * cos).store(&mut pair[0]);
             if let Some(second) = pair.get_mut(1) {
                 (radius * sin).store(second);
@@ -137,34 +143,27 @@ impl Kernel<Block> for BoxMuller<'_> {
 }
 
 impl BlockRng {
-    /// Fills with uniform numbers in (0, 1).
+    /// Fills with uniform numbers in (0, 1); their bits do not depend on an instruction set.
     pub fn fill_uniform(&mut self, out: &mut [Block]) {
-        let mut words = [0; LANES];
-        for block in out {
-            self.fill_words(&mut words);
-            for (x, word) in block.0.iter_mut().zip(words) {
-                *x = (f64::from(word) + 0.5) / 4_294_967_296.0;
-            }
+        for out in out.chunks_mut(AT_ONCE) {
+            let words = &self.words(out.len());
+            dispatch(Isa::baseline(), Uniform { words, out });
         }
     }
 
     /// Fills with independent standard normal deviates.
     pub fn fill_normal(&mut self, isa: Isa, out: &mut [Block]) {
-        let mut words = [0; PAIRS * WORDS];
-        for out in out.chunks_mut(2 * PAIRS) {
-            let words = &mut words[..out.len().div_ceil(2) * WORDS];
-            self.fill_words(words);
+        for out in out.chunks_mut(AT_ONCE) {
+            let words = &self.words(out.len().next_multiple_of(2));
             dispatch(isa, BoxMuller { words, out });
         }
     }
 
-    fn fill_words(&mut self, words: &mut [u32]) {
-        let mut bytes = [[0; 4]; PAIRS * WORDS];
-        let bytes = &mut bytes[..words.len()];
-        rand::Rng::fill_bytes(&mut self.0, bytes.as_flattened_mut());
-        for (word, bytes) in words.iter_mut().zip(bytes) {
-            *word = u32::from_le_bytes(*bytes);
-        }
+    /// Words for `count` ≤ [`AT_ONCE`] blocks.
+    fn words(&mut self, count: usize) -> Words {
+        let mut words = [[Word::default(); LANES]; AT_ONCE];
+        rand::Rng::fill_bytes(&mut self.0, words[..count].as_flattened_mut().as_flattened_mut());
+        words
     }
 }
 

@@ -108,9 +108,8 @@ struct Colour<'a> {
 }
 
 impl Kernel<Block> for Colour<'_> {
-    type Out = ();
     #[inline(always)]
-    fn run<V: Real<Mem = Block>>(self) {
+    fn run<V: Real<Mem = Block>>(&mut self) {
         let d = self.mean.len();
         for i in 0..d {
             let mut sum = V::splat(self.mean[i]);

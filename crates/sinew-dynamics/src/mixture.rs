@@ -56,7 +56,7 @@ impl Mixture {
         let precision: Vec<f64> = sd.iter().map(|s| 1.0 / (s * s)).collect();
         let (first, others) = (&means[0], &means[1..]);
         let pull = |mean: &Vec<f64>, j: usize| (mean[j] - first[j]) * precision[j];
-        let chunks = others.len().div_ceil(WIDEST);
+        let chunks = others.len().div_ceil(WIDEST).max(1);
         let widths: Vec<usize> =
             (0..chunks).map(|c| others.len() / chunks + usize::from(c < others.len() % chunks)).collect();
         let mut pulls = Vec::with_capacity(others.len() * dim);
@@ -100,29 +100,54 @@ impl Mixture {
     }
 }
 
-/// Writes a_i + ½ y·Σ⁻¹y of `N` components.
+/// Writes a_i + ½ y·Σ⁻¹y of `N` components. Of the `FIRST` chunk it also returns y·Σ⁻¹y and, with `GRAD`, writes −Σ⁻¹ y.
 #[inline(always)]
-fn exponents<V: Real, const N: usize>(y: &[V::Mem], pulls: &[f64], bias: &[f64], out: &mut [V::Mem]) {
+fn exponents<V: Real, const N: usize, const FIRST: bool, const GRAD: bool>(
+    mixture: &Mixture,
+    x: &[V::Mem],
+    (pulls, bias): (&[f64], &[f64]),
+    out: &mut [V::Mem],
+    grad: &mut [V::Mem],
+) -> V {
+    let d = x.len();
+    let (centre, precision) = (&mixture.means[0][..d], &mixture.precision[..d]);
+    let pulls = if N > 0 { &pulls.as_chunks::<N>().0[..d] } else { &[] };
+    let grad = if FIRST && GRAD { &mut grad[..d] } else { grad };
+    let mut square = V::splat(0.0);
     let mut sum = [V::splat(0.0); N];
     for (sum, &bias) in sum.iter_mut().zip(bias) {
         *sum = V::splat(bias);
     }
-    for (y, b) in y.iter().zip(pulls.as_chunks::<N>().0) {
-        let y = V::load(y);
-        let mut i = 0;
-        while i < N {
-            sum[i] = y.fma(V::splat(b[i]), sum[i]);
-            i += 1;
+    for j in 0..d {
+        let y = V::load(&x[j]) - V::splat(centre[j]);
+        if FIRST {
+            let scaled = y * V::splat(precision[j]);
+            square = y.fma(scaled, square);
+            if GRAD {
+                (-scaled).store(&mut grad[j]);
+            }
+        }
+        if N > 0 {
+            let b = &pulls[j];
+            let mut i = 0;
+            while i < N {
+                sum[i] = y.fma(V::splat(b[i]), sum[i]);
+                i += 1;
+            }
         }
     }
     for (sum, out) in sum.iter().zip(out) {
         sum.store(out);
     }
+    square
 }
 
 /// Adds Σ weight_i b_i of `N` components to `out`.
 #[inline(always)]
 fn add_pulls<V: Real, const N: usize>(weights: &[V::Mem], pulls: &[f64], out: &mut [V::Mem]) {
+    if N == 0 {
+        return;
+    }
     let mut weight = [V::splat(0.0); N];
     for (w, m) in weight.iter_mut().zip(weights) {
         *w = V::load(m);
@@ -138,19 +163,20 @@ fn add_pulls<V: Real, const N: usize>(weights: &[V::Mem], pulls: &[f64], out: &m
     }
 }
 
-/// Calls a function of a width in 1..=9 with the width as a constant.
+/// Calls a function of a width in 0..=9 with the width, and what else is given in brackets, as constants.
 macro_rules! by_width {
-    ($width:expr, $function:ident, $($argument:expr),*) => {
+    ($width:expr, $function:ident$([$($constant:tt),*])?, $($argument:expr),*) => {
         match $width {
-            1 => $function::<V, 1>($($argument),*),
-            2 => $function::<V, 2>($($argument),*),
-            3 => $function::<V, 3>($($argument),*),
-            4 => $function::<V, 4>($($argument),*),
-            5 => $function::<V, 5>($($argument),*),
-            6 => $function::<V, 6>($($argument),*),
-            7 => $function::<V, 7>($($argument),*),
-            8 => $function::<V, 8>($($argument),*),
-            _ => $function::<V, 9>($($argument),*),
+            0 => $function::<V, 0, $($($constant),*)?>($($argument),*),
+            1 => $function::<V, 1, $($($constant),*)?>($($argument),*),
+            2 => $function::<V, 2, $($($constant),*)?>($($argument),*),
+            3 => $function::<V, 3, $($($constant),*)?>($($argument),*),
+            4 => $function::<V, 4, $($($constant),*)?>($($argument),*),
+            5 => $function::<V, 5, $($($constant),*)?>($($argument),*),
+            6 => $function::<V, 6, $($($constant),*)?>($($argument),*),
+            7 => $function::<V, 7, $($($constant),*)?>($($argument),*),
+            8 => $function::<V, 8, $($($constant),*)?>($($argument),*),
+            _ => $function::<V, 9, $($($constant),*)?>($($argument),*),
         }
     };
 }
@@ -160,30 +186,22 @@ impl LaneDensity for Mixture {
         self.sd.len()
     }
     fn workspace(&self) -> usize {
-        self.sd.len() + self.bias.len()
+        self.bias.len()
     }
     #[inline(always)]
     fn eval<V: Real, const GRAD: bool>(&self, x: &[V::Mem], grad: &mut [V::Mem], ws: &mut [V::Mem]) -> V {
         let d = self.sd.len();
-        let (y, ws) = ws.split_at_mut(d);
-        let a = &mut ws[..self.bias.len()];
-        let grad = if GRAD { &mut grad[..d] } else { grad };
-        let (x, first, precision) = (&x[..d], &self.means[0][..d], &self.precision[..d]);
+        let (x, a) = (&x[..d], &mut ws[..self.bias.len()]);
         let mut square = V::splat(0.0);
-        for j in 0..d {
-            let place = V::load(&x[j]) - V::splat(first[j]);
-            let scaled = place * V::splat(precision[j]);
-            square = place.fma(scaled, square);
-            place.store(&mut y[j]);
-            if GRAD {
-                (-scaled).store(&mut grad[j]);
-            }
-        }
         let mut done = 0;
         for &width in &self.widths {
-            let pulls = &self.pulls[done * d..(done + width) * d];
             let range = done..done + width;
-            by_width!(width, exponents, y, pulls, &self.bias[range.clone()], &mut a[range]);
+            let table = (&self.pulls[done * d..(done + width) * d], &self.bias[range.clone()]);
+            if done == 0 {
+                square = by_width!(width, exponents[true, GRAD], self, x, table, &mut a[range], grad);
+            } else {
+                by_width!(width, exponents[false, GRAD], self, x, table, &mut a[range], grad);
+            }
             done += width;
         }
         let mut max = V::splat(0.0);
@@ -196,6 +214,7 @@ impl LaneDensity for Mixture {
             sum = sum + weight;
             weight.store(a);
         }
+        let log_density = square.fma(V::splat(-0.5), max + ln(sum)) + V::splat(self.log_norm);
         if GRAD {
             let share = V::splat(1.0) / sum;
             for a in a.iter_mut() {
@@ -208,9 +227,8 @@ impl LaneDensity for Mixture {
                 done += width;
             }
         }
-        let value = square.fma(V::splat(-0.5), max + ln(sum)) + V::splat(self.log_norm);
         // Far beyond every component the squares overflow.
-        value.select_gt(f64::MIN, value, V::splat(f64::NEG_INFINITY))
+        log_density.select_gt(f64::MIN, log_density, V::splat(f64::NEG_INFINITY))
     }
 }
 

@@ -182,9 +182,8 @@ fn dense_kick<V: Real<Mem = Block>>(steps: &Dense, kick: V, momentum: &mut [Bloc
 }
 
 impl Kernel<Block> for DenseKickDrift<'_> {
-    type Out = ();
     #[inline(always)]
-    fn run<V: Real<Mem = Block>>(self) {
+    fn run<V: Real<Mem = Block>>(&mut self) {
         let d = self.steps.dim();
         let (x, p, g) = (&mut self.position[..d], &mut self.momentum[..d], &self.gradient[..d]);
         let factor = V::load(self.factor);
@@ -212,9 +211,8 @@ struct DenseKick<'a> {
 }
 
 impl Kernel<Block> for DenseKick<'_> {
-    type Out = ();
     #[inline(always)]
-    fn run<V: Real<Mem = Block>>(self) {
+    fn run<V: Real<Mem = Block>>(&mut self) {
         let d = self.steps.dim();
         let kick = V::load(self.factor) * V::splat(self.kick);
         dense_kick(self.steps, kick, &mut self.momentum[..d], &self.gradient[..d]);
@@ -222,27 +220,26 @@ impl Kernel<Block> for DenseKick<'_> {
 }
 
 /// p·p / 2.
-struct Kinetic<'a>(&'a [Block]);
+struct Kinetic<'a> {
+    momentum: &'a [Block],
+    energy: &'a mut Block,
+}
 
 impl Kernel<Block> for Kinetic<'_> {
-    type Out = Block;
     #[inline(always)]
-    fn run<V: Real<Mem = Block>>(self) -> Block {
+    fn run<V: Real<Mem = Block>>(&mut self) {
         let mut square = V::splat(0.0);
-        for p in self.0 {
+        for p in self.momentum {
             let p = V::load(p);
             square = p.fma(p, square);
         }
-        let mut kinetic = Block::ZERO;
-        (square * V::splat(0.5)).store(&mut kinetic);
-        kinetic
+        (square * V::splat(0.5)).store(self.energy);
     }
 }
 
 impl Kernel<Block> for KickDrift<'_> {
-    type Out = ();
     #[inline(always)]
-    fn run<V: Real<Mem = Block>>(self) {
+    fn run<V: Real<Mem = Block>>(&mut self) {
         let d = self.steps.len();
         let (x, p, g) = (&mut self.position[..d], &mut self.momentum[..d], &self.gradient[..d]);
         let factor = V::load(self.factor);
@@ -266,9 +263,8 @@ struct LastKick<'a> {
 }
 
 impl Kernel<Block> for LastKick<'_> {
-    type Out = ();
     #[inline(always)]
-    fn run<V: Real<Mem = Block>>(self) {
+    fn run<V: Real<Mem = Block>>(&mut self) {
         let d = self.steps.len();
         let (p, g) = (&mut self.momentum[..d], &self.gradient[..d]);
         let kick = V::load(self.factor) * V::splat(self.kick);
@@ -287,9 +283,8 @@ struct Take<'a> {
 }
 
 impl Kernel<Block> for Take<'_> {
-    type Out = ();
     #[inline(always)]
-    fn run<V: Real<Mem = Block>>(self) {
+    fn run<V: Real<Mem = Block>>(&mut self) {
         let accepted = V::load(self.accepted);
         for (old, new) in self.old.iter_mut().zip(self.new) {
             accepted.select_gt(0.5, V::load(new), V::load(old)).store(old);
@@ -339,7 +334,8 @@ pub fn leapfrog<T: GradLogDensity + ?Sized>(
         Steps::Components(steps) => dispatch(hmc.isa, LastKick { steps, factor, kick: 0.5, momentum, gradient }),
         Steps::Dense(steps) => dispatch(hmc.isa, DenseKick { steps, factor, kick: 0.5, momentum, gradient }),
     }
-    let kinetic = dispatch(hmc.isa, Kinetic(momentum));
+    let mut kinetic = Block::ZERO;
+    dispatch(hmc.isa, Kinetic { momentum, energy: &mut kinetic });
     End { log_density, kinetic, broken }
 }
 
@@ -361,7 +357,8 @@ pub fn update<T: GradLogDensity + ?Sized>(
     }
     position.copy_from_slice(&chains.position);
     gradient.copy_from_slice(&chains.gradient);
-    let kinetic = dispatch(hmc.isa, Kinetic(momentum));
+    let mut kinetic = Block::ZERO;
+    dispatch(hmc.isa, Kinetic { momentum, energy: &mut kinetic });
     let end = leapfrog(target, hmc, &factor, position, momentum, gradient, scratch);
 
     let mut taken = Block::ZERO;

@@ -39,9 +39,8 @@ struct Outer<'a> {
 }
 
 impl Kernel<Block> for Outer<'_> {
-    type Out = ();
     #[inline(always)]
-    fn run<V: Real<Mem = Block>>(self) {
+    fn run<V: Real<Mem = Block>>(&mut self) {
         let d = self.mean.len();
         let (states, centred) = (&self.states[..d], &mut self.centred[..d]);
         let w = V::load(self.weight);

@@ -103,10 +103,9 @@ fn walk(weights: &[f64], positions: &[f64]) -> Ancestors {
 struct Exponentials<'a>(&'a mut [Block]);
 
 impl Kernel<Block> for Exponentials<'_> {
-    type Out = ();
     #[inline(always)]
-    fn run<V: Real<Mem = Block>>(self) {
-        for block in self.0 {
+    fn run<V: Real<Mem = Block>>(&mut self) {
+        for block in &mut *self.0 {
             (-ln(V::load(block))).store(block);
         }
     }

@@ -24,12 +24,12 @@ struct Eval<'a> {
     sight: &'a Sight,
     x: &'a [Block],
     grad: &'a mut [Block],
+    value: &'a mut Block,
 }
 
 impl Kernel<Block> for Eval<'_> {
-    type Out = Block;
     #[inline(always)]
-    fn run<V: Real<Mem = Block>>(self) -> Block {
+    fn run<V: Real<Mem = Block>>(&mut self) {
         let mut twice = V::splat(0.0);
         for (i, row) in self.sight.h.chunks_exact(self.x.len()).enumerate() {
             let mut g = V::splat(self.sight.b[i]);
@@ -39,9 +39,7 @@ impl Kernel<Block> for Eval<'_> {
             g.store(&mut self.grad[i]);
             twice = (g + V::splat(self.sight.b[i])).fma(V::load(&self.x[i]), twice);
         }
-        let mut out = Block::ZERO;
-        twice.fma(V::splat(0.5), V::splat(self.sight.constant)).store(&mut out);
-        out
+        twice.fma(V::splat(0.5), V::splat(self.sight.constant)).store(self.value);
     }
 }
 
@@ -56,7 +54,7 @@ impl LogDensity for Sight {
         self.log_density_grad(x, &mut vec![0.0; x.len()])
     }
     fn log_density_block(&self, x: &[Block], ws: &mut [Block]) -> Block {
-        dispatch(Isa::best(), Eval { sight: self, x, grad: ws })
+        self.log_density_grad_block(x, &mut ws[..self.b.len()], &mut [])
     }
 }
 
@@ -64,12 +62,14 @@ impl GradLogDensity for Sight {
     fn log_density_grad(&self, x: &[f64], grad: &mut [f64]) -> f64 {
         let block: Vec<Block> = x.iter().map(|&x| Block::splat(x)).collect();
         let mut grads = vec![Block::ZERO; x.len()];
-        let value = dispatch(Isa::best(), Eval { sight: self, x: &block, grad: &mut grads });
+        let value = self.log_density_grad_block(&block, &mut grads, &mut []);
         grad.iter_mut().zip(grads).for_each(|(g, b)| *g = b.0[0]);
         value.0[0]
     }
     fn log_density_grad_block(&self, x: &[Block], grad: &mut [Block], _ws: &mut [Block]) -> Block {
-        dispatch(Isa::best(), Eval { sight: self, x, grad })
+        let mut value = Block::ZERO;
+        dispatch(Isa::best(), Eval { sight: self, x, grad, value: &mut value });
+        value
     }
 }
 

@@ -4,6 +4,8 @@
 //! array, and the plan knows the place of each: the frame of a link with children takes four places (the columns of `R`, the origin), that of a link without one (the
 //! origin), the world's the first four. The axis of a rotation is a column of the frame before it or after it wherever such a frame is kept; only the others take a place of their own.
 
+use super::straight_line::Body;
+use super::structure::structure;
 use crate::tree::{Axis, Joint, KinematicTree};
 use std::ops::Range;
 
@@ -69,6 +71,8 @@ pub struct Plan {
     order: Vec<usize>,
     /// Places of vectors in all.
     pub(super) vectors: usize,
+    /// Whose straight-line code walks it, with the offset of each link.
+    pub(super) straight_line: Option<(Body, Vec<[f64; 3]>)>,
 }
 
 impl Plan {
@@ -78,8 +82,16 @@ impl Plan {
     /// If an index is not that of a point of the tree.
     #[must_use]
     pub fn new(tree: &KinematicTree, points: &[usize]) -> Self {
-        let mut plan =
-            Self { links: vec![], joints: vec![], offsets: vec![], link_of: vec![], order: vec![], vectors: 0 };
+        let link_offsets = tree.links().iter().map(|link| link.offset).collect();
+        let mut plan = Self {
+            links: vec![],
+            joints: vec![],
+            offsets: vec![],
+            link_of: vec![],
+            order: vec![],
+            vectors: 0,
+            straight_line: Body::of(&structure(tree, points)).map(|body| (body, link_offsets)),
+        };
         let mut last_segment: Vec<usize> = Vec::with_capacity(tree.links().len());
         for (index, link) in tree.links().iter().enumerate() {
             let mut parent = link.parent.map(|p| last_segment[p]);
@@ -170,6 +182,18 @@ impl Plan {
             }
         }
         self.vectors = next;
+    }
+
+    /// Whether [`Plan::sweep`] runs straight-line code: the tree and the points are those of a built-in body, in any size.
+    #[must_use]
+    pub const fn has_straight_line(&self) -> bool {
+        self.straight_line.is_some()
+    }
+
+    /// The same plan walked by loops even where it has [straight-line code](Plan::sweep): what that code is compared with.
+    #[must_use]
+    pub fn without_straight_line(self) -> Self {
+        Self { straight_line: None, ..self }
     }
 
     /// Flattens a tree with all its points.
