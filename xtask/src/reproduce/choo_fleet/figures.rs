@@ -1,6 +1,7 @@
-//! Figures by their content: variance against cost (Figs 2 and 3), log likelihoods and log priors over frames (Figs 4 and 5), mean poses (Fig. 6); and the crossover.
+//! Figures by their content: variance against cost (Figs 2 and 3), log likelihoods and log priors over frames (Figs 4 and 5), mean poses (Fig. 6); and what goes beyond the paper: the crossover, the opponents, the cameras.
 
 use super::Outcome;
+use super::cameras::Point;
 use super::chains::Variant;
 use super::claims::{Crossover, series};
 use super::curves::{Axis, Cell, curve};
@@ -20,6 +21,8 @@ const BLUE: RGBColor = RGBColor(0, 114, 178);
 const ORANGE: RGBColor = RGBColor(213, 94, 0);
 const GREEN: RGBColor = RGBColor(0, 158, 115);
 const PURPLE: RGBColor = RGBColor(204, 121, 167);
+
+const GREY: RGBColor = RGBColor(120, 120, 120);
 
 fn colour(of: Option<Variant>) -> RGBColor {
     match of {
@@ -214,9 +217,53 @@ pub(super) fn crossover(found: &[Crossover], path: &Path) -> Outcome<()> {
         });
     }
     let even = [[2.0, 0.0, 0.0, 0.0], [28.0, 0.0, 0.0, 0.0]].to_vec();
-    lines.push(Line { name: "equal cost".into(), colour: RGBColor(120, 120, 120), points: even });
+    lines.push(Line { name: "equal cost".into(), colour: GREY, points: even });
     let title = "Cost of the particle filter over that of hmc at equal variance";
     panel(&root, title, "degrees of freedom", "ratio", &lines, [false, true])?;
+    finish(&root)
+}
+
+/// A title and the curves of its contenders.
+pub(super) type Curves = (String, Vec<(&'static str, Vec<Cell>)>);
+
+/// Geometric mean of the variances against cost, hybrid Monte Carlo and its opponents: a row a model, a column a frame.
+pub(super) fn opponents(panels: &[Curves], columns: usize, stage: &Stage, path: &Path) -> Outcome<()> {
+    const COLOURS: [RGBColor; 6] = [ORANGE, BLUE, GREEN, BLACK, GREY, PURPLE];
+    let root = SVGBackend::new(path, (320 * columns as u32, 960)).into_drawing_area();
+    root.fill(&WHITE)?;
+    for (area, (title, curves)) in root.split_evenly((panels.len() / columns, columns)).iter().zip(panels) {
+        let line = |((name, cells), colour): (&(&str, Vec<Cell>), RGBColor)| {
+            let point = |c: &Cell| decades(c.cost(Axis::Units).log10(), c.log_mean(), c.log_mean_error(stage));
+            Line { name: (*name).into(), colour, points: cells.iter().map(point).collect() }
+        };
+        let lines: Vec<Line> = curves.iter().zip(COLOURS).map(line).collect();
+        panel(area, title, "cost, likelihoods", "variance (geometric mean)", &lines, [true; 2])?;
+    }
+    finish(&root)
+}
+
+/// Cost of particles over that of chains against the error of the images, one line a number of cameras: a row a metric, a column a model.
+pub(super) fn cameras(found: &[Point], path: &Path) -> Outcome<()> {
+    let root = SVGBackend::new(path, (960, 760)).into_drawing_area();
+    root.fill(&WHITE)?;
+    let areas = root.split_evenly((2, 2));
+    for (row, variant) in [Variant::Best, Variant::Dense].into_iter().enumerate() {
+        for (column, dim) in [10, 28].into_iter().enumerate() {
+            let line = |(cameras, colour): (usize, RGBColor)| {
+                let of = found.iter().filter(|p| (p.dim, p.variant, p.cameras) == (dim, variant, cameras));
+                let point = |p: &Point| {
+                    let [middle, low, high] = p.ratio.map(f64::log10);
+                    [p.sigma.log10(), middle, low, high]
+                };
+                let name = if cameras == 1 { "1 camera".into() } else { format!("{cameras} cameras") };
+                Line { name, colour, points: of.map(point).collect() }
+            };
+            let lines: Vec<Line> = [(1, BLUE), (2, GREEN), (4, ORANGE)].into_iter().map(line).collect();
+            let title = format!("{dim}-D, {}", variant.name());
+            let area = &areas[row * 2 + column];
+            panel(area, &title, "error, focal lengths", "cost of pf over cost of hmc", &lines, [true; 2])?;
+        }
+    }
     finish(&root)
 }
 
