@@ -271,3 +271,37 @@ fn report(study: &Study, store: &Store, folder: &Path) -> Outcome<Value> {
         .collect();
     Ok(json!({ "configuration": store.config, "gradient_factors": factors, "rows": rows }))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::Size;
+    use super::*;
+    use sinew::core::density::LogDensity as _;
+    use sinew::core::lanes::Isa;
+    use std::collections::BTreeMap;
+    use std::path::PathBuf;
+
+    #[test]
+    fn one_camera_with_the_papers_error_is_the_single_frame_study() {
+        let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data");
+        let data = std::env::var_os("SINEW_DATA").map_or(beside, PathBuf::from);
+        if !data.join("cmu_amc").is_dir() {
+            println!("skipped: no data in {}", data.display());
+            return;
+        }
+        let motions = BTreeMap::from([("07_01", scene::motion(&data, "07_01").unwrap())]);
+        let study = Study { isa: Isa::best(), seed: 3, size: Size::quick(), motions };
+        let view = View { cameras: 0, sigma: scene::SIGMA, model: MODELS[1] };
+        let (here, there) = (view.problem(&study, 1).unwrap(), study.problem(Source::Recorded, 1, view.model).unwrap());
+        for state in [&here.truth, &here.previous] {
+            let (a, b) = (here.likelihood.log_density(state), there.likelihood.log_density(state));
+            assert!((a - b).abs() < 1e-9 * b.abs(), "{a} {b}");
+        }
+        // More cameras tell more: the truth gains on the state before.
+        let gain = |cameras: usize| {
+            let problem = View { cameras, ..view }.problem(&study, 1).unwrap();
+            problem.likelihood.log_density(&problem.truth) - problem.likelihood.log_density(&problem.previous)
+        };
+        assert!(gain(0) < gain(1) && gain(1) < gain(2));
+    }
+}
