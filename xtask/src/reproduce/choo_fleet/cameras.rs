@@ -201,7 +201,7 @@ pub(super) struct Point {
 fn report(study: &Study, store: &Store, folder: &Path) -> Outcome<Value> {
     let bootstrap = Stage::new(study.seed, "choo-fleet bootstrap");
     let mut table = String::from(
-        "dim,cameras,sigma,contender,eta,steps,pf_over_hmc,low,high,pf_over_hmc_seconds,low,high,extrapolated_frames,median_effective,log10_volume_det,largest_r_hat\n",
+        "dim,cameras,sigma,contender,eta,steps,pf_over_hmc,low,high,pf_over_hmc_seconds,low_seconds,high_seconds,extrapolated_frames,median_effective,log10_volume_det,largest_r_hat\n",
     );
     let (mut points, mut rows) = (vec![], vec![]);
     for view in View::all() {

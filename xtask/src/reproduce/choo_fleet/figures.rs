@@ -293,7 +293,7 @@ pub(super) fn opponents(panels: &[Curves], rows: usize, stage: &Stage, path: &Pa
         };
         let lines: Vec<Line> = curves.iter().zip(COLOURS).map(line).collect();
         let area = &areas[place % rows * columns + place / rows];
-        let axes = ["cost, likelihoods", "variance (geometric mean)"];
+        let axes = ["cost, likelihoods", "variance, geometric mean, rad² and m²"];
         panel_with(area, title, axes, &lines, [true; 2], Names::Beside(130))?;
     }
     finish(&root)
