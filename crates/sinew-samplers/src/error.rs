@@ -61,4 +61,12 @@ pub enum Error {
     /// A metric must be a finite, positive definite matrix.
     #[error("the metric is not a finite, positive definite matrix; is the prior or an observation without bounds?")]
     Metric,
+    /// Tempering does not get from the prior to the posterior.
+    #[error("after {count} temperatures the exponent of the likelihood is {beta} and not 1")]
+    TooManyTemperatures {
+        /// Temperatures so far.
+        count: usize,
+        /// The last exponent.
+        beta: f64,
+    },
 }

@@ -1,4 +1,5 @@
-//! Samplers on plain targets: log weights, resampling, particle verbs, moments, Hamiltonian Monte Carlo and its tuning.
+//! Samplers on plain targets: log weights, resampling, particle verbs, moments, Hamiltonian Monte Carlo and its tuning; tempered sequential Monte Carlo, importance sampling, and a search that
+//! claims no posterior ([`annealed_search`]).
 //!
 //! Nothing here knows of frames, bodies or cameras: a target is a [`sinew_core::density::LogDensity`], with a gradient where one is needed. A verb is a free function on
 //! [`particles::Particles`]; a Markov kernel is usable alone. Diagnostics of chains are re-exported from [`sinew_core::diagnostics`].
@@ -25,16 +26,21 @@
 //! assert!((sum / 2000.0 + 2.0).abs() < 0.03);
 //! # Ok::<(), sinew_samplers::Error>(())
 //! ```
+pub mod annealed_search;
 pub mod chains;
 pub mod curvature;
 mod error;
 pub mod hmc;
+pub mod importance;
 pub mod metric;
 pub mod moments;
 pub mod one_chain;
 pub mod particles;
+pub mod population;
 pub mod resample;
 pub mod starts;
+pub mod temperature;
+pub mod tempered_smc;
 pub mod tuning;
 pub mod weights;
 

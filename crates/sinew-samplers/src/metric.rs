@@ -81,6 +81,16 @@ impl Dense {
             .collect()
     }
 
+    /// The matrix G itself, row after row: with A = L⁻ᵀ, `G = A⁻ᵀ A⁻¹`.
+    pub(crate) fn matrix(&self) -> Vec<f64> {
+        let d = self.dim;
+        let whitening = faer::Mat::from_fn(d, d, |i, j| if i > j { 0.0 } else { self.columns[triangle(j, i)] });
+        let mut inverse = faer::Mat::<f64>::identity(d, d);
+        whitening.solve_upper_triangular_in_place(inverse.as_mut());
+        let product = inverse.transpose() * &inverse;
+        (0..d * d).map(|k| product[(k / d, k % d)]).collect()
+    }
+
     pub(crate) fn scaled(mut self, factor: f64) -> Self {
         self.columns.iter_mut().chain(&mut self.rows).for_each(|a| *a *= factor);
         self
@@ -101,13 +111,19 @@ pub struct Laplace {
 }
 
 impl Laplace {
+    /// Log density at the mode.
+    pub(crate) fn log_peak(&self) -> f64 {
+        let d = self.mode.len();
+        let log_det: f64 = (0..d).map(|j| self.metric.columns[triangle(j, j)].ln()).sum();
+        -0.5 * d as f64 * std::f64::consts::TAU.ln() - log_det
+    }
+
     /// Draws eight states and returns their log densities.
     pub fn sample_block(&self, isa: Isa, out: &mut [Block], rng: &mut BlockRng) -> Block {
         let d = self.mode.len();
         let mut noise = vec![Block::ZERO; d];
         rng.fill_normal(isa, &mut noise);
-        let log_det: f64 = (0..d).map(|j| self.metric.columns[triangle(j, j)].ln()).sum();
-        let mut log_density = Block::splat(-0.5 * d as f64 * std::f64::consts::TAU.ln() - log_det);
+        let mut log_density = Block::splat(self.log_peak());
         let mut row = &self.metric.rows[..];
         for (i, x) in out.iter_mut().enumerate() {
             let (entries, rest) = row.split_at(d - i);
@@ -304,6 +320,7 @@ mod tests {
         for (row, expected) in g.chunks(3).zip([1.0, 2.0, 3.0]) {
             assert!((row.iter().zip(&solved).map(|(g, x)| g * x).sum::<f64>() - expected).abs() < 1e-13);
         }
+        assert!(dense.matrix().iter().zip(g).all(|(found, g)| (found - g).abs() < 1e-13));
         assert!(Dense::new(&[1.0, 2.0, 2.0, 1.0], 2).is_err());
         assert!(Dense::new(&[f64::NAN], 1).is_err());
     }

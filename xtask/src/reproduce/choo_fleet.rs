@@ -6,6 +6,7 @@
 //! | [`problem`] | the posterior of a part of the body in one frame |
 //! | [`importance`], [`chains`] | one frame of a particle filter, one frame of a hybrid Monte Carlo filter |
 //! | [`single`], [`multi`] | the two studies |
+//! | [`opponents`], [`cameras`] | beyond the paper: other samplers and a search; more cameras and other errors |
 //! | [`store`] | finished cells on disk |
 //! | [`curves`] | variance against cost, and ratios at equal variance |
 //! | [`claims`] | the paper's claims and what became of them |
@@ -13,12 +14,14 @@
 //!
 //! Step sizes and lengths are tuned on the first frame of walking, before any result is seen, and stay.
 
+mod cameras;
 mod chains;
 mod claims;
 mod curves;
 mod figures;
 mod importance;
 mod multi;
+mod opponents;
 mod problem;
 mod scene;
 mod single;
@@ -55,6 +58,10 @@ enum Part {
     Multi,
     /// The dimension in which hmc overtakes particles.
     Crossover,
+    /// Single frames against other samplers and annealed search.
+    Opponents,
+    /// 1, 2 and 4 cameras and three errors of the images.
+    Cameras,
 }
 
 /// Reproduces the tables and figures of the hybrid Monte Carlo filter.
@@ -195,7 +202,7 @@ impl Study {
         let found = motion.frame(number, source)?;
         let stage = Stage::new(self.seed, "choo-fleet observation").at_frame(frame as u32);
         let seen = scene::seen(&camera, &found.markers, stage);
-        Problem::new(model, &found, camera.bind(&seen), self.isa)
+        Problem::new(model, &found, Box::new(camera.bind(&seen)), self.isa)
     }
 
     fn settings(&self, model: &Model) -> Vec<Setting> {
@@ -407,8 +414,23 @@ pub(super) fn run(root: &Path, args: &Args) -> Outcome<ExitCode> {
     if wanted(Part::Multi) && study.size.noises > 0 {
         multi_frames(&study, &mut store, threads)?;
     }
+    let mut beyond = serde_json::Map::new();
+    if wanted(Part::Opponents) && !args.quick {
+        let what = Frames {
+            name: "single frames",
+            models: &MODELS,
+            sources: &[Source::Recorded],
+            frames: &study.size.frames,
+            reference_updates: study.size.reference_updates,
+        };
+        single_frames(&study, &mut store, &what, threads)?;
+        beyond.insert("opponents".into(), opponents::run(&study, &store, (&folder, &configuration), threads)?);
+    }
+    if wanted(Part::Cameras) && !args.quick {
+        beyond.insert("cameras".into(), cameras::run(&study, (&folder, &configuration), threads)?);
+    }
     let judged = claims::judge(&study, &store, wanted(Part::Single), wanted(Part::Multi) && study.size.noises > 0)?;
-    tables::write(&study, &store, &judged, &folder)?;
+    tables::write(&study, &store, &judged, &beyond, &folder)?;
     figures::draw(&study, &store, &folder)?;
     println!("{}", tables::claims(&judged));
     if args.quick {

@@ -15,7 +15,7 @@ use sinew::samplers::tuning::{self, Trial};
 /// Samples of each chain that are discarded.
 pub(super) const BURN_IN: usize = 6;
 /// Draws of the prior from which the curvature is taken.
-const CURVATURE_DRAWS: usize = 64;
+pub(super) const CURVATURE_DRAWS: usize = 64;
 
 /// Updates from which the effective number of draws of a length is taken: short runs flatter lengths that hardly move.
 const TUNING_UPDATES: usize = 2000;
@@ -42,7 +42,7 @@ impl Variant {
         }
     }
 
-    const fn jitter(self) -> f64 {
+    pub(super) const fn jitter(self) -> f64 {
         match self {
             Self::Paper | Self::Best => 0.0,
             Self::Dense => 0.2,

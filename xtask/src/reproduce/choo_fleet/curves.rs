@@ -3,6 +3,7 @@
 use super::chains::Variant;
 use super::store::{numbers, rows};
 use super::{Model, Outcome, Setting, Source, Store, Study, cell_key, factor_key, reference_key};
+use serde_json::Value;
 use sinew::core::random::Stage;
 
 /// A cell: what it costs and what its runs estimated.
@@ -28,6 +29,22 @@ pub(super) enum Axis {
 }
 
 impl Cell {
+    /// From what was stored, the mean of the reference, and the cost of a gradient in likelihoods.
+    pub(super) fn of(value: &Value, mean: &[f64], factor: f64) -> Self {
+        let number = |name: &str| value[name].as_f64().unwrap_or(f64::NAN);
+        let square = |run: &Vec<f64>| run.iter().zip(mean).map(|(a, b)| (a - b).powi(2)).collect();
+        let mut effective = numbers(&value["effective"]);
+        effective.sort_by(f64::total_cmp);
+        let acceptance = numbers(&value["acceptance"]);
+        Self {
+            seconds: number("seconds"),
+            units: number("likelihoods") + factor * number("gradients"),
+            squares: rows(&value["means"]).iter().map(square).collect(),
+            effective: effective.get(effective.len() / 2).copied().unwrap_or(f64::NAN),
+            acceptance: acceptance.iter().sum::<f64>() / acceptance.len() as f64,
+        }
+    }
+
     pub(super) fn cost(&self, axis: Axis) -> f64 {
         match axis {
             Axis::Units => self.units,
@@ -101,18 +118,7 @@ pub(super) fn curve(
         }
         let key = cell_key(source, frame, model, &setting);
         let value = store.get(&key).ok_or(format!("the cell {key} is missing"))?;
-        let number = |name: &str| value[name].as_f64().unwrap_or(f64::NAN);
-        let square = |run: &Vec<f64>| run.iter().zip(&mean).map(|(a, b)| (a - b).powi(2)).collect();
-        let mut effective = numbers(&value["effective"]);
-        effective.sort_by(f64::total_cmp);
-        let acceptance = numbers(&value["acceptance"]);
-        cells.push(Cell {
-            seconds: number("seconds"),
-            units: number("likelihoods") + factor * number("gradients"),
-            squares: rows(&value["means"]).iter().map(square).collect(),
-            effective: effective.get(effective.len() / 2).copied().unwrap_or(f64::NAN),
-            acceptance: acceptance.iter().sum::<f64>() / acceptance.len() as f64,
-        });
+        cells.push(Cell::of(value, &mean, factor));
     }
     Ok(cells)
 }
@@ -208,11 +214,16 @@ pub(super) fn volumes(
     prior_sd: &[f64],
 ) -> Outcome<[f64; 2]> {
     let reference = store.get(&reference_key(source, frame, model)).ok_or("a reference is missing")?;
+    Ok(volumes_of(reference, prior_sd))
+}
+
+/// The same of a reference.
+pub(super) fn volumes_of(reference: &Value, prior_sd: &[f64]) -> [f64; 2] {
     let covariance = numbers(&reference["covariance"]);
-    let d = model.dim;
+    let d = prior_sd.len();
     let prior: f64 = prior_sd.iter().map(|sd| sd.log10()).sum();
     let marginal: f64 = (0..d).map(|j| 0.5 * covariance[j * d + j].log10()).sum();
-    Ok([prior - marginal, prior - 0.5 * log10_det(covariance, d)])
+    [prior - marginal, prior - 0.5 * log10_det(covariance, d)]
 }
 
 /// Base-ten logarithm of the determinant of a positive definite matrix.

@@ -1,6 +1,7 @@
-//! Figures by their content: variance against cost (Figs 2 and 3), log likelihoods and log priors over frames (Figs 4 and 5), mean poses (Fig. 6); and the crossover.
+//! Figures by their content: variance against cost (Figs 2 and 3), log likelihoods and log priors over frames (Figs 4 and 5), mean poses (Fig. 6); and what goes beyond the paper: the crossover, the opponents, the cameras.
 
 use super::Outcome;
+use super::cameras::Point;
 use super::chains::Variant;
 use super::claims::{Crossover, series};
 use super::curves::{Axis, Cell, curve};
@@ -11,6 +12,7 @@ use super::store::Store;
 use super::{MULTI, Study, filters, frame_name, multi_key, reference_key};
 use plotters::coord::Shift;
 use plotters::prelude::*;
+use plotters::style::text_anchor::{HPos, Pos, VPos};
 use sinew::core::random::Stage;
 use std::f64::consts::LN_10;
 use std::path::Path;
@@ -20,6 +22,8 @@ const BLUE: RGBColor = RGBColor(0, 114, 178);
 const ORANGE: RGBColor = RGBColor(213, 94, 0);
 const GREEN: RGBColor = RGBColor(0, 158, 115);
 const PURPLE: RGBColor = RGBColor(204, 121, 167);
+
+const GREY: RGBColor = RGBColor(120, 120, 120);
 
 fn colour(of: Option<Variant>) -> RGBColor {
     match of {
@@ -39,8 +43,28 @@ struct Line {
 
 type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 
+/// Where the names of lines stand.
+#[derive(Clone, Copy)]
+enum Names {
+    /// At the last points.
+    Inside,
+    /// In a margin of that width on the right, one below the other, with a thin line from the last point.
+    Beside(u32),
+}
+
 /// A panel; on axes (x, y) that are in decades, values are logarithms of base ten.
 fn panel(area: &Area<'_>, title: &str, x: &str, y: &str, lines: &[Line], in_decades: [bool; 2]) -> Outcome<()> {
+    panel_with(area, title, [x, y], lines, in_decades, Names::Inside)
+}
+
+fn panel_with(
+    area: &Area<'_>,
+    title: &str,
+    [x, y]: [&str; 2],
+    lines: &[Line],
+    in_decades: [bool; 2],
+    names: Names,
+) -> Outcome<()> {
     let all = || lines.iter().flat_map(|line| &line.points);
     let ends = |of: &dyn Fn(&[f64; 4]) -> [f64; 2]| {
         let low = all().map(|p| of(p)[0]).fold(f64::INFINITY, f64::min);
@@ -51,6 +75,7 @@ fn panel(area: &Area<'_>, title: &str, x: &str, y: &str, lines: &[Line], in_deca
     let mut chart = ChartBuilder::on(area)
         .caption(title, ("sans-serif", 15))
         .margin(8)
+        .margin_right(if let Names::Beside(width) = names { width } else { 8 })
         .x_label_area_size(36)
         .y_label_area_size(58)
         .build_cartesian_2d(ends(&|p| [p[0], p[0]]), ends(&|p| [p[2], p[3]]))?;
@@ -75,20 +100,51 @@ fn panel(area: &Area<'_>, title: &str, x: &str, y: &str, lines: &[Line], in_deca
                 line.colour.stroke_width(1),
             )))?;
         }
-        if let Some(last) = line.points.last() {
-            let style = ("sans-serif", 12).into_font().color(&line.colour);
-            let label = Text::new(
-                line.name.clone(),
-                (last[0], last[1]),
-                style.pos(plotters::style::text_anchor::Pos::new(
-                    plotters::style::text_anchor::HPos::Right,
-                    plotters::style::text_anchor::VPos::Bottom,
-                )),
-            );
-            chart.draw_series(std::iter::once(label))?;
+    }
+    let last = |line: &Line| line.points.last().map(|p| (p[0], p[1]));
+    match names {
+        Names::Inside => {
+            for (line, at) in lines.iter().filter_map(|line| Some((line, last(line)?))) {
+                let style = ("sans-serif", 12).into_font().color(&line.colour);
+                let style = style.pos(Pos::new(HPos::Right, VPos::Bottom));
+                chart.draw_series(std::iter::once(Text::new(line.name.clone(), at, style)))?;
+            }
+        }
+        Names::Beside(_) => {
+            let (across, down) = area.get_pixel_range();
+            let right = chart.plotting_area().get_pixel_range().0.end - across.start;
+            let mut ends: Vec<(&Line, (i32, i32))> = lines
+                .iter()
+                .filter_map(|line| Some((line, chart.backend_coord(&last(line)?))))
+                .map(|(line, (x, y))| (line, (x - across.start, y - down.start)))
+                .collect();
+            ends.sort_by_key(|(_, (_, y))| *y);
+            let bottom = chart.plotting_area().get_pixel_range().1.end - down.start;
+            for ((line, (x, y)), label) in ends.iter().zip(spread(ends.iter().map(|(_, (_, y))| *y), bottom)) {
+                let leader = vec![(*x, *y), (right + 2, label), (right + 6, label)];
+                area.draw(&PathElement::new(leader, line.colour.mix(0.4).stroke_width(1)))?;
+                let style = ("sans-serif", 12).into_font().color(&line.colour);
+                let style = style.pos(Pos::new(HPos::Left, VPos::Center));
+                area.draw(&Text::new(line.name.clone(), (right + 8, label), style))?;
+            }
         }
     }
     Ok(())
+}
+
+/// Heights of names, from the top down, that are a line of text apart and not below the bottom.
+fn spread(wanted: impl Iterator<Item = i32>, bottom: i32) -> Vec<i32> {
+    const APART: i32 = 14;
+    let mut heights: Vec<i32> = wanted.collect();
+    for i in 1..heights.len() {
+        heights[i] = heights[i].max(heights[i - 1] + APART);
+    }
+    let mut limit = bottom;
+    for height in heights.iter_mut().rev() {
+        *height = (*height).min(limit);
+        limit = *height - APART;
+    }
+    heights
 }
 
 /// A logarithm in base ten with its ends at two standard errors.
@@ -214,9 +270,58 @@ pub(super) fn crossover(found: &[Crossover], path: &Path) -> Outcome<()> {
         });
     }
     let even = [[2.0, 0.0, 0.0, 0.0], [28.0, 0.0, 0.0, 0.0]].to_vec();
-    lines.push(Line { name: "equal cost".into(), colour: RGBColor(120, 120, 120), points: even });
+    lines.push(Line { name: "equal cost".into(), colour: GREY, points: even });
     let title = "Cost of the particle filter over that of hmc at equal variance";
     panel(&root, title, "degrees of freedom", "ratio", &lines, [false, true])?;
+    finish(&root)
+}
+
+/// A title and the curves of its contenders.
+pub(super) type Curves = (String, Vec<(&'static str, Vec<Cell>)>);
+
+/// Geometric mean of the variances against cost, hybrid Monte Carlo and its opponents: a row a frame, a column a model. Panels come model by model.
+pub(super) fn opponents(panels: &[Curves], rows: usize, stage: &Stage, path: &Path) -> Outcome<()> {
+    const COLOURS: [RGBColor; 6] = [ORANGE, BLUE, GREEN, BLACK, GREY, PURPLE];
+    let columns = panels.len() / rows;
+    let root = SVGBackend::new(path, (440 * columns as u32, 270 * rows as u32)).into_drawing_area();
+    root.fill(&WHITE)?;
+    let areas = root.split_evenly((rows, columns));
+    for (place, (title, curves)) in panels.iter().enumerate() {
+        let line = |((name, cells), colour): (&(&str, Vec<Cell>), RGBColor)| {
+            let point = |c: &Cell| decades(c.cost(Axis::Units).log10(), c.log_mean(), c.log_mean_error(stage));
+            Line { name: (*name).into(), colour, points: cells.iter().map(point).collect() }
+        };
+        let lines: Vec<Line> = curves.iter().zip(COLOURS).map(line).collect();
+        let area = &areas[place % rows * columns + place / rows];
+        let axes = ["cost, likelihoods", "variance, geometric mean, rad² and m²"];
+        panel_with(area, title, axes, &lines, [true; 2], Names::Beside(130))?;
+    }
+    finish(&root)
+}
+
+/// Cost of particles over that of chains against the error of the images, one line a number of cameras: a row a metric, a column a model.
+pub(super) fn cameras(found: &[Point], path: &Path) -> Outcome<()> {
+    let root = SVGBackend::new(path, (960, 760)).into_drawing_area();
+    root.fill(&WHITE)?;
+    let areas = root.split_evenly((2, 2));
+    for (row, variant) in [Variant::Best, Variant::Dense].into_iter().enumerate() {
+        for (column, dim) in [10, 28].into_iter().enumerate() {
+            let line = |(cameras, colour): (usize, RGBColor)| {
+                let of = found.iter().filter(|p| (p.dim, p.variant, p.cameras) == (dim, variant, cameras));
+                let point = |p: &Point| {
+                    let [middle, low, high] = p.ratio.map(f64::log10);
+                    [p.sigma.log10(), middle, low, high]
+                };
+                let name = if cameras == 1 { "1 camera".into() } else { format!("{cameras} cameras") };
+                Line { name, colour, points: of.map(point).collect() }
+            };
+            let lines: Vec<Line> = [(1, BLUE), (2, GREEN), (4, ORANGE)].into_iter().map(line).collect();
+            let title = format!("{dim}-D, {}", variant.name());
+            let area = &areas[row * 2 + column];
+            let axes = ["error, focal lengths", "cost of pf over cost of hmc"];
+            panel_with(area, &title, axes, &lines, [true; 2], Names::Beside(75))?;
+        }
+    }
     finish(&root)
 }
 
@@ -287,4 +392,16 @@ pub(super) fn draw(study: &Study, store: &Store, folder: &Path) -> Outcome<()> {
         poses(study, store, &folder.join("poses.svg"))?;
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::spread;
+
+    #[test]
+    fn names_stand_apart_and_above_the_bottom() {
+        assert_eq!(spread([10, 12, 90].into_iter(), 100), [10, 24, 90]);
+        assert_eq!(spread([80, 95, 99].into_iter(), 100), [72, 86, 100]);
+        assert_eq!(spread([].into_iter(), 100), [0; 0]);
+    }
 }

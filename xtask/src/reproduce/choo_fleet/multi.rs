@@ -120,7 +120,8 @@ pub(super) fn run(
             log_prior(tracker.as_ref(), model, &walk, &truth)
         };
         let seen = scene::seen(&camera, &frame.markers, to_observe.round(index));
-        let likelihood = model.likelihood(sinew::observe::ObservationModel::bind(&camera, &seen), &frame.truth)?;
+        let whole = Box::new(sinew::observe::ObservationModel::bind(&camera, &seen));
+        let likelihood = model.likelihood(whole, &frame.truth)?;
         let info = tracker.step(&likelihood, to_track.round(index))?;
         likelihoods.push(likelihood.log_density(&info.mean));
         priors.push(prior);

@@ -3,13 +3,12 @@
 use super::Outcome;
 use super::scene::Frame;
 use sinew::core::combinators::{OnPart, Sum};
-use sinew::core::density::Lanes;
+use sinew::core::density::GaussNewton;
 use sinew::core::lanes::Isa;
 use sinew::core::part::Part;
 use sinew::core::transition::Predict as _;
 use sinew::dynamics::prior::Prior;
 use sinew::dynamics::random_walk::{Between, RandomWalk};
-use sinew::observe::MarkerLikelihood;
 
 /// A part of the body with the settings of Table 1.
 #[derive(Clone, Copy, Debug)]
@@ -72,7 +71,7 @@ impl Model {
     }
 
     /// The likelihood of its coordinates; the others are clamped to their true values.
-    pub(super) fn likelihood(&self, whole: Lanes<MarkerLikelihood>, truth: &[f64]) -> Outcome<Likelihood> {
+    pub(super) fn likelihood(&self, whole: Whole, truth: &[f64]) -> Outcome<Likelihood> {
         let part = Part::new((self.first..self.first + self.dim).collect(), truth.len())?;
         Ok(OnPart { target: whole, part, fixed: truth.to_vec() })
     }
@@ -82,8 +81,11 @@ impl Model {
 const CALLS: usize = 100;
 const REPETITIONS: usize = 5000;
 
+/// Likelihood of the whole body, from whatever cameras.
+pub(super) type Whole = Box<dyn GaussNewton>;
+
 /// Likelihood of a part.
-pub(super) type Likelihood = OnPart<Lanes<MarkerLikelihood>>;
+pub(super) type Likelihood = OnPart<Whole>;
 
 /// A frame of a part.
 pub(super) struct Problem {
@@ -97,7 +99,7 @@ pub(super) struct Problem {
 }
 
 impl Problem {
-    pub(super) fn new(model: Model, frame: &Frame, whole: Lanes<MarkerLikelihood>, isa: Isa) -> Outcome<Self> {
+    pub(super) fn new(model: Model, frame: &Frame, whole: Whole, isa: Isa) -> Outcome<Self> {
         let walk = model.walk(isa)?;
         let previous = model.part(&frame.previous);
         let prior = walk.initial(&previous)?;

@@ -13,7 +13,7 @@ use sinew::core::lanes::Isa;
 use sinew::core::random::Stage;
 use sinew::files::fnv;
 use sinew::formats::{amc, asf};
-use sinew::observe::MarkerModel;
+use sinew::observe::{MarkerModel, MarkerView};
 use sinew::synthetic::cmu;
 use sinew::synthetic::points::Trajectories;
 use std::path::Path;
@@ -123,16 +123,37 @@ impl Motion {
         let plan = Arc::new(Plan::with_all_points(&self.tree));
         MarkerModel { plan, centre: [x, y - DISTANCE_M, z], sigma: SIGMA, isa }
     }
+
+    /// Cameras around the subject in a frame, at the paper's distance and these azimuths; the paper's stands at 0.
+    pub(super) fn views(&self, number: usize, azimuths: &[f64]) -> Vec<MarkerView> {
+        let subject = [0, 1, 2].map(|k| self.states[number - 1][k]);
+        azimuths.iter().map(|&azimuth| MarkerView::around(subject, DISTANCE_M, azimuth)).collect()
+    }
+}
+
+/// Standard normal errors of the image coordinates of markers, two each.
+fn errors(markers: usize, stage: Stage) -> Vec<f64> {
+    let mut noise = vec![sinew::core::lanes::Block::ZERO; (2 * markers).div_ceil(8)];
+    stage.whole().fill_normal(Isa::baseline(), &mut noise);
+    noise.iter().flat_map(|block| block.0).collect()
 }
 
 /// Markers as the camera sees them, with errors from a stage.
 pub(super) fn seen(camera: &MarkerModel, markers: &[[f64; 3]], stage: Stage) -> Vec<Option<[f64; 2]>> {
-    let mut noise = vec![sinew::core::lanes::Block::ZERO; (2 * markers.len()).div_ceil(8)];
-    stage.whole().fill_normal(Isa::baseline(), &mut noise);
-    let noise: Vec<f64> = noise.iter().flat_map(|block| block.0).collect();
+    let noise = errors(markers.len(), stage);
     let project = |(k, marker): (usize, &[f64; 3])| {
         let [x, y, z] = [0, 1, 2].map(|a: usize| marker[a] - camera.centre[a]);
         Some([x / y + SIGMA * noise[2 * k], z / y + SIGMA * noise[2 * k + 1]])
+    };
+    markers.iter().enumerate().map(project).collect()
+}
+
+/// Markers as a view sees them, with errors of that standard deviation from a stage.
+pub(super) fn seen_from(view: &MarkerView, markers: &[[f64; 3]], sigma: f64, stage: Stage) -> Vec<Option<[f64; 2]>> {
+    let noise = errors(markers.len(), stage);
+    let project = |(k, marker): (usize, &[f64; 3])| {
+        let [u, v] = view.project(*marker)?;
+        Some([u + sigma * noise[2 * k], v + sigma * noise[2 * k + 1]])
     };
     markers.iter().enumerate().map(project).collect()
 }

@@ -8,7 +8,7 @@ use super::chains::{self, Step, Variant};
 use super::importance::{weigh, weigh_parts};
 use super::problem::Problem;
 use serde_json::{Value, json};
-use sinew::core::diagnostics::effective_sample_size;
+use sinew::core::diagnostics::{effective_sample_size, split_r_hat};
 use sinew::core::random::Stage;
 use std::time::Instant;
 
@@ -92,6 +92,12 @@ pub(super) fn reference(
         let error: Vec<f64> = (0..d).map(|j| (covariance[j * d + j] / effective).sqrt()).collect();
         return Ok(json!({ "mean": weighted.mean(&problem.previous), "covariance": covariance, "error": error }));
     }
+    reference_by_chains(problem, updates, step, stage)
+}
+
+/// The same from 64 long chains, with the largest split R̂ of their variables.
+pub(super) fn reference_by_chains(problem: &Problem, updates: usize, step: &Step, stage: Stage) -> Outcome<Value> {
+    let d = problem.model.dim;
     let draws = chains::run(problem, Variant::Dense, step, 64, updates, stage)?;
     let mean = chains::mean(&draws);
     let series: Vec<Vec<Vec<f64>>> = (0..d).map(|j| draws.series(j)).collect();
@@ -105,5 +111,6 @@ pub(super) fn reference(
         }
     }
     let error: Vec<f64> = (0..d).map(|j| (covariance[j * d + j] / effective_sample_size(&series[j])).sqrt()).collect();
-    Ok(json!({ "mean": mean, "covariance": covariance, "error": error }))
+    let r_hat = series.iter().map(|series| split_r_hat(series)).fold(f64::NAN, f64::max);
+    Ok(json!({ "mean": mean, "covariance": covariance, "error": error, "r_hat": r_hat }))
 }

@@ -31,8 +31,14 @@ pub(super) fn crossover(found: &[Crossover]) -> String {
     out
 }
 
-/// Writes the numbers behind the claims.
-pub(super) fn write(study: &Study, store: &Store, claims: &[Claim], folder: &Path) -> Outcome<()> {
+/// Writes the numbers behind the claims; `beyond` holds those of the parts beyond the paper by their names.
+pub(super) fn write(
+    study: &Study,
+    store: &Store,
+    claims: &[Claim],
+    beyond: &serde_json::Map<String, serde_json::Value>,
+    folder: &Path,
+) -> Outcome<()> {
     let mut cells = String::from(
         "source,frame,dim,contender,setting,units,seconds,log_gm_variance,log_gm_variance_se,median_effective,acceptance\n",
     );
@@ -142,6 +148,7 @@ pub(super) fn write(study: &Study, store: &Store, claims: &[Claim], folder: &Pat
         "tuned": tuned,
         "fit_mm": fit,
         "claims": claims.iter().map(claim).collect::<Vec<_>>(),
+        "beyond": beyond,
     });
     fs::write(folder.join("results.json"), serde_json::to_string_pretty(&results)?)?;
     Ok(())

@@ -1,0 +1,210 @@
+//! Adaptive tempered sequential Monte Carlo with Hamiltonian moves (Del Moral, Doucet & Jasra 2006; temperatures by the effective number as in Jasra et al. 2011).
+//!
+//! From prior(s) to prior(s) L(s) through prior(s) L(s)^β:
+//!
+//! 1. s_i ~ prior, i = 1 … N; β = 0, log Z = 0
+//! 2. while β < 1:
+//!    - β' ≤ 1, the largest at which the weights w_i = exp((β' − β) log L(s_i)) keep the effective number α N ([`crate::temperature`])
+//!    - log Z ← log Z + log Σ w_i / N; S ← resampled by w (systematic); β ← β'
+//!    - each s_i ← K updates of Hamiltonian Monte Carlo on prior(s) L(s)^β
+//!
+//! exp(log Z) estimates the evidence, without bias apart from the choice of the temperatures. All N K states of the last temperature are kept: each of them is a draw after a move that leaves the target unchanged
+//! (what waste-free sequential Monte Carlo does at every temperature; Dau & Chopin 2022).
+//!
+//! The metric of an update at β is (1 − β) P + β G, with the prior's precision P and a posterior metric G that was made before: it depends on no state, so every move keeps its target. It is positive definite
+//! for every β, and equals P + β J if G = P + J.
+
+use crate::Error;
+use crate::hmc::{Chains, Hmc, Workspace, update};
+use crate::metric::{Dense, Metric};
+use crate::moments;
+use crate::population::Population;
+use crate::resample::systematic;
+use crate::temperature::exponent;
+use crate::weights::{effective_number, normalise};
+use rayon::prelude::*;
+use sinew_core::combinators::{Sum, Tempered};
+use sinew_core::density::GradLogDensity;
+use sinew_core::lanes::{Block, Isa, LANES};
+use sinew_core::random::Stage;
+use sinew_core::transition::FramePrior;
+
+/// Temperatures after which a run gives up.
+pub const MOST_TEMPERATURES: usize = 1000;
+
+/// Settings.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Config {
+    /// Particles N.
+    pub particles: usize,
+    /// Part α of them that stays effective from one temperature to the next.
+    pub survival: f64,
+    /// Updates K of each particle at each temperature.
+    pub updates: usize,
+    /// Step size η.
+    pub step_size: f64,
+    /// Leapfrog steps L.
+    pub leapfrog_steps: usize,
+    /// Jitter of the step size.
+    pub jitter: f64,
+}
+
+impl Default for Config {
+    fn default() -> Self {
+        Self { particles: 256, survival: 0.5, updates: 4, step_size: 0.5, leapfrog_steps: 5, jitter: 0.2 }
+    }
+}
+
+/// What happened at one temperature.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Temperature {
+    /// β.
+    pub beta: f64,
+    /// Effective number of the weights that led to it.
+    pub effective: f64,
+    /// Mean acceptance of its updates.
+    pub acceptance: f64,
+}
+
+/// What a run leaves.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Sample {
+    /// The population after each update at β = 1.
+    pub draws: Vec<Population>,
+    /// Logarithm of the evidence.
+    pub log_evidence: f64,
+    /// The temperatures, from the first above 0 to 1.
+    pub temperatures: Vec<Temperature>,
+    /// Divergent trajectories.
+    pub divergences: usize,
+    /// Evaluations of the likelihood without gradient.
+    pub likelihoods: usize,
+    /// Evaluations with gradient.
+    pub gradients: usize,
+}
+
+impl Sample {
+    /// Mean of the draws.
+    #[must_use]
+    pub fn mean(&self) -> Vec<f64> {
+        let mut sum = vec![0.0; self.draws.first().map_or(0, Population::dim)];
+        for draws in &self.draws {
+            let weights = vec![1.0 / (draws.count() * self.draws.len()) as f64; draws.count()];
+            let part = moments::mean(draws.states(), draws.dim(), &weights);
+            sum.iter_mut().zip(part).for_each(|(sum, x)| *sum += x);
+        }
+        sum
+    }
+}
+
+/// The metric (1 − β) P + β G.
+fn metric_at<P: FramePrior>(prior: &P, posterior: &Metric, beta: f64) -> Result<Metric, Error> {
+    let between = |p: &[f64], g: &[f64]| p.iter().zip(g).map(|(p, g)| (1.0 - beta) * p + beta * g).collect::<Vec<_>>();
+    Ok(match posterior {
+        Metric::Diagonal(h) => Metric::Diagonal(between(prior.precision_diagonal(), h)),
+        Metric::Dense(dense) => Metric::Dense(Dense::new(&between(&prior.precision(), &dense.matrix()), prior.dim())?),
+    })
+}
+
+/// A block's states after each update, the sum of its acceptances and its divergences, lanes in use only.
+struct Moved {
+    states: Vec<Vec<Block>>,
+    acceptance: f64,
+    divergences: usize,
+}
+
+fn move_block<T: GradLogDensity + ?Sized>(
+    target: &T,
+    hmc: &Hmc,
+    states: &[Block],
+    used: usize,
+    updates: usize,
+    stage: &Stage,
+    block: usize,
+) -> Result<Moved, Error> {
+    let mut rng = stage.block(block as u32);
+    let mut chains = Chains::new(target, states.to_vec())?;
+    let mut ws = Workspace::new(target);
+    let mut moved = Moved { states: Vec::with_capacity(updates), acceptance: 0.0, divergences: 0 };
+    for _ in 0..updates {
+        let info = update(target, hmc, &mut chains, &mut ws, &mut rng);
+        moved.acceptance += info.acceptance.0[..used].iter().sum::<f64>();
+        moved.divergences += info.divergent[..used].iter().filter(|d| **d).count();
+        moved.states.push(chains.position.clone());
+    }
+    Ok(moved)
+}
+
+/// Runs from the prior to the posterior; `metric` is the posterior's.
+///
+/// # Errors
+/// [`Error::Empty`], [`Error::OutOfRange`], [`Error::AllWeightsZero`], [`Error::BadWeight`], [`Error::BadStart`], [`Error::Metric`], [`Error::TooManyTemperatures`].
+pub fn sample<O: GradLogDensity + ?Sized, P: FramePrior>(
+    observed: &O,
+    prior: &P,
+    metric: &Metric,
+    config: &Config,
+    isa: Isa,
+    stage: Stage,
+) -> Result<Sample, Error> {
+    let Config { particles, updates, .. } = *config;
+    if updates == 0 {
+        return Err(Error::OutOfRange { name: "number of updates", value: 0.0, expected: "must be at least 1" });
+    }
+    let [to_draw, to_resample, to_move] = stage.split(["draw", "resample", "move"]);
+    let draw = |block: usize, states: &mut [Block]| {
+        prior.sample_block(block, states, &mut to_draw.block(block as u32));
+    };
+    let mut population = Population::draw(prior.dim(), particles, draw)?;
+    let mut values = population.log_densities(observed);
+    let mut sample = Sample {
+        draws: vec![],
+        log_evidence: 0.0,
+        temperatures: vec![],
+        divergences: 0,
+        likelihoods: particles,
+        gradients: 0,
+    };
+    let (mut beta, mut weights) = (0.0, Vec::new());
+    loop {
+        if sample.temperatures.len() == MOST_TEMPERATURES {
+            return Err(Error::TooManyTemperatures { count: MOST_TEMPERATURES, beta });
+        }
+        let increment = exponent(&values, config.survival, 1.0 - beta)?;
+        beta = if increment < 1.0 - beta { beta + increment } else { 1.0 };
+        let tempered = |&l: &f64| if l == f64::NEG_INFINITY { l } else { increment * l };
+        let log_weights: Vec<f64> = values.iter().map(tempered).collect();
+        sample.log_evidence += normalise(&log_weights, &mut weights)? - (particles as f64).ln();
+        let round = sample.temperatures.len();
+        population = population.gather(&systematic(&weights, particles, &mut to_resample.round(round).whole()));
+
+        let target = Sum(Tempered { target: observed, beta }, prior);
+        let metric = metric_at(prior, metric, beta)?;
+        let hmc = Hmc::with_metric(config.step_size, &metric, config.leapfrog_steps, config.jitter, isa)?;
+        let stage = to_move.round(round);
+        let moved: Vec<Moved> = population
+            .states()
+            .par_chunks(population.dim())
+            .enumerate()
+            .map(|(block, states)| {
+                let used = (particles - block * LANES).min(LANES);
+                move_block(&target, &hmc, states, used, updates, &stage, block)
+            })
+            .collect::<Result<_, _>>()?;
+        sample.temperatures.push(Temperature {
+            beta,
+            effective: effective_number(&weights),
+            acceptance: moved.iter().map(|m| m.acceptance).sum::<f64>() / (particles * updates) as f64,
+        });
+        sample.divergences += moved.iter().map(|m| m.divergences).sum::<usize>();
+        sample.gradients += particles * (1 + updates * config.leapfrog_steps);
+        let after = |update: usize| population.with_blocks(moved.iter().map(|m| &m.states[update][..]));
+        if beta >= 1.0 {
+            sample.draws = (0..updates).map(after).collect();
+            return Ok(sample);
+        }
+        population = after(updates - 1);
+        values = population.log_densities(observed);
+        sample.likelihoods += particles;
+    }
+}
