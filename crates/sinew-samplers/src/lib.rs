@@ -31,6 +31,7 @@ mod error;
 pub mod hmc;
 pub mod metric;
 pub mod moments;
+pub mod nuts;
 pub mod one_chain;
 pub mod particles;
 pub mod resample;
