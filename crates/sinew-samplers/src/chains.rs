@@ -139,8 +139,10 @@ pub fn draw<T: GradLogDensity + ?Sized>(
     schedule: Schedule,
     stage: &Stage,
 ) -> Result<Draws, Error> {
-    run_blocks(target.dim(), starts, chains, schedule, |start, block| lockstep(target, hmc, start, schedule, stage, block))
-        .map(|runs| gather(target.dim(), chains, schedule, &runs))
+    run_blocks(target.dim(), starts, chains, schedule, |start, block| {
+        lockstep(target, hmc, start, schedule, stage, block)
+    })
+    .map(|runs| gather(target.dim(), chains, schedule, &runs))
 }
 
 /// Runs every block of eight starts.

@@ -29,6 +29,7 @@ pub mod chains;
 pub mod curvature;
 mod error;
 pub mod hmc;
+pub mod learned;
 pub mod metric;
 pub mod moments;
 pub mod nuts;

@@ -223,7 +223,8 @@ fn trees_are_as_long_as_half_a_period() {
     let target = Correlated((0..d).map(|i| (0..=i).map(|j| f64::from(u8::from(i == j))).collect()).collect());
     let starts = exact_starts(&target, 2, Stage::new(5, "start"));
     for (eta, depth) in [(0.4, 3.0), (0.2, 4.0), (0.1, 5.0)] {
-        let run = run(&target, &nuts(eta, &Metric::Diagonal(vec![1.0; d]), 0.0), &starts, 500, 0, &Stage::new(5, "run"));
+        let run =
+            run(&target, &nuts(eta, &Metric::Diagonal(vec![1.0; d]), 0.0), &starts, 500, 0, &Stage::new(5, "run"));
         let steps = run.leapfrog_steps as f64 / 8000.0;
         assert_eq!(run.depths.iter().sum::<usize>(), 8000);
         assert!((run.mean_depth() - depth).abs() < 0.5, "{} at {eta}", run.mean_depth());
