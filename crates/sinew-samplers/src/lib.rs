@@ -28,7 +28,9 @@
 pub mod chains;
 pub mod curvature;
 mod error;
+pub mod gaussian_mixture;
 pub mod hmc;
+pub mod jumps;
 pub mod learned;
 pub mod metric;
 pub mod moments;
@@ -37,6 +39,7 @@ pub mod one_chain;
 pub mod particles;
 pub mod resample;
 pub mod starts;
+mod triangular;
 pub mod tuning;
 pub mod weights;
 

@@ -384,8 +384,8 @@ pub fn step<T: GradLogDensity + ?Sized>(
     let mut uniforms = [Block::ZERO; 2];
     rng.fill_uniform(&mut uniforms);
     let [choice, whole] = uniforms;
-    for lane in 0..LANES {
-        if active[lane] && !trees.lanes[lane].growing {
+    for (lane, &goes_on) in active.iter().enumerate() {
+        if goes_on && !trees.lanes[lane].growing {
             trees.begin(nuts, lane, coin(choice.0[lane]), rng);
         }
     }
@@ -396,10 +396,10 @@ pub fn step<T: GradLogDensity + ?Sized>(
     let (factor, sum) = (&trees.factor, &mut trees.half_sum[..]);
     let kinetic = dispatch(nuts.isa, Arrive { factor, p: momentum, force: &at.force, sum });
     let mut complete = [None; LANES];
-    for lane in 0..LANES {
+    for (lane, complete) in complete.iter_mut().enumerate() {
         if trees.lanes[lane].growing {
             let arrived = (log_density.0[lane], kinetic.0[lane] - log_density.0[lane]);
-            complete[lane] = trees.grow(nuts, lane, arrived, choice.0[lane], whole.0[lane]);
+            *complete = trees.grow(nuts, lane, arrived, choice.0[lane], whole.0[lane]);
         }
     }
     complete

@@ -1,6 +1,4 @@
 //! The no-U-turn sampler on targets with exact draws: it keeps the target, it reaches the target, its trees are as long as a half period.
-//!
-//! Biased choice within a half, a half that turned but was kept, an unchecked turn inside a half: each was planted once and fails `a_start_from_the_target_stays_in_the_target`.
 
 use sinew_core::density::{GradLogDensity, LogDensity};
 use sinew_core::diagnostics::{effective_sample_size, split_r_hat};

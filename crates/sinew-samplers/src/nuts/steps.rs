@@ -3,6 +3,7 @@
 //! With the metric G = A⁻ᵀ A⁻¹ the force is f = Aᵀ ∇ log p(x), kept from step to step, and a step of size ε is p += ε/2 f; x += ε A p; f = Aᵀ ∇ log p(x); p += ε/2 f.
 
 use crate::metric::{Dense, Metric};
+use crate::triangular::dot;
 use sinew_core::lanes::{Block, Isa, Kernel, Real, dispatch};
 
 /// η A of the metric in use.
@@ -84,10 +85,7 @@ impl Kernel<Block> for DenseDrift<'_> {
         for (i, x) in self.x[..d].iter_mut().enumerate() {
             let (entries, rest) = row.split_at(d - i);
             row = rest;
-            let mut sum = V::splat(0.0);
-            for (&a, p) in entries.iter().zip(&self.p[i..]) {
-                sum = V::splat(a).fma(V::load(p), sum);
-            }
+            let sum: V = dot(entries, &self.p[i..]);
             sum.fma(factor, V::load(x)).store(x);
         }
     }
@@ -123,11 +121,7 @@ impl Kernel<Block> for DenseForce<'_> {
         for (j, f) in self.force.iter_mut().enumerate() {
             let (entries, rest) = column.split_at(j + 1);
             column = rest;
-            let mut sum = V::splat(0.0);
-            for (&a, g) in entries.iter().zip(self.gradient) {
-                sum = V::splat(a).fma(V::load(g), sum);
-            }
-            sum.store(f);
+            dot::<V>(entries, self.gradient).store(f);
         }
     }
 }
