@@ -11,7 +11,7 @@ use sinew_samplers::nuts::{MAX_DEPTH, Nuts, Run, draw};
 
 /// A target that is the image of a standard normal z.
 trait Exact: GradLogDensity {
-    fn from_normal(&self, z: &[f64]) -> Vec<f64>;
+    fn image_of(&self, z: &[f64]) -> Vec<f64>;
 }
 
 /// x = C z with a lower triangular C.
@@ -58,7 +58,7 @@ impl GradLogDensity for Correlated {
 }
 
 impl Exact for Correlated {
-    fn from_normal(&self, z: &[f64]) -> Vec<f64> {
+    fn image_of(&self, z: &[f64]) -> Vec<f64> {
         self.0.iter().map(|row| row.iter().zip(z).map(|(c, z)| c * z).sum()).collect()
     }
 }
@@ -85,7 +85,7 @@ impl GradLogDensity for Banana {
 }
 
 impl Exact for Banana {
-    fn from_normal(&self, z: &[f64]) -> Vec<f64> {
+    fn image_of(&self, z: &[f64]) -> Vec<f64> {
         let x = 2.0 * z[0];
         vec![x, z[1] + 0.4 * (x * x - 4.0)]
     }
@@ -117,7 +117,7 @@ fn exact_starts(target: &impl Exact, blocks: usize, stage: Stage) -> Vec<Block> 
     for block in starts.chunks_exact_mut(d) {
         for lane in 0..LANES {
             let z: Vec<f64> = block.iter().map(|b| b.0[lane]).collect();
-            for (b, x) in block.iter_mut().zip(target.from_normal(&z)) {
+            for (b, x) in block.iter_mut().zip(target.image_of(&z)) {
                 b.0[lane] = x;
             }
         }
