@@ -94,10 +94,14 @@ impl Draws {
     }
 }
 
-struct Lockstep {
-    kept: Vec<Block>,
-    log: Vec<(Block, Option<Update>)>,
-    last: Vec<Block>,
+/// A block of eight chains that has run.
+pub(crate) struct Lockstep {
+    /// Kept states, blocks of the target's dimension.
+    pub(crate) kept: Vec<Block>,
+    /// For every sample, the start included, its log density and the update that led there.
+    pub(crate) log: Vec<(Block, Option<Update>)>,
+    /// Last states.
+    pub(crate) last: Vec<Block>,
 }
 
 fn lockstep<T: GradLogDensity + ?Sized>(
@@ -135,7 +139,20 @@ pub fn draw<T: GradLogDensity + ?Sized>(
     schedule: Schedule,
     stage: &Stage,
 ) -> Result<Draws, Error> {
-    let dim = target.dim();
+    run_blocks(target.dim(), starts, chains, schedule, |start, block| {
+        lockstep(target, hmc, start, schedule, stage, block)
+    })
+    .map(|runs| gather(target.dim(), chains, schedule, &runs))
+}
+
+/// Runs every block of eight starts.
+pub(crate) fn run_blocks<B: Send>(
+    dim: usize,
+    starts: &[Block],
+    chains: usize,
+    schedule: Schedule,
+    run: impl Fn(&[Block], usize) -> Result<B, Error> + Sync,
+) -> Result<Vec<B>, Error> {
     if chains == 0 || starts.len() != chains.div_ceil(LANES) * dim {
         return Err(Error::Empty { count: chains, dim });
     }
@@ -143,12 +160,11 @@ pub fn draw<T: GradLogDensity + ?Sized>(
         let (name, value) = ("burn-in", schedule.burn_in as f64);
         return Err(Error::OutOfRange { name, value, expected: "must not exceed the number of updates" });
     }
-    let runs: Vec<Lockstep> = starts
-        .par_chunks(dim)
-        .enumerate()
-        .map(|(block, start)| lockstep(target, hmc, start, schedule, stage, block))
-        .collect::<Result<_, _>>()?;
+    starts.par_chunks(dim).enumerate().map(|(block, start)| run(start, block)).collect()
+}
 
+/// The kept draws of all blocks.
+pub(crate) fn gather(dim: usize, chains: usize, schedule: Schedule, runs: &[Lockstep]) -> Draws {
     let per_chain = schedule.updates + 1 - schedule.burn_in;
     let count = chains * per_chain;
     let mut states = vec![Block::ZERO; count.div_ceil(LANES) * dim];
@@ -180,7 +196,7 @@ pub fn draw<T: GradLogDensity + ?Sized>(
     }
     let last = runs.iter().flat_map(|run| run.last.iter().copied()).collect();
     acceptance /= (chains * schedule.updates.max(1)) as f64;
-    Ok(Draws { dim, chains, states, stats, last, acceptance, divergences })
+    Draws { dim, chains, states, stats, last, acceptance, divergences }
 }
 
 #[cfg(test)]

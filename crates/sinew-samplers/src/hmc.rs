@@ -14,6 +14,7 @@
 
 use crate::Error;
 use crate::metric::{Dense, Metric};
+use crate::triangular::dot;
 use sinew_core::density::GradLogDensity;
 use sinew_core::lanes::{Block, Isa, Kernel, LANES, Real, dispatch};
 use sinew_core::random::BlockRng;
@@ -173,10 +174,7 @@ fn dense_kick<V: Real<Mem = Block>>(steps: &Dense, kick: V, momentum: &mut [Bloc
     for (j, p) in momentum.iter_mut().enumerate() {
         let (entries, rest) = column.split_at(j + 1);
         column = rest;
-        let mut sum = V::splat(0.0);
-        for (&a, g) in entries.iter().zip(gradient) {
-            sum = V::splat(a).fma(V::load(g), sum);
-        }
+        let sum: V = dot(entries, gradient);
         sum.fma(kick, V::load(p)).store(p);
     }
 }
@@ -192,10 +190,7 @@ impl Kernel<Block> for DenseKickDrift<'_> {
         for (i, x) in x.iter_mut().enumerate() {
             let (entries, rest) = row.split_at(d - i);
             row = rest;
-            let mut sum = V::splat(0.0);
-            for (&a, p) in entries.iter().zip(&p[i..]) {
-                sum = V::splat(a).fma(V::load(p), sum);
-            }
+            let sum: V = dot(entries, &p[i..]);
             sum.fma(factor, V::load(x)).store(x);
         }
     }

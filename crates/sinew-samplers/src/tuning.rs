@@ -3,12 +3,15 @@
 //! - η: the acceptance probability falls with η. It is halved or doubled from a first guess until the target acceptance is bracketed (at most 50 times, then an error), then log η is bisected, with some 200 trajectories an
 //!   evaluation, until the acceptance is within the tolerance. The chains go on from evaluation to evaluation and so reach the target's bulk on the way.
 //! - L: for each candidate η is found as above, chains run, and the L with the least cost per effective draw, τ L, wins (τ: the largest over coordinates of the integrated autocorrelation time).
+//! - [`cheapest`] does so for several acceptance targets, and the pair of η and L with the least cost wins: where a metric fits, longer steps pay although more of them are rejected.
+//! - [`no_u_turn`] is the same for the no-U-turn sampler, whose trees choose the length.
 
 use crate::Error;
 use crate::chains::{Draws, Schedule, draw};
 use crate::diagnostics::effective_sample_size;
 use crate::hmc::Hmc;
 use crate::metric::Metric;
+use crate::nuts::{self, Nuts};
 use sinew_core::density::GradLogDensity;
 use sinew_core::lanes::{Block, Isa, LANES};
 use sinew_core::random::Stage;
@@ -102,12 +105,15 @@ pub fn step_size<T: GradLogDensity + ?Sized>(
 ) -> Result<Tuned, Error> {
     let updates = config.trajectories.div_ceil(trial.chains().max(1));
     let mut round = 0;
-    let mut acceptance = |eta: f64| {
+    let (step_size, acceptance) = search(config, |eta| {
         round += 1;
-        Ok::<_, Error>(trial.run(eta, steps, config.jitter, updates, &stage.round(round))?.acceptance)
-    };
-    let found =
-        |eta, acceptance| Ok(Tuned { step_size: eta, leapfrog_steps: steps, acceptance, gradients_per_draw: f64::NAN });
+        Ok(trial.run(eta, steps, config.jitter, updates, &stage.round(round))?.acceptance)
+    })?;
+    Ok(Tuned { step_size, leapfrog_steps: steps, acceptance, gradients_per_draw: f64::NAN })
+}
+
+/// The step size whose acceptance is within the tolerance, and that acceptance.
+fn search(config: &Config, mut acceptance: impl FnMut(f64) -> Result<f64, Error>) -> Result<(f64, f64), Error> {
     let mut eta = config.first_step_size;
     let mut rate = acceptance(eta)?;
     let grow = rate > config.acceptance;
@@ -115,7 +121,7 @@ pub fn step_size<T: GradLogDensity + ?Sized>(
     let mut tried = 0;
     while (rate > config.acceptance) == grow {
         if (rate - config.acceptance).abs() <= config.tolerance {
-            return found(eta, rate);
+            return Ok((eta, rate));
         }
         if tried == MOST_HALVINGS {
             let (target, step_size) = (config.acceptance, eta);
@@ -134,7 +140,7 @@ pub fn step_size<T: GradLogDensity + ?Sized>(
         }
         if rate > config.acceptance { low = eta } else { high = eta }
     }
-    found(eta, rate)
+    Ok((eta, rate))
 }
 
 /// Step size and length with the fewest gradients per effective draw.
@@ -146,18 +152,74 @@ pub fn length<T: GradLogDensity + ?Sized>(
     config: &Config,
     stage: &Stage,
 ) -> Result<Tuned, Error> {
-    let mut best: Option<Tuned> = None;
-    for (i, &steps) in config.lengths.iter().enumerate() {
+    least(&config.lengths, |i, steps| {
         let stage = stage.round(i);
         let tuned = step_size(trial, steps, config, &stage)?;
         let draws = trial.run(tuned.step_size, steps, config.jitter, config.updates, &stage.round(0))?;
-        let least = (0..draws.dim).map(|j| effective_sample_size(&draws.series(j))).fold(f64::INFINITY, f64::min);
-        let gradients_per_draw = (draws.stats.len() * steps) as f64 / least;
-        if best.is_none_or(|b| gradients_per_draw < b.gradients_per_draw) {
-            best = Some(Tuned { gradients_per_draw, ..tuned });
+        let gradients_per_draw = (draws.stats.len() * steps) as f64 / least_effective(&draws);
+        Ok(Tuned { gradients_per_draw, ..tuned })
+    })
+}
+
+/// Step size and length with the fewest gradients per effective draw, for any of the `acceptances` in place of the configured one.
+///
+/// # Errors
+/// Those of [`length`]; [`Error::OutOfRange`] without candidates.
+pub fn cheapest<T: GradLogDensity + ?Sized>(
+    trial: &mut Trial<'_, T>,
+    config: &Config,
+    acceptances: &[f64],
+    stage: &Stage,
+) -> Result<Tuned, Error> {
+    least(acceptances, |i, acceptance| length(trial, &Config { acceptance, ..config.clone() }, &stage.round(i)))
+}
+
+/// Step size of the no-U-turn sampler with the fewest gradients per effective draw, for any of the `acceptances`. The length found is the mean number of leapfrog steps of a transition, rounded;
+/// those of the configuration are not used.
+///
+/// # Errors
+/// As [`cheapest`].
+pub fn no_u_turn<T: GradLogDensity + ?Sized>(
+    trial: &mut Trial<'_, T>,
+    config: &Config,
+    max_depth: usize,
+    acceptances: &[f64],
+    stage: &Stage,
+) -> Result<Tuned, Error> {
+    let mut run = |eta: f64, updates: usize, stage: &Stage| {
+        let nuts = Nuts::with_metric(eta, trial.metric, max_depth, config.jitter, trial.isa)?;
+        let schedule = Schedule { updates, burn_in: 1.min(updates) };
+        let run = nuts::draw(trial.target, &nuts, &trial.states, trial.chains(), schedule, stage)?;
+        trial.states.clone_from(&run.draws.last);
+        Ok::<_, Error>(run)
+    };
+    least(acceptances, |i, acceptance| {
+        let (stage, mut round) = (stage.round(i), 0);
+        let (step_size, acceptance) = search(&Config { acceptance, ..config.clone() }, |eta| {
+            round += 1;
+            Ok(run(eta, config.trajectories.div_ceil(LANES), &stage.round(round))?.draws.acceptance)
+        })?;
+        let run = run(step_size, config.updates, &stage.round(0))?;
+        let gradients_per_draw = run.leapfrog_steps as f64 / least_effective(&run.draws);
+        let leapfrog_steps = (run.leapfrog_steps + run.draws.stats.len() / 2) / run.draws.stats.len().max(1);
+        Ok(Tuned { step_size, leapfrog_steps, acceptance, gradients_per_draw })
+    })
+}
+
+fn least_effective(draws: &Draws) -> f64 {
+    (0..draws.dim).map(|j| effective_sample_size(&draws.series(j))).fold(f64::INFINITY, f64::min)
+}
+
+/// The cheapest of what the candidates lead to.
+fn least<C: Copy>(candidates: &[C], mut tuned: impl FnMut(usize, C) -> Result<Tuned, Error>) -> Result<Tuned, Error> {
+    let mut best: Option<Tuned> = None;
+    for (i, &candidate) in candidates.iter().enumerate() {
+        let tuned = tuned(i, candidate)?;
+        if best.is_none_or(|b| tuned.gradients_per_draw < b.gradients_per_draw) {
+            best = Some(tuned);
         }
     }
-    best.ok_or(Error::OutOfRange { name: "number of lengths", value: 0.0, expected: "must be at least 1" })
+    best.ok_or(Error::OutOfRange { name: "number of candidates", value: 0.0, expected: "must be at least 1" })
 }
 
 #[cfg(test)]
@@ -201,6 +263,23 @@ mod tests {
         assert!([5, 10].contains(&tuned.leapfrog_steps), "{tuned:?}");
         let again = trial.run(tuned.step_size, tuned.leapfrog_steps, 0.2, 200, &Stage::new(5, "check"));
         assert!((again.expect("valid").acceptance - 0.85).abs() < 0.06);
+    }
+
+    #[test]
+    fn steps_and_trees_are_chosen_by_cost() {
+        let isa = Isa::best();
+        let target = Lanes { leaf: Quadratic { centre: vec![0.0; 10], precision: vec![1.0; 10] }, isa };
+        let metric = Metric::Diagonal(vec![1.0; 10]);
+        let mut trial = Trial { target: &target, metric: &metric, states: vec![Block::splat(0.1); 10], isa };
+        let config = Config { jitter: 0.2, lengths: vec![1, 2, 30], updates: 300, ..Config::default() };
+        let acceptances = [0.99, 0.85];
+        let hmc = cheapest(&mut trial, &config, &acceptances, &Stage::new(1, "cheapest")).expect("tunable");
+        assert!(hmc.leapfrog_steps < 30 && (hmc.acceptance - 0.85).abs() <= 0.03, "{hmc:?}");
+        let nuts = no_u_turn(&mut trial, &config, 10, &acceptances, &Stage::new(1, "trees")).expect("tunable");
+        assert!((nuts.acceptance - 0.85).abs() <= 0.03 && (2..8).contains(&nuts.leapfrog_steps), "{nuts:?}");
+        assert!(nuts.gradients_per_draw > hmc.gradients_per_draw && nuts.gradients_per_draw < 20.0, "{nuts:?}");
+        let again = no_u_turn(&mut trial, &config, 10, &[], &Stage::new(1, "none"));
+        assert!(matches!(again, Err(Error::OutOfRange { name: "number of candidates", .. })));
     }
 
     #[test]

@@ -50,7 +50,10 @@ fn check_manifest(file: &File, violations: &mut Vec<Violation>) {
     else {
         return;
     };
-    let member = file.path.starts_with("crates/") || file.path.starts_with("xtask/") || file.path.starts_with("tests/");
+    let folders = ["crates/", "xtask/", "tests/"];
+    // A package with a workspace table of its own is none of ours.
+    let outside = manifest.contains_key("workspace");
+    let member = !outside && folders.iter().any(|folder| file.path.starts_with(folder));
     let inherits = manifest.get("lints").and_then(|lints| lints.get("workspace")).and_then(toml::Value::as_bool);
     if member && inherits != Some(true) {
         complain("does not inherit the workspace's lints".into());

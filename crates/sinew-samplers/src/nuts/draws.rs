@@ -1,0 +1,130 @@
+//! Many no-U-turn chains on one target: blocks of eight in parallel, a fixed number of transitions each.
+
+use super::{Nuts, Transition, Trees, step};
+use crate::Error;
+use crate::chains::{Draws, Lockstep, Schedule, gather, run_blocks};
+use crate::hmc::Update;
+use sinew_core::density::GradLogDensity;
+use sinew_core::lanes::{Block, LANES};
+use sinew_core::random::Stage;
+
+/// Draws of all chains with what their trees were like.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Run {
+    /// Kept draws.
+    pub draws: Draws,
+    /// Transitions by depth, discarded ones included: `depths[k]` kept k doublings.
+    pub depths: Vec<usize>,
+    /// Gradients of all chains.
+    pub leapfrog_steps: usize,
+    /// Calls of the gradient of eight lanes; where lanes end together, an eighth of the above.
+    pub block_gradients: usize,
+}
+
+impl Run {
+    /// Mean depth of a tree.
+    #[must_use]
+    pub fn mean_depth(&self) -> f64 {
+        let sum: usize = self.depths.iter().enumerate().map(|(depth, count)| depth * count).sum();
+        sum as f64 / self.depths.iter().sum::<usize>().max(1) as f64
+    }
+}
+
+/// Trees of one block.
+struct Forest {
+    chains: Lockstep,
+    depths: Vec<usize>,
+    leapfrog_steps: usize,
+    block_gradients: usize,
+}
+
+impl Forest {
+    fn take(&mut self, trees: &Trees, lane: usize, r: usize, burn_in: usize, tree: &Transition) {
+        self.depths[tree.depth] += 1;
+        self.leapfrog_steps += tree.leapfrog_steps;
+        let (log_density, update) = &mut self.chains.log[r];
+        log_density.0[lane] = trees.log_density().0[lane];
+        let update = update.get_or_insert(Update {
+            acceptance: Block::ZERO,
+            accepted: [false; LANES],
+            divergent: [false; LANES],
+            energy: Block::ZERO,
+            factor: Block::ZERO,
+        });
+        update.acceptance.0[lane] = tree.acceptance;
+        update.accepted[lane] = tree.moved;
+        update.divergent[lane] = tree.divergent;
+        update.energy.0[lane] = tree.energy;
+        update.factor.0[lane] = tree.factor;
+        if r >= burn_in {
+            let position = trees.position();
+            let kept = &mut self.chains.kept[(r - burn_in) * position.len()..][..position.len()];
+            for (kept, x) in kept.iter_mut().zip(position) {
+                kept.0[lane] = x.0[lane];
+            }
+        }
+    }
+}
+
+fn grow<T: GradLogDensity + ?Sized>(
+    target: &T,
+    nuts: &Nuts,
+    start: &[Block],
+    active: usize,
+    schedule: Schedule,
+    stage: &Stage,
+    block: usize,
+) -> Result<Forest, Error> {
+    let Schedule { updates, burn_in } = schedule;
+    let mut rng = stage.block(block as u32);
+    let mut trees = Trees::new(target, nuts, start.to_vec())?;
+    let mut kept = vec![Block::ZERO; (updates + 1 - burn_in) * start.len()];
+    if burn_in == 0 {
+        kept[..start.len()].copy_from_slice(start);
+    }
+    let log = vec![(*trees.log_density(), None); updates + 1];
+    let chains = Lockstep { kept, log, last: Vec::new() };
+    let mut forest = Forest { chains, depths: vec![0; nuts.max_depth + 1], leapfrog_steps: 0, block_gradients: 0 };
+    let mut complete = [0; LANES];
+    let mut goes_on: [bool; LANES] = std::array::from_fn(|lane| lane < active && updates > 0);
+    while goes_on.contains(&true) {
+        forest.block_gradients += 1;
+        for (lane, tree) in step(target, nuts, &mut trees, &goes_on, &mut rng).iter().enumerate() {
+            if let Some(tree) = tree {
+                complete[lane] += 1;
+                goes_on[lane] = complete[lane] < updates;
+                forest.take(&trees, lane, complete[lane], burn_in, tree);
+            }
+        }
+    }
+    forest.chains.last = trees.position().to_vec();
+    Ok(forest)
+}
+
+/// Runs `chains` chains from `starts` (blocks of the target's dimension; every lane must hold a state of finite log density, idle ones too); every chain makes as many transitions.
+///
+/// # Errors
+/// [`Error::Empty`], [`Error::OutOfRange`] for a schedule that keeps nothing, [`Error::BadStart`].
+pub fn draw<T: GradLogDensity + ?Sized>(
+    target: &T,
+    nuts: &Nuts,
+    starts: &[Block],
+    chains: usize,
+    schedule: Schedule,
+    stage: &Stage,
+) -> Result<Run, Error> {
+    let dim = target.dim();
+    let forests = run_blocks(dim, starts, chains, schedule, |start, block| {
+        let active = (chains - block * LANES).min(LANES);
+        grow(target, nuts, start, active, schedule, stage, block)
+    })?;
+    let mut depths = vec![0; nuts.max_depth + 1];
+    let (mut leapfrog_steps, mut block_gradients, mut runs) = (0, 0, Vec::with_capacity(forests.len()));
+    for forest in forests {
+        depths.iter_mut().zip(&forest.depths).for_each(|(sum, count)| *sum += count);
+        leapfrog_steps += forest.leapfrog_steps;
+        block_gradients += forest.block_gradients;
+        runs.push(forest.chains);
+    }
+    Ok(Run { draws: gather(dim, chains, schedule, &runs), depths, leapfrog_steps, block_gradients })
+}
