@@ -2,7 +2,10 @@
 //!
 //! Data are sought in `SINEW_DATA`, else in `shared/data` beside the workspace.
 
+mod effort;
+
 use sinew::body::standard::EVALUATION_JOINTS;
+use sinew::estimate::FrameEstimate;
 use sinew::evaluation::{self, LIMB_JOINTS, LeftOut, PixelErrors, Run, Track};
 use sinew::formats::{amc, asf, trc};
 use sinew::observe::Noise;
@@ -38,12 +41,14 @@ pub enum Part {
     Noise,
     /// Recorded motion in virtual cameras.
     Cmu,
+    /// The same by chains and updates, and by the prior between frames: what the defaults of `hmc` rest on.
+    Effort,
 }
 
 /// What to run.
 #[derive(clap::Args)]
 pub struct Args {
-    /// Only these experiments.
+    /// Only these experiments; `effort` runs only where it is named.
     #[arg(long, value_delimiter = ',')]
     only: Vec<Part>,
     /// Seeds of the experiments with virtual cameras.
@@ -51,7 +56,7 @@ pub struct Args {
     seeds: u64,
 }
 
-type Outcome<T> = Result<T, Box<dyn Error>>;
+type Outcome<T> = Result<T, Box<dyn Error + Send + Sync>>;
 
 /// Runs the experiments.
 pub fn run(root: &Path, args: &Args) -> ExitCode {
@@ -72,7 +77,10 @@ pub fn run(root: &Path, args: &Args) -> ExitCode {
             noise(&data)?;
         }
         if wanted(Part::Cmu) {
-            recorded_motion(&data, args.seeds)?;
+            recorded_motion(&motions(&data)?, args.seeds)?;
+        }
+        if args.only.contains(&Part::Effort) {
+            effort::run(&motions(&data)?, args.seeds, &root.join("docs/images/effort.svg"))?;
         }
         Ok(())
     };
@@ -277,50 +285,79 @@ struct Tally {
     sigma_px: Vec<f64>,
 }
 
-fn recorded_motion(data: &Path, seeds: u64) -> Outcome<()> {
+/// A recorded motion, and our body on it.
+struct Motion {
+    name: &'static str,
+    recorded: Trajectories,
+    fitted: cmu::Retargeted,
+}
+
+fn motions(data: &Path) -> Outcome<Vec<Motion>> {
     let data = data.join("cmu_amc");
+    ["07_01", "09_06", "131_04"]
+        .into_iter()
+        .map(|name| {
+            let subject = name.split('_').next().unwrap_or(name);
+            let text = |file: String| std::fs::read_to_string(data.join(file));
+            let skeleton = asf::read(name, &text(format!("{subject}.asf"))?)?;
+            let motion = amc::read(name, &text(format!("{name}.amc"))?, &skeleton)?;
+            let recorded = cmu::joints(&skeleton, &motion, CMU_RATE_HZ);
+            let fitted = cmu::retarget(&recorded).ok_or("no pose in the first frame")?;
+            Ok(Motion { name, recorded, fitted })
+        })
+        .collect()
+}
+
+/// A motion in four virtual cameras with keypoints of `truth`, and its frames.
+fn film(motion: &Motion, truth: &Trajectories, seed: u64) -> Outcome<(Synthetic, std::ops::Range<u64>)> {
+    let noise = DetectorNoise::stated_gaussian(SIGMA_PX);
+    let script = Script { noise, rate_hz: CMU_RATE_HZ, ..Script::default() };
+    let (body, states) = (motion.fitted.body.clone(), motion.fitted.states.clone());
+    let film = Synthetic::of_motion(body, states, truth.clone(), &script, seed)?;
+    Ok((film, 0..truth.frames.len() as u64))
+}
+
+impl Tally {
+    fn add(&mut self, run: &Run, estimates: &[FrameEstimate], truth: &Trajectories) {
+        let target = truth.select(&EVALUATION_JOINTS);
+        let target: Track = target.frames.into_iter().map(|frame| frame.into_iter().map(Some).collect()).collect();
+        let track = evaluation::positions(&run.tree, estimates, &EVALUATION_JOINTS);
+        self.millimetres.push(1e3 * evaluation::mean_distance(&track, &target, 0..target.len()));
+        self.covered.push(evaluation::covered(&run.tree, estimates, truth, &EVALUATION_JOINTS));
+        self.model_error_mm.push(1e3 * run.setup.model_error_m);
+        self.sigma_px.push(mean(&run.setup.camera.iter().map(|c| c.sigma_px).collect::<Vec<_>>()));
+    }
+}
+
+fn mean(x: &[f64]) -> f64 {
+    x.iter().sum::<f64>() / x.len() as f64
+}
+
+fn recorded_motion(motions: &[Motion], seeds: u64) -> Outcome<()> {
     println!("\nFour virtual cameras, Gaussian noise of {SIGMA_PX} px, {seeds} seeds, 30 frames/s.\n");
     println!(
         "| motion | keypoints from | proportions | method | error, mm | coverage, % | model error, mm | sigma, px |"
     );
     println!("|---|---|---|---|---|---|---|---|");
     let mut pooled: Vec<(String, Vec<Vec<Vec<f64>>>)> = vec![];
-    for name in ["07_01", "09_06", "131_04"] {
-        let subject = name.split('_').next().unwrap_or(name);
-        let text = |file: String| std::fs::read_to_string(data.join(file));
-        let skeleton = asf::read(name, &text(format!("{subject}.asf"))?)?;
-        let motion = amc::read(name, &text(format!("{name}.amc"))?, &skeleton)?;
-        let recorded = cmu::joints(&skeleton, &motion, CMU_RATE_HZ);
-        let fitted = cmu::retarget(&recorded).ok_or("no pose in the first frame")?;
+    for motion in motions {
+        let Motion { name, recorded, fitted } = motion;
         let kinds = [
             ("fitted body", "set-up", &fitted.points, None),
             ("fitted body", "known", &fitted.points, Some(&fitted.proportions)),
-            ("recorded joints", "set-up", &recorded, None),
+            ("recorded joints", "set-up", recorded, None),
         ];
         for (from, sizes, truth, known) in kinds {
             let mut tallies = [Tally::default(), Tally::default()];
             for seed in 1..=seeds {
-                let noise = DetectorNoise::stated_gaussian(SIGMA_PX);
-                let script = Script { noise, rate_hz: CMU_RATE_HZ, ..Script::default() };
-                let (body, states) = (fitted.body.clone(), fitted.states.clone());
-                let mut film = Synthetic::of_motion(body, states, truth.clone(), &script, seed)?;
-                let frames = 0..truth.frames.len() as u64;
+                let (mut film, frames) = film(motion, truth, seed)?;
                 let settings = Settings { seed, fps: CMU_RATE_HZ, ..Settings::default() };
                 let run = evaluation::run(&mut film, frames.clone(), frames, &settings, known)?;
-                let target = truth.select(&EVALUATION_JOINTS);
-                let target: Track =
-                    target.frames.into_iter().map(|frame| frame.into_iter().map(Some).collect()).collect();
                 for (tally, estimates) in tallies.iter_mut().zip([&run.filtered, &run.smoothed]) {
-                    let track = evaluation::positions(&run.tree, estimates, &EVALUATION_JOINTS);
-                    tally.millimetres.push(1e3 * evaluation::mean_distance(&track, &target, 0..target.len()));
-                    tally.covered.push(evaluation::covered(&run.tree, estimates, truth, &EVALUATION_JOINTS));
-                    tally.model_error_mm.push(1e3 * run.setup.model_error_m);
-                    let sigma = run.setup.camera.iter().map(|c| c.sigma_px).sum::<f64>();
-                    tally.sigma_px.push(sigma / run.setup.camera.len() as f64);
+                    tally.add(&run, estimates, truth);
                 }
             }
             for (method, tally) in ["hmc", "hmc --smooth"].into_iter().zip(tallies) {
-                let mean = |x: &[f64]| x.iter().sum::<f64>() / x.len() as f64;
                 let (error, model, sigma) =
                     (mean(&tally.millimetres), mean(&tally.model_error_mm), mean(&tally.sigma_px));
                 let share = coverage(&tally.covered, 0..EVALUATION_JOINTS.len());
@@ -347,9 +384,15 @@ fn recorded_motion(data: &Path, seeds: u64) -> Outcome<()> {
 
 /// Coverage of some joints in per cent with its standard error.
 fn coverage(runs: &[Vec<Vec<f64>>], joints: std::ops::Range<usize>) -> String {
-    let frame = |frame: &Vec<f64>| frame[joints.clone()].iter().sum::<f64>() / joints.len() as f64;
+    let [mean, error] = share(runs, joints);
+    format!("{mean:.1} ± {error:.1}")
+}
+
+/// The numbers of [`coverage`].
+fn share(runs: &[Vec<Vec<f64>>], joints: std::ops::Range<usize>) -> [f64; 2] {
+    let frame = |frame: &Vec<f64>| mean(&frame[joints.clone()]);
     let series: Vec<Vec<f64>> = runs.iter().map(|run| run.iter().map(frame).collect()).collect();
     let count = series.iter().map(Vec::len).sum::<usize>() as f64;
-    let mean = series.iter().flatten().sum::<f64>() / count;
-    format!("{:.1} ± {:.1}", 100.0 * mean, 100.0 * evaluation::block_bootstrap(&series, BLOCK, 500, 1))
+    [series.iter().flatten().sum::<f64>() / count, evaluation::block_bootstrap(&series, BLOCK, 500, 1)]
+        .map(|x| 100.0 * x)
 }

@@ -1,6 +1,7 @@
 //! Chores of the workspace: `cargo xtask <command>`. This file is the whole command line; each command has a file of its own.
 
 mod accuracy;
+mod chart;
 mod picture;
 mod reproduce;
 mod source;

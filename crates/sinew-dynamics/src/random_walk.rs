@@ -11,7 +11,7 @@ use crate::mixture::Mixture;
 use crate::prior::Prior;
 use core::f64::consts::TAU;
 use sinew_core::density::Lanes;
-use sinew_core::lanes::{Block, Isa, LANES};
+use sinew_core::lanes::{Block, Isa, Kernel, LANES, Real, dispatch};
 use sinew_core::part::Part;
 use sinew_core::random::BlockRng;
 use sinew_core::transition::{Cloud, GradTransition, PartTransition, Predict, Transition};
@@ -89,10 +89,22 @@ impl RandomWalk {
 
     fn add_noise(&self, previous: &[Block], sd: &[f64], next: &mut [Block], rng: &mut BlockRng) {
         rng.fill_normal(self.isa, next);
-        for ((x, p), &sd) in next.iter_mut().zip(previous).zip(sd) {
-            for (x, p) in x.0.iter_mut().zip(p.0) {
-                *x = p + sd * *x;
-            }
+        dispatch(self.isa, Diffuse { previous, sd, next });
+    }
+}
+
+/// Turns the standard normal deviates in `next` into states around the previous ones.
+struct Diffuse<'a> {
+    previous: &'a [Block],
+    sd: &'a [f64],
+    next: &'a mut [Block],
+}
+
+impl Kernel<Block> for Diffuse<'_> {
+    #[inline(always)]
+    fn run<V: Real<Mem = Block>>(&mut self) {
+        for ((x, p), &sd) in self.next.iter_mut().zip(self.previous).zip(self.sd) {
+            V::load(x).fma(V::splat(sd), V::load(p)).store(x);
         }
     }
 }

@@ -27,7 +27,7 @@ const PRIOR_DRAWS: usize = 64;
 const LEARNING: usize = 250;
 const JITTER: f64 = 0.2;
 /// Leapfrog steps of a trajectory between jumps, jumps after each, components of their proposal, and draws a chain that it is fitted to, twice. Between 3 and 6 steps, 2 and 8 jumps, and 2 and 8
-/// components the effective draws a second differ by less than a half.
+/// components the effective draws a second differ by up to a half.
 const BETWEEN_JUMPS: usize = 4;
 const JUMPS: usize = 4;
 const COMPONENTS: usize = 2;

@@ -1,0 +1,149 @@
+//! Panels of lines with error bars and direct labels, as SVG.
+
+use plotters::coord::Shift;
+use plotters::prelude::*;
+use plotters::style::text_anchor::{HPos, Pos, VPos};
+use std::error::Error;
+
+type Outcome<T> = Result<T, Box<dyn Error + Send + Sync>>;
+
+/// Colours that people who see red and green alike tell apart (Okabe & Ito 2008).
+pub const BLUE: RGBColor = RGBColor(0, 114, 178);
+pub const ORANGE: RGBColor = RGBColor(213, 94, 0);
+pub const GREEN: RGBColor = RGBColor(0, 158, 115);
+pub const PURPLE: RGBColor = RGBColor(204, 121, 167);
+
+pub const GREY: RGBColor = RGBColor(120, 120, 120);
+
+/// A line of points with the lower and upper end of each error bar.
+pub struct Line {
+    /// Its name, written beside it.
+    pub name: String,
+    /// Its colour.
+    pub colour: RGBColor,
+    /// Places and, for the vertical one, the ends of its bar.
+    pub points: Vec<[f64; 4]>,
+}
+
+/// Part of a picture.
+pub type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
+
+/// Where the names of lines stand.
+#[derive(Clone, Copy)]
+pub enum Names {
+    /// At the last points.
+    Inside,
+    /// In a margin of that width on the right, one below the other, with a thin line from the last point.
+    Beside(u32),
+}
+
+/// A panel; on axes (x, y) that are in decades, values are logarithms of base ten.
+pub fn panel(area: &Area<'_>, title: &str, x: &str, y: &str, lines: &[Line], in_decades: [bool; 2]) -> Outcome<()> {
+    panel_with(area, title, [x, y], lines, in_decades, Names::Inside)
+}
+
+/// [`panel`] with a choice of where names stand.
+pub fn panel_with(
+    area: &Area<'_>,
+    title: &str,
+    [x, y]: [&str; 2],
+    lines: &[Line],
+    in_decades: [bool; 2],
+    names: Names,
+) -> Outcome<()> {
+    let all = || lines.iter().flat_map(|line| &line.points);
+    let ends = |of: &dyn Fn(&[f64; 4]) -> [f64; 2]| {
+        let low = all().map(|p| of(p)[0]).fold(f64::INFINITY, f64::min);
+        let high = all().map(|p| of(p)[1]).fold(f64::NEG_INFINITY, f64::max);
+        let margin = 0.05 * (high - low).max(1e-3);
+        (low - margin)..(high + margin)
+    };
+    let mut chart = ChartBuilder::on(area)
+        .caption(title, ("sans-serif", 15))
+        .margin(8)
+        .margin_right(if let Names::Beside(width) = names { width } else { 8 })
+        .x_label_area_size(36)
+        .y_label_area_size(58)
+        .build_cartesian_2d(ends(&|p| [p[0], p[0]]), ends(&|p| [p[2], p[3]]))?;
+    let decimals = usize::from(all().map(|p| p[3]).fold(f64::MIN, f64::max) < 10.0);
+    let shown = |v: &f64, is: bool| {
+        let power = 10_f64.powf(*v);
+        if is && power < 1000.0 {
+            format!("{power:.0}")
+        } else if is {
+            format!("{power:.0e}")
+        } else {
+            format!("{v:.decimals$}")
+        }
+    };
+    chart
+        .configure_mesh()
+        .x_desc(x)
+        .y_desc(y)
+        .x_label_formatter(&|v| shown(v, in_decades[0]))
+        .y_label_formatter(&|v| shown(v, in_decades[1]))
+        .x_labels(5)
+        .y_labels(5)
+        .light_line_style(WHITE)
+        .bold_line_style(RGBColor(225, 225, 225))
+        .label_style(("sans-serif", 12))
+        .draw()?;
+    for line in lines {
+        chart.draw_series(LineSeries::new(line.points.iter().map(|p| (p[0], p[1])), line.colour.stroke_width(2)))?;
+        for &[x, _, low, high] in line.points.iter().filter(|p| p[3] > p[2]) {
+            chart.draw_series(std::iter::once(PathElement::new(
+                vec![(x, low), (x, high)],
+                line.colour.stroke_width(1),
+            )))?;
+        }
+    }
+    let last = |line: &Line| line.points.last().map(|p| (p[0], p[1]));
+    match names {
+        Names::Inside => {
+            for (line, at) in lines.iter().filter_map(|line| Some((line, last(line)?))) {
+                let style = ("sans-serif", 12).into_font().color(&line.colour);
+                let style = style.pos(Pos::new(HPos::Right, VPos::Bottom));
+                chart.draw_series(std::iter::once(Text::new(line.name.clone(), at, style)))?;
+            }
+        }
+        Names::Beside(_) => {
+            let (across, down) = area.get_pixel_range();
+            let right = chart.plotting_area().get_pixel_range().0.end - across.start;
+            let mut ends: Vec<(&Line, (i32, i32))> = lines
+                .iter()
+                .filter_map(|line| Some((line, chart.backend_coord(&last(line)?))))
+                .map(|(line, (x, y))| (line, (x - across.start, y - down.start)))
+                .collect();
+            ends.sort_by_key(|(_, (_, y))| *y);
+            let bottom = chart.plotting_area().get_pixel_range().1.end - down.start;
+            for ((line, (x, y)), label) in ends.iter().zip(spread(ends.iter().map(|(_, (_, y))| *y), bottom)) {
+                let leader = vec![(*x, *y), (right + 2, label), (right + 6, label)];
+                area.draw(&PathElement::new(leader, line.colour.mix(0.4).stroke_width(1)))?;
+                let style = ("sans-serif", 12).into_font().color(&line.colour);
+                let style = style.pos(Pos::new(HPos::Left, VPos::Center));
+                area.draw(&Text::new(line.name.clone(), (right + 8, label), style))?;
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Heights of names, from the top down, that are a line of text apart and not below the bottom.
+fn spread(wanted: impl Iterator<Item = i32>, bottom: i32) -> Vec<i32> {
+    const APART: i32 = 14;
+    let mut heights: Vec<i32> = wanted.collect();
+    for i in 1..heights.len() {
+        heights[i] = heights[i].max(heights[i - 1] + APART);
+    }
+    let mut limit = bottom;
+    for height in heights.iter_mut().rev() {
+        *height = (*height).min(limit);
+        limit = *height - APART;
+    }
+    heights
+}
+
+/// Writes the picture.
+pub fn finish(root: &Area<'_>) -> Outcome<()> {
+    Ok(root.present()?)
+}
