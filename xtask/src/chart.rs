@@ -65,7 +65,8 @@ pub fn panel_with(
         .x_label_area_size(36)
         .y_label_area_size(58)
         .build_cartesian_2d(ends(&|p| [p[0], p[0]]), ends(&|p| [p[2], p[3]]))?;
-    let decimals = usize::from(all().map(|p| p[3]).fold(f64::MIN, f64::max) < 10.0);
+    let range = ends(&|p| [p[2], p[3]]);
+    let decimals = if range.end - range.start < 1.0 { 2 } else { usize::from(range.end < 10.0) };
     let shown = |v: &f64, is: bool| {
         let power = 10_f64.powf(*v);
         if is && power < 1000.0 {

@@ -4,7 +4,7 @@
 //! index mod 8 of block index / 8. Blocks have their own random streams; nothing depends on the number of threads.
 
 use crate::Error;
-use crate::diagnostics::{effective_sample_size, split_r_hat};
+use crate::diagnostics::{effective_sample_size, energy_fraction, split_r_hat};
 use crate::hmc::{Chains, Hmc, Update, Workspace, update};
 use rayon::prelude::*;
 use sinew_core::density::GradLogDensity;
@@ -72,6 +72,8 @@ pub struct Quality {
     pub r_hat: f64,
     /// Effective number of draws for second moments: that of the squared deviations, averaged over coordinates.
     pub ess_of_squares: f64,
+    /// E-BFMI (Betancourt 2016), the mean over the chains: how far a fresh momentum moves the energy. Small where chains do not reach the tails.
+    pub energy_fraction: f64,
 }
 
 impl Draws {
@@ -82,15 +84,23 @@ impl Draws {
             let mut series = self.series(j);
             let (ess, r_hat) = (effective_sample_size(&series), split_r_hat(&series));
             series.iter_mut().flatten().for_each(|x| *x = (*x - mean[j]) * (*x - mean[j]));
-            Quality { ess, r_hat, ess_of_squares: effective_sample_size(&series) }
+            (ess, r_hat, effective_sample_size(&series))
         };
-        let all: Vec<Quality> = (0..mean.len()).into_par_iter().map(of_coordinate).collect();
-        let none = Quality { ess: f64::INFINITY, r_hat: f64::NAN, ess_of_squares: 0.0 };
-        all.iter().fold(none, |whole, of| Quality {
-            ess: of.ess.min(whole.ess),
-            r_hat: of.r_hat.max(whole.r_hat),
-            ess_of_squares: whole.ess_of_squares + of.ess_of_squares / self.dim as f64,
-        })
+        let all: Vec<(f64, f64, f64)> = (0..mean.len()).into_par_iter().map(of_coordinate).collect();
+        Quality {
+            ess: all.iter().map(|of| of.0).fold(f64::INFINITY, f64::min),
+            r_hat: all.iter().map(|of| of.1).fold(f64::NAN, f64::max),
+            ess_of_squares: all.iter().map(|of| of.2 / self.dim as f64).sum(),
+            energy_fraction: self.energy_fraction(),
+        }
+    }
+
+    fn energy_fraction(&self) -> f64 {
+        let of_chain = |i: usize| {
+            let energies: Vec<f64> = self.stats.iter().skip(i).step_by(self.chains).map(|stat| stat.energy).collect();
+            energy_fraction(&energies)
+        };
+        (0..self.chains).map(of_chain).sum::<f64>() / self.chains as f64
     }
 }
 

@@ -36,6 +36,8 @@ pub struct StepInfo {
     pub divergences: usize,
     /// Split R̂ over the chains' kept draws, the largest over coordinates.
     pub r_hat: Option<f64>,
+    /// E-BFMI, the mean over the chains.
+    pub energy_fraction: Option<f64>,
     /// Whether the particles were resampled at the start of the step.
     pub resampled: Option<bool>,
     /// Evaluations of the observation's log density without gradient.

@@ -130,6 +130,8 @@ pub struct FrameEstimate {
     pub log_evidence: Option<f64>,
     /// Split R-hat, the largest over the degrees of freedom.
     pub r_hat: Option<f64>,
+    /// E-BFMI, the mean over the chains.
+    pub energy_fraction: Option<f64>,
     /// Mean acceptance probability.
     pub acceptance: Option<f64>,
     /// Divergent trajectories.

@@ -381,6 +381,7 @@ fn describe(
         ess: info.ess,
         log_evidence: info.log_evidence,
         r_hat: info.r_hat,
+        energy_fraction: info.energy_fraction,
         acceptance: info.acceptance,
         divergences: info.divergences as u64,
         trajectories: info.trajectories as u64,

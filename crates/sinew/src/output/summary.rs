@@ -34,6 +34,9 @@ impl Default for Limits {
     }
 }
 
+/// E-BFMI below which chains are said not to reach the tails (the Stan developers' bound).
+const ENERGY_FRACTION_NEEDED: f64 = 0.3;
+
 /// How a run ended.
 #[derive(Clone, Debug, Default)]
 pub struct Ending {
@@ -125,6 +128,8 @@ pub struct Diagnostics {
     pub acceptance: Option<f64>,
     /// Split R-hat over a frame's chains; `null` for particle methods.
     pub r_hat: Option<Spread>,
+    /// Median over the frames of the E-BFMI of their chains; `null` for particle methods.
+    pub energy_fraction: Option<f64>,
     /// Median effective sample size.
     pub ess_median: Option<f64>,
     /// Least effective sample size.
@@ -151,6 +156,9 @@ pub(crate) struct Statistics {
     // Four bytes a number and frame are kept for the quantiles.
     r_hat: Vec<f32>,
     r_hat_frames: Vec<u32>,
+    energy_fraction: Vec<f32>,
+    energy_frames: Vec<u32>,
+    divergent_frames: Vec<u32>,
     ess: Vec<f32>,
     acceptance: [f64; 2],
     divergences: u64,
@@ -169,6 +177,16 @@ const FRAMES_LISTED: usize = 8;
 /// Spans without observation that are listed.
 const SPANS_LISTED: usize = 5;
 
+/// The first numbers of a list, and how many more there are.
+fn listed(frames: &[u32]) -> String {
+    let shown = &frames[..frames.len().min(FRAMES_LISTED)];
+    let listed = shown.iter().map(u32::to_string).collect::<Vec<_>>().join(", ");
+    match frames.len() - shown.len() {
+        0 => listed,
+        more => format!("{listed} and {more} more"),
+    }
+}
+
 impl Statistics {
     pub(crate) fn new(info: &RunInfo, texts: Texts) -> Self {
         Self {
@@ -183,6 +201,9 @@ impl Statistics {
             in_span: false,
             r_hat: Vec::new(),
             r_hat_frames: Vec::new(),
+            energy_fraction: Vec::new(),
+            energy_frames: Vec::new(),
+            divergent_frames: Vec::new(),
             ess: Vec::new(),
             acceptance: [0.0; 2],
             divergences: 0,
@@ -222,6 +243,15 @@ impl Statistics {
             self.r_hat.push(r_hat as f32);
             self.r_hat_frames.push(estimate.number as u32);
         }
+        if let Some(fraction) = estimate.energy_fraction {
+            self.energy_fraction.push(fraction as f32);
+            if fraction < ENERGY_FRACTION_NEEDED {
+                self.energy_frames.push(estimate.number as u32);
+            }
+        }
+        if estimate.divergences > 0 {
+            self.divergent_frames.push(estimate.number as u32);
+        }
         if let Some(acceptance) = estimate.acceptance {
             self.acceptance = [self.acceptance[0] + acceptance, self.acceptance[1] + 1.0];
         }
@@ -246,6 +276,7 @@ impl Statistics {
         Diagnostics {
             acceptance: (count > 0.0).then(|| sum / count),
             r_hat,
+            energy_fraction: quantiles(&self.energy_fraction, [0.5]).map(|[median]| median),
             ess_median: ess.map(|[median, _]| median),
             ess_least: ess.map(|[_, least]| least),
             divergences: self.divergences,
@@ -254,13 +285,10 @@ impl Statistics {
         }
     }
 
-    /// Numbers of the first frames whose R-hat is above a limit.
-    fn listed(&self, limit: f64) -> String {
+    /// Numbers of the frames whose R-hat is above a limit.
+    fn above(&self, limit: f64) -> Vec<u32> {
         let high = self.r_hat.iter().zip(&self.r_hat_frames).filter(|(r_hat, _)| is_above(**r_hat, limit));
-        let numbers: Vec<String> = high.map(|(_, number)| number.to_string()).collect();
-        let more = numbers.len().saturating_sub(FRAMES_LISTED);
-        let listed = numbers[..numbers.len() - more].join(", ");
-        if more > 0 { format!("{listed} and {more} more") } else { listed }
+        high.map(|(_, &number)| number).collect()
     }
 
     fn failed(&self, limits: &Limits) -> Vec<String> {
@@ -274,15 +302,16 @@ impl Statistics {
                 "split R-hat is above {} in {high} of {} frames ({}): the chains disagree, do not trust the intervals there; at most {} % may be",
                 limits.r_hat,
                 self.r_hat.len(),
-                self.listed(limits.r_hat),
+                listed(&self.above(limits.r_hat)),
                 100.0 * limits.r_hat_share
             ));
         }
         if self.divergences as f64 > limits.divergent_share * self.trajectories as f64 {
             failed.push(format!(
-                "{} of {} trajectories diverged; at most {} % may",
+                "{} of {} trajectories diverged (in frames {}): the intervals may be wrong there; at most {} % may",
                 self.divergences,
                 self.trajectories,
+                listed(&self.divergent_frames),
                 100.0 * limits.divergent_share
             ));
         }
@@ -308,6 +337,14 @@ impl Statistics {
             let (restarted, frames) = (self.restarted, self.frames);
             warnings.push(format!(
                 "tracking began anew in {restarted} of {frames} frames, which are then fits of single frames (`restarted` in frames.csv)"
+            ));
+        }
+        if !self.energy_frames.is_empty() {
+            warnings.push(format!(
+                "E-BFMI is below {ENERGY_FRACTION_NEEDED} in {} of {} frames ({}): the chains may not reach the tails, the intervals there may be too narrow; try more updates",
+                self.energy_frames.len(),
+                self.energy_fraction.len(),
+                listed(&self.energy_frames)
             ));
         }
         for (camera, seen) in info.cameras.iter().zip(&self.residual_px).filter(|_| self.observed > 0) {
@@ -467,6 +504,25 @@ mod tests {
     }
 
     #[test]
+    fn frames_whose_energies_move_slowly_or_diverge_are_named() {
+        let slow = |i: u64| FrameEstimate { energy_fraction: Some(if i < 2 { 0.1 } else { 0.9 }), ..usual() };
+        let (warnings, failed) = told(Method::Hmc, (0..20).map(slow));
+        assert_eq!(
+            warnings,
+            [
+                "E-BFMI is below 0.3 in 2 of 20 frames (10, 11): the chains may not reach the tails, the intervals there may be too narrow; try more updates"
+            ]
+        );
+        assert!(failed.is_empty());
+        let diverged = |i: u64| FrameEstimate { divergences: if i == 4 { 50 } else { 0 }, ..usual() };
+        let (_, failed) = told(Method::Hmc, (0..20).map(diverged));
+        assert_eq!(
+            failed,
+            ["50 of 2000 trajectories diverged (in frames 14): the intervals may be wrong there; at most 1 % may"]
+        );
+    }
+
+    #[test]
     fn each_diagnostic_fails_beyond_its_limit() {
         let frames = |high: usize| {
             (0..40).map(move |i| FrameEstimate { r_hat: Some(if i < high { 1.2 } else { 1.0 }), ..usual() })
@@ -479,7 +535,12 @@ mod tests {
             ]
         );
         let diverging = (0..4).map(|_| FrameEstimate { divergences: 2, ..usual() });
-        assert_eq!(told(Method::Hmc, diverging).1, ["8 of 400 trajectories diverged; at most 1 % may"]);
+        assert_eq!(
+            told(Method::Hmc, diverging).1,
+            [
+                "8 of 400 trajectories diverged (in frames 10, 11, 12, 13): the intervals may be wrong there; at most 1 % may"
+            ]
+        );
         let few = || (0..4).map(|_| FrameEstimate { ess: 9.4, ..usual() });
         let message = "the median effective sample size is 9.4; at least 10 is needed";
         assert_eq!((told(Method::Hmc, few()).1, told(Method::Bootstrap, few()).1), (vec![], vec![message.to_owned()]));

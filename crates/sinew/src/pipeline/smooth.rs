@@ -27,7 +27,7 @@ use std::path::{Path, PathBuf};
 /// Trajectories drawn.
 pub const TRAJECTORIES: usize = 128;
 
-const SCALARS: usize = 10;
+const SCALARS: usize = 11;
 
 /// Moments and diagnostics of the frames tracked so far, in a file.
 pub struct Spool {
@@ -94,6 +94,7 @@ impl Spool {
             estimate.acceptance.unwrap_or(f64::NAN),
             estimate.divergences as f64,
             estimate.trajectories as f64,
+            estimate.energy_fraction.unwrap_or(f64::NAN),
             f64::from(u8::from(estimate.restarted)),
         ];
         record.extend((0..self.cameras).map(|c| estimate.residual_px.get(c).copied().flatten().unwrap_or(f64::NAN)));
@@ -136,7 +137,8 @@ impl Spool {
             acceptance: option(h[6]),
             divergences: h[7] as u64,
             trajectories: h[8] as u64,
-            restarted: h[9] > 0.0,
+            energy_fraction: option(h[9]),
+            restarted: h[10] > 0.0,
             residual_px: h[SCALARS..][..self.cameras].iter().map(|&x| option(x)).collect(),
             seen: h[SCALARS + self.cameras..].as_chunks().0.to_vec(),
             ..FrameEstimate::default()
