@@ -9,6 +9,7 @@
 //! 5. h_j = curvature from K prior draws, ε_j = η / √h_j (eq. 17), both frozen for the frame
 //!    (with [`Geometry::Dense`], not the paper's, steps 2 and 5 use the Laplace approximation at the mode: u_i are its draws, w_i their importance weights, and its whole matrix the metric)
 //! 6. for each chain i and r = 1 … R: s^(i,r) = hybrid Monte Carlo update of s^(i,r−1) (eqs. 13–16)
+//!    (with a patience above 1, not the paper's, chains that disagree go on with so many times the updates, and only those count)
 //! 7. estimate = mean of s^(i,r) over all i and r ≥ b; a rejected state counts again
 //!
 //! Only the last states s^(i,R), and the moments of all kept draws, go on to the next frame. M(R + 1 − b) draws, M + M R L evaluations and one gradient a chain to begin with. Chains are moved in blocks of eight lanes: 10 chains cost as much as 16.
@@ -29,6 +30,9 @@ use sinew_samplers::moments;
 use sinew_samplers::starts::{importance_starts, laplace_starts};
 use sinew_samplers::tuning::{self, Trial, Tuned};
 
+/// Split R̂ above which the chains of a frame disagree.
+pub const R_HAT_BOUND: f64 = 1.05;
+
 /// Settings; the default is the paper's 28-dimensional one, with η in units of our curvature.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Config {
@@ -46,6 +50,8 @@ pub struct Config {
     pub jitter: f64,
     /// Prior draws K for the curvature.
     pub curvature_draws: usize,
+    /// A frame whose split R̂ is above [`R_HAT_BOUND`] is drawn again, from where its chains stand, with so many times the updates and discarded samples; 1 (the paper's) never.
+    pub patience: usize,
     /// Start and metric of the trajectories: the paper's, or those of the Laplace approximation.
     pub geometry: Geometry,
 }
@@ -60,13 +66,14 @@ impl Default for Config {
             leapfrog_steps: 40,
             jitter: 0.0,
             curvature_draws: 64,
+            patience: 1,
             geometry: Geometry::Diagonal,
         }
     }
 }
 
 impl Config {
-    /// For real recordings, not the paper's: 16 chains (what 10 cost), jitter and a dense metric; to be used with a Gaussian prior between frames.
+    /// For real recordings, not the paper's: 16 chains (what 10 cost), jitter, a dense metric and patience; to be used with a Gaussian prior between frames.
     #[must_use]
     pub fn real_recordings() -> Self {
         Self {
@@ -74,6 +81,7 @@ impl Config {
             step_size: 0.5,
             leapfrog_steps: 5,
             jitter: 0.2,
+            patience: 4,
             geometry: Geometry::Dense,
             ..Self::default()
         }
@@ -112,16 +120,18 @@ impl<T: Predict> HmcFilter<T> {
             return Err(Error::Dimension { name: "start", found, expected });
         }
         Hmc::new(config.step_size, &[], config.leapfrog_steps, config.jitter, isa)?;
-        for (name, value, least) in [("chains", config.chains, 1), ("updates", config.updates, config.burn_in.max(1))] {
+        for (name, value, least) in [
+            ("chains", config.chains, 1),
+            ("updates", config.updates, config.burn_in.max(1)),
+            ("patience", config.patience, 1),
+        ] {
             if value < least {
                 let expected = "must be at least 1, and updates at least burn_in";
                 return Err(Error::Config { name, value: value as f64, expected });
             }
         }
-        let kept = config.chains * (config.updates + 1 - config.burn_in);
-        let weights = vec![1.0 / kept as f64; kept];
         let draws = Draws { dim: expected, ..Draws::default() };
-        Ok(Self { config, transition, isa, estimate: centre, draws, weights, effective: 0.0, moments: None })
+        Ok(Self { config, transition, isa, estimate: centre, draws, weights: vec![], effective: 0.0, moments: None })
     }
 
     /// Steps 1–3 and 5: prior, starting states, curvature.
@@ -150,6 +160,15 @@ impl<T: Predict> HmcFilter<T> {
             }
         };
         Ok(Start { prior, states, metric, log_evidence })
+    }
+
+    /// Keeps draws of equal weight, and their mean.
+    fn keep(&mut self, draws: Draws) {
+        let count = draws.stats.len();
+        self.weights.clear();
+        self.weights.resize(count, 1.0 / count as f64);
+        self.estimate = moments::mean(&draws.states, draws.dim, &self.weights);
+        self.draws = draws;
     }
 
     fn view(&self) -> Posterior<'_> {
@@ -181,15 +200,23 @@ impl<T: Predict> HmcFilter<T> {
 
 impl<T: Predict + Send, O: GaussNewton + ?Sized> Tracker<O> for HmcFilter<T> {
     fn step(&mut self, observed: &O, stage: Stage) -> Result<StepInfo, Error> {
-        let Config { chains, updates, burn_in, step_size, leapfrog_steps, jitter, curvature_draws, .. } = self.config;
+        let Config { chains, step_size, leapfrog_steps, jitter, curvature_draws, patience, .. } = self.config;
+        let mut schedule = Schedule { updates: self.config.updates, burn_in: self.config.burn_in };
         let [to_start, to_move] = stage.split(["start", "chains"]);
         let Start { prior, states, metric, log_evidence } = self.start(observed, to_start)?;
         let hmc = Hmc::with_metric(step_size, &metric, leapfrog_steps, jitter, self.isa)?;
         let target = Sum(observed, &prior);
-        self.draws = draw(&target, &hmc, &states, chains, Schedule { updates, burn_in }, &to_move)?;
-
-        self.estimate = moments::mean(&self.draws.states, self.draws.dim, &self.weights);
-        let quality = self.draws.quality(&self.estimate);
+        self.keep(draw(&target, &hmc, &states, chains, schedule, &to_move)?);
+        let mut quality = self.draws.quality(&self.estimate);
+        let (mut runs, mut updates, mut divergences) = (1, schedule.updates, self.draws.divergences);
+        if patience > 1 && quality.r_hat > R_HAT_BOUND {
+            schedule = Schedule { updates: patience * schedule.updates, burn_in: patience * schedule.burn_in };
+            self.keep(draw(&target, &hmc, &self.draws.last, chains, schedule, &to_move.round(1))?);
+            quality = self.draws.quality(&self.estimate);
+            runs += 1;
+            updates += schedule.updates;
+            divergences += self.draws.divergences;
+        }
         self.effective = quality.ess_of_squares;
         self.moments = Some(self.view().shrunk_moments(self.isa));
         Ok(StepInfo {
@@ -198,12 +225,12 @@ impl<T: Predict + Send, O: GaussNewton + ?Sized> Tracker<O> for HmcFilter<T> {
             log_evidence: Some(log_evidence),
             acceptance: Some(self.draws.acceptance),
             trajectories: chains * updates,
-            divergences: self.draws.divergences,
+            divergences,
             r_hat: Some(quality.r_hat).filter(|r| !r.is_nan()),
             energy_fraction: Some(quality.energy_fraction).filter(|e| e.is_finite()),
             resampled: None,
             likelihood_evaluations: chains,
-            gradient_evaluations: chains * (1 + updates * leapfrog_steps) + curvature_draws,
+            gradient_evaluations: chains * (runs + updates * leapfrog_steps) + curvature_draws,
         })
     }
 

@@ -192,6 +192,7 @@ fn settings_are_checked() {
         hmc_filter::Config { step_size: f64::NAN, ..default() },
         hmc_filter::Config { leapfrog_steps: 0, ..default() },
         hmc_filter::Config { jitter: 1.0, ..default() },
+        hmc_filter::Config { patience: 0, ..default() },
     ] {
         assert!(hmc(bad.clone()).is_err(), "{bad:?}");
     }
@@ -213,4 +214,26 @@ fn tuning_gives_settings_that_accept_as_asked() {
     let observed = observation(0);
     let tuned = filter.tune(observed.as_ref(), &config, Stage::new(1, "tune")).expect("tunable");
     assert!((tuned.acceptance - 0.85).abs() <= 0.03 && tuned.leapfrog_steps <= 5, "{tuned:?}");
+}
+
+/// Chains that hardly move disagree, and only the patient filter goes on; with steps that mix neither does.
+#[test]
+fn chains_that_disagree_go_on_once() {
+    let run = |patience, step_size, updates| {
+        let config = hmc_filter::Config {
+            chains: 16,
+            updates,
+            leapfrog_steps: 5,
+            step_size,
+            patience,
+            ..hmc_filter::Config::default()
+        };
+        let mut tracker = HmcFilter::new(config, walk(Between::Gaussian), vec![0.0, 1.0], Isa::best()).expect("valid");
+        let seen = Lanes { leaf: Quadratic { centre: vec![0.1, 0.9], precision: vec![4.0; 2] }, isa: Isa::best() };
+        let info = tracker.step(&seen, Stage::new(5, "patience")).expect("step");
+        (info.trajectories, Tracker::<Lanes<Quadratic>>::posterior(&tracker).weights.len(), info.gradient_evaluations)
+    };
+    assert_eq!(run(1, 0.01, 12), (16 * 12, 16 * 7, 16 * (1 + 5 * 12) + 64));
+    assert_eq!(run(3, 0.01, 12), (16 * 48, 16 * 19, 16 * (2 + 5 * 48) + 64));
+    assert_eq!(run(3, 0.3, 120).0, 16 * 120);
 }

@@ -69,6 +69,7 @@ proptest! {
             leapfrog_steps: 3,
             jitter,
             curvature_draws: 8,
+            patience: 1,
             geometry,
         };
         let filter = HmcFilter::new(config, walk, vec![0.0; dim], Isa::best()).expect("valid");
