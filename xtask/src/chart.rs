@@ -148,3 +148,15 @@ fn spread(wanted: impl Iterator<Item = i32>, bottom: i32) -> Vec<i32> {
 pub fn finish(root: &Area<'_>) -> Outcome<()> {
     Ok(root.present()?)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::spread;
+
+    #[test]
+    fn names_stand_apart_and_above_the_bottom() {
+        assert_eq!(spread([10, 12, 90].into_iter(), 100), [10, 24, 90]);
+        assert_eq!(spread([80, 95, 99].into_iter(), 100), [72, 86, 100]);
+        assert_eq!(spread([].into_iter(), 100), [0; 0]);
+    }
+}
