@@ -200,18 +200,6 @@ impl<T: LaneGaussNewton, const WEIGHTED: bool> Kernel<Block> for Matrix<'_, T, W
     }
 }
 
-impl<T: LaneDensity> Lanes<T> {
-    /// The gradient in single precision.
-    pub fn single(&self, x: &[Block], grad: &mut [Block], ws: &mut [Block]) -> Block {
-        let mut value = Block::ZERO;
-        crate::lanes::dispatch_single(
-            self.isa,
-            Eval::<_, _, true> { leaf: &self.leaf, x, grad, ws, value: &mut value },
-        );
-        value
-    }
-}
-
 impl<T: LaneDensity> LogDensity for Lanes<T> {
     fn dim(&self) -> usize {
         self.leaf.dim()

@@ -11,7 +11,7 @@
 //! (degree 11, |r| ≤ ln 2 / 2) are minimax polynomials by Remez exchange with largest errors 7.7e-17 and 3.6e-18. Without fused multiply-add π/2 is subtracted in three pieces, the products of k < 2²⁰
 //! with the first two (33 bits each) being exact; with it in two, since k times the double next to π/2 and its difference from x are exact there; what is lost are relative digits of results below 1e-11, next to multiples of π/2.
 
-use crate::lanes::Real;
+use crate::lanes::{ROUND_MAGIC, Real};
 use core::f64::consts::{FRAC_PI_2, TAU};
 
 const PIO2: [f64; 3] = [
@@ -75,8 +75,8 @@ fn horner<V: Real, const N: usize>(z: V, coefficients: &[f64; N]) -> V {
 /// (sin x, cos x) for |x| ≤ 1e5, x in radians.
 #[inline(always)]
 pub fn sin_cos<V: Real>(x: V) -> (V, V) {
-    let t = x.fma(V::splat(core::f64::consts::FRAC_2_PI), V::splat(V::ROUND));
-    let k = t - V::splat(V::ROUND);
+    let t = x.fma(V::splat(core::f64::consts::FRAC_2_PI), V::splat(ROUND_MAGIC));
+    let k = t - V::splat(ROUND_MAGIC);
     let r = if V::FUSED {
         k.fnma(V::splat(PIO2_REST), k.fnma(V::splat(FRAC_PI_2), x))
     } else {
@@ -88,8 +88,8 @@ pub fn sin_cos<V: Real>(x: V) -> (V, V) {
 /// (sin 2πu, cos 2πu) for |u| ≤ 1e5.
 #[inline(always)]
 pub fn sin_cos_turns<V: Real>(u: V) -> (V, V) {
-    let t = u.fma(V::splat(4.0), V::splat(V::ROUND));
-    let k = t - V::splat(V::ROUND);
+    let t = u.fma(V::splat(4.0), V::splat(ROUND_MAGIC));
+    let k = t - V::splat(ROUND_MAGIC);
     in_quadrant(k.fnma(V::splat(0.25), u) * V::splat(TAU), t)
 }
 
@@ -105,9 +105,9 @@ fn in_quadrant<V: Real>(r: V, t: V) -> (V, V) {
 /// eˣ for −708 ≤ x ≤ 0; smaller x count as −708.
 #[inline(always)]
 pub fn exp<V: Real>(x: V) -> V {
-    let x = x.max(V::splat(V::LEAST_EXPONENT));
-    let t = x.fma(V::splat(core::f64::consts::LOG2_E), V::splat(V::ROUND));
-    let k = t - V::splat(V::ROUND);
+    let x = x.max(V::splat(-708.0));
+    let t = x.fma(V::splat(core::f64::consts::LOG2_E), V::splat(ROUND_MAGIC));
+    let k = t - V::splat(ROUND_MAGIC);
     let r = k.fnma(V::splat(LN2[0]), x);
     let r = k.fnma(V::splat(LN2[1]), r);
     horner(r, &EXP) * V::pow2(t)

@@ -155,10 +155,6 @@ pub trait Real:
     type Mem: Copy;
     /// Whether [`Real::fma`] rounds once.
     const FUSED: bool;
-    /// Added to a small number it leaves the nearest integer in the low bits of the mantissa.
-    const ROUND: f64 = ROUND_MAGIC;
-    /// Least argument of an exponential that is a normal number.
-    const LEAST_EXPONENT: f64 = -708.0;
     /// The same value in every lane.
     fn splat(x: f64) -> Self;
     /// Reads from memory.
@@ -217,16 +213,6 @@ pub fn dispatch<K: Kernel<Block>>(isa: Isa, mut kernel: K) {
         #[cfg(target_arch = "x86_64")]
         Kind::Avx2 => unsafe { x86::on_avx2(&mut kernel) },
         Kind::Baseline => kernel.run::<A8>(),
-    }
-}
-
-/// Runs a kernel in single precision, where AVX-512 is there; else it does nothing.
-#[inline]
-pub fn dispatch_single<K: Kernel<Block>>(isa: Isa, mut kernel: K) {
-    #[cfg(target_arch = "x86_64")]
-    if isa.0 == Kind::Avx512 {
-        // SAFETY: an `Isa` of this kind exists only after its features were detected.
-        unsafe { x86::single_on_avx512(&mut kernel) }
     }
 }
 
@@ -494,11 +480,6 @@ mod x86 {
         kernel.run::<Z8>();
     }
 
-    #[target_feature(enable = "avx512f,avx512dq,avx512vl,avx512bw,avx2,fma,bmi2")]
-    pub(super) fn single_on_avx512<K: Kernel<Block>>(kernel: &mut K) {
-        kernel.run::<S8>();
-    }
-
     /// Half after half: with both at once, sixteen registers do not hold what a kernel works on.
     #[target_feature(enable = "avx2,fma,bmi2")]
     pub(super) fn on_avx2<K: Kernel<Block>>(kernel: &mut K) {
@@ -632,111 +613,6 @@ mod x86 {
                     Self(_mm512_sub_pd(_mm512_castsi512_pd(e), _mm512_set1_pd(TWO52_PLUS_BIAS))),
                     Self(_mm512_castsi512_pd(m)),
                 )
-            }
-        }
-    }
-
-    /// Eight states in single precision, in half a register; in memory they stay in double precision.
-    #[derive(Clone, Copy)]
-    pub(super) struct S8(__m256);
-    macro_rules! s8_operator {
-        ($trait:ident, $fn:ident, $intrinsic:ident) => {
-            impl $trait for S8 {
-                type Output = Self;
-                #[inline(always)]
-                fn $fn(self, o: Self) -> Self {
-                    Self(unsafe { $intrinsic(self.0, o.0) })
-                }
-            }
-        };
-    }
-    s8_operator!(Add, add, _mm256_add_ps);
-    s8_operator!(Sub, sub, _mm256_sub_ps);
-    s8_operator!(Mul, mul, _mm256_mul_ps);
-    s8_operator!(Div, div, _mm256_div_ps);
-    impl Neg for S8 {
-        type Output = Self;
-        #[inline(always)]
-        fn neg(self) -> Self {
-            Self(unsafe { _mm256_xor_ps(self.0, _mm256_set1_ps(-0.0)) })
-        }
-    }
-    impl Real for S8 {
-        type Mem = Block;
-        const FUSED: bool = true;
-        const ROUND: f64 = 12_582_912.0;
-        const LEAST_EXPONENT: f64 = -87.0;
-        #[inline(always)]
-        fn splat(x: f64) -> Self {
-            Self(unsafe { _mm256_set1_ps(x as f32) })
-        }
-        #[inline(always)]
-        fn load(m: &Block) -> Self {
-            Self(unsafe { _mm512_cvtpd_ps(_mm512_load_pd(m.0.as_ptr())) })
-        }
-        #[inline(always)]
-        fn store(self, m: &mut Block) {
-            unsafe { _mm512_store_pd(m.0.as_mut_ptr(), _mm512_cvtps_pd(self.0)) }
-        }
-        #[inline(always)]
-        fn from_words(words: &[Word; LANES]) -> Self {
-            Self(unsafe { _mm512_cvtpd_ps(Z8::from_words(words).0) })
-        }
-        #[inline(always)]
-        fn fma(self, b: Self, c: Self) -> Self {
-            Self(unsafe { _mm256_fmadd_ps(self.0, b.0, c.0) })
-        }
-        #[inline(always)]
-        fn fnma(self, b: Self, c: Self) -> Self {
-            Self(unsafe { _mm256_fnmadd_ps(self.0, b.0, c.0) })
-        }
-        #[inline(always)]
-        fn sqrt(self) -> Self {
-            Self(unsafe { _mm256_sqrt_ps(self.0) })
-        }
-        #[inline(always)]
-        fn max(self, o: Self) -> Self {
-            Self(unsafe { _mm256_max_ps(self.0, o.0) })
-        }
-        #[inline(always)]
-        fn select_gt(self, limit: f64, yes: Self, no: Self) -> Self {
-            Self(unsafe {
-                let mask = _mm256_cmp_ps_mask::<_CMP_GT_OQ>(self.0, _mm256_set1_ps(limit as f32));
-                _mm256_mask_blend_ps(mask, no.0, yes.0)
-            })
-        }
-        #[inline(always)]
-        fn select_odd(t: Self, yes: Self, no: Self) -> Self {
-            Self(unsafe {
-                let mask = _mm256_test_epi32_mask(_mm256_castps_si256(t.0), _mm256_set1_epi32(1));
-                _mm256_mask_blend_ps(mask, no.0, yes.0)
-            })
-        }
-        #[inline(always)]
-        fn negate_by_bit1(self, t: Self) -> Self {
-            Self(unsafe {
-                let sign =
-                    _mm256_and_si256(_mm256_slli_epi32::<30>(_mm256_castps_si256(t.0)), _mm256_set1_epi32(i32::MIN));
-                _mm256_xor_ps(self.0, _mm256_castsi256_ps(sign))
-            })
-        }
-        #[inline(always)]
-        fn pow2(t: Self) -> Self {
-            Self(unsafe {
-                let k = _mm256_slli_epi32::<23>(_mm256_castps_si256(t.0));
-                _mm256_castsi256_ps(_mm256_add_epi32(k, _mm256_set1_epi32(0x3F80_0000)))
-            })
-        }
-        #[inline(always)]
-        fn exponent_mantissa(self) -> (Self, Self) {
-            unsafe {
-                let bits = _mm256_castps_si256(self.0);
-                let e = _mm256_sub_epi32(_mm256_srli_epi32::<23>(bits), _mm256_set1_epi32(127));
-                let m = _mm256_or_si256(
-                    _mm256_and_si256(bits, _mm256_set1_epi32(0x007F_FFFF)),
-                    _mm256_set1_epi32(0x3F80_0000),
-                );
-                (Self(_mm256_cvtepi32_ps(e)), Self(_mm256_castsi256_ps(m)))
             }
         }
     }
