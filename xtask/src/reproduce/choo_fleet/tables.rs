@@ -113,15 +113,18 @@ pub(super) fn write(
             }
         }
     }
-    for (name, text) in [
-        ("cells.csv", &cells),
-        ("variables.csv", &variables),
-        ("ratios.csv", &compared),
-        ("volumes.csv", &bounds),
-        ("frames.csv", &frames),
-        ("claims.md", &self::claims(claims)),
+    // What was not run this time keeps the tables of the last time.
+    for (name, text, judged) in [
+        ("cells.csv", &cells, have_single),
+        ("variables.csv", &variables, have_single),
+        ("ratios.csv", &compared, have_single),
+        ("volumes.csv", &bounds, have_single),
+        ("frames.csv", &frames, have_frames),
+        ("claims.md", &self::claims(claims), !claims.is_empty()),
     ] {
-        fs::write(folder.join(name), text)?;
+        if judged {
+            fs::write(folder.join(name), text)?;
+        }
     }
     let claim =
         |c: &Claim| json!({ "id": c.id, "paper": c.paper, "ours": c.ours, "criterion": c.criterion, "pass": c.pass });
