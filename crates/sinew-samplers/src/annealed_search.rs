@@ -3,7 +3,7 @@
 //! With n layers, survival rate α and a base covariance P = diag(sd²):
 //!
 //! 1. s_i ← s_i + N(0, P)
-//! 2. for v = 1 … n: l_i = log w(s_i); β_v solves D(β) = α N ([`crate::temperature`]); W_i ∝ exp(β_v l_i)
+//! 2. for v = 1 … n: l_i = log w(s_i); β_v solves D(β) = α times the number of states with a finite value ([`crate::temperature`]); W_i ∝ exp(β_v l_i)
 //!    - v = n: the mean Σ W_i s_i and the state of the largest w are what was found
 //!    - S ← resampled by W
 //!    - v < n: s_i ← s_i + N(0, α^v P)

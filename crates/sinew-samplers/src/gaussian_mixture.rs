@@ -128,15 +128,19 @@ impl Kernel<Block> for Draw<'_> {
 }
 
 impl GaussianMixture {
-    /// The mixture of `components` that fits the draws in `states` (blocks of `dim`), which together are worth `effective` independent ones.
+    /// The mixture of `components` that fits the draws in `states` (whole blocks of `dim`, every lane a draw), which together are worth `effective` independent ones.
     ///
     /// # Errors
-    /// [`Error::Empty`] without draws, [`Error::OutOfRange`] without components, [`Error::Metric`] where a coordinate of the draws does not vary or is not finite.
+    /// [`Error::Empty`] without draws, [`Error::OutOfRange`] without components or with fewer effective draws than components, [`Error::Metric`] where a coordinate of the draws does not vary or is not finite.
     pub fn fit(isa: Isa, states: &[Block], dim: usize, components: usize, effective: f64) -> Result<Self, Error> {
         let blocks = states.len() / dim.max(1);
         let count = blocks * LANES;
         if count == 0 {
             return Err(Error::Empty { count, dim });
+        }
+        if effective.is_nan() || effective < components as f64 {
+            let expected = "must be at least the number of components";
+            return Err(Error::OutOfRange { name: "effective number of draws", value: effective, expected });
         }
         if components == 0 {
             let (name, value) = ("number of components", 0.0);
@@ -169,7 +173,7 @@ impl GaussianMixture {
                 let sum: f64 = shares.iter().sum();
                 let draws = sum / count as f64 * effective;
                 // A component that has lost its draws is dropped.
-                if draws < 1.0 {
+                if draws < 0.5 {
                     continue;
                 }
                 shares.iter_mut().for_each(|r| *r /= sum);
@@ -299,6 +303,10 @@ mod tests {
         assert!(matches!(GaussianMixture::fit(isa, &[], 2, 1, 1.0), Err(Error::Empty { count: 0, dim: 2 })));
         let states = clusters(80);
         assert!(matches!(GaussianMixture::fit(isa, &states, 2, 0, 80.0), Err(Error::OutOfRange { .. })));
+        for effective in [f64::NAN, 0.0, 1.9] {
+            assert!(matches!(GaussianMixture::fit(isa, &states, 2, 2, effective), Err(Error::OutOfRange { .. })));
+        }
+        assert!(GaussianMixture::fit(isa, &states, 2, 2, 2.0).is_ok_and(|mixture| !mixture.components.is_empty()));
         assert_eq!(GaussianMixture::fit(isa, &[Block::ZERO; 4], 2, 1, 16.0), Err(Error::Metric));
     }
 }

@@ -4,7 +4,7 @@
 //!
 //! 1. s_i ~ prior, i = 1 … N; β = 0, log Z = 0
 //! 2. while β < 1:
-//!    - β' ≤ 1, the largest at which the weights w_i = exp((β' − β) log L(s_i)) keep the effective number α N ([`crate::temperature`])
+//!    - β' ≤ 1, the largest at which the weights w_i = exp((β' − β) log L(s_i)) keep the effective number α times that of the states with a finite value ([`crate::temperature`])
 //!    - log Z ← log Z + log Σ w_i / N; S ← resampled by w (systematic); β ← β'
 //!    - each s_i ← K updates of Hamiltonian Monte Carlo on prior(s) L(s)^β
 //!

@@ -186,6 +186,7 @@ pub fn no_u_turn<T: GradLogDensity + ?Sized>(
     acceptances: &[f64],
     stage: &Stage,
 ) -> Result<Tuned, Error> {
+    let chains = trial.chains().max(1);
     let mut run = |eta: f64, updates: usize, stage: &Stage| {
         let nuts = Nuts::with_metric(eta, trial.metric, max_depth, config.jitter, trial.isa)?;
         let schedule = Schedule { updates, burn_in: 1.min(updates) };
@@ -197,7 +198,7 @@ pub fn no_u_turn<T: GradLogDensity + ?Sized>(
         let (stage, mut round) = (stage.round(i), 0);
         let (step_size, acceptance) = search(&Config { acceptance, ..config.clone() }, |eta| {
             round += 1;
-            Ok(run(eta, config.trajectories.div_ceil(LANES), &stage.round(round))?.draws.acceptance)
+            Ok(run(eta, config.trajectories.div_ceil(chains), &stage.round(round))?.draws.acceptance)
         })?;
         let run = run(step_size, config.updates, &stage.round(0))?;
         let gradients_per_draw = run.leapfrog_steps as f64 / least_effective(&run.draws);

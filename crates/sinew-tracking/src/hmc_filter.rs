@@ -50,7 +50,7 @@ pub struct Config {
     pub jitter: f64,
     /// Prior draws K for the curvature.
     pub curvature_draws: usize,
-    /// A frame whose split R̂ is above [`R_HAT_BOUND`] is drawn again, from where its chains stand, with so many times the updates and discarded samples; 1 (the paper's) never.
+    /// A frame whose split R̂ is above [`R_HAT_BOUND`], or does not exist since no chain moved, is drawn again, from where its chains stand, with so many times the updates and discarded samples; 1 (the paper's) never.
     pub patience: usize,
     /// Start and metric of the trajectories: the paper's, or those of the Laplace approximation.
     pub geometry: Geometry,
@@ -80,6 +80,7 @@ impl Config {
             chains: 16,
             step_size: 0.5,
             leapfrog_steps: 5,
+            burn_in: 8,
             jitter: 0.2,
             patience: 4,
             geometry: Geometry::Dense,
@@ -209,7 +210,7 @@ impl<T: Predict + Send, O: GaussNewton + ?Sized> Tracker<O> for HmcFilter<T> {
         self.keep(draw(&target, &hmc, &states, chains, schedule, &to_move)?);
         let mut quality = self.draws.quality(&self.estimate);
         let (mut runs, mut updates, mut divergences) = (1, schedule.updates, self.draws.divergences);
-        if patience > 1 && quality.r_hat > R_HAT_BOUND {
+        if patience > 1 && (quality.r_hat > R_HAT_BOUND || quality.r_hat.is_nan()) {
             schedule = Schedule { updates: patience * schedule.updates, burn_in: patience * schedule.burn_in };
             self.keep(draw(&target, &hmc, &self.draws.last, chains, schedule, &to_move.round(1))?);
             quality = self.draws.quality(&self.estimate);
