@@ -84,13 +84,23 @@ impl Plan {
         match &self.straight_line {
             Some((body, links)) if BACK => body.sweep::<V, _>(q, links, &self.offsets, ws, grad, visitor),
             Some((body, links)) => body.positions::<V, _>(q, links, &self.offsets, ws, visitor),
-            None => {
-                let mut pass = self.pass(ws);
-                self.forward::<V, BACK>(q, &mut pass, visitor);
-                if BACK {
-                    self.pullback::<V>(&mut pass, grad);
-                }
-            }
+            None => self.walk::<V, BACK>(q, grad, ws, visitor),
+        }
+    }
+
+    /// [`Plan::sweep`] by loops for every body, with one copy of the visitor: for long ones.
+    #[inline(always)]
+    pub fn walk<V: Real, const BACK: bool>(
+        &self,
+        q: &[V::Mem],
+        grad: &mut [V::Mem],
+        ws: &mut [V::Mem],
+        visitor: &mut impl Visit<V>,
+    ) {
+        let mut pass = self.pass(ws);
+        self.forward::<V, BACK>(q, &mut pass, visitor);
+        if BACK {
+            self.pullback::<V>(&mut pass, grad);
         }
     }
 

@@ -283,13 +283,8 @@ impl LaneDensity for KeypointLikelihood {
 
     #[inline(always)]
     fn eval<V: Real, const GRAD: bool>(&self, x: &[V::Mem], grad: &mut [V::Mem], ws: &mut [V::Mem]) -> V {
-        let plan = &*self.plan;
-        let mut pass = plan.pass(ws);
         let mut visitor = LogDensities::<'_, V, GRAD> { of: self, value: V::splat(self.constant) };
-        plan.forward::<V, GRAD>(x, &mut pass, &mut visitor);
-        if GRAD {
-            plan.pullback::<V>(&mut pass, grad);
-        }
+        self.plan.walk::<V, GRAD>(x, grad, ws, &mut visitor);
         visitor.value
     }
 }

@@ -124,13 +124,8 @@ impl LaneDensity for MarkerViewsLikelihood {
 
     #[inline(always)]
     fn eval<V: Real, const GRAD: bool>(&self, x: &[V::Mem], grad: &mut [V::Mem], ws: &mut [V::Mem]) -> V {
-        let plan = &*self.plan;
-        let mut pass = plan.pass(ws);
         let mut residuals = Residuals { of: self, squares: V::splat(0.0), nearest: V::splat(f64::MIN) };
-        plan.forward::<V, GRAD>(x, &mut pass, &mut residuals);
-        if GRAD {
-            plan.pullback::<V>(&mut pass, grad);
-        }
+        self.plan.walk::<V, GRAD>(x, grad, ws, &mut residuals);
         let value = residuals.squares.fma(V::splat(-0.5 * self.information), V::splat(self.constant));
         residuals.nearest.select_gt(-MIN_DEPTH_M, V::splat(f64::NEG_INFINITY), value)
     }

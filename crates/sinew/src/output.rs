@@ -23,6 +23,7 @@ mod partial;
 mod pose;
 mod result_table;
 mod skeleton;
+mod statistics;
 mod storage;
 mod summary;
 mod table;
@@ -43,8 +44,8 @@ use draws::DrawStore;
 use markers::Markers;
 use partial::PartialFile;
 use skeleton::SkeletonFile;
+use statistics::Statistics;
 use std::sync::Arc;
-use summary::Statistics;
 use tables::Tables;
 
 const LOAD_PY: &str = include_str!("output/load.py");
