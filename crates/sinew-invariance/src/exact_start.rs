@@ -1,0 +1,117 @@
+//! Exact starts: a state drawn from the target and moved by the kernel is again a draw from the target.
+//!
+//! For each start x ~ π and its image x′ after k steps, the test compares h(x′) with h(x) pair by pair, which cancels most of the noise:
+//!
+//! - the mean of h(x′) − h(x) over its standard error, for every test function h;
+//! - the numbers of starts that rise and fall across the median of h, which are equally likely, with the exact law of signs: no moments needed.
+//!
+//! No burn-in, no autocorrelation, no tuning of the comparison. What it cannot see: a kernel that does not move at all, or only within a part of the target, keeps the target. [`crate::long_run`] sees that.
+
+use crate::p_values::{mean_is_zero, of_signs};
+use crate::sequential::{About, Control, Measured, run};
+use crate::{Report, TestFunctions};
+use sinew_core::random::{BlockRng, Stage};
+
+/// Sizes of the test.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ExactStart {
+    /// Starts of the first stage.
+    pub starts: usize,
+    /// Kernel steps from each start.
+    pub steps: usize,
+    /// Seed.
+    pub seed: u64,
+    /// How much evidence a verdict needs.
+    pub control: Control,
+}
+
+impl Default for ExactStart {
+    fn default() -> Self {
+        Self { starts: 10_000, steps: 1, seed: 1, control: Control::default() }
+    }
+}
+
+/// Draws beforehand from which medians are taken.
+const PILOT: usize = 201;
+
+const SHOWS: &str = "the kernel does not keep its target: a wrong acceptance ratio, a proposal ratio forgotten, a trajectory that loses volume, a rejected state not counted, noise of a wrong size. \
+     A wrong gradient passes (it costs acceptance only), and so does a kernel that never moves";
+
+/// Tests `transition` against exact draws of its target.
+pub fn exact_start(
+    config: &ExactStart,
+    mut draw: impl FnMut(&mut BlockRng) -> Vec<f64>,
+    mut transition: impl FnMut(&[f64], &mut BlockRng) -> Vec<f64>,
+    functions: &TestFunctions,
+) -> Report {
+    let [pilot, stages] = Stage::new(config.seed, "exact start").split(["pilot", "stages"]);
+    let medians = medians(&mut draw, functions, &mut pilot.whole());
+    let steps = config.steps;
+    let measured =
+        |starts| format!("{starts} starts drawn from the target, each moved by {steps} step(s), compared pair by pair");
+    let about = About { test: "exact start", would_show: SHOWS, seed: config.seed, measured: &measured };
+    run(&config.control, &about, config.starts, |starts, stage| {
+        let mut rng = stages.round(stage).whole();
+        let mut sums = vec![Sums::default(); medians.len()];
+        for _ in 0..starts {
+            let first = draw(&mut rng);
+            let mut last = transition(&first, &mut rng);
+            for _ in 1..steps {
+                last = transition(&last, &mut rng);
+            }
+            let (before, after) = (functions.at(&first), functions.at(&last));
+            for (j, sums) in sums.iter_mut().enumerate() {
+                sums.add(before[j], after[j], medians[j]);
+            }
+        }
+        let found = functions.names().iter().zip(&sums).flat_map(|(name, sums)| {
+            let (z, p) = mean_is_zero(sums.difference, sums.square, starts);
+            let balance = (sums.up as f64 - sums.down as f64) / ((sums.up + sums.down).max(1) as f64).sqrt();
+            [
+                Measured { name: format!("mean of {name}"), value: z, p },
+                Measured {
+                    name: format!("crossings of the median of {name}"),
+                    value: balance,
+                    p: of_signs(sums.up, sums.down),
+                },
+            ]
+        });
+        found.collect()
+    })
+}
+
+/// Medians of the test functions over a few draws.
+fn medians(
+    draw: &mut impl FnMut(&mut BlockRng) -> Vec<f64>,
+    functions: &TestFunctions,
+    rng: &mut BlockRng,
+) -> Vec<f64> {
+    let values: Vec<Vec<f64>> = (0..PILOT).map(|_| functions.at(&draw(rng))).collect();
+    let median = |j: usize| {
+        let mut column: Vec<f64> = values.iter().map(|v| v[j]).collect();
+        column.sort_by(f64::total_cmp);
+        column[PILOT / 2]
+    };
+    (0..functions.names().len()).map(median).collect()
+}
+
+#[derive(Clone, Default)]
+struct Sums {
+    difference: f64,
+    square: f64,
+    up: u64,
+    down: u64,
+}
+
+impl Sums {
+    fn add(&mut self, before: f64, after: f64, median: f64) {
+        let change = after - before;
+        self.difference += change;
+        self.square += change * change;
+        match (before > median, after > median) {
+            (false, true) => self.up += 1,
+            (true, false) => self.down += 1,
+            _ => {}
+        }
+    }
+}

@@ -1,0 +1,103 @@
+//! Geweke's joint-distribution test ("Getting it right", 2004), for a posterior kernel whose target has no exact draws.
+//!
+//! Parameters θ and data y have two simulators of the same joint law:
+//!
+//! - marginal–conditional: θ ~ p(θ), y ~ p(y | θ), independent each time;
+//! - successive–conditional: y ~ p(y | θ), θ ← K_y(θ), over and over, with the posterior kernel K_y under test.
+//!
+//! Means of test functions of (θ, y) must agree. Here each successive chain starts from a marginal–conditional draw, so that it has the joint law from its first state on, and there are many of them: their means are
+//! independent, and no autocorrelation has to be estimated. A small error of the kernel is carried from cycle to cycle and adds up along a chain, which gives the test its power.
+
+use crate::p_values::of_z;
+use crate::sequential::{About, Control, Measured, run};
+use crate::{Report, TestFunctions};
+use sinew_core::random::{BlockRng, Stage};
+
+/// Sizes of the test.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Geweke {
+    /// Successive–conditional chains of the first stage; there are as many times `cycles` independent draws beside them.
+    pub chains: usize,
+    /// Cycles of data and kernel in each chain.
+    pub cycles: usize,
+    /// Seed.
+    pub seed: u64,
+    /// How much evidence a verdict needs.
+    pub control: Control,
+}
+
+impl Default for Geweke {
+    fn default() -> Self {
+        Self { chains: 400, cycles: 50, seed: 1, control: Control::default() }
+    }
+}
+
+const SHOWS: &str = "the kernel's posterior is not that of the simulator: a likelihood, prior or noise level that differs between them, a wrong acceptance rule, a forgotten half step. \
+     A wrong gradient under a right acceptance rule passes";
+
+/// Tests `kernel(θ, y, rng)` against `prior(rng)` and `simulate(θ, rng)`. Test functions see θ followed by y.
+pub fn geweke(
+    config: &Geweke,
+    mut prior: impl FnMut(&mut BlockRng) -> Vec<f64>,
+    mut simulate: impl FnMut(&[f64], &mut BlockRng) -> Vec<f64>,
+    mut kernel: impl FnMut(&[f64], &[f64], &mut BlockRng) -> Vec<f64>,
+    functions: &TestFunctions,
+) -> Report {
+    let stages = Stage::new(config.seed, "joint distribution");
+    let cycles = config.cycles.max(1);
+    let measured = |chains| {
+        format!(
+            "{chains} chains of {cycles} cycles of new data and a kernel step, beside {} independent draws",
+            chains * cycles
+        )
+    };
+    let about = About { test: "joint distribution", would_show: SHOWS, seed: config.seed, measured: &measured };
+    run(&config.control, &about, config.chains, |chains, stage| {
+        let mut rng = stages.round(stage).whole();
+        let count = functions.names().len();
+        let (mut independent, mut successive) = (vec![Mean::default(); count], vec![Mean::default(); count]);
+        for _ in 0..chains {
+            let mut theta = vec![];
+            for _ in 0..cycles {
+                theta = prior(&mut rng);
+                let joint = [&*theta, &simulate(&theta, &mut rng)].concat();
+                independent.iter_mut().zip(functions.at(&joint)).for_each(|(mean, value)| mean.add(value));
+            }
+            let mut sums = vec![0.0; count];
+            for _ in 0..cycles {
+                let data = simulate(&theta, &mut rng);
+                theta = kernel(&theta, &data, &mut rng);
+                let joint = [&*theta, &*data].concat();
+                sums.iter_mut().zip(functions.at(&joint)).for_each(|(sum, value)| *sum += value);
+            }
+            successive.iter_mut().zip(sums).for_each(|(mean, sum)| mean.add(sum / cycles as f64));
+        }
+        let found = functions.names().iter().zip(independent.iter().zip(&successive)).map(|(name, (a, b))| {
+            let difference = b.mean - a.mean;
+            let z = if difference == 0.0 { 0.0 } else { difference / (a.squared_error() + b.squared_error()).sqrt() };
+            Measured { name: format!("mean of {name}"), value: z, p: of_z(z) }
+        });
+        found.collect()
+    })
+}
+
+/// Mean and its squared standard error, by Welford's recursion.
+#[derive(Clone, Default)]
+struct Mean {
+    count: f64,
+    mean: f64,
+    squares: f64,
+}
+
+impl Mean {
+    fn add(&mut self, value: f64) {
+        self.count += 1.0;
+        let off = value - self.mean;
+        self.mean += off / self.count;
+        self.squares += off * (value - self.mean);
+    }
+
+    fn squared_error(&self) -> f64 {
+        self.squares / (self.count - 1.0) / self.count
+    }
+}

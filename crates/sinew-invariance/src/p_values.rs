@@ -1,0 +1,94 @@
+//! Two-sided p-values of the statistics used here.
+
+use statrs::distribution::{Binomial, ChiSquared, ContinuousCDF, DiscreteCDF, Normal};
+
+/// Of a standard normal z-score.
+pub(crate) fn of_z(z: f64) -> f64 {
+    Normal::standard().sf(z.abs()) * 2.0
+}
+
+/// Of a χ² with that many degrees of freedom, to the right.
+pub(crate) fn of_chi_square(value: f64, freedom: usize) -> f64 {
+    ChiSquared::new(freedom as f64).map_or(f64::NAN, |law| law.sf(value))
+}
+
+/// Of `up` rises among `up + down` changes that go either way with equal probability, exactly; 1 where nothing changed.
+pub(crate) fn of_signs(up: u64, down: u64) -> f64 {
+    let changes = up + down;
+    Binomial::new(0.5, changes).map_or(f64::NAN, |law| (2.0 * law.cdf(up.min(down))).min(1.0))
+}
+
+/// χ² of counts against equal expectations, with its p-value.
+pub(crate) fn uniform_counts(counts: &[u64]) -> (f64, f64) {
+    let total: u64 = counts.iter().sum();
+    let expected = total as f64 / counts.len() as f64;
+    let value = counts.iter().map(|&c| (c as f64 - expected).powi(2) / expected).sum();
+    (value, of_chi_square(value, counts.len() - 1))
+}
+
+/// Largest distance D between two empirical distribution functions, with the p-value of Kolmogorov's limit law at (√n + 0.12 + 0.11 / √n) D (Stephens 1970), n = ab / (a + b).
+/// Ties are taken together, which makes the p-value too large, never too small.
+pub(crate) fn two_samples(a: &mut [f64], b: &mut [f64]) -> (f64, f64) {
+    if a.iter().chain(&*b).any(|x| x.is_nan()) {
+        return (f64::NAN, f64::NAN);
+    }
+    a.sort_by(f64::total_cmp);
+    b.sort_by(f64::total_cmp);
+    let (mut i, mut j, mut distance) = (0, 0, 0.0_f64);
+    while i < a.len() && j < b.len() {
+        let x = a[i].min(b[j]);
+        i += a[i..].iter().take_while(|&&y| y == x).count();
+        j += b[j..].iter().take_while(|&&y| y == x).count();
+        distance = distance.max((i as f64 / a.len() as f64 - j as f64 / b.len() as f64).abs());
+    }
+    let root = ((a.len() * b.len()) as f64 / (a.len() + b.len()) as f64).sqrt();
+    (distance, of_kolmogorov((root + 0.12 + 0.11 / root) * distance))
+}
+
+/// P(K > x) of Kolmogorov's distribution: 2 Σ (−1)^(k−1) exp(−2 k² x²).
+fn of_kolmogorov(x: f64) -> f64 {
+    if x < 0.2 {
+        return 1.0;
+    }
+    let term = |k: i32| f64::from(1 - 2 * ((k + 1) % 2)) * (-2.0 * f64::from(k * k) * x * x).exp();
+    (2.0 * (1..=40).map(term).sum::<f64>()).clamp(0.0, 1.0)
+}
+
+/// Mean over the standard error of the mean, with its p-value; a sample that is all zero has 0 and 1.
+pub(crate) fn mean_is_zero(sum: f64, square: f64, count: usize) -> (f64, f64) {
+    if square == 0.0 {
+        return (0.0, 1.0);
+    }
+    let n = count as f64;
+    let mean = sum / n;
+    let z = mean / ((square / n - mean * mean).max(0.0) / (n - 1.0)).sqrt();
+    (z, of_z(z))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn values_are_those_of_tables() {
+        assert!((of_z(1.959_964) - 0.05).abs() < 1e-6);
+        assert!((of_z(-5.326_724) / 1e-7 - 1.0).abs() < 1e-4);
+        assert!((of_chi_square(30.143_527, 19) - 0.05).abs() < 1e-6);
+        assert!((of_kolmogorov(1.358_099) - 0.05).abs() < 1e-5);
+        assert!((of_kolmogorov(0.571_173) - 0.9).abs() < 1e-4);
+        assert!((of_signs(0, 5) - 0.0625).abs() < 1e-12);
+        assert_eq!(of_signs(0, 0), 1.0);
+        assert_eq!(of_signs(4, 4), 1.0);
+    }
+
+    #[test]
+    fn samples_that_agree_or_tie_are_no_alarm() {
+        let mut a: Vec<f64> = (0..100).map(f64::from).collect();
+        let mut b = a.clone();
+        assert_eq!(two_samples(&mut a, &mut b), (0.0, 1.0));
+        let mut c: Vec<f64> = (1000..1100).map(f64::from).collect();
+        let (distance, p) = two_samples(&mut a, &mut c);
+        assert!(distance == 1.0 && p < 1e-40, "{p}");
+        assert!(two_samples(&mut [1.0, f64::NAN], &mut b).1.is_nan());
+    }
+}
