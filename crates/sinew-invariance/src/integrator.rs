@@ -10,10 +10,13 @@
 
 use crate::report::{Bound, Report, Statistic};
 
+/// (q, p, step size, number of steps) ↦ (q′, p′).
+pub type Map<'a> = dyn Fn(&[f64], &[f64], f64, usize) -> (Vec<f64>, Vec<f64>) + 'a;
+
 /// An integrator and its energy.
 pub struct Integrator<'a> {
-    /// (q, p, step size, number of steps) ↦ (q′, p′).
-    pub map: &'a dyn Fn(&[f64], &[f64], f64, usize) -> (Vec<f64>, Vec<f64>),
+    /// What it does to a place in phase space.
+    pub map: &'a Map<'a>,
     /// H(q, p).
     pub energy: &'a dyn Fn(&[f64], &[f64]) -> f64,
 }

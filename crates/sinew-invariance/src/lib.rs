@@ -27,7 +27,7 @@ pub use exact_rank::{ExactRank, exact_rank};
 pub use exact_start::{ExactStart, exact_start};
 pub use geweke::{Geweke, geweke};
 pub use gradient::{Differences, gradient};
-pub use integrator::{Integrator, Start, energy_order, reversibility, volume};
+pub use integrator::{Integrator, Map, Start, energy_order, reversibility, volume};
 pub use report::{Bound, Report, Statistic};
 pub use resampling::{CountLaw, Resampling, resampling};
 pub use sequential::Control;

@@ -67,16 +67,13 @@ impl Gaussian {
     pub fn equicorrelated(dim: usize, rho: f64) -> Self {
         assert!((0.0..1.0).contains(&rho), "0 ≤ rho < 1");
         let mut factor: Vec<Vec<f64>> = Vec::with_capacity(dim);
-        for i in 0..dim {
-            let mut row = Vec::with_capacity(i + 1);
-            for j in 0..=i {
-                let known: f64 = if j < i {
-                    row.iter().zip(&factor[j]).map(|(a, b): (&f64, &f64)| a * b).sum()
-                } else {
-                    row.iter().map(|a| a * a).sum()
-                };
-                row.push(if j < i { (rho - known) / factor[j][j] } else { (1.0 - known).sqrt() });
+        for _ in 0..dim {
+            let mut row: Vec<f64> = Vec::with_capacity(dim);
+            for earlier in &factor {
+                let known: f64 = row.iter().zip(earlier).map(|(a, b)| a * b).sum();
+                row.push((rho - known) / earlier[row.len()]);
             }
+            row.push((1.0 - row.iter().map(|a| a * a).sum::<f64>()).sqrt());
             factor.push(row);
         }
         Self::new(vec![0.0; dim], factor)
