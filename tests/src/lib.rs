@@ -1,1 +1,6 @@
-//! Unpublished: statistical, conformance and end-to-end tests of the workspace live in this member's `tests/` folder.
+//! Unpublished: exact references and statistical checks of the workspace, as functions of a seed and a size. The tests in this member's `tests/` folder call them in reduced size; statistical, conformance and
+//! end-to-end tests live there too.
+
+pub mod kernels;
+pub mod sampler_invariance;
+pub mod size;

@@ -5,9 +5,11 @@
 //! - the mean of h(x′) − h(x) over its standard error, for every test function h;
 //! - the numbers of starts that rise and fall across the median of h, which are equally likely, with the exact law of signs: no moments needed.
 //!
-//! No burn-in, no autocorrelation, no tuning of the comparison. What it cannot see: a kernel that does not move at all, or only within a part of the target, keeps the target. [`crate::long_run`] sees that.
+//! No burn-in, no autocorrelation, no tuning of the comparison. A kernel that does not move keeps any target; one that moves fewer than a start in a hundred fails here, since nothing
+//! was tested. What this test cannot see: a kernel that moves within a part of the state only. [`crate::long_run`] sees that.
 
 use crate::p_values::{mean_is_zero, of_signs};
+use crate::report::{Bound, Statistic};
 use crate::sequential::{About, Control, Measured, run};
 use crate::{Report, TestFunctions};
 use sinew_core::random::{BlockRng, Stage};
@@ -35,7 +37,7 @@ impl Default for ExactStart {
 const PILOT: usize = 201;
 
 const SHOWS: &str = "the kernel does not keep its target: a wrong acceptance ratio, a proposal ratio forgotten, a trajectory that loses volume, a rejected state not counted, noise of a wrong size. \
-     A wrong gradient passes (it costs acceptance only), and so does a kernel that never moves";
+     A wrong gradient passes: it costs acceptance only";
 
 /// Tests `transition` against exact draws of its target.
 pub fn exact_start(
@@ -50,7 +52,8 @@ pub fn exact_start(
     let measured =
         |starts| format!("{starts} starts drawn from the target, each moved by {steps} step(s), compared pair by pair");
     let about = About { test: "exact start", would_show: SHOWS, seed: config.seed, measured: &measured };
-    run(&config.control, &about, config.starts, |starts, stage| {
+    let mut moved = Moved::default();
+    let mut report = run(&config.control, &about, config.starts, |starts, stage| {
         let mut rng = stages.round(stage).whole();
         let mut sums = vec![Sums::default(); medians.len()];
         for _ in 0..starts {
@@ -59,6 +62,7 @@ pub fn exact_start(
             for _ in 1..steps {
                 last = transition(&last, &mut rng);
             }
+            moved.add(first != last);
             let (before, after) = (functions.at(&first), functions.at(&last));
             for (j, sums) in sums.iter_mut().enumerate() {
                 sums.add(before[j], after[j], medians[j]);
@@ -77,7 +81,34 @@ pub fn exact_start(
             ]
         });
         found.collect()
-    })
+    });
+    report.statistics.push(moved.statistic());
+    report
+}
+
+/// How many starts ended elsewhere.
+#[derive(Default)]
+pub(crate) struct Moved {
+    starts: u64,
+    moved: u64,
+}
+
+/// A kernel that moves fewer than one start in a hundred keeps any target as far as these tests can see, and fails them.
+const LEAST_MOVED: f64 = 0.01;
+
+impl Moved {
+    pub(crate) fn add(&mut self, moved: bool) {
+        self.starts += 1;
+        self.moved += u64::from(moved);
+    }
+
+    pub(crate) fn statistic(&self) -> Statistic {
+        Statistic {
+            name: "share of starts that moved".into(),
+            value: self.moved as f64 / self.starts.max(1) as f64,
+            bound: Bound::Range { least: LEAST_MOVED, most: 1.0 },
+        }
+    }
 }
 
 /// Medians of the test functions over a few draws.

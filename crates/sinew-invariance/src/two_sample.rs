@@ -3,6 +3,7 @@
 //! For every test function h the distribution functions of h(x), x ~ π, and of h(x′), x′ = k steps from another draw, are compared by Kolmogorov and Smirnov's distance. It sees changes of shape that leave means and
 //! medians alone; where those change, [`crate::exact_start`] needs fewer draws, since its pairs cancel noise.
 
+use crate::exact_start::Moved;
 use crate::p_values::two_samples;
 use crate::sequential::{About, Measured, run};
 use crate::{ExactStart, Report, TestFunctions};
@@ -21,15 +22,18 @@ pub fn two_sample(
     let steps = config.steps;
     let measured = |draws| format!("{draws} draws from the target beside {draws} that were moved by {steps} step(s)");
     let about = About { test: "two samples", would_show: SHOWS, seed: config.seed, measured: &measured };
-    run(&config.control, &about, config.starts, |starts, stage| {
+    let mut share = Moved::default();
+    let mut report = run(&config.control, &about, config.starts, |starts, stage| {
         let mut rng = stages.round(stage).whole();
         let mut columns = vec![(Vec::with_capacity(starts), Vec::with_capacity(starts)); functions.names().len()];
         for _ in 0..starts {
             let fresh = functions.at(&draw(&mut rng));
-            let mut moved = draw(&mut rng);
+            let start = draw(&mut rng);
+            let mut moved = start.clone();
             for _ in 0..steps {
                 moved = transition(&moved, &mut rng);
             }
+            share.add(moved != start);
             for ((column, fresh), moved) in columns.iter_mut().zip(fresh).zip(functions.at(&moved)) {
                 column.0.push(fresh);
                 column.1.push(moved);
@@ -40,5 +44,7 @@ pub fn two_sample(
             Measured { name: format!("distance of {name}"), value, p }
         });
         found.collect()
-    })
+    });
+    report.statistics.push(share.statistic());
+    report
 }

@@ -53,7 +53,7 @@ impl Hmc {
         match metric {
             Metric::Diagonal(curvature) => Self::new(step_size, curvature, leapfrog_steps, jitter, isa),
             Metric::Dense(dense) => {
-                let unit = Self::new(step_size, &[], leapfrog_steps, jitter, isa)?;
+                let unit = Self::new(step_size, &[1.0], leapfrog_steps, jitter, isa)?;
                 Ok(Self { steps: Steps::Dense(dense.clone().scaled(step_size)), ..unit })
             }
         }
@@ -62,7 +62,7 @@ impl Hmc {
     /// Component steps η / √h_j for the `curvature` h.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] unless the step size and each curvature are positive and finite, there is at least one step, and 0 ≤ jitter < 1.
+    /// [`Error::OutOfRange`] unless the step size and each curvature are positive and finite, there is at least one curvature and one step, and 0 ≤ jitter < 1.
     pub fn new(step_size: f64, curvature: &[f64], leapfrog_steps: usize, jitter: f64, isa: Isa) -> Result<Self, Error> {
         let positive = |name, value: f64| {
             let expected = "must be positive and finite";
@@ -70,6 +70,7 @@ impl Hmc {
         };
         positive("step size", step_size)?;
         positive("number of leapfrog steps", leapfrog_steps as f64)?;
+        positive("number of curvatures", curvature.len() as f64)?;
         for &h in curvature {
             positive("curvature", h)?;
         }
@@ -78,6 +79,15 @@ impl Hmc {
         }
         let steps = Steps::Components(curvature.iter().map(|h| step_size / h.sqrt()).collect());
         Ok(Self { steps, leapfrog_steps, jitter, isa })
+    }
+
+    /// Dimension of the states that it moves.
+    #[must_use]
+    pub fn dim(&self) -> usize {
+        match &self.steps {
+            Steps::Components(steps) => steps.len(),
+            Steps::Dense(dense) => dense.dim(),
+        }
     }
 
     /// Leapfrog steps L of a trajectory.
@@ -299,6 +309,9 @@ pub struct End {
 }
 
 /// One trajectory of leapfrog steps. `gradient` holds the gradient of the log density at `position` on entry and on return; `workspace` is the target's.
+///
+/// # Panics
+/// When the metric has another dimension than the states: coordinates without a step would never move.
 pub fn leapfrog<T: GradLogDensity + ?Sized>(
     target: &T,
     hmc: &Hmc,
@@ -308,6 +321,7 @@ pub fn leapfrog<T: GradLogDensity + ?Sized>(
     gradient: &mut [Block],
     workspace: &mut [Block],
 ) -> End {
+    assert_eq!(hmc.dim(), position.len(), "dimension of the metric and of the states");
     let mut log_density = Block::ZERO;
     let mut broken = Block::ZERO;
     for step in 0..hmc.leapfrog_steps {
