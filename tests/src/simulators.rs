@@ -36,8 +36,7 @@ impl PartOfBody {
     #[must_use]
     pub fn new(first: usize, dim: usize, sigma: f64) -> Self {
         let plan = Arc::new(Plan::with_all_points(&cf28(&Proportions::default())));
-        let pose: Vec<f64> =
-            (0..28).map(|j| 0.2 * (1.7 * j as f64).sin() + if j == 2 { 1.0 } else { 0.0 }).collect();
+        let pose: Vec<f64> = (0..28).map(|j| 0.2 * (1.7 * j as f64).sin() + if j == 2 { 1.0 } else { 0.0 }).collect();
         let model = MarkerModel { plan, centre: [0.0, -4.8, 1.0], sigma, isa: Isa::best() };
         Self { model, part: Part::new((first..first + dim).collect(), 28).expect("coordinates of CF28"), pose }
     }
@@ -133,9 +132,8 @@ impl PartOfBody {
         let mut all = TestFunctions::none();
         for i in 0..d {
             let (first, second) = (scaled.clone(), scaled.clone());
-            all = all
-                .with(format!("θ{i}"), move |x| first(x, i))
-                .with(format!("θ{i}²"), move |x| second(x, i).powi(2));
+            all =
+                all.with(format!("θ{i}"), move |x| first(x, i)).with(format!("θ{i}²"), move |x| second(x, i).powi(2));
         }
         for (i, j) in (0..d).map(|i| (i, (i + 1) % d)).take(10) {
             let scaled = scaled.clone();
