@@ -2,9 +2,12 @@
 //! end-to-end tests live there too.
 
 pub mod calibrated_samplers;
+pub mod checks;
 pub mod joint_distribution;
 pub mod kernels;
+pub mod outcome;
 pub mod planted_hmc;
+pub mod resampling_laws;
 pub mod sampler_invariance;
 pub mod simulators;
 pub mod size;

@@ -1,6 +1,7 @@
 //! The samplers against `sinew-invariance`, in reduced size and with fixed seeds. False alarms: 1e-6 a report.
 
 use sinew_invariance::Report;
+use sinew_tests::resampling_laws;
 use sinew_tests::sampler_invariance as samplers;
 use sinew_tests::size::Size;
 
@@ -47,4 +48,9 @@ fn samplers_reach_their_targets() {
 #[test]
 fn leapfrog_is_reversible_keeps_volume_and_is_of_second_order() {
     all_hold(&samplers::integrator(1, Size::Reduced));
+}
+
+#[test]
+fn every_resampling_scheme_keeps_its_law() {
+    all_hold(&resampling_laws::every_scheme(1, Size::Reduced));
 }

@@ -6,6 +6,7 @@ mod picture;
 mod reproduce;
 mod source;
 mod tidy;
+mod verify;
 
 use clap::{Parser, Subcommand};
 use std::path::Path;
@@ -29,6 +30,8 @@ enum Command {
     Reproduce(reproduce::Args),
     /// Check the rules that docs/ARCHITECTURE.md states: layers, who may do IO, leftovers, module docs.
     Tidy,
+    /// Run every statistical check: does each claim of docs/correctness.md hold?
+    Verify(verify::Args),
 }
 
 fn main() -> ExitCode {
@@ -38,5 +41,6 @@ fn main() -> ExitCode {
         Command::Picture => picture::run(root),
         Command::Reproduce(args) => reproduce::run(root, &args),
         Command::Tidy => tidy::run(root),
+        Command::Verify(args) => verify::run(root, &args),
     }
 }

@@ -106,7 +106,7 @@ impl Moved {
         Statistic {
             name: "share of starts that moved".into(),
             value: self.moved as f64 / self.starts.max(1) as f64,
-            bound: Bound::Range { least: LEAST_MOVED, most: 1.0 },
+            bound: Bound::Range { least: LEAST_MOVED, most: f64::INFINITY },
         }
     }
 }

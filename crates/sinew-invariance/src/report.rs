@@ -42,10 +42,10 @@ impl Statistic {
         }
     }
 
-    /// How near to its bound it is, for sorting: the smaller the worse.
+    /// How near to its bound it is, for sorting: 1 is far, 0 at the bound, less is beyond.
     fn margin(&self) -> f64 {
         match self.bound {
-            Bound::Probability { p, above } if p.is_finite() => p / above,
+            Bound::Probability { p, above } if p.is_finite() => 1.0 - p.ln() / above.ln(),
             Bound::Range { least, most } if self.value.is_finite() => {
                 let (inside, width) = ((self.value - least).min(most - self.value), most - least);
                 if width.is_finite() { inside / width } else { inside / self.value.abs().max(f64::MIN_POSITIVE) }

@@ -1,0 +1,165 @@
+//! Every statistical check in a row, with a page of results in plain words and the same as JSON: `cargo xtask verify [--nightly] [--seed S]`.
+//!
+//! Random checks run in stages until their evidence is clear (the kit's `Control`), so that a rotating seed does not cry wolf: the page says how likely one false alarm among all of them is.
+
+use clap::Args as ClapArgs;
+use rayon::prelude::*;
+use serde_json::{Value, json};
+use sinew_tests::checks::{CHECKS, Check};
+use sinew_tests::outcome::Outcome;
+use sinew_tests::size::Size;
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::time::{Instant, SystemTime, UNIX_EPOCH};
+
+/// Options.
+#[derive(ClapArgs)]
+pub struct Args {
+    /// Full size, up to an hour on two cores; without it the size of the ordinary suite.
+    #[arg(long)]
+    nightly: bool,
+    /// Seed of all checks; by default the number of the day, so that it turns.
+    #[arg(long)]
+    seed: Option<u64>,
+    /// Only these checks, by name.
+    #[arg(long, value_delimiter = ',')]
+    only: Vec<String>,
+    /// Folder for the page and the JSON.
+    #[arg(long)]
+    out: Option<PathBuf>,
+}
+
+/// A check with what it found.
+struct Done {
+    check: Check,
+    outcomes: Vec<Outcome>,
+    seconds: f64,
+}
+
+impl Done {
+    fn verdict(&self) -> &'static str {
+        match (self.outcomes.is_empty(), self.outcomes.iter().all(|o| o.holds)) {
+            (true, _) => "skipped: no data",
+            (_, true) => "holds",
+            (_, false) => "FAILS",
+        }
+    }
+
+    fn failed(&self) -> bool {
+        self.verdict() == "FAILS"
+    }
+}
+
+/// Days since 1970.
+fn today() -> u64 {
+    SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_secs() / 86_400)
+}
+
+/// Runs the checks.
+pub fn run(root: &Path, args: &Args) -> ExitCode {
+    let known = |name: &String| CHECKS.iter().any(|check| check.name == *name);
+    if let Some(name) = args.only.iter().find(|name| !known(name)) {
+        let names: Vec<&str> = CHECKS.iter().map(|check| check.name).collect();
+        eprintln!("error: no check is named `{name}`\nhelp: there are {}", names.join(", "));
+        return ExitCode::from(2);
+    }
+    let size = if args.nightly { Size::Full } else { Size::Reduced };
+    let seed = args.seed.unwrap_or_else(today);
+    let chosen: Vec<Check> = CHECKS
+        .iter()
+        .filter(|check| args.only.is_empty() || args.only.iter().any(|name| name == check.name))
+        .copied()
+        .collect();
+    println!("{} checks, {} size, seed {seed}", chosen.len(), if args.nightly { "full" } else { "reduced" });
+    let start = Instant::now();
+    let done: Vec<Done> = chosen
+        .par_iter()
+        .with_max_len(1)
+        .map(|check| {
+            let from = Instant::now();
+            let outcomes = (check.run)(seed, size);
+            let done = Done { check: *check, outcomes, seconds: from.elapsed().as_secs_f64() };
+            println!("{:>6.1} s  {}  {}", done.seconds, done.verdict(), check.name);
+            done
+        })
+        .collect();
+    let seconds = start.elapsed().as_secs_f64();
+    let folder = args.out.clone().unwrap_or_else(|| root.join("target/verify"));
+    let name = format!("seed-{seed}{}", if args.nightly { "" } else { "-reduced" });
+    let written = std::fs::create_dir_all(&folder)
+        .and_then(|()| std::fs::write(folder.join(format!("{name}.md")), page(&done, seed, size, seconds)))
+        .and_then(|()| {
+            std::fs::write(folder.join(format!("{name}.json")), as_json(&done, seed, size, seconds).to_string())
+        });
+    if let Err(error) = written {
+        eprintln!("error: {}: {error}", folder.display());
+        return ExitCode::from(5);
+    }
+    println!("{}", summary(&done, seconds));
+    println!("page: {}", folder.join(format!("{name}.md")).display());
+    if done.iter().any(Done::failed) { ExitCode::FAILURE } else { ExitCode::SUCCESS }
+}
+
+/// Probability of at least one failure although all is well, at most.
+fn false_alarms(done: &[Done]) -> f64 {
+    done.iter().flat_map(|d| &d.outcomes).map(|o| o.false_alarm_rate).sum()
+}
+
+fn summary(done: &[Done], seconds: f64) -> String {
+    let failed: Vec<&str> = done.iter().filter(|d| d.failed()).map(|d| d.check.name).collect();
+    let skipped = done.iter().filter(|d| d.outcomes.is_empty()).count();
+    let findings: usize = done.iter().map(|d| d.outcomes.len()).sum();
+    let statistics: usize = done.iter().flat_map(|d| &d.outcomes).map(|o| o.statistics).sum();
+    let verdict = if failed.is_empty() { "all hold".into() } else { format!("FAILED: {}", failed.join(", ")) };
+    format!(
+        "{verdict}; {} checks ({skipped} skipped for want of data), {findings} findings, {statistics} statistics, {:.1} minutes; chance of a false alarm at most {:.1e}",
+        done.len(),
+        seconds / 60.0,
+        false_alarms(done),
+    )
+}
+
+fn page(done: &[Done], seed: u64, size: Size, seconds: f64) -> String {
+    let mut text = format!("# Checks with seed {seed}, {size:?} size\n\n{}\n\n", summary(done, seconds));
+    text.push_str("| claim | check | verdict | findings | nearest to its bound | s |\n|---|---|---|---|---|---|\n");
+    for d in done {
+        let worst = d.outcomes.iter().find(|o| !o.holds).or_else(|| d.outcomes.iter().max_by_key(|o| o.stages));
+        let _ = writeln!(
+            text,
+            "| {} | {} | {} | {} | {} | {:.0} |",
+            d.check.claim,
+            d.check.name,
+            d.verdict(),
+            d.outcomes.len(),
+            worst.map_or_else(String::new, |o| o.worst.replace('|', "\\|")),
+            d.seconds
+        );
+    }
+    for d in done.iter().filter(|d| d.failed()) {
+        let _ = writeln!(text, "\n## {} fails\n", d.check.name);
+        for o in d.outcomes.iter().filter(|o| !o.holds) {
+            let _ = writeln!(text, "- {}\n  - {} (stage {})", o.name, o.worst, o.stages);
+        }
+    }
+    text
+}
+
+fn as_json(done: &[Done], seed: u64, size: Size, seconds: f64) -> Value {
+    let outcome = |o: &Outcome| {
+        json!({
+            "name": o.name, "holds": o.holds, "worst": o.worst, "false_alarm_rate": o.false_alarm_rate,
+            "statistics": o.statistics, "stages": o.stages,
+        })
+    };
+    let check = |d: &Done| {
+        json!({
+            "name": d.check.name, "claim": d.check.claim, "verdict": d.verdict(), "seconds": d.seconds,
+            "outcomes": d.outcomes.iter().map(outcome).collect::<Vec<_>>(),
+        })
+    };
+    json!({
+        "seed": seed, "size": format!("{size:?}"), "seconds": seconds, "false_alarm_rate": false_alarms(done),
+        "checks": done.iter().map(check).collect::<Vec<_>>(),
+    })
+}
