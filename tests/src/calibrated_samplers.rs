@@ -60,7 +60,7 @@ pub fn hmc(seed: u64, size: Size) -> (Report, Ranks) {
         let state = |step: usize, lane: usize| states[step * d..][..d].iter().map(|b| b.0[lane]).collect::<Vec<f64>>();
         (0..n).map(|i| state(i / LANES * thin + thin - 1, i % LANES)).collect()
     };
-    check(seed, size.pick(100, 500), &body, posterior)
+    check(seed, size.pick(100, 2000), &body, posterior)
 }
 
 /// Tempered sequential Monte Carlo on the arm.
@@ -80,7 +80,7 @@ pub fn tempered(seed: u64, size: Size) -> (Report, Ranks) {
         let last = &sample.draws[config.updates - 1];
         (0..n).map(|i| last.state(4 * i)).collect()
     };
-    check(seed, size.pick(100, 500), &body, posterior)
+    check(seed, size.pick(100, 2000), &body, posterior)
 }
 
 /// One frame of the particle filter on the arm: particles from the prior, weighted, and as many as wanted chosen by weight.
@@ -103,7 +103,7 @@ pub fn particle_filter(seed: u64, size: Size) -> (Report, Ranks) {
         };
         chosen.iter().map(|&i| state(i)).collect()
     };
-    check(seed, size.pick(100, 500), &body, posterior)
+    check(seed, size.pick(100, 2000), &body, posterior)
 }
 
 /// The annealed search on the arm, its last layer taken for a posterior: it is none.
@@ -124,5 +124,5 @@ pub fn annealed(seed: u64, size: Size) -> (Report, Ranks) {
         let found = search(&body.posterior(y), &start, &sd, &config, Isa::best(), to_search).expect("weights");
         (0..n).map(|i| found.population.state(4 * i)).collect()
     };
-    check(seed, size.pick(100, 200), &body, posterior)
+    check(seed, size.pick(100, 500), &body, posterior)
 }

@@ -12,7 +12,7 @@ use sinew_invariance::draws::normals;
 use sinew_invariance::{Geweke, Report, TestFunctions, geweke};
 
 fn config(seed: u64, size: Size) -> Geweke {
-    Geweke { chains: size.pick(200, 2000), cycles: 50, seed, ..Geweke::default() }
+    Geweke { chains: size.pick(200, 6000), cycles: 50, seed, ..Geweke::default() }
 }
 
 /// The sampler on the arm of CF28; `believed` is what it takes for the errors' size, over the true one.

@@ -177,7 +177,7 @@ pub fn step_size_sweep(seed: u64, size: Size) -> Vec<Report> {
 /// Shapes, where means and medians might agree by accident.
 #[must_use]
 pub fn shapes(seed: u64, size: Size) -> Vec<Report> {
-    let config = ExactStart { starts: size.pick(4000, 60_000), steps: 3, seed, ..ExactStart::default() };
+    let config = ExactStart { starts: size.pick(4000, 100_000), steps: 3, seed, ..ExactStart::default() };
     let one_of_eight = |target: &dyn Exact| {
         let own = target.boxed();
         TestFunctions::none().with("x0", |x| x[0]).with("log density", move |x| own.log_density(&x[..own.dim()]))
@@ -197,7 +197,7 @@ pub fn shapes(seed: u64, size: Size) -> Vec<Report> {
 /// Detailed balance of Hamiltonian updates: ranks within paths.
 #[must_use]
 pub fn ranks_in_paths(seed: u64, size: Size) -> Vec<Report> {
-    let config = ExactRank { paths: size.pick(1000, 20_000), steps: 4, seed, ..ExactRank::default() };
+    let config = ExactRank { paths: size.pick(1000, 60_000), steps: 4, seed, ..ExactRank::default() };
     let check = |name: &str, target: &dyn Exact, step, leapfrogs| {
         let borrowed = Borrowed(target);
         let kernel = || kernels::hmc(&borrowed, plain(target.dim(), step, leapfrogs, 0.2));

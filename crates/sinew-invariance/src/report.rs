@@ -48,7 +48,7 @@ impl Statistic {
             Bound::Probability { p, above } if p.is_finite() => 1.0 - p.ln() / above.ln(),
             Bound::Range { least, most } if self.value.is_finite() => {
                 let (inside, width) = ((self.value - least).min(most - self.value), most - least);
-                if width.is_finite() { inside / width } else { inside / self.value.abs().max(f64::MIN_POSITIVE) }
+                if width.is_finite() { 2.0 * inside / width } else { inside / self.value.abs().max(f64::MIN_POSITIVE) }
             }
             _ => f64::NEG_INFINITY,
         }
