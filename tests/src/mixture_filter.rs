@@ -53,8 +53,8 @@ impl Tally {
 pub fn config(chains: usize) -> Config {
     Config {
         chains,
-        updates: 10,
-        burn_in: 3,
+        updates: 20,
+        burn_in: 8,
         step_size: 0.7,
         leapfrog_steps: 5,
         jitter: 0.2,

@@ -15,7 +15,7 @@ const ALLOWED: [(&str, &[&str]); 11] = [
     ("sinew-tracking", &["sinew-samplers", "sinew-core"]),
     ("sinew-formats", &["sinew-body", "sinew-observe"]),
     ("sinew-invariance", &["sinew-core"]),
-    ("xtask", &["sinew"]),
+    ("xtask", &["sinew", "sinew-tests"]),
     ("sinew-tests", &["sinew"]),
 ];
 
