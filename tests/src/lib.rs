@@ -7,6 +7,7 @@ pub mod depth_flip;
 pub mod evidence;
 pub mod filter_priors;
 pub mod finding;
+pub mod full_size;
 pub mod growth;
 pub mod kept_targets;
 pub mod linear_series;

@@ -223,18 +223,20 @@ pub fn sampled(posterior: &Posterior, sampler: Sampler, updates: usize, seed: u6
     let isa = Isa::best();
     let [to_warm, to_tune, to_draw] = Stage::new(seed, &posterior.name).split(["warm up", "tune", "draw"]);
     let (metric, states) = warm_up(posterior, &to_warm)?;
-    let config = tuning::Config { jitter: 0.2, lengths: vec![3, 5, 8, 12], ..tuning::Config::default() };
+    // Trajectories of one length near half a period turn means about and leave spreads where they are; lengths that scatter by half mix both.
+    let jitter = if sampler == Sampler::Hmc { 0.5 } else { 0.2 };
+    let config = tuning::Config { jitter, lengths: vec![3, 5, 8, 12], ..tuning::Config::default() };
     let mut trial = Trial { target: posterior, metric: &metric, states, isa };
     let schedule = Schedule { updates, burn_in: 50.min(updates) };
     match sampler {
         Sampler::Hmc => {
             let tuned = tuning::cheapest(&mut trial, &config, &[0.95], &to_tune)?;
-            let hmc = Hmc::with_metric(tuned.step_size, &metric, tuned.leapfrog_steps, 0.2, isa)?;
+            let hmc = Hmc::with_metric(tuned.step_size, &metric, tuned.leapfrog_steps, jitter, isa)?;
             draw(posterior, &hmc, &trial.states, CHAINS, schedule, &to_draw)
         }
         Sampler::Nuts => {
             let tuned = tuning::no_u_turn(&mut trial, &config, 10, &[0.95], &to_tune)?;
-            let nuts = Nuts::with_metric(tuned.step_size, &metric, 10, 0.2, isa)?;
+            let nuts = Nuts::with_metric(tuned.step_size, &metric, 10, jitter, isa)?;
             Ok(nuts::draw(posterior, &nuts, &trial.states, CHAINS, schedule, &to_draw)?.draws)
         }
     }

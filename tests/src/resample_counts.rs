@@ -49,16 +49,25 @@ pub fn counts(scheme: Scheme, name: &str, weights: &[f64], n: usize, repeats: us
         }
     }
     let r = repeats as f64;
-    let mut worst = 0.0_f64;
+    let (mut worst, mut rare, mut expected_rare) = (0.0_f64, 0.0, 0.0);
     for i in 0..weights.len() {
+        // No law of whole counts has less variance than this.
+        let part = expected[i].fract();
+        let least = part * (1.0 - part);
+        if least * r < 25.0 && expected[i] < 0.5 {
+            rare += sums[i] + r * expected[i];
+            expected_rare += r * expected[i];
+            continue;
+        }
         let mean = sums[i] / r;
-        // Of a weight too small ever to be seen the counts do not vary; the binomial variance then stands in.
-        let variance = (squares[i] / r - mean * mean).max(expected[i].fract().min(1.0) * 1e-3).max(1e-18 * (n * n) as f64);
+        let variance = (squares[i] / r - mean * mean).max(least).max(1e-18 * (n * n) as f64);
         let z = mean / (variance / r).sqrt();
         if z.abs() > worst.abs() {
             worst = z;
         }
     }
+    // Weights too small for a normal law are counted together, to far beyond what a Poisson law allows.
+    broken += usize::from(rare > expected_rare + 10.0 * expected_rare.sqrt() + 10.0);
     let detail = format!("largest of {} weights, {repeats} repeats, seed {seed}", weights.len());
     [
         Finding::at_most(format!("{what}: broken laws"), broken as f64, 0.0, "sums, zero weights, floors and ceilings"),

@@ -9,7 +9,7 @@ use sinew_tests::kept_targets::{
 /// H6. 66 statistics: false alarm 2e-3, most of it from 13 Kolmogorov–Smirnov tests at 1e-4.
 #[test]
 fn one_update_leaves_exact_draws_exact() {
-    demand(&exact_starts(CameraPoint::stored().as_ref(), 2000, 6));
+    demand(&exact_starts(CameraPoint::stored().as_ref(), 6000, 6));
 }
 
 /// H7.
@@ -35,13 +35,13 @@ fn dropped_rejections_are_detected() {
 
 #[test]
 fn a_long_run_has_the_variance_of_its_target() {
-    demand(&[long_run(2000, 28)]);
+    demand(&[long_run(6000, 28)]);
 }
 
 /// 16 statistics at |z| < 4.5.
 #[test]
 fn every_step_size_keeps_the_variance() {
-    demand(&sweep(12, 29));
+    demand(&sweep(30, 29));
 }
 
 #[test]

@@ -36,7 +36,7 @@ fn densities_and_gradients_are_those_stored() {
 
 fn judge(sampler: Sampler) {
     for posterior in all() {
-        demand(&judged(&posterior, sampler, 500, 1));
+        demand(&judged(&posterior, sampler, 800, 1));
     }
 }
 
