@@ -2,12 +2,28 @@
 //! end-to-end tests live there too.
 
 pub mod calibrated_samplers;
+pub mod camera_point;
 pub mod checks;
+pub mod data;
+pub mod depth_flip;
+pub mod evidence;
+pub mod filter_priors;
+pub mod finding;
+pub mod full_size;
+pub mod growth;
 pub mod joint_distribution;
+pub mod kept_targets;
 pub mod kernels;
+pub mod linear_series;
+pub mod mixture_filter;
 pub mod outcome;
 pub mod planted_hmc;
+pub mod posteriordb;
+pub mod quadrature;
+pub mod resample_counts;
 pub mod resampling_laws;
 pub mod sampler_invariance;
 pub mod simulators;
 pub mod size;
+pub mod static_posteriors;
+pub mod two_samples;

@@ -1,16 +1,13 @@
 //! Trackers and the backward pass against exact filters (E4b, E5, the smoother, and the bootstrap filter's evidence).
 
-mod filters_linear;
-
-use filters_linear::{Series, rows};
 use sinew::core::diagnostics::effective_sample_size;
 use sinew::core::lanes::{Block, Isa};
 use sinew::core::random::Stage;
-use sinew::core::transition::Moments;
 use sinew::dynamics::smoother::Smoother;
 use sinew::tracking::bootstrap::{self, Bootstrap};
 use sinew::tracking::hmc_filter::{Config, HmcFilter};
 use sinew::tracking::{StepInfo, Tracker};
+use sinew_tests::linear_series::{Series, Sight, deviations};
 
 fn hmc(series: &Series, config: Config) -> HmcFilter<sinew::dynamics::linear_gaussian::LinearGaussian> {
     HmcFilter::new(config, series.model(), series.m0.clone(), Isa::best()).expect("valid")
@@ -30,19 +27,15 @@ fn short_chains() -> Config {
     }
 }
 
-fn deviations(m: &Moments) -> Vec<f64> {
-    m.covariance.iter().step_by(m.mean.len() + 1).map(|v| v.sqrt()).collect()
-}
-
 /// E5. 4 means and 10 covariances at |z| < 4.5: false alarm 1e-4.
 #[test]
 fn one_frame_of_the_hmc_filter_has_the_exact_posterior() {
     let series = Series::simulated(4, 1, &Stage::new(5, "E5 data"));
-    let (exact, _) = series.kalman().remove(0);
+    let exact = series.kalman().remove(0).filtered;
     let mut filter = hmc(&series, Config { updates: 3000, ..short_chains() });
     let info = filter.step(&series.sight(0), Stage::new(5, "E5")).expect("posterior");
     assert!(info.r_hat.is_some_and(|r| r < 1.01) && info.divergences == 0, "{info:?}");
-    let posterior = Tracker::<filters_linear::Sight>::posterior(&filter);
+    let posterior = Tracker::<Sight>::posterior(&filter);
     let mut states = vec![vec![0.0; 4]; posterior.count()];
     states.iter_mut().enumerate().for_each(|(i, s)| posterior.state(i, s));
     let check = |name: String, exact: f64, value: &dyn Fn(&[f64]) -> f64| {
@@ -75,13 +68,13 @@ fn the_hmc_filter_with_a_gaussian_prior_agrees_with_kalman() {
         for run in 0..runs {
             let mut filter = hmc(&series, short_chains());
             let mut slot = 0;
-            for (frame, (exact, _)) in exact.iter().enumerate() {
+            for (frame, exact) in exact.iter().map(|frame| &frame.filtered).enumerate() {
                 let stage = Stage::new(run, "E4b").at_frame(frame as u32);
                 let info = filter.step(&series.sight(frame), stage).expect("posterior");
                 if !frames.contains(&frame) {
                     continue;
                 }
-                let got = Tracker::<filters_linear::Sight>::posterior(&filter).moments(Isa::best());
+                let got = Tracker::<Sight>::posterior(&filter).moments(Isa::best());
                 for (j, sd) in deviations(exact).iter().enumerate() {
                     errors[slot].push((info.mean[j] - exact.mean[j]) / sd);
                     errors[slot + 1].push(got.covariance[j * (series.dim + 1)] / (sd * sd) - 1.0);
@@ -115,7 +108,7 @@ fn intervals_of_the_hmc_filter_cover_what_they_say() {
             for frame in 0..frames {
                 let stage = Stage::new(run, "coverage").at_frame(frame as u32);
                 filter.step(&series.sight(frame), stage).expect("posterior");
-                let posterior = Tracker::<filters_linear::Sight>::posterior(&filter);
+                let posterior = Tracker::<Sight>::posterior(&filter);
                 for j in 0..dim {
                     let mut values: Vec<f64> =
                         (0..posterior.count()).map(|i| posterior.states[i / 8 * dim + j].0[i % 8]).collect();
@@ -131,47 +124,22 @@ fn intervals_of_the_hmc_filter_cover_what_they_say() {
     }
 }
 
-/// The filter used as reference agrees with the stored one, and so does the backward pass on its exact moments.
-#[test]
-fn the_smoother_is_exact_on_exact_moments() {
-    for name in ["lgssm_d2.json", "lgssm_d10.json"] {
-        let Some(series) = Series::stored(name) else { return };
-        let filtered = series.kalman();
-        let log_likelihood: f64 = filtered.iter().map(|f| f.1).sum();
-        let stored = series.stored["log_likelihood"].as_f64().expect("number");
-        assert!((log_likelihood - stored).abs() < 1e-8, "{name}: {log_likelihood} against {stored}");
-        let smoother = Smoother::new(series.dim, series.a.clone(), series.q.clone()).expect("square");
-        let (means, variances) = (rows(&series.stored["smoothed_mean"]), rows(&series.stored["smoothed_var_diag"]));
-        let mut now = filtered[filtered.len() - 1].0.clone();
-        for frame in (0..filtered.len()).rev() {
-            if frame + 1 < filtered.len() {
-                now = smoother.step(&filtered[frame].0, &now).expect("positive definite");
-            }
-            for j in 0..series.dim {
-                let (mean, variance) = (now.mean[j], now.covariance[j * (series.dim + 1)]);
-                assert!((mean - means[frame][j]).abs() < 1e-9, "{name}, frame {frame}: {mean}");
-                assert!((variance - variances[frame][j]).abs() < 1e-9, "{name}, frame {frame}: {variance}");
-            }
-        }
-    }
-}
-
 /// Trajectories drawn backwards have the smoothed moments. 20 × 2 statistics at |z| < 4.5.
 #[test]
 fn sampled_trajectories_have_the_smoothed_moments() {
     let (dim, frames, blocks) = (4, 5, 4000);
     let series = Series::simulated(dim, frames, &Stage::new(11, "trajectories data"));
-    let filtered = series.kalman();
+    let filtered: Vec<_> = series.kalman().into_iter().map(|frame| frame.filtered).collect();
     let smoother = Smoother::new(dim, series.a.clone(), series.q.clone()).expect("square");
     let mut rng = Stage::new(11, "trajectories").whole();
     let isa = Isa::best();
     let mut states = vec![Block::ZERO; blocks * dim];
-    let mut now = filtered[frames - 1].0.clone();
+    let mut now = filtered[frames - 1].clone();
     smoother.sample_last(&now, &mut states, isa, &mut rng).expect("semi-definite");
     for frame in (0..frames).rev() {
         if frame + 1 < frames {
-            now = smoother.step(&filtered[frame].0, &now).expect("positive definite");
-            smoother.sample(&filtered[frame].0, &mut states, isa, &mut rng).expect("positive definite");
+            now = smoother.step(&filtered[frame], &now).expect("positive definite");
+            smoother.sample(&filtered[frame], &mut states, isa, &mut rng).expect("positive definite");
         }
         for j in 0..dim {
             let values: Vec<f64> = states[j..].iter().step_by(dim).flat_map(|b| b.0).collect();
@@ -201,13 +169,13 @@ fn bootstrap_run(series: &Series, particles: usize, seed: u64) -> Vec<StepInfo> 
 fn the_bootstrap_filter_agrees_with_kalman() {
     let Some(series) = Series::stored("lgssm_d2.json") else { return };
     let exact = series.kalman();
-    let log_z: f64 = exact.iter().map(|e| e.1).sum();
+    let log_z: f64 = exact.iter().map(|e| e.log_likelihood).sum();
     let (mut square, mut count) = (0.0, 0.0);
     for seed in 0..20 {
         let run = bootstrap_run(&series, 4000, seed);
         let error = run.iter().filter_map(|i| i.log_evidence).sum::<f64>() - log_z;
         assert!(error.abs() < 0.75, "seed {seed}: log Z off by {error}, bound 0.75");
-        for (info, (exact, _)) in run.iter().zip(&exact) {
+        for (info, exact) in run.iter().zip(exact.iter().map(|frame| &frame.filtered)) {
             for (j, sd) in deviations(exact).iter().enumerate() {
                 square += ((info.mean[j] - exact.mean[j]) / sd).powi(2);
                 count += 1.0;
@@ -222,7 +190,7 @@ fn the_bootstrap_filter_agrees_with_kalman() {
 #[test]
 fn the_evidence_of_the_bootstrap_filter_is_unbiased() {
     let Some(series) = Series::stored("lgssm_d2.json") else { return };
-    let log_z: f64 = series.kalman().iter().map(|e| e.1).sum();
+    let log_z: f64 = series.kalman().iter().map(|e| e.log_likelihood).sum();
     let ratios: Vec<f64> = (0..200)
         .map(|seed| {
             (bootstrap_run(&series, 250, seed).iter().filter_map(|i| i.log_evidence).sum::<f64>() - log_z).exp()

@@ -2,6 +2,7 @@
 
 mod accuracy;
 mod chart;
+mod filter_priors;
 mod picture;
 mod reproduce;
 mod source;
@@ -24,6 +25,8 @@ struct Cli {
 enum Command {
     /// Measure accuracy and coverage: the tables of docs/accuracy.md.
     Accuracy(accuracy::Args),
+    /// Measure the HMC filter's priors between frames against exact filters: the tables of docs/filter-priors.md.
+    FilterPriors(filter_priors::Args),
     /// Draw docs/images/demo.svg, the picture of the README.
     Picture,
     /// Reproduce a paper: its tables and figures on our data, its claims judged.
@@ -38,6 +41,7 @@ fn main() -> ExitCode {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap_or(Path::new("."));
     match Cli::parse().command {
         Command::Accuracy(args) => accuracy::run(root, &args),
+        Command::FilterPriors(args) => filter_priors::run(root, &args),
         Command::Picture => picture::run(root),
         Command::Reproduce(args) => reproduce::run(root, &args),
         Command::Tidy => tidy::run(root),

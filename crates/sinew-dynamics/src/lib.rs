@@ -1,7 +1,7 @@
 //! Motion priors: how a state moves between frames, and what that makes of one frame's posterior.
 //!
 //! [`random_walk::RandomWalk`] is the model of Choo & Fleet (2001); its prior between frames is their mixture over the last states of the chains, or one Gaussian of all draws. [`linear_gaussian::LinearGaussian`]
-//! is the model on which filters can be checked exactly. [`smoother`] runs back over the moments that a filter left.
+//! is the model on which filters can be checked exactly, by the one of [`kalman`]. [`smoother`] runs back over the moments that a filter left.
 //!
 //! ```
 //! use sinew_core::density::GradLogDensity;
@@ -20,6 +20,7 @@
 mod error;
 pub mod factor;
 pub mod gaussian;
+pub mod kalman;
 pub mod linear_gaussian;
 pub mod mixture;
 pub mod prior;

@@ -17,7 +17,7 @@ use sinew_core::lanes::{Block, Isa, LANES};
 use sinew_core::random::BlockRng;
 use sinew_core::transition::Moments;
 
-fn to_rows(m: &Mat<f64>) -> Vec<f64> {
+pub(crate) fn to_rows(m: &Mat<f64>) -> Vec<f64> {
     (0..m.nrows() * m.ncols()).map(|k| m[(k / m.ncols(), k % m.ncols())]).collect()
 }
 
@@ -32,7 +32,7 @@ pub fn predict(matrix: &[f64], noise: &[f64], moments: &Moments) -> Moments {
     Moments { mean, covariance: to_rows(&symmetric(&covariance)) }
 }
 
-fn symmetric(m: &Mat<f64>) -> Mat<f64> {
+pub(crate) fn symmetric(m: &Mat<f64>) -> Mat<f64> {
     Mat::from_fn(m.nrows(), m.ncols(), |i, j| 0.5 * (m[(i, j)] + m[(j, i)]))
 }
 

@@ -1,18 +1,23 @@
-//! Linear-Gaussian series with their exact filter: stored ones, simulated ones, and the observation as a density.
+//! Linear-Gaussian series with their exact filter: stored ones, simulated ones, the observation as a density, and the mixture prior between frames.
 
+use crate::data::{self, numbers};
 use serde_json::Value;
-use sinew::core::density::{GaussNewton, GradLogDensity, LogDensity};
-use sinew::core::lanes::{Block, Isa, Kernel, Real, dispatch};
+use sinew::core::density::{GaussNewton, GradLogDensity, Lanes, LogDensity};
+use sinew::core::lanes::{Block, Isa, Kernel, LANES, Real, dispatch};
 use sinew::core::random::Stage;
-use sinew::core::transition::{Moments, Transition};
+use sinew::core::transition::{Cloud, Moments, Predict, Transition};
+use sinew::dynamics::factor::{cholesky, inverse_lower};
+use sinew::dynamics::gaussian::Gaussian;
+use sinew::dynamics::kalman::{Filtered, Form, Kalman, Model};
 use sinew::dynamics::linear_gaussian::LinearGaussian;
-use sinew::dynamics::smoother::predict;
-use std::path::PathBuf;
+use sinew::dynamics::mixture::Mixture;
+use sinew::dynamics::prior::Prior;
 
 /// Rows of a matrix.
 pub type Rows = Vec<Vec<f64>>;
 
 /// z = C x + N(0, R) for one z, as a density of x with all constants: log p = c + bᵀx − ½ xᵀH x with H = Cᵀ R⁻¹ C, b = Cᵀ R⁻¹ z.
+#[derive(Clone, Debug)]
 pub struct Sight {
     h: Vec<f64>,
     b: Vec<f64>,
@@ -85,59 +90,42 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-/// Inverse and log determinant of a small positive definite matrix, by Gauss–Jordan.
-pub fn inverse(m: &Rows) -> (Rows, f64) {
-    let n = m.len();
-    let mut a: Rows =
-        (0..n).map(|i| m[i].iter().copied().chain((0..n).map(|j| f64::from(u8::from(i == j)))).collect()).collect();
-    let mut log_det = 0.0;
-    for k in 0..n {
-        log_det += a[k][k].ln();
-        let pivot = a[k][k];
-        a[k].iter_mut().for_each(|x| *x /= pivot);
-        let row = a[k].clone();
-        for (i, other) in a.iter_mut().enumerate() {
-            if i != k {
-                let factor = other[k];
-                other.iter_mut().zip(&row).for_each(|(x, r)| *x -= factor * r);
-            }
-        }
-    }
-    (a.into_iter().map(|row| row[n..].to_vec()).collect(), log_det)
-}
-
 /// A model with its first frame's distribution and a series of observations.
+#[derive(Clone, Debug)]
 pub struct Series {
+    /// Dimension of the state.
     pub dim: usize,
+    /// Mean of the first frame.
     pub m0: Vec<f64>,
+    /// Covariance of the first frame.
     pub p0: Vec<f64>,
+    /// A.
     pub a: Vec<f64>,
+    /// Q.
     pub q: Vec<f64>,
+    /// C.
     pub c: Rows,
+    /// R.
     pub r: Rows,
+    /// Observations, frame by frame.
     pub z: Rows,
+    /// The states that made them.
     pub truth: Rows,
+    /// The whole file of a stored series.
     pub stored: Value,
 }
 
-fn numbers(v: &Value) -> Vec<f64> {
-    v.as_array().expect("array").iter().map(|x| x.as_f64().expect("number")).collect()
-}
-
+/// Rows of a stored matrix.
+#[must_use]
 pub fn rows(v: &Value) -> Rows {
     v.as_array().expect("array").iter().map(numbers).collect()
 }
 
 impl Series {
     /// A stored series; `None`, with a note, where the data folder is missing.
+    #[must_use]
     pub fn stored(name: &str) -> Option<Self> {
-        let beside = || PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../shared/data");
-        let folder = std::env::var_os("SINEW_DATA").map_or_else(beside, PathBuf::from);
-        let Ok(text) = std::fs::read_to_string(folder.join("kalman").join(name)) else {
-            println!("skipped: no data");
-            return None;
-        };
-        let v: Value = serde_json::from_str(&text).expect("valid JSON");
+        let v = data::stored(&format!("kalman/{name}"))?;
         Some(Self {
             dim: v["n_state"].as_u64().expect("number") as usize,
             m0: numbers(&v["m0"]),
@@ -153,6 +141,7 @@ impl Series {
     }
 
     /// Rotations and a drift in `dim` coordinates of which every second sum is seen; simulated.
+    #[must_use]
     pub fn simulated(dim: usize, frames: usize, stage: &Stage) -> Self {
         let entry = |i: usize, j: usize| match (i, j) {
             _ if i == j => 0.97,
@@ -212,52 +201,130 @@ impl Series {
         series
     }
 
+    /// Its motion.
+    #[must_use]
     pub fn model(&self) -> LinearGaussian {
         LinearGaussian::new(self.dim, self.a.clone(), self.q.clone(), self.p0.clone(), Isa::best()).expect("valid")
     }
 
+    /// A frame's observation as a density of the state.
+    #[must_use]
     pub fn sight(&self, frame: usize) -> Sight {
-        let (precision, log_det) = inverse(&self.r);
-        let z = &self.z[frame];
-        let w: Vec<f64> = precision.iter().map(|p| dot(p, z)).collect();
-        let column = |j: usize| self.c.iter().map(|c| c[j]).collect::<Vec<f64>>();
+        let k = self.r.len();
+        let factor = cholesky("R", &self.r.concat(), k).expect("positive definite");
+        let whitening: Rows = inverse_lower(&factor.lower, k).chunks(k).map(<[f64]>::to_vec).collect();
+        let log_det: f64 = (0..k).map(|i| 2.0 * factor.lower[i * (k + 1)].ln()).sum();
+        let whitened = |v: &[f64]| -> Vec<f64> { whitening.iter().map(|row| dot(row, v)).collect() };
+        let z = whitened(&self.z[frame]);
+        let column = |j: usize| whitened(&self.c.iter().map(|c| c[j]).collect::<Vec<f64>>());
         let columns: Rows = (0..self.dim).map(column).collect();
-        let weighted: Rows = columns.iter().map(|c| precision.iter().map(|p| dot(p, c)).collect()).collect();
         Sight {
-            h: (0..self.dim * self.dim).map(|k| dot(&weighted[k / self.dim], &columns[k % self.dim])).collect(),
-            b: columns.iter().map(|c| dot(c, &w)).collect(),
-            constant: -0.5 * (dot(z, &w) + log_det + z.len() as f64 * std::f64::consts::TAU.ln()),
+            h: (0..self.dim * self.dim).map(|e| dot(&columns[e / self.dim], &columns[e % self.dim])).collect(),
+            b: columns.iter().map(|c| dot(c, &z)).collect(),
+            constant: -0.5 * (dot(&z, &z) + log_det + k as f64 * std::f64::consts::TAU.ln()),
         }
     }
 
-    /// The exact filter: moments after each frame, and log p(z_t | earlier).
-    pub fn kalman(&self) -> Vec<(Moments, f64)> {
+    /// The exact filter.
+    #[must_use]
+    pub fn filter(&self, form: Form) -> Kalman {
+        let model = Model {
+            dim: self.dim,
+            matrix: self.a.clone(),
+            noise: self.q.clone(),
+            observation: self.c.concat(),
+            error: self.r.concat(),
+        };
+        Kalman::new(model, form).expect("valid")
+    }
+
+    /// Moments of the first frame before it is seen.
+    #[must_use]
+    pub fn start(&self) -> Moments {
+        Moments { mean: self.m0.clone(), covariance: self.p0.clone() }
+    }
+
+    /// What the exact filter finds.
+    #[must_use]
+    pub fn kalman(&self) -> Vec<Filtered> {
+        let seen: Vec<Vec<Option<f64>>> = self.z.iter().map(|z| z.iter().copied().map(Some).collect()).collect();
+        self.filter(Form::Joseph).filter(&self.start(), &seen).expect("positive definite")
+    }
+
+    /// The same series in coordinates x = L u with Q = L Lᵀ, in which the motion's noise is a unit matrix; and L, row after row.
+    #[must_use]
+    pub fn whitened(&self) -> (Self, Vec<f64>) {
         let d = self.dim;
-        let mut now = Moments { mean: self.m0.clone(), covariance: self.p0.clone() };
-        let mut out: Vec<(Moments, f64)> = vec![];
-        for (frame, z) in self.z.iter().enumerate() {
-            if frame > 0 {
-                now = predict(&self.a, &self.q, &now);
-            }
-            let p: Rows = now.covariance.chunks(d).map(<[f64]>::to_vec).collect();
-            let pc: Rows = self.c.iter().map(|c| p.iter().map(|row| dot(row, c)).collect()).collect();
-            let s: Rows =
-                (0..z.len()).map(|i| (0..z.len()).map(|j| dot(&self.c[i], &pc[j]) + self.r[i][j]).collect()).collect();
-            let (precision, log_det) = inverse(&s);
-            let e: Vec<f64> = z.iter().zip(&self.c).map(|(z, c)| z - dot(c, &now.mean)).collect();
-            let w: Vec<f64> = precision.iter().map(|row| dot(row, &e)).collect();
-            let log = -0.5 * (dot(&e, &w) + log_det + z.len() as f64 * std::f64::consts::TAU.ln());
-            for j in 0..d {
-                now.mean[j] += pc.iter().zip(&w).map(|(pc, w)| pc[j] * w).sum::<f64>();
-                for i in 0..d {
-                    let taken: f64 = (0..z.len())
-                        .map(|k| (0..z.len()).map(|l| pc[k][i] * precision[k][l] * pc[l][j]).sum::<f64>())
-                        .sum();
-                    now.covariance[i * d + j] -= taken;
-                }
-            }
-            out.push((now.clone(), log));
-        }
-        out
+        let lower = cholesky("Q", &self.q, d).expect("positive definite").lower;
+        let inverse = inverse_lower(&lower, d);
+        let unit = (0..d * d).map(|e| f64::from(u8::from(e / d == e % d))).collect();
+        let start = product(&inverse, &self.p0, d);
+        let apply = |m: &[f64], x: &Vec<f64>| -> Vec<f64> { m.chunks(d).map(|row| dot(row, x)).collect() };
+        let series = Self {
+            m0: apply(&inverse, &self.m0),
+            p0: product(&start, &transposed(&inverse, d), d),
+            a: product(&product(&inverse, &self.a, d), &lower, d),
+            q: unit,
+            c: self.c.iter().map(|row| apply(&transposed(&lower, d), row)).collect(),
+            truth: self.truth.iter().map(|x| apply(&inverse, x)).collect(),
+            stored: Value::Null,
+            ..self.clone()
+        };
+        (series, lower)
+    }
+}
+
+fn transposed(m: &[f64], d: usize) -> Vec<f64> {
+    (0..d * d).map(|e| m[e % d * d + e / d]).collect()
+}
+
+/// Product of two d × d matrices.
+#[must_use]
+pub fn product(a: &[f64], b: &[f64], d: usize) -> Vec<f64> {
+    (0..d * d).map(|e| (0..d).map(|k| a[e / d * d + k] * b[k * d + e % d]).sum()).collect()
+}
+
+/// Roots of the diagonal of the covariance.
+#[must_use]
+pub fn deviations(m: &Moments) -> Vec<f64> {
+    m.covariance.iter().step_by(m.mean.len() + 1).map(|v| v.sqrt()).collect()
+}
+
+/// The prior of Choo & Fleet (eq. 9) for a linear motion with unit noise: one component N(A s, I) for each chain's last state s.
+#[derive(Clone, Debug)]
+pub struct MixtureBetween {
+    matrix: Vec<f64>,
+    start: Moments,
+}
+
+impl MixtureBetween {
+    /// Of a series that is [whitened](Series::whitened).
+    #[must_use]
+    pub fn new(whitened: &Series) -> Self {
+        Self { matrix: whitened.a.clone(), start: whitened.start() }
+    }
+}
+
+impl Predict for MixtureBetween {
+    type Prior = Prior;
+    type Error = sinew::dynamics::Error;
+
+    fn dim(&self) -> usize {
+        self.start.mean.len()
+    }
+
+    fn predict(&self, cloud: Cloud<'_>) -> Result<Prior, Self::Error> {
+        let d = self.dim();
+        let state = |i: usize| -> Vec<f64> {
+            cloud.last[i / LANES * d..][..d].iter().map(|b| b.0[i % LANES]).collect()
+        };
+        let moved = |i: usize| self.matrix.chunks(d).map(|row| dot(row, &state(i))).collect();
+        let leaf = Mixture::new((0..cloud.count).map(moved).collect(), &vec![1.0; d])?;
+        Ok(Prior::Mixture(Lanes { leaf, isa: Isa::best() }))
+    }
+
+    fn initial(&self, centre: &[f64]) -> Result<Prior, Self::Error> {
+        let leaf = Gaussian::new(centre.to_vec(), &self.start.covariance)?;
+        Ok(Prior::Gaussian(Lanes { leaf, isa: Isa::best() }))
     }
 }

@@ -1,0 +1,53 @@
+//! Densities of posteriordb: against the stored points and differences, then sampled by both samplers and judged by the stored moments.
+
+use sinew::core::density::{GradLogDensity, LogDensity};
+use sinew_tests::data::{number, numbers};
+use sinew_tests::finding::demand;
+use sinew_tests::posteriordb::{Sampler, all, judged};
+
+/// Values and gradients at the stored points to 1e-6, relative to the largest entry; gradients against central differences too.
+#[test]
+fn densities_and_gradients_are_those_stored() {
+    for posterior in all() {
+        let points = posterior.stored["checkpoints"].as_array().expect("array");
+        assert_eq!(points.len(), 3);
+        for point in points {
+            let (u, stored) = (numbers(&point["u"]), numbers(&point["grad"]));
+            let mut grad = vec![0.0; u.len()];
+            let value = posterior.log_density_grad(&u, &mut grad);
+            let lp = number(&point["lp"]);
+            assert!((value - lp).abs() < 1e-6 * lp.abs().max(1.0), "{}: {value} against {lp}", posterior.name);
+            let scale = stored.iter().fold(1.0_f64, |a, g| a.max(g.abs()));
+            for (j, (found, stored)) in grad.iter().zip(&stored).enumerate() {
+                assert!((found - stored).abs() < 1e-6 * scale, "{}: {found} against {stored}", posterior.name);
+                let at = |h: f64| {
+                    let mut u = u.clone();
+                    u[j] += h;
+                    posterior.log_density(&u)
+                };
+                // Fourth order: the regression is a thousand times as stiff in β as the others.
+                let central = |h: f64| (at(h) - at(-h)) / (2.0 * h);
+                let numeric = (4.0 * central(1e-4) - central(2e-4)) / 3.0;
+                assert!((found - numeric).abs() < 1e-5 * scale, "{}: {found} against {numeric}", posterior.name);
+            }
+        }
+    }
+}
+
+fn judge(sampler: Sampler) {
+    for posterior in all() {
+        demand(&judged(&posterior, sampler, 800, 1));
+    }
+}
+
+/// 38 statistics at |z| < 4: false alarm 2e-3, with one fixed seed.
+#[test]
+fn hamiltonian_chains_have_the_stored_moments() {
+    judge(Sampler::Hmc);
+}
+
+/// The same.
+#[test]
+fn no_u_turn_trees_have_the_stored_moments() {
+    judge(Sampler::Nuts);
+}

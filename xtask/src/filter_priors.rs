@@ -1,0 +1,250 @@
+//! `cargo xtask filter-priors`: what the HMC filter's priors between frames cost in calibration, the tables and the figure of docs/filter-priors.md.
+//!
+//! The measurements are functions of the test member (`sinew_tests::filter_priors`), whose exact filters judge them. The growth model and the arm are read from the data folder and left out, with a note, where there is none.
+
+use crate::chart::{BLUE, GREEN, GREY, Line, Names, ORANGE, PURPLE, finish, panel_with};
+use plotters::prelude::*;
+use serde_json::{Value, json};
+use sinew::core::random::Stage;
+use sinew_tests::depth_flip::Arm;
+use sinew_tests::filter_priors::{
+    ArmSeries, Calibration, Length, OnGrowth, SETTINGS, Setting, gaussian_bias, growth_model, on_arm, on_growth, random_walk,
+};
+use sinew_tests::growth::{self, Growth};
+use std::error::Error;
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::time::Instant;
+
+type Outcome<T> = Result<T, Box<dyn Error + Send + Sync>>;
+
+const RATIOS: [f64; 4] = [0.1, 0.3, 1.0, 3.0];
+const DIMENSIONS: [usize; 4] = [2, 4, 10, 28];
+/// Frames of the arm, and steps of its grid.
+const ARM_FRAMES: usize = 6;
+const ARM_POINTS: usize = 112;
+
+/// What to run.
+#[derive(clap::Args)]
+pub struct Args {
+    /// A reduced size in about a minute: fewer series, ratios and dimensions.
+    #[arg(long)]
+    quick: bool,
+    /// Folder of tables and figure [default: target/filter-priors]
+    #[arg(long)]
+    out: Option<PathBuf>,
+    /// Seed of all random streams.
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+}
+
+/// A cell of the random walk's tables.
+struct Cell {
+    setting: Setting,
+    ratio: f64,
+    dim: usize,
+    found: Calibration,
+    seconds: f64,
+}
+
+/// Independent series: many where a frame is cheap.
+fn runs(setting: Setting, dim: usize, quick: bool) -> usize {
+    let full = match (setting.chains, dim) {
+        (1000, 28) => 4,
+        (1000, _) => 6,
+        (250, _) => 10,
+        _ => 40,
+    };
+    if quick { full.div_ceil(5).max(2) } else { full }
+}
+
+/// Runs the command.
+pub fn run(root: &Path, args: &Args) -> ExitCode {
+    let out = args.out.clone().unwrap_or_else(|| root.join("target/filter-priors"));
+    match all(&out, args) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn all(out: &Path, args: &Args) -> Outcome<()> {
+    std::fs::create_dir_all(out)?;
+    let started = Instant::now();
+    let cells = random_walks(args)?;
+    let mut tables = walk_tables(&cells)?;
+    let mut record = json!({ "seed": args.seed, "quick": args.quick, "random_walk": cells.iter().map(as_json).collect::<Vec<_>>() });
+    if let Some(growth) = Growth::stored() {
+        tables += &growth_table(&growth, args, &mut record)?;
+    }
+    if let Some(arm) = Arm::stored() {
+        tables += &arm_table(&arm, args, &mut record)?;
+    }
+    println!("{tables}\n{:.0} s", started.elapsed().as_secs_f64());
+    record["seconds"] = json!(started.elapsed().as_secs_f64());
+    std::fs::write(out.join("tables.md"), tables)?;
+    std::fs::write(out.join("filter-priors.json"), serde_json::to_string_pretty(&record)?)?;
+    std::fs::write(out.join("random-walk.csv"), csv(&cells)?)?;
+    draw(&cells, &out.join("filter-priors.svg"))
+}
+
+fn random_walks(args: &Args) -> Outcome<Vec<Cell>> {
+    let (ratios, dimensions): (&[f64], &[usize]) =
+        if args.quick { (&RATIOS[..2], &DIMENSIONS[..3]) } else { (&RATIOS, &DIMENSIONS) };
+    let mut cells = vec![];
+    for &dim in dimensions {
+        for &ratio in ratios {
+            for setting in SETTINGS {
+                let length = Length { runs: runs(setting, dim, args.quick), before: 15, frames: 15 };
+                let started = Instant::now();
+                let found = random_walk(setting, ratio, dim, length, args.seed);
+                let seconds = started.elapsed().as_secs_f64();
+                eprintln!("d = {dim}, q/r = {ratio}, {}: {seconds:.0} s, {:.1} % covered", setting.name(), 100.0 * found.covered[0]);
+                cells.push(Cell { setting, ratio, dim, found, seconds });
+            }
+        }
+    }
+    Ok(cells)
+}
+
+/// Four tables of the random walk: dimensions and settings down, ratios across.
+fn walk_tables(cells: &[Cell]) -> Outcome<String> {
+    let mut text = String::new();
+    let kinds: [(&str, fn(&Calibration) -> String); 5] = [
+        ("Coverage: exact probability of the 90 % intervals, %", |c| percent(c.covered)),
+        ("Coverage of the true coordinates by the 90 % intervals, %", |c| percent(c.covers_truth)),
+        ("Error of the mean in exact standard deviations", |c| number(c.error)),
+        ("Variance over the exact variance", |c| number(c.variance_ratio)),
+        ("Frames whose chains disagree (split R-hat above 1.05), %", |c| format!("{:.0}", 100.0 * c.poorly_mixed)),
+    ];
+    let mut ratios: Vec<f64> = cells.iter().map(|cell| cell.ratio).collect();
+    ratios.sort_by(f64::total_cmp);
+    ratios.dedup();
+    for (title, show) in kinds {
+        write!(text, "\n{title}:\n\n| d | prior |")?;
+        ratios.iter().try_for_each(|ratio| write!(text, " q/r = {ratio} |"))?;
+        write!(text, "\n|---|---|{}", "---|".repeat(ratios.len()))?;
+        for dim in DIMENSIONS {
+            for setting in SETTINGS {
+                let of = |ratio: f64| cells.iter().find(|c| (c.dim, c.ratio, c.setting) == (dim, ratio, setting));
+                if of(ratios[0]).is_none() {
+                    continue;
+                }
+                write!(text, "\n| {dim} | {} |", setting.name())?;
+                for &ratio in &ratios {
+                    write!(text, " {} |", of(ratio).map_or_else(|| "–".into(), |cell| show(&cell.found)))?;
+                }
+            }
+        }
+        text.push('\n');
+    }
+    Ok(text)
+}
+
+fn percent([value, error]: [f64; 2]) -> String {
+    format!("{:.1} ± {:.1}", 100.0 * value, 100.0 * error)
+}
+
+fn number([value, error]: [f64; 2]) -> String {
+    format!("{value:.3} ± {error:.3}")
+}
+
+fn as_json(cell: &Cell) -> Value {
+    let Calibration { error, variance_ratio, covered, covers_truth, poorly_mixed } = cell.found;
+    json!({
+        "prior": cell.setting.name(), "chains": cell.setting.chains, "ratio": cell.ratio, "dim": cell.dim, "error": error,
+        "variance_ratio": variance_ratio, "covered": covered, "covers_truth": covers_truth, "poorly_mixed": poorly_mixed, "seconds": cell.seconds,
+    })
+}
+
+fn csv(cells: &[Cell]) -> Outcome<String> {
+    let mut text = String::from(
+        "prior,chains,ratio,dim,error,error_se,variance_ratio,variance_ratio_se,covered,covered_se,covers_truth,covers_truth_se,poorly_mixed\n",
+    );
+    for Cell { setting, ratio, dim, found, .. } in cells {
+        let prior = format!("{:?}", setting.between).to_lowercase();
+        write!(text, "{prior},{},{ratio},{dim}", setting.chains)?;
+        for [value, error] in [found.error, found.variance_ratio, found.covered, found.covers_truth] {
+            write!(text, ",{value},{error}")?;
+        }
+        writeln!(text, ",{}", found.poorly_mixed)?;
+    }
+    Ok(text)
+}
+
+fn growth_table(growth: &Growth, args: &Args, record: &mut Value) -> Outcome<String> {
+    let runs = if args.quick { 4 } else { 20 };
+    let mut rows: Vec<(String, OnGrowth)> = vec![];
+    for setting in SETTINGS.into_iter().chain([250, 1000].map(|chains| Setting { chains, ..SETTINGS[0] })) {
+        rows.push((setting.name(), on_growth(growth, setting, runs, args.seed)));
+    }
+    for particles in [1000, 5000] {
+        let root = Stage::new(args.seed, "filter priors, particles").round(particles);
+        let found = growth_model(runs, |r| growth::by_particles(growth, particles, &root.round(r)));
+        rows.push((format!("bootstrap, N = {particles}"), found));
+    }
+    let mut text = format!(
+        "\nGrowth model, {runs} runs:\n\n| filter | mean error of P(x > 0) | largest in a run | error of log Z: mean | sd |\n|---|---|---|---|---|\n"
+    );
+    for (name, found) in &rows {
+        let OnGrowth { sign, worst_sign, log_evidence: [mean, sd] } = found;
+        writeln!(text, "| {name} | {} | {worst_sign:.2} | {mean:.2} | {sd:.2} |", number(*sign))?;
+    }
+    let of = |(name, f): &(String, OnGrowth)| json!({ "filter": name, "sign": f.sign, "worst_sign": f.worst_sign, "log_evidence": f.log_evidence });
+    record["growth"] = rows.iter().map(of).collect();
+    Ok(text)
+}
+
+fn arm_table(arm: &Arm, args: &Args, record: &mut Value) -> Outcome<String> {
+    let (runs, points) = if args.quick { (4, 64) } else { (20, ARM_POINTS) };
+    let series = ArmSeries::new(arm, ARM_FRAMES, points, args.seed);
+    let bias = gaussian_bias(&series, 6);
+    let mut text = format!(
+        "\nArm with eight depth modes, {ARM_FRAMES} frames, {runs} runs; largest error of a mode's mass:\n\n| filter | first frame | mean of the later frames | largest of all |\n|---|---|---|---|\n"
+    );
+    let mut kept = vec![];
+    for setting in SETTINGS.into_iter().chain([250, 1000].map(|chains| Setting { chains, ..SETTINGS[0] })) {
+        let found = on_arm(&series, setting, runs, args.seed);
+        writeln!(text, "| {} | {} | {} | {:.2} |", setting.name(), number(found.first), number(found.later), found.worst)?;
+        kept.push(json!({ "filter": setting.name(), "first": found.first, "later": found.later, "worst": found.worst }));
+    }
+    let mean = bias.iter().sum::<f64>() / bias.len() as f64;
+    let worst = bias.iter().copied().fold(0.0, f64::max);
+    writeln!(text, "| gaussian, exact moments and integrals | 0 | {mean:.3} | {worst:.2} |")?;
+    record["arm"] = json!({ "filters": kept, "gaussian_bias": bias });
+    Ok(text)
+}
+
+/// Coverage against q / r, a panel a dimension.
+fn draw(cells: &[Cell], path: &Path) -> Outcome<()> {
+    let root = SVGBackend::new(path, (1260, 640)).into_drawing_area();
+    root.fill(&WHITE).map_err(|error| error.to_string())?;
+    let areas = root.split_evenly((2, 2));
+    for (dim, area) in DIMENSIONS.into_iter().zip(&areas) {
+        let mut lines: Vec<Line> = SETTINGS
+            .into_iter()
+            .zip([BLUE, ORANGE, PURPLE, GREEN])
+            .map(|(setting, colour)| {
+                let own = cells.iter().filter(|c| c.dim == dim && c.setting == setting);
+                let point = |c: &Cell| {
+                    let [value, error] = c.found.covered.map(|x| 100.0 * x);
+                    [c.ratio.log10(), value, value - 2.0 * error, value + 2.0 * error]
+                };
+                Line { name: setting.name(), colour, points: own.map(point).collect() }
+            })
+            .filter(|line| !line.points.is_empty())
+            .collect();
+        if lines.is_empty() {
+            continue;
+        }
+        let (low, high) = (RATIOS[0].log10(), RATIOS[3].log10());
+        let points = vec![[low, 90.0, 90.0, 90.0], [high, 90.0, 90.0, 90.0]];
+        lines.push(Line { name: "90 %".into(), colour: GREY, points });
+        let axes = ["process noise over observation noise, q / r (log10)", "exact probability, %"];
+        panel_with(area, &format!("90 % intervals, d = {dim}"), axes, &lines, [false, false], Names::Beside(130))?;
+    }
+    finish(&root)
+}
