@@ -1,8 +1,8 @@
 //! Every statistical check by name, for `cargo xtask verify`: the claim it stands for and how it is run.
 
-use crate::outcome::Outcome;
+use crate::outcome::{Outcome, in_two_stages};
 use crate::size::Size;
-use crate::{calibrated_samplers, joint_distribution, resampling_laws, sampler_invariance};
+use crate::{calibrated_samplers, filter_calibration, joint_distribution, resampling_laws, sampler_invariance};
 use sinew_invariance::Report;
 
 /// A check of one claim.
@@ -86,5 +86,10 @@ pub const CHECKS: &[Check] = &[
         name: "resampling",
         claim: "every resampling scheme is unbiased and keeps the bounds of its counts, for weights of all kinds",
         run: |seed, size| outcomes(resampling_laws::every_scheme(seed, size)),
+    },
+    Check {
+        name: "filter-calibration",
+        claim: "errors of both filters are as large as their own covariances say",
+        run: |seed, size| in_two_stages(seed, |seed| filter_calibration::normalised_errors(seed, size)),
     },
 ];

@@ -7,6 +7,7 @@ pub mod checks;
 pub mod data;
 pub mod depth_flip;
 pub mod evidence;
+pub mod filter_calibration;
 pub mod filter_priors;
 pub mod finding;
 pub mod full_size;

@@ -1,6 +1,8 @@
 //! J1 and J2: the samplers against simulators of states and observations; with planted bugs as negative controls. Seeds are fixed, false alarms 1e-6 a report.
 
 use sinew_tests::calibrated_samplers as calibrated;
+use sinew_tests::filter_calibration::normalised_errors;
+use sinew_tests::finding::demand;
 use sinew_tests::joint_distribution::{arm, linear, right};
 use sinew_tests::planted_hmc::Bug;
 use sinew_tests::size::Size;
@@ -39,4 +41,10 @@ fn intervals_of_the_samplers_are_calibrated() {
 #[test]
 fn a_search_is_not_calibrated() {
     calibrated::annealed(1, Size::Reduced).0.assert_fails();
+}
+
+/// J3. Three scores at |z| < 4.5.
+#[test]
+fn filters_err_as_much_as_they_say() {
+    demand(&normalised_errors(1, Size::Reduced));
 }

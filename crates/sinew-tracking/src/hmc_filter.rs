@@ -120,7 +120,7 @@ impl<T: Predict> HmcFilter<T> {
         if found != expected {
             return Err(Error::Dimension { name: "start", found, expected });
         }
-        Hmc::new(config.step_size, &[], config.leapfrog_steps, config.jitter, isa)?;
+        Hmc::new(config.step_size, &[1.0], config.leapfrog_steps, config.jitter, isa)?;
         for (name, value, least) in [
             ("chains", config.chains, 1),
             ("updates", config.updates, config.burn_in.max(1)),
