@@ -2,6 +2,7 @@
 
 mod accuracy;
 mod chart;
+mod mutants;
 mod picture;
 mod reproduce;
 mod source;
@@ -23,6 +24,8 @@ struct Cli {
 enum Command {
     /// Measure accuracy and coverage: the tables of docs/accuracy.md.
     Accuracy(accuracy::Args),
+    /// Plant the bugs of tests/planted in a copy of the workspace and name the test that catches each.
+    Mutants(mutants::Args),
     /// Draw docs/images/demo.svg, the picture of the README.
     Picture,
     /// Reproduce a paper: its tables and figures on our data, its claims judged.
@@ -35,6 +38,7 @@ fn main() -> ExitCode {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap_or(Path::new("."));
     match Cli::parse().command {
         Command::Accuracy(args) => accuracy::run(root, &args),
+        Command::Mutants(args) => mutants::run(root, &args),
         Command::Picture => picture::run(root),
         Command::Reproduce(args) => reproduce::run(root, &args),
         Command::Tidy => tidy::run(root),
