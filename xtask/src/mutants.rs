@@ -72,7 +72,8 @@ fn plant(root: &Path, args: &Args) -> Result<usize, String> {
         match outcome {
             Outcome::Caught(by) => {
                 for (k, (test, said)) in by.iter().enumerate() {
-                    let (name, seconds) = if k == 0 { (name.as_str(), format!("{seconds:.0}")) } else { ("", String::new()) };
+                    let (name, seconds) =
+                        if k == 0 { (name.as_str(), format!("{seconds:.0}")) } else { ("", String::new()) };
                     println!("| {name} | {test} | {} | {seconds} |", cell(said));
                 }
             }

@@ -119,7 +119,8 @@ fn sampled_first_frames_have_the_smoothed_moments() {
     smoother.sample_last(&next, &mut states, Isa::best(), &mut rng).expect("semi-definite");
     smoother.sample(&filtered, &mut states, Isa::best(), &mut rng).expect("positive definite");
     let n = (states.len() / 2 * LANES) as f64;
-    let column = |j: usize| states.iter().skip(j).step_by(2).flat_map(|b| b.0).map(|x| x - exact.mean[j]).collect::<Vec<_>>();
+    let column =
+        |j: usize| states.iter().skip(j).step_by(2).flat_map(|b| b.0).map(|x| x - exact.mean[j]).collect::<Vec<_>>();
     let (x, y) = (column(0), column(1));
     let moment = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>() / n;
     let c = &exact.covariance;

@@ -68,7 +68,8 @@ fn check_paired(what: &str, before: &[f64], after: &[f64]) {
 
 /// Means, squares, product, third powers and the indicator of the middle of a target in the plane: 8 statistics.
 fn check_moments(what: &str, before: &[Block], after: &[Block], centre: [f64; 2]) {
-    let columns = |states: &[Block]| [0, 1].map(|j| coordinate(states, 2, j).iter().map(|x| x - centre[j]).collect::<Vec<_>>());
+    let columns =
+        |states: &[Block]| [0, 1].map(|j| coordinate(states, 2, j).iter().map(|x| x - centre[j]).collect::<Vec<_>>());
     let ([a, b], [c, d]) = (columns(before), columns(after));
     let of: [(&str, fn(f64, f64) -> f64); 8] = [
         ("x", |x, _| x),

@@ -98,7 +98,10 @@ fn evidence_and_moments_are_unbiased_under_every_scheme_and_rule() {
                 let spread = estimates.iter().map(|e| (e[k] - found).powi(2)).sum::<f64>() / (n - 1.0);
                 let z = (found - exact) / (spread / n).sqrt();
                 let what = ["evidence", "mean", "square"][k];
-                assert!(z.abs() < 4.5, "{scheme:?}, below {below}, {what}: {found} against {exact}, z = {z}, bound 4.5");
+                assert!(
+                    z.abs() < 4.5,
+                    "{scheme:?}, below {below}, {what}: {found} against {exact}, z = {z}, bound 4.5"
+                );
             }
         }
     }

@@ -58,9 +58,8 @@ fn tables(table: &toml::Table, key: &str) -> Result<Vec<toml::Table>, String> {
 /// The bugs of one file.
 pub fn parse(content: &str) -> Result<Vec<Bug>, String> {
     let file: toml::Table = content.parse().map_err(|e: toml::de::Error| e.to_string())?;
-    let test = |t: &toml::Table| {
-        Ok(Test { package: text(t, "package")?, target: text(t, "target")?, test: text(t, "test")? })
-    };
+    let test =
+        |t: &toml::Table| Ok(Test { package: text(t, "package")?, target: text(t, "target")?, test: text(t, "test")? });
     let bug = |b: &toml::Table| -> Result<Bug, String> {
         let caught_by = tables(b, "caught_by")?.iter().map(test).collect::<Result<Vec<_>, String>>()?;
         if caught_by.is_empty() {

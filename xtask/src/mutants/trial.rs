@@ -175,7 +175,8 @@ fn verdict(said: &str, name: &str, read: &dyn Fn(&str) -> Option<String>) -> Ver
 /// Where a failed test panicked, and what it said.
 fn panic_of(said: &str, name: &str, read: &dyn Fn(&str) -> Option<String>) -> Verdict {
     let section = said.split_once(&format!("---- {name} stdout ----")).map_or("", |(_, after)| after);
-    let mut lines = section.lines().skip_while(|line| !line.contains("' panicked at ") && !line.contains(") panicked at "));
+    let mut lines =
+        section.lines().skip_while(|line| !line.contains("' panicked at ") && !line.contains(") panicked at "));
     let Some((_, place)) = lines.next().and_then(|line| line.rsplit_once(" panicked at ")) else {
         return Verdict::Broke("failed without a panic".into());
     };
@@ -218,7 +219,8 @@ attempt to subtract with overflow
 
     #[test]
     fn only_a_panic_in_test_code_counts() {
-        let read = |path: &str| (path == "crates/x/src/c.rs").then(|| "fn f() {}\n#[cfg(test)]\nmod tests {}".to_owned());
+        let read =
+            |path: &str| (path == "crates/x/src/c.rs").then(|| "fn f() {}\n#[cfg(test)]\nmod tests {}".to_owned());
         let of = |name: &str| verdict(SAID, name, &read);
         assert_eq!(of("a"), Verdict::Passed);
         assert_eq!(of("b"), Verdict::Failed("z = 7, bound 4.5".into()));
