@@ -8,7 +8,8 @@ use serde_json::{Value, json};
 use sinew::core::random::Stage;
 use sinew_tests::depth_flip::Arm;
 use sinew_tests::filter_priors::{
-    ArmSeries, Calibration, Length, OnGrowth, SETTINGS, Setting, gaussian_bias, growth_model, on_arm, on_growth, random_walk,
+    ArmSeries, Calibration, Length, OnGrowth, SETTINGS, Setting, gaussian_bias, growth_model, on_arm, on_growth,
+    random_walk,
 };
 use sinew_tests::growth::{self, Growth};
 use std::error::Error;
@@ -76,7 +77,8 @@ fn all(out: &Path, args: &Args) -> Outcome<()> {
     let started = Instant::now();
     let cells = random_walks(args)?;
     let mut tables = walk_tables(&cells)?;
-    let mut record = json!({ "seed": args.seed, "quick": args.quick, "random_walk": cells.iter().map(as_json).collect::<Vec<_>>() });
+    let mut record =
+        json!({ "seed": args.seed, "quick": args.quick, "random_walk": cells.iter().map(as_json).collect::<Vec<_>>() });
     if let Some(growth) = Growth::stored() {
         tables += &growth_table(&growth, args, &mut record)?;
     }
@@ -102,7 +104,11 @@ fn random_walks(args: &Args) -> Outcome<Vec<Cell>> {
                 let started = Instant::now();
                 let found = random_walk(setting, ratio, dim, length, args.seed);
                 let seconds = started.elapsed().as_secs_f64();
-                eprintln!("d = {dim}, q/r = {ratio}, {}: {seconds:.0} s, {:.1} % covered", setting.name(), 100.0 * found.covered[0]);
+                eprintln!(
+                    "d = {dim}, q/r = {ratio}, {}: {seconds:.0} s, {:.1} % covered",
+                    setting.name(),
+                    100.0 * found.covered[0]
+                );
                 cells.push(Cell { setting, ratio, dim, found, seconds });
             }
         }
@@ -208,8 +214,17 @@ fn arm_table(arm: &Arm, args: &Args, record: &mut Value) -> Outcome<String> {
     let mut kept = vec![];
     for setting in SETTINGS.into_iter().chain([250, 1000].map(|chains| Setting { chains, ..SETTINGS[0] })) {
         let found = on_arm(&series, setting, runs, args.seed);
-        writeln!(text, "| {} | {} | {} | {:.2} |", setting.name(), number(found.first), number(found.later), found.worst)?;
-        kept.push(json!({ "filter": setting.name(), "first": found.first, "later": found.later, "worst": found.worst }));
+        writeln!(
+            text,
+            "| {} | {} | {} | {:.2} |",
+            setting.name(),
+            number(found.first),
+            number(found.later),
+            found.worst
+        )?;
+        kept.push(
+            json!({ "filter": setting.name(), "first": found.first, "later": found.later, "worst": found.worst }),
+        );
     }
     let mean = bias.iter().sum::<f64>() / bias.len() as f64;
     let worst = bias.iter().copied().fold(0.0, f64::max);

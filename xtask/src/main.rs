@@ -3,6 +3,7 @@
 mod accuracy;
 mod chart;
 mod filter_priors;
+mod mutants;
 mod picture;
 mod reproduce;
 mod source;
@@ -27,6 +28,8 @@ enum Command {
     Accuracy(accuracy::Args),
     /// Measure the HMC filter's priors between frames against exact filters: the tables of docs/filter-priors.md.
     FilterPriors(filter_priors::Args),
+    /// Plant the bugs of tests/planted in a copy of the workspace and name the test that catches each.
+    Mutants(mutants::Args),
     /// Draw docs/images/demo.svg, the picture of the README.
     Picture,
     /// Reproduce a paper: its tables and figures on our data, its claims judged.
@@ -42,6 +45,7 @@ fn main() -> ExitCode {
     match Cli::parse().command {
         Command::Accuracy(args) => accuracy::run(root, &args),
         Command::FilterPriors(args) => filter_priors::run(root, &args),
+        Command::Mutants(args) => mutants::run(root, &args),
         Command::Picture => picture::run(root),
         Command::Reproduce(args) => reproduce::run(root, &args),
         Command::Tidy => tidy::run(root),

@@ -43,6 +43,55 @@ fn tree_and_pose() -> impl Strategy<Value = (KinematicTree, Vec<f64>)> {
         })
 }
 
+type M3 = [[f64; 3]; 3];
+
+fn applied(m: &M3, x: [f64; 3]) -> [f64; 3] {
+    m.map(|row| row[0] * x[0] + row[1] * x[1] + row[2] * x[2])
+}
+
+/// `m · R_axis(q)`, active and right-handed.
+fn rotated(m: &M3, axis: Axis, q: f64) -> M3 {
+    let (s, c) = q.sin_cos();
+    let r = match axis {
+        Axis::X => [[1.0, 0.0, 0.0], [0.0, c, -s], [0.0, s, c]],
+        Axis::Y => [[c, 0.0, s], [0.0, 1.0, 0.0], [-s, 0.0, c]],
+        Axis::Z => [[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]],
+    };
+    [0, 1, 2].map(|i: usize| [0, 1, 2].map(|j: usize| (0..3).map(|k| m[i][k] * r[k][j]).sum()))
+}
+
+/// Points by the definition of a tree, with a matrix a link.
+fn defined(tree: &KinematicTree, q: &[f64]) -> Vec<f64> {
+    let mut frames: Vec<(M3, [f64; 3])> = vec![];
+    let mut q = q.iter();
+    for link in tree.links() {
+        let world = ([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], [0.0; 3]);
+        let (mut rotation, origin) = link.parent.map_or(world, |parent| frames[parent]);
+        let moved = |rotation: &M3, from: [f64; 3], by: [f64; 3]| {
+            let by = applied(rotation, by);
+            [from[0] + by[0], from[1] + by[1], from[2] + by[2]]
+        };
+        let mut origin = moved(&rotation, origin, link.offset);
+        for (joint, &q) in link.joints.iter().zip(&mut q) {
+            match *joint {
+                Joint::Rotate(axis) => rotation = rotated(&rotation, axis, q),
+                Joint::Translate(axis) => {
+                    let mut by = [0.0; 3];
+                    by[axis.index()] = q;
+                    origin = moved(&rotation, origin, by);
+                }
+            }
+        }
+        frames.push((rotation, origin));
+    }
+    let at = |point: &Point| {
+        let (rotation, origin) = &frames[point.link];
+        let by = applied(rotation, point.offset);
+        [0, 1, 2].map(|k: usize| origin[k] + by[k])
+    };
+    tree.points().iter().flat_map(at).collect()
+}
+
 fn positions(plan: &Plan, q: &[f64]) -> Vec<f64> {
     let mut out = vec![0.0; 3 * plan.points()];
     point_positions(plan, Isa::best(), q, &mut out);
@@ -91,6 +140,22 @@ impl Kernel<Block> for Sweep<'_> {
 }
 
 proptest! {
+    /// K1 to K3: points lie where the definition of the tree puts them, computed with whole matrices; on random trees and on the built-in bodies.
+    #[test]
+    fn points_lie_where_the_tree_is_defined_to_put_them(
+        (tree, q) in tree_and_pose(),
+        angles in prop::collection::vec(-3.0..3.0, 32),
+    ) {
+        let p = Proportions::default();
+        let bodies = [standard::cf28(&p), standard::h32(&p)].map(|body| (body.clone(), angles[..body.dof()].to_vec()));
+        for (tree, q) in bodies.into_iter().chain([(tree, q)]) {
+            let found = positions(&Plan::with_all_points(&tree), &q);
+            for (found, expected) in found.iter().zip(defined(&tree, &q)) {
+                prop_assert!((found - expected).abs() < 1e-12 * (1.0 + expected.abs()), "{found} against {expected}");
+            }
+        }
+    }
+
     /// K4: the backward sweep returns `Jᵀ g`, on every instruction set.
     #[test]
     fn backward_sweep_is_the_transposed_jacobian((tree, q) in tree_and_pose()) {

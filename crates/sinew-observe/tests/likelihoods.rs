@@ -269,6 +269,63 @@ fn a_point_behind_a_camera_counts_as_an_outlier_and_does_not_pull() {
     }
 }
 
+/// The value by the formula of the module, sighting by sighting: with all cameras seeing the body, and with the body behind two of them, where only the outliers' share is left.
+#[test]
+fn the_density_is_the_sum_over_sightings_written_out() {
+    for (noise, shift) in NOISES.into_iter().flat_map(|noise| [(noise, 0.0), (noise, 4.5)]) {
+        let (model, density) = keypoints(noise, Isa::best());
+        let standing = {
+            let mut q = vec![0.0; 32];
+            q[2] = 1.0;
+            q
+        };
+        let mut q = standing.clone();
+        // Along the axis of the first camera, past it.
+        let axis = model.views[0].camera.rotation[2];
+        (0..3).for_each(|k| q[k] -= shift * axis[k]);
+        let points = |q: &[f64]| {
+            let mut points = vec![0.0; 3 * model.plan.points()];
+            point_positions(&model.plan, Isa::best(), q, &mut points);
+            points
+        };
+        let (at_binding, now) = (points(&standing), points(&q));
+        let mut expected = 0.0;
+        let mut behind = 0;
+        for k in 0..model.plan.points() {
+            let seen: Vec<_> = (0..4).filter(|c| (k + c) % 9 != 0).collect();
+            for &c in &seen {
+                let camera = &model.views[c].camera;
+                let depth = |p: &[f64]| camera.point_in_camera([p[0], p[1], p[2]])[2];
+                let range = 3 * k..3 * k + 3;
+                let scale = 0.015 * 900.0 / depth(&at_binding[range.clone()]);
+                let variance = 64.0 * 0.7 / 0.6 + 2.0 / 3.0 * seen.len() as f64 * scale * scale;
+                let peak = 1.0 / (std::f64::consts::TAU * variance);
+                let [u, v] = project(camera, &at_binding[range.clone()]);
+                let jitter = ((7 * k + 3 * c) % 11) as f64 - 5.0;
+                let gross = if k == 4 && c == 1 { 400.0 } else { 0.0 };
+                let in_front = depth(&now[range.clone()]) > 0.05;
+                behind += usize::from(!in_front);
+                let there = project(camera, &now[range]);
+                let square = (u + jitter - there[0]).powi(2) + (v - jitter + gross - there[1]).powi(2);
+                expected += match noise {
+                    Noise::OutlierFloor { outlier } => {
+                        let core = if in_front { (-0.5 * square / variance).exp() } else { 0.0 };
+                        ((1.0 - outlier) * peak * core + outlier / (1000.0 * 1200.0)).ln()
+                    }
+                    Noise::StudentT { degrees } => {
+                        let spread = if in_front { square / variance } else { 1e6 };
+                        peak.ln() - 0.5 * (degrees + 2.0) * (spread / degrees + if in_front { 1.0 } else { 0.0 }).ln()
+                    }
+                };
+            }
+        }
+        assert_eq!(behind > 0, shift > 0.0);
+        let found = density.log_density(&q);
+        assert!((found - expected).abs() < 1e-9 * expected.abs(), "{noise:?}, {shift}: {found} against {expected}");
+        check_gradient(&density, &q);
+    }
+}
+
 #[test]
 fn a_marker_behind_the_camera_makes_the_density_vanish() {
     let mut q = vec![0.0; 28];

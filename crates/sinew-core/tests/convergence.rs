@@ -1,8 +1,8 @@
 //! Diagnostics of stored chains against the numbers of ArviZ (`tests/data/chains_by_arviz.py` made both).
 
 use serde_json::Value;
-use sinew::core::convergence::{bulk_ess, mcse_of_mean, rank_r_hat, tail_ess};
-use sinew::core::diagnostics::{energy_fraction, split_r_hat};
+use sinew_core::convergence::{bulk_ess, mcse_of_mean, rank_r_hat, tail_ess};
+use sinew_core::diagnostics::{energy_fraction, split_r_hat};
 
 fn numbers(value: &Value) -> Vec<f64> {
     value.as_array().unwrap().iter().map(|x| x.as_f64().unwrap()).collect()
@@ -10,7 +10,7 @@ fn numbers(value: &Value) -> Vec<f64> {
 
 #[test]
 fn diagnostics_equal_those_of_arviz() {
-    let cases: Value = serde_json::from_str(include_str!("../data/chains_by_arviz.json")).unwrap();
+    let cases: Value = serde_json::from_str(include_str!("data/chains_by_arviz.json")).unwrap();
     let cases = cases.as_array().unwrap();
     assert_eq!(cases.len(), 9);
     for case in cases {
