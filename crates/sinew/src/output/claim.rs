@@ -1,13 +1,14 @@
 //! The right to write into a folder, sought before any computing.
 //!
 //! 1. The folder must not be, hold or lie in an input folder.
-//! 2. What is there may be replaced if it is nothing, the remains of a run that was stopped (`summary.json` says `complete: false`, or only `*.partial`), or if the
-//!    user says so.
+//! 2. What is there may be replaced if it is nothing, the remains of a run that was stopped (`summary.json` says `complete: false`, or only `*.partial` and a checkpoint), or if the
+//!    user says so. A run that goes on takes the folder as it was left ([`claim_to_resume`]).
 //! 3. The folder is created and a lock file with our process number is put into it. The system gives the lock back when the process ends, however it ends; a lock file
 //!    without a lock is a remnant, and taken over.
 
 use super::storage::{Disk, Storage};
 use crate::Error;
+use crate::checkpoint::{self, Problem};
 use crate::error::NOT_A_FOLDER;
 use std::fs::{self, File, TryLockError};
 use std::io::{Read as _, Seek as _, Write as _};
@@ -34,6 +35,9 @@ pub const RESULT_NAMES: [&str; 13] = [
     "timings.json",
 ];
 
+/// What a run keeps in its folder to go on after a stop; gone when it is complete. In the order in which they go then.
+pub const OWN_NAMES: [&str; 4] = ["diagnostics.partial", "smooth.partial", "trajectories.partial", checkpoint::NAME];
+
 /// A folder that this process alone may write.
 #[must_use]
 pub struct Claim {
@@ -42,6 +46,8 @@ pub struct Claim {
     lock: Option<File>,
     /// Process that left its lock behind, if there was one.
     pub stale_lock_of: Option<u32>,
+    /// Whether a run was stopped here that could go on.
+    pub is_resumable: bool,
 }
 
 /// Claims a folder for results.
@@ -65,8 +71,25 @@ pub fn claim_in(storage: Arc<dyn Storage>, folder: &Path, inputs: &[PathBuf], fo
         refuse_results(folder)?;
     }
     storage.create_folder(folder).map_err(Error::io("create", folder))?;
+    locked(storage, folder)
+}
+
+/// Claims the folder of a run that was stopped, so that it goes on.
+///
+/// # Errors
+/// [`Error::OutputIsInput`], [`Error::OutputLocked`], [`Error::Checkpoint`] where nothing was stopped, and [`Error::Io`] for a folder that cannot be written.
+pub fn claim_to_resume(folder: &Path, inputs: &[PathBuf]) -> Result<Claim, Error> {
+    refuse_inputs(folder, inputs)?;
+    if !folder.is_dir() {
+        return Err(Error::checkpoint(folder, Problem::Missing));
+    }
+    locked(Arc::new(Disk), folder)
+}
+
+fn locked(storage: Arc<dyn Storage>, folder: &Path) -> Result<Claim, Error> {
     let (lock, stale_lock_of) = lock(folder)?;
-    Ok(Claim { folder: folder.to_owned(), storage, lock: Some(lock), stale_lock_of })
+    let is_resumable = folder.join(checkpoint::NAME).exists();
+    Ok(Claim { folder: folder.to_owned(), storage, lock: Some(lock), stale_lock_of, is_resumable })
 }
 
 /// Whether a run writes into a folder now.
@@ -81,6 +104,17 @@ impl Claim {
     #[must_use]
     pub fn folder(&self) -> &Path {
         &self.folder
+    }
+
+    /// Where its files are kept.
+    pub(crate) const fn storage(&self) -> &Arc<dyn Storage> {
+        &self.storage
+    }
+
+    /// Removes a file of the folder, if it is there.
+    pub(crate) fn remove(&self, name: &str) -> Result<(), Error> {
+        let path = self.folder.join(name);
+        self.storage.remove(&path).map_err(Error::io("remove", &path))
     }
 }
 
@@ -145,7 +179,7 @@ fn refuse_results(folder: &Path) -> Result<(), Error> {
     for entry in entries {
         let name = entry.map_err(Error::io("read", folder))?.file_name();
         let name = name.to_string_lossy();
-        if name != LOCK_NAME && !name.ends_with(".partial") {
+        if name != LOCK_NAME && name != checkpoint::NAME && !name.ends_with(".partial") {
             return Err(Error::OutputExists { path: folder.to_owned(), why: " and is not empty" });
         }
     }
