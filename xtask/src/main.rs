@@ -4,6 +4,7 @@ mod accuracy;
 mod chart;
 mod picture;
 mod reproduce;
+mod soak;
 mod source;
 mod tidy;
 
@@ -27,6 +28,8 @@ enum Command {
     Picture,
     /// Reproduce a paper: its tables and figures on our data, its claims judged.
     Reproduce(reproduce::Args),
+    /// Track 100 000 frames and see whether memory, time a frame, open files and errors stay what they were.
+    Soak(soak::Args),
     /// Check the rules that docs/ARCHITECTURE.md states: layers, who may do IO, leftovers, module docs.
     Tidy,
 }
@@ -37,6 +40,7 @@ fn main() -> ExitCode {
         Command::Accuracy(args) => accuracy::run(root, &args),
         Command::Picture => picture::run(root),
         Command::Reproduce(args) => reproduce::run(root, &args),
+        Command::Soak(args) => soak::run(&args),
         Command::Tidy => tidy::run(root),
     }
 }

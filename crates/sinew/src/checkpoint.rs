@@ -272,7 +272,11 @@ impl Checkpoint {
             let (was, is) = (&self.frames, frames);
             differing.push(format!("the frames were {}..{} and are {}..{}", was.start, was.end, is.start, is.end));
         }
-        if differing.is_empty() { Ok(()) } else { Err(Problem::Inputs(differing)) }
+        if !differing.is_empty() {
+            return Err(Problem::Inputs(differing));
+        }
+        let total = frames.end.saturating_sub(frames.start);
+        if self.done <= total { Ok(()) } else { Err(state("number of frames", self.done, format!("{total} at most"))) }
     }
 }
 

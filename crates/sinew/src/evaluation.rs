@@ -77,10 +77,16 @@ pub fn run(
         filtered.push(estimate);
         Ok(ControlFlow::Continue(()))
     })?;
-    pipeline::smooth(&mut spool, &pipeline, &tree, || Ok(()), |estimate| {
-        smoothed.push(estimate);
-        Ok(ControlFlow::Continue(()))
-    })?;
+    pipeline::smooth(
+        &mut spool,
+        &pipeline,
+        &tree,
+        || Ok(()),
+        |estimate| {
+            smoothed.push(estimate);
+            Ok(ControlFlow::Continue(()))
+        },
+    )?;
     Ok(Run { setup, tree, filtered, smoothed })
 }
 

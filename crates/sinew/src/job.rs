@@ -91,9 +91,9 @@ pub fn track<S: FrameSource>(
     let (mut source, setup, from) = match from {
         Some(from) => {
             from.check_settings(&resolved.of_numbers(), settings.isa.name()).map_err(refused)?;
-            let setup = begin::parse_setup("setup.toml", &from.setup_toml)?;
+            let setup = Setup::from_toml("setup.toml of the checkpoint", &from.setup_toml)?;
             let mut source = Upright::new(source, &setup.world_up);
-            let total = from.read.iter().map(|run| run.end - run.start).sum();
+            let total = from.read.iter().map(|run| run.end.saturating_sub(run.start)).fold(0, u64::saturating_add);
             source.read_again(&from.read, |done| {
                 (watch.progress)(Pass::Check, done, total);
                 match go_on(watch.stop) {
@@ -121,8 +121,7 @@ pub fn track<S: FrameSource>(
                     setup
                 }
                 None => {
-                    let setup =
-                        begin::set_up(&mut source, setup_frames, &config, &settings, watch, &mut warnings)?;
+                    let setup = begin::set_up(&mut source, setup_frames, &config, &settings, watch, &mut warnings)?;
                     Setup { world_up: up, ..setup }
                 }
             };
@@ -162,7 +161,7 @@ pub fn track<S: FrameSource>(
 
     let total = frames.end - frames.start;
     let before = from.done;
-    let mut keeper = Keeper { results, spool, checkpoint: from, kept: Instant::now() };
+    let mut keeper = Keeper { results, spool, checkpoint: from, kept: Instant::now(), cost: Duration::ZERO };
     let every = Duration::try_from_secs_f64(config.checkpoint_every).unwrap_or(Duration::MAX);
     if keeper.checkpoint.pipeline.is_none() {
         keeper.keep(&pipeline, &source, hashes(&source))?;
@@ -176,7 +175,7 @@ pub fn track<S: FrameSource>(
             }
             keeper.checkpoint.done += 1;
             (watch.progress)(Pass::Track, keeper.checkpoint.done, total);
-            Ok(if keeper.kept.elapsed() >= every { ControlFlow::Break(()) } else { go_on(watch.stop) })
+            Ok(if keeper.is_due(every) { ControlFlow::Break(()) } else { go_on(watch.stop) })
         });
         let is_last = keeper.checkpoint.done == total;
         // What was done before a failure is written, too, unless the disk is what failed.
@@ -229,9 +228,18 @@ struct Keeper {
     spool: Option<Spool>,
     checkpoint: Checkpoint,
     kept: Instant,
+    cost: Duration,
 }
 
+/// Checkpoints take at most this share of the time, however large they are, unless they are wanted after every frame.
+const SHARE: u32 = 20;
+
 impl Keeper {
+    fn is_due(&self, every: Duration) -> bool {
+        let least = if every.is_zero() { every } else { every.max(SHARE * self.cost) };
+        self.kept.elapsed() >= least
+    }
+
     /// Writes the checkpoint, behind the files that it speaks of.
     fn keep<S: FrameSource>(
         &mut self,
@@ -239,6 +247,7 @@ impl Keeper {
         source: &Upright<'_, S>,
         inputs: BTreeMap<String, String>,
     ) -> Result<(), Error> {
+        let clock = Instant::now();
         let checkpoint = &mut self.checkpoint;
         match &mut self.spool {
             Some(spool) => checkpoint.spool = Some(spool.keep()?),
@@ -249,6 +258,7 @@ impl Keeper {
         checkpoint.inputs = inputs;
         checkpoint::write(self.results.claim(), checkpoint)?;
         self.kept = Instant::now();
+        self.cost = clock.elapsed();
         Ok(())
     }
 }
@@ -363,4 +373,3 @@ fn settings(config: &TrackConfig) -> Result<Settings, Error> {
         ..Settings::default()
     })
 }
-

@@ -108,8 +108,7 @@ impl ResultFolder {
     pub fn open(claim: Claim, info: RunInfo, texts: Texts, written: Option<&Written>) -> Result<Self, Error> {
         let storage = Arc::clone(&claim.storage);
         let folder = claim.folder.clone();
-        let place =
-            Place { storage: &storage, folder: &folder, written: written.map(|written| &written.positions) };
+        let place = Place { storage: &storage, folder: &folder, written: written.map(|written| &written.positions) };
         if written.is_some() {
             claim.remove("summary.json")?;
         }
@@ -252,11 +251,7 @@ pub fn write_whole(path: &std::path::Path, bytes: &[u8]) -> Result<(), Error> {
 }
 
 /// As [`write_whole`], in the given storage.
-pub(crate) fn write_whole_in(
-    storage: &Arc<dyn Storage>,
-    path: &std::path::Path,
-    bytes: &[u8],
-) -> Result<(), Error> {
+pub(crate) fn write_whole_in(storage: &Arc<dyn Storage>, path: &std::path::Path, bytes: &[u8]) -> Result<(), Error> {
     let mut file = PartialFile::create(storage, path.to_owned())?;
     file.write(|out| std::io::Write::write_all(out, bytes))?;
     file.sync()?;

@@ -4,8 +4,8 @@ use super::args::{General, TrackArgs};
 use super::progress::Progress;
 use super::report::{self, Report};
 use super::{Ended, interrupt};
-use sinew::config::{Resolved, Sources, TrackConfig, resolve};
 use sinew::checkpoint::{self, Checkpoint, Problem};
+use sinew::config::{Resolved, Sources, TrackConfig, resolve};
 use sinew::job::{Outcome, Pass, Watch};
 use sinew::output::{Claim, RESULT_NAMES, ResultFolder, claim, claim_to_resume};
 use sinew::recording::{Options, Recording};
@@ -127,7 +127,8 @@ pub(crate) fn claimed(config: &TrackConfig, inputs: &[PathBuf], report: &Report)
     tell_stale(&claim, report);
     if claim.is_resumable {
         let out = config.out.display();
-        report.warnings(&[format!("{out} holds a run that was stopped; it is begun anew (`--resume` goes on with it)")]);
+        report
+            .warnings(&[format!("{out} holds a run that was stopped; it is begun anew (`--resume` goes on with it)")]);
     }
     Ok(claim)
 }

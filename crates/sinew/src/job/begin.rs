@@ -50,20 +50,15 @@ pub(super) fn same_body(asked: &str, setup: &Setup) -> Result<(), Error> {
 
 pub(super) fn read_setup(path: &Path) -> Result<Setup, Error> {
     let text = files::read_text(path, MAX_CONFIG_BYTES)?;
-    parse_setup(&path.display().to_string(), &text)
-}
-
-/// The set-up in a text; `name` is for messages.
-pub(super) fn parse_setup(name: &str, text: &str) -> Result<Setup, Error> {
-    let setup: Setup = toml::from_str(text).map_err(|error| {
+    let setup: Setup = toml::from_str(&text).map_err(|error| {
         let line = error.span().map_or(1, |span| 1 + text[..span.start].matches('\n').count());
         Error::Input {
-            message: format!("{name}:{line}: {}", error.message()),
+            message: format!("{}:{line}: {}", path.display(), error.message()),
             help: Some("give `--setup` the setup.toml of a result folder of this version, or leave it out".into()),
         }
     })?;
     let problems = setup.problems();
-    if problems.is_empty() { Ok(setup) } else { Err(Error::Config { file: name.into(), problems }) }
+    if problems.is_empty() { Ok(setup) } else { Err(Error::Config { file: path.display().to_string(), problems }) }
 }
 
 pub(super) fn set_up<S: FrameSource>(

@@ -36,7 +36,8 @@ pub const RESULT_NAMES: [&str; 13] = [
 ];
 
 /// What a run keeps in its folder to go on after a stop; gone when it is complete. In the order in which they go then.
-pub const OWN_NAMES: [&str; 4] = ["diagnostics.partial", "smooth.partial", "trajectories.partial", checkpoint::NAME];
+pub const OWN_NAMES: [&str; 5] =
+    ["diagnostics.partial", "smooth.partial", "trajectories.partial", "checkpoint.bin.partial", checkpoint::NAME];
 
 /// A folder that this process alone may write.
 #[must_use]
@@ -71,7 +72,12 @@ pub fn claim_in(storage: Arc<dyn Storage>, folder: &Path, inputs: &[PathBuf], fo
         refuse_results(folder)?;
     }
     storage.create_folder(folder).map_err(Error::io("create", folder))?;
-    locked(storage, folder)
+    let claim = locked(storage, folder)?;
+    // A run that held the lock a moment ago may have left results since.
+    if !force {
+        refuse_results(folder)?;
+    }
+    Ok(claim)
 }
 
 /// Claims the folder of a run that was stopped, so that it goes on.
@@ -195,13 +201,15 @@ fn is_incomplete(folder: &Path) -> bool {
 fn lock(folder: &Path) -> Result<(File, Option<u32>), Error> {
     let path = folder.join(LOCK_NAME);
     let mut options = File::options();
-    let mut file =
-        options.read(true).write(true).create(true).truncate(false).open(&path).map_err(Error::io("write", &path))?;
+    options.read(true).write(true).create(true).truncate(false);
+    let mut file = options.open(&path).map_err(Error::io("write", &path))?;
     let mut before = String::new();
     let _ = (&file).take(32).read_to_string(&mut before);
     let before: Option<u32> = before.trim().parse().ok();
     match file.try_lock() {
-        Ok(()) => {}
+        Ok(()) if is_at(&file, &path) => {}
+        // The run before removed the file between our opening and our locking it.
+        Ok(()) => return lock(folder),
         Err(TryLockError::WouldBlock) => return Err(Error::OutputLocked { path: folder.to_owned(), pid: before }),
         // A file system without locks: the number in the file is all there is.
         Err(TryLockError::Error(_)) if before.is_none() => {}
@@ -215,6 +223,20 @@ fn lock(folder: &Path) -> Result<(File, Option<u32>), Error> {
     };
     write(&mut file).map_err(Error::io("write", &path))?;
     Ok((file, before))
+}
+
+/// Whether a file is still the one at its path.
+#[cfg(unix)]
+fn is_at(file: &File, path: &Path) -> bool {
+    use std::os::unix::fs::MetadataExt as _;
+    let place = |found: fs::Metadata| (found.dev(), found.ino());
+    matches!((file.metadata(), fs::metadata(path)), (Ok(held), Ok(there)) if place(held) == place(there))
+}
+
+/// Elsewhere a file that is open cannot be removed.
+#[cfg(not(unix))]
+fn is_at(_: &File, _: &Path) -> bool {
+    true
 }
 
 #[cfg(test)]

@@ -113,11 +113,7 @@ impl DrawStore {
                 info.body.links()[*link].parent.is_none() && matches!(joint, Joint::Translate(a) if a.index() == axis)
             })
         };
-        let store = FolderStore {
-            storage: Arc::clone(storage),
-            folder: partial.clone(),
-            unsynced: BTreeSet::new(),
-        };
+        let store = FolderStore { storage: Arc::clone(storage), folder: partial.clone(), unsynced: BTreeSet::new() };
         let mut writer = Writer::create(store, schema(info, &rotations)).map_err(Error::io("write", &partial))?;
         if let Some(OpenChunks { frames, chunks }) = from {
             let resumed = writer.resume(*frames, chunks, FolderStore::remove);

@@ -127,6 +127,7 @@ impl PartialFile {
     pub(crate) fn with_text(storage: &Arc<dyn Storage>, path: PathBuf, text: &str) -> Result<Self, Error> {
         let mut file = Self::create(storage, path)?;
         file.write(|out| out.write_all(text.as_bytes()))?;
+        file.flush()?;
         Ok(file)
     }
 

@@ -143,10 +143,7 @@ impl Spool {
 
     fn estimate(&self, header: &[f64], fps: f64) -> FrameEstimate {
         let (row, seen) = header.split_at(diagnostics::count(self.cameras));
-        FrameEstimate {
-            seen: seen.as_chunks().0.to_vec(),
-            ..diagnostics::estimate(row, fps).unwrap_or_default()
-        }
+        FrameEstimate { seen: seen.as_chunks().0.to_vec(), ..diagnostics::estimate(row, fps).unwrap_or_default() }
     }
 }
 

@@ -60,7 +60,7 @@ impl<'a, S: FrameSource> Upright<'a, S> {
     ) -> Result<(), Error> {
         let frames = self.source.frames();
         let mut seen = BTreeSet::new();
-        for number in read.iter().cloned().flatten().filter(|number| frames.contains(number)) {
+        for number in read.iter().flat_map(|run| run.start.max(frames.start)..run.end.min(frames.end)) {
             if seen.insert(number) {
                 each(seen.len() as u64)?;
                 self.source.people(number)?;
