@@ -1,5 +1,6 @@
-//! What the fuzz targets call: one check per reader of `sinew-formats`.
+//! What the fuzz targets call: one check per reader of `sinew-formats` and of the program, and one for a step of a filter.
 
 pub mod checks;
+pub mod program_checks;
 
 use sinew_formats as formats;

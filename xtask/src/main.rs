@@ -6,6 +6,7 @@ mod filter_priors;
 mod mutants;
 mod picture;
 mod reproduce;
+mod soak;
 mod source;
 mod tidy;
 mod verify;
@@ -34,6 +35,8 @@ enum Command {
     Picture,
     /// Reproduce a paper: its tables and figures on our data, its claims judged.
     Reproduce(reproduce::Args),
+    /// Track 100 000 frames and see whether memory, time a frame, open files and errors stay what they were.
+    Soak(soak::Args),
     /// Check the rules that docs/ARCHITECTURE.md states: layers, who may do IO, leftovers, module docs.
     Tidy,
     /// Run every statistical check: does each claim of docs/correctness.md hold?
@@ -48,6 +51,7 @@ fn main() -> ExitCode {
         Command::Mutants(args) => mutants::run(root, &args),
         Command::Picture => picture::run(root),
         Command::Reproduce(args) => reproduce::run(root, &args),
+        Command::Soak(args) => soak::run(&args),
         Command::Tidy => tidy::run(root),
         Command::Verify(args) => verify::run(root, &args),
     }

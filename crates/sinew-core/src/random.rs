@@ -178,26 +178,39 @@ mod tests {
         u128::from_le_bytes(bytes)
     }
 
+    /// 1 000 000 keys: neighbouring seeds at both ends of their range, purposes and verbs, frames and blocks as they are used. Were the prefixes random, two would agree with probability 1.5e-27.
     #[test]
     fn streams_never_share_a_prefix() {
-        let mut seen = HashSet::new();
-        let mut count = 0;
-        for seed in 0..50 {
-            for purpose in ["track", "set-up", "demo", "a", "b"] {
-                for frame in 0..20 {
+        let seeds = [0, 1, 2, 3, 4, 5, 6, 7, u64::MAX - 1, u64::MAX];
+        let purposes = ["track", "set-up", "thin", "smooth", "size"];
+        let mut prefixes = Vec::with_capacity(1_000_000);
+        for seed in seeds {
+            for purpose in purposes {
+                for frame in (0..98).chain([u32::MAX - 1, u32::MAX]) {
                     let stage = Stage::new(seed, purpose).at_frame(frame);
-                    for block in 0..20 {
-                        seen.insert(prefix(&mut stage.block(block)));
-                        count += 1;
-                    }
-                    for stage in stage.split(["predict", "resample"]) {
-                        seen.insert(prefix(&mut stage.whole()));
-                        count += 1;
+                    prefixes.extend((0..120).map(|block| prefix(&mut stage.block(block))));
+                    for verb in stage.split(["predict", "resample", "start", "chains"]) {
+                        prefixes.extend((0..19).map(|block| prefix(&mut verb.block(block))));
+                        prefixes.push(prefix(&mut verb.whole()));
                     }
                 }
             }
         }
-        assert_eq!(seen.len(), count);
+        assert_eq!(prefixes.len(), 1_000_000);
+        prefixes.sort_unstable();
+        assert!(prefixes.windows(2).all(|pair| pair[0] != pair[1]));
+    }
+
+    /// Seed n and chain i + 1 are not seed n + 1 and chain i, nor any other two that add up alike.
+    #[test]
+    fn neighbouring_seeds_share_no_stream() {
+        let of_seed = |seed: u64| -> HashSet<u128> {
+            let stream = |place: u32| prefix(&mut Stage::new(seed, "track").at_frame(place / 8).block(place % 8));
+            (0..64).map(stream).collect()
+        };
+        for seed in 0..200 {
+            assert!(of_seed(seed).is_disjoint(&of_seed(seed + 1)), "{seed}");
+        }
     }
 
     #[test]

@@ -99,6 +99,18 @@ impl Particles {
         &self.weights
     }
 
+    /// Stands where particles of the same number and dimension stood that had these states, logarithms of weights and weights. There is no population before.
+    ///
+    /// # Panics
+    /// Where they are of another size.
+    pub fn restore(&mut self, states: Vec<Block>, log_weights: &[f64], weights: &[f64]) {
+        assert_eq!(states.len(), self.states.len());
+        self.states = states;
+        self.log_weights.copy_from_slice(log_weights);
+        self.weights.copy_from_slice(weights);
+        self.ancestors = None;
+    }
+
     /// Effective number of states.
     #[must_use]
     pub fn effective_sample_size(&self) -> f64 {

@@ -11,8 +11,10 @@
 //! N likelihood evaluations a frame. The evidence is unbiased on the natural scale. An effective number below ten says that N is too small for the noise and the dimension.
 
 use crate::posterior::Posterior;
-use crate::{Error, StepInfo, Tracker};
+use crate::resume::{blocks, check_length, put_blocks};
+use crate::{Error, Resume, StepInfo, Tracker};
 use sinew_core::density::LogDensity;
+use sinew_core::lanes::LANES;
 use sinew_core::random::Stage;
 use sinew_core::transition::Transition;
 use sinew_samplers::particles::{Particles, aggregate, predict_and_reweight, resample, retreat, reweight, start};
@@ -121,5 +123,30 @@ impl<T: Transition + Send, O: LogDensity + ?Sized> Tracker<O> for Bootstrap<T> {
 
     fn estimate(&self) -> &[f64] {
         &self.estimate
+    }
+}
+
+impl<T> Resume for Bootstrap<T> {
+    fn save(&self) -> Vec<f64> {
+        let particles = &self.particles;
+        let mut saved = vec![f64::from(u8::from(self.started))];
+        saved.extend(&self.estimate);
+        saved.extend(particles.log_weights());
+        saved.extend(particles.weights());
+        put_blocks(&mut saved, particles.states());
+        saved
+    }
+
+    fn restore(&mut self, saved: &[f64]) -> Result<(), Error> {
+        let (d, count) = (self.particles.dim(), self.particles.count());
+        check_length(saved.len(), 1 + d + 2 * count + LANES * self.particles.states().len())?;
+        let (started, rest) = saved.split_at(1);
+        let (estimate, rest) = rest.split_at(d);
+        let (log_weights, rest) = rest.split_at(count);
+        let (weights, states) = rest.split_at(count);
+        self.particles.restore(blocks(states), log_weights, weights);
+        self.started = started[0] > 0.0;
+        self.estimate = estimate.to_vec();
+        Ok(())
     }
 }

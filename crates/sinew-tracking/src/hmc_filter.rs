@@ -16,10 +16,11 @@
 //! The chains of one frame start close together, so R̂ within a frame is the sign to look at.
 
 use crate::posterior::Posterior;
-use crate::{Error, StepInfo, Tracker};
+use crate::resume::{blocks, check_length, put_blocks};
+use crate::{Error, Resume, StepInfo, Tracker};
 use sinew_core::combinators::Sum;
 use sinew_core::density::GaussNewton;
-use sinew_core::lanes::{Block, Isa};
+use sinew_core::lanes::{Block, Isa, LANES};
 use sinew_core::random::Stage;
 use sinew_core::transition::{Cloud, Moments, Predict};
 use sinew_samplers::chains::{Draws, Schedule, draw};
@@ -241,5 +242,34 @@ impl<T: Predict + Send, O: GaussNewton + ?Sized> Tracker<O> for HmcFilter<T> {
 
     fn estimate(&self) -> &[f64] {
         &self.estimate
+    }
+}
+
+impl<T> Resume for HmcFilter<T> {
+    fn save(&self) -> Vec<f64> {
+        let mut saved = self.estimate.clone();
+        if let Some(moments) = &self.moments {
+            saved.extend(&moments.mean);
+            saved.extend(&moments.covariance);
+            put_blocks(&mut saved, &self.draws.last);
+        }
+        saved
+    }
+
+    fn restore(&mut self, saved: &[f64]) -> Result<(), Error> {
+        let d = self.estimate.len();
+        let started = saved.len() > d;
+        let last = LANES * d * self.config.chains.div_ceil(LANES);
+        check_length(saved.len(), if started { d + d + d * d + last } else { d })?;
+        let (estimate, rest) = saved.split_at(d);
+        self.estimate = estimate.to_vec();
+        self.moments = None;
+        if started {
+            let (mean, rest) = rest.split_at(d);
+            let (covariance, last) = rest.split_at(d * d);
+            self.moments = Some(Moments { mean: mean.to_vec(), covariance: covariance.to_vec() });
+            self.draws.last = blocks(last);
+        }
+        Ok(())
     }
 }

@@ -33,9 +33,11 @@ pub mod bootstrap;
 mod error;
 pub mod hmc_filter;
 pub mod posterior;
+mod resume;
 mod run;
 mod tracker;
 
 pub use error::Error;
+pub use resume::Resume;
 pub use run::run;
 pub use tracker::{StepInfo, Tracker};

@@ -8,10 +8,14 @@ use sinew_dynamics::random_walk::{Between, RandomWalk};
 use sinew_samplers::tuning;
 use sinew_tracking::bootstrap::{self, Bootstrap};
 use sinew_tracking::hmc_filter::{self, HmcFilter};
-use sinew_tracking::{Error, StepInfo, Tracker, run};
+use sinew_tracking::{Error, Resume, StepInfo, Tracker, run};
 use std::ops::ControlFlow;
 
-type Boxed = Box<dyn Tracker<dyn GaussNewton>>;
+/// A tracker whose state can be put down.
+trait Both: Tracker<dyn GaussNewton> + Resume {}
+impl<T: Tracker<dyn GaussNewton> + Resume> Both for T {}
+
+type Boxed = Box<dyn Both>;
 type Record = Vec<(StepInfo, Vec<Block>, Vec<f64>)>;
 
 /// No observation: a density of 0 everywhere.
@@ -113,14 +117,39 @@ fn threads_do_not_change_a_bit() {
     assert!(one == with_threads(2) && one == with_threads(8) && one == with_threads(1));
 }
 
+/// 200 frames at once, in four parts, one by one, and in parts of 7 by ever new trackers that take the state of the one before up.
 #[test]
-fn two_halves_are_one_run() {
-    for (mut whole, mut halved) in trackers().into_iter().zip(trackers()) {
-        let (mut one, mut two) = (Record::new(), Record::new());
-        follow(&mut whole, 0..20, &mut one);
-        follow(&mut halved, 0..9, &mut two);
-        follow(&mut halved, 9..20, &mut two);
-        assert!(one == two);
+fn parts_are_one_run() {
+    const FRAMES: u32 = 200;
+    for (i, mut whole) in trackers().into_iter().enumerate() {
+        let mut one = Record::new();
+        follow(&mut whole, 0..FRAMES, &mut one);
+        for (length, is_new) in [(50, false), (1, false), (7, true)] {
+            let (mut tracker, mut parts) = (trackers().remove(i), Record::new());
+            for first in (0..FRAMES).step_by(length as usize) {
+                if is_new {
+                    let saved = tracker.save();
+                    tracker = trackers().remove(i);
+                    tracker.restore(&saved).expect("the same settings");
+                    assert!(tracker.save().iter().map(|x| x.to_bits()).eq(saved.iter().map(|x| x.to_bits())));
+                }
+                follow(&mut tracker, first..FRAMES.min(first + length), &mut parts);
+            }
+            assert!(one == parts, "tracker {i} in parts of {length}");
+        }
+    }
+}
+
+#[test]
+fn numbers_of_another_tracker_are_refused() {
+    for mut tracker in trackers() {
+        let mut record = Record::new();
+        follow(&mut tracker, 0..3, &mut record);
+        let saved = tracker.save();
+        for wrong in [&saved[1..], &[&saved[..], &[0.0]].concat(), &[]] {
+            assert!(matches!(tracker.restore(wrong), Err(Error::Dimension { name: "saved state", .. })));
+            assert_eq!(tracker.save().len(), saved.len());
+        }
     }
 }
 

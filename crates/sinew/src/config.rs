@@ -317,14 +317,24 @@ impl Resolved {
         self.values.iter().filter_map(file).collect()
     }
 
-    /// Hash of the settings that change numbers: FNV-1a, 64 bits, over `key = value` lines.
+    /// Settings that change numbers, as they stand in a file; files that settings name are told apart by their content ([`Resolved::files`]).
+    #[must_use]
+    pub fn of_numbers(&self) -> BTreeMap<String, String> {
+        let of = |setting: &setting::Setting| match self.get(setting.key)? {
+            Value::Path(_) => None,
+            value => Some((setting.key.to_owned(), to_toml(value))),
+        };
+        SETTINGS.iter().filter(|setting| setting.hashed).filter_map(of).collect()
+    }
+
+    /// Hash of the settings that change numbers: FNV-1a, 64 bits, over `key = value` lines in the order of [`SETTINGS`].
     #[must_use]
     pub fn hash(&self) -> String {
-        let lines =
-            SETTINGS.iter().filter(|setting| setting.hashed).filter_map(|setting| match self.get(setting.key)? {
-                Value::Path(_) => None,
-                value => Some(format!("{} = {}\n", setting.key, to_toml(value))),
-            });
+        let values = self.of_numbers();
+        let lines = SETTINGS.iter().filter_map(|setting| {
+            let value = values.get(setting.key)?;
+            Some(format!("{} = {value}\n", setting.key))
+        });
         let hash = lines.fold(crate::files::FNV_START, |hash, line| crate::files::fnv(hash, line.as_bytes()));
         format!("{hash:016x}")
     }

@@ -8,11 +8,12 @@
 //! | 3 | bad input data |
 //! | 4 | finished and written, but a diagnostic failed |
 //! | 5 | files and disk |
-//! | 75 | interrupted; what was done is written and marked incomplete |
+//! | 75 | interrupted; what was done is written and marked incomplete, `--resume` goes on from there |
 //! | 130 | second interrupt, nothing saved since |
 
+use crate::checkpoint::Problem;
 use std::io;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Everything that ends a run early.
 #[derive(Debug, thiserror::Error)]
@@ -51,6 +52,14 @@ pub enum Error {
         /// Process that holds the lock.
         pid: Option<u32>,
     },
+    /// A run that was stopped cannot go on.
+    #[error("`{}` {problem}", folder.display())]
+    Checkpoint {
+        /// Output folder.
+        folder: PathBuf,
+        /// Why.
+        problem: Box<Problem>,
+    },
     /// The output folder holds or is an input.
     #[error("the output folder `{}` is also the input `{}`", path.display(), input.display())]
     OutputIsInput {
@@ -83,9 +92,9 @@ pub enum Error {
         /// What to do.
         help: Option<String>,
     },
-    /// The user asked for an end before there was anything to write.
-    #[error("interrupted during the set-up pass; nothing was written")]
-    Interrupted,
+    /// The user asked for an end where there was nothing new to write.
+    #[error("interrupted {0}")]
+    Interrupted(&'static str),
     /// A computation that failed.
     #[error("{message}")]
     Numerical {
@@ -114,12 +123,18 @@ impl Error {
         move |source| Self::Io { doing, path, source }
     }
 
+    /// An [`Error::Checkpoint`].
+    pub fn checkpoint(folder: &Path, problem: Problem) -> Self {
+        Self::Checkpoint { folder: folder.to_owned(), problem: Box::new(problem) }
+    }
+
     /// Code with which the program ends.
     #[must_use]
     pub const fn exit_code(&self) -> u8 {
         match self {
+            Self::Checkpoint { problem, .. } => problem.exit_code(),
             Self::Numerical { .. } | Self::Tracking(_) => 1,
-            Self::Interrupted => 75,
+            Self::Interrupted(_) => 75,
             Self::Config { .. } | Self::Usage { .. } | Self::OutputIsInput { .. } => 2,
             Self::Format(sinew_formats::Error::UnknownLayout { .. }) => 2,
             Self::Format(_) | Self::Input { .. } => 3,
@@ -140,13 +155,14 @@ impl Error {
                 Some("choose another folder with `-o`, or replace what is there with `--force`".into())
             }
             Self::OutputLocked { .. } => Some("wait for it to end, or choose another folder with `-o`".into()),
+            Self::Checkpoint { problem, .. } => Some(problem.help().into()),
             Self::OutputIsInput { .. } => Some("choose another folder with `-o`".into()),
             Self::Usage { help, .. } => Some(help.clone()),
             Self::Input { help, .. } => help.clone(),
             Self::Config { .. } => {
                 Some("`sinew track --help` lists the settings; `--print-config` shows the values in force".into())
             }
-            Self::Io { .. } | Self::Interrupted | Self::Numerical { .. } | Self::Tracking(_) => None,
+            Self::Io { .. } | Self::Interrupted(_) | Self::Numerical { .. } | Self::Tracking(_) => None,
         }
     }
 }

@@ -3,6 +3,8 @@
 //! Plain values in SI units: radians, metres, seconds, in the world frame (right-handed, z up). Vectors have one entry per degree of freedom, point or camera in
 //! the order of [`RunInfo`]. What a method does not have is `None`, never a placeholder number.
 
+pub mod diagnostics;
+
 use sinew_body::KinematicTree;
 use sinew_observe::Camera;
 

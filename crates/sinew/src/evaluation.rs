@@ -70,17 +70,23 @@ pub fn run(
     static COUNT: AtomicU64 = AtomicU64::new(0);
     let name = format!("sinew-evaluation-{}-{}", std::process::id(), COUNT.fetch_add(1, Ordering::Relaxed));
     let mut spool =
-        Spool::create(&std::env::temp_dir().join(name), tree.dof(), cameras.len(), pipeline.keypoints().len())?;
+        Spool::temporary(&std::env::temp_dir().join(name), [tree.dof(), cameras.len(), pipeline.keypoints().len()])?;
     let (mut filtered, mut smoothed) = (vec![], vec![]);
     pipeline.track(source, frames, |estimate, posterior| {
         spool.append(&estimate, &pipeline::moments(posterior, settings.isa))?;
         filtered.push(estimate);
         Ok(ControlFlow::Continue(()))
     })?;
-    pipeline::smooth(&mut spool, &pipeline, &tree, |estimate| {
-        smoothed.push(estimate);
-        Ok(ControlFlow::Continue(()))
-    })?;
+    pipeline::smooth(
+        &mut spool,
+        &pipeline,
+        &tree,
+        || Ok(()),
+        |estimate| {
+            smoothed.push(estimate);
+            Ok(ControlFlow::Continue(()))
+        },
+    )?;
     Ok(Run { setup, tree, filtered, smoothed })
 }
 

@@ -5,26 +5,32 @@
 //!    └─────▶ tracker ──▶ result folder      (through a spool on disk and a backward pass with `smooth`)
 //! ```
 //!
-//! An interrupt ends the run after the frame at hand; what was done is written and marked incomplete.
+//! An interrupt ends the run after the frame at hand; what was done is written and marked incomplete. A checkpoint ([`crate::checkpoint`]) is written before the first frame, every so many seconds and at an interrupt; from it a run goes
+//! on to the same bytes, whatever stopped it: the set-up is that of the checkpoint, and what was read of the source is read again, which tells whether it is the same and counts what is odd about it.
 
+mod begin;
+
+use crate::checkpoint::{self, Checkpoint};
 use crate::config::{Resolved, TrackConfig};
 use crate::estimate::{Carried, FrameEstimate, Kind, RunInfo};
-use crate::files;
 use crate::output::{Claim, Ending, ResultFolder, Summary, Texts};
-use crate::pipeline::{self, FrameSource, Method, Pipeline, Settings, Spool, Upright};
-use crate::setup::{self, Request, Setup, Warning};
-use crate::{Error, bodies};
+use crate::pipeline::{self, FrameSource, Pipeline, Settings, Spool, Upright};
+use crate::setup::Setup;
+use crate::{Error, files};
+use sinew_body::KinematicTree;
 use sinew_core::lanes::Isa;
 use sinew_formats::source_text::MAX_CONFIG_BYTES;
+use sinew_observe::Camera;
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::{ControlFlow, Range};
-use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::{Instant, SystemTime, UNIX_EPOCH};
+use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
 /// Part of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Pass {
+    /// Frames are read again, to see that they are those of the run that was stopped.
+    Check,
     /// Frames are read for the set-up.
     SetUp,
     /// Frames are tracked.
@@ -53,60 +59,253 @@ pub struct Outcome {
 /// Rate taken where none is given.
 pub const DEFAULT_FPS: f64 = 30.0;
 
-/// Tracks the frames of a source into a claimed folder.
+/// Tracks the frames of a source into a claimed folder, from the first on or from where a run was stopped.
 ///
-/// `warn` gives the warnings of the source when all is read.
+/// `inputs` gives the warnings of the source and the hashes of what was read of it so far.
 ///
 /// # Errors
-/// Those of the source, the set-up, the tracker and the disk.
+/// Those of the source, the set-up, the tracker and the disk; [`Error::Checkpoint`] where the run that was stopped is another one.
 pub fn track<S: FrameSource>(
     source: &mut S,
     setup_frames: Range<u64>,
     resolved: &Resolved,
     claim: Claim,
     watch: &mut Watch<'_>,
-    inputs: impl FnOnce(&S) -> (Vec<String>, BTreeMap<String, String>),
+    inputs: impl Fn(&S) -> (Vec<String>, BTreeMap<String, String>),
+    from: Option<Checkpoint>,
 ) -> Result<Outcome, Error> {
     let config = resolved.track();
     let started = SystemTime::now();
     let clock = Instant::now();
-    let mut warnings = Vec::new();
     let mut settings = settings(&config)?;
-    if config.fps.is_none() {
-        warnings.push(format!("no frame rate given; {DEFAULT_FPS} frames per second assumed (`--fps`)"));
-    }
     settings.fps = config.fps.unwrap_or(DEFAULT_FPS);
-
     let settings_files = file_hashes(resolved)?;
-    let known = config.setup.as_deref().map(read_setup).transpose()?;
-    if let Some(setup) = known.as_ref().filter(|_| resolved.is_given("body")) {
-        same_body(&config.body, setup)?;
-    }
-    let up = world_up(&config, known.as_ref())?;
-    let mut source = Upright::new(source, &up);
-    let setup = match known {
-        Some(setup) => {
-            same_calibration(&mut source, config.image_scale)?;
-            setup
+    let hashes = |source: &Upright<'_, S>| {
+        let mut hashes = inputs(source.source()).1;
+        hashes.extend(settings_files.clone());
+        hashes
+    };
+    let folder = claim.folder().to_owned();
+    let refused = |problem| Error::checkpoint(&folder, problem);
+
+    let (mut source, setup, from) = match from {
+        Some(from) => {
+            from.check_settings(&resolved.of_numbers(), settings.isa.name()).map_err(refused)?;
+            let setup = Setup::from_toml("setup.toml of the checkpoint", &from.setup_toml)?;
+            let mut source = Upright::new(source, &setup.world_up);
+            let total = from.read.iter().map(|run| run.end.saturating_sub(run.start)).fold(0, u64::saturating_add);
+            source.read_again(&from.read, |done| {
+                (watch.progress)(Pass::Check, done, total);
+                match go_on(watch.stop) {
+                    ControlFlow::Continue(()) => Ok(()),
+                    ControlFlow::Break(()) => Err(Error::Interrupted("before tracking went on; nothing was changed")),
+                }
+            })?;
+            from.check_inputs(&hashes(&source), &source.frames()).map_err(refused)?;
+            (source, setup, from)
         }
         None => {
-            let setup = set_up(&mut source, setup_frames, &config, &settings, watch, &mut warnings)?;
-            Setup { world_up: up, ..setup }
+            let mut warnings = Vec::new();
+            if config.fps.is_none() {
+                warnings.push(format!("no frame rate given; {DEFAULT_FPS} frames per second assumed (`--fps`)"));
+            }
+            let known = config.setup.as_deref().map(begin::read_setup).transpose()?;
+            if let Some(setup) = known.as_ref().filter(|_| resolved.is_given("body")) {
+                begin::same_body(&config.body, setup)?;
+            }
+            let up = begin::world_up(&config, known.as_ref())?;
+            let mut source = Upright::new(source, &up);
+            let setup = match known {
+                Some(setup) => {
+                    begin::same_calibration(&mut source, config.image_scale)?;
+                    setup
+                }
+                None => {
+                    let setup = begin::set_up(&mut source, setup_frames, &config, &settings, watch, &mut warnings)?;
+                    Setup { world_up: up, ..setup }
+                }
+            };
+            let from = Checkpoint {
+                program: env!("CARGO_PKG_VERSION").into(),
+                settings: resolved.of_numbers(),
+                isa: settings.isa.name().into(),
+                frames: source.frames(),
+                setup_toml: setup.to_toml()?,
+                warnings,
+                texts: [resolved.to_toml(), resolved.to_json().to_string(), resolved.hash()],
+                ..Checkpoint::default()
+            };
+            (source, setup, from)
         }
     };
     let setup_s = clock.elapsed().as_secs_f64();
     let tree = setup.tree();
     let cameras = source.cameras().to_vec();
     let mut pipeline = Pipeline::new(&setup, &tree, &cameras, source.layout(), settings.clone())?;
+    if let Some(state) = &from.pipeline {
+        pipeline.restore(state).map_err(refused)?;
+    }
     let frames = source.frames();
-    let kind = if config.smooth { Kind::Smoothed } else { Kind::Filtered };
+    let info = run_info(&config, &settings, &setup, &pipeline, cameras, frames.start, from.setup_toml.clone());
+    let spool = match config.smooth {
+        true => {
+            let sizes = [tree.dof(), info.cameras.len(), info.keypoints.len()];
+            Some(Spool::open(&claim, sizes, from.spool.map(|position| (from.done, position)))?)
+        }
+        false => None,
+    };
+    if from.pipeline.is_none() {
+        ResultFolder::forget(&claim)?;
+    }
+    let results = ResultFolder::open(claim, info, texts(&from)?, from.written.as_ref())?;
+
+    let total = frames.end - frames.start;
+    let before = from.done;
+    let mut keeper = Keeper { results, spool, checkpoint: from, kept: Instant::now(), cost: Duration::ZERO };
+    let every = Duration::try_from_secs_f64(config.checkpoint_every).unwrap_or(Duration::MAX);
+    if keeper.checkpoint.pipeline.is_none() {
+        keeper.keep(&pipeline, &source, hashes(&source))?;
+    }
+    let tracked = loop {
+        let next = frames.start + keeper.checkpoint.done;
+        let tracked = pipeline.track(&mut source, next..frames.end, |estimate: FrameEstimate, posterior| {
+            match &mut keeper.spool {
+                Some(spool) => spool.append(&estimate, &pipeline::moments(posterior, settings.isa))?,
+                None => keeper.results.append(&estimate)?,
+            }
+            keeper.checkpoint.done += 1;
+            (watch.progress)(Pass::Track, keeper.checkpoint.done, total);
+            Ok(if keeper.is_due(every) { ControlFlow::Break(()) } else { go_on(watch.stop) })
+        });
+        let is_last = keeper.checkpoint.done == total;
+        // What was done before a failure is written, too, unless the disk is what failed.
+        match tracked {
+            Err(error) if keeper.checkpoint.done == before || matches!(error, Error::Io { .. }) => return Err(error),
+            Err(error) => break Err(error),
+            Ok(()) if is_last && keeper.spool.is_none() => break Ok(()),
+            Ok(()) => keeper.keep(&pipeline, &source, hashes(&source))?,
+        }
+        if is_last || go_on(watch.stop).is_break() {
+            break Ok(());
+        }
+    };
+    let Keeper { mut results, spool, checkpoint, .. } = keeper;
+    let done = checkpoint.done;
+    let track_s = clock.elapsed().as_secs_f64() - setup_s;
+    let mut written = done;
+    if let Some(mut spool) = spool {
+        written = smoothed(&mut spool, &mut results, &pipeline, &tree, watch, done)?;
+    }
+    let (mut warnings, _) = inputs(source.source());
+    warnings.extend(checkpoint.warnings);
+    warnings.extend(pipeline.warnings());
+    let mut told = BTreeSet::new();
+    warnings.retain(|warning| told.insert(warning.clone()));
+    let timings = serde_json::json!({
+        "started_unix_s": started.duration_since(UNIX_EPOCH).map_or(0, |since| since.as_secs()),
+        "wall_s": clock.elapsed().as_secs_f64(),
+        "set_up_s": setup_s,
+        "track_s": track_s,
+        "frames_before": before,
+        "frames_per_second": (done - before) as f64 / track_s,
+        "threads": rayon::current_num_threads(),
+    });
+    let ending = Ending {
+        complete: written == total && tracked.is_ok(),
+        warnings,
+        input_hashes: hashes(&source),
+        limits: config.limits,
+        timings: timings.as_object().cloned().unwrap_or_default(),
+    };
+    let summary = results.finish(&ending)?;
+    tracked?;
+    Ok(Outcome { summary, ms_per_frame: 1e3 * track_s / (done - before).max(1) as f64 })
+}
+
+/// The files of a run and its checkpoint.
+struct Keeper {
+    results: ResultFolder,
+    spool: Option<Spool>,
+    checkpoint: Checkpoint,
+    kept: Instant,
+    cost: Duration,
+}
+
+/// Checkpoints take at most this share of the time, however large they are, unless they are wanted after every frame.
+const SHARE: u32 = 20;
+
+impl Keeper {
+    fn is_due(&self, every: Duration) -> bool {
+        let least = if every.is_zero() { every } else { every.max(SHARE * self.cost) };
+        self.kept.elapsed() >= least
+    }
+
+    /// Writes the checkpoint, behind the files that it speaks of.
+    fn keep<S: FrameSource>(
+        &mut self,
+        pipeline: &Pipeline,
+        source: &Upright<'_, S>,
+        inputs: BTreeMap<String, String>,
+    ) -> Result<(), Error> {
+        let clock = Instant::now();
+        let checkpoint = &mut self.checkpoint;
+        match &mut self.spool {
+            Some(spool) => checkpoint.spool = Some(spool.keep()?),
+            None => checkpoint.written = Some(self.results.keep()?),
+        }
+        checkpoint.pipeline = Some(pipeline.save());
+        checkpoint.read = source.read().to_vec();
+        checkpoint.inputs = inputs;
+        checkpoint::write(self.results.claim(), checkpoint)?;
+        self.kept = Instant::now();
+        self.cost = clock.elapsed();
+        Ok(())
+    }
+}
+
+/// Smooths what a spool holds; gives the number of frames written. Asked to stop in the backward pass it stops; who was asked before smooths what there is.
+fn smoothed(
+    spool: &mut Spool,
+    results: &mut ResultFolder,
+    pipeline: &Pipeline,
+    tree: &KinematicTree,
+    watch: &mut Watch<'_>,
+    frames: u64,
+) -> Result<u64, Error> {
+    let asked_before = go_on(watch.stop).is_break();
+    let stop = watch.stop;
+    let is_stopped = || !asked_before && go_on(stop).is_break();
+    let stopped = || match is_stopped() {
+        true => Err(Error::Interrupted("while smoothing; all frames are tracked, `--resume` smooths them")),
+        false => Ok(()),
+    };
+    let mut written = 0;
+    pipeline::smooth(spool, pipeline, tree, stopped, |estimate| {
+        results.append(&estimate)?;
+        written += 1;
+        (watch.progress)(Pass::Smooth, written, frames);
+        Ok(if is_stopped() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) })
+    })?;
+    Ok(written)
+}
+
+/// What is the same for all frames.
+fn run_info(
+    config: &TrackConfig,
+    settings: &Settings,
+    setup: &Setup,
+    pipeline: &Pipeline,
+    cameras: Vec<Camera>,
+    first_frame: u64,
+    setup_toml: String,
+) -> RunInfo {
     let carried = pipeline.carried();
-    let info = RunInfo {
+    RunInfo {
         method: settings.method.name().into(),
-        kind,
-        body: tree.clone(),
+        kind: if config.smooth { Kind::Smoothed } else { Kind::Filtered },
+        body: setup.tree(),
         fps: settings.fps,
-        first_frame: frames.start,
+        first_frame,
         draws: if config.smooth { settings.draws.min(pipeline::TRAJECTORIES) } else { settings.draws },
         carried: if config.smooth {
             Carried { log_evidence: carried.log_evidence, size: carried.size, ..Carried::default() }
@@ -119,70 +318,16 @@ pub fn track<S: FrameSource>(
         sigma_px: setup.camera.iter().map(|camera| camera.sigma_px).fold(0.0, f64::max),
         cameras,
         keypoints: pipeline.keypoints(),
-        setup_toml: setup.to_toml()?,
-    };
-    let mut spool = match config.smooth {
-        true => {
-            let file = claim.folder().join("smooth.partial");
-            Some(Spool::create(&file, tree.dof(), info.cameras.len(), info.keypoints.len())?)
-        }
-        false => None,
-    };
-    let texts = Texts { config_toml: resolved.to_toml(), settings: resolved.to_json(), settings_hash: resolved.hash() };
-    let mut results = ResultFolder::create(claim, info, texts)?;
-
-    let total = frames.end - frames.start;
-    let mut done = 0;
-    let tracked = pipeline.track(&mut source, frames, |estimate: FrameEstimate, posterior| {
-        match &mut spool {
-            Some(spool) => spool.append(&estimate, &pipeline::moments(posterior, settings.isa))?,
-            None => results.append(&estimate)?,
-        }
-        done += 1;
-        (watch.progress)(Pass::Track, done, total);
-        Ok(go_on(watch.stop))
-    });
-    // What was done before a failure is written, too, unless the disk is what failed.
-    let tracked = match tracked {
-        Err(error) if done == 0 || matches!(error, Error::Io { .. }) => return Err(error),
-        other => other,
-    };
-    let track_s = clock.elapsed().as_secs_f64() - setup_s;
-    if let Some(spool) = &mut spool {
-        let mut smoothed = 0;
-        pipeline::smooth(spool, &pipeline, &tree, |estimate| {
-            results.append(&estimate)?;
-            smoothed += 1;
-            (watch.progress)(Pass::Smooth, smoothed, done);
-            Ok(ControlFlow::Continue(()))
-        })?;
+        setup_toml,
     }
-    drop(spool);
-    let (source_warnings, mut input_hashes) = inputs(source.source());
-    input_hashes.extend(settings_files);
-    warnings.splice(0..0, source_warnings);
-    warnings.extend(pipeline.warnings());
-    let mut told = BTreeSet::new();
-    warnings.retain(|warning| told.insert(warning.clone()));
-    let wall_s = clock.elapsed().as_secs_f64();
-    let timings = serde_json::json!({
-        "started_unix_s": started.duration_since(UNIX_EPOCH).map_or(0, |since| since.as_secs()),
-        "wall_s": wall_s,
-        "set_up_s": setup_s,
-        "track_s": track_s,
-        "frames_per_second": done as f64 / track_s,
-        "threads": rayon::current_num_threads(),
-    });
-    let ending = Ending {
-        complete: done == total && tracked.is_ok(),
-        warnings,
-        input_hashes,
-        limits: config.limits,
-        timings: timings.as_object().cloned().unwrap_or_default(),
-    };
-    let summary = results.finish(&ending)?;
-    tracked?;
-    Ok(Outcome { summary, ms_per_frame: 1e3 * track_s / done.max(1) as f64 })
+}
+
+/// The texts of the run as it was begun.
+fn texts(from: &Checkpoint) -> Result<Texts, Error> {
+    let [config_toml, settings, settings_hash] = from.texts.clone();
+    let settings = serde_json::from_str(&settings)
+        .map_err(|error| Error::Numerical { message: format!("the settings of the run cannot be read: {error}") })?;
+    Ok(Texts { config_toml, settings, settings_hash })
 }
 
 /// Hashes of the files that settings name: set-up, body and layout; the calibration is the source's.
@@ -227,101 +372,4 @@ fn settings(config: &TrackConfig) -> Result<Settings, Error> {
         draws: config.draws,
         ..Settings::default()
     })
-}
-
-/// The axis of the calibration's world that points up.
-fn world_up(config: &TrackConfig, setup: Option<&Setup>) -> Result<String, Error> {
-    match (&config.up_axis, setup) {
-        (Some(asked), Some(setup)) if *asked != setup.world_up => Err(Error::Usage {
-            message: format!("`up_axis` is {asked}; the set-up was made with {}", setup.world_up),
-            help: "leave `up_axis` out: the set-up knows it".into(),
-        }),
-        (_, Some(setup)) => Ok(setup.world_up.clone()),
-        (asked, None) => Ok(asked.clone().unwrap_or_else(|| setup::Z_UP.into())),
-    }
-}
-
-/// Frames that are looked at to tell whether a set-up of an earlier run belongs to the calibration.
-const LOOKED_AT: u64 = 60;
-
-/// Refuses a calibration that fits the keypoints only when it is read differently; a set-up that is given skips the pass that would tell.
-fn same_calibration<S: FrameSource>(source: &mut S, image_scale: f64) -> Result<(), Error> {
-    let numbers = source.frames();
-    let mut frames = vec![];
-    for number in numbers.start..numbers.end.min(numbers.start + LOOKED_AT) {
-        frames.extend(setup::alone(&source.people(number)?));
-    }
-    let stride = frames.len().div_ceil(8).max(1);
-    let some: Vec<_> = frames.into_iter().step_by(stride).collect();
-    setup::calibration_fit::check(source.cameras(), &some, image_scale)
-}
-
-/// Refuses a body that is not that of the set-up.
-fn same_body(asked: &str, setup: &Setup) -> Result<(), Error> {
-    if bodies::to_track(asked)? == setup.body {
-        return Ok(());
-    }
-    Err(Error::Usage {
-        message: format!("`body` is {asked}; the set-up was made with {}", setup.body.name().to_lowercase()),
-        help: "leave `--body` out: the set-up knows it; or leave `--setup` out".into(),
-    })
-}
-
-fn read_setup(path: &Path) -> Result<Setup, Error> {
-    let text = files::read_text(path, MAX_CONFIG_BYTES)?;
-    let setup: Setup = toml::from_str(&text).map_err(|error| {
-        let line = error.span().map_or(1, |span| 1 + text[..span.start].matches('\n').count());
-        Error::Input {
-            message: format!("{}:{line}: {}", path.display(), error.message()),
-            help: Some("give `--setup` the setup.toml of a result folder of this version, or leave it out".into()),
-        }
-    })?;
-    let problems = setup.problems();
-    if problems.is_empty() { Ok(setup) } else { Err(Error::Config { file: path.display().to_string(), problems }) }
-}
-
-fn set_up<S: FrameSource>(
-    source: &mut S,
-    numbers: Range<u64>,
-    config: &TrackConfig,
-    settings: &Settings,
-    watch: &mut Watch<'_>,
-    warnings: &mut Vec<String>,
-) -> Result<Setup, Error> {
-    let body = bodies::to_track(&config.body)?;
-    let request = Request {
-        body,
-        person: config.person.unwrap_or_default(),
-        image_scale: config.image_scale,
-        ..Request::default()
-    };
-    let (cameras, layout) = (source.cameras().to_vec(), source.layout().clone());
-    let total = numbers.end - numbers.start;
-    let frames = numbers.clone().map(|number| {
-        if watch.stop.load(Ordering::SeqCst) {
-            return Err(Error::Interrupted);
-        }
-        let people = source.people(number)?;
-        (watch.progress)(Pass::SetUp, number - numbers.start + 1, total);
-        Ok((number, people))
-    });
-    let (mut setup, found) = setup::set_up(&cameras, &layout, &request, frames)?;
-    // The tracker looks for swapped sides in all its frames.
-    let tracked = source.frames();
-    let told_later = |warning: &Warning| matches!(warning, Warning::Swapped { first, last, .. } if tracked.contains(first) && tracked.contains(last));
-    let declared = config.up_axis.as_deref().unwrap_or(setup::Z_UP);
-    let found = found.into_iter().filter(|warning| !told_later(warning)).map(|warning| match warning {
-        Warning::FeetAboveHead { frames, up_axis } => {
-            Warning::FeetAboveHead { frames, up_axis: setup::checks::axis_before_turning(up_axis, declared) }
-        }
-        other => other,
-    });
-    warnings.extend(found.map(|warning| warning.to_string()));
-    let tree = setup.tree();
-    setup.motion_sd = Some(pipeline::measure_motion(&setup, &tree, source, numbers, settings.fps)?);
-    if settings.method == Method::Hmc {
-        let start = setup.start_frame;
-        pipeline::tune(&mut setup, &tree, source, start, settings)?;
-    }
-    Ok(setup)
 }

@@ -38,6 +38,7 @@ pub use sinew_samplers as samplers;
 pub use sinew_tracking as tracking;
 
 pub mod bodies;
+pub mod checkpoint;
 pub mod config;
 mod error;
 pub mod estimate;

@@ -9,15 +9,16 @@
 //! ```
 //!
 //! 1. [`claim`] a folder before any computing: refuses results that are there, inputs, and folders in use.
-//! 2. [`ResultFolder::create`] opens every file under its provisional name `NAME.partial`.
-//! 3. [`ResultFolder::append`] streams one frame into all of them; nothing grows with the number of frames but a few numbers a frame for the summary.
+//! 2. [`ResultFolder::open`] opens every file under its provisional name `NAME.partial`, or as a run left it that was stopped.
+//! 3. [`ResultFolder::append`] streams one frame into all of them; memory does not grow with the number of frames: what the summary needs of each is kept in a file.
 //! 4. [`ResultFolder::finish`] completes the headers, syncs, checks, renames, and writes `summary.json` last.
 //!
-//! A run that is stopped in between leaves readable `*.partial` files and no summary.
+//! [`ResultFolder::keep`] says how far the files go, for a [`crate::checkpoint`]. A run that is stopped in between leaves readable `*.partial` files and no summary.
 
 mod claim;
 mod coordinates;
 mod draws;
+mod journal;
 mod markers;
 mod partial;
 mod pose;
@@ -29,7 +30,7 @@ mod summary;
 mod table;
 mod tables;
 
-pub use claim::{Claim, LOCK_NAME, RESULT_NAMES, claim, claim_in, is_in_use};
+pub use claim::{Claim, LOCK_NAME, OWN_NAMES, RESULT_NAMES, claim, claim_in, claim_to_resume, is_in_use};
 pub use markers::{REFERENCE_ORDER, order as marker_order};
 pub use pose::{Pose, pose};
 pub use result_table::{MOTION_FILES, ResultTable};
@@ -40,11 +41,15 @@ pub use summary::{Diagnostics, Ending, Limits, Summary};
 use crate::Error;
 use crate::estimate::{FrameEstimate, RunInfo};
 use coordinates::Coordinates;
-use draws::DrawStore;
+use draws::{DrawStore, OpenChunks};
+use journal::Journal;
 use markers::Markers;
-use partial::PartialFile;
+pub use partial::Position;
+pub(crate) use partial::{PartialFile, Place};
+use serde::{Deserialize, Serialize};
 use skeleton::SkeletonFile;
 use statistics::Statistics;
+use std::collections::BTreeMap;
 use std::sync::Arc;
 use tables::Tables;
 
@@ -53,14 +58,26 @@ const LOAD_PY: &str = include_str!("output/load.py");
 /// A result folder being filled.
 pub struct ResultFolder {
     info: RunInfo,
+    texts: Texts,
     markers: Markers,
     tables: Tables,
     coordinates: Coordinates,
     skeleton: SkeletonFile,
     draws: DrawStore,
+    journal: Journal,
     whole: Vec<PartialFile>,
-    statistics: Statistics,
+    frames: u64,
     claim: Claim,
+}
+
+/// How far the files of a folder were written, and what their writers remember.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Written {
+    frames: u64,
+    positions: BTreeMap<String, Position>,
+    angles_before: Vec<Option<[f64; 3]>>,
+    channels_before: Option<Vec<f64>>,
+    draws: OpenChunks,
 }
 
 /// Texts that stand in the folder as they are.
@@ -75,28 +92,80 @@ pub struct Texts {
 }
 
 impl ResultFolder {
-    /// Opens all files.
+    /// Removes what a run left that was stopped: nothing is to be gone on with there.
     ///
     /// # Errors
     /// [`Error::Io`] with the path.
-    pub fn create(claim: Claim, info: RunInfo, texts: Texts) -> Result<Self, Error> {
+    pub fn forget(claim: &Claim) -> Result<(), Error> {
+        // The checkpoint first: without it the others mean nothing.
+        OWN_NAMES.iter().rev().try_for_each(|name| claim.remove(name))
+    }
+
+    /// Opens all files: new ones, or those of a run that was stopped, cut to what was `written` then. Older results lose their summary and what a run may go on from.
+    ///
+    /// # Errors
+    /// [`Error::Io`] with the path; [`Error::Checkpoint`] for files that are not as they were left.
+    pub fn open(claim: Claim, info: RunInfo, texts: Texts, written: Option<&Written>) -> Result<Self, Error> {
         let storage = Arc::clone(&claim.storage);
         let folder = claim.folder.clone();
+        let place = Place { storage: &storage, folder: &folder, written: written.map(|written| &written.positions) };
+        if written.is_some() {
+            claim.remove("summary.json")?;
+        }
         let text = |name: &str, text: &str| PartialFile::with_text(&storage, folder.join(name), text);
+        let mut coordinates = Coordinates::open(&place, &info)?;
+        let mut skeleton = SkeletonFile::open(&place, &info)?;
+        if let Some(written) = written {
+            let remembered = coordinates.remember(&written.angles_before);
+            let remembered = remembered.and_then(|()| skeleton.remember(written.channels_before.clone()));
+            remembered.map_err(|problem| Error::checkpoint(&folder, problem))?;
+        }
         Ok(Self {
-            markers: Markers::create(&storage, &folder, &info)?,
-            tables: Tables::create(&storage, &folder, &info)?,
-            coordinates: Coordinates::create(&storage, &folder, &info)?,
-            skeleton: SkeletonFile::create(&storage, &folder, &info)?,
-            draws: DrawStore::create(&storage, &folder, &info)?,
+            markers: Markers::open(&place, &info)?,
+            tables: Tables::open(&place, &info)?,
+            coordinates,
+            skeleton,
+            draws: DrawStore::open(&place, &info, written.map(|written| &written.draws))?,
+            journal: Journal::open(&place, info.cameras.len())?,
             whole: vec![
                 text("config.toml", &texts.config_toml)?,
                 text("setup.toml", &info.setup_toml)?,
                 text("load.py", LOAD_PY)?,
             ],
-            statistics: Statistics::new(&info, texts),
+            frames: written.map_or(0, |written| written.frames),
+            texts,
             claim,
             info,
+        })
+    }
+
+    /// The right to the folder.
+    #[must_use]
+    pub const fn claim(&self) -> &Claim {
+        &self.claim
+    }
+
+    /// Hands everything to the disk, and says how far it goes.
+    ///
+    /// # Errors
+    /// [`Error::Io`] with the path.
+    pub fn keep(&mut self) -> Result<Written, Error> {
+        let files = [
+            &mut self.markers.trc,
+            &mut self.markers.sd.file,
+            &mut self.tables.joints.file,
+            &mut self.tables.angles.file,
+            &mut self.tables.frames.file,
+            &mut self.coordinates.file,
+            &mut self.skeleton.file,
+            &mut self.journal.file,
+        ];
+        Ok(Written {
+            frames: self.frames,
+            positions: files.into_iter().map(PartialFile::keep).collect::<Result<_, _>>()?,
+            angles_before: self.coordinates.before.clone(),
+            channels_before: self.skeleton.before.clone(),
+            draws: self.draws.keep()?,
         })
     }
 
@@ -107,12 +176,13 @@ impl ResultFolder {
     pub fn append(&mut self, estimate: &FrameEstimate) -> Result<(), Error> {
         self.check(estimate)?;
         let pose = pose(&self.info.body, &estimate.mean_state);
-        self.markers.append(self.statistics.frames(), estimate, &pose)?;
+        self.markers.append(self.frames, estimate, &pose)?;
         self.tables.append(estimate)?;
         self.coordinates.append(estimate, &pose)?;
         self.skeleton.append(&pose)?;
         self.draws.append(estimate)?;
-        self.statistics.add(estimate);
+        self.journal.append(estimate)?;
+        self.frames += 1;
         Ok(())
     }
 
@@ -138,30 +208,36 @@ impl ResultFolder {
         }
     }
 
-    /// Completes, syncs and renames all files; `summary.json` last.
+    /// Completes, syncs and renames all files; `summary.json` last. What a run may go on from is removed where all frames are there.
     ///
     /// # Errors
     /// [`Error::Io`] with the path at the first failure; what is not renamed by then keeps its provisional name.
     pub fn finish(self, ending: &Ending) -> Result<Summary, Error> {
-        let Self { info, markers, tables, coordinates, skeleton, draws, mut whole, statistics, claim } = self;
-        whole.extend(markers.finish(statistics.frames())?);
+        let Self { info, texts, markers, tables, coordinates, skeleton, draws, mut journal, mut whole, frames, claim } =
+            self;
+        whole.extend(markers.finish(frames)?);
         whole.extend(tables.finish());
-        whole.push(coordinates.finish(statistics.frames())?);
-        whole.push(skeleton.finish(statistics.frames())?);
+        whole.push(coordinates.finish(frames)?);
+        whole.push(skeleton.finish(frames)?);
         let draws = draws.finish()?;
         let timings = serde_json::to_string_pretty(&ending.timings).unwrap_or_default() + "\n";
         whole.push(PartialFile::with_text(&claim.storage, claim.folder.join("timings.json"), &timings)?);
+        let mut statistics = Statistics::new(&info, texts);
+        journal.read_back(info.fps, |frame| statistics.add(frame))?;
         let summary = statistics.summary(&info, ending);
         let text = serde_json::to_string_pretty(&summary).unwrap_or_default() + "\n";
         let mut last = PartialFile::with_text(&claim.storage, claim.folder.join("summary.json"), &text)?;
         whole.iter_mut().try_for_each(PartialFile::sync)?;
         last.sync()?;
         // An older summary must not speak for new files.
-        let old = claim.folder.join("summary.json");
-        claim.storage.remove(&old).map_err(Error::io("replace", &old))?;
+        claim.remove("summary.json")?;
         whole.into_iter().try_for_each(PartialFile::rename)?;
         draws.rename()?;
         last.rename()?;
+        if ending.complete {
+            drop(journal);
+            OWN_NAMES.iter().try_for_each(|name| claim.remove(name))?;
+        }
         Ok(summary)
     }
 }
@@ -171,8 +247,12 @@ impl ResultFolder {
 /// # Errors
 /// [`Error::Io`] with the path.
 pub fn write_whole(path: &std::path::Path, bytes: &[u8]) -> Result<(), Error> {
-    let storage: Arc<dyn Storage> = Arc::new(Disk);
-    let mut file = PartialFile::create(&storage, path.to_owned())?;
+    write_whole_in(&(Arc::new(Disk) as Arc<dyn Storage>), path, bytes)
+}
+
+/// As [`write_whole`], in the given storage.
+pub(crate) fn write_whole_in(storage: &Arc<dyn Storage>, path: &std::path::Path, bytes: &[u8]) -> Result<(), Error> {
+    let mut file = PartialFile::create(storage, path.to_owned())?;
     file.write(|out| std::io::Write::write_all(out, bytes))?;
     file.sync()?;
     file.rename()

@@ -19,15 +19,17 @@ mod smooth;
 mod source;
 mod unknown_size;
 
-pub use scene::Scene;
+pub use scene::{Scene, SceneState};
 pub use smooth::{Spool, TRAJECTORIES, smooth};
 pub use source::{FrameSource, Upright};
 
 use crate::Error;
+use crate::checkpoint::{self, Problem};
 use crate::estimate::{Carried, Draws, FrameEstimate, HmcStatistics, ParticleStatistics, Quality};
 use crate::setup::{self, Setup};
 use marginals::Marginals;
-use restart::Restarting;
+use restart::{Restarting, Steps};
+use serde::{Deserialize, Serialize};
 use sinew_body::KinematicTree;
 use sinew_core::density::GaussNewton;
 use sinew_core::lanes::Isa;
@@ -39,7 +41,7 @@ use sinew_observe::association::{self, Following, follow};
 use sinew_observe::{Camera, KeypointLikelihood, Noise};
 use sinew_samplers::tuning;
 use sinew_tracking::posterior::Posterior;
-use sinew_tracking::{StepInfo, Tracker, bootstrap, hmc_filter, run};
+use sinew_tracking::{Resume as _, StepInfo, bootstrap, hmc_filter, run};
 use std::cell::RefCell;
 use std::ops::{ControlFlow, Range};
 use std::sync::PoisonError;
@@ -133,6 +135,13 @@ pub struct Pipeline {
     transition: RandomWalk,
 }
 
+/// What a pipeline remembers from frame to frame.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct State {
+    tracker: Vec<f64>,
+    scene: SceneState,
+}
+
 impl Pipeline {
     /// A pipeline that starts at the set-up's pose.
     ///
@@ -174,6 +183,26 @@ impl Pipeline {
         self.scene.warnings()
     }
 
+    /// What the next frame needs of those before it.
+    #[must_use]
+    pub fn save(&self) -> State {
+        State { tracker: self.tracker.save(), scene: self.scene.save() }
+    }
+
+    /// Goes on where a pipeline of the same set-up and settings stood, to the same bits.
+    ///
+    /// # Errors
+    /// A state of another pipeline.
+    pub fn restore(&mut self, saved: &State) -> Result<(), Problem> {
+        self.scene.restore(&saved.scene)?;
+        self.tracker.restore(&saved.tracker).map_err(|error| match error {
+            sinew_tracking::Error::Dimension { found, expected, .. } => {
+                checkpoint::state("tracker", format!("{found} numbers"), expected)
+            }
+            other => checkpoint::state("tracker", other, "its numbers"),
+        })
+    }
+
     /// Tracks the frames of `numbers`, in order, and gives each estimate with the moments of its posterior to `record`, which may stop the run. Call it again to go on.
     ///
     /// # Errors
@@ -184,7 +213,8 @@ impl Pipeline {
         numbers: impl IntoIterator<Item = u64>,
         mut record: impl FnMut(FrameEstimate, &Posterior<'_>) -> Result<ControlFlow<()>, Error>,
     ) -> Result<(), Error> {
-        let numbers = numbers.into_iter().map(frame_index).collect::<Result<Vec<_>, _>>()?;
+        let mut refused = None;
+        let numbers = numbers.into_iter().map_while(|number| frame_index(number).map_err(|e| refused = Some(e)).ok());
         let Self { settings, tracker, scene, marginals, .. } = self;
         let scene = RefCell::new(scene);
         let (seed, pending, restarted) = (settings.seed, tracker.pending(), tracker.restarted());
@@ -205,7 +235,8 @@ impl Pipeline {
                 let estimate = describe(settings, &scene.borrow(), marginals, u64::from(frame), info, &posterior);
                 record(FrameEstimate { restarted: restarted.load(Ordering::Relaxed), ..estimate }, &posterior)
             },
-        )
+        )?;
+        refused.map_or(Ok(()), Err)
     }
 }
 
@@ -249,7 +280,7 @@ fn tracker(
     settings: &Settings,
     transition: &RandomWalk,
     start: Vec<f64>,
-) -> Result<Box<dyn Tracker<Observed>>, Error> {
+) -> Result<Box<dyn Steps>, Error> {
     Ok(match settings.method {
         Method::Hmc => Box::new(
             hmc_filter::HmcFilter::new(hmc_config(setup, settings), transition.clone(), start, settings.isa)

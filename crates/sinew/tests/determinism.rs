@@ -5,7 +5,8 @@
 
 mod common;
 
-use common::trial;
+use common::synthetic::Whole;
+use common::{files, trial};
 use sinew::Error;
 use sinew::core::lanes::Isa;
 use sinew::estimate::{FrameEstimate, Quality};
@@ -75,8 +76,29 @@ fn threads_runs_and_halves_give_the_same_bits() {
             };
             let one = run(1, &[0..18]);
             assert!(!one.is_empty());
-            for (threads, parts) in [(1, vec![0..18]), (2, vec![0..18]), (8, vec![0..18]), (2, vec![0..7, 7..18])] {
+            let one_by_one: Vec<Range<u64>> = (0..18).map(|number| number..number + 1).collect();
+            for (threads, parts) in
+                [(1, vec![0..18]), (2, vec![0..18]), (8, vec![0..18]), (2, vec![0..7, 7..18]), (8, one_by_one)]
+            {
                 assert!(run(threads, &parts) == one, "{method:?} {isa:?} {threads} threads {parts:?}");
+            }
+        }
+    }
+}
+
+/// Every file of a run, filtered and smoothed.
+#[test]
+fn any_number_of_threads_leaves_the_same_files() {
+    for method in ["hmc", "bootstrap"] {
+        for smooth in ["false", "true"] {
+            let whole = Whole::new(&[("method", method), ("smooth", smooth)]);
+            for threads in [1, 2, 8] {
+                let out = whole.folder.path().join("again");
+                whole.run(&out, threads, None, None).unwrap();
+                let mut files = files(&out);
+                files.remove("timings.json");
+                assert!(files == whole.files, "{method}, smooth {smooth}, {threads} threads");
+                fs::remove_dir_all(&out).unwrap();
             }
         }
     }

@@ -1,5 +1,10 @@
-//! A disk that fails at any write, sync or rename: the first failure is told with its path, and nothing half done passes for a result.
+//! A disk that fails at any write, sync or rename: the first failure is told with its path, nothing half done passes for a result, and a run goes on when there is room again.
 
+mod common;
+
+use common::files;
+use common::synthetic::Whole;
+use sinew::checkpoint;
 use sinew::estimate::{Draws, FrameEstimate, PointMarginal, RunInfo, StateMarginal};
 use sinew::formats::calib_toml;
 use sinew::output::{Disk, Ending, ResultFolder, Storage, StoredFile, Texts, claim_in};
@@ -56,6 +61,14 @@ impl Storage for Failing {
         self.step()?;
         Ok(Box::new(FailingFile(self.clone(), Disk.create(path)?)))
     }
+    fn resume(&self, path: &Path, length: u64) -> io::Result<Box<dyn StoredFile>> {
+        self.step()?;
+        Ok(Box::new(FailingFile(self.clone(), Disk.resume(path, length)?)))
+    }
+    fn read(&self, path: &Path) -> io::Result<Box<dyn io::Read>> {
+        self.step()?;
+        Disk.read(path)
+    }
     fn sync(&self, _: &Path) -> io::Result<()> {
         self.step()
     }
@@ -97,7 +110,7 @@ fn write(folder: &Path, steps: usize) -> Result<usize, Error> {
     let points = info.body.points().len();
     let cameras = info.cameras.len();
     let claim = claim_in(Arc::new(Failing(Arc::clone(&left))), folder, &[], false)?;
-    let mut results = ResultFolder::create(claim, info, Texts::default())?;
+    let mut results = ResultFolder::open(claim, info, Texts::default(), None)?;
     for number in 0..FRAMES {
         results.append(&FrameEstimate {
             number,
@@ -111,6 +124,7 @@ fn write(folder: &Path, steps: usize) -> Result<usize, Error> {
             ess: 20.0,
             ..FrameEstimate::default()
         })?;
+        results.keep()?;
     }
     results.finish(&Ending { complete: true, ..Ending::default() })?;
     Ok(left.load(Ordering::SeqCst))
@@ -142,4 +156,42 @@ fn every_failure_is_told_and_nothing_false_is_left() {
             assert!(sinew::output::claim(&folder, &[], false).is_ok(), "{steps}");
         }
     }
+}
+
+/// Whole runs with a checkpoint after every frame, on a disk that fails at every step near the beginning and the end and at some in between.
+#[test]
+fn a_run_goes_on_when_there_is_room_again() {
+    let settings = [("method", "bootstrap"), ("particles", "8"), ("checkpoint_every", "0.02")];
+    let whole = Whole::new(&settings);
+    let out = whole.folder.path().join("out");
+    let run = |steps: usize| {
+        let left = Arc::new(AtomicUsize::new(steps));
+        let claim = claim_in(Arc::new(Failing(Arc::clone(&left))), &out, &[], false)?;
+        whole.run_in(claim, 1, None, None).map(|_| left.load(Ordering::SeqCst))
+    };
+    const MANY: usize = 1_000_000;
+    let needed = MANY - run(MANY).unwrap();
+    let mut gone_on = 0;
+    // The number of steps depends on the clock, for checkpoints do: a run that has enough of them is no failure.
+    for steps in (0..needed).filter(|steps| *steps % 37 == 1 || (needed - steps) % 37 == 1) {
+        let _ = std::fs::remove_dir_all(&out);
+        match run(steps) {
+            Ok(_) => continue,
+            Err(Error::Io { path, source, .. }) => {
+                assert!(path.starts_with(&out), "{steps}: {}", path.display());
+                assert_eq!(source.to_string(), "injected", "{steps}");
+            }
+            Err(other) => panic!("{steps} of {needed}: {other:?}"),
+        }
+        if out.join(checkpoint::NAME).exists() {
+            let from = checkpoint::read(&out).unwrap();
+            assert!(whole.run(&out, 2, None, Some(from)).unwrap().summary.complete);
+            let mut found = files(&out);
+            found.remove("timings.json");
+            assert!(found == whole.files, "{steps} of {needed}");
+            gone_on += 1;
+        }
+    }
+    println!("{needed} steps in a run, {gone_on} failed runs gone on with");
+    assert!(gone_on > 5);
 }

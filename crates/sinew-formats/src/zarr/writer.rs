@@ -157,6 +157,42 @@ impl<S: Store> Writer<S> {
         if self.frames.is_multiple_of(CHUNK_FRAMES) { self.flush() } else { Ok(()) }
     }
 
+    /// The open chunk of every growing variable, with what is still to come at its fill value.
+    pub fn open_chunks(&self) -> impl Iterator<Item = &[u8]> {
+        self.growing.iter().map(|array| &array.chunk[..])
+    }
+
+    /// Goes on where a writer of the same schema stood that had pushed so many frames and had these open chunks. Its store is written over from there; the keys of chunks that lie further are given to `stale`.
+    ///
+    /// # Errors
+    /// Those of the store and of `stale`; `InvalidInput` for chunks of another schema.
+    pub fn resume(
+        mut self,
+        frames: usize,
+        chunks: &[impl AsRef<[u8]>],
+        mut stale: impl FnMut(&mut S, &str) -> io::Result<bool>,
+    ) -> io::Result<Self> {
+        let fit = self.growing.iter().zip(chunks).all(|(array, chunk)| array.chunk.len() == chunk.as_ref().len());
+        if !fit || chunks.len() != self.growing.len() {
+            return Err(invalid("the open chunks are those of another schema".into()));
+        }
+        for (array, chunk) in self.growing.iter_mut().zip(chunks) {
+            array.chunk.copy_from_slice(chunk.as_ref());
+            let mut number = frames / CHUNK_FRAMES;
+            while stale(&mut self.store, &array.key(number))? {
+                number += 1;
+            }
+        }
+        self.frames = frames;
+        self.put_growing_metadata()?;
+        Ok(self)
+    }
+
+    /// The store.
+    pub const fn store_mut(&mut self) -> &mut S {
+        &mut self.store
+    }
+
     /// Writes the open chunk, shapes and consolidated metadata, and gives the store back.
     ///
     /// # Errors

@@ -175,6 +175,9 @@ pub(crate) struct ConvertArgs {
 pub(crate) struct TrackArgs {
     #[command(flatten)]
     pub(crate) settings: Typed<OfTrack>,
+    /// Go on with the run that was stopped in the output folder
+    #[arg(long, help_heading = "Output", conflicts_with = "force")]
+    pub(crate) resume: bool,
     /// Show every setting with its origin, and stop
     #[arg(long, help_heading = "General")]
     pub(crate) print_config: bool,

@@ -42,7 +42,7 @@ pub(crate) fn run(answer: Answer, general: &General, report: &Report) -> Result<
         let stop = interrupt::flag();
         let mut tell = |pass, done, total| progress.at(pass, done, total);
         let mut watch = Watch { progress: &mut tell, stop: &stop };
-        job::track(&mut recording, 0..frames, &resolved, claim, &mut watch, |_| (Vec::new(), BTreeMap::new()))
+        job::track(&mut recording, 0..frames, &resolved, claim, &mut watch, |_| (Vec::new(), BTreeMap::new()), None)
     })?;
     report.warnings(&outcome.summary.warnings);
     tell(&recording, &outcome, &config.out, answer)?;

@@ -4,9 +4,10 @@ use super::args::{General, TrackArgs};
 use super::progress::Progress;
 use super::report::{self, Report};
 use super::{Ended, interrupt};
+use sinew::checkpoint::{self, Checkpoint, Problem};
 use sinew::config::{Resolved, Sources, TrackConfig, resolve};
 use sinew::job::{Outcome, Pass, Watch};
-use sinew::output::{Claim, claim};
+use sinew::output::{Claim, RESULT_NAMES, ResultFolder, claim, claim_to_resume};
 use sinew::recording::{Options, Recording};
 use sinew::{Error, job};
 use std::path::{Path, PathBuf};
@@ -32,7 +33,13 @@ pub(crate) fn run(args: &TrackArgs, general: &General, report: &Report) -> Resul
     read_from.extend(config.setup.clone());
     read_from.extend(general.config.clone());
     read_from.extend(Some(PathBuf::from(&config.body)).filter(|body| body.is_file()));
-    let claim = claimed(&config, &read_from, report)?;
+    let (claim, from) = match args.resume {
+        false => (claimed(&config, &read_from, report)?, None),
+        true => match stopped_run(&config, &resolved, &read_from, report)? {
+            Stopped::Complete(summary) => return complete(&summary, &config.out, args, report),
+            Stopped::At(claim, checkpoint) => (claim, Some(*checkpoint)),
+        },
+    };
     let mut recording = Recording::open(&calibration, &keypoints, &options)?;
     let setup_frames = match &config.setup_frames {
         None => recording.available(),
@@ -56,12 +63,19 @@ pub(crate) fn run(args: &TrackArgs, general: &General, report: &Report) -> Resul
         let stop = interrupt::flag();
         let mut tell = |pass, done, total| progress.at(pass, done, total);
         let mut watch = Watch { progress: &mut tell, stop: &stop };
-        job::track(&mut recording, setup_frames, &resolved, claim, &mut watch, |recording| {
-            (recording.warnings(), recording.input_hashes())
-        })
+        let inputs = |recording: &Recording| (recording.warnings(), recording.input_hashes());
+        job::track(&mut recording, setup_frames, &resolved, claim, &mut watch, inputs, from)
     });
-    // What is odd about the input may be why it could not be tracked.
-    let outcome = outcome.inspect_err(|_| report.warnings(&recording.warnings()))?;
+    let outcome = outcome.inspect_err(|error| {
+        if let Error::Checkpoint { .. } = error {
+            return;
+        }
+        // What is odd about the input may be why it could not be tracked.
+        report.warnings(&recording.warnings());
+        if config.out.join(checkpoint::NAME).exists() {
+            report.note(&format!("the frames before are kept in {}; {GO_ON}", config.out.display()));
+        }
+    })?;
     tell(&outcome, &config.out, args, report)
 }
 
@@ -110,13 +124,73 @@ fn inputs(config: &TrackConfig) -> Result<(PathBuf, PathBuf), Error> {
 /// The output folder, for us alone.
 pub(crate) fn claimed(config: &TrackConfig, inputs: &[PathBuf], report: &Report) -> Result<Claim, Error> {
     let claim = claim(&config.out, inputs, config.force)?;
+    tell_stale(&claim, report);
+    if claim.is_resumable {
+        let out = config.out.display();
+        report
+            .warnings(&[format!("{out} holds a run that was stopped; it is begun anew (`--resume` goes on with it)")]);
+    }
+    Ok(claim)
+}
+
+/// What a run that ended early can be told to do.
+const GO_ON: &str = "the same command with `--resume` goes on from there";
+
+/// What `--resume` finds.
+enum Stopped {
+    /// A run that came to its end: its summary.
+    Complete(serde_json::Value),
+    /// A run that was stopped.
+    At(Claim, Box<Checkpoint>),
+}
+
+/// The run to go on with, in its folder, for us alone.
+fn stopped_run(
+    config: &TrackConfig,
+    resolved: &Resolved,
+    inputs: &[PathBuf],
+    report: &Report,
+) -> Result<Stopped, Error> {
+    let claim = claim_to_resume(&config.out, inputs)?;
+    tell_stale(&claim, report);
+    let path = config.out.join("summary.json");
+    let summary: Option<serde_json::Value> =
+        std::fs::read_to_string(&path).ok().and_then(|text| serde_json::from_str(&text).ok());
+    let is_unfinished = RESULT_NAMES.iter().any(|name| config.out.join(format!("{name}.partial")).exists());
+    match summary.filter(|summary| summary["complete"] == true && !is_unfinished) {
+        None => Ok(Stopped::At(claim, Box::new(checkpoint::read(&config.out)?))),
+        Some(summary) => {
+            let (was, is) = (&summary["settings_hash"], resolved.hash());
+            if *was != is.as_str() {
+                let differing = vec![format!("the hash of those of the results is {was}, that of these \"{is}\"")];
+                return Err(Error::checkpoint(&config.out, Problem::Settings(differing)));
+            }
+            ResultFolder::forget(&claim)?;
+            Ok(Stopped::Complete(summary))
+        }
+    }
+}
+
+/// Says that there is nothing to go on with.
+fn complete(summary: &serde_json::Value, out: &Path, args: &TrackArgs, report: &Report) -> Result<Ended, Error> {
+    if args.answer.json {
+        report::answer_json(summary)?;
+    } else {
+        report::answer(&format!("nothing to do: the results in {} are complete\n", out.display()))?;
+    }
+    let failed: Vec<&str> =
+        summary["failed_diagnostics"].as_array().into_iter().flatten().filter_map(|text| text.as_str()).collect();
+    failed.iter().for_each(|failed| report.failed(failed));
+    Ok(if failed.is_empty() { Ended::Done } else { Ended::Doubtful })
+}
+
+fn tell_stale(claim: &Claim, report: &Report) {
     if let Some(pid) = claim.stale_lock_of {
         report.warnings(&[format!(
             "process {pid} left its lock in {}; it is gone, the lock is taken over",
-            config.out.display()
+            claim.folder().display()
         )]);
     }
-    Ok(claim)
 }
 
 /// Runs in a pool of the threads asked for.
@@ -145,6 +219,7 @@ impl<'a> PassProgress<'a> {
         let same = self.current.as_ref().is_some_and(|(current, _)| *current == pass);
         if !same {
             let what = match pass {
+                Pass::Check => "reading again",
                 Pass::SetUp => "set-up",
                 Pass::Track => "tracking",
                 Pass::Smooth => "smoothing",
@@ -174,7 +249,7 @@ fn tell(outcome: &Outcome, out: &Path, args: &TrackArgs, report: &Report) -> Res
 /// The end of a run by its summary.
 pub(crate) fn ended(outcome: &Outcome, report: &Report) -> Ended {
     if !outcome.summary.complete {
-        report.note("interrupted; what was done is written and marked incomplete");
+        report.note(&format!("interrupted; what was done is written and marked incomplete; {GO_ON}"));
         return Ended::Interrupted;
     }
     for failed in &outcome.summary.failed_diagnostics {

@@ -124,10 +124,11 @@ pub const SETTINGS: [Setting; SETTING_COUNT] = [
     common((GENERAL, "seed", Kind::Count(0, u64::MAX), "N", "1", "seed of all random streams")),
     unhashed(common((GENERAL, "threads", Kind::Count(1, 1024), "N", "", "threads [default: what the system grants]"))),
     common((OUTPUT, "out", Kind::Path, "DIR", "", "output folder [default: sinew-out/<trial>]")),
+    unhashed(rare((OUTPUT, "checkpoint_every", NOT_NEGATIVE, "SECONDS", "10", "time between checkpoints, from which `--resume` goes on; 0 after every frame"))),
     unhashed(common((OUTPUT, "force", Kind::Flag, "", "false", "replace results that are there"))),
 ];
 
-const SETTING_COUNT: usize = 37;
+const SETTING_COUNT: usize = 38;
 
 /// The setting of that name.
 #[must_use]
@@ -138,5 +139,5 @@ pub fn find(key: &str) -> Option<&'static Setting> {
 /// Settings that say where to write and how to behave, not what to compute: they are not repeated in `config.toml`.
 #[must_use]
 pub fn is_local(key: &str) -> bool {
-    matches!(key, "out" | "force" | "threads")
+    matches!(key, "out" | "force" | "threads" | "checkpoint_every")
 }

@@ -73,6 +73,8 @@ pub struct TrackConfig {
     pub limits: crate::output::Limits,
     /// Output folder.
     pub out: PathBuf,
+    /// Seconds between checkpoints.
+    pub checkpoint_every: f64,
     /// Whether results there may be replaced.
     pub force: bool,
 }
@@ -132,6 +134,7 @@ impl Resolved {
                 ess: self.number("min_ess").unwrap_or_default(),
             },
             out: self.path("out").unwrap_or_else(default_out),
+            checkpoint_every: self.number("checkpoint_every").unwrap_or_default(),
             force: self.flag("force"),
         }
     }

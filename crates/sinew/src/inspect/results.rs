@@ -2,6 +2,7 @@
 
 use super::Facts;
 use crate::Error;
+use crate::checkpoint;
 use crate::files::read_text;
 use crate::output::{LOCK_NAME, RESULT_NAMES, is_in_use};
 use serde_json::Value;
@@ -27,6 +28,9 @@ pub(super) fn facts(folder: &Path) -> Result<Facts, Error> {
         Facts::new(format!("{}: results", folder.display()))
     };
     let partials = partials(folder);
+    if folder.join(checkpoint::NAME).exists() && !is_in_use(folder) {
+        facts.odd.push("the run was stopped and can go on: the same command with `--resume`".into());
+    }
     let odd = match (is_in_use(folder), summary.exists()) {
         (true, true) => "a run is writing into it now; what is said here is of an earlier one",
         (true, false) => "a run is writing into it now; no file is whole before its end",

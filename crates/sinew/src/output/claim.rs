@@ -1,13 +1,14 @@
 //! The right to write into a folder, sought before any computing.
 //!
 //! 1. The folder must not be, hold or lie in an input folder.
-//! 2. What is there may be replaced if it is nothing, the remains of a run that was stopped (`summary.json` says `complete: false`, or only `*.partial`), or if the
-//!    user says so.
+//! 2. What is there may be replaced if it is nothing, the remains of a run that was stopped (`summary.json` says `complete: false`, or only `*.partial` and a checkpoint), or if the
+//!    user says so. A run that goes on takes the folder as it was left ([`claim_to_resume`]).
 //! 3. The folder is created and a lock file with our process number is put into it. The system gives the lock back when the process ends, however it ends; a lock file
 //!    without a lock is a remnant, and taken over.
 
 use super::storage::{Disk, Storage};
 use crate::Error;
+use crate::checkpoint::{self, Problem};
 use crate::error::NOT_A_FOLDER;
 use std::fs::{self, File, TryLockError};
 use std::io::{Read as _, Seek as _, Write as _};
@@ -34,6 +35,10 @@ pub const RESULT_NAMES: [&str; 13] = [
     "timings.json",
 ];
 
+/// What a run keeps in its folder to go on after a stop; gone when it is complete. In the order in which they go then.
+pub const OWN_NAMES: [&str; 5] =
+    ["diagnostics.partial", "smooth.partial", "trajectories.partial", "checkpoint.bin.partial", checkpoint::NAME];
+
 /// A folder that this process alone may write.
 #[must_use]
 pub struct Claim {
@@ -42,6 +47,8 @@ pub struct Claim {
     lock: Option<File>,
     /// Process that left its lock behind, if there was one.
     pub stale_lock_of: Option<u32>,
+    /// Whether a run was stopped here that could go on.
+    pub is_resumable: bool,
 }
 
 /// Claims a folder for results.
@@ -65,8 +72,30 @@ pub fn claim_in(storage: Arc<dyn Storage>, folder: &Path, inputs: &[PathBuf], fo
         refuse_results(folder)?;
     }
     storage.create_folder(folder).map_err(Error::io("create", folder))?;
+    let claim = locked(storage, folder)?;
+    // A run that held the lock a moment ago may have left results since.
+    if !force {
+        refuse_results(folder)?;
+    }
+    Ok(claim)
+}
+
+/// Claims the folder of a run that was stopped, so that it goes on.
+///
+/// # Errors
+/// [`Error::OutputIsInput`], [`Error::OutputLocked`], [`Error::Checkpoint`] where nothing was stopped, and [`Error::Io`] for a folder that cannot be written.
+pub fn claim_to_resume(folder: &Path, inputs: &[PathBuf]) -> Result<Claim, Error> {
+    refuse_inputs(folder, inputs)?;
+    if !folder.is_dir() {
+        return Err(Error::checkpoint(folder, Problem::Missing));
+    }
+    locked(Arc::new(Disk), folder)
+}
+
+fn locked(storage: Arc<dyn Storage>, folder: &Path) -> Result<Claim, Error> {
     let (lock, stale_lock_of) = lock(folder)?;
-    Ok(Claim { folder: folder.to_owned(), storage, lock: Some(lock), stale_lock_of })
+    let is_resumable = folder.join(checkpoint::NAME).exists();
+    Ok(Claim { folder: folder.to_owned(), storage, lock: Some(lock), stale_lock_of, is_resumable })
 }
 
 /// Whether a run writes into a folder now.
@@ -81,6 +110,17 @@ impl Claim {
     #[must_use]
     pub fn folder(&self) -> &Path {
         &self.folder
+    }
+
+    /// Where its files are kept.
+    pub(crate) const fn storage(&self) -> &Arc<dyn Storage> {
+        &self.storage
+    }
+
+    /// Removes a file of the folder, if it is there.
+    pub(crate) fn remove(&self, name: &str) -> Result<(), Error> {
+        let path = self.folder.join(name);
+        self.storage.remove(&path).map_err(Error::io("remove", &path))
     }
 }
 
@@ -145,7 +185,7 @@ fn refuse_results(folder: &Path) -> Result<(), Error> {
     for entry in entries {
         let name = entry.map_err(Error::io("read", folder))?.file_name();
         let name = name.to_string_lossy();
-        if name != LOCK_NAME && !name.ends_with(".partial") {
+        if name != LOCK_NAME && name != checkpoint::NAME && !name.ends_with(".partial") {
             return Err(Error::OutputExists { path: folder.to_owned(), why: " and is not empty" });
         }
     }
@@ -161,13 +201,15 @@ fn is_incomplete(folder: &Path) -> bool {
 fn lock(folder: &Path) -> Result<(File, Option<u32>), Error> {
     let path = folder.join(LOCK_NAME);
     let mut options = File::options();
-    let mut file =
-        options.read(true).write(true).create(true).truncate(false).open(&path).map_err(Error::io("write", &path))?;
+    options.read(true).write(true).create(true).truncate(false);
+    let mut file = options.open(&path).map_err(Error::io("write", &path))?;
     let mut before = String::new();
     let _ = (&file).take(32).read_to_string(&mut before);
     let before: Option<u32> = before.trim().parse().ok();
     match file.try_lock() {
-        Ok(()) => {}
+        Ok(()) if is_at(&file, &path) => {}
+        // The run before removed the file between our opening and our locking it.
+        Ok(()) => return lock(folder),
         Err(TryLockError::WouldBlock) => return Err(Error::OutputLocked { path: folder.to_owned(), pid: before }),
         // A file system without locks: the number in the file is all there is.
         Err(TryLockError::Error(_)) if before.is_none() => {}
@@ -181,6 +223,20 @@ fn lock(folder: &Path) -> Result<(File, Option<u32>), Error> {
     };
     write(&mut file).map_err(Error::io("write", &path))?;
     Ok((file, before))
+}
+
+/// Whether a file is still the one at its path.
+#[cfg(unix)]
+fn is_at(file: &File, path: &Path) -> bool {
+    use std::os::unix::fs::MetadataExt as _;
+    let place = |found: fs::Metadata| (found.dev(), found.ino());
+    matches!((file.metadata(), fs::metadata(path)), (Ok(held), Ok(there)) if place(held) == place(there))
+}
+
+/// Elsewhere a file that is open cannot be removed.
+#[cfg(not(unix))]
+fn is_at(_: &File, _: &Path) -> bool {
+    true
 }
 
 #[cfg(test)]

@@ -15,17 +15,15 @@
 //! Every other degree of freedom is written under its own name with `_` for the dot (`head_rz`), degrees or metres. Bodies with other link names are written that way
 //! throughout.
 
-use super::partial::PartialFile;
+use super::partial::{PartialFile, Place};
 use super::pose::Pose;
-use super::storage::Storage;
 use crate::Error;
+use crate::checkpoint::{Problem, check_length};
 use crate::estimate::{FrameEstimate, RunInfo};
 use sinew_body::{Joint, KinematicTree};
 use sinew_formats::rotation::{Matrix, product, transpose};
 use sinew_formats::{mot, trc};
 use std::f64::consts::{PI, TAU};
-use std::path::Path;
-use std::sync::Arc;
 
 /// One or three columns of the file.
 #[derive(Clone, Debug, PartialEq)]
@@ -118,18 +116,17 @@ pub(crate) struct Coordinates {
     sources: Vec<Source>,
     names: Vec<String>,
     /// Angles of every ball in the frame before.
-    before: Vec<Option<[f64; 3]>>,
-    file: PartialFile,
+    pub(crate) before: Vec<Option<[f64; 3]>>,
+    pub(crate) file: PartialFile,
 }
 
 const TITLE: &str = "Coordinates";
 
 impl Coordinates {
-    pub(crate) fn create(storage: &Arc<dyn Storage>, folder: &Path, info: &RunInfo) -> Result<Self, Error> {
+    pub(crate) fn open(place: &Place<'_>, info: &RunInfo) -> Result<Self, Error> {
         let (names, sources): (Vec<Vec<String>>, Vec<Source>) = columns(&info.body).into_iter().unzip();
         let names = names.concat();
-        let mut file = PartialFile::create(storage, folder.join("angles.mot"))?;
-        file.write(|out| mot::write_header(out, TITLE, &names, 0))?;
+        let file = place.file("angles.mot", |out| mot::write_header(out, TITLE, &names, 0))?;
         Ok(Self { before: vec![None; sources.len()], sources, names, file })
     }
 
@@ -155,6 +152,13 @@ impl Coordinates {
             }
         }
         self.file.write(|out| mot::write_row(out, estimate.time_s, &values))
+    }
+
+    /// Takes up the angles of the frame before.
+    pub(crate) fn remember(&mut self, before: &[Option<[f64; 3]>]) -> Result<(), Problem> {
+        check_length(before.len(), self.before.len())?;
+        self.before.copy_from_slice(before);
+        Ok(())
     }
 
     pub(crate) fn finish(mut self, frames: u64) -> Result<PartialFile, Error> {

@@ -2,14 +2,16 @@
 //!
 //! `posterior` holds the rotations of the state, the root's place, the position of every point and, where it was not measured, the size of the body; `sample_stats` what the method brings and nothing else; `observed_data` the keypoints that were used.
 
-use super::partial::partial_path;
+use super::partial::{Place, partial_path, take_back};
 use super::storage::Storage;
 use crate::Error;
+use crate::checkpoint::Problem;
 use crate::estimate::{Carried, FrameEstimate, Kind, RunInfo};
+use serde::{Deserialize, Serialize};
 use sinew_body::{Joint, Plan, point_positions};
 use sinew_core::lanes::Isa;
 use sinew_formats::zarr::inference_data::{self, Run};
-use sinew_formats::zarr::{Constant, DataType, Labels, Store, Values, Variable, Writer};
+use sinew_formats::zarr::{CHUNK_FRAMES, Constant, DataType, Labels, Store, Values, Variable, Writer};
 use std::collections::BTreeSet;
 use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
@@ -19,19 +21,41 @@ use std::sync::Arc;
 struct FolderStore {
     storage: Arc<dyn Storage>,
     folder: PathBuf,
-    folders: BTreeSet<PathBuf>,
-    written: BTreeSet<PathBuf>,
+    /// Written and not yet synced.
+    unsynced: BTreeSet<PathBuf>,
+}
+
+impl FolderStore {
+    fn sync(&mut self) -> Result<(), Error> {
+        for path in std::mem::take(&mut self.unsynced) {
+            self.storage.sync(&path).map_err(Error::io("write", path))?;
+        }
+        Ok(())
+    }
+
+    /// Removes a value; false where there is none.
+    fn remove(&mut self, key: &str) -> io::Result<bool> {
+        let path = self.folder.join(key);
+        let is_there = path.exists();
+        if is_there {
+            self.storage.remove(&path)?;
+        }
+        Ok(is_there)
+    }
 }
 
 impl Store for FolderStore {
     fn put(&mut self, key: &str, bytes: &[u8]) -> io::Result<()> {
         let path = self.folder.join(key);
-        if let Some(parent) = path.parent().filter(|parent| !self.folders.contains(*parent)) {
-            self.storage.create_folder(parent)?;
-            self.folders.insert(parent.to_owned());
-        }
-        self.storage.create(&path)?.write_all(bytes)?;
-        self.written.insert(path);
+        let created = match (self.storage.create(&path), path.parent()) {
+            (Err(error), Some(parent)) if error.kind() == io::ErrorKind::NotFound => {
+                self.storage.create_folder(parent)?;
+                self.storage.create(&path)
+            }
+            (created, _) => created,
+        };
+        created?.write_all(bytes)?;
+        self.unsynced.insert(path);
         Ok(())
     }
 }
@@ -46,6 +70,13 @@ pub(crate) struct DrawStore {
     rotations: Vec<usize>,
     root: [Option<usize>; 3],
     carried: Carried,
+}
+
+/// How far a store was written.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct OpenChunks {
+    frames: usize,
+    chunks: Vec<Vec<u8>>,
 }
 
 /// A complete store under its provisional name.
@@ -63,10 +94,17 @@ impl FinishedDraws {
 }
 
 impl DrawStore {
-    pub(crate) fn create(storage: &Arc<dyn Storage>, folder: &Path, info: &RunInfo) -> Result<Self, Error> {
-        let path = folder.join("posterior.zarr");
+    pub(crate) fn open(place: &Place<'_>, info: &RunInfo, from: Option<&OpenChunks>) -> Result<Self, Error> {
+        let storage = place.storage;
+        let path = place.folder.join("posterior.zarr");
         let partial = partial_path(&path);
-        storage.remove(&partial).map_err(Error::io("replace", &partial))?;
+        match from {
+            None => storage.remove(&partial).map_err(Error::io("replace", &partial))?,
+            Some(from) => {
+                take_back(storage, &path)?;
+                check_whole_chunks(place.folder, &partial, from.frames)?;
+            }
+        }
         let joints: Vec<(usize, Joint)> = info.body.joints().collect();
         let is_rotation = |dof: &usize| matches!(joints[*dof].1, Joint::Rotate(_));
         let rotations: Vec<usize> = (0..joints.len()).filter(is_rotation).collect();
@@ -75,13 +113,12 @@ impl DrawStore {
                 info.body.links()[*link].parent.is_none() && matches!(joint, Joint::Translate(a) if a.index() == axis)
             })
         };
-        let store = FolderStore {
-            storage: Arc::clone(storage),
-            folder: partial.clone(),
-            folders: BTreeSet::new(),
-            written: BTreeSet::new(),
-        };
-        let writer = Writer::create(store, schema(info, &rotations)).map_err(Error::io("write", &partial))?;
+        let store = FolderStore { storage: Arc::clone(storage), folder: partial.clone(), unsynced: BTreeSet::new() };
+        let mut writer = Writer::create(store, schema(info, &rotations)).map_err(Error::io("write", &partial))?;
+        if let Some(OpenChunks { frames, chunks }) = from {
+            let resumed = writer.resume(*frames, chunks, FolderStore::remove);
+            writer = resumed.map_err(Error::io("write", &partial))?;
+        }
         Ok(Self {
             writer,
             partial,
@@ -149,13 +186,29 @@ impl DrawStore {
         self.writer.push(number, estimate.time_s, &values).map_err(Error::io("write", &self.partial))
     }
 
+    /// Hands what was written to the disk, and gives what was not.
+    pub(crate) fn keep(&mut self) -> Result<OpenChunks, Error> {
+        self.writer.store_mut().sync()?;
+        let chunks = self.writer.open_chunks().map(<[u8]>::to_vec).collect();
+        Ok(OpenChunks { frames: self.writer.frames(), chunks })
+    }
+
     pub(crate) fn finish(self) -> Result<FinishedDraws, Error> {
-        let store = self.writer.finish().map_err(Error::io("write", &self.partial))?;
-        for path in &store.written {
-            store.storage.sync(path).map_err(Error::io("write", path))?;
-        }
+        let mut store = self.writer.finish().map_err(Error::io("write", &self.partial))?;
+        store.sync()?;
         Ok(FinishedDraws { storage: store.storage, partial: self.partial, path: self.path })
     }
+}
+
+/// Refuses a store that lacks chunks that a run had written.
+fn check_whole_chunks(folder: &Path, partial: &Path, frames: usize) -> Result<(), Error> {
+    for chunk in 0..frames / CHUNK_FRAMES {
+        let path = partial.join(format!("sample_stats/ess/c/0/{chunk}"));
+        if !path.is_file() {
+            return Err(Error::checkpoint(folder, Problem::Changed { path }));
+        }
+    }
+    Ok(())
 }
 
 fn lacking(what: &str) -> Error {

@@ -3,17 +3,14 @@
 //! The points of the Pose2Sim reference come first, in its order; the body's other points follow in theirs. Axes are Y up, metres. The standard deviation of a marker
 //! is the root mean square over its axes, metres: one weight for inverse kinematics.
 
-use super::partial::PartialFile;
+use super::partial::{PartialFile, Place};
 use super::pose::Pose;
-use super::storage::Storage;
 use super::table::{Table, integer};
 use crate::Error;
 use crate::estimate::{FrameEstimate, RunInfo};
 use sinew_body::KinematicTree;
 use sinew_formats::tidy_csv::Cell;
 use sinew_formats::trc;
-use std::path::Path;
-use std::sync::Arc;
 
 /// Order of the points in the marker files of Pose2Sim.
 pub const REFERENCE_ORDER: [&str; 21] = [
@@ -53,21 +50,20 @@ pub fn order(body: &KinematicTree) -> Vec<usize> {
 pub(crate) struct Markers {
     order: Vec<usize>,
     header: trc::Header,
-    trc: PartialFile,
-    sd: Table,
+    pub(crate) trc: PartialFile,
+    pub(crate) sd: Table,
 }
 
 impl Markers {
-    pub(crate) fn create(storage: &Arc<dyn Storage>, folder: &Path, info: &RunInfo) -> Result<Self, Error> {
+    pub(crate) fn open(place: &Place<'_>, info: &RunInfo) -> Result<Self, Error> {
         let order = order(&info.body);
         let names: Vec<String> = order.iter().map(|&index| info.body.points()[index].name.clone()).collect();
         let mut header = trc::Header::new("markers.trc", info.fps, names.clone());
         header.start_frame = i64::try_from(info.first_frame).unwrap_or(i64::MAX);
-        let mut trc = PartialFile::create(storage, folder.join("markers.trc"))?;
-        trc.write(|out| trc::write_header(out, &header, 0))?;
+        let trc = place.file("markers.trc", |out| trc::write_header(out, &header, 0))?;
         let columns =
             ["frame".into(), "time_s".into()].into_iter().chain(names.iter().map(|name| format!("{name}_sd_m")));
-        let sd = Table::create(storage, folder.join("markers_sd.csv"), &columns.collect::<Vec<String>>())?;
+        let sd = Table::open(place, "markers_sd.csv", &columns.collect::<Vec<String>>())?;
         Ok(Self { order, header, trc, sd })
     }
 

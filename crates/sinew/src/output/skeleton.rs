@@ -3,17 +3,15 @@
 //! The arms of the standard bodies hang at the zero pose; the rest pose of the file turns every link `…upper_arm` by a right angle about y, away from the trunk. Other
 //! bodies rest in their zero pose. A BVH joint keeps its place in its parent, so that translations of links other than the root are not shown.
 
-use super::partial::PartialFile;
+use super::partial::{PartialFile, Place};
 use super::pose::Pose;
-use super::storage::Storage;
 use crate::Error;
+use crate::checkpoint::{Problem, check_length};
 use crate::estimate::RunInfo;
 use sinew_body::KinematicTree;
 use sinew_formats::bvh::{self, export::Skeleton};
 use sinew_formats::rotation::{IDENTITY, Matrix, about_axis, product};
 use std::f64::consts::FRAC_PI_2;
-use std::path::Path;
-use std::sync::Arc;
 
 /// World rotation of every link in the T-pose.
 #[must_use]
@@ -34,17 +32,16 @@ pub fn t_pose(body: &KinematicTree) -> Vec<Matrix> {
 pub(crate) struct SkeletonFile {
     skeleton: Skeleton,
     frame_time_s: f64,
-    before: Option<Vec<f64>>,
+    pub(crate) before: Option<Vec<f64>>,
     root: usize,
-    file: PartialFile,
+    pub(crate) file: PartialFile,
 }
 
 impl SkeletonFile {
-    pub(crate) fn create(storage: &Arc<dyn Storage>, folder: &Path, info: &RunInfo) -> Result<Self, Error> {
+    pub(crate) fn open(place: &Place<'_>, info: &RunInfo) -> Result<Self, Error> {
         let skeleton = Skeleton::new(&info.body, &t_pose(&info.body));
         let frame_time_s = info.fps.recip();
-        let mut file = PartialFile::create(storage, folder.join("motion.bvh"))?;
-        file.write(|out| bvh::write_header(out, &skeleton.joints, frame_time_s, 0))?;
+        let file = place.file("motion.bvh", |out| bvh::write_header(out, &skeleton.joints, frame_time_s, 0))?;
         let root = info.body.links().iter().position(|link| link.parent.is_none()).unwrap_or_default();
         Ok(Self { skeleton, frame_time_s, before: None, root, file })
     }
@@ -53,6 +50,14 @@ impl SkeletonFile {
         let row = self.skeleton.channels(&pose.rotations, pose.origins[self.root], self.before.as_deref());
         self.file.write(|out| bvh::write_frame(out, &row))?;
         self.before = Some(row);
+        Ok(())
+    }
+
+    /// Takes up the channels of the frame before.
+    pub(crate) fn remember(&mut self, before: Option<Vec<f64>>) -> Result<(), Problem> {
+        let channels = self.skeleton.joints.iter().map(|joint| joint.channels.len()).sum();
+        check_length(before.as_ref().map_or(channels, Vec::len), channels)?;
+        self.before = before;
         Ok(())
     }
 

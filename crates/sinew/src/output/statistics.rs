@@ -1,4 +1,4 @@
-//! What the frames of a run come to: running sums, the diagnostics that fail and the warnings of [`Summary`].
+//! What the frames of a run come to, told at its end from their diagnostics ([`super::journal`]): running sums, the diagnostics that fail and the warnings of [`Summary`].
 
 use super::Texts;
 use super::summary::{CameraSummary, Diagnostics, Ending, Limits, R_HAT_NOTED, SCHEMA_VERSION, Spread, Summary};
@@ -78,10 +78,6 @@ impl Statistics {
             residual_px: vec![Vec::new(); info.cameras.len()],
             particles: info.method == Method::Bootstrap.name(),
         }
-    }
-
-    pub(crate) const fn frames(&self) -> u64 {
-        self.frames
     }
 
     pub(crate) fn add(&mut self, estimate: &FrameEstimate) {

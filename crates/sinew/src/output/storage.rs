@@ -1,7 +1,7 @@
 //! The few operations on files that results need, as a trait, so that a test can let any of them fail.
 
 use std::fs;
-use std::io::{self, Seek, Write};
+use std::io::{self, Read, Seek, SeekFrom, Write};
 use std::path::Path;
 
 /// A file being written.
@@ -33,6 +33,18 @@ pub trait Storage: Send + Sync {
     /// Those of the system.
     fn create(&self, path: &Path) -> io::Result<Box<dyn StoredFile>>;
 
+    /// Opens a file that is there, cut to so many bytes, at its end.
+    ///
+    /// # Errors
+    /// Those of the system.
+    fn resume(&self, path: &Path, length: u64) -> io::Result<Box<dyn StoredFile>>;
+
+    /// Opens a file for reading.
+    ///
+    /// # Errors
+    /// Those of the system.
+    fn read(&self, path: &Path) -> io::Result<Box<dyn Read>>;
+
     /// Hands a written and closed file to the disk and waits for it.
     ///
     /// # Errors
@@ -63,6 +75,17 @@ impl Storage for Disk {
 
     fn create(&self, path: &Path) -> io::Result<Box<dyn StoredFile>> {
         Ok(Box::new(fs::File::create(path)?))
+    }
+
+    fn resume(&self, path: &Path, length: u64) -> io::Result<Box<dyn StoredFile>> {
+        let mut file = fs::File::options().read(true).write(true).open(path)?;
+        file.set_len(length)?;
+        file.seek(SeekFrom::End(0))?;
+        Ok(Box::new(file))
+    }
+
+    fn read(&self, path: &Path) -> io::Result<Box<dyn Read>> {
+        Ok(Box::new(io::BufReader::new(fs::File::open(path)?)))
     }
 
     fn sync(&self, path: &Path) -> io::Result<()> {

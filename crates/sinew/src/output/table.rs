@@ -1,11 +1,8 @@
 //! A comma-separated table being written.
 
-use super::partial::PartialFile;
-use super::storage::Storage;
+use super::partial::{PartialFile, Place};
 use crate::Error;
 use sinew_formats::tidy_csv::{Cell, write_header, write_row};
-use std::path::PathBuf;
-use std::sync::Arc;
 
 /// A table with a fixed header.
 pub(crate) struct Table {
@@ -13,14 +10,8 @@ pub(crate) struct Table {
 }
 
 impl Table {
-    pub(crate) fn create(
-        storage: &Arc<dyn Storage>,
-        path: PathBuf,
-        columns: &[impl AsRef<str>],
-    ) -> Result<Self, Error> {
-        let mut file = PartialFile::create(storage, path)?;
-        file.write(|out| write_header(out, columns))?;
-        Ok(Self { file })
+    pub(crate) fn open(place: &Place<'_>, name: &str, columns: &[impl AsRef<str>]) -> Result<Self, Error> {
+        Ok(Self { file: place.file(name, |out| write_header(out, columns))? })
     }
 
     pub(crate) fn append(&mut self, cells: &[Cell<'_>]) -> Result<(), Error> {

@@ -8,23 +8,20 @@
 //!
 //! `quality` is 2 where at least two cameras saw the person, 1 for one camera, 0 where the values come from the motion model only.
 
-use super::partial::PartialFile;
-use super::storage::Storage;
+use super::partial::{PartialFile, Place};
 use super::table::{Table, integer, optional};
 use crate::Error;
 use crate::estimate::{FrameEstimate, RunInfo};
 use sinew_body::Joint;
 use sinew_formats::tidy_csv::Cell;
-use std::path::Path;
-use std::sync::Arc;
 
 /// Number of the tracked person in the tables; there is one.
 const PERSON: Cell<'_> = Cell::Integer(0);
 
 pub(crate) struct Tables {
-    joints: Table,
-    angles: Table,
-    frames: Table,
+    pub(crate) joints: Table,
+    pub(crate) angles: Table,
+    pub(crate) frames: Table,
     point_names: Vec<String>,
     /// Degree of freedom and name of every rotation.
     rotations: Vec<(usize, String)>,
@@ -36,7 +33,7 @@ const MARGINALS: [&str; 12] = [
 ];
 
 impl Tables {
-    pub(crate) fn create(storage: &Arc<dyn Storage>, folder: &Path, info: &RunInfo) -> Result<Self, Error> {
+    pub(crate) fn open(place: &Place<'_>, info: &RunInfo) -> Result<Self, Error> {
         let joint_columns =
             [&["frame", "time_s", "person", "joint"][..], &MARGINALS, &["observed", "quality"]].concat();
         let angle_columns = ["time_s", "person", "name", "mean_deg", "q05_deg", "q95_deg"];
@@ -61,9 +58,9 @@ impl Tables {
         let rotations =
             named.filter(|(_, (_, (_, joint)))| matches!(joint, Joint::Rotate(_))).map(|(dof, (name, _))| (dof, name));
         Ok(Self {
-            joints: Table::create(storage, folder.join("joints.csv"), &joint_columns)?,
-            angles: Table::create(storage, folder.join("angles.csv"), &angle_columns)?,
-            frames: Table::create(storage, folder.join("frames.csv"), &frame_columns)?,
+            joints: Table::open(place, "joints.csv", &joint_columns)?,
+            angles: Table::open(place, "angles.csv", &angle_columns)?,
+            frames: Table::open(place, "frames.csv", &frame_columns)?,
             point_names: info.body.points().iter().map(|point| point.name.clone()).collect(),
             rotations: rotations.collect(),
         })

@@ -8,7 +8,9 @@
 //!
 //! Memory does not grow with the frames: a span is kept as its ends and sums, and only the first few of each camera are listed.
 
+use crate::checkpoint::{Problem, check_length};
 use crate::setup::Warning;
+use serde::{Deserialize, Serialize};
 
 /// Frames that a span has at least.
 const SPAN: u32 = 3;
@@ -20,7 +22,7 @@ const FEWEST: usize = 4;
 const LISTED: usize = 3;
 
 /// Frames in which a camera has swapped sides.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 struct Span {
     first: u64,
     last: u64,
@@ -30,8 +32,8 @@ struct Span {
 }
 
 /// One camera.
-#[derive(Clone, Debug, Default)]
-struct Watched {
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Watched {
     name: String,
     sigma_px: f64,
     open: Span,
@@ -84,6 +86,18 @@ impl Oddities {
     pub(super) fn new(cameras: impl Iterator<Item = (String, f64)>, pairs: Vec<(usize, usize)>) -> Self {
         let watched = |(name, sigma_px)| Watched { name, sigma_px, ..Watched::default() };
         Self { cameras: cameras.map(watched).collect(), pairs }
+    }
+
+    /// What is remembered of each camera.
+    pub(super) fn save(&self) -> Vec<Watched> {
+        self.cameras.clone()
+    }
+
+    /// Takes up what [`Oddities::save`] gave.
+    pub(super) fn restore(&mut self, saved: &[Watched]) -> Result<(), Problem> {
+        check_length(saved.len(), self.cameras.len())?;
+        self.cameras.clone_from_slice(saved);
+        Ok(())
     }
 
     /// Tells what a camera shows before the frame is tracked: how many people, whether the tracked one is among them, and the distances of the first one's

@@ -4,19 +4,24 @@ use super::Observed;
 use crate::Error;
 use sinew_core::random::Stage;
 use sinew_tracking::posterior::Posterior;
-use sinew_tracking::{StepInfo, Tracker};
+use sinew_tracking::{Resume, StepInfo, Tracker};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// Where to start anew before the next step; shared with who finds people.
 pub(super) type Pending = Arc<Mutex<Option<Vec<f64>>>>;
 
+/// What is asked of a tracker here: that it steps, and that its state can be put down.
+pub(super) trait Steps: Tracker<Observed> + Resume {}
+
+impl<T: Tracker<Observed> + Resume> Steps for T {}
+
 /// Makes a tracker that starts at a state.
-pub(super) type Make = Box<dyn Fn(Vec<f64>) -> Result<Box<dyn Tracker<Observed>>, Error> + Send>;
+pub(super) type Make = Box<dyn Fn(Vec<f64>) -> Result<Box<dyn Steps>, Error> + Send>;
 
 /// Steps its tracker, or a new one where a start is pending or the old one failed.
 pub(super) struct Restarting {
-    tracker: Box<dyn Tracker<Observed>>,
+    tracker: Box<dyn Steps>,
     make: Make,
     pending: Pending,
     restarted: Restarted,
@@ -36,6 +41,17 @@ impl Restarting {
 
     pub(super) fn restarted(&self) -> Restarted {
         Arc::clone(&self.restarted)
+    }
+}
+
+/// A start that is pending and whether the last step was that of a new tracker mean nothing between two frames.
+impl Resume for Restarting {
+    fn save(&self) -> Vec<f64> {
+        self.tracker.save()
+    }
+
+    fn restore(&mut self, saved: &[f64]) -> Result<(), sinew_tracking::Error> {
+        self.tracker.restore(saved)
     }
 }
 
@@ -89,12 +105,22 @@ mod tests {
         }
     }
 
+    impl Resume for Fragile {
+        fn save(&self) -> Vec<f64> {
+            self.0.clone()
+        }
+        fn restore(&mut self, saved: &[f64]) -> Result<(), sinew_tracking::Error> {
+            self.0 = saved.to_vec();
+            Ok(())
+        }
+    }
+
     #[test]
     fn a_failed_step_is_taken_again_by_a_new_tracker() {
         let leaf = Quadratic { centre: vec![0.0], precision: vec![1.0] };
         let observed = Lanes { leaf, isa: Isa::best() };
         // A tracker made where the old one failed stands one further.
-        let further = |start: Vec<f64>| Box::new(Fragile(vec![start[0] + 1.0])) as Box<dyn Tracker<Observed>>;
+        let further = |start: Vec<f64>| Box::new(Fragile(vec![start[0] + 1.0])) as Box<dyn Steps>;
         let mut tracker = Restarting::new(Box::new(move |start| Ok(further(start))), vec![-1.5]).unwrap();
         let restarted = tracker.restarted();
         let step = |tracker: &mut Restarting| tracker.step(&observed, Stage::new(1, "restart")).is_ok();
@@ -104,6 +130,8 @@ mod tests {
         *tracker.pending().lock().unwrap() = Some(vec![4.0]);
         assert!(step(&mut tracker) && restarted.load(Ordering::Relaxed));
         assert_eq!(tracker.estimate(), [5.0]);
+        tracker.restore(&[8.0]).unwrap();
+        assert_eq!((tracker.estimate(), tracker.save()), (&[8.0][..], vec![8.0]));
         *tracker.pending().lock().unwrap() = Some(vec![-7.0]);
         assert!(!step(&mut tracker));
     }

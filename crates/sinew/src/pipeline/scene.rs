@@ -1,9 +1,11 @@
 //! One person in all views: association, layout to body, binding, residuals.
 
-use super::oddities::Oddities;
+use super::oddities::{Oddities, Watched};
 use super::{Bound, Settings};
 use crate::Error;
+use crate::checkpoint::{Problem, check_length};
 use crate::setup::{self, Setup};
+use serde::{Deserialize, Serialize};
 use sinew_body::{KinematicTree, Plan, point_positions};
 use sinew_formats::Layout;
 use sinew_observe::association::{self, Following, Person, follow};
@@ -14,6 +16,18 @@ use std::sync::Arc;
 /// Mean squared distance of the keypoints from a pose, in noise variances and at most [`WORST`] each, above which the pose is doubted. A right one has about 3.
 const MISFIT: f64 = 6.0;
 const WORST: f64 = 25.0;
+
+/// What a scene remembers from frame to frame.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SceneState {
+    lengths: Vec<(usize, usize, f64)>,
+    last_px: Vec<Vec<Option<[f64; 2]>>>,
+    lost: usize,
+    started: bool,
+    /// Pixel and confidence: the last frame tells whether tracking begins anew in the next.
+    detections: Vec<Vec<Option<[f64; 3]>>>,
+    oddities: Vec<Watched>,
+}
 
 /// The tracked person in the cameras.
 pub struct Scene {
@@ -241,6 +255,41 @@ impl Scene {
             let ([u, v], d) = (expected[camera][at]?, detections[camera][seen]?);
             Some((d.pixel[0] - u).hypot(d.pixel[1] - v))
         });
+    }
+
+    /// What the next frame needs of those before it.
+    #[must_use]
+    pub fn save(&self) -> SceneState {
+        let Following { lengths, last_px, lost, started, .. } = self.following.clone();
+        let numbers = |d: &Option<Detection>| d.map(|Detection { pixel: [u, v], confidence }| [u, v, confidence]);
+        let detections = self.detections.iter().map(|seen| seen.iter().map(numbers).collect()).collect();
+        SceneState { lengths, last_px, lost, started, detections, oddities: self.oddities.save() }
+    }
+
+    /// Takes up what a scene of the same set-up gave.
+    ///
+    /// # Errors
+    /// A state of another scene.
+    pub fn restore(&mut self, saved: &SceneState) -> Result<(), Problem> {
+        let (cameras, keypoints) = (self.cameras.len(), self.layout.points.len());
+        check_length(saved.detections.len(), cameras)?;
+        saved.detections.iter().try_for_each(|seen| check_length(seen.len(), self.keypoint.len()))?;
+        // Nothing is remembered of someone who was never seen.
+        check_length(saved.last_px.len(), if saved.last_px.is_empty() { 0 } else { cameras })?;
+        saved.last_px.iter().try_for_each(|px| check_length(px.len(), if px.is_empty() { 0 } else { keypoints }))?;
+        let known = saved.lengths.iter().filter(|(a, b, _)| *a < keypoints && *b < keypoints).count();
+        check_length(saved.lengths.len(), known)?;
+        self.oddities.restore(&saved.oddities)?;
+        self.following = Following {
+            person: self.setup.person,
+            lengths: saved.lengths.clone(),
+            last_px: saved.last_px.clone(),
+            lost: saved.lost,
+            started: saved.started,
+        };
+        let detection = |d: &Option<[f64; 3]>| d.map(|[u, v, confidence]| Detection { pixel: [u, v], confidence });
+        self.detections = saved.detections.iter().map(|seen| seen.iter().map(detection).collect()).collect();
+        Ok(())
     }
 
     /// What was odd in the frames so far.

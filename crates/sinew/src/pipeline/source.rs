@@ -7,6 +7,7 @@ use crate::{recording, setup};
 use sinew_formats::Layout;
 use sinew_observe::association::Person;
 use sinew_observe::{Camera, Detection};
+use std::collections::BTreeSet;
 use std::ops::Range;
 
 /// Keypoints of all people in all views, one frame at a time.
@@ -28,6 +29,7 @@ pub trait FrameSource {
 pub struct Upright<'a, S> {
     source: &'a mut S,
     cameras: Vec<Camera>,
+    read: Vec<Range<u64>>,
 }
 
 impl<'a, S: FrameSource> Upright<'a, S> {
@@ -38,7 +40,34 @@ impl<'a, S: FrameSource> Upright<'a, S> {
             Some(turn) if up != "+z" => source.cameras().iter().map(|camera| camera.turned(turn)).collect(),
             _ => source.cameras().to_vec(),
         };
-        Self { source, cameras }
+        Self { source, cameras, read: vec![] }
+    }
+
+    /// Runs of frames that were read, in their order: who reads them again in this order knows of the source what is known now.
+    #[must_use]
+    pub fn read(&self) -> &[Range<u64>] {
+        &self.read
+    }
+
+    /// Reads such runs again, each frame that counts once; `each` is told every frame and may refuse it.
+    ///
+    /// # Errors
+    /// Those of the source and of `each`.
+    pub fn read_again(
+        &mut self,
+        read: &[Range<u64>],
+        mut each: impl FnMut(u64) -> Result<(), Error>,
+    ) -> Result<(), Error> {
+        let frames = self.source.frames();
+        let mut seen = BTreeSet::new();
+        for number in read.iter().flat_map(|run| run.start.max(frames.start)..run.end.min(frames.end)) {
+            if seen.insert(number) {
+                each(seen.len() as u64)?;
+                self.source.people(number)?;
+            }
+        }
+        self.read = read.to_vec();
+        Ok(())
     }
 
     /// The source itself.
@@ -59,7 +88,12 @@ impl<S: FrameSource> FrameSource for Upright<'_, S> {
         self.source.frames()
     }
     fn people(&mut self, number: u64) -> Result<Vec<Vec<Person>>, Error> {
-        self.source.people(number)
+        let people = self.source.people(number)?;
+        match self.read.last_mut() {
+            Some(run) if run.end == number => run.end += 1,
+            _ => self.read.push(number..number + 1),
+        }
+        Ok(people)
     }
 }
 

@@ -1,0 +1,117 @@
+//! Runs of the library on a short synthetic recording, stopped where a test wants.
+
+use super::files;
+use sinew::checkpoint::{self, Checkpoint};
+use sinew::config::{Sources, resolve};
+use sinew::job::{self, Outcome, Pass, Watch};
+use sinew::output::{Claim, claim, claim_to_resume};
+use sinew::pipeline::FrameSource as _;
+use sinew::synthetic::recording::{Recording, Script};
+use sinew::{Error, setup};
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// Frames of a run.
+pub const FRAMES: u64 = 30;
+
+/// A whole run, with which others are compared.
+pub struct Whole {
+    /// Holds the results and the set-up.
+    pub folder: tempfile::TempDir,
+    /// What the whole run left.
+    pub files: BTreeMap<String, Vec<u8>>,
+    recording: Recording,
+    settings: Vec<(&'static str, String)>,
+}
+
+impl Whole {
+    /// Tracks with these settings besides those that make a run short.
+    pub fn new(settings: &[(&'static str, &str)]) -> Self {
+        let script = Script { duration_s: FRAMES as f64 / 30.0, ..Script::default() };
+        let mut recording = Recording::new(&script, 7).unwrap();
+        recording.cameras.truncate(2);
+        recording.keypoints.truncate(2);
+        let folder = tempfile::tempdir().unwrap();
+        let is_cf28 = settings.contains(&("body", "cf28"));
+        let body = if is_cf28 { setup::Body::CF28 } else { setup::Body::H32 };
+        let request = setup::Request { body, ..setup::Request::default() };
+        let frames: Vec<_> = (0..10).map(|number| Ok((number, recording.people(number)?))).collect();
+        let (mut found, _) = setup::set_up(&recording.cameras, &recording.layout, &request, frames).unwrap();
+        (found.step_size, found.leapfrog_steps) = (Some(0.4), Some(3));
+        let path = folder.path().join("setup.toml");
+        fs::write(&path, found.to_toml().unwrap()).unwrap();
+        let short =
+            [("fps", "30"), ("chains", "8"), ("updates", "2"), ("burn_in", "1"), ("draws", "2"), ("particles", "64")];
+        let mut all: BTreeMap<&'static str, String> = short.map(|(key, value)| (key, value.to_owned())).into();
+        all.extend(settings.iter().map(|(key, value)| (*key, (*value).to_owned())));
+        all.insert("setup", path.display().to_string());
+        all.remove("body");
+        let mut whole = Self { folder, files: BTreeMap::new(), recording, settings: all.into_iter().collect() };
+        let out = whole.folder.path().join("whole");
+        assert!(whole.run(&out, 1, None, None).unwrap().summary.complete);
+        whole.files = results(&out);
+        whole
+    }
+
+    /// Runs into a folder with so many threads, from the first frame or a checkpoint, and asks for an end after so many frames.
+    pub fn run(
+        &self,
+        out: &Path,
+        threads: usize,
+        stop: Option<u64>,
+        from: Option<Checkpoint>,
+    ) -> Result<Outcome, Error> {
+        let claim = match from {
+            None => claim(out, &[], false)?,
+            Some(_) => claim_to_resume(out, &[])?,
+        };
+        self.run_in(claim, threads, stop, from)
+    }
+
+    /// As [`Whole::run`], in a claimed folder.
+    pub fn run_in(
+        &self,
+        claim: Claim,
+        threads: usize,
+        stop: Option<u64>,
+        from: Option<Checkpoint>,
+    ) -> Result<Outcome, Error> {
+        let resolved = resolve(&Sources { flags: self.settings.clone(), ..Sources::default() })?;
+        let flag = AtomicBool::new(stop == Some(0) && from.is_none());
+        let mut progress = |pass: Pass, done: u64, _: u64| {
+            if pass == Pass::Track && Some(done) == stop {
+                flag.store(true, Ordering::SeqCst);
+            }
+        };
+        let mut recording = self.recording.clone();
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| {
+            let mut watch = Watch { progress: &mut progress, stop: &flag };
+            let inputs = |_: &Recording| (vec![], BTreeMap::new());
+            job::track(&mut recording, 0..FRAMES, &resolved, claim, &mut watch, inputs, from)
+        })
+    }
+
+    /// A run that is stopped after so many frames and gone on with gives the files of the whole one.
+    pub fn check_stopped_at(&self, stop: u64) {
+        let out = self.folder.path().join("out");
+        let outcome = self.run(&out, 1, Some(stop), None).unwrap();
+        assert_eq!(outcome.summary.complete, stop == FRAMES || outcome.summary.frame_count == FRAMES);
+        if !outcome.summary.complete {
+            let from = checkpoint::read(&out).unwrap();
+            assert!(from.done == stop.max(1), "{stop}: {}", from.done);
+            assert!(self.run(&out, 2, None, Some(from)).unwrap().summary.complete);
+        }
+        assert!(results(&out) == self.files, "stopped after {stop} of {FRAMES} frames: {:?}", self.settings);
+        fs::remove_dir_all(&out).unwrap();
+    }
+}
+
+/// All files that must be the same from run to run.
+fn results(folder: &Path) -> BTreeMap<String, Vec<u8>> {
+    let mut files = files(folder);
+    assert!(files.remove("timings.json").is_some());
+    files
+}

@@ -1,0 +1,320 @@
+//! A run that was stopped goes on to the same bytes, wherever it was stopped and by what; or it says why it cannot.
+
+mod common;
+
+use common::synthetic::{FRAMES, Whole};
+use common::{TRACK, Trial, files, trial};
+use sinew::checkpoint::{self, Checkpoint, Problem};
+use sinew::core::random::Stage;
+use std::fs;
+use std::path::Path;
+use std::process::{Child, Output, Stdio};
+use std::time::{Duration, Instant};
+
+/// Every frame, both methods, with another number of threads.
+#[test]
+fn a_run_stopped_after_any_frame_gives_the_same_files() {
+    for method in ["hmc", "bootstrap"] {
+        let whole = Whole::new(&[("method", method)]);
+        for stop in 0..=FRAMES {
+            whole.check_stopped_at(stop);
+        }
+    }
+}
+
+/// As above through the backward pass, every fifth frame and the last.
+#[test]
+fn a_smoothed_run_stopped_after_a_frame_gives_the_same_files() {
+    for method in ["hmc", "bootstrap"] {
+        let whole = Whole::new(&[("method", method), ("smooth", "true")]);
+        for stop in (0..=FRAMES).step_by(5) {
+            whole.check_stopped_at(stop);
+        }
+    }
+}
+
+/// A checkpoint after every frame or never: the numbers are the same.
+#[test]
+fn checkpoints_change_no_number() {
+    let whole = Whole::new(&[]);
+    for every in ["0", "1e9"] {
+        let other = Whole::new(&[("checkpoint_every", every)]);
+        assert!(whole.files == other.files, "{every}");
+    }
+}
+
+/// Cut anywhere and flipped in any byte, a checkpoint is refused by name; the bits are flipped in turn.
+#[test]
+fn a_cut_or_flipped_checkpoint_is_refused() {
+    let whole = Whole::new(&[("method", "bootstrap"), ("particles", "8"), ("draws", "1"), ("body", "cf28")]);
+    let out = whole.folder.path().join("out");
+    whole.run(&out, 1, Some(2), None).unwrap();
+    let bytes = fs::read(out.join(checkpoint::NAME)).unwrap();
+    let decoded = Checkpoint::decode(&bytes).unwrap();
+    assert!(decoded.done == 2 && decoded.encode().unwrap() == bytes);
+    for end in 0..bytes.len() {
+        assert!(matches!(Checkpoint::decode(&bytes[..end]), Err(Problem::Length { .. })), "{end}");
+    }
+    let mut changed = bytes.clone();
+    for at in 0..bytes.len() {
+        changed[at] ^= 1 << (at % 8);
+        let problem = Checkpoint::decode(&changed).unwrap_err();
+        let expected = match at {
+            0..16 => matches!(problem, Problem::Foreign),
+            20..28 => matches!(problem, Problem::Length { .. }),
+            _ => matches!(problem, Problem::Checksum { .. }),
+        };
+        assert!(expected, "byte {at}: {problem:?}");
+        changed[at] = bytes[at];
+    }
+    let longer = [&bytes[..], b"x"].concat();
+    assert!(matches!(Checkpoint::decode(&longer), Err(Problem::Length { .. })));
+}
+
+/// A trial with a set-up, so that runs are short.
+fn prepared() -> Trial {
+    let trial = trial(1.0);
+    let output = trial.track(&["-owhole", "--setup-frames=0..10"]);
+    assert_eq!(output.status.code(), Some(0), "{}", trial.told(&output));
+    fs::copy(trial.path("whole/setup.toml"), trial.path("setup.toml")).unwrap();
+    let output = trial.track(&["-owhole", "--force", SETUP]);
+    assert_eq!(output.status.code(), Some(0), "{}", trial.told(&output));
+    trial
+}
+
+const SETUP: &str = "--setup=setup.toml";
+
+/// A run of the program into `out` with checkpoints after every frame.
+fn started(trial: &Trial, more: &[&str]) -> Child {
+    let arguments = [&TRACK[..], &common::QUICK, &["-oout", "--checkpoint-every=0", SETUP], more].concat();
+    trial.command(&arguments).stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap()
+}
+
+fn finished(child: Child) -> Output {
+    child.wait_with_output().unwrap()
+}
+
+fn same_results(trial: &Trial, out: &str) -> bool {
+    let [mut whole, mut other] = ["whole", out].map(|name| files(&trial.path(name)));
+    whole.remove("timings.json").is_some() && other.remove("timings.json").is_some() && whole == other
+}
+
+/// What has its final name is whole, at any moment.
+fn check_final_names(trial: &Trial) {
+    let whole = files(&trial.path("whole"));
+    for (name, bytes) in files(&trial.path("out")) {
+        let is_final = !name.contains(".partial") && whole.contains_key(&name) && name != "timings.json";
+        assert!(!is_final || whole[&name] == bytes, "{name}");
+    }
+}
+
+/// Fifty times, at seeded moments spread over a run; who was killed is gone on with, and killed again.
+#[test]
+fn a_run_killed_at_any_moment_goes_on() {
+    let trial = prepared();
+    let clock = Instant::now();
+    let output = finished(started(&trial, &[]));
+    assert_eq!(output.status.code(), Some(0), "{}", trial.told(&output));
+    let whole_s = clock.elapsed().as_secs_f64();
+    fs::remove_dir_all(trial.path("out")).unwrap();
+    let (mut kills, mut completed) = (0, 0);
+    let mut rng = Stage::new(31, "kill").whole();
+    let mut moments = [sinew::core::lanes::Block::ZERO; 8];
+    rng.fill_uniform(&mut moments);
+    let mut moments = moments.into_iter().flat_map(|block| block.0);
+    while kills < 50 {
+        let Some(moment) = moments.next() else { break };
+        let more: &[&str] = match trial.path("out").join(checkpoint::NAME).exists() {
+            true => &["--resume", "--threads=2"],
+            false => &["--threads=1"],
+        };
+        let mut child = started(&trial, more);
+        std::thread::sleep(Duration::from_secs_f64(whole_s * moment));
+        let has_ended = child.try_wait().unwrap().is_some();
+        let _ = child.kill();
+        let output = finished(child);
+        if has_ended {
+            assert_eq!(output.status.code(), Some(0), "{}", trial.told(&output));
+            assert!(same_results(&trial, "out"));
+            fs::remove_dir_all(trial.path("out")).unwrap();
+            completed += 1;
+        } else {
+            kills += 1;
+            if trial.path("out").exists() {
+                check_final_names(&trial);
+            }
+        }
+    }
+    println!("{kills} kills, {completed} runs completed in between, {whole_s:.2} s a whole run");
+    assert_eq!(kills, 50);
+    if trial.path("out").join(checkpoint::NAME).exists() {
+        let output = finished(started(&trial, &["--resume"]));
+        assert_eq!(output.status.code(), Some(0), "{}", trial.told(&output));
+        assert!(same_results(&trial, "out"));
+    }
+}
+
+/// Four times each at seeded moments: ends within two seconds with code 75, and what is there holds the frames that were done and nothing else.
+#[cfg(unix)]
+#[test]
+fn a_run_interrupted_at_any_moment_goes_on() {
+    let trial = prepared();
+    let mut moments = [sinew::core::lanes::Block::ZERO; 1];
+    Stage::new(32, "interrupt").whole().fill_uniform(&mut moments);
+    let mut interrupted = 0;
+    for (i, moment) in moments[0].0.into_iter().enumerate() {
+        let child = started(&trial, &[]);
+        while !trial.path("out").join(checkpoint::NAME).exists() {
+            std::thread::sleep(Duration::from_millis(2));
+        }
+        std::thread::sleep(Duration::from_secs_f64(0.3 * moment));
+        let signal = ["-INT", "-TERM"][i % 2];
+        let sent = Instant::now();
+        let _ = std::process::Command::new("kill").args([signal, &child.id().to_string()]).status();
+        let output = finished(child);
+        if output.status.code() != Some(0) {
+            interrupted += 1;
+            assert_eq!(output.status.code(), Some(75), "{}", trial.told(&output));
+            assert!(sent.elapsed() < Duration::from_secs(2), "{:?}", sent.elapsed());
+            assert!(trial.told(&output).contains("the same command with `--resume` goes on from there"));
+            let text = |name: &str| fs::read_to_string(trial.path("out").join(name)).unwrap();
+            let summary: serde_json::Value = serde_json::from_str(&text("summary.json")).unwrap();
+            assert_eq!(summary["complete"], false);
+            let done = summary["frame_count"].as_u64().unwrap() as usize;
+            assert_eq!(text("frames.csv").lines().count(), 1 + done);
+            assert!(!text("joints.csv").contains("NaN") && !text("markers.trc").contains("NaN"));
+            let array: serde_json::Value =
+                serde_json::from_str(&text("posterior.zarr/posterior/angle/zarr.json")).unwrap();
+            assert_eq!(array["shape"][2], done);
+            let output = finished(started(&trial, &["--resume"]));
+            assert_eq!(output.status.code(), Some(0), "{}", trial.told(&output));
+        }
+        assert!(same_results(&trial, "out"));
+        fs::remove_dir_all(trial.path("out")).unwrap();
+    }
+    assert!(interrupted >= 2, "{interrupted} of 8 were interrupted before their end");
+}
+
+/// A run that was killed in the middle of its frames, and what `--resume` says of it.
+fn told(trial: &Trial, more: &[&str]) -> String {
+    let output = trial.track(&[&[SETUP, "--resume"], more].concat());
+    let pids = trial.told(&output);
+    pids.lines().filter(|line| !line.contains("left its lock in")).collect::<Vec<_>>().join("\n")
+}
+
+#[cfg(unix)]
+#[test]
+fn what_cannot_go_on_says_why() {
+    let trial = prepared();
+    insta::assert_snapshot!("no_folder", told(&trial, &["-onowhere"]));
+    fs::create_dir(trial.path("empty")).unwrap();
+    insta::assert_snapshot!("no_checkpoint", told(&trial, &["-oempty"]));
+    insta::assert_snapshot!("complete", told(&trial, &["-owhole"]));
+    insta::assert_snapshot!("complete_of_others", told(&trial, &["-owhole", "--seed=2"]));
+    insta::assert_snapshot!("resume_and_force", told(&trial, &["-oempty", "--force"]));
+
+    let mut child = started(&trial, &[]);
+    while !trial.path("out/frames.csv.partial").exists() {
+        std::thread::sleep(Duration::from_millis(2));
+    }
+    std::thread::sleep(Duration::from_millis(100));
+    child.kill().unwrap();
+    child.wait().unwrap();
+    let path = trial.path("out").join(checkpoint::NAME);
+    let bytes = fs::read(&path).unwrap();
+    insta::assert_snapshot!("other_settings", told(&trial, &["--seed=2", "--least-confidence=0.2"]));
+    insta::assert_snapshot!("other_frames", told(&trial, &["--frames=0..20"]));
+    let set = Checkpoint::decode(&bytes).unwrap().isa;
+    if set != "baseline" {
+        assert!(told(&trial, &["--simd=baseline"]).contains(&format!("the instruction set was {set} and is baseline")));
+    }
+
+    let keypoints = trial.keypoints(2, 5);
+    let text = fs::read_to_string(&keypoints).unwrap();
+    fs::write(&keypoints, text.replacen("0.", "0.1", 1)).unwrap();
+    insta::assert_snapshot!("other_data", told(&trial, &[]));
+    fs::write(&keypoints, text).unwrap();
+    trial.edit(&trial.path("setup.toml"), |text| format!("{text}\n# a remark\n"));
+    insta::assert_snapshot!("other_set_up", told(&trial, &[]));
+    trial.edit(&trial.path("setup.toml"), |text| text.replace("\n# a remark\n", ""));
+
+    let with = |bytes: &[u8]| {
+        fs::write(&path, bytes).unwrap();
+        let told = told(&trial, &[]);
+        assert!(!trial.path("out/summary.json").exists(), "{told}");
+        told
+    };
+    assert!(with(&bytes[..bytes.len() / 2]).contains("was cut or is damaged"));
+    let mut flipped = bytes.clone();
+    flipped[100] ^= 4;
+    assert!(with(&flipped).contains("holds a damaged `checkpoint.bin`: its checksum is"));
+    insta::assert_snapshot!("foreign", with(b"something else altogether"));
+    let older = Checkpoint { program: "0.0.1".into(), ..Checkpoint::decode(&bytes).unwrap() };
+    insta::assert_snapshot!("other_version", with(&older.encode().unwrap()));
+    let mut newer = bytes[..bytes.len() - 4].to_vec();
+    newer[16] = 2;
+    newer.extend(common::crc32(&newer).to_le_bytes());
+    insta::assert_snapshot!("other_format", with(&newer));
+    fs::write(&path, &bytes).unwrap();
+
+    let joints = trial.path("out/joints.csv.partial");
+    let table = fs::read_to_string(&joints).unwrap();
+    fs::write(&joints, table.replacen("RKnee", "LKnee", 1)).unwrap();
+    insta::assert_snapshot!("changed_file", told(&trial, &[]));
+    fs::write(&joints, &table[..table.len() / 4]).unwrap();
+    assert!(told(&trial, &[]).contains("`out/joints.csv.partial` was changed or cut"));
+    fs::write(&joints, table).unwrap();
+
+    // And with everything as it was, it does go on.
+    let told = told(&trial, &[]);
+    assert!(told.starts_with("exit 0"), "{told}");
+    assert!(same_results(&trial, "out"));
+}
+
+/// Whoever forgets `--resume` is told what is begun anew.
+#[test]
+fn a_stopped_run_is_not_begun_anew_in_silence() {
+    let whole = Whole::new(&[]);
+    let trial = trial(0.2);
+    whole.run(&trial.path("out"), 1, Some(3), None).unwrap();
+    let told = trial.track_told(&[]);
+    assert!(told.starts_with("exit 0\n"), "{told}");
+    assert!(told.contains("warning: out holds a run that was stopped; it is begun anew (`--resume` goes on with it)"));
+}
+
+#[test]
+fn of_two_runs_in_one_folder_one_is_refused() {
+    let trial = prepared();
+    let both = [started(&trial, &[]), started(&trial, &["--force"])];
+    let told = both.map(|child| trial.told(&finished(child)));
+    let refused: Vec<&String> = told.iter().filter(|told| told.starts_with("exit 5")).collect();
+    let done = told.iter().filter(|told| told.starts_with("exit 0")).count();
+    // The second may also come when the first is done, if the machine is busy with other things: it then replaces the results.
+    assert!(done + refused.len() == 2 && done >= 1, "{told:?}");
+    assert!(refused.iter().all(|told| told.contains("is in use by another run")), "{told:?}");
+    assert!(same_results(&trial, "out"));
+}
+
+/// Nothing is computed for a place that cannot be written.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_place_that_cannot_be_written_is_told_before_computing() {
+    let trial = trial(0.2);
+    let arguments: Vec<&str> = TRACK.iter().copied().filter(|argument| *argument != "--no-progress").collect();
+    let output = trial.command(&arguments).arg("-o/proc/no-such-place/out").output().unwrap();
+    let told = trial.told(&output);
+    assert!(told.starts_with("exit 5\nerror: cannot create `/proc/no-such-place/out`"), "{told}");
+    assert!(!told.contains("set-up") && !told.contains("tracking"), "{told}");
+}
+
+#[test]
+fn a_reader_that_leaves_is_no_panic() {
+    let trial = prepared();
+    let arguments = [&TRACK[..], &common::QUICK, &["-oout", SETUP]].concat();
+    let mut child = trial.command(&arguments).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    drop(child.stdout.take());
+    let output = finished(child);
+    let told = trial.told(&output);
+    assert!(told.starts_with("exit 0") && !told.contains("panic"), "{told}");
+    assert!(Path::new(&trial.path("out/summary.json")).exists());
+}

@@ -1,0 +1,186 @@
+//! One check per reader of the program itself, and one for a whole step of a filter: whatever the bytes, there is a value or an error with words in it.
+//!
+//! Used by the fuzz targets and by `tests/tests/corpus.rs`, like [`super::checks`].
+
+use sinew::checkpoint::{Checkpoint, Problem};
+use sinew::inspect::{Subject, file_facts};
+use sinew::observe::Detection;
+use sinew::observe::association::Person;
+use sinew::pipeline::{FrameSource, Method, Pipeline, Settings};
+use sinew::recording::Options;
+use sinew::setup::{Request, Setup, set_up};
+use sinew::synthetic::recording::{Recording, Script};
+use sinew::{Error, formats::Layout, observe::Camera};
+use std::cell::RefCell;
+use std::fs;
+use std::ops::{ControlFlow, Range};
+use std::path::{Path, PathBuf};
+use std::sync::LazyLock;
+
+/// Whether a failure can be told: it has words, and an exit code of the table.
+fn told<T>(result: Result<T, Error>) -> Option<T> {
+    match result {
+        Ok(value) => Some(value),
+        Err(error) => {
+            assert!(!error.to_string().is_empty() && (1..=5).contains(&error.exit_code()), "{error}");
+            assert!(error.help().is_none_or(|help| !help.is_empty()));
+            None
+        }
+    }
+}
+
+/// Puts the bytes into a file of that name and looks at what it belongs to.
+fn inspected(name: &str, data: &[u8], subject: impl Fn(PathBuf) -> Subject) {
+    thread_local!(static FOLDER: RefCell<Option<tempfile::TempDir>> = const { RefCell::new(None) });
+    FOLDER.with_borrow_mut(|folder| {
+        let folder = folder.get_or_insert_with(|| tempfile::tempdir().expect("a place for files"));
+        let path = folder.path().join(name);
+        fs::create_dir_all(path.parent().unwrap_or(Path::new(""))).expect("a place for files");
+        fs::write(&path, data).expect("a place for files");
+        if let Some(facts) = told(file_facts(&subject(path), &Options::default())) {
+            assert!(!facts.title.is_empty());
+        }
+    });
+}
+
+fn above(path: &Path, levels: usize) -> PathBuf {
+    path.ancestors().nth(levels).unwrap_or(path).to_owned()
+}
+
+/// `sinew.toml`.
+pub fn settings(data: &[u8]) {
+    inspected("sinew.toml", data, Subject::Configuration);
+}
+
+/// `setup.toml`; what is written of a set-up is read as the same.
+pub fn setup(data: &[u8]) {
+    inspected("setup.toml", data, Subject::Setup);
+    let Some(setup) = std::str::from_utf8(data).ok().and_then(|text| told(Setup::from_toml("setup.toml", text))) else {
+        return;
+    };
+    if let Some(written) = told(setup.to_toml()) {
+        let again = Setup::from_toml("written", &written).unwrap_or_else(|error| panic!("{error} in\n{written}"));
+        assert!(again.to_toml().is_ok_and(|text| text == written), "{written}");
+    }
+}
+
+/// `summary.json`.
+pub fn summary(data: &[u8]) {
+    inspected("results/summary.json", data, |path| Subject::Results(above(&path, 1)));
+}
+
+/// The metadata of a variable in `posterior.zarr`.
+pub fn zarr_metadata(data: &[u8]) {
+    inspected("store.zarr/zarr.json", br#"{"zarr_format": 3, "node_type": "group"}"#, |path| {
+        Subject::Draws(above(&path, 1))
+    });
+    inspected("store.zarr/variable/zarr.json", data, |path| Subject::Draws(above(&path, 2)));
+}
+
+/// Tables of a result folder.
+pub fn result_tables(data: &[u8]) {
+    inspected("joints.csv", data, Subject::Motion);
+}
+
+/// Checkpoints, as they are and with length and checksum put right, so that what lies behind them is reached.
+pub fn checkpoint(data: &[u8]) {
+    decoded(data);
+    let Some((head, body)) = data.split_at_checked(20) else { return };
+    let Some((_, body)) = body.split_at_checked(8) else { return };
+    let body = &body[..body.len().saturating_sub(4)];
+    let mut sealed = [b"sinew checkpoint", &head[16..], &(body.len() as u64).to_le_bytes(), body].concat();
+    sealed[16..20].copy_from_slice(&1_u32.to_le_bytes());
+    let checksum = crc32fast::hash(&sealed);
+    sealed.extend(checksum.to_le_bytes());
+    decoded(&sealed);
+}
+
+fn decoded(data: &[u8]) {
+    match Checkpoint::decode(data) {
+        Ok(checkpoint) => {
+            let written = checkpoint.encode().expect("what was read can be written");
+            let again = Checkpoint::decode(&written)
+                .and_then(|again| again.encode().map_err(|error| Problem::Settings(vec![error.to_string()])));
+            assert_eq!(again, Ok(written));
+        }
+        Err(problem) => {
+            assert!(!problem.to_string().is_empty() && !problem.help().is_empty());
+            assert!((2..=5).contains(&problem.exit_code()));
+        }
+    }
+}
+
+/// What the frames of [`filter_step`] begin with: a walker, two frames of four cameras, a set-up.
+static SCENE: LazyLock<(Recording, Setup)> = LazyLock::new(|| {
+    let script = Script { duration_s: 0.4, ..Script::default() };
+    let mut recording = Recording::new(&script, 3).expect("a recording");
+    let frames: Vec<_> = (0..12).map(|number| Ok((number, recording.people(number)?))).collect();
+    let found = set_up(&recording.cameras, &recording.layout, &Request::default(), frames);
+    let (mut setup, _) = found.expect("a set-up");
+    (setup.step_size, setup.leapfrog_steps) = (Some(0.4), Some(3));
+    (recording, setup)
+});
+
+/// A frame of the walker, changed by bytes.
+struct Changed<'a> {
+    recording: &'a Recording,
+    people: Vec<Vec<Person>>,
+}
+
+impl FrameSource for Changed<'_> {
+    fn cameras(&self) -> &[Camera] {
+        &self.recording.cameras
+    }
+    fn layout(&self) -> &Layout {
+        &self.recording.layout
+    }
+    fn frames(&self) -> Range<u64> {
+        0..1
+    }
+    fn people(&mut self, _: u64) -> Result<Vec<Vec<Person>>, Error> {
+        Ok(self.people.clone())
+    }
+}
+
+/// Values that a detector may give, far or near.
+const ODD: [f64; 8] = [0.0, -0.0, 1e-300, 1.0, -1e4, 1e9, -1e18, 1e300];
+
+/// A step of a filter on a scene that the bytes make: people missing, doubled and moved, keypoints missing, swapped, far away and of any confidence. The first byte says which tracker.
+pub fn filter_step(data: &[u8]) {
+    let (recording, setup) = &*SCENE;
+    let Some((first, rest)) = data.split_first() else { return };
+    let mut people = recording.clone().people(u64::from(first % 8)).expect("a frame");
+    let cameras = people.len();
+    for change in rest.as_chunks::<4>().0 {
+        let [what, which, keypoint, value] = *change;
+        let view = &mut people[usize::from(which) % cameras];
+        let Some(count) = view.first().map(Vec::len) else { continue };
+        let place = usize::from(keypoint) % count;
+        match what % 8 {
+            0 => view.clear(),
+            1 if view.len() < 8 => view.extend(view.first().cloned()),
+            2 => view[0][place] = None,
+            3 => view[0].swap(place, usize::from(value) % count),
+            4 => view.iter_mut().flatten().flatten().for_each(|d| d.pixel[0] += 4.0 * f64::from(value)),
+            5 => {
+                let [u, v] = [value, keypoint].map(|at| ODD[usize::from(at) % ODD.len()]);
+                view[0][place] = Some(Detection { pixel: [u, v], confidence: 1.0 });
+            }
+            6 => view[0].iter_mut().flatten().for_each(|d| d.confidence = f64::from(value) / 255.0),
+            _ => view.rotate_left(1),
+        }
+    }
+    let method = if first % 16 == 15 { Method::Hmc } else { Method::Bootstrap };
+    let settings =
+        Settings { method, chains: 8, updates: 1, burn_in: 0, particles: 8, draws: 2, ..Settings::default() };
+    let tree = setup.tree();
+    let pipeline = Pipeline::new(setup, &tree, &recording.cameras, &recording.layout, settings);
+    let Some(mut pipeline) = told(pipeline) else { return };
+    let mut source = Changed { recording, people };
+    told(pipeline.track(&mut source, 0..1, |estimate, _| {
+        let points = estimate.points.iter().flat_map(|p| [p.mean, p.sd, p.q05, p.q95]).flatten();
+        let numbers = estimate.mean_state.iter().chain(&estimate.draws.states).copied().chain(points);
+        assert!(numbers.into_iter().all(f64::is_finite), "an estimate that is no number");
+        Ok(ControlFlow::Continue(()))
+    }));
+}

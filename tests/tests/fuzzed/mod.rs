@@ -1,0 +1,47 @@
+//! The fuzz targets and their corpus, for ordinary tests.
+
+#[path = "../../../fuzz/src/checks.rs"]
+mod checks;
+#[path = "../../../fuzz/src/program_checks.rs"]
+mod program_checks;
+
+use sinew::formats;
+use std::path::Path;
+
+/// A check of the fuzz targets.
+pub type Check = fn(&[u8]);
+
+/// Every fuzz target.
+pub const CHECKS: [(&str, Check); 17] = [
+    ("openpose", checks::openpose),
+    ("calib_toml", checks::calib_toml),
+    ("layout", checks::layout),
+    ("body_toml", checks::body_toml),
+    ("trc", checks::trc),
+    ("mot", checks::mot),
+    ("bvh", checks::bvh),
+    ("asf_amc", checks::asf_amc),
+    ("tidy_csv", checks::tidy_csv),
+    ("file_names", checks::file_names),
+    ("settings", program_checks::settings),
+    ("setup", program_checks::setup),
+    ("summary", program_checks::summary),
+    ("zarr_metadata", program_checks::zarr_metadata),
+    ("result_tables", program_checks::result_tables),
+    ("checkpoint", program_checks::checkpoint),
+    ("filter_step", program_checks::filter_step),
+];
+
+/// Name and bytes of every file in the corpus of a target.
+pub fn corpus(target: &str) -> Vec<(String, Vec<u8>)> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../fuzz/corpus").join(target);
+    let mut files: Vec<_> = std::fs::read_dir(&folder)
+        .unwrap_or_else(|error| panic!("{}: {error}", folder.display()))
+        .map(|entry| {
+            let path = entry.unwrap().path();
+            (path.display().to_string(), std::fs::read(&path).unwrap())
+        })
+        .collect();
+    files.sort();
+    files
+}

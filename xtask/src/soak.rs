@@ -1,0 +1,219 @@
+//! `cargo xtask soak`: a long recording through the whole program, to see that nothing grows, slows or drifts.
+//!
+//! A synthetic walker of 1000 frames is played forwards and backwards until there are enough, the tracker running on through the turns, and a result folder is written as `sinew track` does. Judged, for each method:
+//!
+//! - resident memory at the end against that after frame 1000: at most 5 % more;
+//! - median time of the last 1000 frames against that of frames 1000 to 2000: at most 1.1 times (the machine may be busy: the medians of ten windows in between are printed as well);
+//! - open files: as many at the end as after frame 1000;
+//! - root mean square of error / standard deviation over the points of `joints.csv`, last 1000 frames against the first: at most 1.2 times.
+
+use sinew::config::{Sources, resolve};
+use sinew::formats::Layout;
+use sinew::job::{Pass, Watch};
+use sinew::observe::Camera;
+use sinew::observe::association::Person;
+use sinew::output::claim;
+use sinew::pipeline::FrameSource;
+use sinew::synthetic::recording::{Recording, Script};
+use sinew::{Error, job};
+use std::collections::BTreeMap;
+use std::fs;
+use std::io::{BufRead as _, BufReader};
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::sync::atomic::AtomicBool;
+use std::time::Instant;
+
+/// Frames of the walk, and of a window that is judged.
+const WINDOW: u64 = 1000;
+const SEED: u64 = 20;
+
+/// What to run.
+#[derive(clap::Args)]
+pub struct Args {
+    /// Frames to track, three windows of 1000 at least.
+    #[arg(long, default_value_t = 100_000, value_parser = clap::value_parser!(u64).range(3 * WINDOW..))]
+    frames: u64,
+    /// Only this method.
+    #[arg(long, value_parser = ["hmc", "bootstrap"])]
+    method: Option<String>,
+    /// Folder for the results, some 15 kB a frame; removed at the end.
+    #[arg(long, default_value = "sinew-out/soak")]
+    out: PathBuf,
+}
+
+/// A walk to and fro.
+struct ToAndFro {
+    walk: Recording,
+    frames: u64,
+}
+
+impl ToAndFro {
+    /// Frame of the walk that is played.
+    fn played(&self, number: u64) -> u64 {
+        let last = self.walk.frames().end - 1;
+        let place = number % (2 * last);
+        place.min(2 * last - place)
+    }
+}
+
+impl FrameSource for ToAndFro {
+    fn cameras(&self) -> &[Camera] {
+        &self.walk.cameras
+    }
+    fn layout(&self) -> &Layout {
+        &self.walk.layout
+    }
+    fn frames(&self) -> Range<u64> {
+        0..self.frames
+    }
+    fn people(&mut self, number: u64) -> Result<Vec<Vec<Person>>, Error> {
+        self.walk.people(self.played(number))
+    }
+}
+
+/// What is seen of the process while it tracks.
+#[derive(Default)]
+struct Seen {
+    /// Milliseconds of each frame of the window at hand, and the medians of those before.
+    window: Vec<f64>,
+    medians: Vec<f64>,
+    resident_kb: [u64; 2],
+    open_files: [usize; 2],
+}
+
+/// Runs the command.
+pub fn run(args: &Args) -> ExitCode {
+    let methods = args.method.as_deref().map_or(vec!["hmc", "bootstrap"], |method| vec![method]);
+    let mut passed = true;
+    for method in methods {
+        match soak(method, args) {
+            Ok(all) => passed &= all,
+            Err(error) => {
+                eprintln!("error: {error}");
+                passed = false;
+            }
+        }
+    }
+    if passed { ExitCode::SUCCESS } else { ExitCode::FAILURE }
+}
+
+fn soak(method: &str, args: &Args) -> Result<bool, Error> {
+    let script = Script { duration_s: WINDOW as f64 / 30.0, ..Script::default() };
+    let walk = Recording::new(&script, SEED).map_err(|error| Error::Numerical { message: error.to_string() })?;
+    let mut source = ToAndFro { walk, frames: args.frames };
+    let out = args.out.join(method);
+    let settings = [
+        ("method", method),
+        ("out", &out.to_string_lossy()),
+        ("fps", "30"),
+        ("chains", "8"),
+        ("updates", "6"),
+        ("burn_in", "2"),
+        ("particles", "256"),
+        ("draws", "4"),
+    ];
+    let flags = settings.map(|(key, value)| (key, value.to_owned())).into();
+    let resolved = resolve(&Sources { flags, ..Sources::default() })?;
+    let claim = claim(&out, &[], true)?;
+    let mut seen = Seen::default();
+    let mut before = Instant::now();
+    let mut progress = |pass: Pass, done: u64, _: u64| {
+        let now = Instant::now();
+        if pass == Pass::Track {
+            seen.frame(done, args.frames, 1e3 * (now - before).as_secs_f64());
+        }
+        before = now;
+    };
+    let stop = AtomicBool::new(false);
+    let started = Instant::now();
+    let mut watch = Watch { progress: &mut progress, stop: &stop };
+    job::track(&mut source, 0..300, &resolved, claim, &mut watch, |_| (vec![], BTreeMap::new()), None)?;
+    let wall_s = started.elapsed().as_secs_f64();
+    let [first, last] = errors(&out.join("joints.csv"), &source)?;
+    fs::remove_dir_all(&out).map_err(Error::io("remove", &out))?;
+    println!("{method}: {} frames in {wall_s:.0} s", args.frames);
+    Ok(seen.judge(first, last))
+}
+
+impl Seen {
+    fn frame(&mut self, done: u64, frames: u64, ms: f64) {
+        self.window.push(ms);
+        if done.is_multiple_of(WINDOW) || done == frames {
+            if self.window.len() as u64 == WINDOW {
+                self.window.sort_by(f64::total_cmp);
+                self.medians.push(self.window[self.window.len() / 2]);
+            }
+            self.window.clear();
+        }
+        let at = match done {
+            WINDOW => 0,
+            _ if done == frames => 1,
+            _ => return,
+        };
+        self.resident_kb[at] = resident_kb();
+        self.open_files[at] = fs::read_dir("/proc/self/fd").map_or(0, Iterator::count);
+    }
+
+    /// Prints what was measured and whether it is as it must be.
+    fn judge(&self, first: f64, last: f64) -> bool {
+        let mut all = true;
+        let mut row = |what: &str, from: f64, to: f64, unit: &str, most: f64| {
+            let ratio = to / from;
+            let passed = ratio <= most;
+            all &= passed;
+            let verdict = if passed { "pass" } else { "FAIL" };
+            println!("  {what:<34} {from:>9.3} -> {to:>9.3} {unit:<6} ratio {ratio:.3}, at most {most}: {verdict}");
+        };
+        let [from, to] = self.resident_kb.map(|kb| kb as f64 / 1024.0);
+        row("resident memory, frame 1000 to end", from, to, "MiB", 1.05);
+        let time = |at: usize| self.medians.get(at).copied().unwrap_or(f64::NAN);
+        row("time a frame, second window to last", time(1), time(self.medians.len().saturating_sub(1)), "ms", 1.1);
+        let [from, to] = self.open_files.map(|count| count as f64);
+        row("open files, frame 1000 to end", from, to, "", 1.0);
+        row("error / sd, first window to last", first, last, "", 1.2);
+        let stride = self.medians.len().div_ceil(10);
+        let some: Vec<String> = self.medians.iter().step_by(stride).map(|ms| format!("{ms:.2}")).collect();
+        println!("  median ms a frame by window: {}", some.join(" "));
+        all
+    }
+}
+
+/// Resident memory of this process.
+fn resident_kb() -> u64 {
+    let status = fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let line = status.lines().find(|line| line.starts_with("VmRSS:")).unwrap_or_default();
+    line.split_whitespace().nth(1).and_then(|kb| kb.parse().ok()).unwrap_or(0)
+}
+
+/// Root mean square of error / standard deviation over all points and axes, in the first window and in the last.
+fn errors(joints: &Path, source: &ToAndFro) -> Result<[f64; 2], Error> {
+    let file = fs::File::open(joints).map_err(Error::io("read", joints))?;
+    let mut lines = BufReader::new(file).lines();
+    let header = lines.next().transpose().map_err(Error::io("read", joints))?.unwrap_or_default();
+    let column = |name: &str| header.split(',').position(|column| column == name).unwrap_or(usize::MAX);
+    let (frame, joint) = (column("frame"), column("joint"));
+    let axes = ["x", "y", "z"].map(|axis| [column(&format!("{axis}_mean_m")), column(&format!("{axis}_sd_m"))]);
+    let truth = &source.walk.truth;
+    let mut sums = [[0.0, 0.0]; 2];
+    for line in lines {
+        let line = line.map_err(Error::io("read", joints))?;
+        let cells: Vec<&str> = line.split(',').collect();
+        let cell = |column: usize| cells.get(column).copied().unwrap_or_default();
+        let number: u64 = cell(frame).parse().unwrap_or(u64::MAX);
+        let window = match number {
+            _ if number < WINDOW => 0,
+            _ if number >= source.frames - WINDOW => 1,
+            _ => continue,
+        };
+        let Some(place) = truth.index(cell(joint)) else { continue };
+        let at = truth.frames[source.played(number) as usize][place];
+        for ([mean, sd], truth) in axes.iter().zip(at) {
+            let value = |column: usize| cell(column).parse::<f64>().unwrap_or(f64::NAN);
+            sums[window][0] += ((value(*mean) - truth) / value(*sd)).powi(2);
+            sums[window][1] += 1.0;
+        }
+    }
+    Ok(sums.map(|[sum, count]: [f64; 2]| (sum / count).sqrt()))
+}
