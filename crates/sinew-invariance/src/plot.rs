@@ -14,7 +14,7 @@ const COLUMNS: usize = 3;
 /// # Errors
 /// Text when the picture cannot be drawn.
 pub fn rank_histograms(ranks: &Ranks, bins: usize) -> Result<String, String> {
-    pictures(ranks, "rank of the truth", |values| {
+    pictures(ranks, |values| {
         let counts = histogram(values, ranks.draws, bins);
         let law = Binomial::new(1.0 / bins as f64, values.len() as u64).map_err(|error| error.to_string())?;
         let quantile = |p: f64| law.inverse_cdf(p) as f64;
@@ -34,7 +34,7 @@ pub fn rank_histograms(ranks: &Ranks, bins: usize) -> Result<String, String> {
 /// # Errors
 /// Text when the picture cannot be drawn.
 pub fn ecdf_differences(ranks: &Ranks) -> Result<String, String> {
-    pictures(ranks, "rank of the truth", |values| {
+    pictures(ranks, |values| {
         let half = ((2.0_f64 / 0.05).ln() / (2.0 * values.len() as f64)).sqrt();
         let line = ecdf_difference(values, ranks.draws).into_iter().enumerate().map(|(rank, d)| ((rank + 1) as f64, d));
         let band = vec![(0.0, -half, half), ((ranks.draws + 1) as f64, -half, half)];
@@ -48,7 +48,7 @@ struct Panel {
     from_zero: bool,
 }
 
-fn pictures(ranks: &Ranks, x: &str, panel: impl Fn(&[usize]) -> Result<Panel, String>) -> Result<String, String> {
+fn pictures(ranks: &Ranks, panel: impl Fn(&[usize]) -> Result<Panel, String>) -> Result<String, String> {
     let rows = ranks.names.len().div_ceil(COLUMNS).max(1);
     let size = (SIZE.0 * COLUMNS.min(ranks.names.len()).max(1) as u32, SIZE.1 * rows as u32);
     let mut picture = String::new();
@@ -57,7 +57,7 @@ fn pictures(ranks: &Ranks, x: &str, panel: impl Fn(&[usize]) -> Result<Panel, St
         area.fill(&WHITE).map_err(|error| error.to_string())?;
         let areas = area.split_evenly((rows, COLUMNS.min(ranks.names.len()).max(1)));
         for ((name, values), area) in ranks.names.iter().zip(&ranks.ranks).zip(&areas) {
-            draw(area, name, x, &panel(values)?).map_err(|error| error.to_string())?;
+            draw(area, name, &panel(values)?).map_err(|error| error.to_string())?;
         }
         area.present().map_err(|error| error.to_string())?;
     }
@@ -67,7 +67,6 @@ fn pictures(ranks: &Ranks, x: &str, panel: impl Fn(&[usize]) -> Result<Panel, St
 fn draw<B: DrawingBackend>(
     area: &DrawingArea<B, plotters::coord::Shift>,
     name: &str,
-    x: &str,
     panel: &Panel,
 ) -> Result<(), DrawingAreaErrorKind<B::ErrorType>> {
     let ys = || panel.line.iter().map(|p| p.1).chain(panel.band.iter().flat_map(|b| [b.1, b.2]));
@@ -77,13 +76,24 @@ fn draw<B: DrawingBackend>(
     let mut chart = ChartBuilder::on(area)
         .caption(name, ("sans-serif", 14))
         .margin(8)
+        .margin_right(18)
         .x_label_area_size(32)
-        .y_label_area_size(48)
+        .y_label_area_size(54)
         .build_cartesian_2d(0.0..right, low..high)?;
     let upper = panel.band.iter().map(|b| (b.0, b.2));
     let lower = panel.band.iter().rev().map(|b| (b.0, b.1));
     chart.draw_series([Polygon::new(upper.chain(lower).collect::<Vec<_>>(), BAND.filled())])?;
-    chart.configure_mesh().disable_mesh().x_desc(x).x_labels(6).y_labels(5).draw()?;
+    let decimals = if panel.from_zero { 0 } else { 2 };
+    chart
+        .configure_mesh()
+        .disable_mesh()
+        .x_desc("rank of the truth")
+        .y_desc(if panel.from_zero { "data sets" } else { "share below, less uniform" })
+        .x_label_formatter(&|x| format!("{x:.0}"))
+        .y_label_formatter(&|y| format!("{y:.decimals$}"))
+        .x_labels(6)
+        .y_labels(5)
+        .draw()?;
     chart.draw_series(LineSeries::new(panel.line.iter().copied(), BLUE.stroke_width(2)))?;
     Ok(())
 }
