@@ -70,10 +70,7 @@ impl CameraPoint {
             sight: Sight(v["cameras"].as_array().expect("array").iter().map(view).collect()),
             prior: Lanes { leaf, isa: Isa::best() },
             log_evidence: number(&v["log_evidence"]),
-            moments: Moments {
-                mean: numbers(&v["posterior_mean"]),
-                covariance: rows(&v["posterior_cov"]).concat(),
-            },
+            moments: Moments { mean: numbers(&v["posterior_mean"]), covariance: rows(&v["posterior_cov"]).concat() },
             mode: numbers(&v["map"]),
             stored: v,
         })

@@ -58,8 +58,7 @@ impl Arm {
     /// The prior of the angles.
     #[must_use]
     pub fn prior(&self) -> Prior {
-        let covariance: Vec<f64> =
-            (0..9).map(|e| if e / 3 == e % 3 { self.sd[e / 3].powi(2) } else { 0.0 }).collect();
+        let covariance: Vec<f64> = (0..9).map(|e| if e / 3 == e % 3 { self.sd[e / 3].powi(2) } else { 0.0 }).collect();
         let leaf = Gaussian::new(self.centre.clone(), &covariance).expect("positive definite");
         Prior::Gaussian(Lanes { leaf, isa: Isa::best() })
     }

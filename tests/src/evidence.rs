@@ -50,8 +50,7 @@ pub fn unbiased(series: &Series, particles: usize, runs: usize, seed: u64) -> Ve
             let config = Config { particles, scheme, resample_below };
             let name = format!("{scheme:?} below {resample_below}");
             let root = Stage::new(seed, &name);
-            let ratios: Vec<f64> =
-                (0..runs).map(|r| run(series, &config, &root.round(r)).log_evidence.exp()).collect();
+            let ratios: Vec<f64> = (0..runs).map(|r| run(series, &config, &root.round(r)).log_evidence.exp()).collect();
             let [mean, error] = mean_and_error(&ratios);
             let detail = format!("mean of Z-hat / Z {mean:.3} ± {error:.3}, N = {particles}, {runs} runs, seed {seed}");
             findings.push(Finding::score(format!("evidence, {name}"), (mean - 1.0) / error, 5.0, detail));

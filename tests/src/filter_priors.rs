@@ -273,7 +273,9 @@ fn grid_masses(arm: &Arm, sights: &[ArmSight], points: usize) -> Vec<[f64; 8]> {
     let angles = |index: usize| [node(index / (n * n)), node(index / n % n), node(index % n)];
     let prior = arm.prior();
     let kernel: Vec<f64> = (0..n * n)
-        .map(|e| (-0.5 * ((node(e / n) - node(e % n)) / ARM_WALK).powi(2)).exp() * width / (ARM_WALK * (2.0 * PI).sqrt()))
+        .map(|e| {
+            (-0.5 * ((node(e / n) - node(e % n)) / ARM_WALK).powi(2)).exp() * width / (ARM_WALK * (2.0 * PI).sqrt())
+        })
         .collect();
     let mut mass: Vec<f64> = (0..n * n * n).map(|i| prior.log_density(&angles(i)).exp()).collect();
     let mut out = vec![];

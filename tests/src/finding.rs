@@ -24,7 +24,13 @@ impl Finding {
     /// A z score within ±`bound`; the false alarm is that of a normal deviate.
     #[must_use]
     pub fn score(name: impl Into<String>, z: f64, bound: f64, detail: impl Into<String>) -> Self {
-        let false_alarm = if bound >= 5.0 { BEYOND_5 } else if bound >= 4.5 { BEYOND_4_5 } else { 6.4e-5 };
+        let false_alarm = if bound >= 5.0 {
+            BEYOND_5
+        } else if bound >= 4.5 {
+            BEYOND_4_5
+        } else {
+            6.4e-5
+        };
         Self { name: name.into(), statistic: z, bounds: [-bound, bound], false_alarm, detail: detail.into() }
     }
 

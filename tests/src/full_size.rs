@@ -38,7 +38,12 @@ fn d2(check: impl Fn(&Series) -> Vec<Finding>) -> Vec<Finding> {
 #[must_use]
 pub fn detected(name: &str, of_fault: &[Finding]) -> Finding {
     let seen: Vec<&str> = of_fault.iter().filter(|f| !f.holds()).map(|f| f.name.as_str()).collect();
-    Finding::between(format!("{name}: statistics that see it"), seen.len() as f64, [1.0, f64::INFINITY], seen.join(", "))
+    Finding::between(
+        format!("{name}: statistics that see it"),
+        seen.len() as f64,
+        [1.0, f64::INFINITY],
+        seen.join(", "),
+    )
 }
 
 fn mixture_filter(seed: u64) -> Vec<Finding> {

@@ -142,8 +142,7 @@ impl Predict for Motion {
 
     fn predict(&self, cloud: Cloud<'_>) -> Result<Prior, Self::Error> {
         let q = self.growth.parameters[1];
-        let moved: Vec<f64> =
-            (0..cloud.count).map(|i| self.moved(cloud.last[i / LANES].0[i % LANES])).collect();
+        let moved: Vec<f64> = (0..cloud.count).map(|i| self.moved(cloud.last[i / LANES].0[i % LANES])).collect();
         match self.between {
             Between::Mixture => {
                 let leaf = Mixture::new(moved.into_iter().map(|m| vec![m]).collect(), &[q])?;
@@ -265,7 +264,12 @@ pub fn two_modes(growth: &Growth, particles: usize, chains: usize, runs: usize, 
             let of = format!("growth model, {what}, {count} draws carried on, run {run}");
             let detail = format!("largest {:.3}, seed {seed}", found.worst_sign);
             findings.push(Finding::at_most(format!("{of}: error of P(x > 0)"), found.sign, 0.015 * wider, detail));
-            findings.push(Finding::at_most(format!("{of}: error of log Z"), found.log_evidence.abs(), wider, String::new()));
+            findings.push(Finding::at_most(
+                format!("{of}: error of log Z"),
+                found.log_evidence.abs(),
+                wider,
+                String::new(),
+            ));
         }
     }
     findings

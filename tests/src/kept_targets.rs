@@ -268,8 +268,8 @@ impl Move<HeavyTails> for CurvatureOfState<'_> {
         let (mut x, mut g) = (chains.position.clone(), chains.gradient.clone());
         let kinetic = p[0].0.map(|p| 0.5 * p * p);
         let end = leapfrog(target, self.0, &factor, &mut x, &mut p, &mut g, &mut []);
-        for lane in 0..LANES {
-            let error = end.kinetic.0[lane] - end.log_density.0[lane] - kinetic[lane] + chains.log_density.0[lane];
+        for (lane, kinetic) in kinetic.into_iter().enumerate() {
+            let error = end.kinetic.0[lane] - end.log_density.0[lane] - kinetic + chains.log_density.0[lane];
             if error < DIVERGENCE && u[0].0[lane] < (-error).exp() {
                 chains.position[0].0[lane] = x[0].0[lane];
                 chains.gradient[0].0[lane] = g[0].0[lane];
@@ -376,7 +376,11 @@ pub fn long_run(updates: usize, seed: u64) -> Finding {
     let [mean, _] = mean_and_error(&values);
     let variance = values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / values.len() as f64;
     let error = (variance / effective_sample_size(&squares)).sqrt();
-    let detail = format!("{mean:.5} ± {error:.5} for 1, {} draws, acceptance {:.2}, seed {seed}", values.len(), draws.acceptance);
+    let detail = format!(
+        "{mean:.5} ± {error:.5} for 1, {} draws, acceptance {:.2}, seed {seed}",
+        values.len(),
+        draws.acceptance
+    );
     Finding::score("long run: pooled variance", (mean - 1.0) / error, 4.0, detail)
 }
 
@@ -397,7 +401,8 @@ fn pooled_squares(draws: &sinew::samplers::chains::Draws, target: &Lanes<Gaussia
 /// Variances of a [`correlated`] Gaussian.
 fn inverse_diagonal(target: &Lanes<Gaussian>) -> Vec<f64> {
     let d = target.dim();
-    let lower = sinew::dynamics::factor::cholesky("precision", target.leaf.precision(), d).expect("positive definite").lower;
+    let lower =
+        sinew::dynamics::factor::cholesky("precision", target.leaf.precision(), d).expect("positive definite").lower;
     let inverse = sinew::dynamics::factor::inverse_lower(&lower, d);
     (0..d).map(|j| (0..d).map(|k| inverse[k * d + j].powi(2)).sum()).collect()
 }
@@ -409,9 +414,16 @@ pub fn sweep(blocks: usize, seed: u64) -> Vec<Finding> {
     let metric = Metric::Diagonal(target.leaf.precision_diagonal().to_vec());
     let mut findings = vec![];
     let (mut lowest, mut highest) = (1.0_f64, 0.0_f64);
-    for (eta, steps, updates) in
-        [(1.35, 1, 40), (0.8, 1, 40), (0.5, 1, 40), (0.2, 1, 40), (1.05, 200, 6), (0.75, 200, 6), (0.4, 200, 6), (0.15, 200, 6)]
-    {
+    for (eta, steps, updates) in [
+        (1.35, 1, 40),
+        (0.8, 1, 40),
+        (0.5, 1, 40),
+        (0.2, 1, 40),
+        (1.05, 200, 6),
+        (0.75, 200, 6),
+        (0.4, 200, 6),
+        (0.15, 200, 6),
+    ] {
         for jitter in [0.0, 0.2] {
             let stage = Stage::new(seed, &format!("sweep {eta} {steps} {jitter}"));
             let [to_start, to_move] = stage.split(["start", "move"]);
@@ -467,7 +479,12 @@ pub fn walls(blocks: usize, updates: usize, seed: u64) -> Vec<Finding> {
                 series.iter().map(|c| c.iter().map(|x| x.powi(power)).sum::<f64>() / c.len() as f64).collect();
             let [mean, error] = mean_and_error(&of_chains);
             let detail = format!("{mean:.4} ± {error:.4} for {exact:.4}, seed {seed}");
-            findings.push(Finding::score(format!("{name}: {what} between the walls"), (mean - exact) / error, 4.5, detail));
+            findings.push(Finding::score(
+                format!("{name}: {what} between the walls"),
+                (mean - exact) / error,
+                4.5,
+                detail,
+            ));
         }
     }
     findings
@@ -490,6 +507,7 @@ pub fn tuned_acceptance(updates: usize, seed: u64) -> [Finding; 2] {
     let frozen = hmc.clone();
     let mut different = 0;
     let series: Vec<Vec<Vec<f64>>> = (0..28).map(|j| draws.series(j)).collect();
+    let kept = |coordinate: usize, chain: usize, k: usize| series[coordinate][chain][k];
     for (block, start) in trial.states.chunks_exact(28).enumerate() {
         let mut chains = Chains::new(&target, start.to_vec()).expect("finite");
         let (mut ws, mut rng) = (Workspace::new(&target), to_move.block(block as u32));
@@ -497,7 +515,7 @@ pub fn tuned_acceptance(updates: usize, seed: u64) -> [Finding; 2] {
             update(&target, &frozen, &mut chains, &mut ws, &mut rng);
             for (j, x) in chains.position.iter().enumerate() {
                 for lane in 0..LANES {
-                    different += usize::from(x.0[lane].to_bits() != series[j][block * LANES + lane][k].to_bits());
+                    different += usize::from(x.0[lane].to_bits() != kept(j, block * LANES + lane, k).to_bits());
                 }
             }
         }

@@ -315,9 +315,8 @@ impl Predict for MixtureBetween {
 
     fn predict(&self, cloud: Cloud<'_>) -> Result<Prior, Self::Error> {
         let d = self.dim();
-        let state = |i: usize| -> Vec<f64> {
-            cloud.last[i / LANES * d..][..d].iter().map(|b| b.0[i % LANES]).collect()
-        };
+        let state =
+            |i: usize| -> Vec<f64> { cloud.last[i / LANES * d..][..d].iter().map(|b| b.0[i % LANES]).collect() };
         let moved = |i: usize| self.matrix.chunks(d).map(|row| dot(row, &state(i))).collect();
         let leaf = Mixture::new((0..cloud.count).map(moved).collect(), &vec![1.0; d])?;
         Ok(Prior::Mixture(Lanes { leaf, isa: Isa::best() }))

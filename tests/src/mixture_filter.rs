@@ -125,8 +125,7 @@ pub fn ideal(series: &Series, chains: usize, stage: &Stage) -> Found {
             log_weights.push(log);
         }
         let mut weights = vec![];
-        let log_evidence =
-            normalise(&log_weights, &mut weights).expect("weights") - (components.len() as f64).ln();
+        let log_evidence = normalise(&log_weights, &mut weights).expect("weights") - (components.len() as f64).ln();
         let root = sinew::dynamics::factor::cholesky("posterior", &posteriors[0].covariance, d)
             .expect("positive definite")
             .lower;
@@ -149,14 +148,7 @@ pub fn ideal(series: &Series, chains: usize, stage: &Stage) -> Found {
 
 /// E4: errors of the filter's means at most 1.3 × those of ideal draws as stored, and of its variances at most 1.3 × those of ideal draws made here with the same number of chains and runs.
 #[must_use]
-pub fn against_ideal(
-    series: &Series,
-    name: &str,
-    chains: usize,
-    stored: f64,
-    runs: usize,
-    seed: u64,
-) -> Vec<Finding> {
+pub fn against_ideal(series: &Series, name: &str, chains: usize, stored: f64, runs: usize, seed: u64) -> Vec<Finding> {
     let root = Stage::new(seed, "mixture filter").round(chains);
     let [to_move, to_draw] = root.split(["hmc", "ideal"]);
     let found: Vec<Found> = (0..runs).map(|r| hmc(series, chains, &to_move.round(r))).collect();

@@ -47,8 +47,7 @@ pub struct Posterior {
 /// The three posteriors; none, with a note, where the data folder is missing.
 #[must_use]
 pub fn all() -> Vec<Posterior> {
-    let names =
-        [("eight_schools-eight_schools_noncentered", 5), ("sblrc-blr", 0), ("gp_pois_regr-gp_regr", 0)];
+    let names = [("eight_schools-eight_schools_noncentered", 5), ("sblrc-blr", 0), ("gp_pois_regr-gp_regr", 0)];
     names.into_iter().filter_map(|(name, divergences)| Posterior::stored(name, divergences)).collect()
 }
 
@@ -207,8 +206,7 @@ fn warm_up(posterior: &Posterior, stage: &Stage) -> Result<(Metric, Vec<Block>),
         let nuts = Nuts::with_metric(tuned.step_size, &metric, 10, 0.1, isa)?;
         let schedule = Schedule { updates, burn_in: updates / 2 };
         let draws = nuts::draw(posterior, &nuts, &trial.states, CHAINS, schedule, &to_draw)?.draws;
-        let effective =
-            (0..d).map(|j| effective_sample_size(&draws.series(j))).fold(f64::INFINITY, f64::min);
+        let effective = (0..d).map(|j| effective_sample_size(&draws.series(j))).fold(f64::INFINITY, f64::min);
         metric = learned::metric(posterior, &draws, effective, isa)?;
         states = draws.last;
     }
@@ -262,8 +260,11 @@ pub fn judged(posterior: &Posterior, sampler: Sampler, updates: usize, seed: u64
     }
     let allowed = posterior.divergences as f64;
     let kept = draws.stats.iter().filter(|s| s.divergent).count() as f64;
-    let mut findings = vec![Finding::at_most(format!("{name}: divergences"), kept, allowed, format!("{} draws", draws.stats.len()))];
-    let worst = |of: &dyn Fn(&Vec<Vec<f64>>) -> f64| series.iter().map(of).fold(0.0, |a: f64, b| if b > a || b.is_nan() { b } else { a });
+    let mut findings =
+        vec![Finding::at_most(format!("{name}: divergences"), kept, allowed, format!("{} draws", draws.stats.len()))];
+    let worst = |of: &dyn Fn(&Vec<Vec<f64>>) -> f64| {
+        series.iter().map(of).fold(0.0, |a: f64, b| if b > a || b.is_nan() { b } else { a })
+    };
     findings.push(Finding::at_most(format!("{name}: split R-hat"), worst(&|s| split_r_hat(s)), 1.01, ""));
     findings.push(Finding::at_most(format!("{name}: rank R-hat"), worst(&|s| rank_r_hat(s)), 1.01, ""));
     for (quantity, chains) in names.iter().zip(&series) {
@@ -273,8 +274,7 @@ pub fn judged(posterior: &Posterior, sampler: Sampler, updates: usize, seed: u64
         let mean = all().sum::<f64>() / n;
         let variance = all().map(|x| (x - mean).powi(2)).sum::<f64>() / n;
         let sd = variance.sqrt();
-        let squares: Vec<Vec<f64>> =
-            chains.iter().map(|c| c.iter().map(|x| (x - mean).powi(2)).collect()).collect();
+        let squares: Vec<Vec<f64>> = chains.iter().map(|c| c.iter().map(|x| (x - mean).powi(2)).collect()).collect();
         let spread = squares.iter().flatten().map(|x| (x - variance).powi(2)).sum::<f64>() / n;
         let ess = bulk_ess(chains);
         let of_mean = sd / effective_sample_size(chains).sqrt();
@@ -285,7 +285,12 @@ pub fn judged(posterior: &Posterior, sampler: Sampler, updates: usize, seed: u64
         {
             let (exact, mcse) = (number(&reference[exact]), number(&reference[mcse]));
             let detail = format!("{found:.5} ± {m:.5} against {exact:.5} ± {mcse:.5}, bulk ESS {ess:.0}, seed {seed}");
-            findings.push(Finding::score(format!("{name}: {what} of {quantity}"), (found - exact) / m.hypot(mcse), 4.0, detail));
+            findings.push(Finding::score(
+                format!("{name}: {what} of {quantity}"),
+                (found - exact) / m.hypot(mcse),
+                4.0,
+                detail,
+            ));
         }
     }
     findings

@@ -72,12 +72,7 @@ pub struct Exact {
 /// # Panics
 /// Without axes.
 #[must_use]
-pub fn integrate(
-    density: &impl LogDensity,
-    axes: &[Axis],
-    regions: usize,
-    region: impl Fn(&[f64]) -> usize,
-) -> Exact {
+pub fn integrate(density: &impl LogDensity, axes: &[Axis], regions: usize, region: impl Fn(&[f64]) -> usize) -> Exact {
     let d = axes.len();
     assert!(d > 0 && d == density.dim(), "one axis a coordinate");
     let count: usize = axes.iter().map(|axis| axis.nodes.len()).product();
@@ -210,9 +205,8 @@ mod tests {
         for (found, c) in exact.moments.covariance.iter().zip(&covariance) {
             assert!((found - c).abs() < 1e-10, "{found} against {c}");
         }
-        let angle = |i: usize, j: usize| {
-            (covariance[3 * i + j] / (covariance[4 * i] * covariance[4 * j]).sqrt()).asin()
-        };
+        let angle =
+            |i: usize, j: usize| (covariance[3 * i + j] / (covariance[4 * i] * covariance[4 * j]).sqrt()).asin();
         let orthant = 0.125 + (angle(0, 1) + angle(0, 2) + angle(1, 2)) / (4.0 * PI);
         assert!((exact.masses[1] - orthant).abs() < 1e-10, "{} against {orthant}", exact.masses[1]);
     }

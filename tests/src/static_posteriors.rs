@@ -39,8 +39,18 @@ pub fn tempered_depth_flip(arm: &Arm, particles: usize, runs: usize, seed: u64) 
     let largest = |values: &[f64]| values.iter().map(|x| x.abs()).fold(0.0, f64::max);
     let of = format!("N = {particles}, {runs} runs, seed {seed}");
     vec![
-        Finding::at_most("tempered SMC on the depth flip: error of log Z", largest(&off), 0.2, format!("{of}; {off:.3?}")),
-        Finding::at_most("tempered SMC on the depth flip: error of a mode's mass", largest(&worst), 0.06, format!("{of}; {worst:.3?}")),
+        Finding::at_most(
+            "tempered SMC on the depth flip: error of log Z",
+            largest(&off),
+            0.2,
+            format!("{of}; {off:.3?}"),
+        ),
+        Finding::at_most(
+            "tempered SMC on the depth flip: error of a mode's mass",
+            largest(&worst),
+            0.06,
+            format!("{of}; {worst:.3?}"),
+        ),
     ]
 }
 
@@ -92,7 +102,12 @@ pub fn volume_law(particles: usize, runs: usize, seed: u64) -> Vec<Finding> {
         .map(|j| {
             let law = ratio / particles as f64 * posterior[j] * posterior[j] / 3.0;
             let detail = format!("N = {particles}, ratio of volumes {ratio}, {runs} runs, seed {seed}");
-            Finding::between(format!("variance of the particle mean over the volume law, axis {j}"), squares[j] / law, [0.9, 1.1], detail)
+            Finding::between(
+                format!("variance of the particle mean over the volume law, axis {j}"),
+                squares[j] / law,
+                [0.9, 1.1],
+                detail,
+            )
         })
         .collect()
 }
@@ -126,7 +141,12 @@ pub fn gaussian_volume_law(particles: usize, seed: u64) -> Vec<Finding> {
             let mut filter = Bootstrap::new(config, Standard(d), vec![0.0; d]).expect("valid");
             let info = filter.step(&seen, Stage::new(seed, "gaussian volume law").round(d)).expect("weights");
             let found = particles as f64 / info.ess / law;
-            Finding::between(format!("N / N_eff over the law, s = {s:?}"), found, [0.95, 1.05], format!("N = {particles}, seed {seed}"))
+            Finding::between(
+                format!("N / N_eff over the law, s = {s:?}"),
+                found,
+                [0.95, 1.05],
+                format!("N = {particles}, seed {seed}"),
+            )
         })
         .collect()
 }

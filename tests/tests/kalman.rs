@@ -88,10 +88,10 @@ fn joint(series: &Series) -> (Vec<f64>, Vec<f64>, usize) {
             if t > s {
                 across = product(&across, &transposed(&series.a), d);
             }
-            for e in 0..d * d {
+            for (e, entry) in across.iter().enumerate() {
                 let (i, j) = (s * d + e / d, t * d + e % d);
-                sigma[i * n + j] = across[e];
-                sigma[j * n + i] = across[e];
+                sigma[i * n + j] = *entry;
+                sigma[j * n + i] = *entry;
             }
         }
     }
@@ -147,7 +147,11 @@ fn a_random_model_agrees_with_one_dense_gaussian() {
             for i in 0..4 {
                 let at = t * 4 + i;
                 let exact = mean[at] + dot(&across[at], &e);
-                assert!((smoothed.mean[i] - exact).abs() < 1e-11, "{form:?}, frame {t}: {} against {exact}", smoothed.mean[i]);
+                assert!(
+                    (smoothed.mean[i] - exact).abs() < 1e-11,
+                    "{form:?}, frame {t}: {} against {exact}",
+                    smoothed.mean[i]
+                );
                 for j in 0..4 {
                     let exact = sigma[at * n + t * 4 + j] - dot(&across[at], &across[t * 4 + j]);
                     let found = smoothed.covariance[i * 4 + j];
@@ -234,13 +238,7 @@ fn the_square_root_form_equals_josephs() {
 fn without_observations_the_variance_becomes_the_stationary_one() {
     let phi = 0.9_f64;
     for form in FORMS {
-        let model = Model {
-            dim: 1,
-            matrix: vec![phi],
-            noise: vec![0.5],
-            observation: vec![1.0],
-            error: vec![0.1],
-        };
+        let model = Model { dim: 1, matrix: vec![phi], noise: vec![0.5], observation: vec![1.0], error: vec![0.1] };
         let filter = Kalman::new(model, form).expect("valid");
         let start = Moments { mean: vec![2.0], covariance: vec![0.01] };
         let frames = filter.filter(&start, &vec![vec![None]; 101]).expect("nothing is seen");

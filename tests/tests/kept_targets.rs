@@ -17,7 +17,8 @@ fn one_update_leaves_exact_draws_exact() {
 fn curvature_of_the_state_is_detected() {
     let [right, wrong] = curvature_of_state(12_500, 7);
     demand(&right);
-    let seen: Vec<String> = wrong.iter().filter(|f| !f.holds()).map(|f| format!("{}: {}", f.name, f.statistic)).collect();
+    let seen: Vec<String> =
+        wrong.iter().filter(|f| !f.holds()).map(|f| format!("{}: {}", f.name, f.statistic)).collect();
     println!("detected by {seen:?}");
     assert!(!seen.is_empty(), "the planted fault passed: {wrong:?}");
     let [kept, lost] = reversal();

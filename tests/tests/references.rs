@@ -30,7 +30,12 @@ fn quadrature_equals_the_stored_filter_of_the_growth_model() {
 fn quadrature_equals_the_stored_posterior_of_the_depth_flip() {
     let Some(arm) = Arm::stored() else { return };
     let exact = arm.exact(13);
-    assert!((exact.log_evidence - arm.log_evidence).abs() < 1e-9, "{} against {}", exact.log_evidence, arm.log_evidence);
+    assert!(
+        (exact.log_evidence - arm.log_evidence).abs() < 1e-9,
+        "{} against {}",
+        exact.log_evidence,
+        arm.log_evidence
+    );
     for (mode, (found, stored)) in exact.masses.iter().zip(&arm.masses).enumerate() {
         assert!((found - stored).abs() < 2e-6, "mode {mode}: {found} against {stored}");
     }

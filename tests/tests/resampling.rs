@@ -232,7 +232,8 @@ fn the_variance_of_a_resampled_mean_by_order() {
 #[test]
 fn log_weights_far_down_are_as_good_as_any() {
     let mut rng = Stage::new(9, "log space").whole();
-    let log_weights: Vec<f64> = (0..200).map(|i| if i % 3 == 0 { -10_000.0 } else { -8.0 } * uniform(&mut rng)).collect();
+    let log_weights: Vec<f64> =
+        (0..200).map(|i| if i % 3 == 0 { -10_000.0 } else { -8.0 } * uniform(&mut rng)).collect();
     let log_weights: Vec<f64> = log_weights.iter().map(|l| (l * 1_048_576.0).round() / 1_048_576.0).collect();
     let shifted: Vec<f64> = log_weights.iter().map(|l| l - 100_000.0).collect();
     let (mut a, mut b) = (vec![], vec![]);

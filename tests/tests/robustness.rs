@@ -33,8 +33,13 @@ fn one_particle_is_a_filter_and_none_is_refused() {
         }
         let mut filter = filter.expect("valid");
         for frame in 0..5 {
-            let info = filter.step(&series.sight(frame), Stage::new(1, "step").at_frame(frame as u32)).expect("weights");
-            assert!(info.mean.iter().all(|m| m.is_finite()) && info.ess >= 1.0 - 1e-12 && info.ess <= particles as f64 + 1e-9);
+            let info =
+                filter.step(&series.sight(frame), Stage::new(1, "step").at_frame(frame as u32)).expect("weights");
+            assert!(
+                info.mean.iter().all(|m| m.is_finite())
+                    && info.ess >= 1.0 - 1e-12
+                    && info.ess <= particles as f64 + 1e-9
+            );
             assert!(info.log_evidence.is_some_and(f64::is_finite));
         }
         if particles == 1 {
@@ -74,7 +79,8 @@ fn extreme_step_sizes_have_a_defined_end() {
 fn the_search_for_a_step_size_ends() {
     let (target, metric) = (quadratic(1.0), Metric::Diagonal(vec![1.0; 2]));
     let search = |first_step_size: f64| {
-        let mut trial = Trial { target: &target, metric: &metric, states: vec![Block::splat(0.5); 2], isa: Isa::best() };
+        let mut trial =
+            Trial { target: &target, metric: &metric, states: vec![Block::splat(0.5); 2], isa: Isa::best() };
         let config = tuning::Config { first_step_size, jitter: 0.2, ..tuning::Config::default() };
         tuning::step_size(&mut trial, 3, &config, &Stage::new(2, "search"))
     };
@@ -157,7 +163,8 @@ fn blind(tracker: &mut impl Tracker<Nothing>) -> (Vec<f64>, f64) {
 fn a_hundred_frames_without_observation_lead_to_the_stationary_variance() {
     let series = damped();
     let stationary = 0.25 / (1.0 - 0.81);
-    let model = || LinearGaussian::new(2, series.a.clone(), series.q.clone(), series.p0.clone(), Isa::best()).expect("valid");
+    let model =
+        || LinearGaussian::new(2, series.a.clone(), series.q.clone(), series.p0.clone(), Isa::best()).expect("valid");
     let particles = bootstrap::Config { particles: 2000, ..bootstrap::Config::default() };
     let adaptive = bootstrap::Config { resample_below: 0.5, ..particles.clone() };
     let chains = |chains| hmc_filter::Config {
@@ -182,7 +189,10 @@ fn a_hundred_frames_without_observation_lead_to_the_stationary_variance() {
         (
             "hmc, mixture",
             scale,
-            blind(&mut HmcFilter::new(chains(128), MixtureBetween::new(&white), vec![0.0; 2], Isa::best()).expect("valid")),
+            blind(
+                &mut HmcFilter::new(chains(128), MixtureBetween::new(&white), vec![0.0; 2], Isa::best())
+                    .expect("valid"),
+            ),
         ),
     ];
     for (name, scale, (variances, evidence)) in found {

@@ -35,12 +35,10 @@ impl Motion {
 
     /// The camera that sees of the moved world what this one sees of the old.
     fn camera(&self, camera: &Camera) -> Camera {
-        let rotation = [0, 1, 2].map(|i| {
-            [0, 1, 2].map(|j| (0..3).map(|k| camera.rotation[i][k] * self.turn[j][k]).sum::<f64>())
-        });
-        let translation = [0, 1, 2].map(|i| {
-            camera.translation[i] - (0..3).map(|j| rotation[i][j] * self.shift[j]).sum::<f64>()
-        });
+        let rotation =
+            [0, 1, 2].map(|i| [0, 1, 2].map(|j| (0..3).map(|k| camera.rotation[i][k] * self.turn[j][k]).sum::<f64>()));
+        let translation =
+            [0, 1, 2].map(|i| camera.translation[i] - (0..3).map(|j| rotation[i][j] * self.shift[j]).sum::<f64>());
         Camera { rotation, translation, ..camera.clone() }
     }
 }

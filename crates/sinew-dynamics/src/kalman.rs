@@ -201,9 +201,7 @@ impl Kalman {
         }
         let n = values.len();
         let rows = Mat::from_fn(n, d, |i, j| self.model.observation[values[i].0 * d + j]);
-        let innovation = Mat::from_fn(n, 1, |i, _| {
-            values[i].1 - (0..d).map(|j| rows[(i, j)] * mean[j]).sum::<f64>()
-        });
+        let innovation = Mat::from_fn(n, 1, |i, _| values[i].1 - (0..d).map(|j| rows[(i, j)] * mean[j]).sum::<f64>());
         let error = (0..n * n).map(|e| self.model.error[values[e / n].0 * k + values[e % n].0]).collect();
         Ok(Seen { rows, innovation, error })
     }
@@ -314,9 +312,7 @@ fn moved(mean: &[f64], shift: &Mat<f64>) -> Vec<f64> {
 
 /// −½ |S^{−½} e|² − ½ log |2π S| of a whitened innovation and the root that whitened it.
 fn log_density(whitened: &Mat<f64>, lower: MatRef<'_, f64>) -> f64 {
-    (0..whitened.nrows())
-        .map(|i| -0.5 * whitened[(i, 0)].powi(2) - lower[(i, i)].abs().ln() - 0.5 * TAU.ln())
-        .sum()
+    (0..whitened.nrows()).map(|i| -0.5 * whitened[(i, 0)].powi(2) - lower[(i, i)].abs().ln() - 0.5 * TAU.ln()).sum()
 }
 
 #[cfg(test)]
