@@ -44,13 +44,14 @@ impl Setting {
         }
     }
 
-    /// 25 kept draws a chain.
+    /// 25 kept draws a chain for the Gaussian prior, which all draws make; 13 for the mixture, which only last states make.
     #[must_use]
     pub fn config(self) -> Config {
+        let (updates, burn_in) = if self.between == Between::Gaussian { (32, 8) } else { (16, 4) };
         Config {
             chains: self.chains,
-            updates: 32,
-            burn_in: 8,
+            updates,
+            burn_in,
             step_size: 0.5,
             leapfrog_steps: 4,
             jitter: 0.2,

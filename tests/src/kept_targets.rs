@@ -268,8 +268,8 @@ impl Move<HeavyTails> for CurvatureOfState<'_> {
         let (mut x, mut g) = (chains.position.clone(), chains.gradient.clone());
         let kinetic = p[0].0.map(|p| 0.5 * p * p);
         let end = leapfrog(target, self.0, &factor, &mut x, &mut p, &mut g, &mut []);
-        for lane in 0..LANES {
-            let error = end.kinetic.0[lane] - end.log_density.0[lane] - kinetic[lane] + chains.log_density.0[lane];
+        for (lane, kinetic) in kinetic.into_iter().enumerate() {
+            let error = end.kinetic.0[lane] - end.log_density.0[lane] - kinetic + chains.log_density.0[lane];
             if error < DIVERGENCE && u[0].0[lane] < (-error).exp() {
                 chains.position[0].0[lane] = x[0].0[lane];
                 chains.gradient[0].0[lane] = g[0].0[lane];
@@ -507,6 +507,7 @@ pub fn tuned_acceptance(updates: usize, seed: u64) -> [Finding; 2] {
     let frozen = hmc.clone();
     let mut different = 0;
     let series: Vec<Vec<Vec<f64>>> = (0..28).map(|j| draws.series(j)).collect();
+    let kept = |coordinate: usize, chain: usize, k: usize| series[coordinate][chain][k];
     for (block, start) in trial.states.chunks_exact(28).enumerate() {
         let mut chains = Chains::new(&target, start.to_vec()).expect("finite");
         let (mut ws, mut rng) = (Workspace::new(&target), to_move.block(block as u32));
@@ -514,7 +515,7 @@ pub fn tuned_acceptance(updates: usize, seed: u64) -> [Finding; 2] {
             update(&target, &frozen, &mut chains, &mut ws, &mut rng);
             for (j, x) in chains.position.iter().enumerate() {
                 for lane in 0..LANES {
-                    different += usize::from(x.0[lane].to_bits() != series[j][block * LANES + lane][k].to_bits());
+                    different += usize::from(x.0[lane].to_bits() != kept(j, block * LANES + lane, k).to_bits());
                 }
             }
         }

@@ -88,10 +88,10 @@ fn joint(series: &Series) -> (Vec<f64>, Vec<f64>, usize) {
             if t > s {
                 across = product(&across, &transposed(&series.a), d);
             }
-            for e in 0..d * d {
+            for (e, entry) in across.iter().enumerate() {
                 let (i, j) = (s * d + e / d, t * d + e % d);
-                sigma[i * n + j] = across[e];
-                sigma[j * n + i] = across[e];
+                sigma[i * n + j] = *entry;
+                sigma[j * n + i] = *entry;
             }
         }
     }

@@ -46,18 +46,27 @@ struct Cell {
     ratio: f64,
     dim: usize,
     found: Calibration,
-    seconds: f64,
+    runs: usize,
 }
 
-/// Independent series: many where a frame is cheap.
+/// Independent series: many where a frame is cheap, none where the cell is left out.
 fn runs(setting: Setting, dim: usize, quick: bool) -> usize {
-    let full = match (setting.chains, dim) {
-        (1000, 28) => 4,
-        (1000, _) => 6,
-        (250, _) => 10,
-        _ => 40,
+    let full: usize = match (setting.chains, dim) {
+        (1000, 28) => 0,
+        (1000, _) => 3,
+        (250, _) => 6,
+        _ => 30,
     };
-    if quick { full.div_ceil(5).max(2) } else { full }
+    if quick && full > 0 { full.div_ceil(5).max(2) } else { full }
+}
+
+/// Runs on the growth model and the arm.
+const fn static_runs(chains: usize, args: &Args) -> usize {
+    match (args.quick, chains) {
+        (true, _) => 3,
+        (false, 1000) => 6,
+        (false, _) => 20,
+    }
 }
 
 /// Runs the command.
@@ -75,45 +84,70 @@ pub fn run(root: &Path, args: &Args) -> ExitCode {
 fn all(out: &Path, args: &Args) -> Outcome<()> {
     std::fs::create_dir_all(out)?;
     let started = Instant::now();
-    let cells = random_walks(args)?;
-    let mut tables = walk_tables(&cells)?;
-    let mut record =
-        json!({ "seed": args.seed, "quick": args.quick, "random_walk": cells.iter().map(as_json).collect::<Vec<_>>() });
+    let mut record = json!({ "seed": args.seed, "quick": args.quick });
+    let mut tables = String::new();
     if let Some(growth) = Growth::stored() {
         tables += &growth_table(&growth, args, &mut record)?;
     }
     if let Some(arm) = Arm::stored() {
         tables += &arm_table(&arm, args, &mut record)?;
     }
+    println!("{tables}");
+    let cells = random_walks(args, &out.join("random-walk.csv"))?;
+    record["random_walk"] = cells.iter().map(as_json).collect();
+    tables += &walk_tables(&cells)?;
     println!("{tables}\n{:.0} s", started.elapsed().as_secs_f64());
     record["seconds"] = json!(started.elapsed().as_secs_f64());
     std::fs::write(out.join("tables.md"), tables)?;
     std::fs::write(out.join("filter-priors.json"), serde_json::to_string_pretty(&record)?)?;
-    std::fs::write(out.join("random-walk.csv"), csv(&cells)?)?;
     draw(&cells, &out.join("filter-priors.svg"))
 }
 
-fn random_walks(args: &Args) -> Outcome<Vec<Cell>> {
+/// All cells, cheap settings first. What is finished is written after each, and not measured again by the next run into the same folder with the same seed and size.
+fn random_walks(args: &Args, finished: &Path) -> Outcome<Vec<Cell>> {
     let (ratios, dimensions): (&[f64], &[usize]) =
         if args.quick { (&RATIOS[..2], &DIMENSIONS[..3]) } else { (&RATIOS, &DIMENSIONS) };
+    let known = std::fs::read_to_string(finished).unwrap_or_default();
     let mut cells = vec![];
-    for &dim in dimensions {
-        for &ratio in ratios {
-            for setting in SETTINGS {
-                let length = Length { runs: runs(setting, dim, args.quick), before: 15, frames: 15 };
-                let started = Instant::now();
-                let found = random_walk(setting, ratio, dim, length, args.seed);
-                let seconds = started.elapsed().as_secs_f64();
-                eprintln!(
-                    "d = {dim}, q/r = {ratio}, {}: {seconds:.0} s, {:.1} % covered",
-                    setting.name(),
-                    100.0 * found.covered[0]
-                );
-                cells.push(Cell { setting, ratio, dim, found, seconds });
+    for setting in SETTINGS {
+        for &dim in dimensions {
+            for &ratio in ratios {
+                let length = Length { runs: runs(setting, dim, args.quick), before: 10, frames: 10 };
+                if length.runs == 0 {
+                    continue;
+                }
+                let key = key(args.seed, length.runs, setting, ratio, dim);
+                let found = match known.lines().find_map(|line| line.strip_prefix(&key)) {
+                    Some(numbers) => parsed(numbers)?,
+                    None => {
+                        let started = Instant::now();
+                        let found = random_walk(setting, ratio, dim, length, args.seed);
+                        let (seconds, share) = (started.elapsed().as_secs_f64(), 100.0 * found.covered[0]);
+                        eprintln!("d = {dim}, q/r = {ratio}, {}: {seconds:.0} s, {share:.1} % covered", setting.name());
+                        found
+                    }
+                };
+                cells.push(Cell { setting, ratio, dim, found, runs: length.runs });
+                std::fs::write(finished, csv(args.seed, &cells)?)?;
             }
         }
     }
     Ok(cells)
+}
+
+/// How the line of a cell begins.
+fn key(seed: u64, runs: usize, setting: Setting, ratio: f64, dim: usize) -> String {
+    let prior = format!("{:?}", setting.between).to_lowercase();
+    format!("{seed},{runs},{prior},{},{ratio},{dim},", setting.chains)
+}
+
+/// The numbers after the key.
+fn parsed(numbers: &str) -> Outcome<Calibration> {
+    let numbers = numbers.split(',').map(str::parse).collect::<Result<Vec<f64>, _>>()?;
+    let [a, b, c, d, e, f, g, h, poorly_mixed] = numbers[..] else {
+        return Err("a line of random-walk.csv has another number of columns".into());
+    };
+    Ok(Calibration { error: [a, b], variance_ratio: [c, d], covered: [e, f], covers_truth: [g, h], poorly_mixed })
 }
 
 /// Four tables of the random walk: dimensions and settings down, ratios across.
@@ -162,38 +196,38 @@ fn as_json(cell: &Cell) -> Value {
     let Calibration { error, variance_ratio, covered, covers_truth, poorly_mixed } = cell.found;
     json!({
         "prior": cell.setting.name(), "chains": cell.setting.chains, "ratio": cell.ratio, "dim": cell.dim, "error": error,
-        "variance_ratio": variance_ratio, "covered": covered, "covers_truth": covers_truth, "poorly_mixed": poorly_mixed, "seconds": cell.seconds,
+        "variance_ratio": variance_ratio, "covered": covered, "covers_truth": covers_truth, "poorly_mixed": poorly_mixed, "runs": cell.runs,
     })
 }
 
-fn csv(cells: &[Cell]) -> Outcome<String> {
+fn csv(seed: u64, cells: &[Cell]) -> Outcome<String> {
     let mut text = String::from(
-        "prior,chains,ratio,dim,error,error_se,variance_ratio,variance_ratio_se,covered,covered_se,covers_truth,covers_truth_se,poorly_mixed\n",
+        "seed,runs,prior,chains,ratio,dim,error,error_se,variance_ratio,variance_ratio_se,covered,covered_se,covers_truth,covers_truth_se,poorly_mixed\n",
     );
-    for Cell { setting, ratio, dim, found, .. } in cells {
-        let prior = format!("{:?}", setting.between).to_lowercase();
-        write!(text, "{prior},{},{ratio},{dim}", setting.chains)?;
+    for Cell { setting, ratio, dim, found, runs } in cells {
+        text += &key(seed, *runs, *setting, *ratio, *dim);
         for [value, error] in [found.error, found.variance_ratio, found.covered, found.covers_truth] {
-            write!(text, ",{value},{error}")?;
+            write!(text, "{value},{error},")?;
         }
-        writeln!(text, ",{}", found.poorly_mixed)?;
+        writeln!(text, "{}", found.poorly_mixed)?;
     }
     Ok(text)
 }
 
 fn growth_table(growth: &Growth, args: &Args, record: &mut Value) -> Outcome<String> {
-    let runs = if args.quick { 4 } else { 20 };
     let mut rows: Vec<(String, OnGrowth)> = vec![];
     for setting in SETTINGS.into_iter().chain([250, 1000].map(|chains| Setting { chains, ..SETTINGS[0] })) {
-        rows.push((setting.name(), on_growth(growth, setting, runs, args.seed)));
+        rows.push((setting.name(), on_growth(growth, setting, static_runs(setting.chains, args), args.seed)));
     }
     for particles in [1000, 5000] {
         let root = Stage::new(args.seed, "filter priors, particles").round(particles);
-        let found = growth_model(runs, |r| growth::by_particles(growth, particles, &root.round(r)));
+        let found = growth_model(static_runs(0, args), |r| growth::by_particles(growth, particles, &root.round(r)));
         rows.push((format!("bootstrap, N = {particles}"), found));
     }
     let mut text = format!(
-        "\nGrowth model, {runs} runs:\n\n| filter | mean error of P(x > 0) | largest in a run | error of log Z: mean | sd |\n|---|---|---|---|---|\n"
+        "\nGrowth model, {} runs ({} with 1000 chains):\n\n| filter | mean error of P(x > 0) | largest in a run | error of log Z: mean | sd |\n|---|---|---|---|---|\n",
+        static_runs(0, args),
+        static_runs(1000, args)
     );
     for (name, found) in &rows {
         let OnGrowth { sign, worst_sign, log_evidence: [mean, sd] } = found;
@@ -205,15 +239,17 @@ fn growth_table(growth: &Growth, args: &Args, record: &mut Value) -> Outcome<Str
 }
 
 fn arm_table(arm: &Arm, args: &Args, record: &mut Value) -> Outcome<String> {
-    let (runs, points) = if args.quick { (4, 64) } else { (20, ARM_POINTS) };
+    let points = if args.quick { 64 } else { ARM_POINTS };
     let series = ArmSeries::new(arm, ARM_FRAMES, points, args.seed);
     let bias = gaussian_bias(&series, 6);
     let mut text = format!(
-        "\nArm with eight depth modes, {ARM_FRAMES} frames, {runs} runs; largest error of a mode's mass:\n\n| filter | first frame | mean of the later frames | largest of all |\n|---|---|---|---|\n"
+        "\nArm with eight depth modes, {ARM_FRAMES} frames, {} runs ({} with 1000 chains); largest error of a mode's mass:\n\n| filter | first frame | mean of the later frames | largest of all |\n|---|---|---|---|\n",
+        static_runs(0, args),
+        static_runs(1000, args)
     );
     let mut kept = vec![];
     for setting in SETTINGS.into_iter().chain([250, 1000].map(|chains| Setting { chains, ..SETTINGS[0] })) {
-        let found = on_arm(&series, setting, runs, args.seed);
+        let found = on_arm(&series, setting, static_runs(setting.chains, args), args.seed);
         writeln!(
             text,
             "| {} | {} | {} | {:.2} |",
