@@ -147,6 +147,9 @@ pub fn track<S: FrameSource>(
     }
     let frames = source.frames();
     let info = run_info(&config, &settings, &setup, &pipeline, cameras, frames.start, from.setup_toml.clone());
+    if from.pipeline.is_none() {
+        ResultFolder::forget(&claim)?;
+    }
     let spool = match config.smooth {
         true => {
             let sizes = [tree.dof(), info.cameras.len(), info.keypoints.len()];
@@ -154,9 +157,6 @@ pub fn track<S: FrameSource>(
         }
         false => None,
     };
-    if from.pipeline.is_none() {
-        ResultFolder::forget(&claim)?;
-    }
     let results = ResultFolder::open(claim, info, texts(&from)?, from.written.as_ref())?;
 
     let total = frames.end - frames.start;
