@@ -72,11 +72,7 @@ fn groups_are_the_people_most_complete_first() {
     assert_eq!(found.len(), 2);
     assert_eq!(found[0].members, [Some(0), Some(1), Some(0), None]);
     assert_eq!(found[1].members, [Some(1), Some(0), Some(1), Some(0)]);
-    assert_eq!(
-        (found[0].keypoints, found[1].keypoints),
-        (27, 28),
-        "the first pair of views decides, then completeness"
-    );
+    assert_eq!((found[0].keypoints, found[1].keypoints), (27, 24));
     assert!(found.iter().all(|group| group.error < 1e-9));
     assert!(agree(&found[0].points, &a) && agree(&found[1].points[..6], &b));
     assert_eq!(found[1].points[6..], [None; 3]);
@@ -86,7 +82,8 @@ fn groups_are_the_people_most_complete_first() {
 #[test]
 fn a_group_does_not_take_who_stands_elsewhere() {
     let (cameras, a) = (cameras(), figure(0.0, 0.0, 1.0));
-    let elsewhere = figure(0.9, -0.8, 1.0);
+    // Half as tall: of two people of one height, two views alone would make one who stands where the rays cross.
+    let elsewhere = figure(0.9, -0.8, 0.5);
     let mut people: Vec<Vec<Person>> = cameras.iter().map(|camera| vec![seen(camera, &a)]).collect();
     people[2] = vec![seen(&cameras[2], &elsewhere)];
     let found = groups(&cameras, &people, 1, &Config::default());
@@ -278,10 +275,11 @@ fn the_lag_of_a_clock_is_found_and_its_change() {
     assert_eq!((lag_change(&early, &late), lag_change(&late, &early)), (Some(3), Some(-3)));
     assert_eq!(lag_change(&early, &early), None);
     assert_eq!(lags(&round(14, 0)), None, "shorter than three times the largest lag");
-    // Frames that are missing are not compared with their neighbours.
+    // Where every third frame is missing, neighbours are one frame apart or two: nothing is compared at larger lags.
     let mut gaps = round(60, 3);
     gaps.retain(|(number, _)| number % 3 != 0);
-    assert_eq!(lags(&gaps).and_then(|lags| best_lag(&lags)).map(|best| best.frames), Some(3));
+    let judged: Vec<i64> = lags(&gaps).expect("long enough").iter().map(|lag| lag.0).collect();
+    assert_eq!(judged, [-1, 0, 1]);
     assert_eq!(
         best_lag(&[(-2, 1.0), (0, 4.0), (1, 1.0)]).map(|b| (b.frames, b.best_px, b.now_px)),
         Some((1, 1.0, 4.0))

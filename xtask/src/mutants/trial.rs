@@ -13,7 +13,7 @@ use std::time::{Duration, Instant};
 const PATIENCE: Duration = Duration::from_secs(300);
 
 /// Packages whose tests are built in minutes where their lane kernels are optimised, and without that in seconds; they run in seconds either way.
-const NOT_OPTIMISED: [&str; 2] = ["sinew-body", "sinew-observe"];
+const NOT_OPTIMISED: [&str; 3] = ["sinew-body", "sinew-observe", "sinew-dynamics"];
 
 /// Stack of a test's thread: frames of kernels that are not optimised are large.
 const STACK_BYTES: &str = "67108864";
