@@ -18,12 +18,13 @@ mod tables;
 use crate::store::{Store, Task, run_all};
 use found::Found;
 use people::Person;
-use scene::{LONG, Length, SHORT, Scene, Series, Sizes, Wrong};
+use scene::{LONG, Length, SHORT, Scene, Series, Sizes, Tracker, Wrong};
 use serde_json::Value;
 use sinew::core::lanes::Isa;
 use sinew::evaluation::ranks::LEVELS;
-use sinew::pipeline::{Method, Settings};
+use sinew::pipeline::Settings;
 use std::error::Error;
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Instant;
@@ -36,6 +37,9 @@ pub struct Args {
     /// A tenth of the series, in minutes
     #[arg(long)]
     quick: bool,
+    /// Only the coverage of the main scene, in a minute or two
+    #[arg(long)]
+    main: bool,
     /// Seed of the first series
     #[arg(long, default_value_t = 1)]
     seed: u64,
@@ -50,25 +54,23 @@ pub struct Args {
     data: Option<PathBuf>,
 }
 
-/// How much is run.
+/// How much is run: numbers of series.
 #[derive(Clone, Copy, Debug)]
 pub struct Size {
-    /// Series of the scenes whose ranks are drawn.
+    /// Of the scenes whose ranks are drawn.
     pub ranked: usize,
-    /// Series of the other scenes.
+    /// Of the other scenes; half as many of `bootstrap`.
     pub others: usize,
     /// Recordings that warnings are counted on.
     pub recordings: usize,
-    /// Particles of `bootstrap`.
-    pub particles: usize,
 }
 
 impl Size {
     /// What docs/calibration.md shows.
-    const FULL: Self = Self { ranked: 500, others: 100, recordings: 20, particles: 10_000 };
-    const QUICK: Self = Self { ranked: 50, others: 10, recordings: 5, particles: 10_000 };
+    const FULL: Self = Self { ranked: 500, others: 40, recordings: 10 };
+    const QUICK: Self = Self { ranked: 50, others: 10, recordings: 5 };
     /// About a minute on one core: the main scene alone.
-    pub const NIGHTLY: Self = Self { ranked: 150, others: 0, recordings: 0, particles: 0 };
+    pub const NIGHTLY: Self = Self { ranked: 150, others: 0, recordings: 0 };
 }
 
 /// Coverage of the main scene.
@@ -85,7 +87,7 @@ pub struct Checked {
 }
 
 /// Default settings, four cameras, sizes of the set-up, noise as assumed.
-const MAIN: Scene = Scene::Person { cameras: 4, method: Method::Hmc, sizes: Sizes::Fitted, wrong: Wrong::Right };
+const MAIN: Scene = Scene::Person { cameras: 4, tracker: Tracker::Hmc, sizes: Sizes::Fitted, wrong: Wrong::Right };
 
 /// Coverage of the main scene, with recorded motion where there is some: target 90 ± 3 % at level 0.9.
 ///
@@ -93,7 +95,7 @@ const MAIN: Scene = Scene::Person { cameras: 4, method: Method::Hmc, sizes: Size
 /// Those of the files and the tracker.
 pub fn check(root: &Path, seed: u64, size: Size) -> Outcome<Checked> {
     let people = people::all(&data_folder(root, None))?;
-    let all = series(&MAIN, &people, SHORT, size.ranked, size.particles, seed)?;
+    let all = series(&MAIN, &people, SHORT, 0..size.ranked, seed)?;
     let found = Found::of(&all);
     Ok(Checked {
         promised: LEVELS,
@@ -108,35 +110,38 @@ fn data_folder(root: &Path, given: Option<&Path>) -> PathBuf {
     given.map(Path::to_owned).or_else(named).unwrap_or_else(|| root.join("../shared/data"))
 }
 
-/// Consecutive seeds, beginning far from those of other first seeds.
+/// Some of the series of a scene. Their seeds are consecutive and begin far from those of other first seeds.
 fn series(
     scene: &Scene,
     people: &[Person],
     length: Length,
-    count: usize,
-    particles: usize,
+    numbers: Range<usize>,
     seed: u64,
 ) -> Outcome<Vec<Series>> {
     let first = seed.wrapping_mul(1_000_003);
-    (0..count as u64).map(|i| scene::series(scene, people, length, particles, first.wrapping_add(i))).collect()
+    numbers.map(|i| scene::series(scene, people, length, first.wrapping_add(i as u64))).collect()
 }
 
 /// Scenes whose ranks are drawn.
 const RANKED: [Scene; 4] = [
     MAIN,
-    Scene::OwnModel { method: Method::Hmc },
-    Scene::Person { cameras: 4, method: Method::Bootstrap, sizes: Sizes::Fitted, wrong: Wrong::Right },
-    Scene::OwnModel { method: Method::Bootstrap },
+    Scene::OwnModel { tracker: Tracker::Hmc },
+    Scene::Person { cameras: 4, tracker: FEW, sizes: Sizes::Fitted, wrong: Wrong::Right },
+    Scene::OwnModel { tracker: PARTICLES },
 ];
+
+/// The default of `bootstrap`, and what is feasible for hundreds of series.
+const PARTICLES: Tracker = Tracker::Bootstrap(10_000);
+const FEW: Tracker = Tracker::Bootstrap(2000);
 
 /// Cameras and sizes with the noise as assumed, less what is ranked.
 fn as_assumed() -> Vec<Scene> {
     let mut scenes = vec![];
-    for method in [Method::Hmc, Method::Bootstrap] {
+    for tracker in [Tracker::Hmc, PARTICLES] {
         for cameras in [4, 2, 1] {
             for sizes in [Sizes::Known, Sizes::Fitted, Sizes::Limbs, Sizes::Other] {
-                let scene = Scene::Person { cameras, method, sizes, wrong: Wrong::Right };
-                let wanted = method == Method::Hmc || matches!(sizes, Sizes::Known | Sizes::Fitted) || cameras == 4;
+                let scene = Scene::Person { cameras, tracker, sizes, wrong: Wrong::Right };
+                let wanted = tracker == Tracker::Hmc || matches!(sizes, Sizes::Known | Sizes::Fitted) || cameras == 4;
                 if wanted && !RANKED.contains(&scene) {
                     scenes.push(scene);
                 }
@@ -160,13 +165,13 @@ fn otherwise() -> Vec<Scene> {
         Wrong::Understated,
         Wrong::Recorded,
     ];
-    let scene = |wrong| Scene::Person { cameras: 4, method: Method::Hmc, sizes: Sizes::Fitted, wrong };
+    let scene = |wrong| Scene::Person { cameras: 4, tracker: Tracker::Hmc, sizes: Sizes::Fitted, wrong };
     all.into_iter().map(scene).collect()
 }
 
 /// Scenes whose warnings are counted: all but the model's own, by `hmc`.
 fn warned() -> Vec<Scene> {
-    let people = |scene: &Scene| matches!(scene, Scene::Person { method: Method::Hmc, .. });
+    let people = |scene: &Scene| matches!(scene, Scene::Person { tracker: Tracker::Hmc, .. });
     let all = [RANKED.to_vec(), as_assumed(), otherwise()].concat();
     all.into_iter().filter(people).collect()
 }
@@ -174,10 +179,10 @@ fn warned() -> Vec<Scene> {
 /// Raised with every change of what a cell computes.
 const VERSION: u32 = 1;
 
-fn configuration(args: &Args, size: Size, people: &[Person]) -> String {
+fn configuration(args: &Args, people: &[Person]) -> String {
     let names: Vec<String> = people.iter().map(|p| format!("{} {:?}", p.subject, p.proportions)).collect();
     format!(
-        "version {VERSION}, {}, seed {}, {size:?}, {SHORT:?}, {LONG:?}, {:?}, {}",
+        "version {VERSION}, {}, seed {}, {SHORT:?}, {LONG:?}, {:?}, {}",
         Isa::best().name(),
         args.seed,
         Settings::default(),
@@ -185,22 +190,55 @@ fn configuration(args: &Args, size: Size, people: &[Person]) -> String {
     )
 }
 
-/// Cells of some scenes.
-fn tasks<'a>(
-    scenes: &[Scene],
-    people: &'a [Person],
-    (prefix, length, count): (&str, Length, usize),
-    (size, seed): (Size, u64),
-) -> Vec<Task<'a>> {
-    let task = |&scene: &Scene| -> Task<'a> {
-        let run = move || -> Outcome<Value> {
-            let all = series(&scene, people, length, count, size.particles, seed)?;
-            Ok(Value::Array(all.iter().map(Series::to_json).collect()))
+/// Series of a cell: a run that is stopped goes on from the last of these.
+const CELL: usize = 10;
+
+/// A kind of experiment on some scenes.
+struct Kind {
+    /// Name in keys.
+    name: &'static str,
+    length: Length,
+    scenes: Vec<Scene>,
+    /// Series of each scene.
+    count: usize,
+}
+
+impl Kind {
+    fn of(&self, scene: &Scene) -> usize {
+        // Particles cost more than chains.
+        if scene.tracker() == PARTICLES && self.scenes.len() > RANKED.len() { self.count / 2 } else { self.count }
+    }
+
+    fn keys(&self, scene: &Scene) -> impl Iterator<Item = (Range<usize>, String)> {
+        let (count, start) = (self.of(scene), format!("{}/{}", self.name, scene.key()));
+        let numbers = (0..count).step_by(CELL).map(move |first| first..(first + CELL).min(count));
+        numbers.map(move |numbers| (numbers.clone(), format!("{start}/{}-{}", numbers.start, numbers.end)))
+    }
+
+    fn tasks<'a>(&self, people: &'a [Person], seed: u64) -> Vec<Task<'a>> {
+        let length = self.length;
+        let of = |&scene: &Scene| {
+            let task = move |(numbers, key): (Range<usize>, String)| -> Task<'a> {
+                let work = if scene.tracker() == PARTICLES { 3.0 } else { 1.0 };
+                let work = work * (numbers.len() * (length.tracked + length.seen)) as f64;
+                let run = move || -> Outcome<Value> {
+                    let all = series(&scene, people, length, numbers.clone(), seed)?;
+                    Ok(Value::Array(all.iter().map(Series::to_json).collect()))
+                };
+                (key, work, Box::new(run))
+            };
+            self.keys(&scene).map(task).collect::<Vec<_>>()
         };
-        let work = if scene.method() == Method::Hmc { 1.0 } else { 2.0 };
-        (format!("{prefix}/{}", scene.key()), work * (count * length.tracked) as f64, Box::new(run))
-    };
-    scenes.iter().map(task).collect()
+        self.scenes.iter().flat_map(of).collect()
+    }
+
+    fn found(&self, store: &Store) -> Vec<(Scene, Found)> {
+        let of = |scene: &Scene| {
+            let cells = self.keys(scene).filter_map(|(_, key)| store.get(&key)?.as_array());
+            (*scene, Found::of(&cells.flatten().map(Series::from_json).collect::<Vec<_>>()))
+        };
+        self.scenes.iter().map(of).collect()
+    }
 }
 
 fn measure(root: &Path, args: &Args) -> Outcome<()> {
@@ -210,27 +248,24 @@ fn measure(root: &Path, args: &Args) -> Outcome<()> {
     let folder = args.out.clone().unwrap_or_else(|| {
         root.join("target").join(if args.quick { "calibration-quick" } else { "calibration" })
     });
-    let mut store = Store::open(&folder, &configuration(args, size, &people))?;
+    let mut store = Store::open(&folder, &configuration(args, &people))?;
     let granted = std::thread::available_parallelism().map_or(1, |n| n.get());
     let has_recorded = people.iter().all(|person| person.recorded.is_some());
     let possible = |scenes: Vec<Scene>| -> Vec<Scene> {
         let needs = |scene: &Scene| matches!(scene, Scene::Person { wrong: Wrong::Recorded, .. });
         scenes.into_iter().filter(|scene| has_recorded || !needs(scene)).collect()
     };
-    let (others, warned) = (possible([as_assumed(), otherwise()].concat()), possible(warned()));
-    let mut cells = tasks(&RANKED, &people, ("series", SHORT, size.ranked), (size, args.seed));
-    cells.extend(tasks(&others, &people, ("series", SHORT, size.others), (size, args.seed)));
-    cells.extend(tasks(&warned, &people, ("recordings", LONG, size.recordings), (size, args.seed)));
+    let kind = |name, length, scenes, count| Kind { name, length, scenes: possible(scenes), count };
+    let ranked = kind("series", SHORT, RANKED.to_vec(), size.ranked);
+    let others = kind("series", SHORT, [as_assumed(), otherwise()].concat(), size.others);
+    let recordings = kind("recordings", LONG, warned(), size.recordings);
+    let mut cells = vec![];
+    for kind in [&others, &recordings, &ranked] {
+        cells.extend(kind.tasks(&people, args.seed));
+    }
     run_all(&mut store, "calibration", cells, args.threads.unwrap_or(granted))?;
-    let found = |prefix: &str, scenes: &[Scene]| -> Vec<(Scene, Found)> {
-        let of = |scene: &Scene| {
-            let cell = store.get(&format!("{prefix}/{}", scene.key()))?.as_array()?;
-            Some((*scene, Found::of(&cell.iter().map(Series::from_json).collect::<Vec<_>>())))
-        };
-        scenes.iter().filter_map(of).collect()
-    };
-    let all = [RANKED.to_vec(), others].concat();
-    let (series, recordings) = (found("series", &all), found("recordings", &warned));
+    let series = [ranked.found(&store), others.found(&store)].concat();
+    let recordings = recordings.found(&store);
     let text = tables::markdown(&series, &recordings, &RANKED);
     std::fs::write(folder.join("tables.md"), &text)?;
     std::fs::write(folder.join("coverage.csv"), tables::csv(&series))?;
@@ -241,9 +276,19 @@ fn measure(root: &Path, args: &Args) -> Outcome<()> {
     Ok(())
 }
 
+fn main_scene(root: &Path, seed: u64) -> Outcome<()> {
+    let found = check(root, seed, Size::NIGHTLY)?;
+    println!("{} series, seed {seed}", found.series);
+    for ((promised, coverage), error) in found.promised.iter().zip(found.coverage).zip(found.error) {
+        println!("promised {promised}, found {coverage:.4} ± {error:.4}");
+    }
+    Ok(())
+}
+
 /// Runs the command.
 pub fn run(root: &Path, args: &Args) -> ExitCode {
-    match measure(root, args) {
+    let done = if args.main { main_scene(root, args.seed) } else { measure(root, args) };
+    match done {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             eprintln!("error: {error}");

@@ -1,12 +1,11 @@
 //! Rank histograms, and coverage found against coverage promised.
 
 use super::found::{BINS, Found};
-use super::scene::{Scene, Sizes, Wrong};
-use super::Outcome;
+use super::scene::{Scene, Sizes, Tracker, Wrong};
+use super::{Outcome, PARTICLES};
 use crate::chart::{BLUE, GREEN, GREY, Line, Names, ORANGE, PURPLE, finish, panel_with};
 use plotters::prelude::*;
 use sinew::evaluation::ranks::LEVELS;
-use sinew::pipeline::Method;
 use std::path::Path;
 
 fn title(scene: &Scene) -> String {
@@ -14,7 +13,7 @@ fn title(scene: &Scene) -> String {
         Scene::Person { .. } => "people",
         Scene::OwnModel { .. } => "the model's own motion",
     };
-    format!("{}, {what}", scene.method().name())
+    format!("{}, {what}", scene.tracker().name())
 }
 
 /// Draws both pictures.
@@ -64,18 +63,18 @@ fn curves(series: &[(Scene, Found)], path: &Path) -> Outcome<()> {
     let root = SVGBackend::new(path, (1260, 380)).into_drawing_area();
     root.fill(&WHITE).map_err(|error| error.to_string())?;
     let areas = root.split_evenly((1, 3));
-    let person = |cameras, method, sizes, wrong| Scene::Person { cameras, method, sizes, wrong };
-    let right = |cameras, method| person(cameras, method, Sizes::Fitted, Wrong::Right);
-    let sized = |sizes| person(4, Method::Hmc, sizes, Wrong::Right);
-    let otherwise = |wrong| person(4, Method::Hmc, Sizes::Fitted, wrong);
+    let person = |cameras, tracker, sizes, wrong| Scene::Person { cameras, tracker, sizes, wrong };
+    let right = |cameras, tracker| person(cameras, tracker, Sizes::Fitted, Wrong::Right);
+    let sized = |sizes| person(4, Tracker::Hmc, sizes, Wrong::Right);
+    let otherwise = |wrong| person(4, Tracker::Hmc, Sizes::Fitted, wrong);
     let panels: [(&str, Vec<(&str, RGBColor, Scene)>); 3] = [
         (
             "noise as assumed",
             vec![
-                ("hmc, 4 cameras", BLUE, right(4, Method::Hmc)),
-                ("hmc, 2", GREEN, right(2, Method::Hmc)),
-                ("hmc, 1", PURPLE, right(1, Method::Hmc)),
-                ("bootstrap, 4", ORANGE, right(4, Method::Bootstrap)),
+                ("hmc, 4 cameras", BLUE, right(4, Tracker::Hmc)),
+                ("hmc, 2", GREEN, right(2, Tracker::Hmc)),
+                ("hmc, 1", PURPLE, right(1, Tracker::Hmc)),
+                ("bootstrap, 4", ORANGE, right(4, PARTICLES)),
             ],
         ),
         (

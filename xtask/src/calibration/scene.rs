@@ -25,7 +25,7 @@ pub(super) struct Length {
 /// Many short series for intervals and ranks.
 pub(super) const SHORT: Length = Length { seen: 60, tracked: 25 };
 /// A few recordings for warnings.
-pub(super) const LONG: Length = Length { seen: 240, tracked: 240 };
+pub(super) const LONG: Length = Length { seen: 120, tracked: 120 };
 
 /// Last frames of these that are judged for coverage: the first ones depend on the pose that the set-up found.
 pub(super) const JUDGED: usize = 15;
@@ -42,6 +42,31 @@ const UNDERSTATED: f64 = 1.5;
 /// Share of gross outliers and their distances, pixels.
 const OUTLIER: f64 = 0.05;
 const OUTLIER_PX: [f64; 2] = [40.0, 250.0];
+
+/// A tracker with the setting that matters for its time.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Tracker {
+    /// With its defaults.
+    Hmc,
+    /// With so many particles.
+    Bootstrap(usize),
+}
+
+impl Tracker {
+    pub(super) fn name(self) -> String {
+        match self {
+            Self::Hmc => "hmc".into(),
+            Self::Bootstrap(particles) => format!("bootstrap {particles}"),
+        }
+    }
+
+    fn settings(self) -> Settings {
+        match self {
+            Self::Hmc => Settings { method: Method::Hmc, ..Settings::default() },
+            Self::Bootstrap(particles) => Settings { method: Method::Bootstrap, particles, ..Settings::default() },
+        }
+    }
+}
 
 /// Which body the tracker assumes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -81,28 +106,28 @@ pub(super) enum Scene {
     /// Someone before so many cameras.
     Person {
         cameras: usize,
-        method: Method,
+        tracker: Tracker,
         sizes: Sizes,
         wrong: Wrong,
     },
     /// Motion and keypoints drawn from the tracker's own model.
-    OwnModel { method: Method },
+    OwnModel { tracker: Tracker },
 }
 
 impl Scene {
-    pub(super) const fn method(&self) -> Method {
+    pub(super) const fn tracker(&self) -> Tracker {
         match self {
-            Self::Person { method, .. } | Self::OwnModel { method } => *method,
+            Self::Person { tracker, .. } | Self::OwnModel { tracker } => *tracker,
         }
     }
 
     /// Name of its cell.
     pub(super) fn key(&self) -> String {
         match self {
-            Self::Person { cameras, method, sizes, wrong } => {
-                format!("{}/{cameras}/{}/{}", method.name(), sizes.name(), wrong.name())
+            Self::Person { cameras, tracker, sizes, wrong } => {
+                format!("{}/{cameras}/{}/{}", tracker.name(), sizes.name(), wrong.name())
             }
-            Self::OwnModel { method } => format!("{}/own model", method.name()),
+            Self::OwnModel { tracker } => format!("{}/own model", tracker.name()),
         }
     }
 }
@@ -211,10 +236,9 @@ pub(super) fn series(
     scene: &Scene,
     people: &[Person],
     length: Length,
-    particles: usize,
     seed: u64,
 ) -> Outcome<Series> {
-    let settings = Settings { method: scene.method(), seed, fps: RATE_HZ, particles, draws: ranks::DRAWS, ..Settings::default() };
+    let settings = Settings { seed, fps: RATE_HZ, draws: ranks::DRAWS, ..scene.tracker().settings() };
     match *scene {
         Scene::OwnModel { .. } => {
             let found = own_model::ranked(OWN, SIGMA_PX, &settings, seed)?;

@@ -5,7 +5,6 @@ use super::found::{Found, Uniform};
 use super::scene::{Sizes, Wrong};
 use sinew::body::standard::EVALUATION_JOINTS;
 use sinew::evaluation::ranks::LEVELS;
-use std::fmt::Write as _;
 
 fn percent([share, error]: [f64; 2]) -> String {
     format!("{:.1} ± {:.1}", 100.0 * share, 100.0 * error)
@@ -18,11 +17,11 @@ fn levels() -> String {
 /// What a scene is, for people: method, cameras, sizes, keypoints.
 fn named(scene: &Scene) -> [String; 4] {
     match scene {
-        Scene::Person { cameras, method, sizes, wrong } => {
-            [method.name().into(), cameras.to_string(), sizes.name().into(), wrong.name()]
+        Scene::Person { cameras, tracker, sizes, wrong } => {
+            [tracker.name(), cameras.to_string(), sizes.name().into(), wrong.name()]
         }
-        Scene::OwnModel { method } => {
-            [method.name().into(), "4".into(), "known".into(), "drawn from the model, motion too".into()]
+        Scene::OwnModel { tracker } => {
+            [tracker.name(), "4".into(), "known".into(), "drawn from the model, motion too".into()]
         }
     }
 }
@@ -37,8 +36,7 @@ fn uniform(found: Option<Uniform>) -> String {
 /// All tables; Markdown.
 pub(super) fn markdown(series: &[(Scene, Found)], recordings: &[(Scene, Found)], ranked: &[Scene]) -> String {
     let mut text = String::new();
-    // Writing to a String cannot fail.
-    let mut line = |row: String| drop(writeln!(text, "{row}"));
+    let mut line = |row: String| text.extend([row.as_str(), "\n"]);
     let ranks = |scene: &Scene| ranked.contains(scene);
     for (scene, found) in series.iter().filter(|(scene, _)| ranks(scene)) {
         let [method, cameras, sizes, keypoints] = named(scene);
@@ -91,7 +89,7 @@ pub(super) fn markdown(series: &[(Scene, Found)], recordings: &[(Scene, Found)],
             ));
         }
     }
-    line("\nWarnings, recordings of at most 240 frames:\n".into());
+    line("\nWarnings, recordings of at most 120 frames:\n".into());
     line("| cameras | sizes | keypoints | coverage, 90 % | recordings with a warning | of which |".into());
     line("|---|---|---|---|---|---|".into());
     for (scene, found) in recordings {

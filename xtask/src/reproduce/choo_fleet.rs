@@ -32,7 +32,7 @@ use chains::{Step, Variant};
 use clap::ValueEnum;
 use problem::{MODELS, Model, Problem};
 use scene::{Motion, Source};
-use serde_json::{Value, json};
+use serde_json::json;
 use sinew::core::lanes::Isa;
 use sinew::core::random::Stage;
 use sinew::files::FNV_START;
