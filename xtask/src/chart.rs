@@ -35,6 +35,8 @@ pub enum Names {
     Inside,
     /// In a margin of that width on the right, one below the other, with a thin line from the last point.
     Beside(u32),
+    /// Nowhere.
+    None,
 }
 
 /// A panel; on axes (x, y) that are in decades, values are logarithms of base ten.
@@ -100,6 +102,7 @@ pub fn panel_with(
     }
     let last = |line: &Line| line.points.last().map(|p| (p[0], p[1]));
     match names {
+        Names::None => {}
         Names::Inside => {
             for (line, at) in lines.iter().filter_map(|line| Some((line, last(line)?))) {
                 let style = ("sans-serif", 12).into_font().color(&line.colour);

@@ -1,6 +1,7 @@
 //! Chores of the workspace: `cargo xtask <command>`. This file is the whole command line; each command has a file of its own.
 
 mod accuracy;
+mod calibration;
 mod chart;
 mod filter_priors;
 mod mutants;
@@ -8,6 +9,7 @@ mod picture;
 mod reproduce;
 mod soak;
 mod source;
+mod store;
 mod tidy;
 mod verify;
 
@@ -31,6 +33,8 @@ enum Command {
     FilterPriors(filter_priors::Args),
     /// Plant the bugs of tests/planted in a copy of the workspace and name the test that catches each.
     Mutants(mutants::Args),
+    /// Measure calibration on people: the tables and figures of docs/calibration.md.
+    Calibration(calibration::Args),
     /// Draw docs/images/demo.svg, the picture of the README.
     Picture,
     /// Reproduce a paper: its tables and figures on our data, its claims judged.
@@ -49,6 +53,7 @@ fn main() -> ExitCode {
         Command::Accuracy(args) => accuracy::run(root, &args),
         Command::FilterPriors(args) => filter_priors::run(root, &args),
         Command::Mutants(args) => mutants::run(root, &args),
+        Command::Calibration(args) => calibration::run(root, &args),
         Command::Picture => picture::run(root),
         Command::Reproduce(args) => reproduce::run(root, &args),
         Command::Soak(args) => soak::run(&args),

@@ -135,6 +135,17 @@ fn depth(camera: &Camera, p: &[f64]) -> f64 {
     row[0] * p[0] + row[1] * p[1] + row[2] * p[2] + camera.translation[2]
 }
 
+impl KeypointModel {
+    /// Variance s² per axis, square pixels, of a detection in a view: of a point that is expected at `point_in_world` and seen by so many cameras.
+    #[must_use]
+    pub fn variance_px2(&self, view: usize, confidence: f64, cameras: usize, point_in_world: &[f64]) -> f64 {
+        let View { camera, sigma_px, usual_confidence, .. } = &self.views[view];
+        let shared = 2.0 / 3.0 * cameras as f64 * self.model_error_m.powi(2);
+        let scale = camera.intrinsics.fx / depth(camera, point_in_world).max(MIN_DEPTH_M);
+        sigma_px.powi(2) * usual_confidence / confidence.max(0.01) + shared * scale * scale
+    }
+}
+
 impl ObservationModel for KeypointModel {
     type Frame<'a> = KeypointFrame<'a>;
     type Bound = Lanes<KeypointLikelihood>;
@@ -166,13 +177,11 @@ impl ObservationModel for KeypointModel {
                 .filter_map(|(c, points)| points.get(k).copied().flatten().map(|d| (c, d)))
                 .filter(|(_, d)| d.confidence >= self.least_confidence && d.pixel.iter().all(|x| x.is_finite()))
                 .collect();
-            let shared = 2.0 / 3.0 * seen.len() as f64 * self.model_error_m.powi(2);
+            let cameras = seen.len();
             for (c, detection) in seen {
                 let view = &self.views[c];
                 let camera = &view.camera;
-                let scale = camera.intrinsics.fx / depth(camera, &frame.predicted[3 * k..3 * k + 3]).max(MIN_DEPTH_M);
-                let confidence = detection.confidence.max(0.01);
-                let variance = view.sigma_px.powi(2) * view.usual_confidence / confidence + shared * scale * scale;
+                let variance = self.variance_px2(c, detection.confidence, cameras, &frame.predicted[3 * k..3 * k + 3]);
                 let peak = 1.0 / (std::f64::consts::TAU * variance);
                 let shape = match self.noise {
                     Noise::OutlierFloor { outlier } => {

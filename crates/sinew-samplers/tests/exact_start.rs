@@ -12,6 +12,10 @@ use sinew_samplers::hmc::{Chains, Hmc, Workspace, update};
 use sinew_samplers::metric::{Dense, Metric};
 use sinew_samplers::one_chain::OneChain;
 
+/// Test functions of a state.
+type OfOne = fn(f64) -> f64;
+type OfTwo = fn(f64, f64) -> f64;
+
 /// x₀ = 4 + 1.5 z₀, x₁ = z₁ + 0.5 (z₀² − 1): skewed, bent, and beyond π in its first coordinate.
 struct Bent;
 
@@ -71,7 +75,7 @@ fn check_moments(what: &str, before: &[Block], after: &[Block], centre: [f64; 2]
     let columns =
         |states: &[Block]| [0, 1].map(|j| coordinate(states, 2, j).iter().map(|x| x - centre[j]).collect::<Vec<_>>());
     let ([a, b], [c, d]) = (columns(before), columns(after));
-    let of: [(&str, fn(f64, f64) -> f64); 8] = [
+    let of: [(&str, OfTwo); 8] = [
         ("x", |x, _| x),
         ("y", |_, y| y),
         ("x²", |x, _| x * x),
@@ -160,8 +164,7 @@ fn a_half_line_is_kept_where_half_the_trajectories_are_refused() {
     let before: Vec<f64> = coordinate(&starts, 1, 0);
     let one: Vec<f64> = before.iter().copied().map(one).collect();
     for (name, after) in [("many", coordinate(&many.states, 1, 0)), ("one", one)] {
-        let of: [(&str, fn(f64) -> f64); 3] =
-            [("x", |x| x), ("x²", |x| x * x), ("x < ½", |x| f64::from(u8::from(x < 0.5)))];
+        let of: [(&str, OfOne); 3] = [("x", |x| x), ("x²", |x| x * x), ("x < ½", |x| f64::from(u8::from(x < 0.5)))];
         for (what, of) in of {
             let values = |x: &[f64]| x.iter().map(|x| of(*x)).collect::<Vec<_>>();
             check_paired(&format!("{name} chains, {what}"), &values(&before), &values(&after));

@@ -140,7 +140,6 @@ impl ResultFolder {
     }
 
     /// The right to the folder.
-    #[must_use]
     pub const fn claim(&self) -> &Claim {
         &self.claim
     }

@@ -13,12 +13,14 @@
 mod marginals;
 pub mod motion;
 mod oddities;
+mod predictive;
 mod restart;
 mod scene;
 mod smooth;
 mod source;
 mod unknown_size;
 
+pub use predictive::Doubt;
 pub use scene::{Scene, SceneState};
 pub use smooth::{Spool, TRAJECTORIES, smooth};
 pub use source::{FrameSource, Upright};
@@ -124,7 +126,7 @@ impl Default for Settings {
 }
 
 /// What is bound in a frame.
-type Observed = dyn GaussNewton;
+pub(crate) type Observed = dyn GaussNewton;
 
 /// A tracker with all that surrounds it for one recording.
 pub struct Pipeline {
@@ -203,6 +205,12 @@ impl Pipeline {
         })
     }
 
+    /// What does not look as the model says in the frames tracked so far; [`Pipeline::warnings`] has it in words.
+    #[must_use]
+    pub fn doubts(&self) -> Vec<Doubt> {
+        self.scene.doubts()
+    }
+
     /// Tracks the frames of `numbers`, in order, and gives each estimate with the moments of its posterior to `record`, which may stop the run. Call it again to go on.
     ///
     /// # Errors
@@ -231,13 +239,26 @@ impl Pipeline {
                 Ok::<Box<Observed>, Error>(Box::new(bound))
             },
             |frame, info, posterior| {
-                scene.borrow_mut().note(u64::from(frame), &info.mean);
+                scene.borrow_mut().note(u64::from(frame), &info.mean, &some_draws(seed, frame, &posterior));
                 let estimate = describe(settings, &scene.borrow(), marginals, u64::from(frame), info, &posterior);
                 record(FrameEstimate { restarted: restarted.load(Ordering::Relaxed), ..estimate }, &posterior)
             },
         )?;
         refused.map_or(Ok(()), Err)
     }
+}
+
+/// Draws of a frame that its keypoints are held against.
+const CHECKED_DRAWS: usize = 4;
+
+fn some_draws(seed: u64, frame: u32, posterior: &Posterior<'_>) -> Vec<Vec<f64>> {
+    let mut rng = Stage::new(seed, "predictive check").at_frame(frame).whole();
+    let state = |&index: &usize| {
+        let mut state = vec![0.0; posterior.dim];
+        posterior.state(index, &mut state);
+        state
+    };
+    posterior.equal_weight(CHECKED_DRAWS, &mut rng).iter().map(state).collect()
 }
 
 fn frame_index(number: u64) -> Result<u32, Error> {
@@ -248,7 +269,7 @@ fn frame_index(number: u64) -> Result<u32, Error> {
 }
 
 /// The motion prior of a recording.
-fn walk(setup: &Setup, tree: &KinematicTree, settings: &Settings) -> Result<RandomWalk, Error> {
+pub(crate) fn walk(setup: &Setup, tree: &KinematicTree, settings: &Settings) -> Result<RandomWalk, Error> {
     let sd = match &setup.motion_sd {
         Some(sd) if sd.len() == tree.dof() => sd.clone(),
         _ => motion::default_sd(tree),
@@ -275,7 +296,7 @@ fn hmc_config(setup: &Setup, settings: &Settings) -> hmc_filter::Config {
     }
 }
 
-fn tracker(
+pub(crate) fn tracker(
     setup: &Setup,
     settings: &Settings,
     transition: &RandomWalk,

@@ -25,7 +25,7 @@ mod stored;
 mod warning;
 
 pub use collect::{Collected, Request, alone, collect, limb_lengths};
-pub use stored::{Body, CameraSetup, FileBody, Setup};
+pub use stored::{Body, CameraSetup, FileBody, SCHEMA, Setup};
 pub use warning::Warning;
 
 use crate::Error;

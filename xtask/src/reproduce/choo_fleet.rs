@@ -7,7 +7,7 @@
 //! | [`importance`], [`chains`] | one frame of a particle filter, one frame of a hybrid Monte Carlo filter |
 //! | [`single`], [`multi`] | the two studies |
 //! | [`opponents`], [`cameras`] | beyond the paper: other samplers and a search; more cameras and other errors |
-//! | [`store`] | finished cells on disk |
+//! | [`store`](crate::store) | finished cells on disk |
 //! | [`curves`] | variance against cost, and ratios at equal variance |
 //! | [`claims`] | the paper's claims and what became of them |
 //! | [`tables`], [`figures`] | numbers as files, figures |
@@ -25,14 +25,14 @@ mod opponents;
 mod problem;
 mod scene;
 mod single;
-mod store;
 mod tables;
 
+use crate::store::{self, Store, Task, run_all};
 use chains::{Step, Variant};
 use clap::ValueEnum;
 use problem::{MODELS, Model, Problem};
 use scene::{Motion, Source};
-use serde_json::{Value, json};
+use serde_json::json;
 use sinew::core::lanes::Isa;
 use sinew::core::random::Stage;
 use sinew::files::FNV_START;
@@ -42,10 +42,7 @@ use std::collections::BTreeMap;
 use std::error::Error;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
-use store::Store;
 
 type Outcome<T> = Result<T, Box<dyn Error + Send + Sync>>;
 
@@ -136,37 +133,6 @@ impl Size {
             noises: 0,
         }
     }
-}
-
-/// Something to run: its name, its work in likelihoods, and what it does.
-type Task<'a> = (String, f64, Box<dyn Fn() -> Outcome<Value> + Send + Sync + 'a>);
-
-/// Runs what is not done yet, several cells at a time and each on one thread, and takes it into the store.
-fn run_all(store: &mut Store, what: &str, tasks: Vec<Task<'_>>, threads: usize) -> Outcome<()> {
-    let open: Vec<Task<'_>> = tasks.into_iter().filter(|(key, ..)| store.get(key).is_none()).collect();
-    let whole: f64 = open.iter().map(|(_, work, _)| work).sum();
-    let (next, clock) = (AtomicUsize::new(0), Instant::now());
-    let finished: Mutex<(f64, Vec<(String, Value)>)> = Mutex::new((0.0, vec![]));
-    let worker = || -> Outcome<()> {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
-        while let Some((key, work, task)) = open.get(next.fetch_add(1, Ordering::Relaxed)) {
-            let value = pool.install(task).map_err(|error| format!("{key}: {error}"))?;
-            store.keep(key, &value)?;
-            let mut finished = finished.lock().unwrap_or_else(PoisonError::into_inner);
-            finished.0 += work;
-            finished.1.push((key.clone(), value));
-            let left = clock.elapsed().as_secs_f64() * (whole / finished.0 - 1.0);
-            eprintln!("{what}: {} of {} cells, {left:.0} s left: {key}", finished.1.len(), open.len());
-        }
-        Ok(())
-    };
-    std::thread::scope(|scope| {
-        let workers: Vec<_> = (0..threads.max(1)).map(|_| scope.spawn(worker)).collect();
-        workers.into_iter().map(|worker| worker.join().map_err(|_| "a worker failed")?).collect::<Outcome<Vec<()>>>()
-    })?;
-    let (_, cells) = finished.into_inner().unwrap_or_else(PoisonError::into_inner);
-    store.take(cells);
-    Ok(())
 }
 
 /// Everything that cells need.

@@ -12,7 +12,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 pub(super) type Pending = Arc<Mutex<Option<Vec<f64>>>>;
 
 /// What is asked of a tracker here: that it steps, and that its state can be put down.
-pub(super) trait Steps: Tracker<Observed> + Resume {}
+pub(crate) trait Steps: Tracker<Observed> + Resume {}
 
 impl<T: Tracker<Observed> + Resume> Steps for T {}
 

@@ -1,6 +1,9 @@
 //! One person in all views: association, layout to body, binding, residuals.
 
+mod check;
+
 use super::oddities::{Oddities, Watched};
+use super::predictive::{Doubt, Predictive};
 use super::{Bound, Settings};
 use crate::Error;
 use crate::checkpoint::{Problem, check_length};
@@ -27,6 +30,7 @@ pub struct SceneState {
     /// Pixel and confidence: the last frame tells whether tracking begins anew in the next.
     detections: Vec<Vec<Option<[f64; 3]>>>,
     oddities: Vec<Watched>,
+    predictive: Predictive,
 }
 
 /// The tracked person in the cameras.
@@ -42,6 +46,7 @@ pub struct Scene {
     /// Detections of the current frame: camera by camera, by point of the plan.
     detections: Vec<Vec<Option<Detection>>>,
     oddities: Oddities,
+    predictive: Predictive,
     /// For each point of the layout the one of the other side, or itself.
     partners: Vec<usize>,
 }
@@ -111,7 +116,9 @@ impl Scene {
         pairs.iter().for_each(|&(l, r)| partners.swap(l, r));
         let pairs = pairs.into_iter().filter_map(|(l, r)| Some((place(l)?, place(r)?))).collect();
         let watched = model.views.iter().map(|view| (view.camera.name.clone(), view.sigma_px));
+        let names = model.views.iter().map(|view| view.camera.name.clone());
         Ok(Self {
+            predictive: Predictive::new(names, settings.noise),
             oddities: Oddities::new(watched, pairs),
             partners,
             detections: vec![vec![None; points.len()]; cameras.len()],
@@ -247,8 +254,9 @@ impl Scene {
         self.detections.iter().filter(|points| points.iter().any(Option::is_some)).count()
     }
 
-    /// Looks at a frame once it is tracked: `state` is the mean of its posterior.
-    pub fn note(&mut self, number: u64, state: &[f64]) {
+    /// Looks at a frame once it is tracked: `state` is the mean of its posterior, `draws` are some of its draws.
+    pub fn note(&mut self, number: u64, state: &[f64], draws: &[Vec<f64>]) {
+        self.check(number, state, draws);
         let expected = self.expected(&self.points(state));
         let detections = &self.detections;
         self.oddities.note(number, |camera, seen, at| {
@@ -263,7 +271,8 @@ impl Scene {
         let Following { lengths, last_px, lost, started, .. } = self.following.clone();
         let numbers = |d: &Option<Detection>| d.map(|Detection { pixel: [u, v], confidence }| [u, v, confidence]);
         let detections = self.detections.iter().map(|seen| seen.iter().map(numbers).collect()).collect();
-        SceneState { lengths, last_px, lost, started, detections, oddities: self.oddities.save() }
+        let (oddities, predictive) = (self.oddities.save(), self.predictive.clone());
+        SceneState { lengths, last_px, lost, started, detections, oddities, predictive }
     }
 
     /// Takes up what a scene of the same set-up gave.
@@ -280,6 +289,8 @@ impl Scene {
         let known = saved.lengths.iter().filter(|(a, b, _)| *a < keypoints && *b < keypoints).count();
         check_length(saved.lengths.len(), known)?;
         self.oddities.restore(&saved.oddities)?;
+        check_length(saved.predictive.cameras(), cameras)?;
+        self.predictive.clone_from(&saved.predictive);
         self.following = Following {
             person: self.setup.person,
             lengths: saved.lengths.clone(),
@@ -292,10 +303,17 @@ impl Scene {
         Ok(())
     }
 
-    /// What was odd in the frames so far.
+    /// What was odd in the frames so far, and what does not look as the model says.
     #[must_use]
     pub fn warnings(&self) -> Vec<String> {
-        self.oddities.warnings()
+        let doubts = self.doubts();
+        self.oddities.warnings().into_iter().chain(doubts.iter().map(ToString::to_string)).collect()
+    }
+
+    /// What does not look as the model says ([`Predictive`]).
+    #[must_use]
+    pub fn doubts(&self) -> Vec<Doubt> {
+        self.predictive.doubts()
     }
 
     /// Scatter per axis, per camera, of the keypoints about the projection of a pose, pixels: their median distance divided by √(2 ln 2), which is the standard

@@ -2,26 +2,30 @@
 //!
 //! Every line carries the hash of the configuration that made it. Lines of another configuration are never read.
 
-use super::Outcome;
 use serde_json::Value;
 use sinew::files::{FNV_START, fnv};
 use std::collections::BTreeMap;
+use std::error::Error;
 use std::fs::{self, File, OpenOptions};
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
-use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Mutex, PoisonError};
+use std::time::Instant;
+
+type Outcome<T> = Result<T, Box<dyn Error + Send + Sync>>;
 
 /// Cells by name.
-pub(super) struct Store {
-    pub(super) config: String,
+pub(crate) struct Store {
+    pub(crate) config: String,
     done: BTreeMap<String, Value>,
     file: Mutex<File>,
-    pub(super) path: PathBuf,
+    pub(crate) path: PathBuf,
 }
 
 impl Store {
     /// Opens the store of a configuration in a folder.
-    pub(super) fn open(folder: &Path, configuration: &str) -> Outcome<Self> {
+    pub(crate) fn open(folder: &Path, configuration: &str) -> Outcome<Self> {
         fs::create_dir_all(folder)?;
         let config = format!("{:016x}", fnv(FNV_START, configuration.as_bytes()));
         let path = folder.join("cells.jsonl");
@@ -43,17 +47,17 @@ impl Store {
     }
 
     /// A finished cell.
-    pub(super) fn get(&self, key: &str) -> Option<&Value> {
+    pub(crate) fn get(&self, key: &str) -> Option<&Value> {
         self.done.get(key)
     }
 
     /// Takes what was kept by [`Store::keep`] into the finished cells.
-    pub(super) fn take(&mut self, cells: impl IntoIterator<Item = (String, Value)>) {
+    pub(crate) fn take(&mut self, cells: impl IntoIterator<Item = (String, Value)>) {
         self.done.extend(cells);
     }
 
     /// Writes a finished cell.
-    pub(super) fn keep(&self, key: &str, value: &Value) -> Outcome<()> {
+    pub(crate) fn keep(&self, key: &str, value: &Value) -> Outcome<()> {
         let line = serde_json::json!({ "config": self.config, "key": key, "value": value });
         let mut file = self.file.lock().map_err(|_| "a writer of cells failed")?;
         writeln!(file, "{line}")?;
@@ -61,13 +65,44 @@ impl Store {
     }
 }
 
+/// Something to run: its name, its work in likelihoods, and what it does.
+pub(crate) type Task<'a> = (String, f64, Box<dyn Fn() -> Outcome<Value> + Send + Sync + 'a>);
+
+/// Runs what is not done yet, several cells at a time and each on one thread, and takes it into the store.
+pub(crate) fn run_all(store: &mut Store, what: &str, tasks: Vec<Task<'_>>, threads: usize) -> Outcome<()> {
+    let open: Vec<Task<'_>> = tasks.into_iter().filter(|(key, ..)| store.get(key).is_none()).collect();
+    let whole: f64 = open.iter().map(|(_, work, _)| work).sum();
+    let (next, clock) = (AtomicUsize::new(0), Instant::now());
+    let finished: Mutex<(f64, Vec<(String, Value)>)> = Mutex::new((0.0, vec![]));
+    let worker = || -> Outcome<()> {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
+        while let Some((key, work, task)) = open.get(next.fetch_add(1, Ordering::Relaxed)) {
+            let value = pool.install(task).map_err(|error| format!("{key}: {error}"))?;
+            store.keep(key, &value)?;
+            let mut finished = finished.lock().unwrap_or_else(PoisonError::into_inner);
+            finished.0 += work;
+            finished.1.push((key.clone(), value));
+            let left = clock.elapsed().as_secs_f64() * (whole / finished.0 - 1.0);
+            eprintln!("{what}: {} of {} cells, {left:.0} s left: {key}", finished.1.len(), open.len());
+        }
+        Ok(())
+    };
+    std::thread::scope(|scope| {
+        let workers: Vec<_> = (0..threads.max(1)).map(|_| scope.spawn(worker)).collect();
+        workers.into_iter().map(|worker| worker.join().map_err(|_| "a worker failed")?).collect::<Outcome<Vec<()>>>()
+    })?;
+    let (_, cells) = finished.into_inner().unwrap_or_else(PoisonError::into_inner);
+    store.take(cells);
+    Ok(())
+}
+
 /// Numbers of an array.
-pub(super) fn numbers(value: &Value) -> Vec<f64> {
+pub(crate) fn numbers(value: &Value) -> Vec<f64> {
     value.as_array().into_iter().flatten().map(|x| x.as_f64().unwrap_or(f64::NAN)).collect()
 }
 
 /// Rows of an array of arrays.
-pub(super) fn rows(value: &Value) -> Vec<Vec<f64>> {
+pub(crate) fn rows(value: &Value) -> Vec<Vec<f64>> {
     value.as_array().into_iter().flatten().map(numbers).collect()
 }
 

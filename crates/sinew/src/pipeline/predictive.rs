@@ -1,0 +1,389 @@
+//! Posterior-predictive checks (Gelman, Meng & Stern 1996), streamed over the frames: do the keypoints look as the model says?
+//!
+//! A draw x of the posterior of a frame stands in for the truth: where the model is right, (keypoints, draw) has the distribution of (keypoints, truth), so that the residual of a keypoint about the
+//! projection of a *draw* is distributed as its error, whatever the posterior is. (A residual about the mean pose would be smaller, the more the pose follows the keypoints.) With s, the standard deviation
+//! that the likelihood gives the keypoint, four numbers of each camera are held against what is expected:
+//!
+//! - *gross*: share of residuals beyond 4 s;
+//! - *offset*: mean of the others, pixels;
+//! - *scatter*: their root mean square about that offset, in s;
+//! - *persistence*: correlation of a keypoint's residual with that in the frame before.
+//!
+//! Two come from points triangulated without the body, where two cameras at least see them:
+//!
+//! - *disagreement*: root mean square of the residuals between the cameras, each divided by `σ √(1 − leverage)`; it knows nothing of the body and of the model error, which hide a wrong σ from the scatter;
+//! - *limb*: length between triangulated ends over that of the body, left and right together, after the length that noise adds.
+//!
+//! A number is told of ([`Doubt`]) where it is beyond a bound that means something for the intervals *and* more than [`SURE`] standard errors beyond what is expected. What cannot show is what the body or the set-up
+//! absorbs: an offset that all cameras share with a shift of the world, and with one camera whatever moves the person.
+//!
+//! Memory does not grow with the frames.
+
+mod doubt;
+mod expected;
+
+pub use doubt::Doubt;
+
+use expected::Expected;
+use serde::{Deserialize, Serialize};
+use sinew_observe::Noise;
+
+/// Standardised residuals beyond this are gross.
+pub(super) const GROSS: f64 = 4.0;
+
+/// Limbs whose lengths are looked at: name and its ends without their side.
+pub(super) const LIMBS: [(&str, [&str; 2]); 4] = [
+    ("upper arms", ["Shoulder", "Elbow"]),
+    ("forearms", ["Elbow", "Wrist"]),
+    ("thighs", ["Hip", "Knee"]),
+    ("shins", ["Knee", "Ankle"]),
+];
+
+/// Frames below which nothing is told.
+const FEWEST_FRAMES: f64 = 15.0;
+/// Standard errors.
+const SURE: f64 = 4.0;
+/// Offset, in units of the assumed noise, that is told. Half of the width of a 90 % interval of a joint seen by four cameras is about one such unit.
+const OFFSET: f64 = 0.3;
+/// Scatter and disagreement that are told, as a multiple of the expected one.
+const SCATTER: f64 = 1.2;
+/// Gross residuals that are told: this many times the expected share, and so many more of all.
+const OUTLIERS: [f64; 2] = [1.5, 0.01];
+/// Correlation of successive residuals that is told.
+const PERSISTENCE: f64 = 0.3;
+/// Relative difference in length that is told.
+const LIMB: f64 = 0.02;
+
+/// Sums over the frames of values, for their mean and its standard error.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+struct Sum {
+    count: f64,
+    sum: f64,
+    squares: f64,
+}
+
+impl Sum {
+    fn add(&mut self, value: f64) {
+        self.count += 1.0;
+        self.sum += value;
+        self.squares += value * value;
+    }
+
+    fn mean(&self) -> f64 {
+        self.sum / self.count
+    }
+
+    /// Standard error of the mean of independent values.
+    fn error(&self) -> f64 {
+        ((self.squares / self.count - self.mean().powi(2)).max(0.0) / (self.count - 1.0)).sqrt()
+    }
+}
+
+/// A keypoint in a camera, seen from the draws of a frame.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Residual {
+    /// Assumed standard deviation per axis, pixels.
+    pub(super) sd_px: f64,
+    /// Mean residual over the draws in which it is not gross, pixels.
+    pub(super) mean_px: [f64; 2],
+    /// Mean square of its distance over the same, in units of the standard deviation; two axes together.
+    pub(super) square: f64,
+    /// Share of the draws in which it is gross.
+    pub(super) gross: f64,
+}
+
+impl Residual {
+    /// From the residuals about some draws; `None` without any.
+    pub(super) fn of(sd_px: f64, about_draws: &[[f64; 2]]) -> Option<Self> {
+        let mut found = Self { sd_px, ..Self::default() };
+        let mut near = 0.0;
+        for [u, v] in about_draws {
+            let square = (u * u + v * v) / (sd_px * sd_px);
+            // A residual that is no number is beyond.
+            if square <= GROSS * GROSS {
+                near += 1.0;
+                found.mean_px = [found.mean_px[0] + u, found.mean_px[1] + v];
+                found.square += square;
+            } else {
+                found.gross += 1.0;
+            }
+        }
+        if near > 0.0 {
+            found.mean_px = found.mean_px.map(|sum| sum / near);
+            found.square /= near;
+        }
+        found.gross /= about_draws.len() as f64;
+        (!about_draws.is_empty()).then_some(found)
+    }
+}
+
+/// What a camera comes to.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+struct Watched {
+    name: String,
+    /// Frames' shares of gross residuals.
+    gross: Sum,
+    /// Frames' mean residuals, pixels, by axis.
+    offset: [Sum; 2],
+    /// Frames' mean squares, two axes together, in units of the assumed deviation.
+    scatter: Sum,
+    /// Assumed deviations.
+    sd_px: Sum,
+    /// Frames' mean squares of the standardised residuals between cameras, per axis.
+    disagreement: Sum,
+    /// Products of successive mean residuals, and their squares, in units of the assumed deviation, both axes.
+    products: Sum,
+    power: Sum,
+    /// Mean residuals of the last frame by keypoint, in units of the assumed deviation.
+    last: Vec<Option<[f64; 2]>>,
+    last_number: u64,
+}
+
+/// What a limb comes to.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+struct Limb {
+    /// Frames' length between the keypoints over that of the body.
+    ratio: Sum,
+    /// Length in the body, metres.
+    body_m: Sum,
+}
+
+/// The checks of a run. Plain numbers: what a stopped run needs to go on.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct Predictive {
+    expected: Expected,
+    cameras: Vec<Watched>,
+    limbs: [Limb; LIMBS.len()],
+}
+
+impl Predictive {
+    /// Nothing seen yet in cameras of these names.
+    pub(super) fn new(cameras: impl Iterator<Item = String>, noise: Noise) -> Self {
+        let watched = |name| Watched { name, ..Watched::default() };
+        Self { expected: Expected::of(noise), cameras: cameras.map(watched).collect(), limbs: Default::default() }
+    }
+
+    /// Number of cameras.
+    pub(super) const fn cameras(&self) -> usize {
+        self.cameras.len()
+    }
+
+    /// Takes in what a camera shows in a frame: each keypoint that it sees, and the mean square of its standardised residuals against the other cameras, if there are any.
+    pub(super) fn camera(
+        &mut self,
+        number: u64,
+        camera: usize,
+        residuals: &[Option<Residual>],
+        disagreement: Option<f64>,
+    ) {
+        let Some(watched) = self.cameras.get_mut(camera) else { return };
+        let seen: Vec<&Residual> = residuals.iter().flatten().collect();
+        if seen.is_empty() {
+            return;
+        }
+        watched.gross.add(seen.iter().map(|r| r.gross).sum::<f64>() / seen.len() as f64);
+        let near: Vec<&&Residual> = seen.iter().filter(|r| r.gross < 0.5).collect();
+        let count = near.len() as f64;
+        if near.is_empty() {
+            return;
+        }
+        for (axis, sum) in watched.offset.iter_mut().enumerate() {
+            sum.add(near.iter().map(|r| r.mean_px[axis]).sum::<f64>() / count);
+        }
+        watched.scatter.add(near.iter().map(|r| r.square).sum::<f64>() / count);
+        watched.sd_px.add(near.iter().map(|r| r.sd_px).sum::<f64>() / count);
+        if let Some(square) = disagreement {
+            watched.disagreement.add(square);
+        }
+        let now: Vec<Option<[f64; 2]>> =
+            residuals.iter().map(|r| r.filter(|r| r.gross < 0.5).map(|r| r.mean_px.map(|x| x / r.sd_px))).collect();
+        let follows = number == watched.last_number + 1;
+        for (now, before) in now.iter().zip(&watched.last).filter(|_| follows) {
+            let (Some(a), Some(b)) = (now, before) else { continue };
+            for axis in 0..2 {
+                watched.products.add(a[axis] * b[axis]);
+                watched.power.add(0.5 * (a[axis] * a[axis] + b[axis] * b[axis]));
+            }
+        }
+        (watched.last, watched.last_number) = (now, number);
+    }
+
+    /// Takes in a limb of a frame: its length between the keypoints, less what noise adds, and in the body, metres.
+    pub(super) fn limb(&mut self, limb: usize, keypoints_m: f64, body_m: f64) {
+        let Some(limb) = self.limbs.get_mut(limb) else { return };
+        if body_m > 0.0 && keypoints_m.is_finite() {
+            limb.ratio.add(keypoints_m / body_m);
+            limb.body_m.add(body_m);
+        }
+    }
+
+    /// What does not look as the model says.
+    pub(super) fn doubts(&self) -> Vec<Doubt> {
+        let mut doubts: Vec<Doubt> = self.cameras.iter().flat_map(|camera| camera.doubts(&self.expected)).collect();
+        let persistent = |camera: &Watched| Some((camera.name.clone(), camera.persistence()?));
+        let cameras: Vec<(String, f64)> = self.cameras.iter().filter_map(persistent).collect();
+        if !cameras.is_empty() {
+            doubts.push(Doubt::Persistent { cameras });
+        }
+        for ((name, _), limb) in LIMBS.iter().zip(&self.limbs) {
+            let (ratio, error) = (limb.ratio.mean(), limb.ratio.error());
+            let off = (ratio - 1.0).abs();
+            if limb.ratio.count >= FEWEST_FRAMES && off > LIMB && off > SURE * error {
+                doubts.push(Doubt::Limb { name, ratio, body_m: limb.body_m.mean() });
+            }
+        }
+        doubts
+    }
+}
+
+impl Watched {
+    /// Correlation of successive residuals about the camera's offset, where it is to be told.
+    fn persistence(&self) -> Option<f64> {
+        let offset = self.offset.map(|sum| (sum.mean() / self.sd_px.mean()).powi(2)).iter().sum::<f64>() / 2.0;
+        let correlation = (self.products.mean() - offset) / (self.power.mean() - offset);
+        let error = self.products.count.sqrt().recip();
+        let told = self.offset[0].count >= FEWEST_FRAMES && correlation > PERSISTENCE && correlation > SURE * error;
+        told.then_some(correlation)
+    }
+
+    fn doubts(&self, expected: &Expected) -> Vec<Doubt> {
+        let mut doubts = vec![];
+        let camera = || self.name.clone();
+        let sd_px = self.sd_px.mean();
+        if self.gross.count < FEWEST_FRAMES || sd_px.is_nan() {
+            return doubts;
+        }
+        let [factor, more] = OUTLIERS;
+        let (share, error) = (self.gross.mean(), self.gross.error());
+        let bound = factor * expected.gross + more;
+        if share > bound && share - expected.gross > SURE * error {
+            doubts.push(Doubt::Outliers { camera: camera(), share, expected: expected.gross });
+        }
+        let offset_px = self.offset.map(|sum| sum.mean());
+        // Errors that persist make the mean less sure than its frames are many.
+        let inflation = self.persistence().map_or(1.0, |r| ((1.0 + r) / (1.0 - r).max(0.05)).sqrt());
+        let error = self.offset[0].error().hypot(self.offset[1].error()) * inflation;
+        let length = offset_px[0].hypot(offset_px[1]);
+        if length > OFFSET * sd_px && length > SURE * error {
+            let frames = self.offset[0].count as u64;
+            doubts.push(Doubt::Offset { camera: camera(), offset_px, frames, usual_px: error });
+        }
+        let about_offset = self.scatter.mean() - (length / sd_px).powi(2);
+        let scatter = (about_offset / expected.square).max(0.0).sqrt();
+        let beyond = |sum: &Sum, ratio: f64| ratio > SCATTER && sum.mean().sqrt() * (ratio - 1.0) > SURE * sum.error();
+        let disagreement = (self.disagreement.mean() / (0.5 * expected.square)).sqrt();
+        let often = self.disagreement.count >= FEWEST_FRAMES;
+        let ratio = match (beyond(&self.scatter, scatter), often && beyond(&self.disagreement, disagreement)) {
+            (false, false) => return doubts,
+            (true, false) => scatter,
+            (false, true) => disagreement,
+            (true, true) => scatter.max(disagreement),
+        };
+        doubts.push(Doubt::Scatter { camera: camera(), ratio });
+        doubts
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use sinew_core::lanes::{Block, Isa};
+    use sinew_core::random::Stage;
+
+    /// How a camera of standard deviation 2 px errs.
+    #[derive(Clone, Copy)]
+    struct Errs {
+        offset_px: f64,
+        size: f64,
+        persistence: f64,
+        /// One keypoint in so many is far away.
+        outlier: usize,
+        disagreement: f64,
+    }
+
+    const RIGHT: Errs = Errs { offset_px: 0.0, size: 1.0, persistence: 0.0, outlier: 50, disagreement: 1.0 };
+
+    /// What is told of a camera that sees twelve keypoints in each of so many frames.
+    fn told(errs: Errs, frames: u64) -> Vec<Doubt> {
+        let mut predictive = Predictive::new(["C1".to_owned()].into_iter(), Noise::OutlierFloor { outlier: 0.02 });
+        let mut errors = [[0.0; 2]; 12];
+        for number in 0..frames {
+            let mut normal = [Block::ZERO; 3];
+            Stage::new(4, "errors").at_frame(number as u32).whole().fill_normal(Isa::baseline(), &mut normal);
+            let normal: Vec<f64> = normal.iter().flat_map(|block| block.0).collect();
+            let fresh = if number == 0 { 1.0 } else { (1.0 - errs.persistence * errs.persistence).sqrt() };
+            let residual = |(k, error): (usize, &mut [f64; 2])| {
+                for a in 0..2 {
+                    error[a] = errs.persistence * error[a] + fresh * normal[2 * k + a];
+                }
+                let far = (number as usize * 12 + k).is_multiple_of(errs.outlier);
+                let at = |a: usize| errs.size * 2.0 * error[a] + if far { 100.0 } else { 0.0 };
+                Residual::of(2.0, &[[at(0) + errs.offset_px, at(1)]])
+            };
+            let residuals: Vec<_> = errors.iter_mut().enumerate().map(residual).collect();
+            predictive.camera(number, 0, &residuals, Some(errs.disagreement * if number % 2 == 0 { 0.9 } else { 1.1 }));
+        }
+        predictive.doubts()
+    }
+
+    fn kinds(doubts: &[Doubt]) -> Vec<&'static str> {
+        doubts.iter().map(Doubt::kind).collect()
+    }
+
+    #[test]
+    fn residuals_as_the_model_says_are_not_told() {
+        assert_eq!(told(RIGHT, 400), []);
+    }
+
+    #[test]
+    fn each_error_is_told_by_its_name_and_size() {
+        let is = |errs: Errs, kind: &str| {
+            let doubts = told(errs, 200);
+            assert_eq!(kinds(&doubts), [kind], "{doubts:?}");
+            doubts.into_iter().next()
+        };
+        let Some(Doubt::Offset { offset_px, frames, usual_px, .. }) = is(Errs { offset_px: 1.0, ..RIGHT }, "offset")
+        else {
+            return;
+        };
+        // 2 px over √(12 · 200) keypoints of each axis.
+        assert!((offset_px[0] - 1.0).abs() < 0.2 && offset_px[1].abs() < 0.2 && frames == 200, "{offset_px:?}");
+        assert!((usual_px / (2.0_f64 / 1200.0).sqrt() / 2.0 * 2.0_f64.sqrt() - 1.0).abs() < 0.3, "{usual_px}");
+        let Some(Doubt::Scatter { ratio, .. }) = is(Errs { size: 1.4, ..RIGHT }, "scatter") else { return };
+        assert!((ratio - 1.4).abs() < 0.1, "{ratio}");
+        // Between the cameras alone: the square of 1.5.
+        let Some(Doubt::Scatter { ratio, .. }) = is(Errs { disagreement: 2.25, ..RIGHT }, "scatter") else { return };
+        assert!((ratio - 1.5).abs() < 0.05, "{ratio}");
+        let Some(Doubt::Outliers { share, expected, .. }) = is(Errs { outlier: 20, ..RIGHT }, "outliers") else {
+            return;
+        };
+        assert!((share - 0.05).abs() < 0.01 && (expected - 0.02).abs() < 1e-3, "{share} {expected}");
+        let Some(Doubt::Persistent { cameras }) = is(Errs { persistence: 0.6, ..RIGHT }, "persistence") else { return };
+        assert!((cameras[0].1 - 0.6).abs() < 0.1, "{cameras:?}");
+    }
+
+    #[test]
+    fn too_few_frames_tell_nothing() {
+        assert_eq!(told(Errs { offset_px: 9.0, size: 2.0, ..RIGHT }, 14), []);
+    }
+
+    #[test]
+    fn limbs_are_told_where_their_lengths_differ_surely() {
+        let told = |ratio: f64, scatter: f64| {
+            let mut predictive = Predictive::new(std::iter::empty(), Noise::StudentT { degrees: 4.0 });
+            for number in 0..40 {
+                predictive.limb(2, 0.43 * (ratio + if number % 2 == 0 { scatter } else { -scatter }), 0.43);
+            }
+            predictive.doubts()
+        };
+        assert_eq!(told(1.01, 0.001), []);
+        // 0.03 is fewer than four of the standard errors of 40 frames.
+        assert_eq!(told(1.03, 0.05), []);
+        let doubts = told(1.03, 0.01);
+        assert_eq!(doubts.len(), 1);
+        assert_eq!(
+            doubts[0].to_string(),
+            "thighs: 3.0 % longer between the keypoints than in the body (430 mm). The intervals do not know of it and hold the truth less often than they promise: leave the set-up or the body file out, so that sizes are measured anew"
+        );
+    }
+}
