@@ -1,8 +1,22 @@
 //! Every statistical check by name, for `cargo xtask verify`: the claim it stands for and how it is run.
 
+use crate::camera_point::CameraPoint;
+use crate::depth_flip::Arm;
+use crate::evidence::{error_slope, stored_table, unbiased};
+use crate::faulty_kernels::{curvature_of_state, rejections, reversal};
+use crate::finding::Finding;
+use crate::growth::{Growth, two_modes};
+use crate::linear_series::Series;
+use crate::mixture_filter::against_ideal;
 use crate::outcome::{Outcome, in_two_stages};
+use crate::posteriordb::{self, Sampler, judged};
+use crate::resample_counts::all_counts;
 use crate::size::Size;
-use crate::{calibrated_samplers, filter_calibration, joint_distribution, resampling_laws, sampler_invariance};
+use crate::static_posteriors::{camera_point_chains, gaussian_volume_law, tempered_depth_flip, volume_law};
+use crate::{
+    calibrated_samplers, filter_calibration, frozen_tuning, joint_distribution, resampling_laws, sampler_invariance,
+    walls,
+};
 use sinew_invariance::Report;
 
 /// A check of one claim.
@@ -18,6 +32,66 @@ pub struct Check {
 
 fn outcomes(reports: Vec<Report>) -> Vec<Outcome> {
     reports.into_iter().map(Outcome::from).collect()
+}
+
+/// A finding that holds where a planted fault is seen.
+fn seen(name: &str, statistic: f64, is_seen: bool) -> Finding {
+    Finding::between(
+        format!("{name} is seen"),
+        f64::from(u8::from(is_seen)),
+        [1.0, 1.0],
+        format!("statistic {statistic:.2}"),
+    )
+}
+
+/// Kernels with faults fail, and the same without keep their targets: a check that has lost its power shows here.
+#[must_use]
+pub fn faults(seed: u64, size: Size) -> Vec<Outcome> {
+    let [right, wrong] = curvature_of_state(seed, size);
+    let [kept, lost] = reversal();
+    let worst = wrong.worst().map_or(f64::NAN, |s| s.value);
+    let mut all = vec![Outcome::from(right)];
+    let curvature = seen("curvature that depends on the state", worst, !wrong.holds());
+    let reversed = Finding::at_most("reversal", kept, 1e-12, "distance from the start");
+    let not_reversed = seen("curvature that depends on the state, by reversal", lost, lost > 1e-3);
+    all.extend(
+        [curvature, reversed, not_reversed].map(|finding| in_two_stages(seed, |_| vec![finding.clone()])).concat(),
+    );
+    let dropped = |seed| {
+        let [right, wrong, part] = rejections(size.pick(250, 1000), size.pick(200, 400), seed);
+        vec![right, seen("rejected states that are not counted", wrong.statistic, !wrong.holds()), part]
+    };
+    all.extend(in_two_stages(seed, dropped));
+    all
+}
+
+fn d2(check: impl Fn(&Series) -> Vec<Finding>) -> Vec<Finding> {
+    Series::stored("lgssm_d2.json").map_or_else(Vec::new, |series| check(&series))
+}
+
+/// The mixture filter beside ideal draws: file, chains, the stored error of ideal draws, runs.
+fn mixture_filter(seed: u64, size: Size) -> Vec<Finding> {
+    let reduced = [("lgssm_d2.json", 250, 0.125, 5), ("lgssm_d10.json", 250, 0.27, 2)];
+    let full = [
+        ("lgssm_d2.json", 250, 0.125, 20),
+        ("lgssm_d2.json", 1000, 0.063, 6),
+        ("lgssm_d10.json", 250, 0.27, 20),
+        ("lgssm_d10.json", 1000, 0.154, 6),
+    ];
+    let cases = if size == Size::Reduced { &reduced[..] } else { &full[..] };
+    let run = |&(file, chains, stored, runs): &(&str, usize, f64, usize)| {
+        Series::stored(file).map_or_else(Vec::new, |series| against_ideal(&series, file, chains, stored, runs, seed))
+    };
+    cases.iter().flat_map(run).collect()
+}
+
+fn stored_posteriors(seed: u64, size: Size) -> Vec<Finding> {
+    let all = posteriordb::all();
+    let updates = |sampler| if sampler == Sampler::Hmc { size.pick(1600, 4000) } else { size.pick(500, 2000) };
+    [Sampler::Hmc, Sampler::Nuts]
+        .iter()
+        .flat_map(|s| all.iter().flat_map(|p| judged(p, *s, updates(*s), seed)))
+        .collect()
 }
 
 /// All checks.
@@ -91,5 +165,92 @@ pub const CHECKS: &[Check] = &[
         name: "filter-calibration",
         claim: "errors of both filters are as large as their own covariances say",
         run: |seed, size| in_two_stages(seed, |seed| filter_calibration::normalised_errors(seed, size)),
+    },
+    Check {
+        name: "dense-and-camera",
+        claim: "Hamiltonian Monte Carlo keeps its target with a dense metric, and on a point before two cameras",
+        run: |seed, size| outcomes(sampler_invariance::dense_and_camera_exact_starts(seed, size)),
+    },
+    Check {
+        name: "walls",
+        claim: "no chain stands where there is no density; divergences are counted and change nothing between",
+        run: |seed, size| in_two_stages(seed, |seed| walls::walls(size.pick(250, 1250), size.pick(20, 40), seed)),
+    },
+    Check {
+        name: "frozen-tuning",
+        claim: "a tuned step size accepts what was asked for and does not change while draws are kept",
+        run: |seed, size| {
+            in_two_stages(seed, |seed| frozen_tuning::tuned_acceptance(size.pick(500, 2000), seed).into())
+        },
+    },
+    Check { name: "faults", claim: "kernels with planted faults are seen", run: faults },
+    Check {
+        name: "counts",
+        claim: "counts of resampling are unbiased for zeros, denormals, weights over twelve decades",
+        run: |seed, size| in_two_stages(seed, |seed| all_counts(size.pick(4000, 100_000), seed)),
+    },
+    Check {
+        name: "volume-laws",
+        claim: "one frame of particles has the variance and the effective number of the closed forms",
+        run: |seed, _| {
+            in_two_stages(seed, |seed| [volume_law(1000, 4000, seed), gaussian_volume_law(1_000_000, seed)].concat())
+        },
+    },
+    Check {
+        name: "camera-point",
+        claim: "chains have the moments of a point before two cameras, by quadrature",
+        run: |seed, size| {
+            let check = |seed| {
+                let point = CameraPoint::stored();
+                point.map_or_else(Vec::new, |point| camera_point_chains(&point, size.pick(2000, 20_000), seed))
+            };
+            in_two_stages(seed, check)
+        },
+    },
+    Check {
+        name: "tempered-evidence",
+        claim: "tempered Monte Carlo finds eight modes with their masses and the evidence",
+        run: |seed, size| {
+            let check = |seed| {
+                Arm::stored().map_or_else(Vec::new, |arm| tempered_depth_flip(&arm, 2000, size.pick(3, 40), seed))
+            };
+            in_two_stages(seed, check)
+        },
+    },
+    Check {
+        name: "evidence",
+        claim: "the evidence of particles is unbiased under every scheme and threshold; their errors are those stored and fall with the root of their number",
+        run: |seed, size| {
+            let check = |seed| {
+                d2(|series| {
+                    let mut findings = unbiased(series, 250, size.pick(80, 400), seed);
+                    findings.extend(stored_table(series, size.pick(20, 200), seed));
+                    findings.push(error_slope(series, size.pick(3, 4) as u32, size.pick(12, 40), seed));
+                    findings
+                })
+            };
+            in_two_stages(seed, check)
+        },
+    },
+    Check {
+        name: "growth-model",
+        claim: "both modes of the growth model are kept by particles and by chains with the mixture prior",
+        run: |seed, size| {
+            let check = |seed| {
+                let (chains, runs) = (size.pick(250, 1000), size.pick(3, 10));
+                Growth::stored().map_or_else(Vec::new, |growth| two_modes(&growth, 5000, chains, runs, seed))
+            };
+            in_two_stages(seed, check)
+        },
+    },
+    Check {
+        name: "mixture-filter",
+        claim: "hmc with the mixture prior is within 1.3 times the error of ideal draws",
+        run: |seed, size| in_two_stages(seed, |seed| mixture_filter(seed, size)),
+    },
+    Check {
+        name: "posteriordb",
+        claim: "means and standard deviations of three posteriors that others have sampled",
+        run: |seed, size| in_two_stages(seed, |seed| stored_posteriors(seed, size)),
     },
 ];

@@ -6,6 +6,7 @@ use sinew::core::random::BlockRng;
 use sinew::samplers::hmc::{Chains, Hmc, Workspace, update};
 use sinew::samplers::jumps::{JumpWorkspace, Jumps, jump};
 use sinew::samplers::nuts::{Nuts, Trees, step};
+use sinew_invariance::targets::ExactTarget;
 
 /// Eight states of `dim` coordinates as a block.
 #[must_use]
@@ -21,6 +22,11 @@ pub fn from_block(block: &[Block]) -> Vec<f64> {
     let mut states = vec![0.0; block.len() * LANES];
     states.chunks_exact_mut(block.len()).enumerate().for_each(|(lane, state)| get_lane(block, lane, state));
     states
+}
+
+/// Eight independent draws, one after the other.
+pub fn eight<T: ExactTarget + ?Sized>(target: &T) -> impl FnMut(&mut BlockRng) -> Vec<f64> + '_ {
+    move |rng| (0..LANES).flat_map(|_| target.draw(rng)).collect()
 }
 
 /// One trajectory of Hamiltonian Monte Carlo for each of eight states.

@@ -2,18 +2,19 @@
 //! end-to-end tests live there too.
 
 pub mod calibrated_samplers;
+pub mod camera_draws;
 pub mod camera_point;
 pub mod checks;
 pub mod data;
 pub mod depth_flip;
 pub mod evidence;
+pub mod faulty_kernels;
 pub mod filter_calibration;
 pub mod filter_priors;
 pub mod finding;
-pub mod full_size;
+pub mod frozen_tuning;
 pub mod growth;
 pub mod joint_distribution;
-pub mod kept_targets;
 pub mod kernels;
 pub mod linear_series;
 pub mod mixture_filter;
@@ -27,4 +28,4 @@ pub mod sampler_invariance;
 pub mod simulators;
 pub mod size;
 pub mod static_posteriors;
-pub mod two_samples;
+pub mod walls;

@@ -2,15 +2,17 @@
 //!
 //! Every kernel stands on every target with exact draws; steps are such that between a third and all trajectories are accepted.
 
-use crate::kernels;
+use crate::camera_draws::Seen;
+use crate::camera_point::CameraPoint;
+use crate::kernels::{self, eight};
 use crate::size::Size;
 use sinew::core::density::{GradLogDensity, LogDensity};
 use sinew::core::lanes::{Isa, LANES};
-use sinew::core::random::{BlockRng, Stage};
+use sinew::core::random::Stage;
 use sinew::samplers::gaussian_mixture::GaussianMixture as Proposal;
 use sinew::samplers::hmc::{Hmc, leapfrog};
 use sinew::samplers::jumps::Jumps;
-use sinew::samplers::metric::Metric;
+use sinew::samplers::metric::{Dense, Metric};
 use sinew::samplers::nuts::Nuts;
 use sinew_invariance::targets::{Banana, ExactTarget, Gaussian, GaussianMixture, HalfLine, Truncated};
 use sinew_invariance::{
@@ -58,18 +60,14 @@ fn cases() -> Vec<Case> {
     ]
 }
 
-/// Eight independent draws, one after the other.
-fn eight(target: &dyn Exact) -> impl FnMut(&mut BlockRng) -> Vec<f64> + '_ {
-    move |rng| (0..LANES).flat_map(|_| target.draw(rng)).collect()
-}
-
 /// Moments and the log density, over eight chains.
 fn functions(target: &dyn Exact) -> TestFunctions {
     let own = target.boxed();
     TestFunctions::moments(target.dim()).with("log density", move |x| own.log_density(x)).together(LANES)
 }
 
-fn plain(dim: usize, step: f64, leapfrogs: usize, jitter: f64) -> Hmc {
+/// Unit metric.
+pub(crate) fn plain(dim: usize, step: f64, leapfrogs: usize, jitter: f64) -> Hmc {
     Hmc::new(step, &vec![1.0; dim], leapfrogs, jitter, Isa::best()).expect("valid settings")
 }
 
@@ -105,6 +103,41 @@ pub fn hmc_exact_starts(seed: u64, size: Size) -> Vec<Report> {
         let kernel = kernels::hmc(target, plain(target.dim(), case.step, case.leapfrogs, 0.2));
         exact_start(config, eight(&*case.target), kernel, &functions(&*case.target))
     })
+}
+
+/// With a dense metric; and on the posterior of a point before two cameras, where the data are at hand.
+///
+/// # Panics
+/// Never: the metric is positive definite.
+#[must_use]
+pub fn dense_and_camera_exact_starts(seed: u64, size: Size) -> Vec<Report> {
+    let target = Gaussian::equicorrelated(5, 0.8);
+    let matrix: Vec<f64> = (0..25).map(|k| if k % 6 == 0 { 4.0 } else { -0.7 }).collect();
+    let dense = Metric::Dense(Dense::new(&matrix, 5).expect("positive definite"));
+    let hmc = Hmc::with_metric(0.9, &dense, 4, 0.2, Isa::best()).expect("valid settings");
+    let mut reports = vec![];
+    for steps in [1, 5] {
+        let config = starts(seed, size, steps);
+        let kernel = kernels::hmc(&target, hmc.clone());
+        let report = exact_start(&config, eight(&target), kernel, &functions(&target));
+        reports.push(named("hmc, dense metric".into(), report));
+        if let Some(point) = CameraPoint::stored() {
+            let seen = Seen::new(&point);
+            let curvature: Vec<f64> = (0..3).map(|j| 1.0 / point.moments.covariance[4 * j]).collect();
+            let hmc = Hmc::new(0.9, &curvature, 4, 0.2, Isa::best()).expect("valid settings");
+            let (mode, scale) = (point.mode.clone(), curvature.clone());
+            let mut about = TestFunctions::none();
+            for j in 0..3 {
+                let (m, s) = (mode[j], scale[j].sqrt());
+                about = about
+                    .with(format!("x{j}"), move |x| (x[j] - m) * s)
+                    .with(format!("x{j}²"), move |x| ((x[j] - m) * s).powi(2));
+            }
+            let report = exact_start(&config, eight(&seen), kernels::hmc(&seen, hmc), &about.together(LANES));
+            reports.push(named("hmc, camera point".into(), report));
+        }
+    }
+    reports
 }
 
 /// The no-U-turn sampler from exact starts.

@@ -16,6 +16,11 @@ fn hmc_keeps_every_target() {
 }
 
 #[test]
+fn hmc_keeps_its_target_with_a_dense_metric_and_before_cameras() {
+    all_hold(&samplers::dense_and_camera_exact_starts(1, Size::Reduced));
+}
+
+#[test]
 fn no_u_turn_keeps_every_target() {
     all_hold(&samplers::nuts_exact_starts(1, Size::Reduced));
 }
