@@ -1,9 +1,9 @@
 //! One check per reader: whatever the bytes, it returns a value or an error with words in it, and what its writer makes of a value it reads again.
 //!
-//! Used by the fuzz targets and, with the corpus, by an ordinary test (`tests/tests/corpus.rs`), which is why it knows the formats only as `crate::formats`.
+//! Used by the fuzz targets and, with the corpus, by an ordinary test (`tests/tests/corpus.rs`).
 
-use crate::formats::source_text::decode;
-use crate::formats::{
+use sinew::formats::source_text::decode;
+use sinew::formats::{
     Error, amc, asf, body_toml, bvh, calib_toml, camera_name, frame_number, layout, mot, openpose, tidy_csv, trc,
 };
 use std::fmt::Display;

@@ -2,5 +2,3 @@
 
 pub mod checks;
 pub mod program_checks;
-
-use sinew_formats as formats;

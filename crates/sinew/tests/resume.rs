@@ -124,7 +124,7 @@ fn a_run_killed_at_any_moment_goes_on() {
     fs::remove_dir_all(trial.path("out")).unwrap();
     let (mut kills, mut completed) = (0, 0);
     let mut rng = Stage::new(31, "kill").whole();
-    let mut moments = [sinew::core::lanes::Block::ZERO; 8];
+    let mut moments = [sinew::core::lanes::Block::ZERO; 64];
     rng.fill_uniform(&mut moments);
     let mut moments = moments.into_iter().flat_map(|block| block.0);
     while kills < 50 {
@@ -224,10 +224,9 @@ fn what_cannot_go_on_says_why() {
     insta::assert_snapshot!("resume_and_force", told(&trial, &["-oempty", "--force"]));
 
     let mut child = started(&trial, &[]);
-    while !trial.path("out").join(checkpoint::NAME).exists() {
+    while checkpoint::read(&trial.path("out")).map_or(0, |checkpoint| checkpoint.done) < 3 {
         std::thread::sleep(Duration::from_millis(2));
     }
-    std::thread::sleep(Duration::from_millis(50));
     child.kill().unwrap();
     child.wait().unwrap();
     let path = trial.path("out").join(checkpoint::NAME);

@@ -5,7 +5,6 @@ mod checks;
 #[path = "../../../fuzz/src/program_checks.rs"]
 mod program_checks;
 
-use sinew::formats;
 use std::path::Path;
 
 /// A check of the fuzz targets.
