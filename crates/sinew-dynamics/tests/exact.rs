@@ -99,11 +99,10 @@ fn the_backward_pass_is_conditioning_of_the_joint_gaussian() {
     let seen = applied(&transposed(&A), applied(&inverse(&sum(&Q, &inverse(&j), 1.0)), z));
     let own = applied(&inverse(&P), M);
     let exact_mean = applied(&exact, [own[0] + seen[0], own[1] + seen[1]]);
-    for k in 0..2 {
-        assert!((found.mean[k] - exact_mean[k]).abs() < 1e-12, "mean {k}: {} against {}", found.mean[k], exact_mean[k]);
+    for (k, (found, exact)) in found.mean.iter().zip(exact_mean).enumerate() {
+        assert!((found - exact).abs() < 1e-12, "mean {k}: {found} against {exact}");
     }
-    for k in 0..4 {
-        let (found, exact) = (found.covariance[k], exact[k]);
+    for (k, (found, exact)) in found.covariance.iter().zip(exact).enumerate() {
         assert!((found - exact).abs() < 1e-12, "covariance {k}: {found} against {exact}");
     }
 }

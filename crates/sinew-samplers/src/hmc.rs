@@ -454,8 +454,8 @@ mod tests {
         for _ in 0..50 {
             let u = update(&target, &hmc, &mut chains, &mut ws, &mut rng);
             accepted += u.accepted.iter().filter(|&&a| a).count();
+            assert_eq!(Chains::new(&target, chains.position.clone()).expect("finite"), chains);
         }
-        assert_eq!(Chains::new(&target, chains.position.clone()).expect("finite"), chains);
         assert!((200..400).contains(&accepted), "{accepted} of 400 accepted");
     }
 
