@@ -71,7 +71,9 @@ pub fn panel_with(
     let decimals = if range.end - range.start < 1.0 { 2 } else { usize::from(range.end < 10.0) };
     let shown = |v: &f64, is: bool| {
         let power = 10_f64.powf(*v);
-        if is && power < 1000.0 {
+        if is && power < 0.95 {
+            format!("{power:.1}")
+        } else if is && power < 1000.0 {
             format!("{power:.0}")
         } else if is {
             format!("{power:.0e}")

@@ -294,8 +294,8 @@ fn draw(cells: &[Cell], path: &Path) -> Outcome<()> {
         let (low, high) = (RATIOS[0].log10(), RATIOS[3].log10());
         let points = vec![[low, 90.0, 90.0, 90.0], [high, 90.0, 90.0, 90.0]];
         lines.push(Line { name: "90 %".into(), colour: GREY, points });
-        let axes = ["process noise over observation noise, q / r (log10)", "exact probability, %"];
-        panel_with(area, &format!("90 % intervals, d = {dim}"), axes, &lines, [false, false], Names::Beside(130))?;
+        let axes = ["process noise over observation noise, q / r", "exact probability, %"];
+        panel_with(area, &format!("90 % intervals, d = {dim}"), axes, &lines, [true, false], Names::Beside(130))?;
     }
     finish(&root)
 }
