@@ -150,10 +150,13 @@ fn parsed(numbers: &str) -> Outcome<Calibration> {
     Ok(Calibration { error: [a, b], variance_ratio: [c, d], covered: [e, f], covers_truth: [g, h], poorly_mixed })
 }
 
+/// A cell's text.
+type Shown = fn(&Calibration) -> String;
+
 /// Four tables of the random walk: dimensions and settings down, ratios across.
 fn walk_tables(cells: &[Cell]) -> Outcome<String> {
     let mut text = String::new();
-    let kinds: [(&str, fn(&Calibration) -> String); 5] = [
+    let kinds: [(&str, Shown); 5] = [
         ("Coverage: exact probability of the 90 % intervals, %", |c| percent(c.covered)),
         ("Coverage of the true coordinates by the 90 % intervals, %", |c| percent(c.covers_truth)),
         ("Error of the mean in exact standard deviations", |c| number(c.error)),

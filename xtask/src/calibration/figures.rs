@@ -45,7 +45,7 @@ fn histograms(series: &[(Scene, Found)], ranked: &[Scene], path: &Path) -> Outco
         let names = ["rank of the truth among the draws", "relative frequency"];
         panel_with(area, &title(scene), names, &lines, [false, false], Names::None)?;
     }
-    Ok(finish(&root)?)
+    finish(&root)
 }
 
 fn curve(name: &str, colour: RGBColor, series: &[(Scene, Found)], wanted: Scene) -> Option<Line> {
@@ -56,6 +56,9 @@ fn curve(name: &str, colour: RGBColor, series: &[(Scene, Found)], wanted: Scene)
     Some(Line { name: name.into(), colour, points: LEVELS.iter().zip(found.pooled()).map(point).collect() })
 }
 
+/// A name beside a line, its colour, and the scene that it is of.
+type Curve = (&'static str, RGBColor, Scene);
+
 fn curves(series: &[(Scene, Found)], path: &Path) -> Outcome<()> {
     let root = SVGBackend::new(path, (1260, 380)).into_drawing_area();
     root.fill(&WHITE).map_err(|error| error.to_string())?;
@@ -64,7 +67,7 @@ fn curves(series: &[(Scene, Found)], path: &Path) -> Outcome<()> {
     let right = |cameras, tracker| person(cameras, tracker, Sizes::Fitted, Wrong::Right);
     let sized = |sizes| person(4, Tracker::Hmc, sizes, Wrong::Right);
     let otherwise = |wrong| person(4, Tracker::Hmc, Sizes::Fitted, wrong);
-    let panels: [(&str, Vec<(&str, RGBColor, Scene)>); 3] = [
+    let panels: [(&str, Vec<Curve>); 3] = [
         (
             "noise as assumed",
             vec![
@@ -105,5 +108,5 @@ fn curves(series: &[(Scene, Found)], path: &Path) -> Outcome<()> {
         lines.push(Line { name: "promised".into(), colour: GREY, points: promised.clone() });
         panel_with(area, title, ["promised, %", "found, %"], lines, [false, false], Names::Beside(104))?;
     }
-    Ok(finish(&root)?)
+    finish(&root)
 }

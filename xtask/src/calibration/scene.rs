@@ -233,7 +233,7 @@ pub(super) fn series(scene: &Scene, people: &[Person], length: Length, seed: u64
         Scene::OwnModel { .. } => {
             let found = own_model::ranked(OWN, SIGMA_PX, &settings, seed)?;
             let ranks: Vec<u32> = found.points.into_iter().flatten().collect();
-            let covered = covered(&[ranks.clone()]);
+            let covered = covered(std::slice::from_ref(&ranks));
             Ok(Series { state_ranks: found.state, covered, ranks, ..Series::default() })
         }
         Scene::Person { cameras, sizes, wrong, .. } => person(people, length, (cameras, sizes, wrong), settings),
