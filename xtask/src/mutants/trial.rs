@@ -138,7 +138,8 @@ impl Trial {
         run.env("CARGO_MANIFEST_DIR", &program.folder)
             .env("RUST_BACKTRACE", "0")
             .env("RUST_MIN_STACK", STACK_BYTES)
-            .env("PROPTEST_RNG_SEED", "1");
+            .env("PROPTEST_RNG_SEED", "1")
+            .env("PROPTEST_MAX_SHRINK_ITERS", "0");
         if let Some(data) = &self.data {
             run.env("SINEW_DATA", data);
         }
