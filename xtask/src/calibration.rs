@@ -111,13 +111,7 @@ fn data_folder(root: &Path, given: Option<&Path>) -> PathBuf {
 }
 
 /// Some of the series of a scene. Their seeds are consecutive and begin far from those of other first seeds.
-fn series(
-    scene: &Scene,
-    people: &[Person],
-    length: Length,
-    numbers: Range<usize>,
-    seed: u64,
-) -> Outcome<Vec<Series>> {
+fn series(scene: &Scene, people: &[Person], length: Length, numbers: Range<usize>, seed: u64) -> Outcome<Vec<Series>> {
     let first = seed.wrapping_mul(1_000_003);
     numbers.map(|i| scene::series(scene, people, length, first.wrapping_add(i as u64))).collect()
 }
@@ -245,9 +239,10 @@ fn measure(root: &Path, args: &Args) -> Outcome<()> {
     let clock = Instant::now();
     let people = people::all(&data_folder(root, args.data.as_deref()))?;
     let size = if args.quick { Size::QUICK } else { Size::FULL };
-    let folder = args.out.clone().unwrap_or_else(|| {
-        root.join("target").join(if args.quick { "calibration-quick" } else { "calibration" })
-    });
+    let folder = args
+        .out
+        .clone()
+        .unwrap_or_else(|| root.join("target").join(if args.quick { "calibration-quick" } else { "calibration" }));
     let mut store = Store::open(&folder, &configuration(args, &people))?;
     let granted = std::thread::available_parallelism().map_or(1, |n| n.get());
     let has_recorded = people.iter().all(|person| person.recorded.is_some());

@@ -40,11 +40,8 @@ fn histograms(series: &[(Scene, Found)], ranked: &[Scene], path: &Path) -> Outco
             steps.push([0.5 * (left + right), share, share - 2.0 * error, share + 2.0 * error]);
             steps.push([right, share, share, share]);
         }
-        let lines = [
-            level_line(1.0, 1.0),
-            level_line(0.0, 1.0),
-            Line { name: "found".into(), colour: BLUE, points: steps },
-        ];
+        let lines =
+            [level_line(1.0, 1.0), level_line(0.0, 1.0), Line { name: "found".into(), colour: BLUE, points: steps }];
         let names = ["rank of the truth among the draws", "relative frequency"];
         panel_with(area, &title(scene), names, &lines, [false, false], Names::None)?;
     }

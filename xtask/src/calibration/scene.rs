@@ -104,12 +104,7 @@ pub(super) enum Wrong {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Scene {
     /// Someone before so many cameras.
-    Person {
-        cameras: usize,
-        tracker: Tracker,
-        sizes: Sizes,
-        wrong: Wrong,
-    },
+    Person { cameras: usize, tracker: Tracker, sizes: Sizes, wrong: Wrong },
     /// Motion and keypoints drawn from the tracker's own model.
     OwnModel { tracker: Tracker },
 }
@@ -232,12 +227,7 @@ impl Series {
 }
 
 /// Simulates and tracks the series of a seed.
-pub(super) fn series(
-    scene: &Scene,
-    people: &[Person],
-    length: Length,
-    seed: u64,
-) -> Outcome<Series> {
+pub(super) fn series(scene: &Scene, people: &[Person], length: Length, seed: u64) -> Outcome<Series> {
     let settings = Settings { seed, fps: RATE_HZ, draws: ranks::DRAWS, ..scene.tracker().settings() };
     match *scene {
         Scene::OwnModel { .. } => {
@@ -288,9 +278,7 @@ fn person(
     let mut tracked = film(wrong.noise())?;
     let mut shown = if let Wrong::Moved(_) = wrong { film(Wrong::Right.noise())? } else { tracked.clone() };
     let settings = match wrong {
-        Wrong::Outliers(share) => {
-            Settings { noise: Noise::OutlierFloor { outlier: share.max(1e-12) }, ..settings }
-        }
+        Wrong::Outliers(share) => Settings { noise: Noise::OutlierFloor { outlier: share.max(1e-12) }, ..settings },
         _ => settings,
     };
     let change = |setup: &mut Setup| {

@@ -40,7 +40,10 @@ pub(super) fn markdown(series: &[(Scene, Found)], recordings: &[(Scene, Found)],
     let ranks = |scene: &Scene| ranked.contains(scene);
     for (scene, found) in series.iter().filter(|(scene, _)| ranks(scene)) {
         let [method, cameras, sizes, keypoints] = named(scene);
-        line(format!("\n{method}, {cameras} cameras, sizes {sizes}, keypoints {keypoints}; {} series:\n", found.series));
+        line(format!(
+            "\n{method}, {cameras} cameras, sizes {sizes}, keypoints {keypoints}; {} series:\n",
+            found.series
+        ));
         line(format!("| joint |{}", levels()));
         line(format!("|---|{}", "---|".repeat(LEVELS.len())));
         let pooled: String = found.pooled().into_iter().map(|share| format!(" {} |", percent(share))).collect();
@@ -69,7 +72,10 @@ pub(super) fn markdown(series: &[(Scene, Found)], recordings: &[(Scene, Found)],
         ("Otherwise; hmc, four cameras, sizes of the set-up", "keypoints", false),
     ] {
         line(format!("\n{title}:\n"));
-        line(format!("| {first} | series |{} mean distance from promise | in files, 90 % | error, mm | R-hat above 1.05 |", levels()));
+        line(format!(
+            "| {first} | series |{} mean distance from promise | in files, 90 % | error, mm | R-hat above 1.05 |",
+            levels()
+        ));
         line(format!("|---|---|{}---|---|---|---|", "---|".repeat(LEVELS.len())));
         for (scene, found) in series {
             let Scene::Person { wrong, .. } = scene else { continue };

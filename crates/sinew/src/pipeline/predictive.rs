@@ -300,8 +300,7 @@ mod tests {
 
     /// What is told of a camera that sees twelve keypoints in each of so many frames.
     fn told(errs: Errs, frames: u64) -> Vec<Doubt> {
-        let mut predictive =
-            Predictive::new(["C1".to_owned()].into_iter(), Noise::OutlierFloor { outlier: 0.02 });
+        let mut predictive = Predictive::new(["C1".to_owned()].into_iter(), Noise::OutlierFloor { outlier: 0.02 });
         let mut errors = vec![[0.0; 2]; 12];
         for number in 0..frames {
             let mut normal = [Block::ZERO; 3];
@@ -338,7 +337,10 @@ mod tests {
             assert_eq!(kinds(&doubts), [kind], "{doubts:?}");
             doubts.into_iter().next()
         };
-        let Some(Doubt::Offset { offset_px, frames, usual_px, .. }) = is(Errs { offset_px: 1.0, ..RIGHT }, "offset") else { return };
+        let Some(Doubt::Offset { offset_px, frames, usual_px, .. }) = is(Errs { offset_px: 1.0, ..RIGHT }, "offset")
+        else {
+            return;
+        };
         // 2 px over √(12 · 200) keypoints of each axis.
         assert!((offset_px[0] - 1.0).abs() < 0.2 && offset_px[1].abs() < 0.2 && frames == 200, "{offset_px:?}");
         assert!((usual_px / (2.0_f64 / 1200.0).sqrt() / 2.0 * 2.0_f64.sqrt() - 1.0).abs() < 0.3, "{usual_px}");
@@ -347,7 +349,9 @@ mod tests {
         // Between the cameras alone: the square of 1.5.
         let Some(Doubt::Scatter { ratio, .. }) = is(Errs { disagreement: 2.25, ..RIGHT }, "scatter") else { return };
         assert!((ratio - 1.5).abs() < 0.05, "{ratio}");
-        let Some(Doubt::Outliers { share, expected, .. }) = is(Errs { outlier: 20, ..RIGHT }, "outliers") else { return };
+        let Some(Doubt::Outliers { share, expected, .. }) = is(Errs { outlier: 20, ..RIGHT }, "outliers") else {
+            return;
+        };
         assert!((share - 0.05).abs() < 0.01 && (expected - 0.02).abs() < 1e-3, "{share} {expected}");
         let Some(Doubt::Persistent { cameras }) = is(Errs { persistence: 0.6, ..RIGHT }, "persistence") else { return };
         assert!((cameras[0].1 - 0.6).abs() < 0.1, "{cameras:?}");

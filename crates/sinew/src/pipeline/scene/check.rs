@@ -18,7 +18,8 @@ type Met = Option<(Refined, Vec<usize>)>;
 impl Scene {
     /// Detections that the likelihood uses.
     fn used(&self, camera: usize, k: usize) -> Option<Detection> {
-        let usable = |d: &Detection| d.confidence >= self.model.least_confidence && d.pixel.iter().all(|x| x.is_finite());
+        let usable =
+            |d: &Detection| d.confidence >= self.model.least_confidence && d.pixel.iter().all(|x| x.is_finite());
         self.detections[camera][k].filter(usable)
     }
 
@@ -75,9 +76,7 @@ impl Scene {
         let noise: Vec<CameraNoise> = self.model.views.iter().map(noise).collect();
         let least = self.model.least_confidence;
         SIDES.map(|side| {
-            ends.map(|name| {
-                point_from_views(&self.cameras, &noise, &self.detections, self.place(side, name)?, least)
-            })
+            ends.map(|name| point_from_views(&self.cameras, &noise, &self.detections, self.place(side, name)?, least))
         })
     }
 
