@@ -67,9 +67,11 @@ pub fn panel_with(
         .x_label_area_size(36)
         .y_label_area_size(58)
         .build_cartesian_2d(ends(&|p| [p[0], p[0]]), ends(&|p| [p[2], p[3]]))?;
-    let range = ends(&|p| [p[2], p[3]]);
-    let decimals = if range.end - range.start < 1.0 { 2 } else { usize::from(range.end < 10.0) };
-    let shown = |v: &f64, is: bool| {
+    let decimals = |range: std::ops::Range<f64>| {
+        if range.end - range.start < 1.0 { 2 } else { usize::from(range.end < 10.0) }
+    };
+    let [across, up] = [decimals(ends(&|p| [p[0], p[0]])), decimals(ends(&|p| [p[2], p[3]]))];
+    let shown = |v: &f64, is: bool, decimals: usize| {
         let power = 10_f64.powf(*v);
         if is && power < 0.95 {
             format!("{power:.1}")
@@ -85,8 +87,8 @@ pub fn panel_with(
         .configure_mesh()
         .x_desc(x)
         .y_desc(y)
-        .x_label_formatter(&|v| shown(v, in_decades[0]))
-        .y_label_formatter(&|v| shown(v, in_decades[1]))
+        .x_label_formatter(&|v| shown(v, in_decades[0], across))
+        .y_label_formatter(&|v| shown(v, in_decades[1], up))
         .x_labels(5)
         .y_labels(5)
         .light_line_style(WHITE)
