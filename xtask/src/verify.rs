@@ -2,6 +2,7 @@
 //!
 //! Random checks run in stages until their evidence is clear (the kit's `Control`), so that a rotating seed does not cry wolf: the page says how likely one false alarm among all of them is.
 
+use crate::calibration;
 use clap::Args as ClapArgs;
 use rayon::prelude::*;
 use serde_json::{Value, json};
@@ -51,6 +52,45 @@ impl Done {
     }
 }
 
+/// Checks of the facade, beside those of the layers.
+const OF_PEOPLE: Check = Check {
+    name: "people",
+    claim: "90 % intervals of `sinew track` at its defaults cover 90 ± 3 % where the noise is as assumed",
+    run: people,
+};
+
+fn people(seed: u64, size: Size) -> Vec<Outcome> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap_or(Path::new("."));
+    let reduced = calibration::Size { ranked: 10, ..calibration::Size::NIGHTLY };
+    let length = if size == Size::Full { calibration::Size::NIGHTLY } else { reduced };
+    let series = length.ranked;
+    let found = calibration::check(root, seed, length);
+    let name = format!("coverage of joints, {series} series of simulated people through four cameras");
+    let outcome = match found {
+        Ok(found) => {
+            let at_90 = found.promised.iter().position(|&level| level == 0.9).unwrap_or(0);
+            let (coverage, error) = (found.coverage[at_90], found.error[at_90]);
+            Outcome {
+                name,
+                holds: (coverage - 0.9).abs() <= 0.03 + 2.0 * error,
+                worst: format!("{:.1} ± {:.1} %, 90 ± 3 % and two standard errors", 100.0 * coverage, 100.0 * error),
+                false_alarm_rate: 0.0,
+                statistics: 1,
+                stages: 1,
+            }
+        }
+        Err(error) => {
+            Outcome { name, holds: false, worst: error.to_string(), false_alarm_rate: 0.0, statistics: 1, stages: 1 }
+        }
+    };
+    vec![outcome]
+}
+
+/// Every check there is.
+fn all() -> impl Iterator<Item = &'static Check> {
+    CHECKS.iter().chain([&OF_PEOPLE])
+}
+
 /// Days since 1970.
 fn today() -> u64 {
     SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_secs() / 86_400)
@@ -58,16 +98,15 @@ fn today() -> u64 {
 
 /// Runs the checks.
 pub fn run(root: &Path, args: &Args) -> ExitCode {
-    let known = |name: &String| CHECKS.iter().any(|check| check.name == *name);
+    let known = |name: &String| all().any(|check| check.name == *name);
     if let Some(name) = args.only.iter().find(|name| !known(name)) {
-        let names: Vec<&str> = CHECKS.iter().map(|check| check.name).collect();
+        let names: Vec<&str> = all().map(|check| check.name).collect();
         eprintln!("error: no check is named `{name}`\nhelp: there are {}", names.join(", "));
         return ExitCode::from(2);
     }
     let size = if args.nightly { Size::Full } else { Size::Reduced };
     let seed = args.seed.unwrap_or_else(today);
-    let chosen: Vec<Check> = CHECKS
-        .iter()
+    let chosen: Vec<Check> = all()
         .filter(|check| args.only.is_empty() || args.only.iter().any(|name| name == check.name))
         .copied()
         .collect();
