@@ -141,7 +141,7 @@ fn a_run_killed_at_any_moment_goes_on() {
             has_ended = child.try_wait().unwrap().is_some();
         }
         // The machine may have been busy with other things when the first run was timed.
-        whole_s = if has_ended { whole_s.min(begun.elapsed().as_secs_f64()) } else { whole_s };
+        whole_s = if has_ended && more.len() == 1 { whole_s.min(begun.elapsed().as_secs_f64()) } else { whole_s };
         let _ = child.kill();
         let output = finished(child);
         if has_ended {
