@@ -120,7 +120,7 @@ fn a_run_killed_at_any_moment_goes_on() {
     let clock = Instant::now();
     let output = finished(started(&trial, &[]));
     assert_eq!(output.status.code(), Some(0), "{}", trial.told(&output));
-    let whole_s = clock.elapsed().as_secs_f64();
+    let mut whole_s = clock.elapsed().as_secs_f64();
     fs::remove_dir_all(trial.path("out")).unwrap();
     let (mut kills, mut completed) = (0, 0);
     let mut rng = Stage::new(31, "kill").whole();
@@ -134,8 +134,14 @@ fn a_run_killed_at_any_moment_goes_on() {
             false => &["--threads=1"],
         };
         let mut child = started(&trial, more);
-        std::thread::sleep(Duration::from_secs_f64(whole_s * moment));
-        let has_ended = child.try_wait().unwrap().is_some();
+        let begun = Instant::now();
+        let mut has_ended = false;
+        while !has_ended && begun.elapsed().as_secs_f64() < whole_s * moment {
+            std::thread::sleep(Duration::from_millis(1));
+            has_ended = child.try_wait().unwrap().is_some();
+        }
+        // The machine may have been busy with other things when the first run was timed.
+        whole_s = if has_ended && more.len() == 1 { whole_s.min(begun.elapsed().as_secs_f64()) } else { whole_s };
         let _ = child.kill();
         let output = finished(child);
         if has_ended {
