@@ -72,7 +72,7 @@ pub fn stored_table(series: &Series, runs: usize, seed: u64) -> Vec<Finding> {
         let root = Stage::new(seed, "stored table").round(particles);
         let found: Vec<Errors> = (0..runs).map(|r| run(series, &config, &root.round(r))).collect();
         let worst = found.iter().map(|e| e.log_evidence.abs()).fold(0.0, f64::max);
-        let of = format!("N = {particles}, {runs} runs, seed {seed}");
+        let of = format!("N = {particles}, {runs} runs");
         findings.push(Finding::at_most(format!("largest error of log Z, {of}"), worst, 5.0 * sd, "5 sd"));
         let roots: Vec<f64> = found.iter().map(|e| e.square.sqrt()).collect();
         let [mean, se] = mean_and_error(&roots);

@@ -22,7 +22,6 @@ pub mod outcome;
 pub mod planted_hmc;
 pub mod posteriordb;
 pub mod quadrature;
-pub mod resample_counts;
 pub mod resampling_laws;
 pub mod sampler_invariance;
 pub mod simulators;

@@ -153,7 +153,7 @@ pub fn against_ideal(series: &Series, name: &str, chains: usize, stored: f64, ru
     let [to_move, to_draw] = root.split(["hmc", "ideal"]);
     let found: Vec<Found> = (0..runs).map(|r| hmc(series, chains, &to_move.round(r))).collect();
     let best: Vec<Found> = (0..runs).map(|r| ideal(series, chains, &to_draw.round(r))).collect();
-    let of = format!("{name}, {chains} chains, {runs} runs, seed {seed}");
+    let of = format!("{name}, {chains} chains, {runs} runs");
     let roots = |of: &[Found], value: &dyn Fn(&Found) -> f64| {
         mean_and_error(&of.iter().map(|f| value(f).sqrt()).collect::<Vec<_>>())
     };

@@ -28,17 +28,41 @@ pub fn weight_vectors(seed: u64, count: usize) -> Vec<Vec<f64>> {
     (0..count).map(|_| strategy.new_tree(&mut runner).expect("weights").current()).collect()
 }
 
+/// Weights that have broken other resamplers, normalised.
+fn hard_weights() -> Vec<Vec<f64>> {
+    let mut nearly_one = vec![1e-16 / 7.0; 8];
+    nearly_one[3] = 1.0 - 1e-16;
+    let falling: Vec<f64> = (0..40).map(|i| 0.5_f64.powi(i)).collect();
+    let mut zeros = vec![0.0; 30];
+    (0..30).step_by(3).for_each(|i| zeros[i] = 1.0 + i as f64);
+    let mut all = vec![
+        zeros,
+        nearly_one,
+        vec![5e-324, 0.25, 1e-310, 0.0, 0.75, -0.0, 5e-324],
+        falling,
+        vec![1e300, 3e300, 0.0, 2e300],
+        vec![0.4],
+    ];
+    for weights in &mut all {
+        let largest = weights.iter().copied().fold(0.0, f64::max);
+        let sum: f64 = weights.iter().map(|w| w / largest).sum();
+        weights.iter_mut().for_each(|w| *w = *w / largest / sum);
+    }
+    all
+}
+
 /// Each scheme on weights of all kinds and on equal weights, with fewer, as many and more offspring than weights.
 #[must_use]
 pub fn every_scheme(seed: u64, size: Size) -> Vec<Report> {
     let mut reports = vec![];
     let mut all = weight_vectors(seed, size.pick(6, 60));
     all.extend([vec![1.0], vec![0.25; 4], vec![0.0, 1.0, 0.0]]);
+    all.extend(hard_weights());
     for (scheme, law) in SCHEMES {
         for (i, weights) in all.iter().enumerate() {
             let offspring = [1, weights.len(), 2 * weights.len() + 3][i % 3];
             let config = Resampling {
-                replicates: size.pick(2000, 20_000),
+                replicates: size.pick(2000, 100_000),
                 offspring,
                 law,
                 seed: seed.wrapping_add(i as u64),

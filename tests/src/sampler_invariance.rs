@@ -61,7 +61,7 @@ fn cases() -> Vec<Case> {
 }
 
 /// Moments and the log density, over eight chains.
-fn functions(target: &dyn Exact) -> TestFunctions {
+fn functions(target: &dyn Exact) -> TestFunctions<'static> {
     let own = target.boxed();
     TestFunctions::moments(target.dim()).with("log density", move |x| own.log_density(x)).together(LANES)
 }
@@ -245,7 +245,7 @@ pub fn ranks_in_paths(seed: u64, size: Size) -> Vec<Report> {
 /// Never: its settings are valid.
 #[must_use]
 pub fn long_runs(seed: u64, size: Size) -> Vec<Report> {
-    let config = LongRun { burn_in: 100, draws: size.pick(1500, 40_000), seed, ..LongRun::default() };
+    let config = LongRun { burn_in: 100, draws: size.pick(1500, 62_500), seed, ..LongRun::default() };
     let gaussian = Gaussian::equicorrelated(28, 0.5);
     let pooled = || {
         TestFunctions::none()

@@ -126,7 +126,7 @@ impl PartOfBody {
 
     /// Coordinates about the prior's middle, in its standard deviations: themselves, squares, products of ten pairs, and the log likelihood.
     #[must_use]
-    pub fn functions(&self) -> TestFunctions {
+    pub fn functions(&self) -> TestFunctions<'static> {
         let (of, d, centre) = (self.clone(), self.dim(), self.centre());
         let scaled = move |x: &[f64], i: usize| (x[i] - centre[i]) / PRIOR_SD;
         let mut all = TestFunctions::none();

@@ -43,7 +43,7 @@ fn a_search_is_not_calibrated() {
     calibrated::annealed(1, Size::Reduced).0.assert_fails();
 }
 
-/// J3. Three scores at |z| < 4.5.
+/// J3. Three scores at |z| < 4.
 #[test]
 fn filters_err_as_much_as_they_say() {
     demand(&normalised_errors(1, Size::Reduced));

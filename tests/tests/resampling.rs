@@ -7,8 +7,6 @@ use sinew::core::transition::Transition;
 use sinew::samplers::particles::{Particles, aggregate, predict, resample, reweight, start};
 use sinew::samplers::resample::{Scheme, keep_once_refill};
 use sinew::samplers::weights::normalise;
-use sinew_tests::finding::demand;
-use sinew_tests::resample_counts::all_counts;
 
 const SCHEMES: [Scheme; 4] = [Scheme::Multinomial, Scheme::Residual, Scheme::Stratified, Scheme::Systematic];
 
@@ -136,12 +134,6 @@ fn the_stream_alone_decides() {
             assert!(z.abs() < 4.5, "{scheme:?}, weight {i}: z = {z}");
         }
     }
-}
-
-/// `resample-unbiased`: zeros, denormals, one weight of 1 − 1e-16, sizes from 1 to 1000. 72 largest |z| of up to 40 counts each: false alarm 1e-2, with one fixed seed.
-#[test]
-fn counts_are_unbiased_for_weights_that_hurt() {
-    demand(&all_counts(4000, 1));
 }
 
 /// A walk in one dimension.

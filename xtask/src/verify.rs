@@ -70,10 +70,16 @@ fn people(seed: u64, size: Size) -> Vec<Outcome> {
         Ok(found) => {
             let at_90 = found.promised.iter().position(|&level| level == 0.9).unwrap_or(0);
             let (coverage, error) = (found.coverage[at_90], found.error[at_90]);
+            // Few series scatter beyond the target; the full size has none to spare.
+            let allowance = if size == Size::Full { 0.0 } else { 2.0 };
             Outcome {
                 name,
-                holds: (coverage - 0.9).abs() <= 0.03 + 2.0 * error,
-                worst: format!("{:.1} ± {:.1} %, 90 ± 3 % and two standard errors", 100.0 * coverage, 100.0 * error),
+                holds: (coverage - 0.9).abs() <= 0.03 + allowance * error,
+                worst: format!(
+                    "{:.1} ± {:.1} %, 90 ± 3 % and {allowance} standard errors",
+                    100.0 * coverage,
+                    100.0 * error
+                ),
                 false_alarm_rate: 0.0,
                 statistics: 1,
                 stages: 1,
@@ -152,7 +158,7 @@ fn summary(done: &[Done], seconds: f64) -> String {
     let statistics: usize = done.iter().flat_map(|d| &d.outcomes).map(|o| o.statistics).sum();
     let verdict = if failed.is_empty() { "all hold".into() } else { format!("FAILED: {}", failed.join(", ")) };
     format!(
-        "{verdict}; {} checks ({skipped} skipped for want of data), {findings} findings, {statistics} statistics, {:.1} minutes; chance of a false alarm at most {:.1e}",
+        "{verdict}; {} checks ({skipped} skipped for want of data), {findings} findings, {statistics} statistics, {:.1} minutes; chance of a false alarm at most {:.1e} for those that state one",
         done.len(),
         seconds / 60.0,
         false_alarms(done),

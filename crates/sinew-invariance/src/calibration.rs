@@ -6,7 +6,7 @@
 //! Shapes of the histogram have names: ∪ intervals too narrow, ∩ too wide, a slope a bias, a spike at an end draws that are correlated or stuck.
 
 use crate::exact_rank::Tally;
-use crate::p_values::uniform_counts;
+use crate::p_values::against_expected;
 use crate::sequential::{About, Control, Measured, run};
 use crate::{Report, TestFunctions};
 use sinew_core::random::{BlockRng, Stage};
@@ -18,7 +18,7 @@ pub struct Calibration {
     pub data_sets: usize,
     /// Posterior draws n for each; thin chains until neighbours hardly know of each other.
     pub draws: usize,
-    /// Most bins of the histogram; as many are used as divide n + 1.
+    /// Bins of the histogram; fewer where there are fewer than five data sets a bin.
     pub bins: usize,
     /// Seed.
     pub seed: u64,
@@ -48,17 +48,21 @@ const SHOWS: &str = "intervals from these draws do not cover what they say: the 
 /// Tests `posterior(y, n, rng)`, which returns n draws, against `prior(rng)` and `simulate(θ, rng)`. Test functions see θ followed by y.
 ///
 /// # Panics
-/// When `posterior` returns another number of draws than it was asked for.
+/// When `posterior` returns another number of draws than it was asked for, and without a data set, a draw and a test function.
 pub fn calibration(
     config: &Calibration,
     mut prior: impl FnMut(&mut BlockRng) -> Vec<f64>,
     mut simulate: impl FnMut(&[f64], &mut BlockRng) -> Vec<f64>,
     mut posterior: impl FnMut(&[f64], usize, &mut BlockRng) -> Vec<Vec<f64>>,
-    functions: &TestFunctions,
+    functions: &TestFunctions<'_>,
 ) -> (Report, Ranks) {
     let stages = Stage::new(config.seed, "calibration");
     let draws = config.draws;
-    let bins = equal_bins(draws + 1, config.bins);
+    assert!(config.data_sets > 0 && draws > 0, "at least one data set and one draw");
+    functions.assert_some();
+    // Five data sets a bin at least: fewer are too few for χ².
+    let bins = config.bins.min(draws + 1).min(config.data_sets / 5).max(2);
+    let every_rank: Vec<usize> = (0..=draws).collect();
     let mut ranks = Ranks { names: functions.names().to_vec(), ranks: vec![], draws };
     let measured =
         |sets| format!("ranks of the truth among {draws} posterior draws for each of {sets} data sets, in {bins} bins");
@@ -80,7 +84,7 @@ pub fn calibration(
             ranks.ranks.iter_mut().zip(&tallies).for_each(|(ranks, tally)| ranks.push(tally.rank(&mut rng)));
         }
         let found = ranks.names.iter().zip(&ranks.ranks).flat_map(|(name, ranks)| {
-            let (value, p) = uniform_counts(&histogram(ranks, draws, bins));
+            let (value, p) = against_expected(&histogram(ranks, draws, bins), &histogram(&every_rank, draws, bins));
             let distance = distance_from_uniform(ranks, draws);
             [
                 Measured { name: format!("χ² of the ranks of {name}"), value, p },
@@ -96,12 +100,7 @@ pub fn calibration(
     (report, ranks)
 }
 
-/// The largest number of bins, at most `wanted`, that divides the number of ranks; where that is 1, a bin a rank.
-fn equal_bins(ranks: usize, wanted: usize) -> usize {
-    (2..=wanted.min(ranks)).rev().find(|bins| ranks.is_multiple_of(*bins)).unwrap_or(ranks)
-}
-
-/// Counts of ranks 0 … `draws` in bins of as equal size as possible, bin ⌊rank · bins / (draws + 1)⌋. Uniform ranks fill them equally where `bins` divides `draws` + 1; [`calibration`] rounds down to such a number.
+/// Counts of ranks 0 … `draws` in bins bin ⌊rank · bins / (draws + 1)⌋. Uniform ranks fill them equally where `bins` divides `draws` + 1.
 #[must_use]
 pub fn histogram(ranks: &[usize], draws: usize, bins: usize) -> Vec<u64> {
     let mut counts = vec![0; bins];
@@ -139,7 +138,6 @@ mod tests {
         let ranks: Vec<usize> = (0..100).collect();
         assert_eq!(histogram(&ranks, 99, 20), [5; 20]);
         assert!(distance_from_uniform(&ranks, 99) < 1e-12);
-        assert_eq!((equal_bins(100, 20), equal_bins(100, 30), equal_bins(101, 20)), (20, 25, 101));
         assert_eq!(histogram(&[0, 0, 99], 99, 4), [2, 0, 0, 1]);
         assert!((distance_from_uniform(&[0; 10], 99) - 0.99).abs() < 1e-12);
     }

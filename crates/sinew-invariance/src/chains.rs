@@ -37,8 +37,10 @@ fn series(
     stage: &Stage,
     starts: &[Vec<f64>],
     transition: &mut impl FnMut(&[f64], &mut BlockRng) -> Vec<f64>,
-    functions: &TestFunctions,
+    functions: &TestFunctions<'_>,
 ) -> Vec<Vec<Vec<f64>>> {
+    assert!(draws > 0 && !starts.is_empty(), "at least one chain and one draw");
+    functions.assert_some();
     let mut all = vec![vec![Vec::with_capacity(draws); starts.len()]; functions.names().len()];
     for (chain, start) in starts.iter().enumerate() {
         let mut rng = stage.block(chain as u32);
@@ -61,12 +63,12 @@ const LEAST_EFFECTIVE: f64 = 100.0;
 /// The errors rest on Geyer's estimate of the autocorrelation time: give the chains hundreds of times that length, or the rate of false alarms is larger than stated. Fewer than a hundred effective draws fail: they prove nothing.
 ///
 /// # Panics
-/// When `expected` has another length than the test functions.
+/// When `expected` has another length than the test functions, and without a chain, a draw and a test function.
 pub fn long_run(
     config: &LongRun,
     starts: &[Vec<f64>],
     mut transition: impl FnMut(&[f64], &mut BlockRng) -> Vec<f64>,
-    functions: &TestFunctions,
+    functions: &TestFunctions<'_>,
     expected: &[f64],
 ) -> Report {
     assert_eq!(expected.len(), functions.names().len(), "one expected value for each test function");
@@ -105,11 +107,14 @@ pub fn long_run(
 /// Autocorrelation time and R̂ of a set of runs.
 ///
 /// The report holds when split R̂ and rank-normalised R̂ of every test function are at most `r_hat`, 1.01 for instance, and every autocorrelation time is at most `time` steps. The bounds are yours: no rate of false alarms belongs to them.
+///
+/// # Panics
+/// Without a chain, a draw and a test function.
 pub fn mixing(
     config: &LongRun,
     starts: &[Vec<f64>],
     mut transition: impl FnMut(&[f64], &mut BlockRng) -> Vec<f64>,
-    functions: &TestFunctions,
+    functions: &TestFunctions<'_>,
     r_hat: f64,
     time: f64,
 ) -> Report {

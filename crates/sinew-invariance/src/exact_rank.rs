@@ -6,6 +6,7 @@
 //! A reversible kernel (every Metropolis–Hastings kernel with one proposal) is its own reversal. A sweep over coordinates in a fixed order is not: its reversal sweeps the other way.
 
 use crate::draws::index;
+use crate::exact_start::Moved;
 use crate::p_values::uniform_counts;
 use crate::sequential::{About, Control, Measured, run};
 use crate::{Report, TestFunctions};
@@ -33,18 +34,24 @@ impl Default for ExactRank {
 const SHOWS: &str = "the kernel does not keep its target, or the backward kernel is not its reversal: detailed balance is broken, for instance by a sweep in fixed order that is tested as if it were reversible";
 
 /// Tests a kernel together with its reversal; a reversible kernel is given twice.
+///
+/// # Panics
+/// Without a path, a step and a test function.
 pub fn exact_rank(
     config: &ExactRank,
     mut draw: impl FnMut(&mut BlockRng) -> Vec<f64>,
     mut forward: impl FnMut(&[f64], &mut BlockRng) -> Vec<f64>,
     mut backward: impl FnMut(&[f64], &mut BlockRng) -> Vec<f64>,
-    functions: &TestFunctions,
+    functions: &TestFunctions<'_>,
 ) -> Report {
     let stages = Stage::new(config.seed, "exact ranks");
-    let ranks = config.steps.max(1) + 1;
+    assert!(config.paths > 0 && config.steps > 0, "at least one path and one step");
+    functions.assert_some();
+    let ranks = config.steps + 1;
+    let mut moved = Moved::default();
     let measured = |paths| format!("{paths} paths of {ranks} states through a draw from the target at a random place");
     let about = About { test: "exact ranks", would_show: SHOWS, seed: config.seed, measured: &measured };
-    run(&config.control, &about, config.paths, |paths, stage| {
+    let mut report = run(&config.control, &about, config.paths, |paths, stage| {
         let mut rng = stages.round(stage).whole();
         let mut counts = vec![vec![0; ranks]; functions.names().len()];
         for _ in 0..paths {
@@ -64,9 +71,11 @@ pub fn exact_rank(
                             .zip(values)
                             .for_each(|((tally, &at), value)| tally.add(at, value));
                     }
+                    state != start
                 };
-            walk(place, &mut backward, &mut rng);
-            walk(ranks - 1 - place, &mut forward, &mut rng);
+            let moved_back = walk(place, &mut backward, &mut rng);
+            let moved_on = walk(ranks - 1 - place, &mut forward, &mut rng);
+            moved.add(moved_back || moved_on);
             for (counts, tally) in counts.iter_mut().zip(&tallies) {
                 counts[tally.rank(&mut rng)] += 1;
             }
@@ -76,7 +85,9 @@ pub fn exact_rank(
             Measured { name: format!("χ² of the ranks of {name}"), value, p }
         });
         found.collect()
-    })
+    });
+    report.statistics.push(moved.statistic());
+    report
 }
 
 /// How many values lie below, and how many at, the one whose rank is asked for.

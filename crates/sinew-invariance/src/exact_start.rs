@@ -40,15 +40,20 @@ const SHOWS: &str = "the kernel does not keep its target: a wrong acceptance rat
      A wrong gradient passes: it costs acceptance only";
 
 /// Tests `transition` against exact draws of its target.
+///
+/// # Panics
+/// Without two starts, a step and a test function.
 pub fn exact_start(
     config: &ExactStart,
     mut draw: impl FnMut(&mut BlockRng) -> Vec<f64>,
     mut transition: impl FnMut(&[f64], &mut BlockRng) -> Vec<f64>,
-    functions: &TestFunctions,
+    functions: &TestFunctions<'_>,
 ) -> Report {
     let [pilot, stages] = Stage::new(config.seed, "exact start").split(["pilot", "stages"]);
     let medians = medians(&mut draw, functions, &mut pilot.whole());
     let steps = config.steps;
+    assert!(config.starts > 1 && steps > 0, "at least two starts and one step");
+    functions.assert_some();
     let measured =
         |starts| format!("{starts} starts drawn from the target, each moved by {steps} step(s), compared pair by pair");
     let about = About { test: "exact start", would_show: SHOWS, seed: config.seed, measured: &measured };
@@ -114,7 +119,7 @@ impl Moved {
 /// Medians of the test functions over a few draws.
 fn medians(
     draw: &mut impl FnMut(&mut BlockRng) -> Vec<f64>,
-    functions: &TestFunctions,
+    functions: &TestFunctions<'_>,
     rng: &mut BlockRng,
 ) -> Vec<f64> {
     let values: Vec<Vec<f64>> = (0..PILOT).map(|_| functions.at(&draw(rng))).collect();

@@ -24,12 +24,14 @@ pub struct Integrator<'a> {
 /// A place to start from: q and p.
 pub type Start = (Vec<f64>, Vec<f64>);
 
+/// The larger number, or NaN: `max` would drop it.
+fn worse(a: f64, b: f64) -> f64 {
+    if b > a || b.is_nan() { b } else { a }
+}
+
 fn largest_difference(a: &[f64], b: &[f64]) -> f64 {
-    // NaN is kept: `max` would drop it.
-    a.iter()
-        .zip(b)
-        .map(|(a, b)| (a - b).abs() / b.abs().max(1.0))
-        .fold(0.0, |m, e| if e > m || e.is_nan() { e } else { m })
+    assert_eq!(a.len(), b.len(), "the map keeps the dimension");
+    a.iter().zip(b).map(|(a, b)| (a - b).abs() / b.abs().max(1.0)).fold(0.0, worse)
 }
 
 fn at_most(name: String, value: f64, most: f64) -> Statistic {
@@ -43,7 +45,7 @@ pub fn reversibility(integrator: &Integrator<'_>, starts: &[Start], step: f64, s
         let (there, momentum) = (integrator.map)(q, p, step, steps);
         let (back, momentum) = (integrator.map)(&there, &negated(&momentum), step, steps);
         let moved = largest_difference(&there, q);
-        let error = largest_difference(&back, q).max(largest_difference(&negated(&momentum), p));
+        let error = worse(largest_difference(&back, q), largest_difference(&negated(&momentum), p));
         // A map that goes nowhere is reversible and useless.
         let error = if moved > 0.0 { error } else { f64::NAN };
         at_most(

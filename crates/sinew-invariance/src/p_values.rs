@@ -20,9 +20,15 @@ pub(crate) fn of_signs(up: u64, down: u64) -> f64 {
 
 /// χ² of counts against equal expectations, with its p-value.
 pub(crate) fn uniform_counts(counts: &[u64]) -> (f64, f64) {
-    let total: u64 = counts.iter().sum();
-    let expected = total as f64 / counts.len() as f64;
-    let value = counts.iter().map(|&c| (c as f64 - expected).powi(2) / expected).sum();
+    against_expected(counts, &vec![1; counts.len()])
+}
+
+/// χ² of counts against expectations in these proportions, with its p-value.
+pub(crate) fn against_expected(counts: &[u64], proportions: &[u64]) -> (f64, f64) {
+    let sum = |of: &[u64]| of.iter().sum::<u64>() as f64;
+    let scale = sum(counts) / sum(proportions);
+    let one = |(&c, &p): (&u64, &u64)| (c as f64 - scale * p as f64).powi(2) / (scale * p as f64);
+    let value = counts.iter().zip(proportions).map(one).sum();
     (value, of_chi_square(value, counts.len() - 1))
 }
 

@@ -3,17 +3,17 @@
 /// Named functions of a state.
 ///
 /// [`TestFunctions::moments`] is where to begin. Add what your target is about: its log density (the strongest single function for a wrong temperature or step), the indicator of a mode, a ratio that matters to you.
-pub struct TestFunctions {
+pub struct TestFunctions<'a> {
     names: Vec<String>,
-    evaluate: Vec<Function>,
+    evaluate: Vec<Function<'a>>,
 }
 
-type Function = Box<dyn Fn(&[f64]) -> f64>;
+type Function<'a> = Box<dyn Fn(&[f64]) -> f64 + 'a>;
 
 /// Most products of two coordinates in [`TestFunctions::moments`].
 const PAIRS: usize = 10;
 
-impl TestFunctions {
+impl<'a> TestFunctions<'a> {
     /// No function yet.
     #[must_use]
     pub fn none() -> Self {
@@ -37,7 +37,7 @@ impl TestFunctions {
 
     /// One more.
     #[must_use]
-    pub fn with(mut self, name: impl Into<String>, function: impl Fn(&[f64]) -> f64 + 'static) -> Self {
+    pub fn with(mut self, name: impl Into<String>, function: impl Fn(&[f64]) -> f64 + 'a) -> Self {
         self.names.push(name.into());
         self.evaluate.push(Box::new(function));
         self
@@ -46,14 +46,27 @@ impl TestFunctions {
     /// For a kernel that moves `chains` states together: its state is theirs one after the other, and each function becomes its mean over them.
     ///
     /// # Panics
-    /// When `chains` is 0.
+    /// When `chains` is 0; later, when a state is not that of so many chains.
     #[must_use]
     pub fn together(self, chains: usize) -> Self {
         assert!(chains > 0, "a kernel moves at least one state");
-        let pooled = |function: Function| -> Function {
-            Box::new(move |x: &[f64]| x.chunks_exact(x.len() / chains).map(&*function).sum::<f64>() / chains as f64)
+        let pooled = |function: Function<'a>| -> Function<'a> {
+            Box::new(move |x: &[f64]| {
+                assert!(
+                    !x.is_empty() && x.len().is_multiple_of(chains),
+                    "{} numbers are no states of {chains} chains",
+                    x.len()
+                );
+                x.chunks_exact(x.len() / chains).map(&*function).sum::<f64>() / chains as f64
+            })
         };
         Self { names: self.names, evaluate: self.evaluate.into_iter().map(pooled).collect() }
+    }
+
+    /// Panics when there is none: a test that looks at nothing passes.
+    #[track_caller]
+    pub(crate) fn assert_some(&self) {
+        assert!(!self.names.is_empty(), "at least one test function");
     }
 
     /// Their names.

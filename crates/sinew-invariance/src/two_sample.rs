@@ -12,14 +12,19 @@ use sinew_core::random::{BlockRng, Stage};
 const SHOWS: &str = "the kernel changes the shape of its target: a mode lost or visited too often, tails cut, an edge that holds too much or too little";
 
 /// Tests `transition` against exact draws of its target. Both samples have `config.starts` draws.
+///
+/// # Panics
+/// Without two starts, a step and a test function.
 pub fn two_sample(
     config: &ExactStart,
     mut draw: impl FnMut(&mut BlockRng) -> Vec<f64>,
     mut transition: impl FnMut(&[f64], &mut BlockRng) -> Vec<f64>,
-    functions: &TestFunctions,
+    functions: &TestFunctions<'_>,
 ) -> Report {
     let stages = Stage::new(config.seed, "two samples");
     let steps = config.steps;
+    assert!(config.starts > 1 && steps > 0, "at least two starts and one step");
+    functions.assert_some();
     let measured = |draws| format!("{draws} draws from the target beside {draws} that were moved by {steps} step(s)");
     let about = About { test: "two samples", would_show: SHOWS, seed: config.seed, measured: &measured };
     let mut share = Moved::default();

@@ -135,6 +135,8 @@ fn exact_ranks_see_a_sweep_that_is_not_its_own_reversal() {
     exact_rank(&config, draw, gibbs([0, 1]), gibbs([0, 1]), &functions()).assert_fails();
     let right = walk(&target, 0.7, metropolis);
     exact_rank(&config, draw, &right, &right, &functions()).assert_holds();
+    let still = |x: &[f64], _: &mut BlockRng| x.to_vec();
+    exact_rank(&ExactRank::default(), draw, still, still, &functions()).assert_fails();
     let wrong = walk(&target, 0.7, |_, _, _| true);
     exact_rank(&ExactRank::default(), draw, &wrong, &wrong, &functions()).assert_fails();
 }
@@ -163,6 +165,18 @@ fn geweke_sees_another_noise_level_than_the_simulators() {
     let functions = TestFunctions::moments(1);
     geweke(&Geweke::default(), prior, simulate, kernel(1.0), &functions).assert_holds();
     geweke(&Geweke::default(), prior, simulate, kernel(0.7), &functions).assert_fails();
+}
+
+/// Data with a covariate that never changes, and is no sum of powers of two.
+#[test]
+fn constants_are_no_finding() {
+    let simulate = |theta: &[f64], rng: &mut BlockRng| vec![theta[0] + normals(1, rng)[0], 0.3];
+    let kernel = |theta: &[f64], y: &[f64], rng: &mut BlockRng| {
+        let (mean, spread) = posterior(&y[..1], 1.0);
+        walk(&Gaussian::new(vec![mean], vec![vec![spread]]), 0.8, metropolis)(theta, rng)
+    };
+    let prior = |rng: &mut BlockRng| normals(1, rng);
+    geweke(&Geweke::default(), prior, simulate, kernel, &TestFunctions::moments(3)).assert_holds();
 }
 
 #[test]
@@ -230,6 +244,8 @@ fn integrators_are_told_apart() {
     reversibility(&by_position, &starts, 0.1, 20, 1e-10).assert_fails();
     volume(&by_position, &starts[..5], 0.1, 3, 1e-7).assert_fails();
 
+    let lost = |q: &[f64], p: &[f64], h: f64, n: usize| (leapfrog(&target, q, p, h, n).0, vec![f64::NAN; 2]);
+    reversibility(&Integrator { map: &lost, energy: &energy }, &starts, 0.1, 20, 1e-10).assert_fails();
     let still = |q: &[f64], p: &[f64], _: f64, _: usize| (q.to_vec(), p.to_vec());
     reversibility(&Integrator { map: &still, energy: &energy }, &starts, 0.1, 20, 1e-10).assert_fails();
 }
@@ -293,6 +309,21 @@ fn resampling_is_held_to_its_law() {
         parents
     };
     resampling(&Resampling::default(), &weights, favoured).assert_fails();
+}
+
+/// Indices with some 30 expected offspring, where a z-score would cry wolf: 1000 tests at a rate of 0.01, with 4.5 standard errors to spare.
+#[test]
+fn false_alarms_of_rare_counts_keep_the_stated_rate() {
+    let weights = [0.003, 0.003, 0.003, 0.991];
+    let multinomial =
+        |w: &[f64], n: usize, rng: &mut BlockRng| (0..n).map(|_| systematic(w, 1, rng)[0]).collect::<Vec<_>>();
+    let failed = (0..1000).filter(|&seed| {
+        let control = Control { false_alarm_rate: 0.01, stages: 1, growth: 1 };
+        let config = Resampling { replicates: 1000, offspring: 10, seed, control, ..Resampling::default() };
+        !resampling(&config, &weights, multinomial).holds()
+    });
+    let rate = failed.count() as f64 / 1000.0;
+    assert!(rate < 0.01 + 4.5 * (0.0099_f64 / 1000.0).sqrt(), "{rate}");
 }
 
 #[test]
