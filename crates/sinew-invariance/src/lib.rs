@@ -1,3 +1,5 @@
+//! Does a Markov kernel keep its target, does it reach it, do its intervals cover what they say.
+//!
 #![doc = include_str!("../README.md")]
 
 pub mod calibration;
