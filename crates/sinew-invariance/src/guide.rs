@@ -66,7 +66,7 @@
 //!
 //! # When the target has no exact draws
 //!
-//! A posterior can be drawn from jointly with its data: draw the parameters from the prior, then data given them. That is all that [`crate::geweke`] and [`crate::calibration`] need. Here the mean θ ~ N(0, 1) of five observations of variance 1,
+//! A posterior can be drawn from jointly with its data: draw the parameters from the prior, then data given them. That is all that [`crate::geweke`] and [`crate::calibration()`] need. Here the mean θ ~ N(0, 1) of five observations of variance 1,
 //! sampled by a kernel that believes in a variance of 0.5:
 //!
 //! ```
