@@ -15,6 +15,7 @@
 //!
 //! [`ResultFolder::keep`] says how far the files go, for a [`crate::checkpoint`]. A run that is stopped in between leaves readable `*.partial` files and no summary.
 
+mod chunks;
 mod claim;
 mod coordinates;
 mod draws;
@@ -158,6 +159,7 @@ impl ResultFolder {
             &mut self.coordinates.file,
             &mut self.skeleton.file,
             &mut self.journal.file,
+            &mut self.draws.whole.file,
         ];
         Ok(Written {
             frames: self.frames,

@@ -74,6 +74,58 @@ fn a_cut_or_flipped_checkpoint_is_refused() {
     assert!(matches!(Checkpoint::decode(&longer), Err(Problem::Length { .. })));
 }
 
+/// A bit flipped in any whole chunk of the draws, or a chunk removed, is refused by name; as it was, the run goes on to the same files.
+#[test]
+fn a_changed_or_missing_chunk_is_refused() {
+    let settings = [("method", "bootstrap"), ("particles", "8"), ("draws", "1"), ("body", "cf28")];
+    let whole = Whole::lasting(150, &settings);
+    let out = whole.folder.path().join("out");
+    whole.run(&out, 1, Some(130), None).unwrap();
+    let refused = |path: &Path| {
+        let from = checkpoint::read(&out).unwrap();
+        assert_eq!(from.done, 130);
+        match whole.run(&out, 1, None, Some(from)) {
+            Err(sinew::Error::Checkpoint { problem, .. }) => {
+                assert_eq!(*problem, Problem::Changed { path: path.to_owned() });
+            }
+            other => panic!("{}: {other:?}", path.display()),
+        }
+    };
+    // The run that was interrupted gave the store its name; who goes on takes that back.
+    let [named, store] = ["posterior.zarr", "posterior.zarr.partial"].map(|name| out.join(name));
+    let arrays: Vec<(&str, Vec<usize>)> = vec![
+        ("posterior/angle", vec![0, 0, 1, 0]),
+        ("posterior/root", vec![0, 0, 0, 0]),
+        ("posterior/marker_position", vec![0, 0, 1, 0, 0]),
+        ("posterior/frame", vec![0]),
+        ("posterior/time", vec![1]),
+        ("sample_stats/ess", vec![0, 0]),
+        ("sample_stats/log_weight", vec![0, 0, 1]),
+        ("observed_data/pixel", vec![1, 0, 0, 0]),
+        ("observed_data/confidence", vec![0, 0, 0]),
+    ];
+    let mut checked = 0;
+    for (array, indices) in arrays {
+        let key = indices.iter().fold(format!("{array}/c"), |key, index| format!("{key}/{index}"));
+        let path = if store.exists() { store.join(&key) } else { named.join(&key) };
+        let bytes = fs::read(&path).unwrap();
+        let mut flipped = bytes.clone();
+        flipped[bytes.len() / 2] ^= 1 << (checked % 8);
+        fs::write(&path, &flipped).unwrap();
+        let path = store.join(&key);
+        refused(&path);
+        fs::write(&path, &bytes[..bytes.len() - 1]).unwrap();
+        refused(&path);
+        fs::remove_file(&path).unwrap();
+        refused(&path);
+        fs::write(&path, &bytes).unwrap();
+        checked += 1;
+    }
+    let from = checkpoint::read(&out).unwrap();
+    assert!(whole.run(&out, 2, None, Some(from)).unwrap().summary.complete);
+    assert!(common::synthetic::results(&out) == whole.files);
+}
+
 /// A trial with a set-up, so that runs are short.
 fn prepared() -> Trial {
     let trial = trial(1.0);
@@ -267,7 +319,7 @@ fn what_cannot_go_on_says_why() {
     let older = Checkpoint { program: "0.0.1".into(), ..Checkpoint::decode(&bytes).unwrap() };
     insta::assert_snapshot!("other_version", with(&older.encode().unwrap()));
     let mut newer = bytes[..bytes.len() - 4].to_vec();
-    newer[16] = 2;
+    newer[16] = 3;
     newer.extend(common::crc32(&newer).to_le_bytes());
     insta::assert_snapshot!("other_format", with(&newer));
     fs::write(&path, &bytes).unwrap();

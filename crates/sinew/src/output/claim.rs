@@ -36,8 +36,14 @@ pub const RESULT_NAMES: [&str; 13] = [
 ];
 
 /// What a run keeps in its folder to go on after a stop; gone when it is complete. In the order in which they go then.
-pub const OWN_NAMES: [&str; 5] =
-    ["diagnostics.partial", "smooth.partial", "trajectories.partial", "checkpoint.bin.partial", checkpoint::NAME];
+pub const OWN_NAMES: [&str; 6] = [
+    "diagnostics.partial",
+    "chunks.partial",
+    "smooth.partial",
+    "trajectories.partial",
+    "checkpoint.bin.partial",
+    checkpoint::NAME,
+];
 
 /// A folder that this process alone may write.
 #[must_use]
