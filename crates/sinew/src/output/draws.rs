@@ -16,7 +16,7 @@ use sinew_formats::zarr::inference_data::{self, Run};
 use sinew_formats::zarr::{Constant, DataType, Labels, Store, Values, Variable, Writer};
 use std::collections::BTreeSet;
 use std::io::{self, Write as _};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// The end of the keys that hold no numbers: they are written anew by whoever goes on.
@@ -26,7 +26,7 @@ const METADATA: &str = "zarr.json";
 struct FolderStore {
     storage: Arc<dyn Storage>,
     folder: PathBuf,
-    /// Written and not yet synced.
+    /// Written and not yet synced, with the folders that got a name.
     unsynced: BTreeSet<PathBuf>,
     /// Rows of the list for what was written last.
     rows: Vec<u8>,
@@ -54,14 +54,18 @@ impl FolderStore {
 impl Store for FolderStore {
     fn put(&mut self, key: &str, bytes: &[u8]) -> io::Result<()> {
         let path = self.folder.join(key);
+        let is_new = !path.exists();
         let created = match (self.storage.create(&path), path.parent()) {
             (Err(error), Some(parent)) if error.kind() == io::ErrorKind::NotFound => {
                 self.storage.create_folder(parent)?;
+                let above = parent.ancestors().skip(1).take_while(|folder| folder.starts_with(&self.folder));
+                self.unsynced.extend(above.map(Path::to_owned));
                 self.storage.create(&path)
             }
             (created, _) => created,
         };
         created?.write_all(bytes)?;
+        self.unsynced.extend(path.parent().filter(|_| is_new).map(Path::to_owned));
         self.unsynced.insert(path);
         if !key.ends_with(METADATA) {
             self.rows.extend(ChunkList::row(key, bytes));
@@ -125,7 +129,12 @@ impl DrawStore {
                 info.body.links()[*link].parent.is_none() && matches!(joint, Joint::Translate(a) if a.index() == axis)
             })
         };
-        let store = FolderStore { storage: Arc::clone(storage), folder: partial.clone(), unsynced: BTreeSet::new(), rows: vec![] };
+        let store = FolderStore {
+            storage: Arc::clone(storage),
+            folder: partial.clone(),
+            unsynced: BTreeSet::new(),
+            rows: vec![],
+        };
         let mut writer = Writer::create(store, schema(info, &rotations)).map_err(Error::io("write", &partial))?;
         if let Some(OpenChunks { frames, chunks }) = from {
             let resumed = writer.resume(*frames, chunks, FolderStore::remove);
