@@ -7,6 +7,7 @@ use common::{TRACK, Trial, files, trial};
 use sinew::checkpoint::{self, Checkpoint, Problem};
 use sinew::core::random::Stage;
 use std::fs;
+use std::io::{BufRead as _, BufReader};
 use std::path::Path;
 use std::process::{Child, Output, Stdio};
 use std::time::{Duration, Instant};
@@ -220,6 +221,104 @@ fn a_run_killed_at_any_moment_goes_on() {
         assert_eq!(output.status.code(), Some(0), "{}", trial.told(&output));
         assert!(same_results(&trial, "out"));
     }
+}
+
+/// Killed while it smooths: the backward pass is done again, and gives the files of a whole run.
+#[test]
+fn a_run_killed_while_smoothing_goes_on() {
+    let trial = prepared();
+    fs::remove_dir_all(trial.path("whole")).unwrap();
+    let output = trial.track(&["-owhole", SETUP, "--smooth"]);
+    assert_eq!(output.status.code(), Some(0), "{}", trial.told(&output));
+    let mut killed = 0;
+    for _ in 0..4 {
+        let mut child = started(&trial, &["--smooth", "--threads=1"]);
+        // The backward pass creates the file of trajectories; it is gone at the end.
+        while !trial.path("out/trajectories.partial").exists() && child.try_wait().unwrap().is_none() {
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        let _ = child.kill();
+        finished(child);
+        if !trial.path("out/summary.json").exists() {
+            let from = checkpoint::read(&trial.path("out")).unwrap();
+            assert!(from.done == from.frames.end && from.spool.is_some());
+            killed += 1;
+            let output = finished(started(&trial, &["--smooth", "--resume", "--threads=2"]));
+            let told = trial.told(&output);
+            assert_eq!(output.status.code(), Some(0), "{told}");
+            let note = "left its lock in out; it is gone, the lock is taken over";
+            assert!(told.lines().any(|line| line.starts_with("process ") && line.ends_with(note)), "{told}");
+        }
+        assert!(same_results(&trial, "out"));
+        fs::remove_dir_all(trial.path("out")).unwrap();
+    }
+    assert!(killed > 0);
+}
+
+/// Killed before its first frame, a run has nothing to go on with, and that is said; it begins anew without a word of force.
+#[test]
+fn a_run_killed_in_its_set_up_is_begun_anew() {
+    let trial = trial(1.0);
+    let arguments: Vec<&str> = TRACK.iter().copied().filter(|argument| *argument != "--no-progress").collect();
+    let mut child = trial
+        .command(&[&arguments[..], &common::QUICK, &["-oout"]].concat())
+        .stdout(Stdio::null())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let mut lines = BufReader::new(child.stderr.take().unwrap()).lines();
+    assert!(lines.any(|line| line.unwrap().starts_with("set-up: 10 %")));
+    child.kill().unwrap();
+    child.wait().unwrap();
+    assert!(!trial.path("out").join(checkpoint::NAME).exists());
+    let output = trial.track(&["--resume"]);
+    let told = trial.told(&output);
+    let lines: Vec<&str> = told.lines().filter(|line| !line.contains("left its lock in")).collect();
+    insta::assert_snapshot!("killed_in_set_up", lines.join("\n"));
+    let output = trial.track(&[]);
+    assert_eq!(output.status.code(), Some(0), "{}", trial.told(&output));
+}
+
+/// Complete results are left alone only if they are those of the settings and data that are given.
+#[test]
+fn complete_results_are_compared() {
+    let trial = prepared();
+    let before = files(&trial.path("whole"));
+    let output = trial.track(&["-owhole", SETUP, "--resume"]);
+    assert_eq!(output.status.code(), Some(0), "{}", trial.told(&output));
+    let told = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert_eq!(told, "nothing to do: the results in whole are complete, of these settings and data\n");
+    // A setting that changes no number.
+    assert!(told_of(&trial, &["--checkpoint-every=3"]).starts_with("exit 0"));
+    assert!(told_of(&trial, &["--frames=0..20"]).contains("`frames` was not set and is \"0..20\""));
+    let last = trial.keypoints(1, 29);
+    let text = fs::read_to_string(&last).unwrap();
+    fs::write(&last, format!("{text}\n")).unwrap();
+    insta::assert_snapshot!("complete_of_other_data", told_of(&trial, &[]));
+    fs::write(&last, text).unwrap();
+    trial.edit(&trial.path("setup.toml"), |text| format!("{text}\n# a remark\n"));
+    assert!(told_of(&trial, &[]).contains("holds a run on other data: the content of `setup` has changed"));
+    assert!(files(&trial.path("whole")) == before);
+}
+
+/// What `--resume` says of the complete results of [`prepared`].
+fn told_of(trial: &Trial, more: &[&str]) -> String {
+    told(trial, &[&["-owhole"], more].concat())
+}
+
+/// Frames that the set-up and the tracker both read are counted once when they are read again.
+#[test]
+fn frames_read_again_are_counted_once() {
+    let whole = Whole::new(&[("method", "bootstrap"), ("particles", "8"), ("draws", "1"), ("body", "cf28")]);
+    let mut recording = whole.recording.clone();
+    let mut source = sinew::pipeline::Upright::new(&mut recording, "+z");
+    let mut told = vec![];
+    let each = |done, total| {
+        told.push((done, total));
+        Ok(())
+    };
+    source.read_again(&[0..20, 5..6, 0..30, 28..40], each).unwrap();
+    assert_eq!(told, (1..=FRAMES).map(|done| (done, FRAMES)).collect::<Vec<_>>());
 }
 
 /// Four times each at seeded moments: ends within two seconds with code 75, and what is there holds the frames that were done and nothing else.

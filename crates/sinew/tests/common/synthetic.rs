@@ -22,7 +22,8 @@ pub struct Whole {
     pub folder: tempfile::TempDir,
     /// What the whole run left.
     pub files: BTreeMap<String, Vec<u8>>,
-    recording: Recording,
+    /// What is tracked.
+    pub recording: Recording,
     settings: Vec<(&'static str, String)>,
     frames: u64,
 }
