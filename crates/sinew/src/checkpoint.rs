@@ -25,7 +25,7 @@ use std::path::{Path, PathBuf};
 pub const NAME: &str = "checkpoint.bin";
 
 const MAGIC: &[u8; 16] = b"sinew checkpoint";
-const FORMAT: u32 = 1;
+const FORMAT: u32 = 2;
 /// Bytes before the body and after it.
 const HEAD: usize = 16 + 4 + 8;
 const TAIL: usize = 4;
@@ -70,6 +70,12 @@ pub enum Problem {
     /// No run was stopped here.
     #[error("holds no checkpoint: there is no run to go on with")]
     Missing,
+    /// A run was stopped here too early.
+    #[error("holds a run that was stopped in its set-up, before its first frame: there is nothing to go on with")]
+    BeforeFirst,
+    /// The summary of results is not one of this program.
+    #[error("holds a `summary.json` that does not say of what it is")]
+    Summary,
     /// The file begins otherwise.
     #[error("holds a `{NAME}` that is not a checkpoint of sinew")]
     Foreign,
@@ -130,7 +136,7 @@ impl Problem {
     #[must_use]
     pub const fn exit_code(&self) -> u8 {
         match self {
-            Self::Missing | Self::Settings(_) | Self::Program { .. } => 2,
+            Self::Missing | Self::BeforeFirst | Self::Settings(_) | Self::Program { .. } => 2,
             Self::Inputs(_) => 3,
             _ => 5,
         }
@@ -140,7 +146,10 @@ impl Problem {
     #[must_use]
     pub const fn help(&self) -> &'static str {
         match self {
-            Self::Missing => "leave `--resume` out to begin a run, or name the folder of a stopped one with `-o`",
+            Self::Missing => {
+                "leave `--resume` out to begin a run (anew, if one was stopped in its set-up), or name the folder of a stopped one with `-o`"
+            }
+            Self::BeforeFirst => "repeat the command without `--resume`: it begins anew",
             Self::Settings(_) => {
                 "repeat the settings of the run that was stopped (its config.toml or config.toml.partial holds them), or begin anew without `--resume`"
             }
@@ -238,6 +247,8 @@ pub fn read(folder: &Path) -> Result<Checkpoint, Error> {
 /// # Errors
 /// [`Error::Io`] with the path; the one before is then still there.
 pub(crate) fn write(claim: &Claim, checkpoint: &Checkpoint) -> Result<(), Error> {
+    // The names of the files that it speaks of before its own.
+    claim.storage().sync(claim.folder()).map_err(Error::io("write", claim.folder()))?;
     output::write_whole_in(claim.storage(), &claim.folder().join(NAME), &checkpoint.encode()?)
 }
 

@@ -327,6 +327,14 @@ impl Resolved {
         SETTINGS.iter().filter(|setting| setting.hashed).filter_map(of).collect()
     }
 
+    /// Those of [`Resolved::to_json`] that change numbers, here or in another run's summary, in the words of JSON.
+    #[must_use]
+    pub fn of_numbers_told(settings: &serde_json::Value) -> BTreeMap<String, String> {
+        let told = |setting: &&setting::Setting| settings[setting.key].get("value").map(ToString::to_string);
+        let of = |setting: &setting::Setting| Some((setting.key.to_owned(), told(&setting)?));
+        SETTINGS.iter().filter(|setting| setting.hashed).filter_map(of).collect()
+    }
+
     /// Hash of the settings that change numbers: FNV-1a, 64 bits, over `key = value` lines in the order of [`SETTINGS`].
     #[must_use]
     pub fn hash(&self) -> String {

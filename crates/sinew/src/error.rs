@@ -116,6 +116,9 @@ fn listed(file: &str, problems: &[String]) -> String {
 /// Why a file cannot be an output folder.
 pub(crate) const NOT_A_FOLDER: &str = " and is not a folder";
 
+/// Why a folder is not begun in that holds more than a run keeps to go on.
+pub(crate) const STOPPED_RUN: &str = " and holds a run that was stopped";
+
 impl Error {
     /// An [`Error::Io`] in the making: `map_err(Error::io("read", path))`.
     pub fn io(doing: &'static str, path: impl Into<PathBuf>) -> impl FnOnce(io::Error) -> Self {
@@ -151,6 +154,10 @@ impl Error {
             Self::OutputExists { why, .. } if *why == NOT_A_FOLDER => {
                 Some("choose another folder with `-o`, or remove the file".into())
             }
+            Self::OutputExists { why, .. } if *why == STOPPED_RUN => Some(
+                "go on with it with `--resume`, choose another folder with `-o`, or replace what is there with `--force`"
+                    .into(),
+            ),
             Self::OutputExists { .. } => {
                 Some("choose another folder with `-o`, or replace what is there with `--force`".into())
             }

@@ -9,6 +9,9 @@
 //! on to the same bytes, whatever stopped it: the set-up is that of the checkpoint, and what was read of the source is read again, which tells whether it is the same and counts what is odd about it.
 
 mod begin;
+mod complete;
+
+pub use complete::check_complete;
 
 use crate::checkpoint::{self, Checkpoint};
 use crate::config::{Resolved, TrackConfig};
@@ -93,8 +96,7 @@ pub fn track<S: FrameSource>(
             from.check_settings(&resolved.of_numbers(), settings.isa.name()).map_err(refused)?;
             let setup = Setup::from_toml("setup.toml of the checkpoint", &from.setup_toml)?;
             let mut source = Upright::new(source, &setup.world_up);
-            let total = from.read.iter().map(|run| run.end.saturating_sub(run.start)).fold(0, u64::saturating_add);
-            source.read_again(&from.read, |done| {
+            source.read_again(&from.read, |done, total| {
                 (watch.progress)(Pass::Check, done, total);
                 match go_on(watch.stop) {
                     ControlFlow::Continue(()) => Ok(()),

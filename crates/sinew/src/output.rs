@@ -15,6 +15,7 @@
 //!
 //! [`ResultFolder::keep`] says how far the files go, for a [`crate::checkpoint`]. A run that is stopped in between leaves readable `*.partial` files and no summary.
 
+mod chunks;
 mod claim;
 mod coordinates;
 mod draws;
@@ -158,6 +159,7 @@ impl ResultFolder {
             &mut self.coordinates.file,
             &mut self.skeleton.file,
             &mut self.journal.file,
+            &mut self.draws.whole.file,
         ];
         Ok(Written {
             frames: self.frames,
@@ -232,8 +234,10 @@ impl ResultFolder {
         claim.remove("summary.json")?;
         whole.into_iter().try_for_each(PartialFile::rename)?;
         draws.rename()?;
+        claim.storage.sync(&claim.folder).map_err(Error::io("write", &claim.folder))?;
         last.rename()?;
-        if ending.complete {
+        // A run that cannot be sure of its summary keeps what it could go on from.
+        if claim.storage.sync(&claim.folder).is_ok() && ending.complete {
             drop(journal);
             // The results are whole: what stays does no harm, and `--resume` says that there is nothing to do.
             let _ = OWN_NAMES.iter().try_for_each(|name| claim.remove(name));
@@ -242,7 +246,7 @@ impl ResultFolder {
     }
 }
 
-/// Writes a single file beside its place, and renames it once it is whole.
+/// Writes a single file beside its place, and renames it once it is whole; then both are on the disk.
 ///
 /// # Errors
 /// [`Error::Io`] with the path.
@@ -255,5 +259,7 @@ pub(crate) fn write_whole_in(storage: &Arc<dyn Storage>, path: &std::path::Path,
     let mut file = PartialFile::create(storage, path.to_owned())?;
     file.write(|out| std::io::Write::write_all(out, bytes))?;
     file.sync()?;
-    file.rename()
+    file.rename()?;
+    let folder = path.parent().unwrap_or(std::path::Path::new(""));
+    storage.sync(folder).map_err(Error::io("write", folder))
 }

@@ -207,7 +207,7 @@ fn an_interrupt_leaves_what_was_done() {
         let trc = sinew::formats::trc::read("markers.trc", &text("markers.trc")).unwrap();
         assert_eq!((trc.frames.len(), trc.warnings.len()), (frames, 0));
         // What is needed to go on stays.
-        let kept = ["checkpoint.bin", "diagnostics.partial"];
+        let kept = ["checkpoint.bin", "chunks.partial", "diagnostics.partial"];
         let results: Vec<String> =
             top(&trial.path("out")).into_iter().filter(|name| !kept.contains(&name.as_str())).collect();
         assert_eq!(

@@ -7,6 +7,7 @@ use common::{TRACK, Trial, files, trial};
 use sinew::checkpoint::{self, Checkpoint, Problem};
 use sinew::core::random::Stage;
 use std::fs;
+use std::io::{BufRead as _, BufReader};
 use std::path::Path;
 use std::process::{Child, Output, Stdio};
 use std::time::{Duration, Instant};
@@ -72,6 +73,58 @@ fn a_cut_or_flipped_checkpoint_is_refused() {
     }
     let longer = [&bytes[..], b"x"].concat();
     assert!(matches!(Checkpoint::decode(&longer), Err(Problem::Length { .. })));
+}
+
+/// A bit flipped in any whole chunk of the draws, or a chunk removed, is refused by name; as it was, the run goes on to the same files.
+#[test]
+fn a_changed_or_missing_chunk_is_refused() {
+    let settings = [("method", "bootstrap"), ("particles", "8"), ("draws", "1"), ("body", "cf28")];
+    let whole = Whole::lasting(150, &settings);
+    let out = whole.folder.path().join("out");
+    whole.run(&out, 1, Some(130), None).unwrap();
+    let refused = |path: &Path| {
+        let from = checkpoint::read(&out).unwrap();
+        assert_eq!(from.done, 130);
+        match whole.run(&out, 1, None, Some(from)) {
+            Err(sinew::Error::Checkpoint { problem, .. }) => {
+                assert_eq!(*problem, Problem::Changed { path: path.to_owned() });
+            }
+            other => panic!("{}: {other:?}", path.display()),
+        }
+    };
+    // The run that was interrupted gave the store its name; who goes on takes that back.
+    let [named, store] = ["posterior.zarr", "posterior.zarr.partial"].map(|name| out.join(name));
+    let arrays: Vec<(&str, Vec<usize>)> = vec![
+        ("posterior/angle", vec![0, 0, 1, 0]),
+        ("posterior/root", vec![0, 0, 0, 0]),
+        ("posterior/marker_position", vec![0, 0, 1, 0, 0]),
+        ("posterior/frame", vec![0]),
+        ("posterior/time", vec![1]),
+        ("sample_stats/ess", vec![0, 0]),
+        ("sample_stats/log_weight", vec![0, 0, 1]),
+        ("observed_data/pixel", vec![1, 0, 0, 0]),
+        ("observed_data/confidence", vec![0, 0, 0]),
+    ];
+    let mut checked = 0;
+    for (array, indices) in arrays {
+        let key = indices.iter().fold(format!("{array}/c"), |key, index| format!("{key}/{index}"));
+        let path = if store.exists() { store.join(&key) } else { named.join(&key) };
+        let bytes = fs::read(&path).unwrap();
+        let mut flipped = bytes.clone();
+        flipped[bytes.len() / 2] ^= 1 << (checked % 8);
+        fs::write(&path, &flipped).unwrap();
+        let path = store.join(&key);
+        refused(&path);
+        fs::write(&path, &bytes[..bytes.len() - 1]).unwrap();
+        refused(&path);
+        fs::remove_file(&path).unwrap();
+        refused(&path);
+        fs::write(&path, &bytes).unwrap();
+        checked += 1;
+    }
+    let from = checkpoint::read(&out).unwrap();
+    assert!(whole.run(&out, 2, None, Some(from)).unwrap().summary.complete);
+    assert!(common::synthetic::results(&out) == whole.files);
 }
 
 /// A trial with a set-up, so that runs are short.
@@ -168,6 +221,104 @@ fn a_run_killed_at_any_moment_goes_on() {
         assert_eq!(output.status.code(), Some(0), "{}", trial.told(&output));
         assert!(same_results(&trial, "out"));
     }
+}
+
+/// Killed while it smooths: the backward pass is done again, and gives the files of a whole run.
+#[test]
+fn a_run_killed_while_smoothing_goes_on() {
+    let trial = prepared();
+    fs::remove_dir_all(trial.path("whole")).unwrap();
+    let output = trial.track(&["-owhole", SETUP, "--smooth"]);
+    assert_eq!(output.status.code(), Some(0), "{}", trial.told(&output));
+    let mut killed = 0;
+    for _ in 0..4 {
+        let mut child = started(&trial, &["--smooth", "--threads=1"]);
+        // The backward pass creates the file of trajectories; it is gone at the end.
+        while !trial.path("out/trajectories.partial").exists() && child.try_wait().unwrap().is_none() {
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        let _ = child.kill();
+        finished(child);
+        if !trial.path("out/summary.json").exists() {
+            let from = checkpoint::read(&trial.path("out")).unwrap();
+            assert!(from.done == from.frames.end && from.spool.is_some());
+            killed += 1;
+            let output = finished(started(&trial, &["--smooth", "--resume", "--threads=2"]));
+            let told = trial.told(&output);
+            assert_eq!(output.status.code(), Some(0), "{told}");
+            let note = "left its lock in out; it is gone, the lock is taken over";
+            assert!(told.lines().any(|line| line.starts_with("process ") && line.ends_with(note)), "{told}");
+        }
+        assert!(same_results(&trial, "out"));
+        fs::remove_dir_all(trial.path("out")).unwrap();
+    }
+    assert!(killed > 0);
+}
+
+/// Killed before its first frame, a run has nothing to go on with, and that is said; it begins anew without a word of force.
+#[test]
+fn a_run_killed_in_its_set_up_is_begun_anew() {
+    let trial = trial(1.0);
+    let arguments: Vec<&str> = TRACK.iter().copied().filter(|argument| *argument != "--no-progress").collect();
+    let mut child = trial
+        .command(&[&arguments[..], &common::QUICK, &["-oout"]].concat())
+        .stdout(Stdio::null())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let mut lines = BufReader::new(child.stderr.take().unwrap()).lines();
+    assert!(lines.any(|line| line.unwrap().starts_with("set-up: 10 %")));
+    child.kill().unwrap();
+    child.wait().unwrap();
+    assert!(!trial.path("out").join(checkpoint::NAME).exists());
+    let output = trial.track(&["--resume"]);
+    let told = trial.told(&output);
+    let lines: Vec<&str> = told.lines().filter(|line| !line.contains("left its lock in")).collect();
+    insta::assert_snapshot!("killed_in_set_up", lines.join("\n"));
+    let output = trial.track(&[]);
+    assert_eq!(output.status.code(), Some(0), "{}", trial.told(&output));
+}
+
+/// Complete results are left alone only if they are those of the settings and data that are given.
+#[test]
+fn complete_results_are_compared() {
+    let trial = prepared();
+    let before = files(&trial.path("whole"));
+    let output = trial.track(&["-owhole", SETUP, "--resume"]);
+    assert_eq!(output.status.code(), Some(0), "{}", trial.told(&output));
+    let told = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert_eq!(told, "nothing to do: the results in whole are complete, of these settings and data\n");
+    // A setting that changes no number.
+    assert!(told_of(&trial, &["--checkpoint-every=3"]).starts_with("exit 0"));
+    assert!(told_of(&trial, &["--frames=0..20"]).contains("`frames` was not set and is \"0..20\""));
+    let last = trial.keypoints(1, 29);
+    let text = fs::read_to_string(&last).unwrap();
+    fs::write(&last, format!("{text}\n")).unwrap();
+    insta::assert_snapshot!("complete_of_other_data", told_of(&trial, &[]));
+    fs::write(&last, text).unwrap();
+    trial.edit(&trial.path("setup.toml"), |text| format!("{text}\n# a remark\n"));
+    assert!(told_of(&trial, &[]).contains("holds a run on other data: the content of `setup` has changed"));
+    assert!(files(&trial.path("whole")) == before);
+}
+
+/// What `--resume` says of the complete results of [`prepared`].
+fn told_of(trial: &Trial, more: &[&str]) -> String {
+    told(trial, &[&["-owhole"], more].concat())
+}
+
+/// Frames that the set-up and the tracker both read are counted once when they are read again.
+#[test]
+fn frames_read_again_are_counted_once() {
+    let whole = Whole::new(&[("method", "bootstrap"), ("particles", "8"), ("draws", "1"), ("body", "cf28")]);
+    let mut recording = whole.recording.clone();
+    let mut source = sinew::pipeline::Upright::new(&mut recording, "+z");
+    let mut told = vec![];
+    let each = |done, total| {
+        told.push((done, total));
+        Ok(())
+    };
+    source.read_again(&[0..20, 5..6, 0..30, 28..40], each).unwrap();
+    assert_eq!(told, (1..=FRAMES).map(|done| (done, FRAMES)).collect::<Vec<_>>());
 }
 
 /// Four times each at seeded moments: ends within two seconds with code 75, and what is there holds the frames that were done and nothing else.
@@ -267,7 +418,7 @@ fn what_cannot_go_on_says_why() {
     let older = Checkpoint { program: "0.0.1".into(), ..Checkpoint::decode(&bytes).unwrap() };
     insta::assert_snapshot!("other_version", with(&older.encode().unwrap()));
     let mut newer = bytes[..bytes.len() - 4].to_vec();
-    newer[16] = 2;
+    newer[16] = 3;
     newer.extend(common::crc32(&newer).to_le_bytes());
     insta::assert_snapshot!("other_format", with(&newer));
     fs::write(&path, &bytes).unwrap();

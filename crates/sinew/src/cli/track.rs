@@ -35,8 +35,13 @@ pub(crate) fn run(args: &TrackArgs, general: &General, report: &Report) -> Resul
     read_from.extend(Some(PathBuf::from(&config.body)).filter(|body| body.is_file()));
     let (claim, from) = match args.resume {
         false => (claimed(&config, &read_from, report)?, None),
-        true => match stopped_run(&config, &resolved, &read_from, report)? {
-            Stopped::Complete(summary) => return complete(&summary, &config.out, args, report),
+        true => match stopped_run(&config, &read_from, report)? {
+            Stopped::Complete(claim, summary) => {
+                let recording = Recording::open(&calibration, &keypoints, &options)?;
+                same_run(recording, &resolved, &claim, &summary, general)?;
+                ResultFolder::forget(&claim)?;
+                return complete(&summary, &config.out, args, report);
+            }
             Stopped::At(claim, checkpoint) => (claim, Some(*checkpoint)),
         },
     };
@@ -124,7 +129,7 @@ fn inputs(config: &TrackConfig) -> Result<(PathBuf, PathBuf), Error> {
 /// The output folder, for us alone.
 pub(crate) fn claimed(config: &TrackConfig, inputs: &[PathBuf], report: &Report) -> Result<Claim, Error> {
     let claim = claim(&config.out, inputs, config.force)?;
-    tell_stale(&claim, report);
+    report.warnings(stale(&claim).as_slice());
     if claim.is_resumable {
         let out = config.out.display();
         report
@@ -138,37 +143,45 @@ const GO_ON: &str = "the same command with `--resume` goes on from there";
 
 /// What `--resume` finds.
 enum Stopped {
-    /// A run that came to its end: its summary.
-    Complete(serde_json::Value),
+    /// A run that came to its end, with its summary.
+    Complete(Claim, serde_json::Value),
     /// A run that was stopped.
     At(Claim, Box<Checkpoint>),
 }
 
 /// The run to go on with, in its folder, for us alone.
-fn stopped_run(
-    config: &TrackConfig,
-    resolved: &Resolved,
-    inputs: &[PathBuf],
-    report: &Report,
-) -> Result<Stopped, Error> {
+fn stopped_run(config: &TrackConfig, inputs: &[PathBuf], report: &Report) -> Result<Stopped, Error> {
     let claim = claim_to_resume(&config.out, inputs)?;
-    tell_stale(&claim, report);
+    if let Some(stale) = stale(&claim) {
+        // Who is gone on with was stopped: no wonder.
+        report.note(&stale);
+    }
     let path = config.out.join("summary.json");
     let summary: Option<serde_json::Value> =
         std::fs::read_to_string(&path).ok().and_then(|text| serde_json::from_str(&text).ok());
     let is_unfinished = RESULT_NAMES.iter().any(|name| config.out.join(format!("{name}.partial")).exists());
-    match summary.filter(|summary| summary["complete"] == true && !is_unfinished) {
-        None => Ok(Stopped::At(claim, Box::new(checkpoint::read(&config.out)?))),
-        Some(summary) => {
-            let (was, is) = (&summary["settings_hash"], resolved.hash());
-            if *was != is.as_str() {
-                let differing = vec![format!("the hash of those of the results is {was}, that of these \"{is}\"")];
-                return Err(Error::checkpoint(&config.out, Problem::Settings(differing)));
-            }
-            ResultFolder::forget(&claim)?;
-            Ok(Stopped::Complete(summary))
-        }
+    if let Some(summary) = summary.filter(|summary| summary["complete"] == true && !is_unfinished) {
+        return Ok(Stopped::Complete(claim, summary));
     }
+    if !claim.is_resumable && (claim.stale_lock_of.is_some() || is_unfinished) {
+        return Err(Error::checkpoint(&config.out, Problem::BeforeFirst));
+    }
+    Ok(Stopped::At(claim, Box::new(checkpoint::read(&config.out)?)))
+}
+
+/// Refuses complete results of other settings or data.
+fn same_run(
+    mut recording: Recording,
+    resolved: &Resolved,
+    claim: &Claim,
+    summary: &serde_json::Value,
+    general: &General,
+) -> Result<(), Error> {
+    let mut progress = PassProgress::new(general);
+    let stop = interrupt::flag();
+    let mut tell = |pass, done, total| progress.at(pass, done, total);
+    let mut watch = Watch { progress: &mut tell, stop: &stop };
+    job::check_complete(&mut recording, resolved, claim.folder(), summary, &mut watch, Recording::input_hashes)
 }
 
 /// Says that there is nothing to go on with.
@@ -176,7 +189,10 @@ fn complete(summary: &serde_json::Value, out: &Path, args: &TrackArgs, report: &
     if args.answer.json {
         report::answer_json(summary)?;
     } else {
-        report::answer(&format!("nothing to do: the results in {} are complete\n", out.display()))?;
+        report::answer(&format!(
+            "nothing to do: the results in {} are complete, of these settings and data\n",
+            out.display()
+        ))?;
     }
     let failed: Vec<&str> =
         summary["failed_diagnostics"].as_array().into_iter().flatten().filter_map(|text| text.as_str()).collect();
@@ -184,13 +200,11 @@ fn complete(summary: &serde_json::Value, out: &Path, args: &TrackArgs, report: &
     Ok(if failed.is_empty() { Ended::Done } else { Ended::Doubtful })
 }
 
-fn tell_stale(claim: &Claim, report: &Report) {
-    if let Some(pid) = claim.stale_lock_of {
-        report.warnings(&[format!(
-            "process {pid} left its lock in {}; it is gone, the lock is taken over",
-            claim.folder().display()
-        )]);
-    }
+/// That a run before left its lock, if one did.
+fn stale(claim: &Claim) -> Option<String> {
+    let pid = claim.stale_lock_of?;
+    let folder = claim.folder().display();
+    Some(format!("process {pid} left its lock in {folder}; it is gone, the lock is taken over"))
 }
 
 /// Runs in a pool of the threads asked for.

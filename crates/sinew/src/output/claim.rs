@@ -9,7 +9,7 @@
 use super::storage::{Disk, Storage};
 use crate::Error;
 use crate::checkpoint::{self, Problem};
-use crate::error::NOT_A_FOLDER;
+use crate::error::{NOT_A_FOLDER, STOPPED_RUN};
 use std::fs::{self, File, TryLockError};
 use std::io::{Read as _, Seek as _, Write as _};
 use std::path::{Path, PathBuf};
@@ -36,8 +36,14 @@ pub const RESULT_NAMES: [&str; 13] = [
 ];
 
 /// What a run keeps in its folder to go on after a stop; gone when it is complete. In the order in which they go then.
-pub const OWN_NAMES: [&str; 5] =
-    ["diagnostics.partial", "smooth.partial", "trajectories.partial", "checkpoint.bin.partial", checkpoint::NAME];
+pub const OWN_NAMES: [&str; 6] = [
+    "diagnostics.partial",
+    "chunks.partial",
+    "smooth.partial",
+    "trajectories.partial",
+    "checkpoint.bin.partial",
+    checkpoint::NAME,
+];
 
 /// A folder that this process alone may write.
 #[must_use]
@@ -71,7 +77,11 @@ pub fn claim_in(storage: Arc<dyn Storage>, folder: &Path, inputs: &[PathBuf], fo
     if !force {
         refuse_results(folder)?;
     }
+    let new: Vec<&Path> = folder.ancestors().take_while(|folder| !folder.exists()).collect();
     storage.create_folder(folder).map_err(Error::io("create", folder))?;
+    for above in new.into_iter().filter_map(Path::parent) {
+        storage.sync(above).map_err(Error::io("write", folder))?;
+    }
     let claim = locked(storage, folder)?;
     // A run that held the lock a moment ago may have left results since.
     if !force {
@@ -186,7 +196,10 @@ fn refuse_results(folder: &Path) -> Result<(), Error> {
         let name = entry.map_err(Error::io("read", folder))?.file_name();
         let name = name.to_string_lossy();
         if name != LOCK_NAME && name != checkpoint::NAME && !name.ends_with(".partial") {
-            return Err(Error::OutputExists { path: folder.to_owned(), why: " and is not empty" });
+            // A run that was stopped while it gave its files their names.
+            let is_resumable = folder.join(checkpoint::NAME).exists();
+            let why = if is_resumable { STOPPED_RUN } else { " and is not empty" };
+            return Err(Error::OutputExists { path: folder.to_owned(), why });
         }
     }
     Ok(())
@@ -261,6 +274,10 @@ mod tests {
         assert_eq!(message(&out, &[], false), "ok");
         fs::write(out.join("notes.txt"), "").unwrap();
         assert_eq!(message(&out, &[], false), "`./out` exists and is not empty");
+        fs::write(out.join(checkpoint::NAME), "").unwrap();
+        assert_eq!(message(&out, &[], false), "`./out` exists and holds a run that was stopped");
+        assert!(claim(&out, &[], false).err().and_then(|error| error.help()).unwrap().contains("`--resume`"));
+        fs::remove_file(out.join(checkpoint::NAME)).unwrap();
         fs::write(out.join("summary.json"), r#"{"complete": false}"#).unwrap();
         assert_eq!(message(&out, &[], false), "ok");
         fs::write(out.join("summary.json"), r#"{"complete": true}"#).unwrap();

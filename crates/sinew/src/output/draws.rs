@@ -1,28 +1,35 @@
 //! `posterior.zarr`: equal-weight draws and their statistics, streamed chunk by chunk for ArviZ and xarray.
 //!
+//! Length and checksum of every chunk that is whole are listed in a file of the program's own ([`super::chunks`]), so that a run that goes on sees whether they are as they were left.
+//!
 //! `posterior` holds the rotations of the state, the root's place, the position of every point and, where it was not measured, the size of the body; `sample_stats` what the method brings and nothing else; `observed_data` the keypoints that were used.
 
+use super::chunks::ChunkList;
 use super::partial::{Place, partial_path, take_back};
 use super::storage::Storage;
 use crate::Error;
-use crate::checkpoint::Problem;
 use crate::estimate::{Carried, FrameEstimate, Kind, RunInfo};
 use serde::{Deserialize, Serialize};
 use sinew_body::{Joint, Plan, point_positions};
 use sinew_core::lanes::Isa;
 use sinew_formats::zarr::inference_data::{self, Run};
-use sinew_formats::zarr::{CHUNK_FRAMES, Constant, DataType, Labels, Store, Values, Variable, Writer};
+use sinew_formats::zarr::{Constant, DataType, Labels, Store, Values, Variable, Writer};
 use std::collections::BTreeSet;
 use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+/// The end of the keys that hold no numbers: they are written anew by whoever goes on.
+const METADATA: &str = "zarr.json";
+
 /// A folder of the storage as a place for Zarr keys.
 struct FolderStore {
     storage: Arc<dyn Storage>,
     folder: PathBuf,
-    /// Written and not yet synced.
+    /// Written and not yet synced, with the folders that got a name.
     unsynced: BTreeSet<PathBuf>,
+    /// Rows of the list for what was written last.
+    rows: Vec<u8>,
 }
 
 impl FolderStore {
@@ -47,21 +54,29 @@ impl FolderStore {
 impl Store for FolderStore {
     fn put(&mut self, key: &str, bytes: &[u8]) -> io::Result<()> {
         let path = self.folder.join(key);
+        let is_new = !path.exists();
         let created = match (self.storage.create(&path), path.parent()) {
             (Err(error), Some(parent)) if error.kind() == io::ErrorKind::NotFound => {
                 self.storage.create_folder(parent)?;
+                let above = parent.ancestors().skip(1).take_while(|folder| folder.starts_with(&self.folder));
+                self.unsynced.extend(above.map(Path::to_owned));
                 self.storage.create(&path)
             }
             (created, _) => created,
         };
         created?.write_all(bytes)?;
+        self.unsynced.extend(path.parent().filter(|_| is_new).map(Path::to_owned));
         self.unsynced.insert(path);
+        if !key.ends_with(METADATA) {
+            self.rows.extend(ChunkList::row(key, bytes));
+        }
         Ok(())
     }
 }
 
 pub(crate) struct DrawStore {
     writer: Writer<FolderStore>,
+    pub(crate) whole: ChunkList,
     partial: PathBuf,
     path: PathBuf,
     plan: Plan,
@@ -100,10 +115,11 @@ impl DrawStore {
         let partial = partial_path(&path);
         match from {
             None => storage.remove(&partial).map_err(Error::io("replace", &partial))?,
-            Some(from) => {
-                take_back(storage, &path)?;
-                check_whole_chunks(place.folder, &partial, from.frames)?;
-            }
+            Some(_) => drop(take_back(storage, &path)?),
+        }
+        let mut whole = ChunkList::open(place)?;
+        if from.is_some() {
+            whole.check(storage, place.folder, &partial)?;
         }
         let joints: Vec<(usize, Joint)> = info.body.joints().collect();
         let is_rotation = |dof: &usize| matches!(joints[*dof].1, Joint::Rotate(_));
@@ -113,14 +129,22 @@ impl DrawStore {
                 info.body.links()[*link].parent.is_none() && matches!(joint, Joint::Translate(a) if a.index() == axis)
             })
         };
-        let store = FolderStore { storage: Arc::clone(storage), folder: partial.clone(), unsynced: BTreeSet::new() };
+        let store = FolderStore {
+            storage: Arc::clone(storage),
+            folder: partial.clone(),
+            unsynced: BTreeSet::new(),
+            rows: vec![],
+        };
         let mut writer = Writer::create(store, schema(info, &rotations)).map_err(Error::io("write", &partial))?;
         if let Some(OpenChunks { frames, chunks }) = from {
             let resumed = writer.resume(*frames, chunks, FolderStore::remove);
             writer = resumed.map_err(Error::io("write", &partial))?;
         }
+        // Labels and constants are written anew by whoever goes on.
+        writer.store_mut().rows.clear();
         Ok(Self {
             writer,
+            whole,
             partial,
             path,
             plan: Plan::with_all_points(&info.body),
@@ -183,7 +207,8 @@ impl DrawStore {
         let confidence: Vec<f64> = estimate.seen.iter().map(|[_, _, confidence]| *confidence).collect();
         values.extend([Values::Numbers(&pixels), Values::Numbers(&confidence)]);
         let number = i64::try_from(estimate.number).unwrap_or(i64::MAX);
-        self.writer.push(number, estimate.time_s, &values).map_err(Error::io("write", &self.partial))
+        self.writer.push(number, estimate.time_s, &values).map_err(Error::io("write", &self.partial))?;
+        self.whole.append(&std::mem::take(&mut self.writer.store_mut().rows))
     }
 
     /// Hands what was written to the disk, and gives what was not.
@@ -198,17 +223,6 @@ impl DrawStore {
         store.sync()?;
         Ok(FinishedDraws { storage: store.storage, partial: self.partial, path: self.path })
     }
-}
-
-/// Refuses a store that lacks chunks that a run had written.
-fn check_whole_chunks(folder: &Path, partial: &Path, frames: usize) -> Result<(), Error> {
-    for chunk in 0..frames / CHUNK_FRAMES {
-        let path = partial.join(format!("sample_stats/ess/c/0/{chunk}"));
-        if !path.is_file() {
-            return Err(Error::checkpoint(folder, Problem::Changed { path }));
-        }
-    }
-    Ok(())
 }
 
 fn lacking(what: &str) -> Error {

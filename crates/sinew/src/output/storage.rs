@@ -45,7 +45,7 @@ pub trait Storage: Send + Sync {
     /// Those of the system.
     fn read(&self, path: &Path) -> io::Result<Box<dyn Read>>;
 
-    /// Hands a written and closed file to the disk and waits for it.
+    /// Hands a written and closed file, or the names in a folder, to the disk and waits for it.
     ///
     /// # Errors
     /// Those of the system.
@@ -89,7 +89,10 @@ impl Storage for Disk {
     }
 
     fn sync(&self, path: &Path) -> io::Result<()> {
-        fs::File::options().append(true).open(path)?.sync_all()
+        match path.as_os_str().is_empty() || path.is_dir() {
+            true => sync_folder(path),
+            false => fs::File::options().append(true).open(path)?.sync_all(),
+        }
     }
 
     fn rename(&self, from: &Path, to: &Path) -> io::Result<()> {
@@ -107,4 +110,22 @@ impl Storage for Disk {
             other => other,
         }
     }
+}
+
+/// A name is safe when its folder is synced; "" is the present folder.
+#[cfg(unix)]
+fn sync_folder(path: &Path) -> io::Result<()> {
+    use io::ErrorKind::{InvalidInput, PermissionDenied, Unsupported};
+    let path = if path.as_os_str().is_empty() { Path::new(".") } else { path };
+    match fs::File::open(path).and_then(|folder| folder.sync_all()) {
+        // A folder that may be written and not read; a file system that knows no such thing.
+        Err(error) if matches!(error.kind(), InvalidInput | PermissionDenied | Unsupported) => Ok(()),
+        synced => synced,
+    }
+}
+
+/// Elsewhere folders cannot be opened.
+#[cfg(not(unix))]
+fn sync_folder(_: &Path) -> io::Result<()> {
+    Ok(())
 }

@@ -49,20 +49,22 @@ impl<'a, S: FrameSource> Upright<'a, S> {
         &self.read
     }
 
-    /// Reads such runs again, each frame that counts once; `each` is told every frame and may refuse it.
+    /// Reads such runs again, each frame that counts once; `each` is told how many they are with the one at hand, and in all, and may refuse to go on.
     ///
     /// # Errors
     /// Those of the source and of `each`.
     pub fn read_again(
         &mut self,
         read: &[Range<u64>],
-        mut each: impl FnMut(u64) -> Result<(), Error>,
+        mut each: impl FnMut(u64, u64) -> Result<(), Error>,
     ) -> Result<(), Error> {
         let frames = self.source.frames();
+        let numbers = || read.iter().flat_map(|run| run.start.max(frames.start)..run.end.min(frames.end));
+        let total = numbers().collect::<BTreeSet<u64>>().len() as u64;
         let mut seen = BTreeSet::new();
-        for number in read.iter().flat_map(|run| run.start.max(frames.start)..run.end.min(frames.end)) {
+        for number in numbers() {
             if seen.insert(number) {
-                each(seen.len() as u64)?;
+                each(seen.len() as u64, total)?;
                 self.source.people(number)?;
             }
         }

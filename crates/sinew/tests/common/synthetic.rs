@@ -22,14 +22,21 @@ pub struct Whole {
     pub folder: tempfile::TempDir,
     /// What the whole run left.
     pub files: BTreeMap<String, Vec<u8>>,
-    recording: Recording,
+    /// What is tracked.
+    pub recording: Recording,
     settings: Vec<(&'static str, String)>,
+    frames: u64,
 }
 
 impl Whole {
     /// Tracks with these settings besides those that make a run short.
     pub fn new(settings: &[(&'static str, &str)]) -> Self {
-        let script = Script { duration_s: FRAMES as f64 / 30.0, ..Script::default() };
+        Self::lasting(FRAMES, settings)
+    }
+
+    /// As [`Whole::new`], with another number of frames.
+    pub fn lasting(frames: u64, settings: &[(&'static str, &str)]) -> Self {
+        let script = Script { duration_s: frames as f64 / 30.0, ..Script::default() };
         let mut recording = Recording::new(&script, 7).unwrap();
         recording.cameras.truncate(2);
         recording.keypoints.truncate(2);
@@ -37,8 +44,8 @@ impl Whole {
         let is_cf28 = settings.contains(&("body", "cf28"));
         let body = if is_cf28 { setup::Body::CF28 } else { setup::Body::H32 };
         let request = setup::Request { body, ..setup::Request::default() };
-        let frames: Vec<_> = (0..10).map(|number| Ok((number, recording.people(number)?))).collect();
-        let (mut found, _) = setup::set_up(&recording.cameras, &recording.layout, &request, frames).unwrap();
+        let first: Vec<_> = (0..10).map(|number| Ok((number, recording.people(number)?))).collect();
+        let (mut found, _) = setup::set_up(&recording.cameras, &recording.layout, &request, first).unwrap();
         (found.step_size, found.leapfrog_steps) = (Some(0.4), Some(3));
         let path = folder.path().join("setup.toml");
         fs::write(&path, found.to_toml().unwrap()).unwrap();
@@ -48,7 +55,7 @@ impl Whole {
         all.extend(settings.iter().map(|(key, value)| (*key, (*value).to_owned())));
         all.insert("setup", path.display().to_string());
         all.remove("body");
-        let mut whole = Self { folder, files: BTreeMap::new(), recording, settings: all.into_iter().collect() };
+        let mut whole = Self { folder, files: BTreeMap::new(), recording, settings: all.into_iter().collect(), frames };
         let out = whole.folder.path().join("whole");
         assert!(whole.run(&out, 1, None, None).unwrap().summary.complete);
         whole.files = results(&out);
@@ -90,7 +97,7 @@ impl Whole {
         pool.install(|| {
             let mut watch = Watch { progress: &mut progress, stop: &flag };
             let inputs = |_: &Recording| (vec![], BTreeMap::new());
-            job::track(&mut recording, 0..FRAMES, &resolved, claim, &mut watch, inputs, from)
+            job::track(&mut recording, 0..self.frames, &resolved, claim, &mut watch, inputs, from)
         })
     }
 
@@ -110,7 +117,7 @@ impl Whole {
 }
 
 /// All files that must be the same from run to run.
-fn results(folder: &Path) -> BTreeMap<String, Vec<u8>> {
+pub fn results(folder: &Path) -> BTreeMap<String, Vec<u8>> {
     let mut files = files(folder);
     assert!(files.remove("timings.json").is_some());
     files
