@@ -383,7 +383,7 @@ mod tests {
         assert_eq!(doubts.len(), 1);
         assert_eq!(
             doubts[0].to_string(),
-            "thighs: 3.0 % longer between the keypoints than in the body (430 mm). The intervals do not know of it and hold the truth less often than they promise: leave the set-up or the body file out, so that sizes are measured anew"
+            "thighs: 3.0 % longer between the keypoints than in the body (430 mm, left and right together). The intervals do not know of it and hold the truth less often than they promise: leave the set-up or the body file out, so that sizes are measured anew"
         );
     }
 }

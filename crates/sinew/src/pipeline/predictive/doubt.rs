@@ -91,7 +91,7 @@ impl fmt::Display for Doubt {
             }
             Self::Limb { name, ratio, body_m } => write!(
                 f,
-                "{name}: {:.1} % {} between the keypoints than in the body ({:.0} mm). The intervals do not know of it and hold the truth less often than they promise: leave the set-up or the body file out, so that sizes are measured anew",
+                "{name}: {:.1} % {} between the keypoints than in the body ({:.0} mm, left and right together). The intervals do not know of it and hold the truth less often than they promise: leave the set-up or the body file out, so that sizes are measured anew",
                 100.0 * (ratio - 1.0).abs(),
                 if *ratio > 1.0 { "longer" } else { "shorter" },
                 1e3 * body_m
