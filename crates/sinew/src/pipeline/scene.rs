@@ -310,7 +310,7 @@ impl Scene {
         self.oddities.warnings().into_iter().chain(doubts.iter().map(ToString::to_string)).collect()
     }
 
-    /// What does not look as the model says ([`Predictive`]).
+    /// What does not look as the model says.
     #[must_use]
     pub fn doubts(&self) -> Vec<Doubt> {
         self.predictive.doubts()
