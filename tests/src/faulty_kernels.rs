@@ -149,7 +149,7 @@ pub fn rejections(blocks: usize, updates: usize, seed: u64) -> [Finding; 3] {
     ]
 }
 
-/// H7 by reversal: where the trajectory of [`by_curvature_of_state`] comes out when it starts from its end with the momentum turned; the distance from its start, for both kernels.
+/// H7 by reversal: where a trajectory of the kernel with the fault comes out when it starts from its end with the momentum turned; the distance from its start, for both kernels.
 #[must_use]
 pub fn reversal() -> [f64; 2] {
     let hmc = Hmc::new(0.8, &[1.0], 3, 0.0, Isa::best()).expect("valid");

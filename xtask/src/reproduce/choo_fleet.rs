@@ -7,7 +7,7 @@
 //! | [`importance`], [`chains`] | one frame of a particle filter, one frame of a hybrid Monte Carlo filter |
 //! | [`single`], [`multi`] | the two studies |
 //! | [`opponents`], [`cameras`] | beyond the paper: other samplers and a search; more cameras and other errors |
-//! | [`store`](crate::store) | finished cells on disk |
+//! | [`store`] | finished cells on disk |
 //! | [`curves`] | variance against cost, and ratios at equal variance |
 //! | [`claims`] | the paper's claims and what became of them |
 //! | [`tables`], [`figures`] | numbers as files, figures |
