@@ -1,7 +1,8 @@
 //! Seeded mutations of the corpus through every check, on the stable compiler: cuts, flipped and changed bytes, swapped, doubled and dropped pieces and lines, splices of two files.
 //!
 //! 10⁴ inputs a target, 10³ for a step of the filter, which is a hundred times a reader's work. The same seed gives the same inputs; a failure names target, file and number, and
-//! writes the input where it says. Each must be done in a second.
+//! writes the input where it says. Each must be done in a second, in one of four attempts: the
+//! machine may be busy.
 
 mod fuzzed;
 
@@ -106,7 +107,18 @@ fn check_target(target: &str, inputs: usize) {
             let _ = std::fs::write(&kept, &input);
             panic!("{target}: mutation {number} of {path} panics; it is kept in {}", kept.display());
         }
-        assert!(start.elapsed() < LIMIT, "{target}: mutation {number} of {path} takes {:?}", start.elapsed());
+        // A machine that does other things may stop for a second at any input; at the same one four times it does not.
+        let is_slow = |_: &i32| {
+            let start = Instant::now();
+            check(&input);
+            start.elapsed() >= LIMIT
+        };
+        let took = start.elapsed();
+        let always_slow = took >= LIMIT && (0..3).filter(is_slow).count() == 3;
+        assert!(
+            !always_slow,
+            "{target}: mutation {number} of {path} takes {took:?} and more than a second in each of three repetitions"
+        );
     }
     println!("{target}: {inputs} inputs, seed {SEED}, {:.2} s", started.elapsed().as_secs_f64());
 }
