@@ -4,7 +4,7 @@
 //! of draws. [`mixing`] reports autocorrelation times and R̂ of the same runs, for targets without exact values.
 
 use crate::TestFunctions;
-use crate::p_values::of_z;
+use crate::p_values::{of_share, of_z};
 use crate::report::{Bound, Report, Statistic};
 use crate::sequential::{About, Control, Measured, run};
 use sinew_core::convergence::rank_r_hat;
@@ -60,7 +60,7 @@ const LEAST_EFFECTIVE: f64 = 100.0;
 
 /// Compares long-run means of the test functions with `expected`, their exact values under the target, in the same order.
 ///
-/// The errors rest on Geyer's estimate of the autocorrelation time: give the chains hundreds of times that length, or the rate of false alarms is larger than stated. Fewer than a hundred effective draws fail: they prove nothing.
+/// A function whose values are 0 and 1 is judged by the binomial law of its effective draws, so that rare events raise no false alarms. The errors rest on Geyer's estimate of the autocorrelation time: give the chains hundreds of times that length, or the rate of false alarms is larger than stated. Fewer than a hundred effective draws fail: they prove nothing.
 ///
 /// # Panics
 /// When `expected` has another length than the test functions, and without a chain, a draw and a test function.
@@ -96,7 +96,9 @@ pub fn long_run(
             });
             // Chains that never move have no error; the number of effective draws fails then.
             let z = if variance > 0.0 { (mean - expected) / (variance / effective.max(1.0)).sqrt() } else { 0.0 };
-            Measured { name: format!("mean of {name}"), value: z, p: of_z(z) }
+            let indicator = variance > 0.0 && chains.iter().flatten().all(|&x| x == 0.0 || x == 1.0);
+            let p = if indicator { of_share(mean, effective, expected) } else { of_z(z) };
+            Measured { name: format!("mean of {name}"), value: z, p }
         });
         found.collect()
     });

@@ -6,7 +6,7 @@
 //! A reversible kernel (every Metropolis–Hastings kernel with one proposal) is its own reversal. A sweep over coordinates in a fixed order is not: its reversal sweeps the other way.
 
 use crate::draws::index;
-use crate::exact_start::Moved;
+use crate::exact_start::{LEAST_MOVED, Moved};
 use crate::p_values::uniform_counts;
 use crate::sequential::{About, Control, Measured, run};
 use crate::{Report, TestFunctions};
@@ -19,6 +19,8 @@ pub struct ExactRank {
     pub paths: usize,
     /// Kernel steps L of a path; there are L + 1 ranks. At least 1.
     pub steps: usize,
+    /// Share of paths that must move: lower it for a kernel that moves rarely by design, and take more paths.
+    pub least_moved: f64,
     /// Seed.
     pub seed: u64,
     /// How much evidence a verdict needs.
@@ -27,7 +29,7 @@ pub struct ExactRank {
 
 impl Default for ExactRank {
     fn default() -> Self {
-        Self { paths: 4000, steps: 9, seed: 1, control: Control::default() }
+        Self { paths: 4000, steps: 9, least_moved: LEAST_MOVED, seed: 1, control: Control::default() }
     }
 }
 
@@ -86,7 +88,7 @@ pub fn exact_rank(
         });
         found.collect()
     });
-    report.statistics.push(moved.statistic());
+    report.statistics.push(moved.statistic(config.least_moved));
     report
 }
 

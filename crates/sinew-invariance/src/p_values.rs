@@ -18,6 +18,16 @@ pub(crate) fn of_signs(up: u64, down: u64) -> f64 {
     Binomial::new(0.5, changes).map_or(f64::NAN, |law| (2.0 * law.cdf(up.min(down))).min(1.0))
 }
 
+/// Of a share among `draws` independent events of this probability, by the binomial law of their rounded count.
+pub(crate) fn of_share(share: f64, draws: f64, probability: f64) -> f64 {
+    let (draws, count) = (draws.round().max(1.0), (share * draws).round());
+    Binomial::new(probability, draws as u64).map_or(f64::NAN, |law| {
+        let below = law.cdf(count as u64);
+        let above = if count > 0.0 { law.sf(count as u64 - 1) } else { 1.0 };
+        (2.0 * below.min(above)).min(1.0)
+    })
+}
+
 /// χ² of counts against equal expectations, with its p-value.
 pub(crate) fn uniform_counts(counts: &[u64]) -> (f64, f64) {
     against_expected(counts, &vec![1; counts.len()])
@@ -85,6 +95,11 @@ mod tests {
         assert!((of_signs(0, 5) - 0.0625).abs() < 1e-12);
         assert_eq!(of_signs(0, 0), 1.0);
         assert_eq!(of_signs(4, 4), 1.0);
+        // P(X ≥ 3) and P(X = 0) of ten throws at 0.1, twice; a share that no probability explains.
+        assert!((of_share(0.3, 10.0, 0.1) - 2.0 * 0.070_190_826_4).abs() < 1e-9);
+        assert!((of_share(0.0, 10.0, 0.1) - 2.0 * 0.348_678_440_1).abs() < 1e-9);
+        assert_eq!(of_share(0.1, 10.0, 0.1), 1.0);
+        assert!(of_share(0.1, 10.0, 0.0) < 1e-300 && of_share(0.1, 10.0, 1.1).is_nan());
     }
 
     #[test]

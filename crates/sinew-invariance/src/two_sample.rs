@@ -50,6 +50,6 @@ pub fn two_sample(
         });
         found.collect()
     });
-    report.statistics.push(share.statistic());
+    report.statistics.push(share.statistic(config.least_moved));
     report
 }

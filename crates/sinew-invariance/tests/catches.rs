@@ -350,13 +350,42 @@ fn long_runs_see_what_keeps_the_target_but_does_not_reach_it() {
     mixing(&LongRun::default(), &starts, walk(&target, 0.02, metropolis), &functions, 1.02, 40.0).assert_fails();
 }
 
+/// Independent draws with 8 events expected among them, where a z-score cries wolf in 4 % of the tests: 1000 tests at a rate of 0.01, with 4.5 standard errors to spare.
+#[test]
+fn false_alarms_of_rare_events_keep_the_stated_rate() {
+    let rare = TestFunctions::none().with("is rare", |x| f64::from(u8::from(x[0] < 0.004)));
+    let fresh = |_: &[f64], rng: &mut BlockRng| vec![uniform(rng)];
+    let failed = (0..1000).filter(|&seed| {
+        let control = Control { false_alarm_rate: 0.01, stages: 1, growth: 1 };
+        let config = LongRun { burn_in: 0, draws: 500, seed, control };
+        !long_run(&config, &vec![vec![0.5]; 4], fresh, &rare, &[0.004]).holds()
+    });
+    let rate = failed.count() as f64 / 1000.0;
+    assert!(rate < 0.01 + 4.5 * (0.0099_f64 / 1000.0).sqrt(), "{rate}");
+}
+
+/// A jump that is tried in one step of a thousand is right, and says how seldom it moves.
+#[test]
+fn kernels_that_move_rarely_are_told_how_rarely() {
+    let target = Gaussian::standard(1);
+    let rarely = |x: &[f64], rng: &mut BlockRng| if uniform(rng) < 0.001 { target.draw(rng) } else { x.to_vec() };
+    let test = |least_moved: f64| {
+        let config = ExactStart { starts: 40_000, least_moved, ..ExactStart::default() };
+        exact_start(&config, |rng| target.draw(rng), rarely, &TestFunctions::moments(1))
+    };
+    test(1e-4).assert_holds();
+    let told = test(0.01).to_string();
+    assert!(told.contains("share of starts that moved"), "{told}");
+    test(0.01).assert_fails();
+}
+
 /// 400 exact-start tests of a right kernel at a rate of 0.1: false alarms lie between 2 % and 10 % with 4.5 standard errors to spare. The normal law holds for the means, the law of signs for the rest; Bonferroni makes the rate smaller.
 #[test]
 fn false_alarms_of_a_whole_test_keep_the_stated_rate() {
     let target = Gaussian::equicorrelated(2, 0.5);
     let control = Control { false_alarm_rate: 0.1, ..Control::default() };
     let failed = (0..400).filter(|&seed| {
-        let config = ExactStart { starts: 500, steps: 1, seed, control };
+        let config = ExactStart { starts: 500, seed, control, ..ExactStart::default() };
         let report =
             exact_start(&config, |rng| target.draw(rng), walk(&target, 1.0, metropolis), &TestFunctions::moments(2));
         !report.holds()

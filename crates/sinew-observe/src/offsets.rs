@@ -20,6 +20,7 @@
 use crate::camera::Camera;
 use crate::keypoint_likelihood::Detection;
 use crate::triangulate::{self, Refined, Seen, linear, refined};
+use nalgebra::{Matrix2x3, Matrix3};
 
 /// The tracked person's keypoints in one frame: camera by camera, empty where he was not found.
 pub type Sighted = Vec<Vec<Option<Detection>>>;
@@ -226,6 +227,25 @@ fn without_offsets(cameras: &[Camera], frame: &Sighted, keypoint: usize, config:
         .collect();
     let plain = triangulate::Config { least_confidence: config.least_confidence, ..triangulate::Config::default() };
     triangulate::triangulate(&seen, &plain).map(|t| t.point)
+}
+
+/// Standard deviation per axis, metres, of the shift of the whole world that estimated offsets leave unsettled at a point of it; `None` where too few cameras see the point.
+///
+/// Were the calibrations wrong by independent offsets of variance b² per axis, the shift that explains them best would have the covariance `b² (Σ J_cᵀ J_c)⁻¹`, and what
+/// remains, the estimated offsets, would have b² in `2 C − 3` directions of the `2 C` of C cameras. The answer is the root of a third of that covariance's trace, with `b² = Σ |b_c|² / (2 C − 3)`.
+#[must_use]
+pub fn hidden_shift_m(cameras: &[Camera], offsets_px: &[[f64; 2]], at: [f64; 3]) -> Option<f64> {
+    let mut information = Matrix3::<f64>::zeros();
+    let (mut squares, mut directions) = (0.0, -3.0);
+    for (camera, [du, dv]) in cameras.iter().zip(offsets_px) {
+        let Some((_, jacobian)) = camera.project_with_jacobian(at) else { continue };
+        let jacobian = Matrix2x3::from_fn(|axis, k| jacobian[axis][k]);
+        information += jacobian.transpose() * jacobian;
+        squares += du * du + dv * dv;
+        directions += 2.0;
+    }
+    let covariance = information.try_inverse().filter(|_| directions > 0.0)? * (squares / directions);
+    Some((covariance.trace() / 3.0).sqrt()).filter(|shift| shift.is_finite())
 }
 
 /// Chooses the common mode: the shift of the world that takes the points, in the median, to where they are without offsets.

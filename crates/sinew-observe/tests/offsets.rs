@@ -1,6 +1,8 @@
 //! Offsets of cameras: found but for a shift of the world, and never from nothing.
 
-use sinew_observe::offsets::{Config, Sighted, estimate};
+use sinew_core::lanes::{Block, Isa};
+use sinew_core::random::Stage;
+use sinew_observe::offsets::{Config, Sighted, estimate, hidden_shift_m};
 use sinew_observe::triangulate::{Seen, linear};
 use sinew_observe::{Camera, Detection};
 
@@ -75,4 +77,31 @@ fn nothing_seen_gives_no_offset_and_no_scatter() {
     ] {
         assert!(noise.iter().all(|n| n.offset_px == [0.0; 2] && n.sigma_px.is_nan()));
     }
+}
+
+/// Offsets are drawn and the shift of least squares is taken away: the mean square of that shift is what the remains foretell.
+#[test]
+fn what_remains_of_offsets_foretells_the_shift_that_they_hide() {
+    const MIDDLE: [f64; 3] = [0.1, -0.2, 1.0];
+    for cameras in [ring(3), ring(4), ring(6)] {
+        let jacobians: Vec<_> = cameras.iter().map(|c| c.project_with_jacobian(MIDDLE).unwrap().1).collect();
+        let rows: Vec<[f64; 3]> = jacobians.into_iter().flatten().collect();
+        let design = nalgebra::DMatrix::from_fn(rows.len(), 3, |row, k| rows[row][k]);
+        let svd = design.clone().svd(true, true);
+        let (mut hidden, mut foretold) = (0.0, 0.0);
+        for draw in 0..4000 {
+            let mut normal = [Block::ZERO; 2];
+            Stage::new(3, "offsets").at_frame(draw).whole().fill_normal(Isa::baseline(), &mut normal);
+            let drawn = normal.iter().flat_map(|block| block.0).map(|z| 5.0 * z).take(rows.len());
+            let drawn = nalgebra::DVector::from_iterator(rows.len(), drawn);
+            let shift = svd.solve(&drawn, 1e-12).unwrap();
+            let remains = &drawn - &design * &shift;
+            let offsets: Vec<[f64; 2]> = remains.as_slice().chunks(2).map(|pair| [pair[0], pair[1]]).collect();
+            hidden += shift.norm_squared() / 3.0;
+            foretold += hidden_shift_m(&cameras, &offsets, MIDDLE).unwrap().powi(2);
+        }
+        let ratio = foretold / hidden;
+        assert!((ratio - 1.0).abs() < 0.06, "{} cameras: {ratio}", cameras.len());
+    }
+    assert_eq!(hidden_shift_m(&ring(1), &[[3.0, 0.0]], MIDDLE), None);
 }

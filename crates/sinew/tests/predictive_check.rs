@@ -66,6 +66,15 @@ fn cameras_that_moved_are_told() {
 }
 
 #[test]
+fn offsets_that_the_set_up_found_are_told() {
+    let noise = DetectorNoise { offset_px: 6.0, ..right() };
+    let setup = evaluation::set_up(&mut film(noise), 0..FRAMES, &settings(), |_| ()).unwrap();
+    let doubts = evaluation::filter(&mut film(noise), &setup, 0..FRAMES, &settings()).unwrap().doubts;
+    assert_eq!(kinds(&doubts), BTreeSet::from(["calibration"]));
+    insta::assert_snapshot!("calibration", words(&doubts));
+}
+
+#[test]
 fn noise_that_is_understated_is_told() {
     let doubts = told(right(), |setup| setup.camera.iter_mut().for_each(|camera| camera.sigma_px /= 1.5));
     assert_eq!(kinds(&doubts), BTreeSet::from(["scatter"]));

@@ -15,7 +15,8 @@
 //! - *limb*: length between triangulated ends over that of the body, left and right together, after the length that noise adds.
 //!
 //! A number is told of ([`Doubt`]) where it is beyond a bound that means something for the intervals *and* more than [`SURE`] standard errors beyond what is expected. What cannot show is what the body or the set-up
-//! absorbs: an offset that all cameras share with a shift of the world, and with one camera whatever moves the person.
+//! absorbs: with one camera whatever moves the person, with several a shift of the world. How large that may be is told by the offsets that the set-up found
+//! ([`Doubt::Calibration`]), with the same bound on each camera's.
 //!
 //! Memory does not grow with the frames.
 
@@ -44,7 +45,7 @@ const FEWEST_FRAMES: f64 = 15.0;
 /// Standard errors.
 const SURE: f64 = 4.0;
 /// Offset, in units of the assumed noise, that is told. Half of the width of a 90 % interval of a joint seen by four cameras is about one such unit.
-const OFFSET: f64 = 0.3;
+pub(super) const OFFSET: f64 = 0.3;
 /// Scatter and disagreement that are told, as a multiple of the expected one.
 const SCATTER: f64 = 1.2;
 /// Gross residuals that are told: this many times the expected share, and so many more of all.

@@ -3,7 +3,7 @@
 mod check;
 
 use super::oddities::{Oddities, Watched};
-use super::predictive::{Doubt, Predictive};
+use super::predictive::{self, Doubt, Predictive};
 use super::{Bound, Settings};
 use crate::Error;
 use crate::checkpoint::{Problem, check_length};
@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 use sinew_body::{KinematicTree, Plan, point_positions};
 use sinew_formats::Layout;
 use sinew_observe::association::{self, Following, Person, follow};
-use sinew_observe::offsets::median;
+use sinew_observe::offsets::{self, median};
 use sinew_observe::{Camera, Detection, KeypointFrame, KeypointModel, ObservationModel, View};
 use std::sync::Arc;
 
@@ -313,7 +313,20 @@ impl Scene {
     /// What does not look as the model says.
     #[must_use]
     pub fn doubts(&self) -> Vec<Doubt> {
-        self.predictive.doubts()
+        self.predictive.doubts().into_iter().chain(self.calibration_doubt()).collect()
+    }
+
+    /// Offsets of the set-up that are large against the noise: they hide a shift of the world.
+    fn calibration_doubt(&self) -> Option<Doubt> {
+        let views = &self.model.views;
+        let offsets: Vec<[f64; 2]> = views.iter().map(|view| view.offset_px).collect();
+        let size = |view: &View| view.offset_px[0].hypot(view.offset_px[1]) / view.sigma_px;
+        let large: Vec<_> = views.iter().filter(|view| size(view) > predictive::OFFSET).collect();
+        let points = self.points(self.start());
+        let at = [0, 1, 2].map(|k| points.iter().skip(k).step_by(3).sum::<f64>() / (points.len() / 3) as f64);
+        let shift_m = offsets::hidden_shift_m(&self.cameras, &offsets, at)?;
+        let cameras: Vec<_> = large.into_iter().map(|view| (view.camera.name.clone(), view.offset_px)).collect();
+        (!cameras.is_empty()).then_some(Doubt::Calibration { cameras, shift_m })
     }
 
     /// Scatter per axis, per camera, of the keypoints about the projection of a pose, pixels: their median distance divided by √(2 ln 2), which is the standard

@@ -38,6 +38,13 @@ pub enum Doubt {
         /// Cameras and their correlations.
         cameras: Vec<(String, f64)>,
     },
+    /// The set-up found the cameras calibrated aside of each other.
+    Calibration {
+        /// Cameras and their offsets, pixels.
+        cameras: Vec<(String, [f64; 2])>,
+        /// Standard deviation per axis of the shift of the world that such offsets hide, metres.
+        shift_m: f64,
+    },
     /// A limb is of another length than the body's.
     Limb {
         /// Which.
@@ -58,6 +65,7 @@ impl Doubt {
             Self::Scatter { .. } => "scatter",
             Self::Outliers { .. } => "outliers",
             Self::Persistent { .. } => "persistence",
+            Self::Calibration { .. } => "calibration",
             Self::Limb { .. } => "limbs",
         }
     }
@@ -87,6 +95,16 @@ impl fmt::Display for Doubt {
                     f,
                     "errors of the keypoints persist from frame to frame (correlation {}; independent ones are assumed). The intervals are too narrow: frames repeat what others said, or the body does not fit the person",
                     listed.join(", ")
+                )
+            }
+            Self::Calibration { cameras, shift_m } => {
+                let listed: Vec<String> =
+                    cameras.iter().map(|(name, [u, v])| format!("{name} {u:+.1} {v:+.1} px")).collect();
+                write!(
+                    f,
+                    "the set-up found cameras that see everything aside of the others ({}). It takes that away, but for a shift of the whole world that keypoints cannot tell: everything may lie some {:.0} mm from where it is along each axis, all the time, and no interval knows of it. Lengths and angles are right; where places matter, calibrate these cameras anew",
+                    listed.join(", "),
+                    1e3 * shift_m
                 )
             }
             Self::Limb { name, ratio, body_m } => write!(
