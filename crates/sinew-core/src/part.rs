@@ -127,7 +127,9 @@ mod tests {
             Partition::new(vec![part(&[0, 1, 2, 3]), part(&[3, 4])], 5),
             Err(Error::DuplicateIndex { index: 3 })
         );
-        assert!(PartTree::new(partition.clone(), vec![None, Some(0), Some(0)]).is_ok());
+        assert_eq!(Partition::new(all.clone(), 4), Err(Error::IndexOutOfRange { index: 4, dim: 4 }));
+        let tree = PartTree::new(partition.clone(), vec![None, Some(0), Some(0)]).expect("parents first");
+        assert_eq!((tree.partition(), tree.parents()), (&partition, &[None, Some(0), Some(0)][..]));
         assert_eq!(
             PartTree::new(partition.clone(), vec![None, Some(1), Some(0)]),
             Err(Error::ParentNotBefore { part: 1 })
