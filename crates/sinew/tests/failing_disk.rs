@@ -159,7 +159,8 @@ fn every_failure_is_told_and_nothing_false_is_left() {
     }
 }
 
-/// Whole runs with a checkpoint after every frame, on a disk that fails at every step near the beginning and the end and at some in between.
+/// Whole runs with a checkpoint after every frame, on a disk that fails from some step on: at each of the last ones, while results get their names and what is kept to go on is removed, and at some before.
+/// Since nothing works after the failure, what is left is what a run leaves that is killed there.
 #[test]
 fn a_run_goes_on_when_there_is_room_again() {
     let settings = [("method", "bootstrap"), ("particles", "8"), ("checkpoint_every", "0.02")];
@@ -174,7 +175,7 @@ fn a_run_goes_on_when_there_is_room_again() {
     let needed = MANY - run(MANY).unwrap();
     let mut gone_on = 0;
     // The number of steps depends on the clock, for checkpoints do: a run that has enough of them is no failure.
-    for steps in (0..needed).filter(|steps| *steps % 37 == 1 || (needed - steps) % 37 == 1) {
+    for steps in (0..needed).filter(|steps| *steps % 37 == 1 || needed - steps <= 60) {
         let _ = std::fs::remove_dir_all(&out);
         match run(steps) {
             Ok(_) => continue,
