@@ -223,6 +223,82 @@ mod tests {
         q
     }
 
+    /// Three points on a body that can only move along x and z: the minimum is a weighted mean.
+    #[test]
+    fn a_sliding_body_is_fitted_in_closed_form() {
+        use crate::tree::{Axis, Joint, Link, Point};
+        let joints = vec![Joint::Translate(Axis::X), Joint::Translate(Axis::Z)];
+        let root = Link { name: "root".into(), parent: None, offset: [0.0; 3], joints };
+        let offsets = [[0.0; 3], [1.0, 0.0, 0.5], [0.0, 2.0, -1.0]];
+        let point = |(k, &offset): (usize, &[f64; 3])| Point { name: format!("{k}"), link: 0, offset };
+        let tree = KinematicTree::new(vec![root], offsets.iter().enumerate().map(point).collect()).unwrap();
+        let plan = Plan::with_all_points(&tree);
+        let measured = [([0.3, 0.1, 0.2], 1.0), ([1.5, -0.2, 0.4], 2.0), ([0.1, 2.3, -0.9], 4.0)];
+        let targets: Vec<_> =
+            measured.map(|(position, weight)| Some(Target { position, weight })).into_iter().chain([None]).collect();
+        let (damping, previous) = (3.0, [-0.5, 0.25]);
+        let config = Config { damping, ..Config::default() };
+        let found = fit_pose(&plan, &targets, &previous, &config);
+        for (j, axis) in [0, 2].into_iter().enumerate() {
+            let pulls = measured.iter().zip(offsets).map(|((p, w), o)| w * (p[axis] - o[axis])).sum::<f64>();
+            let expected = (pulls + damping * previous[j]) / (7.0 + damping);
+            assert!((found.pose[j] - expected).abs() < 1e-9, "{} for {expected}", found.pose[j]);
+        }
+        let square = |(k, (p, w)): (usize, &([f64; 3], f64))| {
+            let at = [offsets[k][0] + found.pose[0], offsets[k][1], offsets[k][2] + found.pose[1]];
+            w * (0..3).map(|a| (p[a] - at[a]).powi(2)).sum::<f64>()
+        };
+        let rms = (measured.iter().enumerate().map(square).sum::<f64>() / 7.0).sqrt();
+        assert!((found.rms_m - rms).abs() < 1e-12 && found.converged && found.steps < 10, "{found:?}");
+        // A short pose counts as zeros; one step is one step, and not the end.
+        let short = fit_pose(&plan, &targets, &[-0.5], &Config { steps: 1, ..config });
+        assert_eq!((short.pose.len(), short.steps, short.converged), (2, 1, false));
+        assert_eq!(fit_pose(&plan, &targets, &previous, &Config { steps: 0, ..config }).pose, previous);
+        // Weights that are no weights do not count.
+        let odd = |weight: f64| [targets[0], targets[1].map(|t| Target { weight, ..t }), targets[2]];
+        let without = fit_pose(&plan, &[targets[0], None, targets[2]], &previous, &config);
+        for weight in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+            assert_eq!(fit_pose(&plan, &odd(weight), &previous, &config), without, "{weight}");
+        }
+    }
+
+    /// With Huber's continuation and damping: the slopes of the objective, written out, vanish where the fit ends.
+    #[test]
+    fn a_robust_fit_is_a_minimum_of_its_objective() {
+        let tree = cf28(&Proportions::default());
+        let plan = Plan::with_all_points(&tree);
+        let truth = walking(&tree, 0.4);
+        let mut targets = targets(&plan, &truth);
+        for (k, target) in targets.iter_mut().flatten().enumerate() {
+            target.weight = 1.0 + 0.3 * (k % 4) as f64;
+            target.position[k % 3] += if k % 5 == 0 { 0.3 } else { 0.02 };
+        }
+        let config = Config { damping: 0.05, huber_m: 0.04, steps: 1000, ..Config::default() };
+        let previous: Vec<f64> = truth.iter().map(|q| q - 0.05).collect();
+        let found = fit_pose(&plan, &targets, &previous, &config);
+        let objective = |pose: &[f64]| {
+            let mut at = vec![0.0; 3 * plan.points()];
+            point_positions(&plan, Isa::baseline(), pose, &mut at);
+            let one = |(p, t): (&[f64], &Option<Target>)| {
+                let t = t.unwrap();
+                let d = (0..3).map(|a| (p[a] - t.position[a]).powi(2)).sum::<f64>().sqrt();
+                t.weight * if d < 0.04 { d * d } else { 0.04 * (2.0 * d - 0.04) }
+            };
+            let change: f64 = pose.iter().zip(&previous).map(|(a, b)| (a - b).powi(2)).sum();
+            at.chunks(3).zip(&targets).map(one).sum::<f64>() + 0.05 * change
+        };
+        for j in 0..tree.dof() {
+            let moved = |by: f64| {
+                let mut pose = found.pose.clone();
+                pose[j] += by;
+                objective(&pose)
+            };
+            let slope = (moved(1e-5) - moved(-1e-5)) / 2e-5;
+            assert!(slope.abs() < 1e-6, "{}: {slope}", tree.dof_names()[j]);
+        }
+        assert!(found.converged, "{} steps", found.steps);
+    }
+
     /// K15, from every heading.
     #[test]
     fn a_body_is_fitted_to_its_own_points_from_any_heading() {

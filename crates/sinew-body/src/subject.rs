@@ -203,6 +203,50 @@ mod tests {
         assert_eq!(found.unmeasured.len(), 10);
     }
 
+    /// The points of a standing body of known sizes, through its own joints.
+    #[test]
+    fn a_whole_body_tells_all_its_lengths() {
+        let truth = Proportions { upper_arm: 0.33, forearm: 0.24, spine: 0.5, ..scaled(&Proportions::default(), 1.1) };
+        let tree = crate::standard::h32(&truth);
+        let plan = crate::Plan::with_all_points(&tree);
+        let mut at = vec![0.0; 3 * plan.points()];
+        crate::point_positions(&plan, sinew_core::lanes::Isa::baseline(), &vec![0.0; tree.dof()], &mut at);
+        let names: Vec<&str> = tree.points().iter().map(|p| p.name.as_str()).collect();
+        let frame: Vec<_> = at.chunks(3).map(|p| Some([p[0], p[1], p[2]])).collect();
+        let place = |name: &str| names.iter().position(|n| *n == name).unwrap();
+        let near = |found: f64, expected: f64| assert!((found - expected).abs() < 1e-12, "{found} for {expected}");
+        let found = from_distances(&names, std::slice::from_ref(&frame));
+        let p = found.proportions;
+        assert!(found.unmeasured.is_empty(), "{:?}", found.unmeasured);
+        for (found, expected) in [
+            (p.upper_arm, 0.33),
+            (p.forearm, 0.24),
+            (p.thigh, truth.thigh),
+            (p.shin, truth.shin),
+            (p.shoulder_half_width, truth.shoulder_half_width),
+            (p.hip_half_width, truth.hip_half_width),
+            (p.pelvis_drop, truth.pelvis_drop),
+            (p.shoulder_height, truth.shoulder_height),
+            (p.spine, 0.5),
+        ] {
+            near(found, expected);
+        }
+        // Left and right are pooled; one side alone will do. Without hips the middle one serves. Medians of two frames are means.
+        let mut other = frame.clone();
+        other[place("LWrist")].as_mut().unwrap()[2] -= 0.04;
+        near(from_distances(&names, std::slice::from_ref(&other)).proportions.forearm, 0.26);
+        near(from_distances(&names, &[frame.clone(), other.clone()]).proportions.forearm, 0.25);
+        other[place("RWrist")] = None;
+        near(from_distances(&names, std::slice::from_ref(&other)).proportions.forearm, 0.28);
+        other[place("LHip")] = None;
+        let found = from_distances(&names, std::slice::from_ref(&other));
+        near(found.proportions.pelvis_drop, truth.pelvis_drop);
+        assert_eq!(found.unmeasured, ["hip_half_width"]);
+        near(found.proportions.hip_half_width, found.scale * Proportions::default().hip_half_width);
+        other[place("LWrist")] = Some([f64::NAN; 3]);
+        assert!(from_distances(&names, std::slice::from_ref(&other)).unmeasured.contains(&"forearm"));
+    }
+
     #[test]
     fn nothing_seen_leaves_the_default() {
         let found = from_distances(&[], &[]);
