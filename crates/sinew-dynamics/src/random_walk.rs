@@ -186,7 +186,7 @@ impl Predict for RandomWalk {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use sinew_core::density::LogDensity;
+    use sinew_core::density::{GradLogDensity, LogDensity};
     use sinew_core::random::Stage;
     use sinew_core::transition::{FramePrior, Moments};
 
@@ -218,11 +218,13 @@ mod tests {
 
     #[test]
     fn a_part_moves_alone() {
-        let part = Part::new(vec![1], 3).expect("valid");
-        let mut next = [Block::ZERO; 3];
+        let part = Part::new(vec![1, 2], 3).expect("valid");
+        let mut next = [Block::splat(7.0); 3];
         walk(Between::Mixture).sample_part_block(&part, &mut next, &mut Stage::new(1, "part").whole());
-        assert_eq!((next[0], next[2]), (Block::ZERO, Block::ZERO));
-        assert!(next[1].0.iter().all(|x| *x != 0.0));
+        let mut noise = [Block::ZERO; 2];
+        Stage::new(1, "part").whole().fill_normal(Isa::best(), &mut noise);
+        let moved = |z: Block, sd: f64| Block(z.0.map(|z| 7.0 + sd * z));
+        assert_eq!(next, [Block::splat(7.0), moved(noise[0], 0.5), moved(noise[1], 1.0)]);
     }
 
     /// With one chain and no spread both priors are the transition's density.
@@ -236,6 +238,22 @@ mod tests {
         for between in [Between::Mixture, Between::Gaussian] {
             let prior = walk(between).predict(Cloud { last: &last, count: 1, moments: &moments }).expect("valid");
             assert!((prior.log_density(&x) - exact).abs() < 1e-13, "{between:?}");
+            let (mut grad, mut force) = ([0.0; 3], [0.0; 3]);
+            assert!((prior.log_density_grad(&x, &mut grad) - exact).abs() < 1e-13, "{between:?}");
+            GradTransition::log_density_grad(&walk(between), &centre, &x, &mut force);
+            assert!(grad.iter().zip(force).all(|(g, f)| (g - f).abs() < 1e-12 * f.abs()), "{grad:?} for {force:?}");
+            let (block, mut grads) = (x.map(Block::splat), [Block::ZERO; 3]);
+            let mut ws = vec![Block::ZERO; prior.workspace()];
+            for values in
+                [prior.log_density_block(&block, &mut ws), prior.log_density_grad_block(&block, &mut grads, &mut ws)]
+            {
+                assert!(values.0.iter().all(|value| (value - exact).abs() < 1e-13), "{between:?}");
+            }
+            assert!(grads.iter().zip(force).all(|(g, f)| (g.0[6] - f).abs() < 1e-12 * f.abs()));
+            let bound = prior.precision();
+            assert!(
+                (0..9).all(|k| (bound[k] - [16.0, 4.0, 1.0][k / 3] * f64::from(u8::from(k % 4 == 0))).abs() < 1e-12)
+            );
             assert!((prior.precision_diagonal()[0] - 16.0).abs() < 1e-12);
             let initial = walk(between).initial(&centre).expect("valid");
             assert!((initial.log_density(&x) - exact).abs() < 1e-13);
