@@ -283,6 +283,35 @@ mod tests {
         assert!(matches!(again, Err(Error::OutOfRange { name: "number of candidates", .. })));
     }
 
+    /// A rate of 1 / (1 + η²): found from either side, to the tolerance, within the interval that doubling or halving has enclosed.
+    #[test]
+    fn searches_enclose_and_halve() {
+        let searched = |first_step_size: f64, tolerance: f64| {
+            let config = Config { first_step_size, tolerance, acceptance: 0.8, ..Config::default() };
+            let mut tried = vec![];
+            let found = search(&config, |eta| {
+                tried.push(eta);
+                Ok(1.0 / (1.0 + eta * eta))
+            });
+            (found.expect("there is one"), tried)
+        };
+        for (first, enclosed) in
+            [(1.0, vec![1.0, 0.5]), (0.2, vec![0.2, 0.4, 0.8]), (6.0, vec![6.0, 3.0, 1.5, 0.75, 0.375])]
+        {
+            let ((eta, rate), tried) = searched(first, 1e-6);
+            assert!((eta - 0.5).abs() < 2e-6 && (rate - 0.8).abs() <= 1e-6, "{eta} {rate}");
+            assert_eq!(tried[..enclosed.len()], enclosed);
+            let (low, high) = (enclosed[enclosed.len() - 2], enclosed[enclosed.len() - 1]);
+            let inside = |eta: &&f64| (low.min(high)..=low.max(high)).contains(*eta);
+            assert_eq!(tried.iter().skip(enclosed.len()).filter(inside).count(), tried.len() - enclosed.len());
+            if let Some(third) = tried.get(enclosed.len()) {
+                assert!((third - (low * high).sqrt()).abs() < 1e-15);
+            }
+        }
+        // The first one that is near enough ends the search.
+        assert_eq!(searched(0.45, 0.05).1, [0.45]);
+    }
+
     #[test]
     fn a_search_without_end_is_an_error() {
         let isa = Isa::best();
