@@ -371,3 +371,32 @@ fn starts_from_the_prior_have_the_evidence_and_in_the_limit_the_posterior() {
         Err(Error::Empty { count: 0, dim: 3 })
     ));
 }
+
+/// A density without a peak: nothing is selected, and every layer's diffusion remains.
+struct Flat;
+impl LogDensity for Flat {
+    fn dim(&self) -> usize {
+        1
+    }
+    fn log_density(&self, _x: &[f64]) -> f64 {
+        0.0
+    }
+}
+
+#[test]
+fn the_diffusion_shrinks_by_variance_or_by_deviation() {
+    let start = Population::draw(1, 20_000, |_, x| x.fill(Block::ZERO)).expect("not empty");
+    for (scaling, expected) in
+        [(Scaling::Variance, 1.0 + 0.5 + 0.25), (Scaling::StandardDeviation, 1.0 + 0.25 + 0.0625)]
+    {
+        let config = annealed_search::Config { layers: 3, scaling, scheme: Scheme::Systematic, ..Default::default() };
+        let found = search(&Flat, &start, &[3.0], &config, Isa::best(), Stage::new(1, "flat")).expect("finds");
+        let variance = found.population.states().iter().flat_map(|x| x.0).map(|x| x * x).sum::<f64>() / 20_000.0 / 9.0;
+        // The mean of 20 000 squares scatters by a hundredth of it.
+        assert!((variance / expected - 1.0).abs() < 0.05, "{scaling:?}: {variance} for {expected}");
+    }
+    let start = Population::draw(3, 200, |_, x| x.fill(Block::ZERO)).expect("not empty");
+    let config = annealed_search::Config { layers: 3, last: Last::Fixed(0.7), ..Default::default() };
+    let found = search(&Observed, &start, &SD, &config, Isa::best(), Stage::new(1, "fixed")).expect("finds");
+    assert!(found.exponents[2] == 0.7 && found.exponents[..2].iter().all(|beta| *beta < 0.5), "{:?}", found.exponents);
+}
