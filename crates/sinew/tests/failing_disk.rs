@@ -175,7 +175,7 @@ fn a_run_goes_on_when_there_is_room_again() {
     let needed = MANY - run(MANY).unwrap();
     let mut gone_on = 0;
     // The number of steps depends on the clock, for checkpoints do: a run that has enough of them is no failure.
-    for steps in (0..needed).filter(|steps| *steps % 37 == 1 || needed - steps <= 60) {
+    for steps in (0..needed).filter(|steps| *steps % 37 == 1 || needed - steps <= 30) {
         let _ = std::fs::remove_dir_all(&out);
         match run(steps) {
             Ok(_) => continue,

@@ -102,7 +102,7 @@ impl fmt::Display for Doubt {
                     cameras.iter().map(|(name, [u, v])| format!("{name} {u:+.1} {v:+.1} px")).collect();
                 write!(
                     f,
-                    "the set-up found cameras that see everything aside of the others ({}). It takes that away, but for a shift of the whole world that keypoints cannot tell: everything may lie some {:.0} mm from where it is along each axis, all the time, and no interval knows of it. Lengths and angles are right; where places matter, calibrate these cameras anew",
+                    "the set-up found cameras that see everything aside of the others ({}). This is taken away, but for the shift of the whole world that it hides: everything may lie some {:.0} mm aside along each axis, all the time, and no interval knows of it. Lengths and angles are right; where places matter, calibrate these cameras anew",
                     listed.join(", "),
                     1e3 * shift_m
                 )
