@@ -152,6 +152,23 @@ mod tests {
     }
 
     #[test]
+    fn turning_points_are_the_zeros_of_the_quadratic() {
+        for (abc, zeros) in [
+            ([1.0, -3.0, 2.0], vec![1.0, 2.0]),
+            ([2.0, 4.0, -6.0], vec![-3.0, 1.0]),
+            ([-1.0, 0.0, 4.0], vec![-2.0, 2.0]),
+            ([1.0, 0.0, 1.0], vec![]),
+            ([1.0, -2.0, 1.0], vec![]),
+            ([0.0, 2.0, -5.0], vec![2.5]),
+            ([0.0, 0.0, 1.0], vec![]),
+            ([1.0, f64::NAN, 1.0], vec![]),
+        ] {
+            let [a, b, c] = abc;
+            assert_eq!(turning_points(a, b, c), zeros, "{abc:?}");
+        }
+    }
+
+    #[test]
     fn the_polynomial_grows_up_to_its_valid_radius() {
         check_radius([0.0; 3], f64::INFINITY);
         check_radius([0.1, 0.0, 0.0], f64::INFINITY);
