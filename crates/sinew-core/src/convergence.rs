@@ -261,6 +261,8 @@ mod tests {
         let broken = [[1.0, f64::NAN, 3.0, 4.0]; 2];
         assert!(rank_r_hat(&broken).is_nan() && mcse_of_mean(&broken).is_nan());
         assert!(rank_r_hat::<[f64; 0]>(&[]).is_nan());
+        // Chains that stand still have no spread to compare with, wherever they stand.
+        assert!(rank_r_hat(&[[1.0; 10], [2.0; 10]]).is_nan());
         // Two values only: they have a location and no scale.
         assert!(rank_r_hat(&[[1.0, -1.0, 1.0, -1.0, -1.0, 1.0]; 2]).is_nan());
         let constant = [[2.0; 10]; 3];
