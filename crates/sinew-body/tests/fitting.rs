@@ -81,7 +81,7 @@ fn moving(tree: &KinematicTree) -> Vec<Vec<f64>> {
 
 /// Sizes and poses are solved for together: one round leaves a fraction of the error, and eight leave nothing.
 #[test]
-fn rounds_of_sizes_converge_quadratically() {
+fn rounds_of_sizes_converge() {
     let truth = Proportions { thigh: 0.46, upper_arm: 0.28, nose: [0.0, 0.12, 0.11], ..Proportions::default() };
     let frames: Vec<_> = moving(&h32(&truth)).iter().map(|q| targets(&h32(&truth), q)).collect();
     let off = |rounds: usize| {
