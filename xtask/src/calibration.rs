@@ -5,10 +5,12 @@
 //! | [`people`] | who moves |
 //! | [`scene`] | one series: film, set-up, track, rank |
 //! | [`found`] | what the series of a scene come to |
+//! | [`coordinates`] | which degrees of freedom are calibrated |
 //! | [`tables`], [`figures`] | as files |
 //!
 //! A series is independent of the others in its noise, its stretch of motion and its random streams, so that standard errors and χ² rest on series, never on the frames and joints of one.
 
+mod coordinates;
 mod figures;
 mod found;
 mod people;
@@ -40,6 +42,11 @@ pub struct Args {
     /// Only the coverage of the main scene, in a minute or two
     #[arg(long)]
     main: bool,
+    /// Only the ranks of each degree of freedom on the model's own motion, from so many series
+    #[arg(long, value_name = "SERIES")]
+    coordinates: Option<usize>,
+    #[command(flatten)]
+    chains: coordinates::Chains,
     /// Seed of the first series
     #[arg(long, default_value_t = 1)]
     seed: u64,
@@ -112,8 +119,12 @@ fn data_folder(root: &Path, given: Option<&Path>) -> PathBuf {
 
 /// Some of the series of a scene. Their seeds are consecutive and begin far from those of other first seeds.
 fn series(scene: &Scene, people: &[Person], length: Length, numbers: Range<usize>, seed: u64) -> Outcome<Vec<Series>> {
-    let first = seed.wrapping_mul(1_000_003);
-    numbers.map(|i| scene::series(scene, people, length, first.wrapping_add(i as u64))).collect()
+    seeds(numbers, seed).into_iter().map(|seed| scene::series(scene, people, length, seed)).collect()
+}
+
+fn seeds(numbers: Range<usize>, first: u64) -> Vec<u64> {
+    let first = first.wrapping_mul(1_000_003);
+    numbers.map(|i| first.wrapping_add(i as u64)).collect()
 }
 
 /// Scenes whose ranks are drawn.
@@ -282,7 +293,11 @@ fn main_scene(root: &Path, seed: u64) -> Outcome<()> {
 
 /// Runs the command.
 pub fn run(root: &Path, args: &Args) -> ExitCode {
-    let done = if args.main { main_scene(root, args.seed) } else { measure(root, args) };
+    let done = match args.coordinates {
+        Some(count) => coordinates::measure(count, args.chains, args.seed).map(|table| print!("{table}")),
+        None if args.main => main_scene(root, args.seed),
+        None => measure(root, args),
+    };
     match done {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {

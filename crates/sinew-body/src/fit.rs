@@ -214,7 +214,6 @@ mod tests {
             ("r_thigh.ry", -0.1),
             ("r_shin.rx", -0.1),
             ("girdle.rz", 0.1),
-            ("pelvis.rz", -0.1),
         ] {
             let names = tree.dof_names();
             let j = names.iter().position(|n| n == name).expect("a degree of freedom of the body");

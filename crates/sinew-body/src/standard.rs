@@ -80,40 +80,63 @@ fn mirrored([x, y, z]: [f64; 3]) -> [f64; 3] {
     [-x, y, z]
 }
 
-fn cf28_links(p: &Proportions) -> Vec<Link> {
+/// A link that moves freely: translations, then rotations about z, y, x.
+fn free(name: &str) -> Link {
     use Axis::{X, Y, Z};
-    let mut root = link("spine", None, [0.0; 3], &[]);
-    root.joints = [X, Y, Z].map(Joint::Translate).into_iter().chain([Z, Y, X].map(Joint::Rotate)).collect();
-    vec![
-        root,
-        link("head", Some(0), [0.0, 0.0, p.spine], &[Z, Y, X]),
-        link("girdle", Some(0), [0.0, 0.0, p.shoulder_height], &[Z]),
-        link("l_upper_arm", Some(2), [-p.shoulder_half_width, 0.0, 0.0], &[Z, Y, X]),
-        link("l_forearm", Some(3), [0.0, 0.0, -p.upper_arm], &[X]),
-        link("r_upper_arm", Some(2), [p.shoulder_half_width, 0.0, 0.0], &[Z, Y, X]),
-        link("r_forearm", Some(5), [0.0, 0.0, -p.upper_arm], &[X]),
-        link("pelvis", Some(0), [0.0; 3], &[Z, Y]),
-        link("l_thigh", Some(7), [-p.hip_half_width, 0.0, -p.pelvis_drop], &[Z, Y, X]),
+    let joints = [X, Y, Z].map(Joint::Translate).into_iter().chain([Z, Y, X].map(Joint::Rotate)).collect();
+    Link { joints, ..link(name, None, [0.0; 3], &[]) }
+}
+
+/// Left and right arm, the links after the girdle.
+fn arms(p: &Proportions, girdle: usize) -> [Link; 4] {
+    use Axis::{X, Y, Z};
+    [
+        link("l_upper_arm", Some(girdle), [-p.shoulder_half_width, 0.0, 0.0], &[Z, Y, X]),
+        link("l_forearm", Some(girdle + 1), [0.0, 0.0, -p.upper_arm], &[X]),
+        link("r_upper_arm", Some(girdle), [p.shoulder_half_width, 0.0, 0.0], &[Z, Y, X]),
+        link("r_forearm", Some(girdle + 3), [0.0, 0.0, -p.upper_arm], &[X]),
+    ]
+}
+
+/// Left and right leg, links 8 to 11.
+fn legs(p: &Proportions, pelvis: usize) -> [Link; 4] {
+    use Axis::{X, Y, Z};
+    [
+        link("l_thigh", Some(pelvis), [-p.hip_half_width, 0.0, -p.pelvis_drop], &[Z, Y, X]),
         link("l_shin", Some(8), [0.0, 0.0, -p.thigh], &[X]),
-        link("r_thigh", Some(7), [p.hip_half_width, 0.0, -p.pelvis_drop], &[Z, Y, X]),
+        link("r_thigh", Some(pelvis), [p.hip_half_width, 0.0, -p.pelvis_drop], &[Z, Y, X]),
         link("r_shin", Some(10), [0.0, 0.0, -p.thigh], &[X]),
     ]
 }
 
+fn cf28_links(p: &Proportions) -> Vec<Link> {
+    use Axis::{X, Y, Z};
+    let mut links = vec![
+        free("spine"),
+        link("head", Some(0), [0.0, 0.0, p.spine], &[Z, Y, X]),
+        link("girdle", Some(0), [0.0, 0.0, p.shoulder_height], &[Z]),
+    ];
+    links.extend(arms(p, 2));
+    links.push(link("pelvis", Some(0), [0.0; 3], &[Z, Y]));
+    links.extend(legs(p, 7));
+    links
+}
+
 /// Joint centres that both bodies share, under the names of the keypoint layouts.
-fn joint_points(p: &Proportions) -> Vec<Point> {
+fn joint_points(p: &Proportions, girdle: usize, pelvis: usize) -> Vec<Point> {
     let side = |sign: f64, [shoulder, elbow, wrist, hip, knee, ankle]: [&str; 6], links: [usize; 4]| {
         [
-            point(shoulder, 2, [sign * p.shoulder_half_width, 0.0, 0.0]),
+            point(shoulder, girdle, [sign * p.shoulder_half_width, 0.0, 0.0]),
             point(elbow, links[0], [0.0, 0.0, -p.upper_arm]),
             point(wrist, links[1], [0.0, 0.0, -p.forearm]),
-            point(hip, 7, [sign * p.hip_half_width, 0.0, -p.pelvis_drop]),
+            point(hip, pelvis, [sign * p.hip_half_width, 0.0, -p.pelvis_drop]),
             point(knee, links[2], [0.0, 0.0, -p.thigh]),
             point(ankle, links[3], [0.0, 0.0, -p.shin]),
         ]
     };
-    let right = side(1.0, ["RShoulder", "RElbow", "RWrist", "RHip", "RKnee", "RAnkle"], [5, 6, 10, 11]);
-    let left = side(-1.0, ["LShoulder", "LElbow", "LWrist", "LHip", "LKnee", "LAnkle"], [3, 4, 8, 9]);
+    let right =
+        side(1.0, ["RShoulder", "RElbow", "RWrist", "RHip", "RKnee", "RAnkle"], [girdle + 3, girdle + 4, 10, 11]);
+    let left = side(-1.0, ["LShoulder", "LElbow", "LWrist", "LHip", "LKnee", "LAnkle"], [girdle + 1, girdle + 2, 8, 9]);
     right.into_iter().chain(left).collect()
 }
 
@@ -134,35 +157,46 @@ pub fn cf28(p: &Proportions) -> KinematicTree {
         point("Spine", 0, [0.0; 3]),
         point("MidHip", 7, [0.0, 0.0, -p.pelvis_drop]),
     ];
-    points.extend(joint_points(p));
+    points.extend(joint_points(p, 2, 7));
     built(cf28_links(p), points)
 }
 
-/// Standard body for real people: CF28 with two-axis feet, 32 degrees of freedom, and the face and foot points of keypoint detectors.
+/// Standard body for real people: 32 degrees of freedom, and the face and foot points of keypoint detectors.
+///
+/// It takes the poses of CF28 with two-axis feet, but its root is the pelvis. What joint centres cannot tell is the turn of the spine about itself, between hips and shoulders. In CF28 this turns the root, which hips, girdle and
+/// head undo: all three angles of the root change along a curve. Here three angles about the same axis change (`spine.rz`, `girdle.rz`, `head.rz`), along a straight line, which Gaussian priors and constant metrics describe
+/// (docs/calibration.md).
 ///
 /// # Panics
 /// If a size is not finite.
 #[must_use]
 pub fn h32(p: &Proportions) -> KinematicTree {
-    use Axis::{X, Y};
-    let mut links = cf28_links(p);
+    use Axis::{X, Y, Z};
+    let mut links = vec![
+        free("pelvis"),
+        link("spine", Some(0), [0.0; 3], &[Y, Z]),
+        link("head", Some(1), [0.0, 0.0, p.spine], &[Z, Y, X]),
+        link("girdle", Some(1), [0.0, 0.0, p.shoulder_height], &[Z]),
+    ];
+    links.extend(arms(p, 3));
+    links.extend(legs(p, 0));
     links.push(link("l_foot", Some(9), [0.0, 0.0, -p.shin], &[X, Y]));
     links.push(link("r_foot", Some(11), [0.0, 0.0, -p.shin], &[X, Y]));
-    let mut points = joint_points(p);
+    let mut points = joint_points(p, 3, 0);
     for (side, foot, place) in [("R", 13, (|o| o) as fn([f64; 3]) -> [f64; 3]), ("L", 12, mirrored)] {
         points.extend([
             point(&format!("{side}BigToe"), foot, place(p.big_toe)),
             point(&format!("{side}SmallToe"), foot, place(p.small_toe)),
             point(&format!("{side}Heel"), foot, place(p.heel)),
-            point(&format!("{side}Eye"), 1, place(p.eye)),
-            point(&format!("{side}Ear"), 1, place(p.ear)),
+            point(&format!("{side}Eye"), 2, place(p.eye)),
+            point(&format!("{side}Ear"), 2, place(p.ear)),
         ]);
     }
     points.extend([
-        point("Neck", 0, [0.0, 0.0, p.spine]),
-        point("Head", 1, p.head_top),
-        point("Nose", 1, p.nose),
-        point("MidHip", 7, [0.0, 0.0, -p.pelvis_drop]),
+        point("Neck", 1, [0.0, 0.0, p.spine]),
+        point("Head", 2, p.head_top),
+        point("Nose", 2, p.nose),
+        point("MidHip", 0, [0.0, 0.0, -p.pelvis_drop]),
     ]);
     built(links, points)
 }

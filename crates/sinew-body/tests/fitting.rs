@@ -12,9 +12,10 @@ fn pose(tree: &KinematicTree) -> impl Strategy<Value = Vec<f64>> + use<> {
     let ranges: Vec<(f64, f64)> = tree
         .dof_names()
         .iter()
-        .map(|name| match name.as_str() {
-            "spine.tx" | "spine.ty" | "spine.tz" => (-3.0, 3.0),
-            "spine.rz" => (-3.1, 3.1),
+        .enumerate()
+        .map(|(dof, name)| match name.as_str() {
+            _ if dof < 3 => (-3.0, 3.0),
+            _ if dof == 3 => (-3.1, 3.1),
             "l_forearm.rx" | "r_forearm.rx" => (0.1, 2.0),
             "l_shin.rx" | "r_shin.rx" => (-1.8, -0.1),
             "l_upper_arm.rx" | "r_upper_arm.rx" | "l_thigh.rx" | "r_thigh.rx" => (-0.6, 1.2),

@@ -54,7 +54,7 @@ pub struct Cloud<'a> {
     pub last: &'a [Block],
     /// Number of chains; lanes beyond it are to be ignored.
     pub count: usize,
-    /// Moments of all kept draws, the covariance shrunk towards its diagonal.
+    /// Moments of all kept draws, the covariance shrunk.
     pub moments: &'a Moments,
 }
 

@@ -12,12 +12,13 @@
 //! need a few steps where the diagonal one needs a hundred. Both are made before the chains start and frozen: a metric that changed with a chain's state would destroy reversibility.
 
 use crate::Error;
+use crate::moments;
 use faer::{MatRef, Side};
 use sinew_core::combinators::Sum;
 use sinew_core::density::{GaussNewton, GradLogDensity, LogDensity};
 use sinew_core::lanes::{Block, Isa, LANES, triangle};
 use sinew_core::random::{BlockRng, Stage};
-use sinew_core::transition::FramePrior;
+use sinew_core::transition::{FramePrior, Moments};
 
 /// Which metric a frame's chains use.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -98,6 +99,36 @@ impl Dense {
 
     pub(crate) const fn dim(&self) -> usize {
         self.dim
+    }
+}
+
+impl Metric {
+    /// Shrinks the covariance C of `effective` independent draws towards what it is where the metric's own axes do not covary, and returns λ: with the whitening A,
+    ///
+    /// ```text
+    /// C ← (1 − λ) C + λ A diag(A⁻¹ C A⁻ᵀ) Aᵀ
+    /// ```
+    ///
+    /// A diagonal metric shrinks towards the diagonal ([`moments::shrink`]). A dense one keeps the correlations that it knows: those of a direction that no observation tells come from many coordinates, and without them its variance would
+    /// be lost a part in every frame.
+    pub fn shrink(&self, moments: &mut Moments, effective: f64) -> f64 {
+        let Self::Dense(dense) = self else { return moments::shrink(moments, effective) };
+        let d = dense.dim;
+        let whitening = faer::Mat::from_fn(d, d, |i, j| if i > j { 0.0 } else { dense.columns[triangle(j, i)] });
+        let mut whitened = MatRef::from_row_major_slice(&moments.covariance, d, d).to_owned();
+        for _ in 0..2 {
+            whitening.solve_upper_triangular_in_place(whitened.as_mut());
+            whitened = whitened.transpose().to_owned();
+        }
+        let mut inner =
+            Moments { mean: vec![0.0; d], covariance: (0..d * d).map(|k| whitened[(k / d, k % d)]).collect() };
+        let lambda = moments::shrink(&mut inner, effective);
+        let shrunk = &whitening * MatRef::from_row_major_slice(&inner.covariance, d, d) * whitening.transpose();
+        for (k, entry) in moments.covariance.iter_mut().enumerate() {
+            // Rounding must not make it asymmetric.
+            *entry = 0.5 * (shrunk[(k / d, k % d)] + shrunk[(k % d, k / d)]);
+        }
+        lambda
     }
 }
 
@@ -295,6 +326,36 @@ pub fn laplace<O: GaussNewton + ?Sized, P: FramePrior>(
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_metric_keeps_the_correlations_that_it_knows() {
+        // Precision of x + y is large and that of x − y is 1: draws whose covariance is the metric's inverse are left as they are, whatever their number.
+        let precision = [50.5, 49.5, 49.5, 50.5];
+        let covariance = [0.505, -0.495, -0.495, 0.505];
+        let start = || Moments { mean: vec![0.0; 2], covariance: covariance.to_vec() };
+        let metric = Metric::Dense(Dense::new(&precision, 2).expect("positive definite"));
+        for effective in [0.0, 2.0, 1e6] {
+            let mut known = start();
+            assert_eq!(metric.shrink(&mut known, effective), 2.0 / (effective + 2.0));
+            assert!(known.covariance.iter().zip(covariance).all(|(a, b)| (a - b).abs() < 1e-12), "{known:?}");
+        }
+        let (mut plain, mut diagonal, mut unit) = (start(), start(), start());
+        moments::shrink(&mut plain, 2.0);
+        Metric::Diagonal(vec![3.0, 1.0]).shrink(&mut diagonal, 2.0);
+        Metric::Dense(Dense::new(&[4.0, 0.0, 0.0, 0.25], 2).expect("positive definite")).shrink(&mut unit, 2.0);
+        assert_eq!(plain, diagonal);
+        assert!(plain.covariance.iter().zip(&unit.covariance).all(|(a, b)| (a - b).abs() < 1e-12), "{unit:?}");
+        // A covariance that the metric does not know, by the formula: A = L⁻ᵀ with L L ᵀ = G.
+        let mut other = Moments { mean: vec![0.0; 2], covariance: vec![4.0, 1.0, 1.0, 1.0] };
+        metric.shrink(&mut other, 2.0);
+        let l = [50.5_f64.sqrt(), 49.5 / 50.5_f64.sqrt(), (50.5 - 49.5 * 49.5 / 50.5_f64).sqrt()];
+        let a = [1.0 / l[0], -l[1] / (l[0] * l[2]), 1.0 / l[2]];
+        let w = [4.0 * l[0] * l[0] + 2.0 * l[0] * l[1] + l[1] * l[1], l[2] * l[2]];
+        let towards = [a[0] * a[0] * w[0] + a[1] * a[1] * w[1], a[1] * a[2] * w[1], a[2] * a[2] * w[1]];
+        for (k, t, c) in [(0, 0, 4.0), (1, 1, 1.0), (2, 1, 1.0), (3, 2, 1.0)] {
+            assert!((other.covariance[k] - 0.5 * (c + towards[t])).abs() < 1e-11, "{other:?}");
+        }
+    }
 
     #[test]
     fn whitening_undoes_the_metric() {

@@ -220,7 +220,9 @@ impl<T: Predict + Send, O: GaussNewton + ?Sized> Tracker<O> for HmcFilter<T> {
             divergences += self.draws.divergences;
         }
         self.effective = quality.ess_of_squares;
-        self.moments = Some(self.view().shrunk_moments(self.isa));
+        let mut moments = self.view().moments(self.isa);
+        metric.shrink(&mut moments, self.effective);
+        self.moments = Some(moments);
         Ok(StepInfo {
             mean: self.estimate.clone(),
             ess: quality.ess,

@@ -50,14 +50,6 @@ impl Posterior<'_> {
         moments::moments(isa, self.states, self.dim, self.weights, self.effective)
     }
 
-    /// Mean and covariance, the latter shrunk towards its diagonal by the effective number of draws: what a smoother wants.
-    #[must_use]
-    pub fn shrunk_moments(&self, isa: Isa) -> Moments {
-        let mut moments = self.moments(isa);
-        moments::shrink(&mut moments, self.effective);
-        moments
-    }
-
     /// Indices of `n` equally weighted draws, by one systematic resampling.
     #[must_use]
     pub fn equal_weight(&self, n: usize, rng: &mut BlockRng) -> Ancestors {

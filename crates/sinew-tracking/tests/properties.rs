@@ -33,7 +33,7 @@ fn steps(mut tracker: impl Tracker<Observed>, dim: usize, seed: u64) -> Result<S
         prop_assert!(last.ess >= 0.0 && last.ess <= posterior.count() as f64 * (1.0 + 1e-9));
         let thinned = posterior.equal_weight(5, &mut Stage::new(seed, "thin").whole());
         prop_assert!(thinned.len() == 5 && thinned.iter().all(|&i| i < posterior.count()));
-        let moments = posterior.shrunk_moments(Isa::best());
+        let moments = posterior.moments(Isa::best());
         prop_assert!((0..dim).all(|j| moments.covariance[j * (dim + 1)] >= 0.0));
     }
     Ok(last)

@@ -103,7 +103,7 @@ fn write(folder: &Path, steps: usize) -> Result<usize, Error> {
         keypoints: vec!["Nose".into()],
         camera_offset_px: vec![[0.0; 2]],
         sigma_px: 1.0,
-        setup_toml: "schema = 1\n".into(),
+        setup_toml: "schema = 2\n".into(),
         body,
     };
     let dof = info.body.dof();

@@ -44,7 +44,7 @@ fn pose(t: f64, place: [f64; 2]) -> Vec<f64> {
         ("l_shin.rx", -0.5 - 0.4 * t.cos()),
         ("r_shin.rx", -0.5 + 0.4 * t.cos()),
         ("head.rz", 0.2 * t.cos()),
-        ("spine.rx", 0.1 * t.sin()),
+        ("pelvis.rx", 0.1 * t.sin()),
         ("l_foot.rx", 0.2 * t.cos()),
         ("r_foot.rx", -0.2 * t.cos()),
     ] {

@@ -90,14 +90,26 @@ impl Found {
         ranks::shape(&all, ranks::DRAWS)
     }
 
-    fn uniform(&self, of: impl Fn(&Series) -> &[u32]) -> Option<Uniform> {
-        let coordinates = self.all.iter().map(|series| of(series).len()).min().filter(|n| *n > 0)?;
-        let distribution = ChiSquared::new(BINS as f64 - 1.0).ok()?;
-        let p = |k: usize| {
+    /// Shape of the ranks of each coordinate, and the probability of a larger χ² where they are uniform.
+    fn coordinates(&self, of: impl Fn(&Series) -> &[u32]) -> Vec<(ranks::Shape, f64)> {
+        let coordinates = self.all.iter().map(|series| of(series).len()).min().unwrap_or(0);
+        let law = |k: usize| {
             let own: Vec<u32> = self.all.iter().map(|series| of(series)[k]).collect();
-            distribution.sf(ranks::chi_square(&ranks::histogram(&own, ranks::DRAWS, BINS)))
+            let chi_square = ranks::chi_square(&ranks::histogram(&own, ranks::DRAWS, BINS));
+            let p = ChiSquared::new(BINS as f64 - 1.0).map_or(f64::NAN, |law| law.sf(chi_square));
+            (ranks::shape(&own, ranks::DRAWS), p)
         };
-        let all: Vec<f64> = (0..coordinates).map(p).collect();
+        (0..coordinates).map(law).collect()
+    }
+
+    /// Of each degree of freedom, where its ranks are known.
+    pub(super) fn state(&self) -> Vec<(ranks::Shape, f64)> {
+        self.coordinates(|series| &series.state_ranks)
+    }
+
+    fn uniform(&self, of: impl Fn(&Series) -> &[u32]) -> Option<Uniform> {
+        let all: Vec<f64> = self.coordinates(of).into_iter().map(|(_, p)| p).collect();
+        let coordinates = Some(all.len()).filter(|n| *n > 0)?;
         let least = all.iter().copied().fold(1.0, f64::min);
         let below = all.iter().filter(|p| **p < 0.05).count();
         Some(Uniform { coordinates, p: (least * coordinates as f64).min(1.0), below })

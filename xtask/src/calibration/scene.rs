@@ -60,7 +60,7 @@ impl Tracker {
         }
     }
 
-    fn settings(self) -> Settings {
+    pub(super) fn settings(self) -> Settings {
         match self {
             Self::Hmc => Settings { method: Method::Hmc, ..Settings::default() },
             Self::Bootstrap(particles) => Settings { method: Method::Bootstrap, particles, ..Settings::default() },
@@ -228,16 +228,23 @@ impl Series {
 
 /// Simulates and tracks the series of a seed.
 pub(super) fn series(scene: &Scene, people: &[Person], length: Length, seed: u64) -> Outcome<Series> {
-    let settings = Settings { seed, fps: RATE_HZ, draws: ranks::DRAWS, ..scene.tracker().settings() };
+    let settings = scene.tracker().settings();
     match *scene {
-        Scene::OwnModel { .. } => {
-            let found = own_model::ranked(OWN, SIGMA_PX, &settings, seed)?;
-            let ranks: Vec<u32> = found.points.into_iter().flatten().collect();
-            let covered = covered(std::slice::from_ref(&ranks));
-            Ok(Series { state_ranks: found.state, covered, ranks, ..Series::default() })
+        Scene::OwnModel { .. } => own(&settings, seed),
+        Scene::Person { cameras, sizes, wrong, .. } => {
+            let settings = Settings { seed, fps: RATE_HZ, draws: ranks::DRAWS, ..settings };
+            person(people, length, (cameras, sizes, wrong), settings)
         }
-        Scene::Person { cameras, sizes, wrong, .. } => person(people, length, (cameras, sizes, wrong), settings),
     }
+}
+
+/// A series of the model's own motion.
+pub(super) fn own(settings: &Settings, seed: u64) -> Outcome<Series> {
+    let settings = Settings { seed, fps: RATE_HZ, draws: ranks::DRAWS, ..settings.clone() };
+    let found = own_model::ranked(OWN, SIGMA_PX, &settings, seed)?;
+    let ranks: Vec<u32> = found.points.into_iter().flatten().collect();
+    let covered = covered(std::slice::from_ref(&ranks));
+    Ok(Series { state_ranks: found.state, covered, ranks, ..Series::default() })
 }
 
 /// For each level and joint the share of some frames' ranks that is covered.

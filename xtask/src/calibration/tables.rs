@@ -67,6 +67,11 @@ pub(super) fn markdown(series: &[(Scene, Found)], recordings: &[(Scene, Found)],
             uniform(found.uniform_state())
         ));
     }
+    for (scene, found) in series.iter().filter(|(_, found)| !found.state().is_empty()) {
+        let [method, _, _, keypoints] = named(scene);
+        line(format!("\n{method}, keypoints {keypoints}, ranks of each degree of freedom; {} series:\n", found.series));
+        line(super::coordinates::table(found));
+    }
     for (title, first, wanted) in [
         ("Noise as assumed", "method, cameras, sizes", true),
         ("Otherwise; hmc, four cameras, sizes of the set-up", "keypoints", false),

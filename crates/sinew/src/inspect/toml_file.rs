@@ -43,7 +43,7 @@ mod tests {
         let check = |text: &str, expected: fn(PathBuf) -> Subject| {
             assert_eq!(subject("a.toml".into(), text), expected("a.toml".into()), "{text}");
         };
-        check("schema = 1\nbody = \"H32\"\n", Subject::Setup);
+        check("schema = 2\nbody = \"H32\"\n", Subject::Setup);
         check("[[link]]\nname = \"arm\"\n", Subject::Body);
         check("points = [\"Nose\"]\n", Subject::Layout);
         check("\u{feff}fps = 60\nparticels = 3\n", Subject::Configuration);

@@ -46,7 +46,7 @@ fn columns(body: &KinematicTree) -> Vec<(Vec<String>, Source)> {
     let names = |names: [&str; 3], side: &str| names.map(|name| format!("{name}{side}")).to_vec();
     if let (Some(spine), Some(pelvis), Some(left), Some(right)) =
         (body.link_index("spine"), body.link_index("pelvis"), body.link_index("l_thigh"), body.link_index("r_thigh"))
-        && body.links()[pelvis].parent == Some(spine)
+        && (body.links()[pelvis].parent == Some(spine) || body.links()[spine].parent == Some(pelvis))
     {
         let plain = [1.0; 3];
         columns.push((

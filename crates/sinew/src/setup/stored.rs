@@ -10,7 +10,7 @@ use sinew_formats::body_toml;
 use sinew_observe::{Camera, View};
 
 /// Version of the file's structure.
-pub const SCHEMA: u32 = 1;
+pub const SCHEMA: u32 = 2;
 
 /// A body by name or from a file.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -218,7 +218,7 @@ impl Setup {
     pub(crate) fn problems(&self) -> Vec<String> {
         let mut problems = vec![];
         if self.schema != SCHEMA {
-            problems.push(format!("schema = {}; this version reads {SCHEMA}", self.schema));
+            problems.push(format!("schema = {}; this version reads {SCHEMA}: make the set-up anew", self.schema));
             return problems;
         }
         let sizes = [self.proportions.spine, self.proportions.upper_arm, self.proportions.thigh, self.proportions.shin];

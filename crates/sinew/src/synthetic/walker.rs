@@ -249,12 +249,12 @@ impl Swing {
 fn posture(size: &Proportions, swing: &Swing) -> Vec<f64> {
     let mut state = vec![0.0; 32];
     state[0] = swing.sway_m;
-    (state[3], state[5]) = (swing.trunk_turn, swing.lean);
-    (state[6], state[8]) = (-swing.trunk_turn, -swing.lean);
-    state[9] = swing.girdle_turn;
-    (state[18], state[19]) = (swing.pelvis_turn - swing.trunk_turn, swing.pelvis_tilt);
+    (state[3], state[4], state[5]) = (swing.pelvis_turn, swing.pelvis_tilt, swing.lean);
+    (state[6], state[7]) = (-swing.pelvis_tilt, swing.trunk_turn - swing.pelvis_turn);
+    (state[8], state[10]) = (-swing.trunk_turn, -swing.lean);
+    state[11] = swing.girdle_turn;
     let leg = size.thigh + size.shin;
-    for (sign, side, arm, thigh, foot) in [(-1.0, &swing.left, 10, 20, 28), (1.0, &swing.right, 14, 24, 30)] {
+    for (sign, side, arm, thigh, foot) in [(-1.0, &swing.left, 12, 20, 28), (1.0, &swing.right, 16, 24, 30)] {
         state[arm + 1] = -sign * degrees(6.0);
         state[arm + 2] = side.shoulder - swing.lean;
         state[arm + 3] = side.elbow;

@@ -1,0 +1,44 @@
+//! Ranks of single degrees of freedom on the model's own motion: whose intervals are too narrow or too wide, and whether more draws mend it.
+
+use super::Outcome;
+use super::found::Found;
+use super::scene::{self, Tracker};
+use rayon::prelude::*;
+use sinew::body::Proportions;
+use sinew::body::standard::h32;
+use sinew::pipeline::Settings;
+use std::fmt::Write as _;
+
+/// What of the chains differs from the default.
+#[derive(clap::Args, Clone, Copy, Debug)]
+pub struct Chains {
+    /// Updates of each chain, with --coordinates
+    #[arg(long, requires = "coordinates")]
+    updates: Option<usize>,
+    /// Draws of each chain that are discarded, with --coordinates
+    #[arg(long, requires = "coordinates")]
+    burn_in: Option<usize>,
+}
+
+/// The table of as many series as asked for; Markdown.
+pub(super) fn measure(count: usize, chains: Chains, seed: u64) -> Outcome<String> {
+    let default = Tracker::Hmc.settings();
+    let settings = Settings {
+        updates: chains.updates.unwrap_or(default.updates),
+        burn_in: chains.burn_in.unwrap_or(default.burn_in),
+        ..default
+    };
+    let seeds = super::seeds(0..count, seed);
+    let series = seeds.into_par_iter().map(|seed| scene::own(&settings, seed)).collect::<Outcome<Vec<_>>>()?;
+    Ok(table(&Found::of(&series)))
+}
+
+/// Shape of the ranks of each degree of freedom, with the probability of a larger χ².
+pub(super) fn table(found: &Found) -> String {
+    let names = h32(&Proportions::default()).dof_names();
+    let mut text = String::from("| coordinate | bias | width | p |\n|---|---|---|---|\n");
+    for (name, (shape, p)) in names.iter().zip(found.state()) {
+        let _ = writeln!(text, "| {name} | {:+.3} | {:.2} | {p:.1e} |", shape.bias, shape.width);
+    }
+    text
+}
