@@ -2,7 +2,7 @@
 //!
 //! A synthetic walker of 1000 frames is played forwards and backwards until there are enough, the tracker running on through the turns, and a result folder is written as `sinew track` does. Judged, for each method:
 //!
-//! - resident memory at the end against that after frame 1000: at most 5 % more;
+//! - memory of the process's own (anonymous pages, swapped ones included; pages of files come and go as the system likes) at the end against that after frame 1000: at most 5 % more;
 //! - processor time of the last whole window of 1000 frames against that of frames 1000 to 2000: at most 1.1 times (wall time says more about what else the machine does; its medians of some windows are printed);
 //! - open files: as many at the end as after frame 1000;
 //! - root mean square error over root mean square standard deviation of the points of `joints.csv`, last 1000 frames against the first: at most 1.2 times.
@@ -82,7 +82,7 @@ struct Seen {
     /// Processor milliseconds a frame of each whole window, and the ticks at the end of the last one.
     processor: Vec<f64>,
     ticks: u64,
-    resident_kb: [u64; 2],
+    own_kb: [u64; 2],
     open_files: [usize; 2],
 }
 
@@ -158,7 +158,7 @@ impl Seen {
             _ if done == frames => 1,
             _ => return,
         };
-        self.resident_kb[at] = resident_kb();
+        self.own_kb[at] = own_kb();
         self.open_files[at] = fs::read_dir("/proc/self/fd").map_or(0, Iterator::count);
     }
 
@@ -172,8 +172,8 @@ impl Seen {
             let verdict = if passed { "pass" } else { "FAIL" };
             println!("  {what:<34} {from:>9.3} -> {to:>9.3} {unit:<6} ratio {ratio:.3}, at most {most}: {verdict}");
         };
-        let [from, to] = self.resident_kb.map(|kb| kb as f64 / 1024.0);
-        row("resident memory, frame 1000 to end", from, to, "MiB", 1.05);
+        let [from, to] = self.own_kb.map(|kb| kb as f64 / 1024.0);
+        row("own memory, frame 1000 to end", from, to, "MiB", 1.05);
         let time = |at: usize| self.processor.get(at).copied().unwrap_or(f64::NAN);
         row("processor time, 2nd window to last", time(1), time(self.processor.len().saturating_sub(1)), "ms", 1.1);
         let [from, to] = self.open_files.map(|count| count as f64);
@@ -196,11 +196,11 @@ fn processor_ticks() -> u64 {
     after_name.split_whitespace().skip(11).take(2).filter_map(|ticks| ticks.parse::<u64>().ok()).sum()
 }
 
-/// Resident memory of this process.
-fn resident_kb() -> u64 {
+/// Anonymous memory of this process, resident or swapped.
+fn own_kb() -> u64 {
     let status = fs::read_to_string("/proc/self/status").unwrap_or_default();
-    let line = status.lines().find(|line| line.starts_with("VmRSS:")).unwrap_or_default();
-    line.split_whitespace().nth(1).and_then(|kb| kb.parse().ok()).unwrap_or(0)
+    let own = status.lines().filter(|line| line.starts_with("RssAnon:") || line.starts_with("VmSwap:"));
+    own.filter_map(|line| line.split_whitespace().nth(1)?.parse::<u64>().ok()).sum()
 }
 
 /// Root mean square error over root mean square standard deviation, all points and axes, in the first window and in the last.

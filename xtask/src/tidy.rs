@@ -189,4 +189,10 @@ mod tests {
         assert!(workspace.files.iter().any(|file| file.path == "xtask/src/tidy.rs"));
         assert!(workspace.files.iter().any(|file| file.library() == Some("sinew-core")));
     }
+
+    #[test]
+    fn this_workspace_is_tidy() {
+        let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap();
+        assert_eq!(run(root), ExitCode::SUCCESS, "violations are printed above");
+    }
 }

@@ -227,3 +227,28 @@ fn add_frame(
     *normal += &s * s.transpose() - cross.transpose() * &solved;
     *right += &s * &r - solved.transpose() * (&j * &r);
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::tree::{Axis, Link};
+
+    #[test]
+    fn angles_are_brought_within_half_a_turn_and_places_are_left() {
+        let joints = vec![Joint::Translate(Axis::X), Joint::Rotate(Axis::Z), Joint::Rotate(Axis::X)];
+        let link = Link { name: "only".into(), parent: None, offset: [0.0; 3], joints };
+        let tree = KinematicTree::new(vec![link], vec![]).expect("valid");
+        let turn = std::f64::consts::TAU;
+        let found = near(&tree, &[9.0, 0.5, -1.0 - 2.0 * turn], Some(&[-9.0, 3.0 * turn, 1.0]));
+        assert!(found.iter().zip([9.0, 0.5 + 3.0 * turn, -1.0]).all(|(a, b)| (a - b).abs() < 1e-12), "{found:?}");
+        assert_eq!(near(&tree, &[9.0, 7.0, -8.0], None), [9.0, 7.0, -8.0]);
+    }
+
+    #[test]
+    fn the_extent_is_the_longest_side() {
+        let target = |position| Some(Target { position, weight: 1.0 });
+        let targets = [target([1.0, -2.0, 0.5]), None, target([0.5, 1.5, 0.0]), target([1.5, 0.0, 2.0])];
+        assert_eq!(extent(&targets), 3.5);
+        assert_eq!(extent(&[]), 0.0);
+    }
+}

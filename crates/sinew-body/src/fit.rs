@@ -101,10 +101,8 @@ pub fn fit_pose(plan: &Plan, targets: &[Option<Target>], previous: &[f64], confi
             // Degrees of freedom that no point tells anything about get a unit of their own.
             damped[(j, j)] += mu * normal[(j, j)].max(1e-6);
         }
-        let Some(step) = damped.cholesky().map(|c| c.solve(&gradient)) else {
-            mu *= 10.0;
-            continue;
-        };
+        // Positive definite by the damping, unless something is not finite.
+        let Some(step) = damped.cholesky().map(|c| c.solve(&gradient)) else { break };
         let next: Vec<f64> = pose.iter().zip(step.iter()).map(|(q, d)| q + d).collect();
         point_positions(plan, ISA, &next, &mut positions);
         let next_cost = total(&targets, &positions, &next, &previous, config);
@@ -259,6 +257,16 @@ mod tests {
         for weight in [0.0, -1.0, f64::NAN, f64::INFINITY] {
             assert_eq!(fit_pose(&plan, &odd(weight), &previous, &config), without, "{weight}");
         }
+    }
+
+    #[test]
+    fn the_objective_is_squares_up_to_the_bound_and_lines_beyond() {
+        let target = |x: f64, weight: f64| Target { position: [x, 0.0, 0.0], weight };
+        let targets = [(0, target(0.3, 2.0)), (1, target(-2.0, 3.0))];
+        let config = Config { damping: 0.25, huber_m: 0.5, ..Config::default() };
+        let found = total(&targets, &[0.0; 6], &[1.0, 2.0], &[1.0, -1.0], &config);
+        let expected = 2.0 * 0.09 + 3.0 * 0.5 * (2.0 * 2.0 - 0.5) + 0.25 * 9.0;
+        assert!((found - expected).abs() < 1e-12, "{found} for {expected}");
     }
 
     /// With Huber's continuation and damping: the slopes of the objective, written out, vanish where the fit ends.

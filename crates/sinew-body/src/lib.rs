@@ -9,7 +9,7 @@
 //! let body = h32(&Proportions::default());
 //! let plan = Plan::with_all_points(&body);
 //! let mut q = vec![0.0; body.dof()];
-//! q[2] = 1.02; // the spine origin stands 1.02 m above the ground
+//! q[2] = 1.02; // the waist stands 1.02 m above the ground
 //! let mut points = vec![0.0; 3 * plan.points()];
 //! point_positions(&plan, Isa::best(), &q, &mut points);
 //! let head = body.point_index("Head").unwrap();

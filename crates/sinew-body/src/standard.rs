@@ -260,3 +260,45 @@ pub const EVALUATION_JOINTS: [&str; 15] = [
     "RAnkle",
     "Head",
 ];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::kinematics::{Plan, point_positions};
+    use sinew_core::lanes::Isa;
+
+    #[test]
+    fn the_body_of_the_benchmark_has_its_sizes() {
+        let tree = problem28();
+        for (name, offset) in [
+            ("head", [0.0, 0.0, 0.55]),
+            ("girdle", [0.0, 0.0, 0.48]),
+            ("l_upper_arm", [0.18, 0.0, 0.0]),
+            ("r_forearm", [0.0, 0.0, -0.29]),
+            ("r_thigh", [-0.10, 0.0, -0.08]),
+            ("l_shin", [0.0, 0.0, -0.43]),
+        ] {
+            assert_eq!(tree.links()[tree.link_index(name).expect("a link")].offset, offset, "{name}");
+        }
+    }
+
+    /// At the zero pose every point whose name begins with a side is the mirror image in x of its fellow, and all others lie in the middle.
+    #[test]
+    fn bodies_are_mirrored() {
+        for tree in [cf28(&Proportions::default()), h32(&Proportions::default())] {
+            let plan = Plan::with_all_points(&tree);
+            let mut at = vec![0.0; 3 * plan.points()];
+            point_positions(&plan, Isa::baseline(), &vec![0.0; tree.dof()], &mut at);
+            for (k, point) in tree.points().iter().enumerate() {
+                let other = match (point.name.strip_prefix('L'), point.name.strip_prefix('R')) {
+                    (Some(rest), _) => format!("R{rest}"),
+                    (_, Some(rest)) => format!("L{rest}"),
+                    _ => point.name.clone(),
+                };
+                let mirror = tree.point_index(&other).expect("both sides");
+                let [x, y, z] = [at[3 * mirror], at[3 * mirror + 1], at[3 * mirror + 2]];
+                assert_eq!(at[3 * k..3 * k + 3], [-x, y, z], "{}", point.name);
+            }
+        }
+    }
+}

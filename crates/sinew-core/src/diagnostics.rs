@@ -233,6 +233,8 @@ mod tests {
         assert!(split_r_hat(&short).is_nan());
         assert!(effective_sample_size(&short) <= 3.0 && effective_sample_size(&short) > 0.0);
         assert!(split_r_hat::<[f64; 4]>(&[]).is_nan() && effective_sample_size::<[f64; 4]>(&[]) == 0.0);
+        // ρ = 1, −2/3, 1/6: one pair, and the last lag has no partner.
+        assert!((integrated_time(&[[1.0, -2.0, 1.0]], Window::Geyer) + 1.0 / 3.0).abs() < 1e-12);
         let alternating: Vec<f64> = (0..100).map(|i| f64::from(i % 2)).collect();
         assert_eq!(effective_sample_size(&[alternating]), 100.0);
     }

@@ -40,7 +40,7 @@ pub fn cholesky(name: &'static str, matrix: &[f64], dim: usize) -> Result<Choles
         }
         if let Ok(llt) = a.llt(Side::Lower) {
             let l = llt.L();
-            let lower = (0..dim * dim).map(|k| if k % dim <= k / dim { l[(k / dim, k % dim)] } else { 0.0 }).collect();
+            let lower = (0..dim * dim).map(|k| l[(k / dim, k % dim)]).collect();
             return Ok(Cholesky { lower, jitter });
         }
         jitter = 1e-10 * mean * 10.0_f64.powi(attempt);
@@ -113,6 +113,9 @@ mod tests {
         let c = [1.0, 1.0, 1.0, 1.0];
         assert!(square(&root("C", &c, 2).expect("semi-definite"), 2).iter().all(|x| (x - 1.0).abs() < 1e-13));
         assert_eq!(root("P0", &[0.0; 4], 2).expect("zero"), [0.0; 4]);
+        // What counts as rounding is relative to the largest eigenvalue.
+        assert_eq!(root("C", &[1e6, 0.0, 0.0, -1e-5], 2).expect("within rounding")[3], 0.0);
+        assert!(root("C", &[1e-6, 0.0, 0.0, -1e-12], 2).is_err());
         let jitter = cholesky("C", &[1.0, 1.0, 1.0, 1.0 - 1e-12], 2).expect("jittered").jitter;
         assert!(jitter > 0.0 && jitter <= 1e-4);
     }

@@ -46,12 +46,6 @@ impl LinearGaussian {
         })
     }
 
-    /// A, row after row.
-    #[must_use]
-    pub fn matrix(&self) -> &[f64] {
-        &self.matrix
-    }
-
     /// Q, row after row.
     #[must_use]
     pub fn noise(&self) -> &[f64] {

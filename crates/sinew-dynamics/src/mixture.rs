@@ -8,7 +8,7 @@
 
 use crate::Error;
 use core::f64::consts::TAU;
-use sinew_core::density::{LaneDensity, LaneGaussNewton};
+use sinew_core::density::LaneDensity;
 use sinew_core::elementary::{exp, ln};
 use sinew_core::lanes::Real;
 
@@ -229,15 +229,6 @@ impl LaneDensity for Mixture {
         }
         // Far beyond every component the squares overflow.
         log_density.select_gt(f64::MIN, log_density, V::splat(f64::NEG_INFINITY))
-    }
-}
-
-impl LaneGaussNewton for Mixture {
-    #[inline(always)]
-    fn gauss_newton_diagonal<V: Real>(&self, _x: &[V::Mem], diagonal: &mut [V::Mem], _ws: &mut [V::Mem]) {
-        for (d, &precision) in diagonal.iter_mut().zip(&self.precision) {
-            V::splat(precision).store(d);
-        }
     }
 }
 

@@ -1,5 +1,6 @@
 //! Motion against closed forms: the width of a random walk's steps, and the backward pass against the joint Gaussian of two frames.
 
+use sinew_core::density::LogDensity as _;
 use sinew_core::lanes::{Block, Isa, LANES};
 use sinew_core::part::Part;
 use sinew_core::random::{BlockRng, Stage};
@@ -21,6 +22,7 @@ fn steps_of_a_walk_are_as_wide_as_stated() {
     let moments = Moments { mean: centre.to_vec(), covariance: vec![0.0; 9] };
     let prior = |between| walk(between).predict(Cloud { last: &last, count: 1, moments: &moments }).expect("valid");
     let (mixture, gaussian) = (prior(Between::Mixture), prior(Between::Gaussian));
+    assert_eq!([mixture.dim(), gaussian.dim()], [3, 3]);
     let (walk, all) = (walk(Between::Mixture), Part::new(vec![0, 1, 2], 3).expect("valid"));
     let check = |what: &str, sd: [f64; 3], draw: &dyn Fn(&mut [Block], &mut BlockRng)| {
         let (mut rng, mut out, mut sums) = (Stage::new(1, what).whole(), vec![Block::ZERO; 3], [[0.0; 2]; 3]);

@@ -151,6 +151,26 @@ mod tests {
         assert!(found == expected || (found - expected).abs() < 1e-12, "{found} for {expected}");
     }
 
+    /// Lenses so strong that Newton steps from the observed radius go astray: they start from the radial part's own solution.
+    #[test]
+    fn strong_lenses_are_undone_up_to_their_limit() {
+        for ([k1, k2, k3], radius) in [
+            ([-0.000_456, 0.297_074, -0.090_312], 1.451_536),
+            ([0.514_874, 0.233_651, -0.030_496], 1.196_754),
+            ([0.355_026, 0.039_149, -0.129_805], 1.107_011),
+            ([-0.403_121, 0.533_08, -0.069_459], 1.427_714),
+            ([0.362_259, 0.233_022, -0.139_293], 1.125_255),
+        ] {
+            let lens = Distortion { k1, k2, k3, p1: -1e-3, p2: 5e-4 };
+            assert!(radius < lens.valid_radius());
+            for angle in [0.3_f64, 2.0, 4.5] {
+                let before = [radius * angle.cos(), radius * angle.sin()];
+                let found = lens.undistorted(lens.distorted(before)).expect("inside the valid radius");
+                assert!((0..2).all(|k| (found[k] - before[k]).abs() < 1e-6), "{lens:?}: {found:?} for {before:?}");
+            }
+        }
+    }
+
     #[test]
     fn turning_points_are_the_zeros_of_the_quadratic() {
         for (abc, zeros) in [

@@ -121,14 +121,6 @@ pub struct KeypointLikelihood {
     constant: f64,
 }
 
-impl KeypointLikelihood {
-    /// Number of keypoints used.
-    #[must_use]
-    pub fn sightings(&self) -> usize {
-        self.sightings.len()
-    }
-}
-
 /// Depth of a point in a camera, metres.
 fn depth(camera: &Camera, p: &[f64]) -> f64 {
     let row = camera.rotation[2];

@@ -85,10 +85,8 @@ pub fn fit_pixels(
             for j in 0..dof {
                 damped[(j, j)] *= 1.0 + mu;
             }
-            let Some(step) = damped.cholesky().map(|c| c.solve(&gradient)) else {
-                mu *= 10.0;
-                continue;
-            };
+            // Positive definite by the prior, unless something is not finite.
+            let Some(step) = damped.cholesky().map(|c| c.solve(&gradient)) else { break };
             let next: Vec<f64> = pose.iter().zip(step.iter()).map(|(q, d)| q + d).collect();
             point_positions(plan, ISA, &next, &mut positions);
             let next_cost = cost_at(&next, &positions);

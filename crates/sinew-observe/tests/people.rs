@@ -79,6 +79,17 @@ fn groups_are_the_people_most_complete_first() {
     assert_eq!(groups(&cameras, &people, 1, &Config::default()), found[..1]);
 }
 
+/// The pair that is tried first has the fewest keypoints.
+#[test]
+fn a_more_complete_pair_takes_the_place_of_the_first() {
+    let (cameras, a, b) = (cameras(), figure(0.3, 0.2, 1.0), figure(-0.6, -0.4, 0.9));
+    let both = |camera: &Camera| vec![only(seen(camera, &b), 0..6), seen(camera, &a)];
+    let people: Vec<Vec<Person>> = cameras.iter().map(both).collect();
+    let found = groups(&cameras, &people, 5, &Config::default());
+    assert_eq!(found.iter().map(|group| group.keypoints).collect::<Vec<_>>(), [36, 24]);
+    assert_eq!(found[0].members, [Some(1); 4]);
+}
+
 #[test]
 fn a_group_does_not_take_who_stands_elsewhere() {
     let (cameras, a) = (cameras(), figure(0.0, 0.0, 1.0));
@@ -285,6 +296,22 @@ fn the_lag_of_a_clock_is_found_and_its_change() {
         Some((1, 1.0, 4.0))
     );
     assert_eq!(best_lag(&[(1, 1.0)]), None);
+}
+
+/// Errors of −3, 0 and 3 px along one axis: their median is 0, that of their distances from it 3.
+#[test]
+fn a_lag_is_judged_by_the_median_residual_of_both_axes() {
+    for axis in 0..2 {
+        let mut frames = round(42, 0);
+        for (f, (_, sighted)) in frames.iter_mut().enumerate() {
+            for (k, detection) in sighted[2].iter_mut().enumerate() {
+                detection.as_mut().expect("seen").pixel[axis] += 3.0 * (((f + k) % 3) as f64 - 1.0);
+            }
+        }
+        let lags = residual_by_lag(&cameras(), &quiet([0.0; 2]), &frames, 2, 5, 0.3).expect("long enough");
+        let now_px = best_lag(&lags).expect("has a lag of 0").now_px;
+        assert!((now_px - 3.0).abs() < 1e-6, "{now_px} px along axis {axis}");
+    }
 }
 
 #[test]

@@ -440,6 +440,18 @@ mod tests {
         assert!(divergent > 100, "{divergent}");
     }
 
+    /// A step ten times beyond the stable one: energies are finite and far off.
+    #[test]
+    fn a_trajectory_whose_energy_explodes_is_a_divergence() {
+        let target = Lanes { leaf: Quadratic { centre: vec![0.0], precision: vec![100.0] }, isa: Isa::best() };
+        let hmc = Hmc::new(2.0, &[1.0], 4, 0.0, Isa::best()).expect("valid");
+        let mut chains = Chains::new(&target, vec![Block::splat(0.1)]).expect("finite");
+        let mut ws = Workspace::new(&target);
+        let update = update(&target, &hmc, &mut chains, &mut ws, &mut Stage::new(4, "explode").whole());
+        assert_eq!((update.divergent, update.accepted), ([true; LANES], [false; LANES]));
+        assert_eq!(update.acceptance, Block::ZERO);
+    }
+
     #[test]
     fn cached_values_belong_to_the_state() {
         let target = Lanes {

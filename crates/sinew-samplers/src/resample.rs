@@ -207,6 +207,15 @@ mod tests {
         }
     }
 
+    /// Weights that vanish beside the first one add up all the same.
+    #[test]
+    fn running_sums_lose_nothing() {
+        let mut weights = vec![2.0_f64.powi(-54); 1 << 20];
+        weights[0] = 1.0;
+        let last = *ends(&weights, 1).last().expect("not empty");
+        assert_eq!(last, 1.0 + (2.0_f64.powi(20) - 1.0) * 2.0_f64.powi(-54));
+    }
+
     /// R5.
     #[test]
     fn keep_once_refill_keeps_the_highest_share_in_place() {

@@ -144,6 +144,8 @@ fn one_pass_does_what_two_do() {
         assert_eq!(evidence, reweight(&mut twice, &Sight(0.3)));
         assert_eq!((once.states(), once.weights()), (twice.states(), twice.weights()));
         assert_eq!(once.log_weights(), twice.log_weights());
+        assert_eq!(once.log_weights().len(), 53);
+        assert!(once.log_weights().iter().zip(once.weights()).all(|(log, w)| (log.exp() - w).abs() < 1e-14));
         let weighed: Vec<f64> = (0..53)
             .map(|i| {
                 let earlier = if resampled { 1.0 } else { before.weights()[i] };

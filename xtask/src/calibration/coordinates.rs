@@ -30,7 +30,12 @@ pub(super) fn measure(count: usize, chains: Chains, seed: u64) -> Outcome<String
     };
     let seeds = super::seeds(0..count, seed);
     let series = seeds.into_par_iter().map(|seed| scene::own(&settings, seed)).collect::<Outcome<Vec<_>>>()?;
-    Ok(table(&Found::of(&series)))
+    let found = Found::of(&series);
+    let disagreeing = 100.0 * found.disagreeing();
+    Ok(format!(
+        "{}\nThe chains disagree (split R-hat above 1.05) in {disagreeing:.0} % of the frames.\n",
+        table(&found)
+    ))
 }
 
 /// Shape of the ranks of each degree of freedom, with the probability of a larger χ².

@@ -244,7 +244,7 @@ pub(super) fn own(settings: &Settings, seed: u64) -> Outcome<Series> {
     let found = own_model::ranked(OWN, SIGMA_PX, &settings, seed)?;
     let ranks: Vec<u32> = found.points.into_iter().flatten().collect();
     let covered = covered(std::slice::from_ref(&ranks));
-    Ok(Series { state_ranks: found.state, covered, ranks, ..Series::default() })
+    Ok(Series { state_ranks: found.state, covered, ranks, disagreeing: found.disagreeing, ..Series::default() })
 }
 
 /// For each level and joint the share of some frames' ranks that is covered.

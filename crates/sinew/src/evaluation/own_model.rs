@@ -22,6 +22,7 @@ use crate::synthetic::detector::{DetectorNoise, detect};
 use crate::synthetic::points::of_states;
 use crate::synthetic::recording::Recording;
 use crate::synthetic::ring::{Ring, around};
+use crate::tracking::hmc_filter::R_HAT_BOUND;
 use std::sync::Arc;
 
 /// Ranks of a truth in the last frame, among [`Settings::draws`] draws.
@@ -31,6 +32,8 @@ pub struct Ranked {
     pub state: Vec<u32>,
     /// Of the coordinates of the evaluation joints.
     pub points: Vec<[u32; 3]>,
+    /// Share of the frames whose chains disagree: split R̂ above [`R_HAT_BOUND`].
+    pub disagreeing: f64,
 }
 
 /// Share of the image's height that the person spans: small enough for wide motion.
@@ -119,6 +122,7 @@ pub fn ranked(frames: usize, sigma_px: f64, settings: &Settings, seed: u64) -> R
     };
     let mut tracker = pipeline::tracker(&setup, &settings, &walk, start)?;
     let mut predicted = vec![0.0; 3 * plan.points()];
+    let mut disagreeing = 0.0;
     for frame in 0..frames {
         let found = |camera: &Vec<Vec<Option<crate::formats::openpose::Keypoint>>>| {
             let detection = |&(_, k): &(usize, usize)| {
@@ -130,7 +134,8 @@ pub fn ranked(frames: usize, sigma_px: f64, settings: &Settings, seed: u64) -> R
         point_positions(&plan, settings.isa, tracker.estimate(), &mut predicted);
         let bound = model.bind(KeypointFrame { detections: &detections, predicted: &predicted });
         let stage = Stage::new(seed, "track").at_frame(frame as u32);
-        tracker.step(&bound, stage).map_err(|error| Error::Numerical { message: error.to_string() })?;
+        let info = tracker.step(&bound, stage).map_err(|error| Error::Numerical { message: error.to_string() })?;
+        disagreeing += f64::from(u8::from(info.r_hat.is_some_and(|r| r > R_HAT_BOUND))) / frames as f64;
     }
     let posterior = tracker.posterior();
     let kept = posterior.equal_weight(settings.draws, &mut Stage::new(seed, "thin").whole());
@@ -146,5 +151,6 @@ pub fn ranked(frames: usize, sigma_px: f64, settings: &Settings, seed: u64) -> R
         ..FrameEstimate::default()
     };
     let points = ranks::of_points(&body, &[estimate], &film.truth, &EVALUATION_JOINTS);
-    Ok(Ranked { state: (0..posterior.dim).map(below).collect(), points: points.into_iter().flatten().collect() })
+    let (state, points) = ((0..posterior.dim).map(below).collect(), points.into_iter().flatten().collect());
+    Ok(Ranked { state, points, disagreeing })
 }
