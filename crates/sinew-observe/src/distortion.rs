@@ -160,10 +160,13 @@ mod tests {
             ([0.355_026, 0.039_149, -0.129_805], 1.107_011),
             ([-0.403_121, 0.533_08, -0.069_459], 1.427_714),
             ([0.362_259, 0.233_022, -0.139_293], 1.125_255),
+            ([-0.01, 0.0, 0.0], 3.2),
+            // Close to the limit the two axes cannot be told from each other's.
+            ([-0.3, 0.0, 0.0], 1.053),
         ] {
-            let lens = Distortion { k1, k2, k3, p1: -1e-3, p2: 5e-4 };
+            let lens = Distortion { k1, k2, k3, p1: -1e-5, p2: 5e-6 };
             assert!(radius < lens.valid_radius());
-            for angle in [0.3_f64, 2.0, 4.5] {
+            for angle in [0.3_f64, 0.785, 2.0, 4.5] {
                 let before = [radius * angle.cos(), radius * angle.sin()];
                 let found = lens.undistorted(lens.distorted(before)).expect("inside the valid radius");
                 assert!((0..2).all(|k| (found[k] - before[k]).abs() < 1e-6), "{lens:?}: {found:?} for {before:?}");

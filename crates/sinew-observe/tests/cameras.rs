@@ -1,6 +1,7 @@
 //! Laws of cameras: derivatives, the inverse of the distortion, epipolar geometry, rigid motions.
 
 use proptest::prelude::*;
+use sinew_observe::triangulate::{self, Seen, triangulate};
 use sinew_observe::{Camera, Distortion, Intrinsics};
 
 type M3 = [[f64; 3]; 3];
@@ -67,6 +68,26 @@ proptest! {
 
     /// K9: `x2ᵀ E x1 = 0` with `E = [t]× R`, and `F = K2⁻ᵀ E K1⁻¹` in pixels.
     #[test]
+    fn a_point_is_triangulated_where_it_is_through_any_lens(a in camera(), b in camera(), c in camera(), p in point()) {
+        let cameras = [a, b, c];
+        let seen: Option<Vec<Seen<'_>>> = cameras
+            .iter()
+            .map(|camera| Some(Seen { camera, pixel: camera.project(p).pixel()?, confidence: 0.9 }))
+            .collect();
+        let apart = |i: usize, j: usize| {
+            let [a, b] = [i, j].map(|c| cameras[c].centre());
+            (0..3).map(|k| (a[k] - b[k]).powi(2)).sum::<f64>() > 1.0
+        };
+        prop_assume!(apart(0, 1) && apart(0, 2) && apart(1, 2));
+        if let Some(seen) = seen {
+            let found = triangulate(&seen, &triangulate::Config::default());
+            let found = found.ok_or_else(|| TestCaseError::fail("no point"))?;
+            prop_assert!((0..3).all(|k| (found.point[k] - p[k]).abs() < 1e-6), "{:?} for {p:?}", found.point);
+            prop_assert!(found.error_px < 1e-4 && found.used == [0, 1, 2]);
+        }
+    }
+
+    #[test]
     fn two_views_of_a_point_satisfy_the_epipolar_constraint(a in camera(), b in camera(), p in point()) {
         let r = product(b.rotation, transposed(a.rotation));
         let between = [0, 1, 2].map(|k: usize| a.centre()[k] - b.centre()[k]);
@@ -88,6 +109,17 @@ proptest! {
     }
 
     /// Moving world and camera together changes no pixel.
+    #[test]
+    fn a_turned_camera_sees_the_turned_world(camera in camera(), p in point(), angle in -3.0..3.0) {
+        let (s, c) = f64::sin_cos(angle);
+        let turn = product([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]], [[1.0, 0.0, 0.0], [0.0, c, s], [0.0, -s, c]]);
+        let [before, after] = [camera.project(p).pixel(), camera.turned(turn).project(applied(turn, p)).pixel()];
+        match (before, after) {
+            (Some(a), Some(b)) => prop_assert!((0..2).all(|k| (a[k] - b[k]).abs() < 1e-8), "{a:?} {b:?}"),
+            (a, b) => prop_assert_eq!(a, b),
+        }
+    }
+
     #[test]
     fn pixels_do_not_change_when_everything_moves(camera in camera(), p in point(), angle in -3.0..3.0, d in point()) {
         let (s, c) = f64::sin_cos(angle);

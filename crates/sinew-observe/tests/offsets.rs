@@ -17,7 +17,7 @@ fn ring(n: usize) -> Vec<Camera> {
 }
 
 /// Forty frames of twelve points near the middle.
-fn frames(cameras: &[Camera], offsets: &[[f64; 2]]) -> Vec<Sighted> {
+fn frames(cameras: &[Camera], offsets: &[[f64; 2]], confidence: f64) -> Vec<Sighted> {
     (0..40)
         .map(|f| {
             let point = |k: usize| {
@@ -26,7 +26,7 @@ fn frames(cameras: &[Camera], offsets: &[[f64; 2]]) -> Vec<Sighted> {
             };
             let seen = |camera: &Camera, [du, dv]: [f64; 2]| {
                 let pixel = |k| camera.project(point(k)).pixel().map(|[u, v]| [u + du, v + dv]);
-                (0..12).map(|k| Some(Detection { pixel: pixel(k)?, confidence: 0.7 })).collect()
+                (0..12).map(|k| Some(Detection { pixel: pixel(k)?, confidence })).collect()
             };
             cameras.iter().zip(offsets).map(|(camera, offset)| seen(camera, *offset)).collect()
         })
@@ -35,10 +35,15 @@ fn frames(cameras: &[Camera], offsets: &[[f64; 2]]) -> Vec<Sighted> {
 
 #[test]
 fn offsets_make_rays_meet_and_shift_nobody() {
+    check_offsets(0.7, Config::default());
+    check_offsets(0.12, Config { least_confidence: 0.1, ..Config::default() });
+}
+
+fn check_offsets(confidence: f64, config: Config) {
     let cameras = ring(4);
     let truth = [[8.0, -3.0], [-6.0, 2.0], [3.0, 5.0], [-4.0, -4.0]];
-    let frames = frames(&cameras, &truth);
-    let noise = estimate(&cameras, &frames, &Config { tolerance_px: 1e-4, rounds: 200, ..Config::default() });
+    let frames = frames(&cameras, &truth, confidence);
+    let noise = estimate(&cameras, &frames, &Config { tolerance_px: 1e-4, rounds: 200, ..config });
     let mut shifts = vec![];
     for frame in &frames {
         for k in (0..12).collect::<Vec<usize>>() {
@@ -64,7 +69,7 @@ fn offsets_make_rays_meet_and_shift_nobody() {
         let mut along: Vec<f64> = shifts.iter().map(|s| s[axis]).collect();
         assert!(sinew_observe::offsets::median(&mut along).abs() < 2e-3, "points are shifted along axis {axis}");
     }
-    assert!(noise.iter().all(|n| n.sigma_px < 1.0 && n.usual_confidence == 0.7));
+    assert!(noise.iter().all(|n| n.sigma_px < 1.0 && n.usual_confidence == confidence));
 }
 
 #[test]
@@ -73,7 +78,7 @@ fn nothing_seen_gives_no_offset_and_no_scatter() {
     for noise in [
         estimate(&cameras, &[], &Config::default()),
         estimate(&cameras, &[vec![vec![None; 12]; 3]], &Config::default()),
-        estimate(&cameras, &frames(&cameras[..1], &[[5.0, 5.0]]), &Config::default()),
+        estimate(&cameras, &frames(&cameras[..1], &[[5.0, 5.0]], 0.7), &Config::default()),
     ] {
         assert!(noise.iter().all(|n| n.offset_px == [0.0; 2] && n.sigma_px.is_nan()));
     }
