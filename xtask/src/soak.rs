@@ -82,7 +82,8 @@ struct Seen {
     /// Processor milliseconds a frame of each whole window, and the ticks at the end of the last one.
     processor: Vec<f64>,
     ticks: u64,
-    own_kb: [u64; 2],
+    /// Own memory after each whole window.
+    own_kb: Vec<u64>,
     open_files: [usize; 2],
 }
 
@@ -150,6 +151,7 @@ impl Seen {
                 let ticks = processor_ticks();
                 self.processor.push((ticks - self.ticks) as f64 * TICK_MS / WINDOW as f64);
                 self.ticks = ticks;
+                self.own_kb.push(own_kb());
             }
             self.window.clear();
         }
@@ -158,7 +160,6 @@ impl Seen {
             _ if done == frames => 1,
             _ => return,
         };
-        self.own_kb[at] = own_kb();
         self.open_files[at] = fs::read_dir("/proc/self/fd").map_or(0, Iterator::count);
     }
 
@@ -172,7 +173,8 @@ impl Seen {
             let verdict = if passed { "pass" } else { "FAIL" };
             println!("  {what:<34} {from:>9.3} -> {to:>9.3} {unit:<6} ratio {ratio:.3}, at most {most}: {verdict}");
         };
-        let [from, to] = self.own_kb.map(|kb| kb as f64 / 1024.0);
+        let [from, to] =
+            [self.own_kb.first(), self.own_kb.last()].map(|kb| kb.map_or(f64::NAN, |&kb| kb as f64 / 1024.0));
         row("own memory, frame 1000 to end", from, to, "MiB", 1.05);
         let time = |at: usize| self.processor.get(at).copied().unwrap_or(f64::NAN);
         row("processor time, 2nd window to last", time(1), time(self.processor.len().saturating_sub(1)), "ms", 1.1);
@@ -182,6 +184,9 @@ impl Seen {
         let stride = self.medians.len().div_ceil(10);
         let some: Vec<String> = self.medians.iter().step_by(stride).map(|ms| format!("{ms:.2}")).collect();
         println!("  median wall ms a frame by window: {}", some.join(" "));
+        let some: Vec<String> =
+            self.own_kb.iter().step_by(stride).map(|&kb| format!("{:.2}", kb as f64 / 1024.0)).collect();
+        println!("  own memory, MiB, by window: {}", some.join(" "));
         all
     }
 }
