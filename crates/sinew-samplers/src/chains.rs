@@ -231,6 +231,12 @@ mod tests {
             assert!((target.log_density(&state) - stat.log_density).abs() < 1e-13);
             assert!(stat.energy >= -stat.log_density && stat.acceptance <= 1.0 && !stat.divergent);
         }
+        let of_chain = |i: usize| {
+            let energies: Vec<f64> = draws.stats.iter().skip(i).step_by(10).map(|stat| stat.energy).collect();
+            energy_fraction(&energies) / 10.0
+        };
+        let expected: f64 = (0..10).map(of_chain).sum();
+        assert!((draws.quality(&[0.0, 3.0]).energy_fraction - expected).abs() < 1e-12);
         for (chain, series) in series[1].iter().enumerate() {
             assert_eq!(series[3], draws.last[chain / 8 * 2 + 1].0[chain % 8]);
         }

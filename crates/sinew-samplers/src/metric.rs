@@ -327,6 +327,39 @@ pub fn laplace<O: GaussNewton + ?Sized, P: FramePrior>(
 mod tests {
     use super::*;
 
+    /// Draws that tell their block, coordinate and lane.
+    struct Numbered;
+    impl LogDensity for Numbered {
+        fn dim(&self) -> usize {
+            2
+        }
+        fn log_density(&self, _x: &[f64]) -> f64 {
+            0.0
+        }
+    }
+    impl GradLogDensity for Numbered {
+        fn log_density_grad(&self, _x: &[f64], _grad: &mut [f64]) -> f64 {
+            0.0
+        }
+    }
+    impl FramePrior for Numbered {
+        fn sample_block(&self, block: usize, out: &mut [Block], _rng: &mut BlockRng) {
+            for (j, x) in out.iter_mut().enumerate() {
+                x.0 = std::array::from_fn(|lane| 100.0 * block as f64 + 10.0 * j as f64 + lane as f64);
+            }
+        }
+        fn precision_diagonal(&self) -> &[f64] {
+            &[1.0, 1.0]
+        }
+    }
+
+    #[test]
+    fn the_middle_is_the_mean_of_whole_blocks() {
+        for (draws, blocks_mean) in [(0, 0.0), (8, 0.0), (9, 50.0), (24, 100.0)] {
+            assert_eq!(middle(&Numbered, draws, &Stage::new(1, "middle")), [blocks_mean + 3.5, blocks_mean + 13.5]);
+        }
+    }
+
     #[test]
     fn a_metric_keeps_the_correlations_that_it_knows() {
         // Precision of x + y is large and that of x − y is 1: draws whose covariance is the metric's inverse are left as they are, whatever their number.

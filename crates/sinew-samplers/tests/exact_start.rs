@@ -171,6 +171,10 @@ fn a_half_line_is_kept_where_half_the_trajectories_are_refused() {
         }
     }
     assert!(kernel.divergences() > 1000, "{}", kernel.divergences());
+    // Where the density vanishes nothing moves, and that counts.
+    let (mut outside, before) = ([-1.0], kernel.divergences());
+    kernel.step(&mut outside, &mut rng);
+    assert_eq!((outside, kernel.divergences()), ([-1.0], before + 1));
 }
 
 /// Chains from one state part at once, and no two go the same way.
