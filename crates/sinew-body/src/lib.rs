@@ -18,6 +18,7 @@
 pub mod bundle;
 mod error;
 pub mod fit;
+pub mod frustum;
 pub mod initial;
 pub mod kinematics;
 pub mod standard;

@@ -24,6 +24,7 @@
 //! # Ok::<(), sinew_observe::Error>(())
 //! ```
 pub mod association;
+pub mod bit_image;
 pub mod camera;
 pub mod cross_view;
 mod distortion;
@@ -34,6 +35,7 @@ pub mod marker_views;
 pub mod model;
 pub mod offsets;
 pub mod pixel_fit;
+pub mod raster;
 pub mod triangulate;
 pub use camera::{Camera, Distortion, Intrinsics, MIN_DEPTH_M, Projection};
 pub use error::Error;
