@@ -112,6 +112,14 @@ pub fn check(root: &Path, seed: u64, size: Size) -> Outcome<Checked> {
     })
 }
 
+/// The degree of freedom whose ranks are least uniform on the model's own motion, over so many series: its name, their width, and a probability (Bonferroni).
+///
+/// # Errors
+/// Those of the tracker.
+pub fn worst_coordinate(series: usize, seed: u64) -> Outcome<(String, f64, f64)> {
+    coordinates::worst(series, seed)
+}
+
 fn data_folder(root: &Path, given: Option<&Path>) -> PathBuf {
     let named = || std::env::var_os("SINEW_DATA").map(PathBuf::from);
     given.map(Path::to_owned).or_else(named).unwrap_or_else(|| root.join("../shared/data"))

@@ -92,9 +92,31 @@ fn people(seed: u64, size: Size) -> Vec<Outcome> {
     vec![outcome]
 }
 
+/// The angles too, also the one that no keypoint tells.
+const OF_DEGREES: Check = Check {
+    name: "degrees-of-freedom",
+    claim: "all 32 degrees of freedom of H32 are calibrated on motion that the tracker's own model draws",
+    run: degrees,
+};
+
+/// Probability of a false alarm of [`degrees`].
+const RATE: f64 = 1e-6;
+
+fn degrees(seed: u64, size: Size) -> Vec<Outcome> {
+    let series = if size == Size::Full { 300 } else { 60 };
+    let (holds, worst) = match calibration::worst_coordinate(series, seed) {
+        Ok((name, width, p)) => {
+            (p >= RATE, format!("χ² of the ranks of {name}, width {width:.2}: p = {p:.2e}, must exceed {RATE:.0e}"))
+        }
+        Err(error) => (false, error.to_string()),
+    };
+    let name = format!("ranks of 32 degrees of freedom, {series} series");
+    vec![Outcome { name, holds, worst, false_alarm_rate: RATE, statistics: 32, stages: 1 }]
+}
+
 /// Every check there is.
 fn all() -> impl Iterator<Item = &'static Check> {
-    CHECKS.iter().chain([&OF_PEOPLE])
+    CHECKS.iter().chain([&OF_PEOPLE, &OF_DEGREES])
 }
 
 /// Days since 1970.

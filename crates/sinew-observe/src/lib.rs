@@ -29,6 +29,7 @@ pub mod camera;
 pub mod cross_view;
 mod distortion;
 mod error;
+pub mod hull;
 pub mod keypoint_likelihood;
 pub mod marker_likelihood;
 pub mod marker_views;

@@ -20,6 +20,21 @@ pub struct Chains {
     burn_in: Option<usize>,
 }
 
+/// The degree of freedom whose ranks are least uniform over so many series: its name, the width of its ranks, and the probability of a larger χ² times the number of degrees of freedom.
+pub(super) fn worst(count: usize, seed: u64) -> Outcome<(String, f64, f64)> {
+    let found = ranked(&Tracker::Hmc.settings(), count, seed)?.state();
+    let number = found.len() as f64;
+    let all = h32(&Proportions::default()).dof_names().into_iter().zip(found);
+    let worst = all.min_by(|(_, a), (_, b)| a.1.total_cmp(&b.1)).ok_or("no series")?;
+    Ok((worst.0, worst.1.0.width, (number * worst.1.1).min(1.0)))
+}
+
+fn ranked(settings: &Settings, count: usize, seed: u64) -> Outcome<Found> {
+    let seeds = super::seeds(0..count, seed);
+    let series = seeds.into_par_iter().map(|seed| scene::own(settings, seed)).collect::<Outcome<Vec<_>>>()?;
+    Ok(Found::of(&series))
+}
+
 /// The table of as many series as asked for; Markdown.
 pub(super) fn measure(count: usize, chains: Chains, seed: u64) -> Outcome<String> {
     let default = Tracker::Hmc.settings();
@@ -28,9 +43,7 @@ pub(super) fn measure(count: usize, chains: Chains, seed: u64) -> Outcome<String
         burn_in: chains.burn_in.unwrap_or(default.burn_in),
         ..default
     };
-    let seeds = super::seeds(0..count, seed);
-    let series = seeds.into_par_iter().map(|seed| scene::own(&settings, seed)).collect::<Outcome<Vec<_>>>()?;
-    let found = Found::of(&series);
+    let found = ranked(&settings, count, seed)?;
     let disagreeing = 100.0 * found.disagreeing();
     Ok(format!(
         "{}\nThe chains disagree (split R-hat above 1.05) in {disagreeing:.0} % of the frames.\n",
