@@ -378,6 +378,13 @@ mod tests {
         Metric::Dense(Dense::new(&[4.0, 0.0, 0.0, 0.25], 2).expect("positive definite")).shrink(&mut unit, 2.0);
         assert_eq!(plain, diagonal);
         assert!(plain.covariance.iter().zip(&unit.covariance).all(|(a, b)| (a - b).abs() < 1e-12), "{unit:?}");
+        // Of three coordinates, too: the inverse of a metric is kept.
+        let dense = Dense::new(&[4.0, 1.0, 0.5, 1.0, 3.0, -0.2, 0.5, -0.2, 2.0], 3).expect("positive definite");
+        let inverse: Vec<f64> =
+            (0..3).flat_map(|i| dense.solve(&[0, 1, 2].map(|j| f64::from(u8::from(i == j))))).collect();
+        let mut three = Moments { mean: vec![0.0; 3], covariance: inverse.clone() };
+        Metric::Dense(dense).shrink(&mut three, 3.0);
+        assert!(three.covariance.iter().zip(inverse).all(|(a, b)| (a - b).abs() < 1e-13), "{three:?}");
         // A covariance that the metric does not know, by the formula: A = L⁻ᵀ with L L ᵀ = G.
         let mut other = Moments { mean: vec![0.0; 2], covariance: vec![4.0, 1.0, 1.0, 1.0] };
         metric.shrink(&mut other, 2.0);
