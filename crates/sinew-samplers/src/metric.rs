@@ -82,10 +82,15 @@ impl Dense {
             .collect()
     }
 
+    /// A, whole.
+    fn whitening(&self) -> faer::Mat<f64> {
+        faer::Mat::from_fn(self.dim, self.dim, |i, j| if i > j { 0.0 } else { self.columns[triangle(j, i)] })
+    }
+
     /// The matrix G itself, row after row: with A = L⁻ᵀ, `G = A⁻ᵀ A⁻¹`.
     pub(crate) fn matrix(&self) -> Vec<f64> {
         let d = self.dim;
-        let whitening = faer::Mat::from_fn(d, d, |i, j| if i > j { 0.0 } else { self.columns[triangle(j, i)] });
+        let whitening = self.whitening();
         let mut inverse = faer::Mat::<f64>::identity(d, d);
         whitening.solve_upper_triangular_in_place(inverse.as_mut());
         let product = inverse.transpose() * &inverse;
@@ -114,7 +119,7 @@ impl Metric {
     pub fn shrink(&self, moments: &mut Moments, effective: f64) -> f64 {
         let Self::Dense(dense) = self else { return moments::shrink(moments, effective) };
         let d = dense.dim;
-        let whitening = faer::Mat::from_fn(d, d, |i, j| if i > j { 0.0 } else { dense.columns[triangle(j, i)] });
+        let whitening = dense.whitening();
         let mut whitened = MatRef::from_row_major_slice(&moments.covariance, d, d).to_owned();
         for _ in 0..2 {
             whitening.solve_upper_triangular_in_place(whitened.as_mut());

@@ -2,7 +2,7 @@
 //!
 //! m = Σ W_i s_i and C = Σ W_i (s_i − m)(s_i − m)ᵀ / (1 − 1 / n_eff), where n_eff is the effective number of draws (1 / Σ W² of independent weighted states, n / τ of chains).
 //!
-//! Shrinkage: C ← (n_eff C + n₀ diag C) / (n_eff + n₀) with n₀ = d pseudo-draws, so the off-diagonal entries are multiplied by 1 − λ, λ = d / (n_eff + d). Variances are not touched, and the result is positive
+//! Shrinkage: C ← (n_eff C + n₀ diag C) / (n_eff + n₀) with n₀ = d pseudo-draws, so the off-diagonal entries are multiplied by 1 − λ, λ = d / (n_eff + d). Variances are not touched ([`crate::metric::Metric::shrink`] does the same in the axes of a metric), and the result is positive
 //! definite where all of them are positive. A λ fitted to the correlations (Schäfer & Strimmer 2005) is twice as large where there are many weak ones: in a linear-Gaussian filter of ten dimensions, with 464
 //! draws a frame, it pulled means by up to 0.18 posterior standard deviations, away from the exact filter and the same way in every run.
 

@@ -12,8 +12,7 @@ const LEAST: [f64; 2] = [0.1, 0.3];
 /// Noise of a recording without a measurement: that of brisk walking, metres and radians per square-root second.
 const BRISK: [f64; 2] = [0.25, 0.8];
 
-/// Uncertainty of a fitted first pose, metres and radians. What keypoints cannot tell, as the twist of the spine about itself, keeps this spread for many frames; a wide one is far from
-/// Gaussian there, and chains mix badly (docs/accuracy.md).
+/// Uncertainty of a fitted first pose, metres and radians. What keypoints cannot tell, as the turn of the spine about itself, keeps this spread for many frames.
 const INITIAL: [f64; 2] = [0.05, 0.12];
 
 fn by_kind(tree: &KinematicTree, [metres, radians]: [f64; 2]) -> Vec<f64> {
