@@ -11,6 +11,7 @@
 //! 5. The content of a workspace before and after a call means nothing.
 
 use crate::lanes::{Block, Isa, Kernel, LANES, Real, dispatch, dispatch_one, get_lane, triangle};
+use core::ops::Range;
 
 /// A log density on ℝᵈ, up to a constant that does not depend on the state.
 pub trait LogDensity: Sync {
@@ -85,6 +86,20 @@ pub trait GaussNewton: GradLogDensity {
         let _ = factor;
         None
     }
+}
+
+/// A log density that also says how well each part of what was observed is explained, for trackers that search a state part by part. Part k of the density is part k of the tracker's [`crate::part::PartTree`].
+pub trait PartLogDensity: LogDensity {
+    /// Number of parts K.
+    fn parts(&self) -> usize;
+
+    /// Whether the log density is the sum of its parts and part k depends on no coordinates but those of the parts up to k.
+    fn is_product(&self) -> bool {
+        false
+    }
+
+    /// Writes the log likelihoods of the parts `parts` for a block of states: one block a part to `out`; `ws` ≥ [`LogDensity::workspace`] blocks. A part's value may depend on the whole state.
+    fn log_density_parts_block(&self, parts: Range<usize>, x: &[Block], out: &mut [Block], ws: &mut [Block]);
 }
 
 /// A numerical leaf, written once over the lane scalar. All methods must be `#[inline(always)]`.
@@ -272,6 +287,17 @@ macro_rules! forward_to_target {
             }
             fn log_density_grad_block(&self, x: &[Block], grad: &mut [Block], ws: &mut [Block]) -> Block {
                 (**self).log_density_grad_block(x, grad, ws)
+            }
+        }
+        impl<D: PartLogDensity + ?Sized> PartLogDensity for $wrapper where Self: Sync {
+            fn parts(&self) -> usize {
+                (**self).parts()
+            }
+            fn is_product(&self) -> bool {
+                (**self).is_product()
+            }
+            fn log_density_parts_block(&self, parts: Range<usize>, x: &[Block], out: &mut [Block], ws: &mut [Block]) {
+                (**self).log_density_parts_block(parts, x, out, ws);
             }
         }
         impl<D: GaussNewton + ?Sized> GaussNewton for $wrapper where Self: Sync {
