@@ -1,6 +1,7 @@
 //! Images of one bit a pixel, 64 pixels a word: silhouettes, and the shapes of a model.
 //!
-//! Pixel (x, y) is bit x mod 64 of word x / 64 of row y; bits beyond the width are 0, so that counts need no mask.
+//! Words run down the columns: pixel (x, y) is bit y mod 64 of word y / 64 of column x; bits beyond the height are 0, so that counts need no mask. People are taller than wide, so their limbs have fewer columns than rows, and
+//! most spans lie in one word or two.
 
 use std::ops::Range;
 
@@ -9,7 +10,7 @@ use std::ops::Range;
 pub struct BitImage {
     width: usize,
     height: usize,
-    /// Words of a row.
+    /// Words of a column.
     stride: usize,
     words: Vec<u64>,
 }
@@ -25,49 +26,67 @@ impl BitImage {
     /// An image without a pixel set.
     #[must_use]
     pub fn new(width: usize, height: usize) -> Self {
-        let stride = width.div_ceil(BITS);
-        Self { width, height, stride, words: vec![0; stride * height] }
+        let stride = height.div_ceil(BITS);
+        Self { width, height, stride, words: vec![0; stride * width] }
     }
 
-    /// Pixels of a row.
+    /// An image of the pixels (x, y) for which `is_set` says so.
+    #[must_use]
+    pub fn from_fn(width: usize, height: usize, mut is_set: impl FnMut(usize, usize) -> bool) -> Self {
+        let mut image = Self::new(width, height);
+        for y in 0..height {
+            for x in 0..width {
+                if is_set(x, y) {
+                    image.words[x * image.stride + y / BITS] |= 1 << (y % BITS);
+                }
+            }
+        }
+        image
+    }
+
+    /// Columns.
     #[must_use]
     pub const fn width(&self) -> usize {
         self.width
     }
 
-    /// Rows.
+    /// Pixels of a column.
     #[must_use]
     pub const fn height(&self) -> usize {
         self.height
     }
 
     /// Whether a pixel is set; none outside the image is.
+    #[inline(always)]
     #[must_use]
     pub fn get(&self, x: usize, y: usize) -> bool {
-        x < self.width && y < self.height && self.words[y * self.stride + x / BITS] >> (x % BITS) & 1 == 1
+        x < self.width && y < self.height && self.words[x * self.stride + y / BITS] >> (y % BITS) & 1 == 1
     }
 
-    /// Sets the pixels `columns` of a row; what lies outside the image is left out.
-    pub fn fill(&mut self, y: usize, columns: Range<usize>) {
-        let (from, to) = (columns.start, columns.end.min(self.width));
-        if y >= self.height || from >= to {
+    /// Sets the pixels `rows` of a column; what lies outside the image is left out.
+    #[inline(always)]
+    pub fn fill(&mut self, x: usize, rows: Range<usize>) {
+        let (from, to) = (rows.start, rows.end.min(self.height));
+        if x >= self.width || from >= to {
             return;
         }
-        let row = &mut self.words[y * self.stride..][..self.stride];
+        let column = &mut self.words[x * self.stride..][..self.stride];
         let (first, last) = (from / BITS, (to - 1) / BITS);
         let (head, tail) = (upwards(from % BITS), !(upwards((to - 1) % BITS) << 1));
         if first == last {
-            row[first] |= head & tail;
+            column[first] |= head & tail;
             return;
         }
-        row[first] |= head;
-        row[first + 1..last].fill(u64::MAX);
-        row[last] |= tail;
+        column[first] |= head;
+        column[first + 1..last].fill(u64::MAX);
+        column[last] |= tail;
     }
 
-    /// Takes all pixels away.
-    pub fn clear(&mut self) {
-        self.words.fill(0);
+    /// Takes all pixels of some columns away; what lies outside the image is left out.
+    #[inline(always)]
+    pub fn clear(&mut self, columns: Range<usize>) {
+        let end = columns.end.min(self.width);
+        self.words[columns.start.min(end) * self.stride..end * self.stride].fill(0);
     }
 
     /// Pixels that are set.
@@ -88,14 +107,15 @@ pub struct Overlap {
     pub second_only: u64,
 }
 
-/// Counts the pixels of two images in some rows.
+/// Counts the pixels of two images in some columns.
 ///
 /// # Panics
-/// Where the images differ in size, or the rows lie outside them.
+/// Where the images differ in size, or the columns lie outside them.
+#[inline(always)]
 #[must_use]
-pub fn overlap(first: &BitImage, second: &BitImage, rows: Range<usize>) -> Overlap {
+pub fn overlap(first: &BitImage, second: &BitImage, columns: Range<usize>) -> Overlap {
     assert_eq!((first.width, first.height), (second.width, second.height), "sizes of the images");
-    let words = rows.start * first.stride..rows.end * first.stride;
+    let words = columns.start * first.stride..columns.end * first.stride;
     let mut counts = Overlap::default();
     for (a, b) in first.words[words.clone()].iter().zip(&second.words[words]) {
         counts.both += u64::from((a & b).count_ones());
@@ -111,34 +131,37 @@ mod tests {
 
     #[test]
     fn every_span_sets_its_pixels_and_no_other() {
-        for width in [1_usize, 63, 64, 65, 130, 200] {
-            for from in 0..width + 2 {
-                for to in from.saturating_sub(1)..width + 3 {
-                    let mut image = BitImage::new(width, 3);
+        for height in [1_usize, 63, 64, 65, 130, 200] {
+            for from in 0..height + 2 {
+                for to in from.saturating_sub(1)..height + 3 {
+                    let mut image = BitImage::new(3, height);
                     image.fill(1, from..to);
-                    let expected = (0..width).filter(|x| (from..to).contains(x)).count() as u64;
-                    assert_eq!(image.count(), expected, "{from}..{to} of {width}");
-                    assert!((0..width).all(|x| image.get(x, 1) == (from..to).contains(&x)), "{from}..{to} of {width}");
+                    let expected = (0..height).filter(|y| (from..to).contains(y)).count() as u64;
+                    assert_eq!(image.count(), expected, "{from}..{to} of {height}");
+                    assert!((0..height).all(|y| image.get(1, y) == (from..to).contains(&y)), "{from}..{to} of {height}");
+                    assert_eq!(image, BitImage::from_fn(3, height, |x, y| x == 1 && (from..to).contains(&y)));
                 }
             }
         }
-        let mut image = BitImage::new(70, 2);
+        let mut image = BitImage::new(2, 70);
         image.fill(2, 0..70);
-        assert_eq!(image, BitImage::new(70, 2));
-        assert!(!image.get(70, 0) && !image.get(0, 2));
+        assert_eq!(image, BitImage::new(2, 70));
+        assert!(!image.get(0, 70) && !image.get(2, 0));
     }
 
     #[test]
-    fn overlaps_are_counted_in_the_rows_that_are_asked_for() {
-        let (mut a, mut b) = (BitImage::new(100, 4), BitImage::new(100, 4));
-        for y in 0..4 {
-            a.fill(y, 10..70);
-            b.fill(y, 60..90 + y);
+    fn overlaps_are_counted_in_the_columns_that_are_asked_for() {
+        let (mut a, mut b) = (BitImage::new(4, 100), BitImage::new(4, 100));
+        for x in 0..4 {
+            a.fill(x, 10..70);
+            b.fill(x, 60..90 + x);
         }
         assert_eq!(overlap(&a, &b, 0..1), Overlap { both: 10, first_only: 50, second_only: 20 });
         assert_eq!(overlap(&a, &b, 1..4), Overlap { both: 30, first_only: 150, second_only: 21 + 22 + 23 });
         assert_eq!(overlap(&a, &b, 2..2), Overlap::default());
-        a.clear();
-        assert_eq!(a, BitImage::new(100, 4));
+        a.clear(1..9);
+        assert_eq!((a.count(), a.get(0, 20), a.get(3, 20)), (60, true, false));
+        a.clear(0..4);
+        assert_eq!(a, BitImage::new(4, 100));
     }
 }
