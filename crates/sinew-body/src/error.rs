@@ -35,4 +35,15 @@ pub enum Error {
         /// Link index found.
         link: usize,
     },
+    /// Flesh needs at least one solid.
+    #[error("the body has no solids; give at least one")]
+    NoSolid,
+    /// A solid that cannot be part of a body.
+    #[error("solid `{solid}`: {what}")]
+    BadSolid {
+        /// Solid at fault.
+        solid: String,
+        /// What is wrong.
+        what: &'static str,
+    },
 }

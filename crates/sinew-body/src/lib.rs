@@ -18,10 +18,13 @@
 pub mod bundle;
 mod error;
 pub mod fit;
+pub mod flesh;
 pub mod frustum;
+pub mod hppf24;
 pub mod initial;
 pub mod kinematics;
 pub mod standard;
+pub mod standard_flesh;
 pub mod subject;
 pub mod tree;
 
