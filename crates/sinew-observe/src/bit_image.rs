@@ -138,7 +138,10 @@ mod tests {
                     image.fill(1, from..to);
                     let expected = (0..height).filter(|y| (from..to).contains(y)).count() as u64;
                     assert_eq!(image.count(), expected, "{from}..{to} of {height}");
-                    assert!((0..height).all(|y| image.get(1, y) == (from..to).contains(&y)), "{from}..{to} of {height}");
+                    assert!(
+                        (0..height).all(|y| image.get(1, y) == (from..to).contains(&y)),
+                        "{from}..{to} of {height}"
+                    );
                     assert_eq!(image, BitImage::from_fn(3, height, |x, y| x == 1 && (from..to).contains(&y)));
                 }
             }

@@ -1,0 +1,239 @@
+//! Outlines of truncated cones in a camera's image, eight bodies at a time.
+//!
+//! A [`Frustum`] is convex, so its image is bounded by parts of the rims of its two ends and by its two occluding generators ([`sinew_body::frustum`]). A rim is part of the outline where one of cap and side is seen and the other
+//! is not: the eye sees the side between the generators v− and v+, and an end's cap when it is beyond that end's plane. So an end that shows its cap has the far arc of its rim in the outline, the other the near one, and no
+//! points need to be sorted: from v− along the base's arc to v+, up that generator, along the top's arc back to v−. Seen by a camera this goes counter-clockwise.
+//!
+//! Where no generator is seen edge-on, the outline is the whole rim of one end, a polygon of twelve corners.
+
+use crate::camera::{Camera, MIN_DEPTH_M};
+use crate::raster::{FURTHEST, PARTS};
+use core::f64::consts::{FRAC_PI_2, PI};
+use sinew_body::frustum::Frustum;
+use sinew_core::elementary::sin_cos;
+use sinew_core::lanes::{Block, Kernel, LANES, ROUND_MAGIC, Real};
+
+/// Chords of each end's arc: as many as half of a polygon of 24 corners has.
+const CHORDS: usize = 12;
+/// Corners of an outline.
+pub(crate) const CORNERS: usize = 2 * (CHORDS + 1);
+
+/// Blocks of a solid's frame: the centre of its base, the ends of its unit vectors x and y, the centre of its top, world coordinates.
+pub(crate) const FRAME: usize = 12;
+
+/// What is kept of each solid in one view.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Outline {
+    /// Corners in parts of a pixel, as [`whole`] reads them.
+    pub corners: [[Block; 2]; CORNERS],
+    /// Ends of the generators v− and v+, base then top, times the camera's matrix.
+    pub generators: [[[Block; 3]; 2]; 2],
+    /// Depth of the centre, metres.
+    pub depth: Block,
+    /// Least depth of the outline, metres.
+    pub nearest: Block,
+    /// Whether there are generators: 1 or 0.
+    pub has_sides: Block,
+}
+
+impl Outline {
+    pub const EMPTY: Self = Self {
+        corners: [[Block::ZERO; 2]; CORNERS],
+        generators: [[[Block::ZERO; 3]; 2]; 2],
+        depth: Block::ZERO,
+        nearest: Block::ZERO,
+        has_sides: Block::ZERO,
+    };
+
+    /// Whether a body's solid is in front of the camera as a whole.
+    #[inline(always)]
+    pub fn is_seen(&self, lane: usize) -> bool {
+        self.nearest.0[lane] > MIN_DEPTH_M
+    }
+
+    /// Its corners in one lane.
+    #[inline(always)]
+    pub fn corners(&self, lane: usize) -> [[i32; 2]; CORNERS] {
+        self.corners.map(|corner| corner.map(|x| whole(x.0[lane])))
+    }
+}
+
+/// The whole number that a lane has rounded to.
+#[inline(always)]
+pub(crate) fn whole(rounded: f64) -> i32 {
+    rounded.to_bits() as u32 as i32
+}
+
+/// Moves what is beyond a bound on either side to the bound.
+#[inline(always)]
+fn within<V: Real>(x: V, bound: f64) -> V {
+    let above = x.max(V::splat(-bound));
+    -((-above).max(V::splat(-bound)))
+}
+
+/// Rounds to the nearest whole number, for [`whole`] to read; what is too far out is moved there.
+#[inline(always)]
+pub(crate) fn round<V: Real>(x: V, per_pixel: f64, shift: f64) -> V {
+    within(x, FURTHEST).fma(V::splat(per_pixel), V::splat(shift)) + V::splat(ROUND_MAGIC)
+}
+
+/// What of a camera an outline needs: its matrix K \[R | t\] with a perfect lens, and where it stands.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Eye {
+    matrix: [[f64; 4]; 3],
+    centre: [f64; 3],
+}
+
+impl Eye {
+    pub fn of(camera: &Camera) -> Self {
+        Self { matrix: camera.matrix(), centre: camera.centre() }
+    }
+
+    #[inline(always)]
+    fn direction<V: Real>(&self, d: [V; 3]) -> [V; 3] {
+        self.matrix.map(|[a, b, c, _]| d[2].fma(V::splat(c), d[1].fma(V::splat(b), d[0] * V::splat(a))))
+    }
+
+    #[inline(always)]
+    fn point<V: Real>(&self, p: [V; 3]) -> [V; 3] {
+        let d = self.direction(p);
+        [0, 1, 2].map(|k: usize| d[k] + V::splat(self.matrix[k][3]))
+    }
+}
+
+/// Projects all solids of a block of bodies into one camera.
+pub(crate) struct Project<'a> {
+    pub eye: &'a Eye,
+    pub solids: &'a [Frustum],
+    /// [`FRAME`] blocks a solid.
+    pub frames: &'a [Block],
+    pub out: &'a mut [Outline],
+}
+
+#[inline(always)]
+fn dot<V: Real>(a: [V; 3], b: [V; 3]) -> V {
+    a[2].fma(b[2], a[1].fma(b[1], a[0] * b[0]))
+}
+
+#[inline(always)]
+fn sub<V: Real>(a: [V; 3], b: [V; 3]) -> [V; 3] {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+#[inline(always)]
+fn scaled<V: Real>(a: [V; 3], by: f64) -> [V; 3] {
+    a.map(|x| x * V::splat(by))
+}
+
+/// Angle with this cosine to some 10⁻⁴ (Abramowitz & Stegun 4.4.45): it only spaces the corners between the ends of an arc.
+#[inline(always)]
+fn arc_cosine<V: Real>(q: V) -> V {
+    let size = q.max(-q);
+    let root = (V::splat(1.0) - size).max(V::splat(0.0)).sqrt();
+    let sum = size.fma(V::splat(-0.018_729_3), V::splat(0.074_261_0));
+    let sum = size.fma(size.fma(sum, V::splat(-0.212_114_4)), V::splat(FRAC_PI_2));
+    q.select_gt(0.0, root * sum, root.fnma(sum, V::splat(PI)))
+}
+
+/// A point on a rim: the ellipse about `centre` with the half axes `x` and `y`.
+#[derive(Clone, Copy)]
+struct Rim<V> {
+    centre: [V; 3],
+    x: [V; 3],
+    y: [V; 3],
+}
+
+impl<V: Real> Rim<V> {
+    #[inline(always)]
+    fn at(&self, [cos, sin]: [V; 2]) -> [V; 3] {
+        [0, 1, 2].map(|k: usize| sin.fma(self.y[k], cos.fma(self.x[k], self.centre[k])))
+    }
+
+    /// This one where `switch` > 0, else the other.
+    #[inline(always)]
+    fn or(&self, other: &Self, switch: V) -> Self {
+        let either = |a: [V; 3], b: [V; 3]| [0, 1, 2].map(|k: usize| switch.select_gt(0.0, a[k], b[k]));
+        Self { centre: either(self.centre, other.centre), x: either(self.x, other.x), y: either(self.y, other.y) }
+    }
+}
+
+/// Writes the corners of an arc from one direction to another by equal steps; gives its least depth. Corners between the ends stand out so far that the polygon has the area of the ellipse's sector: by √(θ/sin θ) for chords of θ.
+#[inline(always)]
+fn arc<V: Real<Mem = Block>>(rim: &Rim<V>, [from, to]: [[V; 2]; 2], step: V, out: &mut [[Block; 2]]) -> V {
+    let (sin, cos) = sin_cos(step);
+    let square = step * step;
+    let out_by = square.fma(square.fma(V::splat(1.0 / 160.0), V::splat(1.0 / 12.0)), V::splat(1.0));
+    let (mut at, mut nearest) = (from, V::splat(f64::MAX));
+    let last = out.len() - 1;
+    for (k, corner) in out.iter_mut().enumerate() {
+        let direction = match k {
+            0 => from,
+            k if k == last => to,
+            _ => at.map(|x| x * out_by),
+        };
+        let [u, v, depth] = rim.at(direction);
+        nearest = -((-nearest).max(-depth));
+        let inverse = V::splat(1.0) / depth;
+        round(u * inverse, f64::from(PARTS), 0.0).store(&mut corner[0]);
+        round(v * inverse, f64::from(PARTS), 0.0).store(&mut corner[1]);
+        at = [at[1].fnma(sin, at[0] * cos), at[1].fma(cos, at[0] * sin)];
+    }
+    nearest
+}
+
+impl Kernel<Block> for Project<'_> {
+    #[inline(always)]
+    fn run<V: Real<Mem = Block>>(&mut self) {
+        let (frames, _) = self.frames.as_chunks::<FRAME>();
+        for ((solid, frame), out) in self.solids.iter().zip(frames).zip(&mut *self.out) {
+            let load = |at: usize| [0, 1, 2].map(|k: usize| V::load(&frame[at + k]));
+            let (base, top) = (load(0), load(9));
+            let (x, y) = (sub(load(3), base), sub(load(6), base));
+            let z = scaled(sub(top, base), 1.0 / solid.height);
+            let sight = sub(self.eye.centre.map(V::splat), base);
+            let (ex, ey, ez) = (dot(sight, x), dot(sight, y) * V::splat(1.0 / solid.ratio), dot(sight, z));
+            let radius = ez.fma(V::splat(solid.slope()), V::splat(solid.radii[0]));
+            let away = ey.fma(ey, ex * ex).max(V::splat(f64::MIN_POSITIVE)).sqrt();
+            let inverse = V::splat(1.0) / away;
+            let [toward_cos, toward_sin] = [ex * inverse, ey * inverse];
+            let q = radius * inverse;
+            let sides = q.fnma(q, V::splat(1.0));
+            let s = sides.max(V::splat(0.0)).sqrt();
+            let q = within(q, 1.0);
+            let minus = [toward_sin.fma(s, toward_cos * q), toward_cos.fnma(s, toward_sin * q)];
+            let plus = [toward_sin.fnma(s, toward_cos * q), toward_cos.fma(s, toward_sin * q)];
+
+            let (px, py) = (self.eye.direction(x), self.eye.direction(y));
+            let rim = |centre: [V; 3], r: f64| Rim {
+                centre: self.eye.point(centre),
+                x: scaled(px, r),
+                y: scaled(py, solid.ratio * r),
+            };
+            let (low, high) = (rim(base, solid.radii[0]), rim(top, solid.radii[1]));
+            for (generator, direction) in out.generators.iter_mut().zip([minus, plus]) {
+                for (end, rim) in generator.iter_mut().zip([&low, &high]) {
+                    rim.at(direction).into_iter().zip(end).for_each(|(x, out)| x.store(out));
+                }
+            }
+            let near = arc_cosine(q) * V::splat(2.0);
+            let far = near - V::splat(2.0 * PI);
+            let low_arc = ez.select_gt(0.0, near, far);
+            let high_arc = ez.select_gt(solid.height, -far, -near);
+            // Without sides one arc is a whole rim and the other a point, which must not stick out of it.
+            let whole_low = low_arc * low_arc - high_arc * high_arc;
+            let is_round = V::splat(1.0);
+            let low_used = sides.select_gt(0.0, is_round, whole_low);
+            let high_used = sides.select_gt(0.0, is_round, -whole_low);
+            let (used_low, used_high) = (low.or(&high, low_used), high.or(&low, high_used));
+            let per_chord = V::splat(1.0 / CHORDS as f64);
+            let (low_corners, high_corners) = out.corners.split_at_mut(CHORDS + 1);
+            let a = arc(&used_low, [minus, plus], low_arc * per_chord, low_corners);
+            let b = arc(&used_high, [plus, minus], high_arc * per_chord, high_corners);
+            (-((-a).max(-b))).store(&mut out.nearest);
+            ((low.centre[2] + high.centre[2]) * V::splat(0.5)).store(&mut out.depth);
+            sides.select_gt(0.0, V::splat(1.0), V::splat(0.0)).store(&mut out.has_sides);
+        }
+    }
+}
+
+const _: () = assert!(LANES == 8);
