@@ -110,8 +110,11 @@ impl Isa {
         let mut sets = Vec::with_capacity(3);
         #[cfg(target_arch = "x86_64")]
         {
-            let avx2 =
-                is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma") && is_x86_feature_detected!("bmi2");
+            let avx2 = is_x86_feature_detected!("avx2")
+                && is_x86_feature_detected!("fma")
+                && is_x86_feature_detected!("bmi1")
+                && is_x86_feature_detected!("bmi2")
+                && is_x86_feature_detected!("popcnt");
             if avx2
                 && is_x86_feature_detected!("avx512f")
                 && is_x86_feature_detected!("avx512dq")
@@ -475,19 +478,19 @@ mod x86 {
     };
     use core::arch::x86_64::*;
 
-    #[target_feature(enable = "avx512f,avx512dq,avx512vl,avx512bw,avx2,fma,bmi2")]
+    #[target_feature(enable = "avx512f,avx512dq,avx512vl,avx512bw,avx2,fma,bmi1,bmi2,popcnt")]
     pub(super) fn on_avx512<K: Kernel<Block>>(kernel: &mut K) {
         kernel.run::<Z8>();
     }
 
     /// Half after half: with both at once, sixteen registers do not hold what a kernel works on.
-    #[target_feature(enable = "avx2,fma,bmi2")]
+    #[target_feature(enable = "avx2,fma,bmi1,bmi2,popcnt")]
     pub(super) fn on_avx2<K: Kernel<Block>>(kernel: &mut K) {
         kernel.run::<Y4<0>>();
         kernel.run::<Y4<4>>();
     }
 
-    #[target_feature(enable = "avx2,fma,bmi2")]
+    #[target_feature(enable = "avx2,fma,bmi1,bmi2,popcnt")]
     pub(super) fn one_on_fma<K: Kernel<f64>>(kernel: &mut K) {
         kernel.run::<OneFused>();
     }

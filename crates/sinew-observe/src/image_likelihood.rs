@@ -112,10 +112,7 @@ impl ImageModel {
             dispatch(self.isa, Place { outline: &scratch.outlines[solid], points: &mut points });
             let body = &scratch.bodies[0];
             if body.seen >> solid & 1 == 1 {
-                let size = (picture.width, picture.height);
-                points.visible_region(0, size, body.hiders[solid], &body.spans, |x, y| {
-                    counts.add(picture.pixels[y * picture.width + x]);
-                });
+                points.colours(0, picture, body.hiders[solid], &body.spans, &mut counts);
             }
             counts.reference()
         };
@@ -260,11 +257,8 @@ impl Kernel<f64> for LookUp<'_> {
             looked.edges = edges.as_ref().map(|map| self.points.edges(lane, map, hiders, &body.spans));
             if let (Some(reference), Some(picture)) = (self.colours, picture) {
                 *self.counts = Counts::default();
-                let (size, counts) = ((picture.width, picture.height), &mut *self.counts);
-                self.points.visible_region(lane, size, of_region, &body.spans, |x, y| {
-                    counts.add(picture.pixels[y * picture.width + x]);
-                });
-                looked.colour = Some(reference.matched(counts));
+                self.points.colours(lane, picture, of_region, &body.spans, self.counts);
+                looked.colour = Some(reference.matched(self.counts));
             }
         }
     }

@@ -6,9 +6,11 @@
 //! A point is hidden where a solid that may hide it covers its pixel. Two rules ([`Hiding`]): solids whose centres are nearer hide what is behind them, but near a joint not what hangs on them; or any other solid hides, which
 //! leaves the outer contour.
 
+use crate::RgbImage;
 use crate::bit_image::BitImage;
+use crate::colour_histogram::Counts;
 use crate::map::Map;
-use crate::outline::{Outline, round, whole};
+use crate::outline::{Outline, along, load, round, whole};
 use crate::raster::Spans;
 use sinew_core::lanes::{Block, Kernel, LANES, Real};
 
@@ -80,36 +82,54 @@ pub(crate) struct Place<'a> {
     pub points: &'a mut Points,
 }
 
+/// A generator from its base, and its direction, times the camera's matrix.
+#[derive(Clone, Copy)]
+struct Generator<V> {
+    base: [V; 3],
+    arm: [V; 3],
+}
+
+impl<V: Real<Mem = Block>> Generator<V> {
+    #[inline(always)]
+    fn load([base, top]: &[[Block; 3]; 2]) -> Self {
+        let (base, top) = (load::<V>(base), load::<V>(top));
+        Self { base, arm: [top[0] - base[0], top[1] - base[1], top[2] - base[2]] }
+    }
+
+    /// Its place in the image at a part of its length.
+    #[inline(always)]
+    fn at(&self, u: f64) -> [V; 2] {
+        let [x, y, depth] = along(V::splat(u), self.arm, self.base);
+        let inverse = V::splat(1.0) / depth;
+        [x * inverse, y * inverse]
+    }
+}
+
 /// The pixel that a place lies in is that whose centre is nearest.
 #[inline(always)]
-fn pixel<V: Real<Mem = Block>>(at: [V; 2], out: &mut [Block; 2]) {
-    at.into_iter().zip(out).for_each(|(x, out)| round(x, 1.0, -0.5).store(out));
+fn pixel<V: Real<Mem = Block>>([x, y]: [V; 2], out: &mut [Block; 2]) {
+    round(x, 1.0, -0.5).store(&mut out[0]);
+    round(y, 1.0, -0.5).store(&mut out[1]);
 }
 
 impl Kernel<Block> for Place<'_> {
     #[inline(always)]
     fn run<V: Real<Mem = Block>>(&mut self) {
-        let ends = self.outline.generators.each_ref().map(|generator| {
-            let [base, top] = generator.each_ref().map(|end| end.each_ref().map(V::load));
-            [base, [0, 1, 2].map(|k: usize| top[k] - base[k])]
-        });
-        let along = |[base, arm]: [[V; 3]; 2], u: f64| {
-            let [x, y, depth] = [0, 1, 2].map(|k: usize| arm[k].fma(V::splat(u), base[k]));
-            let inverse = V::splat(1.0) / depth;
-            [x * inverse, y * inverse]
-        };
+        let [of_minus, of_plus] = &self.outline.generators;
+        let (minus, plus) = (Generator::<V>::load(of_minus), Generator::<V>::load(of_plus));
         for (row, points) in self.points.region.as_chunks_mut::<ACROSS>().0.iter_mut().enumerate() {
-            let [minus, plus] = ends.map(|end| along(end, (row as f64 + 0.5) / ROWS as f64));
-            let across = [0, 1].map(|k: usize| minus[k] - plus[k]);
+            let u = (row as f64 + 0.5) / ROWS as f64;
+            let ([ax, ay], [bx, by]) = (plus.at(u), minus.at(u));
             for (column, point) in points.iter_mut().enumerate() {
                 let w = V::splat((column as f64 + 0.5) / ACROSS as f64);
-                pixel([0, 1].map(|k: usize| across[k].fma(w, plus[k])), point);
+                pixel([w.fma(bx - ax, ax), w.fma(by - ay, ay)], point);
             }
         }
-        for (points, end) in self.points.edges.as_chunks_mut::<ALONG>().0.iter_mut().zip(ends) {
-            for (k, point) in points.iter_mut().enumerate() {
-                pixel(along(end, (k as f64 + 0.5) / ALONG as f64), point);
-            }
+        let (of_minus, of_plus) = self.points.edges.split_at_mut(ALONG);
+        for (k, (at_minus, at_plus)) in of_minus.iter_mut().zip(of_plus).enumerate() {
+            let u = (k as f64 + 0.5) / ALONG as f64;
+            pixel(minus.at(u), at_minus);
+            pixel(plus.at(u), at_plus);
         }
     }
 }
@@ -143,63 +163,64 @@ impl Hiders {
     }
 }
 
-/// Adds up (1 − p)² at some points.
+/// A pixel of a block of bodies in one lane, and whether it is in an image.
 #[inline(always)]
-fn look_up(
-    points: &[[Block; 2]],
-    lane: usize,
-    (width, height): (usize, usize),
-    is_hidden: impl Fn(usize, i32, i32) -> bool,
-    value: impl Fn(usize, usize) -> f64,
-) -> Tally {
-    let mut tally = Tally::default();
-    for (k, point) in points.iter().enumerate() {
-        let [x, y] = point.map(|x| whole(x.0[lane]));
-        let (column, row) = (x as usize, y as usize);
-        if column >= width || row >= height {
-            tally.outside += 1;
-        } else if !is_hidden(k, x, y) {
-            tally.inside += 1;
-            tally.misses += value(column, row);
-        }
-    }
-    tally
+fn in_lane([x, y]: &[Block; 2], lane: usize, [width, height]: [usize; 2]) -> (i32, i32, bool) {
+    let (x, y) = (whole(x.0[lane]), whole(y.0[lane]));
+    (x, y, (x as usize) < width && (y as usize) < height)
 }
 
 impl Points {
     /// Looks the region up in a silhouette.
     #[inline(always)]
     pub fn region(&self, lane: usize, silhouette: &BitImage, hiders: Hiders, spans: &[Spans]) -> Tally {
-        let size = (silhouette.width(), silhouette.height());
-        let is_hidden = |k: usize, x, y| hiders.hide(is_at_joint(k / ACROSS, ROWS), spans, x, y);
-        look_up(&self.region, lane, size, is_hidden, |x, y| if silhouette.get(x, y) { 0.0 } else { 1.0 })
+        let size = [silhouette.width(), silhouette.height()];
+        let mut tally = Tally::default();
+        for (row, points) in self.region.as_chunks::<ACROSS>().0.iter().enumerate() {
+            for point in points {
+                let (x, y, is_inside) = in_lane(point, lane, size);
+                if !is_inside {
+                    tally.outside += 1;
+                } else if !hiders.hide(is_at_joint(row, ROWS), spans, x, y) {
+                    tally.inside += 1;
+                    tally.misses += f64::from(u8::from(!silhouette.get(x as usize, y as usize)));
+                }
+            }
+        }
+        tally
     }
 
     /// Looks the edges up in a map.
     #[inline(always)]
     pub fn edges(&self, lane: usize, map: &Map, hiders: Hiders, spans: &[Spans]) -> Tally {
-        let is_hidden = |k: usize, x, y| hiders.hide(is_at_joint(k % ALONG, ALONG), spans, x, y);
-        look_up(&self.edges, lane, (map.width, map.height), is_hidden, |x, y| {
-            let miss = 1.0 - f64::from(map.get(x, y).unwrap_or_default());
-            miss * miss
-        })
+        let size = [map.width, map.height];
+        let mut tally = Tally::default();
+        for points in self.edges.as_chunks::<ALONG>().0 {
+            for (k, point) in points.iter().enumerate() {
+                let (x, y, is_inside) = in_lane(point, lane, size);
+                if !is_inside {
+                    tally.outside += 1;
+                } else if !hiders.hide(is_at_joint(k, ALONG), spans, x, y) {
+                    let miss = 1.0 - f64::from(map.get(x as usize, y as usize).unwrap_or_default());
+                    tally.inside += 1;
+                    tally.misses += miss * miss;
+                }
+            }
+        }
+        tally
     }
 
-    /// Pixels of the region that are not hidden and in an image of some size.
+    /// Counts the colours of the pixels of the region that are in the picture and not hidden.
     #[inline(always)]
-    pub fn visible_region(
-        &self,
-        lane: usize,
-        (width, height): (usize, usize),
-        hiders: Hiders,
-        spans: &[Spans],
-        mut each: impl FnMut(usize, usize),
-    ) {
-        for (k, point) in self.region.iter().enumerate() {
-            let [x, y] = point.map(|x| whole(x.0[lane]));
-            let (column, row) = (x as usize, y as usize);
-            if column < width && row < height && !hiders.hide(is_at_joint(k / ACROSS, ROWS), spans, x, y) {
-                each(column, row);
+    pub fn colours(&self, lane: usize, picture: &RgbImage, hiders: Hiders, spans: &[Spans], counts: &mut Counts) {
+        let size = [picture.width, picture.height];
+        for (row, points) in self.region.as_chunks::<ACROSS>().0.iter().enumerate() {
+            for point in points {
+                let (x, y, is_inside) = in_lane(point, lane, size);
+                if is_inside && !hiders.hide(is_at_joint(row, ROWS), spans, x, y) {
+                    let at = y as usize * picture.width + x as usize;
+                    counts.add(picture.pixels.get(at).copied().unwrap_or_default());
+                }
             }
         }
     }

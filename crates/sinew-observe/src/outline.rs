@@ -54,7 +54,11 @@ impl Outline {
     /// Its corners in one lane.
     #[inline(always)]
     pub fn corners(&self, lane: usize) -> [[i32; 2]; CORNERS] {
-        self.corners.map(|corner| corner.map(|x| whole(x.0[lane])))
+        let mut corners = [[0; 2]; CORNERS];
+        for (corner, [x, y]) in corners.iter_mut().zip(&self.corners) {
+            *corner = [whole(x.0[lane]), whole(y.0[lane])];
+        }
+        corners
     }
 }
 
@@ -91,14 +95,22 @@ impl Eye {
 
     #[inline(always)]
     fn direction<V: Real>(&self, d: [V; 3]) -> [V; 3] {
-        self.matrix.map(|[a, b, c, _]| d[2].fma(V::splat(c), d[1].fma(V::splat(b), d[0] * V::splat(a))))
+        [row(&self.matrix[0], d), row(&self.matrix[1], d), row(&self.matrix[2], d)]
     }
 
     #[inline(always)]
     fn point<V: Real>(&self, p: [V; 3]) -> [V; 3] {
-        let d = self.direction(p);
-        [0, 1, 2].map(|k: usize| d[k] + V::splat(self.matrix[k][3]))
+        let [u, v, w] = self.direction(p);
+        let [a, b, c] = &self.matrix;
+        [u + V::splat(a[3]), v + V::splat(b[3]), w + V::splat(c[3])]
     }
+}
+
+// Closures and `map` of arrays are left out of what runs in lanes: they are not inlined into the entry points of the instruction sets.
+
+#[inline(always)]
+fn row<V: Real>([a, b, c, _]: &[f64; 4], d: [V; 3]) -> V {
+    d[2].fma(V::splat(*c), d[1].fma(V::splat(*b), d[0] * V::splat(*a)))
 }
 
 /// Projects all solids of a block of bodies into one camera.
@@ -121,8 +133,32 @@ fn sub<V: Real>(a: [V; 3], b: [V; 3]) -> [V; 3] {
 }
 
 #[inline(always)]
-fn scaled<V: Real>(a: [V; 3], by: f64) -> [V; 3] {
-    a.map(|x| x * V::splat(by))
+fn scaled<V: Real>([x, y, z]: [V; 3], by: f64) -> [V; 3] {
+    [x * V::splat(by), y * V::splat(by), z * V::splat(by)]
+}
+
+#[inline(always)]
+pub(crate) fn load<V: Real<Mem = Block>>(blocks: &[Block; 3]) -> [V; 3] {
+    [V::load(&blocks[0]), V::load(&blocks[1]), V::load(&blocks[2])]
+}
+
+#[inline(always)]
+fn store<V: Real<Mem = Block>>([x, y, z]: [V; 3], out: &mut [Block; 3]) {
+    x.store(&mut out[0]);
+    y.store(&mut out[1]);
+    z.store(&mut out[2]);
+}
+
+/// `a` where `switch` > 0, else `b`.
+#[inline(always)]
+fn either<V: Real>(switch: V, a: [V; 3], b: [V; 3]) -> [V; 3] {
+    [switch.select_gt(0.0, a[0], b[0]), switch.select_gt(0.0, a[1], b[1]), switch.select_gt(0.0, a[2], b[2])]
+}
+
+/// `x · direction + centre`, coordinate by coordinate.
+#[inline(always)]
+pub(crate) fn along<V: Real>(x: V, direction: [V; 3], centre: [V; 3]) -> [V; 3] {
+    [x.fma(direction[0], centre[0]), x.fma(direction[1], centre[1]), x.fma(direction[2], centre[2])]
 }
 
 /// Angle with this cosine to some 10⁻⁴ (Abramowitz & Stegun 4.4.45): it only spaces the corners between the ends of an arc.
@@ -146,14 +182,17 @@ struct Rim<V> {
 impl<V: Real> Rim<V> {
     #[inline(always)]
     fn at(&self, [cos, sin]: [V; 2]) -> [V; 3] {
-        [0, 1, 2].map(|k: usize| sin.fma(self.y[k], cos.fma(self.x[k], self.centre[k])))
+        along(sin, self.y, along(cos, self.x, self.centre))
     }
 
     /// This one where `switch` > 0, else the other.
     #[inline(always)]
     fn or(&self, other: &Self, switch: V) -> Self {
-        let either = |a: [V; 3], b: [V; 3]| [0, 1, 2].map(|k: usize| switch.select_gt(0.0, a[k], b[k]));
-        Self { centre: either(self.centre, other.centre), x: either(self.x, other.x), y: either(self.y, other.y) }
+        Self {
+            centre: either(switch, self.centre, other.centre),
+            x: either(switch, self.x, other.x),
+            y: either(switch, self.y, other.y),
+        }
     }
 }
 
@@ -169,7 +208,7 @@ fn arc<V: Real<Mem = Block>>(rim: &Rim<V>, [from, to]: [[V; 2]; 2], step: V, out
         let direction = match k {
             0 => from,
             k if k == last => to,
-            _ => at.map(|x| x * out_by),
+            _ => [at[0] * out_by, at[1] * out_by],
         };
         let [u, v, depth] = rim.at(direction);
         nearest = -((-nearest).max(-depth));
@@ -185,12 +224,13 @@ impl Kernel<Block> for Project<'_> {
     #[inline(always)]
     fn run<V: Real<Mem = Block>>(&mut self) {
         let (frames, _) = self.frames.as_chunks::<FRAME>();
+        let [cx, cy, cz] = self.eye.centre;
         for ((solid, frame), out) in self.solids.iter().zip(frames).zip(&mut *self.out) {
-            let load = |at: usize| [0, 1, 2].map(|k: usize| V::load(&frame[at + k]));
-            let (base, top) = (load(0), load(9));
-            let (x, y) = (sub(load(3), base), sub(load(6), base));
+            let (points, _) = frame.as_chunks::<3>();
+            let (base, top) = (load::<V>(&points[0]), load::<V>(&points[3]));
+            let (x, y) = (sub(load(&points[1]), base), sub(load(&points[2]), base));
             let z = scaled(sub(top, base), 1.0 / solid.height);
-            let sight = sub(self.eye.centre.map(V::splat), base);
+            let sight = sub([V::splat(cx), V::splat(cy), V::splat(cz)], base);
             let (ex, ey, ez) = (dot(sight, x), dot(sight, y) * V::splat(1.0 / solid.ratio), dot(sight, z));
             let radius = ez.fma(V::splat(solid.slope()), V::splat(solid.radii[0]));
             let away = ey.fma(ey, ex * ex).max(V::splat(f64::MIN_POSITIVE)).sqrt();
@@ -204,17 +244,22 @@ impl Kernel<Block> for Project<'_> {
             let plus = [toward_sin.fnma(s, toward_cos * q), toward_cos.fma(s, toward_sin * q)];
 
             let (px, py) = (self.eye.direction(x), self.eye.direction(y));
-            let rim = |centre: [V; 3], r: f64| Rim {
-                centre: self.eye.point(centre),
-                x: scaled(px, r),
-                y: scaled(py, solid.ratio * r),
+            let [low_radius, high_radius] = solid.radii;
+            let low = Rim {
+                centre: self.eye.point(base),
+                x: scaled(px, low_radius),
+                y: scaled(py, solid.ratio * low_radius),
             };
-            let (low, high) = (rim(base, solid.radii[0]), rim(top, solid.radii[1]));
-            for (generator, direction) in out.generators.iter_mut().zip([minus, plus]) {
-                for (end, rim) in generator.iter_mut().zip([&low, &high]) {
-                    rim.at(direction).into_iter().zip(end).for_each(|(x, out)| x.store(out));
-                }
-            }
+            let high = Rim {
+                centre: self.eye.point(top),
+                x: scaled(px, high_radius),
+                y: scaled(py, solid.ratio * high_radius),
+            };
+            let [of_minus, of_plus] = &mut out.generators;
+            store(low.at(minus), &mut of_minus[0]);
+            store(high.at(minus), &mut of_minus[1]);
+            store(low.at(plus), &mut of_plus[0]);
+            store(high.at(plus), &mut of_plus[1]);
             let near = arc_cosine(q) * V::splat(2.0);
             let far = near - V::splat(2.0 * PI);
             let low_arc = ez.select_gt(0.0, near, far);

@@ -23,10 +23,10 @@ pub struct Spans {
     rows: Vec<[i32; 2]>,
 }
 
-/// The first row or column whose centre is at or beyond a place in parts of a pixel.
+/// The first column of an image whose centre is at or right of a place in parts of a pixel.
 #[inline(always)]
-const fn centre_from(place: i32) -> i32 {
-    (place + PARTS / 2 - 1).div_euclid(PARTS)
+fn column_from(place: i32, width: i32) -> i32 {
+    (place + PARTS / 2 - 1).div_euclid(PARTS).clamp(0, width)
 }
 
 /// The nearest whole number, for sizes below 2³¹.
@@ -54,7 +54,7 @@ impl Spans {
     /// Takes the spans of a convex polygon whose corners run counter-clockwise as seen (y down), in parts of a pixel, within an image of so many columns.
     #[inline(always)]
     pub(crate) fn scan(&mut self, corners: &[[i32; 2]], width: usize) {
-        let columns = |from: i32, to: i32| [from, to].map(|x| centre_from(x).clamp(0, width as i32));
+        let width = width as i32;
         let (mut least, mut most) = (i32::MAX, i32::MIN);
         for corner in corners {
             least = least.min(corner[0]);
@@ -63,16 +63,16 @@ impl Spans {
         self.rows.clear();
         self.first = 0;
         let Some(mut before) = corners.last().copied() else { return };
-        let [first, end] = columns(least, most);
+        let (first, end) = (column_from(least, width), column_from(most, width));
         self.first = first as usize;
         self.rows.resize((end - first) as usize, [i32::MAX, i32::MIN]);
         for &corner in corners {
             let [left, right] = if before[0] < corner[0] { [before, corner] } else { [corner, before] };
-            let [from, to] = columns(left[0], right[0]);
+            let (from, to) = (column_from(left[0], width), column_from(right[0], width));
             if from < to {
                 // Going down, the edge is a left one: rows from its height on are in, and below it those strictly below are out. Level edges are top ones where they are gone along to the left.
                 let is_in = corner[1] > before[1] || corner[1] == before[1] && corner[0] < before[0];
-                let [dx, dy] = [0, 1].map(|k| f64::from(right[k] - left[k]));
+                let (dx, dy) = (f64::from(right[0] - left[0]), f64::from(right[1] - left[1]));
                 let parts = f64::from(PARTS);
                 let per_part = 1.0 / (parts * dx);
                 let slope = dy / dx;
