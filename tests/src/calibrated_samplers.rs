@@ -14,6 +14,8 @@ use sinew::samplers::particles::{self, Particles};
 use sinew::samplers::population::Population;
 use sinew::samplers::resample::multinomial;
 use sinew::samplers::tempered_smc::{self, sample};
+use sinew::tracking::Tracker;
+use sinew::tracking::annealed::{self, Annealed};
 use sinew_invariance::{Calibration, Ranks, Report, calibration};
 
 /// A stage from a generator, for verbs that take one.
@@ -123,6 +125,26 @@ pub fn annealed(seed: u64, size: Size) -> (Report, Ranks) {
         let config = annealed_search::Config::default();
         let found = search(&body.posterior(y), &start, &sd, &config, Isa::best(), to_search).expect("weights");
         (0..n).map(|i| found.population.state(4 * i)).collect()
+    };
+    check(seed, size.pick(100, 500), &body, posterior)
+}
+
+/// One frame of the annealed filter on the arm, from the prior, its last layer taken for a posterior: it is none.
+///
+/// # Panics
+/// When all weights are zero.
+#[must_use]
+pub fn annealed_filter(seed: u64, size: Size) -> (Report, Ranks) {
+    let body = PartOfBody::arm(0.02);
+    let sd = vec![PRIOR_SD; body.dim()];
+    let walk = RandomWalk::new(&sd, 1.0, Between::Mixture, Isa::best()).expect("valid walk");
+    let posterior = |y: &[f64], n: usize, rng: &mut BlockRng| {
+        let config = annealed::Config { particles: 4 * n, ..annealed::Config::default() };
+        let tracker = Annealed::new(config, walk.clone(), sd.clone(), body.centre(), Isa::best());
+        let mut tracker = tracker.expect("valid settings");
+        tracker.step(&body.likelihood(y), stage(rng)).expect("weights");
+        let particles = tracker.particles();
+        multinomial(particles.weights(), n, rng).iter().map(|&i| particles.state(i)).collect()
     };
     check(seed, size.pick(100, 500), &body, posterior)
 }

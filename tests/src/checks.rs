@@ -1,5 +1,6 @@
 //! Every statistical check by name, for `cargo xtask verify`: the claim it stands for and how it is run.
 
+use crate::annealing_laws::{collapse_on_the_depth_flip, marginals_under_crossover, noise_of_layers};
 use crate::camera_point::CameraPoint;
 use crate::depth_flip::Arm;
 use crate::evidence::{error_slope, stored_table, unbiased};
@@ -9,6 +10,7 @@ use crate::growth::{Growth, two_modes};
 use crate::linear_series::Series;
 use crate::mixture_filter::against_ideal;
 use crate::outcome::{Outcome, in_two_stages, outcome};
+use crate::partitioned_laws::{Importance, agreement, particles_needed, represents_the_same};
 use crate::posteriordb::{self, Sampler, judged};
 use crate::size::Size;
 use crate::static_posteriors::{camera_point_chains, gaussian_volume_law, tempered_depth_flip, volume_law};
@@ -244,5 +246,39 @@ pub const CHECKS: &[Check] = &[
         name: "posteriordb",
         claim: "means and standard deviations of three posteriors that others have sampled",
         run: |seed, size| in_two_stages(seed, |seed| stored_posteriors(seed, size)),
+    },
+    Check {
+        name: "weighted-resampling",
+        claim: "weighted resampling represents what it did, for any importance function and scheme",
+        run: |seed, size| in_two_stages(seed, |seed| represents_the_same(seed, size)),
+    },
+    Check {
+        name: "partitioned",
+        claim: "the partitioned filter is the joint filter with unbiased evidence, whatever its importance functions; it needs particles for one part at a time",
+        run: |seed, size| {
+            in_two_stages(seed, |seed| {
+                let mut findings = particles_needed(seed, size);
+                for importance in [Importance::Product, Importance::Right, Importance::Wrong] {
+                    findings.extend(agreement(true, importance, 1, size, seed));
+                    findings.extend(agreement(true, importance, 4, size, seed));
+                    findings.extend(agreement(false, importance, 4, size, seed));
+                }
+                findings
+            })
+        },
+    },
+    Check {
+        name: "annealing",
+        claim: "layers of annealing diffuse as they say, crossover keeps marginals, and on eight modes the annealed filter is no posterior",
+        run: |seed, size| {
+            let check = |seed| {
+                let mut findings = noise_of_layers(seed);
+                findings.extend(marginals_under_crossover(seed, size));
+                let collapse = |arm| collapse_on_the_depth_flip(&arm, size.pick(5, 40), seed);
+                findings.extend(Arm::stored().map_or_else(Vec::new, collapse));
+                findings
+            };
+            in_two_stages(seed, check)
+        },
     },
 ];

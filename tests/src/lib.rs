@@ -1,6 +1,7 @@
 //! Unpublished: exact references and statistical checks of the workspace, as functions of a seed and a size. The tests in this member's `tests/` folder call them in reduced size; statistical, conformance and
 //! end-to-end tests live there too.
 
+pub mod annealing_laws;
 pub mod calibrated_samplers;
 pub mod camera_draws;
 pub mod camera_point;
@@ -19,6 +20,7 @@ pub mod kernels;
 pub mod linear_series;
 pub mod mixture_filter;
 pub mod outcome;
+pub mod partitioned_laws;
 pub mod planted_hmc;
 pub mod posteriordb;
 pub mod quadrature;

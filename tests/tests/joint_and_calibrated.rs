@@ -41,6 +41,7 @@ fn intervals_of_the_samplers_are_calibrated() {
 #[test]
 fn a_search_is_not_calibrated() {
     calibrated::annealed(1, Size::Reduced).0.assert_fails();
+    calibrated::annealed_filter(1, Size::Reduced).0.assert_fails();
 }
 
 /// J3. Three scores at |z| < 4.

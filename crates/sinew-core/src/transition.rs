@@ -33,9 +33,19 @@ pub trait GradTransition: Transition {
 }
 
 /// A transition that can move the coordinates of one part and leave the others.
+///
+/// Law: moving the parts of a partition one after the other draws from the transition, and drawing them one after the other around a centre draws a state of the first frame.
 pub trait PartTransition: Transition {
-    /// Draws the part's coordinates of `next`, which holds the previous state on entry.
+    /// Draws the part's coordinates of `next`, which holds the previous state on entry, in the parts before this one already moved.
     fn sample_part_block(&self, part: &Part, next: &mut [Block], rng: &mut BlockRng);
+
+    /// Draws the part's coordinates of states of the first frame around a given one; by default, a step from it.
+    fn sample_initial_part_block(&self, part: &Part, centre: &[f64], next: &mut [Block], rng: &mut BlockRng) {
+        for &j in part.indices() {
+            next[j] = Block::splat(centre[j]);
+        }
+        self.sample_part_block(part, next, rng);
+    }
 }
 
 /// Mean and covariance of a distribution on the state.

@@ -91,6 +91,16 @@ impl RandomWalk {
         rng.fill_normal(self.isa, next);
         dispatch(self.isa, Diffuse { previous, sd, next });
     }
+
+    fn add_noise_to_part(&self, part: &Part, sd: &[f64], next: &mut [Block], rng: &mut BlockRng) {
+        let mut noise = vec![Block::ZERO; part.indices().len()];
+        rng.fill_normal(self.isa, &mut noise);
+        for (&j, z) in part.indices().iter().zip(&noise) {
+            for (x, z) in next[j].0.iter_mut().zip(z.0) {
+                *x += sd[j] * z;
+            }
+        }
+    }
 }
 
 /// Turns the standard normal deviates in `next` into states around the previous ones.
@@ -140,13 +150,14 @@ impl GradTransition for RandomWalk {
 
 impl PartTransition for RandomWalk {
     fn sample_part_block(&self, part: &Part, next: &mut [Block], rng: &mut BlockRng) {
-        let mut noise = vec![Block::ZERO; part.indices().len()];
-        rng.fill_normal(self.isa, &mut noise);
-        for (&j, z) in part.indices().iter().zip(&noise) {
-            for (x, z) in next[j].0.iter_mut().zip(z.0) {
-                *x += self.sd[j] * z;
-            }
+        self.add_noise_to_part(part, &self.sd, next, rng);
+    }
+
+    fn sample_initial_part_block(&self, part: &Part, centre: &[f64], next: &mut [Block], rng: &mut BlockRng) {
+        for &j in part.indices() {
+            next[j] = Block::splat(centre[j]);
         }
+        self.add_noise_to_part(part, &self.initial_sd, next, rng);
     }
 }
 
@@ -227,6 +238,10 @@ mod tests {
         Stage::new(1, "part").whole().fill_normal(Isa::best(), &mut noise);
         let moved = |z: Block, sd: f64| Block(z.0.map(|z| 7.0 + sd * z));
         assert_eq!(next, [Block::splat(7.0), moved(noise[0], 0.5), moved(noise[1], 1.0)]);
+        let wide = walk(Between::Mixture).with_initial_sd(vec![9.0, 3.0, 4.0]).expect("valid");
+        let mut first = [Block::splat(-1.0); 3];
+        wide.sample_initial_part_block(&part, &[7.0; 3], &mut first, &mut Stage::new(1, "part").whole());
+        assert_eq!(first, [Block::splat(-1.0), moved(noise[0], 3.0), moved(noise[1], 4.0)]);
     }
 
     /// With one chain and no spread both priors are the transition's density.

@@ -1,26 +1,27 @@
-//! Annealed particle search (Deutscher, Blake & Reid 2000): layers of weighting, resampling and diffusion, from broad to peaked. A **search, not a sampler**.
+//! Annealed particle search (Deutscher, Blake & Reid 2000; Deutscher, Davison & Reid 2001): layers of weighting, resampling and diffusion, from broad to peaked. A **search, not a sampler**.
 //!
-//! With n layers, survival rate α and a base covariance P = diag(sd²):
+//! With n layers, survival rate α and a base covariance P = diag(sd²), from states that were diffused by P:
 //!
-//! 1. s_i ← s_i + N(0, P)
-//! 2. for v = 1 … n: l_i = log w(s_i); β_v solves D(β) = α times the number of states with a finite value ([`crate::temperature`]); W_i ∝ exp(β_v l_i)
-//!    - v = n: the mean Σ W_i s_i and the state of the largest w are what was found
-//!    - S ← resampled by W
-//!    - v < n: s_i ← s_i + N(0, α^v P)
+//! 1. for v = 1 … n: l_i = log w(s_i); β_v solves D(β) = α times the number of states with a finite value ([`crate::temperature`]); W_i ∝ exp(β_v l_i)
+//! 2. v < n: S ← resampled by W, optionally with [`crate::crossover`]
+//! 3. v < n: s_i ← s_i + N(0, α^v P), optionally no wider than the resampled set ([`crate::diffusion::spread`])
+//!
+//! The mean Σ W_i s_i of the last layer and its state of the largest w are what was found. These layers are [`anneal`], a verb on [`Particles`]; [`search`] is one whole frame.
 //!
 //! The diffusion is not corrected for by weights, and the last β is whatever lets α N states survive: the states of the last layer are no sample from w, their spread is no posterior spread, and no
 //! [`sinew_core::kernel::Invariant`] is claimed. One layer with β = 1 is the exception: it is a step of a bootstrap filter. For a sampler that goes from broad to peaked, see [`crate::tempered_smc`].
 //!
-//! Deutscher, Blake & Reid multiply the covariance by the survival rates; several programs multiply the standard deviations: [`Scaling`].
+//! Deutscher, Blake & Reid multiply the covariance by the survival rates; several programs multiply the standard deviations: [`Scaling`]. A state that must not be is one with w = 0: it has no offspring in any layer.
 
 use crate::Error;
-use crate::moments;
+use crate::crossover::cross;
+use crate::diffusion::{diffuse, spread};
+use crate::particles::{Particles, aggregate, best, evaluate, resample, temper};
 use crate::population::Population;
 use crate::resample::Scheme;
 use crate::temperature::{MOST, exponent};
-use crate::weights::normalise;
 use sinew_core::density::LogDensity;
-use sinew_core::lanes::{Block, Isa};
+use sinew_core::lanes::Isa;
 use sinew_core::random::Stage;
 
 /// What the survival rates shrink from layer to layer.
@@ -43,7 +44,7 @@ pub enum Last {
     Fixed(f64),
 }
 
-/// Settings; the default is that of the publication.
+/// Settings; the default is that of the publication of 2000.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Config {
     /// Weightings n, each of every state.
@@ -56,12 +57,112 @@ pub struct Config {
     pub last: Last,
     /// Scheme of resampling.
     pub scheme: Scheme,
+    /// Whether a coordinate is diffused no wider than the resampled set is (2001).
+    pub adaptive: bool,
+    /// Part of the states that is crossed in each layer but the last (2001: 0.5); 0 is none.
+    pub crossover: f64,
 }
 
 impl Default for Config {
     fn default() -> Self {
-        Self { layers: 10, survival: 0.5, scaling: Scaling::Variance, last: Last::Solve, scheme: Scheme::Multinomial }
+        Self {
+            layers: 10,
+            survival: 0.5,
+            scaling: Scaling::Variance,
+            last: Last::Solve,
+            scheme: Scheme::Multinomial,
+            adaptive: false,
+            crossover: 0.0,
+        }
     }
+}
+
+impl Config {
+    /// Refuses settings, and standard deviations of the base diffusion for states of `dim` coordinates.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`].
+    pub fn check(&self, sd: &[f64], dim: usize) -> Result<(), Error> {
+        let range = |name, value, inside: bool, expected| {
+            if inside { Ok(()) } else { Err(Error::OutOfRange { name, value, expected }) }
+        };
+        range("number of layers", self.layers as f64, self.layers > 0, "must be at least 1")?;
+        range("survival rate", self.survival, self.survival > 0.0 && self.survival < 1.0, "must be in (0, 1)")?;
+        range("crossover", self.crossover, (0.0..=1.0).contains(&self.crossover), "must be in [0, 1]")?;
+        if let Last::Fixed(beta) = self.last {
+            range("last exponent", beta, beta >= 0.0 && beta.is_finite(), "must be finite and not negative")?;
+        }
+        range("number of standard deviations", sd.len() as f64, sd.len() == dim, "must be the state's dimension")?;
+        for &sd in sd {
+            range("standard deviation", sd, sd >= 0.0 && sd.is_finite(), "must be finite and not negative")?;
+        }
+        Ok(())
+    }
+
+    /// Standard deviations of the noise that follows `weightings` weightings, for those of the base diffusion.
+    #[must_use]
+    pub fn noise(&self, sd: &[f64], weightings: usize) -> Vec<f64> {
+        let factor = match self.scaling {
+            Scaling::Variance => self.survival.powf(0.5 * weightings as f64),
+            Scaling::StandardDeviation => self.survival.powf(weightings as f64),
+        };
+        sd.iter().map(|sd| factor * sd).collect()
+    }
+}
+
+/// What the layers did.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Layers {
+    /// Exponent β of each layer.
+    pub exponents: Vec<f64>,
+    /// Effective number D of states that each layer's weights leave.
+    pub survivors: Vec<f64>,
+    /// log Σ W_i exp β l_i of the last layer: of one layer with β = 1 the evidence, else of no meaning.
+    pub log_sum: f64,
+}
+
+/// Takes equally weighted states through the layers. They end with the weights of the last one, neither resampled nor diffused after it.
+///
+/// # Errors
+/// [`Error::OutOfRange`], [`Error::AllWeightsZero`], [`Error::BadWeight`]; the states may then stand between two layers.
+pub fn anneal<D: LogDensity + ?Sized>(
+    particles: &mut Particles,
+    density: &D,
+    sd: &[f64],
+    config: &Config,
+    isa: Isa,
+    stage: Stage,
+) -> Result<Layers, Error> {
+    config.check(sd, particles.dim())?;
+    let [to_resample, to_cross, to_diffuse] = stage.split(["resample", "cross", "diffuse"]);
+    let mut layers = Layers { exponents: vec![], survivors: vec![], log_sum: 0.0 };
+    for weightings in 1..=config.layers {
+        let is_last = weightings == config.layers;
+        evaluate(particles, density);
+        let beta = match config.last {
+            Last::Fixed(beta) if is_last => beta,
+            _ => exponent(&particles.values(), config.survival, MOST)?,
+        };
+        layers.log_sum = temper(particles, beta)?;
+        layers.exponents.push(beta);
+        layers.survivors.push(particles.effective_sample_size());
+        if is_last {
+            break;
+        }
+        let mut ancestors = Some(resample(particles, config.scheme, to_resample.round(weightings)));
+        let mut noise = config.noise(sd, weightings);
+        if config.adaptive {
+            let widths = ancestors.as_ref().map(|ancestors| spread(particles, ancestors));
+            noise.iter_mut().zip(widths.into_iter().flatten()).for_each(|(noise, width)| *noise = noise.min(width));
+        }
+        if config.crossover > 0.0
+            && let Some(ancestors) = ancestors.take()
+        {
+            cross(particles, ancestors, config.crossover, to_cross.round(weightings));
+        }
+        diffuse(particles, ancestors, &noise, isa, to_diffuse.round(weightings));
+    }
+    Ok(layers)
 }
 
 /// What a search found.
@@ -91,55 +192,18 @@ pub fn search<D: LogDensity + ?Sized>(
     isa: Isa,
     stage: Stage,
 ) -> Result<Found, Error> {
-    let range = |name, value, inside: bool, expected| {
-        if inside { Ok(()) } else { Err(Error::OutOfRange { name, value, expected }) }
-    };
-    range("number of layers", config.layers as f64, config.layers > 0, "must be at least 1")?;
-    range("number of standard deviations", sd.len() as f64, sd.len() == start.dim(), "must be the state's dimension")?;
-    for &sd in sd {
-        range("standard deviation", sd, sd >= 0.0 && sd.is_finite(), "must be finite and not negative")?;
-    }
-    let [to_diffuse, to_resample] = stage.split(["diffuse", "resample"]);
-    let mut population = start.clone();
-    let mut exponents = Vec::with_capacity(config.layers);
-    loop {
-        let weightings = exponents.len();
-        let factor = match config.scaling {
-            Scaling::Variance => config.survival.powf(0.5 * weightings as f64),
-            Scaling::StandardDeviation => config.survival.powf(weightings as f64),
-        };
-        let noise = to_diffuse.round(weightings);
-        population.for_each_block(|block, states| {
-            let mut step = vec![Block::ZERO; states.len()];
-            noise.block(block as u32).fill_normal(isa, &mut step);
-            for ((x, z), sd) in states.iter_mut().zip(&step).zip(sd) {
-                for (x, z) in x.0.iter_mut().zip(z.0) {
-                    *x += factor * sd * z;
-                }
-            }
-        });
-        let values = population.log_densities(density);
-        let is_last = weightings + 1 == config.layers;
-        let beta = match config.last {
-            Last::Fixed(beta) if is_last => beta,
-            _ => exponent(&values, config.survival, MOST)?,
-        };
-        exponents.push(beta);
-        let tempered = |&l: &f64| if l == f64::NEG_INFINITY { l } else { beta * l };
-        let mut weights = Vec::new();
-        normalise(&values.iter().map(tempered).collect::<Vec<_>>(), &mut weights)?;
-        let ancestors = config.scheme.ancestors(&weights, weights.len(), &mut to_resample.round(weightings).whole());
-        let resampled = population.gather(&ancestors);
-        if is_last {
-            let best = (0..values.len()).fold(0, |best, i| if values[i] > values[best] { i } else { best });
-            return Ok(Found {
-                mean: moments::mean(population.states(), population.dim(), &weights),
-                best: population.state(best),
-                best_log_density: values[best],
-                population: resampled,
-                exponents,
-            });
-        }
-        population = resampled;
-    }
+    config.check(sd, start.dim())?;
+    let [to_diffuse, to_anneal, to_resample] = stage.split(["diffuse", "layers", "resample"]);
+    let mut particles = start.weighted();
+    diffuse(&mut particles, None, sd, isa, to_diffuse);
+    let layers = anneal(&mut particles, density, sd, config, isa, to_anneal)?;
+    let ancestors = resample(&particles, config.scheme, to_resample);
+    let (index, best_log_density) = best(&particles);
+    Ok(Found {
+        mean: aggregate(&particles),
+        best: particles.state(index),
+        best_log_density,
+        population: Population::of(&particles).gather(&ancestors),
+        exponents: layers.exponents,
+    })
 }

@@ -1,5 +1,5 @@
-//! Samplers on plain targets: log weights, resampling, particle verbs, moments, Hamiltonian Monte Carlo and its tuning; tempered sequential Monte Carlo, importance sampling, and a search that
-//! claims no posterior ([`annealed_search`]).
+//! Samplers on plain targets: log weights, resampling, particle verbs, moments, Hamiltonian Monte Carlo and its tuning; tempered sequential Monte Carlo, importance sampling, and searches that
+//! claim no posterior ([`annealed_search`], the choice of [`parts`]).
 //!
 //! Nothing here knows of frames, bodies or cameras: a target is a [`sinew_core::density::LogDensity`], with a gradient where one is needed. A verb is a free function on
 //! [`particles::Particles`]; a Markov kernel is usable alone. Diagnostics of chains are re-exported from [`sinew_core::diagnostics`].
@@ -28,9 +28,12 @@
 //! ```
 pub mod annealed_search;
 pub mod chains;
+pub mod crossover;
 pub mod curvature;
+pub mod diffusion;
 mod error;
 pub mod gaussian_mixture;
+pub mod grid;
 pub mod hmc;
 pub mod importance;
 pub mod jumps;
@@ -40,13 +43,16 @@ pub mod moments;
 pub mod nuts;
 pub mod one_chain;
 pub mod particles;
+pub mod parts;
 pub mod population;
+pub mod quantised;
 pub mod resample;
 pub mod starts;
 pub mod temperature;
 pub mod tempered_smc;
 mod triangular;
 pub mod tuning;
+pub mod weighted_resampling;
 pub mod weights;
 
 pub use error::Error;

@@ -5,6 +5,9 @@
 //!
 //! A step of a bootstrap filter is [`resample`], [`predict`], [`reweight`], [`aggregate`]. Resampling only draws ancestors; [`predict`] gathers and moves them in one pass, since a large population is bound by
 //! memory and not by arithmetic, and [`predict_and_reweight`] evaluates each block while it is in the cache. Blocks are mapped in parallel, each with its own random stream; sums are taken in index order, so the thread count does not change a bit.
+//!
+//! Where the exponent of the likelihood depends on its values, [`reweight`] is [`evaluate`] and [`temper`]; where the states move by a rule that is no transition, [`predict`] is [`move_by`]; where they are chosen by
+//! other probabilities than their weights, [`select`] takes them with the weights that they keep.
 
 use crate::resample::{Ancestors, Scheme};
 use crate::weights::{effective_number, normalise};
@@ -12,7 +15,7 @@ use crate::{Error, moments};
 use rayon::prelude::*;
 use sinew_core::density::LogDensity;
 use sinew_core::lanes::{Block, LANES};
-use sinew_core::random::Stage;
+use sinew_core::random::{BlockRng, Stage};
 use sinew_core::transition::Transition;
 
 /// Blocks that one task moves at least: some ten microseconds of work.
@@ -23,13 +26,13 @@ const BLOCKS_A_TASK: usize = 16;
 pub struct Particles {
     dim: usize,
     count: usize,
-    states: Vec<Block>,
+    pub(crate) states: Vec<Block>,
     log_weights: Vec<f64>,
     weights: Vec<f64>,
-    previous: Vec<Block>,
+    pub(crate) previous: Vec<Block>,
     previous_log_weights: Vec<f64>,
     ancestors: Option<Ancestors>,
-    values: Vec<Block>,
+    pub(crate) values: Vec<Block>,
 }
 
 impl Particles {
@@ -43,18 +46,23 @@ impl Particles {
             return Err(Error::Empty { count, dim });
         }
         let blocks = count.div_ceil(LANES);
-        let states: Vec<Block> = (0..blocks).flat_map(|_| centre.iter().map(|&x| Block::splat(x))).collect();
-        Ok(Self {
+        let states = (0..blocks).flat_map(|_| centre.iter().map(|&x| Block::splat(x))).collect();
+        Ok(Self::of(dim, count, states))
+    }
+
+    /// These states, equally weighted.
+    pub(crate) fn of(dim: usize, count: usize, states: Vec<Block>) -> Self {
+        Self {
             dim,
             count,
             previous: states.clone(),
+            values: vec![Block::ZERO; states.len() / dim],
             states,
             log_weights: vec![-(count as f64).ln(); count],
             previous_log_weights: vec![-(count as f64).ln(); count],
             weights: vec![1.0 / count as f64; count],
             ancestors: None,
-            values: vec![Block::ZERO; blocks],
-        })
+        }
     }
 
     /// Dimension of the state.
@@ -73,6 +81,18 @@ impl Particles {
     #[must_use]
     pub fn states(&self) -> &[Block] {
         &self.states
+    }
+
+    /// One state.
+    #[must_use]
+    pub fn state(&self, index: usize) -> Vec<f64> {
+        self.states[index / LANES * self.dim..][..self.dim].iter().map(|b| b.0[index % LANES]).collect()
+    }
+
+    /// What the last evaluation said of each state.
+    #[must_use]
+    pub fn values(&self) -> Vec<f64> {
+        self.values.iter().flat_map(|b| b.0).take(self.count).collect()
     }
 
     /// The population before the last [`predict`], stored alike.
@@ -139,7 +159,36 @@ pub fn predict<T: Transition + ?Sized>(
     transition: &T,
     stage: Stage,
 ) {
-    advance(particles, ancestors, transition, stage, 0, |_, _| Block::ZERO);
+    move_by(particles, ancestors, |from, to, rng| transition.sample_block(from, to, rng), stage);
+}
+
+/// [`predict`] by any rule: `moved` writes the next states of a block from the ones that they come from.
+pub fn move_by(
+    particles: &mut Particles,
+    ancestors: Option<Ancestors>,
+    moved: impl Fn(&[Block], &mut [Block], &mut BlockRng) + Sync,
+    stage: Stage,
+) {
+    let moved = |block: usize, from: &[Block], to: &mut [Block]| moved(from, to, &mut stage.block(block as u32));
+    advance(particles, ancestors, moved, 0, |_, _| Block::ZERO);
+}
+
+/// Takes the states of these ancestors, with equal weights.
+pub fn take(particles: &mut Particles, ancestors: Ancestors) {
+    advance(particles, Some(ancestors), |_, from, to| to.copy_from_slice(from), 0, |_, _| Block::ZERO);
+}
+
+/// Takes the states of these ancestors, with the weights of these logarithms, which need not be normalised. Returns the logarithm of their sum.
+///
+/// # Errors
+/// [`Error::AllWeightsZero`], [`Error::BadWeight`]; nothing has changed then.
+pub fn select(particles: &mut Particles, ancestors: Ancestors, log_weights: &[f64]) -> Result<f64, Error> {
+    let mut weights = Vec::new();
+    let log_sum = normalise(log_weights, &mut weights)?;
+    take(particles, ancestors);
+    particles.weights = weights;
+    particles.log_weights.iter_mut().zip(log_weights).for_each(|(w, l)| *w = l - log_sum);
+    Ok(log_sum)
 }
 
 /// [`predict`] and [`reweight`] in one pass over the states.
@@ -153,17 +202,19 @@ pub fn predict_and_reweight<T: Transition + ?Sized, D: LogDensity + ?Sized>(
     likelihood: &D,
     stage: Stage,
 ) -> Result<f64, Error> {
+    let moved = |block: usize, from: &[Block], to: &mut [Block]| {
+        transition.sample_block(from, to, &mut stage.block(block as u32));
+    };
     let value = |states: &[Block], ws: &mut [Block]| likelihood.log_density_block(states, ws);
-    advance(particles, ancestors, transition, stage, likelihood.workspace(), value);
-    multiply_weights(particles)
+    advance(particles, ancestors, moved, likelihood.workspace(), value);
+    temper(particles, 1.0)
 }
 
 /// Moves the states and keeps what `value` says of each moved block, with `workspace` blocks of scratch.
-fn advance<T: Transition + ?Sized>(
+fn advance(
     particles: &mut Particles,
     ancestors: Option<Ancestors>,
-    transition: &T,
-    stage: Stage,
+    moved: impl Fn(usize, &[Block], &mut [Block]) + Sync,
     workspace: usize,
     value: impl Fn(&[Block], &mut [Block]) -> Block + Sync,
 ) {
@@ -182,12 +233,11 @@ fn advance<T: Transition + ?Sized>(
     blocks.with_min_len(BLOCKS_A_TASK).enumerate().for_each_init(
         || (vec![Block::ZERO; d], vec![Block::ZERO; workspace]),
         |(gathered, ws), (block, (next, out))| {
-            let rng = &mut stage.block(block as u32);
             match &ancestors {
-                None => transition.sample_block(&previous[block * d..][..d], next, rng),
+                None => moved(block, &previous[block * d..][..d], next),
                 Some(ancestors) => {
                     gather(block, gathered, ancestors);
-                    transition.sample_block(gathered, next, rng);
+                    moved(block, gathered, next);
                 }
             }
             *out = value(next, ws);
@@ -214,21 +264,53 @@ pub fn retreat(particles: &mut Particles) {
 /// # Errors
 /// [`Error::AllWeightsZero`], [`Error::BadWeight`]; the weights are then those before the call.
 pub fn reweight<D: LogDensity + ?Sized>(particles: &mut Particles, likelihood: &D) -> Result<f64, Error> {
-    let Particles { dim, states, values, .. } = particles;
-    values.par_iter_mut().zip(states.par_chunks(*dim)).with_min_len(BLOCKS_A_TASK).for_each_init(
-        || vec![Block::ZERO; likelihood.workspace()],
-        |ws, (value, states)| *value = likelihood.log_density_block(states, ws),
-    );
-    multiply_weights(particles)
+    evaluate(particles, likelihood);
+    temper(particles, 1.0)
 }
 
-/// Multiplies the weights by the exponentials of the values at hand and normalises them.
-fn multiply_weights(particles: &mut Particles) -> Result<f64, Error> {
+/// Evaluates the log likelihood of every state, for [`temper`].
+pub fn evaluate<D: LogDensity + ?Sized>(particles: &mut Particles, likelihood: &D) {
+    let value = |states: &[Block], ws: &mut [Block]| likelihood.log_density_block(states, ws);
+    evaluate_by(particles, likelihood.workspace(), value);
+}
+
+/// Keeps what `value` says of each block, with `workspace` blocks of scratch.
+pub(crate) fn evaluate_by(
+    particles: &mut Particles,
+    workspace: usize,
+    value: impl Fn(&[Block], &mut [Block]) -> Block + Sync,
+) {
+    let Particles { dim, states, values, .. } = particles;
+    values
+        .par_iter_mut()
+        .zip(states.par_chunks(*dim))
+        .with_min_len(BLOCKS_A_TASK)
+        .for_each_init(|| vec![Block::ZERO; workspace], |ws, (out, states)| *out = value(states, ws));
+}
+
+/// Multiplies the weights by the likelihood of the last evaluation raised to `beta` and normalises them; a likelihood of zero stays zero for every exponent, 0 included. Returns log Σ W_i exp β l_i.
+///
+/// # Errors
+/// [`Error::AllWeightsZero`], [`Error::BadWeight`]; the weights are then those before the call.
+pub fn temper(particles: &mut Particles, beta: f64) -> Result<f64, Error> {
     let Particles { values, log_weights, weights, .. } = particles;
-    let updated: Vec<f64> = log_weights.iter().zip(values.iter().flat_map(|b| b.0)).map(|(w, l)| w + l).collect();
+    let powers = values.iter().flat_map(|b| b.0).map(|l| if l == f64::NEG_INFINITY { l } else { beta * l });
+    let updated: Vec<f64> = log_weights.iter().zip(powers).map(|(w, l)| w + l).collect();
     let evidence = normalise(&updated, weights)?;
     log_weights.iter_mut().zip(updated).for_each(|(w, u)| *w = u - evidence);
     Ok(evidence)
+}
+
+/// Place and log likelihood of the state that the last evaluation liked most; the first of equals.
+#[must_use]
+pub fn best(particles: &Particles) -> (usize, f64) {
+    largest(&particles.values())
+}
+
+/// Place and value of the largest number; the first of equals, and what is no number is never chosen before one.
+pub(crate) fn largest(values: &[f64]) -> (usize, f64) {
+    let none = (0, f64::NEG_INFINITY);
+    values.iter().copied().enumerate().fold(none, |best, next| if next.1 > best.1 { next } else { best })
 }
 
 /// Weighted mean state.

@@ -3,6 +3,7 @@
 //! State i is lane i mod 8 of block i / 8. Lanes beyond `count` are drawn or copied like the others and never counted. Blocks are mapped in parallel; sums are taken in index order.
 
 use crate::Error;
+use crate::particles::Particles;
 use rayon::prelude::*;
 use sinew_core::density::LogDensity;
 use sinew_core::lanes::{Block, LANES};
@@ -63,6 +64,16 @@ impl Population {
             .map_init(scratch, |ws, states| density.log_density_block(states, ws))
             .collect();
         values.iter().flat_map(|b| b.0).take(self.count).collect()
+    }
+
+    /// The states of particles, without their weights.
+    pub(crate) fn of(particles: &Particles) -> Self {
+        Self { dim: particles.dim(), count: particles.count(), states: particles.states().to_vec() }
+    }
+
+    /// The same states as particles of equal weights.
+    pub(crate) fn weighted(&self) -> Particles {
+        Particles::of(self.dim, self.count, self.states.clone())
     }
 
     /// The states of these ancestors; idle lanes repeat them.

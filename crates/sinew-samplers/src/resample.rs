@@ -131,6 +131,18 @@ pub fn multinomial(weights: &[f64], n: usize, rng: &mut impl Rng) -> Ancestors {
     walk(weights, &spacings[..n].iter().map(position).collect::<Vec<_>>())
 }
 
+/// Puts ancestors in random order, each order as probable as any other (Fisher & Yates; R. Durstenfeld 1964), for pairing them with others.
+pub fn shuffle(ancestors: &mut [usize], rng: &mut impl Rng) {
+    for last in (1..ancestors.len()).rev() {
+        ancestors.swap(last, below(last + 1, rng));
+    }
+}
+
+/// A whole number below `n`; no number is more probable than another by more than n / 2⁶⁴.
+pub(crate) fn below(n: usize, rng: &mut impl Rng) -> usize {
+    ((u128::from(rng.next_u64()) * n as u128) >> 64) as usize
+}
+
 /// One draw from each of `n` equal strata.
 pub fn stratified(weights: &[f64], n: usize, rng: &mut impl Rng) -> Ancestors {
     let offsets = uniforms(n, rng);

@@ -16,7 +16,8 @@ use crate::weights::normalise;
 pub const MOST: f64 = (1_u64 << 40) as f64;
 
 const BISECTIONS: usize = 60;
-const TOLERANCE: f64 = 1e-6;
+/// Of D / N, so small that where the bisection ends does not depend on the unit of the log weights.
+const TOLERANCE: f64 = 1e-12;
 
 /// The largest exponent up to `most` at which at least the part `survival` of the reached states survives.
 ///

@@ -1,12 +1,22 @@
 //! Laws of weights, resampling and the integrator, for every input that the types let in.
 
+use core::ops::Range;
 use proptest::prelude::*;
+use sinew_core::density::PartLogDensity;
 use sinew_core::density::{GradLogDensity, LogDensity};
 use sinew_core::lanes::{Block, Isa, LANES};
+use sinew_core::part::{Part, PartTree, Partition};
 use sinew_core::random::Stage;
 use sinew_samplers::Error;
+use sinew_samplers::crossover::cross;
+use sinew_samplers::diffusion::{diffuse, spread};
+use sinew_samplers::grid::Axis;
 use sinew_samplers::hmc::{Hmc, leapfrog};
-use sinew_samplers::resample::{Scheme, keep_once_refill};
+use sinew_samplers::particles::{Particles, evaluate, resample, reweight, select, temper};
+use sinew_samplers::parts::{choose, choose_chained, evaluate_part, log_likelihoods};
+use sinew_samplers::quantised::{evaluate_distinct, walk};
+use sinew_samplers::resample::{Scheme, keep_once_refill, shuffle};
+use sinew_samplers::weighted_resampling::weighted_resample;
 use sinew_samplers::weights::{effective_number, normalise};
 
 /// Weights with zeros, denormals and one that is nearly all.
@@ -53,7 +63,153 @@ impl GradLogDensity for Quartic {
     }
 }
 
+/// −½ Σ (x_j − j)², of which each coordinate is a part; the first is no longer known below −2.
+struct Ladder(usize);
+impl LogDensity for Ladder {
+    fn dim(&self) -> usize {
+        self.0
+    }
+    fn log_density(&self, x: &[f64]) -> f64 {
+        x.iter().enumerate().map(|(j, x)| rung(j, *x)).sum()
+    }
+}
+impl PartLogDensity for Ladder {
+    fn parts(&self) -> usize {
+        self.0
+    }
+    fn log_density_parts_block(&self, parts: Range<usize>, x: &[Block], out: &mut [Block], _ws: &mut [Block]) {
+        for (k, out) in parts.zip(out) {
+            *out = Block(x[k].0.map(|x| rung(k, x)));
+        }
+    }
+}
+fn rung(j: usize, x: f64) -> f64 {
+    if j == 0 && x < -2.0 { f64::NEG_INFINITY } else { -0.5 * (x - j as f64).powi(2) }
+}
+
+/// Particles in some places with some weights.
+fn cloud(dim: usize, count: usize, seed: u64) -> Particles {
+    let mut particles = Particles::new(&vec![0.3; dim], count).expect("not empty");
+    diffuse(&mut particles, None, &vec![0.5; dim], Isa::best(), Stage::new(seed, "cloud"));
+    reweight(&mut particles, &Ladder(dim)).expect("within reach");
+    particles
+}
+
+fn chain(dim: usize) -> PartTree {
+    let parts = (0..dim).map(|j| Part::new(vec![j], dim).expect("valid")).collect();
+    let parents = (0..dim).map(|j: usize| j.checked_sub(1)).collect();
+    PartTree::new(Partition::new(parts, dim).expect("covers"), parents).expect("parents first")
+}
+
 proptest! {
+    /// Every new state is an old one; its weight, times its importance, is the old weight, but for one factor.
+    #[test]
+    fn weighted_resampling_keeps_weight_over_importance(
+        dim in 1..4usize, count in 1..60usize, slope in -3.0..3.0f64, seed: u64,
+        scheme in prop::sample::select(vec![Scheme::Multinomial, Scheme::Residual, Scheme::Stratified, Scheme::Systematic]),
+    ) {
+        let before = cloud(dim, count, seed);
+        let log_importance: Vec<f64> = (0..count).map(|i| slope * before.state(i)[0]).collect();
+        let mut after = before.clone();
+        let chosen = weighted_resample(&mut after, &log_importance, scheme, Stage::new(seed, "weighted")).expect("weights");
+        prop_assert!((after.weights().iter().sum::<f64>() - 1.0).abs() < 1e-12);
+        prop_assert!(chosen.survivors >= 1.0 - 1e-9 && chosen.survivors <= count as f64 * (1.0 + 1e-9));
+        let mut total = vec![];
+        let log_total = normalise(&log_importance, &mut total).expect("finite");
+        for i in 0..count {
+            let a = after.ancestor(i);
+            prop_assert_eq!(after.state(i), before.state(a));
+            let expected = before.log_weights()[a] - (log_importance[a] - log_total) - (count as f64).ln();
+            prop_assert!((after.log_weights()[i] + chosen.log_sum - expected).abs() < 1e-10);
+        }
+        let mut refused = before.clone();
+        let none = vec![f64::NEG_INFINITY; count];
+        prop_assert!(weighted_resample(&mut refused, &none, scheme, Stage::new(seed, "weighted")).is_err());
+        prop_assert!(select(&mut refused, (0..count).collect(), &none).is_err());
+        prop_assert_eq!((refused.states(), refused.weights()), (before.states(), before.weights()));
+    }
+
+    /// Tempering by two exponents one after the other is tempering by their sum, and what has no likelihood has no weight, with any exponent.
+    #[test]
+    fn exponents_add(count in 1..60usize, a in 0.0..2.0f64, b in 0.0..2.0f64, seed: u64) {
+        let before = cloud(2, count, seed);
+        let mut once = before.clone();
+        evaluate(&mut once, &Ladder(2));
+        let mut twice = once.clone();
+        let sums = [temper(&mut twice, a), temper(&mut twice, b)].map(|sum| sum.expect("weights"));
+        let sum = temper(&mut once, a + b).expect("weights");
+        prop_assert!((sums[0] + sums[1] - sum).abs() < 1e-10);
+        for i in 0..count {
+            prop_assert!((once.weights()[i] - twice.weights()[i]).abs() < 1e-12);
+            prop_assert!(once.state(i)[0] >= -2.0 || once.weights()[i] == 0.0);
+        }
+    }
+
+    #[test]
+    fn crossed_coordinates_come_from_the_set_in_their_places(
+        dim in 1..6usize, count in 1..40usize, probability in 0.0..=1.0f64, seed: u64,
+    ) {
+        let before = cloud(dim, count, seed);
+        let ancestors = resample(&before, Scheme::Multinomial, Stage::new(seed, "ancestors"));
+        let mut after = before.clone();
+        cross(&mut after, ancestors.clone(), probability, Stage::new(seed, "cross"));
+        for (i, &ancestor) in ancestors.iter().enumerate() {
+            let (child, parent) = (after.state(i), before.state(ancestor));
+            let same = (0..count).any(|b| (0..dim).all(|j| [parent[j], before.state(b)[j]].contains(&child[j])));
+            prop_assert!(same, "two parents at most");
+            prop_assert!(probability > 0.0 || child == parent);
+        }
+        let mut order: Vec<usize> = (0..count).collect();
+        shuffle(&mut order, &mut Stage::new(seed, "shuffle").whole());
+        order.sort_unstable();
+        prop_assert!(order.into_iter().eq(0..count));
+    }
+
+    #[test]
+    fn a_spread_is_zero_of_one_and_never_larger_than_the_range(dim in 1..4usize, count in 1..40usize, seed: u64) {
+        let particles = cloud(dim, count, seed);
+        prop_assert!(spread(&particles, &[count - 1; 5]).iter().all(|sd| *sd < 1e-12));
+        let all: Vec<usize> = (0..count).collect();
+        for (j, sd) in spread(&particles, &all).into_iter().enumerate() {
+            let values = || (0..count).map(|i| particles.state(i)[j]);
+            let range = values().fold(f64::NEG_INFINITY, f64::max) - values().fold(f64::INFINITY, f64::min);
+            prop_assert!(sd <= 0.5 * range + 1e-12);
+        }
+    }
+
+    /// A12: each chosen part is the largest of its column; of parts that do not see each other the chain chooses the same.
+    #[test]
+    fn chosen_parts_are_the_largest(dim in 1..5usize, count in 1..50usize, seed: u64) {
+        let mut particles = cloud(dim, count, seed);
+        let values = log_likelihoods(&particles, &Ladder(dim), 0..dim);
+        let state = choose(&particles, &Ladder(dim), &chain(dim)).expect("explained");
+        for (j, column) in values.iter().enumerate() {
+            let largest = column.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+            prop_assert_eq!(rung(j, state[j]), largest);
+            prop_assert!((0..count).any(|i| particles.state(i)[j] == state[j]));
+            evaluate_part(&mut particles, &Ladder(dim), j);
+            prop_assert_eq!(&particles.values(), column);
+        }
+        prop_assert_eq!(choose_chained(&particles, &Ladder(dim), &chain(dim)).expect("explained"), state);
+    }
+
+    #[test]
+    fn walks_on_a_grid_end_on_centres(
+        count in 1..50usize, width in 0.01..3.0f64, wraps: bool, drift in -9.0..9.0f64, seed: u64,
+    ) {
+        let axis = Axis::new(-2.0, 1.5, width, wraps).expect("valid");
+        let mut particles = cloud(1, count, seed);
+        walk(&mut particles, vec![0; count], &[drift], &[axis], true, Isa::best(), Stage::new(seed, "walk"));
+        let centres: Vec<f64> = (0..axis.count()).map(|i| axis.centre(i)).collect();
+        prop_assert!((0..count).all(|i| centres.contains(&particles.state(i)[0])));
+        let evaluations = evaluate_distinct(&mut particles, &Ladder(1));
+        prop_assert!(evaluations <= count.min(axis.count()));
+        prop_assert!((0..count).all(|i| particles.values()[i] == rung(0, particles.state(i)[0])));
+        let turn = axis.difference(1.2 + drift, 1.2);
+        prop_assert!(!wraps || turn.abs() <= 1.75);
+        prop_assert!(((turn - drift) / 3.5 - ((turn - drift) / 3.5).round()).abs() < 1e-9 && (wraps || turn == 1.2 + drift - 1.2));
+    }
+
     #[test]
     fn ancestors_are_n_in_range_sorted_and_of_positive_weight(w in weights(), n in 0..200usize, seed: u64) {
         for scheme in [Scheme::Multinomial, Scheme::Residual, Scheme::Stratified, Scheme::Systematic] {

@@ -10,11 +10,11 @@
 //!
 //! N likelihood evaluations a frame. The evidence is unbiased on the natural scale. An effective number below ten says that N is too small for the noise and the dimension.
 
+use crate::error::check_dimension;
 use crate::posterior::Posterior;
-use crate::resume::{blocks, check_length, put_blocks};
+use crate::resume::{check_length, length_of, put_particles, take_particles};
 use crate::{Error, Resume, StepInfo, Tracker};
 use sinew_core::density::LogDensity;
-use sinew_core::lanes::LANES;
 use sinew_core::random::Stage;
 use sinew_core::transition::Transition;
 use sinew_samplers::particles::{Particles, aggregate, predict_and_reweight, resample, retreat, reweight, start};
@@ -53,10 +53,7 @@ impl<T: Transition> Bootstrap<T> {
     /// # Errors
     /// [`Error::Config`], [`Error::Dimension`], or no particles.
     pub fn new(config: Config, transition: T, centre: Vec<f64>) -> Result<Self, Error> {
-        let (found, expected) = (centre.len(), transition.dim());
-        if found != expected {
-            return Err(Error::Dimension { name: "start", found, expected });
-        }
+        check_dimension("start", centre.len(), transition.dim())?;
         if !(0.0..=1.0).contains(&config.resample_below) {
             let (name, value) = ("resample_below", config.resample_below);
             return Err(Error::Config { name, value, expected: "must be between 0 and 1" });
@@ -74,10 +71,7 @@ impl<T: Transition> Bootstrap<T> {
 
 impl<T: Transition + Send, O: LogDensity + ?Sized> Tracker<O> for Bootstrap<T> {
     fn step(&mut self, observed: &O, stage: Stage) -> Result<StepInfo, Error> {
-        let (found, expected) = (observed.dim(), self.particles.dim());
-        if found != expected {
-            return Err(Error::Dimension { name: "observation", found, expected });
-        }
+        check_dimension("observation", observed.dim(), self.particles.dim())?;
         let [to_resample, to_predict] = stage.split(["resample", "predict"]);
         let particles = &mut self.particles;
         let count = particles.count();
@@ -112,13 +106,7 @@ impl<T: Transition + Send, O: LogDensity + ?Sized> Tracker<O> for Bootstrap<T> {
     }
 
     fn posterior(&self) -> Posterior<'_> {
-        Posterior {
-            dim: self.particles.dim(),
-            states: self.particles.states(),
-            weights: self.particles.weights(),
-            effective: self.particles.effective_sample_size(),
-            chain_stats: &[],
-        }
+        Posterior::of(&self.particles)
     }
 
     fn estimate(&self) -> &[f64] {
@@ -128,25 +116,12 @@ impl<T: Transition + Send, O: LogDensity + ?Sized> Tracker<O> for Bootstrap<T> {
 
 impl<T> Resume for Bootstrap<T> {
     fn save(&self) -> Vec<f64> {
-        let particles = &self.particles;
-        let mut saved = vec![f64::from(u8::from(self.started))];
-        saved.extend(&self.estimate);
-        saved.extend(particles.log_weights());
-        saved.extend(particles.weights());
-        put_blocks(&mut saved, particles.states());
-        saved
+        put_particles(self.started, &self.estimate, &self.particles)
     }
 
     fn restore(&mut self, saved: &[f64]) -> Result<(), Error> {
-        let (d, count) = (self.particles.dim(), self.particles.count());
-        check_length(saved.len(), 1 + d + 2 * count + LANES * self.particles.states().len())?;
-        let (started, rest) = saved.split_at(1);
-        let (estimate, rest) = rest.split_at(d);
-        let (log_weights, rest) = rest.split_at(count);
-        let (weights, states) = rest.split_at(count);
-        self.particles.restore(blocks(states), log_weights, weights);
-        self.started = started[0] > 0.0;
-        self.estimate = estimate.to_vec();
+        check_length(saved.len(), length_of(&self.particles))?;
+        take_particles(saved, &mut self.started, &mut self.estimate, &mut self.particles);
         Ok(())
     }
 }

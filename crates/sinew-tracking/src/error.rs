@@ -39,3 +39,8 @@ pub enum Error {
         source: Box<Error>,
     },
 }
+
+/// Refuses another dimension, or number of parts, than the expected one.
+pub(crate) fn check_dimension(name: &'static str, found: usize, expected: usize) -> Result<(), Error> {
+    if found == expected { Ok(()) } else { Err(Error::Dimension { name, found, expected }) }
+}

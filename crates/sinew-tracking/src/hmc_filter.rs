@@ -232,9 +232,9 @@ impl<T: Predict + Send, O: GaussNewton + ?Sized> Tracker<O> for HmcFilter<T> {
             divergences,
             r_hat: Some(quality.r_hat).filter(|r| !r.is_nan()),
             energy_fraction: Some(quality.energy_fraction).filter(|e| e.is_finite()),
-            resampled: None,
             likelihood_evaluations: chains,
             gradient_evaluations: chains * (runs + updates * leapfrog_steps) + curvature_draws,
+            ..StepInfo::default()
         })
     }
 

@@ -29,9 +29,12 @@
 //! assert!((last.expect("20 frames").mean[0] - 1.9).abs() < 0.2);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
+pub mod annealed;
 pub mod bootstrap;
+pub mod coarse_to_fine;
 mod error;
 pub mod hmc_filter;
+pub mod partitioned;
 pub mod posterior;
 mod resume;
 mod run;

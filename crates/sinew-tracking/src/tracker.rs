@@ -15,18 +15,18 @@ pub trait Tracker<O: ?Sized>: Send {
     /// Draws of the last frame's posterior; before the first step they mean nothing.
     fn posterior(&self) -> Posterior<'_>;
 
-    /// Best known state: the mean of the last frame, before the first step the start.
+    /// Best known state: [`StepInfo::mean`] of the last frame, before the first step the start.
     fn estimate(&self) -> &[f64];
 }
 
 /// What a diagnostician wants to know of one step of any tracker.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct StepInfo {
-    /// Mean state of the posterior.
+    /// Mean state of the posterior, or what a search reports in its place.
     pub mean: Vec<f64>,
     /// Effective number of draws: 1 / Σ W² of particles, the least n / τ over coordinates of chains.
     pub ess: f64,
-    /// Estimate of log p(observation | earlier observations). By `hmc` from one importance draw a chain, from the prior or from the Laplace approximation: unbiased on the natural scale, but rough in many dimensions.
+    /// Estimate of log p(observation | earlier observations). By `hmc` from one importance draw a chain, from the prior or from the Laplace approximation: unbiased on the natural scale, but rough in many dimensions. Searches have none.
     pub log_evidence: Option<f64>,
     /// Mean acceptance probability of trajectories.
     pub acceptance: Option<f64>,
@@ -40,8 +40,14 @@ pub struct StepInfo {
     pub energy_fraction: Option<f64>,
     /// Whether the particles were resampled at the start of the step.
     pub resampled: Option<bool>,
+    /// Exponent of the likelihood in each layer of annealing, from broad to peaked.
+    pub exponents: Vec<f64>,
+    /// Survival diagnostic D = 1 / Σ W² of each layer of annealing, or of each part of a partitioned state.
+    pub survivors: Vec<f64>,
     /// Evaluations of the observation's log density without gradient.
     pub likelihood_evaluations: usize,
+    /// Evaluations of the log likelihood of one part of the observation.
+    pub part_evaluations: usize,
     /// Evaluations with gradient; the few of a search for the mode before the chains start are not counted.
     pub gradient_evaluations: usize,
 }

@@ -1,19 +1,30 @@
 //! Same bits for every number of threads, in one run or two halves; trackers in boxes; frames without observation.
 
-use sinew_core::density::{GaussNewton, GradLogDensity, Lanes, LogDensity};
+use core::ops::Range;
+use sinew_core::density::{GaussNewton, GradLogDensity, Lanes, LogDensity, PartLogDensity};
 use sinew_core::lanes::{Block, Isa};
+use sinew_core::part::{Part, PartTree, Partition};
 use sinew_core::random::Stage;
 use sinew_core::toy::Quadratic;
 use sinew_dynamics::random_walk::{Between, RandomWalk};
+use sinew_samplers::annealed_search;
+use sinew_samplers::grid::Axis;
 use sinew_samplers::tuning;
+use sinew_tracking::annealed::{self, Annealed};
 use sinew_tracking::bootstrap::{self, Bootstrap};
+use sinew_tracking::coarse_to_fine::{self, CoarseToFine};
 use sinew_tracking::hmc_filter::{self, HmcFilter};
+use sinew_tracking::partitioned::{self, Partitioned};
 use sinew_tracking::{Error, Resume, StepInfo, Tracker, run};
 use std::ops::ControlFlow;
 
+/// An observation that serves every tracker.
+trait Seen: GaussNewton + PartLogDensity {}
+impl<T: GaussNewton + PartLogDensity> Seen for T {}
+
 /// A tracker whose state can be put down.
-trait Both: Tracker<dyn GaussNewton> + Resume {}
-impl<T: Tracker<dyn GaussNewton> + Resume> Both for T {}
+trait Both: Tracker<dyn Seen> + Resume {}
+impl<T: Tracker<dyn Seen> + Resume> Both for T {}
 
 type Boxed = Box<dyn Both>;
 type Record = Vec<(StepInfo, Vec<Block>, Vec<f64>)>;
@@ -40,6 +51,18 @@ impl GaussNewton for Nothing {
     }
 }
 
+impl PartLogDensity for Nothing {
+    fn parts(&self) -> usize {
+        2
+    }
+    fn is_product(&self) -> bool {
+        true
+    }
+    fn log_density_parts_block(&self, _parts: Range<usize>, _x: &[Block], out: &mut [Block], _ws: &mut [Block]) {
+        out.fill(Block::ZERO);
+    }
+}
+
 /// An observation that no state explains.
 struct Impossible;
 impl LogDensity for Impossible {
@@ -48,6 +71,55 @@ impl LogDensity for Impossible {
     }
     fn log_density(&self, _x: &[f64]) -> f64 {
         f64::NEG_INFINITY
+    }
+}
+impl PartLogDensity for Impossible {
+    fn parts(&self) -> usize {
+        2
+    }
+    fn log_density_parts_block(&self, _parts: Range<usize>, _x: &[Block], out: &mut [Block], _ws: &mut [Block]) {
+        out.fill(Block::splat(f64::NEG_INFINITY));
+    }
+}
+
+/// A Gaussian in two coordinates, each a part.
+struct Sight(Lanes<Quadratic>);
+impl LogDensity for Sight {
+    fn dim(&self) -> usize {
+        2
+    }
+    fn log_density(&self, x: &[f64]) -> f64 {
+        self.0.log_density(x)
+    }
+    fn log_density_block(&self, x: &[Block], ws: &mut [Block]) -> Block {
+        self.0.log_density_block(x, ws)
+    }
+}
+impl GradLogDensity for Sight {
+    fn log_density_grad(&self, x: &[f64], grad: &mut [f64]) -> f64 {
+        self.0.log_density_grad(x, grad)
+    }
+    fn log_density_grad_block(&self, x: &[Block], grad: &mut [Block], ws: &mut [Block]) -> Block {
+        self.0.log_density_grad_block(x, grad, ws)
+    }
+}
+impl GaussNewton for Sight {
+    fn gauss_newton_diagonal_block(&self, x: &[Block], diagonal: &mut [Block], ws: &mut [Block]) {
+        self.0.gauss_newton_diagonal_block(x, diagonal, ws);
+    }
+}
+impl PartLogDensity for Sight {
+    fn parts(&self) -> usize {
+        2
+    }
+    fn is_product(&self) -> bool {
+        true
+    }
+    fn log_density_parts_block(&self, parts: Range<usize>, x: &[Block], out: &mut [Block], _ws: &mut [Block]) {
+        let Quadratic { centre, precision } = &self.0.leaf;
+        for (k, out) in parts.zip(out) {
+            *out = Block(x[k].0.map(|x| -0.5 * precision[k] * (x - centre[k]).powi(2)));
+        }
     }
 }
 
@@ -67,6 +139,29 @@ fn filter(between: Between) -> HmcFilter<RandomWalk> {
     HmcFilter::new(config, walk(between), vec![0.0, 1.0], Isa::best()).expect("valid")
 }
 
+fn tree() -> PartTree {
+    let parts = [0, 1].map(|j| Part::new(vec![j], 2).expect("valid")).to_vec();
+    PartTree::new(Partition::new(parts, 2).expect("covers"), vec![None, Some(0)]).expect("parents first")
+}
+
+fn annealed(layers: annealed_search::Config) -> Annealed<RandomWalk> {
+    let config = annealed::Config { particles: 203, layers };
+    Annealed::new(config, walk(Between::Mixture), vec![0.2, 0.1], vec![0.0, 1.0], Isa::best()).expect("valid")
+}
+
+fn partitioned(particles: usize) -> Partitioned<RandomWalk> {
+    let config = partitioned::Config { particles, ..partitioned::Config::default() };
+    Partitioned::new(config, walk(Between::Mixture), tree(), vec![0.0, 1.0]).expect("valid")
+}
+
+fn coarse_to_fine(config: coarse_to_fine::Config) -> CoarseToFine {
+    let axes = vec![Axis::new(-2.0, 2.0, 0.15, false).expect("valid"); 2];
+    CoarseToFine::new(config, axes, tree(), vec![0.0, 1.0], Isa::best()).expect("valid")
+}
+
+/// Trackers that claim a posterior, and how many: they come first.
+const FILTERS: usize = 5;
+
 fn trackers() -> Vec<Boxed> {
     let config = bootstrap::Config { particles: 1003, ..bootstrap::Config::default() };
     let adaptive = bootstrap::Config { resample_below: 0.5, ..config.clone() };
@@ -76,21 +171,32 @@ fn trackers() -> Vec<Boxed> {
         Box::new(bootstrap(adaptive)),
         Box::new(filter(Between::Mixture)),
         Box::new(filter(Between::Gaussian)),
+        Box::new(partitioned(1003)),
+        Box::new(annealed(annealed_search::Config::default())),
+        Box::new(annealed(annealed_search::Config { adaptive: true, crossover: 0.5, layers: 4, ..Default::default() })),
+        Box::new(coarse_to_fine(coarse_to_fine::Config::default())),
+        Box::new(coarse_to_fine(coarse_to_fine::Config {
+            snapped: false,
+            chained: true,
+            coarse: 51,
+            fine: 43,
+            drift: 0.5,
+        })),
     ]
 }
 
 /// A target that circles; every seventh frame is not seen.
-fn observation(frame: u32) -> Box<dyn GaussNewton> {
+fn observation(frame: u32) -> Box<dyn Seen> {
     if frame % 7 == 6 {
         return Box::new(Nothing);
     }
     let angle = f64::from(frame) * 0.1;
     let leaf = Quadratic { centre: vec![angle.sin(), angle.cos()], precision: vec![50.0, 200.0] };
-    Box::new(Lanes { leaf, isa: Isa::best() })
+    Box::new(Sight(Lanes { leaf, isa: Isa::best() }))
 }
 
 fn follow(tracker: &mut Boxed, frames: std::ops::Range<u32>, record: &mut Record) {
-    run::<dyn GaussNewton, _, Error>(
+    run::<dyn Seen, _, Error>(
         tracker.as_mut(),
         frames,
         |frame| Stage::new(42, "determinism").at_frame(frame),
@@ -155,18 +261,69 @@ fn numbers_of_another_tracker_are_refused() {
 
 #[test]
 fn every_tracker_follows_and_reports() {
-    for mut tracker in trackers() {
+    for (i, mut tracker) in trackers().into_iter().enumerate() {
         let mut record = Record::new();
         follow(&mut tracker, 0..40, &mut record);
         let (info, ..) = &record[39];
         let angle = 3.9_f64;
         assert!((info.mean[0] - angle.sin()).abs() < 0.2 && (info.mean[1] - angle.cos()).abs() < 0.2, "{info:?}");
         assert_eq!(tracker.estimate(), info.mean);
-        assert!(info.ess > 1.0 && info.log_evidence.is_some_and(f64::is_finite), "{info:?}");
+        assert!(info.ess > 1.0 && info.log_evidence.is_some_and(f64::is_finite) == (i < FILTERS), "{info:?}");
         assert!(info.r_hat.is_none_or(|r| r < 1.2) && info.divergences == 0, "{info:?}");
         // A frame without observation says nothing of the evidence.
-        assert!(record[34].0.log_evidence.is_some_and(|l| l.abs() < 1e-9));
+        assert!(record[34].0.log_evidence.is_some_and(|l| l.abs() < 1e-9) == (i < FILTERS));
     }
+}
+
+#[test]
+fn a_refused_frame_leaves_a_tracker_of_particles_where_it_stood() {
+    let stage = |frame| Stage::new(1, "refused").at_frame(frame);
+    fn check<T: Tracker<Impossible> + Tracker<Sight> + Resume>(mut tracker: T, stage: impl Fn(u32) -> Stage) {
+        let leaf = || Quadratic { centre: vec![0.1, 0.9], precision: vec![4.0; 2] };
+        for frame in [0, 2] {
+            let before = tracker.save();
+            let refused = tracker.step(&Impossible, stage(frame));
+            assert!(matches!(refused, Err(Error::Samplers(sinew_samplers::Error::AllWeightsZero { .. }))));
+            assert_eq!(tracker.save(), before);
+            tracker.step(&Sight(Lanes { leaf: leaf(), isa: Isa::best() }), stage(frame + 1)).expect("goes on");
+            assert_ne!(tracker.save(), before);
+        }
+    }
+    check(partitioned(100), stage);
+    check(annealed(annealed_search::Config::default()), stage);
+    check(coarse_to_fine(coarse_to_fine::Config::default()), stage);
+}
+
+/// Another dimension, or another number of parts.
+#[test]
+fn an_observation_of_another_shape_is_refused() {
+    struct Wrong(usize);
+    impl LogDensity for Wrong {
+        fn dim(&self) -> usize {
+            self.0
+        }
+        fn log_density(&self, _x: &[f64]) -> f64 {
+            0.0
+        }
+    }
+    impl PartLogDensity for Wrong {
+        fn parts(&self) -> usize {
+            3
+        }
+        fn log_density_parts_block(&self, _parts: Range<usize>, _x: &[Block], out: &mut [Block], _ws: &mut [Block]) {
+            out.fill(Block::ZERO);
+        }
+    }
+    let refused = |mut tracker: Box<dyn Tracker<Wrong>>, observed: Wrong| {
+        let error = tracker.step(&observed, Stage::new(1, "wrong")).expect_err("refused");
+        matches!(error, Error::Dimension { found: 3, expected: 2, .. })
+    };
+    for dim in [2, 3] {
+        assert!(refused(Box::new(partitioned(10)), Wrong(dim)));
+        assert!(refused(Box::new(coarse_to_fine(coarse_to_fine::Config::default())), Wrong(dim)));
+    }
+    assert!(refused(Box::new(annealed(annealed_search::Config::default())), Wrong(3)));
+    assert!(annealed(Default::default()).with_validity(std::sync::Arc::new(Wrong(3))).is_err());
 }
 
 #[test]
@@ -233,6 +390,53 @@ fn settings_are_checked() {
         bootstrap::Config { resample_below: f64::NAN, ..Default::default() },
     ] {
         assert!(Bootstrap::new(config, walk(Between::Mixture), vec![0.0; 2]).is_err());
+    }
+}
+
+#[test]
+fn settings_of_searches_and_of_the_partitioned_filter_are_checked() {
+    let annealed = |layers, sd: &[f64], centre: &[f64]| {
+        let config = annealed::Config { particles: 5, layers };
+        Annealed::new(config, walk(Between::Mixture), sd.to_vec(), centre.to_vec(), Isa::best()).map(|_| ())
+    };
+    let good = annealed_search::Config::default;
+    assert!(annealed(good(), &[0.1; 2], &[0.0; 2]).is_ok());
+    assert!(annealed(good(), &[0.1; 3], &[0.0; 2]).is_err() && annealed(good(), &[0.1; 2], &[0.0; 3]).is_err());
+    assert!(
+        annealed(good(), &[0.1, -1.0], &[0.0; 2]).is_err() && annealed(good(), &[0.1, f64::NAN], &[0.0; 2]).is_err()
+    );
+    for bad in [
+        annealed_search::Config { layers: 0, ..good() },
+        annealed_search::Config { survival: 1.0, ..good() },
+        annealed_search::Config { survival: f64::NAN, ..good() },
+        annealed_search::Config { crossover: 1.1, ..good() },
+        annealed_search::Config { last: annealed_search::Last::Fixed(f64::INFINITY), ..good() },
+        annealed_search::Config { last: annealed_search::Last::Fixed(-1.0), ..good() },
+    ] {
+        assert!(annealed(bad, &[0.1; 2], &[0.0; 2]).is_err(), "{bad:?}");
+    }
+    let small =
+        PartTree::new(Partition::new(vec![Part::new(vec![0], 1).expect("valid")], 1).expect("covers"), vec![None]);
+    let small = small.expect("one part");
+    let partitioned = |particles, tree, centre: &[f64]| {
+        let config = partitioned::Config { particles, ..partitioned::Config::default() };
+        Partitioned::new(config, walk(Between::Mixture), tree, centre.to_vec()).map(|_| ())
+    };
+    assert!(partitioned(1, tree(), &[0.0; 2]).is_ok() && partitioned(0, tree(), &[0.0; 2]).is_err());
+    assert!(partitioned(1, small.clone(), &[0.0; 2]).is_err() && partitioned(1, tree(), &[0.0; 1]).is_err());
+    let axes = vec![Axis::new(-2.0, 2.0, 0.15, false).expect("valid"); 2];
+    let coarse_to_fine = |config, tree, centre: &[f64]| {
+        CoarseToFine::new(config, axes.clone(), tree, centre.to_vec(), Isa::best()).map(|_| ())
+    };
+    let good = coarse_to_fine::Config::default;
+    assert!(coarse_to_fine(good(), tree(), &[0.0; 2]).is_ok());
+    assert!(coarse_to_fine(good(), small, &[0.0; 2]).is_err() && coarse_to_fine(good(), tree(), &[0.0; 3]).is_err());
+    for bad in [
+        coarse_to_fine::Config { coarse: 0, ..good() },
+        coarse_to_fine::Config { fine: 0, ..good() },
+        coarse_to_fine::Config { drift: f64::NAN, ..good() },
+    ] {
+        assert!(coarse_to_fine(bad.clone(), tree(), &[0.0; 2]).is_err(), "{bad:?}");
     }
 }
 

@@ -1,35 +1,103 @@
 //! Laws of trackers for random settings.
 
+use core::ops::Range;
 use proptest::prelude::*;
-use sinew_core::density::Lanes;
-use sinew_core::lanes::Isa;
+use sinew_core::density::{GaussNewton, GradLogDensity, Lanes, LogDensity, PartLogDensity};
+use sinew_core::lanes::{Block, Isa, LANES};
+use sinew_core::part::{Part, PartTree, Partition};
 use sinew_core::random::Stage;
 use sinew_core::toy::Quadratic;
 use sinew_dynamics::random_walk::{Between, RandomWalk};
+use sinew_samplers::annealed_search::{self, Last, Scaling};
+use sinew_samplers::grid::Axis;
 use sinew_samplers::metric::Geometry;
 use sinew_samplers::resample::Scheme;
+use sinew_tracking::annealed::{self, Annealed};
 use sinew_tracking::bootstrap::{self, Bootstrap};
+use sinew_tracking::coarse_to_fine::{self, CoarseToFine};
 use sinew_tracking::hmc_filter::{self, HmcFilter};
+use sinew_tracking::partitioned::{self, Partitioned};
 use sinew_tracking::{StepInfo, Tracker};
 
-type Observed = Lanes<Quadratic>;
-
-fn observation(dim: usize, frame: u32) -> Observed {
-    let leaf = Quadratic { centre: vec![0.1 * f64::from(frame); dim], precision: vec![30.0; dim] };
-    Lanes { leaf, isa: Isa::best() }
+/// A Gaussian of which each coordinate is a part, said to be their product or not.
+struct Observed {
+    whole: Lanes<Quadratic>,
+    product: bool,
 }
 
-fn steps(mut tracker: impl Tracker<Observed>, dim: usize, seed: u64) -> Result<StepInfo, TestCaseError> {
+impl LogDensity for Observed {
+    fn dim(&self) -> usize {
+        self.whole.dim()
+    }
+    fn log_density(&self, x: &[f64]) -> f64 {
+        self.whole.log_density(x)
+    }
+    fn log_density_block(&self, x: &[Block], ws: &mut [Block]) -> Block {
+        self.whole.log_density_block(x, ws)
+    }
+}
+impl GradLogDensity for Observed {
+    fn log_density_grad(&self, x: &[f64], grad: &mut [f64]) -> f64 {
+        self.whole.log_density_grad(x, grad)
+    }
+    fn log_density_grad_block(&self, x: &[Block], grad: &mut [Block], ws: &mut [Block]) -> Block {
+        self.whole.log_density_grad_block(x, grad, ws)
+    }
+}
+impl GaussNewton for Observed {
+    fn gauss_newton_diagonal_block(&self, x: &[Block], diagonal: &mut [Block], ws: &mut [Block]) {
+        self.whole.gauss_newton_diagonal_block(x, diagonal, ws);
+    }
+}
+impl PartLogDensity for Observed {
+    fn parts(&self) -> usize {
+        self.dim()
+    }
+    fn is_product(&self) -> bool {
+        self.product
+    }
+    fn log_density_parts_block(&self, parts: Range<usize>, x: &[Block], out: &mut [Block], _ws: &mut [Block]) {
+        let Quadratic { centre, precision } = &self.whole.leaf;
+        for (k, out) in parts.zip(out) {
+            *out =
+                Block(core::array::from_fn(|i: usize| -0.5 * precision[k] * (x[k].0[i % LANES] - centre[k]).powi(2)));
+        }
+    }
+}
+
+fn observation(dim: usize, frame: u32, product: bool) -> Observed {
+    let leaf = Quadratic { centre: vec![0.1 * f64::from(frame); dim], precision: vec![30.0; dim] };
+    Observed { whole: Lanes { leaf, isa: Isa::best() }, product }
+}
+
+/// Each coordinate a part under the one before it.
+fn tree(dim: usize) -> PartTree {
+    let parts = (0..dim).map(|j| Part::new(vec![j], dim).expect("valid")).collect();
+    let parents = (0..dim).map(|j| j.checked_sub(1)).collect();
+    PartTree::new(Partition::new(parts, dim).expect("covers"), parents).expect("parents first")
+}
+
+fn walk(dim: usize) -> RandomWalk {
+    RandomWalk::new(&vec![1.0; dim], 0.04, Between::Mixture, Isa::best()).expect("valid")
+}
+
+const SCHEMES: [Scheme; 4] = [Scheme::Multinomial, Scheme::Residual, Scheme::Stratified, Scheme::Systematic];
+
+fn steps(tracker: &mut impl Tracker<Observed>, dim: usize, seed: u64) -> Result<StepInfo, TestCaseError> {
     let mut last = StepInfo::default();
     for frame in 0..3 {
         let stage = Stage::new(seed, "property").at_frame(frame);
-        last = tracker.step(&observation(dim, frame), stage).map_err(|e| TestCaseError::fail(e.to_string()))?;
+        last = tracker
+            .step(&observation(dim, frame, seed.is_multiple_of(2)), stage)
+            .map_err(|e| TestCaseError::fail(e.to_string()))?;
         let posterior = tracker.posterior();
         prop_assert_eq!(posterior.states.len(), posterior.count().div_ceil(8) * dim);
         prop_assert!((posterior.weights.iter().sum::<f64>() - 1.0).abs() < 1e-9);
         prop_assert!(last.mean.iter().all(|m| m.is_finite()));
         let mean = posterior.mean();
-        prop_assert!(mean.iter().zip(&last.mean).all(|(a, b)| (a - b).abs() < 1e-12));
+        let is_filter = last.log_evidence.is_some() || !last.exponents.is_empty();
+        prop_assert!(!is_filter || mean.iter().zip(&last.mean).all(|(a, b)| (a - b).abs() < 1e-12));
+        prop_assert_eq!(&last.mean[..], tracker.estimate());
         prop_assert!(last.ess >= 0.0 && last.ess <= posterior.count() as f64 * (1.0 + 1e-9));
         let thinned = posterior.equal_weight(5, &mut Stage::new(seed, "thin").whole());
         prop_assert!(thinned.len() == 5 && thinned.iter().all(|&i| i < posterior.count()));
@@ -45,12 +113,65 @@ proptest! {
     #[test]
     fn bootstrap_steps_for_every_size(
         dim in 1..6usize, particles in 1..100usize, below in 0.0..=1.0f64, seed: u64,
-        scheme in prop::sample::select(vec![Scheme::Multinomial, Scheme::Residual, Scheme::Stratified, Scheme::Systematic]),
+        scheme in prop::sample::select(&SCHEMES[..]),
     ) {
-        let walk = RandomWalk::new(&vec![1.0; dim], 0.04, Between::Mixture, Isa::best()).expect("valid");
         let config = bootstrap::Config { particles, scheme, resample_below: below };
-        let info = steps(Bootstrap::new(config, walk, vec![0.0; dim]).expect("valid"), dim, seed)?;
+        let info = steps(&mut Bootstrap::new(config, walk(dim), vec![0.0; dim]).expect("valid"), dim, seed)?;
         prop_assert_eq!(info.likelihood_evaluations, particles);
+    }
+
+    #[test]
+    fn annealed_steps_for_every_size(
+        dim in 1..6usize, particles in 1..100usize, layers in 1..7usize, survival in 0.05..0.95f64, adaptive: bool,
+        crossover in prop_oneof![Just(0.0), 0.0..=1.0f64], seed: u64,
+        scaling in prop::sample::select(vec![Scaling::Variance, Scaling::StandardDeviation]),
+        last in prop_oneof![Just(Last::Solve), (0.0..3.0f64).prop_map(Last::Fixed)],
+        scheme in prop::sample::select(&SCHEMES[..]),
+    ) {
+        let layers = annealed_search::Config { layers, survival, scaling, last, scheme, adaptive, crossover };
+        let config = annealed::Config { particles, layers };
+        let tracker = Annealed::new(config, walk(dim), vec![0.2; dim], vec![0.0; dim], Isa::best());
+        let mut tracker = tracker.expect("valid");
+        let info = steps(&mut tracker, dim, seed)?;
+        prop_assert_eq!(info.likelihood_evaluations, particles * layers.layers);
+        prop_assert_eq!((info.exponents.len(), info.survivors.len()), (layers.layers, layers.layers));
+        prop_assert!(info.exponents.iter().all(|beta| *beta >= 0.0 && beta.is_finite()));
+        prop_assert!(info.survivors.iter().all(|d| *d >= 1.0 - 1e-9 && *d <= particles as f64 * (1.0 + 1e-9)));
+        let (best, value) = tracker.best();
+        prop_assert_eq!(value, observation(dim, 2, true).log_density(&best));
+    }
+
+    #[test]
+    fn partitioned_steps_for_every_size(
+        dim in 1..6usize, particles in 1..100usize, seed: u64, scheme in prop::sample::select(&SCHEMES[..]),
+    ) {
+        let config = partitioned::Config { particles, scheme };
+        let mut tracker = Partitioned::new(config, walk(dim), tree(dim), vec![0.0; dim]).expect("valid");
+        let info = steps(&mut tracker, dim, seed)?;
+        let product = seed.is_multiple_of(2);
+        let counts = if product { (0, dim * particles) } else { (particles, (dim - 1) * particles) };
+        prop_assert_eq!((info.likelihood_evaluations, info.part_evaluations), counts);
+        prop_assert_eq!(info.survivors.len(), dim);
+        prop_assert!(info.survivors.iter().all(|d| *d >= 1.0 - 1e-9 && *d <= particles as f64 * (1.0 + 1e-9)));
+        prop_assert_eq!(info.survivors[dim - 1], info.ess);
+    }
+
+    #[test]
+    fn coarse_to_fine_steps_for_every_size(
+        dim in 1..6usize, coarse in 1..60usize, fine in 1..60usize, drift in -1.0..1.0f64, snapped: bool, chained: bool,
+        width in 0.01..3.0f64, wraps: bool, seed: u64,
+    ) {
+        let axes = vec![Axis::new(-1.0, 1.5, width, wraps).expect("valid"); dim];
+        let config = coarse_to_fine::Config { coarse, fine, drift, snapped, chained };
+        let mut tracker = CoarseToFine::new(config, axes, tree(dim), vec![0.0; dim], Isa::best()).expect("valid");
+        let info = steps(&mut tracker, dim, seed)?;
+        prop_assert!((2..=coarse + 1).contains(&info.likelihood_evaluations));
+        prop_assert_eq!(info.part_evaluations, fine * dim);
+        let seen = observation(dim, 2, true);
+        for judged in [tracker.coarse(), tracker.fine()] {
+            prop_assert_eq!(judged.log_likelihood, seen.log_density(&judged.state));
+        }
+        prop_assert_eq!(&tracker.fine().state, &info.mean);
     }
 
     #[test]
@@ -72,8 +193,8 @@ proptest! {
             patience: 1,
             geometry,
         };
-        let filter = HmcFilter::new(config, walk, vec![0.0; dim], Isa::best()).expect("valid");
-        let info = steps(filter, dim, seed)?;
+        let mut filter = HmcFilter::new(config, walk, vec![0.0; dim], Isa::best()).expect("valid");
+        let info = steps(&mut filter, dim, seed)?;
         prop_assert_eq!(info.gradient_evaluations, chains * (1 + updates * 3) + 8);
         prop_assert_eq!(info.trajectories, chains * updates);
     }

@@ -1,0 +1,171 @@
+//! Coarse-to-fine particle filter with bottom-up aggregation. A **search**: it reports the best of what it has seen, and no posterior.
+//!
+//! For each frame, with N coarse and M fine particles, steps δ = diag(δ_i) of a [`Grid`](sinew_samplers::grid), A = 0.2 I, B = δ, and X̂ of the frames before:
+//!
+//! 1. coarse: ancestors = multinomial(π); s_j = s_ancestor(j) + A (X̂(t) − X̂(t − 1)) + B ω (eq. 2), each coordinate snapped to the centre of its partition
+//! 2. π_j ∝ p(Z | s_j) (eq. 3), of equal states once; X_c = s of the largest
+//! 3. fine: y_j = X_c + δ ω, j = 1 … M; λ_jk = likelihood of part k of y_j
+//! 4. o_k = argmax over all M of λ_jk (printed is the number of coarse particles); X̂(t + 1) = part k of y_(o_k), k = 1 … K, put together
+//!
+//! The coarse particles with their weights go on to the next frame. Before two estimates exist the difference in step 1 is 0; a coordinate that wraps differs the short way round. The coarse particles start at the given
+//! state. At most N + 1 evaluations of the whole likelihood a frame, the one for that of X̂, and M K of parts.
+//!
+//! Each part of y_j is judged under the other parts of y_j, which need not be those that are chosen. With [`Config::chained`], not the paper's, step 4 goes from the root outwards and judges part k under the chosen
+//! ancestors.
+
+use crate::error::check_dimension;
+use crate::posterior::Posterior;
+use crate::resume::{check_length, length_of, put_particles, take_particles};
+use crate::{Error, Resume, StepInfo, Tracker};
+use sinew_core::density::PartLogDensity;
+use sinew_core::lanes::Isa;
+use sinew_core::part::PartTree;
+use sinew_core::random::Stage;
+use sinew_samplers::diffusion::diffuse;
+use sinew_samplers::grid::Axis;
+use sinew_samplers::particles::{Particles, best, resample, temper};
+use sinew_samplers::parts::{choose, choose_chained};
+use sinew_samplers::quantised::{evaluate_distinct, walk};
+use sinew_samplers::resample::Scheme;
+
+/// Settings; the default is the largest of the paper's.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Config {
+    /// Number of coarse particles N.
+    pub coarse: usize,
+    /// Number of fine particles M.
+    pub fine: usize,
+    /// The part A of the last change of the estimate by which the coarse particles move on.
+    pub drift: f64,
+    /// Whether coarse particles stand on the centres of partitions.
+    pub snapped: bool,
+    /// Whether a part is judged under the parts that were chosen for its ancestors.
+    pub chained: bool,
+}
+
+impl Default for Config {
+    fn default() -> Self {
+        Self { coarse: 300, fine: 500, drift: 0.2, snapped: true, chained: false }
+    }
+}
+
+/// A state with its log likelihood.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Judged {
+    /// The state.
+    pub state: Vec<f64>,
+    /// Log likelihood of the whole of it.
+    pub log_likelihood: f64,
+}
+
+/// The tracker.
+#[derive(Clone, Debug)]
+pub struct CoarseToFine {
+    config: Config,
+    axes: Vec<Axis>,
+    tree: PartTree,
+    isa: Isa,
+    particles: Particles,
+    coarse: Judged,
+    fine: Judged,
+    change: Vec<f64>,
+    started: bool,
+}
+
+impl CoarseToFine {
+    /// A tracker that starts at `centre`, on a grid of `axes`, one a coordinate, and chooses the parts of `tree`.
+    ///
+    /// # Errors
+    /// [`Error::Config`], [`Error::Dimension`], or no particles.
+    pub fn new(config: Config, axes: Vec<Axis>, tree: PartTree, centre: Vec<f64>, isa: Isa) -> Result<Self, Error> {
+        check_dimension("start", centre.len(), axes.len())?;
+        let covered = tree.partition().parts().iter().map(|part| part.indices().len()).sum();
+        check_dimension("part tree", covered, axes.len())?;
+        if !config.drift.is_finite() {
+            return Err(Error::Config { name: "drift", value: config.drift, expected: "must be finite" });
+        }
+        Particles::new(&centre, config.fine)?;
+        let particles = Particles::new(&centre, config.coarse)?;
+        let change = vec![0.0; centre.len()];
+        let start = Judged { state: centre, log_likelihood: f64::NEG_INFINITY };
+        Ok(Self { config, axes, tree, isa, particles, coarse: start.clone(), fine: start, change, started: false })
+    }
+
+    /// X_c of the last frame.
+    #[must_use]
+    pub fn coarse(&self) -> &Judged {
+        &self.coarse
+    }
+
+    /// X̂ of the last frame.
+    #[must_use]
+    pub fn fine(&self) -> &Judged {
+        &self.fine
+    }
+}
+
+impl<O: PartLogDensity + ?Sized> Tracker<O> for CoarseToFine {
+    fn step(&mut self, observed: &O, stage: Stage) -> Result<StepInfo, Error> {
+        let (Self { config, axes, tree, isa, .. }, parts) = (&*self, self.tree.partition().parts().len());
+        check_dimension("observation", observed.dim(), axes.len())?;
+        check_dimension("number of parts of the observation", observed.parts(), parts)?;
+        let [to_resample, to_walk, to_refine] = stage.split(["resample", "walk", "refine"]);
+        let mut particles = self.particles.clone();
+        let ancestors = resample(&particles, Scheme::Multinomial, to_resample);
+        let drift: Vec<f64> = self.change.iter().map(|change| config.drift * change).collect();
+        walk(&mut particles, ancestors, &drift, axes, config.snapped, *isa, to_walk);
+        let evaluations = evaluate_distinct(&mut particles, observed);
+        temper(&mut particles, 1.0)?;
+        let (index, log_likelihood) = best(&particles);
+        let coarse = Judged { state: particles.state(index), log_likelihood };
+
+        let mut refined = Particles::new(&coarse.state, config.fine)?;
+        let widths: Vec<f64> = axes.iter().map(Axis::width).collect();
+        diffuse(&mut refined, None, &widths, *isa, to_refine);
+        let choice = if config.chained { choose_chained } else { choose };
+        let state = choice(&refined, observed, tree)?;
+        let fine = Judged { log_likelihood: observed.log_density(&state), state };
+
+        let moved = fine.state.iter().zip(&self.fine.state).zip(axes);
+        let change = moved.map(|((to, from), axis)| if self.started { axis.difference(*to, *from) } else { 0.0 });
+        let change: Vec<f64> = change.collect();
+        let info = StepInfo {
+            mean: fine.state.clone(),
+            ess: particles.effective_sample_size(),
+            resampled: Some(true),
+            likelihood_evaluations: evaluations + 1,
+            part_evaluations: config.fine * parts,
+            ..StepInfo::default()
+        };
+        (self.particles, self.coarse, self.fine) = (particles, coarse, fine);
+        (self.change, self.started) = (change, true);
+        Ok(info)
+    }
+
+    /// The coarse particles with their weights: of a search, and no posterior. The estimate is not their mean.
+    fn posterior(&self) -> Posterior<'_> {
+        Posterior::of(&self.particles)
+    }
+
+    /// X̂ of the last frame.
+    fn estimate(&self) -> &[f64] {
+        &self.fine.state
+    }
+}
+
+impl Resume for CoarseToFine {
+    fn save(&self) -> Vec<f64> {
+        let mut saved = put_particles(self.started, &self.fine.state, &self.particles);
+        saved.extend(&self.change);
+        saved
+    }
+
+    fn restore(&mut self, saved: &[f64]) -> Result<(), Error> {
+        let length = length_of(&self.particles);
+        check_length(saved.len(), length + self.axes.len())?;
+        let (particles, change) = saved.split_at(length);
+        take_particles(particles, &mut self.started, &mut self.fine.state, &mut self.particles);
+        self.change.copy_from_slice(change);
+        Ok(())
+    }
+}

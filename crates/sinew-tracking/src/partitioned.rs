@@ -1,0 +1,157 @@
+//! Partitioned sampling (MacCormick & Blake 1999; MacCormick & Isard 2000): the state is moved and weighed part by part, so that particles are not spent on all combinations of all parts.
+//!
+//! For each frame t, with N particles, parts 1 … K, a motion h = h_1 * … * h_K that moves one part each, and importance functions g_k > 0:
+//!
+//! 1. π = 1/N on the particles that resampling by W_{t−1} leaves; in the first frame on the given start
+//! 2. for each part k = 1 … K:
+//!    - s_i ← h_k(s_i)
+//!    - k < K: weighted resampling by g_k ([`sinew_samplers::weighted_resampling`]): s ← s_(a), π ← π_(a) / (N ρ_(a)), a ~ ρ ∝ g_k; D_k = 1 / Σ ρ²
+//! 3. W ∝ π f with the whole likelihood f; D_K = 1 / Σ W²
+//! 4. estimate = Σ W_i s_i, log evidence of the frame = log Σ π f
+//!
+//! Where f = Π g_k, and g_k depends on no later part, step 2 multiplies π by g_k before it divides by it, and step 3 is left with the last factor: the same weights for fewer evaluations.
+//!
+//! **Exact for every positive g**, evidence included: only the variance depends on it. A g_k of zero where f is not loses what stands there. D_k far below N says that part k is too much for N particles at once:
+//! N = D / α serves for a D in each part of survival rate α, where all at once would need D / α^K. (K − 1) N evaluations of parts and N of the whole a frame; K N of parts where f is their product.
+
+use crate::error::check_dimension;
+use crate::posterior::Posterior;
+use crate::resume::{check_length, length_of, put_particles, take_particles};
+use crate::{Error, Resume, StepInfo, Tracker};
+use sinew_core::density::PartLogDensity;
+use sinew_core::part::{Part, PartTree};
+use sinew_core::random::Stage;
+use sinew_core::transition::PartTransition;
+use sinew_samplers::particles::{Particles, aggregate, resample, reweight, take, temper};
+use sinew_samplers::parts::{evaluate_part, predict_part, start_part};
+use sinew_samplers::resample::Scheme;
+use sinew_samplers::weighted_resampling::weighted_resample;
+
+/// Settings; the default resamples multinomially.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Config {
+    /// Number of particles N.
+    pub particles: usize,
+    /// Resampling scheme, between frames and between parts.
+    pub scheme: Scheme,
+}
+
+impl Default for Config {
+    fn default() -> Self {
+        Self { particles: 1000, scheme: Scheme::Multinomial }
+    }
+}
+
+/// The filter.
+#[derive(Clone, Debug)]
+pub struct Partitioned<T> {
+    config: Config,
+    transition: T,
+    tree: PartTree,
+    estimate: Vec<f64>,
+    particles: Particles,
+    survivors: Vec<f64>,
+    started: bool,
+}
+
+impl<T: PartTransition> Partitioned<T> {
+    /// A filter that starts around `centre` and takes the parts of `tree` in their order.
+    ///
+    /// # Errors
+    /// [`Error::Dimension`], or no particles.
+    pub fn new(config: Config, transition: T, tree: PartTree, centre: Vec<f64>) -> Result<Self, Error> {
+        check_dimension("start", centre.len(), transition.dim())?;
+        let covered = tree.partition().parts().iter().map(|part| part.indices().len()).sum();
+        check_dimension("part tree", covered, transition.dim())?;
+        let particles = Particles::new(&centre, config.particles)?;
+        Ok(Self { config, transition, tree, estimate: centre, particles, survivors: vec![], started: false })
+    }
+
+    /// The particles with their weights.
+    #[must_use]
+    pub fn particles(&self) -> &Particles {
+        &self.particles
+    }
+
+    /// Survival diagnostic D of each part in the last frame.
+    #[must_use]
+    pub fn survivors(&self) -> &[f64] {
+        &self.survivors
+    }
+
+    fn parts(&self) -> &[Part] {
+        self.tree.partition().parts()
+    }
+}
+
+impl<T: PartTransition + Send, O: PartLogDensity + ?Sized> Tracker<O> for Partitioned<T> {
+    fn step(&mut self, observed: &O, stage: Stage) -> Result<StepInfo, Error> {
+        check_dimension("observation", observed.dim(), self.particles.dim())?;
+        check_dimension("number of parts of the observation", observed.parts(), self.parts().len())?;
+        let Config { particles: count, scheme } = self.config;
+        let [to_resample, to_predict, to_select] = stage.split(["resample", "predict", "select"]);
+        let mut particles = self.particles.clone();
+        if self.started {
+            let ancestors = resample(&particles, scheme, to_resample);
+            take(&mut particles, ancestors);
+        }
+        let (is_product, last) = (observed.is_product(), self.parts().len() - 1);
+        let (mut log_evidence, mut survivors) = (0.0, vec![]);
+        for (k, part) in self.parts().iter().enumerate() {
+            let to_move = to_predict.round(k);
+            if self.started {
+                predict_part(&mut particles, &self.transition, part, to_move);
+            } else {
+                start_part(&mut particles, &self.transition, part, &self.estimate, to_move);
+            }
+            if k == last && !is_product {
+                log_evidence += reweight(&mut particles, observed)?;
+                break;
+            }
+            evaluate_part(&mut particles, observed, k);
+            let values = particles.values();
+            if is_product {
+                log_evidence += temper(&mut particles, 1.0)?;
+            }
+            if k < last {
+                let reselected = weighted_resample(&mut particles, &values, scheme, to_select.round(k))?;
+                log_evidence += reselected.log_sum;
+                survivors.push(reselected.survivors);
+            }
+        }
+        survivors.push(particles.effective_sample_size());
+        let (parts, whole) = if is_product { (last + 1, 0) } else { (last, 1) };
+        self.estimate = aggregate(&particles);
+        (self.particles, self.survivors) = (particles, survivors);
+        Ok(StepInfo {
+            mean: self.estimate.clone(),
+            ess: self.particles.effective_sample_size(),
+            log_evidence: Some(log_evidence),
+            resampled: Some(std::mem::replace(&mut self.started, true)),
+            survivors: self.survivors.clone(),
+            likelihood_evaluations: count * whole,
+            part_evaluations: count * parts,
+            ..StepInfo::default()
+        })
+    }
+
+    fn posterior(&self) -> Posterior<'_> {
+        Posterior::of(&self.particles)
+    }
+
+    fn estimate(&self) -> &[f64] {
+        &self.estimate
+    }
+}
+
+impl<T> Resume for Partitioned<T> {
+    fn save(&self) -> Vec<f64> {
+        put_particles(self.started, &self.estimate, &self.particles)
+    }
+
+    fn restore(&mut self, saved: &[f64]) -> Result<(), Error> {
+        check_length(saved.len(), length_of(&self.particles))?;
+        take_particles(saved, &mut self.started, &mut self.estimate, &mut self.particles);
+        Ok(())
+    }
+}

@@ -1,0 +1,286 @@
+//! The annealed and the coarse-to-fine tracker, exactly: A1, A12, validity, counts of evaluations, equality of the two ways of a product likelihood.
+
+use core::ops::Range;
+use sinew_core::density::{Lanes, LogDensity, PartLogDensity};
+use sinew_core::lanes::{Block, Isa};
+use sinew_core::part::{Part, PartTree, Partition};
+use sinew_core::random::Stage;
+use sinew_core::toy::Quadratic;
+use sinew_dynamics::random_walk::{Between, RandomWalk};
+use sinew_samplers::annealed_search::{self, Last};
+use sinew_samplers::grid::Axis;
+use sinew_samplers::resample::Scheme;
+use sinew_tracking::annealed::{self, Annealed};
+use sinew_tracking::bootstrap::{self, Bootstrap};
+use sinew_tracking::coarse_to_fine::{self, CoarseToFine};
+use sinew_tracking::partitioned::{self, Partitioned};
+use sinew_tracking::{StepInfo, Tracker};
+use std::sync::Arc;
+
+const SD: [f64; 3] = [0.3, 0.1, 0.2];
+
+fn walk() -> RandomWalk {
+    RandomWalk::new(&SD, 1.0, Between::Mixture, Isa::best()).expect("valid")
+}
+
+fn seen(frame: u32) -> Lanes<Quadratic> {
+    let angle = 0.2 * f64::from(frame);
+    let leaf = Quadratic { centre: vec![angle.sin(), angle.cos(), 0.1 * angle], precision: vec![60.0, 30.0, 10.0] };
+    Lanes { leaf, isa: Isa::best() }
+}
+
+/// A1: weights, ancestors and particles of ten frames.
+#[test]
+fn one_layer_with_an_exponent_of_one_is_the_bootstrap_filter() {
+    for scheme in [Scheme::Multinomial, Scheme::Systematic] {
+        let config = bootstrap::Config { particles: 203, scheme, ..bootstrap::Config::default() };
+        let mut filter = Bootstrap::new(config, walk(), vec![0.0, 1.0, 0.0]).expect("valid");
+        let layers = annealed_search::Config { layers: 1, last: Last::Fixed(1.0), scheme, ..Default::default() };
+        let config = annealed::Config { particles: 203, layers };
+        let mut one = Annealed::new(config, walk(), SD.to_vec(), vec![0.0, 1.0, 0.0], Isa::best()).expect("valid");
+        for frame in 0..10 {
+            let stage = || Stage::new(11, "A1").at_frame(frame);
+            let (of_filter, of_one) = (
+                filter.step(&seen(frame), stage()).expect("weights"),
+                one.step(&seen(frame), stage()).expect("weights"),
+            );
+            let (a, b) = (filter.particles(), one.particles());
+            assert_eq!((a.weights(), a.log_weights()), (b.weights(), b.log_weights()), "frame {frame}");
+            for i in 0..203 {
+                assert_eq!((a.state(i), a.ancestor(i)), (b.state(i), b.ancestor(i)), "frame {frame}, particle {i}");
+            }
+            assert_eq!(of_one.exponents, [1.0]);
+            assert_eq!(of_one.survivors, [of_filter.ess]);
+            assert_eq!(StepInfo { exponents: vec![], survivors: vec![], ..of_one }, of_filter);
+        }
+    }
+}
+
+#[test]
+fn layers_are_counted_and_recorded() {
+    let config = annealed::Config::default();
+    let mut tracker = Annealed::new(config, walk(), SD.to_vec(), vec![0.0, 1.0, 0.0], Isa::best()).expect("valid");
+    for frame in 0..4 {
+        let info = tracker.step(&seen(frame), Stage::new(1, "layers").at_frame(frame)).expect("weights");
+        assert_eq!((info.likelihood_evaluations, info.log_evidence, info.resampled), (2000, None, Some(frame > 0)));
+        assert_eq!((info.exponents.len(), info.survivors.len()), (10, 10));
+        assert!(info.survivors.iter().all(|d| (d / 200.0 - 0.5).abs() < 1e-6), "{:?}", info.survivors);
+        assert!(info.exponents[9] > 10.0 * info.exponents[0]);
+        let (state, log_likelihood) = tracker.best();
+        assert_eq!(log_likelihood, seen(frame).log_density(&state));
+        assert!(log_likelihood > -0.5, "{log_likelihood}");
+    }
+}
+
+/// 0 where the first coordinate is negative.
+struct Negative;
+impl LogDensity for Negative {
+    fn dim(&self) -> usize {
+        3
+    }
+    fn log_density(&self, x: &[f64]) -> f64 {
+        if x[0] < 0.0 { 0.0 } else { f64::NEG_INFINITY }
+    }
+}
+
+#[test]
+fn what_is_not_valid_weighs_nothing() {
+    let mut tracker = Annealed::new(annealed::Config::default(), walk(), SD.to_vec(), vec![0.0, 1.0, 0.0], Isa::best())
+        .and_then(|tracker| tracker.with_validity(Arc::new(Negative)))
+        .expect("valid");
+    for frame in 0..4 {
+        tracker.step(&seen(frame), Stage::new(2, "validity").at_frame(frame)).expect("weights");
+        let particles = tracker.particles();
+        let weighted = (0..200).filter(|&i| particles.weights()[i] > 0.0);
+        assert!(weighted.clone().count() > 50);
+        assert!(weighted.clone().all(|i| particles.state(i)[0] < 0.0));
+        // Particles of weight zero are there: the predicate is asked in the last layer too.
+        assert!((0..200).any(|i| particles.state(i)[0] >= 0.0));
+        assert!(tracker.best().0[0] < 0.0);
+    }
+}
+
+/// The same Gaussian with a part for each coordinate; part 2 also looks at coordinate 0, if the whole is not told to be a product.
+struct InParts {
+    whole: Lanes<Quadratic>,
+    product: bool,
+}
+impl LogDensity for InParts {
+    fn dim(&self) -> usize {
+        3
+    }
+    fn log_density(&self, x: &[f64]) -> f64 {
+        self.whole.log_density(x)
+    }
+    fn log_density_block(&self, x: &[Block], ws: &mut [Block]) -> Block {
+        self.whole.log_density_block(x, ws)
+    }
+}
+impl PartLogDensity for InParts {
+    fn parts(&self) -> usize {
+        3
+    }
+    fn is_product(&self) -> bool {
+        self.product
+    }
+    fn log_density_parts_block(&self, parts: Range<usize>, x: &[Block], out: &mut [Block], _ws: &mut [Block]) {
+        let Quadratic { centre, precision } = &self.whole.leaf;
+        for (k, out) in parts.zip(out) {
+            let other = if k == 2 && !self.product { x[0].0 } else { [centre[0]; 8] };
+            let value = |lane: usize| {
+                let error = x[k].0[lane] - centre[k] + 3.0 * (other[lane] - centre[0]);
+                -0.5 * precision[k] * error * error
+            };
+            *out = Block(core::array::from_fn(value));
+        }
+    }
+}
+
+fn tree() -> PartTree {
+    let parts = (0..3).map(|j| Part::new(vec![j], 3).expect("valid")).collect();
+    PartTree::new(Partition::new(parts, 3).expect("covers"), vec![None, Some(0), Some(0)]).expect("parents first")
+}
+
+/// With the factors of the likelihood as importance, dividing them out and multiplying by all of it is multiplying by the last factor. Equal but for rounding.
+#[test]
+fn a_product_is_weighed_by_its_last_factor() {
+    struct Whole(InParts);
+    impl LogDensity for Whole {
+        fn dim(&self) -> usize {
+            3
+        }
+        fn log_density(&self, x: &[f64]) -> f64 {
+            self.0.log_density(x)
+        }
+        fn log_density_block(&self, x: &[Block], ws: &mut [Block]) -> Block {
+            self.0.log_density_block(x, ws)
+        }
+    }
+    impl PartLogDensity for Whole {
+        fn parts(&self) -> usize {
+            3
+        }
+        fn log_density_parts_block(&self, parts: Range<usize>, x: &[Block], out: &mut [Block], ws: &mut [Block]) {
+            self.0.log_density_parts_block(parts, x, out, ws);
+        }
+    }
+    let make = || {
+        let config = partitioned::Config { particles: 301, ..Default::default() };
+        Partitioned::new(config, walk(), tree(), vec![0.0, 1.0, 0.0]).expect("valid")
+    };
+    let (mut by_factors, mut by_whole) = (make(), make());
+    let product = InParts { whole: seen(3), product: true };
+    let a = by_factors.step(&product, Stage::new(3, "product")).expect("weights");
+    let b = by_whole.step(&Whole(product), Stage::new(3, "product")).expect("weights");
+    assert_eq!((a.part_evaluations, a.likelihood_evaluations), (3 * 301, 0));
+    assert_eq!((b.part_evaluations, b.likelihood_evaluations), (2 * 301, 301));
+    assert_eq!(by_factors.particles().states(), by_whole.particles().states());
+    let pairs = by_factors.particles().weights().iter().zip(by_whole.particles().weights());
+    assert!(pairs.clone().all(|(a, b)| (a - b).abs() < 1e-12));
+    let [za, zb] = [a.log_evidence, b.log_evidence].map(|z| z.expect("evidence"));
+    assert!((za - zb).abs() < 1e-10, "{za} and {zb}");
+    assert_eq!(a.survivors.len(), 3);
+    assert_eq!(by_factors.survivors(), a.survivors);
+    assert!(a.survivors.iter().all(|d| (2.0..301.0).contains(d)), "{:?}", a.survivors);
+}
+
+fn axes(width: f64) -> Vec<Axis> {
+    vec![Axis::new(-2.0, 2.0, width, false).expect("valid"); 3]
+}
+
+fn coarse_to_fine(config: coarse_to_fine::Config, width: f64) -> CoarseToFine {
+    CoarseToFine::new(config, axes(width), tree(), vec![0.0, 1.0, 0.0], Isa::best()).expect("valid")
+}
+
+/// A12, second half: coarse states stand on centres and the coarse estimate is the best of them; equal ones are evaluated once.
+#[test]
+fn coarse_states_stand_on_centres_and_share_evaluations() {
+    for (width, snapped) in [(0.5, true), (0.1, true), (0.3, false)] {
+        let mut tracker = coarse_to_fine(coarse_to_fine::Config { snapped, ..Default::default() }, width);
+        for frame in 0..3 {
+            let observed = InParts { whole: seen(frame), product: true };
+            let info = tracker.step(&observed, Stage::new(4, "centres").at_frame(frame)).expect("weights");
+            let posterior = Tracker::<InParts>::posterior(&tracker);
+            let mut states = vec![vec![0.0; 3]; posterior.count()];
+            states.iter_mut().enumerate().for_each(|(i, state)| posterior.state(i, state));
+            let on_centres =
+                states.iter().all(|state| state.iter().zip(axes(width)).all(|(x, axis)| axis.snap(*x) == *x));
+            assert_eq!(on_centres, snapped);
+            let best = states.iter().map(|state| observed.log_density(state)).fold(f64::NEG_INFINITY, f64::max);
+            assert_eq!(tracker.coarse().log_likelihood, best);
+            assert_eq!(observed.log_density(&tracker.coarse().state), best);
+            assert_eq!(tracker.fine().log_likelihood, observed.log_density(&tracker.fine().state));
+            let different: std::collections::BTreeSet<Vec<u64>> =
+                states.iter().map(|state| state.iter().map(|x| x.to_bits()).collect()).collect();
+            assert_eq!(info.likelihood_evaluations, different.len() + 1);
+            assert_eq!(info.part_evaluations, 1500);
+            assert_eq!(info.likelihood_evaluations < 301, snapped);
+        }
+    }
+}
+
+/// A12, second half: with one fine particle the parts are its own, and it is one draw around the coarse estimate.
+#[test]
+fn one_fine_particle_is_the_estimate() {
+    for chained in [false, true] {
+        let mut tracker = coarse_to_fine(coarse_to_fine::Config { fine: 1, chained, ..Default::default() }, 0.2);
+        let observed = InParts { whole: seen(1), product: false };
+        tracker.step(&observed, Stage::new(5, "one")).expect("weights");
+        let [_, _, to_refine] = Stage::new(5, "one").split(["resample", "walk", "refine"]);
+        let mut noise = [Block::ZERO; 3];
+        to_refine.block(0).fill_normal(Isa::best(), &mut noise);
+        for j in 0..3 {
+            assert_eq!(tracker.fine().state[j], tracker.coarse().state[j] + 0.2 * noise[j].0[0]);
+        }
+    }
+}
+
+/// The drift follows the change of the estimates, from the third frame on: with a flat likelihood and many particles the mean moves by A times the change.
+#[test]
+fn coarse_states_drift_with_the_estimate() {
+    let config = coarse_to_fine::Config { coarse: 20_000, fine: 1, drift: 5.0, snapped: false, chained: false };
+    let mut tracker = coarse_to_fine(config, 0.01);
+    let flat = InParts {
+        whole: Lanes { leaf: Quadratic { centre: vec![0.0; 3], precision: vec![0.0; 3] }, isa: Isa::best() },
+        product: true,
+    };
+    let mut before = vec![vec![0.0, 1.0, 0.0]];
+    let mut estimates: Vec<Vec<f64>> = vec![];
+    for frame in 0..4_u32 {
+        tracker.step(&flat, Stage::new(6, "drift").at_frame(frame)).expect("weights");
+        let mean = Tracker::<InParts>::posterior(&tracker).mean();
+        for j in 0..3 {
+            let change = match &estimates[..] {
+                [.., a, b] => b[j] - a[j],
+                _ => 0.0,
+            };
+            let moved = mean[j] - before[frame as usize][j];
+            // Resampling and noise shift the mean of 20 000 by some 1e-4 times √frame; changes are some 1e-2.
+            assert!((moved - 5.0 * change).abs() < 2e-3, "frame {frame}: {moved} for {change}");
+        }
+        before.push(mean);
+        estimates.push(tracker.fine().state.clone());
+    }
+    assert!(estimates.windows(2).any(|pair| (pair[1][0] - pair[0][0]).abs() > 4e-3), "there was something to follow");
+}
+
+/// Chained, part 2 is judged under the chosen part 0, and not under its own.
+#[test]
+fn chained_parts_are_judged_under_the_chosen_ones() {
+    let observed = InParts { whole: seen(1), product: false };
+    let run = |chained| {
+        let mut tracker = coarse_to_fine(coarse_to_fine::Config { chained, ..Default::default() }, 0.2);
+        tracker.step(&observed, Stage::new(7, "chained")).expect("weights");
+        let value = |part: usize| {
+            let x: Vec<Block> = tracker.fine().state.iter().map(|&x| Block::splat(x)).collect();
+            let mut out = [Block::ZERO];
+            observed.log_density_parts_block(part..part + 1, &x, &mut out, &mut []);
+            out[0].0[0]
+        };
+        [0, 1, 2].map(value)
+    };
+    let (apart, chained) = (run(false), run(true));
+    assert_eq!(apart[..2], chained[..2], "parts without ancestors that matter are chosen alike");
+    assert!(chained[2] > apart[2], "{chained:?} against {apart:?}");
+    assert!(chained[2] > -1e-2, "the best of 500 is near the peak: {chained:?}");
+}
