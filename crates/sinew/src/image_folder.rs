@@ -167,6 +167,11 @@ impl ImageFolder {
         folders
     }
 
+    /// Whether there is any file of a camera.
+    pub(crate) fn has_files(&self, camera: usize) -> bool {
+        self.files[camera].is_some()
+    }
+
     /// Numbers of the frames to be taken that some camera has, rising.
     pub(crate) fn numbers(&self) -> Vec<u64> {
         let all = self.files.iter().flatten().flat_map(CameraFiles::numbers);

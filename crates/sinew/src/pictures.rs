@@ -70,7 +70,7 @@ impl Pictures {
         let is_there = frame.files.iter().any(Option::is_some);
         let mut images = Vec::with_capacity(frame.files.len());
         for (camera, file) in frame.files.into_iter().enumerate() {
-            if file.is_none() && is_there && frame.counts {
+            if file.is_none() && is_there && frame.counts && self.folder.has_files(camera) {
                 let (count, first) = &mut self.lacking[camera];
                 *count += 1;
                 first.get_or_insert(number);
