@@ -24,8 +24,10 @@
 //! # Ok::<(), sinew_observe::Error>(())
 //! ```
 pub mod association;
+pub mod background;
 pub mod bit_image;
 pub mod camera;
+pub mod cleaning;
 pub mod contour_map;
 pub mod cross_view;
 pub mod distance_map;

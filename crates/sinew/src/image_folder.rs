@@ -82,10 +82,11 @@ impl ImageFolder {
                 help: "the scale is their width over that of the calibrated images, for example 0.5".into(),
             });
         }
-        let found = camera_files(folder, cameras, kind)?;
+        let names: Vec<&str> = cameras.iter().map(|camera| camera.name.as_str()).collect();
+        let found = camera_files(folder, &names, kind)?;
         let calibrated: Vec<&str> = match options.calibrated.as_slice() {
-            [] => cameras.iter().map(|camera| camera.name.as_str()).collect(),
-            names => names.iter().map(String::as_str).collect(),
+            [] => names.clone(),
+            all => all.iter().map(String::as_str).collect(),
         };
         let labels: Vec<String> =
             found.iter().map(|files| camera_part(&files.name, &calibrated, kind).to_owned()).collect();
@@ -112,7 +113,6 @@ impl ImageFolder {
         }
         let listed: Vec<&CameraFiles> = files.iter().flatten().collect();
         if listed.is_empty() {
-            let names: Vec<&str> = cameras.iter().map(|camera| camera.name.as_str()).collect();
             return Err(Error::Input {
                 message: format!(
                     "`{}` holds {} of {}, none of the cameras in use: {}",
@@ -258,7 +258,7 @@ fn size_fits(camera: &Camera, kind: &Kind, size: [usize; 2], scale: Option<f64>)
 }
 
 /// Name of the camera in the name of a folder or the beginning of file names.
-fn camera_part<'a>(name: &'a str, calibrated: &[&str], kind: &Kind) -> &'a str {
+pub(crate) fn camera_part<'a>(name: &'a str, calibrated: &[&str], kind: &Kind) -> &'a str {
     if calibrated.iter().any(|camera| camera_name::fold(camera) == camera_name::fold(name)) {
         return name;
     }
@@ -267,11 +267,10 @@ fn camera_part<'a>(name: &'a str, calibrated: &[&str], kind: &Kind) -> &'a str {
     suffix.map_or(name, |suffix| &name[..name.len() - suffix.len()])
 }
 
-/// The files that may be those of cameras.
-fn camera_files(root: &Path, cameras: &[Camera], kind: &Kind) -> Result<Vec<listing::Folder>, Error> {
-    let names: Vec<&str> = cameras.iter().map(|camera| camera.name.as_str()).collect();
+/// The files that may be those of cameras; `names` are asked for even where there are none.
+pub(crate) fn camera_files(root: &Path, names: &[&str], kind: &Kind) -> Result<Vec<listing::Folder>, Error> {
     let is_camera = |name: &str| {
-        let name = camera_name::fold(camera_part(name, &names, kind));
+        let name = camera_name::fold(camera_part(name, names, kind));
         names.iter().any(|camera| camera_name::fold(camera) == name)
     };
     let listing::Images { folders, loose, unnumbered } = listing::images(root, kind.extensions, is_camera)?;

@@ -6,6 +6,7 @@
 //! |---|---|
 //! | [`recording`], [`synthetic`] | where frames come from: keypoint files, or a simulated walker |
 //! | [`silhouettes`], [`pictures`] | masks and images of the same cameras, frame by frame |
+//! | [`segment`] | masks from images and images of the background |
 //! | [`setup`] | sizes of the person, offsets of the cameras, noise: one value |
 //! | [`pipeline`] | frames to estimates |
 //! | [`job`], [`output`] | a whole run with its result folder |
@@ -54,6 +55,7 @@ pub mod pictures;
 pub mod pipeline;
 pub mod problem28;
 pub mod recording;
+pub mod segment;
 pub mod setup;
 pub mod silhouettes;
 pub mod synthetic;

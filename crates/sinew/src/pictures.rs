@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 
 pub use crate::image_folder::Options;
 
-const PICTURES: Kind = Kind {
+pub(crate) const PICTURES: Kind = Kind {
     one: "image",
     many: "images",
     extensions: &["jpg", "jpeg", "png"],

@@ -34,7 +34,7 @@ use std::path::{Path, PathBuf};
 pub use crate::image_folder::Options;
 
 /// Share of the image above which a mask is told: a person fills less of the view of a camera that sees all of him.
-const LARGE_SHARE: f64 = 0.5;
+pub(crate) const LARGE_SHARE: f64 = 0.5;
 
 const MASKS: Kind = Kind {
     one: "mask",
@@ -132,13 +132,13 @@ impl Silhouettes {
 
 /// How often something was found, and the first frame of it.
 #[derive(Clone, Copy, Debug, Default)]
-struct Count {
-    frames: u64,
-    first: u64,
+pub(crate) struct Count {
+    pub(crate) frames: u64,
+    pub(crate) first: u64,
 }
 
 impl Count {
-    fn add(&mut self, number: u64) {
+    pub(crate) fn add(&mut self, number: u64) {
         if self.frames == 0 {
             self.first = number;
         }
