@@ -4,7 +4,8 @@
 
 use sinew::formats::source_text::decode;
 use sinew::formats::{
-    Error, amc, asf, body_toml, bvh, calib_toml, camera_name, frame_number, layout, mot, openpose, tidy_csv, trc,
+    Error, amc, asf, body_toml, bvh, calib_toml, camera_name, frame_number, layout, mask, mot, openpose, picture,
+    tidy_csv, trc,
 };
 use std::fmt::Display;
 
@@ -142,6 +143,26 @@ pub fn asf_amc(data: &[u8]) {
         for frame in &motion.frames {
             assert_eq!(skeleton.bone_ends_m(&frame.values).len(), points);
         }
+    }
+}
+
+/// Masks.
+pub fn mask(data: &[u8]) {
+    if let Some(read) = accepted(mask::read("cam1_0001.png", data)) {
+        assert!(read.between <= (read.image.width() * read.image.height()) as u64);
+        let mut written = Vec::new();
+        mask::write(&mut written, &read.image).expect("a mask that was read is written");
+        assert_eq!(mask::read("written", &written).expect("what was written is read").image, read.image);
+    }
+}
+
+/// Pictures.
+pub fn picture(data: &[u8]) {
+    if let Some(read) = accepted(picture::read("cam1_0001.jpg", data)) {
+        assert_eq!(read.pixels.len(), read.width * read.height);
+        let mut written = Vec::new();
+        picture::write_png(&mut written, &read).expect("a picture that was read is written");
+        assert_eq!(picture::read("written", &written).expect("what was written is read"), read);
     }
 }
 

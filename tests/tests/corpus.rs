@@ -48,10 +48,11 @@ fn every_reader_survives_the_files_of_the_others() {
 
 #[test]
 fn valid_files_are_read() {
-    let text = |target: &str| {
+    let bytes = |target: &str| {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../fuzz/corpus").join(target).join("valid");
-        std::fs::read_to_string(path).unwrap()
+        std::fs::read(path).unwrap()
     };
+    let text = |target: &str| String::from_utf8(bytes(target)).unwrap();
     formats::openpose::read("valid", &text("openpose"), &formats::openpose::Options::default()).unwrap();
     formats::calib_toml::read("valid", &text("calib_toml")).unwrap();
     formats::layout::read("valid", &text("layout")).unwrap();
@@ -65,5 +66,7 @@ fn valid_files_are_read() {
     assert_eq!(formats::amc::read("valid", motion, &skeleton).unwrap().frames.len(), 2);
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../fuzz/corpus/checkpoint/valid");
     assert_eq!(sinew::checkpoint::Checkpoint::decode(&std::fs::read(path).unwrap()).unwrap().done, 7);
+    assert_eq!(formats::mask::read("valid", &bytes("mask")).unwrap().image.count(), 16 * 12);
+    assert_eq!(formats::picture::read("valid", &bytes("picture")).unwrap().width, 37);
     formats::tidy_csv::read_numbers("valid", &text("tidy_csv")).unwrap();
 }

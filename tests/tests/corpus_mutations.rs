@@ -148,6 +148,8 @@ targets! {
     bvh: 10_000,
     asf_amc: 10_000,
     tidy_csv: 10_000,
+    mask: 10_000,
+    picture: 10_000,
     file_names: 10_000,
     settings: 10_000,
     setup: 10_000,

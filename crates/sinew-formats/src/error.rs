@@ -34,7 +34,7 @@ pub enum Error {
         limit: u64,
     },
     /// The text stops before it is complete.
-    #[error("{place}: ends inside {inside} at byte {} (line {line})", Count(*offset as u64))]
+    #[error("{place}: ends inside {inside} at byte {}{}", Count(*offset as u64), line.map(|line| format!(" (line {line})")).unwrap_or_default())]
     Truncated {
         /// File at fault.
         place: Place,
@@ -42,8 +42,8 @@ pub enum Error {
         inside: &'static str,
         /// Length of the text, bytes.
         offset: usize,
-        /// Last line, counted from 1.
-        line: usize,
+        /// Last line, counted from 1; none where the file is no text.
+        line: Option<usize>,
     },
     /// Brackets nested deeper than any real file nests them.
     #[error("{place}: nested more than {limit} deep")]
@@ -224,7 +224,7 @@ pub enum Error {
         second: String,
     },
     /// A file name without a frame number.
-    #[error("{name}: no frame number in the file name; expected a name like `cam01.0034.json`")]
+    #[error("{name}: no frame number in the file name; expected a name like `cam01.0034.{}`", extension(name))]
     NoFrameNumber {
         /// File name.
         name: String,
@@ -273,6 +273,34 @@ pub enum Error {
         /// Camera at fault.
         place: Place,
     },
+    /// An image larger than any camera's.
+    #[error("{place}: the image has {width} x {height} pixels; at most {} are read", Count(*limit))]
+    TooManyPixels {
+        /// File at fault.
+        place: Place,
+        /// Pixels of a row.
+        width: u32,
+        /// Rows.
+        height: u32,
+        /// Number of pixels up to which it would have been read.
+        limit: u64,
+    },
+    /// A mask in colour or with transparent pixels.
+    #[error("{place}: {found}; a mask has one channel")]
+    MaskChannels {
+        /// File at fault.
+        place: Place,
+        /// What was found, with the first pixel of it.
+        found: String,
+    },
+    /// A mask with several dark values: labels of several things.
+    #[error("{place}: values {}; a mask has two, 0 and 255", listed_levels(levels))]
+    MaskLevels {
+        /// File at fault.
+        place: Place,
+        /// Values found, rising.
+        levels: Vec<u8>,
+    },
     /// Links and points that are no kinematic tree.
     #[error("{place}: not a valid body")]
     Body {
@@ -290,6 +318,17 @@ fn scale_advice(found: f64, scale: f64) -> String {
     }
     let suited = [100.0, 255.0, 1000.0].into_iter().find(|&candidate| candidate > scale && found <= candidate);
     suited.map(|suited| format!("; set `confidence_scale = {suited}`")).unwrap_or_default()
+}
+
+fn extension(name: &str) -> &str {
+    name.rsplit_once('.').map_or("json", |(_, extension)| extension)
+}
+
+fn listed_levels(levels: &[u8]) -> String {
+    const SHOWN: usize = 5;
+    let shown: Vec<String> = levels.iter().take(SHOWN).map(u8::to_string).collect();
+    let more = if levels.len() > SHOWN { format!(" and {} more", levels.len() - SHOWN) } else { String::new() };
+    format!("{}{more}", shown.join(", "))
 }
 
 fn difference(frames: u64, other_frames: u64, ends: (i64, i64)) -> String {
@@ -341,6 +380,9 @@ impl Error {
             Self::NotTriples { .. } => "give each keypoint as x, y and confidence".into(),
             Self::Confidence { .. } => "`confidence_scale` is the confidence that means certainty: 100 for percent".into(),
             Self::NoFrameNumber { .. } => "rename the file, or take it out of the folder".into(),
+            Self::TooManyPixels { .. } => "is this the right file? make the images smaller if it is, and declare their scale".into(),
+            Self::MaskChannels { .. } => "write masks as PNG with one channel: 0 for the background, 255 for the person".into(),
+            Self::MaskLevels { .. } => "choose the label of the person and write it as 255, all else as 0".into(),
             Self::Body { .. } => "`sinew body h32` shows a body that is valid".into(),
         };
         Some(help)

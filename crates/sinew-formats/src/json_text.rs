@@ -23,7 +23,7 @@ pub fn parse<T: DeserializeOwned>(name: &str, text: &str) -> Result<T, Error> {
     serde_json::from_str(&json).map_err(|error| {
         if error.is_eof() || (scan.open != NOTHING && is_at_end(&json, &error)) {
             let (place, offset) = (Place::file(name), text.len());
-            return Error::Truncated { place, inside: scan.open, offset, line: line_at(text, offset) };
+            return Error::Truncated { place, inside: scan.open, offset, line: Some(line_at(text, offset)) };
         }
         let place = Place::file(name);
         let line = error.line();

@@ -15,6 +15,8 @@
 //! | [`body_toml`] | kinematic trees of our own | yes | yes |
 //! | [`zarr`] | draws and statistics (ArviZ, xarray) | – | yes |
 //! | [`asf`], [`amc`] | Acclaim skeleton and motion | yes | – |
+//! | [`mask`] | silhouettes (PNG) | yes | yes |
+//! | [`picture`] | colour images (PNG, JPEG) | yes | PNG |
 //!
 //! ```
 //! use sinew_formats::{calib_toml, camera_name, frame_number, layout, openpose};
@@ -41,11 +43,14 @@ mod error;
 pub mod frame_number;
 pub mod json_text;
 pub mod layout;
+pub mod mask;
 pub mod mot;
 pub mod nearest;
 mod numbers;
 pub mod openpose;
+pub mod picture;
 mod place;
+mod png_file;
 pub mod point_table;
 pub mod rotation;
 mod row_time;

@@ -190,7 +190,7 @@ fn records(name: &str, text: &str, separator: char) -> Result<Vec<(usize, Vec<St
                 if quoted {
                     if chars.peek().is_none() {
                         let (inside, offset) = ("a quoted cell", text.len());
-                        return Err(Error::Truncated { place: Place::file(name), inside, offset, line: start });
+                        return Err(Error::Truncated { place: Place::file(name), inside, offset, line: Some(start) });
                     }
                     cell.push('\n');
                     continue;

@@ -55,7 +55,7 @@ fn grammar_error(name: &str, text: &str, error: &toml::de::Error) -> Error {
     let rest = text.get(span.start..).unwrap_or_default();
     if rest.trim_start().is_empty() && !text.trim().is_empty() {
         let inside = if error.message().contains("string") { "a string" } else { open_bracket(text) };
-        return Error::Truncated { place, inside, offset: text.len(), line: line_at(text, text.len()) };
+        return Error::Truncated { place, inside, offset: text.len(), line: Some(line_at(text, text.len())) };
     }
     let place = place.at_line(line_at(text, span.start));
     if error.message().contains("duplicate key") {

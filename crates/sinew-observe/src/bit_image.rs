@@ -30,7 +30,7 @@ impl BitImage {
         Self { width, height, stride, words: vec![0; stride * width] }
     }
 
-    /// An image of the pixels (x, y) for which `is_set` says so.
+    /// An image from what each pixel (x, y) is; each is asked once, row by row.
     #[must_use]
     pub fn from_fn(width: usize, height: usize, mut is_set: impl FnMut(usize, usize) -> bool) -> Self {
         let mut image = Self::new(width, height);
@@ -150,6 +150,20 @@ mod tests {
         image.fill(2, 0..70);
         assert_eq!(image, BitImage::new(2, 70));
         assert!(!image.get(0, 70) && !image.get(2, 0));
+    }
+
+    #[test]
+    fn a_pattern_is_kept() {
+        for (width, height) in [(0, 0), (0, 3), (1, 1), (63, 2), (64, 70), (131, 3)] {
+            let pattern = |x: usize, y: usize| (x * x + 3 * y) % 7 < 3 || x + 1 == width;
+            let mut asked = Vec::new();
+            let image = BitImage::from_fn(width, height, |x, y| {
+                asked.push((y, x));
+                pattern(x, y)
+            });
+            assert!(asked.is_sorted() && asked.len() == width * height);
+            assert!((0..height).all(|y| (0..width).all(|x| image.get(x, y) == pattern(x, y))));
+        }
     }
 
     #[test]

@@ -24,11 +24,16 @@
 //! # Ok::<(), sinew_observe::Error>(())
 //! ```
 pub mod association;
+pub mod background;
 pub mod bit_image;
 pub mod camera;
 pub mod colour_histogram;
+pub mod cleaning;
+pub mod contour_map;
 pub mod cross_view;
+pub mod distance_map;
 mod distortion;
+pub mod edges;
 mod error;
 pub mod hull;
 pub mod image_likelihood;
@@ -45,6 +50,7 @@ pub mod pixel_fit;
 pub mod raster;
 pub mod rgb_image;
 pub mod solid_body;
+pub mod smoothing;
 pub mod triangulate;
 pub mod working_raster;
 pub use camera::{Camera, Distortion, Intrinsics, MIN_DEPTH_M, Projection};

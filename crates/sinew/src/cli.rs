@@ -10,6 +10,7 @@ mod manual;
 mod misplaced;
 mod progress;
 mod report;
+mod segment;
 mod track;
 
 use args::{Cli, Command, General};
@@ -56,6 +57,7 @@ pub(crate) fn main() -> ExitCode {
         Command::Inspect(args) => inspect::run(args, &cli.general, &report),
         Command::Track(args) => track::run(args, &cli.general, &report),
         Command::Convert(args) => convert::run(args, &cli.general, &report),
+        Command::Segment(args) => segment::run(args, &cli.general, &report),
         Command::Body { body, answer } => body::run(body, *answer),
         Command::Completions { shell } => manual::completions(*shell),
         Command::Man => manual::man(),

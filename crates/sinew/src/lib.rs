@@ -5,6 +5,8 @@
 //! | module | what |
 //! |---|---|
 //! | [`recording`], [`synthetic`] | where frames come from: keypoint files, or a simulated walker |
+//! | [`silhouettes`], [`pictures`] | masks and images of the same cameras, frame by frame |
+//! | [`segment`] | masks from images and images of the background |
 //! | [`setup`] | sizes of the person, offsets of the cameras, noise: one value |
 //! | [`pipeline`] | frames to estimates |
 //! | [`job`], [`output`] | a whole run with its result folder |
@@ -44,14 +46,18 @@ mod error;
 pub mod estimate;
 pub mod evaluation;
 pub mod files;
+mod image_folder;
 pub mod inspect;
 pub mod job;
 pub mod motion;
 pub mod output;
+pub mod pictures;
 pub mod pipeline;
 pub mod problem28;
 pub mod recording;
+pub mod segment;
 pub mod setup;
+pub mod silhouettes;
 pub mod synthetic;
 
 pub use error::Error;

@@ -6,7 +6,7 @@
 //! Frames go by the number in the file names. A number without a file is a frame that the camera missed.
 
 mod guess;
-mod listing;
+pub(crate) mod listing;
 pub mod survey;
 
 use crate::{Error, files};
@@ -15,6 +15,7 @@ use sinew_formats::openpose::{self, Person, Tally};
 use sinew_formats::source_text::{MAX_CONFIG_BYTES, MAX_KEYPOINT_BYTES};
 use sinew_formats::{Layout, calib_toml, camera_name, frame_number, layout};
 use sinew_observe::Camera;
+use std::borrow::Borrow;
 use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -46,6 +47,7 @@ impl Default for Options {
 #[derive(Debug)]
 pub struct Recording {
     cameras: Vec<Camera>,
+    calibrated: Vec<String>,
     files: Vec<CameraFiles>,
     layout: Layout,
     confidence_scale: f64,
@@ -72,6 +74,7 @@ impl Recording {
         let calibration_hash = files::fnv(files::FNV_START, text.as_bytes());
         let calibration = calib_toml::read(&calibration.display().to_string(), &text)?;
         let mut warnings: Vec<String> = calibration.warnings.iter().map(ToString::to_string).collect();
+        let calibrated = calibration.cameras.iter().map(|camera| camera.name.clone()).collect();
         let folders = listing::camera_folders(keypoints)?;
         let (cameras, folders) = chosen(calibration.cameras, folders, options.cameras.as_deref())?;
 
@@ -84,14 +87,14 @@ impl Recording {
         let mut listed = Vec::new();
         for (folder, camera) in matching.pairs {
             let Some(folder) = folders.get_mut(folder).and_then(Option::take) else { continue };
-            listed.push(listing::files(folder, &cameras[camera].name)?);
+            listed.push(listing::files(folder, &cameras[camera].name, "keypoint files")?);
             used.push(cameras[camera].resized(options.image_scale));
         }
         if used.len() == 1 {
             warnings.push("one camera: depth comes from the prior only".into());
         }
 
-        let (available, frames) = ranges(&listed, options)?;
+        let (available, frames) = ranges(&listed, options.frames.as_ref(), options.trim)?;
         if let Some(asked) =
             options.frames.as_ref().filter(|asked| asked.start < frames.start || asked.end > frames.end)
         {
@@ -126,6 +129,7 @@ impl Recording {
             beyond_lens: vec![0; used.len()],
             counted: vec![false; (frames.end - frames.start) as usize],
             cameras: used,
+            calibrated,
             files: listed,
             layout,
             confidence_scale: options.confidence_scale,
@@ -143,6 +147,12 @@ impl Recording {
     #[must_use]
     pub fn cameras(&self) -> &[Camera] {
         &self.cameras
+    }
+
+    /// Names of all cameras in the calibration, those without keypoints included.
+    #[must_use]
+    pub fn calibrated(&self) -> &[String] {
+        &self.calibrated
     }
 
     /// Size of the images over that of the calibrated ones; the cameras are resized by it.
@@ -303,22 +313,27 @@ fn no_such_frames(asked: &Range<u64>, available: &Range<u64>) -> Error {
 }
 
 /// Frames that exist and frames to be tracked.
-fn ranges(listed: &[CameraFiles], options: &Options) -> Result<(Range<u64>, Range<u64>), Error> {
-    let whole: Vec<(&str, Range<u64>)> = listed.iter().map(|files| (files.camera.as_str(), files.range())).collect();
+pub(crate) fn ranges(
+    listed: &[impl Borrow<CameraFiles>],
+    asked: Option<&Range<u64>>,
+    trim: bool,
+) -> Result<(Range<u64>, Range<u64>), Error> {
+    let whole: Vec<(&str, Range<u64>)> =
+        listed.iter().map(Borrow::borrow).map(|files: &CameraFiles| (files.camera.as_str(), files.range())).collect();
     let available = frame_number::common_range(&whole, true)?;
-    let frames = match &options.frames {
-        None => frame_number::common_range(&whole, options.trim)?,
+    let frames = match asked {
+        None => frame_number::common_range(&whole, trim)?,
         Some(asked) => {
             let cut = |range: &Range<u64>| {
                 let start = range.start.max(asked.start);
                 start..range.end.min(asked.end).max(start)
             };
             let cut: Vec<(&str, Range<u64>)> = whole.iter().map(|(name, range)| (*name, cut(range))).collect();
-            frame_number::common_range(&cut, options.trim)?
+            frame_number::common_range(&cut, trim)?
         }
     };
     if frames.is_empty() {
-        return Err(match &options.frames {
+        return Err(match asked {
             Some(asked) => no_such_frames(asked, &available),
             None => Error::Input {
                 message: "no frame is in all cameras".into(),
@@ -326,7 +341,7 @@ fn ranges(listed: &[CameraFiles], options: &Options) -> Result<(Range<u64>, Rang
             },
         });
     }
-    let most = listed.iter().map(|files| files.len()).max().unwrap_or_default() as u64;
+    let most = listed.iter().map(|files| files.borrow().len()).max().unwrap_or_default() as u64;
     if frames.end - frames.start > 1000 * (most + 1) {
         return Err(Error::Input {
             message: format!(

@@ -11,7 +11,7 @@ use std::path::Path;
 pub type Check = fn(&[u8]);
 
 /// Every fuzz target.
-pub const CHECKS: [(&str, Check); 17] = [
+pub const CHECKS: [(&str, Check); 19] = [
     ("openpose", checks::openpose),
     ("calib_toml", checks::calib_toml),
     ("layout", checks::layout),
@@ -21,6 +21,8 @@ pub const CHECKS: [(&str, Check); 17] = [
     ("bvh", checks::bvh),
     ("asf_amc", checks::asf_amc),
     ("tidy_csv", checks::tidy_csv),
+    ("mask", checks::mask),
+    ("picture", checks::picture),
     ("file_names", checks::file_names),
     ("settings", program_checks::settings),
     ("setup", program_checks::setup),

@@ -90,6 +90,7 @@ impl General {
             Command::Demo(_) | Command::Track(_) => return vec![],
             Command::Inspect(_) => &["config"],
             Command::Convert(_) => &["force"],
+            Command::Segment(_) => &["out", "force"],
             Command::Body { .. } | Command::Completions { .. } | Command::Man => &[],
         };
         let given = self.settings().into_iter().map(|(key, _)| key).chain(self.config.as_ref().map(|_| "config"));
@@ -122,6 +123,12 @@ pub(crate) enum Command {
     /// Convert motion between TRC, BVH, MOT and CSV, and from ASF/AMC
     #[command(help_template = template!("sinew convert markers.trc markers.csv", "sinew convert 07_01.amc walk.bvh --skeleton 07.asf"))]
     Convert(ConvertArgs),
+    /// Make masks of who stands before a background that does not move
+    #[command(help_template = template!(
+        "sinew segment --background empty --images images -o masks",
+        "sinew segment --background before --background after --images images --shadow 0.5 -o masks"
+    ))]
+    Segment(SegmentArgs),
     /// Show a body as a tree
     #[command(help_template = template!("sinew body h32", "sinew body my_body.toml"))]
     Body {
@@ -167,6 +174,27 @@ pub(crate) struct ConvertArgs {
     /// Frames per second where the input has none [default: 120 for .amc]
     #[arg(long, value_name = "F")]
     pub(crate) fps: Option<f64>,
+    #[command(flatten)]
+    pub(crate) answer: Answer,
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct SegmentArgs {
+    /// Images of the cameras without anybody; more folders of them: repeat the flag
+    #[arg(long, required = true, value_name = "DIR")]
+    pub(crate) background: Vec<PathBuf>,
+    /// Images of the cameras: <camera>_<frame>.jpg, or folders <camera>
+    #[arg(long, value_name = "DIR")]
+    pub(crate) images: PathBuf,
+    /// Standard deviations from the background that make a pixel the person's
+    #[arg(long, value_name = "N", default_value_t = 5.0, allow_negative_numbers = true)]
+    pub(crate) threshold: f32,
+    /// Take the background's colour for a shadow down to this share of its brightness
+    #[arg(long, value_name = "SHARE", allow_negative_numbers = true)]
+    pub(crate) shadow: Option<f32>,
+    /// Keep parts with at least this share of the pixels of the largest
+    #[arg(long, value_name = "SHARE", default_value_t = 0.1, allow_negative_numbers = true)]
+    pub(crate) least_part: f64,
     #[command(flatten)]
     pub(crate) answer: Answer,
 }

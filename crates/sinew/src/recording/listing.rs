@@ -1,8 +1,8 @@
-//! Camera folders and the keypoint files in them, by frame number.
+//! The files of each camera, by frame number: keypoints in a folder a camera, images in such folders or side by side in one.
 
 use crate::Error;
 use sinew_formats::{Error as FormatError, frame_number};
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 use std::ffi::OsString;
 use std::fs;
 use std::ops::Range;
@@ -46,77 +46,88 @@ struct Names {
     files: Vec<(u64, u32)>,
     unnumbered: Vec<OsString>,
     patterns: Vec<Pattern>,
+    known: HashMap<Pattern, u32>,
 }
 
-/// A folder that may belong to a camera.
+impl Names {
+    fn is_empty(&self) -> bool {
+        self.files.is_empty() && self.unnumbered.is_empty()
+    }
+
+    fn add(&mut self, name: OsString) {
+        match Pattern::of(name.clone()) {
+            (None, _) => self.unnumbered.push(name),
+            (Some(number), pattern) => {
+                let next = self.patterns.len() as u32;
+                let place = *self.known.entry(pattern.clone()).or_insert_with(|| {
+                    self.patterns.push(pattern);
+                    next
+                });
+                self.files.push((number, place));
+            }
+        }
+    }
+}
+
+/// What may be the files of a camera.
 #[derive(Debug)]
-pub(super) struct Folder {
-    pub(super) name: String,
+pub(crate) struct Folder {
+    /// Name of the folder, or what the names of the files begin with.
+    pub(crate) name: String,
     path: PathBuf,
     names: Names,
 }
 
-/// Keypoint files of a camera, by rising frame number.
+/// Files of a camera, by rising frame number.
 #[derive(Debug)]
-pub(super) struct CameraFiles {
-    pub(super) camera: String,
-    pub(super) folder: PathBuf,
+pub(crate) struct CameraFiles {
+    pub(crate) camera: String,
+    pub(crate) folder: PathBuf,
     names: Names,
 }
 
 impl CameraFiles {
-    pub(super) fn len(&self) -> usize {
+    pub(crate) fn len(&self) -> usize {
         self.names.files.len()
     }
 
-    pub(super) fn numbers(&self) -> impl Iterator<Item = u64> + '_ {
+    pub(crate) fn numbers(&self) -> impl Iterator<Item = u64> + '_ {
         self.names.files.iter().map(|(number, _)| *number)
     }
 
     /// From the first number to the last, holes included.
-    pub(super) fn range(&self) -> Range<u64> {
+    pub(crate) fn range(&self) -> Range<u64> {
         match (self.names.files.first(), self.names.files.last()) {
             (Some((first, _)), Some((last, _))) => *first..last.saturating_add(1),
             _ => 0..0,
         }
     }
 
-    pub(super) fn path(&self, number: u64) -> Option<PathBuf> {
+    pub(crate) fn path(&self, number: u64) -> Option<PathBuf> {
         let index = self.names.files.binary_search_by_key(&number, |(found, _)| *found).ok()?;
         let pattern = self.names.files[index].1 as usize;
         Some(self.folder.join(self.names.patterns[pattern].name(number)))
     }
 }
 
-fn is_json(name: &OsString) -> bool {
-    Path::new(name).extension().is_some_and(|extension| extension.eq_ignore_ascii_case("json"))
+fn has_extension(name: &OsString, extensions: &[&str]) -> bool {
+    let extension = Path::new(name).extension();
+    extension.is_some_and(|found| extensions.iter().any(|wanted| found.eq_ignore_ascii_case(wanted)))
 }
 
-fn json_files(folder: &Path) -> Result<Names, Error> {
+fn names_in(folder: &Path, extensions: &[&str]) -> Result<Names, Error> {
     let mut names = Names::default();
-    let mut known: HashMap<Pattern, u32> = HashMap::new();
     for entry in fs::read_dir(folder).map_err(Error::io("read", folder))? {
         let name = entry.map_err(Error::io("read", folder))?.file_name();
-        if !is_json(&name) {
-            continue;
-        }
-        match Pattern::of(name.clone()) {
-            (None, _) => names.unnumbered.push(name),
-            (Some(number), pattern) => {
-                let next = known.len() as u32;
-                let place = *known.entry(pattern.clone()).or_insert_with(|| {
-                    names.patterns.push(pattern);
-                    next
-                });
-                names.files.push((number, place));
-            }
+        if has_extension(&name, extensions) {
+            names.add(name);
         }
     }
     Ok(names)
 }
 
 /// Folders with keypoint files, and those whose name says that they should have some, by name.
-pub(super) fn camera_folders(keypoints: &Path) -> Result<Vec<Folder>, Error> {
+pub(crate) fn camera_folders(keypoints: &Path) -> Result<Vec<Folder>, Error> {
     let mut folders = Vec::new();
     let mut loose = 0;
     for entry in fs::read_dir(keypoints).map_err(Error::io("read", keypoints))? {
@@ -124,11 +135,11 @@ pub(super) fn camera_folders(keypoints: &Path) -> Result<Vec<Folder>, Error> {
         let path = entry.path();
         if path.is_dir() {
             let name = entry.file_name().to_string_lossy().into_owned();
-            let names = json_files(&path)?;
-            if !names.files.is_empty() || !names.unnumbered.is_empty() || name.ends_with("_json") {
+            let names = names_in(&path, &["json"])?;
+            if !names.is_empty() || name.ends_with("_json") {
                 folders.push(Folder { name, path, names });
             }
-        } else if is_json(&entry.file_name()) {
+        } else if has_extension(&entry.file_name(), &["json"]) {
             loose += 1;
         }
     }
@@ -156,20 +167,61 @@ pub(super) fn camera_folders(keypoints: &Path) -> Result<Vec<Folder>, Error> {
     Ok(folders)
 }
 
-/// The files of a folder in the order of their numbers.
-pub(super) fn files(folder: Folder, camera: &str) -> Result<CameraFiles, Error> {
-    let Folder { name: folder_name, path, mut names } = folder;
-    let shown = |name: &OsString| format!("{folder_name}/{}", name.to_string_lossy());
+/// Files in folders, and those that lie side by side by what their names begin with before the frame number.
+#[derive(Debug, Default)]
+pub(crate) struct Images {
+    /// A folder each, by name: those with files, and those that are asked for.
+    pub(crate) folders: Vec<Folder>,
+    /// Files of the folder itself, by the beginning of their names.
+    pub(crate) loose: Vec<Folder>,
+    /// A file without a frame number in the folder itself.
+    pub(crate) unnumbered: Option<OsString>,
+}
+
+/// Files with one of the extensions in a folder and in the folders in it.
+pub(crate) fn images(root: &Path, extensions: &[&str], is_asked: impl Fn(&str) -> bool) -> Result<Images, Error> {
+    let mut found = Images::default();
+    let mut loose: BTreeMap<String, Names> = BTreeMap::new();
+    for entry in fs::read_dir(root).map_err(Error::io("read", root))? {
+        let entry = entry.map_err(Error::io("read", root))?;
+        let (path, name) = (entry.path(), entry.file_name());
+        if path.is_dir() {
+            let names = names_in(&path, extensions)?;
+            let name = name.to_string_lossy().into_owned();
+            if !names.is_empty() || is_asked(&name) {
+                found.folders.push(Folder { name, path, names });
+            }
+        } else if has_extension(&name, extensions) {
+            match Pattern::of(name.clone()) {
+                (Some(_), Pattern::Numbered { before, .. }) => {
+                    let camera = before.trim_end_matches(|c: char| !c.is_alphanumeric()).to_owned();
+                    loose.entry(camera).or_default().add(name);
+                }
+                _ => found.unnumbered = found.unnumbered.into_iter().chain([name]).min(),
+            }
+        }
+    }
+    found.folders.sort_by(|a, b| a.name.cmp(&b.name));
+    found.loose = loose.into_iter().map(|(name, names)| Folder { name, path: root.to_owned(), names }).collect();
+    Ok(found)
+}
+
+/// The files of a camera in the order of their numbers; `kind` is a word for them.
+pub(crate) fn files(folder: Folder, camera: &str, kind: &str) -> Result<CameraFiles, Error> {
+    let Folder { path, mut names, .. } = folder;
+    let within = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+    let shown = |name: &OsString| format!("{within}/{}", name.to_string_lossy());
     if let Some(name) = names.unnumbered.iter().min() {
         return Err(FormatError::NoFrameNumber { name: shown(name) }.into());
     }
     if names.files.is_empty() {
         return Err(Error::Input {
-            message: format!("`{}` holds no keypoint files", path.display()),
+            message: format!("`{}` holds no {kind}", path.display()),
             help: Some("fill the folder or remove it, or leave the camera out of `--cameras`".into()),
         });
     }
     names.files.sort_unstable();
+    names.known = HashMap::new();
     if let Some(&[(frame, a), (_, b)]) =
         names.files.windows(2).filter_map(|pair| pair.first_chunk()).find(|[a, b]| a.0 == b.0)
     {

@@ -59,7 +59,7 @@ pub fn survey(keypoints: &Path, options: &Options) -> Result<Survey, Error> {
     let mut listed = Vec::new();
     for folder in folders {
         let name = folder.name.clone();
-        listed.push(listing::files(folder, &name)?);
+        listed.push(listing::files(folder, &name, "keypoint files")?);
     }
     let (layout, guessed) = match &options.layout {
         Some(name) => (named_layout(name)?, None),

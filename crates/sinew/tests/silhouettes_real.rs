@@ -1,0 +1,51 @@
+//! Masks and images of a real recording: counts of pixels that were taken when the masks were made.
+
+use sinew::formats::calib_toml;
+use sinew::pictures::Pictures;
+use sinew::silhouettes::{Options, Silhouettes};
+use std::path::{Path, PathBuf};
+
+fn folder() -> Option<PathBuf> {
+    let beside = || Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data");
+    let folder = std::env::var_os("SINEW_DATA").map_or_else(beside, PathBuf::from).join("pose2sim_silhouettes");
+    if folder.is_dir() {
+        return Some(folder);
+    }
+    println!("skipped: no data");
+    None
+}
+
+#[test]
+fn masks_have_the_pixels_that_they_were_made_with() {
+    let Some(folder) = folder() else { return };
+    let calibration = std::fs::read_to_string(folder.join("Calib.toml")).unwrap();
+    let cameras = calib_toml::read("Calib.toml", &calibration).unwrap().cameras;
+    let options = Options { scale: Some(0.5), ..Options::default() };
+    let mut silhouettes = Silhouettes::open(&folder.join("silhouettes"), &cameras, &options).unwrap();
+    assert_eq!(silhouettes.frames(), 0..100);
+    for (frame, counts) in
+        [(0, [42499, 26258, 43353, 46302]), (50, [38605, 33234, 39423, 38883]), (99, [46715, 35101, 32934, 30119])]
+    {
+        let masks = silhouettes.frame(frame).unwrap();
+        let found: Vec<u64> = masks.iter().flatten().map(|mask| mask.count()).collect();
+        assert_eq!(found, counts);
+        assert_eq!(masks[0].as_ref().map(|mask| [mask.width(), mask.height()]), Some([540, 960]));
+        assert_eq!(masks[3].as_ref().map(|mask| [mask.width(), mask.height()]), Some([544, 960]));
+    }
+    let warnings = silhouettes.warnings();
+    assert_eq!(warnings.len(), 2, "{warnings:?}");
+    assert!(
+        warnings[0].ends_with("calibrated at 1088x1920, times 0.5 is 544x960, masks are 540x960; taken as they are")
+    );
+
+    let mut pictures = Pictures::open(&folder.join("images"), &cameras, &options).unwrap();
+    assert_eq!(pictures.numbers(), (0..100).step_by(5).collect::<Vec<_>>());
+    let images = pictures.frame(95).unwrap();
+    assert!(images.iter().flatten().count() == 4);
+    // The man stands before a bright window in none of them: images are neither black nor white.
+    for image in images.iter().flatten() {
+        let grey = image.grey();
+        let mean = grey.values.iter().sum::<f32>() / grey.values.len() as f32;
+        assert!((0.1..0.9).contains(&mean), "{mean}");
+    }
+}
