@@ -90,6 +90,15 @@ impl Flesh {
         &self.parents
     }
 
+    /// The solid that a link belongs to.
+    ///
+    /// # Panics
+    /// If the link is not in the tree.
+    #[must_use]
+    pub fn owner(&self, link: usize) -> usize {
+        self.owner[link]
+    }
+
     /// Degrees of freedom that belong to each solid, those of its links: they cover the state once. A second solid of one link has none.
     #[must_use]
     pub fn coordinates(&self, tree: &KinematicTree) -> Vec<Vec<usize>> {

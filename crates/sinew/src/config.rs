@@ -11,7 +11,7 @@ mod track;
 pub mod value;
 
 pub use crate::pipeline::Method;
-pub use track::TrackConfig;
+pub use track::{Init, TrackConfig};
 
 use crate::Error;
 use setting::{SETTINGS, is_local};
@@ -157,7 +157,7 @@ impl Resolved {
 
     /// What no setting alone can tell.
     fn check(&self) -> Result<(), Error> {
-        if self.text("method").as_deref() == Some("bootstrap") {
+        if self.text("method").as_deref() != Some("hmc") {
             return Ok(());
         }
         let (burn_in, updates) = (self.count("burn_in").unwrap_or_default(), self.count("updates").unwrap_or(1));
@@ -173,15 +173,22 @@ impl Resolved {
     pub fn idle_flags(&self) -> Vec<String> {
         let is = |key: &str, value: &str| self.text(key).as_deref() == Some(value);
         let idle = |key: &str| match key {
-            "particles" | "min_ess" if is("method", "hmc") => Some("`--method hmc`"),
+            "particles" | "min_ess" if is("method", "hmc") => Some("`--method hmc`".to_owned()),
             "chains" | "updates" | "burn_in" | "jitter" | "max_r_hat" | "max_r_hat_share" | "max_divergent_share"
-                if is("method", "bootstrap") =>
+                if !is("method", "hmc") =>
             {
-                Some("`--method bootstrap`")
+                Some(format!("`--method {}`", self.text("method").unwrap_or_default()))
             }
-            "degrees" if is("noise", "floor") => Some("`--noise floor`"),
-            "outlier" if is("noise", "student-t") => Some("`--noise student-t`"),
-            "setup_frames" | "person" if self.values.contains_key("setup") => Some("`--setup`"),
+            "layers" | "survival" if !is("method", "annealed") => Some("a method other than `annealed`".to_owned()),
+            "fine" if !is("method", "coarse-to-fine") => Some("a method other than `coarse-to-fine`".to_owned()),
+            "images" | "silhouette_scale" | "score" | "kappa" | "raster"
+                if !self.values.contains_key("silhouettes") =>
+            {
+                Some("no `--silhouettes`".to_owned())
+            }
+            "degrees" if is("noise", "floor") => Some("`--noise floor`".to_owned()),
+            "outlier" if is("noise", "student-t") => Some("`--noise student-t`".to_owned()),
+            "setup_frames" | "person" if self.values.contains_key("setup") => Some("`--setup`".to_owned()),
             _ => None,
         };
         let given = self.values.iter().filter(|(_, (_, origin))| *origin == Origin::Flag);
@@ -246,10 +253,10 @@ impl Resolved {
         }
     }
 
-    /// The folder that holds the keypoint folder.
+    /// The folder that holds the keypoint folder, or that of the masks.
     fn trial_folder(&self) -> Option<PathBuf> {
-        let keypoints = std::path::absolute(self.path("keypoints")?).ok()?;
-        normal(&keypoints).parent().map(Path::to_owned)
+        let input = self.path("keypoints").or_else(|| self.path("silhouettes"))?;
+        normal(&std::path::absolute(input).ok()?).parent().map(Path::to_owned)
     }
 
     /// Settings with their origins, one line each, as TOML with comments.

@@ -22,7 +22,7 @@ use crate::setup::Setup;
 use crate::{Error, files};
 use sinew_body::KinematicTree;
 use sinew_core::lanes::Isa;
-use sinew_formats::source_text::MAX_CONFIG_BYTES;
+use sinew_formats::source_text::MAX_TEXT_BYTES;
 use sinew_observe::Camera;
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::{ControlFlow, Range};
@@ -103,6 +103,10 @@ pub fn track<S: FrameSource>(
                     ControlFlow::Break(()) => Err(Error::Interrupted("before tracking went on; nothing was changed")),
                 }
             })?;
+            if source.image_cameras().is_some() {
+                let first = source.frames().start;
+                (first..first + from.done).try_for_each(|number| source.images(number).map(drop))?;
+            }
             from.check_inputs(&hashes(&source), &source.frames()).map_err(refused)?;
             (source, setup, from)
         }
@@ -143,7 +147,10 @@ pub fn track<S: FrameSource>(
     let setup_s = clock.elapsed().as_secs_f64();
     let tree = setup.tree();
     let cameras = source.cameras().to_vec();
-    let mut pipeline = Pipeline::new(&setup, &tree, &cameras, source.layout(), settings.clone())?;
+    source.begin_tracking();
+    let image_cameras = source.image_cameras();
+    let mut pipeline =
+        Pipeline::with_images(&setup, &tree, &cameras, source.layout(), settings.clone(), image_cameras.as_deref())?;
     if let Some(state) = &from.pipeline {
         pipeline.restore(state).map_err(refused)?;
     }
@@ -336,7 +343,7 @@ fn texts(from: &Checkpoint) -> Result<Texts, Error> {
 fn file_hashes(resolved: &Resolved) -> Result<BTreeMap<String, String>, Error> {
     let mut hashes = BTreeMap::new();
     for (key, path) in resolved.files() {
-        let text = files::read_text(&path, MAX_CONFIG_BYTES)?;
+        let text = files::read_text(&path, MAX_TEXT_BYTES)?;
         hashes.insert(key.to_owned(), format!("{:016x}", files::fnv(files::FNV_START, text.as_bytes())));
     }
     Ok(hashes)
@@ -371,6 +378,11 @@ fn settings(config: &TrackConfig) -> Result<Settings, Error> {
         burn_in: config.burn_in,
         jitter: config.jitter,
         particles: config.particles,
+        layers: config.layers,
+        survival: config.survival,
+        fine: config.fine,
+        score: config.score,
+        raster: config.raster,
         draws: config.draws,
         ..Settings::default()
     })

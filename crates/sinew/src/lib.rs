@@ -46,6 +46,7 @@ mod error;
 pub mod estimate;
 pub mod evaluation;
 pub mod files;
+pub mod footage;
 mod image_folder;
 pub mod inspect;
 pub mod job;

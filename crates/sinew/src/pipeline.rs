@@ -10,16 +10,23 @@
 //! Frames without the person continue on the motion prior and are flagged. Someone who was lost for some frames and is found again elsewhere restarts the tracker at the pose that fits there.
 //! Nothing is kept but the tracker and a few numbers a frame, so memory does not grow.
 
+mod images;
 mod marginals;
+mod method;
 pub mod motion;
+mod observed;
 mod oddities;
 mod predictive;
 mod restart;
 mod scene;
 mod smooth;
 mod source;
+mod trackers;
 mod unknown_size;
 
+pub use images::{Coverage, FrameImages, ImageState, Images};
+pub use method::{METHODS, Method, Score};
+pub use observed::Observed;
 pub use predictive::Doubt;
 pub use scene::{Scene, SceneState};
 pub use smooth::{Spool, TRAJECTORIES, smooth};
@@ -30,46 +37,27 @@ use crate::checkpoint::{self, Problem};
 use crate::estimate::{Carried, Draws, FrameEstimate, HmcStatistics, ParticleStatistics, Quality};
 use crate::setup::{self, Setup};
 use marginals::Marginals;
-use restart::{Restarting, Steps};
+use restart::Restarting;
 use serde::{Deserialize, Serialize};
 use sinew_body::KinematicTree;
-use sinew_core::density::GaussNewton;
 use sinew_core::lanes::Isa;
 use sinew_core::random::Stage;
 use sinew_core::transition::Moments;
 use sinew_dynamics::random_walk::{Between, RandomWalk};
 use sinew_formats::Layout;
 use sinew_observe::association::{self, Following, follow};
+use sinew_observe::image_score::ImageScore;
 use sinew_observe::{Camera, KeypointLikelihood, Noise};
 use sinew_samplers::tuning;
 use sinew_tracking::posterior::Posterior;
-use sinew_tracking::{Resume as _, StepInfo, bootstrap, hmc_filter, run};
+use sinew_tracking::{Resume as _, StepInfo, hmc_filter, run};
 use std::cell::RefCell;
 use std::ops::{ControlFlow, Range};
 use std::sync::PoisonError;
 use std::sync::atomic::Ordering;
+use trackers::hmc_config;
+pub(crate) use trackers::tracker;
 use unknown_size::UnknownSize;
-
-/// Trackers that the program offers.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Method {
-    /// Hybrid Monte Carlo filter.
-    #[default]
-    Hmc,
-    /// Bootstrap particle filter.
-    Bootstrap,
-}
-
-impl Method {
-    /// Name on the command line and in files.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Hmc => "hmc",
-            Self::Bootstrap => "bootstrap",
-        }
-    }
-}
 
 /// How to track; the default is the preset for real recordings.
 #[derive(Clone, Debug, PartialEq)]
@@ -98,8 +86,18 @@ pub struct Settings {
     pub burn_in: usize,
     /// Jitter of the step size.
     pub jitter: f64,
-    /// Particles of `bootstrap`.
+    /// Particles; those of `coarse-to-fine` at its coarse level.
     pub particles: usize,
+    /// Layers of `annealed`.
+    pub layers: usize,
+    /// Survival rate of `annealed`.
+    pub survival: f64,
+    /// Particles of the fine level of `coarse-to-fine`.
+    pub fine: usize,
+    /// Weighting function of images.
+    pub score: ImageScore,
+    /// Longest side of the raster in which silhouettes are compared, pixels.
+    pub raster: usize,
     /// Thinned draws kept of each frame.
     pub draws: usize,
 }
@@ -119,20 +117,23 @@ impl Default for Settings {
             updates: 32,
             burn_in: 8,
             jitter: 0.2,
-            particles: 10_000,
+            particles: Method::default().usual_particles(),
+            layers: 5,
+            survival: 0.5,
+            fine: 500,
+            score: Method::default().usual_score().with_kappa(100.0),
+            raster: 320,
             draws: 64,
         }
     }
 }
-
-/// What is bound in a frame.
-pub(crate) type Observed = dyn GaussNewton;
 
 /// A tracker with all that surrounds it for one recording.
 pub struct Pipeline {
     settings: Settings,
     tracker: Restarting,
     scene: Scene,
+    images: Option<Images>,
     marginals: Marginals,
     transition: RandomWalk,
 }
@@ -142,6 +143,7 @@ pub struct Pipeline {
 pub struct State {
     tracker: Vec<f64>,
     scene: SceneState,
+    images: Option<ImageState>,
 }
 
 impl Pipeline {
@@ -156,13 +158,37 @@ impl Pipeline {
         layout: &Layout,
         settings: Settings,
     ) -> Result<Self, Error> {
+        Self::with_images(setup, tree, cameras, layout, settings, None)
+    }
+
+    /// The same with silhouettes in cameras that are sized like the masks.
+    ///
+    /// # Errors
+    /// As [`Pipeline::new`]; a body without flesh; a method that cannot use images.
+    pub fn with_images(
+        setup: &Setup,
+        tree: &KinematicTree,
+        cameras: &[Camera],
+        layout: &Layout,
+        settings: Settings,
+        image_cameras: Option<&[Camera]>,
+    ) -> Result<Self, Error> {
+        if image_cameras.is_some() && !settings.method.takes_images() {
+            return Err(Error::Usage {
+                message: format!("method `{}` cannot use silhouettes: they have no gradient", settings.method.name()),
+                help: "use `--method annealed`, or leave `--silhouettes` out".into(),
+            });
+        }
         let scene = Scene::new(setup, tree, cameras, layout, &settings)?;
+        let images = image_cameras.map(|cameras| Images::new(tree, cameras, &settings)).transpose()?;
         let transition = walk(setup, tree, &settings)?;
         let (for_new, walk, known) = (settings.clone(), transition.clone(), setup.clone());
-        let make = Box::new(move |start| tracker(&known, &for_new, &walk, start));
+        let parts =
+            if settings.method.takes_parts() { Some(images::part_tree(tree, &images::flesh_of(tree)?)?) } else { None };
+        let make = Box::new(move |start| tracker(&known, &for_new, &walk, parts.as_ref(), start));
         let tracker = Restarting::new(make, scene.start().to_vec())?;
         let marginals = Marginals::new(tree, settings.isa, UnknownSize::of(setup, cameras, settings.seed));
-        Ok(Self { settings, tracker, scene, marginals, transition })
+        Ok(Self { settings, tracker, scene, images, marginals, transition })
     }
 
     /// Statistics that each frame brings.
@@ -182,13 +208,26 @@ impl Pipeline {
     /// What was odd in the frames tracked so far.
     #[must_use]
     pub fn warnings(&self) -> Vec<String> {
-        self.scene.warnings()
+        let search = self.settings.method.is_search().then(|| {
+            format!(
+                "`{}` is a search: its intervals and draws are what survived it, not a posterior",
+                self.settings.method.name()
+            )
+        });
+        let of_images = self.images.iter().flat_map(Images::warnings);
+        self.scene.warnings().into_iter().chain(search).chain(of_images).collect()
+    }
+
+    /// How well the tracked body covers the silhouettes, camera by camera; empty without silhouettes.
+    #[must_use]
+    pub fn coverage(&self) -> &[Coverage] {
+        self.images.as_ref().map_or(&[], Images::coverage)
     }
 
     /// What the next frame needs of those before it.
     #[must_use]
     pub fn save(&self) -> State {
-        State { tracker: self.tracker.save(), scene: self.scene.save() }
+        State { tracker: self.tracker.save(), scene: self.scene.save(), images: self.images.as_ref().map(Images::save) }
     }
 
     /// Goes on where a pipeline of the same set-up and settings stood, to the same bits.
@@ -197,6 +236,9 @@ impl Pipeline {
     /// A state of another pipeline.
     pub fn restore(&mut self, saved: &State) -> Result<(), Problem> {
         self.scene.restore(&saved.scene)?;
+        if let (Some(images), Some(saved)) = (&mut self.images, &saved.images) {
+            images.restore(saved)?;
+        }
         self.tracker.restore(&saved.tracker).map_err(|error| match error {
             sinew_tracking::Error::Dimension { found, expected, .. } => {
                 checkpoint::state("tracker", format!("{found} numbers"), expected)
@@ -223,8 +265,8 @@ impl Pipeline {
     ) -> Result<(), Error> {
         let mut refused = None;
         let numbers = numbers.into_iter().map_while(|number| frame_index(number).map_err(|e| refused = Some(e)).ok());
-        let Self { settings, tracker, scene, marginals, .. } = self;
-        let scene = RefCell::new(scene);
+        let Self { settings, tracker, scene, images, marginals, .. } = self;
+        let (scene, images) = (RefCell::new(scene), RefCell::new(images));
         let (seed, pending, restarted) = (settings.seed, tracker.pending(), tracker.restarted());
         run(
             tracker,
@@ -232,15 +274,26 @@ impl Pipeline {
             |frame| Stage::new(seed, "track").at_frame(frame),
             |frame, estimate| {
                 let people = source.people(u64::from(frame))?;
-                let (bound, restart) = scene.borrow_mut().observe(&people, estimate);
+                let mut scene = scene.borrow_mut();
+                let (keypoints, restart) = scene.observe(&people, estimate);
                 if restart.is_some() {
                     *pending.lock().unwrap_or_else(PoisonError::into_inner) = restart;
                 }
-                Ok::<Box<Observed>, Error>(Box::new(bound))
+                let images = match &mut **images.borrow_mut() {
+                    Some(images) => Some(images.bind(&source.images(u64::from(frame))?)),
+                    None => None,
+                };
+                Ok::<Observed, Error>(Observed { keypoints, parts: scene.parts(), images })
             },
             |frame, info, posterior| {
                 scene.borrow_mut().note(u64::from(frame), &info.mean, &some_draws(seed, frame, &posterior));
-                let estimate = describe(settings, &scene.borrow(), marginals, u64::from(frame), info, &posterior);
+                let mut images = images.borrow_mut();
+                if let Some(images) = &mut **images {
+                    images.note(u64::from(frame), &info.mean);
+                }
+                let seen_by = images.as_ref().map_or(0, Images::cameras_with_person);
+                let estimate =
+                    describe(settings, &scene.borrow(), seen_by, marginals, u64::from(frame), info, &posterior);
                 record(FrameEstimate { restarted: restarted.load(Ordering::Relaxed), ..estimate }, &posterior)
             },
         )?;
@@ -281,37 +334,6 @@ pub(crate) fn walk(setup: &Setup, tree: &KinematicTree, settings: &Settings) -> 
 
 fn numerical(error: impl std::fmt::Display) -> Error {
     Error::Numerical { message: error.to_string() }
-}
-
-fn hmc_config(setup: &Setup, settings: &Settings) -> hmc_filter::Config {
-    let preset = hmc_filter::Config::real_recordings();
-    hmc_filter::Config {
-        chains: settings.chains,
-        updates: settings.updates,
-        burn_in: settings.burn_in,
-        jitter: settings.jitter,
-        step_size: setup.step_size.unwrap_or(preset.step_size),
-        leapfrog_steps: setup.leapfrog_steps.map_or(preset.leapfrog_steps, |l| l as usize),
-        ..preset
-    }
-}
-
-pub(crate) fn tracker(
-    setup: &Setup,
-    settings: &Settings,
-    transition: &RandomWalk,
-    start: Vec<f64>,
-) -> Result<Box<dyn Steps>, Error> {
-    Ok(match settings.method {
-        Method::Hmc => Box::new(
-            hmc_filter::HmcFilter::new(hmc_config(setup, settings), transition.clone(), start, settings.isa)
-                .map_err(numerical)?,
-        ),
-        Method::Bootstrap => {
-            let config = bootstrap::Config { particles: settings.particles, ..bootstrap::Config::default() };
-            Box::new(bootstrap::Bootstrap::new(config, transition.clone(), start).map_err(numerical)?)
-        }
-    })
 }
 
 /// Trajectory lengths to choose from. In units of the dense metric a trajectory should take a quarter to half of a period, 2π; longer ones come back to where they began.
@@ -386,6 +408,7 @@ fn steady_sd(setup: &Setup, tree: &KinematicTree, settings: &Settings) -> Vec<f6
 fn describe(
     settings: &Settings,
     scene: &Scene,
+    silhouettes: usize,
     marginals: &mut Marginals,
     number: u64,
     info: StepInfo,
@@ -412,7 +435,7 @@ fn describe(
     });
     let (points, state) = marginals.of(posterior);
     let size = marginals.size_draws(kept.iter().copied(), &mut states, posterior.dim);
-    let cameras = scene.cameras_with_person();
+    let cameras = scene.cameras_with_person().max(silhouettes);
     FrameEstimate {
         number,
         restarted: false,

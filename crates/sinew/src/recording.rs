@@ -70,13 +70,13 @@ impl Recording {
     /// What [`calib_toml::read`] refuses; folders that do not fit the calibration; cameras that begin or end apart, unless trimmed; an empty selection; a layout
     /// that is unknown or too poor.
     pub fn open(calibration: &Path, keypoints: &Path, options: &Options) -> Result<Self, Error> {
-        let text = files::read_text(calibration, MAX_CONFIG_BYTES)?;
-        let calibration_hash = files::fnv(files::FNV_START, text.as_bytes());
-        let calibration = calib_toml::read(&calibration.display().to_string(), &text)?;
-        let mut warnings: Vec<String> = calibration.warnings.iter().map(ToString::to_string).collect();
-        let calibrated = calibration.cameras.iter().map(|camera| camera.name.clone()).collect();
+        let Calibrated { cameras, names: calibrated, mut warnings, hash: calibration_hash } =
+            Calibrated::read(calibration)?;
         let folders = listing::camera_folders(keypoints)?;
-        let (cameras, folders) = chosen(calibration.cameras, folders, options.cameras.as_deref())?;
+        let (cameras, folders) = match options.cameras.as_deref() {
+            Some(names) => (chosen_cameras(cameras, names)?, chosen_folders(folders, names)?),
+            None => (cameras, folders),
+        };
 
         let names: Vec<&str> = folders.iter().map(|folder| folder.name.as_str()).collect();
         let camera_names: Vec<&str> = cameras.iter().map(|camera| camera.name.as_str()).collect();
@@ -265,13 +265,30 @@ fn drop_beyond_lens(camera: &Camera, people: &mut [Person]) -> u64 {
     dropped
 }
 
-/// The cameras and folders of the names asked for.
-fn chosen(
-    cameras: Vec<Camera>,
-    folders: Vec<listing::Folder>,
-    names: Option<&[String]>,
-) -> Result<(Vec<Camera>, Vec<listing::Folder>), Error> {
-    let Some(names) = names else { return Ok((cameras, folders)) };
+/// The cameras of a calibration file.
+pub(crate) struct Calibrated {
+    pub(crate) cameras: Vec<Camera>,
+    /// Names of all of them.
+    pub(crate) names: Vec<String>,
+    pub(crate) warnings: Vec<String>,
+    pub(crate) hash: u64,
+}
+
+impl Calibrated {
+    pub(crate) fn read(path: &Path) -> Result<Self, Error> {
+        let text = files::read_text(path, MAX_CONFIG_BYTES)?;
+        let read = calib_toml::read(&path.display().to_string(), &text)?;
+        Ok(Self {
+            names: read.cameras.iter().map(|camera| camera.name.clone()).collect(),
+            cameras: read.cameras,
+            warnings: read.warnings.iter().map(ToString::to_string).collect(),
+            hash: files::fnv(files::FNV_START, text.as_bytes()),
+        })
+    }
+}
+
+/// The cameras of the names asked for.
+pub(crate) fn chosen_cameras(cameras: Vec<Camera>, names: &[String]) -> Result<Vec<Camera>, Error> {
     for name in names {
         let wanted = camera_name::fold(name);
         if !cameras.iter().any(|camera| camera_name::fold(&camera.name) == wanted) {
@@ -283,8 +300,7 @@ fn chosen(
         }
     }
     let wanted: Vec<String> = names.iter().map(|name| camera_name::fold(name)).collect();
-    let cameras = cameras.into_iter().filter(|camera| wanted.contains(&camera_name::fold(&camera.name))).collect();
-    Ok((cameras, chosen_folders(folders, names)?))
+    Ok(cameras.into_iter().filter(|camera| wanted.contains(&camera_name::fold(&camera.name))).collect())
 }
 
 /// The folders of the cameras asked for.

@@ -5,10 +5,11 @@ use super::progress::Progress;
 use super::report::{self, Report};
 use super::{Ended, interrupt};
 use sinew::checkpoint::{self, Checkpoint, Problem};
-use sinew::config::{Resolved, Sources, TrackConfig, resolve};
+use sinew::config::{Init, Resolved, Sources, TrackConfig, resolve};
+use sinew::footage::Footage;
 use sinew::job::{Outcome, Pass, Watch};
 use sinew::output::{Claim, RESULT_NAMES, ResultFolder, claim, claim_to_resume};
-use sinew::recording::{Options, Recording};
+use sinew::recording::Options;
 use sinew::{Error, job};
 use std::path::{Path, PathBuf};
 
@@ -27,9 +28,13 @@ pub(crate) fn run(args: &TrackArgs, general: &General, report: &Report) -> Resul
     }
     report.detail(&resolved.describe());
     let config = resolved.track();
-    let (calibration, keypoints) = inputs(&config)?;
+    let calibration = inputs(&config)?;
     let options = reading(&config);
-    let mut read_from = vec![calibration.clone(), keypoints.clone()];
+    let mut read_from = vec![calibration.clone()];
+    read_from.extend([&config.keypoints, &config.silhouettes, &config.images].into_iter().flatten().cloned());
+    if let Some(Init::Points(path)) = &config.init {
+        read_from.push(path.clone());
+    }
     read_from.extend(config.setup.clone());
     read_from.extend(general.config.clone());
     read_from.extend(Some(PathBuf::from(&config.body)).filter(|body| body.is_file()));
@@ -37,7 +42,7 @@ pub(crate) fn run(args: &TrackArgs, general: &General, report: &Report) -> Resul
         false => (claimed(&config, &read_from, report)?, None),
         true => match stopped_run(&config, &read_from, report)? {
             Stopped::Complete(claim, summary) => {
-                let recording = Recording::open(&calibration, &keypoints, &options)?;
+                let recording = Footage::open(&config, &calibration, &options)?;
                 same_run(recording, &resolved, &claim, &summary, general)?;
                 ResultFolder::forget(&claim)?;
                 return complete(&summary, &config.out, args, report);
@@ -45,7 +50,7 @@ pub(crate) fn run(args: &TrackArgs, general: &General, report: &Report) -> Resul
             Stopped::At(claim, checkpoint) => (claim, Some(*checkpoint)),
         },
     };
-    let mut recording = Recording::open(&calibration, &keypoints, &options)?;
+    let mut recording = Footage::open(&config, &calibration, &options)?;
     let setup_frames = match &config.setup_frames {
         None => recording.available(),
         Some(asked) => {
@@ -68,7 +73,7 @@ pub(crate) fn run(args: &TrackArgs, general: &General, report: &Report) -> Resul
         let stop = interrupt::flag();
         let mut tell = |pass, done, total| progress.at(pass, done, total);
         let mut watch = Watch { progress: &mut tell, stop: &stop };
-        let inputs = |recording: &Recording| (recording.warnings(), recording.input_hashes());
+        let inputs = |recording: &Footage| (recording.warnings(), recording.input_hashes());
         job::track(&mut recording, setup_frames, &resolved, claim, &mut watch, inputs, from)
     });
     let outcome = outcome.inspect_err(|error| {
@@ -106,20 +111,20 @@ pub(crate) fn reading(config: &TrackConfig) -> Options {
     }
 }
 
-/// Calibration and keypoints, or what to try without them.
-fn inputs(config: &TrackConfig) -> Result<(PathBuf, PathBuf), Error> {
-    match (&config.calibration, &config.keypoints) {
-        (Some(calibration), Some(keypoints)) => Ok((calibration.clone(), keypoints.clone())),
-        (calibration, keypoints) => {
-            let missing = match (calibration, keypoints) {
-                (None, None) => "neither calibration nor keypoints were given",
-                (None, _) => "no calibration was given",
-                (_, None) => "no keypoints were given",
-                _ => "an input is missing",
+/// The calibration, if there is something to track with it; else what to try.
+fn inputs(config: &TrackConfig) -> Result<PathBuf, Error> {
+    let is_seen = config.keypoints.is_some() || config.silhouettes.is_some();
+    match &config.calibration {
+        Some(calibration) if is_seen => Ok(calibration.clone()),
+        calibration => {
+            let missing = match (calibration, is_seen) {
+                (None, false) => "neither calibration nor keypoints were given",
+                (None, true) => "no calibration was given",
+                (Some(_), _) => "no keypoints were given",
             };
             Err(Error::Usage {
                 message: missing.into(),
-                help: "try one of\n  sinew track --calibration Calib.toml --keypoints pose --fps 60\n  sinew demo"
+                help: "try one of\n  sinew track --calibration Calib.toml --keypoints pose --fps 60\n  sinew track --calibration Calib.toml --silhouettes masks --keypoints pose --method annealed --fps 60\n  sinew demo"
                     .into(),
             })
         }
@@ -171,7 +176,7 @@ fn stopped_run(config: &TrackConfig, inputs: &[PathBuf], report: &Report) -> Res
 
 /// Refuses complete results of other settings or data.
 fn same_run(
-    mut recording: Recording,
+    mut recording: Footage,
     resolved: &Resolved,
     claim: &Claim,
     summary: &serde_json::Value,
@@ -181,7 +186,7 @@ fn same_run(
     let stop = interrupt::flag();
     let mut tell = |pass, done, total| progress.at(pass, done, total);
     let mut watch = Watch { progress: &mut tell, stop: &stop };
-    job::check_complete(&mut recording, resolved, claim.folder(), summary, &mut watch, Recording::input_hashes)
+    job::check_complete(&mut recording, resolved, claim.folder(), summary, &mut watch, Footage::input_hashes)
 }
 
 /// Says that there is nothing to go on with.

@@ -7,7 +7,7 @@
 pub enum Kind {
     /// A file or folder; relative ones are taken from the folder of the file that says so.
     Path,
-    /// A known name, or a path if it ends in `.toml`.
+    /// A known name, or a path if it ends in `.toml` or `.trc`.
     NameOrPath,
     /// One of these names.
     Choice(&'static [&'static str]),
@@ -73,7 +73,9 @@ const FACTOR: Kind = Kind::Number { least: 1e-3, excluded: false, most: 1e3 };
 const SHARE: Kind = Kind::Number { least: 0.0, excluded: false, most: 1.0 };
 const AT_LEAST_ONE: Kind = Kind::Number { least: 1.0, excluded: false, most: f64::INFINITY };
 const NOT_NEGATIVE: Kind = Kind::Number { least: 0.0, excluded: false, most: f64::INFINITY };
-const METHODS: Kind = Kind::Choice(&["hmc", "bootstrap"]);
+const METHODS: Kind = Kind::Choice(&["hmc", "bootstrap", "annealed", "partitioned", "coarse-to-fine"]);
+const SCORES: Kind = Kind::Choice(&["deutscher-reid", "bidirectional", "coarse-to-fine", "parts"]);
+const RATE_OF_SURVIVAL: Kind = Kind::Number { least: 0.0, excluded: true, most: 0.99 };
 const PRIORS: Kind = Kind::Choice(&["gaussian", "mixture"]);
 const NOISES: Kind = Kind::Choice(&["floor", "student-t"]);
 const OUTLIER: Kind = Kind::Number { least: 0.0, excluded: true, most: 0.5 };
@@ -90,6 +92,8 @@ const GENERAL: &str = "General";
 pub const SETTINGS: [Setting; SETTING_COUNT] = [
     common((INPUT, "calibration", Kind::Path, "FILE", "", "calibration of the cameras (Calib.toml of Pose2Sim)")),
     common((INPUT, "keypoints", Kind::Path, "DIR", "", "keypoints, one folder <camera>_json per camera")),
+    common((INPUT, "silhouettes", Kind::Path, "DIR", "", "masks of the person, <camera>_<frame>.png or a folder per camera")),
+    common((INPUT, "images", Kind::Path, "DIR", "", "images with the masks, for edges; sparse ones are used where they are")),
     common((INPUT, "layout", Kind::NameOrPath, "NAME", "", "keypoint layout or mapping file [default: guessed]")),
     common((INPUT, "frames", Kind::Frames, "A..B", "", "frames to take, by file number [default: all]")),
     common((INPUT, "fps", RATE, "F", "", "frames per second [default: 30, with a warning]")),
@@ -98,10 +102,12 @@ pub const SETTINGS: [Setting; SETTING_COUNT] = [
     common((INPUT, "trim", Kind::Flag, "", "false", "take only the frames that all cameras have")),
     rare((INPUT, "confidence_scale", POSITIVE, "C", "1", "confidence that means certainty")),
     rare((INPUT, "image_scale", FACTOR, "S", "1", "size of the images with the keypoints over that of the calibrated images, where they were resized")),
+    rare((INPUT, "silhouette_scale", FACTOR, "S", "", "size of the masks over that of the calibrated images [default: as the keypoints']")),
     rare((INPUT, "up_axis", AXES, "AXIS", "", "axis of the calibration's world that points up; results are in a world turned to z up [default: +z]")),
-    common((METHOD, "method", METHODS, "NAME", "hmc", "tracker: hmc or bootstrap")),
+    common((METHOD, "method", METHODS, "NAME", "hmc", "tracker: hmc or bootstrap; from silhouettes annealed, partitioned, coarse-to-fine or bootstrap")),
     common((METHOD, "body", Kind::NameOrPath, "NAME", "h32", "body: h32, cf28 or a body file")),
     common((METHOD, "setup", Kind::Path, "FILE", "", "set-up of an earlier run, its setup.toml")),
+    common((METHOD, "init", Kind::NameOrPath, "FROM", "", "where silhouettes alone begin: keypoints (for the set-up only) or a TRC file of points")),
     common((METHOD, "setup_frames", Kind::Frames, "A..B", "", "frames for the set-up, thinned where many [default: all]")),
     common((METHOD, "smooth", Kind::Flag, "", "false", "let every frame see all frames (backward pass)")),
     rare((METHOD, "prior", PRIORS, "NAME", "gaussian", "what a frame hands on to the next: gaussian or mixture")),
@@ -114,7 +120,13 @@ pub const SETTINGS: [Setting; SETTING_COUNT] = [
     rare((SAMPLING, "updates", Kind::Count(1, 1_000_000), "N", "32", "updates of each chain in a frame; four times as many where the chains disagree (hmc)")),
     rare((SAMPLING, "burn_in", Kind::Count(0, 1_000_000), "N", "8", "first samples of each chain that are discarded (hmc)")),
     rare((SAMPLING, "jitter", SHARE, "X", "0.2", "relative jitter of the step size (hmc)")),
-    rare((SAMPLING, "particles", Kind::Count(1, 100_000_000), "N", "10000", "particles (bootstrap)")),
+    rare((SAMPLING, "particles", Kind::Count(1, 100_000_000), "N", "", "particles [default: 10000 bootstrap, 200 annealed, 1000 partitioned, 300 coarse-to-fine]")),
+    rare((SAMPLING, "layers", Kind::Count(1, 1000), "N", "5", "layers (annealed)")),
+    rare((SAMPLING, "survival", RATE_OF_SURVIVAL, "X", "0.5", "share of the particles that survives a layer (annealed)")),
+    rare((SAMPLING, "fine", Kind::Count(1, 100_000_000), "N", "500", "particles of the fine level (coarse-to-fine)")),
+    rare((METHOD, "score", SCORES, "NAME", "", "weighting function of silhouettes: deutscher-reid, bidirectional, coarse-to-fine or parts [default: the method's]")),
+    rare((METHOD, "kappa", POSITIVE, "K", "100", "factor of the weighting functions deutscher-reid and bidirectional")),
+    rare((METHOD, "raster", Kind::Count(16, 10_000), "PX", "320", "longest side to which masks are reduced, by whole factors")),
     rare((SAMPLING, "draws", Kind::Count(1, 100_000), "N", "64", "draws of a frame that are written")),
     unhashed(common((SAMPLING, "simd", SETS, "SET", "", "instruction set: avx512, avx2 or baseline [default: best]"))),
     rare((SAMPLING, "max_r_hat", AT_LEAST_ONE, "X", "1.05", "split R-hat above which a frame has not converged")),
@@ -128,7 +140,7 @@ pub const SETTINGS: [Setting; SETTING_COUNT] = [
     unhashed(common((OUTPUT, "force", Kind::Flag, "", "false", "replace results that are there"))),
 ];
 
-const SETTING_COUNT: usize = 38;
+const SETTING_COUNT: usize = 48;
 
 /// The setting of that name.
 #[must_use]

@@ -2,9 +2,10 @@
 
 use super::Resolved;
 use super::value::Value;
-use crate::pipeline::Method;
+use crate::pipeline::{Method, Score};
 use sinew_dynamics::random_walk::Between;
 use sinew_observe::Noise;
+use sinew_observe::image_score::ImageScore;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
@@ -15,6 +16,14 @@ pub struct TrackConfig {
     pub calibration: Option<PathBuf>,
     /// Keypoint folder.
     pub keypoints: Option<PathBuf>,
+    /// Folder of masks.
+    pub silhouettes: Option<PathBuf>,
+    /// Folder of images.
+    pub images: Option<PathBuf>,
+    /// Size of the masks over that of the calibrated images; that of the keypoints' images if `None`.
+    pub silhouette_scale: Option<f64>,
+    /// Where tracking from silhouettes alone begins.
+    pub init: Option<Init>,
     /// Name of a layout or path of a mapping file.
     pub layout: Option<String>,
     /// Confidence that means certainty.
@@ -61,6 +70,16 @@ pub struct TrackConfig {
     pub burn_in: usize,
     /// Particles.
     pub particles: usize,
+    /// Layers of the annealed filter.
+    pub layers: usize,
+    /// Share of the particles that survives a layer.
+    pub survival: f64,
+    /// Particles of the fine level.
+    pub fine: usize,
+    /// Weighting function of silhouettes.
+    pub score: ImageScore,
+    /// Longest side to which masks are reduced, pixels.
+    pub raster: usize,
     /// Draws of a frame that are written.
     pub draws: usize,
     /// Relative jitter of the step size.
@@ -79,15 +98,34 @@ pub struct TrackConfig {
     pub force: bool,
 }
 
+/// Where tracking from silhouettes alone begins.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Init {
+    /// Keypoints, which are not used for tracking.
+    Keypoints,
+    /// Points in space over time, a TRC file.
+    Points(PathBuf),
+}
+
 impl Resolved {
     /// The settings of a tracking run.
     #[must_use]
     pub fn track(&self) -> TrackConfig {
         let trial = self.trial_folder().and_then(|folder| Some(folder.file_name()?.to_string_lossy().into_owned()));
         let default_out = || Path::new("sinew-out").join(trial.clone().unwrap_or_else(|| "trial".into()));
+        let method = self.text("method").and_then(|name| Method::named(&name)).unwrap_or_default();
+        let score = self.text("score").and_then(|name| Score::named(&name)).unwrap_or_else(|| method.usual_score());
         TrackConfig {
             calibration: self.path("calibration"),
             keypoints: self.path("keypoints"),
+            silhouettes: self.path("silhouettes"),
+            images: self.path("images"),
+            silhouette_scale: self.number("silhouette_scale"),
+            init: match (self.path("init"), self.text("init").as_deref()) {
+                (Some(path), _) => Some(Init::Points(path)),
+                (None, Some(_)) => Some(Init::Keypoints),
+                (None, None) => None,
+            },
             layout: self.text("layout"),
             confidence_scale: self.number("confidence_scale").unwrap_or(1.0),
             image_scale: self.number("image_scale").unwrap_or(1.0),
@@ -100,10 +138,7 @@ impl Resolved {
             person: self.count("person").and_then(|person| usize::try_from(person).ok()),
             trim: self.flag("trim"),
             up_axis: self.text("up_axis"),
-            method: match self.text("method").as_deref() {
-                Some("bootstrap") => Method::Bootstrap,
-                _ => Method::Hmc,
-            },
+            method,
             body: self.text("body").unwrap_or_default(),
             prior: match self.text("prior").as_deref() {
                 Some("mixture") => Between::Mixture,
@@ -120,7 +155,12 @@ impl Resolved {
             smooth: self.flag("smooth"),
             seed: self.count("seed").unwrap_or_default(),
             chains: self.size("chains"),
-            particles: self.size("particles"),
+            particles: self.count("particles").map_or_else(|| method.usual_particles(), |_| self.size("particles")),
+            layers: self.size("layers"),
+            survival: self.number("survival").unwrap_or(0.5),
+            fine: self.size("fine"),
+            score: score.with_kappa(self.number("kappa").unwrap_or(1.0)),
+            raster: self.size("raster"),
             draws: self.size("draws"),
             updates: self.size("updates"),
             burn_in: self.size("burn_in"),

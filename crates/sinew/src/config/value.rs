@@ -81,9 +81,10 @@ fn unexpected(setting: &Setting, shown: &str) -> String {
     format!("`{}` is {shown}; it must be {wanted}", setting.key)
 }
 
-/// A path, or a name that is one if it ends in `.toml`, seen from a folder.
+/// A path, or a name that is one if it ends in `.toml` or `.trc`, seen from a folder.
 fn placed(kind: Kind, text: &str, folder: &Path) -> Value {
-    let is_path = kind == Kind::Path || Path::new(text).extension().is_some_and(|extension| extension == "toml");
+    let is_file = || Path::new(text).extension().is_some_and(|extension| extension == "toml" || extension == "trc");
+    let is_path = kind == Kind::Path || is_file();
     if is_path { Value::Path(folder.join(text)) } else { Value::Text(text.into()) }
 }
 

@@ -120,7 +120,7 @@ pub fn ranked(frames: usize, sigma_px: f64, settings: &Settings, seed: u64) -> R
         least_confidence: settings.least_confidence,
         isa: settings.isa,
     };
-    let mut tracker = pipeline::tracker(&setup, &settings, &walk, start)?;
+    let mut tracker = pipeline::tracker(&setup, &settings, &walk, None, start)?;
     let mut predicted = vec![0.0; 3 * plan.points()];
     let mut disagreeing = 0.0;
     for frame in 0..frames {
@@ -134,7 +134,8 @@ pub fn ranked(frames: usize, sigma_px: f64, settings: &Settings, seed: u64) -> R
         point_positions(&plan, settings.isa, tracker.estimate(), &mut predicted);
         let bound = model.bind(KeypointFrame { detections: &detections, predicted: &predicted });
         let stage = Stage::new(seed, "track").at_frame(frame as u32);
-        let info = tracker.step(&bound, stage).map_err(|error| Error::Numerical { message: error.to_string() })?;
+        let info =
+            tracker.step(&bound.into(), stage).map_err(|error| Error::Numerical { message: error.to_string() })?;
         disagreeing += f64::from(u8::from(info.r_hat.is_some_and(|r| r > R_HAT_BOUND))) / frames as f64;
     }
     let posterior = tracker.posterior();

@@ -2,6 +2,7 @@
 
 mod check;
 
+use super::images::flesh_of;
 use super::oddities::{Oddities, Watched};
 use super::predictive::{self, Doubt, Predictive};
 use super::{Bound, Settings};
@@ -49,6 +50,10 @@ pub struct Scene {
     predictive: Predictive,
     /// For each point of the layout the one of the other side, or itself.
     partners: Vec<usize>,
+    /// For methods that take the body part by part, the part of each point of the plan, and how many parts there are.
+    parts: Option<(Vec<usize>, usize)>,
+    /// The likelihood of each part's points in the current frame.
+    bound_parts: Vec<Bound>,
 }
 
 impl Scene {
@@ -102,6 +107,14 @@ impl Scene {
             });
         }
         let points: Vec<usize> = shared.iter().map(|(p, _)| *p).collect();
+        let parts = match settings.method.takes_parts() {
+            true => {
+                let flesh = flesh_of(tree)?;
+                let of_point = |&p: &usize| flesh.owner(tree.points()[p].link);
+                Some((points.iter().map(of_point).collect(), flesh.solids().len()))
+            }
+            false => None,
+        };
         let model = KeypointModel {
             plan: Arc::new(Plan::new(tree, &points)),
             views,
@@ -121,6 +134,8 @@ impl Scene {
             predictive: Predictive::new(names, settings.noise),
             oddities: Oddities::new(watched, pairs),
             partners,
+            parts,
+            bound_parts: vec![],
             detections: vec![vec![None; points.len()]; cameras.len()],
             keypoint: shared.iter().map(|(_, k)| *k).collect(),
             following: Following { person: setup.person, ..Following::default() },
@@ -216,8 +231,23 @@ impl Scene {
                 .map(|(_, pose)| pose);
         }
         let predicted = self.points(restart.as_deref().unwrap_or(estimate));
+        if let Some((part_of, count)) = &self.parts {
+            let of_part = |part: usize| {
+                let own = |seen: &Vec<Option<Detection>>| {
+                    seen.iter().zip(part_of).map(|(d, of)| d.filter(|_| *of == part)).collect()
+                };
+                let detections: Vec<Vec<_>> = self.detections.iter().map(own).collect();
+                self.model.bind(KeypointFrame { detections: &detections, predicted: &predicted })
+            };
+            self.bound_parts = (0..*count).map(of_part).collect();
+        }
         let bound = self.model.bind(KeypointFrame { detections: &self.detections, predicted: &predicted });
         (bound, restart)
+    }
+
+    /// The likelihoods of the parts of the body in the current frame, taken away; none for methods without parts.
+    pub fn parts(&mut self) -> Vec<Bound> {
+        std::mem::take(&mut self.bound_parts)
     }
 
     /// How badly a pose fits the keypoints of the current frame; 0 without any.

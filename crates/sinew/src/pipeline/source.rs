@@ -1,5 +1,6 @@
 //! Where frames come from.
 
+use super::FrameImages;
 use crate::Error;
 use crate::setup::checks::z_up_from;
 use crate::synthetic::recording::Recording as Synthetic;
@@ -23,24 +24,51 @@ pub trait FrameSource {
     /// # Errors
     /// A frame that cannot be read.
     fn people(&mut self, number: u64) -> Result<Vec<Vec<Person>>, Error>;
+
+    /// The cameras sized like the masks, if there are masks.
+    fn image_cameras(&self) -> Option<Vec<Camera>> {
+        None
+    }
+
+    /// Masks and pictures of a frame, in the order of the cameras.
+    ///
+    /// # Errors
+    /// A frame that cannot be read.
+    fn images(&mut self, number: u64) -> Result<FrameImages, Error> {
+        let _ = number;
+        Ok(FrameImages::default())
+    }
+
+    /// Told when the set-up is done and frames are tracked from now on.
+    fn begin_tracking(&mut self) {}
+
+    /// Whether keypoints are read for a frame; not where they served for the set-up only.
+    fn reads_people(&self) -> bool {
+        true
+    }
 }
 
 /// A source whose world is turned so that z points up.
 pub struct Upright<'a, S> {
     source: &'a mut S,
     cameras: Vec<Camera>,
+    up: String,
     read: Vec<Range<u64>>,
+}
+
+/// Cameras in a world turned to z up. Nothing is computed for the usual world, so that its numbers stay as they are.
+fn upright(cameras: Vec<Camera>, up: &str) -> Vec<Camera> {
+    match z_up_from(up) {
+        Some(turn) if up != "+z" => cameras.iter().map(|camera| camera.turned(turn)).collect(),
+        _ => cameras,
+    }
 }
 
 impl<'a, S: FrameSource> Upright<'a, S> {
     /// Turns the world of a source whose axis `up` (`+x` to `-z`) points up. Unknown names turn nothing.
     pub fn new(source: &'a mut S, up: &str) -> Self {
-        let cameras = match z_up_from(up) {
-            // Nothing is computed for the usual world, so that its numbers stay as they are.
-            Some(turn) if up != "+z" => source.cameras().iter().map(|camera| camera.turned(turn)).collect(),
-            _ => source.cameras().to_vec(),
-        };
-        Self { source, cameras, read: vec![] }
+        let cameras = upright(source.cameras().to_vec(), up);
+        Self { source, cameras, up: up.into(), read: vec![] }
     }
 
     /// Runs of frames that were read, in their order: who reads them again in this order knows of the source what is known now.
@@ -92,10 +120,23 @@ impl<S: FrameSource> FrameSource for Upright<'_, S> {
     fn people(&mut self, number: u64) -> Result<Vec<Vec<Person>>, Error> {
         let people = self.source.people(number)?;
         match self.read.last_mut() {
+            _ if !self.source.reads_people() => {}
             Some(run) if run.end == number => run.end += 1,
             _ => self.read.push(number..number + 1),
         }
         Ok(people)
+    }
+    fn image_cameras(&self) -> Option<Vec<Camera>> {
+        self.source.image_cameras().map(|cameras| upright(cameras, &self.up))
+    }
+    fn images(&mut self, number: u64) -> Result<FrameImages, Error> {
+        self.source.images(number)
+    }
+    fn begin_tracking(&mut self) {
+        self.source.begin_tracking();
+    }
+    fn reads_people(&self) -> bool {
+        self.source.reads_people()
     }
 }
 
