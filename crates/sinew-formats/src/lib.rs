@@ -41,6 +41,7 @@ mod error;
 pub mod frame_number;
 pub mod json_text;
 pub mod layout;
+pub mod mask_png;
 pub mod mot;
 pub mod nearest;
 mod numbers;
