@@ -5,6 +5,7 @@
 //! | [`gait`] | normative joint-angle curves of walking as Fourier series |
 //! | [`walker`] | the whole body's state over time, feet on the ground |
 //! | [`points`] | named points in space over time, from states or from recorded motion |
+//! | [`recorded`] | the joints of a motion file, by the names that are in use |
 //! | [`combo`] | walking, running and free movement in one sequence |
 //! | [`ring`] | cameras on a circle around a motion |
 //! | [`detector`] | projections with offset, jitter, missing keypoints and gross outliers |
@@ -34,6 +35,7 @@ pub mod evaluation_body;
 pub mod footage;
 pub mod gait;
 pub mod points;
+pub mod recorded;
 pub mod recording;
 pub mod render;
 pub mod ring;

@@ -6,20 +6,22 @@
 //! 2. Places: each trial is turned about the vertical and moved so that its person looks where the one before looked at the end, and goes on from there.
 //! 3. Joins: 2 s in which the directions of the segments go from those of the last frame to those of the first by the smooth cubic `3s² − 2s³`, and the middle of the hips along the cubic with the velocities of
 //!    both ends that comes to rest half-way: it covers a sixth of what the velocities would.
-//! 4. Space: recorded walks are straight and short. The path of a locomotion is bent to the left, so that its person goes round: the heading turns by the way gone forward over 1.5 m. Elsewhere and at the
+//! 4. Space: recorded walks are straight and short. The path of a locomotion is bent to the left, so that its person goes round: the heading turns by the way gone forward over 1.2 m. Elsewhere and at the
 //!    end of the join to free movement nothing is bent.
 //!
-//! Without recordings [`synthetic_combo`] does the same with the walker: its usual gait, a quicker one, and standing with arms that swing. It is no replacement for running and dancing, and its name says so.
+//! [`recorded_combo`] is CMB: a walk, a run and balancing on one leg. Without recordings [`synthetic_combo`] does the same with the walker: its usual gait, a quicker one, and standing with arms that swing. It is no replacement for running and dancing, and its name says so.
 //!
 //! Limits: feet slide in joins and, by some centimetres, where paths are bent.
 
 use super::points::{Trajectories, of_states};
+use super::recorded::{Recorded, recorded};
 use super::space::{Vector, along, cross, distance, minus, unit};
 use super::walker::{Gait, Walker, walker_states};
 use crate::Error;
 use crate::body::standard::EVALUATION_JOINTS;
 use std::f64::consts::TAU;
 use std::ops::Range;
+use std::path::Path;
 
 /// A motion and what it is.
 #[derive(Clone, Debug, PartialEq)]
@@ -57,7 +59,7 @@ pub struct Sequence {
 /// Duration of a join, seconds.
 const JOIN_S: f64 = 2.0;
 /// Radius of the circle that a locomotion is bent to, metres.
-const TURN_RADIUS_M: f64 = 1.5;
+const TURN_RADIUS_M: f64 = 1.2;
 
 /// Points and the points they hang on, parents first.
 const BONES: [(&str, &str); 18] = [
@@ -80,6 +82,23 @@ const BONES: [(&str, &str); 18] = [
     ("LHeel", "LAnkle"),
     ("RHeel", "RAnkle"),
 ];
+
+/// The recorded trials of CMB: name of the motion and of its skeleton, and whether it goes somewhere.
+pub const CMB: [(&str, &str, bool); 3] = [("07_01", "07", true), ("09_06", "09", true), ("49_18", "49", false)];
+
+/// CMB from a folder with the recordings `07_01.amc`, `07.asf` and so on, see [`CMB`].
+///
+/// # Errors
+/// Files that are missing or that their readers refuse; as [`combo`].
+pub fn recorded_combo(folder: &Path, rate_hz: f64) -> Result<Sequence, Error> {
+    let read = |(name, skeleton, is_locomotion): (&str, &str, bool)| -> Result<Trial, Error> {
+        let [motion, skeleton] = [format!("{name}.amc"), format!("{skeleton}.asf")].map(|file| folder.join(file));
+        let Recorded { motion, .. } = recorded(&motion, Some(&skeleton), rate_hz)?;
+        Ok(Trial { name: name.to_owned(), motion, is_locomotion })
+    };
+    let trials = CMB.into_iter().map(read).collect::<Result<Vec<Trial>, Error>>()?;
+    combo("CMB", &trials, rate_hz)
+}
 
 /// Joins walking, running and free movement, or any trials, to a sequence at the rate that all of them have. Points that some trial lacks are left out.
 ///

@@ -86,7 +86,9 @@ const TIPS: usize = 21;
 const LOINS: usize = 23;
 const RIBS: usize = 25;
 const SKULL: usize = 27;
-const LANDMARKS: usize = 28;
+/// Top of the trunk: recorded neck joints lie at very different heights, shoulders do not.
+const COLLAR: usize = 28;
+const LANDMARKS: usize = 29;
 
 /// Points that are used where the motion has them: toes, heels, nose.
 const EXTRA: [&str; 5] = ["LBigToe", "RBigToe", "LHeel", "RHeel", "Nose"];
@@ -156,9 +158,9 @@ const CHAINS: [Chain; 19] = [
     chain([BALLS + 1, TIPS + 1], FOOT + 1, Material::Shoes, FORE_FOOT_RADII),
     chain([LOINS, RIBS], TRUNK, Material::Shirt, COLUMN_RADII),
     chain([LOINS + 1, RIBS + 1], TRUNK, Material::Shirt, COLUMN_RADII),
-    chain([NECK, SHOULDERS], GIRDLE, Material::Shirt, COLLAR_RADII),
-    chain([NECK, SHOULDERS + 1], GIRDLE, Material::Shirt, COLLAR_RADII),
-    chain([NECK, SKULL], THROAT, Material::Skin, NECK_RADII),
+    chain([COLLAR, SHOULDERS], GIRDLE, Material::Shirt, COLLAR_RADII),
+    chain([COLLAR, SHOULDERS + 1], GIRDLE, Material::Shirt, COLLAR_RADII),
+    chain([COLLAR, SKULL], THROAT, Material::Skin, NECK_RADII),
 ];
 
 /// Ellipsoids of cloth: pelvis, belly, chest, shoulders, hips.
@@ -256,7 +258,7 @@ impl EvaluationBody {
     fn blobs(&self, pose: &Pose, cloth: &[f64]) -> Vec<Solid> {
         use Material::{Hair, Shirt, Skin, Trousers};
         let at = |k: usize| pose.landmarks[k];
-        let trunk = |fraction: f64| between(at(MID_HIP), at(NECK), fraction);
+        let trunk = |fraction: f64| between(at(MID_HIP), at(COLLAR), fraction);
         let forward = |place: Vector, by: f64| along(place, by * self.stature, pose.trunk[1]);
         let mut blobs = vec![
             (SEAT, Trousers, forward(trunk(0.05), -0.005), pose.hips, [0.160, 0.112, 0.110]),
@@ -271,7 +273,7 @@ impl EvaluationBody {
             blobs.push((SEAT, Trousers, hip, pose.hips, [0.088, 0.092, 0.105]));
         }
         let head = pose.head;
-        let skull = between(at(NECK), at(HEAD), 0.62);
+        let skull = along(at(HEAD), -0.098 * self.stature, head[2]);
         let face = |place: Vector, right: f64, ahead: f64, up: f64| {
             let place = along(place, right * self.stature, head[0]);
             along(along(place, ahead * self.stature, head[1]), up * self.stature, head[2])
@@ -391,13 +393,15 @@ impl Pose {
             Some(nose) => turned_along(minus(at[HEAD], at[NECK]), [cross(nose, trunk[2]), nose, trunk[2]]),
             None => turned_along(minus(at[HEAD], at[NECK]), trunk),
         };
-        at[SKULL] = along(between(at[NECK], at[HEAD], 0.42), 0.01 * stature, head[1]);
+        at[SKULL] = along(along(at[HEAD], -0.150 * stature, head[2]), 0.005 * stature, head[1]);
+        let shoulders = between(at[SHOULDERS], at[SHOULDERS + 1], 0.5);
+        at[COLLAR] = along(shoulders, 0.045 * stature, trunk[2]);
         for side in 0..2 {
             let sign = if side == 0 { -1.0 } else { 1.0 };
             let place = |fraction: f64, axes: [Vector; 3], out: f64| {
-                along(between(at[MID_HIP], at[NECK], fraction), sign * out * stature, axes[0])
+                along(between(at[MID_HIP], at[COLLAR], fraction), sign * out * stature, axes[0])
             };
-            (at[LOINS + side], at[RIBS + side]) = (place(0.10, hips, 0.058), place(0.80, chest, 0.068));
+            (at[LOINS + side], at[RIBS + side]) = (place(0.10, hips, 0.058), place(0.82, chest, 0.068));
             let forearm = minus(at[WRISTS + side], at[ELBOWS + side]);
             let fingers = unit(forearm).unwrap_or([0.0, 0.0, -1.0]);
             at[KNUCKLES + side] = along(at[WRISTS + side], 0.085 * stature, fingers);

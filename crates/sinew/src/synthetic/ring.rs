@@ -35,7 +35,7 @@ pub struct Ring {
 
 impl Ring {
     /// Cameras of the experiments on silhouettes: images of 320 × 240 pixels, and room for flesh and hands around the joints.
-    pub const SMALL_PICTURES: Self = Self { image_size_px: [320.0, 240.0], flesh_m: 0.2, ..Self::WIDE_PICTURES };
+    pub const SMALL_PICTURES: Self = Self { image_size_px: [320.0, 240.0], flesh_m: 0.08, ..Self::WIDE_PICTURES };
 
     const WIDE_PICTURES: Self = Self {
         cameras: 4,

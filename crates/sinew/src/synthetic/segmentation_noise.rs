@@ -1,6 +1,6 @@
 //! A silhouette as segmentation of a real picture gives it.
 //!
-//! 1. Jitter of the border: the silhouette is smoothed by a Gaussian of 2 pixels; where that is neither 0 nor 1, a smooth Gaussian field is added and the sum compared with ½. The field has standard deviation 0.15 and correlation
+//! 1. Jitter of the border: the silhouette is smoothed by a Gaussian of 1.5 pixels; where that is neither 0 nor 1, a smooth Gaussian field is added and the sum compared with ½. The field has standard deviation 0.15 and correlation
 //!    `exp(−d²/(2 · 4²))` at a distance of d pixels.
 //! 2. With a shadow: a blob on the ground counts as person.
 //! 3. Elliptical holes about random pixels of the person, 3 ± 1 of them, and false blobs about random other pixels, 2 ± 1; both axes uniform from 3 to 12 pixels, any direction.
@@ -57,7 +57,7 @@ impl Level {
 /// Rows of the image for which lengths are stated.
 const ROWS: f64 = 240.0;
 /// Standard deviation of the Gaussian that smooths a silhouette, pixels.
-const SMOOTHING_PX: f64 = 2.0;
+const SMOOTHING_PX: f64 = 1.5;
 /// Standard deviation of the field.
 const FIELD_SD: f64 = 0.15;
 /// Correlation length of the field, pixels.
