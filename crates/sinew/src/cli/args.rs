@@ -120,7 +120,7 @@ pub(crate) enum Command {
         "sinew track --config sinew.toml --frames 0..100 -o out"
     ))]
     Track(TrackArgs),
-    /// Write a synthetic recording: keypoints, silhouettes and pictures of a person in motion
+    /// Write a synthetic recording: keypoints, silhouettes and pictures
     #[command(help_template = template!("sinew simulate -o walk", "sinew simulate --motion 07_01.amc --skeleton 07.asf --segmentation hard"))]
     Simulate(SimulateArgs),
     /// Convert motion between TRC, BVH, MOT and CSV, and from ASF/AMC
@@ -177,7 +177,7 @@ pub(crate) struct ConvertArgs {
 
 #[derive(Args, Debug)]
 pub(crate) struct SimulateArgs {
-    /// `walk`, or a motion file: .bvh, .trc, .csv, or .amc with its skeleton
+    /// `walk`, or a motion file: .bvh, .trc, .csv or .amc
     #[arg(long, value_name = "walk|FILE", default_value = "walk")]
     pub(crate) motion: PathBuf,
     /// Skeleton of an .amc file

@@ -42,6 +42,7 @@ const MOST_FRAMES: usize = 1_000_000;
 pub(crate) fn run(args: &SimulateArgs, general: &General, report: &Report) -> Result<Ended, Error> {
     let config = settings(general)?;
     let (motion, inputs) = motion(args, report)?;
+    refuse_inputs_inside(&config.out, &inputs)?;
     let claim = claimed(&config, &inputs, report)?;
     let ring = Ring { cameras: args.cameras, image_size_px: args.size.map(f64::from), ..Ring::SMALL_PICTURES };
     let footage = Footage::new(motion, args.fps, &ring, config.seed)?;
@@ -111,6 +112,16 @@ fn motion(args: &SimulateArgs, report: &Report) -> Result<(Trajectories, Vec<Pat
 
 fn write(path: &Path, bytes: &[u8]) -> Result<(), Error> {
     fs::write(path, bytes).map_err(Error::io("write", path))
+}
+
+/// What is replaced must not be what was read.
+fn refuse_inputs_inside(out: &Path, inputs: &[PathBuf]) -> Result<(), Error> {
+    let Ok(folder) = out.canonicalize() else { return Ok(()) };
+    let inside = |input: &&PathBuf| input.canonicalize().is_ok_and(|input| input.starts_with(&folder));
+    match inputs.iter().find(inside) {
+        Some(input) => Err(Error::OutputIsInput { path: out.to_owned(), input: input.clone() }),
+        None => Ok(()),
+    }
 }
 
 /// Takes away what a former run wrote here.

@@ -169,8 +169,8 @@ mod tests {
     /// Whether a point lies in the solid by its definition: spheres of a capsule one by one, the ellipsoid's form.
     fn holds(shape: &Shape, point: Vector) -> bool {
         match shape {
-            Shape::Capsule { ends, radii } => (0..=400).any(|k| {
-                let part = f64::from(k) / 400.0;
+            Shape::Capsule { ends, radii } => (0..=200).any(|k| {
+                let part = f64::from(k) / 200.0;
                 distance(point, between(ends[0], ends[1], part)) <= radii[0] + part * (radii[1] - radii[0])
             }),
             Shape::Ellipsoid { centre, half_axes } => {
@@ -202,25 +202,25 @@ mod tests {
         shapes
     }
 
-    /// Walks along rays in steps of 2 mm and asks the definition of the solid.
+    /// Walks along rays in steps of 4 mm and asks the definition of the solid.
     #[test]
     fn entries_are_where_rays_first_are_inside() {
         let camera = camera();
         let (mut hits, mut grazes) = (0, 0);
         for shape in shapes() {
             let cast = Cast::new(&camera, &shape).unwrap();
-            for k in 0..144_u32 {
-                let place = [-0.25 + 0.045 * f64::from(k % 12), -0.25 + 0.045 * f64::from(k / 12)];
+            for k in 0..64_u32 {
+                let place = [-0.14 + 0.04 * f64::from(k % 8), -0.14 + 0.04 * f64::from(k / 8)];
                 let world = |depth: f64| {
                     let seen = minus([depth * place[0], depth * place[1], depth], camera.translation);
                     [0, 1, 2].map(|i: usize| (0..3).map(|j| camera.rotation[j][i] * seen[j]).sum::<f64>())
                 };
                 let sampled =
-                    (1000..2750).map(|step| 0.002 * f64::from(step)).find(|depth| holds(&shape, world(*depth)));
+                    (550..1200).map(|step| 0.004 * f64::from(step)).find(|depth| holds(&shape, world(*depth)));
                 match (cast.entry(place), sampled) {
                     (Some(entry), Some(sampled)) => {
                         hits += 1;
-                        assert!((sampled - entry).abs() < 0.0042, "{entry} {sampled} {shape:?}");
+                        assert!((sampled - entry).abs() < 0.0085, "{entry} {sampled} {shape:?}");
                         let inside = [0, 1].iter().all(|&i| (cast.bounds[i][0]..cast.bounds[i][1]).contains(&place[i]));
                         assert!(inside, "{place:?} beyond {:?}", cast.bounds);
                         let normal = cast.normal(place, entry);
@@ -232,7 +232,7 @@ mod tests {
                 }
             }
         }
-        assert!(hits > 500 && grazes < hits / 50, "{hits} hits, {grazes} grazes");
+        assert!(hits > 300 && grazes < hits / 50, "{hits} hits, {grazes} grazes");
     }
 
     #[test]

@@ -339,3 +339,78 @@ fn swing_arms(state: &mut [f64], time_s: f64) {
         state[arm + 3] += 0.6 * rest * (1.0 + (TAU * (0.9 * time_s + phase)).sin());
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const RATE_HZ: f64 = 60.0;
+
+    #[test]
+    fn phases_follow_each_other_and_lengths_stay() {
+        let sequence = synthetic_combo(RATE_HZ).unwrap();
+        let names: Vec<&str> = sequence.phases.iter().map(|phase| phase.name.as_str()).collect();
+        assert_eq!(names, ["synthetic walk", "synthetic quick walk", "synthetic arm swings"]);
+        assert_eq!(sequence.phases[0].frames, 0..240);
+        assert!(sequence.phases.windows(2).all(|pair| pair[0].frames.end == pair[1].frames.start));
+        assert_eq!(sequence.phases[2].frames.end, sequence.motion.frames.len());
+        for (child, parent) in BONES {
+            let columns = [child, parent].map(|name| sequence.motion.index(name).unwrap());
+            let length = |frame: &Vec<Vector>| distance(frame[columns[0]], frame[columns[1]]);
+            let first = length(&sequence.motion.frames[0]);
+            assert!(sequence.motion.frames.iter().all(|frame| (length(frame) - first).abs() < 1e-9), "{child}");
+        }
+    }
+
+    #[test]
+    fn nothing_jumps_and_nobody_sinks() {
+        let sequence = synthetic_combo(RATE_HZ).unwrap();
+        for pair in sequence.motion.frames.windows(2) {
+            for (a, b) in pair[0].iter().zip(&pair[1]) {
+                assert!(distance(*a, *b) * RATE_HZ < 9.0, "{} m/s", distance(*a, *b) * RATE_HZ);
+            }
+        }
+        let [low, high] = sequence.motion.bounds().unwrap();
+        assert!(low[2] > -0.03 && high[2] < 2.3, "{low:?} {high:?}");
+        assert!((0..2).all(|i| high[i] - low[i] < 4.5), "{low:?} {high:?}");
+    }
+
+    /// The middle of the hips begins and ends a join with the velocities of its trials, and the heading goes on.
+    #[test]
+    fn joins_are_smooth() {
+        let sequence = synthetic_combo(RATE_HZ).unwrap();
+        let hips = sequence.motion.index("MidHip").unwrap();
+        let velocity = |frame: usize| {
+            let [x, y, _] = minus(sequence.motion.frames[frame + 1][hips], sequence.motion.frames[frame][hips]);
+            [RATE_HZ * x, RATE_HZ * y]
+        };
+        for start in [240_usize, 539] {
+            for end in [start - 1, start + 118] {
+                let [a, b] = [velocity(end - 1), velocity(end + 1)];
+                assert!((a[0] - b[0]).hypot(a[1] - b[1]) < 0.45, "{a:?} {b:?} at {end}");
+            }
+            let [x, y] = velocity(start + 59);
+            assert!(x.hypot(y) < 0.5, "{x} {y}");
+        }
+    }
+
+    #[test]
+    fn what_cannot_be_joined_is_refused() {
+        let told = |trials: &[Trial]| combo("x", trials, 30.0).unwrap_err().to_string();
+        assert_eq!(told(&[]), "a sequence of no trials");
+        let trial = |motion| Trial { name: "a".into(), motion, is_locomotion: true };
+        assert_eq!(told(&[trial(Trajectories::default())]), "the trial a has no MidHip");
+        let names = EVALUATION_JOINTS.map(str::to_owned).to_vec();
+        assert_eq!(told(&[trial(Trajectories { names, frames: vec![] })]), "the trial a has no frame");
+    }
+
+    #[test]
+    fn a_sequence_may_be_one_frame() {
+        let names = EVALUATION_JOINTS.map(str::to_owned).to_vec();
+        let frame: Vec<Vector> = (0..15).map(|k| [0.1 * f64::from(k), 0.0, 0.07 * f64::from(k * k)]).collect();
+        let trial =
+            Trial { name: "a".into(), motion: Trajectories { names, frames: vec![frame] }, is_locomotion: true };
+        let sequence = combo("x", &[trial.clone(), trial], 10.0).unwrap();
+        assert_eq!(sequence.motion.frames.len(), 21);
+    }
+}

@@ -166,6 +166,15 @@ const CHAINS: [Chain; 19] = [
 /// Ellipsoids of cloth: pelvis, belly, chest, shoulders, hips.
 const CLOTH_BLOBS: usize = 7;
 
+/// What all frames tell of a subject.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Size {
+    /// Length of the legs over that of the adult of the tables.
+    stature: f64,
+    /// How far the top of the head is beyond the joint of that name, metres.
+    crown_m: f64,
+}
+
 /// A person in a motion, of other proportions than a tracker's body, in clothes that move.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EvaluationBody {
@@ -173,8 +182,7 @@ pub struct EvaluationBody {
     joints: Vec<[Vector; EVALUATION_JOINTS.len()]>,
     /// Extra points of every frame.
     extra: Vec<[Option<Vector>; EXTRA.len()]>,
-    /// Size over that of the adult of the tables.
-    stature: f64,
+    size: Size,
     /// Factors of the parts, stature included.
     girth: [f64; PARTS],
     /// g of every station of the chains and then of every ellipsoid of cloth, frame by frame.
@@ -204,10 +212,10 @@ impl EvaluationBody {
         let joints: Vec<_> = motion.frames.iter().map(|frame| columns.map(|k| frame[k])).collect();
         let extra = motion.frames.iter().map(|frame| extra.map(|k| k.map(|k| frame[k]))).collect();
         let [girth_stage, cloth_stage] = stage.split(["girth", "clothes"]);
-        let stature = stature(&joints);
+        let size = Size::of(&joints);
         let factors = uniforms(&girth_stage, 0, PARTS);
-        let girth = std::array::from_fn(|part| stature * (GIRTH[0] + factors[part] * (GIRTH[1] - GIRTH[0])));
-        let mut body = Self { joints, extra, stature, girth, clothes: Vec::new() };
+        let girth = std::array::from_fn(|part| size.stature * (GIRTH[0] + factors[part] * (GIRTH[1] - GIRTH[0])));
+        let mut body = Self { joints, extra, size, girth, clothes: Vec::new() };
         body.clothes = body.drawn_clothes(&cloth_stage);
         Ok(body)
     }
@@ -231,7 +239,7 @@ impl EvaluationBody {
         let (Some(joints), Some(clothes)) = (self.joints.get(frame), self.clothes.get(frame)) else {
             return Vec::new();
         };
-        let pose = Pose::new(joints, &self.extra[frame], self.stature);
+        let pose = Pose::new(joints, &self.extra[frame], self.size);
         let mut clothes = clothes.iter().map(|g| 1.0 + CLOTH_SD * g);
         let mut solids = Vec::with_capacity(80);
         for chain in &CHAINS {
@@ -259,7 +267,7 @@ impl EvaluationBody {
         use Material::{Hair, Shirt, Skin, Trousers};
         let at = |k: usize| pose.landmarks[k];
         let trunk = |fraction: f64| between(at(MID_HIP), at(COLLAR), fraction);
-        let forward = |place: Vector, by: f64| along(place, by * self.stature, pose.trunk[1]);
+        let forward = |place: Vector, by: f64| along(place, by * self.size.stature, pose.trunk[1]);
         let mut blobs = vec![
             (SEAT, Trousers, forward(trunk(0.05), -0.005), pose.hips, [0.160, 0.112, 0.110]),
             (TRUNK, Shirt, forward(trunk(0.33), 0.010), pose.trunk, [0.142, 0.110, 0.150]),
@@ -273,10 +281,10 @@ impl EvaluationBody {
             blobs.push((SEAT, Trousers, hip, pose.hips, [0.088, 0.092, 0.105]));
         }
         let head = pose.head;
-        let skull = along(at(HEAD), -0.098 * self.stature, head[2]);
+        let skull = along(at(HEAD), -0.098 * self.size.stature, head[2]);
         let face = |place: Vector, right: f64, ahead: f64, up: f64| {
-            let place = along(place, right * self.stature, head[0]);
-            along(along(place, ahead * self.stature, head[1]), up * self.stature, head[2])
+            let place = along(place, right * self.size.stature, head[0]);
+            along(along(place, ahead * self.size.stature, head[1]), up * self.size.stature, head[2])
         };
         blobs.push((CRANIUM, Skin, face(skull, 0.0, 0.010, -0.004), head, [0.072, 0.092, 0.098]));
         blobs.push((CRANIUM, Skin, face(skull, 0.0, 0.038, -0.062), head, [0.050, 0.056, 0.058]));
@@ -319,7 +327,7 @@ impl EvaluationBody {
         let step = self.joints.len().div_ceil(SAMPLE).max(1);
         let sample: Vec<Pose> = (0..self.joints.len())
             .step_by(step)
-            .map(|frame| Pose::new(&self.joints[frame], &self.extra[frame], self.stature))
+            .map(|frame| Pose::new(&self.joints[frame], &self.extra[frame], self.size))
             .collect();
         let length = |chain: &Chain| {
             let of = |pose: &Pose| distance(pose.landmarks[chain.ends[0]], pose.landmarks[chain.ends[1]]);
@@ -337,14 +345,22 @@ fn median(mut values: Vec<f64>) -> f64 {
     values.get(values.len() / 2).copied().unwrap_or_default()
 }
 
-/// Length of the legs over that of the adult of the tables.
-fn stature(joints: &[[Vector; EVALUATION_JOINTS.len()]]) -> f64 {
-    let leg = |j: &[Vector; EVALUATION_JOINTS.len()]| {
-        let side = |s: usize| distance(j[HIPS + s], j[KNEES + s]) + distance(j[KNEES + s], j[ANKLES + s]);
-        0.5 * (side(0) + side(1))
-    };
-    let step = joints.len().div_ceil(SAMPLE).max(1);
-    median(joints.iter().step_by(step).map(leg).collect()) / LEG_M
+/// Distance from the middle of the shoulders to the top of the head in the adult of the tables, metres. Recorded joints of that name may end inside the head.
+const HEAD_OVER_SHOULDERS_M: f64 = 0.30;
+
+impl Size {
+    fn of(joints: &[[Vector; EVALUATION_JOINTS.len()]]) -> Self {
+        type Joints = [Vector; EVALUATION_JOINTS.len()];
+        let over = |of: fn(&Joints) -> f64| {
+            median(joints.iter().step_by(joints.len().div_ceil(SAMPLE).max(1)).map(of).collect())
+        };
+        let stature = over(|j| {
+            let side = |s: usize| distance(j[HIPS + s], j[KNEES + s]) + distance(j[KNEES + s], j[ANKLES + s]);
+            0.5 * (side(0) + side(1))
+        }) / LEG_M;
+        let head = over(|j| distance(j[HEAD], between(j[SHOULDERS], j[SHOULDERS + 1], 0.5)));
+        Self { stature, crown_m: (HEAD_OVER_SHOULDERS_M * stature - head).max(0.0) }
+    }
 }
 
 /// Makes independent numbers into numbers that are correlated along every chain; what follows the chains stays as it is.
@@ -377,7 +393,11 @@ struct Pose {
 }
 
 impl Pose {
-    fn new(joints: &[Vector; EVALUATION_JOINTS.len()], extra: &[Option<Vector>; EXTRA.len()], stature: f64) -> Self {
+    fn new(
+        joints: &[Vector; EVALUATION_JOINTS.len()],
+        extra: &[Option<Vector>; EXTRA.len()],
+        Size { stature, crown_m }: Size,
+    ) -> Self {
         let mut at = [[0.0; 3]; LANDMARKS];
         at[..joints.len()].copy_from_slice(joints);
         let upright = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
@@ -393,6 +413,7 @@ impl Pose {
             Some(nose) => turned_along(minus(at[HEAD], at[NECK]), [cross(nose, trunk[2]), nose, trunk[2]]),
             None => turned_along(minus(at[HEAD], at[NECK]), trunk),
         };
+        at[HEAD] = along(at[HEAD], crown_m, head[2]);
         at[SKULL] = along(along(at[HEAD], -0.150 * stature, head[2]), 0.005 * stature, head[1]);
         let shoulders = between(at[SHOULDERS], at[SHOULDERS + 1], 0.5);
         at[COLLAR] = along(shoulders, 0.045 * stature, trunk[2]);
@@ -438,4 +459,144 @@ fn foot(
     let lift = |place: Vector, by: f64| along(place, m(by), up);
     let ball = between(heel, toe, 0.72);
     [lift(along(heel, m(0.015), sole), 0.034), lift(ball, 0.032), lift(along(toe, m(0.02), sole), 0.022)]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::points::of_states;
+    use super::super::walker::{Gait, Walker, walker_states};
+    use super::*;
+
+    fn walk(duration_s: f64) -> Trajectories {
+        let walker = Walker::new(Gait { duration_s, ..Gait::default() });
+        of_states(&walker.body, &walker_states(&walker, 30.0))
+    }
+
+    fn body(motion: &Trajectories, seed: u64) -> EvaluationBody {
+        EvaluationBody::new(motion, Stage::new(seed, "test")).unwrap()
+    }
+
+    fn still(frames: usize) -> EvaluationBody {
+        let motion = walk(0.1);
+        body(&Trajectories { frames: vec![motion.frames[0].clone(); frames], ..motion }, 3)
+    }
+
+    fn correlation(pairs: impl Iterator<Item = (f64, f64)>) -> [f64; 3] {
+        let (mut n, mut xx, mut yy, mut xy) = (0.0, 0.0, 0.0, 0.0);
+        for (x, y) in pairs {
+            (n, xx, yy, xy) = (n + 1.0, xx + x * x, yy + y * y, xy + x * y);
+        }
+        [xy / (xx * yy).sqrt(), xx / n, yy / n]
+    }
+
+    /// Over 4000 frames of 68 stations; the effective number of independent numbers is about a tenth.
+    #[test]
+    fn clothes_remember_the_frame_before_and_vary_as_stated() {
+        let clothes = still(4000).clothes;
+        let pairs = clothes.windows(2).flat_map(|pair| pair[0].iter().copied().zip(pair[1].iter().copied()));
+        let [persistence, variance, _] = correlation(pairs);
+        assert!((persistence - 0.9).abs() < 0.005, "{persistence}");
+        assert!((variance - 1.0).abs() < 0.03, "{variance}");
+        assert!((correlation(clothes[..1].iter().flat_map(|g| g.iter().map(|g| (*g, *g))))[1] - 1.0).abs() < 0.6);
+    }
+
+    #[test]
+    fn clothes_are_correlated_along_a_segment_and_not_between_segments() {
+        let body = still(4000);
+        let lengths = body.chain_lengths();
+        // The right thigh, its stations apart by 0.3, 0.4 and 0.3 of its length.
+        let thigh = 7;
+        let first: usize = CHAINS[..thigh].iter().map(|chain| chain.stations.len()).sum();
+        assert!((lengths[thigh] - 0.43).abs() < 1e-9);
+        for (a, b) in [(0, 1), (1, 2), (0, 3)] {
+            let apart = (THIGH_RADII[b][0] - THIGH_RADII[a][0]) * lengths[thigh];
+            let [found, ..] = correlation(body.clothes.iter().map(|g| (g[first + a], g[first + b])));
+            assert!((found - (-apart / 0.15).exp()).abs() < 0.15, "{found} at {apart} m");
+        }
+        let [other, ..] = correlation(body.clothes.iter().map(|g| (g[first], g[first - 1])));
+        assert!(other.abs() < 0.15, "{other}");
+    }
+
+    #[test]
+    fn radii_are_those_of_the_part_and_move_with_the_clothes_alone() {
+        let motion = walk(0.2);
+        for seed in 0..40 {
+            let body = body(&motion, seed);
+            assert!(body.girth.iter().all(|girth| (0.9..1.15).contains(girth)), "{:?}", body.girth);
+        }
+        let body = body(&motion, 1);
+        let (first, last) = (body.solids(0), body.solids(5));
+        assert_eq!(first.len(), last.len());
+        for (a, b) in first.iter().zip(&last) {
+            if let (Shape::Capsule { radii: p, .. }, Shape::Capsule { radii: q, .. }) = (a.shape, b.shape) {
+                assert_eq!(p == q, !a.material.is_cloth());
+                assert!(p.iter().chain(&q).all(|r| (0.015..0.15).contains(r)));
+            }
+        }
+    }
+
+    #[test]
+    fn a_frame_does_not_depend_on_those_that_follow() {
+        let motion = walk(1.0);
+        let start = Trajectories { frames: motion.frames[..12].to_vec(), ..motion.clone() };
+        let (whole, part) = (body(&motion, 5), body(&start, 5));
+        assert_eq!(whole.clothes[11], part.clothes[11]);
+        assert_eq!(whole.solids(11).len(), part.solids(11).len());
+        assert!(whole.solids(30).is_empty() && whole.foothold(30).is_none());
+        assert_eq!(whole, body(&motion, 5));
+        assert!(whole.girth != body(&motion, 6).girth);
+    }
+
+    /// Chains begin where others end: a flood over overlapping spheres reaches every solid.
+    #[test]
+    fn nothing_is_detached_and_the_person_is_as_tall_as_it_was() {
+        let motion = walk(3.0);
+        let body = body(&motion, 2);
+        for frame in [0, 45, 60, 75, 89] {
+            let spheres: Vec<(Vector, f64)> = body
+                .solids(frame)
+                .iter()
+                .flat_map(|solid| match solid.shape {
+                    Shape::Capsule { ends, radii } => (0..=8)
+                        .map(|k| f64::from(k) / 8.0)
+                        .map(|s| (between(ends[0], ends[1], s), radii[0] + s * (radii[1] - radii[0])))
+                        .collect::<Vec<_>>(),
+                    Shape::Ellipsoid { centre, half_axes } => {
+                        let least =
+                            half_axes.iter().map(|h| super::super::space::length(*h)).fold(f64::INFINITY, f64::min);
+                        vec![(centre, least)]
+                    }
+                })
+                .collect();
+            let mut reached = vec![false; spheres.len()];
+            let mut open = vec![0];
+            reached[0] = true;
+            while let Some(i) = open.pop() {
+                for j in 0..spheres.len() {
+                    if !reached[j] && distance(spheres[i].0, spheres[j].0) < 0.9 * (spheres[i].1 + spheres[j].1) {
+                        reached[j] = true;
+                        open.push(j);
+                    }
+                }
+            }
+            assert!(reached.iter().all(|reached| *reached), "frame {frame}");
+            let top = spheres.iter().map(|(c, r)| c[2] + r).fold(0.0, f64::max);
+            let bottom = spheres.iter().map(|(c, r)| c[2] - r).fold(1.0, f64::min);
+            assert!(
+                (1.66..1.80).contains(&top) && (-0.04..0.03).contains(&bottom),
+                "{bottom} to {top} m in frame {frame}"
+            );
+        }
+    }
+
+    #[test]
+    fn what_is_no_person_is_refused() {
+        let motion = walk(0.1);
+        let error = EvaluationBody::new(&motion.select(&["Head", "Neck"]), Stage::new(1, "test")).unwrap_err();
+        assert!(error.to_string().starts_with("the motion has no MidHip, LShoulder, RShoulder"), "{error}");
+        let mut broken = motion;
+        broken.frames[0][0][1] = f64::NAN;
+        let error = EvaluationBody::new(&broken, Stage::new(1, "test")).unwrap_err();
+        assert_eq!(error.to_string(), "a coordinate of the motion is not finite");
+    }
 }

@@ -246,3 +246,110 @@ fn hash(i: i64, j: i64, seed: u64) -> f64 {
     z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
     ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::evaluation_body::Shape;
+    use super::*;
+    use crate::observe::camera::Distortion;
+
+    fn cameras() -> [Camera; 2] {
+        let straight = Camera::look_at("C1", [160.0, 120.0], 150.0, [2.5, -3.0, 2.2], [0.0, 0.0, 1.0]).unwrap();
+        let lens = Distortion { k1: -0.25, k2: 0.06, p1: 2e-3, p2: -1e-3, k3: 0.0 };
+        [straight.clone(), Camera { distortion: lens, ..straight }]
+    }
+
+    fn solids() -> Vec<Solid> {
+        let capsule = |ends, radii| Solid { shape: Shape::Capsule { ends, radii }, material: Material::Shirt };
+        let half_axes = [[0.2, 0.1, 0.0], [-0.05, 0.1, 0.0], [0.0, 0.0, 0.3]];
+        vec![
+            capsule([[0.0, 0.0, 1.0], [0.3, 0.1, 1.5]], [0.15, 0.07]),
+            capsule([[-0.9, 0.2, 0.4], [-0.2, 0.1, 0.9]], [0.04, 0.09]),
+            Solid { shape: Shape::Ellipsoid { centre: [0.2, 0.1, 0.5], half_axes }, material: Material::Trousers },
+        ]
+    }
+
+    /// Neither bounds nor lens cut anything off: every pixel is asked for every solid.
+    #[test]
+    fn a_silhouette_is_where_rays_meet_a_solid() {
+        for camera in cameras() {
+            let view = View::new(&camera);
+            let silhouette = view.silhouette(&solids());
+            let casts: Vec<Cast> = solids().iter().map(|solid| Cast::new(&camera, &solid.shape).unwrap()).collect();
+            for y in 0..120 {
+                for x in 0..160 {
+                    let place =
+                        camera.distortion.undistorted(camera.normalised_from_pixel([x as f64 + 0.5, y as f64 + 0.5]));
+                    let expected = place.is_some_and(|place| casts.iter().any(|cast| cast.entry(place).is_some()));
+                    assert_eq!(silhouette.get(x, y), expected, "{x} {y}");
+                }
+            }
+            assert!((400..1000).contains(&silhouette.count()), "{}", silhouette.count());
+        }
+    }
+
+    /// Points of the solids, projected by the camera, against the silhouette: pixels around the image of an inner point are covered.
+    #[test]
+    fn points_of_a_solid_appear_inside_its_silhouette() {
+        for camera in cameras() {
+            let silhouette = View::new(&camera).silhouette(&solids());
+            for k in 0..=20 {
+                let s = f64::from(k) / 20.0;
+                for [dx, dz] in [[0.0, 0.0], [0.6, 0.0], [-0.6, 0.0], [0.0, 0.6], [0.0, -0.6]] {
+                    let radius = 0.15 - 0.08 * s;
+                    let point = [0.3 * s + radius * dx, 0.1 * s, 1.0 + 0.5 * s + radius * dz];
+                    let [u, v] = camera.project(point).pixel().unwrap();
+                    assert!(silhouette.get(u as usize, v as usize), "{point:?} at {u} {v}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_lens_moves_the_silhouette() {
+        let [straight, bent] = cameras().map(|camera| View::new(&camera).silhouette(&solids()));
+        assert!(straight != bent);
+    }
+
+    #[test]
+    fn the_nearest_solid_is_what_is_seen() {
+        let camera = &cameras()[0];
+        let view = View::new(camera);
+        let ball = |m: f64, material| {
+            let centre = along(camera.centre(), m, camera.rotation[2]);
+            Solid { shape: Shape::Capsule { ends: [centre; 2], radii: [0.3; 2] }, material }
+        };
+        let room = view.room(1);
+        let middle = |solids: &[Solid]| view.picture(solids, &room, &Stage::new(1, "test")).pixels[60 * 160 + 80];
+        let near = middle(&[ball(3.0, Material::Trousers), ball(2.0, Material::Shirt)]);
+        assert!(near[0] > near[2], "{near:?}");
+        let other = middle(&[ball(3.0, Material::Shirt), ball(2.0, Material::Trousers)]);
+        assert!(other[0] < other[2], "{other:?}");
+        assert!(view.picture(&[], &room, &Stage::new(1, "test")) != view.picture(&[], &room, &Stage::new(2, "test")));
+    }
+
+    #[test]
+    fn ellipses_on_the_ground_are_where_their_points_are() {
+        for camera in cameras() {
+            let blob = View::new(&camera).ground_ellipse([0.2, 0.3], [0.8, 0.3], 0.5);
+            let at = |along_it: f64, across: f64| {
+                let (sin, cos) = 0.5_f64.sin_cos();
+                let [x, y] = [0.2 + cos * along_it - sin * across, 0.3 + sin * along_it + cos * across];
+                let [u, v] = camera.project([x, y, 0.0]).pixel().unwrap();
+                blob.get(u as usize, v as usize)
+            };
+            assert!(at(0.0, 0.0) && at(0.7, 0.0) && at(-0.7, 0.0) && at(0.0, 0.25));
+            assert!(!at(0.95, 0.0) && !at(0.0, 0.45) && !at(0.6, 0.3));
+        }
+    }
+
+    #[test]
+    fn runs_of_flags_become_pixels() {
+        for (width, height) in [(1, 3), (5, 4), (64, 2), (70, 3)] {
+            let covered: Vec<bool> = (0..width * height).map(|i| (i * i) % 7 < 3).collect();
+            let image = bit_image(width, height, &covered);
+            assert!((0..covered.len()).all(|i| image.get(i % width, i / width) == covered[i]));
+        }
+        assert_eq!(bit_image(0, 3, &[]).count(), 0);
+    }
+}

@@ -83,11 +83,7 @@ pub fn segmented(silhouette: &BitImage, shadow: Option<&BitImage>, level: Level,
         grid.cells.iter_mut().zip(Grid::of(shadow).cells).for_each(|(cell, shadow)| *cell |= shadow);
     }
     add_blobs(&mut grid, level, &blobs);
-    let probability = FLIP * level.factor() as f64;
-    for (y, row) in grid.cells.chunks_mut(width.max(1)).enumerate() {
-        let chance = uniforms(&flips, row_number(y), width);
-        row.iter_mut().zip(chance).for_each(|(cell, u)| *cell ^= u < probability);
-    }
+    turn_over(&mut grid, level, &flips);
     bit_image(width, height, &median(&grid))
 }
 
@@ -220,6 +216,16 @@ fn draw_ellipse(grid: &mut Grid, centre: [usize; 2], half_axes: [f64; 2], angle:
     }
 }
 
+/// Part 4.
+fn turn_over(grid: &mut Grid, level: Level, stage: &Stage) {
+    let probability = FLIP * level.factor() as f64;
+    let width = grid.width;
+    for (y, row) in grid.cells.chunks_mut(width.max(1)).enumerate() {
+        let chance = uniforms(stage, row_number(y), width);
+        row.iter_mut().zip(chance).for_each(|(cell, u)| *cell ^= u < probability);
+    }
+}
+
 /// Part 5.
 fn median(grid: &Grid) -> Vec<bool> {
     let (width, height) = (grid.width, grid.height);
@@ -237,4 +243,177 @@ fn median(grid: &Grid) -> Vec<bool> {
             threes[row + x.saturating_sub(1)] + threes[i] + threes[row + (x + 1).min(width - 1)] > 4
         })
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const LEVELS: [Level; 2] = [Level::Normal, Level::Hard];
+
+    fn disc(radius: f64) -> BitImage {
+        let mut image = BitImage::new(320, 240);
+        for y in 0..240 {
+            let half = (radius * radius - (y as f64 - 120.0).powi(2)).max(0.0).sqrt() as usize;
+            image.fill(y, 160 - half..160 + half);
+        }
+        image
+    }
+
+    fn stage(frame: u32) -> Stage {
+        Stage::new(1, "test").at_frame(frame)
+    }
+
+    fn differing(a: &BitImage, b: &BitImage, of: impl Fn(usize, usize) -> bool) -> usize {
+        let all = (0..a.height()).flat_map(|y| (0..a.width()).map(move |x| (x, y)));
+        all.filter(|&(x, y)| of(x, y) && a.get(x, y) != b.get(x, y)).count()
+    }
+
+    #[test]
+    fn a_clean_silhouette_stays_as_it_is_and_a_seed_tells_the_errors() {
+        let (image, shadow) = (disc(40.0), disc(20.0));
+        assert_eq!(segmented(&image, Some(&shadow), Level::Clean, stage(0)), image);
+        for level in LEVELS {
+            let of = |frame| segmented(&image, None, level, stage(frame));
+            assert_eq!(of(3), of(3));
+            assert!(of(3) != of(4));
+        }
+        let none = BitImage::new(0, 0);
+        assert_eq!(segmented(&none, None, Level::Hard, stage(0)), none);
+    }
+
+    /// 60 frames of 76 800 pixels: the share of turned pixels has a standard error of 0.5 %.
+    #[test]
+    fn one_pixel_in_a_hundred_is_turned_over() {
+        for (level, expected) in [(Level::Normal, 0.01), (Level::Hard, 0.02)] {
+            let mut turned = 0;
+            for frame in 0..60 {
+                let mut grid = Grid::of(&BitImage::new(320, 240));
+                turn_over(&mut grid, level, &stage(frame));
+                turned += grid.cells.iter().filter(|cell| **cell).count();
+            }
+            let share = turned as f64 / (60.0 * 76_800.0);
+            assert!((share / expected - 1.0).abs() < 0.025, "{share}");
+        }
+    }
+
+    /// In an image whose left half is person, patches that change; of a few that touch, one is missed, and at the middle some are cut.
+    #[test]
+    fn holes_and_false_blobs_are_as_many_and_as_large_as_stated() {
+        for (level, most, mean) in [(Level::Normal, 7, 5.0), (Level::Hard, 14, 10.0)] {
+            let (mut patches, mut pixels) = (0.0, 0.0);
+            for frame in 0..200 {
+                let cells: Vec<bool> = (0..76_800).map(|i| i % 320 < 160).collect();
+                let mut grid = Grid { width: 320, height: 240, cells: cells.clone() };
+                add_blobs(&mut grid, level, &stage(frame));
+                let changed: Vec<bool> = grid.cells.iter().zip(&cells).map(|(a, b)| a != b).collect();
+                let count = count_patches(&changed, 320);
+                assert!(count <= most, "{count} of {most}");
+                patches += count as f64;
+                pixels += changed.iter().filter(|changed| **changed).count() as f64;
+            }
+            assert!((patches / 200.0 / mean - 1.0).abs() < 0.12, "{} of {mean}", patches / 200.0);
+            // Area π/4 · E[axis]² with axes uniform from 3 to 12.
+            let area = pixels / patches;
+            assert!((36.0..52.0).contains(&area), "{area} pixels");
+        }
+    }
+
+    fn count_patches(cells: &[bool], width: usize) -> usize {
+        let mut seen = vec![false; cells.len()];
+        let mut patches = 0;
+        for start in 0..cells.len() {
+            if !cells[start] || seen[start] {
+                continue;
+            }
+            patches += 1;
+            let mut open = vec![start];
+            seen[start] = true;
+            while let Some(i) = open.pop() {
+                let (x, y) = (i % width, i / width);
+                let around = [(x.wrapping_sub(1), y), (x + 1, y), (x, y.wrapping_sub(1)), (x, y + 1)];
+                for (x, y) in around.into_iter().filter(|(x, y)| *x < width && *y < cells.len() / width) {
+                    let j = y * width + x;
+                    if cells[j] && !seen[j] {
+                        seen[j] = true;
+                        open.push(j);
+                    }
+                }
+            }
+        }
+        patches
+    }
+
+    #[test]
+    fn the_field_has_its_deviation_and_correlation() {
+        let weights = weights(FIELD_PX / 2_f64.sqrt());
+        let left: f64 = weights.iter().map(|w| w * w).sum();
+        let (width, height) = (200, 200);
+        let noise = normals(&stage(0), 0, width * height);
+        let field = smoothed(&noise, width, &weights);
+        let inner = |dx: usize, dy: usize| {
+            let mut sum = 0.0;
+            for y in 20..170 {
+                for x in 20..170 {
+                    sum += field[y * width + x] * field[(y + dy) * width + x + dx];
+                }
+            }
+            sum / (150.0 * 150.0) / (left * left)
+        };
+        assert!((inner(0, 0) - 1.0).abs() < 0.12, "{}", inner(0, 0));
+        for (dx, dy) in [(4, 0), (0, 4), (3, 3)] {
+            let distance = (dx as f64).hypot(dy as f64);
+            let expected = (-distance * distance / (2.0 * 16.0)).exp();
+            assert!((inner(dx, dy) / inner(0, 0) - expected).abs() < 0.08, "{} {expected}", inner(dx, dy));
+        }
+    }
+
+    #[test]
+    fn borders_move_by_less_than_a_pixel_on_average_and_hard_ones_further() {
+        let image = disc(50.0);
+        let mut changed = [0.0; 2];
+        for (level, changed) in LEVELS.into_iter().zip(&mut changed) {
+            for frame in 0..20 {
+                let mut grid = Grid::of(&image);
+                jitter_border(&mut grid, level, &stage(frame));
+                for (i, cell) in grid.cells.iter().enumerate() {
+                    let (x, y) = (i % 320, i / 320);
+                    if *cell != image.get(x, y) {
+                        *changed += 1.0;
+                        let from_centre = (x as f64 - 160.0).hypot(y as f64 - 120.0);
+                        assert!((from_centre - 50.0).abs() < 9.5, "{from_centre}");
+                    }
+                }
+            }
+            // Pixels per frame and pixel of the circumference.
+            *changed /= 20.0 * TAU * 50.0;
+        }
+        assert!((0.2..0.8).contains(&changed[0]) && changed[1] > 1.4 * changed[0], "{changed:?}");
+    }
+
+    #[test]
+    fn a_shadow_counts_as_person_only_where_it_is_hard() {
+        let image = disc(20.0);
+        let mut shadow = BitImage::new(320, 240);
+        (200..220).for_each(|y| shadow.fill(y, 100..160));
+        let inside = |x: usize, y: usize| (200..220).contains(&y) && (100..160).contains(&x);
+        let with = |level, shadow| segmented(&image, shadow, level, stage(9));
+        assert_eq!(with(Level::Normal, Some(&shadow)), with(Level::Normal, None));
+        assert!(differing(&with(Level::Hard, Some(&shadow)), &with(Level::Hard, None), inside) > 800);
+    }
+
+    #[test]
+    fn single_pixels_do_not_survive_the_median() {
+        let mut cells = vec![false; 64];
+        (cells[3 * 8 + 3], cells[0]) = (true, true);
+        assert!(median(&Grid { width: 8, height: 8, cells }).iter().all(|cell| !cell));
+        let half: Vec<bool> = (0..64).map(|i| i % 8 < 4).collect();
+        assert_eq!(median(&Grid { width: 8, height: 8, cells: half.clone() }), half);
+    }
+
+    #[test]
+    fn levels_are_known_by_name() {
+        assert!(Level::ALL.into_iter().all(|(name, level)| Level::named(name) == Some(level)));
+        assert_eq!(Level::named("soft"), None);
+    }
 }
