@@ -171,7 +171,7 @@ fn write_images(footage: &Footage, camera: usize, frame: usize, args: &SimulateA
     mask_png::write_mask(&mut bytes, [mask.width(), mask.height()], |x, y| mask.get(x, y))
         .map_err(Error::io("write", &path))?;
     write(&path, &bytes)?;
-    if args.images.0.is_some_and(|every| frame % every == 0) {
+    if args.images.0.is_some_and(|every| frame.is_multiple_of(every)) {
         let path = out.join(FOLDERS[2]).join(&name);
         let picture = footage.picture(camera, frame);
         bytes.clear();

@@ -73,7 +73,7 @@ pub fn recorded(path: &Path, skeleton: Option<&Path>, rate_hz: f64) -> Result<Re
     let name = path.display();
     let refuse = |what: String| Error::Input { message: format!("{name}: {what}"), help: Some(HELP.into()) };
     let table = motion.points().ok_or_else(|| refuse("coordinates without a body tell no points".into()))?;
-    if !(motion.rate_hz > 0.0) {
+    if motion.rate_hz.is_nan() || motion.rate_hz <= 0.0 {
         return Err(refuse("a single frame is no motion".into()));
     }
     let mut found = named(&table).map_err(refuse)?;

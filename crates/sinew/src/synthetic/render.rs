@@ -84,8 +84,9 @@ impl View {
     #[must_use]
     pub fn ground_ellipse(&self, centre: [f64; 2], half_axes: [f64; 2], angle: f64) -> BitImage {
         let (sin, cos) = angle.sin_cos();
-        let inside = |ray: &[f64; 2]| {
-            self.ground(*ray).is_some_and(|(ground, _)| {
+        let from = self.camera.centre();
+        let inside = |place: &[f64; 2]| {
+            self.ground(from, *place).is_some_and(|(ground, _)| {
                 let [x, y] = [ground[0] - centre[0], ground[1] - centre[1]];
                 let [a, b] = [(cos * x + sin * y) / half_axes[0], (cos * y - sin * x) / half_axes[1]];
                 a * a + b * b <= 1.0
@@ -99,7 +100,7 @@ impl View {
     pub fn room(&self, seed: u64) -> RgbImage {
         let centre = self.camera.centre();
         let pixel = |place: &[f64; 2]| {
-            if let Some((ground, away)) = self.ground(*place).filter(|(_, away)| *away < WALL_M) {
+            if let Some((ground, away)) = self.ground(centre, *place).filter(|(_, away)| *away < WALL_M) {
                 return floor(ground, away, seed);
             }
             let ray = self.in_world([place[0], place[1], 1.0]);
@@ -159,9 +160,8 @@ impl View {
         [0, 1, 2].map(|i: usize| a[i] * v[0] + b[i] * v[1] + c[i] * v[2])
     }
 
-    /// Where a pixel's ray meets the ground, and how far away over ground that is.
-    fn ground(&self, place: [f64; 2]) -> Option<(Vector, f64)> {
-        let centre = self.camera.centre();
+    /// Where a pixel's ray from the centre of projection meets the ground, and how far away over ground that is.
+    fn ground(&self, centre: Vector, place: [f64; 2]) -> Option<(Vector, f64)> {
         let ray = self.in_world([place[0], place[1], 1.0]);
         let depth = -centre[2] / ray[2];
         let away = depth * ray[0].hypot(ray[1]);
