@@ -1,7 +1,7 @@
 //! Silhouettes and pictures of solids, exactly by the pixel: a pixel shows what the ray through its centre meets first, through any lens that can be undone.
 //!
 //! Pixel (x, y) has its centre at (x + ½, y + ½). A [`View`] keeps the place before the lens of every pixel, and of every row and column the least and greatest place: a
-//! solid is asked only for pixels whose row and column overlap its bounds ([`super::cast`]). No supersampling.
+//! solid is asked only for pixels whose row and column overlap its bounds. No supersampling.
 //!
 //! Pictures: Lambert's cosine law with one light and an ambient part, the colour by material; behind it a floor of tiles and a wall with panels, fixed in the world, and noise of
 //! the sensor.
