@@ -11,6 +11,7 @@ mod misplaced;
 mod progress;
 mod report;
 mod segment;
+mod simulate;
 mod track;
 
 use args::{Cli, Command, General};
@@ -56,6 +57,7 @@ pub(crate) fn main() -> ExitCode {
         Command::Demo(answer) => demo::run(*answer, &cli.general, &report),
         Command::Inspect(args) => inspect::run(args, &cli.general, &report),
         Command::Track(args) => track::run(args, &cli.general, &report),
+        Command::Simulate(args) => simulate::run(args, &cli.general, &report),
         Command::Convert(args) => convert::run(args, &cli.general, &report),
         Command::Segment(args) => segment::run(args, &cli.general, &report),
         Command::Body { body, answer } => body::run(body, *answer),

@@ -181,9 +181,7 @@ impl Resolved {
             }
             "layers" | "survival" if !is("method", "annealed") => Some("a method other than `annealed`".to_owned()),
             "fine" if !is("method", "coarse-to-fine") => Some("a method other than `coarse-to-fine`".to_owned()),
-            "images" | "silhouette_scale" | "score" | "kappa" | "raster"
-                if !self.values.contains_key("silhouettes") =>
-            {
+            "images" | "mask_scale" | "score" | "kappa" | "raster" if !self.values.contains_key("silhouettes") => {
                 Some("no `--silhouettes`".to_owned())
             }
             "degrees" if is("noise", "floor") => Some("`--noise floor`".to_owned()),

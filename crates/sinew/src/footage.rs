@@ -56,7 +56,7 @@ impl Footage {
         };
         footage.begins_only = begins_only;
         if let Some(folder) = &config.silhouettes {
-            let scale = config.silhouette_scale.map(|scale| scale / options.image_scale);
+            let scale = config.mask_scale.map(|scale| scale / options.image_scale);
             let names = footage.calibrated(calibration)?;
             let has_keypoints = footage.keypoints.is_some();
             let frames = if has_keypoints { Some(footage.frames.clone()) } else { options.frames.clone() };

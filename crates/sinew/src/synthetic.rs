@@ -5,8 +5,14 @@
 //! | [`gait`] | normative joint-angle curves of walking as Fourier series |
 //! | [`walker`] | the whole body's state over time, feet on the ground |
 //! | [`points`] | named points in space over time, from states or from recorded motion |
+//! | [`recorded`] | the joints of a motion file, by the names that are in use |
+//! | [`combo`] | walking, running and free movement in one sequence |
 //! | [`ring`] | cameras on a circle around a motion |
 //! | [`detector`] | projections with offset, jitter, missing keypoints and gross outliers |
+//! | [`evaluation_body`] | a clothed body of capsules and ellipsoids on the points of a motion |
+//! | [`render`] | its silhouettes and pictures |
+//! | [`segmentation_noise`] | silhouettes as a segmentation gives them |
+//! | [`footage`] | cameras, person, masks and pictures of a motion |
 //! | [`recording`] | all of it together, and as the files that other programs read |
 //! | [`cmu`] | recorded motion as points and as a motion of the standard body |
 //!
@@ -20,10 +26,19 @@
 //! # Ok::<(), sinew::observe::Error>(())
 //! ```
 
+mod cast;
 pub mod cmu;
+pub mod combo;
 pub mod detector;
+mod draws;
+pub mod evaluation_body;
+pub mod footage;
 pub mod gait;
 pub mod points;
+pub mod recorded;
 pub mod recording;
+pub mod render;
 pub mod ring;
+pub mod segmentation_noise;
+mod space;
 pub mod walker;

@@ -89,6 +89,7 @@ impl General {
         let used: &[&str] = match command {
             Command::Demo(_) | Command::Track(_) => return vec![],
             Command::Inspect(_) => &["config"],
+            Command::Simulate(_) => &["out", "force", "seed", "threads"],
             Command::Convert(_) => &["force"],
             Command::Segment(_) => &["out", "force"],
             Command::Body { .. } | Command::Completions { .. } | Command::Man => &[],
@@ -120,6 +121,9 @@ pub(crate) enum Command {
         "sinew track --config sinew.toml --frames 0..100 -o out"
     ))]
     Track(TrackArgs),
+    /// Write a synthetic recording: keypoints, silhouettes and pictures
+    #[command(help_template = template!("sinew simulate -o walk", "sinew simulate --motion 07_01.amc --skeleton 07.asf --segmentation hard"))]
+    Simulate(SimulateArgs),
     /// Convert motion between TRC, BVH, MOT and CSV, and from ASF/AMC
     #[command(help_template = template!("sinew convert markers.trc markers.csv", "sinew convert 07_01.amc walk.bvh --skeleton 07.asf"))]
     Convert(ConvertArgs),
@@ -197,6 +201,69 @@ pub(crate) struct SegmentArgs {
     pub(crate) least_part: f64,
     #[command(flatten)]
     pub(crate) answer: Answer,
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct SimulateArgs {
+    /// `walk`, or a motion file: .bvh, .trc, .csv or .amc
+    #[arg(long, value_name = "walk|FILE", default_value = "walk")]
+    pub(crate) motion: PathBuf,
+    /// Skeleton of an .amc file
+    #[arg(long, value_name = "F.asf")]
+    pub(crate) skeleton: Option<PathBuf>,
+    /// Seconds [default: 4 of a walk, all of a file]
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    pub(crate) duration: Option<f64>,
+    /// Frames per second
+    #[arg(long, value_name = "F", default_value_t = 30.0, allow_negative_numbers = true)]
+    pub(crate) fps: f64,
+    /// Cameras in a circle around the motion
+    #[arg(long, value_name = "N", default_value = "4", value_parser = count)]
+    pub(crate) cameras: usize,
+    /// Width and height of the images, pixels
+    #[arg(long, value_name = "WxH", default_value = "320x240", value_parser = size)]
+    pub(crate) size: [u32; 2],
+    /// Errors of the silhouettes: clean, normal or hard
+    #[arg(long, value_name = "LEVEL", default_value = "normal", hide_possible_values = true, value_parser = LEVELS)]
+    pub(crate) segmentation: String,
+    /// Write pictures of every N-th frame, or `none`
+    #[arg(long, value_name = "N", default_value = "10", value_parser = every)]
+    pub(crate) images: Every,
+    #[command(flatten)]
+    pub(crate) answer: Answer,
+}
+
+const LEVELS: [&str; 3] = ["clean", "normal", "hard"];
+
+/// Every so-manieth frame, or none.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Every(pub(crate) Option<usize>);
+
+fn every(text: &str) -> Result<Every, String> {
+    match text {
+        "none" => Ok(Every(None)),
+        _ => match text.parse() {
+            Ok(0) | Err(_) => Err("expected a whole number from 1 on, or `none`".into()),
+            Ok(every) => Ok(Every(Some(every))),
+        },
+    }
+}
+
+/// Most cameras of a simulation.
+const MOST_CAMERAS: usize = 99;
+
+fn count(text: &str) -> Result<usize, String> {
+    let count = text.parse().ok().filter(|count| (1..=MOST_CAMERAS).contains(count));
+    count.ok_or_else(|| format!("expected a whole number from 1 to {MOST_CAMERAS}"))
+}
+
+/// Least and greatest width and height of simulated images, pixels.
+const PIXELS: std::ops::RangeInclusive<u32> = 32..=4096;
+
+fn size(text: &str) -> Result<[u32; 2], String> {
+    let side = |text: &str| text.parse().ok().filter(|side| PIXELS.contains(side));
+    let sides = text.split_once('x').and_then(|(width, height)| Some([side(width)?, side(height)?]));
+    sides.ok_or_else(|| format!("expected WIDTHxHEIGHT, each from {} to {}", PIXELS.start(), PIXELS.end()))
 }
 
 #[derive(Args, Debug)]

@@ -102,7 +102,7 @@ pub const SETTINGS: [Setting; SETTING_COUNT] = [
     common((INPUT, "trim", Kind::Flag, "", "false", "take only the frames that all cameras have")),
     rare((INPUT, "confidence_scale", POSITIVE, "C", "1", "confidence that means certainty")),
     rare((INPUT, "image_scale", FACTOR, "S", "1", "size of the images with the keypoints over that of the calibrated images, where they were resized")),
-    rare((INPUT, "silhouette_scale", FACTOR, "S", "", "size of the masks over that of the calibrated images [default: as the keypoints']")),
+    rare((INPUT, "mask_scale", FACTOR, "S", "", "size of the masks over that of the calibrated images [default: as the keypoints']")),
     rare((INPUT, "up_axis", AXES, "AXIS", "", "axis of the calibration's world that points up; results are in a world turned to z up [default: +z]")),
     common((METHOD, "method", METHODS, "NAME", "hmc", "tracker: hmc or bootstrap; from silhouettes annealed, partitioned, coarse-to-fine or bootstrap")),
     common((METHOD, "body", Kind::NameOrPath, "NAME", "h32", "body: h32, cf28 or a body file")),

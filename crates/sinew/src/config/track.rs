@@ -21,7 +21,7 @@ pub struct TrackConfig {
     /// Folder of images.
     pub images: Option<PathBuf>,
     /// Size of the masks over that of the calibrated images; that of the keypoints' images if `None`.
-    pub silhouette_scale: Option<f64>,
+    pub mask_scale: Option<f64>,
     /// Where tracking from silhouettes alone begins.
     pub init: Option<Init>,
     /// Name of a layout or path of a mapping file.
@@ -120,7 +120,7 @@ impl Resolved {
             keypoints: self.path("keypoints"),
             silhouettes: self.path("silhouettes"),
             images: self.path("images"),
-            silhouette_scale: self.number("silhouette_scale"),
+            mask_scale: self.number("mask_scale"),
             init: match (self.path("init"), self.text("init").as_deref()) {
                 (Some(path), _) => Some(Init::Points(path)),
                 (None, Some(_)) => Some(Init::Keypoints),

@@ -85,9 +85,10 @@ impl Tracker<Observed> for Restarting {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use sinew_core::density::Lanes;
+    use sinew_body::standard::h32;
+    use sinew_body::{Plan, Proportions};
     use sinew_core::lanes::Isa;
-    use sinew_core::toy::Quadratic;
+    use sinew_observe::{KeypointFrame, KeypointModel, Noise, ObservationModel};
 
     /// Fails where its start is negative; remembers where it was started.
     struct Fragile(Vec<f64>);
@@ -117,8 +118,15 @@ mod tests {
 
     #[test]
     fn a_failed_step_is_taken_again_by_a_new_tracker() {
-        let leaf = Quadratic { centre: vec![0.0], precision: vec![1.0] };
-        let observed = Lanes { leaf, isa: Isa::best() };
+        let model = KeypointModel {
+            plan: Arc::new(Plan::with_all_points(&h32(&Proportions::default()))),
+            views: vec![],
+            noise: Noise::OutlierFloor { outlier: 0.02 },
+            model_error_m: 0.01,
+            least_confidence: 0.1,
+            isa: Isa::best(),
+        };
+        let observed = Observed::from(model.bind(KeypointFrame { detections: &[], predicted: &[] }));
         // A tracker made where the old one failed stands one further.
         let further = |start: Vec<f64>| Box::new(Fragile(vec![start[0] + 1.0])) as Box<dyn Steps>;
         let mut tracker = Restarting::new(Box::new(move |start| Ok(further(start))), vec![-1.5]).unwrap();

@@ -75,7 +75,7 @@ pub fn joints(skeleton: &Asf, motion: &Amc, rate_hz: f64) -> Trajectories {
 }
 
 /// Every `step`-th frame (a fraction of a frame is interpolated), starting with the first.
-fn resampled(frames: &[Vec<[f64; 3]>], step: f64) -> Vec<Vec<[f64; 3]>> {
+pub(super) fn resampled(frames: &[Vec<[f64; 3]>], step: f64) -> Vec<Vec<[f64; 3]>> {
     let mut out = Vec::new();
     if !(step > 0.0 && step.is_finite()) {
         return out;

@@ -52,6 +52,17 @@ impl DetectorNoise {
         persistence: 0.0,
     };
 
+    /// The same detector on images that are resized: what is stated in pixels times a factor.
+    #[must_use]
+    pub fn resized(&self, factor: f64) -> Self {
+        Self {
+            offset_px: factor * self.offset_px,
+            jitter_px: factor * self.jitter_px,
+            outlier_px: self.outlier_px.map(|px| factor * px),
+            ..*self
+        }
+    }
+
     /// Independent Gaussian errors of one known size and nothing else, for experiments on coverage.
     #[must_use]
     pub const fn stated_gaussian(sigma_px: f64) -> Self {

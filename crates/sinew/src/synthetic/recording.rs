@@ -101,12 +101,7 @@ impl Recording {
 
     /// Name, below the folder of keypoints, and text of every keypoint file: `C1_json/C1.0000.json`, ….
     pub fn keypoint_files(&self) -> impl Iterator<Item = (String, String)> + '_ {
-        self.cameras.iter().zip(&self.keypoints).flat_map(|(camera, frames)| {
-            let name = &camera.name;
-            frames.iter().enumerate().map(move |(f, keypoints)| {
-                (format!("{name}_json/{name}.{f:04}.json"), keypoint_json(&[keypoints.as_slice()]))
-            })
-        })
+        keypoint_files(&self.cameras, &self.keypoints)
     }
 
     /// Writes the true points as TRC.
@@ -118,7 +113,22 @@ impl Recording {
     }
 }
 
-fn body_25b() -> Layout {
+/// Name, below the folder of keypoints, and text of the keypoint files of some cameras, each with its frames.
+pub fn keypoint_files<'a>(
+    cameras: &'a [Camera],
+    keypoints: &'a [Vec<Vec<Option<Keypoint>>>],
+) -> impl Iterator<Item = (String, String)> + 'a {
+    cameras.iter().zip(keypoints).flat_map(|(camera, frames)| {
+        let name = &camera.name;
+        frames.iter().enumerate().map(move |(f, keypoints)| {
+            (format!("{name}_json/{name}.{f:04}.json"), keypoint_json(&[keypoints.as_slice()]))
+        })
+    })
+}
+
+/// Layout of the keypoints, BODY_25B.
+#[must_use]
+pub fn body_25b() -> Layout {
     layout::find("BODY_25B").unwrap_or(Layout { name: "BODY_25B".into(), points: Vec::new() })
 }
 

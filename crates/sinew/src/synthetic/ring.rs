@@ -3,7 +3,7 @@
 //! With the smallest box around all points of the motion, the circle has the radius 2.5 m + half the box's longer horizontal side (at least 4 m) about the middle of the box.
 //! Camera k stands [`Ring::height_m`] high at the azimuth 45° + 360° k/n (from x towards y) and looks at the middle at [`Ring::target_height_m`]. Its focal length lets a subject
 //! of [`Ring::subject_m`] at the middle span the fraction [`Ring::span`] of the image's height, or less where a point of the motion would come closer to the border of
-//! an image than 5 % of half its size; it is the same for all cameras. No distortion; the principal point is the middle of the image.
+//! an image than 5 % of half its size ([`Ring::flesh_m`] around it included); it is the same for all cameras. No distortion; the principal point is the middle of the image.
 
 use super::detector::pixel;
 use super::points::Trajectories;
@@ -29,20 +29,30 @@ pub struct Ring {
     pub subject_m: f64,
     /// Fraction of the image's height that the subject spans at the middle.
     pub span: f64,
+    /// Flesh around the points of the motion, metres: it keeps as far from the border of an image as the points without it.
+    pub flesh_m: f64,
+}
+
+impl Ring {
+    /// Cameras of the experiments on silhouettes: images of 320 × 240 pixels, and room for flesh and hands around the joints.
+    pub const SMALL_PICTURES: Self = Self { image_size_px: [320.0, 240.0], flesh_m: 0.08, ..Self::WIDE_PICTURES };
+
+    const WIDE_PICTURES: Self = Self {
+        cameras: 4,
+        height_m: 2.2,
+        target_height_m: 1.0,
+        least_radius_m: 4.0,
+        margin_m: 2.5,
+        image_size_px: [1280.0, 960.0],
+        subject_m: 1.75,
+        span: 0.6,
+        flesh_m: 0.0,
+    };
 }
 
 impl Default for Ring {
     fn default() -> Self {
-        Self {
-            cameras: 4,
-            height_m: 2.2,
-            target_height_m: 1.0,
-            least_radius_m: 4.0,
-            margin_m: 2.5,
-            image_size_px: [1280.0, 960.0],
-            subject_m: 1.75,
-            span: 0.6,
-        }
+        Self::WIDE_PICTURES
     }
 }
 
@@ -65,18 +75,22 @@ pub fn around(motion: &Trajectories, ring: &Ring) -> Result<Vec<Camera>, Error> 
         };
         (0..ring.cameras).map(camera).collect()
     };
-    let reach = cameras(focal)?.iter().map(|camera| reach(camera, motion)).fold(0.0, f64::max);
+    let reach = cameras(focal)?.iter().map(|camera| reach(camera, motion, ring.flesh_m)).fold(0.0, f64::max);
     cameras(focal * (INSIDE / reach).min(1.0))
 }
 
 /// Fraction of half an image that a motion may use.
 const INSIDE: f64 = 0.95;
 
-/// Largest distance of a motion's points from the middle of the image, as a fraction of half the image; proportional to the focal length.
-fn reach(camera: &Camera, motion: &Trajectories) -> f64 {
+/// Largest distance of a motion's points and the flesh around them from the middle of the image, as a fraction of half the image; proportional to the focal length.
+fn reach(camera: &Camera, motion: &Trajectories, flesh_m: f64) -> f64 {
     let half = camera.image_size_px.map(|size| 0.5 * size);
-    let pixels = motion.frames.iter().flatten().filter_map(|&point| pixel(camera, point));
-    pixels.fold(0.0, |reach, p| (0..2).map(|i| (p[i] / half[i] - 1.0).abs()).fold(reach, f64::max))
+    let points = motion.frames.iter().flatten();
+    let pixels = points.filter_map(|&point| Some((pixel(camera, point)?, camera.point_in_camera(point)[2])));
+    pixels.fold(0.0, |reach, (p, depth)| {
+        let flesh = flesh_m * camera.intrinsics.fx / depth;
+        (0..2).map(|i| (p[i] / half[i] - 1.0).abs() + flesh / half[i]).fold(reach, f64::max)
+    })
 }
 
 #[cfg(test)]
@@ -107,7 +121,7 @@ mod tests {
         let mut motion = motion();
         motion.frames.push(vec![[0.0, 2.5, 2.8]; 2]);
         let cameras = around(&motion, &Ring::default()).unwrap();
-        let reach = cameras.iter().map(|camera| reach(camera, &motion)).fold(0.0, f64::max);
+        let reach = cameras.iter().map(|camera| reach(camera, &motion, 0.0)).fold(0.0, f64::max);
         assert!((reach - 0.95).abs() < 1e-9, "{reach}");
     }
 
