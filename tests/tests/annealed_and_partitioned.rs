@@ -63,5 +63,5 @@ fn crossover_keeps_marginals() {
 #[test]
 fn the_annealed_filter_collapses_on_eight_modes() {
     let Some(arm) = Arm::stored() else { return };
-    demand(&collapse_on_the_depth_flip(&arm, 5, 8));
+    demand(&collapse_on_the_depth_flip(&arm, 10, 9));
 }

@@ -1,4 +1,4 @@
-//! Annealed particle search (Deutscher, Blake & Reid 2000; Deutscher, Davison & Reid 2001): layers of weighting, resampling and diffusion, from broad to peaked. A **search, not a sampler**.
+//! Annealed particle search (Deutscher, Blake & Reid 2000; Deutscher & Reid 2005): layers of weighting, resampling and diffusion, from broad to peaked. A **search, not a sampler**.
 //!
 //! With n layers, survival rate α and a base covariance P = diag(sd²), from states that were diffused by P:
 //!
@@ -57,9 +57,9 @@ pub struct Config {
     pub last: Last,
     /// Scheme of resampling.
     pub scheme: Scheme,
-    /// Whether a coordinate is diffused no wider than the resampled set is (2001).
+    /// Whether a coordinate is diffused no wider than the resampled set is (2005).
     pub adaptive: bool,
-    /// Part of the states that is crossed in each layer but the last (2001: 0.5); 0 is none.
+    /// Part of the states that is crossed in each layer but the last (2005: 0.5); 0 is none.
     pub crossover: f64,
 }
 

@@ -1,7 +1,7 @@
 //! Gaussian noise on the coordinates of particles, and how wide it should be.
 //!
 //! [`diffuse`] adds N(0, diag(sd²)). [`spread`] measures the standard deviations of the set that resampling leaves, before it is diffused: noise no wider than these gives little of it to coordinates that
-//! the likelihood has already determined, the "soft partitioning" of Deutscher, Davison & Reid (2001).
+//! the likelihood has already determined, the "soft partitioning" of Deutscher & Reid (2005).
 
 use crate::moments;
 use crate::particles::{Particles, move_by};

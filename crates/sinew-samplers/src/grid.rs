@@ -1,4 +1,4 @@
-//! A state's coordinates divided into a finite number of values (Chen & Mukundan's coarse level of a coarse-to-fine search).
+//! A state's coordinates divided into a finite number of values, for the coarse level of a coarse-to-fine search.
 //!
 //! A coordinate between θ_L and θ_H with steps of δ has ⌈(θ_H − θ_L) / δ⌉ partitions of equal width; its values are their centres. A coordinate that wraps (a heading) has a range of one turn, whose ends are one
 //! point; one that does not is held at its outermost centres.

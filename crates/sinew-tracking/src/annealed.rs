@@ -1,4 +1,4 @@
-//! Annealed particle filter (Deutscher, Blake & Reid 2000; Deutscher, Davison & Reid 2001). A **search**: what it reports is near a peak of the likelihood, and no posterior.
+//! Annealed particle filter (Deutscher, Blake & Reid 2000; Deutscher & Reid 2005). A **search**: what it reports is near a peak of the likelihood, and no posterior.
 //!
 //! For each frame t, with N particles, n layers, survival rate α and a base covariance P = diag(sd²):
 //!

@@ -229,8 +229,8 @@ fn one_fine_particle_is_the_estimate() {
         let [_, _, to_refine] = Stage::new(5, "one").split(["resample", "walk", "refine"]);
         let mut noise = [Block::ZERO; 3];
         to_refine.block(0).fill_normal(Isa::best(), &mut noise);
-        for j in 0..3 {
-            assert_eq!(tracker.fine().state[j], tracker.coarse().state[j] + 0.2 * noise[j].0[0]);
+        for ((fine, coarse), noise) in tracker.fine().state.iter().zip(&tracker.coarse().state).zip(noise) {
+            assert_eq!(*fine, coarse + 0.2 * noise.0[0]);
         }
     }
 }
