@@ -17,8 +17,8 @@
 //! let mut file = Vec::new();
 //! mask::write(&mut file, &image)?;
 //! assert_eq!(mask::read("cam01_0034.png", &file)?.image, image);
-//! let error = mask::read("cam01_0034.png", &file[..100]).unwrap_err();
-//! assert_eq!(error.to_string(), "cam01_0034.png: ends inside the pixels at byte 100");
+//! let error = mask::read("cam01_0034.png", &file[..60]).unwrap_err();
+//! assert_eq!(error.to_string(), "cam01_0034.png: ends inside the pixels at byte 60");
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 

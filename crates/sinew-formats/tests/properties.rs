@@ -5,7 +5,8 @@ use sinew_body::{Axis, Joint, KinematicTree, Link, Point};
 use sinew_formats::rotation::from_rodrigues;
 use sinew_formats::tidy_csv::Cell;
 use sinew_formats::*;
-use sinew_observe::{Camera, Distortion, Intrinsics};
+use sinew_observe::bit_image::BitImage;
+use sinew_observe::{Camera, Distortion, Intrinsics, RgbImage};
 
 /// Finite numbers of every kind: zeros of both signs, denormals, 1e±300, ordinary ones.
 fn number() -> impl Strategy<Value = f64> {
@@ -113,6 +114,28 @@ proptest! {
         failure_persistence: Some(Box::new(proptest::test_runner::FileFailurePersistence::Direct("tests/properties.proptest-regressions"))),
         ..ProptestConfig::default()
     })]
+
+    #[test]
+    fn masks_and_pictures_come_back(width in 1..70_usize, height in 1..9_usize, pixels in prop::collection::vec(any::<[u8; 3]>(), 70 * 9)) {
+        let silhouette = BitImage::from_fn(width, height, |x, y| pixels[y * width + x][0] % 2 == 1);
+        let mut file = Vec::new();
+        mask::write(&mut file, &silhouette).unwrap();
+        prop_assert_eq!(mask::read("a.png", &file).unwrap().image, silhouette);
+        let image = RgbImage { width, height, pixels: pixels[..width * height].to_vec() };
+        let mut file = Vec::new();
+        picture::write_png(&mut file, &image).unwrap();
+        prop_assert_eq!(picture::read("a.png", &file).unwrap(), image);
+    }
+
+    #[test]
+    fn no_bytes_make_the_readers_of_images_panic(
+        bytes in prop::collection::vec(any::<u8>(), 0..200),
+        start in prop::sample::select(vec![&b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR"[..], b"\xFF\xD8\xFF\xC0\0\x0b\x08", b""]),
+    ) {
+        let file = [start, &bytes].concat();
+        let _ = mask::read("a.png", &file);
+        let _ = picture::read("a.jpg", &file);
+    }
 
     #[test]
     fn trc_reads_back_equal(file in trc_file()) {

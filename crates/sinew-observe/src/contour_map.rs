@@ -38,7 +38,7 @@ pub fn slope_map(silhouette: &BitImage) -> Map {
         let across = at((x + 1).min(width - 1), y) - at(x.saturating_sub(1), y);
         let down = at(x, (y + 1).min(height - 1)) - at(x, y.saturating_sub(1));
         // Differences of rounded sums are no slope.
-        if across.abs().max(down.abs()) < 1e-6 { 0.0 } else { across.hypot(down) }
+        if across.abs().max(down.abs()) < 1e-6 { 0.0 } else { (across * across + down * down).sqrt() }
     });
     rescale(&mut map);
     map

@@ -20,9 +20,10 @@ pub struct Config {
 }
 
 impl Default for Config {
-    /// A mask of 7 x 7 pixels with σ = 3 px. The paper gives no threshold; 0.04, twice that of [`edge_pixels`], was chosen here.
+    /// A mask of 7 x 7 pixels with σ = 3 px. The paper gives no threshold; above 0.1 are some 5 % of the pixels of a real recording of four cameras, above 0.04
+    /// some 13 %.
     fn default() -> Self {
-        Self { threshold: 0.04, mask: Gaussian { radius_px: 3, std_px: 3.0 } }
+        Self { threshold: 0.1, mask: Gaussian { radius_px: 3, std_px: 3.0 } }
     }
 }
 
@@ -42,7 +43,7 @@ pub fn gradient_magnitude(grey: &Map) -> Map {
             [y.saturating_sub(1), y, (y + 1).min(height - 1)].map(|row| columns.map(|x| values[row * width + x]));
         let across = above[2] - above[0] + 2.0 * (here[2] - here[0]) + below[2] - below[0];
         let down = below[0] - above[0] + 2.0 * (below[1] - above[1]) + below[2] - above[2];
-        across.hypot(down) / 8.0
+        (across * across + down * down).sqrt() / 8.0
     })
 }
 

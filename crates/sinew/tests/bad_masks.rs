@@ -40,6 +40,9 @@ fn write_grey(path: &Path, values: &[u8], channels: usize) {
     fs::write(path, bytes).unwrap();
 }
 
+/// Masks by frame and camera.
+type Frames = Vec<Vec<Option<BitImage>>>;
+
 /// A folder of masks side by side: four frames of two cameras.
 struct Trial(tempfile::TempDir);
 
@@ -60,7 +63,7 @@ impl Trial {
         self.root().join(format!("cam{camera:02}_{frame:03}.png"))
     }
 
-    fn all(&self, options: &Options) -> Result<(Vec<Vec<Option<BitImage>>>, Silhouettes), Error> {
+    fn all(&self, options: &Options) -> Result<(Frames, Silhouettes), Error> {
         let mut silhouettes = Silhouettes::open(&self.root(), &cameras(), options)?;
         let frames = silhouettes.frames().map(|number| silhouettes.frame(number)).collect::<Result<_, _>>()?;
         Ok((frames, silhouettes))
