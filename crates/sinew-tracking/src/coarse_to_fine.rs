@@ -66,6 +66,8 @@ pub struct CoarseToFine {
     tree: PartTree,
     isa: Isa,
     particles: Particles,
+    /// X̂ of the last frame as the only particle.
+    answer: Particles,
     coarse: Judged,
     fine: Judged,
     change: Vec<f64>,
@@ -86,9 +88,27 @@ impl CoarseToFine {
         }
         Particles::new(&centre, config.fine)?;
         let particles = Particles::new(&centre, config.coarse)?;
+        let answer = Particles::new(&centre, 1)?;
         let change = vec![0.0; centre.len()];
         let start = Judged { state: centre, log_likelihood: f64::NEG_INFINITY };
-        Ok(Self { config, axes, tree, isa, particles, coarse: start.clone(), fine: start, change, started: false })
+        Ok(Self {
+            config,
+            axes,
+            tree,
+            isa,
+            particles,
+            answer,
+            coarse: start.clone(),
+            fine: start,
+            change,
+            started: false,
+        })
+    }
+
+    /// The coarse particles with their weights, of a search.
+    #[must_use]
+    pub fn particles(&self) -> &Particles {
+        &self.particles
     }
 
     /// X_c of the last frame.
@@ -131,20 +151,22 @@ impl<O: PartLogDensity + ?Sized> Tracker<O> for CoarseToFine {
         let change: Vec<f64> = change.collect();
         let info = StepInfo {
             mean: fine.state.clone(),
-            ess: particles.effective_sample_size(),
+            ess: 1.0,
+            survivors: vec![particles.effective_sample_size()],
             resampled: Some(true),
             likelihood_evaluations: evaluations + 1,
             part_evaluations: config.fine * parts,
             ..StepInfo::default()
         };
+        self.answer = Particles::new(&fine.state, 1)?;
         (self.particles, self.coarse, self.fine) = (particles, coarse, fine);
         (self.change, self.started) = (change, true);
         Ok(info)
     }
 
-    /// The coarse particles with their weights: of a search, and no posterior. The estimate is not their mean.
+    /// X̂ alone: it comes without a spread.
     fn posterior(&self) -> Posterior<'_> {
-        Posterior::of(&self.particles)
+        Posterior::of(&self.answer)
     }
 
     /// X̂ of the last frame.

@@ -9,6 +9,7 @@ use sinew_core::toy::Quadratic;
 use sinew_dynamics::random_walk::{Between, RandomWalk};
 use sinew_samplers::annealed_search::{self, Last};
 use sinew_samplers::grid::Axis;
+use sinew_samplers::particles::aggregate;
 use sinew_samplers::resample::Scheme;
 use sinew_tracking::annealed::{self, Annealed};
 use sinew_tracking::bootstrap::{self, Bootstrap};
@@ -200,9 +201,9 @@ fn coarse_states_stand_on_centres_and_share_evaluations() {
         for frame in 0..3 {
             let observed = InParts { whole: seen(frame), product: true };
             let info = tracker.step(&observed, Stage::new(4, "centres").at_frame(frame)).expect("weights");
-            let posterior = Tracker::<InParts>::posterior(&tracker);
-            let mut states = vec![vec![0.0; 3]; posterior.count()];
-            states.iter_mut().enumerate().for_each(|(i, state)| posterior.state(i, state));
+            let particles = tracker.particles();
+            let states: Vec<Vec<f64>> = (0..particles.count()).map(|i| particles.state(i)).collect();
+            assert_eq!(Tracker::<InParts>::posterior(&tracker).mean(), tracker.fine().state);
             let on_centres =
                 states.iter().all(|state| state.iter().zip(axes(width)).all(|(x, axis)| axis.snap(*x) == *x));
             assert_eq!(on_centres, snapped);
@@ -248,7 +249,7 @@ fn coarse_states_drift_with_the_estimate() {
     let mut estimates: Vec<Vec<f64>> = vec![];
     for frame in 0..4_u32 {
         tracker.step(&flat, Stage::new(6, "drift").at_frame(frame)).expect("weights");
-        let mean = Tracker::<InParts>::posterior(&tracker).mean();
+        let mean = aggregate(tracker.particles());
         for j in 0..3 {
             let change = match &estimates[..] {
                 [.., a, b] => b[j] - a[j],

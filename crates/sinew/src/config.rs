@@ -179,7 +179,9 @@ impl Resolved {
             {
                 Some(format!("`--method {}`", self.text("method").unwrap_or_default()))
             }
-            "layers" | "survival" if !is("method", "annealed") => Some("a method other than `annealed`".to_owned()),
+            "layers" | "survival" | "adaptive" | "crossover" if !is("method", "annealed") => {
+                Some("a method other than `annealed`".to_owned())
+            }
             "fine" if !is("method", "coarse-to-fine") => Some("a method other than `coarse-to-fine`".to_owned()),
             "images" | "mask_scale" | "score" | "kappa" | "raster" if !self.values.contains_key("silhouettes") => {
                 Some("no `--silhouettes`".to_owned())

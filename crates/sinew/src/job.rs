@@ -24,6 +24,7 @@ use sinew_body::KinematicTree;
 use sinew_core::lanes::Isa;
 use sinew_formats::source_text::MAX_TEXT_BYTES;
 use sinew_observe::Camera;
+use sinew_samplers::annealed_search;
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::{ControlFlow, Range};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -223,6 +224,7 @@ pub fn track<S: FrameSource>(
         complete: written == total && tracked.is_ok(),
         warnings,
         input_hashes: hashes(&source),
+        coverage: pipeline.coverage().to_vec(),
         limits: config.limits,
         timings: timings.as_object().cloned().unwrap_or_default(),
     };
@@ -378,8 +380,13 @@ fn settings(config: &TrackConfig) -> Result<Settings, Error> {
         burn_in: config.burn_in,
         jitter: config.jitter,
         particles: config.particles,
-        layers: config.layers,
-        survival: config.survival,
+        layers: annealed_search::Config {
+            layers: config.layers,
+            survival: config.survival,
+            adaptive: config.adaptive,
+            crossover: config.crossover,
+            ..annealed_search::Config::default()
+        },
         fine: config.fine,
         score: config.score,
         raster: config.raster,

@@ -48,6 +48,7 @@ use sinew_formats::Layout;
 use sinew_observe::association::{self, Following, follow};
 use sinew_observe::image_score::ImageScore;
 use sinew_observe::{Camera, KeypointLikelihood, Noise};
+use sinew_samplers::annealed_search;
 use sinew_samplers::tuning;
 use sinew_tracking::posterior::Posterior;
 use sinew_tracking::{Resume as _, StepInfo, hmc_filter, run};
@@ -89,9 +90,7 @@ pub struct Settings {
     /// Particles; those of `coarse-to-fine` at its coarse level.
     pub particles: usize,
     /// Layers of `annealed`.
-    pub layers: usize,
-    /// Survival rate of `annealed`.
-    pub survival: f64,
+    pub layers: annealed_search::Config,
     /// Particles of the fine level of `coarse-to-fine`.
     pub fine: usize,
     /// Weighting function of images.
@@ -118,8 +117,7 @@ impl Default for Settings {
             burn_in: 8,
             jitter: 0.2,
             particles: Method::default().usual_particles(),
-            layers: 5,
-            survival: 0.5,
+            layers: annealed_search::Config { layers: 5, ..annealed_search::Config::default() },
             fine: 500,
             score: Method::default().usual_score().with_kappa(100.0),
             raster: 320,
@@ -196,7 +194,12 @@ impl Pipeline {
     pub fn carried(&self) -> Carried {
         let hmc = self.settings.method == Method::Hmc;
         let size = self.marginals.size().is_some();
-        Carried { lp: hmc, hmc, log_evidence: true, particles: (!hmc).then_some(self.settings.particles), size }
+        let particles = match self.settings.method {
+            Method::Hmc => None,
+            Method::CoarseToFine => Some(1),
+            _ => Some(self.settings.particles),
+        };
+        Carried { lp: hmc, hmc, log_evidence: !self.settings.method.is_search(), particles, size }
     }
 
     /// Names of the keypoints that are points of the body.

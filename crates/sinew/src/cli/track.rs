@@ -296,10 +296,21 @@ fn table(outcome: &Outcome, out: &Path) -> String {
         rows.push(("effective size".into(), format!("median {ess:.0}")));
     }
     for camera in &summary.cameras {
-        let residual =
-            camera.residual_px.map_or("no observation".into(), |residual| format!("residual {residual:.1} px"));
         let [u, v] = camera.offset_px;
-        rows.push((camera.name.clone(), format!("{residual}, offset {u:+.1} {v:+.1} px, {} frames", camera.frames)));
+        let keypoints = camera
+            .residual_px
+            .map(|residual| format!("residual {residual:.1} px, offset {u:+.1} {v:+.1} px, {} frames", camera.frames));
+        let masks = camera.silhouettes.filter(|masks| masks.frames > 0).map(|masks| {
+            let [precision, recall] = [masks.precision, masks.recall].map(|share| 100.0 * share);
+            format!("{precision:.0} % of the body in {recall:.0} % of the mask, {} masks", masks.frames)
+        });
+        let told: Vec<String> = keypoints.into_iter().chain(masks).collect();
+        let told = if told.is_empty() {
+            format!("no observation, offset {u:+.1} {v:+.1} px, 0 frames")
+        } else {
+            told.join("; ")
+        };
+        rows.push((camera.name.clone(), told));
     }
     rows.push(("results".into(), out.display().to_string()));
     aligned(&rows)

@@ -74,6 +74,10 @@ pub struct TrackConfig {
     pub layers: usize,
     /// Share of the particles that survives a layer.
     pub survival: f64,
+    /// Whether diffusion adapts to the particles that survived.
+    pub adaptive: bool,
+    /// Share of the particles that is crossed in each layer.
+    pub crossover: f64,
     /// Particles of the fine level.
     pub fine: usize,
     /// Weighting function of silhouettes.
@@ -158,6 +162,8 @@ impl Resolved {
             particles: self.count("particles").map_or_else(|| method.usual_particles(), |_| self.size("particles")),
             layers: self.size("layers"),
             survival: self.number("survival").unwrap_or(0.5),
+            adaptive: self.flag("adaptive"),
+            crossover: self.number("crossover").unwrap_or_default(),
             fine: self.size("fine"),
             score: score.with_kappa(self.number("kappa").unwrap_or(1.0)),
             raster: self.size("raster"),

@@ -76,7 +76,7 @@ impl Statistics {
             trajectories: 0,
             log_evidence: None,
             residual_px: vec![Vec::new(); info.cameras.len()],
-            particles: info.method == Method::Bootstrap.name(),
+            particles: Method::named(&info.method).is_some_and(|method| method != Method::Hmc && !method.is_search()),
         }
     }
 
@@ -209,8 +209,10 @@ impl Statistics {
                 listed(&self.energy_frames)
             ));
         }
-        for (camera, seen) in info.cameras.iter().zip(&self.residual_px).filter(|_| self.observed > 0) {
-            if seen.is_empty() {
+        // Where no camera has keypoints, silhouettes are what was observed.
+        let has_keypoints = self.residual_px.iter().any(|seen| !seen.is_empty());
+        for (camera, seen) in info.cameras.iter().zip(&self.residual_px) {
+            if has_keypoints && seen.is_empty() {
                 warnings.push(format!("{}: the person was found in none of {} frames", camera.name, self.frames));
             }
         }
@@ -236,6 +238,7 @@ impl Statistics {
             frames: self.residual_px[i].len() as u64,
             residual_px,
             offset_px: info.camera_offset_px.get(i).copied().unwrap_or_default(),
+            silhouettes: ending.coverage.get(i).copied(),
         });
         let mut warnings = ending.warnings.clone();
         warnings.extend(self.warnings(info));

@@ -3,6 +3,7 @@
 //! Everything in it is the same from run to run. A diagnostic *fails* above the [`Limits`]: then the program ends with code 4. Frames without observation and large
 //! residuals are warnings.
 
+use crate::pipeline::Coverage;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -40,6 +41,8 @@ pub struct Ending {
     pub warnings: Vec<String>,
     /// Hashes of the inputs, by name.
     pub input_hashes: BTreeMap<String, String>,
+    /// How well the tracked body covers each camera's silhouettes; empty without silhouettes.
+    pub coverage: Vec<Coverage>,
     /// Where diagnostics fail.
     pub limits: Limits,
     /// Wall times and dates, for `timings.json`.
@@ -102,6 +105,9 @@ pub struct CameraSummary {
     pub residual_px: Option<f64>,
     /// Constant offset, observed minus projected, pixels.
     pub offset_px: [f64; 2],
+    /// How well the tracked body covers its silhouettes, if there are any.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub silhouettes: Option<Coverage>,
 }
 
 /// Spread of a number over the frames.

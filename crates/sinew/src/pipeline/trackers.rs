@@ -6,7 +6,6 @@ use crate::Error;
 use crate::setup::Setup;
 use sinew_core::part::PartTree;
 use sinew_dynamics::random_walk::RandomWalk;
-use sinew_samplers::annealed_search;
 use sinew_samplers::grid::Axis;
 use sinew_tracking::{annealed, bootstrap, coarse_to_fine, hmc_filter, partitioned};
 
@@ -42,12 +41,7 @@ pub(crate) fn tracker(
             Box::new(bootstrap::Bootstrap::new(config, transition.clone(), start).map_err(numerical)?)
         }
         Method::Annealed => {
-            let layers = annealed_search::Config {
-                layers: settings.layers,
-                survival: settings.survival,
-                ..annealed_search::Config::default()
-            };
-            let config = annealed::Config { particles: settings.particles, layers };
+            let config = annealed::Config { particles: settings.particles, layers: settings.layers };
             let sd = transition.sd().to_vec();
             Box::new(annealed::Annealed::new(config, transition.clone(), sd, start, settings.isa).map_err(numerical)?)
         }
