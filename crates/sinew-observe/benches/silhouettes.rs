@@ -80,6 +80,7 @@ fn scores(c: &mut Criterion) {
     for (name, score, edges) in [
         ("region", reid(None), false),
         ("edges and region", reid(None), true),
+        ("edges and pixels in both directions", reid(Some(0.5)), true),
         ("coarse to fine", ImageScore::CoarseToFine { sigma_edge: 0.2, sigma_region: 0.2 }, true),
         ("parts", ImageScore::Parts, true),
     ] {

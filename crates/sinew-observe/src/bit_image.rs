@@ -63,6 +63,12 @@ impl BitImage {
         x < self.width && y < self.height && self.words[x * self.stride + y / BITS] >> (y % BITS) & 1 == 1
     }
 
+    /// [`BitImage::get`] for a pixel that is known to be in the image.
+    #[inline(always)]
+    pub(crate) fn is_set_inside(&self, x: usize, y: usize) -> bool {
+        self.words.get(x * self.stride + y / BITS).is_some_and(|word| word >> (y % BITS) & 1 == 1)
+    }
+
     /// Sets the pixels `rows` of a column; what lies outside the image is left out.
     #[inline(always)]
     pub fn fill(&mut self, x: usize, rows: Range<usize>) {

@@ -239,6 +239,8 @@ struct LookUp<'a> {
     colours: Option<&'a Reference>,
     counts: &'a mut Counts,
     hides_region: bool,
+    /// Whether the region is looked up at all; not where whole silhouettes are compared.
+    with_region: bool,
     looked: &'a mut [Looked; LANES],
 }
 
@@ -253,7 +255,9 @@ impl Kernel<f64> for LookUp<'_> {
             }
             let hiders = body.hiders[self.solid];
             let of_region = if self.hides_region { hiders } else { Hiders::default() };
-            looked.region = self.points.region(lane, silhouette, of_region, &body.spans);
+            if self.with_region {
+                looked.region = self.points.region(lane, silhouette, of_region, &body.spans);
+            }
             looked.edges = edges.as_ref().map(|map| self.points.edges(lane, map, hiders, &body.spans));
             if let (Some(reference), Some(picture)) = (self.colours, picture) {
                 *self.counts = Counts::default();
@@ -338,6 +342,7 @@ impl ImageLikelihood {
         &self,
         x: &[Block],
         solids: Range<usize>,
+        with_region: bool,
         mut each: impl FnMut(&[[Looked; LANES]], Option<&[Overlap; LANES]>),
     ) {
         let ImageModel { body, score, colours, isa, .. } = &self.model;
@@ -357,11 +362,12 @@ impl ImageLikelihood {
                         colours: colours.get(*camera).and_then(|of| of.get(solid)?.as_ref()),
                         counts: &mut scratch.counts,
                         hides_region: score.hiding() == Hiding::Nearer,
+                        with_region,
                         looked: &mut scratch.looked[solid],
                     };
                     dispatch_one(*isa, kernel);
                 }
-                let pixels = score.counts_pixels().then(|| self.compare(scratch, cues));
+                let pixels = (!with_region).then(|| self.compare(scratch, cues));
                 each(&scratch.looked[solids.clone()], pixels.as_ref());
             }
         });
@@ -382,7 +388,7 @@ impl LogDensity for ImageLikelihood {
         let score = &self.model.score;
         let mut out = Block::ZERO;
         let parts = &mut [Looked::default(); MOST_SOLIDS][..self.model.body.count()];
-        self.look(x, 0..self.model.body.count(), |looked, pixels| {
+        self.look(x, 0..self.model.body.count(), !score.counts_pixels(), |looked, pixels| {
             for (lane, out) in out.0.iter_mut().enumerate() {
                 parts.iter_mut().zip(looked).for_each(|(part, looked)| *part = looked[lane]);
                 *out += score.of_view(parts, pixels.map(|pixels| pixels[lane]));
@@ -400,7 +406,7 @@ impl PartLogDensity for ImageLikelihood {
     fn log_density_parts_block(&self, parts: Range<usize>, x: &[Block], out: &mut [Block], _ws: &mut [Block]) {
         let score = &self.model.score;
         out.fill(Block::ZERO);
-        self.look(x, parts, |looked, _| {
+        self.look(x, parts, true, |looked, _| {
             for (out, looked) in out.iter_mut().zip(looked) {
                 for (out, looked) in out.0.iter_mut().zip(looked) {
                     *out += score.of_part(looked);

@@ -150,17 +150,22 @@ pub(crate) struct Hiders {
 
 impl Hiders {
     #[inline(always)]
-    fn hide(self, at_joint: bool, spans: &[Spans], x: i32, y: i32) -> bool {
-        let mut left = if at_joint { self.ends } else { self.middle };
-        while left != 0 {
-            let hider = left.trailing_zeros() as usize;
-            if spans.get(hider).is_some_and(|spans| spans.covers(x, y)) {
-                return true;
-            }
-            left &= left - 1;
-        }
-        false
+    fn at(self, joint: bool) -> u32 {
+        if joint { self.ends } else { self.middle }
     }
+}
+
+/// Whether one of a set of solids covers a pixel.
+#[inline(always)]
+fn is_hidden(mut hiders: u32, spans: &[Spans], x: i32, y: i32) -> bool {
+    while hiders != 0 {
+        let hider = hiders.trailing_zeros() as usize;
+        if spans.get(hider).is_some_and(|spans| spans.covers(x, y)) {
+            return true;
+        }
+        hiders &= hiders - 1;
+    }
+    false
 }
 
 /// A pixel of a block of bodies in one lane, and whether it is in an image.
@@ -175,39 +180,42 @@ impl Points {
     #[inline(always)]
     pub fn region(&self, lane: usize, silhouette: &BitImage, hiders: Hiders, spans: &[Spans]) -> Tally {
         let size = [silhouette.width(), silhouette.height()];
-        let mut tally = Tally::default();
+        let (mut inside, mut outside, mut hits) = (0, 0, 0);
         for (row, points) in self.region.as_chunks::<ACROSS>().0.iter().enumerate() {
+            let may_hide = hiders.at(is_at_joint(row, ROWS));
             for point in points {
                 let (x, y, is_inside) = in_lane(point, lane, size);
                 if !is_inside {
-                    tally.outside += 1;
-                } else if !hiders.hide(is_at_joint(row, ROWS), spans, x, y) {
-                    tally.inside += 1;
-                    tally.misses += f64::from(u8::from(!silhouette.get(x as usize, y as usize)));
+                    outside += 1;
+                } else if may_hide == 0 || !is_hidden(may_hide, spans, x, y) {
+                    inside += 1;
+                    hits += u32::from(silhouette.is_set_inside(x as usize, y as usize));
                 }
             }
         }
-        tally
+        Tally { inside, outside, misses: f64::from(inside - hits) }
     }
 
     /// Looks the edges up in a map.
     #[inline(always)]
     pub fn edges(&self, lane: usize, map: &Map, hiders: Hiders, spans: &[Spans]) -> Tally {
         let size = [map.width, map.height];
-        let mut tally = Tally::default();
+        let (mut inside, mut outside, mut misses) = (0, 0, 0.0);
         for points in self.edges.as_chunks::<ALONG>().0 {
             for (k, point) in points.iter().enumerate() {
+                let may_hide = hiders.at(is_at_joint(k, ALONG));
                 let (x, y, is_inside) = in_lane(point, lane, size);
                 if !is_inside {
-                    tally.outside += 1;
-                } else if !hiders.hide(is_at_joint(k, ALONG), spans, x, y) {
-                    let miss = 1.0 - f64::from(map.get(x as usize, y as usize).unwrap_or_default());
-                    tally.inside += 1;
-                    tally.misses += miss * miss;
+                    outside += 1;
+                } else if may_hide == 0 || !is_hidden(may_hide, spans, x, y) {
+                    let value = map.values.get(y as usize * map.width + x as usize).copied().unwrap_or_default();
+                    let miss = 1.0 - f64::from(value);
+                    inside += 1;
+                    misses += miss * miss;
                 }
             }
         }
-        tally
+        Tally { inside, outside, misses }
     }
 
     /// Counts the colours of the pixels of the region that are in the picture and not hidden.
@@ -215,9 +223,10 @@ impl Points {
     pub fn colours(&self, lane: usize, picture: &RgbImage, hiders: Hiders, spans: &[Spans], counts: &mut Counts) {
         let size = [picture.width, picture.height];
         for (row, points) in self.region.as_chunks::<ACROSS>().0.iter().enumerate() {
+            let may_hide = hiders.at(is_at_joint(row, ROWS));
             for point in points {
                 let (x, y, is_inside) = in_lane(point, lane, size);
-                if is_inside && !hiders.hide(is_at_joint(row, ROWS), spans, x, y) {
+                if is_inside && !is_hidden(may_hide, spans, x, y) {
                     let at = y as usize * picture.width + x as usize;
                     counts.add(picture.pixels.get(at).copied().unwrap_or_default());
                 }

@@ -269,7 +269,10 @@ fn every_tracker_follows_and_reports() {
         let angle = 3.9_f64;
         assert!((info.mean[0] - angle.sin()).abs() < 0.2 && (info.mean[1] - angle.cos()).abs() < 0.2, "{info:?}");
         assert_eq!(tracker.estimate(), info.mean);
-        assert!((info.ess > 1.0 || posterior_is_one) && info.log_evidence.is_some_and(f64::is_finite) == (i < FILTERS), "{info:?}");
+        assert!(
+            (info.ess > 1.0 || posterior_is_one) && info.log_evidence.is_some_and(f64::is_finite) == (i < FILTERS),
+            "{info:?}"
+        );
         assert!(info.r_hat.is_none_or(|r| r < 1.2) && info.divergences == 0, "{info:?}");
         // A frame without observation says nothing of the evidence.
         assert!(record[34].0.log_evidence.is_some_and(|l| l.abs() < 1e-9) == (i < FILTERS));
