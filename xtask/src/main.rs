@@ -7,6 +7,7 @@ mod filter_priors;
 mod mutants;
 mod picture;
 mod reproduce;
+mod silhouettes;
 mod soak;
 mod source;
 mod store;
@@ -39,6 +40,8 @@ enum Command {
     Picture,
     /// Reproduce a paper: its tables and figures on our data, its claims judged.
     Reproduce(reproduce::Args),
+    /// Track real masks by all methods: the tables of docs/experiments/real-silhouettes.md.
+    Silhouettes(silhouettes::Args),
     /// Track 100 000 frames and see whether memory, time a frame, open files and errors stay what they were.
     Soak(soak::Args),
     /// Check the rules that docs/ARCHITECTURE.md states: layers, who may do IO, leftovers, module docs.
@@ -56,6 +59,7 @@ fn main() -> ExitCode {
         Command::Calibration(args) => calibration::run(root, &args),
         Command::Picture => picture::run(root),
         Command::Reproduce(args) => reproduce::run(root, &args),
+        Command::Silhouettes(args) => silhouettes::run(root, &args),
         Command::Soak(args) => soak::run(&args),
         Command::Tidy => tidy::run(root),
         Command::Verify(args) => verify::run(root, &args),

@@ -26,7 +26,7 @@ use crate::estimate::FrameEstimate;
 use crate::formats::Layout;
 use crate::observe::association::Person;
 use crate::observe::{Camera, offsets};
-use crate::pipeline::{self, Doubt, FrameSource, Method, Pipeline, Settings, Spool};
+use crate::pipeline::{self, Coverage, Doubt, FrameSource, Method, Pipeline, Settings, Spool};
 use crate::setup::{self, Request, Setup};
 use crate::synthetic::points::of_states;
 use std::ops::{ControlFlow, Range};
@@ -123,9 +123,11 @@ pub struct Filtered {
     pub estimates: Vec<FrameEstimate>,
     /// What does not look as the model says.
     pub doubts: Vec<Doubt>,
+    /// How well the body covers the silhouettes, camera by camera; empty without silhouettes.
+    pub coverage: Vec<Coverage>,
 }
 
-/// Filters some frames with a set-up.
+/// Filters some frames with a set-up, on keypoints, silhouettes or both, as the source has them.
 ///
 /// # Errors
 /// Those of the source and the tracker.
@@ -137,13 +139,16 @@ pub fn filter(
 ) -> Result<Filtered, Error> {
     let tree = setup.tree();
     let (cameras, layout) = (source.cameras().to_vec(), source.layout().clone());
-    let mut pipeline = Pipeline::new(setup, &tree, &cameras, &layout, settings.clone())?;
+    source.begin_tracking();
+    let image_cameras = source.image_cameras();
+    let image_cameras = image_cameras.as_deref();
+    let mut pipeline = Pipeline::with_images(setup, &tree, &cameras, &layout, settings.clone(), image_cameras)?;
     let mut estimates = vec![];
     pipeline.track(source, frames, |estimate, _| {
         estimates.push(estimate);
         Ok(ControlFlow::Continue(()))
     })?;
-    Ok(Filtered { doubts: pipeline.doubts(), tree, estimates })
+    Ok(Filtered { doubts: pipeline.doubts(), coverage: pipeline.coverage().to_vec(), tree, estimates })
 }
 
 /// Positions of named points in the pose of the mean state.

@@ -1,0 +1,188 @@
+//! `cargo xtask silhouettes`: all methods on the same real masks, the tables of docs/experiments/real-silhouettes.md.
+//!
+//! The masks were made with the help of the joints that they are compared with here, so a distance to those joints says how well a body follows masks, and nothing of its accuracy in the world. Settings were chosen on frames 0–59;
+//! frames 60–99 judge.
+
+use clap::Args as Arguments;
+use sinew::config::{Init, Resolved, Sources, TrackConfig, resolve};
+use sinew::evaluation::{self, LIMB_JOINTS, Track};
+use sinew::footage::Footage;
+use sinew::formats::trc;
+use sinew::pipeline::{Coverage, Method, Score, Settings};
+use sinew::recording::Options;
+use sinew::setup::Setup;
+use std::error::Error;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::time::Instant;
+
+/// Arguments of the command.
+#[derive(Arguments)]
+pub(crate) struct Args {
+    /// Folder of the recordings; `../shared/data` beside the workspace if it is left out.
+    #[arg(long, value_name = "DIR")]
+    data: Option<PathBuf>,
+    /// Seeds of each row.
+    #[arg(long, default_value_t = 5)]
+    seeds: u64,
+}
+
+type Outcome<T> = Result<T, Box<dyn Error>>;
+
+const CHOSEN: Range<usize> = 0..60;
+const JUDGED: Range<usize> = 60..100;
+const FPS: f64 = 60.0;
+
+/// A row of the table.
+struct Row {
+    method: Method,
+    score: Score,
+    /// Whether keypoints are observed, too.
+    keypoints: bool,
+    masks: bool,
+    cameras: Option<&'static [&'static str]>,
+    change: fn(&mut Settings),
+}
+
+const TWO: &[&str] = &["cam_01", "cam_03"];
+const ONE: &[&str] = &["cam_01"];
+
+fn rows() -> Vec<Row> {
+    let masks = |method, score| Row { method, score, keypoints: false, masks: true, cameras: None, change: |_| {} };
+    let mut rows = vec![];
+    for method in [Method::Annealed, Method::Bootstrap, Method::CoarseToFine] {
+        for score in [Score::DeutscherReid, Score::Bidirectional, Score::CoarseToFine, Score::Parts] {
+            rows.push(masks(method, score));
+        }
+    }
+    rows.push(masks(Method::Partitioned, Score::Parts));
+    rows.push(masks(Method::Partitioned, Score::Bidirectional));
+    rows.push(Row { cameras: Some(TWO), ..masks(Method::Annealed, Score::Bidirectional) });
+    rows.push(Row { cameras: Some(ONE), ..masks(Method::Annealed, Score::Bidirectional) });
+    let keypoints =
+        |method, with_masks| Row { keypoints: true, masks: with_masks, ..masks(method, Score::Bidirectional) };
+    for method in [Method::Annealed, Method::Bootstrap, Method::Partitioned] {
+        rows.push(keypoints(method, false));
+        rows.push(keypoints(method, true));
+    }
+    rows.push(keypoints(Method::Hmc, false));
+    rows
+}
+
+/// Runs the command.
+pub(crate) fn run(root: &Path, args: &Args) -> ExitCode {
+    let data = args.data.clone().unwrap_or_else(|| root.join("../shared/data"));
+    if !data.join("pose2sim_silhouettes").is_dir() {
+        println!("skipped: no data");
+        return ExitCode::SUCCESS;
+    }
+    match tables(&data, args.seeds) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// The settings of `sinew track` for the real recording.
+fn config(data: &Path, row: &Row) -> Outcome<TrackConfig> {
+    let single = data.join("pose2sim_single");
+    let path = |path: PathBuf| path.display().to_string();
+    let mut flags = vec![
+        ("calibration", path(single.join("Calib.toml"))),
+        ("keypoints", path(single.join("T01_BalancingTrial/pose"))),
+        ("layout", "BODY_25B".to_owned()),
+        ("fps", FPS.to_string()),
+        ("method", row.method.name().to_owned()),
+    ];
+    if row.masks {
+        flags.push(("silhouettes", path(data.join("pose2sim_silhouettes/silhouettes"))));
+        flags.push(("mask_scale", "0.5".to_owned()));
+    }
+    if let Some(cameras) = row.cameras {
+        flags.push(("cameras", cameras.join(",")));
+    }
+    let resolved: Resolved = resolve(&Sources { flags, environment: vec![], file: None })?;
+    let config = resolved.track();
+    Ok(TrackConfig { init: (!row.keypoints).then_some(Init::Keypoints), ..config })
+}
+
+fn footage(config: &TrackConfig) -> Outcome<Footage> {
+    let options = Options { layout: config.layout.clone(), cameras: config.cameras.clone(), ..Options::default() };
+    let calibration = config.calibration.as_deref().ok_or("no calibration")?;
+    Ok(Footage::open(config, calibration, &options)?)
+}
+
+fn reference(data: &Path) -> Outcome<Track> {
+    let name = "S00_P00_T01_BalancingTrial_0-100_filt_butterworth.trc";
+    let path = data.join("pose2sim_single/T01_BalancingTrial/pose-3d").join(name);
+    let file = trc::read(name, &std::fs::read_to_string(path)?)?;
+    let frame = |f| LIMB_JOINTS.iter().map(|joint| file.point_in_world(f, file.marker_index(joint)?)).collect();
+    Ok((0..file.frames.len()).map(frame).collect())
+}
+
+fn set_up(config: &TrackConfig, settings: &Settings) -> Outcome<Setup> {
+    Ok(evaluation::set_up(&mut footage(config)?, 0..CHOSEN.end as u64, settings, |_| {})?)
+}
+
+fn tables(data: &Path, seeds: u64) -> Outcome<()> {
+    let reference = reference(data)?;
+    println!(
+        "| method | score | observed | cameras | frames 0–59, mm | frames 60–99, mm | precision, % | recall, % | ms a frame |"
+    );
+    println!("|---|---|---|---|---|---|---|---|---|");
+    for row in rows() {
+        let config = config(data, &row)?;
+        let mut base = Settings {
+            method: row.method,
+            fps: FPS,
+            particles: row.method.usual_particles(),
+            score: row.score.with_kappa(100.0),
+            ..Settings::default()
+        };
+        (row.change)(&mut base);
+        let setup = set_up(&config, &base)?;
+        let (mut errors, mut coverage, mut seconds) = ([vec![], vec![]], vec![], 0.0);
+        for seed in 1..=seeds {
+            let settings = Settings { seed, ..base.clone() };
+            let clock = Instant::now();
+            let filtered = evaluation::filter(&mut footage(&config)?, &setup, 0..JUDGED.end as u64, &settings)?;
+            seconds += clock.elapsed().as_secs_f64();
+            let track = evaluation::positions(&filtered.tree, &filtered.estimates, &LIMB_JOINTS);
+            for (errors, frames) in errors.iter_mut().zip([CHOSEN, JUDGED]) {
+                errors.push(1e3 * evaluation::mean_distance(&track, &reference, frames));
+            }
+            coverage.extend(filtered.coverage);
+        }
+        let observed = match (row.keypoints, row.masks) {
+            (true, true) => "keypoints, masks",
+            (true, false) => "keypoints",
+            _ => "masks",
+        };
+        let share = |of: fn(&Coverage) -> f64| match coverage.len() {
+            0 => "–".to_owned(),
+            n => format!("{:.0}", 100.0 * coverage.iter().map(of).sum::<f64>() / n as f64),
+        };
+        println!(
+            "| {} | {} | {observed} | {} | {} | {} | {} | {} | {:.0} |",
+            row.method.name(),
+            if row.masks { format!("{:?}", row.score) } else { "–".to_owned() },
+            row.cameras.map_or(4, <[_]>::len),
+            told(&errors[0]),
+            told(&errors[1]),
+            share(|c| c.precision),
+            share(|c| c.recall),
+            1e3 * seconds / (seeds as f64 * JUDGED.end as f64),
+        );
+    }
+    Ok(())
+}
+
+/// Mean and the range over seeds.
+fn told(errors: &[f64]) -> String {
+    let mean = errors.iter().sum::<f64>() / errors.len() as f64;
+    let (least, most) = errors.iter().fold((f64::MAX, 0.0_f64), |(a, b), &x| (a.min(x), b.max(x)));
+    format!("{mean:.0} ({least:.0}–{most:.0})")
+}
