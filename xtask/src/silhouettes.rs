@@ -42,14 +42,24 @@ struct Row {
     keypoints: bool,
     masks: bool,
     cameras: Option<&'static [&'static str]>,
+    /// Other settings than the program's.
     change: fn(&mut Settings),
+    changed: &'static str,
 }
 
 const TWO: &[&str] = &["cam_01", "cam_03"];
 const ONE: &[&str] = &["cam_01"];
 
 fn rows() -> Vec<Row> {
-    let masks = |method, score| Row { method, score, keypoints: false, masks: true, cameras: None, change: |_| {} };
+    let masks = |method, score| Row {
+        method,
+        score,
+        keypoints: false,
+        masks: true,
+        cameras: None,
+        change: |_| {},
+        changed: "",
+    };
     let mut rows = vec![];
     for method in [Method::Annealed, Method::Bootstrap, Method::CoarseToFine] {
         for score in [Score::DeutscherReid, Score::Bidirectional, Score::CoarseToFine, Score::Parts] {
@@ -67,6 +77,11 @@ fn rows() -> Vec<Row> {
         rows.push(keypoints(method, true));
     }
     rows.push(keypoints(Method::Hmc, false));
+    rows.push(keypoints(Method::Hmc, true));
+    let plain = |settings: &mut Settings| settings.layers.crossover = 0.0;
+    rows.push(Row { change: plain, changed: ", no crossover", ..masks(Method::Annealed, Score::Bidirectional) });
+    let deutscher = |settings: &mut Settings| settings.layers.layers = 10;
+    rows.push(Row { change: deutscher, changed: ", 10 layers", ..masks(Method::Annealed, Score::Bidirectional) });
     rows
 }
 
@@ -166,8 +181,9 @@ fn tables(data: &Path, seeds: u64) -> Outcome<()> {
             n => format!("{:.0}", 100.0 * coverage.iter().map(of).sum::<f64>() / n as f64),
         };
         println!(
-            "| {} | {} | {observed} | {} | {} | {} | {} | {} | {:.0} |",
+            "| {}{} | {} | {observed} | {} | {} | {} | {} | {} | {:.0} |",
             row.method.name(),
+            row.changed,
             if row.masks { format!("{:?}", row.score) } else { "–".to_owned() },
             row.cameras.map_or(4, <[_]>::len),
             told(&errors[0]),

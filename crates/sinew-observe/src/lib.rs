@@ -50,6 +50,7 @@ pub mod pixel_fit;
 pub mod raster;
 pub mod rgb_image;
 pub mod smoothing;
+pub mod soft_silhouette;
 pub mod solid_body;
 pub mod triangulate;
 pub mod working_raster;

@@ -72,6 +72,15 @@ impl Footage {
             }
             footage.silhouettes = Some(masks);
         }
+        if config.silhouettes.is_some()
+            && config.method.takes_gradients()
+            && (begins_only || config.keypoints.is_none())
+        {
+            return Err(Error::Usage {
+                message: format!("method `{}` cannot track from silhouettes alone", config.method.name()),
+                help: "give it the keypoints, too, without `--init`; or use `--method annealed`".into(),
+            });
+        }
         match &config.init {
             Some(Init::Points(path)) => footage.begin_at(path)?,
             Some(Init::Keypoints) if footage.keypoints.is_none() => {

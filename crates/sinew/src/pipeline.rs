@@ -26,7 +26,7 @@ mod unknown_size;
 
 pub use images::{Coverage, FrameImages, ImageState, Images};
 pub use method::{METHODS, Method, Score};
-pub use observed::Observed;
+pub use observed::{BoundImages, Observed};
 pub use predictive::Doubt;
 pub use scene::{Scene, SceneState};
 pub use smooth::{Spool, TRAJECTORIES, smooth};
@@ -117,7 +117,7 @@ impl Default for Settings {
             burn_in: 8,
             jitter: 0.2,
             particles: Method::default().usual_particles(),
-            layers: annealed_search::Config { layers: 5, ..annealed_search::Config::default() },
+            layers: annealed_search::Config { layers: 5, crossover: 0.5, ..annealed_search::Config::default() },
             fine: 500,
             score: Method::default().usual_score().with_kappa(100.0),
             raster: 320,
@@ -162,7 +162,7 @@ impl Pipeline {
     /// The same with silhouettes in cameras that are sized like the masks.
     ///
     /// # Errors
-    /// As [`Pipeline::new`]; a body without flesh; a method that cannot use images.
+    /// As [`Pipeline::new`]; a body without flesh.
     pub fn with_images(
         setup: &Setup,
         tree: &KinematicTree,
@@ -171,12 +171,6 @@ impl Pipeline {
         settings: Settings,
         image_cameras: Option<&[Camera]>,
     ) -> Result<Self, Error> {
-        if image_cameras.is_some() && !settings.method.takes_images() {
-            return Err(Error::Usage {
-                message: format!("method `{}` cannot use silhouettes: they have no gradient", settings.method.name()),
-                help: "use `--method annealed`, or leave `--silhouettes` out".into(),
-            });
-        }
         let scene = Scene::new(setup, tree, cameras, layout, &settings)?;
         let images = image_cameras.map(|cameras| Images::new(tree, cameras, &settings)).transpose()?;
         let transition = walk(setup, tree, &settings)?;

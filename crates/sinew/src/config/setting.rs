@@ -124,7 +124,7 @@ pub const SETTINGS: [Setting; SETTING_COUNT] = [
     rare((SAMPLING, "layers", Kind::Count(1, 1000), "N", "5", "layers (annealed)")),
     rare((SAMPLING, "survival", RATE_OF_SURVIVAL, "X", "0.5", "share of the particles that survives a layer (annealed)")),
     rare((SAMPLING, "adaptive", Kind::Flag, "", "false", "diffuse no coordinate wider than the particles that survived, soft partitions (annealed)")),
-    rare((SAMPLING, "crossover", SHARE, "X", "0", "share of the particles that is crossed in each layer (annealed)")),
+    rare((SAMPLING, "crossover", SHARE, "X", "0.5", "share of the particles that is crossed in each layer (annealed); 0 is the filter of 2000")),
     rare((SAMPLING, "fine", Kind::Count(1, 100_000_000), "N", "500", "particles of the fine level (coarse-to-fine)")),
     rare((METHOD, "score", SCORES, "NAME", "", "weighting function of silhouettes: deutscher-reid, bidirectional, coarse-to-fine or parts [default: the method's]")),
     rare((METHOD, "kappa", POSITIVE, "K", "100", "factor of the weighting functions deutscher-reid and bidirectional")),

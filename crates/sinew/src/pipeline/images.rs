@@ -1,6 +1,6 @@
 //! The image side of a pipeline: the body's flesh before cameras that see silhouettes, and how well the tracked poses cover what they saw.
 
-use super::Settings;
+use super::{BoundImages, Settings};
 use crate::Error;
 use crate::checkpoint::{Problem, check_length};
 use serde::{Deserialize, Serialize};
@@ -11,8 +11,9 @@ use sinew_core::part::{Part, PartTree, Partition};
 use sinew_observe::bit_image::{BitImage, overlap};
 use sinew_observe::contour_map::contour_map;
 use sinew_observe::edges::{self, edge_map};
-use sinew_observe::image_likelihood::{Cues, ImageLikelihood, ImageModel};
+use sinew_observe::image_likelihood::{Cues, ImageModel};
 use sinew_observe::image_score::precision_and_recall;
+use sinew_observe::soft_silhouette::SoftSilhouetteModel;
 use sinew_observe::solid_body::SolidBody;
 use sinew_observe::{Camera, ObservationModel, RgbImage, WorkingRaster};
 use std::sync::Arc;
@@ -50,6 +51,8 @@ pub struct Images {
     names: Vec<String>,
     rasters: Vec<WorkingRaster>,
     model: ImageModel,
+    /// For methods with gradients.
+    soft: Option<SoftSilhouetteModel>,
     tree: PartTree,
     flesh: Flesh,
     /// Silhouettes of the current frame, in the working rasters.
@@ -94,7 +97,16 @@ impl Images {
             colours: Arc::default(),
             isa: settings.isa,
         };
+        let soft = match settings.method.takes_gradients() {
+            true => {
+                let cameras = model.cameras.clone();
+                let soft = SoftSilhouetteModel::new(tree, &flesh, cameras, CONTOUR_SIGMA_PX, settings.isa);
+                Some(soft.map_err(|error| Error::Input { message: error.to_string(), help: None })?)
+            }
+            false => None,
+        };
         Ok(Self {
+            soft,
             names: cameras.iter().map(|camera| camera.name.clone()).collect(),
             tree: part_tree(tree, &flesh)?,
             seen: vec![None; cameras.len()],
@@ -118,13 +130,16 @@ impl Images {
     }
 
     /// Binds the images of a frame: edges come from the picture where there is one, else from the outline of the mask. Cameras without a mask say nothing.
-    pub fn bind(&mut self, images: &FrameImages) -> ImageLikelihood {
+    pub fn bind(&mut self, images: &FrameImages) -> BoundImages {
         let mut cues = Vec::with_capacity(self.rasters.len());
         for (camera, raster) in self.rasters.iter().enumerate() {
             let silhouette =
                 images.silhouettes.get(camera).and_then(Option::as_ref).map(|mask| raster.silhouette(mask));
             let picture = images.pictures.get(camera).and_then(Option::as_ref).map(|picture| raster.picture(picture));
             self.seen[camera].clone_from(&silhouette);
+            if self.soft.is_some() {
+                continue;
+            }
             cues.push(silhouette.map(|silhouette| {
                 let edges = match &picture {
                     Some(picture) => edge_map(&picture.grey(), &edges::Config::default()),
@@ -133,7 +148,10 @@ impl Images {
                 Cues { edges: Some(edges), silhouette, picture: None }
             }));
         }
-        self.model.bind(cues)
+        match &self.soft {
+            Some(soft) => BoundImages::Soft(soft.bind(&self.seen)),
+            None => BoundImages::Scored(self.model.bind(cues)),
+        }
     }
 
     /// Cameras that showed somebody in the current frame.
@@ -209,6 +227,9 @@ impl Images {
         Ok(())
     }
 }
+
+/// Error of a contour in the working raster, for methods with gradients: that of the segmentation and of the flesh.
+const CONTOUR_SIGMA_PX: f64 = 4.0;
 
 /// Share of body or masks below which a camera is warned of: bodies that are where the person is cover more.
 const LEAST_COVERAGE: f64 = 0.5;

@@ -41,10 +41,10 @@ impl Method {
         METHODS.into_iter().find(|method| method.name() == name)
     }
 
-    /// Whether it can use images, which have no gradient.
+    /// Whether it moves along gradients: images are then compared by the distance of limbs from contours, which says nothing of what no limb covers and belongs beside keypoints.
     #[must_use]
-    pub const fn takes_images(self) -> bool {
-        !matches!(self, Self::Hmc)
+    pub const fn takes_gradients(self) -> bool {
+        matches!(self, Self::Hmc)
     }
 
     /// Whether it looks for a peak, so that its particles are no posterior.
@@ -70,11 +70,11 @@ impl Method {
         }
     }
 
-    /// Weighting function of images where nobody names one: the paper's, and for a filter with one likelihood that of the annealed filter.
+    /// Weighting function of images where nobody names one: the paper's, but for the filters that take the whole body at once, which lose arms in the silhouette of the torso unless uncovered pixels count, too.
     #[must_use]
     pub const fn usual_score(self) -> Score {
         match self {
-            Self::Hmc | Self::Bootstrap | Self::Annealed => Score::DeutscherReid,
+            Self::Hmc | Self::Bootstrap | Self::Annealed => Score::Bidirectional,
             Self::Partitioned => Score::Parts,
             Self::CoarseToFine => Score::CoarseToFine,
         }
