@@ -154,3 +154,90 @@ impl Observed {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use sinew_body::standard::h32;
+    use sinew_body::standard_flesh::standard_flesh;
+    use sinew_body::{Plan, Proportions, point_positions};
+    use sinew_core::lanes::Isa;
+    use sinew_observe::bit_image::BitImage;
+    use sinew_observe::soft_silhouette::SoftSilhouetteModel;
+    use sinew_observe::{Camera, Detection, KeypointFrame, KeypointModel, Noise, ObservationModel, View};
+    use std::sync::Arc;
+
+    /// Keypoints of a standing body in one camera and a narrow silhouette in it, apart and together.
+    fn pieces() -> (Bound, SoftSilhouette, Observed) {
+        let isa = Isa::best();
+        let tree = h32(&Proportions::default());
+        let camera = Camera::look_at("C", [160.0, 120.0], 130.0, [0.5, -4.0, 1.2], [0.0, 0.0, 1.0]).unwrap();
+        let plan = Arc::new(Plan::with_all_points(&tree));
+        let mut at = vec![0.0; 3 * plan.points()];
+        point_positions(&plan, isa, &standing(), &mut at);
+        let seen = |p: &[f64]| {
+            let pixel = camera.project([p[0], p[1], p[2]]).pixel()?;
+            Some(Detection { pixel: [pixel[0] + 2.0, pixel[1] - 1.0], confidence: 0.8 })
+        };
+        let detections = vec![at.chunks(3).map(seen).collect::<Vec<_>>()];
+        let view = View { camera: camera.clone(), offset_px: [0.0; 2], sigma_px: 3.0, usual_confidence: 0.8 };
+        let model = KeypointModel {
+            plan,
+            views: vec![view],
+            noise: Noise::OutlierFloor { outlier: 0.02 },
+            model_error_m: 0.01,
+            least_confidence: 0.1,
+            isa,
+        };
+        let bound = || model.bind(KeypointFrame { detections: &detections, predicted: &at });
+        let flesh = standard_flesh(&tree).unwrap();
+        let soft = SoftSilhouetteModel::new(&tree, &flesh, vec![camera], 3.0, isa).unwrap();
+        let mask = [Some(BitImage::from_fn(160, 120, |x, _| (70..84).contains(&x)))];
+        let images = Some(BoundImages::Soft(soft.bind(&mask)));
+        (bound(), soft.bind(&mask), Observed { keypoints: bound(), parts: vec![], images })
+    }
+
+    fn standing() -> Vec<f64> {
+        let mut state = vec![0.05; 32];
+        state[..3].copy_from_slice(&[0.0, 0.0, 1.0]);
+        state
+    }
+
+    #[test]
+    fn keypoints_and_soft_images_add_up() {
+        let (keypoints, soft, both) = pieces();
+        let x: Vec<Block> = standing().iter().map(|&x| Block::splat(x)).collect();
+        let (d, triangle) = (32, 32 * 33 / 2);
+        let mut ws = vec![Block::ZERO; both.workspace() + soft.workspace()];
+        let near =
+            |a: f64, b: f64, sum: f64| assert!((a + b - sum).abs() < 1e-9 * sum.abs().max(1.0), "{a} and {b}, {sum}");
+        let values = [keypoints.log_density(&standing()), soft.log_density(&standing()), both.log_density(&standing())];
+        near(values[0], values[1], values[2]);
+        assert!(values[1] < -1.0, "arms stick out of the silhouette: {}", values[1]);
+        near(values[0], values[1], both.log_density_block(&x, &mut ws).0[5]);
+        let mut grads = [0, 1, 2].map(|_| vec![Block::ZERO; d]);
+        let [a, b, sum] = &mut grads;
+        keypoints.log_density_grad_block(&x, a, &mut ws);
+        soft.log_density_grad_block(&x, b, &mut ws);
+        near(values[0], values[1], both.log_density_grad_block(&x, sum, &mut ws).0[1]);
+        (0..d).for_each(|j| near(a[j].0[0], b[j].0[0], sum[j].0[0]));
+        let mut single = vec![0.0; d];
+        both.log_density_grad(&standing(), &mut single);
+        (0..d).for_each(|j| near(a[j].0[0], b[j].0[0], single[j]));
+        let mut matrices = [0, 1, 2].map(|_| vec![Block::ZERO; triangle]);
+        let [a, b, sum] = &mut matrices;
+        keypoints.gauss_newton_block(&x, a, &mut ws);
+        soft.gauss_newton_block(&x, b, &mut ws);
+        both.gauss_newton_block(&x, sum, &mut ws);
+        (0..triangle).for_each(|j| near(a[j].0[3], b[j].0[3], sum[j].0[3]));
+        keypoints.weighted_gauss_newton_block(&x, a, &mut ws);
+        both.weighted_gauss_newton_block(&x, sum, &mut ws);
+        (0..triangle).for_each(|j| near(a[j].0[3], b[j].0[3], sum[j].0[3]));
+        let mut diagonals = [0, 1, 2].map(|_| vec![Block::ZERO; d]);
+        let [a, b, sum] = &mut diagonals;
+        keypoints.gauss_newton_diagonal_block(&x, a, &mut ws);
+        soft.gauss_newton_diagonal_block(&x, b, &mut ws);
+        both.gauss_newton_diagonal_block(&x, sum, &mut ws);
+        (0..d).for_each(|j| near(a[j].0[2], b[j].0[2], sum[j].0[2]));
+    }
+}
