@@ -105,7 +105,8 @@ impl ImageModel {
         let mut scratch = Scratch::new(&self.body);
         let Some(eye) = self.cameras.get(camera).map(Eye::of) else { return vec![] };
         scratch.project_state(self, state, &eye);
-        scratch.scan(self.isa, self.score.hiding(), &self.body, picture.width);
+        scratch.scan(self.isa, picture.width);
+        scratch.hide(self.isa, self.score.hiding(), &self.body);
         let histogram = |solid: usize| {
             let mut counts = Counts::default();
             let mut points = scratch.points.clone();
@@ -124,7 +125,7 @@ impl ImageModel {
         let mut out = Vec::with_capacity(self.cameras.len());
         for camera in &self.cameras {
             scratch.project_state(self, state, &Eye::of(camera));
-            scratch.scan(self.isa, self.score.hiding(), &self.body, camera.image_size_px[0] as usize);
+            scratch.scan(self.isa, camera.image_size_px[0] as usize);
             out.push(each(camera, &scratch.bodies[0].spans, &scratch.outlines));
         }
         out
@@ -180,15 +181,17 @@ impl Scratch {
         dispatch(isa, Project { eye, solids: &body.solids, frames: &self.frames, out: &mut self.outlines });
     }
 
-    fn scan(&mut self, isa: Isa, hiding: Hiding, body: &SolidBody, width: usize) {
-        dispatch_one(isa, Scan { hiding, body, width, outlines: &self.outlines, bodies: &mut self.bodies });
+    fn scan(&mut self, isa: Isa, width: usize) {
+        dispatch_one(isa, Scan { width, outlines: &self.outlines, bodies: &mut self.bodies });
+    }
+
+    fn hide(&mut self, isa: Isa, hiding: Hiding, body: &SolidBody) {
+        dispatch_one(isa, Hide { hiding, body, outlines: &self.outlines, bodies: &mut self.bodies });
     }
 }
 
-/// Spans of all solids, and what hides what.
+/// Spans of all solids.
 struct Scan<'a> {
-    hiding: Hiding,
-    body: &'a SolidBody,
     width: usize,
     outlines: &'a [Outline],
     bodies: &'a mut [Body; LANES],
@@ -207,6 +210,22 @@ impl Kernel<f64> for Scan<'_> {
                     spans.scan(&[], self.width);
                 }
             }
+        }
+    }
+}
+
+/// What may hide what.
+struct Hide<'a> {
+    hiding: Hiding,
+    body: &'a SolidBody,
+    outlines: &'a [Outline],
+    bodies: &'a mut [Body; LANES],
+}
+
+impl Kernel<f64> for Hide<'_> {
+    #[inline(always)]
+    fn run<V: Real<Mem = f64>>(&mut self) {
+        for (lane, body) in self.bodies.iter_mut().enumerate() {
             for (solid, outline) in self.outlines.iter().enumerate() {
                 let columns = body.spans[solid].columns();
                 let mut middle = 0;
@@ -303,7 +322,7 @@ impl ImageLikelihood {
         self.with_scratch(x, |scratch| {
             for (camera, cues) in &self.views {
                 scratch.project(self.model.isa, &self.model.body, &self.eyes[*camera]);
-                scratch.scan(self.model.isa, self.model.score.hiding(), &self.model.body, cues.silhouette.width());
+                scratch.scan(self.model.isa, cues.silhouette.width());
                 each(*camera, &self.compare(scratch, cues));
             }
         });
@@ -349,7 +368,8 @@ impl ImageLikelihood {
         self.with_scratch(x, |scratch| {
             for (camera, cues) in &self.views {
                 scratch.project(*isa, body, &self.eyes[*camera]);
-                scratch.scan(*isa, score.hiding(), body, cues.silhouette.width());
+                scratch.scan(*isa, cues.silhouette.width());
+                scratch.hide(*isa, score.hiding(), body);
                 for solid in solids.clone() {
                     let outline = &scratch.outlines[solid];
                     dispatch(*isa, Place { outline, points: &mut scratch.points });

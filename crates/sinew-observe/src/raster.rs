@@ -35,6 +35,33 @@ fn nearest(x: f64) -> i32 {
     (x + ROUND_MAGIC).to_bits() as u32 as i32
 }
 
+/// Where an edge crosses columns: at `start` in the first, so much lower in each.
+#[derive(Clone, Copy)]
+struct Edge {
+    start: f64,
+    slope: f64,
+}
+
+impl Edge {
+    /// Between two corners, from the column whose number is given. On an edge that is `inside` a centre counts as covered: a left one, which goes down, or a level one that goes to the left.
+    #[inline(always)]
+    fn new(left: [i32; 2], right: [i32; 2], inside: bool, column: i32, is_upper: bool) -> Self {
+        let (dx, dy) = (f64::from(right[0] - left[0]), f64::from(right[1] - left[1]));
+        let parts = f64::from(PARTS);
+        let per_part = 1.0 / (parts * dx);
+        let x = f64::from(PARTS * column + PARTS / 2 - left[0]);
+        let numerator = (f64::from(left[1]) - 0.5 * parts) * dx + x * dy;
+        // The first row at the edge or below it, or strictly below it.
+        let shift = if inside == is_upper { -0.5 } else { 0.5 };
+        Self { start: (numerator + shift) * per_part + 0.5, slope: parts * dy * per_part }
+    }
+
+    #[inline(always)]
+    fn row(&self, step: f64) -> i32 {
+        nearest(self.slope * step + self.start)
+    }
+}
+
 impl Spans {
     /// Columns with a span, some of which may be empty.
     #[inline(always)]
@@ -52,41 +79,40 @@ impl Spans {
     }
 
     /// Takes the spans of a convex polygon whose corners run counter-clockwise as seen (y down), in parts of a pixel, within an image of so many columns.
+    ///
+    /// Edges that go to the left are upper ones. Rounding may turn a tiny edge the wrong way: the least of upper and the largest of lower rows are taken, so that it changes nothing.
     #[inline(always)]
     pub(crate) fn scan(&mut self, corners: &[[i32; 2]], width: usize) {
         let width = width as i32;
-        let (mut least, mut most) = (i32::MAX, i32::MIN);
+        let (mut first, mut end) = (width, 0);
         for corner in corners {
-            least = least.min(corner[0]);
-            most = most.max(corner[0]);
+            let column = column_from(corner[0], width);
+            first = first.min(column);
+            end = end.max(column);
         }
         self.rows.clear();
-        self.first = 0;
-        let Some(mut before) = corners.last().copied() else { return };
-        let (first, end) = (column_from(least, width), column_from(most, width));
         self.first = first as usize;
+        let Some(mut before) = corners.last().copied() else { return };
         self.rows.resize((end - first) as usize, [i32::MAX, i32::MIN]);
+        let mut column_before = column_from(before[0], width);
         for &corner in corners {
-            let [left, right] = if before[0] < corner[0] { [before, corner] } else { [corner, before] };
-            let (from, to) = (column_from(left[0], width), column_from(right[0], width));
-            if from < to {
-                // Going down, the edge is a left one: rows from its height on are in, and below it those strictly below are out. Level edges are top ones where they are gone along to the left.
-                let is_in = corner[1] > before[1] || corner[1] == before[1] && corner[0] < before[0];
-                let (dx, dy) = (f64::from(right[0] - left[0]), f64::from(right[1] - left[1]));
-                let parts = f64::from(PARTS);
-                let per_part = 1.0 / (parts * dx);
-                let slope = dy / dx;
-                let is_upper = corner[0] < before[0];
-                let flag = if is_in == is_upper { 1.0 } else { 0.0 };
-                let x = f64::from(PARTS * from + PARTS / 2 - left[0]);
-                let numerator = (f64::from(left[1]) - 0.5 * parts) * dx + x * dy;
-                let start = (numerator + 0.5 - flag) * per_part + 0.5;
-                for (step, span) in self.rows[(from - first) as usize..(to - first) as usize].iter_mut().enumerate() {
-                    let row = nearest(slope * step as f64 + start);
-                    *span = [span[0].min(row), span[1].max(row)];
+            let column = column_from(corner[0], width);
+            if column < column_before {
+                let edge = Edge::new(corner, before, corner[1] >= before[1], column, true);
+                let mut step = 0.0;
+                for rows in &mut self.rows[(column - first) as usize..(column_before - first) as usize] {
+                    rows[0] = rows[0].min(edge.row(step));
+                    step += 1.0;
+                }
+            } else if column > column_before {
+                let edge = Edge::new(before, corner, corner[1] > before[1], column_before, false);
+                let mut step = 0.0;
+                for rows in &mut self.rows[(column_before - first) as usize..(column - first) as usize] {
+                    rows[1] = rows[1].max(edge.row(step));
+                    step += 1.0;
                 }
             }
-            before = corner;
+            (before, column_before) = (corner, column);
         }
     }
 
