@@ -8,6 +8,7 @@ mod inspect;
 mod interrupt;
 mod manual;
 mod misplaced;
+mod overlay;
 mod progress;
 mod report;
 mod segment;
@@ -60,6 +61,7 @@ pub(crate) fn main() -> ExitCode {
         Command::Simulate(args) => simulate::run(args, &cli.general, &report),
         Command::Convert(args) => convert::run(args, &cli.general, &report),
         Command::Segment(args) => segment::run(args, &cli.general, &report),
+        Command::Overlay(args) => overlay::run(args, &cli.general, &report),
         Command::Body { body, answer } => body::run(body, *answer),
         Command::Completions { shell } => manual::completions(*shell),
         Command::Man => manual::man(),

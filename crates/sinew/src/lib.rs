@@ -10,6 +10,7 @@
 //! | [`setup`] | sizes of the person, offsets of the cameras, noise: one value |
 //! | [`pipeline`] | frames to estimates |
 //! | [`job`], [`output`] | a whole run with its result folder |
+//! | [`tracked`], [`overlay`] | poses of a result folder, and pictures of them over what the cameras saw |
 //! | [`config`] | settings with their origin |
 //! | [`inspect`], [`motion`], [`bodies`] | what a file holds; motion files into each other; bodies by name or file |
 //!
@@ -52,6 +53,7 @@ pub mod inspect;
 pub mod job;
 pub mod motion;
 pub mod output;
+pub mod overlay;
 pub mod pictures;
 pub mod pipeline;
 pub mod problem28;
@@ -60,5 +62,6 @@ pub mod segment;
 pub mod setup;
 pub mod silhouettes;
 pub mod synthetic;
+pub mod tracked;
 
 pub use error::Error;
