@@ -265,7 +265,7 @@ pub fn overlay(
         _ => 0..0,
     };
     let mut source = Source::open(request, &cameras, calibrated, all)?;
-    let artist = Artist::new(&tracked, source.cameras())?;
+    let artist = Artist::new(&tracked, tracked.as_seen(&source.cameras(), &cameras))?;
     let images = match &request.ground {
         Ground::Images(folder) | Ground::Silhouettes(folder) => Some(folder),
         Ground::Black => None,

@@ -181,7 +181,12 @@ impl Pipeline {
             });
         }
         let scene = Scene::new(setup, tree, cameras, layout, &settings)?;
-        let images = image_cameras.map(|cameras| Images::new(tree, setup.flesh()?, cameras, &settings)).transpose()?;
+        let with_flesh = |sized: &[Camera]| {
+            let ratio = |(sized, camera): (&Camera, &Camera)| sized.image_size_px[0] / camera.image_size_px[0];
+            let scale = sized.iter().zip(cameras).next().map_or(1.0, ratio);
+            Images::new(tree, setup.flesh()?, &setup.with_offsets(sized, scale), &settings)
+        };
+        let images = image_cameras.map(with_flesh).transpose()?;
         let transition = walk(setup, tree, &settings)?;
         let (for_new, walk, known) = (settings.clone(), transition.clone(), setup.clone());
         let parts =

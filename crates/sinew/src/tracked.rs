@@ -3,6 +3,7 @@
 //! No file of a folder holds states as such. The body is that of `setup.toml`; rotations come from `angles.csv`, by the names of the body's degrees of freedom; translations, which it lacks, are those that put the body's points on
 //! `markers.trc`: points are affine in translations, so that least squares finds them exactly. Numbers of frames come from `frames.csv`.
 
+use crate::config::{Sources, resolve};
 use crate::output::pose;
 use crate::recording::Calibrated;
 use crate::setup::Setup;
@@ -20,6 +21,8 @@ use std::path::{Path, PathBuf};
 pub struct Tracked {
     /// The set-up of the run.
     pub setup: Setup,
+    /// Size of the images in which its keypoints lie over that of the calibrated ones.
+    pub image_scale: f64,
     /// Number of each frame with the state of its mean pose, in the world turned to z up.
     pub frames: Vec<(u64, Vec<f64>)>,
 }
@@ -48,6 +51,7 @@ impl Tracked {
         let text = |name: &str, most| files::read_text(&folder.join(name), most);
         let shown = |name: &str| folder.join(name).display().to_string();
         let setup = Setup::from_toml(&shown("setup.toml"), &text("setup.toml", MAX_CONFIG_BYTES)?)?;
+        let settings = resolve(&Sources { file: Some(folder.join("config.toml")), ..Sources::default() })?;
         let tree = setup.tree();
         let table = |name: &str| tidy_csv::read_cells(&shown(name), &text(name, MAX_TEXT_BYTES)?).map_err(Error::from);
         let numbers = numbers(&shown("frames.csv"), &table("frames.csv")?)?;
@@ -63,7 +67,7 @@ impl Tracked {
             let targets = known.iter().filter_map(|&(point, marker)| Some((point, markers.point_in_world(row, marker)?)));
             translate(&tree, state, &targets.collect::<Vec<_>>());
         }
-        Ok(Self { setup, frames: numbers.into_iter().zip(states).collect() })
+        Ok(Self { setup, image_scale: settings.track().image_scale, frames: numbers.into_iter().zip(states).collect() })
     }
 
     /// The frames of a range of numbers, every so-manieth of them.
@@ -85,6 +89,14 @@ impl Tracked {
             message: format!("{asked} were asked for; the results have {has}"),
             help: Some("`--frames A..B` takes the numbers in the file names, A included, B not".into()),
         })
+    }
+
+    /// Cameras of [`Tracked::cameras`] that were resized for images of another size, with the offsets of the set-up: they show the body where it lies in the images.
+    #[must_use]
+    pub fn as_seen(&self, resized: &[Camera], calibrated: &[Camera]) -> Vec<Camera> {
+        let ratio = |(resized, full): (&Camera, &Camera)| resized.image_size_px[0] / full.image_size_px[0];
+        let scale = resized.iter().zip(calibrated).next().map_or(1.0, ratio);
+        self.setup.with_offsets(resized, scale / self.image_scale)
     }
 
     /// The cameras of the run, as a calibration has them, in the world turned to z up; and the names of all that are calibrated.

@@ -227,6 +227,20 @@ impl Setup {
         self.camera.iter().filter_map(view).collect()
     }
 
+    /// Cameras of the set-up, `scale` times the size for which its offsets hold, with their offsets taken up: what they show lies where it lies in images.
+    #[must_use]
+    pub fn with_offsets(&self, cameras: &[Camera], scale: f64) -> Vec<Camera> {
+        let shifted = |camera: &Camera| {
+            let mut camera = camera.clone();
+            if let Some(known) = self.camera.iter().find(|known| known.name == camera.name) {
+                camera.intrinsics.cx += scale * known.offset_px[0];
+                camera.intrinsics.cy += scale * known.offset_px[1];
+            }
+            camera
+        };
+        cameras.iter().map(shifted).collect()
+    }
+
     /// Reads a `setup.toml`; `name` is that of the file, for messages.
     ///
     /// # Errors
