@@ -114,9 +114,8 @@ mod tests {
         let flesh = standard_flesh(&h32(&p)).expect("links of people");
         let foot = flesh.solids().iter().find(|solid| solid.name == "r_foot").expect("a foot");
         for (marker, beyond) in [(p.heel, 0.03), ([0.02, 0.075, -0.13], 0.04)] {
-            let [along, down] = [2, 1].map(|axis: usize| -> f64 {
-                (0..3).map(|k| (marker[k] - foot.base[k]) * foot.axes[axis][k]).sum()
-            });
+            let [along, down] = [2, 1]
+                .map(|axis: usize| -> f64 { (0..3).map(|k| (marker[k] - foot.base[k]) * foot.axes[axis][k]).sum() });
             let end = along.min(foot.frustum.height - along);
             assert!((end - beyond).abs() < 2e-3 && (down - 0.03).abs() < 2e-3, "{marker:?}: {end} {down}");
         }

@@ -266,7 +266,10 @@ mod tests {
             &solid(&format!("{sizes}axes = [[1, 0, 0]]")),
             "body.toml:8: axes = [[1, 0, 0]]; must be 3 arrays of 3 numbers",
         );
-        check(&solid(sizes).replace("link = \"arm\"", "link = \"amr\""), "body.toml:5: unknown link `amr`; did you mean `arm`?");
+        check(
+            &solid(sizes).replace("link = \"arm\"", "link = \"amr\""),
+            "body.toml:5: unknown link `amr`; did you mean `arm`?",
+        );
         let twice = format!("{}[[solid]]\nname = \"a\"\nlink = \"arm\"\n{sizes}", solid(sizes));
         check(&twice, "body.toml:8: the solid `a` is there twice");
         let skewed = solid(&format!("{sizes}axes = [[1, 0, 0], [1, 0, 0], [0, 0, 1]]"));

@@ -4,6 +4,7 @@ mod args;
 mod body;
 mod convert;
 mod demo;
+mod fit_shape;
 mod inspect;
 mod interrupt;
 mod manual;
@@ -62,6 +63,7 @@ pub(crate) fn main() -> ExitCode {
         Command::Convert(args) => convert::run(args, &cli.general, &report),
         Command::Segment(args) => segment::run(args, &cli.general, &report),
         Command::Overlay(args) => overlay::run(args, &cli.general, &report),
+        Command::FitShape(args) => fit_shape::run(args, &cli.general, &report),
         Command::Body { body, answer } => body::run(body, *answer),
         Command::Completions { shell } => manual::completions(*shell),
         Command::Man => manual::man(),

@@ -11,6 +11,7 @@
 //! | [`pipeline`] | frames to estimates |
 //! | [`job`], [`output`] | a whole run with its result folder |
 //! | [`tracked`], [`overlay`] | poses of a result folder, and pictures of them over what the cameras saw |
+//! | [`shape_fit`] | thicknesses of a person from masks and tracked poses |
 //! | [`config`] | settings with their origin |
 //! | [`inspect`], [`motion`], [`bodies`] | what a file holds; motion files into each other; bodies by name or file |
 //!
@@ -60,6 +61,7 @@ pub mod problem28;
 pub mod recording;
 pub mod segment;
 pub mod setup;
+pub mod shape_fit;
 pub mod silhouettes;
 pub mod synthetic;
 pub mod tracked;

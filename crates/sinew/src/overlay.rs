@@ -138,22 +138,23 @@ impl Artist {
     pub fn draw(&self, state: &[f64], pictures: &mut [Option<RgbImage>]) {
         let outlines = self.model.outlines(state);
         let pose = pose(&self.tree, state);
-        let of_camera = |((camera, outlines), picture): ((&Camera, Vec<(usize, Vec<[f64; 2]>)>), &mut Option<RgbImage>)| {
-            let Some(picture) = picture else { return };
-            let half_width = 0.5 * (picture.width.max(picture.height) as f64 / SIDE_OF_LINE).max(1.0);
-            for (solid, corners) in &outlines {
-                let ends = corners.iter().zip(corners.iter().cycle().skip(1));
-                for (&a, &b) in ends {
-                    bent(camera, [a, b], |piece| line(picture, piece, half_width, self.colours[*solid]));
+        let of_camera =
+            |((camera, outlines), picture): ((&Camera, Vec<(usize, Vec<[f64; 2]>)>), &mut Option<RgbImage>)| {
+                let Some(picture) = picture else { return };
+                let half_width = 0.5 * (picture.width.max(picture.height) as f64 / SIDE_OF_LINE).max(1.0);
+                for (solid, corners) in &outlines {
+                    let ends = corners.iter().zip(corners.iter().cycle().skip(1));
+                    for (&a, &b) in ends {
+                        bent(camera, [a, b], |piece| line(picture, piece, half_width, self.colours[*solid]));
+                    }
                 }
-            }
-            for (point, at) in self.tree.points().iter().zip(&pose.points) {
-                if let Some(pixel) = camera.project(*at).pixel() {
-                    disc(picture, pixel, 3.0 * half_width, [0; 3]);
-                    disc(picture, pixel, 2.2 * half_width, colour_of(&point.name));
+                for (point, at) in self.tree.points().iter().zip(&pose.points) {
+                    if let Some(pixel) = camera.project(*at).pixel() {
+                        disc(picture, pixel, 3.0 * half_width, [0; 3]);
+                        disc(picture, pixel, 2.2 * half_width, colour_of(&point.name));
+                    }
                 }
-            }
-        };
+            };
         self.cameras.iter().zip(outlines).zip(pictures).collect::<Vec<_>>().into_par_iter().for_each(of_camera);
     }
 }
@@ -161,7 +162,8 @@ impl Artist {
 /// The image of a straight line behind a lens, in pieces; what the lens cannot show is left out.
 fn bent(camera: &Camera, [a, b]: [[f64; 2]; 2], mut draw: impl FnMut([[f64; 2]; 2])) {
     let is_perfect = camera.distortion == Distortion::default();
-    let pieces = if is_perfect { 1.0 } else { ((b[0] - a[0]).hypot(b[1] - a[1]) / PIECE_PX).ceil().clamp(1.0, MOST_PIECES) };
+    let pieces =
+        if is_perfect { 1.0 } else { ((b[0] - a[0]).hypot(b[1] - a[1]) / PIECE_PX).ceil().clamp(1.0, MOST_PIECES) };
     let seen = |step: f64| {
         let share = step / pieces;
         let at = [a[0] + share * (b[0] - a[0]), a[1] + share * (b[1] - a[1])];
@@ -200,7 +202,8 @@ impl Source {
                 if !(scale > 0.0 && scale.is_finite()) {
                     return Err(Error::Usage {
                         message: format!("`--mask-scale` is {scale}; it must be greater than 0"),
-                        help: "it is the size of the pictures over that of the calibrated images, for example 0.5".into(),
+                        help: "it is the size of the pictures over that of the calibrated images, for example 0.5"
+                            .into(),
                     });
                 }
                 Self::Black(cameras.iter().map(|camera| camera.resized(scale)).collect())

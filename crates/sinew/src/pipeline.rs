@@ -189,8 +189,7 @@ impl Pipeline {
         let images = image_cameras.map(with_flesh).transpose()?;
         let transition = walk(setup, tree, &settings)?;
         let (for_new, walk, known) = (settings.clone(), transition.clone(), setup.clone());
-        let parts =
-            if settings.method.takes_parts() { Some(images::part_tree(tree, &setup.flesh()?)?) } else { None };
+        let parts = if settings.method.takes_parts() { Some(images::part_tree(tree, &setup.flesh()?)?) } else { None };
         let make = Box::new(move |start| tracker(&known, &for_new, &walk, parts.as_ref(), start));
         let tracker = Restarting::new(make, scene.start().to_vec())?;
         let marginals = Marginals::new(tree, settings.isa, UnknownSize::of(setup, cameras, settings.seed));

@@ -64,7 +64,8 @@ impl Tracked {
             .filter_map(|marker| Some((tree.point_index(&markers.header.markers[marker])?, marker)))
             .collect();
         for (row, state) in states.iter_mut().enumerate() {
-            let targets = known.iter().filter_map(|&(point, marker)| Some((point, markers.point_in_world(row, marker)?)));
+            let targets =
+                known.iter().filter_map(|&(point, marker)| Some((point, markers.point_in_world(row, marker)?)));
             translate(&tree, state, &targets.collect::<Vec<_>>());
         }
         Ok(Self { setup, image_scale: settings.track().image_scale, frames: numbers.into_iter().zip(states).collect() })

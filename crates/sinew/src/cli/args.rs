@@ -92,7 +92,7 @@ impl General {
             Command::Inspect(_) => &["config"],
             Command::Simulate(_) => &["out", "force", "seed", "threads"],
             Command::Convert(_) => &["force"],
-            Command::Segment(_) | Command::Overlay(_) => &["out", "force"],
+            Command::Segment(_) | Command::Overlay(_) | Command::FitShape(_) => &["out", "force"],
             Command::Body { .. } | Command::Completions { .. } | Command::Man => &[],
         };
         let given = self.settings().into_iter().map(|(key, _)| key).chain(self.config.as_ref().map(|_| "config"));
@@ -140,6 +140,12 @@ pub(crate) enum Command {
         "sinew overlay out --calibration Calib.toml --silhouettes masks --mask-scale 0.5 --every 10 -o pictures"
     ))]
     Overlay(OverlayArgs),
+    /// Fit the thickness of a tracked person to masks, and write a body file
+    #[command(help_template = template!(
+        "sinew fit-shape sinew-out/trial --calibration Calib.toml --silhouettes masks -o body.toml",
+        "sinew track --body body.toml --calibration Calib.toml --silhouettes masks --init start.trc"
+    ))]
+    FitShape(FitShapeArgs),
     /// Show a body as a tree
     #[command(help_template = template!("sinew body h32", "sinew body my_body.toml"))]
     Body {
@@ -237,8 +243,30 @@ pub(crate) struct OverlayArgs {
     pub(crate) answer: Answer,
 }
 
+#[derive(Args, Debug)]
+pub(crate) struct FitShapeArgs {
+    /// Result folder of `sinew track`
+    #[arg(value_name = "RESULTS")]
+    pub(crate) results: PathBuf,
+    /// Camera calibration that was tracked with
+    #[arg(long, value_name = "FILE")]
+    pub(crate) calibration: PathBuf,
+    /// Masks of the person: <camera>_<frame>.png, or folders <camera>
+    #[arg(long, value_name = "DIR")]
+    pub(crate) silhouettes: PathBuf,
+    /// Size of the masks over that of the calibrated images
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    pub(crate) mask_scale: Option<f64>,
+    /// Frames to take a few of, by number [default: all]
+    #[arg(long, value_name = "A..B", value_parser = frames)]
+    pub(crate) frames: Option<Range<u64>>,
+    #[command(flatten)]
+    pub(crate) answer: Answer,
+}
+
 fn frames(text: &str) -> Result<Range<u64>, String> {
-    let ends = text.split_once("..").and_then(|(first, end)| Some((first.trim().parse().ok()?, end.trim().parse().ok()?)));
+    let ends =
+        text.split_once("..").and_then(|(first, end)| Some((first.trim().parse().ok()?, end.trim().parse().ok()?)));
     match ends {
         Some((first, end)) if first < end => Ok(first..end),
         Some(_) => Err("the end must come after the start".into()),
