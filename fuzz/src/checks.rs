@@ -86,7 +86,7 @@ pub fn layout(data: &[u8]) {
 pub fn body_toml(data: &[u8]) {
     let Some(text) = text("body.toml", data) else { return };
     if let Some(body) = accepted(body_toml::read("body.toml", text)) {
-        reread(body_toml::write(&body).as_bytes(), body_toml::read);
+        reread(body_toml::write(&body.tree, body.flesh.as_ref()).as_bytes(), body_toml::read);
     }
 }
 

@@ -3,7 +3,7 @@
 //! Hips, chest, head, arms to the fingers, legs and feet. Thicknesses are those of an adult of 1.75 m, stretched with the subject's limbs; silhouettes of the subject tell more.
 
 use crate::Error;
-use crate::flesh::{DOWNWARDS, FORWARDS, Flesh, Solid, UPWARDS};
+use crate::flesh::{DOWNWARDS, Flesh, Solid, UPWARDS};
 use crate::frustum::Frustum;
 use crate::standard::Proportions;
 use crate::tree::KinematicTree;
@@ -54,17 +54,39 @@ pub fn standard_flesh(tree: &KinematicTree) -> Result<Flesh, Error> {
         add(&format!("{side}_thigh"), [0.0; 3], DOWNWARDS, thigh, [0.09, 0.06], 1.0);
         add(&format!("{side}_shin"), [0.0; 3], DOWNWARDS, shin, [0.06, 0.042], 1.0);
     }
-    for (side, toe, heel) in [("l", "LBigToe", "LHeel"), ("r", "RBigToe", "RHeel")] {
+    for (side, points) in [("l", ["LHeel", "LBigToe", "LSmallToe"]), ("r", ["RHeel", "RBigToe", "RSmallToe"])] {
         let place = |point: &str| tree.point_index(point).map(|k| tree.points()[k].offset);
-        let (Some(toe), Some(heel)) = (place(toe), place(heel)) else { continue };
-        // Markers are on the sole and on the toe's joint; the foot is around them.
-        let (behind, before) = (heel[1] - 0.03 * scale, toe[1] + 0.04 * scale);
-        let height = 0.5 * (heel[2] + toe[2]) + 0.03 * scale;
-        add(&format!("{side}_foot"), [0.0, behind, height], FORWARDS, before - behind, [0.04, 0.045], 0.85);
+        let [Some(heel), Some(big_toe), small_toe] = points.map(place) else { continue };
+        let toes = small_toe.map_or(big_toe, |small_toe| [0, 1, 2].map(|k| 0.5 * (big_toe[k] + small_toe[k])));
+        let Some((axes, length)) = foot_axes(heel, toes) else { continue };
+        // Markers are on the sole and on the toes' joints; the foot is around them.
+        let [_, down, forwards] = axes;
+        let base = [0, 1, 2].map(|k| heel[k] - scale * (0.03 * forwards[k] + 0.03 * down[k]));
+        add(&format!("{side}_foot"), base, axes, length + 0.07 * scale, [0.04, 0.045], 0.85);
     }
     solids.sort_by_key(|solid| solid.link);
     Flesh::new(tree, solids)
 }
+
+/// Axes of a foot whose origin is the ankle: across, down and from heel to toes; and that distance, metres. `None` where heel and toes coincide, or are in line with the ankle.
+fn foot_axes(heel: [f64; 3], toes: [f64; 3]) -> Option<([[f64; 3]; 3], f64)> {
+    let dot = |a: [f64; 3], b: [f64; 3]| (0..3).map(|k| a[k] * b[k]).sum::<f64>();
+    let unit = |a: [f64; 3]| {
+        let length = dot(a, a).sqrt();
+        (length > LEAST_M).then(|| (a.map(|x| x / length), length))
+    };
+    let (forwards, length) = unit([0, 1, 2].map(|k| toes[k] - heel[k]))?;
+    let along = dot(heel, forwards);
+    let (down, _) = unit([0, 1, 2].map(|k| heel[k] - along * forwards[k]))?;
+    let across = [0, 1, 2].map(|k| {
+        let (a, b) = ((k + 1) % 3, (k + 2) % 3);
+        down[a] * forwards[b] - down[b] * forwards[a]
+    });
+    Some(([across, down, forwards], length))
+}
+
+/// Least extent that has a direction, metres.
+const LEAST_M: f64 = 1e-3;
 
 #[cfg(test)]
 mod tests {
@@ -81,6 +103,21 @@ mod tests {
             all.sort_unstable();
             assert!(all.into_iter().eq(0..tree.dof()));
             assert!(flesh.coordinates(&tree).iter().all(|part| !part.is_empty()));
+        }
+    }
+
+    /// Whatever way a measured foot's frame is turned, its solid lies along the sole.
+    #[test]
+    fn feet_lie_along_heel_and_toes() {
+        let p = Proportions { heel: [0.0, -0.06, -0.01], big_toe: [0.0, 0.09, -0.14], ..Proportions::default() };
+        let p = Proportions { small_toe: [0.04, 0.06, -0.12], ..p };
+        let flesh = standard_flesh(&h32(&p)).expect("links of people");
+        let foot = flesh.solids().iter().find(|solid| solid.name == "r_foot").expect("a foot");
+        for (marker, beyond) in [(p.heel, 0.03), ([0.02, 0.075, -0.13], 0.04)] {
+            let [along, down] = [2, 1]
+                .map(|axis: usize| -> f64 { (0..3).map(|k| (marker[k] - foot.base[k]) * foot.axes[axis][k]).sum() });
+            let end = along.min(foot.frustum.height - along);
+            assert!((end - beyond).abs() < 2e-3 && (down - 0.03).abs() < 2e-3, "{marker:?}: {end} {down}");
         }
     }
 

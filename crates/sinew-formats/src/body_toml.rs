@@ -1,4 +1,4 @@
-//! Body files: a kinematic tree with named points as TOML.
+//! Body files: a kinematic tree with named points, and the solids of its flesh, as TOML.
 //!
 //! ```toml
 //! [[link]]                          # parents before their children
@@ -16,17 +16,26 @@
 //! name = "LKnee"
 //! link = "left_thigh"
 //! offset = [0.0, 0.0, -0.43]        # in the link's frame, metres (zero where it is missing)
+//!
+//! [[solid]]                         # truncated elliptical cones, for silhouettes; none: the standard flesh
+//! name = "left_thigh"
+//! link = "left_thigh"
+//! base = [0.0, 0.0, 0.0]            # centre of its base in the link's frame, metres (zero where it is missing)
+//! axes = [[-1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, -1.0]]   # x, y and z, which goes from base to top, in the link's frame (its own where missing)
+//! height = 0.43                     # metres
+//! radii = [0.09, 0.06]              # semi-axis along x at base and top, metres
+//! ratio = 1.0                       # semi-axis along y over that along x (1 where it is missing)
 //! ```
 //!
-//! `tx` is a translation along the link's x axis in metres, `rx` a rotation about it in radians. Keys other than these
-//! are refused. What is written reads back equal.
+//! `tx` is a translation along the link's x axis in metres, `rx` a rotation about it in radians. Axes are a right-handed frame of unit vectors. A solid comes after the one that it hangs on, that of the link above. Keys other than
+//! these are refused. What is written reads back equal.
 //!
 //! ```
 //! use sinew_formats::body_toml;
 //! let text = "[[link]]\nname = \"arm\"\njoints = [\"rz\"]\n[[point]]\nname = \"hand\"\nlink = \"arm\"\noffset = [0.5, 0.0, 0.0]\n";
 //! let body = body_toml::read("arm.toml", text)?;
-//! assert_eq!(body.dof_names(), ["arm.rz"]);
-//! assert_eq!(body_toml::read("arm.toml", &body_toml::write(&body))?, body);
+//! assert_eq!(body.tree.dof_names(), ["arm.rz"]);
+//! assert_eq!(body_toml::read("arm.toml", &body_toml::write(&body.tree, body.flesh.as_ref()))?, body);
 //! let error = body_toml::read("arm.toml", "[[link]]\nname = \"arm\"\njoint = [\"rz\"]\n").unwrap_err();
 //! assert_eq!(error.to_string(), "arm.toml:3: unknown key `joint`; did you mean `joints`?");
 //! # Ok::<(), sinew_formats::Error>(())
@@ -36,6 +45,8 @@ use crate::nearest::nearest;
 use crate::source_text::shortened;
 use crate::toml_text::{Document, Table, Value, array, quoted};
 use crate::{Error, Place};
+use sinew_body::flesh::{Flesh, Solid, UPWARDS};
+use sinew_body::frustum::Frustum;
 use sinew_body::{Axis, Joint, KinematicTree, Link, Point};
 use std::fmt::Write as _;
 
@@ -48,18 +59,27 @@ const JOINTS: [(&str, Joint); 6] = [
     ("rz", Joint::Rotate(Axis::Z)),
 ];
 
-/// Links or points that a body may have: two names are compared for every pair.
+/// Links, points or solids that a body may have: two names are compared for every pair.
 const MAX_PARTS: usize = 2000;
+
+/// What a body file holds.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Body {
+    /// Links and points.
+    pub tree: KinematicTree,
+    /// Its solids, if the file has any.
+    pub flesh: Option<Flesh>,
+}
 
 /// Reads a body.
 ///
 /// # Errors
 /// TOML that is malformed, unknown keys, joints, parents or links, names that are used twice, parents that come after
-/// their children.
-pub fn read(name: &str, text: &str) -> Result<KinematicTree, Error> {
+/// their children, solids without extent or with axes that are no frame.
+pub fn read(name: &str, text: &str) -> Result<Body, Error> {
     let document = Document::parse(name, text)?;
     let root = document.root();
-    root.allow(&["link", "point"])?;
+    root.allow(&["link", "point", "solid"])?;
     let mut links: Vec<Link> = Vec::new();
     for table in tables(root, "link")? {
         table.allow(&["name", "parent", "offset", "joints"])?;
@@ -81,7 +101,57 @@ pub fn read(name: &str, text: &str) -> Result<KinematicTree, Error> {
         };
         points.push(point);
     }
-    KinematicTree::new(links, points).map_err(|reason| Error::Body { place: Place::file(name), reason })
+    let tree = KinematicTree::new(links, points).map_err(|reason| Error::Body { place: Place::file(name), reason })?;
+    let flesh = flesh(root, &tree)?;
+    Ok(Body { tree, flesh })
+}
+
+fn flesh(root: Table<'_>, tree: &KinematicTree) -> Result<Option<Flesh>, Error> {
+    let tables = tables(root, "solid")?;
+    let mut solids: Vec<Solid> = Vec::new();
+    for &table in &tables {
+        table.allow(&["name", "link", "base", "axes", "height", "radii", "ratio"])?;
+        let [below, above] = table.numbers("radii")?;
+        if !(below > 0.0 && above > 0.0) {
+            return Err(table.require("radii")?.must_be("greater than 0"));
+        }
+        let frustum = Frustum {
+            height: positive(table.require("height")?)?,
+            radii: [below, above],
+            ratio: table.get("ratio").map_or(Ok(1.0), positive)?,
+        };
+        let solid = Solid {
+            name: unique_name(table, "solid", solids.iter().map(|solid| solid.name.as_str()))?,
+            link: link_named(table.require("link")?, "link", tree.links())?,
+            base: table.get("base").map_or(Ok([0.0; 3]), |value| value.numbers())?,
+            axes: table.get("axes").map_or(Ok(UPWARDS), axes)?,
+            frustum,
+        };
+        solids.push(solid);
+    }
+    if solids.is_empty() {
+        return Ok(None);
+    }
+    let place = |reason: &sinew_body::Error| match reason {
+        sinew_body::Error::BadSolid { solid, .. } => {
+            let table = tables.iter().find(|table| table.string("name").is_ok_and(|name| name == *solid));
+            table.map_or(root.place(), Table::place)
+        }
+        _ => root.place(),
+    };
+    Flesh::new(tree, solids).map(Some).map_err(|reason| Error::Body { place: place(&reason), reason })
+}
+
+fn positive(value: Value<'_>) -> Result<f64, Error> {
+    match value.number()? {
+        number if number > 0.0 => Ok(number),
+        _ => Err(value.must_be("greater than 0")),
+    }
+}
+
+fn axes(value: Value<'_>) -> Result<[[f64; 3]; 3], Error> {
+    let axes = value.items()?.iter().map(Value::numbers).collect::<Result<Vec<[f64; 3]>, Error>>()?;
+    <[[f64; 3]; 3]>::try_from(axes).map_err(|_| value.must_be("3 arrays of 3 numbers"))
 }
 
 fn tables<'a>(root: Table<'a>, key: &'a str) -> Result<Vec<Table<'a>>, Error> {
@@ -129,9 +199,9 @@ fn joints(table: Table<'_>) -> Result<Vec<Joint>, Error> {
     value.items()?.iter().map(joint).collect()
 }
 
-/// Writes a body.
+/// Writes a body, with its solids if they are given.
 #[must_use]
-pub fn write(tree: &KinematicTree) -> String {
+pub fn write(tree: &KinematicTree, flesh: Option<&Flesh>) -> String {
     let mut out = String::new();
     let name_of = |link: usize| tree.links().get(link).map_or_else(String::new, |link| quoted(&link.name));
     // Writing to a String cannot fail.
@@ -147,6 +217,13 @@ pub fn write(tree: &KinematicTree) -> String {
     for point in tree.points() {
         let (name, link, offset) = (quoted(&point.name), name_of(point.link), array(&point.offset));
         let _ = writeln!(out, "[[point]]\nname = {name}\nlink = {link}\noffset = {offset}\n");
+    }
+    for Solid { name, link, base, axes, frustum } in flesh.map_or(&[][..], Flesh::solids) {
+        let Frustum { height, radii, ratio } = frustum;
+        let (name, link, base, radii) = (quoted(name), name_of(*link), array(base), array(radii));
+        let axes = axes.each_ref().map(|axis| array(axis)).join(", ");
+        let _ = writeln!(out, "[[solid]]\nname = {name}\nlink = {link}\nbase = {base}\naxes = [{axes}]");
+        let _ = writeln!(out, "height = {height:?}\nradii = {radii}\nratio = {ratio:?}\n");
     }
     out
 }
@@ -173,6 +250,32 @@ mod tests {
             "body.toml:5: unknown link `plevis`; did you mean `pelvis`?",
         );
         check(&format!("{root}[[point]]\nname = \"a\""), "body.toml:3: `link` is missing");
+    }
+
+    #[test]
+    fn faults_of_solids_are_named() {
+        let solid = |more: &str| format!("[[link]]\nname = \"arm\"\n[[solid]]\nname = \"a\"\nlink = \"arm\"\n{more}");
+        let sizes = "height = 0.3\nradii = [0.05, 0.04]\n";
+        assert_eq!(read("body.toml", &solid(sizes)).unwrap().flesh.unwrap().solids().len(), 1);
+        check(&solid("heigth = 1"), "body.toml:6: unknown key `heigth`; did you mean `height`?");
+        check(&solid("height = 0.3"), "body.toml:3: `radii` is missing");
+        check(&solid("height = 0\nradii = [1, 1]"), "body.toml:6: height = 0; must be greater than 0");
+        check(&solid("height = 1\nradii = [0.1, -0.1]"), "body.toml:7: radii = [0.1, -0.1]; must be greater than 0");
+        check(&solid(&format!("{sizes}ratio = -1")), "body.toml:8: ratio = -1; must be greater than 0");
+        check(
+            &solid(&format!("{sizes}axes = [[1, 0, 0]]")),
+            "body.toml:8: axes = [[1, 0, 0]]; must be 3 arrays of 3 numbers",
+        );
+        check(
+            &solid(sizes).replace("link = \"arm\"", "link = \"amr\""),
+            "body.toml:5: unknown link `amr`; did you mean `arm`?",
+        );
+        let twice = format!("{}[[solid]]\nname = \"a\"\nlink = \"arm\"\n{sizes}", solid(sizes));
+        check(&twice, "body.toml:8: the solid `a` is there twice");
+        let skewed = solid(&format!("{sizes}axes = [[1, 0, 0], [1, 0, 0], [0, 0, 1]]"));
+        check(&skewed, "body.toml:3: not a valid body");
+        let cause = std::error::Error::source(&read("body.toml", &skewed).unwrap_err()).unwrap().to_string();
+        assert!(cause.contains("`a`") && cause.contains("right-handed"), "{cause}");
     }
 
     #[test]

@@ -3,6 +3,8 @@
 //! `SINEW_WRITE_GOLDEN=1` writes the files anew; look at the difference before you keep it. The programs are those of
 //! the Python named by `SINEW_PYTHON`, or `python3`.
 
+use sinew_body::flesh::{DOWNWARDS, Flesh, Solid};
+use sinew_body::frustum::Frustum;
 use sinew_body::{Axis, Joint, KinematicTree, Link, Point};
 use sinew_formats::rotation::{IDENTITY, Matrix};
 use sinew_formats::tidy_csv::Cell;
@@ -105,7 +107,16 @@ fn calibrations() {
 
 #[test]
 fn bodies_and_layouts() {
-    check("arm.toml", body_toml::write(&arm()).as_bytes());
+    check("arm.toml", body_toml::write(&arm(), None).as_bytes());
+    let solid = Solid {
+        name: "upper".into(),
+        link: 0,
+        base: [0.0, 0.0, 0.025],
+        axes: DOWNWARDS,
+        frustum: Frustum { height: 0.3, radii: [0.055, 0.0425], ratio: 0.9 },
+    };
+    let flesh = Flesh::new(&arm(), vec![solid]).unwrap();
+    check("arm_with_flesh.toml", body_toml::write(&arm(), Some(&flesh)).as_bytes());
     let points = vec![Some("Nose".to_owned()), None, Some("LHip".to_owned())];
     check("layout.toml", layout::write(&layout::Layout { name: "mine".into(), points }).as_bytes());
 }

@@ -1,6 +1,8 @@
 //! Laws of readers and writers: what is written reads back equal, and no input makes a reader panic.
 
 use proptest::prelude::*;
+use sinew_body::flesh::{Flesh, Solid};
+use sinew_body::frustum::Frustum;
 use sinew_body::{Axis, Joint, KinematicTree, Link, Point};
 use sinew_formats::rotation::from_rodrigues;
 use sinew_formats::tidy_csv::Cell;
@@ -200,8 +202,21 @@ proptest! {
     }
 
     #[test]
-    fn body_reads_back_equal(tree in body()) {
-        let read = body_toml::read("body.toml", &body_toml::write(&tree)).unwrap();
+    fn body_reads_back_equal(tree in body(), sizes in proptest::array::uniform4(1e-3..1e3f64), turn in -3.0..3.0f64) {
+        let [height, below, above, ratio] = sizes;
+        let (sin, cos) = turn.sin_cos();
+        let solid = Solid {
+            name: "a \"b\"".into(),
+            link: tree.links().len() - 1,
+            base: [turn, 0.0, -height],
+            axes: [[cos, 0.0, sin], [0.0, 1.0, 0.0], [-sin, 0.0, cos]],
+            frustum: Frustum { height, radii: [below, above], ratio },
+        };
+        let flesh = Flesh::new(&tree, vec![solid]).unwrap();
+        let both = body_toml::read("body.toml", &body_toml::write(&tree, Some(&flesh))).unwrap();
+        prop_assert_eq!(both, body_toml::Body { tree: tree.clone(), flesh: Some(flesh) });
+        let body_toml::Body { tree: read, flesh } = body_toml::read("body.toml", &body_toml::write(&tree, None)).unwrap();
+        prop_assert_eq!(flesh, None);
         let bits = |tree: &KinematicTree| -> Vec<u64> {
             let offsets = tree.links().iter().map(|link| link.offset).chain(tree.points().iter().map(|point| point.offset));
             offsets.flatten().map(f64::to_bits).collect()
@@ -296,7 +311,7 @@ const FILES: [&str; 9] = [
     "{\"version\":1.3,\"people\":[{\"person_id\":[-1],\"pose_keypoints_2d\":[505.232,431.63,0.664216,null,NaN,0.60741,0,0,0]},{}],\"x\":\"a\\\"}[\"}",
     "name = \"mine\"\npoints = [\"Nose\", \"\", \"LHip\"]\n",
     "[cam_01]\nname = \"cam_01\"\nsize = [ 1088.0, 1920.0]\nmatrix = [ [ 1681.2, 0.0, 532.9], [ 0.0, 1681.0, 948.1], [ 0.0, 0.0, 1.0]]\ndistortions = [ -0.0007, 0.002, 9.5e-06, 1.0e-05]\nrotation = [[1, 0, 0.0001], [0, 1, 0], [0, 0, 1]]\ntranslation = [ 0.3, 0.9, 2.8]\nfisheye = false\n\n[metadata]\nadjusted = false\n",
-    "[[link]]\nname = \"pelvis\"\njoints = [\"tx\", \"rz\"]\n[[link]]\nname = \"thigh\"\nparent = \"pelvis\"\noffset = [0.1, 0.0, -0.1]\n[[point]]\nname = \"LKnee\"\nlink = \"thigh\"\noffset = [0.0, 0.0, -0.43]\n",
+    "[[link]]\nname = \"pelvis\"\njoints = [\"tx\", \"rz\"]\n[[link]]\nname = \"thigh\"\nparent = \"pelvis\"\noffset = [0.1, 0.0, -0.1]\n[[point]]\nname = \"LKnee\"\nlink = \"thigh\"\noffset = [0.0, 0.0, -0.43]\n[[solid]]\nname = \"thigh\"\nlink = \"thigh\"\naxes = [[-1, 0, 0], [0, 1, 0], [0, 0, -1]]\nheight = 0.4\nradii = [0.09, 0.06]\n",
     "PathFileType\t4\t(X/Y/Z)\ta.trc\nDataRate\tCameraRate\tNumFrames\tNumMarkers\tUnits\tOrigDataRate\tOrigDataStartFrame\tOrigNumFrames\n60\t60\t2\t2\tmm\t60\t1\t2\nFrame#\tTime\tR Hip\t\t\tNose\t\t\n\t\tX1\tY1\tZ1\tX2\tY2\tZ2\n\n1\t0.0\t1\t2\t3\t4\t5\t6\n2\t0.5\t\t\t\t7\tNaN\t9\n",
     "Coordinates\nversion=1\nnRows=2\nnColumns=3\ninDegrees=yes\n\nendheader\ntime\ta\tb\n0.0\t1.5\t-2\n0.5\tnan\t3\n",
     "HIERARCHY\nROOT Hips\n{\n\tOFFSET 0 0 0\n\tCHANNELS 6 Xposition Yposition Zposition Zrotation Yrotation Xrotation\n\tJOINT Leg\n\t{\n\t\tOFFSET 0 -1 0\n\t\tCHANNELS 1 Zrotation\n\t\tEnd Site\n\t\t{\n\t\t\tOFFSET 0 -2 0\n\t\t}\n\t}\n}\nMOTION\nFrames: 1\nFrame Time: .0083333\n1 2 3 90 0 0 45\n",

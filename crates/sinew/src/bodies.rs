@@ -2,7 +2,7 @@
 
 use crate::setup::{Body, FileBody};
 use crate::{Error, files};
-use sinew_body::{KinematicTree, Proportions, standard};
+use sinew_body::{KinematicTree, Proportions};
 use sinew_formats::nearest::nearest;
 use sinew_formats::source_text::MAX_CONFIG_BYTES;
 use std::path::Path;
@@ -15,12 +15,7 @@ pub const NAMES: [&str; 2] = ["h32", "cf28"];
 /// # Errors
 /// An unknown name, a file that cannot be read or is no body.
 pub fn find(name: &str) -> Result<KinematicTree, Error> {
-    match name.to_lowercase().as_str() {
-        "h32" => return Ok(standard::h32(&Proportions::default())),
-        "cf28" => return Ok(standard::cf28(&Proportions::default())),
-        _ => {}
-    }
-    Ok(from_file(name)?.tree().clone())
+    Ok(to_track(name)?.tree(&Proportions::default()))
 }
 
 /// The body of that name for the set-up pass to size, or the body in a file, which keeps its sizes.

@@ -4,10 +4,12 @@ mod args;
 mod body;
 mod convert;
 mod demo;
+mod fit_shape;
 mod inspect;
 mod interrupt;
 mod manual;
 mod misplaced;
+mod overlay;
 mod progress;
 mod report;
 mod segment;
@@ -60,6 +62,8 @@ pub(crate) fn main() -> ExitCode {
         Command::Simulate(args) => simulate::run(args, &cli.general, &report),
         Command::Convert(args) => convert::run(args, &cli.general, &report),
         Command::Segment(args) => segment::run(args, &cli.general, &report),
+        Command::Overlay(args) => overlay::run(args, &cli.general, &report),
+        Command::FitShape(args) => fit_shape::run(args, &cli.general, &report),
         Command::Body { body, answer } => body::run(body, *answer),
         Command::Completions { shell } => manual::completions(*shell),
         Command::Man => manual::man(),

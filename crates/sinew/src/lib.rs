@@ -10,6 +10,8 @@
 //! | [`setup`] | sizes of the person, offsets of the cameras, noise: one value |
 //! | [`pipeline`] | frames to estimates |
 //! | [`job`], [`output`] | a whole run with its result folder |
+//! | [`tracked`], [`overlay`] | poses of a result folder, and pictures of them over what the cameras saw |
+//! | [`shape_fit`] | thicknesses of a person from masks and tracked poses |
 //! | [`config`] | settings with their origin |
 //! | [`inspect`], [`motion`], [`bodies`] | what a file holds; motion files into each other; bodies by name or file |
 //!
@@ -52,13 +54,16 @@ pub mod inspect;
 pub mod job;
 pub mod motion;
 pub mod output;
+pub mod overlay;
 pub mod pictures;
 pub mod pipeline;
 pub mod problem28;
 pub mod recording;
 pub mod segment;
 pub mod setup;
+pub mod shape_fit;
 pub mod silhouettes;
 pub mod synthetic;
+pub mod tracked;
 
 pub use error::Error;

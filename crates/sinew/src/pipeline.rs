@@ -30,6 +30,7 @@ pub use observed::{BoundImages, Observed};
 pub use predictive::Doubt;
 pub use scene::{Scene, SceneState};
 pub use smooth::{Spool, TRAJECTORIES, smooth};
+pub(crate) use source::upright;
 pub use source::{FrameSource, Upright};
 
 use crate::Error;
@@ -172,11 +173,15 @@ impl Pipeline {
         image_cameras: Option<&[Camera]>,
     ) -> Result<Self, Error> {
         let scene = Scene::new(setup, tree, cameras, layout, &settings)?;
-        let images = image_cameras.map(|cameras| Images::new(tree, cameras, &settings)).transpose()?;
+        let with_flesh = |sized: &[Camera]| {
+            let ratio = |(sized, camera): (&Camera, &Camera)| sized.image_size_px[0] / camera.image_size_px[0];
+            let scale = sized.iter().zip(cameras).next().map_or(1.0, ratio);
+            Images::new(tree, setup.flesh()?, &setup.with_offsets(sized, scale), &settings)
+        };
+        let images = image_cameras.map(with_flesh).transpose()?;
         let transition = walk(setup, tree, &settings)?;
         let (for_new, walk, known) = (settings.clone(), transition.clone(), setup.clone());
-        let parts =
-            if settings.method.takes_parts() { Some(images::part_tree(tree, &images::flesh_of(tree)?)?) } else { None };
+        let parts = if settings.method.takes_parts() { Some(images::part_tree(tree, &setup.flesh()?)?) } else { None };
         let make = Box::new(move |start| tracker(&known, &for_new, &walk, parts.as_ref(), start));
         let tracker = Restarting::new(make, scene.start().to_vec())?;
         let marginals = Marginals::new(tree, settings.isa, UnknownSize::of(setup, cameras, settings.seed));

@@ -25,7 +25,7 @@ fn the_body_of_a_file_is_tracked() {
     let trial = trial(0.4);
     let body = stiff();
     assert!(body.dof() < 32, "{}", body.dof());
-    fs::write(trial.path("mine.toml"), body_toml::write(&body)).unwrap();
+    fs::write(trial.path("mine.toml"), body_toml::write(&body, None)).unwrap();
     let told = trial.track_told(&["--body", "mine.toml"]);
     assert!(told.starts_with("exit 0"), "{told}");
     let summary = |out: &str| -> serde_json::Value {
@@ -52,7 +52,7 @@ fn the_body_of_a_file_is_tracked() {
 #[test]
 fn a_body_built_otherwise_finds_its_heading() {
     let trial = trial(0.3);
-    let mut text = body_toml::write(&h32(&Proportions::default()));
+    let mut text = body_toml::write(&h32(&Proportions::default()), None);
     let (usual, other) =
         ("\"tx\", \"ty\", \"tz\", \"rz\", \"ry\", \"rx\"", "\"tz\", \"tx\", \"ty\", \"rz\", \"rx\", \"ry\"");
     assert!(text.contains(usual), "{text}");

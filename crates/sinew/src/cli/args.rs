@@ -3,6 +3,7 @@
 use clap::{Arg, ArgAction, ArgMatches, Args, FromArgMatches, Parser, Subcommand, ValueEnum};
 use sinew::config::setting::{Kind, SETTINGS, Setting};
 use std::marker::PhantomData;
+use std::ops::Range;
 use std::path::PathBuf;
 
 macro_rules! template {
@@ -91,7 +92,7 @@ impl General {
             Command::Inspect(_) => &["config"],
             Command::Simulate(_) => &["out", "force", "seed", "threads"],
             Command::Convert(_) => &["force"],
-            Command::Segment(_) => &["out", "force"],
+            Command::Segment(_) | Command::Overlay(_) | Command::FitShape(_) => &["out", "force"],
             Command::Body { .. } | Command::Completions { .. } | Command::Man => &[],
         };
         let given = self.settings().into_iter().map(|(key, _)| key).chain(self.config.as_ref().map(|_| "config"));
@@ -133,6 +134,18 @@ pub(crate) enum Command {
         "sinew segment --background before --background after --images images --shadow 0.5 -o masks"
     ))]
     Segment(SegmentArgs),
+    /// Draw the tracked body over images or masks
+    #[command(help_template = template!(
+        "sinew overlay sinew-out/trial --calibration Calib.toml --images images -o pictures",
+        "sinew overlay out --calibration Calib.toml --silhouettes masks --mask-scale 0.5 --every 10 -o pictures"
+    ))]
+    Overlay(OverlayArgs),
+    /// Fit the thickness of a tracked person to masks, and write a body file
+    #[command(help_template = template!(
+        "sinew fit-shape sinew-out/trial --calibration Calib.toml --silhouettes masks -o body.toml",
+        "sinew track --body body.toml --calibration Calib.toml --silhouettes masks --init start.trc"
+    ))]
+    FitShape(FitShapeArgs),
     /// Show a body as a tree
     #[command(help_template = template!("sinew body h32", "sinew body my_body.toml"))]
     Body {
@@ -201,6 +214,64 @@ pub(crate) struct SegmentArgs {
     pub(crate) least_part: f64,
     #[command(flatten)]
     pub(crate) answer: Answer,
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct OverlayArgs {
+    /// Result folder of `sinew track`
+    #[arg(value_name = "RESULTS")]
+    pub(crate) results: PathBuf,
+    /// Camera calibration that was tracked with
+    #[arg(long, value_name = "FILE")]
+    pub(crate) calibration: PathBuf,
+    /// Images to draw on: <camera>_<frame>.jpg, or folders <camera> [default: black]
+    #[arg(long, value_name = "DIR", conflicts_with = "silhouettes")]
+    pub(crate) images: Option<PathBuf>,
+    /// Masks to draw on, in grey
+    #[arg(long, value_name = "DIR")]
+    pub(crate) silhouettes: Option<PathBuf>,
+    /// Size of the images or masks over that of the calibrated images
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    pub(crate) mask_scale: Option<f64>,
+    /// Frames to draw, by number [default: all]
+    #[arg(long, value_name = "A..B", value_parser = frames)]
+    pub(crate) frames: Option<Range<u64>>,
+    /// Draw every N-th of them
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
+    pub(crate) every: u32,
+    #[command(flatten)]
+    pub(crate) answer: Answer,
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct FitShapeArgs {
+    /// Result folder of `sinew track`
+    #[arg(value_name = "RESULTS")]
+    pub(crate) results: PathBuf,
+    /// Camera calibration that was tracked with
+    #[arg(long, value_name = "FILE")]
+    pub(crate) calibration: PathBuf,
+    /// Masks of the person: <camera>_<frame>.png, or folders <camera>
+    #[arg(long, value_name = "DIR")]
+    pub(crate) silhouettes: PathBuf,
+    /// Size of the masks over that of the calibrated images
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    pub(crate) mask_scale: Option<f64>,
+    /// Frames to take a few of, by number [default: all]
+    #[arg(long, value_name = "A..B", value_parser = frames)]
+    pub(crate) frames: Option<Range<u64>>,
+    #[command(flatten)]
+    pub(crate) answer: Answer,
+}
+
+fn frames(text: &str) -> Result<Range<u64>, String> {
+    let ends =
+        text.split_once("..").and_then(|(first, end)| Some((first.trim().parse().ok()?, end.trim().parse().ok()?)));
+    match ends {
+        Some((first, end)) if first < end => Ok(first..end),
+        Some(_) => Err("the end must come after the start".into()),
+        None => Err("expected frame numbers A..B, for example 0..60".into()),
+    }
 }
 
 #[derive(Args, Debug)]

@@ -1,20 +1,24 @@
-//! `sinew body`: a body as a tree of links with their joints, lengths and points.
+//! `sinew body`: a body as a tree of links with their joints, lengths and points, and the solids of its flesh.
 
 use super::args::Answer;
 use super::{Ended, report};
 use serde_json::json;
 use sinew::Error;
 use sinew::bodies;
-use sinew::body::KinematicTree;
+use sinew::body::flesh::Flesh;
+use sinew::body::{KinematicTree, Proportions};
 
 /// Prints a body.
 pub(crate) fn run(name: &str, answer: Answer) -> Result<Ended, Error> {
-    let body = bodies::find(name)?;
-    print(name, &body, answer)?;
+    let body = bodies::to_track(name)?;
+    let tree = body.tree(&Proportions::default());
+    // A body without flesh is good for keypoints.
+    print(name, &tree, body.flesh(&tree).ok().as_ref(), answer)?;
     Ok(Ended::Done)
 }
 
-fn print(name: &str, body: &KinematicTree, answer: Answer) -> Result<(), Error> {
+fn print(name: &str, body: &KinematicTree, flesh: Option<&Flesh>, answer: Answer) -> Result<(), Error> {
+    let solids = flesh.map_or(&[][..], Flesh::solids);
     if answer.json {
         let link = |index: usize| {
             let link = &body.links()[index];
@@ -25,8 +29,20 @@ fn print(name: &str, body: &KinematicTree, answer: Answer) -> Result<(), Error> 
         let links: Vec<_> = (0..body.links().len()).map(link).collect();
         let point = |point: &sinew::body::Point| json!({ "name": point.name, "link": body.links()[point.link].name, "offset_m": point.offset });
         let points: Vec<_> = body.points().iter().map(point).collect();
+        let solid = |solid: &sinew::body::flesh::Solid| {
+            json!({
+                "name": solid.name,
+                "link": body.links()[solid.link].name,
+                "base_m": solid.base,
+                "axes": solid.axes,
+                "height_m": solid.frustum.height,
+                "radii_m": solid.frustum.radii,
+                "ratio": solid.frustum.ratio,
+            })
+        };
+        let solids: Vec<_> = solids.iter().map(solid).collect();
         return report::answer_json(
-            &json!({ "name": name, "degrees_of_freedom": body.dof(), "links": links, "points": points }),
+            &json!({ "name": name, "degrees_of_freedom": body.dof(), "links": links, "points": points, "solids": solids }),
         );
     }
     let mut text = format!(
@@ -37,6 +53,16 @@ fn print(name: &str, body: &KinematicTree, answer: Answer) -> Result<(), Error> 
     );
     for index in (0..body.links().len()).filter(|&index| body.links()[index].parent.is_none()) {
         branch(body, index, "", "", &mut text);
+    }
+    if !solids.is_empty() {
+        text.push_str("solids: height, half width at base and top, depth over width\n");
+    }
+    let width = solids.iter().map(|solid| solid.name.chars().count()).max().unwrap_or_default();
+    for solid in solids {
+        let (link, [base, top]) = (&body.links()[solid.link].name, solid.frustum.radii);
+        let on = if *link == solid.name { String::new() } else { format!("  on {link}") };
+        let (height, ratio) = (solid.frustum.height, solid.frustum.ratio);
+        text += &format!("{:width$}  {height:.3} m  {base:.3} to {top:.3} m  {ratio:.2}{on}\n", solid.name);
     }
     report::answer(&text)
 }

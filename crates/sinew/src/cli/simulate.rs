@@ -188,8 +188,25 @@ fn track_command(folder: &str, fps: f64) -> String {
     )
 }
 
+/// The command that tracks its silhouettes.
+fn silhouette_command(folder: &str, fps: f64) -> String {
+    format!(
+        "sinew track --calibration {folder}/{CALIBRATION} --silhouettes {folder}/{} --init {folder}/{TRUTH} --method annealed --score bidirectional --fps {fps} -o {folder}-silhouettes",
+        FOLDERS[1]
+    )
+}
+
+/// The command that draws what was found.
+fn overlay_command(folder: &str) -> String {
+    format!(
+        "sinew overlay {folder}-silhouettes --calibration {folder}/{CALIBRATION} --silhouettes {folder}/{} --every 10 -o {folder}-pictures",
+        FOLDERS[1]
+    )
+}
+
 fn readme(args: &SimulateArgs, config: &TrackConfig, footage: &Footage) -> String {
     let Trajectories { names, frames } = &footage.motion;
+    let folder = config.out.file_name().unwrap_or_default().to_string_lossy();
     format!(
         "A synthetic recording by sinew {}: motion {}, {} frames at {} per second, {} cameras, seed {}.\n\n\
          {CALIBRATION}   cameras\n\
@@ -197,7 +214,8 @@ fn readme(args: &SimulateArgs, config: &TrackConfig, footage: &Footage) -> Strin
          masks/       silhouettes, segmentation `{}`: <camera>_<frame>.png, one bit a pixel, white is the person\n\
          images/      pictures of some frames, if any were asked for\n\
          {TRUTH}    the true positions of {} points\n\n\
-         To track it, from the folder above:\n  {}\n",
+         To track it, from the folder above:\n  {}\n\n\
+         The same from its silhouettes, and pictures of what was found:\n  {}\n  {}\n",
         env!("CARGO_PKG_VERSION"),
         args.motion.display(),
         frames.len(),
@@ -206,7 +224,9 @@ fn readme(args: &SimulateArgs, config: &TrackConfig, footage: &Footage) -> Strin
         config.seed,
         args.segmentation,
         names.len(),
-        track_command(&config.out.file_name().unwrap_or_default().to_string_lossy(), args.fps),
+        track_command(&folder, args.fps),
+        silhouette_command(&folder, args.fps),
+        overlay_command(&folder),
     )
 }
 
@@ -229,5 +249,6 @@ fn tell(args: &SimulateArgs, config: &TrackConfig, footage: &Footage) -> Result<
         ("written", out.clone()),
     ];
     let rows: Vec<(String, String)> = rows.map(|(left, right)| (left.to_owned(), right)).into();
-    report::answer(&format!("{}\nNext:\n  {}\n", aligned(&rows), track_command(&out, args.fps)))
+    let next = [track_command(&out, args.fps), silhouette_command(&out, args.fps), overlay_command(&out)];
+    report::answer(&format!("{}\nNext:\n  {}\n", aligned(&rows), next.join("\n  ")))
 }

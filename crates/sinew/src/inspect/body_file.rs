@@ -11,12 +11,17 @@ use sinew_formats::{body_toml, layout};
 use std::path::Path;
 
 pub(super) fn body(path: &Path) -> Result<Facts, Error> {
-    let body = body_toml::read(&path.display().to_string(), &read_text(path, MAX_CONFIG_BYTES)?)?;
+    let body_toml::Body { tree: body, flesh } =
+        body_toml::read(&path.display().to_string(), &read_text(path, MAX_CONFIG_BYTES)?)?;
     let mut facts = Facts::new(format!("{}: body of {} links", path.display(), body.links().len()));
     let moving = body.links().iter().filter(|link| !link.joints.is_empty()).count();
     facts.row("joints", moving.to_string());
     facts.row("degrees of freedom", body.dof().to_string());
     facts.row("points", format!("{}: {}", body.points().len(), shortened(&point_names(&body))));
+    if let Some(flesh) = flesh {
+        let names: Vec<String> = flesh.solids().iter().map(|solid| solid.name.clone()).collect();
+        facts.row("solids", format!("{}: {}", names.len(), shortened(&names)));
+    }
     Ok(facts)
 }
 

@@ -6,7 +6,6 @@ use crate::checkpoint::{Problem, check_length};
 use serde::{Deserialize, Serialize};
 use sinew_body::KinematicTree;
 use sinew_body::flesh::Flesh;
-use sinew_body::standard_flesh::standard_flesh;
 use sinew_core::part::{Part, PartTree, Partition};
 use sinew_observe::bit_image::{BitImage, overlap};
 use sinew_observe::contour_map::contour_map;
@@ -71,21 +70,12 @@ pub(super) fn part_tree(tree: &KinematicTree, flesh: &Flesh) -> Result<PartTree,
     PartTree::new(partition, flesh.parents().to_vec()).map_err(refused)
 }
 
-/// The flesh of a body that is tracked.
-pub(super) fn flesh_of(tree: &KinematicTree) -> Result<Flesh, Error> {
-    standard_flesh(tree).map_err(|error| Error::Input {
-        message: format!("the body cannot be compared with silhouettes: {error}"),
-        help: Some("use links of the names of `sinew body h32`, or a method for keypoints".into()),
-    })
-}
-
 impl Images {
     /// Before the first frame; `cameras` are sized like the masks.
     ///
     /// # Errors
-    /// A body without flesh.
-    pub fn new(tree: &KinematicTree, cameras: &[Camera], settings: &Settings) -> Result<Self, Error> {
-        let flesh = flesh_of(tree)?;
+    /// Solids that trackers cannot take.
+    pub fn new(tree: &KinematicTree, flesh: Flesh, cameras: &[Camera], settings: &Settings) -> Result<Self, Error> {
         let body =
             SolidBody::new(tree, &flesh).map_err(|error| Error::Input { message: error.to_string(), help: None })?;
         let raster = |camera| WorkingRaster::new(camera, WorkingRaster::factor_for(camera, settings.raster));

@@ -2,7 +2,6 @@
 
 mod check;
 
-use super::images::flesh_of;
 use super::oddities::{Oddities, Watched};
 use super::predictive::{self, Doubt, Predictive};
 use super::{Bound, Settings};
@@ -109,7 +108,7 @@ impl Scene {
         let points: Vec<usize> = shared.iter().map(|(p, _)| *p).collect();
         let parts = match settings.method.takes_parts() {
             true => {
-                let flesh = flesh_of(tree)?;
+                let flesh = setup.flesh()?;
                 let of_point = |&p: &usize| flesh.owner(tree.points()[p].link);
                 Some((points.iter().map(of_point).collect(), flesh.solids().len()))
             }

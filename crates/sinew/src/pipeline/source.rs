@@ -57,7 +57,7 @@ pub struct Upright<'a, S> {
 }
 
 /// Cameras in a world turned to z up. Nothing is computed for the usual world, so that its numbers stay as they are.
-fn upright(cameras: Vec<Camera>, up: &str) -> Vec<Camera> {
+pub(crate) fn upright(cameras: Vec<Camera>, up: &str) -> Vec<Camera> {
     match z_up_from(up) {
         Some(turn) if up != "+z" => cameras.iter().map(|camera| camera.turned(turn)).collect(),
         _ => cameras,

@@ -4,7 +4,9 @@
 
 use crate::Error;
 use serde::{Deserialize, Serialize};
+use sinew_body::flesh::Flesh;
 use sinew_body::standard::{cf28, h32};
+use sinew_body::standard_flesh::standard_flesh;
 use sinew_body::{KinematicTree, Proportions};
 use sinew_formats::body_toml;
 use sinew_observe::{Camera, View};
@@ -30,6 +32,7 @@ pub enum Body {
 pub struct FileBody {
     text: String,
     tree: KinematicTree,
+    flesh: Option<Flesh>,
 }
 
 impl FileBody {
@@ -38,7 +41,8 @@ impl FileBody {
     /// # Errors
     /// A text that is no body.
     pub fn read(name: &str, text: &str) -> Result<Self, Error> {
-        Ok(Self { tree: body_toml::read(name, text)?, text: text.into() })
+        let body_toml::Body { tree, flesh } = body_toml::read(name, text)?;
+        Ok(Self { tree, flesh, text: text.into() })
     }
 
     /// The body.
@@ -66,6 +70,23 @@ impl Body {
             Self::File(body) => body.tree.clone(),
             Self::H32 | Self::CF28 => self.builder()(proportions),
         }
+    }
+
+    /// The solids of the body that is tracked: those of its file, else the standard flesh of its [`Body::tree`].
+    ///
+    /// # Errors
+    /// A body of a file without solids whose links have none of the standard names.
+    pub fn flesh(&self, tree: &KinematicTree) -> Result<Flesh, Error> {
+        if let Self::File(FileBody { flesh: Some(flesh), .. }) = self {
+            return Ok(flesh.clone());
+        }
+        standard_flesh(tree).map_err(|error| Error::Input {
+            message: format!("the body cannot be compared with silhouettes: {error}"),
+            help: Some(
+                "give the body file solids (`[[solid]]`), name its links like those of `sinew body h32`, or use a method for keypoints"
+                    .into(),
+            ),
+        })
     }
 
     /// Name for messages.
@@ -187,6 +208,14 @@ impl Setup {
         self.body.tree(&self.proportions)
     }
 
+    /// The solids of [`Setup::tree`].
+    ///
+    /// # Errors
+    /// As [`Body::flesh`].
+    pub fn flesh(&self) -> Result<Flesh, Error> {
+        self.body.flesh(&self.tree())
+    }
+
     /// What the likelihood needs to know about each camera, for those of the set-up.
     #[must_use]
     pub fn views(&self, cameras: &[Camera]) -> Vec<View> {
@@ -196,6 +225,20 @@ impl Setup {
             Some(View { camera: camera.clone(), offset_px, sigma_px, usual_confidence })
         };
         self.camera.iter().filter_map(view).collect()
+    }
+
+    /// Cameras of the set-up, `scale` times the size for which its offsets hold, with their offsets taken up: what they show lies where it lies in images.
+    #[must_use]
+    pub fn with_offsets(&self, cameras: &[Camera], scale: f64) -> Vec<Camera> {
+        let shifted = |camera: &Camera| {
+            let mut camera = camera.clone();
+            if let Some(known) = self.camera.iter().find(|known| known.name == camera.name) {
+                camera.intrinsics.cx += scale * known.offset_px[0];
+                camera.intrinsics.cy += scale * known.offset_px[1];
+            }
+            camera
+        };
+        cameras.iter().map(shifted).collect()
     }
 
     /// Reads a `setup.toml`; `name` is that of the file, for messages.
