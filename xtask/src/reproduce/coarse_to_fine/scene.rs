@@ -8,7 +8,6 @@
 
 use super::Outcome;
 use sinew::body::fit::{self, Target, fit_pose};
-use sinew::body::initial::initial_pose;
 use sinew::body::standard::EVALUATION_JOINTS;
 use sinew::body::{KinematicTree, Plan, hppf24};
 use sinew::files::fnv;
@@ -94,6 +93,22 @@ fn scale_of(motion: &Trajectories) -> f64 {
     product / own.iter().map(|a| a * a).sum::<f64>()
 }
 
+/// The body upright at the place and with the heading of the first frame, elbows and knees bent the way they bend.
+fn upright(motion: &Trajectories) -> Outcome<Vec<f64>> {
+    let at = |name: &str| -> Outcome<[f64; 3]> {
+        let k = motion.index(name).ok_or(format!("the motion has no {name}"))?;
+        Ok(motion.frames.first().ok_or("a motion without a frame")?[k])
+    };
+    let (hips, left, right) = (at("MidHip")?, at("LHip")?, at("RHip")?);
+    let mut pose = vec![0.0; hppf24::ranges().len()];
+    pose[..3].copy_from_slice(&hips);
+    pose[HEADING] = (right[1] - left[1]).atan2(right[0] - left[0]);
+    for (hinge, angle) in [(11, 0.3), (15, 0.3), (19, -0.3), (23, -0.3)] {
+        pose[hinge] = angle;
+    }
+    Ok(pose)
+}
+
 /// Poses of the body at the joints of each frame, angles unwrapped.
 fn fitted(tree: &KinematicTree, motion: &Trajectories) -> Outcome<Vec<Vec<f64>>> {
     let columns: Vec<Option<usize>> = tree.points().iter().map(|point| motion.index(&point.name)).collect();
@@ -105,7 +120,7 @@ fn fitted(tree: &KinematicTree, motion: &Trajectories) -> Outcome<Vec<Vec<f64>>>
         let last = states.last();
         let start = match last {
             Some(last) => last.clone(),
-            None => initial_pose(tree, &targets).ok_or("no pose in the first frame")?,
+            None => upright(motion)?,
         };
         let mut pose = fit_pose(&plan, &targets, &start, &fit::Config::default()).pose;
         for (angle, before) in pose.iter_mut().zip(&start).skip(HEADING) {
