@@ -30,6 +30,7 @@ use sinew::files::FNV_START;
 use sinew::synthetic::segmentation_noise::Level;
 use std::collections::BTreeMap;
 use std::error::Error;
+use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
@@ -47,18 +48,18 @@ const VERSION: u32 = 1;
 /// Reproduces the tables and the figure of the coarse-to-fine particle filter.
 #[derive(clap::Args)]
 pub(super) struct Args {
-    /// A reduced size in a minute, which only checks the directions of CC1, CC2 and CC4, and CC6
+    /// A reduced size in a minute, which only checks the directions of CC1 and CC2, and CC6
     #[arg(long)]
     quick: bool,
-    /// Seeds from 1 on, each another person, other noise and other particles
+    /// Seeds from 1 on, each another person, other noise and other particles, for the level `normal`, on which claims are judged
     #[arg(long, default_value_t = 10)]
     seeds: u64,
-    /// Levels of noise, separated by commas; claims are judged on `normal`
-    #[arg(long, value_delimiter = ',', default_value = "normal,clean,hard", value_parser = ["normal", "clean", "hard"])]
-    levels: Vec<String>,
-    /// Leave out what goes beyond the paper
-    #[arg(long)]
-    paper_only: bool,
+    /// Seeds for the levels `clean` and `hard`
+    #[arg(long, default_value_t = 10)]
+    level_seeds: u64,
+    /// Seeds for what goes beyond the paper
+    #[arg(long, default_value_t = 3)]
+    beside_seeds: u64,
     /// Folder for cells, tables and figures [default: target/reproduce/coarse-to-fine]
     #[arg(long)]
     out: Option<PathBuf>,
@@ -111,48 +112,64 @@ impl Study {
     }
 }
 
-/// Runs the contenders of a level for all seeds, one seed after the other.
-fn run_level(
-    study: &Study,
-    store: &mut Store,
+/// What is run with one level of noise and the same seeds.
+struct Group {
     level: Level,
-    contenders: &[Contender],
-    seeds: &[u64],
-    threads: usize,
-) -> Outcome<()> {
-    let each = seeds.iter().flat_map(|&seed| contenders.iter().map(move |&contender| (contender, seed)));
-    let tasks = each.map(|(contender, seed)| study.task(level, contender, seed)).collect();
-    run_all(store, tables::level_name(level), tasks, threads)
+    /// Whether it goes beyond the paper.
+    beside: bool,
+    seeds: Vec<u64>,
+    contenders: Vec<Contender>,
 }
 
-/// Tables, figure and claims into the folder and onto the terminal.
-fn report(study: &Study, results: &Results<'_>, runs: &[(Level, Vec<Contender>)], folder: &Path) -> Outcome<bool> {
-    let mut text = String::new();
-    for (level, contenders) in runs {
-        text.push_str(&format!(
-            "## {}\n\n{}\n{}\n{}\n",
-            tables::level_name(*level),
-            tables::levels(results, *level)?,
-            tables::pairs(results, *level)?,
-            tables::all(results, *level, contenders)?
-        ));
+impl Group {
+    fn new(level: Level, beside: bool, seeds: u64) -> Self {
+        let contenders = if beside { contender::beside() } else { contender::main() };
+        Self { level, beside, seeds: (1..=seeds).collect(), contenders }
     }
-    std::fs::write(folder.join("tables.md"), &text)?;
-    std::fs::write(folder.join("tables.csv"), tables::csv(results, runs)?)?;
-    println!("{text}");
-    let levels: Vec<Level> = runs.iter().map(|(level, _)| *level).collect();
-    let judged = if levels.contains(&claims::LEVEL) { claims::judge(results, &study.scene)? } else { vec![] };
-    let json = tables::json(results, &study.scene, &judged, &levels);
-    std::fs::write(folder.join("results.json"), serde_json::to_string_pretty(&json)?)?;
-    if !judged.is_empty() {
-        figures::draw(results, &folder.join("likelihood.svg"))?;
-        let table = super::claim::table(&judged);
-        std::fs::write(folder.join("claims.md"), &table)?;
-        println!("{table}");
+
+    fn title(&self) -> String {
+        let beside = if self.beside { ", beyond the paper" } else { "" };
+        format!("{}{beside}", tables::level_name(self.level))
     }
-    let asserted = ["CC1", "CC2", "CC4", "CC6"];
-    Ok(judged.iter().all(|claim| claim.direction || !asserted.contains(&claim.id)))
+
+    /// One seed after the other.
+    fn run(&self, study: &Study, store: &mut Store, threads: usize) -> Outcome<()> {
+        let each = |&seed: &u64| self.contenders.iter().map(move |&of| study.task(self.level, of, seed));
+        let tasks = self.seeds.iter().flat_map(each).collect();
+        let done = run_all(store, &self.title(), tasks, threads);
+        study.drawn.lock().unwrap_or_else(PoisonError::into_inner).clear();
+        done
+    }
 }
+
+/// Tables, figure and claims into the folder and onto the terminal; returns whether what a reduced run asserts holds.
+fn report(study: &Study, store: &Store, groups: &[Group], folder: &Path) -> Outcome<bool> {
+    let (mut text, mut csv, mut judged) = (String::new(), String::from(tables::CSV), vec![]);
+    for group in groups {
+        let results = Results { store, seeds: &group.seeds };
+        let _ = writeln!(text, "## {}, {} seeds\n", group.title(), group.seeds.len());
+        if !group.beside {
+            let pairs = tables::pairs(&results, group.level)?;
+            let _ = writeln!(text, "{}\n{pairs}", tables::levels(&results, group.level)?);
+        }
+        let _ = writeln!(text, "{}", tables::all(&results, group.level, &group.contenders)?);
+        csv.push_str(&tables::csv(&results, group.level, &group.contenders)?);
+        if group.level == claims::LEVEL && !group.beside {
+            judged = claims::judge(&results, &study.scene)?;
+            figures::draw(&results, &folder.join("likelihood.svg"))?;
+        }
+    }
+    let (claims, json) = (super::claim::table(&judged), tables::json(&store.config, &study.scene, &judged, groups));
+    std::fs::write(folder.join("tables.md"), &text)?;
+    std::fs::write(folder.join("tables.csv"), csv)?;
+    std::fs::write(folder.join("results.json"), serde_json::to_string_pretty(&json)?)?;
+    std::fs::write(folder.join("claims.md"), &claims)?;
+    println!("{text}\n{claims}");
+    Ok(judged.iter().all(|claim| claim.direction || !ASSERTED.contains(&claim.id)))
+}
+
+/// Claims whose directions a reduced run asserts.
+const ASSERTED: [&str; 3] = ["CC1", "CC2", "CC6"];
 
 /// Runs the command.
 pub(super) fn run(root: &Path, args: &Args) -> Outcome<ExitCode> {
@@ -168,31 +185,28 @@ pub(super) fn run(root: &Path, args: &Args) -> Outcome<ExitCode> {
     let study = Study { scene: Scene::new(recordings, frames)?, isa: Isa::best(), drawn: Mutex::default() };
     let mut store = Store::open(&folder, &study.configuration())?;
     let threads = args.threads.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, |n| n.get()));
-    let seeds: Vec<u64> = (1..=if args.quick { 1 } else { args.seeds }).collect();
-    let mut runs: Vec<(Level, Vec<Contender>)> = vec![];
-    for name in args.levels.iter().take(if args.quick { 1 } else { usize::MAX }) {
-        let level = Level::named(name).ok_or("no such level")?;
-        let mut contenders = contender::main();
-        run_level(&study, &mut store, level, &contenders, &seeds, threads)?;
-        if level == claims::LEVEL && !args.quick && !args.paper_only {
-            let beside = contender::beside();
-            run_level(&study, &mut store, level, &beside, &seeds, threads)?;
-            contenders.extend(beside);
-        }
-        study.drawn.lock().unwrap_or_else(PoisonError::into_inner).clear();
-        runs.push((level, contenders));
+    let groups = if args.quick {
+        vec![Group::new(claims::LEVEL, false, 1)]
+    } else {
+        let levels = [Level::Normal, Level::Clean, Level::Hard].into_iter();
+        let seeds = |level| if level == claims::LEVEL { args.seeds } else { args.level_seeds };
+        let main = levels.map(|level| Group::new(level, false, seeds(level)));
+        let all = main.chain([Group::new(claims::LEVEL, true, args.beside_seeds)]);
+        all.filter(|group| !group.seeds.is_empty()).collect()
+    };
+    for group in &groups {
+        group.run(&study, &mut store, threads)?;
     }
-    let directions = report(&study, &Results { store: &store, seeds: &seeds }, &runs, &folder)?;
+    let directions = report(&study, &store, &groups, &folder)?;
     if args.quick {
         println!(
-            "reduced size: verdicts are those of the full run only; asserted are the directions of CC1, CC2 and CC4, and CC6"
+            "reduced size: verdicts are those of the full run only; asserted are the directions of CC1 and CC2, and CC6"
         );
     }
     println!(
-        "{}: {} frames, {} seeds; {:.0} s; cells, tables and the figure in {}",
+        "{}: {} frames; {:.0} s; cells, tables and the figure in {}",
         study.scene.name,
         study.scene.truth.len(),
-        seeds.len(),
         clock.elapsed().as_secs_f64(),
         folder.display()
     );
@@ -211,8 +225,8 @@ mod tests {
         let args = Args {
             quick: true,
             seeds: 1,
-            levels: vec!["normal".into()],
-            paper_only: true,
+            level_seeds: 0,
+            beside_seeds: 0,
             out: Some(out.clone()),
             threads: None,
             data: std::env::var_os("SINEW_DATA").map(PathBuf::from),

@@ -33,6 +33,7 @@ impl Estimate {
 }
 
 /// Finished cells of some seeds.
+#[derive(Clone, Copy)]
 pub(super) struct Results<'a> {
     pub(super) store: &'a Store,
     pub(super) seeds: &'a [u64],

@@ -1,9 +1,9 @@
 //! The paper's two tables and those beside them as Markdown, CSV and JSON.
 
-use super::Outcome;
 use super::contender::{Contender, Method, PAIRS, SETTINGS};
 use super::results::{Estimate, Mean, Results, mean};
 use super::scene::Scene;
+use super::{Group, Outcome};
 use crate::reproduce::claim::Claim;
 use serde_json::json;
 use sinew::synthetic::segmentation_noise::Level;
@@ -91,18 +91,18 @@ const fn first_name(of: &Contender) -> &'static str {
     }
 }
 
-/// The same as CSV for several levels.
-pub(super) fn csv(results: &Results<'_>, runs: &[(Level, Vec<Contender>)]) -> Outcome<String> {
-    let mut out = String::from("level,contender,estimate,quantity,mean,se,seeds\n");
-    for (level, contenders) in runs {
-        for of in contenders {
-            for estimate in [Estimate::First, Estimate::Second] {
-                for (name, _) in QUANTITIES {
-                    let Mean { value, error } = mean(&results.means(*level, of, estimate, name)?);
-                    let (level, seeds) = (level_name(*level), results.seeds.len());
-                    let _ =
-                        writeln!(out, "{level},\"{}\",{estimate:?},{name},{value:.5},{error:.5},{seeds}", of.name());
-                }
+/// First line of the CSV.
+pub(super) const CSV: &str = "level,contender,estimate,quantity,mean,se,seeds\n";
+
+/// The same as CSV.
+pub(super) fn csv(results: &Results<'_>, level: Level, contenders: &[Contender]) -> Outcome<String> {
+    let mut out = String::new();
+    for of in contenders {
+        for estimate in [Estimate::First, Estimate::Second] {
+            for (name, _) in QUANTITIES {
+                let Mean { value, error } = mean(&results.means(level, of, estimate, name)?);
+                let (level, seeds) = (level_name(level), results.seeds.len());
+                let _ = writeln!(out, "{level},\"{}\",{estimate:?},{name},{value:.5},{error:.5},{seeds}", of.name());
             }
         }
     }
@@ -110,7 +110,7 @@ pub(super) fn csv(results: &Results<'_>, runs: &[(Level, Vec<Contender>)]) -> Ou
 }
 
 /// What was run, and the claims, as JSON.
-pub(super) fn json(results: &Results<'_>, scene: &Scene, claims: &[Claim], levels: &[Level]) -> serde_json::Value {
+pub(super) fn json(configuration: &str, scene: &Scene, claims: &[Claim], runs: &[Group]) -> serde_json::Value {
     let claim =
         |c: &Claim| json!({ "id": c.id, "paper": c.paper, "ours": c.ours, "criterion": c.criterion, "pass": c.pass });
     let names = scene.tree.dof_names();
@@ -118,12 +118,11 @@ pub(super) fn json(results: &Results<'_>, scene: &Scene, claims: &[Claim], level
         json!({ "coordinate": name, "low": range.low, "high": range.high, "delta": range.width, "partitions": range.axis.count() })
     });
     json!({
-        "configuration": results.store.config,
+        "configuration": configuration,
         "sequence": scene.name,
         "frames": scene.truth.len(),
         "phases": scene.phases,
-        "seeds": results.seeds,
-        "levels": levels.iter().map(|level| level_name(*level)).collect::<Vec<_>>(),
+        "runs": runs.iter().map(|run| json!({ "what": run.title(), "seeds": run.seeds })).collect::<Vec<_>>(),
         "scale": scene.scale,
         "fit_mm": scene.fit_error_m.map(|error| 1e3 * error),
         "training_frames": scene.training_frames,
