@@ -8,6 +8,8 @@ use sinew::synthetic::segmentation_noise::Level;
 pub(super) enum Method {
     /// Coarse and fine particles; parts judged one by one or under the chosen ancestors; coarse particles on their grid or not.
     CoarseToFine { coarse: usize, fine: usize, chained: bool, snapped: bool },
+    /// Coarse and fine particles; parts judged by all of their own contour.
+    OwnContours { coarse: usize, fine: usize, chained: bool },
     /// So many particles.
     Condensation(usize),
     /// So many particles in five layers.
@@ -87,6 +89,9 @@ pub(super) fn beside() -> Vec<Contender> {
     let variant = |coarse, fine, chained, snapped| of(Method::CoarseToFine { coarse, fine, chained, snapped });
     let (small, large, many) = (c2f(50, 200), c2f(300, 500), condensation(1500));
     let mut all = vec![
+        of(Method::OwnContours { coarse: 50, fine: 200, chained: false }),
+        of(Method::OwnContours { coarse: 300, fine: 500, chained: false }),
+        of(Method::OwnContours { coarse: 300, fine: 500, chained: true }),
         variant(50, 200, true, true),
         variant(300, 500, true, true),
         variant(300, 500, false, false),
@@ -113,6 +118,10 @@ impl Contender {
                 let snapped = if snapped { "" } else { ", no grid" };
                 format!("c2f {coarse}+{fine}{chained}{snapped}")
             }
+            Method::OwnContours { coarse, fine, chained } => {
+                let chained = if chained { ", chained" } else { "" };
+                format!("c2f {coarse}+{fine}{chained}, own contours")
+            }
             Method::Condensation(n) => format!("condensation {n}"),
             Method::Annealed(n) => format!("annealed {n} x {LAYERS}"),
             Method::Partitioned(n) => format!("partitioned {n}"),
@@ -135,7 +144,7 @@ impl Contender {
     /// Evaluations of the whole likelihood a frame, at most; those of a part count as a tenth.
     pub(super) const fn evaluations(&self) -> usize {
         match self.method {
-            Method::CoarseToFine { coarse, fine, .. } => coarse + fine,
+            Method::CoarseToFine { coarse, fine, .. } | Method::OwnContours { coarse, fine, .. } => coarse + fine,
             Method::Condensation(n) => n,
             Method::Annealed(n) => n * LAYERS,
             Method::Partitioned(n) => n * 19 / 10,

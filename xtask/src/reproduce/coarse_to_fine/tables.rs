@@ -86,7 +86,7 @@ pub(super) fn all(results: &Results<'_>, level: Level, contenders: &[Contender])
 
 const fn first_name(of: &Contender) -> &'static str {
     match of.method {
-        Method::CoarseToFine { .. } => ", coarse",
+        Method::CoarseToFine { .. } | Method::OwnContours { .. } => ", coarse",
         _ => ", best particle",
     }
 }

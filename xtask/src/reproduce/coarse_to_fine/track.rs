@@ -6,6 +6,7 @@
 
 use super::condensation::Condensation;
 use super::contender::{Contender, EQ3, LAYERS, Method, Person};
+use super::own_contours::{self, OwnContours};
 use super::scene::{RATE_HZ, Range, Scene};
 use super::{DRIFT, Outcome};
 use serde_json::{Value, json};
@@ -72,6 +73,8 @@ impl Seen {
 /// A method at work.
 enum Running {
     CoarseToFine(Box<CoarseToFine>),
+    /// With models of the solids alone.
+    OwnContours(Box<CoarseToFine>, Vec<ImageModel>),
     Condensation(Box<Condensation>),
     Other(Box<dyn Tracker<ImageLikelihood>>),
     Still,
@@ -86,7 +89,7 @@ fn part_tree(scene: &Scene) -> Outcome<PartTree> {
 }
 
 impl Running {
-    fn new(contender: &Contender, scene: &Scene, isa: Isa) -> Outcome<Self> {
+    fn new(contender: &Contender, scene: &Scene, seen: &Seen, isa: Isa) -> Outcome<Self> {
         let start = scene.truth[0].clone();
         let axes: Vec<Axis> = scene.ranges.iter().map(|range| range.axis).collect();
         let sd: Vec<f64> = scene.ranges.iter().map(|range| range.width).collect();
@@ -95,6 +98,12 @@ impl Running {
             Method::CoarseToFine { coarse, fine, chained, snapped } => {
                 let config = coarse_to_fine::Config { coarse, fine, drift: DRIFT, snapped, chained };
                 Self::CoarseToFine(Box::new(CoarseToFine::new(config, axes, part_tree(scene)?, start, isa)?))
+            }
+            Method::OwnContours { coarse, fine, chained } => {
+                let config = coarse_to_fine::Config { coarse, fine, drift: DRIFT, snapped: true, chained };
+                let tracker = CoarseToFine::new(config, axes, part_tree(scene)?, start, isa)?;
+                let models = own_contours::alone(&seen.model, &scene.tree, &hppf24::cylinders(scene.scale))?;
+                Self::OwnContours(Box::new(tracker), models)
             }
             Method::Condensation(n) => Self::Condensation(Box::new(Condensation::new(n, &sd, DRIFT, &start, isa)?)),
             Method::Annealed(particles) => {
@@ -110,9 +119,10 @@ impl Running {
         })
     }
 
-    fn step(&mut self, observed: &ImageLikelihood, stage: Stage) -> Outcome<StepInfo> {
+    fn step(&mut self, observed: &ImageLikelihood, cues: &Cues, stage: Stage) -> Outcome<StepInfo> {
         Ok(match self {
             Self::CoarseToFine(tracker) => tracker.step(observed, stage)?,
+            Self::OwnContours(tracker, models) => tracker.step(&OwnContours::new(observed, models, cues), stage)?,
             Self::Condensation(tracker) => tracker.step(observed, stage)?,
             Self::Other(tracker) => tracker.step(observed, stage)?,
             Self::Still => StepInfo::default(),
@@ -123,7 +133,9 @@ impl Running {
     fn estimates(&self, truth: &[f64]) -> [Vec<f64>; 2] {
         let of = |tracker: &dyn Tracker<ImageLikelihood>| [heaviest(&tracker.posterior()), tracker.estimate().to_vec()];
         match self {
-            Self::CoarseToFine(tracker) => [tracker.coarse().state.clone(), tracker.fine().state.clone()],
+            Self::CoarseToFine(tracker) | Self::OwnContours(tracker, _) => {
+                [tracker.coarse().state.clone(), tracker.fine().state.clone()]
+            }
             Self::Condensation(tracker) => of(tracker.filter()),
             Self::Other(tracker) => of(&**tracker),
             Self::Still => [truth.to_vec(), truth.to_vec()],
@@ -213,7 +225,7 @@ fn rounded(values: &[f64]) -> Vec<f64> {
 
 /// Runs a contender.
 pub(super) fn cell(scene: &Scene, seen: &Seen, contender: &Contender, seed: u64, isa: Isa) -> Outcome<Value> {
-    let mut running = Running::new(contender, scene, isa)?;
+    let mut running = Running::new(contender, scene, seen, isa)?;
     let mut worth = [Worth::default(), Worth::default()];
     let (mut evaluations, mut seconds, mut on_centres) = (0.0, 0.0, None);
     let purpose = format!("coarse-to-fine {}", contender.name());
@@ -221,9 +233,10 @@ pub(super) fn cell(scene: &Scene, seen: &Seen, contender: &Contender, seed: u64,
         let silhouette = seen.masks[frame].clone();
         let cues = Cues { edges: Some(contour_map(&silhouette)), silhouette, picture: None };
         let judge = seen.bind(EQ3, cues.clone());
-        let other = (contender.score != EQ3).then(|| seen.bind(contender.score, cues));
+        let other = (contender.score != EQ3).then(|| seen.bind(contender.score, cues.clone()));
         let clock = Instant::now();
-        let info = running.step(other.as_ref().unwrap_or(&judge), Stage::new(seed, &purpose).at_frame(frame as u32))?;
+        let stage = Stage::new(seed, &purpose).at_frame(frame as u32);
+        let info = running.step(other.as_ref().unwrap_or(&judge), &cues, stage)?;
         seconds += clock.elapsed().as_secs_f64();
         let parts = scene.tree.links().len() - 1;
         evaluations += info.likelihood_evaluations as f64 + info.part_evaluations as f64 / parts as f64;
