@@ -1,6 +1,8 @@
 //! `cargo xtask reproduce <paper>`: regenerates the tables and figures of a paper on our data and judges its claims.
 
 mod choo_fleet;
+mod claim;
+mod coarse_to_fine;
 
 use clap::{Args as ClapArgs, Subcommand};
 use std::path::Path;
@@ -17,12 +19,15 @@ pub(crate) struct Args {
 enum Paper {
     /// Choo & Fleet, "People tracking using hybrid Monte Carlo filtering", ICCV 2001.
     ChooFleet(choo_fleet::Args),
+    /// The coarse-to-fine particle filter with bottom-up aggregation of body parts.
+    CoarseToFine(coarse_to_fine::Args),
 }
 
 /// Runs the command.
 pub(crate) fn run(root: &Path, args: &Args) -> ExitCode {
     let done = match &args.paper {
         Paper::ChooFleet(args) => choo_fleet::run(root, args),
+        Paper::CoarseToFine(args) => coarse_to_fine::run(root, args),
     };
     match done {
         Ok(code) => code,

@@ -398,7 +398,7 @@ pub(super) fn run(root: &Path, args: &Args) -> Outcome<ExitCode> {
     let judged = claims::judge(&study, &store, wanted(Part::Single), wanted(Part::Multi) && study.size.noises > 0)?;
     tables::write(&study, &store, &judged, &beyond, &folder)?;
     figures::draw(&study, &store, &folder)?;
-    println!("{}", tables::claims(&judged));
+    println!("{}", super::claim::table(&judged));
     if args.quick {
         println!(
             "reduced size: verdicts are those of the full run only; asserted are the directions of CF1, CF2 and CF5"

@@ -170,15 +170,7 @@ fn overlapping(intervals: &[[f64; 2]], [low, high]: [f64; 2]) -> Range<usize> {
 
 /// An image from a flag for every pixel, rows first.
 pub(super) fn bit_image(width: usize, height: usize, covered: &[bool]) -> BitImage {
-    let mut image = BitImage::new(width, height);
-    for (y, row) in covered.chunks(width.max(1)).enumerate() {
-        let mut x = 0;
-        while let Some(start) = row[x..].iter().position(|covered| *covered).map(|found| x + found) {
-            x = row[start..].iter().position(|covered| !covered).map_or(width, |found| start + found);
-            image.fill(y, start..x);
-        }
-    }
-    image
+    BitImage::from_fn(width, height, |x, y| covered[y * width + x])
 }
 
 /// Distance of the wall from the camera over ground, metres.

@@ -9,19 +9,9 @@ use super::problem::{MODELS, Model};
 use super::scene::Source;
 use super::store::{Store, numbers};
 use super::{MULTI, Outcome, Study, filters, multi_key};
+use crate::reproduce::claim::Claim;
 use sinew::core::random::Stage;
 use std::fmt::Write as _;
-
-/// A claim and what became of it.
-pub(super) struct Claim {
-    pub(super) id: &'static str,
-    pub(super) paper: &'static str,
-    pub(super) ours: String,
-    pub(super) criterion: &'static str,
-    pub(super) pass: bool,
-    /// Whether at least the direction is the paper's.
-    pub(super) direction: bool,
-}
 
 fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len() as f64

@@ -1,26 +1,17 @@
 //! The numbers behind the claims as CSV, JSON and Markdown.
 
 use super::chains::{Variant, idle_lanes};
-use super::claims::{Claim, Crossover, series};
+use super::claims::{Crossover, series};
 use super::curves::{At, Axis, Ratio, curve, ratio, volumes};
 use super::problem::MODELS;
 use super::store::Store;
 use super::{MULTI, Outcome, Study, factor_key, frame_name, step_of, tuning_key};
+use crate::reproduce::claim::{self, Claim};
 use serde_json::json;
 use sinew::core::random::Stage;
 use std::fmt::Write as _;
 use std::fs;
 use std::path::Path;
-
-/// The claims as a table in Markdown.
-pub(super) fn claims(claims: &[Claim]) -> String {
-    let mut out = String::from("| | paper | ours | criterion | |\n|---|---|---|---|---|\n");
-    for Claim { id, paper, ours, criterion, pass, .. } in claims {
-        let verdict = if *pass { "pass" } else { "**fail**" };
-        let _ = writeln!(out, "| {id} | {paper} | {ours} | {criterion} | {verdict} |");
-    }
-    out
-}
 
 /// The crossover as CSV.
 pub(super) fn crossover(found: &[Crossover]) -> String {
@@ -120,7 +111,7 @@ pub(super) fn write(
         ("ratios.csv", &compared, have_single),
         ("volumes.csv", &bounds, have_single),
         ("frames.csv", &frames, have_frames),
-        ("claims.md", &self::claims(claims), !claims.is_empty()),
+        ("claims.md", &claim::table(claims), !claims.is_empty()),
     ] {
         if judged {
             fs::write(folder.join(name), text)?;

@@ -1,0 +1,282 @@
+//! One cell: a contender over all frames with one seed and one level of noise, and what its estimates are worth.
+//!
+//! A seed dresses another person, draws other errors of segmentation and other particles. Masks and silhouettes are drawn once for a seed and level; contenders of one seed see the same ones.
+//!
+//! Two estimates a frame are measured: the *second* is what the method reports (X̂; a weighted mean; the true pose), the *first* its coarse stage X_c or, of other methods, the particle of the largest weight.
+
+use super::condensation::Condensation;
+use super::contender::{Contender, EQ3, LAYERS, Method, Person};
+use super::own_contours::{self, OwnContours};
+use super::scene::{RATE_HZ, Range, Scene};
+use super::{DRIFT, Outcome};
+use serde_json::{Value, json};
+use sinew::body::hppf24;
+use sinew::core::density::LogDensity as _;
+use sinew::core::lanes::Isa;
+use sinew::core::part::{Part, PartTree, Partition};
+use sinew::core::random::Stage;
+use sinew::dynamics::random_walk::{Between, RandomWalk};
+use sinew::observe::ObservationModel as _;
+use sinew::observe::bit_image::{BitImage, overlap};
+use sinew::observe::contour_map::contour_map;
+use sinew::observe::image_likelihood::{Cues, ImageLikelihood, ImageModel};
+use sinew::observe::image_score::{ImageScore, precision_and_recall};
+use sinew::observe::solid_body::SolidBody;
+use sinew::samplers::annealed_search;
+use sinew::samplers::grid::Axis;
+use sinew::synthetic::footage::Footage;
+use sinew::synthetic::ring::Ring;
+use sinew::synthetic::segmentation_noise::{Level, segmented};
+use sinew::tracking::coarse_to_fine::{self, CoarseToFine};
+use sinew::tracking::posterior::Posterior;
+use sinew::tracking::{StepInfo, Tracker, annealed, partitioned};
+use std::sync::Arc;
+use std::time::Instant;
+
+/// What a camera saw of a person, frame by frame.
+pub(super) struct Seen {
+    clean: Vec<BitImage>,
+    masks: Vec<BitImage>,
+    model: ImageModel,
+}
+
+/// The camera C1.
+const CAMERA: usize = 0;
+
+impl Seen {
+    /// Draws a person and the errors of a level.
+    pub(super) fn new(scene: &Scene, person: Person, level: Level, seed: u64, isa: Isa) -> Outcome<Self> {
+        let footage = Footage::new(scene.motion.clone(), RATE_HZ, &Ring::SMALL_PICTURES, seed)?;
+        let body = Arc::new(SolidBody::new(&scene.tree, &hppf24::cylinders(scene.scale))?);
+        let cameras = vec![footage.cameras[CAMERA].clone()];
+        let model = ImageModel { body, cameras, score: EQ3, colours: Arc::default(), isa };
+        let frames = 0..scene.truth.len();
+        let clean: Vec<BitImage> = match person {
+            Person::Other => frames.clone().map(|frame| footage.silhouette(CAMERA, frame)).collect(),
+            Person::Own => scene.truth.iter().map(|state| model.silhouettes(state).swap_remove(0)).collect(),
+        };
+        let mask = |frame: usize| match person {
+            Person::Other => footage.mask(CAMERA, frame, level),
+            Person::Own => {
+                let stage = Stage::new(seed, "own body").at_frame(frame as u32);
+                segmented(&clean[frame], None, level, stage)
+            }
+        };
+        Ok(Self { masks: frames.map(mask).collect(), clean, model })
+    }
+
+    fn bind(&self, score: ImageScore, cues: Cues) -> ImageLikelihood {
+        ImageModel { score, ..self.model.clone() }.bind(vec![Some(cues)])
+    }
+}
+
+/// A method at work.
+enum Running {
+    CoarseToFine(Box<CoarseToFine>),
+    /// With models of the solids alone.
+    OwnContours(Box<CoarseToFine>, Vec<ImageModel>),
+    Condensation(Box<Condensation>),
+    Other(Box<dyn Tracker<ImageLikelihood>>),
+    Still,
+}
+
+/// Parts of the body with their coordinates.
+fn part_tree(scene: &Scene) -> Outcome<PartTree> {
+    let flesh = hppf24::cylinders(scene.scale);
+    let parts = flesh.coordinates(&scene.tree).into_iter().map(|part| Part::new(part, scene.tree.dof()));
+    let partition = Partition::new(parts.collect::<Result<_, _>>()?, scene.tree.dof())?;
+    Ok(PartTree::new(partition, flesh.parents().to_vec())?)
+}
+
+impl Running {
+    fn new(contender: &Contender, scene: &Scene, seen: &Seen, isa: Isa) -> Outcome<Self> {
+        let start = scene.truth[0].clone();
+        let axes: Vec<Axis> = scene.ranges.iter().map(|range| range.axis).collect();
+        let sd: Vec<f64> = scene.ranges.iter().map(|range| range.width).collect();
+        let walk = RandomWalk::new(&sd, 1.0, Between::Mixture, isa)?;
+        Ok(match contender.method {
+            Method::CoarseToFine { coarse, fine, chained, snapped } => {
+                let config = coarse_to_fine::Config { coarse, fine, drift: DRIFT, snapped, chained };
+                Self::CoarseToFine(Box::new(CoarseToFine::new(config, axes, part_tree(scene)?, start, isa)?))
+            }
+            Method::OwnContours { coarse, fine, chained } => {
+                let config = coarse_to_fine::Config { coarse, fine, drift: DRIFT, snapped: true, chained };
+                let tracker = CoarseToFine::new(config, axes, part_tree(scene)?, start, isa)?;
+                let models = own_contours::alone(&seen.model, &scene.tree, &hppf24::cylinders(scene.scale))?;
+                Self::OwnContours(Box::new(tracker), models)
+            }
+            Method::Condensation(n) => Self::Condensation(Box::new(Condensation::new(n, &sd, DRIFT, &start, isa)?)),
+            Method::Annealed(particles) => {
+                let layers = annealed_search::Config { layers: LAYERS, ..annealed_search::Config::default() };
+                let config = annealed::Config { particles, layers };
+                Self::Other(Box::new(annealed::Annealed::new(config, walk, sd, start, isa)?))
+            }
+            Method::Partitioned(particles) => {
+                let config = partitioned::Config { particles, ..partitioned::Config::default() };
+                Self::Other(Box::new(partitioned::Partitioned::new(config, walk, part_tree(scene)?, start)?))
+            }
+            Method::Truth => Self::Still,
+        })
+    }
+
+    fn step(&mut self, observed: &ImageLikelihood, cues: &Cues, stage: Stage) -> Outcome<StepInfo> {
+        Ok(match self {
+            Self::CoarseToFine(tracker) => tracker.step(observed, stage)?,
+            Self::OwnContours(tracker, models) => tracker.step(&OwnContours::new(observed, models, cues), stage)?,
+            Self::Condensation(tracker) => tracker.step(observed, stage)?,
+            Self::Other(tracker) => tracker.step(observed, stage)?,
+            Self::Still => StepInfo::default(),
+        })
+    }
+
+    /// The first and the second estimate of the last frame.
+    fn estimates(&self, truth: &[f64]) -> [Vec<f64>; 2] {
+        let of = |tracker: &dyn Tracker<ImageLikelihood>| [heaviest(&tracker.posterior()), tracker.estimate().to_vec()];
+        match self {
+            Self::CoarseToFine(tracker) | Self::OwnContours(tracker, _) => {
+                [tracker.coarse().state.clone(), tracker.fine().state.clone()]
+            }
+            Self::Condensation(tracker) => of(tracker.filter()),
+            Self::Other(tracker) => of(&**tracker),
+            Self::Still => [truth.to_vec(), truth.to_vec()],
+        }
+    }
+
+    /// Whether every coarse particle stands on centres of its coordinates; none for methods without a grid.
+    fn on_centres(&self, ranges: &[Range]) -> Option<bool> {
+        let Self::CoarseToFine(tracker) = self else { return None };
+        let posterior = Tracker::<ImageLikelihood>::posterior(&**tracker);
+        let mut state = vec![0.0; posterior.dim];
+        let mut all = true;
+        for index in 0..posterior.count() {
+            posterior.state(index, &mut state);
+            all &= state.iter().zip(ranges).all(|(x, range)| is_centre(*x, range));
+        }
+        Some(all)
+    }
+}
+
+/// Whether a number is the centre of one of ⌈(θ_H − θ_L)/δ⌉ equal partitions, to rounding.
+fn is_centre(x: f64, range: &Range) -> bool {
+    let count = ((range.high - range.low) / range.width).ceil();
+    let place = (x - range.low) / (range.high - range.low) * count - 0.5;
+    (place - place.round()).abs() < 1e-6 && place > -0.5 && place < count - 0.5
+}
+
+/// State of the largest weight.
+fn heaviest(posterior: &Posterior<'_>) -> Vec<f64> {
+    let of_weight = |(_, a): &(usize, &f64), (_, b): &(usize, &f64)| a.total_cmp(b);
+    let index = posterior.weights.iter().enumerate().max_by(of_weight).map_or(0, |(index, _)| index);
+    let mut state = vec![0.0; posterior.dim];
+    posterior.state(index, &mut state);
+    state
+}
+
+/// Mean over coordinates of the absolute second differences, frame by frame from the third on; the heading differs the short way round.
+fn second_differences(states: &[Vec<f64>], ranges: &[Range]) -> Vec<f64> {
+    let change = |pair: &[Vec<f64>], j: usize| ranges[j].axis.difference(pair[1][j], pair[0][j]);
+    let of = |three: &[Vec<f64>]| {
+        let second = |j: usize| ranges[j].axis.difference(change(&three[1..], j), change(&three[..2], j)).abs();
+        (0..ranges.len()).map(second).sum::<f64>() / ranges.len() as f64
+    };
+    states.windows(3).map(of).collect()
+}
+
+/// What estimates are worth, frame by frame.
+#[derive(Default)]
+struct Worth {
+    states: Vec<Vec<f64>>,
+    /// Precision and recall against the mask, then against the silhouette without errors, percent.
+    shares: [Vec<f64>; 4],
+    log_likelihood: Vec<f64>,
+}
+
+impl Worth {
+    fn add(&mut self, seen: &Seen, frame: usize, judge: &ImageLikelihood, state: Vec<f64>) {
+        let body = seen.model.silhouettes(&state).swap_remove(0);
+        let [mask, clean] = [&seen.masks[frame], &seen.clean[frame]]
+            .map(|image| precision_and_recall(overlap(image, &body, 0..image.width())));
+        for (all, share) in self.shares.iter_mut().zip([mask, clean].concat()) {
+            all.push(100.0 * share);
+        }
+        self.log_likelihood.push(judge.log_density(&state));
+        self.states.push(state);
+    }
+
+    fn value(&self, scene: &Scene) -> Value {
+        let error: Vec<f64> = scene.relative_error_m(&self.states).iter().map(|error| 1e3 * error).collect();
+        let [precision, recall, clean_precision, clean_recall] = self.shares.each_ref().map(|v| rounded(v));
+        json!({
+            "precision": precision,
+            "recall": recall,
+            "clean_precision": clean_precision,
+            "clean_recall": clean_recall,
+            "log_likelihood": rounded(&self.log_likelihood),
+            "error_mm": rounded(&error),
+            "second_difference": second_differences(&self.states, &scene.ranges),
+        })
+    }
+}
+
+/// Four decimals are enough to store.
+fn rounded(values: &[f64]) -> Vec<f64> {
+    values.iter().map(|x| (1e4 * x).round() / 1e4).collect()
+}
+
+/// Runs a contender.
+pub(super) fn cell(scene: &Scene, seen: &Seen, contender: &Contender, seed: u64, isa: Isa) -> Outcome<Value> {
+    let mut running = Running::new(contender, scene, seen, isa)?;
+    let mut worth = [Worth::default(), Worth::default()];
+    let (mut evaluations, mut seconds, mut on_centres) = (0.0, 0.0, None);
+    let purpose = format!("coarse-to-fine {}", contender.name());
+    for (frame, truth) in scene.truth.iter().enumerate() {
+        let silhouette = seen.masks[frame].clone();
+        let cues = Cues { edges: Some(contour_map(&silhouette)), silhouette, picture: None };
+        let judge = seen.bind(EQ3, cues.clone());
+        let other = (contender.score != EQ3).then(|| seen.bind(contender.score, cues.clone()));
+        let clock = Instant::now();
+        let stage = Stage::new(seed, &purpose).at_frame(frame as u32);
+        let info = running.step(other.as_ref().unwrap_or(&judge), &cues, stage)?;
+        seconds += clock.elapsed().as_secs_f64();
+        let parts = scene.tree.links().len() - 1;
+        evaluations += info.likelihood_evaluations as f64 + info.part_evaluations as f64 / parts as f64;
+        if let Some(all) = running.on_centres(&scene.ranges) {
+            on_centres = Some(on_centres.unwrap_or(true) && all);
+        }
+        for (worth, state) in worth.iter_mut().zip(running.estimates(truth)) {
+            worth.add(seen, frame, &judge, state);
+        }
+    }
+    let frames = scene.truth.len() as f64;
+    Ok(json!({
+        "first": worth[0].value(scene),
+        "second": worth[1].value(scene),
+        "evaluations": evaluations / frames,
+        "ms": 1e3 * seconds / frames,
+        "on_centres": on_centres,
+    }))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn centres_are_told_from_other_numbers() {
+        let axis = Axis::new(-1.0, 1.0, 0.3, false).unwrap();
+        let range = Range { low: -1.0, high: 1.0, width: 0.3, axis };
+        for x in [-0.95, -0.3, 0.0, 0.21, 0.99] {
+            assert!(is_centre(axis.snap(x), &range) && !is_centre(axis.snap(x) + 0.1, &range));
+        }
+        assert!(!is_centre(axis.centre(6) + 2.0 / 7.0, &range), "beyond the last");
+    }
+
+    #[test]
+    fn second_differences_are_those_of_a_parabola() {
+        let axis = Axis::new(-3.0, 3.0, 0.3, false).unwrap();
+        let ranges = vec![Range { low: -3.0, high: 3.0, width: 0.3, axis }; 4];
+        let states: Vec<Vec<f64>> = (0..5).map(|t| vec![0.02 * f64::from(t * t); 4]).collect();
+        let found = second_differences(&states, &ranges);
+        assert!(found.len() == 3 && found.iter().all(|x| (x - 0.04).abs() < 1e-12), "{found:?}");
+    }
+}
