@@ -1,5 +1,6 @@
 //! `cargo xtask reproduce <paper>`: regenerates the tables and figures of a paper on our data and judges its claims.
 
+mod annealing;
 mod choo_fleet;
 
 use clap::{Args as ClapArgs, Subcommand};
@@ -15,6 +16,8 @@ pub(crate) struct Args {
 
 #[derive(Subcommand)]
 enum Paper {
+    /// Deutscher, Blake & Reid, CVPR 2000, and what came of it: sweeps of annealed and partitioned tracking.
+    Annealing(annealing::Args),
     /// Choo & Fleet, "People tracking using hybrid Monte Carlo filtering", ICCV 2001.
     ChooFleet(choo_fleet::Args),
 }
@@ -22,6 +25,7 @@ enum Paper {
 /// Runs the command.
 pub(crate) fn run(root: &Path, args: &Args) -> ExitCode {
     let done = match &args.paper {
+        Paper::Annealing(args) => annealing::run(root, args),
         Paper::ChooFleet(args) => choo_fleet::run(root, args),
     };
     match done {
