@@ -4,7 +4,7 @@
 //! | file | what |
 //! |---|---|
 //! | [`walk`] | the walk as the tracker's body makes it |
-//! | [`film`] | sweeps on silhouettes: survival rate, layers, variants, schemes, named settings |
+//! | [`film`] | sweeps on silhouettes: survival rate, layers, variants, named settings |
 //! | [`partitions`] | particles that parts at once and one after the other need |
 //! | [`schemes`] | the variance that resampling adds |
 //! | [`coverage`] | how often intervals hold the truth where the posterior is known |
@@ -59,6 +59,9 @@ pub(super) struct Args {
     /// Folder for cells, tables and figures [default: target/reproduce/annealing]
     #[arg(long)]
     out: Option<PathBuf>,
+    /// Seeds of the film [default: all of the size]
+    #[arg(long)]
+    seeds: Option<usize>,
     /// Seed of the first run
     #[arg(long, default_value_t = 1)]
     seed: u64,
@@ -92,27 +95,27 @@ impl Size {
     fn full() -> Self {
         Self {
             series: 40,
-            particles: 50_000,
+            particles: 20_000,
             dims: coverage::DIMS.to_vec(),
             part_runs: 20,
             most_parts: 8,
             repeats: 400,
-            frames: 61,
+            frames: 41,
             seeds: 5,
-            sweeps: &["survival rate", "layers", "variants", "schemes", "presets", "filters"],
+            sweeps: &["survival rate", "layers", "variants", "presets", "filters"],
         }
     }
 
     fn quick() -> Self {
         Self {
-            series: 6,
-            particles: 5000,
+            series: 8,
+            particles: 3000,
             dims: vec![2, 6],
             part_runs: 10,
             most_parts: 4,
             repeats: 60,
-            frames: 7,
-            seeds: 2,
+            frames: 5,
+            seeds: 1,
             sweeps: &["presets"],
         }
     }
@@ -127,7 +130,9 @@ struct Study {
     seed: u64,
     isa: Isa,
     rows: Vec<Row>,
+    /// Cells of the series and of the film.
     store: Store,
+    film: Store,
     only: Vec<Part>,
 }
 
@@ -150,7 +155,7 @@ impl Study {
     }
 
     fn value(&self, key: &str) -> Outcome<&Value> {
-        self.store.get(key).ok_or_else(|| format!("{key} is missing").into())
+        self.store.get(key).or_else(|| self.film.get(key)).ok_or_else(|| format!("{key} is missing").into())
     }
 
     /// Means with errors of the columns of [`coverage`].
@@ -217,7 +222,7 @@ fn run_film(study: &mut Study, film: &Film<'_>, threads: usize) -> Outcome<()> {
     let mut tasks: Vec<Task<'_>> = vec![];
     for index in 0..film.seeds() {
         for (score, bidirectional) in SCORES {
-            for Row { method, .. } in &study.rows {
+            for Row { method, .. } in study.rows.iter().filter(|row| row.is_run_with(score)) {
                 let (key, method) = (film_key(score, method, index), method.clone());
                 if tasks.iter().all(|(other, ..)| *other != key) {
                     let task = move || film.cell(&method, bidirectional, index);
@@ -226,7 +231,7 @@ fn run_film(study: &mut Study, film: &Film<'_>, threads: usize) -> Outcome<()> {
             }
         }
     }
-    run_all(&mut study.store, "film", tasks, threads)
+    run_all(&mut study.film, "film", tasks, threads)
 }
 
 /// Runs the command.
@@ -234,16 +239,20 @@ pub(super) fn run(root: &Path, args: &Args) -> Outcome<ExitCode> {
     let clock = Instant::now();
     let data = args.data.clone().unwrap_or_else(|| root.join("../shared/data"));
     let walks = Walks::new(&data)?;
-    let size = if args.quick { Size::quick() } else { Size::full() };
+    let mut size = if args.quick { Size::quick() } else { Size::full() };
     let name = if args.quick { "annealing-quick" } else { "annealing" };
     let folder = args.out.clone().unwrap_or_else(|| root.join("target/reproduce").join(name));
-    let isa = Isa::best();
-    let configuration =
-        format!("version {VERSION}, {}, seed {}, {size:?}, {:016x}", isa.name(), args.seed, walks.hash());
+    let (isa, seed) = (Isa::best(), args.seed);
+    let of_all = format!("version {VERSION}, {}, seed {seed}", isa.name());
+    // A seed of the film is a cell of its own, and its sweeps are named by what they run.
+    let of_film = format!("{of_all}, film, {} frames, {:016x}", size.frames, walks.hash());
+    let of_series = format!("{of_all}, series, {:?}", (size.series, size.particles, size.part_runs, size.repeats));
+    size.seeds = args.seeds.unwrap_or(size.seeds);
     let rows: Vec<Row> = film::rows().into_iter().filter(|row| size.sweeps.contains(&row.sweep)).collect();
-    let store = Store::open(&folder, &configuration)?;
-    let film = Film::new(&walks, size.frames, size.seeds, args.seed, isa)?;
-    let mut study = Study { size, seed: args.seed, isa, rows, store, only: args.only.clone() };
+    let store = Store::open(&folder, &of_series)?;
+    let film_store = Store::open(&folder, &of_film)?;
+    let film = Film::new(&walks, size.frames, size.seeds, seed, isa)?;
+    let mut study = Study { size, seed, isa, rows, store, film: film_store, only: args.only.clone() };
     let granted = std::thread::available_parallelism().map_or(1, |n| n.get());
     let threads = args.threads.unwrap_or(granted);
     run_series(&mut study, threads)?;
@@ -264,11 +273,11 @@ pub(super) fn run(root: &Path, args: &Args) -> Outcome<ExitCode> {
     println!("{:.0} s; cells, tables and figures in {}", clock.elapsed().as_secs_f64(), folder.display());
     if args.quick {
         println!(
-            "reduced size: verdicts are those of the full run only; asserted are E1 to E3, and that the walk is tracked"
+            "reduced size: verdicts are those of the full run only; asserted are E1, E3, E2 within 80–98 %, and that the walk is tracked"
         );
-        let asserted = judged.iter().all(|e| e.holds || !["E1", "E2", "E3"].contains(&e.id));
-        let tracked = !study.wanted(Part::Film) || expectations::worst_error(&study)? < 150.0;
-        return Ok(if asserted && tracked { ExitCode::SUCCESS } else { ExitCode::FAILURE });
+        let failed = expectations::reduced(&study, &judged)?;
+        failed.iter().for_each(|what| println!("does not hold: {what}"));
+        return Ok(if failed.is_empty() { ExitCode::SUCCESS } else { ExitCode::FAILURE });
     }
     Ok(ExitCode::SUCCESS)
 }
@@ -283,7 +292,8 @@ mod tests {
         let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap();
         let out = std::env::temp_dir().join(format!("sinew-annealing-{}", std::process::id()));
         let data = std::env::var_os("SINEW_DATA").map(PathBuf::from);
-        let args = Args { quick: true, only: vec![], out: Some(out.clone()), seed: 1, threads: None, data };
+        let args =
+            Args { quick: true, only: vec![], out: Some(out.clone()), seeds: None, seed: 1, threads: None, data };
         assert_eq!(run(root, &args).unwrap(), ExitCode::SUCCESS, "what does not hold is printed above");
         assert!(out.join("cells.jsonl").is_file() && std::fs::read_dir(&out).unwrap().count() > 8);
         std::fs::remove_dir_all(&out).unwrap();

@@ -65,17 +65,20 @@ fn film(study: &Study, path: &Path) -> Outcome<()> {
         SURVIVALS.iter().map(|&a| (a, Method::Annealed(annealed(10, 200, a)))).collect();
     let layers: Vec<(f64, Method)> =
         LAYERS.iter().map(|&(n, particles)| (n as f64, Method::Annealed(annealed(n, particles, 0.5)))).collect();
-    let panels =
-        [("10 layers × 200", "survival rate α", survivals), ("1000 evaluations a frame, α = 0.5", "layers", layers)];
-    for ((title, x, settings), area) in panels.iter().zip(root.split_evenly((1, 2))) {
+    let panels = [
+        ("10 layers × 200", "survival rate α", survivals, &SCORES[1..]),
+        ("1000 evaluations a frame, α = 0.5", "layers", layers, &SCORES[..]),
+    ];
+    for ((title, x, settings, scores), area) in panels.iter().zip(root.split_evenly((1, 2))) {
         let mut lines = vec![];
-        for ((score, _), colour) in SCORES.into_iter().zip([ORANGE, BLUE]) {
+        for (score, _) in *scores {
             let point = |(x, method): &(f64, Method)| {
                 let [y, error] = with_error(&errors(study, score, method, "relative")?);
                 Ok([*x, y, y - 2.0 * error, y + 2.0 * error])
             };
             let points = settings.iter().map(point).collect::<Outcome<_>>()?;
-            lines.push(Line { name: score.into(), colour, points });
+            let colour = if *score == SCORES[1].0 { BLUE } else { ORANGE };
+            lines.push(Line { name: (*score).into(), colour, points });
         }
         panel_with(&area, title, [x, "error from the pelvis, mm"], &lines, [false; 2], Names::Beside(90))?;
     }

@@ -18,7 +18,6 @@ use sinew::observe::image_likelihood::{Cues, ImageLikelihood, ImageModel};
 use sinew::observe::image_score::ImageScore;
 use sinew::observe::solid_body::SolidBody;
 use sinew::samplers::annealed_search;
-use sinew::samplers::resample::Scheme;
 use sinew::synthetic::footage::Footage;
 use sinew::synthetic::ring::Ring;
 use sinew::synthetic::segmentation_noise::Level;
@@ -44,6 +43,9 @@ pub(super) enum Method {
     Partitioned(usize),
 }
 
+/// Sweeps that are run with the score of the first publication too; the rest with the bidirectional one alone.
+const IN_BOTH: [&str; 2] = ["layers", "presets"];
+
 /// A row of a table.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Row {
@@ -57,6 +59,13 @@ pub(super) struct Row {
 pub(super) const SURVIVALS: [f64; 5] = [0.2, 0.35, 0.5, 0.65, 0.8];
 /// Layers of the sweep and the particles that make 1000 evaluations of them.
 pub(super) const LAYERS: [(usize, usize); 4] = [(1, 1000), (3, 333), (5, 200), (10, 100)];
+
+impl Row {
+    /// Whether the row is run with that score.
+    pub(super) fn is_run_with(&self, score: &str) -> bool {
+        score == SCORES[1].0 || IN_BOTH.contains(&self.sweep)
+    }
+}
 
 /// Settings of so many layers and particles at a survival rate.
 pub(super) fn annealed(layers: usize, particles: usize, survival: f64) -> annealed::Config {
@@ -74,21 +83,17 @@ pub(super) fn rows() -> Vec<Row> {
     for (layers, particles) in LAYERS {
         rows.push(row("layers", format!("{layers} × {particles}"), annealed(layers, particles, 0.5)));
     }
-    let with = |adaptive: bool, crossover: f64, scheme: Scheme| {
+    let with = |adaptive: bool, crossover: f64| {
         let plain = annealed::Config::default();
-        annealed::Config { layers: annealed_search::Config { adaptive, crossover, scheme, ..plain.layers }, ..plain }
+        annealed::Config { layers: annealed_search::Config { adaptive, crossover, ..plain.layers }, ..plain }
     };
-    let multinomial = Scheme::Multinomial;
     for (name, config) in [
-        ("plain", with(false, 0.0, multinomial)),
-        ("crossover", with(false, 0.5, multinomial)),
-        ("soft partitions", with(true, 0.0, multinomial)),
-        ("both", with(true, 0.5, multinomial)),
+        ("plain", with(false, 0.0)),
+        ("crossover", with(false, 0.5)),
+        ("soft partitions", with(true, 0.0)),
+        ("both", with(true, 0.5)),
     ] {
         rows.push(row("variants", name.into(), config));
-    }
-    for scheme in [Scheme::Residual, Scheme::Stratified, Scheme::Systematic] {
-        rows.push(row("schemes", format!("{scheme:?}").to_lowercase(), with(false, 0.0, scheme)));
     }
     for (name, config) in [
         ("Deutscher, Blake & Reid, 10 × 200", annealed::Config::default()),

@@ -70,7 +70,7 @@ fn film(study: &Study) -> Outcome<String> {
         "score,sweep,setting,evaluations,part_evaluations,relative_mm,relative_se,absolute_mm,absolute_se,largest_seed_mm,frames_beyond_250_mm,last_exponent,least_survivors,ms_a_frame\n",
     );
     for (score, _) in SCORES {
-        for row in &study.rows {
+        for row in study.rows.iter().filter(|row| row.is_run_with(score)) {
             let relative = errors(study, score, &row.method, "relative")?;
             let [[r, r_error], [a, a_error]] =
                 [with_error(&relative), with_error(&errors(study, score, &row.method, "absolute")?)];
@@ -117,7 +117,7 @@ pub(super) fn write(study: &Study, judged: &[Expectation], described: &Value, fo
     fs::write(folder.join("expectations.md"), expectations(judged))?;
     let of = |e: &Expectation| json!({ "id": e.id, "what": e.what, "criterion": e.criterion, "ours": e.ours, "holds": e.holds });
     let results = json!({
-        "configuration": study.store.config,
+        "configuration": [&study.store.config, &study.film.config],
         "seed": study.seed,
         "isa": study.isa.name(),
         "size": format!("{:?}", study.size),

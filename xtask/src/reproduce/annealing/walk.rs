@@ -13,7 +13,7 @@ use sinew::synthetic::walker::{Gait, Walker, walker_states};
 use std::path::Path;
 
 /// Frames per second.
-pub(super) const RATE_HZ: f64 = 30.0;
+pub(super) const RATE_HZ: f64 = 20.0;
 
 /// A motion and the states of the body that follows it.
 pub(super) struct Walk {
