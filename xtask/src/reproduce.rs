@@ -1,5 +1,6 @@
 //! `cargo xtask reproduce <paper>`: regenerates the tables and figures of a paper on our data and judges its claims.
 
+mod annealing;
 mod choo_fleet;
 mod claim;
 mod coarse_to_fine;
@@ -17,6 +18,8 @@ pub(crate) struct Args {
 
 #[derive(Subcommand)]
 enum Paper {
+    /// Deutscher, Blake & Reid, CVPR 2000, and what came of it: sweeps of annealed and partitioned tracking.
+    Annealing(annealing::Args),
     /// Choo & Fleet, "People tracking using hybrid Monte Carlo filtering", ICCV 2001.
     ChooFleet(choo_fleet::Args),
     /// The coarse-to-fine particle filter with bottom-up aggregation of body parts.
@@ -26,6 +29,7 @@ enum Paper {
 /// Runs the command.
 pub(crate) fn run(root: &Path, args: &Args) -> ExitCode {
     let done = match &args.paper {
+        Paper::Annealing(args) => annealing::run(root, args),
         Paper::ChooFleet(args) => choo_fleet::run(root, args),
         Paper::CoarseToFine(args) => coarse_to_fine::run(root, args),
     };

@@ -42,6 +42,28 @@ impl Default for Config {
     }
 }
 
+impl Config {
+    /// Deutscher & Reid (2005): ten layers of 200 particles, no coordinate diffused wider than the set is (soft partitions), half of the particles crossed.
+    #[must_use]
+    pub fn deutscher_reid() -> Self {
+        let layers = annealed_search::Config { adaptive: true, crossover: 0.5, ..annealed_search::Config::default() };
+        Self { particles: 200, layers }
+    }
+
+    /// Balan, Sigal & Black (2005): five layers of 200 particles.
+    #[must_use]
+    pub fn balan() -> Self {
+        let layers = annealed_search::Config { layers: 5, ..annealed_search::Config::default() };
+        Self { particles: 200, layers }
+    }
+
+    /// Five layers of 100 particles, with which Raskin, Rudzsky & Rivlin compare their trackers.
+    #[must_use]
+    pub fn raskin() -> Self {
+        Self { particles: 100, ..Self::balan() }
+    }
+}
+
 /// A density that is 0 where a state is valid and −∞ where it is not.
 pub type Validity = Arc<dyn LogDensity + Send>;
 
