@@ -11,7 +11,7 @@ use sinew_observe::hull::convex_hull;
 use sinew_observe::image_likelihood::{Cues, ImageModel};
 use sinew_observe::image_score::ImageScore;
 use sinew_observe::solid_body::SolidBody;
-use sinew_observe::{Camera, Map, ObservationModel};
+use sinew_observe::{Camera, Map, ObservationModel, RgbImage};
 use std::sync::Arc;
 
 const SIZE: [usize; 2] = [160, 120];
@@ -195,6 +195,17 @@ struct Sum {
 impl BruteForce<'_> {
     /// Region and edge sums of each solid in a camera.
     fn sums(&self, camera: usize, cues: &Cues, state: &[f64]) -> Vec<[Sum; 2]> {
+        self.sums_and_pixels(camera, cues, state, |_, _, _| {})
+    }
+
+    /// The same, showing each region pixel that is seen, with its solid.
+    fn sums_and_pixels(
+        &self,
+        camera: usize,
+        cues: &Cues,
+        state: &[f64],
+        mut seen: impl FnMut(usize, usize, usize),
+    ) -> Vec<[Sum; 2]> {
         let flesh = hppf24::flesh(1.0);
         let frames = frames(self.tree, state);
         let view = &self.model.cameras[camera];
@@ -241,9 +252,12 @@ impl BruteForce<'_> {
                     return;
                 }
                 let (x, y) = (x as usize, y as usize);
+                if cue == 0 {
+                    seen(solid, x, y);
+                }
                 let value = match cue {
                     0 => f64::from(u8::from(cues.silhouette.get(x, y))),
-                    _ => f64::from(cues.edges.as_ref().expect("a map").get(x, y).expect("inside")),
+                    _ => cues.edges.as_ref().map_or(0.0, |map| f64::from(map.get(x, y).expect("inside"))),
                 };
                 sum.inside += 1.0;
                 sum.misses += (1.0 - value) * (1.0 - value);
@@ -340,6 +354,61 @@ fn scores_are_those_of_brute_force() {
             }
         }
     }
+}
+
+/// Colours of the visible region, against histograms by their definition.
+#[test]
+fn colours_are_those_of_brute_force() {
+    let (mut model, tree) = model(ImageScore::Parts, Isa::best());
+    let states = poses(12, 5);
+    let bands =
+        |x: usize, y: usize| [(x / 9 * 37 % 256) as u8, (y / 11 * 53 % 256) as u8, ((x + y) / 17 * 91 % 256) as u8];
+    let pixels = (0..SIZE[1]).flat_map(|y| (0..SIZE[0]).map(move |x| bands(x, y))).collect();
+    let picture = RgbImage { width: SIZE[0], height: SIZE[1], pixels };
+    let frame: Vec<Option<Cues>> = model
+        .silhouettes(&states[0])
+        .into_iter()
+        .map(|silhouette| Some(Cues { silhouette, edges: None, picture: Some(picture.clone()) }))
+        .collect();
+    let references: Vec<_> = (0..3).map(|camera| model.colours_of(camera, &states[0], &picture)).collect();
+    let histograms = |model: &ImageModel, camera: usize, state: &[f64]| {
+        let brute = BruteForce { model, tree: &tree, outer: false };
+        let mut counts = vec![vec![0.0; 512]; 10];
+        let cues = frame[camera].as_ref().expect("seen");
+        let sums = brute.sums_and_pixels(camera, cues, state, |solid, x, y| {
+            let [r, g, b] = bands(x, y).map(|channel| usize::from(channel) / 32);
+            counts[solid][64 * r + 8 * g + b] += 1.0;
+        });
+        (sums, counts)
+    };
+    let known: Vec<_> = (0..3).map(|camera| histograms(&model, camera, &states[0]).1).collect();
+    model.colours = Arc::new(references);
+    let bound = model.bind(frame.clone());
+    let mut different = 0;
+    for state in &states {
+        let mut expected = 0.0;
+        for camera in 0..3 {
+            let (sums, counts) = histograms(&model, camera, state);
+            for solid in 0..10 {
+                let region = sums[solid][0];
+                let hits = if region.inside > 0.0 { 1.0 - region.misses / region.inside } else { 1.0 };
+                let [total, known_total] = [&counts[solid], &known[camera][solid]].map(|h| h.iter().sum::<f64>());
+                // A solid that was never seen has no colours to be found again.
+                let (cues, colour) = if known_total == 0.0 {
+                    (1.0, 0.0)
+                } else {
+                    let product = |(a, b): (&f64, &f64)| (a / total * b / known_total).sqrt();
+                    let alike: f64 = counts[solid].iter().zip(&known[camera][solid]).map(product).sum();
+                    (2.0, if total > 0.0 { 1.0 - (1.0 - alike).max(0.0).sqrt() } else { 1.0 })
+                };
+                expected += region.inside / 60.0 * ((hits + colour) / cues).max(1e-3).ln();
+            }
+        }
+        let found = bound.log_density(state);
+        assert!((found - expected).abs() < 1e-6, "{found} for {expected}");
+        different += usize::from(found < -1.0);
+    }
+    assert!(bound.log_density(&states[0]).abs() < 1e-5 && different > 8, "{different} of 12 differ");
 }
 
 /// K12, and the mismatch in both directions: pixels by their centres.
