@@ -38,14 +38,18 @@ pub(super) fn errors(study: &Study, score: &str, method: &Method, which: &str) -
 /// Errors from the pelvis beyond which the walk is not tracked in a reduced run, millimetres.
 const TRACKED_MM: f64 = 150.0;
 
-/// What a reduced run asserts and does not find: E1 and E3, the filters' sets within wider limits, and every setting on the walk.
+/// What a reduced run asserts and does not find: E3, looser forms of E1 and E2 since its series are few, and every setting on the walk.
 pub(super) fn reduced(study: &Study, judged: &[Expectation]) -> Outcome<Vec<String>> {
-    let asserted = judged.iter().filter(|e| ["E1", "E3"].contains(&e.id) && !e.holds);
+    let asserted = judged.iter().filter(|e| e.id == "E3" && !e.holds);
     let mut failed: Vec<String> = asserted.map(|e| format!("{}: {}", e.id, e.what)).collect();
     if study.wanted(Part::Coverage) {
+        let (ours, shares) = coverage(study, SEARCHES..SHOWN)?;
+        if !shares.iter().all(|share| *share < 0.8) {
+            failed.push(format!("annealed sets below 80 %: {ours}"));
+        }
         let (ours, shares) = coverage(study, 0..SEARCHES)?;
         if !shares.iter().all(|share| (0.8..=0.98).contains(share)) {
-            failed.push(format!("E2 within 80–98 %: {ours}"));
+            failed.push(format!("filters within 80–98 %: {ours}"));
         }
     }
     if study.wanted(Part::Film) {
