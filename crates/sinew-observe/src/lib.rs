@@ -1,6 +1,6 @@
 //! Calibrated cameras, what follows from several of them (triangulation, association, constant offsets), and the likelihoods of what they see.
 //!
-//! A model is made once ([`KeypointModel`], [`MarkerModel`]); [`ObservationModel::bind`] takes a frame and gives a log density on the state of a body, in which cameras no longer appear. Nothing here knows of trackers or of
+//! A model is made once ([`KeypointModel`], [`MarkerModel`], [`image_likelihood::ImageModel`], [`soft_silhouette::SoftSilhouetteModel`]); [`ObservationModel::bind`] takes a frame and gives a log density on the state of a body, in which cameras no longer appear. Nothing here knows of trackers or of
 //! motion. Points are in the world in metres, z up; pixels have v pointing down.
 //!
 //! Two cameras see a point, and triangulation gives it back:

@@ -12,7 +12,7 @@ use crate::colour_histogram::Counts;
 use crate::map::Map;
 use crate::outline::{Outline, along, load, round, whole};
 use crate::raster::Spans;
-use sinew_core::lanes::{Block, Kernel, LANES, Real};
+use sinew_core::lanes::{Block, Kernel, Real};
 
 /// Rows of region points, from base to top.
 const ROWS: usize = 10;
@@ -234,5 +234,3 @@ impl Points {
         }
     }
 }
-
-const _: () = assert!(LANES == 8 && u32::BITS >= 32);

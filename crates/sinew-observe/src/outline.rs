@@ -11,7 +11,7 @@ use crate::raster::{FURTHEST, PARTS};
 use core::f64::consts::{FRAC_PI_2, PI};
 use sinew_body::frustum::Frustum;
 use sinew_core::elementary::sin_cos;
-use sinew_core::lanes::{Block, Kernel, LANES, ROUND_MAGIC, Real};
+use sinew_core::lanes::{Block, Kernel, ROUND_MAGIC, Real};
 
 /// Chords of each end's arc: as many as half of a polygon of 24 corners has.
 const CHORDS: usize = 12;
@@ -280,5 +280,3 @@ impl Kernel<Block> for Project<'_> {
         }
     }
 }
-
-const _: () = assert!(LANES == 8);
