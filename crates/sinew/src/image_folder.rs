@@ -222,7 +222,11 @@ impl ImageFolder {
             });
         }
         self.sizes[camera] = Some(size);
-        let warning = size_fits(&self.cameras[camera], self.kind, size, self.scale)?;
+        let fits = size_fits(&self.cameras[camera], self.kind, size, self.scale);
+        let warning = fits.map_err(|error| match error {
+            Error::Input { message, help } => Error::Input { message: format!("{name}: {message}"), help },
+            other => other,
+        })?;
         self.warnings.extend(warning);
         Ok(())
     }
