@@ -151,7 +151,18 @@ impl Footage {
         let file = trc::read(&name, &files::read_text(path, MAX_TEXT_BYTES)?)?;
         let markers = &file.header.markers;
         let layout = Layout { name: name.clone(), points: markers.iter().cloned().map(Some).collect() };
-        recording::check_layout(&layout)?;
+        if let Some((point, words)) = recording::lacking(&layout) {
+            return Err(Error::Input {
+                message: format!(
+                    "{name}: no marker `{point}`; the set-up needs {words}, and found {}",
+                    if markers.is_empty() { "none".into() } else { markers.join(", ") }
+                ),
+                help: Some(
+                    "name the markers like the keypoints of BODY_25B, or begin with `--keypoints DIR --init keypoints`"
+                        .into(),
+                ),
+            });
+        }
         let row = |row| (0..markers.len()).map(|marker| file.point_in_world(row, marker)).collect();
         self.points = Some(Points { rows: (0..file.frames.len()).map(row).collect() });
         (self.layout, self.keypoints) = (layout, None);

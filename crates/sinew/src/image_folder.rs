@@ -222,7 +222,11 @@ impl ImageFolder {
             });
         }
         self.sizes[camera] = Some(size);
-        let warning = size_fits(&self.cameras[camera], self.kind, size, self.scale)?;
+        let fits = size_fits(&self.cameras[camera], self.kind, size, self.scale);
+        let warning = fits.map_err(|error| match error {
+            Error::Input { message, help } => Error::Input { message: format!("{name}: {message}"), help },
+            other => other,
+        })?;
         self.warnings.extend(warning);
         Ok(())
     }
@@ -237,7 +241,7 @@ fn size_fits(camera: &Camera, kind: &Kind, size: [usize; 2], scale: Option<f64>)
     if off.iter().all(|off| *off < 1.0) {
         return Ok(None);
     }
-    let Kind { one, many, .. } = kind;
+    let many = kind.many;
     let declared =
         scale.map(|scale| format!(", times {scale} is {:.0}x{:.0}", wanted[0], wanted[1])).unwrap_or_default();
     let name = &camera.name;
@@ -250,7 +254,7 @@ fn size_fits(camera: &Camera, kind: &Kind, size: [usize; 2], scale: Option<f64>)
     // The longer side tells the ratio best.
     let ratio = (1000.0 * if full_width < full_height { ratios[1] } else { ratios[0] }).round() / 1000.0;
     let help = if ratios.iter().all(|found| (found - ratio).abs() <= SIZE_TOLERANCE * ratio) {
-        format!("if the {many} were resized after the calibration, set `{one}_scale = {ratio}`")
+        format!("if the {many} were resized after the calibration, set `mask_scale = {ratio}`")
     } else {
         format!("width and height do not fit together: are these the {many} of {name}?")
     };

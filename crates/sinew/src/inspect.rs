@@ -10,6 +10,7 @@ mod body_file;
 mod calibration;
 mod draws;
 pub mod fit;
+mod image_files;
 mod keypoints;
 mod motion_file;
 mod results;
@@ -60,6 +61,8 @@ pub enum Subject {
     Layout(PathBuf),
     /// Keypoint folder.
     Keypoints(PathBuf),
+    /// Folder of masks or images.
+    Images(PathBuf),
     /// Motion file or table of a result folder.
     Motion(PathBuf),
     /// Acclaim skeleton.
@@ -113,6 +116,8 @@ fn subject(path: &Path) -> Result<Subject, Error> {
             Subject::Draws(path_buf)
         } else if results::is_results(path) {
             Subject::Results(path_buf)
+        } else if image_files::is_images(path) {
+            Subject::Images(path_buf)
         } else {
             Subject::Keypoints(path_buf)
         });
@@ -132,7 +137,7 @@ fn subject(path: &Path) -> Result<Subject, Error> {
         Some("amc") => Ok(Subject::Acclaim { motion: path_buf, skeleton: None }),
         _ => Err(Error::Usage {
             message: format!("{}: nothing that can be inspected", path.display()),
-            help: "give a calibration, set-up, configuration, body or mapping (.toml), a keypoint folder, a motion file (.trc, .bvh, .mot, .csv, .asf with .amc), a result folder or its posterior.zarr".into(),
+            help: "give a calibration, set-up, configuration, body or mapping (.toml), a folder of keypoints, masks or images, a motion file (.trc, .bvh, .mot, .csv, .asf with .amc), a result folder or its posterior.zarr".into(),
         }),
     }
 }
@@ -149,6 +154,7 @@ pub fn file_facts(subject: &Subject, options: &Options) -> Result<Facts, Error> 
         Subject::Body(path) => body_file::body(path),
         Subject::Layout(path) => body_file::mapping(path),
         Subject::Keypoints(path) => keypoints::facts(path, options),
+        Subject::Images(path) => image_files::facts(path),
         Subject::Motion(path) => match path.extension().filter(|extension| extension.eq_ignore_ascii_case("csv")) {
             Some(_) => table_file::facts(path)?.map_or_else(|| motion_file::facts(path, None), Ok),
             None => motion_file::facts(path, None),

@@ -347,7 +347,7 @@ mod tests {
     fn bent_lines_pass_through_what_the_camera_sees() {
         let camera = Camera::look_at("C", [640.0, 480.0], 500.0, [0.0, -4.0, 1.0], [0.0, 0.0, 1.0]).expect("a view");
         let lens = Camera { distortion: Distortion { k1: -0.2, p1: 0.003, ..Distortion::default() }, ..camera.clone() };
-        let ends = [[-1.2, 0.3, 0.2], [1.4, 0.3, 1.9]];
+        let ends = [[-1.2, 0.3, 0.2], [1.4, 0.3, 0.2]];
         let straight = ends.map(|end| camera.project(end).pixel().expect("in front"));
         let mut pieces = vec![];
         bent(&lens, straight, |piece| pieces.push(piece));
@@ -360,6 +360,6 @@ mod tests {
         let middle = pieces[pieces.len() / 2][0];
         let (dx, dy) = (chord.1[0] - chord.0[0], chord.1[1] - chord.0[1]);
         let off = (dx * (middle[1] - chord.0[1]) - dy * (middle[0] - chord.0[0])) / dx.hypot(dy);
-        assert!(off.abs() > 1.0, "{off}");
+        assert!(off.abs() > 0.5, "{off}");
     }
 }

@@ -384,8 +384,13 @@ fn named_layout(name: &str) -> Result<Layout, Error> {
 const NEEDED: [(&str, &str); 4] =
     [("LHip", "left hip"), ("RHip", "right hip"), ("LShoulder", "left shoulder"), ("RShoulder", "right shoulder")];
 
+/// The first point that the model needs and a layout lacks, and what it is in words.
+pub(crate) fn lacking(layout: &Layout) -> Option<(&'static str, &'static str)> {
+    NEEDED.iter().find(|(point, _)| layout.index(point).is_none()).copied()
+}
+
 pub(crate) fn check_layout(layout: &Layout) -> Result<(), Error> {
-    match NEEDED.iter().find(|(point, _)| layout.index(point).is_none()) {
+    match lacking(layout) {
         None => Ok(()),
         Some((point, words)) => Err(Error::Input {
             message: format!("layout `{}` has no {words}; the model needs it", layout.name),

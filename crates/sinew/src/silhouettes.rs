@@ -36,7 +36,7 @@ pub use crate::image_folder::Options;
 /// Share of the image above which a mask is told: a person fills less of the view of a camera that sees all of him.
 pub(crate) const LARGE_SHARE: f64 = 0.5;
 
-const MASKS: Kind = Kind {
+pub(crate) const MASKS: Kind = Kind {
     one: "mask",
     many: "masks",
     extensions: &["png"],

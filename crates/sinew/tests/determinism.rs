@@ -5,7 +5,7 @@
 
 mod common;
 
-use common::synthetic::Whole;
+use common::synthetic::{Whole, results};
 use common::{files, trial};
 use sinew::Error;
 use sinew::core::lanes::Isa;
@@ -100,6 +100,21 @@ fn any_number_of_threads_leaves_the_same_files() {
                 assert!(files == whole.files, "{method}, smooth {smooth}, {threads} threads");
                 fs::remove_dir_all(&out).unwrap();
             }
+        }
+    }
+}
+
+/// Every method that takes silhouettes leaves the same files on one thread and on two.
+#[test]
+fn silhouettes_are_tracked_alike_on_any_number_of_threads() {
+    for method in ["bootstrap", "annealed", "partitioned", "coarse-to-fine"] {
+        let few = [("method", method), ("particles", "24"), ("fine", "16"), ("layers", "2"), ("raster", "64")];
+        let whole = Whole::of_silhouettes(6, &few);
+        for threads in [1, 2] {
+            let out = whole.folder.path().join("again");
+            whole.run(&out, threads, None, None).unwrap();
+            assert!(results(&out) == whole.files, "{method}, {threads} threads");
+            fs::remove_dir_all(&out).unwrap();
         }
     }
 }

@@ -23,6 +23,18 @@ fn a_run_stopped_after_any_frame_gives_the_same_files() {
     }
 }
 
+/// The same from silhouettes, by searches: what they remember goes on, too.
+#[test]
+fn a_run_on_silhouettes_stopped_after_any_frame_gives_the_same_files() {
+    for method in ["annealed", "coarse-to-fine"] {
+        let few = [("method", method), ("particles", "8"), ("fine", "8"), ("layers", "2"), ("raster", "64")];
+        let whole = Whole::of_silhouettes(FRAMES, &few);
+        for stop in 0..=FRAMES {
+            whole.check_stopped_at(stop);
+        }
+    }
+}
+
 /// As above through the backward pass, every fifth frame and the last.
 #[test]
 fn a_smoothed_run_stopped_after_a_frame_gives_the_same_files() {

@@ -130,7 +130,7 @@ pub const SETTINGS: [Setting; SETTING_COUNT] = [
     rare((METHOD, "kappa", POSITIVE, "K", "100", "factor of the weighting functions deutscher-reid and bidirectional")),
     rare((METHOD, "raster", Kind::Count(16, 10_000), "PX", "320", "longest side to which masks are reduced, by whole factors")),
     rare((SAMPLING, "draws", Kind::Count(1, 100_000), "N", "64", "draws of a frame that are written")),
-    unhashed(common((SAMPLING, "simd", SETS, "SET", "", "instruction set: avx512, avx2 or baseline [default: best]"))),
+    unhashed(rare((SAMPLING, "simd", SETS, "SET", "", "instruction set: avx512, avx2 or baseline [default: best]"))),
     rare((SAMPLING, "max_r_hat", AT_LEAST_ONE, "X", "1.05", "split R-hat above which a frame has not converged")),
     rare((SAMPLING, "max_r_hat_share", SHARE, "X", "0.05", "share of such frames above which the run fails (exit 4)")),
     rare((SAMPLING, "max_divergent_share", SHARE, "X", "0.01", "share of divergent trajectories above which the run fails")),

@@ -119,7 +119,7 @@ impl Images {
         &self.flesh
     }
 
-    /// Binds the images of a frame: edges come from the picture where there is one, else from the outline of the mask. Cameras without a mask say nothing.
+    /// Binds the images of a frame: edges come from the picture where there is one, else from the outline of the mask. Cameras without a mask say nothing; where no mask shows anybody, none does, so that the motion model goes on alone.
     pub fn bind(&mut self, images: &FrameImages) -> BoundImages {
         let mut cues = Vec::with_capacity(self.rasters.len());
         for (camera, raster) in self.rasters.iter().enumerate() {
@@ -137,6 +137,9 @@ impl Images {
                 };
                 Cues { edges: Some(edges), silhouette, picture: None }
             }));
+        }
+        if self.cameras_with_person() == 0 {
+            cues.iter_mut().for_each(|cues| *cues = None);
         }
         match &self.soft {
             Some(soft) => BoundImages::Soft(soft.bind(&self.seen)),

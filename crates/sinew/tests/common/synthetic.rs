@@ -3,9 +3,14 @@
 use super::files;
 use sinew::checkpoint::{self, Checkpoint};
 use sinew::config::{Sources, resolve};
+use sinew::formats::Layout;
 use sinew::job::{self, Outcome, Pass, Watch};
+use sinew::observe::Camera;
+use sinew::observe::association::Person;
+use sinew::observe::bit_image::BitImage;
 use sinew::output::{Claim, claim, claim_to_resume};
-use sinew::pipeline::FrameSource as _;
+use sinew::pipeline::{FrameImages, FrameSource};
+use sinew::synthetic::footage::Footage;
 use sinew::synthetic::recording::{Recording, Script};
 use sinew::{Error, setup};
 use std::collections::BTreeMap;
@@ -16,6 +21,60 @@ use std::sync::atomic::{AtomicBool, Ordering};
 /// Frames of a run.
 pub const FRAMES: u64 = 30;
 
+/// Small silhouettes of the person of a recording.
+struct Masks {
+    cameras: Vec<Camera>,
+    /// By frame and camera.
+    frames: Vec<Vec<Option<BitImage>>>,
+}
+
+impl Masks {
+    fn of(recording: &Recording) -> Self {
+        let cameras: Vec<Camera> = recording.cameras.iter().map(|camera| camera.resized(0.1)).collect();
+        let footage = Footage::of_cameras(recording.truth.clone(), 30.0, cameras.clone(), 7).unwrap();
+        let frame = |frame| (0..cameras.len()).map(|camera| Some(footage.silhouette(camera, frame))).collect();
+        Self { frames: (0..footage.frames()).map(frame).collect(), cameras }
+    }
+}
+
+/// A recording, with or without silhouettes; with them, its keypoints are for the set-up.
+struct Source<'a> {
+    recording: Recording,
+    masks: Option<&'a Masks>,
+    is_tracking: bool,
+}
+
+impl FrameSource for Source<'_> {
+    fn cameras(&self) -> &[Camera] {
+        &self.recording.cameras
+    }
+    fn layout(&self) -> &Layout {
+        &self.recording.layout
+    }
+    fn frames(&self) -> std::ops::Range<u64> {
+        self.recording.frames()
+    }
+    fn people(&mut self, number: u64) -> Result<Vec<Vec<Person>>, Error> {
+        match self.reads_people() {
+            true => self.recording.people(number),
+            false => Ok(vec![vec![]; self.recording.cameras.len()]),
+        }
+    }
+    fn image_cameras(&self) -> Option<Vec<Camera>> {
+        self.masks.map(|masks| masks.cameras.clone())
+    }
+    fn images(&mut self, number: u64) -> Result<FrameImages, Error> {
+        let silhouettes = self.masks.map(|masks| masks.frames[number as usize].clone()).unwrap_or_default();
+        Ok(FrameImages { silhouettes, pictures: vec![] })
+    }
+    fn begin_tracking(&mut self) {
+        self.is_tracking = true;
+    }
+    fn reads_people(&self) -> bool {
+        !(self.is_tracking && self.masks.is_some())
+    }
+}
+
 /// A whole run, with which others are compared.
 pub struct Whole {
     /// Holds the results and the set-up.
@@ -24,6 +83,7 @@ pub struct Whole {
     pub files: BTreeMap<String, Vec<u8>>,
     /// What is tracked.
     pub recording: Recording,
+    masks: Option<Masks>,
     settings: Vec<(&'static str, String)>,
     frames: u64,
 }
@@ -36,6 +96,15 @@ impl Whole {
 
     /// As [`Whole::new`], with another number of frames.
     pub fn lasting(frames: u64, settings: &[(&'static str, &str)]) -> Self {
+        Self::seen(frames, settings, false)
+    }
+
+    /// Tracks so many frames from silhouettes alone, after the set-up.
+    pub fn of_silhouettes(frames: u64, settings: &[(&'static str, &str)]) -> Self {
+        Self::seen(frames, settings, true)
+    }
+
+    fn seen(frames: u64, settings: &[(&'static str, &str)], by_masks: bool) -> Self {
         let script = Script { duration_s: frames as f64 / 30.0, ..Script::default() };
         let mut recording = Recording::new(&script, 7).unwrap();
         recording.cameras.truncate(2);
@@ -55,7 +124,9 @@ impl Whole {
         all.extend(settings.iter().map(|(key, value)| (*key, (*value).to_owned())));
         all.insert("setup", path.display().to_string());
         all.remove("body");
-        let mut whole = Self { folder, files: BTreeMap::new(), recording, settings: all.into_iter().collect(), frames };
+        let masks = by_masks.then(|| Masks::of(&recording));
+        let mut whole =
+            Self { folder, files: BTreeMap::new(), recording, masks, settings: all.into_iter().collect(), frames };
         let out = whole.folder.path().join("whole");
         assert!(whole.run(&out, 1, None, None).unwrap().summary.complete);
         whole.files = results(&out);
@@ -92,12 +163,12 @@ impl Whole {
                 flag.store(true, Ordering::SeqCst);
             }
         };
-        let mut recording = self.recording.clone();
+        let mut source = Source { recording: self.recording.clone(), masks: self.masks.as_ref(), is_tracking: false };
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| {
             let mut watch = Watch { progress: &mut progress, stop: &flag };
-            let inputs = |_: &Recording| (vec![], BTreeMap::new());
-            job::track(&mut recording, 0..self.frames, &resolved, claim, &mut watch, inputs, from)
+            let inputs = |_: &Source<'_>| (vec![], BTreeMap::new());
+            job::track(&mut source, 0..self.frames, &resolved, claim, &mut watch, inputs, from)
         })
     }
 
