@@ -138,7 +138,7 @@ mod tests {
             [
                 "line 1: unknown key `paticles`; did you mean `particles`?",
                 "line 2: `seed` is -1; it must be a whole number from 0 to 18446744073709551615",
-                "line 3: `method` is `hcm`; it must be one of hmc, bootstrap; did you mean `hmc`?",
+                "line 3: `method` is `hcm`; it must be one of hmc, bootstrap, annealed, partitioned, coarse-to-fine; did you mean `hmc`?",
                 "line 4: `jitter` is 1.5; it must be from 0 to 1",
                 "line 5: `frames` is 9..2; the end must come after the start",
                 "line 6: `threads` is 0; it must be a whole number from 1 to 1024",

@@ -186,7 +186,7 @@ impl Statistics {
         failed
     }
 
-    fn warnings(&self, info: &RunInfo) -> Vec<String> {
+    fn warnings(&self, info: &RunInfo, has_masks: bool) -> Vec<String> {
         let mut warnings = Vec::new();
         for [first, last] in &self.unobserved {
             let which = if first == last { format!("frame {first}") } else { format!("frames {first}-{last}") };
@@ -209,10 +209,10 @@ impl Statistics {
                 listed(&self.energy_frames)
             ));
         }
-        // Where no camera has keypoints, silhouettes are what was observed.
-        let has_keypoints = self.residual_px.iter().any(|seen| !seen.is_empty());
-        for (camera, seen) in info.cameras.iter().zip(&self.residual_px) {
-            if has_keypoints && seen.is_empty() {
+        // Where masks are there and no camera has keypoints, masks are what was observed.
+        let are_masks = has_masks && self.residual_px.iter().all(Vec::is_empty);
+        for (camera, seen) in info.cameras.iter().zip(&self.residual_px).filter(|_| self.observed > 0) {
+            if seen.is_empty() && !are_masks {
                 warnings.push(format!("{}: the person was found in none of {} frames", camera.name, self.frames));
             }
         }
@@ -241,7 +241,7 @@ impl Statistics {
             silhouettes: ending.coverage.get(i).copied(),
         });
         let mut warnings = ending.warnings.clone();
-        warnings.extend(self.warnings(info));
+        warnings.extend(self.warnings(info, !ending.coverage.is_empty()));
         Summary {
             schema_version: SCHEMA_VERSION,
             complete: ending.complete,

@@ -252,12 +252,10 @@ mod tests {
     const LEVELS: [Level; 2] = [Level::Normal, Level::Hard];
 
     fn disc(radius: f64) -> BitImage {
-        let mut image = BitImage::new(320, 240);
-        for y in 0..240 {
+        BitImage::from_fn(320, 240, |x, y| {
             let half = (radius * radius - (y as f64 - 120.0).powi(2)).max(0.0).sqrt() as usize;
-            image.fill(y, 160 - half..160 + half);
-        }
-        image
+            (160 - half..160 + half).contains(&x)
+        })
     }
 
     fn stage(frame: u32) -> Stage {
@@ -395,7 +393,7 @@ mod tests {
     fn a_shadow_counts_as_person_only_where_it_is_hard() {
         let image = disc(20.0);
         let mut shadow = BitImage::new(320, 240);
-        (200..220).for_each(|y| shadow.fill(y, 100..160));
+        (100..160).for_each(|x| shadow.fill(x, 200..220));
         let inside = |x: usize, y: usize| (200..220).contains(&y) && (100..160).contains(&x);
         let with = |level, shadow| segmented(&image, shadow, level, stage(9));
         assert_eq!(with(Level::Normal, Some(&shadow)), with(Level::Normal, None));
