@@ -106,9 +106,20 @@ fn values_show_their_origin() {
 #[test]
 fn help_fits_one_screen_and_starts_with_examples() {
     let trial = trial(0.1);
-    for command in
-        ["", "demo", "inspect", "track", "simulate", "convert", "overlay", "fit-shape", "body", "completions", "man"]
-    {
+    for command in [
+        "",
+        "demo",
+        "inspect",
+        "track",
+        "simulate",
+        "convert",
+        "segment",
+        "overlay",
+        "fit-shape",
+        "body",
+        "completions",
+        "man",
+    ] {
         let arguments: Vec<&str> = [command, "-h"].into_iter().filter(|word| !word.is_empty()).collect();
         let text = String::from_utf8(trial.run(&arguments).stdout).unwrap();
         assert!(text.lines().count() <= 44, "{command}: {} lines", text.lines().count());

@@ -137,7 +137,7 @@ pub(crate) enum Command {
     /// Draw the tracked body over images or masks
     #[command(help_template = template!(
         "sinew overlay sinew-out/trial --calibration Calib.toml --images images -o pictures",
-        "sinew overlay out --calibration Calib.toml --silhouettes masks --mask-scale 0.5 --every 10 -o pictures"
+        "sinew overlay out --calibration Calib.toml --silhouettes masks --every 10 -o pictures"
     ))]
     Overlay(OverlayArgs),
     /// Fit the thickness of a tracked person to masks, and write a body file
@@ -197,19 +197,19 @@ pub(crate) struct ConvertArgs {
 
 #[derive(Args, Debug)]
 pub(crate) struct SegmentArgs {
-    /// Images of the cameras without anybody; more folders of them: repeat the flag
+    /// Images without anybody; repeat the flag for more folders
     #[arg(long, required = true, value_name = "DIR")]
     pub(crate) background: Vec<PathBuf>,
     /// Images of the cameras: <camera>_<frame>.jpg, or folders <camera>
     #[arg(long, value_name = "DIR")]
     pub(crate) images: PathBuf,
-    /// Standard deviations from the background that make a pixel the person's
+    /// Standard deviations that make a pixel the person's
     #[arg(long, value_name = "N", default_value_t = 5.0, allow_negative_numbers = true)]
     pub(crate) threshold: f32,
-    /// Take the background's colour for a shadow down to this share of its brightness
+    /// Darkest shadow, as a share of the background's brightness
     #[arg(long, value_name = "SHARE", allow_negative_numbers = true)]
     pub(crate) shadow: Option<f32>,
-    /// Keep parts with at least this share of the pixels of the largest
+    /// Least part that is kept, as a share of the largest
     #[arg(long, value_name = "SHARE", default_value_t = 0.1, allow_negative_numbers = true)]
     pub(crate) least_part: f64,
     #[command(flatten)]
@@ -224,7 +224,7 @@ pub(crate) struct OverlayArgs {
     /// Camera calibration that was tracked with
     #[arg(long, value_name = "FILE")]
     pub(crate) calibration: PathBuf,
-    /// Images to draw on: <camera>_<frame>.jpg, or folders <camera> [default: black]
+    /// Images to draw on, <camera>_<frame>.jpg [default: black]
     #[arg(long, value_name = "DIR", conflicts_with = "silhouettes")]
     pub(crate) images: Option<PathBuf>,
     /// Masks to draw on, in grey
