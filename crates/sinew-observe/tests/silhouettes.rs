@@ -223,7 +223,7 @@ impl BruteForce<'_> {
                 let may = if self.outer {
                     true
                 } else {
-                    let joint = u < 0.15 || u > 0.85;
+                    let joint = !(0.15..=0.85).contains(&u);
                     depth(other) < depth(solid) && !(joint && hangs_together(solid, other))
                 };
                 may && polygons[other].len() > 2 && covered(&polygons[other], x, y)
@@ -387,18 +387,18 @@ fn colours_are_those_of_brute_force() {
     let mut values = vec![];
     for state in &states {
         let mut expected = 0.0;
-        for camera in 0..3 {
+        for (camera, known) in known.iter().enumerate() {
             let (sums, counts) = histograms(&model, camera, state);
             for solid in 0..10 {
                 let region = sums[solid][0];
                 let hits = if region.inside > 0.0 { 1.0 - region.misses / region.inside } else { 1.0 };
-                let [total, known_total] = [&counts[solid], &known[camera][solid]].map(|h| h.iter().sum::<f64>());
+                let [total, known_total] = [&counts[solid], &known[solid]].map(|h| h.iter().sum::<f64>());
                 // A solid that was never seen has no colours to be found again.
                 let (cues, colour) = if known_total == 0.0 {
                     (1.0, 0.0)
                 } else {
                     let product = |(a, b): (&f64, &f64)| (a / total * b / known_total).sqrt();
-                    let alike: f64 = counts[solid].iter().zip(&known[camera][solid]).map(product).sum();
+                    let alike: f64 = counts[solid].iter().zip(&known[solid]).map(product).sum();
                     (2.0, if total > 0.0 { 1.0 - (1.0 - alike).max(0.0).sqrt() } else { 1.0 })
                 };
                 expected += region.inside / 60.0 * ((hits + colour) / cues).max(1e-3).ln();

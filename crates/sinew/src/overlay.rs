@@ -131,31 +131,30 @@ impl Artist {
             isa: Isa::baseline(),
         };
         let colours = flesh.solids().iter().map(|solid| colour_of(&solid.name)).collect();
-        Ok(Self { tree: tree, cameras, model, colours })
+        Ok(Self { tree, cameras, model, colours })
     }
 
     /// Draws a state into the picture of each camera; cameras without one are left out.
     pub fn draw(&self, state: &[f64], pictures: &mut [Option<RgbImage>]) {
         let outlines = self.model.outlines(state);
         let pose = pose(&self.tree, state);
-        let of_camera =
-            |((camera, outlines), picture): ((&Camera, Vec<(usize, Vec<[f64; 2]>)>), &mut Option<RgbImage>)| {
-                let Some(picture) = picture else { return };
-                let half_width = 0.5 * (picture.width.max(picture.height) as f64 / SIDE_OF_LINE).max(1.0);
-                for (solid, corners) in &outlines {
-                    let ends = corners.iter().zip(corners.iter().cycle().skip(1));
-                    for (&a, &b) in ends {
-                        bent(camera, [a, b], |piece| line(picture, piece, half_width, self.colours[*solid]));
-                    }
+        let views: Vec<_> = self.cameras.iter().zip(&outlines).zip(pictures).collect();
+        views.into_par_iter().for_each(|((camera, outlines), picture)| {
+            let Some(picture) = picture else { return };
+            let half_width = 0.5 * (picture.width.max(picture.height) as f64 / SIDE_OF_LINE).max(1.0);
+            for (solid, corners) in outlines {
+                let ends = corners.iter().zip(corners.iter().cycle().skip(1));
+                for (&a, &b) in ends {
+                    bent(camera, [a, b], |piece| line(picture, piece, half_width, self.colours[*solid]));
                 }
-                for (point, at) in self.tree.points().iter().zip(&pose.points) {
-                    if let Some(pixel) = camera.project(*at).pixel() {
-                        disc(picture, pixel, 3.0 * half_width, [0; 3]);
-                        disc(picture, pixel, 2.2 * half_width, colour_of(&point.name));
-                    }
+            }
+            for (point, at) in self.tree.points().iter().zip(&pose.points) {
+                if let Some(pixel) = camera.project(*at).pixel() {
+                    disc(picture, pixel, 3.0 * half_width, [0; 3]);
+                    disc(picture, pixel, 2.2 * half_width, colour_of(&point.name));
                 }
-            };
-        self.cameras.iter().zip(outlines).zip(pictures).collect::<Vec<_>>().into_par_iter().for_each(of_camera);
+            }
+        });
     }
 }
 
