@@ -18,8 +18,8 @@ use sinew_core::lanes::{Block, LANES};
 use sinew_core::random::{BlockRng, Stage};
 use sinew_core::transition::Transition;
 
-/// Blocks that one task moves at least: some ten microseconds of work.
-const BLOCKS_A_TASK: usize = 16;
+/// Blocks that one task moves at least: some microseconds of work with the cheapest likelihoods, and with images, where a block takes a fifth of a millisecond, still several tasks for a population of two hundred.
+const BLOCKS_A_TASK: usize = 4;
 
 /// A weighted set of states.
 #[derive(Clone, Debug)]

@@ -25,7 +25,7 @@ use std::path::{Path, PathBuf};
 pub const NAME: &str = "checkpoint.bin";
 
 const MAGIC: &[u8; 16] = b"sinew checkpoint";
-const FORMAT: u32 = 2;
+const FORMAT: u32 = 3;
 /// Bytes before the body and after it.
 const HEAD: usize = 16 + 4 + 8;
 const TAIL: usize = 4;

@@ -191,7 +191,7 @@ fn track_command(folder: &str, fps: f64) -> String {
 /// The command that tracks its silhouettes.
 fn silhouette_command(folder: &str, fps: f64) -> String {
     format!(
-        "sinew track --calibration {folder}/{CALIBRATION} --silhouettes {folder}/{} --init {folder}/{TRUTH} --method annealed --score bidirectional --fps {fps} -o {folder}-silhouettes",
+        "sinew track --calibration {folder}/{CALIBRATION} --silhouettes {folder}/{} --init {folder}/{TRUTH} --method annealed --fps {fps} -o {folder}-silhouettes",
         FOLDERS[1]
     )
 }

@@ -145,14 +145,9 @@ impl Running {
     /// Whether every coarse particle stands on centres of its coordinates; none for methods without a grid.
     fn on_centres(&self, ranges: &[Range]) -> Option<bool> {
         let Self::CoarseToFine(tracker) = self else { return None };
-        let posterior = Tracker::<ImageLikelihood>::posterior(&**tracker);
-        let mut state = vec![0.0; posterior.dim];
-        let mut all = true;
-        for index in 0..posterior.count() {
-            posterior.state(index, &mut state);
-            all &= state.iter().zip(ranges).all(|(x, range)| is_centre(*x, range));
-        }
-        Some(all)
+        let particles = tracker.particles();
+        let stands = |index| particles.state(index).iter().zip(ranges).all(|(x, range)| is_centre(*x, range));
+        Some((0..particles.count()).all(stands))
     }
 }
 
