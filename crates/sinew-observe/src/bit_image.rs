@@ -95,6 +95,26 @@ impl BitImage {
         self.words[columns.start.min(end) * self.stride..end * self.stride].fill(0);
     }
 
+    /// Columns and rows of the smallest rectangle that holds all pixels that are set; `None` without any.
+    #[must_use]
+    pub fn bounds(&self) -> Option<[Range<usize>; 2]> {
+        let columns = self.words.chunks_exact(self.stride.max(1));
+        let is_used = |column: &&[u64]| column.iter().any(|word| *word != 0);
+        let first = columns.clone().position(|column| is_used(&column))?;
+        let last = columns.clone().rposition(|column| is_used(&column))?;
+        let mut all = vec![0; self.stride];
+        for column in columns {
+            all.iter_mut().zip(column).for_each(|(all, word)| *all |= word);
+        }
+        let top = all.iter().position(|word| *word != 0)?;
+        let bottom = all.iter().rposition(|word| *word != 0)?;
+        let rows = [
+            top * BITS + all[top].trailing_zeros() as usize,
+            (bottom + 1) * BITS - all[bottom].leading_zeros() as usize,
+        ];
+        Some([first..last + 1, rows[0]..rows[1]])
+    }
+
     /// Pixels that are set.
     #[must_use]
     pub fn count(&self) -> u64 {
@@ -156,6 +176,17 @@ mod tests {
         image.fill(2, 0..70);
         assert_eq!(image, BitImage::new(2, 70));
         assert!(!image.get(0, 70) && !image.get(2, 0));
+    }
+
+    #[test]
+    fn bounds_hold_all_pixels_and_no_more() {
+        assert_eq!(BitImage::new(9, 200).bounds(), None);
+        for (columns, rows) in [(0..1, 0..1), (2..5, 63..65), (8..9, 199..200), (1..7, 64..128), (3..4, 10..190)] {
+            let image = BitImage::from_fn(9, 200, |x, y| columns.contains(&x) && rows.contains(&y));
+            assert_eq!(image.bounds(), Some([columns.clone(), rows.clone()]));
+        }
+        let corners = BitImage::from_fn(9, 200, |x, y| (x, y) == (7, 3) || (x, y) == (1, 150));
+        assert_eq!(corners.bounds(), Some([1..8, 3..151]));
     }
 
     #[test]

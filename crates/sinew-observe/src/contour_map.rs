@@ -16,8 +16,20 @@ use crate::smoothing::{Gaussian, smoothed};
 const MASK: Gaussian = Gaussian { radius_px: 2, std_px: 1.0 };
 
 fn smoothed_silhouette(silhouette: &BitImage) -> Map {
-    let map = Map::from_fn(silhouette.width(), silhouette.height(), |x, y| f32::from(silhouette.get(x, y)));
-    smoothed(&map, MASK)
+    let (width, height) = (silhouette.width(), silhouette.height());
+    let mut all = Map { width, height, values: vec![0.0; width * height] };
+    // Beyond the mask's reach all is 0, and most of an image is.
+    let Some([columns, rows]) = silhouette.bounds() else { return all };
+    let reach = MASK.radius_px;
+    let (left, right) = (columns.start.saturating_sub(reach), (columns.end + reach).min(width));
+    let (top, bottom) = (rows.start.saturating_sub(reach), (rows.end + reach).min(height));
+    let part = Map::from_fn(right - left, bottom - top, |x, y| f32::from(silhouette.get(left + x, top + y)));
+    let smooth = smoothed(&part, MASK);
+    for (row, values) in smooth.values.chunks_exact(smooth.width).enumerate() {
+        let from = (top + row) * width + left;
+        all.values[from..from + values.len()].copy_from_slice(values);
+    }
+    all
 }
 
 /// 4 G (1 − G) of the smoothed silhouette.
@@ -50,6 +62,17 @@ mod tests {
 
     fn square() -> BitImage {
         BitImage::from_fn(30, 24, |x, y| (8..20).contains(&x) && (6..18).contains(&y))
+    }
+
+    /// Leaving out what the mask does not reach changes nothing, also at the borders of the image.
+    #[test]
+    fn a_part_is_as_good_as_the_whole() {
+        for (columns, rows) in [(10..14, 8..20), (0..3, 5..9), (27..30, 21..24), (0..30, 0..24), (12..13, 23..24)] {
+            let silhouette =
+                BitImage::from_fn(30, 24, |x, y| columns.contains(&x) && rows.contains(&y) && (x + y) % 5 > 0);
+            let whole = smoothed(&Map::from_fn(30, 24, |x, y| f32::from(silhouette.get(x, y))), MASK);
+            assert_eq!(smoothed_silhouette(&silhouette), whole, "{columns:?} {rows:?}");
+        }
     }
 
     #[test]
