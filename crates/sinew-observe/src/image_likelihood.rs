@@ -1,6 +1,6 @@
 //! Silhouettes, edges and colours of a frame as a log density of the body's state.
 //!
-//! For each body and view: the outlines of all solids ([`crate::outline`] has the geometry) become spans of pixels; spans say what hides what; measurement points of each solid are looked up in the frame's images; an
+//! For each body and view: the outlines of all solids (the module `outline` has the geometry) become spans of pixels; spans say what hides what; measurement points of each solid are looked up in the frame's images; an
 //! [`ImageScore`] turns what was found into a number. Views add up.
 //!
 //! Kinematics, projection and the places of points are computed for eight bodies at once, spans and look-ups for one after the other, with scratch that is used again: nothing is allocated once every thread has been here.

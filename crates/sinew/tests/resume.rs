@@ -428,7 +428,7 @@ fn what_cannot_go_on_says_why() {
     let older = Checkpoint { program: "0.0.1".into(), ..Checkpoint::decode(&bytes).unwrap() };
     insta::assert_snapshot!("other_version", with(&older.encode().unwrap()));
     let mut newer = bytes[..bytes.len() - 4].to_vec();
-    newer[16] = 3;
+    newer[16] = 4;
     newer.extend(common::crc32(&newer).to_le_bytes());
     insta::assert_snapshot!("other_format", with(&newer));
     fs::write(&path, &bytes).unwrap();
