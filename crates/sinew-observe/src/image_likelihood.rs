@@ -54,6 +54,8 @@ pub struct ImageLikelihood {
     eyes: Vec<Eye>,
     /// Cameras that saw something.
     views: Vec<(usize, Cues)>,
+    /// Pixels of each of their silhouettes.
+    pixels: Vec<u64>,
     pool: Mutex<Vec<Scratch>>,
 }
 
@@ -63,9 +65,11 @@ impl ObservationModel for ImageModel {
 
     fn bind(&self, frame: Vec<Option<Cues>>) -> ImageLikelihood {
         let views = frame.into_iter().take(self.cameras.len()).enumerate();
+        let views: Vec<(usize, Cues)> = views.filter_map(|(camera, cues)| Some((camera, cues?))).collect();
         ImageLikelihood {
             eyes: self.cameras.iter().map(Eye::of).collect(),
-            views: views.filter_map(|(camera, cues)| Some((camera, cues?))).collect(),
+            pixels: views.iter().map(|(_, cues)| cues.silhouette.count()).collect(),
+            views,
             model: self.clone(),
             pool: Mutex::default(),
         }
@@ -110,7 +114,7 @@ impl ImageModel {
         let histogram = |solid: usize| {
             let mut counts = Counts::default();
             let mut points = scratch.points.clone();
-            dispatch(self.isa, Place { outline: &scratch.outlines[solid], points: &mut points });
+            dispatch(self.isa, Place { outline: &scratch.outlines[solid], with_region: true, points: &mut points });
             let body = &scratch.bodies[0];
             if body.seen >> solid & 1 == 1 {
                 points.colours(0, picture, body.hiders[solid], &body.spans, &mut counts);
@@ -320,15 +324,15 @@ impl ImageLikelihood {
     /// Pixels of the silhouette and of each of eight bodies, view by view.
     pub fn overlaps_block(&self, x: &[Block], mut each: impl FnMut(usize, &[Overlap; LANES])) {
         self.with_scratch(x, |scratch| {
-            for (camera, cues) in &self.views {
+            for ((camera, cues), &pixels_seen) in self.views.iter().zip(&self.pixels) {
                 scratch.project(self.model.isa, &self.model.body, &self.eyes[*camera]);
                 scratch.scan(self.model.isa, cues.silhouette.width());
-                each(*camera, &self.compare(scratch, cues));
+                each(*camera, &self.compare(scratch, cues, pixels_seen));
             }
         });
     }
 
-    fn compare(&self, scratch: &mut Scratch, cues: &Cues) -> [Overlap; LANES] {
+    fn compare(&self, scratch: &mut Scratch, cues: &Cues, pixels_of_silhouette: u64) -> [Overlap; LANES] {
         let silhouette = &cues.silhouette;
         if (scratch.image.width(), scratch.image.height()) != (silhouette.width(), silhouette.height()) {
             scratch.image = BitImage::new(silhouette.width(), silhouette.height());
@@ -337,7 +341,7 @@ impl ImageLikelihood {
         let kernel = Compare {
             bodies: &scratch.bodies,
             silhouette,
-            pixels_of_silhouette: silhouette.count(),
+            pixels_of_silhouette,
             image: &mut scratch.image,
             out: &mut out,
         };
@@ -366,13 +370,13 @@ impl ImageLikelihood {
     ) {
         let ImageModel { body, score, colours, isa, .. } = &self.model;
         self.with_scratch(x, |scratch| {
-            for (camera, cues) in &self.views {
+            for ((camera, cues), &pixels_seen) in self.views.iter().zip(&self.pixels) {
                 scratch.project(*isa, body, &self.eyes[*camera]);
                 scratch.scan(*isa, cues.silhouette.width());
                 scratch.hide(*isa, score.hiding(), body);
                 for solid in solids.clone() {
                     let outline = &scratch.outlines[solid];
-                    dispatch(*isa, Place { outline, points: &mut scratch.points });
+                    dispatch(*isa, Place { outline, with_region, points: &mut scratch.points });
                     let kernel = LookUp {
                         solid,
                         outline,
@@ -387,7 +391,7 @@ impl ImageLikelihood {
                     };
                     dispatch_one(*isa, kernel);
                 }
-                let pixels = (!with_region).then(|| self.compare(scratch, cues));
+                let pixels = (!with_region).then(|| self.compare(scratch, cues, pixels_seen));
                 each(&scratch.looked[solids.clone()], pixels.as_ref());
             }
         });

@@ -79,6 +79,8 @@ impl Points {
 /// Places the points of a solid whose outline is known.
 pub(crate) struct Place<'a> {
     pub outline: &'a Outline,
+    /// Whether those of the region are wanted, too.
+    pub with_region: bool,
     pub points: &'a mut Points,
 }
 
@@ -117,7 +119,8 @@ impl Kernel<Block> for Place<'_> {
     fn run<V: Real<Mem = Block>>(&mut self) {
         let [of_minus, of_plus] = &self.outline.generators;
         let (minus, plus) = (Generator::<V>::load(of_minus), Generator::<V>::load(of_plus));
-        for (row, points) in self.points.region.as_chunks_mut::<ACROSS>().0.iter_mut().enumerate() {
+        let rows = if self.with_region { ROWS } else { 0 };
+        for (row, points) in self.points.region.as_chunks_mut::<ACROSS>().0.iter_mut().take(rows).enumerate() {
             let u = (row as f64 + 0.5) / ROWS as f64;
             let ([ax, ay], [bx, by]) = (plus.at(u), minus.at(u));
             for (column, point) in points.iter_mut().enumerate() {
