@@ -52,11 +52,9 @@ use sinew_observe::{Camera, KeypointLikelihood, Noise};
 use sinew_samplers::annealed_search;
 use sinew_samplers::tuning;
 use sinew_tracking::posterior::Posterior;
-use sinew_tracking::{Resume as _, StepInfo, hmc_filter, run};
-use std::cell::RefCell;
+use sinew_tracking::{Harness, Resume as _, StepInfo, hmc_filter, run};
 use std::ops::{ControlFlow, Range};
 use std::sync::PoisonError;
-use std::sync::atomic::Ordering;
 use trackers::hmc_config;
 pub(crate) use trackers::tracker;
 use unknown_size::UnknownSize;
@@ -268,38 +266,53 @@ impl Pipeline {
         let mut refused = None;
         let numbers = numbers.into_iter().map_while(|number| frame_index(number).map_err(|e| refused = Some(e)).ok());
         let Self { settings, tracker, scene, images, marginals, .. } = self;
-        let (scene, images) = (RefCell::new(scene), RefCell::new(images));
-        let (seed, pending, restarted) = (settings.seed, tracker.pending(), tracker.restarted());
-        run(
-            tracker,
-            numbers,
-            |frame| Stage::new(seed, "track").at_frame(frame),
-            |frame, estimate| {
-                let people = source.people(u64::from(frame))?;
-                let mut scene = scene.borrow_mut();
-                let (keypoints, restart) = scene.observe(&people, estimate);
-                if restart.is_some() {
-                    *pending.lock().unwrap_or_else(PoisonError::into_inner) = restart;
-                }
-                let images = match &mut **images.borrow_mut() {
-                    Some(images) => Some(images.bind(&source.images(u64::from(frame))?)),
-                    None => None,
-                };
-                Ok::<Observed, Error>(Observed { keypoints, parts: scene.parts(), images })
-            },
-            |frame, info, posterior| {
-                scene.borrow_mut().note(u64::from(frame), &info.mean, &some_draws(seed, frame, &posterior));
-                let mut images = images.borrow_mut();
-                if let Some(images) = &mut **images {
-                    images.note(u64::from(frame), &info.mean);
-                }
-                let seen_by = images.as_ref().map_or(0, Images::cameras_with_person);
-                let estimate =
-                    describe(settings, &scene.borrow(), seen_by, marginals, u64::from(frame), info, &posterior);
-                record(FrameEstimate { restarted: restarted.load(Ordering::Relaxed), ..estimate }, &posterior)
-            },
-        )?;
+        let (seed, pending) = (settings.seed, tracker.pending());
+        let mut around = Around { settings, scene, images, marginals, pending, source, record: &mut record };
+        run(tracker, numbers, |frame| Stage::new(seed, "track").at_frame(frame), &mut around)?;
         refused.map_or(Ok(()), Err)
+    }
+}
+
+/// Who takes the estimates of a run.
+type Record<'a> = dyn FnMut(FrameEstimate, &Posterior<'_>) -> Result<ControlFlow<()>, Error> + 'a;
+
+/// All of a pipeline but its tracker, during a run.
+struct Around<'a> {
+    settings: &'a Settings,
+    scene: &'a mut Scene,
+    images: &'a mut Option<Images>,
+    marginals: &'a mut Marginals,
+    pending: restart::Pending,
+    source: &'a mut dyn FrameSource,
+    record: &'a mut Record<'a>,
+}
+
+impl Harness<Observed> for Around<'_> {
+    type Bound = Observed;
+    type Error = Error;
+
+    fn observe(&mut self, frame: u32, estimate: &[f64]) -> Result<Observed, Error> {
+        let people = self.source.people(u64::from(frame))?;
+        let (keypoints, restart) = self.scene.observe(&people, estimate);
+        if restart.is_some() {
+            *self.pending.lock().unwrap_or_else(PoisonError::into_inner) = restart;
+        }
+        let images = match self.images {
+            Some(images) => Some(images.bind(&self.source.images(u64::from(frame))?)),
+            None => None,
+        };
+        Ok(Observed { keypoints, parts: self.scene.parts(), images })
+    }
+
+    fn record(&mut self, frame: u32, info: StepInfo, posterior: Posterior<'_>) -> Result<ControlFlow<()>, Error> {
+        let number = u64::from(frame);
+        self.scene.note(number, &info.mean, &some_draws(self.settings.seed, frame, &posterior));
+        if let Some(images) = self.images {
+            images.note(number, &info.mean);
+        }
+        let seen_by = self.images.as_ref().map_or(0, Images::cameras_with_person);
+        let estimate = describe(self.settings, self.scene, seen_by, self.marginals, number, info, &posterior);
+        (self.record)(estimate, &posterior)
     }
 }
 
@@ -440,7 +453,7 @@ fn describe(
     let cameras = scene.cameras_with_person().max(silhouettes);
     FrameEstimate {
         number,
-        restarted: false,
+        restarted: info.restarted,
         time_s: number as f64 / settings.fps,
         observed: cameras > 0,
         quality: match cameras {

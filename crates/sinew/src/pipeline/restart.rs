@@ -5,7 +5,6 @@ use crate::Error;
 use sinew_core::random::Stage;
 use sinew_tracking::posterior::Posterior;
 use sinew_tracking::{Resume, StepInfo, Tracker};
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// Where to start anew before the next step; shared with who finds people.
@@ -24,27 +23,19 @@ pub(super) struct Restarting {
     tracker: Box<dyn Steps>,
     make: Make,
     pending: Pending,
-    restarted: Restarted,
 }
-
-/// Whether the last step was that of a new tracker.
-pub(super) type Restarted = Arc<AtomicBool>;
 
 impl Restarting {
     pub(super) fn new(make: Make, start: Vec<f64>) -> Result<Self, Error> {
-        Ok(Self { tracker: make(start)?, make, pending: Pending::default(), restarted: Restarted::default() })
+        Ok(Self { tracker: make(start)?, make, pending: Pending::default() })
     }
 
     pub(super) fn pending(&self) -> Pending {
         Arc::clone(&self.pending)
     }
-
-    pub(super) fn restarted(&self) -> Restarted {
-        Arc::clone(&self.restarted)
-    }
 }
 
-/// A start that is pending and whether the last step was that of a new tracker mean nothing between two frames.
+/// A start that is pending means nothing between two frames.
 impl Resume for Restarting {
     fn save(&self) -> Vec<f64> {
         self.tracker.save()
@@ -60,17 +51,19 @@ impl Tracker<Observed> for Restarting {
         let start = self.pending.lock().unwrap_or_else(PoisonError::into_inner).take();
         let [first, second] = stage.split(["first", "second"]);
         let new = start.and_then(|start| (self.make)(start).ok());
-        self.restarted.store(new.is_some(), Ordering::Relaxed);
+        let restarted = new.is_some();
         if let Some(tracker) = new {
             self.tracker = tracker;
         }
-        self.tracker.step(observed, first).or_else(|error| {
-            let mut tracker = (self.make)(self.tracker.estimate().to_vec()).map_err(|_| error)?;
-            let info = tracker.step(observed, second)?;
-            self.tracker = tracker;
-            self.restarted.store(true, Ordering::Relaxed);
-            Ok(info)
-        })
+        match self.tracker.step(observed, first) {
+            Ok(info) => Ok(StepInfo { restarted, ..info }),
+            Err(error) => {
+                let mut tracker = (self.make)(self.tracker.estimate().to_vec()).map_err(|_| error)?;
+                let info = tracker.step(observed, second)?;
+                self.tracker = tracker;
+                Ok(StepInfo { restarted: true, ..info })
+            }
+        }
     }
 
     fn posterior(&self) -> Posterior<'_> {
@@ -130,17 +123,18 @@ mod tests {
         // A tracker made where the old one failed stands one further.
         let further = |start: Vec<f64>| Box::new(Fragile(vec![start[0] + 1.0])) as Box<dyn Steps>;
         let mut tracker = Restarting::new(Box::new(move |start| Ok(further(start))), vec![-1.5]).unwrap();
-        let restarted = tracker.restarted();
-        let step = |tracker: &mut Restarting| tracker.step(&observed, Stage::new(1, "restart")).is_ok();
-        assert!(step(&mut tracker) && restarted.load(Ordering::Relaxed));
+        let step = |tracker: &mut Restarting| {
+            tracker.step(&observed, Stage::new(1, "restart")).map(|info| info.restarted).ok()
+        };
+        assert_eq!(step(&mut tracker), Some(true));
         assert_eq!(tracker.estimate(), [0.5]);
-        assert!(step(&mut tracker) && !restarted.load(Ordering::Relaxed));
+        assert_eq!(step(&mut tracker), Some(false));
         *tracker.pending().lock().unwrap() = Some(vec![4.0]);
-        assert!(step(&mut tracker) && restarted.load(Ordering::Relaxed));
+        assert_eq!(step(&mut tracker), Some(true));
         assert_eq!(tracker.estimate(), [5.0]);
         tracker.restore(&[8.0]).unwrap();
         assert_eq!((tracker.estimate(), tracker.save()), (&[8.0][..], vec![8.0]));
         *tracker.pending().lock().unwrap() = Some(vec![-7.0]);
-        assert!(!step(&mut tracker));
+        assert_eq!(step(&mut tracker), None);
     }
 }
