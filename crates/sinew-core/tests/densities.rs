@@ -7,7 +7,7 @@ use sinew_core::lanes::{Block, Isa, LANES, Real, get_lane, set_lane, triangle};
 use sinew_core::part::Part;
 use sinew_core::random::{BlockRng, Stage};
 use sinew_core::toy::Quadratic;
-use sinew_core::transition::{FramePrior, Transition, diagonal_matrix};
+use sinew_core::transition::{FramePrior, MotionModel, Transition, diagonal_matrix};
 
 const D: usize = 3;
 /// Lower triangle of the curvature of [`Bent`].
@@ -287,10 +287,13 @@ fn a_decoder_is_a_matrix_and_its_pullback_the_transposed_one() {
 /// Steps of one, exactly.
 struct Steps;
 
-impl Transition for Steps {
+impl MotionModel for Steps {
     fn dim(&self) -> usize {
         D
     }
+}
+
+impl Transition for Steps {
     fn sample_block(&self, previous: &[Block], next: &mut [Block], _rng: &mut BlockRng) {
         for (p, n) in previous.iter().zip(next) {
             *n = Block(p.0.map(|x| x + 1.0));

@@ -19,6 +19,7 @@
 //! ```
 mod error;
 pub mod factor;
+pub mod first_order;
 pub mod gaussian;
 pub mod kalman;
 pub mod linear_gaussian;

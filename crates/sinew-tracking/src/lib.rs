@@ -45,6 +45,7 @@ pub mod bootstrap;
 pub mod coarse_to_fine;
 mod error;
 pub mod hmc_filter;
+mod particle_state;
 pub mod partitioned;
 pub mod posterior;
 mod resume;
