@@ -1,6 +1,6 @@
-//! Decoders: maps from the sampled state, a point of a latent space, to the state that a density understands, on blocks of eight.
+//! Decoders: maps from a latent state, which is sampled, to the state that a density understands.
 //!
-//! Trackers and densities see [`Decode`]. A numerical decoder is written once as a [`LaneDecode`] and becomes one through [`Lanes`]; [`Identity`] is pose space itself.
+//! Blocks of eight states are decoded at once. Trackers and densities see [`Decode`]. A numerical decoder is written once as a [`LaneDecode`] and becomes one through [`Lanes`]; [`Identity`] is pose space itself.
 //!
 //! # Laws
 //! 1. `pullbacks_are_derivatives`: with J the derivative of [`Decode::decode_block`], [`Decode::pullback_block`] is Jᵀ g and [`Decode::pullback_matrix_block`] Jᵀ H J.

@@ -1,4 +1,4 @@
-//! A density of a decoded state as a function of the sampled one: what lets a tracker sample a latent space.
+//! A density of decoded states as a function of sampled ones, which lets a tracker sample a latent space.
 
 use crate::decode::Decode;
 use crate::density::{GaussNewton, GradLogDensity, LogDensity, PartLogDensity};

@@ -1,4 +1,4 @@
-//! The smallest target and the smallest decoder that bends: a Gaussian with independent coordinates, and a curved sheet in four dimensions.
+//! A small target and a small decoder: a Gaussian with independent coordinates, and a curved sheet.
 
 use crate::decode::LaneDecode;
 use crate::density::{GaussNewton, GradLogDensity, LaneDensity, LaneGaussNewton, LogDensity};

@@ -1,11 +1,12 @@
 //! Motion models that follow the estimates: every tracker serves them alike, resumes them to the bit, and keeps nothing for those that remember nothing.
 
+mod common;
+
+use common::Sight;
 use core::ops::Range;
-use sinew_core::density::{GaussNewton, GradLogDensity, Lanes, LogDensity, PartLogDensity};
 use sinew_core::lanes::{Block, Isa, LANES};
 use sinew_core::part::{Part, PartTree, Partition};
 use sinew_core::random::{BlockRng, Stage};
-use sinew_core::toy::Quadratic;
 use sinew_core::transition::{Cloud, MotionModel, PartTransition, Predict, Transition};
 use sinew_dynamics::first_order::FirstOrder;
 use sinew_dynamics::prior::Prior;
@@ -20,50 +21,10 @@ const START: [f64; 2] = [0.0, 1.0];
 const PARTICLES: usize = 203;
 const CHAINS: usize = 10;
 
-/// A Gaussian in two coordinates, each a part.
-struct Sight(Lanes<Quadratic>);
-
-impl LogDensity for Sight {
-    fn dim(&self) -> usize {
-        2
-    }
-    fn log_density(&self, x: &[f64]) -> f64 {
-        self.0.log_density(x)
-    }
-    fn log_density_block(&self, x: &[Block], ws: &mut [Block]) -> Block {
-        self.0.log_density_block(x, ws)
-    }
-}
-
-impl GradLogDensity for Sight {
-    fn log_density_grad(&self, x: &[f64], grad: &mut [f64]) -> f64 {
-        self.0.log_density_grad(x, grad)
-    }
-}
-
-impl GaussNewton for Sight {
-    fn gauss_newton_diagonal_block(&self, x: &[Block], diagonal: &mut [Block], ws: &mut [Block]) {
-        self.0.gauss_newton_diagonal_block(x, diagonal, ws);
-    }
-}
-
-impl PartLogDensity for Sight {
-    fn parts(&self) -> usize {
-        2
-    }
-    fn log_density_parts_block(&self, parts: Range<usize>, x: &[Block], out: &mut [Block], _ws: &mut [Block]) {
-        let Quadratic { centre, precision } = &self.0.leaf;
-        for (k, out) in parts.zip(out) {
-            *out = Block(x[k].0.map(|x| -0.5 * precision[k] * (x - centre[k]).powi(2)));
-        }
-    }
-}
-
 /// A target that circles ever faster.
 fn seen(frame: u32) -> Sight {
     let angle = 0.01 * f64::from(frame * frame);
-    let leaf = Quadratic { centre: vec![angle.sin(), angle.cos()], precision: vec![50.0, 200.0] };
-    Sight(Lanes { leaf, isa: Isa::best() })
+    Sight::new(vec![angle.sin(), angle.cos()], vec![50.0, 200.0], false)
 }
 
 fn stage(frame: u32) -> Stage {
@@ -216,7 +177,7 @@ fn record(tracker: &mut dyn Steps, frames: Range<u32>) -> Vec<(StepInfo, Vec<Blo
     frames.map(step).collect()
 }
 
-/// Every tracker, stopped after each frame, goes on to the same bits with the memory of its model, and to others without.
+/// Every tracker, stopped after each frame, continues to the same bits with the memory of its model, and to others without.
 #[test]
 fn what_a_model_remembers_is_resumed() {
     fn check<T: PartTransition + Predict + Clone + Send + 'static>(model: &T, memory: usize) {
