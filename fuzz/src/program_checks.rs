@@ -2,15 +2,18 @@
 //!
 //! Used by the fuzz targets and by `tests/tests/corpus.rs`, like [`super::checks`].
 
-use sinew::checkpoint::{Checkpoint, Problem};
+use sinew::input::in_memory::InMemory;
+use sinew::input::recording::Options;
+use sinew::input::source::FrameSource;
 use sinew::inspect::{Subject, file_facts};
 use sinew::observe::Detection;
 use sinew::observe::association::Person;
-use sinew::pipeline::{FrameSource, Method, Pipeline, Settings};
-use sinew::recording::Options;
+use sinew::results::problem::Problem;
 use sinew::setup::{Request, Setup, set_up};
-use sinew::synthetic::recording::{Recording, Script};
+use sinew::track::checkpoint::Checkpoint;
+use sinew::track::{Method, Pipeline, Settings};
 use sinew::{Error, formats::Layout, observe::Camera};
+use sinew_simulate::recording::{Script, SyntheticRecording};
 use std::cell::RefCell;
 use std::fs;
 use std::ops::{ControlFlow, Range};
@@ -111,9 +114,11 @@ fn decoded(data: &[u8]) {
 }
 
 /// What the frames of [`filter_step`] begin with: a walker, two frames of four cameras, a set-up.
-static SCENE: LazyLock<(Recording, Setup)> = LazyLock::new(|| {
+static SCENE: LazyLock<(InMemory, Setup)> = LazyLock::new(|| {
     let script = Script { duration_s: 0.4, ..Script::default() };
-    let mut recording = Recording::new(&script, 3).expect("a recording");
+    let SyntheticRecording { cameras, layout, keypoints, .. } =
+        SyntheticRecording::new(&script, 3).expect("a recording");
+    let mut recording = InMemory { cameras, layout, keypoints };
     let frames: Vec<_> = (0..12).map(|number| Ok((number, recording.people(number)?))).collect();
     let found = set_up(&recording.cameras, &recording.layout, &Request::default(), frames);
     let (mut setup, _) = found.expect("a set-up");
@@ -123,7 +128,7 @@ static SCENE: LazyLock<(Recording, Setup)> = LazyLock::new(|| {
 
 /// A frame of the walker, changed by bytes.
 struct Changed<'a> {
-    recording: &'a Recording,
+    recording: &'a InMemory,
     people: Vec<Vec<Person>>,
 }
 

@@ -5,17 +5,20 @@
 mod effort;
 
 use sinew::body::standard::EVALUATION_JOINTS;
-use sinew::estimate::FrameEstimate;
-use sinew::evaluation::{self, LIMB_JOINTS, LeftOut, PixelErrors, Run, Track};
 use sinew::formats::{amc, asf, trc};
+use sinew::input::in_memory::InMemory;
+use sinew::input::recording::{Options, Recording};
+use sinew::input::source::FrameSource as _;
 use sinew::observe::Noise;
 use sinew::observe::association::Person;
-use sinew::pipeline::{FrameSource as _, Method, Settings};
-use sinew::recording::{Options, Recording};
-use sinew::synthetic::cmu;
-use sinew::synthetic::detector::DetectorNoise;
-use sinew::synthetic::points::Trajectories;
-use sinew::synthetic::recording::{Recording as Synthetic, Script};
+use sinew::results::estimate::FrameEstimate;
+use sinew::track::{Method, Settings};
+use sinew_simulate::cmu;
+use sinew_simulate::detector::DetectorNoise;
+use sinew_simulate::points::Trajectories;
+use sinew_simulate::recording::{Script, SyntheticRecording};
+use sinew_tests::evaluation::{self, LIMB_JOINTS, LeftOut, PixelErrors, Run, Track};
+use sinew_tests::simulated_source::source;
 use std::error::Error;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -309,12 +312,12 @@ fn motions(data: &Path) -> Outcome<Vec<Motion>> {
 }
 
 /// A motion in four virtual cameras with keypoints of `truth`, and its frames.
-fn film(motion: &Motion, truth: &Trajectories, seed: u64) -> Outcome<(Synthetic, std::ops::Range<u64>)> {
+fn film(motion: &Motion, truth: &Trajectories, seed: u64) -> Outcome<(InMemory, std::ops::Range<u64>)> {
     let noise = DetectorNoise::stated_gaussian(SIGMA_PX);
     let script = Script { noise, rate_hz: CMU_RATE_HZ, ..Script::default() };
     let (body, states) = (motion.fitted.body.clone(), motion.fitted.states.clone());
-    let film = Synthetic::of_motion(body, states, truth.clone(), &script, seed)?;
-    Ok((film, 0..truth.frames.len() as u64))
+    let film = SyntheticRecording::of_motion(body, states, truth.clone(), &script, seed)?;
+    Ok((source(&film), 0..truth.frames.len() as u64))
 }
 
 impl Tally {

@@ -5,12 +5,13 @@
 
 use clap::Args as Arguments;
 use sinew::config::{Init, Resolved, Sources, TrackConfig, resolve};
-use sinew::evaluation::{self, LIMB_JOINTS, Track};
-use sinew::footage::Footage;
 use sinew::formats::trc;
-use sinew::pipeline::{Coverage, Method, Score, Settings};
-use sinew::recording::Options;
+use sinew::input::footage::Footage;
+use sinew::input::recording::Options;
+use sinew::results::silhouette_overlap::SilhouetteOverlap;
 use sinew::setup::Setup;
+use sinew::track::{Method, Score, Settings};
+use sinew_tests::evaluation::{self, LIMB_JOINTS, Track};
 use std::error::Error;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -176,7 +177,7 @@ fn tables(data: &Path, seeds: u64) -> Outcome<()> {
             (true, false) => "keypoints",
             _ => "masks",
         };
-        let share = |of: fn(&Coverage) -> f64| match coverage.len() {
+        let share = |of: fn(&SilhouetteOverlap) -> f64| match coverage.len() {
             0 => "–".to_owned(),
             n => format!("{:.0}", 100.0 * coverage.iter().map(of).sum::<f64>() / n as f64),
         };

@@ -10,7 +10,7 @@ pub mod setting;
 mod track;
 pub mod value;
 
-pub use crate::pipeline::Method;
+pub use crate::track::Method;
 pub use track::{Init, TrackConfig};
 
 use crate::Error;

@@ -9,8 +9,8 @@ use crate::chart::{BLUE, GREEN, GREY, Line, Names, ORANGE, PURPLE, finish, panel
 use plotters::prelude::*;
 use sinew::body::standard::EVALUATION_JOINTS;
 use sinew::dynamics::random_walk::Between;
-use sinew::evaluation;
-use sinew::pipeline::Settings;
+use sinew::track::Settings;
+use sinew_tests::evaluation;
 use std::path::Path;
 
 /// Updates a frame; a quarter of them is discarded.

@@ -6,7 +6,7 @@ use super::scene::{self, Tracker};
 use rayon::prelude::*;
 use sinew::body::Proportions;
 use sinew::body::standard::h32;
-use sinew::pipeline::Settings;
+use sinew::track::Settings;
 use std::fmt::Write as _;
 
 /// What of the chains differs from the default.

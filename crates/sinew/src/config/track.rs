@@ -2,7 +2,7 @@
 
 use super::Resolved;
 use super::value::Value;
-use crate::pipeline::{Method, Score};
+use crate::track::{Method, Score};
 use sinew_dynamics::random_walk::Between;
 use sinew_observe::Noise;
 use sinew_observe::image_score::ImageScore;
@@ -93,7 +93,7 @@ pub struct TrackConfig {
     /// Threads; as many as the system grants if `None`.
     pub threads: Option<usize>,
     /// Where diagnostics fail.
-    pub limits: crate::output::Limits,
+    pub limits: crate::results::Limits,
     /// Output folder.
     pub out: PathBuf,
     /// Seconds between checkpoints.
@@ -173,7 +173,7 @@ impl Resolved {
             jitter: self.number("jitter").unwrap_or_default(),
             simd: self.text("simd"),
             threads: self.count("threads").map(|threads| usize::try_from(threads).unwrap_or(usize::MAX)),
-            limits: crate::output::Limits {
+            limits: crate::results::Limits {
                 r_hat: self.number("max_r_hat").unwrap_or(f64::INFINITY),
                 r_hat_share: self.number("max_r_hat_share").unwrap_or(1.0),
                 divergent_share: self.number("max_divergent_share").unwrap_or(1.0),

@@ -18,13 +18,13 @@ use sinew::observe::image_likelihood::{Cues, ImageLikelihood, ImageModel};
 use sinew::observe::image_score::ImageScore;
 use sinew::observe::solid_body::SolidBody;
 use sinew::samplers::annealed_search;
-use sinew::synthetic::footage::Footage;
-use sinew::synthetic::ring::Ring;
-use sinew::synthetic::segmentation_noise::Level;
 use sinew::tracking::annealed::{self, Annealed};
 use sinew::tracking::bootstrap::{self, Bootstrap};
 use sinew::tracking::partitioned::{self, Partitioned};
 use sinew::tracking::{self, Tracker};
+use sinew_simulate::footage::SyntheticFootage;
+use sinew_simulate::ring::Ring;
+use sinew_simulate::segmentation_noise::Level;
 use std::ops::ControlFlow;
 use std::sync::{Arc, OnceLock};
 use std::time::Instant;
@@ -150,7 +150,7 @@ impl<'a> Film<'a> {
         let cell = &self.footage[index];
         if cell.get().is_none() {
             let motion = self.walks.test.motion.clone();
-            let footage = Footage::new(motion, RATE_HZ, &Ring::SMALL_PICTURES, self.seed(index))?;
+            let footage = SyntheticFootage::new(motion, RATE_HZ, &Ring::SMALL_PICTURES, self.seed(index))?;
             let of_frame =
                 |frame| (0..footage.cameras.len()).map(|camera| footage.mask(camera, frame, Level::Normal)).collect();
             let masks = (0..self.frames).map(of_frame).collect();
