@@ -2,10 +2,10 @@
 
 use crate::outcome::Outcome;
 use sinew::body::standard::EVALUATION_JOINTS;
+use sinew::config::settings::Settings;
 use sinew::formats::{amc, asf};
 use sinew::input::in_memory::InMemory;
 use sinew::results::estimate::FrameEstimate;
-use sinew::track::Settings;
 use sinew_simulate::cmu;
 use sinew_simulate::detector::DetectorNoise;
 use sinew_simulate::points::Trajectories;
