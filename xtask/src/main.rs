@@ -5,6 +5,7 @@ mod calibration;
 mod chart;
 mod filter_priors;
 mod mutants;
+mod outcome;
 mod picture;
 mod reproduce;
 mod silhouettes;

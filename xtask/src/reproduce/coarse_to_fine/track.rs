@@ -1,4 +1,4 @@
-//! One cell: a contender over all frames with one seed and one level of noise, and what its estimates are worth.
+//! One cell: a contender over all frames with one seed and one level of noise.
 //!
 //! A seed dresses another person, draws other errors of segmentation and other particles. Masks and silhouettes are drawn once for a seed and level; contenders of one seed see the same ones.
 //!
@@ -8,7 +8,7 @@ use super::condensation::condensation;
 use super::contender::{Contender, EQ3, LAYERS, Method, Person};
 use super::own_contours::{self, OwnContours};
 use super::scene::{RATE_HZ, Range, Scene};
-use super::{DRIFT, Outcome};
+use crate::outcome::Outcome;
 use serde_json::{Value, json};
 use sinew::body::hppf24;
 use sinew::core::density::LogDensity as _;
@@ -32,6 +32,9 @@ use sinew_simulate::ring::Ring;
 use sinew_simulate::segmentation_noise::{Level, segmented};
 use std::sync::Arc;
 use std::time::Instant;
+
+/// The part A of the last change of the estimate by which particles move on (eq. 2).
+const DRIFT: f64 = 0.2;
 
 /// What a camera saw of a person, frame by frame.
 pub(super) struct Seen {
