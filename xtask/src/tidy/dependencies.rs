@@ -15,7 +15,7 @@ pub fn check(packages: usize) -> Vec<Violation> {
         return Vec::new();
     }
     let what =
-        format!("the facade builds {packages} packages; keep it under {LIMIT}, or say why in docs/dependencies.md");
+        format!("the facade builds {packages} packages; keep it under {LIMIT}, or say why in docs/reference/dependencies.md");
     vec![Violation::of_file("Cargo.lock", what)]
 }
 
