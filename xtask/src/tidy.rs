@@ -5,6 +5,7 @@
 mod dependencies;
 mod layers;
 mod leftovers;
+mod pages;
 mod placement;
 mod purity;
 
@@ -107,6 +108,10 @@ pub fn run(root: &Path) -> ExitCode {
     };
     for (rule, check) in RULES {
         report(rule, check(&workspace));
+    }
+    match pages::check(root) {
+        Ok(violations) => report("pages", violations),
+        Err(error) => report("pages", vec![Violation::of_file("docs", error.to_string())]),
     }
     match dependencies::of_facade(root) {
         Ok(packages) => {
