@@ -5,7 +5,7 @@
 mod dependencies;
 mod layers;
 mod leftovers;
-mod pages;
+mod links;
 mod placement;
 mod purity;
 
@@ -109,9 +109,9 @@ pub fn run(root: &Path) -> ExitCode {
     for (rule, check) in RULES {
         report(rule, check(&workspace));
     }
-    match pages::check(root) {
-        Ok(violations) => report("pages", violations),
-        Err(error) => report("pages", vec![Violation::of_file("docs", error.to_string())]),
+    match links::check(root) {
+        Ok(violations) => report("links", violations),
+        Err(error) => report("links", vec![Violation::of_file("docs", error.to_string())]),
     }
     match dependencies::of_facade(root) {
         Ok(packages) => {
