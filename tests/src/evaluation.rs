@@ -22,6 +22,7 @@ pub use recipe::{causal, filled, triangulated, zero_phase};
 use sinew::Error;
 use sinew::body::standard::EVALUATION_JOINTS;
 use sinew::body::{KinematicTree, Proportions};
+use sinew::config::settings::Settings;
 use sinew::formats::Layout;
 use sinew::input::source::FrameSource;
 use sinew::observe::association::Person;
@@ -29,7 +30,7 @@ use sinew::observe::{Camera, offsets};
 use sinew::results::estimate::FrameEstimate;
 use sinew::results::silhouette_overlap::SilhouetteOverlap;
 use sinew::setup::{self, Request, Setup};
-use sinew::track::{self, Doubt, Method, Pipeline, Settings, Spool};
+use sinew::track::{self, Doubt, Pipeline, Spool};
 use sinew_simulate::points::of_states;
 use std::ops::{ControlFlow, Range};
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -110,10 +111,8 @@ pub fn set_up(
     change(&mut setup);
     let tree = setup.tree();
     setup.motion_sd = Some(setup::measure_motion(&setup, &tree, source, frames, settings.fps)?);
-    if settings.method == Method::Hmc {
-        let start = setup.start_frame;
-        track::tune(&mut setup, &tree, source, start, settings)?;
-    }
+    let start = setup.start_frame;
+    track::tune(&mut setup, &tree, source, start, settings)?;
     Ok(setup)
 }
 
@@ -141,7 +140,6 @@ pub fn filter(
 ) -> Result<Filtered, Error> {
     let tree = setup.tree();
     let (cameras, layout) = (source.cameras().to_vec(), source.layout().clone());
-    source.begin_tracking();
     let image_cameras = source.image_cameras();
     let image_cameras = image_cameras.as_deref();
     let mut pipeline = Pipeline::with_images(setup, &tree, &cameras, &layout, settings.clone(), image_cameras)?;

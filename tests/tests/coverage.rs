@@ -1,7 +1,7 @@
 //! Coverage of the central 50, 80, 90 and 95 % intervals on synthetic recordings whose errors are the stated ones.
 
 use sinew::body::standard::EVALUATION_JOINTS;
-use sinew::track::Settings;
+use sinew::config::settings::Settings;
 use sinew_simulate::detector::DetectorNoise;
 use sinew_simulate::recording::{Script, SyntheticRecording};
 use sinew_tests::evaluation::{self, ranks};

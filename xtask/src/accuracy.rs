@@ -5,14 +5,15 @@
 mod effort;
 
 use sinew::body::standard::EVALUATION_JOINTS;
+use sinew::config::settings::Settings;
 use sinew::formats::{amc, asf, trc};
 use sinew::input::in_memory::InMemory;
 use sinew::input::recording::{Options, Recording};
 use sinew::input::source::FrameSource as _;
+use sinew::methods::{bootstrap, hmc};
 use sinew::observe::Noise;
 use sinew::observe::association::Person;
 use sinew::results::estimate::FrameEstimate;
-use sinew::track::{Method, Settings};
 use sinew_simulate::cmu;
 use sinew_simulate::detector::DetectorNoise;
 use sinew_simulate::points::Trajectories;
@@ -126,16 +127,16 @@ fn reference(data: &Path) -> Outcome<()> {
     );
     println!("|---|---|---|---|---|---|");
     for folder in ["pose", "pose-associated"] {
-        for method in [Method::Hmc, Method::Bootstrap] {
+        for about in [&hmc::ABOUT, &bootstrap::ABOUT] {
             let mut recording = open(data, folder, None)?;
-            let run = track(&mut recording, &Settings { method, ..settings() })?;
+            let run = track(&mut recording, &Settings { method: (about.usual)(), ..settings() })?;
             let r_hat = mixing(&run);
             for (name, estimates) in [("", &run.filtered), (" --smooth", &run.smoothed)] {
                 let track = evaluation::positions(&run.tree, estimates, &LIMB_JOINTS);
                 let mm = |frames| 1e3 * evaluation::mean_distance(&track, &reference, frames);
                 let sd = 1e3 * evaluation::mean_spread(&run.tree, &estimates[JUDGED], &LIMB_JOINTS);
                 let (early, late) = (mm(CHOSEN), mm(JUDGED));
-                println!("| {folder} | {}{name} | {early:.1} | {late:.1} | {sd:.1} | {r_hat} |", method.name());
+                println!("| {folder} | {}{name} | {early:.1} | {late:.1} | {sd:.1} | {r_hat} |", about.name);
             }
         }
     }

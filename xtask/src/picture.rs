@@ -3,12 +3,13 @@
 //! The recording of `sinew demo` is tracked with the program's settings. Above, one camera's view at three instants: keypoints, draws from the posterior, the pose of the mean state and the true joints. Below, the knee's flexion over time with its 90 % band.
 
 use sinew::body::{KinematicTree, Plan, point_positions};
+use sinew::config::settings::Settings;
 use sinew::core::lanes::Isa;
 use sinew::input::source::FrameSource as _;
 use sinew::observe::Camera;
 use sinew::results::estimate::FrameEstimate;
 use sinew::setup::{self, Request, Setup};
-use sinew::track::{self, Pipeline, Settings};
+use sinew::track::{self, Pipeline};
 use sinew_simulate::recording::{Script, SyntheticRecording};
 use sinew_tests::simulated_source::source;
 use std::error::Error;

@@ -1,7 +1,8 @@
 //! Arguments of every command. Flags that are settings come from the one table of settings; a command has those that it uses.
 
 use clap::{Arg, ArgAction, ArgMatches, Args, FromArgMatches, Parser, Subcommand, ValueEnum};
-use sinew::config::setting::{Kind, SETTINGS, Setting};
+use sinew::config::setting::{Kind, Setting};
+use sinew::config::table::settings;
 use std::marker::PhantomData;
 use std::ops::Range;
 use std::path::PathBuf;
@@ -396,7 +397,7 @@ fn argument(setting: &'static Setting) -> Arg {
     if setting.kind == Kind::Flag {
         return argument.action(ArgAction::SetTrue).help(sentence(setting.help));
     }
-    let default = if setting.default.is_empty() { String::new() } else { format!(" [default: {}]", setting.default) };
+    let default = setting.default.text().map(|default| format!(" [default: {default}]")).unwrap_or_default();
     argument
         .value_name(setting.value)
         .help(format!("{}{default}", sentence(setting.help)))
@@ -406,7 +407,7 @@ fn argument(setting: &'static Setting) -> Arg {
 
 impl<C: Takes> Args for Typed<C> {
     fn augment_args(command: clap::Command) -> clap::Command {
-        command.args(SETTINGS.iter().filter(|setting| C::takes(setting)).map(argument))
+        command.args(settings().iter().filter(|setting| C::takes(setting)).map(argument))
     }
 
     fn augment_args_for_update(command: clap::Command) -> clap::Command {
@@ -417,7 +418,7 @@ impl<C: Takes> Args for Typed<C> {
 impl<C: Takes> FromArgMatches for Typed<C> {
     fn from_arg_matches(matches: &ArgMatches) -> Result<Self, clap::Error> {
         let mut given = Vec::new();
-        for setting in SETTINGS.iter().filter(|setting| C::takes(setting)) {
+        for setting in settings().iter().filter(|setting| C::takes(setting)) {
             if setting.kind == Kind::Flag {
                 if matches.get_flag(setting.key) {
                     given.push((setting.key, "true".to_owned()));

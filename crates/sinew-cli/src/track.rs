@@ -13,6 +13,7 @@ use sinew::results::{Claim, RESULT_NAMES, ResultFolder, claim, claim_to_resume};
 use sinew::track::checkpoint::{self, Checkpoint};
 use sinew::track::job;
 use sinew::track::job::{Outcome, Pass, Watch};
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 /// Runs the command.
@@ -53,23 +54,7 @@ pub(crate) fn run(args: &TrackArgs, general: &General, report: &Report) -> Resul
         },
     };
     let mut recording = Footage::open(&config, &calibration, &options)?;
-    let setup_frames = match &config.setup_frames {
-        None => recording.available(),
-        Some(asked) => {
-            let all = recording.available();
-            let cut = asked.start.max(all.start)..asked.end.min(all.end);
-            if cut.is_empty() {
-                return Err(Error::Input {
-                    message: format!(
-                        "set-up frames {}..{} were asked for; the recording has {}..{}",
-                        asked.start, asked.end, all.start, all.end
-                    ),
-                    help: Some("`--setup-frames A..B` takes the numbers in the file names, A included, B not".into()),
-                });
-            }
-            cut
-        }
-    };
+    let setup_frames = setup_frames(&config, &recording)?;
     let outcome = with_threads(&config, || {
         let mut progress = PassProgress::new(general);
         let stop = interrupt::flag();
@@ -89,6 +74,27 @@ pub(crate) fn run(args: &TrackArgs, general: &General, report: &Report) -> Resul
         }
     })?;
     tell(&outcome, &config.out, args, report)
+}
+
+/// Frames of the set-up: those asked for, as far as they are there, or all.
+fn setup_frames(config: &TrackConfig, recording: &Footage) -> Result<Range<u64>, Error> {
+    Ok(match &config.setup_frames {
+        None => recording.available(),
+        Some(asked) => {
+            let all = recording.available();
+            let cut = asked.start.max(all.start)..asked.end.min(all.end);
+            if cut.is_empty() {
+                return Err(Error::Input {
+                    message: format!(
+                        "set-up frames {}..{} were asked for; the recording has {}..{}",
+                        asked.start, asked.end, all.start, all.end
+                    ),
+                    help: Some("`--setup-frames A..B` takes the numbers in the file names, A included, B not".into()),
+                });
+            }
+            cut
+        }
+    })
 }
 
 /// Settings from all their sources.
@@ -188,7 +194,8 @@ fn same_run(
     let stop = interrupt::flag();
     let mut tell = |pass, done, total| progress.at(pass, done, total);
     let mut watch = Watch { progress: &mut tell, stop: &stop };
-    job::check_complete(&mut recording, resolved, claim.folder(), summary, &mut watch, Footage::input_hashes)
+    let frames = setup_frames(&resolved.track(), &recording)?;
+    job::check_complete(&mut recording, frames, resolved, claim.folder(), summary, &mut watch, Footage::input_hashes)
 }
 
 /// Says that there is nothing to go on with.

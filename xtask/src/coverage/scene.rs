@@ -5,14 +5,18 @@ use super::people::{Person, RATE_HZ, cut};
 use serde_json::{Value, json};
 use sinew::body::Proportions;
 use sinew::body::standard::EVALUATION_JOINTS;
+use sinew::config::settings::Settings;
+use sinew::methods::Bootstrap;
 use sinew::observe::Noise;
 use sinew::setup::Setup;
-use sinew::track::{Doubt, Method, Settings};
+use sinew::track::Doubt;
+use sinew::tracking::bootstrap;
 use sinew_simulate::detector::DetectorNoise;
 use sinew_simulate::recording::{Script, SyntheticRecording};
 use sinew_tests::evaluation::{self, Track, own_model, ranks};
 use sinew_tests::simulated_source::source;
 use std::collections::BTreeSet;
+use std::sync::Arc;
 
 /// How long a series is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -63,8 +67,11 @@ impl Tracker {
 
     pub(super) fn settings(self) -> Settings {
         match self {
-            Self::Hmc => Settings { method: Method::Hmc, ..Settings::default() },
-            Self::Bootstrap(particles) => Settings { method: Method::Bootstrap, particles, ..Settings::default() },
+            Self::Hmc => Settings::default(),
+            Self::Bootstrap(particles) => {
+                let config = bootstrap::Config { particles, ..bootstrap::Config::default() };
+                Settings { method: Arc::new(Bootstrap(config)), ..Settings::default() }
+            }
         }
     }
 }

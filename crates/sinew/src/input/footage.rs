@@ -3,7 +3,7 @@
 //! Keypoints may serve for the set-up alone ([`Init::Keypoints`]); without keypoints, points in space over time may, as another system or an earlier run has left them ([`Init::Points`]): they are seen by the calibrated cameras, as a
 //! detector without errors would see them. Row k of such a file belongs to frame k, counted from the first frame that is tracked.
 
-use super::frame::{FrameImages, detections};
+use super::frame::{Frame, FrameImages, detections};
 use super::source::FrameSource;
 use crate::config::{Init, TrackConfig};
 use crate::input::pictures::{self, Pictures};
@@ -36,7 +36,6 @@ pub struct Footage {
     pictures: Option<Pictures>,
     /// Whether keypoints or points are for the set-up only.
     begins_only: bool,
-    is_tracking: bool,
     warnings: Vec<String>,
     calibration_hash: u64,
 }
@@ -73,12 +72,10 @@ impl Footage {
             }
             footage.silhouettes = Some(masks);
         }
-        if config.silhouettes.is_some()
-            && config.method.takes_gradients()
-            && (begins_only || config.keypoints.is_none())
-        {
+        let method = config.tracking.method.about();
+        if config.silhouettes.is_some() && method.needs_gradients && (begins_only || config.keypoints.is_none()) {
             return Err(Error::Usage {
-                message: format!("method `{}` cannot track from silhouettes alone", config.method.name()),
+                message: format!("method `{}` cannot track from silhouettes alone", method.name),
                 help: "give it the keypoints, too, without `--init`; or use `--method annealed`".into(),
             });
         }
@@ -112,7 +109,6 @@ impl Footage {
             silhouettes: None,
             pictures: None,
             begins_only: false,
-            is_tracking: false,
             warnings: vec![],
             calibration_hash: 0,
         }
@@ -134,7 +130,6 @@ impl Footage {
             silhouettes: None,
             pictures: None,
             begins_only: false,
-            is_tracking: false,
             warnings,
             calibration_hash: hash,
         })
@@ -237,9 +232,6 @@ impl FrameSource for Footage {
     }
 
     fn people(&mut self, number: u64) -> Result<Vec<Vec<Person>>, Error> {
-        if !self.reads_people() {
-            return Ok(vec![vec![]; self.cameras.len()]);
-        }
         match (&self.points, &mut self.keypoints) {
             (Some(points), _) => Ok(self.projected(points, number)),
             (None, Some(recording)) => Ok(detections(&recording.frame(number)?)),
@@ -251,17 +243,15 @@ impl FrameSource for Footage {
         self.silhouettes.as_ref().map(Silhouettes::cameras)
     }
 
-    fn images(&mut self, number: u64) -> Result<FrameImages, Error> {
+    fn frame(&mut self, number: u64) -> Result<Frame, Error> {
+        let people = match self.begins_only {
+            true => vec![vec![]; self.cameras.len()],
+            false => self.people(number)?,
+        };
         let silhouettes = self.silhouettes.as_mut().map(|masks| masks.frame(number)).transpose()?;
         let pictures = self.pictures.as_mut().map(|images| images.frame(number)).transpose()?;
-        Ok(FrameImages { silhouettes: silhouettes.unwrap_or_default(), pictures: pictures.unwrap_or_default() })
-    }
-
-    fn begin_tracking(&mut self) {
-        self.is_tracking = true;
-    }
-
-    fn reads_people(&self) -> bool {
-        !(self.is_tracking && self.begins_only)
+        let images =
+            FrameImages { silhouettes: silhouettes.unwrap_or_default(), pictures: pictures.unwrap_or_default() };
+        Ok(Frame { people, images })
     }
 }

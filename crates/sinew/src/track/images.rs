@@ -1,9 +1,9 @@
 //! The image side of a pipeline: the body's flesh before cameras that see silhouettes, and how well the tracked poses cover what they saw.
 
-use super::observed::BoundImages;
-use super::settings::Settings;
 use crate::Error;
+use crate::config::settings::Settings;
 use crate::input::frame::FrameImages;
+use crate::methods::BoundImages;
 use crate::results::problem::{Problem, check_length};
 use crate::results::silhouette_overlap::SilhouetteOverlap;
 use serde::{Deserialize, Serialize};
@@ -70,7 +70,7 @@ impl Images {
             colours: Arc::default(),
             isa: settings.isa,
         };
-        let soft = match settings.method.takes_gradients() {
+        let soft = match settings.method.about().needs_gradients {
             true => {
                 let cameras = model.cameras.clone();
                 let soft = SoftSilhouetteModel::new(tree, &flesh, cameras, CONTOUR_SIGMA_PX, settings.isa);

@@ -1,7 +1,7 @@
 //! The motion prior of a recording: a random walk with the noise that the set-up found.
 
-use super::settings::Settings;
 use crate::Error;
+use crate::config::settings::Settings;
 use crate::setup::{Setup, motion_noise};
 use sinew_body::KinematicTree;
 use sinew_dynamics::random_walk::RandomWalk;

@@ -2,11 +2,11 @@
 
 mod check;
 
-use super::observed::Bound;
 use super::oddities::{Oddities, Watched};
 use super::predictive::{self, Doubt, Predictive};
-use super::settings::Settings;
 use crate::Error;
+use crate::config::settings::Settings;
+use crate::methods::Bound;
 use crate::results::problem::{Problem, check_length};
 use crate::setup::{self, Setup};
 use serde::{Deserialize, Serialize};
@@ -107,7 +107,7 @@ impl Scene {
             });
         }
         let points: Vec<usize> = shared.iter().map(|(p, _)| *p).collect();
-        let parts = match settings.method.takes_parts() {
+        let parts = match settings.method.about().needs_parts {
             true => {
                 let flesh = setup.flesh()?;
                 let of_point = |&p: &usize| flesh.owner(tree.points()[p].link);

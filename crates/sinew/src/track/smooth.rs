@@ -202,7 +202,7 @@ pub fn smooth(
     let file = file.map_err(Error::io("create", &spool.files.trajectories))?;
     let Scratch(trajectories) = &mut Scratch(Numbers { file, path: spool.files.trajectories.clone() });
     let count = (1 + TRAJECTORIES) * d;
-    let (settings, size) = (&pipeline.settings, pipeline.marginals.size().cloned());
+    let (settings, size) = (pipeline.settings(), pipeline.size().cloned());
     let smoother = Smoother::random_walk(pipeline.transition.sd());
     let mut states = vec![Block::ZERO; TRAJECTORIES / LANES * d];
     let mut next: Option<Moments> = None;

@@ -20,21 +20,23 @@ pub enum BoundImages {
 
 /// The likelihood of a frame: that of keypoints times that of images.
 ///
-/// Scored images have no gradient and no curvature; methods that need them get soft ones ([`super::Method::takes_gradients`]).
-pub struct Observed {
-    pub(super) keypoints: Bound,
+/// Scored images have no gradient and no curvature; methods that need them get soft ones ([`super::about::About::needs_gradients`]).
+pub struct FrameLikelihood {
+    /// That of all keypoints.
+    pub keypoints: Bound,
     /// The keypoints of each part of the body; empty for methods without parts.
-    pub(super) parts: Vec<Bound>,
-    pub(super) images: Option<BoundImages>,
+    pub parts: Vec<Bound>,
+    /// That of the images, if there are any.
+    pub images: Option<BoundImages>,
 }
 
-impl From<Bound> for Observed {
+impl From<Bound> for FrameLikelihood {
     fn from(keypoints: Bound) -> Self {
         Self { keypoints, parts: vec![], images: None }
     }
 }
 
-impl Observed {
+impl FrameLikelihood {
     fn soft(&self) -> Option<&SoftSilhouette> {
         match &self.images {
             Some(BoundImages::Soft(soft)) => Some(soft),
@@ -56,7 +58,7 @@ fn add(to: &mut [Block], from: &[Block]) {
     }
 }
 
-impl LogDensity for Observed {
+impl LogDensity for FrameLikelihood {
     fn dim(&self) -> usize {
         self.keypoints.dim()
     }
@@ -81,7 +83,7 @@ impl LogDensity for Observed {
     }
 }
 
-impl PartLogDensity for Observed {
+impl PartLogDensity for FrameLikelihood {
     fn parts(&self) -> usize {
         self.parts.len()
     }
@@ -101,7 +103,7 @@ impl PartLogDensity for Observed {
     }
 }
 
-impl GradLogDensity for Observed {
+impl GradLogDensity for FrameLikelihood {
     fn log_density_grad(&self, x: &[f64], grad: &mut [f64]) -> f64 {
         let value = self.keypoints.log_density_grad(x, grad);
         let Some(soft) = self.soft() else { return value };
@@ -122,7 +124,7 @@ impl GradLogDensity for Observed {
     }
 }
 
-impl GaussNewton for Observed {
+impl GaussNewton for FrameLikelihood {
     fn gauss_newton_diagonal_block(&self, x: &[Block], diagonal: &mut [Block], ws: &mut [Block]) {
         self.keypoints.gauss_newton_diagonal_block(x, diagonal, ws);
         if let Some(soft) = self.soft() {
@@ -148,7 +150,7 @@ impl GaussNewton for Observed {
     }
 }
 
-impl Observed {
+impl FrameLikelihood {
     fn add_soft_curvature(&self, x: &[Block], matrix: &mut [Block], ws: &mut [Block]) {
         if let Some(soft) = self.soft() {
             let (of_images, ws) = ws.split_at_mut(matrix.len());
@@ -171,7 +173,7 @@ mod tests {
     use std::sync::Arc;
 
     /// Keypoints of a standing body in one camera and a narrow silhouette in it, apart and together.
-    fn pieces() -> (Bound, SoftSilhouette, Observed) {
+    fn pieces() -> (Bound, SoftSilhouette, FrameLikelihood) {
         let isa = Isa::best();
         let tree = h32(&Proportions::default());
         let camera = Camera::look_at("C", [160.0, 120.0], 130.0, [0.5, -4.0, 1.2], [0.0, 0.0, 1.0]).unwrap();
@@ -197,7 +199,7 @@ mod tests {
         let soft = SoftSilhouetteModel::new(&tree, &flesh, vec![camera], 3.0, isa).unwrap();
         let mask = [Some(BitImage::from_fn(160, 120, |x, _| (70..84).contains(&x)))];
         let images = Some(BoundImages::Soft(soft.bind(&mask)));
-        (bound(), soft.bind(&mask), Observed { keypoints: bound(), parts: vec![], images })
+        (bound(), soft.bind(&mask), FrameLikelihood { keypoints: bound(), parts: vec![], images })
     }
 
     fn standing() -> Vec<f64> {
