@@ -7,6 +7,7 @@ mod dependencies;
 mod exceptions;
 mod layers;
 mod leftovers;
+mod links;
 mod modules;
 mod names;
 mod opening;
@@ -57,6 +58,10 @@ pub fn run(root: &Path) -> ExitCode {
     };
     for (rule, check, excepted) in RULES {
         report(rule, exceptions::apply(excepted, check(&workspace)));
+    }
+    match links::check(root) {
+        Ok(violations) => report("links", violations),
+        Err(error) => report("links", vec![Violation::of_file("docs", error.to_string())]),
     }
     match dependencies::of_facade(root) {
         Ok(packages) => {

@@ -18,8 +18,8 @@ fn title(scene: &Scene) -> String {
 
 /// Draws both pictures.
 pub(super) fn draw(series: &[(Scene, Found)], ranked: &[Scene], folder: &Path) -> Outcome<()> {
-    histograms(series, ranked, &folder.join("calibration-ranks.svg"))?;
-    curves(series, &folder.join("calibration-coverage.svg"))
+    histograms(series, ranked, &folder.join("ranks.svg"))?;
+    curves(series, &folder.join("coverage.svg"))
 }
 
 fn level_line(y: f64, last: f64) -> Line {

@@ -1,6 +1,6 @@
-//! `cargo xtask calibration`: how often the intervals of tracked people hold the truth.
+//! `cargo xtask coverage`: how often the intervals of tracked people hold the truth.
 //!
-//! And where the truth falls among the draws: the tables and figures of docs/calibration.md.
+//! And where the truth falls among the draws: the tables and figures of docs/evidence/coverage.md.
 //!
 //! | file | what |
 //! |---|---|
@@ -33,7 +33,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Instant;
 
-/// Measures calibration on simulated people.
+/// Measures how often intervals hold the truth of simulated people.
 #[derive(clap::Args)]
 pub struct Args {
     /// A tenth of the series, in minutes
@@ -53,7 +53,7 @@ pub struct Args {
     /// Cells that run at a time, one thread each [default: one a processor]
     #[arg(long)]
     threads: Option<usize>,
-    /// Folder for cells and tables [default: target/calibration]
+    /// Folder for cells and tables [default: target/coverage]
     #[arg(long)]
     out: Option<PathBuf>,
     /// Folder of the shared recordings [default: $SINEW_DATA, else shared/data beside the workspace]
@@ -73,7 +73,7 @@ pub struct Size {
 }
 
 impl Size {
-    /// What docs/calibration.md shows.
+    /// What docs/evidence/coverage.md shows.
     const FULL: Self = Self { ranked: 500, others: 40, recordings: 10 };
     const QUICK: Self = Self { ranked: 50, others: 10, recordings: 5 };
     /// About a minute on one core: the main scene alone.
@@ -252,7 +252,7 @@ fn measure(root: &Path, args: &Args) -> Outcome<()> {
     let folder = args
         .out
         .clone()
-        .unwrap_or_else(|| root.join("target").join(if args.quick { "calibration-quick" } else { "calibration" }));
+        .unwrap_or_else(|| root.join("target").join(if args.quick { "coverage-quick" } else { "coverage" }));
     let mut store = Store::open(&folder, &configuration(args, &people))?;
     let granted = std::thread::available_parallelism().map_or(1, |n| n.get());
     let has_recorded = people.iter().all(|person| person.recorded.is_some());
@@ -268,14 +268,14 @@ fn measure(root: &Path, args: &Args) -> Outcome<()> {
     for kind in [&others, &recordings, &ranked] {
         cells.extend(kind.tasks(&people, args.seed));
     }
-    run_all(&mut store, "calibration", cells, args.threads.unwrap_or(granted))?;
+    run_all(&mut store, "coverage", cells, args.threads.unwrap_or(granted))?;
     let series = [ranked.found(&store), others.found(&store)].concat();
     let recordings = recordings.found(&store);
     let text = tables::markdown(&series, &recordings, &RANKED);
     std::fs::write(folder.join("tables.md"), &text)?;
     std::fs::write(folder.join("coverage.csv"), tables::csv(&series))?;
     std::fs::write(folder.join("ranks.csv"), tables::ranks_csv(&series))?;
-    let pictures = if args.quick { folder.clone() } else { root.join("docs/images") };
+    let pictures = if args.quick { folder.clone() } else { root.join("docs/evidence/images") };
     figures::draw(&series, &RANKED, &pictures)?;
     println!("{text}\n{:.0} s; cells and tables in {}", clock.elapsed().as_secs_f64(), folder.display());
     Ok(())
