@@ -68,7 +68,8 @@ fn own_recording(trial: &Trial) {
     let made = trial.run(&["simulate", "-o", "made", "--duration", "1", "--images", "5", "--no-progress"]);
     assert!(made.status.success(), "{}", trial.told(&made));
     let calibration = fs::read_to_string(trial.path("made/Calib.toml")).unwrap();
-    let renamed = (1..=4).fold(calibration, |text, camera| text.replace(&format!("C{camera}"), &format!("cam0{camera}")));
+    let renamed =
+        (1..=4).fold(calibration, |text, camera| text.replace(&format!("C{camera}"), &format!("cam0{camera}")));
     for folder in ["pose", "images", "empty"] {
         fs::create_dir(trial.path(folder)).unwrap();
     }
@@ -193,9 +194,13 @@ fn quoted_warnings_are_those_of_the_program() {
     let mut program = String::new();
     sources(&root().join("crates/sinew/src"), &mut program);
     let page = read("docs/guide/warnings.md");
-    let says = page.lines().skip_while(|line| !line.starts_with("| it says")).take_while(|line| !line.starts_with("## Errors"));
+    let says = page
+        .lines()
+        .skip_while(|line| !line.starts_with("| it says"))
+        .take_while(|line| !line.starts_with("## Errors"));
     let quoted: Vec<&str> = says.filter_map(|line| line.strip_prefix("| ")?.split(" |").next()).collect();
-    let parts: Vec<&str> = quoted.iter().filter(|cell| **cell != "it says").flat_map(|cell| cell.split('…')).map(str::trim).collect();
+    let parts: Vec<&str> =
+        quoted.iter().filter(|cell| **cell != "it says").flat_map(|cell| cell.split('…')).map(str::trim).collect();
     assert!(parts.len() > 20, "{parts:?}");
     for part in parts.iter().filter(|part| !part.is_empty()) {
         assert!(program.contains(part), "no message of the program has `{part}`");

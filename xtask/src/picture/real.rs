@@ -1,5 +1,6 @@
 //! The real recording, tracked from its keypoints: outlines of draws from the posterior over the images of four cameras.
 
+use sinew::body::{Plan, point_positions};
 use sinew::config::settings::Settings;
 use sinew::core::lanes::Isa;
 use sinew::formats::picture::write_png;
@@ -56,9 +57,10 @@ pub(super) fn png(data: &Path) -> Result<Vec<u8>, Box<dyn Error>> {
     let estimate = run.filtered.last().ok_or("no frame was tracked")?;
     let states: Vec<&[f64]> = estimate.draws.states.chunks_exact(run.tree.dof()).take(DRAWS).collect();
     let drawn = outlined(&Artist::new(&tracked, cameras.clone())?, &states, &photos);
-    let centre = [0, 1, 2].map(|axis| estimate.mean_state[axis]);
+    let mut points = vec![0.0; 3 * run.tree.points().len()];
+    point_positions(&Plan::with_all_points(&run.tree), Isa::baseline(), &estimate.mean_state, &mut points);
     let panels: Vec<RgbImage> =
-        drawn.iter().zip(&cameras).map(|(image, camera)| panel(image, camera, centre)).collect();
+        drawn.iter().zip(&cameras).map(|(image, camera)| panel(image, middle(camera, &points))).collect();
     let mut bytes = vec![];
     write_png(&mut bytes, &beside(&panels))?;
     Ok(bytes)
@@ -84,9 +86,17 @@ fn outlined(artist: &Artist, states: &[&[f64]], photos: &[Option<RgbImage>]) -> 
     photos.iter().flatten().zip(sums).map(image).collect()
 }
 
-/// The part of an image around a point of the world, at half the size.
-fn panel(image: &RgbImage, camera: &Camera, centre: [f64; 3]) -> RgbImage {
-    let [u, v] = camera.project(centre).pixel().unwrap_or(camera.image_size_px.map(|side| 0.5 * side));
+/// Middle of the rectangle around points of the world, pixels.
+fn middle(camera: &Camera, points: &[f64]) -> [f64; 2] {
+    let pixels = points.chunks_exact(3).filter_map(|p| camera.project([p[0], p[1], p[2]]).pixel());
+    let (low, high) = pixels.fold(([f64::MAX; 2], [f64::MIN; 2]), |(low, high), p| {
+        ([0, 1].map(|k: usize| low[k].min(p[k])), [0, 1].map(|k: usize| high[k].max(p[k])))
+    });
+    [0, 1].map(|k: usize| 0.5 * (low[k] + high[k]))
+}
+
+/// The part of an image around a pixel, at half the size.
+fn panel(image: &RgbImage, [u, v]: [f64; 2]) -> RgbImage {
     let corner = |middle: f64, side: usize, whole: usize| {
         (middle as usize).saturating_sub(side / 2).min(whole - side.min(whole))
     };

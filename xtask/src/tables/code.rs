@@ -1,16 +1,19 @@
-//! Tables that derive from lists in the code: settings, methods, layouts.
+//! Tables that derive from lists in the code: settings, methods, layouts, planted bugs.
 
+use crate::mutants::list;
 use sinew::config::setting::{Kind, Setting};
 use sinew::config::table::settings;
 use sinew::formats::layout;
 use sinew::methods::{About, Gives, METHODS};
 use std::fmt::Write as _;
+use std::path::Path;
 
 /// The table of that name; Markdown.
 pub(super) fn table(name: &str) -> Option<String> {
     match name.split_once(' ') {
         None if name == "methods" => Some(methods()),
         None if name == "layouts" => Some(layouts()),
+        None if name == "planted-bugs" => planted_bugs(),
         Some(("settings", group)) => of_group(group),
         _ => None,
     }
@@ -82,4 +85,19 @@ fn layouts() -> String {
         }
     }
     table
+}
+
+fn planted_bugs() -> Option<String> {
+    let bugs = list::read(Path::new(env!("CARGO_MANIFEST_DIR")).parent()?).ok()?;
+    let mut table = String::from("| bug | what it is | caught by |\n|---|---|---|\n");
+    for bug in bugs {
+        let test = |test: &list::Test| {
+            let package = test.package.strip_prefix("sinew-").unwrap_or(&test.package);
+            format!("{package}, {}: `{}`", test.target, test.test)
+        };
+        let tests: Vec<String> = bug.caught_by.iter().map(test).collect();
+        let what = bug.what.trim_end_matches('.').replace('|', "\\|");
+        let _ = writeln!(table, "| {} | {what} | {} |", bug.name, tests.join("<br>"));
+    }
+    Some(table)
 }
