@@ -1,4 +1,6 @@
-//! `cargo xtask coverage`: how often the intervals of tracked people hold the truth, and where the truth falls among the draws: the tables and figures of docs/evidence/coverage.md.
+//! `cargo xtask coverage`: how often the intervals of tracked people hold the truth.
+//!
+//! And where the truth falls among the draws: the tables and figures of docs/evidence/coverage.md.
 //!
 //! | file | what |
 //! |---|---|
@@ -17,21 +19,19 @@ mod people;
 mod scene;
 mod tables;
 
+use crate::outcome::Outcome;
 use crate::store::{Store, Task, run_all};
 use found::Found;
 use people::Person;
-use scene::{LONG, Length, SHORT, Scene, Series, Sizes, Tracker, Wrong};
+use scene::{FEW, LONG, Length, PARTICLES, SHORT, Scene, Series, Sizes, Tracker, Wrong, seeds};
 use serde_json::Value;
 use sinew::config::settings::Settings;
 use sinew::core::lanes::Isa;
 use sinew_tests::evaluation::ranks::LEVELS;
-use std::error::Error;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Instant;
-
-type Outcome<T> = Result<T, Box<dyn Error + Send + Sync>>;
 
 /// Measures how often intervals hold the truth of simulated people.
 #[derive(clap::Args)]
@@ -125,14 +125,9 @@ fn data_folder(root: &Path, given: Option<&Path>) -> PathBuf {
     given.map(Path::to_owned).or_else(named).unwrap_or_else(|| root.join("../shared/data"))
 }
 
-/// Some of the series of a scene. Their seeds are consecutive and begin far from those of other first seeds.
+/// Some of the series of a scene.
 fn series(scene: &Scene, people: &[Person], length: Length, numbers: Range<usize>, seed: u64) -> Outcome<Vec<Series>> {
     seeds(numbers, seed).into_iter().map(|seed| scene::series(scene, people, length, seed)).collect()
-}
-
-fn seeds(numbers: Range<usize>, first: u64) -> Vec<u64> {
-    let first = first.wrapping_mul(1_000_003);
-    numbers.map(|i| first.wrapping_add(i as u64)).collect()
 }
 
 /// Scenes whose ranks are drawn.
@@ -142,10 +137,6 @@ const RANKED: [Scene; 4] = [
     Scene::Person { cameras: 4, tracker: FEW, sizes: Sizes::Fitted, wrong: Wrong::Right },
     Scene::OwnModel { tracker: PARTICLES },
 ];
-
-/// The default of `bootstrap`, and what is feasible for hundreds of series.
-const PARTICLES: Tracker = Tracker::Bootstrap(10_000);
-const FEW: Tracker = Tracker::Bootstrap(2000);
 
 /// Cameras and sizes with the noise as assumed, less what is ranked.
 fn as_assumed() -> Vec<Scene> {
@@ -203,7 +194,7 @@ fn configuration(args: &Args, people: &[Person]) -> String {
     )
 }
 
-/// Series of a cell: a run that is stopped goes on from the last of these.
+/// Series of a cell: a stopped run resumes from the last of these.
 const CELL: usize = 10;
 
 /// A kind of experiment on some scenes.

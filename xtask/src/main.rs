@@ -5,6 +5,7 @@ mod chart;
 mod coverage;
 mod filter_priors;
 mod mutants;
+mod outcome;
 mod picture;
 mod reproduce;
 mod silhouettes;

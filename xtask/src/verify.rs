@@ -1,4 +1,6 @@
-//! Every statistical check in a row, with a page of results in plain words and the same as JSON: `cargo xtask verify [--nightly] [--seed S]`.
+//! `cargo xtask verify`: every statistical check in a row, with a page of results.
+//!
+//! In plain words and as JSON: `cargo xtask verify [--nightly] [--seed S]`.
 //!
 //! Random checks run in stages until their evidence is clear (the kit's `Control`), so that a rotating seed does not cry wolf: the page says how likely one false alarm among all of them is.
 
@@ -92,10 +94,10 @@ fn people(seed: u64, size: Size) -> Vec<Outcome> {
     vec![outcome]
 }
 
-/// The angles too, also the one that no keypoint tells.
+/// The angles too, also the one that no keypoint determines.
 const OF_DEGREES: Check = Check {
     name: "degrees-of-freedom",
-    claim: "the ranks of all 32 degrees of freedom of H32 are uniform on motion that the tracker's own model draws, as far as the series tell",
+    claim: "the ranks of all 32 degrees of freedom of H32 are uniform on motion that the tracker's own model draws, as far as the series show",
     run: degrees,
 };
 

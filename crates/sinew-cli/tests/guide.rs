@@ -85,7 +85,8 @@ fn own_recording(trial: &Trial) {
         let room = view.room(1);
         for frame in 0..4_u32 {
             let mut file = fs::File::create(trial.path(&format!("empty/{}_{frame:04}.png", camera.name))).unwrap();
-            picture::write(&mut file, &view.picture(&[], &room, &Stage::new(9, "empty room").at_frame(frame))).unwrap();
+            picture::write_png(&mut file, &view.picture(&[], &room, &Stage::new(9, "empty room").at_frame(frame)))
+                .unwrap();
         }
     }
     fs::write(trial.path("Calib.toml"), renamed).unwrap();

@@ -1,8 +1,10 @@
-//! Ranks of single degrees of freedom on the model's own motion: whose intervals are too narrow or too wide, and whether more draws mend it.
+//! Ranks of single degrees of freedom on the model's own motion.
+//!
+//! They show whose intervals are too narrow or too wide, and whether more draws mend it.
 
-use super::Outcome;
 use super::found::Found;
 use super::scene::{self, Tracker};
+use crate::outcome::Outcome;
 use rayon::prelude::*;
 use sinew::body::Proportions;
 use sinew::body::standard::h32;
@@ -33,12 +35,12 @@ pub(super) fn worst(count: usize, seed: u64) -> Outcome<(String, f64, f64)> {
 }
 
 fn ranked(settings: &Settings, count: usize, seed: u64) -> Outcome<Found> {
-    let seeds = super::seeds(0..count, seed);
+    let seeds = scene::seeds(0..count, seed);
     let series = seeds.into_par_iter().map(|seed| scene::own(settings, seed)).collect::<Outcome<Vec<_>>>()?;
     Ok(Found::of(&series))
 }
 
-/// The table of as many series as asked for; Markdown.
+/// The table of a number of series; Markdown.
 pub(super) fn measure(count: usize, chains: Chains, seed: u64) -> Outcome<String> {
     let usual = Hmc::default().0;
     let hmc = Hmc(hmc_filter::Config {

@@ -1,9 +1,9 @@
 //! Rank histograms, and coverage found against coverage promised.
 
 use super::found::{BINS, Found};
-use super::scene::{Scene, Sizes, Tracker, Wrong};
-use super::{Outcome, PARTICLES};
+use super::scene::{PARTICLES, Scene, Sizes, Tracker, Wrong};
 use crate::chart::{BLUE, GREEN, GREY, Line, Names, ORANGE, PURPLE, finish, panel_with};
+use crate::outcome::Outcome;
 use plotters::prelude::*;
 use sinew_tests::evaluation::ranks::LEVELS;
 use std::path::Path;

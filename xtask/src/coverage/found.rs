@@ -31,7 +31,7 @@ fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len() as f64
 }
 
-/// Mean over the series and its standard error: whole series are drawn anew.
+/// Mean over the series and its standard error: whole series are resampled.
 fn with_error(values: Vec<f64>) -> [f64; 2] {
     [mean(&values), evaluation::block_bootstrap(&[values], 1, REPLICATES, 1)]
 }

@@ -1,6 +1,8 @@
-//! People who move, and how they are filmed: trials of the CMU database on the bodies fitted to them, or synthetic walkers of several sizes where there is no data.
+//! People who move, and how they are filmed.
+//!
+//! Trials of the CMU database on the bodies fitted to them, or synthetic walkers of several sizes where there is no data.
 
-use super::Outcome;
+use crate::outcome::Outcome;
 use sinew::body::{KinematicTree, Proportions};
 use sinew::formats::{amc, asf};
 use sinew_simulate::cmu;

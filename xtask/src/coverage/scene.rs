@@ -1,7 +1,7 @@
-//! One series: a stretch of someone's motion is filmed, set up and tracked, and its truth is ranked among the draws.
+//! One series: motion that is filmed, set up and tracked, its truth ranked among the draws.
 
-use super::Outcome;
 use super::people::{Person, RATE_HZ, cut};
+use crate::outcome::Outcome;
 use serde_json::{Value, json};
 use sinew::body::Proportions;
 use sinew::body::standard::EVALUATION_JOINTS;
@@ -12,10 +12,12 @@ use sinew::setup::Setup;
 use sinew::track::Doubt;
 use sinew::tracking::bootstrap;
 use sinew_simulate::detector::DetectorNoise;
+use sinew_simulate::points::Trajectories;
 use sinew_simulate::recording::{Script, SyntheticRecording};
-use sinew_tests::evaluation::{self, Track, own_model, ranks};
+use sinew_tests::evaluation::{self, Filtered, Track, own_model, ranks};
 use sinew_tests::simulated_source::source;
 use std::collections::BTreeSet;
+use std::ops::Range;
 use std::sync::Arc;
 
 /// How long a series is.
@@ -206,7 +208,7 @@ pub(super) struct Series {
     pub(super) error_m: f64,
     /// Share of the judged frames whose split R-hat is above 1.05.
     pub(super) disagreeing: f64,
-    /// Kinds of doubts told.
+    /// Kinds of warnings.
     pub(super) doubts: Vec<String>,
 }
 
@@ -232,6 +234,16 @@ impl Series {
             doubts: doubts.filter_map(|doubt| doubt.as_str().map(String::from)).collect(),
         }
     }
+}
+
+/// The default of `bootstrap`, and what is feasible for hundreds of series.
+pub(super) const PARTICLES: Tracker = Tracker::Bootstrap(10_000);
+pub(super) const FEW: Tracker = Tracker::Bootstrap(2000);
+
+/// Consecutive seeds that begin far from those of other first seeds.
+pub(super) fn seeds(numbers: Range<usize>, first: u64) -> Vec<u64> {
+    let first = first.wrapping_mul(1_000_003);
+    numbers.map(|i| first.wrapping_add(i as u64)).collect()
 }
 
 /// Simulates and tracks the series of a seed.
@@ -309,19 +321,24 @@ fn person(
     let setup = evaluation::set_up(&mut source(&shown), 0..end, &settings, change)?;
     let found =
         evaluation::filter(&mut source(&tracked), &setup, end - length.tracked.min(seen) as u64..end, &settings)?;
+    Ok(judged(&found, &truth))
+}
+
+/// What the last frames of a tracked stretch say of its truth.
+fn judged(found: &Filtered, truth: &Trajectories) -> Series {
     let judged = &found.estimates[found.estimates.len() - JUDGED..];
     let flat = |frame: Vec<[u32; 3]>| frame.into_iter().flatten().collect::<Vec<u32>>();
     let ranked: Vec<Vec<u32>> =
-        ranks::of_points(&found.tree, judged, &truth, &EVALUATION_JOINTS).into_iter().map(flat).collect();
-    let in_files = evaluation::covered(&found.tree, judged, &truth, &EVALUATION_JOINTS);
+        ranks::of_points(&found.tree, judged, truth, &EVALUATION_JOINTS).into_iter().map(flat).collect();
+    let in_files = evaluation::covered(&found.tree, judged, truth, &EVALUATION_JOINTS);
     let mean = |x: &[f64]| x.iter().sum::<f64>() / x.len() as f64;
-    let target: Track = truth.select(&EVALUATION_JOINTS).frames[seen - JUDGED..]
+    let target: Track = truth.select(&EVALUATION_JOINTS).frames[truth.frames.len() - JUDGED..]
         .iter()
         .map(|frame| frame.iter().map(|&point| Some(point)).collect())
         .collect();
     let track = evaluation::positions(&found.tree, judged, &EVALUATION_JOINTS);
     let doubts: BTreeSet<&str> = found.doubts.iter().map(Doubt::kind).collect();
-    Ok(Series {
+    Series {
         covered: covered(&ranked),
         ranks: ranked.last().cloned().unwrap_or_default(),
         state_ranks: vec![],
@@ -329,5 +346,5 @@ fn person(
         error_m: evaluation::mean_distance(&track, &target, 0..JUDGED),
         disagreeing: judged.iter().filter(|e| e.r_hat.is_some_and(|r| r > 1.05)).count() as f64 / JUDGED as f64,
         doubts: doubts.into_iter().map(String::from).collect(),
-    })
+    }
 }

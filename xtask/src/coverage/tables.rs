@@ -1,8 +1,7 @@
 //! The tables, for docs and for programs.
 
-use super::Scene;
 use super::found::{Found, Uniform};
-use super::scene::{Sizes, Wrong};
+use super::scene::{Scene, Sizes, Wrong};
 use sinew::body::standard::EVALUATION_JOINTS;
 use sinew_tests::evaluation::ranks::LEVELS;
 
@@ -33,88 +32,114 @@ fn uniform(found: Option<Uniform>) -> String {
     }
 }
 
+/// Adds a line to a text.
+fn line(text: &mut String, row: &str) {
+    text.extend([row, "\n"]);
+}
+
 /// All tables; Markdown.
 pub(super) fn markdown(series: &[(Scene, Found)], recordings: &[(Scene, Found)], ranked: &[Scene]) -> String {
     let mut text = String::new();
-    let mut line = |row: String| text.extend([row.as_str(), "\n"]);
-    let ranks = |scene: &Scene| ranked.contains(scene);
-    for (scene, found) in series.iter().filter(|(scene, _)| ranks(scene)) {
-        let [method, cameras, sizes, keypoints] = named(scene);
-        line(format!(
-            "\n{method}, {cameras} cameras, sizes {sizes}, keypoints {keypoints}; {} series:\n",
-            found.series
-        ));
-        line(format!("| joint |{}", levels()));
-        line(format!("|---|{}", "---|".repeat(LEVELS.len())));
-        let pooled: String = found.pooled().into_iter().map(|share| format!(" {} |", percent(share))).collect();
-        line(format!("| all |{pooled}"));
-        for (j, joint) in EVALUATION_JOINTS.iter().enumerate() {
-            let cells: String = (0..LEVELS.len()).map(|l| format!(" {} |", percent(found.joint(l, j)))).collect();
-            line(format!("| {joint} |{cells}"));
-        }
+    let ranked: Vec<&(Scene, Found)> = series.iter().filter(|(scene, _)| ranked.contains(scene)).collect();
+    ranked.iter().for_each(|(scene, found)| joints(&mut text, scene, found));
+    ranks(&mut text, &ranked, series);
+    coverages(&mut text, series, true);
+    coverages(&mut text, series, false);
+    warnings(&mut text, recordings);
+    text
+}
+
+fn pooled(found: &Found) -> String {
+    found.pooled().into_iter().map(|share| format!(" {} |", percent(share))).collect()
+}
+
+/// Coverage of each joint in a scene.
+fn joints(text: &mut String, scene: &Scene, found: &Found) {
+    let [method, cameras, sizes, keypoints] = named(scene);
+    let title = format!("{method}, {cameras} cameras, sizes {sizes}, keypoints {keypoints}");
+    line(text, &format!("\n{title}; {} series:\n", found.series));
+    line(text, &format!("| joint |{}", levels()));
+    line(text, &format!("|---|{}", "---|".repeat(LEVELS.len())));
+    line(text, &format!("| all |{}", pooled(found)));
+    for (j, joint) in EVALUATION_JOINTS.iter().enumerate() {
+        let cells: String = (0..LEVELS.len()).map(|l| format!(" {} |", percent(found.joint(l, j)))).collect();
+        line(text, &format!("| {joint} |{cells}"));
     }
-    line("\n| method | keypoints | series | bias | width | joints: p, (below 0.05) | state: p, (below 0.05) |".into());
-    line("|---|---|---|---|---|---|---|".into());
-    for (scene, found) in series.iter().filter(|(scene, _)| ranks(scene)) {
+}
+
+/// Shapes of the ranks of scenes, and of single degrees of freedom where they are known.
+fn ranks(text: &mut String, ranked: &[&(Scene, Found)], series: &[(Scene, Found)]) {
+    line(text, "\n| method | keypoints | series | bias | width | joints: p, (below 0.05) | state: p, (below 0.05) |");
+    line(text, "|---|---|---|---|---|---|---|");
+    for (scene, found) in ranked {
         let [method, _, _, keypoints] = named(scene);
         let shape = found.shape();
-        line(format!(
+        let row = format!(
             "| {method} | {keypoints} | {} | {:+.3} | {:.3} | {} | {} |",
             found.series,
             shape.bias,
             shape.width,
             uniform(found.uniform_points()),
             uniform(found.uniform_state())
-        ));
+        );
+        line(text, &row);
     }
     for (scene, found) in series.iter().filter(|(_, found)| !found.state().is_empty()) {
         let [method, _, _, keypoints] = named(scene);
-        line(format!("\n{method}, keypoints {keypoints}, ranks of each degree of freedom; {} series:\n", found.series));
-        line(super::coordinates::table(found));
+        let title = format!("{method}, keypoints {keypoints}, ranks of each degree of freedom");
+        line(text, &format!("\n{title}; {} series:\n", found.series));
+        line(text, &super::coordinates::table(found));
     }
-    for (title, first, wanted) in [
-        ("Noise as assumed", "method, cameras, sizes", true),
-        ("Otherwise; hmc, four cameras, sizes of the set-up", "keypoints", false),
-    ] {
-        line(format!("\n{title}:\n"));
-        line(format!(
-            "| {first} | series |{} mean distance from promise | in files, 90 % | error, mm | R-hat above 1.05 |",
-            levels()
-        ));
-        line(format!("|---|---|{}---|---|---|---|", "---|".repeat(LEVELS.len())));
-        for (scene, found) in series {
-            let Scene::Person { wrong, .. } = scene else { continue };
-            if (*wrong == Wrong::Right) != wanted {
-                continue;
-            }
-            let [method, cameras, sizes, keypoints] = named(scene);
-            let name = if wanted { format!("{method}, {cameras}, {sizes}") } else { keypoints };
-            let pooled: String = found.pooled().into_iter().map(|share| format!(" {} |", percent(share))).collect();
-            line(format!(
-                "| {name} | {} |{pooled} {:.1} | {} | {:.1} | {:.0} % |",
-                found.series,
-                100.0 * found.calibration_error(),
-                percent(found.in_files()),
-                found.error_mm(),
-                100.0 * found.disagreeing()
-            ));
+}
+
+/// Coverages of people whose keypoints are as assumed, or otherwise.
+fn coverages(text: &mut String, series: &[(Scene, Found)], as_assumed: bool) {
+    let [title, first] = if as_assumed {
+        ["Noise as assumed", "method, cameras, sizes"]
+    } else {
+        ["Otherwise; hmc, four cameras, sizes of the set-up", "keypoints"]
+    };
+    line(text, &format!("\n{title}:\n"));
+    let last = "mean distance from promise | in files, 90 % | error, mm | R-hat above 1.05 |";
+    line(text, &format!("| {first} | series |{} {last}", levels()));
+    line(text, &format!("|---|---|{}---|---|---|---|", "---|".repeat(LEVELS.len())));
+    for (scene, found) in series {
+        let Scene::Person { wrong, .. } = scene else { continue };
+        if (*wrong == Wrong::Right) != as_assumed {
+            continue;
         }
+        let [method, cameras, sizes, keypoints] = named(scene);
+        let name = if as_assumed { format!("{method}, {cameras}, {sizes}") } else { keypoints };
+        let row = format!(
+            "| {name} | {} |{} {:.1} | {} | {:.1} | {:.0} % |",
+            found.series,
+            pooled(found),
+            100.0 * found.calibration_error(),
+            percent(found.in_files()),
+            found.error_mm(),
+            100.0 * found.disagreeing()
+        );
+        line(text, &row);
     }
-    line("\nWarnings, recordings of at most 120 frames:\n".into());
-    line("| cameras | sizes | keypoints | coverage, 90 % | recordings with a warning | of which |".into());
-    line("|---|---|---|---|---|---|".into());
+}
+
+/// How many recordings have warnings.
+fn warnings(text: &mut String, recordings: &[(Scene, Found)]) {
+    line(text, "\nWarnings, recordings of at most 120 frames:\n");
+    line(text, "| cameras | sizes | keypoints | coverage, 90 % | recordings with a warning | of which |");
+    line(text, "|---|---|---|---|---|---|");
     for (scene, found) in recordings {
         let [_, cameras, sizes, keypoints] = named(scene);
         let (kinds, any) = found.warned();
         let kinds: Vec<String> = kinds.into_iter().map(|(kind, count)| format!("{kind} {count}")).collect();
         let kinds = if kinds.is_empty() { "–".into() } else { kinds.join(", ") };
         let share = percent(found.pooled_at(0.9));
-        line(format!("| {cameras} | {sizes} | {keypoints} | {share} | {any} of {} | {kinds} |", found.series));
+        let row = format!("| {cameras} | {sizes} | {keypoints} | {share} | {any} of {} | {kinds} |", found.series);
+        line(text, &row);
     }
     let expected = recordings.iter().filter(|(scene, _)| is_right(scene));
     let [alarms, of] = expected.fold([0, 0], |[a, n], (_, found)| [a + found.warned().1, n + found.series]);
-    line(format!("\n{alarms} of {of} recordings whose noise and sizes are as assumed have a warning."));
-    text
+    line(text, &format!("\n{alarms} of {of} recordings whose noise and sizes are as assumed have a warning."));
 }
 
 /// Whether nothing about a scene is wrong.

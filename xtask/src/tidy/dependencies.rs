@@ -1,6 +1,6 @@
 //! How many packages the facade builds, counted from `cargo metadata`.
 
-use super::Violation;
+use super::workspace::Violation;
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;

@@ -1,6 +1,6 @@
 //! Markdown pages: every link leads somewhere, every page is listed, words are plain.
 
-use super::Violation;
+use super::workspace::Violation;
 use std::collections::BTreeMap;
 use std::fs;
 use std::io;

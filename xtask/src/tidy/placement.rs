@@ -1,6 +1,6 @@
 //! Where things are: the top level holds what docs/ARCHITECTURE.md lists, and every module opens with a `//!` line.
 
-use super::{Violation, Workspace};
+use super::workspace::{Violation, Workspace};
 
 const TOP: [&str; 17] = [
     ".cargo",

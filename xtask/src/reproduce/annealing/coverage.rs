@@ -1,11 +1,13 @@
-//! How often the truth lies in the intervals of a weighted set: linear-Gaussian series, where the posterior is proper and known.
+//! How often the truth lies in the intervals of a weighted set.
+//!
+//! On linear-Gaussian series, where the posterior is proper and known.
 //!
 //! A series is simulated from the model with which it is tracked, so that a tracker whose draws are those of the posterior covers what it says. For each coordinate and frame the truth's place u = Σ W_i 1(s_i < truth) among
 //! the weighted draws is taken; the central interval of level p holds it where |u − ½| < p / 2. Beside it stand the standard deviations of the set over the exact ones, and the distance of its mean from the exact mean in
 //! exact standard deviations. Errors are over series.
 
-use super::Outcome;
 use super::film::annealed;
+use crate::outcome::Outcome;
 use serde_json::{Value, json};
 use sinew::core::lanes::Isa;
 use sinew::core::random::Stage;

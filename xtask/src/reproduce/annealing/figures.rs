@@ -3,8 +3,9 @@
 use super::coverage::{LEVELS, SHOWN};
 use super::expectations::{errors, with_error};
 use super::film::{LAYERS, Method, SCORES, SURVIVALS, annealed};
-use super::{Outcome, Part, Study};
+use super::study::{Part, Study};
 use crate::chart::{BLUE, GREEN, GREY, Line, Names, ORANGE, PURPLE, finish, panel_with};
+use crate::outcome::Outcome;
 use plotters::prelude::*;
 use std::path::Path;
 

@@ -6,7 +6,7 @@
 //!
 //! Errors are standard errors over independent weighted sets, or runs, and the schemes share the sets and the runs' random numbers.
 
-use super::Outcome;
+use crate::outcome::Outcome;
 use serde_json::{Value, json};
 use sinew::core::lanes::{Block, Isa};
 use sinew::core::random::Stage;

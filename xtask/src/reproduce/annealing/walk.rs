@@ -1,8 +1,8 @@
-//! A walk as the tracker's body makes it: HPPF24 in the person's size, fitted to the joints frame by frame.
+//! A walk as HPPF24 in the person's size makes it, fitted to the joints frame by frame.
 //!
 //! The walk that is tracked is 07_01 of the CMU database, and what is tuned is tuned on 07_02 and 07_05 of the same person. Without the recordings the synthetic walker takes their place, with another stride for tuning.
 
-use super::Outcome;
+use crate::outcome::Outcome;
 use sinew::body::fit::{Config, Target, fit_pose};
 use sinew::body::standard::EVALUATION_JOINTS;
 use sinew::body::{KinematicTree, Plan, hppf24};
@@ -25,7 +25,7 @@ pub(super) struct Walk {
     pub(super) states: Vec<Vec<f64>>,
 }
 
-/// Segments whose lengths tell the size.
+/// Segments whose lengths determine the size.
 const LIMBS: [(&str, &str); 8] = [
     ("LShoulder", "LElbow"),
     ("RShoulder", "RElbow"),

@@ -1,8 +1,14 @@
-//! Variance of an estimator against its cost, and the ratio of two costs at equal variance (spec: fifty runs, geometric mean over the state's variables).
+//! Variance of an estimator against its cost, and the ratio of two costs at equal variance.
+//!
+//! Fifty runs, the geometric mean over the state's variables.
 
 use super::chains::Variant;
-use super::store::{numbers, rows};
-use super::{Model, Outcome, Setting, Source, Store, Study, cell_key, factor_key, reference_key};
+use super::problem::Model;
+use super::scene::Source;
+use super::single::Setting;
+use super::study::{Study, cell_key, factor_key, reference_key};
+use crate::outcome::Outcome;
+use crate::store::{Store, numbers, rows};
 use serde_json::Value;
 use sinew::core::random::Stage;
 
@@ -203,6 +209,15 @@ pub(super) fn slope(study: &Study, cells: &[Cell]) -> f64 {
     let n = points.len() as f64;
     let [x, y] = [points.iter().map(|p| p.0).sum::<f64>() / n, points.iter().map(|p| p.1).sum::<f64>() / n];
     points.iter().map(|p| (p.0 - x) * (p.1 - y)).sum::<f64>() / points.iter().map(|p| (p.0 - x).powi(2)).sum::<f64>()
+}
+
+/// Geometric mean of ratios over frames with the 95 % interval that follows from those of the frames.
+pub(super) fn over_frames(ratios: &[Ratio]) -> [f64; 3] {
+    let logs: Vec<f64> = ratios.iter().map(|r| r.value.ln()).collect();
+    let variance = |r: &Ratio| ((r.interval[1] / r.interval[0]).ln() / (2.0 * 1.96)).powi(2);
+    let error = ratios.iter().map(variance).sum::<f64>().sqrt() / ratios.len() as f64;
+    let middle = logs.iter().sum::<f64>() / logs.len() as f64;
+    [middle, middle - 1.96 * error, middle + 1.96 * error].map(f64::exp)
 }
 
 /// Base-ten logarithms of the volume ratio of prior and posterior: by marginal standard deviations and by determinants.

@@ -1,12 +1,14 @@
-//! The multi-frame study: both filters on 25 frames of walking with 50 draws of the image noise, 10 and 28 degrees of freedom.
+//! The multi-frame study: both filters on 25 frames of walking.
+//!
+//! 50 draws of the image noise, 10 and 28 degrees of freedom.
 //!
 //! For each frame: the log likelihood of the mean state, the log prior of the true state (the prior of the frame is a mixture about what the filter holds), and the
 //! mean distance of the joints of the mean state from the true ones. The mean state of frame 10 is kept for Fig. 6.
 
-use super::Outcome;
 use super::chains::{BURN_IN, Step};
 use super::problem::{Likelihood, Model};
 use super::scene::{self, Motion, Source};
+use crate::outcome::Outcome;
 use serde_json::{Value, json};
 use sinew::body::{Plan, point_positions};
 use sinew::core::density::LogDensity as _;

@@ -3,10 +3,10 @@
 //! For each of six frames, three parts of the body and each setting of Table 1, fifty independent runs estimate the posterior mean of one fixed observation. A cell
 //! holds the means of its runs; everything else is computed from them and the reference ([`super::claims`]).
 
-use super::Outcome;
 use super::chains::{self, Step, Variant};
 use super::importance::{weigh, weigh_parts};
 use super::problem::Problem;
+use crate::outcome::Outcome;
 use serde_json::{Value, json};
 use sinew::core::diagnostics::{effective_sample_size, split_r_hat};
 use sinew::core::random::Stage;

@@ -4,7 +4,7 @@
 //! another, then has few of them or none, and a part of which no contour counts misses nothing: the choice of the best part by λ_k is drawn to poses that hide it. Here a part is seen as if it were alone: none of its
 //! contour is left out, wherever it lies. The whole body is judged as ever.
 
-use super::Outcome;
+use crate::outcome::Outcome;
 use sinew::body::KinematicTree;
 use sinew::body::flesh::{Flesh, Solid};
 use sinew::core::density::{LogDensity, PartLogDensity};

@@ -1,7 +1,7 @@
 //! What stored cells say: means over frames with their errors over seeds, and paired differences.
 
-use super::Outcome;
 use super::contender::Contender;
+use crate::outcome::Outcome;
 use crate::store::{Store, numbers};
 use serde_json::Value;
 use sinew_simulate::segmentation_noise::Level;
@@ -30,6 +30,11 @@ impl Estimate {
             Self::Second => "second",
         }
     }
+}
+
+/// Name of a level.
+pub(super) fn level_name(level: Level) -> &'static str {
+    Level::ALL.iter().find(|(_, of)| *of == level).map_or("", |(name, _)| name)
 }
 
 /// Finished cells of some seeds.

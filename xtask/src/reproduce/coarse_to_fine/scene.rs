@@ -1,11 +1,11 @@
-//! The sequence of the study: CMB before the camera C1, the tracker's body in the subject's size, true poses, and what is learned from other trials.
+//! The sequence of the study: motion, body, true poses, and what is learned from other trials.
 //!
 //! - **Test**: the first 330 frames of CMB at 60 frames a second (walking, 2 s of a join, the start of running). Without recordings the synthetic sequence.
 //! - **Body**: HPPF24 with cylinders. One scale, that of least squares of the lengths of limbs, trunk and head against those of the subject.
-//! - **True poses**: fitted to the joints frame by frame. Only the first one is told to the trackers.
+//! - **True poses**: fitted to the joints frame by frame. Trackers are given only the first one.
 //! - **Training**: two other walks of the subject, joined and bent as the test is; there is no other trial of running. δ are the standard deviations of the changes of the poses fitted to it. Ranges are nominal ones of the body; ±3 m around the start for the position, where the specification says ±2 m: the subject goes round on a circle 2.4 m across.
 
-use super::Outcome;
+use crate::outcome::Outcome;
 use sinew::body::fit::{self, Target, fit_pose};
 use sinew::body::standard::EVALUATION_JOINTS;
 use sinew::body::{KinematicTree, Plan, hppf24};
@@ -31,7 +31,7 @@ const REACH_M: f64 = 3.0;
 /// Trials for training, with the skeleton `07`.
 const TRAINING: [&str; 2] = ["07_02", "07_05"];
 
-/// Segments whose lengths tell the scale.
+/// Segments whose lengths determine the scale.
 const SEGMENTS: [(&str, &str); 10] = [
     ("MidHip", "Neck"),
     ("Neck", "Head"),
@@ -83,7 +83,7 @@ fn lengths(points: &Trajectories, frame: usize) -> Vec<f64> {
     SEGMENTS.iter().map(length).collect()
 }
 
-/// The scale of the body that fits best the lengths of a motion's first frame, which are those of all its frames.
+/// The scale of the body that fits best the lengths of a motion's first frame; all its frames have the same.
 fn scale_of(motion: &Trajectories) -> f64 {
     let body = of_states(&hppf24::tree(1.0), &[vec![0.0; 24]]);
     let (own, theirs) = (lengths(&body, 0), lengths(motion, 0));
@@ -207,7 +207,7 @@ impl Scene {
         all.iter().filter(|inside| **inside).count() as f64 / all.len() as f64
     }
 
-    /// Continues a hash over all that trackers are told and compared with.
+    /// Continues a hash over all that trackers are given and compared with.
     pub(super) fn hash(&self, hash: u64) -> u64 {
         let numbers = self.truth.iter().flatten().copied();
         let grid = self.ranges.iter().flat_map(|range| [range.low, range.high, range.width]);
