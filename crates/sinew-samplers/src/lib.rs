@@ -39,6 +39,7 @@ pub mod hmc;
 pub mod importance;
 pub mod jumps;
 pub mod learned;
+pub mod likelihood_weighting;
 pub mod metric;
 pub mod moments;
 pub mod nuts;
