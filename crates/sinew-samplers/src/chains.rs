@@ -61,6 +61,29 @@ impl Draws {
         let value = |index: usize| self.states[index / LANES * self.dim + coordinate].0[index % LANES];
         (0..self.chains).map(|i| (i..self.stats.len()).step_by(self.chains).map(value).collect()).collect()
     }
+
+    /// The draws of some of the chains, in the order of `chosen`; acceptance and divergences are the kept draws' own.
+    #[must_use]
+    pub fn select(&self, chosen: &[usize]) -> Self {
+        let (dim, chains) = (self.dim, chosen.len());
+        let kept = self.stats.len() / self.chains.max(1);
+        let from = |draw: usize| draw / chains * self.chains + chosen[draw % chains];
+        let lane = |blocks: &[Block], index: usize, j: usize| blocks[index / LANES * dim + j].0[index % LANES];
+        let gather = |blocks: &[Block], count: usize| {
+            let mut gathered = vec![Block::ZERO; count.div_ceil(LANES) * dim];
+            for draw in 0..count {
+                for j in 0..dim {
+                    gathered[draw / LANES * dim + j].0[draw % LANES] = lane(blocks, from(draw), j);
+                }
+            }
+            gathered
+        };
+        let stats: Vec<ChainStat> = (0..kept * chains).map(|draw| self.stats[from(draw)]).collect();
+        let acceptance = stats.iter().map(|stat| stat.acceptance).sum::<f64>() / stats.len().max(1) as f64;
+        let divergences = stats.iter().filter(|stat| stat.divergent).count();
+        let (states, last) = (gather(&self.states, kept * chains), gather(&self.last, chains));
+        Self { dim, chains, states, stats, last, acceptance, divergences }
+    }
 }
 
 /// How well the draws represent their target.

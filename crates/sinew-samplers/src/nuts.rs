@@ -20,7 +20,7 @@
 mod draws;
 mod trees;
 
-pub use draws::{Run, draw};
+pub use draws::{Run, adapt, draw};
 pub use trees::Trees;
 
 use crate::Error;

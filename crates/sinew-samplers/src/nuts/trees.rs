@@ -107,6 +107,8 @@ pub struct Trees {
     pub(super) workspace: Vec<Block>,
     /// Signed factors of the steps; 0 in lanes that stand still.
     pub(super) factor: Block,
+    /// What the steps of each lane's next transitions are multiplied with.
+    pub(super) scale: Block,
     momenta: Momenta,
     pub(super) lanes: [Lane; LANES],
 }
@@ -142,6 +144,7 @@ impl Trees {
             gradient,
             workspace,
             factor: Block::ZERO,
+            scale: Block::splat(1.0),
             momenta: Momenta { normal: blocks, uniform: Block::ZERO, used: LANES },
             lanes: [Lane::default(); LANES],
         })
@@ -172,7 +175,7 @@ impl Trees {
             to.0[lane] = from.0[*used];
             square += from.0[*used] * from.0[*used];
         }
-        let factor = 1.0 + nuts.jitter * (2.0 * uniform.0[*used] - 1.0);
+        let factor = self.scale.0[lane] * (1.0 + nuts.jitter * (2.0 * uniform.0[*used] - 1.0));
         *used += 1;
         self.moving.at.copy(&self.candidate, lane);
         self.other.at.copy(&self.candidate, lane);
