@@ -28,11 +28,13 @@
 //! # Ok::<(), sinew_samplers::Error>(())
 //! ```
 pub mod annealed_search;
+pub mod ascent;
 pub mod chains;
 pub mod crossover;
 pub mod curvature;
 pub mod decoded;
 pub mod diffusion;
+pub mod dual_averaging;
 mod error;
 pub mod gaussian_mixture;
 pub mod grid;
@@ -57,6 +59,7 @@ pub mod temperature;
 pub mod tempered_smc;
 mod triangular;
 pub mod tuning;
+pub mod warm_up;
 pub mod weighted_resampling;
 pub mod weights;
 

@@ -2,7 +2,7 @@
 
 use sinew_core::lanes::{Block, Isa, LANES};
 use sinew_core::random::BlockRng;
-use sinew_core::transition::{Moments, Transition};
+use sinew_core::transition::{Moments, MotionModel, Transition};
 use sinew_samplers::moments;
 use sinew_samplers::resample::{Ancestors, systematic};
 
