@@ -2,20 +2,26 @@
 //!
 //! Used by the fuzz targets and by `tests/tests/corpus.rs`, like [`super::checks`].
 
-use sinew::checkpoint::{Checkpoint, Problem};
+use sinew::config::settings::Settings;
+use sinew::input::in_memory::InMemory;
+use sinew::input::recording::Options;
+use sinew::input::source::FrameSource;
 use sinew::inspect::{Subject, file_facts};
+use sinew::methods::{Bootstrap, Hmc, Method};
 use sinew::observe::Detection;
 use sinew::observe::association::Person;
-use sinew::pipeline::{FrameSource, Method, Pipeline, Settings};
-use sinew::recording::Options;
+use sinew::results::problem::Problem;
 use sinew::setup::{Request, Setup, set_up};
-use sinew::synthetic::recording::{Recording, Script};
+use sinew::track::Pipeline;
+use sinew::track::checkpoint::Checkpoint;
+use sinew::tracking::{bootstrap, hmc_filter};
 use sinew::{Error, formats::Layout, observe::Camera};
+use sinew_simulate::recording::{Script, SyntheticRecording};
 use std::cell::RefCell;
 use std::fs;
 use std::ops::{ControlFlow, Range};
 use std::path::{Path, PathBuf};
-use std::sync::LazyLock;
+use std::sync::{Arc, LazyLock};
 
 /// Whether a failure can be told: it has words, and an exit code of the table.
 fn told<T>(result: Result<T, Error>) -> Option<T> {
@@ -111,9 +117,11 @@ fn decoded(data: &[u8]) {
 }
 
 /// What the frames of [`filter_step`] begin with: a walker, two frames of four cameras, a set-up.
-static SCENE: LazyLock<(Recording, Setup)> = LazyLock::new(|| {
+static SCENE: LazyLock<(InMemory, Setup)> = LazyLock::new(|| {
     let script = Script { duration_s: 0.4, ..Script::default() };
-    let mut recording = Recording::new(&script, 3).expect("a recording");
+    let SyntheticRecording { cameras, layout, keypoints, .. } =
+        SyntheticRecording::new(&script, 3).expect("a recording");
+    let mut recording = InMemory { cameras, layout, keypoints };
     let frames: Vec<_> = (0..12).map(|number| Ok((number, recording.people(number)?))).collect();
     let found = set_up(&recording.cameras, &recording.layout, &Request::default(), frames);
     let (mut setup, _) = found.expect("a set-up");
@@ -123,7 +131,7 @@ static SCENE: LazyLock<(Recording, Setup)> = LazyLock::new(|| {
 
 /// A frame of the walker, changed by bytes.
 struct Changed<'a> {
-    recording: &'a Recording,
+    recording: &'a InMemory,
     people: Vec<Vec<Person>>,
 }
 
@@ -170,9 +178,11 @@ pub fn filter_step(data: &[u8]) {
             _ => view.rotate_left(1),
         }
     }
-    let method = if first % 16 == 15 { Method::Hmc } else { Method::Bootstrap };
-    let settings =
-        Settings { method, chains: 8, updates: 1, burn_in: 0, particles: 8, draws: 2, ..Settings::default() };
+    let method: Arc<dyn Method> = match first % 16 {
+        15 => Arc::new(Hmc(hmc_filter::Config { chains: 8, updates: 1, burn_in: 0, ..Hmc::default().0 })),
+        _ => Arc::new(Bootstrap(bootstrap::Config { particles: 8, ..bootstrap::Config::default() })),
+    };
+    let settings = Settings { method, draws: 2, ..Settings::default() };
     let tree = setup.tree();
     let pipeline = Pipeline::new(setup, &tree, &recording.cameras, &recording.layout, settings);
     let Some(mut pipeline) = told(pipeline) else { return };

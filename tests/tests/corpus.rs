@@ -65,7 +65,7 @@ fn valid_files_are_read() {
     let skeleton = formats::asf::read("valid", skeleton).unwrap();
     assert_eq!(formats::amc::read("valid", motion, &skeleton).unwrap().frames.len(), 2);
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../fuzz/corpus/checkpoint/valid");
-    assert_eq!(sinew::checkpoint::Checkpoint::decode(&std::fs::read(path).unwrap()).unwrap().done, 7);
+    assert_eq!(sinew::track::checkpoint::Checkpoint::decode(&std::fs::read(path).unwrap()).unwrap().done, 7);
     assert_eq!(formats::mask::read("valid", &bytes("mask")).unwrap().image.count(), 16 * 12);
     assert_eq!(formats::picture::read("valid", &bytes("picture")).unwrap().width, 37);
     formats::tidy_csv::read_numbers("valid", &text("tidy_csv")).unwrap();

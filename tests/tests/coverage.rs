@@ -1,10 +1,11 @@
 //! Coverage of the central 50, 80, 90 and 95 % intervals on synthetic recordings whose errors are the stated ones.
 
 use sinew::body::standard::EVALUATION_JOINTS;
-use sinew::evaluation::{self, ranks};
-use sinew::pipeline::Settings;
-use sinew::synthetic::detector::DetectorNoise;
-use sinew::synthetic::recording::{Recording, Script};
+use sinew::config::settings::Settings;
+use sinew_simulate::detector::DetectorNoise;
+use sinew_simulate::recording::{Script, SyntheticRecording};
+use sinew_tests::evaluation::{self, ranks};
+use sinew_tests::simulated_source::source;
 
 /// Two walks with known proportions: the intervals must mean what they say. With the proportions of the set-up and a few seconds of motion, `docs/accuracy.md` has the numbers; hundreds of short series
 /// of recorded motion are in `docs/calibration.md`.
@@ -14,12 +15,12 @@ fn intervals_cover_the_truth_of_a_walk_as_often_as_they_promise() {
     let mut in_files = vec![];
     let mut by_level: [Vec<Vec<f64>>; ranks::LEVELS.len()] = Default::default();
     for seed in [1, 2] {
-        let mut recording = Recording::new(&script, seed).unwrap();
+        let recording = SyntheticRecording::new(&script, seed).unwrap();
         let frames = recording.truth.frames.len() as u64;
         let truth = recording.truth.clone();
         let settings = Settings { seed, fps: script.rate_hz, draws: ranks::DRAWS, ..Settings::default() };
         let known = Some(&script.proportions);
-        let run = evaluation::run(&mut recording, 0..frames, 0..frames, &settings, known).unwrap();
+        let run = evaluation::run(&mut source(&recording), 0..frames, 0..frames, &settings, known).unwrap();
         let covered = evaluation::covered(&run.tree, &run.filtered, &truth, &EVALUATION_JOINTS);
         in_files.push(covered.iter().map(|f| f.iter().sum::<f64>() / f.len() as f64).collect::<Vec<f64>>());
         let ranked = ranks::of_points(&run.tree, &run.filtered, &truth, &EVALUATION_JOINTS);

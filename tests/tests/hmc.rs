@@ -16,11 +16,11 @@ use sinew::dynamics::prior::Prior;
 use sinew::observe::{
     Camera, Detection, KeypointFrame, KeypointModel, MarkerLikelihood, MarkerModel, Noise, ObservationModel, View,
 };
-use sinew::problem28;
 use sinew::samplers::chains::{Schedule, draw};
 use sinew::samplers::hmc::{End, Hmc, leapfrog};
 use sinew::samplers::metric::{Dense, Metric, laplace};
 use sinew::samplers::starts::laplace_starts;
+use sinew_tests::problem28;
 use std::sync::Arc;
 
 const UNIT: Block = Block::splat(1.0);

@@ -1,10 +1,11 @@
 //! The real recording: set-up from frames 0–59, judged on frames 60–99. Skipped where the shared data are missing.
 
-use sinew::evaluation::{self, LIMB_JOINTS, LeftOut, Track};
+use sinew::config::settings::Settings;
 use sinew::formats::trc;
+use sinew::input::recording::{Options, Recording};
+use sinew::input::source::FrameSource as _;
 use sinew::observe::association::Person;
-use sinew::pipeline::{FrameSource as _, Settings};
-use sinew::recording::{Options, Recording};
+use sinew_tests::evaluation::{self, LIMB_JOINTS, LeftOut, Track};
 use std::path::{Path, PathBuf};
 
 const RATE_HZ: f64 = 60.0;

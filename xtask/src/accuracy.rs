@@ -5,17 +5,21 @@
 mod effort;
 
 use sinew::body::standard::EVALUATION_JOINTS;
-use sinew::estimate::FrameEstimate;
-use sinew::evaluation::{self, LIMB_JOINTS, LeftOut, PixelErrors, Run, Track};
+use sinew::config::settings::Settings;
 use sinew::formats::{amc, asf, trc};
+use sinew::input::in_memory::InMemory;
+use sinew::input::recording::{Options, Recording};
+use sinew::input::source::FrameSource as _;
+use sinew::methods::{bootstrap, hmc};
 use sinew::observe::Noise;
 use sinew::observe::association::Person;
-use sinew::pipeline::{FrameSource as _, Method, Settings};
-use sinew::recording::{Options, Recording};
-use sinew::synthetic::cmu;
-use sinew::synthetic::detector::DetectorNoise;
-use sinew::synthetic::points::Trajectories;
-use sinew::synthetic::recording::{Recording as Synthetic, Script};
+use sinew::results::estimate::FrameEstimate;
+use sinew_simulate::cmu;
+use sinew_simulate::detector::DetectorNoise;
+use sinew_simulate::points::Trajectories;
+use sinew_simulate::recording::{Script, SyntheticRecording};
+use sinew_tests::evaluation::{self, LIMB_JOINTS, LeftOut, PixelErrors, Run, Track};
+use sinew_tests::simulated_source::source;
 use std::error::Error;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -123,16 +127,16 @@ fn reference(data: &Path) -> Outcome<()> {
     );
     println!("|---|---|---|---|---|---|");
     for folder in ["pose", "pose-associated"] {
-        for method in [Method::Hmc, Method::Bootstrap] {
+        for about in [&hmc::ABOUT, &bootstrap::ABOUT] {
             let mut recording = open(data, folder, None)?;
-            let run = track(&mut recording, &Settings { method, ..settings() })?;
+            let run = track(&mut recording, &Settings { method: (about.usual)(), ..settings() })?;
             let r_hat = mixing(&run);
             for (name, estimates) in [("", &run.filtered), (" --smooth", &run.smoothed)] {
                 let track = evaluation::positions(&run.tree, estimates, &LIMB_JOINTS);
                 let mm = |frames| 1e3 * evaluation::mean_distance(&track, &reference, frames);
                 let sd = 1e3 * evaluation::mean_spread(&run.tree, &estimates[JUDGED], &LIMB_JOINTS);
                 let (early, late) = (mm(CHOSEN), mm(JUDGED));
-                println!("| {folder} | {}{name} | {early:.1} | {late:.1} | {sd:.1} | {r_hat} |", method.name());
+                println!("| {folder} | {}{name} | {early:.1} | {late:.1} | {sd:.1} | {r_hat} |", about.name);
             }
         }
     }
@@ -309,12 +313,12 @@ fn motions(data: &Path) -> Outcome<Vec<Motion>> {
 }
 
 /// A motion in four virtual cameras with keypoints of `truth`, and its frames.
-fn film(motion: &Motion, truth: &Trajectories, seed: u64) -> Outcome<(Synthetic, std::ops::Range<u64>)> {
+fn film(motion: &Motion, truth: &Trajectories, seed: u64) -> Outcome<(InMemory, std::ops::Range<u64>)> {
     let noise = DetectorNoise::stated_gaussian(SIGMA_PX);
     let script = Script { noise, rate_hz: CMU_RATE_HZ, ..Script::default() };
     let (body, states) = (motion.fitted.body.clone(), motion.fitted.states.clone());
-    let film = Synthetic::of_motion(body, states, truth.clone(), &script, seed)?;
-    Ok((film, 0..truth.frames.len() as u64))
+    let film = SyntheticRecording::of_motion(body, states, truth.clone(), &script, seed)?;
+    Ok((source(&film), 0..truth.frames.len() as u64))
 }
 
 impl Tally {

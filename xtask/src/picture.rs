@@ -3,12 +3,15 @@
 //! The recording of `sinew demo` is tracked with the program's settings. Above, one camera's view at three instants: keypoints, draws from the posterior, the pose of the mean state and the true joints. Below, the knee's flexion over time with its 90 % band.
 
 use sinew::body::{KinematicTree, Plan, point_positions};
+use sinew::config::settings::Settings;
 use sinew::core::lanes::Isa;
-use sinew::estimate::FrameEstimate;
+use sinew::input::source::FrameSource as _;
 use sinew::observe::Camera;
-use sinew::pipeline::{self, FrameSource as _, Pipeline, Settings};
+use sinew::results::estimate::FrameEstimate;
 use sinew::setup::{self, Request, Setup};
-use sinew::synthetic::recording::{Recording, Script};
+use sinew::track::{self, Pipeline};
+use sinew_simulate::recording::{Script, SyntheticRecording};
+use sinew_tests::simulated_source::source;
 use std::error::Error;
 use std::fmt::Write as _;
 use std::fs;
@@ -71,7 +74,7 @@ const STYLE: &str = "text{font-family:system-ui,sans-serif;font-size:13px;fill:#
 
 /// A tracked recording.
 struct Tracked {
-    recording: Recording,
+    recording: SyntheticRecording,
     setup: Setup,
     tree: KinematicTree,
     estimates: Vec<FrameEstimate>,
@@ -98,18 +101,19 @@ pub fn run(root: &Path) -> ExitCode {
 
 fn track() -> Result<Tracked, Box<dyn Error>> {
     let script = Script::default();
-    let mut recording = Recording::new(&script, SEED)?;
-    let (cameras, layout, frames) = (recording.cameras.clone(), recording.layout.clone(), recording.frames());
+    let recording = SyntheticRecording::new(&script, SEED)?;
+    let mut frames_of = source(&recording);
+    let (cameras, layout, frames) = (recording.cameras.clone(), recording.layout.clone(), frames_of.frames());
     // One instruction set, so that every machine draws the same picture.
     let settings = Settings { fps: script.rate_hz, seed: SEED, isa: Isa::baseline(), ..Settings::default() };
-    let people: Vec<_> = frames.clone().map(|number| Ok((number, recording.people(number)?))).collect();
+    let people: Vec<_> = frames.clone().map(|number| Ok((number, frames_of.people(number)?))).collect();
     let (mut setup, _) = setup::set_up(&cameras, &layout, &Request::default(), people)?;
     let tree = setup.tree();
-    setup.motion_sd = Some(pipeline::measure_motion(&setup, &tree, &mut recording, frames.clone(), script.rate_hz)?);
+    setup.motion_sd = Some(setup::measure_motion(&setup, &tree, &mut frames_of, frames.clone(), script.rate_hz)?);
     let start = setup.start_frame;
-    pipeline::tune(&mut setup, &tree, &mut recording, start, &settings)?;
+    track::tune(&mut setup, &tree, &mut frames_of, start, &settings)?;
     let mut estimates = Vec::new();
-    Pipeline::new(&setup, &tree, &cameras, &layout, settings)?.track(&mut recording, frames, |estimate, _| {
+    Pipeline::new(&setup, &tree, &cameras, &layout, settings)?.track(&mut frames_of, frames, |estimate, _| {
         estimates.push(estimate);
         Ok(ControlFlow::Continue(()))
     })?;

@@ -4,17 +4,21 @@
 //! frames 60–99 judge.
 
 use clap::Args as Arguments;
+use sinew::config::settings::Settings;
 use sinew::config::{Init, Resolved, Sources, TrackConfig, resolve};
-use sinew::evaluation::{self, LIMB_JOINTS, Track};
-use sinew::footage::Footage;
 use sinew::formats::trc;
-use sinew::pipeline::{Coverage, Method, Score, Settings};
-use sinew::recording::Options;
+use sinew::input::footage::Footage;
+use sinew::input::recording::Options;
+use sinew::methods::Score;
+use sinew::methods::{About, Annealed, annealed, bootstrap, coarse_to_fine, hmc, partitioned};
+use sinew::results::silhouette_overlap::SilhouetteOverlap;
 use sinew::setup::Setup;
+use sinew_tests::evaluation::{self, LIMB_JOINTS, Track};
 use std::error::Error;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::sync::Arc;
 use std::time::Instant;
 
 /// Arguments of the command.
@@ -36,7 +40,7 @@ const FPS: f64 = 60.0;
 
 /// A row of the table.
 struct Row {
-    method: Method,
+    method: &'static About,
     score: Score,
     /// Whether keypoints are observed, too.
     keypoints: bool,
@@ -61,27 +65,35 @@ fn rows() -> Vec<Row> {
         changed: "",
     };
     let mut rows = vec![];
-    for method in [Method::Annealed, Method::Bootstrap, Method::CoarseToFine] {
+    for method in [&annealed::ABOUT, &bootstrap::ABOUT, &coarse_to_fine::ABOUT] {
         for score in [Score::DeutscherReid, Score::Bidirectional, Score::CoarseToFine, Score::Parts] {
             rows.push(masks(method, score));
         }
     }
-    rows.push(masks(Method::Partitioned, Score::Parts));
-    rows.push(masks(Method::Partitioned, Score::Bidirectional));
-    rows.push(Row { cameras: Some(TWO), ..masks(Method::Annealed, Score::Bidirectional) });
-    rows.push(Row { cameras: Some(ONE), ..masks(Method::Annealed, Score::Bidirectional) });
+    rows.push(masks(&partitioned::ABOUT, Score::Parts));
+    rows.push(masks(&partitioned::ABOUT, Score::Bidirectional));
+    rows.push(Row { cameras: Some(TWO), ..masks(&annealed::ABOUT, Score::Bidirectional) });
+    rows.push(Row { cameras: Some(ONE), ..masks(&annealed::ABOUT, Score::Bidirectional) });
     let keypoints =
         |method, with_masks| Row { keypoints: true, masks: with_masks, ..masks(method, Score::Bidirectional) };
-    for method in [Method::Annealed, Method::Bootstrap, Method::Partitioned] {
+    for method in [&annealed::ABOUT, &bootstrap::ABOUT, &partitioned::ABOUT] {
         rows.push(keypoints(method, false));
         rows.push(keypoints(method, true));
     }
-    rows.push(keypoints(Method::Hmc, false));
-    rows.push(keypoints(Method::Hmc, true));
-    let plain = |settings: &mut Settings| settings.layers.crossover = 0.0;
-    rows.push(Row { change: plain, changed: ", no crossover", ..masks(Method::Annealed, Score::Bidirectional) });
-    let deutscher = |settings: &mut Settings| settings.layers.layers = 10;
-    rows.push(Row { change: deutscher, changed: ", 10 layers", ..masks(Method::Annealed, Score::Bidirectional) });
+    rows.push(keypoints(&hmc::ABOUT, false));
+    rows.push(keypoints(&hmc::ABOUT, true));
+    let plain = |settings: &mut Settings| {
+        let mut annealed = Annealed::default();
+        annealed.0.layers.crossover = 0.0;
+        settings.method = Arc::new(annealed);
+    };
+    rows.push(Row { change: plain, changed: ", no crossover", ..masks(&annealed::ABOUT, Score::Bidirectional) });
+    let deutscher = |settings: &mut Settings| {
+        let mut annealed = Annealed::default();
+        annealed.0.layers.layers = 10;
+        settings.method = Arc::new(annealed);
+    };
+    rows.push(Row { change: deutscher, changed: ", 10 layers", ..masks(&annealed::ABOUT, Score::Bidirectional) });
     rows
 }
 
@@ -110,7 +122,7 @@ fn config(data: &Path, row: &Row) -> Outcome<TrackConfig> {
         ("keypoints", path(single.join("T01_BalancingTrial/pose"))),
         ("layout", "BODY_25B".to_owned()),
         ("fps", FPS.to_string()),
-        ("method", row.method.name().to_owned()),
+        ("method", row.method.name.to_owned()),
     ];
     if row.masks {
         flags.push(("silhouettes", path(data.join("pose2sim_silhouettes/silhouettes"))));
@@ -151,9 +163,8 @@ fn tables(data: &Path, seeds: u64) -> Outcome<()> {
     for row in rows() {
         let config = config(data, &row)?;
         let mut base = Settings {
-            method: row.method,
+            method: (row.method.usual)(),
             fps: FPS,
-            particles: row.method.usual_particles(),
             score: row.score.with_kappa(100.0),
             ..Settings::default()
         };
@@ -176,13 +187,13 @@ fn tables(data: &Path, seeds: u64) -> Outcome<()> {
             (true, false) => "keypoints",
             _ => "masks",
         };
-        let share = |of: fn(&Coverage) -> f64| match coverage.len() {
+        let share = |of: fn(&SilhouetteOverlap) -> f64| match coverage.len() {
             0 => "–".to_owned(),
             n => format!("{:.0}", 100.0 * coverage.iter().map(of).sum::<f64>() / n as f64),
         };
         println!(
             "| {}{} | {} | {observed} | {} | {} | {} | {} | {} | {:.0} |",
-            row.method.name(),
+            row.method.name,
             row.changed,
             if row.masks { format!("{:?}", row.score) } else { "–".to_owned() },
             row.cameras.map_or(4, <[_]>::len),

@@ -7,15 +7,19 @@
 //! - open files: as many at the end as after frame 1000;
 //! - root mean square error over root mean square standard deviation of the points of `joints.csv`, last 1000 frames against the first: at most 1.2 times.
 
+use sinew::Error;
 use sinew::config::{Sources, resolve};
 use sinew::formats::Layout;
-use sinew::job::{Pass, Watch};
+use sinew::input::in_memory::InMemory;
+use sinew::input::source::FrameSource;
 use sinew::observe::Camera;
 use sinew::observe::association::Person;
-use sinew::output::claim;
-use sinew::pipeline::FrameSource;
-use sinew::synthetic::recording::{Recording, Script};
-use sinew::{Error, job};
+use sinew::results::claim;
+use sinew::track::job;
+use sinew::track::job::{Pass, Watch};
+use sinew_simulate::points::Trajectories;
+use sinew_simulate::recording::{Script, SyntheticRecording};
+use sinew_tests::simulated_source::source;
 use std::collections::BTreeMap;
 use std::fs;
 use std::io::{BufRead as _, BufReader};
@@ -45,7 +49,8 @@ pub struct Args {
 
 /// A walk to and fro.
 struct ToAndFro {
-    walk: Recording,
+    walk: InMemory,
+    truth: Trajectories,
     frames: u64,
 }
 
@@ -105,8 +110,9 @@ pub fn run(args: &Args) -> ExitCode {
 
 fn soak(method: &str, args: &Args) -> Result<bool, Error> {
     let script = Script { duration_s: WINDOW as f64 / 30.0, ..Script::default() };
-    let walk = Recording::new(&script, SEED).map_err(|error| Error::Numerical { message: error.to_string() })?;
-    let mut source = ToAndFro { walk, frames: args.frames };
+    let walk =
+        SyntheticRecording::new(&script, SEED).map_err(|error| Error::Numerical { message: error.to_string() })?;
+    let mut source = ToAndFro { walk: source(&walk), truth: walk.truth, frames: args.frames };
     let out = args.out.join(method);
     let settings = [
         ("method", method),
@@ -216,7 +222,7 @@ fn errors(joints: &Path, source: &ToAndFro) -> Result<[f64; 2], Error> {
     let column = |name: &str| header.split(',').position(|column| column == name).unwrap_or(usize::MAX);
     let (frame, joint) = (column("frame"), column("joint"));
     let axes = ["x", "y", "z"].map(|axis| [column(&format!("{axis}_mean_m")), column(&format!("{axis}_sd_m"))]);
-    let truth = &source.walk.truth;
+    let truth = &source.truth;
     let mut sums = [[0.0, 0.0]; 2];
     for line in lines {
         let line = line.map_err(Error::io("read", joints))?;

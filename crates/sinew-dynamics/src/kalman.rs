@@ -31,7 +31,8 @@
 
 use crate::Error;
 use crate::factor::{cholesky, root};
-use crate::smoother::{Smoother, predict, symmetric, to_rows};
+use crate::linear_motion::{predict, symmetric, to_rows};
+use crate::smoother::Smoother;
 use core::f64::consts::TAU;
 use faer::{Mat, MatRef};
 use sinew_core::transition::Moments;

@@ -22,6 +22,7 @@ pub mod factor;
 pub mod gaussian;
 pub mod kalman;
 pub mod linear_gaussian;
+pub mod linear_motion;
 pub mod mixture;
 pub mod prior;
 pub mod random_walk;

@@ -5,9 +5,10 @@
 use crate::Error;
 use crate::factor::root;
 use crate::gaussian::Gaussian;
+use crate::linear_motion::{self, add_product};
 use crate::prior::Prior;
 use sinew_core::density::{Lanes, LogDensity};
-use sinew_core::lanes::{Block, Isa, LANES};
+use sinew_core::lanes::{Block, Isa};
 use sinew_core::random::BlockRng;
 use sinew_core::transition::{Cloud, Predict, Transition};
 
@@ -53,17 +54,6 @@ impl LinearGaussian {
     }
 }
 
-/// out += R x for each lane.
-pub(crate) fn add_product(matrix: &[f64], x: &[Block], out: &mut [Block]) {
-    for (row, out) in matrix.chunks_exact(x.len()).zip(out) {
-        for (&a, x) in row.iter().zip(x) {
-            for lane in 0..LANES {
-                out.0[lane] += a * x.0[lane];
-            }
-        }
-    }
-}
-
 impl Transition for LinearGaussian {
     fn dim(&self) -> usize {
         self.dim
@@ -102,7 +92,7 @@ impl Predict for LinearGaussian {
     }
 
     fn predict(&self, cloud: Cloud<'_>) -> Result<Prior, Error> {
-        let predicted = crate::smoother::predict(&self.matrix, &self.noise, cloud.moments);
+        let predicted = linear_motion::predict(&self.matrix, &self.noise, cloud.moments);
         let leaf = Gaussian::new(predicted.mean, &predicted.covariance)?;
         Ok(Prior::Gaussian(Lanes { leaf, isa: self.noise_density.isa }))
     }

@@ -6,8 +6,9 @@ use sinew_core::part::Part;
 use sinew_core::random::{BlockRng, Stage};
 use sinew_core::transition::{Cloud, FramePrior, Moments, PartTransition, Predict, Transition};
 use sinew_dynamics::linear_gaussian::LinearGaussian;
+use sinew_dynamics::linear_motion::predict;
 use sinew_dynamics::random_walk::{Between, RandomWalk};
-use sinew_dynamics::smoother::{Smoother, predict};
+use sinew_dynamics::smoother::Smoother;
 
 /// Variance of 200 000 steps against what was asked for, |z| < 4.5: sees 1 % of the standard deviation. 3 coordinates × 5 ways to draw; seed 1, false alarm 1e-4.
 #[test]

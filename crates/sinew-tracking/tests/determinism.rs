@@ -15,7 +15,8 @@ use sinew_tracking::bootstrap::{self, Bootstrap};
 use sinew_tracking::coarse_to_fine::{self, CoarseToFine};
 use sinew_tracking::hmc_filter::{self, HmcFilter};
 use sinew_tracking::partitioned::{self, Partitioned};
-use sinew_tracking::{Error, Resume, StepInfo, Tracker, run};
+use sinew_tracking::posterior::Posterior;
+use sinew_tracking::{Error, Harness, Resume, StepInfo, Tracker, run};
 use std::ops::ControlFlow;
 
 /// An observation that serves every tracker.
@@ -195,18 +196,25 @@ fn observation(frame: u32) -> Box<dyn Seen> {
     Box::new(Sight(Lanes { leaf, isa: Isa::best() }))
 }
 
+/// Shows the circling target and keeps all that comes out.
+struct Circling<'a>(&'a mut Record);
+
+impl Harness<dyn Seen> for Circling<'_> {
+    type Bound = Box<dyn Seen>;
+    type Error = Error;
+    fn observe(&mut self, frame: u32, _estimate: &[f64]) -> Result<Self::Bound, Error> {
+        Ok(observation(frame))
+    }
+    fn record(&mut self, _: u32, info: StepInfo, posterior: Posterior<'_>) -> Result<ControlFlow<()>, Error> {
+        assert!(!info.restarted);
+        self.0.push((info, posterior.states.to_vec(), posterior.weights.to_vec()));
+        Ok(ControlFlow::Continue(()))
+    }
+}
+
 fn follow(tracker: &mut Boxed, frames: std::ops::Range<u32>, record: &mut Record) {
-    run::<dyn Seen, _, Error>(
-        tracker.as_mut(),
-        frames,
-        |frame| Stage::new(42, "determinism").at_frame(frame),
-        |frame, _| Ok(observation(frame)),
-        |_, info, posterior| {
-            record.push((info, posterior.states.to_vec(), posterior.weights.to_vec()));
-            Ok(ControlFlow::Continue(()))
-        },
-    )
-    .expect("every frame has a posterior");
+    let stage = |frame| Stage::new(42, "determinism").at_frame(frame);
+    run(tracker.as_mut(), frames, stage, &mut Circling(record)).expect("every frame has a posterior");
 }
 
 #[test]
@@ -344,6 +352,20 @@ fn without_observations_the_variance_grows_by_the_walk() {
     }
 }
 
+/// Shows nothing that can be.
+struct Blinded;
+
+impl Harness<Impossible> for Blinded {
+    type Bound = Impossible;
+    type Error = Error;
+    fn observe(&mut self, _frame: u32, _estimate: &[f64]) -> Result<Impossible, Error> {
+        Ok(Impossible)
+    }
+    fn record(&mut self, _: u32, _: StepInfo, _: Posterior<'_>) -> Result<ControlFlow<()>, Error> {
+        Ok(ControlFlow::Continue(()))
+    }
+}
+
 #[test]
 fn an_impossible_frame_is_an_error_and_can_be_passed_over() {
     let config = bootstrap::Config { particles: 100, ..bootstrap::Config::default() };
@@ -360,13 +382,7 @@ fn an_impossible_frame_is_an_error_and_can_be_passed_over() {
     let spread = Tracker::<Nothing>::posterior(&tracker).moments(Isa::best()).covariance[0];
     assert!((0.02..0.07).contains(&spread), "one step of variance 0.04, not two: {spread}");
     let mut walked: Box<dyn Tracker<Impossible>> = Box::new(make());
-    let result = run::<Impossible, _, Error>(
-        walked.as_mut(),
-        5..9,
-        stage,
-        |_, _| Ok(Impossible),
-        |_, _, _| Ok(ControlFlow::Continue(())),
-    );
+    let result = run(walked.as_mut(), 5..9, stage, &mut Blinded);
     assert!(matches!(result, Err(Error::Frame { frame: 5, .. })));
 }
 

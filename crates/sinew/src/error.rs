@@ -11,7 +11,7 @@
 //! | 75 | interrupted; what was done is written and marked incomplete, `--resume` goes on from there |
 //! | 130 | second interrupt, nothing saved since |
 
-use crate::checkpoint::Problem;
+use crate::results::problem::Problem;
 use std::io;
 use std::path::{Path, PathBuf};
 
@@ -124,6 +124,11 @@ impl Error {
     pub fn io(doing: &'static str, path: impl Into<PathBuf>) -> impl FnOnce(io::Error) -> Self {
         let path = path.into();
         move |source| Self::Io { doing, path, source }
+    }
+
+    /// An [`Error::Numerical`] in the words of another error.
+    pub(crate) fn numerical(error: impl std::fmt::Display) -> Self {
+        Self::Numerical { message: error.to_string() }
     }
 
     /// An [`Error::Checkpoint`].

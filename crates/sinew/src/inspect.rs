@@ -21,7 +21,7 @@ mod toml_file;
 
 use crate::Error;
 use crate::files::read_text;
-use crate::recording::Options;
+use crate::input::recording::Options;
 use sinew_formats::source_text::MAX_CONFIG_BYTES;
 use std::path::{Path, PathBuf};
 

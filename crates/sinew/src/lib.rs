@@ -18,11 +18,11 @@
 //! A synthetic walker is recorded by four virtual cameras, and the set-up pass finds how long his thighs are from the keypoints alone:
 //!
 //! ```
-//! use sinew::pipeline::FrameSource;
+//! use sinew::input::source::FrameSource;
 //! use sinew::setup::{self, Request};
-//! use sinew::synthetic::recording::{Recording, Script};
+//! use sinew_simulate::recording::{SyntheticRecording, Script};
 //!
-//! let mut recording = Recording::new(&Script { duration_s: 1.5, ..Script::default() }, 1)?;
+//! let mut recording = SyntheticRecording::new(&Script { duration_s: 1.5, ..Script::default() }, 1)?;
 //! let (cameras, layout) = (recording.cameras.clone(), recording.layout.clone());
 //! let frames: Vec<_> = recording.frames().map(|number| Ok((number, recording.people(number)?))).collect();
 //!
@@ -42,28 +42,18 @@ pub use sinew_samplers as samplers;
 pub use sinew_tracking as tracking;
 
 pub mod bodies;
-pub mod checkpoint;
 pub mod config;
 mod error;
-pub mod estimate;
-pub mod evaluation;
 pub mod files;
-pub mod footage;
-mod image_folder;
+pub mod input;
 pub mod inspect;
-pub mod job;
+pub mod methods;
 pub mod motion;
-pub mod output;
 pub mod overlay;
-pub mod pictures;
-pub mod pipeline;
-pub mod problem28;
-pub mod recording;
+pub mod results;
 pub mod segment;
 pub mod setup;
 pub mod shape_fit;
-pub mod silhouettes;
-pub mod synthetic;
-pub mod tracked;
+pub mod track;
 
 pub use error::Error;

@@ -5,11 +5,12 @@
 
 mod drawing;
 
-use crate::output::{claim, pose};
-use crate::pictures::Pictures;
-use crate::silhouettes::Silhouettes;
-use crate::tracked::{self, Tracked};
-use crate::{Error, image_folder};
+use crate::Error;
+use crate::input::image_folder;
+use crate::input::pictures::Pictures;
+use crate::input::silhouettes::Silhouettes;
+use crate::results::tracked::{self, Tracked};
+use crate::results::{claim, pose};
 use drawing::{disc, line};
 use rayon::prelude::*;
 use sinew_core::lanes::Isa;

@@ -1,4 +1,4 @@
-//! Masks of who stands before a background that does not move: images in, a folder of masks out that [`crate::silhouettes`] reads.
+//! Masks of who stands before a background that does not move: images in, a folder of masks out that [`crate::input::silhouettes`] reads.
 //!
 //! For each camera, one image in memory at a time:
 //!
@@ -6,13 +6,13 @@
 //! 2. for each image, the pixels that are far from it, cleaned by a median of 3 x 3 and by leaving small parts out ([`sinew_observe::cleaning`]);
 //! 3. a mask `<out>/<camera>/<frame>.png`, which gets its name when it is whole.
 //!
-//! Folders of images are laid out as those of [`crate::pictures`]; cameras are matched by name.
+//! Folders of images are laid out as those of [`crate::input::pictures`]; cameras are matched by name.
 
-use crate::image_folder::{camera_files, camera_part};
-use crate::output::claim;
-use crate::pictures::PICTURES;
-use crate::recording::listing::{self, CameraFiles};
-use crate::silhouettes::{Count, LARGE_SHARE};
+use crate::input::image_folder::{camera_files, camera_part};
+use crate::input::pictures::PICTURES;
+use crate::input::recording::listing::{self, CameraFiles};
+use crate::input::silhouettes::{Count, LARGE_SHARE};
+use crate::results::claim;
 use crate::{Error, files};
 use sinew_formats::{camera_name, mask, picture};
 use sinew_observe::RgbImage;

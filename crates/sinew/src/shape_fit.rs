@@ -9,9 +9,10 @@
 //!
 //! Nothing is drawn at random and pixels are counted in whole numbers, so that the result does not depend on the number of threads. Masks of clothes give the thickness of clothes; where poses are wrong, thicknesses follow them.
 
-use crate::silhouettes::{self, Silhouettes};
-use crate::tracked::{self, Tracked};
-use crate::{Error, output};
+use crate::Error;
+use crate::input::silhouettes::{self, Silhouettes};
+use crate::results;
+use crate::results::tracked::{self, Tracked};
 use rayon::prelude::*;
 use sinew_body::KinematicTree;
 use sinew_body::flesh::{Flesh, Solid};
@@ -299,17 +300,17 @@ pub fn fit_shape(
     let perfect: Vec<Camera> = rasters.iter().map(|raster| raster.camera().clone()).collect();
     let (tree, flesh) = (tracked.setup.tree(), tracked.setup.flesh()?);
     let fitted = fit(&tree, &flesh, &perfect, &sights, progress)?;
-    output::write_whole(out, body_toml::write(&tree, Some(&fitted.flesh)).as_bytes())?;
+    results::write_whole(out, body_toml::write(&tree, Some(&fitted.flesh)).as_bytes())?;
     Ok((fitted, masks.warnings()))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::synthetic::points::of_states;
-    use crate::synthetic::ring::{Ring, around};
-    use crate::synthetic::walker::{Gait, Walker, walker_states};
     use sinew_body::standard_flesh::standard_flesh;
+    use sinew_simulate::points::of_states;
+    use sinew_simulate::ring::{Ring, around};
+    use sinew_simulate::walker::{Gait, Walker, walker_states};
 
     /// Scales of the parts of the person who is seen, at base and top.
     const TRUTH: [(&str, [f64; 2]); 8] = [

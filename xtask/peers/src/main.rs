@@ -16,7 +16,7 @@ use sinew::core::density::{GradLogDensity, Lanes, LogDensity};
 use sinew::core::lanes::{Block, Isa};
 use sinew::dynamics::prior::Prior;
 use sinew::observe::MarkerLikelihood;
-use sinew::problem28;
+use sinew_tests::problem28;
 use std::error::Error;
 use std::hint::black_box;
 use std::process::ExitCode;

@@ -6,8 +6,11 @@ use super::scene::{self, Tracker};
 use rayon::prelude::*;
 use sinew::body::Proportions;
 use sinew::body::standard::h32;
-use sinew::pipeline::Settings;
+use sinew::config::settings::Settings;
+use sinew::methods::Hmc;
+use sinew::tracking::hmc_filter;
 use std::fmt::Write as _;
+use std::sync::Arc;
 
 /// What of the chains differs from the default.
 #[derive(clap::Args, Clone, Copy, Debug)]
@@ -37,12 +40,13 @@ fn ranked(settings: &Settings, count: usize, seed: u64) -> Outcome<Found> {
 
 /// The table of as many series as asked for; Markdown.
 pub(super) fn measure(count: usize, chains: Chains, seed: u64) -> Outcome<String> {
-    let default = Tracker::Hmc.settings();
-    let settings = Settings {
-        updates: chains.updates.unwrap_or(default.updates),
-        burn_in: chains.burn_in.unwrap_or(default.burn_in),
-        ..default
-    };
+    let usual = Hmc::default().0;
+    let hmc = Hmc(hmc_filter::Config {
+        updates: chains.updates.unwrap_or(usual.updates),
+        burn_in: chains.burn_in.unwrap_or(usual.burn_in),
+        ..usual
+    });
+    let settings = Settings { method: Arc::new(hmc), ..Tracker::Hmc.settings() };
     let found = ranked(&settings, count, seed)?;
     let disagreeing = 100.0 * found.disagreeing();
     Ok(format!(

@@ -5,7 +5,7 @@ use super::scene::{Scene, Sizes, Tracker, Wrong};
 use super::{Outcome, PARTICLES};
 use crate::chart::{BLUE, GREEN, GREY, Line, Names, ORANGE, PURPLE, finish, panel_with};
 use plotters::prelude::*;
-use sinew::evaluation::ranks::LEVELS;
+use sinew_tests::evaluation::ranks::LEVELS;
 use std::path::Path;
 
 fn title(scene: &Scene) -> String {

@@ -1,7 +1,7 @@
 //! What the series of a scene come to: coverages with their standard errors, histograms of ranks, warnings.
 
 use super::scene::Series;
-use sinew::evaluation::{self, ranks};
+use sinew_tests::evaluation::{self, ranks};
 use statrs::distribution::{ChiSquared, ContinuousCDF as _};
 use std::collections::BTreeMap;
 

@@ -3,9 +3,9 @@
 use super::Outcome;
 use sinew::body::{KinematicTree, Proportions};
 use sinew::formats::{amc, asf};
-use sinew::synthetic::cmu;
-use sinew::synthetic::points::{Trajectories, of_states};
-use sinew::synthetic::walker::{Gait, Walker, walker_states};
+use sinew_simulate::cmu;
+use sinew_simulate::points::{Trajectories, of_states};
+use sinew_simulate::walker::{Gait, Walker, walker_states};
 use std::path::Path;
 
 /// Frames per second of all recordings.

@@ -5,13 +5,18 @@ use super::people::{Person, RATE_HZ, cut};
 use serde_json::{Value, json};
 use sinew::body::Proportions;
 use sinew::body::standard::EVALUATION_JOINTS;
-use sinew::evaluation::{self, Track, own_model, ranks};
+use sinew::config::settings::Settings;
+use sinew::methods::Bootstrap;
 use sinew::observe::Noise;
-use sinew::pipeline::{Doubt, Method, Settings};
 use sinew::setup::Setup;
-use sinew::synthetic::detector::DetectorNoise;
-use sinew::synthetic::recording::{Recording, Script};
+use sinew::track::Doubt;
+use sinew::tracking::bootstrap;
+use sinew_simulate::detector::DetectorNoise;
+use sinew_simulate::recording::{Script, SyntheticRecording};
+use sinew_tests::evaluation::{self, Track, own_model, ranks};
+use sinew_tests::simulated_source::source;
 use std::collections::BTreeSet;
+use std::sync::Arc;
 
 /// How long a series is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -62,8 +67,11 @@ impl Tracker {
 
     pub(super) fn settings(self) -> Settings {
         match self {
-            Self::Hmc => Settings { method: Method::Hmc, ..Settings::default() },
-            Self::Bootstrap(particles) => Settings { method: Method::Bootstrap, particles, ..Settings::default() },
+            Self::Hmc => Settings::default(),
+            Self::Bootstrap(particles) => {
+                let config = bootstrap::Config { particles, ..bootstrap::Config::default() };
+                Settings { method: Arc::new(Bootstrap(config)), ..Settings::default() }
+            }
         }
     }
 }
@@ -275,15 +283,16 @@ fn person(
     };
     let truth = cut(truth, first..first + seen);
     let states = person.states[first..first + seen].to_vec();
-    let film = |noise: DetectorNoise| -> Outcome<Recording> {
+    let film = |noise: DetectorNoise| -> Outcome<SyntheticRecording> {
         let script = Script { noise, rate_hz: RATE_HZ, ..Script::default() };
-        let mut film = Recording::of_motion(person.body.clone(), states.clone(), truth.clone(), &script, seed)?;
+        let mut film =
+            SyntheticRecording::of_motion(person.body.clone(), states.clone(), truth.clone(), &script, seed)?;
         film.cameras.truncate(cameras);
         film.keypoints.truncate(cameras);
         Ok(film)
     };
-    let mut tracked = film(wrong.noise())?;
-    let mut shown = if let Wrong::Moved(_) = wrong { film(Wrong::Right.noise())? } else { tracked.clone() };
+    let tracked = film(wrong.noise())?;
+    let shown = if let Wrong::Moved(_) = wrong { film(Wrong::Right.noise())? } else { tracked.clone() };
     let settings = match wrong {
         Wrong::Outliers(share) => Settings { noise: Noise::OutlierFloor { outlier: share.max(1e-12) }, ..settings },
         _ => settings,
@@ -297,8 +306,9 @@ fn person(
         }
     };
     let end = seen as u64;
-    let setup = evaluation::set_up(&mut shown, 0..end, &settings, change)?;
-    let found = evaluation::filter(&mut tracked, &setup, end - length.tracked.min(seen) as u64..end, &settings)?;
+    let setup = evaluation::set_up(&mut source(&shown), 0..end, &settings, change)?;
+    let found =
+        evaluation::filter(&mut source(&tracked), &setup, end - length.tracked.min(seen) as u64..end, &settings)?;
     let judged = &found.estimates[found.estimates.len() - JUDGED..];
     let flat = |frame: Vec<[u32; 3]>| frame.into_iter().flatten().collect::<Vec<u32>>();
     let ranked: Vec<Vec<u32>> =

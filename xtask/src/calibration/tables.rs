@@ -4,7 +4,7 @@ use super::Scene;
 use super::found::{Found, Uniform};
 use super::scene::{Sizes, Wrong};
 use sinew::body::standard::EVALUATION_JOINTS;
-use sinew::evaluation::ranks::LEVELS;
+use sinew_tests::evaluation::ranks::LEVELS;
 
 fn percent([share, error]: [f64; 2]) -> String {
     format!("{:.1} ± {:.1}", 100.0 * share, 100.0 * error)

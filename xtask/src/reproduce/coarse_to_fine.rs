@@ -29,7 +29,7 @@ use results::{Estimate, Results, mean};
 use scene::{FRAMES, Scene};
 use sinew::core::lanes::Isa;
 use sinew::files::FNV_START;
-use sinew::synthetic::segmentation_noise::Level;
+use sinew_simulate::segmentation_noise::Level;
 use std::collections::BTreeMap;
 use std::error::Error;
 use std::fmt::Write as _;

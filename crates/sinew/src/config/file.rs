@@ -1,6 +1,6 @@
 //! `sinew.toml`: one file as a layer of settings, with all its mistakes.
 
-use super::setting::{SETTINGS, find};
+use super::table::{find, settings};
 use super::value::{Value, from_toml};
 use crate::{Error, files};
 use sinew_formats::nearest::nearest;
@@ -76,7 +76,7 @@ fn parse(text: &str, folder: &Path) -> Result<(BTreeMap<&'static str, Value>, bo
             continue;
         }
         let Some(setting) = find(name) else {
-            let known = SETTINGS.iter().map(|setting| setting.key).chain([ROOT]);
+            let known = settings().iter().map(|setting| setting.key).chain([ROOT]);
             let meant = match value.get_ref().is_table() {
                 true => "; settings stand at the top of the file, without tables".into(),
                 false => nearest(name, known).map(|name| format!("; did you mean `{name}`?")).unwrap_or_default(),

@@ -3,7 +3,7 @@
 use super::{Facts, shortened};
 use crate::Error;
 use crate::files::read_text;
-use crate::recording::check_layout;
+use crate::input::recording::check_layout;
 use sinew_body::standard::h32;
 use sinew_body::{KinematicTree, Proportions};
 use sinew_formats::source_text::MAX_CONFIG_BYTES;

@@ -10,7 +10,8 @@
 
 use super::Facts;
 use crate::Error;
-use crate::recording::Recording;
+use crate::input::frame::detections;
+use crate::input::recording::Recording;
 use crate::setup::{self, Request, collect};
 use sinew_observe::cross_view::{best_lag, residual_by_lag};
 use sinew_observe::offsets::{self, Sighted};
@@ -34,7 +35,7 @@ pub fn facts(recording: &mut Recording, known: &[String]) -> Result<Facts, Error
     let numbers = range.start..range.end.min(range.start + FRAMES);
     let mut frames = Vec::new();
     for number in numbers.clone() {
-        frames.push((number, setup::detections(&recording.frame(number)?)));
+        frames.push((number, detections(&recording.frame(number)?)));
     }
     let mut facts = Facts::new(format!("fit of calibration and keypoints, frames {}..{}", numbers.start, numbers.end));
     let request = Request { frames: frames.len(), image_scale: recording.image_scale(), ..Request::default() };

@@ -3,10 +3,10 @@
 use super::Facts;
 use crate::Error;
 use crate::files::read_bytes;
-use crate::image_folder::{Kind, camera_files, camera_part};
-use crate::pictures::PICTURES;
-use crate::recording::listing::{self, CameraFiles};
-use crate::silhouettes::{LARGE_SHARE, MASKS};
+use crate::input::image_folder::{Kind, camera_files, camera_part};
+use crate::input::pictures::PICTURES;
+use crate::input::recording::listing::{self, CameraFiles};
+use crate::input::silhouettes::{LARGE_SHARE, MASKS};
 use sinew_formats::{mask, picture};
 use std::collections::BTreeMap;
 use std::path::Path;

@@ -2,8 +2,8 @@
 
 use super::Facts;
 use crate::Error;
-use crate::recording::Options;
-use crate::recording::survey::{CameraSurvey, survey};
+use crate::input::recording::Options;
+use crate::input::recording::survey::{CameraSurvey, survey};
 use std::path::Path;
 
 pub(super) fn facts(path: &Path, options: &Options) -> Result<Facts, Error> {

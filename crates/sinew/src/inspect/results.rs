@@ -2,9 +2,9 @@
 
 use super::Facts;
 use crate::Error;
-use crate::checkpoint;
 use crate::files::read_text;
-use crate::output::{LOCK_NAME, RESULT_NAMES, is_in_use};
+use crate::results::problem;
+use crate::results::{LOCK_NAME, RESULT_NAMES, is_in_use};
 use serde_json::Value;
 use sinew_formats::json_text;
 use sinew_formats::source_text::MAX_TEXT_BYTES;
@@ -28,7 +28,7 @@ pub(super) fn facts(folder: &Path) -> Result<Facts, Error> {
         Facts::new(format!("{}: results", folder.display()))
     };
     let partials = partials(folder);
-    if folder.join(checkpoint::NAME).exists() && !is_in_use(folder) {
+    if folder.join(problem::NAME).exists() && !is_in_use(folder) {
         facts.odd.push("the run was stopped and can go on: the same command with `--resume`".into());
     }
     let odd = match (is_in_use(folder), summary.exists()) {

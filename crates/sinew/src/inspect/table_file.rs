@@ -1,7 +1,7 @@
 //! What a table of a result folder holds.
 
 use super::{Facts, shortened};
-use crate::output::{MOTION_FILES, ResultTable};
+use crate::results::{MOTION_FILES, ResultTable};
 use crate::{Error, files};
 use sinew_formats::source_text::MAX_TEXT_BYTES;
 use sinew_formats::tidy_csv::{self, Cells};

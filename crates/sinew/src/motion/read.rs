@@ -2,7 +2,7 @@
 
 use super::acclaim::skeleton_of;
 use super::{Content, Format, Motion, rate_of};
-use crate::output::{MOTION_FILES, ResultTable};
+use crate::results::{MOTION_FILES, ResultTable};
 use crate::{Error, files};
 use sinew_formats::mot::{self, Mot};
 use sinew_formats::point_table::{self, PointTable};

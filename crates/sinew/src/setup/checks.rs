@@ -1,7 +1,7 @@
 //! What the set-up can say about the recording and its calibration before anything is tracked.
 
 use super::collect::{Collected, Request};
-use super::shape::{Points, points_in_space};
+use super::space_points::points_in_space;
 use super::warning::Warning;
 use crate::Error;
 use sinew_formats::Layout;
@@ -15,88 +15,6 @@ const LAG: i64 = 10;
 const LAG_SHARE: f64 = 0.8;
 /// Frames looked at for lags and swaps.
 const WINDOW: usize = 120;
-/// A body outside these multiples of the default is none.
-const PLAUSIBLE: std::ops::RangeInclusive<f64> = 0.2..=5.0;
-/// Body heights between a camera and the origin that are too many.
-const FAR: f64 = 100.0;
-/// Height of the default body, metres.
-const HEIGHT_M: f64 = 1.75;
-
-/// Median distance of the cameras from the origin, in the unit of the calibration.
-fn usual_distance(cameras: &[Camera]) -> f64 {
-    median(
-        &mut cameras.iter().map(|camera| camera.centre().iter().map(|x| x * x).sum::<f64>().sqrt()).collect::<Vec<_>>(),
-    )
-}
-
-/// Refuses units that make a body of the wrong size.
-///
-/// # Errors
-/// The size is that of no person.
-pub fn check_scale(cameras: &[Camera], scale: f64) -> Result<(), Error> {
-    if PLAUSIBLE.contains(&scale) {
-        return Ok(());
-    }
-    let (message, help) = match far_cameras(cameras) {
-        Some(warning) if scale > 1.0 => (warning.to_string(), "give the translations of the calibration in metres"),
-        _ => (
-            format!(
-                "the person would be {:.3} m tall; are translations in metres, and do the cameras' poses belong to these images?",
-                scale * HEIGHT_M
-            ),
-            "give translations in metres, and the camera from the world, `Xcam = R Xworld + t`",
-        ),
-    };
-    Err(Error::Input { message, help: Some(help.into()) })
-}
-
-/// Warns when cameras stand so far from the origin that metres are unlikely.
-#[must_use]
-pub fn far_cameras(cameras: &[Camera]) -> Option<Warning> {
-    let distance = usual_distance(cameras);
-    (distance > FAR * HEIGHT_M).then_some(Warning::Millimetres { distance, height: HEIGHT_M })
-}
-
-/// The rotation that takes a world whose `up` axis is one of `+x`, `-x`, `+y`, `-y`, `+z`, `-z` to one with z up, for [`Camera::turned`]; `None` for other names.
-#[must_use]
-pub fn z_up_from(up: &str) -> Option<[[f64; 3]; 3]> {
-    Some(match up {
-        "+x" => [[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]],
-        "-x" => [[0.0, 1.0, 0.0], [0.0, 0.0, -1.0], [-1.0, 0.0, 0.0]],
-        "+y" => [[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]],
-        "-y" => [[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]],
-        "+z" => [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
-        "-z" => [[1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, -1.0]],
-        _ => return None,
-    })
-}
-
-const AXES: [[&str; 2]; 3] = [["-x", "+x"], ["-y", "+y"], ["-z", "+z"]];
-const LOW: [&str; 6] = ["LAnkle", "RAnkle", "LHeel", "RHeel", "LKnee", "RKnee"];
-const HIGH: [&str; 6] = ["Head", "Nose", "Neck", "LShoulder", "RShoulder", "MidShoulder"];
-
-/// World axis nearest to the median direction from feet to head; `+z` where nothing is known.
-#[must_use]
-pub fn up_axis(layout: &Layout, frames: &[(u64, Points)]) -> &'static str {
-    let mut directions: [Vec<f64>; 3] = [vec![], vec![], vec![]];
-    for (_, points) in frames {
-        let middle = |names: &[&str]| {
-            let found: Vec<[f64; 3]> =
-                names.iter().filter_map(|n| Some(points.get(layout.index(n)?).copied().flatten()?.0)).collect();
-            let count = found.len() as f64;
-            (!found.is_empty()).then(|| [0, 1, 2].map(|k: usize| found.iter().map(|p| p[k]).sum::<f64>() / count))
-        };
-        if let (Some(low), Some(high)) = (middle(&LOW), middle(&HIGH)) {
-            for k in 0..3 {
-                directions[k].push(high[k] - low[k]);
-            }
-        }
-    }
-    let direction = directions.map(|mut d| median(&mut d));
-    let largest = (0..3).max_by(|&a, &b| direction[a].abs().total_cmp(&direction[b].abs())).unwrap_or(2);
-    if direction[largest].is_nan() { "+z" } else { AXES[largest][usize::from(direction[largest] > 0.0)] }
-}
-
 /// Frames in which the subject's place before the cameras is looked at.
 const PLACES: usize = 20;
 
@@ -175,19 +93,6 @@ fn doubtful_cameras(cameras: &[Camera], noise: &[CameraNoise], collected: &Colle
         }
     }
     warnings
-}
-
-/// The name, in a world whose axis `declared` was turned to z, of the axis that is now called `turned`: what is to be declared instead.
-#[must_use]
-pub fn axis_before_turning(turned: &str, declared: &str) -> &'static str {
-    let along = |name: &str| {
-        let axis = ["x", "y", "z"].iter().position(|axis| name.ends_with(axis)).unwrap_or(2);
-        (axis, if name.starts_with('-') { -1.0 } else { 1.0 })
-    };
-    let (row, sign) = along(turned);
-    let before = z_up_from(declared).map_or([0.0, 0.0, 1.0], |turn| turn[row].map(|x| sign * x));
-    let axis = (0..3).find(|&k| before[k] != 0.0).unwrap_or(2);
-    AXES[axis][usize::from(before[axis] > 0.0)]
 }
 
 /// Clocks, swapped sides, doubtful calibrations, and the subject's place before the cameras.

@@ -11,14 +11,17 @@
 
 use super::collect::{Collected, Request};
 use super::model_error::model_error_m;
-use super::shape::{Points, points_in_space};
-use sinew_body::fit::{Fit, Target, fit_pose};
+use super::space_points::{Points, points_in_space};
+use sinew_body::fit::{self, Fit, Target, fit_pose};
 use sinew_body::initial::initial_pose;
 use sinew_body::{Axis, Joint, KinematicTree, Plan, point_positions};
 use sinew_core::lanes::Isa;
 use sinew_formats::Layout;
 use sinew_observe::Camera;
 use sinew_observe::offsets::CameraNoise;
+
+/// A few outliers must not bend a first pose.
+pub(super) const POSE: fit::Config = fit::Config { damping: 1e-4, huber_m: 0.05, steps: 100, tolerance: 1e-9 };
 
 /// Points that a pose needs.
 const FEWEST: usize = 4;
@@ -87,7 +90,7 @@ pub fn pose(tree: &KinematicTree, targets: &[Option<Target>], former: Option<&[f
     }
     starts
         .iter()
-        .map(|start| fit_pose(&plan, targets, start, &super::POSE))
+        .map(|start| fit_pose(&plan, targets, start, &POSE))
         .filter(|fit| fit.rms_m.is_finite())
         .min_by(|a, b| a.rms_m.total_cmp(&b.rms_m))
 }

@@ -10,9 +10,11 @@
 //! after each point's constant bias b in the frame of its link; n counts the coordinates of a frame and d the degrees of freedom of the body, which take their
 //! share of the residuals.
 
-use super::checks::{check_scale, up_axis};
 use super::collect::{Collected, Request};
 use super::model_error::model_error_m;
+use super::scale::check_scale;
+use super::space_points::{Points, points_in_space};
+use super::up_axis::up_axis;
 use super::warning::Warning;
 use crate::Error;
 use sinew_body::fit::Target;
@@ -20,7 +22,7 @@ use sinew_body::{Plan, Proportions, bundle, point_positions, subject};
 use sinew_core::lanes::Isa;
 use sinew_formats::Layout;
 use sinew_observe::Camera;
-use sinew_observe::offsets::{CameraNoise, Sighted, point_from_views};
+use sinew_observe::offsets::CameraNoise;
 
 /// What points in space tell.
 #[derive(Clone, Debug, PartialEq)]
@@ -39,22 +41,6 @@ pub struct Shape {
     pub fit_error_m: f64,
     /// Mean distance for each point of the body, metres; NaN where it was not seen.
     pub point_error_m: Vec<(String, f64)>,
-}
-
-/// A frame's keypoints in space: for each point of the layout, position and mean variance per axis.
-pub type Points = Vec<Option<([f64; 3], f64)>>;
-
-/// Keypoints in space, offsets removed.
-#[must_use]
-pub fn points_in_space(cameras: &[Camera], noise: &[CameraNoise], frame: &Sighted, least_confidence: f64) -> Points {
-    let keypoints = frame.iter().map(Vec::len).max().unwrap_or(0);
-    (0..keypoints)
-        .map(|k| {
-            let (found, _) = point_from_views(cameras, noise, frame, k, least_confidence)?;
-            let variance = (0..3).map(|a| found.covariance[a][a]).sum::<f64>() / 3.0;
-            Some((found.point, variance))
-        })
-        .collect()
 }
 
 /// Measures the subject in the collected frames.
@@ -122,7 +108,7 @@ pub fn measure(
     let Some((start_frame, start_pose)) =
         frames.iter().zip(&subject.poses).find_map(|((n, _), pose)| Some((*n, pose.clone()?)))
     else {
-        return Err(super::no_pose());
+        return Err(super::pose_fit::no_pose());
     };
     let length = |r: &[f64; 3]| r.iter().map(|x| x * x).sum::<f64>().sqrt();
     let point_error_m: Vec<(String, f64)> = tree

@@ -176,7 +176,7 @@ pub struct Setup {
 }
 
 fn z_up() -> String {
-    super::Z_UP.into()
+    crate::input::up_axis::Z_UP.into()
 }
 
 /// [`Proportions`] as a table.
@@ -275,7 +275,7 @@ impl Setup {
                 problems.push(format!("start_pose has {found} numbers; {body} has {dof} degrees of freedom"));
             }
         }
-        if super::checks::z_up_from(&self.world_up).is_none() {
+        if crate::input::up_axis::z_up_from(&self.world_up).is_none() {
             problems.push(format!("world_up = {}; must be one of +x, -x, +y, -y, +z, -z", self.world_up));
         }
         if !self.start_pose.iter().all(|x| x.is_finite()) {

@@ -7,9 +7,9 @@ use sinew::body::fit::{Config, Target, fit_pose};
 use sinew::body::standard::EVALUATION_JOINTS;
 use sinew::body::{KinematicTree, Plan, hppf24};
 use sinew::files::{FNV_START, fnv};
-use sinew::synthetic::points::{Trajectories, of_states};
-use sinew::synthetic::recorded::recorded;
-use sinew::synthetic::walker::{Gait, Walker, walker_states};
+use sinew_simulate::points::{Trajectories, of_states};
+use sinew_simulate::walker::{Gait, Walker, walker_states};
+use sinew_tests::recorded_motion::recorded;
 use std::path::Path;
 
 /// Frames per second.
@@ -141,7 +141,7 @@ impl Walks {
         let (test, training) = if folder.is_dir() {
             let read = |name: &str| -> Outcome<Walk> {
                 let path = folder.join(format!("{name}.amc"));
-                Walk::new(name, recorded(&path, Some(&folder.join("07.asf")), RATE_HZ)?.motion)
+                Walk::new(name, recorded(&path, &folder.join("07.asf"), RATE_HZ)?)
             };
             (read("07_01")?, vec![read("07_02")?, read("07_05")?])
         } else {

@@ -14,8 +14,8 @@ use sinew::core::random::Stage;
 use sinew::files::fnv;
 use sinew::formats::{amc, asf};
 use sinew::observe::{MarkerModel, MarkerView};
-use sinew::synthetic::cmu;
-use sinew::synthetic::points::Trajectories;
+use sinew_simulate::cmu;
+use sinew_simulate::points::Trajectories;
 use std::path::Path;
 use std::sync::Arc;
 

@@ -7,7 +7,7 @@ use super::contender::{Contender, PAIRS, SETTINGS};
 use super::results::{Estimate, Mean, Results, mean};
 use super::scene::Scene;
 use crate::reproduce::claim::Claim;
-use sinew::synthetic::segmentation_noise::Level;
+use sinew_simulate::segmentation_noise::Level;
 
 /// Level on which claims are judged.
 pub(super) const LEVEL: Level = Level::Normal;

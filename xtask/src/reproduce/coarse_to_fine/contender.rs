@@ -1,7 +1,7 @@
 //! Who is compared: the paper's settings, its opponent, and those beside them.
 
 use sinew::observe::image_score::ImageScore;
-use sinew::synthetic::segmentation_noise::Level;
+use sinew_simulate::segmentation_noise::Level;
 
 /// What tracks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -4,8 +4,8 @@ use super::Outcome;
 use super::contender::Contender;
 use crate::store::{Store, numbers};
 use serde_json::Value;
-use sinew::evaluation::block_bootstrap;
-use sinew::synthetic::segmentation_noise::Level;
+use sinew_simulate::segmentation_noise::Level;
+use sinew_tests::evaluation::block_bootstrap;
 
 /// Frames of a block of the bootstrap: 1 s.
 const BLOCK: usize = 60;

@@ -11,11 +11,11 @@ use sinew::body::standard::EVALUATION_JOINTS;
 use sinew::body::{KinematicTree, Plan, hppf24};
 use sinew::files::fnv;
 use sinew::samplers::grid::{self, Axis, LEAST_WIDTH, Width};
-use sinew::synthetic::cmu::mean_distance;
-use sinew::synthetic::combo::{Trial, combo, recorded_combo, synthetic_combo};
-use sinew::synthetic::points::{Trajectories, of_states};
-use sinew::synthetic::recorded::{Recorded, recorded};
-use sinew::synthetic::walker::{Gait, Walker, walker_states};
+use sinew_simulate::cmu::mean_distance;
+use sinew_simulate::combo::{Trial, combo, synthetic_combo};
+use sinew_simulate::points::{Trajectories, of_states};
+use sinew_simulate::walker::{Gait, Walker, walker_states};
+use sinew_tests::recorded_motion::{recorded, recorded_combo};
 use std::f64::consts::{PI, TAU};
 use std::path::Path;
 
@@ -140,7 +140,7 @@ fn training(folder: Option<&Path>) -> Outcome<Trajectories> {
             .iter()
             .map(|&name| -> Outcome<Trial> {
                 let motion = folder.join(format!("{name}.amc"));
-                let Recorded { motion, .. } = recorded(&motion, Some(&folder.join("07.asf")), RATE_HZ)?;
+                let motion = recorded(&motion, &folder.join("07.asf"), RATE_HZ)?;
                 Ok(Trial { name: name.into(), motion, is_locomotion: true })
             })
             .collect::<Outcome<_>>()?,

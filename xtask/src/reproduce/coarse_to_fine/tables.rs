@@ -6,7 +6,7 @@ use super::scene::Scene;
 use super::{Group, Outcome};
 use crate::reproduce::claim::Claim;
 use serde_json::json;
-use sinew::synthetic::segmentation_noise::Level;
+use sinew_simulate::segmentation_noise::Level;
 use std::fmt::Write as _;
 
 /// Quantities of a frame with the decimals that tables show.

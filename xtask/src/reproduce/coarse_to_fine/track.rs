@@ -24,12 +24,12 @@ use sinew::observe::image_score::{ImageScore, precision_and_recall};
 use sinew::observe::solid_body::SolidBody;
 use sinew::samplers::annealed_search;
 use sinew::samplers::grid::Axis;
-use sinew::synthetic::footage::Footage;
-use sinew::synthetic::ring::Ring;
-use sinew::synthetic::segmentation_noise::{Level, segmented};
 use sinew::tracking::coarse_to_fine::{self, CoarseToFine};
 use sinew::tracking::posterior::Posterior;
 use sinew::tracking::{StepInfo, Tracker, annealed, partitioned};
+use sinew_simulate::footage::SyntheticFootage;
+use sinew_simulate::ring::Ring;
+use sinew_simulate::segmentation_noise::{Level, segmented};
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -46,7 +46,7 @@ const CAMERA: usize = 0;
 impl Seen {
     /// Draws a person and the errors of a level.
     pub(super) fn new(scene: &Scene, person: Person, level: Level, seed: u64, isa: Isa) -> Outcome<Self> {
-        let footage = Footage::new(scene.motion.clone(), RATE_HZ, &Ring::SMALL_PICTURES, seed)?;
+        let footage = SyntheticFootage::new(scene.motion.clone(), RATE_HZ, &Ring::SMALL_PICTURES, seed)?;
         let body = Arc::new(SolidBody::new(&scene.tree, &hppf24::cylinders(scene.scale))?);
         let cameras = vec![footage.cameras[CAMERA].clone()];
         let model = ImageModel { body, cameras, score: EQ3, colours: Arc::default(), isa };

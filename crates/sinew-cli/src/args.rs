@@ -1,0 +1,437 @@
+//! Arguments of every command. Flags that are settings come from the one table of settings; a command has those that it uses.
+
+use clap::{Arg, ArgAction, ArgMatches, Args, FromArgMatches, Parser, Subcommand, ValueEnum};
+use sinew::config::setting::{Kind, Setting};
+use sinew::config::table::settings;
+use std::marker::PhantomData;
+use std::ops::Range;
+use std::path::PathBuf;
+
+macro_rules! template {
+    ($($example:literal),+) => {
+        concat!("{about}\n\n{usage-heading} {usage}\n\nExamples:\n", $("  ", $example, "\n"),+, "\n{all-args}{after-help}")
+    };
+}
+
+#[derive(Debug, Parser)]
+#[command(
+    name = "sinew",
+    version,
+    about = "Tracks a human body from calibrated cameras: a posterior over 3D poses for every frame",
+    help_template = template!("sinew demo", "sinew track --calibration Calib.toml --keypoints pose --fps 60"),
+    subcommand_help_heading = "Commands",
+    disable_help_subcommand = true,
+    max_term_width = 100
+)]
+pub(crate) struct Cli {
+    #[command(subcommand)]
+    pub(crate) command: Command,
+    #[command(flatten)]
+    pub(crate) general: General,
+}
+
+/// When to use colours.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Color {
+    #[default]
+    Auto,
+    Always,
+    Never,
+}
+
+/// Place in the help after the flags of the command itself.
+const LAST: usize = 100;
+
+/// Flags that every command takes.
+#[derive(Args, Debug, Default)]
+#[command(next_help_heading = "General")]
+pub(crate) struct General {
+    /// Output folder [default: sinew-out/<trial>]
+    #[arg(short, long, global = true, display_order = LAST, value_name = "DIR", help_heading = "Output")]
+    pub(crate) out: Option<String>,
+    /// Replace results that are there
+    #[arg(long, global = true, display_order = LAST, help_heading = "Output")]
+    pub(crate) force: bool,
+    /// Settings from this file instead of the trial's sinew.toml
+    #[arg(long, global = true, display_order = LAST, value_name = "FILE")]
+    pub(crate) config: Option<PathBuf>,
+    /// Seed of all random streams [default: 1]
+    #[arg(long, global = true, display_order = LAST, value_name = "N", allow_negative_numbers = true)]
+    pub(crate) seed: Option<String>,
+    /// Threads [default: what the system grants]
+    #[arg(long, global = true, display_order = LAST, value_name = "N", allow_negative_numbers = true)]
+    pub(crate) threads: Option<String>,
+    /// Show errors only
+    #[arg(short, long, global = true, display_order = LAST)]
+    pub(crate) quiet: bool,
+    /// Show more; twice for still more
+    #[arg(short, long, global = true, display_order = LAST, action = ArgAction::Count, hide_short_help = true)]
+    pub(crate) verbose: u8,
+    /// Colours on stderr; NO_COLOR is obeyed
+    #[arg(long, global = true, display_order = LAST, value_enum, default_value_t, value_name = "WHEN", hide_short_help = true)]
+    pub(crate) color: Color,
+    /// Show no progress
+    #[arg(long, global = true, display_order = LAST, hide_short_help = true)]
+    pub(crate) no_progress: bool,
+}
+
+impl General {
+    /// Flags that are settings.
+    pub(crate) fn settings(&self) -> Vec<(&'static str, String)> {
+        let given = [("out", &self.out), ("seed", &self.seed), ("threads", &self.threads)];
+        let mut settings: Vec<_> = given.into_iter().filter_map(|(key, value)| Some((key, value.clone()?))).collect();
+        if self.force {
+            settings.push(("force", "true".into()));
+        }
+        settings
+    }
+
+    /// Flags that were given and that a command has no use for.
+    pub(crate) fn unused(&self, command: &Command) -> Vec<&'static str> {
+        let used: &[&str] = match command {
+            Command::Demo(_) | Command::Track(_) => return vec![],
+            Command::Inspect(_) => &["config"],
+            Command::Simulate(_) => &["out", "force", "seed", "threads"],
+            Command::Convert(_) => &["force"],
+            Command::Segment(_) | Command::Overlay(_) | Command::FitShape(_) => &["out", "force"],
+            Command::Body { .. } | Command::Completions { .. } | Command::Man => &[],
+        };
+        let given = self.settings().into_iter().map(|(key, _)| key).chain(self.config.as_ref().map(|_| "config"));
+        given.filter(|key| !used.contains(key)).collect()
+    }
+}
+
+/// The flag of commands whose answer has a form for programs.
+#[derive(Args, Clone, Copy, Debug)]
+pub(crate) struct Answer {
+    /// Give the answer as JSON
+    #[arg(long, help_heading = "Output")]
+    pub(crate) json: bool,
+}
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum Command {
+    /// Track a synthetic walker: no data needed, a few seconds
+    #[command(help_template = template!("sinew demo", "sinew demo -o /tmp/walk --seed 7"))]
+    Demo(Answer),
+    /// Say what files contain, what is odd, and whether calibration and keypoints fit
+    #[command(help_template = template!("sinew inspect Calib.toml pose", "sinew inspect markers.trc sinew-out/trial"))]
+    Inspect(InspectArgs),
+    /// Track the person in a recording
+    #[command(help_template = template!(
+        "sinew track --calibration Calib.toml --keypoints pose --fps 60",
+        "sinew track --config sinew.toml --frames 0..100 -o out"
+    ))]
+    Track(TrackArgs),
+    /// Write a synthetic recording: keypoints, silhouettes and pictures
+    #[command(help_template = template!("sinew simulate -o walk", "sinew simulate --motion 07_01.amc --skeleton 07.asf --segmentation hard"))]
+    Simulate(SimulateArgs),
+    /// Convert motion between TRC, BVH, MOT and CSV, and from ASF/AMC
+    #[command(help_template = template!("sinew convert markers.trc markers.csv", "sinew convert 07_01.amc walk.bvh --skeleton 07.asf"))]
+    Convert(ConvertArgs),
+    /// Make masks of who stands before a background that does not move
+    #[command(help_template = template!(
+        "sinew segment --background empty --images images -o masks",
+        "sinew segment --background before --background after --images images --shadow 0.5 -o masks"
+    ))]
+    Segment(SegmentArgs),
+    /// Draw the tracked body over images or masks
+    #[command(help_template = template!(
+        "sinew overlay sinew-out/trial --calibration Calib.toml --images images -o pictures",
+        "sinew overlay out --calibration Calib.toml --silhouettes masks --every 10 -o pictures"
+    ))]
+    Overlay(OverlayArgs),
+    /// Fit the thickness of a tracked person to masks, and write a body file
+    #[command(help_template = template!(
+        "sinew fit-shape sinew-out/trial --calibration Calib.toml --silhouettes masks -o body.toml",
+        "sinew track --body body.toml --calibration Calib.toml --silhouettes masks --init start.trc"
+    ))]
+    FitShape(FitShapeArgs),
+    /// Show a body as a tree
+    #[command(help_template = template!("sinew body h32", "sinew body my_body.toml"))]
+    Body {
+        /// h32, cf28 or a body file
+        #[arg(value_name = "NAME|FILE")]
+        body: String,
+        #[command(flatten)]
+        answer: Answer,
+    },
+    /// Print completions for a shell
+    #[command(help_template = template!("sinew completions bash > sinew.bash", "sinew completions zsh > _sinew"))]
+    Completions {
+        /// Shell
+        shell: clap_complete::Shell,
+    },
+    /// Print the manual page
+    #[command(help_template = template!("sinew man > sinew.1", "sinew man | man -l -"))]
+    Man,
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct InspectArgs {
+    /// Calibrations, keypoint folders, motion files, results; our other files
+    #[arg(required = true, value_name = "FILE")]
+    pub(crate) files: Vec<PathBuf>,
+    #[command(flatten)]
+    pub(crate) settings: Typed<OfInspect>,
+    #[command(flatten)]
+    pub(crate) answer: Answer,
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct ConvertArgs {
+    /// Motion file: .trc, .bvh, .mot, .csv or .amc
+    #[arg(value_name = "IN")]
+    pub(crate) input: PathBuf,
+    /// File to write: .trc, .bvh, .mot or .csv
+    #[arg(value_name = "OUT")]
+    pub(crate) output: PathBuf,
+    /// Skeleton of an .amc file
+    #[arg(long, value_name = "F.asf")]
+    pub(crate) skeleton: Option<PathBuf>,
+    /// Frames per second where the input has none [default: 120 for .amc]
+    #[arg(long, value_name = "F")]
+    pub(crate) fps: Option<f64>,
+    #[command(flatten)]
+    pub(crate) answer: Answer,
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct SegmentArgs {
+    /// Images without anybody; repeat the flag for more folders
+    #[arg(long, required = true, value_name = "DIR")]
+    pub(crate) background: Vec<PathBuf>,
+    /// Images of the cameras: <camera>_<frame>.jpg, or folders <camera>
+    #[arg(long, value_name = "DIR")]
+    pub(crate) images: PathBuf,
+    /// Standard deviations that make a pixel the person's
+    #[arg(long, value_name = "N", default_value_t = 5.0, allow_negative_numbers = true)]
+    pub(crate) threshold: f32,
+    /// Darkest shadow, as a share of the background's brightness
+    #[arg(long, value_name = "SHARE", allow_negative_numbers = true)]
+    pub(crate) shadow: Option<f32>,
+    /// Least part that is kept, as a share of the largest
+    #[arg(long, value_name = "SHARE", default_value_t = 0.1, allow_negative_numbers = true)]
+    pub(crate) least_part: f64,
+    #[command(flatten)]
+    pub(crate) answer: Answer,
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct OverlayArgs {
+    /// Result folder of `sinew track`
+    #[arg(value_name = "RESULTS")]
+    pub(crate) results: PathBuf,
+    /// Camera calibration that was tracked with
+    #[arg(long, value_name = "FILE")]
+    pub(crate) calibration: PathBuf,
+    /// Images to draw on, <camera>_<frame>.jpg [default: black]
+    #[arg(long, value_name = "DIR", conflicts_with = "silhouettes")]
+    pub(crate) images: Option<PathBuf>,
+    /// Masks to draw on, in grey
+    #[arg(long, value_name = "DIR")]
+    pub(crate) silhouettes: Option<PathBuf>,
+    /// Size of the images or masks over that of the calibrated images
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    pub(crate) mask_scale: Option<f64>,
+    /// Frames to draw, by number [default: all]
+    #[arg(long, value_name = "A..B", value_parser = frames)]
+    pub(crate) frames: Option<Range<u64>>,
+    /// Draw every N-th of them
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
+    pub(crate) every: u32,
+    #[command(flatten)]
+    pub(crate) answer: Answer,
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct FitShapeArgs {
+    /// Result folder of `sinew track`
+    #[arg(value_name = "RESULTS")]
+    pub(crate) results: PathBuf,
+    /// Camera calibration that was tracked with
+    #[arg(long, value_name = "FILE")]
+    pub(crate) calibration: PathBuf,
+    /// Masks of the person: <camera>_<frame>.png, or folders <camera>
+    #[arg(long, value_name = "DIR")]
+    pub(crate) silhouettes: PathBuf,
+    /// Size of the masks over that of the calibrated images
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    pub(crate) mask_scale: Option<f64>,
+    /// Frames to take a few of, by number [default: all]
+    #[arg(long, value_name = "A..B", value_parser = frames)]
+    pub(crate) frames: Option<Range<u64>>,
+    #[command(flatten)]
+    pub(crate) answer: Answer,
+}
+
+fn frames(text: &str) -> Result<Range<u64>, String> {
+    let ends =
+        text.split_once("..").and_then(|(first, end)| Some((first.trim().parse().ok()?, end.trim().parse().ok()?)));
+    match ends {
+        Some((first, end)) if first < end => Ok(first..end),
+        Some(_) => Err("the end must come after the start".into()),
+        None => Err("expected frame numbers A..B, for example 0..60".into()),
+    }
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct SimulateArgs {
+    /// `walk`, or a motion file: .bvh, .trc, .csv or .amc
+    #[arg(long, value_name = "walk|FILE", default_value = "walk")]
+    pub(crate) motion: PathBuf,
+    /// Skeleton of an .amc file
+    #[arg(long, value_name = "F.asf")]
+    pub(crate) skeleton: Option<PathBuf>,
+    /// Seconds [default: 4 of a walk, all of a file]
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    pub(crate) duration: Option<f64>,
+    /// Frames per second
+    #[arg(long, value_name = "F", default_value_t = 30.0, allow_negative_numbers = true)]
+    pub(crate) fps: f64,
+    /// Cameras in a circle around the motion
+    #[arg(long, value_name = "N", default_value = "4", value_parser = count)]
+    pub(crate) cameras: usize,
+    /// Width and height of the images, pixels
+    #[arg(long, value_name = "WxH", default_value = "320x240", value_parser = size)]
+    pub(crate) size: [u32; 2],
+    /// Errors of the silhouettes: clean, normal or hard
+    #[arg(long, value_name = "LEVEL", default_value = "normal", hide_possible_values = true, value_parser = LEVELS)]
+    pub(crate) segmentation: String,
+    /// Write pictures of every N-th frame, or `none`
+    #[arg(long, value_name = "N", default_value = "10", value_parser = every)]
+    pub(crate) images: Every,
+    #[command(flatten)]
+    pub(crate) answer: Answer,
+}
+
+const LEVELS: [&str; 3] = ["clean", "normal", "hard"];
+
+/// Every so-manieth frame, or none.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Every(pub(crate) Option<usize>);
+
+fn every(text: &str) -> Result<Every, String> {
+    match text {
+        "none" => Ok(Every(None)),
+        _ => match text.parse() {
+            Ok(0) | Err(_) => Err("expected a whole number from 1 on, or `none`".into()),
+            Ok(every) => Ok(Every(Some(every))),
+        },
+    }
+}
+
+/// Most cameras of a simulation.
+const MOST_CAMERAS: usize = 99;
+
+fn count(text: &str) -> Result<usize, String> {
+    let count = text.parse().ok().filter(|count| (1..=MOST_CAMERAS).contains(count));
+    count.ok_or_else(|| format!("expected a whole number from 1 to {MOST_CAMERAS}"))
+}
+
+/// Least and greatest width and height of simulated images, pixels.
+const PIXELS: std::ops::RangeInclusive<u32> = 32..=4096;
+
+fn size(text: &str) -> Result<[u32; 2], String> {
+    let side = |text: &str| text.parse().ok().filter(|side| PIXELS.contains(side));
+    let sides = text.split_once('x').and_then(|(width, height)| Some([side(width)?, side(height)?]));
+    sides.ok_or_else(|| format!("expected WIDTHxHEIGHT, each from {} to {}", PIXELS.start(), PIXELS.end()))
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct TrackArgs {
+    #[command(flatten)]
+    pub(crate) settings: Typed<OfTrack>,
+    /// Go on with the run that was stopped in the output folder
+    #[arg(long, help_heading = "Output", conflicts_with = "force")]
+    pub(crate) resume: bool,
+    /// Show every setting with its origin, and stop
+    #[arg(long, help_heading = "General")]
+    pub(crate) print_config: bool,
+    #[command(flatten)]
+    pub(crate) answer: Answer,
+}
+
+/// Which settings a command takes as flags.
+pub(crate) trait Takes {
+    fn takes(setting: &Setting) -> bool;
+}
+
+#[derive(Debug)]
+pub(crate) struct OfTrack;
+
+impl Takes for OfTrack {
+    /// All but those of [`General`].
+    fn takes(setting: &Setting) -> bool {
+        !matches!(setting.key, "out" | "force" | "seed" | "threads")
+    }
+}
+
+/// What it takes to read a recording.
+#[derive(Debug)]
+pub(crate) struct OfInspect;
+
+impl Takes for OfInspect {
+    fn takes(setting: &Setting) -> bool {
+        matches!(setting.key, "layout" | "frames" | "cameras" | "trim" | "confidence_scale" | "image_scale")
+    }
+}
+
+/// Settings of a command, as typed.
+#[derive(Debug)]
+pub(crate) struct Typed<C> {
+    pub(crate) given: Vec<(&'static str, String)>,
+    command: PhantomData<C>,
+}
+
+fn sentence(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
+}
+
+fn argument(setting: &'static Setting) -> Arg {
+    let argument = Arg::new(setting.key)
+        .long(setting.key.replace('_', "-"))
+        .help_heading(setting.group)
+        .hide_short_help(setting.rare);
+    if setting.kind == Kind::Flag {
+        return argument.action(ArgAction::SetTrue).help(sentence(setting.help));
+    }
+    let default = setting.default.text().map(|default| format!(" [default: {default}]")).unwrap_or_default();
+    argument
+        .value_name(setting.value)
+        .help(format!("{}{default}", sentence(setting.help)))
+        .allow_negative_numbers(true)
+        .allow_hyphen_values(setting.key == "up_axis")
+}
+
+impl<C: Takes> Args for Typed<C> {
+    fn augment_args(command: clap::Command) -> clap::Command {
+        command.args(settings().iter().filter(|setting| C::takes(setting)).map(argument))
+    }
+
+    fn augment_args_for_update(command: clap::Command) -> clap::Command {
+        Self::augment_args(command)
+    }
+}
+
+impl<C: Takes> FromArgMatches for Typed<C> {
+    fn from_arg_matches(matches: &ArgMatches) -> Result<Self, clap::Error> {
+        let mut given = Vec::new();
+        for setting in settings().iter().filter(|setting| C::takes(setting)) {
+            if setting.kind == Kind::Flag {
+                if matches.get_flag(setting.key) {
+                    given.push((setting.key, "true".to_owned()));
+                }
+            } else if let Some(text) = matches.get_one::<String>(setting.key) {
+                given.push((setting.key, text.clone()));
+            }
+        }
+        Ok(Self { given, command: PhantomData })
+    }
+
+    fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {
+        *self = Self::from_arg_matches(matches)?;
+        Ok(())
+    }
+}

@@ -1,0 +1,161 @@
+//! `sinew demo`: a synthetic walker is recorded to files and tracked, and the truth is known.
+//!
+//! Mean error: distance between the points of the mean pose and the true ones, over frames and the fifteen joints of pose evaluation. Coverage: share of true
+//! coordinates inside their 90 % intervals, over the same.
+
+use super::args::{Answer, General};
+use super::report::{self, Report};
+use super::track::{PassProgress, aligned, claimed, with_threads};
+use super::{Ended, interrupt};
+use serde_json::json;
+use sinew::body::standard::EVALUATION_JOINTS;
+use sinew::config::{Resolved, Sources, resolve};
+use sinew::input::in_memory::InMemory;
+use sinew::results::LOCK_NAME;
+use sinew::track::job;
+use sinew::track::job::{Outcome, Watch};
+use sinew::{Error, formats};
+use sinew_simulate::recording::{Script, SyntheticRecording};
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::Path;
+
+/// Default output folder.
+const OUT: &str = "sinew-out/demo";
+
+/// A file by which a former demo is known.
+const TRUTH: &str = "truth.trc";
+
+/// Runs the command.
+pub(crate) fn run(answer: Answer, general: &General, report: &Report) -> Result<Ended, Error> {
+    let script = Script::default();
+    let resolved = settings(general, &script)?;
+    let mut config = resolved.track();
+    // A former demo is no loss.
+    config.force |= config.out.join(TRUTH).is_file();
+    let claim = claimed(&config, &[], report)?;
+    let seed = config.tracking.seed;
+    let recording =
+        SyntheticRecording::new(&script, seed).map_err(|error| Error::Numerical { message: error.to_string() })?;
+    write_recording(&recording, &config.out)?;
+    let frames = recording.truth.frames.len() as u64;
+    let mut source = InMemory {
+        cameras: recording.cameras.clone(),
+        layout: recording.layout.clone(),
+        keypoints: recording.keypoints.clone(),
+    };
+    let outcome = with_threads(&config, || {
+        let mut progress = PassProgress::new(general);
+        let stop = interrupt::flag();
+        let mut tell = |pass, done, total| progress.at(pass, done, total);
+        let mut watch = Watch { progress: &mut tell, stop: &stop };
+        job::track(&mut source, 0..frames, &resolved, claim, &mut watch, |_| (Vec::new(), BTreeMap::new()), None)
+    })?;
+    report.warnings(&outcome.summary.warnings);
+    tell(&recording, &outcome, &config.out, answer)?;
+    for failed in &outcome.summary.failed_diagnostics {
+        report.failed(failed);
+    }
+    if !outcome.summary.complete {
+        report.note("interrupted; what was done is written and marked incomplete");
+    }
+    Ok(if outcome.summary.complete { Ended::Done } else { Ended::Interrupted })
+}
+
+fn settings(general: &General, script: &Script) -> Result<Resolved, Error> {
+    let mut flags = general.settings();
+    if !flags.iter().any(|(key, _)| *key == "out") {
+        flags.push(("out", OUT.into()));
+    }
+    flags.push(("fps", script.rate_hz.to_string()));
+    // The demo is the same everywhere: no files and no environment.
+    resolve(&Sources { flags, environment: Vec::new(), file: general.config.clone() })
+}
+
+/// The recording as files that `sinew track` reads.
+fn write_recording(recording: &SyntheticRecording, out: &Path) -> Result<(), Error> {
+    let write = |path: &Path, bytes: &[u8]| fs::write(path, bytes).map_err(Error::io("write", path));
+    let keypoints = out.join("keypoints");
+    if keypoints.exists() {
+        fs::remove_dir_all(&keypoints).map_err(Error::io("replace", &keypoints))?;
+    }
+    for camera in &recording.cameras {
+        let folder = keypoints.join(format!("{}_json", camera.name));
+        fs::create_dir_all(&folder).map_err(Error::io("create", &folder))?;
+    }
+    for (name, text) in recording.keypoint_files() {
+        write(&keypoints.join(name), text.as_bytes())?;
+    }
+    write(&out.join("Calib.toml"), recording.calibration_toml().as_bytes())?;
+    let mut truth = Vec::new();
+    recording.write_truth_trc(&mut truth).map_err(Error::io("write", out.join(TRUTH)))?;
+    write(&out.join(TRUTH), &truth)
+}
+
+/// Mean error in millimetres and coverage of the 90 % intervals, from the files just written.
+fn compare(recording: &SyntheticRecording, out: &Path) -> Result<(f64, f64), Error> {
+    let path = out.join("joints.csv");
+    let text = sinew::files::read_text(&path, formats::source_text::MAX_TEXT_BYTES)?;
+    let table = formats::tidy_csv::read_cells(&path.display().to_string(), &text)?;
+    let column = |name: &str| table.columns.iter().position(|column| column == name).unwrap_or(usize::MAX);
+    let (frame, joint) = (column("frame"), column("joint"));
+    let places = ["mean", "q05", "q95"].map(|what| ["x", "y", "z"].map(|axis| column(&format!("{axis}_{what}_m"))));
+    let index: BTreeMap<&str, usize> =
+        recording.truth.names.iter().enumerate().map(|(i, name)| (name.as_str(), i)).collect();
+    let (mut distance, mut inside, mut joints) = (0.0, 0.0, 0.0);
+    for (_, row) in &table.rows {
+        let cell = |column: usize| row.get(column).map_or("", String::as_str);
+        let number = |column: usize| cell(column).parse::<f64>().unwrap_or(f64::NAN);
+        let name = cell(joint);
+        let truth = cell(frame)
+            .parse()
+            .ok()
+            .and_then(|frame: usize| Some(recording.truth.frames.get(frame)?[*index.get(name)?]));
+        let Some(truth) = truth.filter(|_| EVALUATION_JOINTS.contains(&name)) else { continue };
+        let [mean, low, high] = places.map(|columns| columns.map(number));
+        distance += (0..3).map(|k| (mean[k] - truth[k]).powi(2)).sum::<f64>().sqrt();
+        inside += (0..3).filter(|&k| low[k] <= truth[k] && truth[k] <= high[k]).count() as f64;
+        joints += 1.0;
+    }
+    Ok((1e3 * distance / joints, inside / (3.0 * joints)))
+}
+
+fn tell(recording: &SyntheticRecording, outcome: &Outcome, out: &Path, answer: Answer) -> Result<(), Error> {
+    let (error_mm, coverage) = compare(recording, out)?;
+    let summary = &outcome.summary;
+    let shown = out.display();
+    if answer.json {
+        return report::answer_json(&json!({
+            "frames": summary.frame_count,
+            "cameras": recording.cameras.len(),
+            "method": summary.method,
+            "mean_error_mm": error_mm,
+            "coverage_90": coverage,
+            "ms_per_frame": outcome.ms_per_frame,
+            "out": out.to_string_lossy(),
+        }));
+    }
+    let rows = [
+        (
+            "simulated",
+            format!(
+                "a walker in front of {} cameras, {} frames at {} per second",
+                recording.cameras.len(),
+                summary.frame_count,
+                recording.rate_hz
+            ),
+        ),
+        ("method", format!("{}, seed {}", summary.method, summary.seed)),
+        ("mean error", format!("{error_mm:.1} mm over {} joints", EVALUATION_JOINTS.len())),
+        ("coverage", format!("{:.0} % of true coordinates lie in their 90 % intervals", 100.0 * coverage)),
+        ("speed", format!("{:.1} ms per frame", outcome.ms_per_frame)),
+        ("results", shown.to_string()),
+    ];
+    let rows: Vec<(String, String)> = rows.map(|(left, right)| (left.to_owned(), right)).into();
+    let next = format!(
+        "\nNext, the same from files, and then from yours:\n  sinew track --calibration {shown}/Calib.toml --keypoints {shown}/keypoints --layout BODY_25B --fps {} -o sinew-out/demo-track\n",
+        recording.rate_hz
+    );
+    debug_assert!(!out.join(LOCK_NAME).exists());
+    report::answer(&(aligned(&rows) + &next))
+}

@@ -1,0 +1,83 @@
+//! `sinew inspect`: what files contain, and whether calibration and keypoints fit.
+//!
+//! Keypoints are read with the settings of their trial, as `sinew track` reads them.
+
+use super::Ended;
+use super::args::{General, InspectArgs};
+use super::report::{self, Report};
+use super::track::{aligned, reading, settings};
+use serde_json::json;
+use sinew::Error;
+use sinew::input::recording::{Options, Recording};
+use sinew::inspect::{Facts, Subject, file_facts, fit, subjects};
+use std::path::Path;
+
+/// Runs the command.
+pub(crate) fn run(args: &InspectArgs, general: &General, report: &Report) -> Result<Ended, Error> {
+    let subjects = subjects(&args.files)?;
+    let calibration =
+        subjects.iter().find_map(|subject| if let Subject::Calibration(path) = subject { Some(path) } else { None });
+    let keypoints =
+        subjects.iter().find_map(|subject| if let Subject::Keypoints(path) = subject { Some(path) } else { None });
+    let options = match keypoints {
+        Some(keypoints) => options(args, general, keypoints, report)?,
+        None => {
+            refuse_settings(args, general)?;
+            Options::default()
+        }
+    };
+    let mut all: Vec<Facts> = Vec::new();
+    for subject in &subjects {
+        all.push(file_facts(subject, &options)?);
+    }
+    if let (Some(calibration), Some(keypoints)) = (calibration, keypoints) {
+        let mut recording = Recording::open(calibration, keypoints, &options)?;
+        // What was said about a file is not said again about the pair.
+        let known: Vec<String> = all.iter().flat_map(|facts| facts.odd.clone()).collect();
+        all.push(fit::facts(&mut recording, &known)?);
+    }
+    if args.answer.json {
+        let facts = |facts: &Facts| {
+            let rows: serde_json::Map<_, _> =
+                facts.rows.iter().map(|(name, value)| (name.clone(), value.clone().into())).collect();
+            json!({ "title": facts.title, "facts": rows, "odd": facts.odd })
+        };
+        report::answer_json(&all.iter().map(facts).collect::<Vec<_>>().into())?;
+    } else {
+        let text: Vec<String> = all.iter().map(shown).collect();
+        report::answer(&text.join("\n"))?;
+    }
+    report.detail(&format!("{} things looked at", all.len()));
+    Ok(Ended::Done)
+}
+
+/// How to read the keypoints, from all sources of settings.
+fn options(args: &InspectArgs, general: &General, keypoints: &Path, report: &Report) -> Result<Options, Error> {
+    let mut flags = args.settings.given.clone();
+    flags.push(("keypoints", keypoints.to_string_lossy().into_owned()));
+    let resolved = settings(&flags, general)?;
+    report.warnings(&resolved.warnings);
+    Ok(reading(&resolved.track()))
+}
+
+/// Refuses flags that tell how to read keypoints where there are none.
+fn refuse_settings(args: &InspectArgs, general: &General) -> Result<(), Error> {
+    let given = args.settings.given.iter().map(|(key, _)| *key);
+    match given.chain(general.config.as_ref().map(|_| "config")).next() {
+        None => Ok(()),
+        Some(key) => Err(Error::Usage {
+            message: format!(
+                "`--{}` tells how to read keypoints, and no keypoint folder was given",
+                key.replace('_', "-")
+            ),
+            help: "give the keypoint folder too, or leave the flag out".into(),
+        }),
+    }
+}
+
+fn shown(facts: &Facts) -> String {
+    let rows: Vec<(String, String)> =
+        facts.rows.iter().map(|(name, value)| (format!("  {name}"), value.clone())).collect();
+    let odd: String = facts.odd.iter().map(|odd| format!("  odd: {odd}\n")).collect();
+    format!("{}\n{}{odd}", facts.title, aligned(&rows))
+}

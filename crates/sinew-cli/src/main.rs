@@ -1,0 +1,80 @@
+//! The program `sinew`: arguments in, answers to stdout, everything else to stderr, exit codes by the table of [`sinew::Error`].
+
+mod args;
+mod body;
+mod convert;
+mod demo;
+mod fit_shape;
+mod inspect;
+mod interrupt;
+mod manual;
+mod misplaced;
+mod overlay;
+mod progress;
+mod recorded_motion;
+mod report;
+mod segment;
+mod simulate;
+mod track;
+
+use args::{Cli, Command, General};
+use clap::Parser as _;
+use report::Report;
+use std::process::ExitCode;
+
+/// How a command ended, if not with an error.
+pub(crate) enum Ended {
+    /// Done.
+    Done,
+    /// Finished and written, but a diagnostic failed.
+    Doubtful,
+    /// Interrupted; what was done is written.
+    Interrupted,
+}
+
+impl Ended {
+    const fn code(&self) -> u8 {
+        match self {
+            Self::Done => 0,
+            Self::Doubtful => 4,
+            Self::Interrupted => 75,
+        }
+    }
+}
+
+fn main() -> ExitCode {
+    let cli = match Cli::try_parse() {
+        Ok(cli) => cli,
+        Err(wrong) => {
+            let Some(error) = misplaced::flag(&wrong) else { wrong.exit() };
+            Report::new(&General::default()).error(&error);
+            return ExitCode::from(error.exit_code());
+        }
+    };
+    let report = Report::new(&cli.general);
+    let unused: Vec<String> =
+        cli.general.unused(&cli.command).iter().map(|flag| format!("`--{flag}` has no use in this command")).collect();
+    report.warnings(&unused);
+    let ended = match &cli.command {
+        Command::Demo(answer) => demo::run(*answer, &cli.general, &report),
+        Command::Inspect(args) => inspect::run(args, &cli.general, &report),
+        Command::Track(args) => track::run(args, &cli.general, &report),
+        Command::Simulate(args) => simulate::run(args, &cli.general, &report),
+        Command::Convert(args) => convert::run(args, &cli.general, &report),
+        Command::Segment(args) => segment::run(args, &cli.general, &report),
+        Command::Overlay(args) => overlay::run(args, &cli.general, &report),
+        Command::FitShape(args) => fit_shape::run(args, &cli.general, &report),
+        Command::Body { body, answer } => body::run(body, *answer),
+        Command::Completions { shell } => manual::completions(*shell),
+        Command::Man => manual::man(),
+    };
+    match ended {
+        Ok(ended) => ExitCode::from(ended.code()),
+        // Whoever read our answer has enough of it.
+        Err(error) if report::is_closed_pipe(&error) => ExitCode::SUCCESS,
+        Err(error) => {
+            report.error(&error);
+            ExitCode::from(error.exit_code())
+        }
+    }
+}

@@ -1,0 +1,264 @@
+//! `sinew simulate`: a person moves before virtual cameras, and everything that a tracker may want is written to files.
+
+use super::Ended;
+use super::args::{General, SimulateArgs};
+use super::progress::Progress;
+use super::recorded_motion::recorded_motion;
+use super::report::{self, Report};
+use super::track::{aligned, claimed, with_threads};
+use rayon::prelude::*;
+use serde_json::json;
+use sinew::Error;
+use sinew::config::{Sources, TrackConfig, resolve};
+use sinew::core::random::Stage;
+use sinew::formats::{calib_toml, mask, picture};
+use sinew_simulate::detector::{DetectorNoise, detect};
+use sinew_simulate::footage::SyntheticFootage;
+use sinew_simulate::points::{Trajectories, of_states};
+use sinew_simulate::recording::{body_25b, keypoint_files, write_trc};
+use sinew_simulate::ring::Ring;
+use sinew_simulate::segmentation_noise::Level;
+use sinew_simulate::walker::{Gait, Walker, walker_states};
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// Default output folder.
+const OUT: &str = "sinew-out/simulated";
+/// The motion that needs no file.
+const WALK: &str = "walk";
+/// Duration of a walk, seconds.
+const WALK_S: f64 = 4.0;
+/// Folders of the recording.
+const FOLDERS: [&str; 3] = ["keypoints", "masks", "images"];
+const TRUTH: &str = "truth.trc";
+const CALIBRATION: &str = "Calib.toml";
+const README: &str = "README.txt";
+/// Rows of the images for which the errors of the detector are stated.
+const DETECTOR_ROWS: f64 = 960.0;
+/// More frames than anybody looks at.
+const MOST_FRAMES: usize = 1_000_000;
+
+/// Runs the command.
+pub(crate) fn run(args: &SimulateArgs, general: &General, report: &Report) -> Result<Ended, Error> {
+    let config = settings(general)?;
+    let (motion, inputs) = motion(args, report)?;
+    refuse_inputs_inside(&config.out, &inputs)?;
+    let claim = claimed(&config, &inputs, report)?;
+    let ring = Ring { cameras: args.cameras, image_size_px: args.size.map(f64::from), ..Ring::SMALL_PICTURES };
+    let footage = SyntheticFootage::new(motion, args.fps, &ring, config.tracking.seed).map_err(refused)?;
+    clear(&config.out)?;
+    write_points(&footage, config.tracking.seed, &config.out)?;
+    let total = footage.frames();
+    with_threads(&config, || {
+        let mut progress = Progress::start(general, "simulate", total as u64);
+        for frame in 0..total {
+            let of_camera = |camera| write_images(&footage, camera, frame, args, &config.out);
+            (0..footage.cameras.len()).into_par_iter().try_for_each(of_camera)?;
+            progress.at(frame as u64 + 1);
+        }
+        Ok(())
+    })?;
+    // Last: a folder with it is whole.
+    write(&config.out.join(README), readme(args, &config, &footage).as_bytes())?;
+    drop(claim);
+    tell(args, &config, &footage)?;
+    Ok(Ended::Done)
+}
+
+fn settings(general: &General) -> Result<TrackConfig, Error> {
+    let mut flags = general.settings();
+    if !flags.iter().any(|(key, _)| *key == "out") {
+        flags.push(("out", OUT.into()));
+    }
+    Ok(resolve(&Sources { flags, environment: Vec::new(), file: None })?.track())
+}
+
+fn usage(message: String, help: &str) -> Error {
+    Error::Usage { message, help: help.into() }
+}
+
+fn refused(error: sinew_simulate::Error) -> Error {
+    Error::Input { message: error.to_string(), help: error.help() }
+}
+
+/// The motion, and the files that it is read from.
+fn motion(args: &SimulateArgs, report: &Report) -> Result<(Trajectories, Vec<PathBuf>), Error> {
+    for (flag, value) in [("fps", Some(args.fps)), ("duration", args.duration)] {
+        if let Some(value) = value.filter(|value| !(*value > 0.0 && value.is_finite())) {
+            return Err(usage(format!("`--{flag}` is {value}; it must be greater than 0"), "for example 30"));
+        }
+    }
+    let frames = |duration_s: f64| (duration_s * args.fps).round() as usize;
+    let most = args.duration.map_or(MOST_FRAMES, frames);
+    let too_many = || usage(format!("more than {MOST_FRAMES} frames"), "ask for less with `--duration` or `--fps`");
+    if most > MOST_FRAMES || args.fps > MOST_FRAMES as f64 {
+        return Err(too_many());
+    }
+    let (mut motion, inputs) = if args.motion.as_os_str() == WALK {
+        if args.skeleton.is_some() {
+            return Err(usage("the walk needs no skeleton".into(), "`--skeleton` belongs to .amc files; leave it out"));
+        }
+        let duration_s = args.duration.unwrap_or(WALK_S);
+        let walker = Walker::new(Gait { duration_s, ..Gait::default() });
+        (of_states(&walker.body, &walker_states(&walker, args.fps)), vec![])
+    } else {
+        let (motion, warnings) = recorded_motion(&args.motion, args.skeleton.as_deref(), args.fps)?;
+        report.warnings(&warnings);
+        (motion, [Some(args.motion.clone()), args.skeleton.clone()].into_iter().flatten().collect())
+    };
+    motion.frames.truncate(most);
+    match motion.frames.len() {
+        0 => Err(usage("no frame in that time".into(), "ask for more with `--duration` or `--fps`")),
+        frames if frames > MOST_FRAMES => Err(too_many()),
+        _ => Ok((motion, inputs)),
+    }
+}
+
+fn write(path: &Path, bytes: &[u8]) -> Result<(), Error> {
+    fs::write(path, bytes).map_err(Error::io("write", path))
+}
+
+/// What is replaced must not be what was read.
+fn refuse_inputs_inside(out: &Path, inputs: &[PathBuf]) -> Result<(), Error> {
+    let Ok(folder) = out.canonicalize() else { return Ok(()) };
+    let inside = |input: &&PathBuf| input.canonicalize().is_ok_and(|input| input.starts_with(&folder));
+    match inputs.iter().find(inside) {
+        Some(input) => Err(Error::OutputIsInput { path: out.to_owned(), input: input.clone() }),
+        None => Ok(()),
+    }
+}
+
+/// Takes away what a former run wrote here.
+fn clear(out: &Path) -> Result<(), Error> {
+    for path in [README, TRUTH, CALIBRATION].map(|name| out.join(name)) {
+        if path.exists() {
+            fs::remove_file(&path).map_err(Error::io("replace", &path))?;
+        }
+    }
+    for path in FOLDERS.map(|name| out.join(name)) {
+        if path.exists() {
+            fs::remove_dir_all(&path).map_err(Error::io("replace", &path))?;
+        }
+        fs::create_dir_all(&path).map_err(Error::io("create", &path))?;
+    }
+    Ok(())
+}
+
+/// Calibration, keypoints and truth.
+fn write_points(footage: &SyntheticFootage, seed: u64, out: &Path) -> Result<(), Error> {
+    let rows = footage.cameras.first().map_or(DETECTOR_ROWS, |camera| camera.image_size_px[1]);
+    let noise = DetectorNoise::DETECTOR_LIKE.resized(rows / DETECTOR_ROWS);
+    let stage = Stage::new(seed, "synthetic recording");
+    let found = detect(&footage.motion, &body_25b(), &footage.cameras, &noise, stage);
+    let keypoints = out.join(FOLDERS[0]);
+    for camera in &footage.cameras {
+        let folder = keypoints.join(format!("{}_json", camera.name));
+        fs::create_dir_all(&folder).map_err(Error::io("create", &folder))?;
+    }
+    for (name, text) in keypoint_files(&footage.cameras, &found.keypoints) {
+        write(&keypoints.join(name), text.as_bytes())?;
+    }
+    write(&out.join(CALIBRATION), calib_toml::write(&footage.cameras).as_bytes())?;
+    let mut truth = Vec::new();
+    let path = out.join(TRUTH);
+    write_trc(&mut truth, TRUTH, &footage.motion, footage.rate_hz).map_err(Error::io("write", &path))?;
+    write(&path, &truth)
+}
+
+/// Mask and picture of a camera in a frame.
+fn write_images(
+    footage: &SyntheticFootage,
+    camera: usize,
+    frame: usize,
+    args: &SimulateArgs,
+    out: &Path,
+) -> Result<(), Error> {
+    let name = format!("{}_{frame:04}.png", footage.cameras[camera].name);
+    let path = out.join(FOLDERS[1]).join(&name);
+    let level = Level::named(&args.segmentation).unwrap_or_default();
+    let silhouette = footage.mask(camera, frame, level);
+    let mut bytes = Vec::new();
+    mask::write(&mut bytes, &silhouette).map_err(Error::io("write", &path))?;
+    write(&path, &bytes)?;
+    if args.images.0.is_some_and(|every| frame.is_multiple_of(every)) {
+        let path = out.join(FOLDERS[2]).join(&name);
+        let seen = footage.picture(camera, frame);
+        bytes.clear();
+        picture::write_png(&mut bytes, &seen).map_err(Error::io("write", &path))?;
+        write(&path, &bytes)?;
+    }
+    Ok(())
+}
+
+/// The command that tracks the recording in a folder.
+fn track_command(folder: &str, fps: f64) -> String {
+    format!(
+        "sinew track --calibration {folder}/{CALIBRATION} --keypoints {folder}/{} --layout BODY_25B --fps {fps} -o {folder}-track",
+        FOLDERS[0]
+    )
+}
+
+/// The command that tracks its silhouettes.
+fn silhouette_command(folder: &str, fps: f64) -> String {
+    format!(
+        "sinew track --calibration {folder}/{CALIBRATION} --silhouettes {folder}/{} --init {folder}/{TRUTH} --method annealed --fps {fps} -o {folder}-silhouettes",
+        FOLDERS[1]
+    )
+}
+
+/// The command that draws what was found.
+fn overlay_command(folder: &str) -> String {
+    format!(
+        "sinew overlay {folder}-silhouettes --calibration {folder}/{CALIBRATION} --silhouettes {folder}/{} --every 10 -o {folder}-pictures",
+        FOLDERS[1]
+    )
+}
+
+fn readme(args: &SimulateArgs, config: &TrackConfig, footage: &SyntheticFootage) -> String {
+    let Trajectories { names, frames } = &footage.motion;
+    let folder = config.out.file_name().unwrap_or_default().to_string_lossy();
+    format!(
+        "A synthetic recording by sinew {}: motion {}, {} frames at {} per second, {} cameras, seed {}.\n\n\
+         {CALIBRATION}   cameras\n\
+         keypoints/   what a detector with errors found, BODY_25B\n\
+         masks/       silhouettes, segmentation `{}`: <camera>_<frame>.png, one bit a pixel, white is the person\n\
+         images/      pictures of some frames, if any were asked for\n\
+         {TRUTH}    the true positions of {} points\n\n\
+         To track it, from the folder above:\n  {}\n\n\
+         The same from its silhouettes, and pictures of what was found:\n  {}\n  {}\n",
+        env!("CARGO_PKG_VERSION"),
+        args.motion.display(),
+        frames.len(),
+        args.fps,
+        footage.cameras.len(),
+        config.tracking.seed,
+        args.segmentation,
+        names.len(),
+        track_command(&folder, args.fps),
+        silhouette_command(&folder, args.fps),
+        overlay_command(&folder),
+    )
+}
+
+fn tell(args: &SimulateArgs, config: &TrackConfig, footage: &SyntheticFootage) -> Result<(), Error> {
+    let out = config.out.display().to_string();
+    if args.answer.json {
+        return report::answer_json(&json!({
+            "frames": footage.frames(),
+            "cameras": footage.cameras.len(),
+            "rate_hz": args.fps,
+            "segmentation": args.segmentation,
+            "seed": config.tracking.seed,
+            "out": out,
+        }));
+    }
+    let rows = [
+        ("motion", args.motion.display().to_string()),
+        ("frames", format!("{} at {} per second, {} cameras", footage.frames(), args.fps, footage.cameras.len())),
+        ("masks", format!("segmentation {}, seed {}", args.segmentation, config.tracking.seed)),
+        ("written", out.clone()),
+    ];
+    let rows: Vec<(String, String)> = rows.map(|(left, right)| (left.to_owned(), right)).into();
+    let next = [track_command(&out, args.fps), silhouette_command(&out, args.fps), overlay_command(&out)];
+    report::answer(&format!("{}\nNext:\n  {}\n", aligned(&rows), next.join("\n  ")))
+}

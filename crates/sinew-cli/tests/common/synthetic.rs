@@ -1,0 +1,193 @@
+//! Runs of the library on a short synthetic recording, stopped where a test wants.
+
+use super::files;
+use sinew::config::{Sources, resolve};
+use sinew::formats::Layout;
+use sinew::input::frame::{Frame, FrameImages};
+use sinew::input::in_memory::InMemory;
+use sinew::input::source::FrameSource;
+use sinew::observe::Camera;
+use sinew::observe::association::Person;
+use sinew::observe::bit_image::BitImage;
+use sinew::results::{Claim, claim, claim_to_resume};
+use sinew::track::checkpoint::{self, Checkpoint};
+use sinew::track::job::{self, Outcome, Pass, Watch};
+use sinew::{Error, setup};
+use sinew_simulate::footage::SyntheticFootage;
+use sinew_simulate::recording::{Script, SyntheticRecording};
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// Frames of a run.
+pub const FRAMES: u64 = 30;
+
+/// Small silhouettes of the person of a recording.
+struct Masks {
+    cameras: Vec<Camera>,
+    /// By frame and camera.
+    frames: Vec<Vec<Option<BitImage>>>,
+}
+
+impl Masks {
+    fn of(recording: &SyntheticRecording) -> Self {
+        let cameras: Vec<Camera> = recording.cameras.iter().map(|camera| camera.resized(0.1)).collect();
+        let footage = SyntheticFootage::of_cameras(recording.truth.clone(), 30.0, cameras.clone(), 7).unwrap();
+        let frame = |frame| (0..cameras.len()).map(|camera| Some(footage.silhouette(camera, frame))).collect();
+        Self { frames: (0..footage.frames()).map(frame).collect(), cameras }
+    }
+}
+
+/// A recording, with or without silhouettes; with them, its keypoints are for the set-up.
+struct Source<'a> {
+    recording: InMemory,
+    masks: Option<&'a Masks>,
+}
+
+impl FrameSource for Source<'_> {
+    fn cameras(&self) -> &[Camera] {
+        &self.recording.cameras
+    }
+    fn layout(&self) -> &Layout {
+        &self.recording.layout
+    }
+    fn frames(&self) -> std::ops::Range<u64> {
+        self.recording.frames()
+    }
+    fn people(&mut self, number: u64) -> Result<Vec<Vec<Person>>, Error> {
+        self.recording.people(number)
+    }
+    fn image_cameras(&self) -> Option<Vec<Camera>> {
+        self.masks.map(|masks| masks.cameras.clone())
+    }
+    fn frame(&mut self, number: u64) -> Result<Frame, Error> {
+        let Some(masks) = self.masks else {
+            return Ok(Frame { people: self.people(number)?, images: FrameImages::default() });
+        };
+        let silhouettes = masks.frames[number as usize].clone();
+        let people = vec![vec![]; self.recording.cameras.len()];
+        Ok(Frame { people, images: FrameImages { silhouettes, pictures: vec![] } })
+    }
+}
+
+/// A whole run, with which others are compared.
+pub struct Whole {
+    /// Holds the results and the set-up.
+    pub folder: tempfile::TempDir,
+    /// What the whole run left.
+    pub files: BTreeMap<String, Vec<u8>>,
+    /// What is tracked.
+    pub recording: InMemory,
+    masks: Option<Masks>,
+    settings: Vec<(&'static str, String)>,
+    frames: u64,
+}
+
+impl Whole {
+    /// Tracks with these settings besides those that make a run short.
+    pub fn new(settings: &[(&'static str, &str)]) -> Self {
+        Self::lasting(FRAMES, settings)
+    }
+
+    /// As [`Whole::new`], with another number of frames.
+    pub fn lasting(frames: u64, settings: &[(&'static str, &str)]) -> Self {
+        Self::seen(frames, settings, false)
+    }
+
+    /// Tracks so many frames from silhouettes alone, after the set-up.
+    pub fn of_silhouettes(frames: u64, settings: &[(&'static str, &str)]) -> Self {
+        Self::seen(frames, settings, true)
+    }
+
+    fn seen(frames: u64, settings: &[(&'static str, &str)], by_masks: bool) -> Self {
+        let script = Script { duration_s: frames as f64 / 30.0, ..Script::default() };
+        let mut recording = SyntheticRecording::new(&script, 7).unwrap();
+        recording.cameras.truncate(2);
+        recording.keypoints.truncate(2);
+        let masks = by_masks.then(|| Masks::of(&recording));
+        let SyntheticRecording { cameras, layout, keypoints, .. } = recording;
+        let mut recording = InMemory { cameras, layout, keypoints };
+        let folder = tempfile::tempdir().unwrap();
+        let is_cf28 = settings.contains(&("body", "cf28"));
+        let body = if is_cf28 { setup::Body::CF28 } else { setup::Body::H32 };
+        let request = setup::Request { body, ..setup::Request::default() };
+        let first: Vec<_> = (0..10).map(|number| Ok((number, recording.people(number)?))).collect();
+        let (mut found, _) = setup::set_up(&recording.cameras, &recording.layout, &request, first).unwrap();
+        (found.step_size, found.leapfrog_steps) = (Some(0.4), Some(3));
+        let path = folder.path().join("setup.toml");
+        fs::write(&path, found.to_toml().unwrap()).unwrap();
+        let short =
+            [("fps", "30"), ("chains", "8"), ("updates", "2"), ("burn_in", "1"), ("draws", "2"), ("particles", "64")];
+        let mut all: BTreeMap<&'static str, String> = short.map(|(key, value)| (key, value.to_owned())).into();
+        all.extend(settings.iter().map(|(key, value)| (*key, (*value).to_owned())));
+        all.insert("setup", path.display().to_string());
+        all.remove("body");
+        let mut whole =
+            Self { folder, files: BTreeMap::new(), recording, masks, settings: all.into_iter().collect(), frames };
+        let out = whole.folder.path().join("whole");
+        assert!(whole.run(&out, 1, None, None).unwrap().summary.complete);
+        whole.files = results(&out);
+        whole
+    }
+
+    /// Runs into a folder with so many threads, from the first frame or a checkpoint, and asks for an end after so many frames.
+    pub fn run(
+        &self,
+        out: &Path,
+        threads: usize,
+        stop: Option<u64>,
+        from: Option<Checkpoint>,
+    ) -> Result<Outcome, Error> {
+        let claim = match from {
+            None => claim(out, &[], false)?,
+            Some(_) => claim_to_resume(out, &[])?,
+        };
+        self.run_in(claim, threads, stop, from)
+    }
+
+    /// As [`Whole::run`], in a claimed folder.
+    pub fn run_in(
+        &self,
+        claim: Claim,
+        threads: usize,
+        stop: Option<u64>,
+        from: Option<Checkpoint>,
+    ) -> Result<Outcome, Error> {
+        let resolved = resolve(&Sources { flags: self.settings.clone(), ..Sources::default() })?;
+        let flag = AtomicBool::new(stop == Some(0) && from.is_none());
+        let mut progress = |pass: Pass, done: u64, _: u64| {
+            if pass == Pass::Track && Some(done) == stop {
+                flag.store(true, Ordering::SeqCst);
+            }
+        };
+        let mut source = Source { recording: self.recording.clone(), masks: self.masks.as_ref() };
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| {
+            let mut watch = Watch { progress: &mut progress, stop: &flag };
+            let inputs = |_: &Source<'_>| (vec![], BTreeMap::new());
+            job::track(&mut source, 0..self.frames, &resolved, claim, &mut watch, inputs, from)
+        })
+    }
+
+    /// A run that is stopped after so many frames and gone on with gives the files of the whole one.
+    pub fn check_stopped_at(&self, stop: u64) {
+        let out = self.folder.path().join("out");
+        let outcome = self.run(&out, 1, Some(stop), None).unwrap();
+        assert_eq!(outcome.summary.complete, stop == FRAMES || outcome.summary.frame_count == FRAMES);
+        if !outcome.summary.complete {
+            let from = checkpoint::read(&out).unwrap();
+            assert!(from.done == stop.max(1), "{stop}: {}", from.done);
+            assert!(self.run(&out, 2, None, Some(from)).unwrap().summary.complete);
+        }
+        assert!(results(&out) == self.files, "stopped after {stop} of {FRAMES} frames: {:?}", self.settings);
+        fs::remove_dir_all(&out).unwrap();
+    }
+}
+
+/// All files that must be the same from run to run.
+pub fn results(folder: &Path) -> BTreeMap<String, Vec<u8>> {
+    let mut files = files(folder);
+    assert!(files.remove("timings.json").is_some());
+    files
+}

@@ -1,0 +1,498 @@
+//! A run that was stopped goes on to the same bytes, wherever it was stopped and by what; or it says why it cannot.
+
+mod common;
+
+use common::synthetic::{FRAMES, Whole};
+use common::{TRACK, Trial, files, trial};
+use sinew::core::random::Stage;
+use sinew::results::problem;
+use sinew::results::problem::Problem;
+use sinew::track::checkpoint::{self, Checkpoint};
+use std::fs;
+use std::io::{BufRead as _, BufReader};
+use std::path::Path;
+use std::process::{Child, Output, Stdio};
+use std::time::{Duration, Instant};
+
+/// Every frame, both methods, with another number of threads.
+#[test]
+fn a_run_stopped_after_any_frame_gives_the_same_files() {
+    for method in ["hmc", "bootstrap"] {
+        let whole = Whole::new(&[("method", method)]);
+        for stop in 0..=FRAMES {
+            whole.check_stopped_at(stop);
+        }
+    }
+}
+
+/// The same from silhouettes, by searches: what they remember goes on, too.
+#[test]
+fn a_run_on_silhouettes_stopped_after_any_frame_gives_the_same_files() {
+    for method in ["annealed", "coarse-to-fine"] {
+        let few = [("method", method), ("particles", "8"), ("fine", "8"), ("layers", "2"), ("raster", "64")];
+        let whole = Whole::of_silhouettes(FRAMES, &few);
+        for stop in 0..=FRAMES {
+            whole.check_stopped_at(stop);
+        }
+    }
+}
+
+/// As above through the backward pass, every fifth frame and the last.
+#[test]
+fn a_smoothed_run_stopped_after_a_frame_gives_the_same_files() {
+    for method in ["hmc", "bootstrap"] {
+        let whole = Whole::new(&[("method", method), ("smooth", "true")]);
+        for stop in (0..=FRAMES).step_by(5) {
+            whole.check_stopped_at(stop);
+        }
+    }
+}
+
+/// A checkpoint after every frame or never: the numbers are the same.
+#[test]
+fn checkpoints_change_no_number() {
+    let of = |every| {
+        let mut files = Whole::new(&[("checkpoint_every", every)]).files;
+        // It names the folder of the set-up, which is another one.
+        assert!(files.remove("config.toml").is_some());
+        files
+    };
+    let [always, never] = ["0", "1e9"].map(of);
+    assert!(always.len() > 10 && always == never);
+}
+
+/// Cut anywhere and flipped in any byte, a checkpoint is refused by name; the bits are flipped in turn.
+#[test]
+fn a_cut_or_flipped_checkpoint_is_refused() {
+    let whole = Whole::new(&[("method", "bootstrap"), ("particles", "8"), ("draws", "1"), ("body", "cf28")]);
+    let out = whole.folder.path().join("out");
+    whole.run(&out, 1, Some(2), None).unwrap();
+    let bytes = fs::read(out.join(problem::NAME)).unwrap();
+    let decoded = Checkpoint::decode(&bytes).unwrap();
+    assert!(decoded.done == 2 && decoded.encode().unwrap() == bytes);
+    for end in 0..bytes.len() {
+        assert!(matches!(Checkpoint::decode(&bytes[..end]), Err(Problem::Length { .. })), "{end}");
+    }
+    let mut changed = bytes.clone();
+    for at in 0..bytes.len() {
+        changed[at] ^= 1 << (at % 8);
+        let problem = Checkpoint::decode(&changed).unwrap_err();
+        let expected = match at {
+            0..16 => matches!(problem, Problem::Foreign),
+            20..28 => matches!(problem, Problem::Length { .. }),
+            _ => matches!(problem, Problem::Checksum { .. }),
+        };
+        assert!(expected, "byte {at}: {problem:?}");
+        changed[at] = bytes[at];
+    }
+    let longer = [&bytes[..], b"x"].concat();
+    assert!(matches!(Checkpoint::decode(&longer), Err(Problem::Length { .. })));
+}
+
+/// A bit flipped in any whole chunk of the draws, or a chunk removed, is refused by name; as it was, the run goes on to the same files.
+#[test]
+fn a_changed_or_missing_chunk_is_refused() {
+    let settings = [("method", "bootstrap"), ("particles", "8"), ("draws", "1"), ("body", "cf28")];
+    let whole = Whole::lasting(150, &settings);
+    let out = whole.folder.path().join("out");
+    whole.run(&out, 1, Some(130), None).unwrap();
+    let refused = |path: &Path| {
+        let from = checkpoint::read(&out).unwrap();
+        assert_eq!(from.done, 130);
+        match whole.run(&out, 1, None, Some(from)) {
+            Err(sinew::Error::Checkpoint { problem, .. }) => {
+                assert_eq!(*problem, Problem::Changed { path: path.to_owned() });
+            }
+            other => panic!("{}: {other:?}", path.display()),
+        }
+    };
+    // The run that was interrupted gave the store its name; who goes on takes that back.
+    let [named, store] = ["posterior.zarr", "posterior.zarr.partial"].map(|name| out.join(name));
+    let arrays: Vec<(&str, Vec<usize>)> = vec![
+        ("posterior/angle", vec![0, 0, 1, 0]),
+        ("posterior/root", vec![0, 0, 0, 0]),
+        ("posterior/marker_position", vec![0, 0, 1, 0, 0]),
+        ("posterior/frame", vec![0]),
+        ("posterior/time", vec![1]),
+        ("sample_stats/ess", vec![0, 0]),
+        ("sample_stats/log_weight", vec![0, 0, 1]),
+        ("observed_data/pixel", vec![1, 0, 0, 0]),
+        ("observed_data/confidence", vec![0, 0, 0]),
+    ];
+    for (bit, (array, indices)) in arrays.into_iter().enumerate() {
+        let key = indices.iter().fold(format!("{array}/c"), |key, index| format!("{key}/{index}"));
+        let path = if store.exists() { store.join(&key) } else { named.join(&key) };
+        let bytes = fs::read(&path).unwrap();
+        let mut flipped = bytes.clone();
+        flipped[bytes.len() / 2] ^= 1 << (bit % 8);
+        fs::write(&path, &flipped).unwrap();
+        let path = store.join(&key);
+        refused(&path);
+        fs::write(&path, &bytes[..bytes.len() - 1]).unwrap();
+        refused(&path);
+        fs::remove_file(&path).unwrap();
+        refused(&path);
+        fs::write(&path, &bytes).unwrap();
+    }
+    let from = checkpoint::read(&out).unwrap();
+    assert!(whole.run(&out, 2, None, Some(from)).unwrap().summary.complete);
+    assert!(common::synthetic::results(&out) == whole.files);
+}
+
+/// A trial with a set-up, so that runs are short.
+fn prepared() -> Trial {
+    let trial = trial(1.0);
+    let output = trial.track(&["-owhole", "--setup-frames=0..10"]);
+    assert_eq!(output.status.code(), Some(0), "{}", trial.told(&output));
+    fs::copy(trial.path("whole/setup.toml"), trial.path("setup.toml")).unwrap();
+    let output = trial.track(&["-owhole", "--force", SETUP]);
+    assert_eq!(output.status.code(), Some(0), "{}", trial.told(&output));
+    trial
+}
+
+const SETUP: &str = "--setup=setup.toml";
+
+/// A run of the program into `out` with checkpoints after every frame.
+fn started(trial: &Trial, more: &[&str]) -> Child {
+    let arguments = [&TRACK[..], &common::QUICK, &["-oout", "--checkpoint-every=0", SETUP], more].concat();
+    trial.command(&arguments).stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap()
+}
+
+fn finished(child: Child) -> Output {
+    child.wait_with_output().unwrap()
+}
+
+fn same_results(trial: &Trial, out: &str) -> bool {
+    let [mut whole, mut other] = ["whole", out].map(|name| files(&trial.path(name)));
+    // Who was killed after all else was done leaves its lock file.
+    other.remove(sinew::results::LOCK_NAME);
+    whole.remove("timings.json").is_some() && other.remove("timings.json").is_some() && whole == other
+}
+
+/// What has its final name is whole, at any moment.
+fn check_final_names(trial: &Trial) {
+    let whole = files(&trial.path("whole"));
+    for (name, bytes) in files(&trial.path("out")) {
+        let is_final = !name.contains(".partial") && whole.contains_key(&name) && name != "timings.json";
+        assert!(!is_final || whole[&name] == bytes, "{name}");
+    }
+}
+
+/// Fifty times, at seeded moments spread over a run; who was killed is gone on with, and killed again.
+#[test]
+fn a_run_killed_at_any_moment_goes_on() {
+    let trial = prepared();
+    let clock = Instant::now();
+    let output = finished(started(&trial, &[]));
+    assert_eq!(output.status.code(), Some(0), "{}", trial.told(&output));
+    let mut whole_s = clock.elapsed().as_secs_f64();
+    fs::remove_dir_all(trial.path("out")).unwrap();
+    let (mut kills, mut completed) = (0, 0);
+    let mut rng = Stage::new(31, "kill").whole();
+    let mut moments = [sinew::core::lanes::Block::ZERO; 64];
+    rng.fill_uniform(&mut moments);
+    let mut moments = moments.into_iter().flat_map(|block| block.0);
+    while kills < 50 {
+        let Some(moment) = moments.next() else { break };
+        let more: &[&str] = match trial.path("out").join(problem::NAME).exists() {
+            true => &["--resume", "--threads=2"],
+            false => &["--threads=1"],
+        };
+        let mut child = started(&trial, more);
+        let begun = Instant::now();
+        let mut has_ended = false;
+        while !has_ended && begun.elapsed().as_secs_f64() < whole_s * moment {
+            std::thread::sleep(Duration::from_millis(1));
+            has_ended = child.try_wait().unwrap().is_some();
+        }
+        // The machine may have been busy with other things when the first run was timed.
+        whole_s = if has_ended && more.len() == 1 { whole_s.min(begun.elapsed().as_secs_f64()) } else { whole_s };
+        let _ = child.kill();
+        let output = finished(child);
+        if has_ended {
+            assert_eq!(output.status.code(), Some(0), "{}", trial.told(&output));
+            assert!(same_results(&trial, "out"));
+            fs::remove_dir_all(trial.path("out")).unwrap();
+            completed += 1;
+        } else {
+            kills += 1;
+            if trial.path("out").exists() {
+                check_final_names(&trial);
+            }
+            // Killed when all was done.
+            if trial.path("out/summary.json").exists() && !trial.path("out").join(problem::NAME).exists() {
+                assert!(same_results(&trial, "out"));
+                fs::remove_dir_all(trial.path("out")).unwrap();
+            }
+        }
+    }
+    println!("{kills} kills, {completed} runs completed in between, {whole_s:.2} s a whole run");
+    assert_eq!(kills, 50);
+    if trial.path("out").join(problem::NAME).exists() {
+        let output = finished(started(&trial, &["--resume"]));
+        assert_eq!(output.status.code(), Some(0), "{}", trial.told(&output));
+        assert!(same_results(&trial, "out"));
+    }
+}
+
+/// Killed while it smooths: the backward pass is done again, and gives the files of a whole run.
+#[test]
+fn a_run_killed_while_smoothing_goes_on() {
+    let trial = prepared();
+    fs::remove_dir_all(trial.path("whole")).unwrap();
+    let output = trial.track(&["-owhole", SETUP, "--smooth"]);
+    assert_eq!(output.status.code(), Some(0), "{}", trial.told(&output));
+    let mut killed = 0;
+    for _ in 0..4 {
+        let mut child = started(&trial, &["--smooth", "--threads=1"]);
+        // The backward pass creates the file of trajectories; it is gone at the end.
+        while !trial.path("out/trajectories.partial").exists() && child.try_wait().unwrap().is_none() {
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        let _ = child.kill();
+        finished(child);
+        if !trial.path("out/summary.json").exists() {
+            let from = checkpoint::read(&trial.path("out")).unwrap();
+            assert!(from.done == from.frames.end && from.spool.is_some());
+            killed += 1;
+            let output = finished(started(&trial, &["--smooth", "--resume", "--threads=2"]));
+            let told = trial.told(&output);
+            assert_eq!(output.status.code(), Some(0), "{told}");
+            let note = "left its lock in out; it is gone, the lock is taken over";
+            assert!(told.lines().any(|line| line.starts_with("process ") && line.ends_with(note)), "{told}");
+        }
+        assert!(same_results(&trial, "out"));
+        fs::remove_dir_all(trial.path("out")).unwrap();
+    }
+    assert!(killed > 0);
+}
+
+/// Killed before its first frame, a run has nothing to go on with, and that is said; it begins anew without a word of force.
+#[test]
+fn a_run_killed_in_its_set_up_is_begun_anew() {
+    let trial = trial(1.0);
+    let arguments: Vec<&str> = TRACK.iter().copied().filter(|argument| *argument != "--no-progress").collect();
+    let mut child = trial
+        .command(&[&arguments[..], &common::QUICK, &["-oout"]].concat())
+        .stdout(Stdio::null())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let mut lines = BufReader::new(child.stderr.take().unwrap()).lines();
+    assert!(lines.any(|line| line.unwrap().starts_with("set-up: 10 %")));
+    child.kill().unwrap();
+    child.wait().unwrap();
+    assert!(!trial.path("out").join(problem::NAME).exists());
+    let output = trial.track(&["--resume"]);
+    let told = trial.told(&output);
+    let lines: Vec<&str> = told.lines().filter(|line| !line.contains("left its lock in")).collect();
+    insta::assert_snapshot!("killed_in_set_up", lines.join("\n"));
+    let output = trial.track(&[]);
+    assert_eq!(output.status.code(), Some(0), "{}", trial.told(&output));
+}
+
+/// Complete results are left alone only if they are those of the settings and data that are given.
+#[test]
+fn complete_results_are_compared() {
+    let trial = prepared();
+    let before = files(&trial.path("whole"));
+    let output = trial.track(&["-owhole", SETUP, "--resume"]);
+    assert_eq!(output.status.code(), Some(0), "{}", trial.told(&output));
+    let told = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert_eq!(told, "nothing to do: the results in whole are complete, of these settings and data\n");
+    // A setting that changes no number.
+    assert!(told_of(&trial, &["--checkpoint-every=3"]).starts_with("exit 0"));
+    assert!(told_of(&trial, &["--frames=0..20"]).contains("`frames` was not set and is \"0..20\""));
+    let last = trial.keypoints(1, 29);
+    let text = fs::read_to_string(&last).unwrap();
+    fs::write(&last, format!("{text}\n")).unwrap();
+    insta::assert_snapshot!("complete_of_other_data", told_of(&trial, &[]));
+    fs::write(&last, text).unwrap();
+    trial.edit(&trial.path("setup.toml"), |text| format!("{text}\n# a remark\n"));
+    assert!(told_of(&trial, &[]).contains("holds a run on other data: the content of `setup` has changed"));
+    assert!(files(&trial.path("whole")) == before);
+}
+
+/// What `--resume` says of the complete results of [`prepared`].
+fn told_of(trial: &Trial, more: &[&str]) -> String {
+    told(trial, &[&["-owhole"], more].concat())
+}
+
+/// Frames that the set-up and the tracker both read are counted once when they are read again.
+#[test]
+fn frames_read_again_are_counted_once() {
+    let whole = Whole::new(&[("method", "bootstrap"), ("particles", "8"), ("draws", "1"), ("body", "cf28")]);
+    let mut recording = whole.recording.clone();
+    let mut source = sinew::input::upright::Upright::new(&mut recording, "+z");
+    let mut told = vec![];
+    let each = |done, total| {
+        told.push((done, total));
+        Ok(())
+    };
+    source.read_again(&[0..20, 5..6, 28..40], 0..30, each).unwrap();
+    assert_eq!(told, (1..=FRAMES).map(|done| (done, FRAMES)).collect::<Vec<_>>());
+}
+
+/// Four times each at seeded moments: ends within two seconds with code 75, and what is there holds the frames that were done and nothing else.
+#[cfg(unix)]
+#[test]
+fn a_run_interrupted_at_any_moment_goes_on() {
+    let trial = prepared();
+    let mut moments = [sinew::core::lanes::Block::ZERO; 1];
+    Stage::new(32, "interrupt").whole().fill_uniform(&mut moments);
+    let mut interrupted = 0;
+    for (i, moment) in moments[0].0.into_iter().enumerate() {
+        let child = started(&trial, &[]);
+        while !trial.path("out").join(problem::NAME).exists() {
+            std::thread::sleep(Duration::from_millis(2));
+        }
+        std::thread::sleep(Duration::from_secs_f64(0.3 * moment));
+        let signal = ["-INT", "-TERM"][i % 2];
+        let sent = Instant::now();
+        let _ = std::process::Command::new("kill").args([signal, &child.id().to_string()]).status();
+        let output = finished(child);
+        if output.status.code() != Some(0) {
+            interrupted += 1;
+            assert_eq!(output.status.code(), Some(75), "{}", trial.told(&output));
+            assert!(sent.elapsed() < Duration::from_secs(2), "{:?}", sent.elapsed());
+            assert!(trial.told(&output).contains("the same command with `--resume` goes on from there"));
+            let text = |name: &str| fs::read_to_string(trial.path("out").join(name)).unwrap();
+            let summary: serde_json::Value = serde_json::from_str(&text("summary.json")).unwrap();
+            assert_eq!(summary["complete"], false);
+            let done = summary["frame_count"].as_u64().unwrap() as usize;
+            assert_eq!(text("frames.csv").lines().count(), 1 + done);
+            assert!(!text("joints.csv").contains("NaN") && !text("markers.trc").contains("NaN"));
+            let array: serde_json::Value =
+                serde_json::from_str(&text("posterior.zarr/posterior/angle/zarr.json")).unwrap();
+            assert_eq!(array["shape"][2], done);
+            let output = finished(started(&trial, &["--resume"]));
+            assert_eq!(output.status.code(), Some(0), "{}", trial.told(&output));
+        }
+        assert!(same_results(&trial, "out"));
+        fs::remove_dir_all(trial.path("out")).unwrap();
+    }
+    assert!(interrupted >= 2, "{interrupted} of 8 were interrupted before their end");
+}
+
+/// A run that was killed in the middle of its frames, and what `--resume` says of it.
+fn told(trial: &Trial, more: &[&str]) -> String {
+    let output = trial.track(&[&[SETUP, "--resume"], more].concat());
+    let pids = trial.told(&output);
+    pids.lines().filter(|line| !line.contains("left its lock in")).collect::<Vec<_>>().join("\n")
+}
+
+#[cfg(unix)]
+#[test]
+fn what_cannot_go_on_says_why() {
+    let trial = prepared();
+    insta::assert_snapshot!("no_folder", told(&trial, &["-onowhere"]));
+    fs::create_dir(trial.path("empty")).unwrap();
+    insta::assert_snapshot!("no_checkpoint", told(&trial, &["-oempty"]));
+    insta::assert_snapshot!("complete", told(&trial, &["-owhole"]));
+    insta::assert_snapshot!("complete_of_others", told(&trial, &["-owhole", "--seed=2"]));
+    insta::assert_snapshot!("resume_and_force", told(&trial, &["-oempty", "--force"]));
+
+    let mut child = started(&trial, &[]);
+    while checkpoint::read(&trial.path("out")).map_or(0, |checkpoint| checkpoint.done) < 3 {
+        std::thread::sleep(Duration::from_millis(2));
+    }
+    child.kill().unwrap();
+    child.wait().unwrap();
+    let path = trial.path("out").join(problem::NAME);
+    let bytes = fs::read(&path).unwrap();
+    insta::assert_snapshot!("other_settings", told(&trial, &["--seed=2", "--least-confidence=0.2"]));
+    insta::assert_snapshot!("other_frames", told(&trial, &["--frames=0..20"]));
+    let set = Checkpoint::decode(&bytes).unwrap().isa;
+    if set != "baseline" {
+        assert!(told(&trial, &["--simd=baseline"]).contains(&format!("the instruction set was {set} and is baseline")));
+    }
+
+    let keypoints = trial.keypoints(2, 5);
+    let text = fs::read_to_string(&keypoints).unwrap();
+    fs::write(&keypoints, text.replacen("0.", "0.1", 1)).unwrap();
+    insta::assert_snapshot!("other_data", told(&trial, &[]));
+    fs::write(&keypoints, text).unwrap();
+    trial.edit(&trial.path("setup.toml"), |text| format!("{text}\n# a remark\n"));
+    insta::assert_snapshot!("other_set_up", told(&trial, &[]));
+    trial.edit(&trial.path("setup.toml"), |text| text.replace("\n# a remark\n", ""));
+
+    let with = |bytes: &[u8]| {
+        fs::write(&path, bytes).unwrap();
+        let told = told(&trial, &[]);
+        assert!(!trial.path("out/summary.json").exists(), "{told}");
+        told
+    };
+    assert!(with(&bytes[..bytes.len() / 2]).contains("was cut or is damaged"));
+    let mut flipped = bytes.clone();
+    flipped[100] ^= 4;
+    assert!(with(&flipped).contains("holds a damaged `checkpoint.bin`: its checksum is"));
+    insta::assert_snapshot!("foreign", with(b"something else altogether"));
+    let older = Checkpoint { program: "0.0.1".into(), ..Checkpoint::decode(&bytes).unwrap() };
+    insta::assert_snapshot!("other_version", with(&older.encode().unwrap()));
+    let mut newer = bytes[..bytes.len() - 4].to_vec();
+    newer[16] = 4;
+    newer.extend(common::crc32(&newer).to_le_bytes());
+    insta::assert_snapshot!("other_format", with(&newer));
+    fs::write(&path, &bytes).unwrap();
+
+    let joints = trial.path("out/joints.csv.partial");
+    let table = fs::read_to_string(&joints).unwrap();
+    fs::write(&joints, table.replacen("RKnee", "LKnee", 1)).unwrap();
+    insta::assert_snapshot!("changed_file", told(&trial, &[]));
+    fs::write(&joints, &table[..table.len() / 4]).unwrap();
+    assert!(told(&trial, &[]).contains("`out/joints.csv.partial` was changed or cut"));
+    fs::write(&joints, table).unwrap();
+
+    // And with everything as it was, it does go on.
+    let told = told(&trial, &[]);
+    assert!(told.starts_with("exit 0"), "{told}");
+    assert!(same_results(&trial, "out"));
+}
+
+/// Whoever forgets `--resume` is told what is begun anew.
+#[test]
+fn a_stopped_run_is_not_begun_anew_in_silence() {
+    let whole = Whole::new(&[]);
+    let trial = trial(0.2);
+    whole.run(&trial.path("out"), 1, Some(3), None).unwrap();
+    let told = trial.track_told(&[]);
+    assert!(told.starts_with("exit 0\n"), "{told}");
+    assert!(told.contains("warning: out holds a run that was stopped; it is begun anew (`--resume` goes on with it)"));
+}
+
+#[test]
+fn of_two_runs_in_one_folder_one_is_refused() {
+    let trial = prepared();
+    let both = [started(&trial, &[]), started(&trial, &["--force"])];
+    let told = both.map(|child| trial.told(&finished(child)));
+    let refused: Vec<&String> = told.iter().filter(|told| told.starts_with("exit 5")).collect();
+    let done = told.iter().filter(|told| told.starts_with("exit 0")).count();
+    // The second may also come when the first is done, if the machine is busy with other things: it then replaces the results.
+    assert!(done + refused.len() == 2 && done >= 1, "{told:?}");
+    assert!(refused.iter().all(|told| told.contains("is in use by another run")), "{told:?}");
+    assert!(same_results(&trial, "out"));
+}
+
+/// Nothing is computed for a place that cannot be written.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_place_that_cannot_be_written_is_told_before_computing() {
+    let trial = trial(0.2);
+    let arguments: Vec<&str> = TRACK.iter().copied().filter(|argument| *argument != "--no-progress").collect();
+    let output = trial.command(&arguments).arg("-o/proc/no-such-place/out").output().unwrap();
+    let told = trial.told(&output);
+    assert!(told.starts_with("exit 5\nerror: cannot create `/proc/no-such-place/out`"), "{told}");
+    assert!(!told.contains("set-up") && !told.contains("tracking"), "{told}");
+}
+
+#[test]
+fn a_reader_that_leaves_is_no_panic() {
+    let trial = prepared();
+    let arguments = [&TRACK[..], &common::QUICK, &["-oout", SETUP]].concat();
+    let mut child = trial.command(&arguments).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    drop(child.stdout.take());
+    let output = finished(child);
+    let told = trial.told(&output);
+    assert!(told.starts_with("exit 0") && !told.contains("panic"), "{told}");
+    assert!(Path::new(&trial.path("out/summary.json")).exists());
+}

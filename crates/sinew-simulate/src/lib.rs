@@ -1,0 +1,47 @@
+//! Synthetic recordings: a person who stands and walks, virtual cameras around him, and a detector that errs as real ones do.
+//!
+//! | module | what |
+//! |---|---|
+//! | [`gait`] | normative joint-angle curves of walking as Fourier series |
+//! | [`walker`] | the whole body's state over time, feet on the ground |
+//! | [`points`] | named points in space over time, from states or from recorded motion |
+//! | [`recorded`] | the joints of a motion file, by the names that are in use |
+//! | [`combo`] | walking, running and free movement in one sequence |
+//! | [`ring`] | cameras on a circle around a motion |
+//! | [`detector`] | projections with offset, jitter, missing keypoints and gross outliers |
+//! | [`evaluation_body`] | a clothed body of capsules and ellipsoids on the points of a motion |
+//! | [`render`] | its silhouettes and pictures |
+//! | [`segmentation_noise`] | silhouettes as a segmentation gives them |
+//! | [`footage`] | cameras, person, masks and pictures of a motion |
+//! | [`recording`] | all of it together, and as the files that other programs read |
+//! | [`cmu`] | recorded motion as points and as a motion of the standard body |
+//!
+//! Everything follows from a seed, and nothing depends on the processor or the number of threads: the same seed gives the same bytes.
+//!
+//! ```
+//! use sinew_simulate::recording::{SyntheticRecording, Script};
+//! let recording = SyntheticRecording::new(&Script { duration_s: 0.5, ..Script::default() }, 7)?;
+//! assert_eq!((recording.cameras.len(), recording.truth.frames.len()), (4, 15));
+//! assert_eq!(recording.keypoints[0][0].len(), recording.layout.points.len());
+//! # Ok::<(), sinew_observe::Error>(())
+//! ```
+
+mod cast;
+pub mod cmu;
+pub mod combo;
+pub mod detector;
+mod draws;
+mod error;
+pub mod evaluation_body;
+pub mod footage;
+pub mod gait;
+pub mod points;
+pub mod recorded;
+pub mod recording;
+pub mod render;
+pub mod ring;
+pub mod segmentation_noise;
+mod space;
+pub mod walker;
+
+pub use error::{Error, NEEDED};

@@ -1,0 +1,364 @@
+//! A folder of image files of calibrated cameras: which file belongs to which camera and frame, and whether its size fits the calibration.
+//!
+//! Files lie side by side (`cam01_000.png`) or in a folder a camera (`cam01/000.png`, `cam01_masks/000.png`). Cameras are matched by name as those of keypoints,
+//! frames go by the last number in the file names.
+
+use crate::input::recording::{listing, ranges};
+use crate::{Error, files};
+use listing::CameraFiles;
+use sinew_formats::{Error as FormatError, camera_name};
+use sinew_observe::Camera;
+use std::collections::BTreeSet;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+
+/// Share of the width or height by which images may miss the size that is declared.
+const SIZE_TOLERANCE: f64 = 0.01;
+
+/// What to take from a folder of images.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Options {
+    /// Size of the images over that of the cameras' images; then 1 % of width and height may differ. If `None`, the sizes must be equal.
+    pub scale: Option<f64>,
+    /// Frames to take, by number, whether all of them are there or not; those that all cameras have if `None`.
+    pub frames: Option<Range<u64>>,
+    /// Whether cameras may begin and end apart.
+    pub trim: bool,
+    /// Names of all calibrated cameras, of which some may not be in use; those in use if empty.
+    pub calibrated: Vec<String>,
+}
+
+/// A kind of images: its words and files.
+#[derive(Debug)]
+pub(crate) struct Kind {
+    pub(crate) one: &'static str,
+    pub(crate) many: &'static str,
+    pub(crate) extensions: &'static [&'static str],
+    /// What may follow the name of the camera.
+    pub(crate) suffixes: &'static [&'static str],
+    pub(crate) max_bytes: u64,
+}
+
+/// A file of a camera and frame.
+pub(crate) struct File {
+    /// Path, for messages.
+    pub(crate) name: String,
+    pub(crate) bytes: Vec<u8>,
+}
+
+/// The files of a frame.
+pub(crate) struct Frame {
+    /// In the order of the cameras.
+    pub(crate) files: Vec<Option<File>>,
+    /// Whether the frame is one of those to be taken and is read for the first time.
+    pub(crate) counts: bool,
+}
+
+/// An opened folder of images.
+#[derive(Debug)]
+pub(crate) struct ImageFolder {
+    kind: &'static Kind,
+    cameras: Vec<Camera>,
+    scale: Option<f64>,
+    files: Vec<Option<CameraFiles>>,
+    sizes: Vec<Option<[usize; 2]>>,
+    available: Range<u64>,
+    frames: Range<u64>,
+    counted: Vec<bool>,
+    warnings: Vec<String>,
+    hash: u64,
+}
+
+impl ImageFolder {
+    pub(crate) fn open(
+        folder: &Path,
+        cameras: &[Camera],
+        kind: &'static Kind,
+        options: &Options,
+    ) -> Result<Self, Error> {
+        if let Some(scale) = options.scale.filter(|scale| !(*scale > 0.0 && scale.is_finite())) {
+            return Err(Error::Usage {
+                message: format!("the scale of the {} is {scale}; it must be greater than 0", kind.many),
+                help: "the scale is their width over that of the calibrated images, for example 0.5".into(),
+            });
+        }
+        let names: Vec<&str> = cameras.iter().map(|camera| camera.name.as_str()).collect();
+        let found = camera_files(folder, &names, kind)?;
+        let calibrated: Vec<&str> = match options.calibrated.as_slice() {
+            [] => names.clone(),
+            all => all.iter().map(String::as_str).collect(),
+        };
+        let labels: Vec<String> =
+            found.iter().map(|files| camera_part(&files.name, &calibrated, kind).to_owned()).collect();
+        // What belongs to no calibrated camera is refused; what belongs to one that is not in use is left alone.
+        camera_name::match_names(&labels, &calibrated)?;
+        let mut found: Vec<(String, listing::Folder)> =
+            labels.iter().map(|label| camera_name::fold(label)).zip(found).collect();
+        let mut files = Vec::new();
+        let mut warnings = Vec::new();
+        for camera in cameras {
+            let name = camera_name::fold(&camera.name);
+            match found.iter().position(|(label, _)| *label == name) {
+                Some(place) => files.push(Some(listing::files(found.swap_remove(place).1, &camera.name, kind.many)?)),
+                None => {
+                    warnings.push(format!(
+                        "no {} for camera `{}`; there are: {}",
+                        kind.many,
+                        camera.name,
+                        labels.join(", ")
+                    ));
+                    files.push(None);
+                }
+            }
+        }
+        let listed: Vec<&CameraFiles> = files.iter().flatten().collect();
+        if listed.is_empty() {
+            return Err(Error::Input {
+                message: format!(
+                    "`{}` holds {} of {}, none of the cameras in use: {}",
+                    folder.display(),
+                    kind.many,
+                    labels.join(", "),
+                    names.join(", ")
+                ),
+                help: Some("files and cameras are matched by name; rename the files".into()),
+            });
+        }
+        let (available, common) = ranges(&listed, options.frames.as_ref(), options.trim)?;
+        let frames = options.frames.clone().unwrap_or(common);
+        Ok(Self {
+            kind,
+            cameras: cameras.to_vec(),
+            scale: options.scale,
+            sizes: vec![None; files.len()],
+            files,
+            counted: vec![false; usize::try_from(frames.end - frames.start).unwrap_or_default()],
+            available,
+            frames,
+            warnings,
+            hash: 0,
+        })
+    }
+
+    /// The cameras as they see these images: with `scale`, resized by it.
+    pub(crate) fn cameras(&self) -> Vec<Camera> {
+        self.cameras.iter().map(|camera| camera.resized(self.scale.unwrap_or(1.0))).collect()
+    }
+
+    pub(crate) fn frames(&self) -> Range<u64> {
+        self.frames.clone()
+    }
+
+    pub(crate) fn available(&self) -> Range<u64> {
+        self.available.clone()
+    }
+
+    pub(crate) fn warnings(&self) -> &[String] {
+        &self.warnings
+    }
+
+    pub(crate) fn hash(&self) -> String {
+        format!("{:016x}", self.hash)
+    }
+
+    pub(crate) fn folders(&self) -> Vec<PathBuf> {
+        let mut folders: Vec<PathBuf> = self.files.iter().flatten().map(|files| files.folder.clone()).collect();
+        folders.dedup();
+        folders
+    }
+
+    /// Whether there is any file of a camera.
+    pub(crate) fn has_files(&self, camera: usize) -> bool {
+        self.files[camera].is_some()
+    }
+
+    /// Numbers of the frames to be taken that some camera has, rising.
+    pub(crate) fn numbers(&self) -> Vec<u64> {
+        let all = self.files.iter().flatten().flat_map(CameraFiles::numbers);
+        let numbers: BTreeSet<u64> = all.filter(|number| self.frames.contains(number)).collect();
+        numbers.into_iter().collect()
+    }
+
+    /// Path of the first file of each camera that is to be taken, with the place of the camera.
+    pub(crate) fn first_files(&self) -> Vec<(usize, PathBuf)> {
+        let first = |files: &CameraFiles| files.path(files.numbers().find(|number| self.frames.contains(number))?);
+        self.files.iter().enumerate().filter_map(|(place, files)| Some((place, first(files.as_ref()?)?))).collect()
+    }
+
+    /// The files of a frame.
+    pub(crate) fn read(&mut self, number: u64) -> Result<Frame, Error> {
+        let slot = number.checked_sub(self.frames.start).and_then(|i| self.counted.get_mut(usize::try_from(i).ok()?));
+        let counts = slot.is_some_and(|counted| !std::mem::replace(counted, true));
+        let mut read = Vec::with_capacity(self.files.len());
+        for (index, files) in self.files.iter().enumerate() {
+            let Some(path) = files.as_ref().and_then(|files| files.path(number)) else {
+                read.push(None);
+                continue;
+            };
+            let bytes = files::read_bytes(&path, self.kind.max_bytes)?;
+            if counts {
+                // A sum does not depend on the order in which frames are read.
+                let place = files::fnv(files::fnv(files::FNV_START, &number.to_le_bytes()), &index.to_le_bytes());
+                self.hash = self.hash.wrapping_add(files::fnv(place, &bytes));
+            }
+            read.push(Some(File { name: path.display().to_string(), bytes }));
+        }
+        Ok(Frame { files: read, counts })
+    }
+
+    /// Refuses an image whose size does not fit the calibration, or is not that of the camera's first one.
+    pub(crate) fn check_size(&mut self, camera: usize, name: &str, size: [usize; 2]) -> Result<(), Error> {
+        let [width, height] = size;
+        if let Some(first) = self.sizes[camera] {
+            if first == size {
+                return Ok(());
+            }
+            return Err(Error::Input {
+                message: format!(
+                    "{name}: {width}x{height} pixels; the {} of {} read before are {}x{}",
+                    self.kind.many, self.cameras[camera].name, first[0], first[1]
+                ),
+                help: Some(format!("all {} of a camera must have one size; write this one again", self.kind.many)),
+            });
+        }
+        self.sizes[camera] = Some(size);
+        let fits = size_fits(&self.cameras[camera], self.kind, size, self.scale);
+        let warning = fits.map_err(|error| match error {
+            Error::Input { message, help } => Error::Input { message: format!("{name}: {message}"), help },
+            other => other,
+        })?;
+        self.warnings.extend(warning);
+        Ok(())
+    }
+}
+
+/// What is odd about a size that fits its camera.
+fn size_fits(camera: &Camera, kind: &Kind, size: [usize; 2], scale: Option<f64>) -> Result<Option<String>, Error> {
+    let [width, height] = size;
+    let [full_width, full_height] = camera.image_size_px;
+    let wanted = camera.image_size_px.map(|full| full * scale.unwrap_or(1.0));
+    let off: Vec<f64> = wanted.iter().zip(size).map(|(wanted, found)| (wanted - found as f64).abs()).collect();
+    if off.iter().all(|off| *off < 1.0) {
+        return Ok(None);
+    }
+    let many = kind.many;
+    let declared =
+        scale.map(|scale| format!(", times {scale} is {:.0}x{:.0}", wanted[0], wanted[1])).unwrap_or_default();
+    let name = &camera.name;
+    let message =
+        format!("{name} calibrated at {full_width:.0}x{full_height:.0}{declared}, {many} are {width}x{height}");
+    if scale.is_some() && off.iter().zip(wanted).all(|(off, wanted)| *off <= SIZE_TOLERANCE * wanted) {
+        return Ok(Some(format!("{message}; taken as they are")));
+    }
+    let ratios = [width as f64 / full_width, height as f64 / full_height];
+    // The longer side tells the ratio best.
+    let ratio = (1000.0 * if full_width < full_height { ratios[1] } else { ratios[0] }).round() / 1000.0;
+    let help = if ratios.iter().all(|found| (found - ratio).abs() <= SIZE_TOLERANCE * ratio) {
+        format!("if the {many} were resized after the calibration, set `mask_scale = {ratio}`")
+    } else {
+        format!("width and height do not fit together: are these the {many} of {name}?")
+    };
+    Err(Error::Input { message, help: Some(help) })
+}
+
+/// Name of the camera in the name of a folder or the beginning of file names.
+pub(crate) fn camera_part<'a>(name: &'a str, calibrated: &[&str], kind: &Kind) -> &'a str {
+    if calibrated.iter().any(|camera| camera_name::fold(camera) == camera_name::fold(name)) {
+        return name;
+    }
+    let lower = name.to_ascii_lowercase();
+    let suffix = kind.suffixes.iter().find(|suffix| lower.len() > suffix.len() && lower.ends_with(**suffix));
+    suffix.map_or(name, |suffix| &name[..name.len() - suffix.len()])
+}
+
+/// The files that may be those of cameras; `names` are asked for even where there are none.
+pub(crate) fn camera_files(root: &Path, names: &[&str], kind: &Kind) -> Result<Vec<listing::Folder>, Error> {
+    let is_camera = |name: &str| {
+        let name = camera_name::fold(camera_part(name, names, kind));
+        names.iter().any(|camera| camera_name::fold(camera) == name)
+    };
+    let listing::Images { folders, loose, unnumbered } = listing::images(root, kind.extensions, is_camera)?;
+    if let Some(name) = unnumbered {
+        return Err(FormatError::NoFrameNumber { name: name.to_string_lossy().into_owned() }.into());
+    }
+    let Kind { many, extensions, .. } = kind;
+    let endings = extensions.join(", .");
+    let expected =
+        format!("expected files `<camera>_<frame>.{0}` or folders `<camera>` with files `<frame>.{0}`", extensions[0]);
+    let shown = root.display();
+    let (message, help) = match (folders.is_empty(), loose.as_slice()) {
+        (true, []) => (
+            format!("`{shown}` holds no {many} (.{endings}); {expected}"),
+            format!("give the folder that holds the {many} of all cameras"),
+        ),
+        (false, [_, ..]) => (
+            format!("`{shown}` holds {many} and folders with {many}; {expected}"),
+            "move one kind elsewhere".to_owned(),
+        ),
+        (true, loose) if loose.iter().any(|files| files.name.is_empty()) => (
+            format!("`{shown}` holds {many} without the name of a camera; {expected}"),
+            format!("move the {many} of each camera into a folder of its name; is this the folder of one camera?"),
+        ),
+        (false, []) => return Ok(folders),
+        (true, _) => return Ok(loose),
+    };
+    Err(Error::Input { message, help: Some(help) })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const KIND: Kind =
+        Kind { one: "mask", many: "masks", extensions: &["png"], suffixes: &["_masks", "_mask"], max_bytes: 1 };
+
+    fn camera(width: f64, height: f64) -> Camera {
+        Camera::look_at("cam01", [width, height], 900.0, [-3.0, -4.0, 2.0], [0.0, 0.0, 1.0]).unwrap()
+    }
+
+    fn check(full: [f64; 2], size: [usize; 2], scale: Option<f64>, wanted: &str) {
+        let told = match size_fits(&camera(full[0], full[1]), &KIND, size, scale) {
+            Ok(warning) => warning.unwrap_or_default(),
+            Err(error) => format!("{error} | {}", error.help().unwrap()),
+        };
+        assert_eq!(told, wanted);
+    }
+
+    #[test]
+    fn sizes_fit_the_calibration_or_a_declared_scale() {
+        check([1088.0, 1920.0], [1088, 1920], None, "");
+        check([1088.0, 1920.0], [544, 960], Some(0.5), "");
+        check([1087.0, 1921.0], [544, 960], Some(0.5), "");
+        check(
+            [1088.0, 1920.0],
+            [540, 960],
+            Some(0.5),
+            "cam01 calibrated at 1088x1920, times 0.5 is 544x960, masks are 540x960; taken as they are",
+        );
+        check(
+            [1088.0, 1920.0],
+            [540, 960],
+            None,
+            "cam01 calibrated at 1088x1920, masks are 540x960 | if the masks were resized after the calibration, set `mask_scale = 0.5`",
+        );
+        check(
+            [1920.0, 1080.0],
+            [1280, 720],
+            Some(0.5),
+            "cam01 calibrated at 1920x1080, times 0.5 is 960x540, masks are 1280x720 | if the masks were resized after the calibration, set `mask_scale = 0.667`",
+        );
+        check(
+            [1920.0, 1080.0],
+            [1080, 1920],
+            None,
+            "cam01 calibrated at 1920x1080, masks are 1080x1920 | width and height do not fit together: are these the masks of cam01?",
+        );
+    }
+
+    #[test]
+    fn a_suffix_is_no_part_of_the_name_unless_the_camera_has_it() {
+        assert_eq!(camera_part("cam01_Masks", &["cam01"], &KIND), "cam01");
+        assert_eq!(camera_part("cam01_masks", &["cam01_masks"], &KIND), "cam01_masks");
+        assert_eq!(camera_part("_masks", &["cam01"], &KIND), "_masks");
+    }
+}

@@ -1,0 +1,52 @@
+//! Where frames come from.
+
+use super::frame::{Frame, FrameImages, detections};
+use super::recording::Recording;
+use crate::Error;
+use sinew_formats::Layout;
+use sinew_observe::Camera;
+use sinew_observe::association::Person;
+use std::ops::Range;
+
+/// Keypoints of all people in all views, one frame at a time.
+pub trait FrameSource {
+    /// The cameras.
+    fn cameras(&self) -> &[Camera];
+    /// Names of the keypoints.
+    fn layout(&self) -> &Layout;
+    /// Numbers of the frames.
+    fn frames(&self) -> Range<u64>;
+    /// For each camera the people that it saw in a frame, for the set-up.
+    ///
+    /// # Errors
+    /// A frame that cannot be read.
+    fn people(&mut self, number: u64) -> Result<Vec<Vec<Person>>, Error>;
+
+    /// The cameras sized like the masks, if there are masks.
+    fn image_cameras(&self) -> Option<Vec<Camera>> {
+        None
+    }
+
+    /// A frame to be tracked: people and, where there are masks, images.
+    ///
+    /// # Errors
+    /// A frame that cannot be read.
+    fn frame(&mut self, number: u64) -> Result<Frame, Error> {
+        Ok(Frame { people: self.people(number)?, images: FrameImages::default() })
+    }
+}
+
+impl FrameSource for Recording {
+    fn cameras(&self) -> &[Camera] {
+        self.cameras()
+    }
+    fn layout(&self) -> &Layout {
+        self.layout()
+    }
+    fn frames(&self) -> Range<u64> {
+        self.frames()
+    }
+    fn people(&mut self, number: u64) -> Result<Vec<Vec<Person>>, Error> {
+        Ok(detections(&self.frame(number)?))
+    }
+}

@@ -1,0 +1,38 @@
+//! The result folder: estimates in, files out, and the same files read again.
+//!
+//! Enter: a claimed folder, what a run says of itself ([`estimate::RunInfo`]), and one [`estimate::FrameEstimate`] after the other. Leave: the files of [`folder`], written under
+//! provisional names and renamed when they are whole; what a stopped run may be resumed from ([`folder::Written`]); the poses of a finished one ([`tracked`]).
+//! Must not know: how a frame was tracked, and by which method.
+
+pub mod estimate;
+pub mod folder;
+pub mod problem;
+pub mod silhouette_overlap;
+pub mod tracked;
+
+mod chunks;
+mod claim;
+mod coordinates;
+mod draws;
+mod journal;
+mod markers;
+mod partial;
+mod pose;
+mod result_table;
+mod skeleton;
+mod statistics;
+mod storage;
+mod summary;
+mod table;
+mod tables;
+
+pub use claim::{Claim, LOCK_NAME, OWN_NAMES, RESULT_NAMES, claim, claim_in, claim_to_resume, is_in_use};
+pub use folder::{ResultFolder, Texts, Written, write_whole};
+pub use markers::{REFERENCE_ORDER, order as marker_order};
+pub use partial::Position;
+pub(crate) use partial::{PartialFile, Place};
+pub use pose::{Pose, pose};
+pub use result_table::{MOTION_FILES, ResultTable};
+pub use skeleton::t_pose;
+pub use storage::{Disk, Storage, StoredFile};
+pub use summary::{Diagnostics, Ending, Limits, Summary};

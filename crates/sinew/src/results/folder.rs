@@ -1,0 +1,245 @@
+//! The result folder: everything that a run leaves behind.
+//!
+//! ```text
+//! summary.json   written last; "complete": true means done      timings.json   the only file that differs from run to run
+//! config.toml    repeats the run with --config                  setup.toml     repeats the set-up with --setup
+//! markers.trc    markers_sd.csv    angles.mot    motion.bvh     of the mean pose
+//! joints.csv     angles.csv        frames.csv                   tidy tables with units in the column names
+//! posterior.zarr load.py                                        draws, and how to open them
+//! ```
+//!
+//! 1. [`claim`] a folder before any computing: refuses results that are there, inputs, and folders in use.
+//! 2. [`ResultFolder::open`] opens every file under its provisional name `NAME.partial`, or as a run left it that was stopped.
+//! 3. [`ResultFolder::append`] streams one frame into all of them; memory does not grow with the number of frames: what the summary needs of each is kept in a file.
+//! 4. [`ResultFolder::finish`] completes the headers, syncs, checks, renames, and writes `summary.json` last.
+//!
+//! [`ResultFolder::keep`] says how far the files go, for a [`crate::track::checkpoint`]. A run that is stopped in between leaves readable `*.partial` files and no summary.
+
+use super::coordinates::Coordinates;
+use super::draws::{DrawStore, OpenChunks};
+use super::estimate::{FrameEstimate, RunInfo};
+use super::journal::Journal;
+use super::markers::Markers;
+use super::skeleton::SkeletonFile;
+use super::statistics::Statistics;
+use super::tables::Tables;
+use crate::Error;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use super::claim::{Claim, OWN_NAMES};
+use super::partial::{PartialFile, Place, Position};
+use super::pose::pose;
+use super::storage::{Disk, Storage};
+use super::summary::{Ending, Summary};
+
+const LOAD_PY: &str = include_str!("load.py");
+
+/// A result folder being filled.
+pub struct ResultFolder {
+    info: RunInfo,
+    texts: Texts,
+    markers: Markers,
+    tables: Tables,
+    coordinates: Coordinates,
+    skeleton: SkeletonFile,
+    draws: DrawStore,
+    journal: Journal,
+    whole: Vec<PartialFile>,
+    frames: u64,
+    claim: Claim,
+}
+
+/// How far the files of a folder were written, and what their writers remember.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Written {
+    frames: u64,
+    positions: BTreeMap<String, Position>,
+    angles_before: Vec<Option<[f64; 3]>>,
+    channels_before: Option<Vec<f64>>,
+    draws: OpenChunks,
+}
+
+/// Texts that stand in the folder as they are.
+#[derive(Clone, Debug, Default)]
+pub struct Texts {
+    /// `config.toml`.
+    pub config_toml: String,
+    /// Settings with their origins, for the summary.
+    pub settings: serde_json::Value,
+    /// Hash of the settings that matter for the numbers.
+    pub settings_hash: String,
+}
+
+impl ResultFolder {
+    /// Removes what a run left that was stopped: nothing is to be gone on with there.
+    ///
+    /// # Errors
+    /// [`Error::Io`] with the path.
+    pub fn forget(claim: &Claim) -> Result<(), Error> {
+        // The checkpoint first: without it the others mean nothing.
+        OWN_NAMES.iter().rev().try_for_each(|name| claim.remove(name))
+    }
+
+    /// Opens all files: new ones, or those of a run that was stopped, cut to what was `written` then. Older results lose their summary and what a run may go on from.
+    ///
+    /// # Errors
+    /// [`Error::Io`] with the path; [`Error::Checkpoint`] for files that are not as they were left.
+    pub fn open(claim: Claim, info: RunInfo, texts: Texts, written: Option<&Written>) -> Result<Self, Error> {
+        let storage = Arc::clone(&claim.storage);
+        let folder = claim.folder.clone();
+        let place = Place { storage: &storage, folder: &folder, written: written.map(|written| &written.positions) };
+        if written.is_some() {
+            claim.remove("summary.json")?;
+        }
+        let text = |name: &str, text: &str| PartialFile::with_text(&storage, folder.join(name), text);
+        let mut coordinates = Coordinates::open(&place, &info)?;
+        let mut skeleton = SkeletonFile::open(&place, &info)?;
+        if let Some(written) = written {
+            let remembered = coordinates.remember(&written.angles_before);
+            let remembered = remembered.and_then(|()| skeleton.remember(written.channels_before.clone()));
+            remembered.map_err(|problem| Error::checkpoint(&folder, problem))?;
+        }
+        Ok(Self {
+            markers: Markers::open(&place, &info)?,
+            tables: Tables::open(&place, &info)?,
+            coordinates,
+            skeleton,
+            draws: DrawStore::open(&place, &info, written.map(|written| &written.draws))?,
+            journal: Journal::open(&place, info.cameras.len())?,
+            whole: vec![
+                text("config.toml", &texts.config_toml)?,
+                text("setup.toml", &info.setup_toml)?,
+                text("load.py", LOAD_PY)?,
+            ],
+            frames: written.map_or(0, |written| written.frames),
+            texts,
+            claim,
+            info,
+        })
+    }
+
+    /// The right to the folder.
+    pub const fn claim(&self) -> &Claim {
+        &self.claim
+    }
+
+    /// Hands everything to the disk, and says how far it goes.
+    ///
+    /// # Errors
+    /// [`Error::Io`] with the path.
+    pub fn keep(&mut self) -> Result<Written, Error> {
+        let files = [
+            &mut self.markers.trc,
+            &mut self.markers.sd.file,
+            &mut self.tables.joints.file,
+            &mut self.tables.angles.file,
+            &mut self.tables.frames.file,
+            &mut self.coordinates.file,
+            &mut self.skeleton.file,
+            &mut self.journal.file,
+            &mut self.draws.whole.file,
+        ];
+        Ok(Written {
+            frames: self.frames,
+            positions: files.into_iter().map(PartialFile::keep).collect::<Result<_, _>>()?,
+            angles_before: self.coordinates.before.clone(),
+            channels_before: self.skeleton.before.clone(),
+            draws: self.draws.keep()?,
+        })
+    }
+
+    /// Writes a frame into every file.
+    ///
+    /// # Errors
+    /// [`Error::Io`] with the path at the first failure.
+    pub fn append(&mut self, estimate: &FrameEstimate) -> Result<(), Error> {
+        self.check(estimate)?;
+        let pose = pose(&self.info.body, &estimate.mean_state);
+        self.markers.append(self.frames, estimate, &pose)?;
+        self.tables.append(estimate)?;
+        self.coordinates.append(estimate, &pose)?;
+        self.skeleton.append(&pose)?;
+        self.draws.append(estimate)?;
+        self.journal.append(estimate)?;
+        self.frames += 1;
+        Ok(())
+    }
+
+    /// Refuses an estimate of another size than the run's, and numbers that are none.
+    fn check(&self, estimate: &FrameEstimate) -> Result<(), Error> {
+        let (dof, points) = (self.info.body.dof(), self.info.body.points().len());
+        let sizes = [
+            ("mean state", estimate.mean_state.len(), dof),
+            ("marginals of the state", estimate.state.len(), dof),
+            ("marginals of the points", estimate.points.len(), points),
+            ("draws", estimate.draws.states.len(), dof * self.info.draws),
+        ];
+        let failed = |what: String| Err(Error::Numerical { message: format!("frame {}: {what}", estimate.number) });
+        if let Some((what, found, expected)) = sizes.into_iter().find(|(_, found, expected)| found != expected) {
+            return failed(format!("{what}: {found} numbers instead of {expected}"));
+        }
+        let finite = |values: &[f64]| values.iter().all(|value| value.is_finite());
+        let points = estimate.points.iter().all(|p| [p.mean, p.sd, p.q05, p.q95].iter().all(|values| finite(values)));
+        let state = estimate.state.iter().all(|s| finite(&[s.mean, s.q05, s.q95]));
+        match finite(&estimate.mean_state) && points && state && finite(&estimate.draws.states) {
+            true => Ok(()),
+            false => failed("the estimate has numbers that are not finite".into()),
+        }
+    }
+
+    /// Completes, syncs and renames all files; `summary.json` last. What a run may go on from is removed where all frames are there.
+    ///
+    /// # Errors
+    /// [`Error::Io`] with the path at the first failure; what is not renamed by then keeps its provisional name.
+    pub fn finish(self, ending: &Ending) -> Result<Summary, Error> {
+        let Self { info, texts, markers, tables, coordinates, skeleton, draws, mut journal, mut whole, frames, claim } =
+            self;
+        whole.extend(markers.finish(frames)?);
+        whole.extend(tables.finish());
+        whole.push(coordinates.finish(frames)?);
+        whole.push(skeleton.finish(frames)?);
+        let draws = draws.finish()?;
+        let timings = serde_json::to_string_pretty(&ending.timings).unwrap_or_default() + "\n";
+        whole.push(PartialFile::with_text(&claim.storage, claim.folder.join("timings.json"), &timings)?);
+        let mut statistics = Statistics::new(&info, texts);
+        journal.read_back(info.fps, |frame| statistics.add(frame))?;
+        let summary = statistics.summary(&info, ending);
+        let text = serde_json::to_string_pretty(&summary).unwrap_or_default() + "\n";
+        let mut last = PartialFile::with_text(&claim.storage, claim.folder.join("summary.json"), &text)?;
+        whole.iter_mut().try_for_each(PartialFile::sync)?;
+        last.sync()?;
+        // An older summary must not speak for new files.
+        claim.remove("summary.json")?;
+        whole.into_iter().try_for_each(PartialFile::rename)?;
+        draws.rename()?;
+        claim.storage.sync(&claim.folder).map_err(Error::io("write", &claim.folder))?;
+        last.rename()?;
+        // A run that cannot be sure of its summary keeps what it could go on from.
+        if claim.storage.sync(&claim.folder).is_ok() && ending.complete {
+            drop(journal);
+            // The results are whole: what stays does no harm, and `--resume` says that there is nothing to do.
+            let _ = OWN_NAMES.iter().try_for_each(|name| claim.remove(name));
+        }
+        Ok(summary)
+    }
+}
+
+/// Writes a single file beside its place, and renames it once it is whole; then both are on the disk.
+///
+/// # Errors
+/// [`Error::Io`] with the path.
+pub fn write_whole(path: &std::path::Path, bytes: &[u8]) -> Result<(), Error> {
+    write_whole_in(&(Arc::new(Disk) as Arc<dyn Storage>), path, bytes)
+}
+
+/// As [`write_whole`], in the given storage.
+pub(crate) fn write_whole_in(storage: &Arc<dyn Storage>, path: &std::path::Path, bytes: &[u8]) -> Result<(), Error> {
+    let mut file = PartialFile::create(storage, path.to_owned())?;
+    file.write(|out| std::io::Write::write_all(out, bytes))?;
+    file.sync()?;
+    file.rename()?;
+    let folder = path.parent().unwrap_or(std::path::Path::new(""));
+    storage.sync(folder).map_err(Error::io("write", folder))
+}

@@ -1,0 +1,117 @@
+//! Why a run that was stopped cannot be resumed, with exit code and advice.
+
+use std::path::PathBuf;
+
+/// Name of the checkpoint in a result folder.
+pub const NAME: &str = "checkpoint.bin";
+
+/// Version of its layout.
+pub(crate) const FORMAT: u32 = 3;
+
+/// Why a run cannot go on.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Problem {
+    /// No run was stopped here.
+    #[error("holds no checkpoint: there is no run to go on with")]
+    Missing,
+    /// A run was stopped here too early.
+    #[error("holds a run that was stopped in its set-up, before its first frame: there is nothing to go on with")]
+    BeforeFirst,
+    /// The summary of results is not one of this program.
+    #[error("holds a `summary.json` that does not say of what it is")]
+    Summary,
+    /// The file begins otherwise.
+    #[error("holds a `{NAME}` that is not a checkpoint of sinew")]
+    Foreign,
+    /// The file ends too early or too late.
+    #[error("holds a `{NAME}` of {found} bytes; expected {expected}: it was cut or is damaged")]
+    Length {
+        /// Bytes found.
+        found: u64,
+        /// Bytes announced.
+        expected: u64,
+    },
+    /// The checksum does not fit.
+    #[error("holds a damaged `{NAME}`: its checksum is {found:08x}, expected {expected:08x}")]
+    Checksum {
+        /// That of the bytes.
+        found: u32,
+        /// That in the file.
+        expected: u32,
+    },
+    /// Another layout of the file.
+    #[error("holds a checkpoint of format {found}; this program reads format {FORMAT}")]
+    Format {
+        /// Format of the file.
+        found: u32,
+    },
+    /// Another version of the program.
+    #[error("holds a run of sinew {found}; this is {}", env!("CARGO_PKG_VERSION"))]
+    Program {
+        /// Version in the file.
+        found: String,
+    },
+    /// The body is not what the format says, or does not fit the run.
+    #[error("holds a checkpoint whose {what} does not fit: found {found}, expected {expected}")]
+    State {
+        /// What.
+        what: String,
+        /// Found.
+        found: String,
+        /// Expected.
+        expected: String,
+    },
+    /// Other settings.
+    #[error("holds a run with other settings: {}", .0.join("; "))]
+    Settings(Vec<String>),
+    /// Other data.
+    #[error("holds a run on other data: {}", .0.join("; "))]
+    Inputs(Vec<String>),
+    /// A result file is not as it was left.
+    #[error("holds a run whose file `{}` was changed or cut after it was stopped", path.display())]
+    Changed {
+        /// The file.
+        path: PathBuf,
+    },
+}
+
+impl Problem {
+    /// Exit code of the program.
+    #[must_use]
+    pub const fn exit_code(&self) -> u8 {
+        match self {
+            Self::Missing | Self::BeforeFirst | Self::Settings(_) | Self::Program { .. } => 2,
+            Self::Inputs(_) => 3,
+            _ => 5,
+        }
+    }
+
+    /// What the user can do about it.
+    #[must_use]
+    pub const fn help(&self) -> &'static str {
+        match self {
+            Self::Missing => {
+                "leave `--resume` out to begin a run (anew, if one was stopped in its set-up), or name the folder of a stopped one with `-o`"
+            }
+            Self::BeforeFirst => "repeat the command without `--resume`: it begins anew",
+            Self::Settings(_) => {
+                "repeat the settings of the run that was stopped (its config.toml or config.toml.partial holds them), or begin anew without `--resume`"
+            }
+            Self::Inputs(_) => "put the data back as they were, or begin anew without `--resume`",
+            Self::Program { .. } | Self::Format { .. } => {
+                "go on with the version of the program that began the run, or begin anew without `--resume`"
+            }
+            _ => "begin anew without `--resume`",
+        }
+    }
+}
+
+pub(crate) fn state(what: &str, found: impl ToString, expected: impl ToString) -> Problem {
+    Problem::State { what: what.into(), found: found.to_string(), expected: expected.to_string() }
+}
+
+/// Refuses a list of the wrong length in a checkpoint.
+pub(crate) fn check_length(found: usize, expected: usize) -> Result<(), Problem> {
+    if found == expected { Ok(()) } else { Err(state("state", format!("{found} numbers"), expected)) }
+}

@@ -1,0 +1,121 @@
+//! `motion.bvh`: the motion of the mean pose on a skeleton in T-pose, for Blender.
+//!
+//! The arms of the standard bodies hang at the zero pose; the rest pose of the file turns every link `…upper_arm` by a right angle about y, away from the trunk. Other
+//! bodies rest in their zero pose. A BVH joint keeps its place in its parent, so that translations of links other than the root are not shown.
+
+use super::partial::{PartialFile, Place};
+use super::pose::Pose;
+use crate::Error;
+use crate::results::estimate::RunInfo;
+use crate::results::problem::{Problem, check_length};
+use sinew_body::KinematicTree;
+use sinew_formats::bvh::{self, export::Skeleton};
+use sinew_formats::rotation::{IDENTITY, Matrix, about_axis, product};
+use std::f64::consts::FRAC_PI_2;
+
+/// World rotation of every link in the T-pose.
+#[must_use]
+pub fn t_pose(body: &KinematicTree) -> Vec<Matrix> {
+    let mut rest: Vec<Matrix> = Vec::with_capacity(body.links().len());
+    for link in body.links() {
+        let own = if link.name.ends_with("upper_arm") {
+            about_axis(1, FRAC_PI_2.copysign(-link.offset[0]))
+        } else {
+            IDENTITY
+        };
+        let parent = link.parent.map_or(IDENTITY, |parent| rest[parent]);
+        rest.push(product(&parent, &own));
+    }
+    rest
+}
+
+pub(crate) struct SkeletonFile {
+    skeleton: Skeleton,
+    frame_time_s: f64,
+    pub(crate) before: Option<Vec<f64>>,
+    root: usize,
+    pub(crate) file: PartialFile,
+}
+
+impl SkeletonFile {
+    pub(crate) fn open(place: &Place<'_>, info: &RunInfo) -> Result<Self, Error> {
+        let skeleton = Skeleton::new(&info.body, &t_pose(&info.body));
+        let frame_time_s = info.fps.recip();
+        let file = place.file("motion.bvh", |out| bvh::write_header(out, &skeleton.joints, frame_time_s, 0))?;
+        let root = info.body.links().iter().position(|link| link.parent.is_none()).unwrap_or_default();
+        Ok(Self { skeleton, frame_time_s, before: None, root, file })
+    }
+
+    pub(crate) fn append(&mut self, pose: &Pose) -> Result<(), Error> {
+        let row = self.skeleton.channels(&pose.rotations, pose.origins[self.root], self.before.as_deref());
+        self.file.write(|out| bvh::write_frame(out, &row))?;
+        self.before = Some(row);
+        Ok(())
+    }
+
+    /// Takes up the channels of the frame before.
+    pub(crate) fn remember(&mut self, before: Option<Vec<f64>>) -> Result<(), Problem> {
+        let channels = self.skeleton.joints.iter().map(|joint| joint.channels.len()).sum();
+        check_length(before.as_ref().map_or(channels, Vec::len), channels)?;
+        self.before = before;
+        Ok(())
+    }
+
+    pub(crate) fn finish(mut self, frames: u64) -> Result<PartialFile, Error> {
+        let frames = u32::try_from(frames).unwrap_or(u32::MAX);
+        self.file.rewrite_start(|out| bvh::write_header(out, &self.skeleton.joints, self.frame_time_s, frames))?;
+        Ok(self.file)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::results::pose::pose;
+    use sinew_body::{Proportions, standard};
+
+    /// The file's own kinematics must place every joint and tip where the body has it.
+    fn check(body: &KinematicTree, state: &[f64]) {
+        let skeleton = Skeleton::new(body, &t_pose(body));
+        let pose = pose(body, state);
+        let row = skeleton.channels(&pose.rotations, pose.origins[0], None);
+        let names =
+            skeleton.joints.iter().flat_map(|joint| [Some(joint.name.clone()), joint.end_site.map(|_| String::new())]);
+        let mut compared = 0;
+        for (name, point) in names.flatten().zip(bvh::forward_kinematics(&skeleton.joints, &row)) {
+            let point = bvh::world_from_bvh(point);
+            if let Some(link) = body.link_index(&name) {
+                compared += 1;
+                for k in 0..3 {
+                    assert!(
+                        (point[k] - pose.origins[link][k]).abs() < 1e-9,
+                        "{name}: {point:?} {:?}",
+                        pose.origins[link]
+                    );
+                }
+            }
+        }
+        assert_eq!(compared, body.links().len());
+    }
+
+    #[test]
+    fn joints_are_where_the_body_has_them() {
+        for body in [standard::h32(&Proportions::default()), standard::cf28(&Proportions::default())] {
+            for seed in 1..20 {
+                let state: Vec<f64> = (0..body.dof()).map(|i| ((seed * (i + 3)) as f64 * 0.7).sin()).collect();
+                check(&body, &state);
+            }
+        }
+    }
+
+    #[test]
+    fn arms_rest_level() {
+        let body = standard::h32(&Proportions::default());
+        let skeleton = Skeleton::new(&body, &t_pose(&body));
+        let zero = vec![0.0; skeleton.joints.iter().map(|joint| joint.channels.len()).sum()];
+        let points = bvh::forward_kinematics(&skeleton.joints, &zero);
+        let reach =
+            points.iter().map(|p| bvh::world_from_bvh(*p)[0]).fold([0.0_f64; 2], |[a, b], x| [a.min(x), b.max(x)]);
+        assert!((reach[0] + 0.74).abs() < 1e-9 && (reach[1] - 0.74).abs() < 1e-9, "{reach:?}");
+    }
+}

@@ -1,0 +1,102 @@
+//! `joints.csv`, `angles.csv`, `frames.csv`: tidy tables with the unit in every column name.
+//!
+//! | file | a row is | columns |
+//! |---|---|---|
+//! | `joints.csv` | a point in a frame | frame, `time_s`, person, joint, `x_mean_m` … `z_q95_m` (world, Z up), observed, quality |
+//! | `angles.csv` | a rotation in a frame | `time_s`, person, name, `mean_deg`, `q05_deg`, `q95_deg` |
+//! | `frames.csv` | a frame | frame, `time_s`, observed, quality, restarted, ess, `log_evidence`, `r_hat`, `e_bfmi`, acceptance, divergences, `residual_px` and one per camera |
+//!
+//! `quality` is 2 where at least two cameras saw the person, 1 for one camera, 0 where the values come from the motion model only.
+
+use super::partial::{PartialFile, Place};
+use super::table::{Table, integer, optional};
+use crate::Error;
+use crate::results::estimate::{FrameEstimate, RunInfo};
+use sinew_body::Joint;
+use sinew_formats::tidy_csv::Cell;
+
+/// Number of the tracked person in the tables; there is one.
+const PERSON: Cell<'_> = Cell::Integer(0);
+
+pub(crate) struct Tables {
+    pub(crate) joints: Table,
+    pub(crate) angles: Table,
+    pub(crate) frames: Table,
+    point_names: Vec<String>,
+    /// Degree of freedom and name of every rotation.
+    rotations: Vec<(usize, String)>,
+}
+
+const MARGINALS: [&str; 12] = [
+    "x_mean_m", "y_mean_m", "z_mean_m", "x_sd_m", "y_sd_m", "z_sd_m", "x_q05_m", "y_q05_m", "z_q05_m", "x_q95_m",
+    "y_q95_m", "z_q95_m",
+];
+
+impl Tables {
+    pub(crate) fn open(place: &Place<'_>, info: &RunInfo) -> Result<Self, Error> {
+        let joint_columns =
+            [&["frame", "time_s", "person", "joint"][..], &MARGINALS, &["observed", "quality"]].concat();
+        let angle_columns = ["time_s", "person", "name", "mean_deg", "q05_deg", "q95_deg"];
+        let mut frame_columns: Vec<String> = [
+            "frame",
+            "time_s",
+            "observed",
+            "quality",
+            "restarted",
+            "ess",
+            "log_evidence",
+            "r_hat",
+            "e_bfmi",
+            "acceptance",
+            "divergences",
+            "residual_px",
+        ]
+        .map(Into::into)
+        .into();
+        frame_columns.extend(info.cameras.iter().map(|camera| format!("residual_{}_px", camera.name)));
+        let named = info.body.dof_names().into_iter().zip(info.body.joints()).enumerate();
+        let rotations =
+            named.filter(|(_, (_, (_, joint)))| matches!(joint, Joint::Rotate(_))).map(|(dof, (name, _))| (dof, name));
+        Ok(Self {
+            joints: Table::open(place, "joints.csv", &joint_columns)?,
+            angles: Table::open(place, "angles.csv", &angle_columns)?,
+            frames: Table::open(place, "frames.csv", &frame_columns)?,
+            point_names: info.body.points().iter().map(|point| point.name.clone()).collect(),
+            rotations: rotations.collect(),
+        })
+    }
+
+    pub(crate) fn append(&mut self, estimate: &FrameEstimate) -> Result<(), Error> {
+        let time = Cell::Number(estimate.time_s);
+        let flags = [integer(estimate.observed.into()), integer(estimate.quality as u64)];
+        for (name, point) in self.point_names.iter().zip(&estimate.points) {
+            let mut cells = vec![integer(estimate.number), time, PERSON, Cell::Text(name)];
+            cells.extend([point.mean, point.sd, point.q05, point.q95].as_flattened().iter().copied().map(Cell::Number));
+            cells.extend(flags);
+            self.joints.append(&cells)?;
+        }
+        for (dof, name) in &self.rotations {
+            let angle = &estimate.state[*dof];
+            let [mean, q05, q95] = [angle.mean, angle.q05, angle.q95].map(|value| Cell::Number(value.to_degrees()));
+            self.angles.append(&[time, PERSON, Cell::Text(name), mean, q05, q95])?;
+        }
+        let mut cells = vec![integer(estimate.number), time, flags[0], flags[1], integer(estimate.restarted.into())];
+        cells.push(optional(Some(estimate.ess)));
+        cells.extend(
+            [estimate.log_evidence, estimate.r_hat, estimate.energy_fraction, estimate.acceptance].map(optional),
+        );
+        cells.extend([integer(estimate.divergences), optional(rms(&estimate.residual_px))]);
+        cells.extend(estimate.residual_px.iter().copied().map(optional));
+        self.frames.append(&cells)
+    }
+
+    pub(crate) fn finish(self) -> [PartialFile; 3] {
+        [self.joints.file, self.angles.file, self.frames.file]
+    }
+}
+
+/// Root mean square over the cameras that saw the person.
+fn rms(residuals: &[Option<f64>]) -> Option<f64> {
+    let seen: Vec<f64> = residuals.iter().flatten().copied().collect();
+    (!seen.is_empty()).then(|| (seen.iter().map(|r| r * r).sum::<f64>() / seen.len() as f64).sqrt())
+}

@@ -1,0 +1,43 @@
+//! Motion noise of a recording, measured from poses that are fitted frame by frame.
+
+use super::motion_noise::measured_sd;
+use super::pose_fit::pose_of;
+use super::stored::Setup;
+use crate::Error;
+use crate::input::source::FrameSource;
+use sinew_body::KinematicTree;
+use sinew_observe::association::{self, Following, follow};
+use std::ops::Range;
+
+/// Frames from which the motion noise is measured: so many runs of so many consecutive frames, evenly spaced.
+const MOTION_RUNS: u64 = 5;
+const MOTION_FRAMES: u64 = 30;
+
+/// Motion noise of a recording, from poses fitted to some of its frames one by one ([`measured_sd`]).
+///
+/// # Errors
+/// Those of the source.
+pub fn measure_motion(
+    setup: &Setup,
+    tree: &KinematicTree,
+    source: &mut dyn FrameSource,
+    numbers: Range<u64>,
+    fps: f64,
+) -> Result<Vec<f64>, Error> {
+    let (cameras, layout) = (source.cameras().to_vec(), source.layout().clone());
+    let total = numbers.end - numbers.start;
+    let stride = (total / MOTION_RUNS).max(MOTION_FRAMES);
+    let mut poses = vec![];
+    for first in numbers.clone().step_by(stride as usize) {
+        let mut following = Following { person: setup.person, ..Following::default() };
+        poses.push(None);
+        for number in first..(first + MOTION_FRAMES).min(numbers.end) {
+            let people = source.people(number)?;
+            let found = follow(&mut following, &cameras, &people, None, &association::Config::default());
+            let former: Option<&[f64]> = poses.last().and_then(Option::as_deref);
+            let pose = pose_of(setup, &cameras, &layout, &found.people, former);
+            poses.push(pose.filter(|pose| pose.len() == tree.dof()));
+        }
+    }
+    Ok(measured_sd(tree, &poses, fps))
+}

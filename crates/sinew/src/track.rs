@@ -1,0 +1,28 @@
+//! The loop of a run: observe a frame, step the tracker, record what came out.
+//!
+//! Enter: a source of frames, a set-up, settings. Leave: one [`FrameEstimate`](crate::results::estimate::FrameEstimate) a frame, and what a stopped run is resumed from ([`checkpoint`]).
+//! Must not know: the command line and the format of any file but its own checkpoint and spool.
+
+pub mod checkpoint;
+pub mod job;
+pub mod pipeline;
+
+mod describe;
+mod images;
+mod marginals;
+mod motion_prior;
+mod oddities;
+mod predictive;
+mod restart;
+mod scene;
+mod smooth;
+mod step_size;
+mod unknown_size;
+
+pub use images::{ImageState, Images};
+pub use motion_prior::walk;
+pub use pipeline::{Pipeline, State, moments};
+pub use predictive::Doubt;
+pub use scene::{Scene, SceneState};
+pub use smooth::{Spool, TRAJECTORIES, smooth};
+pub use step_size::tune;

@@ -1,0 +1,68 @@
+//! From a step of a tracker to what is written of it.
+
+use super::marginals::Marginals;
+use super::scene::Scene;
+use crate::config::settings::Settings;
+use crate::results::estimate::{Draws, FrameEstimate, HmcStatistics, ParticleStatistics, Quality};
+use sinew_core::random::Stage;
+use sinew_tracking::StepInfo;
+use sinew_tracking::posterior::Posterior;
+
+/// Turns a step into what is written of it.
+pub(super) fn describe(
+    settings: &Settings,
+    scene: &Scene,
+    silhouettes: usize,
+    marginals: &mut Marginals,
+    number: u64,
+    info: StepInfo,
+    posterior: &Posterior<'_>,
+) -> FrameEstimate {
+    let stage = Stage::new(settings.seed, "thin").at_frame(number as u32);
+    let kept = posterior.equal_weight(settings.draws, &mut stage.whole());
+    let mut states = vec![0.0; kept.len() * posterior.dim];
+    for (state, &index) in states.chunks_exact_mut(posterior.dim).zip(&kept) {
+        posterior.state(index, state);
+    }
+    let stats = |index: &usize| posterior.chain_stats.get(*index);
+    let chosen: Vec<_> = kept.iter().filter_map(stats).collect();
+    let hmc = (!chosen.is_empty()).then(|| HmcStatistics {
+        acceptance_rate: chosen.iter().map(|s| s.acceptance).collect(),
+        step_size: chosen.iter().map(|s| s.step_factor * scene.step_size()).collect(),
+        n_steps: vec![scene.leapfrog_steps(); chosen.len()],
+        diverging: chosen.iter().map(|s| s.divergent).collect(),
+        energy: chosen.iter().map(|s| s.energy).collect(),
+    });
+    let particles = posterior.chain_stats.is_empty().then(|| ParticleStatistics {
+        log_weight: posterior.weights.iter().map(|w| w.ln()).collect(),
+        resampled: info.resampled.unwrap_or(false),
+    });
+    let (points, state) = marginals.of(posterior);
+    let size = marginals.size_draws(kept.iter().copied(), &mut states, posterior.dim);
+    let cameras = scene.cameras_with_person().max(silhouettes);
+    FrameEstimate {
+        number,
+        restarted: info.restarted,
+        time_s: number as f64 / settings.fps,
+        observed: cameras > 0,
+        quality: match cameras {
+            0 => Quality::Predicted,
+            1 => Quality::OneCamera,
+            _ => Quality::Good,
+        },
+        residual_px: scene.residual_px(&info.mean),
+        seen: scene.seen(),
+        mean_state: info.mean,
+        points,
+        state,
+        draws: Draws { states, size, lp: chosen.iter().map(|s| s.log_density).collect(), hmc },
+        particles,
+        ess: info.ess,
+        log_evidence: info.log_evidence,
+        r_hat: info.r_hat,
+        energy_fraction: info.energy_fraction,
+        acceptance: info.acceptance,
+        divergences: info.divergences as u64,
+        trajectories: info.trajectories as u64,
+    }
+}

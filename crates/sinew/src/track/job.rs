@@ -1,0 +1,110 @@
+//! A whole run: set-up, tracking, smoothing, result folder; what `sinew track` and `sinew demo` have in common.
+//!
+//! ```text
+//! frames ──▶ set-up ──▶ setup.toml          (or a set-up of an earlier run)
+//!    └─────▶ tracker ──▶ result folder      (through a spool on disk and a backward pass with `smooth`)
+//! ```
+//!
+//! An interrupt ends the run after the frame at hand; what was done is written and marked incomplete. A checkpoint ([`crate::track::checkpoint`]) is written before the first frame, every so many seconds and at an interrupt; from it a run goes
+//! on to the same bytes, whatever stopped it: the set-up is that of the checkpoint, and what was read of the source is read again, which tells whether it is the same and counts what is odd about it.
+
+mod backward;
+mod begin;
+mod complete;
+mod ending;
+mod forward;
+mod inputs;
+mod keeper;
+mod run_info;
+mod watch;
+
+pub use complete::check_complete;
+pub use ending::Outcome;
+pub use watch::{Pass, Watch};
+
+use super::checkpoint::Checkpoint;
+use super::pipeline::Pipeline;
+use super::smooth::Spool;
+use crate::Error;
+use crate::config::Resolved;
+use crate::input::source::FrameSource;
+use crate::results::{Claim, Ending, ResultFolder};
+use backward::smoothed;
+use begin::{Begun, begun, resumed};
+use ending::{Clock, distinct};
+use forward::forward;
+use inputs::{Hashes, Inputs, file_hashes};
+use keeper::Keeper;
+use run_info::{run_info, texts};
+use std::ops::Range;
+
+/// Tracks the frames of a source into a claimed folder, from the first on or from where a run was stopped.
+///
+/// `inputs` gives the warnings of the source and the hashes of what was read of it so far.
+///
+/// # Errors
+/// Those of the source, the set-up, the tracker and the disk; [`Error::Checkpoint`] where the run that was stopped is another one.
+pub fn track<S: FrameSource>(
+    source: &mut S,
+    setup_frames: Range<u64>,
+    resolved: &Resolved,
+    claim: Claim,
+    watch: &mut Watch<'_>,
+    inputs: impl Fn(&S) -> (Vec<String>, Hashes),
+    from: Option<Checkpoint>,
+) -> Result<Outcome, Error> {
+    let mut clock = Clock::started();
+    let config = resolved.track();
+    let settings = config.settings()?;
+    let inputs = Inputs { of_source: inputs, of_settings: file_hashes(resolved)? };
+    let folder = claim.folder().to_owned();
+    let Begun { mut source, setup, checkpoint } = match from {
+        Some(from) => resumed(source, from, resolved, &settings, &inputs, &folder, watch)?,
+        None => begun(source, setup_frames, resolved, &config, &settings, watch)?,
+    };
+    clock.set_up_is_done();
+
+    let (tree, cameras, image_cameras) = (setup.tree(), source.cameras().to_vec(), source.image_cameras());
+    let mut pipeline =
+        Pipeline::with_images(&setup, &tree, &cameras, source.layout(), settings.clone(), image_cameras.as_deref())?;
+    match &checkpoint.pipeline {
+        Some(state) => pipeline.restore(state).map_err(|problem| Error::checkpoint(&folder, problem))?,
+        None => ResultFolder::forget(&claim)?,
+    }
+    let (frames, before) = (source.frames(), checkpoint.done);
+    let setup_toml = checkpoint.setup_toml.clone();
+    let info = run_info(&config, &settings, &setup, &pipeline, cameras, frames.start, setup_toml);
+    let spool = match config.smooth {
+        true => {
+            let sizes = [tree.dof(), info.cameras.len(), info.keypoints.len()];
+            Some(Spool::open(&claim, sizes, checkpoint.spool.map(|position| (before, position)))?)
+        }
+        false => None,
+    };
+    let results = ResultFolder::open(claim, info, texts(&checkpoint)?, checkpoint.written.as_ref())?;
+    let is_new = checkpoint.pipeline.is_none();
+    let mut keeper = Keeper::new(results, spool, checkpoint, config.checkpoint_every);
+    if is_new {
+        keeper.keep(&pipeline, source.read(), inputs.hashes(source.source()))?;
+    }
+    let total = frames.end - frames.start;
+    let tracked = forward(&mut keeper, &mut pipeline, &mut source, &inputs, settings.isa, watch)?;
+    clock.tracking_is_done();
+    let Keeper { mut results, spool, checkpoint, .. } = keeper;
+    let mut written = checkpoint.done;
+    if let Some(mut spool) = spool {
+        written = smoothed(&mut spool, &mut results, &pipeline, &tree, watch, written)?;
+    }
+    let done = checkpoint.done - before;
+    let warnings = inputs.warnings(source.source()).into_iter().chain(checkpoint.warnings).chain(pipeline.warnings());
+    let summary = results.finish(&Ending {
+        complete: written == total && tracked.is_ok(),
+        warnings: distinct(warnings),
+        input_hashes: inputs.hashes(source.source()),
+        coverage: pipeline.coverage().to_vec(),
+        limits: config.limits,
+        timings: clock.timings(before, done),
+    })?;
+    tracked?;
+    Ok(Outcome { summary, ms_per_frame: clock.ms_per_frame(done) })
+}

@@ -1,0 +1,173 @@
+//! Marginals of points and degrees of freedom from the draws of a frame.
+//!
+//! Quantiles are those of the weighted draws: the least value at which the cumulated weight reaches p. A body of unknown size before one camera has draws of all
+//! sizes ([`UnknownSize`]).
+
+use super::unknown_size::UnknownSize;
+use crate::results::estimate::{PointMarginal, StateMarginal};
+use rayon::prelude::*;
+use sinew_body::{KinematicTree, Plan, point_positions_block};
+use sinew_core::lanes::{Block, Isa, LANES};
+use sinew_tracking::posterior::Posterior;
+
+/// Reusable buffers for one body.
+pub(super) struct Marginals {
+    plan: Plan,
+    isa: Isa,
+    size: Option<UnknownSize>,
+    /// Positions of all points in each block of draws.
+    positions: Vec<Block>,
+}
+
+/// Mean, standard deviation, 5 % and 95 % quantile of a series; reorders it where the weights are equal.
+fn describe(series: &mut [f64], weights: &[f64], equal: bool) -> [f64; 4] {
+    let mean: f64 = series.iter().zip(weights).map(|(x, w)| w * x).sum();
+    let variance: f64 = series.iter().zip(weights).map(|(x, w)| w * (x - mean) * (x - mean)).sum();
+    let [low, high] = if equal {
+        let n = series.len();
+        let at = |p: f64| ((p * n as f64).ceil() as usize).clamp(1, n) - 1;
+        let (low, high) = (at(0.05), at(0.95));
+        let (left, &mut high_value, _) = series.select_nth_unstable_by(high, f64::total_cmp);
+        let low_value = if low < high { *left.select_nth_unstable_by(low, f64::total_cmp).1 } else { high_value };
+        [low_value, high_value]
+    } else {
+        let mut order: Vec<(f64, f64)> = series.iter().copied().zip(weights.iter().copied()).collect();
+        order.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
+        [0.05, 0.95].map(|p| {
+            let mut sum = 0.0;
+            let reached = order.iter().find(|(_, w)| {
+                sum += w;
+                sum >= p
+            });
+            reached.or(order.last()).map_or(mean, |(x, _)| *x)
+        })
+    };
+    [mean, variance.max(0.0).sqrt(), low, high]
+}
+
+impl Marginals {
+    pub(super) fn new(tree: &KinematicTree, isa: Isa, size: Option<UnknownSize>) -> Self {
+        Self { plan: Plan::with_all_points(tree), isa, size, positions: vec![] }
+    }
+
+    /// Sizes of the draws, for a body that was not measured.
+    pub(super) const fn size(&self) -> Option<&UnknownSize> {
+        self.size.as_ref()
+    }
+
+    /// Moves the states of some draws to where a body of their size stands, and gives these sizes; nothing for a body of known size. After [`Marginals::of`].
+    pub(super) fn size_draws(&self, draws: impl Iterator<Item = usize>, states: &mut [f64], dim: usize) -> Vec<f64> {
+        let Some(size) = &self.size else { return vec![] };
+        let place = |(draw, state): (usize, &mut [f64])| {
+            size.place_root(draw, state);
+            size.factor(draw)
+        };
+        draws.zip(states.chunks_exact_mut(dim)).map(place).collect()
+    }
+
+    /// Marginals of all points of the body and of all degrees of freedom.
+    pub(super) fn of(&mut self, posterior: &Posterior<'_>) -> (Vec<PointMarginal>, Vec<StateMarginal>) {
+        let Self { plan, isa, size, positions } = self;
+        let (d, coordinates) = (posterior.dim, 3 * plan.points());
+        let count = posterior.count().div_ceil(LANES);
+        if let Some(size) = size {
+            size.prepare(count);
+        }
+        positions.resize(count * coordinates, Block::ZERO);
+        let blocks = posterior.states.par_chunks_exact(d).zip(positions.par_chunks_exact_mut(coordinates));
+        let scratch = || vec![Block::ZERO; plan.workspace()];
+        blocks.for_each_init(scratch, |ws, (states, out)| point_positions_block(plan, *isa, states, out, ws));
+
+        let equal = !posterior.chain_stats.is_empty();
+        let of_column = |series: &mut Vec<f64>, all: &[Block], width: usize, column: usize| {
+            let blocks = all.iter().skip(column).step_by(width);
+            series.clear();
+            match size.as_ref().filter(|_| width == coordinates || column < 3) {
+                None => series.extend(blocks.flat_map(|block| block.0)),
+                Some(size) => series.extend(blocks.enumerate().flat_map(|(i, x)| size.place(i, column % 3, *x).0)),
+            }
+            series.truncate(posterior.count());
+            describe(series, posterior.weights, equal)
+        };
+        let described: Vec<[f64; 4]> = (0..coordinates + d)
+            .into_par_iter()
+            .map_init(Vec::new, |series, column| match column.checked_sub(coordinates) {
+                None => of_column(series, positions, coordinates, column),
+                Some(j) => of_column(series, posterior.states, d, j),
+            })
+            .collect();
+        let (of_points, of_states) = described.split_at(coordinates);
+        let point = |axes: &[[f64; 4]]| {
+            let mut point = PointMarginal::default();
+            for (axis, &[mean, sd, q05, q95]) in axes.iter().enumerate() {
+                (point.mean[axis], point.sd[axis], point.q05[axis], point.q95[axis]) = (mean, sd, q05, q95);
+            }
+            point
+        };
+        let state = |&[mean, _, q05, q95]: &[f64; 4]| StateMarginal { mean, q05, q95 };
+        (of_points.chunks_exact(3).map(point).collect(), of_states.iter().map(state).collect())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use sinew_observe::Camera;
+
+    #[test]
+    fn quantiles_of_equal_and_of_given_weights_agree() {
+        let mut series: Vec<f64> = (0..100).map(|i| f64::from(i * 37 % 100)).collect();
+        let weights = vec![0.01; 100];
+        let weighted = describe(&mut series.clone(), &weights, false);
+        assert_eq!(describe(&mut series, &weights, true)[2..], [4.0, 94.0]);
+        assert!((weighted[0] - 49.5).abs() < 1e-12);
+        assert!((weighted[2] - 4.0).abs() <= 1.0 && (weighted[3] - 94.0).abs() <= 1.0);
+    }
+
+    /// One camera five metres in front of a body of unknown size.
+    #[test]
+    fn an_unknown_size_widens_the_intervals_along_the_ray_only() {
+        let tree = sinew_body::standard::h32(&sinew_body::Proportions::default());
+        let camera = Camera::look_at("C1", [1000.0; 2], 1000.0, [5.0, 0.0, 1.0], [0.0, 0.0, 1.0]).unwrap();
+        let (draws, d) = (4096, tree.dof());
+        let mut states = vec![Block::ZERO; draws / LANES * d];
+        states.iter_mut().skip(2).step_by(d).for_each(|z| *z = Block([1.0; LANES]));
+        let weights = vec![1.0 / draws as f64; draws];
+        let posterior = Posterior { dim: d, states: &states, weights: &weights, effective: 1.0, chain_stats: &[] };
+        let size = UnknownSize::with_sd(&camera, 0.05, 1);
+        let mut marginals = Marginals::new(&tree, Isa::best(), Some(size));
+        let (points, state) = marginals.of(&posterior);
+        let hip = points[tree.point_index("MidHip").unwrap()];
+        assert!((hip.sd[0] - 0.25).abs() < 0.02 && hip.sd[1] < 1e-12 && hip.sd[2] < 0.01, "{hip:?}");
+        assert!((hip.q95[0] - hip.q05[0] - 2.0 * 1.645 * 0.25).abs() < 0.04, "{hip:?}");
+        assert!((state[0].q95 - state[0].q05 - (hip.q95[0] - hip.q05[0])).abs() < 0.01);
+
+        // Every draw is seen at the same pixels.
+        let mut kept: Vec<f64> =
+            (0..8).flat_map(|i| states[i / LANES * d..][..d].iter().map(move |b| b.0[i % LANES])).collect();
+        let sizes = marginals.size_draws(0..8, &mut kept, d);
+        let plan = Plan::with_all_points(&tree);
+        let nose = |state: &[f64], size: f64| {
+            let mut positions = vec![0.0; 3 * plan.points()];
+            sinew_body::point_positions(&plan, Isa::baseline(), state, &mut positions);
+            let k = tree.point_index("Nose").unwrap();
+            camera
+                .project([0, 1, 2].map(|a: usize| state[a] + size * (positions[3 * k + a] - state[a])))
+                .pixel()
+                .unwrap()
+        };
+        let mut first = vec![0.0; d];
+        first[2] = 1.0;
+        let [u, v] = nose(&first, 1.0);
+        for (state, size) in kept.chunks_exact(d).zip(sizes) {
+            let [a, b] = nose(state, size);
+            assert!((a - u).hypot(b - v) < 1e-9 && (size - 1.0).abs() > 1e-6);
+        }
+    }
+
+    #[test]
+    fn one_heavy_draw_is_all_there_is() {
+        let described = describe(&mut [1.0, 5.0, 2.0], &[0.0, 1.0, 0.0], false);
+        assert_eq!(described, [5.0, 0.0, 5.0, 5.0]);
+    }
+}

@@ -1,0 +1,259 @@
+//! From the people in the views of a frame to the posterior of the pose: what `sinew track` and `sinew demo` run for every frame.
+//!
+//! For each frame, in order of their numbers:
+//!
+//! 1. the tracked person is found in each view, near to where the last pose projects ([`sinew_observe::association`]);
+//! 2. the keypoints become the points of the body, and are bound to a likelihood at the predicted pose ([`sinew_observe::keypoint_likelihood`]), images likewise;
+//! 3. the tracker steps ([`sinew_tracking::run`]);
+//! 4. its draws become marginals of points and angles.
+//!
+//! Frames without the person continue on the motion prior and are flagged. Someone who was lost for some frames and is found elsewhere restarts the tracker at the pose that fits there.
+//! Nothing is kept but the tracker and a few numbers a frame, so memory does not grow.
+
+use super::describe::describe;
+use super::images::{self, ImageState, Images};
+use super::marginals::Marginals;
+use super::motion_prior::walk;
+use super::predictive::Doubt;
+use super::restart::{Observation, Restarting};
+use super::scene::{Scene, SceneState};
+use super::unknown_size::UnknownSize;
+use crate::Error;
+use crate::config::settings::Settings;
+use crate::input::source::FrameSource;
+use crate::methods::{FrameLikelihood, Gives, Making};
+use crate::results::estimate::{Carried, FrameEstimate};
+use crate::results::problem::{self, Problem};
+use crate::results::silhouette_overlap::SilhouetteOverlap;
+use crate::setup::Setup;
+use serde::{Deserialize, Serialize};
+use sinew_body::KinematicTree;
+use sinew_core::lanes::Isa;
+use sinew_core::random::Stage;
+use sinew_core::transition::Moments;
+use sinew_dynamics::random_walk::RandomWalk;
+use sinew_formats::Layout;
+use sinew_observe::Camera;
+use sinew_tracking::posterior::Posterior;
+use sinew_tracking::{Harness, Resume as _, StepInfo, run};
+use std::ops::ControlFlow;
+
+/// A tracker with all that surrounds it for one recording.
+pub struct Pipeline {
+    tracker: Restarting,
+    observer: Observer,
+    pub(super) transition: RandomWalk,
+}
+
+/// All of a pipeline but its tracker.
+struct Observer {
+    settings: Settings,
+    scene: Scene,
+    images: Option<Images>,
+    marginals: Marginals,
+}
+
+/// What a pipeline remembers from frame to frame.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct State {
+    tracker: Vec<f64>,
+    scene: SceneState,
+    images: Option<ImageState>,
+}
+
+impl Pipeline {
+    /// A pipeline that starts at the set-up's pose.
+    ///
+    /// # Errors
+    /// A set-up that does not fit the cameras, the layout or the body.
+    pub fn new(
+        setup: &Setup,
+        tree: &KinematicTree,
+        cameras: &[Camera],
+        layout: &Layout,
+        settings: Settings,
+    ) -> Result<Self, Error> {
+        Self::with_images(setup, tree, cameras, layout, settings, None)
+    }
+
+    /// The same with silhouettes in cameras that are sized like the masks.
+    ///
+    /// # Errors
+    /// As [`Pipeline::new`]; a body without flesh.
+    pub fn with_images(
+        setup: &Setup,
+        tree: &KinematicTree,
+        cameras: &[Camera],
+        layout: &Layout,
+        settings: Settings,
+        image_cameras: Option<&[Camera]>,
+    ) -> Result<Self, Error> {
+        let scene = Scene::new(setup, tree, cameras, layout, &settings)?;
+        let with_flesh = |sized: &[Camera]| {
+            let ratio = |(sized, camera): (&Camera, &Camera)| sized.image_size_px[0] / camera.image_size_px[0];
+            let scale = sized.iter().zip(cameras).next().map_or(1.0, ratio);
+            Images::new(tree, setup.flesh()?, &setup.with_offsets(sized, scale), &settings)
+        };
+        let images = image_cameras.map(with_flesh).transpose()?;
+        let transition = walk(setup, tree, &settings)?;
+        let parts = match settings.method.about().needs_parts {
+            true => Some(images::part_tree(tree, &setup.flesh()?)?),
+            false => None,
+        };
+        let (method, isa, walk, known) = (settings.method.clone(), settings.isa, transition.clone(), setup.clone());
+        let make = move |start| {
+            method.tracker(&Making { setup: &known, transition: &walk, parts: parts.as_ref(), isa }, start)
+        };
+        let tracker = Restarting::new(Box::new(make), scene.start().to_vec())?;
+        let marginals = Marginals::new(tree, settings.isa, UnknownSize::of(setup, cameras, settings.seed));
+        Ok(Self { tracker, observer: Observer { settings, scene, images, marginals }, transition })
+    }
+
+    /// Statistics that each frame brings.
+    #[must_use]
+    pub fn carried(&self) -> Carried {
+        let method = &self.observer.settings.method;
+        let (chains, is_search) = (method.about().gives == Gives::Chains, method.about().gives == Gives::Search);
+        let (particles, size) = (method.weighted_draws(), self.size().is_some());
+        Carried { lp: chains, hmc: chains, log_evidence: !is_search, particles, size }
+    }
+
+    pub(super) fn size(&self) -> Option<&UnknownSize> {
+        self.observer.marginals.size()
+    }
+
+    pub(super) const fn settings(&self) -> &Settings {
+        &self.observer.settings
+    }
+
+    /// Names of the keypoints that are points of the body.
+    #[must_use]
+    pub fn keypoints(&self) -> Vec<String> {
+        self.observer.scene.keypoints()
+    }
+
+    /// What was odd in the frames tracked so far.
+    #[must_use]
+    pub fn warnings(&self) -> Vec<String> {
+        let Observer { settings, scene, images, .. } = &self.observer;
+        let method = settings.method.about();
+        let search = (method.gives == Gives::Search).then(|| {
+            format!("`{}` is a search: its intervals and draws are what survived it, not a posterior", method.name)
+        });
+        let of_images = images.iter().flat_map(Images::warnings);
+        scene.warnings().into_iter().chain(search).chain(of_images).collect()
+    }
+
+    /// How well the tracked body covers the silhouettes, camera by camera; empty without silhouettes.
+    #[must_use]
+    pub fn coverage(&self) -> &[SilhouetteOverlap] {
+        self.observer.images.as_ref().map_or(&[], Images::coverage)
+    }
+
+    /// What the next frame needs of those before it.
+    #[must_use]
+    pub fn save(&self) -> State {
+        let Observer { scene, images, .. } = &self.observer;
+        State { tracker: self.tracker.save(), scene: scene.save(), images: images.as_ref().map(Images::save) }
+    }
+
+    /// Goes on where a pipeline of the same set-up and settings stood, to the same bits.
+    ///
+    /// # Errors
+    /// A state of another pipeline.
+    pub fn restore(&mut self, saved: &State) -> Result<(), Problem> {
+        self.observer.scene.restore(&saved.scene)?;
+        if let (Some(images), Some(saved)) = (&mut self.observer.images, &saved.images) {
+            images.restore(saved)?;
+        }
+        self.tracker.restore(&saved.tracker).map_err(|error| match error {
+            sinew_tracking::Error::Dimension { found, expected, .. } => {
+                problem::state("tracker", format!("{found} numbers"), expected)
+            }
+            other => problem::state("tracker", other, "its numbers"),
+        })
+    }
+
+    /// What does not look as the model says in the frames tracked so far; [`Pipeline::warnings`] has it in words.
+    #[must_use]
+    pub fn doubts(&self) -> Vec<Doubt> {
+        self.observer.scene.doubts()
+    }
+
+    /// Tracks the frames of `numbers`, in order, and gives each estimate with the moments of its posterior to `record`, which may stop the run. Call it again to go on.
+    ///
+    /// # Errors
+    /// Those of the source and of `record`; frames without a posterior.
+    pub fn track(
+        &mut self,
+        source: &mut dyn FrameSource,
+        numbers: impl IntoIterator<Item = u64>,
+        mut record: impl FnMut(FrameEstimate, &Posterior<'_>) -> Result<ControlFlow<()>, Error>,
+    ) -> Result<(), Error> {
+        let mut refused = None;
+        let numbers = numbers.into_iter().map_while(|number| frame_index(number).map_err(|e| refused = Some(e)).ok());
+        let seed = self.observer.settings.seed;
+        let mut passage = Passage { observer: &mut self.observer, source, record: &mut record };
+        run(&mut self.tracker, numbers, |frame| Stage::new(seed, "track").at_frame(frame), &mut passage)?;
+        refused.map_or(Ok(()), Err)
+    }
+}
+
+/// Takes each estimate, with the posterior that it describes, and may stop the run.
+type Record<'a> = dyn FnMut(FrameEstimate, &Posterior<'_>) -> Result<ControlFlow<()>, Error> + 'a;
+
+/// A pipeline's way through the frames of a source.
+struct Passage<'a> {
+    observer: &'a mut Observer,
+    source: &'a mut dyn FrameSource,
+    record: &'a mut Record<'a>,
+}
+
+impl Harness<Observation> for Passage<'_> {
+    type Bound = Observation;
+    type Error = Error;
+
+    fn observe(&mut self, frame: u32, estimate: &[f64]) -> Result<Observation, Error> {
+        let frame = self.source.frame(u64::from(frame))?;
+        let Observer { scene, images, .. } = &mut *self.observer;
+        let (keypoints, restart) = scene.observe(&frame.people, estimate);
+        let images = images.as_mut().map(|images| images.bind(&frame.images));
+        Ok(Observation { likelihood: FrameLikelihood { keypoints, parts: scene.parts(), images }, restart })
+    }
+
+    fn record(&mut self, frame: u32, info: StepInfo, posterior: Posterior<'_>) -> Result<ControlFlow<()>, Error> {
+        let (number, Observer { settings, scene, images, marginals }) = (u64::from(frame), &mut *self.observer);
+        scene.note(number, &info.mean, &some_draws(settings.seed, frame, &posterior));
+        if let Some(images) = images {
+            images.note(number, &info.mean);
+        }
+        let seen_by = images.as_ref().map_or(0, Images::cameras_with_person);
+        (self.record)(describe(settings, scene, seen_by, marginals, number, info, &posterior), &posterior)
+    }
+}
+
+/// Draws of a frame that its keypoints are held against.
+const CHECKED_DRAWS: usize = 4;
+
+fn some_draws(seed: u64, frame: u32, posterior: &Posterior<'_>) -> Vec<Vec<f64>> {
+    let mut rng = Stage::new(seed, "predictive check").at_frame(frame).whole();
+    let state = |&index: &usize| {
+        let mut state = vec![0.0; posterior.dim];
+        posterior.state(index, &mut state);
+        state
+    };
+    posterior.equal_weight(CHECKED_DRAWS, &mut rng).iter().map(state).collect()
+}
+
+fn frame_index(number: u64) -> Result<u32, Error> {
+    u32::try_from(number).map_err(|_| Error::Input {
+        message: format!("frame number {number} is above {}", u32::MAX),
+        help: Some("renumber the files".into()),
+    })
+}
+
+/// Moments that a smoother takes from a frame. They are not shrunk: correlations between the angles of a limb are what keeps its end in place.
+#[must_use]
+pub fn moments(posterior: &Posterior<'_>, isa: Isa) -> Moments {
+    posterior.moments(isa)
+}

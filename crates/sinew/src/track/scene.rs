@@ -1,0 +1,383 @@
+//! One person in all views: association, layout to body, binding, residuals.
+
+mod check;
+
+use super::oddities::{Oddities, Watched};
+use super::predictive::{self, Doubt, Predictive};
+use crate::Error;
+use crate::config::settings::Settings;
+use crate::methods::Bound;
+use crate::results::problem::{Problem, check_length};
+use crate::setup::{self, Setup};
+use serde::{Deserialize, Serialize};
+use sinew_body::{KinematicTree, Plan, point_positions};
+use sinew_formats::Layout;
+use sinew_observe::association::{self, Following, Person, follow};
+use sinew_observe::offsets::{self, median};
+use sinew_observe::{Camera, Detection, KeypointFrame, KeypointModel, ObservationModel, View};
+use std::sync::Arc;
+
+/// Mean squared distance of the keypoints from a pose, in noise variances and at most [`WORST`] each, above which the pose is doubted. A right one has about 3.
+const MISFIT: f64 = 6.0;
+const WORST: f64 = 25.0;
+
+/// What a scene remembers from frame to frame.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SceneState {
+    lengths: Vec<(usize, usize, f64)>,
+    last_px: Vec<Vec<Option<[f64; 2]>>>,
+    lost: usize,
+    started: bool,
+    /// Pixel and confidence: the last frame tells whether tracking begins anew in the next.
+    detections: Vec<Vec<Option<[f64; 3]>>>,
+    oddities: Vec<Watched>,
+    predictive: Predictive,
+}
+
+/// The tracked person in the cameras.
+pub struct Scene {
+    model: KeypointModel,
+    setup: Setup,
+    cameras: Vec<Camera>,
+    layout: Layout,
+    /// For each point of the plan its index in the layout.
+    keypoint: Vec<usize>,
+    following: Following,
+    association: association::Config,
+    /// Detections of the current frame: camera by camera, by point of the plan.
+    detections: Vec<Vec<Option<Detection>>>,
+    oddities: Oddities,
+    predictive: Predictive,
+    /// For each point of the layout the one of the other side, or itself.
+    partners: Vec<usize>,
+    /// For methods that take the body part by part, the part of each point of the plan, and how many parts there are.
+    parts: Option<(Vec<usize>, usize)>,
+    /// The likelihood of each part's points in the current frame.
+    bound_parts: Vec<Bound>,
+}
+
+impl Scene {
+    /// A scene before its first frame.
+    ///
+    /// # Errors
+    /// A camera without set-up; a layout that shares no point with the body; a pose of another body.
+    pub fn new(
+        setup: &Setup,
+        tree: &KinematicTree,
+        cameras: &[Camera],
+        layout: &Layout,
+        settings: &Settings,
+    ) -> Result<Self, Error> {
+        let mut views = vec![];
+        for camera in cameras {
+            let Some(known) = setup.camera.iter().find(|c| c.name == camera.name) else {
+                let names: Vec<_> = setup.camera.iter().map(|c| c.name.as_str()).collect();
+                return Err(Error::Input {
+                    message: format!("the set-up knows no camera `{}`; it has {}", camera.name, names.join(", ")),
+                    help: Some("use the set-up of this recording, or leave `--setup` out".into()),
+                });
+            };
+            views.push(View {
+                camera: camera.clone(),
+                offset_px: known.offset_px,
+                sigma_px: known.sigma_px,
+                usual_confidence: known.usual_confidence,
+            });
+        }
+        let shared: Vec<(usize, usize)> = tree
+            .points()
+            .iter()
+            .enumerate()
+            .filter_map(|(p, point)| layout.index(&point.name).map(|k| (p, k)))
+            .collect();
+        if shared.len() < 4 {
+            return Err(Error::Input {
+                message: format!("layout `{}` and the body share {} points; 4 are needed", layout.name, shared.len()),
+                help: Some("name the body's points like those of the layout: `sinew body` lists them".into()),
+            });
+        }
+        if setup.start_pose.len() != tree.dof() {
+            return Err(Error::Input {
+                message: format!(
+                    "the set-up's start pose has {} numbers, the body {} degrees of freedom",
+                    setup.start_pose.len(),
+                    tree.dof()
+                ),
+                help: Some("use the set-up of this body, or leave `--setup` out".into()),
+            });
+        }
+        let points: Vec<usize> = shared.iter().map(|(p, _)| *p).collect();
+        let parts = match settings.method.about().needs_parts {
+            true => {
+                let flesh = setup.flesh()?;
+                let of_point = |&p: &usize| flesh.owner(tree.points()[p].link);
+                Some((points.iter().map(of_point).collect(), flesh.solids().len()))
+            }
+            false => None,
+        };
+        let model = KeypointModel {
+            plan: Arc::new(Plan::new(tree, &points)),
+            views,
+            noise: settings.noise,
+            model_error_m: setup.model_error_m,
+            least_confidence: settings.least_confidence,
+            isa: settings.isa,
+        };
+        let place = |k: usize| shared.iter().position(|(_, keypoint)| *keypoint == k);
+        let pairs = layout.left_right_pairs();
+        let mut partners: Vec<usize> = (0..layout.points.len()).collect();
+        pairs.iter().for_each(|&(l, r)| partners.swap(l, r));
+        let pairs = pairs.into_iter().filter_map(|(l, r)| Some((place(l)?, place(r)?))).collect();
+        let watched = model.views.iter().map(|view| (view.camera.name.clone(), view.sigma_px));
+        let names = model.views.iter().map(|view| view.camera.name.clone());
+        Ok(Self {
+            predictive: Predictive::new(names, settings.noise),
+            oddities: Oddities::new(watched, pairs),
+            partners,
+            parts,
+            bound_parts: vec![],
+            detections: vec![vec![None; points.len()]; cameras.len()],
+            keypoint: shared.iter().map(|(_, k)| *k).collect(),
+            following: Following { person: setup.person, ..Following::default() },
+            association: association::Config::default(),
+            cameras: cameras.to_vec(),
+            layout: layout.clone(),
+            setup: setup.clone(),
+            model,
+        })
+    }
+
+    /// State in which tracking starts.
+    #[must_use]
+    pub fn start(&self) -> &[f64] {
+        &self.setup.start_pose
+    }
+
+    /// Step size of the set-up.
+    #[must_use]
+    pub fn step_size(&self) -> f64 {
+        self.setup.step_size.unwrap_or(f64::NAN)
+    }
+
+    /// Leapfrog steps of the set-up.
+    #[must_use]
+    pub fn leapfrog_steps(&self) -> u32 {
+        self.setup.leapfrog_steps.unwrap_or(0)
+    }
+
+    fn points(&self, state: &[f64]) -> Vec<f64> {
+        let mut points = vec![0.0; 3 * self.model.plan.points()];
+        point_positions(&self.model.plan, self.model.isa, state, &mut points);
+        points
+    }
+
+    /// Pixels, offset included, at which each camera should see each point.
+    fn expected(&self, points: &[f64]) -> Vec<Vec<Option<[f64; 2]>>> {
+        let pixel = |view: &View, p: &[f64]| {
+            let [u, v] = view.camera.project([p[0], p[1], p[2]]).pixel()?;
+            Some([u + view.offset_px[0], v + view.offset_px[1]])
+        };
+        self.model.views.iter().map(|view| points.chunks_exact(3).map(|p| pixel(view, p)).collect()).collect()
+    }
+
+    /// Finds the person in a frame and binds his keypoints; `estimate` is the state that the tracker expects. Where he is found for the first time, or again after he was lost, or where `estimate` did not fit the frame before, also the pose that fits what is seen.
+    pub fn observe(&mut self, people: &[Vec<Person>], estimate: &[f64]) -> (Bound, Option<Vec<f64>>) {
+        let by_layout: Vec<Vec<Option<[f64; 2]>>> = self
+            .expected(&self.points(estimate))
+            .iter()
+            .map(|expected| {
+                let mut all = vec![None; self.layout.points.len()];
+                for (&k, e) in self.keypoint.iter().zip(expected) {
+                    all[k] = *e;
+                }
+                all
+            })
+            .collect();
+        let away = !self.following.started || self.following.lost >= self.association.lost_frames;
+        let misfit = if away { f64::INFINITY } else { self.misfit(estimate) };
+        let found = follow(&mut self.following, &self.cameras, people, Some(&by_layout), &self.association);
+        for (out, seen) in self.detections.iter_mut().zip(&found.people) {
+            for (out, &k) in out.iter_mut().zip(&self.keypoint) {
+                *out = seen.get(k).copied().flatten();
+            }
+        }
+        for (c, (people, expected)) in people.iter().zip(&by_layout).enumerate() {
+            let distance = |(d, e): (&Option<Detection>, &Option<[f64; 2]>)| {
+                let (d, [u, v]) = ((*d)?, (*e)?);
+                Some((d.pixel[0] - u).hypot(d.pixel[1] - v))
+            };
+            let first = people.first().map_or(&[][..], Vec::as_slice);
+            let mut distances: Vec<f64> = first.iter().zip(expected).filter_map(distance).collect();
+            let exchanged = self.partners.iter().filter_map(|&k| expected.get(k));
+            let mut crossed: Vec<f64> = first.iter().zip(exchanged).filter_map(distance).collect();
+            let is_found = found.members.get(c).is_some_and(Option::is_some);
+            self.oddities.people(c, people.len(), is_found, [&mut distances, &mut crossed]);
+        }
+        if away && self.following.lengths.is_empty() {
+            self.following.lengths = setup::limb_lengths(&self.cameras, &self.layout, &found.people, &self.association);
+        }
+        let mut restart = None;
+        if misfit > MISFIT && found.is_present() {
+            let fitted = |former| setup::pose_of(&self.setup, &self.cameras, &self.layout, &found.people, former);
+            let start = &self.setup.start_pose;
+            let known = if away { Some(start.clone()) } else { None };
+            restart = [known, fitted(None), fitted(Some(estimate)), fitted(Some(start))]
+                .into_iter()
+                .flatten()
+                .filter(|pose| pose.len() == estimate.len())
+                .map(|pose| (self.misfit(&pose), pose))
+                .min_by(|a, b| a.0.total_cmp(&b.0))
+                .filter(|(better, _)| *better < 0.7 * misfit)
+                .map(|(_, pose)| pose);
+        }
+        let predicted = self.points(restart.as_deref().unwrap_or(estimate));
+        if let Some((part_of, count)) = &self.parts {
+            let of_part = |part: usize| {
+                let own = |seen: &Vec<Option<Detection>>| {
+                    seen.iter().zip(part_of).map(|(d, of)| d.filter(|_| *of == part)).collect()
+                };
+                let detections: Vec<Vec<_>> = self.detections.iter().map(own).collect();
+                self.model.bind(KeypointFrame { detections: &detections, predicted: &predicted })
+            };
+            self.bound_parts = (0..*count).map(of_part).collect();
+        }
+        let bound = self.model.bind(KeypointFrame { detections: &self.detections, predicted: &predicted });
+        (bound, restart)
+    }
+
+    /// The likelihoods of the parts of the body in the current frame, taken away; none for methods without parts.
+    pub fn parts(&mut self) -> Vec<Bound> {
+        std::mem::take(&mut self.bound_parts)
+    }
+
+    /// How badly a pose fits the keypoints of the current frame; 0 without any.
+    fn misfit(&self, state: &[f64]) -> f64 {
+        let expected = self.expected(&self.points(state));
+        let (mut sum, mut count) = (0.0, 0.0);
+        for ((view, seen), expected) in self.model.views.iter().zip(&self.detections).zip(&expected) {
+            for (d, e) in seen.iter().zip(expected) {
+                let Some(d) = d else { continue };
+                let square = e.map_or(f64::INFINITY, |e| (d.pixel[0] - e[0]).powi(2) + (d.pixel[1] - e[1]).powi(2));
+                sum += (square / view.sigma_px.powi(2)).min(WORST);
+                count += 1.0;
+            }
+        }
+        sum / f64::max(count, 1.0)
+    }
+
+    /// Names of the keypoints that are points of the body.
+    #[must_use]
+    pub fn keypoints(&self) -> Vec<String> {
+        self.keypoint.iter().map(|&k| self.layout.points[k].clone().unwrap_or_default()).collect()
+    }
+
+    /// What was seen of the person in the current frame ([`crate::results::estimate::FrameEstimate::seen`]).
+    #[must_use]
+    pub fn seen(&self) -> Vec<[f64; 3]> {
+        let one = |d: &Option<Detection>| d.map_or([f64::NAN; 3], |d| [d.pixel[0], d.pixel[1], d.confidence]);
+        self.detections.iter().flatten().map(one).collect()
+    }
+
+    /// Cameras that saw the person in the current frame.
+    #[must_use]
+    pub fn cameras_with_person(&self) -> usize {
+        self.detections.iter().filter(|points| points.iter().any(Option::is_some)).count()
+    }
+
+    /// Looks at a frame once it is tracked: `state` is the mean of its posterior, `draws` are some of its draws.
+    pub fn note(&mut self, number: u64, state: &[f64], draws: &[Vec<f64>]) {
+        self.check(number, state, draws);
+        let expected = self.expected(&self.points(state));
+        let detections = &self.detections;
+        self.oddities.note(number, |camera, seen, at| {
+            let ([u, v], d) = (expected[camera][at]?, detections[camera][seen]?);
+            Some((d.pixel[0] - u).hypot(d.pixel[1] - v))
+        });
+    }
+
+    /// What the next frame needs of those before it.
+    #[must_use]
+    pub fn save(&self) -> SceneState {
+        let Following { lengths, last_px, lost, started, .. } = self.following.clone();
+        let numbers = |d: &Option<Detection>| d.map(|Detection { pixel: [u, v], confidence }| [u, v, confidence]);
+        let detections = self.detections.iter().map(|seen| seen.iter().map(numbers).collect()).collect();
+        let (oddities, predictive) = (self.oddities.save(), self.predictive.clone());
+        SceneState { lengths, last_px, lost, started, detections, oddities, predictive }
+    }
+
+    /// Takes up what a scene of the same set-up gave.
+    ///
+    /// # Errors
+    /// A state of another scene.
+    pub fn restore(&mut self, saved: &SceneState) -> Result<(), Problem> {
+        let (cameras, keypoints) = (self.cameras.len(), self.layout.points.len());
+        check_length(saved.detections.len(), cameras)?;
+        saved.detections.iter().try_for_each(|seen| check_length(seen.len(), self.keypoint.len()))?;
+        // Nothing is remembered of someone who was never seen.
+        check_length(saved.last_px.len(), if saved.last_px.is_empty() { 0 } else { cameras })?;
+        saved.last_px.iter().try_for_each(|px| check_length(px.len(), if px.is_empty() { 0 } else { keypoints }))?;
+        let known = saved.lengths.iter().filter(|(a, b, _)| *a < keypoints && *b < keypoints).count();
+        check_length(saved.lengths.len(), known)?;
+        self.oddities.restore(&saved.oddities)?;
+        check_length(saved.predictive.cameras(), cameras)?;
+        self.predictive.clone_from(&saved.predictive);
+        self.following = Following {
+            person: self.setup.person,
+            lengths: saved.lengths.clone(),
+            last_px: saved.last_px.clone(),
+            lost: saved.lost,
+            started: saved.started,
+        };
+        let detection = |d: &Option<[f64; 3]>| d.map(|[u, v, confidence]| Detection { pixel: [u, v], confidence });
+        self.detections = saved.detections.iter().map(|seen| seen.iter().map(detection).collect()).collect();
+        Ok(())
+    }
+
+    /// What was odd in the frames so far, and what does not look as the model says.
+    #[must_use]
+    pub fn warnings(&self) -> Vec<String> {
+        let doubts = self.doubts();
+        self.oddities.warnings().into_iter().chain(doubts.iter().map(ToString::to_string)).collect()
+    }
+
+    /// What does not look as the model says.
+    #[must_use]
+    pub fn doubts(&self) -> Vec<Doubt> {
+        self.predictive.doubts().into_iter().chain(self.calibration_doubt()).collect()
+    }
+
+    /// Offsets of the set-up that are large against the noise: they hide a shift of the world.
+    fn calibration_doubt(&self) -> Option<Doubt> {
+        let views = &self.model.views;
+        let offsets: Vec<[f64; 2]> = views.iter().map(|view| view.offset_px).collect();
+        let size = |view: &View| view.offset_px[0].hypot(view.offset_px[1]) / view.sigma_px;
+        let large: Vec<_> = views.iter().filter(|view| size(view) > predictive::OFFSET).collect();
+        let points = self.points(self.start());
+        let at = [0, 1, 2].map(|k| points.iter().skip(k).step_by(3).sum::<f64>() / (points.len() / 3) as f64);
+        let shift_m = offsets::hidden_shift_m(&self.cameras, &offsets, at)?;
+        let cameras: Vec<_> = large.into_iter().map(|view| (view.camera.name.clone(), view.offset_px)).collect();
+        (!cameras.is_empty()).then_some(Doubt::Calibration { cameras, shift_m })
+    }
+
+    /// Scatter per axis, per camera, of the keypoints about the projection of a pose, pixels: their median distance divided by √(2 ln 2), which is the standard
+    /// deviation per axis of Gaussian errors and hardly moved by gross outliers.
+    #[must_use]
+    pub fn residual_px(&self, state: &[f64]) -> Vec<Option<f64>> {
+        let expected = self.expected(&self.points(state));
+        self.detections
+            .iter()
+            .zip(&expected)
+            .map(|(seen, expected)| {
+                let mut distances: Vec<f64> = seen
+                    .iter()
+                    .zip(expected)
+                    .filter_map(|(d, e)| {
+                        let (d, e) = ((*d)?, (*e)?);
+                        Some((d.pixel[0] - e[0]).hypot(d.pixel[1] - e[1]))
+                    })
+                    .collect();
+                (!distances.is_empty()).then(|| median(&mut distances) / (2.0 * std::f64::consts::LN_2).sqrt())
+            })
+            .collect()
+    }
+}

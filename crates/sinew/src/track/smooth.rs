@@ -1,0 +1,259 @@
+//! The backward pass over a recording: filtered moments go to a file as frames are tracked, and come back as trajectories that know the future.
+//!
+//! 1. Forward, [`Spool::append`] writes each frame's moments and diagnostics, a record of fixed size.
+//! 2. Backward, a second file takes for each record the states of [`TRAJECTORIES`] trajectories drawn from the smoothing distribution of the moments ([`sinew_dynamics::smoother`]).
+//! 3. Forward again, [`smooth`] reads the trajectories frame by frame and describes them; draw *i* of every frame belongs to trajectory *i*.
+//!
+//! Where tracking began anew the motion prior says nothing of the step, so the pass is cut there: the frame before counts as a last one.
+//!
+//! Exact for linear-Gaussian models; elsewhere each frame's posterior is taken for a Gaussian. Evidence, effective sample size and residuals stay those of the filter. Memory does not grow with the number
+//! of frames; the files take some 40 kB a frame and are removed at the end. The records stay as they are until then, so that the backward pass can be
+//! done again by a run that goes on after a stop.
+
+use super::marginals::Marginals;
+use super::pipeline::Pipeline;
+use crate::Error;
+use crate::results::estimate::{Draws, FrameEstimate, diagnostics};
+use crate::results::{Claim, Disk, PartialFile, Place, Position, Storage};
+use sinew_body::KinematicTree;
+use sinew_core::lanes::{Block, LANES, get_lane, set_lane};
+use sinew_core::random::Stage;
+use sinew_core::transition::Moments;
+use sinew_dynamics::smoother::Smoother;
+use sinew_tracking::posterior::Posterior;
+use std::collections::BTreeMap;
+use std::fs::{self, File};
+use std::io::{Read, Seek, SeekFrom, Write};
+use std::ops::ControlFlow;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// Trajectories drawn.
+pub const TRAJECTORIES: usize = 128;
+
+/// Name of the file of moments, but for `.partial`: it never gets another.
+const MOMENTS: &str = "smooth";
+
+/// Name of the file of trajectories.
+const TRAJECTORY_FILE: &str = "trajectories.partial";
+
+/// Moments and diagnostics of the frames tracked so far, in a file; a second one takes the trajectories.
+pub struct Spool {
+    moments: PartialFile,
+    files: Files,
+    dim: usize,
+    cameras: usize,
+    keypoints: usize,
+    frames: u64,
+}
+
+/// Where the files are.
+struct Files {
+    moments: PathBuf,
+    trajectories: PathBuf,
+    own_folder: Option<PathBuf>,
+}
+
+impl Drop for Files {
+    fn drop(&mut self) {
+        if let Some(folder) = &self.own_folder {
+            let _ = fs::remove_dir_all(folder);
+        }
+    }
+}
+
+impl Spool {
+    /// A spool in a claimed folder: an empty one, or that of a run that was stopped after so many frames.
+    ///
+    /// # Errors
+    /// [`Error::Io`]; [`Error::Checkpoint`] for a file that is not as it was left.
+    pub fn open(claim: &Claim, sizes: [usize; 3], written: Option<(u64, Position)>) -> Result<Self, Error> {
+        Self::open_in(claim.storage(), claim.folder(), sizes, written)
+    }
+
+    /// An empty spool in a folder of its own, which is gone when the spool is dropped.
+    ///
+    /// # Errors
+    /// [`Error::Io`].
+    pub fn temporary(folder: &Path, sizes: [usize; 3]) -> Result<Self, Error> {
+        fs::create_dir_all(folder).map_err(Error::io("create", folder))?;
+        let storage: Arc<dyn Storage> = Arc::new(Disk);
+        let mut spool = Self::open_in(&storage, folder, sizes, None)?;
+        spool.files.own_folder = Some(folder.to_owned());
+        Ok(spool)
+    }
+
+    fn open_in(
+        storage: &Arc<dyn Storage>,
+        folder: &Path,
+        [dim, cameras, keypoints]: [usize; 3],
+        written: Option<(u64, Position)>,
+    ) -> Result<Self, Error> {
+        let positions = written.map(|(_, position)| BTreeMap::from([(MOMENTS.to_owned(), position)]));
+        let place = Place { storage, folder, written: positions.as_ref() };
+        let moments = place.file(MOMENTS, |_| Ok(()))?;
+        let frames = written.map_or(0, |(frames, _)| frames);
+        let files = Files {
+            moments: folder.join(format!("{MOMENTS}.partial")),
+            trajectories: folder.join(TRAJECTORY_FILE),
+            own_folder: None,
+        };
+        Ok(Self { moments, files, dim, cameras, keypoints, frames })
+    }
+
+    fn header(&self) -> usize {
+        diagnostics::count(self.cameras) + 3 * self.cameras * self.keypoints
+    }
+
+    /// Numbers in a record: diagnostics, what was seen, filtered moments.
+    fn record(&self) -> usize {
+        self.header() + self.dim * (self.dim + 1)
+    }
+
+    /// Adds a frame.
+    ///
+    /// # Errors
+    /// [`Error::Io`].
+    pub fn append(&mut self, estimate: &FrameEstimate, moments: &Moments) -> Result<(), Error> {
+        let mut record = diagnostics::numbers(estimate, self.cameras);
+        record.extend(estimate.seen.as_flattened());
+        record.resize(self.header(), f64::NAN);
+        record.extend(&moments.mean);
+        record.extend(&moments.covariance);
+        self.moments.write(|out| record.iter().try_for_each(|number| out.write_all(&number.to_le_bytes())))?;
+        self.frames += 1;
+        Ok(())
+    }
+
+    /// Hands everything to the disk, and says how far it goes.
+    ///
+    /// # Errors
+    /// [`Error::Io`].
+    pub fn keep(&mut self) -> Result<Position, Error> {
+        Ok(self.moments.keep()?.1)
+    }
+
+    fn read(&self, file: &mut Numbers, frame: u64) -> Result<Record, Error> {
+        let numbers = file.read(frame * self.record() as u64, self.record())?;
+        let (header, moments) = numbers.split_at(self.header());
+        let (mean, covariance) = moments.split_at(self.dim);
+        let moments = Moments { mean: mean.to_vec(), covariance: covariance.to_vec() };
+        Ok(Record { header: header.to_vec(), moments })
+    }
+
+    fn estimate(&self, header: &[f64], fps: f64) -> FrameEstimate {
+        let (row, seen) = header.split_at(diagnostics::count(self.cameras));
+        FrameEstimate { seen: seen.as_chunks().0.to_vec(), ..diagnostics::estimate(row, fps).unwrap_or_default() }
+    }
+}
+
+/// What a spool holds of a frame.
+struct Record {
+    header: Vec<f64>,
+    moments: Moments,
+}
+
+/// A file of numbers at places.
+struct Numbers {
+    file: File,
+    path: PathBuf,
+}
+
+impl Numbers {
+    fn read(&mut self, at: u64, count: usize) -> Result<Vec<f64>, Error> {
+        let mut bytes = vec![0; 8 * count];
+        let read = self.file.seek(SeekFrom::Start(8 * at)).and_then(|_| self.file.read_exact(&mut bytes));
+        read.map_err(Error::io("read", &self.path))?;
+        Ok(bytes.as_chunks().0.iter().map(|chunk| f64::from_le_bytes(*chunk)).collect())
+    }
+
+    fn write(&mut self, at: u64, numbers: &[f64]) -> Result<(), Error> {
+        let bytes: Vec<u8> = numbers.iter().flat_map(|x| x.to_le_bytes()).collect();
+        let written = self.file.seek(SeekFrom::Start(8 * at)).and_then(|_| self.file.write_all(&bytes));
+        written.map_err(Error::io("write", &self.path))
+    }
+}
+
+/// A file that is gone when it is dropped.
+struct Scratch(Numbers);
+
+impl Drop for Scratch {
+    fn drop(&mut self) {
+        let _ = fs::remove_file(&self.0.path);
+    }
+}
+
+/// Smooths the frames of a spool and gives them in order to `record`. The spool stays as it is. `stopped` is asked before each frame of the backward pass.
+///
+/// # Errors
+/// [`Error::Io`], a covariance that cannot be factored, and those of `record` and `stopped`.
+pub fn smooth(
+    spool: &mut Spool,
+    pipeline: &Pipeline,
+    tree: &KinematicTree,
+    stopped: impl Fn() -> Result<(), Error>,
+    mut record: impl FnMut(FrameEstimate) -> Result<ControlFlow<()>, Error>,
+) -> Result<(), Error> {
+    let d = spool.dim;
+    spool.moments.sync()?;
+    let open = |path: &Path| File::open(path).map_err(Error::io("read", path));
+    let mut moments = Numbers { file: open(&spool.files.moments)?, path: spool.files.moments.clone() };
+    let file = File::options().read(true).write(true).create(true).truncate(true).open(&spool.files.trajectories);
+    let file = file.map_err(Error::io("create", &spool.files.trajectories))?;
+    let Scratch(trajectories) = &mut Scratch(Numbers { file, path: spool.files.trajectories.clone() });
+    let count = (1 + TRAJECTORIES) * d;
+    let (settings, size) = (pipeline.settings(), pipeline.size().cloned());
+    let smoother = Smoother::random_walk(pipeline.transition.sd());
+    let mut states = vec![Block::ZERO; TRAJECTORIES / LANES * d];
+    let mut next: Option<Moments> = None;
+    for frame in (0..spool.frames).rev() {
+        stopped()?;
+        let Record { header, moments: filtered } = spool.read(&mut moments, frame)?;
+        let filtered_frame = spool.estimate(&header, settings.fps);
+        let rng = &mut Stage::new(settings.seed, "smooth").at_frame(frame as u32).whole();
+        let smoothed = match &next {
+            None => {
+                smoother.sample_last(&filtered, &mut states, settings.isa, rng).map_err(Error::numerical)?;
+                filtered
+            }
+            Some(next) => {
+                smoother.sample(&filtered, &mut states, settings.isa, rng).map_err(Error::numerical)?;
+                smoother.step(&filtered, next).map_err(Error::numerical)?
+            }
+        };
+        let mut numbers = smoothed.mean.clone();
+        numbers.resize(count, 0.0);
+        for (i, state) in numbers[d..].chunks_exact_mut(d).enumerate() {
+            get_lane(&states[i / LANES * d..][..d], i % LANES, state);
+        }
+        trajectories.write(frame * count as u64, &numbers)?;
+        next = if filtered_frame.restarted { None } else { Some(smoothed) };
+    }
+    let weights = vec![1.0 / TRAJECTORIES as f64; TRAJECTORIES];
+    let mut marginals = Marginals::new(tree, settings.isa, size);
+    for frame in 0..spool.frames {
+        let numbers = trajectories.read(frame * count as u64, count)?;
+        let (mean_state, numbers) = numbers.split_at(d);
+        for (i, state) in numbers.chunks_exact(d).enumerate() {
+            set_lane(&mut states[i / LANES * d..][..d], i % LANES, state);
+        }
+        let posterior =
+            Posterior { dim: d, states: &states, weights: &weights, effective: TRAJECTORIES as f64, chain_stats: &[] };
+        let (points, state) = marginals.of(&posterior);
+        let mut kept = numbers[..settings.draws.min(TRAJECTORIES) * d].to_vec();
+        let size = marginals.size_draws(0..TRAJECTORIES, &mut kept, d);
+        let draws = Draws { states: kept, size, ..Draws::default() };
+        let header = spool.read(&mut moments, frame)?.header;
+        let estimate = FrameEstimate {
+            mean_state: mean_state.to_vec(),
+            points,
+            state,
+            draws,
+            ..spool.estimate(&header, settings.fps)
+        };
+        if record(estimate)?.is_break() {
+            break;
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,73 @@
+//! Share of true coordinates inside the 90 % intervals that a run writes, and the standard error of a mean over frames that depend on each other.
+
+use sinew::body::KinematicTree;
+use sinew::core::lanes::Block;
+use sinew::core::random::Stage;
+use sinew::results::estimate::FrameEstimate;
+use sinew_simulate::points::Trajectories;
+
+/// For each frame and named point the share of its three true coordinates inside the 90 % intervals; NaN for points that the truth or the body lacks.
+#[must_use]
+pub fn covered(
+    tree: &KinematicTree,
+    estimates: &[FrameEstimate],
+    truth: &Trajectories,
+    names: &[&str],
+) -> Vec<Vec<f64>> {
+    let columns: Vec<_> = names.iter().map(|name| Some((tree.point_index(name)?, truth.index(name)?))).collect();
+    let share = |estimate: &FrameEstimate, (k, m): (usize, usize)| {
+        let (marginal, point) = (&estimate.points[k], truth.frames[estimate.number as usize][m]);
+        let inside = |a: &usize| (marginal.q05[*a]..=marginal.q95[*a]).contains(&point[*a]);
+        (0..3).filter(inside).count() as f64 / 3.0
+    };
+    estimates.iter().map(|e| columns.iter().map(|c| c.map_or(f64::NAN, |c| share(e, c))).collect()).collect()
+}
+
+/// Standard error of the mean of some time series, by a block bootstrap (Künsch 1989): as many blocks of `block` consecutive values as make up each series are drawn anew from it, with replacement,
+/// and the mean over all series is taken; `replicates` times.
+#[must_use]
+pub fn block_bootstrap(series: &[Vec<f64>], block: usize, replicates: usize, seed: u64) -> f64 {
+    let block = block.max(1);
+    let mut rng = Stage::new(seed, "block bootstrap").whole();
+    let mut buffer = [Block::ZERO; 8];
+    let mut left: Vec<f64> = vec![];
+    let mut uniform = || {
+        if left.is_empty() {
+            rng.fill_uniform(&mut buffer);
+            left.extend(buffer.iter().flat_map(|block| block.0));
+        }
+        left.pop().unwrap_or(0.5)
+    };
+    let mut mean = || {
+        let (mut sum, mut count) = (0.0, 0.0);
+        for values in series.iter().filter(|values| !values.is_empty()) {
+            let size = block.min(values.len());
+            for _ in 0..values.len().div_ceil(size) {
+                let first = (uniform() * (values.len() - size + 1) as f64) as usize;
+                sum += values[first..first + size].iter().sum::<f64>();
+                count += size as f64;
+            }
+        }
+        sum / count
+    };
+    let means: Vec<f64> = (0..replicates).map(|_| mean()).collect();
+    let centre = means.iter().sum::<f64>() / means.len() as f64;
+    (means.iter().map(|m| (m - centre).powi(2)).sum::<f64>() / (means.len() as f64 - 1.0)).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_bootstrap_finds_the_standard_error_of_independent_and_of_sticky_values() {
+        let mut normal = vec![Block::ZERO; 100];
+        Stage::new(3, "test").whole().fill_normal(sinew::core::lanes::Isa::baseline(), &mut normal);
+        let values: Vec<f64> = normal.iter().flat_map(|block| block.0).collect();
+        let se = block_bootstrap(std::slice::from_ref(&values), 1, 400, 1);
+        assert!((se * 800.0_f64.sqrt() - 1.0).abs() < 0.15, "{se}");
+        let sticky: Vec<f64> = values.iter().flat_map(|x| [*x; 10]).collect();
+        let se = block_bootstrap(&[sticky], 40, 400, 1);
+        assert!((se * 800.0_f64.sqrt() - 1.0).abs() < 0.25, "{se}");
+    }
+}
