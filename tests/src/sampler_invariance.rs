@@ -1,4 +1,6 @@
-//! Do the samplers keep their targets, and reach them? (H4–H6, `exact-start`, `step-size sweep`, `divergent stays`, `long-run`.)
+//! Whether the samplers keep their targets, and reach them (H4–H6).
+//!
+//! The checks `exact-start`, `step-size sweep`, `divergent stays` and `long-run`.
 //!
 //! Every kernel stands on every target with exact draws; steps are such that between a third and all trajectories are accepted.
 
@@ -10,7 +12,8 @@ use sinew::core::density::{GradLogDensity, LogDensity};
 use sinew::core::lanes::{Isa, LANES};
 use sinew::core::random::Stage;
 use sinew::samplers::gaussian_mixture::GaussianMixture as Proposal;
-use sinew::samplers::hmc::{Hmc, leapfrog};
+use sinew::samplers::hmc::Hmc;
+use sinew::samplers::integrator::PhasePoint;
 use sinew::samplers::jumps::Jumps;
 use sinew::samplers::metric::{Dense, Metric};
 use sinew::samplers::nuts::Nuts;
@@ -267,13 +270,13 @@ pub fn long_runs(seed: u64, size: Size) -> Vec<Report> {
     let (v, b) = (1.2_f64.powi(2), 0.6_f64);
     let bent_moments = [v, 0.0, 1.0 + 2.0 * b * b * v * v];
     let beside = [[1.0; 2 * LANES].to_vec(), [-1.0; 2 * LANES].to_vec()];
-    let of_hmc = long_run(&config, &far, kernels::hmc(&gaussian, plain(28, 0.6, 5, 0.2)), &pooled(), &moments);
-    let of_trees = long_run(&config, &far, kernels::nuts(&gaussian, trees), &pooled(), &moments);
-    let of_banana = long_run(&config, &beside, kernels::hmc(&banana, plain(2, 0.4, 6, 0.2)), &bent, &bent_moments);
+    let hmc_run = long_run(&config, &far, kernels::hmc(&gaussian, plain(28, 0.6, 5, 0.2)), &pooled(), &moments);
+    let nuts_run = long_run(&config, &far, kernels::nuts(&gaussian, trees), &pooled(), &moments);
+    let banana_run = long_run(&config, &beside, kernels::hmc(&banana, plain(2, 0.4, 6, 0.2)), &bent, &bent_moments);
     vec![
-        named("hmc, Gaussian, 28 dimensions".into(), of_hmc),
-        named("no-U-turn, Gaussian, 28 dimensions".into(), of_trees),
-        named("hmc, banana".into(), of_banana),
+        named("hmc, Gaussian, 28 dimensions".into(), hmc_run),
+        named("no-U-turn, Gaussian, 28 dimensions".into(), nuts_run),
+        named("hmc, banana".into(), banana_run),
     ]
 }
 
@@ -308,6 +311,7 @@ fn trajectory(target: &Borrowed<'_>, q: &[f64], p: &[f64], h: f64, steps: usize)
     let (mut q, mut p) = (kernels::to_block(&q.repeat(LANES), d), kernels::to_block(&p.repeat(LANES), d));
     let mut gradient = vec![Block::ZERO; d];
     target.log_density_grad_block(&q, &mut gradient, &mut []);
-    leapfrog(target, &plain(d, h, steps, 0.0), &Block::splat(1.0), &mut q, &mut p, &mut gradient, &mut []);
+    let point = PhasePoint { position: &mut q, momentum: &mut p, gradient: &mut gradient };
+    plain(d, h, steps, 0.0).trajectory(target, &Block::splat(1.0), point, &mut []);
     (kernels::from_block(&q)[..d].to_vec(), kernels::from_block(&p)[..d].to_vec())
 }

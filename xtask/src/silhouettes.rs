@@ -1,8 +1,9 @@
-//! `cargo xtask silhouettes`: all methods on the same real masks, the tables of docs/experiments/real-silhouettes.md.
+//! `cargo xtask silhouettes`: all methods on the same real masks, the tables of docs/evidence/experiments/real-silhouettes.md.
 //!
 //! The masks were made with the help of the joints that they are compared with here, so a distance to those joints says how well a body follows masks, and nothing of its accuracy in the world. Settings were chosen on frames 0–59;
 //! frames 60–99 judge.
 
+use crate::outcome::Outcome;
 use clap::Args as Arguments;
 use sinew::config::settings::Settings;
 use sinew::config::{Init, Resolved, Sources, TrackConfig, resolve};
@@ -14,7 +15,6 @@ use sinew::methods::{About, Annealed, annealed, bootstrap, coarse_to_fine, hmc, 
 use sinew::results::silhouette_overlap::SilhouetteOverlap;
 use sinew::setup::Setup;
 use sinew_tests::evaluation::{self, LIMB_JOINTS, Track};
-use std::error::Error;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -31,8 +31,6 @@ pub(crate) struct Args {
     #[arg(long, default_value_t = 5)]
     seeds: u64,
 }
-
-type Outcome<T> = Result<T, Box<dyn Error>>;
 
 const CHOSEN: Range<usize> = 0..60;
 const JUDGED: Range<usize> = 60..100;
@@ -197,8 +195,8 @@ fn tables(data: &Path, seeds: u64) -> Outcome<()> {
             row.changed,
             if row.masks { format!("{:?}", row.score) } else { "–".to_owned() },
             row.cameras.map_or(4, <[_]>::len),
-            told(&errors[0]),
-            told(&errors[1]),
+            shown(&errors[0]),
+            shown(&errors[1]),
             share(|c| c.precision),
             share(|c| c.recall),
             1e3 * seconds / (seeds as f64 * JUDGED.end as f64),
@@ -208,7 +206,7 @@ fn tables(data: &Path, seeds: u64) -> Outcome<()> {
 }
 
 /// Mean and the range over seeds.
-fn told(errors: &[f64]) -> String {
+fn shown(errors: &[f64]) -> String {
     let mean = errors.iter().sum::<f64>() / errors.len() as f64;
     let (least, most) = errors.iter().fold((f64::MAX, 0.0_f64), |(a, b), &x| (a.min(x), b.max(x)));
     format!("{mean:.0} ({least:.0}–{most:.0})")

@@ -109,7 +109,7 @@ pub fn trees(links: RangeInclusive<usize>) -> impl Strategy<Value = Tree> {
     })
 }
 
-/// Directions, those of the coordinate axes among them.
+/// Directions, the coordinate axes among them.
 pub fn unit_vectors() -> impl Strategy<Value = [f64; 3]> {
     let any_way = (-1.0..1.0_f64, 0.0..std::f64::consts::TAU).prop_map(|(z, turn): (f64, f64)| {
         let r = (1.0 - z * z).sqrt();

@@ -1,4 +1,6 @@
-//! Every test of the kit on kernels that are right, which must pass, and on kernels with a known bug, which must be caught. Seeds are fixed; false alarms 1e-6 each.
+//! Every test of the kit on kernels that are right and on kernels with a known bug.
+//!
+//! The former must pass, the latter must be caught. Seeds are fixed; false alarms 1e-6 each.
 
 use sinew_core::density::{GradLogDensity, LogDensity};
 use sinew_core::random::BlockRng;
@@ -214,7 +216,7 @@ fn calibration_sees_intervals_too_narrow_shifted_and_correlated() {
 }
 
 #[test]
-fn integrators_are_told_apart() {
+fn integrators_are_distinguished() {
     let target = Banana { sd: 1.0, bend: 0.5 };
     let starts: Vec<(Vec<f64>, Vec<f64>)> = {
         let mut rng = sinew_core::random::Stage::new(3, "starts").whole();
@@ -366,7 +368,7 @@ fn false_alarms_of_rare_events_keep_the_stated_rate() {
 
 /// A jump that is tried in one step of a thousand is right, and says how seldom it moves.
 #[test]
-fn kernels_that_move_rarely_are_told_how_rarely() {
+fn kernels_that_move_rarely_are_reported_with_how_rarely() {
     let target = Gaussian::standard(1);
     let rarely = |x: &[f64], rng: &mut BlockRng| if uniform(rng) < 0.001 { target.draw(rng) } else { x.to_vec() };
     let test = |least_moved: f64| {
@@ -374,8 +376,8 @@ fn kernels_that_move_rarely_are_told_how_rarely() {
         exact_start(&config, |rng| target.draw(rng), rarely, &TestFunctions::moments(1))
     };
     test(1e-4).assert_holds();
-    let told = test(0.01).to_string();
-    assert!(told.contains("share of starts that moved"), "{told}");
+    let said = test(0.01).to_string();
+    assert!(said.contains("share of starts that moved"), "{said}");
     test(0.01).assert_fails();
 }
 

@@ -1,4 +1,4 @@
-//! Targets and strategies: gradients are those of the values, draws have the density, and what strategies make is what they promise.
+//! Targets and strategies: gradients belong to values, draws have the density, strategies keep their promise.
 
 use proptest::prelude::*;
 use sinew_core::density::LogDensity;

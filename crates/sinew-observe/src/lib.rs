@@ -50,6 +50,7 @@ mod measurement;
 pub mod model;
 pub mod offsets;
 mod outline;
+pub mod own_contours;
 pub mod pixel_fit;
 pub mod raster;
 pub mod rgb_image;

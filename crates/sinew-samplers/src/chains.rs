@@ -80,27 +80,27 @@ impl Draws {
     /// Diagnostics of the draws about their mean.
     #[must_use]
     pub fn quality(&self, mean: &[f64]) -> Quality {
-        let of_coordinate = |j: usize| {
+        let coordinate = |j: usize| {
             let mut series = self.series(j);
             let (ess, r_hat) = (effective_sample_size(&series), split_r_hat(&series));
             series.iter_mut().flatten().for_each(|x| *x = (*x - mean[j]) * (*x - mean[j]));
             (ess, r_hat, effective_sample_size(&series))
         };
-        let all: Vec<(f64, f64, f64)> = (0..mean.len()).into_par_iter().map(of_coordinate).collect();
+        let all: Vec<(f64, f64, f64)> = (0..mean.len()).into_par_iter().map(coordinate).collect();
         Quality {
-            ess: all.iter().map(|of| of.0).fold(f64::INFINITY, f64::min),
-            r_hat: all.iter().map(|of| of.1).fold(f64::NAN, f64::max),
-            ess_of_squares: all.iter().map(|of| of.2 / self.dim as f64).sum(),
+            ess: all.iter().map(|found| found.0).fold(f64::INFINITY, f64::min),
+            r_hat: all.iter().map(|found| found.1).fold(f64::NAN, f64::max),
+            ess_of_squares: all.iter().map(|found| found.2 / self.dim as f64).sum(),
             energy_fraction: self.energy_fraction(),
         }
     }
 
     fn energy_fraction(&self) -> f64 {
-        let of_chain = |i: usize| {
+        let fraction = |i: usize| {
             let energies: Vec<f64> = self.stats.iter().skip(i).step_by(self.chains).map(|stat| stat.energy).collect();
             energy_fraction(&energies)
         };
-        (0..self.chains).map(of_chain).sum::<f64>() / self.chains as f64
+        (0..self.chains).map(fraction).sum::<f64>() / self.chains as f64
     }
 }
 
@@ -231,11 +231,11 @@ mod tests {
             assert!((target.log_density(&state) - stat.log_density).abs() < 1e-13);
             assert!(stat.energy >= -stat.log_density && stat.acceptance <= 1.0 && !stat.divergent);
         }
-        let of_chain = |i: usize| {
+        let fraction = |i: usize| {
             let energies: Vec<f64> = draws.stats.iter().skip(i).step_by(10).map(|stat| stat.energy).collect();
             energy_fraction(&energies) / 10.0
         };
-        let expected: f64 = (0..10).map(of_chain).sum();
+        let expected: f64 = (0..10).map(fraction).sum();
         assert!((draws.quality(&[0.0, 3.0]).energy_fraction - expected).abs() < 1e-12);
         for (chain, series) in series[1].iter().enumerate() {
             assert_eq!(series[3], draws.last[chain / 8 * 2 + 1].0[chain % 8]);

@@ -1,4 +1,6 @@
-//! Hamiltonian trajectories with jumps: each update of a chain is one trajectory followed by some independence proposals (Tierney 1994) from a mixture fitted to warm-up draws.
+//! Hamiltonian trajectories with jumps.
+//!
+//! Each update of a chain is one trajectory followed by some independence proposals (Tierney 1994) from a mixture fitted to warm-up draws.
 //!
 //! A jump proposes y ~ q, whatever the state x is, and accepts it with probability min(1, p(y) q(x) / (p(x) q(y))). It leaves p unchanged for any fixed q. Where q resembles p, one jump in a few is an independent draw
 //! and chains go from mode to mode at once; where q is far too thin, a chain would wait for ever, and there the trajectories carry it on (Gabrié, Rotskoff & Vanden-Eijnden 2022 do so with
@@ -27,7 +29,7 @@ pub struct Jumps {
 /// Draws of all chains.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Run {
-    /// Kept draws; acceptance and divergences are those of the trajectories.
+    /// Kept draws; acceptance and divergences count the trajectories.
     pub draws: Draws,
     /// Mean acceptance probability of the jumps.
     pub acceptance: f64,

@@ -1,4 +1,6 @@
-//! Starting states of chains by importance resampling, from a frame's prior (Choo & Fleet 2001, §5) or from the Laplace approximation of its posterior.
+//! Starting states of chains: importance resampling, or scattered at random.
+//!
+//! Importance resampling is from a frame's prior (Choo & Fleet 2001, §5) or from the Laplace approximation of its posterior:
 //!
 //! 1. u_i ~ prior, i = 1 … M, from a mixture one a component; w_i = p(z | u_i)
 //! 2. s_i = M draws with replacement from {u_i, w_i}
@@ -6,7 +8,7 @@
 //! The mean of the w_i estimates the evidence ∫ p(z | s) prior(s) ds without bias.
 
 use crate::Error;
-use crate::metric::Laplace;
+use crate::laplace::Laplace;
 use crate::resample::multinomial;
 use crate::weights::normalise;
 use sinew_core::density::LogDensity;

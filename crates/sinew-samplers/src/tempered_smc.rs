@@ -1,4 +1,6 @@
-//! Adaptive tempered sequential Monte Carlo with Hamiltonian moves (Del Moral, Doucet & Jasra 2006; temperatures by the effective number as in Jasra et al. 2011).
+//! Adaptive tempered sequential Monte Carlo with Hamiltonian moves (Del Moral, Doucet & Jasra 2006).
+//!
+//! The effective number chooses the temperatures, as in Jasra et al. (2011).
 //!
 //! From prior(s) to prior(s) L(s) through prior(s) L(s)^β:
 //!
@@ -135,6 +137,22 @@ fn move_block<T: GradLogDensity + ?Sized>(
     Ok(moved)
 }
 
+/// Moves every block.
+fn move_all<T: GradLogDensity + ?Sized>(
+    target: &T,
+    hmc: &Hmc,
+    population: &Population,
+    updates: usize,
+    stage: &Stage,
+) -> Result<Vec<Moved>, Error> {
+    let blocks = population.states().par_chunks(population.dim()).enumerate();
+    let moved = |(block, states): (usize, &[Block])| {
+        let used = (population.count() - block * LANES).min(LANES);
+        move_block(target, hmc, states, used, updates, stage, block)
+    };
+    blocks.map(moved).collect()
+}
+
 /// Runs from the prior to the posterior; `metric` is the posterior's.
 ///
 /// # Errors
@@ -182,15 +200,7 @@ pub fn sample<O: GradLogDensity + ?Sized, P: FramePrior>(
         let metric = metric_at(prior, metric, beta)?;
         let hmc = Hmc::with_metric(config.step_size, &metric, config.leapfrog_steps, config.jitter, isa)?;
         let stage = to_move.round(round);
-        let moved: Vec<Moved> = population
-            .states()
-            .par_chunks(population.dim())
-            .enumerate()
-            .map(|(block, states)| {
-                let used = (particles - block * LANES).min(LANES);
-                move_block(&target, &hmc, states, used, updates, &stage, block)
-            })
-            .collect::<Result<_, _>>()?;
+        let moved = move_all(&target, &hmc, &population, updates, &stage)?;
         sample.temperatures.push(Temperature {
             beta,
             effective: effective_number(&weights),

@@ -4,6 +4,9 @@
 //! colour each ([`colour_of`]).
 
 mod drawing;
+pub(crate) mod error;
+
+pub use error::OverlayError;
 
 use crate::Error;
 use crate::input::image_folder;
@@ -121,8 +124,7 @@ impl Artist {
     /// A body without flesh.
     pub fn new(tracked: &Tracked, cameras: Vec<Camera>) -> Result<Self, Error> {
         let (tree, flesh) = (tracked.setup.tree(), tracked.setup.flesh()?);
-        let body =
-            SolidBody::new(&tree, &flesh).map_err(|error| Error::Input { message: error.to_string(), help: None })?;
+        let body = SolidBody::new(&tree, &flesh).map_err(OverlayError::Solids)?;
         let perfect = |camera: &Camera| Camera { lens: Lens::default(), ..camera.clone() };
         let model = ImageModel {
             body: Arc::new(body),
@@ -199,11 +201,7 @@ impl Source {
             Ground::Black => {
                 let scale = request.scale.unwrap_or(1.0);
                 if !(scale > 0.0 && scale.is_finite()) {
-                    return Err(Error::Usage {
-                        message: format!("`--mask-scale` is {scale}; it must be greater than 0"),
-                        help: "it is the size of the pictures over that of the calibrated images, for example 0.5"
-                            .into(),
-                    });
+                    return Err(OverlayError::Scale { scale }.into());
                 }
                 Self::Black(cameras.iter().map(|camera| camera.resized(scale)).collect())
             }
@@ -290,10 +288,7 @@ pub fn overlay(
     }
     drawn.warnings = source.warnings();
     if drawn.pictures == 0 {
-        return Err(Error::Input {
-            message: "none of the frames to be drawn has an image".into(),
-            help: Some("choose others with `--frames` and `--every`, or leave the folder of images out".into()),
-        });
+        return Err(OverlayError::NoImages.into());
     }
     Ok(drawn)
 }

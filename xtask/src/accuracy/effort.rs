@@ -1,11 +1,12 @@
-//! What accuracy and coverage cost: `hmc` on recorded motion with keypoints of the fitted body, by chains and updates, and both priors between frames by the number of chains.
+//! What accuracy and coverage of `hmc` cost, by chains, updates and the prior between frames.
 //!
-//! Chains of a frame that disagree go on with four times the updates, as in `sinew track`; the gradients printed leave that out.
+//! On recorded motion, with keypoints of the fitted body. Chains of a frame that disagree continue with four times the updates, as in `sinew track`; the gradients printed leave that out.
 //!
-//! Of the settings whose coverage lies in 90 ± 3 % and whose error is within two standard errors of that of the most expensive one, the cheapest is enough for these recordings; docs/accuracy.md says why the default is dearer.
+//! Of the settings whose coverage lies in 90 ± 3 % and whose error is within two standard errors of that of the most expensive one, the cheapest is enough for these recordings; docs/evidence/accuracy.md says why the default is dearer.
 
-use super::{CMU_RATE_HZ, Motion, Outcome, Tally, film, mean};
+use super::virtual_cameras::{CMU_RATE_HZ, Motion, Tally, film, mean, share};
 use crate::chart::{BLUE, GREEN, GREY, Line, Names, ORANGE, PURPLE, finish, panel_with};
+use crate::outcome::Outcome;
 use plotters::prelude::*;
 use sinew::body::standard::EVALUATION_JOINTS;
 use sinew::config::settings::Settings;
@@ -53,7 +54,7 @@ fn measure(motions: &[Motion], hmc: &Hmc, between: Between, seeds: u64) -> Outco
             tally.add(&run, &run.filtered, &motion.fitted.points);
         }
     }
-    let share = super::share(&tally.covered, 0..EVALUATION_JOINTS.len());
+    let share = share(&tally.covered, 0..EVALUATION_JOINTS.len());
     Ok(Found {
         hmc: hmc.0.clone(),
         between,

@@ -86,13 +86,13 @@ fn grow<T: GradLogDensity + ?Sized>(
     let chains = Lockstep { kept, log, last: Vec::new() };
     let mut forest = Forest { chains, depths: vec![0; nuts.max_depth + 1], leapfrog_steps: 0, block_gradients: 0 };
     let mut complete = [0; LANES];
-    let mut goes_on: [bool; LANES] = std::array::from_fn(|lane| lane < active && updates > 0);
-    while goes_on.contains(&true) {
+    let mut running: [bool; LANES] = std::array::from_fn(|lane| lane < active && updates > 0);
+    while running.contains(&true) {
         forest.block_gradients += 1;
-        for (lane, tree) in step(target, nuts, &mut trees, &goes_on, &mut rng).iter().enumerate() {
+        for (lane, tree) in step(target, nuts, &mut trees, &running, &mut rng).iter().enumerate() {
             if let Some(tree) = tree {
                 complete[lane] += 1;
-                goes_on[lane] = complete[lane] < updates;
+                running[lane] = complete[lane] < updates;
                 forest.take(&trees, lane, complete[lane], burn_in, tree);
             }
         }

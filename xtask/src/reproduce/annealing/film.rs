@@ -3,8 +3,8 @@
 //! Four cameras of 320 × 240 pixels, silhouettes with errors as usual, their contours as edges. A tracker starts around the fitted state of the first frame and follows the rest; its error is that of its weighted mean against
 //! the joints that were recorded.
 
-use super::Outcome;
 use super::walk::{RATE_HZ, Walks};
+use crate::outcome::Outcome;
 use serde_json::{Value, json};
 use sinew::body::hppf24;
 use sinew::core::lanes::Isa;
