@@ -28,6 +28,8 @@ pub enum Kind {
     Frames,
     /// A list of names.
     Names,
+    /// Whole frames of cameras, `cam_01=1,cam_03=-2`.
+    Lags,
 }
 
 /// A setting.
@@ -100,6 +102,7 @@ pub const SETTINGS: [Setting; SETTING_COUNT] = [
     common((INPUT, "cameras", Kind::Names, "LIST", "", "cameras to use, a,b,c [default: all]")),
     rare((INPUT, "person", Kind::Count(0, 999), "N", "", "which person: 0 is the most complete one on whom the cameras agree at the start [default: 0]")),
     common((INPUT, "trim", Kind::Flag, "", "false", "take only the frames that all cameras have")),
+    rare((INPUT, "lag", Kind::Lags, "LIST", "", "frames that cameras are late, cam_01=1,cam_03=-2; `sinew inspect` finds them")),
     rare((INPUT, "confidence_scale", POSITIVE, "C", "1", "confidence that means certainty")),
     rare((INPUT, "image_scale", FACTOR, "S", "1", "size of the images with the keypoints over that of the calibrated images, where they were resized")),
     rare((INPUT, "mask_scale", FACTOR, "S", "", "size of the masks over that of the calibrated images [default: as the keypoints']")),
@@ -142,7 +145,7 @@ pub const SETTINGS: [Setting; SETTING_COUNT] = [
     unhashed(common((OUTPUT, "force", Kind::Flag, "", "false", "replace results that are there"))),
 ];
 
-const SETTING_COUNT: usize = 50;
+const SETTING_COUNT: usize = 51;
 
 /// The setting of that name.
 #[must_use]

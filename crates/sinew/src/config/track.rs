@@ -36,6 +36,8 @@ pub struct TrackConfig {
     pub fps: Option<f64>,
     /// Cameras to use.
     pub cameras: Option<Vec<String>>,
+    /// Frames that cameras are late.
+    pub lag: Vec<(String, i64)>,
     /// Which person: 0 is the most complete one at the start.
     pub person: Option<usize>,
     /// Whether cameras may begin and end apart.
@@ -138,6 +140,10 @@ impl Resolved {
             cameras: match self.get("cameras") {
                 Some(Value::Names(names)) => Some(names.clone()),
                 _ => None,
+            },
+            lag: match self.get("lag") {
+                Some(Value::Lags(lags)) => lags.clone(),
+                _ => vec![],
             },
             person: self.count("person").and_then(|person| usize::try_from(person).ok()),
             trim: self.flag("trim"),
