@@ -27,6 +27,7 @@ pub mod association;
 pub mod background;
 pub mod bit_image;
 pub mod camera;
+pub mod camera_lag;
 pub mod cleaning;
 pub mod colour_histogram;
 pub mod contour_map;

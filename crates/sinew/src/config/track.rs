@@ -39,6 +39,8 @@ pub struct TrackConfig {
     pub fps: Option<f64>,
     /// Cameras to use.
     pub cameras: Option<Vec<String>>,
+    /// Frames that cameras are late.
+    pub lag: Vec<(String, i64)>,
     /// Which person: 0 is the most complete one at the start.
     pub person: Option<usize>,
     /// Whether cameras may begin and end apart.
@@ -103,6 +105,10 @@ impl Resolved {
             cameras: match self.values.get("cameras") {
                 Some(Value::Names(names)) => Some(names.clone()),
                 _ => None,
+            },
+            lag: match self.values.get("lag") {
+                Some(Value::Lags(lags)) => lags.clone(),
+                _ => vec![],
             },
             person: self.values.count("person").and_then(|person| usize::try_from(person).ok()),
             trim: self.values.flag("trim"),

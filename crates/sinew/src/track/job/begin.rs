@@ -147,6 +147,7 @@ fn set_up<S: FrameSource>(
         body,
         person: config.person.unwrap_or_default(),
         image_scale: config.image_scale,
+        lag: config.lag.clone(),
         ..Request::default()
     };
     let (cameras, layout) = (source.cameras().to_vec(), source.layout().clone());
