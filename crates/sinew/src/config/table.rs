@@ -85,7 +85,7 @@ const LAST: &[Setting] = &[
     Setting { rare: false, ..computed((GENERAL, "seed", Kind::Count(0, u64::MAX), "N", || Settings::default().seed.to_string(), "seed of all random streams")) },
     unhashed(common((GENERAL, "threads", Kind::Count(1, 1024), "N", "", "threads [default: what the system grants]"))),
     common((OUTPUT, "out", Kind::Path, "DIR", "", "output folder [default: sinew-out/<trial>]")),
-    unhashed(rare((OUTPUT, "checkpoint_every", NOT_NEGATIVE, "SECONDS", "10", "time between checkpoints, from which `--resume` goes on; 0 after every frame"))),
+    unhashed(rare((OUTPUT, "checkpoint_every", NOT_NEGATIVE, "SECONDS", "10", "time between checkpoints, from which `--resume` continues; 0 after every frame"))),
     unhashed(common((OUTPUT, "force", Kind::Flag, "", "false", "replace results that are there"))),
 ];
 
