@@ -64,7 +64,7 @@ pub fn setup(data: &[u8]) {
     let Some(setup) = std::str::from_utf8(data).ok().and_then(|text| told(Setup::from_toml("setup.toml", text))) else {
         return;
     };
-    if let Some(written) = told(setup.to_toml()) {
+    if let Some(written) = told(setup.to_toml().map_err(Error::from)) {
         let again = Setup::from_toml("written", &written).unwrap_or_else(|error| panic!("{error} in\n{written}"));
         assert!(again.to_toml().is_ok_and(|text| text == written), "{written}");
     }

@@ -8,7 +8,7 @@ use crate::quadrature::{OnLine, line_filter};
 use sinew::core::density::{GaussNewton, GradLogDensity, Lanes, LogDensity};
 use sinew::core::lanes::{Block, Isa, LANES};
 use sinew::core::random::{BlockRng, Stage};
-use sinew::core::transition::{Cloud, Predict, Transition};
+use sinew::core::transition::{Cloud, MotionModel, Predict, Transition};
 use sinew::dynamics::gaussian::Gaussian;
 use sinew::dynamics::mixture::Mixture;
 use sinew::dynamics::prior::Prior;
@@ -110,11 +110,13 @@ impl Motion {
     }
 }
 
-impl Transition for Motion {
+impl MotionModel for Motion {
     fn dim(&self) -> usize {
         1
     }
+}
 
+impl Transition for Motion {
     fn sample_block(&self, previous: &[Block], next: &mut [Block], rng: &mut BlockRng) {
         rng.fill_normal(Isa::best(), next);
         for (next, previous) in next[0].0.iter_mut().zip(previous[0].0) {
@@ -135,10 +137,6 @@ impl Transition for Motion {
 impl Predict for Motion {
     type Prior = Prior;
     type Error = sinew::dynamics::Error;
-
-    fn dim(&self) -> usize {
-        1
-    }
 
     fn predict(&self, cloud: Cloud<'_>) -> Result<Prior, Self::Error> {
         let q = self.growth.parameters[1];

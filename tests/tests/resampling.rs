@@ -3,7 +3,7 @@
 use sinew::core::density::LogDensity;
 use sinew::core::lanes::{Block, Isa};
 use sinew::core::random::{BlockRng, Stage};
-use sinew::core::transition::Transition;
+use sinew::core::transition::{MotionModel, Transition};
 use sinew::samplers::particles::{Particles, aggregate, predict, resample, reweight, start};
 use sinew::samplers::resample::{Scheme, keep_once_refill};
 use sinew::samplers::weights::normalise;
@@ -139,10 +139,13 @@ fn the_stream_alone_decides() {
 /// A walk in one dimension.
 struct Walk;
 
-impl Transition for Walk {
+impl MotionModel for Walk {
     fn dim(&self) -> usize {
         1
     }
+}
+
+impl Transition for Walk {
     fn sample_block(&self, previous: &[Block], next: &mut [Block], rng: &mut BlockRng) {
         rng.fill_normal(Isa::best(), next);
         next[0].0.iter_mut().zip(previous[0].0).for_each(|(n, p)| *n += p);

@@ -1,4 +1,4 @@
-//! `cargo xtask accuracy`: the experiments of docs/accuracy.md, printed as its tables.
+//! `cargo xtask accuracy`: the experiments of docs/evidence/accuracy.md, printed as its tables.
 //!
 //! Data are sought in `SINEW_DATA`, else in `shared/data` beside the workspace.
 
@@ -73,7 +73,7 @@ pub fn run(root: &Path, args: &Args) -> ExitCode {
             recorded_motion(&motions(&data)?, args.seeds)?;
         }
         if args.only.contains(&Part::Effort) {
-            effort::run(&motions(&data)?, args.seeds, &root.join("docs/images/effort.svg"))?;
+            effort::run(&motions(&data)?, args.seeds, &root.join("docs/evidence/images/effort.svg"))?;
         }
         Ok(())
     };

@@ -1,4 +1,4 @@
-//! `cargo xtask filter-priors`: what the HMC filter's priors between frames cost in calibration, the tables and the figure of docs/filter-priors.md.
+//! `cargo xtask filter-priors`: what the HMC filter's priors between frames cost in calibration, the tables and the figure of docs/evidence/filter-priors.md.
 //!
 //! The measurements are functions of the test member (`sinew_tests::filter_priors`), whose exact filters judge them. The growth model and the arm are read from the data folder and left out, with a note, where there is none.
 

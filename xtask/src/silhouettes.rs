@@ -1,4 +1,4 @@
-//! `cargo xtask silhouettes`: all methods on the same real masks, the tables of docs/experiments/real-silhouettes.md.
+//! `cargo xtask silhouettes`: all methods on the same real masks, the tables of docs/evidence/experiments/real-silhouettes.md.
 //!
 //! The masks were made with the help of the joints that they are compared with here, so a distance to those joints says how well a body follows masks, and nothing of its accuracy in the world. Settings were chosen on frames 0–59;
 //! frames 60–99 judge.

@@ -7,6 +7,7 @@ mod dependencies;
 mod exceptions;
 mod layers;
 mod leftovers;
+mod links;
 mod modules;
 mod names;
 mod opening;
@@ -24,8 +25,8 @@ use workspace::{Rule, Violation, read};
 
 /// Rules by name, each with what is excepted from it for now.
 const RULES: [(&str, Rule, &[Exception]); 12] = [
-    ("layers", layers::check, exceptions::UPWARD),
-    ("purity", purity::check, exceptions::IMPURE),
+    ("layers", layers::check, &[]),
+    ("purity", purity::check, &[]),
     ("leftovers", leftovers::check, &[]),
     ("placement", placement::check, &[]),
     ("module docs", placement::check_docs, &[]),
@@ -34,7 +35,7 @@ const RULES: [(&str, Rule, &[Exception]); 12] = [
     ("functions", sizes::check_functions, exceptions::LONG_FUNCTIONS),
     ("crates", sizes::check_crates, exceptions::LARGE_CRATES),
     ("names", names::check, exceptions::SAME_NAMES),
-    ("pages", pages::check, exceptions::WIDE_PAGES),
+    ("pages", pages::check, &[]),
     ("openings", opening::check, exceptions::LONG_OPENINGS),
 ];
 
@@ -57,6 +58,10 @@ pub fn run(root: &Path) -> ExitCode {
     };
     for (rule, check, excepted) in RULES {
         report(rule, exceptions::apply(excepted, check(&workspace)));
+    }
+    match links::check(root) {
+        Ok(violations) => report("links", violations),
+        Err(error) => report("links", vec![Violation::of_file("docs", error.to_string())]),
     }
     match dependencies::of_facade(root) {
         Ok(packages) => {

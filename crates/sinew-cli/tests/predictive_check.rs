@@ -1,6 +1,6 @@
 //! A run tells when the keypoints do not look as its model says.
 //!
-//! One walk is filmed with the noise that is assumed and then, each alone, with every error that the checks are made for. What each costs in coverage: docs/calibration.md.
+//! One walk is filmed with the noise that is assumed and then, each alone, with every error that the checks are made for. What each costs in coverage: docs/evidence/coverage.md.
 
 mod common;
 

@@ -10,7 +10,7 @@ use crate::prior::Prior;
 use sinew_core::density::{Lanes, LogDensity};
 use sinew_core::lanes::{Block, Isa};
 use sinew_core::random::BlockRng;
-use sinew_core::transition::{Cloud, Predict, Transition};
+use sinew_core::transition::{Cloud, MotionModel, Predict, Transition};
 
 /// The model: A, Q and the covariance P₀ of the first frame's state about its centre, all d × d, row after row.
 #[derive(Clone, Debug)]
@@ -54,11 +54,13 @@ impl LinearGaussian {
     }
 }
 
-impl Transition for LinearGaussian {
+impl MotionModel for LinearGaussian {
     fn dim(&self) -> usize {
         self.dim
     }
+}
 
+impl Transition for LinearGaussian {
     fn sample_block(&self, previous: &[Block], next: &mut [Block], rng: &mut BlockRng) {
         let mut noise = vec![Block::ZERO; self.dim];
         rng.fill_normal(self.noise_density.isa, &mut noise);
@@ -86,10 +88,6 @@ impl Transition for LinearGaussian {
 impl Predict for LinearGaussian {
     type Prior = Prior;
     type Error = Error;
-
-    fn dim(&self) -> usize {
-        self.dim
-    }
 
     fn predict(&self, cloud: Cloud<'_>) -> Result<Prior, Error> {
         let predicted = linear_motion::predict(&self.matrix, &self.noise, cloud.moments);

@@ -4,7 +4,7 @@ use faer::linalg::solvers::Solve;
 use faer::{Mat, Side};
 use sinew_core::density::GaussNewton;
 use sinew_core::lanes::{Block, Isa, triangle};
-use sinew_core::transition::{Cloud, FramePrior, Moments, Predict};
+use sinew_core::transition::{Cloud, FramePrior, Moments, MotionModel, Predict};
 use sinew_dynamics::factor;
 use sinew_dynamics::gaussian::Gaussian;
 use sinew_dynamics::kalman::{Form, Kalman, Model};
@@ -128,7 +128,7 @@ fn filter_smoother_and_evidence_are_those_of_the_joint_gaussian() {
 fn the_prior_of_linear_motion_has_the_moments_of_the_prediction() {
     let Model { matrix, noise, .. } = model();
     let motion = LinearGaussian::new(D, matrix, noise, start().covariance, Isa::best()).unwrap();
-    assert_eq!(Predict::dim(&motion), D);
+    assert_eq!(motion.dim(), D);
     let moments = conditioned(1, 2).0;
     let prior = motion.predict(Cloud { last: &[], count: 0, moments: &moments }).unwrap();
     let predicted = conditioned(2, 2).0;

@@ -14,7 +14,7 @@
 //! [`follow`] is the two together with the little memory that they need.
 
 use crate::camera::Camera;
-use crate::keypoint_likelihood::Detection;
+use crate::keypoint_model::Detection;
 use crate::triangulate::{Seen, linear};
 
 /// Keypoints of one person in one view, in the order of the layout; `None` is missing.

@@ -30,6 +30,7 @@ pub mod annealed_search;
 pub mod chains;
 pub mod crossover;
 pub mod curvature;
+pub mod decoded;
 pub mod diffusion;
 mod error;
 pub mod gaussian_mixture;

@@ -259,7 +259,7 @@ fn climb<O: GaussNewton + ?Sized, P: FramePrior>(
     scratch: &mut Scratch,
 ) -> Result<Place, Error> {
     let target = Sum(observed, prior);
-    scratch.ws.resize(target.workspace().max(scratch.ws.len()), Block::ZERO);
+    scratch.ws.resize(target.workspace().max(observed.matrix_workspace()).max(scratch.ws.len()), Block::ZERO);
     let mut x: Vec<Block> = start.iter().map(|&x| Block::splat(x)).collect();
     let mut value = target.log_density_grad_block(&x, &mut scratch.gradient, &mut scratch.ws).0[0];
     let mut metric = metric_at(observed, precision, &x, scratch)?;
@@ -322,7 +322,7 @@ pub fn laplace<O: GaussNewton + ?Sized, P: FramePrior>(
     let mut around = vec![Block::ZERO; d];
     laplace.sample_block(isa, &mut around, &mut to_average.whole());
     let scratch = &mut Scratch::new(d);
-    scratch.ws.resize(observed.workspace(), Block::ZERO);
+    scratch.ws.resize(observed.matrix_workspace(), Block::ZERO);
     observed.weighted_gauss_newton_block(&around, &mut scratch.matrix, &mut scratch.ws);
     laplace.metric = posterior_metric(&precision, &scratch.matrix, d)?;
     Ok(laplace)

@@ -322,12 +322,16 @@ pub fn aggregate(particles: &Particles) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use sinew_core::transition::MotionModel;
 
     struct Shift(f64);
-    impl Transition for Shift {
+    impl MotionModel for Shift {
         fn dim(&self) -> usize {
             2
         }
+    }
+
+    impl Transition for Shift {
         fn sample_block(&self, previous: &[Block], next: &mut [Block], rng: &mut sinew_core::random::BlockRng) {
             rng.fill_uniform(next);
             for (n, p) in next.iter_mut().flat_map(|b| &mut b.0).zip(previous.iter().flat_map(|b| b.0)) {

@@ -40,11 +40,15 @@
 //! assert!((moving.last.expect("20 frames").mean[0] - 1.9).abs() < 0.2);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
+//!
+//! Trackers are made over any motion model; one that follows the estimates ([`sinew_core::transition::MotionModel`]) is served and resumed like one that does not. Each of them becomes a tracker of a latent state behind [`decoded::Decoded`].
 pub mod annealed;
 pub mod bootstrap;
 pub mod coarse_to_fine;
+pub mod decoded;
 mod error;
 pub mod hmc_filter;
+mod particle_state;
 pub mod partitioned;
 pub mod posterior;
 mod resume;

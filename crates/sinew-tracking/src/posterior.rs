@@ -4,7 +4,6 @@ use sinew_core::lanes::{Block, Isa, LANES};
 use sinew_core::random::BlockRng;
 use sinew_core::transition::{Moments, Transition};
 use sinew_samplers::moments;
-use sinew_samplers::particles::Particles;
 use sinew_samplers::resample::{Ancestors, systematic};
 
 pub use sinew_samplers::chains::ChainStat;
@@ -22,19 +21,6 @@ pub struct Posterior<'a> {
     pub effective: f64,
     /// One entry a draw from the Hamiltonian updates that made them; empty for particle methods.
     pub chain_stats: &'a [ChainStat],
-}
-
-impl<'a> Posterior<'a> {
-    /// Particles with their weights.
-    pub(crate) fn of(particles: &'a Particles) -> Self {
-        Self {
-            dim: particles.dim(),
-            states: particles.states(),
-            weights: particles.weights(),
-            effective: particles.effective_sample_size(),
-            chain_stats: &[],
-        }
-    }
 }
 
 impl Posterior<'_> {

@@ -1,5 +1,8 @@
 //! Same bits for every number of threads, in one run or two halves; trackers in boxes; frames without observation.
 
+mod common;
+
+use common::Sight;
 use core::ops::Range;
 use sinew_core::density::{GaussNewton, GradLogDensity, Lanes, LogDensity, PartLogDensity};
 use sinew_core::lanes::{Block, Isa};
@@ -83,47 +86,6 @@ impl PartLogDensity for Impossible {
     }
 }
 
-/// A Gaussian in two coordinates, each a part.
-struct Sight(Lanes<Quadratic>);
-impl LogDensity for Sight {
-    fn dim(&self) -> usize {
-        2
-    }
-    fn log_density(&self, x: &[f64]) -> f64 {
-        self.0.log_density(x)
-    }
-    fn log_density_block(&self, x: &[Block], ws: &mut [Block]) -> Block {
-        self.0.log_density_block(x, ws)
-    }
-}
-impl GradLogDensity for Sight {
-    fn log_density_grad(&self, x: &[f64], grad: &mut [f64]) -> f64 {
-        self.0.log_density_grad(x, grad)
-    }
-    fn log_density_grad_block(&self, x: &[Block], grad: &mut [Block], ws: &mut [Block]) -> Block {
-        self.0.log_density_grad_block(x, grad, ws)
-    }
-}
-impl GaussNewton for Sight {
-    fn gauss_newton_diagonal_block(&self, x: &[Block], diagonal: &mut [Block], ws: &mut [Block]) {
-        self.0.gauss_newton_diagonal_block(x, diagonal, ws);
-    }
-}
-impl PartLogDensity for Sight {
-    fn parts(&self) -> usize {
-        2
-    }
-    fn is_product(&self) -> bool {
-        true
-    }
-    fn log_density_parts_block(&self, parts: Range<usize>, x: &[Block], out: &mut [Block], _ws: &mut [Block]) {
-        let Quadratic { centre, precision } = &self.0.leaf;
-        for (k, out) in parts.zip(out) {
-            *out = Block(x[k].0.map(|x| -0.5 * precision[k] * (x - centre[k]).powi(2)));
-        }
-    }
-}
-
 fn walk(between: Between) -> RandomWalk {
     RandomWalk::new(&[1.0, 0.5], 0.04, between, Isa::best()).expect("valid")
 }
@@ -192,8 +154,7 @@ fn observation(frame: u32) -> Box<dyn Seen> {
         return Box::new(Nothing);
     }
     let angle = f64::from(frame) * 0.1;
-    let leaf = Quadratic { centre: vec![angle.sin(), angle.cos()], precision: vec![50.0, 200.0] };
-    Box::new(Sight(Lanes { leaf, isa: Isa::best() }))
+    Box::new(Sight::new(vec![angle.sin(), angle.cos()], vec![50.0, 200.0], true))
 }
 
 /// Shows the circling target and keeps all that comes out.
@@ -291,13 +252,13 @@ fn every_tracker_follows_and_reports() {
 fn a_refused_frame_leaves_a_tracker_of_particles_where_it_stood() {
     let stage = |frame| Stage::new(1, "refused").at_frame(frame);
     fn check<T: Tracker<Impossible> + Tracker<Sight> + Resume>(mut tracker: T, stage: impl Fn(u32) -> Stage) {
-        let leaf = || Quadratic { centre: vec![0.1, 0.9], precision: vec![4.0; 2] };
+        let seen = || Sight::new(vec![0.1, 0.9], vec![4.0; 2], true);
         for frame in [0, 2] {
             let before = tracker.save();
             let refused = tracker.step(&Impossible, stage(frame));
             assert!(matches!(refused, Err(Error::Samplers(sinew_samplers::Error::AllWeightsZero { .. }))));
             assert_eq!(tracker.save(), before);
-            tracker.step(&Sight(Lanes { leaf: leaf(), isa: Isa::best() }), stage(frame + 1)).expect("goes on");
+            tracker.step(&seen(), stage(frame + 1)).expect("continues");
             assert_ne!(tracker.save(), before);
         }
     }

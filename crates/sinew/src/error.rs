@@ -11,7 +11,15 @@
 //! | 75 | interrupted; what was done is written and marked incomplete, `--resume` goes on from there |
 //! | 130 | second interrupt, nothing saved since |
 
+use crate::bodies::error::UnknownBody;
+use crate::input::error::InputError;
+use crate::inspect::error::InspectError;
+use crate::motion::error::MotionError;
+use crate::overlay::error::OverlayError;
 use crate::results::problem::Problem;
+use crate::segment::error::SegmentError;
+use crate::setup::error::SetupError;
+use crate::shape_fit::error::ShapeFitError;
 use std::io;
 use std::path::{Path, PathBuf};
 
@@ -22,6 +30,30 @@ pub enum Error {
     /// A file that its reader refuses.
     #[error(transparent)]
     Format(#[from] sinew_formats::Error),
+    /// A recording that cannot be read as it stands.
+    #[error(transparent)]
+    Recording(#[from] InputError),
+    /// A recording that cannot be set up.
+    #[error(transparent)]
+    Setup(#[from] SetupError),
+    /// A name that is no body's.
+    #[error(transparent)]
+    Body(#[from] UnknownBody),
+    /// Paths that cannot be inspected.
+    #[error(transparent)]
+    Inspect(#[from] InspectError),
+    /// A motion that cannot be read or converted.
+    #[error(transparent)]
+    Motion(#[from] MotionError),
+    /// Pictures that cannot be drawn.
+    #[error(transparent)]
+    Overlay(#[from] OverlayError),
+    /// Images from which no masks can be made.
+    #[error(transparent)]
+    Segment(#[from] SegmentError),
+    /// Masks or solids that cannot be compared.
+    #[error(transparent)]
+    ShapeFit(#[from] ShapeFitError),
     /// A frame without a posterior.
     #[error(transparent)]
     Tracking(#[from] sinew_tracking::Error),
@@ -141,6 +173,14 @@ impl Error {
     pub const fn exit_code(&self) -> u8 {
         match self {
             Self::Checkpoint { problem, .. } => problem.exit_code(),
+            Self::Recording(error) => error.exit_code(),
+            Self::Setup(error) => error.exit_code(),
+            Self::Inspect(error) => error.exit_code(),
+            Self::Motion(error) => error.exit_code(),
+            Self::Overlay(error) => error.exit_code(),
+            Self::Segment(error) => error.exit_code(),
+            Self::ShapeFit(error) => error.exit_code(),
+            Self::Body(error) => error.exit_code(),
             Self::Numerical { .. } | Self::Tracking(_) => 1,
             Self::Interrupted(_) => 75,
             Self::Config { .. } | Self::Usage { .. } | Self::OutputIsInput { .. } => 2,
@@ -155,6 +195,14 @@ impl Error {
     pub fn help(&self) -> Option<String> {
         match self {
             Self::Format(error) => error.help(),
+            Self::Recording(error) => Some(error.help()),
+            Self::Setup(error) => error.help(),
+            Self::Body(error) => Some(error.help().into()),
+            Self::Inspect(error) => Some(error.help().into()),
+            Self::Motion(error) => error.help(),
+            Self::Overlay(error) => error.help().map(Into::into),
+            Self::Segment(error) => Some(error.help().into()),
+            Self::ShapeFit(error) => error.help().map(Into::into),
             Self::OutputExists { why: "", .. } => Some("write to another file, or replace it with `--force`".into()),
             Self::OutputExists { why, .. } if *why == NOT_A_FOLDER => {
                 Some("choose another folder with `-o`, or remove the file".into())

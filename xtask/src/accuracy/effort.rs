@@ -2,7 +2,7 @@
 //!
 //! On recorded motion, with keypoints of the fitted body. Chains of a frame that disagree continue with four times the updates, as in `sinew track`; the gradients printed leave that out.
 //!
-//! Of the settings whose coverage lies in 90 ± 3 % and whose error is within two standard errors of that of the most expensive one, the cheapest is enough for these recordings; docs/accuracy.md says why the default is dearer.
+//! Of the settings whose coverage lies in 90 ± 3 % and whose error is within two standard errors of that of the most expensive one, the cheapest is enough for these recordings; docs/evidence/accuracy.md says why the default is dearer.
 
 use super::virtual_cameras::{CMU_RATE_HZ, Motion, Tally, film, mean, share};
 use crate::chart::{BLUE, GREEN, GREY, Line, Names, ORANGE, PURPLE, finish, panel_with};

@@ -3,6 +3,7 @@
 //! Keypoints may serve for the set-up alone ([`Init::Keypoints`]); without keypoints, points in space over time may, as another system or an earlier run has left them ([`Init::Points`]): they are seen by the calibrated cameras, as a
 //! detector without errors would see them. Row k of such a file belongs to frame k, counted from the first frame that is tracked.
 
+use super::error::InputError;
 use super::frame::{Frame, FrameImages, detections};
 use super::source::FrameSource;
 use crate::config::{Init, TrackConfig};
@@ -74,24 +75,15 @@ impl Footage {
         }
         let method = config.tracking.method.about();
         if config.silhouettes.is_some() && method.needs_gradients && (begins_only || config.keypoints.is_none()) {
-            return Err(Error::Usage {
-                message: format!("method `{}` cannot track from silhouettes alone", method.name),
-                help: "give it the keypoints, too, without `--init`; or use `--method annealed`".into(),
-            });
+            return Err(InputError::GradientsOfSilhouettes { method: method.name }.into());
         }
         match &config.init {
             Some(Init::Points(path)) => footage.begin_at(path)?,
             Some(Init::Keypoints) if footage.keypoints.is_none() => {
-                return Err(Error::Usage {
-                    message: "`--init keypoints` without keypoints".into(),
-                    help: "give them with `--keypoints DIR`, or begin with `--init POINTS.trc`".into(),
-                });
+                return Err(InputError::InitWithoutKeypoints.into());
             }
             None if footage.keypoints.is_none() && config.setup.is_none() => {
-                return Err(Error::Usage {
-                    message: "silhouettes alone do not say where the person is at first, and how large".into(),
-                    help: "give `--init POINTS.trc`, `--keypoints DIR --init keypoints`, or the `--setup` of an earlier run".into(),
-                });
+                return Err(InputError::NoStart.into());
             }
             _ => {}
         }
@@ -148,16 +140,7 @@ impl Footage {
         let markers = &file.header.markers;
         let layout = Layout { name: name.clone(), points: markers.iter().cloned().map(Some).collect() };
         if let Some((point, words)) = recording::lacking(&layout) {
-            return Err(Error::Input {
-                message: format!(
-                    "{name}: no marker `{point}`; the set-up needs {words}, and found {}",
-                    if markers.is_empty() { "none".into() } else { markers.join(", ") }
-                ),
-                help: Some(
-                    "name the markers like the keypoints of BODY_25B, or begin with `--keypoints DIR --init keypoints`"
-                        .into(),
-                ),
-            });
+            return Err(InputError::MarkerMissing { file: name, point, words, markers: markers.clone() }.into());
         }
         let row = |row| (0..markers.len()).map(|marker| file.point_in_world(row, marker)).collect();
         self.points = Some(Points { rows: (0..file.frames.len()).map(row).collect() });

@@ -9,6 +9,7 @@ mod guess;
 pub(crate) mod listing;
 pub mod survey;
 
+use crate::input::error::InputError;
 use crate::{Error, files};
 use listing::CameraFiles;
 use sinew_formats::openpose::{self, Person, Tally};
@@ -292,11 +293,8 @@ pub(crate) fn chosen_cameras(cameras: Vec<Camera>, names: &[String]) -> Result<V
     for name in names {
         let wanted = camera_name::fold(name);
         if !cameras.iter().any(|camera| camera_name::fold(&camera.name) == wanted) {
-            let known: Vec<&str> = cameras.iter().map(|camera| camera.name.as_str()).collect();
-            return Err(Error::Usage {
-                message: format!("no camera `{name}` in the calibration; calibrated: {}", known.join(", ")),
-                help: "give `--cameras` a list of these names, separated by commas".into(),
-            });
+            let calibrated = cameras.into_iter().map(|camera| camera.name).collect();
+            return Err(InputError::NoSuchCamera { name: name.clone(), calibrated }.into());
         }
     }
     let wanted: Vec<String> = names.iter().map(|name| camera_name::fold(name)).collect();
@@ -308,24 +306,15 @@ fn chosen_folders(folders: Vec<listing::Folder>, names: &[String]) -> Result<Vec
     let wanted: Vec<String> = names.iter().map(|name| camera_name::fold(name)).collect();
     for (name, wanted) in names.iter().zip(&wanted) {
         if !folders.iter().any(|folder| camera_name::fold(&folder.name) == *wanted) {
-            let known: Vec<&str> = folders.iter().map(|folder| folder.name.as_str()).collect();
-            return Err(Error::Usage {
-                message: format!("no keypoints for camera `{name}`; folders: {}", known.join(", ")),
-                help: "leave the camera out of `--cameras`".into(),
-            });
+            let folders = folders.into_iter().map(|folder| folder.name).collect();
+            return Err(InputError::NoKeypointsOfCamera { name: name.clone(), folders }.into());
         }
     }
     Ok(folders.into_iter().filter(|folder| wanted.contains(&camera_name::fold(&folder.name))).collect())
 }
 
 fn no_such_frames(asked: &Range<u64>, available: &Range<u64>) -> Error {
-    Error::Input {
-        message: format!(
-            "frames {}..{} were asked for; the recording has {}..{}",
-            asked.start, asked.end, available.start, available.end
-        ),
-        help: Some("`--frames A..B` takes the numbers in the file names, A included, B not".into()),
-    }
+    InputError::NoSuchFrames { asked: asked.clone(), available: available.clone() }.into()
 }
 
 /// Frames that exist and frames to be tracked.
@@ -351,22 +340,12 @@ pub(crate) fn ranges(
     if frames.is_empty() {
         return Err(match asked {
             Some(asked) => no_such_frames(asked, &available),
-            None => Error::Input {
-                message: "no frame is in all cameras".into(),
-                help: Some("look at the frames of each camera with `sinew inspect`".into()),
-            },
+            None => InputError::NoCommonFrame.into(),
         });
     }
     let most = listed.iter().map(|files| files.borrow().len()).max().unwrap_or_default() as u64;
     if frames.end - frames.start > 1000 * (most + 1) {
-        return Err(Error::Input {
-            message: format!(
-                "frame numbers run from {} to {}, but there are only {most} files a camera",
-                frames.start,
-                frames.end - 1
-            ),
-            help: Some("the last number in a file name must be the frame number, as in `cam01.0034.json`".into()),
-        });
+        return Err(InputError::NumbersApart { first: frames.start, last: frames.end - 1, files: most }.into());
     }
     Ok((available, frames))
 }
@@ -392,9 +371,6 @@ pub(crate) fn lacking(layout: &Layout) -> Option<(&'static str, &'static str)> {
 pub(crate) fn check_layout(layout: &Layout) -> Result<(), Error> {
     match lacking(layout) {
         None => Ok(()),
-        Some((point, words)) => Err(Error::Input {
-            message: format!("layout `{}` has no {words}; the model needs it", layout.name),
-            help: Some(format!("name the keypoint `{point}` in the mapping file")),
-        }),
+        Some((point, words)) => Err(InputError::LayoutLacks { layout: layout.name.clone(), point, words }.into()),
     }
 }

@@ -1,9 +1,9 @@
 //! What the set-up can say about the recording and its calibration before anything is tracked.
 
 use super::collect::{Collected, Request};
+use super::error::SetupError;
 use super::space_points::points_in_space;
 use super::warning::Warning;
-use crate::Error;
 use sinew_formats::Layout;
 use sinew_observe::Camera;
 use sinew_observe::cross_view::{best_lag, lag_change, residual_by_lag, swapped_spans};
@@ -51,7 +51,7 @@ pub fn same_rate(
     request: &Request,
     noise: &[CameraNoise],
     collected: &Collected,
-) -> Result<(), Error> {
+) -> Result<(), SetupError> {
     let least = request.offsets.least_confidence;
     let early = &collected.window[..collected.window.len().min(WINDOW)];
     let middle = |frames: &[(u64, _)]| frames.get(frames.len() / 2).map(|(number, _): &(u64, _)| *number);
@@ -63,13 +63,7 @@ pub fn same_rate(
         });
         if let (Some((camera, change)), Some(from), Some(to)) = (drifts.next(), middle(early), middle(late)) {
             let rate = 1.0 + change as f64 / (to - from) as f64;
-            return Err(Error::Input {
-                message: format!(
-                    "{} records {rate:.4} frames for each frame of the other cameras: from frame {from} to {to} its lag changes by {change:+} frames",
-                    camera.name
-                ),
-                help: Some("resample the keypoints to one frame rate, or leave the camera out of `--cameras`".into()),
-            });
+            return Err(SetupError::OtherRate { camera: camera.name.clone(), rate, from, to, change });
         }
     }
     Ok(())

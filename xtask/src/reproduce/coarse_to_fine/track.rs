@@ -4,7 +4,7 @@
 //!
 //! Two estimates a frame are measured: the *second* is what the method reports (X̂; a weighted mean; the true pose), the *first* its coarse stage X_c or, of other methods, the particle of the largest weight.
 
-use super::condensation::Condensation;
+use super::condensation::condensation;
 use super::contender::{Contender, EQ3, LAYERS, Method, Person};
 use super::scene::{RATE_HZ, Range, Scene};
 use crate::outcome::Outcome;
@@ -78,7 +78,6 @@ enum Running {
     CoarseToFine(Box<CoarseToFine>),
     /// With models of the solids alone.
     OwnContours(Box<CoarseToFine>, Vec<ImageModel>),
-    Condensation(Box<Condensation>),
     Other(Box<dyn Tracker<ImageLikelihood>>),
     Still,
 }
@@ -108,7 +107,7 @@ impl Running {
                 let models = own_contours::alone(&seen.model, &scene.tree, &hppf24::cylinders(scene.scale))?;
                 Self::OwnContours(Box::new(tracker), models)
             }
-            Method::Condensation(n) => Self::Condensation(Box::new(Condensation::new(n, &sd, DRIFT, &start, isa)?)),
+            Method::Condensation(n) => Self::Other(Box::new(condensation(n, &sd, DRIFT, &start, isa)?)),
             Method::Annealed(particles) => {
                 let layers = annealed_search::Config { layers: LAYERS, ..annealed_search::Config::default() };
                 let config = annealed::Config { particles, layers };
@@ -126,7 +125,6 @@ impl Running {
         Ok(match self {
             Self::CoarseToFine(tracker) => tracker.step(observed, stage)?,
             Self::OwnContours(tracker, models) => tracker.step(&OwnContours::new(observed, models, cues), stage)?,
-            Self::Condensation(tracker) => tracker.step(observed, stage)?,
             Self::Other(tracker) => tracker.step(observed, stage)?,
             Self::Still => StepInfo::default(),
         })
@@ -134,13 +132,11 @@ impl Running {
 
     /// The first and the second estimate of the last frame.
     fn estimates(&self, truth: &[f64]) -> [Vec<f64>; 2] {
-        let of = |tracker: &dyn Tracker<ImageLikelihood>| [tracker.posterior().heaviest(), tracker.estimate().to_vec()];
         match self {
             Self::CoarseToFine(tracker) | Self::OwnContours(tracker, _) => {
                 [tracker.coarse().state.clone(), tracker.fine().state.clone()]
             }
-            Self::Condensation(tracker) => of(tracker.filter()),
-            Self::Other(tracker) => of(&**tracker),
+            Self::Other(tracker) => [tracker.posterior().heaviest(), tracker.estimate().to_vec()],
             Self::Still => [truth.to_vec(), truth.to_vec()],
         }
     }

@@ -1,6 +1,7 @@
 //! The files of each camera, by frame number: keypoints in a folder a camera, images in such folders or side by side in one.
 
 use crate::Error;
+use crate::input::error::InputError;
 use sinew_formats::{Error as FormatError, frame_number};
 use std::collections::{BTreeMap, HashMap};
 use std::ffi::OsString;
@@ -144,24 +145,12 @@ pub(crate) fn camera_folders(keypoints: &Path) -> Result<Vec<Folder>, Error> {
         }
     }
     if folders.is_empty() {
-        let (message, help) = if loose > 0 {
-            (
-                format!(
-                    "`{}` holds {loose} keypoint files itself; expected a folder for each camera",
-                    keypoints.display()
-                ),
-                "give the folder above it, which holds one folder `<camera>_json` for each camera",
-            )
-        } else {
-            (
-                format!(
-                    "`{}` holds no keypoints; expected folders `<camera>_json` with JSON files",
-                    keypoints.display()
-                ),
-                "`--keypoints` takes the folder that a detector fills, for example `pose`",
-            )
-        };
-        return Err(Error::Input { message, help: Some(help.into()) });
+        let folder = keypoints.to_owned();
+        return Err(match loose {
+            0 => InputError::NoKeypoints { folder },
+            files => InputError::FolderOfOneCamera { folder, files },
+        }
+        .into());
     }
     folders.sort_by(|a, b| a.name.cmp(&b.name));
     Ok(folders)
@@ -215,10 +204,7 @@ pub(crate) fn files(folder: Folder, camera: &str, kind: &str) -> Result<CameraFi
         return Err(FormatError::NoFrameNumber { name: shown(name) }.into());
     }
     if names.files.is_empty() {
-        return Err(Error::Input {
-            message: format!("`{}` holds no {kind}", path.display()),
-            help: Some("fill the folder or remove it, or leave the camera out of `--cameras`".into()),
-        });
+        return Err(InputError::NoFiles { folder: path, kind: kind.into() }.into());
     }
     names.files.sort_unstable();
     names.known = HashMap::new();

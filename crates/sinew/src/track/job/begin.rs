@@ -113,7 +113,7 @@ fn same_calibration<S: FrameSource>(source: &mut S, image_scale: f64) -> Result<
     }
     let stride = frames.len().div_ceil(8).max(1);
     let some: Vec<_> = frames.into_iter().step_by(stride).collect();
-    setup::calibration_fit::check(source.cameras(), &some, image_scale)
+    Ok(setup::calibration_fit::check(source.cameras(), &some, image_scale)?)
 }
 
 /// Refuses a body that is not that of the set-up.
