@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use sinew_core::density::LogDensity;
 use sinew_core::lanes::{Block, LANES};
 use sinew_core::random::Stage;
-use sinew_core::transition::Transition;
+use sinew_core::transition::{MotionModel, Transition};
 
 /// Running sums of weights and weighted states, relative to the largest weight so far.
 #[derive(Clone, Debug)]
@@ -211,10 +211,13 @@ mod tests {
     /// N(previous, 1) in two coordinates.
     struct Step;
 
-    impl Transition for Step {
+    impl MotionModel for Step {
         fn dim(&self) -> usize {
             2
         }
+    }
+
+    impl Transition for Step {
         fn sample_block(&self, previous: &[Block], next: &mut [Block], rng: &mut BlockRng) {
             rng.fill_normal(Isa::baseline(), next);
             next.iter_mut().zip(previous).for_each(|(x, p)| x.0.iter_mut().zip(p.0).for_each(|(x, p)| *x += p));

@@ -2,7 +2,7 @@
 
 use sinew_core::lanes::{Block, Isa, LANES};
 use sinew_core::random::BlockRng;
-use sinew_core::transition::{Moments, Transition};
+use sinew_core::transition::{Moments, MotionModel, Transition};
 use sinew_samplers::moments;
 use sinew_samplers::resample::{Ancestors, systematic};
 
@@ -92,10 +92,13 @@ mod tests {
     /// N(previous, 1) in one coordinate.
     struct Step;
 
-    impl Transition for Step {
+    impl MotionModel for Step {
         fn dim(&self) -> usize {
             1
         }
+    }
+
+    impl Transition for Step {
         fn sample_block(&self, previous: &[Block], next: &mut [Block], _rng: &mut BlockRng) {
             next.copy_from_slice(previous);
         }

@@ -5,6 +5,7 @@ use super::settings::Settings;
 use super::value::Value;
 use crate::Error;
 use crate::methods::Score;
+use crate::track::error::TrackError;
 use sinew_core::lanes::Isa;
 use sinew_dynamics::random_walk::Between;
 use sinew_observe::Noise;
@@ -158,16 +159,13 @@ impl TrackConfig {
     /// How frames are tracked.
     ///
     /// # Errors
-    /// [`Error::Usage`] for an instruction set that the processor lacks.
+    /// [`TrackError::NoInstructionSet`].
     pub fn settings(&self) -> Result<Settings, Error> {
         let isa = match &self.simd {
             None => Isa::best(),
             Some(name) => Isa::by_name(name).ok_or_else(|| {
-                let available: Vec<&str> = Isa::available().into_iter().map(Isa::name).collect();
-                Error::Usage {
-                    message: format!("this processor has no `{name}`; it has {}", available.join(", ")),
-                    help: "leave `--simd` out to take the best".into(),
-                }
+                let available = Isa::available().into_iter().map(Isa::name).collect();
+                TrackError::NoInstructionSet { asked: name.clone(), available }
             })?,
         };
         Ok(Settings { isa, fps: self.fps.unwrap_or(DEFAULT_FPS), ..self.tracking.clone() })

@@ -11,7 +11,8 @@ use super::warning::Warning;
 use crate::Error;
 use sinew_formats::Layout;
 use sinew_observe::Camera;
-use sinew_observe::association::{self, Following, Person, follow};
+use sinew_observe::association::{self, Person};
+use sinew_observe::following::{Following, follow};
 use sinew_observe::cross_view::cameras_behind;
 use sinew_observe::offsets::{self, Sighted};
 
