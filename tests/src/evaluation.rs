@@ -8,13 +8,20 @@
 //! | [`mean_distance`] | of tracks to a reference |
 //! | [`pixel_errors`] | distance to the keypoints of a camera that was left out |
 //! | [`covered`], [`block_bootstrap`] | share of true coordinates inside the 90 % intervals, and its standard error |
-//! | [`ranks`] | where the truth falls among the draws: coverage at any level, rank histograms |
+//! | [`ranks`], [`weighted_places`] | where the truth falls among draws, and among weighted draws: coverage at any level, rank histograms |
+//! | [`joint_errors`], [`smoothness`] | of states against a motion, and of states alone |
+//! | [`equal_variance`], [`volumes`] | what estimators cost at equal variance, and how far a posterior is from its prior |
 //! | [`own_model`] | the tracker on truths that its own model drew |
 
 mod coverage;
+pub mod equal_variance;
+pub mod joint_errors;
 pub mod own_model;
 pub mod ranks;
 mod recipe;
+pub mod smoothness;
+pub mod volumes;
+pub mod weighted_places;
 
 pub use coverage::{block_bootstrap, covered};
 pub use recipe::{causal, filled, triangulated, zero_phase};

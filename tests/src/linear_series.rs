@@ -1,4 +1,6 @@
-//! Linear-Gaussian series with their exact filter: stored ones, simulated ones, the observation as a density, and the mixture prior between frames.
+//! Linear-Gaussian series with their exact filter, stored and simulated.
+//!
+//! With the observation as a density, and the mixture prior between frames.
 
 use crate::data::{self, numbers};
 use serde_json::Value;

@@ -373,7 +373,7 @@ pub(crate) struct OfInspect;
 
 impl Takes for OfInspect {
     fn takes(setting: &Setting) -> bool {
-        matches!(setting.key, "layout" | "frames" | "cameras" | "trim" | "confidence_scale" | "image_scale")
+        matches!(setting.key, "layout" | "frames" | "cameras" | "trim" | "lag" | "confidence_scale" | "image_scale")
     }
 }
 

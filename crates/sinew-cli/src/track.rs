@@ -116,6 +116,7 @@ pub(crate) fn reading(config: &TrackConfig) -> Options {
         frames: config.frames.clone(),
         cameras: config.cameras.clone(),
         trim: config.trim,
+        lag: config.lag.clone(),
     }
 }
 

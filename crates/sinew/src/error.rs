@@ -20,6 +20,7 @@ use crate::results::problem::Problem;
 use crate::segment::error::SegmentError;
 use crate::setup::error::SetupError;
 use crate::shape_fit::error::ShapeFitError;
+use crate::track::error::TrackError;
 use std::io;
 use std::path::{Path, PathBuf};
 
@@ -54,6 +55,9 @@ pub enum Error {
     /// Masks or solids that cannot be compared.
     #[error(transparent)]
     ShapeFit(#[from] ShapeFitError),
+    /// A recording that cannot be tracked as it stands.
+    #[error(transparent)]
+    Track(#[from] TrackError),
     /// A frame without a posterior.
     #[error(transparent)]
     Tracking(#[from] sinew_tracking::Error),
@@ -158,11 +162,6 @@ impl Error {
         move |source| Self::Io { doing, path, source }
     }
 
-    /// An [`Error::Numerical`] in the words of another error.
-    pub(crate) fn numerical(error: impl std::fmt::Display) -> Self {
-        Self::Numerical { message: error.to_string() }
-    }
-
     /// An [`Error::Checkpoint`].
     pub fn checkpoint(folder: &Path, problem: Problem) -> Self {
         Self::Checkpoint { folder: folder.to_owned(), problem: Box::new(problem) }
@@ -181,6 +180,7 @@ impl Error {
             Self::Segment(error) => error.exit_code(),
             Self::ShapeFit(error) => error.exit_code(),
             Self::Body(error) => error.exit_code(),
+            Self::Track(error) => error.exit_code(),
             Self::Numerical { .. } | Self::Tracking(_) => 1,
             Self::Interrupted(_) => 75,
             Self::Config { .. } | Self::Usage { .. } | Self::OutputIsInput { .. } => 2,
@@ -203,6 +203,7 @@ impl Error {
             Self::Overlay(error) => error.help().map(Into::into),
             Self::Segment(error) => Some(error.help().into()),
             Self::ShapeFit(error) => error.help().map(Into::into),
+            Self::Track(error) => error.help().map(Into::into),
             Self::OutputExists { why: "", .. } => Some("write to another file, or replace it with `--force`".into()),
             Self::OutputExists { why, .. } if *why == NOT_A_FOLDER => {
                 Some("choose another folder with `-o`, or remove the file".into())

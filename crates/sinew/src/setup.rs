@@ -16,6 +16,7 @@
 
 pub mod calibration_fit;
 pub mod checks;
+pub mod clocks;
 mod collect;
 pub(crate) mod error;
 mod measured_motion;

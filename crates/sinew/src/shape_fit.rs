@@ -280,7 +280,8 @@ pub fn fit_shape(
         (Some((first, _)), Some((last, _))) => *first..last + 1,
         _ => 0..0,
     };
-    let options = silhouettes::Options { scale: request.scale, frames: Some(numbers), trim: true, calibrated };
+    let lag = tracked.lag.clone();
+    let options = silhouettes::Options { scale: request.scale, frames: Some(numbers), trim: true, lag, calibrated };
     let mut masks = Silhouettes::open(&request.silhouettes, &cameras, &options)?;
     let sized = tracked.as_seen(&masks.cameras(), &cameras);
     let raster = |camera| WorkingRaster::new(camera, WorkingRaster::factor_for(camera, RASTER));

@@ -4,6 +4,7 @@
 //! Must not know: the command line and the format of any file but its own checkpoint and spool.
 
 pub mod checkpoint;
+pub mod error;
 pub mod job;
 pub mod pipeline;
 

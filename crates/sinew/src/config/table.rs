@@ -51,6 +51,7 @@ const FIRST: &[Setting] = &[
     common((INPUT, "cameras", Kind::Names, "LIST", "", "cameras to use, a,b,c [default: all]")),
     rare((INPUT, "person", Kind::Count(0, 999), "N", "", "which person: 0 is the most complete one on whom the cameras agree at the start [default: 0]")),
     common((INPUT, "trim", Kind::Flag, "", "false", "take only the frames that all cameras have")),
+    rare((INPUT, "lag", Kind::Lags, "LIST", "", "frames that cameras are late, cam_01=1,cam_03=-2; `sinew inspect` finds them")),
     rare((INPUT, "confidence_scale", POSITIVE, "C", "1", "confidence that means certainty")),
     rare((INPUT, "image_scale", FACTOR, "S", "1", "size of the images with the keypoints over that of the calibrated images, where they were resized")),
     rare((INPUT, "mask_scale", FACTOR, "S", "", "size of the masks over that of the calibrated images [default: as the keypoints']")),

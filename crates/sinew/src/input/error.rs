@@ -67,6 +67,14 @@ pub enum InputError {
         /// Cameras of the calibration.
         calibrated: Vec<String>,
     },
+    /// A lag of a camera that is not calibrated.
+    #[error("`lag` names no camera of the calibration: `{name}`; calibrated: {}", calibrated.join(", "))]
+    LagOfNoCamera {
+        /// Name given.
+        name: String,
+        /// Cameras of the calibration.
+        calibrated: Vec<String>,
+    },
     /// A camera that is asked for and has no keypoints.
     #[error("no keypoints for camera `{name}`; folders: {}", folders.join(", "))]
     NoKeypointsOfCamera {
@@ -242,6 +250,7 @@ impl InputError {
     pub const fn exit_code(&self) -> u8 {
         match self {
             Self::NoSuchCamera { .. }
+            | Self::LagOfNoCamera { .. }
             | Self::NoKeypointsOfCamera { .. }
             | Self::ImageScale { .. }
             | Self::GradientsOfSilhouettes { .. }
@@ -281,6 +290,7 @@ impl InputError {
             Self::NoKeypoints { .. } => "`--keypoints` takes the folder that a detector fills, for example `pose`",
             Self::NoFiles { .. } => "fill the folder or remove it, or leave the camera out of `--cameras`",
             Self::NoSuchCamera { .. } => "give `--cameras` a list of these names, separated by commas",
+            Self::LagOfNoCamera { .. } => "give `--lag` cameras by these names, for example `--lag cam_03=-2`",
             Self::NoKeypointsOfCamera { .. } => "leave the camera out of `--cameras`",
             Self::NoSuchFrames { .. } => "`--frames A..B` takes the numbers in the file names, A included, B not",
             Self::NoCommonFrame => "look at the frames of each camera with `sinew inspect`",

@@ -61,15 +61,18 @@ impl Footage {
             let names = footage.calibrated(calibration)?;
             let has_keypoints = footage.keypoints.is_some();
             let frames = if has_keypoints { Some(footage.frames.clone()) } else { options.frames.clone() };
-            let of_masks = silhouettes::Options { scale, frames, trim: options.trim, calibrated: names.clone() };
-            let masks = Silhouettes::open(folder, &footage.cameras, &of_masks)?;
+            recording::check_lags(&options.lag, &names)?;
+            let lag = options.lag.clone();
+            let masks = silhouettes::Options { scale, frames, trim: options.trim, lag, calibrated: names.clone() };
+            let masks = Silhouettes::open(folder, &footage.cameras, &masks)?;
             if !has_keypoints {
                 (footage.frames, footage.available) = (masks.frames(), masks.available());
             }
             if let Some(folder) = &config.images {
                 let frames = Some(footage.frames.clone());
-                let of_images = pictures::Options { scale, frames, trim: true, calibrated: names };
-                footage.pictures = Some(Pictures::open(folder, &footage.cameras, &of_images)?);
+                let lag = options.lag.clone();
+                let images = pictures::Options { scale, frames, trim: true, lag, calibrated: names };
+                footage.pictures = Some(Pictures::open(folder, &footage.cameras, &images)?);
             }
             footage.silhouettes = Some(masks);
         }

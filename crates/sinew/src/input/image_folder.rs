@@ -4,7 +4,7 @@
 //! frames go by the last number in the file names.
 
 use crate::input::error::{InputError, SizeMisfit};
-use crate::input::recording::{listing, ranges};
+use crate::input::recording::{lag_of, listing, ranges};
 use crate::{Error, files};
 use listing::CameraFiles;
 use sinew_formats::{Error as FormatError, camera_name};
@@ -25,6 +25,8 @@ pub struct Options {
     pub frames: Option<Range<u64>>,
     /// Whether cameras may begin and end apart.
     pub trim: bool,
+    /// Frames that cameras are late: frame f of such a camera is in its file numbered f + lag.
+    pub lag: Vec<(String, i64)>,
     /// Names of all calibrated cameras, of which some may not be in use; those in use if empty.
     pub calibrated: Vec<String>,
 }
@@ -97,7 +99,10 @@ impl ImageFolder {
         for camera in cameras {
             let name = camera_name::fold(&camera.name);
             match found.iter().position(|(label, _)| *label == name) {
-                Some(place) => files.push(Some(listing::files(found.swap_remove(place).1, &camera.name, kind.many)?)),
+                Some(place) => {
+                    let listed = listing::files(found.swap_remove(place).1, &camera.name, kind.many)?;
+                    files.push(Some(listed.late_by(lag_of(&options.lag, &camera.name))));
+                }
                 None => {
                     warnings.push(format!(
                         "no {} for camera `{}`; there are: {}",

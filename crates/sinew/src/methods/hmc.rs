@@ -84,7 +84,7 @@ impl Method for Hmc {
 
     fn tracker(&self, making: &Making<'_>, start: Vec<f64>) -> Result<Box<dyn Steps>, Error> {
         let config = self.with_steps(making.setup);
-        let filter = HmcFilter::new(config, making.transition.clone(), start, making.isa).map_err(Error::numerical)?;
+        let filter = HmcFilter::new(config, making.transition.clone(), start, making.isa)?;
         Ok(Box::new(filter))
     }
 
@@ -96,9 +96,9 @@ impl Method for Hmc {
         stage: Stage,
     ) -> Result<Option<StepSize>, Error> {
         let config = self.with_steps(making.setup);
-        let filter = HmcFilter::new(config, making.transition.clone(), start, making.isa).map_err(Error::numerical)?;
+        let filter = HmcFilter::new(config, making.transition.clone(), start, making.isa)?;
         let config = tuning::Config { jitter: self.0.jitter, lengths: LENGTHS.to_vec(), ..tuning::Config::default() };
-        let tuned = filter.tune(observed, &config, stage).map_err(Error::numerical)?;
+        let tuned = filter.tune(observed, &config, stage)?;
         Ok(Some(StepSize { step_size: tuned.step_size, leapfrog_steps: tuned.leapfrog_steps }))
     }
 }

@@ -3,7 +3,7 @@
 //! No file of a folder holds states as such. The body is that of `setup.toml`; rotations come from `angles.csv`, by the names of the body's degrees of freedom; translations, which it lacks, are those that put the body's points on
 //! `markers.trc`: points are affine in translations, so that least squares finds them exactly. Numbers of frames come from `frames.csv`.
 
-use crate::config::{Sources, resolve};
+use crate::config::{Sources, TrackConfig, resolve};
 use crate::input::recording::Calibrated;
 use crate::input::up_axis::upright;
 use crate::results::pose;
@@ -24,6 +24,8 @@ pub struct Tracked {
     pub setup: Setup,
     /// Size of the images in which its keypoints lie over that of the calibrated ones.
     pub image_scale: f64,
+    /// Frames that cameras are late.
+    pub lag: Vec<(String, i64)>,
     /// Number of each frame with the state of its mean pose, in the world turned to z up.
     pub frames: Vec<(u64, Vec<f64>)>,
 }
@@ -69,7 +71,8 @@ impl Tracked {
                 known.iter().filter_map(|&(point, marker)| Some((point, markers.point_in_world(row, marker)?)));
             translate(&tree, state, &targets.collect::<Vec<_>>());
         }
-        Ok(Self { setup, image_scale: settings.track().image_scale, frames: numbers.into_iter().zip(states).collect() })
+        let TrackConfig { image_scale, lag, .. } = settings.track();
+        Ok(Self { setup, image_scale, lag, frames: numbers.into_iter().zip(states).collect() })
     }
 
     /// The frames of a range of numbers, every so-manieth of them.

@@ -11,7 +11,8 @@ use super::warning::Warning;
 use crate::Error;
 use sinew_formats::Layout;
 use sinew_observe::Camera;
-use sinew_observe::association::{self, Following, Person, follow};
+use sinew_observe::association::{self, Person};
+use sinew_observe::following::{Following, follow};
 use sinew_observe::cross_view::cameras_behind;
 use sinew_observe::offsets::{self, Sighted};
 
@@ -32,6 +33,8 @@ pub struct Request {
     pub shape_frames: usize,
     /// Size of the images over that of the calibrated ones, as declared; the cameras are resized already.
     pub image_scale: f64,
+    /// Frames that cameras are late, as declared; the frames are read with them already.
+    pub lag: Vec<(String, i64)>,
     /// How people are told apart.
     pub association: association::Config,
     /// How offsets are estimated.
@@ -48,6 +51,7 @@ impl Default for Request {
             offset_frames: 150,
             shape_frames: 120,
             image_scale: 1.0,
+            lag: vec![],
             association: association::Config::default(),
             offsets: offsets::Config::default(),
         }

@@ -10,6 +10,7 @@
 //! of frames; the files take some 40 kB a frame and are removed at the end. The records stay as they are until then, so that the backward pass can be
 //! done again by a run that goes on after a stop.
 
+use super::error::TrackError;
 use super::marginals::Marginals;
 use super::pipeline::Pipeline;
 use crate::Error;
@@ -213,12 +214,12 @@ pub fn smooth(
         let rng = &mut Stage::new(settings.seed, "smooth").at_frame(frame as u32).whole();
         let smoothed = match &next {
             None => {
-                smoother.sample_last(&filtered, &mut states, settings.isa, rng).map_err(Error::numerical)?;
+                smoother.sample_last(&filtered, &mut states, settings.isa, rng).map_err(TrackError::Motion)?;
                 filtered
             }
             Some(next) => {
-                smoother.sample(&filtered, &mut states, settings.isa, rng).map_err(Error::numerical)?;
-                smoother.step(&filtered, next).map_err(Error::numerical)?
+                smoother.sample(&filtered, &mut states, settings.isa, rng).map_err(TrackError::Motion)?;
+                smoother.step(&filtered, next).map_err(TrackError::Motion)?
             }
         };
         let mut numbers = smoothed.mean.clone();

@@ -7,7 +7,7 @@
 //! affordable number of draws of the prior reaches the narrowest posteriors.
 
 use super::chains::{self, Step, Variant};
-use super::curves::{At, Axis, Cell, Ratio, over_frames, ratio, volumes_of};
+use super::curves::{self, volumes_of};
 use super::figures::{self, CameraPoint};
 use super::problem::{MODELS, Model, Problem};
 use super::scene::{self, Source};
@@ -19,6 +19,7 @@ use serde_json::{Value, json};
 use sinew::body::Plan;
 use sinew::core::random::Stage;
 use sinew::observe::{MarkerViewsModel, ObservationModel as _};
+use sinew_tests::evaluation::equal_variance::{At, Axis, Cell, Ratio, over_frames, ratio};
 use std::f64::consts::FRAC_PI_2;
 use std::fmt::Write as _;
 use std::path::Path;
@@ -123,7 +124,7 @@ impl View {
         let factor = store.get(&self.factor_key()).and_then(Value::as_f64).ok_or("a gradient factor is missing")?;
         let cell = |setting: &Setting| {
             let value = store.get(&self.cell_key(frame, setting)).ok_or("a cell is missing")?;
-            Ok(Cell::of(value, &mean, factor))
+            Ok(curves::cell(value, &mean, factor))
         };
         self.settings(of).iter().map(cell).collect()
     }

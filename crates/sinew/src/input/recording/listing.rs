@@ -84,20 +84,34 @@ pub(crate) struct Folder {
 pub(crate) struct CameraFiles {
     pub(crate) camera: String,
     pub(crate) folder: PathBuf,
+    /// Frames that the camera is late: frame f is in the file numbered f + lag.
+    pub(crate) lag: i64,
     names: Names,
 }
 
 impl CameraFiles {
+    pub(crate) fn late_by(self, lag: i64) -> Self {
+        Self { lag, ..self }
+    }
+
     pub(crate) fn len(&self) -> usize {
         self.names.files.len()
     }
 
-    pub(crate) fn numbers(&self) -> impl Iterator<Item = u64> + '_ {
-        self.names.files.iter().map(|(number, _)| *number)
+    pub(crate) fn numbers(&self) -> impl DoubleEndedIterator<Item = u64> + '_ {
+        self.names.files.iter().filter_map(|(number, _)| number.checked_sub_signed(self.lag))
     }
 
     /// From the first number to the last, holes included.
     pub(crate) fn range(&self) -> Range<u64> {
+        match (self.numbers().next(), self.numbers().next_back()) {
+            (Some(first), Some(last)) => first..last.saturating_add(1),
+            _ => 0..0,
+        }
+    }
+
+    /// As [`CameraFiles::range`], in the numbers of the file names.
+    pub(crate) fn range_in_names(&self) -> Range<u64> {
         match (self.names.files.first(), self.names.files.last()) {
             (Some((first, _)), Some((last, _))) => *first..last.saturating_add(1),
             _ => 0..0,
@@ -105,6 +119,7 @@ impl CameraFiles {
     }
 
     pub(crate) fn path(&self, number: u64) -> Option<PathBuf> {
+        let number = number.checked_add_signed(self.lag)?;
         let index = self.names.files.binary_search_by_key(&number, |(found, _)| *found).ok()?;
         let pattern = self.names.files[index].1 as usize;
         Some(self.folder.join(self.names.patterns[pattern].name(number)))
@@ -216,7 +231,7 @@ pub(crate) fn files(folder: Folder, camera: &str, kind: &str) -> Result<CameraFi
         let [first, second] = both;
         return Err(FormatError::DuplicateFrame { frame, first, second }.into());
     }
-    Ok(CameraFiles { camera: camera.into(), folder: path, names })
+    Ok(CameraFiles { camera: camera.into(), folder: path, lag: 0, names })
 }
 
 #[cfg(test)]
