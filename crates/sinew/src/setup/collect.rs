@@ -12,8 +12,8 @@ use crate::Error;
 use sinew_formats::Layout;
 use sinew_observe::Camera;
 use sinew_observe::association::{self, Person};
-use sinew_observe::following::{Following, follow};
 use sinew_observe::cross_view::cameras_behind;
+use sinew_observe::following::{Following, follow};
 use sinew_observe::offsets::{self, Sighted};
 
 /// What to set up, and how.

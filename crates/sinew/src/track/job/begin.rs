@@ -1,4 +1,6 @@
-//! What comes before tracking: the set-up pass, or the set-up of an earlier run and whether it belongs to the recording.
+//! The beginning of a run: its set-up, or where it was stopped.
+//!
+//! A set-up of an earlier run is checked for whether it belongs to the recording.
 
 use super::inputs::{Hashes, Inputs};
 use super::watch::{Pass, Watch};

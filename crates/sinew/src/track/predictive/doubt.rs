@@ -1,4 +1,6 @@
-//! What does not look as the model says, in words: which camera or limb, what was found, what is expected, what it means for the intervals, what to do.
+//! Departures of a recording from the model, in words.
+//!
+//! Which camera or limb, what was found, what is expected, what it means for the intervals, what to do.
 
 use std::fmt;
 
