@@ -3,9 +3,9 @@
 //! Each file states its density; here it is written by hand with its gradient and checked against the stored points before anything is sampled. The warm-up knows nothing of the posterior: three rounds of no-U-turn chains from
 //! scattered starts, each with the metric that the round before has learned.
 
-use crate::data::{number, numbers, stored};
 use crate::finding::Finding;
 use crate::linear_series::rows;
+use crate::stored::{number, numbers, stored};
 use serde_json::Value;
 use sinew::core::convergence::{bulk_ess, rank_r_hat};
 use sinew::core::density::{GradLogDensity, LogDensity};
