@@ -28,7 +28,7 @@ pub use method::{METHODS, Method, Score};
 pub use motion_prior::walk;
 pub use observed::{Bound, BoundImages, Observed};
 pub use pipeline::{Pipeline, State, moments};
-pub use predictive::Doubt;
+pub use predictive::{Doubt, Lengths, Origins};
 pub use restart::Steps;
 pub use scene::{Scene, SceneState};
 pub use settings::Settings;
