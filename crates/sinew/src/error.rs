@@ -11,6 +11,7 @@
 //! | 75 | interrupted; what was done is written and marked incomplete, `--resume` goes on from there |
 //! | 130 | second interrupt, nothing saved since |
 
+use crate::results::error::{Error as ResultsError, Occupied};
 use crate::results::problem::Problem;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -36,13 +37,16 @@ pub enum Error {
         #[source]
         source: io::Error,
     },
+    /// Results that cannot be written or read back.
+    #[error(transparent)]
+    Results(#[from] ResultsError),
     /// The output folder holds something.
-    #[error("`{}` exists{}", path.display(), why)]
+    #[error("`{}` {}", path.display(), found.words())]
     OutputExists {
         /// Output folder.
         path: PathBuf,
-        /// What is in it, as the rest of the sentence.
-        why: &'static str,
+        /// What is in it.
+        found: Occupied,
     },
     /// The output folder is being written by another run.
     #[error("`{}` is in use by another run{}", path.display(), pid.map(|pid| format!(" (process {pid})")).unwrap_or_default())]
@@ -113,12 +117,6 @@ fn listed(file: &str, problems: &[String]) -> String {
     }
 }
 
-/// Why a file cannot be an output folder.
-pub(crate) const NOT_A_FOLDER: &str = " and is not a folder";
-
-/// Why a folder is not begun in that holds more than a run keeps to go on.
-pub(crate) const STOPPED_RUN: &str = " and holds a run that was stopped";
-
 impl Error {
     /// An [`Error::Io`] in the making: `map_err(Error::io("read", path))`.
     pub fn io(doing: &'static str, path: impl Into<PathBuf>) -> impl FnOnce(io::Error) -> Self {
@@ -141,6 +139,7 @@ impl Error {
     pub const fn exit_code(&self) -> u8 {
         match self {
             Self::Checkpoint { problem, .. } => problem.exit_code(),
+            Self::Results(error) => error.exit_code(),
             Self::Numerical { .. } | Self::Tracking(_) => 1,
             Self::Interrupted(_) => 75,
             Self::Config { .. } | Self::Usage { .. } | Self::OutputIsInput { .. } => 2,
@@ -155,17 +154,8 @@ impl Error {
     pub fn help(&self) -> Option<String> {
         match self {
             Self::Format(error) => error.help(),
-            Self::OutputExists { why: "", .. } => Some("write to another file, or replace it with `--force`".into()),
-            Self::OutputExists { why, .. } if *why == NOT_A_FOLDER => {
-                Some("choose another folder with `-o`, or remove the file".into())
-            }
-            Self::OutputExists { why, .. } if *why == STOPPED_RUN => Some(
-                "go on with it with `--resume`, choose another folder with `-o`, or replace what is there with `--force`"
-                    .into(),
-            ),
-            Self::OutputExists { .. } => {
-                Some("choose another folder with `-o`, or replace what is there with `--force`".into())
-            }
+            Self::Results(error) => error.help().map(Into::into),
+            Self::OutputExists { found, .. } => Some(found.help().into()),
             Self::OutputLocked { .. } => Some("wait for it to end, or choose another folder with `-o`".into()),
             Self::Checkpoint { problem, .. } => Some(problem.help().into()),
             Self::OutputIsInput { .. } => Some("choose another folder with `-o`".into()),

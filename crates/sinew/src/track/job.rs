@@ -21,7 +21,7 @@ use crate::input::upright::Upright;
 use crate::results::estimate::{Carried, FrameEstimate, Kind, RunInfo};
 use crate::results::{Claim, Ending, ResultFolder, Summary, Texts};
 use crate::setup::Setup;
-use crate::{Error, files};
+use crate::{Error, bodies, files};
 use sinew_body::KinematicTree;
 use sinew_core::lanes::Isa;
 use sinew_formats::source_text::MAX_TEXT_BYTES;
@@ -126,7 +126,8 @@ pub fn track<S: FrameSource>(
             let mut source = Upright::new(source, &up);
             let setup = match known {
                 Some(setup) => {
-                    begin::same_calibration(&mut source, config.image_scale)?;
+                    let looked_at = begin::frames_before_tracking(&config, setup_frames, &source.frames());
+                    begin::same_calibration(&mut source, looked_at, config.image_scale)?;
                     setup
                 }
                 None => {
@@ -343,6 +344,21 @@ fn texts(from: &Checkpoint) -> Result<Texts, Error> {
     Ok(Texts { config_toml, settings, settings_hash })
 }
 
+/// Refuses settings that this processor, each other or the files that they name contradict, before anything is claimed or computed.
+///
+/// # Errors
+/// [`Error::Usage`], and those of the files.
+pub fn check_settings(resolved: &Resolved) -> Result<(), Error> {
+    let config = resolved.track();
+    settings(&config)?;
+    let known = config.setup.as_deref().map(begin::read_setup).transpose()?;
+    match known.as_ref().filter(|_| resolved.is_given("body")) {
+        Some(setup) => begin::same_body(&config.body, setup)?,
+        None => drop(bodies::to_track(&config.body)?),
+    }
+    begin::world_up(&config, known.as_ref()).map(drop)
+}
+
 /// Hashes of the files that settings name: set-up, body and layout; the calibration is the source's.
 fn file_hashes(resolved: &Resolved) -> Result<BTreeMap<String, String>, Error> {
     let mut hashes = BTreeMap::new();
@@ -393,6 +409,7 @@ fn settings(config: &TrackConfig) -> Result<Settings, Error> {
         score: config.score,
         raster: config.raster,
         draws: config.draws,
+        setup_is_given: config.setup.is_some(),
         ..Settings::default()
     })
 }

@@ -27,11 +27,26 @@ pub(super) fn world_up(config: &TrackConfig, setup: Option<&Setup>) -> Result<St
 /// Frames that are looked at to tell whether a set-up of an earlier run belongs to the calibration.
 const LOOKED_AT: u64 = 60;
 
+/// Frames that are read before tracking: those of the set-up pass, or the first ones where a set-up is given.
+pub(super) fn frames_before_tracking(
+    config: &TrackConfig,
+    setup_frames: Range<u64>,
+    frames: &Range<u64>,
+) -> Range<u64> {
+    match config.setup {
+        Some(_) => frames.start..frames.end.min(frames.start + LOOKED_AT),
+        None => setup_frames,
+    }
+}
+
 /// Refuses a calibration that fits the keypoints only when it is read differently; a set-up that is given skips the pass that would tell.
-pub(super) fn same_calibration<S: FrameSource>(source: &mut S, image_scale: f64) -> Result<(), Error> {
-    let numbers = source.frames();
+pub(super) fn same_calibration<S: FrameSource>(
+    source: &mut S,
+    numbers: Range<u64>,
+    image_scale: f64,
+) -> Result<(), Error> {
     let mut frames = vec![];
-    for number in numbers.start..numbers.end.min(numbers.start + LOOKED_AT) {
+    for number in numbers {
         frames.extend(setup::alone(&source.people(number)?));
     }
     let stride = frames.len().div_ceil(8).max(1);
