@@ -2,23 +2,26 @@
 //!
 //! Used by the fuzz targets and by `tests/tests/corpus.rs`, like [`super::checks`].
 
+use sinew::config::settings::Settings;
 use sinew::input::in_memory::InMemory;
 use sinew::input::recording::Options;
 use sinew::input::source::FrameSource;
 use sinew::inspect::{Subject, file_facts};
+use sinew::methods::{Bootstrap, Hmc, Method};
 use sinew::observe::Detection;
 use sinew::observe::association::Person;
 use sinew::results::problem::Problem;
 use sinew::setup::{Request, Setup, set_up};
+use sinew::track::Pipeline;
 use sinew::track::checkpoint::Checkpoint;
-use sinew::track::{Method, Pipeline, Settings};
+use sinew::tracking::{bootstrap, hmc_filter};
 use sinew::{Error, formats::Layout, observe::Camera};
 use sinew_simulate::recording::{Script, SyntheticRecording};
 use std::cell::RefCell;
 use std::fs;
 use std::ops::{ControlFlow, Range};
 use std::path::{Path, PathBuf};
-use std::sync::LazyLock;
+use std::sync::{Arc, LazyLock};
 
 /// Whether a failure can be told: it has words, and an exit code of the table.
 fn told<T>(result: Result<T, Error>) -> Option<T> {
@@ -61,7 +64,7 @@ pub fn setup(data: &[u8]) {
     let Some(setup) = std::str::from_utf8(data).ok().and_then(|text| told(Setup::from_toml("setup.toml", text))) else {
         return;
     };
-    if let Some(written) = told(setup.to_toml()) {
+    if let Some(written) = told(setup.to_toml().map_err(Error::from)) {
         let again = Setup::from_toml("written", &written).unwrap_or_else(|error| panic!("{error} in\n{written}"));
         assert!(again.to_toml().is_ok_and(|text| text == written), "{written}");
     }
@@ -175,9 +178,11 @@ pub fn filter_step(data: &[u8]) {
             _ => view.rotate_left(1),
         }
     }
-    let method = if first % 16 == 15 { Method::Hmc } else { Method::Bootstrap };
-    let settings =
-        Settings { method, chains: 8, updates: 1, burn_in: 0, particles: 8, draws: 2, ..Settings::default() };
+    let method: Arc<dyn Method> = match first % 16 {
+        15 => Arc::new(Hmc(hmc_filter::Config { chains: 8, updates: 1, burn_in: 0, ..Hmc::default().0 })),
+        _ => Arc::new(Bootstrap(bootstrap::Config { particles: 8, ..bootstrap::Config::default() })),
+    };
+    let settings = Settings { method, draws: 2, ..Settings::default() };
     let tree = setup.tree();
     let pipeline = Pipeline::new(setup, &tree, &recording.cameras, &recording.layout, settings);
     let Some(mut pipeline) = told(pipeline) else { return };

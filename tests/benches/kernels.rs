@@ -4,6 +4,7 @@
 
 use criterion::{Bencher, Criterion, Throughput, criterion_group, criterion_main};
 use sinew::body::{Plan, Proportions, point_positions_block, standard};
+use sinew::config::settings::Settings;
 use sinew::core::combinators::Sum;
 use sinew::core::density::{GaussNewton, GradLogDensity, Lanes, LogDensity};
 use sinew::core::lanes::{Block, Isa, LANES};
@@ -18,7 +19,7 @@ use sinew::samplers::hmc::{Chains, Hmc, Workspace, update};
 use sinew::samplers::metric::{Dense, Metric};
 use sinew::samplers::resample::Scheme;
 use sinew::setup::{self, Request};
-use sinew::track::{self, Pipeline, Scene, Settings};
+use sinew::track::{self, Pipeline, Scene};
 use sinew::tracking::{Tracker, bootstrap};
 use sinew_simulate::recording::{Script, SyntheticRecording};
 use sinew_tests::problem28;

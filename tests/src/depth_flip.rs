@@ -1,4 +1,6 @@
-//! An arm of three links in one orthographic camera: the sign of each angle is seen only through the prior, so there are eight modes (`exact/depth_flip_a.json`).
+//! An arm of three links in one orthographic camera, with eight modes (`exact/depth_flip_a.json`).
+//!
+//! The sign of each angle is seen only through the prior.
 //!
 //! a_j ~ N(pm_j, ps_j²), y_j = Σ_{i ≤ j} l_i cos a_i + N(0, s²).
 

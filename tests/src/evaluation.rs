@@ -8,13 +8,20 @@
 //! | [`mean_distance`] | of tracks to a reference |
 //! | [`pixel_errors`] | distance to the keypoints of a camera that was left out |
 //! | [`covered`], [`block_bootstrap`] | share of true coordinates inside the 90 % intervals, and its standard error |
-//! | [`ranks`] | where the truth falls among the draws: coverage at any level, rank histograms |
+//! | [`ranks`], [`weighted_places`] | where the truth falls among draws, and among weighted draws: coverage at any level, rank histograms |
+//! | [`joint_errors`], [`smoothness`] | of states against a motion, and of states alone |
+//! | [`equal_variance`], [`volumes`] | what estimators cost at equal variance, and how far a posterior is from its prior |
 //! | [`own_model`] | the tracker on truths that its own model drew |
 
 mod coverage;
+pub mod equal_variance;
+pub mod joint_errors;
 pub mod own_model;
 pub mod ranks;
 mod recipe;
+pub mod smoothness;
+pub mod volumes;
+pub mod weighted_places;
 
 pub use coverage::{block_bootstrap, covered};
 pub use recipe::{causal, filled, triangulated, zero_phase};
@@ -22,6 +29,7 @@ pub use recipe::{causal, filled, triangulated, zero_phase};
 use sinew::Error;
 use sinew::body::standard::EVALUATION_JOINTS;
 use sinew::body::{KinematicTree, Proportions};
+use sinew::config::settings::Settings;
 use sinew::formats::Layout;
 use sinew::input::source::FrameSource;
 use sinew::observe::association::Person;
@@ -29,7 +37,7 @@ use sinew::observe::{Camera, offsets};
 use sinew::results::estimate::FrameEstimate;
 use sinew::results::silhouette_overlap::SilhouetteOverlap;
 use sinew::setup::{self, Request, Setup};
-use sinew::track::{self, Doubt, Method, Pipeline, Settings, Spool};
+use sinew::track::{self, Doubt, Pipeline, Spool};
 use sinew_simulate::points::of_states;
 use std::ops::{ControlFlow, Range};
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -110,10 +118,8 @@ pub fn set_up(
     change(&mut setup);
     let tree = setup.tree();
     setup.motion_sd = Some(setup::measure_motion(&setup, &tree, source, frames, settings.fps)?);
-    if settings.method == Method::Hmc {
-        let start = setup.start_frame;
-        track::tune(&mut setup, &tree, source, start, settings)?;
-    }
+    let start = setup.start_frame;
+    track::tune(&mut setup, &tree, source, start, settings)?;
     Ok(setup)
 }
 
@@ -141,7 +147,6 @@ pub fn filter(
 ) -> Result<Filtered, Error> {
     let tree = setup.tree();
     let (cameras, layout) = (source.cameras().to_vec(), source.layout().clone());
-    source.begin_tracking();
     let image_cameras = source.image_cameras();
     let image_cameras = image_cameras.as_deref();
     let mut pipeline = Pipeline::with_images(setup, &tree, &cameras, &layout, settings.clone(), image_cameras)?;

@@ -1,4 +1,6 @@
-//! The growth model: a state on a line that is seen through its square, so that the filter often has two modes (`exact/growth_a.json`).
+//! The growth model: a state on a line that is seen through its square (`exact/growth_a.json`).
+//!
+//! The filter often has two modes.
 //!
 //! x_0 ~ N(0, p₀²); x_t = x_{t−1} / 2 + c x_{t−1} / (1 + x_{t−1}²) + 8 cos(w t) + N(0, q²); y_t = x_t² / 20 + N(0, r²).
 
@@ -8,7 +10,7 @@ use crate::stored::{number, numbers, stored};
 use sinew::core::density::{GaussNewton, GradLogDensity, Lanes, LogDensity};
 use sinew::core::lanes::{Block, Isa, LANES};
 use sinew::core::random::{BlockRng, Stage};
-use sinew::core::transition::{Cloud, Predict, Transition};
+use sinew::core::transition::{Cloud, MotionModel, Predict, Transition};
 use sinew::dynamics::gaussian::Gaussian;
 use sinew::dynamics::mixture::Mixture;
 use sinew::dynamics::prior::Prior;
@@ -110,11 +112,13 @@ impl Motion {
     }
 }
 
-impl Transition for Motion {
+impl MotionModel for Motion {
     fn dim(&self) -> usize {
         1
     }
+}
 
+impl Transition for Motion {
     fn sample_block(&self, previous: &[Block], next: &mut [Block], rng: &mut BlockRng) {
         rng.fill_normal(Isa::best(), next);
         for (next, previous) in next[0].0.iter_mut().zip(previous[0].0) {
@@ -135,10 +139,6 @@ impl Transition for Motion {
 impl Predict for Motion {
     type Prior = Prior;
     type Error = sinew::dynamics::Error;
-
-    fn dim(&self) -> usize {
-        1
-    }
 
     fn predict(&self, cloud: Cloud<'_>) -> Result<Prior, Self::Error> {
         let q = self.growth.parameters[1];

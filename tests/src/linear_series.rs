@@ -1,11 +1,13 @@
-//! Linear-Gaussian series with their exact filter: stored ones, simulated ones, the observation as a density, and the mixture prior between frames.
+//! Linear-Gaussian series with their exact filter, stored and simulated.
+//!
+//! With the observation as a density, and the mixture prior between frames.
 
 use crate::stored::{numbers, stored};
 use serde_json::Value;
 use sinew::core::density::{GaussNewton, GradLogDensity, Lanes, LogDensity};
 use sinew::core::lanes::{Block, Isa, Kernel, LANES, Real, dispatch};
 use sinew::core::random::Stage;
-use sinew::core::transition::{Cloud, Moments, Predict, Transition};
+use sinew::core::transition::{Cloud, Moments, MotionModel, Predict, Transition};
 use sinew::dynamics::factor::{cholesky, inverse_lower};
 use sinew::dynamics::gaussian::Gaussian;
 use sinew::dynamics::kalman::{Filtered, Form, Kalman, Model};
@@ -305,13 +307,15 @@ impl MixtureBetween {
     }
 }
 
-impl Predict for MixtureBetween {
-    type Prior = Prior;
-    type Error = sinew::dynamics::Error;
-
+impl MotionModel for MixtureBetween {
     fn dim(&self) -> usize {
         self.start.mean.len()
     }
+}
+
+impl Predict for MixtureBetween {
+    type Prior = Prior;
+    type Error = sinew::dynamics::Error;
 
     fn predict(&self, cloud: Cloud<'_>) -> Result<Prior, Self::Error> {
         let d = self.dim();

@@ -12,7 +12,7 @@ use sinew::core::density::{LogDensity, PartLogDensity};
 use sinew::core::lanes::{Block, Isa, LANES};
 use sinew::core::part::{Part, PartTree, Partition};
 use sinew::core::random::{BlockRng, Stage};
-use sinew::core::transition::{PartTransition, Transition};
+use sinew::core::transition::{MotionModel, PartTransition, Transition};
 use sinew::samplers::diffusion::diffuse;
 use sinew::samplers::particles::{Particles, aggregate, evaluate, resample, reweight, take, temper};
 use sinew::samplers::parts::{evaluate_part, start_part};
@@ -54,10 +54,13 @@ impl Motion {
     }
 }
 
-impl Transition for Motion {
+impl MotionModel for Motion {
     fn dim(&self) -> usize {
         self.sd.len()
     }
+}
+
+impl Transition for Motion {
     fn sample_block(&self, previous: &[Block], next: &mut [Block], rng: &mut BlockRng) {
         next.copy_from_slice(previous);
         self.parts.iter().for_each(|part| self.sample_part_block(part, next, rng));
@@ -88,7 +91,7 @@ impl PartTransition for Motion {
     }
 }
 
-/// How the filter is told of the factors.
+/// How the filter gets the factors.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Importance {
     /// The likelihood is their product: the last factor is what is left.

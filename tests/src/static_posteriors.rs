@@ -1,4 +1,6 @@
-//! Samplers of one frame against exact answers: tempered sequential Monte Carlo on eight modes (E7), the volume law of particles (E8, E9), Hamiltonian Monte Carlo on the camera point.
+//! Samplers of one frame against exact answers.
+//!
+//! Tempered sequential Monte Carlo on eight modes (E7), the volume law of particles (E8, E9), Hamiltonian Monte Carlo on the camera point.
 
 use crate::camera_point::CameraPoint;
 use crate::depth_flip::{Arm, octant};
@@ -8,7 +10,7 @@ use sinew::core::diagnostics::effective_sample_size;
 use sinew::core::lanes::{Block, Isa, LANES};
 use sinew::core::random::{BlockRng, Stage};
 use sinew::core::toy::Quadratic;
-use sinew::core::transition::Transition;
+use sinew::core::transition::{MotionModel, Transition};
 use sinew::samplers::chains::{Schedule, draw};
 use sinew::samplers::curvature::curvature;
 use sinew::samplers::hmc::Hmc;
@@ -57,10 +59,13 @@ pub fn tempered_depth_flip(arm: &Arm, particles: usize, runs: usize, seed: u64) 
 /// Draws of a box around 0.
 struct BoxPrior(Vec<f64>);
 
-impl Transition for BoxPrior {
+impl MotionModel for BoxPrior {
     fn dim(&self) -> usize {
         self.0.len()
     }
+}
+
+impl Transition for BoxPrior {
     fn sample_block(&self, _previous: &[Block], next: &mut [Block], rng: &mut BlockRng) {
         rng.fill_uniform(next);
         for (x, half) in next.iter_mut().zip(&self.0) {
@@ -115,10 +120,13 @@ pub fn volume_law(particles: usize, runs: usize, seed: u64) -> Vec<Finding> {
 /// N(0, I).
 struct Standard(usize);
 
-impl Transition for Standard {
+impl MotionModel for Standard {
     fn dim(&self) -> usize {
         self.0
     }
+}
+
+impl Transition for Standard {
     fn sample_block(&self, _previous: &[Block], next: &mut [Block], rng: &mut BlockRng) {
         rng.fill_normal(Isa::best(), next);
     }

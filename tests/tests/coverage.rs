@@ -1,14 +1,14 @@
 //! Coverage of the central 50, 80, 90 and 95 % intervals on synthetic recordings whose errors are the stated ones.
 
 use sinew::body::standard::EVALUATION_JOINTS;
-use sinew::track::Settings;
+use sinew::config::settings::Settings;
 use sinew_simulate::detector::DetectorNoise;
 use sinew_simulate::recording::{Script, SyntheticRecording};
 use sinew_tests::evaluation::{self, ranks};
 use sinew_tests::simulated_source::source;
 
-/// Two walks with known proportions: the intervals must mean what they say. With the proportions of the set-up and a few seconds of motion, `docs/accuracy.md` has the numbers; hundreds of short series
-/// of recorded motion are in `docs/calibration.md`.
+/// Two walks with known proportions: the intervals must mean what they say. With the proportions of the set-up and a few seconds of motion, `docs/evidence/accuracy.md` has the numbers; hundreds of short series
+/// of recorded motion are in `docs/evidence/coverage.md`.
 #[test]
 fn intervals_cover_the_truth_of_a_walk_as_often_as_they_promise() {
     let script = Script { duration_s: 2.5, noise: DetectorNoise::stated_gaussian(3.0), ..Script::default() };

@@ -28,5 +28,7 @@ fn missing_data_are_seen_past_the_capture_of_tests_and_can_be_required() {
     assert!(!text(&skipped.stdout).contains("skipped"), "the harness captures what is printed");
     let required = probe("1");
     assert!(!required.status.success());
-    assert!(text(&required.stdout).contains("no data: /nowhere/no/such/part is missing, and SINEW_REQUIRE_DATA is set"));
+    assert!(
+        text(&required.stdout).contains("no data: /nowhere/no/such/part is missing, and SINEW_REQUIRE_DATA is set")
+    );
 }

@@ -1,10 +1,10 @@
 //! The real recording: set-up from frames 0–59, judged on frames 60–99. Skipped where the shared data are missing.
 
+use sinew::config::settings::Settings;
 use sinew::formats::trc;
 use sinew::input::recording::{Options, Recording};
 use sinew::input::source::FrameSource as _;
 use sinew::observe::association::Person;
-use sinew::track::Settings;
 use sinew_tests::data::shared;
 use sinew_tests::evaluation::{self, LIMB_JOINTS, LeftOut, Track};
 use std::path::{Path, PathBuf};

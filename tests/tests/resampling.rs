@@ -1,9 +1,11 @@
-//! Resampling and weights: expectations, bounds, variances and independence of threads (R1, R2, R3, R5, R7; R4 is beside the code), hard weights, what resampling leaves, weights far down in log space.
+//! Resampling and weights: expectations, bounds, variances and independence of threads.
+//!
+//! R1, R2, R3, R5 and R7 (R4 is beside the code), hard weights, what resampling leaves, weights far down in log space.
 
 use sinew::core::density::LogDensity;
 use sinew::core::lanes::{Block, Isa};
 use sinew::core::random::{BlockRng, Stage};
-use sinew::core::transition::Transition;
+use sinew::core::transition::{MotionModel, Transition};
 use sinew::samplers::particles::{Particles, aggregate, predict, resample, reweight, start};
 use sinew::samplers::resample::{Scheme, keep_once_refill};
 use sinew::samplers::weights::normalise;
@@ -139,10 +141,13 @@ fn the_stream_alone_decides() {
 /// A walk in one dimension.
 struct Walk;
 
-impl Transition for Walk {
+impl MotionModel for Walk {
     fn dim(&self) -> usize {
         1
     }
+}
+
+impl Transition for Walk {
     fn sample_block(&self, previous: &[Block], next: &mut [Block], rng: &mut BlockRng) {
         rng.fill_normal(Isa::best(), next);
         next[0].0.iter_mut().zip(previous[0].0).for_each(|(n, p)| *n += p);

@@ -3,7 +3,8 @@
 use sinew::formats::trc::{self, Trc};
 use sinew::input::frame::detections;
 use sinew::input::recording::{Options, Recording};
-use sinew::observe::association::{self, Following, follow};
+use sinew::observe::association;
+use sinew::observe::following::{Following, follow};
 use sinew::observe::triangulate::{Config, Seen, triangulate};
 use sinew::setup::{self, Request, Setup};
 use sinew_tests::data::shared;

@@ -1,37 +1,29 @@
-//! `cargo xtask accuracy`: the experiments of docs/accuracy.md, printed as its tables.
+//! `cargo xtask accuracy`: the experiments of docs/evidence/accuracy.md, printed as its tables.
 //!
 //! Data are sought in `SINEW_DATA`, else in `shared/data` beside the workspace.
 
 mod effort;
+mod virtual_cameras;
 
-use sinew::body::standard::EVALUATION_JOINTS;
-use sinew::formats::{amc, asf, trc};
-use sinew::input::in_memory::InMemory;
+use crate::outcome::Outcome;
+use sinew::config::settings::Settings;
+use sinew::formats::trc;
 use sinew::input::recording::{Options, Recording};
 use sinew::input::source::FrameSource as _;
+use sinew::methods::{bootstrap, hmc};
 use sinew::observe::Noise;
 use sinew::observe::association::Person;
-use sinew::results::estimate::FrameEstimate;
-use sinew::track::{Method, Settings};
-use sinew_simulate::cmu;
-use sinew_simulate::detector::DetectorNoise;
 use sinew_simulate::points::Trajectories;
-use sinew_simulate::recording::{Script, SyntheticRecording};
 use sinew_tests::evaluation::{self, LIMB_JOINTS, LeftOut, PixelErrors, Run, Track};
-use sinew_tests::simulated_source::source;
-use std::error::Error;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use virtual_cameras::{motions, recorded_motion};
 
 /// Frames for set-up and all choices, and frames that judge.
 const CHOSEN: std::ops::Range<usize> = 0..60;
 const JUDGED: std::ops::Range<usize> = 60..100;
 const RATE_HZ: f64 = 60.0;
 const CUTOFF_HZ: f64 = 6.0;
-const CMU_RATE_HZ: f64 = 30.0;
-const SIGMA_PX: f64 = 3.0;
-/// Length of a bootstrap block, frames.
-const BLOCK: usize = 15;
 
 /// An experiment.
 #[derive(Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
@@ -59,8 +51,6 @@ pub struct Args {
     seeds: u64,
 }
 
-type Outcome<T> = Result<T, Box<dyn Error + Send + Sync>>;
-
 /// Runs the experiments.
 pub fn run(root: &Path, args: &Args) -> ExitCode {
     let data = std::env::var_os("SINEW_DATA").map_or_else(|| root.join("../shared/data"), PathBuf::from);
@@ -83,7 +73,7 @@ pub fn run(root: &Path, args: &Args) -> ExitCode {
             recorded_motion(&motions(&data)?, args.seeds)?;
         }
         if args.only.contains(&Part::Effort) {
-            effort::run(&motions(&data)?, args.seeds, &root.join("docs/images/effort.svg"))?;
+            effort::run(&motions(&data)?, args.seeds, &root.join("docs/evidence/images/effort.svg"))?;
         }
         Ok(())
     };
@@ -126,16 +116,16 @@ fn reference(data: &Path) -> Outcome<()> {
     );
     println!("|---|---|---|---|---|---|");
     for folder in ["pose", "pose-associated"] {
-        for method in [Method::Hmc, Method::Bootstrap] {
+        for about in [&hmc::ABOUT, &bootstrap::ABOUT] {
             let mut recording = open(data, folder, None)?;
-            let run = track(&mut recording, &Settings { method, ..settings() })?;
+            let run = track(&mut recording, &Settings { method: (about.usual)(), ..settings() })?;
             let r_hat = mixing(&run);
             for (name, estimates) in [("", &run.filtered), (" --smooth", &run.smoothed)] {
                 let track = evaluation::positions(&run.tree, estimates, &LIMB_JOINTS);
                 let mm = |frames| 1e3 * evaluation::mean_distance(&track, &reference, frames);
                 let sd = 1e3 * evaluation::mean_spread(&run.tree, &estimates[JUDGED], &LIMB_JOINTS);
                 let (early, late) = (mm(CHOSEN), mm(JUDGED));
-                println!("| {folder} | {}{name} | {early:.1} | {late:.1} | {sd:.1} | {r_hat} |", method.name());
+                println!("| {folder} | {}{name} | {early:.1} | {late:.1} | {sd:.1} | {r_hat} |", about.name);
             }
         }
     }
@@ -160,6 +150,12 @@ fn sightings(data: &Path) -> Outcome<Vec<Vec<Person>>> {
 
 const CONTENDERS: [&str; 5] = ["raw recipe", "causal Butterworth", "zero-phase Butterworth", "hmc", "hmc --smooth"];
 
+/// Every choice of so many of the cameras.
+fn subsets(cameras: usize, size: u32) -> Vec<Vec<usize>> {
+    let chosen = (0_u32..1 << cameras).filter(|bits| bits.count_ones() == size);
+    chosen.map(|bits| (0..cameras).filter(|c| bits >> c & 1 == 1).collect()).collect()
+}
+
 fn leave_out(data: &Path) -> Outcome<()> {
     let seen = sightings(data)?;
     let reference = butterworth(data)?;
@@ -170,10 +166,7 @@ fn leave_out(data: &Path) -> Outcome<()> {
         Trajectories { names: LIMB_JOINTS.map(Into::into).into(), frames: reference.iter().map(points).collect() };
     let mut growth = vec![];
     for size in [4, 3, 2, 1] {
-        let subsets: Vec<Vec<usize>> = (0_u32..1 << cameras.len())
-            .filter(|bits| bits.count_ones() == size)
-            .map(|bits| (0..cameras.len()).filter(|c| bits >> c & 1 == 1).collect())
-            .collect();
+        let subsets = subsets(cameras.len(), size);
         let mut pixels: Vec<Vec<(usize, PixelErrors)>> = vec![vec![]; CONTENDERS.len()];
         let mut errors = [vec![], vec![]];
         for used in &subsets {
@@ -276,126 +269,4 @@ fn noise(data: &Path) -> Outcome<()> {
         println!("| {name} | {a:.1} / {b:.1} | {c:.1} / {d:.1} | {} |", mixed.join("; "));
     }
     Ok(())
-}
-
-/// Results of one kind of experiment with virtual cameras.
-#[derive(Default)]
-struct Tally {
-    /// For each run and frame, the share of coordinates covered for each joint.
-    covered: Vec<Vec<Vec<f64>>>,
-    millimetres: Vec<f64>,
-    model_error_mm: Vec<f64>,
-    sigma_px: Vec<f64>,
-}
-
-/// A recorded motion, and our body on it.
-struct Motion {
-    name: &'static str,
-    recorded: Trajectories,
-    fitted: cmu::Retargeted,
-}
-
-fn motions(data: &Path) -> Outcome<Vec<Motion>> {
-    let data = data.join("cmu_amc");
-    ["07_01", "09_06", "131_04"]
-        .into_iter()
-        .map(|name| {
-            let subject = name.split('_').next().unwrap_or(name);
-            let text = |file: String| std::fs::read_to_string(data.join(file));
-            let skeleton = asf::read(name, &text(format!("{subject}.asf"))?)?;
-            let motion = amc::read(name, &text(format!("{name}.amc"))?, &skeleton)?;
-            let recorded = cmu::joints(&skeleton, &motion, CMU_RATE_HZ);
-            let fitted = cmu::retarget(&recorded).ok_or("no pose in the first frame")?;
-            Ok(Motion { name, recorded, fitted })
-        })
-        .collect()
-}
-
-/// A motion in four virtual cameras with keypoints of `truth`, and its frames.
-fn film(motion: &Motion, truth: &Trajectories, seed: u64) -> Outcome<(InMemory, std::ops::Range<u64>)> {
-    let noise = DetectorNoise::stated_gaussian(SIGMA_PX);
-    let script = Script { noise, rate_hz: CMU_RATE_HZ, ..Script::default() };
-    let (body, states) = (motion.fitted.body.clone(), motion.fitted.states.clone());
-    let film = SyntheticRecording::of_motion(body, states, truth.clone(), &script, seed)?;
-    Ok((source(&film), 0..truth.frames.len() as u64))
-}
-
-impl Tally {
-    fn add(&mut self, run: &Run, estimates: &[FrameEstimate], truth: &Trajectories) {
-        let target = truth.select(&EVALUATION_JOINTS);
-        let target: Track = target.frames.into_iter().map(|frame| frame.into_iter().map(Some).collect()).collect();
-        let track = evaluation::positions(&run.tree, estimates, &EVALUATION_JOINTS);
-        self.millimetres.push(1e3 * evaluation::mean_distance(&track, &target, 0..target.len()));
-        self.covered.push(evaluation::covered(&run.tree, estimates, truth, &EVALUATION_JOINTS));
-        self.model_error_mm.push(1e3 * run.setup.model_error_m);
-        self.sigma_px.push(mean(&run.setup.camera.iter().map(|c| c.sigma_px).collect::<Vec<_>>()));
-    }
-}
-
-fn mean(x: &[f64]) -> f64 {
-    x.iter().sum::<f64>() / x.len() as f64
-}
-
-fn recorded_motion(motions: &[Motion], seeds: u64) -> Outcome<()> {
-    println!("\nFour virtual cameras, Gaussian noise of {SIGMA_PX} px, {seeds} seeds, 30 frames/s.\n");
-    println!(
-        "| motion | keypoints from | proportions | method | error, mm | coverage, % | model error, mm | sigma, px |"
-    );
-    println!("|---|---|---|---|---|---|---|---|");
-    let mut pooled: Vec<(String, Vec<Vec<Vec<f64>>>)> = vec![];
-    for motion in motions {
-        let Motion { name, recorded, fitted } = motion;
-        let kinds = [
-            ("fitted body", "set-up", &fitted.points, None),
-            ("fitted body", "known", &fitted.points, Some(&fitted.proportions)),
-            ("recorded joints", "set-up", recorded, None),
-        ];
-        for (from, sizes, truth, known) in kinds {
-            let mut tallies = [Tally::default(), Tally::default()];
-            for seed in 1..=seeds {
-                let (mut film, frames) = film(motion, truth, seed)?;
-                let settings = Settings { seed, fps: CMU_RATE_HZ, ..Settings::default() };
-                let run = evaluation::run(&mut film, frames.clone(), frames, &settings, known)?;
-                for (tally, estimates) in tallies.iter_mut().zip([&run.filtered, &run.smoothed]) {
-                    tally.add(&run, estimates, truth);
-                }
-            }
-            for (method, tally) in ["hmc", "hmc --smooth"].into_iter().zip(tallies) {
-                let (error, model, sigma) =
-                    (mean(&tally.millimetres), mean(&tally.model_error_mm), mean(&tally.sigma_px));
-                let share = coverage(&tally.covered, 0..EVALUATION_JOINTS.len());
-                println!("| {name} | {from} | {sizes} | {method} | {error:.1} | {share} | {model:.1} | {sigma:.2} |");
-                let kind = format!("{from}, {sizes}, {method}");
-                match pooled.iter_mut().find(|(known, _)| *known == kind) {
-                    Some((_, all)) => all.extend(tally.covered),
-                    None => pooled.push((kind, tally.covered)),
-                }
-            }
-        }
-    }
-    println!("\nAll motions; coverage in % ± standard error of a bootstrap of blocks of {BLOCK} frames:\n");
-    print!("| keypoints, proportions, method | pooled |");
-    EVALUATION_JOINTS.iter().for_each(|joint| print!(" {joint} |"));
-    println!("\n|---|---|{}", "---|".repeat(EVALUATION_JOINTS.len()));
-    for (kind, all) in &pooled {
-        print!("| {kind} | {} |", coverage(all, 0..EVALUATION_JOINTS.len()));
-        (0..EVALUATION_JOINTS.len()).for_each(|j| print!(" {} |", coverage(all, j..j + 1)));
-        println!();
-    }
-    Ok(())
-}
-
-/// Coverage of some joints in per cent with its standard error.
-fn coverage(runs: &[Vec<Vec<f64>>], joints: std::ops::Range<usize>) -> String {
-    let [mean, error] = share(runs, joints);
-    format!("{mean:.1} ± {error:.1}")
-}
-
-/// The numbers of [`coverage`].
-fn share(runs: &[Vec<Vec<f64>>], joints: std::ops::Range<usize>) -> [f64; 2] {
-    let frame = |frame: &Vec<f64>| mean(&frame[joints.clone()]);
-    let series: Vec<Vec<f64>> = runs.iter().map(|run| run.iter().map(frame).collect()).collect();
-    let count = series.iter().map(Vec::len).sum::<usize>() as f64;
-    [series.iter().flatten().sum::<f64>() / count, evaluation::block_bootstrap(&series, BLOCK, 500, 1)]
-        .map(|x| 100.0 * x)
 }

@@ -1,11 +1,10 @@
 //! Panels of lines with error bars and direct labels, as SVG.
 
+use crate::outcome::Outcome;
 use plotters::coord::Shift;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
-use std::error::Error;
-
-type Outcome<T> = Result<T, Box<dyn Error + Send + Sync>>;
+use std::ops::Range;
 
 /// Colours that people who see red and green alike tell apart (Okabe & Ito 2008).
 pub const BLUE: RGBColor = RGBColor(0, 114, 178);
@@ -53,42 +52,21 @@ pub fn panel_with(
     in_decades: [bool; 2],
     names: Names,
 ) -> Outcome<()> {
-    let all = || lines.iter().flat_map(|line| &line.points);
-    let ends = |of: &dyn Fn(&[f64; 4]) -> [f64; 2]| {
-        let low = all().map(|p| of(p)[0]).fold(f64::INFINITY, f64::min);
-        let high = all().map(|p| of(p)[1]).fold(f64::NEG_INFINITY, f64::max);
-        let margin = 0.05 * (high - low).max(1e-3);
-        (low - margin)..(high + margin)
-    };
+    let (wide, high) = (extent(lines, |p| [p[0], p[0]]), extent(lines, |p| [p[2], p[3]]));
+    let [across, up] = [decimals(&wide), decimals(&high)];
     let mut chart = ChartBuilder::on(area)
         .caption(title, ("sans-serif", 15))
         .margin(8)
         .margin_right(if let Names::Beside(width) = names { width } else { 8 })
         .x_label_area_size(36)
         .y_label_area_size(58)
-        .build_cartesian_2d(ends(&|p| [p[0], p[0]]), ends(&|p| [p[2], p[3]]))?;
-    let decimals = |range: std::ops::Range<f64>| {
-        if range.end - range.start < 1.0 { 2 } else { usize::from(range.end < 10.0) }
-    };
-    let [across, up] = [decimals(ends(&|p| [p[0], p[0]])), decimals(ends(&|p| [p[2], p[3]]))];
-    let shown = |v: &f64, is: bool, decimals: usize| {
-        let power = 10_f64.powf(*v);
-        if is && power < 0.95 {
-            format!("{power:.1}")
-        } else if is && power < 1000.0 {
-            format!("{power:.0}")
-        } else if is {
-            format!("{power:.0e}")
-        } else {
-            format!("{v:.decimals$}")
-        }
-    };
+        .build_cartesian_2d(wide, high)?;
     chart
         .configure_mesh()
         .x_desc(x)
         .y_desc(y)
-        .x_label_formatter(&|v| shown(v, in_decades[0], across))
-        .y_label_formatter(&|v| shown(v, in_decades[1], up))
+        .x_label_formatter(&|v| shown(*v, in_decades[0], across))
+        .y_label_formatter(&|v| shown(*v, in_decades[1], up))
         .x_labels(5)
         .y_labels(5)
         .light_line_style(WHITE)
@@ -104,7 +82,6 @@ pub fn panel_with(
             )))?;
         }
     }
-    let last = |line: &Line| line.points.last().map(|p| (p[0], p[1]));
     match names {
         Names::None => {}
         Names::Inside => {
@@ -115,23 +92,59 @@ pub fn panel_with(
             }
         }
         Names::Beside(_) => {
-            let (across, down) = area.get_pixel_range();
-            let right = chart.plotting_area().get_pixel_range().0.end - across.start;
-            let mut ends: Vec<(&Line, (i32, i32))> = lines
-                .iter()
-                .filter_map(|line| Some((line, chart.backend_coord(&last(line)?))))
-                .map(|(line, (x, y))| (line, (x - across.start, y - down.start)))
-                .collect();
-            ends.sort_by_key(|(_, (_, y))| *y);
-            let bottom = chart.plotting_area().get_pixel_range().1.end - down.start;
-            for ((line, (x, y)), label) in ends.iter().zip(spread(ends.iter().map(|(_, (_, y))| *y), bottom)) {
-                let leader = vec![(*x, *y), (right + 2, label), (right + 6, label)];
-                area.draw(&PathElement::new(leader, line.colour.mix(0.4).stroke_width(1)))?;
-                let style = ("sans-serif", 12).into_font().color(&line.colour);
-                let style = style.pos(Pos::new(HPos::Left, VPos::Center));
-                area.draw(&Text::new(line.name.clone(), (right + 8, label), style))?;
-            }
+            let ends = lines.iter().filter_map(|line| Some((line, chart.backend_coord(&last(line)?)))).collect();
+            let (across, down) = chart.plotting_area().get_pixel_range();
+            names_beside(area, ends, [across.end, down.end])?;
         }
+    }
+    Ok(())
+}
+
+/// What an axis shows: all points' ends on it with a margin.
+fn extent(lines: &[Line], of: impl Fn(&[f64; 4]) -> [f64; 2]) -> Range<f64> {
+    let all = || lines.iter().flat_map(|line| &line.points).map(&of);
+    let low = all().map(|ends| ends[0]).fold(f64::INFINITY, f64::min);
+    let high = all().map(|ends| ends[1]).fold(f64::NEG_INFINITY, f64::max);
+    let margin = 0.05 * (high - low).max(1e-3);
+    (low - margin)..(high + margin)
+}
+
+/// Decimals of the labels of an axis.
+fn decimals(range: &Range<f64>) -> usize {
+    if range.end - range.start < 1.0 { 2 } else { usize::from(range.end < 10.0) }
+}
+
+/// Where a line ends.
+fn last(line: &Line) -> Option<(f64, f64)> {
+    line.points.last().map(|p| (p[0], p[1]))
+}
+
+/// A value on an axis, in decades or not.
+fn shown(v: f64, in_decades: bool, decimals: usize) -> String {
+    let power = 10_f64.powf(v);
+    if !in_decades {
+        format!("{v:.decimals$}")
+    } else if power < 0.95 {
+        format!("{power:.1}")
+    } else if power < 1000.0 {
+        format!("{power:.0}")
+    } else {
+        format!("{power:.0e}")
+    }
+}
+
+/// Writes names to the right of a panel that ends at a pixel, each with a thin line from the pixel where its line ends.
+fn names_beside(area: &Area<'_>, mut ends: Vec<(&Line, (i32, i32))>, [right, bottom]: [i32; 2]) -> Outcome<()> {
+    let (across, down) = area.get_pixel_range();
+    let (right, bottom) = (right - across.start, bottom - down.start);
+    ends.iter_mut().for_each(|(_, (x, y))| (*x, *y) = (*x - across.start, *y - down.start));
+    ends.sort_by_key(|(_, (_, y))| *y);
+    for ((line, (x, y)), label) in ends.iter().zip(spread(ends.iter().map(|(_, (_, y))| *y), bottom)) {
+        let leader = vec![(*x, *y), (right + 2, label), (right + 6, label)];
+        area.draw(&PathElement::new(leader, line.colour.mix(0.4).stroke_width(1)))?;
+        let style = ("sans-serif", 12).into_font().color(&line.colour);
+        let style = style.pos(Pos::new(HPos::Left, VPos::Center));
+        area.draw(&Text::new(line.name.clone(), (right + 8, label), style))?;
     }
     Ok(())
 }

@@ -1,8 +1,9 @@
-//! `cargo xtask filter-priors`: what the HMC filter's priors between frames cost in calibration, the tables and the figure of docs/filter-priors.md.
+//! `cargo xtask filter-priors`: what the HMC filter's priors between frames cost in calibration, the tables and the figure of docs/evidence/filter-priors.md.
 //!
 //! The measurements are functions of the test member (`sinew_tests::filter_priors`), whose exact filters judge them. The growth model and the arm are read from the data folder and left out, with a note, where there is none.
 
 use crate::chart::{BLUE, GREEN, GREY, Line, Names, ORANGE, PURPLE, finish, panel_with};
+use crate::outcome::Outcome;
 use plotters::prelude::*;
 use serde_json::{Value, json};
 use sinew::core::random::Stage;
@@ -12,13 +13,10 @@ use sinew_tests::filter_priors::{
     random_walk,
 };
 use sinew_tests::growth::{self, Growth};
-use std::error::Error;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Instant;
-
-type Outcome<T> = Result<T, Box<dyn Error + Send + Sync>>;
 
 const RATIOS: [f64; 4] = [0.1, 0.3, 1.0, 3.0];
 const DIMENSIONS: [usize; 4] = [2, 4, 10, 28];

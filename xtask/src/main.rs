@@ -1,16 +1,18 @@
 //! Chores of the workspace: `cargo xtask <command>`. This file is the whole command line; each command has a file of its own.
 
 mod accuracy;
-mod calibration;
 mod chart;
+mod coverage;
 mod filter_priors;
 mod mutants;
+mod outcome;
 mod picture;
 mod reproduce;
 mod silhouettes;
 mod soak;
 mod source;
 mod store;
+mod tables;
 mod tidy;
 mod verify;
 
@@ -28,25 +30,27 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Command {
-    /// Measure accuracy and coverage: the tables of docs/accuracy.md.
+    /// Measure accuracy and coverage: the tables of docs/evidence/accuracy.md.
     Accuracy(accuracy::Args),
-    /// Measure the HMC filter's priors between frames against exact filters: the tables of docs/filter-priors.md.
+    /// Measure the HMC filter's priors between frames against exact filters: the tables of docs/evidence/filter-priors.md.
     FilterPriors(filter_priors::Args),
     /// Plant the bugs of tests/planted in a copy of the workspace and name the test that catches each.
     Mutants(mutants::Args),
-    /// Measure calibration on people: the tables and figures of docs/calibration.md.
-    Calibration(calibration::Args),
-    /// Draw docs/images/demo.svg, the picture of the README.
+    /// Measure how often intervals hold the truth of simulated people: the tables and figures of docs/evidence/coverage.md.
+    Coverage(coverage::Args),
+    /// Draw docs/images/demo.svg and real.svg, the pictures of the guide and the README.
     Picture,
     /// Reproduce a paper: its tables and figures on our data, its claims judged.
     Reproduce(reproduce::Args),
-    /// Track real masks by all methods: the tables of docs/experiments/real-silhouettes.md.
+    /// Track real masks by all methods: the tables of docs/evidence/experiments/real-silhouettes.md.
     Silhouettes(silhouettes::Args),
     /// Track 100 000 frames and see whether memory, time a frame, open files and errors stay what they were.
     Soak(soak::Args),
+    /// Put tables into the pages of docs: those of the code, and those that commands have written under target.
+    Tables,
     /// Check the rules that docs/ARCHITECTURE.md states: layers, who may do IO, leftovers, module docs.
     Tidy,
-    /// Run every statistical check: does each claim of docs/correctness.md hold?
+    /// Run every statistical check: does each claim of docs/evidence/correctness.md hold?
     Verify(verify::Args),
 }
 
@@ -56,11 +60,12 @@ fn main() -> ExitCode {
         Command::Accuracy(args) => accuracy::run(root, &args),
         Command::FilterPriors(args) => filter_priors::run(root, &args),
         Command::Mutants(args) => mutants::run(root, &args),
-        Command::Calibration(args) => calibration::run(root, &args),
+        Command::Coverage(args) => coverage::run(root, &args),
         Command::Picture => picture::run(root),
         Command::Reproduce(args) => reproduce::run(root, &args),
         Command::Silhouettes(args) => silhouettes::run(root, &args),
         Command::Soak(args) => soak::run(&args),
+        Command::Tables => tables::run(root),
         Command::Tidy => tidy::run(root),
         Command::Verify(args) => verify::run(root, &args),
     }

@@ -1,14 +1,16 @@
-//! `cargo xtask mutants`: plants each bug of `tests/planted/` in a copy of the workspace and asks the tests that are named for it whether they see it.
+//! `cargo xtask mutants`: plants bugs in a copy of the workspace and asks which tests see them.
+//!
+//! The bugs are those of `tests/planted/`; each names the tests that must see it.
 //!
 //! 1. The files that git knows are copied to `target/mutants/checkout`, which has a build folder of its own; only files that changed are written, so that a second run builds little.
 //! 2. All named tests run on the copy as it is and must pass.
 //! 3. For each bug: its text is replaced, its tests are built (a bug that does not build is an error of the list) and run, and the text is put back. *Caught* means that every named test fails by a panic in test code:
 //!    an overflow or an index out of range in the library, or a run without end, is not counted.
 //!
-//! The table tells for every bug which test caught it, and the first line of what that test said. A bug that survives, does not apply or does not build makes the exit code 1.
+//! The table says for every bug which test caught it, and the first line of what that test said. A bug that survives, does not apply or does not build makes the exit code 1.
 
 mod checkout;
-mod list;
+pub mod list;
 mod trial;
 
 use list::Bug;
@@ -41,7 +43,7 @@ pub fn run(root: &Path, args: &Args) -> ExitCode {
     }
 }
 
-/// Plants the bugs asked for; the number of those that no test caught.
+/// Plants the chosen bugs; the number of those that no test caught.
 fn plant(root: &Path, args: &Args) -> Result<usize, String> {
     let all = list::read(root)?;
     if let Some(unknown) = args.only.iter().find(|name| all.iter().all(|bug| bug.name != **name)) {

@@ -1,21 +1,24 @@
-//! `cargo xtask silhouettes`: all methods on the same real masks, the tables of docs/experiments/real-silhouettes.md.
+//! `cargo xtask silhouettes`: all methods on the same real masks, the tables of docs/evidence/experiments/real-silhouettes.md.
 //!
 //! The masks were made with the help of the joints that they are compared with here, so a distance to those joints says how well a body follows masks, and nothing of its accuracy in the world. Settings were chosen on frames 0–59;
 //! frames 60–99 judge.
 
+use crate::outcome::Outcome;
 use clap::Args as Arguments;
+use sinew::config::settings::Settings;
 use sinew::config::{Init, Resolved, Sources, TrackConfig, resolve};
 use sinew::formats::trc;
 use sinew::input::footage::Footage;
 use sinew::input::recording::Options;
+use sinew::methods::Score;
+use sinew::methods::{About, Annealed, annealed, bootstrap, coarse_to_fine, hmc, partitioned};
 use sinew::results::silhouette_overlap::SilhouetteOverlap;
 use sinew::setup::Setup;
-use sinew::track::{Method, Score, Settings};
 use sinew_tests::evaluation::{self, LIMB_JOINTS, Track};
-use std::error::Error;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::sync::Arc;
 use std::time::Instant;
 
 /// Arguments of the command.
@@ -29,15 +32,13 @@ pub(crate) struct Args {
     seeds: u64,
 }
 
-type Outcome<T> = Result<T, Box<dyn Error>>;
-
 const CHOSEN: Range<usize> = 0..60;
 const JUDGED: Range<usize> = 60..100;
 const FPS: f64 = 60.0;
 
 /// A row of the table.
 struct Row {
-    method: Method,
+    method: &'static About,
     score: Score,
     /// Whether keypoints are observed, too.
     keypoints: bool,
@@ -62,27 +63,35 @@ fn rows() -> Vec<Row> {
         changed: "",
     };
     let mut rows = vec![];
-    for method in [Method::Annealed, Method::Bootstrap, Method::CoarseToFine] {
+    for method in [&annealed::ABOUT, &bootstrap::ABOUT, &coarse_to_fine::ABOUT] {
         for score in [Score::DeutscherReid, Score::Bidirectional, Score::CoarseToFine, Score::Parts] {
             rows.push(masks(method, score));
         }
     }
-    rows.push(masks(Method::Partitioned, Score::Parts));
-    rows.push(masks(Method::Partitioned, Score::Bidirectional));
-    rows.push(Row { cameras: Some(TWO), ..masks(Method::Annealed, Score::Bidirectional) });
-    rows.push(Row { cameras: Some(ONE), ..masks(Method::Annealed, Score::Bidirectional) });
+    rows.push(masks(&partitioned::ABOUT, Score::Parts));
+    rows.push(masks(&partitioned::ABOUT, Score::Bidirectional));
+    rows.push(Row { cameras: Some(TWO), ..masks(&annealed::ABOUT, Score::Bidirectional) });
+    rows.push(Row { cameras: Some(ONE), ..masks(&annealed::ABOUT, Score::Bidirectional) });
     let keypoints =
         |method, with_masks| Row { keypoints: true, masks: with_masks, ..masks(method, Score::Bidirectional) };
-    for method in [Method::Annealed, Method::Bootstrap, Method::Partitioned] {
+    for method in [&annealed::ABOUT, &bootstrap::ABOUT, &partitioned::ABOUT] {
         rows.push(keypoints(method, false));
         rows.push(keypoints(method, true));
     }
-    rows.push(keypoints(Method::Hmc, false));
-    rows.push(keypoints(Method::Hmc, true));
-    let plain = |settings: &mut Settings| settings.layers.crossover = 0.0;
-    rows.push(Row { change: plain, changed: ", no crossover", ..masks(Method::Annealed, Score::Bidirectional) });
-    let deutscher = |settings: &mut Settings| settings.layers.layers = 10;
-    rows.push(Row { change: deutscher, changed: ", 10 layers", ..masks(Method::Annealed, Score::Bidirectional) });
+    rows.push(keypoints(&hmc::ABOUT, false));
+    rows.push(keypoints(&hmc::ABOUT, true));
+    let plain = |settings: &mut Settings| {
+        let mut annealed = Annealed::default();
+        annealed.0.layers.crossover = 0.0;
+        settings.method = Arc::new(annealed);
+    };
+    rows.push(Row { change: plain, changed: ", no crossover", ..masks(&annealed::ABOUT, Score::Bidirectional) });
+    let deutscher = |settings: &mut Settings| {
+        let mut annealed = Annealed::default();
+        annealed.0.layers.layers = 10;
+        settings.method = Arc::new(annealed);
+    };
+    rows.push(Row { change: deutscher, changed: ", 10 layers", ..masks(&annealed::ABOUT, Score::Bidirectional) });
     rows
 }
 
@@ -111,7 +120,7 @@ fn config(data: &Path, row: &Row) -> Outcome<TrackConfig> {
         ("keypoints", path(single.join("T01_BalancingTrial/pose"))),
         ("layout", "BODY_25B".to_owned()),
         ("fps", FPS.to_string()),
-        ("method", row.method.name().to_owned()),
+        ("method", row.method.name.to_owned()),
     ];
     if row.masks {
         flags.push(("silhouettes", path(data.join("pose2sim_silhouettes/silhouettes"))));
@@ -152,9 +161,8 @@ fn tables(data: &Path, seeds: u64) -> Outcome<()> {
     for row in rows() {
         let config = config(data, &row)?;
         let mut base = Settings {
-            method: row.method,
+            method: (row.method.usual)(),
             fps: FPS,
-            particles: row.method.usual_particles(),
             score: row.score.with_kappa(100.0),
             ..Settings::default()
         };
@@ -183,12 +191,12 @@ fn tables(data: &Path, seeds: u64) -> Outcome<()> {
         };
         println!(
             "| {}{} | {} | {observed} | {} | {} | {} | {} | {} | {:.0} |",
-            row.method.name(),
+            row.method.name,
             row.changed,
             if row.masks { format!("{:?}", row.score) } else { "–".to_owned() },
             row.cameras.map_or(4, <[_]>::len),
-            told(&errors[0]),
-            told(&errors[1]),
+            shown(&errors[0]),
+            shown(&errors[1]),
             share(|c| c.precision),
             share(|c| c.recall),
             1e3 * seconds / (seeds as f64 * JUDGED.end as f64),
@@ -198,7 +206,7 @@ fn tables(data: &Path, seeds: u64) -> Outcome<()> {
 }
 
 /// Mean and the range over seeds.
-fn told(errors: &[f64]) -> String {
+fn shown(errors: &[f64]) -> String {
     let mean = errors.iter().sum::<f64>() / errors.len() as f64;
     let (least, most) = errors.iter().fold((f64::MAX, 0.0_f64), |(a, b), &x| (a.min(x), b.max(x)));
     format!("{mean:.0} ({least:.0}–{most:.0})")

@@ -1,7 +1,14 @@
 //! Rust source without what is not code: enough of a lexer for rules about words.
 
+use std::ops::Range;
+
 /// The text with the contents of comments, strings and character literals replaced by blanks; line breaks stay.
 pub fn code(text: &str) -> String {
+    blanked(text, false)
+}
+
+/// Blanks comments, and literals unless they are kept.
+fn blanked(text: &str, keeps_literals: bool) -> String {
     let chars: Vec<char> = text.chars().collect();
     let mut out = String::with_capacity(text.len());
     let mut i = 0;
@@ -12,6 +19,7 @@ pub fn code(text: &str) -> String {
         }
     };
     while i < chars.len() {
+        let is_comment = at(i) == '/';
         let end = match (at(i), at(i + 1)) {
             ('/', '/') => (i..chars.len()).find(|&j| at(j) == '\n').unwrap_or(chars.len()),
             ('/', '*') => block_comment_end(&chars, i),
@@ -24,7 +32,11 @@ pub fn code(text: &str) -> String {
             _ => i,
         };
         if end > i {
-            blank(&mut out, i, end);
+            if keeps_literals && !is_comment {
+                out.extend(&chars[i..end.min(chars.len())]);
+            } else {
+                blank(&mut out, i, end);
+            }
             i = end;
         } else {
             out.push(at(i));
@@ -100,13 +112,24 @@ fn character_end(chars: &[char], start: usize) -> usize {
 
 /// Code (as [`code`] returns it) without `#[cfg(test)]` modules; line breaks stay.
 pub fn without_tests(code: &str) -> String {
-    const MARK: &str = "#[cfg(test)]";
     let mut out = String::with_capacity(code.len());
-    let mut rest = code;
-    while let Some(start) = rest.find(MARK) {
-        let (before, tail) = rest.split_at(start);
-        out.push_str(before);
-        let body = &tail[MARK.len()..];
+    let mut from = 0;
+    for Range { start, end } in test_ranges(code) {
+        out.push_str(&code[from..start]);
+        out.extend(code[start..end].chars().map(|c| if c == '\n' { '\n' } else { ' ' }));
+        from = end;
+    }
+    out.push_str(&code[from..]);
+    out
+}
+
+/// Where `#[cfg(test)]` modules and imports stand in code.
+fn test_ranges(code: &str) -> Vec<Range<usize>> {
+    const MARK: &str = "#[cfg(test)]";
+    let mut ranges = Vec::new();
+    let mut from = 0;
+    while let Some(start) = code[from..].find(MARK).map(|found| from + found) {
+        let body = &code[start + MARK.len()..];
         let open = body.find('{');
         let stop = body.find(';');
         let length = match (open, stop) {
@@ -114,11 +137,23 @@ pub fn without_tests(code: &str) -> String {
             (_, Some(stop)) => stop + 1,
             _ => body.len(),
         };
-        out.extend(tail[..MARK.len() + length].chars().map(|c| if c == '\n' { '\n' } else { ' ' }));
-        rest = &body[length..];
+        from = start + MARK.len() + length;
+        ranges.push(start..from);
     }
-    out.push_str(rest);
-    out
+    ranges
+}
+
+/// For each line, whether it is a product line: outside test modules, neither blank nor comment alone.
+///
+/// This is what the workspace means by lines of a file, a function or a crate.
+pub fn product_lines(text: &str) -> Vec<bool> {
+    let code = code(text);
+    let line_of = |at: usize| code[..at].matches('\n').count();
+    let tests: Vec<Range<usize>> =
+        test_ranges(&code).into_iter().map(|range| line_of(range.start)..line_of(range.end) + 1).collect();
+    let is_test = |line: &usize| tests.iter().any(|range| range.contains(line));
+    let lines = blanked(text, true);
+    lines.lines().enumerate().map(|(line, text)| !text.trim().is_empty() && !is_test(&line)).collect()
 }
 
 fn closing_brace(body: &str, open: usize) -> usize {
@@ -184,6 +219,13 @@ mod tests {
         assert!(cut.contains("a()") && cut.contains("c()") && !cut.contains('b'));
         assert_eq!(cut.lines().count(), 4);
         assert!(!without_tests("#[cfg(test)]\nmod b;\nc();").contains('b'));
+    }
+
+    #[test]
+    fn product_lines_are_no_comments_blanks_or_tests() {
+        let text = "//! Doc.\n\nfn f() { // says\n    \"a\n    b // c\"\n}\n/* d\n e */\n#[cfg(test)]\nmod tests {\n    x\n}\ng();";
+        let counted: Vec<usize> = (1..).zip(product_lines(text)).filter(|(_, is)| *is).map(|(line, _)| line).collect();
+        assert_eq!(counted, [3, 4, 5, 6, 13]);
     }
 
     #[test]

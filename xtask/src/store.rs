@@ -1,19 +1,18 @@
-//! Finished cells on disk, one line of JSON each, so that a run that was stopped goes on with the cell it was in.
+//! Finished cells on disk, one line of JSON each.
 //!
+//! A run that was stopped resumes with the cell that it was in.
 //! Every line carries the hash of the configuration that made it. Lines of another configuration are never read.
 
+use crate::outcome::Outcome;
 use serde_json::Value;
 use sinew::files::{FNV_START, fnv};
 use std::collections::BTreeMap;
-use std::error::Error;
 use std::fs::{self, File, OpenOptions};
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
-
-type Outcome<T> = Result<T, Box<dyn Error + Send + Sync>>;
 
 /// Cells by name.
 pub(crate) struct Store {

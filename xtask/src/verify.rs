@@ -1,8 +1,10 @@
-//! Every statistical check in a row, with a page of results in plain words and the same as JSON: `cargo xtask verify [--nightly] [--seed S]`.
+//! `cargo xtask verify`: every statistical check in a row, with a page of results.
+//!
+//! In plain words and as JSON: `cargo xtask verify [--nightly] [--seed S]`.
 //!
 //! Random checks run in stages until their evidence is clear (the kit's `Control`), so that a rotating seed does not cry wolf: the page says how likely one false alarm among all of them is.
 
-use crate::calibration;
+use crate::coverage;
 use clap::Args as ClapArgs;
 use rayon::prelude::*;
 use serde_json::{Value, json};
@@ -61,10 +63,10 @@ const OF_PEOPLE: Check = Check {
 
 fn people(seed: u64, size: Size) -> Vec<Outcome> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap_or(Path::new("."));
-    let reduced = calibration::Size { ranked: 10, ..calibration::Size::NIGHTLY };
-    let length = if size == Size::Full { calibration::Size::NIGHTLY } else { reduced };
+    let reduced = coverage::Size { ranked: 10, ..coverage::Size::NIGHTLY };
+    let length = if size == Size::Full { coverage::Size::NIGHTLY } else { reduced };
     let series = length.ranked;
-    let found = calibration::check(root, seed, length);
+    let found = coverage::check(root, seed, length);
     let name = format!("coverage of joints, {series} series of simulated people through four cameras");
     let outcome = match found {
         Ok(found) => {
@@ -92,10 +94,10 @@ fn people(seed: u64, size: Size) -> Vec<Outcome> {
     vec![outcome]
 }
 
-/// The angles too, also the one that no keypoint tells.
+/// The angles too, also the one that no keypoint determines.
 const OF_DEGREES: Check = Check {
     name: "degrees-of-freedom",
-    claim: "the ranks of all 32 degrees of freedom of H32 are uniform on motion that the tracker's own model draws, as far as the series tell",
+    claim: "the ranks of all 32 degrees of freedom of H32 are uniform on motion that the tracker's own model draws, as far as the series show",
     run: degrees,
 };
 
@@ -104,7 +106,7 @@ const RATE: f64 = 1e-6;
 
 fn degrees(seed: u64, size: Size) -> Vec<Outcome> {
     let series = if size == Size::Full { 300 } else { 60 };
-    let (holds, worst) = match calibration::worst_coordinate(series, seed) {
+    let (holds, worst) = match coverage::worst_coordinate(series, seed) {
         Ok((name, width, p)) => {
             (p >= RATE, format!("χ² of the ranks of {name}, width {width:.2}: p = {p:.2e}, must exceed {RATE:.0e}"))
         }

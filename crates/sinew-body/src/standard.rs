@@ -165,7 +165,7 @@ pub fn cf28(p: &Proportions) -> KinematicTree {
 ///
 /// It takes the poses of CF28 with two-axis feet, but its root is the pelvis. What joint centres cannot tell is the turn of the spine about itself, between hips and shoulders. In CF28 this turns the root, which hips, girdle and
 /// head undo: all three angles of the root change along a curve. Here three angles about the same axis change (`spine.rz`, `girdle.rz`, `head.rz`), along a straight line, which Gaussian priors and constant metrics describe
-/// (docs/calibration.md).
+/// (docs/evidence/coverage.md).
 ///
 /// # Panics
 /// If a size is not finite.

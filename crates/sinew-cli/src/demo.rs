@@ -38,7 +38,7 @@ pub(crate) fn run(answer: Answer, general: &General, report: &Report) -> Result<
     // A former demo is no loss.
     config.force |= config.out.join(TRUTH).is_file();
     let claim = claimed(&config, &[], report)?;
-    let seed = config.seed;
+    let seed = config.tracking.seed;
     let recording = SyntheticRecording::new(&script, seed).map_err(Error::Demo)?;
     write_recording(&recording, &config.out)?;
     let frames = recording.truth.frames.len() as u64;

@@ -3,7 +3,8 @@
 use clap::builder::{PossibleValue, StringValueParser, TypedValueParser};
 use clap::{Arg, ArgAction, ArgMatches, Args, Command, FromArgMatches, ValueHint};
 use sinew::bodies;
-use sinew::config::setting::{Kind, SETTINGS, Setting};
+use sinew::config::setting::{Kind, Setting};
+use sinew::config::table::settings;
 use sinew::formats::layout;
 use std::ffi::OsStr;
 use std::marker::PhantomData;
@@ -29,7 +30,7 @@ pub(crate) struct InspectSettings;
 
 impl Takes for InspectSettings {
     fn takes(setting: &Setting) -> bool {
-        matches!(setting.key, "layout" | "frames" | "cameras" | "trim" | "confidence_scale" | "image_scale")
+        matches!(setting.key, "layout" | "frames" | "cameras" | "trim" | "lag" | "confidence_scale" | "image_scale")
     }
 }
 
@@ -95,7 +96,7 @@ fn argument(setting: &'static Setting) -> Arg {
     if setting.kind == Kind::Flag {
         return argument.action(ArgAction::SetTrue).help(help);
     }
-    let default = if setting.default.is_empty() { String::new() } else { format!(" [default: {}]", setting.default) };
+    let default = setting.default.text().map(|default| format!(" [default: {default}]")).unwrap_or_default();
     let is_named = values.iter().all(|value| setting.help.contains(value));
     let named = if is_named { String::new() } else { format!("; known: {}", values.join(", ")) };
     argument
@@ -111,7 +112,7 @@ fn argument(setting: &'static Setting) -> Arg {
 
 impl<C: Takes> Args for Typed<C> {
     fn augment_args(command: Command) -> Command {
-        command.args(SETTINGS.iter().filter(|setting| C::takes(setting)).map(argument))
+        command.args(settings().iter().filter(|setting| C::takes(setting)).map(argument))
     }
 
     fn augment_args_for_update(command: Command) -> Command {
@@ -122,7 +123,7 @@ impl<C: Takes> Args for Typed<C> {
 impl<C: Takes> FromArgMatches for Typed<C> {
     fn from_arg_matches(matches: &ArgMatches) -> Result<Self, clap::Error> {
         let mut given = Vec::new();
-        for setting in SETTINGS.iter().filter(|setting| C::takes(setting)) {
+        for setting in settings().iter().filter(|setting| C::takes(setting)) {
             if setting.kind == Kind::Flag {
                 if matches.get_flag(setting.key) {
                     given.push((setting.key, "true".to_owned()));

@@ -24,5 +24,6 @@ pub(crate) fn reading(config: &TrackConfig) -> Options {
         frames: config.frames.clone(),
         cameras: config.cameras.clone(),
         trim: config.trim,
+        lag: config.lag.clone(),
     }
 }

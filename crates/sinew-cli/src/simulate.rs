@@ -47,9 +47,9 @@ pub(crate) fn run(args: &SimulateArgs, general: &General, report: &Report) -> Re
     refuse_inputs_inside(&config.out, &inputs)?;
     let claim = claimed(&config, &inputs, report)?;
     let ring = Ring { cameras: args.cameras, image_size_px: args.size.map(f64::from), ..Ring::SMALL_PICTURES };
-    let footage = SyntheticFootage::new(motion, args.fps, &ring, config.seed).map_err(Error::Scene)?;
+    let footage = SyntheticFootage::new(motion, args.fps, &ring, config.tracking.seed).map_err(Error::Scene)?;
     clear(&config.out)?;
-    write_points(&footage, config.seed, &config.out)?;
+    write_points(&footage, config.tracking.seed, &config.out)?;
     let total = footage.frames();
     with_threads(&config, || {
         let mut progress = Progress::start(general, "simulate", total as u64);
@@ -224,7 +224,7 @@ fn readme(args: &SimulateArgs, config: &TrackConfig, footage: &SyntheticFootage)
         frames.len(),
         args.fps,
         footage.cameras.len(),
-        config.seed,
+        config.tracking.seed,
         args.segmentation,
         names.len(),
         track_command(&folder, args.fps),
@@ -242,14 +242,14 @@ fn answer(args: &SimulateArgs, config: &TrackConfig, footage: &SyntheticFootage)
             "cameras": footage.cameras.len(),
             "rate_hz": args.fps,
             "segmentation": args.segmentation,
-            "seed": config.seed,
+            "seed": config.tracking.seed,
             "out": out,
         }));
     }
     let rows = [
         ("motion", args.motion.display().to_string()),
         ("frames", format!("{} at {} per second, {} cameras", footage.frames(), args.fps, footage.cameras.len())),
-        ("masks", format!("segmentation {}, seed {}", args.segmentation, config.seed)),
+        ("masks", format!("segmentation {}, seed {}", args.segmentation, config.tracking.seed)),
         ("written", out.clone()),
     ];
     let rows: Vec<(String, String)> = rows.map(|(left, right)| (left.to_owned(), right)).into();

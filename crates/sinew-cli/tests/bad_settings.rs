@@ -3,7 +3,8 @@
 mod common;
 
 use common::trial;
-use sinew::config::setting::{Kind, SETTINGS};
+use sinew::config::setting::Kind;
+use sinew::config::table::settings;
 use std::fs;
 
 fn check_file(name: &str, text: &str) {
@@ -130,7 +131,7 @@ fn help_fits_one_screen_and_starts_with_examples() {
         let name = if command.is_empty() { "sinew" } else { command };
         insta::assert_snapshot!(format!("help_{name}"), text);
     }
-    for setting in SETTINGS {
+    for setting in settings() {
         let Kind::Choice(values) = setting.kind else { continue };
         let flag = format!("--{}", setting.key.replace('_', "-"));
         let help = String::from_utf8(trial.run(&["track", "--help"]).stdout).unwrap();

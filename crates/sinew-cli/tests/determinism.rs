@@ -8,17 +8,21 @@ mod common;
 use common::synthetic::{Whole, results};
 use common::{files, trial};
 use sinew::Error;
+use sinew::config::settings::Settings;
 use sinew::core::lanes::Isa;
 use sinew::input::source::FrameSource;
 use sinew::input::up_axis::z_up_from;
 use sinew::input::upright::Upright;
+use sinew::methods::{Bootstrap, Hmc, Method};
 use sinew::results::estimate::{FrameEstimate, Quality};
 use sinew::setup::{self, Request, Setup};
-use sinew::track::{Method, Pipeline, Settings};
+use sinew::track::Pipeline;
+use sinew::tracking::{bootstrap, hmc_filter};
 use sinew_simulate::recording::{Script, SyntheticRecording};
 use sinew_tests::simulated_source::source;
 use std::fs;
 use std::ops::{ControlFlow, Range};
+use std::sync::Arc;
 
 fn recording(duration_s: f64) -> SyntheticRecording {
     SyntheticRecording::new(&Script { duration_s, ..Script::default() }, 7).unwrap()
@@ -33,7 +37,12 @@ fn set_up(recording: &SyntheticRecording, frames: Range<u64>) -> Setup {
 }
 
 fn quick() -> Settings {
-    Settings { chains: 8, updates: 12, burn_in: 4, draws: 16, particles: 512, ..Settings::default() }
+    let hmc = hmc_filter::Config { chains: 8, updates: 12, burn_in: 4, ..Hmc::default().0 };
+    Settings { method: Arc::new(Hmc(hmc)), draws: 16, ..Settings::default() }
+}
+
+fn bootstrap(particles: usize) -> Arc<dyn Method> {
+    Arc::new(Bootstrap(bootstrap::Config { particles, ..bootstrap::Config::default() }))
 }
 
 /// Tracks ranges of frames one after the other with one pipeline.
@@ -76,9 +85,9 @@ fn bits(estimates: &[FrameEstimate]) -> Vec<u64> {
 fn threads_runs_and_halves_give_the_same_bits() {
     let recording = recording(0.6);
     let setup = set_up(&recording, 0..18);
-    for method in [Method::Hmc, Method::Bootstrap] {
+    for method in [quick().method, bootstrap(512)] {
         for isa in Isa::available() {
-            let settings = Settings { method, isa, ..quick() };
+            let settings = Settings { method: method.clone(), isa, ..quick() };
             let run = |threads: usize, parts: &[Range<u64>]| {
                 let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
                 bits(&pool.install(|| tracked(&recording, &setup, &settings, parts)))
@@ -174,7 +183,7 @@ fn who_leaves_and_returns_elsewhere_is_found_again() {
             camera[frame] = camera[frame + 50].clone();
         }
     }
-    for settings in [quick(), Settings { method: Method::Bootstrap, particles: 2048, ..quick() }] {
+    for settings in [quick(), Settings { method: bootstrap(2048), ..quick() }] {
         let found = tracked(&recording, &setup, &settings, &[30..80]);
         assert_eq!(found.len(), 50);
         for estimate in &found {
@@ -189,7 +198,7 @@ fn who_leaves_and_returns_elsewhere_is_found_again() {
         for number in 62..80_usize {
             let error = error_m(&recording, &setup, &found[number - 30], number + 50);
             // A particle filter of so few particles drifts; he is found all the same, two metres from where he was lost.
-            let most = if settings.method == Method::Hmc { 0.15 } else { 0.4 };
+            let most = if settings.method.about().name == "hmc" { 0.15 } else { 0.4 };
             assert!(error < most, "{:?} frame {number}: {error}", settings.method);
         }
     }

@@ -92,6 +92,7 @@ fn write(folder: &Path, steps: usize) -> Result<usize, Error> {
     let left = Arc::new(AtomicUsize::new(steps));
     let body = bodies::find("cf28")?;
     let info = RunInfo {
+        is_weighted: false,
         method: "hmc".into(),
         kind: Default::default(),
         fps: 30.0,

@@ -1,21 +1,24 @@
 //! A run tells when the keypoints do not look as its model says.
 //!
-//! One walk is filmed with the noise that is assumed and then, each alone, with every error that the checks are made for. What each costs in coverage: docs/calibration.md.
+//! One walk is filmed with the noise that is assumed and then, each alone, with every error that the checks are made for. What each costs in coverage: docs/evidence/coverage.md.
 
 mod common;
 
 use common::trial;
 use sinew::body::Proportions;
+use sinew::config::settings::Settings;
 use sinew::core::lanes::Isa;
+use sinew::methods::Hmc;
 use sinew::setup::Setup;
-use sinew::track::{Doubt, Lengths, Origins, Settings};
+use sinew::track::{Doubt, Lengths, Origins};
+use sinew::tracking::hmc_filter;
 use sinew_simulate::detector::DetectorNoise;
 use sinew_simulate::recording::{Script, SyntheticRecording};
 use sinew_tests::evaluation;
 use sinew_tests::simulated_source::source;
 use std::collections::BTreeSet;
 use std::fs;
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 const FRAMES: u64 = 36;
 
@@ -29,7 +32,8 @@ fn right() -> DetectorNoise {
 
 /// The same digits on every processor, and quick.
 fn settings() -> Settings {
-    Settings { isa: Isa::baseline(), chains: 8, updates: 12, burn_in: 3, ..Settings::default() }
+    let hmc = hmc_filter::Config { chains: 8, updates: 12, burn_in: 3, ..Hmc::default().0 };
+    Settings { isa: Isa::baseline(), method: Arc::new(Hmc(hmc)), ..Settings::default() }
 }
 
 /// A set-up from keypoints with the noise that is assumed.

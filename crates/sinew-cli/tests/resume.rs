@@ -340,7 +340,7 @@ fn frames_read_again_are_counted_once() {
         told.push((done, total));
         Ok(())
     };
-    source.read_again(&[0..20, 5..6, 0..30, 28..40], each).unwrap();
+    source.read_again(&[0..20, 5..6, 28..40], 0..30, each).unwrap();
     assert_eq!(told, (1..=FRAMES).map(|done| (done, FRAMES)).collect::<Vec<_>>());
 }
 

@@ -1,9 +1,10 @@
 //! Densities made of densities: [`Sum`], [`Tempered`], [`OnPart`], [`Through`].
 
-use crate::decode::Decode;
 use crate::density::{GaussNewton, GradLogDensity, LogDensity};
 use crate::lanes::{Block, triangle};
 use crate::part::Part;
+
+pub use crate::through::Through;
 
 /// Product of two densities over the same state: the sum of their logarithms.
 ///
@@ -45,6 +46,9 @@ impl<A: GradLogDensity, B: GradLogDensity> GradLogDensity for Sum<A, B> {
 }
 
 impl<A: GaussNewton, B: GaussNewton> GaussNewton for Sum<A, B> {
+    fn matrix_workspace(&self) -> usize {
+        triangle(self.dim(), 0) + self.0.matrix_workspace().max(self.1.matrix_workspace())
+    }
     fn gauss_newton_diagonal_block(&self, x: &[Block], diagonal: &mut [Block], ws: &mut [Block]) {
         let (other, ws) = ws.split_at_mut(self.dim());
         self.0.gauss_newton_diagonal_block(x, diagonal, ws);
@@ -52,16 +56,16 @@ impl<A: GaussNewton, B: GaussNewton> GaussNewton for Sum<A, B> {
         add_to(diagonal, other);
     }
     fn gauss_newton_block(&self, x: &[Block], matrix: &mut [Block], ws: &mut [Block]) {
-        let mut other = vec![Block::ZERO; matrix.len()];
+        let (other, ws) = ws.split_at_mut(matrix.len());
         self.0.gauss_newton_block(x, matrix, ws);
-        self.1.gauss_newton_block(x, &mut other, ws);
-        add_to(matrix, &other);
+        self.1.gauss_newton_block(x, other, ws);
+        add_to(matrix, other);
     }
     fn weighted_gauss_newton_block(&self, x: &[Block], matrix: &mut [Block], ws: &mut [Block]) {
-        let mut other = vec![Block::ZERO; matrix.len()];
+        let (other, ws) = ws.split_at_mut(matrix.len());
         self.0.weighted_gauss_newton_block(x, matrix, ws);
-        self.1.weighted_gauss_newton_block(x, &mut other, ws);
-        add_to(matrix, &other);
+        self.1.weighted_gauss_newton_block(x, other, ws);
+        add_to(matrix, other);
     }
 }
 
@@ -196,6 +200,9 @@ impl<D: GradLogDensity> GradLogDensity for OnPart<D> {
 }
 
 impl<D: GaussNewton> GaussNewton for OnPart<D> {
+    fn matrix_workspace(&self) -> usize {
+        self.target.dim() + triangle(self.target.dim(), 0) + self.target.matrix_workspace()
+    }
     fn gauss_newton_diagonal_block(&self, x: &[Block], diagonal: &mut [Block], ws: &mut [Block]) {
         let (full, ws) = ws.split_at_mut(self.target.dim());
         let (full_diagonal, ws) = ws.split_at_mut(self.target.dim());
@@ -206,11 +213,10 @@ impl<D: GaussNewton> GaussNewton for OnPart<D> {
         }
     }
     fn gauss_newton_block(&self, x: &[Block], matrix: &mut [Block], ws: &mut [Block]) {
-        let n = self.target.dim();
-        let mut full_matrix = vec![Block::ZERO; triangle(n, 0)];
-        let (full, ws) = ws.split_at_mut(n);
+        let (full, ws) = ws.split_at_mut(self.target.dim());
+        let (full_matrix, ws) = ws.split_at_mut(triangle(self.target.dim(), 0));
         self.complete_block(x, full);
-        self.target.gauss_newton_block(full, &mut full_matrix, ws);
+        self.target.gauss_newton_block(full, full_matrix, ws);
         let indices = self.part.indices();
         for (a, &i) in indices.iter().enumerate() {
             for (b, &j) in indices[..=a].iter().enumerate() {
@@ -220,43 +226,9 @@ impl<D: GaussNewton> GaussNewton for OnPart<D> {
     }
 }
 
-/// A density of a decoded state, as a function of the sampled one. It is a likelihood term: no Jacobian is added.
-///
-/// Law `through_pulls_back`: the gradient is the decoder's pullback of the target's.
-#[derive(Clone, Copy, Debug)]
-pub struct Through<D, C> {
-    /// Density of the decoded state.
-    pub target: D,
-    /// The decoder.
-    pub decoder: C,
-}
-
-impl<D: LogDensity, C: Decode> LogDensity for Through<D, C> {
-    fn dim(&self) -> usize {
-        self.decoder.source_dim()
-    }
-    fn log_density(&self, x: &[f64]) -> f64 {
-        let mut decoded = vec![0.0; self.target.dim()];
-        self.decoder.decode(x, &mut decoded);
-        self.target.log_density(&decoded)
-    }
-}
-
-impl<D: GradLogDensity, C: Decode> GradLogDensity for Through<D, C> {
-    fn log_density_grad(&self, x: &[f64], grad: &mut [f64]) -> f64 {
-        let mut decoded = vec![0.0; self.target.dim()];
-        self.decoder.decode(x, &mut decoded);
-        let mut target_grad = vec![0.0; self.target.dim()];
-        let value = self.target.log_density_grad(&decoded, &mut target_grad);
-        self.decoder.pullback(x, &target_grad, grad);
-        value
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::decode::Linear;
     use crate::toy::Quadratic;
 
     fn target() -> Quadratic {
@@ -319,12 +291,5 @@ mod tests {
         let masked = OnPart { target: target(), part, fixed: vec![9.0, 0.7, 9.0] };
         check_gradient(&masked, &[0.1, 0.3]);
         assert_eq!(masked.log_density(&[0.1, 0.3]), target().log_density(&[0.1, 0.7, 0.3]));
-    }
-
-    #[test]
-    fn through_pulls_back() {
-        let decoder = Linear { rows: vec![vec![1.0, 2.0], vec![0.0, -1.0], vec![0.5, 0.5]] };
-        let through = Through { target: target(), decoder };
-        check_gradient(&through, &[0.4, -0.2]);
     }
 }

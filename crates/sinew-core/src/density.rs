@@ -63,6 +63,11 @@ pub trait GradLogDensity: LogDensity {
 
 /// A log density that knows its Gauss–Newton curvature `Jᵀ W J ≈ −∂² log p`, a positive semi-definite matrix.
 pub trait GaussNewton: GradLogDensity {
+    /// Blocks of scratch that the methods of this trait need, at least [`LogDensity::workspace`].
+    fn matrix_workspace(&self) -> usize {
+        self.workspace()
+    }
+
     /// Writes the diagonals for a block of states to `diagonal` (d blocks).
     fn gauss_newton_diagonal_block(&self, x: &[Block], diagonal: &mut [Block], ws: &mut [Block]);
 
@@ -301,6 +306,9 @@ macro_rules! forward_to_target {
             }
         }
         impl<D: GaussNewton + ?Sized> GaussNewton for $wrapper where Self: Sync {
+            fn matrix_workspace(&self) -> usize {
+                (**self).matrix_workspace()
+            }
             fn gauss_newton_diagonal_block(&self, x: &[Block], diagonal: &mut [Block], ws: &mut [Block]) {
                 (**self).gauss_newton_diagonal_block(x, diagonal, ws);
             }

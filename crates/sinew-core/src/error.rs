@@ -1,6 +1,6 @@
 //! What this crate refuses.
 
-/// Everything that can be wrong with parts of a state.
+/// Everything that can be wrong with parts of a state and with matrices.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
@@ -34,6 +34,14 @@ pub enum Error {
         parts: usize,
         /// Number of parent entries.
         parents: usize,
+    },
+    /// A matrix has rows of one length.
+    #[error("{entries} entries are no rows of {columns}")]
+    Rows {
+        /// Number of entries.
+        entries: usize,
+        /// Length of a row.
+        columns: usize,
     },
     /// Parents come before their children.
     #[error("the parent of part {part} does not come before it")]

@@ -25,6 +25,7 @@ pub mod kernel;
 pub mod lanes;
 pub mod part;
 pub mod random;
+mod through;
 pub mod toy;
 pub mod transition;
 

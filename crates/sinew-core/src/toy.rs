@@ -1,6 +1,8 @@
-//! The smallest target: a Gaussian with independent coordinates, as a lane leaf and as a plain density.
+//! A small target and a small decoder: a Gaussian with independent coordinates, and a curved sheet.
 
+use crate::decode::LaneDecode;
 use crate::density::{GaussNewton, GradLogDensity, LaneDensity, LaneGaussNewton, LogDensity};
+use crate::elementary::sin_cos;
 use crate::lanes::{Block, Real};
 
 /// `log p = −½ Σ precision_j (x_j − centre_j)²`, without constant.
@@ -63,5 +65,48 @@ impl GaussNewton for Quadratic {
         for (d, &precision) in diagonal.iter_mut().zip(&self.precision) {
             *d = Block::splat(precision);
         }
+    }
+}
+
+/// A sheet rolled to a cylinder and twisted: `(u, v) ↦ (r sin(u/r), r − r cos(u/r), v, t u v)`, one-to-one for |u| < π r.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sheet {
+    /// Radius r of the roll, not 0.
+    pub radius: f64,
+    /// Twist t.
+    pub twist: f64,
+}
+
+impl LaneDecode for Sheet {
+    fn source_dim(&self) -> usize {
+        2
+    }
+    fn target_dim(&self) -> usize {
+        4
+    }
+    #[inline(always)]
+    fn decode<V: Real>(&self, x: &[V::Mem], out: &mut [V::Mem], _ws: &mut [V::Mem]) {
+        let (u, v, radius) = (V::load(&x[0]), V::load(&x[1]), V::splat(self.radius));
+        let (sin, cos) = sin_cos(u * V::splat(1.0 / self.radius));
+        (radius * sin).store(&mut out[0]);
+        cos.fnma(radius, radius).store(&mut out[1]);
+        v.store(&mut out[2]);
+        (u * v * V::splat(self.twist)).store(&mut out[3]);
+    }
+    #[inline(always)]
+    fn pullback<V: Real>(&self, x: &[V::Mem], grad_out: &[V::Mem], grad: &mut [V::Mem], _ws: &mut [V::Mem]) {
+        let (u, v) = (V::load(&x[0]), V::load(&x[1]));
+        let (sin, cos) = sin_cos(u * V::splat(1.0 / self.radius));
+        let twisted = V::load(&grad_out[3]) * V::splat(self.twist);
+        let rolled = cos.fma(V::load(&grad_out[0]), sin * V::load(&grad_out[1]));
+        v.fma(twisted, rolled).store(&mut grad[0]);
+        u.fma(twisted, V::load(&grad_out[2])).store(&mut grad[1]);
+    }
+
+    /// None on the axis of the cylinder, which is as near to every u.
+    fn encode(&self, decoded: &[f64]) -> Option<Vec<f64>> {
+        let (across, up) = (decoded[0] / self.radius, 1.0 - decoded[1] / self.radius);
+        let state = vec![self.radius * across.atan2(up), decoded[2]];
+        (across.hypot(up) > 1e-9 && state.iter().all(|x| x.is_finite())).then_some(state)
     }
 }

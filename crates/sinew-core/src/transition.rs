@@ -1,6 +1,6 @@
 //! How a state moves from one frame to the next.
 //!
-//! [`Transition`] draws and evaluates; [`GradTransition`] adds the gradient; [`PartTransition`] moves one [`Part`] only. A filter that needs the *marginal* prior of a
+//! A [`MotionModel`] may learn from the estimates of the frames. [`Transition`] draws and evaluates; [`GradTransition`] adds the gradient; [`PartTransition`] moves one [`Part`] only. A filter that needs the *marginal* prior of a
 //! frame, given a cloud of draws of the frame before, asks for [`Predict`]: how the cloud is summarised (a mixture, a Gaussian) is a value of the transition.
 
 use crate::density::GradLogDensity;
@@ -8,11 +8,33 @@ use crate::lanes::Block;
 use crate::part::Part;
 use crate::random::BlockRng;
 
-/// A Markov transition `p(next | previous)`.
-pub trait Transition: Sync {
+/// What all motion models are: of a state, and perhaps moved by the estimates so far, as a drift by their last change or a switch between activities is.
+///
+/// A tracker calls [`MotionModel::follow`] once at the end of every frame, and keeps [`MotionModel::memory`] with its own state. So a model never asks which tracker it serves, and no tracker knows what its model remembers.
+///
+/// Law `memory_resumes`: memories of one model have one length, and a model that recalls the memory of an equally made one moves states to the same bits.
+pub trait MotionModel: Sync {
     /// Dimension of the state.
     fn dim(&self) -> usize;
 
+    /// Takes in the estimate of a frame, with that of the frame before; of the first frame alone. By default nothing is remembered.
+    fn follow(&mut self, before: Option<&[f64]>, estimate: &[f64]) {
+        let _ = (before, estimate);
+    }
+
+    /// What the next frame needs of the estimates so far.
+    fn memory(&self) -> Vec<f64> {
+        Vec::new()
+    }
+
+    /// Takes up a memory of its own length.
+    fn recall(&mut self, memory: &[f64]) {
+        let _ = memory;
+    }
+}
+
+/// A Markov transition `p(next | previous)`, given what its [`MotionModel`] remembers.
+pub trait Transition: MotionModel {
     /// Draws the next state of each lane from its previous state; all slices have one block a dimension.
     fn sample_block(&self, previous: &[Block], next: &mut [Block], rng: &mut BlockRng);
 
@@ -69,14 +91,11 @@ pub struct Cloud<'a> {
 }
 
 /// A transition that turns the posterior of one frame into the prior of the next.
-pub trait Predict: Sync {
+pub trait Predict: MotionModel {
     /// The prior of a frame.
     type Prior: FramePrior;
     /// Why there is no prior, for instance a covariance that cannot be factored.
     type Error: core::error::Error + Send + Sync + 'static;
-
-    /// Dimension of the state.
-    fn dim(&self) -> usize;
 
     /// Prior of the frame after `cloud`'s.
     ///

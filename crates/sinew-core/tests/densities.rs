@@ -1,13 +1,13 @@
 //! Whatever way a density is asked, through a lane leaf, a reference, a box, a block or a default method, it gives the same answer.
 
 use sinew_core::combinators::{OnPart, Sum, Tempered, Through};
-use sinew_core::decode::{Decode, Linear};
+use sinew_core::decode::Identity;
 use sinew_core::density::{GaussNewton, GradLogDensity, LaneDensity, LaneGaussNewton, Lanes, LogDensity};
 use sinew_core::lanes::{Block, Isa, LANES, Real, get_lane, set_lane, triangle};
 use sinew_core::part::Part;
 use sinew_core::random::{BlockRng, Stage};
 use sinew_core::toy::Quadratic;
-use sinew_core::transition::{FramePrior, Transition, diagonal_matrix};
+use sinew_core::transition::{FramePrior, MotionModel, Transition, diagonal_matrix};
 
 const D: usize = 3;
 /// Lower triangle of the curvature of [`Bent`].
@@ -173,7 +173,7 @@ fn curvatures(density: &dyn GaussNewton, x: &[Block]) -> [Vec<f64>; 3] {
     let d = density.dim();
     let ask = |length: usize, what: &dyn Fn(&mut [Block], &mut [Block])| {
         let mut out = vec![Block::splat(f64::NAN); length];
-        what(&mut out, &mut vec![Block::ZERO; density.workspace()]);
+        what(&mut out, &mut vec![Block::splat(f64::NAN); density.matrix_workspace()]);
         out.into_iter().map(|block| block.0[3]).collect()
     };
     [
@@ -199,11 +199,12 @@ fn a_leaf_a_reference_and_a_box_are_one_density() {
         let leaf = Lanes { leaf: Bent { factor: 1.5 }, isa };
         let boxed: Box<dyn GaussNewton> = Box::new(leaf);
         let by_reference = &leaf;
+        let through = Through { target: leaf, decoder: Identity(D) };
         let x = block(&states());
         let scaled = |by: f64| MATRIX.map(|entry| 1.5 * by * entry).to_vec();
-        for density in [&leaf as &dyn GaussNewton, &boxed, &by_reference] {
+        assert_eq!([leaf.workspace(), boxed.workspace(), by_reference.workspace()], [5; 3]);
+        for density in [&leaf as &dyn GaussNewton, &boxed, &by_reference, &through] {
             has_the_values_of_bent(density, 1.5);
-            assert_eq!(density.workspace(), 5);
             let [diagonal, matrix, weighted] = curvatures(density, &x);
             assert_eq!(diagonal, [3.0, 4.5, 6.0]);
             assert_eq!((matrix, weighted), (scaled(1.0), scaled(WEIGHT)));
@@ -269,28 +270,16 @@ fn curvatures_add_and_are_restricted() {
     assert!(near(tempered.log_density(&states()[1]), value(0.5, &states()[1])));
 }
 
-#[test]
-fn a_decoder_is_a_matrix_and_its_pullback_the_transposed_one() {
-    let decoder = Linear { rows: vec![vec![1.0, 2.0], vec![0.0, -1.0], vec![0.5, 0.25]] };
-    assert_eq!((decoder.source_dim(), decoder.target_dim()), (2, 3));
-    let (mut decoded, mut pulled) = ([0.0; 3], [0.0; 2]);
-    decoder.decode(&[3.0, 4.0], &mut decoded);
-    decoder.pullback(&[3.0, 4.0], &[1.0, 2.0, 4.0], &mut pulled);
-    assert_eq!((decoded, pulled), ([11.0, -4.0, 2.5], [3.0, 1.0]));
-    let through = Through { target: OneByOne(Bent { factor: 1.0 }), decoder };
-    let mut grad = [0.0; 2];
-    assert!(near(through.log_density_grad(&[3.0, 4.0], &mut grad), value(1.0, &decoded)));
-    assert!(near(through.log_density(&[3.0, 4.0]), value(1.0, &decoded)) && through.dim() == 2);
-    assert!(Linear { rows: vec![] }.source_dim() == 0);
-}
-
 /// Steps of one, exactly.
 struct Steps;
 
-impl Transition for Steps {
+impl MotionModel for Steps {
     fn dim(&self) -> usize {
         D
     }
+}
+
+impl Transition for Steps {
     fn sample_block(&self, previous: &[Block], next: &mut [Block], _rng: &mut BlockRng) {
         for (p, n) in previous.iter().zip(next) {
             *n = Block(p.0.map(|x| x + 1.0));

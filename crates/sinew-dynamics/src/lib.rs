@@ -1,6 +1,6 @@
 //! Motion priors: how a state moves between frames, and what that makes of one frame's posterior.
 //!
-//! [`random_walk::RandomWalk`] is the model of Choo & Fleet (2001); its prior between frames is their mixture over the last states of the chains, or one Gaussian of all draws. [`linear_gaussian::LinearGaussian`]
+//! [`random_walk::RandomWalk`] is the model of Choo & Fleet (2001); its prior between frames is their mixture over the last states of the chains, or one Gaussian of all draws. [`first_order::FirstOrder`] moves it on by a part of the estimate's last change. [`linear_gaussian::LinearGaussian`]
 //! is the model on which filters can be checked exactly, by the one of [`kalman`]. [`smoother`] runs back over the moments that a filter left.
 //!
 //! ```
@@ -19,9 +19,11 @@
 //! ```
 mod error;
 pub mod factor;
+pub mod first_order;
 pub mod gaussian;
 pub mod kalman;
 pub mod linear_gaussian;
+pub mod linear_motion;
 pub mod mixture;
 pub mod prior;
 pub mod random_walk;

@@ -1,15 +1,18 @@
-//! Linear-Gaussian motion s_t = A s_{t−1} + N(0, Q): with a linear observation every filter and smoother has a closed form (Kalman 1960), so this is the model to check trackers on.
+//! Linear-Gaussian motion s_t = A s_{t−1} + N(0, Q), the model to check trackers on.
+//!
+//! With a linear observation every filter and smoother of it has a closed form (Kalman 1960).
 //!
 //! As [`Predict`] it maps the moments of one frame's posterior to N(A m, A C Aᵀ + Q), which is exact here.
 
 use crate::Error;
 use crate::factor::root;
 use crate::gaussian::Gaussian;
+use crate::linear_motion::{self, add_product};
 use crate::prior::Prior;
 use sinew_core::density::{Lanes, LogDensity};
-use sinew_core::lanes::{Block, Isa, LANES};
+use sinew_core::lanes::{Block, Isa};
 use sinew_core::random::BlockRng;
-use sinew_core::transition::{Cloud, Predict, Transition};
+use sinew_core::transition::{Cloud, MotionModel, Predict, Transition};
 
 /// The model: A, Q and the covariance P₀ of the first frame's state about its centre, all d × d, row after row.
 #[derive(Clone, Debug)]
@@ -27,7 +30,7 @@ impl LinearGaussian {
     /// Validates and factors the matrices. P₀ may be semi-definite, even 0 (a filter with gradients then refuses to start); Q must have a density.
     ///
     /// # Errors
-    /// Those of [`crate::factor`].
+    /// As [`crate::factor`].
     pub fn new(dim: usize, matrix: Vec<f64>, noise: Vec<f64>, initial: Vec<f64>, isa: Isa) -> Result<Self, Error> {
         if matrix.len() != dim * dim {
             return Err(Error::Shape { name: "A", found: matrix.len(), expected: dim * dim });
@@ -53,22 +56,13 @@ impl LinearGaussian {
     }
 }
 
-/// out += R x for each lane.
-pub(crate) fn add_product(matrix: &[f64], x: &[Block], out: &mut [Block]) {
-    for (row, out) in matrix.chunks_exact(x.len()).zip(out) {
-        for (&a, x) in row.iter().zip(x) {
-            for lane in 0..LANES {
-                out.0[lane] += a * x.0[lane];
-            }
-        }
+impl MotionModel for LinearGaussian {
+    fn dim(&self) -> usize {
+        self.dim
     }
 }
 
 impl Transition for LinearGaussian {
-    fn dim(&self) -> usize {
-        self.dim
-    }
-
     fn sample_block(&self, previous: &[Block], next: &mut [Block], rng: &mut BlockRng) {
         let mut noise = vec![Block::ZERO; self.dim];
         rng.fill_normal(self.noise_density.isa, &mut noise);
@@ -97,12 +91,8 @@ impl Predict for LinearGaussian {
     type Prior = Prior;
     type Error = Error;
 
-    fn dim(&self) -> usize {
-        self.dim
-    }
-
     fn predict(&self, cloud: Cloud<'_>) -> Result<Prior, Error> {
-        let predicted = crate::smoother::predict(&self.matrix, &self.noise, cloud.moments);
+        let predicted = linear_motion::predict(&self.matrix, &self.noise, cloud.moments);
         let leaf = Gaussian::new(predicted.mean, &predicted.covariance)?;
         Ok(Prior::Gaussian(Lanes { leaf, isa: self.noise_density.isa }))
     }

@@ -14,7 +14,7 @@ use sinew_core::density::Lanes;
 use sinew_core::lanes::{Block, Isa, Kernel, LANES, Real, dispatch};
 use sinew_core::part::Part;
 use sinew_core::random::BlockRng;
-use sinew_core::transition::{Cloud, GradTransition, PartTransition, Predict, Transition};
+use sinew_core::transition::{Cloud, GradTransition, MotionModel, PartTransition, Predict, Transition};
 
 /// How the posterior of one frame becomes the prior of the next.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -119,11 +119,13 @@ impl Kernel<Block> for Diffuse<'_> {
     }
 }
 
-impl Transition for RandomWalk {
+impl MotionModel for RandomWalk {
     fn dim(&self) -> usize {
         self.sd.len()
     }
+}
 
+impl Transition for RandomWalk {
     fn sample_block(&self, previous: &[Block], next: &mut [Block], rng: &mut BlockRng) {
         self.add_noise(previous, &self.sd, next, rng);
     }
@@ -164,10 +166,6 @@ impl PartTransition for RandomWalk {
 impl Predict for RandomWalk {
     type Prior = Prior;
     type Error = Error;
-
-    fn dim(&self) -> usize {
-        self.sd.len()
-    }
 
     fn predict(&self, cloud: Cloud<'_>) -> Result<Prior, Error> {
         let d = self.sd.len();

@@ -11,30 +11,11 @@
 
 use crate::Error;
 use crate::factor::{cholesky, root};
-use crate::linear_gaussian::add_product;
+use crate::linear_motion::{add_product, predict, symmetric, to_rows};
 use faer::{Mat, MatRef};
 use sinew_core::lanes::{Block, Isa, LANES};
 use sinew_core::random::BlockRng;
 use sinew_core::transition::Moments;
-
-pub(crate) fn to_rows(m: &Mat<f64>) -> Vec<f64> {
-    (0..m.nrows() * m.ncols()).map(|k| m[(k / m.ncols(), k % m.ncols())]).collect()
-}
-
-/// Moments one step ahead: A m, A P Aᵀ + Q (all matrices row after row).
-#[must_use]
-pub fn predict(matrix: &[f64], noise: &[f64], moments: &Moments) -> Moments {
-    let d = moments.mean.len();
-    let a = MatRef::from_row_major_slice(matrix, d, d);
-    let p = MatRef::from_row_major_slice(&moments.covariance, d, d);
-    let covariance = a * p * a.transpose() + MatRef::from_row_major_slice(noise, d, d);
-    let mean = matrix.chunks_exact(d).map(|row| row.iter().zip(&moments.mean).map(|(a, m)| a * m).sum()).collect();
-    Moments { mean, covariance: to_rows(&symmetric(&covariance)) }
-}
-
-pub(crate) fn symmetric(m: &Mat<f64>) -> Mat<f64> {
-    Mat::from_fn(m.nrows(), m.ncols(), |i, j| 0.5 * (m[(i, j)] + m[(j, i)]))
-}
 
 /// The motion that the backward pass undoes.
 #[derive(Clone, Debug)]
@@ -97,7 +78,7 @@ impl Smoother {
     /// Smoothed moments of a frame from its filtered ones and the smoothed ones of the next frame (the last frame's smoothed moments are its filtered ones).
     ///
     /// # Errors
-    /// [`Error::Shape`] or those of [`cholesky`].
+    /// [`Error::Shape`], or as [`cholesky`].
     pub fn step(&self, filtered: &Moments, next: &Moments) -> Result<Moments, Error> {
         let d = self.dim;
         let Gain { gain, predicted } = self.gain(filtered)?;
@@ -113,7 +94,7 @@ impl Smoother {
     /// Draws a frame's states of trajectories: `next` holds their states at the next frame, blocks of d, and is replaced.
     ///
     /// # Errors
-    /// [`Error::Shape`] or those of [`crate::factor`].
+    /// [`Error::Shape`], or as [`crate::factor`].
     pub fn sample(&self, filtered: &Moments, next: &mut [Block], isa: Isa, rng: &mut BlockRng) -> Result<(), Error> {
         let d = self.dim;
         let Gain { gain, predicted } = self.gain(filtered)?;
@@ -135,7 +116,7 @@ impl Smoother {
     /// Draws the last frame's states, with which [`Smoother::sample`] begins.
     ///
     /// # Errors
-    /// Those of [`root`].
+    /// As [`root`].
     pub fn sample_last(
         &self,
         filtered: &Moments,

@@ -5,15 +5,16 @@
 //! name = "cam_01"                 # the table's name where this is missing
 //! size = [1088.0, 1920.0]         # pixels
 //! matrix = [[1681.2, 0.0, 533.0], [0.0, 1681.1, 948.1], [0.0, 0.0, 1.0]]
-//! distortions = [-0.0007, 0.0022, 9.5e-6, 1.1e-5]   # k1 k2 p1 p2 [k3]
+//! distortions = [-0.0007, 0.0022, 9.5e-6, 1.1e-5]   # k1 k2 p1 p2 [k3 [k4 k5 k6]]; of a fisheye lens k1 k2 k3 k4
 //! rotation = [1.688, 1.048, -0.420]                 # Rodrigues vector, camera from world
 //! translation = [0.321, 0.956, 2.891]               # metres
 //! fisheye = false
 //! ```
 //!
-//! Cameras keep the order of the file. `[metadata]` is not a camera; unknown keys are ignored. The rotation may also be
+//! `distortions` are OpenCV's, as [`sinew_observe::lens`] lists them: 4, 5 or 8 numbers, or the 4 of its fisheye model where `fisheye` is
+//! true. Cameras keep the order of the file. `[metadata]` is not a camera; unknown keys are ignored. The rotation may also be
 //! a 3 × 3 matrix: one that is orthonormal to 1e-6 is repaired silently, to 1e-3 with a warning, a worse one and a mirror
-//! image are refused. Fisheye lenses are refused. Writing and reading again gives every number bit for bit, rotations to
+//! image are refused. Writing and reading again gives every number bit for bit, rotations to
 //! 1e-15 (they are stored as Rodrigues vectors).
 //!
 //! ```
@@ -27,7 +28,7 @@
 use crate::rotation::{determinant, from_rodrigues, nearest_rotation, orthonormality_error, to_rodrigues};
 use crate::toml_text::{Document, Table, Value, array, key, quoted};
 use crate::{Error, Warning};
-use sinew_observe::{Camera, Distortion, Intrinsics};
+use sinew_observe::{Camera, Intrinsics, Lens};
 use std::fmt::Write as _;
 
 /// Deviation of `R'R` from the identity up to which a rotation matrix is repaired without a word.
@@ -49,7 +50,8 @@ pub struct Calibration {
 ///
 /// # Errors
 /// TOML that is malformed, no camera at all, and for each camera: missing fields, numbers that are no numbers, focal
-/// lengths that are not positive, a principal point more than one image outside, a rotation that is none, a fisheye lens.
+/// lengths that are not positive, a principal point more than one image outside, a rotation that is none, as many
+/// distortion coefficients as no lens has.
 pub fn read(name: &str, text: &str) -> Result<Calibration, Error> {
     let document = Document::parse(name, text)?;
     let mut calibration = Calibration::default();
@@ -70,11 +72,6 @@ pub fn read(name: &str, text: &str) -> Result<Calibration, Error> {
 }
 
 fn camera(title: &str, table: Table<'_>, warnings: &mut Vec<Warning>) -> Result<Camera, Error> {
-    if let Some(fisheye) = table.get("fisheye")
-        && fisheye.bool()?
-    {
-        return Err(Error::Unsupported { place: fisheye.place(), what: "a fisheye lens".into() });
-    }
     let size = table.numbers::<2>("size")?;
     if !size.iter().all(|&pixels| pixels > 0.0) {
         return Err(table.require("size")?.must_be("two positive numbers, width and height in pixels"));
@@ -84,7 +81,7 @@ fn camera(title: &str, table: Table<'_>, warnings: &mut Vec<Warning>) -> Result<
         name,
         image_size_px: size,
         intrinsics: intrinsics(table, size, warnings)?,
-        distortion: distortion(table)?,
+        lens: lens(table)?,
         rotation: rotation(table, warnings)?,
         translation: table.numbers::<3>("translation")?,
     })
@@ -118,14 +115,11 @@ fn intrinsics(table: Table<'_>, [width, height]: [f64; 2], warnings: &mut Vec<Wa
     Ok(Intrinsics { fx, fy, cx, cy })
 }
 
-fn distortion(table: Table<'_>) -> Result<Distortion, Error> {
+fn lens(table: Table<'_>) -> Result<Lens, Error> {
+    let is_fisheye = table.get("fisheye").map_or(Ok(false), |value| value.bool())?;
     let value = table.require("distortions")?;
     let numbers = value.items()?.iter().map(Value::number).collect::<Result<Vec<f64>, Error>>()?;
-    match numbers[..] {
-        [k1, k2, p1, p2] => Ok(Distortion { k1, k2, p1, p2, k3: 0.0 }),
-        [k1, k2, p1, p2, k3] => Ok(Distortion { k1, k2, p1, p2, k3 }),
-        _ => Err(value.must_be("4 or 5 numbers: k1, k2, p1, p2 and perhaps k3")),
-    }
+    Lens::from_coefficients(is_fisheye, &numbers).map_err(|expected| value.must_be(&expected))
 }
 
 fn rotation(table: Table<'_>, warnings: &mut Vec<Warning>) -> Result<[[f64; 3]; 3], Error> {
@@ -162,19 +156,19 @@ pub fn write(cameras: &[Camera]) -> String {
     let mut out = String::new();
     for camera in cameras {
         let Intrinsics { fx, fy, cx, cy } = camera.intrinsics;
-        let Distortion { k1, k2, p1, p2, k3 } = camera.distortion;
         let rows = [[fx, 0.0, cx], [0.0, fy, cy], [0.0, 0.0, 1.0]].map(|row| array(&row));
-        let distortions = if k3 == 0.0 { array(&[k1, k2, p1, p2]) } else { array(&[k1, k2, p1, p2, k3]) };
         // Writing to a String cannot fail.
         let _ = write!(
             out,
-            "[{}]\nname = {}\nsize = {}\nmatrix = [{}]\ndistortions = {distortions}\nrotation = {}\ntranslation = {}\nfisheye = false\n\n",
+            "[{}]\nname = {}\nsize = {}\nmatrix = [{}]\ndistortions = {}\nrotation = {}\ntranslation = {}\nfisheye = {}\n\n",
             key(&camera.name),
             quoted(&camera.name),
             array(&camera.image_size_px),
             rows.join(", "),
+            array(&camera.lens.coefficients()),
             array(&to_rodrigues(&camera.rotation)),
             array(&camera.translation),
+            camera.lens.is_fisheye(),
         );
     }
     out.push_str("[metadata]\nadjusted = false\nerror = 0.0\n");
@@ -217,7 +211,19 @@ mod tests {
 
     #[test]
     fn what_is_written_reads_back() {
-        let calibration = read("Calib.toml", &with(3, "distortions = [-0.1, 1e-7, 0.001, 0.002, 0.3]")).unwrap();
+        for (coefficients, fisheye) in [
+            ("-0.1, 1e-7, 0.001, 0.002", false),
+            ("-0.1, 1e-7, 0.001, 0.002, 0.3", false),
+            ("-0.1, 1e-7, 0.001, 0.002, 0.3, 0.4, -0.05, 0.006", false),
+            ("-0.01, 0.02, -0.003, 0.0", true),
+        ] {
+            let text = with(3, &format!("distortions = [{coefficients}]"));
+            check_round_trip(&text.replace("fisheye = false", &format!("fisheye = {fisheye}")));
+        }
+    }
+
+    fn check_round_trip(text: &str) {
+        let calibration = read("Calib.toml", text).unwrap();
         assert_eq!(calibration.warnings, []);
         let mut again = read("Calib.toml", &write(&calibration.cameras)).unwrap();
         let turn = |c: &Calibration| c.cameras[0].rotation;
@@ -239,12 +245,12 @@ mod tests {
             "Calib.toml:3 (cam1): cx = 2177; must be within one image of the image, -1088 to 2176",
         );
         check(4, "", "Calib.toml:1 (cam1): `rotation` is missing");
-        check(6, "fisheye = true", "Calib.toml:7 (cam1): a fisheye lens is not supported");
         check(
             3,
             "distortions = [1, 2]",
-            "Calib.toml:4 (cam1): distortions = [1, 2]; must be 4 or 5 numbers: k1, k2, p1, p2 and perhaps k3",
+            "Calib.toml:4 (cam1): distortions = [1, 2]; must be 4 or 5 numbers: k1, k2, p1, p2 and perhaps k3, or 8: k1, k2, p1, p2, k3, k4, k5, k6",
         );
+        check(6, "fisheye = 1", "Calib.toml:7 (cam1): fisheye = 1; must be true or false");
         assert!(read("Calib.toml", "[metadata]\nerror = 0").is_err());
     }
 

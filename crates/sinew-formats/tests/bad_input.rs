@@ -153,8 +153,11 @@ fn rotations_that_are_none() {
 }
 
 #[test]
-fn lenses_that_are_not_supported() {
-    assert_snapshot!(calibration("fisheye", "true").unwrap_err(), @"Calib.toml:7 (cam1): a fisheye lens is not supported");
+fn lenses_with_other_numbers_of_coefficients() {
+    let of = |count: usize| format!("{:?}", vec![0.25; count]);
+    assert_snapshot!(calibration("distortions", &of(12)).unwrap_err(), @"Calib.toml:6 (cam1): distortions = [0.25, 0.25, 0.25, 0.25, 0.25, 0.25, 0.2…; must be 4 or 5 numbers: k1, k2, p1, p2 and perhaps k3, or 8: k1, k2, p1, p2, k3, k4, k5, k6");
+    let fisheye = format!("{}\nfisheye = true", of(5));
+    assert_snapshot!(calibration("distortions", &fisheye).unwrap_err(), @"Calib.toml:6 (cam1): distortions = [0.25, 0.25, 0.25, 0.25, 0.25]; must be 4 numbers: k1, k2, k3, k4 of a fisheye lens");
 }
 
 #[test]

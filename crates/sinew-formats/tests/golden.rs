@@ -1,6 +1,6 @@
 //! Every writer against a file in `tests/golden/`, and those files in the programs they are made for.
 //!
-//! `SINEW_WRITE_GOLDEN=1` writes the files anew; look at the difference before you keep it. The programs are those of
+//! `SINEW_WRITE_GOLDEN=1` writes the files again; look at the difference before you keep it. The programs are those of
 //! the Python named by `SINEW_PYTHON`, or `python3`.
 
 use sinew_body::flesh::{DOWNWARDS, Flesh, Solid};
@@ -11,7 +11,8 @@ use sinew_formats::tidy_csv::Cell;
 use sinew_formats::zarr::inference_data::{Kind, Run, posterior, schema};
 use sinew_formats::zarr::{MemoryStore, Values, Writer};
 use sinew_formats::{body_toml, bvh, calib_toml, layout, mot, tidy_csv, trc};
-use sinew_observe::{Camera, Distortion, Intrinsics};
+use sinew_observe::lens::Brown;
+use sinew_observe::{Camera, Intrinsics};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -98,7 +99,7 @@ fn calibrations() {
         name: name.into(),
         image_size_px: [1088.0, 1920.0],
         intrinsics: Intrinsics { fx: 1681.25, fy: 1681.0, cx: 533.0, cy: 948.125 },
-        distortion: Distortion { k1: -0.0007, k2: 0.0022, p1: 9.5e-6, p2: 1.1e-5, k3 },
+        lens: Brown { k1: -0.0007, k2: 0.0022, p1: 9.5e-6, p2: 1.1e-5, k3 }.into(),
         rotation: [[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]],
         translation: [0.3, 0.95, 2.875],
     };

@@ -8,7 +8,8 @@ use sinew_formats::rotation::from_rodrigues;
 use sinew_formats::tidy_csv::Cell;
 use sinew_formats::*;
 use sinew_observe::bit_image::BitImage;
-use sinew_observe::{Camera, Distortion, Intrinsics, RgbImage};
+use sinew_observe::lens::Brown;
+use sinew_observe::{Camera, Intrinsics, RgbImage};
 
 /// Finite numbers of every kind: zeros of both signs, denormals, 1e±300, ordinary ones.
 fn number() -> impl Strategy<Value = f64> {
@@ -104,7 +105,7 @@ prop_compose! {
             name: format!("{name}{i}"),
             image_size_px: size,
             intrinsics: Intrinsics { fx, fy, cx: cx * size[0], cy: cy * size[1] },
-            distortion: Distortion { k1, k2, p1, p2, k3 },
+            lens: Brown { k1, k2, p1, p2, k3 }.into(),
             rotation: from_rodrigues(turn),
             translation,
         }).collect()

@@ -108,7 +108,7 @@ fn cameras_stand_where_the_recording_says() {
     }
     let again = calib_toml::read("Calib.toml", &calib_toml::write(&calibration.cameras)).unwrap();
     for (a, b) in calibration.cameras.iter().zip(&again.cameras) {
-        assert_eq!((a.intrinsics, a.distortion, a.translation), (b.intrinsics, b.distortion, b.translation));
+        assert_eq!((a.intrinsics, a.lens, a.translation), (b.intrinsics, b.lens, b.translation));
         for (a, b) in a.rotation.iter().flatten().zip(b.rotation.iter().flatten()) {
             assert!((a - b).abs() <= 1e-15);
         }

@@ -1,16 +1,14 @@
-//! Pinhole camera with Brown distortion.
+//! Calibrated cameras: a place, a direction, focal lengths and a lens.
 //!
 //! A world point `P` (metres) becomes `P_c = R P + t` in the camera frame (x right, y down, z forward), then
 //!
 //! ```text
-//! (x, y) = (X_c / Z_c, Y_c / Z_c)          r² = x² + y²
-//! x_d = x (1 + k1 r² + k2 r⁴ + k3 r⁶) + 2 p1 x y + p2 (r² + 2 x²)
-//! y_d = y (1 + k1 r² + k2 r⁴ + k3 r⁶) + 2 p2 x y + p1 (r² + 2 y²)
+//! (x, y) = (X_c / Z_c, Y_c / Z_c),   (x_d, y_d): where the lens shows (x, y)
 //! u = fx x_d + cx,   v = fy y_d + cy       (pixels)
 //! ```
 //!
-//! Points with depth `Z_c` ≤ [`MIN_DEPTH_M`] have no projection, and neither have points beyond the radius at which the radial polynomial stops growing
-//! ([`Distortion::valid_radius`]): [`Camera::project`] says which.
+//! Points with depth `Z_c` ≤ [`MIN_DEPTH_M`] have no projection, and neither have points beyond the domain of the lens
+//! ([`Lens::valid_radius`]): [`Camera::project`] says which.
 //!
 //! ```
 //! use sinew_observe::{Camera, Projection};
@@ -23,6 +21,7 @@
 //! ```
 
 use crate::Error;
+use crate::lens::Lens;
 
 /// Depth in metres at or below which a point is not seen by a camera.
 pub const MIN_DEPTH_M: f64 = 0.05;
@@ -40,21 +39,6 @@ pub struct Intrinsics {
     pub cy: f64,
 }
 
-/// Brown distortion coefficients (all zero: none).
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Distortion {
-    /// Radial coefficient of r².
-    pub k1: f64,
-    /// Radial coefficient of r⁴.
-    pub k2: f64,
-    /// First tangential coefficient.
-    pub p1: f64,
-    /// Second tangential coefficient.
-    pub p2: f64,
-    /// Radial coefficient of r⁶.
-    pub k3: f64,
-}
-
 /// A calibrated camera.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Camera {
@@ -64,8 +48,8 @@ pub struct Camera {
     pub image_size_px: [f64; 2],
     /// Focal lengths and principal point.
     pub intrinsics: Intrinsics,
-    /// Lens distortion.
-    pub distortion: Distortion,
+    /// The lens.
+    pub lens: Lens,
     /// Rotation, camera from world, rows first.
     pub rotation: [[f64; 3]; 3],
     /// Translation, camera from world, metres.
@@ -79,8 +63,8 @@ pub enum Projection {
     Pixel([f64; 2]),
     /// Nowhere: not in front of the camera by more than [`MIN_DEPTH_M`].
     Behind,
-    /// Nowhere: so far off the axis that the distortion polynomial has no meaning.
-    BeyondDistortion,
+    /// Nowhere: beyond the domain of the lens.
+    BeyondLens,
 }
 
 impl Projection {
@@ -89,7 +73,7 @@ impl Projection {
     pub const fn pixel(self) -> Option<[f64; 2]> {
         match self {
             Self::Pixel(pixel) => Some(pixel),
-            Self::Behind | Self::BeyondDistortion => None,
+            Self::Behind | Self::BeyondLens => None,
         }
     }
 }
@@ -129,7 +113,7 @@ impl Camera {
             name: name.into(),
             image_size_px,
             intrinsics: Intrinsics { fx: focal_px, fy: focal_px, cx: 0.5 * width, cy: 0.5 * height },
-            distortion: Distortion::default(),
+            lens: Lens::default(),
             rotation,
             translation: rotation.map(|row| -dot(row, centre)),
         };
@@ -143,7 +127,6 @@ impl Camera {
     /// [`Error`] names the camera and the first number at fault.
     pub fn validate(&self) -> Result<(), Error> {
         let Intrinsics { fx, fy, cx, cy } = self.intrinsics;
-        let Distortion { k1, k2, p1, p2, k3 } = self.distortion;
         for (field, value) in
             [("fx", fx), ("fy", fy), ("width", self.image_size_px[0]), ("height", self.image_size_px[1])]
         {
@@ -151,8 +134,9 @@ impl Camera {
                 return Err(Error::NotPositive { camera: self.name.clone(), field, value });
             }
         }
-        let rest = [cx, cy, k1, k2, p1, p2, k3];
-        if !rest.iter().chain(&self.translation).chain(self.rotation.iter().flatten()).all(|x| x.is_finite()) {
+        let (centre, lens) = ([cx, cy], self.lens.coefficients());
+        let pose = self.translation.iter().chain(self.rotation.iter().flatten());
+        if !centre.iter().chain(&lens).chain(pose).all(|x| x.is_finite()) {
             return Err(Error::NotFinite { camera: self.name.clone() });
         }
         let [a, b, c] = self.rotation;
@@ -171,7 +155,7 @@ impl Camera {
         Ok(())
     }
 
-    /// The same camera in a world that is turned about its origin: pixels of `new_from_old · P` are those of P before.
+    /// The same camera in a world that is turned about its origin: `new_from_old · P` has the pixel that P had.
     #[must_use]
     pub fn turned(&self, new_from_old: [[f64; 3]; 3]) -> Self {
         let rotation = self.rotation.map(|row| new_from_old.map(|axis| dot(row, axis)));
@@ -205,11 +189,8 @@ impl Camera {
         if z.is_nan() || z <= MIN_DEPTH_M {
             return Projection::Behind;
         }
-        let ideal = [x / z, y / z];
-        if ideal[0].hypot(ideal[1]) > self.distortion.valid_radius() {
-            return Projection::BeyondDistortion;
-        }
-        Projection::Pixel(self.pixel_from_normalised(self.distortion.distorted(ideal)))
+        let shown = self.lens.distorted([x / z, y / z]);
+        shown.map_or(Projection::BeyondLens, |at| Projection::Pixel(self.pixel_from_normalised(at)))
     }
 
     /// Pixel of a world point in the same camera with a perfect lens; `None` behind it.
@@ -222,27 +203,27 @@ impl Camera {
     /// Pixel of a world point and its derivative by the point (rows u, v; pixels per metre), where there is a pixel.
     #[must_use]
     pub fn project_with_jacobian(&self, point: [f64; 3]) -> Option<([f64; 2], [[f64; 3]; 2])> {
-        let pixel = self.project(point).pixel()?;
         let [x, y, z] = self.point_in_camera(point);
+        if z.is_nan() || z <= MIN_DEPTH_M {
+            return None;
+        }
         let ideal = [x / z, y / z];
+        let (shown, [du, dv]) = self.lens.distorted_with_derivative(ideal)?;
         let [r0, r1, r2] = self.rotation;
-        let of_ideal = [0, 1, 2].map(|k: usize| [(r0[k] - ideal[0] * r2[k]) / z, (r1[k] - ideal[1] * r2[k]) / z]);
-        let [du, dv] = self.distortion.derivative(ideal);
+        let before_lens = [0, 1, 2].map(|k: usize| [(r0[k] - ideal[0] * r2[k]) / z, (r1[k] - ideal[1] * r2[k]) / z]);
         let Intrinsics { fx, fy, .. } = self.intrinsics;
-        let row = |f: f64, d: [f64; 2]| of_ideal.map(|[a, b]| f * (d[0] * a + d[1] * b));
-        Some((pixel, [row(fx, du), row(fy, dv)]))
+        let row = |f: f64, d: [f64; 2]| before_lens.map(|[a, b]| f * (d[0] * a + d[1] * b));
+        Some((self.pixel_from_normalised(shown), [row(fx, du), row(fy, dv)]))
     }
 
     /// Pixel that a perfect lens would have shown for an observed pixel.
     ///
     /// # Errors
-    /// [`Error::BeyondDistortion`] where the distortion cannot be undone.
+    /// [`Error::BeyondLens`] where the lens shows no ray.
     pub fn undistort(&self, pixel: [f64; 2]) -> Result<[f64; 2], Error> {
         let observed = self.normalised_from_pixel(pixel);
-        let ideal = self
-            .distortion
-            .undistorted(observed)
-            .ok_or_else(|| Error::BeyondDistortion { camera: self.name.clone(), pixel })?;
+        let ideal =
+            self.lens.undistorted(observed).ok_or_else(|| Error::BeyondLens { camera: self.name.clone(), pixel })?;
         Ok(self.pixel_from_normalised(ideal))
     }
 
@@ -303,7 +284,7 @@ mod tests {
             name: "CF".into(),
             image_size_px: [2.0, 2.0],
             intrinsics: Intrinsics { fx: 1.0, fy: 1.0, cx: 0.0, cy: 0.0 },
-            distortion: Distortion::default(),
+            lens: Lens::default(),
             rotation,
             translation: rotation.map(|row| -dot(row, centre)),
         };
@@ -321,8 +302,8 @@ mod tests {
 
     #[test]
     fn a_resized_camera_sees_the_same_at_other_pixels() {
-        let lens = Distortion { k1: -0.1, p1: 1e-3, ..Distortion::default() };
-        let camera = Camera { distortion: lens, ..camera() };
+        let lens = crate::lens::Brown { k1: -0.1, p1: 1e-3, ..Default::default() };
+        let camera = Camera { lens: lens.into(), ..camera() };
         let half = camera.resized(0.5);
         let [[u, v], [a, b]] = [&camera, &half].map(|c| c.project([0.4, 0.3, 1.6]).pixel().unwrap());
         assert!((u - 2.0 * a).abs() < 1e-12 && (v - 2.0 * b).abs() < 1e-12);

@@ -42,7 +42,7 @@ pub enum Error {
     },
     /// A pixel outside the range in which the distortion can be undone.
     #[error("{camera}: pixel ({:.1}, {:.1}) lies beyond the valid radius of the distortion", pixel[0], pixel[1])]
-    BeyondDistortion {
+    BeyondLens {
         /// Camera at fault.
         camera: String,
         /// The pixel.

@@ -18,7 +18,7 @@
 //! cameras lies near their pixels whatever their noise is.
 
 use crate::camera::Camera;
-use crate::keypoint_likelihood::Detection;
+use crate::keypoint_model::Detection;
 use crate::triangulate::{self, Refined, Seen, linear, refined};
 use nalgebra::{Matrix2x3, Matrix3};
 

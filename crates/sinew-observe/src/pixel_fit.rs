@@ -7,7 +7,7 @@
 //! by Levenberg–Marquardt, ρ the square continued by Huber. With one camera nothing but the size of the body tells its depth: the prior of the angles must then be
 //! tight enough to hold what cannot be seen.
 
-use crate::keypoint_likelihood::{Detection, View};
+use crate::keypoint_model::{Detection, View};
 use nalgebra::{DMatrix, DVector, Matrix2x3};
 use sinew_body::{Plan, point_jacobian, point_positions};
 use sinew_core::lanes::Isa;

@@ -4,7 +4,7 @@
 //! background.
 
 use crate::bit_image::BitImage;
-use crate::{Camera, Distortion, RgbImage};
+use crate::{Camera, Lens, RgbImage};
 
 /// The raster in which one camera's images are compared.
 #[derive(Clone, Debug, PartialEq)]
@@ -21,15 +21,12 @@ impl WorkingRaster {
     pub fn new(camera: &Camera, factor: usize) -> Self {
         let factor = factor.max(1) as f64;
         let size = camera.image_size_px.map(|side| (side / factor).ceil().max(1.0) as usize);
-        let ideal = Camera { distortion: Distortion::default(), ..camera.resized(1.0 / factor) };
+        let ideal = Camera { lens: Lens::default(), ..camera.resized(1.0 / factor) };
         let ideal = Camera { image_size_px: size.map(|side| side as f64), ..ideal };
         let [width, height] = camera.image_size_px;
         let source = |x: usize, y: usize| {
             let at = ideal.normalised_from_pixel([x as f64 + 0.5, y as f64 + 0.5]);
-            if at[0].hypot(at[1]) > camera.distortion.valid_radius() {
-                return None;
-            }
-            let [u, v] = camera.pixel_from_normalised(camera.distortion.distorted(at));
+            let [u, v] = camera.pixel_from_normalised(camera.lens.distorted(at)?);
             ((0.0..width).contains(&u) && (0.0..height).contains(&v)).then_some([u as u32, v as u32])
         };
         let from = (0..size[1]).flat_map(|y| (0..size[0]).map(move |x| (x, y))).map(|(x, y)| source(x, y)).collect();
@@ -81,16 +78,17 @@ impl WorkingRaster {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::lens::Brown;
 
-    fn camera(distortion: Distortion) -> Camera {
+    fn camera(lens: impl Into<Lens>) -> Camera {
         let camera = Camera::look_at("C", [320.0, 240.0], 300.0, [0.0, -4.0, 1.0], [0.0, 0.0, 1.0]).expect("a view");
-        Camera { distortion, ..camera }
+        Camera { lens: lens.into(), ..camera }
     }
 
     /// What the lens has moved is where a perfect lens would have shown it.
     #[test]
     fn a_point_is_found_where_the_ideal_camera_sees_it() {
-        let camera = camera(Distortion { k1: -0.3, p1: 0.01, ..Distortion::default() });
+        let camera = camera(Brown { k1: -0.3, p1: 0.01, ..Brown::default() });
         let raster = WorkingRaster::new(&camera, 2);
         assert_eq!((raster.size(), raster.camera().image_size_px), ([160, 120], [160.0, 120.0]));
         for point in [[0.3, 0.0, 1.2], [-1.4, 0.1, 1.9], [1.5, 0.2, 0.1]] {
@@ -107,7 +105,7 @@ mod tests {
 
     #[test]
     fn with_a_perfect_lens_and_factor_one_nothing_changes() {
-        let raster = WorkingRaster::new(&camera(Distortion::default()), 1);
+        let raster = WorkingRaster::new(&camera(Lens::default()), 1);
         let image = BitImage::from_fn(320, 240, |x, y| (x * x + y * 3) % 7 == 0);
         assert_eq!(raster.silhouette(&image), image);
         let pixels = (0..320 * 240).map(|k| [k as u8, (k >> 8) as u8, 7]).collect();
@@ -122,7 +120,7 @@ mod tests {
     /// Pixels that the image lacks are background.
     #[test]
     fn what_was_not_taken_is_background() {
-        let raster = WorkingRaster::new(&camera(Distortion { k1: 0.5, ..Distortion::default() }), 1);
+        let raster = WorkingRaster::new(&camera(Brown { k1: 0.5, ..Brown::default() }), 1);
         let all = raster.silhouette(&BitImage::from_fn(320, 240, |_, _| true));
         assert!(!all.get(0, 0) && all.get(160, 120) && all.count() < 320 * 240);
     }

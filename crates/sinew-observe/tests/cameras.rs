@@ -1,8 +1,9 @@
 //! Laws of cameras: derivatives, the inverse of the distortion, epipolar geometry, rigid motions.
 
 use proptest::prelude::*;
+use sinew_observe::lens::Brown;
 use sinew_observe::triangulate::{self, Seen, triangulate};
-use sinew_observe::{Camera, Distortion, Intrinsics};
+use sinew_observe::{Camera, Intrinsics};
 
 type M3 = [[f64; 3]; 3];
 
@@ -26,7 +27,7 @@ fn camera() -> impl Strategy<Value = Camera> {
         let centre = [radius * f64::cos(angle), radius * f64::sin(angle), height];
         let mut camera =
             Camera::look_at("C", [1088.0, 1920.0], focal, centre, [0.0, 0.0, 1.0]).expect("not straight down");
-        camera.distortion = Distortion { k1, k2, p1, p2, k3 };
+        camera.lens = Brown { k1, k2, p1, p2, k3 }.into();
         camera.intrinsics.fy *= 1.01;
         camera
     })
@@ -59,8 +60,8 @@ proptest! {
     #[test]
     fn distorting_and_undistorting_gives_the_pixel_back(camera in camera(), u in 0.0..1088.0, v in 0.0..1920.0) {
         let normalised = camera.normalised_from_pixel([u, v]);
-        if normalised[0].hypot(normalised[1]) < 0.95 * camera.distortion.valid_radius() {
-            let seen = camera.pixel_from_normalised(camera.distortion.distorted(normalised));
+        if normalised[0].hypot(normalised[1]) < 0.95 * camera.lens.valid_radius() {
+            let seen = camera.pixel_from_normalised(camera.lens.distorted(normalised).expect("inside"));
             let back = camera.undistort(seen).expect("inside the valid radius");
             prop_assert!((back[0] - u).abs() < 1e-6 && (back[1] - v).abs() < 1e-6, "{back:?}");
         }

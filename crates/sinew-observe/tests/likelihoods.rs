@@ -5,10 +5,13 @@ use sinew_body::standard::{cf28, h32};
 use sinew_body::{Plan, Proportions, point_jacobian, point_positions};
 use sinew_core::density::{GaussNewton, GradLogDensity, LogDensity};
 use sinew_core::lanes::{Block, Isa, LANES, set_lane, triangle};
+use sinew_observe::lens::{Brown, Fisheye, Lens, Rational};
 use sinew_observe::{
-    Camera, Detection, Distortion, Intrinsics, KeypointFrame, KeypointModel, MarkerModel, Noise, ObservationModel, View,
+    Camera, Detection, Intrinsics, KeypointFrame, KeypointModel, MarkerModel, Noise, ObservationModel, View,
 };
 use std::sync::Arc;
+
+const LENS: Brown = Brown { k1: -0.05, k2: 0.03, p1: 0.002, p2: -0.001, k3: 0.01 };
 
 /// Four distorted cameras on a circle of 4 m, looking at (0, 0, 1).
 fn views() -> Vec<View> {
@@ -20,7 +23,7 @@ fn views() -> Vec<View> {
                 name: format!("cam{i}"),
                 image_size_px: [1000.0, 1200.0],
                 intrinsics: Intrinsics { fx: 900.0, fy: 880.0, cx: 500.0, cy: 610.0 },
-                distortion: Distortion { k1: -0.05, k2: 0.03, p1: 0.002, p2: -0.001, k3: 0.01 },
+                lens: LENS.into(),
                 rotation,
                 translation: [0.0, 1.0, 4.0],
             };
@@ -33,7 +36,7 @@ fn project(camera: &Camera, p: &[f64]) -> [f64; 2] {
     let c: Vec<f64> =
         (0..3).map(|i| (0..3).map(|j| camera.rotation[i][j] * p[j]).sum::<f64>() + camera.translation[i]).collect();
     let (x, y) = (c[0] / c[2], c[1] / c[2]);
-    let d = camera.distortion;
+    let d = LENS;
     let r2 = x * x + y * y;
     let radial = 1.0 + d.k1 * r2 + d.k2 * r2 * r2 + d.k3 * r2 * r2 * r2;
     let xd = x * radial + 2.0 * d.p1 * x * y + d.p2 * (r2 + 2.0 * x * x);
@@ -266,6 +269,44 @@ fn a_point_behind_a_camera_counts_as_an_outlier_and_does_not_pull() {
         let empty = model.bind(KeypointFrame { detections: &nothing, predicted: &vec![0.0; 3 * model.plan.points()] });
         assert_eq!(empty.log_density_grad(&q, &mut grad), 0.0);
         assert!(grad.iter().all(|&g| g == 0.0));
+    }
+}
+
+/// Where no lens shows the body, each sighting is at its floor and nothing pulls: the same value as behind the camera, whatever the lens.
+#[test]
+fn a_point_beyond_the_domain_of_a_lens_counts_as_an_outlier() {
+    let narrow: [Lens; 3] = [
+        Brown { k1: -0.3, ..Brown::default() }.into(),
+        Rational { denominator: [1.0, 0.0, 0.0], ..Rational::default() }.into(),
+        Fisheye { k: [-0.4, 0.0, 0.0, 0.0] }.into(),
+    ];
+    for (noise, lens) in NOISES.into_iter().flat_map(|noise| narrow.map(|lens| (noise, lens))) {
+        let (mut model, _) = keypoints(noise, Isa::best());
+        model.views.truncate(1);
+        model.views[0].camera.lens = lens;
+        let camera = &model.views[0].camera;
+        let n = model.plan.points();
+        let bound = |model: &KeypointModel| {
+            let detections = vec![vec![Some(Detection { pixel: [480.0, 600.0], confidence: 0.6 }); n]];
+            model.bind(KeypointFrame { detections: &detections, predicted: &[0.0, 0.0, 1.0].repeat(n) })
+        };
+        let density = bound(&model);
+        let at = |place: [f64; 3]| {
+            let mut q = vec![0.0; 32];
+            q[..3].copy_from_slice(&place);
+            let mut grad = vec![0.0; 32];
+            let value = density.log_density_grad(&q, &mut grad);
+            let mut points = vec![0.0; 3 * n];
+            point_positions(&model.plan, Isa::best(), &q, &mut points);
+            let seen = points.as_chunks::<3>().0.iter().filter(|p| camera.project(**p).pixel().is_some()).count();
+            (value, grad.iter().all(|g| *g == 0.0), seen)
+        };
+        let [side, _, forward] = camera.rotation;
+        let centre = camera.centre();
+        let moved = |ahead: f64, aside: f64| [0, 1, 2].map(|k: usize| centre[k] + ahead * forward[k] + aside * side[k]);
+        let (behind, beyond, seen) = (at(moved(-5.0, 0.0)), at(moved(4.0, 40.0)), at(moved(4.0, 0.0)));
+        assert_eq!((behind, behind.2), (beyond, 0), "{lens:?}");
+        assert!(seen.2 == n && !seen.1 && seen.0 > behind.0, "{lens:?}");
     }
 }
 

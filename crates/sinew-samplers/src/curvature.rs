@@ -19,7 +19,7 @@ pub fn curvature<O: GaussNewton + ?Sized, P: FramePrior>(
     let d = prior.dim();
     let mut state = vec![Block::ZERO; d];
     let mut diagonal = vec![Block::ZERO; d];
-    let mut ws = vec![Block::ZERO; observed.workspace()];
+    let mut ws = vec![Block::ZERO; observed.matrix_workspace()];
     let mut sums = vec![(0.0, 0.0); d];
     for block in 0..draws.div_ceil(8) {
         prior.sample_block(block, &mut state, &mut stage.block(block as u32));

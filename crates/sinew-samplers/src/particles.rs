@@ -10,7 +10,7 @@
 //! other probabilities than their weights, [`select`] takes them with the weights that they keep.
 
 use crate::resample::{Ancestors, Scheme};
-use crate::weights::{effective_number, normalise};
+use crate::weights::{effective_number, largest, normalise};
 use crate::{Error, moments};
 use rayon::prelude::*;
 use sinew_core::density::LogDensity;
@@ -307,12 +307,6 @@ pub fn best(particles: &Particles) -> (usize, f64) {
     largest(&particles.values())
 }
 
-/// Place and value of the largest number; the first of equals, and what is no number is never chosen before one.
-pub(crate) fn largest(values: &[f64]) -> (usize, f64) {
-    let none = (0, f64::NEG_INFINITY);
-    values.iter().copied().enumerate().fold(none, |best, next| if next.1 > best.1 { next } else { best })
-}
-
 /// Weighted mean state.
 #[must_use]
 pub fn aggregate(particles: &Particles) -> Vec<f64> {
@@ -322,12 +316,16 @@ pub fn aggregate(particles: &Particles) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use sinew_core::transition::MotionModel;
 
     struct Shift(f64);
-    impl Transition for Shift {
+    impl MotionModel for Shift {
         fn dim(&self) -> usize {
             2
         }
+    }
+
+    impl Transition for Shift {
         fn sample_block(&self, previous: &[Block], next: &mut [Block], rng: &mut sinew_core::random::BlockRng) {
             rng.fill_uniform(next);
             for (n, p) in next.iter_mut().flat_map(|b| &mut b.0).zip(previous.iter().flat_map(|b| b.0)) {

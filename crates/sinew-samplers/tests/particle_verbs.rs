@@ -6,7 +6,7 @@
 use sinew_core::density::LogDensity;
 use sinew_core::lanes::{Block, Isa, LANES};
 use sinew_core::random::{BlockRng, Stage};
-use sinew_core::transition::Transition;
+use sinew_core::transition::{MotionModel, Transition};
 use sinew_samplers::particles::{Particles, predict, predict_and_reweight, resample, reweight, start};
 use sinew_samplers::resample::Scheme;
 use std::f64::consts::TAU;
@@ -18,10 +18,13 @@ const SEEN: [f64; 5] = [0.4, 1.9, 1.1, -0.3, 0.2];
 /// x' = x + N(0, 0.8²), from 0.
 struct Walk;
 
-impl Transition for Walk {
+impl MotionModel for Walk {
     fn dim(&self) -> usize {
         1
     }
+}
+
+impl Transition for Walk {
     fn sample_block(&self, previous: &[Block], next: &mut [Block], rng: &mut BlockRng) {
         rng.fill_normal(Isa::baseline(), next);
         (0..LANES).for_each(|lane| next[0].0[lane] = previous[0].0[lane] + STEP * next[0].0[lane]);
@@ -48,9 +51,9 @@ fn exact() -> (f64, f64, f64) {
     let (mut log_z, mut mean, mut variance) = (0.0, 0.0, 0.0);
     for z in SEEN {
         variance += STEP * STEP;
-        let of_z = variance + NOISE * NOISE;
-        log_z += -0.5 * (z - mean).powi(2) / of_z - 0.5 * (TAU * of_z).ln();
-        let gain = variance / of_z;
+        let predicted = variance + NOISE * NOISE;
+        log_z += -0.5 * (z - mean).powi(2) / predicted - 0.5 * (TAU * predicted).ln();
+        let gain = variance / predicted;
         mean += gain * (z - mean);
         variance *= 1.0 - gain;
     }

@@ -211,7 +211,7 @@ fn seen(
 pub fn pixel(camera: &Camera, point_in_world: [f64; 3]) -> Option<[f64; 2]> {
     match camera.project(point_in_world) {
         Projection::Pixel(pixel) => Some(pixel),
-        Projection::Behind | Projection::BeyondDistortion => None,
+        Projection::Behind | Projection::BeyondLens => None,
     }
 }
 

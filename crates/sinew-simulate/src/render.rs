@@ -34,7 +34,7 @@ impl View {
         let [width, height] = camera.image_size_px.map(|size| size.round().max(0.0) as usize);
         let place = |x: usize, y: usize| {
             let observed = camera.normalised_from_pixel([x as f64 + 0.5, y as f64 + 0.5]);
-            camera.distortion.undistorted(observed).unwrap_or([f64::NAN; 2])
+            camera.lens.undistorted(observed).unwrap_or([f64::NAN; 2])
         };
         let places: Vec<[f64; 2]> =
             (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).map(|(x, y)| place(x, y)).collect();
@@ -232,12 +232,12 @@ fn hash(i: i64, j: i64, seed: u64) -> f64 {
 mod tests {
     use super::*;
     use crate::evaluation_body::Shape;
-    use sinew_observe::camera::Distortion;
+    use sinew_observe::lens::Brown;
 
     fn cameras() -> [Camera; 2] {
         let straight = Camera::look_at("C1", [160.0, 120.0], 150.0, [2.5, -3.0, 2.2], [0.0, 0.0, 1.0]).unwrap();
-        let lens = Distortion { k1: -0.25, k2: 0.06, p1: 2e-3, p2: -1e-3, k3: 0.0 };
-        [straight.clone(), Camera { distortion: lens, ..straight }]
+        let lens = Brown { k1: -0.25, k2: 0.06, p1: 2e-3, p2: -1e-3, k3: 0.0 };
+        [straight.clone(), Camera { lens: lens.into(), ..straight }]
     }
 
     fn solids() -> Vec<Solid> {
@@ -259,8 +259,7 @@ mod tests {
             let casts: Vec<Cast> = solids().iter().map(|solid| Cast::new(&camera, &solid.shape).unwrap()).collect();
             for y in 0..120 {
                 for x in 0..160 {
-                    let place =
-                        camera.distortion.undistorted(camera.normalised_from_pixel([x as f64 + 0.5, y as f64 + 0.5]));
+                    let place = camera.lens.undistorted(camera.normalised_from_pixel([x as f64 + 0.5, y as f64 + 0.5]));
                     let expected = place.is_some_and(|place| casts.iter().any(|cast| cast.entry(place).is_some()));
                     assert_eq!(silhouette.get(x, y), expected, "{x} {y}");
                 }

@@ -14,14 +14,14 @@
 //! survive, so neither the particles nor their weights are those of a posterior; the last layer usually stands at one peak even where there are several.
 
 use crate::error::check_dimension;
+use crate::particle_state::ParticleState;
 use crate::posterior::Posterior;
-use crate::resume::{check_length, length_of, put_particles, take_particles};
 use crate::{Error, Resume, StepInfo, Tracker};
 use sinew_core::combinators::Sum;
 use sinew_core::density::LogDensity;
 use sinew_core::lanes::Isa;
 use sinew_core::random::Stage;
-use sinew_core::transition::Transition;
+use sinew_core::transition::{MotionModel, Transition};
 use sinew_samplers::annealed_search::{self, Last, anneal};
 use sinew_samplers::particles::{Particles, aggregate, best, predict, resample, start};
 use std::fmt;
@@ -71,13 +71,10 @@ pub type Validity = Arc<dyn LogDensity + Send>;
 #[derive(Clone)]
 pub struct Annealed<T> {
     config: Config,
-    transition: T,
     sd: Vec<f64>,
     isa: Isa,
     validity: Option<Validity>,
-    estimate: Vec<f64>,
-    particles: Particles,
-    started: bool,
+    state: ParticleState<T>,
 }
 
 impl<T: Transition> Annealed<T> {
@@ -87,10 +84,9 @@ impl<T: Transition> Annealed<T> {
     /// # Errors
     /// [`Error::Dimension`], settings out of range, or no particles.
     pub fn new(config: Config, transition: T, sd: Vec<f64>, centre: Vec<f64>, isa: Isa) -> Result<Self, Error> {
-        check_dimension("start", centre.len(), transition.dim())?;
-        config.layers.check(&sd, centre.len())?;
-        let particles = Particles::new(&centre, config.particles)?;
-        Ok(Self { config, transition, sd, isa, validity: None, estimate: centre, particles, started: false })
+        let state = ParticleState::new(transition, centre, config.particles)?;
+        config.layers.check(&sd, state.estimate.len())?;
+        Ok(Self { config, sd, isa, validity: None, state })
     }
 
     /// The same tracker with particles refused where `validity` is −∞ (Balan, Sigal & Black 2005: limbs that intersect): they have weight 0 in every layer.
@@ -98,42 +94,43 @@ impl<T: Transition> Annealed<T> {
     /// # Errors
     /// [`Error::Dimension`].
     pub fn with_validity(self, validity: Validity) -> Result<Self, Error> {
-        check_dimension("validity", validity.dim(), self.particles.dim())?;
+        check_dimension("validity", validity.dim(), self.state.estimate.len())?;
         Ok(Self { validity: Some(validity), ..self })
     }
 
     /// The particles of the last layer with its weights.
     #[must_use]
     pub fn particles(&self) -> &Particles {
-        &self.particles
+        &self.state.particles
     }
 
     /// Particle of the largest likelihood in the last layer of the last frame, and its log likelihood.
     #[must_use]
     pub fn best(&self) -> (Vec<f64>, f64) {
-        let (index, log_likelihood) = best(&self.particles);
-        (self.particles.state(index), log_likelihood)
+        let (index, log_likelihood) = best(&self.state.particles);
+        (self.state.particles.state(index), log_likelihood)
     }
 }
 
 impl<T: fmt::Debug> fmt::Debug for Annealed<T> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { config, transition, sd, estimate, started, .. } = self;
-        write!(f, "Annealed {{ {config:?}, {transition:?}, sd: {sd:?}, estimate: {estimate:?}, started: {started} }}")
+        let Self { config, sd, state, .. } = self;
+        write!(f, "Annealed {{ {config:?}, sd: {sd:?}, {state:?} }}")
     }
 }
 
 impl<T: Transition + Send, O: LogDensity + ?Sized> Tracker<O> for Annealed<T> {
     fn step(&mut self, observed: &O, stage: Stage) -> Result<StepInfo, Error> {
-        check_dimension("observation", observed.dim(), self.particles.dim())?;
+        check_dimension("observation", observed.dim(), self.state.estimate.len())?;
         let Config { particles: count, layers: config } = &self.config;
         let [to_resample, to_predict, to_anneal] = stage.split(["resample", "predict", "layers"]);
-        let mut particles = self.particles.clone();
-        if self.started {
+        let ParticleState { motion, estimate, started, .. } = &self.state;
+        let mut particles = self.state.particles.clone();
+        if *started {
             let ancestors = resample(&particles, config.scheme, to_resample);
-            predict(&mut particles, Some(ancestors), &self.transition, to_predict);
+            predict(&mut particles, Some(ancestors), motion, to_predict);
         } else {
-            start(&mut particles, &self.transition, &self.estimate, to_predict);
+            start(&mut particles, motion, estimate, to_predict);
         }
         let layers = match &self.validity {
             None => anneal(&mut particles, observed, &self.sd, config, self.isa, to_anneal),
@@ -141,14 +138,14 @@ impl<T: Transition + Send, O: LogDensity + ?Sized> Tracker<O> for Annealed<T> {
                 anneal(&mut particles, &Sum(observed, &**validity), &self.sd, config, self.isa, to_anneal)
             }
         }?;
-        self.estimate = aggregate(&particles);
-        self.particles = particles;
+        let (mean, ess) = (aggregate(&particles), particles.effective_sample_size());
+        self.state.particles = particles;
         let is_filter = config.layers == 1 && config.last == Last::Fixed(1.0);
         Ok(StepInfo {
-            mean: self.estimate.clone(),
-            ess: self.particles.effective_sample_size(),
+            ess,
             log_evidence: is_filter.then_some(layers.log_sum),
-            resampled: Some(std::mem::replace(&mut self.started, true)),
+            resampled: Some(self.state.settle(mean.clone())),
+            mean,
             exponents: layers.exponents,
             survivors: layers.survivors,
             likelihood_evaluations: count * config.layers,
@@ -158,22 +155,20 @@ impl<T: Transition + Send, O: LogDensity + ?Sized> Tracker<O> for Annealed<T> {
 
     /// The last layer with its weights: of a search, and no posterior.
     fn posterior(&self) -> Posterior<'_> {
-        Posterior::of(&self.particles)
+        self.state.posterior()
     }
 
     fn estimate(&self) -> &[f64] {
-        &self.estimate
+        &self.state.estimate
     }
 }
 
-impl<T> Resume for Annealed<T> {
+impl<T: MotionModel> Resume for Annealed<T> {
     fn save(&self) -> Vec<f64> {
-        put_particles(self.started, &self.estimate, &self.particles)
+        self.state.save()
     }
 
     fn restore(&mut self, saved: &[f64]) -> Result<(), Error> {
-        check_length(saved.len(), length_of(&self.particles))?;
-        take_particles(saved, &mut self.started, &mut self.estimate, &mut self.particles);
-        Ok(())
+        self.state.restore(saved)
     }
 }

@@ -11,12 +11,12 @@
 //! N likelihood evaluations a frame. The evidence is unbiased on the natural scale. An effective number below ten says that N is too small for the noise and the dimension.
 
 use crate::error::check_dimension;
+use crate::particle_state::ParticleState;
 use crate::posterior::Posterior;
-use crate::resume::{check_length, length_of, put_particles, take_particles};
 use crate::{Error, Resume, StepInfo, Tracker};
 use sinew_core::density::LogDensity;
 use sinew_core::random::Stage;
-use sinew_core::transition::Transition;
+use sinew_core::transition::{MotionModel, Transition};
 use sinew_samplers::particles::{Particles, aggregate, predict_and_reweight, resample, retreat, reweight, start};
 use sinew_samplers::resample::Scheme;
 
@@ -41,10 +41,7 @@ impl Default for Config {
 #[derive(Clone, Debug)]
 pub struct Bootstrap<T> {
     config: Config,
-    transition: T,
-    estimate: Vec<f64>,
-    particles: Particles,
-    started: bool,
+    state: ParticleState<T>,
 }
 
 impl<T: Transition> Bootstrap<T> {
@@ -53,51 +50,50 @@ impl<T: Transition> Bootstrap<T> {
     /// # Errors
     /// [`Error::Config`], [`Error::Dimension`], or no particles.
     pub fn new(config: Config, transition: T, centre: Vec<f64>) -> Result<Self, Error> {
-        check_dimension("start", centre.len(), transition.dim())?;
         if !(0.0..=1.0).contains(&config.resample_below) {
             let (name, value) = ("resample_below", config.resample_below);
             return Err(Error::Config { name, value, expected: "must be between 0 and 1" });
         }
-        let particles = Particles::new(&centre, config.particles)?;
-        Ok(Self { config, transition, estimate: centre, particles, started: false })
+        let state = ParticleState::new(transition, centre, config.particles)?;
+        Ok(Self { config, state })
     }
 
     /// The particles with their weights.
     #[must_use]
     pub fn particles(&self) -> &Particles {
-        &self.particles
+        &self.state.particles
     }
 }
 
 impl<T: Transition + Send, O: LogDensity + ?Sized> Tracker<O> for Bootstrap<T> {
     fn step(&mut self, observed: &O, stage: Stage) -> Result<StepInfo, Error> {
-        check_dimension("observation", observed.dim(), self.particles.dim())?;
+        check_dimension("observation", observed.dim(), self.state.estimate.len())?;
         let [to_resample, to_predict] = stage.split(["resample", "predict"]);
-        let particles = &mut self.particles;
+        let ParticleState { motion, estimate, particles, started } = &mut self.state;
         let count = particles.count();
         let mut resampled = false;
-        let weighed = if self.started {
+        let weighed = if *started {
             resampled = particles.effective_sample_size() <= self.config.resample_below * count as f64 * (1.0 + 1e-9);
             let ancestors = resampled.then(|| resample(particles, self.config.scheme, to_resample));
-            predict_and_reweight(particles, ancestors, &self.transition, observed, to_predict)
+            predict_and_reweight(particles, ancestors, motion, observed, to_predict)
         } else {
-            start(particles, &self.transition, &self.estimate, to_predict);
+            start(particles, motion, estimate, to_predict);
             reweight(particles, observed)
         };
         let log_evidence = match weighed {
             Ok(log_evidence) => log_evidence,
             Err(error) => {
-                if self.started {
+                if *started {
                     retreat(particles);
                 }
                 return Err(error.into());
             }
         };
-        self.started = true;
-        self.estimate = aggregate(particles);
+        let (mean, ess) = (aggregate(particles), particles.effective_sample_size());
+        self.state.settle(mean.clone());
         Ok(StepInfo {
-            mean: self.estimate.clone(),
-            ess: particles.effective_sample_size(),
+            mean,
+            ess,
             log_evidence: Some(log_evidence),
             resampled: Some(resampled),
             likelihood_evaluations: count,
@@ -106,22 +102,20 @@ impl<T: Transition + Send, O: LogDensity + ?Sized> Tracker<O> for Bootstrap<T> {
     }
 
     fn posterior(&self) -> Posterior<'_> {
-        Posterior::of(&self.particles)
+        self.state.posterior()
     }
 
     fn estimate(&self) -> &[f64] {
-        &self.estimate
+        &self.state.estimate
     }
 }
 
-impl<T> Resume for Bootstrap<T> {
+impl<T: MotionModel> Resume for Bootstrap<T> {
     fn save(&self) -> Vec<f64> {
-        put_particles(self.started, &self.estimate, &self.particles)
+        self.state.save()
     }
 
     fn restore(&mut self, saved: &[f64]) -> Result<(), Error> {
-        check_length(saved.len(), length_of(&self.particles))?;
-        take_particles(saved, &mut self.started, &mut self.estimate, &mut self.particles);
-        Ok(())
+        self.state.restore(saved)
     }
 }

@@ -14,13 +14,14 @@
 //! ancestors.
 
 use crate::error::check_dimension;
+use crate::particle_state::ParticleState;
 use crate::posterior::Posterior;
-use crate::resume::{check_length, length_of, put_particles, take_particles};
 use crate::{Error, Resume, StepInfo, Tracker};
 use sinew_core::density::PartLogDensity;
 use sinew_core::lanes::Isa;
 use sinew_core::part::PartTree;
 use sinew_core::random::Stage;
+use sinew_core::transition::MotionModel;
 use sinew_samplers::diffusion::diffuse;
 use sinew_samplers::grid::Axis;
 use sinew_samplers::particles::{Particles, best, resample, temper};
@@ -62,16 +63,42 @@ pub struct Judged {
 #[derive(Clone, Debug)]
 pub struct CoarseToFine {
     config: Config,
-    axes: Vec<Axis>,
     tree: PartTree,
     isa: Isa,
-    particles: Particles,
+    /// The coarse particles, with X̂ as the estimate.
+    state: ParticleState<Drift>,
     /// X̂ of the last frame as the only particle.
     answer: Particles,
     coarse: Judged,
     fine: Judged,
+}
+
+/// The last change of X̂, the short way round where a coordinate wraps.
+#[derive(Clone, Debug)]
+struct Drift {
+    axes: Vec<Axis>,
     change: Vec<f64>,
-    started: bool,
+}
+
+impl MotionModel for Drift {
+    fn dim(&self) -> usize {
+        self.axes.len()
+    }
+
+    fn follow(&mut self, before: Option<&[f64]>, estimate: &[f64]) {
+        let Some(before) = before else { return };
+        for (((change, from), to), axis) in self.change.iter_mut().zip(before).zip(estimate).zip(&self.axes) {
+            *change = axis.difference(*to, *from);
+        }
+    }
+
+    fn memory(&self) -> Vec<f64> {
+        self.change.clone()
+    }
+
+    fn recall(&mut self, memory: &[f64]) {
+        self.change.copy_from_slice(memory);
+    }
 }
 
 impl CoarseToFine {
@@ -80,35 +107,23 @@ impl CoarseToFine {
     /// # Errors
     /// [`Error::Config`], [`Error::Dimension`], or no particles.
     pub fn new(config: Config, axes: Vec<Axis>, tree: PartTree, centre: Vec<f64>, isa: Isa) -> Result<Self, Error> {
-        check_dimension("start", centre.len(), axes.len())?;
+        let start = Judged { state: centre.clone(), log_likelihood: f64::NEG_INFINITY };
+        let change = vec![0.0; axes.len()];
+        let state = ParticleState::new(Drift { axes, change }, centre, config.coarse)?;
         let covered = tree.partition().parts().iter().map(|part| part.indices().len()).sum();
-        check_dimension("part tree", covered, axes.len())?;
+        check_dimension("part tree", covered, state.estimate.len())?;
         if !config.drift.is_finite() {
             return Err(Error::Config { name: "drift", value: config.drift, expected: "must be finite" });
         }
-        Particles::new(&centre, config.fine)?;
-        let particles = Particles::new(&centre, config.coarse)?;
-        let answer = Particles::new(&centre, 1)?;
-        let change = vec![0.0; centre.len()];
-        let start = Judged { state: centre, log_likelihood: f64::NEG_INFINITY };
-        Ok(Self {
-            config,
-            axes,
-            tree,
-            isa,
-            particles,
-            answer,
-            coarse: start.clone(),
-            fine: start,
-            change,
-            started: false,
-        })
+        Particles::new(&start.state, config.fine)?;
+        let answer = Particles::new(&start.state, 1)?;
+        Ok(Self { config, tree, isa, state, answer, coarse: start.clone(), fine: start })
     }
 
     /// The coarse particles with their weights, of a search.
     #[must_use]
     pub fn particles(&self) -> &Particles {
-        &self.particles
+        &self.state.particles
     }
 
     /// X_c of the last frame.
@@ -126,13 +141,14 @@ impl CoarseToFine {
 
 impl<O: PartLogDensity + ?Sized> Tracker<O> for CoarseToFine {
     fn step(&mut self, observed: &O, stage: Stage) -> Result<StepInfo, Error> {
-        let (Self { config, axes, tree, isa, .. }, parts) = (&*self, self.tree.partition().parts().len());
+        let (Self { config, tree, isa, state, .. }, parts) = (&*self, self.tree.partition().parts().len());
+        let Drift { axes, change } = &state.motion;
         check_dimension("observation", observed.dim(), axes.len())?;
         check_dimension("number of parts of the observation", observed.parts(), parts)?;
         let [to_resample, to_walk, to_refine] = stage.split(["resample", "walk", "refine"]);
-        let mut particles = self.particles.clone();
+        let mut particles = state.particles.clone();
         let ancestors = resample(&particles, Scheme::Multinomial, to_resample);
-        let drift: Vec<f64> = self.change.iter().map(|change| config.drift * change).collect();
+        let drift: Vec<f64> = change.iter().map(|change| config.drift * change).collect();
         walk(&mut particles, ancestors, &drift, axes, config.snapped, *isa, to_walk);
         let evaluations = evaluate_distinct(&mut particles, observed);
         temper(&mut particles, 1.0)?;
@@ -143,12 +159,8 @@ impl<O: PartLogDensity + ?Sized> Tracker<O> for CoarseToFine {
         let widths: Vec<f64> = axes.iter().map(Axis::width).collect();
         diffuse(&mut refined, None, &widths, *isa, to_refine);
         let choice = if config.chained { choose_chained } else { choose };
-        let state = choice(&refined, observed, tree)?;
-        let fine = Judged { log_likelihood: observed.log_density(&state), state };
-
-        let moved = fine.state.iter().zip(&self.fine.state).zip(axes);
-        let change = moved.map(|((to, from), axis)| if self.started { axis.difference(*to, *from) } else { 0.0 });
-        let change: Vec<f64> = change.collect();
+        let chosen = choice(&refined, observed, tree)?;
+        let fine = Judged { log_likelihood: observed.log_density(&chosen), state: chosen };
         let info = StepInfo {
             mean: fine.state.clone(),
             ess: 1.0,
@@ -159,35 +171,37 @@ impl<O: PartLogDensity + ?Sized> Tracker<O> for CoarseToFine {
             ..StepInfo::default()
         };
         self.answer = Particles::new(&fine.state, 1)?;
-        (self.particles, self.coarse, self.fine) = (particles, coarse, fine);
-        (self.change, self.started) = (change, true);
+        self.state.particles = particles;
+        self.state.settle(fine.state.clone());
+        (self.coarse, self.fine) = (coarse, fine);
         Ok(info)
     }
 
     /// X̂ alone: it comes without a spread.
     fn posterior(&self) -> Posterior<'_> {
-        Posterior::of(&self.answer)
+        Posterior {
+            dim: self.answer.dim(),
+            states: self.answer.states(),
+            weights: self.answer.weights(),
+            effective: 1.0,
+            chain_stats: &[],
+        }
     }
 
     /// X̂ of the last frame.
     fn estimate(&self) -> &[f64] {
-        &self.fine.state
+        &self.state.estimate
     }
 }
 
 impl Resume for CoarseToFine {
     fn save(&self) -> Vec<f64> {
-        let mut saved = put_particles(self.started, &self.fine.state, &self.particles);
-        saved.extend(&self.change);
-        saved
+        self.state.save()
     }
 
     fn restore(&mut self, saved: &[f64]) -> Result<(), Error> {
-        let length = length_of(&self.particles);
-        check_length(saved.len(), length + self.axes.len())?;
-        let (particles, change) = saved.split_at(length);
-        take_particles(particles, &mut self.started, &mut self.fine.state, &mut self.particles);
-        self.change.copy_from_slice(change);
+        self.state.restore(saved)?;
+        self.fine.state.clone_from(&self.state.estimate);
         Ok(())
     }
 }

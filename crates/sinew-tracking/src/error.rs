@@ -30,6 +30,9 @@ pub enum Error {
     /// The motion model has no prior for the next frame.
     #[error("no prior for the next frame")]
     Prior(#[source] Box<dyn std::error::Error + Send + Sync>),
+    /// A tracker of a latent state cannot start at a pose.
+    #[error("no sampled state decodes to the pose to start at")]
+    NotEncoded,
     /// Tracking stopped in a frame.
     #[error("frame {frame}")]
     Frame {

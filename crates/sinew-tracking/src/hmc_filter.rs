@@ -22,11 +22,12 @@ use sinew_core::combinators::Sum;
 use sinew_core::density::GaussNewton;
 use sinew_core::lanes::{Block, Isa, LANES};
 use sinew_core::random::Stage;
-use sinew_core::transition::{Cloud, Moments, Predict};
-use sinew_samplers::chains::{Draws, Schedule, draw};
+use sinew_core::transition::{Cloud, Moments, MotionModel, Predict};
+use sinew_samplers::chains::{ChainDraws, Schedule, draw};
 use sinew_samplers::curvature::curvature;
 use sinew_samplers::hmc::Hmc;
-use sinew_samplers::metric::{Geometry, Metric, laplace};
+use sinew_samplers::laplace::laplace;
+use sinew_samplers::metric::{Geometry, Metric};
 use sinew_samplers::moments;
 use sinew_samplers::starts::{importance_starts, laplace_starts};
 use sinew_samplers::tuning::{self, Trial, Tuned};
@@ -97,7 +98,7 @@ pub struct HmcFilter<T> {
     transition: T,
     isa: Isa,
     estimate: Vec<f64>,
-    draws: Draws,
+    draws: ChainDraws,
     weights: Vec<f64>,
     effective: f64,
     moments: Option<Moments>,
@@ -132,7 +133,7 @@ impl<T: Predict> HmcFilter<T> {
                 return Err(Error::Config { name, value: value as f64, expected });
             }
         }
-        let draws = Draws { dim: expected, ..Draws::default() };
+        let draws = ChainDraws { dim: expected, ..ChainDraws::default() };
         Ok(Self { config, transition, isa, estimate: centre, draws, weights: vec![], effective: 0.0, moments: None })
     }
 
@@ -165,7 +166,7 @@ impl<T: Predict> HmcFilter<T> {
     }
 
     /// Keeps draws of equal weight, and their mean.
-    fn keep(&mut self, draws: Draws) {
+    fn keep(&mut self, draws: ChainDraws) {
         let count = draws.stats.len();
         self.weights.clear();
         self.weights.resize(count, 1.0 / count as f64);
@@ -203,6 +204,7 @@ impl<T: Predict> HmcFilter<T> {
 impl<T: Predict + Send, O: GaussNewton + ?Sized> Tracker<O> for HmcFilter<T> {
     fn step(&mut self, observed: &O, stage: Stage) -> Result<StepInfo, Error> {
         let Config { chains, step_size, leapfrog_steps, jitter, curvature_draws, patience, .. } = self.config;
+        let before = self.moments.is_some().then(|| self.estimate.clone());
         let mut schedule = Schedule { updates: self.config.updates, burn_in: self.config.burn_in };
         let [to_start, to_move] = stage.split(["start", "chains"]);
         let Start { prior, states, metric, log_evidence } = self.start(observed, to_start)?;
@@ -223,6 +225,7 @@ impl<T: Predict + Send, O: GaussNewton + ?Sized> Tracker<O> for HmcFilter<T> {
         let mut moments = self.view().moments(self.isa);
         metric.shrink(&mut moments, self.effective);
         self.moments = Some(moments);
+        self.transition.follow(before.as_deref(), &self.estimate);
         Ok(StepInfo {
             mean: self.estimate.clone(),
             ess: quality.ess,
@@ -247,7 +250,7 @@ impl<T: Predict + Send, O: GaussNewton + ?Sized> Tracker<O> for HmcFilter<T> {
     }
 }
 
-impl<T> Resume for HmcFilter<T> {
+impl<T: MotionModel> Resume for HmcFilter<T> {
     fn save(&self) -> Vec<f64> {
         let mut saved = self.estimate.clone();
         if let Some(moments) = &self.moments {
@@ -255,14 +258,18 @@ impl<T> Resume for HmcFilter<T> {
             saved.extend(&moments.covariance);
             put_blocks(&mut saved, &self.draws.last);
         }
+        saved.extend(self.transition.memory());
         saved
     }
 
     fn restore(&mut self, saved: &[f64]) -> Result<(), Error> {
         let d = self.estimate.len();
-        let started = saved.len() > d;
+        let memory = self.transition.memory().len();
+        let started = saved.len() > d + memory;
         let last = LANES * d * self.config.chains.div_ceil(LANES);
-        check_length(saved.len(), if started { d + d + d * d + last } else { d })?;
+        check_length(saved.len(), if started { d + d + d * d + last + memory } else { d + memory })?;
+        let (saved, memory) = saved.split_at(saved.len() - memory);
+        self.transition.recall(memory);
         let (estimate, rest) = saved.split_at(d);
         self.estimate = estimate.to_vec();
         self.moments = None;

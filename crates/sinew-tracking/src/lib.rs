@@ -9,31 +9,46 @@
 //! use sinew_core::toy::Quadratic;
 //! use sinew_dynamics::random_walk::{Between, RandomWalk};
 //! use sinew_tracking::bootstrap::{Bootstrap, Config};
-//! use sinew_tracking::{StepInfo, run};
+//! use sinew_tracking::posterior::Posterior;
+//! use sinew_tracking::{Error, Harness, StepInfo, run};
+//! use std::ops::ControlFlow;
+//!
+//! /// A point that moves to the right, seen in every frame.
+//! struct Moving {
+//!     isa: Isa,
+//!     last: Option<StepInfo>,
+//! }
+//!
+//! impl Harness<Lanes<Quadratic>> for Moving {
+//!     type Bound = Lanes<Quadratic>;
+//!     type Error = Error;
+//!     fn observe(&mut self, frame: u32, _estimate: &[f64]) -> Result<Self::Bound, Error> {
+//!         let leaf = Quadratic { centre: vec![0.1 * f64::from(frame), 0.0], precision: vec![100.0; 2] };
+//!         Ok(Lanes { leaf, isa: self.isa })
+//!     }
+//!     fn record(&mut self, _: u32, info: StepInfo, _: Posterior<'_>) -> Result<ControlFlow<()>, Error> {
+//!         self.last = Some(info);
+//!         Ok(ControlFlow::Continue(()))
+//!     }
+//! }
 //!
 //! let isa = Isa::best();
 //! let walk = RandomWalk::new(&[1.0, 1.0], 0.01, Between::Mixture, isa)?;
 //! let mut tracker = Bootstrap::new(Config { particles: 1000, ..Config::default() }, walk, vec![0.0, 0.0])?;
-//! let seen = |frame: u32| Lanes { leaf: Quadratic { centre: vec![0.1 * f64::from(frame), 0.0], precision: vec![100.0; 2] }, isa };
-//! let mut last: Option<StepInfo> = None;
-//! run(
-//!     &mut tracker,
-//!     0..20,
-//!     |frame| Stage::new(1, "example").at_frame(frame),
-//!     |frame, _| Ok::<_, sinew_tracking::Error>(seen(frame)),
-//!     |_, info, _| {
-//!         last = Some(info);
-//!         Ok(std::ops::ControlFlow::Continue(()))
-//!     },
-//! )?;
-//! assert!((last.expect("20 frames").mean[0] - 1.9).abs() < 0.2);
+//! let mut moving = Moving { isa, last: None };
+//! run(&mut tracker, 0..20, |frame| Stage::new(1, "example").at_frame(frame), &mut moving)?;
+//! assert!((moving.last.expect("20 frames").mean[0] - 1.9).abs() < 0.2);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
+//!
+//! Trackers are made over any motion model; one that follows the estimates ([`sinew_core::transition::MotionModel`]) is served and resumed like one that does not. Each of them becomes a tracker of a latent state behind [`decoded::Decoded`].
 pub mod annealed;
 pub mod bootstrap;
 pub mod coarse_to_fine;
+pub mod decoded;
 mod error;
 pub mod hmc_filter;
+mod particle_state;
 pub mod partitioned;
 pub mod posterior;
 mod resume;
@@ -42,5 +57,5 @@ mod tracker;
 
 pub use error::Error;
 pub use resume::Resume;
-pub use run::run;
+pub use run::{Harness, run};
 pub use tracker::{StepInfo, Tracker};

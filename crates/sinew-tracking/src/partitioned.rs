@@ -15,13 +15,13 @@
 //! N = D / α serves for a D in each part of survival rate α, where all at once would need D / α^K. (K − 1) N evaluations of parts and N of the whole a frame; K N of parts where f is their product.
 
 use crate::error::check_dimension;
+use crate::particle_state::ParticleState;
 use crate::posterior::Posterior;
-use crate::resume::{check_length, length_of, put_particles, take_particles};
 use crate::{Error, Resume, StepInfo, Tracker};
 use sinew_core::density::PartLogDensity;
 use sinew_core::part::{Part, PartTree};
 use sinew_core::random::Stage;
-use sinew_core::transition::PartTransition;
+use sinew_core::transition::{MotionModel, PartTransition};
 use sinew_samplers::particles::{Particles, aggregate, resample, reweight, take, temper};
 use sinew_samplers::parts::{evaluate_part, predict_part, start_part};
 use sinew_samplers::resample::Scheme;
@@ -46,12 +46,9 @@ impl Default for Config {
 #[derive(Clone, Debug)]
 pub struct Partitioned<T> {
     config: Config,
-    transition: T,
     tree: PartTree,
-    estimate: Vec<f64>,
-    particles: Particles,
+    state: ParticleState<T>,
     survivors: Vec<f64>,
-    started: bool,
 }
 
 impl<T: PartTransition> Partitioned<T> {
@@ -60,17 +57,16 @@ impl<T: PartTransition> Partitioned<T> {
     /// # Errors
     /// [`Error::Dimension`], or no particles.
     pub fn new(config: Config, transition: T, tree: PartTree, centre: Vec<f64>) -> Result<Self, Error> {
-        check_dimension("start", centre.len(), transition.dim())?;
+        let state = ParticleState::new(transition, centre, config.particles)?;
         let covered = tree.partition().parts().iter().map(|part| part.indices().len()).sum();
-        check_dimension("part tree", covered, transition.dim())?;
-        let particles = Particles::new(&centre, config.particles)?;
-        Ok(Self { config, transition, tree, estimate: centre, particles, survivors: vec![], started: false })
+        check_dimension("part tree", covered, state.estimate.len())?;
+        Ok(Self { config, tree, state, survivors: vec![] })
     }
 
     /// The particles with their weights.
     #[must_use]
     pub fn particles(&self) -> &Particles {
-        &self.particles
+        &self.state.particles
     }
 
     /// Survival diagnostic D of each part in the last frame.
@@ -86,12 +82,13 @@ impl<T: PartTransition> Partitioned<T> {
 
 impl<T: PartTransition + Send, O: PartLogDensity + ?Sized> Tracker<O> for Partitioned<T> {
     fn step(&mut self, observed: &O, stage: Stage) -> Result<StepInfo, Error> {
-        check_dimension("observation", observed.dim(), self.particles.dim())?;
+        check_dimension("observation", observed.dim(), self.state.estimate.len())?;
         check_dimension("number of parts of the observation", observed.parts(), self.parts().len())?;
         let Config { particles: count, scheme } = self.config;
         let [to_resample, to_predict, to_select] = stage.split(["resample", "predict", "select"]);
-        let mut particles = self.particles.clone();
-        if self.started {
+        let ParticleState { motion, estimate, started, .. } = &self.state;
+        let mut particles = self.state.particles.clone();
+        if *started {
             let ancestors = resample(&particles, scheme, to_resample);
             take(&mut particles, ancestors);
         }
@@ -99,10 +96,10 @@ impl<T: PartTransition + Send, O: PartLogDensity + ?Sized> Tracker<O> for Partit
         let (mut log_evidence, mut survivors) = (0.0, vec![]);
         for (k, part) in self.parts().iter().enumerate() {
             let to_move = to_predict.round(k);
-            if self.started {
-                predict_part(&mut particles, &self.transition, part, to_move);
+            if *started {
+                predict_part(&mut particles, motion, part, to_move);
             } else {
-                start_part(&mut particles, &self.transition, part, &self.estimate, to_move);
+                start_part(&mut particles, motion, part, estimate, to_move);
             }
             if k == last && !is_product {
                 log_evidence += reweight(&mut particles, observed)?;
@@ -119,15 +116,15 @@ impl<T: PartTransition + Send, O: PartLogDensity + ?Sized> Tracker<O> for Partit
                 survivors.push(reselected.survivors);
             }
         }
-        survivors.push(particles.effective_sample_size());
+        let (mean, ess) = (aggregate(&particles), particles.effective_sample_size());
+        survivors.push(ess);
         let (parts, whole) = if is_product { (last + 1, 0) } else { (last, 1) };
-        self.estimate = aggregate(&particles);
-        (self.particles, self.survivors) = (particles, survivors);
+        (self.state.particles, self.survivors) = (particles, survivors);
         Ok(StepInfo {
-            mean: self.estimate.clone(),
-            ess: self.particles.effective_sample_size(),
+            ess,
             log_evidence: Some(log_evidence),
-            resampled: Some(std::mem::replace(&mut self.started, true)),
+            resampled: Some(self.state.settle(mean.clone())),
+            mean,
             survivors: self.survivors.clone(),
             likelihood_evaluations: count * whole,
             part_evaluations: count * parts,
@@ -136,22 +133,20 @@ impl<T: PartTransition + Send, O: PartLogDensity + ?Sized> Tracker<O> for Partit
     }
 
     fn posterior(&self) -> Posterior<'_> {
-        Posterior::of(&self.particles)
+        self.state.posterior()
     }
 
     fn estimate(&self) -> &[f64] {
-        &self.estimate
+        &self.state.estimate
     }
 }
 
-impl<T> Resume for Partitioned<T> {
+impl<T: MotionModel> Resume for Partitioned<T> {
     fn save(&self) -> Vec<f64> {
-        put_particles(self.started, &self.estimate, &self.particles)
+        self.state.save()
     }
 
     fn restore(&mut self, saved: &[f64]) -> Result<(), Error> {
-        check_length(saved.len(), length_of(&self.particles))?;
-        take_particles(saved, &mut self.started, &mut self.estimate, &mut self.particles);
-        Ok(())
+        self.state.restore(saved)
     }
 }

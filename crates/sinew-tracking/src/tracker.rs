@@ -28,6 +28,8 @@ pub struct StepInfo {
     pub ess: f64,
     /// Estimate of log p(observation | earlier observations). By `hmc` from one importance draw a chain, from the prior or from the Laplace approximation: unbiased on the natural scale, but rough in many dimensions. Searches have none.
     pub log_evidence: Option<f64>,
+    /// Whether the tracker was made again before this step, so that it follows from no earlier frame.
+    pub restarted: bool,
     /// Mean acceptance probability of trajectories.
     pub acceptance: Option<f64>,
     /// Trajectories made.

@@ -1,5 +1,8 @@
 //! Same bits for every number of threads, in one run or two halves; trackers in boxes; frames without observation.
 
+mod common;
+
+use common::Sight;
 use core::ops::Range;
 use sinew_core::density::{GaussNewton, GradLogDensity, Lanes, LogDensity, PartLogDensity};
 use sinew_core::lanes::{Block, Isa};
@@ -15,7 +18,8 @@ use sinew_tracking::bootstrap::{self, Bootstrap};
 use sinew_tracking::coarse_to_fine::{self, CoarseToFine};
 use sinew_tracking::hmc_filter::{self, HmcFilter};
 use sinew_tracking::partitioned::{self, Partitioned};
-use sinew_tracking::{Error, Resume, StepInfo, Tracker, run};
+use sinew_tracking::posterior::Posterior;
+use sinew_tracking::{Error, Harness, Resume, StepInfo, Tracker, run};
 use std::ops::ControlFlow;
 
 /// An observation that serves every tracker.
@@ -79,47 +83,6 @@ impl PartLogDensity for Impossible {
     }
     fn log_density_parts_block(&self, _parts: Range<usize>, _x: &[Block], out: &mut [Block], _ws: &mut [Block]) {
         out.fill(Block::splat(f64::NEG_INFINITY));
-    }
-}
-
-/// A Gaussian in two coordinates, each a part.
-struct Sight(Lanes<Quadratic>);
-impl LogDensity for Sight {
-    fn dim(&self) -> usize {
-        2
-    }
-    fn log_density(&self, x: &[f64]) -> f64 {
-        self.0.log_density(x)
-    }
-    fn log_density_block(&self, x: &[Block], ws: &mut [Block]) -> Block {
-        self.0.log_density_block(x, ws)
-    }
-}
-impl GradLogDensity for Sight {
-    fn log_density_grad(&self, x: &[f64], grad: &mut [f64]) -> f64 {
-        self.0.log_density_grad(x, grad)
-    }
-    fn log_density_grad_block(&self, x: &[Block], grad: &mut [Block], ws: &mut [Block]) -> Block {
-        self.0.log_density_grad_block(x, grad, ws)
-    }
-}
-impl GaussNewton for Sight {
-    fn gauss_newton_diagonal_block(&self, x: &[Block], diagonal: &mut [Block], ws: &mut [Block]) {
-        self.0.gauss_newton_diagonal_block(x, diagonal, ws);
-    }
-}
-impl PartLogDensity for Sight {
-    fn parts(&self) -> usize {
-        2
-    }
-    fn is_product(&self) -> bool {
-        true
-    }
-    fn log_density_parts_block(&self, parts: Range<usize>, x: &[Block], out: &mut [Block], _ws: &mut [Block]) {
-        let Quadratic { centre, precision } = &self.0.leaf;
-        for (k, out) in parts.zip(out) {
-            *out = Block(x[k].0.map(|x| -0.5 * precision[k] * (x - centre[k]).powi(2)));
-        }
     }
 }
 
@@ -191,22 +154,28 @@ fn observation(frame: u32) -> Box<dyn Seen> {
         return Box::new(Nothing);
     }
     let angle = f64::from(frame) * 0.1;
-    let leaf = Quadratic { centre: vec![angle.sin(), angle.cos()], precision: vec![50.0, 200.0] };
-    Box::new(Sight(Lanes { leaf, isa: Isa::best() }))
+    Box::new(Sight::new(vec![angle.sin(), angle.cos()], vec![50.0, 200.0], true))
+}
+
+/// Shows the circling target and keeps all that comes out.
+struct Circling<'a>(&'a mut Record);
+
+impl Harness<dyn Seen> for Circling<'_> {
+    type Bound = Box<dyn Seen>;
+    type Error = Error;
+    fn observe(&mut self, frame: u32, _estimate: &[f64]) -> Result<Self::Bound, Error> {
+        Ok(observation(frame))
+    }
+    fn record(&mut self, _: u32, info: StepInfo, posterior: Posterior<'_>) -> Result<ControlFlow<()>, Error> {
+        assert!(!info.restarted);
+        self.0.push((info, posterior.states.to_vec(), posterior.weights.to_vec()));
+        Ok(ControlFlow::Continue(()))
+    }
 }
 
 fn follow(tracker: &mut Boxed, frames: std::ops::Range<u32>, record: &mut Record) {
-    run::<dyn Seen, _, Error>(
-        tracker.as_mut(),
-        frames,
-        |frame| Stage::new(42, "determinism").at_frame(frame),
-        |frame, _| Ok(observation(frame)),
-        |_, info, posterior| {
-            record.push((info, posterior.states.to_vec(), posterior.weights.to_vec()));
-            Ok(ControlFlow::Continue(()))
-        },
-    )
-    .expect("every frame has a posterior");
+    let stage = |frame| Stage::new(42, "determinism").at_frame(frame);
+    run(tracker.as_mut(), frames, stage, &mut Circling(record)).expect("every frame has a posterior");
 }
 
 #[test]
@@ -283,13 +252,13 @@ fn every_tracker_follows_and_reports() {
 fn a_refused_frame_leaves_a_tracker_of_particles_where_it_stood() {
     let stage = |frame| Stage::new(1, "refused").at_frame(frame);
     fn check<T: Tracker<Impossible> + Tracker<Sight> + Resume>(mut tracker: T, stage: impl Fn(u32) -> Stage) {
-        let leaf = || Quadratic { centre: vec![0.1, 0.9], precision: vec![4.0; 2] };
+        let seen = || Sight::new(vec![0.1, 0.9], vec![4.0; 2], true);
         for frame in [0, 2] {
             let before = tracker.save();
             let refused = tracker.step(&Impossible, stage(frame));
             assert!(matches!(refused, Err(Error::Samplers(sinew_samplers::Error::AllWeightsZero { .. }))));
             assert_eq!(tracker.save(), before);
-            tracker.step(&Sight(Lanes { leaf: leaf(), isa: Isa::best() }), stage(frame + 1)).expect("goes on");
+            tracker.step(&seen(), stage(frame + 1)).expect("continues");
             assert_ne!(tracker.save(), before);
         }
     }
@@ -344,6 +313,20 @@ fn without_observations_the_variance_grows_by_the_walk() {
     }
 }
 
+/// Shows nothing that can be.
+struct Blinded;
+
+impl Harness<Impossible> for Blinded {
+    type Bound = Impossible;
+    type Error = Error;
+    fn observe(&mut self, _frame: u32, _estimate: &[f64]) -> Result<Impossible, Error> {
+        Ok(Impossible)
+    }
+    fn record(&mut self, _: u32, _: StepInfo, _: Posterior<'_>) -> Result<ControlFlow<()>, Error> {
+        Ok(ControlFlow::Continue(()))
+    }
+}
+
 #[test]
 fn an_impossible_frame_is_an_error_and_can_be_passed_over() {
     let config = bootstrap::Config { particles: 100, ..bootstrap::Config::default() };
@@ -360,13 +343,7 @@ fn an_impossible_frame_is_an_error_and_can_be_passed_over() {
     let spread = Tracker::<Nothing>::posterior(&tracker).moments(Isa::best()).covariance[0];
     assert!((0.02..0.07).contains(&spread), "one step of variance 0.04, not two: {spread}");
     let mut walked: Box<dyn Tracker<Impossible>> = Box::new(make());
-    let result = run::<Impossible, _, Error>(
-        walked.as_mut(),
-        5..9,
-        stage,
-        |_, _| Ok(Impossible),
-        |_, _, _| Ok(ControlFlow::Continue(())),
-    );
+    let result = run(walked.as_mut(), 5..9, stage, &mut Blinded);
     assert!(matches!(result, Err(Error::Frame { frame: 5, .. })));
 }
 

@@ -1,12 +1,13 @@
 //! Laws of trackers for random settings.
 
-use core::ops::Range;
+mod common;
+
+use common::Sight;
 use proptest::prelude::*;
-use sinew_core::density::{GaussNewton, GradLogDensity, Lanes, LogDensity, PartLogDensity};
-use sinew_core::lanes::{Block, Isa, LANES};
+use sinew_core::density::LogDensity;
+use sinew_core::lanes::Isa;
 use sinew_core::part::{Part, PartTree, Partition};
 use sinew_core::random::Stage;
-use sinew_core::toy::Quadratic;
 use sinew_dynamics::random_walk::{Between, RandomWalk};
 use sinew_samplers::annealed_search::{self, Last, Scaling};
 use sinew_samplers::grid::Axis;
@@ -19,55 +20,8 @@ use sinew_tracking::hmc_filter::{self, HmcFilter};
 use sinew_tracking::partitioned::{self, Partitioned};
 use sinew_tracking::{StepInfo, Tracker};
 
-/// A Gaussian of which each coordinate is a part, said to be their product or not.
-struct Observed {
-    whole: Lanes<Quadratic>,
-    product: bool,
-}
-
-impl LogDensity for Observed {
-    fn dim(&self) -> usize {
-        self.whole.dim()
-    }
-    fn log_density(&self, x: &[f64]) -> f64 {
-        self.whole.log_density(x)
-    }
-    fn log_density_block(&self, x: &[Block], ws: &mut [Block]) -> Block {
-        self.whole.log_density_block(x, ws)
-    }
-}
-impl GradLogDensity for Observed {
-    fn log_density_grad(&self, x: &[f64], grad: &mut [f64]) -> f64 {
-        self.whole.log_density_grad(x, grad)
-    }
-    fn log_density_grad_block(&self, x: &[Block], grad: &mut [Block], ws: &mut [Block]) -> Block {
-        self.whole.log_density_grad_block(x, grad, ws)
-    }
-}
-impl GaussNewton for Observed {
-    fn gauss_newton_diagonal_block(&self, x: &[Block], diagonal: &mut [Block], ws: &mut [Block]) {
-        self.whole.gauss_newton_diagonal_block(x, diagonal, ws);
-    }
-}
-impl PartLogDensity for Observed {
-    fn parts(&self) -> usize {
-        self.dim()
-    }
-    fn is_product(&self) -> bool {
-        self.product
-    }
-    fn log_density_parts_block(&self, parts: Range<usize>, x: &[Block], out: &mut [Block], _ws: &mut [Block]) {
-        let Quadratic { centre, precision } = &self.whole.leaf;
-        for (k, out) in parts.zip(out) {
-            *out =
-                Block(core::array::from_fn(|i: usize| -0.5 * precision[k] * (x[k].0[i % LANES] - centre[k]).powi(2)));
-        }
-    }
-}
-
-fn observation(dim: usize, frame: u32, product: bool) -> Observed {
-    let leaf = Quadratic { centre: vec![0.1 * f64::from(frame); dim], precision: vec![30.0; dim] };
-    Observed { whole: Lanes { leaf, isa: Isa::best() }, product }
+fn observation(dim: usize, frame: u32, product: bool) -> Sight {
+    Sight::new(vec![0.1 * f64::from(frame); dim], vec![30.0; dim], product)
 }
 
 /// Each coordinate a part under the one before it.
@@ -83,7 +37,7 @@ fn walk(dim: usize) -> RandomWalk {
 
 const SCHEMES: [Scheme; 4] = [Scheme::Multinomial, Scheme::Residual, Scheme::Stratified, Scheme::Systematic];
 
-fn steps(tracker: &mut impl Tracker<Observed>, dim: usize, seed: u64) -> Result<StepInfo, TestCaseError> {
+fn steps(tracker: &mut impl Tracker<Sight>, dim: usize, seed: u64) -> Result<StepInfo, TestCaseError> {
     let mut last = StepInfo::default();
     for frame in 0..3 {
         let stage = Stage::new(seed, "property").at_frame(frame);

@@ -1,5 +1,9 @@
 //! Bodies by name or from a body file.
 
+pub(crate) mod error;
+
+pub use error::UnknownBody;
+
 use crate::setup::{Body, FileBody};
 use crate::{Error, files};
 use sinew_body::{KinematicTree, Proportions};
@@ -35,9 +39,5 @@ fn from_file(name: &str) -> Result<FileBody, Error> {
     if path.extension().is_some_and(|extension| extension == "toml") || path.exists() {
         return FileBody::read(name, &files::read_text(path, MAX_CONFIG_BYTES)?);
     }
-    let meant = nearest(name, NAMES).map(|name| format!("; did you mean `{name}`?")).unwrap_or_default();
-    Err(Error::Usage {
-        message: format!("no body `{name}`; known: {}{meant}", NAMES.join(", ")),
-        help: "give one of these names or the path of a body file, which ends in .toml".into(),
-    })
+    Err(UnknownBody { name: name.into(), known: &NAMES, nearest: nearest(name, NAMES) }.into())
 }

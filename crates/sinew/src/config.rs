@@ -6,47 +6,28 @@
 //! knows its [`Origin`]. [`Resolved::to_toml`] repeats a run wherever it is started: paths in it are absolute, and it is its own root.
 
 pub mod file;
+pub mod idle;
 pub mod setting;
-mod track;
+pub mod settings;
+pub mod table;
+pub mod track;
 pub mod value;
+pub mod values;
 
-pub use crate::track::Method;
 pub use track::{Init, TrackConfig};
 
 use crate::Error;
-use setting::{SETTINGS, is_local};
+use crate::methods::{self, About, METHODS};
+use idle::idle_beside;
+use setting::Setting;
 use sinew_formats::nearest::nearest;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
-use std::ops::Range;
 use std::path::{Path, PathBuf};
+use table::{is_local, settings};
 use value::{Value, from_text, to_json, to_toml};
-
-/// Where a value comes from.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Origin {
-    /// Command line.
-    Flag,
-    /// Environment variable.
-    Environment,
-    /// A file.
-    File(PathBuf),
-    /// Nobody gave one.
-    Default,
-}
-
-impl Origin {
-    /// In words.
-    #[must_use]
-    pub fn describe(&self) -> String {
-        match self {
-            Self::Flag => "flag".into(),
-            Self::Environment => "environment".into(),
-            Self::File(path) => path.display().to_string(),
-            Self::Default => "default".into(),
-        }
-    }
-}
+pub use values::Origin;
+use values::Values;
 
 /// What the program was started with.
 #[derive(Clone, Debug, Default)]
@@ -62,13 +43,13 @@ pub struct Sources {
 /// Every setting that has a value.
 #[derive(Clone, Debug, Default)]
 pub struct Resolved {
-    values: BTreeMap<&'static str, (Value, Origin)>,
+    values: Values,
     /// Variables that look like settings and are none.
     pub warnings: Vec<String>,
 }
 
 /// Variables of ours that are no settings.
-const OTHER_VARIABLES: [&str; 1] = ["SINEW_DATA"];
+const OTHER_VARIABLES: [&str; 3] = ["SINEW_DATA", "SINEW_REQUIRE_DATA", "SINEW_PYTHON"];
 
 /// Finds every setting.
 ///
@@ -85,7 +66,7 @@ pub fn resolve(sources: &Sources) -> Result<Resolved, Error> {
     let mut problems = Vec::new();
     for (name, text) in &sources.environment {
         let Some(key) = name.strip_prefix("SINEW_").map(str::to_lowercase) else { continue };
-        match setting::find(&key) {
+        match table::find(&key) {
             Some(setting) => {
                 let mut of_variable = Vec::new();
                 resolved.take(setting.key, text, Origin::Environment, &mut of_variable);
@@ -93,7 +74,7 @@ pub fn resolve(sources: &Sources) -> Result<Resolved, Error> {
             }
             None if OTHER_VARIABLES.contains(&name.as_str()) => {}
             None => {
-                let meant = nearest(&key, SETTINGS.iter().map(|setting| setting.key));
+                let meant = nearest(&key, settings().iter().map(|setting| setting.key));
                 let meant =
                     meant.map(|key| format!("; did you mean `SINEW_{}`?", key.to_uppercase())).unwrap_or_default();
                 resolved.warnings.push(format!("the environment variable `{name}` is no setting{meant}"));
@@ -117,10 +98,11 @@ pub fn resolve(sources: &Sources) -> Result<Resolved, Error> {
             resolved.add(file);
         }
     }
-    for setting in SETTINGS.iter().filter(|setting| !setting.default.is_empty()) {
-        let value = from_text(setting, setting.default, here);
+    for setting in settings() {
+        let Some(default) = setting.default.text() else { continue };
+        let value = from_text(setting, &default, here);
         let value = value.map_err(|problem| Error::Config { file: "the defaults".into(), problems: vec![problem] })?;
-        resolved.values.entry(setting.key).or_insert((value, Origin::Default));
+        resolved.values.of.entry(setting.key).or_insert((value, Origin::Default));
     }
     resolved.check()?;
     Ok(resolved)
@@ -146,52 +128,33 @@ fn normal(path: &Path) -> PathBuf {
 
 impl Resolved {
     fn take(&mut self, key: &'static str, text: &str, origin: Origin, problems: &mut Vec<String>) {
-        let Some(setting) = setting::find(key) else { return };
+        let Some(setting) = table::find(key) else { return };
         match from_text(setting, text, Path::new("")) {
             Ok(value) => {
-                self.values.entry(key).or_insert((value, origin));
+                self.values.of.entry(key).or_insert((value, origin));
             }
             Err(problem) => problems.push(problem),
         }
     }
 
-    /// What no setting alone can tell.
+    /// The method that was chosen.
+    #[must_use]
+    pub fn method(&self) -> &'static About {
+        self.values.text("method").and_then(|name| methods::find(&name)).unwrap_or(METHODS[0])
+    }
+
     fn check(&self) -> Result<(), Error> {
-        if self.text("method").as_deref() != Some("hmc") {
-            return Ok(());
+        match (self.method().mistake)(&self.values) {
+            None => Ok(()),
+            Some(problem) => Err(Error::Config { file: "the configuration".into(), problems: vec![problem] }),
         }
-        let (burn_in, updates) = (self.count("burn_in").unwrap_or_default(), self.count("updates").unwrap_or(1));
-        if burn_in < updates {
-            return Ok(());
-        }
-        let problem = format!("`burn_in` is {burn_in}; it must be less than `updates`, which is {updates}");
-        Err(Error::Config { file: "the configuration".into(), problems: vec![problem] })
     }
 
     /// Warnings about flags that change nothing beside the other settings.
     #[must_use]
     pub fn idle_flags(&self) -> Vec<String> {
-        let is = |key: &str, value: &str| self.text(key).as_deref() == Some(value);
-        let idle = |key: &str| match key {
-            "particles" | "min_ess" if is("method", "hmc") => Some("`--method hmc`".to_owned()),
-            "chains" | "updates" | "burn_in" | "jitter" | "max_r_hat" | "max_r_hat_share" | "max_divergent_share"
-                if !is("method", "hmc") =>
-            {
-                Some(format!("`--method {}`", self.text("method").unwrap_or_default()))
-            }
-            "layers" | "survival" | "adaptive" | "crossover" if !is("method", "annealed") => {
-                Some("a method other than `annealed`".to_owned())
-            }
-            "fine" if !is("method", "coarse-to-fine") => Some("a method other than `coarse-to-fine`".to_owned()),
-            "images" | "mask_scale" | "score" | "kappa" | "raster" if !self.values.contains_key("silhouettes") => {
-                Some("no `--silhouettes`".to_owned())
-            }
-            "degrees" if is("noise", "floor") => Some("`--noise floor`".to_owned()),
-            "outlier" if is("noise", "student-t") => Some("`--noise student-t`".to_owned()),
-            "setup_frames" | "person" if self.values.contains_key("setup") => Some("`--setup`".to_owned()),
-            _ => None,
-        };
-        let given = self.values.iter().filter(|(_, (_, origin))| *origin == Origin::Flag);
+        let given = self.values.of.iter().filter(|(_, (_, origin))| *origin == Origin::Flag);
+        let idle = |key: &str| idle_beside(key, self.method(), &METHODS, &self.values);
         given
             .filter_map(|(key, _)| Some(format!("`--{}` changes nothing with {}", key.replace('_', "-"), idle(key)?)))
             .collect()
@@ -199,63 +162,13 @@ impl Resolved {
 
     fn add(&mut self, file: file::ConfigFile) {
         for (key, value) in file.values {
-            self.values.entry(key).or_insert_with(|| (value, Origin::File(file.path.clone())));
-        }
-    }
-
-    /// Value of a setting.
-    #[must_use]
-    pub fn get(&self, key: &str) -> Option<&Value> {
-        self.values.get(key).map(|(value, _)| value)
-    }
-
-    fn path(&self, key: &str) -> Option<PathBuf> {
-        match self.get(key) {
-            Some(Value::Path(path)) => Some(path.clone()),
-            _ => None,
-        }
-    }
-
-    fn text(&self, key: &str) -> Option<String> {
-        match self.get(key) {
-            Some(Value::Text(text)) => Some(text.clone()),
-            Some(Value::Path(path)) => Some(path.to_string_lossy().into_owned()),
-            _ => None,
-        }
-    }
-
-    fn count(&self, key: &str) -> Option<u64> {
-        match self.get(key) {
-            Some(Value::Count(count)) => Some(*count),
-            _ => None,
-        }
-    }
-
-    fn size(&self, key: &str) -> usize {
-        usize::try_from(self.count(key).unwrap_or_default()).unwrap_or(usize::MAX)
-    }
-
-    fn number(&self, key: &str) -> Option<f64> {
-        match self.get(key) {
-            Some(Value::Number(number)) => Some(*number),
-            _ => None,
-        }
-    }
-
-    fn flag(&self, key: &str) -> bool {
-        self.get(key) == Some(&Value::Flag(true))
-    }
-
-    fn frames(&self, key: &str) -> Option<Range<u64>> {
-        match self.get(key) {
-            Some(Value::Frames(frames)) => Some(frames.clone()),
-            _ => None,
+            self.values.of.entry(key).or_insert_with(|| (value, Origin::File(file.path.clone())));
         }
     }
 
     /// The folder that holds the keypoint folder, or that of the masks.
     fn trial_folder(&self) -> Option<PathBuf> {
-        let input = self.path("keypoints").or_else(|| self.path("silhouettes"))?;
+        let input = self.values.path("keypoints").or_else(|| self.values.path("silhouettes"))?;
         normal(&std::path::absolute(input).ok()?).parent().map(Path::to_owned)
     }
 
@@ -263,8 +176,8 @@ impl Resolved {
     #[must_use]
     pub fn describe(&self) -> String {
         let mut lines: Vec<(String, String)> = Vec::new();
-        for setting in &SETTINGS {
-            lines.push(match self.values.get(setting.key) {
+        for setting in settings() {
+            lines.push(match self.values.of.get(setting.key) {
                 Some((value, origin)) => (format!("{} = {}", setting.key, to_toml(value)), origin.describe()),
                 None => (format!("# {}", setting.key), format!("not set: {}", setting.help)),
             });
@@ -288,9 +201,9 @@ impl Resolved {
     }
 
     fn repeated(&self) -> impl Iterator<Item = (&'static str, Value)> + '_ {
-        let kept = SETTINGS.iter().filter(|setting| !is_local(setting.key));
+        let kept = settings().iter().filter(|setting| !is_local(setting.key));
         kept.filter_map(|setting| {
-            let value = match self.get(setting.key)? {
+            let value = match self.values.get(setting.key)? {
                 Value::Path(path) => Value::Path(normal(&std::path::absolute(path).unwrap_or_else(|_| path.clone()))),
                 other => other.clone(),
             };
@@ -302,8 +215,8 @@ impl Resolved {
     /// it happens.
     #[must_use]
     pub fn to_json(&self) -> serde_json::Value {
-        let of = |setting: &setting::Setting| {
-            let (value, origin) = self.values.get(setting.key)?;
+        let of = |setting: &Setting| {
+            let (value, origin) = self.values.of.get(setting.key)?;
             let origin = match origin {
                 Origin::File(path) => path.file_name().unwrap_or_default().to_string_lossy().into_owned(),
                 other => other.describe(),
@@ -311,7 +224,7 @@ impl Resolved {
             let told = !is_local(setting.key) && !matches!(value, Value::Path(_));
             told.then(|| (setting.key.to_owned(), serde_json::json!({ "value": to_json(value), "origin": origin })))
         };
-        SETTINGS.iter().filter_map(of).collect::<serde_json::Map<_, _>>().into()
+        settings().iter().filter_map(of).collect::<serde_json::Map<_, _>>().into()
     }
 
     /// Files that settings name, by setting.
@@ -321,32 +234,32 @@ impl Resolved {
             Value::Path(path) if path.is_file() => Some((*key, path.clone())),
             _ => None,
         };
-        self.values.iter().filter_map(file).collect()
+        self.values.of.iter().filter_map(file).collect()
     }
 
     /// Settings that change numbers, as they stand in a file; files that settings name are told apart by their content ([`Resolved::files`]).
     #[must_use]
     pub fn of_numbers(&self) -> BTreeMap<String, String> {
-        let of = |setting: &setting::Setting| match self.get(setting.key)? {
+        let of = |setting: &Setting| match self.values.get(setting.key)? {
             Value::Path(_) => None,
             value => Some((setting.key.to_owned(), to_toml(value))),
         };
-        SETTINGS.iter().filter(|setting| setting.hashed).filter_map(of).collect()
+        table::settings().iter().filter(|setting| setting.hashed).filter_map(of).collect()
     }
 
     /// Those of [`Resolved::to_json`] that change numbers, here or in another run's summary, in the words of JSON.
     #[must_use]
     pub fn of_numbers_told(settings: &serde_json::Value) -> BTreeMap<String, String> {
-        let told = |setting: &&setting::Setting| settings[setting.key].get("value").map(ToString::to_string);
-        let of = |setting: &setting::Setting| Some((setting.key.to_owned(), told(&setting)?));
-        SETTINGS.iter().filter(|setting| setting.hashed).filter_map(of).collect()
+        let told = |setting: &&Setting| settings[setting.key].get("value").map(ToString::to_string);
+        let of = |setting: &Setting| Some((setting.key.to_owned(), told(&setting)?));
+        table::settings().iter().filter(|setting| setting.hashed).filter_map(of).collect()
     }
 
-    /// Hash of the settings that change numbers: FNV-1a, 64 bits, over `key = value` lines in the order of [`SETTINGS`].
+    /// Hash of the settings that change numbers: FNV-1a, 64 bits, over `key = value` lines in the order of [`settings`].
     #[must_use]
     pub fn hash(&self) -> String {
         let values = self.of_numbers();
-        let lines = SETTINGS.iter().filter_map(|setting| {
+        let lines = settings().iter().filter_map(|setting| {
             let value = values.get(setting.key)?;
             Some(format!("{} = {value}\n", setting.key))
         });
@@ -357,7 +270,13 @@ impl Resolved {
     /// Whether a setting has a value that somebody gave.
     #[must_use]
     pub fn is_given(&self, key: &str) -> bool {
-        self.values.get(key).is_some_and(|(_, origin)| *origin != Origin::Default)
+        self.values.is_given(key)
+    }
+
+    /// Value of a setting.
+    #[must_use]
+    pub fn get(&self, key: &str) -> Option<&Value> {
+        self.values.get(key)
     }
 }
 
@@ -388,12 +307,14 @@ mod tests {
             resolve(&sources(&[("keypoints", &pose), ("seed", "8")], &[("SINEW_SEED", "6"), ("SINEW_DRAWS", "7")]))
                 .unwrap();
         let config = resolved.track();
-        assert_eq!((config.seed, config.draws, config.fps, config.jitter, config.chains), (8, 7, Some(60.0), 0.5, 16));
+        assert_eq!((config.tracking.seed, config.tracking.draws, config.fps), (8, 7, Some(60.0)));
+        let hmc = format!("{:?}", config.tracking.method);
+        assert!(hmc.contains("chains: 16") && hmc.contains("jitter: 0.5"), "{hmc}");
         assert_eq!(config.out, Path::new("sinew-out/trial"));
-        assert_eq!(resolved.values["seed"].1, Origin::Flag);
-        assert_eq!(resolved.values["draws"].1, Origin::Environment);
-        assert_eq!(resolved.values["fps"].1, Origin::File(trial.join("sinew.toml")));
-        assert_eq!(resolved.values["chains"].1, Origin::Default);
+        assert_eq!(resolved.values.of["seed"].1, Origin::Flag);
+        assert_eq!(resolved.values.of["draws"].1, Origin::Environment);
+        assert_eq!(resolved.values.of["fps"].1, Origin::File(trial.join("sinew.toml")));
+        assert_eq!(resolved.values.of["chains"].1, Origin::Default);
         assert!(resolved.describe().contains("# environment"));
     }
 

@@ -11,8 +11,17 @@
 //! | 75 | interrupted; what was done is written and marked incomplete, `--resume` goes on from there |
 //! | 130 | second interrupt, nothing saved since |
 
-use crate::results::error::{Error as ResultsError, Occupied};
+use crate::bodies::error::UnknownBody;
+use crate::input::error::InputError;
+use crate::inspect::error::InspectError;
+use crate::motion::error::MotionError;
+use crate::overlay::error::OverlayError;
+use crate::results::error::{Occupied, ResultsError};
 use crate::results::problem::Problem;
+use crate::segment::error::SegmentError;
+use crate::setup::error::SetupError;
+use crate::shape_fit::error::ShapeFitError;
+use crate::track::error::TrackError;
 use std::io;
 use std::path::{Path, PathBuf};
 
@@ -23,6 +32,33 @@ pub enum Error {
     /// A file that its reader refuses.
     #[error(transparent)]
     Format(#[from] sinew_formats::Error),
+    /// A recording that cannot be read as it stands.
+    #[error(transparent)]
+    Recording(#[from] InputError),
+    /// A recording that cannot be set up.
+    #[error(transparent)]
+    Setup(#[from] SetupError),
+    /// A name that is no body's.
+    #[error(transparent)]
+    Body(#[from] UnknownBody),
+    /// Paths that cannot be inspected.
+    #[error(transparent)]
+    Inspect(#[from] InspectError),
+    /// A motion that cannot be read or converted.
+    #[error(transparent)]
+    Motion(#[from] MotionError),
+    /// Pictures that cannot be drawn.
+    #[error(transparent)]
+    Overlay(#[from] OverlayError),
+    /// Images from which no masks can be made.
+    #[error(transparent)]
+    Segment(#[from] SegmentError),
+    /// Masks or solids that cannot be compared.
+    #[error(transparent)]
+    ShapeFit(#[from] ShapeFitError),
+    /// A recording that cannot be tracked as it stands.
+    #[error(transparent)]
+    Track(#[from] TrackError),
     /// A frame without a posterior.
     #[error(transparent)]
     Tracking(#[from] sinew_tracking::Error),
@@ -124,11 +160,6 @@ impl Error {
         move |source| Self::Io { doing, path, source }
     }
 
-    /// An [`Error::Numerical`] in the words of another error.
-    pub(crate) fn numerical(error: impl std::fmt::Display) -> Self {
-        Self::Numerical { message: error.to_string() }
-    }
-
     /// An [`Error::Checkpoint`].
     pub fn checkpoint(folder: &Path, problem: Problem) -> Self {
         Self::Checkpoint { folder: folder.to_owned(), problem: Box::new(problem) }
@@ -140,6 +171,15 @@ impl Error {
         match self {
             Self::Checkpoint { problem, .. } => problem.exit_code(),
             Self::Results(error) => error.exit_code(),
+            Self::Recording(error) => error.exit_code(),
+            Self::Setup(error) => error.exit_code(),
+            Self::Inspect(error) => error.exit_code(),
+            Self::Motion(error) => error.exit_code(),
+            Self::Overlay(error) => error.exit_code(),
+            Self::Segment(error) => error.exit_code(),
+            Self::ShapeFit(error) => error.exit_code(),
+            Self::Body(error) => error.exit_code(),
+            Self::Track(error) => error.exit_code(),
             Self::Numerical { .. } | Self::Tracking(_) => 1,
             Self::Interrupted(_) => 75,
             Self::Config { .. } | Self::Usage { .. } | Self::OutputIsInput { .. } => 2,
@@ -156,6 +196,15 @@ impl Error {
             Self::Format(error) => error.help(),
             Self::Results(error) => error.help().map(Into::into),
             Self::OutputExists { found, .. } => Some(found.help().into()),
+            Self::Recording(error) => Some(error.help()),
+            Self::Setup(error) => error.help(),
+            Self::Body(error) => Some(error.help().into()),
+            Self::Inspect(error) => Some(error.help().into()),
+            Self::Motion(error) => error.help(),
+            Self::Overlay(error) => error.help().map(Into::into),
+            Self::Segment(error) => Some(error.help().into()),
+            Self::ShapeFit(error) => error.help().map(Into::into),
+            Self::Track(error) => error.help().map(Into::into),
             Self::OutputLocked { .. } => Some("wait for it to end, or choose another folder with `-o`".into()),
             Self::Checkpoint { problem, .. } => Some(problem.help().into()),
             Self::OutputIsInput { .. } => Some("choose another folder with `-o`".into()),

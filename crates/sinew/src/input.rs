@@ -3,6 +3,7 @@
 //! Enter: folders of keypoints, masks and images, a calibration. Leave: cameras, the names of the keypoints, and for each frame the people and images in every view
 //! ([`source::FrameSource`]). Must not know: bodies, set-ups, trackers and results.
 
+pub(crate) mod error;
 pub mod footage;
 pub mod frame;
 pub(crate) mod image_folder;
@@ -13,3 +14,5 @@ pub mod silhouettes;
 pub mod source;
 pub mod up_axis;
 pub mod upright;
+
+pub use error::InputError;

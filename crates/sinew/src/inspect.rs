@@ -9,6 +9,7 @@ mod acclaim;
 mod body_file;
 mod calibration;
 mod draws;
+pub(crate) mod error;
 pub mod fit;
 mod image_files;
 mod keypoints;
@@ -18,6 +19,8 @@ mod settings_file;
 mod setup_file;
 mod table_file;
 mod toml_file;
+
+pub use error::InspectError;
 
 use crate::Error;
 use crate::files::read_text;
@@ -93,15 +96,8 @@ pub fn subjects(paths: &[PathBuf]) -> Result<Vec<Subject>, Error> {
     for subject in &mut subjects {
         let Subject::Acclaim { motion, skeleton } = subject else { continue };
         if let [first, second, ..] = &skeletons[..] {
-            return Err(Error::Usage {
-                message: format!(
-                    "{} has one skeleton; given: {} and {}",
-                    motion.display(),
-                    first.display(),
-                    second.display()
-                ),
-                help: "inspect the motions of each skeleton by themselves".into(),
-            });
+            let [motion, first, second] = [motion, first, second].map(|path| path.to_path_buf());
+            return Err(InspectError::TwoSkeletons { motion, first, second }.into());
         }
         *skeleton = skeletons.first().cloned();
     }
@@ -135,10 +131,7 @@ fn subject(path: &Path) -> Result<Subject, Error> {
         Some("trc" | "bvh" | "mot" | "sto" | "csv") => Ok(Subject::Motion(path_buf)),
         Some("asf") => Ok(Subject::Skeleton(path_buf)),
         Some("amc") => Ok(Subject::Acclaim { motion: path_buf, skeleton: None }),
-        _ => Err(Error::Usage {
-            message: format!("{}: nothing that can be inspected", path.display()),
-            help: "give a calibration, set-up, configuration, body or mapping (.toml), a folder of keypoints, masks or images, a motion file (.trc, .bvh, .mot, .csv, .asf with .amc), a result folder or its posterior.zarr".into(),
-        }),
+        _ => Err(InspectError::UnknownKind { path: path_buf }.into()),
     }
 }
 

@@ -47,6 +47,7 @@ mod error;
 pub mod files;
 pub mod input;
 pub mod inspect;
+pub mod methods;
 pub mod motion;
 pub mod overlay;
 pub mod results;

@@ -14,13 +14,14 @@
 //! In between everything is in the world frame (Z up), metres and seconds; BVH files state no unit of length and are taken as metres.
 
 mod acclaim;
+pub(crate) mod error;
 mod read;
 mod write;
 
+pub use error::MotionError;
 pub use read::read;
 pub use write::write;
 
-use crate::Error;
 use sinew_formats::bvh::{self, Bvh};
 use sinew_formats::mot::Mot;
 use sinew_formats::point_table::PointTable;
@@ -54,16 +55,12 @@ impl Format {
     /// Format that the extension of a path names.
     ///
     /// # Errors
-    /// [`Error::Usage`] for any other extension.
-    pub fn of(path: &Path) -> Result<Self, Error> {
+    /// Any other extension.
+    pub fn of(path: &Path) -> Result<Self, MotionError> {
         let extension =
             path.extension().map(|extension| extension.to_string_lossy().to_lowercase()).unwrap_or_default();
-        EXTENSIONS.iter().find(|(known, _)| *known == extension).map(|(_, format)| *format).ok_or_else(|| {
-            Error::Usage {
-                message: format!("{}: no motion format has the extension `.{extension}`", path.display()),
-                help: "known: .trc, .bvh, .mot, .csv, and .amc to read".into(),
-            }
-        })
+        let found = EXTENSIONS.iter().find(|(known, _)| *known == extension).map(|(_, format)| *format);
+        found.ok_or_else(|| MotionError::UnknownExtension { path: path.to_owned(), extension })
     }
 
     /// Name in messages.

@@ -4,6 +4,9 @@
 //! colour each ([`colour_of`]).
 
 mod drawing;
+pub(crate) mod error;
+
+pub use error::OverlayError;
 
 use crate::Error;
 use crate::input::image_folder;
@@ -19,7 +22,7 @@ use sinew_observe::bit_image::BitImage;
 use sinew_observe::image_likelihood::ImageModel;
 use sinew_observe::image_score::ImageScore;
 use sinew_observe::solid_body::SolidBody;
-use sinew_observe::{Camera, Distortion, RgbImage};
+use sinew_observe::{Camera, Lens, RgbImage};
 use std::fs;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -121,9 +124,8 @@ impl Artist {
     /// A body without flesh.
     pub fn new(tracked: &Tracked, cameras: Vec<Camera>) -> Result<Self, Error> {
         let (tree, flesh) = (tracked.setup.tree(), tracked.setup.flesh()?);
-        let body =
-            SolidBody::new(&tree, &flesh).map_err(|error| Error::Input { message: error.to_string(), help: None })?;
-        let perfect = |camera: &Camera| Camera { distortion: Distortion::default(), ..camera.clone() };
+        let body = SolidBody::new(&tree, &flesh).map_err(OverlayError::Solids)?;
+        let perfect = |camera: &Camera| Camera { lens: Lens::default(), ..camera.clone() };
         let model = ImageModel {
             body: Arc::new(body),
             cameras: cameras.iter().map(perfect).collect(),
@@ -161,7 +163,7 @@ impl Artist {
 
 /// The image of a straight line behind a lens, in pieces; what the lens cannot show is left out.
 fn bent(camera: &Camera, [a, b]: [[f64; 2]; 2], mut draw: impl FnMut([[f64; 2]; 2])) {
-    let is_perfect = camera.distortion == Distortion::default();
+    let is_perfect = camera.lens.is_perfect();
     let pieces =
         if is_perfect { 1.0 } else { ((b[0] - a[0]).hypot(b[1] - a[1]) / PIECE_PX).ceil().clamp(1.0, MOST_PIECES) };
     let seen = |step: f64| {
@@ -171,8 +173,7 @@ fn bent(camera: &Camera, [a, b]: [[f64; 2]; 2], mut draw: impl FnMut([[f64; 2]; 
             return Some(at);
         }
         let ray = camera.normalised_from_pixel(at);
-        let is_valid = ray[0].hypot(ray[1]) < camera.distortion.valid_radius();
-        is_valid.then(|| camera.pixel_from_normalised(camera.distortion.distorted(ray)))
+        camera.lens.distorted(ray).map(|at| camera.pixel_from_normalised(at))
     };
     let mut before = seen(0.0);
     for step in 1..=pieces as u32 {
@@ -192,19 +193,21 @@ enum Source {
 }
 
 impl Source {
-    fn open(request: &Request, cameras: &[Camera], calibrated: Vec<String>, frames: Range<u64>) -> Result<Self, Error> {
-        let options = image_folder::Options { scale: request.scale, frames: Some(frames), trim: true, calibrated };
+    fn open(
+        request: &Request,
+        cameras: &[Camera],
+        calibrated: Vec<String>,
+        frames: Range<u64>,
+        lag: Vec<(String, i64)>,
+    ) -> Result<Self, Error> {
+        let options = image_folder::Options { scale: request.scale, frames: Some(frames), trim: true, lag, calibrated };
         Ok(match &request.ground {
             Ground::Images(folder) => Self::Images(Pictures::open(folder, cameras, &options)?),
             Ground::Silhouettes(folder) => Self::Silhouettes(Silhouettes::open(folder, cameras, &options)?),
             Ground::Black => {
                 let scale = request.scale.unwrap_or(1.0);
                 if !(scale > 0.0 && scale.is_finite()) {
-                    return Err(Error::Usage {
-                        message: format!("`--mask-scale` is {scale}; it must be greater than 0"),
-                        help: "it is the size of the pictures over that of the calibrated images, for example 0.5"
-                            .into(),
-                    });
+                    return Err(OverlayError::Scale { scale }.into());
                 }
                 Self::Black(cameras.iter().map(|camera| camera.resized(scale)).collect())
             }
@@ -267,7 +270,7 @@ pub fn overlay(
         (Some((first, _)), Some((last, _))) => *first..last + 1,
         _ => 0..0,
     };
-    let mut source = Source::open(request, &cameras, calibrated, all)?;
+    let mut source = Source::open(request, &cameras, calibrated, all, tracked.lag.clone())?;
     let artist = Artist::new(&tracked, tracked.as_seen(&source.cameras(), &cameras))?;
     let images = match &request.ground {
         Ground::Images(folder) | Ground::Silhouettes(folder) => Some(folder),
@@ -291,10 +294,7 @@ pub fn overlay(
     }
     drawn.warnings = source.warnings();
     if drawn.pictures == 0 {
-        return Err(Error::Input {
-            message: "none of the frames to be drawn has an image".into(),
-            help: Some("choose others with `--frames` and `--every`, or leave the folder of images out".into()),
-        });
+        return Err(OverlayError::NoImages.into());
     }
     Ok(drawn)
 }
@@ -327,6 +327,7 @@ fn write(path: &Path, image: &RgbImage) -> Result<(), Error> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use sinew_observe::lens::Brown;
 
     #[test]
     fn sides_are_told_by_names() {
@@ -346,7 +347,7 @@ mod tests {
     #[test]
     fn bent_lines_pass_through_what_the_camera_sees() {
         let camera = Camera::look_at("C", [640.0, 480.0], 500.0, [0.0, -4.0, 1.0], [0.0, 0.0, 1.0]).expect("a view");
-        let lens = Camera { distortion: Distortion { k1: -0.2, p1: 0.003, ..Distortion::default() }, ..camera.clone() };
+        let lens = Camera { lens: Brown { k1: -0.2, p1: 0.003, ..Brown::default() }.into(), ..camera.clone() };
         let ends = [[-1.2, 0.3, 0.2], [1.4, 0.3, 0.2]];
         let straight = ends.map(|end| camera.project(end).pixel().expect("in front"));
         let mut pieces = vec![];

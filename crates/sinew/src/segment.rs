@@ -8,6 +8,10 @@
 //!
 //! Folders of images are laid out as those of [`crate::input::pictures`]; cameras are matched by name.
 
+pub(crate) mod error;
+
+pub use error::SegmentError;
+
 use crate::input::image_folder::{camera_files, camera_part};
 use crate::input::pictures::PICTURES;
 use crate::input::recording::listing::{self, CameraFiles};
@@ -106,12 +110,9 @@ pub fn segment(request: &Request, out: &Path, force: bool, mut progress: impl Fn
     Ok(made)
 }
 
-fn check(request: &Request) -> Result<(), Error> {
+fn check(request: &Request) -> Result<(), SegmentError> {
     let Config { threshold, least_std, shadow } = request.config;
-    let wrong = |flag: &str, value: f64, range: &str| {
-        let help = "`sinew segment --help` lists the flags with their defaults".into();
-        Err(Error::Usage { message: format!("`--{flag}` is {value}; it must be {range}"), help })
-    };
+    let wrong = |flag, value, range| Err(SegmentError::OutOfRange { flag, value, range });
     let is_positive = |value: f32| value > 0.0 && value.is_finite();
     if !is_positive(threshold) {
         return wrong("threshold", threshold.into(), "greater than 0");
@@ -143,23 +144,17 @@ fn of_camera<'a>(
     camera: &CameraFiles,
     backgrounds: &'a [Vec<CameraFiles>],
     request: &Request,
-) -> Result<Vec<&'a CameraFiles>, Error> {
+) -> Result<Vec<&'a CameraFiles>, SegmentError> {
     let name = camera_name::fold(&camera.camera);
     let found: Vec<&CameraFiles> =
         backgrounds.iter().flatten().filter(|files| camera_name::fold(&files.camera) == name).collect();
     if !found.is_empty() {
         return Ok(found);
     }
-    let names: Vec<&str> = backgrounds.iter().flatten().map(|files| files.camera.as_str()).collect();
-    let folders: Vec<String> = request.background.iter().map(|folder| format!("`{}`", folder.display())).collect();
-    Err(Error::Input {
-        message: format!(
-            "no background for camera `{}`; {} has images of {}",
-            camera.camera,
-            folders.join(", "),
-            names.join(", ")
-        ),
-        help: Some("images and background are matched by the names of the cameras; rename the files".into()),
+    Err(SegmentError::NoBackground {
+        camera: camera.camera.clone(),
+        folders: request.background.clone(),
+        cameras: backgrounds.iter().flatten().map(|files| files.camera.clone()).collect(),
     })
 }
 
@@ -173,15 +168,9 @@ fn paths(files: &CameraFiles) -> impl Iterator<Item = (u64, PathBuf)> + '_ {
     files.numbers().filter_map(|number| Some((number, files.path(number)?)))
 }
 
-fn other_size(camera: &str, name: &str, image: &RgbImage, background: &Background) -> Error {
-    let [width, height] = background.size();
-    Error::Input {
-        message: format!(
-            "{name}: {}x{} pixels; the background of {camera} has {width}x{height}",
-            image.width, image.height
-        ),
-        help: Some("images and background of a camera must have one size".into()),
-    }
+fn other_size(camera: &str, name: &str, image: &RgbImage, background: &Background) -> SegmentError {
+    let size = [image.width, image.height];
+    SegmentError::OtherSize { file: name.into(), camera: camera.into(), size, background: background.size() }
 }
 
 fn learned(camera: &str, files: &[&CameraFiles], step: &mut impl FnMut()) -> Result<Background, Error> {
@@ -190,7 +179,7 @@ fn learned(camera: &str, files: &[&CameraFiles], step: &mut impl FnMut()) -> Res
         let (name, image) = read(&path)?;
         let background = learned.get_or_insert_with(|| Background::new(image.width, image.height));
         if background.add(&image).is_err() {
-            return Err(other_size(camera, &name, &image, background));
+            return Err(other_size(camera, &name, &image, background).into());
         }
         step();
     }

@@ -16,7 +16,9 @@
 
 pub mod calibration_fit;
 pub mod checks;
+pub mod clocks;
 mod collect;
+pub(crate) mod error;
 mod measured_motion;
 mod model_error;
 pub mod motion_noise;
@@ -32,6 +34,7 @@ mod up_axis;
 mod warning;
 
 pub use collect::{Collected, Request, alone, collect, limb_lengths};
+pub use error::SetupError;
 pub use measured_motion::measure_motion;
 pub use pass::set_up;
 pub use pose_fit::pose_of;

@@ -9,6 +9,10 @@
 //!
 //! Nothing is drawn at random and pixels are counted in whole numbers, so that the result does not depend on the number of threads. Masks of clothes give the thickness of clothes; where poses are wrong, thicknesses follow them.
 
+pub(crate) mod error;
+
+pub use error::ShapeFitError;
+
 use crate::Error;
 use crate::input::silhouettes::{self, Silhouettes};
 use crate::results;
@@ -116,10 +120,6 @@ fn scaled(solids: &[Solid], names: &[String], logs: &[[f64; 2]]) -> Vec<Solid> {
     solids.iter().map(one).collect()
 }
 
-fn refused(error: sinew_body::Error) -> Error {
-    Error::Input { message: error.to_string(), help: None }
-}
-
 /// Counts wrong pixels.
 struct Judge<'a> {
     tree: &'a KinematicTree,
@@ -130,13 +130,13 @@ struct Judge<'a> {
 }
 
 impl Judge<'_> {
-    fn flesh(&self, logs: &[[f64; 2]]) -> Result<Flesh, Error> {
-        Flesh::new(self.tree, scaled(self.flesh.solids(), self.names, logs)).map_err(refused)
+    fn flesh(&self, logs: &[[f64; 2]]) -> Result<Flesh, ShapeFitError> {
+        Flesh::new(self.tree, scaled(self.flesh.solids(), self.names, logs)).map_err(ShapeFitError::Solids)
     }
 
     /// Wrong pixels over those of the masks.
-    fn mismatch(&self, logs: &[[f64; 2]]) -> Result<f64, Error> {
-        let body = SolidBody::new(self.tree, &self.flesh(logs)?).map_err(refused)?;
+    fn mismatch(&self, logs: &[[f64; 2]]) -> Result<f64, ShapeFitError> {
+        let body = SolidBody::new(self.tree, &self.flesh(logs)?).map_err(ShapeFitError::Solids)?;
         let model = ImageModel {
             body: Arc::new(body),
             cameras: self.cameras.to_vec(),
@@ -159,7 +159,7 @@ impl Judge<'_> {
     }
 
     /// What is minimised.
-    fn cost(&self, logs: &[[f64; 2]]) -> Result<f64, Error> {
+    fn cost(&self, logs: &[[f64; 2]]) -> Result<f64, ShapeFitError> {
         Ok(self.mismatch(logs)? + PULL * logs.as_flattened().iter().map(|log| log * log).sum::<f64>())
     }
 
@@ -171,7 +171,7 @@ impl Judge<'_> {
         part: usize,
         ends: &[usize],
         reach: f64,
-    ) -> Result<(), Error> {
+    ) -> Result<(), ShapeFitError> {
         let start = logs[part];
         let [least, most] = SCALES.map(f64::ln);
         let at = |step: f64, logs: &mut [[f64; 2]], best: &mut f64, kept: &mut [f64; 2]| {
@@ -182,7 +182,7 @@ impl Judge<'_> {
             if cost < *best {
                 (*best, *kept) = (cost, ends_at);
             }
-            Ok::<f64, Error>(cost)
+            Ok::<f64, ShapeFitError>(cost)
         };
         let golden = 0.5 * (5.0_f64.sqrt() - 1.0);
         let mut kept = start;
@@ -215,22 +215,16 @@ pub fn fit(
     cameras: &[Camera],
     sights: &[Sight],
     mut progress: impl FnMut(u64, u64),
-) -> Result<Fitted, Error> {
+) -> Result<Fitted, ShapeFitError> {
     let masks = || sights.iter().flat_map(|sight| cameras.iter().zip(&sight.silhouettes));
     for (camera, mask) in masks().filter_map(|(camera, mask)| Some((camera, mask.as_ref()?))) {
-        let (found, expected) = ([mask.width(), mask.height()], camera.image_size_px.map(|side| side as usize));
-        if found != expected {
-            return Err(Error::Input {
-                message: format!("{}: masks of {found:?} pixels, the camera has {expected:?}", camera.name),
-                help: Some("resize the camera to its masks".into()),
-            });
+        let (size, expected) = ([mask.width(), mask.height()], camera.image_size_px.map(|side| side as usize));
+        if size != expected {
+            return Err(ShapeFitError::OtherSize { camera: camera.name.clone(), size, expected });
         }
     }
     if masks().filter_map(|(_, mask)| mask.as_ref()).all(|mask| mask.count() == 0) {
-        return Err(Error::Input {
-            message: "none of the frames chosen has a mask with a person".into(),
-            help: Some("choose others with `--frames`".into()),
-        });
+        return Err(ShapeFitError::Nobody);
     }
     let names = part_names(flesh.solids());
     let judge = Judge { tree, flesh, names: &names, cameras, sights };
@@ -287,7 +281,8 @@ pub fn fit_shape(
         (Some((first, _)), Some((last, _))) => *first..last + 1,
         _ => 0..0,
     };
-    let options = silhouettes::Options { scale: request.scale, frames: Some(numbers), trim: true, calibrated };
+    let lag = tracked.lag.clone();
+    let options = silhouettes::Options { scale: request.scale, frames: Some(numbers), trim: true, lag, calibrated };
     let mut masks = Silhouettes::open(&request.silhouettes, &cameras, &options)?;
     let sized = tracked.as_seen(&masks.cameras(), &cameras);
     let raster = |camera| WorkingRaster::new(camera, WorkingRaster::factor_for(camera, RASTER));

@@ -4,34 +4,26 @@
 //! Must not know: the command line and the format of any file but its own checkpoint and spool.
 
 pub mod checkpoint;
+pub mod error;
 pub mod job;
 pub mod pipeline;
 
 mod describe;
 mod images;
 mod marginals;
-mod method;
 mod motion_prior;
-mod observed;
 mod oddities;
 mod predictive;
 mod restart;
 mod scene;
-mod settings;
 mod smooth;
 mod step_size;
-mod trackers;
 mod unknown_size;
 
 pub use images::{ImageState, Images};
-pub use method::{METHODS, Method, Score};
 pub use motion_prior::walk;
-pub use observed::{Bound, BoundImages, Observed};
 pub use pipeline::{Pipeline, State, moments};
 pub use predictive::{Doubt, Lengths, Origins};
-pub use restart::Steps;
 pub use scene::{Scene, SceneState};
-pub use settings::Settings;
 pub use smooth::{Spool, TRAJECTORIES, smooth};
 pub use step_size::tune;
-pub use trackers::tracker;

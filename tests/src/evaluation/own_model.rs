@@ -12,14 +12,16 @@ use crate::simulated_source::source;
 use sinew::Error;
 use sinew::body::standard::{EVALUATION_JOINTS, STANDING_HEIGHT_M, h32};
 use sinew::body::{Plan, Proportions, point_positions};
+use sinew::config::settings::Settings;
 use sinew::core::lanes::Block;
 use sinew::core::random::Stage;
 use sinew::core::transition::Transition as _;
 use sinew::input::up_axis::Z_UP;
+use sinew::methods::Making;
 use sinew::observe::{Detection, KeypointFrame, KeypointModel, Noise, ObservationModel as _, View};
 use sinew::results::estimate::{Draws, FrameEstimate};
 use sinew::setup::{Body, CameraSetup, Setup, motion_noise};
-use sinew::track::{self, Method, Settings};
+use sinew::track;
 use sinew::tracking::hmc_filter::R_HAT_BOUND;
 use sinew_simulate::detector::{DetectorNoise, detect};
 use sinew_simulate::points::of_states;
@@ -102,9 +104,7 @@ pub fn ranked(frames: usize, sigma_px: f64, settings: &Settings, seed: u64) -> R
         keypoints: seen.keypoints,
         rate_hz: settings.fps,
     };
-    if settings.method == Method::Hmc {
-        track::tune(&mut setup, &body, &mut source(&film), 0, &settings)?;
-    }
+    track::tune(&mut setup, &body, &mut source(&film), 0, &settings)?;
     let shared: Vec<(usize, usize)> =
         body.points().iter().enumerate().filter_map(|(p, point)| Some((p, layout.index(&point.name)?))).collect();
     let plan = Arc::new(Plan::new(&body, &shared.iter().map(|(p, _)| *p).collect::<Vec<_>>()));
@@ -122,7 +122,8 @@ pub fn ranked(frames: usize, sigma_px: f64, settings: &Settings, seed: u64) -> R
         least_confidence: settings.least_confidence,
         isa: settings.isa,
     };
-    let mut tracker = track::tracker(&setup, &settings, &walk, None, start)?;
+    let making = Making { setup: &setup, transition: &walk, parts: None, isa: settings.isa };
+    let mut tracker = settings.method.tracker(&making, start)?;
     let mut predicted = vec![0.0; 3 * plan.points()];
     let mut disagreeing = 0.0;
     for frame in 0..frames {

@@ -1,6 +1,8 @@
-//! Samplers beside each other on the benchmark problem, one thread: nuts-rs with our gradient of one state, and ours over eight lanes.
+//! Samplers beside each other on the benchmark problem, one thread.
 //!
-//! `cargo run --release --manifest-path xtask/peers/Cargo.toml -- [seeds]` prints a table in Markdown; every row is the median over the seeds (3 unless told). It ends with 1 where a
+//! nuts-rs with our gradient of one state, and our samplers over eight lanes.
+//!
+//! `cargo run --release --manifest-path xtask/peers/Cargo.toml -- [seeds]` prints a table in Markdown; every row is the median over the seeds (3 by default). It ends with 1 where a
 //! posterior mean is more than four standard errors from the long run's.
 //!
 //! Seconds are those of the thread on a processor. Warm-up is everything before the first kept draw: mode, metric, starts, tuning of step size and length, burn-in. Effective sample sizes are those of the bulk (rank-normalised, split chains), the least

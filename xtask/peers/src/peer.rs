@@ -1,4 +1,6 @@
-//! nuts-rs with the gradient of one state: four chains of its default warm-up and 4000 draws, one after the other.
+//! nuts-rs with the gradient of one state.
+//!
+//! Four chains of its default warm-up and 4000 draws, one after the other.
 
 use crate::Problem;
 use crate::measure::{Clock, Run};

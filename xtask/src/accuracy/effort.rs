@@ -1,17 +1,21 @@
-//! What accuracy and coverage cost: `hmc` on recorded motion with keypoints of the fitted body, by chains and updates, and both priors between frames by the number of chains.
+//! What accuracy and coverage of `hmc` cost, by chains, updates and the prior between frames.
 //!
-//! Chains of a frame that disagree go on with four times the updates, as in `sinew track`; the gradients printed leave that out.
+//! On recorded motion, with keypoints of the fitted body. Chains of a frame that disagree continue with four times the updates, as in `sinew track`; the gradients printed leave that out.
 //!
-//! Of the settings whose coverage lies in 90 ± 3 % and whose error is within two standard errors of that of the most expensive one, the cheapest is enough for these recordings; docs/accuracy.md says why the default is dearer.
+//! Of the settings whose coverage lies in 90 ± 3 % and whose error is within two standard errors of that of the most expensive one, the cheapest is enough for these recordings; docs/evidence/accuracy.md says why the default is dearer.
 
-use super::{CMU_RATE_HZ, Motion, Outcome, Tally, film, mean};
+use super::virtual_cameras::{CMU_RATE_HZ, Motion, Tally, film, mean, share};
 use crate::chart::{BLUE, GREEN, GREY, Line, Names, ORANGE, PURPLE, finish, panel_with};
+use crate::outcome::Outcome;
 use plotters::prelude::*;
 use sinew::body::standard::EVALUATION_JOINTS;
+use sinew::config::settings::Settings;
 use sinew::dynamics::random_walk::Between;
-use sinew::track::Settings;
+use sinew::methods::Hmc;
+use sinew::tracking::hmc_filter::Config;
 use sinew_tests::evaluation;
 use std::path::Path;
+use std::sync::Arc;
 
 /// Updates a frame; a quarter of them is discarded.
 const UPDATES: [usize; 8] = [4, 8, 12, 16, 24, 32, 48, 96];
@@ -22,31 +26,38 @@ const PRIOR_UPDATES: usize = 24;
 
 /// What a setting came to.
 struct Found {
-    settings: Settings,
+    hmc: Config,
+    between: Between,
     gradients: f64,
     error_mm: [f64; 2],
     coverage: [f64; 2],
     poorly_mixed: f64,
 }
 
-fn measure(motions: &[Motion], settings: &Settings, seeds: u64) -> Outcome<Found> {
+fn config(chains: usize, updates: usize) -> Config {
+    Config { chains, updates, burn_in: updates / 4, ..Hmc::default().0 }
+}
+
+fn measure(motions: &[Motion], hmc: &Hmc, between: Between, seeds: u64) -> Outcome<Found> {
     let mut tally = Tally::default();
     let (mut gradients, mut mixed, mut frames) = (vec![], 0, 0);
     for motion in motions {
         for seed in 1..=seeds {
-            let settings = Settings { seed, fps: CMU_RATE_HZ, ..settings.clone() };
+            let method = Arc::new(hmc.clone());
+            let settings = Settings { method, between, seed, fps: CMU_RATE_HZ, ..Settings::default() };
             let (mut film, all) = film(motion, &motion.fitted.points, seed)?;
             let run = evaluation::run(&mut film, all.clone(), all, &settings, None)?;
             let length = run.setup.leapfrog_steps.unwrap_or(0) as usize;
-            gradients.push((settings.chains * settings.updates * length) as f64);
+            gradients.push((hmc.0.chains * hmc.0.updates * length) as f64);
             mixed += run.filtered.iter().filter(|e| e.r_hat.is_some_and(|r| r > 1.05)).count();
             frames += run.filtered.len();
             tally.add(&run, &run.filtered, &motion.fitted.points);
         }
     }
-    let share = super::share(&tally.covered, 0..EVALUATION_JOINTS.len());
+    let share = share(&tally.covered, 0..EVALUATION_JOINTS.len());
     Ok(Found {
-        settings: settings.clone(),
+        hmc: hmc.0.clone(),
+        between,
         gradients: mean(&gradients),
         error_mm: [mean(&tally.millimetres), deviation(&tally.millimetres, seeds)],
         coverage: share,
@@ -63,11 +74,11 @@ fn deviation(values: &[f64], seeds: u64) -> f64 {
 }
 
 fn print(found: &Found) {
-    let Found { settings: s, gradients, error_mm: [error, error_se], coverage: [share, share_se], poorly_mixed } =
+    let Found { hmc: s, between, gradients, error_mm: [error, error_se], coverage: [share, share_se], poorly_mixed } =
         found;
     println!(
         "| {} | {} | {} | {gradients:.0} | {error:.2} ± {error_se:.2} | {share:.1} ± {share_se:.1} | {poorly_mixed:.1} |",
-        prior_name(s.between),
+        prior_name(*between),
         s.chains,
         s.updates
     );
@@ -104,8 +115,7 @@ pub fn run(motions: &[Motion], seeds: u64, picture: &Path) -> Outcome<()> {
     let mut effort = vec![];
     for chains in CHAINS {
         for updates in UPDATES {
-            let found =
-                measure(motions, &Settings { chains, updates, burn_in: updates / 4, ..Settings::default() }, seeds)?;
+            let found = measure(motions, &Hmc(config(chains, updates)), Between::Gaussian, seeds)?;
             print(&found);
             effort.push(found);
         }
@@ -113,9 +123,7 @@ pub fn run(motions: &[Motion], seeds: u64, picture: &Path) -> Outcome<()> {
     let mut priors = vec![];
     for between in [Between::Gaussian, Between::Mixture] {
         for chains in PRIOR_CHAINS {
-            let (updates, burn_in) = (PRIOR_UPDATES, PRIOR_UPDATES / 4);
-            let found =
-                measure(motions, &Settings { between, chains, updates, burn_in, ..Settings::default() }, seeds)?;
+            let found = measure(motions, &Hmc(config(chains, PRIOR_UPDATES)), between, seeds)?;
             print(&found);
             priors.push(found);
         }
@@ -129,7 +137,7 @@ fn draw(effort: &[Found], priors: &[Found], path: &Path) -> Outcome<()> {
     let areas = root.split_evenly((1, 3));
     let by_chains = |y: &dyn Fn(&Found) -> [f64; 2]| -> Vec<Line> {
         let of = |(chains, colour): (usize, RGBColor)| {
-            let own: Vec<&Found> = effort.iter().filter(|f| f.settings.chains == chains).collect();
+            let own: Vec<&Found> = effort.iter().filter(|f| f.hmc.chains == chains).collect();
             line(format!("{chains} chains"), colour, &own, |f| f.gradients, y)
         };
         CHAINS.into_iter().zip([ORANGE, BLUE, GREEN]).map(of).collect()
@@ -162,8 +170,8 @@ fn draw(effort: &[Found], priors: &[Found], path: &Path) -> Outcome<()> {
     let mut lines: Vec<Line> = [(Between::Gaussian, BLUE), (Between::Mixture, PURPLE)]
         .into_iter()
         .map(|(between, colour)| {
-            let own: Vec<&Found> = priors.iter().filter(|f| f.settings.between == between).collect();
-            line(prior_name(between).into(), colour, &own, |f| f.settings.chains as f64, |f| f.coverage)
+            let own: Vec<&Found> = priors.iter().filter(|f| f.between == between).collect();
+            line(prior_name(between).into(), colour, &own, |f| f.hmc.chains as f64, |f| f.coverage)
         })
         .collect();
     lines.extend(target(ends(&lines)));

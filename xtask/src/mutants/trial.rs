@@ -172,7 +172,7 @@ fn by_target<'a>(tests: impl IntoIterator<Item = &'a Test>) -> BTreeMap<(&'a str
     groups
 }
 
-/// What the output of a test program tells of one test; `read` gives a source file's text.
+/// What the output of a test program says of one test; `read` gives a source file's text.
 fn verdict(said: &str, name: &str, read: &dyn Fn(&str) -> Option<String>) -> Verdict {
     let result = said.lines().find_map(|line| line.strip_prefix(&format!("test {name} ... ")));
     match result {

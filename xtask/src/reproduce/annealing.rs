@@ -1,8 +1,10 @@
-//! Annealing by the numbers of its settings (Deutscher, Blake & Reid 2000; Deutscher & Reid 2005; Balan, Sigal & Black 2005), beside the filters that it is compared with: what is swept, and what its weighted set says of a
-//! posterior.
+//! Annealing by the numbers of its settings, beside the filters that it is compared with.
+//!
+//! Deutscher, Blake & Reid 2000; Deutscher & Reid 2005; Balan, Sigal & Black 2005: what is swept, and what the weighted set says of a posterior.
 //!
 //! | file | what |
 //! |---|---|
+//! | [`study`] | how much is run, the cells, and what they hold |
 //! | [`walk`] | the walk as the tracker's body makes it |
 //! | [`film`] | sweeps on silhouettes: survival rate, layers, variants, named settings |
 //! | [`partitions`] | particles that parts at once and one after the other need |
@@ -17,35 +19,20 @@ mod figures;
 mod film;
 mod partitions;
 mod schemes;
+mod study;
 mod tables;
 mod walk;
 
-use crate::store::{Store, Task, rows, run_all};
-use clap::ValueEnum;
-use film::{Film, Method, Row, SCORES};
-use serde_json::{Value, json};
+use crate::outcome::Outcome;
+use crate::store::Store;
+use film::{Film, Row};
+use serde_json::json;
 use sinew::core::lanes::Isa;
-use sinew::core::random::Stage;
-use std::error::Error;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Instant;
+use study::{Part, Size, Study, VERSION, run_film, run_series};
 use walk::Walks;
-
-type Outcome<T> = Result<T, Box<dyn Error + Send + Sync>>;
-
-/// Parts of the study.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum Part {
-    /// Coverage of intervals on linear-Gaussian series.
-    Coverage,
-    /// Particles against the number of parts.
-    Partitions,
-    /// Variance of resampling schemes.
-    Schemes,
-    /// Sweeps on silhouettes of a walk.
-    Film,
-}
 
 /// Sweeps of annealed, partitioned and bootstrap tracking.
 #[derive(clap::Args)]
@@ -71,167 +58,6 @@ pub(super) struct Args {
     /// Folder of the shared recordings [default: $SINEW_DATA, else shared/data beside the workspace]
     #[arg(long, env = "SINEW_DATA")]
     data: Option<PathBuf>,
-}
-
-/// How much is run.
-#[derive(Clone, Debug)]
-struct Size {
-    /// Series of each dimension, and particles of the bootstrap filter.
-    series: usize,
-    particles: usize,
-    dims: Vec<usize>,
-    /// Runs a number of parts, and the largest number of parts.
-    part_runs: usize,
-    most_parts: usize,
-    /// Weighted sets or runs of the schemes.
-    repeats: usize,
-    /// Frames and seeds of the film, and the sweeps that are run on it.
-    frames: usize,
-    seeds: usize,
-    sweeps: &'static [&'static str],
-}
-
-impl Size {
-    fn full() -> Self {
-        Self {
-            series: 40,
-            particles: 20_000,
-            dims: coverage::DIMS.to_vec(),
-            part_runs: 20,
-            most_parts: 8,
-            repeats: 400,
-            frames: 41,
-            seeds: 5,
-            sweeps: &["survival rate", "layers", "variants", "presets", "filters"],
-        }
-    }
-
-    fn quick() -> Self {
-        Self {
-            series: 8,
-            particles: 3000,
-            dims: vec![2, 6],
-            part_runs: 10,
-            most_parts: 4,
-            repeats: 60,
-            frames: 5,
-            seeds: 1,
-            sweeps: &["presets"],
-        }
-    }
-}
-
-/// Raised with every change of what a cell computes.
-const VERSION: u32 = 1;
-
-/// What runs, and what was found of it.
-struct Study {
-    size: Size,
-    seed: u64,
-    isa: Isa,
-    rows: Vec<Row>,
-    /// Cells of the series and of the film.
-    store: Store,
-    film: Store,
-    only: Vec<Part>,
-}
-
-fn film_key(score: &str, method: &Method, index: usize) -> String {
-    format!("film/{score}/{method:?}/{index}")
-}
-
-impl Study {
-    fn wanted(&self, part: Part) -> bool {
-        self.only.is_empty() || self.only.contains(&part)
-    }
-
-    fn contenders(&self) -> Vec<(String, coverage::Contender)> {
-        coverage::contenders(self.size.particles)
-    }
-
-    /// Survival rates with their numbers of parts.
-    fn rates(&self) -> Vec<(f64, usize)> {
-        partitions::RATES.into_iter().map(|(rate, most)| (rate, most.min(self.size.most_parts))).collect()
-    }
-
-    fn value(&self, key: &str) -> Outcome<&Value> {
-        self.store.get(key).or_else(|| self.film.get(key)).ok_or_else(|| format!("{key} is missing").into())
-    }
-
-    /// Means with errors of the columns of [`coverage`].
-    fn covered(&self, name: &str, dim: usize) -> Outcome<Vec<[f64; 2]>> {
-        Ok(coverage::summary(&rows(self.value(&format!("coverage/{dim}/{name}"))?)))
-    }
-
-    /// Particles and evaluations of parts that are needed for 1, 2, … parts, `at_once` or `apart`.
-    fn needed(&self, rate: f64, most: usize, how: &str) -> Outcome<Vec<[f64; 2]>> {
-        let of = |dim: usize| {
-            let value = &self.value(&format!("partitions/{rate}/{dim}"))?[how];
-            Ok([0, 1].map(|k: usize| value[k].as_f64().unwrap_or(f64::NAN)))
-        };
-        (1..=most).map(of).collect()
-    }
-
-    fn scheme_rows(&self, case: usize) -> Outcome<Vec<Vec<f64>>> {
-        Ok(rows(self.value(&format!("schemes/{case}"))?))
-    }
-
-    /// The cells of a row of the film, seed by seed.
-    fn filmed(&self, score: &str, method: &Method) -> Outcome<Vec<&Value>> {
-        (0..self.size.seeds).map(|index| self.value(&film_key(score, method, index))).collect()
-    }
-}
-
-/// Runs what is missing of the parts without pictures.
-fn run_series(study: &mut Study, threads: usize) -> Outcome<()> {
-    let (seed, isa) = (study.seed, study.isa);
-    let mut tasks: Vec<Task<'_>> = vec![];
-    if study.wanted(Part::Coverage) {
-        for (name, contender) in study.contenders() {
-            for &dim in &study.size.dims {
-                let (contender, series) = (contender.clone(), study.size.series);
-                let task = move || coverage::cell(&contender, dim, series, seed, isa);
-                tasks.push((format!("coverage/{dim}/{name}"), 1.0, Box::new(task)));
-            }
-        }
-    }
-    if study.wanted(Part::Partitions) {
-        for (rate, most) in study.rates() {
-            for dim in 1..=most {
-                let runs = study.size.part_runs;
-                let task = move || {
-                    let stage = Stage::new(seed, "annealing partitions").round(dim);
-                    partitions::cell(rate, dim, runs, &stage)
-                };
-                tasks.push((format!("partitions/{rate}/{dim}"), rate.powi(-(dim as i32)) / 1e3, Box::new(task)));
-            }
-        }
-    }
-    if study.wanted(Part::Schemes) {
-        for case in 0..schemes::CASES.len() {
-            let repeats = study.size.repeats;
-            let task = move || schemes::cell(case, repeats, &Stage::new(seed, "annealing schemes").round(case));
-            tasks.push((format!("schemes/{case}"), 1.0, Box::new(task)));
-        }
-    }
-    run_all(&mut study.store, "series", tasks, threads)
-}
-
-/// Runs what is missing of the film, seed by seed, so that a run that is stopped has whole seeds.
-fn run_film(study: &mut Study, film: &Film<'_>, threads: usize) -> Outcome<()> {
-    let mut tasks: Vec<Task<'_>> = vec![];
-    for index in 0..film.seeds() {
-        for (score, bidirectional) in SCORES {
-            for Row { method, .. } in study.rows.iter().filter(|row| row.is_run_with(score)) {
-                let (key, method) = (film_key(score, method, index), method.clone());
-                if tasks.iter().all(|(other, ..)| *other != key) {
-                    let task = move || film.cell(&method, bidirectional, index);
-                    tasks.push((key, 1.0, Box::new(task)));
-                }
-            }
-        }
-    }
-    run_all(&mut study.film, "film", tasks, threads)
 }
 
 /// Runs the command.
@@ -273,7 +99,7 @@ pub(super) fn run(root: &Path, args: &Args) -> Outcome<ExitCode> {
     println!("{:.0} s; cells, tables and figures in {}", clock.elapsed().as_secs_f64(), folder.display());
     if args.quick {
         println!(
-            "reduced size: verdicts are those of the full run only; asserted are E3, annealed sets below 80 %, filters within 80–98 %, and that the walk is tracked"
+            "reduced size: verdicts need the full run; asserted are E3, annealed sets below 80 %, filters within 80–98 %, and that the walk is tracked"
         );
         let failed = expectations::reduced(&study, &judged)?;
         failed.iter().for_each(|what| println!("does not hold: {what}"));

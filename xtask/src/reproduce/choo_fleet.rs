@@ -1,50 +1,51 @@
-//! Choo & Fleet, "People tracking using hybrid Monte Carlo filtering", ICCV 2001: how much better are gradients than particles, and in how many dimensions?
+//! How much better are gradients than particles, and in how many dimensions?
+//!
+//! Choo & Fleet, "People tracking using hybrid Monte Carlo filtering", ICCV 2001.
 //!
 //! | file | what |
 //! |---|---|
 //! | [`scene`] | motion, camera, observed markers |
 //! | [`problem`] | the posterior of a part of the body in one frame |
-//! | [`importance`], [`chains`] | one frame of a particle filter, one frame of a hybrid Monte Carlo filter |
+//! | [`chains`] | one frame of a hybrid Monte Carlo filter; that of a particle filter is [`sinew::samplers::likelihood_weighting`] |
 //! | [`single`], [`multi`] | the two studies |
 //! | [`opponents`], [`cameras`] | beyond the paper: other samplers and a search; more cameras and other errors |
-//! | [`store`] | finished cells on disk |
-//! | [`curves`] | variance against cost, and ratios at equal variance |
-//! | [`claims`] | the paper's claims and what became of them |
+//! | [`study`], [`cells`] | how much is run, and what |
+//! | [`curves`], [`crossover`] | variance against cost, and ratios at equal variance; where chains overtake particles |
+//! | [`claims`] | the paper's claims and what became of them, by [`single_claims`] and [`multi_claims`] |
 //! | [`tables`], [`figures`] | numbers as files, figures |
 //!
 //! Step sizes and lengths are tuned on the first frame of walking, before any result is seen, and stay.
 
 mod cameras;
+mod cells;
 mod chains;
 mod claims;
+mod crossover;
 mod curves;
 mod figures;
-mod importance;
 mod multi;
+mod multi_claims;
 mod opponents;
 mod problem;
 mod scene;
 mod single;
+mod single_claims;
+mod study;
+mod summary;
 mod tables;
 
-use crate::store::{self, Store, Task, run_all};
-use chains::{Step, Variant};
+use crate::outcome::Outcome;
+use crate::store::Store;
 use clap::ValueEnum;
-use problem::{MODELS, Model, Problem};
-use scene::{Motion, Source};
-use serde_json::json;
+use problem::MODELS;
+use scene::Source;
+use serde_json::{Map, Value};
 use sinew::core::lanes::Isa;
-use sinew::core::random::Stage;
-use sinew::files::FNV_START;
-use sinew::observe::ObservationModel as _;
-use single::Setting;
 use std::collections::BTreeMap;
-use std::error::Error;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Instant;
-
-type Outcome<T> = Result<T, Box<dyn Error + Send + Sync>>;
+use study::{Size, Study};
 
 /// Parts of the study.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -84,251 +85,100 @@ pub(super) struct Args {
     data: Option<PathBuf>,
 }
 
-/// Frames of the single-frame study: motion and number from 1 at 120 frames a second. The first one is for tuning.
-const FRAMES: [(&str, usize); 6] =
-    [("07_01", 60), ("07_01", 160), ("07_01", 260), ("131_04", 200), ("131_04", 500), ("131_04", 900)];
-
-/// How much is run.
-#[derive(Clone, Debug)]
-pub(super) struct Size {
-    /// Frames of [`FRAMES`].
-    frames: Vec<usize>,
-    /// Independent runs a cell.
-    runs: usize,
-    /// Doublings of the settings of Table 1.
-    doublings: Vec<u32>,
-    /// Parts of the reference of 4-D and 10-D.
-    reference_parts: usize,
-    /// Updates of the reference of 28-D.
-    reference_updates: usize,
-    variants: Vec<Variant>,
-    sources: Vec<Source>,
-    /// Noise draws of the multi-frame study.
-    noises: usize,
-}
-
-impl Size {
-    fn full() -> Self {
-        Self {
-            frames: (0..6).collect(),
-            runs: 50,
-            doublings: (0..7).collect(),
-            reference_parts: 50,
-            reference_updates: 20_000,
-            variants: Variant::ALL.to_vec(),
-            sources: vec![Source::Recorded, Source::Fitted],
-            noises: 50,
-        }
-    }
-
-    fn quick() -> Self {
-        Self {
-            frames: vec![0, 4],
-            runs: 20,
-            doublings: vec![0, 2],
-            reference_parts: 10,
-            reference_updates: 500,
-            variants: vec![Variant::Paper],
-            sources: vec![Source::Recorded],
-            noises: 0,
-        }
-    }
-}
-
-/// Everything that cells need.
-struct Study {
-    isa: Isa,
-    seed: u64,
-    size: Size,
-    motions: BTreeMap<&'static str, Motion>,
-}
-
-/// Raised with every change of what a cell computes.
-const VERSION: u32 = 3;
-
-impl Study {
-    /// Everything that the numbers of a cell depend on, the motion included.
-    fn configuration(&self) -> String {
-        let motion = self.motions.values().fold(FNV_START, |hash, motion| motion.hash(hash));
-        format!(
-            "version {VERSION}, {}, seed {}, {:?}, {:?}, {MODELS:?}, {:?}, {MULTI:?}, {MULTI_UPDATES}, {MULTI_FRAMES}, {motion:016x}",
-            self.isa.name(),
-            self.seed,
-            self.size,
-            FRAMES,
-            problem::nested(),
-        )
-    }
-
-    /// The problem of a frame; its observation is fixed by the seed.
-    fn problem(&self, source: Source, frame: usize, model: Model) -> Outcome<Problem> {
-        let (name, number) = FRAMES[frame];
-        let motion = &self.motions[name];
-        let camera = motion.camera(number, self.isa);
-        let found = motion.frame(number, source)?;
-        let stage = Stage::new(self.seed, "choo-fleet observation").at_frame(frame as u32);
-        let seen = scene::seen(&camera, &found.markers, stage);
-        Problem::new(model, &found, Box::new(camera.bind(&seen)), self.isa)
-    }
-
-    fn settings(&self, model: &Model) -> Vec<Setting> {
-        let doubled = |base: usize| self.size.doublings.iter().map(move |&k| base << k);
-        let updates = |&variant| doubled(8).map(move |updates| Setting::Updates(variant, updates));
-        let wanted = |variant: &&Variant| model.is_of_paper() || **variant != Variant::Paper;
-        let chains = self.size.variants.iter().filter(wanted).flat_map(updates);
-        doubled(model.particles).map(Setting::Particles).chain(chains).collect()
-    }
-}
-
-/// Name of a frame for tables.
-fn frame_name(frame: usize) -> String {
-    let (name, number) = FRAMES[frame];
-    format!("{} {number}", if name == "07_01" { "walking" } else { "dancing" })
-}
-
-fn tuning_key(model: &Model, variant: Variant) -> String {
-    format!("tuning/{}/{}", model.name(), variant.name())
-}
-
-fn cell_key(source: Source, frame: usize, model: &Model, setting: &Setting) -> String {
-    format!("single/{}/{}/{}/{}", source.name(), frame_name(frame), model.name(), setting.name())
-}
-
-fn factor_key(model: &Model) -> String {
-    format!("factor/{}", model.name())
-}
-
-fn reference_key(source: Source, frame: usize, model: &Model) -> String {
-    format!("reference/{}/{}/{}", source.name(), frame_name(frame), model.name())
-}
-
-fn step_of(store: &Store, model: &Model, variant: Variant) -> Outcome<Step> {
-    let value = store.get(&tuning_key(model, variant)).ok_or("a step was not tuned")?;
-    let number = |name: &str| value[name].as_f64().ok_or("a step was not stored");
-    Ok(Step { eta: number("eta")?, steps: number("steps")? as usize, acceptance: number("acceptance")? })
-}
-
-fn tune(study: &Study, store: &mut Store, models: &[Model], threads: usize) -> Outcome<()> {
-    let mut tasks: Vec<Task<'_>> = vec![];
-    for &model in models {
-        tasks.push((
-            factor_key(&model),
-            1.0,
-            Box::new(move || Ok(json!(study.problem(Source::Recorded, 0, model)?.gradient_factor()))),
-        ));
-        // The long runs of the reference use the dense metric whatever is compared.
-        for variant in Variant::ALL {
-            let task = move || {
-                let problem = study.problem(Source::Recorded, 0, model)?;
-                let stage = Stage::new(study.seed, "choo-fleet tuning").split([variant.name()]);
-                let [stage] = stage;
-                let step = chains::tune(&problem, variant, stage)?;
-                Ok(json!({ "eta": step.eta, "steps": step.steps, "acceptance": step.acceptance }))
-            };
-            tasks.push((tuning_key(&model, variant), 10.0, Box::new(task)));
-        }
-    }
-    // Times are taken alone.
-    let factors = tasks.extract_if(.., |(key, ..)| key.starts_with("factor")).collect();
-    run_all(store, "gradient factors", factors, 1)?;
-    run_all(store, "tuning", tasks, threads)
-}
-
-/// Which single frames of which parts of the body.
-struct Frames<'a> {
-    name: &'a str,
-    models: &'a [Model],
-    sources: &'a [Source],
-    frames: &'a [usize],
-    /// Updates of the references by long chains.
-    reference_updates: usize,
-}
-
-/// References, then all settings.
-fn single_frames(study: &Study, store: &mut Store, what: &Frames<'_>, threads: usize) -> Outcome<()> {
-    let mut references: Vec<Task<'_>> = vec![];
-    let mut cells: Vec<Task<'_>> = vec![];
-    let Size { runs, reference_parts, .. } = study.size;
-    let reference_updates = what.reference_updates;
-    for &source in what.sources {
-        for &frame in what.frames {
-            for &model in what.models {
-                let dense = step_of(store, &model, Variant::Dense)?;
-                let most = model.particles << study.size.doublings.last().copied().unwrap_or(0);
-                let work = if model.dim <= single::WEIGHABLE {
-                    most * reference_parts
-                } else {
-                    64 * 2 * reference_updates * dense.steps
-                };
-                let reference = move || {
-                    let stage = Stage::new(study.seed, "choo-fleet reference").at_frame(frame as u32);
-                    let problem = study.problem(source, frame, model)?;
-                    single::reference(&problem, most, reference_parts, reference_updates, &dense, stage)
-                };
-                references.push((reference_key(source, frame, &model), work as f64, Box::new(reference)));
-                for setting in study.settings(&model) {
-                    let step = match setting {
-                        Setting::Updates(variant, _) => Some(step_of(store, &model, variant)?),
-                        Setting::Particles(_) => None,
-                    };
-                    let work = match (setting, &step) {
-                        (Setting::Particles(count), _) => count,
-                        (Setting::Updates(_, updates), Some(step)) => 2 * 16 * updates * step.steps,
-                        _ => 0,
-                    };
-                    let cell = move || {
-                        let stage = Stage::new(study.seed, "choo-fleet single").at_frame(frame as u32);
-                        let [stage] = stage.split([setting.name().as_str()]);
-                        single::cell(&study.problem(source, frame, model)?, setting, step.as_ref(), runs, &stage)
-                    };
-                    cells.push((cell_key(source, frame, &model, &setting), (work * runs) as f64, Box::new(cell)));
-                }
-            }
-        }
-    }
-    run_all(store, &format!("references of {}", what.name), references, threads)?;
-    run_all(store, what.name, cells, threads)
-}
-
 /// Frames of walking, for the crossover.
 const CROSSOVER_FRAMES: [usize; 3] = [0, 1, 2];
 
-/// Models and particle numbers of the multi-frame study, at the cost of R = 32.
-const MULTI: [(usize, usize); 2] = [(1, 23_000), (2, 108_000)];
-/// Updates there.
-const MULTI_UPDATES: usize = 32;
-/// Frames there.
-const MULTI_FRAMES: usize = 25;
-
-fn multi_key(source: Source, model: &Model, filter: &multi::Filter, noise: usize) -> String {
-    format!("multi/{}/{}/{}/{noise}", source.name(), model.dim, filter.name())
+/// A command that is running.
+struct Run<'a> {
+    args: &'a Args,
+    study: Study,
+    folder: PathBuf,
+    configuration: String,
+    threads: usize,
 }
 
-/// The two filters of a model in the multi-frame study.
-fn filters(store: &Store, index: usize) -> Outcome<(Model, [multi::Filter; 2])> {
-    let (model, particles) = MULTI[index];
-    let model = MODELS[model];
-    let step = step_of(store, &model, Variant::Paper)?;
-    Ok((model, [multi::Filter::Hmc(MULTI_UPDATES, step), multi::Filter::Particles(particles)]))
-}
+impl Run<'_> {
+    fn wanted(&self, part: Part) -> bool {
+        self.args.only.is_empty() || self.args.only.contains(&part)
+    }
 
-fn multi_frames(study: &Study, store: &mut Store, threads: usize) -> Outcome<()> {
-    let mut tasks: Vec<Task<'_>> = vec![];
-    for index in 0..MULTI.len() {
-        let (model, both) = filters(store, index)?;
-        let each = study.size.sources.iter().flat_map(|&source| both.map(|filter| (source, filter)));
-        for (source, filter) in each {
-            for noise in 0..study.size.noises {
-                let seed = study.seed.wrapping_mul(1000).wrapping_add(noise as u64) as usize;
-                let task = move || {
-                    let motion = &study.motions["07_01"];
-                    multi::run(motion, source, &model, &filter, MULTI_FRAMES, seed, study.isa)
-                };
-                tasks.push((multi_key(source, &model, &filter, noise), model.particles as f64, Box::new(task)));
-            }
+    /// Whether a part is wanted that only the full size has.
+    fn wanted_in_full(&self, part: Part) -> bool {
+        self.wanted(part) && !self.args.quick
+    }
+
+    fn has_frames_in_a_row(&self) -> bool {
+        self.wanted(Part::Multi) && self.study.size.noises > 0
+    }
+
+    /// All cells of the paper's own parts, and of the crossover.
+    fn cells(&self, store: &mut Store) -> Outcome<()> {
+        let (study, threads) = (&self.study, self.threads);
+        cells::tune(study, store, &MODELS, threads)?;
+        if self.wanted(Part::Single) {
+            cells::single_frames(study, store, &self.single_frames(&study.size.sources), threads)?;
+        }
+        if self.wanted_in_full(Part::Crossover) {
+            let nested = problem::nested();
+            cells::tune(study, store, &nested, threads)?;
+            let what = cells::Frames {
+                name: "crossover",
+                models: &nested,
+                sources: &[Source::Recorded],
+                frames: &CROSSOVER_FRAMES,
+                reference_updates: study.size.reference_updates / 4,
+            };
+            cells::single_frames(study, store, &what, threads)?;
+        }
+        if self.has_frames_in_a_row() {
+            cells::multi_frames(study, store, threads)?;
+        }
+        Ok(())
+    }
+
+    fn single_frames<'a>(&'a self, sources: &'a [Source]) -> cells::Frames<'a> {
+        cells::Frames {
+            name: "single frames",
+            models: &MODELS,
+            sources,
+            frames: &self.study.size.frames,
+            reference_updates: self.study.size.reference_updates,
         }
     }
-    run_all(store, "frames in a row", tasks, threads)
+
+    /// What goes beyond the paper, by the names of its parts.
+    fn beyond(&self, store: &mut Store) -> Outcome<Map<String, Value>> {
+        let (study, place) = (&self.study, (self.folder.as_path(), self.configuration.as_str()));
+        let mut beyond = Map::new();
+        if self.wanted_in_full(Part::Opponents) {
+            cells::single_frames(study, store, &self.single_frames(&[Source::Recorded]), self.threads)?;
+            beyond.insert("opponents".into(), opponents::run(study, store, place, self.threads)?);
+        }
+        if self.wanted_in_full(Part::Cameras) {
+            beyond.insert("cameras".into(), cameras::run(study, place, self.threads)?);
+        }
+        Ok(beyond)
+    }
+
+    /// Judges, writes and draws what was run; returns whether a direction of the reduced size failed.
+    fn report(&self, store: &Store, beyond: &Map<String, Value>) -> Outcome<bool> {
+        let (study, folder) = (&self.study, &self.folder);
+        let judged = claims::judge(study, store, self.wanted(Part::Single), self.has_frames_in_a_row())?;
+        tables::write(study, store, &judged, beyond, folder)?;
+        figures::draw(study, store, folder)?;
+        println!("{}", super::claim::table(&judged));
+        if self.args.quick {
+            println!("reduced size: verdicts need the full run; asserted are the directions of CF1, CF2 and CF5");
+        }
+        if self.wanted_in_full(Part::Crossover) {
+            let found = crossover::crossover(study, store, &problem::nested(), &CROSSOVER_FRAMES)?;
+            std::fs::write(folder.join("crossover.csv"), tables::crossover(&found))?;
+            figures::crossover(&found, &folder.join("crossover.svg"))?;
+            println!("{}", tables::crossover(&found));
+        }
+        let directions = ["CF1", "CF2", "CF5"];
+        Ok(self.args.quick && judged.iter().any(|claim| directions.contains(&claim.id) && !claim.direction))
+    }
 }
 
 /// Runs the command.
@@ -351,68 +201,11 @@ pub(super) fn run(root: &Path, args: &Args) -> Outcome<ExitCode> {
     let configuration = study.configuration();
     let mut store = Store::open(&folder, &configuration)?;
     let granted = std::thread::available_parallelism().map_or(1, |n| n.get());
-    let threads = args.threads.unwrap_or(granted);
-    let wanted = |part| args.only.is_empty() || args.only.contains(&part);
-    tune(&study, &mut store, &MODELS, threads)?;
-    if wanted(Part::Single) {
-        let what = Frames {
-            name: "single frames",
-            models: &MODELS,
-            sources: &study.size.sources,
-            frames: &study.size.frames,
-            reference_updates: study.size.reference_updates,
-        };
-        single_frames(&study, &mut store, &what, threads)?;
-    }
-    let nested = problem::nested();
-    let with_crossover = wanted(Part::Crossover) && !args.quick;
-    if with_crossover {
-        tune(&study, &mut store, &nested, threads)?;
-        let what = Frames {
-            name: "crossover",
-            models: &nested,
-            sources: &[Source::Recorded],
-            frames: &CROSSOVER_FRAMES,
-            reference_updates: study.size.reference_updates / 4,
-        };
-        single_frames(&study, &mut store, &what, threads)?;
-    }
-    if wanted(Part::Multi) && study.size.noises > 0 {
-        multi_frames(&study, &mut store, threads)?;
-    }
-    let mut beyond = serde_json::Map::new();
-    if wanted(Part::Opponents) && !args.quick {
-        let what = Frames {
-            name: "single frames",
-            models: &MODELS,
-            sources: &[Source::Recorded],
-            frames: &study.size.frames,
-            reference_updates: study.size.reference_updates,
-        };
-        single_frames(&study, &mut store, &what, threads)?;
-        beyond.insert("opponents".into(), opponents::run(&study, &store, (&folder, &configuration), threads)?);
-    }
-    if wanted(Part::Cameras) && !args.quick {
-        beyond.insert("cameras".into(), cameras::run(&study, (&folder, &configuration), threads)?);
-    }
-    let judged = claims::judge(&study, &store, wanted(Part::Single), wanted(Part::Multi) && study.size.noises > 0)?;
-    tables::write(&study, &store, &judged, &beyond, &folder)?;
-    figures::draw(&study, &store, &folder)?;
-    println!("{}", super::claim::table(&judged));
-    if args.quick {
-        println!(
-            "reduced size: verdicts are those of the full run only; asserted are the directions of CF1, CF2 and CF5"
-        );
-    }
-    if with_crossover {
-        let found = claims::crossover(&study, &store, &nested, &CROSSOVER_FRAMES)?;
-        std::fs::write(folder.join("crossover.csv"), tables::crossover(&found))?;
-        figures::crossover(&found, &folder.join("crossover.svg"))?;
-        println!("{}", tables::crossover(&found));
-    }
-    println!("{:.0} s; cells, tables and figures in {}", clock.elapsed().as_secs_f64(), folder.display());
-    let directions = ["CF1", "CF2", "CF5"];
-    let failed = args.quick && judged.iter().any(|claim| directions.contains(&claim.id) && !claim.direction);
+    let run = Run { args, study, folder, configuration, threads: args.threads.unwrap_or(granted) };
+    run.cells(&mut store)?;
+    let beyond = run.beyond(&mut store)?;
+    let failed = run.report(&store, &beyond)?;
+    println!("{:.0} s; cells, tables and figures in {}", clock.elapsed().as_secs_f64(), run.folder.display());
     Ok(if failed { ExitCode::FAILURE } else { ExitCode::SUCCESS })
 }
 

@@ -1,12 +1,13 @@
-//! The coarse-to-fine particle filter with bottom-up aggregation of body parts: one camera, 330 frames, against CONDENSATION with more than twice the particles.
+//! The coarse-to-fine particle filter with bottom-up aggregation of body parts, against CONDENSATION.
+//!
+//! One camera, 330 frames; CONDENSATION has more than twice the particles.
 //!
 //! | file | what |
 //! |---|---|
 //! | [`scene`] | sequence, body, true poses, grid |
 //! | [`contender`] | who is compared |
 //! | [`condensation`] | the opponent |
-//! | [`own_contours`] | another reading of the likelihood of a part |
-//! | [`track`] | one run and what its estimates are worth |
+//! | [`track`], [`study`] | one run and what its estimates are worth; all of them |
 //! | [`results`] | means, errors, paired differences |
 //! | [`claims`] | the paper's claims and what became of them |
 //! | [`tables`], [`figures`] | numbers as files, the figure |
@@ -17,35 +18,25 @@ mod claims;
 mod condensation;
 mod contender;
 mod figures;
-mod own_contours;
 mod results;
 mod scene;
+mod study;
 mod tables;
 mod track;
 
-use crate::store::{Store, Task, run_all};
-use contender::{Contender, Person};
+use crate::outcome::Outcome;
+use crate::store::Store;
+use contender::Contender;
 use results::{Estimate, Results, mean};
 use scene::{FRAMES, Scene};
 use sinew::core::lanes::Isa;
-use sinew::files::FNV_START;
 use sinew_simulate::segmentation_noise::Level;
-use std::collections::BTreeMap;
-use std::error::Error;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+use std::sync::Mutex;
 use std::time::Instant;
-use track::Seen;
-
-type Outcome<T> = Result<T, Box<dyn Error + Send + Sync>>;
-
-/// The part A of the last change of the estimate by which particles move on (eq. 2).
-const DRIFT: f64 = 0.2;
-
-/// Raised with every change of what a cell computes.
-const VERSION: u32 = 1;
+use study::{Group, Study};
 
 /// Reproduces the tables and the figure of the coarse-to-fine particle filter.
 #[derive(clap::Args)]
@@ -71,77 +62,6 @@ pub(super) struct Args {
     /// Folder of the shared recordings [default: $SINEW_DATA, else shared/data beside the workspace]; without it the synthetic sequence is used
     #[arg(long, env = "SINEW_DATA")]
     data: Option<PathBuf>,
-}
-
-/// Images of a person, level and seed; drawn by the first cell that needs them.
-type Drawn = Arc<OnceLock<Seen>>;
-
-/// What all cells share.
-struct Study {
-    scene: Scene,
-    isa: Isa,
-    drawn: Mutex<BTreeMap<String, Drawn>>,
-}
-
-impl Study {
-    fn configuration(&self) -> String {
-        format!(
-            "version {VERSION}, {}, {} frames, {:016x}",
-            self.isa.name(),
-            self.scene.truth.len(),
-            self.scene.hash(FNV_START)
-        )
-    }
-
-    fn seen(&self, person: Person, level: Level, seed: u64) -> Outcome<Drawn> {
-        let name = format!("{person:?} {level:?} {seed}");
-        let drawn = Arc::clone(self.drawn.lock().unwrap_or_else(PoisonError::into_inner).entry(name).or_default());
-        if drawn.get().is_none() {
-            let seen = Seen::new(&self.scene, person, level, seed, self.isa)?;
-            // Another cell may have drawn the same in the meantime.
-            let _ = drawn.set(seen);
-        }
-        Ok(drawn)
-    }
-
-    fn task(&self, level: Level, contender: Contender, seed: u64) -> Task<'_> {
-        let run = move || {
-            let drawn = self.seen(contender.person, level, seed)?;
-            let seen = drawn.get().ok_or("images were not drawn")?;
-            track::cell(&self.scene, seen, &contender, seed, self.isa)
-        };
-        (contender.key(level, seed), 100.0 + contender.evaluations() as f64, Box::new(run))
-    }
-}
-
-/// What is run with one level of noise and the same seeds.
-struct Group {
-    level: Level,
-    /// Whether it goes beyond the paper.
-    beside: bool,
-    seeds: Vec<u64>,
-    contenders: Vec<Contender>,
-}
-
-impl Group {
-    fn new(level: Level, beside: bool, seeds: u64) -> Self {
-        let contenders = if beside { contender::beside() } else { contender::main() };
-        Self { level, beside, seeds: (1..=seeds).collect(), contenders }
-    }
-
-    fn title(&self) -> String {
-        let beside = if self.beside { ", beyond the paper" } else { "" };
-        format!("{}{beside}", tables::level_name(self.level))
-    }
-
-    /// One seed after the other.
-    fn run(&self, study: &Study, store: &mut Store, threads: usize) -> Outcome<()> {
-        let each = |&seed: &u64| self.contenders.iter().map(move |&of| study.task(self.level, of, seed));
-        let tasks = self.seeds.iter().flat_map(each).collect();
-        let done = run_all(store, &self.title(), tasks, threads);
-        study.drawn.lock().unwrap_or_else(PoisonError::into_inner).clear();
-        done
-    }
 }
 
 /// Tables, figure and claims into the folder and onto the terminal; returns whether what a reduced run asserts holds.
@@ -212,7 +132,7 @@ pub(super) fn run(root: &Path, args: &Args) -> Outcome<ExitCode> {
     let holds = report(&study, &store, &groups, &folder)?;
     if args.quick {
         println!(
-            "reduced size: verdicts are those of the full run only; asserted are CC6, and that the true pose is the most precise"
+            "reduced size: verdicts need the full run; asserted are CC6, and that the true pose is the most precise"
         );
     }
     println!(

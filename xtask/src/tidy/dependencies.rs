@@ -1,6 +1,6 @@
 //! How many packages the facade builds, counted from `cargo metadata`.
 
-use super::Violation;
+use super::workspace::Violation;
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -14,8 +14,9 @@ pub fn check(packages: usize) -> Vec<Violation> {
     if packages < LIMIT {
         return Vec::new();
     }
-    let what =
-        format!("the facade builds {packages} packages; keep it under {LIMIT}, or say why in docs/dependencies.md");
+    let what = format!(
+        "the facade builds {packages} packages; keep it under {LIMIT}, or say why in docs/reference/dependencies.md"
+    );
     vec![Violation::of_file("Cargo.lock", what)]
 }
 

@@ -1,11 +1,11 @@
 //! Arrows between crates point down: what each crate's manifest and product code may name.
 
-use super::{File, Violation, Workspace};
+use super::workspace::{File, Violation, Workspace};
 use crate::source::lines_with;
 use std::collections::BTreeSet;
 
 /// What each crate may depend on, of ours.
-const ALLOWED: [(&str, &[&str]); 11] = [
+const ALLOWED: [(&str, &[&str]); 14] = [
     ("sinew-core", &[]),
     ("sinew-body", &["sinew-core"]),
     ("sinew-observe", &["sinew-body", "sinew-core"]),
@@ -15,9 +15,44 @@ const ALLOWED: [(&str, &[&str]); 11] = [
     ("sinew-tracking", &["sinew-samplers", "sinew-core"]),
     ("sinew-formats", &["sinew-body", "sinew-observe"]),
     ("sinew-invariance", &["sinew-core"]),
-    ("xtask", &["sinew", "sinew-tests"]),
-    ("sinew-tests", &["sinew", "sinew-invariance"]),
+    ("sinew-simulate", &["sinew-core", "sinew-body", "sinew-observe", "sinew-formats"]),
+    ("sinew", &LIBRARIES),
+    ("sinew-cli", &BELOW_THE_PROGRAM),
+    ("xtask", &["sinew", "sinew-simulate", "sinew-tests"]),
+    ("sinew-tests", &["sinew", "sinew-simulate", "sinew-invariance"]),
 ];
+
+/// What the library that people use is made of.
+const LIBRARIES: [&str; 8] = [
+    "sinew-core",
+    "sinew-body",
+    "sinew-observe",
+    "sinew-dynamics",
+    "sinew-latent",
+    "sinew-samplers",
+    "sinew-tracking",
+    "sinew-formats",
+];
+
+/// What the program may know.
+const BELOW_THE_PROGRAM: [&str; 10] = [
+    "sinew",
+    "sinew-simulate",
+    "sinew-core",
+    "sinew-body",
+    "sinew-observe",
+    "sinew-dynamics",
+    "sinew-latent",
+    "sinew-samplers",
+    "sinew-tracking",
+    "sinew-formats",
+];
+
+/// What only a program needs: arguments, manuals, progress bars and interrupts.
+const TERMINAL: [&str; 5] = ["clap", "clap_complete", "clap_mangen", "ctrlc", "indicatif"];
+
+/// The programs: what people run, and our chores.
+const PROGRAMS: [&str; 2] = ["sinew-cli", "xtask"];
 
 /// Modules of core that bodies may use: lanes and what runs on them, no probability and no randomness.
 const CORE_FOR_BODY: [&str; 3] = ["lanes", "elementary", "kernel"];
@@ -63,7 +98,7 @@ fn check_manifest(file: &File, violations: &mut Vec<Violation>) {
         table.map(|table| table.keys().cloned().collect()).unwrap_or_default()
     };
     let Some(allowed) = allowed(name) else {
-        if file.path.starts_with("crates/") && name != "sinew" {
+        if file.path.starts_with("crates/") {
             complain(format!("`{name}` has no place among the layers; give it one in xtask/src/tidy/layers.rs"));
         }
         return;
@@ -74,6 +109,9 @@ fn check_manifest(file: &File, violations: &mut Vec<Violation>) {
         }
         if name == "sinew-body" && dependency.starts_with("rand") {
             complain("bodies hold no randomness".into());
+        }
+        if TERMINAL.contains(&dependency.as_str()) && !PROGRAMS.contains(&name) {
+            complain(format!("`{name}` must not depend on `{dependency}`: only programs have a terminal"));
         }
     }
 }
@@ -99,11 +137,15 @@ fn check_imports(file: &File, violations: &mut Vec<Violation>) {
     let Some(name) = file.library() else { return };
     let Some(allowed) = allowed(name) else { return };
     for (line, text) in (1..).zip(file.product.lines()) {
-        for (at, _) in text.match_indices("sinew_") {
+        for (at, _) in text.match_indices("sinew") {
             if text[..at].ends_with(|c: char| c.is_alphanumeric() || c == '_') {
                 continue;
             }
             let word: String = text[at..].chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect();
+            let is_import = text[at + word.len()..].starts_with("::") || text[..at].ends_with("use ");
+            if !is_import || !(word == "sinew" || word.starts_with("sinew_")) {
+                continue;
+            }
             let import = word.replace('_', "-");
             if import != name && !allowed.contains(&import.as_str()) {
                 violations.push(Violation::at(&file.path, line, format!("`{name}` must not know `{word}`")));
@@ -150,6 +192,14 @@ mod tests {
             ("sinew-samplers", "sinew-tracking", "sinew-core"),
             ("sinew-tracking", "sinew-body", "sinew-samplers"),
             ("sinew-formats", "sinew-core", "sinew-body"),
+            ("sinew-simulate", "sinew-tracking", "sinew-observe"),
+            ("sinew-simulate", "sinew", "sinew-formats"),
+            ("sinew", "sinew-cli", "sinew-tracking"),
+            ("sinew", "sinew-simulate", "sinew-samplers"),
+            ("sinew", "clap", "rayon"),
+            ("sinew-samplers", "indicatif", "faer"),
+            ("sinew-cli", "sinew-tests", "clap"),
+            ("sinew-cli", "sinew-invariance", "sinew-simulate"),
             ("sinew-new", "rand", ""),
         ] {
             let path = format!("crates/{name}/Cargo.toml");
@@ -184,6 +234,10 @@ mod tests {
         let body = "crates/sinew-body/src/tree.rs";
         planted::check(check, body, "use sinew_core::random::Stage;", "use sinew_core::lanes::Real;");
         planted::check(check, body, "use sinew_core::density::LogDensity;", "use sinew_core::elementary::sin_cos;");
-        assert_eq!(planted::violations(check, "crates/sinew/src/run.rs", "use sinew_body::Plan;"), []);
+        let facade = "crates/sinew/src/run.rs";
+        planted::check(check, facade, "pub use sinew_simulate as simulate;", "struct A { sinew_version: u8 }");
+        let simulated = "crates/sinew-simulate/src/walker.rs";
+        planted::check(check, simulated, "use sinew::results::Estimate;", "use sinew_observe::Camera;");
+        planted::check(check, simulated, "use sinew_tracking::Tracker;", "mod sinew; use sinew_core::random::Stage;");
     }
 }

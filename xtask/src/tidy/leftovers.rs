@@ -1,6 +1,8 @@
-//! What is written in passing and must not stay: notes to oneself, placeholders, tests that do not run or do not say what they expect.
+//! What is written in passing and must not stay.
+//!
+//! Notes to oneself, placeholders, tests that do not run or do not say what they expect.
 
-use super::{Violation, Workspace};
+use super::workspace::{Violation, Workspace};
 use crate::source::lines_with;
 
 /// Macros, found in code.

@@ -1,13 +1,14 @@
 //! Where things are: the top level holds what docs/ARCHITECTURE.md lists, and every module opens with a `//!` line.
 
-use super::{Violation, Workspace};
+use super::workspace::{Violation, Workspace};
 
-const TOP: [&str; 16] = [
+const TOP: [&str; 17] = [
     ".cargo",
     ".ci",
     ".gitignore",
     "CHANGELOG.md",
     "CITATION.cff",
+    "CONTRIBUTING.md",
     "Cargo.lock",
     "Cargo.toml",
     "LICENSE-APACHE",

@@ -1,10 +1,10 @@
-//! Only the facade and xtask do IO, set up thread pools or print; `unsafe` has one home; bodies draw no random numbers.
+//! Who may do IO, print, write `unsafe` or draw random numbers.
 
-use super::{Violation, Workspace};
+use super::workspace::{File, Violation, Workspace};
 use crate::source::lines_with;
 
-/// What a library does not do, with the reason.
-const FORBIDDEN: [(&str, &str); 21] = [
+/// What only programs do, with the reason.
+const OF_PROGRAMS: [(&str, &str); 8] = [
     ("println!", "prints"),
     ("eprintln!", "prints"),
     ("print!", "prints"),
@@ -12,6 +12,11 @@ const FORBIDDEN: [(&str, &str); 21] = [
     ("stdout()", "prints"),
     ("stderr()", "prints"),
     ("stdin()", "reads a stream of the process"),
+    ("ThreadPoolBuilder", "sets up a thread pool"),
+];
+
+/// What the facade and programs do, with the reason.
+const INPUT_AND_OUTPUT: [(&str, &str); 13] = [
     ("std::fs", "touches files"),
     ("fs::", "touches files"),
     ("File::open", "touches files"),
@@ -22,7 +27,6 @@ const FORBIDDEN: [(&str, &str); 21] = [
     ("std::process", "touches processes"),
     ("thread::spawn", "starts a thread"),
     ("thread::scope", "starts threads"),
-    ("ThreadPoolBuilder", "sets up a thread pool"),
     ("SystemTime", "reads a clock"),
     ("Instant::now", "reads a clock"),
     ("thread_rng", "draws from a global generator"),
@@ -40,15 +44,13 @@ pub fn check(workspace: &Workspace) -> Vec<Violation> {
                 violations.push(Violation::at(&file.path, line, format!("`unsafe` outside {UNSAFE}")));
             }
         }
-        let Some(library) = file.library().filter(|name| *name != "sinew") else { continue };
-        let mut seen = Vec::new();
-        for (words, why) in FORBIDDEN {
-            for line in lines_with(&file.product, words) {
-                if !seen.contains(&line) {
-                    seen.push(line);
-                    let what = format!("`{words}`: a library {why}; only the facade and xtask may");
-                    violations.push(Violation::at(&file.path, line, what));
-                }
+        let Some(library) = file.library() else { continue };
+        match library {
+            "sinew-cli" => {}
+            "sinew" => forbid(file, &OF_PROGRAMS, "the program and xtask", &mut violations),
+            _ => {
+                let all = [&OF_PROGRAMS[..], &INPUT_AND_OUTPUT[..]].concat();
+                forbid(file, &all, "the facade, the program and xtask", &mut violations);
             }
         }
         if library == "sinew-body" {
@@ -60,6 +62,20 @@ pub fn check(workspace: &Workspace) -> Vec<Violation> {
     violations
 }
 
+/// One violation for each line with any of the words.
+fn forbid(file: &File, words: &[(&str, &str)], who_may: &str, violations: &mut Vec<Violation>) {
+    let mut seen = Vec::new();
+    for (words, why) in words {
+        for line in lines_with(&file.product, words) {
+            if !seen.contains(&line) {
+                seen.push(line);
+                let what = format!("`{words}`: a library {why}; only {who_may} may");
+                violations.push(Violation::at(&file.path, line, what));
+            }
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::super::planted;
@@ -69,11 +85,14 @@ mod tests {
 
     #[test]
     fn io_in_a_library_is_caught() {
-        for (words, _) in FORBIDDEN {
+        for (is_printed, (words, _)) in
+            OF_PROGRAMS.map(|words| (true, words)).into_iter().chain(INPUT_AND_OUTPUT.map(|words| (false, words)))
+        {
             let bad = format!("fn f() {{ {words} }}");
             let good = format!("fn f() {{}} // {words}\n#[cfg(test)]\nmod tests {{ {words} }}");
             planted::check(check, LIBRARY, &bad, &good);
-            assert_eq!(planted::violations(check, "crates/sinew/src/cli.rs", &bad), []);
+            assert_eq!(planted::violations(check, "crates/sinew/src/run.rs", &bad).len(), usize::from(is_printed));
+            assert_eq!(planted::violations(check, "crates/sinew-cli/src/main.rs", &bad), []);
             assert_eq!(planted::violations(check, "crates/sinew-core/benches/x.rs", &bad), []);
         }
         planted::check(check, LIBRARY, "use std::{fs, io};\nfs::read(x)", "use std::io;");

@@ -3,7 +3,7 @@
 use super::files;
 use sinew::config::{Sources, resolve};
 use sinew::formats::Layout;
-use sinew::input::frame::FrameImages;
+use sinew::input::frame::{Frame, FrameImages};
 use sinew::input::in_memory::InMemory;
 use sinew::input::source::FrameSource;
 use sinew::observe::Camera;
@@ -43,7 +43,6 @@ impl Masks {
 struct Source<'a> {
     recording: InMemory,
     masks: Option<&'a Masks>,
-    is_tracking: bool,
 }
 
 impl FrameSource for Source<'_> {
@@ -57,23 +56,18 @@ impl FrameSource for Source<'_> {
         self.recording.frames()
     }
     fn people(&mut self, number: u64) -> Result<Vec<Vec<Person>>, Error> {
-        match self.reads_people() {
-            true => self.recording.people(number),
-            false => Ok(vec![vec![]; self.recording.cameras.len()]),
-        }
+        self.recording.people(number)
     }
     fn image_cameras(&self) -> Option<Vec<Camera>> {
         self.masks.map(|masks| masks.cameras.clone())
     }
-    fn images(&mut self, number: u64) -> Result<FrameImages, Error> {
-        let silhouettes = self.masks.map(|masks| masks.frames[number as usize].clone()).unwrap_or_default();
-        Ok(FrameImages { silhouettes, pictures: vec![] })
-    }
-    fn begin_tracking(&mut self) {
-        self.is_tracking = true;
-    }
-    fn reads_people(&self) -> bool {
-        !(self.is_tracking && self.masks.is_some())
+    fn frame(&mut self, number: u64) -> Result<Frame, Error> {
+        let Some(masks) = self.masks else {
+            return Ok(Frame { people: self.people(number)?, images: FrameImages::default() });
+        };
+        let silhouettes = masks.frames[number as usize].clone();
+        let people = vec![vec![]; self.recording.cameras.len()];
+        Ok(Frame { people, images: FrameImages { silhouettes, pictures: vec![] } })
     }
 }
 
@@ -173,7 +167,7 @@ impl Whole {
                 flag.store(true, Ordering::SeqCst);
             }
         };
-        let mut source = Source { recording: self.recording.clone(), masks: self.masks.as_ref(), is_tracking: false };
+        let mut source = Source { recording: self.recording.clone(), masks: self.masks.as_ref() };
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| {
             let mut watch = Watch { progress: &mut progress, stop: &flag };

@@ -8,7 +8,7 @@
 //! G_i = A R_i Q_iᵀ Aᵀ,      B_i = G_parentᵀ G_i = R_z R_y R_x,      OFFSET_i = A Q_parent offset_i
 //! ```
 //!
-//! so that `G_parent OFFSET_i = A R_parent offset_i`: bones keep their places. Angles are taken nearest to those of the
+//! so that `G_parent OFFSET_i = A R_parent offset_i`: bones keep their places. Angles are the nearest to the
 //! frame before, so that curves do not jump.
 //!
 //! Programs draw a joint as one bone, from its origin to the mean of its children's. Every bone therefore ends where all

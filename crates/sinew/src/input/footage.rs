@@ -3,7 +3,8 @@
 //! Keypoints may serve for the set-up alone ([`Init::Keypoints`]); without keypoints, points in space over time may, as another system or an earlier run has left them ([`Init::Points`]): they are seen by the calibrated cameras, as a
 //! detector without errors would see them. Row k of such a file belongs to frame k, counted from the first frame that is tracked.
 
-use super::frame::{FrameImages, detections};
+use super::error::InputError;
+use super::frame::{Frame, FrameImages, detections};
 use super::source::FrameSource;
 use crate::config::{Init, TrackConfig};
 use crate::input::pictures::{self, Pictures};
@@ -36,7 +37,6 @@ pub struct Footage {
     pictures: Option<Pictures>,
     /// Whether keypoints or points are for the set-up only.
     begins_only: bool,
-    is_tracking: bool,
     warnings: Vec<String>,
     calibration_hash: u64,
 }
@@ -61,40 +61,32 @@ impl Footage {
             let names = footage.calibrated(calibration)?;
             let has_keypoints = footage.keypoints.is_some();
             let frames = if has_keypoints { Some(footage.frames.clone()) } else { options.frames.clone() };
-            let of_masks = silhouettes::Options { scale, frames, trim: options.trim, calibrated: names.clone() };
-            let masks = Silhouettes::open(folder, &footage.cameras, &of_masks)?;
+            recording::check_lags(&options.lag, &names)?;
+            let lag = options.lag.clone();
+            let masks = silhouettes::Options { scale, frames, trim: options.trim, lag, calibrated: names.clone() };
+            let masks = Silhouettes::open(folder, &footage.cameras, &masks)?;
             if !has_keypoints {
                 (footage.frames, footage.available) = (masks.frames(), masks.available());
             }
             if let Some(folder) = &config.images {
                 let frames = Some(footage.frames.clone());
-                let of_images = pictures::Options { scale, frames, trim: true, calibrated: names };
-                footage.pictures = Some(Pictures::open(folder, &footage.cameras, &of_images)?);
+                let lag = options.lag.clone();
+                let images = pictures::Options { scale, frames, trim: true, lag, calibrated: names };
+                footage.pictures = Some(Pictures::open(folder, &footage.cameras, &images)?);
             }
             footage.silhouettes = Some(masks);
         }
-        if config.silhouettes.is_some()
-            && config.method.takes_gradients()
-            && (begins_only || config.keypoints.is_none())
-        {
-            return Err(Error::Usage {
-                message: format!("method `{}` cannot track from silhouettes alone", config.method.name()),
-                help: "give it the keypoints, too, without `--init`; or use `--method annealed`".into(),
-            });
+        let method = config.tracking.method.about();
+        if config.silhouettes.is_some() && method.needs_gradients && (begins_only || config.keypoints.is_none()) {
+            return Err(InputError::GradientsOfSilhouettes { method: method.name }.into());
         }
         match &config.init {
             Some(Init::Points(path)) => footage.begin_at(path)?,
             Some(Init::Keypoints) if footage.keypoints.is_none() => {
-                return Err(Error::Usage {
-                    message: "`--init keypoints` without keypoints".into(),
-                    help: "give them with `--keypoints DIR`, or begin with `--init POINTS.trc`".into(),
-                });
+                return Err(InputError::InitWithoutKeypoints.into());
             }
             None if footage.keypoints.is_none() && config.setup.is_none() => {
-                return Err(Error::Usage {
-                    message: "silhouettes alone do not say where the person is at first, and how large".into(),
-                    help: "give `--init POINTS.trc`, `--keypoints DIR --init keypoints`, or the `--setup` of an earlier run".into(),
-                });
+                return Err(InputError::NoStart.into());
             }
             _ => {}
         }
@@ -112,7 +104,6 @@ impl Footage {
             silhouettes: None,
             pictures: None,
             begins_only: false,
-            is_tracking: false,
             warnings: vec![],
             calibration_hash: 0,
         }
@@ -134,7 +125,6 @@ impl Footage {
             silhouettes: None,
             pictures: None,
             begins_only: false,
-            is_tracking: false,
             warnings,
             calibration_hash: hash,
         })
@@ -153,16 +143,7 @@ impl Footage {
         let markers = &file.header.markers;
         let layout = Layout { name: name.clone(), points: markers.iter().cloned().map(Some).collect() };
         if let Some((point, words)) = recording::lacking(&layout) {
-            return Err(Error::Input {
-                message: format!(
-                    "{name}: no marker `{point}`; the set-up needs {words}, and found {}",
-                    if markers.is_empty() { "none".into() } else { markers.join(", ") }
-                ),
-                help: Some(
-                    "name the markers like the keypoints of BODY_25B, or begin with `--keypoints DIR --init keypoints`"
-                        .into(),
-                ),
-            });
+            return Err(InputError::MarkerMissing { file: name, point, words, markers: markers.clone() }.into());
         }
         let row = |row| (0..markers.len()).map(|marker| file.point_in_world(row, marker)).collect();
         self.points = Some(Points { rows: (0..file.frames.len()).map(row).collect() });
@@ -237,9 +218,6 @@ impl FrameSource for Footage {
     }
 
     fn people(&mut self, number: u64) -> Result<Vec<Vec<Person>>, Error> {
-        if !self.reads_people() {
-            return Ok(vec![vec![]; self.cameras.len()]);
-        }
         match (&self.points, &mut self.keypoints) {
             (Some(points), _) => Ok(self.projected(points, number)),
             (None, Some(recording)) => Ok(detections(&recording.frame(number)?)),
@@ -251,17 +229,15 @@ impl FrameSource for Footage {
         self.silhouettes.as_ref().map(Silhouettes::cameras)
     }
 
-    fn images(&mut self, number: u64) -> Result<FrameImages, Error> {
+    fn frame(&mut self, number: u64) -> Result<Frame, Error> {
+        let people = match self.begins_only {
+            true => vec![vec![]; self.cameras.len()],
+            false => self.people(number)?,
+        };
         let silhouettes = self.silhouettes.as_mut().map(|masks| masks.frame(number)).transpose()?;
         let pictures = self.pictures.as_mut().map(|images| images.frame(number)).transpose()?;
-        Ok(FrameImages { silhouettes: silhouettes.unwrap_or_default(), pictures: pictures.unwrap_or_default() })
-    }
-
-    fn begin_tracking(&mut self) {
-        self.is_tracking = true;
-    }
-
-    fn reads_people(&self) -> bool {
-        !(self.is_tracking && self.begins_only)
+        let images =
+            FrameImages { silhouettes: silhouettes.unwrap_or_default(), pictures: pictures.unwrap_or_default() };
+        Ok(Frame { people, images })
     }
 }

@@ -5,6 +5,15 @@ use sinew_observe::association::Person as Pixels;
 use sinew_observe::bit_image::BitImage;
 use sinew_observe::{Detection, RgbImage};
 
+/// A frame as it is read: once, and whole.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Frame {
+    /// For each camera the people that it saw.
+    pub people: Vec<Vec<Pixels>>,
+    /// Masks and pictures.
+    pub images: FrameImages,
+}
+
 /// What cameras show of one frame besides keypoints, in the order of the cameras.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct FrameImages {

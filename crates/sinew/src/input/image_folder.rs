@@ -3,7 +3,8 @@
 //! Files lie side by side (`cam01_000.png`) or in a folder a camera (`cam01/000.png`, `cam01_masks/000.png`). Cameras are matched by name as those of keypoints,
 //! frames go by the last number in the file names.
 
-use crate::input::recording::{listing, ranges};
+use crate::input::error::{InputError, SizeMisfit};
+use crate::input::recording::{lag_of, listing, ranges};
 use crate::{Error, files};
 use listing::CameraFiles;
 use sinew_formats::{Error as FormatError, camera_name};
@@ -24,6 +25,8 @@ pub struct Options {
     pub frames: Option<Range<u64>>,
     /// Whether cameras may begin and end apart.
     pub trim: bool,
+    /// Frames that cameras are late: frame f of such a camera is in its file numbered f + lag.
+    pub lag: Vec<(String, i64)>,
     /// Names of all calibrated cameras, of which some may not be in use; those in use if empty.
     pub calibrated: Vec<String>,
 }
@@ -77,10 +80,7 @@ impl ImageFolder {
         options: &Options,
     ) -> Result<Self, Error> {
         if let Some(scale) = options.scale.filter(|scale| !(*scale > 0.0 && scale.is_finite())) {
-            return Err(Error::Usage {
-                message: format!("the scale of the {} is {scale}; it must be greater than 0", kind.many),
-                help: "the scale is their width over that of the calibrated images, for example 0.5".into(),
-            });
+            return Err(InputError::ImageScale { many: kind.many, scale }.into());
         }
         let names: Vec<&str> = cameras.iter().map(|camera| camera.name.as_str()).collect();
         let found = camera_files(folder, &names, kind)?;
@@ -99,7 +99,10 @@ impl ImageFolder {
         for camera in cameras {
             let name = camera_name::fold(&camera.name);
             match found.iter().position(|(label, _)| *label == name) {
-                Some(place) => files.push(Some(listing::files(found.swap_remove(place).1, &camera.name, kind.many)?)),
+                Some(place) => {
+                    let listed = listing::files(found.swap_remove(place).1, &camera.name, kind.many)?;
+                    files.push(Some(listed.late_by(lag_of(&options.lag, &camera.name))));
+                }
                 None => {
                     warnings.push(format!(
                         "no {} for camera `{}`; there are: {}",
@@ -113,16 +116,13 @@ impl ImageFolder {
         }
         let listed: Vec<&CameraFiles> = files.iter().flatten().collect();
         if listed.is_empty() {
-            return Err(Error::Input {
-                message: format!(
-                    "`{}` holds {} of {}, none of the cameras in use: {}",
-                    folder.display(),
-                    kind.many,
-                    labels.join(", "),
-                    names.join(", ")
-                ),
-                help: Some("files and cameras are matched by name; rename the files".into()),
-            });
+            return Err(InputError::ImagesOfOtherCameras {
+                folder: folder.to_owned(),
+                many: kind.many,
+                found: labels,
+                cameras: names.into_iter().map(str::to_owned).collect(),
+            }
+            .into());
         }
         let (available, common) = ranges(&listed, options.frames.as_ref(), options.trim)?;
         let frames = options.frames.clone().unwrap_or(common);
@@ -208,32 +208,23 @@ impl ImageFolder {
 
     /// Refuses an image whose size does not fit the calibration, or is not that of the camera's first one.
     pub(crate) fn check_size(&mut self, camera: usize, name: &str, size: [usize; 2]) -> Result<(), Error> {
-        let [width, height] = size;
         if let Some(first) = self.sizes[camera] {
             if first == size {
                 return Ok(());
             }
-            return Err(Error::Input {
-                message: format!(
-                    "{name}: {width}x{height} pixels; the {} of {} read before are {}x{}",
-                    self.kind.many, self.cameras[camera].name, first[0], first[1]
-                ),
-                help: Some(format!("all {} of a camera must have one size; write this one again", self.kind.many)),
-            });
+            let camera = self.cameras[camera].name.clone();
+            return Err(InputError::SizeChanges { file: name.into(), many: self.kind.many, camera, size, first }.into());
         }
         self.sizes[camera] = Some(size);
         let fits = size_fits(&self.cameras[camera], self.kind, size, self.scale);
-        let warning = fits.map_err(|error| match error {
-            Error::Input { message, help } => Error::Input { message: format!("{name}: {message}"), help },
-            other => other,
-        })?;
+        let warning = fits.map_err(|misfit| InputError::SizeMisfit { file: name.into(), misfit })?;
         self.warnings.extend(warning);
         Ok(())
     }
 }
 
 /// What is odd about a size that fits its camera.
-fn size_fits(camera: &Camera, kind: &Kind, size: [usize; 2], scale: Option<f64>) -> Result<Option<String>, Error> {
+fn size_fits(camera: &Camera, kind: &Kind, size: [usize; 2], scale: Option<f64>) -> Result<Option<String>, SizeMisfit> {
     let [width, height] = size;
     let [full_width, full_height] = camera.image_size_px;
     let wanted = camera.image_size_px.map(|full| full * scale.unwrap_or(1.0));
@@ -241,24 +232,22 @@ fn size_fits(camera: &Camera, kind: &Kind, size: [usize; 2], scale: Option<f64>)
     if off.iter().all(|off| *off < 1.0) {
         return Ok(None);
     }
-    let many = kind.many;
-    let declared =
-        scale.map(|scale| format!(", times {scale} is {:.0}x{:.0}", wanted[0], wanted[1])).unwrap_or_default();
-    let name = &camera.name;
-    let message =
-        format!("{name} calibrated at {full_width:.0}x{full_height:.0}{declared}, {many} are {width}x{height}");
+    let misfit = SizeMisfit {
+        camera: camera.name.clone(),
+        many: kind.many,
+        calibrated: camera.image_size_px,
+        scale,
+        size,
+        fitting: None,
+    };
     if scale.is_some() && off.iter().zip(wanted).all(|(off, wanted)| *off <= SIZE_TOLERANCE * wanted) {
-        return Ok(Some(format!("{message}; taken as they are")));
+        return Ok(Some(format!("{misfit}; taken as they are")));
     }
     let ratios = [width as f64 / full_width, height as f64 / full_height];
     // The longer side tells the ratio best.
     let ratio = (1000.0 * if full_width < full_height { ratios[1] } else { ratios[0] }).round() / 1000.0;
-    let help = if ratios.iter().all(|found| (found - ratio).abs() <= SIZE_TOLERANCE * ratio) {
-        format!("if the {many} were resized after the calibration, set `mask_scale = {ratio}`")
-    } else {
-        format!("width and height do not fit together: are these the {many} of {name}?")
-    };
-    Err(Error::Input { message, help: Some(help) })
+    let is_ratio = ratios.iter().all(|found| (found - ratio).abs() <= SIZE_TOLERANCE * ratio);
+    Err(SizeMisfit { fitting: is_ratio.then_some(ratio), ..misfit })
 }
 
 /// Name of the camera in the name of a folder or the beginning of file names.
@@ -281,28 +270,16 @@ pub(crate) fn camera_files(root: &Path, names: &[&str], kind: &Kind) -> Result<V
     if let Some(name) = unnumbered {
         return Err(FormatError::NoFrameNumber { name: name.to_string_lossy().into_owned() }.into());
     }
-    let Kind { many, extensions, .. } = kind;
-    let endings = extensions.join(", .");
-    let expected =
-        format!("expected files `<camera>_<frame>.{0}` or folders `<camera>` with files `<frame>.{0}`", extensions[0]);
-    let shown = root.display();
-    let (message, help) = match (folders.is_empty(), loose.as_slice()) {
-        (true, []) => (
-            format!("`{shown}` holds no {many} (.{endings}); {expected}"),
-            format!("give the folder that holds the {many} of all cameras"),
-        ),
-        (false, [_, ..]) => (
-            format!("`{shown}` holds {many} and folders with {many}; {expected}"),
-            "move one kind elsewhere".to_owned(),
-        ),
-        (true, loose) if loose.iter().any(|files| files.name.is_empty()) => (
-            format!("`{shown}` holds {many} without the name of a camera; {expected}"),
-            format!("move the {many} of each camera into a folder of its name; is this the folder of one camera?"),
-        ),
-        (false, []) => return Ok(folders),
-        (true, _) => return Ok(loose),
-    };
-    Err(Error::Input { message, help: Some(help) })
+    let (folder, many, extensions) = (root.to_owned(), kind.many, kind.extensions);
+    match (folders.is_empty(), loose.as_slice()) {
+        (true, []) => Err(InputError::NoImages { folder, many, extensions }.into()),
+        (false, [_, ..]) => Err(InputError::ImagesTwice { folder, many, extensions }.into()),
+        (true, loose) if loose.iter().any(|files| files.name.is_empty()) => {
+            Err(InputError::ImagesWithoutCamera { folder, many, extensions }.into())
+        }
+        (false, []) => Ok(folders),
+        (true, _) => Ok(loose),
+    }
 }
 
 #[cfg(test)]
@@ -319,7 +296,7 @@ mod tests {
     fn check(full: [f64; 2], size: [usize; 2], scale: Option<f64>, wanted: &str) {
         let told = match size_fits(&camera(full[0], full[1]), &KIND, size, scale) {
             Ok(warning) => warning.unwrap_or_default(),
-            Err(error) => format!("{error} | {}", error.help().unwrap()),
+            Err(misfit) => format!("{misfit} | {}", misfit.help()),
         };
         assert_eq!(told, wanted);
     }

@@ -9,6 +9,7 @@ mod guess;
 pub(crate) mod listing;
 pub mod survey;
 
+use crate::input::error::InputError;
 use crate::{Error, files};
 use listing::CameraFiles;
 use sinew_formats::openpose::{self, Person, Tally};
@@ -35,11 +36,21 @@ pub struct Options {
     pub cameras: Option<Vec<String>>,
     /// Whether cameras may begin and end apart.
     pub trim: bool,
+    /// Frames that cameras are late: frame f of such a camera is in its file numbered f + lag. Beginnings and ends that differ by lags are trimmed.
+    pub lag: Vec<(String, i64)>,
 }
 
 impl Default for Options {
     fn default() -> Self {
-        Self { layout: None, confidence_scale: 1.0, image_scale: 1.0, frames: None, cameras: None, trim: false }
+        Self {
+            layout: None,
+            confidence_scale: 1.0,
+            image_scale: 1.0,
+            frames: None,
+            cameras: None,
+            trim: false,
+            lag: vec![],
+        }
     }
 }
 
@@ -52,6 +63,7 @@ pub struct Recording {
     layout: Layout,
     confidence_scale: f64,
     image_scale: f64,
+    lag: Vec<(String, i64)>,
     available: Range<u64>,
     frames: Range<u64>,
     counted: Vec<bool>,
@@ -79,6 +91,7 @@ impl Recording {
         };
 
         let names: Vec<&str> = folders.iter().map(|folder| folder.name.as_str()).collect();
+        check_lags(&options.lag, &calibrated)?;
         let camera_names: Vec<&str> = cameras.iter().map(|camera| camera.name.as_str()).collect();
         let matching = camera_name::match_names(&names, &camera_names)?;
         warnings.extend(matching.warnings(&names, &camera_names).iter().map(ToString::to_string));
@@ -87,7 +100,9 @@ impl Recording {
         let mut listed = Vec::new();
         for (folder, camera) in matching.pairs {
             let Some(folder) = folders.get_mut(folder).and_then(Option::take) else { continue };
-            listed.push(listing::files(folder, &cameras[camera].name, "keypoint files")?);
+            let name = &cameras[camera].name;
+            let files = listing::files(folder, name, "keypoint files")?;
+            listed.push(files.late_by(lag_of(&options.lag, name)));
             used.push(cameras[camera].resized(options.image_scale));
         }
         if used.len() == 1 {
@@ -134,6 +149,7 @@ impl Recording {
             layout,
             confidence_scale: options.confidence_scale,
             image_scale: options.image_scale,
+            lag: options.lag.clone(),
             available,
             frames,
             warnings,
@@ -159,6 +175,12 @@ impl Recording {
     #[must_use]
     pub const fn image_scale(&self) -> f64 {
         self.image_scale
+    }
+
+    /// Frames that cameras are late, as declared.
+    #[must_use]
+    pub fn lag(&self) -> &[(String, i64)] {
+        &self.lag
     }
 
     /// Meaning of the keypoint indices.
@@ -292,11 +314,8 @@ pub(crate) fn chosen_cameras(cameras: Vec<Camera>, names: &[String]) -> Result<V
     for name in names {
         let wanted = camera_name::fold(name);
         if !cameras.iter().any(|camera| camera_name::fold(&camera.name) == wanted) {
-            let known: Vec<&str> = cameras.iter().map(|camera| camera.name.as_str()).collect();
-            return Err(Error::Usage {
-                message: format!("no camera `{name}` in the calibration; calibrated: {}", known.join(", ")),
-                help: "give `--cameras` a list of these names, separated by commas".into(),
-            });
+            let calibrated = cameras.into_iter().map(|camera| camera.name).collect();
+            return Err(InputError::NoSuchCamera { name: name.clone(), calibrated }.into());
         }
     }
     let wanted: Vec<String> = names.iter().map(|name| camera_name::fold(name)).collect();
@@ -308,24 +327,30 @@ fn chosen_folders(folders: Vec<listing::Folder>, names: &[String]) -> Result<Vec
     let wanted: Vec<String> = names.iter().map(|name| camera_name::fold(name)).collect();
     for (name, wanted) in names.iter().zip(&wanted) {
         if !folders.iter().any(|folder| camera_name::fold(&folder.name) == *wanted) {
-            let known: Vec<&str> = folders.iter().map(|folder| folder.name.as_str()).collect();
-            return Err(Error::Usage {
-                message: format!("no keypoints for camera `{name}`; folders: {}", known.join(", ")),
-                help: "leave the camera out of `--cameras`".into(),
-            });
+            let folders = folders.into_iter().map(|folder| folder.name).collect();
+            return Err(InputError::NoKeypointsOfCamera { name: name.clone(), folders }.into());
         }
     }
     Ok(folders.into_iter().filter(|folder| wanted.contains(&camera_name::fold(&folder.name))).collect())
 }
 
-fn no_such_frames(asked: &Range<u64>, available: &Range<u64>) -> Error {
-    Error::Input {
-        message: format!(
-            "frames {}..{} were asked for; the recording has {}..{}",
-            asked.start, asked.end, available.start, available.end
-        ),
-        help: Some("`--frames A..B` takes the numbers in the file names, A included, B not".into()),
+/// Refuses lags of cameras that are not calibrated.
+pub(crate) fn check_lags(lags: &[(String, i64)], calibrated: &[String]) -> Result<(), InputError> {
+    let is_known = |name: &str| calibrated.iter().any(|known| camera_name::fold(known) == camera_name::fold(name));
+    match lags.iter().find(|(name, _)| !is_known(name)) {
+        None => Ok(()),
+        Some((name, _)) => Err(InputError::LagOfNoCamera { name: name.clone(), calibrated: calibrated.to_vec() }),
     }
+}
+
+/// Frames that a camera is late.
+pub(crate) fn lag_of(lags: &[(String, i64)], camera: &str) -> i64 {
+    let is_it = |(name, _): &&(String, i64)| camera_name::fold(name) == camera_name::fold(camera);
+    lags.iter().find(is_it).map_or(0, |(_, lag)| *lag)
+}
+
+fn no_such_frames(asked: &Range<u64>, available: &Range<u64>) -> Error {
+    InputError::NoSuchFrames { asked: asked.clone(), available: available.clone() }.into()
 }
 
 /// Frames that exist and frames to be tracked.
@@ -337,6 +362,13 @@ pub(crate) fn ranges(
     let whole: Vec<(&str, Range<u64>)> =
         listed.iter().map(Borrow::borrow).map(|files: &CameraFiles| (files.camera.as_str(), files.range())).collect();
     let available = frame_number::common_range(&whole, true)?;
+    let has_lags = listed.iter().any(|files| files.borrow().lag != 0);
+    if has_lags && asked.is_none() {
+        let in_names: Vec<(&str, Range<u64>)> =
+            listed.iter().map(Borrow::borrow).map(|files| (files.camera.as_str(), files.range_in_names())).collect();
+        frame_number::common_range(&in_names, trim)?;
+    }
+    let trim = trim || has_lags;
     let frames = match asked {
         None => frame_number::common_range(&whole, trim)?,
         Some(asked) => {
@@ -351,22 +383,12 @@ pub(crate) fn ranges(
     if frames.is_empty() {
         return Err(match asked {
             Some(asked) => no_such_frames(asked, &available),
-            None => Error::Input {
-                message: "no frame is in all cameras".into(),
-                help: Some("look at the frames of each camera with `sinew inspect`".into()),
-            },
+            None => InputError::NoCommonFrame.into(),
         });
     }
     let most = listed.iter().map(|files| files.borrow().len()).max().unwrap_or_default() as u64;
     if frames.end - frames.start > 1000 * (most + 1) {
-        return Err(Error::Input {
-            message: format!(
-                "frame numbers run from {} to {}, but there are only {most} files a camera",
-                frames.start,
-                frames.end - 1
-            ),
-            help: Some("the last number in a file name must be the frame number, as in `cam01.0034.json`".into()),
-        });
+        return Err(InputError::NumbersApart { first: frames.start, last: frames.end - 1, files: most }.into());
     }
     Ok((available, frames))
 }
@@ -392,9 +414,6 @@ pub(crate) fn lacking(layout: &Layout) -> Option<(&'static str, &'static str)> {
 pub(crate) fn check_layout(layout: &Layout) -> Result<(), Error> {
     match lacking(layout) {
         None => Ok(()),
-        Some((point, words)) => Err(Error::Input {
-            message: format!("layout `{}` has no {words}; the model needs it", layout.name),
-            help: Some(format!("name the keypoint `{point}` in the mapping file")),
-        }),
+        Some((point, words)) => Err(InputError::LayoutLacks { layout: layout.name.clone(), point, words }.into()),
     }
 }

@@ -1,6 +1,6 @@
 //! Where frames come from.
 
-use super::frame::{FrameImages, detections};
+use super::frame::{Frame, FrameImages, detections};
 use super::recording::Recording;
 use crate::Error;
 use sinew_formats::Layout;
@@ -16,7 +16,7 @@ pub trait FrameSource {
     fn layout(&self) -> &Layout;
     /// Numbers of the frames.
     fn frames(&self) -> Range<u64>;
-    /// For each camera the people that it saw in a frame.
+    /// For each camera the people that it saw in a frame, for the set-up.
     ///
     /// # Errors
     /// A frame that cannot be read.
@@ -27,21 +27,12 @@ pub trait FrameSource {
         None
     }
 
-    /// Masks and pictures of a frame, in the order of the cameras.
+    /// A frame to be tracked: people and, where there are masks, images.
     ///
     /// # Errors
     /// A frame that cannot be read.
-    fn images(&mut self, number: u64) -> Result<FrameImages, Error> {
-        let _ = number;
-        Ok(FrameImages::default())
-    }
-
-    /// Told when the set-up is done and frames are tracked from now on.
-    fn begin_tracking(&mut self) {}
-
-    /// Whether keypoints are read for a frame; not where they served for the set-up only.
-    fn reads_people(&self) -> bool {
-        true
+    fn frame(&mut self, number: u64) -> Result<Frame, Error> {
+        Ok(Frame { people: self.people(number)?, images: FrameImages::default() })
     }
 }
 

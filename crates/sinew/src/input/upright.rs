@@ -1,6 +1,6 @@
 //! A source of frames in a world that is turned so that z points up.
 
-use super::frame::FrameImages;
+use super::frame::Frame;
 use super::source::FrameSource;
 use super::up_axis::upright;
 use crate::Error;
@@ -18,6 +18,11 @@ pub struct Upright<'a, S> {
     read: Vec<Range<u64>>,
 }
 
+/// The frames of a run that are there.
+fn within(run: &Range<u64>, frames: &Range<u64>) -> Range<u64> {
+    run.start.max(frames.start)..run.end.min(frames.end)
+}
+
 impl<'a, S: FrameSource> Upright<'a, S> {
     /// Turns the world of a source whose axis `up` (`+x` to `-z`) points up. Unknown names turn nothing.
     pub fn new(source: &'a mut S, up: &str) -> Self {
@@ -25,32 +30,40 @@ impl<'a, S: FrameSource> Upright<'a, S> {
         Self { source, cameras, up: up.into(), read: vec![] }
     }
 
-    /// Runs of frames that were read, in their order: who reads them again in this order knows of the source what is known now.
+    /// Runs of frames that were read for the set-up, in their order.
     #[must_use]
     pub fn read(&self) -> &[Range<u64>] {
         &self.read
     }
 
-    /// Reads such runs again, each frame that counts once; `each` is told how many they are with the one at hand, and in all, and may refuse to go on.
+    /// Reads again what a run had read: the runs of frames of its set-up, each frame once, and the frames that it tracked. `each` takes how many they are with the one at hand, and in all,
+    /// and may end it.
     ///
     /// # Errors
     /// Those of the source and of `each`.
     pub fn read_again(
         &mut self,
-        read: &[Range<u64>],
+        set_up: &[Range<u64>],
+        tracked: Range<u64>,
         mut each: impl FnMut(u64, u64) -> Result<(), Error>,
     ) -> Result<(), Error> {
         let frames = self.source.frames();
-        let numbers = || read.iter().flat_map(|run| run.start.max(frames.start)..run.end.min(frames.end));
-        let total = numbers().collect::<BTreeSet<u64>>().len() as u64;
-        let mut seen = BTreeSet::new();
-        for number in numbers() {
-            if seen.insert(number) {
-                each(seen.len() as u64, total)?;
-                self.source.people(number)?;
-            }
+        let mut left: BTreeSet<u64> = set_up.iter().flat_map(|run| within(run, &frames)).collect();
+        let total = left.iter().copied().chain(within(&tracked, &frames)).collect::<BTreeSet<u64>>().len() as u64;
+        let mut done = 0;
+        for number in set_up.iter().flat_map(|run| within(run, &frames)).filter(|number| left.remove(number)) {
+            done += 1;
+            each(done, total)?;
+            self.source.people(number)?;
         }
-        self.read = read.to_vec();
+        for number in within(&tracked, &frames) {
+            if !set_up.iter().any(|run| run.contains(&number)) {
+                done += 1;
+                each(done, total)?;
+            }
+            self.source.frame(number)?;
+        }
+        self.read = set_up.to_vec();
         Ok(())
     }
 
@@ -74,7 +87,6 @@ impl<S: FrameSource> FrameSource for Upright<'_, S> {
     fn people(&mut self, number: u64) -> Result<Vec<Vec<Person>>, Error> {
         let people = self.source.people(number)?;
         match self.read.last_mut() {
-            _ if !self.source.reads_people() => {}
             Some(run) if run.end == number => run.end += 1,
             _ => self.read.push(number..number + 1),
         }
@@ -83,13 +95,7 @@ impl<S: FrameSource> FrameSource for Upright<'_, S> {
     fn image_cameras(&self) -> Option<Vec<Camera>> {
         self.source.image_cameras().map(|cameras| upright(cameras, &self.up))
     }
-    fn images(&mut self, number: u64) -> Result<FrameImages, Error> {
-        self.source.images(number)
-    }
-    fn begin_tracking(&mut self) {
-        self.source.begin_tracking();
-    }
-    fn reads_people(&self) -> bool {
-        self.source.reads_people()
+    fn frame(&mut self, number: u64) -> Result<Frame, Error> {
+        self.source.frame(number)
     }
 }

@@ -16,7 +16,7 @@ pub(super) fn facts(path: &Path) -> Result<Facts, Error> {
     for camera in &calibration.cameras {
         let [width, height] = camera.image_size_px;
         let [x, y, z] = camera.centre();
-        let lens = if camera.distortion == Default::default() { "no distortion" } else { "distortion" };
+        let lens = if camera.lens.is_perfect() { "no distortion" } else { "distortion" };
         let place = format!(
             "{width} x {height} px, focal length {:.0} px, {lens}, at ({x:.2}, {y:.2}, {z:.2}) m",
             camera.intrinsics.fx

@@ -1,6 +1,7 @@
 //! What a Zarr store holds: groups, arrays and their attributes, from the `zarr.json` of each.
 
 use super::Facts;
+use super::error::InspectError;
 use crate::Error;
 use crate::files::read_text;
 use serde_json::Value;
@@ -26,10 +27,7 @@ pub(super) fn is_store(folder: &Path) -> bool {
 
 pub(super) fn facts(folder: &Path) -> Result<Facts, Error> {
     if !folder.join(DOCUMENT).is_file() {
-        return Err(Error::Input {
-            message: format!("{}: no `{DOCUMENT}`; expected a Zarr store of format 3", folder.display()),
-            help: Some("give the folder `posterior.zarr` itself, not one inside it, and no store of format 2".into()),
-        });
+        return Err(InspectError::NoStore { folder: folder.to_owned(), document: DOCUMENT }.into());
     }
     let mut nodes = Vec::new();
     collect(folder, "", LEVELS, &mut nodes)?;

@@ -3,18 +3,18 @@
 use super::Facts;
 use crate::Error;
 use crate::config::file;
-use crate::config::setting::SETTINGS;
+use crate::config::table::settings;
 use crate::config::value::to_toml;
 use std::path::Path;
 
 pub(super) fn facts(path: &Path) -> Result<Facts, Error> {
     let config = file::read(path)?;
     let count = config.values.len();
-    let mut facts = Facts::new(format!("{}: configuration that sets {count} of {}", path.display(), SETTINGS.len()));
+    let mut facts = Facts::new(format!("{}: configuration that sets {count} of {}", path.display(), settings().len()));
     if config.is_root {
         facts.row(file::ROOT, "true: files in the folders above do not count");
     }
-    for setting in &SETTINGS {
+    for setting in settings() {
         if let Some(value) = config.values.get(setting.key) {
             facts.row(setting.key, to_toml(value));
         }

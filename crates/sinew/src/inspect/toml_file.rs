@@ -9,7 +9,7 @@
 //! | others, and what is no TOML | calibration |
 
 use super::Subject;
-use crate::config::{file, setting};
+use crate::config::{file, table};
 use std::path::PathBuf;
 use toml::de::{DeTable, DeValue};
 
@@ -20,7 +20,7 @@ pub(super) fn subject(path: PathBuf, text: &str) -> Subject {
     let table = table.get_ref();
     let value = |key: &str| table.iter().find(|(name, _)| name.get_ref() == key).map(|(_, value)| value.get_ref());
     let is_array = |key: &str| matches!(value(key), Some(DeValue::Array(_)));
-    let is_setting = |name: &str| setting::find(name).is_some() || name == file::ROOT;
+    let is_setting = |name: &str| table::find(name).is_some() || name == file::ROOT;
     if value("schema").is_some() && value("body").is_some() {
         Subject::Setup(path)
     } else if is_array("link") {

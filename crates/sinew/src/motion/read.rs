@@ -1,6 +1,7 @@
 //! Reads a motion file by its extension.
 
 use super::acclaim::skeleton_of;
+use super::error::MotionError;
 use super::{Content, Format, Motion, rate_of};
 use crate::results::{MOTION_FILES, ResultTable};
 use crate::{Error, files};
@@ -22,17 +23,14 @@ const AMC_RATE_HZ: f64 = 120.0;
 pub fn read(path: &Path, skeleton: Option<&Path>, fps: Option<f64>) -> Result<Motion, Error> {
     let format = Format::of(path)?;
     if format != Format::Amc && skeleton.is_some() {
-        return Err(Error::Usage {
-            message: format!("{} needs no skeleton", path.display()),
-            help: "`--skeleton` belongs to .amc files; leave it out".into(),
-        });
+        return Err(MotionError::NeedlessSkeleton { path: path.to_owned() }.into());
     }
     let text = files::read_text(path, MAX_TEXT_BYTES)?;
     let name = path.display().to_string();
     match format {
-        Format::Trc => of_trc(trc::read(&name, &text)?),
-        Format::Mot => of_mot(mot::read(&name, &text)?),
-        Format::Csv => of_csv(&name, &text),
+        Format::Trc => from_trc(trc::read(&name, &text)?),
+        Format::Mot => from_mot(mot::read(&name, &text)?),
+        Format::Csv => from_csv(&name, &text),
         Format::Bvh => {
             let bvh = bvh::read(&name, &text)?;
             let mut warnings: Vec<String> = bvh.warnings.iter().map(ToString::to_string).collect();
@@ -44,10 +42,7 @@ pub fn read(path: &Path, skeleton: Option<&Path>, fps: Option<f64>) -> Result<Mo
         }
         Format::Amc => {
             let Some(skeleton) = skeleton else {
-                return Err(Error::Usage {
-                    message: format!("{name} holds angles without a skeleton"),
-                    help: "give its skeleton with `--skeleton FILE.asf`".into(),
-                });
+                return Err(MotionError::NoSkeleton { file: name }.into());
             };
             let asf = asf::read(&skeleton.display().to_string(), &files::read_text(skeleton, MAX_TEXT_BYTES)?)?;
             let amc = amc::read(&name, &text, &asf)?;
@@ -76,7 +71,7 @@ fn rate(rate_hz: f64) -> f64 {
     }
 }
 
-fn of_trc(trc: trc::Trc) -> Result<Motion, Error> {
+fn from_trc(trc: trc::Trc) -> Result<Motion, Error> {
     let points = (0..trc.frames.len())
         .map(|frame| (0..trc.header.markers.len()).map(|marker| trc.point_in_world(frame, marker)).collect());
     let table = PointTable {
@@ -93,7 +88,7 @@ fn of_trc(trc: trc::Trc) -> Result<Motion, Error> {
     })
 }
 
-fn of_mot(mut mot: Mot) -> Result<Motion, Error> {
+fn from_mot(mut mot: Mot) -> Result<Motion, Error> {
     if !mot.in_degrees {
         for row in &mut mot.rows {
             for (value, column) in row.iter_mut().zip(&mot.columns).filter(|(_, column)| !is_length(column)) {
@@ -117,12 +112,11 @@ pub(super) fn is_length(column: &str) -> bool {
     ["_tx", "_ty", "_tz"].iter().any(|end| column.ends_with(end))
 }
 
-fn of_csv(name: &str, text: &str) -> Result<Motion, Error> {
+fn from_csv(name: &str, text: &str) -> Result<Motion, Error> {
     if let Some(table) = ResultTable::of(text) {
-        return Err(Error::Input {
-            message: format!("{name} is a table of results and no motion: {}", table.describe()),
-            help: Some(format!("convert {MOTION_FILES}")),
-        });
+        return Err(
+            MotionError::NoMotion { file: name.into(), table: table.describe().into(), motions: MOTION_FILES }.into()
+        );
     }
     let table = tidy_csv::read_numbers(name, text)?;
     if table.columns.iter().any(|column| column.ends_with("_x_m")) {
@@ -137,12 +131,7 @@ fn of_csv(name: &str, text: &str) -> Result<Motion, Error> {
         });
     }
     let Some(time) = table.column("time_s") else {
-        return Err(Error::Input {
-            message: format!(
-                "{name}: no column `time_s`; expected time_s and points (`RHip_x_m` …) or coordinates (`knee_angle_r_deg` …)"
-            ),
-            help: Some("name the column of the times `time_s`, in seconds".into()),
-        });
+        return Err(MotionError::NoTimes { file: name.into() }.into());
     };
     let mut columns = Vec::new();
     let mut taken = Vec::new();
@@ -157,12 +146,7 @@ fn of_csv(name: &str, text: &str) -> Result<Motion, Error> {
         taken.push((index, factor));
     }
     if columns.is_empty() {
-        return Err(Error::Input {
-            message: format!(
-                "{name}: neither points (`RHip_x_m` …) nor coordinates (`knee_angle_r_deg` …) among its columns"
-            ),
-            help: None,
-        });
+        return Err(MotionError::NoColumns { file: name.into() }.into());
     }
     let time_s: Vec<f64> = table.rows.iter().map(|row| row[time]).collect();
     let rows =

@@ -1,8 +1,8 @@
 //! Writes a motion in another format, or says why it cannot be.
 
+use super::error::MotionError;
 use super::read::is_length;
 use super::{Content, Format, Motion};
-use crate::Error;
 use sinew_formats::bvh::{self, Bvh, Channel};
 use sinew_formats::tidy_csv::{self, Cell};
 use sinew_formats::{mot, point_table, trc};
@@ -11,8 +11,8 @@ use std::io;
 /// The motion as a file of the given format; `file_name` stands in the header of TRC files.
 ///
 /// # Errors
-/// [`Error::Usage`] for a conversion that needs inverse kinematics, [`Error::Input`] for names that the format cannot hold.
-pub fn write(motion: &Motion, format: Format, file_name: &str) -> Result<Vec<u8>, Error> {
+/// A conversion that needs inverse kinematics; names that the format cannot hold.
+pub fn write(motion: &Motion, format: Format, file_name: &str) -> Result<Vec<u8>, MotionError> {
     let mut out = Vec::new();
     let written = match (format, &motion.content) {
         (Format::Trc, _) => match motion.points() {
@@ -31,30 +31,24 @@ pub fn write(motion: &Motion, format: Format, file_name: &str) -> Result<Vec<u8>
         (Format::Bvh, Content::Points(_)) => return Err(impossible(motion, format, "points have no bones")),
         (Format::Bvh, Content::Coordinates(_)) => return Err(impossible(motion, format, "coordinates have no bones")),
         (Format::Amc, _) => {
-            return Err(Error::Usage {
-                message: "AMC files are read, not written".into(),
-                help: "write .bvh instead".into(),
-            });
+            return Err(MotionError::ReadOnly);
         }
     };
     match written {
         Ok(()) => Ok(out),
-        Err(error) => Err(Error::Input {
-            message: format!("the motion cannot be written as {}: {error}", format.name()),
-            help: None,
-        }),
+        Err(refusal) => Err(MotionError::Unwritable { format: format.name(), refusal }),
     }
 }
 
-fn impossible(motion: &Motion, format: Format, reason: &str) -> Error {
-    Error::Usage {
-        message: format!("{} cannot become {}: {reason}", motion.format.name(), format.name()),
-        help: match (&motion.content, format) {
-            (Content::Points(_), _) => "that takes inverse kinematics: track the keypoints with `sinew track`, or use OpenSim; .csv is possible".into(),
-            (Content::Coordinates(_), _) => "take the marker file of the same motion; .csv is possible".into(),
-            (Content::Skeleton(_), _) => ".trc, .csv, .mot and .bvh are possible".into(),
-        },
-    }
+fn impossible(motion: &Motion, format: Format, reason: &'static str) -> MotionError {
+    let instead = match &motion.content {
+        Content::Points(_) => {
+            "that takes inverse kinematics: track the keypoints with `sinew track`, or use OpenSim; .csv is possible"
+        }
+        Content::Coordinates(_) => "take the marker file of the same motion; .csv is possible",
+        Content::Skeleton(_) => ".trc, .csv, .mot and .bvh are possible",
+    };
+    MotionError::Impossible { from: motion.format.name(), to: format.name(), reason, instead }
 }
 
 fn as_trc(out: &mut Vec<u8>, motion: &Motion, points: &point_table::PointTable, file_name: &str) -> io::Result<()> {

@@ -5,7 +5,7 @@
 //! `posterior` holds the rotations of the state, the root's place, the position of every point and, where it was not measured, the size of the body; `sample_stats` what the method brings and nothing else; `observed_data` the keypoints that were used.
 
 use super::chunks::ChunkList;
-use super::error;
+use super::error::ResultsError;
 use super::partial::{Place, partial_path, take_back};
 use super::storage::Storage;
 use crate::Error;
@@ -227,7 +227,7 @@ impl DrawStore {
 }
 
 fn lacking(what: &'static str) -> Error {
-    error::Error::LackingStatistics(what).into()
+    ResultsError::LackingStatistics(what).into()
 }
 
 const PER_DRAW: &[&str] = &["chain", "draw", "frame"];

@@ -7,7 +7,7 @@ use std::path::PathBuf;
 /// Results that cannot be written or read back.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
-pub enum Error {
+pub enum ResultsError {
     /// An estimate of another size than the run's.
     #[error("frame {frame}: {what}: {found} numbers instead of {expected}")]
     EstimateSize {
@@ -115,7 +115,7 @@ fn frames(asked: Option<&Range<u64>>) -> String {
     asked.map_or_else(|| "frames".into(), |range| format!("frames {}", span(range)))
 }
 
-impl Error {
+impl ResultsError {
     /// Code with which the program ends.
     #[must_use]
     pub const fn exit_code(&self) -> u8 {

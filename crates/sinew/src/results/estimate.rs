@@ -168,6 +168,8 @@ pub struct Carried {
 pub struct RunInfo {
     /// Name of the method, for example `hmc`.
     pub method: String,
+    /// Whether its draws are weighted particles of a posterior.
+    pub is_weighted: bool,
     /// Filtered or smoothed.
     pub kind: Kind,
     /// Body in its fitted size; points and degrees of freedom are in its order.

@@ -17,7 +17,7 @@
 
 use super::coordinates::Coordinates;
 use super::draws::{DrawStore, OpenChunks};
-use super::error;
+use super::error::ResultsError;
 use super::estimate::{FrameEstimate, RunInfo};
 use super::journal::Journal;
 use super::markers::Markers;
@@ -179,14 +179,14 @@ impl ResultFolder {
         ];
         let frame = estimate.number;
         if let Some((what, found, expected)) = sizes.into_iter().find(|(_, found, expected)| found != expected) {
-            return Err(error::Error::EstimateSize { frame, what, found, expected }.into());
+            return Err(ResultsError::EstimateSize { frame, what, found, expected }.into());
         }
         let finite = |values: &[f64]| values.iter().all(|value| value.is_finite());
         let points = estimate.points.iter().all(|p| [p.mean, p.sd, p.q05, p.q95].iter().all(|values| finite(values)));
         let state = estimate.state.iter().all(|s| finite(&[s.mean, s.q05, s.q95]));
         match finite(&estimate.mean_state) && points && state && finite(&estimate.draws.states) {
             true => Ok(()),
-            false => Err(error::Error::NotFinite { frame }.into()),
+            false => Err(ResultsError::NotFinite { frame }.into()),
         }
     }
 
@@ -259,6 +259,7 @@ mod tests {
     fn info() -> RunInfo {
         RunInfo {
             method: "hmc".into(),
+            is_weighted: false,
             kind: Default::default(),
             fps: 30.0,
             first_frame: 0,

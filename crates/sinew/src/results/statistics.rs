@@ -5,7 +5,6 @@
 use super::Texts;
 use super::summary::{CameraSummary, Diagnostics, Ending, Limits, R_HAT_NOTED, SCHEMA_VERSION, Spread, Summary};
 use crate::results::estimate::{FrameEstimate, RunInfo};
-use crate::track::Method;
 
 /// E-BFMI below which chains are said not to reach the tails (the Stan developers' bound).
 const ENERGY_FRACTION_NEEDED: f64 = 0.3;
@@ -78,7 +77,7 @@ impl Statistics {
             trajectories: 0,
             log_evidence: None,
             residual_px: vec![Vec::new(); info.cameras.len()],
-            particles: Method::named(&info.method).is_some_and(|method| method != Method::Hmc && !method.is_search()),
+            particles: info.is_weighted,
         }
     }
 
@@ -295,10 +294,11 @@ mod tests {
     use sinew_observe::Camera;
 
     /// Warnings and failed diagnostics of frames with the numbers 10, 11, …
-    fn judged(method: Method, frames: impl IntoIterator<Item = FrameEstimate>) -> (Vec<String>, Vec<String>) {
+    fn judged(is_weighted: bool, frames: impl IntoIterator<Item = FrameEstimate>) -> (Vec<String>, Vec<String>) {
         let camera = Camera::look_at("C1", [640.0, 480.0], 500.0, [3.0, 0.0, 1.0], [0.0, 0.0, 1.0]).unwrap();
         let info = RunInfo {
-            method: method.name().into(),
+            method: "toy".into(),
+            is_weighted,
             kind: Default::default(),
             fps: 30.0,
             first_frame: 10,
@@ -336,7 +336,7 @@ mod tests {
     #[test]
     fn restarts_are_warned_of_when_they_are_many() {
         let with = |restarts: usize| {
-            judged(Method::Hmc, (0..20).map(move |i| FrameEstimate { restarted: i <= restarts, ..usual() }))
+            judged(false, (0..20).map(move |i| FrameEstimate { restarted: i <= restarts, ..usual() }))
         };
         // The first frame always begins.
         assert_eq!(with(2), (vec![], vec![]));
@@ -356,26 +356,26 @@ mod tests {
             residual_px: vec![(i > 2).then_some(12.5)],
             ..usual()
         };
-        let (warnings, _) = judged(Method::Hmc, (0..12).map(frame));
+        let (warnings, _) = judged(false, (0..12).map(frame));
         let expected = [
             "frame 13: no observation in any camera; estimates come from the motion model only",
             "frames 15-17: no observation in any camera; estimates come from the motion model only",
             "C1: residual of 12.5 px, more than three times the noise of 4.0 px",
         ];
         assert_eq!(warnings, expected);
-        let (warnings, _) = judged(Method::Hmc, (0..12).map(|i| FrameEstimate { observed: i % 2 == 1, ..usual() }));
+        let (warnings, _) = judged(false, (0..12).map(|i| FrameEstimate { observed: i % 2 == 1, ..usual() }));
         assert_eq!((warnings.len(), warnings[5].as_str()), (6, "1 more spans without observation"));
         let unseen = |i: u64| FrameEstimate { observed: i > 8, residual_px: vec![None], ..usual() };
-        let (warnings, failed) = judged(Method::Hmc, (0..10).map(unseen));
+        let (warnings, failed) = judged(false, (0..10).map(unseen));
         assert_eq!((warnings[1].as_str(), failed.len()), ("C1: the person was found in none of 10 frames", 0));
-        let (_, failed) = judged(Method::Hmc, (0..5).map(unseen));
+        let (_, failed) = judged(false, (0..5).map(unseen));
         assert_eq!(failed, ["no camera saw the person in any of 5 frames"]);
     }
 
     #[test]
     fn frames_whose_energies_move_slowly_or_diverge_are_named() {
         let slow = |i: u64| FrameEstimate { energy_fraction: Some(if i < 2 { 0.1 } else { 0.9 }), ..usual() };
-        let (warnings, failed) = judged(Method::Hmc, (0..20).map(slow));
+        let (warnings, failed) = judged(false, (0..20).map(slow));
         assert_eq!(
             warnings,
             [
@@ -384,7 +384,7 @@ mod tests {
         );
         assert!(failed.is_empty());
         let diverged = |i: u64| FrameEstimate { divergences: if i == 4 { 50 } else { 0 }, ..usual() };
-        let (_, failed) = judged(Method::Hmc, (0..20).map(diverged));
+        let (_, failed) = judged(false, (0..20).map(diverged));
         assert_eq!(
             failed,
             ["50 of 2000 trajectories diverged (in frames 14): the intervals may be wrong there; at most 1 % may"]
@@ -396,25 +396,22 @@ mod tests {
         let frames = |high: usize| {
             (0..40).map(move |i| FrameEstimate { r_hat: Some(if i < high { 1.2 } else { 1.0 }), ..usual() })
         };
-        assert_eq!(judged(Method::Hmc, frames(2)).1, Vec::<String>::new());
+        assert_eq!(judged(false, frames(2)).1, Vec::<String>::new());
         assert_eq!(
-            judged(Method::Hmc, frames(3)).1,
+            judged(false, frames(3)).1,
             [
                 "split R-hat is above 1.05 in 3 of 40 frames (10, 11, 12): the chains disagree, do not trust the intervals there; at most 5 % may be"
             ]
         );
         let diverging = (0..4).map(|_| FrameEstimate { divergences: 2, ..usual() });
         assert_eq!(
-            judged(Method::Hmc, diverging).1,
+            judged(false, diverging).1,
             [
                 "8 of 400 trajectories diverged (in frames 10, 11, 12, 13): the intervals may be wrong there; at most 1 % may"
             ]
         );
         let few = || (0..4).map(|_| FrameEstimate { ess: 9.4, ..usual() });
         let message = "the median effective sample size is 9.4; at least 10 is needed";
-        assert_eq!(
-            (judged(Method::Hmc, few()).1, judged(Method::Bootstrap, few()).1),
-            (vec![], vec![message.to_owned()])
-        );
+        assert_eq!((judged(false, few()).1, judged(true, few()).1), (vec![], vec![message.to_owned()]));
     }
 }

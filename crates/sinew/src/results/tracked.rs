@@ -3,8 +3,8 @@
 //! No file of a folder holds states as such. The body is that of `setup.toml`; rotations come from `angles.csv`, by the names of the body's degrees of freedom; translations, which it lacks, are those that put the body's points on
 //! `markers.trc`: points are affine in translations, so that least squares finds them exactly. Numbers of frames come from `frames.csv`.
 
-use super::error::{self, Expected};
-use crate::config::{Sources, resolve};
+use super::error::{Expected, ResultsError};
+use crate::config::{Sources, TrackConfig, resolve};
 use crate::input::recording::Calibrated;
 use crate::input::up_axis::upright;
 use crate::results::pose;
@@ -25,6 +25,8 @@ pub struct Tracked {
     pub setup: Setup,
     /// Size of the images in which its keypoints lie over that of the calibrated ones.
     pub image_scale: f64,
+    /// Frames that cameras are late.
+    pub lag: Vec<(String, i64)>,
     /// Number of each frame with the state of its mean pose, in the world turned to z up.
     pub frames: Vec<(u64, Vec<f64>)>,
 }
@@ -40,7 +42,7 @@ impl Tracked {
     pub fn read(folder: &Path) -> Result<Self, Error> {
         if !folder.join("summary.json").exists() {
             std::fs::read_dir(folder).map_err(Error::io("read", folder))?;
-            return Err(error::Error::NoSummary(folder.to_owned()).into());
+            return Err(ResultsError::NoSummary(folder.to_owned()).into());
         }
         let text = |name: &str, most| files::read_text(&folder.join(name), most);
         let shown = |name: &str| folder.join(name).display().to_string();
@@ -53,7 +55,7 @@ impl Tracked {
         let markers = trc::read(&shown("markers.trc"), &text("markers.trc", MAX_TEXT_BYTES)?)?;
         if markers.frames.len() != numbers.len() {
             let (file, found) = (shown("markers.trc"), markers.frames.len());
-            return Err(error::Error::OtherLength { file, found, unit: "frames", expected: numbers.len() }.into());
+            return Err(ResultsError::OtherLength { file, found, unit: "frames", expected: numbers.len() }.into());
         }
         let known: Vec<(usize, usize)> = (0..markers.header.markers.len())
             .filter_map(|marker| Some((tree.point_index(&markers.header.markers[marker])?, marker)))
@@ -63,7 +65,8 @@ impl Tracked {
                 known.iter().filter_map(|&(point, marker)| Some((point, markers.point_in_world(row, marker)?)));
             translate(&tree, state, &targets.collect::<Vec<_>>());
         }
-        Ok(Self { setup, image_scale: settings.track().image_scale, frames: numbers.into_iter().zip(states).collect() })
+        let TrackConfig { image_scale, lag, .. } = settings.track();
+        Ok(Self { setup, image_scale, lag, frames: numbers.into_iter().zip(states).collect() })
     }
 
     /// The frames of a range of numbers, every n-th of them.
@@ -77,7 +80,7 @@ impl Tracked {
             return Ok(chosen);
         }
         let available = self.frames.first().zip(self.frames.last()).map(|((first, _), (last, _))| *first..last + 1);
-        Err(error::Error::NoSuchFrames { asked: range.cloned(), available }.into())
+        Err(ResultsError::NoSuchFrames { asked: range.cloned(), available }.into())
     }
 
     /// Cameras of [`Tracked::cameras`] that were resized for images of another size, with the offsets of the set-up: they show the body where it lies in the images.
@@ -96,7 +99,7 @@ impl Tracked {
         let Calibrated { cameras, names, .. } = Calibrated::read(calibration)?;
         let seen = self.setup.camera.iter().map(|known| {
             let is_it = |camera: &&Camera| camera_name::fold(&camera.name) == camera_name::fold(&known.name);
-            cameras.iter().find(is_it).cloned().ok_or_else(|| error::Error::UnknownCamera {
+            cameras.iter().find(is_it).cloned().ok_or_else(|| ResultsError::UnknownCamera {
                 calibration: calibration.to_owned(),
                 camera: known.name.clone(),
                 calibrated: names.clone(),
@@ -112,16 +115,16 @@ pub(crate) fn inputs(results: &Path, calibration: &Path, images: Option<&PathBuf
     [results, calibration].into_iter().map(Path::to_owned).chain(images.cloned()).collect()
 }
 
-fn column(file: &str, table: &Cells, wanted: &'static str) -> Result<usize, error::Error> {
+fn column(file: &str, table: &Cells, wanted: &'static str) -> Result<usize, ResultsError> {
     let place = table.columns.iter().position(|column| column == wanted);
-    place.ok_or_else(|| error::Error::NoColumn { file: file.into(), wanted, columns: table.columns.clone() })
+    place.ok_or_else(|| ResultsError::NoColumn { file: file.into(), wanted, columns: table.columns.clone() })
 }
 
-fn bad_cell(file: &str, line: usize, found: &str, expected: Expected) -> error::Error {
-    error::Error::Cell { file: file.into(), line, found: found.into(), expected }
+fn bad_cell(file: &str, line: usize, found: &str, expected: Expected) -> ResultsError {
+    ResultsError::Cell { file: file.into(), line, found: found.into(), expected }
 }
 
-fn numbers(name: &str, table: &Cells) -> Result<Vec<u64>, error::Error> {
+fn numbers(name: &str, table: &Cells) -> Result<Vec<u64>, ResultsError> {
     let place = column(name, table, "frame")?;
     let number = |(line, row): &(usize, Vec<String>)| {
         row[place].parse().map_err(|_| bad_cell(name, *line, &row[place], Expected::FrameNumber))
@@ -130,7 +133,7 @@ fn numbers(name: &str, table: &Cells) -> Result<Vec<u64>, error::Error> {
 }
 
 /// States of so many frames, translations 0.
-fn rotations(name: &str, table: &Cells, tree: &KinematicTree, frames: usize) -> Result<Vec<Vec<f64>>, error::Error> {
+fn rotations(name: &str, table: &Cells, tree: &KinematicTree, frames: usize) -> Result<Vec<Vec<f64>>, ResultsError> {
     let [name_column, mean_column] = [column(name, table, "name")?, column(name, table, "mean_deg")?];
     let rotations: Vec<(usize, String)> = tree
         .joints()
@@ -141,7 +144,7 @@ fn rotations(name: &str, table: &Cells, tree: &KinematicTree, frames: usize) -> 
         .collect();
     if table.rows.len() != frames * rotations.len() {
         let (file, found, expected) = (name.into(), table.rows.len(), frames * rotations.len());
-        return Err(error::Error::OtherLength { file, found, unit: "rows", expected });
+        return Err(ResultsError::OtherLength { file, found, unit: "rows", expected });
     }
     let mut states = vec![vec![0.0; tree.dof()]; frames];
     for (index, (line, row)) in table.rows.iter().enumerate() {

@@ -5,7 +5,7 @@
 //! from the world and not the world from the camera. The median distance, in pixels of the calibrated images, between keypoints / s and the projection of their
 //! triangulation is small for the right reading and large for others; readings other than the given one are tried only where that is large.
 
-use crate::Error;
+use super::error::SetupError;
 use sinew_observe::offsets::{Sighted, median};
 use sinew_observe::triangulate::{Seen, linear};
 use sinew_observe::{Camera, Detection};
@@ -30,7 +30,7 @@ const FEWEST: usize = 20;
 ///
 /// # Errors
 /// What fits.
-pub fn check(cameras: &[Camera], frames: &[Sighted], declared: f64) -> Result<(), Error> {
+pub fn check(cameras: &[Camera], frames: &[Sighted], declared: f64) -> Result<(), SetupError> {
     let Some(now) = residual(cameras, frames, 1.0) else { return Ok(()) };
     let diagonals = cameras.iter().map(|camera| camera.image_size_px[0].hypot(camera.image_size_px[1]));
     if now <= DOUBTFUL * median(&mut diagonals.collect::<Vec<_>>()) / 1000.0 {
@@ -48,26 +48,19 @@ pub fn check(cameras: &[Camera], frames: &[Sighted], declared: f64) -> Result<()
     };
     let inverted: Vec<Camera> = cameras.iter().map(inverted).collect();
     let best_inverted = residual(&inverted, frames, 1.0).filter(|px| *px < BETTER * now);
-    let (message, help) = match (size, best_inverted) {
-        (size, Some(px)) if size.is_none_or(|(_, other)| px < other) => (
-            format!("the poses of the cameras fit when they are inverted (residual {px:.0} px instead of {now:.0} px)"),
-            "the calibration must give the camera from the world, `Xcam = R Xworld + t`".to_owned(),
-        ),
-        (Some((scale, px)), _) => {
-            let [width, height] = cameras[0].image_size_px.map(|size| size / declared);
-            let name = &cameras[0].name;
-            let scale = scale * declared;
-            let (other_width, other_height) = (scale * width, scale * height);
-            (
-                format!(
-                    "{name} is calibrated at {width:.0}x{height:.0}, the keypoints fit images of {other_width:.0}x{other_height:.0} (residual {px:.0} px instead of {now:.0} px); set `image_scale`"
-                ),
-                format!("`--image-scale {scale:.4}` if all images were resized so after the calibration"),
-            )
+    match (size, best_inverted) {
+        (size, Some(px)) if size.is_none_or(|(_, other)| px < other) => {
+            Err(SetupError::InvertedPoses { inverted_px: px, now_px: now })
         }
-        (None, _) => return Ok(()),
-    };
-    Err(Error::Input { message, help: Some(help) })
+        (Some((scale, px)), _) => Err(SetupError::ResizedImages {
+            camera: cameras[0].name.clone(),
+            size_px: cameras[0].image_size_px.map(|size| size / declared),
+            scale: scale * declared,
+            fitting_px: px,
+            now_px: now,
+        }),
+        (None, _) => Ok(()),
+    }
 }
 
 /// The camera whose pose is the world from the camera, read as the camera from the world.

@@ -5,12 +5,14 @@
 //! after the first, for what changes with time.
 
 use super::calibration_fit;
+use super::error::SetupError;
 use super::stored::Body;
 use super::warning::Warning;
 use crate::Error;
 use sinew_formats::Layout;
 use sinew_observe::Camera;
-use sinew_observe::association::{self, Following, Person, follow};
+use sinew_observe::association::{self, Person};
+use sinew_observe::following::{Following, follow};
 use sinew_observe::cross_view::cameras_behind;
 use sinew_observe::offsets::{self, Sighted};
 
@@ -31,6 +33,8 @@ pub struct Request {
     pub shape_frames: usize,
     /// Size of the images over that of the calibrated ones, as declared; the cameras are resized already.
     pub image_scale: f64,
+    /// Frames that cameras are late, as declared; the frames are read with them already.
+    pub lag: Vec<(String, i64)>,
     /// How people are told apart.
     pub association: association::Config,
     /// How offsets are estimated.
@@ -47,6 +51,7 @@ impl Default for Request {
             offset_frames: 150,
             shape_frames: 120,
             image_scale: 1.0,
+            lag: vec![],
             association: association::Config::default(),
             offsets: offsets::Config::default(),
         }
@@ -176,7 +181,7 @@ pub fn collect(
     }
     calibration_fit::check(cameras, &out.alone, request.image_scale)?;
     if out.found == 0 {
-        return Err(nobody(cameras, layout, request, &out, behind, surest));
+        return Err(nobody(cameras, layout, request, &out, behind, surest).into());
     }
     Ok(out)
 }
@@ -225,34 +230,19 @@ fn nobody(
     out: &Collected,
     behind: (usize, usize),
     surest: f64,
-) -> Error {
-    let (message, help) = if out.people > 0 && surest < request.offsets.least_confidence {
-        (
-            format!(
-                "the surest keypoint has confidence {surest:.3}; {} is needed to set up",
-                request.offsets.least_confidence
-            ),
-            "check `confidence_scale`: it is the confidence that means certainty",
-        )
+) -> SetupError {
+    let frames = out.read;
+    if out.people > 0 && surest < request.offsets.least_confidence {
+        SetupError::Unsure { surest, least: request.offsets.least_confidence }
     } else if cameras.len() > 1 && 2 * behind.0 >= behind.1.max(1) {
-        (
-            Warning::Behind { cameras: behind.0, of: behind.1, names: vec![] }.to_string(),
-            "the calibration must give the camera from the world, `Xcam = R Xworld + t`",
-        )
+        SetupError::Behind(Warning::Behind { cameras: behind.0, of: behind.1, names: vec![] })
     } else if out.people == 0 {
-        (format!("no person in any view of {} frames", out.read), "look at the keypoint files, and at `--setup-frames`")
+        SetupError::Nobody { frames }
     } else if request.person > 0 {
-        (
-            format!("no person number {} that the cameras agree on in {} frames", request.person, out.read),
-            "`--person` counts from 0, the most complete person first",
-        )
+        SetupError::NoSuchPerson { person: request.person, frames }
     } else if cameras.len() > 1 {
-        (
-            format!("no person whom two of {} cameras agree on in {} frames", cameras.len(), out.read),
-            "check the calibration against the keypoints with `sinew inspect`",
-        )
+        SetupError::NoAgreement { cameras: cameras.len(), frames }
     } else {
-        (format!("too few keypoints of layout `{}` in {} frames", layout.name, out.read), "check `--layout`")
-    };
-    Error::Input { message, help: Some(help.into()) }
+        SetupError::TooFewKeypoints { layout: layout.name.clone(), frames }
+    }
 }

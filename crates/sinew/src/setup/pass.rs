@@ -2,8 +2,9 @@
 
 use super::checks;
 use super::collect::{Request, collect};
+use super::error::SetupError;
 use super::own_body;
-use super::pose_fit::{no_pose, pose_of};
+use super::pose_fit::pose_of;
 use super::scale;
 use super::shape;
 use super::stored::{Body, CameraSetup, SCHEMA, Setup};
@@ -60,7 +61,7 @@ pub fn set_up(
         warnings.push(Warning::OneCamera);
         warnings.extend(scale::far_cameras(cameras));
         let found = collected.window.iter().find_map(|(n, s)| Some((*n, pose_of(&setup, cameras, layout, s, None)?)));
-        (setup.start_frame, setup.start_pose) = found.ok_or_else(no_pose)?;
+        (setup.start_frame, setup.start_pose) = found.ok_or(SetupError::NoPose)?;
         if !matches!(request.body, Body::File(_)) {
             setup.size_sd = SIZE_SD;
         }
@@ -93,38 +94,22 @@ const SIZE_SD: f64 = 0.057;
 const FARTHEST_OFFSET: f64 = 0.25;
 
 /// Refuses cameras whose keypoints lie far from where the others see the person.
-fn same_person(cameras: &[Camera], noise: &[CameraNoise]) -> Result<(), Error> {
+fn same_person(cameras: &[Camera], noise: &[CameraNoise]) -> Result<(), SetupError> {
     for (camera, noise) in cameras.iter().zip(noise) {
         let distance = noise.offset_px[0].hypot(noise.offset_px[1]);
         let farthest = FARTHEST_OFFSET * camera.image_size_px[0].hypot(camera.image_size_px[1]);
         if distance.is_nan() || distance > farthest {
-            return Err(Error::Input {
-                message: format!(
-                    "`{}` shows somebody else: the keypoints lie {distance:.0} px from where the other cameras see the person",
-                    camera.name
-                ),
-                help: Some("choose who is tracked with `--person`, leave the camera out of `--cameras`, or look at the calibration with `sinew inspect`".into()),
-            });
+            return Err(SetupError::SomebodyElse { camera: camera.name.clone(), distance_px: distance });
         }
     }
     Ok(())
 }
 
 /// Why a body of a file has no pose: its points.
-fn no_pose_of(tree: &sinew_body::KinematicTree, layout: &Layout) -> Error {
+fn no_pose_of(tree: &sinew_body::KinematicTree, layout: &Layout) -> SetupError {
     let names = tree.points().iter().map(|point| point.name.as_str());
-    let shared: Vec<&str> = names.filter(|name| layout.index(name).is_some()).collect();
-    Error::Input {
-        message: format!(
-            "no frame tells a pose of the body of the file; of layout `{}` it has {} points: {}",
-            layout.name,
-            shared.len(),
-            shared.join(", ")
-        ),
-        help: Some(
-            "name more of its points like those of the layout; `sinew body h32` shows a body that has them".into(),
-        ),
-    }
+    let shared = names.filter(|name| layout.index(name).is_some()).map(str::to_owned).collect();
+    SetupError::NoPoseOfFile { layout: layout.name.clone(), shared }
 }
 
 /// Scatter assumed where nothing was seen and nothing can be borrowed, pixels.

@@ -4,7 +4,6 @@ use super::one_camera;
 use super::own_body::{self, POSE};
 use super::space_points::points_in_space;
 use super::stored::Setup;
-use crate::Error;
 use sinew_body::Plan;
 use sinew_body::fit::{Target, fit_pose};
 use sinew_body::initial::initial_pose;
@@ -51,11 +50,4 @@ pub fn pose_of(
     let Some(start) = start else { return own_body::pose(&tree, &targets, None).map(|fit| fit.pose) };
     let found = fit_pose(&Plan::with_all_points(&tree), &targets, &start, &POSE);
     found.rms_m.is_finite().then_some(found.pose)
-}
-
-pub(super) fn no_pose() -> Error {
-    Error::Input {
-        message: "no frame shows enough of the person for a pose".into(),
-        help: Some("check the calibration against the keypoints with `sinew inspect`".into()),
-    }
 }

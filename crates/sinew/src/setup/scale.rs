@@ -1,7 +1,7 @@
 //! Whether the sizes that a calibration gives are sizes of people.
 
+use super::error::SetupError;
 use super::warning::Warning;
-use crate::Error;
 use sinew_observe::Camera;
 use sinew_observe::offsets::median;
 
@@ -23,21 +23,14 @@ fn usual_distance(cameras: &[Camera]) -> f64 {
 ///
 /// # Errors
 /// The size is that of no person.
-pub fn check_scale(cameras: &[Camera], scale: f64) -> Result<(), Error> {
+pub fn check_scale(cameras: &[Camera], scale: f64) -> Result<(), SetupError> {
     if PLAUSIBLE.contains(&scale) {
         return Ok(());
     }
-    let (message, help) = match far_cameras(cameras) {
-        Some(warning) if scale > 1.0 => (warning.to_string(), "give the translations of the calibration in metres"),
-        _ => (
-            format!(
-                "the person would be {:.3} m tall; are translations in metres, and do the cameras' poses belong to these images?",
-                scale * HEIGHT_M
-            ),
-            "give translations in metres, and the camera from the world, `Xcam = R Xworld + t`",
-        ),
-    };
-    Err(Error::Input { message, help: Some(help.into()) })
+    Err(match far_cameras(cameras) {
+        Some(warning) if scale > 1.0 => SetupError::Millimetres(warning),
+        _ => SetupError::ImpossibleHeight { height_m: scale * HEIGHT_M },
+    })
 }
 
 /// Warns when cameras stand so far from the origin that metres are unlikely.

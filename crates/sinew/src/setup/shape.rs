@@ -11,12 +11,12 @@
 //! share of the residuals.
 
 use super::collect::{Collected, Request};
+use super::error::SetupError;
 use super::model_error::model_error_m;
 use super::scale::check_scale;
 use super::space_points::{Points, points_in_space};
 use super::up_axis::up_axis;
 use super::warning::Warning;
-use crate::Error;
 use sinew_body::fit::Target;
 use sinew_body::{Plan, Proportions, bundle, point_positions, subject};
 use sinew_core::lanes::Isa;
@@ -54,7 +54,7 @@ pub fn measure(
     noise: &[CameraNoise],
     collected: &Collected,
     warnings: &mut Vec<Warning>,
-) -> Result<Shape, Error> {
+) -> Result<Shape, SetupError> {
     let stride = collected.spread.len().div_ceil(request.shape_frames.max(1)).max(1);
     let frames: Vec<(u64, Points)> = collected
         .spread
@@ -108,7 +108,7 @@ pub fn measure(
     let Some((start_frame, start_pose)) =
         frames.iter().zip(&subject.poses).find_map(|((n, _), pose)| Some((*n, pose.clone()?)))
     else {
-        return Err(super::pose_fit::no_pose());
+        return Err(SetupError::NoPose);
     };
     let length = |r: &[f64; 3]| r.iter().map(|x| x * x).sum::<f64>().sqrt();
     let point_error_m: Vec<(String, f64)> = tree

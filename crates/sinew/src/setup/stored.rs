@@ -2,6 +2,7 @@
 //!
 //! `body` is `"H32"`, `"CF28"`, or the whole text of a body file, so that the set-up repeats a run when that file is gone.
 
+use super::error::SetupError;
 use crate::Error;
 use serde::{Deserialize, Serialize};
 use sinew_body::flesh::Flesh;
@@ -76,17 +77,11 @@ impl Body {
     ///
     /// # Errors
     /// A body of a file without solids whose links have none of the standard names.
-    pub fn flesh(&self, tree: &KinematicTree) -> Result<Flesh, Error> {
+    pub fn flesh(&self, tree: &KinematicTree) -> Result<Flesh, SetupError> {
         if let Self::File(FileBody { flesh: Some(flesh), .. }) = self {
             return Ok(flesh.clone());
         }
-        standard_flesh(tree).map_err(|error| Error::Input {
-            message: format!("the body cannot be compared with silhouettes: {error}"),
-            help: Some(
-                "give the body file solids (`[[solid]]`), name its links like those of `sinew body h32`, or use a method for keypoints"
-                    .into(),
-            ),
-        })
+        standard_flesh(tree).map_err(SetupError::NoFlesh)
     }
 
     /// Name for messages.
@@ -212,7 +207,7 @@ impl Setup {
     ///
     /// # Errors
     /// As [`Body::flesh`].
-    pub fn flesh(&self) -> Result<Flesh, Error> {
+    pub fn flesh(&self) -> Result<Flesh, SetupError> {
         self.body.flesh(&self.tree())
     }
 
@@ -302,7 +297,7 @@ impl Setup {
     ///
     /// # Errors
     /// None that is known; the serialiser's are passed on.
-    pub fn to_toml(&self) -> Result<String, Error> {
-        toml::to_string(self).map_err(|e| Error::Numerical { message: format!("the set-up cannot be written: {e}") })
+    pub fn to_toml(&self) -> Result<String, SetupError> {
+        toml::to_string(self).map_err(SetupError::Unwritable)
     }
 }

@@ -1,5 +1,6 @@
 //! What the set-up found odd.
 
+use sinew_observe::camera_lag::CameraLag;
 use std::fmt;
 
 /// An oddity of a recording or its calibration.
@@ -57,16 +58,12 @@ pub enum Warning {
         /// Frames in which the tracked person is among them.
         matched: u64,
     },
-    /// A camera's clock is off.
+    /// Clocks of cameras are off.
     Unsynchronised {
-        /// Camera.
-        camera: String,
-        /// Shift that fits best, frames.
-        lag: i64,
-        /// Residual there, pixels.
-        best_px: f64,
-        /// Residual without a shift, pixels.
-        now_px: f64,
+        /// Cameras, each with the frames that it is late.
+        cameras: Vec<(String, CameraLag)>,
+        /// The setting `lag` that mends it.
+        mended: Vec<(String, i64)>,
     },
     /// One camera suddenly shows someone elsewhere.
     Jump {
@@ -122,10 +119,15 @@ impl fmt::Display for Warning {
                 f,
                 "{camera} shows people in {shown} frames, and in {matched} of them the person whom the other cameras see; is this the calibration of this camera?"
             ),
-            Self::Unsynchronised { camera, lag, best_px, now_px } => write!(
-                f,
-                "{camera} fits best when shifted by {lag:+} frames (residual {best_px:.1} px instead of {now_px:.1} px)"
-            ),
+            Self::Unsynchronised { cameras, mended } => {
+                let late = cameras.iter().map(|(camera, lag)| {
+                    let side = if lag.frames > 0.0 { "late" } else { "early" };
+                    format!("{camera} is {:.1} ± {:.1} frames {side}", lag.frames.abs(), lag.sd)
+                });
+                let flag = mended.iter().map(|(camera, lag)| format!("{camera}={lag}")).collect::<Vec<_>>().join(",");
+                let late = late.collect::<Vec<_>>().join(", ");
+                write!(f, "{late} against the other cameras; `--lag {flag}` reads the frames that belong together")
+            }
             Self::Jump { camera, frame, px } => write!(f, "{camera} frame {frame}: jump of {px:.0} px in all joints"),
             Self::Swapped { camera, first, last, residual_px, swapped_px } => write!(
                 f,

@@ -2,7 +2,7 @@
 
 use super::marginals::Marginals;
 use super::scene::Scene;
-use super::settings::Settings;
+use crate::config::settings::Settings;
 use crate::results::estimate::{Draws, FrameEstimate, HmcStatistics, ParticleStatistics, Quality};
 use sinew_core::random::Stage;
 use sinew_tracking::StepInfo;
@@ -42,7 +42,7 @@ pub(super) fn describe(
     let cameras = scene.cameras_with_person().max(silhouettes);
     FrameEstimate {
         number,
-        restarted: false,
+        restarted: info.restarted,
         time_s: number as f64 / settings.fps,
         observed: cameras > 0,
         quality: match cameras {

@@ -3,27 +3,26 @@
 //! For each frame, in order of their numbers:
 //!
 //! 1. the tracked person is found in each view, near to where the last pose projects ([`sinew_observe::association`]);
-//! 2. his keypoints become the points of the body, and are bound to a likelihood at the predicted pose ([`sinew_observe::keypoint_likelihood`]);
+//! 2. the keypoints become the points of the body, and are bound to a likelihood at the predicted pose ([`sinew_observe::keypoint_likelihood`]), images likewise;
 //! 3. the tracker steps ([`sinew_tracking::run`]);
 //! 4. its draws become marginals of points and angles.
 //!
-//! Frames without the person continue on the motion prior and are flagged. Someone who was lost for some frames and is found again elsewhere restarts the tracker at the pose that fits there.
+//! Frames without the person continue on the motion prior and are flagged. Someone who was lost for some frames and is found elsewhere restarts the tracker at the pose that fits there.
 //! Nothing is kept but the tracker and a few numbers a frame, so memory does not grow.
 
 use super::describe::describe;
+use super::error::TrackError;
 use super::images::{self, ImageState, Images};
 use super::marginals::Marginals;
-use super::method::Method;
 use super::motion_prior::walk;
-use super::observed::Observed;
 use super::predictive::Doubt;
-use super::restart::Restarting;
+use super::restart::{Observation, Restarting};
 use super::scene::{Scene, SceneState};
-use super::settings::Settings;
-use super::trackers::tracker;
 use super::unknown_size::UnknownSize;
 use crate::Error;
+use crate::config::settings::Settings;
 use crate::input::source::FrameSource;
+use crate::methods::{FrameLikelihood, Gives, Making};
 use crate::results::estimate::{Carried, FrameEstimate};
 use crate::results::problem::{self, Problem};
 use crate::results::silhouette_overlap::SilhouetteOverlap;
@@ -37,20 +36,22 @@ use sinew_dynamics::random_walk::RandomWalk;
 use sinew_formats::Layout;
 use sinew_observe::Camera;
 use sinew_tracking::posterior::Posterior;
-use sinew_tracking::{Resume as _, run};
-use std::cell::RefCell;
+use sinew_tracking::{Harness, Resume as _, StepInfo, run};
 use std::ops::ControlFlow;
-use std::sync::PoisonError;
-use std::sync::atomic::Ordering;
 
 /// A tracker with all that surrounds it for one recording.
 pub struct Pipeline {
-    pub(super) settings: Settings,
     tracker: Restarting,
+    observer: Observer,
+    pub(super) transition: RandomWalk,
+}
+
+/// All of a pipeline but its tracker.
+struct Observer {
+    settings: Settings,
     scene: Scene,
     images: Option<Images>,
-    pub(super) marginals: Marginals,
-    pub(super) transition: RandomWalk,
+    marginals: Marginals,
 }
 
 /// What a pipeline remembers from frame to frame.
@@ -96,56 +97,65 @@ impl Pipeline {
         };
         let images = image_cameras.map(with_flesh).transpose()?;
         let transition = walk(setup, tree, &settings)?;
-        let (for_new, walk, known) = (settings.clone(), transition.clone(), setup.clone());
-        let parts = if settings.method.takes_parts() { Some(images::part_tree(tree, &setup.flesh()?)?) } else { None };
-        let make = Box::new(move |start| tracker(&known, &for_new, &walk, parts.as_ref(), start));
-        let tracker = Restarting::new(make, scene.start().to_vec())?;
+        let parts = match settings.method.about().needs_parts {
+            true => Some(images::part_tree(tree, &setup.flesh()?)?),
+            false => None,
+        };
+        let (method, isa, walk, known) = (settings.method.clone(), settings.isa, transition.clone(), setup.clone());
+        let make = move |start| {
+            method.tracker(&Making { setup: &known, transition: &walk, parts: parts.as_ref(), isa }, start)
+        };
+        let tracker = Restarting::new(Box::new(make), scene.start().to_vec())?;
         let marginals = Marginals::new(tree, settings.isa, UnknownSize::of(setup, cameras, settings.seed));
-        Ok(Self { settings, tracker, scene, images, marginals, transition })
+        Ok(Self { tracker, observer: Observer { settings, scene, images, marginals }, transition })
     }
 
     /// Statistics that each frame brings.
     #[must_use]
     pub fn carried(&self) -> Carried {
-        let hmc = self.settings.method == Method::Hmc;
-        let size = self.marginals.size().is_some();
-        let particles = match self.settings.method {
-            Method::Hmc => None,
-            Method::CoarseToFine => Some(1),
-            _ => Some(self.settings.particles),
-        };
-        Carried { lp: hmc, hmc, log_evidence: !self.settings.method.is_search(), particles, size }
+        let method = &self.observer.settings.method;
+        let (chains, is_search) = (method.about().gives == Gives::Chains, method.about().gives == Gives::Search);
+        let (particles, size) = (method.weighted_draws(), self.size().is_some());
+        Carried { lp: chains, hmc: chains, log_evidence: !is_search, particles, size }
+    }
+
+    pub(super) fn size(&self) -> Option<&UnknownSize> {
+        self.observer.marginals.size()
+    }
+
+    pub(super) const fn settings(&self) -> &Settings {
+        &self.observer.settings
     }
 
     /// Names of the keypoints that are points of the body.
     #[must_use]
     pub fn keypoints(&self) -> Vec<String> {
-        self.scene.keypoints()
+        self.observer.scene.keypoints()
     }
 
     /// What was odd in the frames tracked so far.
     #[must_use]
     pub fn warnings(&self) -> Vec<String> {
-        let search = self.settings.method.is_search().then(|| {
-            format!(
-                "`{}` is a search: its intervals and draws are what survived it, not a posterior",
-                self.settings.method.name()
-            )
+        let Observer { settings, scene, images, .. } = &self.observer;
+        let method = settings.method.about();
+        let search = (method.gives == Gives::Search).then(|| {
+            format!("`{}` is a search: its intervals and draws are what survived it, not a posterior", method.name)
         });
-        let of_images = self.images.iter().flat_map(Images::warnings);
-        self.scene.warnings().into_iter().chain(search).chain(of_images).collect()
+        let of_images = images.iter().flat_map(Images::warnings);
+        scene.warnings().into_iter().chain(search).chain(of_images).collect()
     }
 
     /// How well the tracked body covers the silhouettes, camera by camera; empty without silhouettes.
     #[must_use]
     pub fn coverage(&self) -> &[SilhouetteOverlap] {
-        self.images.as_ref().map_or(&[], Images::coverage)
+        self.observer.images.as_ref().map_or(&[], Images::coverage)
     }
 
     /// What the next frame needs of those before it.
     #[must_use]
     pub fn save(&self) -> State {
-        State { tracker: self.tracker.save(), scene: self.scene.save(), images: self.images.as_ref().map(Images::save) }
+        let Observer { scene, images, .. } = &self.observer;
+        State { tracker: self.tracker.save(), scene: scene.save(), images: images.as_ref().map(Images::save) }
     }
 
     /// Goes on where a pipeline of the same set-up and settings stood, to the same bits.
@@ -153,8 +163,8 @@ impl Pipeline {
     /// # Errors
     /// A state of another pipeline.
     pub fn restore(&mut self, saved: &State) -> Result<(), Problem> {
-        self.scene.restore(&saved.scene)?;
-        if let (Some(images), Some(saved)) = (&mut self.images, &saved.images) {
+        self.observer.scene.restore(&saved.scene)?;
+        if let (Some(images), Some(saved)) = (&mut self.observer.images, &saved.images) {
             images.restore(saved)?;
         }
         self.tracker.restore(&saved.tracker).map_err(|error| match error {
@@ -168,7 +178,7 @@ impl Pipeline {
     /// What does not look as the model says in the frames tracked so far; [`Pipeline::warnings`] has it in words.
     #[must_use]
     pub fn doubts(&self) -> Vec<Doubt> {
-        self.scene.doubts()
+        self.observer.scene.doubts()
     }
 
     /// Tracks the frames of `numbers`, in order, and gives each estimate with the moments of its posterior to `record`, which may stop the run. Call it again to go on.
@@ -183,39 +193,43 @@ impl Pipeline {
     ) -> Result<(), Error> {
         let mut refused = None;
         let numbers = numbers.into_iter().map_while(|number| frame_index(number).map_err(|e| refused = Some(e)).ok());
-        let Self { settings, tracker, scene, images, marginals, .. } = self;
-        let (scene, images) = (RefCell::new(scene), RefCell::new(images));
-        let (seed, pending, restarted) = (settings.seed, tracker.pending(), tracker.restarted());
-        run(
-            tracker,
-            numbers,
-            |frame| Stage::new(seed, "track").at_frame(frame),
-            |frame, estimate| {
-                let people = source.people(u64::from(frame))?;
-                let mut scene = scene.borrow_mut();
-                let (keypoints, restart) = scene.observe(&people, estimate);
-                if restart.is_some() {
-                    *pending.lock().unwrap_or_else(PoisonError::into_inner) = restart;
-                }
-                let images = match &mut **images.borrow_mut() {
-                    Some(images) => Some(images.bind(&source.images(u64::from(frame))?)),
-                    None => None,
-                };
-                Ok::<Observed, Error>(Observed { keypoints, parts: scene.parts(), images })
-            },
-            |frame, info, posterior| {
-                scene.borrow_mut().note(u64::from(frame), &info.mean, &some_draws(seed, frame, &posterior));
-                let mut images = images.borrow_mut();
-                if let Some(images) = &mut **images {
-                    images.note(u64::from(frame), &info.mean);
-                }
-                let seen_by = images.as_ref().map_or(0, Images::cameras_with_person);
-                let estimate =
-                    describe(settings, &scene.borrow(), seen_by, marginals, u64::from(frame), info, &posterior);
-                record(FrameEstimate { restarted: restarted.load(Ordering::Relaxed), ..estimate }, &posterior)
-            },
-        )?;
+        let seed = self.observer.settings.seed;
+        let mut passage = Passage { observer: &mut self.observer, source, record: &mut record };
+        run(&mut self.tracker, numbers, |frame| Stage::new(seed, "track").at_frame(frame), &mut passage)?;
         refused.map_or(Ok(()), Err)
+    }
+}
+
+/// Takes each estimate, with the posterior that it describes, and may stop the run.
+type Record<'a> = dyn FnMut(FrameEstimate, &Posterior<'_>) -> Result<ControlFlow<()>, Error> + 'a;
+
+/// A pipeline's way through the frames of a source.
+struct Passage<'a> {
+    observer: &'a mut Observer,
+    source: &'a mut dyn FrameSource,
+    record: &'a mut Record<'a>,
+}
+
+impl Harness<Observation> for Passage<'_> {
+    type Bound = Observation;
+    type Error = Error;
+
+    fn observe(&mut self, frame: u32, estimate: &[f64]) -> Result<Observation, Error> {
+        let frame = self.source.frame(u64::from(frame))?;
+        let Observer { scene, images, .. } = &mut *self.observer;
+        let (keypoints, restart) = scene.observe(&frame.people, estimate);
+        let images = images.as_mut().map(|images| images.bind(&frame.images));
+        Ok(Observation { likelihood: FrameLikelihood { keypoints, parts: scene.parts(), images }, restart })
+    }
+
+    fn record(&mut self, frame: u32, info: StepInfo, posterior: Posterior<'_>) -> Result<ControlFlow<()>, Error> {
+        let (number, Observer { settings, scene, images, marginals }) = (u64::from(frame), &mut *self.observer);
+        scene.note(number, &info.mean, &some_draws(settings.seed, frame, &posterior));
+        if let Some(images) = images {
+            images.note(number, &info.mean);
+        }
+        let seen_by = images.as_ref().map_or(0, Images::cameras_with_person);
+        (self.record)(describe(settings, scene, seen_by, marginals, number, info, &posterior), &posterior)
     }
 }
 
@@ -233,10 +247,7 @@ fn some_draws(seed: u64, frame: u32, posterior: &Posterior<'_>) -> Vec<Vec<f64>>
 }
 
 fn frame_index(number: u64) -> Result<u32, Error> {
-    u32::try_from(number).map_err(|_| Error::Input {
-        message: format!("frame number {number} is above {}", u32::MAX),
-        help: Some("renumber the files".into()),
-    })
+    Ok(u32::try_from(number).map_err(|_| TrackError::FrameNumber { number })?)
 }
 
 /// Moments that a smoother takes from a frame. They are not shrunk: correlations between the angles of a limb are what keeps its end in place.

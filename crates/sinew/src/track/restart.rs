@@ -1,50 +1,34 @@
-//! A tracker that can be started anew elsewhere: for someone who was lost and is found again, and where a frame leaves it without a posterior.
+//! A tracker that is made again elsewhere: for someone who was lost and is found, and where a frame has no posterior.
 
-use super::observed::Observed;
 use crate::Error;
+use crate::methods::{FrameLikelihood, Steps};
 use sinew_core::random::Stage;
 use sinew_tracking::posterior::Posterior;
 use sinew_tracking::{Resume, StepInfo, Tracker};
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex, PoisonError};
 
-/// Where to start anew before the next step; shared with who finds people.
-pub(super) type Pending = Arc<Mutex<Option<Vec<f64>>>>;
-
-/// What is asked of a tracker here: that it steps, and that its state can be put down.
-pub trait Steps: Tracker<Observed> + Resume {}
-
-impl<T: Tracker<Observed> + Resume> Steps for T {}
+/// What a frame tells a tracker.
+pub struct Observation {
+    /// The likelihood.
+    pub likelihood: FrameLikelihood,
+    /// Where the person is, if that is not where the tracker stands.
+    pub restart: Option<Vec<f64>>,
+}
 
 /// Makes a tracker that starts at a state.
 pub(super) type Make = Box<dyn Fn(Vec<f64>) -> Result<Box<dyn Steps>, Error> + Send>;
 
-/// Steps its tracker, or a new one where a start is pending or the old one failed.
+/// Steps its tracker, or a new one where the person is elsewhere or the old one failed.
 pub(super) struct Restarting {
     tracker: Box<dyn Steps>,
     make: Make,
-    pending: Pending,
-    restarted: Restarted,
 }
-
-/// Whether the last step was that of a new tracker.
-pub(super) type Restarted = Arc<AtomicBool>;
 
 impl Restarting {
     pub(super) fn new(make: Make, start: Vec<f64>) -> Result<Self, Error> {
-        Ok(Self { tracker: make(start)?, make, pending: Pending::default(), restarted: Restarted::default() })
-    }
-
-    pub(super) fn pending(&self) -> Pending {
-        Arc::clone(&self.pending)
-    }
-
-    pub(super) fn restarted(&self) -> Restarted {
-        Arc::clone(&self.restarted)
+        Ok(Self { tracker: make(start)?, make })
     }
 }
 
-/// A start that is pending and whether the last step was that of a new tracker mean nothing between two frames.
 impl Resume for Restarting {
     fn save(&self) -> Vec<f64> {
         self.tracker.save()
@@ -55,22 +39,23 @@ impl Resume for Restarting {
     }
 }
 
-impl Tracker<Observed> for Restarting {
-    fn step(&mut self, observed: &Observed, stage: Stage) -> Result<StepInfo, sinew_tracking::Error> {
-        let start = self.pending.lock().unwrap_or_else(PoisonError::into_inner).take();
+impl Tracker<Observation> for Restarting {
+    fn step(&mut self, observed: &Observation, stage: Stage) -> Result<StepInfo, sinew_tracking::Error> {
         let [first, second] = stage.split(["first", "second"]);
-        let new = start.and_then(|start| (self.make)(start).ok());
-        self.restarted.store(new.is_some(), Ordering::Relaxed);
-        if let Some(tracker) = new {
+        let elsewhere = observed.restart.clone().and_then(|start| (self.make)(start).ok());
+        let restarted = elsewhere.is_some();
+        if let Some(tracker) = elsewhere {
             self.tracker = tracker;
         }
-        self.tracker.step(observed, first).or_else(|error| {
-            let mut tracker = (self.make)(self.tracker.estimate().to_vec()).map_err(|_| error)?;
-            let info = tracker.step(observed, second)?;
-            self.tracker = tracker;
-            self.restarted.store(true, Ordering::Relaxed);
-            Ok(info)
-        })
+        match self.tracker.step(&observed.likelihood, first) {
+            Ok(info) => Ok(StepInfo { restarted, ..info }),
+            Err(error) => {
+                let mut tracker = (self.make)(self.tracker.estimate().to_vec()).map_err(|_| error)?;
+                let info = tracker.step(&observed.likelihood, second)?;
+                self.tracker = tracker;
+                Ok(StepInfo { restarted: true, ..info })
+            }
+        }
     }
 
     fn posterior(&self) -> Posterior<'_> {
@@ -89,12 +74,13 @@ mod tests {
     use sinew_body::{Plan, Proportions};
     use sinew_core::lanes::Isa;
     use sinew_observe::{KeypointFrame, KeypointModel, Noise, ObservationModel};
+    use std::sync::Arc;
 
     /// Fails where its start is negative; remembers where it was started.
     struct Fragile(Vec<f64>);
 
-    impl Tracker<Observed> for Fragile {
-        fn step(&mut self, _: &Observed, _: Stage) -> Result<StepInfo, sinew_tracking::Error> {
+    impl Tracker<FrameLikelihood> for Fragile {
+        fn step(&mut self, _: &FrameLikelihood, _: Stage) -> Result<StepInfo, sinew_tracking::Error> {
             let broken = sinew_tracking::Error::Config { name: "start", value: self.0[0], expected: "not negative" };
             if self.0[0] < 0.0 { Err(broken) } else { Ok(StepInfo::default()) }
         }
@@ -126,21 +112,23 @@ mod tests {
             least_confidence: 0.1,
             isa: Isa::best(),
         };
-        let observed = Observed::from(model.bind(KeypointFrame { detections: &[], predicted: &[] }));
+        let observed = |restart| Observation {
+            likelihood: FrameLikelihood::from(model.bind(KeypointFrame { detections: &[], predicted: &[] })),
+            restart,
+        };
         // A tracker made where the old one failed stands one further.
         let further = |start: Vec<f64>| Box::new(Fragile(vec![start[0] + 1.0])) as Box<dyn Steps>;
         let mut tracker = Restarting::new(Box::new(move |start| Ok(further(start))), vec![-1.5]).unwrap();
-        let restarted = tracker.restarted();
-        let step = |tracker: &mut Restarting| tracker.step(&observed, Stage::new(1, "restart")).is_ok();
-        assert!(step(&mut tracker) && restarted.load(Ordering::Relaxed));
+        let step = |tracker: &mut Restarting, restart| {
+            tracker.step(&observed(restart), Stage::new(1, "restart")).map(|info| info.restarted).ok()
+        };
+        assert_eq!(step(&mut tracker, None), Some(true));
         assert_eq!(tracker.estimate(), [0.5]);
-        assert!(step(&mut tracker) && !restarted.load(Ordering::Relaxed));
-        *tracker.pending().lock().unwrap() = Some(vec![4.0]);
-        assert!(step(&mut tracker) && restarted.load(Ordering::Relaxed));
+        assert_eq!(step(&mut tracker, None), Some(false));
+        assert_eq!(step(&mut tracker, Some(vec![4.0])), Some(true));
         assert_eq!(tracker.estimate(), [5.0]);
         tracker.restore(&[8.0]).unwrap();
         assert_eq!((tracker.estimate(), tracker.save()), (&[8.0][..], vec![8.0]));
-        *tracker.pending().lock().unwrap() = Some(vec![-7.0]);
-        assert!(!step(&mut tracker));
+        assert_eq!(step(&mut tracker, Some(vec![-7.0])), None);
     }
 }

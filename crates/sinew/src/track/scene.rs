@@ -2,17 +2,19 @@
 
 mod check;
 
-use super::observed::Bound;
+use super::error::TrackError;
 use super::oddities::{Oddities, Watched};
 use super::predictive::{self, Doubt, Lengths, Origins, Predictive};
-use super::settings::Settings;
 use crate::Error;
+use crate::config::settings::Settings;
+use crate::methods::Bound;
 use crate::results::problem::{Problem, check_length};
 use crate::setup::{self, Setup};
 use serde::{Deserialize, Serialize};
 use sinew_body::{KinematicTree, Plan, point_positions};
 use sinew_formats::Layout;
-use sinew_observe::association::{self, Following, Person, follow};
+use sinew_observe::association::{self, Person};
+use sinew_observe::following::{Following, follow};
 use sinew_observe::offsets::{self, median};
 use sinew_observe::{Camera, Detection, KeypointFrame, KeypointModel, Noise, ObservationModel, View};
 use std::sync::Arc;
@@ -20,6 +22,8 @@ use std::sync::Arc;
 /// Mean squared distance of the keypoints from a pose, in noise variances and at most [`WORST`] each, above which the pose is doubted. A right one has about 3.
 const MISFIT: f64 = 6.0;
 const WORST: f64 = 25.0;
+/// Points that the body and the layout must share.
+const LEAST_POINTS: usize = 4;
 
 /// What a scene remembers from frame to frame.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -72,11 +76,8 @@ impl Scene {
         let mut views = vec![];
         for camera in cameras {
             let Some(known) = setup.camera.iter().find(|c| c.name == camera.name) else {
-                let names: Vec<_> = setup.camera.iter().map(|c| c.name.as_str()).collect();
-                return Err(Error::Input {
-                    message: format!("the set-up knows no camera `{}`; it has {}", camera.name, names.join(", ")),
-                    help: Some("use the set-up of this recording, or leave `--setup` out".into()),
-                });
+                let known = setup.camera.iter().map(|c| c.name.clone()).collect();
+                return Err(TrackError::UnknownCamera { camera: camera.name.clone(), known }.into());
             };
             views.push(View {
                 camera: camera.clone(),
@@ -91,24 +92,15 @@ impl Scene {
             .enumerate()
             .filter_map(|(p, point)| layout.index(&point.name).map(|k| (p, k)))
             .collect();
-        if shared.len() < 4 {
-            return Err(Error::Input {
-                message: format!("layout `{}` and the body share {} points; 4 are needed", layout.name, shared.len()),
-                help: Some("name the body's points like those of the layout: `sinew body` lists them".into()),
-            });
+        if shared.len() < LEAST_POINTS {
+            let (layout, shared) = (layout.name.clone(), shared.len());
+            return Err(TrackError::FewPoints { layout, shared, least: LEAST_POINTS }.into());
         }
         if setup.start_pose.len() != tree.dof() {
-            return Err(Error::Input {
-                message: format!(
-                    "the set-up's start pose has {} numbers, the body {} degrees of freedom",
-                    setup.start_pose.len(),
-                    tree.dof()
-                ),
-                help: Some("use the set-up of this body, or leave `--setup` out".into()),
-            });
+            return Err(TrackError::StartPose { found: setup.start_pose.len(), dof: tree.dof() }.into());
         }
         let points: Vec<usize> = shared.iter().map(|(p, _)| *p).collect();
-        let parts = match settings.method.takes_parts() {
+        let parts = match settings.method.about().needs_parts {
             true => {
                 let flesh = setup.flesh()?;
                 let of_point = |&p: &usize| flesh.owner(tree.points()[p].link);

@@ -10,6 +10,7 @@
 //! of frames; the files take some 40 kB a frame and are removed at the end. The records stay as they are until then, so that the backward pass can be
 //! done again by a run that goes on after a stop.
 
+use super::error::TrackError;
 use super::marginals::Marginals;
 use super::pipeline::Pipeline;
 use crate::Error;
@@ -202,7 +203,7 @@ pub fn smooth(
     let file = file.map_err(Error::io("create", &spool.files.trajectories))?;
     let Scratch(trajectories) = &mut Scratch(Numbers { file, path: spool.files.trajectories.clone() });
     let count = (1 + TRAJECTORIES) * d;
-    let (settings, size) = (&pipeline.settings, pipeline.marginals.size().cloned());
+    let (settings, size) = (pipeline.settings(), pipeline.size().cloned());
     let smoother = Smoother::random_walk(pipeline.transition.sd());
     let mut states = vec![Block::ZERO; TRAJECTORIES / LANES * d];
     let mut next: Option<Moments> = None;
@@ -213,12 +214,12 @@ pub fn smooth(
         let rng = &mut Stage::new(settings.seed, "smooth").at_frame(frame as u32).whole();
         let smoothed = match &next {
             None => {
-                smoother.sample_last(&filtered, &mut states, settings.isa, rng).map_err(Error::numerical)?;
+                smoother.sample_last(&filtered, &mut states, settings.isa, rng).map_err(TrackError::Motion)?;
                 filtered
             }
             Some(next) => {
-                smoother.sample(&filtered, &mut states, settings.isa, rng).map_err(Error::numerical)?;
-                smoother.step(&filtered, next).map_err(Error::numerical)?
+                smoother.sample(&filtered, &mut states, settings.isa, rng).map_err(TrackError::Motion)?;
+                smoother.step(&filtered, next).map_err(TrackError::Motion)?
             }
         };
         let mut numbers = smoothed.mean.clone();

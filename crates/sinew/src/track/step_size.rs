@@ -1,21 +1,17 @@
 //! Step size and trajectory length of Hamiltonian Monte Carlo for a recording.
 
+use super::error::TrackError;
 use super::motion_prior::walk;
 use super::scene::Scene;
-use super::settings::Settings;
-use super::trackers::hmc_config;
 use crate::Error;
+use crate::config::settings::Settings;
 use crate::input::source::FrameSource;
+use crate::methods::{FrameLikelihood, Gives, Making};
 use crate::setup::{Setup, motion_noise};
 use sinew_body::KinematicTree;
 use sinew_core::random::Stage;
-use sinew_samplers::tuning;
-use sinew_tracking::hmc_filter;
 
-/// Trajectory lengths to choose from. In units of the dense metric a trajectory should take a quarter to half of a period, 2π; longer ones come back to where they began.
-const LENGTHS: [usize; 2] = [6, 7];
-
-/// Step size and trajectory length for a recording, from its first frames: the last value of the set-up pass.
+/// Step size and trajectory length for a recording, from its first frames: the last value of the set-up pass, for methods that have them.
 ///
 /// # Errors
 /// Those of the source; no step size found.
@@ -26,19 +22,23 @@ pub fn tune(
     number: u64,
     settings: &Settings,
 ) -> Result<(), Error> {
+    if settings.method.about().gives != Gives::Chains {
+        return Ok(());
+    }
     let (cameras, layout) = (source.cameras().to_vec(), source.layout().clone());
     let mut scene = Scene::new(setup, tree, &cameras, &layout, settings)?;
     let transition =
-        walk(setup, tree, settings)?.with_initial_sd(steady_sd(setup, tree, settings)).map_err(Error::numerical)?;
+        walk(setup, tree, settings)?.with_initial_sd(steady_sd(setup, tree, settings)).map_err(TrackError::Motion)?;
     let start = scene.start().to_vec();
     let (observed, found) = scene.observe(&source.people(number)?, &start);
     let start = found.unwrap_or(start);
-    let filter = hmc_filter::HmcFilter::new(hmc_config(setup, settings), transition, start, settings.isa)
-        .map_err(Error::numerical)?;
-    let config = tuning::Config { jitter: settings.jitter, lengths: LENGTHS.to_vec(), ..tuning::Config::default() };
-    let tuned = filter.tune(&observed, &config, Stage::new(settings.seed, "set-up")).map_err(Error::numerical)?;
-    setup.step_size = Some(tuned.step_size);
-    setup.leapfrog_steps = u32::try_from(tuned.leapfrog_steps).ok();
+    let making = Making { setup, transition: &transition, parts: None, isa: settings.isa };
+    let stage = Stage::new(settings.seed, "set-up");
+    let likelihood = FrameLikelihood::from(observed);
+    if let Some(found) = settings.method.tuned(&making, start, &likelihood, stage)? {
+        setup.step_size = Some(found.step_size);
+        setup.leapfrog_steps = u32::try_from(found.leapfrog_steps).ok();
+    }
     Ok(())
 }
 

@@ -3,12 +3,15 @@
 //! Sweeps on the film are judged on the bidirectional score by the error from the pelvis, paired by seeds; a difference holds where it is beyond so many of its standard errors over the seeds.
 
 use super::coverage::{SEARCHES, SHOWN};
-use super::film::{Method, annealed};
-use super::schemes::{CASES, SCHEMES, ratio};
-use super::{Outcome, Part, Study, partitions};
+use super::film::{Method, SCORES, annealed};
+use super::partitions;
+use super::schemes::{CASES, SCHEMES};
+use super::study::{Part, Study};
+use crate::outcome::Outcome;
 use crate::store::numbers;
 use sinew::samplers::annealed_search;
 use sinew::tracking::annealed::Config;
+use sinew_tests::finding::{mean_and_error, ratio_of_means};
 use std::fmt::Write as _;
 
 /// An expectation and what became of it.
@@ -22,12 +25,6 @@ pub(super) struct Expectation {
 
 fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len() as f64
-}
-
-/// Mean and standard error.
-pub(super) fn with_error(values: &[f64]) -> [f64; 2] {
-    let (n, middle) = (values.len() as f64, mean(values));
-    [middle, (values.iter().map(|x| (x - middle).powi(2)).sum::<f64>() / (n * (n - 1.0))).sqrt()]
 }
 
 /// Errors of a method on the film, the mean over the frames of each seed, millimetres.
@@ -53,7 +50,7 @@ pub(super) fn reduced(study: &Study, judged: &[Expectation]) -> Outcome<Vec<Stri
         }
     }
     if study.wanted(Part::Film) {
-        for (score, _) in super::SCORES {
+        for (score, _) in SCORES {
             for row in study.rows.iter().filter(|row| row.is_run_with(score)) {
                 let found = errors(study, score, &row.method, "relative")?;
                 if !found.iter().all(|error| *error < TRACKED_MM) {
@@ -78,7 +75,7 @@ fn coverage(study: &Study, of: std::ops::Range<usize>) -> Outcome<(String, Vec<f
     Ok((text, all))
 }
 
-fn of_coverage(study: &Study, out: &mut Vec<Expectation>) -> Outcome<()> {
+fn judge_coverage(study: &Study, out: &mut Vec<Expectation>) -> Outcome<()> {
     let (ours, shares) = coverage(study, SEARCHES..SHOWN)?;
     out.push(Expectation {
         id: "E1",
@@ -98,7 +95,7 @@ fn of_coverage(study: &Study, out: &mut Vec<Expectation>) -> Outcome<()> {
     Ok(())
 }
 
-fn of_partitions(study: &Study, out: &mut Vec<Expectation>) -> Outcome<()> {
+fn judge_partitions(study: &Study, out: &mut Vec<Expectation>) -> Outcome<()> {
     let (mut ours, mut holds) = (String::new(), true);
     for (rate, most) in study.rates() {
         let slope = |how: &str| -> Outcome<f64> {
@@ -120,13 +117,13 @@ fn of_partitions(study: &Study, out: &mut Vec<Expectation>) -> Outcome<()> {
     Ok(())
 }
 
-fn of_schemes(study: &Study, out: &mut Vec<Expectation>) -> Outcome<()> {
+fn judge_schemes(study: &Study, out: &mut Vec<Expectation>) -> Outcome<()> {
     let (mut ours, mut holds) = (String::new(), true);
     for (case, name) in CASES.iter().enumerate() {
         let rows = study.scheme_rows(case)?;
         let _ = write!(ours, "{}{name}: ", if case == 0 { "" } else { "; " });
         for (top, bottom) in [(0, 1), (1, 3), (2, 3)] {
-            let [value, error] = ratio(&rows, top, bottom);
+            let [value, error] = ratio_of_means(&rows, top, bottom);
             holds &= value <= 1.0 + 2.0 * error;
             let [top, bottom] = [top, bottom].map(|k| format!("{:?}", SCHEMES[k]).to_lowercase());
             let _ = write!(ours, "{top}/{bottom} {value:.3} ± {error:.3}, ");
@@ -151,7 +148,7 @@ fn compared(study: &Study, pairs: Pairs, slack: f64) -> Outcome<(String, bool)> 
     for (a_name, a, b_name, b) in pairs {
         let [a, b] = [a, b].map(|method| errors(study, "bidirectional", &method, "relative"));
         let (a, b) = (a?, b?);
-        let [difference, error] = with_error(&a.iter().zip(&b).map(|(a, b)| a - b).collect::<Vec<_>>());
+        let [difference, error] = mean_and_error(&a.iter().zip(&b).map(|(a, b)| a - b).collect::<Vec<_>>());
         holds &= difference <= slack * error;
         let join = if ours.is_empty() { "" } else { "; " };
         let _ =
@@ -160,7 +157,7 @@ fn compared(study: &Study, pairs: Pairs, slack: f64) -> Outcome<(String, bool)> 
     Ok((ours, holds))
 }
 
-fn of_film(study: &Study, out: &mut Vec<Expectation>) -> Outcome<()> {
+fn judge_film(study: &Study, out: &mut Vec<Expectation>) -> Outcome<()> {
     let of = |layers, particles, survival| Method::Annealed(annealed(layers, particles, survival));
     let variant = |adaptive: bool, crossover: f64| {
         let plain = Config::default();
@@ -214,33 +211,38 @@ fn of_film(study: &Study, out: &mut Vec<Expectation>) -> Outcome<()> {
         vec![("10 × 200", plain(), "bootstrap", Method::Bootstrap(2000))],
         -2.0,
     )?;
-    let [one, two] = ["one-sided", "bidirectional"].map(|score| errors(study, score, &plain(), "relative"));
+    out.push(both_directions(study, &plain())?);
+    Ok(())
+}
+
+/// E10, about the score.
+fn both_directions(study: &Study, plain: &Method) -> Outcome<Expectation> {
+    let [one, two] = ["one-sided", "bidirectional"].map(|score| errors(study, score, plain, "relative"));
     let (one, two) = (one?, two?);
-    let [difference, error] = with_error(&two.iter().zip(&one).map(|(a, b)| a - b).collect::<Vec<_>>());
-    out.push(Expectation {
+    let [difference, error] = mean_and_error(&two.iter().zip(&one).map(|(a, b)| a - b).collect::<Vec<_>>());
+    Ok(Expectation {
         id: "E10",
         what: "silhouettes compared in both directions are better than in one",
         criterion: "error of 10 × 200 lower by more than 2 SE",
         ours: format!("bidirectional {:.1}, one-sided {:.1}: {difference:+.1} ± {error:.1} mm", mean(&two), mean(&one)),
         holds: difference <= -2.0 * error,
-    });
-    Ok(())
+    })
 }
 
 /// Judges what was run.
 pub(super) fn judge(study: &Study) -> Outcome<Vec<Expectation>> {
     let mut out = vec![];
     if study.wanted(Part::Coverage) {
-        of_coverage(study, &mut out)?;
+        judge_coverage(study, &mut out)?;
     }
     if study.wanted(Part::Partitions) {
-        of_partitions(study, &mut out)?;
+        judge_partitions(study, &mut out)?;
     }
     if study.wanted(Part::Schemes) {
-        of_schemes(study, &mut out)?;
+        judge_schemes(study, &mut out)?;
     }
     if study.wanted(Part::Film) && study.size.sweeps.len() > 1 {
-        of_film(study, &mut out)?;
+        judge_film(study, &mut out)?;
     }
     Ok(out)
 }

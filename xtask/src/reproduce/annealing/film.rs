@@ -3,8 +3,8 @@
 //! Four cameras of 320 × 240 pixels, silhouettes with errors as usual, their contours as edges. A tracker starts around the fitted state of the first frame and follows the rest; its error is that of its weighted mean against
 //! the joints that were recorded.
 
-use super::Outcome;
 use super::walk::{RATE_HZ, Walks};
+use crate::outcome::Outcome;
 use serde_json::{Value, json};
 use sinew::body::hppf24;
 use sinew::core::lanes::Isa;
@@ -21,7 +21,8 @@ use sinew::samplers::annealed_search;
 use sinew::tracking::annealed::{self, Annealed};
 use sinew::tracking::bootstrap::{self, Bootstrap};
 use sinew::tracking::partitioned::{self, Partitioned};
-use sinew::tracking::{self, Tracker};
+use sinew::tracking::posterior::Posterior;
+use sinew::tracking::{self, Harness, StepInfo, Tracker};
 use sinew_simulate::footage::SyntheticFootage;
 use sinew_simulate::ring::Ring;
 use sinew_simulate::segmentation_noise::Level;
@@ -121,6 +122,29 @@ pub(super) struct Film<'a> {
     isa: Isa,
 }
 
+/// Shows a tracker the masks of a walk and keeps what each step says.
+struct Screen<'a> {
+    model: ImageModel,
+    masks: &'a Masks,
+    infos: Vec<StepInfo>,
+}
+
+impl Harness<ImageLikelihood> for Screen<'_> {
+    type Bound = ImageLikelihood;
+    type Error = tracking::Error;
+
+    fn observe(&mut self, frame: u32, _estimate: &[f64]) -> Result<ImageLikelihood, tracking::Error> {
+        let cues =
+            |mask: &BitImage| Some(Cues { silhouette: mask.clone(), edges: Some(contour_map(mask)), picture: None });
+        Ok(self.model.bind(self.masks[frame as usize].iter().map(cues).collect()))
+    }
+
+    fn record(&mut self, _: u32, info: StepInfo, _: Posterior<'_>) -> Result<ControlFlow<()>, tracking::Error> {
+        self.infos.push(info);
+        Ok(ControlFlow::Continue(()))
+    }
+}
+
 impl<'a> Film<'a> {
     /// The first frames of the walk.
     pub(super) fn new(walks: &'a Walks, frames: usize, seeds: usize, first_seed: u64, isa: Isa) -> Outcome<Self> {
@@ -205,27 +229,16 @@ impl<'a> Film<'a> {
             colours: Arc::default(),
             isa: self.isa,
         };
-        let cues =
-            |mask: &BitImage| Some(Cues { silhouette: mask.clone(), edges: Some(contour_map(mask)), picture: None });
         let stage = |frame| Stage::new(self.seed(index), "annealing walk").at_frame(frame);
-        let (mut means, mut evaluations, mut parts) = (vec![], 0, 0);
-        let mut survivors: Vec<Vec<f64>> = vec![];
-        let mut exponents = vec![];
         let clock = Instant::now();
-        tracking::run(
-            tracker,
-            1..self.frames as u32,
-            stage,
-            |frame, _| Ok::<_, tracking::Error>(model.bind(masks[frame as usize].iter().map(cues).collect())),
-            |_, info, _| {
-                means.push(info.mean);
-                evaluations += info.likelihood_evaluations;
-                parts += info.part_evaluations;
-                survivors.push(info.survivors);
-                exponents.push(info.exponents);
-                Ok(ControlFlow::Continue(()))
-            },
-        )?;
+        let mut screen = Screen { model, masks, infos: vec![] };
+        tracking::run(tracker, 1..self.frames as u32, stage, &mut screen)?;
+        let infos = screen.infos;
+        let means: Vec<Vec<f64>> = infos.iter().map(|info| info.mean.clone()).collect();
+        let survivors: Vec<Vec<f64>> = infos.iter().map(|info| info.survivors.clone()).collect();
+        let exponents: Vec<Vec<f64>> = infos.iter().map(|info| info.exponents.clone()).collect();
+        let evaluations: usize = infos.iter().map(|info| info.likelihood_evaluations).sum();
+        let parts: usize = infos.iter().map(|info| info.part_evaluations).sum();
         let frames = means.len() as f64;
         let seconds = clock.elapsed().as_secs_f64() / frames;
         let [absolute, relative] = self.walks.test.errors(&means, 1);

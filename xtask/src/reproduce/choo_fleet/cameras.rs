@@ -1,22 +1,25 @@
-//! What more cameras and better or worse images change: particle filter against hybrid Monte Carlo with 1, 2 and 4 cameras and errors of 0.001, 0.003 and 0.01 focal lengths.
+//! What more cameras and better or worse images change.
+//!
+//! Particle filter against hybrid Monte Carlo with 1, 2 and 4 cameras and errors of 0.001, 0.003 and 0.01 focal lengths.
 //!
 //! Three frames of walking, 10 and 28 degrees of freedom. The cameras stand 4.8 m from the subject, at 0° (the paper's), 90°, 180° and 270° about the vertical. An observation's errors are the same normal deviates whatever
-//! their size, and the first camera's are those of the single-frame study. Step size and length are tuned on walking 60 anew for each number of cameras and each error; the reference is long chains everywhere, for no
+//! their size, and the first camera's are those of the single-frame study. Step size and length are tuned on walking 60 for each number of cameras and each error; the reference is long chains everywhere, for no
 //! affordable number of draws of the prior reaches the narrowest posteriors.
 
 use super::chains::{self, Step, Variant};
-use super::claims::over_frames;
-use super::curves::{At, Axis, Cell, Ratio, ratio, volumes_of};
-use super::figures;
+use super::curves::{self, volumes_of};
+use super::figures::{self, CameraPoint};
 use super::problem::{MODELS, Model, Problem};
 use super::scene::{self, Source};
 use super::single::{self, Setting};
-use super::store::{Store, numbers};
-use super::{FRAMES, Outcome, Study, Task, frame_name, run_all};
+use super::study::{FRAMES, Study, frame_name};
+use crate::outcome::Outcome;
+use crate::store::{Store, Task, numbers, run_all};
 use serde_json::{Value, json};
 use sinew::body::Plan;
 use sinew::core::random::Stage;
 use sinew::observe::{MarkerViewsModel, ObservationModel as _};
+use sinew_tests::evaluation::equal_variance::{At, Axis, Cell, Ratio, over_frames, ratio};
 use std::f64::consts::FRAC_PI_2;
 use std::fmt::Write as _;
 use std::path::Path;
@@ -121,7 +124,7 @@ impl View {
         let factor = store.get(&self.factor_key()).and_then(Value::as_f64).ok_or("a gradient factor is missing")?;
         let cell = |setting: &Setting| {
             let value = store.get(&self.cell_key(frame, setting)).ok_or("a cell is missing")?;
-            Ok(Cell::of(value, &mean, factor))
+            Ok(curves::cell(value, &mean, factor))
         };
         self.settings(of).iter().map(cell).collect()
     }
@@ -189,22 +192,18 @@ pub(super) fn run(study: &Study, (folder, configuration_of_study): (&Path, &str)
     report(study, &store, folder)
 }
 
-/// Cost of particles over that of chains with a number of cameras and an error.
-pub(super) struct Point {
-    pub(super) dim: usize,
-    pub(super) cameras: usize,
-    pub(super) sigma: f64,
-    pub(super) variant: Variant,
-    pub(super) ratio: [f64; 3],
+/// What the frames of a view have in common, beside the contenders.
+struct Frames {
+    /// Median effective number of the most particles.
+    effective: f64,
+    /// Mean base-ten logarithm of the volume ratio, by determinants.
+    volume: f64,
+    /// Largest split R̂ of the references.
+    r_hat: f64,
 }
 
-fn report(study: &Study, store: &Store, folder: &Path) -> Outcome<Value> {
-    let bootstrap = Stage::new(study.seed, "choo-fleet bootstrap");
-    let mut table = String::from(
-        "dim,cameras,sigma,contender,eta,steps,pf_over_hmc,low,high,pf_over_hmc_seconds,low_seconds,high_seconds,extrapolated_frames,median_effective,log10_volume_det,largest_r_hat\n",
-    );
-    let (mut points, mut rows) = (vec![], vec![]);
-    for view in View::all() {
+impl Frames {
+    fn of_view(study: &Study, store: &Store, view: &View) -> Outcome<Self> {
         let (mut effective, mut volume, mut r_hat) = (vec![], 0.0, f64::NAN);
         let sd = view.model.walk(study.isa)?;
         for frame in WALKING {
@@ -215,17 +214,31 @@ fn report(study: &Study, store: &Store, folder: &Path) -> Outcome<Value> {
             r_hat = reference["r_hat"].as_f64().map_or(f64::NAN, |r| r.max(r_hat));
         }
         effective.sort_by(f64::total_cmp);
-        let effective = effective[effective.len() / 2];
+        Ok(Self { effective: effective[effective.len() / 2], volume, r_hat })
+    }
+}
+
+/// The ratios of a view and variant on an axis, frame by frame.
+fn ratios(study: &Study, store: &Store, view: &View, variant: Variant, axis: Axis) -> Outcome<Vec<Ratio>> {
+    let bootstrap = Stage::new(study.seed, "choo-fleet bootstrap");
+    let each = |&frame: &usize| {
+        let (pf, hmc) = (view.curve(store, frame, None)?, view.curve(store, frame, Some(variant))?);
+        Ok(ratio(&pf, &hmc, axis, At::Extrapolated, &bootstrap))
+    };
+    WALKING.iter().map(each).collect()
+}
+
+fn report(study: &Study, store: &Store, folder: &Path) -> Outcome<Value> {
+    let mut table = String::from(
+        "dim,cameras,sigma,contender,eta,steps,pf_over_hmc,low,high,pf_over_hmc_seconds,low_seconds,high_seconds,extrapolated_frames,median_effective,log10_volume_det,largest_r_hat\n",
+    );
+    let (mut points, mut rows) = (vec![], vec![]);
+    for view in View::all() {
+        let Frames { effective, volume, r_hat } = Frames::of_view(study, store, &view)?;
         for variant in VARIANTS {
             let step = view.step(store, variant)?;
-            let on = |axis: Axis| -> Outcome<Vec<Ratio>> {
-                let of = |&frame: &usize| {
-                    let (pf, hmc) = (view.curve(store, frame, None)?, view.curve(store, frame, Some(variant))?);
-                    Ok(ratio(&pf, &hmc, axis, At::Extrapolated, &bootstrap))
-                };
-                WALKING.iter().map(of).collect()
-            };
-            let (units, seconds) = (on(Axis::Units)?, on(Axis::Seconds)?);
+            let [units, seconds] = [Axis::Units, Axis::Seconds].map(|axis| ratios(study, store, &view, variant, axis));
+            let (units, seconds) = (units?, seconds?);
             let extrapolated = units.iter().filter(|r| r.extrapolated).count();
             let ([a, b, c], [d, e, f]) = (over_frames(&units), over_frames(&seconds));
             let _ = writeln!(
@@ -252,13 +265,8 @@ fn report(study: &Study, store: &Store, folder: &Path) -> Outcome<Value> {
                 "log10_volume_det": volume,
                 "largest_r_hat": r_hat,
             }));
-            points.push(Point {
-                dim: view.model.dim,
-                cameras: view.count(),
-                sigma: view.sigma,
-                variant,
-                ratio: [a, b, c],
-            });
+            let (dim, cameras, sigma) = (view.model.dim, view.count(), view.sigma);
+            points.push(CameraPoint { dim, cameras, sigma, variant, ratio: [a, b, c] });
         }
     }
     println!("{table}");
@@ -274,7 +282,7 @@ fn report(study: &Study, store: &Store, folder: &Path) -> Outcome<Value> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::Size;
+    use super::super::study::Size;
     use super::*;
     use sinew::core::density::LogDensity as _;
     use sinew::core::lanes::Isa;
@@ -295,7 +303,7 @@ mod tests {
             let (a, b) = (here.likelihood.log_density(state), there.likelihood.log_density(state));
             assert!((a - b).abs() < 1e-9 * b.abs(), "{a} {b}");
         }
-        // More cameras tell more: the truth gains on the state before.
+        // More cameras determine more: the truth gains on the state before.
         let gain = |cameras: usize| {
             let problem = View { cameras, ..view }.problem(&study, 1).unwrap();
             problem.likelihood.log_density(&problem.truth) - problem.likelihood.log_density(&problem.previous)

@@ -1,13 +1,16 @@
-//! A hybrid Monte Carlo filter's first frame (Choo & Fleet 2001, §5): chains from weighted draws of the prior, the mean of what follows the burn-in.
+//! A hybrid Monte Carlo filter's first frame (Choo & Fleet 2001, §5).
+//!
+//! Chains from weighted draws of the prior; the estimate is the mean of what follows the burn-in.
 
-use super::Outcome;
 use super::problem::Problem;
+use crate::outcome::Outcome;
 use sinew::core::lanes::{Block, LANES};
 use sinew::core::random::Stage;
-use sinew::samplers::chains::{Draws, Schedule, draw};
+use sinew::samplers::chains::{ChainDraws, Schedule, draw};
 use sinew::samplers::curvature::curvature;
 use sinew::samplers::hmc::Hmc;
-use sinew::samplers::metric::{Metric, laplace};
+use sinew::samplers::laplace::laplace;
+use sinew::samplers::metric::Metric;
 use sinew::samplers::moments;
 use sinew::samplers::starts::{importance_starts, laplace_starts};
 use sinew::samplers::tuning::{self, Trial};
@@ -23,7 +26,7 @@ const TUNING_UPDATES: usize = 2000;
 /// How trajectories move.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Variant {
-    /// The paper's L, diagonal metric, step size tuned anew.
+    /// The paper's L, diagonal metric, step size tuned again.
     Paper,
     /// Diagonal metric, L and step size tuned.
     Best,
@@ -107,7 +110,7 @@ pub(super) fn run(
     chains: usize,
     updates: usize,
     stage: Stage,
-) -> Outcome<Draws> {
+) -> Outcome<ChainDraws> {
     let [to_start, to_move] = stage.split(["start", "chains"]);
     let (states, metric) = start(problem, variant, chains, to_start)?;
     let hmc = Hmc::with_metric(step.eta, &metric, step.steps, variant.jitter(), problem.isa)?;
@@ -115,7 +118,7 @@ pub(super) fn run(
 }
 
 /// Mean of the kept draws.
-pub(super) fn mean(draws: &Draws) -> Vec<f64> {
+pub(super) fn mean(draws: &ChainDraws) -> Vec<f64> {
     let count = draws.stats.len();
     moments::mean(&draws.states, draws.dim, &vec![1.0 / count as f64; count])
 }

@@ -1,18 +1,20 @@
-//! Figures by their content: variance against cost (Figs 2 and 3), log likelihoods and log priors over frames (Figs 4 and 5), mean poses (Fig. 6); and what goes beyond the paper: the crossover, the opponents, the cameras.
+//! The figures of the study.
+//!
+//! Variance against cost (Figs 2 and 3), log likelihoods and log priors over frames (Figs 4 and 5), mean poses (Fig. 6); beyond the paper the crossover, the opponents and the cameras.
 
-use super::Outcome;
-use super::cameras::Point;
 use super::chains::Variant;
-use super::claims::{Crossover, series};
-use super::curves::{Axis, Cell, curve};
+use super::crossover::Crossover;
+use super::curves::curve;
 use super::multi::SHOWN_FRAME;
 use super::problem::MODELS;
 use super::scene::Source;
-use super::store::Store;
-use super::{MULTI, Study, filters, frame_name, multi_key, reference_key};
+use super::study::{MULTI, Study, filters, frame_name, multi_key, reference_key, series};
 use crate::chart::{BLUE, GREEN, GREY, Line, Names, ORANGE, PURPLE, finish, panel, panel_with};
+use crate::outcome::Outcome;
+use crate::store::Store;
 use plotters::prelude::*;
 use sinew::core::random::Stage;
+use sinew_tests::evaluation::equal_variance::{Axis, Cell};
 use std::f64::consts::LN_10;
 use std::path::Path;
 
@@ -173,8 +175,17 @@ pub(super) fn opponents(panels: &[Curves], rows: usize, stage: &Stage, path: &Pa
     finish(&root)
 }
 
+/// Cost of particles over that of chains with a number of cameras and an error.
+pub(super) struct CameraPoint {
+    pub(super) dim: usize,
+    pub(super) cameras: usize,
+    pub(super) sigma: f64,
+    pub(super) variant: Variant,
+    pub(super) ratio: [f64; 3],
+}
+
 /// Cost of particles over that of chains against the error of the images, one line a number of cameras: a row a metric, a column a model.
-pub(super) fn cameras(found: &[Point], path: &Path) -> Outcome<()> {
+pub(super) fn cameras(found: &[CameraPoint], path: &Path) -> Outcome<()> {
     let root = SVGBackend::new(path, (960, 760)).into_drawing_area();
     root.fill(&WHITE)?;
     let areas = root.split_evenly((2, 2));
@@ -182,7 +193,7 @@ pub(super) fn cameras(found: &[Point], path: &Path) -> Outcome<()> {
         for (column, dim) in [10, 28].into_iter().enumerate() {
             let line = |(cameras, colour): (usize, RGBColor)| {
                 let of = found.iter().filter(|p| (p.dim, p.variant, p.cameras) == (dim, variant, cameras));
-                let point = |p: &Point| {
+                let point = |p: &CameraPoint| {
                     let [middle, low, high] = p.ratio.map(f64::log10);
                     [p.sigma.log10(), middle, low, high]
                 };

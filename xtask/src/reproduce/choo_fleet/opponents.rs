@@ -8,21 +8,23 @@
 //! - [`Opponent::Search`]: ten layers, survival rate ½, the weight function is the likelihood, the first diffusion the prior. It estimates no posterior mean; the mean of its last layer is compared all the same, as what it is
 
 use super::chains::{CURVATURE_DRAWS, Step, Variant};
-use super::claims::over_frames;
-use super::curves::{At, Axis, Cell, Ratio, curve, ratio};
+use super::curves::{self, curve};
 use super::figures;
 use super::problem::{MODELS, Model, Problem};
 use super::scene::Source;
-use super::store::{Store, numbers};
-use super::{Outcome, Study, Task, factor_key, frame_name, reference_key, run_all, step_of};
+use super::study::{Study, factor_key, frame_name, reference_key, step_of};
+use crate::outcome::Outcome;
+use crate::store::{Store, Task, numbers, run_all};
 use serde_json::{Value, json};
 use sinew::core::lanes::Block;
 use sinew::core::random::Stage;
 use sinew::samplers::annealed_search::{self, search};
 use sinew::samplers::importance::{Tails, importance};
-use sinew::samplers::metric::{Metric, laplace};
+use sinew::samplers::laplace::laplace;
+use sinew::samplers::metric::Metric;
 use sinew::samplers::population::Population;
 use sinew::samplers::tempered_smc;
+use sinew_tests::evaluation::equal_variance::{At, Axis, Cell, Ratio, over_frames, ratio};
 use std::fmt::Write as _;
 use std::path::Path;
 use std::time::Instant;
@@ -185,7 +187,7 @@ fn cells(base: &Store, store: &Store, frame: usize, model: &Model, opponent: Opp
     let mean = numbers(&reference["mean"]);
     let of = |size: usize| {
         let value = store.get(&key(frame, model, opponent, size)).ok_or("a cell of an opponent is missing")?;
-        Ok(Cell::of(value, &mean, factor))
+        Ok(curves::cell(value, &mean, factor))
     };
     opponent.sizes(model).into_iter().map(of).collect()
 }
@@ -196,6 +198,29 @@ struct Contender {
     kind: &'static str,
     settings: Vec<usize>,
     cells: Vec<Cell>,
+}
+
+impl Contender {
+    /// Adds its rows of a frame to a table; returns the error of its largest setting in posterior standard deviations.
+    fn rows(&self, table: &mut String, (frame, dim): (usize, usize), log_variance: f64, stage: &Stage) -> f64 {
+        let mut last = f64::NAN;
+        for (setting, cell) in self.settings.iter().zip(&self.cells) {
+            let (log, error) = (cell.log_mean(), cell.log_mean_error(stage));
+            last = (0.5 * (log - log_variance)).exp();
+            let _ = writeln!(
+                table,
+                "{},{dim},{},{},{setting},{:.1},{:.6e},{log:.5},{error:.5},{last:.5},{:.3},{:.4}",
+                frame_name(frame),
+                self.name.replace(',', ""),
+                self.kind,
+                cell.units,
+                cell.seconds,
+                cell.effective,
+                cell.acceptance
+            );
+        }
+        last
+    }
 }
 
 /// Particle filter, hybrid Monte Carlo and the opponents in one frame; hybrid Monte Carlo with the dense metric comes last.
@@ -274,23 +299,7 @@ fn report(study: &Study, base: &Store, store: &Store, folder: &Path) -> Outcome<
             let posterior = log_posterior_variance(base, frame, model)?;
             let dense = &all[all.len() - 1];
             for (place, contender) in all.iter().enumerate() {
-                let mut last = f64::NAN;
-                for (setting, cell) in contender.settings.iter().zip(&contender.cells) {
-                    let (log, error) = (cell.log_mean(), cell.log_mean_error(&stage));
-                    last = (0.5 * (log - posterior)).exp();
-                    let _ = writeln!(
-                        table,
-                        "{},{},{},{},{setting},{:.1},{:.6e},{log:.5},{error:.5},{last:.5},{:.3},{:.4}",
-                        frame_name(frame),
-                        model.dim,
-                        contender.name.replace(',', ""),
-                        contender.kind,
-                        cell.units,
-                        cell.seconds,
-                        cell.effective,
-                        cell.acceptance
-                    );
-                }
+                let last = contender.rows(&mut table, (frame, model.dim), posterior, &stage);
                 if place == errors.len() {
                     errors.push((contender.name, contender.kind, vec![]));
                     ratios.push((contender.name, [vec![], vec![]]));

@@ -1,7 +1,7 @@
-//! The inference problem of one frame: a part of CF28, its likelihood and the prior from the true state before.
+//! The inference problem of one frame: a part of CF28, its likelihood and its prior.
 
-use super::Outcome;
 use super::scene::Frame;
+use crate::outcome::Outcome;
 use sinew::core::combinators::{OnPart, Sum};
 use sinew::core::density::GaussNewton;
 use sinew::core::lanes::Isa;

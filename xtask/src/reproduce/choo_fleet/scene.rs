@@ -7,7 +7,7 @@
 //!
 //! The camera stands 4.8 m before the subject, at the height of the spine origin in the first frame of the motion that is used, and looks along +Y.
 
-use super::Outcome;
+use crate::outcome::Outcome;
 use sinew::body::{KinematicTree, Plan, standard};
 use sinew::core::lanes::Isa;
 use sinew::core::random::Stage;

@@ -2,10 +2,10 @@
 //!
 //! The second estimates are compared: X̂ against the weighted mean. Where a criterion says "1 SE", it is that of the paired difference over seeds.
 
-use super::Outcome;
 use super::contender::{Contender, PAIRS, SETTINGS};
 use super::results::{Estimate, Mean, Results, mean};
 use super::scene::Scene;
+use crate::outcome::Outcome;
 use crate::reproduce::claim::Claim;
 use sinew_simulate::segmentation_noise::Level;
 
@@ -29,19 +29,19 @@ fn paired(results: &Results<'_>, a: (&Contender, Estimate), b: (&Contender, Esti
 }
 
 fn fine_level(results: &Results<'_>) -> Outcome<Claim> {
-    let (mut told, mut pass, mut direction) = (vec![], true, true);
+    let (mut found, mut pass, mut direction) = (vec![], true, true);
     for setting in &SETTINGS {
         let of = |name| paired(results, (setting, Estimate::Second), (setting, Estimate::First), name);
         let gains = [of("precision")?, of("recall")?];
         pass &= gains.iter().zip(LEAST_GAIN).all(|(gain, least)| gain.value >= least);
         direction &= gains.iter().all(|gain| gain.value > 0.0);
         let [precision, recall] = gains.map(|gain| format!("{:+.1} ± {:.1}", gain.value, gain.error));
-        told.push(format!("{}: {precision}, {recall}", setting.name()));
+        found.push(format!("{}: {precision}, {recall}", setting.name()));
     }
     Ok(Claim {
         id: "CC1",
         paper: "the fine level improves precision (by 7.8–11.5 points) and recall (by 9.5–13.5)",
-        ours: told.join("; "),
+        ours: found.join("; "),
         criterion: "at least 3 points of precision and 5 of recall, for each setting",
         pass,
         direction,
@@ -49,13 +49,13 @@ fn fine_level(results: &Results<'_>) -> Outcome<Claim> {
 }
 
 fn against_condensation(results: &Results<'_>) -> Outcome<Claim> {
-    let (mut told, mut pass, mut direction) = (vec![], true, true);
+    let (mut found, mut pass, mut direction) = (vec![], true, true);
     for (c2f, opponent) in &PAIRS {
         let of = |name| results.difference(LEVEL, [c2f, opponent], name);
         let [precision, recall] = [of("precision")?, of("recall")?];
         pass &= precision.value >= 0.0 && precision.low >= -PRECISION_SLACK && recall.value >= LEAST_RECALL;
         direction &= recall.value > 0.0;
-        told.push(format!(
+        found.push(format!(
             "{} − {}: precision {:+.1} (bound {:+.1}), recall {:+.1} (bound {:+.1})",
             c2f.name(),
             opponent.name(),
@@ -68,7 +68,7 @@ fn against_condensation(results: &Results<'_>) -> Outcome<Claim> {
     Ok(Claim {
         id: "CC2",
         paper: "better than CONDENSATION with more than twice the particles: precision by 0.2–1.7 points, recall by 10.8–12.2",
-        ours: told.join("; "),
+        ours: found.join("; "),
         criterion: "all three pairs: precision at least equal, its one-sided 95 % bound not below −0.5; recall at least 3 points higher",
         pass,
         direction,
@@ -109,10 +109,10 @@ fn likelihood(results: &Results<'_>) -> Outcome<Claim> {
 }
 
 fn smoothness(results: &Results<'_>) -> Outcome<Claim> {
-    let mut told = vec![];
+    let mut found = vec![];
     for setting in &SETTINGS {
         let of = mean(&results.means(LEVEL, setting, Estimate::Second, "second_difference")?);
-        told.push(format!("{:.4} ± {:.4}", of.value, of.error));
+        found.push(format!("{:.4} ± {:.4}", of.value, of.error));
     }
     let mut pass = true;
     for pair in SETTINGS.windows(2) {
@@ -124,7 +124,7 @@ fn smoothness(results: &Results<'_>) -> Outcome<Claim> {
     Ok(Claim {
         id: "CC5",
         paper: "estimates get smoother as particles increase",
-        ours: format!("50+200, 100+200, 300+200, 300+500: {}", told.join(", ")),
+        ours: format!("50+200, 100+200, 300+200, 300+500: {}", found.join(", ")),
         criterion: "mean absolute second difference of X̂ not rising by more than 1 SE from setting to setting",
         pass,
         direction: ends.value < 0.0,

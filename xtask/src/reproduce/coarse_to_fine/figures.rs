@@ -1,10 +1,10 @@
 //! Figure 4: the log likelihood of the estimates frame by frame; beside it their recall.
 
-use super::Outcome;
 use super::claims::LEVEL;
 use super::contender::{Contender, PAIRS, SETTINGS};
 use super::results::{Estimate, Results};
 use crate::chart::{BLUE, GREEN, GREY, Line, Names, ORANGE, PURPLE, finish, panel_with};
+use crate::outcome::Outcome;
 use plotters::prelude::*;
 use std::path::Path;
 

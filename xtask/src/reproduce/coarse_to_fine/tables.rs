@@ -1,9 +1,10 @@
 //! The paper's two tables and those beside them as Markdown, CSV and JSON.
 
 use super::contender::{Contender, Method, PAIRS, SETTINGS};
-use super::results::{Estimate, Mean, Results, mean};
+use super::results::{Estimate, Mean, Results, level_name, mean};
 use super::scene::Scene;
-use super::{Group, Outcome};
+use super::study::Group;
+use crate::outcome::Outcome;
 use crate::reproduce::claim::Claim;
 use serde_json::json;
 use sinew_simulate::segmentation_noise::Level;
@@ -22,11 +23,6 @@ const QUANTITIES: [(&str, usize); 7] = [
 
 fn shown(of: Mean, decimals: usize) -> String {
     format!("{:.decimals$} ± {:.decimals$}", of.value, of.error)
-}
-
-/// Name of a level.
-pub(super) fn level_name(level: Level) -> &'static str {
-    Level::ALL.iter().find(|(_, of)| *of == level).map_or("", |(name, _)| name)
 }
 
 /// Table 1: precision and recall of the coarse level and of both levels, percent.

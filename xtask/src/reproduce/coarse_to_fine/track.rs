@@ -1,14 +1,13 @@
-//! One cell: a contender over all frames with one seed and one level of noise, and what its estimates are worth.
+//! One cell: a contender over all frames with one seed and one level of noise.
 //!
 //! A seed dresses another person, draws other errors of segmentation and other particles. Masks and silhouettes are drawn once for a seed and level; contenders of one seed see the same ones.
 //!
 //! Two estimates a frame are measured: the *second* is what the method reports (X̂; a weighted mean; the true pose), the *first* its coarse stage X_c or, of other methods, the particle of the largest weight.
 
-use super::condensation::Condensation;
+use super::condensation::condensation;
 use super::contender::{Contender, EQ3, LAYERS, Method, Person};
-use super::own_contours::{self, OwnContours};
 use super::scene::{RATE_HZ, Range, Scene};
-use super::{DRIFT, Outcome};
+use crate::outcome::Outcome;
 use serde_json::{Value, json};
 use sinew::body::hppf24;
 use sinew::core::density::LogDensity as _;
@@ -21,17 +20,21 @@ use sinew::observe::bit_image::{BitImage, overlap};
 use sinew::observe::contour_map::contour_map;
 use sinew::observe::image_likelihood::{Cues, ImageLikelihood, ImageModel};
 use sinew::observe::image_score::{ImageScore, precision_and_recall};
+use sinew::observe::own_contours::{self, OwnContours};
 use sinew::observe::solid_body::SolidBody;
 use sinew::samplers::annealed_search;
 use sinew::samplers::grid::Axis;
 use sinew::tracking::coarse_to_fine::{self, CoarseToFine};
-use sinew::tracking::posterior::Posterior;
 use sinew::tracking::{StepInfo, Tracker, annealed, partitioned};
 use sinew_simulate::footage::SyntheticFootage;
 use sinew_simulate::ring::Ring;
 use sinew_simulate::segmentation_noise::{Level, segmented};
+use sinew_tests::evaluation::smoothness::second_differences;
 use std::sync::Arc;
 use std::time::Instant;
+
+/// The part A of the last change of the estimate by which particles move on (eq. 2).
+const DRIFT: f64 = 0.2;
 
 /// What a camera saw of a person, frame by frame.
 pub(super) struct Seen {
@@ -75,7 +78,6 @@ enum Running {
     CoarseToFine(Box<CoarseToFine>),
     /// With models of the solids alone.
     OwnContours(Box<CoarseToFine>, Vec<ImageModel>),
-    Condensation(Box<Condensation>),
     Other(Box<dyn Tracker<ImageLikelihood>>),
     Still,
 }
@@ -105,7 +107,7 @@ impl Running {
                 let models = own_contours::alone(&seen.model, &scene.tree, &hppf24::cylinders(scene.scale))?;
                 Self::OwnContours(Box::new(tracker), models)
             }
-            Method::Condensation(n) => Self::Condensation(Box::new(Condensation::new(n, &sd, DRIFT, &start, isa)?)),
+            Method::Condensation(n) => Self::Other(Box::new(condensation(n, &sd, DRIFT, &start, isa)?)),
             Method::Annealed(particles) => {
                 let layers = annealed_search::Config { layers: LAYERS, ..annealed_search::Config::default() };
                 let config = annealed::Config { particles, layers };
@@ -123,7 +125,6 @@ impl Running {
         Ok(match self {
             Self::CoarseToFine(tracker) => tracker.step(observed, stage)?,
             Self::OwnContours(tracker, models) => tracker.step(&OwnContours::new(observed, models, cues), stage)?,
-            Self::Condensation(tracker) => tracker.step(observed, stage)?,
             Self::Other(tracker) => tracker.step(observed, stage)?,
             Self::Still => StepInfo::default(),
         })
@@ -131,13 +132,11 @@ impl Running {
 
     /// The first and the second estimate of the last frame.
     fn estimates(&self, truth: &[f64]) -> [Vec<f64>; 2] {
-        let of = |tracker: &dyn Tracker<ImageLikelihood>| [heaviest(&tracker.posterior()), tracker.estimate().to_vec()];
         match self {
             Self::CoarseToFine(tracker) | Self::OwnContours(tracker, _) => {
                 [tracker.coarse().state.clone(), tracker.fine().state.clone()]
             }
-            Self::Condensation(tracker) => of(tracker.filter()),
-            Self::Other(tracker) => of(&**tracker),
+            Self::Other(tracker) => [tracker.posterior().heaviest(), tracker.estimate().to_vec()],
             Self::Still => [truth.to_vec(), truth.to_vec()],
         }
     }
@@ -156,25 +155,6 @@ fn is_centre(x: f64, range: &Range) -> bool {
     let count = ((range.high - range.low) / range.width).ceil();
     let place = (x - range.low) / (range.high - range.low) * count - 0.5;
     (place - place.round()).abs() < 1e-6 && place > -0.5 && place < count - 0.5
-}
-
-/// State of the largest weight.
-fn heaviest(posterior: &Posterior<'_>) -> Vec<f64> {
-    let of_weight = |(_, a): &(usize, &f64), (_, b): &(usize, &f64)| a.total_cmp(b);
-    let index = posterior.weights.iter().enumerate().max_by(of_weight).map_or(0, |(index, _)| index);
-    let mut state = vec![0.0; posterior.dim];
-    posterior.state(index, &mut state);
-    state
-}
-
-/// Mean over coordinates of the absolute second differences, frame by frame from the third on; the heading differs the short way round.
-fn second_differences(states: &[Vec<f64>], ranges: &[Range]) -> Vec<f64> {
-    let change = |pair: &[Vec<f64>], j: usize| ranges[j].axis.difference(pair[1][j], pair[0][j]);
-    let of = |three: &[Vec<f64>]| {
-        let second = |j: usize| ranges[j].axis.difference(change(&three[1..], j), change(&three[..2], j)).abs();
-        (0..ranges.len()).map(second).sum::<f64>() / ranges.len() as f64
-    };
-    states.windows(3).map(of).collect()
 }
 
 /// What estimates are worth, frame by frame.
@@ -199,8 +179,10 @@ impl Worth {
     }
 
     fn value(&self, scene: &Scene) -> Value {
-        let error: Vec<f64> = scene.relative_error_m(&self.states).iter().map(|error| 1e3 * error).collect();
+        let error = scene.relative_error_mm(&self.states);
         let [precision, recall, clean_precision, clean_recall] = self.shares.each_ref().map(|v| rounded(v));
+        // The heading differs the short way round.
+        let difference = |j: usize, a: f64, b: f64| scene.ranges[j].axis.difference(a, b);
         json!({
             "precision": precision,
             "recall": recall,
@@ -208,7 +190,7 @@ impl Worth {
             "clean_recall": clean_recall,
             "log_likelihood": rounded(&self.log_likelihood),
             "error_mm": rounded(&error),
-            "second_difference": second_differences(&self.states, &scene.ranges),
+            "second_difference": second_differences(&self.states, difference),
         })
     }
 }
@@ -264,14 +246,5 @@ mod tests {
             assert!(is_centre(axis.snap(x), &range) && !is_centre(axis.snap(x) + 0.1, &range));
         }
         assert!(!is_centre(axis.centre(6) + 2.0 / 7.0, &range), "beyond the last");
-    }
-
-    #[test]
-    fn second_differences_are_those_of_a_parabola() {
-        let axis = Axis::new(-3.0, 3.0, 0.3, false).unwrap();
-        let ranges = vec![Range { low: -3.0, high: 3.0, width: 0.3, axis }; 4];
-        let states: Vec<Vec<f64>> = (0..5).map(|t| vec![0.02 * f64::from(t * t); 4]).collect();
-        let found = second_differences(&states, &ranges);
-        assert!(found.len() == 3 && found.iter().all(|x| (x - 0.04).abs() < 1e-12), "{found:?}");
     }
 }

@@ -4,6 +4,7 @@
 //! and 12 (the hips), point 8 of BODY_25B an elbow.
 
 use super::listing::CameraFiles;
+use crate::input::error::InputError;
 use crate::{Error, files};
 use sinew_formats::openpose::{self, Person};
 use sinew_formats::source_text::MAX_KEYPOINT_BYTES;
@@ -29,21 +30,13 @@ pub(super) fn layout(cameras: &[CameraFiles], folder: &Path) -> Result<(Layout, 
         }
     }
     let Some(first) = people.first() else {
-        return Err(Error::Input {
-            message: format!(
-                "{}: nobody in the first {PATIENCE} files; the keypoint layout cannot be told",
-                folder.display()
-            ),
-            help: Some(format!("name it with `--layout`: {}", layout::names().join(", "))),
-        });
+        let folder = folder.to_owned();
+        return Err(InputError::NobodyForLayout { folder, files: PATIENCE, known: layout::names() }.into());
     };
     let numbers = 3 * first.keypoints.len();
     let mut fitting = layout::with_numbers(numbers);
     match fitting.len() {
-        0 => Err(Error::Input {
-            message: format!("{}: {numbers} numbers a person fit no known layout", folder.display()),
-            help: Some(format!("known: {}; or give a mapping file with `--layout`", layout::names().join(", "))),
-        }),
+        0 => Err(InputError::NoSuchLength { folder: folder.to_owned(), numbers, known: layout::names() }.into()),
         1 => Ok((fitting.remove(0), None)),
         _ => {
             let name = if has_mid_hip_at_8(&people) == Some(true) { BODY_25 } else { BODY_25B };

@@ -1,6 +1,7 @@
 //! The files of each camera, by frame number: keypoints in a folder a camera, images in such folders or side by side in one.
 
 use crate::Error;
+use crate::input::error::InputError;
 use sinew_formats::{Error as FormatError, frame_number};
 use std::collections::{BTreeMap, HashMap};
 use std::ffi::OsString;
@@ -83,20 +84,34 @@ pub(crate) struct Folder {
 pub(crate) struct CameraFiles {
     pub(crate) camera: String,
     pub(crate) folder: PathBuf,
+    /// Frames that the camera is late: frame f is in the file numbered f + lag.
+    pub(crate) lag: i64,
     names: Names,
 }
 
 impl CameraFiles {
+    pub(crate) fn late_by(self, lag: i64) -> Self {
+        Self { lag, ..self }
+    }
+
     pub(crate) fn len(&self) -> usize {
         self.names.files.len()
     }
 
-    pub(crate) fn numbers(&self) -> impl Iterator<Item = u64> + '_ {
-        self.names.files.iter().map(|(number, _)| *number)
+    pub(crate) fn numbers(&self) -> impl DoubleEndedIterator<Item = u64> + '_ {
+        self.names.files.iter().filter_map(|(number, _)| number.checked_sub_signed(self.lag))
     }
 
     /// From the first number to the last, holes included.
     pub(crate) fn range(&self) -> Range<u64> {
+        match (self.numbers().next(), self.numbers().next_back()) {
+            (Some(first), Some(last)) => first..last.saturating_add(1),
+            _ => 0..0,
+        }
+    }
+
+    /// As [`CameraFiles::range`], in the numbers of the file names.
+    pub(crate) fn range_in_names(&self) -> Range<u64> {
         match (self.names.files.first(), self.names.files.last()) {
             (Some((first, _)), Some((last, _))) => *first..last.saturating_add(1),
             _ => 0..0,
@@ -104,6 +119,7 @@ impl CameraFiles {
     }
 
     pub(crate) fn path(&self, number: u64) -> Option<PathBuf> {
+        let number = number.checked_add_signed(self.lag)?;
         let index = self.names.files.binary_search_by_key(&number, |(found, _)| *found).ok()?;
         let pattern = self.names.files[index].1 as usize;
         Some(self.folder.join(self.names.patterns[pattern].name(number)))
@@ -144,24 +160,12 @@ pub(crate) fn camera_folders(keypoints: &Path) -> Result<Vec<Folder>, Error> {
         }
     }
     if folders.is_empty() {
-        let (message, help) = if loose > 0 {
-            (
-                format!(
-                    "`{}` holds {loose} keypoint files itself; expected a folder for each camera",
-                    keypoints.display()
-                ),
-                "give the folder above it, which holds one folder `<camera>_json` for each camera",
-            )
-        } else {
-            (
-                format!(
-                    "`{}` holds no keypoints; expected folders `<camera>_json` with JSON files",
-                    keypoints.display()
-                ),
-                "`--keypoints` takes the folder that a detector fills, for example `pose`",
-            )
-        };
-        return Err(Error::Input { message, help: Some(help.into()) });
+        let folder = keypoints.to_owned();
+        return Err(match loose {
+            0 => InputError::NoKeypoints { folder },
+            files => InputError::FolderOfOneCamera { folder, files },
+        }
+        .into());
     }
     folders.sort_by(|a, b| a.name.cmp(&b.name));
     Ok(folders)
@@ -215,10 +219,7 @@ pub(crate) fn files(folder: Folder, camera: &str, kind: &str) -> Result<CameraFi
         return Err(FormatError::NoFrameNumber { name: shown(name) }.into());
     }
     if names.files.is_empty() {
-        return Err(Error::Input {
-            message: format!("`{}` holds no {kind}", path.display()),
-            help: Some("fill the folder or remove it, or leave the camera out of `--cameras`".into()),
-        });
+        return Err(InputError::NoFiles { folder: path, kind: kind.into() }.into());
     }
     names.files.sort_unstable();
     names.known = HashMap::new();
@@ -230,7 +231,7 @@ pub(crate) fn files(folder: Folder, camera: &str, kind: &str) -> Result<CameraFi
         let [first, second] = both;
         return Err(FormatError::DuplicateFrame { frame, first, second }.into());
     }
-    Ok(CameraFiles { camera: camera.into(), folder: path, names })
+    Ok(CameraFiles { camera: camera.into(), folder: path, lag: 0, names })
 }
 
 #[cfg(test)]

@@ -1,57 +1,119 @@
 //! What comes before tracking: the set-up pass, or the set-up of an earlier run and whether it belongs to the recording.
 
-use super::super::{self as pipeline, Method, Settings};
-use super::{Pass, Watch};
+use super::inputs::{Hashes, Inputs};
+use super::watch::{Pass, Watch};
+use crate::config::Resolved;
 use crate::config::TrackConfig;
+use crate::config::settings::Settings;
+use crate::config::track::DEFAULT_FPS;
 use crate::input::source::FrameSource;
 use crate::input::up_axis::{Z_UP, axis_before_turning};
+use crate::input::upright::Upright;
 use crate::setup::{self, Request, Setup, Warning};
+use crate::track::checkpoint::Checkpoint;
+use crate::track::error::TrackError;
+use crate::track::step_size::tune;
 use crate::{Error, bodies, files};
 use sinew_formats::source_text::MAX_CONFIG_BYTES;
 use std::ops::Range;
 use std::path::Path;
-use std::sync::atomic::Ordering;
+
+/// A run before its first frame, or where it was stopped.
+pub(super) struct Begun<'a, S> {
+    pub(super) source: Upright<'a, S>,
+    pub(super) setup: Setup,
+    pub(super) checkpoint: Checkpoint,
+}
+
+/// A run from its beginning, with a set-up of its own or of an earlier run.
+pub(super) fn begun<'a, S: FrameSource>(
+    source: &'a mut S,
+    setup_frames: Range<u64>,
+    resolved: &Resolved,
+    config: &TrackConfig,
+    settings: &Settings,
+    watch: &mut Watch<'_>,
+) -> Result<Begun<'a, S>, Error> {
+    let mut warnings = Vec::new();
+    if config.fps.is_none() {
+        warnings.push(format!("no frame rate given; {DEFAULT_FPS} frames per second assumed (`--fps`)"));
+    }
+    let known = config.setup.as_deref().map(read_setup).transpose()?;
+    if let Some(setup) = known.as_ref().filter(|_| resolved.is_given("body")) {
+        same_body(&config.body, setup)?;
+    }
+    let up = world_up(config, known.as_ref())?;
+    let mut source = Upright::new(source, &up);
+    let setup = match known {
+        Some(setup) => {
+            same_calibration(&mut source, config.image_scale)?;
+            setup
+        }
+        None => {
+            let setup = set_up(&mut source, setup_frames, config, settings, watch, &mut warnings)?;
+            Setup { world_up: up, ..setup }
+        }
+    };
+    let checkpoint = Checkpoint {
+        program: env!("CARGO_PKG_VERSION").into(),
+        settings: resolved.of_numbers(),
+        isa: settings.isa.name().into(),
+        frames: source.frames(),
+        setup_toml: setup.to_toml()?,
+        warnings,
+        texts: [resolved.to_toml(), resolved.to_json().to_string(), resolved.hash()],
+        ..Checkpoint::default()
+    };
+    Ok(Begun { source, setup, checkpoint })
+}
+
+/// A run where it was stopped: what it had read is read again, which shows whether it is the same and counts what is odd about it.
+pub(super) fn resumed<'a, S: FrameSource>(
+    source: &'a mut S,
+    checkpoint: Checkpoint,
+    resolved: &Resolved,
+    settings: &Settings,
+    inputs: &Inputs<impl Fn(&S) -> (Vec<String>, Hashes)>,
+    folder: &Path,
+    watch: &mut Watch<'_>,
+) -> Result<Begun<'a, S>, Error> {
+    let refused = |problem| Error::checkpoint(folder, problem);
+    checkpoint.check_settings(&resolved.of_numbers(), settings.isa.name()).map_err(refused)?;
+    let setup = Setup::from_toml("setup.toml of the checkpoint", &checkpoint.setup_toml)?;
+    let mut source = Upright::new(source, &setup.world_up);
+    let first = source.frames().start;
+    source.read_again(&checkpoint.read, first..first + checkpoint.done, |done, total| {
+        (watch.progress)(Pass::Check, done, total);
+        watch.check("before tracking went on; nothing was changed")
+    })?;
+    checkpoint.check_inputs(&inputs.hashes(source.source()), &source.frames()).map_err(refused)?;
+    Ok(Begun { source, setup, checkpoint })
+}
 
 /// The axis of the calibration's world that points up.
 pub(super) fn world_up(config: &TrackConfig, setup: Option<&Setup>) -> Result<String, Error> {
     match (&config.up_axis, setup) {
-        (Some(asked), Some(setup)) if *asked != setup.world_up => Err(Error::Usage {
-            message: format!("`up_axis` is {asked}; the set-up was made with {}", setup.world_up),
-            help: "leave `up_axis` out: the set-up knows it".into(),
-        }),
+        (Some(asked), Some(setup)) if *asked != setup.world_up => {
+            Err(TrackError::UpAxis { asked: asked.clone(), known: setup.world_up.clone() }.into())
+        }
         (_, Some(setup)) => Ok(setup.world_up.clone()),
         (asked, None) => Ok(asked.clone().unwrap_or_else(|| Z_UP.into())),
     }
 }
 
 /// Frames that are looked at to tell whether a set-up of an earlier run belongs to the calibration.
-const LOOKED_AT: u64 = 60;
-
-/// Frames that are read before tracking: those of the set-up pass, or the first ones where a set-up is given.
-pub(super) fn frames_before_tracking(
-    config: &TrackConfig,
-    setup_frames: Range<u64>,
-    frames: &Range<u64>,
-) -> Range<u64> {
-    match config.setup {
-        Some(_) => frames.start..frames.end.min(frames.start + LOOKED_AT),
-        None => setup_frames,
-    }
-}
+pub(super) const LOOKED_AT: u64 = 60;
 
 /// Refuses a calibration that fits the keypoints only when it is read differently; a set-up that is given skips the pass that would tell.
-pub(super) fn same_calibration<S: FrameSource>(
-    source: &mut S,
-    numbers: Range<u64>,
-    image_scale: f64,
-) -> Result<(), Error> {
+fn same_calibration<S: FrameSource>(source: &mut S, image_scale: f64) -> Result<(), Error> {
+    let numbers = source.frames();
     let mut frames = vec![];
-    for number in numbers {
+    for number in numbers.start..numbers.end.min(numbers.start + LOOKED_AT) {
         frames.extend(setup::alone(&source.people(number)?));
     }
     let stride = frames.len().div_ceil(8).max(1);
     let some: Vec<_> = frames.into_iter().step_by(stride).collect();
-    setup::calibration_fit::check(source.cameras(), &some, image_scale)
+    Ok(setup::calibration_fit::check(source.cameras(), &some, image_scale)?)
 }
 
 /// Refuses a body that is not that of the set-up.
@@ -59,26 +121,20 @@ pub(super) fn same_body(asked: &str, setup: &Setup) -> Result<(), Error> {
     if bodies::to_track(asked)? == setup.body {
         return Ok(());
     }
-    Err(Error::Usage {
-        message: format!("`body` is {asked}; the set-up was made with {}", setup.body.name().to_lowercase()),
-        help: "leave `--body` out: the set-up knows it; or leave `--setup` out".into(),
-    })
+    Err(TrackError::Body { asked: asked.into(), known: setup.body.name().to_lowercase() }.into())
 }
 
 pub(super) fn read_setup(path: &Path) -> Result<Setup, Error> {
     let text = files::read_text(path, MAX_CONFIG_BYTES)?;
     let setup: Setup = toml::from_str(&text).map_err(|error| {
         let line = error.span().map_or(1, |span| 1 + text[..span.start].matches('\n').count());
-        Error::Input {
-            message: format!("{}:{line}: {}", path.display(), error.message()),
-            help: Some("give `--setup` the setup.toml of a result folder of this version, or leave it out".into()),
-        }
+        TrackError::SetupFile { path: path.to_owned(), line, problem: error.message().into() }
     })?;
     let problems = setup.problems();
     if problems.is_empty() { Ok(setup) } else { Err(Error::Config { file: path.display().to_string(), problems }) }
 }
 
-pub(super) fn set_up<S: FrameSource>(
+fn set_up<S: FrameSource>(
     source: &mut S,
     numbers: Range<u64>,
     config: &TrackConfig,
@@ -91,14 +147,13 @@ pub(super) fn set_up<S: FrameSource>(
         body,
         person: config.person.unwrap_or_default(),
         image_scale: config.image_scale,
+        lag: config.lag.clone(),
         ..Request::default()
     };
     let (cameras, layout) = (source.cameras().to_vec(), source.layout().clone());
     let total = numbers.end - numbers.start;
     let frames = numbers.clone().map(|number| {
-        if watch.stop.load(Ordering::SeqCst) {
-            return Err(Error::Interrupted("during the set-up pass; nothing was written"));
-        }
+        watch.check("during the set-up pass; nothing was written")?;
         let people = source.people(number)?;
         (watch.progress)(Pass::SetUp, number - numbers.start + 1, total);
         Ok((number, people))
@@ -117,9 +172,7 @@ pub(super) fn set_up<S: FrameSource>(
     warnings.extend(found.map(|warning| warning.to_string()));
     let tree = setup.tree();
     setup.motion_sd = Some(setup::measure_motion(&setup, &tree, source, numbers, settings.fps)?);
-    if settings.method == Method::Hmc {
-        let start = setup.start_frame;
-        pipeline::tune(&mut setup, &tree, source, start, settings)?;
-    }
+    let start = setup.start_frame;
+    tune(&mut setup, &tree, source, start, settings)?;
     Ok(setup)
 }

@@ -1,17 +1,41 @@
 //! Results that are complete: whether they are those of the run that is asked for.
 
-use super::super::checkpoint::Checkpoint;
-use super::{Pass, Watch, begin, file_hashes, go_on, settings};
+use super::begin::LOOKED_AT;
+use super::inputs::{Hashes, file_hashes};
+use super::watch::{Pass, Watch};
 use crate::Error;
 use crate::config::Resolved;
 use crate::input::source::FrameSource;
 use crate::results::problem::Problem;
+use crate::track::checkpoint::Checkpoint;
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::Path;
 
-/// Reads all that a run read of a source again, and refuses a `summary.json` of other settings, another instruction set, other frames or other data; `inputs` gives the hashes of what was read of the source so far.
+/// Reads again what a run reads: the frames of its set-up, then all that it tracks.
+fn replay<S: FrameSource>(source: &mut S, set_up: Range<u64>, watch: &mut Watch<'_>) -> Result<(), Error> {
+    let frames = source.frames();
+    let total = (set_up.end - set_up.start) + (frames.end - frames.start);
+    let mut done = 0;
+    let mut next = |watch: &mut Watch<'_>| {
+        watch.check("before the results were compared with the data; nothing was changed")?;
+        done += 1;
+        (watch.progress)(Pass::Check, done, total);
+        Ok::<(), Error>(())
+    };
+    for number in set_up {
+        next(watch)?;
+        source.people(number)?;
+    }
+    for number in frames {
+        next(watch)?;
+        source.frame(number)?;
+    }
+    Ok(())
+}
+
+/// Reads all frames of a source again, and refuses a `summary.json` of other settings, another instruction set, other frames or other data; `inputs` gives the hashes of what was read of the source so far.
 ///
 /// # Errors
 /// [`Error::Checkpoint`] with all that differs; those of the source; [`Error::Interrupted`].
@@ -22,7 +46,7 @@ pub fn check_complete<S: FrameSource>(
     folder: &Path,
     summary: &Value,
     watch: &mut Watch<'_>,
-    inputs: impl Fn(&S) -> BTreeMap<String, String>,
+    inputs: impl Fn(&S) -> Hashes,
 ) -> Result<(), Error> {
     let refused = |problem| Error::checkpoint(folder, problem);
     let Some(end) = Ended::of(summary) else {
@@ -36,52 +60,17 @@ pub fn check_complete<S: FrameSource>(
         ..Checkpoint::default()
     };
     let config = resolved.track();
-    let isa = settings(&config)?.isa;
+    let isa = config.settings()?.isa;
     run.check_settings(&Resolved::of_numbers_told(&resolved.to_json()), isa.name()).map_err(refused)?;
     let frames = source.frames();
-    let before = begin::frames_before_tracking(&config, setup_frames, &frames);
-    read_as_tracked(source, before, |done, total| {
-        (watch.progress)(Pass::Check, done, total);
-        match go_on(watch.stop).is_break() {
-            true => Err(Error::Interrupted("before the results were compared with the data; nothing was changed")),
-            false => Ok(()),
-        }
-    })?;
+    let set_up = match config.setup {
+        Some(_) => frames.start..frames.end.min(frames.start + LOOKED_AT),
+        None => setup_frames,
+    };
+    replay(source, set_up, watch)?;
     let mut hashes = inputs(source);
     hashes.extend(file_hashes(resolved)?);
     run.check_inputs(&hashes, &frames).map_err(refused)
-}
-
-/// Reads what a run reads: people of the frames `before` tracking, then people and images of the tracked frames, as far as tracking looks at them. `each` gets the number of
-/// frames read so far and in all, before each of them.
-fn read_as_tracked<S: FrameSource>(
-    source: &mut S,
-    before: Range<u64>,
-    mut each: impl FnMut(u64, u64) -> Result<(), Error>,
-) -> Result<(), Error> {
-    let tracked = source.frames();
-    let later = tracked.clone().filter(|number| !before.contains(number)).count() as u64;
-    let total = before.end.saturating_sub(before.start) + later;
-    let mut done = 0;
-    for number in before.clone() {
-        done += 1;
-        each(done, total)?;
-        source.people(number)?;
-    }
-    source.begin_tracking();
-    let (reads_people, reads_images) = (source.reads_people(), source.image_cameras().is_some());
-    for number in tracked {
-        let is_new = !before.contains(&number);
-        done += u64::from(is_new);
-        each(done, total)?;
-        if reads_people && is_new {
-            source.people(number)?;
-        }
-        if reads_images {
-            source.images(number)?;
-        }
-    }
-    Ok(())
 }
 
 /// What a summary says of the run that ended.

@@ -1,0 +1,77 @@
+//! What a tracker of particles keeps from frame to frame: its motion model, estimate and particles.
+
+use crate::Error;
+use crate::error::check_dimension;
+use crate::posterior::Posterior;
+use crate::resume::{blocks, check_length, put_blocks};
+use sinew_core::lanes::LANES;
+use sinew_core::transition::MotionModel;
+use sinew_samplers::particles::Particles;
+
+/// The memory of one tracker.
+#[derive(Clone, Debug)]
+pub(crate) struct ParticleState<T> {
+    /// Moves the particles, and follows the estimates.
+    pub motion: T,
+    /// Estimate of the last frame, before the first one the start.
+    pub estimate: Vec<f64>,
+    /// Particles with their weights.
+    pub particles: Particles,
+    /// Whether there was a frame.
+    pub started: bool,
+}
+
+impl<T: MotionModel> ParticleState<T> {
+    /// `count` particles at a start.
+    pub fn new(motion: T, centre: Vec<f64>, count: usize) -> Result<Self, Error> {
+        check_dimension("start", centre.len(), motion.dim())?;
+        let particles = Particles::new(&centre, count)?;
+        Ok(Self { motion, estimate: centre, particles, started: false })
+    }
+
+    /// Ends a frame with its estimate. Returns whether there was one before.
+    pub fn settle(&mut self, estimate: Vec<f64>) -> bool {
+        self.motion.follow(self.started.then_some(&*self.estimate), &estimate);
+        self.estimate = estimate;
+        std::mem::replace(&mut self.started, true)
+    }
+
+    /// The particles as draws.
+    pub fn posterior(&self) -> Posterior<'_> {
+        Posterior {
+            dim: self.particles.dim(),
+            states: self.particles.states(),
+            weights: self.particles.weights(),
+            effective: self.particles.effective_sample_size(),
+            chain_stats: &[],
+        }
+    }
+
+    /// Whether there was a frame, the estimate, log weights, weights, states, what the motion model remembers.
+    pub fn save(&self) -> Vec<f64> {
+        let mut saved = vec![f64::from(u8::from(self.started))];
+        saved.extend(&self.estimate);
+        saved.extend(self.particles.log_weights());
+        saved.extend(self.particles.weights());
+        put_blocks(&mut saved, self.particles.states());
+        saved.extend(self.motion.memory());
+        saved
+    }
+
+    /// Takes up what [`ParticleState::save`] put down.
+    pub fn restore(&mut self, saved: &[f64]) -> Result<(), Error> {
+        let (d, count, states) = (self.estimate.len(), self.particles.count(), self.particles.states().len());
+        let memory = self.motion.memory().len();
+        check_length(saved.len(), 1 + d + 2 * count + LANES * states + memory)?;
+        let (started, rest) = saved.split_at(1);
+        let (estimate, rest) = rest.split_at(d);
+        let (log_weights, rest) = rest.split_at(count);
+        let (weights, rest) = rest.split_at(count);
+        let (states, memory) = rest.split_at(LANES * states);
+        self.started = started[0] > 0.0;
+        self.estimate.copy_from_slice(estimate);
+        self.particles.restore(blocks(states), log_weights, weights);
+        self.motion.recall(memory);
+        Ok(())
+    }
+}

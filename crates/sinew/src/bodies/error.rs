@@ -1,0 +1,28 @@
+//! A name that belongs to no body.
+
+/// A name that is no body's.
+#[derive(Debug, thiserror::Error)]
+#[error("no body `{name}`; known: {}{}", known.join(", "), nearest.map(|name| format!("; did you mean `{name}`?")).unwrap_or_default())]
+#[non_exhaustive]
+pub struct UnknownBody {
+    /// Name given.
+    pub name: String,
+    /// Names of bodies.
+    pub known: &'static [&'static str],
+    /// Name that was likely meant.
+    pub nearest: Option<&'static str>,
+}
+
+impl UnknownBody {
+    /// Code with which the program ends.
+    #[must_use]
+    pub const fn exit_code(&self) -> u8 {
+        2
+    }
+
+    /// What the user can do about it.
+    #[must_use]
+    pub const fn help(&self) -> &'static str {
+        "give one of these names or the path of a body file, which ends in .toml"
+    }
+}

@@ -1,0 +1,31 @@
+//! Which settings change nothing beside the others.
+
+use super::values::Values;
+use crate::methods::{About, Gives};
+
+/// The setting beside which another one is idle, in words; `None` for one that counts.
+#[must_use]
+pub fn idle_beside(key: &str, chosen: &About, methods: &[&'static About], values: &Values) -> Option<String> {
+    let is = |key: &str, value: &str| values.text(key).as_deref() == Some(value);
+    let owner = methods.iter().find(|about| about.settings.iter().any(|setting| setting.key == key));
+    match key {
+        "particles" if chosen.particles.is_none() => Some(format!("`--method {}`", chosen.name)),
+        "min_ess" if chosen.gives == Gives::Chains => Some(format!("`--method {}`", chosen.name)),
+        "max_r_hat" | "max_r_hat_share" | "max_divergent_share" if chosen.gives != Gives::Chains => {
+            Some(format!("`--method {}`", chosen.name))
+        }
+        "images" | "mask_scale" | "score" | "kappa" | "raster" if values.get("silhouettes").is_none() => {
+            Some("no `--silhouettes`".to_owned())
+        }
+        "degrees" if is("noise", "floor") => Some("`--noise floor`".to_owned()),
+        "outlier" if is("noise", "student-t") => Some("`--noise student-t`".to_owned()),
+        "setup_frames" | "person" if values.get("setup").is_some() => Some("`--setup`".to_owned()),
+        _ => match owner {
+            Some(owner) if owner.name != chosen.name && owner.gives == Gives::Chains => {
+                Some(format!("`--method {}`", chosen.name))
+            }
+            Some(owner) if owner.name != chosen.name => Some(format!("a method other than `{}`", owner.name)),
+            _ => None,
+        },
+    }
+}

@@ -1,0 +1,56 @@
+//! How a recording is tracked.
+
+use crate::methods::{Hmc, Method, Score};
+use sinew_core::lanes::Isa;
+use sinew_dynamics::random_walk::Between;
+use sinew_observe::Noise;
+use sinew_observe::image_score::ImageScore;
+use std::sync::Arc;
+
+/// How to track; the default is the preset for real recordings.
+#[derive(Clone, Debug)]
+pub struct Settings {
+    /// The method with its own settings.
+    pub method: Arc<dyn Method>,
+    /// Seed of all random streams.
+    pub seed: u64,
+    /// Frames per second.
+    pub fps: f64,
+    /// Instruction set.
+    pub isa: Isa,
+    /// Density of a keypoint.
+    pub noise: Noise,
+    /// Keypoints of lower confidence count as missing.
+    pub least_confidence: f64,
+    /// Prior between frames.
+    pub between: Between,
+    /// Factor on the motion noise that the set-up pass found.
+    pub motion_scale: f64,
+    /// Weighting function of images.
+    pub score: ImageScore,
+    /// Longest side of the raster in which silhouettes are compared, pixels.
+    pub raster: usize,
+    /// Thinned draws kept of each frame.
+    pub draws: usize,
+    /// Whether the set-up is that of an earlier run, which advice depends on.
+    pub setup_is_given: bool,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            method: Arc::new(Hmc::default()),
+            seed: 1,
+            fps: 30.0,
+            isa: Isa::best(),
+            noise: Noise::OutlierFloor { outlier: 0.02 },
+            least_confidence: 0.1,
+            between: Between::Gaussian,
+            motion_scale: 1.0,
+            score: Score::Bidirectional.with_kappa(100.0),
+            raster: 320,
+            draws: 64,
+            setup_is_given: false,
+        }
+    }
+}

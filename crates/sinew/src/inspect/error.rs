@@ -1,0 +1,58 @@
+//! What cannot be inspected.
+
+use std::path::PathBuf;
+
+/// Paths that cannot be inspected as they were given.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum InspectError {
+    /// A motion beside several skeletons.
+    #[error("{} has one skeleton; given: {} and {}", motion.display(), first.display(), second.display())]
+    TwoSkeletons {
+        /// AMC file.
+        motion: PathBuf,
+        /// First skeleton.
+        first: PathBuf,
+        /// Second skeleton.
+        second: PathBuf,
+    },
+    /// A file of no known kind.
+    #[error("{}: nothing that can be inspected", path.display())]
+    UnknownKind {
+        /// File.
+        path: PathBuf,
+    },
+    /// A folder that is no store of draws.
+    #[error("{}: no `{document}`; expected a Zarr store of format 3", folder.display())]
+    NoStore {
+        /// Folder.
+        folder: PathBuf,
+        /// File that every store has.
+        document: &'static str,
+    },
+}
+
+impl InspectError {
+    /// Code with which the program ends.
+    #[must_use]
+    pub const fn exit_code(&self) -> u8 {
+        match self {
+            Self::NoStore { .. } => 3,
+            Self::TwoSkeletons { .. } | Self::UnknownKind { .. } => 2,
+        }
+    }
+
+    /// What the user can do about it.
+    #[must_use]
+    pub const fn help(&self) -> &'static str {
+        match self {
+            Self::TwoSkeletons { .. } => "inspect the motions of each skeleton by themselves",
+            Self::UnknownKind { .. } => {
+                "give a calibration, set-up, configuration, body or mapping (.toml), a folder of keypoints, masks or images, a motion file (.trc, .bvh, .mot, .csv, .asf with .amc), a result folder or its posterior.zarr"
+            }
+            Self::NoStore { .. } => {
+                "give the folder `posterior.zarr` itself, not one inside it, and no store of format 2"
+            }
+        }
+    }
+}

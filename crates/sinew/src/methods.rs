@@ -1,0 +1,27 @@
+//! The methods of tracking, one file a method.
+//!
+//! Enter: the settings of a method, a set-up, the motion prior, the parts of the body. Leaves: a tracker on the likelihood of a frame ([`FrameLikelihood`]).
+//! Must not know: where frames come from, and what becomes of the posterior.
+//!
+//! A method is described by an [`About`] (name, help, what it needs and gives, its own settings) and made by a [`Method`]. The command line, its completion, messages about idle flags
+//! and the tables of the documentation derive from [`METHODS`].
+
+pub mod about;
+pub mod annealed;
+pub mod bootstrap;
+pub mod coarse_to_fine;
+pub mod frame_likelihood;
+pub mod hmc;
+pub mod list;
+pub mod partitioned;
+pub mod score;
+
+pub use about::{About, Gives, Making, Method, StepSize, Steps};
+pub use annealed::Annealed;
+pub use bootstrap::Bootstrap;
+pub use coarse_to_fine::CoarseToFine;
+pub use frame_likelihood::{Bound, BoundImages, FrameLikelihood};
+pub use hmc::Hmc;
+pub use list::{METHODS, find};
+pub use partitioned::Partitioned;
+pub use score::Score;

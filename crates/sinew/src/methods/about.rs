@@ -1,0 +1,121 @@
+//! What a method is: its description, and how a tracker is made of it.
+
+use super::frame_likelihood::FrameLikelihood;
+use super::score::Score;
+use crate::Error;
+use crate::config::setting::Setting;
+use crate::config::values::Values;
+use crate::setup::Setup;
+use crate::track::error::TrackError;
+use sinew_core::lanes::Isa;
+use sinew_core::part::PartTree;
+use sinew_core::random::Stage;
+use sinew_dynamics::random_walk::RandomWalk;
+use sinew_tracking::{Resume, Tracker};
+use std::fmt;
+use std::sync::Arc;
+
+/// What the draws of a method are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Gives {
+    /// Draws of the posterior by Markov chains.
+    Chains,
+    /// Draws of the posterior by weighted particles.
+    Particles,
+    /// What survives a search for a peak: no posterior.
+    Search,
+}
+
+/// The description of a method.
+#[derive(Clone, Debug)]
+pub struct About {
+    /// Name on the command line and in files.
+    pub name: &'static str,
+    /// One line of help.
+    pub help: &'static str,
+    /// What its draws are.
+    pub gives: Gives,
+    /// Whether it moves along gradients: images are then compared by the distance of limbs from contours, which says nothing of what no limb covers and belongs beside keypoints.
+    pub needs_gradients: bool,
+    /// Whether it takes the body part by part.
+    pub needs_parts: bool,
+    /// Weighting function of images where nobody names one: the paper's, but for the filters that take the whole body at once, which lose arms in the silhouette of the torso unless
+    /// uncovered pixels count, too.
+    pub score: Score,
+    /// Number of particles where nobody says how many; `None` for methods without particles.
+    pub particles: Option<fn() -> usize>,
+    /// Settings that no other method has.
+    pub settings: &'static [Setting],
+    /// The method with its default settings.
+    pub usual: fn() -> Arc<dyn Method>,
+    /// The method with the settings of a run.
+    pub configure: fn(&Values) -> Arc<dyn Method>,
+    /// What no setting alone shows: a mistake in its settings, in a sentence.
+    pub mistake: fn(&Values) -> Option<String>,
+}
+
+/// What a tracker is made of besides the settings of its method.
+pub struct Making<'a> {
+    /// The set-up of the recording.
+    pub setup: &'a Setup,
+    /// The motion prior.
+    pub transition: &'a RandomWalk,
+    /// The parts of the body, for methods that need them.
+    pub parts: Option<&'a PartTree>,
+    /// Instruction set.
+    pub isa: Isa,
+}
+
+impl Making<'_> {
+    /// The parts of the body.
+    ///
+    /// # Errors
+    /// [`TrackError::NoParts`].
+    pub fn parts(&self) -> Result<PartTree, Error> {
+        Ok(self.parts.cloned().ok_or(TrackError::NoParts)?)
+    }
+}
+
+/// Step size and trajectory length of Hamiltonian Monte Carlo.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StepSize {
+    /// In units of the metric.
+    pub step_size: f64,
+    /// Leapfrog steps of a trajectory.
+    pub leapfrog_steps: usize,
+}
+
+/// A tracker on the likelihoods of frames that can be saved and restored.
+pub trait Steps: Tracker<FrameLikelihood> + Resume {}
+
+impl<T: Tracker<FrameLikelihood> + Resume> Steps for T {}
+
+/// A method with its settings.
+pub trait Method: fmt::Debug + Send + Sync {
+    /// Its description.
+    fn about(&self) -> &'static About;
+
+    /// Number of weighted draws of a frame, for methods with weights.
+    fn weighted_draws(&self) -> Option<usize>;
+
+    /// A tracker that starts at a state.
+    ///
+    /// # Errors
+    /// Settings, a transition or a start that the tracker refuses.
+    fn tracker(&self, making: &Making<'_>, start: Vec<f64>) -> Result<Box<dyn Steps>, Error>;
+
+    /// Step size and trajectory length for a recording, from one of its frames; `None` for methods without.
+    ///
+    /// # Errors
+    /// No step size found.
+    fn tuned(
+        &self,
+        making: &Making<'_>,
+        start: Vec<f64>,
+        observed: &FrameLikelihood,
+        stage: Stage,
+    ) -> Result<Option<StepSize>, Error> {
+        let _ = (making, start, observed, stage);
+        Ok(None)
+    }
+}

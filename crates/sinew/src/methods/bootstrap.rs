@@ -1,0 +1,53 @@
+//! `bootstrap`: the bootstrap particle filter of Gordon, Salmond & Smith 1993, in vision CONDENSATION.
+
+use super::about::{About, Gives, Making, Method, Steps};
+use super::score::Score;
+use crate::Error;
+use crate::config::values::Values;
+use sinew_tracking::bootstrap::{self, Config};
+use std::sync::Arc;
+
+/// The method; 32 degrees of freedom need more particles than the papers had.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Bootstrap(pub Config);
+
+impl Default for Bootstrap {
+    fn default() -> Self {
+        Self(Config { particles: 10_000, ..Config::default() })
+    }
+}
+
+/// Its description.
+pub const ABOUT: About = About {
+    name: "bootstrap",
+    help: "bootstrap particle filter",
+    gives: Gives::Particles,
+    needs_gradients: false,
+    needs_parts: false,
+    score: Score::Bidirectional,
+    particles: Some(|| Bootstrap::default().0.particles),
+    settings: &[],
+    usual: || Arc::new(Bootstrap::default()),
+    configure,
+    mistake: |_| None,
+};
+
+fn configure(values: &Values) -> Arc<dyn Method> {
+    let usual = Bootstrap::default().0;
+    Arc::new(Bootstrap(Config { particles: values.size_or("particles", usual.particles), ..usual }))
+}
+
+impl Method for Bootstrap {
+    fn about(&self) -> &'static About {
+        &ABOUT
+    }
+
+    fn weighted_draws(&self) -> Option<usize> {
+        Some(self.0.particles)
+    }
+
+    fn tracker(&self, making: &Making<'_>, start: Vec<f64>) -> Result<Box<dyn Steps>, Error> {
+        let filter = bootstrap::Bootstrap::new(self.0.clone(), making.transition.clone(), start);
+        Ok(Box::new(filter?))
+    }
+}

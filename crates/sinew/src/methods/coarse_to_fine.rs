@@ -1,0 +1,72 @@
+//! `coarse-to-fine`: a grid of poses first, then its parts one by one, a search.
+
+use super::about::{About, Gives, Making, Method, Steps};
+use super::score::Score;
+use crate::Error;
+use crate::config::setting::{Kind, SAMPLING, Setting, computed};
+use crate::config::values::Values;
+use crate::track::error::TrackError;
+use sinew_samplers::grid::Axis;
+use sinew_tracking::coarse_to_fine::{self, Config};
+use std::sync::Arc;
+
+/// The method.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct CoarseToFine(pub Config);
+
+/// Its description.
+pub const ABOUT: About = About {
+    name: "coarse-to-fine",
+    help: "two-level coarse-to-fine tracker, a search",
+    gives: Gives::Search,
+    needs_gradients: false,
+    needs_parts: true,
+    score: Score::CoarseToFine,
+    particles: Some(|| CoarseToFine::default().0.coarse),
+    settings: &SETTINGS,
+    usual: || Arc::new(CoarseToFine::default()),
+    configure,
+    mistake: |_| None,
+};
+
+#[rustfmt::skip]
+const SETTINGS: [Setting; 1] = [
+    computed((SAMPLING, "fine", Kind::Count(1, 100_000_000), "N", || CoarseToFine::default().0.fine.to_string(), "particles of the fine level (coarse-to-fine)")),
+];
+
+fn configure(values: &Values) -> Arc<dyn Method> {
+    let usual = CoarseToFine::default().0;
+    let coarse = values.size_or("particles", usual.coarse);
+    Arc::new(CoarseToFine(Config { coarse, fine: values.size("fine"), ..usual }))
+}
+
+/// Range of a position about where tracking began, metres, in which the coarse level has partitions.
+const RANGE_M: f64 = 2.0;
+
+/// Partitions of the coarse level: as wide as a step of motion, positions within [`RANGE_M`] of the start, angles all around.
+fn axes(start: &[f64], sd: &[f64]) -> Result<Vec<Axis>, sinew_samplers::Error> {
+    use std::f64::consts::PI;
+    let axis = |(j, (&at, &sd)): (usize, (&f64, &f64))| match j {
+        0..3 => Axis::new(at - RANGE_M, at + RANGE_M, sd, false),
+        _ => Axis::new(-PI, PI, sd, true),
+    };
+    start.iter().zip(sd).enumerate().map(axis).collect()
+}
+
+impl Method for CoarseToFine {
+    fn about(&self) -> &'static About {
+        &ABOUT
+    }
+
+    /// It reports one pose.
+    fn weighted_draws(&self) -> Option<usize> {
+        Some(1)
+    }
+
+    fn tracker(&self, making: &Making<'_>, start: Vec<f64>) -> Result<Box<dyn Steps>, Error> {
+        let axes = axes(&start, making.transition.sd()).map_err(TrackError::Sampler)?;
+        let (config, parts) = (self.0.clone(), making.parts()?);
+        let filter = coarse_to_fine::CoarseToFine::new(config, axes, parts, start, making.isa);
+        Ok(Box::new(filter?))
+    }
+}

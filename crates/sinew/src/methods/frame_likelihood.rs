@@ -1,0 +1,248 @@
+//! What is bound in a frame: keypoints, silhouettes, or both. Each tracker takes from it what it can use.
+
+use core::ops::Range;
+use sinew_core::density::{GaussNewton, GradLogDensity, LogDensity, PartLogDensity};
+use sinew_core::lanes::Block;
+use sinew_observe::KeypointLikelihood;
+use sinew_observe::image_likelihood::ImageLikelihood;
+use sinew_observe::soft_silhouette::SoftSilhouette;
+
+/// What a keypoint likelihood is made of in a frame.
+pub type Bound = sinew_core::density::Lanes<KeypointLikelihood>;
+
+/// The images of a frame.
+pub enum BoundImages {
+    /// By a weighting function of the papers, which has no gradient.
+    Scored(ImageLikelihood),
+    /// By the distance of limbs from the contour, for methods with gradients.
+    Soft(SoftSilhouette),
+}
+
+/// The likelihood of a frame: that of keypoints times that of images.
+///
+/// Scored images have no gradient and no curvature; methods that need them get soft ones ([`super::about::About::needs_gradients`]).
+pub struct FrameLikelihood {
+    /// That of all keypoints.
+    pub keypoints: Bound,
+    /// The keypoints of each part of the body; empty for methods without parts.
+    pub parts: Vec<Bound>,
+    /// That of the images, if there are any.
+    pub images: Option<BoundImages>,
+}
+
+impl From<Bound> for FrameLikelihood {
+    fn from(keypoints: Bound) -> Self {
+        Self { keypoints, parts: vec![], images: None }
+    }
+}
+
+impl FrameLikelihood {
+    fn soft(&self) -> Option<&SoftSilhouette> {
+        match &self.images {
+            Some(BoundImages::Soft(soft)) => Some(soft),
+            _ => None,
+        }
+    }
+
+    fn image_density(&self) -> Option<&dyn LogDensity> {
+        match self.images.as_ref()? {
+            BoundImages::Scored(images) => Some(images),
+            BoundImages::Soft(soft) => Some(soft),
+        }
+    }
+}
+
+fn add(to: &mut [Block], from: &[Block]) {
+    for (to, from) in to.iter_mut().zip(from) {
+        to.0.iter_mut().zip(from.0).for_each(|(to, from)| *to += from);
+    }
+}
+
+impl LogDensity for FrameLikelihood {
+    fn dim(&self) -> usize {
+        self.keypoints.dim()
+    }
+
+    /// That of the larger one, and room for the curvature of soft images.
+    fn workspace(&self) -> usize {
+        let d = self.dim();
+        let soft = self.soft().map_or(0, |soft| soft.workspace() + d * (d + 1) / 2);
+        self.keypoints.workspace().max(soft)
+    }
+
+    fn log_density(&self, x: &[f64]) -> f64 {
+        self.keypoints.log_density(x) + self.image_density().map_or(0.0, |images| images.log_density(x))
+    }
+
+    fn log_density_block(&self, x: &[Block], ws: &mut [Block]) -> Block {
+        let mut value = [self.keypoints.log_density_block(x, ws)];
+        if let Some(images) = self.image_density() {
+            add(&mut value, &[images.log_density_block(x, ws)]);
+        }
+        value[0]
+    }
+}
+
+impl PartLogDensity for FrameLikelihood {
+    fn parts(&self) -> usize {
+        self.parts.len()
+    }
+
+    fn is_product(&self) -> bool {
+        self.images.is_none()
+    }
+
+    fn log_density_parts_block(&self, parts: Range<usize>, x: &[Block], out: &mut [Block], ws: &mut [Block]) {
+        match &self.images {
+            Some(BoundImages::Scored(images)) => images.log_density_parts_block(parts.clone(), x, out, ws),
+            _ => out.fill(Block::ZERO),
+        }
+        for (out, part) in out.iter_mut().zip(&self.parts[parts]) {
+            add(std::slice::from_mut(out), &[part.log_density_block(x, ws)]);
+        }
+    }
+}
+
+impl GradLogDensity for FrameLikelihood {
+    fn log_density_grad(&self, x: &[f64], grad: &mut [f64]) -> f64 {
+        let value = self.keypoints.log_density_grad(x, grad);
+        let Some(soft) = self.soft() else { return value };
+        let mut of_images = vec![0.0; x.len()];
+        let images = soft.log_density_grad(x, &mut of_images);
+        grad.iter_mut().zip(of_images).for_each(|(g, image)| *g += image);
+        value + images
+    }
+
+    fn log_density_grad_block(&self, x: &[Block], grad: &mut [Block], ws: &mut [Block]) -> Block {
+        let mut value = [self.keypoints.log_density_grad_block(x, grad, ws)];
+        if let Some(soft) = self.soft() {
+            let (of_images, ws) = ws.split_at_mut(x.len());
+            add(&mut value, &[soft.log_density_grad_block(x, of_images, ws)]);
+            add(grad, of_images);
+        }
+        value[0]
+    }
+}
+
+impl GaussNewton for FrameLikelihood {
+    fn gauss_newton_diagonal_block(&self, x: &[Block], diagonal: &mut [Block], ws: &mut [Block]) {
+        self.keypoints.gauss_newton_diagonal_block(x, diagonal, ws);
+        if let Some(soft) = self.soft() {
+            let (of_images, ws) = ws.split_at_mut(x.len());
+            soft.gauss_newton_diagonal_block(x, of_images, ws);
+            add(diagonal, of_images);
+        }
+    }
+
+    fn gauss_newton_block(&self, x: &[Block], matrix: &mut [Block], ws: &mut [Block]) {
+        self.keypoints.gauss_newton_block(x, matrix, ws);
+        self.add_soft_curvature(x, matrix, ws);
+    }
+
+    fn weighted_gauss_newton_block(&self, x: &[Block], matrix: &mut [Block], ws: &mut [Block]) {
+        self.keypoints.weighted_gauss_newton_block(x, matrix, ws);
+        self.add_soft_curvature(x, matrix, ws);
+    }
+
+    /// Keypoints alone find the mode from afar.
+    fn broadened(&self, factor: f64) -> Option<Box<dyn GaussNewton + '_>> {
+        self.keypoints.broadened(factor)
+    }
+}
+
+impl FrameLikelihood {
+    fn add_soft_curvature(&self, x: &[Block], matrix: &mut [Block], ws: &mut [Block]) {
+        if let Some(soft) = self.soft() {
+            let (of_images, ws) = ws.split_at_mut(matrix.len());
+            soft.gauss_newton_block(x, of_images, ws);
+            add(matrix, of_images);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use sinew_body::standard::h32;
+    use sinew_body::standard_flesh::standard_flesh;
+    use sinew_body::{Plan, Proportions, point_positions};
+    use sinew_core::lanes::Isa;
+    use sinew_observe::bit_image::BitImage;
+    use sinew_observe::soft_silhouette::SoftSilhouetteModel;
+    use sinew_observe::{Camera, Detection, KeypointFrame, KeypointModel, Noise, ObservationModel, View};
+    use std::sync::Arc;
+
+    /// Keypoints of a standing body in one camera and a narrow silhouette in it, apart and together.
+    fn pieces() -> (Bound, SoftSilhouette, FrameLikelihood) {
+        let isa = Isa::best();
+        let tree = h32(&Proportions::default());
+        let camera = Camera::look_at("C", [160.0, 120.0], 130.0, [0.5, -4.0, 1.2], [0.0, 0.0, 1.0]).unwrap();
+        let plan = Arc::new(Plan::with_all_points(&tree));
+        let mut at = vec![0.0; 3 * plan.points()];
+        point_positions(&plan, isa, &standing(), &mut at);
+        let seen = |p: &[f64]| {
+            let pixel = camera.project([p[0], p[1], p[2]]).pixel()?;
+            Some(Detection { pixel: [pixel[0] + 2.0, pixel[1] - 1.0], confidence: 0.8 })
+        };
+        let detections = vec![at.chunks(3).map(seen).collect::<Vec<_>>()];
+        let view = View { camera: camera.clone(), offset_px: [0.0; 2], sigma_px: 3.0, usual_confidence: 0.8 };
+        let model = KeypointModel {
+            plan,
+            views: vec![view],
+            noise: Noise::OutlierFloor { outlier: 0.02 },
+            model_error_m: 0.01,
+            least_confidence: 0.1,
+            isa,
+        };
+        let bound = || model.bind(KeypointFrame { detections: &detections, predicted: &at });
+        let flesh = standard_flesh(&tree).unwrap();
+        let soft = SoftSilhouetteModel::new(&tree, &flesh, vec![camera], 3.0, isa).unwrap();
+        let mask = [Some(BitImage::from_fn(160, 120, |x, _| (70..84).contains(&x)))];
+        let images = Some(BoundImages::Soft(soft.bind(&mask)));
+        (bound(), soft.bind(&mask), FrameLikelihood { keypoints: bound(), parts: vec![], images })
+    }
+
+    fn standing() -> Vec<f64> {
+        let mut state = vec![0.05; 32];
+        state[..3].copy_from_slice(&[0.0, 0.0, 1.0]);
+        state
+    }
+
+    #[test]
+    fn keypoints_and_soft_images_add_up() {
+        let (keypoints, soft, both) = pieces();
+        let x: Vec<Block> = standing().iter().map(|&x| Block::splat(x)).collect();
+        let (d, triangle) = (32, 32 * 33 / 2);
+        let mut ws = vec![Block::ZERO; both.workspace() + soft.workspace()];
+        let near =
+            |a: f64, b: f64, sum: f64| assert!((a + b - sum).abs() < 1e-9 * sum.abs().max(1.0), "{a} and {b}, {sum}");
+        let values = [keypoints.log_density(&standing()), soft.log_density(&standing()), both.log_density(&standing())];
+        near(values[0], values[1], values[2]);
+        assert!(values[1] < -1.0, "arms stick out of the silhouette: {}", values[1]);
+        near(values[0], values[1], both.log_density_block(&x, &mut ws).0[5]);
+        let mut grads = [0, 1, 2].map(|_| vec![Block::ZERO; d]);
+        let [a, b, sum] = &mut grads;
+        keypoints.log_density_grad_block(&x, a, &mut ws);
+        soft.log_density_grad_block(&x, b, &mut ws);
+        near(values[0], values[1], both.log_density_grad_block(&x, sum, &mut ws).0[1]);
+        (0..d).for_each(|j| near(a[j].0[0], b[j].0[0], sum[j].0[0]));
+        let mut single = vec![0.0; d];
+        both.log_density_grad(&standing(), &mut single);
+        (0..d).for_each(|j| near(a[j].0[0], b[j].0[0], single[j]));
+        let mut matrices = [0, 1, 2].map(|_| vec![Block::ZERO; triangle]);
+        let [a, b, sum] = &mut matrices;
+        keypoints.gauss_newton_block(&x, a, &mut ws);
+        soft.gauss_newton_block(&x, b, &mut ws);
+        both.gauss_newton_block(&x, sum, &mut ws);
+        (0..triangle).for_each(|j| near(a[j].0[3], b[j].0[3], sum[j].0[3]));
+        keypoints.weighted_gauss_newton_block(&x, a, &mut ws);
+        both.weighted_gauss_newton_block(&x, sum, &mut ws);
+        (0..triangle).for_each(|j| near(a[j].0[3], b[j].0[3], sum[j].0[3]));
+        let mut diagonals = [0, 1, 2].map(|_| vec![Block::ZERO; d]);
+        let [a, b, sum] = &mut diagonals;
+        keypoints.gauss_newton_diagonal_block(&x, a, &mut ws);
+        soft.gauss_newton_diagonal_block(&x, b, &mut ws);
+        both.gauss_newton_diagonal_block(&x, sum, &mut ws);
+        (0..d).for_each(|j| near(a[j].0[2], b[j].0[2], sum[j].0[2]));
+    }
+}

@@ -1,0 +1,14 @@
+//! The one list of methods.
+
+use super::about::About;
+use super::{annealed, bootstrap, coarse_to_fine, hmc, partitioned};
+
+/// All methods, in the order of the help; the first is the default.
+pub const METHODS: [&About; 5] =
+    [&hmc::ABOUT, &bootstrap::ABOUT, &annealed::ABOUT, &partitioned::ABOUT, &coarse_to_fine::ABOUT];
+
+/// The method of that name.
+#[must_use]
+pub fn find(name: &str) -> Option<&'static About> {
+    METHODS.into_iter().find(|about| about.name == name)
+}

@@ -1,0 +1,48 @@
+//! `partitioned`: the partitioned sampling of MacCormick & Blake 1999, part by part.
+
+use super::about::{About, Gives, Making, Method, Steps};
+use super::score::Score;
+use crate::Error;
+use crate::config::values::Values;
+use sinew_tracking::partitioned::{self, Config};
+use std::sync::Arc;
+
+/// The method.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Partitioned(pub Config);
+
+/// Its description.
+pub const ABOUT: About = About {
+    name: "partitioned",
+    help: "partitioned sampling",
+    gives: Gives::Particles,
+    needs_gradients: false,
+    needs_parts: true,
+    score: Score::Parts,
+    particles: Some(|| Partitioned::default().0.particles),
+    settings: &[],
+    usual: || Arc::new(Partitioned::default()),
+    configure,
+    mistake: |_| None,
+};
+
+fn configure(values: &Values) -> Arc<dyn Method> {
+    let usual = Partitioned::default().0;
+    Arc::new(Partitioned(Config { particles: values.size_or("particles", usual.particles), ..usual }))
+}
+
+impl Method for Partitioned {
+    fn about(&self) -> &'static About {
+        &ABOUT
+    }
+
+    fn weighted_draws(&self) -> Option<usize> {
+        Some(self.0.particles)
+    }
+
+    fn tracker(&self, making: &Making<'_>, start: Vec<f64>) -> Result<Box<dyn Steps>, Error> {
+        let parts = making.parts()?;
+        let filter = partitioned::Partitioned::new(self.0.clone(), making.transition.clone(), parts, start);
+        Ok(Box::new(filter?))
+    }
+}

@@ -1,0 +1,62 @@
+//! The end of a run: warnings, timings, the summary.
+
+use crate::results::Summary;
+use std::collections::BTreeSet;
+use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
+
+/// How a run ended.
+#[derive(Clone, Debug)]
+pub struct Outcome {
+    /// What stands in `summary.json`.
+    pub summary: Summary,
+    /// Wall time of the tracking pass per frame, milliseconds.
+    pub ms_per_frame: f64,
+}
+
+/// Wall times of a run.
+pub(super) struct Clock {
+    started: SystemTime,
+    since: Instant,
+    set_up: Duration,
+    track: Duration,
+}
+
+impl Clock {
+    pub(super) fn started() -> Self {
+        let zero = Duration::ZERO;
+        Self { started: SystemTime::now(), since: Instant::now(), set_up: zero, track: zero }
+    }
+
+    pub(super) fn set_up_is_done(&mut self) {
+        self.set_up = self.since.elapsed();
+    }
+
+    pub(super) fn tracking_is_done(&mut self) {
+        self.track = self.since.elapsed() - self.set_up;
+    }
+
+    /// Wall time of so many frames, milliseconds a frame.
+    pub(super) fn ms_per_frame(&self, frames: u64) -> f64 {
+        1e3 * self.track.as_secs_f64() / frames.max(1) as f64
+    }
+
+    /// `timings.json`, for so many frames of this run after those before it was resumed.
+    pub(super) fn timings(&self, before: u64, frames: u64) -> serde_json::Map<String, serde_json::Value> {
+        let timings = serde_json::json!({
+            "started_unix_s": self.started.duration_since(UNIX_EPOCH).map_or(0, |since| since.as_secs()),
+            "wall_s": self.since.elapsed().as_secs_f64(),
+            "set_up_s": self.set_up.as_secs_f64(),
+            "track_s": self.track.as_secs_f64(),
+            "frames_before": before,
+            "frames_per_second": frames as f64 / self.track.as_secs_f64(),
+            "threads": rayon::current_num_threads(),
+        });
+        timings.as_object().cloned().unwrap_or_default()
+    }
+}
+
+/// Each warning once, in the order of the first.
+pub(super) fn distinct(warnings: impl IntoIterator<Item = String>) -> Vec<String> {
+    let mut seen = BTreeSet::new();
+    warnings.into_iter().filter(|warning| seen.insert(warning.clone())).collect()
+}

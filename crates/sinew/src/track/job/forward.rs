@@ -1,0 +1,49 @@
+//! The forward pass of a run: frames are tracked and written, and a checkpoint follows every so many seconds.
+
+use super::inputs::{Hashes, Inputs};
+use super::keeper::Keeper;
+use super::watch::{Pass, Watch};
+use crate::Error;
+use crate::input::source::FrameSource;
+use crate::input::upright::Upright;
+use crate::track::pipeline::{Pipeline, moments};
+use sinew_core::lanes::Isa;
+use std::ops::ControlFlow;
+
+/// Tracks the frames that the keeper's checkpoint has not.
+///
+/// # Errors
+/// Failures after which there is nothing to write: of the disk, and before the first frame. Other failures are the value: what was done before them is written.
+pub(super) fn forward<S: FrameSource>(
+    keeper: &mut Keeper,
+    pipeline: &mut Pipeline,
+    source: &mut Upright<'_, S>,
+    inputs: &Inputs<impl Fn(&S) -> (Vec<String>, Hashes)>,
+    isa: Isa,
+    watch: &mut Watch<'_>,
+) -> Result<Result<(), Error>, Error> {
+    let (frames, before) = (source.frames(), keeper.checkpoint.done);
+    let total = frames.end - frames.start;
+    loop {
+        let next = frames.start + keeper.checkpoint.done;
+        let tracked = pipeline.track(source, next..frames.end, |estimate, posterior| {
+            match &mut keeper.spool {
+                Some(spool) => spool.append(&estimate, &moments(posterior, isa))?,
+                None => keeper.results.append(&estimate)?,
+            }
+            keeper.checkpoint.done += 1;
+            (watch.progress)(Pass::Track, keeper.checkpoint.done, total);
+            Ok(if keeper.is_due() { ControlFlow::Break(()) } else { watch.flow() })
+        });
+        let is_last = keeper.checkpoint.done == total;
+        match tracked {
+            Err(error) if keeper.checkpoint.done == before || matches!(error, Error::Io { .. }) => return Err(error),
+            Err(error) => return Ok(Err(error)),
+            Ok(()) if is_last && keeper.spool.is_none() => return Ok(Ok(())),
+            Ok(()) => keeper.keep(pipeline, source.read(), inputs.hashes(source.source()))?,
+        }
+        if is_last || watch.is_stopped() {
+            return Ok(Ok(()));
+        }
+    }
+}

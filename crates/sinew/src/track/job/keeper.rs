@@ -1,0 +1,54 @@
+//! The files of a run in progress and the checkpoint behind them.
+
+use super::inputs::Hashes;
+use crate::Error;
+use crate::results::ResultFolder;
+use crate::track::checkpoint::{self, Checkpoint};
+use crate::track::pipeline::Pipeline;
+use crate::track::smooth::Spool;
+use std::ops::Range;
+use std::time::{Duration, Instant};
+
+/// The files of a run and its checkpoint.
+pub(super) struct Keeper {
+    pub(super) results: ResultFolder,
+    pub(super) spool: Option<Spool>,
+    pub(super) checkpoint: Checkpoint,
+    every: Duration,
+    kept: Instant,
+    cost: Duration,
+}
+
+/// Checkpoints take at most this share of the time, however large they are, unless they are wanted after every frame.
+const SHARE: u32 = 20;
+
+impl Keeper {
+    /// Files that a checkpoint follows every so many seconds.
+    pub(super) fn new(results: ResultFolder, spool: Option<Spool>, checkpoint: Checkpoint, every_s: f64) -> Self {
+        let every = Duration::try_from_secs_f64(every_s).unwrap_or(Duration::MAX);
+        Self { results, spool, checkpoint, every, kept: Instant::now(), cost: Duration::ZERO }
+    }
+
+    /// Whether it is time for a checkpoint.
+    pub(super) fn is_due(&self) -> bool {
+        let least = if self.every.is_zero() { self.every } else { self.every.max(SHARE * self.cost) };
+        self.kept.elapsed() >= least
+    }
+
+    /// Writes the checkpoint, behind the files that it speaks of; `read` are the frames that the set-up read.
+    pub(super) fn keep(&mut self, pipeline: &Pipeline, read: &[Range<u64>], inputs: Hashes) -> Result<(), Error> {
+        let clock = Instant::now();
+        let checkpoint = &mut self.checkpoint;
+        match &mut self.spool {
+            Some(spool) => checkpoint.spool = Some(spool.keep()?),
+            None => checkpoint.written = Some(self.results.keep()?),
+        }
+        checkpoint.pipeline = Some(pipeline.save());
+        checkpoint.read = read.to_vec();
+        checkpoint.inputs = inputs;
+        checkpoint::write(self.results.claim(), checkpoint)?;
+        self.kept = Instant::now();
+        self.cost = clock.elapsed();
+        Ok(())
+    }
+}

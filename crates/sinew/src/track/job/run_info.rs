@@ -1,0 +1,55 @@
+//! What is the same for all frames of a run.
+
+use crate::Error;
+use crate::config::TrackConfig;
+use crate::config::settings::Settings;
+use crate::methods::Gives;
+use crate::results::Texts;
+use crate::results::estimate::{Carried, Kind, RunInfo};
+use crate::setup::Setup;
+use crate::track::checkpoint::Checkpoint;
+use crate::track::error::TrackError;
+use crate::track::pipeline::Pipeline;
+use crate::track::smooth::TRAJECTORIES;
+use sinew_observe::Camera;
+
+/// What is the same for all frames.
+pub(super) fn run_info(
+    config: &TrackConfig,
+    settings: &Settings,
+    setup: &Setup,
+    pipeline: &Pipeline,
+    cameras: Vec<Camera>,
+    first_frame: u64,
+    setup_toml: String,
+) -> RunInfo {
+    let (carried, method) = (pipeline.carried(), settings.method.about());
+    RunInfo {
+        method: method.name.into(),
+        is_weighted: method.gives == Gives::Particles,
+        kind: if config.smooth { Kind::Smoothed } else { Kind::Filtered },
+        body: setup.tree(),
+        fps: settings.fps,
+        first_frame,
+        draws: if config.smooth { settings.draws.min(TRAJECTORIES) } else { settings.draws },
+        carried: if config.smooth {
+            Carried { log_evidence: carried.log_evidence, size: carried.size, ..Carried::default() }
+        } else {
+            carried
+        },
+        seed: settings.seed,
+        isa: settings.isa.name().into(),
+        camera_offset_px: setup.camera.iter().map(|camera| camera.offset_px).collect(),
+        sigma_px: setup.camera.iter().map(|camera| camera.sigma_px).fold(0.0, f64::max),
+        cameras,
+        keypoints: pipeline.keypoints(),
+        setup_toml,
+    }
+}
+
+/// The texts of the run as it was begun.
+pub(super) fn texts(from: &Checkpoint) -> Result<Texts, Error> {
+    let [config_toml, settings, settings_hash] = from.texts.clone();
+    let settings = serde_json::from_str(&settings).map_err(TrackError::StoredSettings)?;
+    Ok(Texts { config_toml, settings, settings_hash })
+}
