@@ -24,7 +24,7 @@ pub mod volumes;
 pub mod weighted_places;
 
 pub use coverage::{block_bootstrap, covered};
-pub use recipe::{causal, filled, triangulated, zero_phase};
+pub use recipe::{Track, causal, filled, triangulated, zero_phase};
 
 use sinew::Error;
 use sinew::body::standard::EVALUATION_JOINTS;
@@ -44,9 +44,6 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Joints that are compared with a reference: those of the limbs.
 pub const LIMB_JOINTS: [&str; 12] = *EVALUATION_JOINTS.split_at(2).1.first_chunk().expect("fifteen joints");
-
-/// Positions of some points, frame by frame; `None` is missing.
-pub type Track = Vec<Vec<Option<[f64; 3]>>>;
 
 /// What came of a recording.
 pub struct Run {

@@ -291,7 +291,7 @@ fn against_reference(total: &[f64], covariance: &DMatrix<f64>) -> Vec<CameraLag>
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::keypoint_likelihood::Detection;
+    use crate::Detection;
 
     const POINTS: usize = 12;
     const SIGMA_PX: f64 = 3.0;

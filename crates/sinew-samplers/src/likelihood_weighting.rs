@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use sinew_core::density::LogDensity;
 use sinew_core::lanes::{Block, LANES};
 use sinew_core::random::Stage;
-use sinew_core::transition::{MotionModel, Transition};
+use sinew_core::transition::Transition;
 
 /// Running sums of weights and weighted states, relative to the largest weight so far.
 #[derive(Clone, Debug)]
@@ -158,6 +158,7 @@ mod tests {
     use sinew_core::lanes::Isa;
     use sinew_core::random::BlockRng;
     use sinew_core::toy::Quadratic;
+    use sinew_core::transition::MotionModel;
 
     /// Two coordinates of twelve draws in two blocks, the last four lanes idle, and their log weights.
     fn draws() -> ([[Block; 2]; 2], [Block; 2]) {

@@ -2,7 +2,7 @@
 
 use sinew_core::lanes::{Block, Isa, LANES};
 use sinew_core::random::BlockRng;
-use sinew_core::transition::{Moments, MotionModel, Transition};
+use sinew_core::transition::{Moments, Transition};
 use sinew_samplers::moments;
 use sinew_samplers::resample::{Ancestors, systematic};
 
@@ -88,6 +88,7 @@ impl Posterior<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use sinew_core::transition::MotionModel;
 
     /// N(previous, 1) in one coordinate.
     struct Step;

@@ -49,6 +49,7 @@ fn values(setting: &Setting) -> String {
         Kind::Flag => "`true`, `false`".into(),
         Kind::Frames => "`A..B`, B not included".into(),
         Kind::Names => "names, `a,b,c`".into(),
+        Kind::Lags => "frames by camera, `a=1,b=-2`".into(),
     }
 }
 

@@ -143,7 +143,7 @@ pub fn adapt<T: GradLogDensity + ?Sized>(
         let mut trees = Trees::new(target, nuts, start.to_vec())?;
         trees.scale = Block::splat(search.step_size());
         let mut searches = [search; LANES];
-        let after = |trees: &mut Trees, lane: usize, tree: &Transition| {
+        let after = |trees: &mut Trees, lane: usize, tree: &TreeTransition| {
             searches[lane].update(tree.acceptance);
             trees.scale.0[lane] = searches[lane].step_size();
         };
