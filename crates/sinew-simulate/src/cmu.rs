@@ -180,22 +180,21 @@ pub fn mean_distance(a: &Trajectories, b: &Trajectories) -> f64 {
 }
 
 #[cfg(test)]
+#[path = "../../../tests/src/data.rs"]
+#[allow(dead_code)]
+mod shared_data;
+
+#[cfg(test)]
 mod tests {
     use super::*;
     use crate::detector::pixel;
     use crate::recording::{Script, SyntheticRecording};
     use sinew_formats::{amc, asf};
     use sinew_observe::Camera;
-    use std::path::{Path, PathBuf};
 
     /// Skeleton and motion of a trial of the shared recordings, if they are there.
     fn trial(name: &str) -> Option<(Asf, Amc)> {
-        let beside = || Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data");
-        let folder = std::env::var_os("SINEW_DATA").map_or_else(beside, PathBuf::from).join("cmu_amc");
-        if !folder.is_dir() {
-            println!("skipped: no data");
-            return None;
-        }
+        let folder = shared_data::shared("cmu_amc")?;
         let subject = name.split('_').next().unwrap();
         let text = |file: String| std::fs::read_to_string(folder.join(file)).unwrap();
         let skeleton = asf::read("a.asf", &text(format!("{subject}.asf"))).unwrap();

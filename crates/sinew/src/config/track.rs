@@ -153,6 +153,7 @@ impl Resolved {
             score: values.number("kappa").map_or(usual.score, |kappa| score.with_kappa(kappa)),
             raster: values.size_or("raster", usual.raster),
             draws: values.size_or("draws", usual.draws),
+            setup_is_given: values.path("setup").is_some(),
             ..usual
         }
     }

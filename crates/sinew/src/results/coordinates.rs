@@ -1,4 +1,6 @@
-//! `angles.mot`: the coordinates of the mean pose under OpenSim's names, where a joint of the body is one of OpenSim's.
+//! `angles.mot`: the coordinates of the mean pose under OpenSim's names.
+//!
+//! Only joints of the body that OpenSim has, too.
 //!
 //! OpenSim turns a ball joint about its right axis, then its forward axis, then its up axis: flexion, adduction, rotation. The angles of a link relative to its parent
 //! are taken in that order from the rotation `R_x R_y R_z` (our x is right, y forward, z up), whatever order the body uses. On the left, adduction and rotation

@@ -10,6 +10,7 @@
 
 mod backward;
 mod begin;
+mod check;
 mod complete;
 mod ending;
 mod forward;
@@ -18,6 +19,7 @@ mod keeper;
 mod run_info;
 mod watch;
 
+pub use check::check_settings;
 pub use complete::check_complete;
 pub use ending::Outcome;
 pub use watch::{Pass, Watch};

@@ -93,7 +93,7 @@ pub(super) fn resumed<'a, S: FrameSource>(
 }
 
 /// The axis of the calibration's world that points up.
-fn world_up(config: &TrackConfig, setup: Option<&Setup>) -> Result<String, Error> {
+pub(super) fn world_up(config: &TrackConfig, setup: Option<&Setup>) -> Result<String, Error> {
     match (&config.up_axis, setup) {
         (Some(asked), Some(setup)) if *asked != setup.world_up => {
             Err(TrackError::UpAxis { asked: asked.clone(), known: setup.world_up.clone() }.into())
@@ -119,14 +119,14 @@ fn same_calibration<S: FrameSource>(source: &mut S, image_scale: f64) -> Result<
 }
 
 /// Refuses a body that is not that of the set-up.
-fn same_body(asked: &str, setup: &Setup) -> Result<(), Error> {
+pub(super) fn same_body(asked: &str, setup: &Setup) -> Result<(), Error> {
     if bodies::to_track(asked)? == setup.body {
         return Ok(());
     }
     Err(TrackError::Body { asked: asked.into(), known: setup.body.name().to_lowercase() }.into())
 }
 
-fn read_setup(path: &Path) -> Result<Setup, Error> {
+pub(super) fn read_setup(path: &Path) -> Result<Setup, Error> {
     let text = files::read_text(path, MAX_CONFIG_BYTES)?;
     let setup: Setup = toml::from_str(&text).map_err(|error| {
         let line = error.span().map_or(1, |span| 1 + text[..span.start].matches('\n').count());
