@@ -16,7 +16,7 @@ use sinew::tracking::hmc_filter::{Config, HmcFilter};
 
 /// Errors of one run: of log Z and means as for particles, and the mean squared relative error of the variances.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Found {
+pub struct FilterErrors {
     /// log Ẑ and means.
     pub errors: Errors,
     /// Mean over frames and coordinates of (variance / exact − 1)².
@@ -24,14 +24,14 @@ pub struct Found {
 }
 
 struct Tally {
-    found: Found,
+    found: FilterErrors,
     count: f64,
 }
 
 impl Tally {
     fn new() -> Self {
         let errors = Errors { log_evidence: 0.0, square: 0.0 };
-        Self { found: Found { errors, variance_error: 0.0 }, count: 0.0 }
+        Self { found: FilterErrors { errors, variance_error: 0.0 }, count: 0.0 }
     }
 
     fn add(&mut self, mean: &[f64], variances: &[f64], log_evidence: f64, exact: &Moments) {
@@ -43,7 +43,7 @@ impl Tally {
         }
     }
 
-    fn end(mut self) -> Found {
+    fn end(mut self) -> FilterErrors {
         self.found.errors.square /= self.count;
         self.found.variance_error /= self.count;
         self.found
@@ -70,7 +70,7 @@ pub fn config(chains: usize) -> Config {
 /// # Panics
 /// Where a frame has no posterior.
 #[must_use]
-pub fn hmc(series: &Series, chains: usize, stage: &Stage) -> Found {
+pub fn hmc(series: &Series, chains: usize, stage: &Stage) -> FilterErrors {
     let (white, lower) = series.whitened();
     let d = series.dim;
     let transposed: Vec<f64> = (0..d * d).map(|e| lower[e % d * d + e / d]).collect();
@@ -102,7 +102,7 @@ fn normals(count: usize, rng: &mut BlockRng) -> Vec<f64> {
 /// # Panics
 /// Where the model is degenerate.
 #[must_use]
-pub fn ideal(series: &Series, chains: usize, stage: &Stage) -> Found {
+pub fn ideal(series: &Series, chains: usize, stage: &Stage) -> FilterErrors {
     let d = series.dim;
     let filter = series.filter(Form::Joseph);
     let mut states: Vec<Vec<f64>> = vec![];
@@ -153,10 +153,10 @@ pub fn ideal(series: &Series, chains: usize, stage: &Stage) -> Found {
 pub fn against_ideal(series: &Series, name: &str, chains: usize, stored: f64, runs: usize, seed: u64) -> Vec<Finding> {
     let root = Stage::new(seed, "mixture filter").round(chains);
     let [to_move, to_draw] = root.split(["hmc", "ideal"]);
-    let found: Vec<Found> = (0..runs).map(|r| hmc(series, chains, &to_move.round(r))).collect();
-    let best: Vec<Found> = (0..runs).map(|r| ideal(series, chains, &to_draw.round(r))).collect();
+    let found: Vec<FilterErrors> = (0..runs).map(|r| hmc(series, chains, &to_move.round(r))).collect();
+    let best: Vec<FilterErrors> = (0..runs).map(|r| ideal(series, chains, &to_draw.round(r))).collect();
     let of = format!("{name}, {chains} chains, {runs} runs");
-    let roots = |of: &[Found], value: &dyn Fn(&Found) -> f64| {
+    let roots = |of: &[FilterErrors], value: &dyn Fn(&FilterErrors) -> f64| {
         mean_and_error(&of.iter().map(|f| value(f).sqrt()).collect::<Vec<_>>())
     };
     let [means, se] = roots(&found, &|f| f.errors.square);

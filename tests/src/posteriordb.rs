@@ -15,7 +15,7 @@ use sinew::core::diagnostics::{effective_sample_size, split_r_hat};
 use sinew::core::lanes::{Block, Isa, LANES};
 use sinew::core::random::Stage;
 use sinew::samplers::Error;
-use sinew::samplers::chains::{Draws, Schedule, draw};
+use sinew::samplers::chains::{ChainDraws, Schedule, draw};
 use sinew::samplers::hmc::Hmc;
 use sinew::samplers::nuts::{self, Nuts};
 use sinew::samplers::starts::uniform_starts;
@@ -177,7 +177,7 @@ pub fn sampled(
     starts: Starts,
     updates: usize,
     seed: u64,
-) -> Result<Draws, Error> {
+) -> Result<ChainDraws, Error> {
     let isa = Isa::best();
     let [to_start, to_warm, to_tune, to_draw] =
         Stage::new(seed, &posterior.name).split(["start", "warm up", "tune", "draw"]);

@@ -37,7 +37,7 @@ pub struct Schedule {
 
 /// Kept draws of all chains.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Draws {
+pub struct ChainDraws {
     /// Dimension of the state.
     pub dim: usize,
     /// Number of chains M.
@@ -54,7 +54,7 @@ pub struct Draws {
     pub divergences: usize,
 }
 
-impl Draws {
+impl ChainDraws {
     /// Values of one coordinate: one series a chain.
     #[must_use]
     pub fn series(&self, coordinate: usize) -> Vec<Vec<f64>> {
@@ -88,7 +88,7 @@ impl Draws {
 
 /// How well the draws represent their target.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Quality {
+pub struct ChainQuality {
     /// Effective number of draws, the least over coordinates.
     pub ess: f64,
     /// Split R̂ over the chains, the largest over coordinates; NaN where it does not exist.
@@ -99,10 +99,10 @@ pub struct Quality {
     pub energy_fraction: f64,
 }
 
-impl Draws {
+impl ChainDraws {
     /// Diagnostics of the draws about their mean.
     #[must_use]
-    pub fn quality(&self, mean: &[f64]) -> Quality {
+    pub fn quality(&self, mean: &[f64]) -> ChainQuality {
         let coordinate = |j: usize| {
             let mut series = self.series(j);
             let (ess, r_hat) = (effective_sample_size(&series), split_r_hat(&series));
@@ -110,7 +110,7 @@ impl Draws {
             (ess, r_hat, effective_sample_size(&series))
         };
         let all: Vec<(f64, f64, f64)> = (0..mean.len()).into_par_iter().map(coordinate).collect();
-        Quality {
+        ChainQuality {
             ess: all.iter().map(|found| found.0).fold(f64::INFINITY, f64::min),
             r_hat: all.iter().map(|found| found.1).fold(f64::NAN, f64::max),
             ess_of_squares: all.iter().map(|found| found.2 / self.dim as f64).sum(),
@@ -171,7 +171,7 @@ pub fn draw<T: GradLogDensity + ?Sized>(
     chains: usize,
     schedule: Schedule,
     stage: &Stage,
-) -> Result<Draws, Error> {
+) -> Result<ChainDraws, Error> {
     run_blocks(target.dim(), starts, chains, schedule, |start, block| {
         lockstep(target, hmc, start, schedule, stage, block)
     })
@@ -197,7 +197,7 @@ pub(crate) fn run_blocks<B: Send>(
 }
 
 /// The kept draws of all blocks.
-pub(crate) fn gather(dim: usize, chains: usize, schedule: Schedule, runs: &[Lockstep]) -> Draws {
+pub(crate) fn gather(dim: usize, chains: usize, schedule: Schedule, runs: &[Lockstep]) -> ChainDraws {
     let per_chain = schedule.updates + 1 - schedule.burn_in;
     let count = chains * per_chain;
     let mut states = vec![Block::ZERO; count.div_ceil(LANES) * dim];
@@ -229,7 +229,7 @@ pub(crate) fn gather(dim: usize, chains: usize, schedule: Schedule, runs: &[Lock
     }
     let last = runs.iter().flat_map(|run| run.last.iter().copied()).collect();
     acceptance /= (chains * schedule.updates.max(1)) as f64;
-    Draws { dim, chains, states, stats, last, acceptance, divergences }
+    ChainDraws { dim, chains, states, stats, last, acceptance, divergences }
 }
 
 #[cfg(test)]

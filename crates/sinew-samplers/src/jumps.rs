@@ -10,7 +10,7 @@
 //! too, one after the other (Jacob, Robert & Smith 2011): one chain alone gets eight jumps at the cost of one.
 
 use crate::Error;
-use crate::chains::{Draws, Lockstep, Schedule, gather, run_blocks};
+use crate::chains::{ChainDraws, Lockstep, Schedule, gather, run_blocks};
 use crate::gaussian_mixture::{GaussianMixture, Scratch};
 use crate::hmc::{Chains, Hmc, Workspace, update};
 use sinew_core::density::GradLogDensity;
@@ -28,9 +28,9 @@ pub struct Jumps {
 
 /// Draws of all chains.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Run {
+pub struct JumpRun {
     /// Kept draws; acceptance and divergences count the trajectories.
-    pub draws: Draws,
+    pub draws: ChainDraws,
     /// Mean acceptance probability of the jumps.
     pub acceptance: f64,
 }
@@ -102,7 +102,7 @@ pub fn draw<T: GradLogDensity + ?Sized>(
     chains: usize,
     schedule: Schedule,
     stage: &Stage,
-) -> Result<Run, Error> {
+) -> Result<JumpRun, Error> {
     let dim = target.dim();
     let runs = run_blocks(dim, starts, chains, schedule, |start, block| {
         let active = (chains - block * LANES).min(LANES);
@@ -111,7 +111,7 @@ pub fn draw<T: GradLogDensity + ?Sized>(
     let (runs, accepted): (Vec<Lockstep>, Vec<f64>) = runs.into_iter().unzip();
     let count = (accepted.len() * LANES * schedule.updates * jumps.count).max(1);
     let acceptance = accepted.iter().sum::<f64>() / count as f64;
-    Ok(Run { draws: gather(dim, chains, schedule, &runs), acceptance })
+    Ok(JumpRun { draws: gather(dim, chains, schedule, &runs), acceptance })
 }
 
 fn lockstep<T: GradLogDensity + ?Sized>(

@@ -9,7 +9,7 @@
 //! Draws come from a warm-up and are then thrown away; the metric stays fixed while chains run.
 
 use crate::Error;
-use crate::chains::Draws;
+use crate::chains::ChainDraws;
 use crate::metric::{Dense, Metric};
 use crate::moments::{moments, shrink};
 use faer::{Mat, MatRef, Side};
@@ -23,7 +23,7 @@ use sinew_core::lanes::{Block, Isa, LANES};
 /// [`Error::Metric`] where a coordinate does not vary or a gradient is not finite; [`Error::Empty`] without a whole block of draws.
 pub fn metric<T: GradLogDensity + ?Sized>(
     target: &T,
-    draws: &Draws,
+    draws: &ChainDraws,
     effective: f64,
     isa: Isa,
 ) -> Result<Metric, Error> {
@@ -92,6 +92,6 @@ mod tests {
         }
         let flat = Lanes { leaf: Quadratic { centre: vec![0.0; 3], precision: vec![0.0; 3] }, isa };
         assert!(metric(&flat, &draws, 15_000.0, isa).is_err());
-        assert!(matches!(metric(&target, &Draws::default(), 1.0, isa), Err(Error::Empty { count: 0, dim: 0 })));
+        assert!(matches!(metric(&target, &ChainDraws::default(), 1.0, isa), Err(Error::Empty { count: 0, dim: 0 })));
     }
 }

@@ -20,7 +20,7 @@
 mod draws;
 mod trees;
 
-pub use draws::{Run, adapt, draw};
+pub use draws::{TreeRun, adapt, draw};
 pub use trees::Trees;
 
 use crate::Error;
@@ -66,7 +66,7 @@ impl Nuts {
 
 /// A completed transition of one chain.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Transition {
+pub struct TreeTransition {
     /// Mean over the new states of min(1, exp(H₀ − H)).
     pub acceptance: f64,
     /// Doublings that were kept.
@@ -90,7 +90,7 @@ pub fn step<T: GradLogDensity + ?Sized>(
     trees: &mut Trees,
     active: &[bool; LANES],
     rng: &mut BlockRng,
-) -> [Option<Transition>; LANES] {
+) -> [Option<TreeTransition>; LANES] {
     let mut uniforms = [Block::ZERO; 2];
     rng.fill_uniform(&mut uniforms);
     let [choice, whole] = uniforms;

@@ -69,7 +69,7 @@ pub struct Temperature {
 }
 
 /// What a run leaves.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Sample {
     /// The population after each update at β = 1.
     pub draws: Vec<Population>,
@@ -175,14 +175,7 @@ pub fn sample<O: GradLogDensity + ?Sized, P: FramePrior>(
     };
     let mut population = Population::draw(prior.dim(), particles, draw)?;
     let mut values = population.log_densities(observed);
-    let mut sample = Sample {
-        draws: vec![],
-        log_evidence: 0.0,
-        temperatures: vec![],
-        divergences: 0,
-        likelihoods: particles,
-        gradients: 0,
-    };
+    let mut sample = Sample { likelihoods: particles, ..Sample::default() };
     let (mut beta, mut weights) = (0.0, Vec::new());
     loop {
         if sample.temperatures.len() == MOST_TEMPERATURES {

@@ -9,7 +9,7 @@
 //! - [`no_u_turn`] is the same for the no-U-turn sampler, whose trees choose the length.
 
 use crate::Error;
-use crate::chains::{Draws, Schedule, draw};
+use crate::chains::{ChainDraws, Schedule, draw};
 use crate::diagnostics::effective_sample_size;
 use crate::hmc::Hmc;
 use crate::metric::Metric;
@@ -86,7 +86,7 @@ impl<T: GradLogDensity + ?Sized> Trial<'_, T> {
         self.states.len() / self.target.dim().max(1) * LANES
     }
 
-    fn run(&mut self, eta: f64, steps: usize, jitter: f64, updates: usize, stage: &Stage) -> Result<Draws, Error> {
+    fn run(&mut self, eta: f64, steps: usize, jitter: f64, updates: usize, stage: &Stage) -> Result<ChainDraws, Error> {
         let hmc = Hmc::with_metric(eta, self.metric, steps, jitter, self.isa)?;
         let schedule = Schedule { updates, burn_in: 1.min(updates) };
         let draws = draw(self.target, &hmc, &self.states, self.chains(), schedule, stage)?;
@@ -209,7 +209,7 @@ pub fn no_u_turn<T: GradLogDensity + ?Sized>(
     })
 }
 
-fn least_effective(draws: &Draws) -> f64 {
+fn least_effective(draws: &ChainDraws) -> f64 {
     (0..draws.dim).map(|j| effective_sample_size(&draws.series(j))).fold(f64::INFINITY, f64::min)
 }
 

@@ -9,7 +9,7 @@
 //! Chains that lag are left where they are: to replace them would hide that they disagree. All draws are thrown away; metric and step size are fixed before the first one that is kept.
 
 use crate::ascent::ascend;
-use crate::chains::{Draws, Schedule};
+use crate::chains::{ChainDraws, Schedule};
 use crate::diagnostics::effective_sample_size;
 use crate::dual_averaging::DualAveraging;
 use crate::metric::Metric;
@@ -94,7 +94,7 @@ pub fn warm_up<T: GradLogDensity + ?Sized>(
 }
 
 /// The chains that do not lag behind.
-fn in_the_bulk(draws: &Draws) -> Vec<usize> {
+fn in_the_bulk(draws: &ChainDraws) -> Vec<usize> {
     let count = (draws.stats.len() / draws.chains) as f64;
     let mean = |chain: usize| {
         draws.stats.iter().skip(chain).step_by(draws.chains).map(|stat| stat.log_density).sum::<f64>() / count
@@ -104,7 +104,7 @@ fn in_the_bulk(draws: &Draws) -> Vec<usize> {
     (0..draws.chains).filter(|&chain| means[chain] >= least).collect()
 }
 
-fn least_effective(draws: &Draws) -> f64 {
+fn least_effective(draws: &ChainDraws) -> f64 {
     (0..draws.dim).map(|j| effective_sample_size(&draws.series(j))).fold(f64::INFINITY, f64::min)
 }
 

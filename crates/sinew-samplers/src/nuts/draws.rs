@@ -1,8 +1,8 @@
 //! Many no-U-turn chains on one target: blocks of eight in parallel, a fixed number of transitions each.
 
-use super::{Nuts, Transition, Trees, step};
+use super::{Nuts, TreeTransition, Trees, step};
 use crate::Error;
-use crate::chains::{Draws, Lockstep, Schedule, gather, run_blocks};
+use crate::chains::{ChainDraws, Lockstep, Schedule, gather, run_blocks};
 use crate::dual_averaging::DualAveraging;
 use crate::hmc::Update;
 use sinew_core::density::GradLogDensity;
@@ -11,9 +11,9 @@ use sinew_core::random::{BlockRng, Stage};
 
 /// Draws of all chains with what their trees were like.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Run {
+pub struct TreeRun {
     /// Kept draws.
-    pub draws: Draws,
+    pub draws: ChainDraws,
     /// Transitions by depth, discarded ones included: `depths[k]` kept k doublings.
     pub depths: Vec<usize>,
     /// Gradients of all chains.
@@ -22,7 +22,7 @@ pub struct Run {
     pub block_gradients: usize,
 }
 
-impl Run {
+impl TreeRun {
     /// Mean depth of a tree.
     #[must_use]
     pub fn mean_depth(&self) -> f64 {
@@ -40,7 +40,7 @@ struct Forest {
 }
 
 impl Forest {
-    fn take(&mut self, trees: &Trees, lane: usize, r: usize, burn_in: usize, tree: &Transition) {
+    fn take(&mut self, trees: &Trees, lane: usize, r: usize, burn_in: usize, tree: &TreeTransition) {
         self.depths[tree.depth] += 1;
         self.leapfrog_steps += tree.leapfrog_steps;
         let (log_density, update) = &mut self.chains.log[r];
@@ -75,7 +75,7 @@ fn grow<T: GradLogDensity + ?Sized>(
     active: usize,
     schedule: Schedule,
     rng: &mut BlockRng,
-    mut after: impl FnMut(&mut Trees, usize, &Transition),
+    mut after: impl FnMut(&mut Trees, usize, &TreeTransition),
 ) -> Forest {
     let Schedule { updates, burn_in } = schedule;
     let start = trees.position();
@@ -114,7 +114,7 @@ pub fn draw<T: GradLogDensity + ?Sized>(
     chains: usize,
     schedule: Schedule,
     stage: &Stage,
-) -> Result<Run, Error> {
+) -> Result<TreeRun, Error> {
     let dim = target.dim();
     let forests = run_blocks(dim, starts, chains, schedule, |start, block| {
         let active = (chains - block * LANES).min(LANES);
@@ -136,14 +136,14 @@ pub fn adapt<T: GradLogDensity + ?Sized>(
     schedule: Schedule,
     search: DualAveraging,
     stage: &Stage,
-) -> Result<(Run, Vec<f64>), Error> {
+) -> Result<(TreeRun, Vec<f64>), Error> {
     let dim = target.dim();
     let adapted = run_blocks(dim, starts, chains, schedule, |start, block| {
         let active = (chains - block * LANES).min(LANES);
         let mut trees = Trees::new(target, nuts, start.to_vec())?;
         trees.scale = Block::splat(search.step_size());
         let mut searches = [search; LANES];
-        let after = |trees: &mut Trees, lane: usize, tree: &Transition| {
+        let after = |trees: &mut Trees, lane: usize, tree: &TreeTransition| {
             searches[lane].update(tree.acceptance);
             trees.scale.0[lane] = searches[lane].step_size();
         };
@@ -156,7 +156,7 @@ pub fn adapt<T: GradLogDensity + ?Sized>(
 }
 
 /// The draws and counts of all blocks.
-fn collect(dim: usize, chains: usize, schedule: Schedule, nuts: &Nuts, forests: Vec<Forest>) -> Run {
+fn collect(dim: usize, chains: usize, schedule: Schedule, nuts: &Nuts, forests: Vec<Forest>) -> TreeRun {
     let mut depths = vec![0; nuts.max_depth + 1];
     let (mut leapfrog_steps, mut block_gradients, mut runs) = (0, 0, Vec::with_capacity(forests.len()));
     for forest in forests {
@@ -165,5 +165,5 @@ fn collect(dim: usize, chains: usize, schedule: Schedule, nuts: &Nuts, forests: 
         block_gradients += forest.block_gradients;
         runs.push(forest.chains);
     }
-    Run { draws: gather(dim, chains, schedule, &runs), depths, leapfrog_steps, block_gradients }
+    TreeRun { draws: gather(dim, chains, schedule, &runs), depths, leapfrog_steps, block_gradients }
 }

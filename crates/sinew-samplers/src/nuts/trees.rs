@@ -2,7 +2,7 @@
 //!
 //! What happens when a lane arrives at a new state is [`Trees::grow`], steps 1 to 4 of [`crate::nuts`].
 
-use super::{Nuts, Transition};
+use super::{Nuts, TreeTransition};
 use crate::Error;
 use crate::hmc::DIVERGENCE;
 use sinew_core::density::GradLogDensity;
@@ -203,7 +203,7 @@ impl Trees {
         arrived: (f64, f64),
         choice: f64,
         whole: f64,
-    ) -> Option<Transition> {
+    ) -> Option<TreeTransition> {
         let (log_density, energy) = arrived;
         let tree = &mut self.lanes[lane];
         tree.leapfrog_steps += 1;
@@ -236,6 +236,24 @@ impl Trees {
         if tree.leaves < 1 << tree.depth {
             return None;
         }
+        self.join(lane, whole);
+        if self.lanes[lane].depth == nuts.max_depth
+            || turns(&self.other.momentum, &self.moving.momentum, &self.sum, &self.zero, lane)
+        {
+            return Some(self.end(lane, false));
+        }
+        if coin(whole) != (self.factor.0[lane] < 0.0) {
+            self.factor.0[lane] = -self.factor.0[lane];
+            swap(&mut self.moving.at.position, &mut self.other.at.position, lane);
+            swap(&mut self.moving.at.force, &mut self.other.at.force, lane);
+            swap(&mut self.moving.momentum, &mut self.other.momentum, lane);
+        }
+        None
+    }
+
+    /// Joins the new half, which is complete, to the trajectory. `whole` is uniform.
+    fn join(&mut self, lane: usize, whole: f64) {
+        let tree = &mut self.lanes[lane];
         if whole * tree.weight < tree.half_weight {
             tree.energy = tree.half_energy;
             tree.moved = true;
@@ -250,21 +268,9 @@ impl Trees {
             sum.0[lane] += half.0[lane];
             half.0[lane] = 0.0;
         }
-        if tree.depth == nuts.max_depth
-            || turns(&self.other.momentum, &self.moving.momentum, &self.sum, &self.zero, lane)
-        {
-            return Some(self.end(lane, false));
-        }
-        if coin(whole) != (self.factor.0[lane] < 0.0) {
-            self.factor.0[lane] = -self.factor.0[lane];
-            swap(&mut self.moving.at.position, &mut self.other.at.position, lane);
-            swap(&mut self.moving.at.force, &mut self.other.at.force, lane);
-            swap(&mut self.moving.momentum, &mut self.other.momentum, lane);
-        }
-        None
     }
 
-    /// Opens a piece with the state just reached, or closes those which it is the last state of; whether one of them turns.
+    /// Opens a piece with the state just reached, or closes the pieces that end with it; whether one of them turns.
     fn closes_a_turn(&mut self, lane: usize) -> bool {
         let Lane { depth, leaves, .. } = self.lanes[lane];
         let d = self.zero.len();
@@ -285,7 +291,7 @@ impl Trees {
         })
     }
 
-    fn end(&mut self, lane: usize, divergent: bool) -> Transition {
+    fn end(&mut self, lane: usize, divergent: bool) -> TreeTransition {
         self.factor.0[lane] = 0.0;
         if divergent {
             // A lane may stand still for a while, but not where a number is not finite.
@@ -294,7 +300,7 @@ impl Trees {
         }
         let tree = &mut self.lanes[lane];
         tree.growing = false;
-        Transition {
+        TreeTransition {
             acceptance: tree.acceptance / tree.leapfrog_steps as f64,
             depth: tree.depth,
             leapfrog_steps: tree.leapfrog_steps,

@@ -4,7 +4,7 @@ use super::Outcome;
 use super::problem::Problem;
 use sinew::core::lanes::{Block, LANES};
 use sinew::core::random::Stage;
-use sinew::samplers::chains::{Draws, Schedule, draw};
+use sinew::samplers::chains::{ChainDraws, Schedule, draw};
 use sinew::samplers::curvature::curvature;
 use sinew::samplers::hmc::Hmc;
 use sinew::samplers::laplace::laplace;
@@ -108,7 +108,7 @@ pub(super) fn run(
     chains: usize,
     updates: usize,
     stage: Stage,
-) -> Outcome<Draws> {
+) -> Outcome<ChainDraws> {
     let [to_start, to_move] = stage.split(["start", "chains"]);
     let (states, metric) = start(problem, variant, chains, to_start)?;
     let hmc = Hmc::with_metric(step.eta, &metric, step.steps, variant.jitter(), problem.isa)?;
@@ -116,7 +116,7 @@ pub(super) fn run(
 }
 
 /// Mean of the kept draws.
-pub(super) fn mean(draws: &Draws) -> Vec<f64> {
+pub(super) fn mean(draws: &ChainDraws) -> Vec<f64> {
     let count = draws.stats.len();
     moments::mean(&draws.states, draws.dim, &vec![1.0 / count as f64; count])
 }
