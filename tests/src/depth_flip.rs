@@ -4,8 +4,8 @@
 //!
 //! a_j ~ N(pm_j, ps_j²), y_j = Σ_{i ≤ j} l_i cos a_i + N(0, s²).
 
-use crate::data::{number, numbers, stored};
 use crate::quadrature::{Axis, Exact, integrate};
+use crate::stored::{number, numbers, stored};
 use serde_json::Value;
 use sinew::core::combinators::Sum;
 use sinew::core::density::{GaussNewton, GradLogDensity, Lanes, LogDensity};

@@ -4,9 +4,9 @@
 //!
 //! x_0 ~ N(0, p₀²); x_t = x_{t−1} / 2 + c x_{t−1} / (1 + x_{t−1}²) + 8 cos(w t) + N(0, q²); y_t = x_t² / 20 + N(0, r²).
 
-use crate::data::{number, numbers, stored};
 use crate::finding::Finding;
 use crate::quadrature::{OnLine, line_filter};
+use crate::stored::{number, numbers, stored};
 use sinew::core::density::{GaussNewton, GradLogDensity, Lanes, LogDensity};
 use sinew::core::lanes::{Block, Isa, LANES};
 use sinew::core::random::{BlockRng, Stage};

@@ -5,9 +5,9 @@
 
 mod densities;
 
-use crate::data::{number, numbers, stored};
 use crate::finding::Finding;
 use crate::linear_series::rows;
+use crate::stored::{number, numbers, stored};
 use serde_json::Value;
 use sinew::core::convergence::{bulk_ess, rank_r_hat};
 use sinew::core::density::{GradLogDensity, LogDensity};

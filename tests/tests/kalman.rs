@@ -4,8 +4,8 @@ use sinew::core::random::Stage;
 use sinew::core::transition::Moments;
 use sinew::dynamics::factor::{cholesky, inverse_lower};
 use sinew::dynamics::kalman::{Filtered, Form, Kalman, Model};
-use sinew_tests::data::{number, numbers};
 use sinew_tests::linear_series::{Series, product, rows};
+use sinew_tests::stored::{number, numbers};
 
 const FORMS: [Form; 2] = [Form::Joseph, Form::SquareRoot];
 

@@ -1,9 +1,9 @@
 //! Densities of posteriordb against stored points, and both samplers judged by the stored moments.
 
 use sinew::core::density::{GradLogDensity, LogDensity};
-use sinew_tests::data::{number, numbers};
 use sinew_tests::finding::demand;
 use sinew_tests::posteriordb::{Sampler, Starts, all, judged};
+use sinew_tests::stored::{number, numbers};
 
 /// Values and gradients at the stored points to 1e-6, relative to the largest entry; gradients against central differences too.
 #[test]

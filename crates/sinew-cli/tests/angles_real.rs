@@ -4,25 +4,12 @@
 //! of the program but its two result files takes part.
 
 use std::collections::HashMap;
-use std::io::Write as _;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::Command;
 
 type V3 = [f64; 3];
 /// Right, forward and up axis of a segment in the world.
 type Axes = [V3; 3];
-
-fn data() -> Option<PathBuf> {
-    let beside = || Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data");
-    let folder = std::env::var_os("SINEW_DATA").map_or_else(beside, PathBuf::from).join("pose2sim_single");
-    if folder.is_dir() {
-        return Some(folder);
-    }
-    assert!(std::env::var_os("SINEW_REQUIRE_DATA").is_none_or(|x| x != "1"), "no data in {}", folder.display());
-    // Not `println!`, which the test harness would swallow.
-    let _ = writeln!(std::io::stderr(), "skipped: no data in {}", folder.display());
-    None
-}
 
 fn sub(a: V3, b: V3) -> V3 {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
@@ -150,7 +137,7 @@ fn expected(m: &HashMap<String, V3>, girdle: f64) -> HashMap<String, f64> {
 
 #[test]
 fn angles_are_those_of_the_markers() {
-    let Some(data) = data() else { return };
+    let Some(data) = sinew_tests::data::shared("pose2sim_single") else { return };
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("out");
     let trial = data.join("T01_BalancingTrial/pose");

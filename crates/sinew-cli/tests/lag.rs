@@ -4,7 +4,7 @@ mod common;
 
 use common::{Trial, trial};
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 const FRAMES: usize = 75;
 
@@ -75,20 +75,9 @@ fn a_lag_in_the_configuration_counts_and_one_of_an_unknown_camera_is_refused() {
     insta::assert_snapshot!("twice", told("C3=1,C3=2"));
 }
 
-fn recording() -> Option<PathBuf> {
-    let folder = std::env::var_os("SINEW_DATA")
-        .map_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data"), PathBuf::from);
-    let folder = folder.join("pose2sim_single");
-    if folder.is_dir() {
-        return Some(folder);
-    }
-    println!("skipped: no data");
-    None
-}
-
 #[test]
 fn lags_in_a_real_recording_are_found() {
-    let Some(data) = recording() else { return };
+    let Some(data) = sinew_tests::data::shared("pose2sim_single") else { return };
     let source = data.join("T01_BalancingTrial/pose");
     for (camera, lag) in [(3, 0), (3, 1), (1, 2)] {
         let trial = Trial { folder: tempfile::tempdir().unwrap() };

@@ -13,9 +13,11 @@
 
 use crate::bodies::error::UnknownBody;
 use crate::input::error::InputError;
+use crate::input::missing_path;
 use crate::inspect::error::InspectError;
 use crate::motion::error::MotionError;
 use crate::overlay::error::OverlayError;
+use crate::results::error::{Occupied, ResultsError};
 use crate::results::problem::Problem;
 use crate::segment::error::SegmentError;
 use crate::setup::error::SetupError;
@@ -72,13 +74,16 @@ pub enum Error {
         #[source]
         source: io::Error,
     },
+    /// Results that cannot be written or read back.
+    #[error(transparent)]
+    Results(#[from] ResultsError),
     /// The output folder holds something.
-    #[error("`{}` exists{}", path.display(), why)]
+    #[error("`{}` {}", path.display(), found.words())]
     OutputExists {
         /// Output folder.
         path: PathBuf,
-        /// What is in it, as the rest of the sentence.
-        why: &'static str,
+        /// What is in it.
+        found: Occupied,
     },
     /// The output folder is being written by another run.
     #[error("`{}` is in use by another run{}", path.display(), pid.map(|pid| format!(" (process {pid})")).unwrap_or_default())]
@@ -149,12 +154,6 @@ fn listed(file: &str, problems: &[String]) -> String {
     }
 }
 
-/// Why a file cannot be an output folder.
-pub(crate) const NOT_A_FOLDER: &str = " and is not a folder";
-
-/// Why a folder is not begun in that holds more than a run keeps to go on.
-pub(crate) const STOPPED_RUN: &str = " and holds a run that was stopped";
-
 impl Error {
     /// An [`Error::Io`] in the making: `map_err(Error::io("read", path))`.
     pub fn io(doing: &'static str, path: impl Into<PathBuf>) -> impl FnOnce(io::Error) -> Self {
@@ -172,6 +171,7 @@ impl Error {
     pub const fn exit_code(&self) -> u8 {
         match self {
             Self::Checkpoint { problem, .. } => problem.exit_code(),
+            Self::Results(error) => error.exit_code(),
             Self::Recording(error) => error.exit_code(),
             Self::Setup(error) => error.exit_code(),
             Self::Inspect(error) => error.exit_code(),
@@ -195,6 +195,8 @@ impl Error {
     pub fn help(&self) -> Option<String> {
         match self {
             Self::Format(error) => error.help(),
+            Self::Results(error) => error.help().map(Into::into),
+            Self::OutputExists { found, .. } => Some(found.help().into()),
             Self::Recording(error) => Some(error.help()),
             Self::Setup(error) => error.help(),
             Self::Body(error) => Some(error.help().into()),
@@ -204,17 +206,6 @@ impl Error {
             Self::Segment(error) => Some(error.help().into()),
             Self::ShapeFit(error) => error.help().map(Into::into),
             Self::Track(error) => error.help().map(Into::into),
-            Self::OutputExists { why: "", .. } => Some("write to another file, or replace it with `--force`".into()),
-            Self::OutputExists { why, .. } if *why == NOT_A_FOLDER => {
-                Some("choose another folder with `-o`, or remove the file".into())
-            }
-            Self::OutputExists { why, .. } if *why == STOPPED_RUN => Some(
-                "go on with it with `--resume`, choose another folder with `-o`, or replace what is there with `--force`"
-                    .into(),
-            ),
-            Self::OutputExists { .. } => {
-                Some("choose another folder with `-o`, or replace what is there with `--force`".into())
-            }
             Self::OutputLocked { .. } => Some("wait for it to end, or choose another folder with `-o`".into()),
             Self::Checkpoint { problem, .. } => Some(problem.help().into()),
             Self::OutputIsInput { .. } => Some("choose another folder with `-o`".into()),
@@ -223,6 +214,7 @@ impl Error {
             Self::Config { .. } => {
                 Some("`sinew track --help` lists the settings; `--print-config` shows the values in force".into())
             }
+            Self::Io { path, source, .. } if source.kind() == io::ErrorKind::NotFound => missing_path::advice(path),
             Self::Io { .. } | Self::Interrupted(_) | Self::Numerical { .. } | Self::Tracking(_) => None,
         }
     }

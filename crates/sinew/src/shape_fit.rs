@@ -16,6 +16,7 @@ pub use error::ShapeFitError;
 use crate::Error;
 use crate::input::silhouettes::{self, Silhouettes};
 use crate::results;
+use crate::results::error::Occupied;
 use crate::results::tracked::{self, Tracked};
 use rayon::prelude::*;
 use sinew_body::KinematicTree;
@@ -270,7 +271,7 @@ pub fn fit_shape(
         return Err(Error::OutputIsInput { path: out.to_owned(), input });
     }
     if out.exists() && !force {
-        return Err(Error::OutputExists { path: out.to_owned(), why: "" });
+        return Err(Error::OutputExists { path: out.to_owned(), found: Occupied::File });
     }
     let tracked = Tracked::read(results)?;
     let in_range = tracked.chosen(request.frames.as_ref(), 1)?.len();

@@ -4,7 +4,7 @@ mod check;
 
 use super::error::TrackError;
 use super::oddities::{Oddities, Watched};
-use super::predictive::{self, Doubt, Predictive};
+use super::predictive::{self, Doubt, Lengths, Origins, Predictive};
 use crate::Error;
 use crate::config::settings::Settings;
 use crate::methods::Bound;
@@ -16,7 +16,7 @@ use sinew_formats::Layout;
 use sinew_observe::association::{self, Person};
 use sinew_observe::following::{Following, follow};
 use sinew_observe::offsets::{self, median};
-use sinew_observe::{Camera, Detection, KeypointFrame, KeypointModel, ObservationModel, View};
+use sinew_observe::{Camera, Detection, KeypointFrame, KeypointModel, Noise, ObservationModel, View};
 use std::sync::Arc;
 
 /// Mean squared distance of the keypoints from a pose, in noise variances and at most [`WORST`] each, above which the pose is doubted. A right one has about 3.
@@ -52,6 +52,7 @@ pub struct Scene {
     detections: Vec<Vec<Option<Detection>>>,
     oddities: Oddities,
     predictive: Predictive,
+    origins: Origins,
     /// For each point of the layout the one of the other side, or itself.
     partners: Vec<usize>,
     /// For methods that take the body part by part, the part of each point of the plan, and how many parts there are.
@@ -124,6 +125,11 @@ impl Scene {
         let names = model.views.iter().map(|view| view.camera.name.clone());
         Ok(Self {
             predictive: Predictive::new(names, settings.noise),
+            origins: Origins {
+                setup_is_given: settings.setup_is_given,
+                body_is_file: matches!(setup.body, setup::Body::File(_)),
+                has_outlier_share: matches!(settings.noise, Noise::OutlierFloor { .. }),
+            },
             oddities: Oddities::new(watched, pairs),
             partners,
             parts,
@@ -329,17 +335,19 @@ impl Scene {
     #[must_use]
     pub fn warnings(&self) -> Vec<String> {
         let doubts = self.doubts();
-        self.oddities.warnings().into_iter().chain(doubts.iter().map(ToString::to_string)).collect()
+        self.oddities.warnings().into_iter().chain(doubts.iter().map(|doubt| doubt.describe(self.origins))).collect()
     }
 
     /// What does not look as the model says.
     #[must_use]
     pub fn doubts(&self) -> Vec<Doubt> {
-        self.predictive.doubts().into_iter().chain(self.calibration_doubt()).collect()
+        let mut doubts = self.predictive.doubts();
+        doubts.extend(self.calibration_doubt(self.predictive.lengths(&doubts)));
+        doubts
     }
 
     /// Offsets of the set-up that are large against the noise: they hide a shift of the world.
-    fn calibration_doubt(&self) -> Option<Doubt> {
+    fn calibration_doubt(&self, lengths: Lengths) -> Option<Doubt> {
         let views = &self.model.views;
         let offsets: Vec<[f64; 2]> = views.iter().map(|view| view.offset_px).collect();
         let size = |view: &View| view.offset_px[0].hypot(view.offset_px[1]) / view.sigma_px;
@@ -348,7 +356,7 @@ impl Scene {
         let at = [0, 1, 2].map(|k| points.iter().skip(k).step_by(3).sum::<f64>() / (points.len() / 3) as f64);
         let shift_m = offsets::hidden_shift_m(&self.cameras, &offsets, at)?;
         let cameras: Vec<_> = large.into_iter().map(|view| (view.camera.name.clone(), view.offset_px)).collect();
-        (!cameras.is_empty()).then_some(Doubt::Calibration { cameras, shift_m })
+        (!cameras.is_empty()).then_some(Doubt::Calibration { cameras, shift_m, lengths })
     }
 
     /// Scatter per axis, per camera, of the keypoints about the projection of a pose, pixels: their median distance divided by √(2 ln 2), which is the standard

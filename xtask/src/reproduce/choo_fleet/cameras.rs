@@ -287,16 +287,14 @@ mod tests {
     use sinew::core::density::LogDensity as _;
     use sinew::core::lanes::Isa;
     use std::collections::BTreeMap;
-    use std::path::PathBuf;
+    use sinew_tests::data::{folder, shared};
 
     #[test]
     fn one_camera_with_the_papers_error_is_the_single_frame_study() {
-        let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data");
-        let data = std::env::var_os("SINEW_DATA").map_or(beside, PathBuf::from);
-        if !data.join("cmu_amc").is_dir() {
-            println!("skipped: no data in {}", data.display());
+        if shared("cmu_amc").is_none() {
             return;
         }
+        let data = folder();
         let motions = BTreeMap::from([("07_01", scene::motion(&data, "07_01").unwrap())]);
         let study = Study { isa: Isa::best(), seed: 3, size: Size::quick(), motions };
         let view = View { cameras: 0, sigma: scene::SIGMA, model: MODELS[1] };

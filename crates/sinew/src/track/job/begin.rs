@@ -1,4 +1,6 @@
-//! What comes before tracking: the set-up pass, or the set-up of an earlier run and whether it belongs to the recording.
+//! The beginning of a run: its set-up, or where it was stopped.
+//!
+//! A set-up of an earlier run is checked for whether it belongs to the recording.
 
 use super::inputs::{Hashes, Inputs};
 use super::watch::{Pass, Watch};
@@ -91,7 +93,7 @@ pub(super) fn resumed<'a, S: FrameSource>(
 }
 
 /// The axis of the calibration's world that points up.
-fn world_up(config: &TrackConfig, setup: Option<&Setup>) -> Result<String, Error> {
+pub(super) fn world_up(config: &TrackConfig, setup: Option<&Setup>) -> Result<String, Error> {
     match (&config.up_axis, setup) {
         (Some(asked), Some(setup)) if *asked != setup.world_up => {
             Err(TrackError::UpAxis { asked: asked.clone(), known: setup.world_up.clone() }.into())
@@ -117,14 +119,14 @@ fn same_calibration<S: FrameSource>(source: &mut S, image_scale: f64) -> Result<
 }
 
 /// Refuses a body that is not that of the set-up.
-fn same_body(asked: &str, setup: &Setup) -> Result<(), Error> {
+pub(super) fn same_body(asked: &str, setup: &Setup) -> Result<(), Error> {
     if bodies::to_track(asked)? == setup.body {
         return Ok(());
     }
     Err(TrackError::Body { asked: asked.into(), known: setup.body.name().to_lowercase() }.into())
 }
 
-fn read_setup(path: &Path) -> Result<Setup, Error> {
+pub(super) fn read_setup(path: &Path) -> Result<Setup, Error> {
     let text = files::read_text(path, MAX_CONFIG_BYTES)?;
     let setup: Setup = toml::from_str(&text).map_err(|error| {
         let line = error.span().map_or(1, |span| 1 + text[..span.start].matches('\n').count());
@@ -148,6 +150,8 @@ fn set_up<S: FrameSource>(
         person: config.person.unwrap_or_default(),
         image_scale: config.image_scale,
         lag: config.lag.clone(),
+        fps: Some(settings.fps),
+        any_size: config.any_size,
         ..Request::default()
     };
     let (cameras, layout) = (source.cameras().to_vec(), source.layout().clone());
