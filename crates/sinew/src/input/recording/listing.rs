@@ -99,7 +99,7 @@ impl CameraFiles {
     }
 
     pub(crate) fn numbers(&self) -> impl DoubleEndedIterator<Item = u64> + '_ {
-        self.names.files.iter().filter_map(|(number, _)| number.checked_sub_signed(self.lag))
+        self.names.files.iter().filter_map(|(number, _)| number.checked_add_signed(-self.lag))
     }
 
     /// From the first number to the last, holes included.
