@@ -8,7 +8,7 @@
 //! posterior.zarr load.py                                        draws, and how to open them
 //! ```
 //!
-//! 1. [`claim`] a folder before any computing: refuses results that are there, inputs, and folders in use.
+//! 1. [`super::claim()`] a folder before any computing: refuses results that are there, inputs, and folders in use.
 //! 2. [`ResultFolder::open`] opens every file under its provisional name `NAME.partial`, or as a run left it that was stopped.
 //! 3. [`ResultFolder::append`] streams one frame into all of them; memory does not grow with the number of frames: what the summary needs of each is kept in a file.
 //! 4. [`ResultFolder::finish`] completes the headers, syncs, checks, renames, and writes `summary.json` last.
