@@ -1,4 +1,6 @@
-//! How good a tracker is: whole runs in memory, what it is compared with, and the statistics of the comparison.
+//! How good a tracker is.
+//!
+//! Whole runs in memory, what it is compared with, and the statistics of the comparison.
 //!
 //! | function | what |
 //! |---|---|

@@ -1,13 +1,17 @@
 //! Random numbers of a run belong to their frame: what is thinned and what is smoothed draws its own in each.
 
+use sinew::config::settings::Settings;
+use sinew::methods::{Bootstrap, Hmc};
 use sinew::results::estimate::FrameEstimate;
 use sinew::setup::Setup;
-use sinew::track::{self, Method, Pipeline, Settings, Spool};
+use sinew::track::{self, Pipeline, Spool};
+use sinew::tracking::{bootstrap, hmc_filter};
 use sinew_simulate::recording::{Script, SyntheticRecording};
 use sinew_tests::evaluation;
 use sinew_tests::simulated_source::source;
 use std::collections::BTreeSet;
 use std::ops::ControlFlow;
+use std::sync::Arc;
 
 const FRAMES: u64 = 15;
 
@@ -26,7 +30,8 @@ fn prepared(settings: &Settings) -> (SyntheticRecording, Setup, Pipeline) {
 /// Of draws with equal weights a systematic choice takes one in so many, from a start that differs from frame to frame.
 #[test]
 fn each_frame_is_thinned_from_another_start() {
-    let settings = Settings { chains: 8, updates: 8, burn_in: 1, draws: 2, ..Settings::default() };
+    let hmc = Hmc(hmc_filter::Config { chains: 8, updates: 8, burn_in: 1, ..Hmc::default().0 });
+    let settings = Settings { method: Arc::new(hmc), draws: 2, ..Settings::default() };
     let (recording, _, mut pipeline) = prepared(&settings);
     let mut starts = BTreeSet::new();
     pipeline
@@ -50,8 +55,8 @@ fn each_frame_is_thinned_from_another_start() {
 fn smoothed_trajectories_have_the_correlations_of_the_model() {
     const COUNT: u64 = 9;
     const RESTART: u64 = 5;
-    let settings =
-        Settings { method: Method::Bootstrap, particles: 64, draws: track::TRAJECTORIES, ..Settings::default() };
+    let bootstrap = Bootstrap(bootstrap::Config { particles: 64, ..bootstrap::Config::default() });
+    let settings = Settings { method: Arc::new(bootstrap), draws: track::TRAJECTORIES, ..Settings::default() };
     let (_, setup, pipeline) = prepared(&settings);
     let tree = setup.tree();
     let walk = track::walk(&setup, &tree, &settings).unwrap();

@@ -11,7 +11,7 @@ use sinew::results::write_whole;
 
 /// Runs the command.
 pub(crate) fn run(args: &ConvertArgs, general: &General, report: &Report) -> Result<Ended, Error> {
-    let format = Format::of(&args.output)?;
+    let format = Format::of(&args.output).map_err(sinew::Error::from)?;
     if let Some(fps) = args.fps.filter(|fps| !(*fps > 0.0 && fps.is_finite())) {
         return Err(Error::NotPositive { flag: "fps", value: fps, help: "give frames per second, for example 120" });
     }
@@ -24,7 +24,7 @@ pub(crate) fn run(args: &ConvertArgs, general: &General, report: &Report) -> Res
     }
     report.warnings(&motion.warnings);
     let name = args.output.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
-    write_whole(&args.output, &motion::write(&motion, format, &name)?)?;
+    write_whole(&args.output, &motion::write(&motion, format, &name).map_err(sinew::Error::from)?)?;
     if args.answer.json {
         report::answer_json(
             &json!({ "frames": motion.frames(), "rate_hz": motion.rate_hz, "out": args.output.to_string_lossy() }),

@@ -19,7 +19,7 @@ pub(crate) fn recorded_motion(
     skeleton: Option<&Path>,
     rate_hz: f64,
 ) -> Result<(Trajectories, Vec<String>), Error> {
-    if let (Format::Amc, Some(skeleton)) = (Format::of(path)?, skeleton) {
+    if let (Format::Amc, Some(skeleton)) = (Format::of(path).map_err(sinew::Error::from)?, skeleton) {
         let (skeleton, motion) = acclaim(path, skeleton)?;
         let warnings = motion.warnings.iter().map(ToString::to_string).collect();
         return Ok((joints(&skeleton, &motion, rate_hz), warnings));

@@ -1,4 +1,6 @@
-//! Recorded motion (ASF/AMC of the CMU database) as points of the standard body, and as a motion of that body.
+//! Recorded motion of the CMU database as motion of the standard body.
+//!
+//! From ASF/AMC files, as points and as states.
 //!
 //! 1. [`joints`]: positions of the evaluation joints in our world, `(x, y, z) → (x, −z, y)`, in metres, resampled linearly to a lower rate. The names mean
 //!    the *ends* of CMU's bones: hips and shoulders are the ends of the hip joints and clavicles, elbow, wrist, knee and ankle those of humerus, radius, femur and tibia, the

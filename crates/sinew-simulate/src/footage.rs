@@ -1,4 +1,6 @@
-//! Footage of a motion: cameras around it, the person who makes it, and silhouettes and pictures of any frame in any camera.
+//! Footage of a motion: silhouettes and pictures of any frame in any camera.
+//!
+//! With cameras around the motion and the person who makes it.
 //!
 //! Everything follows from a seed; any image can be asked for alone and in any order.
 //!

@@ -1,4 +1,6 @@
-//! Synthetic recordings: a person who stands and walks, virtual cameras around him, and a detector that errs as real ones do.
+//! Simulated people, cameras and detectors with known truth.
+//!
+//! A person who stands and walks, virtual cameras around him, and a detector that errs as real ones do.
 //!
 //! | module | what |
 //! |---|---|

@@ -1,4 +1,6 @@
-//! The usual recipe that a tracker is compared with: points triangulated one by one, gaps filled linearly, a Butterworth low-pass.
+//! The usual recipe that a tracker is compared with.
+//!
+//! Points triangulated one by one, gaps filled linearly, a Butterworth low-pass.
 
 use sinew::formats::Layout;
 use sinew::observe::Camera;

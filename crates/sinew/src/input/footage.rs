@@ -1,4 +1,6 @@
-//! Everything that is read of a recording to be tracked: keypoints, masks, images, or a part of them, one frame at a time.
+//! Everything that is read of a recording to be tracked, one frame at a time.
+//!
+//! Keypoints, masks, images, or a part of them.
 //!
 //! Keypoints may serve for the set-up alone ([`Init::Keypoints`]); without keypoints, points in space over time may, as another system or an earlier run has left them ([`Init::Points`]): they are seen by the calibrated cameras, as a
 //! detector without errors would see them. Row k of such a file belongs to frame k, counted from the first frame that is tracked.

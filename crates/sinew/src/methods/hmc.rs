@@ -1,4 +1,6 @@
-//! `hmc`: the hybrid Monte Carlo filter of Choo & Fleet 2001, with a dense metric and a Gaussian prior between frames.
+//! `hmc`: the hybrid Monte Carlo filter of Choo & Fleet 2001.
+//!
+//! With a dense metric and a Gaussian prior between frames, which are not the paper's.
 
 use super::about::{About, Gives, Making, Method, StepSize, Steps};
 use super::frame_likelihood::FrameLikelihood;

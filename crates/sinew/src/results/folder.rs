@@ -269,6 +269,7 @@ mod tests {
             isa: "baseline".into(),
             cameras: vec![Camera::look_at("C1", [640.0, 480.0], 500.0, [3.0, 0.0, 1.0], [0.0, 0.0, 1.0]).unwrap()],
             keypoints: vec!["Nose".into()],
+            has_masks: false,
             camera_offset_px: vec![[0.0; 2]],
             sigma_px: 4.0,
             setup_toml: String::new(),

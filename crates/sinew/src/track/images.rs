@@ -1,4 +1,6 @@
-//! The image side of a pipeline: the body's flesh before cameras that see silhouettes, and how well the tracked poses cover what they saw.
+//! The image side of a pipeline.
+//!
+//! The body's flesh before cameras that see silhouettes, and how well the tracked poses cover what they saw.
 
 use super::error::TrackError;
 use crate::Error;

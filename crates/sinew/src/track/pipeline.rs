@@ -1,4 +1,6 @@
-//! From the people in the views of a frame to the posterior of the pose: what `sinew track` and `sinew demo` run for every frame.
+//! From what a frame shows to the posterior of the pose.
+//!
+//! This is what `sinew track` and `sinew demo` run for every frame.
 //!
 //! For each frame, in order of their numbers:
 //!

@@ -1,4 +1,6 @@
-//! The backward pass over a recording: filtered moments go to a file as frames are tracked, and come back as trajectories that know the future.
+//! The backward pass over a recording.
+//!
+//! Filtered moments go to a file as frames are tracked, and come back as trajectories that know the future.
 //!
 //! 1. Forward, [`Spool::append`] writes each frame's moments and diagnostics, a record of fixed size.
 //! 2. Backward, a second file takes for each record the states of [`TRAJECTORIES`] trajectories drawn from the smoothing distribution of the moments ([`sinew_dynamics::smoother`]).

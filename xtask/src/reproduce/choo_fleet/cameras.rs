@@ -286,8 +286,8 @@ mod tests {
     use super::*;
     use sinew::core::density::LogDensity as _;
     use sinew::core::lanes::Isa;
-    use std::collections::BTreeMap;
     use sinew_tests::data::{folder, shared};
+    use std::collections::BTreeMap;
 
     #[test]
     fn one_camera_with_the_papers_error_is_the_single_frame_study() {

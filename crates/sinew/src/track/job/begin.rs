@@ -1,4 +1,6 @@
-//! What comes before tracking: the set-up pass, or the set-up of an earlier run and whether it belongs to the recording.
+//! The beginning of a run: its set-up, or where it was stopped.
+//!
+//! A set-up of an earlier run is checked for whether it belongs to the recording.
 
 use super::inputs::{Hashes, Inputs};
 use super::watch::{Pass, Watch};
@@ -148,6 +150,8 @@ fn set_up<S: FrameSource>(
         person: config.person.unwrap_or_default(),
         image_scale: config.image_scale,
         lag: config.lag.clone(),
+        fps: Some(settings.fps),
+        any_size: config.any_size,
         ..Request::default()
     };
     let (cameras, layout) = (source.cameras().to_vec(), source.layout().clone());
