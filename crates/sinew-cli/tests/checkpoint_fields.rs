@@ -1,7 +1,5 @@
 //! Every field of a checkpoint matters: none can be changed or left out unnoticed.
 //!
-//! Every field of a checkpoint matters: changed or left out, the run that is resumed from it is refused, or ends otherwise than an unbroken one.
-//!
 //! A run is stopped in its middle, and its checkpoint is taken apart as JSON. One field after the other is changed, and emptied; the run is resumed from that and stopped again
 //! a frame later. A field is *noticed* if the run is refused, or if its checkpoint or its files differ there from those of an unbroken run. Long lists count as two fields. A
 //! field must be noticed in one of three runs at least: particles on keypoints, Hamiltonian Monte Carlo with smoothing, a search on silhouettes. In the first two somebody

@@ -9,7 +9,6 @@ pub type Exception = (&'static str, &'static str);
 pub const CYCLIC: &[Exception] = &[
     ("crates/sinew", "to be taken apart"),
     ("crates/sinew-body", "to be taken apart"),
-    ("crates/sinew-cli", "to be taken apart"),
     ("crates/sinew-formats", "to be taken apart"),
     ("crates/sinew-samplers", "to be taken apart"),
 ];
@@ -74,11 +73,7 @@ pub const LONG_OPENINGS: &[Exception] = &[
     ("crates/sinew-body/build/straight_line.rs", "to be shortened"),
     ("crates/sinew-body/tests/initial_pose.rs", "to be shortened"),
     ("crates/sinew-cli/tests/bad_silhouette_runs.rs", "to be shortened"),
-    ("crates/sinew-cli/tests/determinism.rs", "to be shortened"),
-    ("crates/sinew-cli/tests/failing_disk.rs", "to be shortened"),
     ("crates/sinew-cli/tests/guide.rs", "to be shortened"),
-    ("crates/sinew-cli/tests/result_folder.rs", "to be shortened"),
-    ("crates/sinew-cli/tests/resume.rs", "to be shortened"),
     ("crates/sinew-core/benches/decoders.rs", "to be shortened"),
     ("crates/sinew-core/examples/count_decoders.rs", "to be shortened"),
     ("crates/sinew-core/src/convergence.rs", "to be shortened"),
