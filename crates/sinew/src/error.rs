@@ -13,6 +13,7 @@
 
 use crate::bodies::error::UnknownBody;
 use crate::input::error::InputError;
+use crate::input::missing_path;
 use crate::inspect::error::InspectError;
 use crate::motion::error::MotionError;
 use crate::overlay::error::OverlayError;
@@ -213,6 +214,7 @@ impl Error {
             Self::Config { .. } => {
                 Some("`sinew track --help` lists the settings; `--print-config` shows the values in force".into())
             }
+            Self::Io { path, source, .. } if source.kind() == io::ErrorKind::NotFound => missing_path::advice(path),
             Self::Io { .. } | Self::Interrupted(_) | Self::Numerical { .. } | Self::Tracking(_) => None,
         }
     }

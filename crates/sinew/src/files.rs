@@ -1,6 +1,8 @@
 //! Reading whole files: size checked before memory is taken, text decoded, every failure with its path.
 
 use crate::Error;
+use crate::input::error::InputError;
+use crate::input::folder_contents::folder_contents;
 use sinew_formats::source_text::{check_size, decode};
 use std::fs;
 use std::io::Read as _;
@@ -9,8 +11,11 @@ use std::path::Path;
 /// Bytes of a file of at most `limit` bytes.
 ///
 /// # Errors
-/// [`Error::Io`] with the path, [`Error::Format`] for a file that is too large.
+/// [`Error::Io`] with the path, [`Error::Recording`] for a folder, [`Error::Format`] for a file that is too large.
 pub fn read_bytes(path: &Path, limit: u64) -> Result<Vec<u8>, Error> {
+    if path.is_dir() {
+        return Err(InputError::FolderForFile { folder: path.to_owned(), contents: folder_contents(path) }.into());
+    }
     let file = fs::File::open(path).map_err(Error::io("read", path))?;
     let size = file.metadata().map_err(Error::io("read", path))?.len();
     let shown = path.display().to_string();

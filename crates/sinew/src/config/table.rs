@@ -61,6 +61,7 @@ const FIRST: &[Setting] = &[
     common((METHOD, "setup", Kind::Path, "FILE", "", "set-up of an earlier run, its setup.toml")),
     common((METHOD, "init", Kind::NameOrPath, "FROM", "", "start of silhouettes alone: `keypoints` or a TRC file of points")),
     common((METHOD, "setup_frames", Kind::Frames, "A..B", "", "frames for the set-up, thinned where many [default: all]")),
+    rare((METHOD, "any_size", Kind::Flag, "", "false", "take sizes and speeds that no person has")),
     common((METHOD, "smooth", Kind::Flag, "", "false", "let every frame see all frames (backward pass)")),
     rare((METHOD, "prior", PRIORS, "NAME", "gaussian", "what a frame hands on to the next: gaussian or mixture")),
     computed((METHOD, "motion_scale", FACTOR, "X", || Settings::default().motion_scale.to_string(), "factor on the motion noise that the set-up pass found")),

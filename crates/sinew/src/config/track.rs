@@ -39,6 +39,8 @@ pub struct TrackConfig {
     pub fps: Option<f64>,
     /// Cameras to use.
     pub cameras: Option<Vec<String>>,
+    /// Whether sizes and speeds that no person has are taken.
+    pub any_size: bool,
     /// Frames that cameras are late.
     pub lag: Vec<(String, i64)>,
     /// Which person: 0 is the most complete one at the start.
@@ -106,6 +108,7 @@ impl Resolved {
                 Some(Value::Names(names)) => Some(names.clone()),
                 _ => None,
             },
+            any_size: self.values.flag("any_size"),
             lag: match self.values.get("lag") {
                 Some(Value::Lags(lags)) => lags.clone(),
                 _ => vec![],

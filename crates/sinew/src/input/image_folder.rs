@@ -4,6 +4,7 @@
 //! frames go by the last number in the file names.
 
 use crate::input::error::{InputError, SizeMisfit};
+use crate::input::folder_contents::{FolderContents, folder_contents};
 use crate::input::recording::{lag_of, listing, ranges};
 use crate::{Error, files};
 use listing::CameraFiles;
@@ -266,13 +267,18 @@ pub(crate) fn camera_files(root: &Path, names: &[&str], kind: &Kind) -> Result<V
         let name = camera_name::fold(camera_part(name, names, kind));
         names.iter().any(|camera| camera_name::fold(camera) == name)
     };
+    listing::expect_folder(root, kind.many)?;
     let listing::Images { folders, loose, unnumbered } = listing::images(root, kind.extensions, is_camera)?;
     if let Some(name) = unnumbered {
         return Err(FormatError::NoFrameNumber { name: name.to_string_lossy().into_owned() }.into());
     }
     let (folder, many, extensions) = (root.to_owned(), kind.many, kind.extensions);
     match (folders.is_empty(), loose.as_slice()) {
-        (true, []) => Err(InputError::NoImages { folder, many, extensions }.into()),
+        (true, []) => Err(match folder_contents(&folder) {
+            FolderContents::Videos(videos) => InputError::VideosForImages { folder, many, videos },
+            _ => InputError::NoImages { folder, many, extensions },
+        }
+        .into()),
         (false, [_, ..]) => Err(InputError::ImagesTwice { folder, many, extensions }.into()),
         (true, loose) if loose.iter().any(|files| files.name.is_empty()) => {
             Err(InputError::ImagesWithoutCamera { folder, many, extensions }.into())

@@ -10,6 +10,7 @@ pub(crate) mod listing;
 pub mod survey;
 
 use crate::input::error::InputError;
+use crate::input::qualisys::refuse_qualisys;
 use crate::{Error, files};
 use listing::CameraFiles;
 use sinew_formats::openpose::{self, Person, Tally};
@@ -299,6 +300,7 @@ pub(crate) struct Calibrated {
 impl Calibrated {
     pub(crate) fn read(path: &Path) -> Result<Self, Error> {
         let text = files::read_text(path, MAX_CONFIG_BYTES)?;
+        refuse_qualisys(path, &text)?;
         let read = calib_toml::read(&path.display().to_string(), &text)?;
         Ok(Self {
             names: read.cameras.iter().map(|camera| camera.name.clone()).collect(),

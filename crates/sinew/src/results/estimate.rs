@@ -190,6 +190,8 @@ pub struct RunInfo {
     pub cameras: Vec<Camera>,
     /// Keypoints that are points of the body.
     pub keypoints: Vec<String>,
+    /// Whether masks show the solids of the body.
+    pub has_masks: bool,
     /// Constant offset (observed minus projected) of each camera, pixels.
     pub camera_offset_px: Vec<[f64; 2]>,
     /// Noise of a keypoint, pixels, that residuals are to be compared with.

@@ -307,6 +307,7 @@ mod tests {
             seed: 1,
             isa: "baseline".into(),
             cameras: vec![camera],
+            has_masks: false,
             keypoints: vec!["Nose".into()],
             camera_offset_px: vec![[0.0; 2]],
             sigma_px: 4.0,

@@ -26,6 +26,17 @@ pub enum Warning {
         /// Size of the skeleton, in the same unit.
         height: f64,
     },
+    /// The person moves faster than people do.
+    Fast {
+        /// Part of the body.
+        part: &'static str,
+        /// Its speed, metres a second.
+        m_per_s: f64,
+        /// Speed of the fastest people.
+        fastest_m_per_s: f64,
+        /// Frames per second taken.
+        fps: f64,
+    },
     /// The subject lies behind some cameras.
     Behind {
         /// Cameras that the subject is behind.
@@ -102,6 +113,10 @@ impl fmt::Display for Warning {
             Self::Millimetres { distance, height } => write!(
                 f,
                 "cameras stand {distance:.0} units from the origin but the skeleton is {height:.1} tall; are translations in millimetres?"
+            ),
+            Self::Fast { part, m_per_s, fastest_m_per_s, fps } => write!(
+                f,
+                "at {fps} frames per second the person's {part} would move at {m_per_s:.0} m/s, and those of the fastest people at {fastest_m_per_s} m/s; is `--fps` right?"
             ),
             Self::Behind { cameras, of, names } => {
                 write!(f, "in {cameras} of {of} cameras the subject lies behind the lens; is the pose inverted?")?;

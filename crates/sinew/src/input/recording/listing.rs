@@ -2,6 +2,7 @@
 
 use crate::Error;
 use crate::input::error::InputError;
+use crate::input::folder_contents::{FolderContents, folder_contents, is_video};
 use sinew_formats::{Error as FormatError, frame_number};
 use std::collections::{BTreeMap, HashMap};
 use std::ffi::OsString;
@@ -142,8 +143,17 @@ fn names_in(folder: &Path, extensions: &[&str]) -> Result<Names, Error> {
     Ok(names)
 }
 
+/// Refuses a file where a folder of `many` is expected.
+pub(crate) fn expect_folder(path: &Path, many: &'static str) -> Result<(), InputError> {
+    if !path.is_file() {
+        return Ok(());
+    }
+    Err(InputError::FileForFolder { file: path.to_owned(), many, is_video: is_video(path) })
+}
+
 /// Folders with keypoint files, and those whose name says that they should have some, by name.
 pub(crate) fn camera_folders(keypoints: &Path) -> Result<Vec<Folder>, Error> {
+    expect_folder(keypoints, "keypoints")?;
     let mut folders = Vec::new();
     let mut loose = 0;
     for entry in fs::read_dir(keypoints).map_err(Error::io("read", keypoints))? {
@@ -162,7 +172,10 @@ pub(crate) fn camera_folders(keypoints: &Path) -> Result<Vec<Folder>, Error> {
     if folders.is_empty() {
         let folder = keypoints.to_owned();
         return Err(match loose {
-            0 => InputError::NoKeypoints { folder },
+            0 => match folder_contents(&folder) {
+                FolderContents::Videos(videos) => InputError::VideosForKeypoints { folder, videos },
+                _ => InputError::NoKeypoints { folder },
+            },
             files => InputError::FolderOfOneCamera { folder, files },
         }
         .into());

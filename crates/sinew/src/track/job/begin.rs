@@ -150,6 +150,8 @@ fn set_up<S: FrameSource>(
         person: config.person.unwrap_or_default(),
         image_scale: config.image_scale,
         lag: config.lag.clone(),
+        fps: Some(settings.fps),
+        any_size: config.any_size,
         ..Request::default()
     };
     let (cameras, layout) = (source.cameras().to_vec(), source.layout().clone());

@@ -43,6 +43,7 @@ pub(super) fn run_info(
         sigma_px: setup.camera.iter().map(|camera| camera.sigma_px).fold(0.0, f64::max),
         cameras,
         keypoints: pipeline.keypoints(),
+        has_masks: config.silhouettes.is_some(),
         setup_toml,
     }
 }
