@@ -271,6 +271,7 @@ mod tests {
             keypoints: vec!["Nose".into()],
             camera_offset_px: vec![[0.0; 2]],
             sigma_px: 4.0,
+            has_masks: false,
             setup_toml: String::new(),
             body: crate::bodies::find("cf28").unwrap(),
         }
