@@ -53,7 +53,7 @@ fn valid_files_are_read() {
         std::fs::read(path).unwrap()
     };
     let text = |target: &str| String::from_utf8(bytes(target)).unwrap();
-    formats::openpose::read("valid", &text("openpose"), &formats::openpose::Options::default()).unwrap();
+    formats::openpose::read("valid", &text("openpose"), &formats::openpose::OpenposeOptions::default()).unwrap();
     formats::calib_toml::read("valid", &text("calib_toml")).unwrap();
     formats::layout::read("valid", &text("layout")).unwrap();
     formats::body_toml::read("valid", &text("body_toml")).unwrap();

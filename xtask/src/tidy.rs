@@ -34,7 +34,7 @@ const RULES: [(&str, Rule, &[Exception]); 12] = [
     ("files", sizes::check_files, exceptions::LARGE_FILES),
     ("functions", sizes::check_functions, exceptions::LONG_FUNCTIONS),
     ("crates", sizes::check_crates, exceptions::LARGE_CRATES),
-    ("names", names::check, exceptions::SAME_NAMES),
+    ("names", names::check, &[]),
     ("pages", pages::check, &[]),
     ("openings", opening::check, exceptions::LONG_OPENINGS),
 ];

@@ -9,7 +9,7 @@ mod common;
 use common::Trial;
 use sinew::core::random::Stage;
 use sinew::formats::{calib_toml, picture};
-use sinew_simulate::render::View;
+use sinew_simulate::render::RayCamera;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -81,7 +81,7 @@ fn own_recording(trial: &Trial) {
         }
     }
     for camera in calib_toml::read("Calib.toml", &renamed).unwrap().cameras {
-        let view = View::new(&camera);
+        let view = RayCamera::new(&camera);
         let room = view.room(1);
         for frame in 0..4_u32 {
             let mut file = fs::File::create(trial.path(&format!("empty/{}_{frame:04}.png", camera.name))).unwrap();

@@ -27,7 +27,7 @@ use std::path::{Path, PathBuf};
 use table::{is_local, settings};
 use value::{Value, from_text, to_json, to_toml};
 pub use values::Origin;
-use values::Values;
+use values::SettingValues;
 
 /// What the program was started with.
 #[derive(Clone, Debug, Default)]
@@ -43,7 +43,7 @@ pub struct Sources {
 /// Every setting that has a value.
 #[derive(Clone, Debug, Default)]
 pub struct Resolved {
-    values: Values,
+    values: SettingValues,
     /// Variables that look like settings and are none.
     pub warnings: Vec<String>,
 }

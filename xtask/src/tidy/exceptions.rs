@@ -27,36 +27,6 @@ pub const LONG_FUNCTIONS: &[Exception] = &[
 ];
 /// Crates with too many lines.
 pub const LARGE_CRATES: &[Exception] = &[("crates/sinew", "to be split"), ("xtask", "experiments; no user builds it")];
-/// Names that two public types have.
-pub const SAME_NAMES: &[Exception] = &[
-    ("Annealed", "to be renamed"),
-    ("Axis", "to be renamed"),
-    ("Body", "to be renamed"),
-    ("Bootstrap", "to be renamed"),
-    ("Bound", "to be renamed"),
-    ("Calibration", "to be renamed"),
-    ("CoarseToFine", "to be renamed"),
-    ("Fitted", "to be renamed"),
-    ("Following", "to be renamed"),
-    ("Frame", "to be renamed"),
-    ("Gaussian", "to be renamed"),
-    ("Hmc", "to be renamed"),
-    ("Joint", "to be renamed"),
-    ("Kind", "to be renamed"),
-    ("Map", "to be renamed"),
-    ("Options", "to be renamed"),
-    ("Partitioned", "to be renamed"),
-    ("Pass", "to be renamed"),
-    ("Person", "to be renamed"),
-    ("Request", "to be renamed"),
-    ("Shape", "to be renamed"),
-    ("Solid", "to be renamed"),
-    ("Subject", "to be renamed"),
-    ("Trial", "to be renamed"),
-    ("Values", "to be renamed"),
-    ("View", "to be renamed"),
-    ("Warning", "to be renamed"),
-];
 /// Files whose documentation opens with a long sentence.
 pub const LONG_OPENINGS: &[Exception] = &[
     ("crates/sinew-cli/tests/bad_silhouette_runs.rs", "to be shortened"),

@@ -51,7 +51,11 @@ impl Footage {
     ///
     /// # Errors
     /// Errors of [`Recording::open`], [`Silhouettes::open`] and [`Pictures::open`]; nothing to track; no start for masks.
-    pub fn open(config: &TrackConfig, calibration: &Path, options: &recording::Options) -> Result<Self, Error> {
+    pub fn open(
+        config: &TrackConfig,
+        calibration: &Path,
+        options: &recording::RecordingOptions,
+    ) -> Result<Self, Error> {
         let begins_only = config.init.is_some();
         let mut footage = match &config.keypoints {
             Some(keypoints) => Self::with_keypoints(Recording::open(calibration, keypoints, options)?),
@@ -65,7 +69,8 @@ impl Footage {
             let frames = if has_keypoints { Some(footage.frames.clone()) } else { options.frames.clone() };
             recording::check_lags(&options.lag, &names)?;
             let lag = options.lag.clone();
-            let masks = silhouettes::Options { scale, frames, trim: options.trim, lag, calibrated: names.clone() };
+            let masks =
+                silhouettes::ImageFolderOptions { scale, frames, trim: options.trim, lag, calibrated: names.clone() };
             let masks = Silhouettes::open(folder, &footage.cameras, &masks)?;
             if !has_keypoints {
                 (footage.frames, footage.available) = (masks.frames(), masks.available());
@@ -73,7 +78,7 @@ impl Footage {
             if let Some(folder) = &config.images {
                 let frames = Some(footage.frames.clone());
                 let lag = options.lag.clone();
-                let images = pictures::Options { scale, frames, trim: true, lag, calibrated: names };
+                let images = pictures::ImageFolderOptions { scale, frames, trim: true, lag, calibrated: names };
                 footage.pictures = Some(Pictures::open(folder, &footage.cameras, &images)?);
             }
             footage.silhouettes = Some(masks);
@@ -111,7 +116,7 @@ impl Footage {
         }
     }
 
-    fn without_keypoints(calibration: &Path, options: &recording::Options) -> Result<Self, Error> {
+    fn without_keypoints(calibration: &Path, options: &recording::RecordingOptions) -> Result<Self, Error> {
         let Calibrated { cameras, warnings, hash, .. } = Calibrated::read(calibration)?;
         let cameras = match &options.cameras {
             Some(names) => chosen_cameras(cameras, names)?,
