@@ -1,4 +1,5 @@
-//! One check per reader of the program itself, and one for a whole step of a filter: whatever the bytes, there is a value or an error with words in it.
+//! One check per reader of the program itself, and one for a whole step of a filter.
+//! Whatever the bytes, there is a value or an error with words in it.
 //!
 //! Used by the fuzz targets and by `tests/tests/corpus.rs`, like [`super::checks`].
 

@@ -1,4 +1,5 @@
-//! Frames per second of the trackers of silhouettes with the papers' settings: ten solids, four views of 320 × 240 pixels, one thread and two.
+//! Frames per second of the trackers of silhouettes with the papers' settings.
+//! Ten solids, four views of 320 × 240 pixels, one thread and two.
 //!
 //! One iteration is one frame: the step of the tracker and the binding of the frame's masks.
 

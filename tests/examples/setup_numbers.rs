@@ -1,4 +1,5 @@
-//! Prints what the set-up pass finds in a recording: offsets, scatter, sizes, and how well the body fits the points.
+//! Prints what the set-up pass finds in a recording.
+//! Offsets, scatter, sizes, and how well the body fits the points.
 //!
 //! `cargo run --release --example setup_numbers -- Calib.toml KEYPOINT_FOLDER [FIRST LAST [reference.trc]]`
 

@@ -1,4 +1,5 @@
-//! What the user reads about bad folders of masks and images, and that good ones are read alike in every layout.
+//! What the program says about bad folders of masks and images.
+//! Good ones are read alike in every layout.
 
 use sinew::Error;
 use sinew::formats::{mask, picture};

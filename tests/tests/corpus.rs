@@ -1,4 +1,5 @@
-//! The corpus of the fuzz targets, run through all readers on the stable compiler: no panic, under a second a file, for whole files and for files cut at every byte.
+//! The corpus of the fuzz targets, run through all readers on the stable compiler.
+//! No panic, under a second a file, for whole files and for files cut at every byte.
 
 mod fuzzed;
 

@@ -36,7 +36,7 @@ const RULES: [(&str, Rule, &[Exception]); 12] = [
     ("crates", sizes::check_crates, exceptions::LARGE_CRATES),
     ("names", names::check, &[]),
     ("pages", pages::check, &[]),
-    ("openings", opening::check, exceptions::LONG_OPENINGS),
+    ("openings", opening::check, &[]),
 ];
 
 /// Checks all rules and prints what does not hold.

@@ -1,4 +1,5 @@
-//! Every command of the guide and of the README runs, in the order of its page, and prints what the page shows.
+//! Every command of the guide and of the README runs and prints what its page shows.
+//! Commands run in the order of the page.
 //!
 //! A page finds the files of "your own recording" in its folder: a simulated one. Blocks that open with `# sinew.toml` are written to that file. Runs are
 //! shortened by settings in the environment and simulations to a second; nothing else differs from what a reader types. Lines that do not begin with

@@ -1,4 +1,5 @@
-//! Rank histograms and ECDF differences of two samplers of one posterior, one of them too sure of itself: writes `ranks.svg` and `ecdf.svg` to the folder given, or here.
+//! Rank histograms and ECDF differences of two samplers of one posterior, one of them too sure of itself.
+//! Writes `ranks.svg` and `ecdf.svg` to the folder given, or here.
 //!
 //! `cargo run -p sinew-invariance --features svg --example rank_plots -- FOLDER`
 

@@ -1,4 +1,5 @@
-//! A tracker behind the identity says and keeps what it does without: for trackers that take a state part by part too. Decoders that bend are in `tests/tests/latent_seam.rs` of the workspace.
+//! A tracker behind the identity as decoder answers and stores what it does without one.
+//! Trackers that take a state part by part too. Decoders that bend are in `tests/tests/latent_seam.rs` of the workspace.
 
 mod common;
 

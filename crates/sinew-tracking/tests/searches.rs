@@ -1,4 +1,5 @@
-//! The annealed and the coarse-to-fine tracker, exactly: A1, A12, validity, counts of evaluations, equality of the two ways of a product likelihood.
+//! The annealed and the coarse-to-fine tracker against exact results.
+//! A1, A12, validity, counts of evaluations, equality of the two ways of a product likelihood.
 
 use core::ops::Range;
 use sinew_core::density::{Lanes, LogDensity, PartLogDensity};

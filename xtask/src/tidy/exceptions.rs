@@ -15,11 +15,6 @@ pub const LARGE_FILES: &[Exception] = &[(
 )];
 /// Functions with too many lines.
 pub const LONG_FUNCTIONS: &[Exception] = &[
-    ("crates/sinew/src/input/image_folder.rs: open", "to be split"),
-    ("crates/sinew/src/input/recording.rs: open", "to be split"),
-    ("crates/sinew/src/setup/collect.rs: collect", "to be split"),
-    ("crates/sinew/src/setup/pass.rs: set_up", "to be split"),
-    ("crates/sinew/src/setup/shape.rs: measure", "to be split"),
     ("crates/sinew/src/track/scene.rs: new", "to be split"),
     ("crates/sinew/src/track/scene.rs: observe", "to be split"),
     ("crates/sinew/src/track/smooth.rs: smooth", "to be split"),
@@ -27,46 +22,6 @@ pub const LONG_FUNCTIONS: &[Exception] = &[
 ];
 /// Crates with too many lines.
 pub const LARGE_CRATES: &[Exception] = &[("crates/sinew", "to be split"), ("xtask", "experiments; no user builds it")];
-/// Files whose documentation opens with a long sentence.
-pub const LONG_OPENINGS: &[Exception] = &[
-    ("crates/sinew-cli/tests/bad_silhouette_runs.rs", "to be shortened"),
-    ("crates/sinew-cli/tests/guide.rs", "to be shortened"),
-    ("crates/sinew-core/benches/decoders.rs", "to be shortened"),
-    ("crates/sinew-core/examples/count_decoders.rs", "to be shortened"),
-    ("crates/sinew-core/src/convergence.rs", "to be shortened"),
-    ("crates/sinew-core/src/diagnostics.rs", "to be shortened"),
-    ("crates/sinew-core/tests/densities.rs", "to be shortened"),
-    ("crates/sinew-invariance/examples/rank_plots.rs", "to be shortened"),
-    ("crates/sinew-samplers/tests/exact_start.rs", "to be shortened"),
-    ("crates/sinew-samplers/tests/jumps.rs", "to be shortened"),
-    ("crates/sinew-samplers/tests/nuts.rs", "to be shortened"),
-    ("crates/sinew-samplers/tests/particle_verbs.rs", "to be shortened"),
-    ("crates/sinew-samplers/tests/temperature.rs", "to be shortened"),
-    ("crates/sinew-tracking/benches/trackers.rs", "to be shortened"),
-    ("crates/sinew-tracking/src/partitioned.rs", "to be shortened"),
-    ("crates/sinew-tracking/tests/decoded.rs", "to be shortened"),
-    ("crates/sinew-tracking/tests/motion_models.rs", "to be shortened"),
-    ("crates/sinew-tracking/tests/searches.rs", "to be shortened"),
-    ("crates/sinew/src/input/image_folder.rs", "to be shortened"),
-    ("crates/sinew/src/input/recording/listing.rs", "to be shortened"),
-    ("crates/sinew/src/inspect/acclaim.rs", "to be shortened"),
-    ("crates/sinew/src/overlay.rs", "to be shortened"),
-    ("crates/sinew/src/segment.rs", "to be shortened"),
-    ("crates/sinew/src/setup/collect.rs", "to be shortened"),
-    ("crates/sinew/src/setup/model_error.rs", "to be shortened"),
-    ("crates/sinew/src/setup/own_body.rs", "to be shortened"),
-    ("fuzz/src/checks.rs", "to be shortened"),
-    ("fuzz/src/lib.rs", "to be shortened"),
-    ("fuzz/src/program_checks.rs", "to be shortened"),
-    ("tests/benches/image_trackers.rs", "to be shortened"),
-    ("tests/examples/setup_numbers.rs", "to be shortened"),
-    ("tests/tests/bad_masks.rs", "to be shortened"),
-    ("tests/tests/corpus.rs", "to be shortened"),
-    ("tests/tests/corpus_mutations.rs", "to be shortened"),
-    ("tests/tests/footage.rs", "to be shortened"),
-    ("tests/tests/random_trees.rs", "to be shortened"),
-    ("tests/tests/symmetry.rs", "to be shortened"),
-];
 
 /// The violations that are not excepted, and one for each exception that is none any more.
 pub fn apply(excepted: &[Exception], found: Vec<Violation>) -> Vec<Violation> {
