@@ -30,7 +30,7 @@ const RULES: [(&str, Rule, &[Exception]); 12] = [
     ("leftovers", leftovers::check, &[]),
     ("placement", placement::check, &[]),
     ("module docs", placement::check_docs, &[]),
-    ("cycles", cycles::check, exceptions::CYCLIC),
+    ("cycles", cycles::check, &[]),
     ("files", sizes::check_files, exceptions::LARGE_FILES),
     ("functions", sizes::check_functions, exceptions::LONG_FUNCTIONS),
     ("crates", sizes::check_crates, exceptions::LARGE_CRATES),
