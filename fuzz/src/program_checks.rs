@@ -24,8 +24,8 @@ use std::ops::{ControlFlow, Range};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, LazyLock};
 
-/// Whether a failure can be told: it has words, and an exit code of the table.
-fn told<T>(result: Result<T, Error>) -> Option<T> {
+/// Whether a failure can be reported: it has words, and an exit code of the table.
+fn reported<T>(result: Result<T, Error>) -> Option<T> {
     match result {
         Ok(value) => Some(value),
         Err(error) => {
@@ -44,7 +44,7 @@ fn inspected(name: &str, data: &[u8], subject: impl Fn(PathBuf) -> Subject) {
         let path = folder.path().join(name);
         fs::create_dir_all(path.parent().unwrap_or(Path::new(""))).expect("a place for files");
         fs::write(&path, data).expect("a place for files");
-        if let Some(facts) = told(file_facts(&subject(path), &RecordingOptions::default())) {
+        if let Some(facts) = reported(file_facts(&subject(path), &RecordingOptions::default())) {
             assert!(!facts.title.is_empty());
         }
     });
@@ -62,10 +62,11 @@ pub fn settings(data: &[u8]) {
 /// `setup.toml`; what is written of a set-up is read as the same.
 pub fn setup(data: &[u8]) {
     inspected("setup.toml", data, Subject::Setup);
-    let Some(setup) = std::str::from_utf8(data).ok().and_then(|text| told(Setup::from_toml("setup.toml", text))) else {
+    let Some(setup) = std::str::from_utf8(data).ok().and_then(|text| reported(Setup::from_toml("setup.toml", text)))
+    else {
         return;
     };
-    if let Some(written) = told(setup.to_toml().map_err(Error::from)) {
+    if let Some(written) = reported(setup.to_toml().map_err(Error::from)) {
         let again = Setup::from_toml("written", &written).unwrap_or_else(|error| panic!("{error} in\n{written}"));
         assert!(again.to_toml().is_ok_and(|text| text == written), "{written}");
     }
@@ -186,9 +187,9 @@ pub fn filter_step(data: &[u8]) {
     let settings = Settings { method, draws: 2, ..Settings::default() };
     let tree = setup.tree();
     let pipeline = Pipeline::new(setup, &tree, &recording.cameras, &recording.layout, settings);
-    let Some(mut pipeline) = told(pipeline) else { return };
+    let Some(mut pipeline) = reported(pipeline) else { return };
     let mut source = Changed { recording, people };
-    told(pipeline.track(&mut source, 0..1, |estimate, _| {
+    reported(pipeline.track(&mut source, 0..1, |estimate, _| {
         let points = estimate.points.iter().flat_map(|p| [p.mean, p.sd, p.q05, p.q95]).flatten();
         let numbers = estimate.mean_state.iter().chain(&estimate.draws.states).copied().chain(points);
         assert!(numbers.into_iter().all(f64::is_finite), "an estimate that is no number");

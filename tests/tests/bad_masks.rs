@@ -71,10 +71,10 @@ impl Trial {
     }
 
     /// The error with its help and exit code, or the warnings.
-    fn told(&self, options: &ImageFolderOptions) -> String {
+    fn printed(&self, options: &ImageFolderOptions) -> String {
         let text = match self.all(options) {
             Ok((_, silhouettes)) => silhouettes.warnings().join("\n"),
-            Err(error) => told(&error),
+            Err(error) => printed(&error),
         };
         self.without_name(&text)
     }
@@ -84,14 +84,14 @@ impl Trial {
     }
 }
 
-fn told(error: &Error) -> String {
+fn printed(error: &Error) -> String {
     format!("exit {}: {error}\nhelp: {}", error.exit_code(), error.help().unwrap_or_default())
 }
 
 fn check(name: &str, harm: impl FnOnce(&Trial), options: &ImageFolderOptions) {
     let trial = Trial::new();
     harm(&trial);
-    insta::assert_snapshot!(name, trial.told(options));
+    insta::assert_snapshot!(name, trial.printed(options));
 }
 
 fn check_default(name: &str, harm: impl FnOnce(&Trial)) {
@@ -282,5 +282,5 @@ fn pictures_may_be_sparse() {
     assert_eq!(pictures.warnings(), ["camera cam_02: 1 frames have no image although others have one (first: 5)"]);
     fs::write(folder.path().join("cam02_000.png"), b"GIF89a").unwrap();
     let error = Pictures::open(folder.path(), &cameras(), &ImageFolderOptions::default()).unwrap_err();
-    insta::assert_snapshot!("not_a_picture", told(&error).replace(&folder.path().display().to_string(), "[trial]"));
+    insta::assert_snapshot!("not_a_picture", printed(&error).replace(&folder.path().display().to_string(), "[trial]"));
 }

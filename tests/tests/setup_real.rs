@@ -71,7 +71,7 @@ fn the_reference_recipe_reproduces_the_unfiltered_reference() {
 
 /// In this recording the tracked man is the first person of every file in which he is found; in frame 37 a camera breaks him in two.
 #[test]
-fn the_man_is_told_from_the_bystanders() {
+fn the_man_is_distinguished_from_the_bystanders() {
     let Some(data) = data() else { return };
     let mut recording = open(&data, "pose", None);
     let cameras = recording.cameras().to_vec();

@@ -23,7 +23,7 @@ use sinew_tests::simulated_source::source;
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
-/// Takes so many steps of the motion prior and keeps the likeliest.
+/// Takes a number of steps of the motion prior and keeps the likeliest.
 #[derive(Clone, Debug)]
 struct Greedy {
     tries: u32,

@@ -150,7 +150,7 @@ fn sightings(data: &Path) -> Outcome<Vec<Vec<Person>>> {
 
 const CONTENDERS: [&str; 5] = ["raw recipe", "causal Butterworth", "zero-phase Butterworth", "hmc", "hmc --smooth"];
 
-/// Every choice of so many of the cameras.
+/// Every choice of `size` of the cameras.
 fn subsets(cameras: usize, size: u32) -> Vec<Vec<usize>> {
     let chosen = (0_u32..1 << cameras).filter(|bits| bits.count_ones() == size);
     chosen.map(|bits| (0..cameras).filter(|c| bits >> c & 1 == 1).collect()).collect()

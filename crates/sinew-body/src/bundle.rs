@@ -49,7 +49,7 @@ impl Default for Config {
 pub struct BundleSolution {
     /// The sizes, metres.
     pub proportions: Proportions,
-    /// Pose of each frame; `None` where its points did not tell one.
+    /// Pose of each frame; `None` where its points did not determine one.
     pub poses: Vec<Option<Vec<f64>>>,
 }
 

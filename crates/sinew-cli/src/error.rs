@@ -19,7 +19,7 @@ pub(crate) enum Error {
         observation: bool,
     },
     /// Set-up frames that the recording does not have.
-    #[error("set-up frames {}..{} were asked for; the recording has {}..{}", asked.start, asked.end, available.start, available.end)]
+    #[error("set-up frames {}..{} were requested; the recording has {}..{}", asked.start, asked.end, available.start, available.end)]
     SetupFrames {
         /// Frames given.
         asked: Range<u64>,

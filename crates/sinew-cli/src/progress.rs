@@ -24,7 +24,7 @@ pub(crate) enum Progress {
 }
 
 impl Progress {
-    /// Starts a pass over so many frames.
+    /// Starts a pass over `total` frames.
     pub(crate) fn start(general: &General, what: &'static str, total: u64) -> Self {
         if general.quiet > 0 || general.no_progress {
             return Self::Silent;
@@ -35,7 +35,7 @@ impl Progress {
         Self::Bar(bar(ProgressDrawTarget::stderr(), what, total))
     }
 
-    /// So many frames are done.
+    /// `done` frames are done.
     pub(crate) fn at(&mut self, done: u64) {
         match self {
             Self::Silent => {}

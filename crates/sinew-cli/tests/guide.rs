@@ -67,7 +67,7 @@ fn folder(page: &str) -> Trial {
 /// `Calib.toml`, `pose`, `images` and `empty` of cameras `cam01` … `cam04`.
 fn own_recording(trial: &Trial) {
     let made = trial.run(&["simulate", "-o", "made", "--duration", "1", "--images", "5", "--no-progress"]);
-    assert!(made.status.success(), "{}", trial.told(&made));
+    assert!(made.status.success(), "{}", trial.printed(&made));
     let calibration = fs::read_to_string(trial.path("made/Calib.toml")).unwrap();
     let renamed =
         (1..=4).fold(calibration, |text, camera| text.replace(&format!("C{camera}"), &format!("cam0{camera}")));
@@ -102,7 +102,7 @@ fn run(trial: &Trial, line: &str) -> String {
         arguments.extend(["--duration", "1"]);
     }
     let output = trial.command(&arguments).envs(SHORT).output().unwrap();
-    assert!(output.status.success(), "{line}\n{}", trial.told(&output));
+    assert!(output.status.success(), "{line}\n{}", trial.printed(&output));
     String::from_utf8(output.stdout).unwrap()
 }
 
@@ -192,7 +192,7 @@ fn sources(folder: &Path, text: &mut String) {
 
 /// What the page of warnings quotes is what the program says.
 #[test]
-fn quoted_warnings_are_those_of_the_program() {
+fn quoted_warnings_match_the_program() {
     let mut program = String::new();
     sources(&root().join("crates/sinew/src"), &mut program);
     let page = read("docs/guide/warnings.md");

@@ -101,7 +101,7 @@ pub fn read(name: &str, text: &str, skeleton: &Asf) -> Result<Amc, Error> {
     Ok(Amc { frames, warnings: Vec::new() })
 }
 
-/// Numbers of the frames, which a text tells without its skeleton.
+/// Numbers of the frames, which a text gives without its skeleton.
 #[must_use]
 pub fn frame_numbers(text: &str) -> Vec<u64> {
     let first = |line: &str| line.split('#').next()?.split_whitespace().next()?.parse().ok();

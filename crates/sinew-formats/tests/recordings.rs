@@ -20,7 +20,7 @@ fn numbers(cells: &[String]) -> [f64; 3] {
 }
 
 #[test]
-fn bone_ends_of_every_acclaim_recording_are_those_of_the_table() {
+fn bone_ends_of_every_acclaim_recording_match_the_table() {
     let Some(folder) = data("cmu_amc") else { return };
     let mut recordings = BTreeMap::new();
     let mut checked = 0;
@@ -48,7 +48,7 @@ fn bone_ends_of_every_acclaim_recording_are_those_of_the_table() {
 }
 
 #[test]
-fn joints_of_every_bvh_recording_are_those_of_the_table() {
+fn joints_of_every_bvh_recording_match_the_table() {
     let Some(folder) = data("cmu_bvh") else { return };
     let mut recordings = BTreeMap::new();
     let mut checked = 0;

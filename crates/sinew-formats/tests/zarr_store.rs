@@ -38,7 +38,7 @@ fn example_schema() -> Schema {
     schema
 }
 
-/// A value that tells where it came from, with some spread over the draws.
+/// A value that encodes where it came from, with some spread over the draws.
 fn value(frame: usize, index: usize) -> f64 {
     frame as f64 + ((index * 7919) % 1000) as f64 / 1000.0
 }

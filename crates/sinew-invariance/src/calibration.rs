@@ -48,7 +48,7 @@ const SHOWS: &str = "intervals from these draws do not cover what they say: the 
 /// Tests `posterior(y, n, rng)`, which returns n draws, against `prior(rng)` and `simulate(θ, rng)`. Test functions see θ followed by y.
 ///
 /// # Panics
-/// When `posterior` returns another number of draws than it was asked for, and without a data set, a draw and a test function.
+/// When `posterior` returns another number of draws than were requested, and without a data set, a draw and a test function.
 pub fn calibration(
     config: &RankCalibration,
     mut prior: impl FnMut(&mut BlockRng) -> Vec<f64>,

@@ -4,7 +4,7 @@
 //! min_q  Σ ρ(|observed − projected P_k(q)| / σ_c)  +  Σ_j ((q_j − start_j) / sd_j)²
 //! ```
 //!
-//! by Levenberg–Marquardt, ρ the square continued by Huber. With one camera nothing but the size of the body tells its depth: the prior of the angles must then be
+//! by Levenberg–Marquardt, ρ the square continued by Huber. With one camera nothing but the size of the body shows its depth: the prior of the angles must then be
 //! tight enough to hold what cannot be seen.
 
 use crate::keypoint_model::{Detection, View};

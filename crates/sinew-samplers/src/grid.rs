@@ -50,7 +50,7 @@ impl GridAxis {
         (((self.high - self.low) / self.width).ceil() as usize).max(1)
     }
 
-    /// The step δ that was asked for; a partition is this wide or less.
+    /// The requested step δ; a partition is this wide or less.
     #[must_use]
     pub fn width(&self) -> f64 {
         self.width
@@ -86,7 +86,7 @@ impl GridAxis {
 /// How a step follows from the changes between consecutive frames.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Width {
-    /// So many standard deviations.
+    /// A number of standard deviations.
     Deviations(f64),
     /// The number of their variance, as printed.
     VarianceLiteral,

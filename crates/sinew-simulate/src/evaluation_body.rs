@@ -10,7 +10,7 @@
 //! 4. Clothes move: the radius at a station is multiplied by 1 + 0.05 g. Along a chain g is a Gaussian process with correlation exp(−distance / 0.15 m), from frame to frame an
 //!    autoregression with coefficient 0.9 that starts in its stationary state. Skin and hair do not move, nor do the ellipsoids below skin.
 //!
-//! The clothes of all frames are drawn when the body is made, so that any frame can be asked for alone.
+//! The clothes of all frames are drawn when the body is made, so that any frame can be made alone.
 //!
 //! Limits: feet are rigid, hands do not grasp, and flesh does not bulge; where a joint is bent sharply, its capsules overlap.
 
@@ -93,7 +93,7 @@ const LANDMARKS: usize = 29;
 /// Points that are used where the motion has them: toes, heels, nose.
 const EXTRA: [&str; 5] = ["LBigToe", "RBigToe", "LHeel", "RHeel", "Nose"];
 
-/// Parts with a factor of their own; those of limbs are followed by the right one.
+/// Parts with a factor of their own; parts of limbs are followed by the right one.
 const TRUNK: usize = 0;
 const GIRDLE: usize = 1;
 const SEAT: usize = 2;
@@ -166,7 +166,7 @@ const CHAINS: [Chain; 19] = [
 /// Ellipsoids of cloth: pelvis, belly, chest, shoulders, hips.
 const CLOTH_BLOBS: usize = 7;
 
-/// What all frames tell of a subject.
+/// What all frames show of a subject.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Size {
     /// Length of the legs over that of the adult of the tables.
@@ -190,7 +190,7 @@ pub struct EvaluationBody {
 }
 
 impl EvaluationBody {
-    /// Dresses a motion; the stage tells the subject's parts and clothes.
+    /// Dresses a motion; the stage fixes the subject's parts and clothes.
     ///
     /// # Errors
     /// [`Error::MissingJoints`] where one of the fifteen joints is missing, [`Error::NotFinite`].
@@ -259,7 +259,7 @@ impl EvaluationBody {
         solids
     }
 
-    /// The ellipsoids; first those of cloth, with their factors.
+    /// The ellipsoids; first the ones of cloth, with their factors.
     fn blobs(&self, pose: &Pose, cloth: &[f64]) -> Vec<MaterialSolid> {
         use Material::{Hair, Shirt, Skin, Trousers};
         let at = |k: usize| pose.landmarks[k];
@@ -461,12 +461,12 @@ fn foot(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::points::of_states;
+    use crate::points::points_of_states;
     use crate::walker::{Gait, Walker, walker_states};
 
     fn walk(duration_s: f64) -> Trajectories {
         let walker = Walker::new(Gait { duration_s, ..Gait::default() });
-        of_states(&walker.body, &walker_states(&walker, 30.0))
+        points_of_states(&walker.body, &walker_states(&walker, 30.0))
     }
 
     fn body(motion: &Trajectories, seed: u64) -> EvaluationBody {
@@ -515,7 +515,7 @@ mod tests {
     }
 
     #[test]
-    fn radii_are_those_of_the_part_and_move_with_the_clothes_alone() {
+    fn radii_match_the_part_and_move_with_the_clothes_alone() {
         let motion = walk(0.2);
         for seed in 0..40 {
             let body = body(&motion, seed);

@@ -256,7 +256,7 @@ mod tests {
         ]
     }
 
-    /// Neither bounds nor lens cut anything off: every pixel is asked for every solid.
+    /// Neither bounds nor lens cut anything off: every pixel is tested against every solid.
     #[test]
     fn a_silhouette_is_where_rays_meet_a_solid() {
         for camera in cameras() {

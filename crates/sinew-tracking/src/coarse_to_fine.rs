@@ -7,7 +7,7 @@
 //! 3. fine: y_j = X_c + δ ω, j = 1 … M; λ_jk = likelihood of part k of y_j
 //! 4. o_k = argmax over all M of λ_jk (printed is the number of coarse particles); X̂(t + 1) = part k of y_(o_k), k = 1 … K, put together
 //!
-//! The coarse particles with their weights go on to the next frame. Before two estimates exist the difference in step 1 is 0; a coordinate that wraps differs the short way round. The coarse particles start at the given
+//! The coarse particles with their weights pass to the next frame. Before two estimates exist the difference in step 1 is 0; a coordinate that wraps differs the short way round. The coarse particles start at the given
 //! state. At most N + 1 evaluations of the whole likelihood a frame, the one for that of X̂, and M K of parts.
 //!
 //! Each part of y_j is judged under the other parts of y_j, which need not be those that are chosen. With [`Config::chained`], not the paper's, step 4 goes from the root outwards and judges part k under the chosen

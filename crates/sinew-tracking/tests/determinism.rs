@@ -430,9 +430,9 @@ fn tuning_gives_settings_that_accept_as_asked() {
     assert!((tuned.acceptance - 0.85).abs() <= 0.03 && tuned.leapfrog_steps <= 5, "{tuned:?}");
 }
 
-/// Chains that hardly move disagree, and only the patient filter goes on; with steps that mix neither does.
+/// Chains that hardly move disagree, and only the patient filter continues; with steps that mix neither does.
 #[test]
-fn chains_that_disagree_go_on_once() {
+fn chains_that_disagree_continue_once() {
     let run = |patience, step_size, updates| {
         let config = hmc_filter::Config {
             chains: 16,
@@ -452,7 +452,7 @@ fn chains_that_disagree_go_on_once() {
     assert_eq!(run(3, 0.3, 120).0, 16 * 120);
 }
 
-/// Chains that run again move by random numbers of their own: their steps have nothing to do with those of the first run, which start from other places by as good as the same forces.
+/// Chains that run again move by random numbers of their own: their steps have nothing to do with the steps of the first run, which start from other places by as good as the same forces.
 #[test]
 fn chains_that_run_again_do_not_repeat_their_steps() {
     const CHAINS: usize = 16;
@@ -488,12 +488,12 @@ fn chains_that_run_again_do_not_repeat_their_steps() {
         product(a, b) / (product(a, a) * product(b, b)).sqrt()
     };
     let count = 20;
-    let of_first = steps(&once, 1, count);
-    assert!((correlation(&of_first, &of_first) - 1.0).abs() < 1e-12);
+    let first_steps = steps(&once, 1, count);
+    assert!((correlation(&first_steps, &first_steps) - 1.0).abs() < 1e-12);
     // The second run keeps its draws from one update later on: whichever update is the same, no step is repeated. Five standard errors.
-    let bound = 5.0 / (of_first.len() as f64).sqrt();
+    let bound = 5.0 / (first_steps.len() as f64).sqrt();
     for shift in 0..3 {
-        let found = correlation(&of_first, &steps(&again, shift, count));
+        let found = correlation(&first_steps, &steps(&again, shift, count));
         assert!(found.abs() < bound, "shift {shift}: {found}");
     }
 }

@@ -42,7 +42,7 @@ fn one_layer_with_an_exponent_of_one_is_the_bootstrap_filter() {
         let mut one = Annealed::new(config, walk(), SD.to_vec(), vec![0.0, 1.0, 0.0], Isa::best()).expect("valid");
         for frame in 0..10 {
             let stage = || Stage::new(11, "A1").at_frame(frame);
-            let (of_filter, of_one) = (
+            let (filter_step, search_step) = (
                 filter.step(&seen(frame), stage()).expect("weights"),
                 one.step(&seen(frame), stage()).expect("weights"),
             );
@@ -51,9 +51,9 @@ fn one_layer_with_an_exponent_of_one_is_the_bootstrap_filter() {
             for i in 0..203 {
                 assert_eq!((a.state(i), a.ancestor(i)), (b.state(i), b.ancestor(i)), "frame {frame}, particle {i}");
             }
-            assert_eq!(of_one.exponents, [1.0]);
-            assert_eq!(of_one.survivors, [of_filter.ess]);
-            assert_eq!(StepInfo { exponents: vec![], survivors: vec![], ..of_one }, of_filter);
+            assert_eq!(search_step.exponents, [1.0]);
+            assert_eq!(search_step.survivors, [filter_step.ess]);
+            assert_eq!(StepInfo { exponents: vec![], survivors: vec![], ..search_step }, filter_step);
         }
     }
 }
@@ -102,7 +102,7 @@ fn what_is_not_valid_weighs_nothing() {
     }
 }
 
-/// The same Gaussian with a part for each coordinate; part 2 also looks at coordinate 0, if the whole is not told to be a product.
+/// The same Gaussian with a part for each coordinate; part 2 also looks at coordinate 0, if the whole is not declared a product.
 struct InParts {
     whole: Lanes<Quadratic>,
     product: bool,

@@ -8,7 +8,7 @@
 //! | 3 | bad input data |
 //! | 4 | finished and written, but a diagnostic failed |
 //! | 5 | files and disk |
-//! | 75 | interrupted; what was done is written and marked incomplete, `--resume` goes on from there |
+//! | 75 | interrupted; what was done is written and marked incomplete, `--resume` continues from there |
 //! | 130 | second interrupt, nothing saved since |
 
 use crate::bodies::error::UnknownBody;
@@ -93,7 +93,7 @@ pub enum Error {
         /// Process that holds the lock.
         pid: Option<u32>,
     },
-    /// A run that was stopped cannot go on.
+    /// A run that was stopped cannot be resumed.
     #[error("`{}` {problem}", folder.display())]
     Checkpoint {
         /// Output folder.
@@ -133,7 +133,7 @@ pub enum Error {
         /// What to do.
         help: Option<String>,
     },
-    /// The user asked for an end where there was nothing new to write.
+    /// The user requested an end where there was nothing new to write.
     #[error("interrupted {0}")]
     Interrupted(&'static str),
     /// A computation that failed.

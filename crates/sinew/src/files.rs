@@ -38,7 +38,7 @@ pub fn read_text(path: &Path, limit: u64) -> Result<String, Error> {
 /// Start value of [`fnv`].
 pub const FNV_START: u64 = 0xcbf2_9ce4_8422_2325;
 
-/// Folds bytes into a hash (FNV-1a, 64 bits; Fowler, Noll & Vo): for telling files and settings apart; it keeps no secrets.
+/// Folds bytes into a hash (FNV-1a, 64 bits; Fowler, Noll & Vo): to distinguish files and settings; it keeps no secrets.
 #[must_use]
 pub fn fnv(hash: u64, bytes: &[u8]) -> u64 {
     bytes.iter().fold(hash, |hash, &byte| (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3))

@@ -336,7 +336,7 @@ mod tests {
     use sinew_observe::lens::Brown;
 
     #[test]
-    fn sides_are_told_by_names() {
+    fn sides_follow_from_names() {
         let check = |name, side| assert_eq!(Side::of(name), side, "{name}");
         for name in ["l_thigh", "left_arm", "LKnee", "LeftFoot"] {
             check(name, Side::Left);

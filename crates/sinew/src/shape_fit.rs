@@ -305,7 +305,7 @@ pub fn fit_shape(
 mod tests {
     use super::*;
     use sinew_body::standard_flesh::standard_flesh;
-    use sinew_simulate::points::of_states;
+    use sinew_simulate::points::points_of_states;
     use sinew_simulate::ring::{Ring, around};
     use sinew_simulate::walker::{Gait, Walker, walker_states};
 
@@ -328,7 +328,7 @@ mod tests {
         let walker = Walker::new(Gait { duration_s: 2.4, ..Gait::default() });
         let states: Vec<Vec<f64>> = walker_states(&walker, 10.0).into_iter().step_by(4).collect();
         let ring = Ring { image_size_px: [640.0, 480.0], ..Ring::SMALL_PICTURES };
-        let cameras = around(&of_states(&walker.body, &states), &ring).expect("a ring");
+        let cameras = around(&points_of_states(&walker.body, &states), &ring).expect("a ring");
         (walker.body, cameras, states)
     }
 

@@ -4,8 +4,8 @@
 //!
 //! 1. `s_0 ~ N(start, initial spread)`, `s_t ~ N(s_{t−1}, Σ)`: the tracker's own start and random walk, body H32 of the default size, [`motion_noise::default_sd`].
 //! 2. Each point of the body in each of four cameras is seen with an independent Gaussian error of the stated size: the tracker's own likelihood, with neither outliers nor model error. The cameras stand where the start
-//!    is, not where the drawn motion goes, since that would tell of it.
-//! 3. The tracker filters the frames from the same start, without the association and the restarts that surround it in a recording; ranks are those of the last frame.
+//!    is, not where the drawn motion goes, since that would betray it.
+//! 3. The tracker filters the frames from the same start, without the association and the restarts that surround it in a recording; ranks are taken in the last frame.
 //!
 //! What is left between the ranks and uniform ones is the tracker's own approximation: draws that depend on each other, and with [`Between::Gaussian`](sinew::dynamics::random_walk::Between::Gaussian) the prior of each frame.
 
@@ -29,7 +29,7 @@ use sinew::track;
 use sinew::tracking::hmc_filter::R_HAT_BOUND;
 use sinew::tracking::posterior::Posterior;
 use sinew_simulate::detector::{DetectorNoise, detect};
-use sinew_simulate::points::of_states;
+use sinew_simulate::points::points_of_states;
 use sinew_simulate::recording::SyntheticRecording;
 use sinew_simulate::ring::{Ring, around};
 use std::sync::Arc;
@@ -86,7 +86,7 @@ fn stated_setup(body: &KinematicTree, sigma_px: f64) -> Result<(Setup, Vec<Camer
     start[2] = STANDING_HEIGHT_M;
     let ring = Ring { span: SPAN, ..Ring::default() };
     let failed = |error: sinew::observe::Error| Error::Numerical { message: error.to_string() };
-    let cameras = around(&of_states(body, std::slice::from_ref(&start)), &ring).map_err(failed)?;
+    let cameras = around(&points_of_states(body, std::slice::from_ref(&start)), &ring).map_err(failed)?;
     let camera = |camera: &Camera| CameraSetup {
         name: camera.name.clone(),
         offset_px: [0.0; 2],
@@ -138,7 +138,7 @@ fn filmed(
     errors: Stage,
 ) -> Result<SyntheticRecording, Error> {
     let layout = sinew::formats::layout::find(LAYOUT)?;
-    let truth = of_states(body, &states);
+    let truth = points_of_states(body, &states);
     let seen = detect(&truth, &layout, &cameras, &DetectorNoise::stated_gaussian(sigma_px), errors);
     Ok(SyntheticRecording {
         body: body.clone(),
@@ -210,6 +210,6 @@ fn last_ranks(posterior: &Posterior<'_>, film: &SyntheticRecording, settings: &S
         draws: Draws { states: draws, ..Draws::default() },
         ..FrameEstimate::default()
     };
-    let points = ranks::of_points(&film.body, &[estimate], &film.truth, &EVALUATION_JOINTS);
+    let points = ranks::at_points(&film.body, &[estimate], &film.truth, &EVALUATION_JOINTS);
     (state, points.into_iter().flatten().collect())
 }

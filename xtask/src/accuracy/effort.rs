@@ -20,7 +20,7 @@ use std::sync::Arc;
 /// Updates a frame; a quarter of them is discarded.
 const UPDATES: [usize; 8] = [4, 8, 12, 16, 24, 32, 48, 96];
 const CHAINS: [usize; 3] = [8, 16, 32];
-/// Chains for the comparison of the priors, with so many updates.
+/// Chains for the comparison of the priors, with this number of updates.
 const PRIOR_CHAINS: [usize; 5] = [8, 16, 32, 64, 128];
 const PRIOR_UPDATES: usize = 24;
 

@@ -25,7 +25,7 @@ pub struct Chains {
     burn_in: Option<usize>,
 }
 
-/// The degree of freedom whose ranks are least uniform over so many series: its name, the width of its ranks, and the probability of a larger χ² times the number of degrees of freedom.
+/// The degree of freedom whose ranks are least uniform over `count` series: its name, the width of its ranks, and the probability of a larger χ² times the number of degrees of freedom.
 pub(super) fn worst(count: usize, seed: u64) -> Outcome<(String, f64, f64)> {
     let found = ranked(&Tracker::Hmc.settings(), count, seed)?.state();
     let number = found.len() as f64;

@@ -14,12 +14,12 @@ pub(super) fn table(name: &str) -> Option<String> {
         None if name == "methods" => Some(methods()),
         None if name == "layouts" => Some(layouts()),
         None if name == "planted-bugs" => planted_bugs(),
-        Some(("settings", group)) => of_group(group),
+        Some(("settings", group)) => group_table(group),
         _ => None,
     }
 }
 
-fn of_group(group: &str) -> Option<String> {
+fn group_table(group: &str) -> Option<String> {
     let mut table = String::from("| setting | values | default | meaning |\n|---|---|---|---|\n");
     let chosen: Vec<&Setting> = settings().iter().filter(|setting| setting.group == group).collect();
     for setting in &chosen {

@@ -76,7 +76,7 @@ fn allowed(name: &str) -> Option<&'static [&'static str]> {
 }
 
 fn check_manifest(file: &File, violations: &mut Vec<Violation>) {
-    let mut complain = |what: String| violations.push(Violation::of_file(&file.path, what));
+    let mut complain = |what: String| violations.push(Violation::in_file(&file.path, what));
     let manifest: toml::Table = match file.text.parse() {
         Ok(manifest) => manifest,
         Err(error) => return complain(format!("not TOML: {error}")),
@@ -128,7 +128,7 @@ fn check_use(manifest: &File, workspace: &Workspace, violations: &mut Vec<Violat
         let word = dependency.replace('-', "_");
         let mut files = workspace.files.iter().filter(|file| file.path.starts_with(&sources));
         if !files.any(|file| !lines_with(&file.product, &word).is_empty()) {
-            violations.push(Violation::of_file(&manifest.path, format!("`{dependency}` is never used; remove it")));
+            violations.push(Violation::in_file(&manifest.path, format!("`{dependency}` is never used; remove it")));
         }
     }
 }
@@ -150,9 +150,9 @@ fn check_imports(file: &File, violations: &mut Vec<Violation>) {
             if import != name && !allowed.contains(&import.as_str()) {
                 violations.push(Violation::at(&file.path, line, format!("`{name}` must not know `{word}`")));
             }
-            let of_core = text[at + word.len()..].strip_prefix("::").filter(|_| word == "sinew_core");
+            let core_path = text[at + word.len()..].strip_prefix("::").filter(|_| word == "sinew_core");
             if name == "sinew-body"
-                && let Some(path) = of_core
+                && let Some(path) = core_path
                 && !CORE_FOR_BODY.iter().any(|module| path.starts_with(module))
             {
                 violations.push(Violation::at(&file.path, line, "bodies know only the lanes of core"));

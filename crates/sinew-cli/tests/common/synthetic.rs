@@ -33,7 +33,7 @@ struct Masks {
 impl Masks {
     fn of(recording: &SyntheticRecording) -> Self {
         let cameras: Vec<Camera> = recording.cameras.iter().map(|camera| camera.resized(0.1)).collect();
-        let footage = SyntheticFootage::of_cameras(recording.truth.clone(), 30.0, cameras.clone(), 7).unwrap();
+        let footage = SyntheticFootage::with_cameras(recording.truth.clone(), 30.0, cameras.clone(), 7).unwrap();
         let frame = |frame| (0..cameras.len()).map(|camera| Some(footage.silhouette(camera, frame))).collect();
         Self { frames: (0..footage.frames()).map(frame).collect(), cameras }
     }
@@ -95,13 +95,13 @@ impl Whole {
         Self::seen(frames, settings, false, 1.0)
     }
 
-    /// As [`Whole::lasting`], with so many times the keypoint noise in the set-up: a wide likelihood, under which few particles continue from frame to frame.
+    /// As [`Whole::lasting`], with a multiple of the keypoint noise in the set-up: a wide likelihood, under which few particles continue from frame to frame.
     pub fn blurred(frames: u64, settings: &[(&'static str, &str)], factor: f64) -> Self {
         Self::seen(frames, settings, false, factor)
     }
 
-    /// Tracks so many frames from silhouettes alone, after the set-up.
-    pub fn of_silhouettes(frames: u64, settings: &[(&'static str, &str)]) -> Self {
+    /// Tracks `frames` frames from silhouettes alone, after the set-up.
+    pub fn from_silhouettes(frames: u64, settings: &[(&'static str, &str)]) -> Self {
         Self::seen(frames, settings, true, 1.0)
     }
 
@@ -137,7 +137,7 @@ impl Whole {
         whole
     }
 
-    /// Runs into a folder with so many threads, from the first frame or a checkpoint, and asks for an end after so many frames.
+    /// Runs into a folder with a number of threads, from the first frame or a checkpoint, and requests an end after a number of frames.
     pub fn run(
         &self,
         out: &Path,
@@ -176,7 +176,7 @@ impl Whole {
         })
     }
 
-    /// A run that is stopped after so many frames and resumed gives the files of the whole one.
+    /// A run that is stopped after a number of frames and resumed gives the files of the whole one.
     pub fn check_stopped_at(&self, stop: u64) {
         let out = self.folder.path().join("out");
         let outcome = self.run(&out, 1, Some(stop), None).unwrap();

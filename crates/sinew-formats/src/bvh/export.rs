@@ -30,7 +30,7 @@ const FILE_FROM_WORLD: Matrix = [[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0
 /// Shorter bones are not written, since programs draw them without direction.
 const MIN_BONE_M: f64 = 1e-3;
 
-/// Length of bones that nothing in the body tells: to the root, and of a link without children and points.
+/// Length of bones that nothing in the body gives: to the root, and of a link without children and points.
 const BONE_M: f64 = 0.1;
 
 /// Name of the root of a body with branches.
@@ -173,8 +173,8 @@ impl<'a> Growing<'a> {
                 continue;
             }
             let is_largest = Some(child) == largest;
-            let of_child = || self.unused(format!("{name}_{}", written(&self.tree.links()[child].name)));
-            let name = if is_largest { name.clone() } else { of_child() };
+            let child_name = || self.unused(format!("{name}_{}", written(&self.tree.links()[child].name)));
+            let name = if is_largest { name.clone() } else { child_name() };
             let joint = self.push(name, link, parent, start);
             self.grow(child, Some(joint), self.in_rest(link, self.offset(child)));
         }
@@ -273,7 +273,7 @@ mod tests {
         }
     }
 
-    /// The ends of a body that has everything: branches at one place, children at their parent's origin, and nothing that tells where the last link ends.
+    /// The ends of a body that has everything: branches at one place, children at their parent's origin, and nothing that shows where the last link ends.
     #[test]
     fn every_bone_ends_where_its_children_begin() {
         let link = |name: &str, parent, offset| Link { name: name.into(), parent, offset, joints: Vec::new() };

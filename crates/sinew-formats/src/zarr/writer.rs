@@ -188,7 +188,7 @@ impl<S: Store> Writer<S> {
         self.growing.iter().map(|array| &array.chunk[..])
     }
 
-    /// Resumes where a writer of the same schema had pushed so many frames and had these open chunks. Its store is written over from there; the keys of chunks that lie further are given to `stale`.
+    /// Resumes where a writer of the same schema had pushed `frames` frames and had these open chunks. Its store is written over from there; the keys of chunks that lie further are given to `stale`.
     ///
     /// # Errors
     /// What the store and `stale` report; `InvalidInput` for chunks of another schema.
@@ -200,7 +200,7 @@ impl<S: Store> Writer<S> {
     ) -> io::Result<Self> {
         let fit = self.growing.iter().zip(chunks).all(|(array, chunk)| array.chunk.len() == chunk.as_ref().len());
         if !fit || chunks.len() != self.growing.len() {
-            return Err(invalid("the open chunks are those of another schema".into()));
+            return Err(invalid("the open chunks belong to another schema".into()));
         }
         for (array, chunk) in self.growing.iter_mut().zip(chunks) {
             array.chunk.copy_from_slice(chunk.as_ref());

@@ -50,7 +50,7 @@ fn parse(text: &str, folder: &Path) -> Result<(BTreeMap<&'static str, Value>, bo
     let line = |offset: usize| 1 + text.bytes().take(offset).filter(|&b| b == b'\n').count();
     let (table, errors) = DeTable::parse_recoverable(text);
     let mut problems: Vec<(usize, String)> = Vec::new();
-    // What follows an error of syntax may be its consequence: only the first is told, and too deep nesting before all that it leaves open.
+    // What follows an error of syntax may be its consequence: only the first is reported, and too deep nesting before all that it leaves open.
     let is_syntax = |error: &&toml::de::Error| error.message() != "duplicate key";
     let too_deep = errors.iter().find(|error| error.message().contains("recurs"));
     if let Some(error) = too_deep.or_else(|| errors.iter().find(is_syntax)) {
@@ -131,7 +131,7 @@ mod tests {
     }
 
     #[test]
-    fn all_mistakes_are_told_at_once() {
+    fn all_mistakes_are_reported_at_once() {
         let text = "paticles = 10\nseed = -1\nmethod = \"hcm\"\njitter = 1.5\nframes = \"9..2\"\nthreads = 0\nsmooth = \"yes\"\nfps = nan\n";
         assert_eq!(
             problems(text),

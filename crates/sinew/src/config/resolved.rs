@@ -52,9 +52,9 @@ pub fn resolve(sources: &Sources) -> Result<Resolved, Error> {
         let Some(key) = name.strip_prefix("SINEW_").map(str::to_lowercase) else { continue };
         match table::find(&key) {
             Some(setting) => {
-                let mut of_variable = Vec::new();
-                resolved.take(setting.key, text, Origin::Environment, &mut of_variable);
-                problems.extend(of_variable.into_iter().map(|problem| format!("{name}: {problem}")));
+                let mut variable_problems = Vec::new();
+                resolved.take(setting.key, text, Origin::Environment, &mut variable_problems);
+                problems.extend(variable_problems.into_iter().map(|problem| format!("{name}: {problem}")));
             }
             None if OTHER_VARIABLES.contains(&name.as_str()) => {}
             None => {
@@ -195,7 +195,7 @@ impl Resolved {
         })
     }
 
-    /// Settings with origins, as JSON; threads and paths are left out, and a file is named without its folder: the same run is told in the same words wherever
+    /// Settings with origins, as JSON; threads and paths are left out, and a file is named without its folder: the same run is described in the same words wherever
     /// it happens.
     #[must_use]
     pub fn to_json(&self) -> serde_json::Value {
@@ -205,8 +205,9 @@ impl Resolved {
                 Origin::File(path) => path.file_name().unwrap_or_default().to_string_lossy().into_owned(),
                 other => other.describe(),
             };
-            let told = !is_local(setting.key) && !matches!(value, Value::Path(_));
-            told.then(|| (setting.key.to_owned(), serde_json::json!({ "value": to_json(value), "origin": origin })))
+            let is_reported = !is_local(setting.key) && !matches!(value, Value::Path(_));
+            is_reported
+                .then(|| (setting.key.to_owned(), serde_json::json!({ "value": to_json(value), "origin": origin })))
         };
         settings().iter().filter_map(of).collect::<serde_json::Map<_, _>>().into()
     }
@@ -221,9 +222,9 @@ impl Resolved {
         self.values.of.iter().filter_map(file).collect()
     }
 
-    /// Settings that change numbers, as they stand in a file; files that settings name are told apart by their content ([`Resolved::files`]).
+    /// Settings that change numbers, as they stand in a file; files that settings name are distinguished by their content ([`Resolved::files`]).
     #[must_use]
-    pub fn of_numbers(&self) -> BTreeMap<String, String> {
+    pub fn numeric_settings(&self) -> BTreeMap<String, String> {
         let of = |setting: &Setting| match self.values.get(setting.key)? {
             Value::Path(_) => None,
             value => Some((setting.key.to_owned(), to_toml(value))),
@@ -231,18 +232,18 @@ impl Resolved {
         table::settings().iter().filter(|setting| setting.hashed).filter_map(of).collect()
     }
 
-    /// Those of [`Resolved::to_json`] that change numbers, here or in another run's summary, in the words of JSON.
+    /// Settings of [`Resolved::to_json`] that change numbers, here or in another run's summary, in the words of JSON.
     #[must_use]
-    pub fn of_numbers_told(settings: &serde_json::Value) -> BTreeMap<String, String> {
-        let told = |setting: &&Setting| settings[setting.key].get("value").map(ToString::to_string);
-        let of = |setting: &Setting| Some((setting.key.to_owned(), told(&setting)?));
+    pub fn numeric_settings_in(settings: &serde_json::Value) -> BTreeMap<String, String> {
+        let value = |setting: &&Setting| settings[setting.key].get("value").map(ToString::to_string);
+        let of = |setting: &Setting| Some((setting.key.to_owned(), value(&setting)?));
         table::settings().iter().filter(|setting| setting.hashed).filter_map(of).collect()
     }
 
     /// Hash of the settings that change numbers: FNV-1a, 64 bits, over `key = value` lines in the order of [`table::settings`].
     #[must_use]
     pub fn hash(&self) -> String {
-        let values = self.of_numbers();
+        let values = self.numeric_settings();
         let lines = settings().iter().filter_map(|setting| {
             let value = values.get(setting.key)?;
             Some(format!("{} = {value}\n", setting.key))

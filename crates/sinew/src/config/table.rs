@@ -38,7 +38,7 @@ const fn unhashed(setting: Setting) -> Setting {
     Setting { hashed: false, ..setting }
 }
 
-/// Settings before those of single methods.
+/// Settings before the settings of single methods.
 #[rustfmt::skip]
 const FIRST: &[Setting] = &[
     common((INPUT, "calibration", SettingKind::Path, "FILE", "", "calibration of the cameras (Calib.toml of Pose2Sim)")),
@@ -71,7 +71,7 @@ const FIRST: &[Setting] = &[
     computed((METHOD, "least_confidence", SHARE, "C", || Settings::default().least_confidence.to_string(), "keypoints of lower confidence, once scaled, count as missing")),
 ];
 
-/// Settings after those of single methods.
+/// Settings after the settings of single methods.
 #[rustfmt::skip]
 const LAST: &[Setting] = &[
     rare((METHOD, "score", SCORES, "NAME", "", "weighting function of silhouettes: deutscher-reid, bidirectional, coarse-to-fine or parts [default: the method's]")),

@@ -10,7 +10,7 @@ use std::path::PathBuf;
 #[non_exhaustive]
 pub enum InputError {
     /// Nobody shows which layout the keypoints have.
-    #[error("{}: nobody in the first {files} files; the keypoint layout cannot be told", folder.display())]
+    #[error("{}: nobody in the first {files} files; the keypoint layout cannot be recognised", folder.display())]
     NobodyForLayout {
         /// Keypoint folder.
         folder: PathBuf,
@@ -19,7 +19,7 @@ pub enum InputError {
         /// Layouts with a name.
         known: Vec<&'static str>,
     },
-    /// No layout has so many keypoints.
+    /// No layout has that number of keypoints.
     #[error("{}: {numbers} numbers a person fit no known layout", folder.display())]
     NoSuchLength {
         /// Keypoint folder.
@@ -105,10 +105,10 @@ pub enum InputError {
         /// Word for the files.
         kind: String,
     },
-    /// A camera that is asked for and not calibrated.
+    /// A camera that is requested and not calibrated.
     #[error("no camera `{name}` in the calibration; calibrated: {}", calibrated.join(", "))]
     NoSuchCamera {
-        /// Name asked for.
+        /// Requested name.
         name: String,
         /// Cameras of the calibration.
         calibrated: Vec<String>,
@@ -121,18 +121,18 @@ pub enum InputError {
         /// Cameras of the calibration.
         calibrated: Vec<String>,
     },
-    /// A camera that is asked for and has no keypoints.
+    /// A camera that is requested and has no keypoints.
     #[error("no keypoints for camera `{name}`; folders: {}", folders.join(", "))]
     NoKeypointsOfCamera {
-        /// Name asked for.
+        /// Requested name.
         name: String,
         /// Folders with keypoints.
         folders: Vec<String>,
     },
     /// Frames that the recording does not have.
-    #[error("frames {}..{} were asked for; the recording has {}..{}", asked.start, asked.end, available.start, available.end)]
+    #[error("frames {}..{} were requested; the recording has {}..{}", asked.start, asked.end, available.start, available.end)]
     NoSuchFrames {
-        /// Frames asked for.
+        /// Requested frames.
         asked: Range<u64>,
         /// Frames of the recording.
         available: Range<u64>,

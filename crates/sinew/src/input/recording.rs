@@ -230,12 +230,12 @@ impl Recording {
     }
 }
 
-/// Warnings about frames that are asked for or trimmed, and about holes.
+/// Warnings about frames that are requested or trimmed, and about holes.
 fn range_warnings(listed: &[CameraFiles], options: &RecordingOptions, frames: &Range<u64>) -> Vec<String> {
     let mut warnings = vec![];
     if let Some(asked) = options.frames.as_ref().filter(|asked| asked.start < frames.start || asked.end > frames.end) {
         warnings.push(format!(
-            "frames {}..{} were asked for; {}..{} are there and taken",
+            "frames {}..{} were requested; {}..{} are there and taken",
             asked.start, asked.end, frames.start, frames.end
         ));
     }

@@ -107,18 +107,18 @@ impl GradLogDensity for FrameLikelihood {
     fn log_density_grad(&self, x: &[f64], grad: &mut [f64]) -> f64 {
         let value = self.keypoints.log_density_grad(x, grad);
         let Some(soft) = self.soft() else { return value };
-        let mut of_images = vec![0.0; x.len()];
-        let images = soft.log_density_grad(x, &mut of_images);
-        grad.iter_mut().zip(of_images).for_each(|(g, image)| *g += image);
+        let mut image_term = vec![0.0; x.len()];
+        let images = soft.log_density_grad(x, &mut image_term);
+        grad.iter_mut().zip(image_term).for_each(|(g, image)| *g += image);
         value + images
     }
 
     fn log_density_grad_block(&self, x: &[Block], grad: &mut [Block], ws: &mut [Block]) -> Block {
         let mut value = [self.keypoints.log_density_grad_block(x, grad, ws)];
         if let Some(soft) = self.soft() {
-            let (of_images, ws) = ws.split_at_mut(x.len());
-            add(&mut value, &[soft.log_density_grad_block(x, of_images, ws)]);
-            add(grad, of_images);
+            let (image_term, ws) = ws.split_at_mut(x.len());
+            add(&mut value, &[soft.log_density_grad_block(x, image_term, ws)]);
+            add(grad, image_term);
         }
         value[0]
     }
@@ -128,9 +128,9 @@ impl GaussNewton for FrameLikelihood {
     fn gauss_newton_diagonal_block(&self, x: &[Block], diagonal: &mut [Block], ws: &mut [Block]) {
         self.keypoints.gauss_newton_diagonal_block(x, diagonal, ws);
         if let Some(soft) = self.soft() {
-            let (of_images, ws) = ws.split_at_mut(x.len());
-            soft.gauss_newton_diagonal_block(x, of_images, ws);
-            add(diagonal, of_images);
+            let (image_term, ws) = ws.split_at_mut(x.len());
+            soft.gauss_newton_diagonal_block(x, image_term, ws);
+            add(diagonal, image_term);
         }
     }
 
@@ -153,9 +153,9 @@ impl GaussNewton for FrameLikelihood {
 impl FrameLikelihood {
     fn add_soft_curvature(&self, x: &[Block], matrix: &mut [Block], ws: &mut [Block]) {
         if let Some(soft) = self.soft() {
-            let (of_images, ws) = ws.split_at_mut(matrix.len());
-            soft.gauss_newton_block(x, of_images, ws);
-            add(matrix, of_images);
+            let (image_term, ws) = ws.split_at_mut(matrix.len());
+            soft.gauss_newton_block(x, image_term, ws);
+            add(matrix, image_term);
         }
     }
 }

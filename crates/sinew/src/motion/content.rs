@@ -21,7 +21,7 @@ pub enum Content {
 pub struct Motion {
     /// Format of the file.
     pub format: Format,
-    /// Frames per second; 0 where one frame or none tells nothing.
+    /// Frames per second; 0 where there are fewer than two frames.
     pub rate_hz: f64,
     /// Number of the first frame of the original recording.
     pub start_frame: i64,

@@ -73,7 +73,7 @@ impl ResultFolder {
         OWN_NAMES.iter().rev().try_for_each(|name| claim.remove(name))
     }
 
-    /// Opens all files: new ones, or those of a run that was stopped, cut to what was `written` then. Older results lose their summary and their checkpoint.
+    /// Opens all files: new ones, or the files of a run that was stopped, cut to what was `written` then. Older results lose their summary and their checkpoint.
     ///
     /// # Errors
     /// [`Error::Io`] with the path; [`Error::Checkpoint`] for files that are not as they were left.
@@ -283,7 +283,7 @@ mod tests {
         }
     }
 
-    /// `angles.mot` and `motion.bvh` of a run that was stopped after so many frames.
+    /// `angles.mot` and `motion.bvh` of a run that was stopped after `stop` frames.
     fn written(folder: &Path, stop: u64) -> [Vec<u8>; 2] {
         let open =
             |claim, written: Option<&Written>| ResultFolder::open(claim, info(), Texts::default(), written).unwrap();

@@ -351,7 +351,7 @@ mod tests {
     }
 
     #[test]
-    fn spans_without_observation_and_large_residuals_are_told() {
+    fn spans_without_observation_and_large_residuals_are_reported() {
         let frame = |i: u64| FrameEstimate {
             observed: !matches!(i, 3 | 5..8),
             residual_px: vec![(i > 2).then_some(12.5)],

@@ -132,7 +132,7 @@ fn numbers(name: &str, table: &Cells) -> Result<Vec<u64>, ResultsError> {
     table.rows.iter().map(number).collect()
 }
 
-/// States of so many frames, translations 0.
+/// States of `frames` frames, translations 0.
 fn rotations(name: &str, table: &Cells, tree: &KinematicTree, frames: usize) -> Result<Vec<Vec<f64>>, ResultsError> {
     let [name_column, mean_column] = [column(name, table, "name")?, column(name, table, "mean_deg")?];
     let rotations: Vec<(usize, String)> = tree

@@ -23,10 +23,10 @@ pub enum SetupError {
         /// Frames read.
         frames: u64,
     },
-    /// Fewer people than the number asked for.
+    /// Fewer people than the requested number.
     #[error("no person number {person} that the cameras agree on in {frames} frames")]
     NoSuchPerson {
-        /// Number asked for.
+        /// Requested number.
         person: usize,
         /// Frames read.
         frames: u64,
@@ -216,10 +216,10 @@ impl SetupError {
                 "exchange the names of the two in the calibration, or their folders of keypoints"
             }
             Self::NoPoseOfFile { .. } => {
-                "name more of its points like those of the layout; `sinew body h32` shows a body that has them"
+                "name more of its points as the layout does; `sinew body h32` shows a body that has them"
             }
             Self::NoFlesh(_) => {
-                "give the body file solids (`[[solid]]`), name its links like those of `sinew body h32`, or use a method for keypoints"
+                "give the body file solids (`[[solid]]`), name its links as `sinew body h32` does, or use a method for keypoints"
             }
         };
         Some(fixed.into())

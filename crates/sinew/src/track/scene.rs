@@ -32,7 +32,7 @@ pub struct SceneState {
     last_px: Vec<Vec<Option<[f64; 2]>>>,
     lost: usize,
     started: bool,
-    /// Pixel and confidence: the last frame tells whether tracking begins anew in the next.
+    /// Pixel and confidence: the last frame decides whether tracking restarts in the next.
     detections: Vec<Vec<Option<[f64; 3]>>>,
     oddities: Vec<Watched>,
     predictive: Predictive,
@@ -103,8 +103,8 @@ impl Scene {
         let parts = match settings.method.about().needs_parts {
             true => {
                 let flesh = setup.flesh()?;
-                let of_point = |&p: &usize| flesh.owner(tree.points()[p].link);
-                Some((points.iter().map(of_point).collect(), flesh.solids().len()))
+                let owner = |&p: &usize| flesh.owner(tree.points()[p].link);
+                Some((points.iter().map(owner).collect(), flesh.solids().len()))
             }
             false => None,
         };
@@ -230,14 +230,14 @@ impl Scene {
         }
         let predicted = self.points(restart.as_deref().unwrap_or(estimate));
         if let Some((part_of, count)) = &self.parts {
-            let of_part = |part: usize| {
+            let bound_part = |part: usize| {
                 let own = |seen: &Vec<Option<Detection>>| {
                     seen.iter().zip(part_of).map(|(d, of)| d.filter(|_| *of == part)).collect()
                 };
                 let detections: Vec<Vec<_>> = self.detections.iter().map(own).collect();
                 self.model.bind(KeypointFrame { detections: &detections, predicted: &predicted })
             };
-            self.bound_parts = (0..*count).map(of_part).collect();
+            self.bound_parts = (0..*count).map(bound_part).collect();
         }
         let bound = self.model.bind(KeypointFrame { detections: &self.detections, predicted: &predicted });
         (bound, restart)

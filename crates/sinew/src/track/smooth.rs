@@ -6,11 +6,11 @@
 //! 2. Backward, a second file takes for each record the states of [`TRAJECTORIES`] trajectories drawn from the smoothing distribution of the moments ([`sinew_dynamics::smoother`]).
 //! 3. Forward again, [`smooth`] reads the trajectories frame by frame and describes them; draw *i* of every frame belongs to trajectory *i*.
 //!
-//! Where tracking began anew the motion prior says nothing of the step, so the pass is cut there: the frame before counts as a last one.
+//! Where tracking restarted the motion prior says nothing of the step, so the pass is cut there: the frame before counts as a last one.
 //!
-//! Exact for linear-Gaussian models; elsewhere each frame's posterior is taken for a Gaussian. Evidence, effective sample size and residuals stay those of the filter. Memory does not grow with the number
+//! Exact for linear-Gaussian models; elsewhere each frame's posterior is taken for a Gaussian. Evidence, effective sample size and residuals stay the filter's. Memory does not grow with the number
 //! of frames; the files take some 40 kB a frame and are removed at the end. The records stay as they are until then, so that the backward pass can be
-//! done again by a run that goes on after a stop.
+//! done again by a run that resumes after a stop.
 
 use super::error::TrackError;
 use super::marginals::Marginals;
@@ -66,7 +66,7 @@ impl Drop for Files {
 }
 
 impl Spool {
-    /// A spool in a claimed folder: an empty one, or that of a run that was stopped after so many frames.
+    /// A spool in a claimed folder: an empty one, or what a stopped run had `written`.
     ///
     /// # Errors
     /// [`Error::Io`]; [`Error::Checkpoint`] for a file that is not as it was left.
@@ -189,7 +189,7 @@ impl Drop for Scratch {
 /// Smooths the frames of a spool and gives them in order to `record`. The spool stays as it is. `stopped` is asked before each frame of the backward pass.
 ///
 /// # Errors
-/// [`Error::Io`], a covariance that cannot be factored, and those of `record` and `stopped`.
+/// [`Error::Io`], a covariance that cannot be factored, and errors of `record` and `stopped`.
 pub fn smooth(
     spool: &mut Spool,
     pipeline: &Pipeline,

@@ -1,7 +1,7 @@
 //! The sequence of the study: motion, body, true poses, and what is learned from other trials.
 //!
 //! - **Test**: the first 330 frames of CMB at 60 frames a second (walking, 2 s of a join, the start of running). Without recordings the synthetic sequence.
-//! - **Body**: HPPF24 with cylinders. One scale, that of least squares of the lengths of limbs, trunk and head against those of the subject.
+//! - **Body**: HPPF24 with cylinders. One scale, that of least squares of the lengths of limbs, trunk and head against the subject's.
 //! - **True poses**: fitted to the joints frame by frame. Trackers are given only the first one.
 //! - **Training**: two other walks of the subject, joined and bent as the test is; there is no other trial of running. δ are the standard deviations of the changes of the poses fitted to it. Ranges are nominal ones of the body; ±3 m around the start for the position, where the specification says ±2 m: the subject goes round on a circle 2.4 m across.
 
@@ -13,7 +13,7 @@ use sinew::samplers::grid::{self, GridAxis, LEAST_WIDTH, Width};
 use sinew_simulate::cmu::mean_distance;
 use sinew_simulate::combo::{Trial, combo, synthetic_combo};
 use sinew_simulate::hppf24_motion::{self, MotionFollowing, Scale};
-use sinew_simulate::points::{Trajectories, of_states};
+use sinew_simulate::points::{Trajectories, points_of_states};
 use sinew_simulate::walker::{Gait, Walker, walker_states};
 use sinew_tests::evaluation::joint_errors::joint_errors_mm;
 use sinew_tests::recorded_motion::{recorded, recorded_combo};
@@ -75,7 +75,7 @@ pub(super) struct Scene {
 }
 
 fn error_m(tree: &KinematicTree, states: &[Vec<f64>], motion: &Trajectories) -> f64 {
-    mean_distance(&of_states(tree, states).select(&EVALUATION_JOINTS), &motion.select(&EVALUATION_JOINTS))
+    mean_distance(&points_of_states(tree, states).select(&EVALUATION_JOINTS), &motion.select(&EVALUATION_JOINTS))
 }
 
 /// A motion for training that is none of the test's.
@@ -92,7 +92,7 @@ fn training(folder: Option<&Path>) -> Outcome<Trajectories> {
         None => [1.3, 0.9]
             .map(|stride_s| {
                 let walker = Walker::new(Gait { still_s: 0.0, stride_s, ..Gait::default() });
-                let motion = of_states(&walker.body, &walker_states(&walker, RATE_HZ));
+                let motion = points_of_states(&walker.body, &walker_states(&walker, RATE_HZ));
                 Trial { name: format!("walk of {stride_s} s"), motion, is_locomotion: true }
             })
             .into(),
@@ -163,7 +163,7 @@ impl Scene {
 
     /// Mean distance of the joints from the recorded ones in each frame, both from the middle of the hips, millimetres.
     pub(super) fn relative_error_mm(&self, states: &[Vec<f64>]) -> Vec<f64> {
-        let [_, relative] = joint_errors_mm(&of_states(&self.tree, states), &self.motion);
+        let [_, relative] = joint_errors_mm(&points_of_states(&self.tree, states), &self.motion);
         relative
     }
 }

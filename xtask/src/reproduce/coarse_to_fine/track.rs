@@ -239,7 +239,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn centres_are_told_from_other_numbers() {
+    fn centres_differ_from_other_numbers() {
         let axis = GridAxis::new(-1.0, 1.0, 0.3, false).unwrap();
         let range = Range { low: -1.0, high: 1.0, width: 0.3, axis };
         for x in [-0.95, -0.3, 0.0, 0.21, 0.99] {

@@ -65,7 +65,7 @@ pub(super) fn contradiction(cameras: &[CameraFiles], named: &Layout) -> Option<S
     let found = has_mid_hip_at_8(&people)?;
     let look = if found { BODY_25 } else { BODY_25B };
     (found != expected).then(|| {
-        format!("keypoints look like {look}, by the place of the hips; {} was asked for (`--layout`)", named.name)
+        format!("keypoints look like {look}, by the place of the hips; {} was requested (`--layout`)", named.name)
     })
 }
 
@@ -124,7 +124,7 @@ mod tests {
     }
 
     #[test]
-    fn the_middle_of_the_hips_tells() {
+    fn the_middle_of_the_hips_decides() {
         let found = |points| has_mid_hip_at_8(&[person(points)]);
         assert_eq!(found(&[(8, 101.0, 300.0), (9, 80.0, 300.0), (12, 120.0, 300.0)]), Some(true));
         assert_eq!(found(&[(8, 200.0, 150.0), (9, 30.0, 200.0), (12, 120.0, 300.0)]), Some(false));

@@ -58,7 +58,7 @@ pub(super) fn begun<'a, S: FrameSource>(
     };
     let checkpoint = Checkpoint {
         program: env!("CARGO_PKG_VERSION").into(),
-        settings: resolved.of_numbers(),
+        settings: resolved.numeric_settings(),
         isa: settings.isa.name().into(),
         frames: source.frames(),
         setup_toml: setup.to_toml()?,
@@ -80,7 +80,7 @@ pub(super) fn resumed<'a, S: FrameSource>(
     watch: &mut Watch<'_>,
 ) -> Result<Begun<'a, S>, Error> {
     let refused = |problem| Error::checkpoint(folder, problem);
-    checkpoint.check_settings(&resolved.of_numbers(), settings.isa.name()).map_err(refused)?;
+    checkpoint.check_settings(&resolved.numeric_settings(), settings.isa.name()).map_err(refused)?;
     let setup = Setup::from_toml("setup.toml of the checkpoint", &checkpoint.setup_toml)?;
     let mut source = Upright::new(source, &setup.world_up);
     let first = source.frames().start;
@@ -103,10 +103,10 @@ pub(super) fn world_up(config: &TrackConfig, setup: Option<&Setup>) -> Result<St
     }
 }
 
-/// Frames that are looked at to tell whether a set-up of an earlier run belongs to the calibration.
+/// Frames that are looked at to see whether a set-up of an earlier run belongs to the calibration.
 pub(super) const LOOKED_AT: u64 = 60;
 
-/// Refuses a calibration that fits the keypoints only when it is read differently; a set-up that is given skips the pass that would tell.
+/// Refuses a calibration that fits the keypoints only when it is read differently; a set-up that is given skips the pass that would notice.
 fn same_calibration<S: FrameSource>(source: &mut S, image_scale: f64) -> Result<(), Error> {
     let numbers = source.frames();
     let mut frames = vec![];
@@ -165,9 +165,9 @@ fn set_up<S: FrameSource>(
     let (mut setup, found) = setup::set_up(&cameras, &layout, &request, frames)?;
     // The tracker looks for swapped sides in all its frames.
     let tracked = source.frames();
-    let told_later = |warning: &SetupWarning| matches!(warning, SetupWarning::Swapped { first, last, .. } if tracked.contains(first) && tracked.contains(last));
+    let reported_later = |warning: &SetupWarning| matches!(warning, SetupWarning::Swapped { first, last, .. } if tracked.contains(first) && tracked.contains(last));
     let declared = config.up_axis.as_deref().unwrap_or(Z_UP);
-    let found = found.into_iter().filter(|warning| !told_later(warning)).map(|warning| match warning {
+    let found = found.into_iter().filter(|warning| !reported_later(warning)).map(|warning| match warning {
         SetupWarning::FeetAboveHead { frames, up_axis } => {
             SetupWarning::FeetAboveHead { frames, up_axis: axis_before_turning(up_axis, declared) }
         }

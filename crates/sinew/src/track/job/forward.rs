@@ -1,4 +1,4 @@
-//! The forward pass of a run: frames are tracked and written, and a checkpoint follows every so many seconds.
+//! The forward pass of a run: frames are tracked and written, with a checkpoint at fixed intervals.
 
 use super::inputs::{Hashes, Inputs};
 use super::keeper::Keeper;

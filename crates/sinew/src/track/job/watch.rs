@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 /// Part of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RunPhase {
-    /// Frames are read again, to see that they are those of the run that was stopped.
+    /// Frames are read again, to see that they belong to the run that was stopped.
     Check,
     /// Frames are read for the set-up.
     SetUp,

@@ -45,7 +45,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn expectations_are_those_of_the_densities() {
+    fn expectations_match_the_densities() {
         // ∫ x e^(−x/2)/2 from 0 to 16 = 2 − 18 e⁻⁸
         let e8 = (-8.0_f64).exp();
         let gaussian = Expected::of(Noise::OutlierFloor { outlier: 0.02 });
