@@ -135,7 +135,7 @@ fn a_layout_that_the_keypoints_contradict() {
         });
     }
     assert!(!inspect("BODY_25").contains("look like"));
-    assert!(inspect("BODY_25B").contains("look like BODY_25, by the place of the hips; BODY_25B was asked"));
+    assert!(inspect("BODY_25B").contains("look like BODY_25, by the place of the hips; BODY_25B was requested"));
     insta::assert_snapshot!("sizes_of_nobody", trial.track_printed(&["--force"]));
     let any = trial.track_printed(&["--force", "--any-size"]);
     assert!(!any.contains("error:") && any.contains("look like BODY_25"), "{any}");
