@@ -1,6 +1,6 @@
 //! What the user reads about bad folders of masks and images, and that good ones are read alike in every layout.
 
-use sinew::Error;
+use sinew::RecordingError;
 use sinew::formats::{mask, picture};
 use sinew::input::pictures::Pictures;
 use sinew::input::silhouettes::{Options, Silhouettes};
@@ -63,7 +63,7 @@ impl Trial {
         self.root().join(format!("cam{camera:02}_{frame:03}.png"))
     }
 
-    fn all(&self, options: &Options) -> Result<(Frames, Silhouettes), Error> {
+    fn all(&self, options: &Options) -> Result<(Frames, Silhouettes), RecordingError> {
         let mut silhouettes = Silhouettes::open(&self.root(), &cameras(), options)?;
         let frames = silhouettes.frames().map(|number| silhouettes.frame(number)).collect::<Result<_, _>>()?;
         Ok((frames, silhouettes))
@@ -83,7 +83,7 @@ impl Trial {
     }
 }
 
-fn told(error: &Error) -> String {
+fn told(error: &RecordingError) -> String {
     format!("exit {}: {error}\nhelp: {}", error.exit_code(), error.help().unwrap_or_default())
 }
 

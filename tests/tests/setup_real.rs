@@ -28,7 +28,7 @@ fn reference(data: &Path, name: &str) -> Trc {
 
 fn set_up(recording: &mut Recording, frames: std::ops::Range<u64>, request: &Request) -> (Setup, Vec<setup::Warning>) {
     let (cameras, layout) = (recording.cameras().to_vec(), recording.layout().clone());
-    let frames = frames.map(|n| Ok((n, detections(&recording.frame(n)?))));
+    let frames = frames.map(|n| Ok::<_, sinew::Error>((n, detections(&recording.frame(n)?))));
     setup::set_up(&cameras, &layout, request, frames).unwrap()
 }
 

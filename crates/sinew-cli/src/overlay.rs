@@ -6,7 +6,7 @@ use super::error::{Error, Written};
 use super::progress::Progress;
 use super::report::{self, Report};
 use serde_json::json;
-use sinew::overlay::{Ground, Request, overlay};
+use sinew_tools::overlay::{Ground, Request, overlay};
 use std::path::Path;
 
 /// Runs the command.

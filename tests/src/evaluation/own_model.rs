@@ -56,8 +56,8 @@ pub fn ranked(frames: usize, sigma_px: f64, settings: &Settings, seed: u64) -> R
     let mut start = vec![0.0; body.dof()];
     start[2] = STANDING_HEIGHT_M;
     let ring = Ring { span: SPAN, ..Ring::default() };
-    let failed = |error: sinew::observe::Error| Error::Numerical { message: error.to_string() };
-    let cameras = around(&of_states(&body, std::slice::from_ref(&start)), &ring).map_err(failed)?;
+    let cameras =
+        around(&of_states(&body, std::slice::from_ref(&start)), &ring).expect("a ring of cameras sees a standing body");
     let layout = sinew::formats::layout::find("BODY_25B")?;
     let camera = |camera: &sinew::observe::Camera| CameraSetup {
         name: camera.name.clone(),
@@ -139,8 +139,7 @@ pub fn ranked(frames: usize, sigma_px: f64, settings: &Settings, seed: u64) -> R
         point_positions(&plan, settings.isa, tracker.estimate(), &mut predicted);
         let bound = model.bind(KeypointFrame { detections: &detections, predicted: &predicted });
         let stage = Stage::new(seed, "track").at_frame(frame as u32);
-        let info =
-            tracker.step(&bound.into(), stage).map_err(|error| Error::Numerical { message: error.to_string() })?;
+        let info = tracker.step(&bound.into(), stage)?;
         disagreeing += f64::from(u8::from(info.r_hat.is_some_and(|r| r > R_HAT_BOUND))) / frames as f64;
     }
     let posterior = tracker.posterior();
