@@ -1,16 +1,17 @@
-//! One check per reader of the program itself, and one for a whole step of a filter: whatever the bytes, there is a value or an error with words in it.
+//! One check per reader of the program itself, and one for a whole step of a filter.
+//! Whatever the bytes, there is a value or an error with words in it.
 //!
 //! Used by the fuzz targets and by `tests/tests/corpus.rs`, like [`super::checks`].
 
 use sinew::config::settings::Settings;
 use sinew::input::in_memory::InMemory;
-use sinew::input::recording::Options;
+use sinew::input::recording::RecordingOptions;
 use sinew::input::source::FrameSource;
-use sinew::methods::{Bootstrap, Hmc, Method};
+use sinew::methods::{BootstrapMethod, HmcMethod, Method};
 use sinew::observe::Detection;
 use sinew::observe::association::Person;
 use sinew::results::problem::Problem;
-use sinew::setup::{Request, Setup, set_up};
+use sinew::setup::{Setup, SetupRequest, set_up};
 use sinew::track::Pipeline;
 use sinew::track::checkpoint::Checkpoint;
 use sinew::tracking::{bootstrap, hmc_filter};
@@ -44,7 +45,7 @@ fn inspected(name: &str, data: &[u8], subject: impl Fn(PathBuf) -> Subject) {
         let path = folder.path().join(name);
         fs::create_dir_all(path.parent().unwrap_or(Path::new(""))).expect("a place for files");
         fs::write(&path, data).expect("a place for files");
-        if let Some(facts) = answered(file_facts(&subject(path), &Options::default())) {
+        if let Some(facts) = answered(file_facts(&subject(path), &RecordingOptions::default())) {
             assert!(!facts.title.is_empty());
         }
     });
@@ -125,7 +126,7 @@ static SCENE: LazyLock<(InMemory, Setup)> = LazyLock::new(|| {
         SyntheticRecording::new(&script, 3).expect("a recording");
     let mut recording = InMemory { cameras, layout, keypoints };
     let frames: Vec<_> = (0..12).map(|number| Ok::<_, RecordingError>((number, recording.people(number)?))).collect();
-    let found = set_up(&recording.cameras, &recording.layout, &Request::default(), frames);
+    let found = set_up(&recording.cameras, &recording.layout, &SetupRequest::default(), frames);
     let (mut setup, _) = found.expect("a set-up");
     (setup.step_size, setup.leapfrog_steps) = (Some(0.4), Some(3));
     (recording, setup)
@@ -181,8 +182,8 @@ pub fn filter_step(data: &[u8]) {
         }
     }
     let method: Arc<dyn Method> = match first % 16 {
-        15 => Arc::new(Hmc(hmc_filter::Config { chains: 8, updates: 1, burn_in: 0, ..Hmc::default().0 })),
-        _ => Arc::new(Bootstrap(bootstrap::Config { particles: 8, ..bootstrap::Config::default() })),
+        15 => Arc::new(HmcMethod(hmc_filter::Config { chains: 8, updates: 1, burn_in: 0, ..HmcMethod::default().0 })),
+        _ => Arc::new(BootstrapMethod(bootstrap::Config { particles: 8, ..bootstrap::Config::default() })),
     };
     let settings = Settings { method, draws: 2, ..Settings::default() };
     let tree = setup.tree();

@@ -1,11 +1,12 @@
-//! Prints what the set-up pass finds in a recording: offsets, scatter, sizes, and how well the body fits the points.
+//! Prints what the set-up pass finds in a recording.
+//! Offsets, scatter, sizes, and how well the body fits the points.
 //!
 //! `cargo run --release --example setup_numbers -- Calib.toml KEYPOINT_FOLDER [FIRST LAST [reference.trc]]`
 
 use sinew::input::frame::detections;
-use sinew::input::recording::{Options, Recording};
+use sinew::input::recording::{Recording, RecordingOptions};
 use sinew::observe::offsets;
-use sinew::setup::{self, Request};
+use sinew::setup::{self, SetupRequest};
 use std::path::Path;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -17,10 +18,13 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         [first, last, ..] => Some(first.parse()?..last.parse::<u64>()? + 1),
         _ => None,
     };
-    let mut recording =
-        Recording::open(Path::new(calibration), Path::new(keypoints), &Options { frames, ..Options::default() })?;
+    let mut recording = Recording::open(
+        Path::new(calibration),
+        Path::new(keypoints),
+        &RecordingOptions { frames, ..RecordingOptions::default() },
+    )?;
     let (cameras, layout) = (recording.cameras().to_vec(), recording.layout().clone());
-    let request = Request::default();
+    let request = SetupRequest::default();
     let mut frames = Vec::new();
     for number in recording.frames() {
         frames.push((number, detections(&recording.frame(number)?)));

@@ -38,7 +38,7 @@ use sinew::observe::association::Person;
 use sinew::observe::{Camera, offsets};
 use sinew::results::estimate::FrameEstimate;
 use sinew::results::silhouette_overlap::SilhouetteOverlap;
-use sinew::setup::{self, Request, Setup};
+use sinew::setup::{self, Setup, SetupRequest};
 use sinew::track::{self, Doubt, Pipeline, Spool};
 use sinew_simulate::points::of_states;
 use std::ops::{ControlFlow, Range};
@@ -113,7 +113,7 @@ pub fn set_up(
 ) -> Result<Setup, Error> {
     let (cameras, layout) = (source.cameras().to_vec(), source.layout().clone());
     let people: Vec<_> = frames.clone().map(|number| Ok::<_, Error>((number, source.people(number)?))).collect();
-    let (mut setup, _) = setup::set_up(&cameras, &layout, &Request::default(), people)?;
+    let (mut setup, _) = setup::set_up(&cameras, &layout, &SetupRequest::default(), people)?;
     change(&mut setup);
     let tree = setup.tree();
     setup.motion_sd = Some(setup::measure_motion(&setup, &tree, source, frames, settings.fps)?);

@@ -1,4 +1,5 @@
-//! Masks and pictures of every sequence that experiments use: the person is in all views, and the same seed gives the same pixels.
+//! Masks and pictures of every sequence that experiments use.
+//! The person is in all views, and the same seed gives the same pixels.
 
 use sinew_simulate::combo::{Sequence, synthetic_combo};
 use sinew_simulate::footage::SyntheticFootage;

@@ -15,7 +15,7 @@ use sinew::observe::Camera;
 use sinew::observe::association::Person;
 use sinew::results::claim;
 use sinew::track::job;
-use sinew::track::job::{Pass, Watch};
+use sinew::track::job::{RunPhase, Watch};
 use sinew::{Error, RecordingError};
 use sinew_simulate::points::Trajectories;
 use sinew_simulate::recording::{Script, SyntheticRecording};
@@ -128,9 +128,9 @@ fn soak(method: &str, args: &Args) -> Result<bool, Error> {
     let claim = claim(&out, &[], true)?;
     let mut seen = Seen::default();
     let mut before = Instant::now();
-    let mut progress = |pass: Pass, done: u64, _: u64| {
+    let mut progress = |pass: RunPhase, done: u64, _: u64| {
         let now = Instant::now();
-        if pass == Pass::Track {
+        if pass == RunPhase::Track {
             seen.frame(done, args.frames, 1e3 * (now - before).as_secs_f64());
         }
         before = now;

@@ -7,7 +7,7 @@ use super::progress::Progress;
 use super::report::{self, Report};
 use serde_json::json;
 use sinew::observe::background::Config;
-use sinew_tools::segment::{Request, segment};
+use sinew_tools::segment::{SegmentRequest, segment};
 use std::path::Path;
 
 /// Runs the command.
@@ -15,7 +15,7 @@ pub(crate) fn run(args: &SegmentArgs, general: &General, report: &Report) -> Res
     let Some(out) = general.out.as_deref() else {
         return Err(Error::NoPlace(Written::Masks));
     };
-    let request = Request {
+    let request = SegmentRequest {
         background: args.background.clone(),
         images: args.images.clone(),
         config: Config { threshold: args.threshold, shadow: args.shadow, ..Config::default() },

@@ -3,7 +3,7 @@
 mod common;
 
 use common::trial;
-use sinew::config::setting::Kind;
+use sinew::config::setting::SettingKind;
 use sinew::config::table::settings;
 use std::fs;
 
@@ -132,7 +132,7 @@ fn help_fits_one_screen_and_starts_with_examples() {
         insta::assert_snapshot!(format!("help_{name}"), text);
     }
     for setting in settings() {
-        let Kind::Choice(values) = setting.kind else { continue };
+        let SettingKind::Choice(values) = setting.kind else { continue };
         let flag = format!("--{}", setting.key.replace('_', "-"));
         let help = String::from_utf8(trial.run(&["track", "--help"]).stdout).unwrap();
         let of_flag = help.split(&format!("      {flag} ")).nth(1).unwrap_or_default().split("\n\n").next().unwrap();

@@ -1,4 +1,4 @@
-//! What the user reads where masks, images and starts do not fit, from the program; and that a person who is lost leaves results that say so.
+//! What the program says where masks, images and starts do not fit. A person who is lost leaves results that say so.
 
 mod common;
 

@@ -15,9 +15,9 @@ use sinew::core::lanes::Isa;
 use sinew::input::source::FrameSource;
 use sinew::input::up_axis::z_up_from;
 use sinew::input::upright::Upright;
-use sinew::methods::{Bootstrap, Hmc, Method};
+use sinew::methods::{BootstrapMethod, HmcMethod, Method};
 use sinew::results::estimate::{FrameEstimate, Quality};
-use sinew::setup::{self, Request, Setup};
+use sinew::setup::{self, Setup, SetupRequest};
 use sinew::track::Pipeline;
 use sinew::tracking::{bootstrap, hmc_filter};
 use sinew_simulate::recording::{Script, SyntheticRecording};
@@ -33,18 +33,19 @@ fn recording(duration_s: f64) -> SyntheticRecording {
 fn set_up(recording: &SyntheticRecording, frames: Range<u64>) -> Setup {
     let mut source = source(recording);
     let frames = frames.map(|number| Ok::<_, Error>((number, source.people(number)?)));
-    let (mut found, _) = setup::set_up(&recording.cameras, &recording.layout, &Request::default(), frames).unwrap();
+    let (mut found, _) =
+        setup::set_up(&recording.cameras, &recording.layout, &SetupRequest::default(), frames).unwrap();
     (found.step_size, found.leapfrog_steps) = (Some(0.4), Some(5));
     found
 }
 
 fn quick() -> Settings {
-    let hmc = hmc_filter::Config { chains: 8, updates: 12, burn_in: 4, ..Hmc::default().0 };
-    Settings { method: Arc::new(Hmc(hmc)), draws: 16, ..Settings::default() }
+    let hmc = hmc_filter::Config { chains: 8, updates: 12, burn_in: 4, ..HmcMethod::default().0 };
+    Settings { method: Arc::new(HmcMethod(hmc)), draws: 16, ..Settings::default() }
 }
 
 fn bootstrap(particles: usize) -> Arc<dyn Method> {
-    Arc::new(Bootstrap(bootstrap::Config { particles, ..bootstrap::Config::default() }))
+    Arc::new(BootstrapMethod(bootstrap::Config { particles, ..bootstrap::Config::default() }))
 }
 
 /// Tracks ranges of frames one after the other with one pipeline.

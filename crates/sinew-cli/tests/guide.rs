@@ -1,4 +1,5 @@
-//! Every command of the guide and of the README runs, in the order of its page, and prints what the page shows.
+//! Every command of the guide and of the README runs and prints what its page shows.
+//! Commands run in the order of the page.
 //!
 //! A page finds the files of "your own recording" in its folder: a simulated one. Blocks that open with `# sinew.toml` are written to that file. Runs are
 //! shortened by settings in the environment and simulations to a second; nothing else differs from what a reader types. Lines that do not begin with
@@ -9,7 +10,7 @@ mod common;
 use common::Trial;
 use sinew::core::random::Stage;
 use sinew::formats::{calib_toml, picture};
-use sinew_simulate::render::View;
+use sinew_simulate::render::RayCamera;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -81,7 +82,7 @@ fn own_recording(trial: &Trial) {
         }
     }
     for camera in calib_toml::read("Calib.toml", &renamed).unwrap().cameras {
-        let view = View::new(&camera);
+        let view = RayCamera::new(&camera);
         let room = view.room(1);
         for frame in 0..4_u32 {
             let mut file = fs::File::create(trial.path(&format!("empty/{}_{frame:04}.png", camera.name))).unwrap();

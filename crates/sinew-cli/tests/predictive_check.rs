@@ -8,7 +8,7 @@ use common::trial;
 use sinew::body::Proportions;
 use sinew::config::settings::Settings;
 use sinew::core::lanes::Isa;
-use sinew::methods::Hmc;
+use sinew::methods::HmcMethod;
 use sinew::setup::Setup;
 use sinew::track::{Doubt, Lengths, Origins};
 use sinew::tracking::hmc_filter;
@@ -32,8 +32,8 @@ fn right() -> DetectorNoise {
 
 /// The same digits on every processor, and quick.
 fn settings() -> Settings {
-    let hmc = hmc_filter::Config { chains: 8, updates: 12, burn_in: 3, ..Hmc::default().0 };
-    Settings { isa: Isa::baseline(), method: Arc::new(Hmc(hmc)), ..Settings::default() }
+    let hmc = hmc_filter::Config { chains: 8, updates: 12, burn_in: 3, ..HmcMethod::default().0 };
+    Settings { isa: Isa::baseline(), method: Arc::new(HmcMethod(hmc)), ..Settings::default() }
 }
 
 /// A set-up from keypoints with the noise that is assumed.

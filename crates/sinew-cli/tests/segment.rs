@@ -4,7 +4,7 @@ mod common;
 
 use common::{Trial, files};
 use sinew::formats::picture;
-use sinew::input::silhouettes::{Options, Silhouettes};
+use sinew::input::silhouettes::{ImageFolderOptions, Silhouettes};
 use sinew::observe::bit_image::{BitImage, overlap};
 use sinew::observe::{Camera, RgbImage};
 use std::fs;
@@ -95,7 +95,7 @@ fn least_iou(trial: &Trial) -> f64 {
         Camera::look_at(name, SIZE.map(|size| size as f64), 200.0, [-3.0, -4.0, 2.0], [0.0, 0.0, 1.0]).unwrap()
     };
     let cameras = CAMERAS.map(camera);
-    let mut silhouettes = Silhouettes::open(&trial.path("masks"), &cameras, &Options::default()).unwrap();
+    let mut silhouettes = Silhouettes::open(&trial.path("masks"), &cameras, &ImageFolderOptions::default()).unwrap();
     assert_eq!(silhouettes.frames(), 8..13);
     let mut least = 1.0_f64;
     for number in silhouettes.frames() {

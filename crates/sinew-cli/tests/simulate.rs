@@ -3,7 +3,7 @@
 mod common;
 
 use common::{Trial, files};
-use sinew::input::recording::{Options, Recording};
+use sinew::input::recording::{Recording, RecordingOptions};
 use std::fs;
 
 fn folder() -> Trial {
@@ -33,7 +33,7 @@ fn a_recording_is_whole_and_its_readers_take_it() {
         assert!(written.contains_key(name), "{name}");
     }
     assert_eq!(written.len(), 3 * 8 + 24 + 6 + 3);
-    let options = Options { layout: Some("BODY_25B".into()), ..Options::default() };
+    let options = RecordingOptions { layout: Some("BODY_25B".into()), ..RecordingOptions::default() };
     let mut recording = Recording::open(&trial.path("out/Calib.toml"), &trial.path("out/keypoints"), &options).unwrap();
     assert_eq!((recording.cameras().len(), recording.frames()), (3, 0..8));
     assert_eq!(recording.cameras()[0].image_size_px, [160.0, 120.0]);

@@ -1,4 +1,4 @@
-//! Whatever way a density is asked, through a lane leaf, a reference, a box, a block or a default method, it gives the same answer.
+//! Every way to evaluate a density gives the same answer: lane leaf, reference, box, block, default method.
 
 use sinew_core::combinators::{OnPart, Sum, Tempered, Through};
 use sinew_core::decode::Identity;

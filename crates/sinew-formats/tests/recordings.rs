@@ -137,8 +137,11 @@ fn every_keypoint_file_is_read() {
             let mut tally = openpose::Tally::default();
             for (number, index) in order {
                 let path = folder.join(part).join(camera).join(&files[index]);
-                let options =
-                    openpose::Options { frame: Some(number), layout: Some(&body_25b), ..openpose::Options::default() };
+                let options = openpose::OpenposeOptions {
+                    frame: Some(number),
+                    layout: Some(&body_25b),
+                    ..openpose::OpenposeOptions::default()
+                };
                 let frame = openpose::read(&files[index], &text(&path), &options).unwrap();
                 tally.add(number, Some(&frame));
                 if camera == "cam01_json" {

@@ -36,10 +36,10 @@ mod stored;
 mod up_axis;
 mod warning;
 
-pub use collect::{Collected, Request, alone, collect, limb_lengths};
+pub use collect::{Collected, SetupRequest, alone, collect, limb_lengths};
 pub use error::SetupError;
 pub use measured_motion::measure_motion;
 pub use pass::set_up;
 pub use pose_fit::pose_of;
 pub use stored::{Body, CameraSetup, FileBody, SCHEMA, Setup};
-pub use warning::Warning;
+pub use warning::SetupWarning;

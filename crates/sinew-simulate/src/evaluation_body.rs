@@ -44,7 +44,7 @@ impl Material {
 
 /// A convex solid in the world, metres.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Shape {
+pub enum ConvexShape {
     /// All spheres between two: centres and radii move linearly from one to the other.
     Capsule {
         /// Centres of the two spheres.
@@ -63,9 +63,9 @@ pub enum Shape {
 
 /// A solid and what it is made of.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Solid {
+pub struct MaterialSolid {
     /// Where it is.
-    pub shape: Shape,
+    pub shape: ConvexShape,
     /// What it is made of.
     pub material: Material,
 }
@@ -232,7 +232,7 @@ impl EvaluationBody {
 
     /// The solids of a frame; none beyond the last.
     #[must_use]
-    pub fn solids(&self, frame: usize) -> Vec<Solid> {
+    pub fn solids(&self, frame: usize) -> Vec<MaterialSolid> {
         let (Some(joints), Some(clothes)) = (self.joints.get(frame), self.clothes.get(frame)) else {
             return Vec::new();
         };
@@ -249,8 +249,8 @@ impl EvaluationBody {
                     (between(from, to, *fraction), self.girth[chain.part] * radius * moved)
                 })
                 .collect();
-            solids.extend(spheres.windows(2).map(|pair| Solid {
-                shape: Shape::Capsule { ends: [pair[0].0, pair[1].0], radii: [pair[0].1, pair[1].1] },
+            solids.extend(spheres.windows(2).map(|pair| MaterialSolid {
+                shape: ConvexShape::Capsule { ends: [pair[0].0, pair[1].0], radii: [pair[0].1, pair[1].1] },
                 material: chain.material,
             }));
         }
@@ -260,7 +260,7 @@ impl EvaluationBody {
     }
 
     /// The ellipsoids; first those of cloth, with their factors.
-    fn blobs(&self, pose: &Pose, cloth: &[f64]) -> Vec<Solid> {
+    fn blobs(&self, pose: &Pose, cloth: &[f64]) -> Vec<MaterialSolid> {
         use Material::{Hair, Shirt, Skin, Trousers};
         let at = |k: usize| pose.landmarks[k];
         let trunk = |fraction: f64| between(at(MID_HIP), at(COLLAR), fraction);
@@ -296,7 +296,7 @@ impl EvaluationBody {
         let solid = |((part, material, centre, axes, lengths), moved): ((usize, _, _, [Vector; 3], [f64; 3]), f64)| {
             let factor = self.girth[part] * moved;
             let half_axes = [0, 1, 2].map(|i: usize| axes[i].map(|x| factor * lengths[i] * x));
-            Solid { shape: Shape::Ellipsoid { centre, half_axes }, material }
+            MaterialSolid { shape: ConvexShape::Ellipsoid { centre, half_axes }, material }
         };
         blobs.into_iter().zip(cloth).map(solid).collect()
     }
@@ -525,7 +525,7 @@ mod tests {
         let (first, last) = (body.solids(0), body.solids(5));
         assert_eq!(first.len(), last.len());
         for (a, b) in first.iter().zip(&last) {
-            if let (Shape::Capsule { radii: p, .. }, Shape::Capsule { radii: q, .. }) = (a.shape, b.shape) {
+            if let (ConvexShape::Capsule { radii: p, .. }, ConvexShape::Capsule { radii: q, .. }) = (a.shape, b.shape) {
                 assert_eq!(p == q, !a.material.is_cloth());
                 assert!(p.iter().chain(&q).all(|r| (0.015..0.15).contains(r)));
             }
@@ -554,11 +554,11 @@ mod tests {
                 .solids(frame)
                 .iter()
                 .flat_map(|solid| match solid.shape {
-                    Shape::Capsule { ends, radii } => (0..=8)
+                    ConvexShape::Capsule { ends, radii } => (0..=8)
                         .map(|k| f64::from(k) / 8.0)
                         .map(|s| (between(ends[0], ends[1], s), radii[0] + s * (radii[1] - radii[0])))
                         .collect::<Vec<_>>(),
-                    Shape::Ellipsoid { centre, half_axes } => {
+                    ConvexShape::Ellipsoid { centre, half_axes } => {
                         let least = half_axes.iter().map(|h| crate::space::length(*h)).fold(f64::INFINITY, f64::min);
                         vec![(centre, least)]
                     }

@@ -22,7 +22,7 @@
 use crate::Error;
 use crate::evaluation_body::EvaluationBody;
 use crate::points::Trajectories;
-use crate::render::View;
+use crate::render::RayCamera;
 use crate::ring::{Ring, around};
 use crate::segmentation_noise::{Level, segmented};
 use sinew_core::random::Stage;
@@ -42,7 +42,7 @@ pub struct SyntheticFootage {
     pub cameras: Vec<Camera>,
     /// The person.
     pub body: EvaluationBody,
-    views: Vec<View>,
+    views: Vec<RayCamera>,
     rooms: Vec<OnceLock<RgbImage>>,
     seed: u64,
 }
@@ -67,7 +67,7 @@ impl SyntheticFootage {
     /// As [`EvaluationBody::new`].
     pub fn of_cameras(motion: Trajectories, rate_hz: f64, cameras: Vec<Camera>, seed: u64) -> Result<Self, Error> {
         let body = EvaluationBody::new(&motion, Stage::new(seed, "evaluation body"))?;
-        let views: Vec<View> = cameras.iter().map(View::new).collect();
+        let views: Vec<RayCamera> = cameras.iter().map(RayCamera::new).collect();
         let rooms = cameras.iter().map(|_| OnceLock::new()).collect();
         Ok(Self { motion, rate_hz, cameras, body, views, rooms, seed })
     }

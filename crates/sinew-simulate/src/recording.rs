@@ -209,7 +209,8 @@ mod tests {
         let recording = SyntheticRecording::new(&Script { duration_s: 1.2, ..Script::default() }, 3).unwrap();
         let files: Vec<_> = recording.keypoint_files().collect();
         assert_eq!((files.len(), files[0].0.as_str()), (4 * 36, "C1_json/C1.0000.json"));
-        let options = openpose::Options { layout: Some(&recording.layout), ..openpose::Options::default() };
+        let options =
+            openpose::OpenposeOptions { layout: Some(&recording.layout), ..openpose::OpenposeOptions::default() };
         let memory = recording.keypoints.iter().flatten();
         for ((name, text), expected) in files.iter().zip(memory) {
             let frame = openpose::read(name, text, &options).unwrap();

@@ -42,7 +42,7 @@ pub enum Ground {
 
 /// What to draw.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Request {
+pub struct OverlayRequest {
     /// Calibration of the run.
     pub calibration: PathBuf,
     /// Background.
@@ -194,13 +194,19 @@ enum Source {
 
 impl Source {
     fn open(
-        request: &Request,
+        request: &OverlayRequest,
         cameras: &[Camera],
         calibrated: Vec<String>,
         frames: Range<u64>,
         lag: Vec<(String, i64)>,
     ) -> Result<Self, Error> {
-        let options = image_folder::Options { scale: request.scale, frames: Some(frames), trim: true, lag, calibrated };
+        let options = image_folder::ImageFolderOptions {
+            scale: request.scale,
+            frames: Some(frames),
+            trim: true,
+            lag,
+            calibrated,
+        };
         Ok(match &request.ground {
             Ground::Images(folder) => Self::Images(Pictures::open(folder, cameras, &options)?),
             Ground::Silhouettes(folder) => Self::Silhouettes(Silhouettes::open(folder, cameras, &options)?),
@@ -258,7 +264,7 @@ fn black(camera: &Camera) -> RgbImage {
 /// Errors of [`Tracked::read`]; images or masks that do not fit the calibration; frames without any; an output folder that holds something (unless forced), is an input or cannot be written.
 pub fn overlay(
     results: &Path,
-    request: &Request,
+    request: &OverlayRequest,
     out: &Path,
     force: bool,
     mut progress: impl FnMut(u64, u64),

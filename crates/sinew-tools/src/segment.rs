@@ -38,7 +38,7 @@ const FEW_IMAGES: u32 = 5;
 
 /// What to make masks from.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Request {
+pub struct SegmentRequest {
     /// Folders of images without anybody; all images of a camera in them are taken.
     pub background: Vec<PathBuf>,
     /// Folder of images.
@@ -76,7 +76,12 @@ pub struct Masks {
 /// # Errors
 /// Settings out of range; folders without images; a camera without a background; images that [`picture::read`] refuses or that differ in size; an output folder that
 /// holds something (unless forced), is an input or cannot be written.
-pub fn segment(request: &Request, out: &Path, force: bool, mut progress: impl FnMut(u64, u64)) -> Result<Masks, Error> {
+pub fn segment(
+    request: &SegmentRequest,
+    out: &Path,
+    force: bool,
+    mut progress: impl FnMut(u64, u64),
+) -> Result<Masks, Error> {
     check(request)?;
     let cameras = listed(&request.images)?;
     let backgrounds = request.background.iter().map(|folder| listed(folder)).collect::<Result<Vec<_>, _>>()?;
@@ -114,7 +119,7 @@ pub fn segment(request: &Request, out: &Path, force: bool, mut progress: impl Fn
     Ok(made)
 }
 
-fn check(request: &Request) -> Result<(), SegmentError> {
+fn check(request: &SegmentRequest) -> Result<(), SegmentError> {
     let Config { threshold, least_std, shadow } = request.config;
     let wrong = |flag, value, range| Err(SegmentError::OutOfRange { flag, value, range });
     let is_positive = |value: f32| value > 0.0 && value.is_finite();
@@ -147,7 +152,7 @@ fn listed(root: &Path) -> Result<Vec<CameraFiles>, Error> {
 fn background_files<'a>(
     camera: &CameraFiles,
     backgrounds: &'a [Vec<CameraFiles>],
-    request: &Request,
+    request: &SegmentRequest,
 ) -> Result<Vec<&'a CameraFiles>, SegmentError> {
     let name = camera_name::fold(&camera.camera);
     let found: Vec<&CameraFiles> =
@@ -205,7 +210,7 @@ fn emptied(folder: &Path) -> Result<(), Error> {
 fn masks(
     camera: &CameraFiles,
     background: &Background,
-    request: &Request,
+    request: &SegmentRequest,
     folder: &Path,
     warnings: &mut Vec<String>,
     step: &mut impl FnMut(),

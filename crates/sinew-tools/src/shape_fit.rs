@@ -34,7 +34,7 @@ use std::sync::Arc;
 
 /// Where poses and masks come from.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Request {
+pub struct ShapeFitRequest {
     /// Calibration of the run.
     pub calibration: PathBuf,
     /// Masks.
@@ -65,7 +65,7 @@ pub struct PartScale {
 
 /// What was found.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Fitted {
+pub struct FittedShape {
     /// Solids with their new radii.
     pub flesh: Flesh,
     /// Scale of each part.
@@ -215,7 +215,7 @@ pub fn fit(
     cameras: &[Camera],
     sights: &[Sight],
     mut progress: impl FnMut(u64, u64),
-) -> Result<Fitted, ShapeFitError> {
+) -> Result<FittedShape, ShapeFitError> {
     let masks = || sights.iter().flat_map(|sight| cameras.iter().zip(&sight.silhouettes));
     for (camera, mask) in masks().filter_map(|(camera, mask)| Some((camera, mask.as_ref()?))) {
         let (size, expected) = ([mask.width(), mask.height()], camera.image_size_px.map(|side| side as usize));
@@ -244,7 +244,7 @@ pub fn fit(
     }
     let (after, flesh) = (judge.mismatch(&logs)?, judge.flesh(&logs)?);
     let parts = names.iter().zip(&logs).map(|(name, log)| PartScale { name: name.clone(), scale: log.map(f64::exp) });
-    Ok(Fitted {
+    Ok(FittedShape {
         flesh,
         parts: parts.collect(),
         before,
@@ -259,11 +259,11 @@ pub fn fit(
 /// Errors of [`Tracked::read`], [`Silhouettes::open`] and [`fit`]; a file that is there (unless forced), an input or cannot be written.
 pub fn fit_shape(
     results: &Path,
-    request: &Request,
+    request: &ShapeFitRequest,
     out: &Path,
     force: bool,
     progress: impl FnMut(u64, u64),
-) -> Result<(Fitted, Vec<String>), Error> {
+) -> Result<(FittedShape, Vec<String>), Error> {
     if let Some(input) = tracked::inputs(results, &request.calibration, Some(&request.silhouettes))
         .into_iter()
         .find(|input| out.canonicalize().is_ok_and(|out| input.canonicalize().is_ok_and(|input| out == input)))
@@ -282,7 +282,8 @@ pub fn fit_shape(
         _ => 0..0,
     };
     let lag = tracked.lag.clone();
-    let options = silhouettes::Options { scale: request.scale, frames: Some(numbers), trim: true, lag, calibrated };
+    let options =
+        silhouettes::ImageFolderOptions { scale: request.scale, frames: Some(numbers), trim: true, lag, calibrated };
     let mut masks = Silhouettes::open(&request.silhouettes, &cameras, &options)?;
     let sized = tracked.as_seen(&masks.cameras(), &cameras);
     let raster = |camera| WorkingRaster::new(camera, WorkingRaster::factor_for(camera, RASTER));

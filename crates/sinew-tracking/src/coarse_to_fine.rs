@@ -23,7 +23,7 @@ use sinew_core::part::PartTree;
 use sinew_core::random::Stage;
 use sinew_core::transition::MotionModel;
 use sinew_samplers::diffusion::diffuse;
-use sinew_samplers::grid::Axis;
+use sinew_samplers::grid::GridAxis;
 use sinew_samplers::particles::{Particles, best, resample, temper};
 use sinew_samplers::parts::{choose, choose_chained};
 use sinew_samplers::quantised::{evaluate_distinct, walk};
@@ -76,7 +76,7 @@ pub struct CoarseToFine {
 /// The last change of X̂, the short way round where a coordinate wraps.
 #[derive(Clone, Debug)]
 struct Drift {
-    axes: Vec<Axis>,
+    axes: Vec<GridAxis>,
     change: Vec<f64>,
 }
 
@@ -106,7 +106,7 @@ impl CoarseToFine {
     ///
     /// # Errors
     /// [`Error::Config`], [`Error::Dimension`], or no particles.
-    pub fn new(config: Config, axes: Vec<Axis>, tree: PartTree, centre: Vec<f64>, isa: Isa) -> Result<Self, Error> {
+    pub fn new(config: Config, axes: Vec<GridAxis>, tree: PartTree, centre: Vec<f64>, isa: Isa) -> Result<Self, Error> {
         let start = Judged { state: centre.clone(), log_likelihood: f64::NEG_INFINITY };
         let change = vec![0.0; axes.len()];
         let state = ParticleState::new(Drift { axes, change }, centre, config.coarse)?;
@@ -156,7 +156,7 @@ impl<O: PartLogDensity + ?Sized> Tracker<O> for CoarseToFine {
         let coarse = Judged { state: particles.state(index), log_likelihood };
 
         let mut refined = Particles::new(&coarse.state, config.fine)?;
-        let widths: Vec<f64> = axes.iter().map(Axis::width).collect();
+        let widths: Vec<f64> = axes.iter().map(GridAxis::width).collect();
         diffuse(&mut refined, None, &widths, *isa, to_refine);
         let choice = if config.chained { choose_chained } else { choose };
         let chosen = choice(&refined, observed, tree)?;

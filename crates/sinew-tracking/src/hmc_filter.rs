@@ -30,7 +30,7 @@ use sinew_samplers::laplace::laplace;
 use sinew_samplers::metric::{Geometry, Metric};
 use sinew_samplers::moments;
 use sinew_samplers::starts::{importance_starts, laplace_starts};
-use sinew_samplers::tuning::{self, Trial, Tuned};
+use sinew_samplers::tuning::{self, StepSizeTrial, Tuned};
 
 /// Split R̂ above which the chains of a frame disagree.
 pub const R_HAT_BOUND: f64 = 1.05;
@@ -196,7 +196,7 @@ impl<T: Predict> HmcFilter<T> {
     ) -> Result<Tuned, Error> {
         let [to_start, to_tune] = stage.split(["start", "tune"]);
         let Start { prior, states, metric, .. } = self.start(observed, to_start)?;
-        let mut trial = Trial { target: &Sum(observed, &prior), metric: &metric, states, isa: self.isa };
+        let mut trial = StepSizeTrial { target: &Sum(observed, &prior), metric: &metric, states, isa: self.isa };
         Ok(tuning::length(&mut trial, config, &to_tune)?)
     }
 }

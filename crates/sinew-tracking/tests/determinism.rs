@@ -11,7 +11,7 @@ use sinew_core::random::Stage;
 use sinew_core::toy::Quadratic;
 use sinew_dynamics::random_walk::{Between, RandomWalk};
 use sinew_samplers::annealed_search;
-use sinew_samplers::grid::Axis;
+use sinew_samplers::grid::GridAxis;
 use sinew_samplers::tuning;
 use sinew_tracking::annealed::{self, Annealed};
 use sinew_tracking::bootstrap::{self, Bootstrap};
@@ -118,7 +118,7 @@ fn partitioned(particles: usize) -> Partitioned<RandomWalk> {
 }
 
 fn coarse_to_fine(config: coarse_to_fine::Config) -> CoarseToFine {
-    let axes = vec![Axis::new(-2.0, 2.0, 0.15, false).expect("valid"); 2];
+    let axes = vec![GridAxis::new(-2.0, 2.0, 0.15, false).expect("valid"); 2];
     CoarseToFine::new(config, axes, tree(), vec![0.0, 1.0], Isa::best()).expect("valid")
 }
 
@@ -405,7 +405,7 @@ fn settings_of_searches_and_of_the_partitioned_filter_are_checked() {
     };
     assert!(partitioned(1, tree(), &[0.0; 2]).is_ok() && partitioned(0, tree(), &[0.0; 2]).is_err());
     assert!(partitioned(1, small.clone(), &[0.0; 2]).is_err() && partitioned(1, tree(), &[0.0; 1]).is_err());
-    let axes = vec![Axis::new(-2.0, 2.0, 0.15, false).expect("valid"); 2];
+    let axes = vec![GridAxis::new(-2.0, 2.0, 0.15, false).expect("valid"); 2];
     let coarse_to_fine = |config, tree, centre: &[f64]| {
         CoarseToFine::new(config, axes.clone(), tree, centre.to_vec(), Isa::best()).map(|_| ())
     };

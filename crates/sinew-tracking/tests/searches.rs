@@ -1,4 +1,5 @@
-//! The annealed and the coarse-to-fine tracker, exactly: A1, A12, validity, counts of evaluations, equality of the two ways of a product likelihood.
+//! The annealed and the coarse-to-fine tracker against exact results.
+//! A1, A12, validity, counts of evaluations, equality of the two ways of a product likelihood.
 
 use core::ops::Range;
 use sinew_core::density::{Lanes, LogDensity, PartLogDensity};
@@ -8,7 +9,7 @@ use sinew_core::random::Stage;
 use sinew_core::toy::Quadratic;
 use sinew_dynamics::random_walk::{Between, RandomWalk};
 use sinew_samplers::annealed_search::{self, Last};
-use sinew_samplers::grid::Axis;
+use sinew_samplers::grid::GridAxis;
 use sinew_samplers::particles::aggregate;
 use sinew_samplers::resample::Scheme;
 use sinew_tracking::annealed::{self, Annealed};
@@ -185,8 +186,8 @@ fn a_product_is_weighed_by_its_last_factor() {
     assert!(a.survivors.iter().all(|d| (2.0..301.0).contains(d)), "{:?}", a.survivors);
 }
 
-fn axes(width: f64) -> Vec<Axis> {
-    vec![Axis::new(-2.0, 2.0, width, false).expect("valid"); 3]
+fn axes(width: f64) -> Vec<GridAxis> {
+    vec![GridAxis::new(-2.0, 2.0, width, false).expect("valid"); 3]
 }
 
 fn coarse_to_fine(config: coarse_to_fine::Config, width: f64) -> CoarseToFine {

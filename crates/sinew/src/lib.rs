@@ -18,14 +18,14 @@
 //! ```
 //! use sinew::input::in_memory::InMemory;
 //! use sinew::input::source::FrameSource;
-//! use sinew::setup::{self, Request};
+//! use sinew::setup::{self, SetupRequest};
 //! use sinew_simulate::recording::{Script, SyntheticRecording};
 //!
 //! let walk = SyntheticRecording::new(&Script { duration_s: 1.5, ..Script::default() }, 1)?;
 //! let mut source = InMemory { cameras: walk.cameras, layout: walk.layout, keypoints: walk.keypoints };
 //! let frames: Vec<_> = source.frames().map(|number| Ok((number, source.people(number)?))).collect();
 //!
-//! let (found, _) = setup::set_up(&source.cameras, &source.layout, &Request::default(), frames)?;
+//! let (found, _) = setup::set_up(&source.cameras, &source.layout, &SetupRequest::default(), frames)?;
 //! let knee = found.tree().link_index("r_shin").ok_or("no knee")?;
 //! let thigh_m = -found.tree().links()[knee].offset[2];
 //! assert!((thigh_m - 0.43).abs() < 0.03);

@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 use sinew::body::Proportions;
 use sinew::body::standard::EVALUATION_JOINTS;
 use sinew::config::settings::Settings;
-use sinew::methods::Bootstrap;
+use sinew::methods::BootstrapMethod;
 use sinew::observe::Noise;
 use sinew::setup::Setup;
 use sinew::track::Doubt;
@@ -72,7 +72,7 @@ impl Tracker {
             Self::Hmc => Settings::default(),
             Self::Bootstrap(particles) => {
                 let config = bootstrap::Config { particles, ..bootstrap::Config::default() };
-                Settings { method: Arc::new(Bootstrap(config)), ..Settings::default() }
+                Settings { method: Arc::new(BootstrapMethod(config)), ..Settings::default() }
             }
         }
     }

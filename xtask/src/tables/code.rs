@@ -1,7 +1,7 @@
 //! Tables that derive from lists in the code: settings, methods, layouts, planted bugs.
 
 use crate::mutants::list;
-use sinew::config::setting::{Kind, Setting};
+use sinew::config::setting::{Setting, SettingKind};
 use sinew::config::table::settings;
 use sinew::formats::layout;
 use sinew::methods::{About, Gives, METHODS};
@@ -37,19 +37,19 @@ fn escaped(help: &str) -> String {
 
 fn values(setting: &Setting) -> String {
     match setting.kind {
-        Kind::Path => "path".into(),
-        Kind::NameOrPath => "name or path".into(),
-        Kind::Choice(names) => names.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", "),
-        Kind::Count(least, u64::MAX) => format!("whole, from {least}"),
-        Kind::Count(least, most) => format!("{least} to {most}"),
-        Kind::Number { least, excluded, most } => {
+        SettingKind::Path => "path".into(),
+        SettingKind::NameOrPath => "name or path".into(),
+        SettingKind::Choice(names) => names.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", "),
+        SettingKind::Count(least, u64::MAX) => format!("whole, from {least}"),
+        SettingKind::Count(least, most) => format!("{least} to {most}"),
+        SettingKind::Number { least, excluded, most } => {
             let above = if excluded { "above" } else { "from" };
             if most.is_finite() { format!("{above} {least} to {most}") } else { format!("{above} {least}") }
         }
-        Kind::Flag => "`true`, `false`".into(),
-        Kind::Frames => "`A..B`, B not included".into(),
-        Kind::Names => "names, `a,b,c`".into(),
-        Kind::Lags => "frames by camera, `a=1,b=-2`".into(),
+        SettingKind::Flag => "`true`, `false`".into(),
+        SettingKind::Frames => "`A..B`, B not included".into(),
+        SettingKind::Names => "names, `a,b,c`".into(),
+        SettingKind::Lags => "frames by camera, `a=1,b=-2`".into(),
     }
 }
 

@@ -11,7 +11,7 @@ use sinew::observe::association::Person;
 use sinew::observe::bit_image::BitImage;
 use sinew::results::{Claim, claim, claim_to_resume};
 use sinew::track::checkpoint::{self, Checkpoint};
-use sinew::track::job::{self, Outcome, Pass, Watch};
+use sinew::track::job::{self, Outcome, RunPhase, Watch};
 use sinew::{Error, RecordingError, setup};
 use sinew_simulate::footage::SyntheticFootage;
 use sinew_simulate::recording::{Script, SyntheticRecording};
@@ -116,7 +116,7 @@ impl Whole {
         let folder = tempfile::tempdir().unwrap();
         let is_cf28 = settings.contains(&("body", "cf28"));
         let body = if is_cf28 { setup::Body::CF28 } else { setup::Body::H32 };
-        let request = setup::Request { body, ..setup::Request::default() };
+        let request = setup::SetupRequest { body, ..setup::SetupRequest::default() };
         let first: Vec<_> = (0..10).map(|number| Ok::<_, Error>((number, recording.people(number)?))).collect();
         let (mut found, _) = setup::set_up(&recording.cameras, &recording.layout, &request, first).unwrap();
         (found.step_size, found.leapfrog_steps) = (Some(0.4), Some(3));
@@ -162,8 +162,8 @@ impl Whole {
     ) -> Result<Outcome, Error> {
         let resolved = resolve(&Sources { flags: self.settings.clone(), ..Sources::default() })?;
         let flag = AtomicBool::new(stop == Some(0) && from.is_none());
-        let mut progress = |pass: Pass, done: u64, _: u64| {
-            if pass == Pass::Track && Some(done) == stop {
+        let mut progress = |pass: RunPhase, done: u64, _: u64| {
+            if pass == RunPhase::Track && Some(done) == stop {
                 flag.store(true, Ordering::SeqCst);
             }
         };

@@ -20,7 +20,7 @@
 //! - the root of a body with branches is a joint `root` of its own, below the origin of the first link;
 //! - a link without children ends at the point of the body that lies farthest from its origin.
 
-use super::hierarchy::{Channel, Joint, bvh_from_world};
+use super::hierarchy::{BvhJoint, Channel, bvh_from_world};
 use crate::rotation::{IDENTITY, Matrix, apply, product, to_zyx, transpose};
 use sinew_body::KinematicTree;
 
@@ -40,7 +40,7 @@ const ROOT: &str = "root";
 #[derive(Clone, Debug, PartialEq)]
 pub struct Skeleton {
     /// Joints, depth first.
-    pub joints: Vec<Joint>,
+    pub joints: Vec<BvhJoint>,
     /// Link whose rotation each joint has.
     links: Vec<usize>,
     /// `Q_iᵀ Aᵀ` of each link.
@@ -105,7 +105,7 @@ struct Growing<'a> {
     children: Vec<Vec<usize>>,
     /// Links of each link's branch, itself included.
     branch: Vec<usize>,
-    joints: Vec<Joint>,
+    joints: Vec<BvhJoint>,
     links: Vec<usize>,
 }
 
@@ -150,7 +150,7 @@ impl<'a> Growing<'a> {
             Some(_) => rotations.to_vec(),
             None => [0, 1, 2].map(Channel::Position).into_iter().chain(rotations).collect(),
         };
-        self.joints.push(Joint { name, parent, offset, channels, end_site: None });
+        self.joints.push(BvhJoint { name, parent, offset, channels, end_site: None });
         self.links.push(link);
         self.joints.len() - 1
     }

@@ -80,7 +80,7 @@ impl Footage {
     ///
     /// # Errors
     /// Errors of [`Recording::open`], [`Silhouettes::open`] and [`Pictures::open`]; nothing to track; no start for masks.
-    pub fn open(files: &FootageFiles<'_>, options: &recording::Options) -> Result<Self, Error> {
+    pub fn open(files: &FootageFiles<'_>, options: &recording::RecordingOptions) -> Result<Self, Error> {
         let calibration = files.calibration;
         let begins_only = files.init.is_some();
         let mut footage = match files.keypoints {
@@ -95,7 +95,8 @@ impl Footage {
             let frames = if has_keypoints { Some(footage.frames.clone()) } else { options.frames.clone() };
             recording::check_lags(&options.lag, &names)?;
             let lag = options.lag.clone();
-            let masks = silhouettes::Options { scale, frames, trim: options.trim, lag, calibrated: names.clone() };
+            let masks =
+                silhouettes::ImageFolderOptions { scale, frames, trim: options.trim, lag, calibrated: names.clone() };
             let masks = Silhouettes::open(folder, &footage.cameras, &masks)?;
             if !has_keypoints {
                 (footage.frames, footage.available) = (masks.frames(), masks.available());
@@ -103,7 +104,7 @@ impl Footage {
             if let Some(folder) = files.images {
                 let frames = Some(footage.frames.clone());
                 let lag = options.lag.clone();
-                let images = pictures::Options { scale, frames, trim: true, lag, calibrated: names };
+                let images = pictures::ImageFolderOptions { scale, frames, trim: true, lag, calibrated: names };
                 footage.pictures = Some(Pictures::open(folder, &footage.cameras, &images)?);
             }
             footage.silhouettes = Some(masks);
@@ -142,7 +143,7 @@ impl Footage {
         }
     }
 
-    fn without_keypoints(calibration: &Path, options: &recording::Options) -> Result<Self, Error> {
+    fn without_keypoints(calibration: &Path, options: &recording::RecordingOptions) -> Result<Self, Error> {
         let Calibrated { cameras, warnings, hash, .. } = Calibrated::read(calibration)?;
         let cameras = match &options.cameras {
             Some(names) => chosen_cameras(cameras, names)?,

@@ -1,6 +1,6 @@
 //! What cameras show of one frame.
 
-use sinew_formats::openpose::{Keypoint, Person};
+use sinew_formats::openpose::{Keypoint, OpenposePerson};
 use sinew_observe::association::Person as Pixels;
 use sinew_observe::bit_image::BitImage;
 use sinew_observe::{Detection, RgbImage};
@@ -25,8 +25,8 @@ pub struct FrameImages {
 
 /// A frame's people, camera by camera, as the keypoint reader gives them, in the form that association takes.
 #[must_use]
-pub fn detections(people: &[Vec<Person>]) -> Vec<Vec<Pixels>> {
-    let person = |person: &Person| {
+pub fn detections(people: &[Vec<OpenposePerson>]) -> Vec<Vec<Pixels>> {
+    let person = |person: &OpenposePerson| {
         let detection = |k: Keypoint| Detection { pixel: [k.x, k.y], confidence: k.confidence };
         person.keypoints.iter().map(|k| k.map(detection)).collect()
     };

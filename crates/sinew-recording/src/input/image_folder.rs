@@ -20,7 +20,7 @@ const SIZE_TOLERANCE: f64 = 0.01;
 
 /// What to take from a folder of images.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Options {
+pub struct ImageFolderOptions {
     /// Size of the images over that of the cameras' images; then 1 % of width and height may differ. If `None`, the sizes must be equal.
     pub scale: Option<f64>,
     /// Frames to take, by number, whether all of them are there or not; those that all cameras have if `None`.
@@ -84,7 +84,7 @@ impl ImageFolder {
     ///
     /// # Errors
     /// A scale that is not positive; a folder without such files; files of no calibrated camera; no common frame.
-    pub fn open(folder: &Path, cameras: &[Camera], kind: &'static Kind, options: &Options) -> Result<Self, Error> {
+    pub fn open(folder: &Path, cameras: &[Camera], kind: &'static Kind, options: &ImageFolderOptions) -> Result<Self, Error> {
         if let Some(scale) = options.scale.filter(|scale| !(*scale > 0.0 && scale.is_finite())) {
             return Err(InputError::ImageScale { many: kind.many, scale }.into());
         }

@@ -10,7 +10,7 @@ use sinew_observe::{Camera, RgbImage};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-pub use crate::input::image_folder::Options;
+pub use crate::input::image_folder::ImageFolderOptions;
 
 /// Words and files of pictures.
 pub const PICTURES: Kind = Kind {
@@ -34,7 +34,7 @@ impl Pictures {
     ///
     /// # Errors
     /// As [`crate::input::silhouettes::Silhouettes::open`], with [`picture::read`] for [`sinew_formats::mask::read`].
-    pub fn open(folder: &Path, cameras: &[Camera], options: &Options) -> Result<Self, Error> {
+    pub fn open(folder: &Path, cameras: &[Camera], options: &ImageFolderOptions) -> Result<Self, Error> {
         let mut folder = ImageFolder::open(folder, cameras, &PICTURES, options)?;
         for (camera, path) in folder.first_files() {
             let name = path.display().to_string();

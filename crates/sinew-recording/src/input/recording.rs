@@ -16,12 +16,12 @@ pub mod survey;
 pub use calibrated::{Calibrated, chosen_cameras};
 pub use frame_ranges::{check_lags, lag_of, ranges};
 pub use known_layout::{check_layout, lacking};
-pub use options::Options;
+pub use options::RecordingOptions;
 
 use crate::{Error, files};
 use known_layout::named_layout;
 use listing::{CameraFiles, chosen_folders};
-use sinew_formats::openpose::{self, Person, Tally};
+use sinew_formats::openpose::{self, OpenposePerson, Tally};
 use sinew_formats::source_text::MAX_KEYPOINT_BYTES;
 use sinew_formats::{Layout, camera_name, frame_number};
 use sinew_observe::Camera;
@@ -56,7 +56,7 @@ impl Recording {
     /// # Errors
     /// What [`sinew_formats::calib_toml::read`] refuses; folders that do not fit the calibration; cameras that begin or end apart, unless trimmed; an empty selection; a layout
     /// that is unknown or too poor.
-    pub fn open(calibration: &Path, keypoints: &Path, options: &Options) -> Result<Self, Error> {
+    pub fn open(calibration: &Path, keypoints: &Path, options: &RecordingOptions) -> Result<Self, Error> {
         let Calibrated { cameras, names: calibrated, mut warnings, hash: calibration_hash } =
             Calibrated::read(calibration)?;
         let folders = listing::camera_folders(keypoints)?;
@@ -160,7 +160,7 @@ impl Recording {
     ///
     /// # Errors
     /// Files that cannot be read, or that [`openpose::read`] refuses.
-    pub fn frame(&mut self, number: u64) -> Result<Vec<Vec<Person>>, Error> {
+    pub fn frame(&mut self, number: u64) -> Result<Vec<Vec<OpenposePerson>>, Error> {
         let slot = number.checked_sub(self.frames.start).and_then(|i| self.counted.get_mut(usize::try_from(i).ok()?));
         let count = slot.is_some_and(|counted| !std::mem::replace(counted, true));
         let mut views = Vec::with_capacity(self.files.len());
@@ -174,7 +174,7 @@ impl Recording {
                             files::fnv(files::fnv(files::FNV_START, &number.to_le_bytes()), &index.to_le_bytes());
                         self.keypoints_hash = self.keypoints_hash.wrapping_add(files::fnv(place, text.as_bytes()));
                     }
-                    let options = openpose::Options {
+                    let options = openpose::OpenposeOptions {
                         frame: Some(number),
                         layout: Some(&self.layout),
                         confidence_scale: self.confidence_scale,
@@ -231,7 +231,7 @@ impl Recording {
 }
 
 /// Warnings about frames that are asked for or trimmed, and about holes.
-fn range_warnings(listed: &[CameraFiles], options: &Options, frames: &Range<u64>) -> Vec<String> {
+fn range_warnings(listed: &[CameraFiles], options: &RecordingOptions, frames: &Range<u64>) -> Vec<String> {
     let mut warnings = vec![];
     if let Some(asked) = options.frames.as_ref().filter(|asked| asked.start < frames.start || asked.end > frames.end) {
         warnings.push(format!(
@@ -256,7 +256,7 @@ fn range_warnings(listed: &[CameraFiles], options: &Options, frames: &Range<u64>
 }
 
 /// Makes keypoints missing that no ray of the camera's lens model leads to, and counts them.
-fn drop_beyond_lens(camera: &Camera, people: &mut [Person]) -> u64 {
+fn drop_beyond_lens(camera: &Camera, people: &mut [OpenposePerson]) -> u64 {
     let mut dropped = 0;
     for keypoint in people.iter_mut().flat_map(|person| &mut person.keypoints) {
         if keypoint.is_some_and(|point| camera.undistort([point.x, point.y]).is_err()) {

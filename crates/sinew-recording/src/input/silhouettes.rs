@@ -4,16 +4,16 @@
 //! number in the file names, and a number without a file is a frame that the camera missed. [`sinew_formats::mask`] describes mask files.
 //!
 //! ```no_run
-//! use sinew::input::recording::{Options, Recording};
+//! use sinew::input::recording::{Recording, RecordingOptions};
 //! use sinew::input::silhouettes::{self, Silhouettes};
 //! use std::path::Path;
 //!
-//! let mut recording = Recording::open(Path::new("Calib.toml"), Path::new("pose"), &Options::default())?;
-//! let options = silhouettes::Options {
+//! let mut recording = Recording::open(Path::new("Calib.toml"), Path::new("pose"), &RecordingOptions::default())?;
+//! let options = silhouettes::ImageFolderOptions {
 //!     scale: Some(0.5),
 //!     frames: Some(recording.frames()),
 //!     calibrated: recording.calibrated().to_vec(),
-//!     ..silhouettes::Options::default()
+//!     ..silhouettes::ImageFolderOptions::default()
 //! };
 //! let mut silhouettes = Silhouettes::open(Path::new("masks"), recording.cameras(), &options)?;
 //! for number in recording.frames() {
@@ -31,7 +31,7 @@ use sinew_observe::bit_image::BitImage;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-pub use crate::input::image_folder::Options;
+pub use crate::input::image_folder::ImageFolderOptions;
 
 /// Share of the image above which a mask gets a warning: a person fills less of the view of a camera that sees all of him.
 pub const LARGE_SHARE: f64 = 0.5;
@@ -58,7 +58,7 @@ impl Silhouettes {
     /// # Errors
     /// A folder without masks, with masks of cameras that are not calibrated or with two files for a frame; cameras that begin or end apart, unless trimmed; masks
     /// whose size does not fit the cameras; first masks that [`mask::read`] refuses.
-    pub fn open(folder: &Path, cameras: &[Camera], options: &Options) -> Result<Self, Error> {
+    pub fn open(folder: &Path, cameras: &[Camera], options: &ImageFolderOptions) -> Result<Self, Error> {
         let mut folder = ImageFolder::open(folder, cameras, &MASKS, options)?;
         for (camera, path) in folder.first_files() {
             let name = path.display().to_string();

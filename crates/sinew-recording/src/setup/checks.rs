@@ -1,10 +1,10 @@
 //! What the set-up can say about the recording and its calibration before anything is tracked.
 
 use super::clocks::{lags, unsynchronised};
-use super::collect::{Collected, Request};
+use super::collect::{Collected, SetupRequest};
 use super::error::SetupError;
 use super::space_points::points_in_space;
-use super::warning::Warning;
+use super::warning::SetupWarning;
 use sinew_formats::Layout;
 use sinew_observe::Camera;
 use sinew_observe::cross_view::{lag_change, residual_by_lag, swapped_spans};
@@ -18,7 +18,12 @@ const WINDOW: usize = 120;
 const PLACES: usize = 20;
 
 /// Cameras that show people although the subject, as the other cameras place him, is behind them.
-fn behind(cameras: &[Camera], request: &Request, noise: &[CameraNoise], collected: &Collected) -> Option<Warning> {
+fn behind(
+    cameras: &[Camera],
+    request: &SetupRequest,
+    noise: &[CameraNoise],
+    collected: &Collected,
+) -> Option<SetupWarning> {
     let mut counts = vec![(0, 0); cameras.len()];
     for (_, sighted) in collected.window.iter().step_by(collected.window.len().div_ceil(PLACES).max(1)) {
         let points = points_in_space(cameras, noise, sighted, request.offsets.least_confidence);
@@ -31,7 +36,7 @@ fn behind(cameras: &[Camera], request: &Request, noise: &[CameraNoise], collecte
     }
     let is_behind = |c: usize| 2 * counts[c].0 > counts[c].1 && collected.crowded.get(c).is_some_and(|n| *n > 0);
     let names: Vec<String> = (0..cameras.len()).filter(|&c| is_behind(c)).map(|c| cameras[c].name.clone()).collect();
-    (!names.is_empty()).then_some(Warning::Behind { cameras: names.len(), of: cameras.len(), names })
+    (!names.is_empty()).then_some(SetupWarning::Behind { cameras: names.len(), of: cameras.len(), names })
 }
 
 /// Change of lag, frames, at which frame rates are said to differ.
@@ -47,7 +52,7 @@ const LATER_CHECKED: usize = 3;
 /// The camera, its rate against that of the others, and where that was seen.
 pub fn same_rate(
     cameras: &[Camera],
-    request: &Request,
+    request: &SetupRequest,
     noise: &[CameraNoise],
     collected: &Collected,
 ) -> Result<(), SetupError> {
@@ -74,15 +79,15 @@ const DOUBTFUL: f64 = 8.0;
 const HARDLY: f64 = 0.1;
 
 /// Cameras whose calibration may be another one's.
-fn doubtful_cameras(cameras: &[Camera], noise: &[CameraNoise], collected: &Collected) -> Vec<Warning> {
+fn doubtful_cameras(cameras: &[Camera], noise: &[CameraNoise], collected: &Collected) -> Vec<SetupWarning> {
     let mut warnings = vec![];
     for (c, (camera, noise)) in cameras.iter().zip(noise).enumerate() {
         let [width, height] = camera.image_size_px;
         let (shown, matched) = (collected.crowded[c], collected.matched[c]);
         if shown > 0 && (matched as f64) < HARDLY * shown as f64 {
-            warnings.push(Warning::Unmatched { camera: camera.name.clone(), shown, matched });
+            warnings.push(SetupWarning::Unmatched { camera: camera.name.clone(), shown, matched });
         } else if noise.sigma_px > DOUBTFUL * width.hypot(height) / 1000.0 {
-            warnings.push(Warning::Scatter { camera: camera.name.clone(), px: noise.sigma_px });
+            warnings.push(SetupWarning::Scatter { camera: camera.name.clone(), px: noise.sigma_px });
         }
     }
     warnings
@@ -93,11 +98,11 @@ fn doubtful_cameras(cameras: &[Camera], noise: &[CameraNoise], collected: &Colle
 pub fn oddities(
     cameras: &[Camera],
     layout: &Layout,
-    request: &Request,
+    request: &SetupRequest,
     noise: &[CameraNoise],
     collected: &Collected,
-) -> Vec<Warning> {
-    let mut warnings: Vec<Warning> = behind(cameras, request, noise, collected).into_iter().collect();
+) -> Vec<SetupWarning> {
+    let mut warnings: Vec<SetupWarning> = behind(cameras, request, noise, collected).into_iter().collect();
     if warnings.is_empty() {
         warnings.extend(doubtful_cameras(cameras, noise, collected));
     }
@@ -106,7 +111,7 @@ pub fn oddities(
     let pairs = layout.left_right_pairs();
     for (c, camera) in cameras.iter().enumerate() {
         let swapped = swapped_spans(cameras, noise, window, c, &pairs, least);
-        warnings.extend(swapped.into_iter().map(|s| Warning::Swapped {
+        warnings.extend(swapped.into_iter().map(|s| SetupWarning::Swapped {
             camera: camera.name.clone(),
             first: s.first,
             last: s.last,

@@ -1,7 +1,7 @@
 //! Clocks of the cameras against each other.
 
 use super::collect::Collected;
-use super::warning::Warning;
+use super::warning::SetupWarning;
 use sinew_formats::camera_name;
 use sinew_observe::Camera;
 use sinew_observe::camera_lag::{CameraLag, camera_lags};
@@ -26,7 +26,7 @@ pub fn lags(cameras: &[Camera], noise: &[CameraNoise], collected: &Collected, le
 
 /// The cameras that are off, with the setting that mends it: what was `declared` and whole frames of what was found.
 #[must_use]
-pub fn unsynchronised(cameras: &[Camera], declared: &[(String, i64)], lags: &[CameraLag]) -> Option<Warning> {
+pub fn unsynchronised(cameras: &[Camera], declared: &[(String, i64)], lags: &[CameraLag]) -> Option<SetupWarning> {
     let off: Vec<(String, CameraLag)> = (cameras.iter().zip(lags))
         .filter(|(_, lag)| lag.is_off())
         .map(|(camera, lag)| (camera.name.clone(), *lag))
@@ -44,5 +44,5 @@ pub fn unsynchronised(cameras: &[Camera], declared: &[(String, i64)], lags: &[Ca
     }
     mended.retain(|(_, lag)| *lag != 0);
     mended.sort();
-    Some(Warning::Unsynchronised { cameras: off, mended })
+    Some(SetupWarning::Unsynchronised { cameras: off, mended })
 }

@@ -8,7 +8,7 @@ use super::calibration_fit;
 use super::error::SetupError;
 use super::exchanged_cameras;
 use super::stored::Body;
-use super::warning::Warning;
+use super::warning::SetupWarning;
 use sinew_formats::Layout;
 use sinew_observe::Camera;
 use sinew_observe::association::{self, Person};
@@ -18,7 +18,7 @@ use sinew_observe::offsets::{self, Sighted};
 
 /// What to set up, and how.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Request {
+pub struct SetupRequest {
     /// The body.
     pub body: Body,
     /// Which person: 0 is the most complete one at the start.
@@ -45,7 +45,7 @@ pub struct Request {
     pub offsets: offsets::Config,
 }
 
-impl Default for Request {
+impl Default for SetupRequest {
     fn default() -> Self {
         Self {
             body: Body::H32,
@@ -98,7 +98,7 @@ impl Collected {
     }
 
     /// Keeps what the cameras saw in a frame where it is wanted; every `stride`-th frame is spread evenly.
-    fn keep(&mut self, number: u64, sighted: Sighted, request: &Request, stride: &mut u64) {
+    fn keep(&mut self, number: u64, sighted: Sighted, request: &SetupRequest, stride: &mut u64) {
         let first = self.window.first().map_or(number, |(first, _)| *first);
         if let Some(window) = later_window(number.saturating_sub(first)) {
             self.later.resize_with(self.later.len().max(window + 1), Vec::new);
@@ -153,7 +153,7 @@ pub fn alone(people: &[Vec<Person>]) -> Option<Sighted> {
 pub fn collect<E: From<SetupError>>(
     cameras: &[Camera],
     layout: &Layout,
-    request: &Request,
+    request: &SetupRequest,
     frames: impl IntoIterator<Item = Result<(u64, Vec<Vec<Person>>), E>>,
 ) -> Result<Collected, E> {
     let mut following = Following { person: request.person, ..Following::default() };
@@ -241,7 +241,7 @@ pub fn limb_lengths(
 fn nobody(
     cameras: &[Camera],
     layout: &Layout,
-    request: &Request,
+    request: &SetupRequest,
     out: &Collected,
     behind: (usize, usize),
     surest: f64,
@@ -250,7 +250,7 @@ fn nobody(
     if out.people > 0 && surest < request.offsets.least_confidence {
         SetupError::Unsure { surest, least: request.offsets.least_confidence }
     } else if cameras.len() > 1 && 2 * behind.0 >= behind.1.max(1) {
-        SetupError::Behind(Warning::Behind { cameras: behind.0, of: behind.1, names: vec![] })
+        SetupError::Behind(SetupWarning::Behind { cameras: behind.0, of: behind.1, names: vec![] })
     } else if out.people == 0 {
         SetupError::Nobody { frames }
     } else if request.person > 0 {

@@ -1,6 +1,6 @@
 //! What the set-up pass refuses of a recording and its calibration.
 
-use super::warning::Warning;
+use super::warning::SetupWarning;
 
 /// A recording that cannot be set up.
 #[derive(Debug, thiserror::Error)]
@@ -16,7 +16,7 @@ pub enum SetupError {
     },
     /// The person is behind most cameras.
     #[error("{0}")]
-    Behind(Warning),
+    Behind(SetupWarning),
     /// Nobody at all.
     #[error("no person in any view of {frames} frames")]
     Nobody {
@@ -99,7 +99,7 @@ pub enum SetupError {
     },
     /// Cameras that stand too far away for metres.
     #[error("{0}")]
-    Millimetres(Warning),
+    Millimetres(SetupWarning),
     /// A person of a size that nobody has.
     #[error(
         "the person would be {height_m:.3} m tall; are translations in metres, and do the cameras' poses belong to these images?"
@@ -121,7 +121,7 @@ pub enum SetupError {
     },
     /// A person who moves as nobody can.
     #[error("{0}")]
-    Fast(Warning),
+    Fast(SetupWarning),
     /// Two cameras with each other's calibration.
     #[error("the keypoints of all cameras fit when the calibrations of {} and {} are exchanged (residual {residual_px:.0} px)", cameras[0], cameras[1])]
     ExchangedCameras {

@@ -9,7 +9,7 @@
 //!
 //! over all points J in space and the fitted points P of the body, n coordinates and d degrees of freedom of the poses.
 
-use super::collect::{Collected, Request};
+use super::collect::{Collected, SetupRequest};
 use super::model_error::model_error_m;
 use super::space_points::{Points, points_in_space};
 use sinew_body::fit::{self, Fit, Target, fit_pose};
@@ -30,7 +30,7 @@ const HEADINGS: usize = 8;
 
 /// What the frames show about a body.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Fitted {
+pub struct FittedBody {
     /// Distance between a keypoint and the body's point, per axis, metres.
     pub model_error_m: f64,
     /// Number of the first frame with a pose.
@@ -45,10 +45,10 @@ pub fn measure(
     tree: &KinematicTree,
     cameras: &[Camera],
     layout: &Layout,
-    request: &Request,
+    request: &SetupRequest,
     noise: &[CameraNoise],
     collected: &Collected,
-) -> Option<Fitted> {
+) -> Option<FittedBody> {
     let plan = Plan::with_all_points(tree);
     let index: Vec<Option<usize>> = tree.points().iter().map(|p| layout.index(&p.name)).collect();
     let stride = collected.spread.len().div_ceil(request.shape_frames.max(1)).max(1);
@@ -73,7 +73,7 @@ pub fn measure(
     }
     let (start_frame, start_pose) = first?;
     let model_error_m = model_error_m(&residuals, taken, &mut variances);
-    Some(Fitted { model_error_m, start_frame, start_pose })
+    Some(FittedBody { model_error_m, start_frame, start_pose })
 }
 
 /// The pose that fits the targets best, one for each point of the body or `None`; `former` is that of another frame.

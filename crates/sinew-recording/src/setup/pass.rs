@@ -1,7 +1,7 @@
 //! The set-up pass: one reading of some frames, one [`Setup`].
 
 use super::checks;
-use super::collect::{Collected, Request, collect};
+use super::collect::{Collected, SetupRequest, collect};
 use super::error::SetupError;
 use super::own_body;
 use super::pose_fit::pose_of;
@@ -9,7 +9,7 @@ use super::scale;
 use super::shape;
 use super::speed;
 use super::stored::{Body, CameraSetup, SCHEMA, Setup};
-use super::warning::Warning;
+use super::warning::SetupWarning;
 use crate::input::up_axis::Z_UP;
 use sinew_body::Proportions;
 use sinew_formats::Layout;
@@ -25,9 +25,9 @@ use sinew_observe::offsets::{self, CameraNoise};
 pub fn set_up<E: From<SetupError>>(
     cameras: &[Camera],
     layout: &Layout,
-    request: &Request,
+    request: &SetupRequest,
     frames: impl IntoIterator<Item = Result<(u64, Vec<Vec<Pixels>>), E>>,
-) -> Result<(Setup, Vec<Warning>), E> {
+) -> Result<(Setup, Vec<SetupWarning>), E> {
     let collected = collect(cameras, layout, request, frames)?;
     Ok(measure(cameras, layout, request, &collected)?)
 }
@@ -35,15 +35,15 @@ pub fn set_up<E: From<SetupError>>(
 fn measure(
     cameras: &[Camera],
     layout: &Layout,
-    request: &Request,
+    request: &SetupRequest,
     collected: &Collected,
-) -> Result<(Setup, Vec<Warning>), SetupError> {
+) -> Result<(Setup, Vec<SetupWarning>), SetupError> {
     let mut warnings = vec![];
     let tree = request.body.tree(&Proportions::default());
     let points: Vec<String> =
         layout.points.iter().flatten().filter(|name| tree.point_index(name).is_none()).cloned().collect();
     if !points.is_empty() {
-        warnings.push(Warning::PointsWithoutPlace { points });
+        warnings.push(SetupWarning::PointsWithoutPlace { points });
     }
     let noise = offsets::estimate(cameras, &collected.sighted(request.offset_frames), &request.offsets);
     same_person(cameras, &noise)?;
@@ -51,7 +51,7 @@ fn measure(
         cameras.iter().zip(&noise).map(|(camera, n)| camera_setup(camera, n, &noise)).collect();
     let mut setup = unmeasured(layout, request, camera);
     if let [_] = cameras {
-        warnings.push(Warning::OneCamera);
+        warnings.push(SetupWarning::OneCamera);
         warnings.extend(scale::far_cameras(cameras));
         let found = collected.window.iter().find_map(|(n, s)| Some((*n, pose_of(&setup, cameras, layout, s, None)?)));
         (setup.start_frame, setup.start_pose) = found.ok_or(SetupError::NoPose)?;
@@ -80,7 +80,7 @@ fn measure(
 }
 
 /// A set-up of the default sizes, without a pose.
-fn unmeasured(layout: &Layout, request: &Request, camera: Vec<CameraSetup>) -> Setup {
+fn unmeasured(layout: &Layout, request: &SetupRequest, camera: Vec<CameraSetup>) -> Setup {
     Setup {
         schema: SCHEMA,
         body: request.body.clone(),

@@ -1,7 +1,7 @@
 //! Whether the sizes that a calibration gives are sizes of people.
 
 use super::error::SetupError;
-use super::warning::Warning;
+use super::warning::SetupWarning;
 use sinew_observe::Camera;
 use sinew_observe::offsets::median;
 
@@ -35,7 +35,7 @@ pub fn check_scale(cameras: &[Camera], scale: f64) -> Result<(), SetupError> {
 
 /// Warns when cameras stand so far from the origin that metres are unlikely.
 #[must_use]
-pub fn far_cameras(cameras: &[Camera]) -> Option<Warning> {
+pub fn far_cameras(cameras: &[Camera]) -> Option<SetupWarning> {
     let distance = usual_distance(cameras);
-    (distance > FAR * HEIGHT_M).then_some(Warning::Millimetres { distance, height: HEIGHT_M })
+    (distance > FAR * HEIGHT_M).then_some(SetupWarning::Millimetres { distance, height: HEIGHT_M })
 }

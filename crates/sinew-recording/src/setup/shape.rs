@@ -10,7 +10,7 @@
 //! after each point's constant bias b in the frame of its link; n counts the coordinates of a frame and d the degrees of freedom of the body, which take their
 //! share of the residuals.
 
-use super::collect::{Collected, Request};
+use super::collect::{Collected, SetupRequest};
 use super::error::SetupError;
 use super::model_error::model_error_m;
 use super::scale::check_scale;
@@ -18,7 +18,7 @@ use super::segment_lengths;
 use super::space_points::{Points, points_in_space};
 use super::stored::Body;
 use super::up_axis::up_axis;
-use super::warning::Warning;
+use super::warning::SetupWarning;
 use sinew_body::fit::Target;
 use sinew_body::{KinematicTree, Plan, Proportions, bundle, point_positions, subject};
 use sinew_core::lanes::Isa;
@@ -28,7 +28,7 @@ use sinew_observe::offsets::CameraNoise;
 
 /// What points in space show.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Shape {
+pub struct MeasuredShape {
     /// Sizes of the subject.
     pub proportions: Proportions,
     /// Distance between a keypoint and the body's point, per axis, metres.
@@ -52,11 +52,11 @@ pub struct Shape {
 pub fn measure(
     cameras: &[Camera],
     layout: &Layout,
-    request: &Request,
+    request: &SetupRequest,
     noise: &[CameraNoise],
     collected: &Collected,
-    warnings: &mut Vec<Warning>,
-) -> Result<Shape, SetupError> {
+    warnings: &mut Vec<SetupWarning>,
+) -> Result<MeasuredShape, SetupError> {
     let stride = collected.spread.len().div_ceil(request.shape_frames.max(1)).max(1);
     let frames: Vec<(u64, Points)> = collected
         .spread
@@ -97,7 +97,7 @@ pub fn measure(
     let all: Vec<f64> = residuals.iter().flatten().map(length).collect();
     let coordinates: Vec<f64> = residuals.iter().flatten().flatten().copied().collect();
     let model_error_m = model_error_m(&coordinates, (fitted * tree.dof()) as f64, &mut variances);
-    Ok(Shape {
+    Ok(MeasuredShape {
         proportions: subject.proportions,
         model_error_m,
         start_frame,
@@ -122,10 +122,10 @@ fn targets(tree: &KinematicTree, layout: &Layout, frames: &[(u64, Points)]) -> V
 }
 
 /// Warnings about the axis of the world and about sizes that nothing measured.
-fn oddities(up_axis: &'static str, frames: usize, measured: &subject::Measured) -> Vec<Warning> {
+fn oddities(up_axis: &'static str, frames: usize, measured: &subject::Measured) -> Vec<SetupWarning> {
     let sizes = measured.unmeasured.clone();
-    let axis = (up_axis != "+z").then_some(Warning::FeetAboveHead { frames, up_axis });
-    axis.into_iter().chain((!sizes.is_empty()).then_some(Warning::Unmeasured { sizes })).collect()
+    let axis = (up_axis != "+z").then_some(SetupWarning::FeetAboveHead { frames, up_axis });
+    axis.into_iter().chain((!sizes.is_empty()).then_some(SetupWarning::Unmeasured { sizes })).collect()
 }
 
 /// How far the points in space lie from the points of the fitted body.

@@ -4,10 +4,10 @@
 //! hips are faster than the fastest sprinter, 12.4 m/s (Bolt in Berlin 2009, Graubner & Nixdorf 2011, New Studies in Athletics 26), and nobody's hands and feet faster than
 //! the fastest ball that a hand has thrown, 47.3 m/s (105.8 miles an hour, Guinness World Records). A rate that is too low slows the motion down, which no bound shows.
 
-use super::collect::{Collected, Request};
+use super::collect::{Collected, SetupRequest};
 use super::error::SetupError;
 use super::space_points::{Points, points_in_space};
-use super::warning::Warning;
+use super::warning::SetupWarning;
 use sinew_formats::Layout;
 use sinew_observe::Camera;
 use sinew_observe::offsets::CameraNoise;
@@ -37,10 +37,10 @@ const PARTS: [(&str, &[&str], f64); 5] = [
 pub fn check(
     cameras: &[Camera],
     layout: &Layout,
-    request: &Request,
+    request: &SetupRequest,
     noise: &[CameraNoise],
     collected: &Collected,
-) -> Result<Option<Warning>, SetupError> {
+) -> Result<Option<SetupWarning>, SetupError> {
     let Some(fps) = request.fps else { return Ok(None) };
     let points = |(number, sighted): &(u64, _)| {
         (*number, points_in_space(cameras, noise, sighted, request.offsets.least_confidence))
@@ -53,7 +53,7 @@ pub fn check(
     let Some((part, m_per_s, fastest_m_per_s)) = speeds.max_by(|a, b| (a.1 / a.2).total_cmp(&(b.1 / b.2))) else {
         return Ok(None);
     };
-    let warning = Warning::Fast { part, m_per_s, fastest_m_per_s, fps };
+    let warning = SetupWarning::Fast { part, m_per_s, fastest_m_per_s, fps };
     if m_per_s > ABSURD * fastest_m_per_s && !request.any_size {
         return Err(SetupError::Fast(warning));
     }

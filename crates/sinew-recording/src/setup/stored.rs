@@ -42,7 +42,7 @@ impl FileBody {
     /// # Errors
     /// A text that is no body.
     pub fn read(name: &str, text: &str) -> Result<Self, Error> {
-        let body_toml::Body { tree, flesh } = body_toml::read(name, text)?;
+        let body_toml::BodyDefinition { tree, flesh } = body_toml::read(name, text)?;
         Ok(Self { tree, flesh, text: text.into() })
     }
 

@@ -6,7 +6,7 @@ use std::fmt;
 /// An oddity of a recording or its calibration.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
-pub enum Warning {
+pub enum SetupWarning {
     /// One camera only.
     OneCamera,
     /// Sizes that nothing measured.
@@ -100,7 +100,7 @@ pub enum Warning {
     },
 }
 
-impl fmt::Display for Warning {
+impl fmt::Display for SetupWarning {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::OneCamera => write!(f, "one camera: depth comes from the prior only"),

@@ -11,7 +11,7 @@ use sinew_formats::{body_toml, layout};
 use std::path::Path;
 
 pub(super) fn body(path: &Path) -> Result<Facts, Error> {
-    let body_toml::Body { tree: body, flesh } =
+    let body_toml::BodyDefinition { tree: body, flesh } =
         body_toml::read(&path.display().to_string(), &read_text(path, MAX_CONFIG_BYTES)?)?;
     let mut facts = Facts::new(format!("{}: body of {} links", path.display(), body.links().len()));
     let moving = body.links().iter().filter(|link| !link.joints.is_empty()).count();

@@ -7,13 +7,13 @@ use super::{
     table_file,
 };
 use crate::Error;
-use sinew::input::recording::Options;
+use sinew::input::recording::RecordingOptions;
 
 /// What is known about one subject; keypoints are read with the options.
 ///
 /// # Errors
 /// What the readers refuse.
-pub fn file_facts(subject: &Subject, options: &Options) -> Result<Facts, Error> {
+pub fn file_facts(subject: &Subject, options: &RecordingOptions) -> Result<Facts, Error> {
     match subject {
         Subject::Calibration(path) => calibration::facts(path),
         Subject::Setup(path) => setup_file::facts(path),

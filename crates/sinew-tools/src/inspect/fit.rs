@@ -13,7 +13,7 @@ use crate::Error;
 use sinew::input::frame::detections;
 use sinew::input::recording::Recording;
 use sinew::setup::SetupError;
-use sinew::setup::{self, Request, clocks, collect};
+use sinew::setup::{self, SetupRequest, clocks, collect};
 use sinew_observe::camera_lag::CameraLag;
 use sinew_observe::offsets::{self, Sighted};
 use sinew_observe::triangulate::{Seen, linear};
@@ -39,9 +39,9 @@ pub fn facts(recording: &mut Recording, known: &[String]) -> Result<Facts, Error
         frames.push((number, detections(&recording.frame(number)?)));
     }
     let (image_scale, lag) = (recording.image_scale(), recording.lag().to_vec());
-    let asked = Request { image_scale, lag, ..Request::default() };
+    let asked = SetupRequest { image_scale, lag, ..SetupRequest::default() };
     let mut facts = Facts::new(format!("fit of calibration and keypoints, frames {}..{}", numbers.start, numbers.end));
-    let request = Request { frames: frames.len(), ..asked.clone() };
+    let request = SetupRequest { frames: frames.len(), ..asked.clone() };
     let collected = match collect(&cameras, &layout, &request, frames.iter().cloned().map(Ok::<_, SetupError>)) {
         Ok(collected) => collected,
         Err(error) => {

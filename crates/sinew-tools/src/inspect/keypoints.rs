@@ -2,11 +2,11 @@
 
 use super::facts::Facts;
 use crate::Error;
-use sinew::input::recording::Options;
+use sinew::input::recording::RecordingOptions;
 use sinew::input::recording::survey::{CameraSurvey, survey};
 use std::path::Path;
 
-pub(super) fn facts(path: &Path, options: &Options) -> Result<Facts, Error> {
+pub(super) fn facts(path: &Path, options: &RecordingOptions) -> Result<Facts, Error> {
     let survey = survey(path, options)?;
     let mut facts = Facts::new(format!("{}: keypoints of {} cameras", path.display(), survey.cameras.len()));
     let guess = if survey.is_guess { ", by the place of the hips" } else { "" };

@@ -6,7 +6,7 @@
 
 use sinew_formats::amc::Amc;
 use sinew_formats::asf::{Asf, RootChannel};
-use sinew_formats::bvh::{Bvh, Channel, Joint};
+use sinew_formats::bvh::{Bvh, BvhJoint, Channel};
 use sinew_formats::rotation::{IDENTITY, Matrix, about_axis, product, to_zyx, transpose};
 
 const ROTATIONS: [Channel; 3] = [Channel::Rotation(2), Channel::Rotation(1), Channel::Rotation(0)];
@@ -25,7 +25,7 @@ pub(super) fn skeleton_of(asf: &Asf, amc: &Amc, rate_hz: f64) -> Bvh {
     let order = depth_first(asf);
     let place = |bone: usize| order.iter().position(|&other| other == bone).map_or(0, |at| at + 1);
     let positions = [0, 1, 2].map(Channel::Position);
-    let mut joints = vec![Joint {
+    let mut joints = vec![BvhJoint {
         name: "root".into(),
         parent: None,
         offset: [0.0; 3],
@@ -34,7 +34,7 @@ pub(super) fn skeleton_of(asf: &Asf, amc: &Amc, rate_hz: f64) -> Bvh {
     }];
     joints.extend(order.iter().map(|&index| {
         let bone = &asf.bones[index];
-        Joint {
+        BvhJoint {
             name: bone.name.clone(),
             parent: Some(bone.parent.map_or(0, place)),
             offset: bone.parent.map_or([0.0; 3], tip),

@@ -55,7 +55,7 @@ fn impossible(motion: &Motion, format: Format, reason: &'static str) -> MotionEr
 fn as_trc(out: &mut Vec<u8>, motion: &Motion, points: &point_table::PointTable, file_name: &str) -> io::Result<()> {
     let mut header = trc::Header::new(file_name, motion.rate_hz, points.names.clone());
     header.start_frame = motion.start_frame;
-    let frames = points.frames.iter().zip(&points.time_s).zip(1..).map(|((frame, &time_s), number)| trc::Frame {
+    let frames = points.frames.iter().zip(&points.time_s).zip(1..).map(|((frame, &time_s), number)| trc::TrcFrame {
         number,
         time_s,
         points: frame.iter().map(|point| point.map(trc::trc_from_world)).collect(),

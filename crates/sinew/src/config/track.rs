@@ -1,6 +1,6 @@
 //! The settings of a tracking run as one plain value.
 
-use super::Resolved;
+use super::resolved::Resolved;
 use super::settings::Settings;
 use super::value::Value;
 use crate::Error;

@@ -4,7 +4,7 @@ use super::frame_likelihood::FrameLikelihood;
 use super::score::Score;
 use crate::Error;
 use crate::config::setting::Setting;
-use crate::config::values::Values;
+use crate::config::values::SettingValues;
 use crate::setup::Setup;
 use crate::track::error::TrackError;
 use sinew_core::lanes::Isa;
@@ -49,9 +49,9 @@ pub struct About {
     /// The method with its default settings.
     pub usual: fn() -> Arc<dyn Method>,
     /// The method with the settings of a run.
-    pub configure: fn(&Values) -> Arc<dyn Method>,
+    pub configure: fn(&SettingValues) -> Arc<dyn Method>,
     /// What no setting alone shows: a mistake in its settings, in a sentence.
-    pub mistake: fn(&Values) -> Option<String>,
+    pub mistake: fn(&SettingValues) -> Option<String>,
 }
 
 /// What a tracker is made of besides the settings of its method.

@@ -8,7 +8,7 @@ use sinew_observe::image_likelihood::ImageLikelihood;
 use sinew_observe::soft_silhouette::SoftSilhouette;
 
 /// What a keypoint likelihood is made of in a frame.
-pub type Bound = sinew_core::density::Lanes<KeypointLikelihood>;
+pub type BoundKeypoints = sinew_core::density::Lanes<KeypointLikelihood>;
 
 /// The images of a frame.
 pub enum BoundImages {
@@ -23,15 +23,15 @@ pub enum BoundImages {
 /// Scored images have no gradient and no curvature; methods that need them get soft ones ([`super::about::About::needs_gradients`]).
 pub struct FrameLikelihood {
     /// That of all keypoints.
-    pub keypoints: Bound,
+    pub keypoints: BoundKeypoints,
     /// The keypoints of each part of the body; empty for methods without parts.
-    pub parts: Vec<Bound>,
+    pub parts: Vec<BoundKeypoints>,
     /// That of the images, if there are any.
     pub images: Option<BoundImages>,
 }
 
-impl From<Bound> for FrameLikelihood {
-    fn from(keypoints: Bound) -> Self {
+impl From<BoundKeypoints> for FrameLikelihood {
+    fn from(keypoints: BoundKeypoints) -> Self {
         Self { keypoints, parts: vec![], images: None }
     }
 }
@@ -173,7 +173,7 @@ mod tests {
     use std::sync::Arc;
 
     /// Keypoints of a standing body in one camera and a narrow silhouette in it, apart and together.
-    fn pieces() -> (Bound, SoftSilhouette, FrameLikelihood) {
+    fn pieces() -> (BoundKeypoints, SoftSilhouette, FrameLikelihood) {
         let isa = Isa::best();
         let tree = h32(&Proportions::default());
         let camera = Camera::look_at("C", [160.0, 120.0], 130.0, [0.5, -4.0, 1.2], [0.0, 0.0, 1.0]).unwrap();

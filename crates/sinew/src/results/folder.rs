@@ -24,6 +24,7 @@ use super::markers::Markers;
 use super::skeleton::SkeletonFile;
 use super::statistics::Statistics;
 use super::tables::Tables;
+use super::texts::Texts;
 use crate::Error;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -60,17 +61,6 @@ pub struct Written {
     angles_before: Vec<Option<[f64; 3]>>,
     channels_before: Option<Vec<f64>>,
     draws: OpenChunks,
-}
-
-/// Texts that stand in the folder as they are.
-#[derive(Clone, Debug, Default)]
-pub struct Texts {
-    /// `config.toml`.
-    pub config_toml: String,
-    /// Settings with their origins, for the summary.
-    pub settings: serde_json::Value,
-    /// Hash of the settings that matter for the numbers.
-    pub settings_hash: String,
 }
 
 impl ResultFolder {

@@ -2,8 +2,8 @@
 //!
 //! Read at its end from the diagnostics of its frames ([`super::journal`]).
 
-use super::Texts;
 use super::summary::{CameraSummary, Diagnostics, Ending, Limits, R_HAT_NOTED, SCHEMA_VERSION, Spread, Summary};
+use super::texts::Texts;
 use crate::results::estimate::{FrameEstimate, RunInfo};
 
 /// E-BFMI below which chains are said not to reach the tails (the Stan developers' bound).

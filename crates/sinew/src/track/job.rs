@@ -22,7 +22,7 @@ mod watch;
 pub use check::check_settings;
 pub use complete::check_complete;
 pub use ending::Outcome;
-pub use watch::{Pass, Watch};
+pub use watch::{RunPhase, Watch};
 
 use super::checkpoint::Checkpoint;
 use super::pipeline::Pipeline;

@@ -11,7 +11,7 @@
 //! Memory does not grow with the frames: a span is kept as its ends and sums, and only the first few of each camera are listed.
 
 use crate::results::problem::{Problem, check_length};
-use crate::setup::Warning;
+use crate::setup::SetupWarning;
 use serde::{Deserialize, Serialize};
 
 /// Frames that a span has at least.
@@ -164,7 +164,7 @@ impl Oddities {
             let camera = &watched.name;
             told.extend(watched.swaps.iter().map(|span| {
                 let frames = f64::from(span.frames);
-                Warning::Swapped {
+                SetupWarning::Swapped {
                     camera: camera.clone(),
                     first: span.first,
                     last: span.last,
@@ -176,7 +176,7 @@ impl Oddities {
             if watched.more_swaps > 0 {
                 told.push(format!("{camera}: {} more spans with left and right swapped", watched.more_swaps));
             }
-            let jump = |&(frame, px)| Warning::Jump { camera: camera.clone(), frame, px }.to_string();
+            let jump = |&(frame, px)| SetupWarning::Jump { camera: camera.clone(), frame, px }.to_string();
             told.extend(watched.jumps.iter().map(jump));
             if watched.more_jumps > 0 {
                 told.push(format!("{camera}: {} more jumps", watched.more_jumps));

@@ -25,12 +25,9 @@ mod expected;
 
 pub use doubt::{Doubt, Lengths, Origins};
 
-use expected::Expected;
+use expected::{Expected, GROSS};
 use serde::{Deserialize, Serialize};
 use sinew_observe::Noise;
-
-/// Standardised residuals beyond this are gross.
-pub(super) const GROSS: f64 = 4.0;
 
 /// Limbs whose lengths are looked at: name and its ends without their side.
 pub(super) const LIMBS: [(&str, [&str; 2]); 4] = [

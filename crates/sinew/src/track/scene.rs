@@ -7,7 +7,7 @@ use super::oddities::{Oddities, Watched};
 use super::predictive::{self, Doubt, Lengths, Origins, Predictive};
 use crate::Error;
 use crate::config::settings::Settings;
-use crate::methods::Bound;
+use crate::methods::BoundKeypoints;
 use crate::results::problem::{Problem, check_length};
 use crate::setup::{self, Setup};
 use serde::{Deserialize, Serialize};
@@ -58,7 +58,7 @@ pub struct Scene {
     /// For methods that take the body part by part, the part of each point of the plan, and how many parts there are.
     parts: Option<(Vec<usize>, usize)>,
     /// The likelihood of each part's points in the current frame.
-    bound_parts: Vec<Bound>,
+    bound_parts: Vec<BoundKeypoints>,
 }
 
 impl Scene {
@@ -179,7 +179,7 @@ impl Scene {
     }
 
     /// Finds the person in a frame and binds his keypoints; `estimate` is the state that the tracker expects. Where he is found for the first time, or again after he was lost, or where `estimate` did not fit the frame before, also the pose that fits what is seen.
-    pub fn observe(&mut self, people: &[Vec<Person>], estimate: &[f64]) -> (Bound, Option<Vec<f64>>) {
+    pub fn observe(&mut self, people: &[Vec<Person>], estimate: &[f64]) -> (BoundKeypoints, Option<Vec<f64>>) {
         let by_layout: Vec<Vec<Option<[f64; 2]>>> = self
             .expected(&self.points(estimate))
             .iter()
@@ -244,7 +244,7 @@ impl Scene {
     }
 
     /// The likelihoods of the parts of the body in the current frame, taken away; none for methods without parts.
-    pub fn parts(&mut self) -> Vec<Bound> {
+    pub fn parts(&mut self) -> Vec<BoundKeypoints> {
         std::mem::take(&mut self.bound_parts)
     }
 

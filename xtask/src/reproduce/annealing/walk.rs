@@ -5,7 +5,7 @@
 use crate::outcome::Outcome;
 use sinew::body::{KinematicTree, hppf24};
 use sinew::files::{FNV_START, fnv};
-use sinew_simulate::hppf24_motion::{self, Following, Scale};
+use sinew_simulate::hppf24_motion::{self, MotionFollowing, Scale};
 use sinew_simulate::points::{Trajectories, of_states};
 use sinew_simulate::walker::{Gait, Walker, walker_states};
 use sinew_tests::evaluation::joint_errors::joint_errors_mm;
@@ -38,7 +38,7 @@ const LIMBS: [(&str, &str); 8] = [
 ];
 
 /// Twists of straight limbs stay where they are, and joints lag by less than a millimetre.
-const FOLLOWING: Following = Following { damping: 1e-3, first_refits: 20 };
+const FOLLOWING: MotionFollowing = MotionFollowing { damping: 1e-3, first_refits: 20 };
 
 impl Walk {
     /// Fits the body.

@@ -9,10 +9,10 @@ use crate::outcome::Outcome;
 use sinew::body::standard::EVALUATION_JOINTS;
 use sinew::body::{KinematicTree, hppf24};
 use sinew::files::fnv;
-use sinew::samplers::grid::{self, Axis, LEAST_WIDTH, Width};
+use sinew::samplers::grid::{self, GridAxis, LEAST_WIDTH, Width};
 use sinew_simulate::cmu::mean_distance;
 use sinew_simulate::combo::{Trial, combo, synthetic_combo};
-use sinew_simulate::hppf24_motion::{self, Following, Scale};
+use sinew_simulate::hppf24_motion::{self, MotionFollowing, Scale};
 use sinew_simulate::points::{Trajectories, of_states};
 use sinew_simulate::walker::{Gait, Walker, walker_states};
 use sinew_tests::evaluation::joint_errors::joint_errors_mm;
@@ -53,7 +53,7 @@ pub(super) struct Range {
     pub(super) high: f64,
     /// δ of the coordinate.
     pub(super) width: f64,
-    pub(super) axis: Axis,
+    pub(super) axis: GridAxis,
 }
 
 /// A motion, the body that follows it, and what that body's tracker knows.
@@ -104,14 +104,14 @@ fn training(folder: Option<&Path>) -> Outcome<Trajectories> {
 fn ranges(states: Vec<Vec<f64>>, start: &[f64]) -> Outcome<Vec<Range>> {
     let wraps: Vec<bool> = (0..start.len()).map(|j| j == HEADING).collect();
     let learned = grid::train(&[states], &wraps, Width::default())?;
-    let range = |(j, learned): (usize, &Axis)| {
+    let range = |(j, learned): (usize, &GridAxis)| {
         let [low, high] = match hppf24::ranges()[j] {
             Some(range) => range,
             None if j == HEADING => [-PI, PI],
             None => [start[j] - REACH_M, start[j] + REACH_M],
         };
         let width = learned.width().max(LEAST_WIDTH);
-        Ok(Range { low, high, width, axis: Axis::new(low, high, width, wraps[j])? })
+        Ok(Range { low, high, width, axis: GridAxis::new(low, high, width, wraps[j])? })
     };
     learned.iter().enumerate().map(range).collect()
 }
@@ -127,7 +127,7 @@ impl Scene {
         let tree = hppf24::tree(scale);
         let mut tracked = sequence.motion.clone();
         tracked.frames.truncate(frames);
-        let following = Following::default();
+        let following = MotionFollowing::default();
         let truth = hppf24_motion::states(&tree, &tracked, &following)?;
         let trained = training(folder)?;
         // Trials for training have the first one's person, of other lengths where there are no recordings.

@@ -6,7 +6,7 @@
 use super::listing::CameraFiles;
 use crate::input::error::InputError;
 use crate::{Error, files};
-use sinew_formats::openpose::{self, Person};
+use sinew_formats::openpose::{self, OpenposePerson};
 use sinew_formats::source_text::MAX_KEYPOINT_BYTES;
 use sinew_formats::{Layout, layout};
 use std::path::Path;
@@ -22,7 +22,7 @@ const PATIENCE: usize = 400;
 
 /// The layout of the first people found, and a warning if there was a choice.
 pub(super) fn layout(cameras: &[CameraFiles], folder: &Path) -> Result<(Layout, Option<String>), Error> {
-    let mut people: Vec<Person> = Vec::new();
+    let mut people: Vec<OpenposePerson> = Vec::new();
     for found in first_people(cameras) {
         people.extend(found?);
         if people.len() >= ENOUGH {
@@ -60,7 +60,8 @@ pub(super) fn contradiction(cameras: &[CameraFiles], named: &Layout) -> Option<S
     };
     let numbers = named.points.len();
     let readable = first_people(cameras).filter_map(Result::ok).flatten();
-    let people: Vec<Person> = readable.filter(|person| person.keypoints.len() == numbers).take(ENOUGH).collect();
+    let people: Vec<OpenposePerson> =
+        readable.filter(|person| person.keypoints.len() == numbers).take(ENOUGH).collect();
     let found = has_mid_hip_at_8(&people)?;
     let look = if found { BODY_25 } else { BODY_25B };
     (found != expected).then(|| {
@@ -69,7 +70,7 @@ pub(super) fn contradiction(cameras: &[CameraFiles], named: &Layout) -> Option<S
 }
 
 /// People of the first files of every camera in turn, file by file.
-fn first_people(cameras: &[CameraFiles]) -> impl Iterator<Item = Result<Vec<Person>, Error>> + '_ {
+fn first_people(cameras: &[CameraFiles]) -> impl Iterator<Item = Result<Vec<OpenposePerson>, Error>> + '_ {
     let most = cameras.iter().map(CameraFiles::len).max().unwrap_or_default();
     let paths = (0..most).flat_map(move |index| {
         cameras.iter().filter_map(move |camera| {
@@ -79,14 +80,14 @@ fn first_people(cameras: &[CameraFiles]) -> impl Iterator<Item = Result<Vec<Pers
     });
     paths.take(PATIENCE).map(|(number, path)| {
         let text = files::read_text(&path, MAX_KEYPOINT_BYTES)?;
-        let options = openpose::Options { frame: Some(number), layout: None, confidence_scale: f64::MAX };
+        let options = openpose::OpenposeOptions { frame: Some(number), layout: None, confidence_scale: f64::MAX };
         Ok(openpose::read(&path.display().to_string(), &text, &options)?.people)
     })
 }
 
 /// Whether point 8 lies between points 9 and 12 in most of the people; `None` where nobody shows all three.
-fn has_mid_hip_at_8(people: &[Person]) -> Option<bool> {
-    let at = |person: &Person, index: usize| person.keypoints.get(index).copied().flatten().map(|k| [k.x, k.y]);
+fn has_mid_hip_at_8(people: &[OpenposePerson]) -> Option<bool> {
+    let at = |person: &OpenposePerson, index: usize| person.keypoints.get(index).copied().flatten().map(|k| [k.x, k.y]);
     let distance = |a: [f64; 2], b: [f64; 2]| (a[0] - b[0]).hypot(a[1] - b[1]);
     let mut seen = 0;
     let mut near = 0;
@@ -103,7 +104,7 @@ fn has_mid_hip_at_8(people: &[Person]) -> Option<bool> {
 }
 
 /// Height of a person in the image, pixels.
-fn extent(person: &Person) -> f64 {
+fn extent(person: &OpenposePerson) -> f64 {
     let rows = person.keypoints.iter().flatten().map(|keypoint| keypoint.y);
     let (top, bottom) = rows.fold((f64::INFINITY, f64::NEG_INFINITY), |(top, bottom), y| (top.min(y), bottom.max(y)));
     bottom - top
@@ -114,12 +115,12 @@ mod tests {
     use super::*;
     use sinew_formats::openpose::Keypoint;
 
-    fn person(points: &[(usize, f64, f64)]) -> Person {
+    fn person(points: &[(usize, f64, f64)]) -> OpenposePerson {
         let mut keypoints = vec![None; 25];
         for &(index, x, y) in points {
             keypoints[index] = Some(Keypoint { x, y, confidence: 1.0 });
         }
-        Person { index: 0, keypoints }
+        OpenposePerson { index: 0, keypoints }
     }
 
     #[test]

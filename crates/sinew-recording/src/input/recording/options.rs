@@ -4,7 +4,7 @@ use std::ops::Range;
 
 /// What to take from a recording.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Options {
+pub struct RecordingOptions {
     /// Name of a layout or path of a mapping file; guessed if `None`.
     pub layout: Option<String>,
     /// Confidence that means certainty.
@@ -21,7 +21,7 @@ pub struct Options {
     pub lag: Vec<(String, i64)>,
 }
 
-impl Default for Options {
+impl Default for RecordingOptions {
     fn default() -> Self {
         Self {
             layout: None,

@@ -4,7 +4,7 @@ use super::frame_ranges::no_such_frames;
 use super::guess;
 use super::known_layout::named_layout;
 use super::listing::{self, CameraFiles, chosen_folders};
-use super::options::Options;
+use super::options::RecordingOptions;
 use crate::{Error, files};
 use sinew_formats::openpose::{self, Tally};
 use sinew_formats::source_text::MAX_KEYPOINT_BYTES;
@@ -54,7 +54,7 @@ pub struct CameraSurvey {
 ///
 /// # Errors
 /// A folder without keypoints, file names without numbers, an unknown layout, cameras or frames that are not there, files that cannot be read.
-pub fn survey(keypoints: &Path, options: &Options) -> Result<Survey, Error> {
+pub fn survey(keypoints: &Path, options: &RecordingOptions) -> Result<Survey, Error> {
     let mut folders = listing::camera_folders(keypoints)?;
     if let Some(names) = &options.cameras {
         folders = chosen_folders(folders, names)?;
@@ -110,7 +110,7 @@ fn camera(
     for &number in numbers.iter().step_by(numbers.len().div_ceil(READ).max(1)) {
         let Some(path) = files.path(number) else { continue };
         let text = files::read_text(&path, MAX_KEYPOINT_BYTES)?;
-        let options = openpose::Options { frame: Some(number), layout: Some(layout), confidence_scale };
+        let options = openpose::OpenposeOptions { frame: Some(number), layout: Some(layout), confidence_scale };
         let frame = openpose::read(&path.display().to_string(), &text, &options)?;
         tally.add(number, Some(&frame));
         survey.read += 1;

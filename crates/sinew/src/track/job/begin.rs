@@ -3,7 +3,7 @@
 //! A set-up of an earlier run is checked for whether it belongs to the recording.
 
 use super::inputs::{Hashes, Inputs};
-use super::watch::{Pass, Watch};
+use super::watch::{RunPhase, Watch};
 use crate::config::Resolved;
 use crate::config::TrackConfig;
 use crate::config::settings::Settings;
@@ -11,7 +11,7 @@ use crate::config::track::DEFAULT_FPS;
 use crate::input::source::FrameSource;
 use crate::input::up_axis::{Z_UP, axis_before_turning};
 use crate::input::upright::Upright;
-use crate::setup::{self, Request, Setup, Warning};
+use crate::setup::{self, Setup, SetupRequest, SetupWarning};
 use crate::track::checkpoint::Checkpoint;
 use crate::track::error::TrackError;
 use crate::track::step_size::tune;
@@ -86,7 +86,7 @@ pub(super) fn resumed<'a, S: FrameSource>(
     let mut source = Upright::new(source, &setup.world_up);
     let first = source.frames().start;
     source.read_again(&checkpoint.read, first..first + checkpoint.done, |done, total| {
-        (watch.progress)(Pass::Check, done, total);
+        (watch.progress)(RunPhase::Check, done, total);
         watch.check("before tracking went on; nothing was changed")
     })?;
     checkpoint.check_inputs(&inputs.hashes(source.source()), &source.frames()).map_err(refused)?;
@@ -146,31 +146,31 @@ fn set_up<S: FrameSource>(
     warnings: &mut Vec<String>,
 ) -> Result<Setup, Error> {
     let body = bodies::to_track(&config.body)?;
-    let request = Request {
+    let request = SetupRequest {
         body,
         person: config.person.unwrap_or_default(),
         image_scale: config.image_scale,
         lag: config.lag.clone(),
         fps: Some(settings.fps),
         any_size: config.any_size,
-        ..Request::default()
+        ..SetupRequest::default()
     };
     let (cameras, layout) = (source.cameras().to_vec(), source.layout().clone());
     let total = numbers.end - numbers.start;
     let frames = numbers.clone().map(|number| {
         watch.check("during the set-up pass; nothing was written")?;
         let people = source.people(number)?;
-        (watch.progress)(Pass::SetUp, number - numbers.start + 1, total);
+        (watch.progress)(RunPhase::SetUp, number - numbers.start + 1, total);
         Ok::<_, Error>((number, people))
     });
     let (mut setup, found) = setup::set_up(&cameras, &layout, &request, frames)?;
     // The tracker looks for swapped sides in all its frames.
     let tracked = source.frames();
-    let told_later = |warning: &Warning| matches!(warning, Warning::Swapped { first, last, .. } if tracked.contains(first) && tracked.contains(last));
+    let told_later = |warning: &SetupWarning| matches!(warning, SetupWarning::Swapped { first, last, .. } if tracked.contains(first) && tracked.contains(last));
     let declared = config.up_axis.as_deref().unwrap_or(Z_UP);
     let found = found.into_iter().filter(|warning| !told_later(warning)).map(|warning| match warning {
-        Warning::FeetAboveHead { frames, up_axis } => {
-            Warning::FeetAboveHead { frames, up_axis: axis_before_turning(up_axis, declared) }
+        SetupWarning::FeetAboveHead { frames, up_axis } => {
+            SetupWarning::FeetAboveHead { frames, up_axis: axis_before_turning(up_axis, declared) }
         }
         other => other,
     });

@@ -2,7 +2,7 @@
 
 use super::begin::LOOKED_AT;
 use super::inputs::{Hashes, file_hashes};
-use super::watch::{Pass, Watch};
+use super::watch::{RunPhase, Watch};
 use crate::Error;
 use crate::config::Resolved;
 use crate::input::source::FrameSource;
@@ -21,7 +21,7 @@ fn replay<S: FrameSource>(source: &mut S, set_up: Range<u64>, watch: &mut Watch<
     let mut next = |watch: &mut Watch<'_>| {
         watch.check("before the results were compared with the data; nothing was changed")?;
         done += 1;
-        (watch.progress)(Pass::Check, done, total);
+        (watch.progress)(RunPhase::Check, done, total);
         Ok::<(), Error>(())
     };
     for number in set_up {

@@ -2,7 +2,7 @@
 
 use super::inputs::{Hashes, Inputs};
 use super::keeper::Keeper;
-use super::watch::{Pass, Watch};
+use super::watch::{RunPhase, Watch};
 use crate::Error;
 use crate::input::source::FrameSource;
 use crate::input::upright::Upright;
@@ -32,7 +32,7 @@ pub(super) fn forward<S: FrameSource>(
                 None => keeper.results.append(&estimate)?,
             }
             keeper.checkpoint.done += 1;
-            (watch.progress)(Pass::Track, keeper.checkpoint.done, total);
+            (watch.progress)(RunPhase::Track, keeper.checkpoint.done, total);
             Ok(if keeper.is_due() { ControlFlow::Break(()) } else { watch.flow() })
         });
         let is_last = keeper.checkpoint.done == total;

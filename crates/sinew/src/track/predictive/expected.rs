@@ -3,9 +3,11 @@
 //! In two dimensions the squared distance q of a Gaussian error exceeds x with probability `exp(−x/2)`, that of Student's t with ν degrees of freedom with `(1 + x/ν)^(−ν/2)`. The
 //! mean of q below a bound b is `(∫₀ᵇ P(q > x) dx − b P(q > b)) / P(q ≤ b)`.
 
-use super::GROSS;
 use serde::{Deserialize, Serialize};
 use sinew_observe::Noise;
+
+/// Standardised residuals beyond this are gross.
+pub(super) const GROSS: f64 = 4.0;
 
 /// Expected residuals.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
