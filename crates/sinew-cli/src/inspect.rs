@@ -9,7 +9,7 @@ use super::report::{self, Report};
 use super::settings::{reading, settings};
 use super::table::aligned;
 use serde_json::json;
-use sinew::input::recording::{RecordingOptions, Recording};
+use sinew::input::recording::{Recording, RecordingOptions};
 use sinew_tools::inspect::{Facts, Subject, file_facts, fit, subjects};
 use std::path::Path;
 

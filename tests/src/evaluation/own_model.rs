@@ -84,7 +84,8 @@ fn stated_setup(body: &KinematicTree, sigma_px: f64) -> Result<(Setup, Vec<Camer
     let mut start = vec![0.0; body.dof()];
     start[2] = STANDING_HEIGHT_M;
     let ring = Ring { span: SPAN, ..Ring::default() };
-    let cameras = around(&of_states(body, std::slice::from_ref(&start)), &ring).expect("a ring of cameras sees a standing body");
+    let cameras =
+        around(&of_states(body, std::slice::from_ref(&start)), &ring).expect("a ring of cameras sees a standing body");
     let camera = |camera: &Camera| CameraSetup {
         name: camera.name.clone(),
         offset_px: [0.0; 2],

@@ -84,7 +84,12 @@ impl ImageFolder {
     ///
     /// # Errors
     /// A scale that is not positive; a folder without such files; files of no calibrated camera; no common frame.
-    pub fn open(folder: &Path, cameras: &[Camera], kind: &'static Kind, options: &ImageFolderOptions) -> Result<Self, Error> {
+    pub fn open(
+        folder: &Path,
+        cameras: &[Camera],
+        kind: &'static Kind,
+        options: &ImageFolderOptions,
+    ) -> Result<Self, Error> {
         if let Some(scale) = options.scale.filter(|scale| !(*scale > 0.0 && scale.is_finite())) {
             return Err(InputError::ImageScale { many: kind.many, scale }.into());
         }

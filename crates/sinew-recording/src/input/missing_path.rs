@@ -3,7 +3,7 @@
 use sinew_formats::nearest::nearest;
 use std::ffi::OsStr;
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// Names of a folder that are listed.
 const LISTED: usize = 8;
@@ -26,9 +26,9 @@ pub fn advice(path: &Path) -> Option<String> {
     let lacks = format!("{shown} has no `{}`", missing.display());
     Some(match meant(missing, &names) {
         Some(name) => {
-            let below: PathBuf = rest.iter().skip(1).collect();
-            let whole = parent.join(name).join(below);
-            let likely = if whole.exists() { whole } else { parent.join(name) };
+            let named = parent.join(name);
+            let whole = rest.iter().skip(1).fold(named.clone(), |path, below| path.join(below));
+            let likely = if whole.exists() { whole } else { named };
             format!("{lacks}; did you mean `{}`?", likely.display())
         }
         None if names.is_empty() => format!("{lacks}; it is empty"),

@@ -64,8 +64,13 @@ pub fn check(cameras: &[Camera], frames: &[Sighted], declared: f64) -> Result<()
 
 /// Whether a residual, pixels, is larger than detectors and small errors of calibration make it.
 pub(super) fn is_doubtful(cameras: &[Camera], residual_px: f64) -> bool {
+    per_diagonal(cameras, residual_px) > DOUBTFUL
+}
+
+/// A residual, pixels, per 1000 px of image diagonal.
+pub(super) fn per_diagonal(cameras: &[Camera], residual_px: f64) -> f64 {
     let diagonals = cameras.iter().map(|camera| camera.image_size_px[0].hypot(camera.image_size_px[1]));
-    residual_px > DOUBTFUL * median(&mut diagonals.collect::<Vec<_>>()) / 1000.0
+    1000.0 * residual_px / median(&mut diagonals.collect::<Vec<_>>())
 }
 
 /// The camera whose pose is the world from the camera, read as the camera from the world.

@@ -1,6 +1,6 @@
 //! Whether all cameras agree on a person once the calibrations of two of them are exchanged.
 
-use super::calibration_fit::{is_doubtful, residual};
+use super::calibration_fit::{is_doubtful, per_diagonal, residual};
 use super::error::SetupError;
 use sinew_observe::Camera;
 use sinew_observe::association::{Config, Person};
@@ -10,6 +10,10 @@ use sinew_observe::offsets::Sighted;
 /// Share of the views of people in which a camera shows the person whom others see, below which something is wrong, and from which on all is well.
 const DISAGREEING: f64 = 0.5;
 const AGREEING: f64 = 0.9;
+/// Residual, per 1000 px of image diagonal, up to which nothing is looked for: exchanged cameras that see a person from like distances may agree on somebody.
+const SUSPICIOUS: f64 = 4.0;
+/// Share of the present residual that an exchange must fall below.
+const BETTER: f64 = 0.5;
 /// Cameras up to which all pairs are tried.
 const MOST: usize = 16;
 
@@ -52,8 +56,9 @@ pub fn check(cameras: &[Camera], frames: &[Vec<Vec<Person>>], config: &Config) -
         return Ok(());
     }
     let now = agreement(cameras, frames, config);
-    let is_wrong = |residual: f64| is_doubtful(cameras, residual);
-    if now.shares.iter().all(|share| *share >= DISAGREEING) && !now.residual_px.is_some_and(is_wrong) {
+    let disagree = now.shares.iter().any(|share| *share < DISAGREEING);
+    let now_px = now.residual_px.unwrap_or(f64::INFINITY);
+    if !disagree && per_diagonal(cameras, now_px) <= SUSPICIOUS {
         return Ok(());
     }
     let pairs = (0..cameras.len()).flat_map(|a| (a + 1..cameras.len()).map(move |b| (a, b)));
@@ -61,13 +66,15 @@ pub fn check(cameras: &[Camera], frames: &[Vec<Vec<Person>>], config: &Config) -
         let mut exchanged = cameras.to_vec();
         exchanged.swap(a, b);
         let found = agreement(&exchanged, frames, config);
-        found.is_perfect(&exchanged).then_some((a, b, found.residual_px?))
+        let residual_px = found.residual_px.filter(|px| disagree || *px < BETTER * now_px)?;
+        found.is_perfect(&exchanged).then_some((a, b, residual_px))
     });
     match fitting.min_by(|x, y| x.2.total_cmp(&y.2)) {
         None => Ok(()),
-        Some((a, b, residual_px)) => Err(SetupError::ExchangedCameras {
-            cameras: [a, b].map(|camera| cameras[camera].name.clone()),
-            residual_px,
-        }),
+        Some((a, b, residual_px)) => {
+            let mut cameras = [a, b].map(|camera| cameras[camera].name.clone());
+            cameras.sort();
+            Err(SetupError::ExchangedCameras { cameras, residual_px })
+        }
     }
 }
