@@ -27,6 +27,7 @@ impl FileError {
     /// What the user can do about it.
     #[must_use]
     pub fn help(&self) -> Option<String> {
-        if self.source.kind() == io::ErrorKind::NotFound { missing_path::advice(&self.path) } else { None }
+        let is_missing = matches!(self.source.kind(), io::ErrorKind::NotFound | io::ErrorKind::NotADirectory);
+        if is_missing { missing_path::advice(&self.path) } else { None }
     }
 }
