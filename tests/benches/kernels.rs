@@ -185,7 +185,7 @@ fn tracking(c: &mut Criterion) {
     let layout = recording.layout.clone();
     let settings = Settings::default();
     let frames = recording.frames();
-    let people: Vec<_> = frames.clone().map(|n| Ok((n, recording.people(n)?))).collect();
+    let people: Vec<_> = frames.clone().map(|n| Ok::<_, sinew::Error>((n, recording.people(n)?))).collect();
     let (mut setup, _) = setup::set_up(&cameras, &layout, &SetupRequest::default(), people).expect("set-up");
     let tree = setup.tree();
     setup.motion_sd =

@@ -30,14 +30,15 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         frames.push((number, detections(&recording.frame(number)?)));
     }
     let started = std::time::Instant::now();
-    let (found, warnings) = setup::set_up(&cameras, &layout, &request, frames.iter().cloned().map(Ok))?;
+    let (found, warnings) =
+        setup::set_up(&cameras, &layout, &request, frames.iter().cloned().map(Ok::<_, sinew::Error>))?;
     println!("set up in {:?}", started.elapsed());
     for warning in warnings {
         println!("warning: {warning}");
     }
     print!("{}", found.to_toml()?);
 
-    let collected = setup::collect(&cameras, &layout, &request, frames.into_iter().map(Ok))?;
+    let collected = setup::collect(&cameras, &layout, &request, frames.into_iter().map(Ok::<_, sinew::Error>))?;
     let noise = offsets::estimate(&cameras, &collected.sighted(request.offset_frames), &request.offsets);
     let shape = setup::shape::measure(&cameras, &layout, &request, &noise, &collected, &mut vec![])?;
     println!("fit error {:.1} mm", 1e3 * shape.fit_error_m);

@@ -112,7 +112,7 @@ pub fn set_up(
     change: impl FnOnce(&mut Setup),
 ) -> Result<Setup, Error> {
     let (cameras, layout) = (source.cameras().to_vec(), source.layout().clone());
-    let people: Vec<_> = frames.clone().map(|number| Ok((number, source.people(number)?))).collect();
+    let people: Vec<_> = frames.clone().map(|number| Ok::<_, Error>((number, source.people(number)?))).collect();
     let (mut setup, _) = setup::set_up(&cameras, &layout, &SetupRequest::default(), people)?;
     change(&mut setup);
     let tree = setup.tree();

@@ -1,7 +1,6 @@
 //! Masks and pictures of every sequence that experiments use.
 //! The person is in all views, and the same seed gives the same pixels.
 
-use sinew::motion;
 use sinew_simulate::combo::{Sequence, synthetic_combo};
 use sinew_simulate::footage::SyntheticFootage;
 use sinew_simulate::points::{Trajectories, points_of_states};
@@ -10,6 +9,7 @@ use sinew_simulate::ring::Ring;
 use sinew_simulate::segmentation_noise::Level;
 use sinew_simulate::walker::{Gait, Walker, walker_states};
 use sinew_tests::recorded_motion::{recorded, recorded_combo};
+use sinew_tools::motion;
 
 const RATE_HZ: f64 = 30.0;
 

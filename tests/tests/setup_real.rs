@@ -32,7 +32,7 @@ fn set_up(
     request: &SetupRequest,
 ) -> (Setup, Vec<setup::SetupWarning>) {
     let (cameras, layout) = (recording.cameras().to_vec(), recording.layout().clone());
-    let frames = frames.map(|n| Ok((n, detections(&recording.frame(n)?))));
+    let frames = frames.map(|n| Ok::<_, sinew::Error>((n, detections(&recording.frame(n)?))));
     setup::set_up(&cameras, &layout, request, frames).unwrap()
 }
 

@@ -6,9 +6,9 @@
 use crate::outcome::Outcome;
 use clap::Args as Arguments;
 use sinew::config::settings::Settings;
-use sinew::config::{Init, Resolved, Sources, TrackConfig, resolve};
+use sinew::config::{Resolved, Sources, TrackConfig, resolve};
 use sinew::formats::trc;
-use sinew::input::footage::Footage;
+use sinew::input::footage::{Footage, Init};
 use sinew::input::recording::RecordingOptions;
 use sinew::methods::Score;
 use sinew::methods::{About, AnnealedMethod, annealed, bootstrap, coarse_to_fine, hmc, partitioned};
@@ -141,7 +141,7 @@ fn footage(config: &TrackConfig) -> Outcome<Footage> {
         ..RecordingOptions::default()
     };
     let calibration = config.calibration.as_deref().ok_or("no calibration")?;
-    Ok(Footage::open(config, calibration, &options)?)
+    Ok(Footage::open(&config.files(calibration), &options)?)
 }
 
 fn reference(data: &Path) -> Outcome<Track> {

@@ -33,7 +33,7 @@ const RULES: [(&str, Rule, &[Exception]); 13] = [
     ("module docs", placement::check_docs, &[]),
     ("cycles", cycles::check, &[]),
     ("files", sizes::check_files, exceptions::LARGE_FILES),
-    ("functions", sizes::check_functions, exceptions::LONG_FUNCTIONS),
+    ("functions", sizes::check_functions, &[]),
     ("crates", sizes::check_crates, exceptions::LARGE_CRATES),
     ("names", names::check, &[]),
     ("pages", pages::check, &[]),

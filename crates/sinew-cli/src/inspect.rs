@@ -10,7 +10,7 @@ use super::settings::{reading, settings};
 use super::table::aligned;
 use serde_json::json;
 use sinew::input::recording::{Recording, RecordingOptions};
-use sinew::inspect::{Facts, Subject, file_facts, fit, subjects};
+use sinew_tools::inspect::{Facts, Subject, file_facts, fit, subjects};
 use std::path::Path;
 
 /// Runs the command.

@@ -11,7 +11,7 @@ use sinew::results::estimate::{Draws, FrameEstimate, PointMarginal, RunInfo, Sta
 use sinew::results::problem;
 use sinew::results::{Disk, Ending, OWN_NAMES, ResultFolder, Storage, StoredFile, Texts, claim_in};
 use sinew::track::checkpoint;
-use sinew::{Error, bodies};
+use sinew::{Error, FileError, bodies};
 use std::io::{self, Seek, SeekFrom, Write};
 use std::path::Path;
 use std::sync::Arc;
@@ -147,7 +147,7 @@ fn every_failure_is_reported_and_nothing_false_is_left() {
     for steps in (0..needed).filter(few) {
         let folder = root.path().join(format!("{steps}"));
         match write(&folder, steps) {
-            Err(Error::Io { path, source, .. }) => {
+            Err(Error::Io(FileError { path, source, .. })) => {
                 assert!(path.starts_with(&folder), "{steps}: {}", path.display());
                 assert_eq!(source.to_string(), "injected", "{steps}");
             }
@@ -184,7 +184,7 @@ fn a_run_resumes_when_there_is_room_again() {
         let _ = std::fs::remove_dir_all(&out);
         match run(steps) {
             Ok(_) => continue,
-            Err(Error::Io { path, source, .. }) => {
+            Err(Error::Io(FileError { path, source, .. })) => {
                 assert!(path.starts_with(&out), "{steps}: {}", path.display());
                 assert_eq!(source.to_string(), "injected", "{steps}");
             }

@@ -194,7 +194,9 @@ fn sources(folder: &Path, text: &mut String) {
 #[test]
 fn quoted_warnings_match_the_program() {
     let mut program = String::new();
-    sources(&root().join("crates/sinew/src"), &mut program);
+    ["sinew-recording", "sinew"]
+        .iter()
+        .for_each(|name| sources(&root().join("crates").join(name).join("src"), &mut program));
     let page = read("docs/guide/warnings.md");
     let says = page
         .lines()

@@ -49,8 +49,8 @@ fn draws_are_listed() {
     insta::assert_snapshot!("posterior.zarr", printed);
     let store = trial.path("out/posterior.zarr");
     assert_eq!(
-        sinew::inspect::subjects(&[store]).unwrap(),
-        [sinew::inspect::Subject::Draws(trial.path("out/posterior.zarr"))]
+        sinew_tools::inspect::subjects(&[store]).unwrap(),
+        [sinew_tools::inspect::Subject::Draws(trial.path("out/posterior.zarr"))]
     );
     fs::remove_file(trial.path("out/posterior.zarr/zarr.json")).unwrap();
     insta::assert_snapshot!("no_zarr", shown(&trial, &["out/posterior.zarr"]));

@@ -44,7 +44,7 @@ fn markers_become_a_table_and_back() {
 fn a_skeleton_becomes_points_and_channels() {
     let trial = with(&[("a.bvh", BVH)]);
     check(&trial, &["a.bvh", "a.csv"]);
-    let motion = sinew::motion::read(&trial.path("a.csv"), None, None).unwrap();
+    let motion = sinew_tools::motion::read(&trial.path("a.csv"), None, None).unwrap();
     let points = motion.points().unwrap();
     assert_eq!(points.names, ["Hips", "Knee", "Knee_End"]);
     // The hips are turned by 90 degrees about the file's x: the leg points along −z there, which is y of the world.

@@ -338,7 +338,7 @@ fn frames_read_again_are_counted_once() {
     let mut printed = vec![];
     let each = |done, total| {
         printed.push((done, total));
-        Ok(())
+        Ok::<_, sinew::Error>(())
     };
     source.read_again(&[0..20, 5..6, 28..40], 0..30, each).unwrap();
     assert_eq!(printed, (1..=FRAMES).map(|done| (done, FRAMES)).collect::<Vec<_>>());

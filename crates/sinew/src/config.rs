@@ -16,5 +16,5 @@ pub mod value;
 pub mod values;
 
 pub use resolved::{Resolved, Sources, resolve};
-pub use track::{Init, TrackConfig};
+pub use track::TrackConfig;
 pub use values::Origin;

@@ -72,8 +72,7 @@ pub fn ranked(frames: usize, sigma_px: f64, settings: &Settings, seed: u64) -> R
     for frame in 0..frames {
         let bound = seen.bind(&film, frame, tracker.estimate());
         let stage = Stage::new(seed, "track").at_frame(frame as u32);
-        let info =
-            tracker.step(&bound.into(), stage).map_err(|error| Error::Numerical { message: error.to_string() })?;
+        let info = tracker.step(&bound.into(), stage)?;
         disagreeing += f64::from(u8::from(info.r_hat.is_some_and(|r| r > R_HAT_BOUND))) / frames as f64;
     }
     let (state, points) = last_ranks(&tracker.posterior(), &film, &settings);
@@ -85,8 +84,8 @@ fn stated_setup(body: &KinematicTree, sigma_px: f64) -> Result<(Setup, Vec<Camer
     let mut start = vec![0.0; body.dof()];
     start[2] = STANDING_HEIGHT_M;
     let ring = Ring { span: SPAN, ..Ring::default() };
-    let failed = |error: sinew::observe::Error| Error::Numerical { message: error.to_string() };
-    let cameras = around(&points_of_states(body, std::slice::from_ref(&start)), &ring).map_err(failed)?;
+    let cameras = around(&points_of_states(body, std::slice::from_ref(&start)), &ring)
+        .expect("a ring of cameras sees a standing body");
     let camera = |camera: &Camera| CameraSetup {
         name: camera.name.clone(),
         offset_px: [0.0; 2],

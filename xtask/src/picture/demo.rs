@@ -86,7 +86,8 @@ fn track() -> Result<Tracked, Box<dyn Error>> {
     let (cameras, layout, frames) = (recording.cameras.clone(), recording.layout.clone(), frames_of.frames());
     // One instruction set, so that every machine draws the same picture.
     let settings = Settings { fps: script.rate_hz, seed: SEED, isa: Isa::baseline(), ..Settings::default() };
-    let people: Vec<_> = frames.clone().map(|number| Ok((number, frames_of.people(number)?))).collect();
+    let people: Vec<_> =
+        frames.clone().map(|number| Ok::<_, sinew::Error>((number, frames_of.people(number)?))).collect();
     let (mut setup, _) = setup::set_up(&cameras, &layout, &SetupRequest::default(), people)?;
     let tree = setup.tree();
     setup.motion_sd = Some(setup::measure_motion(&setup, &tree, &mut frames_of, frames.clone(), script.rate_hz)?);

@@ -5,7 +5,7 @@ use crate::source::lines_with;
 use std::collections::BTreeSet;
 
 /// What each crate may depend on, of ours.
-const ALLOWED: [(&str, &[&str]); 14] = [
+const ALLOWED: [(&str, &[&str]); 16] = [
     ("sinew-core", &[]),
     ("sinew-body", &["sinew-core"]),
     ("sinew-observe", &["sinew-body", "sinew-core"]),
@@ -16,14 +16,17 @@ const ALLOWED: [(&str, &[&str]); 14] = [
     ("sinew-formats", &["sinew-body", "sinew-observe"]),
     ("sinew-invariance", &["sinew-core"]),
     ("sinew-simulate", &["sinew-core", "sinew-body", "sinew-observe", "sinew-formats"]),
+    ("sinew-recording", &["sinew-core", "sinew-body", "sinew-observe", "sinew-formats"]),
     ("sinew", &LIBRARIES),
+    ("sinew-tools", &["sinew", "sinew-core", "sinew-body", "sinew-observe", "sinew-formats"]),
     ("sinew-cli", &BELOW_THE_PROGRAM),
-    ("xtask", &["sinew", "sinew-simulate", "sinew-tests"]),
-    ("sinew-tests", &["sinew", "sinew-simulate", "sinew-invariance"]),
+    ("xtask", &["sinew", "sinew-tools", "sinew-simulate", "sinew-tests"]),
+    ("sinew-tests", &["sinew", "sinew-tools", "sinew-simulate", "sinew-invariance"]),
 ];
 
 /// What the library that people use is made of.
-const LIBRARIES: [&str; 8] = [
+const LIBRARIES: [&str; 9] = [
+    "sinew-recording",
     "sinew-core",
     "sinew-body",
     "sinew-observe",
@@ -35,8 +38,9 @@ const LIBRARIES: [&str; 8] = [
 ];
 
 /// What the program may know.
-const BELOW_THE_PROGRAM: [&str; 10] = [
+const BELOW_THE_PROGRAM: [&str; 11] = [
     "sinew",
+    "sinew-tools",
     "sinew-simulate",
     "sinew-core",
     "sinew-body",

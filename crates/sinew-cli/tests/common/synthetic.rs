@@ -12,7 +12,7 @@ use sinew::observe::bit_image::BitImage;
 use sinew::results::{Claim, claim, claim_to_resume};
 use sinew::track::checkpoint::{self, Checkpoint};
 use sinew::track::job::{self, Outcome, RunPhase, Watch};
-use sinew::{Error, setup};
+use sinew::{Error, RecordingError, setup};
 use sinew_simulate::footage::SyntheticFootage;
 use sinew_simulate::recording::{Script, SyntheticRecording};
 use std::collections::BTreeMap;
@@ -55,13 +55,13 @@ impl FrameSource for Source<'_> {
     fn frames(&self) -> std::ops::Range<u64> {
         self.recording.frames()
     }
-    fn people(&mut self, number: u64) -> Result<Vec<Vec<Person>>, Error> {
+    fn people(&mut self, number: u64) -> Result<Vec<Vec<Person>>, RecordingError> {
         self.recording.people(number)
     }
     fn image_cameras(&self) -> Option<Vec<Camera>> {
         self.masks.map(|masks| masks.cameras.clone())
     }
-    fn frame(&mut self, number: u64) -> Result<Frame, Error> {
+    fn frame(&mut self, number: u64) -> Result<Frame, RecordingError> {
         let Some(masks) = self.masks else {
             return Ok(Frame { people: self.people(number)?, images: FrameImages::default() });
         };
@@ -117,7 +117,7 @@ impl Whole {
         let is_cf28 = settings.contains(&("body", "cf28"));
         let body = if is_cf28 { setup::Body::CF28 } else { setup::Body::H32 };
         let request = setup::SetupRequest { body, ..setup::SetupRequest::default() };
-        let first: Vec<_> = (0..10).map(|number| Ok((number, recording.people(number)?))).collect();
+        let first: Vec<_> = (0..10).map(|number| Ok::<_, Error>((number, recording.people(number)?))).collect();
         let (mut found, _) = setup::set_up(&recording.cameras, &recording.layout, &request, first).unwrap();
         (found.step_size, found.leapfrog_steps) = (Some(0.4), Some(3));
         found.camera.iter_mut().for_each(|camera| camera.sigma_px *= noise);

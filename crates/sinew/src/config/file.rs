@@ -5,6 +5,7 @@ use super::value::{Value, from_toml};
 use crate::{Error, files};
 use sinew_formats::nearest::nearest;
 use sinew_formats::source_text::MAX_CONFIG_BYTES;
+use sinew_recording::{Error as RecordingError, Problems};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use toml::de::DeTable;
@@ -32,16 +33,16 @@ pub struct ConfigFile {
 /// [`Error::Io`], and [`Error::Config`] with everything that is wrong in it.
 pub fn read(path: &Path) -> Result<ConfigFile, Error> {
     let text = files::read_text(path, MAX_CONFIG_BYTES).map_err(|error| match error {
-        Error::Format(error) => {
+        RecordingError::Format(error) => {
             let (file, problem) = (path.display().to_string(), error.to_string());
             let problem = problem.strip_prefix(&format!("{file}: ")).unwrap_or(&problem).to_owned();
-            Error::Config { file, problems: vec![problem] }
+            Problems { file, problems: vec![problem] }.into()
         }
         other => other,
     })?;
     let folder = path.parent().unwrap_or_else(|| Path::new(""));
     let (values, is_root) =
-        parse(&text, folder).map_err(|problems| Error::Config { file: path.display().to_string(), problems })?;
+        parse(&text, folder).map_err(|problems| Problems { file: path.display().to_string(), problems })?;
     Ok(ConfigFile { path: path.to_owned(), values, is_root })
 }
 

@@ -9,6 +9,7 @@ use super::values::{Origin, SettingValues};
 use crate::Error;
 use crate::methods::{self, About, METHODS};
 use sinew_formats::nearest::nearest;
+use sinew_recording::Problems;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -85,7 +86,7 @@ pub fn resolve(sources: &Sources) -> Result<Resolved, Error> {
     for setting in settings() {
         let Some(default) = setting.default.text() else { continue };
         let value = from_text(setting, &default, here);
-        let value = value.map_err(|problem| Error::Config { file: "the defaults".into(), problems: vec![problem] })?;
+        let value = value.map_err(|problem| Problems { file: "the defaults".into(), problems: vec![problem] })?;
         resolved.values.of.entry(setting.key).or_insert((value, Origin::Default));
     }
     resolved.check()?;
@@ -93,7 +94,7 @@ pub fn resolve(sources: &Sources) -> Result<Resolved, Error> {
 }
 
 fn refuse(source: &str, problems: Vec<String>) -> Result<(), Error> {
-    if problems.is_empty() { Ok(()) } else { Err(Error::Config { file: source.into(), problems }) }
+    if problems.is_empty() { Ok(()) } else { Err(Problems { file: source.into(), problems }.into()) }
 }
 
 /// The path without `..`, by its text.
@@ -130,7 +131,7 @@ impl Resolved {
     fn check(&self) -> Result<(), Error> {
         match (self.method().mistake)(&self.values) {
             None => Ok(()),
-            Some(problem) => Err(Error::Config { file: "the configuration".into(), problems: vec![problem] }),
+            Some(problem) => Err(Problems { file: "the configuration".into(), problems: vec![problem] }.into()),
         }
     }
 

@@ -9,6 +9,7 @@ use crate::track::error::TrackError;
 use sinew_core::lanes::Isa;
 use sinew_dynamics::random_walk::Between;
 use sinew_observe::Noise;
+use sinew_recording::input::footage::{FootageFiles, Init};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
@@ -71,15 +72,6 @@ pub struct TrackConfig {
     pub checkpoint_every: f64,
     /// Whether results there may be replaced.
     pub force: bool,
-}
-
-/// Where tracking from silhouettes alone begins.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Init {
-    /// Keypoints, which are not used for tracking.
-    Keypoints,
-    /// Points in space over time, a TRC file.
-    Points(PathBuf),
 }
 
 impl Resolved {
@@ -166,6 +158,22 @@ impl Resolved {
 pub const DEFAULT_FPS: f64 = 30.0;
 
 impl TrackConfig {
+    /// The files to be read, with the calibration file that was named or found.
+    #[must_use]
+    pub fn files<'a>(&'a self, calibration: &'a Path) -> FootageFiles<'a> {
+        let method = self.tracking.method.about();
+        FootageFiles {
+            calibration,
+            keypoints: self.keypoints.as_deref(),
+            silhouettes: self.silhouettes.as_deref(),
+            images: self.images.as_deref(),
+            mask_scale: self.mask_scale,
+            init: self.init.as_ref(),
+            has_setup: self.setup.is_some(),
+            needs_gradients: method.needs_gradients.then_some(method.name),
+        }
+    }
+
     /// How frames are tracked.
     ///
     /// # Errors

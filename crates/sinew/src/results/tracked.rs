@@ -111,7 +111,8 @@ impl Tracked {
 }
 
 /// What a command read that must not be written over: a result folder, a calibration and perhaps a folder of images.
-pub(crate) fn inputs(results: &Path, calibration: &Path, images: Option<&PathBuf>) -> Vec<PathBuf> {
+#[must_use]
+pub fn inputs(results: &Path, calibration: &Path, images: Option<&PathBuf>) -> Vec<PathBuf> {
     [results, calibration].into_iter().map(Path::to_owned).chain(images.cloned()).collect()
 }
 

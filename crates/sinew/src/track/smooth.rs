@@ -195,23 +195,38 @@ pub fn smooth(
     pipeline: &Pipeline,
     tree: &KinematicTree,
     stopped: impl Fn() -> Result<(), Error>,
-    mut record: impl FnMut(FrameEstimate) -> Result<ControlFlow<()>, Error>,
+    record: impl FnMut(FrameEstimate) -> Result<ControlFlow<()>, Error>,
 ) -> Result<(), Error> {
-    let d = spool.dim;
     spool.moments.sync()?;
     let open = |path: &Path| File::open(path).map_err(Error::io("read", path));
     let mut moments = Numbers { file: open(&spool.files.moments)?, path: spool.files.moments.clone() };
     let file = File::options().read(true).write(true).create(true).truncate(true).open(&spool.files.trajectories);
     let file = file.map_err(Error::io("create", &spool.files.trajectories))?;
     let Scratch(trajectories) = &mut Scratch(Numbers { file, path: spool.files.trajectories.clone() });
-    let count = (1 + TRAJECTORIES) * d;
-    let (settings, size) = (pipeline.settings(), pipeline.size().cloned());
+    backwards(spool, pipeline, &mut moments, trajectories, stopped)?;
+    forwards(spool, pipeline, tree, &mut moments, trajectories, record)
+}
+
+/// Numbers of a frame in the file of trajectories: the smoothed mean, then the states.
+const fn numbers_of_frame(dim: usize) -> usize {
+    (1 + TRAJECTORIES) * dim
+}
+
+/// The backward pass: smoothed means and drawn trajectories of all frames, from the last to the first.
+fn backwards(
+    spool: &Spool,
+    pipeline: &Pipeline,
+    moments: &mut Numbers,
+    trajectories: &mut Numbers,
+    stopped: impl Fn() -> Result<(), Error>,
+) -> Result<(), Error> {
+    let (d, settings) = (spool.dim, pipeline.settings());
     let smoother = Smoother::random_walk(pipeline.transition.sd());
     let mut states = vec![Block::ZERO; TRAJECTORIES / LANES * d];
     let mut next: Option<Moments> = None;
     for frame in (0..spool.frames).rev() {
         stopped()?;
-        let Record { header, moments: filtered } = spool.read(&mut moments, frame)?;
+        let Record { header, moments: filtered } = spool.read(moments, frame)?;
         let filtered_frame = spool.estimate(&header, settings.fps);
         let rng = &mut Stage::new(settings.seed, "smooth").at_frame(frame as u32).whole();
         let smoothed = match &next {
@@ -225,17 +240,31 @@ pub fn smooth(
             }
         };
         let mut numbers = smoothed.mean.clone();
-        numbers.resize(count, 0.0);
+        numbers.resize(numbers_of_frame(d), 0.0);
         for (i, state) in numbers[d..].chunks_exact_mut(d).enumerate() {
             get_lane(&states[i / LANES * d..][..d], i % LANES, state);
         }
-        trajectories.write(frame * count as u64, &numbers)?;
+        trajectories.write(frame * numbers_of_frame(d) as u64, &numbers)?;
         next = if filtered_frame.restarted { None } else { Some(smoothed) };
     }
+    Ok(())
+}
+
+/// Marginals and draws of the smoothed frames, in order.
+fn forwards(
+    spool: &Spool,
+    pipeline: &Pipeline,
+    tree: &KinematicTree,
+    moments: &mut Numbers,
+    trajectories: &mut Numbers,
+    mut record: impl FnMut(FrameEstimate) -> Result<ControlFlow<()>, Error>,
+) -> Result<(), Error> {
+    let (d, settings) = (spool.dim, pipeline.settings());
     let weights = vec![1.0 / TRAJECTORIES as f64; TRAJECTORIES];
-    let mut marginals = Marginals::new(tree, settings.isa, size);
+    let mut marginals = Marginals::new(tree, settings.isa, pipeline.size().cloned());
+    let mut states = vec![Block::ZERO; TRAJECTORIES / LANES * d];
     for frame in 0..spool.frames {
-        let numbers = trajectories.read(frame * count as u64, count)?;
+        let numbers = trajectories.read(frame * numbers_of_frame(d) as u64, numbers_of_frame(d))?;
         let (mean_state, numbers) = numbers.split_at(d);
         for (i, state) in numbers.chunks_exact(d).enumerate() {
             set_lane(&mut states[i / LANES * d..][..d], i % LANES, state);
@@ -246,7 +275,7 @@ pub fn smooth(
         let mut kept = numbers[..settings.draws.min(TRAJECTORIES) * d].to_vec();
         let size = marginals.size_draws(0..TRAJECTORIES, &mut kept, d);
         let draws = Draws { states: kept, size, ..Draws::default() };
-        let header = spool.read(&mut moments, frame)?.header;
+        let header = spool.read(moments, frame)?.header;
         let estimate = FrameEstimate {
             mean_state: mean_state.to_vec(),
             points,

@@ -17,6 +17,7 @@ use crate::track::error::TrackError;
 use crate::track::step_size::tune;
 use crate::{Error, bodies, files};
 use sinew_formats::source_text::MAX_CONFIG_BYTES;
+use sinew_recording::Problems;
 use std::ops::Range;
 use std::path::Path;
 
@@ -133,7 +134,7 @@ pub(super) fn read_setup(path: &Path) -> Result<Setup, Error> {
         TrackError::SetupFile { path: path.to_owned(), line, problem: error.message().into() }
     })?;
     let problems = setup.problems();
-    if problems.is_empty() { Ok(setup) } else { Err(Error::Config { file: path.display().to_string(), problems }) }
+    if problems.is_empty() { Ok(setup) } else { Err(Problems { file: path.display().to_string(), problems }.into()) }
 }
 
 fn set_up<S: FrameSource>(
@@ -160,7 +161,7 @@ fn set_up<S: FrameSource>(
         watch.check("during the set-up pass; nothing was written")?;
         let people = source.people(number)?;
         (watch.progress)(RunPhase::SetUp, number - numbers.start + 1, total);
-        Ok((number, people))
+        Ok::<_, Error>((number, people))
     });
     let (mut setup, found) = setup::set_up(&cameras, &layout, &request, frames)?;
     // The tracker looks for swapped sides in all its frames.

@@ -37,7 +37,7 @@ pub(super) fn forward<S: FrameSource>(
         });
         let is_last = keeper.checkpoint.done == total;
         match tracked {
-            Err(error) if keeper.checkpoint.done == before || matches!(error, Error::Io { .. }) => return Err(error),
+            Err(error) if keeper.checkpoint.done == before || error.file().is_some() => return Err(error),
             Err(error) => return Ok(Err(error)),
             Ok(()) if is_last && keeper.spool.is_none() => return Ok(Ok(())),
             Ok(()) => keeper.keep(pipeline, source.read(), inputs.hashes(source.source()))?,
