@@ -93,6 +93,7 @@ fn posteriors(c: &mut Criterion) {
     for isa in sets() {
         density_rows(c, "problem28 posterior", &problem.target(isa), isa, &problem.true_pose);
         density_rows(c, "problem28 likelihood", &problem.likelihood(isa), isa, &problem.true_pose);
+        density_rows(c, "problem28 likelihood by views", &problem.likelihood_by_views(isa), isa, &problem.true_pose);
         density_rows(c, "problem28 mixture prior", &problem.prior(isa), isa, &problem.true_pose);
     }
     let plan = Arc::new(Plan::with_all_points(&standard::cf28(&Proportions::default())));

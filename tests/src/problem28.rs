@@ -13,6 +13,7 @@ use sinew::core::combinators::Sum;
 use sinew::core::density::Lanes;
 use sinew::core::lanes::Isa;
 use sinew::dynamics::mixture::Mixture;
+use sinew::observe::marker_views::{MarkerView, MarkerViewsLikelihood, MarkerViewsModel};
 use sinew::observe::{MarkerLikelihood, MarkerModel, ObservationModel};
 use std::sync::Arc;
 
@@ -172,6 +173,16 @@ impl Problem {
         let plan = Arc::new(Plan::with_all_points(&self.tree));
         let frame: Vec<_> = self.observations.iter().copied().map(Some).collect();
         MarkerModel { plan, centre: self.camera_centre, sigma: self.sigma, isa }.bind(&frame)
+    }
+
+    /// The same likelihood by the model of any number of cameras anywhere: what one fixed camera saves.
+    #[must_use]
+    pub fn likelihood_by_views(&self, isa: Isa) -> Lanes<MarkerViewsLikelihood> {
+        let plan = Arc::new(Plan::with_all_points(&self.tree));
+        let frame: Vec<_> = self.observations.iter().copied().map(Some).collect();
+        let axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        let views = vec![MarkerView { centre: self.camera_centre, axes }];
+        MarkerViewsModel { plan, views, sigma: self.sigma, isa }.bind(&[frame])
     }
 
     /// The prior alone.
