@@ -78,6 +78,7 @@ fn rows() -> Vec<Row> {
         rows.push(keypoints(method, false));
         rows.push(keypoints(method, true));
     }
+    rows.push(Row { score: Score::Parts, ..keypoints(&partitioned::ABOUT, true) });
     rows.push(keypoints(&hmc::ABOUT, false));
     rows.push(keypoints(&hmc::ABOUT, true));
     let plain = |settings: &mut Settings| {
