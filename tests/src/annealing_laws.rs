@@ -1,4 +1,6 @@
-//! Annealing against its laws: the noise of layers (A6), marginals under crossover (A11), and the collapse on eight modes (second half of E7).
+//! Annealing against its laws: noise of layers, marginals under crossover, collapse on eight modes.
+//!
+//! These are A6, A11 and the second half of E7.
 
 use crate::depth_flip::{Arm, octant};
 use crate::finding::{Finding, mean_and_error};
@@ -61,7 +63,7 @@ impl LogDensity for Slope {
     }
 }
 
-/// A11: mean and square of each coordinate over crossed children are those of the weighted set; the product of two coordinates is not, or nothing was crossed. 10⁵ children, 8 scores at |z| < 4.5.
+/// A11: mean and square of each coordinate over crossed children equal the weighted set's; the product of two coordinates is not, or nothing was crossed. 10⁵ children, 8 scores at |z| < 4.5.
 ///
 /// # Panics
 /// Never: no weight is zero.

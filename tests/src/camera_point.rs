@@ -1,7 +1,7 @@
 //! A point in space seen by two pinhole cameras (`exact/point_two_cameras_a.json`), through the project's own camera and its derivative.
 
-use crate::data::{number, numbers, stored};
 use crate::linear_series::rows;
+use crate::stored::{number, numbers, stored};
 use serde_json::Value;
 use sinew::core::combinators::Sum;
 use sinew::core::density::{GradLogDensity, Lanes, LogDensity};

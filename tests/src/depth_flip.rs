@@ -1,9 +1,11 @@
-//! An arm of three links in one orthographic camera: the sign of each angle is seen only through the prior, so there are eight modes (`exact/depth_flip_a.json`).
+//! An arm of three links in one orthographic camera, with eight modes (`exact/depth_flip_a.json`).
+//!
+//! The sign of each angle is seen only through the prior.
 //!
 //! a_j ~ N(pm_j, ps_j²), y_j = Σ_{i ≤ j} l_i cos a_i + N(0, s²).
 
-use crate::data::{number, numbers, stored};
 use crate::quadrature::{Axis, Exact, integrate};
+use crate::stored::{number, numbers, stored};
 use serde_json::Value;
 use sinew::core::combinators::Sum;
 use sinew::core::density::{GaussNewton, GradLogDensity, Lanes, LogDensity};

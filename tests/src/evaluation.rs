@@ -1,4 +1,6 @@
-//! How good a tracker is: whole runs in memory, what it is compared with, and the statistics of the comparison.
+//! How good a tracker is.
+//!
+//! Whole runs in memory, what it is compared with, and the statistics of the comparison.
 //!
 //! | function | what |
 //! |---|---|
@@ -8,16 +10,23 @@
 //! | [`mean_distance`] | of tracks to a reference |
 //! | [`pixel_errors`] | distance to the keypoints of a camera that was left out |
 //! | [`covered`], [`block_bootstrap`] | share of true coordinates inside the 90 % intervals, and its standard error |
-//! | [`ranks`] | where the truth falls among the draws: coverage at any level, rank histograms |
+//! | [`ranks`], [`weighted_places`] | where the truth falls among draws, and among weighted draws: coverage at any level, rank histograms |
+//! | [`joint_errors`], [`smoothness`] | of states against a motion, and of states alone |
+//! | [`equal_variance`], [`volumes`] | what estimators cost at equal variance, and how far a posterior is from its prior |
 //! | [`own_model`] | the tracker on truths that its own model drew |
 
 mod coverage;
+pub mod equal_variance;
+pub mod joint_errors;
 pub mod own_model;
 pub mod ranks;
 mod recipe;
+pub mod smoothness;
+pub mod volumes;
+pub mod weighted_places;
 
 pub use coverage::{block_bootstrap, covered};
-pub use recipe::{causal, filled, triangulated, zero_phase};
+pub use recipe::{Track, causal, filled, triangulated, zero_phase};
 
 use sinew::Error;
 use sinew::body::standard::EVALUATION_JOINTS;
@@ -37,9 +46,6 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Joints that are compared with a reference: those of the limbs.
 pub const LIMB_JOINTS: [&str; 12] = *EVALUATION_JOINTS.split_at(2).1.first_chunk().expect("fifteen joints");
-
-/// Positions of some points, frame by frame; `None` is missing.
-pub type Track = Vec<Vec<Option<[f64; 3]>>>;
 
 /// What came of a recording.
 pub struct Run {

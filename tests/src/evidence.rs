@@ -1,4 +1,6 @@
-//! The bootstrap filter against exact evidence and means: unbiasedness under every scheme and threshold, the stored table, the order of its error (E2, E3, `evidence-unbiased`).
+//! The bootstrap filter against exact evidence and means (E2, E3, `evidence-unbiased`).
+//!
+//! Unbiasedness under every scheme and threshold, the stored table, and the order of its error.
 
 use crate::finding::{Finding, mean_and_error};
 use crate::linear_series::{Series, deviations};

@@ -7,7 +7,8 @@ use crate::size::Size;
 use sinew::core::density::{GradLogDensity, LogDensity};
 use sinew::core::lanes::{Block, Isa, LANES};
 use sinew::core::random::{BlockRng, Stage};
-use sinew::samplers::hmc::{Chains, DIVERGENCE, Hmc, Workspace, leapfrog, update};
+use sinew::samplers::hmc::{Chains, DIVERGENCE, Hmc, Workspace, update};
+use sinew::samplers::integrator::PhasePoint;
 use sinew_invariance::draws::{normals, uniforms};
 use sinew_invariance::targets::ExactTarget;
 use sinew_invariance::{ExactStart, Report, TestFunctions, exact_start};
@@ -80,7 +81,8 @@ fn by_curvature_of_state(hmc: &Hmc) -> impl FnMut(&[f64], &mut BlockRng) -> Vec<
         let factor = Block(chains.position[0].0.map(faulty_factor));
         let (mut x, mut g) = (chains.position.clone(), chains.gradient.clone());
         let kinetic = p[0].0.map(|p| 0.5 * p * p);
-        let end = leapfrog(&HeavyTails, hmc, &factor, &mut x, &mut p, &mut g, &mut []);
+        let point = PhasePoint { position: &mut x, momentum: &mut p, gradient: &mut g };
+        let end = hmc.trajectory(&HeavyTails, &factor, point, &mut []);
         for (lane, kinetic) in kinetic.into_iter().enumerate() {
             let error = end.kinetic.0[lane] - end.log_density.0[lane] - kinetic + chains.log_density.0[lane];
             if error < DIVERGENCE && u[0].0[lane] < (-error).exp() {
@@ -159,7 +161,8 @@ pub fn reversal() -> [f64; 2] {
             let mut g = [Block::ZERO];
             HeavyTails.log_density_grad_block(&x, &mut g, &mut []);
             let factor = Block(x[0].0.map(factor));
-            leapfrog(&HeavyTails, &hmc, &factor, &mut x, &mut p, &mut g, &mut []);
+            let point = PhasePoint { position: &mut x, momentum: &mut p, gradient: &mut g };
+            hmc.trajectory(&HeavyTails, &factor, point, &mut []);
             p[0].0.iter_mut().for_each(|p| *p = -*p);
         }
         (x[0].0[0] - 1.5).abs()

@@ -1,4 +1,6 @@
-//! What the HMC filter's two priors between frames cost in calibration: a random walk with an exact filter, the growth model, and the arm whose depth can flip.
+//! What the HMC filter's two priors between frames cost in calibration.
+//!
+//! On a random walk with an exact filter, the growth model, and the arm whose depth can flip.
 
 use crate::depth_flip::{Arm, Sight as ArmSight, octant};
 use crate::finding::mean_and_error;
@@ -115,7 +117,7 @@ pub fn random_walk(setting: Setting, ratio: f64, dim: usize, length: Length, see
     let Length { runs, before, frames } = length;
     let isa = Isa::best();
     let unit = Normal::standard();
-    let mut of_runs: [Vec<f64>; 4] = Default::default();
+    let mut all_runs: [Vec<f64>; 4] = Default::default();
     let mut mixed = 0;
     let root = Stage::new(seed, "filter priors").round(dim);
     for r in 0..runs {
@@ -158,9 +160,9 @@ pub fn random_walk(setting: Setting, ratio: f64, dim: usize, length: Length, see
                 sums.iter_mut().zip(values).for_each(|(sum, value)| *sum += value / (dim * frames) as f64);
             }
         }
-        of_runs.iter_mut().zip(sums).for_each(|(all, sum)| all.push(sum));
+        all_runs.iter_mut().zip(sums).for_each(|(all, sum)| all.push(sum));
     }
-    let [square, variance_ratio, covered, covers_truth] = of_runs.map(|values| mean_and_error(&values));
+    let [square, variance_ratio, covered, covers_truth] = all_runs.map(|values| mean_and_error(&values));
     let error = square[0].sqrt();
     Calibration {
         error: [error, 0.5 * square[1] / error],

@@ -78,3 +78,28 @@ pub fn mean_and_error(values: &[f64]) -> [f64; 2] {
     let variance = values.iter().map(|x| (x - mean) * (x - mean)).sum::<f64>() / (n - 1.0);
     [mean, (variance / n).sqrt()]
 }
+
+/// Ratio of the means of two columns of paired rows and its standard error, by the delta method.
+#[must_use]
+pub fn ratio_of_means(rows: &[Vec<f64>], top: usize, bottom: usize) -> [f64; 2] {
+    let n = rows.len() as f64;
+    let mean = |k: usize| rows.iter().map(|row| row[k]).sum::<f64>() / n;
+    let (above, below) = (mean(top), mean(bottom));
+    let ratio = above / below;
+    let squares: f64 = rows.iter().map(|row| (row[top] - ratio * row[bottom]).powi(2)).sum();
+    [ratio, (squares / (n * (n - 1.0))).sqrt() / below]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ratios_of_paired_rows_have_paired_errors() {
+        let rows = vec![vec![1.0, 2.0], vec![2.0, 4.0], vec![5.0, 10.0]];
+        let [value, error] = ratio_of_means(&rows, 0, 1);
+        assert!((value - 0.5).abs() < 1e-15 && error < 1e-15);
+        let [value, error] = ratio_of_means(&[vec![1.0, 1.0], vec![3.0, 1.0]], 0, 1);
+        assert!((value - 2.0).abs() < 1e-15 && (error - 1.0).abs() < 1e-15);
+    }
+}

@@ -19,7 +19,7 @@ fn correlated(dim: usize, widest: f64) -> Lanes<Gaussian> {
     Lanes { leaf, isa: Isa::best() }
 }
 
-/// `target acceptance` and `adaptation-frozen`: on 28 dimensions a step size is tuned to accept 0.8; then it accepts 0.8 ± 0.03, and the kept draws are bit for bit those of updates with that one step size and metric.
+/// `target acceptance` and `adaptation-frozen`: on 28 dimensions a step size is tuned to accept 0.8; then it accepts 0.8 ± 0.03, and the kept draws are bit for bit the draws of updates with that one step size and metric.
 #[must_use]
 pub fn tuned_acceptance(updates: usize, seed: u64) -> [Finding; 2] {
     let isa = Isa::best();

@@ -1,10 +1,12 @@
-//! The growth model: a state on a line that is seen through its square, so that the filter often has two modes (`exact/growth_a.json`).
+//! The growth model: a state on a line that is seen through its square (`exact/growth_a.json`).
+//!
+//! The filter often has two modes.
 //!
 //! x_0 ~ N(0, p₀²); x_t = x_{t−1} / 2 + c x_{t−1} / (1 + x_{t−1}²) + 8 cos(w t) + N(0, q²); y_t = x_t² / 20 + N(0, r²).
 
-use crate::data::{number, numbers, stored};
 use crate::finding::Finding;
 use crate::quadrature::{OnLine, line_filter};
+use crate::stored::{number, numbers, stored};
 use sinew::core::density::{GaussNewton, GradLogDensity, Lanes, LogDensity};
 use sinew::core::lanes::{Block, Isa, LANES};
 use sinew::core::random::{BlockRng, Stage};

@@ -1,4 +1,6 @@
-//! The samplers of the workspace as kernels of `sinew-invariance`: a state is those of eight chains, one after the other, since a block moves them together.
+//! The samplers of the workspace as kernels of `sinew-invariance`.
+//!
+//! A kernel's state holds the states of eight chains, one after the other, since a block moves them together.
 
 use sinew::core::density::GradLogDensity;
 use sinew::core::lanes::{Block, LANES, get_lane, set_lane};

@@ -33,4 +33,5 @@ pub mod simulated_source;
 pub mod simulators;
 pub mod size;
 pub mod static_posteriors;
+pub mod stored;
 pub mod walls;

@@ -1,6 +1,8 @@
-//! Linear-Gaussian series with their exact filter: stored ones, simulated ones, the observation as a density, and the mixture prior between frames.
+//! Linear-Gaussian series with their exact filter, stored and simulated.
+//!
+//! With the observation as a density, and the mixture prior between frames.
 
-use crate::data::{self, numbers};
+use crate::stored::{numbers, stored};
 use serde_json::Value;
 use sinew::core::density::{GaussNewton, GradLogDensity, Lanes, LogDensity};
 use sinew::core::lanes::{Block, Isa, Kernel, LANES, Real, dispatch};
@@ -125,7 +127,7 @@ impl Series {
     /// A stored series; `None`, with a note, where the data folder is missing.
     #[must_use]
     pub fn stored(name: &str) -> Option<Self> {
-        let v = data::stored(&format!("kalman/{name}"))?;
+        let v = stored(&format!("kalman/{name}"))?;
         Some(Self {
             dim: v["n_state"].as_u64().expect("number") as usize,
             m0: numbers(&v["m0"]),

@@ -1,4 +1,6 @@
-//! The HMC filter with the paper's mixture prior against the Kalman filter and against the ideal: exact draws from the same mixture target (E4, `hmc-filter-kalman`).
+//! The HMC filter with the paper's mixture prior against the Kalman filter (E4, `hmc-filter-kalman`).
+//!
+//! And against the ideal: exact draws from the same mixture target.
 
 use crate::evidence::Errors;
 use crate::finding::{Finding, mean_and_error};
@@ -14,36 +16,36 @@ use sinew::tracking::hmc_filter::{Config, HmcFilter};
 
 /// Errors of one run: of log Z and means as for particles, and the mean squared relative error of the variances.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Found {
+pub struct FilterErrors {
     /// log Ẑ and means.
     pub errors: Errors,
     /// Mean over frames and coordinates of (variance / exact − 1)².
-    pub of_variances: f64,
+    pub variance_error: f64,
 }
 
 struct Tally {
-    found: Found,
+    found: FilterErrors,
     count: f64,
 }
 
 impl Tally {
     fn new() -> Self {
         let errors = Errors { log_evidence: 0.0, square: 0.0 };
-        Self { found: Found { errors, of_variances: 0.0 }, count: 0.0 }
+        Self { found: FilterErrors { errors, variance_error: 0.0 }, count: 0.0 }
     }
 
     fn add(&mut self, mean: &[f64], variances: &[f64], log_evidence: f64, exact: &Moments) {
         self.found.errors.log_evidence += log_evidence;
         for (j, sd) in deviations(exact).into_iter().enumerate() {
             self.found.errors.square += ((mean[j] - exact.mean[j]) / sd).powi(2);
-            self.found.of_variances += (variances[j] / (sd * sd) - 1.0).powi(2);
+            self.found.variance_error += (variances[j] / (sd * sd) - 1.0).powi(2);
             self.count += 1.0;
         }
     }
 
-    fn end(mut self) -> Found {
+    fn end(mut self) -> FilterErrors {
         self.found.errors.square /= self.count;
-        self.found.of_variances /= self.count;
+        self.found.variance_error /= self.count;
         self.found
     }
 }
@@ -68,7 +70,7 @@ pub fn config(chains: usize) -> Config {
 /// # Panics
 /// Where a frame has no posterior.
 #[must_use]
-pub fn hmc(series: &Series, chains: usize, stage: &Stage) -> Found {
+pub fn hmc(series: &Series, chains: usize, stage: &Stage) -> FilterErrors {
     let (white, lower) = series.whitened();
     let d = series.dim;
     let transposed: Vec<f64> = (0..d * d).map(|e| lower[e % d * d + e / d]).collect();
@@ -100,7 +102,7 @@ fn normals(count: usize, rng: &mut BlockRng) -> Vec<f64> {
 /// # Panics
 /// Where the model is degenerate.
 #[must_use]
-pub fn ideal(series: &Series, chains: usize, stage: &Stage) -> Found {
+pub fn ideal(series: &Series, chains: usize, stage: &Stage) -> FilterErrors {
     let d = series.dim;
     let filter = series.filter(Form::Joseph);
     let mut states: Vec<Vec<f64>> = vec![];
@@ -146,21 +148,21 @@ pub fn ideal(series: &Series, chains: usize, stage: &Stage) -> Found {
     tally.end()
 }
 
-/// E4: errors of the filter's means at most 1.3 × those of ideal draws as stored, and of its variances at most 1.3 × those of ideal draws made here with the same number of chains and runs.
+/// E4: errors of the filter's means at most 1.3 × the errors of ideal draws as stored, and of its variances at most 1.3 × the errors of ideal draws made here with the same number of chains and runs.
 #[must_use]
 pub fn against_ideal(series: &Series, name: &str, chains: usize, stored: f64, runs: usize, seed: u64) -> Vec<Finding> {
     let root = Stage::new(seed, "mixture filter").round(chains);
     let [to_move, to_draw] = root.split(["hmc", "ideal"]);
-    let found: Vec<Found> = (0..runs).map(|r| hmc(series, chains, &to_move.round(r))).collect();
-    let best: Vec<Found> = (0..runs).map(|r| ideal(series, chains, &to_draw.round(r))).collect();
+    let found: Vec<FilterErrors> = (0..runs).map(|r| hmc(series, chains, &to_move.round(r))).collect();
+    let best: Vec<FilterErrors> = (0..runs).map(|r| ideal(series, chains, &to_draw.round(r))).collect();
     let of = format!("{name}, {chains} chains, {runs} runs");
-    let roots = |of: &[Found], value: &dyn Fn(&Found) -> f64| {
+    let roots = |of: &[FilterErrors], value: &dyn Fn(&FilterErrors) -> f64| {
         mean_and_error(&of.iter().map(|f| value(f).sqrt()).collect::<Vec<_>>())
     };
     let [means, se] = roots(&found, &|f| f.errors.square);
     let [ideal_means, ideal_se] = roots(&best, &|f| f.errors.square);
-    let [variances, _] = roots(&found, &|f| f.of_variances);
-    let [ideal_variances, _] = roots(&best, &|f| f.of_variances);
+    let [variances, _] = roots(&found, &|f| f.variance_error);
+    let [ideal_variances, _] = roots(&best, &|f| f.variance_error);
     vec![
         Finding::at_most(
             format!("err/sd of the means over the ideal's, {of}"),

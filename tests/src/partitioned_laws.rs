@@ -91,7 +91,7 @@ impl PartTransition for Motion {
     }
 }
 
-/// How the filter is told of the factors.
+/// How the filter gets the factors.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Importance {
     /// The likelihood is their product: the last factor is what is left.

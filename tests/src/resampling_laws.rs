@@ -1,4 +1,6 @@
-//! Resampling schemes against their laws, for weights with zeros, denormals and one that is nearly all (R1, R2, R4, `resample-unbiased`).
+//! Resampling schemes against their laws (R1, R2, R4, `resample-unbiased`).
+//!
+//! For weights with zeros, denormals and one that is nearly all.
 
 use crate::size::Size;
 use proptest::strategy::{Strategy, ValueTree};

@@ -1,4 +1,6 @@
-//! Do the samplers keep their targets, and reach them? (H4–H6, `exact-start`, `step-size sweep`, `divergent stays`, `long-run`.)
+//! Whether the samplers keep their targets, and reach them (H4–H6).
+//!
+//! The checks `exact-start`, `step-size sweep`, `divergent stays` and `long-run`.
 //!
 //! Every kernel stands on every target with exact draws; steps are such that between a third and all trajectories are accepted.
 
@@ -10,11 +12,12 @@ use sinew::core::density::{GradLogDensity, LogDensity};
 use sinew::core::lanes::{Isa, LANES};
 use sinew::core::random::Stage;
 use sinew::samplers::gaussian_mixture::GaussianMixture as Proposal;
-use sinew::samplers::hmc::{Hmc, leapfrog};
+use sinew::samplers::hmc::Hmc;
+use sinew::samplers::integrator::PhasePoint;
 use sinew::samplers::jumps::Jumps;
 use sinew::samplers::metric::{Dense, Metric};
 use sinew::samplers::nuts::Nuts;
-use sinew_invariance::targets::{Banana, ExactTarget, Gaussian, GaussianMixture, HalfLine, Truncated};
+use sinew_invariance::targets::{Banana, ExactTarget, GaussianTarget, HalfLine, MixtureTarget, Truncated};
 use sinew_invariance::{
     ExactRank, ExactStart, Integrator, LongRun, Report, TestFunctions, energy_order, exact_rank, exact_start, long_run,
     reversibility, two_sample, volume,
@@ -39,24 +42,30 @@ impl<T: ExactTarget + Clone + 'static> Exact for T {
     }
 }
 
-fn two_modes() -> GaussianMixture {
-    let modes = vec![Gaussian::standard(2), Gaussian::new(vec![2.5, 0.0], vec![vec![0.7], vec![0.3, 0.6]])];
-    GaussianMixture::new(vec![0.4, 0.6], modes)
+fn two_modes() -> MixtureTarget {
+    let modes = vec![GaussianTarget::standard(2), GaussianTarget::new(vec![2.5, 0.0], vec![vec![0.7], vec![0.3, 0.6]])];
+    MixtureTarget::new(vec![0.4, 0.6], modes)
 }
 
 fn cases() -> Vec<Case> {
     let case = |name, target: &dyn Exact, step, leapfrogs| Case { name, target: target.boxed(), step, leapfrogs };
-    let tails = GaussianMixture::new(vec![0.5, 0.5], vec![Gaussian::scaled(&[1.0]), Gaussian::scaled(&[5.0])]);
+    let tails =
+        MixtureTarget::new(vec![0.5, 0.5], vec![GaussianTarget::scaled(&[1.0]), GaussianTarget::scaled(&[5.0])]);
     vec![
-        case("Gaussian, 1 dimension", &Gaussian::standard(1), 1.2, 3),
-        case("Gaussian, 5 dimensions, correlation 0.8", &Gaussian::equicorrelated(5, 0.8), 0.5, 6),
-        case("Gaussian, 28 dimensions, correlation 0.5", &Gaussian::equicorrelated(28, 0.5), 0.6, 5),
+        case("Gaussian, 1 dimension", &GaussianTarget::standard(1), 1.2, 3),
+        case("Gaussian, 5 dimensions, correlation 0.8", &GaussianTarget::equicorrelated(5, 0.8), 0.5, 6),
+        case("Gaussian, 28 dimensions, correlation 0.5", &GaussianTarget::equicorrelated(28, 0.5), 0.6, 5),
         case("two scales of one mean", &tails, 1.0, 4),
         case("two modes", &two_modes(), 0.6, 5),
         case("banana", &Banana { sd: 1.2, bend: 0.6 }, 0.4, 6),
         case("half-lines", &HalfLine { rate: vec![1.0, 3.0] }, 0.3, 4),
-        case("cliff to −∞", &Truncated { whole: Gaussian::standard(3), edge: 0.5, beyond: f64::NEG_INFINITY }, 0.5, 4),
-        case("region of NaN", &Truncated { whole: Gaussian::standard(3), edge: 0.5, beyond: f64::NAN }, 0.5, 4),
+        case(
+            "cliff to −∞",
+            &Truncated { whole: GaussianTarget::standard(3), edge: 0.5, beyond: f64::NEG_INFINITY },
+            0.5,
+            4,
+        ),
+        case("region of NaN", &Truncated { whole: GaussianTarget::standard(3), edge: 0.5, beyond: f64::NAN }, 0.5, 4),
     ]
 }
 
@@ -111,7 +120,7 @@ pub fn hmc_exact_starts(seed: u64, size: Size) -> Vec<Report> {
 /// Never: the metric is positive definite.
 #[must_use]
 pub fn dense_and_camera_exact_starts(seed: u64, size: Size) -> Vec<Report> {
-    let target = Gaussian::equicorrelated(5, 0.8);
+    let target = GaussianTarget::equicorrelated(5, 0.8);
     let matrix: Vec<f64> = (0..25).map(|k| if k % 6 == 0 { 4.0 } else { -0.7 }).collect();
     let dense = Metric::Dense(Dense::new(&matrix, 5).expect("positive definite"));
     let hmc = Hmc::with_metric(0.9, &dense, 4, 0.2, Isa::best()).expect("valid settings");
@@ -192,7 +201,7 @@ impl GradLogDensity for Borrowed<'_> {
 /// Steps from which nearly all to few trajectories are accepted, short and long ones, with and without jitter, on a Gaussian of 28 dimensions.
 #[must_use]
 pub fn step_size_sweep(seed: u64, size: Size) -> Vec<Report> {
-    let target = Gaussian::equicorrelated(28, 0.5);
+    let target = GaussianTarget::equicorrelated(28, 0.5);
     let mut reports = vec![];
     for step in [0.05, 0.5, 0.9, 1.15] {
         for leapfrogs in [1, size.pick(20, 200)] {
@@ -223,7 +232,7 @@ pub fn shapes(seed: u64, size: Size) -> Vec<Report> {
     vec![
         check("two modes", &two_modes(), 0.6, 5),
         check("banana", &Banana { sd: 1.2, bend: 0.6 }, 0.4, 6),
-        check("Gaussian, 5 dimensions, correlation 0.8", &Gaussian::equicorrelated(5, 0.8), 0.5, 6),
+        check("Gaussian, 5 dimensions, correlation 0.8", &GaussianTarget::equicorrelated(5, 0.8), 0.5, 6),
     ]
 }
 
@@ -246,7 +255,7 @@ pub fn ranks_in_paths(seed: u64, size: Size) -> Vec<Report> {
 #[must_use]
 pub fn long_runs(seed: u64, size: Size) -> Vec<Report> {
     let config = LongRun { burn_in: 100, draws: size.pick(1500, 62_500), seed, ..LongRun::default() };
-    let gaussian = Gaussian::equicorrelated(28, 0.5);
+    let gaussian = GaussianTarget::equicorrelated(28, 0.5);
     let pooled = || {
         TestFunctions::none()
             .with("mean of all", |x| x.iter().sum::<f64>() / 28.0)
@@ -267,13 +276,13 @@ pub fn long_runs(seed: u64, size: Size) -> Vec<Report> {
     let (v, b) = (1.2_f64.powi(2), 0.6_f64);
     let bent_moments = [v, 0.0, 1.0 + 2.0 * b * b * v * v];
     let beside = [[1.0; 2 * LANES].to_vec(), [-1.0; 2 * LANES].to_vec()];
-    let of_hmc = long_run(&config, &far, kernels::hmc(&gaussian, plain(28, 0.6, 5, 0.2)), &pooled(), &moments);
-    let of_trees = long_run(&config, &far, kernels::nuts(&gaussian, trees), &pooled(), &moments);
-    let of_banana = long_run(&config, &beside, kernels::hmc(&banana, plain(2, 0.4, 6, 0.2)), &bent, &bent_moments);
+    let hmc_run = long_run(&config, &far, kernels::hmc(&gaussian, plain(28, 0.6, 5, 0.2)), &pooled(), &moments);
+    let nuts_run = long_run(&config, &far, kernels::nuts(&gaussian, trees), &pooled(), &moments);
+    let banana_run = long_run(&config, &beside, kernels::hmc(&banana, plain(2, 0.4, 6, 0.2)), &bent, &bent_moments);
     vec![
-        named("hmc, Gaussian, 28 dimensions".into(), of_hmc),
-        named("no-U-turn, Gaussian, 28 dimensions".into(), of_trees),
-        named("hmc, banana".into(), of_banana),
+        named("hmc, Gaussian, 28 dimensions".into(), hmc_run),
+        named("no-U-turn, Gaussian, 28 dimensions".into(), nuts_run),
+        named("hmc, banana".into(), banana_run),
     ]
 }
 
@@ -284,7 +293,7 @@ pub fn integrator(seed: u64, size: Size) -> Vec<Report> {
     for (name, target) in [
         ("two modes", Box::new(two_modes()) as Box<dyn Exact>),
         ("banana", Box::new(Banana { sd: 1.2, bend: 0.6 })),
-        ("Gaussian, 5 dimensions, correlation 0.8", Box::new(Gaussian::equicorrelated(5, 0.8))),
+        ("Gaussian, 5 dimensions, correlation 0.8", Box::new(GaussianTarget::equicorrelated(5, 0.8))),
     ] {
         let mut rng = Stage::new(seed, "starts of trajectories").whole();
         let starts: Vec<(Vec<f64>, Vec<f64>)> = (0..size.pick(100, 1000))
@@ -308,6 +317,7 @@ fn trajectory(target: &Borrowed<'_>, q: &[f64], p: &[f64], h: f64, steps: usize)
     let (mut q, mut p) = (kernels::to_block(&q.repeat(LANES), d), kernels::to_block(&p.repeat(LANES), d));
     let mut gradient = vec![Block::ZERO; d];
     target.log_density_grad_block(&q, &mut gradient, &mut []);
-    leapfrog(target, &plain(d, h, steps, 0.0), &Block::splat(1.0), &mut q, &mut p, &mut gradient, &mut []);
+    let point = PhasePoint { position: &mut q, momentum: &mut p, gradient: &mut gradient };
+    plain(d, h, steps, 0.0).trajectory(target, &Block::splat(1.0), point, &mut []);
     (kernels::from_block(&q)[..d].to_vec(), kernels::from_block(&p)[..d].to_vec())
 }

@@ -1,4 +1,6 @@
-//! Joint laws of states and observations in small, for Geweke's test and simulation-based calibration: p(θ) and p(y | θ) can be drawn from, p(θ | y) is what a sampler is asked for.
+//! Small joint laws of states and observations, for Geweke's test and simulation-based calibration.
+//!
+//! p(θ) and p(y | θ) can be drawn from; p(θ | y) is a sampler's target.
 
 use sinew::body::standard::cf28;
 use sinew::body::{Plan, Proportions, point_positions};

@@ -1,4 +1,6 @@
-//! Samplers of one frame against exact answers: tempered sequential Monte Carlo on eight modes (E7), the volume law of particles (E8, E9), Hamiltonian Monte Carlo on the camera point.
+//! Samplers of one frame against exact answers.
+//!
+//! Tempered sequential Monte Carlo on eight modes (E7), the volume law of particles (E8, E9), Hamiltonian Monte Carlo on the camera point.
 
 use crate::camera_point::CameraPoint;
 use crate::depth_flip::{Arm, octant};

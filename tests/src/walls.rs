@@ -49,7 +49,7 @@ impl ExactTarget for Walled {
     }
 }
 
-/// `divergent stays`: chains from exact draws of [`Walled`] never stand outside, divergences are counted, and mean and variance inside are those of the truncated normal; for both samplers.
+/// `divergent stays`: chains from exact draws of [`Walled`] never stand outside, divergences are counted, and mean and variance inside are the truncated normal's; for both samplers.
 #[must_use]
 pub fn walls(blocks: usize, updates: usize, seed: u64) -> Vec<Finding> {
     let isa = Isa::best();
@@ -78,9 +78,9 @@ pub fn walls(blocks: usize, updates: usize, seed: u64) -> Vec<Finding> {
         let part = counted / draws.stats.len() as f64;
         findings.push(Finding::between(format!("{name}: divergent part"), part, [0.05, 0.95], "counted, not hidden"));
         for (what, exact, power) in [("mean", exact_mean, 1), ("mean square", exact_square, 2)] {
-            let of_chains: Vec<f64> =
+            let chain_means: Vec<f64> =
                 series.iter().map(|c| c.iter().map(|x| x.powi(power)).sum::<f64>() / c.len() as f64).collect();
-            let [mean, error] = mean_and_error(&of_chains);
+            let [mean, error] = mean_and_error(&chain_means);
             let detail = format!("{mean:.4} ± {error:.4} for {exact:.4}, seed {seed}");
             findings.push(Finding::score(
                 format!("{name}: {what} between the walls"),

@@ -9,7 +9,6 @@ use sinew_simulate::ring::Ring;
 use sinew_simulate::segmentation_noise::Level;
 use sinew_simulate::walker::{Gait, Walker, walker_states};
 use sinew_tests::recorded_motion::{recorded, recorded_combo};
-use std::path::PathBuf;
 
 const RATE_HZ: f64 = 30.0;
 
@@ -43,20 +42,9 @@ fn synthetic_people_are_in_all_views() {
     is_in_all_views("synthetic CMB", synthetic_combo(RATE_HZ).unwrap().motion);
 }
 
-/// Recordings of the folder `cmu_amc`, if there is one.
-fn recordings() -> Option<PathBuf> {
-    let beside = || PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../shared/data");
-    let folder = std::env::var_os("SINEW_DATA").map_or_else(beside, PathBuf::from).join("cmu_amc");
-    let there = folder.join("07_01.amc").is_file();
-    if !there {
-        println!("skipped: no data");
-    }
-    there.then_some(folder)
-}
-
 #[test]
 fn recorded_people_are_in_all_views() {
-    let Some(folder) = recordings() else { return };
+    let Some(folder) = sinew_tests::data::shared("cmu_amc") else { return };
     for (name, skeleton) in [
         ("07_01", "07"),
         ("07_02", "07"),
@@ -81,7 +69,7 @@ fn recorded_people_are_in_all_views() {
 /// A foreign skeleton of another unit is the same person: BVH against the ASF/AMC that it was made from, where they agree.
 #[test]
 fn a_skeleton_of_others_has_the_same_legs() {
-    let Some(folder) = recordings() else { return };
+    let Some(folder) = sinew_tests::data::shared("cmu_amc") else { return };
     let bvh = folder.with_file_name("cmu_bvh").join("01_01.bvh");
     let bvh = motion::read(&bvh, None, None).unwrap();
     let (bvh, unit) = from_points(&bvh.points().unwrap(), bvh.rate_hz, false, 120.0).unwrap();

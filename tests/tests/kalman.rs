@@ -4,8 +4,8 @@ use sinew::core::random::Stage;
 use sinew::core::transition::Moments;
 use sinew::dynamics::factor::{cholesky, inverse_lower};
 use sinew::dynamics::kalman::{Filtered, Form, Kalman, Model};
-use sinew_tests::data::{number, numbers};
 use sinew_tests::linear_series::{Series, product, rows};
+use sinew_tests::stored::{number, numbers};
 
 const FORMS: [Form; 2] = [Form::Joseph, Form::SquareRoot];
 
@@ -35,8 +35,8 @@ fn both_forms_equal_the_stored_filter_and_smoother() {
             let increments: Vec<f64> = frames.iter().map(|f| f.log_likelihood).collect();
             let total = (increments.iter().sum::<f64>() - number(&stored["log_likelihood"])).abs();
             assert!(total < 1e-8, "{name}, {form:?}: log-likelihood off by {total}");
-            let of_increments = largest_difference(&increments, &numbers(&stored["log_likelihood_increments"]));
-            assert!(of_increments < 1e-9, "{name}, {form:?}: increments off by {of_increments}");
+            let increment_error = largest_difference(&increments, &numbers(&stored["log_likelihood_increments"]));
+            assert!(increment_error < 1e-9, "{name}, {form:?}: increments off by {increment_error}");
             let stages: [(&str, Vec<&Moments>); 3] = [
                 ("predicted", frames.iter().map(|f| &f.predicted).collect()),
                 ("filtered", frames.iter().map(|f| &f.filtered).collect()),

@@ -5,19 +5,14 @@ use sinew::formats::trc;
 use sinew::input::recording::{Options, Recording};
 use sinew::input::source::FrameSource as _;
 use sinew::observe::association::Person;
+use sinew_tests::data::shared;
 use sinew_tests::evaluation::{self, LIMB_JOINTS, LeftOut, Track};
 use std::path::{Path, PathBuf};
 
 const RATE_HZ: f64 = 60.0;
 
 fn data() -> Option<PathBuf> {
-    let beside = || Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data");
-    let folder = std::env::var_os("SINEW_DATA").map_or_else(beside, PathBuf::from).join("pose2sim_single");
-    if folder.is_dir() {
-        return Some(folder);
-    }
-    println!("skipped: no data");
-    None
+    shared("pose2sim_single")
 }
 
 fn open(data: &Path, folder: &str, cameras: Option<Vec<String>>) -> Recording {

@@ -2,10 +2,10 @@
 
 use sinew::core::density::{GradLogDensity, LogDensity};
 use sinew_tests::camera_point::CameraPoint;
-use sinew_tests::data::number;
 use sinew_tests::depth_flip::Arm;
 use sinew_tests::growth::Growth;
 use sinew_tests::quadrature::{Axis, integrate};
+use sinew_tests::stored::number;
 
 /// Log likelihood, means and variances to 1e-9 (stored to 1e-13 on 2001 points); signs to the 1e-4 of their own error.
 #[test]
@@ -39,7 +39,7 @@ fn quadrature_equals_the_stored_posterior_of_the_depth_flip() {
     for (mode, (found, stored)) in exact.masses.iter().zip(&arm.masses).enumerate() {
         assert!((found - stored).abs() < 2e-6, "mode {mode}: {found} against {stored}");
     }
-    let stored = sinew_tests::data::numbers(&arm.stored["posterior_mean"]);
+    let stored = sinew_tests::stored::numbers(&arm.stored["posterior_mean"]);
     for (found, stored) in exact.moments.mean.iter().zip(&stored) {
         assert!((found - stored).abs() < 1e-9, "{found} against {stored}");
     }
@@ -54,7 +54,7 @@ fn quadrature_equals_the_stored_posterior_of_the_depth_flip() {
 fn the_camera_point_has_the_stored_density_and_moments() {
     let Some(point) = CameraPoint::stored() else { return };
     let target = point.target();
-    let m0 = sinew_tests::data::numbers(&point.stored["m0"]);
+    let m0 = sinew_tests::stored::numbers(&point.stored["m0"]);
     for (x, name) in [(&point.mode, "log_joint_at_map"), (&m0, "log_joint_at_m0")] {
         let (found, stored) = (target.log_density(x), number(&point.stored[name]));
         assert!((found - stored).abs() < 1e-9, "{name}: {found} against {stored}");

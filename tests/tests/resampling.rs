@@ -1,4 +1,6 @@
-//! Resampling and weights: expectations, bounds, variances and independence of threads (R1, R2, R3, R5, R7; R4 is beside the code), hard weights, what resampling leaves, weights far down in log space.
+//! Resampling and weights: expectations, bounds, variances and independence of threads.
+//!
+//! R1, R2, R3, R5 and R7 (R4 is beside the code), hard weights, what resampling leaves, weights far down in log space.
 
 use sinew::core::density::LogDensity;
 use sinew::core::lanes::{Block, Isa};

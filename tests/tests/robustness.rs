@@ -158,7 +158,7 @@ fn blind(tracker: &mut impl Tracker<Nothing>) -> (Vec<f64>, f64) {
     (variances, evidence)
 }
 
-/// Missing for a hundred frames: every filter goes on with its prior, its variance grows to the stationary value 0.25 / (1 − 0.81), log Z adds 0.
+/// Missing for a hundred frames: every filter continues with its prior, its variance grows to the stationary value 0.25 / (1 − 0.81), log Z adds 0.
 #[test]
 fn a_hundred_frames_without_observation_lead_to_the_stationary_variance() {
     let series = damped();

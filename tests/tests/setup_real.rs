@@ -3,20 +3,15 @@
 use sinew::formats::trc::{self, Trc};
 use sinew::input::frame::detections;
 use sinew::input::recording::{Options, Recording};
-use sinew::observe::association::{self, Following, follow};
+use sinew::observe::association;
+use sinew::observe::following::{Following, follow};
 use sinew::observe::triangulate::{Config, Seen, triangulate};
 use sinew::setup::{self, Request, Setup};
+use sinew_tests::data::shared;
 use std::path::{Path, PathBuf};
 
 fn data() -> Option<PathBuf> {
-    let folder = std::env::var_os("SINEW_DATA")
-        .map_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data"), PathBuf::from);
-    let folder = folder.join("pose2sim_single");
-    if folder.is_dir() {
-        return Some(folder);
-    }
-    println!("skipped: no data");
-    None
+    shared("pose2sim_single")
 }
 
 fn open(data: &Path, folder: &str, cameras: Option<&[&str]>) -> Recording {

@@ -146,7 +146,7 @@ fn a_swap_and_a_slow_clock_are_reported() {
         text.iter().any(|t| t.starts_with("cam2 frames 20-40: swapping left and right lowers the residual from ")),
         "{text:?}"
     );
-    assert!(text.iter().any(|t| t.starts_with("cam3 fits best when shifted by +4 frames (residual ")), "{text:?}");
+    assert!(text.iter().any(|t| t.starts_with("cam3 is 4.") && t.contains("`--lag cam3=4`")), "{text:?}");
     assert_eq!(text.len(), 2, "{text:?}");
 }
 
@@ -223,7 +223,8 @@ fn units_axes_and_inverted_cameras_are_diagnosed() {
 
 #[test]
 fn someone_who_leaves_is_found_again_and_sixteen_cameras_do_not_hang() {
-    use sinew::observe::association::{Config, Following, follow};
+    use sinew::observe::association::Config;
+    use sinew::observe::following::{Following, follow};
     let (cameras, layout) = (ring(16), body_25b());
     let mut seed = 3;
     let mut following = Following::default();

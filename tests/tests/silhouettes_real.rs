@@ -3,16 +3,11 @@
 use sinew::formats::calib_toml;
 use sinew::input::pictures::Pictures;
 use sinew::input::silhouettes::{Options, Silhouettes};
-use std::path::{Path, PathBuf};
+use sinew_tests::data::shared;
+use std::path::PathBuf;
 
 fn folder() -> Option<PathBuf> {
-    let beside = || Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data");
-    let folder = std::env::var_os("SINEW_DATA").map_or_else(beside, PathBuf::from).join("pose2sim_silhouettes");
-    if folder.is_dir() {
-        return Some(folder);
-    }
-    println!("skipped: no data");
-    None
+    shared("pose2sim_silhouettes")
 }
 
 #[test]

@@ -98,7 +98,7 @@ fn the_posterior_of_a_point_moves_with_the_world() {
     let three = |x: &[f64]| -> [f64; 3] { [x[0], x[1], x[2]] };
     let view = |v: &View| View { camera: motion.camera(&v.camera), ..v.clone() };
     let sight = Sight(point.sight.0.iter().map(view).collect());
-    let variance = sinew_tests::data::number(&point.stored["p0"]).powi(2);
+    let variance = sinew_tests::stored::number(&point.stored["p0"]).powi(2);
     let covariance: Vec<f64> = (0..9).map(|e| if e / 3 == e % 3 { variance } else { 0.0 }).collect();
     let centre = motion.of(three(point.prior.leaf.mean())).to_vec();
     let prior = Lanes { leaf: Gaussian::new(centre, &covariance).expect("positive definite"), isa: Isa::best() };

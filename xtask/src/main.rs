@@ -12,6 +12,7 @@ mod silhouettes;
 mod soak;
 mod source;
 mod store;
+mod tables;
 mod tidy;
 mod verify;
 
@@ -37,7 +38,7 @@ enum Command {
     Mutants(mutants::Args),
     /// Measure how often intervals hold the truth of simulated people: the tables and figures of docs/evidence/coverage.md.
     Coverage(coverage::Args),
-    /// Draw docs/images/demo.svg, the picture of the README.
+    /// Draw docs/images/demo.svg and real.svg, the pictures of the guide and the README.
     Picture,
     /// Reproduce a paper: its tables and figures on our data, its claims judged.
     Reproduce(reproduce::Args),
@@ -45,6 +46,8 @@ enum Command {
     Silhouettes(silhouettes::Args),
     /// Track 100 000 frames and see whether memory, time a frame, open files and errors stay what they were.
     Soak(soak::Args),
+    /// Put tables into the pages of docs: those of the code, and those that commands have written under target.
+    Tables,
     /// Check the rules that docs/ARCHITECTURE.md states: layers, who may do IO, leftovers, module docs.
     Tidy,
     /// Run every statistical check: does each claim of docs/evidence/correctness.md hold?
@@ -62,6 +65,7 @@ fn main() -> ExitCode {
         Command::Reproduce(args) => reproduce::run(root, &args),
         Command::Silhouettes(args) => silhouettes::run(root, &args),
         Command::Soak(args) => soak::run(&args),
+        Command::Tables => tables::run(root),
         Command::Tidy => tidy::run(root),
         Command::Verify(args) => verify::run(root, &args),
     }

@@ -10,7 +10,7 @@
 //! The table says for every bug which test caught it, and the first line of what that test said. A bug that survives, does not apply or does not build makes the exit code 1.
 
 mod checkout;
-mod list;
+pub mod list;
 mod trial;
 
 use list::Bug;

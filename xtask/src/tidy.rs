@@ -25,8 +25,8 @@ use workspace::{Rule, Violation, read};
 
 /// Rules by name, each with what is excepted from it for now.
 const RULES: [(&str, Rule, &[Exception]); 12] = [
-    ("layers", layers::check, exceptions::UPWARD),
-    ("purity", purity::check, exceptions::IMPURE),
+    ("layers", layers::check, &[]),
+    ("purity", purity::check, &[]),
     ("leftovers", leftovers::check, &[]),
     ("placement", placement::check, &[]),
     ("module docs", placement::check_docs, &[]),
@@ -35,7 +35,7 @@ const RULES: [(&str, Rule, &[Exception]); 12] = [
     ("functions", sizes::check_functions, exceptions::LONG_FUNCTIONS),
     ("crates", sizes::check_crates, exceptions::LARGE_CRATES),
     ("names", names::check, exceptions::SAME_NAMES),
-    ("pages", pages::check, exceptions::WIDE_PAGES),
+    ("pages", pages::check, &[]),
     ("openings", opening::check, exceptions::LONG_OPENINGS),
 ];
 

@@ -8,9 +8,11 @@
 //! ```
 //!
 //! with J the derivatives by the angles of frame f and W Huber's weights over σ². The prior is a Gaussian around the sizes given at first: it decides what poses and
-//! sizes could trade (a head that always looks 5° lower has other face offsets).
+//! sizes could trade (a head that always looks 5° lower has other face offsets). What feet and ankles could trade the definition of the zero pose decides: after every step the feet are brought to their rest orientation
+//! (the module `foot`).
 
 use crate::fit::{self, Target, fit_pose, measured};
+use crate::foot::{FootPoints, levelled};
 use crate::initial::initial_pose;
 use crate::kinematics::{Plan, point_jacobian, point_positions};
 use crate::standard::Proportions;
@@ -126,7 +128,8 @@ pub fn refine(
         .map(|f| f.iter().map(|t| t.map(|t| Target { weight: t.weight * weight, ..t })).collect())
         .collect();
     let coarse = fit::Config { damping, huber_m, steps: 30, tolerance: 1e-5 };
-    let mut proportions = *start;
+    let feet = FootPoints::measured(&build(start), &frames);
+    let mut proportions = levelled(start, start, feet);
     let mut poses = vec![];
     for _ in 0..config.rounds {
         let tree = build(&proportions);
@@ -149,7 +152,7 @@ pub fn refine(
         if !step.iter().all(|x| x.is_finite()) {
             break;
         }
-        proportions = next;
+        proportions = levelled(&next, start, feet);
         if step.amax() < 1e-5 {
             break;
         }

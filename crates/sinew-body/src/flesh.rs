@@ -1,4 +1,4 @@
-//! The flesh of a body: solids fixed to the links of a tree, for silhouettes and whatever else needs to know what is inside a body and what is not.
+//! The flesh of a body: solids fixed to the links of a tree. Silhouettes need it, and whatever else asks what is inside a body.
 //!
 //! The links say how a body moves, the solids how thick it is: sizes are data of a subject like its segment lengths.
 
@@ -58,9 +58,9 @@ impl Flesh {
             }
         }
         let mut owner: Vec<usize> = Vec::with_capacity(tree.links().len());
-        for (link, of_link) in tree.links().iter().enumerate() {
+        for (link, tree_link) in tree.links().iter().enumerate() {
             let own = solids.iter().position(|solid| solid.link == link);
-            owner.push(own.unwrap_or_else(|| of_link.parent.map_or(0, |parent| owner[parent])));
+            owner.push(own.unwrap_or_else(|| tree_link.parent.map_or(0, |parent| owner[parent])));
         }
         let mut parents = Vec::with_capacity(solids.len());
         for (index, solid) in solids.iter().enumerate() {
@@ -99,7 +99,7 @@ impl Flesh {
         self.owner[link]
     }
 
-    /// Degrees of freedom that belong to each solid, those of its links: they cover the state once. A second solid of one link has none.
+    /// Degrees of freedom that belong to each solid, which are its links': they cover the state once. A second solid of one link has none.
     #[must_use]
     pub fn coordinates(&self, tree: &KinematicTree) -> Vec<Vec<usize>> {
         let mut coordinates = vec![vec![]; self.solids.len()];

@@ -1,4 +1,4 @@
-//! The bodies of Husz, Wallace & Green (2007): 24 parameters, ten truncated elliptical cones; and of the coarse-to-fine tracker: the same skeleton with cylinders.
+//! The body of Husz, Wallace & Green (2007): 24 parameters and ten truncated elliptical cones. The coarse-to-fine tracker's has the same skeleton with cylinders.
 //!
 //! | index | what |
 //! |---|---|
@@ -83,7 +83,7 @@ const SHAPES: [(f64, [f64; 2], f64); 6] = [
 
 fn flesh_of(scale: f64, round: bool) -> Flesh {
     let tree = tree(scale);
-    let solids = tree.links().iter().enumerate().skip(1).map(|(link, of_link)| {
+    let solids = tree.links().iter().enumerate().skip(1).map(|(link, tree_link)| {
         let shape = match link {
             1 | 2 => link - 1,
             _ => [2, 3, 4, 5][(link - 3) % 2 + (link - 3) / 4 * 2],
@@ -93,7 +93,7 @@ fn flesh_of(scale: f64, round: bool) -> Flesh {
         let (radii, ratio) = if round { ([mean; 2], 1.0) } else { (radii, ratio) };
         let frustum = Frustum { height: scale * height, radii: radii.map(|r| scale * r), ratio };
         let axes = if link < 3 { UPWARDS } else { DOWNWARDS };
-        Solid { name: of_link.name.clone(), link, base: [0.0; 3], axes, frustum }
+        Solid { name: tree_link.name.clone(), link, base: [0.0; 3], axes, frustum }
     });
     Flesh::new(&tree, solids.collect()).expect("the built-in bodies are valid for every positive size")
 }

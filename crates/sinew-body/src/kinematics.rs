@@ -14,6 +14,7 @@
 //! [`Plan::sweep`] does both, for the built-in bodies in straight-line code that the build script writes. Points never go through memory. Cost O(links + points + degrees of freedom); nothing is allocated. [`Plan::gauss_newton`] gives the curvature.
 
 mod gauss_newton;
+mod jacobian;
 mod plan;
 mod straight_line;
 mod structure;
@@ -22,6 +23,7 @@ mod vector;
 use crate::tree::Axis;
 use gauss_newton::INERTIA;
 pub use gauss_newton::Inform;
+pub use jacobian::point_jacobian;
 use plan::ORIGIN;
 pub use plan::Plan;
 use sinew_core::elementary::sin_cos;
@@ -255,48 +257,6 @@ pub fn point_positions(plan: &Plan, isa: Isa, q: &[f64], out: &mut [f64]) {
 /// World positions of all points of the plan for a block of states, with the caller's workspace of [`Plan::workspace`] blocks.
 pub fn point_positions_block(plan: &Plan, isa: Isa, q: &[Block], out: &mut [Block], ws: &mut [Block]) {
     dispatch(isa, Positions { plan, q, out, ws });
-}
-
-struct Jacobian<'a> {
-    plan: &'a Plan,
-    q: &'a [f64],
-    positions: &'a mut [f64],
-    jacobian: &'a mut [f64],
-}
-
-impl Kernel<f64> for Jacobian<'_> {
-    #[inline(always)]
-    fn run<V: Real<Mem = f64>>(&mut self) {
-        let plan = self.plan;
-        let mut ws = vec![0.0; plan.workspace()];
-        let mut pass = plan.pass(&mut ws);
-        let (out, _) = self.positions.as_chunks_mut::<3>();
-        plan.forward::<V, true>(self.q, &mut pass, &mut Record { order: plan.order(), out: &mut *out });
-        self.jacobian.fill(0.0);
-        for (&k, &link) in plan.order().iter().zip(&plan.link_of) {
-            let point = load3::<V>(&out[k]);
-            let mut above = Some(link);
-            while let Some(b) = above {
-                let link = &plan.links[b];
-                let origin = load3::<V>(&pass.vectors[link.origin()]);
-                let arm = v3!(K => point[K] - origin[K]);
-                for j in link.dofs() {
-                    let u = load3::<V>(&pass.vectors[plan.joints[j].place]);
-                    let turns = j >= link.first + link.translations;
-                    let moves = if turns { cross_add(u, arm, [V::splat(0.0); 3]) } else { u };
-                    for (axis, x) in moves.into_iter().enumerate() {
-                        x.store(&mut self.jacobian[(3 * k + axis) * plan.dof() + j]);
-                    }
-                }
-                above = link.parent;
-            }
-        }
-    }
-}
-
-/// Positions of all points and their derivatives: `jacobian[(3 k + a) · dof + j] = ∂P_k,a / ∂q_j`. For fitting, not for hot loops.
-pub fn point_jacobian(plan: &Plan, isa: Isa, q: &[f64], positions: &mut [f64], jacobian: &mut [f64]) {
-    dispatch_one(isa, Jacobian { plan, q, positions, jacobian });
 }
 
 #[cfg(test)]

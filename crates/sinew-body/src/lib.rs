@@ -19,6 +19,7 @@ pub mod bundle;
 mod error;
 pub mod fit;
 pub mod flesh;
+mod foot;
 pub mod frustum;
 pub mod hppf24;
 pub mod initial;

@@ -1,6 +1,6 @@
 //! The flesh of the standard bodies of real people, from the lengths of their segments.
 //!
-//! Hips, chest, head, arms to the fingers, legs and feet. Thicknesses are those of an adult of 1.75 m, stretched with the subject's limbs; silhouettes of the subject tell more.
+//! Hips, chest, head, arms to the fingers, legs and feet. Thicknesses are an adult's of 1.75 m, stretched with the subject's limbs; silhouettes of the subject refine them.
 
 use crate::Error;
 use crate::flesh::{DOWNWARDS, Flesh, Solid, UPWARDS};

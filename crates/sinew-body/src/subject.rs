@@ -1,6 +1,6 @@
 //! The sizes of a subject from measured points: segment lengths and widths.
 //!
-//! [`from_distances`] takes robust medians over the frames of the distances between joints, left and right pooled. What no distance tells keeps its default ratio to
+//! [`from_distances`] takes robust medians over the frames of the distances between joints, left and right pooled. What no distance measures keeps its default ratio to
 //! what was measured, and is listed. The offsets of the face and foot points need poses: see [`crate::bundle`], which refines all sizes. Medians of distances are a
 //! start only: noise of σ per axis makes a segment longer by about σ²/length.
 //!
@@ -54,9 +54,9 @@ pub(crate) const SIZES: [Size; 28] = [
 pub struct Measured {
     /// The sizes, metres.
     pub proportions: Proportions,
-    /// Names of those that no measurement told; they were scaled with the others.
+    /// Names of sizes that nothing measured; they were scaled with the others.
     pub unmeasured: Vec<&'static str>,
-    /// Mean ratio of the measured lengths to those of the default body.
+    /// Mean ratio of the measured lengths to the default body's.
     pub scale: f64,
 }
 
@@ -80,7 +80,7 @@ fn median(mut values: Vec<f64>) -> Option<f64> {
     }
 }
 
-/// Sizes from the distances of points whose `names` are those of the standard bodies; each frame has one entry per name.
+/// Sizes from the distances of points whose `names` are the standard bodies'; each frame has one entry per name.
 #[must_use]
 pub fn from_distances(names: &[&str], frames: &[Vec<Option<[f64; 3]>>]) -> Measured {
     let at = |frame: &[Option<[f64; 3]>], name: &str| {

@@ -103,7 +103,7 @@ fn rounds_of_sizes_converge() {
     assert!(off(8).iter().all(|x| *x < 1e-5), "{:?}", off(8));
 }
 
-/// The prior holds what it is told to hold, and what nothing tells stays.
+/// The prior holds what it is made to hold, and what nothing measures stays.
 #[test]
 fn the_prior_of_the_sizes_holds_them() {
     let truth = Proportions { thigh: 0.46, nose: [0.0, 0.12, 0.11], ..Proportions::default() };

@@ -17,7 +17,7 @@ fn targets(tree: &KinematicTree, q: &[f64]) -> Vec<Option<Target>> {
     positions(tree, q).into_iter().map(|position| Some(Target { position, weight: 1.0 })).collect()
 }
 
-/// Leaves out all points but those of these names.
+/// Leaves out all points but the ones with these names.
 fn only(tree: &KinematicTree, targets: &mut [Option<Target>], names: &[&str]) {
     for (target, point) in targets.iter_mut().zip(tree.points()) {
         *target = target.filter(|_| names.contains(&point.name.as_str()));

@@ -1,9 +1,9 @@
-//! Arguments of every command. Flags that are settings come from the one table of settings; a command has those that it uses.
+//! Arguments of every command.
+//!
+//! Flags that are settings come from the one table of settings; a command has the ones that it uses.
 
-use clap::{Arg, ArgAction, ArgMatches, Args, FromArgMatches, Parser, Subcommand, ValueEnum};
-use sinew::config::setting::{Kind, Setting};
-use sinew::config::table::settings;
-use std::marker::PhantomData;
+use super::setting_args::{InspectSettings, TrackSettings, Typed};
+use clap::{ArgAction, Args, Parser, Subcommand, ValueEnum};
 use std::ops::Range;
 use std::path::PathBuf;
 
@@ -61,9 +61,9 @@ pub(crate) struct General {
     /// Threads [default: what the system grants]
     #[arg(long, global = true, display_order = LAST, value_name = "N", allow_negative_numbers = true)]
     pub(crate) threads: Option<String>,
-    /// Show errors only
-    #[arg(short, long, global = true, display_order = LAST)]
-    pub(crate) quiet: bool,
+    /// Show warnings and errors only; twice for errors only
+    #[arg(short, long, global = true, display_order = LAST, action = ArgAction::Count)]
+    pub(crate) quiet: u8,
     /// Show more; twice for still more
     #[arg(short, long, global = true, display_order = LAST, action = ArgAction::Count, hide_short_help = true)]
     pub(crate) verbose: u8,
@@ -173,7 +173,7 @@ pub(crate) struct InspectArgs {
     #[arg(required = true, value_name = "FILE")]
     pub(crate) files: Vec<PathBuf>,
     #[command(flatten)]
-    pub(crate) settings: Typed<OfInspect>,
+    pub(crate) settings: Typed<InspectSettings>,
     #[command(flatten)]
     pub(crate) answer: Answer,
 }
@@ -307,7 +307,7 @@ pub(crate) struct SimulateArgs {
 
 const LEVELS: [&str; 3] = ["clean", "normal", "hard"];
 
-/// Every so-manieth frame, or none.
+/// Every n-th frame, or none.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Every(pub(crate) Option<usize>);
 
@@ -341,8 +341,8 @@ fn size(text: &str) -> Result<[u32; 2], String> {
 #[derive(Args, Debug)]
 pub(crate) struct TrackArgs {
     #[command(flatten)]
-    pub(crate) settings: Typed<OfTrack>,
-    /// Go on with the run that was stopped in the output folder
+    pub(crate) settings: Typed<TrackSettings>,
+    /// Resume the run that was stopped in the output folder
     #[arg(long, help_heading = "Output", conflicts_with = "force")]
     pub(crate) resume: bool,
     /// Show every setting with its origin, and stop
@@ -350,88 +350,4 @@ pub(crate) struct TrackArgs {
     pub(crate) print_config: bool,
     #[command(flatten)]
     pub(crate) answer: Answer,
-}
-
-/// Which settings a command takes as flags.
-pub(crate) trait Takes {
-    fn takes(setting: &Setting) -> bool;
-}
-
-#[derive(Debug)]
-pub(crate) struct OfTrack;
-
-impl Takes for OfTrack {
-    /// All but those of [`General`].
-    fn takes(setting: &Setting) -> bool {
-        !matches!(setting.key, "out" | "force" | "seed" | "threads")
-    }
-}
-
-/// What it takes to read a recording.
-#[derive(Debug)]
-pub(crate) struct OfInspect;
-
-impl Takes for OfInspect {
-    fn takes(setting: &Setting) -> bool {
-        matches!(setting.key, "layout" | "frames" | "cameras" | "trim" | "confidence_scale" | "image_scale")
-    }
-}
-
-/// Settings of a command, as typed.
-#[derive(Debug)]
-pub(crate) struct Typed<C> {
-    pub(crate) given: Vec<(&'static str, String)>,
-    command: PhantomData<C>,
-}
-
-fn sentence(text: &str) -> String {
-    let mut letters = text.chars();
-    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
-}
-
-fn argument(setting: &'static Setting) -> Arg {
-    let argument = Arg::new(setting.key)
-        .long(setting.key.replace('_', "-"))
-        .help_heading(setting.group)
-        .hide_short_help(setting.rare);
-    if setting.kind == Kind::Flag {
-        return argument.action(ArgAction::SetTrue).help(sentence(setting.help));
-    }
-    let default = setting.default.text().map(|default| format!(" [default: {default}]")).unwrap_or_default();
-    argument
-        .value_name(setting.value)
-        .help(format!("{}{default}", sentence(setting.help)))
-        .allow_negative_numbers(true)
-        .allow_hyphen_values(setting.key == "up_axis")
-}
-
-impl<C: Takes> Args for Typed<C> {
-    fn augment_args(command: clap::Command) -> clap::Command {
-        command.args(settings().iter().filter(|setting| C::takes(setting)).map(argument))
-    }
-
-    fn augment_args_for_update(command: clap::Command) -> clap::Command {
-        Self::augment_args(command)
-    }
-}
-
-impl<C: Takes> FromArgMatches for Typed<C> {
-    fn from_arg_matches(matches: &ArgMatches) -> Result<Self, clap::Error> {
-        let mut given = Vec::new();
-        for setting in settings().iter().filter(|setting| C::takes(setting)) {
-            if setting.kind == Kind::Flag {
-                if matches.get_flag(setting.key) {
-                    given.push((setting.key, "true".to_owned()));
-                }
-            } else if let Some(text) = matches.get_one::<String>(setting.key) {
-                given.push((setting.key, text.clone()));
-            }
-        }
-        Ok(Self { given, command: PhantomData })
-    }
-
-    fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {
-        *self = Self::from_arg_matches(matches)?;
-        Ok(())
-    }
 }

@@ -1,9 +1,11 @@
-//! `sinew body`: a body as a tree of links with their joints, lengths and points, and the solids of its flesh.
+//! `sinew body`: a body as a tree of links.
+//!
+//! Each with its joints, length and points; then the solids of the flesh.
 
 use super::args::Answer;
+use super::error::Error;
 use super::{Ended, report};
 use serde_json::json;
-use sinew::Error;
 use sinew::bodies;
 use sinew::body::flesh::Flesh;
 use sinew::body::{KinematicTree, Proportions};

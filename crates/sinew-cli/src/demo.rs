@@ -4,17 +4,21 @@
 //! coordinates inside their 90 % intervals, over the same.
 
 use super::args::{Answer, General};
+use super::claimed::claimed;
+use super::error::Error;
+use super::progress::PassProgress;
 use super::report::{self, Report};
-use super::track::{PassProgress, aligned, claimed, with_threads};
+use super::table::aligned;
+use super::threads::with_threads;
 use super::{Ended, interrupt};
 use serde_json::json;
 use sinew::body::standard::EVALUATION_JOINTS;
 use sinew::config::{Resolved, Sources, resolve};
+use sinew::formats;
 use sinew::input::in_memory::InMemory;
 use sinew::results::LOCK_NAME;
 use sinew::track::job;
 use sinew::track::job::{Outcome, Watch};
-use sinew::{Error, formats};
 use sinew_simulate::recording::{Script, SyntheticRecording};
 use std::collections::BTreeMap;
 use std::fs;
@@ -35,8 +39,7 @@ pub(crate) fn run(answer: Answer, general: &General, report: &Report) -> Result<
     config.force |= config.out.join(TRUTH).is_file();
     let claim = claimed(&config, &[], report)?;
     let seed = config.tracking.seed;
-    let recording =
-        SyntheticRecording::new(&script, seed).map_err(|error| Error::Numerical { message: error.to_string() })?;
+    let recording = SyntheticRecording::new(&script, seed).map_err(Error::Demo)?;
     write_recording(&recording, &config.out)?;
     let frames = recording.truth.frames.len() as u64;
     let mut source = InMemory {
@@ -47,12 +50,12 @@ pub(crate) fn run(answer: Answer, general: &General, report: &Report) -> Result<
     let outcome = with_threads(&config, || {
         let mut progress = PassProgress::new(general);
         let stop = interrupt::flag();
-        let mut tell = |pass, done, total| progress.at(pass, done, total);
-        let mut watch = Watch { progress: &mut tell, stop: &stop };
+        let mut at = |pass, done, total| progress.at(pass, done, total);
+        let mut watch = Watch { progress: &mut at, stop: &stop };
         job::track(&mut source, 0..frames, &resolved, claim, &mut watch, |_| (Vec::new(), BTreeMap::new()), None)
     })?;
     report.warnings(&outcome.summary.warnings);
-    tell(&recording, &outcome, &config.out, answer)?;
+    answer_of(&recording, &outcome, &config.out, answer)?;
     for failed in &outcome.summary.failed_diagnostics {
         report.failed(failed);
     }
@@ -69,26 +72,26 @@ fn settings(general: &General, script: &Script) -> Result<Resolved, Error> {
     }
     flags.push(("fps", script.rate_hz.to_string()));
     // The demo is the same everywhere: no files and no environment.
-    resolve(&Sources { flags, environment: Vec::new(), file: general.config.clone() })
+    Ok(resolve(&Sources { flags, environment: Vec::new(), file: general.config.clone() })?)
 }
 
 /// The recording as files that `sinew track` reads.
-fn write_recording(recording: &SyntheticRecording, out: &Path) -> Result<(), Error> {
-    let write = |path: &Path, bytes: &[u8]| fs::write(path, bytes).map_err(Error::io("write", path));
+fn write_recording(recording: &SyntheticRecording, out: &Path) -> Result<(), sinew::Error> {
+    let write = |path: &Path, bytes: &[u8]| fs::write(path, bytes).map_err(sinew::Error::io("write", path));
     let keypoints = out.join("keypoints");
     if keypoints.exists() {
-        fs::remove_dir_all(&keypoints).map_err(Error::io("replace", &keypoints))?;
+        fs::remove_dir_all(&keypoints).map_err(sinew::Error::io("replace", &keypoints))?;
     }
     for camera in &recording.cameras {
         let folder = keypoints.join(format!("{}_json", camera.name));
-        fs::create_dir_all(&folder).map_err(Error::io("create", &folder))?;
+        fs::create_dir_all(&folder).map_err(sinew::Error::io("create", &folder))?;
     }
     for (name, text) in recording.keypoint_files() {
         write(&keypoints.join(name), text.as_bytes())?;
     }
     write(&out.join("Calib.toml"), recording.calibration_toml().as_bytes())?;
     let mut truth = Vec::new();
-    recording.write_truth_trc(&mut truth).map_err(Error::io("write", out.join(TRUTH)))?;
+    recording.write_truth_trc(&mut truth).map_err(sinew::Error::io("write", out.join(TRUTH)))?;
     write(&out.join(TRUTH), &truth)
 }
 
@@ -96,7 +99,7 @@ fn write_recording(recording: &SyntheticRecording, out: &Path) -> Result<(), Err
 fn compare(recording: &SyntheticRecording, out: &Path) -> Result<(f64, f64), Error> {
     let path = out.join("joints.csv");
     let text = sinew::files::read_text(&path, formats::source_text::MAX_TEXT_BYTES)?;
-    let table = formats::tidy_csv::read_cells(&path.display().to_string(), &text)?;
+    let table = formats::tidy_csv::read_cells(&path.display().to_string(), &text).map_err(sinew::Error::from)?;
     let column = |name: &str| table.columns.iter().position(|column| column == name).unwrap_or(usize::MAX);
     let (frame, joint) = (column("frame"), column("joint"));
     let places = ["mean", "q05", "q95"].map(|what| ["x", "y", "z"].map(|axis| column(&format!("{axis}_{what}_m"))));
@@ -120,7 +123,8 @@ fn compare(recording: &SyntheticRecording, out: &Path) -> Result<(f64, f64), Err
     Ok((1e3 * distance / joints, inside / (3.0 * joints)))
 }
 
-fn tell(recording: &SyntheticRecording, outcome: &Outcome, out: &Path, answer: Answer) -> Result<(), Error> {
+/// The answer: how near the results are to the truth.
+fn answer_of(recording: &SyntheticRecording, outcome: &Outcome, out: &Path, answer: Answer) -> Result<(), Error> {
     let (error_mm, coverage) = compare(recording, out)?;
     let summary = &outcome.summary;
     let shown = out.display();

@@ -2,21 +2,18 @@
 
 use super::Ended;
 use super::args::{FitShapeArgs, General};
+use super::error::{Error, Written};
 use super::progress::Progress;
 use super::report::{self, Report};
-use super::track::aligned;
+use super::table::aligned;
 use serde_json::json;
-use sinew::Error;
 use sinew::shape_fit::{PartScale, Request, fit_shape};
 use std::path::Path;
 
 /// Runs the command.
 pub(crate) fn run(args: &FitShapeArgs, general: &General, report: &Report) -> Result<Ended, Error> {
     let Some(out) = general.out.as_deref() else {
-        return Err(Error::Usage {
-            message: "no body file to write was given".into(),
-            help: "name one with `-o`, for example `-o body.toml`".into(),
-        });
+        return Err(Error::NoPlace(Written::Body));
     };
     let request = Request {
         calibration: args.calibration.clone(),

@@ -4,10 +4,11 @@
 
 use super::Ended;
 use super::args::{General, InspectArgs};
+use super::error::Error;
 use super::report::{self, Report};
-use super::track::{aligned, reading, settings};
+use super::settings::{reading, settings};
+use super::table::aligned;
 use serde_json::json;
-use sinew::Error;
 use sinew::input::recording::{Options, Recording};
 use sinew::inspect::{Facts, Subject, file_facts, fit, subjects};
 use std::path::Path;
@@ -60,18 +61,12 @@ fn options(args: &InspectArgs, general: &General, keypoints: &Path, report: &Rep
     Ok(reading(&resolved.track()))
 }
 
-/// Refuses flags that tell how to read keypoints where there are none.
+/// Refuses flags on how to read keypoints where there are none.
 fn refuse_settings(args: &InspectArgs, general: &General) -> Result<(), Error> {
     let given = args.settings.given.iter().map(|(key, _)| *key);
     match given.chain(general.config.as_ref().map(|_| "config")).next() {
         None => Ok(()),
-        Some(key) => Err(Error::Usage {
-            message: format!(
-                "`--{}` tells how to read keypoints, and no keypoint folder was given",
-                key.replace('_', "-")
-            ),
-            help: "give the keypoint folder too, or leave the flag out".into(),
-        }),
+        Some(key) => Err(Error::NoKeypointsToRead { flag: key.replace('_', "-") }),
     }
 }
 

@@ -1,9 +1,13 @@
-//! The program `sinew`: arguments in, answers to stdout, everything else to stderr, exit codes by the table of [`sinew::Error`].
+//! The program `sinew`: arguments in, answers to stdout, everything else to stderr.
+//!
+//! Exit codes are those of the table of [`sinew::Error`].
 
 mod args;
 mod body;
+mod claimed;
 mod convert;
 mod demo;
+mod error;
 mod fit_shape;
 mod inspect;
 mod interrupt;
@@ -13,8 +17,13 @@ mod overlay;
 mod progress;
 mod recorded_motion;
 mod report;
+mod resume;
 mod segment;
+mod setting_args;
+mod settings;
 mod simulate;
+mod table;
+mod threads;
 mod track;
 
 use args::{Cli, Command, General};
@@ -70,7 +79,7 @@ fn main() -> ExitCode {
     };
     match ended {
         Ok(ended) => ExitCode::from(ended.code()),
-        // Whoever read our answer has enough of it.
+        // The reader of our answer has enough of it.
         Err(error) if report::is_closed_pipe(&error) => ExitCode::SUCCESS,
         Err(error) => {
             report.error(&error);

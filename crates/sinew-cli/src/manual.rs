@@ -1,9 +1,9 @@
 //! Shell completions and the manual page, made from the arguments.
 
 use super::args::Cli;
+use super::error::Error;
 use super::{Ended, report};
 use clap::CommandFactory as _;
-use sinew::Error;
 
 /// Prints completions for a shell.
 pub(crate) fn completions(shell: clap_complete::Shell) -> Result<Ended, Error> {
@@ -21,7 +21,7 @@ pub(crate) fn man() -> Result<Ended, Error> {
     let pages = std::iter::once(&command).chain(command.get_subcommands());
     for page in pages.filter(|page| !page.is_hide_set()) {
         let rendered = clap_mangen::Man::new(page.clone()).render(&mut text);
-        rendered.map_err(Error::io("write to", "the manual page"))?;
+        rendered.map_err(sinew::Error::io("write to", "the manual page"))?;
     }
     report::answer(&String::from_utf8_lossy(&text))?;
     Ok(Ended::Done)

@@ -1,9 +1,9 @@
 //! Flags given to a command that has no use for them.
 
 use super::args::Cli;
+use super::error::Error;
 use clap::CommandFactory as _;
 use clap::error::{ContextKind, ContextValue, ErrorKind};
-use sinew::Error;
 
 /// What is wrong, if the arguments hold a flag of other commands.
 pub(crate) fn flag(error: &clap::Error) -> Option<Error> {
@@ -20,8 +20,5 @@ pub(crate) fn flag(error: &clap::Error) -> Option<Error> {
     };
     let owners: Vec<String> =
         command.get_subcommands().filter(has).map(|command| format!("`sinew {}`", command.get_name())).collect();
-    (!owners.is_empty()).then(|| Error::Usage {
-        message: format!("`{flag}` has no use here; it belongs to {}", owners.join(", ")),
-        help: "leave it out, or put it after the command that it belongs to".into(),
-    })
+    (!owners.is_empty()).then(|| Error::ForeignFlag { flag: flag.clone(), owners })
 }

@@ -2,20 +2,17 @@
 
 use super::Ended;
 use super::args::{General, OverlayArgs};
+use super::error::{Error, Written};
 use super::progress::Progress;
 use super::report::{self, Report};
 use serde_json::json;
-use sinew::Error;
 use sinew::overlay::{Ground, Request, overlay};
 use std::path::Path;
 
 /// Runs the command.
 pub(crate) fn run(args: &OverlayArgs, general: &General, report: &Report) -> Result<Ended, Error> {
     let Some(out) = general.out.as_deref() else {
-        return Err(Error::Usage {
-            message: "no folder for the pictures was given".into(),
-            help: "name one with `-o`, for example `-o pictures`".into(),
-        });
+        return Err(Error::NoPlace(Written::Pictures));
     };
     let request = Request {
         calibration: args.calibration.clone(),

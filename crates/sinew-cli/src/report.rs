@@ -1,14 +1,14 @@
 //! What the user reads: the answer on stdout, errors and warnings on stderr.
 
 use super::args::{Color, General};
-use sinew::Error;
+use super::error::Error;
 use std::error::Error as _;
 use std::io::{self, IsTerminal as _, Write as _};
 use std::path::PathBuf;
 
 /// How to speak.
 pub(crate) struct Report {
-    quiet: bool,
+    quiet: u8,
     verbose: u8,
     colored: bool,
 }
@@ -53,9 +53,9 @@ impl Report {
         }
     }
 
-    /// Warnings, each once.
+    /// Warnings, each once; silenced by `-qq`.
     pub(crate) fn warnings(&self, warnings: &[String]) {
-        if !self.quiet {
+        if self.quiet < 2 {
             warnings.iter().for_each(|warning| self.say(YELLOW, "warning", warning));
         }
     }
@@ -65,14 +65,14 @@ impl Report {
         self.say(RED, "diagnostic failed", text);
     }
 
-    /// A line on stderr that is neither error nor warning.
+    /// A line on stderr that is neither error nor warning; silenced by `-q`.
     pub(crate) fn note(&self, text: &str) {
-        if !self.quiet {
+        if self.quiet == 0 {
             let _ = writeln!(io::stderr(), "{text}");
         }
     }
 
-    /// A line for those who asked for more.
+    /// A line that `-v` asks for.
     pub(crate) fn detail(&self, text: &str) {
         if self.verbose > 0 {
             self.note(text);
@@ -85,7 +85,8 @@ pub(crate) fn answer(text: &str) -> Result<(), Error> {
     let mut out = io::stdout().lock();
     let written =
         out.write_all(text.as_bytes()).and_then(|()| if text.ends_with('\n') { Ok(()) } else { out.write_all(b"\n") });
-    written.and_then(|()| out.flush()).map_err(Error::io("write to", PathBuf::from(STDOUT)))
+    let written = written.and_then(|()| out.flush());
+    Ok(written.map_err(sinew::Error::io("write to", PathBuf::from(STDOUT)))?)
 }
 
 /// Prints the answer as JSON.
@@ -95,5 +96,5 @@ pub(crate) fn answer_json(value: &serde_json::Value) -> Result<(), Error> {
 
 /// Whether the reader of our answer went away.
 pub(crate) fn is_closed_pipe(error: &Error) -> bool {
-    matches!(error, Error::Io { path, source, .. } if path.as_os_str() == STDOUT && source.kind() == io::ErrorKind::BrokenPipe)
+    matches!(error, Error::Library(sinew::Error::Io { path, source, .. }) if path.as_os_str() == STDOUT && source.kind() == io::ErrorKind::BrokenPipe)
 }

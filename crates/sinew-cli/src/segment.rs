@@ -2,10 +2,10 @@
 
 use super::Ended;
 use super::args::{General, SegmentArgs};
+use super::error::{Error, Written};
 use super::progress::Progress;
 use super::report::{self, Report};
 use serde_json::json;
-use sinew::Error;
 use sinew::observe::background::Config;
 use sinew::segment::{Request, segment};
 use std::path::Path;
@@ -13,10 +13,7 @@ use std::path::Path;
 /// Runs the command.
 pub(crate) fn run(args: &SegmentArgs, general: &General, report: &Report) -> Result<Ended, Error> {
     let Some(out) = general.out.as_deref() else {
-        return Err(Error::Usage {
-            message: "no folder for the masks was given".into(),
-            help: "name one with `-o`, for example `-o masks`".into(),
-        });
+        return Err(Error::NoPlace(Written::Masks));
     };
     let request = Request {
         background: args.background.clone(),

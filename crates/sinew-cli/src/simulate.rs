@@ -1,14 +1,16 @@
-//! `sinew simulate`: a person moves before virtual cameras, and everything that a tracker may want is written to files.
+//! `sinew simulate`: a recording of a simulated person, with everything that a tracker may want.
 
 use super::Ended;
 use super::args::{General, SimulateArgs};
+use super::claimed::claimed;
+use super::error::Error;
 use super::progress::Progress;
 use super::recorded_motion::recorded_motion;
 use super::report::{self, Report};
-use super::track::{aligned, claimed, with_threads};
+use super::table::aligned;
+use super::threads::with_threads;
 use rayon::prelude::*;
 use serde_json::json;
-use sinew::Error;
 use sinew::config::{Sources, TrackConfig, resolve};
 use sinew::core::random::Stage;
 use sinew::formats::{calib_toml, mask, picture};
@@ -45,15 +47,15 @@ pub(crate) fn run(args: &SimulateArgs, general: &General, report: &Report) -> Re
     refuse_inputs_inside(&config.out, &inputs)?;
     let claim = claimed(&config, &inputs, report)?;
     let ring = Ring { cameras: args.cameras, image_size_px: args.size.map(f64::from), ..Ring::SMALL_PICTURES };
-    let footage = SyntheticFootage::new(motion, args.fps, &ring, config.tracking.seed).map_err(refused)?;
+    let footage = SyntheticFootage::new(motion, args.fps, &ring, config.tracking.seed).map_err(Error::Scene)?;
     clear(&config.out)?;
     write_points(&footage, config.tracking.seed, &config.out)?;
     let total = footage.frames();
     with_threads(&config, || {
         let mut progress = Progress::start(general, "simulate", total as u64);
         for frame in 0..total {
-            let of_camera = |camera| write_images(&footage, camera, frame, args, &config.out);
-            (0..footage.cameras.len()).into_par_iter().try_for_each(of_camera)?;
+            let write_camera = |camera| write_images(&footage, camera, frame, args, &config.out);
+            (0..footage.cameras.len()).into_par_iter().try_for_each(write_camera)?;
             progress.at(frame as u64 + 1);
         }
         Ok(())
@@ -61,7 +63,7 @@ pub(crate) fn run(args: &SimulateArgs, general: &General, report: &Report) -> Re
     // Last: a folder with it is whole.
     write(&config.out.join(README), readme(args, &config, &footage).as_bytes())?;
     drop(claim);
-    tell(args, &config, &footage)?;
+    answer(args, &config, &footage)?;
     Ok(Ended::Done)
 }
 
@@ -73,30 +75,21 @@ fn settings(general: &General) -> Result<TrackConfig, Error> {
     Ok(resolve(&Sources { flags, environment: Vec::new(), file: None })?.track())
 }
 
-fn usage(message: String, help: &str) -> Error {
-    Error::Usage { message, help: help.into() }
-}
-
-fn refused(error: sinew_simulate::Error) -> Error {
-    Error::Input { message: error.to_string(), help: error.help() }
-}
-
 /// The motion, and the files that it is read from.
 fn motion(args: &SimulateArgs, report: &Report) -> Result<(Trajectories, Vec<PathBuf>), Error> {
     for (flag, value) in [("fps", Some(args.fps)), ("duration", args.duration)] {
         if let Some(value) = value.filter(|value| !(*value > 0.0 && value.is_finite())) {
-            return Err(usage(format!("`--{flag}` is {value}; it must be greater than 0"), "for example 30"));
+            return Err(Error::NotPositive { flag, value, help: "for example 30" });
         }
     }
     let frames = |duration_s: f64| (duration_s * args.fps).round() as usize;
     let most = args.duration.map_or(MOST_FRAMES, frames);
-    let too_many = || usage(format!("more than {MOST_FRAMES} frames"), "ask for less with `--duration` or `--fps`");
     if most > MOST_FRAMES || args.fps > MOST_FRAMES as f64 {
-        return Err(too_many());
+        return Err(Error::TooManyFrames(MOST_FRAMES));
     }
     let (mut motion, inputs) = if args.motion.as_os_str() == WALK {
         if args.skeleton.is_some() {
-            return Err(usage("the walk needs no skeleton".into(), "`--skeleton` belongs to .amc files; leave it out"));
+            return Err(Error::SkeletonOfWalk);
         }
         let duration_s = args.duration.unwrap_or(WALK_S);
         let walker = Walker::new(Gait { duration_s, ..Gait::default() });
@@ -108,44 +101,44 @@ fn motion(args: &SimulateArgs, report: &Report) -> Result<(Trajectories, Vec<Pat
     };
     motion.frames.truncate(most);
     match motion.frames.len() {
-        0 => Err(usage("no frame in that time".into(), "ask for more with `--duration` or `--fps`")),
-        frames if frames > MOST_FRAMES => Err(too_many()),
+        0 => Err(Error::NoFrames),
+        frames if frames > MOST_FRAMES => Err(Error::TooManyFrames(MOST_FRAMES)),
         _ => Ok((motion, inputs)),
     }
 }
 
-fn write(path: &Path, bytes: &[u8]) -> Result<(), Error> {
-    fs::write(path, bytes).map_err(Error::io("write", path))
+fn write(path: &Path, bytes: &[u8]) -> Result<(), sinew::Error> {
+    fs::write(path, bytes).map_err(sinew::Error::io("write", path))
 }
 
 /// What is replaced must not be what was read.
-fn refuse_inputs_inside(out: &Path, inputs: &[PathBuf]) -> Result<(), Error> {
+fn refuse_inputs_inside(out: &Path, inputs: &[PathBuf]) -> Result<(), sinew::Error> {
     let Ok(folder) = out.canonicalize() else { return Ok(()) };
     let inside = |input: &&PathBuf| input.canonicalize().is_ok_and(|input| input.starts_with(&folder));
     match inputs.iter().find(inside) {
-        Some(input) => Err(Error::OutputIsInput { path: out.to_owned(), input: input.clone() }),
+        Some(input) => Err(sinew::Error::OutputIsInput { path: out.to_owned(), input: input.clone() }),
         None => Ok(()),
     }
 }
 
 /// Takes away what a former run wrote here.
-fn clear(out: &Path) -> Result<(), Error> {
+fn clear(out: &Path) -> Result<(), sinew::Error> {
     for path in [README, TRUTH, CALIBRATION].map(|name| out.join(name)) {
         if path.exists() {
-            fs::remove_file(&path).map_err(Error::io("replace", &path))?;
+            fs::remove_file(&path).map_err(sinew::Error::io("replace", &path))?;
         }
     }
     for path in FOLDERS.map(|name| out.join(name)) {
         if path.exists() {
-            fs::remove_dir_all(&path).map_err(Error::io("replace", &path))?;
+            fs::remove_dir_all(&path).map_err(sinew::Error::io("replace", &path))?;
         }
-        fs::create_dir_all(&path).map_err(Error::io("create", &path))?;
+        fs::create_dir_all(&path).map_err(sinew::Error::io("create", &path))?;
     }
     Ok(())
 }
 
 /// Calibration, keypoints and truth.
-fn write_points(footage: &SyntheticFootage, seed: u64, out: &Path) -> Result<(), Error> {
+fn write_points(footage: &SyntheticFootage, seed: u64, out: &Path) -> Result<(), sinew::Error> {
     let rows = footage.cameras.first().map_or(DETECTOR_ROWS, |camera| camera.image_size_px[1]);
     let noise = DetectorNoise::DETECTOR_LIKE.resized(rows / DETECTOR_ROWS);
     let stage = Stage::new(seed, "synthetic recording");
@@ -153,7 +146,7 @@ fn write_points(footage: &SyntheticFootage, seed: u64, out: &Path) -> Result<(),
     let keypoints = out.join(FOLDERS[0]);
     for camera in &footage.cameras {
         let folder = keypoints.join(format!("{}_json", camera.name));
-        fs::create_dir_all(&folder).map_err(Error::io("create", &folder))?;
+        fs::create_dir_all(&folder).map_err(sinew::Error::io("create", &folder))?;
     }
     for (name, text) in keypoint_files(&footage.cameras, &found.keypoints) {
         write(&keypoints.join(name), text.as_bytes())?;
@@ -161,7 +154,7 @@ fn write_points(footage: &SyntheticFootage, seed: u64, out: &Path) -> Result<(),
     write(&out.join(CALIBRATION), calib_toml::write(&footage.cameras).as_bytes())?;
     let mut truth = Vec::new();
     let path = out.join(TRUTH);
-    write_trc(&mut truth, TRUTH, &footage.motion, footage.rate_hz).map_err(Error::io("write", &path))?;
+    write_trc(&mut truth, TRUTH, &footage.motion, footage.rate_hz).map_err(sinew::Error::io("write", &path))?;
     write(&path, &truth)
 }
 
@@ -172,19 +165,19 @@ fn write_images(
     frame: usize,
     args: &SimulateArgs,
     out: &Path,
-) -> Result<(), Error> {
+) -> Result<(), sinew::Error> {
     let name = format!("{}_{frame:04}.png", footage.cameras[camera].name);
     let path = out.join(FOLDERS[1]).join(&name);
     let level = Level::named(&args.segmentation).unwrap_or_default();
     let silhouette = footage.mask(camera, frame, level);
     let mut bytes = Vec::new();
-    mask::write(&mut bytes, &silhouette).map_err(Error::io("write", &path))?;
+    mask::write(&mut bytes, &silhouette).map_err(sinew::Error::io("write", &path))?;
     write(&path, &bytes)?;
     if args.images.0.is_some_and(|every| frame.is_multiple_of(every)) {
         let path = out.join(FOLDERS[2]).join(&name);
         let seen = footage.picture(camera, frame);
         bytes.clear();
-        picture::write_png(&mut bytes, &seen).map_err(Error::io("write", &path))?;
+        picture::write_png(&mut bytes, &seen).map_err(sinew::Error::io("write", &path))?;
         write(&path, &bytes)?;
     }
     Ok(())
@@ -240,7 +233,8 @@ fn readme(args: &SimulateArgs, config: &TrackConfig, footage: &SyntheticFootage)
     )
 }
 
-fn tell(args: &SimulateArgs, config: &TrackConfig, footage: &SyntheticFootage) -> Result<(), Error> {
+/// Where the recording is, and commands for it.
+fn answer(args: &SimulateArgs, config: &TrackConfig, footage: &SyntheticFootage) -> Result<(), Error> {
     let out = config.out.display().to_string();
     if args.answer.json {
         return report::answer_json(&json!({

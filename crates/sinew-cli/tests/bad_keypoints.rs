@@ -133,6 +133,9 @@ fn a_layout_that_the_keypoints_contradict() {
     }
     assert!(!inspect("BODY_25").contains("look like"));
     assert!(inspect("BODY_25B").contains("look like BODY_25, by the place of the hips; BODY_25B was asked"));
+    insta::assert_snapshot!("sizes_of_nobody", trial.track_told(&["--force"]));
+    let any = trial.track_told(&["--force", "--any-size"]);
+    assert!(!any.contains("error:") && any.contains("look like BODY_25"), "{any}");
 }
 
 #[test]
@@ -317,7 +320,7 @@ fn images_resized_after_the_calibration() {
     check_warning("resized_and_told", larger, &["--image-scale", "0.6667"]);
 }
 
-/// The calibrations of two cameras exchanged: all else of the run depends on chance.
+/// The calibrations of two cameras are exchanged.
 #[test]
 fn a_calibration_of_another_camera() {
     let trial = trial(1.0);
@@ -325,7 +328,44 @@ fn a_calibration_of_another_camera() {
         text.replace("\"C1\"", "\"X\"").replace("\"C2\"", "\"C1\"").replace("\"X\"", "\"C2\"")
     });
     let told = trial.track_told(&[]);
-    assert!(told.contains("is this the calibration of this camera?"), "{told}");
+    insta::assert_snapshot!("exchanged", without_pixels(&told));
+    let inspected = trial.run(&["inspect", "Calib.toml", "pose"]);
+    let inspected = String::from_utf8(inspected.stdout).unwrap();
+    assert!(
+        inspected.contains("odd: the keypoints of all cameras fit when the calibrations of C1 and C2 are exchanged")
+    );
+}
+
+/// The calibration of a camera is that of another place, which no exchange mends.
+#[test]
+fn a_calibration_of_no_camera_of_these() {
+    let trial = trial(1.0);
+    edit_calibration(&trial, |name, camera| {
+        if name.ends_with('2') {
+            camera["rotation"] = vec![1.9, 0.3, -0.4].into();
+        }
+    });
+    let told = trial.track_told(&[]);
+    assert!(told.contains("is this the calibration of this camera?") && !told.contains("exchanged"), "{told}");
+}
+
+fn tracked_at(trial: &Trial, fps: &str, more: &[&str]) -> String {
+    let given = ["track", "--calibration", "Calib.toml", "--keypoints", "pose", "--layout", "BODY_25B"];
+    let output = ["--no-progress", "--force", "-oout", "--frames", "0..60", "--fps", fps];
+    trial.told(&trial.run(&[&given[..], &output, &common::QUICK, more].concat()))
+}
+
+#[test]
+fn frame_rates_that_nobody_is_fast_enough_for() {
+    let trial = trial(2.5);
+    let is_warned = |told: &str| told.contains("is `--fps` right?");
+    assert!(!is_warned(&tracked_at(&trial, "60", &[])));
+    let told = tracked_at(&trial, "600", &[]);
+    assert!(told.starts_with("exit 0") && is_warned(&told), "{told}");
+    let told = tracked_at(&trial, "6000", &[]);
+    assert!(told.starts_with("exit 3") && is_warned(&told) && told.contains("help: give the frame rate"), "{told}");
+    let told = tracked_at(&trial, "6000", &["--any-size"]);
+    assert!(is_warned(&told) && !told.contains("error:"), "{told}");
 }
 
 #[test]

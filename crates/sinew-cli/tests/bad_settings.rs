@@ -3,6 +3,8 @@
 mod common;
 
 use common::trial;
+use sinew::config::setting::Kind;
+use sinew::config::table::settings;
 use std::fs;
 
 fn check_file(name: &str, text: &str) {
@@ -128,6 +130,18 @@ fn help_fits_one_screen_and_starts_with_examples() {
         assert!(text[examples..].lines().skip(1).take(2).all(|line| line.starts_with("  sinew ")), "{command}");
         let name = if command.is_empty() { "sinew" } else { command };
         insta::assert_snapshot!(format!("help_{name}"), text);
+    }
+    for setting in settings() {
+        let Kind::Choice(values) = setting.kind else { continue };
+        let flag = format!("--{}", setting.key.replace('_', "-"));
+        let help = String::from_utf8(trial.run(&["track", "--help"]).stdout).unwrap();
+        let of_flag = help.split(&format!("      {flag} ")).nth(1).unwrap_or_default().split("\n\n").next().unwrap();
+        // As they are typed, and offered as they are typed.
+        assert!(values.iter().all(|value| of_flag.contains(value)), "{flag}: {of_flag}");
+        let bash = String::from_utf8(trial.run(&["completions", "bash"]).stdout).unwrap();
+        let offered =
+            bash.split(&format!("                {flag})\n")).nth(1).unwrap_or_default().lines().next().unwrap();
+        assert!(offered.contains(&format!("compgen -W \"{}\"", values.join(" "))), "{flag}: {offered}");
     }
     for shell in ["bash", "zsh", "fish", "powershell"] {
         assert!(!trial.run(&["completions", shell]).stdout.is_empty());

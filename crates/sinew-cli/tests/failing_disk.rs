@@ -103,6 +103,7 @@ fn write(folder: &Path, steps: usize) -> Result<usize, Error> {
         isa: "baseline".into(),
         cameras: calib_toml::read("Calib.toml", CALIBRATION)?.cameras,
         keypoints: vec!["Nose".into()],
+        has_masks: false,
         camera_offset_px: vec![[0.0; 2]],
         sigma_px: 1.0,
         setup_toml: "schema = 2\n".into(),

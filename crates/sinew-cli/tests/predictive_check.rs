@@ -10,7 +10,7 @@ use sinew::config::settings::Settings;
 use sinew::core::lanes::Isa;
 use sinew::methods::Hmc;
 use sinew::setup::Setup;
-use sinew::track::Doubt;
+use sinew::track::{Doubt, Lengths, Origins};
 use sinew::tracking::hmc_filter;
 use sinew_simulate::detector::DetectorNoise;
 use sinew_simulate::recording::{Script, SyntheticRecording};
@@ -50,8 +50,8 @@ fn told(noise: DetectorNoise, change: impl FnOnce(&mut Setup)) -> Vec<Doubt> {
 
 /// Each doubt in words; numbers of the first camera only, which is enough to read.
 fn words(doubts: &[Doubt]) -> String {
-    let first = |doubt: &&Doubt| !["C2", "C3", "C4"].iter().any(|camera| doubt.to_string().starts_with(camera));
-    doubts.iter().filter(first).map(|doubt| format!("{doubt}\n")).collect()
+    let all = doubts.iter().map(|doubt| doubt.describe(Origins { setup_is_given: true, ..Origins::default() }) + "\n");
+    all.filter(|words| !["C2", "C3", "C4"].iter().any(|camera| words.starts_with(camera))).collect()
 }
 
 fn kinds(doubts: &[Doubt]) -> BTreeSet<&'static str> {
@@ -77,6 +77,13 @@ fn offsets_that_the_set_up_found_are_told() {
     let doubts = evaluation::filter(&mut source(&film(noise)), &setup, 0..FRAMES, &settings()).unwrap().doubts;
     assert_eq!(kinds(&doubts), BTreeSet::from(["calibration"]));
     insta::assert_snapshot!("calibration", words(&doubts));
+    // Lengths are called right only by a run whose checks find them right.
+    let mut longer = setup;
+    longer.proportions.thigh *= 1.05;
+    let doubts = evaluation::filter(&mut source(&film(noise)), &longer, 0..FRAMES, &settings()).unwrap().doubts;
+    let of_calibration =
+        |doubt: &Doubt| if let Doubt::Calibration { lengths, .. } = doubt { Some(*lengths) } else { None };
+    assert_eq!(doubts.iter().find_map(of_calibration), Some(Lengths::Doubted), "{doubts:?}");
 }
 
 #[test]

@@ -75,9 +75,17 @@ fn files_agree_with_each_other() {
     let read = |name: &str| fs::read_to_string(trial.path("out").join(name)).unwrap();
     let trc = sinew::formats::trc::read("markers.trc", &read("markers.trc")).unwrap();
     let bvh = sinew::formats::bvh::read("motion.bvh", &read("motion.bvh")).unwrap();
-    for (marker, joint) in
-        [("RElbow", "r_forearm"), ("LKnee", "l_shin"), ("LAnkle", "l_foot"), ("RShoulder", "r_upper_arm")]
-    {
+    let arms =
+        [("RElbow", "r_forearm"), ("LElbow", "l_forearm"), ("RShoulder", "r_upper_arm"), ("LShoulder", "l_upper_arm")];
+    let legs = [
+        ("RHip", "r_thigh"),
+        ("LHip", "l_thigh"),
+        ("RKnee", "r_shin"),
+        ("LKnee", "l_shin"),
+        ("RAnkle", "r_foot"),
+        ("LAnkle", "l_foot"),
+    ];
+    for (marker, joint) in arms.into_iter().chain(legs) {
         for frame in 0..trc.frames.len() {
             let a = trc.point_in_world(frame, trc.marker_index(marker).unwrap()).unwrap();
             let b = bvh.positions(frame).unwrap().into_iter().find(|(name, _)| name == joint).unwrap().1;
@@ -196,7 +204,6 @@ fn interrupted(trial: &Trial, signal: &str) -> Option<i32> {
 fn an_interrupt_leaves_what_was_done() {
     let trial = trial(6.0);
     for signal in ["-INT", "-TERM"] {
-        // A folder that is marked incomplete may be replaced.
         assert_eq!(interrupted(&trial, signal), Some(75));
         let text = |name: &str| fs::read_to_string(trial.path("out").join(name)).unwrap();
         let summary: serde_json::Value = serde_json::from_str(&text("summary.json")).unwrap();
@@ -214,6 +221,7 @@ fn an_interrupt_leaves_what_was_done() {
             (results.len() + kept.len(), &results[..]),
             (top(&trial.path("out")).len(), &RESULT_NAMES.map(String::from)[..])
         );
+        fs::remove_dir_all(trial.path("out")).unwrap();
     }
 }
 
@@ -272,16 +280,107 @@ fn a_particle_filter_that_failed_says_so_after_smoothing_too() {
     }
 }
 
+/// Run with the Python named by `SINEW_PYTHON`, or `python3`, as far as it has the wheels.
 #[test]
-fn the_loader_is_short_and_valid() {
+fn the_loader_opens_the_results() {
     let trial = trial(0.2);
     check_done(&trial, &[]);
-    let path = trial.path("out/load.py");
-    assert_eq!(fs::read_to_string(&path).unwrap().lines().count(), 15);
-    // Where there is no interpreter nothing can be said.
-    if let Ok(output) = std::process::Command::new("python3").args(["-m", "py_compile"]).arg(&path).output() {
-        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let python = |arguments: &[&str]| {
+        let python = std::env::var_os("SINEW_PYTHON").unwrap_or_else(|| "python3".into());
+        let run = std::process::Command::new(python).current_dir(trial.path("out")).args(arguments).output();
+        run.ok().map(|output| (output.status.success(), String::from_utf8_lossy(&output.stdout).into_owned()))
+    };
+    let has = |module: &str| python(&["-c", &format!("import {module}")]).is_some_and(|(is_there, _)| is_there);
+    if !["numpy", "pandas", "xarray"].into_iter().all(has) {
+        sinew_tests::data::skipped("no Python with numpy, pandas and xarray");
+        return;
     }
+    let (is_done, shown) = python(&["load.py", "3"]).unwrap();
+    assert!(is_done && shown.contains("RKnee") && shown.contains("marker_position"), "{shown}");
+    // With the wheel zarr and without it, the values are the same.
+    let both = "import load, xarray as xr; t = load.tree(); g = {p.parent.name: load.dataset(p.parent) for p in load.here.glob('posterior.zarr/*/zarr.json')}; [xr.testing.assert_identical(t[n].to_dataset().load().drop_attrs(), d.drop_attrs()) for n, d in g.items()]; print(len(g))";
+    assert_eq!(python(&["-c", both]), Some((true, "4\n".into())));
+    if has("arviz") {
+        let summary = "import load, arviz as az; d = load.inference_data().posterior; d = d.to_dataset() if hasattr(d, 'to_dataset') else d; print(len(az.summary(d.isel(frame=3), var_names=['root'])))";
+        assert_eq!(python(&["-W", "ignore", "-c", summary]), Some((true, "3\n".into())));
+    }
+}
+
+/// What programs draw as bones: each ends where all its children begin, and has a length.
+#[test]
+fn bones_are_joined() {
+    let trial = trial(0.1);
+    for body in ["h32", "cf28"] {
+        check_done(&trial, &["--force", "--body", body]);
+        let text = fs::read_to_string(trial.path("out/motion.bvh")).unwrap();
+        let bvh = sinew::formats::bvh::read("motion.bvh", &text).unwrap();
+        for (index, joint) in bvh.joints.iter().enumerate() {
+            let children = bvh.joints.iter().filter(|child| child.parent == Some(index)).map(|child| child.offset);
+            let ends: Vec<[f64; 3]> = children.chain(joint.end_site).collect();
+            let length = ends.first().map_or(0.0, |[x, y, z]| x.hypot(*y).hypot(*z));
+            assert!(length > 1e-3 && ends.iter().all(|end| *end == ends[0]), "{}: {ends:?}", joint.name);
+        }
+    }
+}
+
+#[test]
+fn a_run_that_was_stopped_is_not_replaced_unasked() {
+    let trial = trial(0.3);
+    check_done(&trial, &["-owhole"]);
+    let setup = "--setup=whole/setup.toml";
+    fs::create_dir(trial.path("out")).unwrap();
+    fs::write(trial.path("out").join(sinew::results::problem::NAME), "").unwrap();
+    fs::write(trial.path("out/joints.csv.partial"), "").unwrap();
+    insta::assert_snapshot!("stopped_run", trial.track_told(&[setup]));
+    assert_eq!(fs::read(trial.path("out").join(sinew::results::problem::NAME)).unwrap(), b"");
+    check_done(&trial, &[setup, "--force"]);
+    assert_eq!(top(&trial.path("out")), RESULT_NAMES);
+}
+
+#[test]
+fn a_failed_run_leaves_no_folder() {
+    let trial = trial(0.1);
+    for camera in 1..=4 {
+        for frame in 0..3 {
+            fs::write(trial.keypoints(camera, frame), r#"{"people": []}"#).unwrap();
+        }
+    }
+    let told = trial.track_told(&["-onew/out"]);
+    assert!(told.starts_with("exit 3\n"), "{told}");
+    assert!(!trial.path("new").exists());
+    fs::create_dir(trial.path("mine")).unwrap();
+    assert!(trial.track_told(&["-omine/out"]).starts_with("exit 3\n"));
+    assert_eq!(top(&trial.path("mine")), Vec::<String>::new());
+}
+
+#[test]
+fn mistakes_in_flags_are_said_before_what_exists() {
+    let trial = trial(0.1);
+    check_done(&trial, &[]);
+    assert!(trial.track_told(&[]).starts_with("exit 5\nerror: `out` exists and holds results"));
+    for (flag, said) in [
+        ("--cameras=C1,nobody", "nobody"),
+        ("--setup-frames=900..901", "set-up frames 900..901 were asked for"),
+        ("--setup=none.toml", "none.toml"),
+        ("--body=h33", "h33"),
+        ("--frames=50..60", "50..60"),
+    ] {
+        let told = trial.track_told(&[flag]);
+        assert!(!told.contains("exists") && told.contains(said) && !told.starts_with("exit 5\nerror: `out`"), "{told}");
+    }
+}
+
+#[test]
+fn quiet_keeps_warnings_and_twice_keeps_errors_only() {
+    let trial = trial(0.1);
+    let told = |quiet: &[&str]| trial.track_told(&[&["--force", "--particles=9"], quiet].concat());
+    let lines = |text: &str, kind: &str| text.lines().filter(|line| line.starts_with(kind)).count();
+    let all = told(&[]);
+    assert!(lines(&all, "warning") > 0);
+    assert_eq!(lines(&told(&["-q"]), "warning"), lines(&all, "warning"));
+    assert_eq!(lines(&told(&["-qq"]), "warning"), 0);
+    let failed = told(&["-qq", "--cameras=nobody"]);
+    assert_eq!((lines(&failed, "error"), lines(&failed, "help")), (1, 1), "{failed}");
 }
 
 #[test]
@@ -318,5 +417,8 @@ fn the_demo_tells_its_error_and_can_be_repeated() {
     let json = trial.run(&["demo", "--json", "-q"]);
     let answer: serde_json::Value = serde_json::from_slice(&json.stdout).unwrap();
     assert!(answer["mean_error_mm"].as_f64().unwrap() < 60.0, "{answer}");
-    assert!(json.stderr.is_empty() || String::from_utf8_lossy(&json.stderr).starts_with("diagnostic failed"));
+    // Warnings are kept, progress and notes are not.
+    let told = String::from_utf8_lossy(&json.stderr).into_owned();
+    let is_kept = |line: &str| ["diagnostic failed", "warning"].iter().any(|kind| line.starts_with(kind));
+    assert!(told.lines().all(is_kept), "{told}");
 }

@@ -25,6 +25,17 @@ fn a_run_stopped_after_any_frame_gives_the_same_files() {
     }
 }
 
+/// Where the noise is wide, few particles continue from frame to frame, so that their states and weights decide on what follows.
+#[test]
+fn a_particle_filter_that_continues_is_resumed_to_the_same_files() {
+    let whole = Whole::blurred(12, &[("method", "bootstrap"), ("body", "cf28")], 20.0);
+    let restarted = common::column(&whole.files["frames.csv"], "restarted");
+    assert!(restarted.iter().skip(1).all(|restarted| restarted == "0"), "{restarted:?}");
+    for stop in [1, 5, 11] {
+        whole.check_stopped_at(stop);
+    }
+}
+
 /// The same from silhouettes, by searches: what they remember goes on, too.
 #[test]
 fn a_run_on_silhouettes_stopped_after_any_frame_gives_the_same_files() {
@@ -355,7 +366,7 @@ fn a_run_interrupted_at_any_moment_goes_on() {
             interrupted += 1;
             assert_eq!(output.status.code(), Some(75), "{}", trial.told(&output));
             assert!(sent.elapsed() < Duration::from_secs(2), "{:?}", sent.elapsed());
-            assert!(trial.told(&output).contains("the same command with `--resume` goes on from there"));
+            assert!(trial.told(&output).contains("the same command with `--resume` continues from there"));
             let text = |name: &str| fs::read_to_string(trial.path("out").join(name)).unwrap();
             let summary: serde_json::Value = serde_json::from_str(&text("summary.json")).unwrap();
             assert_eq!(summary["complete"], false);
@@ -449,15 +460,55 @@ fn what_cannot_go_on_says_why() {
     assert!(same_results(&trial, "out"));
 }
 
-/// Whoever forgets `--resume` is told what is begun anew.
+/// Without `--resume` a run that was stopped is kept, whatever it was stopped by.
 #[test]
-fn a_stopped_run_is_not_begun_anew_in_silence() {
+fn a_stopped_run_is_kept_until_force_is_given() {
     let whole = Whole::new(&[]);
     let trial = trial(0.2);
     whole.run(&trial.path("out"), 1, Some(3), None).unwrap();
+    let before = files(&trial.path("out"));
     let told = trial.track_told(&[]);
+    assert!(told.starts_with("exit 5\nerror: `out` exists and holds a run that was stopped\n"), "{told}");
+    assert!(told.contains("`--resume`") && told.contains("`--force`") && files(&trial.path("out")) == before);
+    let told = trial.track_told(&["--force"]);
     assert!(told.starts_with("exit 0\n"), "{told}");
-    assert!(told.contains("warning: out holds a run that was stopped; it is begun anew (`--resume` goes on with it)"));
+}
+
+/// What is compared is what the run read: all masks and images, keypoints of the set-up frames only.
+#[test]
+fn complete_results_from_silhouettes_are_compared() {
+    let trial = Trial { folder: tempfile::tempdir().unwrap() };
+    let simulate =
+        ["simulate", "-orec", "--size=96x72", "--duration=0.4", "--cameras=2", "--images=3", "--no-progress"];
+    assert_eq!(trial.run(&simulate).status.code(), Some(0));
+    let track = |more: &[&str]| {
+        let inputs = ["track", "--calibration=rec/Calib.toml", "--keypoints=rec/keypoints", "--layout=BODY_25B"];
+        let start = ["--silhouettes=rec/masks", "--images=rec/images", "--init=keypoints", "--setup-frames=0..6"];
+        let small = ["--method=annealed", "--particles=16", "--layers=2", "--draws=2", "--raster=64", "--fps=30"];
+        let rest = ["--no-progress", "-oout"];
+        trial.run(&[&inputs[..], &start, &small, &rest, more].concat())
+    };
+    let output = track(&[]);
+    assert_eq!(output.status.code(), Some(0), "{}", trial.told(&output));
+    let said = |output: &Output| String::from_utf8_lossy(&output.stdout).into_owned();
+    let nothing = "nothing to do: the results in out are complete, of these settings and data\n";
+    let output = track(&["--resume"]);
+    assert_eq!(said(&output), nothing, "{}", trial.told(&output));
+    let changed = |path: &str| {
+        let path = trial.path(path);
+        let bytes = fs::read(&path).unwrap();
+        let is_image = path.extension().is_some_and(|extension| extension == "png");
+        let other = path.with_file_name(if is_image { "C1_0003.png" } else { "C2.0003.json" });
+        fs::write(&path, fs::read(other).unwrap()).unwrap();
+        let output = track(&["--resume"]);
+        fs::write(&path, bytes).unwrap();
+        (said(&output), trial.told(&output))
+    };
+    assert!(changed("rec/masks/C2_0011.png").1.contains("the content of `silhouettes` has changed"));
+    assert!(changed("rec/images/C2_0009.png").1.contains("the content of `images` has changed"));
+    assert!(changed("rec/keypoints/C2_json/C2.0002.json").1.contains("the content of `keypoints` has changed"));
+    // A frame that nobody looked at.
+    assert_eq!(changed("rec/keypoints/C2_json/C2.0010.json").0, nothing);
 }
 
 #[test]

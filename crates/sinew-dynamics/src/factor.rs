@@ -1,4 +1,6 @@
-//! Factors of covariances: Cholesky with a bounded, recorded jitter where a density is wanted, a root of a semi-definite matrix where only draws are.
+//! Factors of covariances: Cholesky with a bounded jitter, and roots of semi-definite matrices.
+//!
+//! A density needs the former, draws alone the latter.
 //!
 //! Rules: a covariance that has no Cholesky factor gets 1e-10 · mean(diagonal) on its diagonal, times 10 up to six tries, the amount recorded; then an error. A semi-definite covariance (P₀ = 0) has a root by its
 //! eigenvalues; an indefinite one is refused, naming the smallest.

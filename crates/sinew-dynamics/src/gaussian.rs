@@ -1,4 +1,6 @@
-//! Gaussian with a dense covariance: the prior between frames as N(m, C + Σ), of all draws instead of the chains' last states.
+//! Gaussian with a dense covariance.
+//!
+//! As a prior between frames it is N(m, C + Σ) of all draws, instead of a mixture over the chains' last states.
 //!
 //! With C = L Lᵀ and W = L⁻¹ (both lower triangular), y = W (s − m): log p(s) = −½ |y|² − Σ log L_ii − d/2 log 2π, gradient −Wᵀ y. A draw is m + L z.
 
@@ -29,7 +31,7 @@ impl Gaussian {
     /// N(`mean`, `covariance`), the latter row after row.
     ///
     /// # Errors
-    /// Those of [`cholesky`].
+    /// As [`cholesky`].
     pub fn new(mean: Vec<f64>, covariance: &[f64]) -> Result<Self, Error> {
         let d = mean.len();
         if d == 0 {

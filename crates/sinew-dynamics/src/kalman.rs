@@ -1,4 +1,6 @@
-//! Kalman filter (Kalman 1960) for s_t = A s_{t−1} + N(0, Q), z_t = C s_t + N(0, R), in two forms; backward pass by [`crate::smoother`].
+//! Kalman filter (Kalman 1960), with covariances whole or as square roots.
+//!
+//! The model is s_t = A s_{t−1} + N(0, Q), z_t = C s_t + N(0, R); the backward pass is [`crate::smoother`].
 //!
 //! With the prediction (m⁻, P⁻), the innovation e = z − C m⁻ and its covariance S = C P⁻ Cᵀ + R:
 //!
@@ -160,10 +162,10 @@ impl Kalman {
             let value = moments.mean[index];
             return Err(Error::OutOfRange { name: "mean", index, value, expected: "must be finite" });
         }
-        let of_start = root("P0", &moments.covariance, d)?;
+        let start_root = root("P0", &moments.covariance, d)?;
         let spread = match self.form {
             Form::Joseph => Spread::Whole(moments.covariance.clone()),
-            Form::SquareRoot => Spread::Root(square(&of_start, d).to_owned()),
+            Form::SquareRoot => Spread::Root(square(&start_root, d).to_owned()),
         };
         Ok(Belief { mean: moments.mean.clone(), spread })
     }
@@ -246,15 +248,15 @@ impl Kalman {
         Ok((Belief { mean: moved(mean, &shift), spread }, log_density(&whitened, lower)))
     }
 
-    fn square_root(&self, mean: &[f64], of_state: &Mat<f64>, seen: &Seen) -> Result<(Belief, f64), Error> {
+    fn square_root(&self, mean: &[f64], state_root: &Mat<f64>, seen: &Seen) -> Result<(Belief, f64), Error> {
         let (d, k) = (self.model.dim, seen.rows.nrows());
         let error = root("R", &seen.error, k)?;
-        let across = &seen.rows * of_state;
+        let across = &seen.rows * state_root;
         let before = Mat::from_fn(k + d, k + d, |i, j| match (i < k, j < k) {
             (true, true) => error[i * k + j],
             (true, false) => across[(i, j - k)],
             (false, true) => 0.0,
-            (false, false) => of_state[(i - k, j - k)],
+            (false, false) => state_root[(i - k, j - k)],
         });
         let after = triangular(&before);
         let lower = after.submatrix(0, 0, k, k);
@@ -271,7 +273,7 @@ impl Kalman {
     /// Filters a series, each frame with all its sensors, `None` where one is missing.
     ///
     /// # Errors
-    /// Those of [`Kalman::start`] and [`Kalman::update`].
+    /// As [`Kalman::start`] and [`Kalman::update`].
     pub fn filter(&self, start: &Moments, observations: &[Vec<Option<f64>>]) -> Result<Vec<Filtered>, Error> {
         let mut belief = self.start(start)?;
         let mut frames = Vec::with_capacity(observations.len());
@@ -290,7 +292,7 @@ impl Kalman {
     /// Smoothed moments of filtered frames (Rauch, Tung & Striebel 1965; see [`Smoother`]).
     ///
     /// # Errors
-    /// Those of [`Smoother::step`].
+    /// As [`Smoother::step`].
     pub fn smooth(&self, frames: &[Filtered]) -> Result<Vec<Moments>, Error> {
         let Model { dim, matrix, noise, .. } = &self.model;
         let smoother = Smoother::new(*dim, matrix.clone(), noise.clone())?;

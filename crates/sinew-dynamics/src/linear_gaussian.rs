@@ -1,4 +1,6 @@
-//! Linear-Gaussian motion s_t = A s_{t−1} + N(0, Q): with a linear observation every filter and smoother has a closed form (Kalman 1960), so this is the model to check trackers on.
+//! Linear-Gaussian motion s_t = A s_{t−1} + N(0, Q), the model to check trackers on.
+//!
+//! With a linear observation every filter and smoother of it has a closed form (Kalman 1960).
 //!
 //! As [`Predict`] it maps the moments of one frame's posterior to N(A m, A C Aᵀ + Q), which is exact here.
 
@@ -28,7 +30,7 @@ impl LinearGaussian {
     /// Validates and factors the matrices. P₀ may be semi-definite, even 0 (a filter with gradients then refuses to start); Q must have a density.
     ///
     /// # Errors
-    /// Those of [`crate::factor`].
+    /// As [`crate::factor`].
     pub fn new(dim: usize, matrix: Vec<f64>, noise: Vec<f64>, initial: Vec<f64>, isa: Isa) -> Result<Self, Error> {
         if matrix.len() != dim * dim {
             return Err(Error::Shape { name: "A", found: matrix.len(), expected: dim * dim });

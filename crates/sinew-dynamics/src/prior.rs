@@ -1,4 +1,6 @@
-//! Priors of one frame as one type, so that the choice between them is a value of the transition and not of the tracker.
+//! Prior of one frame: a mixture or a Gaussian.
+//!
+//! It is one type, so that the choice is a value of the transition and not of the tracker.
 
 use crate::gaussian::Gaussian;
 use crate::mixture::Mixture;

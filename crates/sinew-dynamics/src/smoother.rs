@@ -78,7 +78,7 @@ impl Smoother {
     /// Smoothed moments of a frame from its filtered ones and the smoothed ones of the next frame (the last frame's smoothed moments are its filtered ones).
     ///
     /// # Errors
-    /// [`Error::Shape`] or those of [`cholesky`].
+    /// [`Error::Shape`], or as [`cholesky`].
     pub fn step(&self, filtered: &Moments, next: &Moments) -> Result<Moments, Error> {
         let d = self.dim;
         let Gain { gain, predicted } = self.gain(filtered)?;
@@ -94,7 +94,7 @@ impl Smoother {
     /// Draws a frame's states of trajectories: `next` holds their states at the next frame, blocks of d, and is replaced.
     ///
     /// # Errors
-    /// [`Error::Shape`] or those of [`crate::factor`].
+    /// [`Error::Shape`], or as [`crate::factor`].
     pub fn sample(&self, filtered: &Moments, next: &mut [Block], isa: Isa, rng: &mut BlockRng) -> Result<(), Error> {
         let d = self.dim;
         let Gain { gain, predicted } = self.gain(filtered)?;
@@ -116,7 +116,7 @@ impl Smoother {
     /// Draws the last frame's states, with which [`Smoother::sample`] begins.
     ///
     /// # Errors
-    /// Those of [`root`].
+    /// As [`root`].
     pub fn sample_last(
         &self,
         filtered: &Moments,

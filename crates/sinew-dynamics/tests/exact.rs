@@ -1,4 +1,4 @@
-//! Motion against closed forms: the width of a random walk's steps, and the backward pass against the joint Gaussian of two frames.
+//! Motion against closed forms: steps of a random walk, and the backward pass over two frames.
 
 use sinew_core::density::LogDensity as _;
 use sinew_core::lanes::{Block, Isa, LANES};
@@ -97,8 +97,8 @@ fn the_backward_pass_is_conditioning_of_the_joint_gaussian() {
     let next = Moments { mean: mean.to_vec(), covariance: second.to_vec() };
     let found = smoother.step(&filtered, &next).expect("valid");
 
-    let of_first = product(&product(&transposed(&A), &inverse(&sum(&Q, &inverse(&j), 1.0))), &A);
-    let exact = inverse(&sum(&inverse(&P), &of_first, 1.0));
+    let first_precision = product(&product(&transposed(&A), &inverse(&sum(&Q, &inverse(&j), 1.0))), &A);
+    let exact = inverse(&sum(&inverse(&P), &first_precision, 1.0));
     let seen = applied(&transposed(&A), applied(&inverse(&sum(&Q, &inverse(&j), 1.0)), z));
     let own = applied(&inverse(&P), M);
     let exact_mean = applied(&exact, [own[0] + seen[0], own[1] + seen[1]]);

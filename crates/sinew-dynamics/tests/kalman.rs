@@ -1,4 +1,6 @@
-//! The Kalman filter and smoother against the joint Gaussian of all states and observations, conditioned in one piece: no recursion, no gain.
+//! The Kalman filter and smoother against the joint Gaussian of all states and observations.
+//!
+//! It is conditioned in one piece: no recursion, no gain.
 
 use faer::linalg::solvers::Solve;
 use faer::{Mat, Side};
@@ -61,18 +63,18 @@ fn joint() -> (Mat<f64>, Mat<f64>) {
     }
     let mut seen = Mat::zeros(FRAMES * K, states);
     (0..FRAMES).for_each(|t| seen.submatrix_mut(t * K, t * D, K, D).copy_from(&c));
-    let of_states = covariance.submatrix(0, 0, states, states).to_owned();
-    let cross = &seen * &of_states;
-    let mut of_seen = &cross * seen.transpose();
+    let state_covariance = covariance.submatrix(0, 0, states, states).to_owned();
+    let cross = &seen * &state_covariance;
+    let mut seen_covariance = &cross * seen.transpose();
     for t in 0..FRAMES {
-        let mut block = of_seen.submatrix_mut(t * K, t * K, K, K);
+        let mut block = seen_covariance.submatrix_mut(t * K, t * K, K, K);
         block += &r;
     }
     let expected = &seen * mean.submatrix(0, 0, states, 1);
     mean.submatrix_mut(states, 0, FRAMES * K, 1).copy_from(expected);
     covariance.submatrix_mut(states, 0, FRAMES * K, states).copy_from(&cross);
     covariance.submatrix_mut(0, states, states, FRAMES * K).copy_from(cross.transpose());
-    covariance.submatrix_mut(states, states, FRAMES * K, FRAMES * K).copy_from(&of_seen);
+    covariance.submatrix_mut(states, states, FRAMES * K, FRAMES * K).copy_from(&seen_covariance);
     (mean, covariance)
 }
 
@@ -180,11 +182,11 @@ fn factors_are_triangular_roots() {
     assert_eq!([lower[1], lower[2], lower[5]], [0.0; 3]);
     let square = matrix(&lower, D, D) * matrix(&lower, D, D).transpose();
     let root = factor::root("covariance", &covariance, D).unwrap();
-    let of_root = matrix(&root, D, D) * matrix(&root, D, D).transpose();
+    let root_squared = matrix(&root, D, D) * matrix(&root, D, D).transpose();
     let inverse = matrix(&factor::inverse_lower(&lower, D), D, D) * matrix(&lower, D, D);
     for (i, j) in (0..D).flat_map(|i| (0..D).map(move |j| (i, j))) {
         assert!((square[(i, j)] - covariance[i * D + j]).abs() < 1e-14);
-        assert!((of_root[(i, j)] - covariance[i * D + j]).abs() < 1e-14);
+        assert!((root_squared[(i, j)] - covariance[i * D + j]).abs() < 1e-14);
         assert!((inverse[(i, j)] - f64::from(u8::from(i == j))).abs() < 1e-14);
     }
 }

@@ -33,7 +33,7 @@ use std::collections::BTreeMap;
 pub struct Frame {
     /// Number, counted from 1.
     pub number: u64,
-    /// The root's channels, then those of each bone of the skeleton.
+    /// The root's channels, then each bone's in the skeleton's order.
     pub values: Vec<f64>,
 }
 

@@ -85,7 +85,7 @@ impl Asf {
         INCH_M / self.length_unit
     }
 
-    /// Values per frame: the root's channels, then those of each bone.
+    /// Values per frame: the root's channels, then each bone's.
     #[must_use]
     pub fn channels(&self) -> usize {
         self.root_channels.len() + self.bones.iter().map(|bone| bone.dof.len()).sum::<usize>()

@@ -1,7 +1,7 @@
 //! Keypoint folders matched to calibrated cameras by name, never by order.
 //!
 //! A folder `cam01_json` and a camera `cam_1` are the same camera: the suffix `_json`, punctuation, letter case and
-//! leading zeros do not count. Two names that cannot be told apart then are an error, and so is a folder without a
+//! leading zeros do not count. Two names that cannot be distinguished then are an error, and so is a folder without a
 //! calibration; a calibrated camera without a folder is only reported.
 //!
 //! ```

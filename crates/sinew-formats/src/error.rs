@@ -3,6 +3,8 @@
 //! One variant per violated condition, with the values found. The text of a variant says where, what was found and what
 //! was expected; [`Error::help`] says what to do about it.
 
+mod help;
+
 use crate::Place;
 use crate::nearest::suggestion;
 use crate::numbers::{Bytes, Count, Rough};
@@ -243,7 +245,7 @@ pub enum Error {
         /// Difference of the first and of the last frame numbers (other minus camera).
         ends: (i64, i64),
     },
-    /// Two cameras that cannot be told apart by name.
+    /// Two cameras that cannot be distinguished by name.
     #[error("cameras `{first}` and `{second}` have the same name but for punctuation, case and leading zeros")]
     CameraCollision {
         /// First name.
@@ -335,57 +337,6 @@ fn difference(frames: u64, other_frames: u64, ends: (i64, i64)) -> String {
     match frames.abs_diff(other_frames) {
         0 => format!("0, but the first frames differ by {:+} and the last by {:+}", ends.0, ends.1),
         n => n.to_string(),
-    }
-}
-
-impl Error {
-    /// What the user can do about it.
-    #[must_use]
-    pub fn help(&self) -> Option<String> {
-        let help = match self {
-            Self::NotUtf8 { .. } => "open the file in an editor and save it with the encoding UTF-8".into(),
-            Self::TooLarge { .. } => "is this the right file? split the recording if it is".into(),
-            Self::Truncated { .. } => "the program that wrote the file was probably stopped; write or copy it again".into(),
-            Self::TooDeep { .. } | Self::ImpossibleCount { .. } => "the file is damaged or of another kind; write or copy it again".into(),
-            Self::OutOfRange { place, .. } => {
-                let is_json = place.file.to_lowercase().ends_with(".json");
-                let missing = if is_json { "; write null for a missing value" } else { "" };
-                format!("every number must be finite{missing}")
-            }
-            Self::DecimalComma { .. } => "export with an English locale, so that numbers read 0.5 and not 0,5".into(),
-            Self::KeypointCount { found, layout, .. } => {
-                let fitting = crate::layout::with_numbers(*found);
-                if fitting.is_empty() {
-                    format!("no known layout has {found} numbers; is the detector's model really `{layout}`?")
-                } else {
-                    let names: Vec<&str> = fitting.iter().map(|layout| layout.name.as_str()).collect();
-                    format!("these keypoints may be {}; set `--layout`", names.join(" or "))
-                }
-            }
-            Self::UnknownLayout { .. } => "a mapping file is TOML with `points = [\"Nose\", \"LEye\", …]`, one name per keypoint, \"\" for none".into(),
-            Self::DuplicateFrame { .. } => "keep one of the two; frames are numbered by the last number in the file name".into(),
-            Self::FrameRanges { .. } => "pass `--trim` to use only the frames that all cameras have".into(),
-            Self::CameraCollision { .. } => "rename one of them".into(),
-            Self::NoCalibration { .. } => "folders and calibration are matched by name; rename the folder or leave the camera out with `--cameras`".into(),
-            Self::NotOrthonormal { .. } => "calibrate again or export the rotation with more digits".into(),
-            Self::MirrorRotation { .. } => "export the calibration with right-handed axes (x right, y down, z forward)".into(),
-            Self::TimeBackwards { .. } => "sort the rows by time".into(),
-            Self::Syntax { .. } => "correct the place, or write the file again with the program that made it".into(),
-            Self::BadValue { field, .. } => format!("correct `{field}`, or export the file again"),
-            Self::MissingField { field, .. } => format!("add `{field}`, or export the file with a program that writes it"),
-            Self::UnknownKey { .. } | Self::UnknownName { .. } => "correct the spelling, or take it out".into(),
-            Self::DuplicateName { .. } => "rename or remove one of them".into(),
-            Self::Unsupported { .. } => "write the file in a form that is read; the documentation of its format lists them".into(),
-            Self::RowLength { .. } => "the row or the header is damaged; write the file again".into(),
-            Self::NotTriples { .. } => "give each keypoint as x, y and confidence".into(),
-            Self::Confidence { .. } => "`confidence_scale` is the confidence that means certainty: 100 for percent".into(),
-            Self::NoFrameNumber { .. } => "rename the file, or take it out of the folder".into(),
-            Self::TooManyPixels { .. } => "is this the right file? make the images smaller if it is, and declare their scale".into(),
-            Self::MaskChannels { .. } => "write masks as PNG with one channel: 0 for the background, 255 for the person".into(),
-            Self::MaskLevels { .. } => "choose the label of the person and write it as 255, all else as 0".into(),
-            Self::Body { .. } => "`sinew body h32` shows a body that is valid".into(),
-        };
-        Some(help)
     }
 }
 

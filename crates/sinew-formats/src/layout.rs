@@ -1,7 +1,7 @@
 //! Keypoint layouts: which point of the body each index of a detector's list means.
 //!
 //! Points have the names of the marker files that movement science programs exchange: `Nose`, `LShoulder`, `RBigToe`, …
-//! A point that has no counterpart among them (faces, fingers) has no name. Two necks are told apart: `Neck` is the
+//! A point that has no counterpart among them (faces, fingers) has no name. Two necks are distinguished: `Neck` is the
 //! upper neck (BODY_25B, HALPE_26), `MidShoulder` the middle of the shoulders (BODY_25).
 //!
 //! Sources: OpenPose (BODY_25, BODY_25B), AlphaPose (HALPE_26), COCO (COCO_17) and COCO-WholeBody (COCO_133: body, feet,

@@ -168,7 +168,7 @@ fn cells(line: &str) -> Vec<&str> {
 /// write it with 0 first, and again at the start of the file once the number is known.
 ///
 /// # Errors
-/// Those of the stream; `InvalidInput` for a name that is empty or holds a blank.
+/// What the stream reports; `InvalidInput` for a name that is empty or holds a blank.
 pub fn write_header(out: &mut impl Write, title: &str, columns: &[String], rows: u32) -> io::Result<()> {
     let odd_title = title.trim() != title || title.is_empty() || title.contains(['=', '\n', '\r']);
     let odd = columns.iter().find(|name| name.is_empty() || name.contains(char::is_whitespace));
@@ -185,7 +185,7 @@ pub fn write_header(out: &mut impl Write, title: &str, columns: &[String], rows:
 /// Writes a row.
 ///
 /// # Errors
-/// Those of the stream; `InvalidInput` for an infinite number.
+/// What the stream reports; `InvalidInput` for an infinite number.
 pub fn write_row(out: &mut impl Write, time_s: f64, values: &[f64]) -> io::Result<()> {
     write_number(out, time_s)?;
     for &value in values {

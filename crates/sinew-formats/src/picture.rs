@@ -1,4 +1,4 @@
-//! Pictures of a camera: PNG or JPEG, told apart by their first bytes.
+//! Pictures of a camera: PNG or JPEG, distinguished by their first bytes.
 //!
 //! Grey pictures become colour ones of equal channels, palettes are looked up, an alpha channel is left out, and of 16 bits a sample the upper eight are taken.
 //! A JPEG that is cut or damaged is refused, although parts of it could be shown.

@@ -81,7 +81,7 @@ pub(crate) fn read(name: &str, bytes: &[u8]) -> Result<Samples, Error> {
     Ok(Samples { width, height, channels: color.samples(), bits, values, palette })
 }
 
-/// Walks the chunks, so that a file that was cut is told with the place where it ends.
+/// Walks the chunks, so that a truncated file is reported with the place where it ends.
 fn check_chunks(name: &str, bytes: &[u8]) -> Result<(), Error> {
     let cut = |inside| Error::Truncated { place: Place::file(name), inside, offset: bytes.len(), line: None };
     if !bytes.starts_with(SIGNATURE) {

@@ -30,15 +30,15 @@ pub struct PointTable {
 /// Column names for these points.
 #[must_use]
 pub fn columns(names: &[impl AsRef<str>]) -> Vec<String> {
-    let of_point = |name: &str| ["x", "y", "z"].map(|axis| format!("{name}_{axis}_m"));
-    let points = names.iter().flat_map(|name| of_point(name.as_ref()));
+    let columns_of = |name: &str| ["x", "y", "z"].map(|axis| format!("{name}_{axis}_m"));
+    let points = names.iter().flat_map(|name| columns_of(name.as_ref()));
     std::iter::once("time_s".to_owned()).chain(points).collect()
 }
 
 /// Writes a row; a missing point becomes three times `NaN`.
 ///
 /// # Errors
-/// Those of the stream; `InvalidInput` for an infinite number.
+/// What the stream reports; `InvalidInput` for an infinite number.
 pub fn write_frame(out: &mut impl Write, time_s: f64, points: &[Option<[f64; 3]>]) -> io::Result<()> {
     let values = points.iter().flat_map(|point| point.unwrap_or([f64::NAN; 3]));
     let cells: Vec<Cell<'_>> = std::iter::once(time_s).chain(values).map(Cell::Number).collect();

@@ -130,8 +130,7 @@ pub fn nearest_rotation(m: &Matrix) -> Matrix {
     r
 }
 
-/// Angles `[z, y, x]` in radians with `R = R_z R_y R_x`; y lies in \[−π/2, π/2\], and x is 0 where z and x cannot be told
-/// apart.
+/// Angles `[z, y, x]` in radians with `R = R_z R_y R_x`; y lies in \[−π/2, π/2\], and x is 0 where z and x cannot be distinguished.
 #[must_use]
 pub fn to_zyx(&[[a, b, _], [d, e, _], [g, h, i]]: &Matrix) -> [f64; 3] {
     let cos_y = h.hypot(i);
@@ -142,7 +141,7 @@ pub fn to_zyx(&[[a, b, _], [d, e, _], [g, h, i]]: &Matrix) -> [f64; 3] {
 }
 
 /// Angles `[x, y, z]` in radians with `R = R_x R_y R_z`, the order of OpenSim's pelvis, hips and shoulders (flexion,
-/// adduction, rotation) in our axes; y lies in \[−π/2, π/2\], and x is 0 where x and z cannot be told apart.
+/// adduction, rotation) in our axes; y lies in \[−π/2, π/2\], and x is 0 where x and z cannot be distinguished.
 #[must_use]
 pub fn to_xyz(m: &Matrix) -> [f64; 3] {
     // The transpose is R_z(−z) R_y(−y) R_x(−x).

@@ -75,7 +75,7 @@ pub fn unit(column: &str) -> Option<&str> {
 /// Writes the header.
 ///
 /// # Errors
-/// Those of the stream.
+/// What the stream reports.
 pub fn write_header(out: &mut impl Write, columns: &[impl AsRef<str>]) -> io::Result<()> {
     let cells: Vec<Cell<'_>> = columns.iter().map(|column| Cell::Text(column.as_ref())).collect();
     write_row(out, &cells)
@@ -84,7 +84,7 @@ pub fn write_header(out: &mut impl Write, columns: &[impl AsRef<str>]) -> io::Re
 /// Writes a row.
 ///
 /// # Errors
-/// Those of the stream; `InvalidInput` for an infinite number.
+/// What the stream reports; `InvalidInput` for an infinite number.
 pub fn write_row(out: &mut impl Write, cells: &[Cell<'_>]) -> io::Result<()> {
     for (i, cell) in cells.iter().enumerate() {
         if i > 0 {

@@ -1,4 +1,4 @@
-//! TOML with line numbers: a thin view on a parsed document in which every failed request names file, line and table.
+//! TOML with line numbers: a view on a parsed document whose failed requests name file, line and table.
 //!
 //! Our own files name the keys they allow and get the nearest one suggested for any other; files of other programs are
 //! read leniently.

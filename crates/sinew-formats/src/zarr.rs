@@ -53,7 +53,7 @@ pub trait Store {
     /// Writes a whole value, replacing what was there.
     ///
     /// # Errors
-    /// Those of the medium.
+    /// What the medium reports.
     fn put(&mut self, key: &str, bytes: &[u8]) -> io::Result<()>;
 }
 

@@ -1,6 +1,6 @@
 //! Every writer against a file in `tests/golden/`, and those files in the programs they are made for.
 //!
-//! `SINEW_WRITE_GOLDEN=1` writes the files anew; look at the difference before you keep it. The programs are those of
+//! `SINEW_WRITE_GOLDEN=1` writes the files again; look at the difference before you keep it. The programs are those of
 //! the Python named by `SINEW_PYTHON`, or `python3`.
 
 use sinew_body::flesh::{DOWNWARDS, Flesh, Solid};

@@ -1,7 +1,7 @@
 //! The Zarr store: its own metadata against its chunks, and the same store opened by Python where that is installed.
 
 use serde_json::Value;
-use sinew_formats::zarr::inference_data::{Kind, Run, group, posterior, schema};
+use sinew_formats::zarr::inference_data::{Kind, Run, group, posterior, root, schema};
 use sinew_formats::zarr::{Constant, DataType, Labels, MemoryStore, Schema, Store, Values, Variable, Writer};
 use std::io;
 use std::process::Command;
@@ -33,6 +33,7 @@ fn example_schema() -> Schema {
     let variable = Variable::new("camera_centre", &["camera", "axis"], DataType::Float64).with_attribute("units", "m");
     constants.constants.push(Constant { variable, values: vec![1.0, 2.0, 3.0] });
     schema.groups.push(constants);
+    schema.attributes = root(&RUN, &schema.groups);
     schema
 }
 

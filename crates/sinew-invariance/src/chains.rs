@@ -1,10 +1,10 @@
-//! Long runs: does a kernel reach its target, and how much are its draws worth?
+//! Long runs: does a kernel reach its target, and how much are its draws worth.
 //!
 //! Invariance alone is cheap: the kernel that never moves has it. [`long_run`] starts anywhere, leaves out a burn-in and compares means of test functions with their exact values, with errors from the effective number
 //! of draws. [`mixing`] reports autocorrelation times and R̂ of the same runs, for targets without exact values.
 
 use crate::TestFunctions;
-use crate::p_values::{of_share, of_z};
+use crate::p_values::{normal_p, share_p};
 use crate::report::{Bound, Report, Statistic};
 use crate::sequential::{About, Control, Measured, run};
 use sinew_core::convergence::rank_r_hat;
@@ -97,7 +97,7 @@ pub fn long_run(
             // Chains that never move have no error; the number of effective draws fails then.
             let z = if variance > 0.0 { (mean - expected) / (variance / effective.max(1.0)).sqrt() } else { 0.0 };
             let indicator = variance > 0.0 && chains.iter().flatten().all(|&x| x == 0.0 || x == 1.0);
-            let p = if indicator { of_share(mean, effective, expected) } else { of_z(z) };
+            let p = if indicator { share_p(mean, effective, expected) } else { normal_p(z) };
             Measured { name: format!("mean of {name}"), value: z, p }
         });
         found.collect()

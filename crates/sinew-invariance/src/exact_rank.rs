@@ -1,4 +1,4 @@
-//! Exact ranks: where a draw from the target stands within the path that passes through it (Gandy & Scott 2020, algorithm 2).
+//! Exact ranks of a draw within the path that passes through it (Gandy & Scott 2020, algorithm 2).
 //!
 //! A path of L + 1 states is begun at a place M that is uniform on 0 … L, with a draw x_M ~ π; the kernel runs it forward to L, the reversed kernel backward to 0. If the kernel keeps π, the rank of h(x_M) among the
 //! h of the path is uniform on 0 … L, whatever h is and however the path is correlated. Counts of ranks are compared with that by χ². Ties, which rejections make, are broken at random.
@@ -92,7 +92,7 @@ pub fn exact_rank(
     report
 }
 
-/// How many values lie below, and how many at, the one whose rank is asked for.
+/// How many values lie below, and how many at, the one to be ranked.
 #[derive(Clone, Copy, Default)]
 pub(crate) struct Tally {
     below: usize,

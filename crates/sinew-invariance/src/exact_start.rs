@@ -1,4 +1,4 @@
-//! Exact starts: a state drawn from the target and moved by the kernel is again a draw from the target.
+//! Exact starts: a draw from the target that the kernel moves is again one.
 //!
 //! For each start x ~ π and its image x′ after k steps, the test compares h(x′) with h(x) pair by pair, which cancels most of the noise:
 //!
@@ -8,7 +8,7 @@
 //! No burn-in, no autocorrelation, no tuning of the comparison. A kernel that does not move keeps any target; one that moves fewer starts than `least_moved`, by default one in a hundred, fails
 //! here, since next to nothing was tested. What this test cannot see: a kernel that moves within a part of the state only. [`crate::long_run`] sees that.
 
-use crate::p_values::{mean_is_zero, of_signs};
+use crate::p_values::{mean_is_zero, signs_p};
 use crate::report::{Bound, Statistic};
 use crate::sequential::{About, Control, Measured, run};
 use crate::{Report, TestFunctions};
@@ -83,7 +83,7 @@ pub fn exact_start(
                 Measured {
                     name: format!("crossings of the median of {name}"),
                     value: balance,
-                    p: of_signs(sums.up, sums.down),
+                    p: signs_p(sums.up, sums.down),
                 },
             ]
         });

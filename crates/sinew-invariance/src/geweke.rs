@@ -8,7 +8,7 @@
 //! Means of test functions of (θ, y) must agree. Here each successive chain starts from a draw of its own from the prior, so that it has the joint law from its first state on, and there are many of them: their means are
 //! independent, and no autocorrelation has to be estimated. A small error of the kernel is carried from cycle to cycle and adds up along a chain, which gives the test its power.
 
-use crate::p_values::of_z;
+use crate::p_values::normal_p;
 use crate::sequential::{About, Control, Measured, run};
 use crate::{Report, TestFunctions};
 use sinew_core::random::{BlockRng, Stage};
@@ -82,7 +82,7 @@ pub fn geweke(
             // Constants may differ by rounding.
             let is_rounding = difference.abs() <= 1e-12 * a.mean.abs().max(b.mean.abs());
             let z = if is_rounding { 0.0 } else { difference / (a.squared_error() + b.squared_error()).sqrt() };
-            Measured { name: format!("mean of {name}"), value: z, p: of_z(z) }
+            Measured { name: format!("mean of {name}"), value: z, p: normal_p(z) }
         });
         found.collect()
     })

@@ -1,4 +1,6 @@
-//! What a Hamiltonian integrator must be so that an accept step of its energy error is right: reversible, volume-preserving, of the order that it claims.
+//! Tests of Hamiltonian integrators: reversible, volume-preserving, of the order that they claim.
+//!
+//! Only then is an accept step by the energy error right.
 //!
 //! A map (q, p) ↦ (q′, p′) of n steps of size h is
 //!

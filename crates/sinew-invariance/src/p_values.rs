@@ -3,23 +3,23 @@
 use statrs::distribution::{Binomial, ChiSquared, ContinuousCDF, DiscreteCDF, Normal};
 
 /// Of a standard normal z-score.
-pub(crate) fn of_z(z: f64) -> f64 {
+pub(crate) fn normal_p(z: f64) -> f64 {
     Normal::standard().sf(z.abs()) * 2.0
 }
 
 /// Of a χ² with that many degrees of freedom, to the right.
-pub(crate) fn of_chi_square(value: f64, freedom: usize) -> f64 {
+pub(crate) fn chi_square_p(value: f64, freedom: usize) -> f64 {
     ChiSquared::new(freedom as f64).map_or(f64::NAN, |law| law.sf(value))
 }
 
 /// Of `up` rises among `up + down` changes that go either way with equal probability, exactly; 1 where nothing changed.
-pub(crate) fn of_signs(up: u64, down: u64) -> f64 {
+pub(crate) fn signs_p(up: u64, down: u64) -> f64 {
     let changes = up + down;
     Binomial::new(0.5, changes).map_or(f64::NAN, |law| (2.0 * law.cdf(up.min(down))).min(1.0))
 }
 
 /// Of a share among `draws` independent events of this probability, by the binomial law of their rounded count.
-pub(crate) fn of_share(share: f64, draws: f64, probability: f64) -> f64 {
+pub(crate) fn share_p(share: f64, draws: f64, probability: f64) -> f64 {
     let (draws, count) = (draws.round().max(1.0), (share * draws).round());
     Binomial::new(probability, draws as u64).map_or(f64::NAN, |law| {
         let below = law.cdf(count as u64);
@@ -39,7 +39,7 @@ pub(crate) fn against_expected(counts: &[u64], proportions: &[u64]) -> (f64, f64
     let scale = sum(counts) / sum(proportions);
     let one = |(&c, &p): (&u64, &u64)| (c as f64 - scale * p as f64).powi(2) / (scale * p as f64);
     let value = counts.iter().zip(proportions).map(one).sum();
-    (value, of_chi_square(value, counts.len() - 1))
+    (value, chi_square_p(value, counts.len() - 1))
 }
 
 /// Largest distance D between two empirical distribution functions, with the p-value of Kolmogorov's limit law at (√n + 0.12 + 0.11 / √n) D (Stephens 1970), n = ab / (a + b).
@@ -58,11 +58,11 @@ pub(crate) fn two_samples(a: &mut [f64], b: &mut [f64]) -> (f64, f64) {
         distance = distance.max((i as f64 / a.len() as f64 - j as f64 / b.len() as f64).abs());
     }
     let root = ((a.len() * b.len()) as f64 / (a.len() + b.len()) as f64).sqrt();
-    (distance, of_kolmogorov((root + 0.12 + 0.11 / root) * distance))
+    (distance, kolmogorov_p((root + 0.12 + 0.11 / root) * distance))
 }
 
 /// P(K > x) of Kolmogorov's distribution: 2 Σ (−1)^(k−1) exp(−2 k² x²).
-fn of_kolmogorov(x: f64) -> f64 {
+fn kolmogorov_p(x: f64) -> f64 {
     if x < 0.2 {
         return 1.0;
     }
@@ -78,7 +78,7 @@ pub(crate) fn mean_is_zero(sum: f64, square: f64, count: usize) -> (f64, f64) {
     let n = count as f64;
     let mean = sum / n;
     let z = mean / ((square / n - mean * mean).max(0.0) / (n - 1.0)).sqrt();
-    (z, of_z(z))
+    (z, normal_p(z))
 }
 
 #[cfg(test)]
@@ -87,19 +87,19 @@ mod tests {
 
     #[test]
     fn values_are_those_of_tables() {
-        assert!((of_z(1.959_964) - 0.05).abs() < 1e-6);
-        assert!((of_z(-5.326_724) / 1e-7 - 1.0).abs() < 1e-4);
-        assert!((of_chi_square(30.143_527, 19) - 0.05).abs() < 1e-6);
-        assert!((of_kolmogorov(1.358_099) - 0.05).abs() < 1e-5);
-        assert!((of_kolmogorov(0.571_173) - 0.9).abs() < 1e-4);
-        assert!((of_signs(0, 5) - 0.0625).abs() < 1e-12);
-        assert_eq!(of_signs(0, 0), 1.0);
-        assert_eq!(of_signs(4, 4), 1.0);
+        assert!((normal_p(1.959_964) - 0.05).abs() < 1e-6);
+        assert!((normal_p(-5.326_724) / 1e-7 - 1.0).abs() < 1e-4);
+        assert!((chi_square_p(30.143_527, 19) - 0.05).abs() < 1e-6);
+        assert!((kolmogorov_p(1.358_099) - 0.05).abs() < 1e-5);
+        assert!((kolmogorov_p(0.571_173) - 0.9).abs() < 1e-4);
+        assert!((signs_p(0, 5) - 0.0625).abs() < 1e-12);
+        assert_eq!(signs_p(0, 0), 1.0);
+        assert_eq!(signs_p(4, 4), 1.0);
         // P(X ≥ 3) and P(X = 0) of ten throws at 0.1, twice; a share that no probability explains.
-        assert!((of_share(0.3, 10.0, 0.1) - 2.0 * 0.070_190_826_4).abs() < 1e-9);
-        assert!((of_share(0.0, 10.0, 0.1) - 2.0 * 0.348_678_440_1).abs() < 1e-9);
-        assert_eq!(of_share(0.1, 10.0, 0.1), 1.0);
-        assert!(of_share(0.1, 10.0, 0.0) < 1e-300 && of_share(0.1, 10.0, 1.1).is_nan());
+        assert!((share_p(0.3, 10.0, 0.1) - 2.0 * 0.070_190_826_4).abs() < 1e-9);
+        assert!((share_p(0.0, 10.0, 0.1) - 2.0 * 0.348_678_440_1).abs() < 1e-9);
+        assert_eq!(share_p(0.1, 10.0, 0.1), 1.0);
+        assert!(share_p(0.1, 10.0, 0.0) < 1e-300 && share_p(0.1, 10.0, 1.1).is_nan());
     }
 
     #[test]

@@ -1,4 +1,6 @@
-//! Resampling: every index is taken N W_i times on average, never when its weight is zero, and as often as its scheme allows.
+//! Tests of resampling schemes.
+//!
+//! Every index is taken N W_i times on average, never when its weight is zero, and as often as its scheme allows.
 //!
 //! For given weights and a number N of offspring, over many replicates:
 //!

@@ -1,6 +1,8 @@
-//! Sequential tests with a stated rate of false alarms (Gandy & Scott 2020, "Unit testing for MCMC and other Monte Carlo methods", algorithm 3).
+//! Sequential tests with a stated rate of false alarms.
 //!
-//! One stage with threshold 10⁻⁶ has little power, one with threshold 10⁻² cries wolf. So a test that is neither clearly passed nor clearly failed goes on with more draws. With α the rate of false alarms of the
+//! Gandy & Scott 2020, "Unit testing for MCMC and other Monte Carlo methods", algorithm 3.
+//!
+//! One stage with threshold 10⁻⁶ has little power, one with threshold 10⁻² cries wolf. So a test that is neither clearly passed nor clearly failed continues with more draws. With α the rate of false alarms of the
 //! whole, K stages, β = α / K and γ = β^(1/K), in each stage:
 //!
 //! 1. q = d · min p over the d statistics (Bonferroni);

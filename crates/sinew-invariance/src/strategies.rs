@@ -2,13 +2,13 @@
 //!
 //! What is random here is the problem, not the sampler's draws: pass a seed from the strategy, or a fixed one, to the test that you call. With many cases the rates of false alarms add up: 256 cases at 10⁻⁶ are 3 · 10⁻⁴.
 
-use crate::targets::{Banana, Gaussian, GaussianMixture, HalfLine, Truncated};
+use crate::targets::{Banana, GaussianTarget, HalfLine, MixtureTarget, Truncated};
 use proptest::collection::vec;
 use proptest::prelude::*;
 use std::ops::RangeInclusive;
 
 /// Gaussians with any mean in ±3, standard deviations from about 0.1 to 10, and correlations up to strong.
-pub fn gaussians(dim: RangeInclusive<usize>) -> impl Strategy<Value = Gaussian> {
+pub fn gaussians(dim: RangeInclusive<usize>) -> impl Strategy<Value = GaussianTarget> {
     dim.prop_flat_map(|d| (vec(-3.0..3.0, d), vec(-2.0..2.0_f64, d), vec(-1.0..1.0_f64, d * d))).prop_map(
         |(mean, log_scale, entries)| {
             let d = mean.len();
@@ -16,16 +16,16 @@ pub fn gaussians(dim: RangeInclusive<usize>) -> impl Strategy<Value = Gaussian> 
                 let scale = log_scale[i].exp();
                 (0..=i).map(|j| if i == j { scale } else { scale * entries[i * d + j] }).collect()
             };
-            Gaussian::new(mean, (0..d).map(row).collect())
+            GaussianTarget::new(mean, (0..d).map(row).collect())
         },
     )
 }
 
 /// Mixtures of two or three Gaussians whose modes may be far apart or on top of each other.
-pub fn mixtures(dim: RangeInclusive<usize>) -> impl Strategy<Value = GaussianMixture> {
+pub fn mixtures(dim: RangeInclusive<usize>) -> impl Strategy<Value = MixtureTarget> {
     (dim, 2..=3_usize)
         .prop_flat_map(|(d, k)| (vec(0.1..1.0, k), vec(gaussians(d..=d), k)))
-        .prop_map(|(weights, components)| GaussianMixture::new(weights, components))
+        .prop_map(|(weights, components)| MixtureTarget::new(weights, components))
 }
 
 /// Bananas from nearly straight to strongly bent.
@@ -109,7 +109,7 @@ pub fn trees(links: RangeInclusive<usize>) -> impl Strategy<Value = Tree> {
     })
 }
 
-/// Directions, those of the coordinate axes among them.
+/// Directions, the coordinate axes among them.
 pub fn unit_vectors() -> impl Strategy<Value = [f64; 3]> {
     let any_way = (-1.0..1.0_f64, 0.0..std::f64::consts::TAU).prop_map(|(z, turn): (f64, f64)| {
         let r = (1.0 - z * z).sqrt();

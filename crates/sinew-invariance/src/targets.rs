@@ -2,8 +2,8 @@
 //!
 //! | target | what it tries |
 //! |---|---|
-//! | [`Gaussian`] | correlation and scale in any dimension |
-//! | [`GaussianMixture`] | several modes; with equal means, heavy tails |
+//! | [`GaussianTarget`] | correlation and scale in any dimension |
+//! | [`MixtureTarget`] | several modes; with equal means, heavy tails |
 //! | [`Banana`] | curvature that changes along the way |
 //! | [`HalfLine`] | a hard edge at which the density is largest |
 //! | [`Truncated`] | a cliff to −∞, or a region where the density is NaN |
@@ -21,13 +21,13 @@ pub trait ExactTarget: GradLogDensity {
 
 /// N(m, L Lᵀ) in any dimension, with its normalising constant.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Gaussian {
+pub struct GaussianTarget {
     mean: Vec<f64>,
     factor: Vec<Vec<f64>>,
     constant: f64,
 }
 
-impl Gaussian {
+impl GaussianTarget {
     /// From its mean and the rows of the lower triangle L, row i with i + 1 entries and a positive last one.
     ///
     /// # Panics
@@ -92,7 +92,7 @@ impl Gaussian {
     }
 }
 
-impl LogDensity for Gaussian {
+impl LogDensity for GaussianTarget {
     fn dim(&self) -> usize {
         self.mean.len()
     }
@@ -101,7 +101,7 @@ impl LogDensity for Gaussian {
     }
 }
 
-impl GradLogDensity for Gaussian {
+impl GradLogDensity for GaussianTarget {
     fn log_density_grad(&self, x: &[f64], grad: &mut [f64]) -> f64 {
         let d = x.len();
         let mut z = vec![0.0; d];
@@ -117,7 +117,7 @@ impl GradLogDensity for Gaussian {
     }
 }
 
-impl ExactTarget for Gaussian {
+impl ExactTarget for GaussianTarget {
     fn draw(&self, rng: &mut BlockRng) -> Vec<f64> {
         let z = normals(self.mean.len(), rng);
         let image = |row: &Vec<f64>| row.iter().zip(&z).map(|(l, z)| l * z).sum::<f64>();
@@ -127,18 +127,18 @@ impl ExactTarget for Gaussian {
 
 /// A mixture of Gaussians.
 #[derive(Clone, Debug, PartialEq)]
-pub struct GaussianMixture {
+pub struct MixtureTarget {
     weights: Vec<f64>,
-    components: Vec<Gaussian>,
+    components: Vec<GaussianTarget>,
 }
 
-impl GaussianMixture {
+impl MixtureTarget {
     /// From weights, scaled to sum to 1, and components of one dimension.
     ///
     /// # Panics
     /// When there is no component, the numbers or dimensions differ, or a weight is not positive.
     #[must_use]
-    pub fn new(weights: Vec<f64>, components: Vec<Gaussian>) -> Self {
+    pub fn new(weights: Vec<f64>, components: Vec<GaussianTarget>) -> Self {
         assert!(!components.is_empty() && weights.len() == components.len(), "a weight for each component");
         assert!(weights.iter().all(|&w| w > 0.0 && w.is_finite()), "positive weights");
         assert!(components.iter().all(|c| c.dim() == components[0].dim()), "one dimension");
@@ -147,7 +147,7 @@ impl GaussianMixture {
     }
 }
 
-impl LogDensity for GaussianMixture {
+impl LogDensity for MixtureTarget {
     fn dim(&self) -> usize {
         self.components[0].dim()
     }
@@ -156,7 +156,7 @@ impl LogDensity for GaussianMixture {
     }
 }
 
-impl GradLogDensity for GaussianMixture {
+impl GradLogDensity for MixtureTarget {
     fn log_density_grad(&self, x: &[f64], grad: &mut [f64]) -> f64 {
         let parts: Vec<(f64, Vec<f64>)> = self
             .weights
@@ -178,7 +178,7 @@ impl GradLogDensity for GaussianMixture {
     }
 }
 
-impl ExactTarget for GaussianMixture {
+impl ExactTarget for MixtureTarget {
     fn draw(&self, rng: &mut BlockRng) -> Vec<f64> {
         let mut left = uniform(rng);
         let chosen = self.weights.iter().position(|w| {
@@ -259,7 +259,7 @@ impl ExactTarget for HalfLine {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Truncated {
     /// The Gaussian.
-    pub whole: Gaussian,
+    pub whole: GaussianTarget,
     /// Where it ends. Draws are by rejection: leave a good part of the whole.
     pub edge: f64,
     /// −∞ for a cliff; NaN for a region where a density breaks down, which a sampler must treat as −∞.

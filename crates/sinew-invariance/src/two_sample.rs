@@ -1,4 +1,4 @@
-//! Two samples: fresh draws from the target against draws that the kernel has moved (Gandy & Scott 2020, algorithm 1).
+//! Two samples: fresh draws against draws that the kernel has moved (Gandy & Scott 2020, algorithm 1).
 //!
 //! For every test function h the distribution functions of h(x), x ~ π, and of h(x′), x′ = k steps from another draw, are compared by Kolmogorov and Smirnov's distance. It sees changes of shape that leave means and
 //! medians alone; where those change, [`crate::exact_start`] needs fewer draws, since its pairs cancel noise.

@@ -1,9 +1,11 @@
-//! Every test of the kit on kernels that are right, which must pass, and on kernels with a known bug, which must be caught. Seeds are fixed; false alarms 1e-6 each.
+//! Every test of the kit on kernels that are right and on kernels with a known bug.
+//!
+//! The former must pass, the latter must be caught. Seeds are fixed; false alarms 1e-6 each.
 
 use sinew_core::density::{GradLogDensity, LogDensity};
 use sinew_core::random::BlockRng;
 use sinew_invariance::draws::{normals, uniform};
-use sinew_invariance::targets::{Banana, ExactTarget, Gaussian, GaussianMixture, HalfLine, Truncated};
+use sinew_invariance::targets::{Banana, ExactTarget, GaussianTarget, HalfLine, MixtureTarget, Truncated};
 use sinew_invariance::{
     Bound, Calibration, Control, CountLaw, Differences, ExactRank, ExactStart, Geweke, Integrator, LongRun, Report,
     Resampling, TestFunctions, calibration, energy_order, exact_rank, exact_start, geweke, gradient, long_run, mixing,
@@ -50,29 +52,29 @@ fn start_of(target: &impl ExactTarget, steps: usize, kernel: impl Fn(&[f64], &mu
 
 #[test]
 fn right_kernels_pass_exact_starts_on_every_target() {
-    let gaussian = Gaussian::equicorrelated(3, 0.6);
+    let gaussian = GaussianTarget::equicorrelated(3, 0.6);
     start_of(&gaussian, 5, walk(&gaussian, 0.8, metropolis)).assert_holds();
-    let modes = vec![Gaussian::scaled(&[1.0]), Gaussian::new(vec![4.0], vec![vec![0.5]])];
-    let mixture = GaussianMixture::new(vec![0.3, 0.7], modes);
+    let modes = vec![GaussianTarget::scaled(&[1.0]), GaussianTarget::new(vec![4.0], vec![vec![0.5]])];
+    let mixture = MixtureTarget::new(vec![0.3, 0.7], modes);
     start_of(&mixture, 5, walk(&mixture, 2.0, metropolis)).assert_holds();
     let banana = Banana { sd: 1.5, bend: 0.6 };
     start_of(&banana, 5, walk(&banana, 1.0, metropolis)).assert_holds();
     let half = HalfLine { rate: vec![1.0, 5.0] };
     start_of(&half, 5, walk(&half, 0.5, metropolis)).assert_holds();
     for beyond in [f64::NEG_INFINITY, f64::NAN] {
-        let cliff = Truncated { whole: Gaussian::standard(2), edge: 0.3, beyond };
+        let cliff = Truncated { whole: GaussianTarget::standard(2), edge: 0.3, beyond };
         start_of(&cliff, 5, walk(&cliff, 0.8, metropolis)).assert_holds();
     }
 }
 
 #[test]
 fn exact_starts_catch_wrong_acceptance() {
-    let target = Gaussian::standard(2);
+    let target = GaussianTarget::standard(2);
     start_of(&target, 1, walk(&target, 0.8, |_, _, _| true)).assert_fails();
     start_of(&target, 1, walk(&target, 0.8, |before, after, u| u.ln() < before - after)).assert_fails();
     start_of(&target, 1, walk(&target, 0.8, |before, after, u| u.ln() < 0.5 * (after - before))).assert_fails();
     // NaN that is accepted: `!(u >= ratio)` where `u < ratio` was meant.
-    let region = Truncated { whole: Gaussian::standard(2), edge: 0.3, beyond: f64::NAN };
+    let region = Truncated { whole: GaussianTarget::standard(2), edge: 0.3, beyond: f64::NAN };
     #[allow(clippy::neg_cmp_op_on_partial_ord)]
     start_of(&region, 1, walk(&region, 0.8, |before, after, u| !(u.ln() >= after - before))).assert_fails();
 }
@@ -81,7 +83,7 @@ fn exact_starts_catch_wrong_acceptance() {
 fn exact_starts_see_noise_that_is_two_per_cent_too_small() {
     let autoregressive =
         |factor: f64| move |x: &[f64], rng: &mut BlockRng| vec![0.6 * x[0] + factor * 0.8 * normals(1, rng)[0]];
-    let target = Gaussian::standard(1);
+    let target = GaussianTarget::standard(1);
     let config = ExactStart { starts: 100_000, steps: 5, ..ExactStart::default() };
     let functions = TestFunctions::moments(1);
     exact_start(&config, |rng| target.draw(rng), autoregressive(1.0), &functions).assert_holds();
@@ -90,7 +92,7 @@ fn exact_starts_see_noise_that_is_two_per_cent_too_small() {
 
 #[test]
 fn kernels_of_several_chains_are_tested_together() {
-    let target = Gaussian::standard(2);
+    let target = GaussianTarget::standard(2);
     let one = walk(&target, 0.8, metropolis);
     let eight = |x: &[f64], rng: &mut BlockRng| x.chunks(2).flat_map(|x| one(x, rng)).collect::<Vec<_>>();
     let draw = |rng: &mut BlockRng| (0..8).flat_map(|_| target.draw(rng)).collect::<Vec<_>>();
@@ -105,7 +107,7 @@ fn kernels_of_several_chains_are_tested_together() {
 /// A kernel that pushes both tails outward keeps the mean of x and what lies on either side of its median, but not the shape.
 #[test]
 fn two_samples_see_a_change_of_shape() {
-    let target = Gaussian::standard(1);
+    let target = GaussianTarget::standard(1);
     let functions = TestFunctions::none().with("x0", |x| x[0]);
     let config = ExactStart::default();
     two_sample(&config, |rng| target.draw(rng), walk(&target, 1.0, metropolis), &functions).assert_holds();
@@ -117,7 +119,7 @@ fn two_samples_see_a_change_of_shape() {
 #[test]
 fn exact_ranks_see_a_sweep_that_is_not_its_own_reversal() {
     let rho: f64 = 0.9;
-    let target = Gaussian::equicorrelated(2, rho);
+    let target = GaussianTarget::equicorrelated(2, rho);
     let gibbs = |order: [usize; 2]| {
         move |x: &[f64], rng: &mut BlockRng| {
             let (mut x, z) = (x.to_vec(), normals(2, rng));
@@ -157,7 +159,7 @@ fn geweke_sees_another_noise_level_than_the_simulators() {
     let kernel = |sd: f64| {
         move |theta: &[f64], y: &[f64], rng: &mut BlockRng| {
             let (mean, spread) = posterior(y, sd);
-            let target = Gaussian::new(vec![mean], vec![vec![spread]]);
+            let target = GaussianTarget::new(vec![mean], vec![vec![spread]]);
             walk(&target, 0.5, metropolis)(theta, rng)
         }
     };
@@ -175,7 +177,7 @@ fn constants_are_no_finding() {
     let simulate = |theta: &[f64], rng: &mut BlockRng| vec![theta[0] + normals(1, rng)[0], 0.3];
     let kernel = |theta: &[f64], y: &[f64], rng: &mut BlockRng| {
         let (mean, spread) = posterior(&y[..1], 1.0);
-        walk(&Gaussian::new(vec![mean], vec![vec![spread]]), 0.8, metropolis)(theta, rng)
+        walk(&GaussianTarget::new(vec![mean], vec![vec![spread]]), 0.8, metropolis)(theta, rng)
     };
     let prior = |rng: &mut BlockRng| normals(1, rng);
     geweke(&Geweke::default(), prior, simulate, kernel, &TestFunctions::moments(3)).assert_holds();
@@ -214,7 +216,7 @@ fn calibration_sees_intervals_too_narrow_shifted_and_correlated() {
 }
 
 #[test]
-fn integrators_are_told_apart() {
+fn integrators_are_distinguished() {
     let target = Banana { sd: 1.0, bend: 0.5 };
     let starts: Vec<(Vec<f64>, Vec<f64>)> = {
         let mut rng = sinew_core::random::Stage::new(3, "starts").whole();
@@ -330,7 +332,7 @@ fn false_alarms_of_rare_counts_keep_the_stated_rate() {
 
 #[test]
 fn long_runs_see_what_keeps_the_target_but_does_not_reach_it() {
-    let target = Gaussian::equicorrelated(2, 0.5);
+    let target = GaussianTarget::equicorrelated(2, 0.5);
     let functions = TestFunctions::moments(2);
     let expected = [0.0, 1.0, 0.0, 1.0, 0.5];
     let starts = [vec![3.0, -3.0], vec![-3.0, 3.0], vec![0.0, 0.0], vec![3.0, 3.0]];
@@ -366,23 +368,23 @@ fn false_alarms_of_rare_events_keep_the_stated_rate() {
 
 /// A jump that is tried in one step of a thousand is right, and says how seldom it moves.
 #[test]
-fn kernels_that_move_rarely_are_told_how_rarely() {
-    let target = Gaussian::standard(1);
+fn kernels_that_move_rarely_are_reported_with_how_rarely() {
+    let target = GaussianTarget::standard(1);
     let rarely = |x: &[f64], rng: &mut BlockRng| if uniform(rng) < 0.001 { target.draw(rng) } else { x.to_vec() };
     let test = |least_moved: f64| {
         let config = ExactStart { starts: 40_000, least_moved, ..ExactStart::default() };
         exact_start(&config, |rng| target.draw(rng), rarely, &TestFunctions::moments(1))
     };
     test(1e-4).assert_holds();
-    let told = test(0.01).to_string();
-    assert!(told.contains("share of starts that moved"), "{told}");
+    let said = test(0.01).to_string();
+    assert!(said.contains("share of starts that moved"), "{said}");
     test(0.01).assert_fails();
 }
 
 /// 400 exact-start tests of a right kernel at a rate of 0.1: false alarms lie between 2 % and 10 % with 4.5 standard errors to spare. The normal law holds for the means, the law of signs for the rest; Bonferroni makes the rate smaller.
 #[test]
 fn false_alarms_of_a_whole_test_keep_the_stated_rate() {
-    let target = Gaussian::equicorrelated(2, 0.5);
+    let target = GaussianTarget::equicorrelated(2, 0.5);
     let control = Control { false_alarm_rate: 0.1, ..Control::default() };
     let failed = (0..400).filter(|&seed| {
         let config = ExactStart { starts: 500, seed, control, ..ExactStart::default() };
@@ -396,7 +398,7 @@ fn false_alarms_of_a_whole_test_keep_the_stated_rate() {
 
 #[test]
 fn a_report_says_how_it_was_judged() {
-    let target = Gaussian::standard(1);
+    let target = GaussianTarget::standard(1);
     let report = start_of(&target, 1, walk(&target, 0.8, |_, _, _| true));
     let text = report.to_string();
     assert!(

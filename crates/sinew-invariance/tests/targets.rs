@@ -1,9 +1,9 @@
-//! Targets and strategies: gradients are those of the values, draws have the density, and what strategies make is what they promise.
+//! Targets and strategies: gradients belong to values, draws have the density, strategies keep their promise.
 
 use proptest::prelude::*;
 use sinew_core::density::LogDensity;
 use sinew_core::random::Stage;
-use sinew_invariance::targets::{Banana, ExactTarget, Gaussian, GaussianMixture, HalfLine, Truncated};
+use sinew_invariance::targets::{Banana, ExactTarget, GaussianTarget, HalfLine, MixtureTarget, Truncated};
 use sinew_invariance::{Differences, gradient, strategies};
 
 /// E exp(log q(x) − log p(x)) over draws from p is 1 for a normalised q with lighter tails inside the support of p.
@@ -25,23 +25,24 @@ fn integrates_to_one(target: &impl ExactTarget, inner: &impl LogDensity, missing
 /// Densities with all constants agree with their draws. Seven statistics at |z| < 4.5.
 #[test]
 fn draws_have_the_density_that_is_claimed() {
-    let narrow = Gaussian::new(vec![0.1, -0.2], vec![vec![0.5], vec![0.1, 0.4]]);
-    integrates_to_one(&Gaussian::equicorrelated(2, 0.5), &narrow, 1.0);
+    let narrow = GaussianTarget::new(vec![0.1, -0.2], vec![vec![0.5], vec![0.1, 0.4]]);
+    integrates_to_one(&GaussianTarget::equicorrelated(2, 0.5), &narrow, 1.0);
     integrates_to_one(&Banana { sd: 1.2, bend: 0.4 }, &narrow, 1.0);
-    let wide = GaussianMixture::new(vec![1.0, 3.0], vec![Gaussian::standard(2), Gaussian::scaled(&[3.0, 2.0])]);
+    let wide =
+        MixtureTarget::new(vec![1.0, 3.0], vec![GaussianTarget::standard(2), GaussianTarget::scaled(&[3.0, 2.0])]);
     integrates_to_one(&wide, &narrow, 1.0);
     integrates_to_one(&HalfLine { rate: vec![1.0, 2.0] }, &HalfLine { rate: vec![1.5, 3.0] }, 1.0);
     // Half of N(0, 1) is left, so the density of its draws is twice the value.
     for beyond in [f64::NEG_INFINITY, f64::NAN] {
-        let half = Truncated { whole: Gaussian::standard(2), edge: 0.0, beyond };
-        let inner = Truncated { whole: Gaussian::scaled(&[0.5, 0.5]), edge: 0.0, beyond };
+        let half = Truncated { whole: GaussianTarget::standard(2), edge: 0.0, beyond };
+        let inner = Truncated { whole: GaussianTarget::scaled(&[0.5, 0.5]), edge: 0.0, beyond };
         integrates_to_one(&half, &inner, 1.0);
     }
 }
 
 #[test]
 fn an_equicorrelated_gaussian_is_what_it_says() {
-    let target = Gaussian::equicorrelated(6, 0.7);
+    let target = GaussianTarget::equicorrelated(6, 0.7);
     for i in 0..6 {
         for j in 0..6 {
             assert!((target.covariance(i, j) - if i == j { 1.0 } else { 0.7 }).abs() < 1e-12);

@@ -11,7 +11,7 @@
 //!
 //! **Afterwards** by nearness ([`nearest`]): in each camera the person nearest to where the keypoints were predicted, within a gate. Bystanders fall outside it.
 //!
-//! [`follow`] is the two together with the little memory that they need.
+//! [`crate::following`] is the two together with the little memory that they need.
 
 use crate::camera::Camera;
 use crate::keypoint_model::Detection;
@@ -20,7 +20,7 @@ use crate::triangulate::{Seen, linear};
 /// Keypoints of one person in one view, in the order of the layout; `None` is missing.
 pub type Person = Vec<Option<Detection>>;
 
-/// How people are told apart.
+/// How people are distinguished.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Config {
     /// Median reprojection distance up to which views agree, in sizes of the person in the image.
@@ -33,9 +33,9 @@ pub struct Config {
     pub least_keypoints: usize,
     /// Cameras whose people are paired.
     pub seed_cameras: usize,
-    /// Frames without the person after which he is looked for anew.
+    /// Frames without the person after which the search starts again from all people.
     pub lost_frames: usize,
-    /// Relative error of limb lengths up to which someone found anew is the same person.
+    /// Relative error of limb lengths up to which someone who is found again is the same person.
     pub length_error: f64,
 }
 
@@ -55,7 +55,7 @@ impl Default for Config {
 
 /// Detections that belong to one person.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Group {
+pub struct PersonGroup {
     /// For each camera, the index of the person there.
     pub members: Vec<Option<usize>>,
     /// Detections that agree with the person's points in space.
@@ -66,12 +66,12 @@ pub struct Group {
     pub points: Vec<Option<[f64; 3]>>,
 }
 
-fn usable(point: Option<Detection>, config: &Config) -> Option<Detection> {
+pub(crate) fn usable(point: Option<Detection>, config: &Config) -> Option<Detection> {
     point.filter(|d| d.confidence >= config.least_confidence && d.pixel.iter().all(|x| x.is_finite()))
 }
 
 /// Diagonal of the box around a set of pixels.
-fn size_px(pixels: impl Iterator<Item = [f64; 2]>) -> f64 {
+pub(crate) fn size_px(pixels: impl Iterator<Item = [f64; 2]>) -> f64 {
     let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
     for p in pixels {
         for k in 0..2 {
@@ -86,13 +86,13 @@ fn person_size_px(person: &Person, config: &Config) -> f64 {
     size_px(person.iter().filter_map(|d| usable(*d, config)).map(|d| d.pixel)).max(1.0)
 }
 
-fn median(values: &mut [f64]) -> f64 {
+pub(crate) fn median(values: &mut [f64]) -> f64 {
     values.sort_by(f64::total_cmp);
     values.get(values.len() / 2).copied().unwrap_or(f64::INFINITY)
 }
 
 /// Median distance of a person's keypoints from expected pixels (in pixels) and the number of shared ones; `None` where too few are shared.
-fn distance_px(person: &Person, expected: &[Option<[f64; 2]>], config: &Config) -> Option<(f64, usize)> {
+pub(crate) fn distance_px(person: &Person, expected: &[Option<[f64; 2]>], config: &Config) -> Option<(f64, usize)> {
     let mut distances: Vec<f64> = person
         .iter()
         .zip(expected)
@@ -105,7 +105,7 @@ fn distance_px(person: &Person, expected: &[Option<[f64; 2]>], config: &Config) 
     (shared >= config.least_keypoints).then(|| (median(&mut distances), shared))
 }
 
-fn projected(camera: &Camera, points: &[Option<[f64; 3]>]) -> Vec<Option<[f64; 2]>> {
+pub(crate) fn projected(camera: &Camera, points: &[Option<[f64; 3]>]) -> Vec<Option<[f64; 2]>> {
     points.iter().map(|p| camera.project((*p)?).pixel()).collect()
 }
 
@@ -141,7 +141,7 @@ pub fn triangulated(
 
 /// The people whom several cameras agree on, most complete first, at most `count`. With a single camera: its people by the number of keypoints.
 #[must_use]
-pub fn groups(cameras: &[Camera], people: &[Vec<Person>], count: usize, config: &Config) -> Vec<Group> {
+pub fn groups(cameras: &[Camera], people: &[Vec<Person>], count: usize, config: &Config) -> Vec<PersonGroup> {
     let seen = |person: &Person| person.iter().filter(|d| usable(**d, config).is_some()).count();
     let mut free: Vec<Vec<bool>> =
         people.iter().map(|p| p.iter().map(|person| seen(person) >= config.least_keypoints).collect()).collect();
@@ -150,11 +150,11 @@ pub fn groups(cameras: &[Camera], people: &[Vec<Person>], count: usize, config: 
         order.sort_by_key(|&i| std::cmp::Reverse(seen(&people[0][i])));
         let alone = |i: usize| {
             let points = vec![None; people[0][i].len()];
-            Group { members: vec![Some(i)], keypoints: seen(&people[0][i]), error: 0.0, points }
+            PersonGroup { members: vec![Some(i)], keypoints: seen(&people[0][i]), error: 0.0, points }
         };
         return order.into_iter().take(count).map(alone).collect();
     }
-    let mut found: Vec<Group> = vec![];
+    let mut found: Vec<PersonGroup> = vec![];
     while found.len() < count {
         let mut seeds: Vec<(usize, usize)> = (0..cameras.len().min(people.len()))
             .map(|c| (c, (0..people[c].len()).filter(|&i| free[c][i]).map(|i| seen(&people[c][i])).max().unwrap_or(0)))
@@ -162,7 +162,7 @@ pub fn groups(cameras: &[Camera], people: &[Vec<Person>], count: usize, config: 
             .collect();
         seeds.sort_by_key(|&(c, most)| (std::cmp::Reverse(most), c));
         seeds.truncate(config.seed_cameras.max(2));
-        let mut best: Option<Group> = None;
+        let mut best: Option<PersonGroup> = None;
         for (a, &(first, _)) in seeds.iter().enumerate() {
             for &(second, _) in &seeds[a + 1..] {
                 for i in (0..people[first].len()).filter(|&i| free[first][i]) {
@@ -196,7 +196,7 @@ fn grow(
     free: &[Vec<bool>],
     seed: [(usize, usize); 2],
     config: &Config,
-) -> Option<Group> {
+) -> Option<PersonGroup> {
     let mut members = vec![None; cameras.len()];
     for (c, i) in seed {
         members[c] = Some(i);
@@ -239,7 +239,7 @@ fn grow(
         error += distance / size;
         views += 1;
     }
-    (views >= 2).then(|| Group { members, keypoints, error: error / f64::from(views), points })
+    (views >= 2).then(|| PersonGroup { members, keypoints, error: error / f64::from(views), points })
 }
 
 /// In each camera, the person nearest to the predicted pixels (camera by camera, keypoint by keypoint), within the gate.
@@ -259,142 +259,6 @@ pub fn nearest(people: &[Vec<Person>], predicted: &[Vec<Option<[f64; 2]>>], conf
             distances.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, i)| i)
         })
         .collect()
-}
-
-/// What following one person needs to remember.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Following {
-    /// Which of the people at the start: 0 is the most complete one.
-    pub person: usize,
-    /// Distances between pairs of keypoints by which he is known again, metres.
-    pub lengths: Vec<(usize, usize, f64)>,
-    /// Where his keypoints were last seen or, where they were not, projected to, camera by camera.
-    pub last_px: Vec<Vec<Option<[f64; 2]>>>,
-    /// Frames since he was last seen.
-    pub lost: usize,
-    /// Whether he was ever seen.
-    pub started: bool,
-}
-
-/// The followed person in one frame.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Associated {
-    /// For each camera, the index of the person there.
-    pub members: Vec<Option<usize>>,
-    /// For each camera, his keypoints; empty where he was not found. Detectors sometimes break a person in two: fragments are put together.
-    pub people: Vec<Person>,
-}
-
-impl Associated {
-    /// Whether any camera found him.
-    #[must_use]
-    pub fn is_present(&self) -> bool {
-        self.members.iter().any(Option::is_some)
-    }
-}
-
-/// Finds the followed person in a frame (people of each camera) and remembers where he is. `predicted` are the expected pixels, offsets included, where a motion
-/// model gives them; without it he is expected where he was.
-pub fn follow(
-    following: &mut Following,
-    cameras: &[Camera],
-    people: &[Vec<Person>],
-    predicted: Option<&[Vec<Option<[f64; 2]>>]>,
-    config: &Config,
-) -> Associated {
-    let mut members = vec![None; cameras.len()];
-    if following.started && following.lost < config.lost_frames {
-        let expected = predicted.unwrap_or(&following.last_px);
-        members = nearest(people, expected, config);
-        if cameras.len() > 1 && members.iter().flatten().count() == 1 {
-            // One view alone may show someone else who stands in the same direction.
-            members = nearest(people, expected, &Config { near: config.agreeing, ..*config });
-        }
-    } else if !following.started {
-        let count = following.person + 1;
-        if let Some(group) = groups(cameras, people, count, config).into_iter().nth(following.person) {
-            members = group.members;
-        }
-    } else {
-        let known = |group: &Group| length_error(&group.points, &following.lengths) <= config.length_error;
-        if let Some(group) = groups(cameras, people, usize::MAX, config).into_iter().find(known) {
-            members = group.members;
-        }
-    }
-    if members.iter().all(Option::is_none) {
-        following.lost = following.lost.saturating_add(1);
-        return Associated { people: vec![vec![]; members.len()], members };
-    }
-    let expected: Vec<Vec<Option<[f64; 2]>>> = if following.lost == 0 && following.started {
-        predicted.unwrap_or(&following.last_px).to_vec()
-    } else {
-        vec![vec![]; cameras.len()]
-    };
-    let assembled: Vec<Person> =
-        (0..members.len()).map(|c| with_fragments(&people[c], members[c], &expected[c], config)).collect();
-    following.lost = 0;
-    following.started = true;
-    let whole: Vec<Vec<Person>> = assembled.iter().map(|p| vec![p.clone()]).collect();
-    let first: Vec<Option<usize>> = members.iter().map(|m| m.map(|_| 0)).collect();
-    let points = triangulated(cameras, &whole, &first, config);
-    following.last_px.resize(cameras.len(), vec![]);
-    for (c, last) in following.last_px.iter_mut().enumerate() {
-        if members[c].is_some() {
-            last.resize(assembled[c].len(), None);
-            for (last, d) in last.iter_mut().zip(&assembled[c]) {
-                *last = usable(*d, config).map(|d| d.pixel).or(*last);
-            }
-        } else if points.iter().flatten().count() >= config.least_keypoints {
-            *last = projected(&cameras[c], &points);
-        }
-    }
-    Associated { members, people: assembled }
-}
-
-/// The indices that [`follow`] finds, for each camera; all `None` where the person is absent.
-pub fn associate(
-    following: &mut Following,
-    cameras: &[Camera],
-    people: &[Vec<Person>],
-    predicted: Option<&[Vec<Option<[f64; 2]>>]>,
-    config: &Config,
-) -> Vec<Option<usize>> {
-    follow(following, cameras, people, predicted, config).members
-}
-
-/// The chosen person with the keypoints of others who stand where he is expected and have hardly a keypoint in common with him.
-fn with_fragments(people: &[Person], member: Option<usize>, expected: &[Option<[f64; 2]>], config: &Config) -> Person {
-    let Some(mut whole) = member.and_then(|i| people.get(i).cloned()) else { return vec![] };
-    let gate = 0.5 * config.near * size_px(expected.iter().flatten().copied());
-    for (j, other) in people.iter().enumerate() {
-        let fits = distance_px(other, expected, config).is_some_and(|(distance, _)| distance <= gate);
-        if Some(j) == member || !fits {
-            continue;
-        }
-        let usable_in = |person: &Person, k: usize| usable(person.get(k).copied().flatten(), config).is_some();
-        let own = (0..other.len()).filter(|&k| usable_in(other, k)).count();
-        let shared = (0..other.len()).filter(|&k| usable_in(other, k) && usable_in(&whole, k)).count();
-        if 4 * shared <= own {
-            for (mine, theirs) in whole.iter_mut().zip(other) {
-                *mine = usable(*mine, config).or(*theirs);
-            }
-        }
-    }
-    whole
-}
-
-/// Median relative error of the distances that can be compared; 0 without any.
-fn length_error(points: &[Option<[f64; 3]>], lengths: &[(usize, usize, f64)]) -> f64 {
-    let at = |k: usize| points.get(k).copied().flatten();
-    let mut errors: Vec<f64> = lengths
-        .iter()
-        .filter_map(|&(i, j, length)| {
-            let (a, b) = (at(i)?, at(j)?);
-            let found = (0..3).map(|k| (a[k] - b[k]).powi(2)).sum::<f64>().sqrt();
-            Some((found / length - 1.0).abs())
-        })
-        .collect();
-    if errors.is_empty() { 0.0 } else { median(&mut errors) }
 }
 
 #[cfg(test)]

@@ -43,7 +43,7 @@ pub struct Background {
     squares: Vec<[f32; 3]>,
 }
 
-/// An image of another size than those of its background.
+/// An image of another size than its background's.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct OtherSize;
 

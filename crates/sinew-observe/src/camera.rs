@@ -155,7 +155,7 @@ impl Camera {
         Ok(())
     }
 
-    /// The same camera in a world that is turned about its origin: pixels of `new_from_old · P` are those of P before.
+    /// The same camera in a world that is turned about its origin: `new_from_old · P` has the pixel that P had.
     #[must_use]
     pub fn turned(&self, new_from_old: [[f64; 3]; 3]) -> Self {
         let rotation = self.rotation.map(|row| new_from_old.map(|axis| dot(row, axis)));

@@ -1,4 +1,4 @@
-//! A raw mask made clean: specks and pinholes go by a median, what hangs together is kept if it is large.
+//! Cleaning of raw masks: specks and pinholes go by a median, connected parts stay if they are large.
 
 use crate::bit_image::BitImage;
 

@@ -1,4 +1,4 @@
-//! Colour histograms of a part of the body and how alike two of them are (Husz, Wallace & Green 2007).
+//! Colour histograms of a part of the body, and their similarity (Husz, Wallace & Green 2007).
 //!
 //! Eight bins a channel, 512 in all, normalised. With the Bhattacharyya coefficient ρ = Σ √(h r) the distance is √(1 − ρ) and the match 1 − √(1 − ρ): 1 for equal histograms, 0 for those without a common colour.
 

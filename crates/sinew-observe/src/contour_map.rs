@@ -1,11 +1,11 @@
-//! Where the contour of a silhouette is, as a map from 0 to 1 that falls off within two pixels (for the likelihood of the coarse-to-fine particle filter).
+//! Where the contour of a silhouette is: a map from 0 to 1 that falls off within two pixels. The likelihood of the coarse-to-fine particle filter reads it.
 //!
 //! The silhouette S in {0, 1} is smoothed to G by a 5 x 5 Gaussian of σ = 1 px. G is 1/2 on the contour, so that
 //!
 //! - [`contour_map`] = 4 G (1 − G) is 1 there and 0 deep inside and outside. (The paper says only that the silhouette is smoothed, which is no map of edges.)
 //! - [`slope_map`] = |∇G| / max |∇G|, by central differences, is the alternative.
 //!
-//! The border of the image is no contour: beyond it the silhouette goes on.
+//! The border of the image is no contour: beyond it the silhouette continues.
 
 use crate::Map;
 use crate::bit_image::BitImage;

@@ -1,4 +1,4 @@
-//! What the other cameras say about one: is its clock off, has it swapped left and right, does the subject stand behind it?
+//! What the other cameras say about one. Is its clock off, has it swapped left and right, does the subject stand behind it?
 //!
 //! A keypoint is triangulated from all cameras but one and projected into that one, offsets included ([`expected_from_others`]). Then
 //!
@@ -100,7 +100,7 @@ pub fn residual_by_lag(
     Some((-most..=most).filter_map(enough).collect())
 }
 
-/// The lag with the least residual, the smaller one of equals, among those of [`residual_by_lag`].
+/// The lag with the least residual in [`residual_by_lag`], the smaller one of equals.
 #[must_use]
 pub fn best_lag(residuals: &[(i64, f64)]) -> Option<Lag> {
     let (_, now_px) = *residuals.iter().find(|(lag, _)| *lag == 0)?;

@@ -1,4 +1,4 @@
-//! Edges of a grey image, as maps for weighting functions that ask how near a projected contour is to an edge.
+//! Edges of a grey image, as maps that say how near a projected contour is to an edge.
 //!
 //! The gradient is Sobel's, divided by 8, of grey values in \[0, 1\]: a step from black to white has magnitude 1/2 on both its sides. Beyond the image the pixels
 //! of its border are repeated.

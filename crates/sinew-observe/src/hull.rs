@@ -7,7 +7,7 @@ fn turn(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> f64 {
     (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 }
 
-/// Goes along sorted points and keeps those of one side of the hull, the last one left out.
+/// Goes along sorted points and keeps the ones on one side of the hull, the last one left out.
 fn chain(points: impl Iterator<Item = [f64; 2]>, hull: &mut Vec<[f64; 2]>) {
     let start = hull.len();
     for point in points {

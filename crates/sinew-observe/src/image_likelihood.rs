@@ -7,30 +7,21 @@
 //!
 //! The score is a step function of the state: a pixel is in or out. There is no gradient.
 
-use crate::bit_image::{BitImage, Overlap, overlap};
+use crate::bit_image::{BitImage, Overlap};
 use crate::colour_histogram::{Counts, Reference};
+pub use crate::image_lookup::Cues;
+use crate::image_lookup::{Compare, LookUp, Scratch};
 use crate::image_score::{ImageScore, Looked};
-use crate::measurement::{Hiders, Hiding, Place, Points};
-use crate::outline::{Eye, Outline, Project};
+use crate::measurement::{Hiding, Place};
+use crate::outline::{Eye, Outline};
 use crate::raster::Spans;
 use crate::solid_body::{MOST_SOLIDS, SolidBody};
-use crate::{Camera, Map, ObservationModel, RgbImage};
+use crate::{Camera, ObservationModel, RgbImage};
 use core::ops::Range;
 use sinew_body::point_positions_block;
 use sinew_core::density::{LogDensity, PartLogDensity};
-use sinew_core::lanes::{Block, Isa, Kernel, LANES, Real, dispatch, dispatch_one};
+use sinew_core::lanes::{Block, Isa, LANES, dispatch, dispatch_one};
 use std::sync::{Arc, Mutex, PoisonError};
-
-/// What one camera saw in one frame, in the pixels of the model's camera.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Cues {
-    /// The person.
-    pub silhouette: BitImage,
-    /// Edges, from 0 to 1.
-    pub edges: Option<Map>,
-    /// Colours.
-    pub picture: Option<RgbImage>,
-}
 
 /// A body before cameras that see silhouettes.
 #[derive(Clone, Debug)]
@@ -108,7 +99,7 @@ impl ImageModel {
     pub fn colours_of(&self, camera: usize, state: &[f64], picture: &RgbImage) -> Vec<Option<Reference>> {
         let mut scratch = Scratch::new(&self.body);
         let Some(eye) = self.cameras.get(camera).map(Eye::of) else { return vec![] };
-        scratch.project_state(self, state, &eye);
+        scratch.project_state(self.isa, &self.body, state, &eye);
         scratch.scan(self.isa, picture.width);
         scratch.hide(self.isa, self.score.hiding(), &self.body);
         let histogram = |solid: usize| {
@@ -128,189 +119,11 @@ impl ImageModel {
         let mut scratch = Scratch::new(&self.body);
         let mut out = Vec::with_capacity(self.cameras.len());
         for camera in &self.cameras {
-            scratch.project_state(self, state, &Eye::of(camera));
+            scratch.project_state(self.isa, &self.body, state, &Eye::of(camera));
             scratch.scan(self.isa, camera.image_size_px[0] as usize);
             out.push(each(camera, &scratch.bodies[0].spans, &scratch.outlines));
         }
         out
-    }
-}
-
-/// What is known of one body in one view.
-#[derive(Debug, Default)]
-struct Body {
-    /// Pixels of each solid; none where it is not seen.
-    spans: Vec<Spans>,
-    hiders: Vec<Hiders>,
-    /// Set of the solids that are in front of the camera as a whole.
-    seen: u32,
-}
-
-/// Memory of one thread.
-#[derive(Debug)]
-struct Scratch {
-    frames: Vec<Block>,
-    plan: Vec<Block>,
-    outlines: Vec<Outline>,
-    points: Box<Points>,
-    bodies: [Body; LANES],
-    looked: Vec<[Looked; LANES]>,
-    counts: Counts,
-    image: BitImage,
-}
-
-impl Scratch {
-    fn new(body: &SolidBody) -> Self {
-        let count = body.count();
-        let one = || Body { spans: vec![Spans::default(); count], hiders: vec![Hiders::default(); count], seen: 0 };
-        Self {
-            frames: vec![Block::ZERO; body.frame_blocks()],
-            plan: vec![Block::ZERO; body.plan.workspace()],
-            outlines: vec![Outline::EMPTY; count],
-            points: Box::new(Points::EMPTY),
-            bodies: core::array::from_fn(|_| one()),
-            looked: vec![[Looked::default(); LANES]; count],
-            counts: Counts::default(),
-            image: BitImage::new(0, 0),
-        }
-    }
-
-    fn project_state(&mut self, model: &ImageModel, state: &[f64], eye: &Eye) {
-        let blocks: Vec<Block> = state.iter().map(|&x| Block::splat(x)).collect();
-        point_positions_block(&model.body.plan, model.isa, &blocks, &mut self.frames, &mut self.plan);
-        self.project(model.isa, &model.body, eye);
-    }
-
-    fn project(&mut self, isa: Isa, body: &SolidBody, eye: &Eye) {
-        dispatch(isa, Project { eye, solids: &body.solids, frames: &self.frames, out: &mut self.outlines });
-    }
-
-    fn scan(&mut self, isa: Isa, width: usize) {
-        dispatch_one(isa, Scan { width, outlines: &self.outlines, bodies: &mut self.bodies });
-    }
-
-    fn hide(&mut self, isa: Isa, hiding: Hiding, body: &SolidBody) {
-        dispatch_one(isa, Hide { hiding, body, outlines: &self.outlines, bodies: &mut self.bodies });
-    }
-}
-
-/// Spans of all solids.
-struct Scan<'a> {
-    width: usize,
-    outlines: &'a [Outline],
-    bodies: &'a mut [Body; LANES],
-}
-
-impl Kernel<f64> for Scan<'_> {
-    #[inline(always)]
-    fn run<V: Real<Mem = f64>>(&mut self) {
-        for (lane, body) in self.bodies.iter_mut().enumerate() {
-            body.seen = 0;
-            for (solid, (outline, spans)) in self.outlines.iter().zip(&mut body.spans).enumerate() {
-                if outline.is_seen(lane) {
-                    body.seen |= 1 << solid;
-                    spans.scan(&outline.corners(lane), self.width);
-                } else {
-                    spans.scan(&[], self.width);
-                }
-            }
-        }
-    }
-}
-
-/// What may hide what.
-struct Hide<'a> {
-    hiding: Hiding,
-    body: &'a SolidBody,
-    outlines: &'a [Outline],
-    bodies: &'a mut [Body; LANES],
-}
-
-impl Kernel<f64> for Hide<'_> {
-    #[inline(always)]
-    fn run<V: Real<Mem = f64>>(&mut self) {
-        for (lane, body) in self.bodies.iter_mut().enumerate() {
-            for (solid, outline) in self.outlines.iter().enumerate() {
-                let columns = body.spans[solid].columns();
-                let mut middle = 0;
-                for (other, spans) in body.spans.iter().enumerate() {
-                    // An edge point may lie in a pixel next to those that its solid covers.
-                    let overlaps = spans.columns().start <= columns.end && columns.start <= spans.columns().end;
-                    let may_hide = match self.hiding {
-                        Hiding::Nearer => self.outlines[other].depth.0[lane] < outline.depth.0[lane],
-                        Hiding::Others => other != solid,
-                    };
-                    middle |= u32::from(overlaps && may_hide) << other;
-                }
-                let ends = match self.hiding {
-                    Hiding::Nearer => middle & !self.body.adjacent[solid],
-                    Hiding::Others => middle,
-                };
-                body.hiders[solid] = Hiders { middle, ends };
-            }
-        }
-    }
-}
-
-/// Looks the points of one solid up for all bodies.
-struct LookUp<'a> {
-    solid: usize,
-    outline: &'a Outline,
-    points: &'a Points,
-    bodies: &'a [Body; LANES],
-    cues: &'a Cues,
-    colours: Option<&'a Reference>,
-    counts: &'a mut Counts,
-    hides_region: bool,
-    /// Whether the region is looked up at all; not where whole silhouettes are compared.
-    with_region: bool,
-    looked: &'a mut [Looked; LANES],
-}
-
-impl Kernel<f64> for LookUp<'_> {
-    #[inline(always)]
-    fn run<V: Real<Mem = f64>>(&mut self) {
-        let Cues { silhouette, edges, picture } = self.cues;
-        for (lane, (body, looked)) in self.bodies.iter().zip(&mut *self.looked).enumerate() {
-            *looked = Looked { edges: edges.as_ref().map(|_| Default::default()), ..Looked::default() };
-            if body.seen >> self.solid & 1 == 0 || self.outline.has_sides.0[lane] == 0.0 {
-                continue;
-            }
-            let hiders = body.hiders[self.solid];
-            let of_region = if self.hides_region { hiders } else { Hiders::default() };
-            if self.with_region {
-                looked.region = self.points.region(lane, silhouette, of_region, &body.spans);
-            }
-            looked.edges = edges.as_ref().map(|map| self.points.edges(lane, map, hiders, &body.spans));
-            if let (Some(reference), Some(picture)) = (self.colours, picture) {
-                *self.counts = Counts::default();
-                self.points.colours(lane, picture, of_region, &body.spans, self.counts);
-                looked.colour = Some(reference.matched(self.counts));
-            }
-        }
-    }
-}
-
-/// Compares the pixels of each body with a silhouette.
-struct Compare<'a> {
-    bodies: &'a [Body; LANES],
-    silhouette: &'a BitImage,
-    pixels_of_silhouette: u64,
-    image: &'a mut BitImage,
-    out: &'a mut [Overlap; LANES],
-}
-
-impl Kernel<f64> for Compare<'_> {
-    #[inline(always)]
-    fn run<V: Real<Mem = f64>>(&mut self) {
-        for (body, out) in self.bodies.iter().zip(&mut *self.out) {
-            let used = body.spans.iter().map(Spans::columns).filter(|columns| !columns.is_empty());
-            let columns = used.reduce(|a, b| a.start.min(b.start)..a.end.max(b.end)).unwrap_or_default();
-            self.image.clear(columns.clone());
-            body.spans.iter().for_each(|spans| spans.draw(self.image));
-            let inside = overlap(self.silhouette, self.image, columns);
-            *out = Overlap { first_only: self.pixels_of_silhouette - inside.both, ..inside };
-        }
     }
 }
 
@@ -421,7 +234,7 @@ impl LogDensity for ImageLikelihood {
         self.look(x, 0..self.model.body.count(), !score.counts_pixels(), |looked, pixels| {
             for (lane, out) in out.0.iter_mut().enumerate() {
                 parts.iter_mut().zip(looked).for_each(|(part, looked)| *part = looked[lane]);
-                *out += score.of_view(parts, pixels.map(|pixels| pixels[lane]));
+                *out += score.score_view(parts, pixels.map(|pixels| pixels[lane]));
             }
         });
         out
@@ -439,7 +252,7 @@ impl PartLogDensity for ImageLikelihood {
         self.look(x, parts, true, |looked, _| {
             for (out, looked) in out.iter_mut().zip(looked) {
                 for (out, looked) in out.0.iter_mut().zip(looked) {
-                    *out += score.of_part(looked);
+                    *out += score.score_part(looked);
                 }
             }
         });

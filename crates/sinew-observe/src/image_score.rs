@@ -1,7 +1,7 @@
-//! How much of an image a body explains: the weighting functions of the papers, from what was looked up at the measurement points of its solids.
+//! How much of an image a body explains: the weighting functions of the papers. Their arguments were looked up at the measurement points of its solids.
 
 use crate::bit_image::Overlap;
-use crate::measurement::{EDGE_POINTS, Hiding, REGION_POINTS, Tally};
+use crate::measurement::{EDGE_POINTS, Hiding, PointTally, REGION_POINTS};
 
 /// A weighting function.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -32,9 +32,9 @@ const LEAST_MATCH: f64 = 1e-3;
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Looked {
     /// In the silhouette.
-    pub region: Tally,
+    pub region: PointTally,
     /// In the edge map, if there is one.
-    pub edges: Option<Tally>,
+    pub edges: Option<PointTally>,
     /// Match of the colours, if they are used.
     pub colour: Option<f64>,
 }
@@ -58,16 +58,16 @@ impl ImageScore {
     /// Log weight of one solid in one view. One of which nothing is seen there weighs nothing.
     #[inline(always)]
     #[must_use]
-    pub fn of_part(&self, part: &Looked) -> f64 {
+    pub fn score_part(&self, part: &Looked) -> f64 {
         let edges = part.edges.map_or(0.0, |edges| edges.mean_or(0.0));
         match *self {
-            Self::Parts => of_matches(part),
-            _ => self.of_means(edges, part.region.mean_or(0.0)),
+            Self::Parts => log_match(part),
+            _ => self.score_means(edges, part.region.mean_or(0.0)),
         }
     }
 
     #[inline(always)]
-    fn of_means(&self, edges: f64, region: f64) -> f64 {
+    fn score_means(&self, edges: f64, region: f64) -> f64 {
         match *self {
             Self::DeutscherReid { kappa, .. } => -kappa * (edges + region),
             Self::CoarseToFine { sigma_edge, sigma_region } => {
@@ -80,9 +80,9 @@ impl ImageScore {
     /// Log weight of all solids in one view, with the pixels of the silhouette and of the body where they are counted. A body of which nothing is seen misses everything: to leave the view is no way out.
     #[inline(always)]
     #[must_use]
-    pub fn of_view(&self, parts: &[Looked], pixels: Option<Overlap>) -> f64 {
+    pub fn score_view(&self, parts: &[Looked], pixels: Option<Overlap>) -> f64 {
         if *self == Self::Parts {
-            return parts.iter().map(of_matches).sum();
+            return parts.iter().map(log_match).sum();
         }
         let mut all = Looked::default();
         for part in parts {
@@ -96,19 +96,19 @@ impl ImageScore {
             (Self::DeutscherReid { bidirectional: Some(a), .. }, Some(pixels)) => mismatch(pixels, *a),
             _ => all.region.mean_or(1.0),
         };
-        self.of_means(edges, region)
+        self.score_means(edges, region)
     }
 }
 
 /// R log M of a solid.
 #[inline(always)]
-fn of_matches(part: &Looked) -> f64 {
+fn log_match(part: &Looked) -> f64 {
     let (mut cues, mut relevance, mut matched) = (1.0, 0.0, 0.0);
     let mut add = |points: u32, of: usize, hit: f64| {
         relevance += f64::from(points) / of as f64;
         matched += hit;
     };
-    let hits = |tally: Tally| match tally.inside {
+    let hits = |tally: PointTally| match tally.inside {
         0 => 1.0,
         inside => 1.0 - tally.misses / f64::from(inside),
     };
@@ -144,8 +144,8 @@ pub fn precision_and_recall(silhouette_and_body: Overlap) -> [f64; 2] {
 mod tests {
     use super::*;
 
-    fn tally(inside: u32, outside: u32, misses: f64) -> Tally {
-        Tally { inside, outside, misses }
+    fn tally(inside: u32, outside: u32, misses: f64) -> PointTally {
+        PointTally { inside, outside, misses }
     }
 
     #[test]
@@ -154,17 +154,17 @@ mod tests {
         let close = |a: f64, b: f64| assert!((a - b).abs() < 1e-12, "{a} for {b}");
         let (edges, region) = (0.25, 15.0 / 50.0);
         let reid = ImageScore::DeutscherReid { kappa: 3.0, bidirectional: None };
-        close(reid.of_part(&part), -3.0 * (edges + region));
+        close(reid.score_part(&part), -3.0 * (edges + region));
         let fine = ImageScore::CoarseToFine { sigma_edge: 0.2, sigma_region: 0.5 };
-        close(fine.of_part(&part), -0.5 * (edges / 0.04 + region / 0.25));
+        close(fine.score_part(&part), -0.5 * (edges / 0.04 + region / 0.25));
         let relevance = 0.5 * (40.0 / 60.0 + 16.0 / 24.0);
         let matched = 0.5 * ((1.0 - 5.0 / 40.0) + (1.0 - 4.0 / 16.0));
-        close(ImageScore::Parts.of_part(&part), relevance * f64::ln(matched));
+        close(ImageScore::Parts.score_part(&part), relevance * f64::ln(matched));
         let other = Looked { region: tally(10, 0, 10.0), edges: None, colour: None };
-        close(reid.of_view(&[part, other], None), -3.0 * (edges + 25.0 / 60.0));
-        close(reid.of_view(&[Looked::default()], None), -3.0);
+        close(reid.score_view(&[part, other], None), -3.0 * (edges + 25.0 / 60.0));
+        close(reid.score_view(&[Looked::default()], None), -3.0);
         close(
-            ImageScore::Parts.of_view(&[part, other], None),
+            ImageScore::Parts.score_view(&[part, other], None),
             relevance * f64::ln(matched) + 10.0 / 60.0 * LEAST_MATCH.ln(),
         );
     }
@@ -173,14 +173,14 @@ mod tests {
     #[test]
     fn what_is_hidden_has_no_weight() {
         let hidden = Looked { region: tally(0, 0, 0.0), edges: Some(tally(0, 0, 0.0)), colour: Some(1.0) };
-        assert_eq!(ImageScore::Parts.of_part(&hidden), 0.0);
+        assert_eq!(ImageScore::Parts.score_part(&hidden), 0.0);
     }
 
     #[test]
     fn silhouettes_are_compared_in_both_directions() {
         let both = ImageScore::DeutscherReid { kappa: 2.0, bidirectional: Some(0.25) };
         let pixels = Overlap { both: 30, first_only: 10, second_only: 20 };
-        let value = both.of_view(&[], Some(pixels));
+        let value = both.score_view(&[], Some(pixels));
         assert!((value + 2.0 * (0.75 * 0.25 + 0.25 * 0.4)).abs() < 1e-12, "{value}");
         assert_eq!(mismatch(Overlap::default(), 0.5), 0.5);
         assert_eq!(mismatch(Overlap { first_only: 9, ..Overlap::default() }, 0.5), 1.0);

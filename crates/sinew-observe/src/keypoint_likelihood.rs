@@ -3,7 +3,6 @@
 //! [`KeypointModel`](crate::KeypointModel) has the formulas; this is what a frame is bound to. Sightings of a point are multiplied before one logarithm is taken of them.
 
 use crate::camera::MIN_DEPTH_M;
-use crate::keypoint_model::Noise;
 use crate::lane_projection::{LaneCamera, LaneCameras};
 use crate::lens::Distort;
 use sinew_body::Plan;
@@ -12,6 +11,21 @@ use sinew_core::density::{LaneDensity, LaneGaussNewton};
 use sinew_core::elementary::{exp, ln};
 use sinew_core::lanes::Real;
 use std::sync::Arc;
+
+/// Shape of a sighting's density.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Noise {
+    /// A Gaussian core; with probability `outlier` the detection lies anywhere in the image.
+    OutlierFloor {
+        /// Probability of a gross outlier, in (0, 1).
+        outlier: f64,
+    },
+    /// A Student t distribution in two dimensions.
+    StudentT {
+        /// Degrees of freedom ν.
+        degrees: f64,
+    },
+}
 
 /// One keypoint in one camera.
 #[derive(Clone, Debug)]
@@ -73,7 +87,7 @@ impl KeypointLikelihood {
         grad: &mut [V::Mem],
         ws: &mut [V::Mem],
     ) -> V {
-        let mut visitor = LogDensities::<'_, V, L, GRAD> { of: self, cameras, value: V::splat(self.constant) };
+        let mut visitor = LogDensities::<'_, V, L, GRAD> { likelihood: self, cameras, value: V::splat(self.constant) };
         self.plan.walk::<V, GRAD>(x, grad, ws, &mut visitor);
         visitor.value
     }
@@ -81,7 +95,7 @@ impl KeypointLikelihood {
 
 /// Sum of the log densities of the sightings.
 struct LogDensities<'a, V, L, const GRAD: bool> {
-    of: &'a KeypointLikelihood,
+    likelihood: &'a KeypointLikelihood,
     cameras: &'a [LaneCamera<L>],
     value: V,
 }
@@ -91,7 +105,7 @@ impl<V: Real, L: Distort, const GRAD: bool> Visit<V> for LogDensities<'_, V, L, 
     fn point(&mut self, k: usize, p: [V; 3]) -> [V; 3] {
         let s = |x: f64| V::splat(x);
         let mut force = [s(0.0); 3];
-        for sightings in self.of.sightings_of(k).chunks(FACTORS) {
+        for sightings in self.likelihood.sightings_of(k).chunks(FACTORS) {
             let mut product = s(1.0);
             for sighting in sightings {
                 let camera = &self.cameras[sighting.camera];
@@ -99,7 +113,7 @@ impl<V: Real, L: Distort, const GRAD: bool> Visit<V> for LogDensities<'_, V, L, 
                 let [r0, r1] = camera.residual(&shown, sighting.pixel);
                 let square = r1.fma(r1, r0 * r0);
                 let weight;
-                match self.of.noise {
+                match self.likelihood.noise {
                     Noise::OutlierFloor { .. } => {
                         let core = exp(square * s(-0.5 * sighting.information));
                         let core = shown.depth.select_gt(MIN_DEPTH_M, core, s(0.0));
@@ -120,7 +134,7 @@ impl<V: Real, L: Distort, const GRAD: bool> Visit<V> for LogDensities<'_, V, L, 
                     force = [force[0] + g[0], force[1] + g[1], force[2] + g[2]];
                 }
             }
-            let exponent = match self.of.noise {
+            let exponent = match self.likelihood.noise {
                 Noise::OutlierFloor { .. } => 1.0,
                 Noise::StudentT { degrees } => -0.5 * (degrees + 2.0),
             };
@@ -156,7 +170,7 @@ impl KeypointLikelihood {
 
 /// What sightings tell of their points' positions: each in full, outlier or not, or `WEIGHTED` by the share of its core at the state.
 struct Information<'a, L, const WEIGHTED: bool> {
-    of: &'a KeypointLikelihood,
+    likelihood: &'a KeypointLikelihood,
     cameras: &'a [LaneCamera<L>],
 }
 
@@ -165,13 +179,13 @@ impl<V: Real, L: Distort, const WEIGHTED: bool> Inform<V> for Information<'_, L,
     fn information(&self, k: usize, p: [V; 3]) -> [V; 6] {
         let (zero, one) = (V::splat(0.0), V::splat(1.0));
         let mut m = [zero; 6];
-        for sighting in self.of.sightings_of(k) {
+        for sighting in self.likelihood.sightings_of(k) {
             let camera = &self.cameras[sighting.camera];
             let shown = camera.show::<V, true>(p);
             let mut information = shown.depth.select_gt(MIN_DEPTH_M, V::splat(sighting.information), zero);
             if WEIGHTED {
                 information =
-                    information * self.of.share(sighting, camera.residual(&shown, sighting.pixel), shown.depth);
+                    information * self.likelihood.share(sighting, camera.residual(&shown, sighting.pixel), shown.depth);
             }
             for e in [[one, zero], [zero, one]] {
                 let g = camera.pull(&shown, e);
@@ -195,11 +209,11 @@ impl KeypointLikelihood {
     fn matrix<V: Real, const WEIGHTED: bool>(&self, x: &[V::Mem], matrix: &mut [V::Mem], ws: &mut [V::Mem]) {
         match &self.cameras {
             LaneCameras::Brown(cameras) => {
-                let information = Information::<'_, _, WEIGHTED> { of: self, cameras };
+                let information = Information::<'_, _, WEIGHTED> { likelihood: self, cameras };
                 self.plan.gauss_newton::<V>(x, ws, matrix, &information);
             }
             LaneCameras::Mixed(cameras) => {
-                let information = Information::<'_, _, WEIGHTED> { of: self, cameras };
+                let information = Information::<'_, _, WEIGHTED> { likelihood: self, cameras };
                 self.plan.gauss_newton::<V>(x, ws, matrix, &information);
             }
         }
@@ -211,11 +225,11 @@ impl LaneGaussNewton for KeypointLikelihood {
     fn gauss_newton_diagonal<V: Real>(&self, x: &[V::Mem], diagonal: &mut [V::Mem], ws: &mut [V::Mem]) {
         match &self.cameras {
             LaneCameras::Brown(cameras) => {
-                let information = Information::<'_, _, false> { of: self, cameras };
+                let information = Information::<'_, _, false> { likelihood: self, cameras };
                 self.plan.gauss_newton_diagonal::<V>(x, ws, diagonal, &information);
             }
             LaneCameras::Mixed(cameras) => {
-                let information = Information::<'_, _, false> { of: self, cameras };
+                let information = Information::<'_, _, false> { likelihood: self, cameras };
                 self.plan.gauss_newton_diagonal::<V>(x, ws, diagonal, &information);
             }
         }

@@ -17,28 +17,13 @@
 //! camera cannot veto every pose.
 
 use crate::camera::{Camera, MIN_DEPTH_M};
-use crate::keypoint_likelihood::{KeypointLikelihood, Sighting};
+use crate::keypoint_likelihood::{KeypointLikelihood, Noise, Sighting};
 use crate::lane_projection::LaneCameras;
 use crate::model::ObservationModel;
 use sinew_body::Plan;
 use sinew_core::density::Lanes;
 use sinew_core::lanes::Isa;
 use std::sync::Arc;
-
-/// Shape of a sighting's density.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Noise {
-    /// A Gaussian core; with probability `outlier` the detection lies anywhere in the image.
-    OutlierFloor {
-        /// Probability of a gross outlier, in (0, 1).
-        outlier: f64,
-    },
-    /// A Student t distribution in two dimensions.
-    StudentT {
-        /// Degrees of freedom ν.
-        degrees: f64,
-    },
-}
 
 /// One detected keypoint.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -106,9 +91,9 @@ impl KeypointModel {
 
     /// Detections of a point that count, with their views.
     fn seen(&self, frame: &KeypointFrame<'_>, point: usize) -> Vec<(usize, Detection)> {
-        let of_view = |(c, points): (usize, &Vec<Option<Detection>>)| Some((c, points.get(point).copied().flatten()?));
+        let in_view = |(c, points): (usize, &Vec<Option<Detection>>)| Some((c, points.get(point).copied().flatten()?));
         let counts = |d: &Detection| d.confidence >= self.least_confidence && d.pixel.iter().all(|x| x.is_finite());
-        frame.detections.iter().enumerate().filter_map(of_view).filter(|(_, d)| counts(d)).collect()
+        frame.detections.iter().enumerate().filter_map(in_view).filter(|(_, d)| counts(d)).collect()
     }
 
     /// A detection as the likelihood takes it, and the logarithm of its density's peak.

@@ -9,7 +9,7 @@
 //! | [`Rational`] | quotient of radial polynomials and decentring | k1 k2 p1 p2 k3 k4 k5 k6 |
 //! | [`Fisheye`] | polynomial of the angle from the axis | k1 k2 k3 k4, with `fisheye = true` |
 //!
-//! Each is written once, over lanes, and is a file of this folder and a line of the list of lenses in this one.
+//! Each is written once, over lanes, and is a file of this folder and a line of the list of lenses below.
 //!
 //! ```
 //! use sinew_observe::lens::{Brown, Lens};
@@ -21,41 +21,12 @@
 //! ```
 
 mod inverse;
+mod model;
 mod polynomial;
 
+pub(crate) use model::Distort;
+use model::{DistortionModel, Image};
 use sinew_core::lanes::{Isa, Kernel, Real, dispatch_one};
-
-/// Where a lens shows a point, and the derivative of that by the point, rows x_d and y_d.
-pub(crate) struct Image<V> {
-    pub at: [V; 2],
-    pub derivative: [[V; 2]; 2],
-}
-
-/// Over lanes: where points are shown.
-pub(crate) trait Distort: Copy {
-    /// Where a point is shown; `square` is its r². Beyond the domain any finite numbers. The derivative is of use with `DERIVATIVE` only. Must be `#[inline(always)]`.
-    fn image<V: Real, const DERIVATIVE: bool>(&self, at: [V; 2], square: V) -> Image<V>;
-}
-
-/// What a file of this folder says of its lens.
-trait DistortionModel: Distort {
-    /// Whether `Calib.toml` marks it by `fisheye = true`.
-    const IS_FISHEYE: bool;
-    /// How many coefficients there are, and which: a part of a sentence.
-    const COEFFICIENTS: &'static str;
-
-    /// The lens with these coefficients, if it takes so many.
-    fn from_coefficients(coefficients: &[f64]) -> Option<Self>;
-
-    /// What [`DistortionModel::from_coefficients`] takes.
-    fn coefficients(&self) -> Vec<f64>;
-
-    /// Largest radius up to which the lens is one-to-one, its decentring aside.
-    fn valid_radius(&self) -> f64;
-
-    /// Radius at which a point at this radius is shown, decentring aside.
-    fn radius_after(&self, radius: f64) -> f64;
-}
 
 /// Makes [`Distortion`] of the list of lenses.
 macro_rules! lenses {
@@ -188,9 +159,6 @@ impl Lens {
     fn extended<const DERIVATIVE: bool>(&self, at: [f64; 2]) -> ([f64; 2], [[f64; 2]; 2]) {
         if self.is_perfect() {
             return (at, [[1.0, 0.0], [0.0, 1.0]]);
-        }
-        if let Distortion::Brown(lens) = &self.distortion {
-            return lens.at_one_point(at);
         }
         let mut out = ([0.0; 2], [[0.0; 2]; 2]);
         dispatch_one(Isa::baseline(), AtOne::<DERIVATIVE> { distortion: &self.distortion, at, out: &mut out });

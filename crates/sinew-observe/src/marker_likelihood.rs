@@ -72,7 +72,7 @@ impl LaneDensity for MarkerLikelihood {
 
     #[inline(always)]
     fn eval<V: Real, const GRAD: bool>(&self, x: &[V::Mem], grad: &mut [V::Mem], ws: &mut [V::Mem]) -> V {
-        let mut residuals = Residuals { of: self, squares: V::splat(0.0), nearest: V::splat(f64::MIN) };
+        let mut residuals = Residuals { likelihood: self, squares: V::splat(0.0), nearest: V::splat(f64::MIN) };
         self.plan.sweep::<V, GRAD>(x, grad, ws, &mut residuals);
         let value = residuals.squares.fma(V::splat(-0.5 * self.information), V::splat(self.constant));
         residuals.nearest.select_gt(-MIN_DEPTH_M, V::splat(f64::NEG_INFINITY), value)
@@ -81,7 +81,7 @@ impl LaneDensity for MarkerLikelihood {
 
 /// Sum of squares of the residuals, and the largest negative depth.
 struct Residuals<'a, V> {
-    of: &'a MarkerLikelihood,
+    likelihood: &'a MarkerLikelihood,
     squares: V,
     nearest: V,
 }
@@ -89,12 +89,12 @@ struct Residuals<'a, V> {
 impl<V: Real> Visit<V> for Residuals<'_, V> {
     #[inline(always)]
     fn point(&mut self, k: usize, p: [V; 3]) -> [V; 3] {
-        let Some(observed) = self.of.seen[k] else { return [V::splat(0.0); 3] };
-        let Image { u, v, inverse_depth, depth } = self.of.image(p);
+        let Some(observed) = self.likelihood.seen[k] else { return [V::splat(0.0); 3] };
+        let Image { u, v, inverse_depth, depth } = self.likelihood.image(p);
         self.nearest = self.nearest.max(-depth);
         let (r0, r1) = (V::splat(observed[0]) - u, V::splat(observed[1]) - v);
         self.squares = r1.fma(r1, r0.fma(r0, self.squares));
-        let scale = V::splat(self.of.information) * inverse_depth;
+        let scale = V::splat(self.likelihood.information) * inverse_depth;
         let (g0, g2) = (scale * r0, scale * r1);
         [g0, -v.fma(g2, u * g0), g2]
     }

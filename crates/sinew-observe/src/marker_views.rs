@@ -98,8 +98,8 @@ impl ObservationModel for MarkerViewsModel {
 
     fn bind(&self, frame: Self::Frame<'_>) -> Self::Bound {
         let in_view = |view: usize, k: usize| frame.get(view).and_then(|seen| seen.get(k).copied().flatten());
-        let of_point = |&k: &usize| (0..self.views.len()).map(|view| in_view(view, k)).collect();
-        let seen: Vec<Vec<_>> = self.plan.order().iter().map(of_point).collect();
+        let in_views = |&k: &usize| (0..self.views.len()).map(|view| in_view(view, k)).collect();
+        let seen: Vec<Vec<_>> = self.plan.order().iter().map(in_views).collect();
         let variance = self.sigma * self.sigma;
         let sightings = seen.iter().flatten().flatten().count();
         let leaf = MarkerViewsLikelihood {
@@ -124,7 +124,7 @@ impl LaneDensity for MarkerViewsLikelihood {
 
     #[inline(always)]
     fn eval<V: Real, const GRAD: bool>(&self, x: &[V::Mem], grad: &mut [V::Mem], ws: &mut [V::Mem]) -> V {
-        let mut residuals = Residuals { of: self, squares: V::splat(0.0), nearest: V::splat(f64::MIN) };
+        let mut residuals = Residuals { likelihood: self, squares: V::splat(0.0), nearest: V::splat(f64::MIN) };
         self.plan.walk::<V, GRAD>(x, grad, ws, &mut residuals);
         let value = residuals.squares.fma(V::splat(-0.5 * self.information), V::splat(self.constant));
         residuals.nearest.select_gt(-MIN_DEPTH_M, V::splat(f64::NEG_INFINITY), value)
@@ -133,7 +133,7 @@ impl LaneDensity for MarkerViewsLikelihood {
 
 /// Sum of squares of the residuals, and the largest negative depth.
 struct Residuals<'a, V> {
-    of: &'a MarkerViewsLikelihood,
+    likelihood: &'a MarkerViewsLikelihood,
     squares: V,
     nearest: V,
 }
@@ -142,11 +142,11 @@ impl<V: Real> Visit<V> for Residuals<'_, V> {
     #[inline(always)]
     fn point(&mut self, k: usize, p: [V; 3]) -> [V; 3] {
         let mut force = [V::splat(0.0); 3];
-        for (view, observed) in self.of.views.iter().zip(&self.of.seen[k]) {
+        for (view, observed) in self.likelihood.views.iter().zip(&self.likelihood.seen[k]) {
             let Some(observed) = observed else { continue };
             let Image { depth, inverse_depth, at, slopes } = view.image(p);
             self.nearest = self.nearest.max(-depth);
-            let scale = V::splat(self.of.information) * inverse_depth;
+            let scale = V::splat(self.likelihood.information) * inverse_depth;
             for axis in 0..2 {
                 let residual = V::splat(observed[axis]) - at[axis];
                 self.squares = residual.fma(residual, self.squares);
@@ -262,11 +262,11 @@ mod tests {
         // Image coordinates of all sightings.
         let images = |state: &[f64]| -> Vec<f64> {
             let points = points(&model.plan, state);
-            let of_view = |(view, seen): (&MarkerView, &Vec<Option<[f64; 2]>>)| -> Vec<f64> {
+            let projected = |(view, seen): (&MarkerView, &Vec<Option<[f64; 2]>>)| -> Vec<f64> {
                 let both = points.iter().zip(seen).filter(|(_, s)| s.is_some());
                 both.flat_map(|(p, _)| view.project(*p).expect("before the camera")).collect()
             };
-            model.views.iter().zip(&seen).flat_map(of_view).collect()
+            model.views.iter().zip(&seen).flat_map(projected).collect()
         };
         let columns: Vec<Vec<f64>> = (0..28)
             .map(|j| {

@@ -1,4 +1,4 @@
-//! Measurement points of a solid in an image: where on it the region and the edges are looked up (Husz, Wallace & Green 2007), and which of them are seen.
+//! Measurement points of a solid in an image, and which of them are seen. Region and edges are looked up there (Husz, Wallace & Green 2007).
 //!
 //! Between the two generators of the occluding contour, G−(u) and G+(u) with u from base to top, region points are (1 − w) G+(u) + w G−(u) in the image on a grid of [`ROWS`] by [`ACROSS`] cell centres, and edge points are
 //! [`ALONG`] cell centres of each generator. Caps carry no edge points.
@@ -38,7 +38,7 @@ pub enum Hiding {
 
 /// What was looked up at the points of a solid for one cue.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Tally {
+pub struct PointTally {
     /// Points in the image that are not hidden.
     pub inside: u32,
     /// Points out of the image.
@@ -47,7 +47,7 @@ pub struct Tally {
     pub misses: f64,
 }
 
-impl Tally {
+impl PointTally {
     /// Adds another solid's.
     #[inline(always)]
     pub fn add(&mut self, other: Self) {
@@ -79,7 +79,7 @@ impl Points {
 /// Places the points of a solid whose outline is known.
 pub(crate) struct Place<'a> {
     pub outline: &'a Outline,
-    /// Whether those of the region are wanted, too.
+    /// Whether region points are wanted, too.
     pub with_region: bool,
     pub points: &'a mut Points,
 }
@@ -117,8 +117,8 @@ fn pixel<V: Real<Mem = Block>>([x, y]: [V; 2], out: &mut [Block; 2]) {
 impl Kernel<Block> for Place<'_> {
     #[inline(always)]
     fn run<V: Real<Mem = Block>>(&mut self) {
-        let [of_minus, of_plus] = &self.outline.generators;
-        let (minus, plus) = (Generator::<V>::load(of_minus), Generator::<V>::load(of_plus));
+        let [minus_ends, plus_ends] = &self.outline.generators;
+        let (minus, plus) = (Generator::<V>::load(minus_ends), Generator::<V>::load(plus_ends));
         let rows = if self.with_region { ROWS } else { 0 };
         for (row, points) in self.points.region.as_chunks_mut::<ACROSS>().0.iter_mut().take(rows).enumerate() {
             let u = (row as f64 + 0.5) / ROWS as f64;
@@ -128,8 +128,8 @@ impl Kernel<Block> for Place<'_> {
                 pixel([w.fma(bx - ax, ax), w.fma(by - ay, ay)], point);
             }
         }
-        let (of_minus, of_plus) = self.points.edges.split_at_mut(ALONG);
-        for (k, (at_minus, at_plus)) in of_minus.iter_mut().zip(of_plus).enumerate() {
+        let (minus_points, plus_points) = self.points.edges.split_at_mut(ALONG);
+        for (k, (at_minus, at_plus)) in minus_points.iter_mut().zip(plus_points).enumerate() {
             let u = (k as f64 + 0.5) / ALONG as f64;
             pixel(minus.at(u), at_minus);
             pixel(plus.at(u), at_plus);
@@ -181,7 +181,7 @@ fn in_lane([x, y]: &[Block; 2], lane: usize, [width, height]: [usize; 2]) -> (i3
 impl Points {
     /// Looks the region up in a silhouette.
     #[inline(always)]
-    pub fn region(&self, lane: usize, silhouette: &BitImage, hiders: Hiders, spans: &[Spans]) -> Tally {
+    pub fn region(&self, lane: usize, silhouette: &BitImage, hiders: Hiders, spans: &[Spans]) -> PointTally {
         let size = [silhouette.width(), silhouette.height()];
         let (mut inside, mut outside, mut hits) = (0, 0, 0);
         for (row, points) in self.region.as_chunks::<ACROSS>().0.iter().enumerate() {
@@ -196,12 +196,12 @@ impl Points {
                 }
             }
         }
-        Tally { inside, outside, misses: f64::from(inside - hits) }
+        PointTally { inside, outside, misses: f64::from(inside - hits) }
     }
 
     /// Looks the edges up in a map.
     #[inline(always)]
-    pub fn edges(&self, lane: usize, map: &Map, hiders: Hiders, spans: &[Spans]) -> Tally {
+    pub fn edges(&self, lane: usize, map: &Map, hiders: Hiders, spans: &[Spans]) -> PointTally {
         let size = [map.width, map.height];
         let (mut inside, mut outside, mut misses) = (0, 0, 0.0);
         for points in self.edges.as_chunks::<ALONG>().0 {
@@ -218,7 +218,7 @@ impl Points {
                 }
             }
         }
-        Tally { inside, outside, misses }
+        PointTally { inside, outside, misses }
     }
 
     /// Counts the colours of the pixels of the region that are in the picture and not hidden.

@@ -255,11 +255,11 @@ impl Kernel<Block> for Project<'_> {
                 x: scaled(px, high_radius),
                 y: scaled(py, solid.ratio * high_radius),
             };
-            let [of_minus, of_plus] = &mut out.generators;
-            store(low.at(minus), &mut of_minus[0]);
-            store(high.at(minus), &mut of_minus[1]);
-            store(low.at(plus), &mut of_plus[0]);
-            store(high.at(plus), &mut of_plus[1]);
+            let [minus_ends, plus_ends] = &mut out.generators;
+            store(low.at(minus), &mut minus_ends[0]);
+            store(high.at(minus), &mut minus_ends[1]);
+            store(low.at(plus), &mut plus_ends[0]);
+            store(high.at(plus), &mut plus_ends[1]);
             let near = arc_cosine(q) * V::splat(2.0);
             let far = near - V::splat(2.0 * PI);
             let low_arc = ez.select_gt(0.0, near, far);

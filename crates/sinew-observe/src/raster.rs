@@ -70,7 +70,7 @@ impl Spans {
         self.first..self.first + self.rows.len()
     }
 
-    /// Whether a pixel is covered. Pixels outside the image that was scanned are not told apart from it: do not ask.
+    /// Whether a pixel is covered. Only for pixels inside the image that was scanned.
     #[inline(always)]
     #[must_use]
     pub fn covers(&self, x: i32, y: i32) -> bool {

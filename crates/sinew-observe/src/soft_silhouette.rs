@@ -127,7 +127,7 @@ fn interpolated(map: &Map, [x, y]: [f64; 2]) -> Option<(f64, [f64; 2])> {
 
 /// What all views say of one point of one body.
 #[derive(Clone, Copy, Default)]
-struct Told {
+struct Evidence {
     energy: f64,
     /// ∂ energy / ∂ position, 1/m.
     force: [f64; 3],
@@ -136,15 +136,15 @@ struct Told {
 }
 
 impl SoftSilhouette {
-    fn tell(&self, point: [f64; 3], radius: f64) -> Told {
-        let (mut told, weight) = (Told::default(), 1.0 / POINTS as f64);
+    fn evidence(&self, point: [f64; 3], radius: f64) -> Evidence {
+        let (mut found, weight) = (Evidence::default(), 1.0 / POINTS as f64);
         let variance = self.model.sigma_px * self.model.sigma_px;
         let energy = |e: f64| 0.5 * (DEGREES + 1.0) * weight * (e * e / (DEGREES * variance)).ln_1p();
         for (camera, distance) in &self.views {
             let depth = camera.point_in_camera(point)[2];
             let seen = camera.project_with_jacobian(point).filter(|_| depth > MIN_DEPTH_M);
             let Some((pixel, [du, dv])) = seen else {
-                told.energy += energy(LOST_PX);
+                found.energy += energy(LOST_PX);
                 continue;
             };
             let Some((s, [sx, sy])) = interpolated(distance, pixel) else { continue };
@@ -153,26 +153,26 @@ impl SoftSilhouette {
             if e <= 0.0 {
                 continue;
             }
-            told.energy += energy(e);
+            found.energy += energy(e);
             let jacobian = [0, 1, 2].map(|k| sx * du[k] + sy * dv[k] - margin / depth * camera.rotation[2][k]);
             let w = weight * (DEGREES + 1.0) / (DEGREES * variance + e * e);
-            for (force, j) in told.force.iter_mut().zip(jacobian) {
+            for (force, j) in found.force.iter_mut().zip(jacobian) {
                 *force += w * e * j;
             }
             let [x, y, z] = jacobian;
-            for (information, product) in told.information.iter_mut().zip([x * x, x * y, x * z, y * y, y * z, z * z]) {
+            for (information, product) in found.information.iter_mut().zip([x * x, x * y, x * z, y * y, y * z, z * z]) {
                 *information += w * product;
             }
         }
-        told
+        found
     }
 
     fn points(&self) -> usize {
         self.model.radii.len()
     }
 
-    /// What is told of all points of a block of bodies: energies by body, forces and informations by point, in the order in which points were given.
-    fn tell_block(&self, x: &[Block], ws: &mut [Block]) -> Block {
+    /// The evidence on all points of a block of bodies: energies by body, forces and informations by point, in the order in which points were given.
+    fn evidence_block(&self, x: &[Block], ws: &mut [Block]) -> Block {
         let (plan, n) = (&self.model.plan, self.points());
         let (positions, rest) = ws.split_at_mut(3 * n);
         let (forces, rest) = rest.split_at_mut(3 * n);
@@ -182,10 +182,10 @@ impl SoftSilhouette {
         for k in 0..n {
             for lane in 0..LANES {
                 let at = [0, 1, 2].map(|axis: usize| positions[3 * k + axis].0[lane]);
-                let told = self.tell(at, self.model.radii[k]);
-                energy.0[lane] += told.energy;
-                forces[3 * k..].iter_mut().zip(told.force).for_each(|(out, f)| out.0[lane] = f);
-                informations[6 * k..].iter_mut().zip(told.information).for_each(|(out, i)| out.0[lane] = i);
+                let found = self.evidence(at, self.model.radii[k]);
+                energy.0[lane] += found.energy;
+                forces[3 * k..].iter_mut().zip(found.force).for_each(|(out, f)| out.0[lane] = f);
+                informations[6 * k..].iter_mut().zip(found.information).for_each(|(out, i)| out.0[lane] = i);
             }
         }
         energy
@@ -268,7 +268,7 @@ impl LogDensity for SoftSilhouette {
     }
 
     fn log_density_block(&self, x: &[Block], ws: &mut [Block]) -> Block {
-        let energy = self.tell_block(x, ws);
+        let energy = self.evidence_block(x, ws);
         Block(energy.0.map(|energy| -energy))
     }
 }
@@ -283,7 +283,7 @@ impl GradLogDensity for SoftSilhouette {
     }
 
     fn log_density_grad_block(&self, x: &[Block], grad: &mut [Block], ws: &mut [Block]) -> Block {
-        let energy = self.tell_block(x, ws);
+        let energy = self.evidence_block(x, ws);
         let n = self.points();
         let (forces, rest) = ws[3 * n..].split_at_mut(3 * n);
         dispatch(self.model.isa, Pull { plan: &self.model.plan, x, forces, grad, ws: &mut rest[6 * n..] });
@@ -293,14 +293,14 @@ impl GradLogDensity for SoftSilhouette {
 
 impl GaussNewton for SoftSilhouette {
     fn gauss_newton_diagonal_block(&self, x: &[Block], diagonal: &mut [Block], ws: &mut [Block]) {
-        self.tell_block(x, ws);
+        self.evidence_block(x, ws);
         let n = self.points();
         let (informations, rest) = ws[6 * n..].split_at_mut(6 * n);
         dispatch(self.model.isa, Curve::<true> { plan: &self.model.plan, x, informations, out: diagonal, ws: rest });
     }
 
     fn gauss_newton_block(&self, x: &[Block], matrix: &mut [Block], ws: &mut [Block]) {
-        self.tell_block(x, ws);
+        self.evidence_block(x, ws);
         let n = self.points();
         let (informations, rest) = ws[6 * n..].split_at_mut(6 * n);
         dispatch(self.model.isa, Curve::<false> { plan: &self.model.plan, x, informations, out: matrix, ws: rest });

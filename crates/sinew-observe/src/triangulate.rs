@@ -38,7 +38,7 @@ pub struct Seen<'a> {
 /// Which subsets of the cameras are tried.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Search {
-    /// All of a size before those of the next.
+    /// All subsets of a size before the next size.
     Exhaustive,
     /// The best of those that lack one camera more.
     Greedy,
@@ -51,7 +51,7 @@ pub struct Config {
     pub least_confidence: f64,
     /// Multiply the rows of a detection by its confidence.
     pub weigh: bool,
-    /// Undo the lens distortion first; else pixels are taken as those of a perfect lens.
+    /// Undo the lens distortion first; else the lens is taken to be perfect.
     pub undistort: bool,
     /// Mean pixel distance that is small enough, exclusive.
     pub error_px: f64,

@@ -1,11 +1,10 @@
 //! Who is who in several views, and what the other views say about one: stick figures of nine points on a ring of four cameras, seen without noise, so that every answer is exact.
 
-use sinew_observe::association::{
-    Associated, Config, Following, Person, associate, follow, groups, nearest, triangulated,
-};
+use sinew_observe::association::{Config, Person, groups, nearest, triangulated};
 use sinew_observe::cross_view::{
     best_lag, cameras_behind, expected_from_others, lag_change, residual_by_lag, swapped_spans,
 };
+use sinew_observe::following::{Associated, Following, associate, follow};
 use sinew_observe::offsets::{CameraNoise, Sighted};
 use sinew_observe::{Camera, Detection};
 

@@ -50,12 +50,12 @@ fn bound(isa: Isa) -> SoftSilhouette {
 #[test]
 fn gradients_are_those_of_differences() {
     let bound = bound(Isa::best());
-    let (mut told, mut judged) = (0, 0);
+    let (mut outside, mut judged) = (0, 0);
     for state in poses(20, 0.5) {
         let mut grad = vec![0.0; 24];
         let value = bound.log_density_grad(&state, &mut grad);
         assert_eq!(value, bound.log_density(&state));
-        told += usize::from(value < -1.0);
+        outside += usize::from(value < -1.0);
         let largest = grad.iter().fold(1.0_f64, |a, g| a.max(g.abs()));
         for j in 0..24 {
             let at = |h: f64| {
@@ -72,7 +72,7 @@ fn gradients_are_those_of_differences() {
             }
         }
     }
-    assert!(told > 10 && judged > 450, "{told} of 20 poses stick out, {judged} of 480 derivatives judged");
+    assert!(outside > 10 && judged > 450, "{outside} of 20 poses stick out, {judged} of 480 derivatives judged");
 }
 
 #[test]
@@ -93,7 +93,7 @@ fn blocks_and_instruction_sets_agree() {
     }
 }
 
-/// The matrix is positive semi-definite, its diagonal is the one that is asked for alone, and where all is inside nothing is told.
+/// The matrix is positive semi-definite, its diagonal is the one that is asked for alone, and where all is inside it is zero.
 #[test]
 fn curvature_belongs_to_the_gradient() {
     let bound = bound(Isa::best());

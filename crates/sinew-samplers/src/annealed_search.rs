@@ -1,4 +1,6 @@
-//! Annealed particle search (Deutscher, Blake & Reid 2000; Deutscher & Reid 2005): layers of weighting, resampling and diffusion, from broad to peaked. A **search, not a sampler**.
+//! Annealed particle search (Deutscher, Blake & Reid 2000; Deutscher & Reid 2005).
+//!
+//! Layers of weighting, resampling and diffusion, from broad to peaked: a **search, not a sampler**.
 //!
 //! With n layers, survival rate α and a base covariance P = diag(sd²), from states that were diffused by P:
 //!
@@ -99,7 +101,7 @@ impl Config {
         Ok(())
     }
 
-    /// Standard deviations of the noise that follows `weightings` weightings, for those of the base diffusion.
+    /// Standard deviations of the noise that follows `weightings` weightings, for the standard deviations of the base diffusion.
     #[must_use]
     pub fn noise(&self, sd: &[f64], weightings: usize) -> Vec<f64> {
         let factor = match self.scaling {

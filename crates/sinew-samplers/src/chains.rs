@@ -37,7 +37,7 @@ pub struct Schedule {
 
 /// Kept draws of all chains.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Draws {
+pub struct ChainDraws {
     /// Dimension of the state.
     pub dim: usize,
     /// Number of chains M.
@@ -54,18 +54,41 @@ pub struct Draws {
     pub divergences: usize,
 }
 
-impl Draws {
+impl ChainDraws {
     /// Values of one coordinate: one series a chain.
     #[must_use]
     pub fn series(&self, coordinate: usize) -> Vec<Vec<f64>> {
         let value = |index: usize| self.states[index / LANES * self.dim + coordinate].0[index % LANES];
         (0..self.chains).map(|i| (i..self.stats.len()).step_by(self.chains).map(value).collect()).collect()
     }
+
+    /// The draws of some of the chains, in the order of `chosen`; acceptance and divergences are the kept draws' own.
+    #[must_use]
+    pub fn select(&self, chosen: &[usize]) -> Self {
+        let (dim, chains) = (self.dim, chosen.len());
+        let kept = self.stats.len() / self.chains.max(1);
+        let from = |draw: usize| draw / chains * self.chains + chosen[draw % chains];
+        let lane = |blocks: &[Block], index: usize, j: usize| blocks[index / LANES * dim + j].0[index % LANES];
+        let gather = |blocks: &[Block], count: usize| {
+            let mut gathered = vec![Block::ZERO; count.div_ceil(LANES) * dim];
+            for draw in 0..count {
+                for j in 0..dim {
+                    gathered[draw / LANES * dim + j].0[draw % LANES] = lane(blocks, from(draw), j);
+                }
+            }
+            gathered
+        };
+        let stats: Vec<ChainStat> = (0..kept * chains).map(|draw| self.stats[from(draw)]).collect();
+        let acceptance = stats.iter().map(|stat| stat.acceptance).sum::<f64>() / stats.len().max(1) as f64;
+        let divergences = stats.iter().filter(|stat| stat.divergent).count();
+        let (states, last) = (gather(&self.states, kept * chains), gather(&self.last, chains));
+        Self { dim, chains, states, stats, last, acceptance, divergences }
+    }
 }
 
 /// How well the draws represent their target.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Quality {
+pub struct ChainQuality {
     /// Effective number of draws, the least over coordinates.
     pub ess: f64,
     /// Split R̂ over the chains, the largest over coordinates; NaN where it does not exist.
@@ -76,31 +99,31 @@ pub struct Quality {
     pub energy_fraction: f64,
 }
 
-impl Draws {
+impl ChainDraws {
     /// Diagnostics of the draws about their mean.
     #[must_use]
-    pub fn quality(&self, mean: &[f64]) -> Quality {
-        let of_coordinate = |j: usize| {
+    pub fn quality(&self, mean: &[f64]) -> ChainQuality {
+        let coordinate = |j: usize| {
             let mut series = self.series(j);
             let (ess, r_hat) = (effective_sample_size(&series), split_r_hat(&series));
             series.iter_mut().flatten().for_each(|x| *x = (*x - mean[j]) * (*x - mean[j]));
             (ess, r_hat, effective_sample_size(&series))
         };
-        let all: Vec<(f64, f64, f64)> = (0..mean.len()).into_par_iter().map(of_coordinate).collect();
-        Quality {
-            ess: all.iter().map(|of| of.0).fold(f64::INFINITY, f64::min),
-            r_hat: all.iter().map(|of| of.1).fold(f64::NAN, f64::max),
-            ess_of_squares: all.iter().map(|of| of.2 / self.dim as f64).sum(),
+        let all: Vec<(f64, f64, f64)> = (0..mean.len()).into_par_iter().map(coordinate).collect();
+        ChainQuality {
+            ess: all.iter().map(|found| found.0).fold(f64::INFINITY, f64::min),
+            r_hat: all.iter().map(|found| found.1).fold(f64::NAN, f64::max),
+            ess_of_squares: all.iter().map(|found| found.2 / self.dim as f64).sum(),
             energy_fraction: self.energy_fraction(),
         }
     }
 
     fn energy_fraction(&self) -> f64 {
-        let of_chain = |i: usize| {
+        let fraction = |i: usize| {
             let energies: Vec<f64> = self.stats.iter().skip(i).step_by(self.chains).map(|stat| stat.energy).collect();
             energy_fraction(&energies)
         };
-        (0..self.chains).map(of_chain).sum::<f64>() / self.chains as f64
+        (0..self.chains).map(fraction).sum::<f64>() / self.chains as f64
     }
 }
 
@@ -148,7 +171,7 @@ pub fn draw<T: GradLogDensity + ?Sized>(
     chains: usize,
     schedule: Schedule,
     stage: &Stage,
-) -> Result<Draws, Error> {
+) -> Result<ChainDraws, Error> {
     run_blocks(target.dim(), starts, chains, schedule, |start, block| {
         lockstep(target, hmc, start, schedule, stage, block)
     })
@@ -174,7 +197,7 @@ pub(crate) fn run_blocks<B: Send>(
 }
 
 /// The kept draws of all blocks.
-pub(crate) fn gather(dim: usize, chains: usize, schedule: Schedule, runs: &[Lockstep]) -> Draws {
+pub(crate) fn gather(dim: usize, chains: usize, schedule: Schedule, runs: &[Lockstep]) -> ChainDraws {
     let per_chain = schedule.updates + 1 - schedule.burn_in;
     let count = chains * per_chain;
     let mut states = vec![Block::ZERO; count.div_ceil(LANES) * dim];
@@ -206,7 +229,7 @@ pub(crate) fn gather(dim: usize, chains: usize, schedule: Schedule, runs: &[Lock
     }
     let last = runs.iter().flat_map(|run| run.last.iter().copied()).collect();
     acceptance /= (chains * schedule.updates.max(1)) as f64;
-    Draws { dim, chains, states, stats, last, acceptance, divergences }
+    ChainDraws { dim, chains, states, stats, last, acceptance, divergences }
 }
 
 #[cfg(test)]
@@ -231,11 +254,11 @@ mod tests {
             assert!((target.log_density(&state) - stat.log_density).abs() < 1e-13);
             assert!(stat.energy >= -stat.log_density && stat.acceptance <= 1.0 && !stat.divergent);
         }
-        let of_chain = |i: usize| {
+        let fraction = |i: usize| {
             let energies: Vec<f64> = draws.stats.iter().skip(i).step_by(10).map(|stat| stat.energy).collect();
             energy_fraction(&energies) / 10.0
         };
-        let expected: f64 = (0..10).map(of_chain).sum();
+        let expected: f64 = (0..10).map(fraction).sum();
         assert!((draws.quality(&[0.0, 3.0]).energy_fraction - expected).abs() < 1e-12);
         for (chain, series) in series[1].iter().enumerate() {
             assert_eq!(series[3], draws.last[chain / 8 * 2 + 1].0[chain % 8]);

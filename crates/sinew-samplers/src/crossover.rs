@@ -1,4 +1,6 @@
-//! Crossover of resampled particles (Deutscher & Reid 2005): a child takes a stretch of its coordinates from a second parent, so that good limbs of different particles meet.
+//! Crossover of resampled particles (Deutscher & Reid 2005).
+//!
+//! A child takes a stretch of its coordinates from a second parent, so that good limbs of different particles meet.
 //!
 //! With probability p, independently for each child i of parent a:
 //!

@@ -1,4 +1,6 @@
-//! A mixture of Gaussians with full covariances, fitted to draws by expectation and maximisation (Dempster, Laird & Rubin 1977), as a proposal for [`crate::jumps`].
+//! A mixture of Gaussians with full covariances, fitted to draws as a proposal for [`crate::jumps`].
+//!
+//! The fit is by expectation and maximisation (Dempster, Laird & Rubin 1977):
 //!
 //! 1. Every component starts at a draw, the draws taken at equal distances, with the covariance of all.
 //! 2. r_ic = share of component c in the density of draw i;
@@ -58,7 +60,7 @@ pub struct GaussianMixture {
 #[derive(Clone, Debug)]
 pub struct Scratch {
     state: Vec<Block>,
-    of_components: Vec<Block>,
+    components: Vec<Block>,
 }
 
 /// Rows of a packed lower triangle.
@@ -76,7 +78,7 @@ struct LogDensity<'a> {
     components: &'a [Component],
     x: &'a [Block],
     centred: &'a mut [Block],
-    of_components: &'a mut [Block],
+    log_densities: &'a mut [Block],
     sum: &'a mut Block,
 }
 
@@ -85,7 +87,7 @@ impl Kernel<Block> for LogDensity<'_> {
     fn run<V: Real<Mem = Block>>(&mut self) {
         let d = self.x.len();
         let mut largest = V::splat(f64::MIN);
-        for (component, out) in self.components.iter().zip(&mut *self.of_components) {
+        for (component, out) in self.components.iter().zip(&mut *self.log_densities) {
             for ((y, x), &m) in self.centred.iter_mut().zip(self.x).zip(&component.mean) {
                 (V::load(x) - V::splat(m)).store(y);
             }
@@ -99,8 +101,8 @@ impl Kernel<Block> for LogDensity<'_> {
             largest = largest.max(log_density);
         }
         let mut sum = V::splat(0.0);
-        for of_component in &*self.of_components {
-            sum = sum + exp(V::load(of_component) - largest);
+        for log_density in &*self.log_densities {
+            sum = sum + exp(V::load(log_density) - largest);
         }
         (largest + ln(sum)).store(self.sum);
     }
@@ -160,14 +162,7 @@ impl GaussianMixture {
         let mut shares = vec![vec![0.0; count]; components];
         let scratch = &mut mixture.scratch();
         for _ in 0..ROUNDS {
-            for (block, state) in states.chunks_exact(dim).enumerate() {
-                let density = mixture.log_density_block(state, scratch);
-                for (shares, of) in shares.iter_mut().zip(&scratch.of_components) {
-                    for lane in 0..LANES {
-                        shares[block * LANES + lane] = (of.0[lane] - density.0[lane]).exp();
-                    }
-                }
-            }
+            mixture.share(states, &mut shares, scratch);
             let mut next = Vec::with_capacity(components);
             for shares in &mut shares {
                 let sum: f64 = shares.iter().sum();
@@ -189,25 +184,37 @@ impl GaussianMixture {
                 component.log_scale -= total.ln();
             }
             shares.truncate(next.len());
-            scratch.of_components.truncate(next.len());
+            scratch.components.truncate(next.len());
             mixture.components = next;
         }
         Ok(mixture)
+    }
+
+    /// Shares r_ic of the components in the density of each draw: one series a component.
+    fn share(&self, states: &[Block], shares: &mut [Vec<f64>], scratch: &mut Scratch) {
+        for (block, state) in states.chunks_exact(scratch.state.len()).enumerate() {
+            let density = self.log_density_block(state, scratch);
+            for (shares, component) in shares.iter_mut().zip(&scratch.components) {
+                for lane in 0..LANES {
+                    shares[block * LANES + lane] = (component.0[lane] - density.0[lane]).exp();
+                }
+            }
+        }
     }
 
     /// Scratch of the other methods.
     #[must_use]
     pub fn scratch(&self) -> Scratch {
         let d = self.components.first().map_or(0, |c| c.mean.len());
-        Scratch { state: vec![Block::ZERO; d], of_components: vec![Block::ZERO; self.components.len()] }
+        Scratch { state: vec![Block::ZERO; d], components: vec![Block::ZERO; self.components.len()] }
     }
 
     /// Log densities of a block of states.
     pub fn log_density_block(&self, x: &[Block], scratch: &mut Scratch) -> Block {
         let mut log_density = Block::ZERO;
         let (components, centred) = (&self.components[..], &mut scratch.state[..]);
-        let (of_components, sum) = (&mut scratch.of_components[..], &mut log_density);
-        dispatch(self.isa, LogDensity { components, x, centred, of_components, sum });
+        let (log_densities, sum) = (&mut scratch.components[..], &mut log_density);
+        dispatch(self.isa, LogDensity { components, x, centred, log_densities, sum });
         log_density
     }
 

@@ -13,8 +13,8 @@
 //! in [`Chains`], so that an update costs L gradients; it allocates nothing.
 
 use crate::Error;
-use crate::metric::{Dense, Metric};
-use crate::triangular::dot;
+use crate::integrator::{End, Leapfrog, PhasePoint, check_jitter, kinetic};
+use crate::metric::Metric;
 use sinew_core::density::GradLogDensity;
 use sinew_core::lanes::{Block, Isa, Kernel, LANES, Real, dispatch};
 use sinew_core::random::BlockRng;
@@ -22,27 +22,19 @@ use sinew_core::random::BlockRng;
 /// An energy error above this is a divergence.
 pub const DIVERGENCE: f64 = 1000.0;
 
-/// Steps of the integrator; fixed while chains run.
+/// Trajectories of fixed steps and length; fixed while chains run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Hmc {
-    steps: Steps,
+    leapfrog: Leapfrog,
     leapfrog_steps: usize,
     jitter: f64,
-    isa: Isa,
-}
-
-/// The matrix η A of the metric in use.
-#[derive(Clone, Debug, PartialEq)]
-enum Steps {
-    Components(Vec<f64>),
-    Dense(Dense),
 }
 
 impl Hmc {
     /// Steps for a metric.
     ///
     /// # Errors
-    /// As [`Hmc::new`].
+    /// [`Error::OutOfRange`] unless the step size and each curvature are positive and finite, there is at least one coordinate and one step, and 0 ≤ jitter < 1.
     pub fn with_metric(
         step_size: f64,
         metric: &Metric,
@@ -50,50 +42,44 @@ impl Hmc {
         jitter: f64,
         isa: Isa,
     ) -> Result<Self, Error> {
-        match metric {
-            Metric::Diagonal(curvature) => Self::new(step_size, curvature, leapfrog_steps, jitter, isa),
-            Metric::Dense(dense) => {
-                let unit = Self::new(step_size, &[1.0], leapfrog_steps, jitter, isa)?;
-                Ok(Self { steps: Steps::Dense(dense.clone().scaled(step_size)), ..unit })
-            }
+        let leapfrog = Leapfrog::new(step_size, metric, isa)?;
+        if leapfrog_steps == 0 {
+            let (name, value) = ("number of leapfrog steps", 0.0);
+            return Err(Error::OutOfRange { name, value, expected: "must be positive and finite" });
         }
+        check_jitter(jitter)?;
+        Ok(Self { leapfrog, leapfrog_steps, jitter })
     }
 
     /// Component steps η / √h_j for the `curvature` h.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] unless the step size and each curvature are positive and finite, there is at least one curvature and one step, and 0 ≤ jitter < 1.
+    /// As [`Hmc::with_metric`].
     pub fn new(step_size: f64, curvature: &[f64], leapfrog_steps: usize, jitter: f64, isa: Isa) -> Result<Self, Error> {
-        let positive = |name, value: f64| {
-            let expected = "must be positive and finite";
-            if value > 0.0 && value.is_finite() { Ok(()) } else { Err(Error::OutOfRange { name, value, expected }) }
-        };
-        positive("step size", step_size)?;
-        positive("number of leapfrog steps", leapfrog_steps as f64)?;
-        positive("number of curvatures", curvature.len() as f64)?;
-        for &h in curvature {
-            positive("curvature", h)?;
-        }
-        if !(0.0..1.0).contains(&jitter) {
-            return Err(Error::OutOfRange { name: "jitter", value: jitter, expected: "must be in [0, 1)" });
-        }
-        let steps = Steps::Components(curvature.iter().map(|h| step_size / h.sqrt()).collect());
-        Ok(Self { steps, leapfrog_steps, jitter, isa })
+        Self::with_metric(step_size, &Metric::Diagonal(curvature.to_vec()), leapfrog_steps, jitter, isa)
     }
 
     /// Dimension of the states that it moves.
     #[must_use]
     pub fn dim(&self) -> usize {
-        match &self.steps {
-            Steps::Components(steps) => steps.len(),
-            Steps::Dense(dense) => dense.dim(),
-        }
+        self.leapfrog.dim()
     }
 
     /// Leapfrog steps L of a trajectory.
     #[must_use]
     pub fn leapfrog_steps(&self) -> usize {
         self.leapfrog_steps
+    }
+
+    /// One trajectory, as [`Leapfrog::trajectory`].
+    pub fn trajectory<T: GradLogDensity + ?Sized>(
+        &self,
+        target: &T,
+        factor: &Block,
+        point: PhasePoint<'_>,
+        workspace: &mut [Block],
+    ) -> End {
+        self.leapfrog.trajectory(target, self.leapfrog_steps, factor, point, workspace)
     }
 }
 
@@ -158,128 +144,6 @@ pub struct Update {
     pub factor: Block,
 }
 
-struct KickDrift<'a> {
-    steps: &'a [f64],
-    factor: &'a Block,
-    kick: f64,
-    position: &'a mut [Block],
-    momentum: &'a mut [Block],
-    gradient: &'a [Block],
-}
-
-/// The same with a dense metric.
-struct DenseKickDrift<'a> {
-    steps: &'a Dense,
-    factor: &'a Block,
-    kick: f64,
-    position: &'a mut [Block],
-    momentum: &'a mut [Block],
-    gradient: &'a [Block],
-}
-
-/// p + kick · Aᵀ g, coordinate by coordinate.
-#[inline(always)]
-fn dense_kick<V: Real<Mem = Block>>(steps: &Dense, kick: V, momentum: &mut [Block], gradient: &[Block]) {
-    let mut column = &steps.columns[..];
-    for (j, p) in momentum.iter_mut().enumerate() {
-        let (entries, rest) = column.split_at(j + 1);
-        column = rest;
-        let sum: V = dot(entries, gradient);
-        sum.fma(kick, V::load(p)).store(p);
-    }
-}
-
-impl Kernel<Block> for DenseKickDrift<'_> {
-    #[inline(always)]
-    fn run<V: Real<Mem = Block>>(&mut self) {
-        let d = self.steps.dim();
-        let (x, p, g) = (&mut self.position[..d], &mut self.momentum[..d], &self.gradient[..d]);
-        let factor = V::load(self.factor);
-        dense_kick(self.steps, factor * V::splat(self.kick), p, g);
-        let mut row = &self.steps.rows[..];
-        for (i, x) in x.iter_mut().enumerate() {
-            let (entries, rest) = row.split_at(d - i);
-            row = rest;
-            let sum: V = dot(entries, &p[i..]);
-            sum.fma(factor, V::load(x)).store(x);
-        }
-    }
-}
-
-/// The closing half step with a dense metric.
-struct DenseKick<'a> {
-    steps: &'a Dense,
-    factor: &'a Block,
-    kick: f64,
-    momentum: &'a mut [Block],
-    gradient: &'a [Block],
-}
-
-impl Kernel<Block> for DenseKick<'_> {
-    #[inline(always)]
-    fn run<V: Real<Mem = Block>>(&mut self) {
-        let d = self.steps.dim();
-        let kick = V::load(self.factor) * V::splat(self.kick);
-        dense_kick(self.steps, kick, &mut self.momentum[..d], &self.gradient[..d]);
-    }
-}
-
-/// p·p / 2.
-struct Kinetic<'a> {
-    momentum: &'a [Block],
-    energy: &'a mut Block,
-}
-
-impl Kernel<Block> for Kinetic<'_> {
-    #[inline(always)]
-    fn run<V: Real<Mem = Block>>(&mut self) {
-        let mut square = V::splat(0.0);
-        for p in self.momentum {
-            let p = V::load(p);
-            square = p.fma(p, square);
-        }
-        (square * V::splat(0.5)).store(self.energy);
-    }
-}
-
-impl Kernel<Block> for KickDrift<'_> {
-    #[inline(always)]
-    fn run<V: Real<Mem = Block>>(&mut self) {
-        let d = self.steps.len();
-        let (x, p, g) = (&mut self.position[..d], &mut self.momentum[..d], &self.gradient[..d]);
-        let factor = V::load(self.factor);
-        let kick = V::splat(self.kick);
-        for j in 0..d {
-            let step = V::splat(self.steps[j]) * factor;
-            let momentum = (step * kick).fma(V::load(&g[j]), V::load(&p[j]));
-            momentum.store(&mut p[j]);
-            step.fma(momentum, V::load(&x[j])).store(&mut x[j]);
-        }
-    }
-}
-
-/// The closing half step.
-struct LastKick<'a> {
-    steps: &'a [f64],
-    factor: &'a Block,
-    kick: f64,
-    momentum: &'a mut [Block],
-    gradient: &'a [Block],
-}
-
-impl Kernel<Block> for LastKick<'_> {
-    #[inline(always)]
-    fn run<V: Real<Mem = Block>>(&mut self) {
-        let d = self.steps.len();
-        let (p, g) = (&mut self.momentum[..d], &self.gradient[..d]);
-        let kick = V::load(self.factor) * V::splat(self.kick);
-        for j in 0..d {
-            let momentum = (V::splat(self.steps[j]) * kick).fma(V::load(&g[j]), V::load(&p[j]));
-            momentum.store(&mut p[j]);
-        }
-    }
-}
-
 /// Takes the new values where `accepted` is 1.
 struct Take<'a> {
     accepted: &'a Block,
@@ -297,57 +161,6 @@ impl Kernel<Block> for Take<'_> {
     }
 }
 
-/// Where a trajectory ended.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct End {
-    /// Log density of the last state.
-    pub log_density: Block,
-    /// Kinetic energy p·p / 2 of the last momentum.
-    pub kinetic: Block,
-    /// 0 where every log density on the way was finite, else NaN.
-    pub broken: Block,
-}
-
-/// One trajectory of leapfrog steps. `gradient` holds the gradient of the log density at `position` on entry and on return; `workspace` is the target's.
-///
-/// # Panics
-/// When the metric has another dimension than the states: coordinates without a step would never move.
-pub fn leapfrog<T: GradLogDensity + ?Sized>(
-    target: &T,
-    hmc: &Hmc,
-    factor: &Block,
-    position: &mut [Block],
-    momentum: &mut [Block],
-    gradient: &mut [Block],
-    workspace: &mut [Block],
-) -> End {
-    assert_eq!(hmc.dim(), position.len(), "dimension of the metric and of the states");
-    let mut log_density = Block::ZERO;
-    let mut broken = Block::ZERO;
-    for step in 0..hmc.leapfrog_steps {
-        let kick = if step == 0 { 0.5 } else { 1.0 };
-        match &hmc.steps {
-            Steps::Components(steps) => {
-                dispatch(hmc.isa, KickDrift { steps, factor, kick, position, momentum, gradient });
-            }
-            Steps::Dense(steps) => {
-                dispatch(hmc.isa, DenseKickDrift { steps, factor, kick, position, momentum, gradient });
-            }
-        }
-        log_density = target.log_density_grad_block(position, gradient, workspace);
-        for (b, l) in broken.0.iter_mut().zip(log_density.0) {
-            *b += 0.0 * l;
-        }
-    }
-    match &hmc.steps {
-        Steps::Components(steps) => dispatch(hmc.isa, LastKick { steps, factor, kick: 0.5, momentum, gradient }),
-        Steps::Dense(steps) => dispatch(hmc.isa, DenseKick { steps, factor, kick: 0.5, momentum, gradient }),
-    }
-    let mut kinetic = Block::ZERO;
-    dispatch(hmc.isa, Kinetic { momentum, energy: &mut kinetic });
-    End { log_density, kinetic, broken }
-}
-
 /// Moves all eight chains by one trajectory.
 pub fn update<T: GradLogDensity + ?Sized>(
     target: &T,
@@ -357,7 +170,8 @@ pub fn update<T: GradLogDensity + ?Sized>(
     rng: &mut BlockRng,
 ) -> Update {
     let Workspace { momentum, position, gradient, target: scratch } = ws;
-    rng.fill_normal(hmc.isa, momentum);
+    let isa = hmc.leapfrog.isa();
+    rng.fill_normal(isa, momentum);
     let mut uniforms = [Block::ZERO; 2];
     rng.fill_uniform(&mut uniforms);
     let mut factor = Block::splat(1.0);
@@ -366,9 +180,8 @@ pub fn update<T: GradLogDensity + ?Sized>(
     }
     position.copy_from_slice(&chains.position);
     gradient.copy_from_slice(&chains.gradient);
-    let mut kinetic = Block::ZERO;
-    dispatch(hmc.isa, Kinetic { momentum, energy: &mut kinetic });
-    let end = leapfrog(target, hmc, &factor, position, momentum, gradient, scratch);
+    let kinetic = kinetic(isa, momentum);
+    let end = hmc.trajectory(target, &factor, PhasePoint { position, momentum, gradient }, scratch);
 
     let mut taken = Block::ZERO;
     let mut update = Update {
@@ -391,10 +204,10 @@ pub fn update<T: GradLogDensity + ?Sized>(
         update.energy.0[lane] = if accepted { after } else { before };
         taken.0[lane] = f64::from(u8::from(accepted));
     }
-    dispatch(hmc.isa, Take { accepted: &taken, old: &mut chains.position, new: position });
-    dispatch(hmc.isa, Take { accepted: &taken, old: &mut chains.gradient, new: gradient });
+    dispatch(isa, Take { accepted: &taken, old: &mut chains.position, new: position });
+    dispatch(isa, Take { accepted: &taken, old: &mut chains.gradient, new: gradient });
     let new = &[end.log_density];
-    dispatch(hmc.isa, Take { accepted: &taken, old: std::slice::from_mut(&mut chains.log_density), new });
+    dispatch(isa, Take { accepted: &taken, old: std::slice::from_mut(&mut chains.log_density), new });
     update
 }
 

@@ -1,6 +1,8 @@
-//! Self-normalised importance sampling from the Laplace approximation of a frame's posterior: the particle filter's step with a proposal that has seen the observation.
+//! Self-normalised importance sampling from the Laplace approximation of a frame's posterior.
 //!
-//! 1. s_i ~ q, i = 1 … N, with q about the mode and with the Gauss–Newton covariance G⁻¹ ([`crate::metric::laplace`])
+//! It is the particle filter's step with a proposal that has seen the observation.
+//!
+//! 1. s_i ~ q, i = 1 … N, with q about the mode and with the Gauss–Newton covariance G⁻¹ ([`crate::laplace`])
 //! 2. w_i = p(z | s_i) prior(s_i) / q(s_i), and Σ W_i f(s_i) estimates the posterior mean of f; the mean of the w_i estimates the evidence without bias
 //!
 //! (Doucet, Godsill & Andrieu 2000, §II.D, call it local linearisation.) A Gaussian q has thinner tails than a posterior that is broader than its Gauss–Newton matrix says: the weights then have no bound and the
@@ -10,7 +12,7 @@
 //! A proposal that misses the posterior shows in an effective number far below N. One that misses a whole mode does not: nothing that is drawn from q can tell of a place where q never is.
 
 use crate::Error;
-use crate::metric::Laplace;
+use crate::laplace::Laplace;
 use crate::moments;
 use crate::population::Population;
 use crate::weights::{effective_number, normalise};
@@ -23,9 +25,9 @@ use sinew_core::random::{BlockRng, Stage};
 /// Tails of the proposal.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Tails {
-    /// Those of a Gaussian.
+    /// Gaussian tails.
     Gaussian,
-    /// Those of a multivariate Student t with the matrix G⁻¹.
+    /// The tails of a multivariate Student t with the matrix G⁻¹.
     StudentT {
         /// Degrees of freedom ν ≥ 1.
         degrees: u32,

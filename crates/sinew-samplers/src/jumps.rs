@@ -1,4 +1,6 @@
-//! Hamiltonian trajectories with jumps: each update of a chain is one trajectory followed by some independence proposals (Tierney 1994) from a mixture fitted to warm-up draws.
+//! Hamiltonian trajectories with jumps.
+//!
+//! Each update of a chain is one trajectory followed by some independence proposals (Tierney 1994) from a mixture fitted to warm-up draws.
 //!
 //! A jump proposes y ~ q, whatever the state x is, and accepts it with probability min(1, p(y) q(x) / (p(x) q(y))). It leaves p unchanged for any fixed q. Where q resembles p, one jump in a few is an independent draw
 //! and chains go from mode to mode at once; where q is far too thin, a chain would wait for ever, and there the trajectories carry it on (Gabrié, Rotskoff & Vanden-Eijnden 2022 do so with
@@ -8,7 +10,7 @@
 //! too, one after the other (Jacob, Robert & Smith 2011): one chain alone gets eight jumps at the cost of one.
 
 use crate::Error;
-use crate::chains::{Draws, Lockstep, Schedule, gather, run_blocks};
+use crate::chains::{ChainDraws, Lockstep, Schedule, gather, run_blocks};
 use crate::gaussian_mixture::{GaussianMixture, Scratch};
 use crate::hmc::{Chains, Hmc, Workspace, update};
 use sinew_core::density::GradLogDensity;
@@ -26,9 +28,9 @@ pub struct Jumps {
 
 /// Draws of all chains.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Run {
-    /// Kept draws; acceptance and divergences are those of the trajectories.
-    pub draws: Draws,
+pub struct JumpRun {
+    /// Kept draws; acceptance and divergences count the trajectories.
+    pub draws: ChainDraws,
     /// Mean acceptance probability of the jumps.
     pub acceptance: f64,
 }
@@ -100,7 +102,7 @@ pub fn draw<T: GradLogDensity + ?Sized>(
     chains: usize,
     schedule: Schedule,
     stage: &Stage,
-) -> Result<Run, Error> {
+) -> Result<JumpRun, Error> {
     let dim = target.dim();
     let runs = run_blocks(dim, starts, chains, schedule, |start, block| {
         let active = (chains - block * LANES).min(LANES);
@@ -109,7 +111,7 @@ pub fn draw<T: GradLogDensity + ?Sized>(
     let (runs, accepted): (Vec<Lockstep>, Vec<f64>) = runs.into_iter().unzip();
     let count = (accepted.len() * LANES * schedule.updates * jumps.count).max(1);
     let acceptance = accepted.iter().sum::<f64>() / count as f64;
-    Ok(Run { draws: gather(dim, chains, schedule, &runs), acceptance })
+    Ok(JumpRun { draws: gather(dim, chains, schedule, &runs), acceptance })
 }
 
 fn lockstep<T: GradLogDensity + ?Sized>(

@@ -9,7 +9,7 @@
 //! Draws come from a warm-up and are then thrown away; the metric stays fixed while chains run.
 
 use crate::Error;
-use crate::chains::Draws;
+use crate::chains::ChainDraws;
 use crate::metric::{Dense, Metric};
 use crate::moments::{moments, shrink};
 use faer::{Mat, MatRef, Side};
@@ -23,7 +23,7 @@ use sinew_core::lanes::{Block, Isa, LANES};
 /// [`Error::Metric`] where a coordinate does not vary or a gradient is not finite; [`Error::Empty`] without a whole block of draws.
 pub fn metric<T: GradLogDensity + ?Sized>(
     target: &T,
-    draws: &Draws,
+    draws: &ChainDraws,
     effective: f64,
     isa: Isa,
 ) -> Result<Metric, Error> {
@@ -39,18 +39,18 @@ pub fn metric<T: GradLogDensity + ?Sized>(
         target.log_density_grad_block(state, gradient, &mut workspace);
     }
     let weights = vec![1.0 / (blocks * LANES) as f64; blocks * LANES];
-    let [covariance, of_gradients] = [states, &gradients].map(|values| {
+    let [covariance, gradient_covariance] = [states, &gradients].map(|values| {
         let mut moments = moments(isa, values, d, &weights, effective);
         shrink(&mut moments, effective);
         moments.covariance
     });
-    if covariance.iter().chain(&of_gradients).any(|x| !x.is_finite()) {
+    if covariance.iter().chain(&gradient_covariance).any(|x| !x.is_finite()) {
         return Err(Error::Metric);
     }
     let covariance = MatRef::from_row_major_slice(&covariance, d, d);
     let factor = covariance.llt(Side::Lower).map_err(|_| Error::Metric)?;
     let l = factor.L();
-    let inner = l.transpose() * MatRef::from_row_major_slice(&of_gradients, d, d) * l;
+    let inner = l.transpose() * MatRef::from_row_major_slice(&gradient_covariance, d, d) * l;
     let eigen = inner.self_adjoint_eigen(Side::Lower).map_err(|_| Error::Metric)?;
     // With R = D^¼ Uᵀ L⁻¹, G = Rᵀ R.
     let mut root = Mat::<f64>::identity(d, d);
@@ -76,7 +76,7 @@ mod tests {
     use sinew_core::toy::Quadratic;
 
     #[test]
-    fn of_a_gaussian_it_is_the_precision() {
+    fn the_metric_of_a_gaussian_is_its_precision() {
         let isa = Isa::best();
         let precision = vec![1.0, 25.0, 0.04];
         let target = Lanes { leaf: Quadratic { centre: vec![1.0, 0.0, -3.0], precision: precision.clone() }, isa };
@@ -92,6 +92,6 @@ mod tests {
         }
         let flat = Lanes { leaf: Quadratic { centre: vec![0.0; 3], precision: vec![0.0; 3] }, isa };
         assert!(metric(&flat, &draws, 15_000.0, isa).is_err());
-        assert!(matches!(metric(&target, &Draws::default(), 1.0, isa), Err(Error::Empty { count: 0, dim: 0 })));
+        assert!(matches!(metric(&target, &ChainDraws::default(), 1.0, isa), Err(Error::Empty { count: 0, dim: 0 })));
     }
 }

@@ -1,5 +1,6 @@
-//! Samplers on plain targets: log weights, resampling, particle verbs, moments, Hamiltonian Monte Carlo and its tuning; tempered sequential Monte Carlo, importance sampling, and searches that
-//! claim no posterior ([`annealed_search`], the choice of [`parts`]).
+//! Samplers on plain targets: particles, Hamiltonian Monte Carlo, tempering, importance sampling, and searches.
+//!
+//! Particles come with log weights, resampling and moments, chains with tuning and a warm-up. The searches ([`annealed_search`], the choice of [`parts`]) claim no posterior.
 //!
 //! Nothing here knows of frames, bodies or cameras: a target is a [`sinew_core::density::LogDensity`], with a gradient where one is needed. A verb is a free function on
 //! [`particles::Particles`]; a Markov kernel is usable alone. Diagnostics of chains are re-exported from [`sinew_core::diagnostics`].
@@ -27,18 +28,23 @@
 //! # Ok::<(), sinew_samplers::Error>(())
 //! ```
 pub mod annealed_search;
+pub mod ascent;
 pub mod chains;
 pub mod crossover;
 pub mod curvature;
 pub mod decoded;
 pub mod diffusion;
+pub mod dual_averaging;
 mod error;
 pub mod gaussian_mixture;
 pub mod grid;
 pub mod hmc;
 pub mod importance;
+pub mod integrator;
 pub mod jumps;
+pub mod laplace;
 pub mod learned;
+pub mod likelihood_weighting;
 pub mod metric;
 pub mod moments;
 pub mod nuts;
@@ -53,6 +59,7 @@ pub mod temperature;
 pub mod tempered_smc;
 mod triangular;
 pub mod tuning;
+pub mod warm_up;
 pub mod weighted_resampling;
 pub mod weights;
 

@@ -10,7 +10,7 @@
 //! other probabilities than their weights, [`select`] takes them with the weights that they keep.
 
 use crate::resample::{Ancestors, Scheme};
-use crate::weights::{effective_number, normalise};
+use crate::weights::{effective_number, largest, normalise};
 use crate::{Error, moments};
 use rayon::prelude::*;
 use sinew_core::density::LogDensity;
@@ -305,12 +305,6 @@ pub fn temper(particles: &mut Particles, beta: f64) -> Result<f64, Error> {
 #[must_use]
 pub fn best(particles: &Particles) -> (usize, f64) {
     largest(&particles.values())
-}
-
-/// Place and value of the largest number; the first of equals, and what is no number is never chosen before one.
-pub(crate) fn largest(values: &[f64]) -> (usize, f64) {
-    let none = (0, f64::NEG_INFINITY);
-    values.iter().copied().enumerate().fold(none, |best, next| if next.1 > best.1 { next } else { best })
 }
 
 /// Weighted mean state.

@@ -1,11 +1,12 @@
-//! Particles part by part: moving one part, weighing by parts, and putting a state together from the best parts of several.
+//! Particles part by part: moves, weights, and states put together from the best parts of several.
 //!
 //! - [`start_part`] and [`predict_part`] apply one factor h_k of a motion h = h_1 * … * h_K that moves one part each (MacCormick & Isard 2000).
 //! - [`log_likelihoods`] gives the log likelihood of each part of each state.
 //! - [`choose`] picks for each part the state that explains it best, [`choose_chained`] with the parts chosen before as its ancestors. Both are searches: what they put together is no draw from anything.
 
 use crate::Error;
-use crate::particles::{Particles, evaluate_by, largest};
+use crate::particles::{Particles, evaluate_by};
+use crate::weights::largest;
 use core::ops::Range;
 use rayon::prelude::*;
 use sinew_core::density::PartLogDensity;
@@ -52,8 +53,8 @@ pub fn log_likelihoods<D: PartLogDensity + ?Sized>(
             out.clone()
         })
         .collect();
-    let of_part = |k: usize| blocks.iter().flat_map(|block| block[k].0).take(particles.count()).collect();
-    (0..parts.len()).map(of_part).collect()
+    let part_values = |k: usize| blocks.iter().flat_map(|block| block[k].0).take(particles.count()).collect();
+    (0..parts.len()).map(part_values).collect()
 }
 
 /// Evaluates the log likelihood of one part of every state, for [`crate::particles::temper`].

@@ -1,4 +1,6 @@
-//! Particles on a [`crate::grid`]: a first-order walk over partition centres, and one evaluation for all particles that stand on the same ones.
+//! Particles on a [`crate::grid`].
+//!
+//! They make a first-order walk over partition centres, and all that stand on the same ones are evaluated once.
 
 use crate::grid::Axis;
 use crate::particles::{Particles, move_by};

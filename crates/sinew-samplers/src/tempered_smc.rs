@@ -1,4 +1,6 @@
-//! Adaptive tempered sequential Monte Carlo with Hamiltonian moves (Del Moral, Doucet & Jasra 2006; temperatures by the effective number as in Jasra et al. 2011).
+//! Adaptive tempered sequential Monte Carlo with Hamiltonian moves (Del Moral, Doucet & Jasra 2006).
+//!
+//! The effective number chooses the temperatures, as in Jasra et al. (2011).
 //!
 //! From prior(s) to prior(s) L(s) through prior(s) L(s)^β:
 //!
@@ -67,7 +69,7 @@ pub struct Temperature {
 }
 
 /// What a run leaves.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Sample {
     /// The population after each update at β = 1.
     pub draws: Vec<Population>,
@@ -135,6 +137,22 @@ fn move_block<T: GradLogDensity + ?Sized>(
     Ok(moved)
 }
 
+/// Moves every block.
+fn move_all<T: GradLogDensity + ?Sized>(
+    target: &T,
+    hmc: &Hmc,
+    population: &Population,
+    updates: usize,
+    stage: &Stage,
+) -> Result<Vec<Moved>, Error> {
+    let blocks = population.states().par_chunks(population.dim()).enumerate();
+    let moved = |(block, states): (usize, &[Block])| {
+        let used = (population.count() - block * LANES).min(LANES);
+        move_block(target, hmc, states, used, updates, stage, block)
+    };
+    blocks.map(moved).collect()
+}
+
 /// Runs from the prior to the posterior; `metric` is the posterior's.
 ///
 /// # Errors
@@ -157,14 +175,7 @@ pub fn sample<O: GradLogDensity + ?Sized, P: FramePrior>(
     };
     let mut population = Population::draw(prior.dim(), particles, draw)?;
     let mut values = population.log_densities(observed);
-    let mut sample = Sample {
-        draws: vec![],
-        log_evidence: 0.0,
-        temperatures: vec![],
-        divergences: 0,
-        likelihoods: particles,
-        gradients: 0,
-    };
+    let mut sample = Sample { likelihoods: particles, ..Sample::default() };
     let (mut beta, mut weights) = (0.0, Vec::new());
     loop {
         if sample.temperatures.len() == MOST_TEMPERATURES {
@@ -182,15 +193,7 @@ pub fn sample<O: GradLogDensity + ?Sized, P: FramePrior>(
         let metric = metric_at(prior, metric, beta)?;
         let hmc = Hmc::with_metric(config.step_size, &metric, config.leapfrog_steps, config.jitter, isa)?;
         let stage = to_move.round(round);
-        let moved: Vec<Moved> = population
-            .states()
-            .par_chunks(population.dim())
-            .enumerate()
-            .map(|(block, states)| {
-                let used = (particles - block * LANES).min(LANES);
-                move_block(&target, &hmc, states, used, updates, &stage, block)
-            })
-            .collect::<Result<_, _>>()?;
+        let moved = move_all(&target, &hmc, &population, updates, &stage)?;
         sample.temperatures.push(Temperature {
             beta,
             effective: effective_number(&weights),

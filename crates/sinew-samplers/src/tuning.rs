@@ -1,13 +1,15 @@
-//! Step size and trajectory length of Hamiltonian Monte Carlo by trial, before any draw is kept; both are then fixed (Choo & Fleet 2001).
+//! Step size and trajectory length of Hamiltonian Monte Carlo by trial.
+//!
+//! Both are found before any draw is kept, and are then fixed (Choo & Fleet 2001):
 //!
 //! - η: the acceptance probability falls with η. It is halved or doubled from a first guess until the target acceptance is bracketed (at most 50 times, then an error), then log η is bisected, with some 200 trajectories an
-//!   evaluation, until the acceptance is within the tolerance. The chains go on from evaluation to evaluation and so reach the target's bulk on the way.
+//!   evaluation, until the acceptance is within the tolerance. The chains continue from evaluation to evaluation and so reach the target's bulk on the way.
 //! - L: for each candidate η is found as above, chains run, and the L with the least cost per effective draw, τ L, wins (τ: the largest over coordinates of the integrated autocorrelation time).
 //! - [`cheapest`] does so for several acceptance targets, and the pair of η and L with the least cost wins: where a metric fits, longer steps pay although more of them are rejected.
 //! - [`no_u_turn`] is the same for the no-U-turn sampler, whose trees choose the length.
 
 use crate::Error;
-use crate::chains::{Draws, Schedule, draw};
+use crate::chains::{ChainDraws, Schedule, draw};
 use crate::diagnostics::effective_sample_size;
 use crate::hmc::Hmc;
 use crate::metric::Metric;
@@ -84,7 +86,7 @@ impl<T: GradLogDensity + ?Sized> Trial<'_, T> {
         self.states.len() / self.target.dim().max(1) * LANES
     }
 
-    fn run(&mut self, eta: f64, steps: usize, jitter: f64, updates: usize, stage: &Stage) -> Result<Draws, Error> {
+    fn run(&mut self, eta: f64, steps: usize, jitter: f64, updates: usize, stage: &Stage) -> Result<ChainDraws, Error> {
         let hmc = Hmc::with_metric(eta, self.metric, steps, jitter, self.isa)?;
         let schedule = Schedule { updates, burn_in: 1.min(updates) };
         let draws = draw(self.target, &hmc, &self.states, self.chains(), schedule, stage)?;
@@ -146,7 +148,7 @@ fn search(config: &Config, mut acceptance: impl FnMut(f64) -> Result<f64, Error>
 /// Step size and length with the fewest gradients per effective draw.
 ///
 /// # Errors
-/// Those of [`step_size`]; [`Error::OutOfRange`] without candidates.
+/// As [`step_size`]; [`Error::OutOfRange`] without candidates.
 pub fn length<T: GradLogDensity + ?Sized>(
     trial: &mut Trial<'_, T>,
     config: &Config,
@@ -164,7 +166,7 @@ pub fn length<T: GradLogDensity + ?Sized>(
 /// Step size and length with the fewest gradients per effective draw, for any of the `acceptances` in place of the configured one.
 ///
 /// # Errors
-/// Those of [`length`]; [`Error::OutOfRange`] without candidates.
+/// As [`length`]; [`Error::OutOfRange`] without candidates.
 pub fn cheapest<T: GradLogDensity + ?Sized>(
     trial: &mut Trial<'_, T>,
     config: &Config,
@@ -175,7 +177,7 @@ pub fn cheapest<T: GradLogDensity + ?Sized>(
 }
 
 /// Step size of the no-U-turn sampler with the fewest gradients per effective draw, for any of the `acceptances`. The length found is the mean number of leapfrog steps of a transition, rounded;
-/// those of the configuration are not used.
+/// the configured lengths are not used.
 ///
 /// # Errors
 /// As [`cheapest`].
@@ -207,7 +209,7 @@ pub fn no_u_turn<T: GradLogDensity + ?Sized>(
     })
 }
 
-fn least_effective(draws: &Draws) -> f64 {
+fn least_effective(draws: &ChainDraws) -> f64 {
     (0..draws.dim).map(|j| effective_sample_size(&draws.series(j))).fold(f64::INFINITY, f64::min)
 }
 

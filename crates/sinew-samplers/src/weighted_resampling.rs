@@ -1,4 +1,6 @@
-//! Weighted resampling (MacCormick & Blake 1999; MacCormick & Isard 2000): states are chosen by an importance function, and what they represent stays.
+//! Weighted resampling (MacCormick & Blake 1999; MacCormick & Isard 2000).
+//!
+//! States are chosen by an importance function, and what they represent stays.
 //!
 //! Of states s_i with weights π_i and an importance function g > 0:
 //!
@@ -24,7 +26,7 @@ pub struct Reselected {
     pub survivors: f64,
 }
 
-/// Chooses the states anew by the exponentials of `log_importance`, one a state, and weighs them so that they represent what they did.
+/// Chooses the states again by the exponentials of `log_importance`, one a state, and weighs them so that they represent what they did.
 ///
 /// # Errors
 /// [`Error::BadWeight`] or [`Error::AllWeightsZero`], of the importance or of the weights that it leaves; nothing has changed then.

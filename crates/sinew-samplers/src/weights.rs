@@ -40,6 +40,12 @@ pub fn effective_number(weights: &[f64]) -> f64 {
     1.0 / weights.iter().map(|w| w * w).sum::<f64>()
 }
 
+/// Place and value of the largest number; the first of equals, and what is no number is never chosen before one.
+pub(crate) fn largest(values: &[f64]) -> (usize, f64) {
+    let none = (0, f64::NEG_INFINITY);
+    values.iter().copied().enumerate().fold(none, |best, next| if next.1 > best.1 { next } else { best })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -9,7 +9,7 @@ use sinew_core::random::Stage;
 use sinew_samplers::Error;
 use sinew_samplers::chains::{ChainStat, Schedule};
 use sinew_samplers::metric::{Dense, Metric};
-use sinew_samplers::nuts::{MAX_DEPTH, Nuts, Run, draw};
+use sinew_samplers::nuts::{MAX_DEPTH, Nuts, TreeRun, draw};
 
 /// A target that is the image of a standard normal z.
 trait Exact: GradLogDensity {
@@ -134,7 +134,7 @@ fn run(
     updates: usize,
     burn_in: usize,
     stage: &Stage,
-) -> Run {
+) -> TreeRun {
     let chains = starts.len() / target.dim() * LANES;
     draw(target, nuts, starts, chains, Schedule { updates, burn_in }, stage).expect("finite starts")
 }

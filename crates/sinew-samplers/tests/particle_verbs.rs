@@ -51,9 +51,9 @@ fn exact() -> (f64, f64, f64) {
     let (mut log_z, mut mean, mut variance) = (0.0, 0.0, 0.0);
     for z in SEEN {
         variance += STEP * STEP;
-        let of_z = variance + NOISE * NOISE;
-        log_z += -0.5 * (z - mean).powi(2) / of_z - 0.5 * (TAU * of_z).ln();
-        let gain = variance / of_z;
+        let predicted = variance + NOISE * NOISE;
+        log_z += -0.5 * (z - mean).powi(2) / predicted - 0.5 * (TAU * predicted).ln();
+        let gain = variance / predicted;
         mean += gain * (z - mean);
         variance *= 1.0 - gain;
     }

@@ -11,7 +11,8 @@ use sinew_samplers::Error;
 use sinew_samplers::crossover::cross;
 use sinew_samplers::diffusion::{diffuse, spread};
 use sinew_samplers::grid::Axis;
-use sinew_samplers::hmc::{Hmc, leapfrog};
+use sinew_samplers::hmc::Hmc;
+use sinew_samplers::integrator::PhasePoint;
 use sinew_samplers::particles::{Particles, evaluate, resample, reweight, select, temper};
 use sinew_samplers::parts::{choose, choose_chained, evaluate_part, log_likelihoods};
 use sinew_samplers::quantised::{evaluate_distinct, walk};
@@ -277,7 +278,8 @@ proptest! {
         let factor = Block([1.0, 0.8, 1.2, 0.9, 1.1, 1.0, 0.95, 1.05]);
         for _ in 0..2 {
             target.log_density_grad_block(&x, &mut g, &mut []);
-            leapfrog(&target, &hmc, &factor, &mut x, &mut p, &mut g, &mut []);
+            let point = PhasePoint { position: &mut x, momentum: &mut p, gradient: &mut g };
+            hmc.trajectory(&target, &factor, point, &mut []);
             p.iter_mut().flat_map(|b| &mut b.0).for_each(|p| *p = -*p);
         }
         for j in 0..dim {

@@ -1,8 +1,12 @@
-//! The survival diagnostic and the exponent that is solved from it: A2 to A5.
+//! The survival diagnostic and the exponent that is solved from it: A2 to A5, and the sign of the log weights.
 
+use sinew_core::density::{GradLogDensity, LogDensity};
 use sinew_core::lanes::{Block, Isa};
-use sinew_core::random::Stage;
+use sinew_core::random::{BlockRng, Stage};
+use sinew_core::transition::FramePrior;
+use sinew_samplers::metric::Metric;
 use sinew_samplers::temperature::{MOST, exponent};
+use sinew_samplers::tempered_smc::{Config, Temperature, sample};
 use sinew_samplers::weights::{effective_number, normalise};
 
 /// Log weights of a Gaussian in ten dimensions: χ² halves.
@@ -89,4 +93,94 @@ fn equal_weights_are_flat_and_one_state_is_one() {
     assert_eq!(beta, MOST);
     assert_eq!(survivors(&one, beta), 1.0);
     assert!(weights(&one, beta).iter().all(|w| !w.is_nan()));
+}
+
+/// For l = −E, E ~ Exp(1), D(β) / N = (1 + 2 β) / (1 + β)², which is 0.9 at β = (√0.4 + 0.2) / 1.8; for l = E it is (1 − 2 β) / (1 − β)², 0.9 at (√0.4 − 0.2) / 1.8. Of log weights that lie symmetrically either sign has the same exponent, so that these
+/// cannot show whether the sign is right.
+#[test]
+fn the_sign_of_skewed_log_weights_matters() {
+    let count = 100_000;
+    let places = (0..count).map(|i| (f64::from(i) + 0.5) / f64::from(count));
+    let skewed: Vec<f64> = places.clone().map(f64::ln).collect();
+    let symmetric: Vec<f64> = places.map(|u| 6.0 * u - 3.0).collect();
+    let turned = |l: &[f64]| exponent(&l.iter().map(|l| -l).collect::<Vec<_>>(), 0.9, MOST).expect("weights");
+    let root = 0.4_f64.sqrt();
+    let found = exponent(&skewed, 0.9, MOST).expect("weights");
+    assert!((found - (root + 0.2) / 1.8).abs() < 1e-4, "{found}");
+    assert!((turned(&skewed) - (root - 0.2) / 1.8).abs() < 1e-2, "{}", turned(&skewed));
+    let found = exponent(&symmetric, 0.9, MOST).expect("weights");
+    assert!((found / turned(&symmetric) - 1.0).abs() < 1e-9, "{found}");
+}
+
+/// N(0, 1).
+struct Standard;
+impl LogDensity for Standard {
+    fn dim(&self) -> usize {
+        1
+    }
+    fn log_density(&self, x: &[f64]) -> f64 {
+        -0.5 * x[0] * x[0]
+    }
+}
+impl GradLogDensity for Standard {
+    fn log_density_grad(&self, x: &[f64], grad: &mut [f64]) -> f64 {
+        grad[0] = -x[0];
+        self.log_density(x)
+    }
+}
+impl FramePrior for Standard {
+    fn sample_block(&self, _block: usize, out: &mut [Block], rng: &mut BlockRng) {
+        rng.fill_normal(Isa::baseline(), out);
+    }
+    fn precision_diagonal(&self) -> &[f64] {
+        &[1.0]
+    }
+}
+
+/// A likelihood of one coordinate.
+struct Likelihood {
+    value: fn(f64) -> f64,
+    slope: fn(f64) -> f64,
+}
+impl LogDensity for Likelihood {
+    fn dim(&self) -> usize {
+        1
+    }
+    fn log_density(&self, x: &[f64]) -> f64 {
+        (self.value)(x[0])
+    }
+}
+impl GradLogDensity for Likelihood {
+    fn log_density_grad(&self, x: &[f64], grad: &mut [f64]) -> f64 {
+        grad[0] = (self.slope)(x[0]);
+        self.log_density(x)
+    }
+}
+
+/// Temperatures before the last one, and the mean of the draws.
+fn tempered(likelihood: &Likelihood, precision: f64) -> (Vec<Temperature>, f64) {
+    let config = Config { particles: 1000, ..Config::default() };
+    let metric = Metric::Diagonal(vec![precision]);
+    let mut run = sample(likelihood, &Standard, &metric, &config, Isa::best(), Stage::new(1, "sign")).expect("runs");
+    run.temperatures.pop();
+    let mean = run.mean()[0];
+    (run.temperatures, mean)
+}
+
+/// The likelihood exp(6 x) has log weights that are normal, so symmetric: at each temperature about half of the particles stay effective whichever sign the solver sees, and the posterior is N(6, 1).
+#[test]
+fn half_survives_each_temperature_of_a_symmetric_likelihood() {
+    let (temperatures, mean) = tempered(&Likelihood { value: |x| 6.0 * x, slope: |_| 6.0 }, 1.0);
+    assert!(temperatures.len() > 3 && temperatures.iter().all(|t| (0.4..0.6).contains(&(t.effective / 1000.0))));
+    assert!((mean - 6.0).abs() < 0.1, "{mean}");
+}
+
+/// The likelihood exp(−300 eˣ) has log weights with a long tail downwards: a solver that sees the other sign takes that tail for the best states, and its temperatures are far too many (BlackJAX's issue 914).
+#[test]
+fn half_survives_each_temperature_of_a_skewed_likelihood() {
+    let (temperatures, _) = tempered(&Likelihood { value: |x| -300.0 * x.exp(), slope: |x| -300.0 * x.exp() }, 5.0);
+    assert!(temperatures.len() > 3, "{}", temperatures.len());
+    for t in temperatures {
+        assert!((t.effective / 1000.0 - 0.5).abs() < 1e-6, "{t:?}");
+    }
 }

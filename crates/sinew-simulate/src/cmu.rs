@@ -1,4 +1,6 @@
-//! Recorded motion (ASF/AMC of the CMU database) as points of the standard body, and as a motion of that body.
+//! Recorded motion of the CMU database as motion of the standard body.
+//!
+//! From ASF/AMC files, as points and as states.
 //!
 //! 1. [`joints`]: positions of the evaluation joints in our world, `(x, y, z) → (x, −z, y)`, in metres, resampled linearly to a lower rate. The names mean
 //!    the *ends* of CMU's bones: hips and shoulders are the ends of the hip joints and clavicles, elbow, wrist, knee and ankle those of humerus, radius, femur and tibia, the
@@ -178,22 +180,21 @@ pub fn mean_distance(a: &Trajectories, b: &Trajectories) -> f64 {
 }
 
 #[cfg(test)]
+#[path = "../../../tests/src/data.rs"]
+#[allow(dead_code)]
+mod shared_data;
+
+#[cfg(test)]
 mod tests {
     use super::*;
     use crate::detector::pixel;
     use crate::recording::{Script, SyntheticRecording};
     use sinew_formats::{amc, asf};
     use sinew_observe::Camera;
-    use std::path::{Path, PathBuf};
 
     /// Skeleton and motion of a trial of the shared recordings, if they are there.
     fn trial(name: &str) -> Option<(Asf, Amc)> {
-        let beside = || Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data");
-        let folder = std::env::var_os("SINEW_DATA").map_or_else(beside, PathBuf::from).join("cmu_amc");
-        if !folder.is_dir() {
-            println!("skipped: no data");
-            return None;
-        }
+        let folder = shared_data::shared("cmu_amc")?;
         let subject = name.split('_').next().unwrap();
         let text = |file: String| std::fs::read_to_string(folder.join(file)).unwrap();
         let skeleton = asf::read("a.asf", &text(format!("{subject}.asf"))).unwrap();

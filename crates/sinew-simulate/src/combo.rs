@@ -1,4 +1,6 @@
-//! Several motions one after the other, as one person makes them: the sequence CMB of walking, running and free movement.
+//! Several motions one after the other, as one person makes them.
+//!
+//! For instance the sequence CMB of walking, running and free movement.
 //!
 //! Trials of different people at different places become one motion of the first trial's person:
 //!

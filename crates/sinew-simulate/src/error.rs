@@ -20,6 +20,12 @@ pub enum Error {
     /// Points that a body hangs on and that the motion lacks.
     #[error("the motion has no {}", .0.join(", "))]
     MissingJoints(Vec<&'static str>),
+    /// A point that a fit needs and that the motion lacks.
+    #[error("the motion has no {0}")]
+    NoPoint(String),
+    /// A motion without frames.
+    #[error("a motion without a frame")]
+    NoFrames,
     /// A motion with a coordinate that is not a number.
     #[error("a coordinate of the motion is not finite")]
     NotFinite,
@@ -52,7 +58,12 @@ impl Error {
         match self {
             Self::MissingJoints(_) => Some(format!("a body needs the points {}", EVALUATION_JOINTS.join(", "))),
             Self::UnknownJoints(_) | Self::Gap { .. } | Self::SingleFrame | Self::Unit => Some(NEEDED.into()),
-            Self::NoTrials | Self::Trial { .. } | Self::NotFinite | Self::Camera(_) => None,
+            Self::NoTrials
+            | Self::Trial { .. }
+            | Self::NoPoint(_)
+            | Self::NoFrames
+            | Self::NotFinite
+            | Self::Camera(_) => None,
         }
     }
 }

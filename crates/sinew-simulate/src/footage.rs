@@ -1,4 +1,6 @@
-//! SyntheticFootage of a motion: cameras around it, the person who makes it, and silhouettes and pictures of any frame in any camera.
+//! Footage of a motion: silhouettes and pictures of any frame in any camera.
+//!
+//! With cameras around the motion and the person who makes it.
 //!
 //! Everything follows from a seed; any image can be asked for alone and in any order.
 //!
@@ -14,7 +16,7 @@
 //! let mask = footage.mask(0, 2, Level::Normal);
 //! assert_eq!((mask.width(), mask.height()), (320, 240));
 //! assert!(mask.count() > 2000);
-//! # Ok::<(), sinew::Error>(())
+//! # Ok::<(), sinew_simulate::Error>(())
 //! ```
 
 use crate::Error;

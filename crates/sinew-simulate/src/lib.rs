@@ -1,4 +1,6 @@
-//! Synthetic recordings: a person who stands and walks, virtual cameras around him, and a detector that errs as real ones do.
+//! Simulated people, cameras and detectors with known truth.
+//!
+//! A person who stands and walks, virtual cameras around him, and a detector that errs as real ones do.
 //!
 //! | module | what |
 //! |---|---|
@@ -15,6 +17,7 @@
 //! | [`footage`] | cameras, person, masks and pictures of a motion |
 //! | [`recording`] | all of it together, and as the files that other programs read |
 //! | [`cmu`] | recorded motion as points and as a motion of the standard body |
+//! | [`hppf24_motion`] | the size and the states of HPPF24 along a motion |
 //!
 //! Everything follows from a seed, and nothing depends on the processor or the number of threads: the same seed gives the same bytes.
 //!
@@ -35,6 +38,7 @@ mod error;
 pub mod evaluation_body;
 pub mod footage;
 pub mod gait;
+pub mod hppf24_motion;
 pub mod points;
 pub mod recorded;
 pub mod recording;

@@ -1,4 +1,6 @@
-//! A synthetic recording: truth, cameras and what a detector saw, in memory and as the text of the files that `sinew track` and other programs read.
+//! A synthetic recording: truth, cameras and what a detector saw.
+//!
+//! In memory, and as the text of the files that `sinew track` and other programs read.
 
 use crate::detector::{Detections, DetectorNoise, detect};
 use crate::points::{Trajectories, of_states};

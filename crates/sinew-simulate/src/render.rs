@@ -1,4 +1,6 @@
-//! Silhouettes and pictures of solids, exactly by the pixel: a pixel shows what the ray through its centre meets first, through any lens that can be undone.
+//! Silhouettes and pictures of solids, exact by the pixel.
+//!
+//! A pixel shows what the ray through its centre meets first, through any lens that can be undone.
 //!
 //! Pixel (x, y) has its centre at (x + ½, y + ½). A [`View`] keeps the place before the lens of every pixel, and of every row and column the least and greatest place: a
 //! solid is asked only for pixels whose row and column overlap its bounds. No supersampling.

@@ -23,10 +23,11 @@ use sinew_core::density::GaussNewton;
 use sinew_core::lanes::{Block, Isa, LANES};
 use sinew_core::random::Stage;
 use sinew_core::transition::{Cloud, Moments, MotionModel, Predict};
-use sinew_samplers::chains::{Draws, Schedule, draw};
+use sinew_samplers::chains::{ChainDraws, Schedule, draw};
 use sinew_samplers::curvature::curvature;
 use sinew_samplers::hmc::Hmc;
-use sinew_samplers::metric::{Geometry, Metric, laplace};
+use sinew_samplers::laplace::laplace;
+use sinew_samplers::metric::{Geometry, Metric};
 use sinew_samplers::moments;
 use sinew_samplers::starts::{importance_starts, laplace_starts};
 use sinew_samplers::tuning::{self, Trial, Tuned};
@@ -97,7 +98,7 @@ pub struct HmcFilter<T> {
     transition: T,
     isa: Isa,
     estimate: Vec<f64>,
-    draws: Draws,
+    draws: ChainDraws,
     weights: Vec<f64>,
     effective: f64,
     moments: Option<Moments>,
@@ -132,7 +133,7 @@ impl<T: Predict> HmcFilter<T> {
                 return Err(Error::Config { name, value: value as f64, expected });
             }
         }
-        let draws = Draws { dim: expected, ..Draws::default() };
+        let draws = ChainDraws { dim: expected, ..ChainDraws::default() };
         Ok(Self { config, transition, isa, estimate: centre, draws, weights: vec![], effective: 0.0, moments: None })
     }
 
@@ -165,7 +166,7 @@ impl<T: Predict> HmcFilter<T> {
     }
 
     /// Keeps draws of equal weight, and their mean.
-    fn keep(&mut self, draws: Draws) {
+    fn keep(&mut self, draws: ChainDraws) {
         let count = draws.stats.len();
         self.weights.clear();
         self.weights.resize(count, 1.0 / count as f64);

@@ -192,14 +192,14 @@ fn threads_do_not_change_a_bit() {
     assert!(one == with_threads(2) && one == with_threads(8) && one == with_threads(1));
 }
 
-/// 200 frames at once, in four parts, one by one, and in parts of 7 by ever new trackers that take the state of the one before up.
+/// 200 frames at once, in four parts, one by one, and in parts by ever new trackers that take the state of the one before up: in parts of 7, which end where nothing was seen, and of 5, which do not.
 #[test]
 fn parts_are_one_run() {
     const FRAMES: u32 = 200;
     for (i, mut whole) in trackers().into_iter().enumerate() {
         let mut one = Record::new();
         follow(&mut whole, 0..FRAMES, &mut one);
-        for (length, is_new) in [(50, false), (1, false), (7, true)] {
+        for (length, is_new) in [(50, false), (1, false), (7, true), (5, true)] {
             let (mut tracker, mut parts) = (trackers().remove(i), Record::new());
             for first in (0..FRAMES).step_by(length as usize) {
                 if is_new {
@@ -450,4 +450,50 @@ fn chains_that_disagree_go_on_once() {
     assert_eq!(run(1, 0.01, 12), (16 * 12, 16 * 7, 16 * (1 + 5 * 12) + 64));
     assert_eq!(run(3, 0.01, 12), (16 * 48, 16 * 19, 16 * (2 + 5 * 48) + 64));
     assert_eq!(run(3, 0.3, 120).0, 16 * 120);
+}
+
+/// Chains that run again move by random numbers of their own: their steps have nothing to do with those of the first run, which start from other places by as good as the same forces.
+#[test]
+fn chains_that_run_again_do_not_repeat_their_steps() {
+    const CHAINS: usize = 16;
+    let draws = |patience| {
+        let config = hmc_filter::Config {
+            chains: CHAINS,
+            updates: 24,
+            burn_in: 1,
+            leapfrog_steps: 5,
+            step_size: 0.001,
+            patience,
+            ..hmc_filter::Config::default()
+        };
+        let mut tracker = HmcFilter::new(config, walk(Between::Gaussian), vec![0.0, 1.0], Isa::best()).expect("valid");
+        let seen = Lanes { leaf: Quadratic { centre: vec![0.1, 0.9], precision: vec![4.0; 2] }, isa: Isa::best() };
+        tracker.step(&seen, Stage::new(8, "patience")).expect("step");
+        let posterior = Tracker::<Lanes<Quadratic>>::posterior(&tracker);
+        let state = |index: usize| {
+            let mut state = [0.0; 2];
+            posterior.state(index, &mut state);
+            state
+        };
+        (0..posterior.weights.len()).map(state).collect::<Vec<_>>()
+    };
+    let steps = |draws: &[[f64; 2]], first: usize, count: usize| -> Vec<f64> {
+        let step = |index: usize| [0, 1].map(|k| draws[index + CHAINS][k] - draws[index][k]);
+        (first * CHAINS..(first + count) * CHAINS).flat_map(step).collect()
+    };
+    let [once, again] = [draws(1), draws(2)];
+    assert!(again.len() > once.len());
+    let correlation = |a: &[f64], b: &[f64]| {
+        let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+        product(a, b) / (product(a, a) * product(b, b)).sqrt()
+    };
+    let count = 20;
+    let of_first = steps(&once, 1, count);
+    assert!((correlation(&of_first, &of_first) - 1.0).abs() < 1e-12);
+    // The second run keeps its draws from one update later on: whichever update is the same, no step is repeated. Five standard errors.
+    let bound = 5.0 / (of_first.len() as f64).sqrt();
+    for shift in 0..3 {
+        let found = correlation(&of_first, &steps(&again, shift, count));
+        assert!(found.abs() < bound, "shift {shift}: {found}");
+    }
 }

@@ -49,7 +49,7 @@ pub struct Resolved {
 }
 
 /// Variables of ours that are no settings.
-const OTHER_VARIABLES: [&str; 1] = ["SINEW_DATA"];
+const OTHER_VARIABLES: [&str; 3] = ["SINEW_DATA", "SINEW_REQUIRE_DATA", "SINEW_PYTHON"];
 
 /// Finds every setting.
 ///

@@ -13,13 +13,16 @@
 
 use crate::bodies::error::UnknownBody;
 use crate::input::error::InputError;
+use crate::input::missing_path;
 use crate::inspect::error::InspectError;
 use crate::motion::error::MotionError;
 use crate::overlay::error::OverlayError;
+use crate::results::error::{Occupied, ResultsError};
 use crate::results::problem::Problem;
 use crate::segment::error::SegmentError;
 use crate::setup::error::SetupError;
 use crate::shape_fit::error::ShapeFitError;
+use crate::track::error::TrackError;
 use std::io;
 use std::path::{Path, PathBuf};
 
@@ -54,6 +57,9 @@ pub enum Error {
     /// Masks or solids that cannot be compared.
     #[error(transparent)]
     ShapeFit(#[from] ShapeFitError),
+    /// A recording that cannot be tracked as it stands.
+    #[error(transparent)]
+    Track(#[from] TrackError),
     /// A frame without a posterior.
     #[error(transparent)]
     Tracking(#[from] sinew_tracking::Error),
@@ -68,13 +74,16 @@ pub enum Error {
         #[source]
         source: io::Error,
     },
+    /// Results that cannot be written or read back.
+    #[error(transparent)]
+    Results(#[from] ResultsError),
     /// The output folder holds something.
-    #[error("`{}` exists{}", path.display(), why)]
+    #[error("`{}` {}", path.display(), found.words())]
     OutputExists {
         /// Output folder.
         path: PathBuf,
-        /// What is in it, as the rest of the sentence.
-        why: &'static str,
+        /// What is in it.
+        found: Occupied,
     },
     /// The output folder is being written by another run.
     #[error("`{}` is in use by another run{}", path.display(), pid.map(|pid| format!(" (process {pid})")).unwrap_or_default())]
@@ -145,22 +154,11 @@ fn listed(file: &str, problems: &[String]) -> String {
     }
 }
 
-/// Why a file cannot be an output folder.
-pub(crate) const NOT_A_FOLDER: &str = " and is not a folder";
-
-/// Why a folder is not begun in that holds more than a run keeps to go on.
-pub(crate) const STOPPED_RUN: &str = " and holds a run that was stopped";
-
 impl Error {
     /// An [`Error::Io`] in the making: `map_err(Error::io("read", path))`.
     pub fn io(doing: &'static str, path: impl Into<PathBuf>) -> impl FnOnce(io::Error) -> Self {
         let path = path.into();
         move |source| Self::Io { doing, path, source }
-    }
-
-    /// An [`Error::Numerical`] in the words of another error.
-    pub(crate) fn numerical(error: impl std::fmt::Display) -> Self {
-        Self::Numerical { message: error.to_string() }
     }
 
     /// An [`Error::Checkpoint`].
@@ -173,6 +171,7 @@ impl Error {
     pub const fn exit_code(&self) -> u8 {
         match self {
             Self::Checkpoint { problem, .. } => problem.exit_code(),
+            Self::Results(error) => error.exit_code(),
             Self::Recording(error) => error.exit_code(),
             Self::Setup(error) => error.exit_code(),
             Self::Inspect(error) => error.exit_code(),
@@ -181,6 +180,7 @@ impl Error {
             Self::Segment(error) => error.exit_code(),
             Self::ShapeFit(error) => error.exit_code(),
             Self::Body(error) => error.exit_code(),
+            Self::Track(error) => error.exit_code(),
             Self::Numerical { .. } | Self::Tracking(_) => 1,
             Self::Interrupted(_) => 75,
             Self::Config { .. } | Self::Usage { .. } | Self::OutputIsInput { .. } => 2,
@@ -195,6 +195,8 @@ impl Error {
     pub fn help(&self) -> Option<String> {
         match self {
             Self::Format(error) => error.help(),
+            Self::Results(error) => error.help().map(Into::into),
+            Self::OutputExists { found, .. } => Some(found.help().into()),
             Self::Recording(error) => Some(error.help()),
             Self::Setup(error) => error.help(),
             Self::Body(error) => Some(error.help().into()),
@@ -203,17 +205,7 @@ impl Error {
             Self::Overlay(error) => error.help().map(Into::into),
             Self::Segment(error) => Some(error.help().into()),
             Self::ShapeFit(error) => error.help().map(Into::into),
-            Self::OutputExists { why: "", .. } => Some("write to another file, or replace it with `--force`".into()),
-            Self::OutputExists { why, .. } if *why == NOT_A_FOLDER => {
-                Some("choose another folder with `-o`, or remove the file".into())
-            }
-            Self::OutputExists { why, .. } if *why == STOPPED_RUN => Some(
-                "go on with it with `--resume`, choose another folder with `-o`, or replace what is there with `--force`"
-                    .into(),
-            ),
-            Self::OutputExists { .. } => {
-                Some("choose another folder with `-o`, or replace what is there with `--force`".into())
-            }
+            Self::Track(error) => error.help().map(Into::into),
             Self::OutputLocked { .. } => Some("wait for it to end, or choose another folder with `-o`".into()),
             Self::Checkpoint { problem, .. } => Some(problem.help().into()),
             Self::OutputIsInput { .. } => Some("choose another folder with `-o`".into()),
@@ -222,6 +214,7 @@ impl Error {
             Self::Config { .. } => {
                 Some("`sinew track --help` lists the settings; `--print-config` shows the values in force".into())
             }
+            Self::Io { path, source, .. } if source.kind() == io::ErrorKind::NotFound => missing_path::advice(path),
             Self::Io { .. } | Self::Interrupted(_) | Self::Numerical { .. } | Self::Tracking(_) => None,
         }
     }

@@ -4,11 +4,14 @@
 //! ([`source::FrameSource`]). Must not know: bodies, set-ups, trackers and results.
 
 pub(crate) mod error;
+pub mod folder_contents;
 pub mod footage;
 pub mod frame;
 pub(crate) mod image_folder;
 pub mod in_memory;
+pub mod missing_path;
 pub mod pictures;
+pub mod qualisys;
 pub mod recording;
 pub mod silhouettes;
 pub mod source;

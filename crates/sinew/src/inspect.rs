@@ -24,6 +24,8 @@ pub use error::InspectError;
 
 use crate::Error;
 use crate::files::read_text;
+use crate::input::folder_contents::is_video;
+use crate::input::qualisys::refuse_qualisys;
 use crate::input::recording::Options;
 use sinew_formats::source_text::MAX_CONFIG_BYTES;
 use std::path::{Path, PathBuf};
@@ -131,7 +133,13 @@ fn subject(path: &Path) -> Result<Subject, Error> {
         Some("trc" | "bvh" | "mot" | "sto" | "csv") => Ok(Subject::Motion(path_buf)),
         Some("asf") => Ok(Subject::Skeleton(path_buf)),
         Some("amc") => Ok(Subject::Acclaim { motion: path_buf, skeleton: None }),
-        _ => Err(InspectError::UnknownKind { path: path_buf }.into()),
+        _ if is_video(path) => Err(InspectError::Video { path: path_buf }.into()),
+        _ => {
+            if let Ok(text) = read_text(path, MAX_CONFIG_BYTES) {
+                refuse_qualisys(path, &text)?;
+            }
+            Err(InspectError::UnknownKind { path: path_buf }.into())
+        }
     }
 }
 

@@ -1,32 +1,31 @@
-//! Tracks a moving human body from calibrated cameras and returns, for every frame, a posterior over 3D poses.
+//! Tracks a moving human body from calibrated cameras and returns a posterior over 3D poses for every frame.
 //!
-//! This crate joins the layers of the workspace and holds the program `sinew`. The layers are re-exported as modules; each can be used alone.
+//! The stations of a run, each a module whose page says what enters, what leaves and what it must not know:
 //!
 //! | module | what |
 //! |---|---|
-//! | [`recording`], [`synthetic`] | where frames come from: keypoint files, or a simulated walker |
-//! | [`silhouettes`], [`pictures`] | masks and images of the same cameras, frame by frame |
-//! | [`segment`] | masks from images and images of the background |
+//! | [`input`] | keypoints, masks and images of a recording, one frame at a time |
 //! | [`setup`] | sizes of the person, offsets of the cameras, noise: one value |
-//! | [`pipeline`] | frames to estimates |
-//! | [`job`], [`output`] | a whole run with its result folder |
-//! | [`tracked`], [`overlay`] | poses of a result folder, and pictures of them over what the cameras saw |
-//! | [`shape_fit`] | thicknesses of a person from masks and tracked poses |
-//! | [`config`] | settings with their origin |
-//! | [`inspect`], [`motion`], [`bodies`] | what a file holds; motion files into each other; bodies by name or file |
+//! | [`methods`] | one file a method: what it needs and gives, its settings, how it is made |
+//! | [`track`] | the loop: observe, step, record; a whole run and its checkpoint |
+//! | [`results`] | estimates, the files of a run, and the same files read again |
 //!
-//! A synthetic walker is recorded by four virtual cameras, and the set-up pass finds how long his thighs are from the keypoints alone:
+//! Beside them: [`config`] (settings with their origin), [`inspect`] (what a file holds), [`motion`] (motion files into each other), [`bodies`] (bodies by name or file), [`segment`] (masks from
+//! images), [`overlay`] and [`shape_fit`] (pictures and thicknesses from results and masks). The layers below are re-exported as modules; each can be used alone.
+//!
+//! A simulated walker is seen by four cameras, and the set-up pass finds the length of the thighs from the keypoints alone:
 //!
 //! ```
+//! use sinew::input::in_memory::InMemory;
 //! use sinew::input::source::FrameSource;
 //! use sinew::setup::{self, Request};
-//! use sinew_simulate::recording::{SyntheticRecording, Script};
+//! use sinew_simulate::recording::{Script, SyntheticRecording};
 //!
-//! let mut recording = SyntheticRecording::new(&Script { duration_s: 1.5, ..Script::default() }, 1)?;
-//! let (cameras, layout) = (recording.cameras.clone(), recording.layout.clone());
-//! let frames: Vec<_> = recording.frames().map(|number| Ok((number, recording.people(number)?))).collect();
+//! let walk = SyntheticRecording::new(&Script { duration_s: 1.5, ..Script::default() }, 1)?;
+//! let mut source = InMemory { cameras: walk.cameras, layout: walk.layout, keypoints: walk.keypoints };
+//! let frames: Vec<_> = source.frames().map(|number| Ok((number, source.people(number)?))).collect();
 //!
-//! let (found, _) = setup::set_up(&cameras, &layout, &Request::default(), frames)?;
+//! let (found, _) = setup::set_up(&source.cameras, &source.layout, &Request::default(), frames)?;
 //! let knee = found.tree().link_index("r_shin").ok_or("no knee")?;
 //! let thigh_m = -found.tree().links()[knee].offset[2];
 //! assert!((thigh_m - 0.43).abs() < 0.03);

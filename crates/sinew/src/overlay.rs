@@ -193,8 +193,14 @@ enum Source {
 }
 
 impl Source {
-    fn open(request: &Request, cameras: &[Camera], calibrated: Vec<String>, frames: Range<u64>) -> Result<Self, Error> {
-        let options = image_folder::Options { scale: request.scale, frames: Some(frames), trim: true, calibrated };
+    fn open(
+        request: &Request,
+        cameras: &[Camera],
+        calibrated: Vec<String>,
+        frames: Range<u64>,
+        lag: Vec<(String, i64)>,
+    ) -> Result<Self, Error> {
+        let options = image_folder::Options { scale: request.scale, frames: Some(frames), trim: true, lag, calibrated };
         Ok(match &request.ground {
             Ground::Images(folder) => Self::Images(Pictures::open(folder, cameras, &options)?),
             Ground::Silhouettes(folder) => Self::Silhouettes(Silhouettes::open(folder, cameras, &options)?),
@@ -264,7 +270,7 @@ pub fn overlay(
         (Some((first, _)), Some((last, _))) => *first..last + 1,
         _ => 0..0,
     };
-    let mut source = Source::open(request, &cameras, calibrated, all)?;
+    let mut source = Source::open(request, &cameras, calibrated, all, tracked.lag.clone())?;
     let artist = Artist::new(&tracked, tracked.as_seen(&source.cameras(), &cameras))?;
     let images = match &request.ground {
         Ground::Images(folder) | Ground::Silhouettes(folder) => Some(folder),

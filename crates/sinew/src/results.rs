@@ -4,6 +4,7 @@
 //! provisional names and renamed when they are whole; what a stopped run may be resumed from ([`folder::Written`]); the poses of a finished one ([`tracked`]).
 //! Must not know: how a frame was tracked, and by which method.
 
+pub mod error;
 pub mod estimate;
 pub mod folder;
 pub mod problem;
@@ -26,7 +27,9 @@ mod summary;
 mod table;
 mod tables;
 
-pub use claim::{Claim, LOCK_NAME, OWN_NAMES, RESULT_NAMES, claim, claim_in, claim_to_resume, is_in_use};
+pub use claim::{
+    Claim, LOCK_NAME, OWN_NAMES, RESULT_NAMES, claim, claim_in, claim_to_resume, is_in_use, refuse_inputs,
+};
 pub use folder::{ResultFolder, Texts, Written, write_whole};
 pub use markers::{REFERENCE_ORDER, order as marker_order};
 pub use partial::Position;
@@ -35,4 +38,4 @@ pub use pose::{Pose, pose};
 pub use result_table::{MOTION_FILES, ResultTable};
 pub use skeleton::t_pose;
 pub use storage::{Disk, Storage, StoredFile};
-pub use summary::{Diagnostics, Ending, Limits, Summary};
+pub use summary::{CameraSummary, Diagnostics, Ending, Limits, Summary};

@@ -16,8 +16,10 @@
 
 pub mod calibration_fit;
 pub mod checks;
+pub mod clocks;
 mod collect;
 pub(crate) mod error;
+pub mod exchanged_cameras;
 mod measured_motion;
 mod model_error;
 pub mod motion_noise;
@@ -26,8 +28,10 @@ pub mod own_body;
 pub mod pass;
 mod pose_fit;
 mod scale;
+pub mod segment_lengths;
 pub mod shape;
 mod space_points;
+pub mod speed;
 mod stored;
 mod up_axis;
 mod warning;

@@ -16,6 +16,7 @@ pub use error::ShapeFitError;
 use crate::Error;
 use crate::input::silhouettes::{self, Silhouettes};
 use crate::results;
+use crate::results::error::Occupied;
 use crate::results::tracked::{self, Tracked};
 use rayon::prelude::*;
 use sinew_body::KinematicTree;
@@ -270,7 +271,7 @@ pub fn fit_shape(
         return Err(Error::OutputIsInput { path: out.to_owned(), input });
     }
     if out.exists() && !force {
-        return Err(Error::OutputExists { path: out.to_owned(), why: "" });
+        return Err(Error::OutputExists { path: out.to_owned(), found: Occupied::File });
     }
     let tracked = Tracked::read(results)?;
     let in_range = tracked.chosen(request.frames.as_ref(), 1)?.len();
@@ -280,7 +281,8 @@ pub fn fit_shape(
         (Some((first, _)), Some((last, _))) => *first..last + 1,
         _ => 0..0,
     };
-    let options = silhouettes::Options { scale: request.scale, frames: Some(numbers), trim: true, calibrated };
+    let lag = tracked.lag.clone();
+    let options = silhouettes::Options { scale: request.scale, frames: Some(numbers), trim: true, lag, calibrated };
     let mut masks = Silhouettes::open(&request.silhouettes, &cameras, &options)?;
     let sized = tracked.as_seen(&masks.cameras(), &cameras);
     let raster = |camera| WorkingRaster::new(camera, WorkingRaster::factor_for(camera, RASTER));

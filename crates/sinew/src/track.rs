@@ -4,6 +4,7 @@
 //! Must not know: the command line and the format of any file but its own checkpoint and spool.
 
 pub mod checkpoint;
+pub mod error;
 pub mod job;
 pub mod pipeline;
 
@@ -22,7 +23,7 @@ mod unknown_size;
 pub use images::{ImageState, Images};
 pub use motion_prior::walk;
 pub use pipeline::{Pipeline, State, moments};
-pub use predictive::Doubt;
+pub use predictive::{Doubt, Lengths, Origins};
 pub use scene::{Scene, SceneState};
 pub use smooth::{Spool, TRAJECTORIES, smooth};
 pub use step_size::tune;

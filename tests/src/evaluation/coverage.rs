@@ -1,4 +1,6 @@
-//! Share of true coordinates inside the 90 % intervals that a run writes, and the standard error of a mean over frames that depend on each other.
+//! Share of true coordinates inside intervals, and its standard error.
+//!
+//! The intervals are the 90 % intervals that a run writes; the standard error is for frames that depend on each other.
 
 use sinew::body::KinematicTree;
 use sinew::core::lanes::Block;

@@ -1,4 +1,6 @@
-//! The tracker on truths that its own model drew: there its posterior is the right one, whatever it is, and ranks of the truth must be uniform.
+//! The tracker on truths that its own model drew.
+//!
+//! There its posterior is the right one, whatever it is, and ranks of the truth must be uniform.
 //!
 //! 1. `s_0 ~ N(start, initial spread)`, `s_t ~ N(s_{t−1}, Σ)`: the tracker's own start and random walk, body H32 of the default size, [`motion_noise::default_sd`].
 //! 2. Each point of the body in each of four cameras is seen with an independent Gaussian error of the stated size: the tracker's own likelihood, with neither outliers nor model error. The cameras stand where the start

@@ -13,6 +13,7 @@ use sinew::body::{KinematicTree, Plan, point_positions};
 use sinew::core::lanes::Isa;
 use sinew::results::estimate::FrameEstimate;
 use sinew_simulate::points::Trajectories;
+use statrs::distribution::{ChiSquared, ContinuousCDF as _};
 
 /// Levels of central intervals that are looked at.
 pub const LEVELS: [f64; 4] = [0.5, 0.8, 0.9, 0.95];
@@ -83,6 +84,33 @@ pub fn chi_square(histogram: &[u64]) -> f64 {
     histogram.iter().map(|count| (*count as f64 - expected).powi(2) / expected).sum()
 }
 
+/// Probability of a larger χ² of the ranks in so many bins, were they uniform and independent.
+#[must_use]
+pub fn uniformity(ranks: &[u32], draws: usize, bins: usize) -> f64 {
+    let chi_square = chi_square(&histogram(ranks, draws, bins));
+    ChiSquared::new(bins as f64 - 1.0).map_or(f64::NAN, |law| law.sf(chi_square))
+}
+
+/// Whether several coordinates are uniform.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AllUniform {
+    /// Number of coordinates.
+    pub coordinates: usize,
+    /// Probability of the largest χ² among the coordinates, times their number (Bonferroni), at most 1.
+    pub p: f64,
+    /// Coordinates whose own probability is below 0.05; one in twenty is expected.
+    pub below: usize,
+}
+
+/// Judges coordinates by their probabilities ([`uniformity`]); none without any.
+#[must_use]
+pub fn all_uniform(probabilities: &[f64]) -> Option<AllUniform> {
+    let coordinates = Some(probabilities.len()).filter(|n| *n > 0)?;
+    let least = probabilities.iter().copied().fold(1.0, f64::min);
+    let below = probabilities.iter().filter(|p| **p < 0.05).count();
+    Some(AllUniform { coordinates, p: (least * coordinates as f64).min(1.0), below })
+}
+
 /// Mean distance of coverages from the levels that promise them.
 #[must_use]
 pub fn calibration_error(found: &[f64], promised: &[f64]) -> f64 {
@@ -135,6 +163,18 @@ mod tests {
         let Shape { bias, width } = shape(&[0, 199, 0, 199], DRAWS);
         assert!(bias.abs() < 1e-12 && (width - 3.0 * 199.0 / 201.0).abs() < 1e-12, "{width}");
         assert_eq!(shape(&[199; 3], DRAWS).bias, 0.5);
+    }
+
+    #[test]
+    fn crowded_ranks_are_not_uniform_and_many_coordinates_are_judged_together() {
+        let all: Vec<u32> = (0..=DRAWS as u32).collect();
+        assert!((uniformity(&all, DRAWS, 20) - 1.0).abs() < 1e-12);
+        // χ² = 3.6 of two bins: p of 1 degree of freedom.
+        assert!((uniformity(&[0, 0, 0, 0, 0, 0, 0, 0, 1, 1], 1, 2) - 0.057_779_6).abs() < 1e-6);
+        let found = all_uniform(&[0.2, 0.01, 0.04, 0.9]).unwrap();
+        assert_eq!(found, AllUniform { coordinates: 4, p: 0.04, below: 2 });
+        assert_eq!(all_uniform(&[0.7, 0.8]).map(|found| found.p), Some(1.0));
+        assert_eq!(all_uniform(&[]), None);
     }
 
     #[test]

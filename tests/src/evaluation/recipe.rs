@@ -1,11 +1,15 @@
-//! The usual recipe that a tracker is compared with: points triangulated one by one, gaps filled linearly, a Butterworth low-pass.
+//! The usual recipe that a tracker is compared with.
+//!
+//! Points triangulated one by one, gaps filled linearly, a Butterworth low-pass.
 
-use super::Track;
 use sinew::formats::Layout;
 use sinew::observe::Camera;
 use sinew::observe::association::Person;
 use sinew::observe::triangulate::{Config, Seen, triangulate};
 use std::f64::consts::PI;
+
+/// Positions of some points, frame by frame; `None` is missing.
+pub type Track = Vec<Vec<Option<[f64; 3]>>>;
 
 /// Named points one by one from the keypoints of each frame (cameras, points of the layout) by the reference recipe.
 #[must_use]

@@ -5,13 +5,14 @@ use crate::measure::{Clock, Run};
 use sinew::core::diagnostics::effective_sample_size;
 use sinew::core::lanes::{Block, LANES};
 use sinew::core::random::Stage;
-use sinew::samplers::chains::{self, Draws, Schedule};
+use sinew::samplers::chains::{self, ChainDraws, Schedule};
 use sinew::samplers::curvature::curvature;
 use sinew::samplers::gaussian_mixture::GaussianMixture;
 use sinew::samplers::hmc::Hmc;
 use sinew::samplers::jumps::{self, Jumps};
 use sinew::samplers::learned;
-use sinew::samplers::metric::{Metric, laplace};
+use sinew::samplers::laplace::laplace;
+use sinew::samplers::metric::Metric;
 use sinew::samplers::nuts::{self, MAX_DEPTH, Nuts};
 use sinew::samplers::starts::{importance_starts, laplace_starts};
 use sinew::samplers::tuning::{self, Trial, Tuned};
@@ -144,7 +145,7 @@ fn tuned(
 
 /// What a kind of chain makes of a schedule.
 struct Drawn {
-    draws: Draws,
+    draws: ChainDraws,
     gradients: usize,
     depth: Option<f64>,
 }
@@ -212,7 +213,7 @@ fn learned_proposal(
 ) -> Result<(GaussianMixture, Vec<Block>), Box<dyn Error>> {
     let target = problem.target();
     let schedule = Schedule { updates: FITTING, burn_in: 1 };
-    let fit = |draws: &Draws| {
+    let fit = |draws: &ChainDraws| {
         let blocks = draws.stats.len() / LANES;
         GaussianMixture::fit(problem.isa, &draws.states[..blocks * 28], 28, COMPONENTS, effective(draws))
     };
@@ -223,6 +224,6 @@ fn learned_proposal(
 }
 
 /// Effective number of draws, the mean over coordinates.
-fn effective(draws: &Draws) -> f64 {
+fn effective(draws: &ChainDraws) -> f64 {
     (0..28).map(|j| effective_sample_size(&draws.series(j))).sum::<f64>() / 28.0
 }

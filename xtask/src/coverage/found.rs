@@ -1,24 +1,14 @@
 //! What the series of a scene come to: coverages with their standard errors, histograms of ranks, warnings.
 
 use super::scene::Series;
-use sinew_tests::evaluation::{self, ranks};
-use statrs::distribution::{ChiSquared, ContinuousCDF as _};
+use sinew_tests::evaluation;
+use sinew_tests::evaluation::ranks::{self, AllUniform};
 use std::collections::BTreeMap;
 
 /// Bins of a histogram; they divide the 200 ranks.
 pub(super) const BINS: usize = 20;
 /// Replicates of a bootstrap.
 const REPLICATES: usize = 500;
-
-/// Uniform or not, coordinate by coordinate.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Uniform {
-    pub(super) coordinates: usize,
-    /// Probability of the largest χ² among the coordinates, times their number (Bonferroni), at most 1.
-    pub(super) p: f64,
-    /// Coordinates whose own probability is below 0.05; one in twenty is expected.
-    pub(super) below: usize,
-}
 
 /// A scene's results.
 #[derive(Clone, Debug)]
@@ -95,9 +85,7 @@ impl Found {
         let coordinates = self.all.iter().map(|series| of(series).len()).min().unwrap_or(0);
         let law = |k: usize| {
             let own: Vec<u32> = self.all.iter().map(|series| of(series)[k]).collect();
-            let chi_square = ranks::chi_square(&ranks::histogram(&own, ranks::DRAWS, BINS));
-            let p = ChiSquared::new(BINS as f64 - 1.0).map_or(f64::NAN, |law| law.sf(chi_square));
-            (ranks::shape(&own, ranks::DRAWS), p)
+            (ranks::shape(&own, ranks::DRAWS), ranks::uniformity(&own, ranks::DRAWS, BINS))
         };
         (0..coordinates).map(law).collect()
     }
@@ -107,21 +95,17 @@ impl Found {
         self.coordinates(|series| &series.state_ranks)
     }
 
-    fn uniform(&self, of: impl Fn(&Series) -> &[u32]) -> Option<Uniform> {
-        let all: Vec<f64> = self.coordinates(of).into_iter().map(|(_, p)| p).collect();
-        let coordinates = Some(all.len()).filter(|n| *n > 0)?;
-        let least = all.iter().copied().fold(1.0, f64::min);
-        let below = all.iter().filter(|p| **p < 0.05).count();
-        Some(Uniform { coordinates, p: (least * coordinates as f64).min(1.0), below })
+    fn uniform(&self, of: impl Fn(&Series) -> &[u32]) -> Option<AllUniform> {
+        ranks::all_uniform(&self.coordinates(of).into_iter().map(|(_, p)| p).collect::<Vec<_>>())
     }
 
     /// Whether the ranks of each coordinate of the joints are uniform.
-    pub(super) fn uniform_points(&self) -> Option<Uniform> {
+    pub(super) fn uniform_points(&self) -> Option<AllUniform> {
         self.uniform(|series| &series.ranks)
     }
 
     /// Whether those of each degree of freedom are, where they are known.
-    pub(super) fn uniform_state(&self) -> Option<Uniform> {
+    pub(super) fn uniform_state(&self) -> Option<AllUniform> {
         self.uniform(|series| &series.state_ranks)
     }
 

@@ -1,9 +1,9 @@
 //! The tables, for docs and for programs.
 
-use super::found::{Found, Uniform};
+use super::found::Found;
 use super::scene::{Scene, Sizes, Wrong};
 use sinew::body::standard::EVALUATION_JOINTS;
-use sinew_tests::evaluation::ranks::LEVELS;
+use sinew_tests::evaluation::ranks::{AllUniform, LEVELS};
 
 fn percent([share, error]: [f64; 2]) -> String {
     format!("{:.1} ± {:.1}", 100.0 * share, 100.0 * error)
@@ -25,10 +25,10 @@ fn named(scene: &Scene) -> [String; 4] {
     }
 }
 
-fn uniform(found: Option<Uniform>) -> String {
+fn uniform(found: Option<AllUniform>) -> String {
     match found {
         None => "–".into(),
-        Some(Uniform { coordinates, p, below }) => format!("{p:.2e} ({below} of {coordinates})"),
+        Some(AllUniform { coordinates, p, below }) => format!("{p:.2e} ({below} of {coordinates})"),
     }
 }
 

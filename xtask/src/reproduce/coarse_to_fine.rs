@@ -7,7 +7,6 @@
 //! | [`scene`] | sequence, body, true poses, grid |
 //! | [`contender`] | who is compared |
 //! | [`condensation`] | the opponent |
-//! | [`own_contours`] | another reading of the likelihood of a part |
 //! | [`track`], [`study`] | one run and what its estimates are worth; all of them |
 //! | [`results`] | means, errors, paired differences |
 //! | [`claims`] | the paper's claims and what became of them |
@@ -19,7 +18,6 @@ mod claims;
 mod condensation;
 mod contender;
 mod figures;
-mod own_contours;
 mod results;
 mod scene;
 mod study;

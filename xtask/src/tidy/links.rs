@@ -1,4 +1,4 @@
-//! Markdown pages: every link leads somewhere, every page is listed, words are plain.
+//! Markdown pages: every link and path leads somewhere, every page is listed, words are plain.
 
 use super::workspace::Violation;
 use std::collections::BTreeMap;
@@ -81,6 +81,9 @@ fn page(path: &str, pages: &Pages, exists: &dyn Fn(&str) -> bool) -> Vec<Violati
             found.push(Violation::at(path, line, format!("the link to {to} leads nowhere")));
         }
     }
+    for (line, named) in paths(text).filter(|(_, named)| !exists(named)) {
+        found.push(Violation::at(path, line, format!("there is no {named}")));
+    }
     for (line, row) in uncoded(text) {
         let row = row.to_lowercase();
         for (word, plain) in STUMBLES.iter().filter(|(word, _)| contains_word(&row, word)) {
@@ -112,6 +115,16 @@ fn unfenced(text: &str) -> impl Iterator<Item = (usize, &str)> {
 /// Lines outside fenced code, without what stands in backquotes.
 fn uncoded(text: &str) -> impl Iterator<Item = (usize, String)> {
     unfenced(text).map(|(number, line)| (number, line.split('`').step_by(2).collect::<Vec<_>>().join("`")))
+}
+
+/// Paths of the workspace in backquotes.
+fn paths(text: &str) -> impl Iterator<Item = (usize, &str)> {
+    let coded =
+        unfenced(text).flat_map(|(number, line)| line.split('`').skip(1).step_by(2).map(move |code| (number, code)));
+    coded.filter(|(_, code)| {
+        ["crates/", "docs/", "fuzz/", "tests/", "xtask/"].iter().any(|root| code.starts_with(root))
+            && code.chars().all(|c| c.is_alphanumeric() || "/._-".contains(c))
+    })
 }
 
 /// Targets of links and pictures into the workspace, with their lines.
@@ -172,6 +185,12 @@ mod tests {
         for bad in ["[a](b/others.md)", "[a](../x.svg)", "[a](b/other.md#three)", "[a](#there)", "[a\nb](no.md)"] {
             assert_eq!(found(bad).len(), 1, "{bad}");
         }
+    }
+
+    #[test]
+    fn paths_that_are_not_there_are_caught() {
+        assert_eq!(found("`docs/x.svg` `docs/b/other.md` `crates/*/tests` `docs x`"), [""; 0]);
+        assert_eq!(found("`crates/none.rs`").len(), 1);
     }
 
     #[test]

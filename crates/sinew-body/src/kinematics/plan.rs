@@ -184,7 +184,7 @@ impl Plan {
         self.vectors = next;
     }
 
-    /// Whether [`Plan::sweep`] runs straight-line code: the tree and the points are those of a built-in body, in any size.
+    /// Whether [`Plan::sweep`] runs straight-line code: tree and points belong to a built-in body, in any size.
     #[must_use]
     pub const fn has_straight_line(&self) -> bool {
         self.straight_line.is_some()

@@ -117,6 +117,14 @@ pub fn files(folder: &Path) -> BTreeMap<String, Vec<u8>> {
     found
 }
 
+/// Cells of a column of a table.
+pub fn column(table: &[u8], name: &str) -> Vec<String> {
+    let text = String::from_utf8_lossy(table);
+    let mut rows = text.lines().map(|line| line.split(','));
+    let place = rows.next().unwrap().position(|column| column == name).unwrap();
+    rows.map(|mut row| row.nth(place).unwrap().to_owned()).collect()
+}
+
 /// CRC-32 (the polynomial of zip and png), bit by bit: another implementation than the program's.
 pub fn crc32(bytes: &[u8]) -> u32 {
     !bytes.iter().fold(!0, |crc, &byte| {

@@ -92,15 +92,20 @@ impl Whole {
 
     /// As [`Whole::new`], with another number of frames.
     pub fn lasting(frames: u64, settings: &[(&'static str, &str)]) -> Self {
-        Self::seen(frames, settings, false)
+        Self::seen(frames, settings, false, 1.0)
+    }
+
+    /// As [`Whole::lasting`], with so many times the keypoint noise in the set-up: a wide likelihood, under which few particles continue from frame to frame.
+    pub fn blurred(frames: u64, settings: &[(&'static str, &str)], factor: f64) -> Self {
+        Self::seen(frames, settings, false, factor)
     }
 
     /// Tracks so many frames from silhouettes alone, after the set-up.
     pub fn of_silhouettes(frames: u64, settings: &[(&'static str, &str)]) -> Self {
-        Self::seen(frames, settings, true)
+        Self::seen(frames, settings, true, 1.0)
     }
 
-    fn seen(frames: u64, settings: &[(&'static str, &str)], by_masks: bool) -> Self {
+    fn seen(frames: u64, settings: &[(&'static str, &str)], by_masks: bool, noise: f64) -> Self {
         let script = Script { duration_s: frames as f64 / 30.0, ..Script::default() };
         let mut recording = SyntheticRecording::new(&script, 7).unwrap();
         recording.cameras.truncate(2);
@@ -115,6 +120,7 @@ impl Whole {
         let first: Vec<_> = (0..10).map(|number| Ok((number, recording.people(number)?))).collect();
         let (mut found, _) = setup::set_up(&recording.cameras, &recording.layout, &request, first).unwrap();
         (found.step_size, found.leapfrog_steps) = (Some(0.4), Some(3));
+        found.camera.iter_mut().for_each(|camera| camera.sigma_px *= noise);
         let path = folder.path().join("setup.toml");
         fs::write(&path, found.to_toml().unwrap()).unwrap();
         let short =
@@ -170,17 +176,17 @@ impl Whole {
         })
     }
 
-    /// A run that is stopped after so many frames and gone on with gives the files of the whole one.
+    /// A run that is stopped after so many frames and resumed gives the files of the whole one.
     pub fn check_stopped_at(&self, stop: u64) {
         let out = self.folder.path().join("out");
         let outcome = self.run(&out, 1, Some(stop), None).unwrap();
-        assert_eq!(outcome.summary.complete, stop == FRAMES || outcome.summary.frame_count == FRAMES);
+        assert_eq!(outcome.summary.complete, stop == self.frames || outcome.summary.frame_count == self.frames);
         if !outcome.summary.complete {
             let from = checkpoint::read(&out).unwrap();
             assert!(from.done == stop.max(1), "{stop}: {}", from.done);
             assert!(self.run(&out, 2, None, Some(from)).unwrap().summary.complete);
         }
-        assert!(results(&out) == self.files, "stopped after {stop} of {FRAMES} frames: {:?}", self.settings);
+        assert!(results(&out) == self.files, "stopped after {stop} of {} frames: {:?}", self.frames, self.settings);
         fs::remove_dir_all(&out).unwrap();
     }
 }

@@ -8,7 +8,7 @@ use std::io::{self, Write};
 /// the file once the number is known.
 ///
 /// # Errors
-/// Those of the stream; `InvalidInput` for joints that do not follow their parents in depth-first order, names that
+/// What the stream reports; `InvalidInput` for joints that do not follow their parents in depth-first order, names that
 /// cannot be read back, and a frame time that is not positive.
 pub fn write_header(out: &mut impl Write, joints: &[Joint], frame_time_s: f64, frames: u32) -> io::Result<()> {
     if !(frame_time_s > 0.0 && frame_time_s.is_finite()) {
@@ -51,7 +51,7 @@ pub fn write_header(out: &mut impl Write, joints: &[Joint], frame_time_s: f64, f
 /// Writes a row of the motion table.
 ///
 /// # Errors
-/// Those of the stream; `InvalidInput` for a number that is not finite, which this format cannot express.
+/// What the stream reports; `InvalidInput` for a number that is not finite, which this format cannot express.
 pub fn write_frame(out: &mut impl Write, values: &[f64]) -> io::Result<()> {
     for (i, &value) in values.iter().enumerate() {
         if value.is_nan() {

@@ -8,7 +8,7 @@ use std::io::{self, Write};
 /// once the number is known.
 ///
 /// # Errors
-/// Those of the stream; `InvalidInput` for a name that is empty, starts or ends with a blank or holds a control
+/// What the stream reports; `InvalidInput` for a name that is empty, starts or ends with a blank or holds a control
 /// character, and for an infinite rate.
 pub fn write_header(out: &mut impl Write, header: &Header, frames: u32) -> io::Result<()> {
     for name in header.markers.iter().chain([&header.file_name]) {
@@ -39,7 +39,7 @@ pub fn write_header(out: &mut impl Write, header: &Header, frames: u32) -> io::R
 /// Writes a row; a missing point becomes three times `NaN`.
 ///
 /// # Errors
-/// Those of the stream; `InvalidInput` for an infinite number.
+/// What the stream reports; `InvalidInput` for an infinite number.
 pub fn write_frame(out: &mut impl Write, number: i64, time_s: f64, points: &[Option<[f64; 3]>]) -> io::Result<()> {
     write!(out, "{number}\t")?;
     write_number(out, time_s)?;

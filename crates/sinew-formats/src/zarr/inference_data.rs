@@ -13,6 +13,7 @@
 //! ```
 
 use super::{DataType, Group, Labels, Schema, Variable};
+use serde_json::{Map, Value};
 
 /// Whether draws of a frame know the frames after it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -73,6 +74,20 @@ pub fn group(name: &str, run: &Run<'_>) -> Group {
     }
     group.attributes.insert("seed".into(), run.seed.into());
     group
+}
+
+/// Attributes of the root, which has no variables of its own: what is in the groups, and how they are opened.
+#[must_use]
+pub fn root(run: &Run<'_>, groups: &[Group]) -> Map<String, Value> {
+    let names: Vec<&str> = groups.iter().map(|group| group.name.as_str()).collect();
+    let mut attributes = group("", run).attributes;
+    attributes.insert("groups".into(), names.into());
+    attributes.insert(
+        "open_with".into(),
+        "xarray.open_zarr(store, group=\"posterior\"), or xarray.open_datatree(store, engine=\"zarr\") for all groups"
+            .into(),
+    );
+    attributes
 }
 
 /// The posterior: `angle[chain, draw, frame, dof]` in rad, `root[…, axis]` and `marker_position[…, marker, axis]` in m,

@@ -64,7 +64,7 @@ pub(super) fn group(attributes: &Map<String, Value>) -> Value {
     json!({ "zarr_format": 3, "node_type": "group", "attributes": attributes })
 }
 
-/// The root's document with those of all nodes below it, by path.
+/// The root's document with the documents of all nodes below it, by path.
 pub(super) fn consolidated_root(attributes: &Map<String, Value>, nodes: Map<String, Value>) -> Value {
     let mut root = group(attributes);
     if let Some(document) = root.as_object_mut() {

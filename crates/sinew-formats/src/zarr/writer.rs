@@ -45,7 +45,7 @@ impl<S: Store> Writer<S> {
     /// Checks the schema and writes everything that does not grow.
     ///
     /// # Errors
-    /// Those of the store; `InvalidInput` for dimensions without labels, names that are used twice or cannot be part of
+    /// What the store reports; `InvalidInput` for dimensions without labels, names that are used twice or cannot be part of
     /// a path, growing variables without `frame`, constants with it or of another size.
     pub fn create(mut store: S, schema: Schema) -> io::Result<Self> {
         let mut fixed = Map::new();
@@ -137,7 +137,7 @@ impl<S: Store> Writer<S> {
     /// Appends a frame: its number, its time, and the values of every growing variable in the order of the schema.
     ///
     /// # Errors
-    /// Those of the store; `InvalidInput` for values that are too many, too few or of the wrong kind. The frame is then
+    /// What the store reports; `InvalidInput` for values that are too many, too few or of the wrong kind. The frame is then
     /// not counted.
     pub fn push(&mut self, number: i64, time_s: f64, values: &[Values<'_>]) -> io::Result<()> {
         let expected = self.is_time.iter().filter(|time| time.is_none()).count();
@@ -162,10 +162,10 @@ impl<S: Store> Writer<S> {
         self.growing.iter().map(|array| &array.chunk[..])
     }
 
-    /// Goes on where a writer of the same schema stood that had pushed so many frames and had these open chunks. Its store is written over from there; the keys of chunks that lie further are given to `stale`.
+    /// Resumes where a writer of the same schema had pushed so many frames and had these open chunks. Its store is written over from there; the keys of chunks that lie further are given to `stale`.
     ///
     /// # Errors
-    /// Those of the store and of `stale`; `InvalidInput` for chunks of another schema.
+    /// What the store and `stale` report; `InvalidInput` for chunks of another schema.
     pub fn resume(
         mut self,
         frames: usize,
@@ -196,7 +196,7 @@ impl<S: Store> Writer<S> {
     /// Writes the open chunk, shapes and consolidated metadata, and gives the store back.
     ///
     /// # Errors
-    /// Those of the store.
+    /// What the store reports.
     pub fn finish(mut self) -> io::Result<S> {
         if !self.frames.is_multiple_of(CHUNK_FRAMES) {
             self.flush()?;

@@ -1,18 +1,12 @@
 //! The shared recordings, where they are there.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-/// Folder of the recordings: `SINEW_DATA`, or `shared/data` beside the workspace.
-pub fn data(part: &str) -> Option<PathBuf> {
-    let folder = std::env::var_os("SINEW_DATA")
-        .map_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data"), PathBuf::from);
-    let folder = folder.join(part);
-    if !folder.is_dir() {
-        println!("skipped: no data");
-        return None;
-    }
-    Some(folder)
-}
+#[path = "../../../../tests/src/data.rs"]
+#[allow(dead_code)]
+mod shared_data;
+
+pub use shared_data::shared as data;
 
 /// Text of a file of the recordings.
 pub fn text(path: &Path) -> String {

@@ -1,4 +1,4 @@
-//! Fisheye lenses: the radius in the image is a polynomial of the angle from the axis (OpenCV's with four coefficients).
+//! Fisheye lenses: the radius in the image is a polynomial of the angle from the axis. OpenCV's, with four coefficients:
 //!
 //! ```text
 //! θ = atan r        θ_d = θ (1 + k1 θ² + k2 θ⁴ + k3 θ⁶ + k4 θ⁸)        (x_d, y_d) = θ_d/r · (x, y)
@@ -7,8 +7,9 @@
 //! Its domain ends where θ_d stops growing, at the first zero of `1 + 3 k1 s + 5 k2 s² + 7 k3 s³ + 9 k4 s⁴` in s = θ², and at a right angle in any case: what is not in front of the camera is not seen.
 //! J. Kannala and S. S. Brandt, "A generic camera model and calibration method for conventional, wide-angle, and fish-eye lenses", IEEE TPAMI 28 (2006), in OpenCV's form.
 
+use super::model::{Distort, DistortionModel, Image};
 use super::polynomial::{positive_up_to, value};
-use super::{Distort, DistortionModel, Image};
+
 use core::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 use sinew_core::lanes::Real;
 
@@ -62,10 +63,8 @@ impl Distort for Fisheye {
         if !DERIVATIVE {
             return Image { at, derivative: [[s(0.0); 2]; 2] };
         }
-        let slope = t.fma(
-            t.fma(t.fma(t.fma(s(9.0 * *k4), s(7.0 * *k3)), s(5.0 * *k2)), s(3.0 * *k1)),
-            s(1.0),
-        ) / (square + s(1.0));
+        let slope = t.fma(t.fma(t.fma(t.fma(s(9.0 * *k4), s(7.0 * *k3)), s(5.0 * *k2)), s(3.0 * *k1)), s(1.0))
+            / (square + s(1.0));
         // Along the radius the derivative is that of θ_d, across it the gain.
         let growth = (slope - gain) / square;
         let cross = x * y * growth;

@@ -1,4 +1,4 @@
-//! Undoing a lens: the ray that is shown at a place, by Newton's method from the radial part's own solution.
+//! Undoing a lens: the ray that is shown at a place, by Newton's method. It starts from the solution of the radial part.
 
 use super::Lens;
 use super::polynomial::bisect;
@@ -82,5 +82,29 @@ mod tests {
         }
         assert_eq!(lens.undistorted([1.6, 0.0]), None);
         assert_eq!(lens.undistorted([-40.0, 3.0]), None);
+    }
+
+    /// Lenses so strong that Newton steps from the observed radius go astray: they start from the radial part's own solution.
+    #[test]
+    fn strong_lenses_are_undone_up_to_their_limit() {
+        for ([k1, k2, k3], radius) in [
+            ([-0.000_456, 0.297_074, -0.090_312], 1.451_536),
+            ([0.514_874, 0.233_651, -0.030_496], 1.196_754),
+            ([0.355_026, 0.039_149, -0.129_805], 1.107_011),
+            ([-0.403_121, 0.533_08, -0.069_459], 1.427_714),
+            ([0.362_259, 0.233_022, -0.139_293], 1.125_255),
+            ([-0.01, 0.0, 0.0], 3.2),
+            // Close to the limit the images of the two axes nearly coincide.
+            ([-0.3, 0.0, 0.0], 1.053),
+        ] {
+            let lens = Lens::from(Brown { k1, k2, k3, p1: -1e-5, p2: 5e-6 });
+            assert!(radius < lens.valid_radius());
+            for angle in [0.3_f64, 0.785, 2.0, 4.5] {
+                let before = [radius * angle.cos(), radius * angle.sin()];
+                let after = lens.distorted(before).expect("inside the valid radius");
+                let found = lens.undistorted(after).expect("inside the valid radius");
+                assert!((0..2).all(|k| (found[k] - before[k]).abs() < 1e-6), "{lens:?}: {found:?} for {before:?}");
+            }
+        }
     }
 }

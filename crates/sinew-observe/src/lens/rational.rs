@@ -9,8 +9,9 @@
 //! D. Claus and A. W. Fitzgibbon, "A rational function lens distortion model for general cameras", CVPR 2005, in OpenCV's form.
 
 use super::brown::decentred;
+use super::model::{Distort, DistortionModel, Image};
 use super::polynomial::{derivative, positive_up_to, product, value};
-use super::{Distort, DistortionModel, Image};
+
 use sinew_core::lanes::Real;
 
 /// Denominator at and below which the quotient has no meaning.

@@ -1,18 +1,19 @@
 //! Many no-U-turn chains on one target: blocks of eight in parallel, a fixed number of transitions each.
 
-use super::{Nuts, Transition, Trees, step};
+use super::{Nuts, TreeTransition, Trees, step};
 use crate::Error;
-use crate::chains::{Draws, Lockstep, Schedule, gather, run_blocks};
+use crate::chains::{ChainDraws, Lockstep, Schedule, gather, run_blocks};
+use crate::dual_averaging::DualAveraging;
 use crate::hmc::Update;
 use sinew_core::density::GradLogDensity;
 use sinew_core::lanes::{Block, LANES};
-use sinew_core::random::Stage;
+use sinew_core::random::{BlockRng, Stage};
 
 /// Draws of all chains with what their trees were like.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Run {
+pub struct TreeRun {
     /// Kept draws.
-    pub draws: Draws,
+    pub draws: ChainDraws,
     /// Transitions by depth, discarded ones included: `depths[k]` kept k doublings.
     pub depths: Vec<usize>,
     /// Gradients of all chains.
@@ -21,7 +22,7 @@ pub struct Run {
     pub block_gradients: usize,
 }
 
-impl Run {
+impl TreeRun {
     /// Mean depth of a tree.
     #[must_use]
     pub fn mean_depth(&self) -> f64 {
@@ -39,7 +40,7 @@ struct Forest {
 }
 
 impl Forest {
-    fn take(&mut self, trees: &Trees, lane: usize, r: usize, burn_in: usize, tree: &Transition) {
+    fn take(&mut self, trees: &Trees, lane: usize, r: usize, burn_in: usize, tree: &TreeTransition) {
         self.depths[tree.depth] += 1;
         self.leapfrog_steps += tree.leapfrog_steps;
         let (log_density, update) = &mut self.chains.log[r];
@@ -66,18 +67,18 @@ impl Forest {
     }
 }
 
+/// Grows the trees of one block; `after` hears of every transition that is complete.
 fn grow<T: GradLogDensity + ?Sized>(
     target: &T,
     nuts: &Nuts,
-    start: &[Block],
+    mut trees: Trees,
     active: usize,
     schedule: Schedule,
-    stage: &Stage,
-    block: usize,
-) -> Result<Forest, Error> {
+    rng: &mut BlockRng,
+    mut after: impl FnMut(&mut Trees, usize, &TreeTransition),
+) -> Forest {
     let Schedule { updates, burn_in } = schedule;
-    let mut rng = stage.block(block as u32);
-    let mut trees = Trees::new(target, nuts, start.to_vec())?;
+    let start = trees.position();
     let mut kept = vec![Block::ZERO; (updates + 1 - burn_in) * start.len()];
     if burn_in == 0 {
         kept[..start.len()].copy_from_slice(start);
@@ -86,19 +87,20 @@ fn grow<T: GradLogDensity + ?Sized>(
     let chains = Lockstep { kept, log, last: Vec::new() };
     let mut forest = Forest { chains, depths: vec![0; nuts.max_depth + 1], leapfrog_steps: 0, block_gradients: 0 };
     let mut complete = [0; LANES];
-    let mut goes_on: [bool; LANES] = std::array::from_fn(|lane| lane < active && updates > 0);
-    while goes_on.contains(&true) {
+    let mut running: [bool; LANES] = std::array::from_fn(|lane| lane < active && updates > 0);
+    while running.contains(&true) {
         forest.block_gradients += 1;
-        for (lane, tree) in step(target, nuts, &mut trees, &goes_on, &mut rng).iter().enumerate() {
+        for (lane, tree) in step(target, nuts, &mut trees, &running, rng).iter().enumerate() {
             if let Some(tree) = tree {
                 complete[lane] += 1;
-                goes_on[lane] = complete[lane] < updates;
+                running[lane] = complete[lane] < updates;
                 forest.take(&trees, lane, complete[lane], burn_in, tree);
+                after(&mut trees, lane, tree);
             }
         }
     }
     forest.chains.last = trees.position().to_vec();
-    Ok(forest)
+    forest
 }
 
 /// Runs `chains` chains from `starts` (blocks of the target's dimension; every lane must hold a state of finite log density, idle ones too); every chain makes as many transitions.
@@ -112,12 +114,49 @@ pub fn draw<T: GradLogDensity + ?Sized>(
     chains: usize,
     schedule: Schedule,
     stage: &Stage,
-) -> Result<Run, Error> {
+) -> Result<TreeRun, Error> {
     let dim = target.dim();
     let forests = run_blocks(dim, starts, chains, schedule, |start, block| {
         let active = (chains - block * LANES).min(LANES);
-        grow(target, nuts, start, active, schedule, stage, block)
+        let trees = Trees::new(target, nuts, start.to_vec())?;
+        Ok(grow(target, nuts, trees, active, schedule, &mut stage.block(block as u32), |_, _, _| {}))
     })?;
+    Ok(collect(dim, chains, schedule, nuts, forests))
+}
+
+/// Runs the chains of a warm-up as [`draw`] does, each with a step size of its own, which `search` seeks. Returns the draws and the average step size of every chain, in units of the step size of `nuts`.
+///
+/// # Errors
+/// As [`draw`].
+pub fn adapt<T: GradLogDensity + ?Sized>(
+    target: &T,
+    nuts: &Nuts,
+    starts: &[Block],
+    chains: usize,
+    schedule: Schedule,
+    search: DualAveraging,
+    stage: &Stage,
+) -> Result<(TreeRun, Vec<f64>), Error> {
+    let dim = target.dim();
+    let adapted = run_blocks(dim, starts, chains, schedule, |start, block| {
+        let active = (chains - block * LANES).min(LANES);
+        let mut trees = Trees::new(target, nuts, start.to_vec())?;
+        trees.scale = Block::splat(search.step_size());
+        let mut searches = [search; LANES];
+        let after = |trees: &mut Trees, lane: usize, tree: &TreeTransition| {
+            searches[lane].update(tree.acceptance);
+            trees.scale.0[lane] = searches[lane].step_size();
+        };
+        let forest = grow(target, nuts, trees, active, schedule, &mut stage.block(block as u32), after);
+        Ok((forest, searches))
+    })?;
+    let (forests, searches): (Vec<Forest>, Vec<_>) = adapted.into_iter().unzip();
+    let step_sizes = searches.iter().flatten().take(chains).map(DualAveraging::average).collect();
+    Ok((collect(dim, chains, schedule, nuts, forests), step_sizes))
+}
+
+/// The draws and counts of all blocks.
+fn collect(dim: usize, chains: usize, schedule: Schedule, nuts: &Nuts, forests: Vec<Forest>) -> TreeRun {
     let mut depths = vec![0; nuts.max_depth + 1];
     let (mut leapfrog_steps, mut block_gradients, mut runs) = (0, 0, Vec::with_capacity(forests.len()));
     for forest in forests {
@@ -126,5 +165,5 @@ pub fn draw<T: GradLogDensity + ?Sized>(
         block_gradients += forest.block_gradients;
         runs.push(forest.chains);
     }
-    Ok(Run { draws: gather(dim, chains, schedule, &runs), depths, leapfrog_steps, block_gradients })
+    TreeRun { draws: gather(dim, chains, schedule, &runs), depths, leapfrog_steps, block_gradients }
 }

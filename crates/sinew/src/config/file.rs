@@ -161,10 +161,11 @@ mod tests {
 
     #[test]
     fn values_read_back() {
-        let text = "frames = \"3..7\"\ncameras = [\"a\", \"b\"]\njitter = 0.1\nseed = 18446744073709551615\ncalibration = \"x/Calib.toml\"\nlayout = \"BODY_25\"\n";
+        let text = "frames = \"3..7\"\nlag = [\"cam_01=1\", \"b=-2\"]\ncameras = [\"a\", \"b\"]\njitter = 0.1\nseed = 18446744073709551615\ncalibration = \"x/Calib.toml\"\nlayout = \"BODY_25\"\n";
         let (values, _) = parse(text, Path::new("/trial")).unwrap();
         assert_eq!(values["calibration"], Value::Path("/trial/x/Calib.toml".into()));
         assert_eq!(values["layout"], Value::Text("BODY_25".into()));
+        assert_eq!(values["lag"], Value::Lags(vec![("cam_01".into(), 1), ("b".into(), -2)]));
         let again: String = values.iter().map(|(key, value)| format!("{key} = {}\n", to_toml(value))).collect();
         assert_eq!(parse(&again, Path::new("/other")).unwrap().0, values);
     }

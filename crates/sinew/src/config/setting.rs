@@ -28,6 +28,8 @@ pub enum Kind {
     Frames,
     /// A list of names.
     Names,
+    /// Whole frames of cameras, `cam_01=1,cam_03=-2`.
+    Lags,
 }
 
 /// Value where nobody gives one, as it would be typed.

@@ -32,6 +32,8 @@ pub struct Settings {
     pub raster: usize,
     /// Thinned draws kept of each frame.
     pub draws: usize,
+    /// Whether the set-up is that of an earlier run, which advice depends on.
+    pub setup_is_given: bool,
 }
 
 impl Default for Settings {
@@ -48,6 +50,7 @@ impl Default for Settings {
             score: Score::Bidirectional.with_kappa(100.0),
             raster: 320,
             draws: 64,
+            setup_is_given: false,
         }
     }
 }

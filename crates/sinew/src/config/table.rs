@@ -51,6 +51,7 @@ const FIRST: &[Setting] = &[
     common((INPUT, "cameras", Kind::Names, "LIST", "", "cameras to use, a,b,c [default: all]")),
     rare((INPUT, "person", Kind::Count(0, 999), "N", "", "which person: 0 is the most complete one on whom the cameras agree at the start [default: 0]")),
     common((INPUT, "trim", Kind::Flag, "", "false", "take only the frames that all cameras have")),
+    rare((INPUT, "lag", Kind::Lags, "LIST", "", "frames that cameras are late, cam_01=1,cam_03=-2; `sinew inspect` finds them")),
     rare((INPUT, "confidence_scale", POSITIVE, "C", "1", "confidence that means certainty")),
     rare((INPUT, "image_scale", FACTOR, "S", "1", "size of the images with the keypoints over that of the calibrated images, where they were resized")),
     rare((INPUT, "mask_scale", FACTOR, "S", "", "size of the masks over that of the calibrated images [default: as the keypoints']")),
@@ -60,6 +61,7 @@ const FIRST: &[Setting] = &[
     common((METHOD, "setup", Kind::Path, "FILE", "", "set-up of an earlier run, its setup.toml")),
     common((METHOD, "init", Kind::NameOrPath, "FROM", "", "start of silhouettes alone: `keypoints` or a TRC file of points")),
     common((METHOD, "setup_frames", Kind::Frames, "A..B", "", "frames for the set-up, thinned where many [default: all]")),
+    rare((METHOD, "any_size", Kind::Flag, "", "false", "take sizes and speeds that no person has")),
     common((METHOD, "smooth", Kind::Flag, "", "false", "let every frame see all frames (backward pass)")),
     rare((METHOD, "prior", PRIORS, "NAME", "gaussian", "what a frame hands on to the next: gaussian or mixture")),
     computed((METHOD, "motion_scale", FACTOR, "X", || Settings::default().motion_scale.to_string(), "factor on the motion noise that the set-up pass found")),
@@ -84,7 +86,7 @@ const LAST: &[Setting] = &[
     Setting { rare: false, ..computed((GENERAL, "seed", Kind::Count(0, u64::MAX), "N", || Settings::default().seed.to_string(), "seed of all random streams")) },
     unhashed(common((GENERAL, "threads", Kind::Count(1, 1024), "N", "", "threads [default: what the system grants]"))),
     common((OUTPUT, "out", Kind::Path, "DIR", "", "output folder [default: sinew-out/<trial>]")),
-    unhashed(rare((OUTPUT, "checkpoint_every", NOT_NEGATIVE, "SECONDS", "10", "time between checkpoints, from which `--resume` goes on; 0 after every frame"))),
+    unhashed(rare((OUTPUT, "checkpoint_every", NOT_NEGATIVE, "SECONDS", "10", "time between checkpoints, from which `--resume` continues; 0 after every frame"))),
     unhashed(common((OUTPUT, "force", Kind::Flag, "", "false", "replace results that are there"))),
 ];
 

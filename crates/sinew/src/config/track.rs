@@ -5,6 +5,7 @@ use super::settings::Settings;
 use super::value::Value;
 use crate::Error;
 use crate::methods::Score;
+use crate::track::error::TrackError;
 use sinew_core::lanes::Isa;
 use sinew_dynamics::random_walk::Between;
 use sinew_observe::Noise;
@@ -38,6 +39,10 @@ pub struct TrackConfig {
     pub fps: Option<f64>,
     /// Cameras to use.
     pub cameras: Option<Vec<String>>,
+    /// Whether sizes and speeds that no person has are taken.
+    pub any_size: bool,
+    /// Frames that cameras are late.
+    pub lag: Vec<(String, i64)>,
     /// Which person: 0 is the most complete one at the start.
     pub person: Option<usize>,
     /// Whether cameras may begin and end apart.
@@ -103,6 +108,11 @@ impl Resolved {
                 Some(Value::Names(names)) => Some(names.clone()),
                 _ => None,
             },
+            any_size: self.values.flag("any_size"),
+            lag: match self.values.get("lag") {
+                Some(Value::Lags(lags)) => lags.clone(),
+                _ => vec![],
+            },
             person: self.values.count("person").and_then(|person| usize::try_from(person).ok()),
             trim: self.values.flag("trim"),
             up_axis: self.values.text("up_axis"),
@@ -149,6 +159,7 @@ impl Resolved {
             score: values.number("kappa").map_or(usual.score, |kappa| score.with_kappa(kappa)),
             raster: values.size_or("raster", usual.raster),
             draws: values.size_or("draws", usual.draws),
+            setup_is_given: values.path("setup").is_some(),
             ..usual
         }
     }
@@ -161,16 +172,13 @@ impl TrackConfig {
     /// How frames are tracked.
     ///
     /// # Errors
-    /// [`Error::Usage`] for an instruction set that the processor lacks.
+    /// [`TrackError::NoInstructionSet`].
     pub fn settings(&self) -> Result<Settings, Error> {
         let isa = match &self.simd {
             None => Isa::best(),
             Some(name) => Isa::by_name(name).ok_or_else(|| {
-                let available: Vec<&str> = Isa::available().into_iter().map(Isa::name).collect();
-                Error::Usage {
-                    message: format!("this processor has no `{name}`; it has {}", available.join(", ")),
-                    help: "leave `--simd` out to take the best".into(),
-                }
+                let available = Isa::available().into_iter().map(Isa::name).collect();
+                TrackError::NoInstructionSet { asked: name.clone(), available }
             })?,
         };
         Ok(Settings { isa, fps: self.fps.unwrap_or(DEFAULT_FPS), ..self.tracking.clone() })

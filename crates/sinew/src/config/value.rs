@@ -23,6 +23,8 @@ pub enum Value {
     Frames(Range<u64>),
     /// Names.
     Names(Vec<String>),
+    /// Names of cameras, each with frames that it is late.
+    Lags(Vec<(String, i64)>),
 }
 
 fn checked_number(setting: &Setting, value: f64, shown: &str) -> Result<Value, String> {
@@ -77,8 +79,34 @@ fn unexpected(setting: &Setting, shown: &str) -> String {
         Kind::Flag => "true or false",
         Kind::Frames => "frame numbers in quotes, for example \"0..60\"",
         Kind::Names => "a list of names, for example [\"cam1\", \"cam2\"]",
+        Kind::Lags => "a list of cameras with whole frames, for example [\"cam1=1\", \"cam3=-2\"]",
     };
     format!("`{}` is {shown}; it must be {wanted}", setting.key)
+}
+
+/// Frames beyond which a camera was not started with the others.
+const MOST_LAG: i64 = 1_000_000;
+
+fn lags<'a>(setting: &Setting, items: impl Iterator<Item = &'a str>, shown: &str) -> Result<Value, String> {
+    let mut lags: Vec<(String, i64)> = vec![];
+    for item in items.map(str::trim).filter(|item| !item.is_empty()) {
+        let parts = item.split_once('=').and_then(|(name, lag)| Some((name.trim(), lag.trim().parse().ok()?)));
+        match parts {
+            Some((name, lag)) if !name.is_empty() && (-MOST_LAG..=MOST_LAG).contains(&lag) => {
+                if lags.iter().any(|(known, _)| known == name) {
+                    return Err(format!("`{}` names `{name}` twice", setting.key));
+                }
+                lags.push((name.to_owned(), lag));
+            }
+            _ => {
+                return Err(format!(
+                    "`{}` holds `{item}`; it must be a camera and whole frames, for example cam_03=-2",
+                    setting.key
+                ));
+            }
+        }
+    }
+    if lags.is_empty() { Err(unexpected(setting, shown)) } else { Ok(Value::Lags(lags)) }
 }
 
 /// A path, or a name that is one if it ends in `.toml` or `.trc`, seen from a folder.
@@ -112,6 +140,7 @@ pub fn from_text(setting: &Setting, text: &str, folder: &Path) -> Result<Value, 
             _ => Err(unexpected(setting, &shown)),
         },
         Kind::Frames => frames(setting, text),
+        Kind::Lags => lags(setting, text.split(','), text),
         Kind::Names => {
             let names: Vec<String> =
                 text.split(',').map(|name| name.trim().to_owned()).filter(|name| !name.is_empty()).collect();
@@ -145,7 +174,11 @@ pub fn from_toml(setting: &Setting, value: &DeValue<'_>, shown: &str, folder: &P
                 items.iter().map(|item| Some(item.get_ref().as_str()?.to_owned())).collect();
             names.filter(|names| !names.is_empty()).map_or_else(bad, |names| Ok(Value::Names(names)))
         }
-        (Kind::Path | Kind::NameOrPath | Kind::Choice(_) | Kind::Frames, DeValue::String(text)) => {
+        (Kind::Lags, DeValue::Array(items)) => {
+            let items: Option<Vec<&str>> = items.iter().map(|item| item.get_ref().as_str()).collect();
+            items.map_or_else(bad, |items| lags(setting, items.into_iter(), shown))
+        }
+        (Kind::Path | Kind::NameOrPath | Kind::Choice(_) | Kind::Frames | Kind::Lags, DeValue::String(text)) => {
             from_text(setting, text, folder)
         }
         _ => bad(),
@@ -156,6 +189,7 @@ pub fn from_toml(setting: &Setting, value: &DeValue<'_>, shown: &str, folder: &P
 #[must_use]
 pub fn to_toml(value: &Value) -> String {
     let quoted = |text: &str| toml::Value::String(text.to_owned()).to_string();
+    let list = |texts: &[String]| format!("[{}]", texts.iter().map(|text| quoted(text)).collect::<Vec<_>>().join(", "));
     match value {
         Value::Path(path) => quoted(&path.to_string_lossy()),
         Value::Text(text) => quoted(text),
@@ -163,8 +197,13 @@ pub fn to_toml(value: &Value) -> String {
         Value::Number(number) => format!("{number:?}"),
         Value::Flag(flag) => flag.to_string(),
         Value::Frames(frames) => quoted(&format!("{}..{}", frames.start, frames.end)),
-        Value::Names(names) => format!("[{}]", names.iter().map(|name| quoted(name)).collect::<Vec<_>>().join(", ")),
+        Value::Names(names) => list(names),
+        Value::Lags(lags) => list(&lag_texts(lags)),
     }
+}
+
+fn lag_texts(lags: &[(String, i64)]) -> Vec<String> {
+    lags.iter().map(|(name, lag)| format!("{name}={lag}")).collect()
 }
 
 /// The value as JSON.
@@ -178,5 +217,6 @@ pub fn to_json(value: &Value) -> serde_json::Value {
         Value::Flag(flag) => (*flag).into(),
         Value::Frames(frames) => format!("{}..{}", frames.start, frames.end).into(),
         Value::Names(names) => names.clone().into(),
+        Value::Lags(lags) => lag_texts(lags).into(),
     }
 }

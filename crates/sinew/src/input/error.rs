@@ -1,5 +1,6 @@
 //! What is refused of a recording: folders, file names, frames, layouts and sizes.
 
+use super::folder_contents::FolderContents;
 use std::ops::Range;
 use std::path::PathBuf;
 
@@ -51,6 +52,50 @@ pub enum InputError {
         /// Folder.
         folder: PathBuf,
     },
+    /// Videos where keypoints are expected.
+    #[error("`{}` holds videos ({}) and no keypoints", folder.display(), few(videos))]
+    VideosForKeypoints {
+        /// Folder.
+        folder: PathBuf,
+        /// Names of the videos.
+        videos: Vec<String>,
+    },
+    /// Videos where images are expected.
+    #[error("`{}` holds videos ({}) and no {many}", folder.display(), few(videos))]
+    VideosForImages {
+        /// Folder.
+        folder: PathBuf,
+        /// Word for the images.
+        many: &'static str,
+        /// Names of the videos.
+        videos: Vec<String>,
+    },
+    /// A file where a folder is expected.
+    #[error("`{}` is {}; expected a folder of {many}", file.display(), if *is_video { "a video" } else { "a file" })]
+    FileForFolder {
+        /// File.
+        file: PathBuf,
+        /// Word for what the folder should hold.
+        many: &'static str,
+        /// Whether it is a video.
+        is_video: bool,
+    },
+    /// A folder where a file is expected.
+    #[error("`{}` is a folder; expected a file", folder.display())]
+    FolderForFile {
+        /// Folder.
+        folder: PathBuf,
+        /// What it holds.
+        contents: FolderContents,
+    },
+    /// A calibration in the format of Qualisys.
+    #[error("`{}` is a calibration of Qualisys (XML); expected a Calib.toml", file.display())]
+    Qualisys {
+        /// File.
+        file: PathBuf,
+        /// Files `.toml` beside it.
+        beside: Vec<String>,
+    },
     /// A camera's folder without files.
     #[error("`{}` holds no {kind}", folder.display())]
     NoFiles {
@@ -63,6 +108,14 @@ pub enum InputError {
     #[error("no camera `{name}` in the calibration; calibrated: {}", calibrated.join(", "))]
     NoSuchCamera {
         /// Name asked for.
+        name: String,
+        /// Cameras of the calibration.
+        calibrated: Vec<String>,
+    },
+    /// A lag of a camera that is not calibrated.
+    #[error("`lag` names no camera of the calibration: `{name}`; calibrated: {}", calibrated.join(", "))]
+    LagOfNoCamera {
+        /// Name given.
         name: String,
         /// Cameras of the calibration.
         calibrated: Vec<String>,
@@ -231,6 +284,17 @@ impl SizeMisfit {
     }
 }
 
+/// Names that are listed.
+const FEW: usize = 3;
+
+fn few(names: &[String]) -> String {
+    let more = if names.len() > FEW { ", …" } else { "" };
+    format!("{}{more}", names.iter().take(FEW).cloned().collect::<Vec<_>>().join(", "))
+}
+
+/// What to do with videos.
+const DETECT: &str = "run a 2D pose detector over the videos first, for example OpenPose with `--write_json`, and give the folder that it fills";
+
 fn expected_names(extensions: &[&str]) -> String {
     let extension = extensions.first().copied().unwrap_or_default();
     format!("expected files `<camera>_<frame>.{extension}` or folders `<camera>` with files `<frame>.{extension}`")
@@ -242,6 +306,7 @@ impl InputError {
     pub const fn exit_code(&self) -> u8 {
         match self {
             Self::NoSuchCamera { .. }
+            | Self::LagOfNoCamera { .. }
             | Self::NoKeypointsOfCamera { .. }
             | Self::ImageScale { .. }
             | Self::GradientsOfSilhouettes { .. }
@@ -264,6 +329,37 @@ impl InputError {
                 format!("all {many} of a camera must have one size; write this one again")
             }
             Self::SizeMisfit { misfit, .. } => misfit.help(),
+            Self::VideosForImages { videos, many, .. } => format!(
+                "write their frames as {many} first, for example `ffmpeg -i {} cam01_%06d.png`",
+                videos.first().map_or("cam01.mp4", String::as_str)
+            ),
+            Self::FileForFolder { is_video: false, many, .. } => {
+                format!("give the folder that holds the {many} of all cameras")
+            }
+            Self::FileForFolder { many: "keypoints", .. } => DETECT.into(),
+            Self::FileForFolder { many, .. } => {
+                format!("write its frames as {many} first, for example `ffmpeg -i cam01.mp4 cam01_%06d.png`")
+            }
+            Self::FolderForFile { folder, contents } => match contents {
+                FolderContents::Toml(files) => {
+                    let files: Vec<String> = files.iter().map(|file| format!("`{}`", file.display())).collect();
+                    format!("did you mean {}?", files.join(" or "))
+                }
+                FolderContents::Keypoints => {
+                    format!("it holds keypoints: give it with `--keypoints {}`", folder.display())
+                }
+                FolderContents::Videos(_) => DETECT.into(),
+                FolderContents::Other => "give the path of a file".into(),
+            },
+            Self::Qualisys { beside, .. } => {
+                let convert = "convert it, for example with Pose2Sim (`calibration_type = 'convert'`, `convert_from = 'qualisys'`)";
+                match beside.as_slice() {
+                    [] => convert.into(),
+                    names => {
+                        format!("{convert}, or give `{}`, which is beside it, if it is the same", names.join("` or `"))
+                    }
+                }
+            }
             Self::NoImages { many, .. } => format!("give the folder that holds the {many} of all cameras"),
             Self::ImagesWithoutCamera { many, .. } => {
                 format!("move the {many} of each camera into a folder of its name; is this the folder of one camera?")
@@ -279,8 +375,10 @@ impl InputError {
                 "give the folder above it, which holds one folder `<camera>_json` for each camera"
             }
             Self::NoKeypoints { .. } => "`--keypoints` takes the folder that a detector fills, for example `pose`",
+            Self::VideosForKeypoints { .. } => DETECT,
             Self::NoFiles { .. } => "fill the folder or remove it, or leave the camera out of `--cameras`",
             Self::NoSuchCamera { .. } => "give `--cameras` a list of these names, separated by commas",
+            Self::LagOfNoCamera { .. } => "give `--lag` cameras by these names, for example `--lag cam_03=-2`",
             Self::NoKeypointsOfCamera { .. } => "leave the camera out of `--cameras`",
             Self::NoSuchFrames { .. } => "`--frames A..B` takes the numbers in the file names, A included, B not",
             Self::NoCommonFrame => "look at the frames of each camera with `sinew inspect`",

@@ -1,4 +1,6 @@
-//! Everything that is read of a recording to be tracked: keypoints, masks, images, or a part of them, one frame at a time.
+//! Everything that is read of a recording to be tracked, one frame at a time.
+//!
+//! Keypoints, masks, images, or a part of them.
 //!
 //! Keypoints may serve for the set-up alone ([`Init::Keypoints`]); without keypoints, points in space over time may, as another system or an earlier run has left them ([`Init::Points`]): they are seen by the calibrated cameras, as a
 //! detector without errors would see them. Row k of such a file belongs to frame k, counted from the first frame that is tracked.
@@ -61,15 +63,18 @@ impl Footage {
             let names = footage.calibrated(calibration)?;
             let has_keypoints = footage.keypoints.is_some();
             let frames = if has_keypoints { Some(footage.frames.clone()) } else { options.frames.clone() };
-            let of_masks = silhouettes::Options { scale, frames, trim: options.trim, calibrated: names.clone() };
-            let masks = Silhouettes::open(folder, &footage.cameras, &of_masks)?;
+            recording::check_lags(&options.lag, &names)?;
+            let lag = options.lag.clone();
+            let masks = silhouettes::Options { scale, frames, trim: options.trim, lag, calibrated: names.clone() };
+            let masks = Silhouettes::open(folder, &footage.cameras, &masks)?;
             if !has_keypoints {
                 (footage.frames, footage.available) = (masks.frames(), masks.available());
             }
             if let Some(folder) = &config.images {
                 let frames = Some(footage.frames.clone());
-                let of_images = pictures::Options { scale, frames, trim: true, calibrated: names };
-                footage.pictures = Some(Pictures::open(folder, &footage.cameras, &of_images)?);
+                let lag = options.lag.clone();
+                let images = pictures::Options { scale, frames, trim: true, lag, calibrated: names };
+                footage.pictures = Some(Pictures::open(folder, &footage.cameras, &images)?);
             }
             footage.silhouettes = Some(masks);
         }

@@ -4,7 +4,8 @@
 //! frames go by the last number in the file names.
 
 use crate::input::error::{InputError, SizeMisfit};
-use crate::input::recording::{listing, ranges};
+use crate::input::folder_contents::{FolderContents, folder_contents};
+use crate::input::recording::{lag_of, listing, ranges};
 use crate::{Error, files};
 use listing::CameraFiles;
 use sinew_formats::{Error as FormatError, camera_name};
@@ -25,6 +26,8 @@ pub struct Options {
     pub frames: Option<Range<u64>>,
     /// Whether cameras may begin and end apart.
     pub trim: bool,
+    /// Frames that cameras are late: frame f of such a camera is in its file numbered f + lag.
+    pub lag: Vec<(String, i64)>,
     /// Names of all calibrated cameras, of which some may not be in use; those in use if empty.
     pub calibrated: Vec<String>,
 }
@@ -97,7 +100,10 @@ impl ImageFolder {
         for camera in cameras {
             let name = camera_name::fold(&camera.name);
             match found.iter().position(|(label, _)| *label == name) {
-                Some(place) => files.push(Some(listing::files(found.swap_remove(place).1, &camera.name, kind.many)?)),
+                Some(place) => {
+                    let listed = listing::files(found.swap_remove(place).1, &camera.name, kind.many)?;
+                    files.push(Some(listed.late_by(lag_of(&options.lag, &camera.name))));
+                }
                 None => {
                     warnings.push(format!(
                         "no {} for camera `{}`; there are: {}",
@@ -261,13 +267,18 @@ pub(crate) fn camera_files(root: &Path, names: &[&str], kind: &Kind) -> Result<V
         let name = camera_name::fold(camera_part(name, names, kind));
         names.iter().any(|camera| camera_name::fold(camera) == name)
     };
+    listing::expect_folder(root, kind.many)?;
     let listing::Images { folders, loose, unnumbered } = listing::images(root, kind.extensions, is_camera)?;
     if let Some(name) = unnumbered {
         return Err(FormatError::NoFrameNumber { name: name.to_string_lossy().into_owned() }.into());
     }
     let (folder, many, extensions) = (root.to_owned(), kind.many, kind.extensions);
     match (folders.is_empty(), loose.as_slice()) {
-        (true, []) => Err(InputError::NoImages { folder, many, extensions }.into()),
+        (true, []) => Err(match folder_contents(&folder) {
+            FolderContents::Videos(videos) => InputError::VideosForImages { folder, many, videos },
+            _ => InputError::NoImages { folder, many, extensions },
+        }
+        .into()),
         (false, [_, ..]) => Err(InputError::ImagesTwice { folder, many, extensions }.into()),
         (true, loose) if loose.iter().any(|files| files.name.is_empty()) => {
             Err(InputError::ImagesWithoutCamera { folder, many, extensions }.into())

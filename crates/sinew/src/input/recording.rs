@@ -10,6 +10,7 @@ pub(crate) mod listing;
 pub mod survey;
 
 use crate::input::error::InputError;
+use crate::input::qualisys::refuse_qualisys;
 use crate::{Error, files};
 use listing::CameraFiles;
 use sinew_formats::openpose::{self, Person, Tally};
@@ -36,11 +37,21 @@ pub struct Options {
     pub cameras: Option<Vec<String>>,
     /// Whether cameras may begin and end apart.
     pub trim: bool,
+    /// Frames that cameras are late: frame f of such a camera is in its file numbered f + lag. Beginnings and ends that differ by lags are trimmed.
+    pub lag: Vec<(String, i64)>,
 }
 
 impl Default for Options {
     fn default() -> Self {
-        Self { layout: None, confidence_scale: 1.0, image_scale: 1.0, frames: None, cameras: None, trim: false }
+        Self {
+            layout: None,
+            confidence_scale: 1.0,
+            image_scale: 1.0,
+            frames: None,
+            cameras: None,
+            trim: false,
+            lag: vec![],
+        }
     }
 }
 
@@ -53,6 +64,7 @@ pub struct Recording {
     layout: Layout,
     confidence_scale: f64,
     image_scale: f64,
+    lag: Vec<(String, i64)>,
     available: Range<u64>,
     frames: Range<u64>,
     counted: Vec<bool>,
@@ -80,6 +92,7 @@ impl Recording {
         };
 
         let names: Vec<&str> = folders.iter().map(|folder| folder.name.as_str()).collect();
+        check_lags(&options.lag, &calibrated)?;
         let camera_names: Vec<&str> = cameras.iter().map(|camera| camera.name.as_str()).collect();
         let matching = camera_name::match_names(&names, &camera_names)?;
         warnings.extend(matching.warnings(&names, &camera_names).iter().map(ToString::to_string));
@@ -88,7 +101,9 @@ impl Recording {
         let mut listed = Vec::new();
         for (folder, camera) in matching.pairs {
             let Some(folder) = folders.get_mut(folder).and_then(Option::take) else { continue };
-            listed.push(listing::files(folder, &cameras[camera].name, "keypoint files")?);
+            let name = &cameras[camera].name;
+            let files = listing::files(folder, name, "keypoint files")?;
+            listed.push(files.late_by(lag_of(&options.lag, name)));
             used.push(cameras[camera].resized(options.image_scale));
         }
         if used.len() == 1 {
@@ -135,6 +150,7 @@ impl Recording {
             layout,
             confidence_scale: options.confidence_scale,
             image_scale: options.image_scale,
+            lag: options.lag.clone(),
             available,
             frames,
             warnings,
@@ -160,6 +176,12 @@ impl Recording {
     #[must_use]
     pub const fn image_scale(&self) -> f64 {
         self.image_scale
+    }
+
+    /// Frames that cameras are late, as declared.
+    #[must_use]
+    pub fn lag(&self) -> &[(String, i64)] {
+        &self.lag
     }
 
     /// Meaning of the keypoint indices.
@@ -278,6 +300,7 @@ pub(crate) struct Calibrated {
 impl Calibrated {
     pub(crate) fn read(path: &Path) -> Result<Self, Error> {
         let text = files::read_text(path, MAX_CONFIG_BYTES)?;
+        refuse_qualisys(path, &text)?;
         let read = calib_toml::read(&path.display().to_string(), &text)?;
         Ok(Self {
             names: read.cameras.iter().map(|camera| camera.name.clone()).collect(),
@@ -313,6 +336,21 @@ fn chosen_folders(folders: Vec<listing::Folder>, names: &[String]) -> Result<Vec
     Ok(folders.into_iter().filter(|folder| wanted.contains(&camera_name::fold(&folder.name))).collect())
 }
 
+/// Refuses lags of cameras that are not calibrated.
+pub(crate) fn check_lags(lags: &[(String, i64)], calibrated: &[String]) -> Result<(), InputError> {
+    let is_known = |name: &str| calibrated.iter().any(|known| camera_name::fold(known) == camera_name::fold(name));
+    match lags.iter().find(|(name, _)| !is_known(name)) {
+        None => Ok(()),
+        Some((name, _)) => Err(InputError::LagOfNoCamera { name: name.clone(), calibrated: calibrated.to_vec() }),
+    }
+}
+
+/// Frames that a camera is late.
+pub(crate) fn lag_of(lags: &[(String, i64)], camera: &str) -> i64 {
+    let is_it = |(name, _): &&(String, i64)| camera_name::fold(name) == camera_name::fold(camera);
+    lags.iter().find(is_it).map_or(0, |(_, lag)| *lag)
+}
+
 fn no_such_frames(asked: &Range<u64>, available: &Range<u64>) -> Error {
     InputError::NoSuchFrames { asked: asked.clone(), available: available.clone() }.into()
 }
@@ -326,6 +364,13 @@ pub(crate) fn ranges(
     let whole: Vec<(&str, Range<u64>)> =
         listed.iter().map(Borrow::borrow).map(|files: &CameraFiles| (files.camera.as_str(), files.range())).collect();
     let available = frame_number::common_range(&whole, true)?;
+    let has_lags = listed.iter().any(|files| files.borrow().lag != 0);
+    if has_lags && asked.is_none() {
+        let in_names: Vec<(&str, Range<u64>)> =
+            listed.iter().map(Borrow::borrow).map(|files| (files.camera.as_str(), files.range_in_names())).collect();
+        frame_number::common_range(&in_names, trim)?;
+    }
+    let trim = trim || has_lags;
     let frames = match asked {
         None => frame_number::common_range(&whole, trim)?,
         Some(asked) => {

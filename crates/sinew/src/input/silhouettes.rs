@@ -4,8 +4,8 @@
 //! number in the file names, and a number without a file is a frame that the camera missed. What a mask file may hold is said in [`sinew_formats::mask`].
 //!
 //! ```no_run
-//! use sinew::recording::{Options, Recording};
-//! use sinew::silhouettes::{self, Silhouettes};
+//! use sinew::input::recording::{Options, Recording};
+//! use sinew::input::silhouettes::{self, Silhouettes};
 //! use std::path::Path;
 //!
 //! let mut recording = Recording::open(Path::new("Calib.toml"), Path::new("pose"), &Options::default())?;

@@ -3,6 +3,7 @@
 use super::Facts;
 use crate::Error;
 use crate::files::read_text;
+use crate::input::qualisys::refuse_qualisys;
 use sinew_formats::calib_toml;
 use sinew_formats::source_text::MAX_CONFIG_BYTES;
 use std::path::Path;
@@ -11,7 +12,9 @@ use std::path::Path;
 const HEIGHT_M: f64 = 1.7;
 
 pub(super) fn facts(path: &Path) -> Result<Facts, Error> {
-    let calibration = calib_toml::read(&path.display().to_string(), &read_text(path, MAX_CONFIG_BYTES)?)?;
+    let text = read_text(path, MAX_CONFIG_BYTES)?;
+    refuse_qualisys(path, &text)?;
+    let calibration = calib_toml::read(&path.display().to_string(), &text)?;
     let mut facts = Facts::new(format!("{}: calibration of {} cameras", path.display(), calibration.cameras.len()));
     for camera in &calibration.cameras {
         let [width, height] = camera.image_size_px;

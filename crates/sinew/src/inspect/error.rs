@@ -22,6 +22,12 @@ pub enum InspectError {
         /// File.
         path: PathBuf,
     },
+    /// A video, which shows nothing without a detector.
+    #[error("{}: a video", path.display())]
+    Video {
+        /// File.
+        path: PathBuf,
+    },
     /// A folder that is no store of draws.
     #[error("{}: no `{document}`; expected a Zarr store of format 3", folder.display())]
     NoStore {
@@ -38,7 +44,7 @@ impl InspectError {
     pub const fn exit_code(&self) -> u8 {
         match self {
             Self::NoStore { .. } => 3,
-            Self::TwoSkeletons { .. } | Self::UnknownKind { .. } => 2,
+            Self::TwoSkeletons { .. } | Self::UnknownKind { .. } | Self::Video { .. } => 2,
         }
     }
 
@@ -49,6 +55,9 @@ impl InspectError {
             Self::TwoSkeletons { .. } => "inspect the motions of each skeleton by themselves",
             Self::UnknownKind { .. } => {
                 "give a calibration, set-up, configuration, body or mapping (.toml), a folder of keypoints, masks or images, a motion file (.trc, .bvh, .mot, .csv, .asf with .amc), a result folder or its posterior.zarr"
+            }
+            Self::Video { .. } => {
+                "run a 2D pose detector over the videos first, and inspect the folder of keypoints that it fills"
             }
             Self::NoStore { .. } => {
                 "give the folder `posterior.zarr` itself, not one inside it, and no store of format 2"

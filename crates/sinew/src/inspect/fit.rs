@@ -4,7 +4,7 @@
 //!
 //! - *RMS*: distance of the keypoints from the projection of their plain triangulation from all cameras, pixels;
 //! - *offset*: the constant part of it (observed − projected), and the *scatter* that remains per axis;
-//! - *lag*: the shift in frames at which the camera agrees best with the others; 0 for synchronised cameras.
+//! - *lag*: the frames that the camera is late, with their standard deviation; 0 for synchronised cameras.
 //!
 //! The set-up pass over the same frames adds what it finds odd: units, axes, cameras that look away, sides swapped.
 
@@ -12,8 +12,8 @@ use super::Facts;
 use crate::Error;
 use crate::input::frame::detections;
 use crate::input::recording::Recording;
-use crate::setup::{self, Request, collect};
-use sinew_observe::cross_view::{best_lag, residual_by_lag};
+use crate::setup::{self, Request, clocks, collect};
+use sinew_observe::camera_lag::CameraLag;
 use sinew_observe::offsets::{self, Sighted};
 use sinew_observe::triangulate::{Seen, linear};
 use sinew_observe::{Camera, Detection};
@@ -21,8 +21,8 @@ use sinew_observe::{Camera, Detection};
 /// Frames looked at.
 const FRAMES: u64 = 600;
 
-/// Largest lag looked for, frames.
-const LARGEST_LAG: i64 = 10;
+/// Standard deviation of a lag above which it counts as unknown, frames.
+const UNKNOWN_LAG: f64 = 2.0;
 
 /// Looks at a recording; what is `known` to be odd is not repeated.
 ///
@@ -37,8 +37,10 @@ pub fn facts(recording: &mut Recording, known: &[String]) -> Result<Facts, Error
     for number in numbers.clone() {
         frames.push((number, detections(&recording.frame(number)?)));
     }
+    let (image_scale, lag) = (recording.image_scale(), recording.lag().to_vec());
+    let asked = Request { image_scale, lag, ..Request::default() };
     let mut facts = Facts::new(format!("fit of calibration and keypoints, frames {}..{}", numbers.start, numbers.end));
-    let request = Request { frames: frames.len(), image_scale: recording.image_scale(), ..Request::default() };
+    let request = Request { frames: frames.len(), ..asked.clone() };
     let collected = match collect(&cameras, &layout, &request, frames.iter().cloned().map(Ok)) {
         Ok(collected) => collected,
         Err(error) => {
@@ -51,18 +53,19 @@ pub fn facts(recording: &mut Recording, known: &[String]) -> Result<Facts, Error
     let sighted: Vec<Sighted> = collected.window.iter().map(|(_, sighted)| sighted.clone()).collect();
     let config = offsets::Config::default();
     let noise = offsets::estimate(&cameras, &sighted, &config);
+    let lags = clocks::lags(&cameras, &noise, &collected, config.least_confidence);
     let rms = reprojection_rms(&cameras, &sighted, config.least_confidence);
     for (index, camera) in cameras.iter().enumerate() {
-        let by_lag = residual_by_lag(&cameras, &noise, &collected.window, index, LARGEST_LAG, config.least_confidence);
-        let lag = by_lag.and_then(|by_lag| best_lag(&by_lag));
-        let clock = lag.map_or("lag unknown".into(), |lag| format!("best lag {:+} frames", lag.frames));
+        let lag = lags.get(index).filter(|lag| lag.sd < UNKNOWN_LAG);
+        let clock = lag.map_or("lag unknown".into(), |CameraLag { frames, sd }| {
+            format!("lag {:+.1} ± {sd:.1} frames", (10.0 * frames).round() / 10.0 + 0.0)
+        });
         let [u, v] = noise[index].offset_px;
         let rms = rms[index].map_or("RMS unknown".into(), |rms| format!("RMS {rms:.1} px"));
         let scatter = noise[index].sigma_px;
         facts.row(&camera.name, format!("{rms}, offset ({u:+.1}, {v:+.1}) px, then {scatter:.1} px per axis, {clock}"));
     }
-    let request = Request { image_scale: recording.image_scale(), ..Request::default() };
-    match setup::set_up(&cameras, &layout, &request, frames.into_iter().map(Ok)) {
+    match setup::set_up(&cameras, &layout, &asked, frames.into_iter().map(Ok)) {
         Ok((_, warnings)) => facts.odd.extend(warnings.iter().map(ToString::to_string)),
         Err(error) => facts.odd.push(error.to_string()),
     }

@@ -6,6 +6,7 @@ use crate::Error;
 use crate::config::setting::Setting;
 use crate::config::values::Values;
 use crate::setup::Setup;
+use crate::track::error::TrackError;
 use sinew_core::lanes::Isa;
 use sinew_core::part::PartTree;
 use sinew_core::random::Stage;
@@ -70,9 +71,9 @@ impl Making<'_> {
     /// The parts of the body.
     ///
     /// # Errors
-    /// [`Error::Numerical`] for a body without parts.
+    /// [`TrackError::NoParts`].
     pub fn parts(&self) -> Result<PartTree, Error> {
-        self.parts.cloned().ok_or_else(|| Error::numerical("the body has no parts"))
+        Ok(self.parts.cloned().ok_or(TrackError::NoParts)?)
     }
 }
 

@@ -70,6 +70,6 @@ impl Method for Annealed {
     fn tracker(&self, making: &Making<'_>, start: Vec<f64>) -> Result<Box<dyn Steps>, Error> {
         let sd = making.transition.sd().to_vec();
         let filter = annealed::Annealed::new(self.0.clone(), making.transition.clone(), sd, start, making.isa);
-        Ok(Box::new(filter.map_err(Error::numerical)?))
+        Ok(Box::new(filter?))
     }
 }

@@ -49,6 +49,6 @@ impl Method for Bootstrap {
 
     fn tracker(&self, making: &Making<'_>, start: Vec<f64>) -> Result<Box<dyn Steps>, Error> {
         let filter = bootstrap::Bootstrap::new(self.0.clone(), making.transition.clone(), start);
-        Ok(Box::new(filter.map_err(Error::numerical)?))
+        Ok(Box::new(filter?))
     }
 }

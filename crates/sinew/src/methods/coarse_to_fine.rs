@@ -5,6 +5,7 @@ use super::score::Score;
 use crate::Error;
 use crate::config::setting::{Kind, SAMPLING, Setting, computed};
 use crate::config::values::Values;
+use crate::track::error::TrackError;
 use sinew_samplers::grid::Axis;
 use sinew_tracking::coarse_to_fine::{self, Config};
 use std::sync::Arc;
@@ -64,9 +65,9 @@ impl Method for CoarseToFine {
     }
 
     fn tracker(&self, making: &Making<'_>, start: Vec<f64>) -> Result<Box<dyn Steps>, Error> {
-        let axes = axes(&start, making.transition.sd()).map_err(Error::numerical)?;
+        let axes = axes(&start, making.transition.sd()).map_err(TrackError::Sampler)?;
         let (config, parts) = (self.0.clone(), making.parts()?);
         let filter = coarse_to_fine::CoarseToFine::new(config, axes, parts, start, making.isa);
-        Ok(Box::new(filter.map_err(Error::numerical)?))
+        Ok(Box::new(filter?))
     }
 }

@@ -1,4 +1,6 @@
-//! `hmc`: the hybrid Monte Carlo filter of Choo & Fleet 2001, with a dense metric and a Gaussian prior between frames.
+//! `hmc`: the hybrid Monte Carlo filter of Choo & Fleet 2001.
+//!
+//! With a dense metric and a Gaussian prior between frames, which are not the paper's.
 
 use super::about::{About, Gives, Making, Method, StepSize, Steps};
 use super::frame_likelihood::FrameLikelihood;
@@ -85,7 +87,7 @@ impl Method for Hmc {
 
     fn tracker(&self, making: &Making<'_>, start: Vec<f64>) -> Result<Box<dyn Steps>, Error> {
         let config = self.with_steps(making.setup);
-        let filter = HmcFilter::new(config, making.transition.clone(), start, making.isa).map_err(Error::numerical)?;
+        let filter = HmcFilter::new(config, making.transition.clone(), start, making.isa)?;
         Ok(Box::new(filter))
     }
 
@@ -97,9 +99,9 @@ impl Method for Hmc {
         stage: Stage,
     ) -> Result<Option<StepSize>, Error> {
         let config = self.with_steps(making.setup);
-        let filter = HmcFilter::new(config, making.transition.clone(), start, making.isa).map_err(Error::numerical)?;
+        let filter = HmcFilter::new(config, making.transition.clone(), start, making.isa)?;
         let config = tuning::Config { jitter: self.0.jitter, lengths: LENGTHS.to_vec(), ..tuning::Config::default() };
-        let tuned = filter.tune(observed, &config, stage).map_err(Error::numerical)?;
+        let tuned = filter.tune(observed, &config, stage)?;
         Ok(Some(StepSize { step_size: tuned.step_size, leapfrog_steps: tuned.leapfrog_steps }))
     }
 }

@@ -44,6 +44,6 @@ impl Method for Partitioned {
     fn tracker(&self, making: &Making<'_>, start: Vec<f64>) -> Result<Box<dyn Steps>, Error> {
         let parts = making.parts()?;
         let filter = partitioned::Partitioned::new(self.0.clone(), making.transition.clone(), parts, start);
-        Ok(Box::new(filter.map_err(Error::numerical)?))
+        Ok(Box::new(filter?))
     }
 }

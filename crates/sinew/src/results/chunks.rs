@@ -1,4 +1,6 @@
-//! The whole chunks of `posterior.zarr`, in a file of the program's own, `chunks.partial`: their number grows with the recording, and a checkpoint shall not.
+//! The whole chunks of `posterior.zarr`, listed in a file of the program's own, `chunks.partial`.
+//!
+//! Their number grows with the recording, and a checkpoint shall not.
 //!
 //! A row a chunk: CRC-32 in hexadecimal, bytes, key. The file itself has a [`super::Position`].
 

@@ -1,15 +1,16 @@
 //! The right to write into a folder, sought before any computing.
 //!
 //! 1. The folder must not be, hold or lie in an input folder.
-//! 2. What is there may be replaced if it is nothing, the remains of a run that was stopped (`summary.json` says `complete: false`, or only `*.partial` and a checkpoint), or if the
-//!    user says so. A run that goes on takes the folder as it was left ([`claim_to_resume`]).
+//! 2. What is there may be replaced if it is nothing, the remains of a run that was stopped and left no checkpoint (`summary.json` says `complete: false`, or only `*.partial`), or
+//!    if the user says so. A run that is resumed takes the folder as it was left ([`claim_to_resume`]).
 //! 3. The folder is created and a lock file with our process number is put into it. The system gives the lock back when the process ends, however it ends; a lock file
 //!    without a lock is a remnant, and taken over.
+//! 4. Folders that were created and in which nothing was left are removed again.
 
+use super::error::Occupied;
 use super::problem::{self, Problem};
 use super::storage::{Disk, Storage};
 use crate::Error;
-use crate::error::{NOT_A_FOLDER, STOPPED_RUN};
 use std::fs::{self, File, TryLockError};
 use std::io::{Read as _, Seek as _, Write as _};
 use std::path::{Path, PathBuf};
@@ -35,7 +36,7 @@ pub const RESULT_NAMES: [&str; 13] = [
     "timings.json",
 ];
 
-/// What a run keeps in its folder to go on after a stop; gone when it is complete. In the order in which they go then.
+/// What a run keeps in its folder to be resumed from; removed when it is complete, in this order.
 pub const OWN_NAMES: [&str; 6] = [
     "diagnostics.partial",
     "chunks.partial",
@@ -51,10 +52,22 @@ pub struct Claim {
     pub(crate) folder: PathBuf,
     pub(crate) storage: Arc<dyn Storage>,
     lock: Option<File>,
+    _made: Made,
     /// Process that left its lock behind, if there was one.
     pub stale_lock_of: Option<u32>,
-    /// Whether a run was stopped here that could go on.
+    /// Whether a run was stopped here that can be resumed.
     pub is_resumable: bool,
+}
+
+/// Folders that were created, the deepest first. Those that are empty at the end are removed.
+#[derive(Default)]
+struct Made(Vec<PathBuf>);
+
+impl Drop for Made {
+    fn drop(&mut self) {
+        // The first that is not empty keeps all above it.
+        let _ = self.0.iter().try_for_each(fs::remove_dir);
+    }
 }
 
 /// Claims a folder for results.
@@ -72,17 +85,19 @@ pub fn claim(folder: &Path, inputs: &[PathBuf], force: bool) -> Result<Claim, Er
 pub fn claim_in(storage: Arc<dyn Storage>, folder: &Path, inputs: &[PathBuf], force: bool) -> Result<Claim, Error> {
     refuse_inputs(folder, inputs)?;
     if folder.is_file() {
-        return Err(Error::OutputExists { path: folder.to_owned(), why: NOT_A_FOLDER });
+        return Err(Error::OutputExists { path: folder.to_owned(), found: Occupied::NotAFolder });
     }
-    if !force {
+    // A run that holds the lock was not stopped; taking the lock fails below and names it.
+    if !force && !is_in_use(folder) {
         refuse_results(folder)?;
     }
-    let new: Vec<&Path> = folder.ancestors().take_while(|folder| !folder.exists()).collect();
+    let is_new = |folder: &&Path| !folder.as_os_str().is_empty() && !folder.exists();
+    let made = Made(folder.ancestors().take_while(is_new).map(Path::to_owned).collect());
     storage.create_folder(folder).map_err(Error::io("create", folder))?;
-    for above in new.into_iter().filter_map(Path::parent) {
+    for above in made.0.iter().filter_map(|folder| folder.parent()) {
         storage.sync(above).map_err(Error::io("write", folder))?;
     }
-    let claim = locked(storage, folder)?;
+    let claim = locked(storage, folder, made)?;
     // A run that held the lock a moment ago may have left results since.
     if !force {
         refuse_results(folder)?;
@@ -90,7 +105,7 @@ pub fn claim_in(storage: Arc<dyn Storage>, folder: &Path, inputs: &[PathBuf], fo
     Ok(claim)
 }
 
-/// Claims the folder of a run that was stopped, so that it goes on.
+/// Claims the folder of a run that was stopped, to resume it.
 ///
 /// # Errors
 /// [`Error::OutputIsInput`], [`Error::OutputLocked`], [`Error::Checkpoint`] where nothing was stopped, and [`Error::Io`] for a folder that cannot be written.
@@ -99,13 +114,13 @@ pub fn claim_to_resume(folder: &Path, inputs: &[PathBuf]) -> Result<Claim, Error
     if !folder.is_dir() {
         return Err(Error::checkpoint(folder, Problem::Missing));
     }
-    locked(Arc::new(Disk), folder)
+    locked(Arc::new(Disk), folder, Made::default())
 }
 
-fn locked(storage: Arc<dyn Storage>, folder: &Path) -> Result<Claim, Error> {
+fn locked(storage: Arc<dyn Storage>, folder: &Path, made: Made) -> Result<Claim, Error> {
     let (lock, stale_lock_of) = lock(folder)?;
     let is_resumable = folder.join(problem::NAME).exists();
-    Ok(Claim { folder: folder.to_owned(), storage, lock: Some(lock), stale_lock_of, is_resumable })
+    Ok(Claim { folder: folder.to_owned(), storage, lock: Some(lock), _made: made, stale_lock_of, is_resumable })
 }
 
 /// Whether a run writes into a folder now.
@@ -163,7 +178,11 @@ fn resolved(path: &Path) -> PathBuf {
     }
 }
 
-fn refuse_inputs(folder: &Path, inputs: &[PathBuf]) -> Result<(), Error> {
+/// Refuses an output folder that is, holds or lies in an input.
+///
+/// # Errors
+/// [`Error::OutputIsInput`].
+pub fn refuse_inputs(folder: &Path, inputs: &[PathBuf]) -> Result<(), Error> {
     let out = resolved(folder);
     for input in inputs {
         let found = resolved(input);
@@ -182,24 +201,26 @@ fn refuse_results(folder: &Path) -> Result<(), Error> {
         Ok(entries) => entries,
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(()),
         Err(error) if error.kind() == std::io::ErrorKind::NotADirectory => {
-            return Err(Error::OutputExists { path: folder.to_owned(), why: NOT_A_FOLDER });
+            return Err(Error::OutputExists { path: folder.to_owned(), found: Occupied::NotAFolder });
         }
         Err(error) => return Err(Error::io("read", folder)(error)),
     };
-    if is_incomplete(folder) {
-        return Ok(());
+    let refused = |found| Err(Error::OutputExists { path: folder.to_owned(), found });
+    let is_incomplete = is_incomplete(folder);
+    if folder.join("summary.json").exists() && !is_incomplete {
+        return refused(Occupied::Results);
     }
-    if folder.join("summary.json").exists() {
-        return Err(Error::OutputExists { path: folder.to_owned(), why: " and holds results" });
+    if folder.join(problem::NAME).exists() {
+        return refused(Occupied::StoppedRun);
+    }
+    if is_incomplete {
+        return Ok(());
     }
     for entry in entries {
         let name = entry.map_err(Error::io("read", folder))?.file_name();
         let name = name.to_string_lossy();
-        if name != LOCK_NAME && name != problem::NAME && !name.ends_with(".partial") {
-            // A run that was stopped while it gave its files their names.
-            let is_resumable = folder.join(problem::NAME).exists();
-            let why = if is_resumable { STOPPED_RUN } else { " and is not empty" };
-            return Err(Error::OutputExists { path: folder.to_owned(), why });
+        if name != LOCK_NAME && !name.ends_with(".partial") {
+            return refused(Occupied::NotEmpty);
         }
     }
     Ok(())
@@ -269,16 +290,22 @@ mod tests {
         let root = tempfile::tempdir().unwrap();
         let out = root.path().join("out");
         assert_eq!(message(&out, &[], false), "ok");
+        fs::create_dir(&out).unwrap();
         assert_eq!(message(&out, &[], false), "ok");
         fs::write(out.join("markers.trc.partial"), "").unwrap();
         assert_eq!(message(&out, &[], false), "ok");
+        fs::write(out.join(problem::NAME), "").unwrap();
+        assert_eq!(message(&out, &[], false), "`./out` exists and holds a run that was stopped");
+        assert_eq!(message(&out, &[], true), "ok");
+        fs::remove_file(out.join(problem::NAME)).unwrap();
         fs::write(out.join("notes.txt"), "").unwrap();
         assert_eq!(message(&out, &[], false), "`./out` exists and is not empty");
         fs::write(out.join(problem::NAME), "").unwrap();
         assert_eq!(message(&out, &[], false), "`./out` exists and holds a run that was stopped");
         assert!(claim(&out, &[], false).err().and_then(|error| error.help()).unwrap().contains("`--resume`"));
-        fs::remove_file(out.join(problem::NAME)).unwrap();
         fs::write(out.join("summary.json"), r#"{"complete": false}"#).unwrap();
+        assert_eq!(message(&out, &[], false), "`./out` exists and holds a run that was stopped");
+        fs::remove_file(out.join(problem::NAME)).unwrap();
         assert_eq!(message(&out, &[], false), "ok");
         fs::write(out.join("summary.json"), r#"{"complete": true}"#).unwrap();
         fs::remove_file(out.join("notes.txt")).unwrap();
@@ -287,6 +314,21 @@ mod tests {
         let file = root.path().join("file");
         fs::write(&file, "").unwrap();
         assert_eq!(message(&file, &[], false), "`./file` exists and is not a folder");
+    }
+
+    #[test]
+    fn folders_that_were_made_for_nothing_are_removed() {
+        let root = tempfile::tempdir().unwrap();
+        let (new, out) = (root.path().join("new"), root.path().join("new/run/out"));
+        drop(claim(&out, &[], false).unwrap());
+        assert!(!new.exists());
+        let held = claim(&out, &[], false).unwrap();
+        fs::write(new.join("run/notes.txt"), "").unwrap();
+        drop(held);
+        assert!(new.join("run").exists() && !out.exists());
+        fs::create_dir(&out).unwrap();
+        drop(claim(&out, &[], false).unwrap());
+        assert!(out.exists());
     }
 
     #[test]
@@ -313,6 +355,7 @@ mod tests {
         drop(first);
         assert!(!is_in_use(&out));
         assert_eq!(message(&out, &[], false), "ok");
+        fs::create_dir(&out).unwrap();
         fs::write(out.join(LOCK_NAME), "4000000\n").unwrap();
         assert_eq!(claim(&out, &[], false).unwrap().stale_lock_of, Some(4_000_000));
     }

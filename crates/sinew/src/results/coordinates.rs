@@ -1,4 +1,6 @@
-//! `angles.mot`: the coordinates of the mean pose under OpenSim's names, where a joint of the body is one of OpenSim's.
+//! `angles.mot`: the coordinates of the mean pose under OpenSim's names.
+//!
+//! Only joints of the body that OpenSim has, too.
 //!
 //! OpenSim turns a ball joint about its right axis, then its forward axis, then its up axis: flexion, adduction, rotation. The angles of a link relative to its parent
 //! are taken in that order from the rotation `R_x R_y R_z` (our x is right, y forward, z up), whatever order the body uses. On the left, adduction and rotation
@@ -13,10 +15,11 @@
 //! | `arm_flex_r` …, `elbow_flex_r` | upper arm to shoulder girdle, forearm |
 //!
 //! Every other degree of freedom is written under its own name with `_` for the dot (`head_rz`), degrees or metres. Bodies with other link names are written that way
-//! throughout.
+//! throughout. An angle that the body's joints cannot change is left out (of `lumbar_extension`, for a spine that bends and turns only), and so is one of a link of which neither
+//! keypoints nor masks show anything (`ankle_angle_r`, for a layout without feet).
 
 use super::partial::{PartialFile, Place};
-use super::pose::Pose;
+use super::pose::{Pose, pose};
 use crate::Error;
 use crate::results::estimate::{FrameEstimate, RunInfo};
 use crate::results::problem::{Problem, check_length};
@@ -30,8 +33,8 @@ use std::f64::consts::{PI, TAU};
 enum Source {
     /// Middle of the origins of two links, axes of the marker files.
     Middle([usize; 2]),
-    /// Angles of a link relative to another (or the ground), with their signs.
-    Ball { link: usize, base: Option<usize>, signs: [f64; 3] },
+    /// Angles of a link relative to another (or the ground), with their signs, and which of them the joints change.
+    Ball { link: usize, base: Option<usize>, signs: [f64; 3], kept: [bool; 3] },
     /// A rotation of the state, with its sign.
     Angle { dof: usize, sign: f64 },
     /// A translation of the state.
@@ -51,11 +54,13 @@ fn columns(body: &KinematicTree) -> Vec<(Vec<String>, Source)> {
         let plain = [1.0; 3];
         columns.push((
             names(["pelvis_tilt", "pelvis_list", "pelvis_rotation"], ""),
-            Source::Ball { link: pelvis, base: None, signs: plain },
+            Source::Ball { link: pelvis, base: None, signs: plain, kept: [true; 3] },
         ));
         columns.push((names(["pelvis_tx", "pelvis_ty", "pelvis_tz"], ""), Source::Middle([left, right])));
-        let lumbar = Source::Ball { link: spine, base: Some(pelvis), signs: plain };
-        columns.push((names(["lumbar_extension", "lumbar_bending", "lumbar_rotation"], ""), lumbar));
+        let kept = movable(body, spine, pelvis);
+        let lumbar = names(["lumbar_extension", "lumbar_bending", "lumbar_rotation"], "");
+        let lumbar = lumbar.into_iter().zip(kept).filter_map(|(name, kept)| kept.then_some(name)).collect();
+        columns.push((lumbar, Source::Ball { link: spine, base: Some(pelvis), signs: plain, kept }));
         own(spine).chain(own(pelvis)).for_each(|dof| used[dof] = true);
     }
     for (prefix, side, sign) in [("r_", "_r", 1.0), ("l_", "_l", -1.0)] {
@@ -67,7 +72,10 @@ fn columns(body: &KinematicTree) -> Vec<(Vec<String>, Source)> {
         for (name, angles) in balls {
             let Some(index) = link(name).filter(|&index| is_ball(body, index)) else { continue };
             let base = body.links()[index].parent;
-            columns.push((names(angles, side), Source::Ball { link: index, base, signs: [1.0, sign, sign] }));
+            columns.push((
+                names(angles, side),
+                Source::Ball { link: index, base, signs: [1.0, sign, sign], kept: [true; 3] },
+            ));
             own(index).for_each(|dof| used[dof] = true);
         }
         for (name, angle, sign) in
@@ -91,6 +99,45 @@ fn columns(body: &KinematicTree) -> Vec<(Vec<String>, Source)> {
         }
     }
     columns
+}
+
+/// Poses in which it is looked at what joints change.
+const TRIED: usize = 5;
+
+/// Which of the angles of a link relative to another ever differ from 0.
+fn movable(body: &KinematicTree, link: usize, base: usize) -> [bool; 3] {
+    let mut kept = [false; 3];
+    for tried in 1..=TRIED {
+        let state: Vec<f64> =
+            (0..body.dof()).map(|dof| 0.4 * ((1.3 * tried as f64) * (dof + 1) as f64).sin()).collect();
+        let pose = pose(body, &state);
+        let turn = product(&transpose(&pose.rotations[base]), &pose.rotations[link]);
+        for (kept, angle) in kept.iter_mut().zip(flexion_adduction_rotation(&turn, None)) {
+            *kept |= angle.abs() > 1e-9;
+        }
+    }
+    kept
+}
+
+/// Whether keypoints show how the link of a column turns: one that lies on it beside its joint, or beyond it.
+fn is_observed(body: &KinematicTree, keypoints: &[String], source: &Source) -> bool {
+    let turned = match source {
+        Source::Ball { link, .. } => *link,
+        Source::Angle { dof, .. } => match (0..body.links().len()).rev().find(|&link| body.first_dof(link) <= *dof) {
+            Some(link) => link,
+            None => return true,
+        },
+        Source::Middle(_) | Source::Length { .. } => return true,
+    };
+    let is_beyond = |link: usize| {
+        let above = std::iter::successors(body.links()[link].parent, |&parent| body.links()[parent].parent);
+        above.into_iter().any(|parent| parent == turned)
+    };
+    let shows = |point: &sinew_body::Point| {
+        let is_beside = point.link == turned && point.offset != [0.0; 3];
+        (is_beside || is_beyond(point.link)) && keypoints.contains(&point.name)
+    };
+    keypoints.is_empty() || body.points().iter().any(shows)
 }
 
 const RIGHT_AXIS: Joint = Joint::Rotate(sinew_body::Axis::X);
@@ -124,7 +171,9 @@ const TITLE: &str = "Coordinates";
 
 impl Coordinates {
     pub(crate) fn open(place: &Place<'_>, info: &RunInfo) -> Result<Self, Error> {
-        let (names, sources): (Vec<Vec<String>>, Vec<Source>) = columns(&info.body).into_iter().unzip();
+        let is_shown = |(_, source): &(_, Source)| info.has_masks || is_observed(&info.body, &info.keypoints, source);
+        let (names, sources): (Vec<Vec<String>>, Vec<Source>) =
+            columns(&info.body).into_iter().filter(is_shown).unzip();
         let names = names.concat();
         let file = place.file("angles.mot", |out| mot::write_header(out, TITLE, &names, 0))?;
         Ok(Self { before: vec![None; sources.len()], sources, names, file })
@@ -138,14 +187,15 @@ impl Coordinates {
                     let middle = [0, 1, 2].map(|k| 0.5 * (pose.origins[*a][k] + pose.origins[*b][k]));
                     values.extend(trc::trc_from_world(middle));
                 }
-                Source::Ball { link, base, signs } => {
+                Source::Ball { link, base, signs, kept } => {
                     let turn = match base {
                         Some(base) => product(&transpose(&pose.rotations[*base]), &pose.rotations[*link]),
                         None => pose.rotations[*link],
                     };
                     let angles = flexion_adduction_rotation(&turn, *before);
                     *before = Some(angles);
-                    values.extend(angles.iter().zip(signs).map(|(angle, sign)| sign * angle.to_degrees()));
+                    let kept = angles.iter().zip(signs).zip(kept).filter(|(_, kept)| **kept);
+                    values.extend(kept.map(|((angle, sign), _)| sign * angle.to_degrees()));
                 }
                 Source::Angle { dof, sign } => values.push(sign * estimate.mean_state[*dof].to_degrees()),
                 Source::Length { dof } => values.push(estimate.mean_state[*dof]),
@@ -171,7 +221,6 @@ impl Coordinates {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::results::pose::pose;
     use sinew_body::{Link, Proportions, standard};
     use sinew_formats::rotation::about_axis;
 
@@ -196,7 +245,23 @@ mod tests {
         ] {
             assert!(names.contains(&name.to_owned()), "{name} in {names:?}");
         }
-        assert!(!names.iter().any(|name| name.starts_with("spine_")));
+        assert!(!names.iter().any(|name| name.starts_with("spine_") || name == "lumbar_extension"));
+    }
+
+    #[test]
+    fn a_layout_without_feet_has_no_angles_of_ankles() {
+        let body = standard::h32(&Proportions::default());
+        let shown = |layout: &str| {
+            let points = sinew_formats::layout::find(layout).unwrap().points;
+            let keypoints: Vec<String> = points.into_iter().flatten().collect();
+            let columns = columns(&body).into_iter().filter(|(_, source)| is_observed(&body, &keypoints, source));
+            columns.flat_map(|(names, _)| names).collect::<Vec<String>>()
+        };
+        let [with, without] = ["BODY_25B", "COCO_17"].map(shown);
+        let is_of_foot = |name: &&String| name.contains("ankle") || name.contains("foot");
+        assert_eq!(with, names(&body));
+        assert_eq!(with.iter().filter(is_of_foot).count(), 4);
+        assert_eq!(without, with.iter().filter(|name| !is_of_foot(name)).cloned().collect::<Vec<_>>());
     }
 
     #[test]
@@ -239,7 +304,7 @@ mod tests {
                 let pose = pose(&body, &state);
                 let (_, source) =
                     columns(&body).into_iter().find(|(names, _)| names.contains(&format!("{column}{side}"))).unwrap();
-                let Source::Ball { link, base: Some(base), signs } = source else { panic!("{source:?}") };
+                let Source::Ball { link, base: Some(base), signs, .. } = source else { panic!("{source:?}") };
                 let turn = product(&transpose(&pose.rotations[base]), &pose.rotations[link]);
                 assert!((signs[axis] * flexion_adduction_rotation(&turn, None)[axis] - 0.4).abs() < 1e-12);
             }

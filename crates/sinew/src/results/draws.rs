@@ -1,10 +1,11 @@
 //! `posterior.zarr`: equal-weight draws and their statistics, streamed chunk by chunk for ArviZ and xarray.
 //!
-//! Length and checksum of every chunk that is whole are listed in a file of the program's own ([`super::chunks`]), so that a run that goes on sees whether they are as they were left.
+//! Length and checksum of every chunk that is whole are listed in a file of the program's own ([`super::chunks`]), so that a run that is resumed sees whether they are as they were left.
 //!
 //! `posterior` holds the rotations of the state, the root's place, the position of every point and, where it was not measured, the size of the body; `sample_stats` what the method brings and nothing else; `observed_data` the keypoints that were used.
 
 use super::chunks::ChunkList;
+use super::error::ResultsError;
 use super::partial::{Place, partial_path, take_back};
 use super::storage::Storage;
 use crate::Error;
@@ -13,13 +14,13 @@ use serde::{Deserialize, Serialize};
 use sinew_body::{Joint, Plan, point_positions};
 use sinew_core::lanes::Isa;
 use sinew_formats::zarr::inference_data::{self, Run};
-use sinew_formats::zarr::{Constant, DataType, Labels, Store, Values, Variable, Writer};
+use sinew_formats::zarr::{Constant, DataType, Group, Labels, Store, Values, Variable, Writer};
 use std::collections::BTreeSet;
 use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// The end of the keys that hold no numbers: they are written anew by whoever goes on.
+/// The end of the keys that hold no numbers: a resumed run writes them again.
 const METADATA: &str = "zarr.json";
 
 /// A folder of the storage as a place for Zarr keys.
@@ -140,7 +141,7 @@ impl DrawStore {
             let resumed = writer.resume(*frames, chunks, FolderStore::remove);
             writer = resumed.map_err(Error::io("write", &partial))?;
         }
-        // Labels and constants are written anew by whoever goes on.
+        // Labels and constants are written again by a resumed run.
         writer.store_mut().rows.clear();
         Ok(Self {
             writer,
@@ -225,8 +226,33 @@ impl DrawStore {
     }
 }
 
-fn lacking(what: &str) -> Error {
-    Error::Numerical { message: format!("a frame lacks the {what} statistics that its run announces") }
+fn lacking(what: &'static str) -> Error {
+    ResultsError::LackingStatistics(what).into()
+}
+
+const PER_DRAW: &[&str] = &["chain", "draw", "frame"];
+const PER_FRAME: &[&str] = &["chain", "frame"];
+
+/// `sample_stats`: what the method brings.
+fn statistics(carried: Carried, run: &Run<'_>) -> Group {
+    let mut statistics = inference_data::group("sample_stats", run);
+    let mut add = |wanted: bool, name: &str, dimensions: &[&str], data_type| {
+        if wanted {
+            statistics.variables.push(Variable::new(name, dimensions, data_type));
+        }
+    };
+    let Carried { lp, hmc, log_evidence, particles, .. } = carried;
+    add(lp, "lp", PER_DRAW, DataType::Float64);
+    add(hmc, "acceptance_rate", PER_DRAW, DataType::Float64);
+    add(hmc, "step_size", PER_DRAW, DataType::Float64);
+    add(hmc, "n_steps", PER_DRAW, DataType::Int64);
+    add(hmc, "diverging", PER_DRAW, DataType::Bool);
+    add(hmc, "energy", PER_DRAW, DataType::Float64);
+    add(true, "ess", PER_FRAME, DataType::Float64);
+    add(log_evidence, "log_evidence", PER_FRAME, DataType::Float64);
+    add(particles.is_some(), "resampled", PER_FRAME, DataType::Bool);
+    add(particles.is_some(), "log_weight", &["chain", "particle", "frame"], DataType::Float64);
+    statistics
 }
 
 fn schema(info: &RunInfo, rotations: &[usize]) -> sinew_formats::zarr::Schema {
@@ -244,26 +270,8 @@ fn schema(info: &RunInfo, rotations: &[usize]) -> sinew_formats::zarr::Schema {
     let dof = rotations.iter().map(|&dof| names[dof].clone()).collect();
     let points = info.body.points().iter().map(|point| point.name.clone()).collect();
     let mut schema = inference_data::schema(1, info.draws, dof, points);
-    let mut statistics = inference_data::group("sample_stats", &run);
-    let per_draw = &["chain", "draw", "frame"][..];
-    let per_frame = &["chain", "frame"][..];
-    let mut add = |wanted: bool, name: &str, dimensions: &[&str], data_type| {
-        if wanted {
-            statistics.variables.push(Variable::new(name, dimensions, data_type));
-        }
-    };
-    let Carried { lp, hmc, log_evidence, particles, size } = info.carried;
-    add(lp, "lp", per_draw, DataType::Float64);
-    add(hmc, "acceptance_rate", per_draw, DataType::Float64);
-    add(hmc, "step_size", per_draw, DataType::Float64);
-    add(hmc, "n_steps", per_draw, DataType::Int64);
-    add(hmc, "diverging", per_draw, DataType::Bool);
-    add(hmc, "energy", per_draw, DataType::Float64);
-    add(true, "ess", per_frame, DataType::Float64);
-    add(log_evidence, "log_evidence", per_frame, DataType::Float64);
-    add(particles.is_some(), "resampled", per_frame, DataType::Bool);
-    add(particles.is_some(), "log_weight", &["chain", "particle", "frame"], DataType::Float64);
-    if let Some(count) = particles {
+    let statistics = statistics(info.carried, &run);
+    if let Some(count) = info.carried.particles {
         schema.dimensions.insert("particle".into(), Labels::Count(count));
     }
     let mut observed = inference_data::group("observed_data", &run);
@@ -285,9 +293,10 @@ fn schema(info: &RunInfo, rotations: &[usize]) -> sinew_formats::zarr::Schema {
         values: centres.collect(),
     });
     let mut posterior = inference_data::posterior(&run);
-    if size {
-        posterior.variables.push(Variable::new("size", per_draw, DataType::Float32));
+    if info.carried.size {
+        posterior.variables.push(Variable::new("size", PER_DRAW, DataType::Float32));
     }
     schema.groups.extend([posterior, statistics, observed, constants]);
+    schema.attributes = inference_data::root(&run, &schema.groups);
     schema
 }

@@ -1,4 +1,6 @@
-//! What a tracker says about one frame, and what a run says about itself: the seam between tracking and everything that is written.
+//! What a tracker says about one frame, and what a run says about itself.
+//!
+//! The seam between tracking and everything that is written.
 //!
 //! Plain values in SI units: radians, metres, seconds, in the world frame (right-handed, z up). Vectors have one entry per degree of freedom, point or camera in
 //! the order of [`RunInfo`]. What a method does not have is `None`, never a placeholder number.
@@ -112,7 +114,7 @@ pub struct FrameEstimate {
     pub time_s: f64,
     /// Whether any camera saw the person.
     pub observed: bool,
-    /// Whether tracking began anew here: the prior of this frame does not come from the frame before.
+    /// Whether tracking was restarted here: the prior of this frame does not come from the frame before.
     pub restarted: bool,
     /// How far the frame can be trusted.
     pub quality: Quality,
@@ -188,6 +190,8 @@ pub struct RunInfo {
     pub cameras: Vec<Camera>,
     /// Keypoints that are points of the body.
     pub keypoints: Vec<String>,
+    /// Whether masks show the solids of the body.
+    pub has_masks: bool,
     /// Constant offset (observed minus projected) of each camera, pixels.
     pub camera_offset_px: Vec<[f64; 2]>,
     /// Noise of a keypoint, pixels, that residuals are to be compared with.

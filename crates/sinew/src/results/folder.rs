@@ -17,6 +17,7 @@
 
 use super::coordinates::Coordinates;
 use super::draws::{DrawStore, OpenChunks};
+use super::error::ResultsError;
 use super::estimate::{FrameEstimate, RunInfo};
 use super::journal::Journal;
 use super::markers::Markers;
@@ -73,7 +74,7 @@ pub struct Texts {
 }
 
 impl ResultFolder {
-    /// Removes what a run left that was stopped: nothing is to be gone on with there.
+    /// Removes what a run left that was stopped: it is not to be resumed.
     ///
     /// # Errors
     /// [`Error::Io`] with the path.
@@ -82,7 +83,7 @@ impl ResultFolder {
         OWN_NAMES.iter().rev().try_for_each(|name| claim.remove(name))
     }
 
-    /// Opens all files: new ones, or those of a run that was stopped, cut to what was `written` then. Older results lose their summary and what a run may go on from.
+    /// Opens all files: new ones, or those of a run that was stopped, cut to what was `written` then. Older results lose their summary and their checkpoint.
     ///
     /// # Errors
     /// [`Error::Io`] with the path; [`Error::Checkpoint`] for files that are not as they were left.
@@ -176,20 +177,20 @@ impl ResultFolder {
             ("marginals of the points", estimate.points.len(), points),
             ("draws", estimate.draws.states.len(), dof * self.info.draws),
         ];
-        let failed = |what: String| Err(Error::Numerical { message: format!("frame {}: {what}", estimate.number) });
+        let frame = estimate.number;
         if let Some((what, found, expected)) = sizes.into_iter().find(|(_, found, expected)| found != expected) {
-            return failed(format!("{what}: {found} numbers instead of {expected}"));
+            return Err(ResultsError::EstimateSize { frame, what, found, expected }.into());
         }
         let finite = |values: &[f64]| values.iter().all(|value| value.is_finite());
         let points = estimate.points.iter().all(|p| [p.mean, p.sd, p.q05, p.q95].iter().all(|values| finite(values)));
         let state = estimate.state.iter().all(|s| finite(&[s.mean, s.q05, s.q95]));
         match finite(&estimate.mean_state) && points && state && finite(&estimate.draws.states) {
             true => Ok(()),
-            false => failed("the estimate has numbers that are not finite".into()),
+            false => Err(ResultsError::NotFinite { frame }.into()),
         }
     }
 
-    /// Completes, syncs and renames all files; `summary.json` last. What a run may go on from is removed where all frames are there.
+    /// Completes, syncs and renames all files; `summary.json` last. What a run is resumed from is removed where all frames are there.
     ///
     /// # Errors
     /// [`Error::Io`] with the path at the first failure; what is not renamed by then keeps its provisional name.
@@ -216,7 +217,7 @@ impl ResultFolder {
         draws.rename()?;
         claim.storage.sync(&claim.folder).map_err(Error::io("write", &claim.folder))?;
         last.rename()?;
-        // A run that cannot be sure of its summary keeps what it could go on from.
+        // A run that cannot be sure of its summary keeps what it could be resumed from.
         if claim.storage.sync(&claim.folder).is_ok() && ending.complete {
             drop(journal);
             // The results are whole: what stays does no harm, and `--resume` says that there is nothing to do.
@@ -242,4 +243,79 @@ pub(crate) fn write_whole_in(storage: &Arc<dyn Storage>, path: &std::path::Path,
     file.rename()?;
     let folder = path.parent().unwrap_or(std::path::Path::new(""));
     storage.sync(folder).map_err(Error::io("write", folder))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::results::estimate::{Draws, PointMarginal, StateMarginal};
+    use crate::results::{claim, claim_to_resume};
+    use sinew_observe::Camera;
+    use std::fs;
+    use std::path::Path;
+
+    const FRAMES: u64 = 20;
+
+    fn info() -> RunInfo {
+        RunInfo {
+            method: "hmc".into(),
+            is_weighted: false,
+            kind: Default::default(),
+            fps: 30.0,
+            first_frame: 0,
+            draws: 1,
+            carried: Default::default(),
+            seed: 1,
+            isa: "baseline".into(),
+            cameras: vec![Camera::look_at("C1", [640.0, 480.0], 500.0, [3.0, 0.0, 1.0], [0.0, 0.0, 1.0]).unwrap()],
+            keypoints: vec!["Nose".into()],
+            has_masks: false,
+            camera_offset_px: vec![[0.0; 2]],
+            sigma_px: 4.0,
+            setup_toml: String::new(),
+            body: crate::bodies::find("cf28").unwrap(),
+        }
+    }
+
+    /// Someone who turns to the left, by half a radian a frame.
+    fn turning(number: u64, info: &RunInfo) -> FrameEstimate {
+        let turn = info.body.dof_names().iter().position(|name| name.ends_with("rz")).unwrap();
+        let mut state = vec![0.0; info.body.dof()];
+        state[turn] = 0.5 * number as f64;
+        FrameEstimate {
+            number,
+            points: vec![PointMarginal::default(); info.body.points().len()],
+            state: vec![StateMarginal::default(); state.len()],
+            draws: Draws { states: state.clone(), ..Draws::default() },
+            seen: vec![[3.0, 4.0, 0.5]],
+            mean_state: state,
+            ..FrameEstimate::default()
+        }
+    }
+
+    /// `angles.mot` and `motion.bvh` of a run that was stopped after so many frames.
+    fn written(folder: &Path, stop: u64) -> [Vec<u8>; 2] {
+        let open =
+            |claim, written: Option<&Written>| ResultFolder::open(claim, info(), Texts::default(), written).unwrap();
+        let mut results = open(claim(folder, &[], false).unwrap(), None);
+        (0..stop).for_each(|number| results.append(&turning(number, &info())).unwrap());
+        let written = results.keep().unwrap();
+        drop(results);
+        let mut results = open(claim_to_resume(folder, &[]).unwrap(), Some(&written));
+        (stop..FRAMES).for_each(|number| results.append(&turning(number, &info())).unwrap());
+        results.finish(&Ending { complete: true, ..Ending::default() }).unwrap();
+        ["angles.mot", "motion.bvh"].map(|name| fs::read(folder.join(name)).unwrap())
+    }
+
+    #[test]
+    fn angles_beyond_half_a_turn_do_not_jump_where_a_run_is_resumed() {
+        let root = tempfile::tempdir().unwrap();
+        let unbroken = written(&root.path().join("0"), 0);
+        let last = String::from_utf8_lossy(&unbroken[1]).lines().last().unwrap().to_owned();
+        // 9.5 rad, three half turns: 544 degrees.
+        assert!(last.split(' ').any(|angle| angle.parse::<f64>().unwrap().abs() > 540.0), "{last}");
+        for stop in [5, 8, 19] {
+            assert!(written(&root.path().join(stop.to_string()), stop) == unbroken, "stopped after {stop}");
+        }
+    }
 }

@@ -1,4 +1,6 @@
-//! The diagnostics of the frames so far, in a file of the program's own, `diagnostics.partial`: the summary at the end needs quantiles over all frames, and memory shall not grow with them.
+//! The diagnostics of the frames so far, in a file of the program's own, `diagnostics.partial`.
+//!
+//! The summary at the end needs quantiles over all frames, and memory shall not grow with them.
 //!
 //! A row of numbers a frame ([`crate::results::estimate::diagnostics`]), little-endian.
 

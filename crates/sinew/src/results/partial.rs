@@ -2,7 +2,7 @@
 //!
 //! Flushed, synced and checked before the rename: a file under its final name is complete.
 //!
-//! While a file grows, its length and a checksum of what was written are known ([`Position`]). A run that goes on after a stop compares them with what is there, cuts what came later, and writes on
+//! While a file grows, its length and a checksum of what was written are known ([`Position`]). A run that is resumed compares them with what is there, cuts what came later, and writes on
 //! behind it. A header that is rewritten at the end, when the number of frames is known, is put back first.
 
 use super::storage::{Storage, StoredFile};
@@ -31,7 +31,7 @@ pub struct Position {
     pub checksum: u32,
 }
 
-/// Where the files of a run are, and how far they were written if the run goes on.
+/// Where the files of a run are, and how far they were written if the run is resumed.
 pub(crate) struct Place<'a> {
     pub(crate) storage: &'a Arc<dyn Storage>,
     pub(crate) folder: &'a Path,

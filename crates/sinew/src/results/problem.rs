@@ -8,15 +8,15 @@ pub const NAME: &str = "checkpoint.bin";
 /// Version of its layout.
 pub(crate) const FORMAT: u32 = 3;
 
-/// Why a run cannot go on.
+/// Why a run cannot be resumed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Problem {
     /// No run was stopped here.
-    #[error("holds no checkpoint: there is no run to go on with")]
+    #[error("holds no checkpoint: there is no run to resume")]
     Missing,
     /// A run was stopped here too early.
-    #[error("holds a run that was stopped in its set-up, before its first frame: there is nothing to go on with")]
+    #[error("holds a run that was stopped in its set-up, before its first frame: there is nothing to resume")]
     BeforeFirst,
     /// The summary of results is not one of this program.
     #[error("holds a `summary.json` that does not say of what it is")]
@@ -91,18 +91,16 @@ impl Problem {
     #[must_use]
     pub const fn help(&self) -> &'static str {
         match self {
-            Self::Missing => {
-                "leave `--resume` out to begin a run (anew, if one was stopped in its set-up), or name the folder of a stopped one with `-o`"
-            }
-            Self::BeforeFirst => "repeat the command without `--resume`: it begins anew",
+            Self::Missing => "leave `--resume` out to begin a run, or name the folder of a stopped one with `-o`",
+            Self::BeforeFirst => "repeat the command without `--resume`: it begins again",
             Self::Settings(_) => {
-                "repeat the settings of the run that was stopped (its config.toml or config.toml.partial holds them), or begin anew without `--resume`"
+                "repeat the settings of the run that was stopped (its config.toml or config.toml.partial holds them), or begin again with `--force` instead of `--resume`"
             }
-            Self::Inputs(_) => "put the data back as they were, or begin anew without `--resume`",
+            Self::Inputs(_) => "put the data back as they were, or begin again with `--force` instead of `--resume`",
             Self::Program { .. } | Self::Format { .. } => {
-                "go on with the version of the program that began the run, or begin anew without `--resume`"
+                "continue with the version of the program that began the run, or begin again with `--force` instead of `--resume`"
             }
-            _ => "begin anew without `--resume`",
+            _ => "begin again with `--force` instead of `--resume`",
         }
     }
 }

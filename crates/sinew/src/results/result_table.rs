@@ -1,4 +1,4 @@
-//! Which table of a result folder a CSV file is, told by its header.
+//! Which table of a result folder a CSV file is, by its header.
 
 use sinew_formats::tidy_csv;
 
@@ -38,7 +38,7 @@ impl ResultTable {
         }
     }
 
-    /// What it tells, and of what a row is.
+    /// What it holds, and what a row is about.
     #[must_use]
     pub const fn describe(self) -> &'static str {
         match self {

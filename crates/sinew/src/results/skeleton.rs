@@ -95,7 +95,26 @@ mod tests {
                 }
             }
         }
-        assert_eq!(compared, body.links().len());
+        assert_eq!(compared, body.links().len(), "{:?}", missing(&skeleton, body));
+    }
+
+    fn missing<'a>(skeleton: &Skeleton, body: &'a KinematicTree) -> Vec<&'a str> {
+        let names = body.links().iter().map(|link| link.name.as_str());
+        names.filter(|name| skeleton.joints.iter().all(|joint| joint.name != *name)).collect()
+    }
+
+    /// What Blender draws: a bone from a joint to the mean of its children, joined to them where they begin there, a stump where it has no length (its limit is a millimetre).
+    #[test]
+    fn bones_are_joined_and_have_a_length() {
+        for body in [standard::h32(&Proportions::default()), standard::cf28(&Proportions::default())] {
+            let joints = Skeleton::new(&body, &t_pose(&body)).joints;
+            for (index, joint) in joints.iter().enumerate() {
+                let children = joints.iter().filter(|child| child.parent == Some(index)).map(|child| child.offset);
+                let ends: Vec<[f64; 3]> = children.chain(joint.end_site).collect();
+                let length = ends.first().map_or(0.0, |[x, y, z]| x.hypot(*y).hypot(*z));
+                assert!(length > 1e-3 && ends.iter().all(|end| *end == ends[0]), "{}: {ends:?}", joint.name);
+            }
+        }
     }
 
     #[test]

@@ -1,4 +1,6 @@
-//! What the frames of a run come to, told at its end from their diagnostics ([`super::journal`]): running sums, the diagnostics that fail and the warnings of [`Summary`].
+//! Running sums over the frames of a run, for its summary.
+//!
+//! Read at its end from the diagnostics of its frames ([`super::journal`]).
 
 use super::Texts;
 use super::summary::{CameraSummary, Diagnostics, Ending, Limits, R_HAT_NOTED, SCHEMA_VERSION, Spread, Summary};
@@ -33,7 +35,7 @@ pub(crate) struct Statistics {
     particles: bool,
 }
 
-/// Share of frames in which tracking may begin anew without a warning.
+/// Share of frames in which tracking may restart without a warning.
 const RESTARTS_USUAL: f64 = 0.1;
 
 /// Frames that are listed.
@@ -197,7 +199,7 @@ impl Statistics {
         if self.restarted as f64 > RESTARTS_USUAL * self.frames as f64 {
             let (restarted, frames) = (self.restarted, self.frames);
             warnings.push(format!(
-                "tracking began anew in {restarted} of {frames} frames, which are then fits of single frames (`restarted` in frames.csv)"
+                "tracking was restarted in {restarted} of {frames} frames, which are then fits of single frames (`restarted` in frames.csv)"
             ));
         }
         if !self.energy_frames.is_empty() {
@@ -291,8 +293,8 @@ mod tests {
     use super::*;
     use sinew_observe::Camera;
 
-    /// What is told about frames with the numbers 10, 11, …
-    fn told(is_weighted: bool, frames: impl IntoIterator<Item = FrameEstimate>) -> (Vec<String>, Vec<String>) {
+    /// Warnings and failed diagnostics of frames with the numbers 10, 11, …
+    fn judged(is_weighted: bool, frames: impl IntoIterator<Item = FrameEstimate>) -> (Vec<String>, Vec<String>) {
         let camera = Camera::look_at("C1", [640.0, 480.0], 500.0, [3.0, 0.0, 1.0], [0.0, 0.0, 1.0]).unwrap();
         let info = RunInfo {
             method: "toy".into(),
@@ -305,6 +307,7 @@ mod tests {
             seed: 1,
             isa: "baseline".into(),
             cameras: vec![camera],
+            has_masks: false,
             keypoints: vec!["Nose".into()],
             camera_offset_px: vec![[0.0; 2]],
             sigma_px: 4.0,
@@ -332,15 +335,18 @@ mod tests {
     }
 
     #[test]
-    fn frames_that_begin_anew_are_told_when_they_are_many() {
-        let with =
-            |restarts: usize| told(false, (0..20).map(move |i| FrameEstimate { restarted: i <= restarts, ..usual() }));
+    fn restarts_are_warned_of_when_they_are_many() {
+        let with = |restarts: usize| {
+            judged(false, (0..20).map(move |i| FrameEstimate { restarted: i <= restarts, ..usual() }))
+        };
         // The first frame always begins.
         assert_eq!(with(2), (vec![], vec![]));
         let (warnings, _) = with(3);
         assert_eq!(
             warnings,
-            ["tracking began anew in 3 of 20 frames, which are then fits of single frames (`restarted` in frames.csv)"]
+            [
+                "tracking was restarted in 3 of 20 frames, which are then fits of single frames (`restarted` in frames.csv)"
+            ]
         );
     }
 
@@ -351,26 +357,26 @@ mod tests {
             residual_px: vec![(i > 2).then_some(12.5)],
             ..usual()
         };
-        let (warnings, _) = told(false, (0..12).map(frame));
+        let (warnings, _) = judged(false, (0..12).map(frame));
         let expected = [
             "frame 13: no observation in any camera; estimates come from the motion model only",
             "frames 15-17: no observation in any camera; estimates come from the motion model only",
             "C1: residual of 12.5 px, more than three times the noise of 4.0 px",
         ];
         assert_eq!(warnings, expected);
-        let (warnings, _) = told(false, (0..12).map(|i| FrameEstimate { observed: i % 2 == 1, ..usual() }));
+        let (warnings, _) = judged(false, (0..12).map(|i| FrameEstimate { observed: i % 2 == 1, ..usual() }));
         assert_eq!((warnings.len(), warnings[5].as_str()), (6, "1 more spans without observation"));
         let unseen = |i: u64| FrameEstimate { observed: i > 8, residual_px: vec![None], ..usual() };
-        let (warnings, failed) = told(false, (0..10).map(unseen));
+        let (warnings, failed) = judged(false, (0..10).map(unseen));
         assert_eq!((warnings[1].as_str(), failed.len()), ("C1: the person was found in none of 10 frames", 0));
-        let (_, failed) = told(false, (0..5).map(unseen));
+        let (_, failed) = judged(false, (0..5).map(unseen));
         assert_eq!(failed, ["no camera saw the person in any of 5 frames"]);
     }
 
     #[test]
     fn frames_whose_energies_move_slowly_or_diverge_are_named() {
         let slow = |i: u64| FrameEstimate { energy_fraction: Some(if i < 2 { 0.1 } else { 0.9 }), ..usual() };
-        let (warnings, failed) = told(false, (0..20).map(slow));
+        let (warnings, failed) = judged(false, (0..20).map(slow));
         assert_eq!(
             warnings,
             [
@@ -379,7 +385,7 @@ mod tests {
         );
         assert!(failed.is_empty());
         let diverged = |i: u64| FrameEstimate { divergences: if i == 4 { 50 } else { 0 }, ..usual() };
-        let (_, failed) = told(false, (0..20).map(diverged));
+        let (_, failed) = judged(false, (0..20).map(diverged));
         assert_eq!(
             failed,
             ["50 of 2000 trajectories diverged (in frames 14): the intervals may be wrong there; at most 1 % may"]
@@ -391,22 +397,22 @@ mod tests {
         let frames = |high: usize| {
             (0..40).map(move |i| FrameEstimate { r_hat: Some(if i < high { 1.2 } else { 1.0 }), ..usual() })
         };
-        assert_eq!(told(false, frames(2)).1, Vec::<String>::new());
+        assert_eq!(judged(false, frames(2)).1, Vec::<String>::new());
         assert_eq!(
-            told(false, frames(3)).1,
+            judged(false, frames(3)).1,
             [
                 "split R-hat is above 1.05 in 3 of 40 frames (10, 11, 12): the chains disagree, do not trust the intervals there; at most 5 % may be"
             ]
         );
         let diverging = (0..4).map(|_| FrameEstimate { divergences: 2, ..usual() });
         assert_eq!(
-            told(false, diverging).1,
+            judged(false, diverging).1,
             [
                 "8 of 400 trajectories diverged (in frames 10, 11, 12, 13): the intervals may be wrong there; at most 1 % may"
             ]
         );
         let few = || (0..4).map(|_| FrameEstimate { ess: 9.4, ..usual() });
         let message = "the median effective sample size is 9.4; at least 10 is needed";
-        assert_eq!((told(false, few()).1, told(true, few()).1), (vec![], vec![message.to_owned()]));
+        assert_eq!((judged(false, few()).1, judged(true, few()).1), (vec![], vec![message.to_owned()]));
     }
 }

@@ -1,4 +1,6 @@
-//! The few operations on files that results need, as a trait, so that a test can let any of them fail.
+//! The few operations on files that results need, as a trait.
+//!
+//! A test can let any of them fail.
 
 use std::fs;
 use std::io::{self, Read, Seek, SeekFrom, Write};

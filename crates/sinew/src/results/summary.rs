@@ -74,7 +74,7 @@ pub struct Summary {
     pub frame_count: u64,
     /// Frames in which a camera saw the person.
     pub observed_frames: u64,
-    /// Frames, after the first one written, in which tracking began anew.
+    /// Frames, after the first one written, in which tracking was restarted.
     pub restarted_frames: u64,
     /// Degrees of freedom of the body.
     pub degrees_of_freedom: usize,

@@ -3,7 +3,8 @@
 //! No file of a folder holds states as such. The body is that of `setup.toml`; rotations come from `angles.csv`, by the names of the body's degrees of freedom; translations, which it lacks, are those that put the body's points on
 //! `markers.trc`: points are affine in translations, so that least squares finds them exactly. Numbers of frames come from `frames.csv`.
 
-use crate::config::{Sources, resolve};
+use super::error::{Expected, ResultsError};
+use crate::config::{Sources, TrackConfig, resolve};
 use crate::input::recording::Calibrated;
 use crate::input::up_axis::upright;
 use crate::results::pose;
@@ -24,6 +25,8 @@ pub struct Tracked {
     pub setup: Setup,
     /// Size of the images in which its keypoints lie over that of the calibrated ones.
     pub image_scale: f64,
+    /// Frames that cameras are late.
+    pub lag: Vec<(String, i64)>,
     /// Number of each frame with the state of its mean pose, in the world turned to z up.
     pub frames: Vec<(u64, Vec<f64>)>,
 }
@@ -39,15 +42,7 @@ impl Tracked {
     pub fn read(folder: &Path) -> Result<Self, Error> {
         if !folder.join("summary.json").exists() {
             std::fs::read_dir(folder).map_err(Error::io("read", folder))?;
-            return Err(Error::Input {
-                message: format!(
-                    "`{}` holds no results of a run that came to its end: summary.json is missing",
-                    folder.display()
-                ),
-                help: Some(
-                    "give the folder that `sinew track` wrote with `-o`; a run that was stopped goes on with `--resume`".into(),
-                ),
-            });
+            return Err(ResultsError::NoSummary(folder.to_owned()).into());
         }
         let text = |name: &str, most| files::read_text(&folder.join(name), most);
         let shown = |name: &str| folder.join(name).display().to_string();
@@ -59,7 +54,8 @@ impl Tracked {
         let mut states = rotations(&shown("angles.csv"), &table("angles.csv")?, &tree, numbers.len())?;
         let markers = trc::read(&shown("markers.trc"), &text("markers.trc", MAX_TEXT_BYTES)?)?;
         if markers.frames.len() != numbers.len() {
-            return Err(mixed(&shown("markers.trc"), markers.frames.len(), "frames", numbers.len()));
+            let (file, found) = (shown("markers.trc"), markers.frames.len());
+            return Err(ResultsError::OtherLength { file, found, unit: "frames", expected: numbers.len() }.into());
         }
         let known: Vec<(usize, usize)> = (0..markers.header.markers.len())
             .filter_map(|marker| Some((tree.point_index(&markers.header.markers[marker])?, marker)))
@@ -69,10 +65,11 @@ impl Tracked {
                 known.iter().filter_map(|&(point, marker)| Some((point, markers.point_in_world(row, marker)?)));
             translate(&tree, state, &targets.collect::<Vec<_>>());
         }
-        Ok(Self { setup, image_scale: settings.track().image_scale, frames: numbers.into_iter().zip(states).collect() })
+        let TrackConfig { image_scale, lag, .. } = settings.track();
+        Ok(Self { setup, image_scale, lag, frames: numbers.into_iter().zip(states).collect() })
     }
 
-    /// The frames of a range of numbers, every so-manieth of them.
+    /// The frames of a range of numbers, every n-th of them.
     ///
     /// # Errors
     /// A range without a frame.
@@ -82,15 +79,8 @@ impl Tracked {
         if !chosen.is_empty() {
             return Ok(chosen);
         }
-        let has = match (self.frames.first(), self.frames.last()) {
-            (Some((first, _)), Some((last, _))) => format!("{first}..{}", last + 1),
-            _ => "none".into(),
-        };
-        let asked = range.map_or("frames".into(), |range| format!("frames {}..{}", range.start, range.end));
-        Err(Error::Input {
-            message: format!("{asked} were asked for; the results have {has}"),
-            help: Some("`--frames A..B` takes the numbers in the file names, A included, B not".into()),
-        })
+        let available = self.frames.first().zip(self.frames.last()).map(|((first, _), (last, _))| *first..last + 1);
+        Err(ResultsError::NoSuchFrames { asked: range.cloned(), available }.into())
     }
 
     /// Cameras of [`Tracked::cameras`] that were resized for images of another size, with the offsets of the set-up: they show the body where it lies in the images.
@@ -107,20 +97,16 @@ impl Tracked {
     /// A calibration that cannot be read or lacks a camera of the run.
     pub fn cameras(&self, calibration: &Path) -> Result<(Vec<Camera>, Vec<String>), Error> {
         let Calibrated { cameras, names, .. } = Calibrated::read(calibration)?;
-        let of_run = self.setup.camera.iter().map(|known| {
+        let seen = self.setup.camera.iter().map(|known| {
             let is_it = |camera: &&Camera| camera_name::fold(&camera.name) == camera_name::fold(&known.name);
-            cameras.iter().find(is_it).cloned().ok_or_else(|| Error::Input {
-                message: format!(
-                    "{}: no camera `{}`, which the results come from; calibrated: {}",
-                    calibration.display(),
-                    known.name,
-                    names.join(", ")
-                ),
-                help: Some("give the calibration that was tracked with".into()),
+            cameras.iter().find(is_it).cloned().ok_or_else(|| ResultsError::UnknownCamera {
+                calibration: calibration.to_owned(),
+                camera: known.name.clone(),
+                calibrated: names.clone(),
             })
         });
-        let of_run = of_run.collect::<Result<Vec<Camera>, Error>>()?;
-        Ok((upright(of_run, &self.setup.world_up), names))
+        let seen = seen.collect::<Result<Vec<Camera>, _>>()?;
+        Ok((upright(seen, &self.setup.world_up), names))
     }
 }
 
@@ -129,35 +115,26 @@ pub(crate) fn inputs(results: &Path, calibration: &Path, images: Option<&PathBuf
     [results, calibration].into_iter().map(Path::to_owned).chain(images.cloned()).collect()
 }
 
-fn mixed(name: &str, found: usize, what: &str, expected: usize) -> Error {
-    Error::Input {
-        message: format!("{name}: {found} {what}; the other files of the folder speak of {expected}"),
-        help: Some("are all files of this folder of one run?".into()),
-    }
+fn column(file: &str, table: &Cells, wanted: &'static str) -> Result<usize, ResultsError> {
+    let place = table.columns.iter().position(|column| column == wanted);
+    place.ok_or_else(|| ResultsError::NoColumn { file: file.into(), wanted, columns: table.columns.clone() })
 }
 
-fn column(name: &str, table: &Cells, wanted: &str) -> Result<usize, Error> {
-    table.columns.iter().position(|column| column == wanted).ok_or_else(|| Error::Input {
-        message: format!("{name}: no column `{wanted}`; there are: {}", table.columns.join(", ")),
-        help: Some("is this file of a result folder?".into()),
-    })
+fn bad_cell(file: &str, line: usize, found: &str, expected: Expected) -> ResultsError {
+    ResultsError::Cell { file: file.into(), line, found: found.into(), expected }
 }
 
-fn bad_cell(name: &str, line: usize, found: &str, expected: &str) -> Error {
-    Error::Input { message: format!("{name}:{line}: `{found}`; must be {expected}"), help: None }
-}
-
-fn numbers(name: &str, table: &Cells) -> Result<Vec<u64>, Error> {
+fn numbers(name: &str, table: &Cells) -> Result<Vec<u64>, ResultsError> {
     let place = column(name, table, "frame")?;
     let number = |(line, row): &(usize, Vec<String>)| {
-        row[place].parse().map_err(|_| bad_cell(name, *line, &row[place], "the number of a frame"))
+        row[place].parse().map_err(|_| bad_cell(name, *line, &row[place], Expected::FrameNumber))
     };
     table.rows.iter().map(number).collect()
 }
 
 /// States of so many frames, translations 0.
-fn rotations(name: &str, table: &Cells, tree: &KinematicTree, frames: usize) -> Result<Vec<Vec<f64>>, Error> {
-    let [of_name, of_mean] = [column(name, table, "name")?, column(name, table, "mean_deg")?];
+fn rotations(name: &str, table: &Cells, tree: &KinematicTree, frames: usize) -> Result<Vec<Vec<f64>>, ResultsError> {
+    let [name_column, mean_column] = [column(name, table, "name")?, column(name, table, "mean_deg")?];
     let rotations: Vec<(usize, String)> = tree
         .joints()
         .zip(tree.dof_names())
@@ -166,16 +143,17 @@ fn rotations(name: &str, table: &Cells, tree: &KinematicTree, frames: usize) -> 
         .map(|(dof, (_, name))| (dof, name))
         .collect();
     if table.rows.len() != frames * rotations.len() {
-        return Err(mixed(name, table.rows.len(), "rows", frames * rotations.len()));
+        let (file, found, expected) = (name.into(), table.rows.len(), frames * rotations.len());
+        return Err(ResultsError::OtherLength { file, found, unit: "rows", expected });
     }
     let mut states = vec![vec![0.0; tree.dof()]; frames];
     for (index, (line, row)) in table.rows.iter().enumerate() {
         let (dof, expected) = &rotations[index % rotations.len()];
-        if row[of_name] != *expected {
-            return Err(bad_cell(name, *line, &row[of_name], &format!("`{expected}`, as in the body of setup.toml")));
+        if row[name_column] != *expected {
+            return Err(bad_cell(name, *line, &row[name_column], Expected::Coordinate(expected.clone())));
         }
-        let degrees = row[of_mean].parse().ok().filter(|degrees: &f64| degrees.is_finite());
-        let degrees = degrees.ok_or_else(|| bad_cell(name, *line, &row[of_mean], "a number"))?;
+        let degrees = row[mean_column].parse().ok().filter(|degrees: &f64| degrees.is_finite());
+        let degrees = degrees.ok_or_else(|| bad_cell(name, *line, &row[mean_column], Expected::Number))?;
         states[index / rotations.len()][*dof] = degrees.to_radians();
     }
     Ok(states)

@@ -32,8 +32,7 @@ const FEWEST: usize = 20;
 /// What fits.
 pub fn check(cameras: &[Camera], frames: &[Sighted], declared: f64) -> Result<(), SetupError> {
     let Some(now) = residual(cameras, frames, 1.0) else { return Ok(()) };
-    let diagonals = cameras.iter().map(|camera| camera.image_size_px[0].hypot(camera.image_size_px[1]));
-    if now <= DOUBTFUL * median(&mut diagonals.collect::<Vec<_>>()) / 1000.0 {
+    if !is_doubtful(cameras, now) {
         return Ok(());
     }
     let best_of = |scales: &mut dyn Iterator<Item = f64>| {
@@ -63,6 +62,12 @@ pub fn check(cameras: &[Camera], frames: &[Sighted], declared: f64) -> Result<()
     }
 }
 
+/// Whether a residual, pixels, is larger than those of detectors and small errors of calibration.
+pub(super) fn is_doubtful(cameras: &[Camera], residual_px: f64) -> bool {
+    let diagonals = cameras.iter().map(|camera| camera.image_size_px[0].hypot(camera.image_size_px[1]));
+    residual_px > DOUBTFUL * median(&mut diagonals.collect::<Vec<_>>()) / 1000.0
+}
+
 /// The camera whose pose is the world from the camera, read as the camera from the world.
 fn inverted(camera: &Camera) -> Camera {
     let [a, b, c] = camera.rotation;
@@ -71,7 +76,7 @@ fn inverted(camera: &Camera) -> Camera {
 }
 
 /// Median distance between keypoints and the projection of their triangulation, in pixels of the calibrated images; the image's diagonal where rays meet nowhere.
-fn residual(cameras: &[Camera], frames: &[Sighted], scale: f64) -> Option<f64> {
+pub(super) fn residual(cameras: &[Camera], frames: &[Sighted], scale: f64) -> Option<f64> {
     let mut distances = vec![];
     for frame in frames {
         let keypoints = frame.iter().map(Vec::len).max().unwrap_or(0);

@@ -1,18 +1,17 @@
 //! What the set-up can say about the recording and its calibration before anything is tracked.
 
+use super::clocks::{lags, unsynchronised};
 use super::collect::{Collected, Request};
 use super::error::SetupError;
 use super::space_points::points_in_space;
 use super::warning::Warning;
 use sinew_formats::Layout;
 use sinew_observe::Camera;
-use sinew_observe::cross_view::{best_lag, lag_change, residual_by_lag, swapped_spans};
+use sinew_observe::cross_view::{lag_change, residual_by_lag, swapped_spans};
 use sinew_observe::offsets::{CameraNoise, median};
 
 /// Largest lag that is tried, frames.
 const LAG: i64 = 10;
-/// A lag counts where the residual falls below this share of what it is without.
-const LAG_SHARE: f64 = 0.8;
 /// Frames looked at for lags and swaps.
 const WINDOW: usize = 120;
 /// Frames in which the subject's place before the cameras is looked at.
@@ -114,17 +113,7 @@ pub fn oddities(
             residual_px: s.residual_px,
             swapped_px: s.swapped_px,
         }));
-        if let Some(lag) = residual_by_lag(cameras, noise, window, c, LAG, least).and_then(|by_lag| best_lag(&by_lag))
-            && lag.frames != 0
-            && lag.best_px < LAG_SHARE * lag.now_px
-        {
-            warnings.push(Warning::Unsynchronised {
-                camera: camera.name.clone(),
-                lag: lag.frames,
-                best_px: lag.best_px,
-                now_px: lag.now_px,
-            });
-        }
     }
+    warnings.extend(unsynchronised(cameras, &request.lag, &lags(cameras, noise, collected, least)));
     warnings
 }

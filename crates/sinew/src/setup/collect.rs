@@ -6,13 +6,15 @@
 
 use super::calibration_fit;
 use super::error::SetupError;
+use super::exchanged_cameras;
 use super::stored::Body;
 use super::warning::Warning;
 use crate::Error;
 use sinew_formats::Layout;
 use sinew_observe::Camera;
-use sinew_observe::association::{self, Following, Person, follow};
+use sinew_observe::association::{self, Person};
 use sinew_observe::cross_view::cameras_behind;
+use sinew_observe::following::{Following, follow};
 use sinew_observe::offsets::{self, Sighted};
 
 /// What to set up, and how.
@@ -32,6 +34,12 @@ pub struct Request {
     pub shape_frames: usize,
     /// Size of the images over that of the calibrated ones, as declared; the cameras are resized already.
     pub image_scale: f64,
+    /// Frames that cameras are late, as declared; the frames are read with them already.
+    pub lag: Vec<(String, i64)>,
+    /// Frames per second, by which speeds are judged; nothing is said about them if `None`.
+    pub fps: Option<f64>,
+    /// Whether sizes and speeds that no person has are taken.
+    pub any_size: bool,
     /// How people are told apart.
     pub association: association::Config,
     /// How offsets are estimated.
@@ -48,6 +56,9 @@ impl Default for Request {
             offset_frames: 150,
             shape_frames: 120,
             image_scale: 1.0,
+            lag: vec![],
+            fps: None,
+            any_size: false,
             association: association::Config::default(),
             offsets: offsets::Config::default(),
         }
@@ -63,6 +74,8 @@ pub struct Collected {
     pub window: Vec<(u64, Sighted)>,
     /// Windows without gaps later in the recording.
     pub later: Vec<Vec<(u64, Sighted)>>,
+    /// Everybody in some of the first frames in which several cameras show people.
+    pub everybody: Vec<Vec<Vec<Person>>>,
     /// Some of the first frames in which no camera shows more than one person.
     pub alone: Vec<Sighted>,
     /// Frames read.
@@ -140,6 +153,9 @@ pub fn collect(
         if out.alone.len() < ALONE {
             out.alone.extend(alone(&people));
         }
+        if out.everybody.len() < ALONE && people.iter().filter(|view| !view.is_empty()).count() > 1 {
+            out.everybody.push(people.clone());
+        }
         let associated = follow(&mut following, cameras, &people, None, &request.association);
         if !associated.is_present() {
             if behind.0 == 0 && out.found == 0 {
@@ -175,6 +191,7 @@ pub fn collect(
             stride *= 2;
         }
     }
+    exchanged_cameras::check(cameras, &out.everybody, &request.association)?;
     calibration_fit::check(cameras, &out.alone, request.image_scale)?;
     if out.found == 0 {
         return Err(nobody(cameras, layout, request, &out, behind, surest).into());

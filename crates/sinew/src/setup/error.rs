@@ -108,6 +108,28 @@ pub enum SetupError {
         /// Height, metres.
         height_m: f64,
     },
+    /// Segments that nobody has.
+    #[error(
+        "the person would have {}; is `{layout}` the layout of the detector, and are translations in metres?",
+        listed(segments)
+    )]
+    SegmentLengths {
+        /// The segments.
+        segments: Vec<SegmentLength>,
+        /// Layout in use.
+        layout: String,
+    },
+    /// A person who moves as nobody can.
+    #[error("{0}")]
+    Fast(Warning),
+    /// Two cameras with each other's calibration.
+    #[error("the keypoints of all cameras fit when the calibrations of {} and {} are exchanged (residual {residual_px:.0} px)", cameras[0], cameras[1])]
+    ExchangedCameras {
+        /// The two.
+        cameras: [String; 2],
+        /// Residual once they are exchanged, pixels.
+        residual_px: f64,
+    },
     /// No frame shows enough.
     #[error("no frame shows enough of the person for a pose")]
     NoPose,
@@ -125,6 +147,25 @@ pub enum SetupError {
     /// A set-up that has no text.
     #[error("the set-up cannot be written: {0}")]
     Unwritable(toml::ser::Error),
+}
+
+/// A segment whose length is nobody's.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SegmentLength {
+    /// Name, plural.
+    pub name: &'static str,
+    /// Length found, metres.
+    pub found_m: f64,
+    /// Least and greatest length among people, metres.
+    pub people_m: [f64; 2],
+}
+
+fn listed(segments: &[SegmentLength]) -> String {
+    let one = |segment: &SegmentLength| {
+        let SegmentLength { name, found_m, people_m: [least, most] } = segment;
+        format!("{name} of {found_m:.2} m (people: {least:.2} to {most:.2} m)")
+    };
+    segments.iter().map(one).collect::<Vec<_>>().join(", ")
 }
 
 impl SetupError {
@@ -164,6 +205,15 @@ impl SetupError {
             Self::Millimetres(_) => "give the translations of the calibration in metres",
             Self::ImpossibleHeight { .. } => {
                 "give translations in metres, and the camera from the world, `Xcam = R Xworld + t`"
+            }
+            Self::SegmentLengths { .. } => {
+                "check `--layout` (`sinew inspect` says what the keypoints look like) and the unit of the calibration; `--any-size` takes the person as measured"
+            }
+            Self::Fast(_) => {
+                "give the frame rate of the cameras with `--fps`; `--any-size` tracks the motion all the same"
+            }
+            Self::ExchangedCameras { .. } => {
+                "exchange the names of the two in the calibration, or their folders of keypoints"
             }
             Self::NoPoseOfFile { .. } => {
                 "name more of its points like those of the layout; `sinew body h32` shows a body that has them"

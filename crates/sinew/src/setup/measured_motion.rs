@@ -6,7 +6,8 @@ use super::stored::Setup;
 use crate::Error;
 use crate::input::source::FrameSource;
 use sinew_body::KinematicTree;
-use sinew_observe::association::{self, Following, follow};
+use sinew_observe::association;
+use sinew_observe::following::{Following, follow};
 use std::ops::Range;
 
 /// Frames from which the motion noise is measured: so many runs of so many consecutive frames, evenly spaced.

@@ -7,6 +7,7 @@ use super::own_body;
 use super::pose_fit::pose_of;
 use super::scale;
 use super::shape;
+use super::speed;
 use super::stored::{Body, CameraSetup, SCHEMA, Setup};
 use super::warning::Warning;
 use crate::Error;
@@ -68,6 +69,7 @@ pub fn set_up(
         return Ok((setup, warnings));
     }
     checks::same_rate(cameras, request, &noise, &collected)?;
+    warnings.extend(speed::check(cameras, layout, request, &noise, &collected)?);
     warnings.extend(checks::oddities(cameras, layout, request, &noise, &collected));
     let shape = shape::measure(cameras, layout, request, &noise, &collected, &mut warnings)?;
     setup.up_axis = shape.up_axis.into();

@@ -14,7 +14,9 @@ use super::collect::{Collected, Request};
 use super::error::SetupError;
 use super::model_error::model_error_m;
 use super::scale::check_scale;
+use super::segment_lengths;
 use super::space_points::{Points, points_in_space};
+use super::stored::Body;
 use super::up_axis::up_axis;
 use super::warning::Warning;
 use sinew_body::fit::Target;
@@ -66,7 +68,12 @@ pub fn measure(
     let bare: Vec<Vec<Option<[f64; 3]>>> =
         frames.iter().map(|(_, points)| points.iter().map(|p| p.map(|(p, _)| p)).collect()).collect();
     let measured = subject::from_distances(&names, &bare);
-    check_scale(cameras, measured.scale)?;
+    if !request.any_size {
+        check_scale(cameras, measured.scale)?;
+        if !matches!(request.body, Body::File(_)) {
+            segment_lengths::check(&measured, &layout.name)?;
+        }
+    }
     let up_axis = up_axis(layout, &frames);
     if up_axis != "+z" {
         warnings.push(Warning::FeetAboveHead { frames: frames.len(), up_axis });

@@ -1,5 +1,6 @@
 //! What the set-up found odd.
 
+use sinew_observe::camera_lag::CameraLag;
 use std::fmt;
 
 /// An oddity of a recording or its calibration.
@@ -24,6 +25,17 @@ pub enum Warning {
         distance: f64,
         /// Size of the skeleton, in the same unit.
         height: f64,
+    },
+    /// The person moves faster than people do.
+    Fast {
+        /// Part of the body.
+        part: &'static str,
+        /// Its speed, metres a second.
+        m_per_s: f64,
+        /// Speed of the fastest people.
+        fastest_m_per_s: f64,
+        /// Frames per second taken.
+        fps: f64,
     },
     /// The subject lies behind some cameras.
     Behind {
@@ -57,16 +69,12 @@ pub enum Warning {
         /// Frames in which the tracked person is among them.
         matched: u64,
     },
-    /// A camera's clock is off.
+    /// Clocks of cameras are off.
     Unsynchronised {
-        /// Camera.
-        camera: String,
-        /// Shift that fits best, frames.
-        lag: i64,
-        /// Residual there, pixels.
-        best_px: f64,
-        /// Residual without a shift, pixels.
-        now_px: f64,
+        /// Cameras, each with the frames that it is late.
+        cameras: Vec<(String, CameraLag)>,
+        /// The setting `lag` that mends it.
+        mended: Vec<(String, i64)>,
     },
     /// One camera suddenly shows someone elsewhere.
     Jump {
@@ -106,6 +114,10 @@ impl fmt::Display for Warning {
                 f,
                 "cameras stand {distance:.0} units from the origin but the skeleton is {height:.1} tall; are translations in millimetres?"
             ),
+            Self::Fast { part, m_per_s, fastest_m_per_s, fps } => write!(
+                f,
+                "at {fps} frames per second the person's {part} would move at {m_per_s:.0} m/s, and those of the fastest people at {fastest_m_per_s} m/s; is `--fps` right?"
+            ),
             Self::Behind { cameras, of, names } => {
                 write!(f, "in {cameras} of {of} cameras the subject lies behind the lens; is the pose inverted?")?;
                 if names.is_empty() { Ok(()) } else { write!(f, " ({})", names.join(", ")) }
@@ -122,10 +134,15 @@ impl fmt::Display for Warning {
                 f,
                 "{camera} shows people in {shown} frames, and in {matched} of them the person whom the other cameras see; is this the calibration of this camera?"
             ),
-            Self::Unsynchronised { camera, lag, best_px, now_px } => write!(
-                f,
-                "{camera} fits best when shifted by {lag:+} frames (residual {best_px:.1} px instead of {now_px:.1} px)"
-            ),
+            Self::Unsynchronised { cameras, mended } => {
+                let late = cameras.iter().map(|(camera, lag)| {
+                    let side = if lag.frames > 0.0 { "late" } else { "early" };
+                    format!("{camera} is {:.1} ± {:.1} frames {side}", lag.frames.abs(), lag.sd)
+                });
+                let flag = mended.iter().map(|(camera, lag)| format!("{camera}={lag}")).collect::<Vec<_>>().join(",");
+                let late = late.collect::<Vec<_>>().join(", ");
+                write!(f, "{late} against the other cameras; `--lag {flag}` reads the frames that belong together")
+            }
             Self::Jump { camera, frame, px } => write!(f, "{camera} frame {frame}: jump of {px:.0} px in all joints"),
             Self::Swapped { camera, first, last, residual_px, swapped_px } => write!(
                 f,

@@ -13,6 +13,7 @@
 //!
 //! A reader checks in this order: is it a checkpoint, is it whole, does the checksum fit, is the format known, can the body be decoded; each has a [`Problem`] of its own.
 
+use super::error::TrackError;
 use super::pipeline;
 use crate::Error;
 use crate::files::read_bytes;
@@ -72,8 +73,7 @@ impl Checkpoint {
         bytes.extend(FORMAT.to_le_bytes());
         bytes.extend([0; 8]);
         let body = postcard::to_extend(self, bytes);
-        let mut bytes =
-            body.map_err(|error| Error::Numerical { message: format!("the checkpoint cannot be encoded: {error}") })?;
+        let mut bytes = body.map_err(TrackError::Encoding)?;
         let length = (bytes.len() - HEAD) as u64;
         bytes[HEAD - 8..HEAD].copy_from_slice(&length.to_le_bytes());
         let checksum = crc32fast::hash(&bytes);

@@ -1,5 +1,8 @@
-//! The image side of a pipeline: the body's flesh before cameras that see silhouettes, and how well the tracked poses cover what they saw.
+//! The image side of a pipeline.
+//!
+//! The body's flesh before cameras that see silhouettes, and how well the tracked poses cover what they saw.
 
+use super::error::TrackError;
 use crate::Error;
 use crate::config::settings::Settings;
 use crate::input::frame::FrameImages;
@@ -44,13 +47,10 @@ pub struct Images {
 
 /// The parts of a body that trackers choose one by one: those of its solids.
 pub(super) fn part_tree(tree: &KinematicTree, flesh: &Flesh) -> Result<PartTree, Error> {
-    let refused = |error: sinew_core::Error| Error::Input {
-        message: format!("the solids of the body are no parts of its state: {error}"),
-        help: Some("give every link at most one solid".into()),
-    };
     let parts = flesh.coordinates(tree).into_iter().map(|part| Part::new(part, tree.dof()));
-    let partition = Partition::new(parts.collect::<Result<_, _>>().map_err(refused)?, tree.dof()).map_err(refused)?;
-    PartTree::new(partition, flesh.parents().to_vec()).map_err(refused)
+    let partition = Partition::new(parts.collect::<Result<_, _>>().map_err(TrackError::Parts)?, tree.dof());
+    let partition = partition.map_err(TrackError::Parts)?;
+    Ok(PartTree::new(partition, flesh.parents().to_vec()).map_err(TrackError::Parts)?)
 }
 
 impl Images {
@@ -59,8 +59,7 @@ impl Images {
     /// # Errors
     /// Solids that trackers cannot take.
     pub fn new(tree: &KinematicTree, flesh: Flesh, cameras: &[Camera], settings: &Settings) -> Result<Self, Error> {
-        let body =
-            SolidBody::new(tree, &flesh).map_err(|error| Error::Input { message: error.to_string(), help: None })?;
+        let body = SolidBody::new(tree, &flesh).map_err(TrackError::Solids)?;
         let raster = |camera| WorkingRaster::new(camera, WorkingRaster::factor_for(camera, settings.raster));
         let rasters: Vec<WorkingRaster> = cameras.iter().map(raster).collect();
         let model = ImageModel {
@@ -74,7 +73,7 @@ impl Images {
             true => {
                 let cameras = model.cameras.clone();
                 let soft = SoftSilhouetteModel::new(tree, &flesh, cameras, CONTOUR_SIGMA_PX, settings.isa);
-                Some(soft.map_err(|error| Error::Input { message: error.to_string(), help: None })?)
+                Some(soft.map_err(TrackError::Solids)?)
             }
             false => None,
         };

@@ -10,6 +10,7 @@
 
 mod backward;
 mod begin;
+mod check;
 mod complete;
 mod ending;
 mod forward;
@@ -18,13 +19,13 @@ mod keeper;
 mod run_info;
 mod watch;
 
+pub use check::check_settings;
 pub use complete::check_complete;
 pub use ending::Outcome;
 pub use watch::{Pass, Watch};
 
 use super::checkpoint::Checkpoint;
 use super::pipeline::Pipeline;
-use super::smooth::Spool;
 use crate::Error;
 use crate::config::Resolved;
 use crate::input::source::FrameSource;
@@ -35,7 +36,7 @@ use ending::{Clock, distinct};
 use forward::forward;
 use inputs::{Hashes, Inputs, file_hashes};
 use keeper::Keeper;
-use run_info::{run_info, texts};
+use run_info::run_info;
 use std::ops::Range;
 
 /// Tracks the frames of a source into a claimed folder, from the first on or from where a run was stopped.
@@ -74,17 +75,8 @@ pub fn track<S: FrameSource>(
     let (frames, before) = (source.frames(), checkpoint.done);
     let setup_toml = checkpoint.setup_toml.clone();
     let info = run_info(&config, &settings, &setup, &pipeline, cameras, frames.start, setup_toml);
-    let spool = match config.smooth {
-        true => {
-            let sizes = [tree.dof(), info.cameras.len(), info.keypoints.len()];
-            Some(Spool::open(&claim, sizes, checkpoint.spool.map(|position| (before, position)))?)
-        }
-        false => None,
-    };
-    let results = ResultFolder::open(claim, info, texts(&checkpoint)?, checkpoint.written.as_ref())?;
-    let is_new = checkpoint.pipeline.is_none();
-    let mut keeper = Keeper::new(results, spool, checkpoint, config.checkpoint_every);
-    if is_new {
+    let mut keeper = Keeper::open(claim, info, checkpoint, &config)?;
+    if keeper.checkpoint.pipeline.is_none() {
         keeper.keep(&pipeline, source.read(), inputs.hashes(source.source()))?;
     }
     let total = frames.end - frames.start;

@@ -1,5 +1,6 @@
 //! The motion prior of a recording: a random walk with the noise that the set-up found.
 
+use super::error::TrackError;
 use crate::Error;
 use crate::config::settings::Settings;
 use crate::setup::{Setup, motion_noise};
@@ -14,5 +15,5 @@ pub fn walk(setup: &Setup, tree: &KinematicTree, settings: &Settings) -> Result<
     };
     let sd: Vec<f64> = sd.iter().map(|sd| sd * settings.motion_scale).collect();
     let walk = RandomWalk::new(&sd, 1.0 / settings.fps, settings.between, settings.isa);
-    walk.and_then(|walk| walk.with_initial_sd(motion_noise::initial_sd(tree))).map_err(Error::numerical)
+    Ok(walk.and_then(|walk| walk.with_initial_sd(motion_noise::initial_sd(tree))).map_err(TrackError::Motion)?)
 }

@@ -1,4 +1,6 @@
-//! What a recording shows that no person does, told while it is tracked: cameras that exchange left and right for a span, people who jump.
+//! Oddities of a recording that no person shows, noticed while it is tracked.
+//!
+//! Cameras that exchange left and right for a span, people who jump.
 //!
 //! - A camera has *swapped* sides in frames where the keypoints of the left lie nearer to the projected points of the right and the other way: exchanging them
 //!   lowers the median distance to less than half, and by more than three times the camera's noise, in three frames at least. Up to two frames of another opinion

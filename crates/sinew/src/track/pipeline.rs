@@ -1,4 +1,6 @@
-//! From the people in the views of a frame to the posterior of the pose: what `sinew track` and `sinew demo` run for every frame.
+//! From what a frame shows to the posterior of the pose.
+//!
+//! This is what `sinew track` and `sinew demo` run for every frame.
 //!
 //! For each frame, in order of their numbers:
 //!
@@ -11,6 +13,7 @@
 //! Nothing is kept but the tracker and a few numbers a frame, so memory does not grow.
 
 use super::describe::describe;
+use super::error::TrackError;
 use super::images::{self, ImageState, Images};
 use super::marginals::Marginals;
 use super::motion_prior::walk;
@@ -246,10 +249,7 @@ fn some_draws(seed: u64, frame: u32, posterior: &Posterior<'_>) -> Vec<Vec<f64>>
 }
 
 fn frame_index(number: u64) -> Result<u32, Error> {
-    u32::try_from(number).map_err(|_| Error::Input {
-        message: format!("frame number {number} is above {}", u32::MAX),
-        help: Some("renumber the files".into()),
-    })
+    Ok(u32::try_from(number).map_err(|_| TrackError::FrameNumber { number })?)
 }
 
 /// Moments that a smoother takes from a frame. They are not shrunk: correlations between the angles of a limb are what keeps its end in place.

@@ -23,7 +23,7 @@
 mod doubt;
 mod expected;
 
-pub use doubt::Doubt;
+pub use doubt::{Doubt, Lengths, Origins};
 
 use expected::Expected;
 use serde::{Deserialize, Serialize};
@@ -218,6 +218,15 @@ impl Predictive {
         }
     }
 
+    /// What the checks say of lengths, where these are all their doubts.
+    pub(super) fn lengths(&self, doubts: &[Doubt]) -> Lengths {
+        let checked = self.limbs.iter().filter(|limb| limb.ratio.count >= FEWEST_FRAMES).count();
+        if doubts.iter().any(|doubt| matches!(doubt, Doubt::Limb { .. } | Doubt::Offset { .. })) {
+            return Lengths::Doubted;
+        }
+        if checked == 0 { Lengths::Unchecked } else { Lengths::Undoubted(checked) }
+    }
+
     /// What does not look as the model says.
     pub(super) fn doubts(&self) -> Vec<Doubt> {
         let mut doubts: Vec<Doubt> = self.cameras.iter().flat_map(|camera| camera.doubts(&self.expected)).collect();
@@ -383,8 +392,8 @@ mod tests {
         let doubts = told(1.03, 0.01);
         assert_eq!(doubts.len(), 1);
         assert_eq!(
-            doubts[0].to_string(),
-            "thighs: 3.0 % longer between the keypoints than in the body (430 mm, left and right together). The intervals do not know of it and hold the truth less often than they promise: leave the set-up or the body file out, so that sizes are measured anew"
+            doubts[0].describe(Origins::default()),
+            "thighs: 3.0 % longer between the keypoints than in the body (430 mm, left and right together). The intervals do not know of it and hold the truth less often than they promise: choose frames for the set-up that show the person better (`--setup-frames`), or give a body file with these lengths (`--body`)"
         );
     }
 }

@@ -1,4 +1,6 @@
-//! A tracker that is made again elsewhere: for someone who was lost and is found, and where a frame has no posterior.
+//! A tracker that is made again elsewhere.
+//!
+//! For someone who was lost and is found, and where a frame has no posterior.
 
 use crate::Error;
 use crate::methods::{FrameLikelihood, Steps};

@@ -2,8 +2,9 @@
 
 mod check;
 
+use super::error::TrackError;
 use super::oddities::{Oddities, Watched};
-use super::predictive::{self, Doubt, Predictive};
+use super::predictive::{self, Doubt, Lengths, Origins, Predictive};
 use crate::Error;
 use crate::config::settings::Settings;
 use crate::methods::Bound;
@@ -12,14 +13,17 @@ use crate::setup::{self, Setup};
 use serde::{Deserialize, Serialize};
 use sinew_body::{KinematicTree, Plan, point_positions};
 use sinew_formats::Layout;
-use sinew_observe::association::{self, Following, Person, follow};
+use sinew_observe::association::{self, Person};
+use sinew_observe::following::{Following, follow};
 use sinew_observe::offsets::{self, median};
-use sinew_observe::{Camera, Detection, KeypointFrame, KeypointModel, ObservationModel, View};
+use sinew_observe::{Camera, Detection, KeypointFrame, KeypointModel, Noise, ObservationModel, View};
 use std::sync::Arc;
 
 /// Mean squared distance of the keypoints from a pose, in noise variances and at most [`WORST`] each, above which the pose is doubted. A right one has about 3.
 const MISFIT: f64 = 6.0;
 const WORST: f64 = 25.0;
+/// Points that the body and the layout must share.
+const LEAST_POINTS: usize = 4;
 
 /// What a scene remembers from frame to frame.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -48,6 +52,7 @@ pub struct Scene {
     detections: Vec<Vec<Option<Detection>>>,
     oddities: Oddities,
     predictive: Predictive,
+    origins: Origins,
     /// For each point of the layout the one of the other side, or itself.
     partners: Vec<usize>,
     /// For methods that take the body part by part, the part of each point of the plan, and how many parts there are.
@@ -71,11 +76,8 @@ impl Scene {
         let mut views = vec![];
         for camera in cameras {
             let Some(known) = setup.camera.iter().find(|c| c.name == camera.name) else {
-                let names: Vec<_> = setup.camera.iter().map(|c| c.name.as_str()).collect();
-                return Err(Error::Input {
-                    message: format!("the set-up knows no camera `{}`; it has {}", camera.name, names.join(", ")),
-                    help: Some("use the set-up of this recording, or leave `--setup` out".into()),
-                });
+                let known = setup.camera.iter().map(|c| c.name.clone()).collect();
+                return Err(TrackError::UnknownCamera { camera: camera.name.clone(), known }.into());
             };
             views.push(View {
                 camera: camera.clone(),
@@ -90,21 +92,12 @@ impl Scene {
             .enumerate()
             .filter_map(|(p, point)| layout.index(&point.name).map(|k| (p, k)))
             .collect();
-        if shared.len() < 4 {
-            return Err(Error::Input {
-                message: format!("layout `{}` and the body share {} points; 4 are needed", layout.name, shared.len()),
-                help: Some("name the body's points like those of the layout: `sinew body` lists them".into()),
-            });
+        if shared.len() < LEAST_POINTS {
+            let (layout, shared) = (layout.name.clone(), shared.len());
+            return Err(TrackError::FewPoints { layout, shared, least: LEAST_POINTS }.into());
         }
         if setup.start_pose.len() != tree.dof() {
-            return Err(Error::Input {
-                message: format!(
-                    "the set-up's start pose has {} numbers, the body {} degrees of freedom",
-                    setup.start_pose.len(),
-                    tree.dof()
-                ),
-                help: Some("use the set-up of this body, or leave `--setup` out".into()),
-            });
+            return Err(TrackError::StartPose { found: setup.start_pose.len(), dof: tree.dof() }.into());
         }
         let points: Vec<usize> = shared.iter().map(|(p, _)| *p).collect();
         let parts = match settings.method.about().needs_parts {
@@ -132,6 +125,11 @@ impl Scene {
         let names = model.views.iter().map(|view| view.camera.name.clone());
         Ok(Self {
             predictive: Predictive::new(names, settings.noise),
+            origins: Origins {
+                setup_is_given: settings.setup_is_given,
+                body_is_file: matches!(setup.body, setup::Body::File(_)),
+                has_outlier_share: matches!(settings.noise, Noise::OutlierFloor { .. }),
+            },
             oddities: Oddities::new(watched, pairs),
             partners,
             parts,
@@ -337,17 +335,19 @@ impl Scene {
     #[must_use]
     pub fn warnings(&self) -> Vec<String> {
         let doubts = self.doubts();
-        self.oddities.warnings().into_iter().chain(doubts.iter().map(ToString::to_string)).collect()
+        self.oddities.warnings().into_iter().chain(doubts.iter().map(|doubt| doubt.describe(self.origins))).collect()
     }
 
     /// What does not look as the model says.
     #[must_use]
     pub fn doubts(&self) -> Vec<Doubt> {
-        self.predictive.doubts().into_iter().chain(self.calibration_doubt()).collect()
+        let mut doubts = self.predictive.doubts();
+        doubts.extend(self.calibration_doubt(self.predictive.lengths(&doubts)));
+        doubts
     }
 
     /// Offsets of the set-up that are large against the noise: they hide a shift of the world.
-    fn calibration_doubt(&self) -> Option<Doubt> {
+    fn calibration_doubt(&self, lengths: Lengths) -> Option<Doubt> {
         let views = &self.model.views;
         let offsets: Vec<[f64; 2]> = views.iter().map(|view| view.offset_px).collect();
         let size = |view: &View| view.offset_px[0].hypot(view.offset_px[1]) / view.sigma_px;
@@ -356,7 +356,7 @@ impl Scene {
         let at = [0, 1, 2].map(|k| points.iter().skip(k).step_by(3).sum::<f64>() / (points.len() / 3) as f64);
         let shift_m = offsets::hidden_shift_m(&self.cameras, &offsets, at)?;
         let cameras: Vec<_> = large.into_iter().map(|view| (view.camera.name.clone(), view.offset_px)).collect();
-        (!cameras.is_empty()).then_some(Doubt::Calibration { cameras, shift_m })
+        (!cameras.is_empty()).then_some(Doubt::Calibration { cameras, shift_m, lengths })
     }
 
     /// Scatter per axis, per camera, of the keypoints about the projection of a pose, pixels: their median distance divided by √(2 ln 2), which is the standard

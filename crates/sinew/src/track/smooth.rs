@@ -1,4 +1,6 @@
-//! The backward pass over a recording: filtered moments go to a file as frames are tracked, and come back as trajectories that know the future.
+//! The backward pass over a recording.
+//!
+//! Filtered moments go to a file as frames are tracked, and come back as trajectories that know the future.
 //!
 //! 1. Forward, [`Spool::append`] writes each frame's moments and diagnostics, a record of fixed size.
 //! 2. Backward, a second file takes for each record the states of [`TRAJECTORIES`] trajectories drawn from the smoothing distribution of the moments ([`sinew_dynamics::smoother`]).
@@ -10,6 +12,7 @@
 //! of frames; the files take some 40 kB a frame and are removed at the end. The records stay as they are until then, so that the backward pass can be
 //! done again by a run that goes on after a stop.
 
+use super::error::TrackError;
 use super::marginals::Marginals;
 use super::pipeline::Pipeline;
 use crate::Error;
@@ -213,12 +216,12 @@ pub fn smooth(
         let rng = &mut Stage::new(settings.seed, "smooth").at_frame(frame as u32).whole();
         let smoothed = match &next {
             None => {
-                smoother.sample_last(&filtered, &mut states, settings.isa, rng).map_err(Error::numerical)?;
+                smoother.sample_last(&filtered, &mut states, settings.isa, rng).map_err(TrackError::Motion)?;
                 filtered
             }
             Some(next) => {
-                smoother.sample(&filtered, &mut states, settings.isa, rng).map_err(Error::numerical)?;
-                smoother.step(&filtered, next).map_err(Error::numerical)?
+                smoother.sample(&filtered, &mut states, settings.isa, rng).map_err(TrackError::Motion)?;
+                smoother.step(&filtered, next).map_err(TrackError::Motion)?
             }
         };
         let mut numbers = smoothed.mean.clone();

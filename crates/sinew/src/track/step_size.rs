@@ -1,5 +1,6 @@
 //! Step size and trajectory length of Hamiltonian Monte Carlo for a recording.
 
+use super::error::TrackError;
 use super::motion_prior::walk;
 use super::scene::Scene;
 use crate::Error;
@@ -27,7 +28,7 @@ pub fn tune(
     let (cameras, layout) = (source.cameras().to_vec(), source.layout().clone());
     let mut scene = Scene::new(setup, tree, &cameras, &layout, settings)?;
     let transition =
-        walk(setup, tree, settings)?.with_initial_sd(steady_sd(setup, tree, settings)).map_err(Error::numerical)?;
+        walk(setup, tree, settings)?.with_initial_sd(steady_sd(setup, tree, settings)).map_err(TrackError::Motion)?;
     let start = scene.start().to_vec();
     let (observed, found) = scene.observe(&source.people(number)?, &start);
     let start = found.unwrap_or(start);

@@ -15,6 +15,8 @@ use sinew::tracking::annealed::{self, Annealed};
 use sinew::tracking::bootstrap::{self, Bootstrap};
 use sinew::tracking::hmc_filter::{self, HmcFilter};
 use sinew::tracking::{Error, Tracker};
+use sinew_tests::evaluation::weighted_places::{is_inside, spreads, weighted_places};
+use sinew_tests::finding::mean_and_error;
 use sinew_tests::linear_series::{Series, Sight, deviations};
 
 /// Nominal levels.
@@ -61,24 +63,16 @@ pub(super) fn contenders(particles: usize) -> Vec<(String, Contender)> {
 fn one(series: &Series, tracker: &mut impl Tracker<Sight>, stage: &Stage) -> Result<[f64; 6], Error> {
     let d = series.dim;
     let mut sums = [0.0; 6];
-    let mut state = vec![0.0; d];
     for ((frame, truth), exact) in series.truth.iter().enumerate().zip(series.kalman()) {
         tracker.step(&series.sight(frame), stage.round(0).at_frame(frame as u32))?;
         let posterior = tracker.posterior();
         let (mean, sd) = (posterior.mean(), deviations(&exact.filtered));
-        let (mut below, mut squares) = (vec![0.0; d], vec![0.0; d]);
-        for (i, &w) in posterior.weights.iter().enumerate() {
-            posterior.state(i, &mut state);
-            for j in 0..d {
-                below[j] += if state[j] < truth[j] { w } else { 0.0 };
-                squares[j] += w * (state[j] - mean[j]).powi(2);
-            }
-        }
+        let (below, spread) = (weighted_places(&posterior, truth), spreads(&posterior, &mean));
         for j in 0..d {
             for (sum, level) in sums.iter_mut().zip(LEVELS) {
-                *sum += f64::from(u8::from((below[j] - 0.5).abs() < 0.5 * level));
+                *sum += f64::from(u8::from(is_inside(below[j], level)));
             }
-            sums[4] += squares[j].sqrt() / sd[j];
+            sums[4] += spread[j] / sd[j];
             sums[5] += ((mean[j] - exact.filtered.mean[j]) / sd[j]).powi(2);
         }
     }
@@ -121,10 +115,8 @@ pub(super) fn cell(contender: &Contender, dim: usize, runs: usize, seed: u64, is
 
 /// Means and standard errors of the columns of the rows; the last is the root of the mean square.
 pub(super) fn summary(rows: &[Vec<f64>]) -> Vec<[f64; 2]> {
-    let n = rows.len() as f64;
     let column = |k: usize| {
-        let mean = rows.iter().map(|row| row[k]).sum::<f64>() / n;
-        let error = (rows.iter().map(|row| (row[k] - mean).powi(2)).sum::<f64>() / (n * (n - 1.0))).sqrt();
+        let [mean, error] = mean_and_error(&rows.iter().map(|row| row[k]).collect::<Vec<_>>());
         if k == 5 { [mean.sqrt(), 0.5 * error / mean.sqrt()] } else { [mean, error] }
     };
     (0..6).map(column).collect()

@@ -5,12 +5,13 @@
 use super::coverage::{SEARCHES, SHOWN};
 use super::film::{Method, SCORES, annealed};
 use super::partitions;
-use super::schemes::{CASES, SCHEMES, ratio};
+use super::schemes::{CASES, SCHEMES};
 use super::study::{Part, Study};
 use crate::outcome::Outcome;
 use crate::store::numbers;
 use sinew::samplers::annealed_search;
 use sinew::tracking::annealed::Config;
+use sinew_tests::finding::{mean_and_error, ratio_of_means};
 use std::fmt::Write as _;
 
 /// An expectation and what became of it.
@@ -24,12 +25,6 @@ pub(super) struct Expectation {
 
 fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len() as f64
-}
-
-/// Mean and standard error.
-pub(super) fn with_error(values: &[f64]) -> [f64; 2] {
-    let (n, middle) = (values.len() as f64, mean(values));
-    [middle, (values.iter().map(|x| (x - middle).powi(2)).sum::<f64>() / (n * (n - 1.0))).sqrt()]
 }
 
 /// Errors of a method on the film, the mean over the frames of each seed, millimetres.
@@ -128,7 +123,7 @@ fn judge_schemes(study: &Study, out: &mut Vec<Expectation>) -> Outcome<()> {
         let rows = study.scheme_rows(case)?;
         let _ = write!(ours, "{}{name}: ", if case == 0 { "" } else { "; " });
         for (top, bottom) in [(0, 1), (1, 3), (2, 3)] {
-            let [value, error] = ratio(&rows, top, bottom);
+            let [value, error] = ratio_of_means(&rows, top, bottom);
             holds &= value <= 1.0 + 2.0 * error;
             let [top, bottom] = [top, bottom].map(|k| format!("{:?}", SCHEMES[k]).to_lowercase());
             let _ = write!(ours, "{top}/{bottom} {value:.3} ± {error:.3}, ");
@@ -153,7 +148,7 @@ fn compared(study: &Study, pairs: Pairs, slack: f64) -> Outcome<(String, bool)> 
     for (a_name, a, b_name, b) in pairs {
         let [a, b] = [a, b].map(|method| errors(study, "bidirectional", &method, "relative"));
         let (a, b) = (a?, b?);
-        let [difference, error] = with_error(&a.iter().zip(&b).map(|(a, b)| a - b).collect::<Vec<_>>());
+        let [difference, error] = mean_and_error(&a.iter().zip(&b).map(|(a, b)| a - b).collect::<Vec<_>>());
         holds &= difference <= slack * error;
         let join = if ours.is_empty() { "" } else { "; " };
         let _ =
@@ -224,7 +219,7 @@ fn judge_film(study: &Study, out: &mut Vec<Expectation>) -> Outcome<()> {
 fn both_directions(study: &Study, plain: &Method) -> Outcome<Expectation> {
     let [one, two] = ["one-sided", "bidirectional"].map(|score| errors(study, score, plain, "relative"));
     let (one, two) = (one?, two?);
-    let [difference, error] = with_error(&two.iter().zip(&one).map(|(a, b)| a - b).collect::<Vec<_>>());
+    let [difference, error] = mean_and_error(&two.iter().zip(&one).map(|(a, b)| a - b).collect::<Vec<_>>());
     Ok(Expectation {
         id: "E10",
         what: "silhouettes compared in both directions are better than in one",

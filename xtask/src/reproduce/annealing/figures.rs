@@ -1,12 +1,13 @@
 //! Figures: coverage against what was promised, particles against parts, errors on the film along the sweeps.
 
 use super::coverage::{LEVELS, SHOWN};
-use super::expectations::{errors, with_error};
+use super::expectations::errors;
 use super::film::{LAYERS, Method, SCORES, SURVIVALS, annealed};
 use super::study::{Part, Study};
 use crate::chart::{BLUE, GREEN, GREY, Line, Names, ORANGE, PURPLE, finish, panel_with};
 use crate::outcome::Outcome;
 use plotters::prelude::*;
+use sinew_tests::finding::mean_and_error;
 use std::path::Path;
 
 /// Share of the truth inside against the nominal level: a panel a dimension.
@@ -74,7 +75,7 @@ fn film(study: &Study, path: &Path) -> Outcome<()> {
         let mut lines = vec![];
         for (score, _) in *scores {
             let point = |(x, method): &(f64, Method)| {
-                let [y, error] = with_error(&errors(study, score, method, "relative")?);
+                let [y, error] = mean_and_error(&errors(study, score, method, "relative")?);
                 Ok([*x, y, y - 2.0 * error, y + 2.0 * error])
             };
             let points = settings.iter().map(point).collect::<Outcome<_>>()?;

@@ -13,6 +13,7 @@ use sinew::core::random::Stage;
 use sinew::samplers::resample::Scheme;
 use sinew::tracking::Tracker;
 use sinew::tracking::bootstrap::{self, Bootstrap};
+use sinew_tests::finding::ratio_of_means;
 use sinew_tests::linear_series::Series;
 
 /// Schemes from the least expected variance to the largest.
@@ -90,29 +91,5 @@ pub(super) fn cell(case: usize, repeats: usize, stage: &Stage) -> Outcome<Value>
 
 /// Mean of each scheme over that of multinomial resampling, and its standard error from the paired rows (delta method).
 pub(super) fn over_multinomial(rows: &[Vec<f64>]) -> [[f64; 2]; 4] {
-    std::array::from_fn(|scheme| ratio(rows, scheme, 3))
-}
-
-/// Ratio of the means of two columns and its standard error.
-pub(super) fn ratio(rows: &[Vec<f64>], top: usize, bottom: usize) -> [f64; 2] {
-    let n = rows.len() as f64;
-    let mean = |k: usize| rows.iter().map(|row| row[k]).sum::<f64>() / n;
-    let (above, below) = (mean(top), mean(bottom));
-    let ratio = above / below;
-    let squares: f64 = rows.iter().map(|row| (row[top] - ratio * row[bottom]).powi(2)).sum();
-    [ratio, (squares / (n * (n - 1.0))).sqrt() / below]
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn ratios_of_paired_rows_have_paired_errors() {
-        let rows = vec![vec![1.0, 2.0], vec![2.0, 4.0], vec![5.0, 10.0]];
-        let [value, error] = ratio(&rows, 0, 1);
-        assert!((value - 0.5).abs() < 1e-15 && error < 1e-15);
-        let [value, error] = ratio(&[vec![1.0, 1.0], vec![3.0, 1.0]], 0, 1);
-        assert!((value - 2.0).abs() < 1e-15 && (error - 1.0).abs() < 1e-15);
-    }
+    std::array::from_fn(|scheme| ratio_of_means(rows, scheme, 3))
 }

@@ -1,13 +1,14 @@
 //! What was found, as Markdown, CSV and JSON.
 
 use super::coverage::LEVELS;
-use super::expectations::{Expectation, errors, with_error};
+use super::expectations::{Expectation, errors};
 use super::film::SCORES;
 use super::schemes::{CASES, SCHEMES, over_multinomial};
 use super::study::{Part, Study};
 use crate::outcome::Outcome;
 use crate::store::numbers;
 use serde_json::{Value, json};
+use sinew_tests::finding::mean_and_error;
 use std::fmt::Write as _;
 use std::fs;
 use std::path::Path;
@@ -74,7 +75,7 @@ fn film(study: &Study) -> Outcome<String> {
         for row in study.rows.iter().filter(|row| row.is_run_with(score)) {
             let relative = errors(study, score, &row.method, "relative")?;
             let [[r, r_error], [a, a_error]] =
-                [with_error(&relative), with_error(&errors(study, score, &row.method, "absolute")?)];
+                [mean_and_error(&relative), mean_and_error(&errors(study, score, &row.method, "absolute")?)];
             let cells = study.filmed(score, &row.method)?;
             let number = |name: &str| average(&cells, |cell| cell[name].as_f64().unwrap_or(f64::NAN));
             let lost = |cell: &Value| {

@@ -3,12 +3,12 @@
 //! The walk that is tracked is 07_01 of the CMU database, and what is tuned is tuned on 07_02 and 07_05 of the same person. Without the recordings the synthetic walker takes their place, with another stride for tuning.
 
 use crate::outcome::Outcome;
-use sinew::body::fit::{Config, Target, fit_pose};
-use sinew::body::standard::EVALUATION_JOINTS;
-use sinew::body::{KinematicTree, Plan, hppf24};
+use sinew::body::{KinematicTree, hppf24};
 use sinew::files::{FNV_START, fnv};
+use sinew_simulate::hppf24_motion::{self, Following, Scale};
 use sinew_simulate::points::{Trajectories, of_states};
 use sinew_simulate::walker::{Gait, Walker, walker_states};
+use sinew_tests::evaluation::joint_errors::joint_errors_mm;
 use sinew_tests::recorded_motion::recorded;
 use std::path::Path;
 
@@ -37,65 +37,28 @@ const LIMBS: [(&str, &str); 8] = [
     ("RKnee", "RAnkle"),
 ];
 
-fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt()
-}
-
-/// Sum of the limbs' median lengths, metres.
-fn limbs(motion: &Trajectories) -> Outcome<f64> {
-    let mut sum = 0.0;
-    for (from, to) in LIMBS {
-        let [a, b] = [from, to].map(|name| motion.index(name).ok_or(format!("the motion has no {name}")));
-        let (a, b) = (a?, b?);
-        let mut all: Vec<f64> = motion.frames.iter().map(|frame| distance(frame[a], frame[b])).collect();
-        all.sort_by(f64::total_cmp);
-        sum += all[all.len() / 2];
-    }
-    Ok(sum)
-}
-
-/// Weight of the squared change of a coordinate from frame to frame: twists of straight limbs stay where they are, and joints lag by less than a millimetre.
-const DAMPING: f64 = 1e-3;
+/// Twists of straight limbs stay where they are, and joints lag by less than a millimetre.
+const FOLLOWING: Following = Following { damping: 1e-3, first_refits: 20 };
 
 impl Walk {
     /// Fits the body.
     pub(super) fn new(name: &str, motion: Trajectories) -> Outcome<Self> {
-        let unit = hppf24::tree(1.0);
-        let scale = limbs(&motion)? / limbs(&of_states(&unit, &[vec![0.0; unit.dof()]]))?;
+        let scale = hppf24_motion::scale(&motion, &LIMBS, Scale::Medians)?;
         let tree = hppf24::tree(scale);
-        let plan = Plan::with_all_points(&tree);
         let names: Vec<&str> = tree.points().iter().map(|point| point.name.as_str()).collect();
         let seen = motion.select(&names);
         if seen.names != names {
             return Err("a joint of evaluation is missing".into());
         }
-        let config = Config { damping: DAMPING, ..Config::default() };
-        let mut states: Vec<Vec<f64>> = Vec::with_capacity(seen.frames.len());
-        for frame in &seen.frames {
-            let targets: Vec<_> = frame.iter().map(|&position| Some(Target { position, weight: 1.0 })).collect();
-            let start = states.last().cloned().unwrap_or_else(|| upright(frame, &names));
-            let mut pose = fit_pose(&plan, &targets, &start, &config).pose;
-            if states.is_empty() {
-                // The first frame has no frame before it to stay near.
-                for _ in 0..20 {
-                    pose = fit_pose(&plan, &targets, &pose, &config).pose;
-                }
-            }
-            states.push(pose);
-        }
+        let states = hppf24_motion::states(&tree, &seen, &FOLLOWING)?;
         Ok(Self { name: name.into(), motion, scale, tree, states })
     }
 
     /// Mean distance of the joints of states from the motion's over the frames from the first given one on: as they are, and from the pelvis, the other 14 joints; millimetres, frame by frame.
     pub(super) fn errors(&self, states: &[Vec<f64>], first: usize) -> [Vec<f64>; 2] {
-        let found = of_states(&self.tree, states).select(&EVALUATION_JOINTS);
-        let truth = self.motion.select(&EVALUATION_JOINTS);
-        let pairs = || found.frames.iter().zip(&truth.frames[first..]);
-        let absolute = pairs().map(|(a, b)| a.iter().zip(b).map(|(a, b)| 1e3 * distance(*a, *b)).sum::<f64>() / 15.0);
-        let moved = |frame: &[[f64; 3]], k: usize| [0, 1, 2].map(|i| frame[k][i] - frame[0][i]);
-        let relative =
-            pairs().map(|(a, b)| (1..15).map(|k| 1e3 * distance(moved(a, k), moved(b, k))).sum::<f64>() / 14.0);
-        [absolute.collect(), relative.collect()]
+        let Trajectories { names, frames } = &self.motion;
+        let truth = Trajectories { names: names.clone(), frames: frames[first..].to_vec() };
+        joint_errors_mm(&of_states(&self.tree, states), &truth)
     }
 
     /// Half of the largest change of each coordinate from frame to frame.
@@ -108,20 +71,6 @@ impl Walk {
     pub(super) fn hash(&self, hash: u64) -> u64 {
         self.states.iter().flatten().fold(hash, |hash, x| fnv(hash, &x.to_bits().to_le_bytes()))
     }
-}
-
-/// Upright at the pelvis, turned as the hips are, elbows and knees slightly bent.
-fn upright(frame: &[[f64; 3]], names: &[&str]) -> Vec<f64> {
-    let at = |name: &str| names.iter().position(|other| *other == name).map_or([0.0; 3], |k| frame[k]);
-    let ([left, right], pelvis) = (["LHip", "RHip"].map(at), at("MidHip"));
-    let mut state = vec![0.0; 24];
-    state[..3].copy_from_slice(&pelvis);
-    // At a heading of zero the right side is at +x.
-    state[3] = (right[1] - left[1]).atan2(right[0] - left[0]);
-    for (elbow, knee) in [(11, 19), (15, 23)] {
-        (state[elbow], state[knee]) = (0.3, -0.3);
-    }
-    state
 }
 
 /// What is tracked and what it is tuned on.

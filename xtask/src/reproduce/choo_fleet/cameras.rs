@@ -7,7 +7,7 @@
 //! affordable number of draws of the prior reaches the narrowest posteriors.
 
 use super::chains::{self, Step, Variant};
-use super::curves::{At, Axis, Cell, Ratio, over_frames, ratio, volumes_of};
+use super::curves::{self, volumes_of};
 use super::figures::{self, CameraPoint};
 use super::problem::{MODELS, Model, Problem};
 use super::scene::{self, Source};
@@ -19,6 +19,7 @@ use serde_json::{Value, json};
 use sinew::body::Plan;
 use sinew::core::random::Stage;
 use sinew::observe::{MarkerViewsModel, ObservationModel as _};
+use sinew_tests::evaluation::equal_variance::{At, Axis, Cell, Ratio, over_frames, ratio};
 use std::f64::consts::FRAC_PI_2;
 use std::fmt::Write as _;
 use std::path::Path;
@@ -123,7 +124,7 @@ impl View {
         let factor = store.get(&self.factor_key()).and_then(Value::as_f64).ok_or("a gradient factor is missing")?;
         let cell = |setting: &Setting| {
             let value = store.get(&self.cell_key(frame, setting)).ok_or("a cell is missing")?;
-            Ok(Cell::of(value, &mean, factor))
+            Ok(curves::cell(value, &mean, factor))
         };
         self.settings(of).iter().map(cell).collect()
     }
@@ -285,17 +286,15 @@ mod tests {
     use super::*;
     use sinew::core::density::LogDensity as _;
     use sinew::core::lanes::Isa;
+    use sinew_tests::data::{folder, shared};
     use std::collections::BTreeMap;
-    use std::path::PathBuf;
 
     #[test]
     fn one_camera_with_the_papers_error_is_the_single_frame_study() {
-        let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data");
-        let data = std::env::var_os("SINEW_DATA").map_or(beside, PathBuf::from);
-        if !data.join("cmu_amc").is_dir() {
-            println!("skipped: no data in {}", data.display());
+        if shared("cmu_amc").is_none() {
             return;
         }
+        let data = folder();
         let motions = BTreeMap::from([("07_01", scene::motion(&data, "07_01").unwrap())]);
         let study = Study { isa: Isa::best(), seed: 3, size: Size::quick(), motions };
         let view = View { cameras: 0, sigma: scene::SIGMA, model: MODELS[1] };

@@ -6,10 +6,11 @@ use super::problem::Problem;
 use crate::outcome::Outcome;
 use sinew::core::lanes::{Block, LANES};
 use sinew::core::random::Stage;
-use sinew::samplers::chains::{Draws, Schedule, draw};
+use sinew::samplers::chains::{ChainDraws, Schedule, draw};
 use sinew::samplers::curvature::curvature;
 use sinew::samplers::hmc::Hmc;
-use sinew::samplers::metric::{Metric, laplace};
+use sinew::samplers::laplace::laplace;
+use sinew::samplers::metric::Metric;
 use sinew::samplers::moments;
 use sinew::samplers::starts::{importance_starts, laplace_starts};
 use sinew::samplers::tuning::{self, Trial};
@@ -109,7 +110,7 @@ pub(super) fn run(
     chains: usize,
     updates: usize,
     stage: Stage,
-) -> Outcome<Draws> {
+) -> Outcome<ChainDraws> {
     let [to_start, to_move] = stage.split(["start", "chains"]);
     let (states, metric) = start(problem, variant, chains, to_start)?;
     let hmc = Hmc::with_metric(step.eta, &metric, step.steps, variant.jitter(), problem.isa)?;
@@ -117,7 +118,7 @@ pub(super) fn run(
 }
 
 /// Mean of the kept draws.
-pub(super) fn mean(draws: &Draws) -> Vec<f64> {
+pub(super) fn mean(draws: &ChainDraws) -> Vec<f64> {
     let count = draws.stats.len();
     moments::mean(&draws.states, draws.dim, &vec![1.0 / count as f64; count])
 }

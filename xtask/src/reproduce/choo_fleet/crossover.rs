@@ -1,13 +1,14 @@
 //! The dimension in which hybrid Monte Carlo overtakes particles: the ratio of costs along a nested series of parts.
 
 use super::chains::Variant;
-use super::curves::{At, Axis, Ratio, curve, over_frames, ratio};
+use super::curves::curve;
 use super::problem::Model;
 use super::scene::Source;
 use super::study::Study;
 use crate::outcome::Outcome;
 use crate::store::Store;
 use sinew::core::random::Stage;
+use sinew_tests::evaluation::equal_variance::{At, Axis, Ratio, over_frames, ratio};
 
 /// Cost of particles over that of chains in a dimension: geometric mean over frames with its interval.
 pub(super) struct Crossover {

@@ -4,7 +4,7 @@
 
 use super::chains::Variant;
 use super::crossover::Crossover;
-use super::curves::{Axis, Cell, curve};
+use super::curves::curve;
 use super::multi::SHOWN_FRAME;
 use super::problem::MODELS;
 use super::scene::Source;
@@ -14,6 +14,7 @@ use crate::outcome::Outcome;
 use crate::store::Store;
 use plotters::prelude::*;
 use sinew::core::random::Stage;
+use sinew_tests::evaluation::equal_variance::{Axis, Cell};
 use std::f64::consts::LN_10;
 use std::path::Path;
 

@@ -71,24 +71,6 @@ impl Filter {
     }
 }
 
-/// Log density of the true state under the mixture about the states that the filter holds: all particles by weight, the last states of chains.
-fn log_prior(tracker: &dyn Tracker<Likelihood>, model: &Model, walk: &RandomWalk, truth: &[f64]) -> f64 {
-    let posterior = tracker.posterior();
-    let count = posterior.count();
-    let of_chains = !posterior.chain_stats.is_empty();
-    let first = if of_chains { count - model.chains } else { 0 };
-    let mut state = vec![0.0; posterior.dim];
-    let terms: Vec<f64> = (first..count)
-        .map(|i| {
-            posterior.state(i, &mut state);
-            let weight = if of_chains { 1.0 / model.chains as f64 } else { posterior.weights[i] };
-            weight.ln() + walk.log_density(&state, truth)
-        })
-        .collect();
-    let largest = terms.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    largest + terms.iter().map(|t| (t - largest).exp()).sum::<f64>().ln()
-}
-
 /// One run: all frames with one draw of the noise.
 pub(super) fn run(
     motion: &Motion,
@@ -119,7 +101,7 @@ pub(super) fn run(
         let prior = if index == 0 {
             walk.log_density(&model.part(&frame.previous), &truth)
         } else {
-            log_prior(tracker.as_ref(), model, &walk, &truth)
+            tracker.posterior().predictive_log_density(&walk, model.chains, &truth)
         };
         let seen = scene::seen(&camera, &frame.markers, to_observe.round(index));
         let whole = Box::new(sinew::observe::ObservationModel::bind(&camera, &seen));

@@ -8,13 +8,12 @@ use super::summary::mean;
 use crate::outcome::Outcome;
 use crate::reproduce::claim::Claim;
 use crate::store::Store;
+use sinew_tests::finding::mean_and_error;
 
 /// Mean and z of a difference that is zero if nothing is different.
 fn paired(differences: &[f64]) -> [f64; 2] {
-    let n = differences.len() as f64;
-    let middle = mean(differences);
-    let spread = differences.iter().map(|d| (d - middle).powi(2)).sum::<f64>() / (n - 1.0);
-    [middle, middle / (spread / n).sqrt()]
+    let [middle, error] = mean_and_error(differences);
+    [middle, middle / error]
 }
 
 /// What both filters reach over frames, from markers of one source.

@@ -8,7 +8,7 @@
 //! - [`Opponent::Search`]: ten layers, survival rate ½, the weight function is the likelihood, the first diffusion the prior. It estimates no posterior mean; the mean of its last layer is compared all the same, as what it is
 
 use super::chains::{CURVATURE_DRAWS, Step, Variant};
-use super::curves::{At, Axis, Cell, Ratio, curve, over_frames, ratio};
+use super::curves::{self, curve};
 use super::figures;
 use super::problem::{MODELS, Model, Problem};
 use super::scene::Source;
@@ -20,9 +20,11 @@ use sinew::core::lanes::Block;
 use sinew::core::random::Stage;
 use sinew::samplers::annealed_search::{self, search};
 use sinew::samplers::importance::{Tails, importance};
-use sinew::samplers::metric::{Metric, laplace};
+use sinew::samplers::laplace::laplace;
+use sinew::samplers::metric::Metric;
 use sinew::samplers::population::Population;
 use sinew::samplers::tempered_smc;
+use sinew_tests::evaluation::equal_variance::{At, Axis, Cell, Ratio, over_frames, ratio};
 use std::fmt::Write as _;
 use std::path::Path;
 use std::time::Instant;
@@ -185,7 +187,7 @@ fn cells(base: &Store, store: &Store, frame: usize, model: &Model, opponent: Opp
     let mean = numbers(&reference["mean"]);
     let of = |size: usize| {
         let value = store.get(&key(frame, model, opponent, size)).ok_or("a cell of an opponent is missing")?;
-        Ok(Cell::of(value, &mean, factor))
+        Ok(curves::cell(value, &mean, factor))
     };
     opponent.sizes(model).into_iter().map(of).collect()
 }

@@ -4,12 +4,12 @@
 //! holds the means of its runs; everything else is computed from them and the reference ([`super::claims`]).
 
 use super::chains::{self, Step, Variant};
-use super::importance::{weigh, weigh_parts};
 use super::problem::Problem;
 use crate::outcome::Outcome;
 use serde_json::{Value, json};
 use sinew::core::diagnostics::{effective_sample_size, split_r_hat};
 use sinew::core::random::Stage;
+use sinew::samplers::likelihood_weighting::{weigh, weigh_parts};
 use std::time::Instant;
 
 /// A setting of Table 1.
@@ -44,7 +44,7 @@ pub(super) fn cell(
         let stage = stage.round(run);
         match setting {
             Setting::Particles(count) => {
-                let weighted = weigh(problem, count, false, &stage);
+                let weighted = weigh(&problem.likelihood, &problem.walk, &problem.previous, (count, false), &stage);
                 means.push(weighted.mean(&problem.previous));
                 effective.push(weighted.effective());
             }
@@ -86,7 +86,7 @@ pub(super) fn reference(
 ) -> Outcome<Value> {
     let d = problem.model.dim;
     if d <= WEIGHABLE {
-        let weighted = weigh_parts(problem, particles, parts, &stage);
+        let weighted = weigh_parts(&problem.likelihood, &problem.walk, &problem.previous, (particles, parts), &stage);
         let covariance = weighted.covariance();
         let effective = weighted.effective();
         let error: Vec<f64> = (0..d).map(|j| (covariance[j * d + j] / effective).sqrt()).collect();

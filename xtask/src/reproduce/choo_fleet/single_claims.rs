@@ -1,7 +1,7 @@
 //! The claims CF1–CF7 and CF9, about single frames.
 
 use super::chains::Variant;
-use super::curves::{At, Axis, Cell, Ratio, curve, over_frames, ratio, slope, volumes};
+use super::curves::{curve, slope, volumes};
 use super::problem::MODELS;
 use super::scene::Source;
 use super::study::Study;
@@ -10,6 +10,7 @@ use crate::outcome::Outcome;
 use crate::reproduce::claim::Claim;
 use crate::store::Store;
 use sinew::core::random::Stage;
+use sinew_tests::evaluation::equal_variance::{At, Axis, Cell, Ratio, over_frames, ratio};
 use std::fmt::Write as _;
 
 /// Markers of the recording, as the paper's.

@@ -2,7 +2,7 @@
 
 use super::chains::{Variant, idle_lanes};
 use super::crossover::Crossover;
-use super::curves::{At, Axis, Cell, Ratio, curve, ratio, volumes};
+use super::curves::{curve, volumes};
 use super::problem::{MODELS, Model};
 use super::scene::Source;
 use super::study::{MULTI, Study, factor_key, frame_name, series, step_of, tuning_key};
@@ -11,6 +11,7 @@ use crate::reproduce::claim::{self, Claim};
 use crate::store::Store;
 use serde_json::{Map, Value, json};
 use sinew::core::random::Stage;
+use sinew_tests::evaluation::equal_variance::{At, Axis, Cell, Ratio, ratio};
 use std::fmt::Write as _;
 use std::fs;
 use std::path::Path;

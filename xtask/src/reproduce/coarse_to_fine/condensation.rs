@@ -1,6 +1,8 @@
-//! CONDENSATION with the motion model of the coarse-to-fine tracker (eq. 2) without its grid: s(t + 1) = s(t) + A (X̂(t) − X̂(t − 1)) + B ω, A = 0.2 I, B = diag(δ), X̂ the weighted means of the last two frames.
+//! CONDENSATION with the motion model of the coarse-to-fine tracker (eq. 2), without its grid.
+//!
+//! s(t + 1) = s(t) + A (X̂(t) − X̂(t − 1)) + B ω, A = 0.2 I, B = diag(δ), X̂ the weighted means of the last two frames.
 
-use super::Outcome;
+use crate::outcome::Outcome;
 use sinew::core::lanes::Isa;
 use sinew::dynamics::first_order::FirstOrder;
 use sinew::dynamics::random_walk::{Between, RandomWalk};

@@ -6,6 +6,7 @@ use crate::store::{Store, numbers};
 use serde_json::Value;
 use sinew_simulate::segmentation_noise::Level;
 use sinew_tests::evaluation::block_bootstrap;
+use sinew_tests::finding::mean_and_error;
 
 /// Frames of a block of the bootstrap: 1 s.
 const BLOCK: usize = 60;
@@ -51,12 +52,10 @@ pub(super) struct Mean {
     pub(super) error: f64,
 }
 
-/// Mean and standard error of values of independent runs.
+/// Mean and standard error of values of independent runs; a single run has none.
 pub(super) fn mean(values: &[f64]) -> Mean {
-    let n = values.len() as f64;
-    let value = values.iter().sum::<f64>() / n;
-    let spread = values.iter().map(|x| (x - value).powi(2)).sum::<f64>() / (n - 1.0);
-    Mean { value, error: if n > 1.0 { (spread / n).sqrt() } else { 0.0 } }
+    let [value, error] = mean_and_error(values);
+    Mean { value, error: if values.len() > 1 { error } else { 0.0 } }
 }
 
 /// A difference of series that are paired by seed and frame.

@@ -6,7 +6,6 @@
 
 use super::condensation::condensation;
 use super::contender::{Contender, EQ3, LAYERS, Method, Person};
-use super::own_contours::{self, OwnContours};
 use super::scene::{RATE_HZ, Range, Scene};
 use crate::outcome::Outcome;
 use serde_json::{Value, json};
@@ -21,15 +20,16 @@ use sinew::observe::bit_image::{BitImage, overlap};
 use sinew::observe::contour_map::contour_map;
 use sinew::observe::image_likelihood::{Cues, ImageLikelihood, ImageModel};
 use sinew::observe::image_score::{ImageScore, precision_and_recall};
+use sinew::observe::own_contours::{self, OwnContours};
 use sinew::observe::solid_body::SolidBody;
 use sinew::samplers::annealed_search;
 use sinew::samplers::grid::Axis;
 use sinew::tracking::coarse_to_fine::{self, CoarseToFine};
-use sinew::tracking::posterior::Posterior;
 use sinew::tracking::{StepInfo, Tracker, annealed, partitioned};
 use sinew_simulate::footage::SyntheticFootage;
 use sinew_simulate::ring::Ring;
 use sinew_simulate::segmentation_noise::{Level, segmented};
+use sinew_tests::evaluation::smoothness::second_differences;
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -136,7 +136,7 @@ impl Running {
             Self::CoarseToFine(tracker) | Self::OwnContours(tracker, _) => {
                 [tracker.coarse().state.clone(), tracker.fine().state.clone()]
             }
-            Self::Other(tracker) => [heaviest(&tracker.posterior()), tracker.estimate().to_vec()],
+            Self::Other(tracker) => [tracker.posterior().heaviest(), tracker.estimate().to_vec()],
             Self::Still => [truth.to_vec(), truth.to_vec()],
         }
     }
@@ -155,25 +155,6 @@ fn is_centre(x: f64, range: &Range) -> bool {
     let count = ((range.high - range.low) / range.width).ceil();
     let place = (x - range.low) / (range.high - range.low) * count - 0.5;
     (place - place.round()).abs() < 1e-6 && place > -0.5 && place < count - 0.5
-}
-
-/// State of the largest weight.
-fn heaviest(posterior: &Posterior<'_>) -> Vec<f64> {
-    let of_weight = |(_, a): &(usize, &f64), (_, b): &(usize, &f64)| a.total_cmp(b);
-    let index = posterior.weights.iter().enumerate().max_by(of_weight).map_or(0, |(index, _)| index);
-    let mut state = vec![0.0; posterior.dim];
-    posterior.state(index, &mut state);
-    state
-}
-
-/// Mean over coordinates of the absolute second differences, frame by frame from the third on; the heading differs the short way round.
-fn second_differences(states: &[Vec<f64>], ranges: &[Range]) -> Vec<f64> {
-    let change = |pair: &[Vec<f64>], j: usize| ranges[j].axis.difference(pair[1][j], pair[0][j]);
-    let of = |three: &[Vec<f64>]| {
-        let second = |j: usize| ranges[j].axis.difference(change(&three[1..], j), change(&three[..2], j)).abs();
-        (0..ranges.len()).map(second).sum::<f64>() / ranges.len() as f64
-    };
-    states.windows(3).map(of).collect()
 }
 
 /// What estimates are worth, frame by frame.
@@ -198,8 +179,10 @@ impl Worth {
     }
 
     fn value(&self, scene: &Scene) -> Value {
-        let error: Vec<f64> = scene.relative_error_m(&self.states).iter().map(|error| 1e3 * error).collect();
+        let error = scene.relative_error_mm(&self.states);
         let [precision, recall, clean_precision, clean_recall] = self.shares.each_ref().map(|v| rounded(v));
+        // The heading differs the short way round.
+        let difference = |j: usize, a: f64, b: f64| scene.ranges[j].axis.difference(a, b);
         json!({
             "precision": precision,
             "recall": recall,
@@ -207,7 +190,7 @@ impl Worth {
             "clean_recall": clean_recall,
             "log_likelihood": rounded(&self.log_likelihood),
             "error_mm": rounded(&error),
-            "second_difference": second_differences(&self.states, &scene.ranges),
+            "second_difference": second_differences(&self.states, difference),
         })
     }
 }
@@ -263,14 +246,5 @@ mod tests {
             assert!(is_centre(axis.snap(x), &range) && !is_centre(axis.snap(x) + 0.1, &range));
         }
         assert!(!is_centre(axis.centre(6) + 2.0 / 7.0, &range), "beyond the last");
-    }
-
-    #[test]
-    fn second_differences_are_those_of_a_parabola() {
-        let axis = Axis::new(-3.0, 3.0, 0.3, false).unwrap();
-        let ranges = vec![Range { low: -3.0, high: 3.0, width: 0.3, axis }; 4];
-        let states: Vec<Vec<f64>> = (0..5).map(|t| vec![0.02 * f64::from(t * t); 4]).collect();
-        let found = second_differences(&states, &ranges);
-        assert!(found.len() == 3 && found.iter().all(|x| (x - 0.04).abs() < 1e-12), "{found:?}");
     }
 }

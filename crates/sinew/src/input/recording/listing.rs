@@ -2,6 +2,7 @@
 
 use crate::Error;
 use crate::input::error::InputError;
+use crate::input::folder_contents::{FolderContents, folder_contents, is_video};
 use sinew_formats::{Error as FormatError, frame_number};
 use std::collections::{BTreeMap, HashMap};
 use std::ffi::OsString;
@@ -84,20 +85,34 @@ pub(crate) struct Folder {
 pub(crate) struct CameraFiles {
     pub(crate) camera: String,
     pub(crate) folder: PathBuf,
+    /// Frames that the camera is late: frame f is in the file numbered f + lag.
+    pub(crate) lag: i64,
     names: Names,
 }
 
 impl CameraFiles {
+    pub(crate) fn late_by(self, lag: i64) -> Self {
+        Self { lag, ..self }
+    }
+
     pub(crate) fn len(&self) -> usize {
         self.names.files.len()
     }
 
-    pub(crate) fn numbers(&self) -> impl Iterator<Item = u64> + '_ {
-        self.names.files.iter().map(|(number, _)| *number)
+    pub(crate) fn numbers(&self) -> impl DoubleEndedIterator<Item = u64> + '_ {
+        self.names.files.iter().filter_map(|(number, _)| number.checked_sub_signed(self.lag))
     }
 
     /// From the first number to the last, holes included.
     pub(crate) fn range(&self) -> Range<u64> {
+        match (self.numbers().next(), self.numbers().next_back()) {
+            (Some(first), Some(last)) => first..last.saturating_add(1),
+            _ => 0..0,
+        }
+    }
+
+    /// As [`CameraFiles::range`], in the numbers of the file names.
+    pub(crate) fn range_in_names(&self) -> Range<u64> {
         match (self.names.files.first(), self.names.files.last()) {
             (Some((first, _)), Some((last, _))) => *first..last.saturating_add(1),
             _ => 0..0,
@@ -105,6 +120,7 @@ impl CameraFiles {
     }
 
     pub(crate) fn path(&self, number: u64) -> Option<PathBuf> {
+        let number = number.checked_add_signed(self.lag)?;
         let index = self.names.files.binary_search_by_key(&number, |(found, _)| *found).ok()?;
         let pattern = self.names.files[index].1 as usize;
         Some(self.folder.join(self.names.patterns[pattern].name(number)))
@@ -127,8 +143,17 @@ fn names_in(folder: &Path, extensions: &[&str]) -> Result<Names, Error> {
     Ok(names)
 }
 
+/// Refuses a file where a folder of `many` is expected.
+pub(crate) fn expect_folder(path: &Path, many: &'static str) -> Result<(), InputError> {
+    if !path.is_file() {
+        return Ok(());
+    }
+    Err(InputError::FileForFolder { file: path.to_owned(), many, is_video: is_video(path) })
+}
+
 /// Folders with keypoint files, and those whose name says that they should have some, by name.
 pub(crate) fn camera_folders(keypoints: &Path) -> Result<Vec<Folder>, Error> {
+    expect_folder(keypoints, "keypoints")?;
     let mut folders = Vec::new();
     let mut loose = 0;
     for entry in fs::read_dir(keypoints).map_err(Error::io("read", keypoints))? {
@@ -147,7 +172,10 @@ pub(crate) fn camera_folders(keypoints: &Path) -> Result<Vec<Folder>, Error> {
     if folders.is_empty() {
         let folder = keypoints.to_owned();
         return Err(match loose {
-            0 => InputError::NoKeypoints { folder },
+            0 => match folder_contents(&folder) {
+                FolderContents::Videos(videos) => InputError::VideosForKeypoints { folder, videos },
+                _ => InputError::NoKeypoints { folder },
+            },
             files => InputError::FolderOfOneCamera { folder, files },
         }
         .into());
@@ -216,7 +244,7 @@ pub(crate) fn files(folder: Folder, camera: &str, kind: &str) -> Result<CameraFi
         let [first, second] = both;
         return Err(FormatError::DuplicateFrame { frame, first, second }.into());
     }
-    Ok(CameraFiles { camera: camera.into(), folder: path, names })
+    Ok(CameraFiles { camera: camera.into(), folder: path, lag: 0, names })
 }
 
 #[cfg(test)]

@@ -1,4 +1,6 @@
-//! The diagnostics of a frame as a row of numbers, bit for bit, for files that the program keeps for itself while a run goes on; NaN where there is none.
+//! The diagnostics of a frame as a row of numbers, bit for bit; NaN where there is none.
+//!
+//! For files that the program keeps for itself during a run.
 
 use super::{FrameEstimate, Quality};
 

@@ -1,4 +1,6 @@
-//! What comes before tracking: the set-up pass, or the set-up of an earlier run and whether it belongs to the recording.
+//! The beginning of a run: its set-up, or where it was stopped.
+//!
+//! A set-up of an earlier run is checked for whether it belongs to the recording.
 
 use super::inputs::{Hashes, Inputs};
 use super::watch::{Pass, Watch};
@@ -11,6 +13,7 @@ use crate::input::up_axis::{Z_UP, axis_before_turning};
 use crate::input::upright::Upright;
 use crate::setup::{self, Request, Setup, Warning};
 use crate::track::checkpoint::Checkpoint;
+use crate::track::error::TrackError;
 use crate::track::step_size::tune;
 use crate::{Error, bodies, files};
 use sinew_formats::source_text::MAX_CONFIG_BYTES;
@@ -90,12 +93,11 @@ pub(super) fn resumed<'a, S: FrameSource>(
 }
 
 /// The axis of the calibration's world that points up.
-fn world_up(config: &TrackConfig, setup: Option<&Setup>) -> Result<String, Error> {
+pub(super) fn world_up(config: &TrackConfig, setup: Option<&Setup>) -> Result<String, Error> {
     match (&config.up_axis, setup) {
-        (Some(asked), Some(setup)) if *asked != setup.world_up => Err(Error::Usage {
-            message: format!("`up_axis` is {asked}; the set-up was made with {}", setup.world_up),
-            help: "leave `up_axis` out: the set-up knows it".into(),
-        }),
+        (Some(asked), Some(setup)) if *asked != setup.world_up => {
+            Err(TrackError::UpAxis { asked: asked.clone(), known: setup.world_up.clone() }.into())
+        }
         (_, Some(setup)) => Ok(setup.world_up.clone()),
         (asked, None) => Ok(asked.clone().unwrap_or_else(|| Z_UP.into())),
     }
@@ -117,24 +119,18 @@ fn same_calibration<S: FrameSource>(source: &mut S, image_scale: f64) -> Result<
 }
 
 /// Refuses a body that is not that of the set-up.
-fn same_body(asked: &str, setup: &Setup) -> Result<(), Error> {
+pub(super) fn same_body(asked: &str, setup: &Setup) -> Result<(), Error> {
     if bodies::to_track(asked)? == setup.body {
         return Ok(());
     }
-    Err(Error::Usage {
-        message: format!("`body` is {asked}; the set-up was made with {}", setup.body.name().to_lowercase()),
-        help: "leave `--body` out: the set-up knows it; or leave `--setup` out".into(),
-    })
+    Err(TrackError::Body { asked: asked.into(), known: setup.body.name().to_lowercase() }.into())
 }
 
-fn read_setup(path: &Path) -> Result<Setup, Error> {
+pub(super) fn read_setup(path: &Path) -> Result<Setup, Error> {
     let text = files::read_text(path, MAX_CONFIG_BYTES)?;
     let setup: Setup = toml::from_str(&text).map_err(|error| {
         let line = error.span().map_or(1, |span| 1 + text[..span.start].matches('\n').count());
-        Error::Input {
-            message: format!("{}:{line}: {}", path.display(), error.message()),
-            help: Some("give `--setup` the setup.toml of a result folder of this version, or leave it out".into()),
-        }
+        TrackError::SetupFile { path: path.to_owned(), line, problem: error.message().into() }
     })?;
     let problems = setup.problems();
     if problems.is_empty() { Ok(setup) } else { Err(Error::Config { file: path.display().to_string(), problems }) }
@@ -153,6 +149,9 @@ fn set_up<S: FrameSource>(
         body,
         person: config.person.unwrap_or_default(),
         image_scale: config.image_scale,
+        lag: config.lag.clone(),
+        fps: Some(settings.fps),
+        any_size: config.any_size,
         ..Request::default()
     };
     let (cameras, layout) = (source.cameras().to_vec(), source.layout().clone());

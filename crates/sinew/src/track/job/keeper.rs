@@ -1,8 +1,11 @@
 //! The files of a run in progress and the checkpoint behind them.
 
 use super::inputs::Hashes;
+use super::run_info::texts;
 use crate::Error;
-use crate::results::ResultFolder;
+use crate::config::TrackConfig;
+use crate::results::estimate::RunInfo;
+use crate::results::{Claim, ResultFolder};
 use crate::track::checkpoint::{self, Checkpoint};
 use crate::track::pipeline::Pipeline;
 use crate::track::smooth::Spool;
@@ -23,10 +26,24 @@ pub(super) struct Keeper {
 const SHARE: u32 = 20;
 
 impl Keeper {
-    /// Files that a checkpoint follows every so many seconds.
-    pub(super) fn new(results: ResultFolder, spool: Option<Spool>, checkpoint: Checkpoint, every_s: f64) -> Self {
-        let every = Duration::try_from_secs_f64(every_s).unwrap_or(Duration::MAX);
-        Self { results, spool, checkpoint, every, kept: Instant::now(), cost: Duration::ZERO }
+    /// The files of a run, new or as a stopped one left them, and a spool for the backward pass.
+    pub(super) fn open(
+        claim: Claim,
+        info: RunInfo,
+        checkpoint: Checkpoint,
+        config: &TrackConfig,
+    ) -> Result<Self, Error> {
+        let spool = match config.smooth {
+            true => {
+                let sizes = [info.body.dof(), info.cameras.len(), info.keypoints.len()];
+                let before = checkpoint.spool.map(|position| (checkpoint.done, position));
+                Some(Spool::open(&claim, sizes, before)?)
+            }
+            false => None,
+        };
+        let results = ResultFolder::open(claim, info, texts(&checkpoint)?, checkpoint.written.as_ref())?;
+        let every = Duration::try_from_secs_f64(config.checkpoint_every).unwrap_or(Duration::MAX);
+        Ok(Self { results, spool, checkpoint, every, kept: Instant::now(), cost: Duration::ZERO })
     }
 
     /// Whether it is time for a checkpoint.

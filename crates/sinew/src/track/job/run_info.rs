@@ -8,6 +8,7 @@ use crate::results::Texts;
 use crate::results::estimate::{Carried, Kind, RunInfo};
 use crate::setup::Setup;
 use crate::track::checkpoint::Checkpoint;
+use crate::track::error::TrackError;
 use crate::track::pipeline::Pipeline;
 use crate::track::smooth::TRAJECTORIES;
 use sinew_observe::Camera;
@@ -42,6 +43,7 @@ pub(super) fn run_info(
         sigma_px: setup.camera.iter().map(|camera| camera.sigma_px).fold(0.0, f64::max),
         cameras,
         keypoints: pipeline.keypoints(),
+        has_masks: config.silhouettes.is_some(),
         setup_toml,
     }
 }
@@ -49,7 +51,6 @@ pub(super) fn run_info(
 /// The texts of the run as it was begun.
 pub(super) fn texts(from: &Checkpoint) -> Result<Texts, Error> {
     let [config_toml, settings, settings_hash] = from.texts.clone();
-    let settings = serde_json::from_str(&settings)
-        .map_err(|error| Error::Numerical { message: format!("the settings of the run cannot be read: {error}") })?;
+    let settings = serde_json::from_str(&settings).map_err(TrackError::StoredSettings)?;
     Ok(Texts { config_toml, settings, settings_hash })
 }

@@ -1,6 +1,4 @@
-//! What does not look as the model says, in words: which camera or limb, what was found, what is expected, what it means for the intervals, what to do.
-
-use std::fmt;
+//! Doubts about a run, in words: which camera or limb, what was found and expected, what to do.
 
 /// A doubt about the assumed noise, calibration or sizes.
 #[derive(Clone, Debug, PartialEq)]
@@ -44,6 +42,8 @@ pub enum Doubt {
         cameras: Vec<(String, [f64; 2])>,
         /// Standard deviation per axis of the shift of the world that such offsets hide, metres.
         shift_m: f64,
+        /// What the other checks of the run say of lengths.
+        lengths: Lengths,
     },
     /// A limb is of another length than the body's.
     Limb {
@@ -54,6 +54,65 @@ pub enum Doubt {
         /// Length in the body, metres.
         body_m: f64,
     },
+}
+
+/// What a run's own checks say of the lengths of its body.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Lengths {
+    /// Too few frames show them.
+    Unchecked,
+    /// None of so many kinds of limbs is doubted, and no camera sees the body aside.
+    Undoubted(usize),
+    /// A limb is doubted, or a camera sees the body aside.
+    Doubted,
+}
+
+/// Where the numbers of a run come from, which advice depends on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Origins {
+    /// Whether the set-up is that of an earlier run.
+    pub setup_is_given: bool,
+    /// Whether the body, with its sizes, is that of a file.
+    pub body_is_file: bool,
+    /// Whether gross errors have a share of their own in the noise, the setting `outlier`.
+    pub has_outlier_share: bool,
+}
+
+impl Default for Origins {
+    /// Everything was measured in the run itself.
+    fn default() -> Self {
+        Self { setup_is_given: false, body_is_file: false, has_outlier_share: true }
+    }
+}
+
+impl Origins {
+    const fn offset_advice(self) -> &'static str {
+        match self.setup_is_given {
+            true => "leave `--setup` out, so that this recording is set up itself, or check this camera's calibration",
+            false => {
+                "check this camera's calibration, or whether it was moved; `--setup-frames` chooses the frames that the set-up looks at"
+            }
+        }
+    }
+
+    const fn scatter_advice(self) -> &'static str {
+        match self.setup_is_given {
+            true => {
+                "leave `--setup` out, so that this recording is set up itself, or raise `sigma_px` of the camera in the file given"
+            }
+            false => "raise `sigma_px` of the camera in the setup.toml of this run, and give that file with `--setup`",
+        }
+    }
+
+    const fn limb_advice(self) -> &'static str {
+        match (self.setup_is_given, self.body_is_file) {
+            (true, _) => "leave `--setup` out, so that sizes are measured again",
+            (false, true) => "leave the body file out, so that sizes are measured, or correct its lengths",
+            (false, false) => {
+                "choose frames for the set-up that show the person better (`--setup-frames`), or give a body file with these lengths (`--body`)"
+            }
+        }
+    }
 }
 
 impl Doubt {
@@ -71,49 +130,109 @@ impl Doubt {
     }
 }
 
-impl fmt::Display for Doubt {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+impl Doubt {
+    /// The doubt in words, with advice for a run of these origins.
+    #[must_use]
+    pub fn describe(&self, origins: Origins) -> String {
         match self {
-            Self::Offset { camera, offset_px: [u, v], frames, usual_px } => write!(
-                f,
-                "{camera}: keypoints lie {u:+.1} {v:+.1} px from where the tracked body projects, on average over {frames} frames; chance explains {usual_px:.1} px. The intervals do not know of it and hold the truth less often than they promise: set up anew on this recording, or check this camera's calibration"
+            Self::Offset { camera, offset_px: [u, v], frames, usual_px } => format!(
+                "{camera}: keypoints lie {u:+.1} {v:+.1} px from where the tracked body projects, on average over {frames} frames; chance explains {usual_px:.1} px. The intervals do not know of it and hold the truth less often than they promise: {}",
+                origins.offset_advice()
             ),
-            Self::Scatter { camera, ratio } => write!(
-                f,
-                "{camera}: keypoints scatter {ratio:.1} times as much as the assumed noise. The intervals are too narrow, by up to that factor: set up anew on this recording, or raise `sigma_px` of the camera in setup.toml"
+            Self::Scatter { camera, ratio } => format!(
+                "{camera}: keypoints scatter {ratio:.1} times as much as the assumed noise. The intervals are too narrow, by up to that factor: {}",
+                origins.scatter_advice()
             ),
-            Self::Outliers { camera, share, expected } => write!(
-                f,
-                "{camera}: {:.1} % of the keypoints are gross errors, {:.1} % are assumed. The intervals of the frames that have them may be wrong: raise `outlier` to about {:.2}, or leave the camera out",
-                100.0 * share,
-                100.0 * expected,
-                share
-            ),
+            Self::Outliers { camera, share, expected } => {
+                let advice = match origins.has_outlier_share {
+                    true => format!("raise `outlier` to about {share:.2}"),
+                    false => "lower `degrees`".into(),
+                };
+                format!(
+                    "{camera}: {:.1} % of the keypoints are gross errors, {:.1} % are assumed. The intervals of the frames that have them may be wrong: {advice}, or leave the camera out",
+                    100.0 * share,
+                    100.0 * expected,
+                )
+            }
             Self::Persistent { cameras } => {
                 let listed: Vec<String> = cameras.iter().map(|(name, r)| format!("{name} {r:.2}")).collect();
-                write!(
-                    f,
+                format!(
                     "errors of the keypoints persist from frame to frame (correlation {}; independent ones are assumed). The intervals are too narrow: frames repeat what others said, or the body does not fit the person",
                     listed.join(", ")
                 )
             }
-            Self::Calibration { cameras, shift_m } => {
+            Self::Calibration { cameras, shift_m, lengths } => {
                 let listed: Vec<String> =
                     cameras.iter().map(|(name, [u, v])| format!("{name} {u:+.1} {v:+.1} px")).collect();
-                write!(
-                    f,
-                    "the set-up found cameras that see everything aside of the others ({}). This is taken away, but for the shift of the whole world that it hides: everything may lie some {:.0} mm aside along each axis, all the time, and no interval knows of it. Lengths and angles are right; where places matter, calibrate these cameras anew",
+                format!(
+                    "the set-up found cameras that see everything aside of the others ({}). This is taken away, but for the shift of the whole world that it hides: everything may lie some {:.0} mm aside along each axis, all the time, and no interval knows of it. {}",
                     listed.join(", "),
-                    1e3 * shift_m
+                    1e3 * shift_m,
+                    lengths.words()
                 )
             }
-            Self::Limb { name, ratio, body_m } => write!(
-                f,
-                "{name}: {:.1} % {} between the keypoints than in the body ({:.0} mm, left and right together). The intervals do not know of it and hold the truth less often than they promise: leave the set-up or the body file out, so that sizes are measured anew",
+            Self::Limb { name, ratio, body_m } => format!(
+                "{name}: {:.1} % {} between the keypoints than in the body ({:.0} mm, left and right together). The intervals do not know of it and hold the truth less often than they promise: {}",
                 100.0 * (ratio - 1.0).abs(),
                 if *ratio > 1.0 { "longer" } else { "shorter" },
-                1e3 * body_m
+                1e3 * body_m,
+                origins.limb_advice()
             ),
         }
+    }
+}
+
+impl Lengths {
+    fn words(self) -> String {
+        match self {
+            Self::Undoubted(limbs) => format!(
+                "Lengths were checked: {limbs} kinds of limbs are as long between the keypoints as in the body, but for 2 % or chance. Where places matter, calibrate these cameras again"
+            ),
+            Self::Unchecked => {
+                "Too few frames show limbs to check their lengths; calibrate these cameras again before lengths, angles or places are used".into()
+            }
+            Self::Doubted => {
+                "Other checks doubt the lengths or a camera, too (see those warnings): calibrate these cameras again".into()
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn limb(origins: Origins) -> String {
+        Doubt::Limb { name: "thighs", ratio: 1.03, body_m: 0.43 }.describe(origins)
+    }
+
+    #[test]
+    fn advice_speaks_of_what_the_run_was_given() {
+        let measured = Origins::default();
+        let given = Origins { setup_is_given: true, ..measured };
+        let file = Origins { body_is_file: true, ..measured };
+        assert!(limb(given).ends_with("leave `--setup` out, so that sizes are measured again"));
+        assert!(limb(file).ends_with("leave the body file out, so that sizes are measured, or correct its lengths"));
+        let offset = Doubt::Offset { camera: "C1".into(), offset_px: [1.0, 2.0], frames: 20, usual_px: 0.1 };
+        let scatter = Doubt::Scatter { camera: "C1".into(), ratio: 1.5 };
+        for words in [limb(measured), offset.describe(measured), scatter.describe(measured)] {
+            assert!(!words.contains("leave") && !words.contains("anew"), "{words}");
+        }
+        assert!([&offset, &scatter].iter().all(|doubt| doubt.describe(given).contains("leave `--setup` out")));
+        let outliers = Doubt::Outliers { camera: "C1".into(), share: 0.1, expected: 0.02 };
+        assert!(outliers.describe(measured).contains("raise `outlier` to about 0.10"));
+        let student = Origins { has_outlier_share: false, ..measured };
+        assert!(!outliers.describe(student).contains("`outlier`"));
+    }
+
+    #[test]
+    fn lengths_are_called_right_only_where_they_were_checked() {
+        let words = |lengths| {
+            let cameras = vec![("C1".to_owned(), [3.0, -4.0])];
+            Doubt::Calibration { cameras, shift_m: 0.012, lengths }.describe(Origins::default())
+        };
+        let all = [Lengths::Unchecked, Lengths::Undoubted(4), Lengths::Doubted].map(words);
+        assert_eq!(all.iter().filter(|words| words.contains("as long between the keypoints")).count(), 1);
+        assert!(all.iter().all(|words| !words.contains("angles are right") && words.contains("calibrate")));
     }
 }

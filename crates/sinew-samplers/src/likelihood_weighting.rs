@@ -1,14 +1,21 @@
-//! A particle filter's first frame: draws from the prior, weighted by the likelihood (Choo & Fleet 2001, §3). The draws are made and forgotten block by block, so that millions need no memory.
+//! Likelihood weighting: draws of a prior, weighted by a likelihood, as running sums.
+//!
+//! ```text
+//! x_i ~ p(x | centre),   w_i = exp ℓ(x_i),   mean = Σ w_i x_i / Σ w_i
+//! ```
+//!
+//! The first frame of a particle filter (Gordon, Salmond & Smith 1993) without the particles: draws are made and forgotten block by block, so that millions need no memory. Sums are relative to the
+//! largest weight so far, and those of independent parts can be merged.
 
-use super::problem::Problem;
-use sinew::core::density::LogDensity as _;
-use sinew::core::lanes::{Block, LANES};
-use sinew::core::random::Stage;
-use sinew::core::transition::Transition as _;
+use rayon::prelude::*;
+use sinew_core::density::LogDensity;
+use sinew_core::lanes::{Block, LANES};
+use sinew_core::random::Stage;
+use sinew_core::transition::Transition;
 
-/// Running sums of weights relative to the largest so far.
+/// Running sums of weights and weighted states, relative to the largest weight so far.
 #[derive(Clone, Debug)]
-pub(super) struct Weighted {
+pub struct WeightedSums {
     largest: f64,
     sum: f64,
     squares: f64,
@@ -17,9 +24,11 @@ pub(super) struct Weighted {
     second: Vec<f64>,
 }
 
-impl Weighted {
-    fn new(dim: usize, moments: bool) -> Self {
-        let second = if moments { vec![0.0; dim * (dim + 1) / 2] } else { vec![] };
+impl WeightedSums {
+    /// Of no states of a dimension; with second moments or without.
+    #[must_use]
+    pub fn new(dim: usize, second_moments: bool) -> Self {
+        let second = if second_moments { vec![0.0; dim * (dim + 1) / 2] } else { vec![] };
         Self { largest: f64::NEG_INFINITY, sum: 0.0, squares: 0.0, first: vec![0.0; dim], second }
     }
 
@@ -31,8 +40,8 @@ impl Weighted {
         self.largest = largest;
     }
 
-    /// Adds the first `count` lanes of a block of states; `origin` keeps second moments from cancelling.
-    fn add(&mut self, states: &[Block], log_weights: Block, count: usize, origin: &[f64]) {
+    /// Adds the first `count` lanes of a block of states; `origin` keeps second moments from cancelling and is the same in every call.
+    pub fn add(&mut self, states: &[Block], log_weights: Block, count: usize, origin: &[f64]) {
         let largest = log_weights.0[..count].iter().copied().fold(f64::NEG_INFINITY, f64::max);
         if largest > self.largest {
             self.rescale(largest);
@@ -65,7 +74,8 @@ impl Weighted {
         }
     }
 
-    fn merge(&mut self, mut other: Self) {
+    /// Adds what another set of sums with the same origin has seen.
+    pub fn merge(&mut self, mut other: Self) {
         if other.largest > self.largest {
             self.rescale(other.largest);
         } else {
@@ -78,12 +88,14 @@ impl Weighted {
     }
 
     /// Weighted mean.
-    pub(super) fn mean(&self, origin: &[f64]) -> Vec<f64> {
+    #[must_use]
+    pub fn mean(&self, origin: &[f64]) -> Vec<f64> {
         self.first.iter().zip(origin).map(|(x, origin)| origin + x / self.sum).collect()
     }
 
-    /// Weighted covariance, row after row.
-    pub(super) fn covariance(&self) -> Vec<f64> {
+    /// Weighted covariance, row after row; zeros without second moments.
+    #[must_use]
+    pub fn covariance(&self) -> Vec<f64> {
         let d = self.first.len();
         let mut out = vec![0.0; d * d];
         let mut entries = self.second.iter();
@@ -97,31 +109,45 @@ impl Weighted {
     }
 
     /// Effective number of draws, 1 / Σ W².
-    pub(super) fn effective(&self) -> f64 {
+    #[must_use]
+    pub fn effective(&self) -> f64 {
         self.sum * self.sum / self.squares
     }
 }
 
-/// Weighs `count` draws of the prior; `moments` asks for the covariance too.
-pub(super) fn weigh(problem: &Problem, count: usize, moments: bool, stage: &Stage) -> Weighted {
-    let d = problem.previous.len();
-    let mut all = Weighted::new(d, moments);
+/// Weighs `count` draws of the first frame's prior around `centre` by the likelihood; block b of eight draws has the stream of that number.
+#[must_use]
+pub fn weigh(
+    likelihood: &impl LogDensity,
+    prior: &impl Transition,
+    centre: &[f64],
+    (count, second_moments): (usize, bool),
+    stage: &Stage,
+) -> WeightedSums {
+    let d = centre.len();
+    let mut all = WeightedSums::new(d, second_moments);
     let mut states = vec![Block::ZERO; d];
-    let mut ws = vec![Block::ZERO; problem.likelihood.workspace()];
+    let mut ws = vec![Block::ZERO; likelihood.workspace()];
     for block in 0..count.div_ceil(LANES) {
-        problem.walk.sample_initial_block(&problem.previous, &mut states, &mut stage.block(block as u32));
-        let log_weights = problem.likelihood.log_density_block(&states, &mut ws);
-        all.add(&states, log_weights, (count - block * LANES).min(LANES), &problem.previous);
+        prior.sample_initial_block(centre, &mut states, &mut stage.block(block as u32));
+        let log_weights = likelihood.log_density_block(&states, &mut ws);
+        all.add(&states, log_weights, (count - block * LANES).min(LANES), centre);
     }
     all
 }
 
-/// The same from many independent parts of `count` draws in parallel.
-pub(super) fn weigh_parts(problem: &Problem, count: usize, parts: usize, stage: &Stage) -> Weighted {
-    use rayon::prelude::*;
-    let part = |part: usize| weigh(problem, count, true, &stage.round(part));
-    let all: Vec<Weighted> = (0..parts).into_par_iter().map(part).collect();
-    let mut sum = Weighted::new(problem.previous.len(), true);
+/// Weighs `parts` times `count` draws, with second moments; parts run in parallel, each with its own round of the stage, and merge in order.
+#[must_use]
+pub fn weigh_parts(
+    likelihood: &impl LogDensity,
+    prior: &impl Transition,
+    centre: &[f64],
+    (count, parts): (usize, usize),
+    stage: &Stage,
+) -> WeightedSums {
+    let part = |part: usize| weigh(likelihood, prior, centre, (count, true), &stage.round(part));
+    let all: Vec<WeightedSums> = (0..parts).into_par_iter().map(part).collect();
+    let mut sum = WeightedSums::new(centre.len(), true);
     all.into_iter().for_each(|part| sum.merge(part));
     sum
 }
@@ -129,6 +155,10 @@ pub(super) fn weigh_parts(problem: &Problem, count: usize, parts: usize, stage: 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use sinew_core::lanes::Isa;
+    use sinew_core::random::BlockRng;
+    use sinew_core::toy::Quadratic;
+    use sinew_core::transition::MotionModel;
 
     /// Two coordinates of twelve draws in two blocks, the last four lanes idle, and their log weights.
     fn draws() -> ([[Block; 2]; 2], [Block; 2]) {
@@ -152,8 +182,8 @@ mod tests {
         };
         let squares: f64 = (0..12).map(|i| (weight(i) / total).powi(2)).sum();
 
-        let mut whole = Weighted::new(2, true);
-        let mut parts = [Weighted::new(2, true), Weighted::new(2, true)];
+        let mut whole = WeightedSums::new(2, true);
+        let mut parts = [WeightedSums::new(2, true), WeightedSums::new(2, true)];
         for b in 0..2 {
             let count = if b == 0 { 8 } else { 4 };
             whole.add(&states[b], log_weights[b], count, &origin);
@@ -172,10 +202,53 @@ mod tests {
     #[test]
     fn draws_that_explain_nothing_count_nothing() {
         let (states, log_weights) = draws();
-        let mut some = Weighted::new(2, false);
+        let mut some = WeightedSums::new(2, false);
         some.add(&states[0], Block::splat(f64::NEG_INFINITY), 8, &[0.0; 2]);
         some.add(&states[1], log_weights[1], 1, &[0.0; 2]);
         assert_eq!(some.mean(&[0.0; 2]), [states[1][0].0[0], states[1][1].0[0]]);
         assert_eq!(some.effective(), 1.0);
+    }
+
+    /// N(previous, 1) in two coordinates.
+    struct Step;
+
+    impl MotionModel for Step {
+        fn dim(&self) -> usize {
+            2
+        }
+    }
+
+    impl Transition for Step {
+        fn sample_block(&self, previous: &[Block], next: &mut [Block], rng: &mut BlockRng) {
+            rng.fill_normal(Isa::baseline(), next);
+            next.iter_mut().zip(previous).for_each(|(x, p)| x.0.iter_mut().zip(p.0).for_each(|(x, p)| *x += p));
+        }
+        fn log_density(&self, previous: &[f64], next: &[f64]) -> f64 {
+            previous.iter().zip(next).map(|(p, n)| -0.5 * (n - p) * (n - p)).sum()
+        }
+    }
+
+    #[test]
+    fn means_and_covariances_are_those_of_the_posterior() {
+        // Prior N(c, 1), likelihood N(z, 1/3): posterior N((c + 3 z) / 4, 1/4). Four standard errors of 4096 effective draws.
+        let likelihood = Quadratic { centre: vec![1.0, -1.0], precision: vec![3.0, 3.0] };
+        let (centre, stage) = ([0.5, 0.0], Stage::new(5, "likelihood weighting"));
+        let found = weigh_parts(&likelihood, &Step, &centre, (4096, 4), &stage);
+        let tolerance = 4.0 * 0.5 / found.effective().sqrt();
+        assert!(found.effective() > 4096.0, "{}", found.effective());
+        for (mean, exact) in found.mean(&centre).into_iter().zip([0.875, -0.75]) {
+            assert!((mean - exact).abs() < tolerance, "{mean} for {exact} ± {tolerance}");
+        }
+        for (entry, exact) in found.covariance().into_iter().zip([0.25, 0.0, 0.0, 0.25]) {
+            assert!((entry - exact).abs() < tolerance, "{entry} for {exact} ± {tolerance}");
+        }
+    }
+
+    #[test]
+    fn idle_lanes_do_not_count() {
+        let likelihood = Quadratic { centre: vec![1.0, -1.0], precision: vec![3.0, 3.0] };
+        let flat = Quadratic { precision: vec![0.0; 2], ..likelihood.clone() };
+        let stage = Stage::new(6, "idle lanes");
+        assert_eq!(weigh(&flat, &Step, &[0.0; 2], (13, false), &stage).effective(), 13.0);
     }
 }

@@ -1,23 +1,27 @@
-//! Parts that are judged by all of their own contour: another reading of the likelihood of a part.
+//! Parts that are judged by all of their own contour, whatever hides them.
+//!
+//! Another reading of the likelihood of a part of the coarse-to-fine tracker.
 //!
 //! In the likelihood of the whole body (eq. 3) contour points inside another part's outline do not count, since no edge is seen there. The likelihood λ_k of a part takes the same points; a part that hides, before or behind
 //! another, then has few of them or none, and a part of which no contour counts misses nothing: the choice of the best part by λ_k is drawn to poses that hide it. Here a part is seen as if it were alone: none of its
 //! contour is left out, wherever it lies. The whole body is judged as ever.
 
-use crate::outcome::Outcome;
-use sinew::body::KinematicTree;
-use sinew::body::flesh::{Flesh, Solid};
-use sinew::core::density::{LogDensity, PartLogDensity};
-use sinew::core::lanes::Block;
-use sinew::observe::ObservationModel as _;
-use sinew::observe::image_likelihood::{Cues, ImageLikelihood, ImageModel};
-use sinew::observe::solid_body::SolidBody;
+use crate::image_likelihood::{Cues, ImageLikelihood, ImageModel};
+use crate::model::ObservationModel as _;
+use crate::solid_body::SolidBody;
+use sinew_body::KinematicTree;
+use sinew_body::flesh::{Flesh, Solid};
+use sinew_core::density::{LogDensity, PartLogDensity};
+use sinew_core::lanes::Block;
 use std::ops::Range;
 use std::sync::Arc;
 
-/// Models of each solid alone.
-pub(super) fn alone(whole: &ImageModel, tree: &KinematicTree, flesh: &Flesh) -> Outcome<Vec<ImageModel>> {
-    let model = |solid: &Solid| -> Outcome<ImageModel> {
+/// Models of each solid alone, otherwise as the model of the whole body.
+///
+/// # Errors
+/// Those of [`Flesh::new`] and [`SolidBody::new`], where the flesh is none of the tree's.
+pub fn alone(whole: &ImageModel, tree: &KinematicTree, flesh: &Flesh) -> Result<Vec<ImageModel>, sinew_body::Error> {
+    let model = |solid: &Solid| {
         let body = Arc::new(SolidBody::new(tree, &Flesh::new(tree, vec![solid.clone()])?)?);
         Ok(ImageModel { body, ..whole.clone() })
     };
@@ -25,13 +29,16 @@ pub(super) fn alone(whole: &ImageModel, tree: &KinematicTree, flesh: &Flesh) -> 
 }
 
 /// One frame's likelihood of the whole body, and of each solid alone.
-pub(super) struct OwnContours<'a> {
+#[derive(Debug)]
+pub struct OwnContours<'a> {
     whole: &'a ImageLikelihood,
     parts: Vec<ImageLikelihood>,
 }
 
 impl<'a> OwnContours<'a> {
-    pub(super) fn new(whole: &'a ImageLikelihood, models: &[ImageModel], cues: &Cues) -> Self {
+    /// Binds the models of [`alone`] to what the one camera saw; `whole` is bound to the same.
+    #[must_use]
+    pub fn new(whole: &'a ImageLikelihood, models: &[ImageModel], cues: &Cues) -> Self {
         Self { whole, parts: models.iter().map(|model| model.bind(vec![Some(cues.clone())])).collect() }
     }
 }

@@ -1,0 +1,166 @@
+//! What ends a command early: a mistake in how it was called, or what the library refuses.
+
+use sinew_simulate::NEEDED;
+use std::ops::Range;
+use std::path::PathBuf;
+
+/// Everything that ends a command early.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum Error {
+    /// What the library refuses.
+    #[error(transparent)]
+    Library(#[from] sinew::Error),
+    /// Nothing to track with.
+    #[error("{}", missing(*calibration, *observation))]
+    NothingToTrack {
+        /// Whether a calibration was given.
+        calibration: bool,
+        /// Whether keypoints or silhouettes were given.
+        observation: bool,
+    },
+    /// Set-up frames that the recording does not have.
+    #[error("set-up frames {}..{} were asked for; the recording has {}..{}", asked.start, asked.end, available.start, available.end)]
+    SetupFrames {
+        /// Frames given.
+        asked: Range<u64>,
+        /// Frames of the recording.
+        available: Range<u64>,
+    },
+    /// The system grants no threads.
+    #[error("threads cannot be started: {0}")]
+    Threads(rayon::ThreadPoolBuildError),
+    /// A flag of other commands.
+    #[error("`{flag}` has no use here; it belongs to {}", owners.join(", "))]
+    ForeignFlag {
+        /// The flag, with its dashes.
+        flag: String,
+        /// The commands that take it, as typed.
+        owners: Vec<String>,
+    },
+    /// A flag on how to read keypoints, and no keypoints.
+    #[error("`--{flag}` is about reading keypoints, and no keypoint folder was given")]
+    NoKeypointsToRead {
+        /// The flag, without its dashes.
+        flag: String,
+    },
+    /// A command that writes, and no place to write to.
+    #[error("no {} was given", .0.words())]
+    NoPlace(Written),
+    /// A number that must be positive.
+    #[error("`--{flag}` is {value}; it must be greater than 0")]
+    NotPositive {
+        /// The flag, without its dashes.
+        flag: &'static str,
+        /// Value given.
+        value: f64,
+        /// What to give.
+        help: &'static str,
+    },
+    /// A file that would be written over while it is read.
+    #[error("{} is both input and output", .0.display())]
+    InputIsOutput(PathBuf),
+    /// A skeleton for the walk, which has its own.
+    #[error("the walk needs no skeleton")]
+    SkeletonOfWalk,
+    /// A simulation of more frames than anybody looks at.
+    #[error("more than {0} frames")]
+    TooManyFrames(usize),
+    /// A simulation of no frame.
+    #[error("no frame in that time")]
+    NoFrames,
+    /// A motion file of coordinates whose body is unknown.
+    #[error("{}: coordinates without a body give no points", .0.display())]
+    NoPoints(PathBuf),
+    /// A motion file that a simulation cannot take.
+    #[error("{}: {problem}", path.display())]
+    Motion {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        problem: sinew_simulate::Error,
+    },
+    /// A scene that cannot be simulated.
+    #[error("{0}")]
+    Scene(sinew_simulate::Error),
+    /// The built-in recording cannot be made.
+    #[error("{0}")]
+    Demo(sinew::observe::Error),
+}
+
+/// What a command writes where `-o` says.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Written {
+    /// Masks of `segment`.
+    Masks,
+    /// Pictures of `overlay`.
+    Pictures,
+    /// The body file of `fit-shape`.
+    Body,
+}
+
+impl Written {
+    const fn words(self) -> &'static str {
+        match self {
+            Self::Masks => "folder for the masks",
+            Self::Pictures => "folder for the pictures",
+            Self::Body => "body file to write",
+        }
+    }
+
+    const fn example(self) -> &'static str {
+        match self {
+            Self::Masks => "masks",
+            Self::Pictures => "pictures",
+            Self::Body => "body.toml",
+        }
+    }
+}
+
+const fn missing(calibration: bool, observation: bool) -> &'static str {
+    match (calibration, observation) {
+        (false, false) => "neither calibration nor keypoints were given",
+        (false, true) => "no calibration was given",
+        (true, _) => "no keypoints were given",
+    }
+}
+
+/// Commands to try where there was nothing to track with.
+const TRY: &str = "try one of
+  sinew track --calibration Calib.toml --keypoints pose --fps 60
+  sinew track --calibration Calib.toml --silhouettes masks --keypoints pose --method annealed --fps 60
+  sinew demo";
+
+impl Error {
+    /// Code with which the program ends; the table is that of [`sinew::Error`].
+    pub(crate) const fn exit_code(&self) -> u8 {
+        match self {
+            Self::Library(error) => error.exit_code(),
+            Self::Threads(_) | Self::Demo(_) => 1,
+            Self::SetupFrames { .. } | Self::NoPoints(_) | Self::Motion { .. } | Self::Scene(_) => 3,
+            _ => 2,
+        }
+    }
+
+    /// What the user can do about it.
+    pub(crate) fn help(&self) -> Option<String> {
+        let words = match self {
+            Self::Library(error) => return error.help(),
+            Self::Motion { problem: error, .. } | Self::Scene(error) => return error.help(),
+            Self::NoPlace(written) => {
+                return Some(format!("name one with `-o`, for example `-o {}`", written.example()));
+            }
+            Self::NotPositive { help, .. } => help,
+            Self::Threads(_) | Self::Demo(_) => return None,
+            Self::NothingToTrack { .. } => TRY,
+            Self::SetupFrames { .. } => "`--setup-frames A..B` takes the numbers in the file names, A included, B not",
+            Self::ForeignFlag { .. } => "leave it out, or put it after the command that it belongs to",
+            Self::NoKeypointsToRead { .. } => "give the keypoint folder too, or leave the flag out",
+            Self::InputIsOutput(_) => "write to another file",
+            Self::SkeletonOfWalk => "`--skeleton` belongs to .amc files; leave it out",
+            Self::TooManyFrames(_) => "ask for less with `--duration` or `--fps`",
+            Self::NoFrames => "ask for more with `--duration` or `--fps`",
+            Self::NoPoints(_) => NEEDED,
+        };
+        Some(words.to_owned())
+    }
+}

@@ -1,0 +1,83 @@
+//! What `--resume` finds in the output folder: a run to continue, or complete results.
+
+use super::Ended;
+use super::args::{General, TrackArgs};
+use super::claimed::stale;
+use super::error::Error;
+use super::interrupt;
+use super::progress::PassProgress;
+use super::report::{self, Report};
+use sinew::config::{Resolved, TrackConfig};
+use sinew::input::footage::Footage;
+use sinew::results::problem::Problem;
+use sinew::results::{Claim, RESULT_NAMES, claim_to_resume};
+use sinew::track::checkpoint::{self, Checkpoint};
+use sinew::track::job::{self, Watch};
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+
+/// What `--resume` finds.
+pub(crate) enum Stopped {
+    /// A run that came to its end, with its summary.
+    Complete(Claim, serde_json::Value),
+    /// A run that was stopped.
+    At(Claim, Box<Checkpoint>),
+}
+
+/// The run to continue, in its folder, for this process alone.
+pub(crate) fn stopped_run(config: &TrackConfig, inputs: &[PathBuf], report: &Report) -> Result<Stopped, Error> {
+    let claim = claim_to_resume(&config.out, inputs)?;
+    if let Some(stale) = stale(&claim) {
+        // A run that is resumed was stopped: no wonder.
+        report.note(&stale);
+    }
+    let path = config.out.join("summary.json");
+    let summary: Option<serde_json::Value> =
+        std::fs::read_to_string(&path).ok().and_then(|text| serde_json::from_str(&text).ok());
+    let is_unfinished = RESULT_NAMES.iter().any(|name| config.out.join(format!("{name}.partial")).exists());
+    if let Some(summary) = summary.filter(|summary| summary["complete"] == true && !is_unfinished) {
+        return Ok(Stopped::Complete(claim, summary));
+    }
+    if !claim.is_resumable && (claim.stale_lock_of.is_some() || is_unfinished) {
+        return Err(sinew::Error::checkpoint(&config.out, Problem::BeforeFirst).into());
+    }
+    Ok(Stopped::At(claim, Box::new(checkpoint::read(&config.out)?)))
+}
+
+/// Refuses complete results of other settings or data.
+pub(crate) fn same_run(
+    recording: &mut Footage,
+    setup_frames: Range<u64>,
+    resolved: &Resolved,
+    claim: &Claim,
+    summary: &serde_json::Value,
+    general: &General,
+) -> Result<(), Error> {
+    let mut progress = PassProgress::new(general);
+    let stop = interrupt::flag();
+    let mut at = |pass, done, total| progress.at(pass, done, total);
+    let mut watch = Watch { progress: &mut at, stop: &stop };
+    let inputs = Footage::input_hashes;
+    Ok(job::check_complete(recording, setup_frames, resolved, claim.folder(), summary, &mut watch, inputs)?)
+}
+
+/// Says that there is nothing to do.
+pub(crate) fn complete(
+    summary: &serde_json::Value,
+    out: &Path,
+    args: &TrackArgs,
+    report: &Report,
+) -> Result<Ended, Error> {
+    if args.answer.json {
+        report::answer_json(summary)?;
+    } else {
+        report::answer(&format!(
+            "nothing to do: the results in {} are complete, of these settings and data\n",
+            out.display()
+        ))?;
+    }
+    let failed: Vec<&str> =
+        summary["failed_diagnostics"].as_array().into_iter().flatten().filter_map(|text| text.as_str()).collect();
+    failed.iter().for_each(|failed| report.failed(failed));
+    Ok(if failed.is_empty() { Ended::Done } else { Ended::Doubtful })
+}

@@ -1,0 +1,49 @@
+//! The answer of a run as a table of two columns.
+
+use sinew::results::CameraSummary;
+use sinew::track::job::Outcome;
+use std::path::Path;
+
+/// What a run came to.
+pub(crate) fn table(outcome: &Outcome, out: &Path) -> String {
+    let summary = &outcome.summary;
+    let [first, end] = summary.frames;
+    let mut rows: Vec<(String, String)> = vec![
+        ("frames".into(), format!("{} ({first}..{end}), {} observed", summary.frame_count, summary.observed_frames)),
+        ("method".into(), format!("{}, {}, seed {}, {}", summary.method, summary.kind, summary.seed, summary.isa)),
+        ("speed".into(), format!("{:.1} ms per frame", outcome.ms_per_frame)),
+    ];
+    let diagnostics = &summary.diagnostics;
+    if let Some(r_hat) = diagnostics.r_hat {
+        rows.push((
+            "R-hat".into(),
+            format!("median {:.3}, 95 % {:.3}, {} frames above 1.05", r_hat.median, r_hat.p95, r_hat.frames_above_1_05),
+        ));
+    }
+    if let Some(ess) = diagnostics.ess_median {
+        rows.push(("effective size".into(), format!("median {ess:.0}")));
+    }
+    rows.extend(summary.cameras.iter().map(|camera| (camera.name.clone(), seen_by(camera))));
+    rows.push(("results".into(), out.display().to_string()));
+    aligned(&rows)
+}
+
+/// How well the tracked body fits what a camera saw.
+fn seen_by(camera: &CameraSummary) -> String {
+    let [u, v] = camera.offset_px;
+    let keypoints = camera
+        .residual_px
+        .map(|residual| format!("residual {residual:.1} px, offset {u:+.1} {v:+.1} px, {} frames", camera.frames));
+    let masks = camera.silhouettes.filter(|masks| masks.frames > 0).map(|masks| {
+        let [precision, recall] = [masks.precision, masks.recall].map(|share| 100.0 * share);
+        format!("{precision:.0} % of the body in {recall:.0} % of the mask, {} masks", masks.frames)
+    });
+    let parts: Vec<String> = keypoints.into_iter().chain(masks).collect();
+    if parts.is_empty() { format!("no observation, offset {u:+.1} {v:+.1} px, 0 frames") } else { parts.join("; ") }
+}
+
+/// Two columns.
+pub(crate) fn aligned(rows: &[(String, String)]) -> String {
+    let width = rows.iter().map(|(left, _)| left.chars().count()).max().unwrap_or_default();
+    rows.iter().map(|(left, right)| format!("{left:width$}  {right}\n")).collect()
+}

@@ -1,0 +1,14 @@
+//! A pool of the threads that the settings ask for.
+
+use super::error::Error;
+use sinew::config::TrackConfig;
+
+/// Runs in a pool of the threads asked for.
+pub(crate) fn with_threads<T: Send>(
+    config: &TrackConfig,
+    run: impl FnOnce() -> Result<T, sinew::Error> + Send,
+) -> Result<T, Error> {
+    let granted = std::thread::available_parallelism().map_or(1, |n| n.get());
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(config.threads.unwrap_or(granted)).build();
+    Ok(pool.map_err(Error::Threads)?.install(run)?)
+}

@@ -1,0 +1,186 @@
+//! Why a result folder cannot be written or read.
+
+use std::fmt;
+use std::ops::Range;
+use std::path::PathBuf;
+
+/// Results that cannot be written or read back.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ResultsError {
+    /// An estimate of another size than the run's.
+    #[error("frame {frame}: {what}: {found} numbers instead of {expected}")]
+    EstimateSize {
+        /// Frame.
+        frame: u64,
+        /// Part of the estimate.
+        what: &'static str,
+        /// Numbers found.
+        found: usize,
+        /// Numbers of the run.
+        expected: usize,
+    },
+    /// An estimate with numbers that are not finite.
+    #[error("frame {frame}: the estimate has numbers that are not finite")]
+    NotFinite {
+        /// Frame.
+        frame: u64,
+    },
+    /// An estimate without statistics that its run has.
+    #[error("a frame lacks the {0} statistics that its run announces")]
+    LackingStatistics(&'static str),
+    /// A folder without the summary of a run that came to its end.
+    #[error("`{}` holds no results of a run that came to its end: summary.json is missing", .0.display())]
+    NoSummary(PathBuf),
+    /// Frames that the results do not have.
+    #[error("{} were asked for; the results have {}", frames(asked.as_ref()), available.as_ref().map_or_else(|| "none".into(), span))]
+    NoSuchFrames {
+        /// Frames asked for; all of them if `None`.
+        asked: Option<Range<u64>>,
+        /// Frames there, if any.
+        available: Option<Range<u64>>,
+    },
+    /// A calibration without a camera of the run.
+    #[error("{}: no camera `{camera}`, which the results come from; calibrated: {}", calibration.display(), calibrated.join(", "))]
+    UnknownCamera {
+        /// Calibration file.
+        calibration: PathBuf,
+        /// Camera of the run.
+        camera: String,
+        /// Cameras of the file.
+        calibrated: Vec<String>,
+    },
+    /// A file whose length is not that of the others.
+    #[error("{file}: {found} {unit}; the other files of the folder speak of {expected}")]
+    OtherLength {
+        /// File.
+        file: String,
+        /// Rows or frames found.
+        found: usize,
+        /// `rows` or `frames`.
+        unit: &'static str,
+        /// What the other files have.
+        expected: usize,
+    },
+    /// A table without a column.
+    #[error("{file}: no column `{wanted}`; there are: {}", columns.join(", "))]
+    NoColumn {
+        /// File.
+        file: String,
+        /// The column.
+        wanted: &'static str,
+        /// Columns that are there.
+        columns: Vec<String>,
+    },
+    /// A cell of a table that is not what its column says.
+    #[error("{file}:{line}: `{found}`; must be {expected}")]
+    Cell {
+        /// File.
+        file: String,
+        /// Line.
+        line: usize,
+        /// Content.
+        found: String,
+        /// What belongs there.
+        expected: Expected,
+    },
+}
+
+/// What belongs into a cell.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Expected {
+    /// Number of a frame.
+    FrameNumber,
+    /// Name of a degree of freedom.
+    Coordinate(String),
+    /// A finite number.
+    Number,
+}
+
+impl fmt::Display for Expected {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::FrameNumber => write!(f, "the number of a frame"),
+            Self::Coordinate(name) => write!(f, "`{name}`, as in the body of setup.toml"),
+            Self::Number => write!(f, "a number"),
+        }
+    }
+}
+
+fn span(range: &Range<u64>) -> String {
+    format!("{}..{}", range.start, range.end)
+}
+
+fn frames(asked: Option<&Range<u64>>) -> String {
+    asked.map_or_else(|| "frames".into(), |range| format!("frames {}", span(range)))
+}
+
+impl ResultsError {
+    /// Code with which the program ends.
+    #[must_use]
+    pub const fn exit_code(&self) -> u8 {
+        match self {
+            Self::EstimateSize { .. } | Self::NotFinite { .. } | Self::LackingStatistics(_) => 1,
+            _ => 3,
+        }
+    }
+
+    /// What the user can do about it.
+    #[must_use]
+    pub const fn help(&self) -> Option<&'static str> {
+        match self {
+            Self::EstimateSize { .. } | Self::NotFinite { .. } | Self::LackingStatistics(_) | Self::Cell { .. } => None,
+            Self::NoSummary(_) => Some(
+                "give the folder that `sinew track` wrote with `-o`; a run that was stopped is continued with `--resume`",
+            ),
+            Self::NoSuchFrames { .. } => Some("`--frames A..B` takes the numbers in the file names, A included, B not"),
+            Self::UnknownCamera { .. } => Some("give the calibration that was tracked with"),
+            Self::OtherLength { .. } => Some("are all files of this folder of one run?"),
+            Self::NoColumn { .. } => Some("is this file of a result folder?"),
+        }
+    }
+}
+
+/// What is in the way of an output.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Occupied {
+    /// The file to be written.
+    File,
+    /// A file where a folder is to be.
+    NotAFolder,
+    /// Results.
+    Results,
+    /// A run that was stopped and can be resumed.
+    StoppedRun,
+    /// Files of others.
+    NotEmpty,
+}
+
+impl Occupied {
+    /// The rest of the sentence that begins with the path.
+    #[must_use]
+    pub const fn words(self) -> &'static str {
+        match self {
+            Self::File => "exists",
+            Self::NotAFolder => "exists and is not a folder",
+            Self::Results => "exists and holds results",
+            Self::StoppedRun => "exists and holds a run that was stopped",
+            Self::NotEmpty => "exists and is not empty",
+        }
+    }
+
+    /// What the user can do about it.
+    #[must_use]
+    pub const fn help(self) -> &'static str {
+        match self {
+            Self::File => "write to another file, or replace it with `--force`",
+            Self::NotAFolder => "choose another folder with `-o`, or remove the file",
+            Self::StoppedRun => {
+                "continue it with `--resume`, choose another folder with `-o`, or replace what is there with `--force`"
+            }
+            Self::Results | Self::NotEmpty => {
+                "choose another folder with `-o`, or replace what is there with `--force`"
+            }
+        }
+    }
+}

@@ -1,0 +1,138 @@
+//! What tracking refuses of a set-up, a body and a machine.
+
+use std::path::PathBuf;
+
+/// A recording that cannot be tracked as it stands, or numbers that fail.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum TrackError {
+    /// A camera that the set-up lacks.
+    #[error("the set-up knows no camera `{camera}`; it has {}", known.join(", "))]
+    UnknownCamera {
+        /// The camera.
+        camera: String,
+        /// Cameras of the set-up.
+        known: Vec<String>,
+    },
+    /// A layout that shares too few points with the body.
+    #[error("layout `{layout}` and the body share {shared} points; {least} are needed")]
+    FewPoints {
+        /// Name of the layout.
+        layout: String,
+        /// Points of both.
+        shared: usize,
+        /// Points that are needed.
+        least: usize,
+    },
+    /// A set-up of another body.
+    #[error("the set-up's start pose has {found} numbers, the body {dof} degrees of freedom")]
+    StartPose {
+        /// Numbers of the pose.
+        found: usize,
+        /// Degrees of freedom of the body.
+        dof: usize,
+    },
+    /// A frame whose number no random stream has.
+    #[error("frame number {number} is above {}", u32::MAX)]
+    FrameNumber {
+        /// The number.
+        number: u64,
+    },
+    /// Solids that are no partition of the state.
+    #[error("the solids of the body are no parts of its state: {0}")]
+    Parts(#[source] sinew_core::Error),
+    /// Solids that do not fit the body.
+    #[error(transparent)]
+    Solids(sinew_body::Error),
+    /// A body without parts, for a method that takes it part by part.
+    #[error("the body has no parts")]
+    NoParts,
+    /// Another axis that points up than that of the set-up.
+    #[error("`up_axis` is {asked}; the set-up was made with {known}")]
+    UpAxis {
+        /// The setting.
+        asked: String,
+        /// That of the set-up.
+        known: String,
+    },
+    /// Another body than that of the set-up.
+    #[error("`body` is {asked}; the set-up was made with {known}")]
+    Body {
+        /// The setting.
+        asked: String,
+        /// That of the set-up.
+        known: String,
+    },
+    /// A file that is no set-up.
+    #[error("{}:{line}: {problem}", path.display())]
+    SetupFile {
+        /// The file.
+        path: PathBuf,
+        /// Line from 1.
+        line: usize,
+        /// What is wrong.
+        problem: String,
+    },
+    /// An instruction set that the processor lacks.
+    #[error("this processor has no `{asked}`; it has {}", available.join(", "))]
+    NoInstructionSet {
+        /// The setting.
+        asked: String,
+        /// Those of the processor.
+        available: Vec<&'static str>,
+    },
+    /// Settings of a stopped run that are not JSON.
+    #[error("the settings of the run cannot be read: {0}")]
+    StoredSettings(#[source] serde_json::Error),
+    /// A value that a checkpoint cannot hold.
+    #[error("the checkpoint cannot be encoded: {0}")]
+    Encoding(#[source] postcard::Error),
+    /// A sampler that refuses its settings or fails.
+    #[error(transparent)]
+    Sampler(#[from] sinew_samplers::Error),
+    /// A motion prior that does not exist.
+    #[error(transparent)]
+    Motion(#[from] sinew_dynamics::Error),
+}
+
+impl TrackError {
+    /// Code with which the program ends.
+    #[must_use]
+    pub const fn exit_code(&self) -> u8 {
+        match self {
+            Self::NoParts | Self::StoredSettings(_) | Self::Encoding(_) | Self::Sampler(_) | Self::Motion(_) => 1,
+            Self::UpAxis { .. } | Self::Body { .. } | Self::NoInstructionSet { .. } => 2,
+            Self::UnknownCamera { .. }
+            | Self::FewPoints { .. }
+            | Self::StartPose { .. }
+            | Self::FrameNumber { .. }
+            | Self::Parts(_)
+            | Self::Solids(_)
+            | Self::SetupFile { .. } => 3,
+        }
+    }
+
+    /// What the user can do about it.
+    #[must_use]
+    pub const fn help(&self) -> Option<&'static str> {
+        Some(match self {
+            Self::UnknownCamera { .. } => "use the set-up of this recording, or leave `--setup` out",
+            Self::FewPoints { .. } => "name the body's points like those of the layout: `sinew body` lists them",
+            Self::StartPose { .. } => "use the set-up of this body, or leave `--setup` out",
+            Self::FrameNumber { .. } => "renumber the files",
+            Self::Parts(_) => "give every link at most one solid",
+            Self::UpAxis { .. } => "leave `up_axis` out: the set-up knows it",
+            Self::Body { .. } => "leave `--body` out: the set-up knows it; or leave `--setup` out",
+            Self::SetupFile { .. } => {
+                "give `--setup` the setup.toml of a result folder of this version, or leave it out"
+            }
+            Self::NoInstructionSet { .. } => "leave `--simd` out to take the best",
+            Self::Solids(_)
+            | Self::NoParts
+            | Self::StoredSettings(_)
+            | Self::Encoding(_)
+            | Self::Sampler(_)
+            | Self::Motion(_) => return None,
+        })
+    }
+}

@@ -1,0 +1,20 @@
+//! Settings that cannot be carried out, found before anything is claimed or computed.
+
+use super::begin::{read_setup, same_body, world_up};
+use crate::config::Resolved;
+use crate::{Error, bodies};
+
+/// Refuses settings that this processor, each other or the files that they name contradict.
+///
+/// # Errors
+/// What a run would say of them later, and that a file cannot be read.
+pub fn check_settings(resolved: &Resolved) -> Result<(), Error> {
+    let config = resolved.track();
+    config.settings()?;
+    let known = config.setup.as_deref().map(read_setup).transpose()?;
+    match known.as_ref().filter(|_| resolved.is_given("body")) {
+        Some(setup) => same_body(&config.body, setup)?,
+        None => drop(bodies::to_track(&config.body)?),
+    }
+    world_up(&config, known.as_ref()).map(drop)
+}

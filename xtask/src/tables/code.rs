@@ -1,0 +1,104 @@
+//! Tables that derive from lists in the code: settings, methods, layouts, planted bugs.
+
+use crate::mutants::list;
+use sinew::config::setting::{Kind, Setting};
+use sinew::config::table::settings;
+use sinew::formats::layout;
+use sinew::methods::{About, Gives, METHODS};
+use std::fmt::Write as _;
+use std::path::Path;
+
+/// The table of that name; Markdown.
+pub(super) fn table(name: &str) -> Option<String> {
+    match name.split_once(' ') {
+        None if name == "methods" => Some(methods()),
+        None if name == "layouts" => Some(layouts()),
+        None if name == "planted-bugs" => planted_bugs(),
+        Some(("settings", group)) => of_group(group),
+        _ => None,
+    }
+}
+
+fn of_group(group: &str) -> Option<String> {
+    let mut table = String::from("| setting | values | default | meaning |\n|---|---|---|---|\n");
+    let chosen: Vec<&Setting> = settings().iter().filter(|setting| setting.group == group).collect();
+    for setting in &chosen {
+        let default = setting.default.text().map(|text| format!("`{text}`")).unwrap_or_default();
+        // Writing to a String cannot fail.
+        let _ = writeln!(table, "| `{}` | {} | {default} | {} |", setting.key, values(setting), escaped(setting.help));
+    }
+    (!chosen.is_empty()).then_some(table)
+}
+
+/// Placeholders in angle brackets would be taken for HTML.
+fn escaped(help: &str) -> String {
+    help.replace('<', "\\<").replace('|', "\\|")
+}
+
+fn values(setting: &Setting) -> String {
+    match setting.kind {
+        Kind::Path => "path".into(),
+        Kind::NameOrPath => "name or path".into(),
+        Kind::Choice(names) => names.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", "),
+        Kind::Count(least, u64::MAX) => format!("whole, from {least}"),
+        Kind::Count(least, most) => format!("{least} to {most}"),
+        Kind::Number { least, excluded, most } => {
+            let above = if excluded { "above" } else { "from" };
+            if most.is_finite() { format!("{above} {least} to {most}") } else { format!("{above} {least}") }
+        }
+        Kind::Flag => "`true`, `false`".into(),
+        Kind::Frames => "`A..B`, B not included".into(),
+        Kind::Names => "names, `a,b,c`".into(),
+        Kind::Lags => "frames by camera, `a=1,b=-2`".into(),
+    }
+}
+
+fn methods() -> String {
+    let mut table = String::from(
+        "| method | what | observes | gives | particles | score of masks | settings of its own |\n|---|---|---|---|---|---|---|\n",
+    );
+    for about in METHODS {
+        let About { name, help, needs_gradients, needs_parts, score, particles, settings, .. } = about;
+        let observes = match (needs_gradients, needs_parts) {
+            (true, _) => "keypoints; masks beside them",
+            (false, true) => "keypoints, masks, both; part by part",
+            (false, false) => "keypoints, masks, both",
+        };
+        let gives = match about.gives {
+            Gives::Chains => "posterior, by chains",
+            Gives::Particles => "posterior, by weighted particles",
+            Gives::Search => "best states, no posterior",
+        };
+        let particles = particles.map_or_else(|| "–".into(), |count| count().to_string());
+        let score = if *needs_gradients { "limbs inside the contour".into() } else { format!("`{}`", score.name()) };
+        let own: Vec<String> = settings.iter().map(|setting| format!("`{}`", setting.key)).collect();
+        let own = if own.is_empty() { "–".into() } else { own.join(", ") };
+        let _ = writeln!(table, "| `{name}` | {help} | {observes} | {gives} | {particles} | {score} | {own} |");
+    }
+    table
+}
+
+fn layouts() -> String {
+    let mut table = String::from("| layout | numbers a person | named points |\n|---|---|---|\n");
+    for name in layout::names() {
+        if let Ok(layout) = layout::find(name) {
+            let _ = writeln!(table, "| `{name}` | {} | {} |", layout.numbers(), layout.points.iter().flatten().count());
+        }
+    }
+    table
+}
+
+fn planted_bugs() -> Option<String> {
+    let bugs = list::read(Path::new(env!("CARGO_MANIFEST_DIR")).parent()?).ok()?;
+    let mut table = String::from("| bug | what it is | caught by |\n|---|---|---|\n");
+    for bug in bugs {
+        let test = |test: &list::Test| {
+            let package = test.package.strip_prefix("sinew-").unwrap_or(&test.package);
+            format!("{package}, {}: `{}`", test.target, test.test)
+        };
+        let tests: Vec<String> = bug.caught_by.iter().map(test).collect();
+        let what = bug.what.trim_end_matches('.').replace('|', "\\|");
+        let _ = writeln!(table, "| {} | {what} | {} |", bug.name, tests.join("<br>"));
+    }
+    Some(table)
+}
