@@ -1,7 +1,7 @@
 //! Five posteriors of posteriordb as unconstrained densities with gradients, and what a sampler makes of them.
 //!
-//! The data are BSD-3-Clause (`posteriordb/LICENCE-posteriordb.md` of the data folder). Each file states its density; in [`densities`] it is written by hand with its gradient and checked against the stored points before anything is sampled.
-//! Chains start where Stan's do, or from a standard normal, and [`warm_up`] knows nothing of the posterior.
+//! The data are BSD-3-Clause (`posteriordb/LICENCE-posteriordb.md` of the data folder). Each file states its density; in `densities` it is written by hand with its gradient and checked against the stored points before anything is sampled.
+//! Chains start where Stan's do, or from a standard normal, and `warm_up` knows nothing of the posterior.
 
 mod densities;
 

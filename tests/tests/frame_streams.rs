@@ -1,4 +1,6 @@
-//! Random numbers of a run belong to their frame: what is thinned and what is smoothed draws its own in each.
+//! Random numbers of a run belong to their frame.
+//!
+//! What is thinned and what is smoothed draws its own in each.
 
 use sinew::config::settings::Settings;
 use sinew::methods::{Bootstrap, Hmc};

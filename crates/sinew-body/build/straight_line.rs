@@ -1,4 +1,4 @@
-//! The source of one function a body that walks out to its points and back without loops, branches or frames in memory.
+//! Source code of straight-line kinematics: a function per body, without loops, branches or frames in memory.
 //!
 //! The order is that of a depth-first walk: a link's frame, the links below it, its points, then its part of the gradient, so that what belongs together stays near. Products with components that are
 //! known to be zero or one (the root's frame, offsets along an axis) are not written at all.

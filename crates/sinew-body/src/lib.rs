@@ -24,6 +24,7 @@ pub mod frustum;
 pub mod hppf24;
 pub mod initial;
 pub mod kinematics;
+mod sizes;
 pub mod standard;
 pub mod standard_flesh;
 pub mod subject;

@@ -11,43 +11,8 @@
 //! assert!(found.unmeasured.contains(&"shin"));
 //! ```
 
-pub use crate::bundle::{Config, Subject, fit_poses, refine};
+pub use crate::sizes::scaled;
 use crate::standard::Proportions;
-
-/// A size: its name, whether it is a length (else a coordinate of an offset), and its place.
-pub(crate) type Size = (&'static str, bool, fn(&mut Proportions) -> &mut f64);
-
-/// Everything that [`crate::bundle::refine`] may change. Points in the plane of symmetry have no x.
-pub(crate) const SIZES: [Size; 28] = [
-    ("spine", true, |p| &mut p.spine),
-    ("shoulder_height", true, |p| &mut p.shoulder_height),
-    ("shoulder_half_width", true, |p| &mut p.shoulder_half_width),
-    ("hip_half_width", true, |p| &mut p.hip_half_width),
-    ("pelvis_drop", true, |p| &mut p.pelvis_drop),
-    ("upper_arm", true, |p| &mut p.upper_arm),
-    ("forearm", true, |p| &mut p.forearm),
-    ("thigh", true, |p| &mut p.thigh),
-    ("shin", true, |p| &mut p.shin),
-    ("head_top.y", false, |p| &mut p.head_top[1]),
-    ("head_top.z", false, |p| &mut p.head_top[2]),
-    ("nose.y", false, |p| &mut p.nose[1]),
-    ("nose.z", false, |p| &mut p.nose[2]),
-    ("eye.x", false, |p| &mut p.eye[0]),
-    ("eye.y", false, |p| &mut p.eye[1]),
-    ("eye.z", false, |p| &mut p.eye[2]),
-    ("ear.x", false, |p| &mut p.ear[0]),
-    ("ear.y", false, |p| &mut p.ear[1]),
-    ("ear.z", false, |p| &mut p.ear[2]),
-    ("heel.x", false, |p| &mut p.heel[0]),
-    ("heel.y", false, |p| &mut p.heel[1]),
-    ("heel.z", false, |p| &mut p.heel[2]),
-    ("big_toe.x", false, |p| &mut p.big_toe[0]),
-    ("big_toe.y", false, |p| &mut p.big_toe[1]),
-    ("big_toe.z", false, |p| &mut p.big_toe[2]),
-    ("small_toe.x", false, |p| &mut p.small_toe[0]),
-    ("small_toe.y", false, |p| &mut p.small_toe[1]),
-    ("small_toe.z", false, |p| &mut p.small_toe[2]),
-];
 
 /// Sizes with what is known about them.
 #[derive(Clone, Debug, PartialEq)]
@@ -60,16 +25,6 @@ pub struct Measured {
     pub scale: f64,
 }
 
-/// All sizes times a factor.
-#[must_use]
-pub fn scaled(proportions: &Proportions, factor: f64) -> Proportions {
-    let mut p = *proportions;
-    for (_, _, size) in SIZES {
-        *size(&mut p) *= factor;
-    }
-    p
-}
-
 fn median(mut values: Vec<f64>) -> Option<f64> {
     values.retain(|x| x.is_finite());
     values.sort_by(f64::total_cmp);
@@ -80,47 +35,95 @@ fn median(mut values: Vec<f64>) -> Option<f64> {
     }
 }
 
+/// Measured points by name, frame after frame.
+struct Points<'a> {
+    names: &'a [&'a str],
+    frames: &'a [Vec<Option<[f64; 3]>>],
+}
+
+fn between(a: [f64; 3], b: [f64; 3]) -> f64 {
+    (0..3).map(|k| (a[k] - b[k]).powi(2)).sum::<f64>().sqrt()
+}
+
+impl Points<'_> {
+    fn at(&self, frame: &[Option<[f64; 3]>], name: &str) -> Option<[f64; 3]> {
+        let k = self.names.iter().position(|n| *n == name)?;
+        frame.get(k).copied().flatten()
+    }
+
+    fn middle(&self, frame: &[Option<[f64; 3]>], a: &str, b: &str) -> Option<[f64; 3]> {
+        let (a, b) = (self.at(frame, a)?, self.at(frame, b)?);
+        Some([0, 1, 2].map(|k: usize| 0.5 * (a[k] + b[k])))
+    }
+
+    fn shoulders(&self, frame: &[Option<[f64; 3]>]) -> Option<[f64; 3]> {
+        self.middle(frame, "LShoulder", "RShoulder")
+    }
+
+    fn hips(&self, frame: &[Option<[f64; 3]>]) -> Option<[f64; 3]> {
+        self.middle(frame, "LHip", "RHip").or_else(|| self.at(frame, "MidHip"))
+    }
+
+    /// Median over the frames that have a value.
+    fn typical(&self, value: impl Fn(&[Option<[f64; 3]>]) -> Option<f64>) -> Option<f64> {
+        median(self.frames.iter().filter_map(|frame| value(frame)).collect())
+    }
+
+    fn length(&self, a: &str, b: &str) -> Option<f64> {
+        self.typical(|f| Some(between(self.at(f, a)?, self.at(f, b)?)))
+    }
+
+    /// Mean of the left and the right side, or the one that was measured.
+    fn both(&self, a: &str, b: &str) -> Option<f64> {
+        let sides: Vec<f64> =
+            ["L", "R"].iter().filter_map(|s| self.length(&format!("{s}{a}"), &format!("{s}{b}"))).collect();
+        (!sides.is_empty()).then(|| sides.iter().sum::<f64>() / sides.len() as f64)
+    }
+
+    fn trunk(&self) -> Option<f64> {
+        self.typical(|f| Some(between(self.shoulders(f)?, self.hips(f)?)))
+    }
+
+    /// Height of the neck above the shoulders, along the trunk.
+    fn neck(&self) -> Option<f64> {
+        self.typical(|f| {
+            let (neck, top, bottom) = (self.at(f, "Neck")?, self.shoulders(f)?, self.hips(f)?);
+            let length = between(top, bottom);
+            Some((0..3).map(|k| (neck[k] - top[k]) * (top[k] - bottom[k])).sum::<f64>() / length)
+        })
+    }
+
+    /// Points whose offsets no frame can show.
+    fn unseen(&self) -> impl Iterator<Item = &'static str> {
+        let seen = |name: &str| self.frames.iter().any(|f| self.at(f, name).is_some());
+        let either = |name: &str| seen(&format!("L{name}")) || seen(&format!("R{name}"));
+        let offsets = [
+            ("head_top", seen("Head")),
+            ("nose", seen("Nose")),
+            ("eye", either("Eye")),
+            ("ear", either("Ear")),
+            ("heel", either("Heel")),
+            ("big_toe", either("BigToe")),
+            ("small_toe", either("SmallToe")),
+        ];
+        offsets.into_iter().filter(|(_, seen)| !seen).map(|(name, _)| name)
+    }
+}
+
 /// Sizes from the distances of points whose `names` are the standard bodies'; each frame has one entry per name.
 #[must_use]
 pub fn from_distances(names: &[&str], frames: &[Vec<Option<[f64; 3]>>]) -> Measured {
-    let at = |frame: &[Option<[f64; 3]>], name: &str| {
-        let k = names.iter().position(|n| *n == name)?;
-        frame.get(k).copied().flatten()
-    };
-    let between = |a: [f64; 3], b: [f64; 3]| (0..3).map(|k| (a[k] - b[k]).powi(2)).sum::<f64>().sqrt();
-    let middle = |frame: &[Option<[f64; 3]>], a: &str, b: &str| {
-        let (a, b) = (at(frame, a)?, at(frame, b)?);
-        Some([0, 1, 2].map(|k: usize| 0.5 * (a[k] + b[k])))
-    };
-    let length = |a: &str, b: &str| median(frames.iter().filter_map(|f| Some(between(at(f, a)?, at(f, b)?))).collect());
-    let both = |a: &str, b: &str| {
-        let sides: Vec<f64> =
-            ["L", "R"].iter().filter_map(|s| length(&format!("{s}{a}"), &format!("{s}{b}"))).collect();
-        (!sides.is_empty()).then(|| sides.iter().sum::<f64>() / sides.len() as f64)
-    };
-    let shoulders = |f: &[Option<[f64; 3]>]| middle(f, "LShoulder", "RShoulder");
-    let hips = |f: &[Option<[f64; 3]>]| middle(f, "LHip", "RHip").or_else(|| at(f, "MidHip"));
-    let trunk = median(frames.iter().filter_map(|f| Some(between(shoulders(f)?, hips(f)?))).collect());
-    let neck = median(
-        frames
-            .iter()
-            .filter_map(|f| {
-                let (neck, top, bottom) = (at(f, "Neck")?, shoulders(f)?, hips(f)?);
-                let length = between(top, bottom);
-                Some((0..3).map(|k| (neck[k] - top[k]) * (top[k] - bottom[k])).sum::<f64>() / length)
-            })
-            .collect(),
-    );
-
+    let points = Points { names, frames };
+    let trunk = points.trunk();
     let default = Proportions::default();
     let default_trunk = default.pelvis_drop + default.shoulder_height;
     let found = [
-        (both("Shoulder", "Elbow"), default.upper_arm),
-        (both("Elbow", "Wrist"), default.forearm),
-        (both("Hip", "Knee"), default.thigh),
-        (both("Knee", "Ankle"), default.shin),
-        (length("LShoulder", "RShoulder").map(|w| 0.5 * w), default.shoulder_half_width),
-        (length("LHip", "RHip").map(|w| 0.5 * w), default.hip_half_width),
+        (points.both("Shoulder", "Elbow"), default.upper_arm),
+        (points.both("Elbow", "Wrist"), default.forearm),
+        (points.both("Hip", "Knee"), default.thigh),
+        (points.both("Knee", "Ankle"), default.shin),
+        (points.length("LShoulder", "RShoulder").map(|w| 0.5 * w), default.shoulder_half_width),
+        (points.length("LHip", "RHip").map(|w| 0.5 * w), default.hip_half_width),
         (trunk, default_trunk),
     ];
     let (mut sum, mut of) = (0.0, 0.0);
@@ -147,26 +150,13 @@ pub fn from_distances(names: &[&str], frames: &[Vec<Option<[f64; 3]>>]) -> Measu
     let ratio = trunk.map(|t| t / default_trunk);
     set("pelvis_drop", &mut p.pelvis_drop, ratio.map(|r| r * default.pelvis_drop));
     set("shoulder_height", &mut p.shoulder_height, ratio.map(|r| r * default.shoulder_height));
+    let neck = points.neck();
     let above = neck.unwrap_or(scale * (default.spine - default.shoulder_height));
     p.spine = p.shoulder_height + above;
     if neck.is_none() {
         unmeasured.push("spine");
     }
-    let seen = |name: &str| frames.iter().any(|f| at(f, name).is_some());
-    let either = |name: &str| seen(&format!("L{name}")) || seen(&format!("R{name}"));
-    for (name, measured) in [
-        ("head_top", seen("Head")),
-        ("nose", seen("Nose")),
-        ("eye", either("Eye")),
-        ("ear", either("Ear")),
-        ("heel", either("Heel")),
-        ("big_toe", either("BigToe")),
-        ("small_toe", either("SmallToe")),
-    ] {
-        if !measured {
-            unmeasured.push(name);
-        }
-    }
+    unmeasured.extend(points.unseen());
     Measured { proportions: p, unmeasured, scale }
 }
 

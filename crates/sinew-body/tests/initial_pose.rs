@@ -1,4 +1,4 @@
-//! First poses from points: exact where the points tell everything, near the truth where they do not, and `None` where they say too little.
+//! First poses from points: exact where the points suffice, near where they do not, else `None`.
 
 use sinew_body::fit::Target;
 use sinew_body::initial::initial_pose;

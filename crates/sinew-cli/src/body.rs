@@ -3,8 +3,9 @@
 //! Each with its joints, length and points; then the solids of the flesh.
 
 use super::args::Answer;
+use super::ended::Ended;
 use super::error::Error;
-use super::{Ended, report};
+use super::report;
 use serde_json::json;
 use sinew::bodies;
 use sinew::body::flesh::Flesh;

@@ -1,7 +1,7 @@
 //! `sinew convert`: one motion file becomes another.
 
-use super::Ended;
 use super::args::{ConvertArgs, General};
+use super::ended::Ended;
 use super::error::Error;
 use super::report::{self, Report};
 use serde_json::json;

@@ -5,12 +5,13 @@
 
 use super::args::{Answer, General};
 use super::claimed::claimed;
+use super::ended::Ended;
 use super::error::Error;
+use super::interrupt;
 use super::progress::PassProgress;
 use super::report::{self, Report};
 use super::table::aligned;
 use super::threads::with_threads;
-use super::{Ended, interrupt};
 use serde_json::json;
 use sinew::body::standard::EVALUATION_JOINTS;
 use sinew::config::{Resolved, Sources, resolve};

@@ -1,7 +1,7 @@
 //! `sinew fit-shape`: a body file with the thickness that masks show.
 
-use super::Ended;
 use super::args::{FitShapeArgs, General};
+use super::ended::Ended;
 use super::error::{Error, Written};
 use super::progress::Progress;
 use super::report::{self, Report};

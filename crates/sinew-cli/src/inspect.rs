@@ -2,8 +2,8 @@
 //!
 //! Keypoints are read with the settings of their trial, as `sinew track` reads them.
 
-use super::Ended;
 use super::args::{General, InspectArgs};
+use super::ended::Ended;
 use super::error::Error;
 use super::report::{self, Report};
 use super::settings::{reading, settings};

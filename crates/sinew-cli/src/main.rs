@@ -7,6 +7,7 @@ mod body;
 mod claimed;
 mod convert;
 mod demo;
+mod ended;
 mod error;
 mod fit_shape;
 mod inspect;
@@ -30,26 +31,6 @@ use args::{Cli, Command, General};
 use clap::Parser as _;
 use report::Report;
 use std::process::ExitCode;
-
-/// How a command ended, if not with an error.
-pub(crate) enum Ended {
-    /// Done.
-    Done,
-    /// Finished and written, but a diagnostic failed.
-    Doubtful,
-    /// Interrupted; what was done is written.
-    Interrupted,
-}
-
-impl Ended {
-    const fn code(&self) -> u8 {
-        match self {
-            Self::Done => 0,
-            Self::Doubtful => 4,
-            Self::Interrupted => 75,
-        }
-    }
-}
 
 fn main() -> ExitCode {
     let cli = match Cli::try_parse() {

@@ -1,8 +1,9 @@
 //! Shell completions and the manual page, made from the arguments.
 
 use super::args::Cli;
+use super::ended::Ended;
 use super::error::Error;
-use super::{Ended, report};
+use super::report;
 use clap::CommandFactory as _;
 
 /// Prints completions for a shell.

@@ -1,7 +1,7 @@
 //! `sinew overlay`: pictures of the tracked body over what the cameras saw.
 
-use super::Ended;
 use super::args::{General, OverlayArgs};
+use super::ended::Ended;
 use super::error::{Error, Written};
 use super::progress::Progress;
 use super::report::{self, Report};

@@ -186,7 +186,7 @@ mod tests {
 
     #[test]
     fn rates_have_three_digits() {
-        let shown = [0.0, 3.14159, 9.97, 421.7, 999.7, 45_678.9, 4_567_890.1, f64::INFINITY, f64::NAN].map(rate);
+        let shown = [0.0, 3.15, 9.97, 421.7, 999.7, 45_678.9, 4_567_890.1, f64::INFINITY, f64::NAN].map(rate);
         assert_eq!(shown, ["0.0/s", "3.1/s", "10/s", "422/s", "1k/s", "46k/s", "", "", ""]);
     }
 }

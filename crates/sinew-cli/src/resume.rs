@@ -1,8 +1,8 @@
 //! What `--resume` finds in the output folder: a run to continue, or complete results.
 
-use super::Ended;
 use super::args::{General, TrackArgs};
 use super::claimed::stale;
+use super::ended::Ended;
 use super::error::Error;
 use super::interrupt;
 use super::progress::PassProgress;

@@ -1,7 +1,7 @@
 //! `sinew segment`: masks from images and images of the background.
 
-use super::Ended;
 use super::args::{General, SegmentArgs};
+use super::ended::Ended;
 use super::error::{Error, Written};
 use super::progress::Progress;
 use super::report::{self, Report};

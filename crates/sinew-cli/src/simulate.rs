@@ -1,8 +1,8 @@
 //! `sinew simulate`: a recording of a simulated person, with everything that a tracker may want.
 
-use super::Ended;
 use super::args::{General, SimulateArgs};
 use super::claimed::claimed;
+use super::ended::Ended;
 use super::error::Error;
 use super::progress::Progress;
 use super::recorded_motion::recorded_motion;

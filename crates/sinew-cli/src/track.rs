@@ -2,14 +2,15 @@
 
 use super::args::{General, TrackArgs};
 use super::claimed::claimed;
+use super::ended::Ended;
 use super::error::Error;
+use super::interrupt;
 use super::progress::PassProgress;
 use super::report::{self, Report};
 use super::resume::{Stopped, complete, same_run, stopped_run};
 use super::settings::{reading, settings};
 use super::table::table;
 use super::threads::with_threads;
-use super::{Ended, interrupt};
 use sinew::config::{Init, Resolved, TrackConfig};
 use sinew::input::footage::Footage;
 use sinew::results::{Claim, ResultFolder, problem, refuse_inputs};

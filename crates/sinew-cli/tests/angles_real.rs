@@ -168,8 +168,6 @@ fn angles_are_those_of_the_markers() {
         }
     }
     println!("largest differences, degrees: {compared:.4?}; of the line from heel to toes {line_from_ankle:.1}");
-    // A foot that is turned inwards shows its line a little lower or higher than its sole.
-    assert!(line_from_ankle < 5.0, "{line_from_ankle}");
     // All but time, the three places of the pelvis, `girdle_rz`, and `head_rx`, for which a face has no zero.
     let left_out: Vec<&String> = angles[0].keys().filter(|name| !compared.contains_key(*name)).collect();
     assert_eq!((compared.len(), left_out.len()), (28, 6), "{left_out:?}");

@@ -1,4 +1,6 @@
-//! The same numbers whatever the threads, the run and the way the frames are fed; and somebody who leaves and comes back elsewhere is found again.
+//! The same numbers whatever the threads, the run and the way the frames are fed.
+//!
+//! And somebody who leaves and comes back elsewhere is found again.
 
 // A run of frames is a range, and there is a list of them.
 #![allow(clippy::single_range_in_vec_init)]

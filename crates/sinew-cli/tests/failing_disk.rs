@@ -1,4 +1,6 @@
-//! A disk that fails at any write, sync or rename: the first failure is told with its path, nothing half done passes for a result, and a run goes on when there is room again.
+//! A disk that fails at any write, sync or rename.
+//!
+//! The first failure is named with its path, nothing half done passes for a result, and a run is resumed when there is room again.
 
 mod common;
 

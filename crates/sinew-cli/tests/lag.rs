@@ -10,7 +10,8 @@ const FRAMES: usize = 75;
 
 /// Lets a camera show in each frame what it saw so many frames before; in the first frames it shows the first one.
 fn delay(folder: &Path, name: impl Fn(usize) -> String, frames: usize, lag: usize) {
-    for frame in (lag..frames).rev() {
+    // A file that is copied onto itself is emptied.
+    for frame in (lag.max(1)..frames).rev().filter(|_| lag > 0) {
         fs::copy(folder.join(name(frame - lag)), folder.join(name(frame))).unwrap();
     }
 }

@@ -1,4 +1,4 @@
-//! The result folder: what lies in it, that it is the same from run to run, that nothing is lost or overwritten.
+//! The result folder: complete, the same from run to run, never overwritten unasked.
 
 mod common;
 

@@ -1,4 +1,4 @@
-//! A run that was stopped goes on to the same bytes, wherever it was stopped and by what; or it says why it cannot.
+//! A run that was stopped is resumed to the same bytes, or says why it cannot.
 
 mod common;
 

@@ -59,17 +59,7 @@ pub struct Mot {
 pub fn read(name: &str, text: &str) -> Result<Mot, Error> {
     let place = |line: usize| Place::file(name).at_line(line);
     let mut lines = numbered_lines(text);
-    let mut header = HeaderLines::default();
-    loop {
-        let Some((number, line)) = lines.next() else {
-            let (found, expected) = ("the file ends".into(), "a line `endheader`".into());
-            return Err(Error::Syntax { place: Place::file(name), found, expected });
-        };
-        if line.trim().eq_ignore_ascii_case("endheader") {
-            break;
-        }
-        header.take(|| place(number), line)?;
-    }
+    let header = HeaderLines::read(name, &mut lines)?;
     if let Some(claimed) = header.rows {
         check_claim(name, claimed, "rows", text)?;
     }
@@ -127,6 +117,19 @@ struct HeaderLines {
 }
 
 impl HeaderLines {
+    /// Takes the lines up to `endheader`.
+    fn read<'a>(name: &str, lines: &mut impl Iterator<Item = (usize, &'a str)>) -> Result<Self, Error> {
+        let mut header = Self::default();
+        for (number, line) in lines {
+            if line.trim().eq_ignore_ascii_case("endheader") {
+                return Ok(header);
+            }
+            header.take(|| Place::file(name).at_line(number), line)?;
+        }
+        let (found, expected) = ("the file ends".into(), "a line `endheader`".into());
+        Err(Error::Syntax { place: Place::file(name), found, expected })
+    }
+
     fn take(&mut self, place: impl Fn() -> Place, line: &str) -> Result<(), Error> {
         let (key, value) = match line.split_once('=') {
             Some((key, value)) => (key.trim(), value.trim()),

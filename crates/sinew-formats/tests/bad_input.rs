@@ -1,4 +1,4 @@
-//! What a user reads when an input is bad: one test per row of the table of bad inputs that concerns these formats.
+//! What a user reads when an input is bad: one test per row of the table of bad inputs.
 
 use insta::assert_snapshot;
 use sinew_formats::*;

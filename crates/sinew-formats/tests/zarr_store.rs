@@ -1,4 +1,4 @@
-//! The Zarr store: its own metadata against its chunks, and the same store opened by Python where that is installed.
+//! The Zarr store: its own metadata against its chunks, and read by Python where that is installed.
 
 use serde_json::Value;
 use sinew_formats::zarr::inference_data::{Kind, Run, group, posterior, root, schema};

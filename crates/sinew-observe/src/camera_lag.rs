@@ -12,8 +12,8 @@
 //! iterated. Whole frames that are found are taken away and the rest is estimated again, since V is constant over a few frames only. A lag common to all cameras is not
 //! seen: lags are those against the largest group of cameras that agree within half a frame, or against the first camera where all differ.
 //!
-//! Standard deviations are those of the estimating equations with errors that are shared within a keypoint's [`BLOCK`] frames (Liang & Zeger 1986): detectors err the
-//! same way for some frames. A weak prior keeps what nothing tells at 0 with a standard deviation of [`PRIOR_FRAMES`].
+//! Standard deviations are those of the estimating equations with errors that are shared within a keypoint's `BLOCK` frames (Liang & Zeger 1986): detectors err the
+//! same way for some frames. A weak prior keeps what nothing tells at 0 with a standard deviation of `PRIOR_FRAMES`.
 
 use crate::camera::Camera;
 use crate::offsets::{CameraNoise, Sighted, point_from_views};

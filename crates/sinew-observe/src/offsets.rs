@@ -130,53 +130,74 @@ pub fn point_from_views(
     }
 }
 
+/// What is assumed of a camera at first.
+fn first_noise(camera: usize, frames: &[Sighted], config: &Config) -> CameraNoise {
+    let mut confidences: Vec<f64> = frames
+        .iter()
+        .filter_map(|frame| frame.get(camera))
+        .flatten()
+        .flatten()
+        .map(|d| d.confidence)
+        .filter(|c| *c >= config.least_confidence)
+        .collect();
+    CameraNoise {
+        offset_px: [0.0; 2],
+        sigma_px: config.first_sigma_px,
+        usual_confidence: median(&mut confidences),
+        residuals: 0,
+    }
+}
+
+/// Points in space at the present offsets.
+struct Round {
+    /// For each camera and axis, residuals in pixels with their leverages.
+    residuals: Vec<[Vec<(f64, f64)>; 2]>,
+    points: Vec<[f64; 3]>,
+    /// How far points without offsets lie from them.
+    shifts: Vec<[f64; 3]>,
+}
+
+fn round(
+    cameras: &[Camera],
+    frames: &[Sighted],
+    plain: &[Vec<Option<[f64; 3]>>],
+    noise: &[CameraNoise],
+    config: &Config,
+) -> Round {
+    let mut residuals: Vec<[Vec<(f64, f64)>; 2]> = vec![[vec![], vec![]]; cameras.len()];
+    let (mut points, mut shifts): (Vec<[f64; 3]>, Vec<[f64; 3]>) = (vec![], vec![]);
+    for (frame, plain) in frames.iter().zip(plain) {
+        for (k, plain) in plain.iter().enumerate() {
+            let Some((found, used)) = point_from_views(cameras, noise, frame, k, config.least_confidence) else {
+                continue;
+            };
+            points.push(found.point);
+            if let Some(plain) = plain {
+                shifts.push([0, 1, 2].map(|a: usize| plain[a] - found.point[a]));
+            }
+            for (i, &c) in used.iter().enumerate() {
+                if let Some(r) = found.residual_px[i] {
+                    for axis in 0..2 {
+                        residuals[c][axis].push((r[axis], found.leverage[i][axis]));
+                    }
+                }
+            }
+        }
+    }
+    Round { residuals, points, shifts }
+}
+
 /// Estimates offsets and scatter of all cameras.
 #[must_use]
 pub fn estimate(cameras: &[Camera], frames: &[Sighted], config: &Config) -> Vec<CameraNoise> {
-    let mut noise: Vec<CameraNoise> = (0..cameras.len())
-        .map(|c| {
-            let mut confidences: Vec<f64> = frames
-                .iter()
-                .filter_map(|frame| frame.get(c))
-                .flatten()
-                .flatten()
-                .map(|d| d.confidence)
-                .filter(|c| *c >= config.least_confidence)
-                .collect();
-            CameraNoise {
-                offset_px: [0.0; 2],
-                sigma_px: config.first_sigma_px,
-                usual_confidence: median(&mut confidences),
-                residuals: 0,
-            }
-        })
-        .collect();
+    let mut noise: Vec<CameraNoise> = (0..cameras.len()).map(|camera| first_noise(camera, frames, config)).collect();
     let keypoints = frames.iter().flatten().map(Vec::len).max().unwrap_or(0);
     let plain: Vec<Vec<Option<[f64; 3]>>> = frames
         .iter()
         .map(|frame| (0..keypoints).map(|k| without_offsets(cameras, frame, k, config)).collect())
         .collect();
     for _ in 0..config.rounds.max(1) {
-        let mut residuals: Vec<[Vec<(f64, f64)>; 2]> = vec![[vec![], vec![]]; cameras.len()];
-        let (mut points, mut shifts): (Vec<[f64; 3]>, Vec<[f64; 3]>) = (vec![], vec![]);
-        for (frame, plain) in frames.iter().zip(&plain) {
-            for (k, plain) in plain.iter().enumerate() {
-                let Some((found, used)) = point_from_views(cameras, &noise, frame, k, config.least_confidence) else {
-                    continue;
-                };
-                points.push(found.point);
-                if let Some(plain) = plain {
-                    shifts.push([0, 1, 2].map(|a: usize| plain[a] - found.point[a]));
-                }
-                for (i, &c) in used.iter().enumerate() {
-                    if let Some(r) = found.residual_px[i] {
-                        for axis in 0..2 {
-                            residuals[c][axis].push((r[axis], found.leverage[i][axis]));
-                        }
-                    }
-                }
-            }
-        }
+        let Round { residuals, points, shifts } = round(cameras, frames, &plain, &noise, config);
         let mut moved = 0.0_f64;
         for (c, axes) in residuals.iter().enumerate() {
             noise[c].residuals = axes[0].len();

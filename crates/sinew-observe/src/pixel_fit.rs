@@ -62,18 +62,7 @@ pub fn fit_pixels(
     let mut mu = 1e-2;
     for _ in 0..steps {
         point_jacobian(plan, ISA, &pose, &mut positions, &mut jacobian);
-        let mut normal = DMatrix::zeros(dof, dof);
-        let mut gradient = DVector::zeros(dof);
-        for (c, k, r) in residuals(plan, views, detections, &positions) {
-            let at = [positions[3 * k], positions[3 * k + 1], positions[3 * k + 2]];
-            let (Some(r), Some((_, pixel))) = (r, views[c].camera.project_with_jacobian(at)) else { continue };
-            let sigma = views[c].sigma_px;
-            let weight = (HUBER * sigma / r[0].hypot(r[1])).min(1.0) / (sigma * sigma);
-            let point = DMatrix::from_row_slice(3, dof, &jacobian[3 * k * dof..3 * (k + 1) * dof]);
-            let rows = Matrix2x3::from_fn(|i, j| pixel[i][j]) * point;
-            normal += weight * rows.transpose() * &rows;
-            gradient += weight * rows.transpose() * DVector::from_column_slice(&r);
-        }
+        let (mut normal, mut gradient) = equations(plan, views, detections, &positions, &jacobian);
         for j in 0..dof {
             let weight = sd[j].powi(-2);
             normal[(j, j)] += weight;
@@ -107,6 +96,30 @@ pub fn fit_pixels(
     let mut distances: Vec<f64> =
         residuals(plan, views, detections, &positions).filter_map(|(_, _, r)| r.map(|[u, v]| u.hypot(v))).collect();
     PixelFit { pose, cost, median_px: crate::offsets::median(&mut distances) }
+}
+
+/// Normal matrix and right-hand side of the detections, with Huber's weights.
+fn equations(
+    plan: &Plan,
+    views: &[View],
+    detections: &[Vec<Option<Detection>>],
+    positions: &[f64],
+    jacobian: &[f64],
+) -> (DMatrix<f64>, DVector<f64>) {
+    let dof = plan.dof();
+    let mut normal = DMatrix::zeros(dof, dof);
+    let mut gradient = DVector::zeros(dof);
+    for (c, k, r) in residuals(plan, views, detections, positions) {
+        let at = [positions[3 * k], positions[3 * k + 1], positions[3 * k + 2]];
+        let (Some(r), Some((_, pixel))) = (r, views[c].camera.project_with_jacobian(at)) else { continue };
+        let sigma = views[c].sigma_px;
+        let weight = (HUBER * sigma / r[0].hypot(r[1])).min(1.0) / (sigma * sigma);
+        let point = DMatrix::from_row_slice(3, dof, &jacobian[3 * k * dof..3 * (k + 1) * dof]);
+        let rows = Matrix2x3::from_fn(|i, j| pixel[i][j]) * point;
+        normal += weight * rows.transpose() * &rows;
+        gradient += weight * rows.transpose() * DVector::from_column_slice(&r);
+    }
+    (normal, gradient)
 }
 
 /// Camera, point and observed − projected of each detection, offsets removed.

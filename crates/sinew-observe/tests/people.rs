@@ -1,4 +1,6 @@
-//! Who is who in several views, and what the other views say about one: stick figures of nine points on a ring of four cameras, seen without noise, so that every answer is exact.
+//! Who is who in several views, and what the other views say about one.
+//!
+//! Stick figures of nine points stand in a ring of four cameras and are seen without noise, so that every answer is exact.
 
 use sinew_observe::association::{Config, Person, groups, nearest, triangulated};
 use sinew_observe::cross_view::{

@@ -1,4 +1,4 @@
-//! Poses from pixels: what comes back is the minimum of the cost that the module states, written out here once more.
+//! Poses from pixels: the minimum of the cost that the module states, written out here once more.
 
 use sinew_body::standard::cf28;
 use sinew_body::{KinematicTree, Plan, Proportions, point_positions};

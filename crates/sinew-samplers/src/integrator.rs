@@ -4,7 +4,7 @@
 //! One step (Duane et al. 1987; Neal 2011) is half a kick, a drift, and half a kick from where that led:
 //!
 //! - [`Leapfrog::trajectory`] makes L steps in which adjacent half kicks are fused, each from the gradient;
-//! - [`Leapfrog::step`] makes one and keeps the force η Aᵀ ∇ log p(x), since in a no-U-turn tree a lane may change its direction, or stand still, after any step.
+//! - `Leapfrog::step` makes one and keeps the force η Aᵀ ∇ log p(x), since in a no-U-turn tree a lane may change its direction, or stand still, after any step.
 //!
 //! A metric is what its kick, its drift and its force are; both ways are put together from these. Nothing is allocated.
 
@@ -60,7 +60,7 @@ pub struct End {
     pub broken: Block,
 }
 
-/// What [`Leapfrog::step`] moves: states, momenta, the forces there and the sums of the momenta so far; with scratch for a gradient, and the target's.
+/// What `Leapfrog::step` moves: states, momenta, the forces there and the sums of the momenta so far; with scratch for a gradient, and the target's.
 pub(crate) struct Moving<'a> {
     pub(crate) position: &'a mut [Block],
     pub(crate) momentum: &'a mut [Block],

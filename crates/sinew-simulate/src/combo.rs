@@ -11,7 +11,7 @@
 //! 4. Space: recorded walks are straight and short. The path of a locomotion is bent to the left, so that its person goes round: the heading turns by the way gone forward over 1.2 m. Elsewhere and at the
 //!    end of the join to free movement nothing is bent.
 //!
-//! [`recorded_combo`] is CMB: a walk, a run and balancing on one leg. Without recordings [`synthetic_combo`] does the same with the walker: its usual gait, a quicker one, and standing with arms that swing. It is no replacement for running and dancing, and its name says so.
+//! `recorded_combo` of the tests is CMB: a walk, a run and balancing on one leg. Without recordings [`synthetic_combo`] does the same with the walker: its usual gait, a quicker one, and standing with arms that swing. It is no replacement for running and dancing, and its name says so.
 //!
 //! Limits: feet slide in joins and, by some centimetres, where paths are bent.
 

@@ -14,7 +14,7 @@
 //! from the table by at most 5.5°. Harmonics: 4 (hip), 5 (knee), 6 (ankle).
 //!
 //! Pelvis, trunk and arms are single harmonics with the ranges of motion that these sources and Murray, Sepic & Barnard, Phys. Ther. 47 (1967) 272–284 (arms)
-//! report; see [`crate::synthetic::walker`].
+//! report; see [`crate::walker`].
 
 use std::f64::consts::TAU;
 

@@ -255,7 +255,7 @@ impl Resolved {
         table::settings().iter().filter(|setting| setting.hashed).filter_map(of).collect()
     }
 
-    /// Hash of the settings that change numbers: FNV-1a, 64 bits, over `key = value` lines in the order of [`settings`].
+    /// Hash of the settings that change numbers: FNV-1a, 64 bits, over `key = value` lines in the order of [`table::settings`].
     #[must_use]
     pub fn hash(&self) -> String {
         let values = self.of_numbers();

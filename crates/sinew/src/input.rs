@@ -14,6 +14,7 @@ pub mod pictures;
 pub mod qualisys;
 pub mod recording;
 pub mod silhouettes;
+pub mod size_misfit;
 pub mod source;
 pub mod up_axis;
 pub mod upright;

@@ -1,4 +1,4 @@
-//! Pictures of tracked bodies: outlines of the solids and joints of each frame's mean pose, over what the cameras saw.
+//! Pictures of tracked bodies: solids and joints of each frame's mean pose over what the cameras saw.
 //!
 //! Outlines are computed for a camera with a perfect lens and then bent by the lens, in short pieces, so that they lie in the image as it was taken; joints are projected through the lens at once. The person's left, right and middle have a
 //! colour each ([`colour_of`]).
@@ -51,7 +51,7 @@ pub struct Request {
     pub scale: Option<f64>,
     /// Frames, by number; all if `None`.
     pub frames: Option<Range<u64>>,
-    /// Every so-manieth of them.
+    /// Every n-th of them.
     pub every: usize,
 }
 
@@ -109,7 +109,7 @@ const SIDE_OF_LINE: f64 = 640.0;
 const PIECE_PX: f64 = 4.0;
 const MOST_PIECES: f64 = 256.0;
 
-/// Who draws a body.
+/// Draws a body.
 pub struct Artist {
     tree: sinew_body::KinematicTree,
     cameras: Vec<Camera>,
@@ -252,10 +252,10 @@ fn black(camera: &Camera) -> RgbImage {
     RgbImage { width, height, pixels: vec![[0; 3]; width * height] }
 }
 
-/// Draws the body of each frame of a result folder and writes `<camera>_<frame>.png`; `progress` is told how many frames are done, and of how many.
+/// Draws the body of each frame of a result folder and writes `<camera>_<frame>.png`; the callback `progress` gets the number of frames done, and of all.
 ///
 /// # Errors
-/// Those of [`Tracked::read`]; images or masks that do not fit the calibration; frames without any; an output folder that holds something (unless forced), is an input or cannot be written.
+/// Errors of [`Tracked::read`]; images or masks that do not fit the calibration; frames without any; an output folder that holds something (unless forced), is an input or cannot be written.
 pub fn overlay(
     results: &Path,
     request: &Request,

@@ -1,4 +1,6 @@
-//! Masks of who stands before a background that does not move: images in, a folder of masks out that [`crate::input::silhouettes`] reads.
+//! Masks of people before a background that does not move.
+//!
+//! Images in, a folder of masks out that [`crate::input::silhouettes`] reads.
 //!
 //! For each camera, one image in memory at a time:
 //!
@@ -6,7 +8,7 @@
 //! 2. for each image, the pixels that are far from it, cleaned by a median of 3 x 3 and by leaving small parts out ([`sinew_observe::cleaning`]);
 //! 3. a mask `<out>/<camera>/<frame>.png`, which gets its name when it is whole.
 //!
-//! Folders of images are laid out as those of [`crate::input::pictures`]; cameras are matched by name.
+//! Folders of images are laid out as in [`crate::input::pictures`]; cameras are matched by name.
 
 pub(crate) mod error;
 
@@ -67,7 +69,7 @@ pub struct Masks {
     pub warnings: Vec<String>,
 }
 
-/// Makes masks and writes them; `progress` is told how many images are done, and of how many.
+/// Makes masks and writes them; the callback `progress` gets the number of images done, and of all.
 ///
 /// # Errors
 /// Settings out of range; folders without images; a camera without a background; images that [`picture::read`] refuses or that differ in size; an output folder that
@@ -78,7 +80,7 @@ pub fn segment(request: &Request, out: &Path, force: bool, mut progress: impl Fn
     let backgrounds = request.background.iter().map(|folder| listed(folder)).collect::<Result<Vec<_>, _>>()?;
     let mut pairs = Vec::new();
     for camera in cameras {
-        let background = of_camera(&camera, &backgrounds, request)?;
+        let background = background_files(&camera, &backgrounds, request)?;
         pairs.push((camera, background));
     }
     let mut inputs = request.background.clone();
@@ -140,7 +142,7 @@ fn listed(root: &Path) -> Result<Vec<CameraFiles>, Error> {
 }
 
 /// The files of the background of a camera.
-fn of_camera<'a>(
+fn background_files<'a>(
     camera: &CameraFiles,
     backgrounds: &'a [Vec<CameraFiles>],
     request: &Request,
@@ -186,7 +188,7 @@ fn learned(camera: &str, files: &[&CameraFiles], step: &mut impl FnMut()) -> Res
     Ok(learned.unwrap_or_default())
 }
 
-/// The folder of a camera's masks, without those of before.
+/// The folder of a camera's masks, without earlier ones.
 fn emptied(folder: &Path) -> Result<(), Error> {
     fs::create_dir_all(folder).map_err(Error::io("create", folder))?;
     for entry in fs::read_dir(folder).map_err(Error::io("read", folder))? {
@@ -228,7 +230,7 @@ fn masks(
         step();
     }
     let name = camera.camera.clone();
-    let told = [
+    let texts = [
         (empty, "are empty".to_owned(), "nobody there, or a threshold too high?"),
         (
             large,
@@ -236,7 +238,7 @@ fn masks(
             "is this the background of this camera, in this light?",
         ),
     ];
-    warnings.extend(told.into_iter().filter(|(count, ..)| count.frames > 0).map(|(count, what, ask)| {
+    warnings.extend(texts.into_iter().filter(|(count, ..)| count.frames > 0).map(|(count, what, ask)| {
         format!("camera {name}: {} of {masks} masks {what} (first: frame {}); {ask}", count.frames, count.first)
     }));
     let mean_share = shares / (masks as f64).max(1.0);

@@ -11,7 +11,7 @@
 //! A body from a file keeps the sizes that it has there: offsets, noise and the subject's sizes are found with H32, then the file's body is fitted to the points in
 //! space, and the model error is what remains for that body ([`own_body`]).
 //!
-//! With one camera there are no points in space: offsets stay 0, the body keeps its default sizes, and the pose is fitted to pixels, its depth told by the size of
+//! With one camera there are no points in space: offsets stay 0, the body keeps its default sizes, and the pose is fitted to pixels, its depth by the size of
 //! the body ([`one_camera`]). How far that size may be from the person's is part of every interval ([`Setup::size_sd`]).
 
 pub mod calibration_fit;

@@ -1,11 +1,11 @@
 //! Thicknesses of a tracked person, from masks of a few frames and the poses of a result.
 //!
-//! The poses are kept; radii of the solids are scaled until the body covers the masks best, with as few wrong pixels as possible: those of the masks that are not on the body, and those of the body that are not on a mask, over the masks'
+//! The poses are kept; radii of the solids are scaled until the body covers the masks best, with as few wrong pixels as possible: pixels of the masks that are not on the body, and of the body that are not on a mask, over the masks'
 //! pixels.
 //!
 //! 1. Left and right solids of one name (`l_thigh`, `r_thigh`) are one part; each part has two scales, of its radii at base and top.
 //! 2. One part after the other: golden section search over the logarithm of its scales, first both together, then each alone, in brackets about the best so far that shrink from round to round.
-//! 3. A part that no mask tells anything of keeps its radii: a weak pull towards the first ones decides between equals.
+//! 3. A part that no mask shows keeps its radii: a weak pull towards the first ones decides between equals.
 //!
 //! Nothing is drawn at random and pixels are counted in whole numbers, so that the result does not depend on the number of threads. Masks of clothes give the thickness of clothes; where poses are wrong, thicknesses follow them.
 
@@ -70,7 +70,7 @@ pub struct Fitted {
     pub flesh: Flesh,
     /// Scale of each part.
     pub parts: Vec<PartScale>,
-    /// Wrong pixels over those of the masks, with the radii as they were.
+    /// Wrong pixels over the masks' pixels, with the radii as they were.
     pub before: f64,
     /// The same with the new ones.
     pub after: f64,
@@ -78,7 +78,7 @@ pub struct Fitted {
     pub masks: usize,
 }
 
-/// Frames that are compared; more of a recording tell little more.
+/// Frames that are compared; more of a recording add little.
 const FRAMES: usize = 12;
 /// Longest side of the raster in which masks are compared, pixels.
 const RASTER: usize = 640;
@@ -86,7 +86,7 @@ const RASTER: usize = 640;
 const ROUNDS: [f64; 6] = [0.35, 0.3, 0.15, 0.08, 0.04, 0.02];
 /// Steps of a golden section: its bracket becomes 29 times narrower.
 const STEPS: usize = 7;
-/// Pull towards the first radii: wrong pixels over those of the masks that a scale of e costs.
+/// Pull towards the first radii: wrong pixels over the masks' pixels that a scale of e costs.
 const PULL: f64 = 1e-3;
 /// Least and greatest scale.
 const SCALES: [f64; 2] = [0.4, 2.5];
@@ -134,7 +134,7 @@ impl Judge<'_> {
         Flesh::new(self.tree, scaled(self.flesh.solids(), self.names, logs)).map_err(ShapeFitError::Solids)
     }
 
-    /// Wrong pixels over those of the masks.
+    /// Wrong pixels over the masks' pixels.
     fn mismatch(&self, logs: &[[f64; 2]]) -> Result<f64, ShapeFitError> {
         let body = SolidBody::new(self.tree, &self.flesh(logs)?).map_err(ShapeFitError::Solids)?;
         let model = ImageModel {
@@ -144,7 +144,7 @@ impl Judge<'_> {
             colours: Arc::default(),
             isa: Isa::baseline(),
         };
-        let of_sight = |sight: &Sight| {
+        let counts_of = |sight: &Sight| {
             let bodies = model.silhouettes(&sight.state);
             let pairs = bodies.iter().zip(&sight.silhouettes).filter_map(|(body, mask)| Some((body, mask.as_ref()?)));
             let counts = pairs.map(|(body, mask)| {
@@ -154,7 +154,7 @@ impl Judge<'_> {
             counts.fold([0, 0], |[a, b], [c, d]| [a + c, b + d])
         };
         let sum = |[a, b]: [u64; 2], [c, d]: [u64; 2]| [a + c, b + d];
-        let [wrong, all] = self.sights.par_iter().map(of_sight).reduce(|| [0, 0], sum);
+        let [wrong, all] = self.sights.par_iter().map(counts_of).reduce(|| [0, 0], sum);
         Ok(wrong as f64 / all.max(1) as f64)
     }
 
@@ -205,7 +205,7 @@ impl Judge<'_> {
     }
 }
 
-/// Radii with which a body in known states covers masks best; `cameras` have perfect lenses and the size of the masks. `progress` is told how many rounds are done, and of how many.
+/// Radii with which a body in known states covers masks best; `cameras` have perfect lenses and the size of the masks. The callback `progress` gets the number of rounds done, and of all.
 ///
 /// # Errors
 /// No mask with a person; solids that cannot be compared; masks of another size than their cameras.
@@ -256,7 +256,7 @@ pub fn fit(
 /// Fits the radii of the body of a result folder and writes it as a body file; gives what was found, and what is odd about the masks.
 ///
 /// # Errors
-/// Those of [`Tracked::read`], [`Silhouettes::open`] and [`fit`]; a file that is there (unless forced), an input or cannot be written.
+/// Errors of [`Tracked::read`], [`Silhouettes::open`] and [`fit`]; a file that is there (unless forced), an input or cannot be written.
 pub fn fit_shape(
     results: &Path,
     request: &Request,

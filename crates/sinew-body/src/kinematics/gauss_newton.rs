@@ -6,7 +6,7 @@
 
 use super::plan::{Plan, PlanLink};
 use super::vector::{V3, cross_add, dot, load3, v3};
-use super::{Pass, Visit, take};
+use super::visit::{Pass, Visit, take};
 use sinew_core::lanes::{Real, triangle};
 
 /// Upper triangle of the moment block, the mixed block, upper triangle of the force block.

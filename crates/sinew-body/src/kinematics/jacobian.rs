@@ -1,7 +1,9 @@
 //! Derivatives of all points by all degrees of freedom, for fitting.
 
+use super::plan::Plan;
+use super::positions::Record;
 use super::vector::{cross_add, load3, v3};
-use super::{Plan, Record};
+
 use sinew_core::lanes::{Isa, Kernel, Real, dispatch_one};
 
 struct Jacobian<'a> {

@@ -98,34 +98,7 @@ impl Plan {
             let mut offset = link.offset;
             let mut joints = link.joints.iter().peekable();
             loop {
-                let first = plan.joints.len();
-                let free = |axis: &Axis| PlanJoint { axis: *axis, place: 0, stored: false };
-                while let Some(Joint::Translate(axis)) = joints.peek() {
-                    plan.joints.push(free(axis));
-                    joints.next();
-                }
-                let translations = plan.joints.len() - first;
-                while let Some(Joint::Rotate(axis)) = joints.peek() {
-                    plan.joints.push(free(axis));
-                    joints.next();
-                }
-                let rotations = plan.joints.len() - first - translations;
-                if let Some(p) = parent {
-                    plan.links[p].has_children = true;
-                }
-                plan.links.push(PlanLink {
-                    parent,
-                    offset,
-                    first,
-                    translations,
-                    rotations,
-                    points: 0,
-                    has_children: false,
-                    gathers: false,
-                    follows: false,
-                    from: 0,
-                    frame: 0,
-                });
+                plan.push_segment(&mut joints, parent, offset);
                 parent = Some(plan.links.len() - 1);
                 offset = [0.0; 3];
                 if joints.peek().is_none() {
@@ -146,6 +119,43 @@ impl Plan {
         }
         plan.place_vectors();
         plan
+    }
+
+    /// Takes the next translations and the rotations after them for a link of the plan.
+    fn push_segment<'a>(
+        &mut self,
+        joints: &mut std::iter::Peekable<impl Iterator<Item = &'a Joint>>,
+        parent: Option<usize>,
+        offset: [f64; 3],
+    ) {
+        let first = self.joints.len();
+        let free = |axis: &Axis| PlanJoint { axis: *axis, place: 0, stored: false };
+        while let Some(Joint::Translate(axis)) = joints.peek() {
+            self.joints.push(free(axis));
+            joints.next();
+        }
+        let translations = self.joints.len() - first;
+        while let Some(Joint::Rotate(axis)) = joints.peek() {
+            self.joints.push(free(axis));
+            joints.next();
+        }
+        let rotations = self.joints.len() - first - translations;
+        if let Some(p) = parent {
+            self.links[p].has_children = true;
+        }
+        self.links.push(PlanLink {
+            parent,
+            offset,
+            first,
+            translations,
+            rotations,
+            points: 0,
+            has_children: false,
+            gathers: false,
+            follows: false,
+            from: 0,
+            frame: 0,
+        });
     }
 
     /// Gives every vector its place.

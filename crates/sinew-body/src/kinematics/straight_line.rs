@@ -3,7 +3,7 @@
 //! What [`Plan::forward`](super::Plan::forward) and [`Plan::pullback`](super::Plan::pullback) do with loops over any tree is spelled out for each of these, link by link: frames stay in registers, products with zeros and ones
 //! vanish, and what nobody uses (a column of the last link of a limb) is not computed. Bodies differ in their sizes only, which are data.
 
-use super::Visit;
+use super::visit::Visit;
 use sinew_core::elementary::sin_cos;
 use sinew_core::lanes::Real;
 

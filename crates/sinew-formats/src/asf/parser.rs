@@ -1,6 +1,6 @@
 //! Parser of ASF files: sections `:units`, `:root`, `:bonedata`, `:hierarchy`; others are skipped.
 
-use super::{Asf, Bone, RootChannel, fixed_axes};
+use super::skeleton::{Asf, Bone, RootChannel, fixed_axes};
 use crate::nearest::nearest;
 use crate::rotation::IDENTITY;
 use crate::source_text::{finite, numbered_lines, shortened};

@@ -20,7 +20,7 @@
 //! - the root of a body with branches is a joint `root` of its own, below the origin of the first link;
 //! - a link without children ends at the point of the body that lies farthest from its origin.
 
-use super::{Channel, Joint, bvh_from_world};
+use super::hierarchy::{Channel, Joint, bvh_from_world};
 use crate::rotation::{IDENTITY, Matrix, apply, product, to_zyx, transpose};
 use sinew_body::KinematicTree;
 

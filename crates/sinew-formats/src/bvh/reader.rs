@@ -1,6 +1,6 @@
 //! Reader of BVH files: a stream of words for the hierarchy, one line per frame for the motion.
 
-use super::{Bvh, CHANNEL_NAMES, Channel, Joint};
+use super::hierarchy::{Bvh, CHANNEL_NAMES, Channel, Joint};
 use crate::nearest::nearest;
 use crate::source_text::{check_claim, finite, numbered_lines, shortened};
 use crate::{Error, Place, Warning};

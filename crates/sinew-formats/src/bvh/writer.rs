@@ -1,6 +1,6 @@
 //! Writer of BVH files, frame by frame.
 
-use super::{Bvh, CHANNEL_NAMES, Channel, Joint};
+use super::hierarchy::{Bvh, CHANNEL_NAMES, Channel, Joint};
 use crate::numbers::write_number;
 use std::io::{self, Write};
 

@@ -1,6 +1,6 @@
 //! Reader of TRC files with the quirks of the programs that write them.
 
-use super::{Frame, Header, Trc, Units};
+use super::table::{Frame, Header, Trc, Units};
 use crate::row_time::RowTime;
 use crate::source_text::{check_claim, finite, finite_or_missing, numbered_lines, shortened};
 use crate::{Error, Place, Warning};

@@ -1,6 +1,6 @@
 //! Writer of TRC files, frame by frame.
 
-use super::{Header, Trc};
+use super::table::{Header, Trc};
 use crate::numbers::{write_number, write_plain};
 use std::io::{self, Write};
 

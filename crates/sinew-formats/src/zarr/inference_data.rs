@@ -12,7 +12,7 @@
 //! assert!(posterior.attributes["draw_meaning"].as_str().unwrap().contains("per frame"));
 //! ```
 
-use super::{DataType, Group, Labels, Schema, Variable};
+use super::schema::{DataType, Group, Labels, Schema, Variable};
 use serde_json::{Map, Value};
 
 /// Whether draws of a frame know the frames after it.

@@ -1,6 +1,6 @@
 //! Metadata documents: `zarr.json` of groups and arrays.
 
-use super::DataType;
+use super::schema::DataType;
 use serde_json::{Map, Value, json};
 
 /// Element of an array.

@@ -1,9 +1,9 @@
 //! Streams frames into a store.
 
 use super::metadata::{self, Element};
-use super::{CHUNK_FRAMES, DataType, FRAME, Group, Labels, Schema, Store, Values, Variable};
+use super::schema::{CHUNK_FRAMES, Constant, DataType, FRAME, Group, Labels, Schema, Store, Values, Variable};
 use serde_json::{Map, Value};
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::io;
 
 /// Name of the coordinate that holds the seconds of the frames.
@@ -41,84 +41,110 @@ struct Growing {
     chunk: Vec<u8>,
 }
 
+/// A store while its schema is checked.
+struct Plan<S> {
+    store: S,
+    dimensions: BTreeMap<String, Labels>,
+    /// Paths that are taken.
+    paths: BTreeSet<String>,
+    fixed: Map<String, Value>,
+    growing: Vec<(Growing, Option<Time>)>,
+}
+
+fn labels<'a>(dimensions: &'a BTreeMap<String, Labels>, name: &str) -> io::Result<&'a Labels> {
+    let found = dimensions.get(name).filter(|labels| !labels.is_empty());
+    found.ok_or_else(|| invalid(format!("dimension `{name}` has no labels")))
+}
+
+impl<S: Store> Plan<S> {
+    fn claim(&mut self, path: &str) -> io::Result<()> {
+        let odd = path.split('/').any(|part| part.is_empty() || part.starts_with('.') || part.starts_with("__"));
+        if odd || path.contains(char::is_control) || !self.paths.insert(path.to_owned()) {
+            return Err(invalid(format!("`{path}` cannot be a path in a store, or is there twice")));
+        }
+        Ok(())
+    }
+
+    fn put_coordinates(&mut self, group: &Group) -> io::Result<()> {
+        for name in coordinates(group) {
+            let path = format!("{}/{name}", group.name);
+            self.claim(&path)?;
+            let labels = labels(&self.dimensions, &name)?;
+            let (element, bytes) = match labels {
+                Labels::Count(count) => {
+                    let bytes = (0..*count as i64).flat_map(i64::to_le_bytes).collect();
+                    (Element::Number(DataType::Int64), bytes)
+                }
+                Labels::Names(names) => (Element::Text, vlen_utf8(names)?),
+            };
+            let shape = [labels.len()];
+            self.store.put(&format!("{path}/c/0"), &bytes)?;
+            self.fixed.insert(path, metadata::array(element, &shape, &shape, &[name], &Map::new()));
+        }
+        Ok(())
+    }
+
+    fn put_constant(&mut self, group: &str, constant: &Constant) -> io::Result<()> {
+        let Variable { name, dimensions, data_type, attributes } = &constant.variable;
+        let path = format!("{group}/{name}");
+        self.claim(&path)?;
+        let sizes = dimensions.iter().map(|name| Ok(labels(&self.dimensions, name)?.len()));
+        let shape = sizes.collect::<io::Result<Vec<usize>>>()?;
+        let is_growing = dimensions.iter().any(|name| name == FRAME);
+        if is_growing || shape.iter().product::<usize>() != constant.values.len() {
+            let count = constant.values.len();
+            return Err(invalid(format!("`{path}` has {count} values for the shape {shape:?}")));
+        }
+        let key = shape.iter().fold(format!("{path}/c"), |key, _| key + "/0");
+        let bytes: Vec<u8> = constant.values.iter().flat_map(|&value| encoded(*data_type, value)).collect();
+        self.store.put(&key, &bytes)?;
+        let element = Element::Number(*data_type);
+        self.fixed.insert(path, metadata::array(element, &shape, &shape, dimensions, attributes));
+        Ok(())
+    }
+
+    /// Takes up the variables of a group that grow, with its coordinates `frame` and `time`.
+    fn grow(&mut self, group: Group) -> io::Result<()> {
+        let streams = !group.variables.is_empty();
+        let times = [(FRAME, DataType::Int64, Time::Number), (TIME, DataType::Float64, Time::Seconds)];
+        let times = times.into_iter().filter(|_| streams).map(|(name, data_type, time)| {
+            let variable = Variable::new(name, &[FRAME], data_type);
+            (if time == Time::Seconds { variable.with_attribute("units", "s") } else { variable }, Some(time))
+        });
+        let variables =
+            group.variables.into_iter().map(|variable| (variable.with_attribute("coordinates", TIME), None));
+        for (variable, time) in variables.chain(times) {
+            let path = format!("{}/{}", group.name, variable.name);
+            self.claim(&path)?;
+            let size =
+                |name: &String| if name == FRAME { Ok(1) } else { labels(&self.dimensions, name).map(Labels::len) };
+            let shape = variable.dimensions.iter().map(size).collect::<io::Result<Vec<usize>>>()?;
+            self.growing.push((Growing::new(path, variable, shape)?, time));
+        }
+        Ok(())
+    }
+}
+
 impl<S: Store> Writer<S> {
     /// Checks the schema and writes everything that does not grow.
     ///
     /// # Errors
     /// What the store reports; `InvalidInput` for dimensions without labels, names that are used twice or cannot be part of
     /// a path, growing variables without `frame`, constants with it or of another size.
-    pub fn create(mut store: S, schema: Schema) -> io::Result<Self> {
-        let mut fixed = Map::new();
-        let mut growing = Vec::new();
-        let mut is_time = Vec::new();
+    pub fn create(store: S, schema: Schema) -> io::Result<Self> {
         let Schema { dimensions, attributes, groups } = schema;
-        let labels = |name: &str| {
-            let found = dimensions.get(name).filter(|labels| !labels.is_empty());
-            found.ok_or_else(|| invalid(format!("dimension `{name}` has no labels")))
-        };
-        let mut paths = BTreeSet::new();
-        let mut claim = |path: &str| {
-            let odd = path.split('/').any(|part| part.is_empty() || part.starts_with('.') || part.starts_with("__"));
-            if odd || path.contains(char::is_control) || !paths.insert(path.to_owned()) {
-                return Err(invalid(format!("`{path}` cannot be a path in a store, or is there twice")));
-            }
-            Ok(())
-        };
+        let mut plan = Plan { store, dimensions, paths: BTreeSet::new(), fixed: Map::new(), growing: vec![] };
         for group in groups {
-            claim(&group.name)?;
-            fixed.insert(group.name.clone(), metadata::group(&group.attributes));
-            for name in coordinates(&group) {
-                let path = format!("{}/{name}", group.name);
-                claim(&path)?;
-                let labels = labels(&name)?;
-                let (element, bytes) = match labels {
-                    Labels::Count(count) => {
-                        let bytes = (0..*count as i64).flat_map(i64::to_le_bytes).collect();
-                        (Element::Number(DataType::Int64), bytes)
-                    }
-                    Labels::Names(names) => (Element::Text, vlen_utf8(names)?),
-                };
-                let shape = [labels.len()];
-                store.put(&format!("{path}/c/0"), &bytes)?;
-                fixed.insert(path, metadata::array(element, &shape, &shape, &[name], &Map::new()));
-            }
+            plan.claim(&group.name)?;
+            plan.fixed.insert(group.name.clone(), metadata::group(&group.attributes));
+            plan.put_coordinates(&group)?;
             for constant in &group.constants {
-                let Variable { name, dimensions, data_type, attributes } = &constant.variable;
-                let path = format!("{}/{name}", group.name);
-                claim(&path)?;
-                let sizes = dimensions.iter().map(|name| Ok(labels(name)?.len()));
-                let shape = sizes.collect::<io::Result<Vec<usize>>>()?;
-                if dimensions.iter().any(|name| name == FRAME)
-                    || shape.iter().product::<usize>() != constant.values.len()
-                {
-                    return Err(invalid(format!(
-                        "`{path}` has {} values for the shape {shape:?}",
-                        constant.values.len()
-                    )));
-                }
-                let key = shape.iter().fold(format!("{path}/c"), |key, _| key + "/0");
-                let bytes: Vec<u8> = constant.values.iter().flat_map(|&value| encoded(*data_type, value)).collect();
-                store.put(&key, &bytes)?;
-                let element = Element::Number(*data_type);
-                fixed.insert(path, metadata::array(element, &shape, &shape, dimensions, attributes));
+                plan.put_constant(&group.name, constant)?;
             }
-            let streams = !group.variables.is_empty();
-            let times = [(FRAME, DataType::Int64, Time::Number), (TIME, DataType::Float64, Time::Seconds)];
-            let times = times.into_iter().filter(|_| streams).map(|(name, data_type, time)| {
-                let variable = Variable::new(name, &[FRAME], data_type);
-                (if time == Time::Seconds { variable.with_attribute("units", "s") } else { variable }, Some(time))
-            });
-            let variables =
-                group.variables.into_iter().map(|variable| (variable.with_attribute("coordinates", TIME), None));
-            for (variable, time) in variables.chain(times) {
-                let path = format!("{}/{}", group.name, variable.name);
-                claim(&path)?;
-                let size = |name: &String| if name == FRAME { Ok(1) } else { labels(name).map(Labels::len) };
-                let shape = variable.dimensions.iter().map(size).collect::<io::Result<Vec<usize>>>()?;
-                growing.push(Growing::new(path, variable, shape)?);
-                is_time.push(time);
-            }
+            plan.grow(group)?;
         }
+        let Plan { store, fixed, growing, .. } = plan;
+        let (growing, is_time) = growing.into_iter().unzip();
         let mut writer = Self { store, attributes, fixed, growing, is_time, frames: 0 };
         for (path, document) in &writer.fixed {
             writer.store.put(&format!("{path}/zarr.json"), &metadata::bytes(document))?;

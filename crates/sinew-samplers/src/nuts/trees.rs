@@ -150,7 +150,7 @@ impl Trees {
         })
     }
 
-    /// States of the chains, one block a dimension; a lane's is a draw from when [`step`] reports its transition until the next call.
+    /// States of the chains, one block a dimension; a lane's is a draw from when `step` reports its transition until the next call.
     #[must_use]
     pub fn position(&self) -> &[Block] {
         &self.candidate.position

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 /// Extensions of videos.
 const VIDEOS: [&str; 10] = ["mp4", "avi", "mov", "mkv", "mts", "m4v", "wmv", "webm", "mpg", "mpeg"];
 
-/// Videos begin with one of these, at so many bytes from the start: MP4 and MOV, AVI, Matroska and WebM.
+/// Videos hold one of these marks, at this offset in bytes: MP4 and MOV, AVI, Matroska and WebM.
 const MARKS: [(usize, &[u8]); 3] = [(4, b"ftyp"), (8, b"AVI "), (0, &[0x1a, 0x45, 0xdf, 0xa3])];
 
 /// What lies in a folder or in those in it.

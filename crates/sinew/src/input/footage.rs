@@ -50,11 +50,11 @@ impl Footage {
     /// Opens what the settings name: at least keypoints or masks.
     ///
     /// # Errors
-    /// Those of [`Recording::open`], [`Silhouettes::open`] and [`Pictures::open`]; nothing to track; no start for masks.
+    /// Errors of [`Recording::open`], [`Silhouettes::open`] and [`Pictures::open`]; nothing to track; no start for masks.
     pub fn open(config: &TrackConfig, calibration: &Path, options: &recording::Options) -> Result<Self, Error> {
         let begins_only = config.init.is_some();
         let mut footage = match &config.keypoints {
-            Some(keypoints) => Self::of_keypoints(Recording::open(calibration, keypoints, options)?),
+            Some(keypoints) => Self::with_keypoints(Recording::open(calibration, keypoints, options)?),
             None => Self::without_keypoints(calibration, options)?,
         };
         footage.begins_only = begins_only;
@@ -95,7 +95,7 @@ impl Footage {
         Ok(footage)
     }
 
-    fn of_keypoints(recording: Recording) -> Self {
+    fn with_keypoints(recording: Recording) -> Self {
         Self {
             cameras: recording.cameras().to_vec(),
             layout: recording.layout().clone(),

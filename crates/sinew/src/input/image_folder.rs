@@ -1,11 +1,12 @@
-//! A folder of image files of calibrated cameras: which file belongs to which camera and frame, and whether its size fits the calibration.
+//! A folder of image files of calibrated cameras: file of each camera and frame, and its size.
 //!
-//! Files lie side by side (`cam01_000.png`) or in a folder a camera (`cam01/000.png`, `cam01_masks/000.png`). Cameras are matched by name as those of keypoints,
+//! Files lie side by side (`cam01_000.png`) or in a folder a camera (`cam01/000.png`, `cam01_masks/000.png`). Cameras are matched by name as with keypoints,
 //! frames go by the last number in the file names.
 
-use crate::input::error::{InputError, SizeMisfit};
+use crate::input::error::InputError;
 use crate::input::folder_contents::{FolderContents, folder_contents};
 use crate::input::recording::{lag_of, listing, ranges};
+use crate::input::size_misfit::SizeMisfit;
 use crate::{Error, files};
 use listing::CameraFiles;
 use sinew_formats::{Error as FormatError, camera_name};
@@ -93,28 +94,13 @@ impl ImageFolder {
             found.iter().map(|files| camera_part(&files.name, &calibrated, kind).to_owned()).collect();
         // What belongs to no calibrated camera is refused; what belongs to one that is not in use is left alone.
         camera_name::match_names(&labels, &calibrated)?;
-        let mut found: Vec<(String, listing::Folder)> =
-            labels.iter().map(|label| camera_name::fold(label)).zip(found).collect();
-        let mut files = Vec::new();
-        let mut warnings = Vec::new();
-        for camera in cameras {
-            let name = camera_name::fold(&camera.name);
-            match found.iter().position(|(label, _)| *label == name) {
-                Some(place) => {
-                    let listed = listing::files(found.swap_remove(place).1, &camera.name, kind.many)?;
-                    files.push(Some(listed.late_by(lag_of(&options.lag, &camera.name))));
-                }
-                None => {
-                    warnings.push(format!(
-                        "no {} for camera `{}`; there are: {}",
-                        kind.many,
-                        camera.name,
-                        labels.join(", ")
-                    ));
-                    files.push(None);
-                }
-            }
-        }
+        let found = labels.iter().map(|label| camera_name::fold(label)).zip(found).collect();
+        let files = listed_by_camera(cameras, found, kind, &options.lag)?;
+        let lacking = cameras.iter().zip(&files).filter(|(_, files)| files.is_none());
+        let warnings = lacking.map(|(camera, _)| {
+            format!("no {} for camera `{}`; there are: {}", kind.many, camera.name, labels.join(", "))
+        });
+        let warnings = warnings.collect();
         let listed: Vec<&CameraFiles> = files.iter().flatten().collect();
         if listed.is_empty() {
             return Err(InputError::ImagesOfOtherCameras {
@@ -224,6 +210,26 @@ impl ImageFolder {
     }
 }
 
+/// The files of each camera among folders, which come with their folded names; `None` where a camera has none.
+fn listed_by_camera(
+    cameras: &[Camera],
+    mut found: Vec<(String, listing::Folder)>,
+    kind: &Kind,
+    lag: &[(String, i64)],
+) -> Result<Vec<Option<CameraFiles>>, Error> {
+    let mut listed = Vec::with_capacity(cameras.len());
+    for camera in cameras {
+        let name = camera_name::fold(&camera.name);
+        let Some(place) = found.iter().position(|(label, _)| *label == name) else {
+            listed.push(None);
+            continue;
+        };
+        let files = listing::files(found.swap_remove(place).1, &camera.name, kind.many)?;
+        listed.push(Some(files.late_by(lag_of(lag, &camera.name))));
+    }
+    Ok(listed)
+}
+
 /// What is odd about a size that fits its camera.
 fn size_fits(camera: &Camera, kind: &Kind, size: [usize; 2], scale: Option<f64>) -> Result<Option<String>, SizeMisfit> {
     let [width, height] = size;
@@ -245,7 +251,7 @@ fn size_fits(camera: &Camera, kind: &Kind, size: [usize; 2], scale: Option<f64>)
         return Ok(Some(format!("{misfit}; taken as they are")));
     }
     let ratios = [width as f64 / full_width, height as f64 / full_height];
-    // The longer side tells the ratio best.
+    // The ratio is most precise along the longer side.
     let ratio = (1000.0 * if full_width < full_height { ratios[1] } else { ratios[0] }).round() / 1000.0;
     let is_ratio = ratios.iter().all(|found| (found - ratio).abs() <= SIZE_TOLERANCE * ratio);
     Err(SizeMisfit { fitting: is_ratio.then_some(ratio), ..misfit })
@@ -261,7 +267,7 @@ pub(crate) fn camera_part<'a>(name: &'a str, calibrated: &[&str], kind: &Kind) -
     suffix.map_or(name, |suffix| &name[..name.len() - suffix.len()])
 }
 
-/// The files that may be those of cameras; `names` are asked for even where there are none.
+/// The files that may belong to cameras; folders of `names` are listed even where they are empty.
 pub(crate) fn camera_files(root: &Path, names: &[&str], kind: &Kind) -> Result<Vec<listing::Folder>, Error> {
     let is_camera = |name: &str| {
         let name = camera_name::fold(camera_part(name, names, kind));
@@ -300,11 +306,11 @@ mod tests {
     }
 
     fn check(full: [f64; 2], size: [usize; 2], scale: Option<f64>, wanted: &str) {
-        let told = match size_fits(&camera(full[0], full[1]), &KIND, size, scale) {
+        let found = match size_fits(&camera(full[0], full[1]), &KIND, size, scale) {
             Ok(warning) => warning.unwrap_or_default(),
             Err(misfit) => format!("{misfit} | {}", misfit.help()),
         };
-        assert_eq!(told, wanted);
+        assert_eq!(found, wanted);
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! What to do about a path that is not there: the nearest folder that is, and what was likely meant.
+//! Advice about a path that is not there: the nearest folder that is, and the likely name.
 
 use sinew_formats::nearest::nearest;
 use std::ffi::OsStr;

@@ -1,6 +1,6 @@
 //! Pictures on disk: colour images of calibrated cameras, read one frame at a time.
 //!
-//! Files lie and are matched as those of [`crate::input::silhouettes`], as PNG or JPEG. They may be sparse, every fifth frame for example: then [`Pictures::numbers`] says
+//! Files lie and are matched as in [`crate::input::silhouettes`], as PNG or JPEG. They may be sparse, every fifth frame for example: then [`Pictures::numbers`] says
 //! which there are.
 
 use crate::Error;

@@ -1,59 +1,33 @@
 //! A recording on disk: keypoint folders `<camera>_json/*.json` of calibrated cameras, read one frame at a time.
 //!
 //! [`Recording::open`] lists the files, matches folders to cameras by name and checks what can be checked without reading every file; [`Recording::frame`] reads
-//! the files of one frame. What is odd about single frames is counted, each frame once however often it is read, and told at the end by [`Recording::warnings`].
+//! the files of one frame. What is odd about single frames is counted, each frame once however often it is read; [`Recording::warnings`] has the counts.
 //!
 //! Frames go by the number in the file names. A number without a file is a frame that the camera missed.
 
+mod calibrated;
+mod frame_ranges;
 mod guess;
+mod known_layout;
 pub(crate) mod listing;
+mod options;
 pub mod survey;
 
-use crate::input::error::InputError;
-use crate::input::qualisys::refuse_qualisys;
+pub(crate) use calibrated::{Calibrated, chosen_cameras};
+pub(crate) use frame_ranges::{check_lags, lag_of, ranges};
+pub(crate) use known_layout::{check_layout, lacking};
+pub use options::Options;
+
 use crate::{Error, files};
-use listing::CameraFiles;
+use known_layout::named_layout;
+use listing::{CameraFiles, chosen_folders};
 use sinew_formats::openpose::{self, Person, Tally};
-use sinew_formats::source_text::{MAX_CONFIG_BYTES, MAX_KEYPOINT_BYTES};
-use sinew_formats::{Layout, calib_toml, camera_name, frame_number, layout};
+use sinew_formats::source_text::MAX_KEYPOINT_BYTES;
+use sinew_formats::{Layout, camera_name, frame_number};
 use sinew_observe::Camera;
-use std::borrow::Borrow;
 use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
-
-/// What to take from a recording.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Options {
-    /// Name of a layout or path of a mapping file; guessed if `None`.
-    pub layout: Option<String>,
-    /// Confidence that means certainty.
-    pub confidence_scale: f64,
-    /// Size of the images over that of the calibrated ones.
-    pub image_scale: f64,
-    /// Frames to take, by number; all if `None`.
-    pub frames: Option<Range<u64>>,
-    /// Cameras to take, by name; all if `None`.
-    pub cameras: Option<Vec<String>>,
-    /// Whether cameras may begin and end apart.
-    pub trim: bool,
-    /// Frames that cameras are late: frame f of such a camera is in its file numbered f + lag. Beginnings and ends that differ by lags are trimmed.
-    pub lag: Vec<(String, i64)>,
-}
-
-impl Default for Options {
-    fn default() -> Self {
-        Self {
-            layout: None,
-            confidence_scale: 1.0,
-            image_scale: 1.0,
-            frames: None,
-            cameras: None,
-            trim: false,
-            lag: vec![],
-        }
-    }
-}
 
 /// An opened recording.
 #[derive(Debug)]
@@ -80,7 +54,7 @@ impl Recording {
     /// Opens the keypoint folder of the cameras in a calibration file.
     ///
     /// # Errors
-    /// What [`calib_toml::read`] refuses; folders that do not fit the calibration; cameras that begin or end apart, unless trimmed; an empty selection; a layout
+    /// What [`sinew_formats::calib_toml::read`] refuses; folders that do not fit the calibration; cameras that begin or end apart, unless trimmed; an empty selection; a layout
     /// that is unknown or too poor.
     pub fn open(calibration: &Path, keypoints: &Path, options: &Options) -> Result<Self, Error> {
         let Calibrated { cameras, names: calibrated, mut warnings, hash: calibration_hash } =
@@ -111,27 +85,7 @@ impl Recording {
         }
 
         let (available, frames) = ranges(&listed, options.frames.as_ref(), options.trim)?;
-        if let Some(asked) =
-            options.frames.as_ref().filter(|asked| asked.start < frames.start || asked.end > frames.end)
-        {
-            warnings.push(format!(
-                "frames {}..{} were asked for; {}..{} are there and taken",
-                asked.start, asked.end, frames.start, frames.end
-            ));
-        }
-        if options.trim && options.frames.is_none() {
-            for camera in listed.iter().filter(|camera| camera.range() != frames) {
-                let Range { start, end } = camera.range();
-                warnings.push(format!(
-                    "{} has frames {start}..{end}; trimmed to {}..{}, which all cameras have",
-                    camera.camera, frames.start, frames.end
-                ));
-            }
-        }
-        for camera in &listed {
-            let numbers: Vec<u64> = camera.numbers().filter(|number| frames.contains(number)).collect();
-            warnings.extend(frame_number::holes(&camera.camera, &numbers).map(|warning| warning.to_string()));
-        }
+        warnings.extend(range_warnings(&listed, options, &frames));
         let (layout, layout_note) = match &options.layout {
             Some(name) => (named_layout(name)?, None),
             None => guess::layout(&listed, keypoints)?,
@@ -276,6 +230,31 @@ impl Recording {
     }
 }
 
+/// Warnings about frames that are asked for or trimmed, and about holes.
+fn range_warnings(listed: &[CameraFiles], options: &Options, frames: &Range<u64>) -> Vec<String> {
+    let mut warnings = vec![];
+    if let Some(asked) = options.frames.as_ref().filter(|asked| asked.start < frames.start || asked.end > frames.end) {
+        warnings.push(format!(
+            "frames {}..{} were asked for; {}..{} are there and taken",
+            asked.start, asked.end, frames.start, frames.end
+        ));
+    }
+    if options.trim && options.frames.is_none() {
+        for camera in listed.iter().filter(|camera| camera.range() != *frames) {
+            let Range { start, end } = camera.range();
+            warnings.push(format!(
+                "{} has frames {start}..{end}; trimmed to {}..{}, which all cameras have",
+                camera.camera, frames.start, frames.end
+            ));
+        }
+    }
+    for camera in listed {
+        let numbers: Vec<u64> = camera.numbers().filter(|number| frames.contains(number)).collect();
+        warnings.extend(frame_number::holes(&camera.camera, &numbers).map(|warning| warning.to_string()));
+    }
+    warnings
+}
+
 /// Makes keypoints missing that no ray of the camera's lens model leads to, and counts them.
 fn drop_beyond_lens(camera: &Camera, people: &mut [Person]) -> u64 {
     let mut dropped = 0;
@@ -286,136 +265,4 @@ fn drop_beyond_lens(camera: &Camera, people: &mut [Person]) -> u64 {
         }
     }
     dropped
-}
-
-/// The cameras of a calibration file.
-pub(crate) struct Calibrated {
-    pub(crate) cameras: Vec<Camera>,
-    /// Names of all of them.
-    pub(crate) names: Vec<String>,
-    pub(crate) warnings: Vec<String>,
-    pub(crate) hash: u64,
-}
-
-impl Calibrated {
-    pub(crate) fn read(path: &Path) -> Result<Self, Error> {
-        let text = files::read_text(path, MAX_CONFIG_BYTES)?;
-        refuse_qualisys(path, &text)?;
-        let read = calib_toml::read(&path.display().to_string(), &text)?;
-        Ok(Self {
-            names: read.cameras.iter().map(|camera| camera.name.clone()).collect(),
-            cameras: read.cameras,
-            warnings: read.warnings.iter().map(ToString::to_string).collect(),
-            hash: files::fnv(files::FNV_START, text.as_bytes()),
-        })
-    }
-}
-
-/// The cameras of the names asked for.
-pub(crate) fn chosen_cameras(cameras: Vec<Camera>, names: &[String]) -> Result<Vec<Camera>, Error> {
-    for name in names {
-        let wanted = camera_name::fold(name);
-        if !cameras.iter().any(|camera| camera_name::fold(&camera.name) == wanted) {
-            let calibrated = cameras.into_iter().map(|camera| camera.name).collect();
-            return Err(InputError::NoSuchCamera { name: name.clone(), calibrated }.into());
-        }
-    }
-    let wanted: Vec<String> = names.iter().map(|name| camera_name::fold(name)).collect();
-    Ok(cameras.into_iter().filter(|camera| wanted.contains(&camera_name::fold(&camera.name))).collect())
-}
-
-/// The folders of the cameras asked for.
-fn chosen_folders(folders: Vec<listing::Folder>, names: &[String]) -> Result<Vec<listing::Folder>, Error> {
-    let wanted: Vec<String> = names.iter().map(|name| camera_name::fold(name)).collect();
-    for (name, wanted) in names.iter().zip(&wanted) {
-        if !folders.iter().any(|folder| camera_name::fold(&folder.name) == *wanted) {
-            let folders = folders.into_iter().map(|folder| folder.name).collect();
-            return Err(InputError::NoKeypointsOfCamera { name: name.clone(), folders }.into());
-        }
-    }
-    Ok(folders.into_iter().filter(|folder| wanted.contains(&camera_name::fold(&folder.name))).collect())
-}
-
-/// Refuses lags of cameras that are not calibrated.
-pub(crate) fn check_lags(lags: &[(String, i64)], calibrated: &[String]) -> Result<(), InputError> {
-    let is_known = |name: &str| calibrated.iter().any(|known| camera_name::fold(known) == camera_name::fold(name));
-    match lags.iter().find(|(name, _)| !is_known(name)) {
-        None => Ok(()),
-        Some((name, _)) => Err(InputError::LagOfNoCamera { name: name.clone(), calibrated: calibrated.to_vec() }),
-    }
-}
-
-/// Frames that a camera is late.
-pub(crate) fn lag_of(lags: &[(String, i64)], camera: &str) -> i64 {
-    let is_it = |(name, _): &&(String, i64)| camera_name::fold(name) == camera_name::fold(camera);
-    lags.iter().find(is_it).map_or(0, |(_, lag)| *lag)
-}
-
-fn no_such_frames(asked: &Range<u64>, available: &Range<u64>) -> Error {
-    InputError::NoSuchFrames { asked: asked.clone(), available: available.clone() }.into()
-}
-
-/// Frames that exist and frames to be tracked.
-pub(crate) fn ranges(
-    listed: &[impl Borrow<CameraFiles>],
-    asked: Option<&Range<u64>>,
-    trim: bool,
-) -> Result<(Range<u64>, Range<u64>), Error> {
-    let whole: Vec<(&str, Range<u64>)> =
-        listed.iter().map(Borrow::borrow).map(|files: &CameraFiles| (files.camera.as_str(), files.range())).collect();
-    let available = frame_number::common_range(&whole, true)?;
-    let has_lags = listed.iter().any(|files| files.borrow().lag != 0);
-    if has_lags && asked.is_none() {
-        let in_names: Vec<(&str, Range<u64>)> =
-            listed.iter().map(Borrow::borrow).map(|files| (files.camera.as_str(), files.range_in_names())).collect();
-        frame_number::common_range(&in_names, trim)?;
-    }
-    let trim = trim || has_lags;
-    let frames = match asked {
-        None => frame_number::common_range(&whole, trim)?,
-        Some(asked) => {
-            let cut = |range: &Range<u64>| {
-                let start = range.start.max(asked.start);
-                start..range.end.min(asked.end).max(start)
-            };
-            let cut: Vec<(&str, Range<u64>)> = whole.iter().map(|(name, range)| (*name, cut(range))).collect();
-            frame_number::common_range(&cut, trim)?
-        }
-    };
-    if frames.is_empty() {
-        return Err(match asked {
-            Some(asked) => no_such_frames(asked, &available),
-            None => InputError::NoCommonFrame.into(),
-        });
-    }
-    let most = listed.iter().map(|files| files.borrow().len()).max().unwrap_or_default() as u64;
-    if frames.end - frames.start > 1000 * (most + 1) {
-        return Err(InputError::NumbersApart { first: frames.start, last: frames.end - 1, files: most }.into());
-    }
-    Ok((available, frames))
-}
-
-fn named_layout(name: &str) -> Result<Layout, Error> {
-    let path = Path::new(name);
-    if path.extension().is_some_and(|extension| extension == "toml") {
-        let text = files::read_text(path, MAX_CONFIG_BYTES)?;
-        return Ok(layout::read(name, &text)?);
-    }
-    Ok(layout::find(name)?)
-}
-
-/// Points without which a body cannot be placed.
-const NEEDED: [(&str, &str); 4] =
-    [("LHip", "left hip"), ("RHip", "right hip"), ("LShoulder", "left shoulder"), ("RShoulder", "right shoulder")];
-
-/// The first point that the model needs and a layout lacks, and what it is in words.
-pub(crate) fn lacking(layout: &Layout) -> Option<(&'static str, &'static str)> {
-    NEEDED.iter().find(|(point, _)| layout.index(point).is_none()).copied()
-}
-
-pub(crate) fn check_layout(layout: &Layout) -> Result<(), Error> {
-    match lacking(layout) {
-        None => Ok(()),
-        Some((point, words)) => Err(InputError::LayoutLacks { layout: layout.name.clone(), point, words }.into()),
-    }
 }

@@ -1,7 +1,7 @@
 //! Silhouettes on disk: masks of calibrated cameras, read one frame at a time.
 //!
 //! Masks lie side by side (`cam01_000.png`) or in a folder a camera (`cam01/000.png`, `cam01_masks/000.png`). Cameras are matched by name, frames go by the last
-//! number in the file names, and a number without a file is a frame that the camera missed. What a mask file may hold is said in [`sinew_formats::mask`].
+//! number in the file names, and a number without a file is a frame that the camera missed. [`sinew_formats::mask`] describes mask files.
 //!
 //! ```no_run
 //! use sinew::input::recording::{Options, Recording};
@@ -33,7 +33,7 @@ use std::path::{Path, PathBuf};
 
 pub use crate::input::image_folder::Options;
 
-/// Share of the image above which a mask is told: a person fills less of the view of a camera that sees all of him.
+/// Share of the image above which a mask gets a warning: a person fills less of the view of a camera that sees all of him.
 pub(crate) const LARGE_SHARE: f64 = 0.5;
 
 pub(crate) const MASKS: Kind = Kind {
@@ -184,8 +184,8 @@ impl Tally {
     fn warnings(&self, camera: &str) -> Vec<String> {
         let Self { masks, missing, empty, large, largest, between, channels } = self;
         let frames = masks + missing.frames;
-        // A camera without any mask has been told already.
-        let told = [
+        // About a camera without any mask there is a warning already.
+        let texts = [
             (*masks > 0).then_some(missing).map(|missing| {
                 (missing, format!("{} of {frames} frames have no mask (first: {})", missing.frames, missing.first))
             }),
@@ -218,7 +218,7 @@ impl Tally {
                 ),
             )),
         ];
-        let told = told.into_iter().flatten().filter(|(count, _)| count.frames > 0);
-        told.map(|(_, text)| format!("camera {camera}: {text}")).collect()
+        let texts = texts.into_iter().flatten().filter(|(count, _)| count.frames > 0);
+        texts.map(|(_, text)| format!("camera {camera}: {text}")).collect()
     }
 }

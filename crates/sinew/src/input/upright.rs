@@ -40,7 +40,7 @@ impl<'a, S: FrameSource> Upright<'a, S> {
     /// and may end it.
     ///
     /// # Errors
-    /// Those of the source and of `each`.
+    /// Errors of the source and of `each`.
     pub fn read_again(
         &mut self,
         set_up: &[Range<u64>],

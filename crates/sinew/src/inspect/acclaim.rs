@@ -1,6 +1,6 @@
-//! What the two files of an Acclaim recording hold when they come alone: the skeleton, and the motion without it.
+//! What the skeleton and the motion file of an Acclaim recording hold when they come alone.
 
-use super::{Facts, shortened};
+use super::facts::{Facts, shortened};
 use crate::Error;
 use crate::files::read_text;
 use sinew_formats::source_text::MAX_TEXT_BYTES;
@@ -10,8 +10,8 @@ use std::path::Path;
 pub(super) fn skeleton(path: &Path) -> Result<Facts, Error> {
     let asf = asf::read(&path.display().to_string(), &read_text(path, MAX_TEXT_BYTES)?)?;
     let mut facts = Facts::new(format!("{}: Acclaim skeleton of {} bones", path.display(), asf.bones.len()));
-    let of_root = asf.root_channels.len();
-    facts.row("degrees of freedom", format!("{}, {of_root} of them the root's", asf.channels()));
+    let root_channels = asf.root_channels.len();
+    facts.row("degrees of freedom", format!("{}, {root_channels} of them the root's", asf.channels()));
     let angles = if asf.degrees { "degrees" } else { "radians" };
     facts.row("units", format!("1 unit of length is {:.4} m, angles in {angles}", asf.metres_per_unit()));
     let names: Vec<String> = asf.bones.iter().map(|bone| bone.name.clone()).collect();

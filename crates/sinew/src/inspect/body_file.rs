@@ -1,6 +1,6 @@
 //! What a body file and a mapping of keypoints hold.
 
-use super::{Facts, shortened};
+use super::facts::{Facts, shortened};
 use crate::Error;
 use crate::files::read_text;
 use crate::input::recording::check_layout;

@@ -1,6 +1,6 @@
 //! What a calibration holds: image, lens and place of each camera.
 
-use super::Facts;
+use super::facts::Facts;
 use crate::Error;
 use crate::files::read_text;
 use crate::input::qualisys::refuse_qualisys;

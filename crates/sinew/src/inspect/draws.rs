@@ -1,7 +1,7 @@
 //! What a Zarr store holds: groups, arrays and their attributes, from the `zarr.json` of each.
 
-use super::Facts;
 use super::error::InspectError;
+use super::facts::Facts;
 use crate::Error;
 use crate::files::read_text;
 use serde_json::Value;

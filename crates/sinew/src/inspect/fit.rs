@@ -8,7 +8,7 @@
 //!
 //! The set-up pass over the same frames adds what it finds odd: units, axes, cameras that look away, sides swapped.
 
-use super::Facts;
+use super::facts::Facts;
 use crate::Error;
 use crate::input::frame::detections;
 use crate::input::recording::Recording;

@@ -1,6 +1,6 @@
 //! What a folder of masks or images holds, from an evenly spaced part of its files.
 
-use super::Facts;
+use super::facts::Facts;
 use crate::Error;
 use crate::files::read_bytes;
 use crate::input::image_folder::{Kind, camera_files, camera_part};
@@ -52,12 +52,12 @@ pub(super) fn facts(folder: &Path) -> Result<Facts, Error> {
     };
     let mut facts = Facts::new(format!("{}: {} of {} cameras", folder.display(), kind.many, cameras.len()));
     for camera in &cameras {
-        of_camera(camera, kind, &mut facts)?;
+        camera_facts(camera, kind, &mut facts)?;
     }
     Ok(facts)
 }
 
-fn of_camera(camera: &CameraFiles, kind: &Kind, facts: &mut Facts) -> Result<(), Error> {
+fn camera_facts(camera: &CameraFiles, kind: &Kind, facts: &mut Facts) -> Result<(), Error> {
     let numbers: Vec<u64> = camera.numbers().collect();
     let mut sizes: BTreeMap<[usize; 2], u64> = BTreeMap::new();
     let mut shares: Vec<(f64, u64)> = vec![];
@@ -95,7 +95,7 @@ fn of_camera(camera: &CameraFiles, kind: &Kind, facts: &mut Facts) -> Result<(),
     if sizes.len() > 1 {
         facts.odd.push(format!("{name}: {} of several sizes: {}", kind.many, all.join(", ")));
     }
-    let mut tell = |what: &str, found: Vec<u64>| {
+    let mut warn = |what: &str, found: Vec<u64>| {
         if let Some(first) = found.first() {
             facts
                 .odd
@@ -104,7 +104,7 @@ fn of_camera(camera: &CameraFiles, kind: &Kind, facts: &mut Facts) -> Result<(),
     };
     let with =
         |is: &dyn Fn(f64) -> bool| shares.iter().filter(|(share, _)| is(*share)).map(|(_, number)| *number).collect();
-    tell("are empty", with(&|share| share == 0.0));
-    tell("cover most of the image; inverted?", with(&|share| share > LARGE_SHARE));
+    warn("are empty", with(&|share| share == 0.0));
+    warn("cover most of the image; inverted?", with(&|share| share > LARGE_SHARE));
     Ok(())
 }

@@ -1,6 +1,6 @@
 //! What a keypoint folder holds, from an evenly spaced part of its files.
 
-use super::Facts;
+use super::facts::Facts;
 use crate::Error;
 use crate::input::recording::Options;
 use crate::input::recording::survey::{CameraSurvey, survey};

@@ -1,6 +1,6 @@
 //! What a motion file holds: points, coordinates or a skeleton, their frames, and where in the world they are.
 
-use super::{Facts, shortened};
+use super::facts::{Facts, shortened};
 use crate::Error;
 use crate::motion::{self, Content};
 use sinew_formats::point_table::PointTable;

@@ -1,6 +1,6 @@
 //! What a result folder says of its run, and whether the run came to its end.
 
-use super::Facts;
+use super::facts::Facts;
 use crate::Error;
 use crate::files::read_text;
 use crate::results::problem;
@@ -23,16 +23,16 @@ fn partials(folder: &Path) -> usize {
 pub(super) fn facts(folder: &Path) -> Result<Facts, Error> {
     let summary = folder.join("summary.json");
     let mut facts = if summary.exists() {
-        of_summary(folder, &summary)?
+        summary_facts(folder, &summary)?
     } else {
         Facts::new(format!("{}: results", folder.display()))
     };
     let partials = partials(folder);
     if folder.join(problem::NAME).exists() && !is_in_use(folder) {
-        facts.odd.push("the run was stopped and can go on: the same command with `--resume`".into());
+        facts.odd.push("the run was stopped and can be resumed: the same command with `--resume`".into());
     }
     let odd = match (is_in_use(folder), summary.exists()) {
-        (true, true) => "a run is writing into it now; what is said here is of an earlier one",
+        (true, true) => "a run is writing into it now; these facts are about an earlier one",
         (true, false) => "a run is writing into it now; no file is whole before its end",
         (false, true) if partials > 0 => "a later run was stopped before its end and left its files `*.partial`",
         (false, true) => return Ok(facts),
@@ -53,7 +53,7 @@ pub(super) fn facts(folder: &Path) -> Result<Facts, Error> {
     Ok(facts)
 }
 
-fn of_summary(folder: &Path, path: &Path) -> Result<Facts, Error> {
+fn summary_facts(folder: &Path, path: &Path) -> Result<Facts, Error> {
     let summary: Value = json_text::parse(&path.display().to_string(), &read_text(path, MAX_TEXT_BYTES)?)?;
     let text_of = |value: &Value| value.as_str().map_or_else(|| value.to_string(), str::to_owned);
     let version = text_of(&summary["sinew_version"]);

@@ -1,6 +1,6 @@
 //! Which settings a configuration sets.
 
-use super::Facts;
+use super::facts::Facts;
 use crate::Error;
 use crate::config::file;
 use crate::config::table::settings;

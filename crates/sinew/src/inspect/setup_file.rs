@@ -1,6 +1,6 @@
 //! What a set-up of ours holds: the body, the subject's sizes, the noise of each camera.
 
-use super::Facts;
+use super::facts::Facts;
 use crate::Error;
 use crate::files::read_text;
 use crate::setup::{Body, Setup};

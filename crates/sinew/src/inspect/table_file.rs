@@ -1,6 +1,6 @@
 //! What a table of a result folder holds.
 
-use super::{Facts, shortened};
+use super::facts::{Facts, shortened};
 use crate::results::{MOTION_FILES, ResultTable};
 use crate::{Error, files};
 use sinew_formats::source_text::MAX_TEXT_BYTES;

@@ -1,4 +1,4 @@
-//! Which of our TOML files a text is, told by its keys.
+//! Which of our TOML files a text is, by its keys.
 //!
 //! | keys | file |
 //! |---|---|
@@ -8,7 +8,7 @@
 //! | a setting outside tables, `root` | configuration, `sinew.toml` |
 //! | others, and what is no TOML | calibration |
 
-use super::Subject;
+use super::subject::Subject;
 use crate::config::{file, table};
 use std::path::PathBuf;
 use toml::de::{DeTable, DeValue};
@@ -39,7 +39,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn files_are_told_by_their_keys() {
+    fn files_are_known_by_their_keys() {
         let check = |text: &str, expected: fn(PathBuf) -> Subject| {
             assert_eq!(subject("a.toml".into(), text), expected("a.toml".into()), "{text}");
         };

@@ -73,16 +73,16 @@ fn row(asf: &Asf, order: &[usize], values: &[f64], scale: f64) -> Vec<f64> {
     let turned = |axis: &Matrix, motion: Matrix| product(&product(axis, &motion), &transpose(axis));
     let degrees = |turn: Matrix| to_zyx(&turn).map(f64::to_degrees);
     let root = degrees(turned(&asf.root_axis, about_fixed(asf.root_order, angles)));
-    let mut of_bone = Vec::with_capacity(asf.bones.len());
+    let mut bone_angles = Vec::with_capacity(asf.bones.len());
     for bone in &asf.bones {
         let mut angles = [0.0; 3];
         for &axis in &bone.dof {
             angles[axis] = radians(values.next().unwrap_or_default());
         }
-        of_bone.push(degrees(turned(&bone.axis, about_fixed(bone.order, angles))));
+        bone_angles.push(degrees(turned(&bone.axis, about_fixed(bone.order, angles))));
     }
     let mut row: Vec<f64> = position.iter().map(|v| v * scale).chain(root).collect();
-    row.extend(order.iter().flat_map(|&bone| of_bone[bone]));
+    row.extend(order.iter().flat_map(|&bone| bone_angles[bone]));
     row
 }
 

@@ -59,7 +59,7 @@ pub enum MotionError {
     Impossible {
         /// Format of the motion.
         from: &'static str,
-        /// Format asked for.
+        /// Format to be written.
         to: &'static str,
         /// What is lacking.
         reason: &'static str,
@@ -69,7 +69,7 @@ pub enum MotionError {
     /// Names or numbers that the format cannot hold.
     #[error("the motion cannot be written as {format}: {refusal}")]
     Unwritable {
-        /// Format asked for.
+        /// Format to be written.
         format: &'static str,
         /// What its writer says.
         refusal: io::Error,

@@ -1,8 +1,9 @@
 //! Reads a motion file by its extension.
 
 use super::acclaim::skeleton_of;
+use super::content::{Content, Motion, rate_of};
 use super::error::MotionError;
-use super::{Content, Format, Motion, rate_of};
+use super::format::Format;
 use crate::results::{MOTION_FILES, ResultTable};
 use crate::{Error, files};
 use sinew_formats::mot::{self, Mot};

@@ -1,8 +1,9 @@
 //! Writes a motion in another format, or says why it cannot be.
 
+use super::content::{Content, Motion};
 use super::error::MotionError;
+use super::format::Format;
 use super::read::is_length;
-use super::{Content, Format, Motion};
 use sinew_formats::bvh::{self, Bvh, Channel};
 use sinew_formats::tidy_csv::{self, Cell};
 use sinew_formats::{mot, point_table, trc};
@@ -89,7 +90,7 @@ fn as_mot(out: &mut Vec<u8>, coordinates: &mot::Mot) -> io::Result<()> {
 }
 
 /// The columns of a skeleton's BVH file as coordinates: `<joint>_rz` in degrees, `<joint>_tx` in the file's unit (metres where it comes from Acclaim). The names are
-/// the skeleton's, not those of a model of OpenSim.
+/// the skeleton's, not the names of a model of OpenSim.
 fn channels(skeleton: &Bvh) -> mot::Mot {
     let named = skeleton.joints.iter().flat_map(|joint| joint.channels.iter().map(move |channel| (joint, channel)));
     let columns = named.map(|(joint, channel)| {

@@ -8,7 +8,7 @@
 //! posterior.zarr load.py                                        draws, and how to open them
 //! ```
 //!
-//! 1. [`claim`] a folder before any computing: refuses results that are there, inputs, and folders in use.
+//! 1. [`super::claim()`] a folder before any computing: refuses results that are there, inputs, and folders in use.
 //! 2. [`ResultFolder::open`] opens every file under its provisional name `NAME.partial`, or as a run left it that was stopped.
 //! 3. [`ResultFolder::append`] streams one frame into all of them; memory does not grow with the number of frames: what the summary needs of each is kept in a file.
 //! 4. [`ResultFolder::finish`] completes the headers, syncs, checks, renames, and writes `summary.json` last.
@@ -269,9 +269,9 @@ mod tests {
             isa: "baseline".into(),
             cameras: vec![Camera::look_at("C1", [640.0, 480.0], 500.0, [3.0, 0.0, 1.0], [0.0, 0.0, 1.0]).unwrap()],
             keypoints: vec!["Nose".into()],
-            has_masks: false,
             camera_offset_px: vec![[0.0; 2]],
             sigma_px: 4.0,
+            has_masks: false,
             setup_toml: String::new(),
             body: crate::bodies::find("cf28").unwrap(),
         }

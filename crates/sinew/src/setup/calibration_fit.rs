@@ -17,7 +17,7 @@ const BETTER: f64 = 0.3;
 /// Sizes looked at: from a tenth to ten times, in steps of a 32nd of a doubling.
 const STEPS: std::ops::RangeInclusive<i32> = -106..=106;
 const STEPS_PER_DOUBLING: f64 = 32.0;
-/// Usual ratios of image sizes. One is meant where its residual is not above so many times the least: constant offsets of the cameras move the least.
+/// Usual ratios of image sizes. One is meant where its residual is at most [`AS_GOOD`] times the least: constant offsets of the cameras move the least.
 const USUAL: [f64; 9] = [1.0 / 4.0, 1.0 / 3.0, 1.0 / 2.0, 2.0 / 3.0, 3.0 / 4.0, 1.0, 4.0 / 3.0, 3.0 / 2.0, 2.0];
 const AS_GOOD: f64 = 1.5;
 /// Keypoints below this confidence do not count.
@@ -62,7 +62,7 @@ pub fn check(cameras: &[Camera], frames: &[Sighted], declared: f64) -> Result<()
     }
 }
 
-/// Whether a residual, pixels, is larger than those of detectors and small errors of calibration.
+/// Whether a residual, pixels, is larger than detectors and small errors of calibration make it.
 pub(super) fn is_doubtful(cameras: &[Camera], residual_px: f64) -> bool {
     let diagonals = cameras.iter().map(|camera| camera.image_size_px[0].hypot(camera.image_size_px[1]));
     residual_px > DOUBTFUL * median(&mut diagonals.collect::<Vec<_>>()) / 1000.0

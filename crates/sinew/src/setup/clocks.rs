@@ -7,7 +7,10 @@ use sinew_observe::Camera;
 use sinew_observe::camera_lag::{CameraLag, camera_lags};
 use sinew_observe::offsets::{CameraNoise, Sighted};
 
-/// Lags of all cameras in the runs of consecutive frames that were kept; empty where there is one camera.
+/// Frames below which no clock is judged: the errors of the estimate come from blocks of fifteen frames, and fewer than four blocks say little of them.
+const FEWEST: usize = 60;
+
+/// Lags of all cameras in the runs of consecutive frames that were kept; empty where there is one camera, or too few frames.
 #[must_use]
 pub fn lags(cameras: &[Camera], noise: &[CameraNoise], collected: &Collected, least_confidence: f64) -> Vec<CameraLag> {
     let window = collected.window.as_slice();
@@ -15,6 +18,9 @@ pub fn lags(cameras: &[Camera], noise: &[CameraNoise], collected: &Collected, le
     let after = |run: &&[(u64, Sighted)]| run.first().is_some_and(|(number, _)| *number > end);
     let later = collected.later.iter().map(Vec::as_slice).filter(after);
     let runs: Vec<&[(u64, Sighted)]> = std::iter::once(window).chain(later).collect();
+    if runs.iter().map(|run| run.len()).sum::<usize>() < FEWEST {
+        return vec![];
+    }
     camera_lags(cameras, noise, &runs, least_confidence).unwrap_or_default()
 }
 

@@ -1,4 +1,4 @@
-//! The first half of the set-up: follow the person through the frames and keep an evenly spaced part of what he shows.
+//! The first half of the set-up: follow the person and keep an evenly spaced part of the frames.
 //!
 //! Memory is bounded whatever the length of the recording: every n-th frame is kept, and when that becomes more than twice the wanted number every second one is
 //! dropped and n doubled. The first frames are also kept without gaps, for what depends on time, and so are short windows at frames 120, 180 … 480, 960, 1920 …
@@ -40,7 +40,7 @@ pub struct Request {
     pub fps: Option<f64>,
     /// Whether sizes and speeds that no person has are taken.
     pub any_size: bool,
-    /// How people are told apart.
+    /// How people are distinguished.
     pub association: association::Config,
     /// How offsets are estimated.
     pub offsets: offsets::Config,
@@ -97,16 +97,39 @@ impl Collected {
         let stride = self.spread.len().div_ceil(most.max(1)).max(1);
         self.spread.iter().step_by(stride).map(|(_, s)| s.clone()).collect()
     }
+
+    /// Keeps what the cameras saw in a frame where it is wanted; every `stride`-th frame is spread evenly.
+    fn keep(&mut self, number: u64, sighted: Sighted, request: &Request, stride: &mut u64) {
+        let first = self.window.first().map_or(number, |(first, _)| *first);
+        if let Some(window) = later_window(number.saturating_sub(first)) {
+            self.later.resize_with(self.later.len().max(window + 1), Vec::new);
+            self.later[window].push((number, sighted.clone()));
+        }
+        if self.window.len() < request.window {
+            self.window.push((number, sighted.clone()));
+        }
+        if (self.found - 1).is_multiple_of(*stride) {
+            self.spread.push((number, sighted));
+        }
+        if self.spread.len() > 2 * request.frames.max(1) {
+            let mut index = 0_usize;
+            self.spread.retain(|_| {
+                index += 1;
+                index % 2 == 1
+            });
+            *stride *= 2;
+        }
+    }
 }
 
 /// Frames of a later window.
 const LATER_FRAMES: u64 = 60;
 /// Windows up to which one follows the other; beyond, each is twice as far from the first frame as the one before.
 const LATER_DENSE: u64 = 8;
-/// Frames kept in which nobody needs to be told from anybody.
+/// Frames kept in which each view shows one person at most.
 const ALONE: usize = 8;
 
-/// Index of the later window that a frame belongs to, so many frames after the first.
+/// Index of the later window of a frame that comes `since` frames after the first.
 fn later_window(since: u64) -> Option<usize> {
     let number = since / LATER_FRAMES;
     match number {
@@ -127,7 +150,7 @@ pub fn alone(people: &[Vec<Person>]) -> Option<Sighted> {
 /// Follows the person through the frames.
 ///
 /// # Errors
-/// Those of the iterator; nobody found; a calibration that fits the keypoints only when it is read differently.
+/// Errors of the iterator; nobody found; a calibration that fits the keypoints only when it is read differently.
 pub fn collect(
     cameras: &[Camera],
     layout: &Layout,
@@ -140,7 +163,6 @@ pub fn collect(
     let mut stride = 1;
     let mut behind = (0, 0);
     let mut surest = 0.0_f64;
-    let wanted = request.frames.max(1);
     for frame in frames {
         let (number, people) = frame?;
         out.read += 1;
@@ -170,26 +192,7 @@ pub fn collect(
         if following.lengths.is_empty() {
             following.lengths = limb_lengths(cameras, layout, &associated.people, &request.association);
         }
-        let sighted: Sighted = associated.people;
-        let first = out.window.first().map_or(number, |(first, _)| *first);
-        if let Some(window) = later_window(number.saturating_sub(first)) {
-            out.later.resize_with(out.later.len().max(window + 1), Vec::new);
-            out.later[window].push((number, sighted.clone()));
-        }
-        if out.window.len() < request.window {
-            out.window.push((number, sighted.clone()));
-        }
-        if (out.found - 1).is_multiple_of(stride) {
-            out.spread.push((number, sighted));
-        }
-        if out.spread.len() > 2 * wanted {
-            let mut index = 0_usize;
-            out.spread.retain(|_| {
-                index += 1;
-                index % 2 == 1
-            });
-            stride *= 2;
-        }
+        out.keep(number, associated.people, request, &mut stride);
     }
     exchanged_cameras::check(cameras, &out.everybody, &request.association)?;
     calibration_fit::check(cameras, &out.alone, request.image_scale)?;

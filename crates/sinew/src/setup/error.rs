@@ -134,7 +134,7 @@ pub enum SetupError {
     #[error("no frame shows enough of the person for a pose")]
     NoPose,
     /// The body of a file has too few points of the layout.
-    #[error("no frame tells a pose of the body of the file; of layout `{layout}` it has {} points: {}", shared.len(), shared.join(", "))]
+    #[error("no frame shows a pose of the body of the file; of layout `{layout}` it has {} points: {}", shared.len(), shared.join(", "))]
     NoPoseOfFile {
         /// Layout.
         layout: String,

@@ -10,14 +10,14 @@ use sinew_observe::association;
 use sinew_observe::following::{Following, follow};
 use std::ops::Range;
 
-/// Frames from which the motion noise is measured: so many runs of so many consecutive frames, evenly spaced.
+/// Runs of consecutive frames from which the motion noise is measured, evenly spaced, and frames of each.
 const MOTION_RUNS: u64 = 5;
 const MOTION_FRAMES: u64 = 30;
 
 /// Motion noise of a recording, from poses fitted to some of its frames one by one ([`measured_sd`]).
 ///
 /// # Errors
-/// Those of the source.
+/// Errors of the source.
 pub fn measure_motion(
     setup: &Setup,
     tree: &KinematicTree,

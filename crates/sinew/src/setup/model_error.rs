@@ -1,4 +1,6 @@
-//! How far the detector's keypoints lie from the body's points: what the scatter of triangulated points about the fitted body has more than the points' own errors.
+//! How far the detector's keypoints lie from the body's points.
+//!
+//! It is what the scatter of triangulated points about the fitted body has more than the points' own errors.
 
 use sinew_observe::offsets::{median, robust_sigma};
 

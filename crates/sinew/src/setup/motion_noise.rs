@@ -12,7 +12,7 @@ const LEAST: [f64; 2] = [0.1, 0.3];
 /// Noise of a recording without a measurement: that of brisk walking, metres and radians per square-root second.
 const BRISK: [f64; 2] = [0.25, 0.8];
 
-/// Uncertainty of a fitted first pose, metres and radians. What keypoints cannot tell, as the turn of the spine about itself, keeps this spread for many frames.
+/// Uncertainty of a fitted first pose, metres and radians. What keypoints do not show, as the turn of the spine about itself, keeps this spread for many frames.
 const INITIAL: [f64; 2] = [0.05, 0.12];
 
 fn by_kind(tree: &KinematicTree, [metres, radians]: [f64; 2]) -> Vec<f64> {
@@ -61,7 +61,7 @@ mod tests {
     use sinew_body::standard::h32;
 
     #[test]
-    fn the_step_of_a_smooth_motion_is_told_from_white_errors() {
+    fn the_step_of_a_smooth_motion_is_separated_from_white_errors() {
         let tree = h32(&Proportions::default());
         let poses: Vec<_> = (0..200)
             .map(|t| {

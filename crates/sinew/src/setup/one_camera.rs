@@ -2,7 +2,7 @@
 //!
 //! 1. Distance: the largest ratio of a segment's length in the image to its length in the body (the segment least foreshortened) says how far away it is.
 //! 2. From standing poses there, turned to eight headings, the joint angles are fitted to the pixels ([`fit_pixels`]) with a prior about the standing pose; the best
-//!    fit wins. What one view cannot tell (which leg is in front) is decided by the prior only.
+//!    fit wins. What one view does not show (which leg is in front) is decided by the prior only.
 
 use sinew_body::{KinematicTree, Plan, point_positions};
 use sinew_core::lanes::Isa;
@@ -58,7 +58,7 @@ pub fn pose_from_one_view(tree: &KinematicTree, view: &View, detections: &[Optio
     let centre = view.camera.centre();
     let place =
         [0, 1, 2].map(|k: usize| centre[k] + (0..3).map(|i| view.camera.rotation[i][k] * in_camera[i]).sum::<f64>());
-    let of_rest = [0, 1, 2].map(|a: usize| seen.iter().map(|(k, _)| at(*k)[a]).sum::<f64>() / count);
+    let rest_middle = [0, 1, 2].map(|a: usize| seen.iter().map(|(k, _)| at(*k)[a]).sum::<f64>() / count);
     let dof = tree.dof();
     let sd: Vec<f64> = (0..dof)
         .map(|j| match j {
@@ -72,9 +72,9 @@ pub fn pose_from_one_view(tree: &KinematicTree, view: &View, detections: &[Optio
             let heading = std::f64::consts::TAU * h as f64 / HEADINGS as f64 - std::f64::consts::PI;
             let (s, c) = heading.sin_cos();
             let mut start = vec![0.0; dof];
-            start[0] = place[0] - (c * of_rest[0] - s * of_rest[1]);
-            start[1] = place[1] - (s * of_rest[0] + c * of_rest[1]);
-            start[2] = place[2] - of_rest[2];
+            start[0] = place[0] - (c * rest_middle[0] - s * rest_middle[1]);
+            start[1] = place[1] - (s * rest_middle[0] + c * rest_middle[1]);
+            start[2] = place[2] - rest_middle[2];
             start[3] = heading;
             fit_pixels(&plan, std::slice::from_ref(view), &[detections.to_vec()], &start, &sd, STEPS)
         })

@@ -1,4 +1,4 @@
-//! A body from a file in the set-up pass: its pose in the frames, and how far its points are from the keypoints.
+//! A body from a file in the set-up pass: its poses and its model error.
 //!
 //! The body keeps the sizes of its file. In each frame its pose is fitted to the points in space, from a first pose by way of its trunk and limbs
 //! ([`sinew_body::initial`]), from that of the frame before, and, where it is built unlike the standard bodies, from eight headings. The model error per axis is
@@ -25,10 +25,10 @@ pub(super) const POSE: fit::Config = fit::Config { damping: 1e-4, huber_m: 0.05,
 
 /// Points that a pose needs.
 const FEWEST: usize = 4;
-/// Headings tried where nothing else tells one.
+/// Headings tried where nothing else suggests one.
 const HEADINGS: usize = 8;
 
-/// What the frames tell about a body.
+/// What the frames show about a body.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fitted {
     /// Distance between a keypoint and the body's point, per axis, metres.

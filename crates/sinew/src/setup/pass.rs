@@ -21,7 +21,7 @@ use sinew_observe::offsets::{self, CameraNoise};
 /// Sets up the tracking of a person in calibrated cameras from the frames of an iterator (number, people of each camera), which must come in order.
 ///
 /// # Errors
-/// Those of the iterator; no person found; a person behind the cameras; a calibration that fits only when it is read differently; a camera of another frame rate, or one
+/// Errors of the iterator; no person found; a person behind the cameras; a calibration that fits only when it is read differently; a camera of another frame rate, or one
 /// that shows someone else.
 pub fn set_up(
     cameras: &[Camera],
@@ -41,23 +41,7 @@ pub fn set_up(
     same_person(cameras, &noise)?;
     let camera: Vec<CameraSetup> =
         cameras.iter().zip(&noise).map(|(camera, n)| camera_setup(camera, n, &noise)).collect();
-    let mut setup = Setup {
-        schema: SCHEMA,
-        body: request.body.clone(),
-        layout: layout.name.clone(),
-        person: request.person,
-        world_up: Z_UP.into(),
-        up_axis: Z_UP.into(),
-        model_error_m: ONE_CAMERA_ERROR_M,
-        size_sd: 0.0,
-        start_frame: 0,
-        start_pose: vec![],
-        step_size: None,
-        leapfrog_steps: None,
-        motion_sd: None,
-        proportions: Proportions::default(),
-        camera,
-    };
+    let mut setup = unmeasured(layout, request, camera);
     if let [_] = cameras {
         warnings.push(Warning::OneCamera);
         warnings.extend(scale::far_cameras(cameras));
@@ -85,6 +69,27 @@ pub fn set_up(
         setup.start_pose = own.start_pose;
     }
     Ok((setup, warnings))
+}
+
+/// A set-up of the default sizes, without a pose.
+fn unmeasured(layout: &Layout, request: &Request, camera: Vec<CameraSetup>) -> Setup {
+    Setup {
+        schema: SCHEMA,
+        body: request.body.clone(),
+        layout: layout.name.clone(),
+        person: request.person,
+        world_up: Z_UP.into(),
+        up_axis: Z_UP.into(),
+        model_error_m: ONE_CAMERA_ERROR_M,
+        size_sd: 0.0,
+        start_frame: 0,
+        start_pose: vec![],
+        step_size: None,
+        leapfrog_steps: None,
+        motion_sd: None,
+        proportions: Proportions::default(),
+        camera,
+    }
 }
 
 /// Model error where none can be measured, metres.
@@ -141,14 +146,14 @@ mod tests {
     #[test]
     fn a_camera_that_shows_someone_else_is_refused() {
         let camera = Camera::look_at("left", [1000.0, 1000.0], 900.0, [3.0, 3.0, 1.0], [0.0, 0.0, 1.0]).unwrap();
-        let told = |offset_px| {
+        let refusal = |offset_px| {
             let noise = CameraNoise { offset_px, sigma_px: 5.0, usual_confidence: 0.7, residuals: 90 };
             same_person(std::slice::from_ref(&camera), &[noise]).err().map(|error| error.to_string())
         };
-        assert_eq!(told([30.0, -20.0]), None);
+        assert_eq!(refusal([30.0, -20.0]), None);
         let message =
             "`left` shows somebody else: the keypoints lie 500 px from where the other cameras see the person";
-        assert_eq!(told([300.0, -400.0]).as_deref(), Some(message));
-        assert!(told([f64::NAN, 0.0]).is_some());
+        assert_eq!(refusal([300.0, -400.0]).as_deref(), Some(message));
+        assert!(refusal([f64::NAN, 0.0]).is_some());
     }
 }

@@ -1,4 +1,4 @@
-//! Whether the person's segments are as long as those of people.
+//! Whether the person's segments have lengths that people have.
 //!
 //! Segments are shares of the stature (Drillis & Contini 1966, in Winter 2009, Biomechanics and Motor Control of Human Movement, figure 4.1). People are from 0.5 m (median
 //! length of newborns, WHO Child Growth Standards 2006) to 2.51 m (the tallest living man when he was measured in 2011, Guinness World Records). Shares differ between
@@ -49,7 +49,7 @@ mod tests {
     use super::*;
     use sinew_body::subject::scaled;
 
-    fn told(proportions: Proportions, unmeasured: &[&'static str]) -> Option<String> {
+    fn refusal(proportions: Proportions, unmeasured: &[&'static str]) -> Option<String> {
         let measured = Measured { proportions, unmeasured: unmeasured.to_vec(), scale: 1.0 };
         check(&measured, "BODY_25B").err().map(|error| error.to_string())
     }
@@ -58,7 +58,7 @@ mod tests {
     fn people_from_newborns_to_giants_pass() {
         let adult = Proportions::default();
         for stature in [0.5, 0.9, 1.75, 2.51] {
-            assert_eq!(told(scaled(&adult, stature / 1.75), &[]), None, "{stature} m");
+            assert_eq!(refusal(scaled(&adult, stature / 1.75), &[]), None, "{stature} m");
         }
     }
 
@@ -67,11 +67,11 @@ mod tests {
         let adult = Proportions::default();
         let long = Proportions { shin: 1.12, ..adult };
         let expected = "the person would have shins of 1.12 m (people: 0.06 to 0.80 m); is `BODY_25B` the layout of the detector, and are translations in metres?";
-        assert_eq!(told(long, &[]).as_deref(), Some(expected));
-        assert_eq!(told(long, &["shin"]), None);
+        assert_eq!(refusal(long, &[]).as_deref(), Some(expected));
+        assert_eq!(refusal(long, &["shin"]), None);
         assert!(
-            told(scaled(&adult, 0.2), &[]).is_some_and(|text| text.contains("forearms") && text.contains("thighs"))
+            refusal(scaled(&adult, 0.2), &[]).is_some_and(|text| text.contains("forearms") && text.contains("thighs"))
         );
-        assert!(told(Proportions { thigh: f64::NAN, ..adult }, &[]).is_some());
+        assert!(refusal(Proportions { thigh: f64::NAN, ..adult }, &[]).is_some());
     }
 }

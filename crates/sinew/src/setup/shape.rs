@@ -20,13 +20,13 @@ use super::stored::Body;
 use super::up_axis::up_axis;
 use super::warning::Warning;
 use sinew_body::fit::Target;
-use sinew_body::{Plan, Proportions, bundle, point_positions, subject};
+use sinew_body::{KinematicTree, Plan, Proportions, bundle, point_positions, subject};
 use sinew_core::lanes::Isa;
 use sinew_formats::Layout;
 use sinew_observe::Camera;
 use sinew_observe::offsets::CameraNoise;
 
-/// What points in space tell.
+/// What points in space show.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Shape {
     /// Sizes of the subject.
@@ -75,43 +75,13 @@ pub fn measure(
         }
     }
     let up_axis = up_axis(layout, &frames);
-    if up_axis != "+z" {
-        warnings.push(Warning::FeetAboveHead { frames: frames.len(), up_axis });
-    }
-    if !measured.unmeasured.is_empty() {
-        warnings.push(Warning::Unmeasured { sizes: measured.unmeasured.clone() });
-    }
+    warnings.extend(oddities(up_axis, frames.len(), &measured));
     let build = request.body.builder();
     let tree = build(&measured.proportions);
-    let index: Vec<Option<usize>> = tree.points().iter().map(|p| layout.index(&p.name)).collect();
-    let targets: Vec<Vec<Option<Target>>> = frames
-        .iter()
-        .map(|(_, points)| {
-            let target = |k: &Option<usize>| {
-                let (position, _) = points.get((*k)?).copied().flatten()?;
-                Some(Target { position, weight: 1.0 })
-            };
-            index.iter().map(target).collect()
-        })
-        .collect();
+    let targets = targets(&tree, layout, &frames);
     let subject = bundle::refine(build, &measured.proportions, &targets, &bundle::Config::default());
     let tree = build(&subject.proportions);
-    let plan = Plan::with_all_points(&tree);
-    let mut residuals: Vec<Vec<[f64; 3]>> = vec![vec![]; tree.points().len()];
-    let mut variances = vec![];
-    let mut fitted = 0;
-    for ((targets, pose), (_, points)) in targets.iter().zip(&subject.poses).zip(&frames) {
-        let Some(pose) = pose else { continue };
-        fitted += 1;
-        let mut at = vec![0.0; 3 * plan.points()];
-        point_positions(&plan, Isa::baseline(), pose, &mut at);
-        for (k, target) in targets.iter().enumerate() {
-            if let Some(t) = target {
-                residuals[k].push([0, 1, 2].map(|a: usize| t.position[a] - at[3 * k + a]));
-            }
-        }
-        variances.extend(points.iter().flatten().map(|(_, v)| *v));
-    }
+    let Residuals { by_point: residuals, mut variances, fitted } = residuals(&tree, &targets, &subject.poses, &frames);
     let Some((start_frame, start_pose)) =
         frames.iter().zip(&subject.poses).find_map(|((n, _), pose)| Some((*n, pose.clone()?)))
     else {
@@ -136,4 +106,57 @@ pub fn measure(
         fit_error_m: all.iter().sum::<f64>() / all.len() as f64,
         point_error_m,
     })
+}
+
+/// For each frame and point of the body, the point in space.
+fn targets(tree: &KinematicTree, layout: &Layout, frames: &[(u64, Points)]) -> Vec<Vec<Option<Target>>> {
+    let index: Vec<Option<usize>> = tree.points().iter().map(|p| layout.index(&p.name)).collect();
+    let frame = |(_, points): &(u64, Points)| {
+        let target = |k: &Option<usize>| {
+            let (position, _) = points.get((*k)?).copied().flatten()?;
+            Some(Target { position, weight: 1.0 })
+        };
+        index.iter().map(target).collect()
+    };
+    frames.iter().map(frame).collect()
+}
+
+/// Warnings about the axis of the world and about sizes that nothing measured.
+fn oddities(up_axis: &'static str, frames: usize, measured: &subject::Measured) -> Vec<Warning> {
+    let sizes = measured.unmeasured.clone();
+    let axis = (up_axis != "+z").then_some(Warning::FeetAboveHead { frames, up_axis });
+    axis.into_iter().chain((!sizes.is_empty()).then_some(Warning::Unmeasured { sizes })).collect()
+}
+
+/// How far the points in space lie from the points of the fitted body.
+struct Residuals {
+    /// For each point of the body, metres.
+    by_point: Vec<Vec<[f64; 3]>>,
+    /// Variances of the points in space, per axis, square metres.
+    variances: Vec<f64>,
+    /// Frames with a pose.
+    fitted: usize,
+}
+
+fn residuals(
+    tree: &KinematicTree,
+    targets: &[Vec<Option<Target>>],
+    poses: &[Option<Vec<f64>>],
+    frames: &[(u64, Points)],
+) -> Residuals {
+    let plan = Plan::with_all_points(tree);
+    let mut found = Residuals { by_point: vec![vec![]; tree.points().len()], variances: vec![], fitted: 0 };
+    let mut at = vec![0.0; 3 * plan.points()];
+    for ((targets, pose), (_, points)) in targets.iter().zip(poses).zip(frames) {
+        let Some(pose) = pose else { continue };
+        found.fitted += 1;
+        point_positions(&plan, Isa::baseline(), pose, &mut at);
+        for (k, target) in targets.iter().enumerate() {
+            if let Some(t) = target {
+                found.by_point[k].push([0, 1, 2].map(|a: usize| t.position[a] - at[3 * k + a]));
+            }
+        }
+        found.variances.extend(points.iter().flatten().map(|(_, v)| *v));
+    }
+    found
 }

@@ -72,9 +72,9 @@ fn usual_speed(layout: &Layout, frames: &[(u64, Points)], names: &[&str], fps: f
     let places: Vec<Option<([f64; 3], f64)>> = frames.iter().map(|(_, points)| middle(points)).collect();
     let mut speeds: Vec<f64> = (SPAN..frames.len())
         .filter_map(|later| {
-            let ((a, of_a), (b, of_b)) = (places[later - SPAN]?, places[later]?);
+            let ((a, variance_a), (b, variance_b)) = (places[later - SPAN]?, places[later]?);
             let seconds = (frames[later].0 - frames[later - SPAN].0) as f64 / fps;
-            let squared = (0..3).map(|k| (a[k] - b[k]).powi(2)).sum::<f64>() - 3.0 * (of_a + of_b);
+            let squared = (0..3).map(|k| (a[k] - b[k]).powi(2)).sum::<f64>() - 3.0 * (variance_a + variance_b);
             Some(squared.max(0.0).sqrt() / seconds)
         })
         .collect();

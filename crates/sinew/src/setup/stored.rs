@@ -54,7 +54,7 @@ impl FileBody {
 }
 
 impl Body {
-    /// What builds a standard body from the subject's sizes. The subject of a body file is measured with H32: sizes tell whether the units are right and what is
+    /// What builds a standard body from the subject's sizes. The subject of a body file is measured with H32: sizes show whether the units are right and what is
     /// missing, and the body keeps its own.
     #[must_use]
     pub const fn builder(&self) -> fn(&Proportions) -> KinematicTree {
@@ -73,7 +73,7 @@ impl Body {
         }
     }
 
-    /// The solids of the body that is tracked: those of its file, else the standard flesh of its [`Body::tree`].
+    /// The solids of the body that is tracked: the solids of its file, else the standard flesh of its [`Body::tree`].
     ///
     /// # Errors
     /// A body of a file without solids whose links have none of the standard names.
@@ -211,7 +211,7 @@ impl Setup {
         self.body.flesh(&self.tree())
     }
 
-    /// What the likelihood needs to know about each camera, for those of the set-up.
+    /// What the likelihood needs to know about each camera of the set-up.
     #[must_use]
     pub fn views(&self, cameras: &[Camera]) -> Vec<View> {
         let view = |known: &CameraSetup| {
@@ -256,7 +256,7 @@ impl Setup {
     pub(crate) fn problems(&self) -> Vec<String> {
         let mut problems = vec![];
         if self.schema != SCHEMA {
-            problems.push(format!("schema = {}; this version reads {SCHEMA}: make the set-up anew", self.schema));
+            problems.push(format!("schema = {}; this version reads {SCHEMA}: make the set-up again", self.schema));
             return problems;
         }
         let sizes = [self.proportions.spine, self.proportions.upper_arm, self.proportions.thigh, self.proportions.shin];

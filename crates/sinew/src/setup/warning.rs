@@ -9,7 +9,7 @@ use std::fmt;
 pub enum Warning {
     /// One camera only.
     OneCamera,
-    /// Sizes that nothing told.
+    /// Sizes that nothing measured.
     Unmeasured {
         /// Their names.
         sizes: Vec<&'static str>,
@@ -41,7 +41,7 @@ pub enum Warning {
     Behind {
         /// Cameras that the subject is behind.
         cameras: usize,
-        /// Of so many.
+        /// Of all these.
         of: usize,
         /// Which, where the others found him.
         names: Vec<String>,
@@ -53,7 +53,7 @@ pub enum Warning {
         /// The axis that points up the body.
         up_axis: &'static str,
     },
-    /// A camera's keypoints scatter about the others' as those of a calibrated one do not.
+    /// A camera's keypoints scatter more than a calibrated camera's.
     Scatter {
         /// Camera.
         camera: String,
@@ -116,7 +116,7 @@ impl fmt::Display for Warning {
             ),
             Self::Fast { part, m_per_s, fastest_m_per_s, fps } => write!(
                 f,
-                "at {fps} frames per second the person's {part} would move at {m_per_s:.0} m/s, and those of the fastest people at {fastest_m_per_s} m/s; is `--fps` right?"
+                "at {fps} frames per second the person's {part} would move at {m_per_s:.0} m/s, where the fastest people reach {fastest_m_per_s} m/s; is `--fps` right?"
             ),
             Self::Behind { cameras, of, names } => {
                 write!(f, "in {cameras} of {of} cameras the subject lies behind the lens; is the pose inverted?")?;

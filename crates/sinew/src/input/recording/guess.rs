@@ -1,6 +1,6 @@
-//! Which layout keypoints have, when nobody says so, and whether they contradict the one that was named.
+//! Which layout keypoints have when none is named, and whether they contradict the named one.
 //!
-//! The length of a list settles most layouts. 75 numbers fit BODY_25B and BODY_25, which the body itself tells apart: point 8 of BODY_25 is the middle of points 9
+//! The length of a list settles most layouts. 75 numbers fit BODY_25B and BODY_25, which the body itself distinguishes: point 8 of BODY_25 is the middle of points 9
 //! and 12 (the hips), point 8 of BODY_25B an elbow.
 
 use super::listing::CameraFiles;
@@ -51,7 +51,7 @@ pub(super) fn layout(cameras: &[CameraFiles], folder: &Path) -> Result<(Layout, 
     }
 }
 
-/// A warning if the first people found do not look like the layout that was named. Files that cannot be read are told when their frame is read.
+/// A warning if the first people found do not look like the layout that was named. Files that cannot be read are reported when their frame is read.
 pub(super) fn contradiction(cameras: &[CameraFiles], named: &Layout) -> Option<String> {
     let expected = match named.name.as_str() {
         BODY_25 => true,
@@ -94,7 +94,7 @@ fn has_mid_hip_at_8(people: &[Person]) -> Option<bool> {
         let (Some(middle), Some(right), Some(left)) = (at(person, 8), at(person, 9), at(person, 12)) else { continue };
         seen += 1;
         let centre = [(right[0] + left[0]) / 2.0, (right[1] + left[1]) / 2.0];
-        // From the side the hips lie upon each other; the size of the person tells what is near then.
+        // From the side the hips lie upon each other; what is near then is a matter of the person's size.
         if distance(middle, centre) < 0.25 * distance(right, left).max(0.1 * extent(person)) {
             near += 1;
         }
@@ -124,9 +124,9 @@ mod tests {
 
     #[test]
     fn the_middle_of_the_hips_tells() {
-        let told = |points| has_mid_hip_at_8(&[person(points)]);
-        assert_eq!(told(&[(8, 101.0, 300.0), (9, 80.0, 300.0), (12, 120.0, 300.0)]), Some(true));
-        assert_eq!(told(&[(8, 200.0, 150.0), (9, 30.0, 200.0), (12, 120.0, 300.0)]), Some(false));
-        assert_eq!(told(&[(8, 200.0, 150.0)]), None);
+        let found = |points| has_mid_hip_at_8(&[person(points)]);
+        assert_eq!(found(&[(8, 101.0, 300.0), (9, 80.0, 300.0), (12, 120.0, 300.0)]), Some(true));
+        assert_eq!(found(&[(8, 200.0, 150.0), (9, 30.0, 200.0), (12, 120.0, 300.0)]), Some(false));
+        assert_eq!(found(&[(8, 200.0, 150.0)]), None);
     }
 }

@@ -1,9 +1,11 @@
-//! The files of each camera, by frame number: keypoints in a folder a camera, images in such folders or side by side in one.
+//! The files of each camera, by frame number.
+//!
+//! Keypoints lie in a folder a camera, images in such folders or side by side in one.
 
 use crate::Error;
 use crate::input::error::InputError;
 use crate::input::folder_contents::{FolderContents, folder_contents, is_video};
-use sinew_formats::{Error as FormatError, frame_number};
+use sinew_formats::{Error as FormatError, camera_name, frame_number};
 use std::collections::{BTreeMap, HashMap};
 use std::ffi::OsString;
 use std::fs;
@@ -100,7 +102,7 @@ impl CameraFiles {
     }
 
     pub(crate) fn numbers(&self) -> impl DoubleEndedIterator<Item = u64> + '_ {
-        self.names.files.iter().filter_map(|(number, _)| number.checked_sub_signed(self.lag))
+        self.names.files.iter().filter_map(|(number, _)| number.checked_add_signed(-self.lag))
     }
 
     /// From the first number to the last, holes included.
@@ -151,7 +153,7 @@ pub(crate) fn expect_folder(path: &Path, many: &'static str) -> Result<(), Input
     Err(InputError::FileForFolder { file: path.to_owned(), many, is_video: is_video(path) })
 }
 
-/// Folders with keypoint files, and those whose name says that they should have some, by name.
+/// Folders with keypoint files, and folders whose names say that they should have some, by name.
 pub(crate) fn camera_folders(keypoints: &Path) -> Result<Vec<Folder>, Error> {
     expect_folder(keypoints, "keypoints")?;
     let mut folders = Vec::new();
@@ -184,10 +186,22 @@ pub(crate) fn camera_folders(keypoints: &Path) -> Result<Vec<Folder>, Error> {
     Ok(folders)
 }
 
+/// The folders of some cameras.
+pub(crate) fn chosen_folders(folders: Vec<Folder>, names: &[String]) -> Result<Vec<Folder>, InputError> {
+    let wanted: Vec<String> = names.iter().map(|name| camera_name::fold(name)).collect();
+    for (name, wanted) in names.iter().zip(&wanted) {
+        if !folders.iter().any(|folder| camera_name::fold(&folder.name) == *wanted) {
+            let folders = folders.into_iter().map(|folder| folder.name).collect();
+            return Err(InputError::NoKeypointsOfCamera { name: name.clone(), folders });
+        }
+    }
+    Ok(folders.into_iter().filter(|folder| wanted.contains(&camera_name::fold(&folder.name))).collect())
+}
+
 /// Files in folders, and those that lie side by side by what their names begin with before the frame number.
 #[derive(Debug, Default)]
 pub(crate) struct Images {
-    /// A folder each, by name: those with files, and those that are asked for.
+    /// A folder each, by name: folders with files, and wanted ones.
     pub(crate) folders: Vec<Folder>,
     /// Files of the folder itself, by the beginning of their names.
     pub(crate) loose: Vec<Folder>,
@@ -196,7 +210,7 @@ pub(crate) struct Images {
 }
 
 /// Files with one of the extensions in a folder and in the folders in it.
-pub(crate) fn images(root: &Path, extensions: &[&str], is_asked: impl Fn(&str) -> bool) -> Result<Images, Error> {
+pub(crate) fn images(root: &Path, extensions: &[&str], is_wanted: impl Fn(&str) -> bool) -> Result<Images, Error> {
     let mut found = Images::default();
     let mut loose: BTreeMap<String, Names> = BTreeMap::new();
     for entry in fs::read_dir(root).map_err(Error::io("read", root))? {
@@ -205,7 +219,7 @@ pub(crate) fn images(root: &Path, extensions: &[&str], is_asked: impl Fn(&str) -
         if path.is_dir() {
             let names = names_in(&path, extensions)?;
             let name = name.to_string_lossy().into_owned();
-            if !names.is_empty() || is_asked(&name) {
+            if !names.is_empty() || is_wanted(&name) {
                 found.folders.push(Folder { name, path, names });
             }
         } else if has_extension(&name, extensions) {

@@ -1,7 +1,10 @@
 //! A keypoint folder without a calibration: what its files hold, for `sinew inspect`.
 
-use super::listing::{self, CameraFiles};
-use super::{Options, chosen_folders, guess, named_layout, no_such_frames};
+use super::frame_ranges::no_such_frames;
+use super::guess;
+use super::known_layout::named_layout;
+use super::listing::{self, CameraFiles, chosen_folders};
+use super::options::Options;
 use crate::{Error, files};
 use sinew_formats::openpose::{self, Tally};
 use sinew_formats::source_text::MAX_KEYPOINT_BYTES;
@@ -29,7 +32,7 @@ pub struct Survey {
 pub struct CameraSurvey {
     /// Name of the folder.
     pub name: String,
-    /// Number of files, of the frames asked for.
+    /// Number of files, of the chosen frames.
     pub files: usize,
     /// First frame.
     pub first: u64,
@@ -69,8 +72,8 @@ pub fn survey(keypoints: &Path, options: &Options) -> Result<Survey, Error> {
     if options.layout.is_some() {
         warnings.extend(guess::contradiction(&listed, &layout));
     }
-    let is_asked = |number: &u64| options.frames.as_ref().is_none_or(|asked| asked.contains(number));
-    let numbers: Vec<Vec<u64>> = listed.iter().map(|files| files.numbers().filter(is_asked).collect()).collect();
+    let is_wanted = |number: &u64| options.frames.as_ref().is_none_or(|asked| asked.contains(number));
+    let numbers: Vec<Vec<u64>> = listed.iter().map(|files| files.numbers().filter(is_wanted).collect()).collect();
     if let Some(asked) = options.frames.as_ref().filter(|_| numbers.iter().all(Vec::is_empty)) {
         let ranges = || listed.iter().map(CameraFiles::range);
         let first = ranges().map(|range| range.start).min().unwrap_or_default();

@@ -1,0 +1,21 @@
+//! How a command ended, if not with an error.
+
+/// The end of a command.
+pub(crate) enum Ended {
+    /// Done.
+    Done,
+    /// Finished and written, but a diagnostic failed.
+    Doubtful,
+    /// Interrupted; what was done is written.
+    Interrupted,
+}
+
+impl Ended {
+    pub(crate) const fn code(&self) -> u8 {
+        match self {
+            Self::Done => 0,
+            Self::Doubtful => 4,
+            Self::Interrupted => 75,
+        }
+    }
+}

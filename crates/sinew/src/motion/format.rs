@@ -1,0 +1,53 @@
+//! Format of a motion file, by its extension.
+
+use super::error::MotionError;
+use std::path::Path;
+
+/// Format of a motion file, by its extension.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Format {
+    /// Trajectories of markers.
+    Trc,
+    /// A table.
+    Csv,
+    /// Coordinates of OpenSim.
+    Mot,
+    /// Skeleton and angles.
+    Bvh,
+    /// Angles of an Acclaim skeleton.
+    Amc,
+}
+
+const EXTENSIONS: [(&str, Format); 6] = [
+    ("trc", Format::Trc),
+    ("csv", Format::Csv),
+    ("mot", Format::Mot),
+    ("sto", Format::Mot),
+    ("bvh", Format::Bvh),
+    ("amc", Format::Amc),
+];
+
+impl Format {
+    /// Format that the extension of a path names.
+    ///
+    /// # Errors
+    /// Any other extension.
+    pub fn of(path: &Path) -> Result<Self, MotionError> {
+        let extension =
+            path.extension().map(|extension| extension.to_string_lossy().to_lowercase()).unwrap_or_default();
+        let found = EXTENSIONS.iter().find(|(known, _)| *known == extension).map(|(_, format)| *format);
+        found.ok_or_else(|| MotionError::UnknownExtension { path: path.to_owned(), extension })
+    }
+
+    /// Name in messages.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Trc => "TRC",
+            Self::Csv => "CSV",
+            Self::Mot => "MOT",
+            Self::Bvh => "BVH",
+            Self::Amc => "AMC",
+        }
+    }
+}
