@@ -14,7 +14,8 @@
 //! A likelihood that is no such product, as that of silhouettes, may have intermediate densities F_k instead: the likelihood of the whole state with the parts after k where the last frame left them. Step 2 then chooses by
 //! ρ ∝ π F_k, which leaves π ∝ 1 / F_k: the importance functions are g_k = F_k / F_(k−1), their product telescopes, and step 3 weighs by f / F_(K−1). K N evaluations of the whole a frame.
 //!
-//! **Exact for every positive g**, evidence included: only the variance depends on it. A g_k of zero where f is not loses what stands there. D_k far below N says that part k is too much for N particles at once:
+//! **Exact for every positive g**, evidence included: only the variance depends on it. A g_k of zero where f is not loses what stands there. The least D_k is reported as the effective number: a part that few states
+//! survived does not become many again when later parts move. D_k far below N says that part k is too much for N particles at once:
 //! N = D / α serves for a D in each part of survival rate α, where all at once would need D / α^K. (K − 1) N evaluations of parts and N of the whole a frame; K N of parts where f is their product.
 
 use crate::error::check_dimension;
@@ -133,8 +134,9 @@ impl<T: PartTransition + Send, O: PartLogDensity + ?Sized> Tracker<O> for Partit
                 survivors.push(reselected.survivors);
             }
         }
-        let (mean, ess) = (aggregate(&particles), particles.effective_sample_size());
-        survivors.push(ess);
+        let mean = aggregate(&particles);
+        survivors.push(particles.effective_sample_size());
+        let ess = survivors.iter().copied().fold(f64::INFINITY, f64::min);
         let (parts, whole) = match (is_product, observed.has_intermediates()) {
             (true, _) => (last + 1, 0),
             (_, true) => (0, last + 1),

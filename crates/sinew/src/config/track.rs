@@ -138,10 +138,7 @@ impl Resolved {
     /// How frames are tracked, on the best instruction set and at the default rate.
     fn settings(&self) -> Settings {
         let (about, values) = (self.method(), &self.values);
-        let has_init = values.get("init").is_some();
-        let keypoints = values.get("keypoints").is_some() && !has_init;
-        let default = if keypoints { about.score_beside_keypoints } else { about.score };
-        let score = values.text("score").and_then(|name| Score::named(&name)).unwrap_or(default);
+        let score = values.text("score").and_then(|name| Score::named(&name)).unwrap_or(about.score);
         let usual = Settings::default();
         Settings {
             method: (about.configure)(values),

@@ -28,7 +28,6 @@ pub const ABOUT: About = About {
     needs_gradients: false,
     needs_parts: false,
     score: Score::Bidirectional,
-    score_beside_keypoints: Score::Bidirectional,
     particles: Some(|| Annealed::default().0.particles),
     settings: &SETTINGS,
     usual: || Arc::new(Annealed::default()),

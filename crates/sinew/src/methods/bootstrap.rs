@@ -25,7 +25,6 @@ pub const ABOUT: About = About {
     needs_gradients: false,
     needs_parts: false,
     score: Score::Bidirectional,
-    score_beside_keypoints: Score::Bidirectional,
     particles: Some(|| Bootstrap::default().0.particles),
     settings: &[],
     usual: || Arc::new(Bootstrap::default()),

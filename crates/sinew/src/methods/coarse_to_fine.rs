@@ -22,7 +22,6 @@ pub const ABOUT: About = About {
     needs_gradients: false,
     needs_parts: true,
     score: Score::CoarseToFine,
-    score_beside_keypoints: Score::CoarseToFine,
     particles: Some(|| CoarseToFine::default().0.coarse),
     settings: &SETTINGS,
     usual: || Arc::new(CoarseToFine::default()),

@@ -19,7 +19,6 @@ pub const ABOUT: About = About {
     needs_gradients: false,
     needs_parts: true,
     score: Score::Bidirectional,
-    score_beside_keypoints: Score::Parts,
     particles: Some(|| Partitioned::default().0.particles),
     settings: &[],
     usual: || Arc::new(Partitioned::default()),
