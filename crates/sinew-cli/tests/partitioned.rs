@@ -46,6 +46,7 @@ fn limbs_stay_with_clean_masks() {
         "--init=rec/truth.trc",
         "--method=partitioned",
         "--particles=200",
+        "--min-ess=1",
         "--fps=15",
     ]);
     assert!(tracked.status.success(), "{}", trial.told(&tracked));

@@ -11,8 +11,8 @@
 //!
 //! Where f = Π g_k, and g_k depends on no later part, step 2 multiplies π by g_k before it divides by it, and step 3 is left with the last factor: the same weights for fewer evaluations.
 //!
-//! A likelihood that is no such product, as that of silhouettes, may have intermediate densities F_k instead: the likelihood of the whole state with the parts after k where the last frame left them. Step 2 then chooses by
-//! ρ ∝ π F_k, which leaves π ∝ 1 / F_k: the importance functions are g_k = F_k / F_(k−1), their product telescopes, and step 3 weighs by f / F_(K−1). K N evaluations of the whole a frame.
+//! A likelihood that is no such product, as that of silhouettes, may have intermediate densities F_k instead: the likelihood of the whole state with the parts after k where the last frame left them, or a power of it. Step 2
+//! then chooses by ρ ∝ π F_k, which leaves π ∝ 1 / F_k: the importance functions are g_k = F_k / F_(k−1), their product telescopes, and step 3 weighs by f / F_(K−1). K N evaluations of the whole a frame.
 //!
 //! **Exact for every positive g**, evidence included: only the variance depends on it. A g_k of zero where f is not loses what stands there. The least D_k is reported as the effective number: a part that few states
 //! survived does not become many again when later parts move. D_k far below N says that part k is too much for N particles at once:

@@ -97,14 +97,21 @@ impl PartLogDensity for FrameLikelihood {
         matches!(&self.images, Some(BoundImages::Scored(images)) if !images.is_of_parts())
     }
 
-    /// The keypoints of the parts that are in place; in a frame without keypoints the silhouettes of the whole body. Together they would hold the trunk where limbs that have not moved yet fit.
+    /// The keypoints of the parts that are in place; in a frame without keypoints the silhouettes of the whole body, to the power of the share of parts that are in place. Both at once, or silhouettes at full power, would hold
+    /// the trunk where limbs that have not moved yet fit.
     fn log_intermediate_block(&self, part: usize, x: &[Block], ws: &mut [Block]) -> Block {
-        let mut value = [Block::ZERO];
+        let in_place = part + 1;
         match self.image_density() {
-            Some(images) if self.keypoints.leaf.is_empty() => value[0] = images.log_density_block(x, ws),
-            _ => self.parts.iter().take(part + 1).for_each(|own| add(&mut value, &[own.log_density_block(x, ws)])),
+            Some(images) if self.keypoints.leaf.is_empty() => {
+                let power = in_place as f64 / self.parts() as f64;
+                Block(images.log_density_block(x, ws).0.map(|value| power * value))
+            }
+            _ => {
+                let mut value = [Block::ZERO];
+                self.parts.iter().take(in_place).for_each(|own| add(&mut value, &[own.log_density_block(x, ws)]));
+                value[0]
+            }
         }
-        value[0]
     }
 
     fn log_density_parts_block(&self, parts: Range<usize>, x: &[Block], out: &mut [Block], ws: &mut [Block]) {
@@ -235,7 +242,7 @@ mod tests {
         state
     }
 
-    /// Keypoints of the parts in place; the whole silhouette where there are no keypoints; and none where the score is a product over solids.
+    /// Keypoints of the parts in place; a power of the whole silhouette where there are no keypoints; and none where the score is a product over solids.
     #[test]
     fn intermediates_take_keypoints_before_silhouettes() {
         let tree = h32(&Proportions::default());
@@ -261,7 +268,8 @@ mod tests {
             let [with, without] = [&seen, &unseen].map(|both| both.log_intermediate_block(part, &x, &mut ws).0[3]);
             let expected = (part + 1) as f64 * one;
             assert!((with - expected).abs() < 1e-9 * expected.abs(), "{part}: {with} for {expected}");
-            assert!((without - images).abs() < 1e-9 * images.abs(), "{part}: {without} for {images}");
+            let expected = (part + 1) as f64 / count as f64 * images;
+            assert!((without - expected).abs() < 1e-9 * images.abs(), "{part}: {without} for {expected}");
         }
         assert!(seen.has_intermediates() && !seen.is_product());
         assert!(!likelihood(Score::Parts, None).has_intermediates());
