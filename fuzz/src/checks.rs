@@ -1,4 +1,5 @@
-//! One check per reader: whatever the bytes, it returns a value or an error with words in it, and what its writer makes of a value it reads again.
+//! One check per reader of `sinew-formats`.
+//! Whatever the bytes, it returns a value or an error with words in it, and what its writer makes of a value it reads again.
 //!
 //! Used by the fuzz targets and, with the corpus, by an ordinary test (`tests/tests/corpus.rs`).
 
@@ -48,8 +49,8 @@ pub fn openpose(data: &[u8]) {
     let Some(text) = text("cam1.0001.json", data) else { return };
     let layout = layout::find("BODY_25B").ok();
     for options in [
-        openpose::Options::default(),
-        openpose::Options { frame: Some(1), layout: layout.as_ref(), confidence_scale: 100.0 },
+        openpose::OpenposeOptions::default(),
+        openpose::OpenposeOptions { frame: Some(1), layout: layout.as_ref(), confidence_scale: 100.0 },
     ] {
         if let Some(frame) = accepted(openpose::read("cam1.0001.json", text, &options)) {
             let mut tally = openpose::Tally::default();

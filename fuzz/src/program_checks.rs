@@ -1,31 +1,33 @@
-//! One check per reader of the program itself, and one for a whole step of a filter: whatever the bytes, there is a value or an error with words in it.
+//! One check per reader of the program itself, and one for a whole step of a filter.
+//! Whatever the bytes, there is a value or an error with words in it.
 //!
 //! Used by the fuzz targets and by `tests/tests/corpus.rs`, like [`super::checks`].
 
 use sinew::config::settings::Settings;
 use sinew::input::in_memory::InMemory;
-use sinew::input::recording::Options;
+use sinew::input::recording::RecordingOptions;
 use sinew::input::source::FrameSource;
-use sinew::inspect::{Subject, file_facts};
-use sinew::methods::{Bootstrap, Hmc, Method};
+use sinew::methods::{BootstrapMethod, HmcMethod, Method};
 use sinew::observe::Detection;
 use sinew::observe::association::Person;
 use sinew::results::problem::Problem;
-use sinew::setup::{Request, Setup, set_up};
+use sinew::setup::{Setup, SetupRequest, set_up};
 use sinew::track::Pipeline;
 use sinew::track::checkpoint::Checkpoint;
 use sinew::tracking::{bootstrap, hmc_filter};
-use sinew::{Error, formats::Layout, observe::Camera};
+use sinew::{RecordingError, formats::Layout, observe::Camera};
 use sinew_simulate::recording::{Script, SyntheticRecording};
+use sinew_tools::Error;
+use sinew_tools::inspect::{Subject, file_facts};
 use std::cell::RefCell;
 use std::fs;
 use std::ops::{ControlFlow, Range};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, LazyLock};
 
-/// Whether a failure can be told: it has words, and an exit code of the table.
-fn told<T>(result: Result<T, Error>) -> Option<T> {
-    match result {
+/// The value, or a failure that a user can read: it has words, and an exit code of the table.
+fn answered<T>(result: Result<T, impl Into<Error>>) -> Option<T> {
+    match result.map_err(Into::into) {
         Ok(value) => Some(value),
         Err(error) => {
             assert!(!error.to_string().is_empty() && (1..=5).contains(&error.exit_code()), "{error}");
@@ -43,7 +45,7 @@ fn inspected(name: &str, data: &[u8], subject: impl Fn(PathBuf) -> Subject) {
         let path = folder.path().join(name);
         fs::create_dir_all(path.parent().unwrap_or(Path::new(""))).expect("a place for files");
         fs::write(&path, data).expect("a place for files");
-        if let Some(facts) = told(file_facts(&subject(path), &Options::default())) {
+        if let Some(facts) = answered(file_facts(&subject(path), &RecordingOptions::default())) {
             assert!(!facts.title.is_empty());
         }
     });
@@ -61,10 +63,11 @@ pub fn settings(data: &[u8]) {
 /// `setup.toml`; what is written of a set-up is read as the same.
 pub fn setup(data: &[u8]) {
     inspected("setup.toml", data, Subject::Setup);
-    let Some(setup) = std::str::from_utf8(data).ok().and_then(|text| told(Setup::from_toml("setup.toml", text))) else {
+    let Some(setup) = std::str::from_utf8(data).ok().and_then(|text| answered(Setup::from_toml("setup.toml", text)))
+    else {
         return;
     };
-    if let Some(written) = told(setup.to_toml().map_err(Error::from)) {
+    if let Some(written) = answered(setup.to_toml()) {
         let again = Setup::from_toml("written", &written).unwrap_or_else(|error| panic!("{error} in\n{written}"));
         assert!(again.to_toml().is_ok_and(|text| text == written), "{written}");
     }
@@ -122,8 +125,8 @@ static SCENE: LazyLock<(InMemory, Setup)> = LazyLock::new(|| {
     let SyntheticRecording { cameras, layout, keypoints, .. } =
         SyntheticRecording::new(&script, 3).expect("a recording");
     let mut recording = InMemory { cameras, layout, keypoints };
-    let frames: Vec<_> = (0..12).map(|number| Ok((number, recording.people(number)?))).collect();
-    let found = set_up(&recording.cameras, &recording.layout, &Request::default(), frames);
+    let frames: Vec<_> = (0..12).map(|number| Ok::<_, RecordingError>((number, recording.people(number)?))).collect();
+    let found = set_up(&recording.cameras, &recording.layout, &SetupRequest::default(), frames);
     let (mut setup, _) = found.expect("a set-up");
     (setup.step_size, setup.leapfrog_steps) = (Some(0.4), Some(3));
     (recording, setup)
@@ -145,7 +148,7 @@ impl FrameSource for Changed<'_> {
     fn frames(&self) -> Range<u64> {
         0..1
     }
-    fn people(&mut self, _: u64) -> Result<Vec<Vec<Person>>, Error> {
+    fn people(&mut self, _: u64) -> Result<Vec<Vec<Person>>, RecordingError> {
         Ok(self.people.clone())
     }
 }
@@ -179,15 +182,15 @@ pub fn filter_step(data: &[u8]) {
         }
     }
     let method: Arc<dyn Method> = match first % 16 {
-        15 => Arc::new(Hmc(hmc_filter::Config { chains: 8, updates: 1, burn_in: 0, ..Hmc::default().0 })),
-        _ => Arc::new(Bootstrap(bootstrap::Config { particles: 8, ..bootstrap::Config::default() })),
+        15 => Arc::new(HmcMethod(hmc_filter::Config { chains: 8, updates: 1, burn_in: 0, ..HmcMethod::default().0 })),
+        _ => Arc::new(BootstrapMethod(bootstrap::Config { particles: 8, ..bootstrap::Config::default() })),
     };
     let settings = Settings { method, draws: 2, ..Settings::default() };
     let tree = setup.tree();
     let pipeline = Pipeline::new(setup, &tree, &recording.cameras, &recording.layout, settings);
-    let Some(mut pipeline) = told(pipeline) else { return };
+    let Some(mut pipeline) = answered(pipeline) else { return };
     let mut source = Changed { recording, people };
-    told(pipeline.track(&mut source, 0..1, |estimate, _| {
+    answered(pipeline.track(&mut source, 0..1, |estimate, _| {
         let points = estimate.points.iter().flat_map(|p| [p.mean, p.sd, p.q05, p.q95]).flatten();
         let numbers = estimate.mean_state.iter().chain(&estimate.draws.states).copied().chain(points);
         assert!(numbers.into_iter().all(f64::is_finite), "an estimate that is no number");

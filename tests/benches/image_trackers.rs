@@ -1,4 +1,5 @@
-//! Frames per second of the trackers of silhouettes with the papers' settings: ten solids, four views of 320 × 240 pixels, one thread and two.
+//! Frames per second of the trackers of silhouettes with the papers' settings.
+//! Ten solids, four views of 320 × 240 pixels, one thread and two.
 //!
 //! One iteration is one frame: the step of the tracker and the binding of the frame's masks.
 
@@ -16,7 +17,7 @@ use sinew::observe::image_score::ImageScore;
 use sinew::observe::solid_body::SolidBody;
 use sinew::observe::{Camera, ObservationModel};
 use sinew::samplers::annealed_search;
-use sinew::samplers::grid::Axis;
+use sinew::samplers::grid::GridAxis;
 use sinew::tracking::annealed::{self, Annealed};
 use sinew::tracking::coarse_to_fine::{self, CoarseToFine};
 use sinew::tracking::partitioned::{self, Partitioned};
@@ -97,7 +98,7 @@ fn trackers(c: &mut Criterion) {
         row("annealed, 5 x 200, both directions", both, &mut |seen, stage| tracker.step(seen, stage).expect("weights"));
         let mut tracker = annealed(100, 5);
         row("annealed, 5 x 100", one_sided, &mut |seen, stage| tracker.step(seen, stage).expect("weights"));
-        let axes = sd().iter().map(|sd| Axis::new(-3.2, 3.2, *sd, false).expect("an axis")).collect();
+        let axes = sd().iter().map(|sd| GridAxis::new(-3.2, 3.2, *sd, false).expect("an axis")).collect();
         let config = coarse_to_fine::Config::default();
         let mut tracker = CoarseToFine::new(config, axes, part_tree(), standing(), isa).expect("valid");
         row("coarse to fine, 300 + 500", fine, &mut |seen, stage| tracker.step(seen, stage).expect("weights"));

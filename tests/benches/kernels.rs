@@ -18,7 +18,7 @@ use sinew::results::estimate::FrameEstimate;
 use sinew::samplers::hmc::{Chains, Hmc, Workspace, update};
 use sinew::samplers::metric::{Dense, Metric};
 use sinew::samplers::resample::Scheme;
-use sinew::setup::{self, Request};
+use sinew::setup::{self, SetupRequest};
 use sinew::track::{self, Pipeline, Scene};
 use sinew::tracking::{Tracker, bootstrap};
 use sinew_simulate::recording::{Script, SyntheticRecording};
@@ -185,8 +185,8 @@ fn tracking(c: &mut Criterion) {
     let layout = recording.layout.clone();
     let settings = Settings::default();
     let frames = recording.frames();
-    let people: Vec<_> = frames.clone().map(|n| Ok((n, recording.people(n)?))).collect();
-    let (mut setup, _) = setup::set_up(&cameras, &layout, &Request::default(), people).expect("set-up");
+    let people: Vec<_> = frames.clone().map(|n| Ok::<_, sinew::Error>((n, recording.people(n)?))).collect();
+    let (mut setup, _) = setup::set_up(&cameras, &layout, &SetupRequest::default(), people).expect("set-up");
     let tree = setup.tree();
     setup.motion_sd =
         Some(setup::measure_motion(&setup, &tree, &mut recording, frames.clone(), settings.fps).expect("poses"));

@@ -106,7 +106,7 @@ pub fn marginals_under_crossover(seed: u64, size: Size) -> Vec<Finding> {
     findings
 }
 
-/// Second half of E7: an arm that rests for 20 frames, the last exponent left free. What is seen never tells the signs, so a posterior keeps its modes; the annealed filter, 10 layers of 200, must have lost half of
+/// Second half of E7: an arm that rests for 20 frames, the last exponent left free. What is seen never shows the signs, so a posterior keeps its modes; the annealed filter, 10 layers of 200, must have lost half of
 /// the eight on average. A bootstrap filter with as many evaluations a frame must not. In the first frame alone the annealed filter, with 2000 particles, still stands at seven or eight modes, with masses off by 0.05
 /// to 0.14.
 ///

@@ -17,7 +17,7 @@ use sinew::samplers::resample::multinomial;
 use sinew::samplers::tempered_smc::{self, sample};
 use sinew::tracking::Tracker;
 use sinew::tracking::annealed::{self, Annealed};
-use sinew_invariance::{Calibration, Ranks, Report, calibration};
+use sinew_invariance::{RankCalibration, Ranks, Report, calibration};
 
 /// A stage from a generator, for verbs that take one.
 fn stage(rng: &mut BlockRng) -> Stage {
@@ -36,7 +36,7 @@ fn check(
     body: &PartOfBody,
     posterior: impl FnMut(&[f64], usize, &mut BlockRng) -> Vec<Vec<f64>>,
 ) -> (Report, Ranks) {
-    let config = Calibration { data_sets, seed, ..Calibration::default() };
+    let config = RankCalibration { data_sets, seed, ..RankCalibration::default() };
     let simulate = |x: &[f64], rng: &mut BlockRng| body.simulate(x, rng);
     calibration(&config, |rng: &mut BlockRng| body.prior(rng), simulate, posterior, &body.functions())
 }

@@ -179,7 +179,7 @@ pub const CHECKS: &[Check] = &[
     },
     Check {
         name: "frozen-tuning",
-        claim: "a tuned step size accepts what was asked for and does not change while draws are kept",
+        claim: "a tuned step size accepts the requested share and does not change while draws are kept",
         run: |seed, size| {
             in_two_stages(seed, |seed| frozen_tuning::tuned_acceptance(size.pick(500, 2000), seed).into())
         },

@@ -38,13 +38,13 @@ use sinew::observe::association::Person;
 use sinew::observe::{Camera, offsets};
 use sinew::results::estimate::FrameEstimate;
 use sinew::results::silhouette_overlap::SilhouetteOverlap;
-use sinew::setup::{self, Request, Setup};
+use sinew::setup::{self, Setup, SetupRequest};
 use sinew::track::{self, Doubt, Pipeline, Spool};
-use sinew_simulate::points::of_states;
+use sinew_simulate::points::points_of_states;
 use std::ops::{ControlFlow, Range};
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Joints that are compared with a reference: those of the limbs.
+/// Joints that are compared with a reference: the joints of the limbs.
 pub const LIMB_JOINTS: [&str; 12] = *EVALUATION_JOINTS.split_at(2).1.first_chunk().expect("fifteen joints");
 
 /// What came of a recording.
@@ -59,10 +59,10 @@ pub struct Run {
     pub smoothed: Vec<FrameEstimate>,
 }
 
-/// Sets up from `setup_frames`, motion noise and step size included, and tracks `frames`. Known proportions replace those of the set-up.
+/// Sets up from `setup_frames`, motion noise and step size included, and tracks `frames`. Known proportions replace the set-up's.
 ///
 /// # Errors
-/// Those of the source, the set-up and the tracker.
+/// Errors of the source, the set-up and the tracker.
 pub fn run(
     source: &mut dyn FrameSource,
     setup_frames: Range<u64>,
@@ -101,10 +101,10 @@ pub fn run(
     Ok(Run { setup, tree, filtered, smoothed })
 }
 
-/// The set-up from some frames. `change` may replace what it found; motion noise and step size are those of what is left.
+/// The set-up from some frames. `change` may replace what it found; motion noise and step size follow from what is left.
 ///
 /// # Errors
-/// Those of the source and the set-up.
+/// Errors of the source and the set-up.
 pub fn set_up(
     source: &mut dyn FrameSource,
     frames: Range<u64>,
@@ -112,8 +112,8 @@ pub fn set_up(
     change: impl FnOnce(&mut Setup),
 ) -> Result<Setup, Error> {
     let (cameras, layout) = (source.cameras().to_vec(), source.layout().clone());
-    let people: Vec<_> = frames.clone().map(|number| Ok((number, source.people(number)?))).collect();
-    let (mut setup, _) = setup::set_up(&cameras, &layout, &Request::default(), people)?;
+    let people: Vec<_> = frames.clone().map(|number| Ok::<_, Error>((number, source.people(number)?))).collect();
+    let (mut setup, _) = setup::set_up(&cameras, &layout, &SetupRequest::default(), people)?;
     change(&mut setup);
     let tree = setup.tree();
     setup.motion_sd = Some(setup::measure_motion(&setup, &tree, source, frames, settings.fps)?);
@@ -137,7 +137,7 @@ pub struct Filtered {
 /// Filters some frames with a set-up, on keypoints, silhouettes or both, as the source has them.
 ///
 /// # Errors
-/// Those of the source and the tracker.
+/// Errors of the source and the tracker.
 pub fn filter(
     source: &mut dyn FrameSource,
     setup: &Setup,
@@ -161,7 +161,7 @@ pub fn filter(
 #[must_use]
 pub fn positions(tree: &KinematicTree, estimates: &[FrameEstimate], names: &[&str]) -> Track {
     let states: Vec<Vec<f64>> = estimates.iter().map(|estimate| estimate.mean_state.clone()).collect();
-    let points = of_states(tree, &states);
+    let points = points_of_states(tree, &states);
     let columns: Vec<Option<usize>> = names.iter().map(|name| points.index(name)).collect();
     points.frames.iter().map(|frame| columns.iter().map(|k| k.map(|k| frame[k])).collect()).collect()
 }
@@ -210,7 +210,7 @@ pub struct LeftOut<'a> {
 }
 
 /// Compares the projections of a track with the keypoints of a camera that had no part in it. The camera's constant offset is the median of observed − projected over the frames
-/// `offset`; distances are those of the frames `judged`.
+/// `offset`; distances are taken over the frames `judged`.
 #[must_use]
 pub fn pixel_errors(
     left_out: &LeftOut<'_>,

@@ -8,7 +8,7 @@ use sinew::dynamics::gaussian::Gaussian;
 use sinew::samplers::chains::{Schedule, draw};
 use sinew::samplers::hmc::{Chains, Hmc, Workspace, update};
 use sinew::samplers::metric::Metric;
-use sinew::samplers::tuning::{self, Trial};
+use sinew::samplers::tuning::{self, StepSizeTrial};
 
 /// A Gaussian whose covariance is Σ + 1 1ᵀ / 2 with variances Σ from 1 to `widest`.
 fn correlated(dim: usize, widest: f64) -> Lanes<Gaussian> {
@@ -31,7 +31,7 @@ pub fn tuned_acceptance(updates: usize, seed: u64) -> [Finding; 2] {
         target.leaf.sample_block(isa, states, &mut to_start.block(block as u32));
     }
     let config = tuning::Config { acceptance: 0.8, tolerance: 0.01, trajectories: 4000, ..tuning::Config::default() };
-    let mut trial = Trial { target: &target, metric: &metric, states, isa };
+    let mut trial = StepSizeTrial { target: &target, metric: &metric, states, isa };
     let tuned = tuning::step_size(&mut trial, 10, &config, &to_tune).expect("tunable");
     let hmc = Hmc::with_metric(tuned.step_size, &metric, 10, 0.0, isa).expect("valid");
     let schedule = Schedule { updates, burn_in: 0 };

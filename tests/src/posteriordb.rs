@@ -19,7 +19,7 @@ use sinew::samplers::chains::{ChainDraws, Schedule, draw};
 use sinew::samplers::hmc::Hmc;
 use sinew::samplers::nuts::{self, Nuts};
 use sinew::samplers::starts::uniform_starts;
-use sinew::samplers::tuning::{self, Trial};
+use sinew::samplers::tuning::{self, StepSizeTrial};
 use sinew::samplers::warm_up::{self, WarmedUp, warm_up};
 
 /// Which posterior, with its data.
@@ -196,7 +196,7 @@ pub fn sampled(
     let lengths = vec![4, 8, 16, 32];
     let tolerance = 0.5 * (1.0 - posterior.acceptance);
     let config = tuning::Config { jitter, lengths, tolerance, first_step_size: step_size, ..tuning::Config::default() };
-    let mut trial = Trial { target: posterior, metric: &metric, states, isa };
+    let mut trial = StepSizeTrial { target: posterior, metric: &metric, states, isa };
     let updates = updates * posterior.length;
     let schedule = Schedule { updates, burn_in: 50.min(updates) };
     match sampler {

@@ -1,9 +1,10 @@
-//! What the user reads about bad folders of masks and images, and that good ones are read alike in every layout.
+//! What the program says about bad folders of masks and images.
+//! Good ones are read alike in every layout.
 
-use sinew::Error;
+use sinew::RecordingError;
 use sinew::formats::{mask, picture};
 use sinew::input::pictures::Pictures;
-use sinew::input::silhouettes::{Options, Silhouettes};
+use sinew::input::silhouettes::{ImageFolderOptions, Silhouettes};
 use sinew::observe::bit_image::BitImage;
 use sinew::observe::{Camera, RgbImage};
 use std::fs;
@@ -63,17 +64,17 @@ impl Trial {
         self.root().join(format!("cam{camera:02}_{frame:03}.png"))
     }
 
-    fn all(&self, options: &Options) -> Result<(Frames, Silhouettes), Error> {
+    fn all(&self, options: &ImageFolderOptions) -> Result<(Frames, Silhouettes), RecordingError> {
         let mut silhouettes = Silhouettes::open(&self.root(), &cameras(), options)?;
         let frames = silhouettes.frames().map(|number| silhouettes.frame(number)).collect::<Result<_, _>>()?;
         Ok((frames, silhouettes))
     }
 
     /// The error with its help and exit code, or the warnings.
-    fn told(&self, options: &Options) -> String {
+    fn printed(&self, options: &ImageFolderOptions) -> String {
         let text = match self.all(options) {
             Ok((_, silhouettes)) => silhouettes.warnings().join("\n"),
-            Err(error) => told(&error),
+            Err(error) => printed(&error),
         };
         self.without_name(&text)
     }
@@ -83,24 +84,24 @@ impl Trial {
     }
 }
 
-fn told(error: &Error) -> String {
+fn printed(error: &RecordingError) -> String {
     format!("exit {}: {error}\nhelp: {}", error.exit_code(), error.help().unwrap_or_default())
 }
 
-fn check(name: &str, harm: impl FnOnce(&Trial), options: &Options) {
+fn check(name: &str, harm: impl FnOnce(&Trial), options: &ImageFolderOptions) {
     let trial = Trial::new();
     harm(&trial);
-    insta::assert_snapshot!(name, trial.told(options));
+    insta::assert_snapshot!(name, trial.printed(options));
 }
 
 fn check_default(name: &str, harm: impl FnOnce(&Trial)) {
-    check(name, harm, &Options::default());
+    check(name, harm, &ImageFolderOptions::default());
 }
 
 #[test]
 fn both_layouts_give_the_same() {
     let flat = Trial::new();
-    let (masks, silhouettes) = flat.all(&Options::default()).unwrap();
+    let (masks, silhouettes) = flat.all(&ImageFolderOptions::default()).unwrap();
     assert_eq!(silhouettes.warnings(), Vec::<String>::new());
     assert_eq!(masks[3][1].as_ref(), Some(&square(SIZE, 23)));
     for folder in ["cam1", "Cam_01_masks"] {
@@ -111,7 +112,7 @@ fn both_layouts_give_the_same() {
             fs::create_dir_all(path.parent().unwrap()).unwrap();
             fs::rename(nested.mask(camera, frame), path).unwrap();
         }
-        let (same, other) = nested.all(&Options::default()).unwrap();
+        let (same, other) = nested.all(&ImageFolderOptions::default()).unwrap();
         assert_eq!(same, masks);
         assert_eq!(other.input_hash(), silhouettes.input_hash());
     }
@@ -122,10 +123,11 @@ fn cameras_come_in_the_order_in_which_they_are_given() {
     let trial = Trial::new();
     let mut cameras = cameras();
     cameras.reverse();
-    let mut silhouettes = Silhouettes::open(&trial.root(), &cameras, &Options::default()).unwrap();
+    let mut silhouettes = Silhouettes::open(&trial.root(), &cameras, &ImageFolderOptions::default()).unwrap();
     assert_eq!(silhouettes.frame(0).unwrap()[0], Some(square(SIZE, 20)));
     cameras.truncate(1);
-    let options = Options { calibrated: vec!["cam_01".into(), "cam_02".into()], ..Options::default() };
+    let options =
+        ImageFolderOptions { calibrated: vec!["cam_01".into(), "cam_02".into()], ..ImageFolderOptions::default() };
     let mut one = Silhouettes::open(&trial.root(), &cameras, &options).unwrap();
     assert_eq!(one.frame(0).unwrap(), [Some(square(SIZE, 20))]);
     assert_eq!(one.warnings(), Vec::<String>::new());
@@ -135,7 +137,7 @@ fn cameras_come_in_the_order_in_which_they_are_given() {
 fn the_hash_is_of_the_masks_and_their_places_alone() {
     let trial = Trial::new();
     let hash = |numbers: &[u64]| {
-        let mut silhouettes = Silhouettes::open(&trial.root(), &cameras(), &Options::default()).unwrap();
+        let mut silhouettes = Silhouettes::open(&trial.root(), &cameras(), &ImageFolderOptions::default()).unwrap();
         numbers.iter().for_each(|number| drop(silhouettes.frame(*number).unwrap()));
         silhouettes.input_hash()
     };
@@ -182,7 +184,10 @@ fn folders_that_do_not_fit() {
         empty(trial);
         write(&trial.root().join("0007.png"), &square(SIZE, 3));
     });
-    let stranger = Options { calibrated: vec!["cam01".into(), "cam02".into(), "cam03".into()], ..Options::default() };
+    let stranger = ImageFolderOptions {
+        calibrated: vec!["cam01".into(), "cam02".into(), "cam03".into()],
+        ..ImageFolderOptions::default()
+    };
     let only_others = |trial: &Trial| {
         empty(trial);
         write(&trial.mask(3, 0), &square(SIZE, 3));
@@ -194,10 +199,10 @@ fn folders_that_do_not_fit() {
 fn frames_that_do_not_fit() {
     let shorten = |trial: &Trial| fs::remove_file(trial.mask(2, 3)).unwrap();
     check_default("ends_apart", shorten);
-    check("ends_apart_trimmed", shorten, &Options { trim: true, ..Options::default() });
+    check("ends_apart_trimmed", shorten, &ImageFolderOptions { trim: true, ..ImageFolderOptions::default() });
     check_default("hole", |trial| fs::remove_file(trial.mask(2, 1)).unwrap());
-    check("fewer_than_asked", |_| {}, &Options { frames: Some(2..10), ..Options::default() });
-    check("no_such_frames", |_| {}, &Options { frames: Some(100..200), ..Options::default() });
+    check("fewer_than_asked", |_| {}, &ImageFolderOptions { frames: Some(2..10), ..ImageFolderOptions::default() });
+    check("no_such_frames", |_| {}, &ImageFolderOptions { frames: Some(100..200), ..ImageFolderOptions::default() });
 }
 
 #[test]
@@ -207,13 +212,13 @@ fn sizes_that_do_not_fit() {
             write(&trial.mask(camera, frame), &square(size, 5));
         }
     };
-    let half = Options { scale: Some(0.5), ..Options::default() };
+    let half = ImageFolderOptions { scale: Some(0.5), ..ImageFolderOptions::default() };
     check_default("half_size", |trial| small(trial, [32, 24]));
     check("half_size_declared", |trial| small(trial, [32, 24]), &half);
     check("double_size", |trial| small(trial, [128, 96]), &half);
     check_default("turned", |trial| small(trial, [48, 64]));
     check_default("one_of_another_size", |trial| write(&trial.mask(1, 2), &square([60, 48], 5)));
-    check("scale", |_| {}, &Options { scale: Some(0.0), ..Options::default() });
+    check("scale", |_| {}, &ImageFolderOptions { scale: Some(0.0), ..ImageFolderOptions::default() });
 }
 
 #[test]
@@ -269,13 +274,13 @@ fn pictures_may_be_sparse() {
         picture::write_png(&mut bytes, &image(frame)).unwrap();
         fs::write(folder.path().join(format!("cam{camera:02}_{frame:03}.png")), bytes).unwrap();
     }
-    let mut pictures = Pictures::open(folder.path(), &cameras(), &Options::default()).unwrap();
+    let mut pictures = Pictures::open(folder.path(), &cameras(), &ImageFolderOptions::default()).unwrap();
     assert_eq!((pictures.frames(), pictures.numbers()), (0..11, vec![0, 5, 10]));
     assert_eq!(pictures.frame(10).unwrap(), [Some(image(10)), Some(image(10))]);
     assert_eq!(pictures.frame(5).unwrap(), [Some(image(5)), None]);
     assert_eq!(pictures.frame(1).unwrap(), [None, None]);
     assert_eq!(pictures.warnings(), ["camera cam_02: 1 frames have no image although others have one (first: 5)"]);
     fs::write(folder.path().join("cam02_000.png"), b"GIF89a").unwrap();
-    let error = Pictures::open(folder.path(), &cameras(), &Options::default()).unwrap_err();
-    insta::assert_snapshot!("not_a_picture", told(&error).replace(&folder.path().display().to_string(), "[trial]"));
+    let error = Pictures::open(folder.path(), &cameras(), &ImageFolderOptions::default()).unwrap_err();
+    insta::assert_snapshot!("not_a_picture", printed(&error).replace(&folder.path().display().to_string(), "[trial]"));
 }

@@ -1,4 +1,5 @@
-//! The corpus of the fuzz targets, run through all readers on the stable compiler: no panic, under a second a file, for whole files and for files cut at every byte.
+//! The corpus of the fuzz targets, run through all readers on the stable compiler.
+//! No panic, under a second a file, for whole files and for files cut at every byte.
 
 mod fuzzed;
 
@@ -53,7 +54,7 @@ fn valid_files_are_read() {
         std::fs::read(path).unwrap()
     };
     let text = |target: &str| String::from_utf8(bytes(target)).unwrap();
-    formats::openpose::read("valid", &text("openpose"), &formats::openpose::Options::default()).unwrap();
+    formats::openpose::read("valid", &text("openpose"), &formats::openpose::OpenposeOptions::default()).unwrap();
     formats::calib_toml::read("valid", &text("calib_toml")).unwrap();
     formats::layout::read("valid", &text("layout")).unwrap();
     formats::body_toml::read("valid", &text("body_toml")).unwrap();

@@ -1,4 +1,5 @@
-//! Seeded mutations of the corpus through every check, on the stable compiler: cuts, flipped and changed bytes, swapped, doubled and dropped pieces and lines, splices of two files.
+//! Seeded mutations of the corpus through every check, on the stable compiler.
+//! Cuts, flipped and changed bytes, swapped, doubled and dropped pieces and lines, splices of two files.
 //!
 //! 10⁴ inputs a target, 10³ for a step of the filter, which is a hundred times a reader's work. The same seed gives the same inputs; a failure names target, file and number, and
 //! writes the input where it says. Each must be done in a second, in one of four attempts: the

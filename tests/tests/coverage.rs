@@ -23,7 +23,7 @@ fn intervals_cover_the_truth_of_a_walk_as_often_as_they_promise() {
         let run = evaluation::run(&mut source(&recording), 0..frames, 0..frames, &settings, known).unwrap();
         let covered = evaluation::covered(&run.tree, &run.filtered, &truth, &EVALUATION_JOINTS);
         in_files.push(covered.iter().map(|f| f.iter().sum::<f64>() / f.len() as f64).collect::<Vec<f64>>());
-        let ranked = ranks::of_points(&run.tree, &run.filtered, &truth, &EVALUATION_JOINTS);
+        let ranked = ranks::at_points(&run.tree, &run.filtered, &truth, &EVALUATION_JOINTS);
         for (level, series) in ranks::LEVELS.iter().zip(&mut by_level) {
             let share = |frame: &Vec<[u32; 3]>| ranks::coverage(frame.as_flattened(), ranks::DRAWS, *level);
             series.push(ranked.iter().map(share).collect());

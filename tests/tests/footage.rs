@@ -1,20 +1,21 @@
-//! Masks and pictures of every sequence that experiments use: the person is in all views, and the same seed gives the same pixels.
+//! Masks and pictures of every sequence that experiments use.
+//! The person is in all views, and the same seed gives the same pixels.
 
-use sinew::motion;
 use sinew_simulate::combo::{Sequence, synthetic_combo};
 use sinew_simulate::footage::SyntheticFootage;
-use sinew_simulate::points::{Trajectories, of_states};
+use sinew_simulate::points::{Trajectories, points_of_states};
 use sinew_simulate::recorded::from_points;
 use sinew_simulate::ring::Ring;
 use sinew_simulate::segmentation_noise::Level;
 use sinew_simulate::walker::{Gait, Walker, walker_states};
 use sinew_tests::recorded_motion::{recorded, recorded_combo};
+use sinew_tools::motion;
 
 const RATE_HZ: f64 = 30.0;
 
 fn walk(duration_s: f64) -> Trajectories {
     let walker = Walker::new(Gait { duration_s, ..Gait::default() });
-    of_states(&walker.body, &walker_states(&walker, RATE_HZ))
+    points_of_states(&walker.body, &walker_states(&walker, RATE_HZ))
 }
 
 fn footage(motion: Trajectories) -> SyntheticFootage {

@@ -3,7 +3,7 @@
 //! What is thinned and what is smoothed draws its own in each.
 
 use sinew::config::settings::Settings;
-use sinew::methods::{Bootstrap, Hmc};
+use sinew::methods::{BootstrapMethod, HmcMethod};
 use sinew::results::estimate::FrameEstimate;
 use sinew::setup::Setup;
 use sinew::track::{self, Pipeline, Spool};
@@ -29,10 +29,10 @@ fn prepared(settings: &Settings) -> (SyntheticRecording, Setup, Pipeline) {
     (recording, setup, pipeline)
 }
 
-/// Of draws with equal weights a systematic choice takes one in so many, from a start that differs from frame to frame.
+/// Of draws with equal weights a systematic choice takes every n-th, from a start that differs from frame to frame.
 #[test]
 fn each_frame_is_thinned_from_another_start() {
-    let hmc = Hmc(hmc_filter::Config { chains: 8, updates: 8, burn_in: 1, ..Hmc::default().0 });
+    let hmc = HmcMethod(hmc_filter::Config { chains: 8, updates: 8, burn_in: 1, ..HmcMethod::default().0 });
     let settings = Settings { method: Arc::new(hmc), draws: 2, ..Settings::default() };
     let (recording, _, mut pipeline) = prepared(&settings);
     let mut starts = BTreeSet::new();
@@ -57,7 +57,7 @@ fn each_frame_is_thinned_from_another_start() {
 fn smoothed_trajectories_have_the_correlations_of_the_model() {
     const COUNT: u64 = 9;
     const RESTART: u64 = 5;
-    let bootstrap = Bootstrap(bootstrap::Config { particles: 64, ..bootstrap::Config::default() });
+    let bootstrap = BootstrapMethod(bootstrap::Config { particles: 64, ..bootstrap::Config::default() });
     let settings = Settings { method: Arc::new(bootstrap), draws: track::TRAJECTORIES, ..Settings::default() };
     let (_, setup, pipeline) = prepared(&settings);
     let tree = setup.tree();
@@ -66,7 +66,7 @@ fn smoothed_trajectories_have_the_correlations_of_the_model() {
     let d = variances.len();
     let folder = std::env::temp_dir().join(format!("sinew-frame-streams-{}", std::process::id()));
     let mut spool = Spool::temporary(&folder, [d, 0, 0]).unwrap();
-    // Filtered variances are those of a step of motion.
+    // Filtered variances come from a step of motion.
     let covariance: Vec<f64> = (0..d * d).map(|k| if k / d == k % d { variances[k % d] } else { 0.0 }).collect();
     for number in 0..COUNT {
         let mut moments = sinew::core::transition::Moments { mean: vec![0.0; d], covariance: covariance.clone() };

@@ -21,7 +21,7 @@ use sinew::tracking::bootstrap::{self, Bootstrap};
 use sinew::tracking::decoded::Decoded;
 use sinew::tracking::hmc_filter::{self, HmcFilter};
 use sinew::tracking::{Error, Resume, StepInfo, Tracker};
-use sinew_invariance::{Calibration, ExactStart, TestFunctions, calibration, exact_start};
+use sinew_invariance::{ExactStart, RankCalibration, TestFunctions, calibration, exact_start};
 use sinew_tests::quadrature::Axis;
 
 type Seen = Lanes<Quadratic>;
@@ -420,7 +420,7 @@ fn posteriors_of_poses_are_calibrated() {
             multinomial(posterior.weights, n, rng).iter().map(state).collect()
         };
         let functions = TestFunctions::moments(4);
-        let config = Calibration { data_sets: 1000, draws: 19, bins: 10, seed: 4, ..Calibration::default() };
+        let config = RankCalibration { data_sets: 1000, draws: 19, bins: 10, seed: 4, ..RankCalibration::default() };
         let (report, _) = calibration(&config, |rng| pose(&first_state(rng)), simulate, posterior, &functions);
         report.assert_holds();
     }

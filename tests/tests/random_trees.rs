@@ -1,4 +1,5 @@
-//! K4 on trees from the strategies of the kit: the backward sweep of any tree gives the gradient of what is seen of it.
+//! The backward sweep of any tree gives the gradient of what is seen of it (K4).
+//! Trees come from the strategies of the kit.
 
 use proptest::prelude::*;
 use sinew::body::{Axis, Joint, KinematicTree, Link, Plan, Point};

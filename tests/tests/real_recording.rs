@@ -2,7 +2,7 @@
 
 use sinew::config::settings::Settings;
 use sinew::formats::trc;
-use sinew::input::recording::{Options, Recording};
+use sinew::input::recording::{Recording, RecordingOptions};
 use sinew::input::source::FrameSource as _;
 use sinew::observe::association::Person;
 use sinew_tests::data::shared;
@@ -16,7 +16,7 @@ fn data() -> Option<PathBuf> {
 }
 
 fn open(data: &Path, folder: &str, cameras: Option<Vec<String>>) -> Recording {
-    let options = Options { layout: Some("BODY_25B".into()), cameras, ..Options::default() };
+    let options = RecordingOptions { layout: Some("BODY_25B".into()), cameras, ..RecordingOptions::default() };
     Recording::open(&data.join("Calib.toml"), &data.join("T01_BalancingTrial").join(folder), &options).unwrap()
 }
 

@@ -9,7 +9,7 @@ use sinew::samplers::Error;
 use sinew::samplers::chains::{Schedule, draw};
 use sinew::samplers::hmc::{Chains, Hmc, Workspace, update};
 use sinew::samplers::metric::Metric;
-use sinew::samplers::tuning::{self, Trial};
+use sinew::samplers::tuning::{self, StepSizeTrial};
 use sinew::tracking::Tracker;
 use sinew::tracking::bootstrap::{self, Bootstrap};
 use sinew::tracking::hmc_filter::{self, HmcFilter};
@@ -80,7 +80,7 @@ fn the_search_for_a_step_size_ends() {
     let (target, metric) = (quadratic(1.0), Metric::Diagonal(vec![1.0; 2]));
     let search = |first_step_size: f64| {
         let mut trial =
-            Trial { target: &target, metric: &metric, states: vec![Block::splat(0.5); 2], isa: Isa::best() };
+            StepSizeTrial { target: &target, metric: &metric, states: vec![Block::splat(0.5); 2], isa: Isa::best() };
         let config = tuning::Config { first_step_size, jitter: 0.2, ..tuning::Config::default() };
         tuning::step_size(&mut trial, 3, &config, &Stage::new(2, "search"))
     };

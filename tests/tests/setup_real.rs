@@ -2,11 +2,11 @@
 
 use sinew::formats::trc::{self, Trc};
 use sinew::input::frame::detections;
-use sinew::input::recording::{Options, Recording};
+use sinew::input::recording::{Recording, RecordingOptions};
 use sinew::observe::association;
 use sinew::observe::following::{Following, follow};
 use sinew::observe::triangulate::{Config, Seen, triangulate};
-use sinew::setup::{self, Request, Setup};
+use sinew::setup::{self, Setup, SetupRequest};
 use sinew_tests::data::shared;
 use std::path::{Path, PathBuf};
 
@@ -16,7 +16,7 @@ fn data() -> Option<PathBuf> {
 
 fn open(data: &Path, folder: &str, cameras: Option<&[&str]>) -> Recording {
     let cameras = cameras.map(|names| names.iter().map(|n| (*n).to_owned()).collect());
-    let options = Options { layout: Some("BODY_25B".into()), cameras, ..Options::default() };
+    let options = RecordingOptions { layout: Some("BODY_25B".into()), cameras, ..RecordingOptions::default() };
     Recording::open(&data.join("Calib.toml"), &data.join("T01_BalancingTrial").join(folder), &options).unwrap()
 }
 
@@ -26,9 +26,13 @@ fn reference(data: &Path, name: &str) -> Trc {
     trc::read(&name, &text).unwrap()
 }
 
-fn set_up(recording: &mut Recording, frames: std::ops::Range<u64>, request: &Request) -> (Setup, Vec<setup::Warning>) {
+fn set_up(
+    recording: &mut Recording,
+    frames: std::ops::Range<u64>,
+    request: &SetupRequest,
+) -> (Setup, Vec<setup::SetupWarning>) {
     let (cameras, layout) = (recording.cameras().to_vec(), recording.layout().clone());
-    let frames = frames.map(|n| Ok((n, detections(&recording.frame(n)?))));
+    let frames = frames.map(|n| Ok::<_, sinew::Error>((n, detections(&recording.frame(n)?))));
     setup::set_up(&cameras, &layout, request, frames).unwrap()
 }
 
@@ -67,7 +71,7 @@ fn the_reference_recipe_reproduces_the_unfiltered_reference() {
 
 /// In this recording the tracked man is the first person of every file in which he is found; in frame 37 a camera breaks him in two.
 #[test]
-fn the_man_is_told_from_the_bystanders() {
+fn the_man_is_distinguished_from_the_bystanders() {
     let Some(data) = data() else { return };
     let mut recording = open(&data, "pose", None);
     let cameras = recording.cameras().to_vec();
@@ -91,7 +95,7 @@ fn the_set_up_finds_offsets_sizes_and_a_pose() {
     let Some(data) = data() else { return };
     for folder in ["pose", "pose-associated"] {
         let mut recording = open(&data, folder, None);
-        let (found, warnings) = set_up(&mut recording, 0..60, &Request::default());
+        let (found, warnings) = set_up(&mut recording, 0..60, &SetupRequest::default());
         println!("{}", found.to_toml().unwrap());
         let lengths = [
             ("thigh", found.proportions.thigh, 0.416),
@@ -123,7 +127,7 @@ fn poses_of_later_frames_lie_near_the_reference() {
     let Some(data) = data() else { return };
     let mut recording = open(&data, "pose-associated", None);
     let (cameras, layout) = (recording.cameras().to_vec(), recording.layout().clone());
-    let (found, _) = set_up(&mut recording, 0..60, &Request::default());
+    let (found, _) = set_up(&mut recording, 0..60, &SetupRequest::default());
     let reference = reference(&data, "_filt_butterworth");
     let tree = found.tree();
     let plan = sinew::body::Plan::with_all_points(&tree);
@@ -154,8 +158,8 @@ fn poses_of_later_frames_lie_near_the_reference() {
 fn one_camera_gives_a_pose_of_default_size() {
     let Some(data) = data() else { return };
     let mut recording = open(&data, "pose-associated", Some(&["cam_01"]));
-    let (found, warnings) = set_up(&mut recording, 0..10, &Request::default());
-    assert_eq!(warnings, [setup::Warning::OneCamera]);
+    let (found, warnings) = set_up(&mut recording, 0..10, &SetupRequest::default());
+    assert_eq!(warnings, [setup::SetupWarning::OneCamera]);
     assert_eq!(found.camera[0].offset_px, [0.0; 2]);
     let place = [found.start_pose[0], found.start_pose[1]];
     assert!((place[0] + 1.4).hypot(place[1]) < 0.6, "{place:?}");

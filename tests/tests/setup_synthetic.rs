@@ -7,7 +7,7 @@ use sinew::formats::layout::{self, Layout};
 use sinew::input::up_axis::z_up_from;
 use sinew::observe::association::Person;
 use sinew::observe::{Camera, Detection};
-use sinew::setup::{self, Request, Setup, Warning};
+use sinew::setup::{self, Setup, SetupRequest, SetupWarning};
 
 type Frames = Vec<(u64, Vec<Vec<Person>>)>;
 
@@ -94,8 +94,8 @@ fn record(cameras: &[Camera], layout: &Layout, frames: u64, jitter: f64) -> Fram
         .collect()
 }
 
-fn set_up(cameras: &[Camera], layout: &Layout, frames: Frames) -> Result<(Setup, Vec<Warning>), sinew::Error> {
-    setup::set_up(cameras, layout, &Request::default(), frames.into_iter().map(Ok))
+fn set_up(cameras: &[Camera], layout: &Layout, frames: Frames) -> Result<(Setup, Vec<SetupWarning>), sinew::Error> {
+    setup::set_up(cameras, layout, &SetupRequest::default(), frames.into_iter().map(Ok))
 }
 
 fn body_25b() -> Layout {

@@ -2,7 +2,7 @@
 
 use sinew::formats::calib_toml;
 use sinew::input::pictures::Pictures;
-use sinew::input::silhouettes::{Options, Silhouettes};
+use sinew::input::silhouettes::{ImageFolderOptions, Silhouettes};
 use sinew_tests::data::shared;
 use std::path::PathBuf;
 
@@ -15,7 +15,7 @@ fn masks_have_the_pixels_that_they_were_made_with() {
     let Some(folder) = folder() else { return };
     let calibration = std::fs::read_to_string(folder.join("Calib.toml")).unwrap();
     let cameras = calib_toml::read("Calib.toml", &calibration).unwrap().cameras;
-    let options = Options { scale: Some(0.5), ..Options::default() };
+    let options = ImageFolderOptions { scale: Some(0.5), ..ImageFolderOptions::default() };
     let mut silhouettes = Silhouettes::open(&folder.join("silhouettes"), &cameras, &options).unwrap();
     assert_eq!(silhouettes.frames(), 0..100);
     for (frame, counts) in

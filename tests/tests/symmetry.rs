@@ -1,4 +1,5 @@
-//! Shift symmetry: where the world is moved by a rigid motion and the cameras with it, estimates move along; to 1e-9 where nothing is drawn, within 4 Monte Carlo errors where it is.
+//! Shift symmetry: where world and cameras are moved by a rigid motion, estimates move along.
+//! To 1e-9 where nothing is drawn, within 4 Monte Carlo errors where it is.
 
 use sinew::core::density::{GradLogDensity, Lanes, LogDensity};
 use sinew::core::diagnostics::effective_sample_size;

@@ -2,11 +2,11 @@
 
 use sinew::Error;
 use sinew::config::idle::idle_beside;
-use sinew::config::setting::{Kind, SAMPLING, Setting, computed};
+use sinew::config::setting::{SAMPLING, Setting, SettingKind, computed};
 use sinew::config::settings::Settings;
 use sinew::config::table::table;
 use sinew::config::value::Value;
-use sinew::config::values::{Origin, Values};
+use sinew::config::values::{Origin, SettingValues};
 use sinew::core::density::LogDensity as _;
 use sinew::core::lanes::{Block, LANES};
 use sinew::core::random::Stage;
@@ -14,7 +14,7 @@ use sinew::core::transition::Transition as _;
 use sinew::dynamics::random_walk::RandomWalk;
 use sinew::input::source::FrameSource as _;
 use sinew::methods::{About, FrameLikelihood, Gives, METHODS, Making, Method, Score, Steps};
-use sinew::setup::{self, Request, Setup};
+use sinew::setup::{self, Setup, SetupRequest};
 use sinew::track::Pipeline;
 use sinew::tracking::posterior::Posterior;
 use sinew::tracking::{Resume, StepInfo, Tracker};
@@ -23,7 +23,7 @@ use sinew_tests::simulated_source::source;
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
-/// Takes so many steps of the motion prior and keeps the likeliest.
+/// Takes a number of steps of the motion prior and keeps the likeliest.
 #[derive(Clone, Debug)]
 struct Greedy {
     tries: u32,
@@ -32,7 +32,7 @@ struct Greedy {
 const SETTINGS: [Setting; 1] = [computed((
     SAMPLING,
     "tries",
-    Kind::Count(1, 1000),
+    SettingKind::Count(1, 1000),
     "N",
     || Greedy { tries: 4 }.tries.to_string(),
     "blocks of steps that are tried (greedy)",
@@ -45,6 +45,7 @@ const ABOUT: About = About {
     needs_gradients: false,
     needs_parts: false,
     score: Score::Bidirectional,
+    score_beside_keypoints: Score::Bidirectional,
     particles: None,
     settings: &SETTINGS,
     usual: || Arc::new(Greedy { tries: 4 }),
@@ -115,7 +116,7 @@ fn scene() -> (SyntheticRecording, Setup) {
     let recording = SyntheticRecording::new(&Script { duration_s: 0.5, ..Script::default() }, 7).unwrap();
     let mut frames = source(&recording);
     let people = (0..15).map(|number| Ok::<_, Error>((number, frames.people(number)?)));
-    let (found, _) = setup::set_up(&recording.cameras, &recording.layout, &Request::default(), people).unwrap();
+    let (found, _) = setup::set_up(&recording.cameras, &recording.layout, &SetupRequest::default(), people).unwrap();
     (recording, found)
 }
 
@@ -160,7 +161,7 @@ fn the_tables_of_settings_derive_from_the_list() {
     let find = |key: &str| settings.iter().find(|setting| setting.key == key).unwrap();
     assert!(find("method").help.ends_with("coarse-to-fine or greedy"), "{}", find("method").help);
     assert_eq!(find("tries").default.text().as_deref(), Some("4"));
-    let values = |tries: u64| Values { of: [("tries", (Value::Count(tries), Origin::Flag))].into() };
+    let values = |tries: u64| SettingValues { of: [("tries", (Value::Count(tries), Origin::Flag))].into() };
     assert!(format!("{:?}", (ABOUT.configure)(&values(9))).contains("tries: 9"));
     let beside = |chosen: &About| idle_beside("tries", chosen, &methods, &values(9));
     assert_eq!(beside(&ABOUT), None);

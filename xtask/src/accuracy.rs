@@ -8,7 +8,7 @@ mod virtual_cameras;
 use crate::outcome::Outcome;
 use sinew::config::settings::Settings;
 use sinew::formats::trc;
-use sinew::input::recording::{Options, Recording};
+use sinew::input::recording::{Recording, RecordingOptions};
 use sinew::input::source::FrameSource as _;
 use sinew::methods::{bootstrap, hmc};
 use sinew::observe::Noise;
@@ -88,7 +88,7 @@ pub fn run(root: &Path, args: &Args) -> ExitCode {
 
 fn open(data: &Path, folder: &str, cameras: Option<Vec<String>>) -> Outcome<Recording> {
     let data = data.join("pose2sim_single");
-    let options = Options { layout: Some("BODY_25B".into()), cameras, ..Options::default() };
+    let options = RecordingOptions { layout: Some("BODY_25B".into()), cameras, ..RecordingOptions::default() };
     Ok(Recording::open(&data.join("Calib.toml"), &data.join("T01_BalancingTrial").join(folder), &options)?)
 }
 
@@ -150,7 +150,7 @@ fn sightings(data: &Path) -> Outcome<Vec<Vec<Person>>> {
 
 const CONTENDERS: [&str; 5] = ["raw recipe", "causal Butterworth", "zero-phase Butterworth", "hmc", "hmc --smooth"];
 
-/// Every choice of so many of the cameras.
+/// Every choice of `size` of the cameras.
 fn subsets(cameras: usize, size: u32) -> Vec<Vec<usize>> {
     let chosen = (0_u32..1 << cameras).filter(|bits| bits.count_ones() == size);
     chosen.map(|bits| (0..cameras).filter(|c| bits >> c & 1 == 1).collect()).collect()

@@ -42,7 +42,7 @@ pub struct Args {
     /// Only the coverage of the main scene, in a minute or two
     #[arg(long)]
     main: bool,
-    /// Only the ranks of each degree of freedom on the model's own motion, from so many series
+    /// Only the ranks of each degree of freedom on the model's own motion, from this number of series
     #[arg(long, value_name = "SERIES")]
     coordinates: Option<usize>,
     #[command(flatten)]
@@ -99,7 +99,7 @@ const MAIN: Scene = Scene::Person { cameras: 4, tracker: Tracker::Hmc, sizes: Si
 /// Coverage of the main scene, with recorded motion where there is some: target 90 ± 3 % at level 0.9.
 ///
 /// # Errors
-/// Those of the files and the tracker.
+/// Errors of the files and the tracker.
 pub fn check(root: &Path, seed: u64, size: Size) -> Outcome<Checked> {
     let people = people::all(&data_folder(root, None))?;
     let all = series(&MAIN, &people, SHORT, 0..size.ranked, seed)?;
@@ -112,10 +112,10 @@ pub fn check(root: &Path, seed: u64, size: Size) -> Outcome<Checked> {
     })
 }
 
-/// The degree of freedom whose ranks are least uniform on the model's own motion, over so many series: its name, their width, and a probability (Bonferroni).
+/// The degree of freedom whose ranks are least uniform on the model's own motion, over a number of series: its name, their width, and a probability (Bonferroni).
 ///
 /// # Errors
-/// Those of the tracker.
+/// Errors of the tracker.
 pub fn worst_coordinate(series: usize, seed: u64) -> Outcome<(String, f64, f64)> {
     coordinates::worst(series, seed)
 }

@@ -46,7 +46,7 @@ enum Command {
     Silhouettes(silhouettes::Args),
     /// Track 100 000 frames and see whether memory, time a frame, open files and errors stay what they were.
     Soak(soak::Args),
-    /// Put tables into the pages of docs: those of the code, and those that commands have written under target.
+    /// Put tables into the pages of docs: tables of the code, and tables that commands have written under target.
     Tables,
     /// Check the rules that docs/ARCHITECTURE.md states: layers, who may do IO, leftovers, module docs.
     Tidy,

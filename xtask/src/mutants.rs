@@ -1,6 +1,6 @@
 //! `cargo xtask mutants`: plants bugs in a copy of the workspace and asks which tests see them.
 //!
-//! The bugs are those of `tests/planted/`; each names the tests that must see it.
+//! The bugs are listed in `tests/planted/`; each names the tests that must see it.
 //!
 //! 1. The files that git knows are copied to `target/mutants/checkout`, which has a build folder of its own; only files that changed are written, so that a second run builds little.
 //! 2. All named tests run on the copy as it is and must pass.

@@ -6,12 +6,12 @@
 use crate::outcome::Outcome;
 use clap::Args as Arguments;
 use sinew::config::settings::Settings;
-use sinew::config::{Init, Resolved, Sources, TrackConfig, resolve};
+use sinew::config::{Resolved, Sources, TrackConfig, resolve};
 use sinew::formats::trc;
-use sinew::input::footage::Footage;
-use sinew::input::recording::Options;
+use sinew::input::footage::{Footage, Init};
+use sinew::input::recording::RecordingOptions;
 use sinew::methods::Score;
-use sinew::methods::{About, Annealed, annealed, bootstrap, coarse_to_fine, hmc, partitioned};
+use sinew::methods::{About, AnnealedMethod, annealed, bootstrap, coarse_to_fine, hmc, partitioned};
 use sinew::results::silhouette_overlap::SilhouetteOverlap;
 use sinew::setup::Setup;
 use sinew_tests::evaluation::{self, LIMB_JOINTS, Track};
@@ -81,16 +81,17 @@ fn rows() -> Vec<Row> {
         rows.push(keypoints(method, false));
         rows.push(keypoints(method, true));
     }
+    rows.push(Row { score: Score::Parts, ..keypoints(&partitioned::ABOUT, true) });
     rows.push(keypoints(&hmc::ABOUT, false));
     rows.push(keypoints(&hmc::ABOUT, true));
     let plain = |settings: &mut Settings| {
-        let mut annealed = Annealed::default();
+        let mut annealed = AnnealedMethod::default();
         annealed.0.layers.crossover = 0.0;
         settings.method = Arc::new(annealed);
     };
     rows.push(Row { change: plain, changed: ", no crossover", ..masks(&annealed::ABOUT, Score::Bidirectional) });
     let deutscher = |settings: &mut Settings| {
-        let mut annealed = Annealed::default();
+        let mut annealed = AnnealedMethod::default();
         annealed.0.layers.layers = 10;
         settings.method = Arc::new(annealed);
     };
@@ -138,9 +139,13 @@ fn config(data: &Path, row: &Row) -> Outcome<TrackConfig> {
 }
 
 fn footage(config: &TrackConfig) -> Outcome<Footage> {
-    let options = Options { layout: config.layout.clone(), cameras: config.cameras.clone(), ..Options::default() };
+    let options = RecordingOptions {
+        layout: config.layout.clone(),
+        cameras: config.cameras.clone(),
+        ..RecordingOptions::default()
+    };
     let calibration = config.calibration.as_deref().ok_or("no calibration")?;
-    Ok(Footage::open(config, calibration, &options)?)
+    Ok(Footage::open(&config.files(calibration), &options)?)
 }
 
 fn reference(data: &Path) -> Outcome<Track> {

@@ -7,7 +7,6 @@
 //! - open files: as many at the end as after frame 1000;
 //! - root mean square error over root mean square standard deviation of the points of `joints.csv`, last 1000 frames against the first: at most 1.2 times.
 
-use sinew::Error;
 use sinew::config::{Sources, resolve};
 use sinew::formats::Layout;
 use sinew::input::in_memory::InMemory;
@@ -16,7 +15,8 @@ use sinew::observe::Camera;
 use sinew::observe::association::Person;
 use sinew::results::claim;
 use sinew::track::job;
-use sinew::track::job::{Pass, Watch};
+use sinew::track::job::{RunPhase, Watch};
+use sinew::{Error, RecordingError};
 use sinew_simulate::points::Trajectories;
 use sinew_simulate::recording::{Script, SyntheticRecording};
 use sinew_tests::simulated_source::source;
@@ -73,7 +73,7 @@ impl FrameSource for ToAndFro {
     fn frames(&self) -> Range<u64> {
         0..self.frames
     }
-    fn people(&mut self, number: u64) -> Result<Vec<Vec<Person>>, Error> {
+    fn people(&mut self, number: u64) -> Result<Vec<Vec<Person>>, RecordingError> {
         self.walk.people(self.played(number))
     }
 }
@@ -110,8 +110,7 @@ pub fn run(args: &Args) -> ExitCode {
 
 fn soak(method: &str, args: &Args) -> Result<bool, Error> {
     let script = Script { duration_s: WINDOW as f64 / 30.0, ..Script::default() };
-    let walk =
-        SyntheticRecording::new(&script, SEED).map_err(|error| Error::Numerical { message: error.to_string() })?;
+    let walk = SyntheticRecording::new(&script, SEED).expect("the walk of fixed settings");
     let mut source = ToAndFro { walk: source(&walk), truth: walk.truth, frames: args.frames };
     let out = args.out.join(method);
     let settings = [
@@ -129,9 +128,9 @@ fn soak(method: &str, args: &Args) -> Result<bool, Error> {
     let claim = claim(&out, &[], true)?;
     let mut seen = Seen::default();
     let mut before = Instant::now();
-    let mut progress = |pass: Pass, done: u64, _: u64| {
+    let mut progress = |pass: RunPhase, done: u64, _: u64| {
         let now = Instant::now();
-        if pass == Pass::Track {
+        if pass == RunPhase::Track {
             seen.frame(done, args.frames, 1e3 * (now - before).as_secs_f64());
         }
         before = now;

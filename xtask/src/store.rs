@@ -110,7 +110,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn cells_are_found_again_and_never_those_of_another_configuration() {
+    fn cells_are_found_again_and_never_from_another_configuration() {
         let folder = std::env::temp_dir().join(format!("sinew-store-{}", std::process::id()));
         let store = Store::open(&folder, "one").unwrap();
         store.keep("a", &serde_json::json!([1.0, 2.5])).unwrap();

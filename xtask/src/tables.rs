@@ -149,7 +149,7 @@ mod tests {
     }
 
     #[test]
-    fn tables_of_the_code_are_those_of_the_pages() {
+    fn tables_of_the_code_match_the_pages() {
         let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap();
         let mut marked = 0;
         for (path, text) in pages(root).unwrap() {

@@ -54,7 +54,7 @@ impl Done {
     }
 }
 
-/// Checks of the facade, beside those of the layers.
+/// Checks of the facade, beside the checks of the layers.
 const OF_PEOPLE: Check = Check {
     name: "people",
     claim: "90 % intervals of `sinew track` at its defaults cover 90 ± 3 % where the noise is as assumed",

@@ -46,10 +46,10 @@ impl Default for Config {
 
 /// Sizes and poses that belong together.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Subject {
+pub struct BundleSolution {
     /// The sizes, metres.
     pub proportions: Proportions,
-    /// Pose of each frame; `None` where its points did not tell one.
+    /// Pose of each frame; `None` where its points did not determine one.
     pub poses: Vec<Option<Vec<f64>>>,
 }
 
@@ -119,7 +119,7 @@ pub fn refine(
     start: &Proportions,
     frames: &[Vec<Option<Target>>],
     config: &Config,
-) -> Subject {
+) -> BundleSolution {
     let weight = config.sigma_m.powi(-2);
     let huber_m = 2.0 * config.sigma_m;
     let damping = config.change_sd.powi(-2);
@@ -158,7 +158,7 @@ pub fn refine(
         }
     }
     let poses = fit_poses(&build(&proportions), &frames, &poses, &coarse);
-    Subject { proportions, poses }
+    BundleSolution { proportions, poses }
 }
 
 fn prior(start: &Proportions, now: &Proportions, config: &Config) -> (DMatrix<f64>, DVector<f64>) {

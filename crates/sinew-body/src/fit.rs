@@ -98,7 +98,7 @@ pub fn fit_pose(plan: &Plan, targets: &[Option<Target>], previous: &[f64], confi
         steps += 1;
         let mut damped = normal.clone();
         for j in 0..dof {
-            // Degrees of freedom that no point tells anything about get a unit of their own.
+            // Degrees of freedom that no point depends on get a unit of their own.
             damped[(j, j)] += mu * normal[(j, j)].max(1e-6);
         }
         // Positive definite by the damping, unless something is not finite.

@@ -163,7 +163,7 @@ pub fn cf28(p: &Proportions) -> KinematicTree {
 
 /// Standard body for real people: 32 degrees of freedom, and the face and foot points of keypoint detectors.
 ///
-/// It takes the poses of CF28 with two-axis feet, but its root is the pelvis. What joint centres cannot tell is the turn of the spine about itself, between hips and shoulders. In CF28 this turns the root, which hips, girdle and
+/// It takes the poses of CF28 with two-axis feet, but its root is the pelvis. What joint centres cannot show is the turn of the spine about itself, between hips and shoulders. In CF28 this turns the root, which hips, girdle and
 /// head undo: all three angles of the root change along a curve. Here three angles about the same axis change (`spine.rz`, `girdle.rz`, `head.rz`), along a straight line, which Gaussian priors and constant metrics describe
 /// (docs/evidence/coverage.md).
 ///

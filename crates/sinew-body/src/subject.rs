@@ -195,7 +195,7 @@ mod tests {
 
     /// The points of a standing body of known sizes, through its own joints.
     #[test]
-    fn a_whole_body_tells_all_its_lengths() {
+    fn a_whole_body_shows_all_its_lengths() {
         let truth = Proportions { upper_arm: 0.33, forearm: 0.24, spine: 0.5, ..scaled(&Proportions::default(), 1.1) };
         let tree = crate::standard::h32(&truth);
         let plan = crate::Plan::with_all_points(&tree);

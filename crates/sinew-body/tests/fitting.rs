@@ -126,9 +126,9 @@ fn off(tree: &KinematicTree, pose: &[f64], to: &[Option<Target>]) -> f64 {
     targets(tree, pose).iter().zip(to).map(distance).fold(0.0, f64::max)
 }
 
-/// A body that turns and turns. Its root turns with it, and never back by a whole turn; how much of what lies between hips and shoulders is the spine's and how much the girdle's no point tells.
+/// A body that turns and turns. Its root turns with it, and never back by a whole turn; how much of what lies between hips and shoulders is the spine's and how much the girdle's no point shows.
 #[test]
-fn poses_go_on_from_frame_to_frame() {
+fn poses_continue_from_frame_to_frame() {
     let tree = h32(&Proportions::default());
     let config = Config { damping: 1e-6, ..Config::default() };
     let turned = |heading: f64| {

@@ -1,4 +1,4 @@
-//! H32 beside CF28: the same poses under another root, and the one direction that no point tells.
+//! H32 beside CF28: the same poses under another root, and the one direction that no point shows.
 
 use nalgebra::Rotation3;
 use proptest::prelude::*;
@@ -37,7 +37,7 @@ proptest! {
 
     /// A turn of the spine about itself that girdle and head undo, from any pose, by any angle: a straight line of states.
     #[test]
-    fn no_point_tells_how_far_the_spine_is_turned_about_itself(mut q in prop::collection::vec(-3.0..3.0f64, 32), turn in -3.0..3.0f64) {
+    fn no_point_shows_how_far_the_spine_is_turned_about_itself(mut q in prop::collection::vec(-3.0..3.0f64, 32), turn in -3.0..3.0f64) {
         let tree = h32(&Proportions::default());
         let before = points(&tree, &q);
         for (name, by) in [("spine.rz", turn), ("girdle.rz", -turn), ("head.rz", -turn)] {

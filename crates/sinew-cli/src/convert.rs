@@ -5,13 +5,13 @@ use super::ended::Ended;
 use super::error::Error;
 use super::report::{self, Report};
 use serde_json::json;
-use sinew::motion::{self, Format};
 use sinew::results::error::Occupied;
 use sinew::results::write_whole;
+use sinew_tools::motion::{self, Format};
 
 /// Runs the command.
 pub(crate) fn run(args: &ConvertArgs, general: &General, report: &Report) -> Result<Ended, Error> {
-    let format = Format::of(&args.output).map_err(sinew::Error::from)?;
+    let format = Format::of(&args.output).map_err(sinew_tools::Error::from)?;
     if let Some(fps) = args.fps.filter(|fps| !(*fps > 0.0 && fps.is_finite())) {
         return Err(Error::NotPositive { flag: "fps", value: fps, help: "give frames per second, for example 120" });
     }
@@ -24,7 +24,7 @@ pub(crate) fn run(args: &ConvertArgs, general: &General, report: &Report) -> Res
     }
     report.warnings(&motion.warnings);
     let name = args.output.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
-    write_whole(&args.output, &motion::write(&motion, format, &name).map_err(sinew::Error::from)?)?;
+    write_whole(&args.output, &motion::write(&motion, format, &name).map_err(sinew_tools::Error::from)?)?;
     if args.answer.json {
         report::answer_json(
             &json!({ "frames": motion.frames(), "rate_hz": motion.rate_hz, "out": args.output.to_string_lossy() }),

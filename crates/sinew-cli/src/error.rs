@@ -10,6 +10,9 @@ pub(crate) enum Error {
     /// What the library refuses.
     #[error(transparent)]
     Library(#[from] sinew::Error),
+    /// What the tools beside a run refuse.
+    #[error(transparent)]
+    Tools(#[from] sinew_tools::Error),
     /// Nothing to track with.
     #[error("{}", missing(*calibration, *observation))]
     NothingToTrack {
@@ -19,7 +22,7 @@ pub(crate) enum Error {
         observation: bool,
     },
     /// Set-up frames that the recording does not have.
-    #[error("set-up frames {}..{} were asked for; the recording has {}..{}", asked.start, asked.end, available.start, available.end)]
+    #[error("set-up frames {}..{} were requested; the recording has {}..{}", asked.start, asked.end, available.start, available.end)]
     SetupFrames {
         /// Frames given.
         asked: Range<u64>,
@@ -130,11 +133,18 @@ const TRY: &str = "try one of
   sinew track --calibration Calib.toml --silhouettes masks --keypoints pose --method annealed --fps 60
   sinew demo";
 
+impl From<sinew::RecordingError> for Error {
+    fn from(error: sinew::RecordingError) -> Self {
+        Self::Library(error.into())
+    }
+}
+
 impl Error {
     /// Code with which the program ends; the table is that of [`sinew::Error`].
     pub(crate) const fn exit_code(&self) -> u8 {
         match self {
             Self::Library(error) => error.exit_code(),
+            Self::Tools(error) => error.exit_code(),
             Self::Threads(_) | Self::Demo(_) => 1,
             Self::SetupFrames { .. } | Self::NoPoints(_) | Self::Motion { .. } | Self::Scene(_) => 3,
             _ => 2,
@@ -145,6 +155,7 @@ impl Error {
     pub(crate) fn help(&self) -> Option<String> {
         let words = match self {
             Self::Library(error) => return error.help(),
+            Self::Tools(error) => return error.help(),
             Self::Motion { problem: error, .. } | Self::Scene(error) => return error.help(),
             Self::NoPlace(written) => {
                 return Some(format!("name one with `-o`, for example `-o {}`", written.example()));

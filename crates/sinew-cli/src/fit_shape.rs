@@ -7,7 +7,7 @@ use super::progress::Progress;
 use super::report::{self, Report};
 use super::table::aligned;
 use serde_json::json;
-use sinew::shape_fit::{PartScale, Request, fit_shape};
+use sinew_tools::shape_fit::{PartScale, ShapeFitRequest, fit_shape};
 use std::path::Path;
 
 /// Runs the command.
@@ -15,7 +15,7 @@ pub(crate) fn run(args: &FitShapeArgs, general: &General, report: &Report) -> Re
     let Some(out) = general.out.as_deref() else {
         return Err(Error::NoPlace(Written::Body));
     };
-    let request = Request {
+    let request = ShapeFitRequest {
         calibration: args.calibration.clone(),
         silhouettes: args.silhouettes.clone(),
         scale: args.mask_scale,

@@ -9,8 +9,8 @@ use super::report::{self, Report};
 use super::settings::{reading, settings};
 use super::table::aligned;
 use serde_json::json;
-use sinew::input::recording::{Options, Recording};
-use sinew::inspect::{Facts, Subject, file_facts, fit, subjects};
+use sinew::input::recording::{Recording, RecordingOptions};
+use sinew_tools::inspect::{Facts, Subject, file_facts, fit, subjects};
 use std::path::Path;
 
 /// Runs the command.
@@ -24,7 +24,7 @@ pub(crate) fn run(args: &InspectArgs, general: &General, report: &Report) -> Res
         Some(keypoints) => options(args, general, keypoints, report)?,
         None => {
             refuse_settings(args, general)?;
-            Options::default()
+            RecordingOptions::default()
         }
     };
     let mut all: Vec<Facts> = Vec::new();
@@ -53,7 +53,12 @@ pub(crate) fn run(args: &InspectArgs, general: &General, report: &Report) -> Res
 }
 
 /// How to read the keypoints, from all sources of settings.
-fn options(args: &InspectArgs, general: &General, keypoints: &Path, report: &Report) -> Result<Options, Error> {
+fn options(
+    args: &InspectArgs,
+    general: &General,
+    keypoints: &Path,
+    report: &Report,
+) -> Result<RecordingOptions, Error> {
     let mut flags = args.settings.given.clone();
     flags.push(("keypoints", keypoints.to_string_lossy().into_owned()));
     let resolved = settings(&flags, general)?;

@@ -1,6 +1,6 @@
 //! The program `sinew`: arguments in, answers to stdout, everything else to stderr.
 //!
-//! Exit codes are those of the table of [`sinew::Error`].
+//! Exit codes are listed in the table of [`sinew::Error`].
 
 mod args;
 mod body;

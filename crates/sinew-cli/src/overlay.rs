@@ -6,7 +6,7 @@ use super::error::{Error, Written};
 use super::progress::Progress;
 use super::report::{self, Report};
 use serde_json::json;
-use sinew::overlay::{Ground, Request, overlay};
+use sinew_tools::overlay::{Ground, OverlayRequest, overlay};
 use std::path::Path;
 
 /// Runs the command.
@@ -14,7 +14,7 @@ pub(crate) fn run(args: &OverlayArgs, general: &General, report: &Report) -> Res
     let Some(out) = general.out.as_deref() else {
         return Err(Error::NoPlace(Written::Pictures));
     };
-    let request = Request {
+    let request = OverlayRequest {
         calibration: args.calibration.clone(),
         ground: match (&args.images, &args.silhouettes) {
             (Some(images), _) => Ground::Images(images.clone()),

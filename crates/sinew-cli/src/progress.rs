@@ -2,7 +2,7 @@
 
 use super::args::General;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
-use sinew::track::job::Pass;
+use sinew::track::job::RunPhase;
 use std::fmt;
 use std::io::{self, IsTerminal as _, Write as _};
 
@@ -24,7 +24,7 @@ pub(crate) enum Progress {
 }
 
 impl Progress {
-    /// Starts a pass over so many frames.
+    /// Starts a pass over `total` frames.
     pub(crate) fn start(general: &General, what: &'static str, total: u64) -> Self {
         if general.quiet > 0 || general.no_progress {
             return Self::Silent;
@@ -35,7 +35,7 @@ impl Progress {
         Self::Bar(bar(ProgressDrawTarget::stderr(), what, total))
     }
 
-    /// So many frames are done.
+    /// `done` frames are done.
     pub(crate) fn at(&mut self, done: u64) {
         match self {
             Self::Silent => {}
@@ -96,7 +96,7 @@ fn rate(per_second: f64) -> String {
 /// One progress a pass.
 pub(crate) struct PassProgress<'a> {
     general: &'a General,
-    current: Option<(Pass, Progress)>,
+    current: Option<(RunPhase, Progress)>,
 }
 
 impl<'a> PassProgress<'a> {
@@ -104,14 +104,14 @@ impl<'a> PassProgress<'a> {
         Self { general, current: None }
     }
 
-    pub(crate) fn at(&mut self, pass: Pass, done: u64, total: u64) {
+    pub(crate) fn at(&mut self, pass: RunPhase, done: u64, total: u64) {
         let same = self.current.as_ref().is_some_and(|(current, _)| *current == pass);
         if !same {
             let what = match pass {
-                Pass::Check => "reading again",
-                Pass::SetUp => "set-up",
-                Pass::Track => "tracking",
-                Pass::Smooth => "smoothing",
+                RunPhase::Check => "reading again",
+                RunPhase::SetUp => "set-up",
+                RunPhase::Track => "tracking",
+                RunPhase::Smooth => "smoothing",
             };
             // The bar before is cleared first.
             self.current = None;

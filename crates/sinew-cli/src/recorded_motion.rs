@@ -4,10 +4,10 @@ use super::error::Error;
 use sinew::files;
 use sinew::formats::source_text::MAX_TEXT_BYTES;
 use sinew::formats::{amc, asf};
-use sinew::motion::{self, Content, Format};
 use sinew_simulate::cmu::joints;
 use sinew_simulate::points::Trajectories;
 use sinew_simulate::recorded;
+use sinew_tools::motion::{self, Content, Format};
 use std::path::Path;
 
 /// Reads a motion at a rate; `skeleton` is the ASF file of an AMC file. The second value is what was odd, and what was assumed.
@@ -19,7 +19,7 @@ pub(crate) fn recorded_motion(
     skeleton: Option<&Path>,
     rate_hz: f64,
 ) -> Result<(Trajectories, Vec<String>), Error> {
-    if let (Format::Amc, Some(skeleton)) = (Format::of(path).map_err(sinew::Error::from)?, skeleton) {
+    if let (Format::Amc, Some(skeleton)) = (Format::of(path).map_err(sinew_tools::Error::from)?, skeleton) {
         let (skeleton, motion) = acclaim(path, skeleton)?;
         let warnings = motion.warnings.iter().map(ToString::to_string).collect();
         return Ok((joints(&skeleton, &motion, rate_hz), warnings));

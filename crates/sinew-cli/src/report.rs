@@ -96,5 +96,6 @@ pub(crate) fn answer_json(value: &serde_json::Value) -> Result<(), Error> {
 
 /// Whether the reader of our answer went away.
 pub(crate) fn is_closed_pipe(error: &Error) -> bool {
-    matches!(error, Error::Library(sinew::Error::Io { path, source, .. }) if path.as_os_str() == STDOUT && source.kind() == io::ErrorKind::BrokenPipe)
+    let file = if let Error::Library(error) = error { error.file() } else { None };
+    file.is_some_and(|file| file.path.as_os_str() == STDOUT && file.source.kind() == io::ErrorKind::BrokenPipe)
 }

@@ -3,7 +3,7 @@
 use clap::builder::{PossibleValue, StringValueParser, TypedValueParser};
 use clap::{Arg, ArgAction, ArgMatches, Args, Command, FromArgMatches, ValueHint};
 use sinew::bodies;
-use sinew::config::setting::{Kind, Setting};
+use sinew::config::setting::{Setting, SettingKind};
 use sinew::config::table::settings;
 use sinew::formats::layout;
 use std::ffi::OsStr;
@@ -60,7 +60,7 @@ impl TypedValueParser for Offered {
 /// Values that completion offers.
 fn offered(setting: &Setting) -> Vec<&'static str> {
     match (setting.kind, setting.key) {
-        (Kind::Choice(names), _) => names.to_vec(),
+        (SettingKind::Choice(names), _) => names.to_vec(),
         (_, "layout") => layout::names(),
         (_, "body") => bodies::NAMES.to_vec(),
         _ => vec![],
@@ -70,8 +70,8 @@ fn offered(setting: &Setting) -> Vec<&'static str> {
 /// What a shell completes where no values are known.
 fn hint(setting: &Setting) -> ValueHint {
     match (setting.kind, setting.value) {
-        (Kind::Path, "DIR") => ValueHint::DirPath,
-        (Kind::Path | Kind::NameOrPath, _) => ValueHint::FilePath,
+        (SettingKind::Path, "DIR") => ValueHint::DirPath,
+        (SettingKind::Path | SettingKind::NameOrPath, _) => ValueHint::FilePath,
         _ => ValueHint::Other,
     }
 }
@@ -93,7 +93,7 @@ fn argument(setting: &'static Setting) -> Arg {
         .long(setting.key.replace('_', "-"))
         .help_heading(setting.group)
         .hide_short_help(setting.rare);
-    if setting.kind == Kind::Flag {
+    if setting.kind == SettingKind::Flag {
         return argument.action(ArgAction::SetTrue).help(help);
     }
     let default = setting.default.text().map(|default| format!(" [default: {default}]")).unwrap_or_default();
@@ -124,7 +124,7 @@ impl<C: Takes> FromArgMatches for Typed<C> {
     fn from_arg_matches(matches: &ArgMatches) -> Result<Self, clap::Error> {
         let mut given = Vec::new();
         for setting in settings().iter().filter(|setting| C::takes(setting)) {
-            if setting.kind == Kind::Flag {
+            if setting.kind == SettingKind::Flag {
                 if matches.get_flag(setting.key) {
                     given.push((setting.key, "true".to_owned()));
                 }

@@ -3,7 +3,7 @@
 use super::args::General;
 use super::error::Error;
 use sinew::config::{Resolved, Sources, TrackConfig, resolve};
-use sinew::input::recording::Options;
+use sinew::input::recording::RecordingOptions;
 
 /// Settings from all their sources.
 pub(crate) fn settings(flags: &[(&'static str, String)], general: &General) -> Result<Resolved, Error> {
@@ -16,8 +16,8 @@ pub(crate) fn settings(flags: &[(&'static str, String)], general: &General) -> R
 }
 
 /// What to take from a recording.
-pub(crate) fn reading(config: &TrackConfig) -> Options {
-    Options {
+pub(crate) fn reading(config: &TrackConfig) -> RecordingOptions {
+    RecordingOptions {
         layout: config.layout.clone(),
         confidence_scale: config.confidence_scale,
         image_scale: config.image_scale,

@@ -16,7 +16,7 @@ use sinew::core::random::Stage;
 use sinew::formats::{calib_toml, mask, picture};
 use sinew_simulate::detector::{DetectorNoise, detect};
 use sinew_simulate::footage::SyntheticFootage;
-use sinew_simulate::points::{Trajectories, of_states};
+use sinew_simulate::points::{Trajectories, points_of_states};
 use sinew_simulate::recording::{body_25b, keypoint_files, write_trc};
 use sinew_simulate::ring::Ring;
 use sinew_simulate::segmentation_noise::Level;
@@ -93,7 +93,7 @@ fn motion(args: &SimulateArgs, report: &Report) -> Result<(Trajectories, Vec<Pat
         }
         let duration_s = args.duration.unwrap_or(WALK_S);
         let walker = Walker::new(Gait { duration_s, ..Gait::default() });
-        (of_states(&walker.body, &walker_states(&walker, args.fps)), vec![])
+        (points_of_states(&walker.body, &walker_states(&walker, args.fps)), vec![])
     } else {
         let (motion, warnings) = recorded_motion(&args.motion, args.skeleton.as_deref(), args.fps)?;
         report.warnings(&warnings);
@@ -215,7 +215,7 @@ fn readme(args: &SimulateArgs, config: &TrackConfig, footage: &SyntheticFootage)
          {CALIBRATION}   cameras\n\
          keypoints/   what a detector with errors found, BODY_25B\n\
          masks/       silhouettes, segmentation `{}`: <camera>_<frame>.png, one bit a pixel, white is the person\n\
-         images/      pictures of some frames, if any were asked for\n\
+         images/      pictures of some frames, if any were requested\n\
          {TRUTH}    the true positions of {} points\n\n\
          To track it, from the folder above:\n  {}\n\n\
          The same from its silhouettes, and pictures of what was found:\n  {}\n  {}\n",

@@ -3,7 +3,7 @@
 use super::error::Error;
 use sinew::config::TrackConfig;
 
-/// Runs in a pool of the threads asked for.
+/// Runs in a pool of the requested threads.
 pub(crate) fn with_threads<T: Send>(
     config: &TrackConfig,
     run: impl FnOnce() -> Result<T, sinew::Error> + Send,

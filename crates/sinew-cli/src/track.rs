@@ -11,8 +11,9 @@ use super::resume::{Stopped, complete, same_run, stopped_run};
 use super::settings::{reading, settings};
 use super::table::table;
 use super::threads::with_threads;
-use sinew::config::{Init, Resolved, TrackConfig};
+use sinew::config::{Resolved, TrackConfig};
 use sinew::input::footage::Footage;
+use sinew::input::footage::Init;
 use sinew::results::{Claim, ResultFolder, problem, refuse_inputs};
 use sinew::track::checkpoint::Checkpoint;
 use sinew::track::job;
@@ -41,7 +42,7 @@ pub(crate) fn run(args: &TrackArgs, general: &General, report: &Report) -> Resul
     // Mistakes in the settings are said before what is in the folder.
     refuse_inputs(&config.out, &read_from)?;
     job::check_settings(&resolved)?;
-    let mut recording = Footage::open(&config, &calibration, &options)?;
+    let mut recording = Footage::open(&config.files(&calibration), &options)?;
     let setup_frames = setup_frames(&config, &recording)?;
     let (claim, from) = match args.resume {
         false => (claimed(&config, &read_from, report)?, None),

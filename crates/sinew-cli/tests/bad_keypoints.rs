@@ -17,7 +17,7 @@ fn set_first_point(trial: &Trial, camera: usize, frame: usize, point: &str) {
 fn check_error(name: &str, harm: impl FnOnce(&Trial), more: &[&str]) {
     let trial = trial(0.2);
     harm(&trial);
-    insta::assert_snapshot!(name, trial.track_told(more));
+    insta::assert_snapshot!(name, trial.track_printed(more));
     assert!(!trial.path("out/summary.json").exists());
 }
 
@@ -25,7 +25,7 @@ fn check_warning(name: &str, harm: impl FnOnce(&Trial), more: &[&str]) {
     let trial = trial(0.4);
     harm(&trial);
     let output = trial.track(more);
-    insta::assert_snapshot!(name, trial.told(&output));
+    insta::assert_snapshot!(name, trial.printed(&output));
     assert!(trial.path("out/summary.json").exists());
 }
 
@@ -96,7 +96,7 @@ fn too_few_numbers() {
 fn an_unknown_layout() {
     let trial = trial(0.1);
     let output = trial.run(&["track", "--calibration", "Calib.toml", "--keypoints", "pose", "--layout", "halpe27"]);
-    insta::assert_snapshot!("unknown_layout", trial.told(&output));
+    insta::assert_snapshot!("unknown_layout", trial.printed(&output));
 }
 
 #[test]
@@ -106,13 +106,16 @@ fn a_layout_that_the_keypoints_contradict() {
         String::from_utf8(trial.run(&["inspect", "pose", "--layout", layout, "--frames", "0..2"]).stdout).unwrap()
     };
     assert!(!inspect("BODY_25B").contains("look like"));
-    let told = inspect("BODY_25");
-    assert!(told.contains("odd: keypoints look like BODY_25B, by the place of the hips; BODY_25 was asked"), "{told}");
+    let printed = inspect("BODY_25");
+    assert!(
+        printed.contains("odd: keypoints look like BODY_25B, by the place of the hips; BODY_25 was requested"),
+        "{printed}"
+    );
     let named = ["track", "--calibration", "Calib.toml", "--keypoints", "pose", "--layout", "BODY_25", "--fps=30"];
     let output = trial.run(&[&named[..], &common::QUICK, &["-oout", "--no-progress"]].concat());
-    let told = trial.told(&output);
-    let warning = told.lines().find(|line| line.contains("look like"));
-    insta::assert_snapshot!("wrong_layout", warning.unwrap_or(&told));
+    let printed = trial.printed(&output);
+    let warning = printed.lines().find(|line| line.contains("look like"));
+    insta::assert_snapshot!("wrong_layout", warning.unwrap_or(&printed));
     // The same people in the order of the other layout.
     let [ours, other] = ["BODY_25B", "BODY_25"].map(|name| sinew::formats::layout::find(name).unwrap());
     for (camera, frame) in (1..=4).flat_map(|camera| (0..12).map(move |frame| (camera, frame))) {
@@ -132,9 +135,9 @@ fn a_layout_that_the_keypoints_contradict() {
         });
     }
     assert!(!inspect("BODY_25").contains("look like"));
-    assert!(inspect("BODY_25B").contains("look like BODY_25, by the place of the hips; BODY_25B was asked"));
-    insta::assert_snapshot!("sizes_of_nobody", trial.track_told(&["--force"]));
-    let any = trial.track_told(&["--force", "--any-size"]);
+    assert!(inspect("BODY_25B").contains("look like BODY_25, by the place of the hips; BODY_25B was requested"));
+    insta::assert_snapshot!("sizes_of_nobody", trial.track_printed(&["--force"]));
+    let any = trial.track_printed(&["--force", "--any-size"]);
     assert!(!any.contains("error:") && any.contains("look like BODY_25"), "{any}");
 }
 
@@ -143,7 +146,7 @@ fn a_layout_without_hips() {
     let trial = trial(0.1);
     fs::write(trial.path("mine.toml"), "points = [\"Nose\", \"RHip\"]\n").unwrap();
     let output = trial.run(&["track", "--calibration", "Calib.toml", "--keypoints", "pose", "--layout", "mine.toml"]);
-    insta::assert_snapshot!("layout_without_hips", trial.told(&output));
+    insta::assert_snapshot!("layout_without_hips", trial.printed(&output));
 }
 
 #[test]
@@ -215,8 +218,9 @@ fn an_unknown_camera() {
 fn no_keypoints_at_all() {
     let trial = trial(0.1);
     fs::create_dir(trial.path("empty")).unwrap();
-    let track =
-        |keypoints: &str| trial.told(&trial.run(&["track", "--calibration", "Calib.toml", "--keypoints", keypoints]));
+    let track = |keypoints: &str| {
+        trial.printed(&trial.run(&["track", "--calibration", "Calib.toml", "--keypoints", keypoints]))
+    };
     insta::assert_snapshot!("empty_folder", track("empty"));
     insta::assert_snapshot!("camera_folder_itself", track("pose/C1_json"));
     insta::assert_snapshot!("no_such_folder", track("pse"));
@@ -270,7 +274,7 @@ fn swapped_sides_and_a_jump() {
         }
         json.to_string()
     });
-    insta::assert_snapshot!("swap_and_jump", without_pixels(&trial.track_told(&[])));
+    insta::assert_snapshot!("swap_and_jump", without_pixels(&trial.track_printed(&[])));
 }
 
 /// Numbers of pixels, which depend on chance, as `#`.
@@ -317,7 +321,7 @@ fn images_resized_after_the_calibration() {
         });
     };
     check_error("resized", larger, &[]);
-    check_warning("resized_and_told", larger, &["--image-scale", "0.6667"]);
+    check_warning("resized_and_declared", larger, &["--image-scale", "0.6667"]);
 }
 
 /// The calibrations of two cameras are exchanged.
@@ -327,8 +331,8 @@ fn a_calibration_of_another_camera() {
     trial.edit(&trial.path("Calib.toml"), |text| {
         text.replace("\"C1\"", "\"X\"").replace("\"C2\"", "\"C1\"").replace("\"X\"", "\"C2\"")
     });
-    let told = trial.track_told(&[]);
-    insta::assert_snapshot!("exchanged", without_pixels(&told));
+    let printed = trial.track_printed(&[]);
+    insta::assert_snapshot!("exchanged", without_pixels(&printed));
     let inspected = trial.run(&["inspect", "Calib.toml", "pose"]);
     let inspected = String::from_utf8(inspected.stdout).unwrap();
     assert!(
@@ -345,27 +349,30 @@ fn a_calibration_of_no_camera_of_these() {
             camera["rotation"] = vec![1.9, 0.3, -0.4].into();
         }
     });
-    let told = trial.track_told(&[]);
-    assert!(told.contains("is this the calibration of this camera?") && !told.contains("exchanged"), "{told}");
+    let printed = trial.track_printed(&[]);
+    assert!(printed.contains("is this the calibration of this camera?") && !printed.contains("exchanged"), "{printed}");
 }
 
 fn tracked_at(trial: &Trial, fps: &str, more: &[&str]) -> String {
     let given = ["track", "--calibration", "Calib.toml", "--keypoints", "pose", "--layout", "BODY_25B"];
     let output = ["--no-progress", "--force", "-oout", "--frames", "0..60", "--fps", fps];
-    trial.told(&trial.run(&[&given[..], &output, &common::QUICK, more].concat()))
+    trial.printed(&trial.run(&[&given[..], &output, &common::QUICK, more].concat()))
 }
 
 #[test]
 fn frame_rates_that_nobody_is_fast_enough_for() {
     let trial = trial(2.5);
-    let is_warned = |told: &str| told.contains("is `--fps` right?");
+    let is_warned = |printed: &str| printed.contains("is `--fps` right?");
     assert!(!is_warned(&tracked_at(&trial, "60", &[])));
-    let told = tracked_at(&trial, "600", &[]);
-    assert!(told.starts_with("exit 0") && is_warned(&told), "{told}");
-    let told = tracked_at(&trial, "6000", &[]);
-    assert!(told.starts_with("exit 3") && is_warned(&told) && told.contains("help: give the frame rate"), "{told}");
-    let told = tracked_at(&trial, "6000", &["--any-size"]);
-    assert!(is_warned(&told) && !told.contains("error:"), "{told}");
+    let printed = tracked_at(&trial, "600", &[]);
+    assert!(printed.starts_with("exit 0") && is_warned(&printed), "{printed}");
+    let printed = tracked_at(&trial, "6000", &[]);
+    assert!(
+        printed.starts_with("exit 3") && is_warned(&printed) && printed.contains("help: give the frame rate"),
+        "{printed}"
+    );
+    let printed = tracked_at(&trial, "6000", &["--any-size"]);
+    assert!(is_warned(&printed) && !printed.contains("error:"), "{printed}");
 }
 
 #[test]
@@ -381,7 +388,7 @@ fn one_camera_that_shows_someone_whom_no_other_sees() {
             json.to_string()
         });
     }
-    insta::assert_snapshot!("unmatched", without_pixels(&trial.track_told(&[])));
+    insta::assert_snapshot!("unmatched", without_pixels(&trial.track_printed(&[])));
 }
 
 #[test]
@@ -398,15 +405,15 @@ fn a_set_up_does_not_hide_what_no_longer_fits() {
         multiply(&mut camera["matrix"], 1.5);
         camera["matrix"][2][2] = 1.0.into();
     });
-    insta::assert_snapshot!("resized_with_set_up", trial.track_told(&["--setup", "first/setup.toml"]));
-    insta::assert_snapshot!("resized_twice", trial.track_told(&["--image-scale", "2"]));
+    insta::assert_snapshot!("resized_with_set_up", trial.track_printed(&["--setup", "first/setup.toml"]));
+    insta::assert_snapshot!("resized_twice", trial.track_printed(&["--image-scale", "2"]));
 }
 
 #[test]
 fn the_advice_about_the_axis_is_that_of_the_calibration() {
     let advised = |declared: &str| {
         let trial = trial(0.4);
-        trial.track_told(&["--up-axis", declared])
+        trial.track_printed(&["--up-axis", declared])
     };
     for declared in ["-z", "+y", "-x"] {
         assert!(advised(declared).contains("set `up_axis` (found: +z)"), "{}", advised(declared));
@@ -419,7 +426,7 @@ fn millimetres_for_metres() {
 }
 
 #[test]
-fn poses_of_the_cameras_for_those_of_the_world() {
+fn poses_of_the_cameras_instead_of_the_world() {
     let invert = |trial: &Trial| {
         let text = fs::read_to_string(trial.path("Calib.toml")).unwrap();
         let cameras = sinew::formats::calib_toml::read("Calib.toml", &text).unwrap().cameras;
@@ -459,7 +466,7 @@ fn frames_go_by_number() {
         }
     }
     let output = trial.track(&["--frames", "8..12"]);
-    assert_eq!(output.status.code(), Some(0), "{}", trial.told(&output));
+    assert_eq!(output.status.code(), Some(0), "{}", trial.printed(&output));
     let table = fs::read_to_string(trial.path("out/frames.csv")).unwrap();
     let frames: Vec<&str> = table.lines().skip(1).filter_map(|line| line.split(',').next()).collect();
     assert_eq!(frames, ["8", "9", "10", "11"]);

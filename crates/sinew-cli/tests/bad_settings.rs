@@ -3,7 +3,7 @@
 mod common;
 
 use common::trial;
-use sinew::config::setting::Kind;
+use sinew::config::setting::SettingKind;
 use sinew::config::table::settings;
 use std::fs;
 
@@ -11,7 +11,7 @@ fn check_file(name: &str, text: &str) {
     let trial = trial(0.1);
     fs::write(trial.path("sinew.toml"), text).unwrap();
     let output = trial.run(&["track", "--calibration", "Calib.toml", "--keypoints", "pose"]);
-    insta::assert_snapshot!(name, trial.told(&output));
+    insta::assert_snapshot!(name, trial.printed(&output));
     assert!(!trial.path("sinew-out").exists());
 }
 
@@ -32,7 +32,7 @@ fn a_file_that_is_no_text() {
     let trial = trial(0.1);
     fs::write(trial.path("sinew.toml"), b"seed = 1\nmethod = \"\xE9\"\n").unwrap();
     let output = trial.run(&["track", "--calibration", "Calib.toml", "--keypoints", "pose"]);
-    insta::assert_snapshot!("no_text", trial.told(&output));
+    insta::assert_snapshot!("no_text", trial.printed(&output));
 }
 
 #[test]
@@ -40,15 +40,15 @@ fn an_output_folder_that_is_a_file() {
     let trial = trial(0.1);
     fs::write(trial.path("out"), "").unwrap();
     let output = trial.run(&["track", "--calibration", "Calib.toml", "--keypoints", "pose", "-oout", "--force"]);
-    insta::assert_snapshot!("out_is_a_file", trial.told(&output));
+    insta::assert_snapshot!("out_is_a_file", trial.printed(&output));
 }
 
 #[test]
 fn mistakes_on_the_command_line() {
     let trial = trial(0.1);
-    let told = |arguments: &[&str]| trial.told(&trial.run(arguments));
-    insta::assert_snapshot!("bad_flags", told(&["track", "--method", "hcm", "--frames", "9..3", "--seed", "-1"]));
-    insta::assert_snapshot!("too_large", told(&["track", "--seed", "99999999999999999999", "--threads", "2000"]));
+    let printed = |arguments: &[&str]| trial.printed(&trial.run(arguments));
+    insta::assert_snapshot!("bad_flags", printed(&["track", "--method", "hcm", "--frames", "9..3", "--seed", "-1"]));
+    insta::assert_snapshot!("too_large", printed(&["track", "--seed", "99999999999999999999", "--threads", "2000"]));
     for (name, arguments) in [
         ("no_use_in_body", &["body", "h32", "-o", "x"][..]),
         ("no_use_in_inspect", &["inspect", "Calib.toml", "--seed", "3"]),
@@ -58,26 +58,26 @@ fn mistakes_on_the_command_line() {
         ("no_use_before_the_command", &["--chains=8", "track"]),
         ("no_use_without_keypoints", &["inspect", "Calib.toml", "--cameras", "C1"]),
     ] {
-        insta::assert_snapshot!(name, told(arguments));
+        insta::assert_snapshot!(name, printed(arguments));
     }
-    insta::assert_snapshot!("unknown_flag", told(&["track", "--keypoint", "pose"]));
-    insta::assert_snapshot!("unknown_command", told(&["trac"]));
-    insta::assert_snapshot!("no_such_config", told(&["track", "--config", "none.toml"]));
-    insta::assert_snapshot!("unknown_body", told(&["body", "h33"]));
-    insta::assert_snapshot!("no_input", told(&["track"]));
+    insta::assert_snapshot!("unknown_flag", printed(&["track", "--keypoint", "pose"]));
+    insta::assert_snapshot!("unknown_command", printed(&["trac"]));
+    insta::assert_snapshot!("no_such_config", printed(&["track", "--config", "none.toml"]));
+    insta::assert_snapshot!("unknown_body", printed(&["body", "h33"]));
+    insta::assert_snapshot!("no_input", printed(&["track"]));
 }
 
 #[test]
 fn flags_that_change_nothing() {
     let trial = trial(0.1);
-    let told = |flags: &[&str]| trial.told(&trial.run(&[&["track", "--print-config"], flags].concat()));
+    let printed = |flags: &[&str]| trial.printed(&trial.run(&[&["track", "--print-config"], flags].concat()));
     insta::assert_snapshot!(
         "idle_with_hmc",
-        told(&["--particles=5", "--degrees=3", "--setup=a.toml", "--setup-frames=0..9"])
+        printed(&["--particles=5", "--degrees=3", "--setup=a.toml", "--setup-frames=0..9"])
     );
     insta::assert_snapshot!(
         "idle_with_bootstrap",
-        told(&["--method=bootstrap", "--chains=8", "--updates=5", "--noise=student-t", "--outlier=0.1"])
+        printed(&["--method=bootstrap", "--chains=8", "--updates=5", "--noise=student-t", "--outlier=0.1"])
     );
 }
 
@@ -85,9 +85,9 @@ fn flags_that_change_nothing() {
 fn mistakes_in_the_environment() {
     let trial = trial(0.1);
     let output = trial.command(&["track"]).env("SINEW_CHAINS", "none").output().unwrap();
-    insta::assert_snapshot!("bad_variable", trial.told(&output));
+    insta::assert_snapshot!("bad_variable", trial.printed(&output));
     let output = trial.command(&["track", "--print-config"]).env("SINEW_CHAIN", "8").output().unwrap();
-    insta::assert_snapshot!("unknown_variable", trial.told(&output));
+    insta::assert_snapshot!("unknown_variable", trial.printed(&output));
 }
 
 #[test]
@@ -132,12 +132,12 @@ fn help_fits_one_screen_and_starts_with_examples() {
         insta::assert_snapshot!(format!("help_{name}"), text);
     }
     for setting in settings() {
-        let Kind::Choice(values) = setting.kind else { continue };
+        let SettingKind::Choice(values) = setting.kind else { continue };
         let flag = format!("--{}", setting.key.replace('_', "-"));
         let help = String::from_utf8(trial.run(&["track", "--help"]).stdout).unwrap();
-        let of_flag = help.split(&format!("      {flag} ")).nth(1).unwrap_or_default().split("\n\n").next().unwrap();
+        let flag_help = help.split(&format!("      {flag} ")).nth(1).unwrap_or_default().split("\n\n").next().unwrap();
         // As they are typed, and offered as they are typed.
-        assert!(values.iter().all(|value| of_flag.contains(value)), "{flag}: {of_flag}");
+        assert!(values.iter().all(|value| flag_help.contains(value)), "{flag}: {flag_help}");
         let bash = String::from_utf8(trial.run(&["completions", "bash"]).stdout).unwrap();
         let offered =
             bash.split(&format!("                {flag})\n")).nth(1).unwrap_or_default().lines().next().unwrap();

@@ -1,4 +1,4 @@
-//! What the user reads where masks, images and starts do not fit, from the program; and that a person who is lost leaves results that say so.
+//! What the program says where masks, images and starts do not fit. A person who is lost leaves results that say so.
 
 mod common;
 
@@ -20,11 +20,11 @@ fn recorded() -> Trial {
 fn simulate(trial: &Trial, out: &str, size: &str) {
     let arguments = ["simulate", out, size, "--duration=0.4", "--cameras=2", "--segmentation=clean", "--images=1"];
     let output = trial.run(&[&arguments[..], &["--no-progress"]].concat());
-    assert_eq!(output.status.code(), Some(0), "{}", trial.told(&output));
+    assert_eq!(output.status.code(), Some(0), "{}", trial.printed(&output));
 }
 
 /// What tracking says; the first arguments may be replaced by `more`.
-fn told(trial: &Trial, more: &[&str]) -> String {
+fn printed(trial: &Trial, more: &[&str]) -> String {
     let usual =
         ["--calibration=rec/Calib.toml", "--silhouettes=rec/masks", "--init=rec/truth.trc", "--method=annealed"];
     let small =
@@ -34,14 +34,14 @@ fn told(trial: &Trial, more: &[&str]) -> String {
     arguments.extend(usual.into_iter().filter(|flag| !replaced(flag)));
     arguments.extend(small);
     arguments.extend(more.iter().filter(|argument| argument.contains('=')));
-    trial.told(&trial.run(&arguments))
+    trial.printed(&trial.run(&arguments))
 }
 
 #[test]
 fn what_does_not_fit_is_refused() {
     let trial = recorded();
     simulate(&trial, "-osmall", "--size=48x36");
-    let check = |name: &str, more: &[&str]| insta::assert_snapshot!(name, told(&trial, more));
+    let check = |name: &str, more: &[&str]| insta::assert_snapshot!(name, printed(&trial, more));
     check("hmc", &["--method=hmc"]);
     check("no_start", &["--init"]);
     check("other_size", &["--silhouettes=small/masks"]);
@@ -66,17 +66,17 @@ fn views_that_are_missing_are_dropped_and_counted() {
     for frame in 3..6 {
         fs::remove_file(trial.path(&format!("rec/masks/C2_{frame:04}.png"))).unwrap();
     }
-    insta::assert_snapshot!("missing_views", told(&trial, &[]));
+    insta::assert_snapshot!("missing_views", printed(&trial, &[]));
     let expected: Vec<&str> = (0..FRAMES).map(|frame| if (3..6).contains(&frame) { "1" } else { "2" }).collect();
     assert_eq!(qualities(&trial), expected);
     for camera in 1..3 {
         fs::remove_file(trial.path(&format!("rec/masks/C{camera}_0008.png"))).unwrap();
     }
-    told(&trial, &[]);
+    printed(&trial, &[]);
     assert_eq!(qualities(&trial)[8], "0");
 }
 
-/// Nobody in any mask: the motion model goes on, frames are flagged, and warnings say so.
+/// Nobody in any mask: the motion model continues, frames are flagged, and warnings say so.
 #[test]
 fn a_person_who_leaves_all_views_is_flagged() {
     let trial = recorded();
@@ -88,7 +88,7 @@ fn a_person_who_leaves_all_views_is_flagged() {
     {
         fs::write(trial.path("rec/masks").join(name), &empty).unwrap();
     }
-    insta::assert_snapshot!("nobody_in_view", told(&trial, &[]));
+    insta::assert_snapshot!("nobody_in_view", printed(&trial, &[]));
     let expected: Vec<&str> = (0..FRAMES).map(|frame| if frame < 7 { "2" } else { "0" }).collect();
     assert_eq!(qualities(&trial), expected);
 }

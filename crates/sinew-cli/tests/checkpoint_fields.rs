@@ -1,7 +1,7 @@
 //! Every field of a checkpoint matters: none can be changed or left out unnoticed.
 //!
 //! A run is stopped in its middle, and its checkpoint is taken apart as JSON. One field after the other is changed, and emptied; the run is resumed from that and stopped again
-//! a frame later. A field is *noticed* if the run is refused, or if its checkpoint or its files differ there from those of an unbroken run. Long lists count as two fields. A
+//! a frame later. A field is *noticed* if the run is refused, or if its checkpoint or its files differ there from an unbroken run's. Long lists count as two fields. A
 //! field must be noticed in one of three runs at least: particles on keypoints, Hamiltonian Monte Carlo with smoothing, a search on silhouettes. In the first two somebody
 //! else is in a camera's view in the frame after the stop.
 
@@ -169,7 +169,7 @@ fn every_field_is_noticed() {
     let runs = [
         with_somebody_else(particles, 0),
         with_somebody_else(Whole::lasting(FRAMES, &smoothed), 1),
-        Whole::of_silhouettes(FRAMES, &search),
+        Whole::from_silhouettes(FRAMES, &search),
     ];
     let found: Vec<_> = std::thread::scope(|scope| {
         let running = runs.each_ref().map(|whole| scope.spawn(|| edits(whole)));

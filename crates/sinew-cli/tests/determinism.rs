@@ -15,9 +15,9 @@ use sinew::core::lanes::Isa;
 use sinew::input::source::FrameSource;
 use sinew::input::up_axis::z_up_from;
 use sinew::input::upright::Upright;
-use sinew::methods::{Bootstrap, Hmc, Method};
+use sinew::methods::{BootstrapMethod, HmcMethod, Method};
 use sinew::results::estimate::{FrameEstimate, Quality};
-use sinew::setup::{self, Request, Setup};
+use sinew::setup::{self, Setup, SetupRequest};
 use sinew::track::Pipeline;
 use sinew::tracking::{bootstrap, hmc_filter};
 use sinew_simulate::recording::{Script, SyntheticRecording};
@@ -33,18 +33,19 @@ fn recording(duration_s: f64) -> SyntheticRecording {
 fn set_up(recording: &SyntheticRecording, frames: Range<u64>) -> Setup {
     let mut source = source(recording);
     let frames = frames.map(|number| Ok::<_, Error>((number, source.people(number)?)));
-    let (mut found, _) = setup::set_up(&recording.cameras, &recording.layout, &Request::default(), frames).unwrap();
+    let (mut found, _) =
+        setup::set_up(&recording.cameras, &recording.layout, &SetupRequest::default(), frames).unwrap();
     (found.step_size, found.leapfrog_steps) = (Some(0.4), Some(5));
     found
 }
 
 fn quick() -> Settings {
-    let hmc = hmc_filter::Config { chains: 8, updates: 12, burn_in: 4, ..Hmc::default().0 };
-    Settings { method: Arc::new(Hmc(hmc)), draws: 16, ..Settings::default() }
+    let hmc = hmc_filter::Config { chains: 8, updates: 12, burn_in: 4, ..HmcMethod::default().0 };
+    Settings { method: Arc::new(HmcMethod(hmc)), draws: 16, ..Settings::default() }
 }
 
 fn bootstrap(particles: usize) -> Arc<dyn Method> {
-    Arc::new(Bootstrap(bootstrap::Config { particles, ..bootstrap::Config::default() }))
+    Arc::new(BootstrapMethod(bootstrap::Config { particles, ..bootstrap::Config::default() }))
 }
 
 /// Tracks ranges of frames one after the other with one pipeline.
@@ -129,7 +130,7 @@ fn any_number_of_threads_leaves_the_same_files() {
 fn silhouettes_are_tracked_alike_on_any_number_of_threads() {
     for method in ["bootstrap", "annealed", "partitioned", "coarse-to-fine"] {
         let few = [("method", method), ("particles", "24"), ("fine", "16"), ("layers", "2"), ("raster", "64")];
-        let whole = Whole::of_silhouettes(6, &few);
+        let whole = Whole::from_silhouettes(6, &few);
         for threads in [1, 2] {
             let out = whole.folder.path().join("again");
             whole.run(&out, threads, None, None).unwrap();
@@ -146,7 +147,7 @@ fn a_forced_instruction_set_gives_the_same_files_twice() {
         let [one, two] = ["1", "2"].map(|threads| {
             let out = format!("-o{set}-{threads}");
             let output = trial.track(&[&out, "--simd", set, "--threads", threads]);
-            assert_eq!(output.status.code(), Some(0), "{}", trial.told(&output));
+            assert_eq!(output.status.code(), Some(0), "{}", trial.printed(&output));
             ["markers.trc", "joints.csv", "angles.csv", "frames.csv", "summary.json", "setup.toml", "motion.bvh"]
                 .map(|name| fs::read(trial.path(&out[2..]).join(name)).unwrap())
         });
@@ -224,14 +225,14 @@ fn a_world_that_is_declared_is_turned_to_z_up() {
     let z_from_minus_y = z_up_from("-y").unwrap();
     let back = [0, 1, 2].map(|i: usize| [0, 1, 2].map(|j: usize| z_from_minus_y[j][i]));
     let plain = trial.track(&["-oplain"]);
-    assert_eq!(plain.status.code(), Some(0), "{}", trial.told(&plain));
+    assert_eq!(plain.status.code(), Some(0), "{}", trial.printed(&plain));
     let mut turned = self::recording(0.2);
     turned.cameras = turned.cameras.iter().map(|camera| camera.turned(back)).collect();
     fs::write(trial.path("Calib.toml"), turned.calibration_toml()).unwrap();
-    let told = trial.track_told(&["-odoubted"]);
-    assert!(told.contains("set `up_axis` (found: -y)"), "{told}");
-    let told = trial.track_told(&["--up-axis", "-y"]);
-    assert!(!told.contains("up_axis"), "{told}");
+    let printed = trial.track_printed(&["-odoubted"]);
+    assert!(printed.contains("set `up_axis` (found: -y)"), "{printed}");
+    let printed = trial.track_printed(&["--up-axis", "-y"]);
+    assert!(!printed.contains("up_axis"), "{printed}");
     let height = |out: &str| {
         let text = fs::read_to_string(trial.path(out).join("markers.trc")).unwrap();
         let trc = sinew::formats::trc::read("markers.trc", &text).unwrap();
@@ -240,9 +241,9 @@ fn a_world_that_is_declared_is_turned_to_z_up() {
     let (a, b) = (height("plain"), height("out"));
     assert!((0..3).all(|k| (a[k] - b[k]).abs() < 0.05) && a[2] > 1.0, "{a:?} {b:?}");
     // The set-up knows the axis.
-    let told = trial.track_told(&["-oagain", "--setup", "out/setup.toml", "--up-axis=+y"]);
-    assert!(told.contains("`up_axis` is +y; the set-up was made with -y"), "{told}");
+    let printed = trial.track_printed(&["-oagain", "--setup", "out/setup.toml", "--up-axis=+y"]);
+    assert!(printed.contains("`up_axis` is +y; the set-up was made with -y"), "{printed}");
     // It knows the body, too.
-    let told = trial.track_told(&["-oagain", "--setup", "out/setup.toml", "--body=cf28"]);
-    assert!(told.contains("`body` is cf28; the set-up was made with h32"), "{told}");
+    let printed = trial.track_printed(&["-oagain", "--setup", "out/setup.toml", "--body=cf28"]);
+    assert!(printed.contains("`body` is cf28; the set-up was made with h32"), "{printed}");
 }

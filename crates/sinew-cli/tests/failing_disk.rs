@@ -11,7 +11,7 @@ use sinew::results::estimate::{Draws, FrameEstimate, PointMarginal, RunInfo, Sta
 use sinew::results::problem;
 use sinew::results::{Disk, Ending, OWN_NAMES, ResultFolder, Storage, StoredFile, Texts, claim_in};
 use sinew::track::checkpoint;
-use sinew::{Error, bodies};
+use sinew::{Error, FileError, bodies};
 use std::io::{self, Seek, SeekFrom, Write};
 use std::path::Path;
 use std::sync::Arc;
@@ -136,10 +136,10 @@ fn write(folder: &Path, steps: usize) -> Result<usize, Error> {
 }
 
 #[test]
-fn every_failure_is_told_and_nothing_false_is_left() {
+fn every_failure_is_reported_and_nothing_false_is_left() {
     const MANY: usize = 100_000;
     let root = tempfile::tempdir().unwrap();
-    // What a run kept to go on is removed when all is done and the folder synced: it does no harm where that fails.
+    // What a run kept to resume is removed when all is done and the folder synced: it does no harm where that fails.
     let needed = MANY - write(&root.path().join("whole"), MANY).unwrap() - OWN_NAMES.len() - 1;
     assert!(needed > 100, "{needed}");
     // Every step at the beginning and the end, where all kinds of step are, and some in between.
@@ -147,7 +147,7 @@ fn every_failure_is_told_and_nothing_false_is_left() {
     for steps in (0..needed).filter(few) {
         let folder = root.path().join(format!("{steps}"));
         match write(&folder, steps) {
-            Err(Error::Io { path, source, .. }) => {
+            Err(Error::Io(FileError { path, source, .. })) => {
                 assert!(path.starts_with(&folder), "{steps}: {}", path.display());
                 assert_eq!(source.to_string(), "injected", "{steps}");
             }
@@ -164,10 +164,10 @@ fn every_failure_is_told_and_nothing_false_is_left() {
     }
 }
 
-/// Whole runs with a checkpoint after every frame, on a disk that fails from some step on: at each of the last ones, while results get their names and what is kept to go on is removed, and at some before.
+/// Whole runs with a checkpoint after every frame, on a disk that fails from some step on: at each of the last ones, while results get their names and what is kept to resume is removed, and at some before.
 /// Since nothing works after the failure, what is left is what a run leaves that is killed there.
 #[test]
-fn a_run_goes_on_when_there_is_room_again() {
+fn a_run_resumes_when_there_is_room_again() {
     let settings = [("method", "bootstrap"), ("particles", "8"), ("checkpoint_every", "0.02")];
     let whole = Whole::new(&settings);
     let out = whole.folder.path().join("out");
@@ -178,13 +178,13 @@ fn a_run_goes_on_when_there_is_room_again() {
     };
     const MANY: usize = 1_000_000;
     let needed = MANY - run(MANY).unwrap();
-    let mut gone_on = 0;
+    let mut resumed = 0;
     // The number of steps depends on the clock, for checkpoints do: a run that has enough of them is no failure.
     for steps in (0..needed).filter(|steps| *steps % 37 == 1 || needed - steps <= 30) {
         let _ = std::fs::remove_dir_all(&out);
         match run(steps) {
             Ok(_) => continue,
-            Err(Error::Io { path, source, .. }) => {
+            Err(Error::Io(FileError { path, source, .. })) => {
                 assert!(path.starts_with(&out), "{steps}: {}", path.display());
                 assert_eq!(source.to_string(), "injected", "{steps}");
             }
@@ -196,9 +196,9 @@ fn a_run_goes_on_when_there_is_room_again() {
             let mut found = files(&out);
             found.remove("timings.json");
             assert!(found == whole.files, "{steps} of {needed}");
-            gone_on += 1;
+            resumed += 1;
         }
     }
-    println!("{needed} steps in a run, {gone_on} failed runs gone on with");
-    assert!(gone_on > 5);
+    println!("{needed} steps in a run, {resumed} failed runs resumed");
+    assert!(resumed > 5);
 }

@@ -1,4 +1,5 @@
-//! Every command of the guide and of the README runs, in the order of its page, and prints what the page shows.
+//! Every command of the guide and of the README runs and prints what its page shows.
+//! Commands run in the order of the page.
 //!
 //! A page finds the files of "your own recording" in its folder: a simulated one. Blocks that open with `# sinew.toml` are written to that file. Runs are
 //! shortened by settings in the environment and simulations to a second; nothing else differs from what a reader types. Lines that do not begin with
@@ -9,7 +10,7 @@ mod common;
 use common::Trial;
 use sinew::core::random::Stage;
 use sinew::formats::{calib_toml, picture};
-use sinew_simulate::render::View;
+use sinew_simulate::render::RayCamera;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -66,7 +67,7 @@ fn folder(page: &str) -> Trial {
 /// `Calib.toml`, `pose`, `images` and `empty` of cameras `cam01` … `cam04`.
 fn own_recording(trial: &Trial) {
     let made = trial.run(&["simulate", "-o", "made", "--duration", "1", "--images", "5", "--no-progress"]);
-    assert!(made.status.success(), "{}", trial.told(&made));
+    assert!(made.status.success(), "{}", trial.printed(&made));
     let calibration = fs::read_to_string(trial.path("made/Calib.toml")).unwrap();
     let renamed =
         (1..=4).fold(calibration, |text, camera| text.replace(&format!("C{camera}"), &format!("cam0{camera}")));
@@ -81,7 +82,7 @@ fn own_recording(trial: &Trial) {
         }
     }
     for camera in calib_toml::read("Calib.toml", &renamed).unwrap().cameras {
-        let view = View::new(&camera);
+        let view = RayCamera::new(&camera);
         let room = view.room(1);
         for frame in 0..4_u32 {
             let mut file = fs::File::create(trial.path(&format!("empty/{}_{frame:04}.png", camera.name))).unwrap();
@@ -101,7 +102,7 @@ fn run(trial: &Trial, line: &str) -> String {
         arguments.extend(["--duration", "1"]);
     }
     let output = trial.command(&arguments).envs(SHORT).output().unwrap();
-    assert!(output.status.success(), "{line}\n{}", trial.told(&output));
+    assert!(output.status.success(), "{line}\n{}", trial.printed(&output));
     String::from_utf8(output.stdout).unwrap()
 }
 
@@ -191,9 +192,11 @@ fn sources(folder: &Path, text: &mut String) {
 
 /// What the page of warnings quotes is what the program says.
 #[test]
-fn quoted_warnings_are_those_of_the_program() {
+fn quoted_warnings_match_the_program() {
     let mut program = String::new();
-    sources(&root().join("crates/sinew/src"), &mut program);
+    ["sinew-recording", "sinew"]
+        .iter()
+        .for_each(|name| sources(&root().join("crates").join(name).join("src"), &mut program));
     let page = read("docs/guide/warnings.md");
     let says = page
         .lines()

@@ -7,7 +7,7 @@ use std::fs;
 
 fn shown(trial: &Trial, arguments: &[&str]) -> String {
     let output = trial.run(&[&["inspect"], arguments].concat());
-    format!("{}{}", String::from_utf8_lossy(&output.stdout), trial.told(&output))
+    format!("{}{}", String::from_utf8_lossy(&output.stdout), trial.printed(&output))
 }
 
 fn set_up() -> String {
@@ -21,7 +21,7 @@ fn set_up() -> String {
 }
 
 #[test]
-fn toml_files_are_told_apart() {
+fn toml_files_are_distinguished() {
     let trial = trial(0.1);
     let files = [
         ("setup.toml", set_up()),
@@ -45,12 +45,12 @@ fn toml_files_are_told_apart() {
 fn draws_are_listed() {
     let trial = trial(0.2);
     assert_eq!(trial.track(&["--frames", "1..5"]).status.code(), Some(0));
-    let told = shown(&trial, &["out/posterior.zarr"]);
-    insta::assert_snapshot!("posterior.zarr", told);
+    let printed = shown(&trial, &["out/posterior.zarr"]);
+    insta::assert_snapshot!("posterior.zarr", printed);
     let store = trial.path("out/posterior.zarr");
     assert_eq!(
-        sinew::inspect::subjects(&[store]).unwrap(),
-        [sinew::inspect::Subject::Draws(trial.path("out/posterior.zarr"))]
+        sinew_tools::inspect::subjects(&[store]).unwrap(),
+        [sinew_tools::inspect::Subject::Draws(trial.path("out/posterior.zarr"))]
     );
     fs::remove_file(trial.path("out/posterior.zarr/zarr.json")).unwrap();
     insta::assert_snapshot!("no_zarr", shown(&trial, &["out/posterior.zarr"]));
@@ -64,12 +64,12 @@ fn a_run_that_did_not_end_well_says_so() {
     let summary: serde_json::Value =
         serde_json::from_str(&fs::read_to_string(trial.path("out/summary.json")).unwrap()).unwrap();
     let failed = summary["failed_diagnostics"].as_array().unwrap();
-    let told = shown(&trial, &["out"]);
+    let printed = shown(&trial, &["out"]);
     for failed in failed {
         let line = format!("  odd: diagnostic failed: {}\n", failed.as_str().unwrap());
-        assert!(told.contains(&line), "{line} in {told}");
+        assert!(printed.contains(&line), "{line} in {printed}");
     }
-    assert!(!failed.is_empty() && !told.contains("interrupted"), "{told}");
+    assert!(!failed.is_empty() && !printed.contains("interrupted"), "{printed}");
 
     trial.edit(&trial.path("out/summary.json"), |text| text.replace("\"complete\": true", "\"complete\": false"));
     assert!(shown(&trial, &["out"]).contains("  odd: the run was interrupted: not all frames are there\n"));
@@ -98,10 +98,11 @@ fn a_run_that_did_not_end_at_all_says_so() {
 #[test]
 fn keypoints_are_read_with_the_settings_of_a_run() {
     let trial = trial(0.4);
-    let told = shown(&trial, &["Calib.toml", "pose", "--layout", "BODY_25B", "--cameras", "C1,C3", "--frames", "2..9"]);
-    assert!(told.contains("pose: keypoints of 2 cameras"), "{told}");
-    assert!(told.contains("C3_json  7 files, frames 2..9"), "{told}");
-    assert!(told.contains("fit of calibration and keypoints, frames 2..9"), "{told}");
+    let printed =
+        shown(&trial, &["Calib.toml", "pose", "--layout", "BODY_25B", "--cameras", "C1,C3", "--frames", "2..9"]);
+    assert!(printed.contains("pose: keypoints of 2 cameras"), "{printed}");
+    assert!(printed.contains("C3_json  7 files, frames 2..9"), "{printed}");
+    assert!(printed.contains("fit of calibration and keypoints, frames 2..9"), "{printed}");
     insta::assert_snapshot!("unknown_camera", shown(&trial, &["pose", "--cameras", "C1,C7"]));
     insta::assert_snapshot!("no_such_frames", shown(&trial, &["pose", "--frames", "50..60"]));
 

@@ -8,7 +8,7 @@ use std::path::Path;
 
 const FRAMES: usize = 75;
 
-/// Lets a camera show in each frame what it saw so many frames before; in the first frames it shows the first one.
+/// Lets a camera show in each frame what it saw `lag` frames before; in the first frames it shows the first one.
 fn delay(folder: &Path, name: impl Fn(usize) -> String, frames: usize, lag: usize) {
     // A file that is copied onto itself is emptied.
     for frame in (lag.max(1)..frames).rev().filter(|_| lag > 0) {
@@ -16,7 +16,7 @@ fn delay(folder: &Path, name: impl Fn(usize) -> String, frames: usize, lag: usiz
     }
 }
 
-/// The third camera is so many frames late.
+/// The third camera is `lag` frames late.
 fn late(lag: usize) -> Trial {
     let trial = trial(FRAMES as f64 / 30.0);
     delay(&trial.path("pose/C3_json"), |frame| format!("C3.{frame:04}.json"), FRAMES, lag);
@@ -25,7 +25,7 @@ fn late(lag: usize) -> Trial {
 
 fn inspected(trial: &Trial, more: &[&str]) -> String {
     let output = trial.run(&[&["inspect", "Calib.toml", "pose"], more].concat());
-    assert_eq!(output.status.code(), Some(0), "{}", trial.told(&output));
+    assert_eq!(output.status.code(), Some(0), "{}", trial.printed(&output));
     String::from_utf8(output.stdout).unwrap()
 }
 
@@ -35,27 +35,30 @@ fn a_late_camera_is_named_and_its_frames_are_read_as_they_belong() {
     assert!(inspected(&whole, &[]).contains("calibration and keypoints fit"), "{}", inspected(&whole, &[]));
     for lag in [1, 2] {
         let (trial, flag) = (late(lag), format!("C3={lag}"));
-        let told = inspected(&trial, &[]);
+        let printed = inspected(&trial, &[]);
         let advice = format!("odd: C3 is {lag}.0 ± 0.");
         assert!(
-            told.contains(&advice)
-                && told.contains(&format!("frames late against the other cameras; `--lag {flag}` reads")),
-            "{told}"
+            printed.contains(&advice)
+                && printed.contains(&format!("frames late against the other cameras; `--lag {flag}` reads")),
+            "{printed}"
         );
-        assert!(told.contains("look at what is odd here before tracking") && !told.contains("keypoints fit"), "{told}");
-        let told = trial.track_told(&["-osilent"]);
         assert!(
-            told.contains(&format!("warning: C3 is {lag}.0 ± 0.")) && told.contains(&format!("`--lag {flag}`")),
-            "{told}"
+            printed.contains("look at what is odd here before tracking") && !printed.contains("keypoints fit"),
+            "{printed}"
+        );
+        let printed = trial.track_printed(&["-osilent"]);
+        assert!(
+            printed.contains(&format!("warning: C3 is {lag}.0 ± 0.")) && printed.contains(&format!("`--lag {flag}`")),
+            "{printed}"
         );
 
-        let told = inspected(&trial, &["--lag", &flag]);
-        assert!(told.contains("calibration and keypoints fit") && !told.contains("late"), "{told}");
+        let printed = inspected(&trial, &["--lag", &flag]);
+        assert!(printed.contains("calibration and keypoints fit") && !printed.contains("late"), "{printed}");
         let end = FRAMES - lag;
         let frames = format!("0..{end}");
-        let told = trial.track_told(&["--lag", &flag]);
-        assert!(!told.contains("late against"), "{told}");
-        assert!(whole.track_told(&["--frames", &frames, "--setup-frames", &frames, "--force"]).starts_with("exit"));
+        let printed = trial.track_printed(&["--lag", &flag]);
+        assert!(!printed.contains("late against"), "{printed}");
+        assert!(whole.track_printed(&["--frames", &frames, "--setup-frames", &frames, "--force"]).starts_with("exit"));
         let markers = |trial: &Trial| fs::read_to_string(trial.path("out/markers.trc")).unwrap();
         assert_eq!(markers(&trial), markers(&whole), "lag {lag}");
     }
@@ -65,15 +68,15 @@ fn a_late_camera_is_named_and_its_frames_are_read_as_they_belong() {
 fn a_lag_in_the_configuration_counts_and_one_of_an_unknown_camera_is_refused() {
     let trial = late(2);
     fs::write(trial.path("sinew.toml"), "lag = [\"C3=1\", \"C1=1\"]\n").unwrap();
-    let told = inspected(&trial, &[]);
+    let printed = inspected(&trial, &[]);
     // Half of C3's lag is declared, and C1 was in time: with it C1 is early by one.
-    assert!(told.contains("`--lag C3=2`"), "{told}");
+    assert!(printed.contains("`--lag C3=2`"), "{printed}");
     fs::write(trial.path("sinew.toml"), "lag = \"C3=2\"\n").unwrap();
     assert!(inspected(&trial, &[]).contains("calibration and keypoints fit"));
-    let told = |lag: &str| trial.track_told(&["--lag", lag]);
-    insta::assert_snapshot!("unknown_camera", told("C3=2,C9=1"));
-    insta::assert_snapshot!("no_whole_frames", told("C3=half"));
-    insta::assert_snapshot!("twice", told("C3=1,C3=2"));
+    let printed = |lag: &str| trial.track_printed(&["--lag", lag]);
+    insta::assert_snapshot!("unknown_camera", printed("C3=2,C9=1"));
+    insta::assert_snapshot!("no_whole_frames", printed("C3=half"));
+    insta::assert_snapshot!("twice", printed("C3=1,C3=2"));
 }
 
 #[test]
@@ -95,9 +98,9 @@ fn lags_in_a_real_recording_are_found() {
         }
         let folder = trial.path(&format!("pose/cam0{camera}_json"));
         delay(&folder, |frame| format!("cam0{camera}.{frame:04}.json"), 100, lag);
-        let (told, flag) = (inspected(&trial, &[]), format!("--lag cam_0{camera}={lag}`"));
-        assert_eq!(told.contains(&flag), lag > 0, "{told}");
-        assert_eq!(told.contains("calibration and keypoints fit"), lag == 0, "{told}");
+        let (printed, flag) = (inspected(&trial, &[]), format!("--lag cam_0{camera}={lag}`"));
+        assert_eq!(printed.contains(&flag), lag > 0, "{printed}");
+        assert_eq!(printed.contains("calibration and keypoints fit"), lag == 0, "{printed}");
         let mended = inspected(&trial, &["--lag", &format!("cam_0{camera}={lag}")]);
         assert!(mended.contains("calibration and keypoints fit"), "{mended}");
     }

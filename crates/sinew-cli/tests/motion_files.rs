@@ -26,7 +26,7 @@ fn with(files: &[(&str, &str)]) -> Trial {
 
 fn check(trial: &Trial, arguments: &[&str]) {
     let output = trial.run(&[&["convert"], arguments].concat());
-    assert!(output.status.success(), "{arguments:?}: {}", trial.told(&output));
+    assert!(output.status.success(), "{arguments:?}: {}", trial.printed(&output));
 }
 
 #[test]
@@ -44,7 +44,7 @@ fn markers_become_a_table_and_back() {
 fn a_skeleton_becomes_points_and_channels() {
     let trial = with(&[("a.bvh", BVH)]);
     check(&trial, &["a.bvh", "a.csv"]);
-    let motion = sinew::motion::read(&trial.path("a.csv"), None, None).unwrap();
+    let motion = sinew_tools::motion::read(&trial.path("a.csv"), None, None).unwrap();
     let points = motion.points().unwrap();
     assert_eq!(points.names, ["Hips", "Knee", "Knee_End"]);
     // The hips are turned by 90 degrees about the file's x: the leg points along −z there, which is y of the world.
@@ -111,7 +111,7 @@ fn acclaim_files_are_described() {
     let trial = with(&[("a.asf", ASF), ("b.asf", ASF), ("a.amc", AMC), ("empty.amc", "")]);
     let shown = |arguments: &[&str]| {
         let output = trial.run(&[&["inspect"], arguments].concat());
-        format!("{}{}", String::from_utf8_lossy(&output.stdout), trial.told(&output))
+        format!("{}{}", String::from_utf8_lossy(&output.stdout), trial.printed(&output))
     };
     insta::assert_snapshot!("inspect_asf", shown(&["a.asf"]));
     insta::assert_snapshot!("inspect_amc", shown(&["a.amc", "empty.amc"]));
@@ -124,7 +124,7 @@ fn what_cannot_be_is_said() {
     let files = [("a.trc", TRC), ("a.bvh", BVH), ("a.amc", AMC), ("a.xyz", "")];
     let trial = with(&[&files[..], &TABLES].concat());
     check(&trial, &["a.bvh", "a.mot"]);
-    let told: Vec<String> = [
+    let printed: Vec<String> = [
         &["a.trc", "b.bvh"][..],
         &["a.trc", "b.mot"],
         &["a.mot", "b.trc"],
@@ -143,10 +143,10 @@ fn what_cannot_be_is_said() {
     ]
     .iter()
     .map(|arguments| {
-        format!("convert {}\n{}", arguments.join(" "), trial.told(&trial.run(&[&["convert"], *arguments].concat())))
+        format!("convert {}\n{}", arguments.join(" "), trial.printed(&trial.run(&[&["convert"], *arguments].concat())))
     })
     .collect();
-    insta::assert_snapshot!("impossible", told.join("\n\n"));
+    insta::assert_snapshot!("impossible", printed.join("\n\n"));
 }
 
 #[test]
@@ -158,7 +158,7 @@ fn files_are_described() {
     let calibration = shown(&["Calib.toml"]);
     assert!(calibration.starts_with("Calib.toml: calibration of 4 cameras\n  C1"), "{calibration}");
     assert!(calibration.contains("are translations in millimetres?"), "{calibration}");
-    insta::assert_snapshot!("inspect_nothing", trial.told(&trial.run(&["inspect", "notes.txt"])));
+    insta::assert_snapshot!("inspect_nothing", trial.printed(&trial.run(&["inspect", "notes.txt"])));
     let json: serde_json::Value = serde_json::from_slice(&trial.run(&["inspect", "a.bvh", "--json"]).stdout).unwrap();
     assert_eq!(json[0]["facts"]["frames"], "1 at 30 per second, 0.03 s");
 }

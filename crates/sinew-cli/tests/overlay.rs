@@ -8,8 +8,8 @@ use std::fs;
 
 fn ran(trial: &Trial, arguments: &[&str]) -> String {
     let output = trial.run(arguments);
-    let told = trial.told(&output);
-    assert_eq!(output.status.code(), Some(0), "{arguments:?}: {told}");
+    let printed = trial.printed(&output);
+    assert_eq!(output.status.code(), Some(0), "{arguments:?}: {printed}");
     String::from_utf8_lossy(&output.stdout).replace(&trial.folder.path().display().to_string(), "[trial]")
 }
 
@@ -54,7 +54,7 @@ fn bodies_are_drawn_where_cameras_see_them() {
         ran(&trial, &[&["overlay", "-omasks", "--silhouettes=rec/masks"], &WITH[..]].concat()),
         "48 pictures in masks\n"
     );
-    let refused = |more: &[&str]| trial.told(&trial.run(&[&["overlay"], more].concat()));
+    let refused = |more: &[&str]| trial.printed(&trial.run(&[&["overlay"], more].concat()));
     insta::assert_snapshot!("frames", refused(&[&WITH[..], &["-oa", "--frames=50..60"]].concat()));
     insta::assert_snapshot!("no_results", refused(&["rec", "--calibration=rec/Calib.toml", "-oa"]));
     insta::assert_snapshot!("no_folder", refused(&WITH));
@@ -81,7 +81,7 @@ fn a_fitted_body_is_tracked() {
     ran(&trial, &[&["track", "--no-progress"], &masks[..], &small].concat());
     let setup = fs::read_to_string(trial.path("again/setup.toml")).unwrap();
     assert!(setup.contains("[[solid]]"));
-    let refused = |more: &[&str]| trial.told(&trial.run(&[&["fit-shape"], &WITH[..], more].concat()));
+    let refused = |more: &[&str]| trial.printed(&trial.run(&[&["fit-shape"], &WITH[..], more].concat()));
     insta::assert_snapshot!("body_is_there", refused(&["-obody.toml", "--silhouettes=rec/masks"]));
     insta::assert_snapshot!("masks_of_nobody", {
         for (name, _) in files(&trial.path("rec/masks")) {
@@ -94,7 +94,7 @@ fn a_fitted_body_is_tracked() {
 }
 
 #[test]
-fn folders_of_masks_and_images_are_told() {
+fn folders_of_masks_and_images_are_distinguished() {
     let trial = tracked();
     fs::remove_file(trial.path("rec/masks/C2_0004.png")).unwrap();
     let text = ran(&trial, &["inspect", "rec/masks", "rec/images"]);

@@ -26,8 +26,8 @@ fn the_body_of_a_file_is_tracked() {
     let body = stiff();
     assert!(body.dof() < 32, "{}", body.dof());
     fs::write(trial.path("mine.toml"), body_toml::write(&body, None)).unwrap();
-    let told = trial.track_told(&["--body", "mine.toml"]);
-    assert!(told.starts_with("exit 0"), "{told}");
+    let printed = trial.track_printed(&["--body", "mine.toml"]);
+    assert!(printed.starts_with("exit 0"), "{printed}");
     let summary = |out: &str| -> serde_json::Value {
         serde_json::from_slice(&fs::read(trial.path(out).join("summary.json")).unwrap()).unwrap()
     };
@@ -42,8 +42,8 @@ fn the_body_of_a_file_is_tracked() {
     assert_eq!(setup.to_toml().unwrap(), text);
 
     fs::remove_file(trial.path("mine.toml")).unwrap();
-    let told = trial.track_told(&["-oagain", "--setup", "out/setup.toml"]);
-    assert!(told.starts_with("exit 0"), "{told}");
+    let printed = trial.track_printed(&["-oagain", "--setup", "out/setup.toml"]);
+    assert!(printed.starts_with("exit 0"), "{printed}");
     let joints = |out: &str| fs::read(trial.path(out).join("joints.csv")).unwrap();
     assert_eq!(joints("again"), joints("out"));
 }
@@ -58,8 +58,8 @@ fn a_body_built_otherwise_finds_its_heading() {
     assert!(text.contains(usual), "{text}");
     text = text.replacen(usual, other, 1);
     fs::write(trial.path("other.toml"), text).unwrap();
-    let told = trial.track_told(&["--body", "other.toml"]);
-    assert!(told.starts_with("exit 0"), "{told}");
+    let printed = trial.track_printed(&["--body", "other.toml"]);
+    assert!(printed.starts_with("exit 0"), "{printed}");
     let trc = fs::read_to_string(trial.path("out/markers.trc")).unwrap();
     let trc = sinew::formats::trc::read("markers.trc", &trc).unwrap();
     let nose = trc.point_in_world(3, trc.marker_index("Nose").unwrap()).unwrap();
@@ -70,8 +70,8 @@ fn a_body_built_otherwise_finds_its_heading() {
 fn a_body_that_is_none_is_refused() {
     let trial = trial(0.1);
     fs::write(trial.path("mine.toml"), "[[link]]\nname = \"a\"\njoint = [\"rz\"]\n").unwrap();
-    let told = trial.track_told(&["--body", "mine.toml"]);
-    assert!(told.contains("mine.toml:3: unknown key `joint`; did you mean `joints`?"), "{told}");
-    let told = trial.track_told(&["--body", "h33"]);
-    assert!(told.starts_with("exit 2") && told.contains("did you mean `h32`?"), "{told}");
+    let printed = trial.track_printed(&["--body", "mine.toml"]);
+    assert!(printed.contains("mine.toml:3: unknown key `joint`; did you mean `joints`?"), "{printed}");
+    let printed = trial.track_printed(&["--body", "h33"]);
+    assert!(printed.starts_with("exit 2") && printed.contains("did you mean `h32`?"), "{printed}");
 }

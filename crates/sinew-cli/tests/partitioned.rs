@@ -36,7 +36,7 @@ fn limbs_stay_with_clean_masks() {
         "--segmentation=clean",
         "--images=none",
     ]);
-    assert!(simulated.status.success(), "{}", trial.told(&simulated));
+    assert!(simulated.status.success(), "{}", trial.printed(&simulated));
     let tracked = trial.run(&[
         "track",
         "--no-progress",
@@ -49,7 +49,7 @@ fn limbs_stay_with_clean_masks() {
         "--min-ess=1",
         "--fps=15",
     ]);
-    assert!(tracked.status.success(), "{}", trial.told(&tracked));
+    assert!(tracked.status.success(), "{}", trial.printed(&tracked));
     let positions = |name: &str| {
         let file = trc::read(name, &fs::read_to_string(trial.path(name)).unwrap()).unwrap();
         let of_joint = |joint: &&'static str| {

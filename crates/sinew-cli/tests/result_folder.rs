@@ -18,7 +18,7 @@ fn top(folder: &Path) -> Vec<String> {
 
 fn check_done(trial: &Trial, more: &[&str]) {
     let output = trial.track(more);
-    assert_eq!(output.status.code(), Some(0), "{}", trial.told(&output));
+    assert_eq!(output.status.code(), Some(0), "{}", trial.printed(&output));
 }
 
 #[test]
@@ -111,7 +111,7 @@ fn runs_are_the_same_but_for_their_times() {
     // What a run leaves behind repeats it.
     let again =
         trial.run(&["track", "--config", "one/config.toml", "-oagain", "--setup", "one/setup.toml", "--no-progress"]);
-    assert_eq!(again.status.code(), Some(0), "{}", trial.told(&again));
+    assert_eq!(again.status.code(), Some(0), "{}", trial.printed(&again));
     assert_eq!(fs::read(trial.path("again/joints.csv")).unwrap(), one["joints.csv"]);
 }
 
@@ -141,9 +141,9 @@ fn particles_bring_their_weights() {
 fn results_are_not_overwritten() {
     let trial = trial(0.2);
     check_done(&trial, &[]);
-    insta::assert_snapshot!("exists", trial.track_told(&[]));
+    insta::assert_snapshot!("exists", trial.track_printed(&[]));
     fs::remove_file(trial.path("out/summary.json")).unwrap();
-    insta::assert_snapshot!("not_empty", trial.track_told(&[]));
+    insta::assert_snapshot!("not_empty", trial.track_printed(&[]));
     fs::write(trial.path("out/summary.json"), r#"{"complete": false}"#).unwrap();
     fs::write(trial.path("out/notes.txt"), "mine").unwrap();
     check_done(&trial, &[]);
@@ -154,15 +154,18 @@ fn results_are_not_overwritten() {
 #[test]
 fn folders_that_cannot_be_results() {
     let trial = trial(0.1);
-    insta::assert_snapshot!("output_is_input", trial.track_told(&["-opose"]));
+    insta::assert_snapshot!("output_is_input", trial.track_printed(&["-opose"]));
     fs::create_dir(trial.path("old")).unwrap();
     fs::write(trial.path("old/setup.toml"), "").unwrap();
-    insta::assert_snapshot!("output_holds_input", trial.track_told(&["-oold", "--setup", "old/setup.toml", "--force"]));
+    insta::assert_snapshot!(
+        "output_holds_input",
+        trial.track_printed(&["-oold", "--setup", "old/setup.toml", "--force"])
+    );
     fs::write(trial.path("file"), "").unwrap();
-    insta::assert_snapshot!("output_is_file", trial.track_told(&["-ofile"]));
+    insta::assert_snapshot!("output_is_file", trial.track_printed(&["-ofile"]));
     insta::assert_snapshot!(
         "output_below_file",
-        trial.track_told(&["-ofile/out"]).replace("Not a directory (os error 20)", "[cause]")
+        trial.track_printed(&["-ofile/out"]).replace("Not a directory (os error 20)", "[cause]")
     );
 }
 
@@ -170,12 +173,12 @@ fn folders_that_cannot_be_results() {
 fn a_folder_in_use_is_refused() {
     let trial = trial(0.1);
     let claim = sinew::results::claim(&trial.path("out"), &[], false).unwrap();
-    let told = trial.track_told(&[]).replace(&std::process::id().to_string(), "[pid]");
-    insta::assert_snapshot!("in_use", told);
+    let printed = trial.track_printed(&[]).replace(&std::process::id().to_string(), "[pid]");
+    insta::assert_snapshot!("in_use", printed);
     drop(claim);
     fs::create_dir_all(trial.path("out")).unwrap();
     fs::write(trial.path("out").join(sinew::results::LOCK_NAME), "4000000\n").unwrap();
-    insta::assert_snapshot!("stale_lock", trial.track_told(&[]));
+    insta::assert_snapshot!("stale_lock", trial.track_printed(&[]));
 }
 
 /// Sends a signal once tracking has begun; gives the exit code.
@@ -213,7 +216,7 @@ fn an_interrupt_leaves_what_was_done() {
         assert_eq!(text("frames.csv").lines().count(), 1 + frames);
         let trc = sinew::formats::trc::read("markers.trc", &text("markers.trc")).unwrap();
         assert_eq!((trc.frames.len(), trc.warnings.len()), (frames, 0));
-        // What is needed to go on stays.
+        // What is needed to resume stays.
         let kept = ["checkpoint.bin", "chunks.partial", "diagnostics.partial"];
         let results: Vec<String> =
             top(&trial.path("out")).into_iter().filter(|name| !kept.contains(&name.as_str())).collect();
@@ -257,15 +260,15 @@ fn places_that_cannot_be_written_are_named() {
     let trial = trial(0.1);
     let full = fs::OpenOptions::new().write(true).open("/dev/full").unwrap();
     let output = trial.command(&["body", "h32"]).stdout(full).output().unwrap();
-    let told = trial.told(&output);
-    assert!(told.starts_with("exit 5") && told.contains("standard output"), "{told}");
+    let printed = trial.printed(&output);
+    assert!(printed.starts_with("exit 5") && printed.contains("standard output"), "{printed}");
     let locked = trial.path("locked");
     fs::create_dir(&locked).unwrap();
     fs::set_permissions(&locked, fs::Permissions::from_mode(0o555)).unwrap();
     // Those who may do anything are not stopped by permissions.
     if fs::write(locked.join("probe"), "").is_err() {
-        let told = trial.track_told(&["-olocked/out"]);
-        assert!(told.starts_with("exit 5") && told.contains("locked/out"), "{told}");
+        let printed = trial.track_printed(&["-olocked/out"]);
+        assert!(printed.starts_with("exit 5") && printed.contains("locked/out"), "{printed}");
     }
 }
 
@@ -274,9 +277,9 @@ fn a_particle_filter_that_failed_says_so_after_smoothing_too() {
     let trial = trial(0.3);
     for smooth in [&[][..], &["--smooth"]] {
         let method = ["--method=bootstrap", "--particles=32", "-oout", "--force"];
-        let told = trial.told(&trial.run(&[&TRACK[..], &method, smooth].concat()));
-        assert!(told.starts_with("exit 4\n"), "{told}");
-        assert!(told.contains("diagnostic failed: the median effective sample size is "), "{told}");
+        let printed = trial.printed(&trial.run(&[&TRACK[..], &method, smooth].concat()));
+        assert!(printed.starts_with("exit 4\n"), "{printed}");
+        assert!(printed.contains("diagnostic failed: the median effective sample size is "), "{printed}");
     }
 }
 
@@ -331,7 +334,7 @@ fn a_run_that_was_stopped_is_not_replaced_unasked() {
     fs::create_dir(trial.path("out")).unwrap();
     fs::write(trial.path("out").join(sinew::results::problem::NAME), "").unwrap();
     fs::write(trial.path("out/joints.csv.partial"), "").unwrap();
-    insta::assert_snapshot!("stopped_run", trial.track_told(&[setup]));
+    insta::assert_snapshot!("stopped_run", trial.track_printed(&[setup]));
     assert_eq!(fs::read(trial.path("out").join(sinew::results::problem::NAME)).unwrap(), b"");
     check_done(&trial, &[setup, "--force"]);
     assert_eq!(top(&trial.path("out")), RESULT_NAMES);
@@ -345,11 +348,11 @@ fn a_failed_run_leaves_no_folder() {
             fs::write(trial.keypoints(camera, frame), r#"{"people": []}"#).unwrap();
         }
     }
-    let told = trial.track_told(&["-onew/out"]);
-    assert!(told.starts_with("exit 3\n"), "{told}");
+    let printed = trial.track_printed(&["-onew/out"]);
+    assert!(printed.starts_with("exit 3\n"), "{printed}");
     assert!(!trial.path("new").exists());
     fs::create_dir(trial.path("mine")).unwrap();
-    assert!(trial.track_told(&["-omine/out"]).starts_with("exit 3\n"));
+    assert!(trial.track_printed(&["-omine/out"]).starts_with("exit 3\n"));
     assert_eq!(top(&trial.path("mine")), Vec::<String>::new());
 }
 
@@ -357,29 +360,32 @@ fn a_failed_run_leaves_no_folder() {
 fn mistakes_in_flags_are_said_before_what_exists() {
     let trial = trial(0.1);
     check_done(&trial, &[]);
-    assert!(trial.track_told(&[]).starts_with("exit 5\nerror: `out` exists and holds results"));
+    assert!(trial.track_printed(&[]).starts_with("exit 5\nerror: `out` exists and holds results"));
     for (flag, said) in [
         ("--cameras=C1,nobody", "nobody"),
-        ("--setup-frames=900..901", "set-up frames 900..901 were asked for"),
+        ("--setup-frames=900..901", "set-up frames 900..901 were requested"),
         ("--setup=none.toml", "none.toml"),
         ("--body=h33", "h33"),
         ("--frames=50..60", "50..60"),
     ] {
-        let told = trial.track_told(&[flag]);
-        assert!(!told.contains("exists") && told.contains(said) && !told.starts_with("exit 5\nerror: `out`"), "{told}");
+        let printed = trial.track_printed(&[flag]);
+        assert!(
+            !printed.contains("exists") && printed.contains(said) && !printed.starts_with("exit 5\nerror: `out`"),
+            "{printed}"
+        );
     }
 }
 
 #[test]
 fn quiet_keeps_warnings_and_twice_keeps_errors_only() {
     let trial = trial(0.1);
-    let told = |quiet: &[&str]| trial.track_told(&[&["--force", "--particles=9"], quiet].concat());
+    let printed = |quiet: &[&str]| trial.track_printed(&[&["--force", "--particles=9"], quiet].concat());
     let lines = |text: &str, kind: &str| text.lines().filter(|line| line.starts_with(kind)).count();
-    let all = told(&[]);
+    let all = printed(&[]);
     assert!(lines(&all, "warning") > 0);
-    assert_eq!(lines(&told(&["-q"]), "warning"), lines(&all, "warning"));
-    assert_eq!(lines(&told(&["-qq"]), "warning"), 0);
-    let failed = told(&["-qq", "--cameras=nobody"]);
+    assert_eq!(lines(&printed(&["-q"]), "warning"), lines(&all, "warning"));
+    assert_eq!(lines(&printed(&["-qq"]), "warning"), 0);
+    let failed = printed(&["-qq", "--cameras=nobody"]);
     assert_eq!((lines(&failed, "error"), lines(&failed, "help")), (1, 1), "{failed}");
 }
 
@@ -388,16 +394,16 @@ fn a_closed_pipe_is_no_error() {
     let trial = trial(0.1);
     let mut child = trial.command(&["man"]).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
     drop(child.stdout.take());
-    let mut told = String::new();
-    child.stderr.take().unwrap().read_to_string(&mut told).unwrap();
-    assert_eq!((child.wait().unwrap().code(), told.as_str()), (Some(0), ""));
+    let mut printed = String::new();
+    child.stderr.take().unwrap().read_to_string(&mut printed).unwrap();
+    assert_eq!((child.wait().unwrap().code(), printed.as_str()), (Some(0), ""));
 }
 
 #[test]
-fn the_demo_tells_its_error_and_can_be_repeated() {
+fn the_demo_prints_its_error_and_can_be_repeated() {
     let trial = trial(0.1);
     let output = trial.run(&["demo", "--no-progress"]);
-    let told = String::from_utf8(output.stdout).unwrap();
+    let printed = String::from_utf8(output.stdout).unwrap();
     assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
     for word in [
         "simulated",
@@ -407,7 +413,7 @@ fn the_demo_tells_its_error_and_can_be_repeated() {
         "results",
         "sinew track --calibration sinew-out/demo/Calib.toml",
     ] {
-        assert!(told.contains(word), "{word} in {told}");
+        assert!(printed.contains(word), "{word} in {printed}");
     }
     assert!(
         ["keypoints/C1_json", "Calib.toml", "truth.trc"]
@@ -418,7 +424,7 @@ fn the_demo_tells_its_error_and_can_be_repeated() {
     let answer: serde_json::Value = serde_json::from_slice(&json.stdout).unwrap();
     assert!(answer["mean_error_mm"].as_f64().unwrap() < 60.0, "{answer}");
     // Warnings are kept, progress and notes are not.
-    let told = String::from_utf8_lossy(&json.stderr).into_owned();
+    let printed = String::from_utf8_lossy(&json.stderr).into_owned();
     let is_kept = |line: &str| ["diagnostic failed", "warning"].iter().any(|kind| line.starts_with(kind));
-    assert!(told.lines().all(is_kept), "{told}");
+    assert!(printed.lines().all(is_kept), "{printed}");
 }

@@ -36,12 +36,12 @@ fn a_particle_filter_that_continues_is_resumed_to_the_same_files() {
     }
 }
 
-/// The same from silhouettes, by searches: what they remember goes on, too.
+/// The same from silhouettes, by searches: what they remember is resumed, too.
 #[test]
 fn a_run_on_silhouettes_stopped_after_any_frame_gives_the_same_files() {
     for method in ["annealed", "coarse-to-fine"] {
         let few = [("method", method), ("particles", "8"), ("fine", "8"), ("layers", "2"), ("raster", "64")];
-        let whole = Whole::of_silhouettes(FRAMES, &few);
+        let whole = Whole::from_silhouettes(FRAMES, &few);
         for stop in 0..=FRAMES {
             whole.check_stopped_at(stop);
         }
@@ -100,7 +100,7 @@ fn a_cut_or_flipped_checkpoint_is_refused() {
     assert!(matches!(Checkpoint::decode(&longer), Err(Problem::Length { .. })));
 }
 
-/// A bit flipped in any whole chunk of the draws, or a chunk removed, is refused by name; as it was, the run goes on to the same files.
+/// A bit flipped in any whole chunk of the draws, or a chunk removed, is refused by name; as it was, the run resumes to the same files.
 #[test]
 fn a_changed_or_missing_chunk_is_refused() {
     let settings = [("method", "bootstrap"), ("particles", "8"), ("draws", "1"), ("body", "cf28")];
@@ -117,7 +117,7 @@ fn a_changed_or_missing_chunk_is_refused() {
             other => panic!("{}: {other:?}", path.display()),
         }
     };
-    // The run that was interrupted gave the store its name; who goes on takes that back.
+    // The run that was interrupted gave the store its name; the resumed run takes that back.
     let [named, store] = ["posterior.zarr", "posterior.zarr.partial"].map(|name| out.join(name));
     let arrays: Vec<(&str, Vec<usize>)> = vec![
         ("posterior/angle", vec![0, 0, 1, 0]),
@@ -154,10 +154,10 @@ fn a_changed_or_missing_chunk_is_refused() {
 fn prepared() -> Trial {
     let trial = trial(1.0);
     let output = trial.track(&["-owhole", "--setup-frames=0..10"]);
-    assert_eq!(output.status.code(), Some(0), "{}", trial.told(&output));
+    assert_eq!(output.status.code(), Some(0), "{}", trial.printed(&output));
     fs::copy(trial.path("whole/setup.toml"), trial.path("setup.toml")).unwrap();
     let output = trial.track(&["-owhole", "--force", SETUP]);
-    assert_eq!(output.status.code(), Some(0), "{}", trial.told(&output));
+    assert_eq!(output.status.code(), Some(0), "{}", trial.printed(&output));
     trial
 }
 
@@ -189,13 +189,13 @@ fn check_final_names(trial: &Trial) {
     }
 }
 
-/// Fifty times, at seeded moments spread over a run; who was killed is gone on with, and killed again.
+/// Fifty times, at seeded moments spread over a run; a killed run is resumed, and killed again.
 #[test]
-fn a_run_killed_at_any_moment_goes_on() {
+fn a_run_killed_at_any_moment_resumes() {
     let trial = prepared();
     let clock = Instant::now();
     let output = finished(started(&trial, &[]));
-    assert_eq!(output.status.code(), Some(0), "{}", trial.told(&output));
+    assert_eq!(output.status.code(), Some(0), "{}", trial.printed(&output));
     let mut whole_s = clock.elapsed().as_secs_f64();
     fs::remove_dir_all(trial.path("out")).unwrap();
     let (mut kills, mut completed) = (0, 0);
@@ -221,7 +221,7 @@ fn a_run_killed_at_any_moment_goes_on() {
         let _ = child.kill();
         let output = finished(child);
         if has_ended {
-            assert_eq!(output.status.code(), Some(0), "{}", trial.told(&output));
+            assert_eq!(output.status.code(), Some(0), "{}", trial.printed(&output));
             assert!(same_results(&trial, "out"));
             fs::remove_dir_all(trial.path("out")).unwrap();
             completed += 1;
@@ -241,18 +241,18 @@ fn a_run_killed_at_any_moment_goes_on() {
     assert_eq!(kills, 50);
     if trial.path("out").join(problem::NAME).exists() {
         let output = finished(started(&trial, &["--resume"]));
-        assert_eq!(output.status.code(), Some(0), "{}", trial.told(&output));
+        assert_eq!(output.status.code(), Some(0), "{}", trial.printed(&output));
         assert!(same_results(&trial, "out"));
     }
 }
 
 /// Killed while it smooths: the backward pass is done again, and gives the files of a whole run.
 #[test]
-fn a_run_killed_while_smoothing_goes_on() {
+fn a_run_killed_while_smoothing_resumes() {
     let trial = prepared();
     fs::remove_dir_all(trial.path("whole")).unwrap();
     let output = trial.track(&["-owhole", SETUP, "--smooth"]);
-    assert_eq!(output.status.code(), Some(0), "{}", trial.told(&output));
+    assert_eq!(output.status.code(), Some(0), "{}", trial.printed(&output));
     let mut killed = 0;
     for _ in 0..4 {
         let mut child = started(&trial, &["--smooth", "--threads=1"]);
@@ -267,10 +267,10 @@ fn a_run_killed_while_smoothing_goes_on() {
             assert!(from.done == from.frames.end && from.spool.is_some());
             killed += 1;
             let output = finished(started(&trial, &["--smooth", "--resume", "--threads=2"]));
-            let told = trial.told(&output);
-            assert_eq!(output.status.code(), Some(0), "{told}");
+            let printed = trial.printed(&output);
+            assert_eq!(output.status.code(), Some(0), "{printed}");
             let note = "left its lock in out; it is gone, the lock is taken over";
-            assert!(told.lines().any(|line| line.starts_with("process ") && line.ends_with(note)), "{told}");
+            assert!(printed.lines().any(|line| line.starts_with("process ") && line.ends_with(note)), "{printed}");
         }
         assert!(same_results(&trial, "out"));
         fs::remove_dir_all(trial.path("out")).unwrap();
@@ -278,9 +278,9 @@ fn a_run_killed_while_smoothing_goes_on() {
     assert!(killed > 0);
 }
 
-/// Killed before its first frame, a run has nothing to go on with, and that is said; it begins anew without a word of force.
+/// Killed before its first frame, a run has nothing to resume from, and that is said; it starts again without `--force`.
 #[test]
-fn a_run_killed_in_its_set_up_is_begun_anew() {
+fn a_run_killed_in_its_set_up_starts_again() {
     let trial = trial(1.0);
     let arguments: Vec<&str> = TRACK.iter().copied().filter(|argument| *argument != "--no-progress").collect();
     let mut child = trial
@@ -295,38 +295,38 @@ fn a_run_killed_in_its_set_up_is_begun_anew() {
     child.wait().unwrap();
     assert!(!trial.path("out").join(problem::NAME).exists());
     let output = trial.track(&["--resume"]);
-    let told = trial.told(&output);
-    let lines: Vec<&str> = told.lines().filter(|line| !line.contains("left its lock in")).collect();
+    let printed = trial.printed(&output);
+    let lines: Vec<&str> = printed.lines().filter(|line| !line.contains("left its lock in")).collect();
     insta::assert_snapshot!("killed_in_set_up", lines.join("\n"));
     let output = trial.track(&[]);
-    assert_eq!(output.status.code(), Some(0), "{}", trial.told(&output));
+    assert_eq!(output.status.code(), Some(0), "{}", trial.printed(&output));
 }
 
-/// Complete results are left alone only if they are those of the settings and data that are given.
+/// Complete results are left alone only if they belong to the settings and data that are given.
 #[test]
 fn complete_results_are_compared() {
     let trial = prepared();
     let before = files(&trial.path("whole"));
     let output = trial.track(&["-owhole", SETUP, "--resume"]);
-    assert_eq!(output.status.code(), Some(0), "{}", trial.told(&output));
-    let told = String::from_utf8_lossy(&output.stdout).into_owned();
-    assert_eq!(told, "nothing to do: the results in whole are complete, of these settings and data\n");
+    assert_eq!(output.status.code(), Some(0), "{}", trial.printed(&output));
+    let printed = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert_eq!(printed, "nothing to do: the results in whole are complete, of these settings and data\n");
     // A setting that changes no number.
-    assert!(told_of(&trial, &["--checkpoint-every=3"]).starts_with("exit 0"));
-    assert!(told_of(&trial, &["--frames=0..20"]).contains("`frames` was not set and is \"0..20\""));
+    assert!(printed_for(&trial, &["--checkpoint-every=3"]).starts_with("exit 0"));
+    assert!(printed_for(&trial, &["--frames=0..20"]).contains("`frames` was not set and is \"0..20\""));
     let last = trial.keypoints(1, 29);
     let text = fs::read_to_string(&last).unwrap();
     fs::write(&last, format!("{text}\n")).unwrap();
-    insta::assert_snapshot!("complete_of_other_data", told_of(&trial, &[]));
+    insta::assert_snapshot!("complete_of_other_data", printed_for(&trial, &[]));
     fs::write(&last, text).unwrap();
     trial.edit(&trial.path("setup.toml"), |text| format!("{text}\n# a remark\n"));
-    assert!(told_of(&trial, &[]).contains("holds a run on other data: the content of `setup` has changed"));
+    assert!(printed_for(&trial, &[]).contains("holds a run on other data: the content of `setup` has changed"));
     assert!(files(&trial.path("whole")) == before);
 }
 
 /// What `--resume` says of the complete results of [`prepared`].
-fn told_of(trial: &Trial, more: &[&str]) -> String {
-    told(trial, &[&["-owhole"], more].concat())
+fn printed_for(trial: &Trial, more: &[&str]) -> String {
+    printed(trial, &[&["-owhole"], more].concat())
 }
 
 /// Frames that the set-up and the tracker both read are counted once when they are read again.
@@ -335,19 +335,19 @@ fn frames_read_again_are_counted_once() {
     let whole = Whole::new(&[("method", "bootstrap"), ("particles", "8"), ("draws", "1"), ("body", "cf28")]);
     let mut recording = whole.recording.clone();
     let mut source = sinew::input::upright::Upright::new(&mut recording, "+z");
-    let mut told = vec![];
+    let mut printed = vec![];
     let each = |done, total| {
-        told.push((done, total));
-        Ok(())
+        printed.push((done, total));
+        Ok::<_, sinew::Error>(())
     };
     source.read_again(&[0..20, 5..6, 28..40], 0..30, each).unwrap();
-    assert_eq!(told, (1..=FRAMES).map(|done| (done, FRAMES)).collect::<Vec<_>>());
+    assert_eq!(printed, (1..=FRAMES).map(|done| (done, FRAMES)).collect::<Vec<_>>());
 }
 
 /// Four times each at seeded moments: ends within two seconds with code 75, and what is there holds the frames that were done and nothing else.
 #[cfg(unix)]
 #[test]
-fn a_run_interrupted_at_any_moment_goes_on() {
+fn a_run_interrupted_at_any_moment_resumes() {
     let trial = prepared();
     let mut moments = [sinew::core::lanes::Block::ZERO; 1];
     Stage::new(32, "interrupt").whole().fill_uniform(&mut moments);
@@ -364,9 +364,9 @@ fn a_run_interrupted_at_any_moment_goes_on() {
         let output = finished(child);
         if output.status.code() != Some(0) {
             interrupted += 1;
-            assert_eq!(output.status.code(), Some(75), "{}", trial.told(&output));
+            assert_eq!(output.status.code(), Some(75), "{}", trial.printed(&output));
             assert!(sent.elapsed() < Duration::from_secs(2), "{:?}", sent.elapsed());
-            assert!(trial.told(&output).contains("the same command with `--resume` continues from there"));
+            assert!(trial.printed(&output).contains("the same command with `--resume` continues from there"));
             let text = |name: &str| fs::read_to_string(trial.path("out").join(name)).unwrap();
             let summary: serde_json::Value = serde_json::from_str(&text("summary.json")).unwrap();
             assert_eq!(summary["complete"], false);
@@ -377,7 +377,7 @@ fn a_run_interrupted_at_any_moment_goes_on() {
                 serde_json::from_str(&text("posterior.zarr/posterior/angle/zarr.json")).unwrap();
             assert_eq!(array["shape"][2], done);
             let output = finished(started(&trial, &["--resume"]));
-            assert_eq!(output.status.code(), Some(0), "{}", trial.told(&output));
+            assert_eq!(output.status.code(), Some(0), "{}", trial.printed(&output));
         }
         assert!(same_results(&trial, "out"));
         fs::remove_dir_all(trial.path("out")).unwrap();
@@ -386,22 +386,22 @@ fn a_run_interrupted_at_any_moment_goes_on() {
 }
 
 /// A run that was killed in the middle of its frames, and what `--resume` says of it.
-fn told(trial: &Trial, more: &[&str]) -> String {
+fn printed(trial: &Trial, more: &[&str]) -> String {
     let output = trial.track(&[&[SETUP, "--resume"], more].concat());
-    let pids = trial.told(&output);
+    let pids = trial.printed(&output);
     pids.lines().filter(|line| !line.contains("left its lock in")).collect::<Vec<_>>().join("\n")
 }
 
 #[cfg(unix)]
 #[test]
-fn what_cannot_go_on_says_why() {
+fn what_cannot_resume_says_why() {
     let trial = prepared();
-    insta::assert_snapshot!("no_folder", told(&trial, &["-onowhere"]));
+    insta::assert_snapshot!("no_folder", printed(&trial, &["-onowhere"]));
     fs::create_dir(trial.path("empty")).unwrap();
-    insta::assert_snapshot!("no_checkpoint", told(&trial, &["-oempty"]));
-    insta::assert_snapshot!("complete", told(&trial, &["-owhole"]));
-    insta::assert_snapshot!("complete_of_others", told(&trial, &["-owhole", "--seed=2"]));
-    insta::assert_snapshot!("resume_and_force", told(&trial, &["-oempty", "--force"]));
+    insta::assert_snapshot!("no_checkpoint", printed(&trial, &["-oempty"]));
+    insta::assert_snapshot!("complete", printed(&trial, &["-owhole"]));
+    insta::assert_snapshot!("complete_of_others", printed(&trial, &["-owhole", "--seed=2"]));
+    insta::assert_snapshot!("resume_and_force", printed(&trial, &["-oempty", "--force"]));
 
     let mut child = started(&trial, &[]);
     while checkpoint::read(&trial.path("out")).map_or(0, |checkpoint| checkpoint.done) < 3 {
@@ -411,27 +411,29 @@ fn what_cannot_go_on_says_why() {
     child.wait().unwrap();
     let path = trial.path("out").join(problem::NAME);
     let bytes = fs::read(&path).unwrap();
-    insta::assert_snapshot!("other_settings", told(&trial, &["--seed=2", "--least-confidence=0.2"]));
-    insta::assert_snapshot!("other_frames", told(&trial, &["--frames=0..20"]));
+    insta::assert_snapshot!("other_settings", printed(&trial, &["--seed=2", "--least-confidence=0.2"]));
+    insta::assert_snapshot!("other_frames", printed(&trial, &["--frames=0..20"]));
     let set = Checkpoint::decode(&bytes).unwrap().isa;
     if set != "baseline" {
-        assert!(told(&trial, &["--simd=baseline"]).contains(&format!("the instruction set was {set} and is baseline")));
+        assert!(
+            printed(&trial, &["--simd=baseline"]).contains(&format!("the instruction set was {set} and is baseline"))
+        );
     }
 
     let keypoints = trial.keypoints(2, 5);
     let text = fs::read_to_string(&keypoints).unwrap();
     fs::write(&keypoints, text.replacen("0.", "0.1", 1)).unwrap();
-    insta::assert_snapshot!("other_data", told(&trial, &[]));
+    insta::assert_snapshot!("other_data", printed(&trial, &[]));
     fs::write(&keypoints, text).unwrap();
     trial.edit(&trial.path("setup.toml"), |text| format!("{text}\n# a remark\n"));
-    insta::assert_snapshot!("other_set_up", told(&trial, &[]));
+    insta::assert_snapshot!("other_set_up", printed(&trial, &[]));
     trial.edit(&trial.path("setup.toml"), |text| text.replace("\n# a remark\n", ""));
 
     let with = |bytes: &[u8]| {
         fs::write(&path, bytes).unwrap();
-        let told = told(&trial, &[]);
-        assert!(!trial.path("out/summary.json").exists(), "{told}");
-        told
+        let printed = printed(&trial, &[]);
+        assert!(!trial.path("out/summary.json").exists(), "{printed}");
+        printed
     };
     assert!(with(&bytes[..bytes.len() / 2]).contains("was cut or is damaged"));
     let mut flipped = bytes.clone();
@@ -449,14 +451,14 @@ fn what_cannot_go_on_says_why() {
     let joints = trial.path("out/joints.csv.partial");
     let table = fs::read_to_string(&joints).unwrap();
     fs::write(&joints, table.replacen("RKnee", "LKnee", 1)).unwrap();
-    insta::assert_snapshot!("changed_file", told(&trial, &[]));
+    insta::assert_snapshot!("changed_file", printed(&trial, &[]));
     fs::write(&joints, &table[..table.len() / 4]).unwrap();
-    assert!(told(&trial, &[]).contains("`out/joints.csv.partial` was changed or cut"));
+    assert!(printed(&trial, &[]).contains("`out/joints.csv.partial` was changed or cut"));
     fs::write(&joints, table).unwrap();
 
-    // And with everything as it was, it does go on.
-    let told = told(&trial, &[]);
-    assert!(told.starts_with("exit 0"), "{told}");
+    // And with everything as it was, it does resume.
+    let printed = printed(&trial, &[]);
+    assert!(printed.starts_with("exit 0"), "{printed}");
     assert!(same_results(&trial, "out"));
 }
 
@@ -467,11 +469,11 @@ fn a_stopped_run_is_kept_until_force_is_given() {
     let trial = trial(0.2);
     whole.run(&trial.path("out"), 1, Some(3), None).unwrap();
     let before = files(&trial.path("out"));
-    let told = trial.track_told(&[]);
-    assert!(told.starts_with("exit 5\nerror: `out` exists and holds a run that was stopped\n"), "{told}");
-    assert!(told.contains("`--resume`") && told.contains("`--force`") && files(&trial.path("out")) == before);
-    let told = trial.track_told(&["--force"]);
-    assert!(told.starts_with("exit 0\n"), "{told}");
+    let printed = trial.track_printed(&[]);
+    assert!(printed.starts_with("exit 5\nerror: `out` exists and holds a run that was stopped\n"), "{printed}");
+    assert!(printed.contains("`--resume`") && printed.contains("`--force`") && files(&trial.path("out")) == before);
+    let printed = trial.track_printed(&["--force"]);
+    assert!(printed.starts_with("exit 0\n"), "{printed}");
 }
 
 /// What is compared is what the run read: all masks and images, keypoints of the set-up frames only.
@@ -489,11 +491,11 @@ fn complete_results_from_silhouettes_are_compared() {
         trial.run(&[&inputs[..], &start, &small, &rest, more].concat())
     };
     let output = track(&[]);
-    assert_eq!(output.status.code(), Some(0), "{}", trial.told(&output));
+    assert_eq!(output.status.code(), Some(0), "{}", trial.printed(&output));
     let said = |output: &Output| String::from_utf8_lossy(&output.stdout).into_owned();
     let nothing = "nothing to do: the results in out are complete, of these settings and data\n";
     let output = track(&["--resume"]);
-    assert_eq!(said(&output), nothing, "{}", trial.told(&output));
+    assert_eq!(said(&output), nothing, "{}", trial.printed(&output));
     let changed = |path: &str| {
         let path = trial.path(path);
         let bytes = fs::read(&path).unwrap();
@@ -502,7 +504,7 @@ fn complete_results_from_silhouettes_are_compared() {
         fs::write(&path, fs::read(other).unwrap()).unwrap();
         let output = track(&["--resume"]);
         fs::write(&path, bytes).unwrap();
-        (said(&output), trial.told(&output))
+        (said(&output), trial.printed(&output))
     };
     assert!(changed("rec/masks/C2_0011.png").1.contains("the content of `silhouettes` has changed"));
     assert!(changed("rec/images/C2_0009.png").1.contains("the content of `images` has changed"));
@@ -512,28 +514,28 @@ fn complete_results_from_silhouettes_are_compared() {
 }
 
 #[test]
-fn of_two_runs_in_one_folder_one_is_refused() {
+fn one_of_two_runs_in_one_folder_is_refused() {
     let trial = prepared();
     let both = [started(&trial, &[]), started(&trial, &["--force"])];
-    let told = both.map(|child| trial.told(&finished(child)));
-    let refused: Vec<&String> = told.iter().filter(|told| told.starts_with("exit 5")).collect();
-    let done = told.iter().filter(|told| told.starts_with("exit 0")).count();
+    let printed = both.map(|child| trial.printed(&finished(child)));
+    let refused: Vec<&String> = printed.iter().filter(|printed| printed.starts_with("exit 5")).collect();
+    let done = printed.iter().filter(|printed| printed.starts_with("exit 0")).count();
     // The second may also come when the first is done, if the machine is busy with other things: it then replaces the results.
-    assert!(done + refused.len() == 2 && done >= 1, "{told:?}");
-    assert!(refused.iter().all(|told| told.contains("is in use by another run")), "{told:?}");
+    assert!(done + refused.len() == 2 && done >= 1, "{printed:?}");
+    assert!(refused.iter().all(|printed| printed.contains("is in use by another run")), "{printed:?}");
     assert!(same_results(&trial, "out"));
 }
 
 /// Nothing is computed for a place that cannot be written.
 #[cfg(target_os = "linux")]
 #[test]
-fn a_place_that_cannot_be_written_is_told_before_computing() {
+fn a_place_that_cannot_be_written_is_reported_before_computing() {
     let trial = trial(0.2);
     let arguments: Vec<&str> = TRACK.iter().copied().filter(|argument| *argument != "--no-progress").collect();
     let output = trial.command(&arguments).arg("-o/proc/no-such-place/out").output().unwrap();
-    let told = trial.told(&output);
-    assert!(told.starts_with("exit 5\nerror: cannot create `/proc/no-such-place/out`"), "{told}");
-    assert!(!told.contains("set-up") && !told.contains("tracking"), "{told}");
+    let printed = trial.printed(&output);
+    assert!(printed.starts_with("exit 5\nerror: cannot create `/proc/no-such-place/out`"), "{printed}");
+    assert!(!printed.contains("set-up") && !printed.contains("tracking"), "{printed}");
 }
 
 #[test]
@@ -543,7 +545,7 @@ fn a_reader_that_leaves_is_no_panic() {
     let mut child = trial.command(&arguments).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
     drop(child.stdout.take());
     let output = finished(child);
-    let told = trial.told(&output);
-    assert!(told.starts_with("exit 0") && !told.contains("panic"), "{told}");
+    let printed = trial.printed(&output);
+    assert!(printed.starts_with("exit 0") && !printed.contains("panic"), "{printed}");
     assert!(Path::new(&trial.path("out/summary.json")).exists());
 }

@@ -4,7 +4,7 @@ mod common;
 
 use common::{Trial, files};
 use sinew::formats::picture;
-use sinew::input::silhouettes::{Options, Silhouettes};
+use sinew::input::silhouettes::{ImageFolderOptions, Silhouettes};
 use sinew::observe::bit_image::{BitImage, overlap};
 use sinew::observe::{Camera, RgbImage};
 use std::fs;
@@ -95,7 +95,7 @@ fn least_iou(trial: &Trial) -> f64 {
         Camera::look_at(name, SIZE.map(|size| size as f64), 200.0, [-3.0, -4.0, 2.0], [0.0, 0.0, 1.0]).unwrap()
     };
     let cameras = CAMERAS.map(camera);
-    let mut silhouettes = Silhouettes::open(&trial.path("masks"), &cameras, &Options::default()).unwrap();
+    let mut silhouettes = Silhouettes::open(&trial.path("masks"), &cameras, &ImageFolderOptions::default()).unwrap();
     assert_eq!(silhouettes.frames(), 8..13);
     let mut least = 1.0_f64;
     for number in silhouettes.frames() {
@@ -109,10 +109,10 @@ fn least_iou(trial: &Trial) -> f64 {
 }
 
 #[test]
-fn masks_are_those_of_the_person() {
+fn masks_match_the_person() {
     let trial = trial();
     let output = run(&trial, &["--shadow", "0.5"]);
-    assert_eq!(trial.told(&output), "exit 0\n");
+    assert_eq!(trial.printed(&output), "exit 0\n");
     let iou = least_iou(&trial);
     println!("least intersection over union, shadows allowed: {iou:.4}");
     assert!(iou > 0.98, "{iou}");
@@ -121,7 +121,7 @@ fn masks_are_those_of_the_person() {
     assert_eq!(first.len(), 10, "{:?}", first.keys());
 
     let without = run(&trial, &["--force"]);
-    assert_eq!(trial.told(&without), "exit 0\n");
+    assert_eq!(trial.printed(&without), "exit 0\n");
     let iou = least_iou(&trial);
     println!("least intersection over union, the shadow taken for the person: {iou:.4}");
     assert!(iou < 0.95, "{iou}");
@@ -150,18 +150,21 @@ fn several_recordings_of_the_background_are_one() {
 }
 
 #[test]
-fn progress_is_told_in_tenths() {
+fn progress_is_reported_in_tenths() {
     let trial = trial();
     let output = trial.run(&SEGMENT[..6]);
-    let told = trial.told(&output);
-    assert!(told.contains("segment: 10 % (3 of 26 frames)") && told.contains("100 % (26 of 26 frames)"), "{told}");
+    let printed = trial.printed(&output);
+    assert!(
+        printed.contains("segment: 10 % (3 of 26 frames)") && printed.contains("100 % (26 of 26 frames)"),
+        "{printed}"
+    );
 }
 
 #[test]
 fn masks_of_before_go_with_force_alone() {
     let trial = trial();
     assert_eq!(run(&trial, &[]).status.code(), Some(0));
-    insta::assert_snapshot!("exists", trial.told(&run(&trial, &[])));
+    insta::assert_snapshot!("exists", trial.printed(&run(&trial, &[])));
     fs::remove_file(trial.path("images/left_0012.png")).unwrap();
     assert_eq!(run(&trial, &["--force"]).status.code(), Some(0));
     assert_eq!(files(&trial.path("masks")).len(), 9);
@@ -170,7 +173,7 @@ fn masks_of_before_go_with_force_alone() {
 fn check(name: &str, harm: impl FnOnce(&Trial), arguments: &[&str]) {
     let trial = trial();
     harm(&trial);
-    insta::assert_snapshot!(name, trial.told(&run(&trial, arguments)));
+    insta::assert_snapshot!(name, trial.printed(&run(&trial, arguments)));
 }
 
 #[test]
@@ -220,11 +223,11 @@ fn requests_that_cannot_be_met() {
     check("shadow", |_| {}, &["--shadow", "1.5"]);
     check("least_part", |_| {}, &["--least-part", "2"]);
     let trial = trial();
-    let told = |arguments: &[&str]| trial.told(&trial.run(arguments));
-    insta::assert_snapshot!("no_output", told(&["segment", "--background", "empty", "--images", "images"]));
+    let printed = |arguments: &[&str]| trial.printed(&trial.run(arguments));
+    insta::assert_snapshot!("no_output", printed(&["segment", "--background", "empty", "--images", "images"]));
     let into = ["segment", "--background", "empty", "--images", "images", "-o"];
-    insta::assert_snapshot!("output_is_input", told(&[&into[..], &["images"]].concat()));
-    insta::assert_snapshot!("no_flags", told(&["segment"]));
+    insta::assert_snapshot!("output_is_input", printed(&[&into[..], &["images"]].concat()));
+    insta::assert_snapshot!("no_flags", printed(&["segment"]));
     let help = trial.run(&["segment", "--help"]);
     insta::assert_snapshot!("help", String::from_utf8(help.stdout).unwrap());
 }

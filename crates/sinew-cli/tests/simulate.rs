@@ -3,7 +3,7 @@
 mod common;
 
 use common::{Trial, files};
-use sinew::input::recording::{Options, Recording};
+use sinew::input::recording::{Recording, RecordingOptions};
 use std::fs;
 
 fn folder() -> Trial {
@@ -19,7 +19,7 @@ fn simulate(trial: &Trial, out: &str, more: &[&str]) -> String {
         arguments.extend((!more.iter().any(|given| given.starts_with(flag))).then_some(usual));
     }
     arguments.extend(more);
-    trial.told(&trial.run(&arguments))
+    trial.printed(&trial.run(&arguments))
 }
 
 #[test]
@@ -33,7 +33,7 @@ fn a_recording_is_whole_and_its_readers_take_it() {
         assert!(written.contains_key(name), "{name}");
     }
     assert_eq!(written.len(), 3 * 8 + 24 + 6 + 3);
-    let options = Options { layout: Some("BODY_25B".into()), ..Options::default() };
+    let options = RecordingOptions { layout: Some("BODY_25B".into()), ..RecordingOptions::default() };
     let mut recording = Recording::open(&trial.path("out/Calib.toml"), &trial.path("out/keypoints"), &options).unwrap();
     assert_eq!((recording.cameras().len(), recording.frames()), (3, 0..8));
     assert_eq!(recording.cameras()[0].image_size_px, [160.0, 120.0]);
@@ -80,14 +80,14 @@ fn a_seed_gives_the_same_bytes_on_any_number_of_threads() {
 }
 
 #[test]
-fn nothing_is_overwritten_unless_asked_for() {
+fn nothing_is_overwritten_unless_requested() {
     let trial = folder();
     assert_eq!(simulate(&trial, "out", &[]), "exit 0\n");
     let first = files(&trial.path("out"));
     fs::write(trial.path("out/notes.txt"), "mine").unwrap();
-    let told = simulate(&trial, "out", &["--seed=3"]);
+    let printed = simulate(&trial, "out", &["--seed=3"]);
     assert_eq!(
-        told,
+        printed,
         "exit 5\nerror: `out` exists and is not empty\nhelp: choose another folder with `-o`, or replace what is there with `--force`"
     );
     assert_eq!(simulate(&trial, "out", &["--duration=0.2", "--force", "--images=none"]), "exit 0\n");
@@ -104,7 +104,7 @@ fn a_motion_file_is_taken_as_it_is() {
     let again =
         ["simulate", "--motion=walk/truth.trc", "--fps=20", "--images=none", "--no-progress", "-oagain", "--json"];
     let output = trial.run(&again);
-    assert_eq!(trial.told(&output), "exit 0\n");
+    assert_eq!(trial.printed(&output), "exit 0\n");
     let answer: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
     assert_eq!((&answer["frames"], &answer["cameras"], &answer["out"]), (&8.into(), &4.into(), &"again".into()));
     let [first, again] = ["walk", "again"].map(|out| files(&trial.path(out)));
@@ -115,7 +115,7 @@ fn a_motion_file_is_taken_as_it_is() {
 }
 
 #[test]
-fn mistakes_are_told() {
+fn mistakes_are_reported() {
     let trial = folder();
     fs::write(trial.path("a.trc"), "nonsense").unwrap();
     fs::write(trial.path("a.csv"), "time_s,Nose_x_m,Nose_y_m,Nose_z_m\n0,1,2,3\n0.1,1,2,3\n").unwrap();
@@ -134,8 +134,8 @@ fn mistakes_are_told() {
         (&["--motion=a.csv"], "exit 3\nerror: a.csv: no joint is known as Neck, LShoulder"),
     ];
     for (more, expected) in cases {
-        let told = trial.told(&trial.run(&[&["simulate", "--no-progress", "-oout"], more].concat()));
-        assert!(told.starts_with(expected), "{told}");
+        let printed = trial.printed(&trial.run(&[&["simulate", "--no-progress", "-oout"], more].concat()));
+        assert!(printed.starts_with(expected), "{printed}");
     }
     assert!(simulate(&trial, "out", &["--motion=a.trc"]).starts_with("exit 3\nerror: a.trc"));
     assert!(!trial.path("out").exists());

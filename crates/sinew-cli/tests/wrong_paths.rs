@@ -6,12 +6,12 @@ use common::{Trial, trial};
 use std::fs;
 
 fn tracked(trial: &Trial, calibration: &str, keypoints: &str) -> String {
-    trial.told(&trial.run(&["track", "--calibration", calibration, "--keypoints", keypoints]))
+    trial.printed(&trial.run(&["track", "--calibration", calibration, "--keypoints", keypoints]))
 }
 
 fn masked(trial: &Trial, masks: &str) -> String {
     let given = ["track", "--calibration", "Calib.toml", "--method=annealed", "--init=keypoints", "--keypoints=pose"];
-    trial.told(&trial.run(&[&given[..], &["--silhouettes", masks]].concat()))
+    trial.printed(&trial.run(&[&given[..], &["--silhouettes", masks]].concat()))
 }
 
 #[test]
@@ -23,7 +23,7 @@ fn paths_that_are_not_there() {
     insta::assert_snapshot!("in_a_folder", tracked(&trial, "Calib.toml", "study/trail1/pose"));
     insta::assert_snapshot!("nothing_like_it", tracked(&trial, "study/camera.toml", "pose"));
     insta::assert_snapshot!("below_a_file", tracked(&trial, "Calib.toml", "Calib.toml/pose"));
-    insta::assert_snapshot!("inspect", trial.told(&trial.run(&["inspect", "Calib.tml"])));
+    insta::assert_snapshot!("inspect", trial.printed(&trial.run(&["inspect", "Calib.tml"])));
 }
 
 #[test]
@@ -48,8 +48,8 @@ fn videos() {
     insta::assert_snapshot!("videos_for_keypoints", tracked(&trial, "Calib.toml", "videos"));
     insta::assert_snapshot!("videos_for_masks", masked(&trial, "videos"));
     insta::assert_snapshot!("video_for_keypoints", tracked(&trial, "Calib.toml", "videos/C2"));
-    insta::assert_snapshot!("inspect_videos", trial.told(&trial.run(&["inspect", "videos"])));
-    insta::assert_snapshot!("inspect_video", trial.told(&trial.run(&["inspect", "videos/C1.avi"])));
+    insta::assert_snapshot!("inspect_videos", trial.printed(&trial.run(&["inspect", "videos"])));
+    insta::assert_snapshot!("inspect_video", trial.printed(&trial.run(&["inspect", "videos/C1.avi"])));
 }
 
 /// The beginning of a calibration of Qualisys.
@@ -69,5 +69,5 @@ fn calibrations_of_qualisys() {
     }
     insta::assert_snapshot!("qualisys", tracked(&trial, "Calib.qca.txt", "pose"));
     insta::assert_snapshot!("qualisys_alone", tracked(&trial, "qualisys/Calib.toml.txt", "pose"));
-    insta::assert_snapshot!("inspect_qualisys", trial.told(&trial.run(&["inspect", "Calib.qca.txt"])));
+    insta::assert_snapshot!("inspect_qualisys", trial.printed(&trial.run(&["inspect", "Calib.qca.txt"])));
 }

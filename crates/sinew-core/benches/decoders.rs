@@ -1,4 +1,5 @@
-//! A density of 32 coordinates through a linear decoder of 8: target alone, decoder alone, both as `Through`, per state with gradient.
+//! A density of 32 coordinates through a linear decoder of 8, per state with gradient.
+//! Target alone, decoder alone, both as `Through`.
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use sinew_core::combinators::Through;

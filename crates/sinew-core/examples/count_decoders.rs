@@ -1,4 +1,5 @@
-//! Evaluates a density of 32 coordinates through a linear decoder of 8 a given number of times, for counting instructions:
+//! Evaluates a density through a linear decoder a given number of times, for counting instructions.
+//! The density has 32 coordinates, the decoder 8:
 //!
 //! ```text
 //! valgrind --tool=callgrind target/release/examples/count_decoders avx2 through 1000

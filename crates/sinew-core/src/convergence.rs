@@ -1,5 +1,5 @@
-//! Whether chains have converged, as users of Stan and ArviZ know it (Vehtari, Gelman, Simpson, Carpenter & Bürkner 2021): rank-normalised split R̂, effective sample sizes of
-//! the bulk and of the tails, Monte Carlo standard error.
+//! Whether chains have converged: rank-normalised split R̂, effective sample sizes and Monte Carlo standard error.
+//! The definitions are Stan's and ArviZ's (Vehtari, Gelman, Simpson, Carpenter & Bürkner 2021); effective sample sizes are of the bulk and of the tails.
 //!
 //! Chains are halved. A *rank-normalised* value is `z = Φ⁻¹((r − 3/8) / (S + 1/4))` with r its rank among all S values, ties sharing their mean rank. Then
 //!

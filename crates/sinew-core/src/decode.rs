@@ -274,7 +274,7 @@ macro_rules! forward_to_decoder {
 }
 forward_to_decoder!(&C, Arc<C>);
 
-/// Pose space itself: a state of so many coordinates decodes to itself.
+/// Pose space itself: a state of this number of coordinates decodes to itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Identity(pub usize);
 

@@ -81,7 +81,7 @@ pub trait GaussNewton: GradLogDensity {
         }
     }
 
-    /// The same matrices with every observation weighted as its density weighs it at `x`, so that what counts as an outlier there tells nothing. Else each counts in full: an upper bound, safe far from the mode, and what this method gives by default.
+    /// The same matrices with every observation weighted as its density weighs it at `x`, so that what counts as an outlier there adds nothing. Else each counts in full: an upper bound, safe far from the mode, and what this method gives by default.
     fn weighted_gauss_newton_block(&self, x: &[Block], matrix: &mut [Block], ws: &mut [Block]) {
         self.gauss_newton_block(x, matrix, ws);
     }
@@ -98,7 +98,7 @@ pub trait PartLogDensity: LogDensity {
     /// Number of parts K.
     fn parts(&self) -> usize;
 
-    /// Whether the log density is the sum of its parts and part k depends on no coordinates but those of the parts up to k.
+    /// Whether the log density is the sum of its parts and part k depends on no coordinates beyond the parts up to k.
     fn is_product(&self) -> bool {
         false
     }

@@ -1,4 +1,5 @@
-//! How much a set of Markov chains is worth: autocorrelation, integrated autocorrelation time, effective sample size, split R̂ and E-BFMI.
+//! How much a set of Markov chains is worth.
+//! Autocorrelation, integrated autocorrelation time, effective sample size, split R̂ and E-BFMI.
 //!
 //! With ρ_k the autocovariance at lag k over the variance, both over all chains with the pooled mean, the integrated autocorrelation time is τ = 1 + 2 Σ_{k≥1} ρ_k, and n draws
 //! are worth n / τ independent ones. The sum is cut

@@ -7,7 +7,7 @@
 //! | [`exp`] | −708 ≤ x ≤ 0 (smaller arguments are taken as −708) | ≤ 2 ulp |
 //! | [`ln`] | positive normal numbers | ≤ 2 ulp |
 //!
-//! Reductions and the coefficients of sine and logarithm are those of FreeBSD's msun (`k_sin.c`, `e_log.c`, after W. J. Cody and W. Waite 1980). Cosine (degree 12, |r| ≤ π/4) and exponential
+//! Reductions and the coefficients of sine and logarithm are FreeBSD's msun's (`k_sin.c`, `e_log.c`, after W. J. Cody and W. Waite 1980). Cosine (degree 12, |r| ≤ π/4) and exponential
 //! (degree 11, |r| ≤ ln 2 / 2) are minimax polynomials by Remez exchange with largest errors 7.7e-17 and 3.6e-18. Without fused multiply-add π/2 is subtracted in three pieces, the products of k < 2²⁰
 //! with the first two (33 bits each) being exact; with it in two, since k times the double next to π/2 and its difference from x are exact there; what is lost are relative digits of results below 1e-11, next to multiples of π/2.
 

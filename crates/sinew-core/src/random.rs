@@ -205,12 +205,12 @@ mod tests {
     /// Seed n and chain i + 1 are not seed n + 1 and chain i, nor any other two that add up alike.
     #[test]
     fn neighbouring_seeds_share_no_stream() {
-        let of_seed = |seed: u64| -> HashSet<u128> {
+        let states_of_seed = |seed: u64| -> HashSet<u128> {
             let stream = |place: u32| prefix(&mut Stage::new(seed, "track").at_frame(place / 8).block(place % 8));
             (0..64).map(stream).collect()
         };
         for seed in 0..200 {
-            assert!(of_seed(seed).is_disjoint(&of_seed(seed + 1)), "{seed}");
+            assert!(states_of_seed(seed).is_disjoint(&states_of_seed(seed + 1)), "{seed}");
         }
     }
 

@@ -9,7 +9,7 @@ fn numbers(value: &Value) -> Vec<f64> {
 }
 
 #[test]
-fn diagnostics_equal_those_of_arviz() {
+fn diagnostics_match_arviz() {
     let cases: Value = serde_json::from_str(include_str!("data/chains_by_arviz.json")).unwrap();
     let cases = cases.as_array().unwrap();
     assert_eq!(cases.len(), 9);

@@ -259,7 +259,7 @@ proptest! {
 }
 
 #[test]
-fn parts_are_those_of_the_decoded_state() {
+fn parts_match_the_decoded_state() {
     let isa = Isa::best();
     let x = blocks(&vec![vec![0.4, -0.7]; LANES]);
     let through = Through { target: Parts(quadratic(4, isa)), decoder: sheet(isa) };

@@ -1,4 +1,4 @@
-//! Whatever way a density is asked, through a lane leaf, a reference, a box, a block or a default method, it gives the same answer.
+//! Every way to evaluate a density gives the same answer: lane leaf, reference, box, block, default method.
 
 use sinew_core::combinators::{OnPart, Sum, Tempered, Through};
 use sinew_core::decode::Identity;
@@ -142,7 +142,7 @@ fn near(a: f64, b: f64) -> bool {
     (a - b).abs() < 1e-13 * (1.0 + b.abs())
 }
 
-/// Values and gradients, one by one and in a block with just the scratch that is asked for.
+/// Values and gradients, one by one and in a block with just the scratch that is required.
 fn has_the_values_of_bent(density: &dyn GaussNewton, factor: f64) {
     assert_eq!(density.dim(), D);
     let mut ws = vec![Block::splat(f64::NAN); density.workspace()];

@@ -10,7 +10,7 @@ use sinew_dynamics::linear_motion::predict;
 use sinew_dynamics::random_walk::{Between, RandomWalk};
 use sinew_dynamics::smoother::Smoother;
 
-/// Variance of 200 000 steps against what was asked for, |z| < 4.5: sees 1 % of the standard deviation. 3 coordinates × 5 ways to draw; seed 1, false alarm 1e-4.
+/// Variance of 200 000 steps against the requested one, |z| < 4.5: sees 1 % of the standard deviation. 3 coordinates × 5 ways to draw; seed 1, false alarm 1e-4.
 #[test]
 fn steps_of_a_walk_are_as_wide_as_stated() {
     let (sd, initial) = ([0.25, 0.5, 1.0], [0.1, 2.0, 0.3]);

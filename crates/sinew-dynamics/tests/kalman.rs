@@ -108,7 +108,7 @@ fn near(found: &Moments, expected: &Moments) {
 }
 
 #[test]
-fn filter_smoother_and_evidence_are_those_of_the_joint_gaussian() {
+fn filter_smoother_and_evidence_match_the_joint_gaussian() {
     for form in [Form::Joseph, Form::SquareRoot] {
         let filter = Kalman::new(model(), form).unwrap();
         let found = filter.filter(&start(), &observations()).unwrap();

@@ -30,7 +30,7 @@ use std::collections::BTreeMap;
 
 /// A frame.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Frame {
+pub struct AmcFrame {
     /// Number, counted from 1.
     pub number: u64,
     /// The root's channels, then each bone's in the skeleton's order.
@@ -41,7 +41,7 @@ pub struct Frame {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Amc {
     /// Frames by rising number.
-    pub frames: Vec<Frame>,
+    pub frames: Vec<AmcFrame>,
     /// What was odd.
     pub warnings: Vec<Warning>,
 }
@@ -53,7 +53,7 @@ pub struct Amc {
 /// missing or that come twice, and lines with more or fewer numbers than degrees of freedom.
 pub fn read(name: &str, text: &str, skeleton: &Asf) -> Result<Amc, Error> {
     let slots = slots(skeleton);
-    let mut frames: Vec<Frame> = Vec::new();
+    let mut frames: Vec<AmcFrame> = Vec::new();
     let mut seen: BTreeMap<&str, usize> = BTreeMap::new();
     let mut last_line = 0;
     for (number, line) in numbered_lines(text) {
@@ -77,7 +77,7 @@ pub fn read(name: &str, text: &str, skeleton: &Asf) -> Result<Amc, Error> {
                 return Err(Error::BadValue { place: place(), field, found, expected: "above that before".into() });
             }
             seen.clear();
-            frames.push(Frame { number: frame, values: vec![0.0; skeleton.channels()] });
+            frames.push(AmcFrame { number: frame, values: vec![0.0; skeleton.channels()] });
             continue;
         }
         let Some(frame) = frames.last_mut() else {
@@ -101,7 +101,7 @@ pub fn read(name: &str, text: &str, skeleton: &Asf) -> Result<Amc, Error> {
     Ok(Amc { frames, warnings: Vec::new() })
 }
 
-/// Numbers of the frames, which a text tells without its skeleton.
+/// Numbers of the frames, which a text gives without its skeleton.
 #[must_use]
 pub fn frame_numbers(text: &str) -> Vec<u64> {
     let first = |line: &str| line.split('#').next()?.split_whitespace().next()?.parse().ok();
@@ -122,7 +122,7 @@ fn slots(skeleton: &Asf) -> BTreeMap<&str, (usize, usize)> {
 fn check_complete(
     slots: &BTreeMap<&str, (usize, usize)>,
     seen: &BTreeMap<&str, usize>,
-    frame: Option<&Frame>,
+    frame: Option<&AmcFrame>,
     place: impl Fn() -> Place,
 ) -> Result<(), Error> {
     let Some(frame) = frame else { return Ok(()) };

@@ -64,7 +64,7 @@ const MAX_PARTS: usize = 2000;
 
 /// What a body file holds.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Body {
+pub struct BodyDefinition {
     /// Links and points.
     pub tree: KinematicTree,
     /// Its solids, if the file has any.
@@ -76,7 +76,7 @@ pub struct Body {
 /// # Errors
 /// TOML that is malformed, unknown keys, joints, parents or links, names that are used twice, parents that come after
 /// their children, solids without extent or with axes that are no frame.
-pub fn read(name: &str, text: &str) -> Result<Body, Error> {
+pub fn read(name: &str, text: &str) -> Result<BodyDefinition, Error> {
     let document = Document::parse(name, text)?;
     let root = document.root();
     root.allow(&["link", "point", "solid"])?;
@@ -103,7 +103,7 @@ pub fn read(name: &str, text: &str) -> Result<Body, Error> {
     }
     let tree = KinematicTree::new(links, points).map_err(|reason| Error::Body { place: Place::file(name), reason })?;
     let flesh = flesh(root, &tree)?;
-    Ok(Body { tree, flesh })
+    Ok(BodyDefinition { tree, flesh })
 }
 
 fn flesh(root: Table<'_>, tree: &KinematicTree) -> Result<Option<Flesh>, Error> {

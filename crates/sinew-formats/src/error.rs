@@ -150,7 +150,7 @@ pub enum Error {
     Unsupported {
         /// Where.
         place: Place,
-        /// What is asked for.
+        /// What is required.
         what: String,
     },
     /// A row with more or fewer values than the header announces.
@@ -175,7 +175,7 @@ pub enum Error {
         /// Time found, seconds.
         after: f64,
     },
-    /// Keypoints of another layout than the one asked for.
+    /// Keypoints of another layout than the requested one.
     #[error("{place}: {found} numbers, layout `{layout}` needs {expected}")]
     KeypointCount {
         /// Where.
@@ -208,7 +208,7 @@ pub enum Error {
     /// A keypoint layout that is not known.
     #[error("unknown layout `{name}`; known: {}; or give a mapping file{}", known.join(", "), suggestion(nearest))]
     UnknownLayout {
-        /// Name asked for.
+        /// Requested name.
         name: String,
         /// Known names.
         known: Vec<String>,

@@ -195,7 +195,7 @@ mod tests {
     }
 
     #[test]
-    fn lengths_are_told_apart_where_they_can_be() {
+    fn lengths_are_distinguished_where_they_can_be() {
         let fitting = |numbers| with_numbers(numbers).into_iter().map(|layout| layout.name).collect::<Vec<_>>();
         assert_eq!(fitting(75), ["BODY_25B", "BODY_25"]);
         assert_eq!(fitting(78), ["HALPE_26"]);

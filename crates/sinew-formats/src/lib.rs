@@ -22,7 +22,7 @@
 //! use sinew_formats::{calib_toml, camera_name, frame_number, layout, openpose};
 //!
 //! let keypoints = r#"{"people": [{"pose_keypoints_2d": [301.5, 420.0, 0.9]}]}"#;
-//! let frame = openpose::read("cam01.0034.json", keypoints, &openpose::Options::default())?;
+//! let frame = openpose::read("cam01.0034.json", keypoints, &openpose::OpenposeOptions::default())?;
 //! assert_eq!(frame_number::parse("cam01.0034.json"), Some(34));
 //! assert_eq!(frame.people[0].keypoints[0].unwrap().confidence, 0.9);
 //!

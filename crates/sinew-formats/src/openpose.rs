@@ -8,16 +8,16 @@
 //! - `0 0 0`: not detected. Any keypoint with confidence 0, and one with a `null` or `NaN` coordinate, is missing.
 //! - (0, 0) with confidence above 0 is kept and counted: some trackers mean "not found" by it.
 //!
-//! Confidences must lie in \[0, 1\] once divided by [`Options::confidence_scale`]. Warnings are per recording, not per
+//! Confidences must lie in \[0, 1\] once divided by [`OpenposeOptions::confidence_scale`]. Warnings are per recording, not per
 //! frame: add every frame to a [`Tally`].
 //!
 //! ```
-//! use sinew_formats::openpose::{read, write, Options};
+//! use sinew_formats::openpose::{OpenposeOptions, read, write};
 //! let text = r#"{"people": [{"pose_keypoints_2d": [10.5, 20.0, 0.9, 0, 0, 0]}]}"#;
-//! let frame = read("cam01.0034.json", text, &Options::default())?;
+//! let frame = read("cam01.0034.json", text, &OpenposeOptions::default())?;
 //! assert_eq!(frame.people[0].keypoints[0].unwrap().x, 10.5);
 //! assert!(frame.people[0].keypoints[1].is_none());
-//! assert_eq!(read("again.json", &write(&frame.people), &Options::default())?, frame);
+//! assert_eq!(read("again.json", &write(&frame.people), &OpenposeOptions::default())?, frame);
 //! # Ok::<(), sinew_formats::Error>(())
 //! ```
 
@@ -29,7 +29,7 @@ const MAX_PEOPLE: usize = 1000;
 
 /// How to read keypoint files.
 #[derive(Clone, Copy, Debug)]
-pub struct Options<'a> {
+pub struct OpenposeOptions<'a> {
     /// Frame number, for messages.
     pub frame: Option<u64>,
     /// Layout that every person must fit; without one any number of triples is taken.
@@ -38,7 +38,7 @@ pub struct Options<'a> {
     pub confidence_scale: f64,
 }
 
-impl Default for Options<'_> {
+impl Default for OpenposeOptions<'_> {
     fn default() -> Self {
         Self { frame: None, layout: None, confidence_scale: 1.0 }
     }
@@ -57,7 +57,7 @@ pub struct Keypoint {
 
 /// A person in one view.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Person {
+pub struct OpenposePerson {
     /// Index in the file's list, which also counts absent people.
     pub index: usize,
     /// Keypoints in the order of the layout; `None` is missing.
@@ -66,9 +66,9 @@ pub struct Person {
 
 /// Everyone seen by one camera in one frame.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Frame {
+pub struct OpenposeFrame {
     /// People who are present, by rising index.
-    pub people: Vec<Person>,
+    pub people: Vec<OpenposePerson>,
     /// Keypoints with confidence above 0 but without coordinates; they are missing.
     pub without_coordinates: u64,
     /// Confidence of the first keypoint at exactly (0, 0) with confidence above 0, if there is one.
@@ -88,7 +88,7 @@ pub struct Tally {
 
 impl Tally {
     /// Counts a frame; `None` is one without a file.
-    pub fn add(&mut self, number: u64, frame: Option<&Frame>) {
+    pub fn add(&mut self, number: u64, frame: Option<&OpenposeFrame>) {
         self.frames += 1;
         if frame.is_none_or(|frame| frame.people.is_empty()) {
             self.empty += 1;
@@ -135,7 +135,7 @@ struct RawPerson {
 /// # Errors
 /// JSON that is truncated or malformed, numbers out of range, keypoints that are no triples or do not fit the layout,
 /// and confidences outside the declared scale.
-pub fn read(name: &str, text: &str, options: &Options<'_>) -> Result<Frame, Error> {
+pub fn read(name: &str, text: &str, options: &OpenposeOptions<'_>) -> Result<OpenposeFrame, Error> {
     let mut place = Place::file(name);
     if let Some(frame) = options.frame {
         place = place.within(format!("frame {frame}"));
@@ -147,7 +147,7 @@ pub fn read(name: &str, text: &str, options: &Options<'_>) -> Result<Frame, Erro
     }
     let raw: RawFile = json_text::parse(name, text)?;
     let people = raw.people.ok_or_else(|| Error::MissingField { place: place.clone(), field: "people".into() })?;
-    let mut out = Frame::default();
+    let mut out = OpenposeFrame::default();
     for (index, person) in people.into_iter().enumerate() {
         let numbers = person.pose_keypoints_2d.unwrap_or_default();
         if numbers.is_empty() {
@@ -160,7 +160,7 @@ pub fn read(name: &str, text: &str, options: &Options<'_>) -> Result<Frame, Erro
                 keypoints.push(keypoint(&place, [x, y, confidence], scale, &mut out)?);
             }
         }
-        out.people.push(Person { index, keypoints });
+        out.people.push(OpenposePerson { index, keypoints });
     }
     Ok(out)
 }
@@ -182,7 +182,7 @@ fn keypoint(
     place: &Place,
     [x, y, confidence]: [Option<f64>; 3],
     scale: f64,
-    frame: &mut Frame,
+    frame: &mut OpenposeFrame,
 ) -> Result<Option<Keypoint>, Error> {
     let Some(found) = confidence else { return Ok(None) };
     let confidence = found / scale;
@@ -205,7 +205,7 @@ fn keypoint(
 /// Writes a file that [`read`] and other programs read: `{}` for people that are absent, `0, 0, 0` for keypoints that are
 /// missing or not finite. People must come by rising index, as they are read.
 #[must_use]
-pub fn write(people: &[Person]) -> String {
+pub fn write(people: &[OpenposePerson]) -> String {
     let mut entries: Vec<String> = Vec::new();
     for person in people {
         entries.resize(entries.len().max(person.index.min(MAX_PEOPLE)), "{}".into());
@@ -229,8 +229,8 @@ mod tests {
         format!("{{\"version\":1.3,\"people\":[{{\"person_id\":[-1],\"pose_keypoints_2d\":[{numbers}]}}]}}")
     }
 
-    fn check(numbers: &str, expected: &[Option<(f64, f64, f64)>]) -> Frame {
-        let frame = read("a.json", &one_person(numbers), &Options::default()).unwrap();
+    fn check(numbers: &str, expected: &[Option<(f64, f64, f64)>]) -> OpenposeFrame {
+        let frame = read("a.json", &one_person(numbers), &OpenposeOptions::default()).unwrap();
         let found: Vec<_> = frame.people[0].keypoints.iter().map(|k| k.map(|k| (k.x, k.y, k.confidence))).collect();
         assert_eq!(found, expected, "{numbers}");
         frame
@@ -248,15 +248,15 @@ mod tests {
     #[test]
     fn absent_people_keep_their_place() {
         let text = "{\"people\":[{},{\"pose_keypoints_2d\":[]},{\"pose_keypoints_2d\":[1,2,1]}], \"other\": [[{}]]}";
-        let frame = read("a.json", text, &Options::default()).unwrap();
+        let frame = read("a.json", text, &OpenposeOptions::default()).unwrap();
         assert_eq!(frame.people.len(), 1);
         assert_eq!(frame.people[0].index, 2);
-        assert!(read("a.json", "{\"people\":[]}", &Options::default()).unwrap().people.is_empty());
+        assert!(read("a.json", "{\"people\":[]}", &OpenposeOptions::default()).unwrap().people.is_empty());
     }
 
     #[test]
     fn a_declared_scale_divides() {
-        let options = Options { confidence_scale: 100.0, ..Options::default() };
+        let options = OpenposeOptions { confidence_scale: 100.0, ..OpenposeOptions::default() };
         let frame = read("a.json", &one_person("1,2,87"), &options).unwrap();
         assert_eq!(frame.people[0].keypoints[0].unwrap().confidence, 0.87);
     }
@@ -264,7 +264,7 @@ mod tests {
     #[test]
     fn a_layout_fixes_the_count() {
         let layout = layout::find("BODY_25").unwrap();
-        let options = Options { frame: Some(12), layout: Some(&layout), ..Options::default() };
+        let options = OpenposeOptions { frame: Some(12), layout: Some(&layout), ..OpenposeOptions::default() };
         let error = read("cam01.0012.json", &one_person(&["1"; 51].join(",")), &options).unwrap_err();
         assert_eq!(error.to_string(), "cam01.0012.json (frame 12): 51 numbers, layout `BODY_25` needs 75");
         assert_eq!(error.help().unwrap(), "these keypoints may be COCO_17; set `--layout`");
@@ -273,14 +273,14 @@ mod tests {
     #[test]
     fn a_tally_counts_and_names_the_first() {
         let mut tally = Tally::default();
-        let odd = Frame {
+        let odd = OpenposeFrame {
             without_coordinates: 3,
             at_origin: Some(0.5),
-            people: vec![Person { index: 0, keypoints: vec![] }],
+            people: vec![OpenposePerson { index: 0, keypoints: vec![] }],
         };
         tally.add(117, Some(&odd));
         tally.add(118, None);
-        tally.add(119, Some(&Frame::default()));
+        tally.add(119, Some(&OpenposeFrame::default()));
         let text: Vec<String> = tally.warnings("cam2").iter().map(ToString::to_string).collect();
         assert_eq!(text[0], "camera cam2: 2 of 3 frames have no person (first: 118)");
         assert_eq!(text[1], "3 points have no coordinates but confidence > 0; treated as missing");

@@ -36,5 +36,5 @@ mod table;
 mod writer;
 
 pub use reader::read;
-pub use table::{Frame, Header, Trc, Units, trc_from_world, world_from_trc};
+pub use table::{Header, Trc, TrcFrame, Units, trc_from_world, world_from_trc};
 pub use writer::{write, write_frame, write_header};

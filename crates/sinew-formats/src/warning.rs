@@ -156,7 +156,7 @@ impl fmt::Display for Warning {
             Self::RepeatedMarker { place, name } => {
                 write!(
                     f,
-                    "{place}: marker `{name}` is there twice; the first one is taken where it is asked for by name"
+                    "{place}: marker `{name}` is there twice; the first one is taken where it is selected by name"
                 )
             }
             Self::SpacesForTabs { place } => {

@@ -38,6 +38,6 @@ mod schema;
 mod writer;
 
 pub use schema::{
-    CHUNK_FRAMES, Constant, DataType, FRAME, Group, Labels, MemoryStore, Schema, Store, Values, Variable,
+    CHUNK_FRAMES, Constant, DataType, FRAME, FrameValues, Group, Labels, MemoryStore, Schema, Store, Variable,
 };
 pub use writer::Writer;

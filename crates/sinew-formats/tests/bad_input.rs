@@ -4,7 +4,7 @@ use insta::assert_snapshot;
 use sinew_formats::*;
 
 fn keypoints(text: &str) -> Error {
-    openpose::read("cam01.0012.json", text, &openpose::Options::default()).unwrap_err()
+    openpose::read("cam01.0012.json", text, &openpose::OpenposeOptions::default()).unwrap_err()
 }
 
 fn one_person(numbers: &str) -> String {
@@ -36,8 +36,8 @@ fn trc(change: impl Fn(&str) -> String) -> Result<trc::Trc, Error> {
 #[test]
 fn empty_people_or_no_file() {
     let mut tally = openpose::Tally::default();
-    let empty = openpose::read("a.json", "{\"people\": []}", &openpose::Options::default()).unwrap();
-    let person = openpose::read("a.json", &one_person("1, 2, 0.5"), &openpose::Options::default()).unwrap();
+    let empty = openpose::read("a.json", "{\"people\": []}", &openpose::OpenposeOptions::default()).unwrap();
+    let person = openpose::read("a.json", &one_person("1, 2, 0.5"), &openpose::OpenposeOptions::default()).unwrap();
     for frame in 0..900 {
         let seen = match frame {
             118 | 200..=230 => Some(&empty),
@@ -53,7 +53,7 @@ fn empty_people_or_no_file() {
 fn null_or_nan_coordinates() {
     let mut tally = openpose::Tally::default();
     let text = one_person("null, 2, 0.5, 1, NaN, 0.5, null, null, 1, 3, 4, 0.9");
-    let frame = openpose::read("a.json", &text, &openpose::Options::default()).unwrap();
+    let frame = openpose::read("a.json", &text, &openpose::OpenposeOptions::default()).unwrap();
     (0..4).for_each(|number| tally.add(number, Some(&frame)));
     assert_snapshot!(tally.warnings("cam1")[0], @"12 points have no coordinates but confidence > 0; treated as missing");
 }
@@ -61,7 +61,8 @@ fn null_or_nan_coordinates() {
 #[test]
 fn origin_with_confidence() {
     let mut tally = openpose::Tally::default();
-    let frame = openpose::read("a.json", &one_person("0, 0, 0.8, 0, 0, 0"), &openpose::Options::default()).unwrap();
+    let frame =
+        openpose::read("a.json", &one_person("0, 0, 0.8, 0, 0, 0"), &openpose::OpenposeOptions::default()).unwrap();
     assert!(frame.people[0].keypoints[0].is_some() && frame.people[0].keypoints[1].is_none());
     (0..40).for_each(|number| tally.add(number, Some(&frame)));
     assert_snapshot!(tally.warnings("cam1")[0], @"point at exactly (0,0) with confidence 0.8 in 40 frames; is this your tracker's mark for 'not found'?");
@@ -76,7 +77,8 @@ fn confidence_out_of_range() {
 #[test]
 fn fewer_numbers_than_the_layout_has() {
     let layout = layout::find("body25").unwrap();
-    let options = openpose::Options { frame: Some(12), layout: Some(&layout), ..openpose::Options::default() };
+    let options =
+        openpose::OpenposeOptions { frame: Some(12), layout: Some(&layout), ..openpose::OpenposeOptions::default() };
     let error = openpose::read("cam01.0012.json", &one_person(&["1"; 51].join(",")), &options).unwrap_err();
     assert_snapshot!(error, @"cam01.0012.json (frame 12): 51 numbers, layout `BODY_25` needs 75");
     assert_snapshot!(error.help().unwrap(), @"these keypoints may be COCO_17; set `--layout`");
@@ -174,7 +176,7 @@ fn text_that_is_no_text() {
     let error = source_text::decode("a.trc", b"1\n2\n3\n4\n5\n6\nMarqu\xE9\n", 1000).unwrap_err();
     assert_snapshot!(error, @"a.trc: byte 0xE9 at line 7 is not UTF-8; save as UTF-8");
     let marked = source_text::decode("a.json", b"\xEF\xBB\xBF{\r\n\"people\": []}\r\n", 1000).unwrap();
-    assert!(openpose::read("a.json", marked, &openpose::Options::default()).is_ok());
+    assert!(openpose::read("a.json", marked, &openpose::OpenposeOptions::default()).is_ok());
     let error = tidy_csv::read_numbers("a.csv", "time_s;x_m\n0,5;1,5\n").unwrap_err();
     assert_snapshot!(error, @"a.csv:2 (time_s): `0,5` has a decimal comma; expected a decimal point");
     assert_snapshot!(error.help().unwrap(), @"export with an English locale, so that numbers read 0.5 and not 0,5");

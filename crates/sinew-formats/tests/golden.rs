@@ -1,6 +1,6 @@
 //! Every writer against a file in `tests/golden/`, and those files in the programs they are made for.
 //!
-//! `SINEW_WRITE_GOLDEN=1` writes the files again; look at the difference before you keep it. The programs are those of
+//! `SINEW_WRITE_GOLDEN=1` writes the files again; look at the difference before you keep it. The programs are named in
 //! the Python named by `SINEW_PYTHON`, or `python3`.
 
 use sinew_body::flesh::{DOWNWARDS, Flesh, Solid};
@@ -8,8 +8,8 @@ use sinew_body::frustum::Frustum;
 use sinew_body::{Axis, Joint, KinematicTree, Link, Point};
 use sinew_formats::rotation::{IDENTITY, Matrix};
 use sinew_formats::tidy_csv::Cell;
-use sinew_formats::zarr::inference_data::{Kind, Run, posterior, schema};
-use sinew_formats::zarr::{MemoryStore, Values, Writer};
+use sinew_formats::zarr::inference_data::{DrawsKind, Run, posterior, schema};
+use sinew_formats::zarr::{FrameValues, MemoryStore, Writer};
 use sinew_formats::{body_toml, bvh, calib_toml, layout, mot, tidy_csv, trc};
 use sinew_observe::lens::Brown;
 use sinew_observe::{Camera, Intrinsics};
@@ -124,12 +124,12 @@ fn bodies_and_layouts() {
 
 #[test]
 fn stores() {
-    let run = Run { library_version: "0.1.0", method: "hmc", kind: Kind::Smoothed, seed: 7, created_at: None };
+    let run = Run { library_version: "0.1.0", method: "hmc", kind: DrawsKind::Smoothed, seed: 7, created_at: None };
     let mut schema = schema(1, 2, vec!["knee.rx".into()], vec!["Nose".into()]);
     schema.groups.push(posterior(&run));
     let mut writer = Writer::create(MemoryStore::default(), schema).unwrap();
     let values: [&[f64]; 3] = [&[0.1, 0.2], &[1.0; 6], &[2.0; 6]];
-    writer.push(0, 0.0, &values.map(Values::Numbers)).unwrap();
+    writer.push(0, 0.0, &values.map(FrameValues::Numbers)).unwrap();
     check("posterior.zarr.json", &writer.finish().unwrap().0["zarr.json"]);
 }
 

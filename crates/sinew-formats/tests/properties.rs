@@ -43,7 +43,7 @@ prop_compose! {
         names in Just(names),
     ) -> trc::Trc {
         let frames = frames.into_iter().zip(times(5)).enumerate();
-        let frames = frames.map(|(i, (points, time_s))| trc::Frame { number: i as i64 + 1, time_s, points });
+        let frames = frames.map(|(i, (points, time_s))| trc::TrcFrame { number: i as i64 + 1, time_s, points });
         let header = trc::Header { file_name: "a b.trc".into(), rate_hz, units, start_frame, markers: names };
         trc::Trc { header, frames: frames.collect(), warnings: Vec::new() }
     }
@@ -58,7 +58,7 @@ prop_compose! {
     ) -> bvh::Bvh {
         let channel = |i: usize| if i < 3 { bvh::Channel::Position(i) } else { bvh::Channel::Rotation(i - 3) };
         // A depth-first order: each joint hangs on the last one or on one of its ancestors.
-        let mut joints: Vec<bvh::Joint> = Vec::new();
+        let mut joints: Vec<bvh::BvhJoint> = Vec::new();
         for (i, ((pick, offset, end_site), channels)) in shape.into_iter().zip(channels).enumerate() {
             let mut ancestors = Vec::new();
             let mut at = i.checked_sub(1);
@@ -68,7 +68,7 @@ prop_compose! {
             }
             let parent = (!ancestors.is_empty()).then(|| ancestors[pick.index(ancestors.len())]);
             let channels = channels.into_iter().map(channel).collect();
-            joints.push(bvh::Joint { name: format!("joint {i}"), parent, offset, channels, end_site });
+            joints.push(bvh::BvhJoint { name: format!("joint {i}"), parent, offset, channels, end_site });
         }
         let width: usize = joints.iter().map(|joint| joint.channels.len()).sum();
         let frames = if width == 0 { 0 } else { frames };
@@ -215,8 +215,8 @@ proptest! {
         };
         let flesh = Flesh::new(&tree, vec![solid]).unwrap();
         let both = body_toml::read("body.toml", &body_toml::write(&tree, Some(&flesh))).unwrap();
-        prop_assert_eq!(both, body_toml::Body { tree: tree.clone(), flesh: Some(flesh) });
-        let body_toml::Body { tree: read, flesh } = body_toml::read("body.toml", &body_toml::write(&tree, None)).unwrap();
+        prop_assert_eq!(both, body_toml::BodyDefinition { tree: tree.clone(), flesh: Some(flesh) });
+        let body_toml::BodyDefinition { tree: read, flesh } = body_toml::read("body.toml", &body_toml::write(&tree, None)).unwrap();
         prop_assert_eq!(flesh, None);
         let bits = |tree: &KinematicTree| -> Vec<u64> {
             let offsets = tree.links().iter().map(|link| link.offset).chain(tree.points().iter().map(|point| point.offset));
@@ -250,10 +250,10 @@ proptest! {
             index += absent;
             let keypoint = |(x, y, confidence)| openpose::Keypoint { x, y, confidence };
             let keypoints = points.into_iter().map(|point| point.map(keypoint)).collect();
-            written.push(openpose::Person { index, keypoints });
+            written.push(openpose::OpenposePerson { index, keypoints });
             index += 1;
         }
-        let read = openpose::read("a.json", &openpose::write(&written), &openpose::Options::default()).unwrap();
+        let read = openpose::read("a.json", &openpose::write(&written), &openpose::OpenposeOptions::default()).unwrap();
         prop_assert_eq!(read.people, written);
     }
 
@@ -287,7 +287,7 @@ proptest! {
 fn read_all(text: &str) {
     let skeleton = asf::read("a.asf", ASF).unwrap();
     let outcomes = [
-        openpose::read("a.json", text, &openpose::Options::default()).err(),
+        openpose::read("a.json", text, &openpose::OpenposeOptions::default()).err(),
         layout::read("a.toml", text).err(),
         calib_toml::read("a.toml", text).err(),
         body_toml::read("a.toml", text).err(),
@@ -324,7 +324,7 @@ const FILES: [&str; 9] = [
 #[test]
 fn the_files_are_valid() {
     let skeleton = asf::read("a.asf", ASF).unwrap();
-    assert!(openpose::read("a", FILES[0], &openpose::Options::default()).is_ok());
+    assert!(openpose::read("a", FILES[0], &openpose::OpenposeOptions::default()).is_ok());
     assert!(layout::read("a", FILES[1]).is_ok());
     assert!(calib_toml::read("a", FILES[2]).is_ok());
     assert!(body_toml::read("a", FILES[3]).is_ok());
@@ -350,7 +350,7 @@ fn files_cut_at_every_byte_are_refused_or_read() {
 #[test]
 fn truncated_keypoints_are_called_truncated() {
     for end in 0..FILES[0].len() {
-        let error = openpose::read("a.json", &FILES[0][..end], &openpose::Options::default()).unwrap_err();
+        let error = openpose::read("a.json", &FILES[0][..end], &openpose::OpenposeOptions::default()).unwrap_err();
         assert!(matches!(error, Error::Truncated { offset, .. } if offset == end), "{end}: {error}");
     }
 }

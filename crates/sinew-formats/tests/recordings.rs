@@ -20,7 +20,7 @@ fn numbers(cells: &[String]) -> [f64; 3] {
 }
 
 #[test]
-fn bone_ends_of_every_acclaim_recording_are_those_of_the_table() {
+fn bone_ends_of_every_acclaim_recording_match_the_table() {
     let Some(folder) = data("cmu_amc") else { return };
     let mut recordings = BTreeMap::new();
     let mut checked = 0;
@@ -48,7 +48,7 @@ fn bone_ends_of_every_acclaim_recording_are_those_of_the_table() {
 }
 
 #[test]
-fn joints_of_every_bvh_recording_are_those_of_the_table() {
+fn joints_of_every_bvh_recording_match_the_table() {
     let Some(folder) = data("cmu_bvh") else { return };
     let mut recordings = BTreeMap::new();
     let mut checked = 0;
@@ -137,8 +137,11 @@ fn every_keypoint_file_is_read() {
             let mut tally = openpose::Tally::default();
             for (number, index) in order {
                 let path = folder.join(part).join(camera).join(&files[index]);
-                let options =
-                    openpose::Options { frame: Some(number), layout: Some(&body_25b), ..openpose::Options::default() };
+                let options = openpose::OpenposeOptions {
+                    frame: Some(number),
+                    layout: Some(&body_25b),
+                    ..openpose::OpenposeOptions::default()
+                };
                 let frame = openpose::read(&files[index], &text(&path), &options).unwrap();
                 tally.add(number, Some(&frame));
                 if camera == "cam01_json" {

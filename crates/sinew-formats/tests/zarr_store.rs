@@ -1,8 +1,8 @@
 //! The Zarr store: its own metadata against its chunks, and read by Python where that is installed.
 
 use serde_json::Value;
-use sinew_formats::zarr::inference_data::{Kind, Run, group, posterior, root, schema};
-use sinew_formats::zarr::{Constant, DataType, Labels, MemoryStore, Schema, Store, Values, Variable, Writer};
+use sinew_formats::zarr::inference_data::{DrawsKind, Run, group, posterior, root, schema};
+use sinew_formats::zarr::{Constant, DataType, FrameValues, Labels, MemoryStore, Schema, Store, Variable, Writer};
 use std::io;
 use std::process::Command;
 
@@ -12,7 +12,8 @@ const DOF: usize = 3;
 const MARKERS: usize = 2;
 const FRAMES: usize = 150;
 
-const RUN: Run<'_> = Run { library_version: "0.1.0", method: "hmc", kind: Kind::Filtered, seed: 7, created_at: None };
+const RUN: Run<'_> =
+    Run { library_version: "0.1.0", method: "hmc", kind: DrawsKind::Filtered, seed: 7, created_at: None };
 
 fn example_schema() -> Schema {
     let dof = (0..DOF).map(|i| format!("knee.r{i}")).collect();
@@ -37,7 +38,7 @@ fn example_schema() -> Schema {
     schema
 }
 
-/// A value that tells where it came from, with some spread over the draws.
+/// A value that encodes where it came from, with some spread over the draws.
 fn value(frame: usize, index: usize) -> f64 {
     frame as f64 + ((index * 7919) % 1000) as f64 / 1000.0
 }
@@ -51,13 +52,13 @@ fn push_frames<S: Store>(writer: &mut Writer<S>, frames: usize) -> io::Result<()
         let diverging: Vec<bool> = (0..draws).map(|i| i == frame % draws).collect();
         let steps: Vec<i64> = (0..draws).map(|i| (i + frame) as i64).collect();
         let values = [
-            Values::Numbers(&angle),
-            Values::Numbers(&root),
-            Values::Numbers(&marker),
-            Values::Numbers(&lp),
-            Values::Flags(&diverging),
-            Values::Integers(&steps),
-            Values::Numbers(&ess),
+            FrameValues::Numbers(&angle),
+            FrameValues::Numbers(&root),
+            FrameValues::Numbers(&marker),
+            FrameValues::Numbers(&lp),
+            FrameValues::Flags(&diverging),
+            FrameValues::Integers(&steps),
+            FrameValues::Numbers(&ess),
         ];
         writer.push(100 + frame as i64, frame as f64 / 60.0, &values)?;
     }
@@ -186,7 +187,7 @@ fn schemas_and_values_that_do_not_fit_are_refused() {
     assert!(refused(|s| s.groups[2].constants[0].values.clear()).contains("0 values for the shape [1, 3]"));
     let mut writer = Writer::create(MemoryStore::default(), example_schema()).unwrap();
     assert!(writer.push(0, 0.0, &[]).is_err());
-    assert!(writer.push(0, 0.0, &[Values::Numbers(&[1.0]); 7]).is_err());
+    assert!(writer.push(0, 0.0, &[FrameValues::Numbers(&[1.0]); 7]).is_err());
     assert_eq!(writer.frames(), 0);
 }
 

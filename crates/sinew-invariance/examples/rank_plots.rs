@@ -1,11 +1,12 @@
-//! Rank histograms and ECDF differences of two samplers of one posterior, one of them too sure of itself: writes `ranks.svg` and `ecdf.svg` to the folder given, or here.
+//! Rank histograms and ECDF differences of two samplers of one posterior, one of them too sure of itself.
+//! Writes `ranks.svg` and `ecdf.svg` to the folder given, or here.
 //!
 //! `cargo run -p sinew-invariance --features svg --example rank_plots -- FOLDER`
 
 use sinew_core::random::BlockRng;
 use sinew_invariance::draws::normals;
 use sinew_invariance::plot::{ecdf_differences, rank_histograms};
-use sinew_invariance::{Calibration, Ranks, TestFunctions, calibration};
+use sinew_invariance::{RankCalibration, Ranks, TestFunctions, calibration};
 use std::error::Error;
 use std::path::PathBuf;
 
@@ -18,7 +19,7 @@ fn ranks(name: &str, factor: f64) -> Ranks {
     let prior = |rng: &mut BlockRng| normals(1, rng);
     let simulate = |theta: &[f64], rng: &mut BlockRng| normals(4, rng).iter().map(|z| theta[0] + z).collect();
     let functions = TestFunctions::none().with(name, |x| x[0]);
-    let (report, ranks) = calibration(&Calibration::default(), prior, simulate, posterior, &functions);
+    let (report, ranks) = calibration(&RankCalibration::default(), prior, simulate, posterior, &functions);
     println!("{report}\n");
     ranks
 }

@@ -13,7 +13,7 @@ use sinew_core::random::{BlockRng, Stage};
 
 /// Sizes of the test.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Calibration {
+pub struct RankCalibration {
     /// Data sets of the first stage.
     pub data_sets: usize,
     /// Posterior draws n for each; thin chains until neighbours hardly know of each other.
@@ -26,7 +26,7 @@ pub struct Calibration {
     pub control: Control,
 }
 
-impl Default for Calibration {
+impl Default for RankCalibration {
     fn default() -> Self {
         Self { data_sets: 500, draws: 99, bins: 20, seed: 1, control: Control::default() }
     }
@@ -48,9 +48,9 @@ const SHOWS: &str = "intervals from these draws do not cover what they say: the 
 /// Tests `posterior(y, n, rng)`, which returns n draws, against `prior(rng)` and `simulate(θ, rng)`. Test functions see θ followed by y.
 ///
 /// # Panics
-/// When `posterior` returns another number of draws than it was asked for, and without a data set, a draw and a test function.
+/// When `posterior` returns another number of draws than were requested, and without a data set, a draw and a test function.
 pub fn calibration(
-    config: &Calibration,
+    config: &RankCalibration,
     mut prior: impl FnMut(&mut BlockRng) -> Vec<f64>,
     mut simulate: impl FnMut(&[f64], &mut BlockRng) -> Vec<f64>,
     mut posterior: impl FnMut(&[f64], usize, &mut BlockRng) -> Vec<Vec<f64>>,

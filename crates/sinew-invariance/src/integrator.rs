@@ -13,12 +13,12 @@
 use crate::report::{Bound, Report, Statistic};
 
 /// (q, p, step size, number of steps) ↦ (q′, p′).
-pub type Map<'a> = dyn Fn(&[f64], &[f64], f64, usize) -> (Vec<f64>, Vec<f64>) + 'a;
+pub type PhaseSpaceMap<'a> = dyn Fn(&[f64], &[f64], f64, usize) -> (Vec<f64>, Vec<f64>) + 'a;
 
 /// An integrator and its energy.
 pub struct Integrator<'a> {
     /// What it does to a place in phase space.
-    pub map: &'a Map<'a>,
+    pub map: &'a PhaseSpaceMap<'a>,
     /// H(q, p).
     pub energy: &'a dyn Fn(&[f64], &[f64]) -> f64,
 }

@@ -23,13 +23,13 @@ pub mod targets;
 mod test_functions;
 mod two_sample;
 
-pub use calibration::{Calibration, Ranks, calibration};
+pub use calibration::{RankCalibration, Ranks, calibration};
 pub use chains::{LongRun, long_run, mixing};
 pub use exact_rank::{ExactRank, exact_rank};
 pub use exact_start::{ExactStart, exact_start};
 pub use geweke::{Geweke, geweke};
 pub use gradient::{Differences, gradient};
-pub use integrator::{Integrator, Map, Start, energy_order, reversibility, volume};
+pub use integrator::{Integrator, PhaseSpaceMap, Start, energy_order, reversibility, volume};
 pub use report::{Bound, Report, Statistic};
 pub use resampling::{CountLaw, Resampling, resampling};
 pub use sequential::Control;

@@ -86,7 +86,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn values_are_those_of_tables() {
+    fn values_match_tables() {
         assert!((normal_p(1.959_964) - 0.05).abs() < 1e-6);
         assert!((normal_p(-5.326_724) / 1e-7 - 1.0).abs() < 1e-4);
         assert!((chi_square_p(30.143_527, 19) - 0.05).abs() < 1e-6);

@@ -98,7 +98,7 @@ pub struct Tree {
     pub axes: Vec<Vec<[f64; 3]>>,
 }
 
-/// Trees of so many links: chains, stars and all between, with offsets up to half a metre, some zero.
+/// Trees of `links` links: chains, stars and all between, with offsets up to half a metre, some zero.
 pub fn trees(links: RangeInclusive<usize>) -> impl Strategy<Value = Tree> {
     let offset = prop_oneof![5 => [-0.5..0.5_f64, -0.5..0.5, -0.5..0.5], 1 => Just([0.0; 3])];
     let link = (any::<prop::sample::Index>(), offset, vec(unit_vectors(), 0..=3));

@@ -46,7 +46,7 @@ impl<'a> TestFunctions<'a> {
     /// For a kernel that moves `chains` states together: its state is theirs one after the other, and each function becomes its mean over them.
     ///
     /// # Panics
-    /// When `chains` is 0; later, when a state is not that of so many chains.
+    /// When `chains` is 0; later, when a state does not have `chains` chains.
     #[must_use]
     pub fn together(self, chains: usize) -> Self {
         assert!(chains > 0, "a kernel moves at least one state");

@@ -7,7 +7,7 @@ use sinew_core::random::BlockRng;
 use sinew_invariance::draws::{normals, uniform};
 use sinew_invariance::targets::{Banana, ExactTarget, GaussianTarget, HalfLine, MixtureTarget, Truncated};
 use sinew_invariance::{
-    Bound, Calibration, Control, CountLaw, Differences, ExactRank, ExactStart, Geweke, Integrator, LongRun, Report,
+    Bound, Control, CountLaw, Differences, ExactRank, ExactStart, Geweke, Integrator, LongRun, RankCalibration, Report,
     Resampling, TestFunctions, calibration, energy_order, exact_rank, exact_start, geweke, gradient, long_run, mixing,
     resampling, reversibility, two_sample, volume,
 };
@@ -194,7 +194,7 @@ fn calibration_sees_intervals_too_narrow_shifted_and_correlated() {
     let prior = |rng: &mut BlockRng| normals(1, rng);
     let functions = TestFunctions::none().with("mean", |x| x[0]);
     let run =
-        |narrower, shift| calibration(&Calibration::default(), prior, simulate, draws(narrower, shift), &functions);
+        |narrower, shift| calibration(&RankCalibration::default(), prior, simulate, draws(narrower, shift), &functions);
     let (report, ranks) = run(1.0, 0.0);
     report.assert_holds();
     assert_eq!(ranks.ranks[0].len() % 500, 0);
@@ -202,7 +202,7 @@ fn calibration_sees_intervals_too_narrow_shifted_and_correlated() {
     run(1.4, 0.0).0.assert_fails();
     run(1.0, 0.5).0.assert_fails();
     let stuck = |y: &[f64], n: usize, rng: &mut BlockRng| vec![draws(1.0, 0.0)(y, 1, rng)[0].clone(); n];
-    calibration(&Calibration::default(), prior, simulate, stuck, &functions).0.assert_fails();
+    calibration(&RankCalibration::default(), prior, simulate, stuck, &functions).0.assert_fails();
     let sticky = |y: &[f64], n: usize, rng: &mut BlockRng| {
         let (mean, sd) = posterior(y, 1.0);
         let mut z = normals(1, rng)[0];
@@ -212,7 +212,7 @@ fn calibration_sees_intervals_too_narrow_shifted_and_correlated() {
         };
         normals(n, rng).into_iter().map(&mut next).collect::<Vec<_>>()
     };
-    calibration(&Calibration::default(), prior, simulate, sticky, &functions).0.assert_fails();
+    calibration(&RankCalibration::default(), prior, simulate, sticky, &functions).0.assert_fails();
 }
 
 #[test]

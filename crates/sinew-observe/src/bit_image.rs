@@ -204,7 +204,7 @@ mod tests {
     }
 
     #[test]
-    fn overlaps_are_counted_in_the_columns_that_are_asked_for() {
+    fn overlaps_are_counted_in_the_columns_that_are_requested() {
         let (mut a, mut b) = (BitImage::new(4, 100), BitImage::new(4, 100));
         for x in 0..4 {
             a.fill(x, 10..70);

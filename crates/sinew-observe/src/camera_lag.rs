@@ -12,8 +12,8 @@
 //! iterated. Whole frames that are found are taken away and the rest is estimated again, since V is constant over a few frames only. A lag common to all cameras is not
 //! seen: lags are those against the largest group of cameras that agree within half a frame, or against the first camera where all differ.
 //!
-//! Standard deviations are those of the estimating equations with errors that are shared within a keypoint's `BLOCK` frames (Liang & Zeger 1986): detectors err the
-//! same way for some frames. A weak prior keeps what nothing tells at 0 with a standard deviation of `PRIOR_FRAMES`.
+//! Standard deviations follow from the estimating equations with errors that are shared within a keypoint's `BLOCK` frames (Liang & Zeger 1986): detectors err the
+//! same way for some frames. A weak prior keeps what nothing determines at 0 with a standard deviation of `PRIOR_FRAMES`.
 
 use crate::camera::Camera;
 use crate::offsets::{CameraNoise, Sighted, point_from_views};
@@ -103,7 +103,7 @@ pub fn camera_lags(
     Some(found)
 }
 
-/// Frames in which each camera shows what it saw so many frames later.
+/// Frames in which each camera shows what it saw some frames later.
 fn shifted(frames: &[(u64, Sighted)], by: &[i64]) -> Vec<(u64, Sighted)> {
     let place: HashMap<u64, usize> = frames.iter().enumerate().map(|(place, (number, _))| (*number, place)).collect();
     let shown = |number: u64, camera: usize| {

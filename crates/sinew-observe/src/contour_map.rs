@@ -10,10 +10,10 @@
 use crate::Map;
 use crate::bit_image::BitImage;
 use crate::edges::rescale;
-use crate::smoothing::{Gaussian, smoothed};
+use crate::smoothing::{GaussianMask, smoothed};
 
 /// The mask that smooths a silhouette.
-const MASK: Gaussian = Gaussian { radius_px: 2, std_px: 1.0 };
+const MASK: GaussianMask = GaussianMask { radius_px: 2, std_px: 1.0 };
 
 fn smoothed_silhouette(silhouette: &BitImage) -> Map {
     let (width, height) = (silhouette.width(), silhouette.height());

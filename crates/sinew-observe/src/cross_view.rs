@@ -3,7 +3,7 @@
 //! A keypoint is triangulated from all cameras but one and projected into that one, offsets included ([`expected_from_others`]). Then
 //!
 //! - [`residual_by_lag`]: the median distance of its detections of frame f + lag from what is expected in frame f, its own median offset removed, has its least
-//!   value at the lag of its clock ([`best_lag`]), and a lag that changes tells of another frame rate ([`lag_change`]);
+//!   value at the lag of its clock ([`best_lag`]), and a lag that changes means another frame rate ([`lag_change`]);
 //! - [`swapped_spans`]: frames in which the distance falls to less than half when left and right are exchanged;
 //! - [`cameras_behind`]: cameras whose optical axis the subject lies behind.
 

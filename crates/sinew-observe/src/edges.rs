@@ -8,7 +8,7 @@
 
 use crate::Map;
 use crate::bit_image::BitImage;
-use crate::smoothing::{Gaussian, smoothed};
+use crate::smoothing::{GaussianMask, smoothed};
 
 /// How an [`edge_map`] is made.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -16,14 +16,14 @@ pub struct Config {
     /// Magnitude of the gradient from which on a pixel is an edge.
     pub threshold: f32,
     /// Mask that spreads the edges.
-    pub mask: Gaussian,
+    pub mask: GaussianMask,
 }
 
 impl Default for Config {
     /// A mask of 7 x 7 pixels with σ = 3 px. The paper gives no threshold; above 0.1 are some 5 % of the pixels of a real recording of four cameras, above 0.04
     /// some 13 %.
     fn default() -> Self {
-        Self { threshold: 0.1, mask: Gaussian { radius_px: 3, std_px: 3.0 } }
+        Self { threshold: 0.1, mask: GaussianMask { radius_px: 3, std_px: 3.0 } }
     }
 }
 

@@ -168,7 +168,7 @@ impl KeypointLikelihood {
     }
 }
 
-/// What sightings tell of their points' positions: each in full, outlier or not, or `WEIGHTED` by the share of its core at the state.
+/// Information of sightings on their points' positions: each in full, outlier or not, or `WEIGHTED` by the share of its core at the state.
 struct Information<'a, L, const WEIGHTED: bool> {
     likelihood: &'a KeypointLikelihood,
     cameras: &'a [LaneCamera<L>],

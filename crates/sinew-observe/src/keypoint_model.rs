@@ -80,7 +80,7 @@ fn depth(camera: &Camera, p: &[f64]) -> f64 {
 }
 
 impl KeypointModel {
-    /// Variance s² per axis, square pixels, of a detection in a view: of a point that is expected at `point_in_world` and seen by so many cameras.
+    /// Variance s² per axis, square pixels, of a detection in a view: of a point that is expected at `point_in_world` and seen by `cameras` cameras.
     #[must_use]
     pub fn variance_px2(&self, view: usize, confidence: f64, cameras: usize, point_in_world: &[f64]) -> f64 {
         let View { camera, sigma_px, usual_confidence, .. } = &self.views[view];

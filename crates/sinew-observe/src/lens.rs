@@ -68,7 +68,7 @@ macro_rules! lenses {
             /// The lens that `Calib.toml` describes by these `distortions`.
             ///
             /// # Errors
-            /// Where no such lens has so many coefficients: how many there may be, and which.
+            /// Where no such lens has that number of coefficients: how many there may be, and which.
             pub fn from_coefficients(is_fisheye: bool, coefficients: &[f64]) -> Result<Self, String> {
                 let mut expected: Vec<&str> = vec![];
                 $(if $name::IS_FISHEYE == is_fisheye {

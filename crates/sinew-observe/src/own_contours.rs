@@ -19,7 +19,7 @@ use std::sync::Arc;
 /// Models of each solid alone, otherwise as the model of the whole body.
 ///
 /// # Errors
-/// Those of [`Flesh::new`] and [`SolidBody::new`], where the flesh is none of the tree's.
+/// Errors of [`Flesh::new`] and [`SolidBody::new`], where the flesh is none of the tree's.
 pub fn alone(whole: &ImageModel, tree: &KinematicTree, flesh: &Flesh) -> Result<Vec<ImageModel>, sinew_body::Error> {
     let model = |solid: &Solid| {
         let body = Arc::new(SolidBody::new(tree, &Flesh::new(tree, vec![solid.clone()])?)?);

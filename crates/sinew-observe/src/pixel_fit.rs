@@ -4,7 +4,7 @@
 //! min_q  Σ ρ(|observed − projected P_k(q)| / σ_c)  +  Σ_j ((q_j − start_j) / sd_j)²
 //! ```
 //!
-//! by Levenberg–Marquardt, ρ the square continued by Huber. With one camera nothing but the size of the body tells its depth: the prior of the angles must then be
+//! by Levenberg–Marquardt, ρ the square continued by Huber. With one camera nothing but the size of the body shows its depth: the prior of the angles must then be
 //! tight enough to hold what cannot be seen.
 
 use crate::keypoint_model::{Detection, View};
@@ -45,17 +45,7 @@ pub fn fit_pixels(
     let (mut positions, mut jacobian) = (vec![0.0; n], vec![0.0; n * dof]);
     let mut pose = start.to_vec();
     let cost_at = |pose: &[f64], positions: &[f64]| {
-        let prior: f64 = (0..dof).map(|j| ((pose[j] - start[j]) / sd[j]).powi(2)).sum();
-        prior
-            + residuals(plan, views, detections, positions)
-                .map(|(c, _, r)| match r {
-                    Some([u, v]) => {
-                        let d = u.hypot(v) / views[c].sigma_px;
-                        if d <= HUBER { d * d } else { HUBER * (2.0 * d - HUBER) }
-                    }
-                    None => UNSEEN,
-                })
-                .sum::<f64>()
+        prior_cost(pose, start, sd) + detection_cost(plan, views, detections, positions)
     };
     point_positions(plan, ISA, &pose, &mut positions);
     let mut cost = cost_at(&pose, &positions);
@@ -96,6 +86,23 @@ pub fn fit_pixels(
     let mut distances: Vec<f64> =
         residuals(plan, views, detections, &positions).filter_map(|(_, _, r)| r.map(|[u, v]| u.hypot(v))).collect();
     PixelFit { pose, cost, median_px: crate::offsets::median(&mut distances) }
+}
+
+/// Squared distance from the start, in prior standard deviations.
+fn prior_cost(pose: &[f64], start: &[f64], sd: &[f64]) -> f64 {
+    (0..pose.len()).map(|j| ((pose[j] - start[j]) / sd[j]).powi(2)).sum()
+}
+
+/// Sum of ρ over the detections.
+fn detection_cost(plan: &Plan, views: &[View], detections: &[Vec<Option<Detection>>], positions: &[f64]) -> f64 {
+    let cost = |(c, _, r): (usize, usize, Option<[f64; 2]>)| match r {
+        Some([u, v]) => {
+            let d = u.hypot(v) / views[c].sigma_px;
+            if d <= HUBER { d * d } else { HUBER * (2.0 * d - HUBER) }
+        }
+        None => UNSEEN,
+    };
+    residuals(plan, views, detections, positions).map(cost).sum()
 }
 
 /// Normal matrix and right-hand side of the detections, with Huber's weights.

@@ -78,7 +78,7 @@ impl Spans {
         self.rows.get(column).is_some_and(|rows| rows[0] <= y && y < rows[1])
     }
 
-    /// Takes the spans of a convex polygon whose corners run counter-clockwise as seen (y down), in parts of a pixel, within an image of so many columns.
+    /// Takes the spans of a convex polygon whose corners run counter-clockwise as seen (y down), in parts of a pixel, within an image of `width` columns.
     ///
     /// Edges that go to the left are upper ones. Rounding may turn a tiny edge the wrong way: the least of upper and the largest of lower rows are taken, so that it changes nothing.
     #[inline(always)]

@@ -7,14 +7,14 @@ use crate::Map;
 
 /// A Gaussian mask.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Gaussian {
+pub struct GaussianMask {
     /// Pixels from the middle to the end: 3 for a mask of 7 x 7.
     pub radius_px: usize,
     /// Standard deviation, pixels, above 0.
     pub std_px: f32,
 }
 
-impl Gaussian {
+impl GaussianMask {
     /// The weights of a row of the mask, from left to right.
     fn weights(self) -> Vec<f32> {
         let radius = self.radius_px as f32;
@@ -27,7 +27,7 @@ impl Gaussian {
 
 /// The map, smoothed; values keep their range.
 #[must_use]
-pub fn smoothed(map: &Map, mask: Gaussian) -> Map {
+pub fn smoothed(map: &Map, mask: GaussianMask) -> Map {
     let weights = mask.weights();
     let Map { width, height, .. } = *map;
     let mut along_rows = vec![0.0; map.values.len()];
@@ -59,7 +59,7 @@ mod tests {
     #[test]
     fn it_is_the_sum_over_the_square_mask() {
         let map = Map::from_fn(9, 7, |x, y| ((7 * x + 3 * y * y) % 11) as f32);
-        for mask in [Gaussian { radius_px: 2, std_px: 1.0 }, Gaussian { radius_px: 5, std_px: 3.0 }] {
+        for mask in [GaussianMask { radius_px: 2, std_px: 1.0 }, GaussianMask { radius_px: 5, std_px: 3.0 }] {
             let smooth = smoothed(&map, mask);
             let r = mask.radius_px as i32;
             for (x, y) in (0..7).flat_map(|y| (0..9).map(move |x| (x, y))) {
@@ -78,7 +78,7 @@ mod tests {
 
     #[test]
     fn nothing_stays_nothing() {
-        let mask = Gaussian { radius_px: 3, std_px: 3.0 };
+        let mask = GaussianMask { radius_px: 3, std_px: 3.0 };
         for size in [[0, 0], [0, 4], [4, 0]] {
             assert!(smoothed(&Map::from_fn(size[0], size[1], |_, _| 1.0), mask).values.is_empty());
         }

@@ -355,7 +355,7 @@ mod tests {
     }
 
     #[test]
-    fn subsets_are_those_of_combinatorics() {
+    fn subsets_match_combinatorics() {
         assert_eq!(subsets(4, 3), [[0, 1, 2], [0, 1, 3], [0, 2, 3], [1, 2, 3]]);
         assert_eq!(subsets(5, 2).len(), 10);
     }

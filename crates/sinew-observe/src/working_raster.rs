@@ -33,7 +33,7 @@ impl WorkingRaster {
         Self { camera: ideal, size, from }
     }
 
-    /// The smallest factor with which the longer side of a camera's images has at most so many pixels.
+    /// The smallest factor with which the longer side of a camera's images has at most `longest` pixels.
     #[must_use]
     pub fn factor_for(camera: &Camera, longest: usize) -> usize {
         let side = camera.image_size_px[0].max(camera.image_size_px[1]);

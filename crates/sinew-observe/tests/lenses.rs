@@ -26,7 +26,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(500))]
 
     #[test]
-    fn derivatives_are_those_of_central_differences(lens in lens(), radius in 0.0..3.0, angle in 0.0..6.3) {
+    fn derivatives_match_central_differences(lens in lens(), radius in 0.0..3.0, angle in 0.0..6.3) {
         let radius = f64::min(radius, 0.98 * lens.valid_radius());
         let at = [radius * f64::cos(angle), radius * f64::sin(angle)];
         let (shown, derivative) = lens.distorted_with_derivative(at).expect("inside the domain");
@@ -96,7 +96,7 @@ const POINTS: [[f64; 3]; 5] =
     [[0.1, 0.2, 1.0], [-0.55, 0.32, 1.0], [0.7, -0.45, 1.3], [0.0, 0.9, 1.1], [-1.0, -0.8, 2.0]];
 
 #[test]
-fn pixels_and_derivatives_are_those_of_opencv() {
+fn pixels_and_derivatives_match_opencv() {
     // cv2.projectPoints and cv2.fisheye.projectPoints of OpenCV 5.0.0 (Python, float64) with rvec = (0.2, -0.1, 0.3): pixels of all points, derivatives of the second one's by the translation.
     let references = [
         (

@@ -100,7 +100,7 @@ fn a_group_does_not_take_who_stands_elsewhere() {
     people[2] = vec![seen(&cameras[2], &elsewhere)];
     let found = groups(&cameras, &people, 1, &Config::default());
     assert_eq!(found[0].members, [Some(0), Some(0), None, Some(0)]);
-    // Two views that show two people make none, and neither do fewer keypoints than asked for.
+    // Two views that show two people make none, and neither do fewer keypoints than required.
     people = vec![vec![seen(&cameras[0], &a)], vec![seen(&cameras[1], &elsewhere)], vec![], vec![]];
     assert!(groups(&cameras, &people, 1, &Config::default()).is_empty());
     people = cameras.iter().map(|camera| vec![only(seen(camera, &a), 0..3)]).collect();
@@ -179,7 +179,7 @@ fn the_second_person_is_followed_lost_and_found_by_his_limbs() {
     let a = figure(0.0, 0.0, 1.0);
     let length = |i: usize, j: usize| (0..3).map(|k| (a[i][k] - a[j][k]).powi(2)).sum::<f64>().sqrt();
     let lengths = vec![(0, 5, length(0, 5)), (1, 2, length(1, 2)), (5, 7, length(5, 7))];
-    // Both have nine keypoints: the one found first is the one with the smaller error, so it is asked for by his place.
+    // Both have nine keypoints: the one found first is the one with the smaller error, so the person is selected by place.
     let cameras = cameras();
     let first = groups(&cameras, &frame(&cameras, Some(0.3)), 2, &Config::default());
     let person = first.iter().position(|g| g.members[0] == Some(1)).expect("he is seen");

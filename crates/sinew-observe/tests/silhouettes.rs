@@ -305,7 +305,7 @@ fn seen(model: &ImageModel, truth: &[f64]) -> Vec<Option<Cues>> {
 }
 
 #[test]
-fn scores_are_those_of_brute_force() {
+fn scores_match_brute_force() {
     let reid = ImageScore::DeutscherReid { kappa: 10.0, bidirectional: None };
     let fine = ImageScore::CoarseToFine { sigma_edge: 0.2, sigma_region: 0.3 };
     for isa in Isa::available() {
@@ -358,7 +358,7 @@ fn scores_are_those_of_brute_force() {
 
 /// Colours of the visible region, against histograms by their definition.
 #[test]
-fn colours_are_those_of_brute_force() {
+fn colours_match_brute_force() {
     let (mut model, tree) = model(ImageScore::Parts, Isa::best());
     let states = poses(12, 5);
     let bands =

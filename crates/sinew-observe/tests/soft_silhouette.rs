@@ -48,7 +48,7 @@ fn bound(isa: Isa) -> SoftSilhouette {
 }
 
 #[test]
-fn gradients_are_those_of_differences() {
+fn gradients_match_differences() {
     let bound = bound(Isa::best());
     let (mut outside, mut judged) = (0, 0);
     for state in poses(20, 0.5) {
@@ -93,7 +93,7 @@ fn blocks_and_instruction_sets_agree() {
     }
 }
 
-/// The matrix is positive semi-definite, its diagonal is the one that is asked for alone, and where all is inside it is zero.
+/// The matrix is positive semi-definite, its diagonal is the one that is computed alone, and where all is inside it is zero.
 #[test]
 fn curvature_belongs_to_the_gradient() {
     let bound = bound(Isa::best());
@@ -122,7 +122,7 @@ fn curvature_belongs_to_the_gradient() {
 }
 
 #[test]
-fn limbs_outside_are_told_and_nothing_breaks_behind_cameras() {
+fn limbs_outside_are_reported_and_nothing_breaks_behind_cameras() {
     let bound = bound(Isa::best());
     let state = poses(1, 0.0).remove(0);
     let mut arm_up = state.clone();

@@ -7,7 +7,7 @@
 //! for its root. [`Width::VarianceLiteral`] keeps the other reading for comparison.
 //!
 //! ```
-//! use sinew_samplers::grid::Axis;
+//! use sinew_samplers::grid::GridAxis;
 //! let axis = Axis::new(-1.0, 1.0, 0.3, false)?;
 //! assert_eq!(axis.count(), 7);
 //! assert!((axis.snap(0.1) - 0.0).abs() < 1e-15 && axis.snap(9.0) == axis.centre(6));
@@ -22,14 +22,14 @@ pub const LEAST_WIDTH: f64 = 1e-3;
 
 /// The values of one coordinate.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Axis {
+pub struct GridAxis {
     low: f64,
     high: f64,
     width: f64,
     wraps: bool,
 }
 
-impl Axis {
+impl GridAxis {
     /// Partitions of `width` at most between `low` and `high`, in radians or metres; if the coordinate `wraps`, both ends are the same point.
     ///
     /// # Errors
@@ -50,7 +50,7 @@ impl Axis {
         (((self.high - self.low) / self.width).ceil() as usize).max(1)
     }
 
-    /// The step δ that was asked for; a partition is this wide or less.
+    /// The requested step δ; a partition is this wide or less.
     #[must_use]
     pub fn width(&self) -> f64 {
         self.width
@@ -86,7 +86,7 @@ impl Axis {
 /// How a step follows from the changes between consecutive frames.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Width {
-    /// So many standard deviations.
+    /// A number of standard deviations.
     Deviations(f64),
     /// The number of their variance, as printed.
     VarianceLiteral,
@@ -103,7 +103,7 @@ impl Default for Width {
 ///
 /// # Errors
 /// [`Error::Empty`] without two consecutive states, [`Error::OutOfRange`] for numbers that are not finite or states of another dimension than `wraps`.
-pub fn train(sequences: &[Vec<Vec<f64>>], wraps: &[bool], width: Width) -> Result<Vec<Axis>, Error> {
+pub fn train(sequences: &[Vec<Vec<f64>>], wraps: &[bool], width: Width) -> Result<Vec<GridAxis>, Error> {
     let dim = wraps.len();
     for state in sequences.iter().flatten() {
         if state.len() != dim {
@@ -123,7 +123,7 @@ pub fn train(sequences: &[Vec<Vec<f64>>], wraps: &[bool], width: Width) -> Resul
         } else {
             [values().fold(f64::INFINITY, f64::min), values().fold(f64::NEG_INFINITY, f64::max)]
         };
-        let range = Axis::new(low, high, LEAST_WIDTH, wraps)?;
+        let range = GridAxis::new(low, high, LEAST_WIDTH, wraps)?;
         let changes: Vec<f64> = pairs().map(|pair| range.difference(pair[1][j], pair[0][j])).collect();
         let mean = changes.iter().sum::<f64>() / count as f64;
         let variance = changes.iter().map(|c| (c - mean).powi(2)).sum::<f64>() / count as f64;
@@ -134,7 +134,7 @@ pub fn train(sequences: &[Vec<Vec<f64>>], wraps: &[bool], width: Width) -> Resul
         if learned.is_nan() {
             return Err(Error::OutOfRange { name: "learned width", value: learned, expected: "must be a number" });
         }
-        Axis::new(low, high, learned.max(LEAST_WIDTH), wraps)
+        GridAxis::new(low, high, learned.max(LEAST_WIDTH), wraps)
     };
     wraps.iter().enumerate().map(axis).collect()
 }
@@ -148,7 +148,7 @@ mod tests {
     fn there_are_as_many_values_as_steps_fit_in() {
         for (low, high, width) in [(-1.0, 1.0, 0.3), (0.0, 1.0, 0.25), (-0.2, 3.0, 7.0), (0.0, 1.0, 1e-3)] {
             for wraps in [false, true] {
-                let axis = Axis::new(low, high, width, wraps).expect("valid");
+                let axis = GridAxis::new(low, high, width, wraps).expect("valid");
                 let count = f64::ceil((high - low) / width) as usize;
                 assert_eq!(axis.count(), count);
                 let step = (high - low) / count as f64;
@@ -166,15 +166,15 @@ mod tests {
 
     #[test]
     fn ends_hold_or_meet() {
-        let heading = Axis::new(-PI, PI, 0.5, true).expect("valid");
+        let heading = GridAxis::new(-PI, PI, 0.5, true).expect("valid");
         assert_eq!(heading.snap(PI + 0.01), heading.centre(0));
         assert_eq!(heading.snap(-PI - 0.01), heading.centre(heading.count() - 1));
         assert_eq!(heading.snap(0.3 + 20.0 * PI), heading.snap(0.3));
         assert!((heading.difference(-3.0, 3.0) - (2.0 * PI - 6.0)).abs() < 1e-12);
-        let height = Axis::new(0.0, 2.0, 0.5, false).expect("valid");
+        let height = GridAxis::new(0.0, 2.0, 0.5, false).expect("valid");
         assert_eq!((height.snap(7.0), height.snap(-7.0)), (1.75, 0.25));
         assert_eq!(height.difference(-3.0, 3.0), -6.0);
-        let locked = Axis::new(0.4, 0.4, 0.1, false).expect("valid");
+        let locked = GridAxis::new(0.4, 0.4, 0.1, false).expect("valid");
         assert_eq!((locked.count(), locked.snap(9.0)), (1, 0.4));
     }
 
@@ -195,9 +195,9 @@ mod tests {
     #[test]
     fn what_is_no_grid_is_refused() {
         for (low, high, width) in [(1.0, 0.0, 0.1), (0.0, f64::NAN, 0.1), (0.0, 1.0, 0.0), (0.0, f64::INFINITY, 1.0)] {
-            assert!(Axis::new(low, high, width, false).is_err());
+            assert!(GridAxis::new(low, high, width, false).is_err());
         }
-        assert!(Axis::new(0.0, 0.0, 0.1, true).is_err() && Axis::new(0.0, 1.0, f64::NAN, false).is_err());
+        assert!(GridAxis::new(0.0, 0.0, 0.1, true).is_err() && GridAxis::new(0.0, 1.0, f64::NAN, false).is_err());
         assert!(matches!(
             train(&[vec![vec![0.0]]], &[false], Width::default()),
             Err(Error::Empty { count: 0, dim: 1 })

@@ -9,7 +9,7 @@
 //! estimate may have no variance. A Student t of ν degrees of freedom ([`Tails::StudentT`]; Geweke 1989) bounds them wherever the prior's tails are Gaussian; it pays with a smaller effective number where
 //! q was right.
 //!
-//! A proposal that misses the posterior shows in an effective number far below N. One that misses a whole mode does not: nothing that is drawn from q can tell of a place where q never is.
+//! A proposal that misses the posterior shows in an effective number far below N. One that misses a whole mode does not: nothing that is drawn from q can show a place where q never is.
 
 use crate::Error;
 use crate::laplace::Laplace;

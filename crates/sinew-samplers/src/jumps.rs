@@ -22,7 +22,7 @@ use sinew_core::random::{BlockRng, Stage};
 pub struct Jumps {
     /// The fixed proposal q.
     pub proposal: GaussianMixture,
-    /// Rounds of eight proposals after each trajectory: so many jumps for each of eight chains, eight times as many for one alone.
+    /// Rounds of eight proposals after each trajectory: each is one jump for each of eight chains, eight jumps for one alone.
     pub count: usize,
 }
 

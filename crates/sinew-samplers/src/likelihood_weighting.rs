@@ -5,7 +5,7 @@
 //! ```
 //!
 //! The first frame of a particle filter (Gordon, Salmond & Smith 1993) without the particles: draws are made and forgotten block by block, so that millions need no memory. Sums are relative to the
-//! largest weight so far, and those of independent parts can be merged.
+//! largest weight so far, and sums of independent parts can be merged.
 
 use rayon::prelude::*;
 use sinew_core::density::LogDensity;
@@ -229,7 +229,7 @@ mod tests {
     }
 
     #[test]
-    fn means_and_covariances_are_those_of_the_posterior() {
+    fn means_and_covariances_match_the_posterior() {
         // Prior N(c, 1), likelihood N(z, 1/3): posterior N((c + 3 z) / 4, 1/4). Four standard errors of 4096 effective draws.
         let likelihood = Quadratic { centre: vec![1.0, -1.0], precision: vec![3.0, 3.0] };
         let (centre, stage) = ([0.5, 0.0], Stage::new(5, "likelihood weighting"));

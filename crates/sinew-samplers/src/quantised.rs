@@ -2,7 +2,7 @@
 //!
 //! They make a first-order walk over partition centres, and all that stand on the same ones are evaluated once.
 
-use crate::grid::Axis;
+use crate::grid::GridAxis;
 use crate::particles::{Particles, move_by};
 use crate::population::Population;
 use crate::resample::Ancestors;
@@ -15,7 +15,7 @@ pub fn walk(
     particles: &mut Particles,
     ancestors: Ancestors,
     drift: &[f64],
-    axes: &[Axis],
+    axes: &[GridAxis],
     snapped: bool,
     isa: Isa,
     stage: Stage,
@@ -53,8 +53,8 @@ mod tests {
     use crate::particles::evaluate;
     use sinew_core::toy::Quadratic;
 
-    fn axes() -> Vec<Axis> {
-        vec![Axis::new(-2.0, 2.0, 0.5, false).expect("valid"), Axis::new(-3.0, 3.0, 0.7, true).expect("valid")]
+    fn axes() -> Vec<GridAxis> {
+        vec![GridAxis::new(-2.0, 2.0, 0.5, false).expect("valid"), GridAxis::new(-3.0, 3.0, 0.7, true).expect("valid")]
     }
 
     fn walked(snapped: bool, drift: &[f64]) -> Particles {

@@ -70,7 +70,7 @@ pub struct Tuned {
 }
 
 /// A target with the chains that try step sizes on it.
-pub struct Trial<'a, T: ?Sized> {
+pub struct StepSizeTrial<'a, T: ?Sized> {
     /// The target.
     pub target: &'a T,
     /// Metric of the trajectories.
@@ -81,7 +81,7 @@ pub struct Trial<'a, T: ?Sized> {
     pub isa: Isa,
 }
 
-impl<T: GradLogDensity + ?Sized> Trial<'_, T> {
+impl<T: GradLogDensity + ?Sized> StepSizeTrial<'_, T> {
     fn chains(&self) -> usize {
         self.states.len() / self.target.dim().max(1) * LANES
     }
@@ -100,7 +100,7 @@ impl<T: GradLogDensity + ?Sized> Trial<'_, T> {
 /// # Errors
 /// [`Error::StepSizeNotFound`], [`Error::BadStart`], [`Error::OutOfRange`].
 pub fn step_size<T: GradLogDensity + ?Sized>(
-    trial: &mut Trial<'_, T>,
+    trial: &mut StepSizeTrial<'_, T>,
     steps: usize,
     config: &Config,
     stage: &Stage,
@@ -150,7 +150,7 @@ fn search(config: &Config, mut acceptance: impl FnMut(f64) -> Result<f64, Error>
 /// # Errors
 /// As [`step_size`]; [`Error::OutOfRange`] without candidates.
 pub fn length<T: GradLogDensity + ?Sized>(
-    trial: &mut Trial<'_, T>,
+    trial: &mut StepSizeTrial<'_, T>,
     config: &Config,
     stage: &Stage,
 ) -> Result<Tuned, Error> {
@@ -168,7 +168,7 @@ pub fn length<T: GradLogDensity + ?Sized>(
 /// # Errors
 /// As [`length`]; [`Error::OutOfRange`] without candidates.
 pub fn cheapest<T: GradLogDensity + ?Sized>(
-    trial: &mut Trial<'_, T>,
+    trial: &mut StepSizeTrial<'_, T>,
     config: &Config,
     acceptances: &[f64],
     stage: &Stage,
@@ -182,7 +182,7 @@ pub fn cheapest<T: GradLogDensity + ?Sized>(
 /// # Errors
 /// As [`cheapest`].
 pub fn no_u_turn<T: GradLogDensity + ?Sized>(
-    trial: &mut Trial<'_, T>,
+    trial: &mut StepSizeTrial<'_, T>,
     config: &Config,
     max_depth: usize,
     acceptances: &[f64],
@@ -254,7 +254,7 @@ mod tests {
         let isa = Isa::best();
         let target = Lanes { leaf: Quadratic { centre: vec![0.0; 10], precision }, isa };
         // A curvature of 1 leaves a condition number of 28.
-        let mut trial = Trial {
+        let mut trial = StepSizeTrial {
             target: &target,
             metric: &Metric::Diagonal(vec![1.0; 10]),
             states: vec![Block::splat(0.1); 20],
@@ -273,7 +273,7 @@ mod tests {
         let isa = Isa::best();
         let target = Lanes { leaf: Quadratic { centre: vec![0.0; 10], precision: vec![1.0; 10] }, isa };
         let metric = Metric::Diagonal(vec![1.0; 10]);
-        let mut trial = Trial { target: &target, metric: &metric, states: vec![Block::splat(0.1); 10], isa };
+        let mut trial = StepSizeTrial { target: &target, metric: &metric, states: vec![Block::splat(0.1); 10], isa };
         let config = Config { jitter: 0.2, lengths: vec![1, 2, 30], updates: 300, ..Config::default() };
         // Neither is the configuration's own.
         let acceptances = [0.99, 0.75];
@@ -318,11 +318,13 @@ mod tests {
     #[test]
     fn a_search_without_end_is_an_error() {
         let isa = Isa::best();
-        let mut trial = Trial { target: &Spike, metric: &Metric::Diagonal(vec![1.0]), states: vec![Block::ZERO], isa };
+        let mut trial =
+            StepSizeTrial { target: &Spike, metric: &Metric::Diagonal(vec![1.0]), states: vec![Block::ZERO], isa };
         let error = step_size(&mut trial, 2, &Config::default(), &Stage::new(1, "spike"));
         assert!(matches!(error, Err(Error::StepSizeNotFound { tried: 50, acceptance: 0.0, .. })), "{error:?}");
         let flat = Lanes { leaf: Quadratic { centre: vec![0.0], precision: vec![0.0] }, isa };
-        let mut trial = Trial { target: &flat, metric: &Metric::Diagonal(vec![1.0]), states: vec![Block::ZERO], isa };
+        let mut trial =
+            StepSizeTrial { target: &flat, metric: &Metric::Diagonal(vec![1.0]), states: vec![Block::ZERO], isa };
         let error = step_size(&mut trial, 2, &Config::default(), &Stage::new(1, "flat"));
         assert!(matches!(error, Err(Error::StepSizeNotFound { tried: 50, .. })), "{error:?}");
         assert!(length(&mut trial, &Config { lengths: vec![], ..Config::default() }, &Stage::new(1, "none")).is_err());

@@ -22,7 +22,7 @@ use sinew_core::random::Stage;
 pub struct Reselected {
     /// Logarithm of the sum of the new weights before they were normalised; 0 on average on the natural scale.
     pub log_sum: f64,
-    /// Survival diagnostic D = 1 / Σ ρ²: how many states the importance function tells apart from the rest.
+    /// Survival diagnostic D = 1 / Σ ρ²: how many states the importance function singles out from the rest.
     pub survivors: f64,
 }
 

@@ -265,7 +265,7 @@ fn bad_settings_are_refused() {
 }
 
 #[test]
-fn curvatures_are_those_of_observation_and_prior() {
+fn curvatures_match_observation_and_prior() {
     let expected = [0, 1, 2].map(|j| A[j] * A[j] / (SIGMA * SIGMA) + PRECISION[j]);
     let found = curvature(&Observed, &Before, 20, Stage::new(1, "curvature"));
     assert!(found.iter().zip(expected).all(|(f, e)| (f / e - 1.0).abs() < 1e-14), "{found:?} for {expected:?}");
@@ -314,7 +314,7 @@ fn averages_of_curvatures_are_over_what_is_finite_and_positive() {
     assert!(found.iter().zip(expected).all(|(f, e)| (f - e).abs() < 1e-12), "{found:?} for {expected:?}");
 }
 
-/// One coordinate of so many starts, idle lanes left out.
+/// One coordinate of `count` starts, idle lanes left out.
 fn coordinates(states: &[Block], count: usize, j: usize) -> Vec<f64> {
     states.chunks_exact(3).flat_map(|block| block[j].0).take(count).collect()
 }

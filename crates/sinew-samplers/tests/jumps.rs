@@ -1,4 +1,5 @@
-//! Trajectories with jumps on a target of two narrow clusters, with exact draws: jumps keep the target although their proposal is wrong, and reach both clusters from one.
+//! Trajectories with jumps on a target of two narrow clusters, with exact draws.
+//! Jumps keep the target although their proposal is wrong, and reach both clusters from one.
 
 use sinew_core::density::{GradLogDensity, LogDensity};
 use sinew_core::diagnostics::effective_sample_size;

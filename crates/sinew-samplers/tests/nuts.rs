@@ -1,4 +1,5 @@
-//! The no-U-turn sampler on targets with exact draws: it keeps the target, it reaches the target, its trees are as long as a half period.
+//! The no-U-turn sampler on targets with exact draws.
+//! It keeps the target, it reaches the target, its trees are as long as a half period.
 //!
 //! Biased choice within a half, halves that are kept although they turn, and a choice between halves that ignores their weights were each planted once: `a_start_from_the_target_stays_in_the_target` fails on all.
 

@@ -1,4 +1,5 @@
-//! The verbs of a particle filter, put together with every resampling scheme and rule, against the exact filter of a scalar random walk.
+//! The verbs of a particle filter against the exact filter of a scalar random walk.
+//! They are put together with every resampling scheme and rule.
 //!
 //! For each run Ẑ Σ W_i f(x_i) is an unbiased estimate of Z E[f(x_T) | z], for any number of particles (Del Moral 2004, theorem 7.4.2): f = 1 is the evidence, f = x and x² see weights that belong to others. Means over
 //! independent runs by |z| < 4.5, a false alarm in 1.5e5 each.

@@ -10,7 +10,7 @@ use sinew_core::random::Stage;
 use sinew_samplers::Error;
 use sinew_samplers::crossover::cross;
 use sinew_samplers::diffusion::{diffuse, spread};
-use sinew_samplers::grid::Axis;
+use sinew_samplers::grid::GridAxis;
 use sinew_samplers::hmc::Hmc;
 use sinew_samplers::integrator::PhasePoint;
 use sinew_samplers::particles::{Particles, evaluate, resample, reweight, select, temper};
@@ -198,7 +198,7 @@ proptest! {
     fn walks_on_a_grid_end_on_centres(
         count in 1..50usize, width in 0.01..3.0f64, wraps: bool, drift in -9.0..9.0f64, seed: u64,
     ) {
-        let axis = Axis::new(-2.0, 1.5, width, wraps).expect("valid");
+        let axis = GridAxis::new(-2.0, 1.5, width, wraps).expect("valid");
         let mut particles = cloud(1, count, seed);
         walk(&mut particles, vec![0; count], &[drift], &[axis], true, Isa::best(), Stage::new(seed, "walk"));
         let centres: Vec<f64> = (0..axis.count()).map(|i| axis.centre(i)).collect();

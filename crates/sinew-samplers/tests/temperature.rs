@@ -1,4 +1,5 @@
-//! The survival diagnostic and the exponent that is solved from it: A2 to A5, and the sign of the log weights.
+//! The survival diagnostic, the exponent that is solved from it, and the sign of the log weights.
+//! A2 to A5.
 
 use sinew_core::density::{GradLogDensity, LogDensity};
 use sinew_core::lanes::{Block, Isa, LANES};

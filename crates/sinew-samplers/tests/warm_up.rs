@@ -10,7 +10,7 @@ use sinew_samplers::chains::Schedule;
 use sinew_samplers::metric::Metric;
 use sinew_samplers::nuts::{self, Nuts};
 use sinew_samplers::starts::uniform_starts;
-use sinew_samplers::tuning::{self, Trial};
+use sinew_samplers::tuning::{self, StepSizeTrial};
 use sinew_samplers::warm_up::{Config, WarmedUp, warm_up};
 
 const CHAINS: usize = 2 * LANES;
@@ -52,7 +52,7 @@ fn chains_from_far_tails_arrive_with_the_others() {
     let starts = far_starts();
     // One step size for all chains cannot accept 0.8 of the trajectories while a quarter of the chains accepts none.
     let metric = Metric::Diagonal(vec![1.0; 3]);
-    let mut trial = Trial { target: &Counts, metric: &metric, states: starts.clone(), isa: Isa::best() };
+    let mut trial = StepSizeTrial { target: &Counts, metric: &metric, states: starts.clone(), isa: Isa::best() };
     let common = tuning::step_size(&mut trial, 3, &tuning::Config::default(), &Stage::new(3, "common"));
     assert!(matches!(common, Err(Error::StepSizeNotFound { .. })), "{common:?}");
 

@@ -11,7 +11,7 @@
 //! The shadow that a solid casts on the image is bounded by tangent planes through the origin: of the quadric with dual matrix `S − c cᵀ`, S = Σ h_k h_kᵀ, the planes (1, 0, −x) touch it where
 //! `(c_z² − S_zz) x² − 2 (c_x c_z − S_xz) x + c_x² − S_xx = 0`. A capsule is bounded by what bounds its spheres.
 
-use crate::evaluation_body::Shape;
+use crate::evaluation_body::ConvexShape;
 use crate::space::{Vector, along, dot, minus, unit};
 use sinew_observe::Camera;
 use sinew_observe::camera::MIN_DEPTH_M;
@@ -34,9 +34,9 @@ fn turned(camera: &Camera, v: Vector) -> Vector {
 
 impl Cast {
     /// The solid as seen by a camera; `None` behind it.
-    pub(super) fn new(camera: &Camera, shape: &Shape) -> Option<Self> {
+    pub(super) fn new(camera: &Camera, shape: &ConvexShape) -> Option<Self> {
         match shape {
-            Shape::Capsule { ends, radii } => {
+            ConvexShape::Capsule { ends, radii } => {
                 let [a, b] = ends.map(|end| camera.point_in_camera(end));
                 let ball = |centre, radius: f64| extent(centre, [0, 1, 2].map(|k: usize| axis_vector(k, radius)));
                 let bounds = match (ball(a, radii[0]), ball(b, radii[1])) {
@@ -55,7 +55,7 @@ impl Cast {
                     bounds,
                 })
             }
-            Shape::Ellipsoid { centre, half_axes } => {
+            ConvexShape::Ellipsoid { centre, half_axes } => {
                 let centre = camera.point_in_camera(*centre);
                 let half_axes = half_axes.map(|axis| turned(camera, axis));
                 let reach = half_axes.iter().map(|h| h[2] * h[2]).sum::<f64>().sqrt();
@@ -167,38 +167,39 @@ mod tests {
     }
 
     /// Whether a point lies in the solid by its definition: spheres of a capsule one by one, the ellipsoid's form.
-    fn holds(shape: &Shape, point: Vector) -> bool {
+    fn holds(shape: &ConvexShape, point: Vector) -> bool {
         match shape {
-            Shape::Capsule { ends, radii } => (0..=200).any(|k| {
+            ConvexShape::Capsule { ends, radii } => (0..=200).any(|k| {
                 let part = f64::from(k) / 200.0;
                 distance(point, between(ends[0], ends[1], part)) <= radii[0] + part * (radii[1] - radii[0])
             }),
-            Shape::Ellipsoid { centre, half_axes } => {
+            ConvexShape::Ellipsoid { centre, half_axes } => {
                 let from = minus(point, *centre);
                 half_axes.iter().map(|h| (dot(*h, from) / dot(*h, *h)).powi(2)).sum::<f64>() <= 1.0
             }
         }
     }
 
-    fn shapes() -> Vec<Shape> {
+    fn shapes() -> Vec<ConvexShape> {
         let u = uniforms(&Stage::new(4, "shapes"), 0, 40 * 9);
-        let mut shapes: Vec<Shape> = u
+        let mut shapes: Vec<ConvexShape> = u
             .chunks(9)
-            .map(|u| Shape::Capsule {
+            .map(|u| ConvexShape::Capsule {
                 ends: [0, 3].map(|k| [0.8 * u[k] - 0.4, 0.8 * u[k + 1] - 0.4, 0.7 + 0.7 * u[k + 2]]),
                 radii: [6, 7].map(|k| 0.03 + 0.2 * u[k]),
             })
             .collect();
         // One sphere inside the other; equal radii; a single sphere.
-        shapes.push(Shape::Capsule { ends: [[0.0, 0.0, 1.0], [0.05, 0.0, 1.0]], radii: [0.2, 0.05] });
-        shapes.push(Shape::Capsule { ends: [[0.0, 0.0, 1.0], [0.4, 0.1, 1.2]], radii: [0.1, 0.1] });
-        shapes.push(Shape::Capsule { ends: [[0.1; 3], [0.1; 3]], radii: [0.1, 0.1] });
+        shapes.push(ConvexShape::Capsule { ends: [[0.0, 0.0, 1.0], [0.05, 0.0, 1.0]], radii: [0.2, 0.05] });
+        shapes.push(ConvexShape::Capsule { ends: [[0.0, 0.0, 1.0], [0.4, 0.1, 1.2]], radii: [0.1, 0.1] });
+        shapes.push(ConvexShape::Capsule { ends: [[0.1; 3], [0.1; 3]], radii: [0.1, 0.1] });
         let turn = |angle: f64| {
             let (s, c) = angle.sin_cos();
             [[0.3 * c, 0.3 * s, 0.0], [-0.1 * s, 0.1 * c, 0.0], [0.0, 0.0, 0.15]]
         };
-        shapes
-            .extend([0.0, 0.7, 2.0].map(|angle| Shape::Ellipsoid { centre: [0.1, 0.2, 1.1], half_axes: turn(angle) }));
+        shapes.extend(
+            [0.0, 0.7, 2.0].map(|angle| ConvexShape::Ellipsoid { centre: [0.1, 0.2, 1.1], half_axes: turn(angle) }),
+        );
         shapes
     }
 
@@ -240,7 +241,7 @@ mod tests {
         let camera = camera();
         let centre = camera.centre();
         let at = |m: f64| along(centre, m, camera.rotation[2]);
-        let ball = |m: f64, radius: f64| Shape::Capsule { ends: [at(m); 2], radii: [radius; 2] };
+        let ball = |m: f64, radius: f64| ConvexShape::Capsule { ends: [at(m); 2], radii: [radius; 2] };
         assert!(Cast::new(&camera, &ball(-1.0, 0.5)).is_none());
         assert_eq!(Cast::new(&camera, &ball(0.3, 0.5)).unwrap().bounds, EVERYWHERE);
         assert!(Cast::new(&camera, &ball(1.0, 0.5)).unwrap().entry([0.0, 0.0]).is_some());

@@ -3,7 +3,7 @@
 //! From ASF/AMC files, as points and as states.
 //!
 //! 1. [`joints`]: positions of the evaluation joints in our world, `(x, y, z) → (x, −z, y)`, in metres, resampled linearly to a lower rate. The names mean
-//!    the *ends* of CMU's bones: hips and shoulders are the ends of the hip joints and clavicles, elbow, wrist, knee and ankle those of humerus, radius, femur and tibia, the
+//!    the *ends* of CMU's bones: hips and shoulders are the ends of the hip joints and clavicles, elbow, wrist, knee and ankle the ends of humerus, radius, femur and tibia, the
 //!    neck base that of the thorax, the head top that of the head; `MidHip` is the middle of the hips and `Spine` the root. The balls of the feet (`LBigToe`, `RBigToe`) go beyond
 //!    the fifteen: without them the feet's angles mean nothing.
 //! 2. [`retarget`]: sizes of H32 as robust medians over the frames, refined together with the poses; then each frame's pose by Levenberg–Marquardt from the frame before, its
@@ -13,7 +13,7 @@
 //!
 //! The database: "The data used in this project was obtained from mocap.cs.cmu.edu. The database was created with funding from NSF EIA-0196217."
 
-use crate::points::{Trajectories, of_states};
+use crate::points::{Trajectories, points_of_states};
 use sinew_body::bundle;
 use sinew_body::fit::{self, Target, fit_pose};
 use sinew_body::initial::initial_pose;
@@ -112,7 +112,7 @@ pub struct Retargeted {
     pub mean_error_m: f64,
 }
 
-/// Fits the standard body H32 to recorded points; `None` where the first frame's trunk does not tell a pose.
+/// Fits the standard body H32 to recorded points; `None` where the first frame's trunk does not determine a pose.
 #[must_use]
 pub fn retarget(recorded: &Trajectories) -> Option<Retargeted> {
     retarget_to(h32, recorded)
@@ -146,12 +146,12 @@ pub fn retarget_to(build: fn(&Proportions) -> KinematicTree, recorded: &Trajecto
         let pose = fit_pose(&plan, targets, &previous, &fit::Config::default()).pose;
         states.push(if states.is_empty() { pose } else { continued(&body, &pose, &previous) });
     }
-    let points = of_states(&body, &states);
+    let points = points_of_states(&body, &states);
     let mean_error_m = mean_distance(&points.select(&EVALUATION_JOINTS), &recorded.select(&EVALUATION_JOINTS));
     Some(Retargeted { body, proportions, states, points, mean_error_m })
 }
 
-/// Frames that tell the sizes; more add nothing but time.
+/// Frames that the sizes come from; more add nothing but time.
 const SIZING_FRAMES: usize = 60;
 
 /// The pose with every rotation moved by whole turns to the one nearest to the previous pose.
@@ -230,7 +230,7 @@ mod tests {
             assert!(millimetres < 30.0, "{name}: {millimetres} mm");
             let film = |truth: &Trajectories| {
                 let (body, states) = (fitted.body.clone(), fitted.states.clone());
-                SyntheticRecording::of_motion(body, states, truth.clone(), &Script::default(), 1).unwrap()
+                SyntheticRecording::from_motion(body, states, truth.clone(), &Script::default(), 1).unwrap()
             };
             for recording in [film(&recorded), film(&fitted.points)] {
                 let inside = |camera: &Camera, point| {

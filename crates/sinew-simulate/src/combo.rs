@@ -5,8 +5,8 @@
 //! Trials of different people at different places become one motion of the first trial's person:
 //!
 //! 1. Lengths: every segment keeps its direction and takes its median length in the first trial; the middle of the hips keeps its height over the lowest joint, in proportion to the legs.
-//! 2. Places: each trial is turned about the vertical and moved so that its person looks where the one before looked at the end, and goes on from there.
-//! 3. Joins: 2 s in which the directions of the segments go from those of the last frame to those of the first by the smooth cubic `3s² − 2s³`, and the middle of the hips along the cubic with the velocities of
+//! 2. Places: each trial is turned about the vertical and moved so that its person looks where the one before looked at the end, and continues from there.
+//! 3. Joins: 2 s in which the directions of the segments go from the last frame's to the first frame's by the smooth cubic `3s² − 2s³`, and the middle of the hips along the cubic with the velocities of
 //!    both ends that comes to rest half-way: it covers a sixth of what the velocities would.
 //! 4. Space: recorded walks are straight and short. The path of a locomotion is bent to the left, so that its person goes round: the heading turns by the way gone forward over 1.2 m. Elsewhere and at the
 //!    end of the join to free movement nothing is bent.
@@ -16,7 +16,7 @@
 //! Limits: feet slide in joins and, by some centimetres, where paths are bent.
 
 use crate::Error;
-use crate::points::{Trajectories, of_states};
+use crate::points::{Trajectories, points_of_states};
 use crate::space::{Vector, along, cross, distance, minus, unit};
 use crate::walker::{Gait, Walker, walker_states};
 use sinew_body::standard::EVALUATION_JOINTS;
@@ -291,7 +291,7 @@ fn smooth(s: f64) -> f64 {
 pub fn synthetic_combo(rate_hz: f64) -> Result<Sequence, Error> {
     let gait = |stride_s: f64, duration_s: f64| {
         let walker = Walker::new(Gait { still_s: 0.0, start_s: 0.9, stride_s, duration_s, ..Gait::default() });
-        of_states(&walker.body, &walker_states(&walker, rate_hz))
+        points_of_states(&walker.body, &walker_states(&walker, rate_hz))
     };
     let standing = Walker::new(Gait { still_s: FREE_S, duration_s: FREE_S, ..Gait::default() });
     let mut states = walker_states(&standing, rate_hz);
@@ -302,7 +302,7 @@ pub fn synthetic_combo(rate_hz: f64) -> Result<Sequence, Error> {
     let trials = [
         trial("synthetic walk", gait(1.1, 4.0), true),
         trial("synthetic quick walk", gait(0.75, 3.0), true),
-        trial("synthetic arm swings", of_states(&standing.body, &states), false),
+        trial("synthetic arm swings", points_of_states(&standing.body, &states), false),
     ];
     combo("synthetic CMB", &trials, rate_hz)
 }
@@ -358,7 +358,7 @@ mod tests {
         assert!((0..2).all(|i| high[i] - low[i] < 4.5), "{low:?} {high:?}");
     }
 
-    /// The middle of the hips begins and ends a join with the velocities of its trials, and the heading goes on.
+    /// The middle of the hips begins and ends a join with the velocities of its trials, and the heading continues.
     #[test]
     fn joins_are_smooth() {
         let sequence = synthetic_combo(RATE_HZ).unwrap();
@@ -379,12 +379,12 @@ mod tests {
 
     #[test]
     fn what_cannot_be_joined_is_refused() {
-        let told = |trials: &[Trial]| combo("x", trials, 30.0).unwrap_err().to_string();
-        assert_eq!(told(&[]), "a sequence of no trials");
+        let message = |trials: &[Trial]| combo("x", trials, 30.0).unwrap_err().to_string();
+        assert_eq!(message(&[]), "a sequence of no trials");
         let trial = |motion| Trial { name: "a".into(), motion, is_locomotion: true };
-        assert_eq!(told(&[trial(Trajectories::default())]), "the trial a has no MidHip");
+        assert_eq!(message(&[trial(Trajectories::default())]), "the trial a has no MidHip");
         let names = EVALUATION_JOINTS.map(str::to_owned).to_vec();
-        assert_eq!(told(&[trial(Trajectories { names, frames: vec![] })]), "the trial a has no frame");
+        assert_eq!(message(&[trial(Trajectories { names, frames: vec![] })]), "the trial a has no frame");
     }
 
     #[test]

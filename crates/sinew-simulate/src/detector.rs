@@ -3,7 +3,7 @@
 //! For each camera a constant offset; for each keypoint, independently in every frame:
 //!
 //! 1. with probability [`DetectorNoise::missing`] it is not found;
-//! 2. else with probability [`DetectorNoise::outlier`] it is found somewhere else, at a uniform direction and distance from its place, with a confidence that tells little;
+//! 2. else with probability [`DetectorNoise::outlier`] it is found somewhere else, at a uniform direction and distance from its place, with a confidence that means little;
 //! 3. else it is off by a Gaussian error whose size varies from detection to detection: `σ s`, `ln s ~ N(0, spread²)`. The confidence is a noisy report of it,
 //!    `c = usual · s⁻² · exp(N(0, (spread/2)²))`, between 0.05 and 1.
 //!
@@ -132,7 +132,7 @@ struct Luck {
 }
 
 impl Luck {
-    /// Makes the unit errors, the first two normal numbers, those of a process that remembers the frame before.
+    /// Makes the unit errors, the first two normal numbers, with a process that remembers the frame before.
     fn persist(&mut self, former: &mut Option<[f64; 2]>, persistence: f64) {
         let [a, b, ..] = &mut self.normal;
         if let Some(former) = former.filter(|_| persistence != 0.0) {
@@ -264,7 +264,7 @@ mod tests {
     }
 
     #[test]
-    fn detector_like_errors_have_the_stated_rates_and_confidences_tell_of_them() {
+    fn detector_like_errors_have_the_stated_rates_and_confidences_depend_on_them() {
         let noise = DetectorNoise::DETECTOR_LIKE;
         let (_, errors, missing) = errors(&noise, 200);
         let all = (4 * 200 * 25) as f64;

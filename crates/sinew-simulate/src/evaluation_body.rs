@@ -10,7 +10,7 @@
 //! 4. Clothes move: the radius at a station is multiplied by 1 + 0.05 g. Along a chain g is a Gaussian process with correlation exp(−distance / 0.15 m), from frame to frame an
 //!    autoregression with coefficient 0.9 that starts in its stationary state. Skin and hair do not move, nor do the ellipsoids below skin.
 //!
-//! The clothes of all frames are drawn when the body is made, so that any frame can be asked for alone.
+//! The clothes of all frames are drawn when the body is made, so that any frame can be made alone.
 //!
 //! Limits: feet are rigid, hands do not grasp, and flesh does not bulge; where a joint is bent sharply, its capsules overlap.
 
@@ -44,7 +44,7 @@ impl Material {
 
 /// A convex solid in the world, metres.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Shape {
+pub enum ConvexShape {
     /// All spheres between two: centres and radii move linearly from one to the other.
     Capsule {
         /// Centres of the two spheres.
@@ -63,9 +63,9 @@ pub enum Shape {
 
 /// A solid and what it is made of.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Solid {
+pub struct MaterialSolid {
     /// Where it is.
-    pub shape: Shape,
+    pub shape: ConvexShape,
     /// What it is made of.
     pub material: Material,
 }
@@ -93,7 +93,7 @@ const LANDMARKS: usize = 29;
 /// Points that are used where the motion has them: toes, heels, nose.
 const EXTRA: [&str; 5] = ["LBigToe", "RBigToe", "LHeel", "RHeel", "Nose"];
 
-/// Parts with a factor of their own; those of limbs are followed by the right one.
+/// Parts with a factor of their own; parts of limbs are followed by the right one.
 const TRUNK: usize = 0;
 const GIRDLE: usize = 1;
 const SEAT: usize = 2;
@@ -166,7 +166,7 @@ const CHAINS: [Chain; 19] = [
 /// Ellipsoids of cloth: pelvis, belly, chest, shoulders, hips.
 const CLOTH_BLOBS: usize = 7;
 
-/// What all frames tell of a subject.
+/// What all frames show of a subject.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Size {
     /// Length of the legs over that of the adult of the tables.
@@ -190,7 +190,7 @@ pub struct EvaluationBody {
 }
 
 impl EvaluationBody {
-    /// Dresses a motion; the stage tells the subject's parts and clothes.
+    /// Dresses a motion; the stage fixes the subject's parts and clothes.
     ///
     /// # Errors
     /// [`Error::MissingJoints`] where one of the fifteen joints is missing, [`Error::NotFinite`].
@@ -232,7 +232,7 @@ impl EvaluationBody {
 
     /// The solids of a frame; none beyond the last.
     #[must_use]
-    pub fn solids(&self, frame: usize) -> Vec<Solid> {
+    pub fn solids(&self, frame: usize) -> Vec<MaterialSolid> {
         let (Some(joints), Some(clothes)) = (self.joints.get(frame), self.clothes.get(frame)) else {
             return Vec::new();
         };
@@ -249,8 +249,8 @@ impl EvaluationBody {
                     (between(from, to, *fraction), self.girth[chain.part] * radius * moved)
                 })
                 .collect();
-            solids.extend(spheres.windows(2).map(|pair| Solid {
-                shape: Shape::Capsule { ends: [pair[0].0, pair[1].0], radii: [pair[0].1, pair[1].1] },
+            solids.extend(spheres.windows(2).map(|pair| MaterialSolid {
+                shape: ConvexShape::Capsule { ends: [pair[0].0, pair[1].0], radii: [pair[0].1, pair[1].1] },
                 material: chain.material,
             }));
         }
@@ -259,8 +259,8 @@ impl EvaluationBody {
         solids
     }
 
-    /// The ellipsoids; first those of cloth, with their factors.
-    fn blobs(&self, pose: &Pose, cloth: &[f64]) -> Vec<Solid> {
+    /// The ellipsoids; first the ones of cloth, with their factors.
+    fn blobs(&self, pose: &Pose, cloth: &[f64]) -> Vec<MaterialSolid> {
         use Material::{Hair, Shirt, Skin, Trousers};
         let at = |k: usize| pose.landmarks[k];
         let trunk = |fraction: f64| between(at(MID_HIP), at(COLLAR), fraction);
@@ -296,7 +296,7 @@ impl EvaluationBody {
         let solid = |((part, material, centre, axes, lengths), moved): ((usize, _, _, [Vector; 3], [f64; 3]), f64)| {
             let factor = self.girth[part] * moved;
             let half_axes = [0, 1, 2].map(|i: usize| axes[i].map(|x| factor * lengths[i] * x));
-            Solid { shape: Shape::Ellipsoid { centre, half_axes }, material }
+            MaterialSolid { shape: ConvexShape::Ellipsoid { centre, half_axes }, material }
         };
         blobs.into_iter().zip(cloth).map(solid).collect()
     }
@@ -461,12 +461,12 @@ fn foot(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::points::of_states;
+    use crate::points::points_of_states;
     use crate::walker::{Gait, Walker, walker_states};
 
     fn walk(duration_s: f64) -> Trajectories {
         let walker = Walker::new(Gait { duration_s, ..Gait::default() });
-        of_states(&walker.body, &walker_states(&walker, 30.0))
+        points_of_states(&walker.body, &walker_states(&walker, 30.0))
     }
 
     fn body(motion: &Trajectories, seed: u64) -> EvaluationBody {
@@ -515,7 +515,7 @@ mod tests {
     }
 
     #[test]
-    fn radii_are_those_of_the_part_and_move_with_the_clothes_alone() {
+    fn radii_match_the_part_and_move_with_the_clothes_alone() {
         let motion = walk(0.2);
         for seed in 0..40 {
             let body = body(&motion, seed);
@@ -525,7 +525,7 @@ mod tests {
         let (first, last) = (body.solids(0), body.solids(5));
         assert_eq!(first.len(), last.len());
         for (a, b) in first.iter().zip(&last) {
-            if let (Shape::Capsule { radii: p, .. }, Shape::Capsule { radii: q, .. }) = (a.shape, b.shape) {
+            if let (ConvexShape::Capsule { radii: p, .. }, ConvexShape::Capsule { radii: q, .. }) = (a.shape, b.shape) {
                 assert_eq!(p == q, !a.material.is_cloth());
                 assert!(p.iter().chain(&q).all(|r| (0.015..0.15).contains(r)));
             }
@@ -554,11 +554,11 @@ mod tests {
                 .solids(frame)
                 .iter()
                 .flat_map(|solid| match solid.shape {
-                    Shape::Capsule { ends, radii } => (0..=8)
+                    ConvexShape::Capsule { ends, radii } => (0..=8)
                         .map(|k| f64::from(k) / 8.0)
                         .map(|s| (between(ends[0], ends[1], s), radii[0] + s * (radii[1] - radii[0])))
                         .collect::<Vec<_>>(),
-                    Shape::Ellipsoid { centre, half_axes } => {
+                    ConvexShape::Ellipsoid { centre, half_axes } => {
                         let least = half_axes.iter().map(|h| crate::space::length(*h)).fold(f64::INFINITY, f64::min);
                         vec![(centre, least)]
                     }

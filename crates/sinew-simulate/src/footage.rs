@@ -2,16 +2,16 @@
 //!
 //! With cameras around the motion and the person who makes it.
 //!
-//! Everything follows from a seed; any image can be asked for alone and in any order.
+//! Everything follows from a seed; any image can be made alone and in any order.
 //!
 //! ```
 //! use sinew_simulate::footage::SyntheticFootage;
 //! use sinew_simulate::ring::Ring;
 //! use sinew_simulate::segmentation_noise::Level;
-//! use sinew_simulate::points::of_states;
+//! use sinew_simulate::points::points_of_states;
 //! use sinew_simulate::walker::{Gait, Walker, walker_states};
 //! let walker = Walker::new(Gait { duration_s: 0.1, ..Gait::default() });
-//! let motion = of_states(&walker.body, &walker_states(&walker, 30.0));
+//! let motion = points_of_states(&walker.body, &walker_states(&walker, 30.0));
 //! let footage = SyntheticFootage::new(motion, 30.0, &Ring::SMALL_PICTURES, 7)?;
 //! let mask = footage.mask(0, 2, Level::Normal);
 //! assert_eq!((mask.width(), mask.height()), (320, 240));
@@ -22,7 +22,7 @@
 use crate::Error;
 use crate::evaluation_body::EvaluationBody;
 use crate::points::Trajectories;
-use crate::render::View;
+use crate::render::RayCamera;
 use crate::ring::{Ring, around};
 use crate::segmentation_noise::{Level, segmented};
 use sinew_core::random::Stage;
@@ -42,7 +42,7 @@ pub struct SyntheticFootage {
     pub cameras: Vec<Camera>,
     /// The person.
     pub body: EvaluationBody,
-    views: Vec<View>,
+    views: Vec<RayCamera>,
     rooms: Vec<OnceLock<RgbImage>>,
     seed: u64,
 }
@@ -58,16 +58,16 @@ impl SyntheticFootage {
     /// As [`EvaluationBody::new`]; [`Error::Camera`] for a ring whose numbers are not finite and positive.
     pub fn new(motion: Trajectories, rate_hz: f64, ring: &Ring, seed: u64) -> Result<Self, Error> {
         let cameras = around(&motion, ring)?;
-        Self::of_cameras(motion, rate_hz, cameras, seed)
+        Self::with_cameras(motion, rate_hz, cameras, seed)
     }
 
     /// The same with cameras that are there already, with or without distortion.
     ///
     /// # Errors
     /// As [`EvaluationBody::new`].
-    pub fn of_cameras(motion: Trajectories, rate_hz: f64, cameras: Vec<Camera>, seed: u64) -> Result<Self, Error> {
+    pub fn with_cameras(motion: Trajectories, rate_hz: f64, cameras: Vec<Camera>, seed: u64) -> Result<Self, Error> {
         let body = EvaluationBody::new(&motion, Stage::new(seed, "evaluation body"))?;
-        let views: Vec<View> = cameras.iter().map(View::new).collect();
+        let views: Vec<RayCamera> = cameras.iter().map(RayCamera::new).collect();
         let rooms = cameras.iter().map(|_| OnceLock::new()).collect();
         Ok(Self { motion, rate_hz, cameras, body, views, rooms, seed })
     }

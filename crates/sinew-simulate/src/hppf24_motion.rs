@@ -5,7 +5,7 @@
 //! 3. Least squares on the points ([`fit_pose`]), angles unwrapped ([`states`]).
 
 use crate::error::Error;
-use crate::points::{Trajectories, of_states};
+use crate::points::{Trajectories, points_of_states};
 use sinew_body::fit::{Config, Target, fit_pose};
 use sinew_body::{KinematicTree, Plan, hppf24};
 use std::f64::consts::TAU;
@@ -30,26 +30,26 @@ pub enum Scale {
 
 /// How a body follows a motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Following {
+pub struct MotionFollowing {
     /// Weight λ of the squared change of a coordinate from frame to frame; twists of straight limbs stay where they are.
     pub damping: f64,
     /// Further fits of the first frame, each from the last, since there is no frame before it to stay near.
     pub first_refits: usize,
 }
 
-impl Default for Following {
+impl Default for MotionFollowing {
     fn default() -> Self {
         Self { damping: Config::default().damping, first_refits: 0 }
     }
 }
 
-/// The scale of HPPF24, 1 for an adult of 1.75 m, by which its segments are as long as those of a motion. A segment is a pair of names of points.
+/// The scale of HPPF24, 1 for an adult of 1.75 m, by which its segments are as long as a motion's. A segment is a pair of names of points.
 ///
 /// # Errors
 /// [`Error::NoPoint`] for a point that the motion lacks, [`Error::NoFrames`].
 pub fn scale(motion: &Trajectories, segments: &[(&str, &str)], how: Scale) -> Result<f64, Error> {
     let unit = hppf24::tree(1.0);
-    let body = of_states(&unit, &[vec![0.0; unit.dof()]]);
+    let body = points_of_states(&unit, &[vec![0.0; unit.dof()]]);
     Ok(match how {
         Scale::Medians => sum_of_medians(motion, segments)? / sum_of_medians(&body, segments)?,
         Scale::LeastSquares => {
@@ -89,7 +89,7 @@ fn first_lengths(motion: &Trajectories, segments: &[(&str, &str)]) -> Result<Vec
 ///
 /// # Errors
 /// [`Error::NoPoint`] where the motion has no hips.
-pub fn states(body: &KinematicTree, motion: &Trajectories, how: &Following) -> Result<Vec<Vec<f64>>, Error> {
+pub fn states(body: &KinematicTree, motion: &Trajectories, how: &MotionFollowing) -> Result<Vec<Vec<f64>>, Error> {
     let columns: Vec<Option<usize>> = body.points().iter().map(|point| motion.index(&point.name)).collect();
     let plan = Plan::with_all_points(body);
     let config = Config { damping: how.damping, ..Config::default() };
@@ -147,9 +147,9 @@ mod tests {
     }
 
     #[test]
-    fn both_scales_are_those_of_the_body_that_moved() {
+    fn both_scales_match_the_body_that_moved() {
         let (body, states) = moving(1.1);
-        let motion = of_states(&body, &states);
+        let motion = points_of_states(&body, &states);
         for how in [Scale::Medians, Scale::LeastSquares] {
             let found = scale(&motion, &SEGMENTS, how).unwrap();
             assert!((found - 1.1).abs() < 1e-9, "{how:?} {found}");
@@ -159,9 +159,9 @@ mod tests {
     #[test]
     fn the_body_is_where_the_motion_is() {
         let (body, truth) = moving(0.9);
-        let motion = of_states(&body, &truth);
-        for how in [Following::default(), Following { damping: 1e-3, first_refits: 20 }] {
-            let found = of_states(&body, &states(&body, &motion, &how).unwrap());
+        let motion = points_of_states(&body, &truth);
+        for how in [MotionFollowing::default(), MotionFollowing { damping: 1e-3, first_refits: 20 }] {
+            let found = points_of_states(&body, &states(&body, &motion, &how).unwrap());
             let worst = found.frames.iter().flatten().zip(motion.frames.iter().flatten());
             let worst = worst.map(|(a, b)| distance(*a, *b)).fold(0.0, f64::max);
             assert!(worst < 2e-3, "{how:?}: {worst} m");
@@ -177,7 +177,7 @@ mod tests {
             state
         };
         let truth: Vec<Vec<f64>> = (0..30).map(turn).collect();
-        let found = states(&body, &of_states(&body, &truth), &Following::default()).unwrap();
+        let found = states(&body, &points_of_states(&body, &truth), &MotionFollowing::default()).unwrap();
         assert!((found[29][HEADING] - 0.3 * 29.0).abs() < 0.02, "{}", found[29][HEADING]);
     }
 
@@ -185,7 +185,7 @@ mod tests {
     fn a_motion_without_hips_or_frames_is_refused() {
         let body = hppf24::tree(1.0);
         let nothing = Trajectories::default();
-        assert_eq!(states(&body, &nothing, &Following::default()), Err(Error::NoPoint("MidHip".into())));
+        assert_eq!(states(&body, &nothing, &MotionFollowing::default()), Err(Error::NoPoint("MidHip".into())));
         assert_eq!(scale(&nothing, &SEGMENTS, Scale::Medians), Err(Error::NoPoint("LShoulder".into())));
         let named = Trajectories { names: vec!["LShoulder".into(), "LElbow".into()], frames: vec![] };
         assert_eq!(scale(&named, &SEGMENTS[..1], Scale::Medians), Err(Error::NoFrames));

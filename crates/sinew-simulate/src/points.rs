@@ -40,7 +40,7 @@ impl Trajectories {
 
 /// All points of a body in a sequence of its states. Computed on the baseline instruction set, so that every processor gives the same bits.
 #[must_use]
-pub fn of_states(body: &KinematicTree, states: &[Vec<f64>]) -> Trajectories {
+pub fn points_of_states(body: &KinematicTree, states: &[Vec<f64>]) -> Trajectories {
     let plan = Plan::with_all_points(body);
     let mut flat = vec![0.0; 3 * plan.points()];
     let frames = states.iter().map(|state| {
@@ -59,7 +59,7 @@ mod tests {
     #[test]
     fn points_are_found_by_name_and_bounded() {
         let body = h32(&Proportions::default());
-        let all = of_states(&body, &[vec![0.0; body.dof()]]);
+        let all = points_of_states(&body, &[vec![0.0; body.dof()]]);
         let some = all.select(&["Head", "nothing", "MidHip"]);
         assert_eq!(some.names, ["Head", "MidHip"]);
         assert_eq!(some.bounds(), Some([[0.0, 0.0, -0.1], [0.0, 0.0, 0.73]]));

@@ -1,6 +1,6 @@
 //! The joints of a motion file, whatever they are called there.
 //!
-//! A file of points or of a skeleton gives the evaluation joints by our names, by those of the usual BVH skeletons (`LeftUpLeg`, `LeftHip`, …; case and what stands before a colon do not
+//! A file of points or of a skeleton gives the evaluation joints by our names, by the names of the usual BVH skeletons (`LeftUpLeg`, `LeftHip`, …; case and what stands before a colon do not
 //! matter) or, from ASF/AMC, as [`crate::cmu`] takes them. The middle of the hips is computed; toes, heels and nose are taken where they are.
 //!
 //! BVH files state no unit. Of metres, CMU's unit (0.0254/0.45 m), inches, centimetres and millimetres the first is taken that gives legs of 0.6 to 1.2 m.
@@ -153,7 +153,7 @@ mod tests {
     }
 
     #[test]
-    fn units_are_told_from_the_legs() {
+    fn units_are_recognised_by_the_legs() {
         for (unit, metres) in UNITS {
             let names = ["LHip", "LKnee", "LAnkle"].map(str::to_owned).to_vec();
             let frame = [0.95, 0.5, 0.08].map(|z| [0.0, 0.0, z / metres]).to_vec();

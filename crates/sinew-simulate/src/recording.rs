@@ -3,7 +3,7 @@
 //! In memory, and as the text of the files that `sinew track` and other programs read.
 
 use crate::detector::{Detections, DetectorNoise, detect};
-use crate::points::{Trajectories, of_states};
+use crate::points::{Trajectories, points_of_states};
 use crate::ring::{Ring, around};
 use crate::walker::{Gait, Walker, walker_states};
 use sinew_body::{KinematicTree, Proportions};
@@ -71,16 +71,16 @@ impl SyntheticRecording {
         let gait = Gait { duration_s: script.duration_s, proportions: script.proportions, ..Gait::default() };
         let walker = Walker::new(gait);
         let states = walker_states(&walker, script.rate_hz);
-        let truth = of_states(&walker.body, &states);
-        Self::of_motion(walker.body, states, truth, script, seed)
+        let truth = points_of_states(&walker.body, &states);
+        Self::from_motion(walker.body, states, truth, script, seed)
     }
 
-    /// Records any motion of a body: `truth` holds the points that the detector sees and that estimates are compared with, either those of the body in its states or
+    /// Records any motion of a body: `truth` holds the points that the detector sees and that estimates are compared with, either the points of the body in its states or
     /// recorded joints that the body only follows. Duration and proportions of the script do not matter.
     ///
     /// # Errors
     /// As [`around`].
-    pub fn of_motion(
+    pub fn from_motion(
         body: KinematicTree,
         states: Vec<Vec<f64>>,
         truth: Trajectories,
@@ -109,7 +109,7 @@ impl SyntheticRecording {
     /// Writes the true points as TRC.
     ///
     /// # Errors
-    /// Those of the stream.
+    /// Errors of the stream.
     pub fn write_truth_trc(&self, out: &mut impl io::Write) -> io::Result<()> {
         write_trc(out, "truth.trc", &self.truth, self.rate_hz)
     }
@@ -155,7 +155,7 @@ pub fn keypoint_json(people: &[&[Option<Keypoint>]]) -> String {
 /// Writes trajectories as TRC; frames count from 1, time from 0.
 ///
 /// # Errors
-/// Those of the stream.
+/// Errors of the stream.
 pub fn write_trc(out: &mut impl io::Write, file_name: &str, motion: &Trajectories, rate_hz: f64) -> io::Result<()> {
     let header = trc::Header::new(file_name, rate_hz, motion.names.clone());
     let count = u32::try_from(motion.frames.len()).map_err(io::Error::other)?;
@@ -209,7 +209,8 @@ mod tests {
         let recording = SyntheticRecording::new(&Script { duration_s: 1.2, ..Script::default() }, 3).unwrap();
         let files: Vec<_> = recording.keypoint_files().collect();
         assert_eq!((files.len(), files[0].0.as_str()), (4 * 36, "C1_json/C1.0000.json"));
-        let options = openpose::Options { layout: Some(&recording.layout), ..openpose::Options::default() };
+        let options =
+            openpose::OpenposeOptions { layout: Some(&recording.layout), ..openpose::OpenposeOptions::default() };
         let memory = recording.keypoints.iter().flatten();
         for ((name, text), expected) in files.iter().zip(memory) {
             let frame = openpose::read(name, text, &options).unwrap();

@@ -2,7 +2,7 @@
 //!
 //! A pixel shows what the ray through its centre meets first, through any lens that can be undone.
 //!
-//! Pixel (x, y) has its centre at (x + ½, y + ½). A [`View`] keeps the place before the lens of every pixel, and of every row and column the least and greatest place: a
+//! Pixel (x, y) has its centre at (x + ½, y + ½). A [`RayCamera`] keeps the place before the lens of every pixel, and of every row and column the least and greatest place: a
 //! solid is asked only for pixels whose row and column overlap its bounds. No supersampling.
 //!
 //! Pictures: Lambert's cosine law with one light and an ambient part, the colour by material; behind it a floor of tiles and a wall with panels, fixed in the world, and noise of
@@ -10,7 +10,7 @@
 
 use crate::cast::Cast;
 use crate::draws::normals;
-use crate::evaluation_body::{Material, Solid};
+use crate::evaluation_body::{Material, MaterialSolid};
 use crate::space::{Vector, along, dot};
 use sinew_core::random::Stage;
 use sinew_observe::bit_image::BitImage;
@@ -19,7 +19,7 @@ use std::ops::Range;
 
 /// A camera with the place before the lens of each of its pixels.
 #[derive(Clone, Debug)]
-pub struct View {
+pub struct RayCamera {
     camera: Camera,
     width: usize,
     height: usize,
@@ -29,7 +29,7 @@ pub struct View {
     rows: Vec<[f64; 2]>,
 }
 
-impl View {
+impl RayCamera {
     /// Works out the rays of a camera.
     #[must_use]
     pub fn new(camera: &Camera) -> Self {
@@ -59,7 +59,7 @@ impl View {
 
     /// Pixels in which some solid is seen.
     #[must_use]
-    pub fn silhouette(&self, solids: &[Solid]) -> BitImage {
+    pub fn silhouette(&self, solids: &[MaterialSolid]) -> BitImage {
         let mut covered = vec![false; self.places.len()];
         for cast in solids.iter().filter_map(|solid| Cast::new(&self.camera, &solid.shape)) {
             self.each_pixel(&cast, |i, place| {
@@ -103,7 +103,7 @@ impl View {
 
     /// The solids before a room, with noise of the sensor from a stage.
     #[must_use]
-    pub fn picture(&self, solids: &[Solid], room: &RgbImage, stage: &Stage) -> RgbImage {
+    pub fn picture(&self, solids: &[MaterialSolid], room: &RgbImage, stage: &Stage) -> RgbImage {
         let casts: Vec<(Cast, Material)> =
             solids.iter().filter_map(|solid| Some((Cast::new(&self.camera, &solid.shape)?, solid.material))).collect();
         let mut nearest = vec![(f64::INFINITY, 0); self.places.len()];
@@ -233,7 +233,7 @@ fn hash(i: i64, j: i64, seed: u64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::evaluation_body::Shape;
+    use crate::evaluation_body::ConvexShape;
     use sinew_observe::lens::Brown;
 
     fn cameras() -> [Camera; 2] {
@@ -242,21 +242,25 @@ mod tests {
         [straight.clone(), Camera { lens: lens.into(), ..straight }]
     }
 
-    fn solids() -> Vec<Solid> {
-        let capsule = |ends, radii| Solid { shape: Shape::Capsule { ends, radii }, material: Material::Shirt };
+    fn solids() -> Vec<MaterialSolid> {
+        let capsule =
+            |ends, radii| MaterialSolid { shape: ConvexShape::Capsule { ends, radii }, material: Material::Shirt };
         let half_axes = [[0.2, 0.1, 0.0], [-0.05, 0.1, 0.0], [0.0, 0.0, 0.3]];
         vec![
             capsule([[0.0, 0.0, 1.0], [0.3, 0.1, 1.5]], [0.15, 0.07]),
             capsule([[-0.9, 0.2, 0.4], [-0.2, 0.1, 0.9]], [0.04, 0.09]),
-            Solid { shape: Shape::Ellipsoid { centre: [0.2, 0.1, 0.5], half_axes }, material: Material::Trousers },
+            MaterialSolid {
+                shape: ConvexShape::Ellipsoid { centre: [0.2, 0.1, 0.5], half_axes },
+                material: Material::Trousers,
+            },
         ]
     }
 
-    /// Neither bounds nor lens cut anything off: every pixel is asked for every solid.
+    /// Neither bounds nor lens cut anything off: every pixel is tested against every solid.
     #[test]
     fn a_silhouette_is_where_rays_meet_a_solid() {
         for camera in cameras() {
-            let view = View::new(&camera);
+            let view = RayCamera::new(&camera);
             let silhouette = view.silhouette(&solids());
             let casts: Vec<Cast> = solids().iter().map(|solid| Cast::new(&camera, &solid.shape).unwrap()).collect();
             for y in 0..120 {
@@ -274,7 +278,7 @@ mod tests {
     #[test]
     fn points_of_a_solid_appear_inside_its_silhouette() {
         for camera in cameras() {
-            let silhouette = View::new(&camera).silhouette(&solids());
+            let silhouette = RayCamera::new(&camera).silhouette(&solids());
             for k in 0..=20 {
                 let s = f64::from(k) / 20.0;
                 for [dx, dz] in [[0.0, 0.0], [0.6, 0.0], [-0.6, 0.0], [0.0, 0.6], [0.0, -0.6]] {
@@ -289,20 +293,21 @@ mod tests {
 
     #[test]
     fn a_lens_moves_the_silhouette() {
-        let [straight, bent] = cameras().map(|camera| View::new(&camera).silhouette(&solids()));
+        let [straight, bent] = cameras().map(|camera| RayCamera::new(&camera).silhouette(&solids()));
         assert!(straight != bent);
     }
 
     #[test]
     fn the_nearest_solid_is_what_is_seen() {
         let camera = &cameras()[0];
-        let view = View::new(camera);
+        let view = RayCamera::new(camera);
         let ball = |m: f64, material| {
             let centre = along(camera.centre(), m, camera.rotation[2]);
-            Solid { shape: Shape::Capsule { ends: [centre; 2], radii: [0.3; 2] }, material }
+            MaterialSolid { shape: ConvexShape::Capsule { ends: [centre; 2], radii: [0.3; 2] }, material }
         };
         let room = view.room(1);
-        let middle = |solids: &[Solid]| view.picture(solids, &room, &Stage::new(1, "test")).pixels[60 * 160 + 80];
+        let middle =
+            |solids: &[MaterialSolid]| view.picture(solids, &room, &Stage::new(1, "test")).pixels[60 * 160 + 80];
         let near = middle(&[ball(3.0, Material::Trousers), ball(2.0, Material::Shirt)]);
         assert!(near[0] > near[2], "{near:?}");
         let other = middle(&[ball(3.0, Material::Shirt), ball(2.0, Material::Trousers)]);
@@ -313,7 +318,7 @@ mod tests {
     #[test]
     fn ellipses_on_the_ground_are_where_their_points_are() {
         for camera in cameras() {
-            let blob = View::new(&camera).ground_ellipse([0.2, 0.3], [0.8, 0.3], 0.5);
+            let blob = RayCamera::new(&camera).ground_ellipse([0.2, 0.3], [0.8, 0.3], 0.5);
             let at = |along_it: f64, across: f64| {
                 let (sin, cos) = 0.5_f64.sin_cos();
                 let [x, y] = [0.2 + cos * along_it - sin * across, 0.3 + sin * along_it + cos * across];

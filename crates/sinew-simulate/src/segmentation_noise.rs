@@ -110,7 +110,7 @@ impl Grid {
         self.height as f64 / ROWS
     }
 
-    /// Columns and rows from the first to the last flag, with so many more on each side.
+    /// Columns and rows from the first to the last flag, with `margin` more on each side.
     fn extent(&self, margin: usize) -> Option<[Range<usize>; 2]> {
         let set =
             || self.cells.iter().enumerate().filter(|(_, set)| **set).map(|(i, _)| [i % self.width, i / self.width]);
@@ -268,7 +268,7 @@ mod tests {
     }
 
     #[test]
-    fn a_clean_silhouette_stays_as_it_is_and_a_seed_tells_the_errors() {
+    fn a_clean_silhouette_stays_as_it_is_and_a_seed_fixes_the_errors() {
         let (image, shadow) = (disc(40.0), disc(20.0));
         assert_eq!(segmented(&image, Some(&shadow), Level::Clean, stage(0)), image);
         for level in LEVELS {

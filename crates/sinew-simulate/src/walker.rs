@@ -1,10 +1,10 @@
 //! A person who stands still and then walks, as states of the standard body H32.
 //!
-//! The world is right-handed: x to the walker's right, y forward, z up; the ground is z = 0. Angles are those of [`sinew_body::standard`]: flexion of shoulder, elbow, hip
+//! The world is right-handed: x to the walker's right, y forward, z up; the ground is z = 0. Angles are defined in [`sinew_body::standard`]: flexion of shoulder, elbow, hip
 //! and ankle is positive about x, of the knee negative.
 //!
 //! 1. For [`Gait::still_s`] the state does not change at all: upright, knees and elbows slightly bent.
-//! 2. Then cadence and amplitude rise from zero to those of steady walking (quintic steps, so that acceleration has no jump); the left leg carries first.
+//! 2. Then cadence and amplitude rise from zero to their values of steady walking (quintic steps, so that acceleration has no jump); the left leg carries first.
 //! 3. Hip, knee and ankle follow [`crate::gait`]. The pelvis turns ±5° about the vertical (the side that strikes is forward), rises 4° on the side that bears
 //!    weight and sways ±2 cm towards it; the thighs undo this, so that the legs swing straight ahead and the feet stay where they are, 6 cm from the middle.
 //!    Trunk and shoulders turn against the pelvis (1.5° and 3°), the trunk leans 3° forward, and the head looks ahead. Each arm swings with the opposite leg: shoulder 24° back to 8° forward, elbow 18° to 42°.
@@ -29,7 +29,7 @@ pub struct Gait {
     pub stride_s: f64,
     /// Time from standing to steady walking, seconds.
     pub start_s: f64,
-    /// Duration of the whole motion, seconds; later poses are those of its end.
+    /// Duration of the whole motion, seconds; later poses equal the last.
     pub duration_s: f64,
     /// Size of the walker.
     pub proportions: Proportions,
@@ -273,14 +273,14 @@ fn posture(size: &Proportions, swing: &Swing) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::points::{Trajectories, of_states};
+    use crate::points::{Trajectories, points_of_states};
 
     const RATE_HZ: f64 = 120.0;
 
     fn walk() -> (Walker, Vec<Vec<f64>>, Trajectories) {
         let walker = Walker::new(Gait { duration_s: 6.0, ..Gait::default() });
         let states = walker_states(&walker, RATE_HZ);
-        let points = of_states(&walker.body, &states);
+        let points = points_of_states(&walker.body, &states);
         (walker, states, points)
     }
 
@@ -333,7 +333,7 @@ mod tests {
     }
 
     #[test]
-    fn speed_and_step_length_are_those_of_natural_walking() {
+    fn speed_and_step_length_match_natural_walking() {
         let (_, states, _) = walk();
         let (from, to) = (&states[3 * 120], &states[3 * 120 + 264]);
         let speed = (to[1] - from[1]) / 2.2;

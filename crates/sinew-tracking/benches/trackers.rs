@@ -1,4 +1,5 @@
-//! One frame of each tracker in 28 dimensions on a quadratic observation: bootstrap per particle, hybrid Monte Carlo per chain and leapfrog step.
+//! One frame of each tracker in 28 dimensions on a quadratic observation.
+//! Bootstrap per particle, hybrid Monte Carlo per chain and leapfrog step.
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use sinew_core::density::Lanes;

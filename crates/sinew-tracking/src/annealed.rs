@@ -11,7 +11,7 @@
 //! 4. estimate = Σ W_i s_i
 //!
 //! N n likelihood evaluations a frame. With one layer and β = 1 it is a bootstrap filter, bit for bit, and then alone has an evidence. With more, resampled particles are moved without any correction and β ends where α N
-//! survive, so neither the particles nor their weights are those of a posterior; the last layer usually stands at one peak even where there are several.
+//! survive, so neither the particles nor their weights represent a posterior; the last layer usually stands at one peak even where there are several.
 
 use crate::error::check_dimension;
 use crate::particle_state::ParticleState;

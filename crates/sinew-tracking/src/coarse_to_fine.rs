@@ -7,7 +7,7 @@
 //! 3. fine: y_j = X_c + δ ω, j = 1 … M; λ_jk = likelihood of part k of y_j
 //! 4. o_k = argmax over all M of λ_jk (printed is the number of coarse particles); X̂(t + 1) = part k of y_(o_k), k = 1 … K, put together
 //!
-//! The coarse particles with their weights go on to the next frame. Before two estimates exist the difference in step 1 is 0; a coordinate that wraps differs the short way round. The coarse particles start at the given
+//! The coarse particles with their weights pass to the next frame. Before two estimates exist the difference in step 1 is 0; a coordinate that wraps differs the short way round. The coarse particles start at the given
 //! state. At most N + 1 evaluations of the whole likelihood a frame, the one for that of X̂, and M K of parts.
 //!
 //! Each part of y_j is judged under the other parts of y_j, which need not be those that are chosen. With [`Config::chained`], not the paper's, step 4 goes from the root outwards and judges part k under the chosen
@@ -23,7 +23,7 @@ use sinew_core::part::PartTree;
 use sinew_core::random::Stage;
 use sinew_core::transition::MotionModel;
 use sinew_samplers::diffusion::diffuse;
-use sinew_samplers::grid::Axis;
+use sinew_samplers::grid::GridAxis;
 use sinew_samplers::particles::{Particles, best, resample, temper};
 use sinew_samplers::parts::{choose, choose_chained};
 use sinew_samplers::quantised::{evaluate_distinct, walk};
@@ -76,7 +76,7 @@ pub struct CoarseToFine {
 /// The last change of X̂, the short way round where a coordinate wraps.
 #[derive(Clone, Debug)]
 struct Drift {
-    axes: Vec<Axis>,
+    axes: Vec<GridAxis>,
     change: Vec<f64>,
 }
 
@@ -106,7 +106,7 @@ impl CoarseToFine {
     ///
     /// # Errors
     /// [`Error::Config`], [`Error::Dimension`], or no particles.
-    pub fn new(config: Config, axes: Vec<Axis>, tree: PartTree, centre: Vec<f64>, isa: Isa) -> Result<Self, Error> {
+    pub fn new(config: Config, axes: Vec<GridAxis>, tree: PartTree, centre: Vec<f64>, isa: Isa) -> Result<Self, Error> {
         let start = Judged { state: centre.clone(), log_likelihood: f64::NEG_INFINITY };
         let change = vec![0.0; axes.len()];
         let state = ParticleState::new(Drift { axes, change }, centre, config.coarse)?;
@@ -156,7 +156,7 @@ impl<O: PartLogDensity + ?Sized> Tracker<O> for CoarseToFine {
         let coarse = Judged { state: particles.state(index), log_likelihood };
 
         let mut refined = Particles::new(&coarse.state, config.fine)?;
-        let widths: Vec<f64> = axes.iter().map(Axis::width).collect();
+        let widths: Vec<f64> = axes.iter().map(GridAxis::width).collect();
         diffuse(&mut refined, None, &widths, *isa, to_refine);
         let choice = if config.chained { choose_chained } else { choose };
         let chosen = choice(&refined, observed, tree)?;

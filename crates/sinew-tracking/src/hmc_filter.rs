@@ -9,10 +9,10 @@
 //! 5. h_j = curvature from K prior draws, ε_j = η / √h_j (eq. 17), both frozen for the frame
 //!    (with [`Geometry::Dense`], not the paper's, steps 2 and 5 use the Laplace approximation at the mode: u_i are its draws, w_i their importance weights, and its whole matrix the metric)
 //! 6. for each chain i and r = 1 … R: s^(i,r) = hybrid Monte Carlo update of s^(i,r−1) (eqs. 13–16)
-//!    (with a patience above 1, not the paper's, chains that disagree go on with so many times the updates, and only those count)
+//!    (with a patience above 1, not the paper's, chains that disagree continue with `patience` times the updates, and only those count)
 //! 7. estimate = mean of s^(i,r) over all i and r ≥ b; a rejected state counts again
 //!
-//! Only the last states s^(i,R), and the moments of all kept draws, go on to the next frame. M(R + 1 − b) draws, M + M R L evaluations and one gradient a chain to begin with. Chains are moved in blocks of eight lanes: 10 chains cost as much as 16.
+//! Only the last states s^(i,R), and the moments of all kept draws, pass to the next frame. M(R + 1 − b) draws, M + M R L evaluations and one gradient a chain to begin with. Chains are moved in blocks of eight lanes: 10 chains cost as much as 16.
 //! The chains of one frame start close together, so R̂ within a frame is the sign to look at.
 
 use crate::posterior::Posterior;
@@ -30,7 +30,7 @@ use sinew_samplers::laplace::laplace;
 use sinew_samplers::metric::{Geometry, Metric};
 use sinew_samplers::moments;
 use sinew_samplers::starts::{importance_starts, laplace_starts};
-use sinew_samplers::tuning::{self, Trial, Tuned};
+use sinew_samplers::tuning::{self, StepSizeTrial, Tuned};
 
 /// Split R̂ above which the chains of a frame disagree.
 pub const R_HAT_BOUND: f64 = 1.05;
@@ -52,9 +52,9 @@ pub struct Config {
     pub jitter: f64,
     /// Prior draws K for the curvature.
     pub curvature_draws: usize,
-    /// A frame whose split R̂ is above [`R_HAT_BOUND`], or does not exist since no chain moved, is drawn again, from where its chains stand, with so many times the updates and discarded samples; 1 (the paper's) never.
+    /// A frame whose split R̂ is above [`R_HAT_BOUND`], or does not exist since no chain moved, is drawn again, from where its chains stand, with this multiple of the updates and discarded samples; 1 (the paper's) never.
     pub patience: usize,
-    /// Start and metric of the trajectories: the paper's, or those of the Laplace approximation.
+    /// Start and metric of the trajectories: the paper's, or the Laplace approximation's.
     pub geometry: Geometry,
 }
 
@@ -196,7 +196,7 @@ impl<T: Predict> HmcFilter<T> {
     ) -> Result<Tuned, Error> {
         let [to_start, to_tune] = stage.split(["start", "tune"]);
         let Start { prior, states, metric, .. } = self.start(observed, to_start)?;
-        let mut trial = Trial { target: &Sum(observed, &prior), metric: &metric, states, isa: self.isa };
+        let mut trial = StepSizeTrial { target: &Sum(observed, &prior), metric: &metric, states, isa: self.isa };
         Ok(tuning::length(&mut trial, config, &to_tune)?)
     }
 }

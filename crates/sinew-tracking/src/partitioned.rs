@@ -1,4 +1,5 @@
-//! Partitioned sampling (MacCormick & Blake 1999; MacCormick & Isard 2000): the state is moved and weighed part by part, so that particles are not spent on all combinations of all parts.
+//! Partitioned sampling: the state is moved and weighed part by part.
+//! Particles are not spent on all combinations of all parts (MacCormick & Blake 1999; MacCormick & Isard 2000).
 //!
 //! For each frame t, with N particles, parts 1 … K, a motion h = h_1 * … * h_K that moves one part each, and importance functions g_k > 0:
 //!

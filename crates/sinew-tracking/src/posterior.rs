@@ -132,7 +132,7 @@ mod tests {
     }
 
     #[test]
-    fn of_chains_the_last_states_count() {
+    fn the_last_states_of_chains_count() {
         let stat = ChainStat { log_density: 0.0, acceptance: 1.0, step_factor: 1.0, divergent: false, energy: 0.0 };
         let stats = [stat; 3];
         let posterior = Posterior { chain_stats: &stats, ..weighted(&[1.0 / 3.0; 3]) };

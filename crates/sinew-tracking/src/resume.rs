@@ -24,7 +24,7 @@ pub(crate) fn put_blocks(out: &mut Vec<f64>, blocks: &[Block]) {
     blocks.iter().for_each(|block| out.extend(block.0));
 }
 
-/// Blocks of so many numbers.
+/// Blocks of this number of numbers.
 pub(crate) fn blocks(numbers: &[f64]) -> Vec<Block> {
     numbers.as_chunks::<LANES>().0.iter().map(|lanes| Block(*lanes)).collect()
 }

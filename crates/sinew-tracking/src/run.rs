@@ -32,7 +32,7 @@ pub trait Harness<O: ?Sized> {
 /// memory does not grow; and since the stage depends on the frame alone, a run in two halves with the carried tracker gives the same bits as one.
 ///
 /// # Errors
-/// Those of the harness, and of the tracker as [`Error::Frame`].
+/// Errors of the harness, and of the tracker as [`Error::Frame`].
 pub fn run<O: ?Sized, H: Harness<O> + ?Sized>(
     tracker: &mut (impl Tracker<O> + ?Sized),
     frames: impl IntoIterator<Item = u32>,

@@ -1,4 +1,5 @@
-//! A tracker behind the identity says and keeps what it does without: for trackers that take a state part by part too. Decoders that bend are in `tests/tests/latent_seam.rs` of the workspace.
+//! A tracker behind the identity as decoder answers and stores what it does without one.
+//! Trackers that take a state part by part too. Decoders that bend are in `tests/tests/latent_seam.rs` of the workspace.
 
 mod common;
 
@@ -9,7 +10,7 @@ use sinew_core::lanes::{Block, Isa};
 use sinew_core::part::{Part, PartTree, Partition};
 use sinew_core::random::Stage;
 use sinew_dynamics::random_walk::{Between, RandomWalk};
-use sinew_samplers::grid::Axis;
+use sinew_samplers::grid::GridAxis;
 use sinew_tracking::coarse_to_fine::{self, CoarseToFine};
 use sinew_tracking::decoded::Decoded;
 use sinew_tracking::partitioned::{self, Partitioned};
@@ -49,7 +50,7 @@ fn through_the_identity_parts_stay_parts() {
         Partitioned::new(config, walk, tree(), START.to_vec()).expect("valid")
     });
     check(|| {
-        let axes = vec![Axis::new(-2.0, 2.0, 0.15, false).expect("valid"); 2];
+        let axes = vec![GridAxis::new(-2.0, 2.0, 0.15, false).expect("valid"); 2];
         let config = coarse_to_fine::Config { coarse: 51, fine: 43, ..Default::default() };
         CoarseToFine::new(config, axes, tree(), START.to_vec(), Isa::best()).expect("valid")
     });

@@ -11,7 +11,7 @@ use sinew_core::random::Stage;
 use sinew_core::toy::Quadratic;
 use sinew_dynamics::random_walk::{Between, RandomWalk};
 use sinew_samplers::annealed_search;
-use sinew_samplers::grid::Axis;
+use sinew_samplers::grid::GridAxis;
 use sinew_samplers::tuning;
 use sinew_tracking::annealed::{self, Annealed};
 use sinew_tracking::bootstrap::{self, Bootstrap};
@@ -118,7 +118,7 @@ fn partitioned(particles: usize) -> Partitioned<RandomWalk> {
 }
 
 fn coarse_to_fine(config: coarse_to_fine::Config) -> CoarseToFine {
-    let axes = vec![Axis::new(-2.0, 2.0, 0.15, false).expect("valid"); 2];
+    let axes = vec![GridAxis::new(-2.0, 2.0, 0.15, false).expect("valid"); 2];
     CoarseToFine::new(config, axes, tree(), vec![0.0, 1.0], Isa::best()).expect("valid")
 }
 
@@ -405,7 +405,7 @@ fn settings_of_searches_and_of_the_partitioned_filter_are_checked() {
     };
     assert!(partitioned(1, tree(), &[0.0; 2]).is_ok() && partitioned(0, tree(), &[0.0; 2]).is_err());
     assert!(partitioned(1, small.clone(), &[0.0; 2]).is_err() && partitioned(1, tree(), &[0.0; 1]).is_err());
-    let axes = vec![Axis::new(-2.0, 2.0, 0.15, false).expect("valid"); 2];
+    let axes = vec![GridAxis::new(-2.0, 2.0, 0.15, false).expect("valid"); 2];
     let coarse_to_fine = |config, tree, centre: &[f64]| {
         CoarseToFine::new(config, axes.clone(), tree, centre.to_vec(), Isa::best()).map(|_| ())
     };
@@ -430,9 +430,9 @@ fn tuning_gives_settings_that_accept_as_asked() {
     assert!((tuned.acceptance - 0.85).abs() <= 0.03 && tuned.leapfrog_steps <= 5, "{tuned:?}");
 }
 
-/// Chains that hardly move disagree, and only the patient filter goes on; with steps that mix neither does.
+/// Chains that hardly move disagree, and only the patient filter continues; with steps that mix neither does.
 #[test]
-fn chains_that_disagree_go_on_once() {
+fn chains_that_disagree_continue_once() {
     let run = |patience, step_size, updates| {
         let config = hmc_filter::Config {
             chains: 16,
@@ -452,7 +452,7 @@ fn chains_that_disagree_go_on_once() {
     assert_eq!(run(3, 0.3, 120).0, 16 * 120);
 }
 
-/// Chains that run again move by random numbers of their own: their steps have nothing to do with those of the first run, which start from other places by as good as the same forces.
+/// Chains that run again move by random numbers of their own: their steps have nothing to do with the steps of the first run, which start from other places by as good as the same forces.
 #[test]
 fn chains_that_run_again_do_not_repeat_their_steps() {
     const CHAINS: usize = 16;
@@ -488,12 +488,12 @@ fn chains_that_run_again_do_not_repeat_their_steps() {
         product(a, b) / (product(a, a) * product(b, b)).sqrt()
     };
     let count = 20;
-    let of_first = steps(&once, 1, count);
-    assert!((correlation(&of_first, &of_first) - 1.0).abs() < 1e-12);
+    let first_steps = steps(&once, 1, count);
+    assert!((correlation(&first_steps, &first_steps) - 1.0).abs() < 1e-12);
     // The second run keeps its draws from one update later on: whichever update is the same, no step is repeated. Five standard errors.
-    let bound = 5.0 / (of_first.len() as f64).sqrt();
+    let bound = 5.0 / (first_steps.len() as f64).sqrt();
     for shift in 0..3 {
-        let found = correlation(&of_first, &steps(&again, shift, count));
+        let found = correlation(&first_steps, &steps(&again, shift, count));
         assert!(found.abs() < bound, "shift {shift}: {found}");
     }
 }

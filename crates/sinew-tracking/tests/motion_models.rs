@@ -1,4 +1,5 @@
-//! Motion models that follow the estimates: every tracker serves them alike, resumes them to the bit, and keeps nothing for those that remember nothing.
+//! Motion models that follow the estimates, in every tracker.
+//! Each calls them alike, resumes them to the bit, and stores nothing for a model that remembers nothing.
 
 mod common;
 

@@ -10,7 +10,7 @@ use sinew_core::part::{Part, PartTree, Partition};
 use sinew_core::random::Stage;
 use sinew_dynamics::random_walk::{Between, RandomWalk};
 use sinew_samplers::annealed_search::{self, Last, Scaling};
-use sinew_samplers::grid::Axis;
+use sinew_samplers::grid::GridAxis;
 use sinew_samplers::metric::Geometry;
 use sinew_samplers::resample::Scheme;
 use sinew_tracking::annealed::{self, Annealed};
@@ -115,7 +115,7 @@ proptest! {
         dim in 1..6usize, coarse in 1..60usize, fine in 1..60usize, drift in -1.0..1.0f64, snapped: bool, chained: bool,
         width in 0.01..3.0f64, wraps: bool, seed: u64,
     ) {
-        let axes = vec![Axis::new(-1.0, 1.5, width, wraps).expect("valid"); dim];
+        let axes = vec![GridAxis::new(-1.0, 1.5, width, wraps).expect("valid"); dim];
         let config = coarse_to_fine::Config { coarse, fine, drift, snapped, chained };
         let mut tracker = CoarseToFine::new(config, axes, tree(dim), vec![0.0; dim], Isa::best()).expect("valid");
         let info = steps(&mut tracker, dim, seed)?;

@@ -1,4 +1,5 @@
-//! The annealed and the coarse-to-fine tracker, exactly: A1, A12, validity, counts of evaluations, equality of the two ways of a product likelihood.
+//! The annealed and the coarse-to-fine tracker against exact results.
+//! A1, A12, validity, counts of evaluations, equality of the two ways of a product likelihood.
 
 use core::ops::Range;
 use sinew_core::density::{Lanes, LogDensity, PartLogDensity};
@@ -8,7 +9,7 @@ use sinew_core::random::Stage;
 use sinew_core::toy::Quadratic;
 use sinew_dynamics::random_walk::{Between, RandomWalk};
 use sinew_samplers::annealed_search::{self, Last};
-use sinew_samplers::grid::Axis;
+use sinew_samplers::grid::GridAxis;
 use sinew_samplers::particles::aggregate;
 use sinew_samplers::resample::Scheme;
 use sinew_tracking::annealed::{self, Annealed};
@@ -41,7 +42,7 @@ fn one_layer_with_an_exponent_of_one_is_the_bootstrap_filter() {
         let mut one = Annealed::new(config, walk(), SD.to_vec(), vec![0.0, 1.0, 0.0], Isa::best()).expect("valid");
         for frame in 0..10 {
             let stage = || Stage::new(11, "A1").at_frame(frame);
-            let (of_filter, of_one) = (
+            let (filter_step, search_step) = (
                 filter.step(&seen(frame), stage()).expect("weights"),
                 one.step(&seen(frame), stage()).expect("weights"),
             );
@@ -50,9 +51,9 @@ fn one_layer_with_an_exponent_of_one_is_the_bootstrap_filter() {
             for i in 0..203 {
                 assert_eq!((a.state(i), a.ancestor(i)), (b.state(i), b.ancestor(i)), "frame {frame}, particle {i}");
             }
-            assert_eq!(of_one.exponents, [1.0]);
-            assert_eq!(of_one.survivors, [of_filter.ess]);
-            assert_eq!(StepInfo { exponents: vec![], survivors: vec![], ..of_one }, of_filter);
+            assert_eq!(search_step.exponents, [1.0]);
+            assert_eq!(search_step.survivors, [filter_step.ess]);
+            assert_eq!(StepInfo { exponents: vec![], survivors: vec![], ..search_step }, filter_step);
         }
     }
 }
@@ -101,7 +102,7 @@ fn what_is_not_valid_weighs_nothing() {
     }
 }
 
-/// The same Gaussian with a part for each coordinate; part 2 also looks at coordinate 0, if the whole is not told to be a product.
+/// The same Gaussian with a part for each coordinate; part 2 also looks at coordinate 0, if the whole is not declared a product.
 struct InParts {
     whole: Lanes<Quadratic>,
     product: bool,
@@ -236,8 +237,8 @@ fn intermediate_densities_telescope() {
     }
 }
 
-fn axes(width: f64) -> Vec<Axis> {
-    vec![Axis::new(-2.0, 2.0, width, false).expect("valid"); 3]
+fn axes(width: f64) -> Vec<GridAxis> {
+    vec![GridAxis::new(-2.0, 2.0, width, false).expect("valid"); 3]
 }
 
 fn coarse_to_fine(config: coarse_to_fine::Config, width: f64) -> CoarseToFine {

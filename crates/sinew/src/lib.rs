@@ -10,22 +10,22 @@
 //! | [`track`] | the loop: observe, step, record; a whole run and its checkpoint |
 //! | [`results`] | estimates, the files of a run, and the same files read again |
 //!
-//! Beside them: [`config`] (settings with their origin), [`inspect`] (what a file holds), [`motion`] (motion files into each other), [`bodies`] (bodies by name or file), [`segment`] (masks from
-//! images), [`overlay`] and [`shape_fit`] (pictures and thicknesses from results and masks). The layers below are re-exported as modules; each can be used alone.
+//! Beside them: [`config`] (settings with their origin), [`bodies`] (bodies by name or file) and [`files`]. Input and set-up come from the crate `sinew-recording`. The layers below are re-exported
+//! as modules; each can be used alone.
 //!
 //! A simulated walker is seen by four cameras, and the set-up pass finds the length of the thighs from the keypoints alone:
 //!
 //! ```
 //! use sinew::input::in_memory::InMemory;
 //! use sinew::input::source::FrameSource;
-//! use sinew::setup::{self, Request};
+//! use sinew::setup::{self, SetupRequest};
 //! use sinew_simulate::recording::{Script, SyntheticRecording};
 //!
 //! let walk = SyntheticRecording::new(&Script { duration_s: 1.5, ..Script::default() }, 1)?;
 //! let mut source = InMemory { cameras: walk.cameras, layout: walk.layout, keypoints: walk.keypoints };
 //! let frames: Vec<_> = source.frames().map(|number| Ok((number, source.people(number)?))).collect();
 //!
-//! let (found, _) = setup::set_up(&source.cameras, &source.layout, &Request::default(), frames)?;
+//! let (found, _) = setup::set_up(&source.cameras, &source.layout, &SetupRequest::default(), frames)?;
 //! let knee = found.tree().link_index("r_shin").ok_or("no knee")?;
 //! let thigh_m = -found.tree().links()[knee].offset[2];
 //! assert!((thigh_m - 0.43).abs() < 0.03);
@@ -40,19 +40,11 @@ pub use sinew_observe as observe;
 pub use sinew_samplers as samplers;
 pub use sinew_tracking as tracking;
 
-pub mod bodies;
 pub mod config;
 mod error;
-pub mod files;
-pub mod input;
-pub mod inspect;
 pub mod methods;
-pub mod motion;
-pub mod overlay;
 pub mod results;
-pub mod segment;
-pub mod setup;
-pub mod shape_fit;
 pub mod track;
 
 pub use error::Error;
+pub use sinew_recording::{Error as RecordingError, FileError, Problems, bodies, files, input, setup};

@@ -17,11 +17,11 @@ pub mod partitioned;
 pub mod score;
 
 pub use about::{About, Gives, Making, Method, StepSize, Steps};
-pub use annealed::Annealed;
-pub use bootstrap::Bootstrap;
-pub use coarse_to_fine::CoarseToFine;
-pub use frame_likelihood::{Bound, BoundImages, FrameLikelihood};
-pub use hmc::Hmc;
+pub use annealed::AnnealedMethod;
+pub use bootstrap::BootstrapMethod;
+pub use coarse_to_fine::CoarseToFineMethod;
+pub use frame_likelihood::{BoundImages, BoundKeypoints, FrameLikelihood};
+pub use hmc::HmcMethod;
 pub use list::{METHODS, find};
-pub use partitioned::Partitioned;
+pub use partitioned::PartitionedMethod;
 pub use score::Score;

@@ -26,11 +26,12 @@ mod storage;
 mod summary;
 mod table;
 mod tables;
+mod texts;
 
 pub use claim::{
     Claim, LOCK_NAME, OWN_NAMES, RESULT_NAMES, claim, claim_in, claim_to_resume, is_in_use, refuse_inputs,
 };
-pub use folder::{ResultFolder, Texts, Written, write_whole};
+pub use folder::{ResultFolder, Written, write_whole};
 pub use markers::{REFERENCE_ORDER, order as marker_order};
 pub use partial::Position;
 pub(crate) use partial::{PartialFile, Place};
@@ -39,3 +40,4 @@ pub use result_table::{MOTION_FILES, ResultTable};
 pub use skeleton::t_pose;
 pub use storage::{Disk, Storage, StoredFile};
 pub use summary::{CameraSummary, Diagnostics, Ending, Limits, Summary};
+pub use texts::Texts;

@@ -25,7 +25,7 @@ pub fn covered(
     estimates.iter().map(|e| columns.iter().map(|c| c.map_or(f64::NAN, |c| share(e, c))).collect()).collect()
 }
 
-/// Standard error of the mean of some time series, by a block bootstrap (Künsch 1989): as many blocks of `block` consecutive values as make up each series are drawn anew from it, with replacement,
+/// Standard error of the mean of some time series, by a block bootstrap (Künsch 1989): as many blocks of `block` consecutive values as make up each series are drawn from it again, with replacement,
 /// and the mean over all series is taken; `replicates` times.
 #[must_use]
 pub fn block_bootstrap(series: &[Vec<f64>], block: usize, replicates: usize, seed: u64) -> f64 {

@@ -10,7 +10,7 @@ use sinew::core::random::Stage;
 pub struct Cell {
     /// Wall time of a run on one thread, seconds.
     pub seconds: f64,
-    /// Likelihood evaluations, a gradient counted as so many.
+    /// Likelihood evaluations, a gradient counted as several.
     pub units: f64,
     /// Squared errors of the means about the reference: run by run, variable by variable.
     pub squares: Vec<Vec<f64>>,
@@ -155,7 +155,7 @@ pub fn ratio(particles: &[Cell], chains: &[Cell], axis: Axis, at: At, stage: &St
     Ratio { value: value.exp(), interval: [quantile(0.025), quantile(0.975)], extrapolated }
 }
 
-/// Geometric mean of ratios over frames with the 95 % interval that follows from those of the frames.
+/// Geometric mean of ratios over frames with the 95 % interval that follows from the ratios of the frames.
 #[must_use]
 pub fn over_frames(ratios: &[Ratio]) -> [f64; 3] {
     let logs: Vec<f64> = ratios.iter().map(|r| r.value.ln()).collect();

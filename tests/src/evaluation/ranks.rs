@@ -7,7 +7,7 @@
 //! - histograms ([`histogram`]), whose [`chi_square`] has its distribution only where the ranks are independent;
 //! - the [`Shape`]: draws that are too wide make ranks crowd in the middle, draws that are too narrow at the ends.
 //!
-//! Draws that depend on each other, as those of a chain, leave each rank's distribution nearly uniform as long as they are many compared with their autocorrelation time.
+//! Draws that depend on each other, as a chain's do, leave each rank's distribution nearly uniform as long as they are many compared with their autocorrelation time.
 
 use sinew::body::{KinematicTree, Plan, point_positions};
 use sinew::core::lanes::Isa;
@@ -23,7 +23,7 @@ pub const DRAWS: usize = 199;
 
 /// Ranks of the true coordinates of named points among the draws of each estimate: frame by frame, point by point, axis by axis. Points that the truth or the body lacks are left out.
 #[must_use]
-pub fn of_points(
+pub fn at_points(
     tree: &KinematicTree,
     estimates: &[FrameEstimate],
     truth: &Trajectories,
@@ -33,7 +33,7 @@ pub fn of_points(
         names.iter().filter_map(|name| Some((tree.point_index(name)?, truth.index(name)?))).collect();
     let plan = Plan::new(tree, &columns.iter().map(|(k, _)| *k).collect::<Vec<_>>());
     let mut at = vec![0.0; 3 * plan.points()];
-    let of_frame = |estimate: &FrameEstimate| {
+    let frame_ranks = |estimate: &FrameEstimate| {
         let mut ranks = vec![[0; 3]; columns.len()];
         for (i, state) in estimate.draws.states.chunks_exact(tree.dof()).enumerate() {
             point_positions(&plan, Isa::baseline(), state, &mut at);
@@ -48,10 +48,10 @@ pub fn of_points(
         }
         ranks
     };
-    estimates.iter().map(of_frame).collect()
+    estimates.iter().map(frame_ranks).collect()
 }
 
-/// Whether the central interval of a level, 0 to 1, holds a truth of that rank among so many draws.
+/// Whether the central interval of a level, 0 to 1, holds a truth of that rank among `draws` draws.
 #[must_use]
 pub fn is_covered(rank: u32, draws: usize, level: f64) -> bool {
     let beyond = (0.5 * (1.0 - level) * (draws as f64 + 1.0)).round() as u32;
@@ -84,7 +84,7 @@ pub fn chi_square(histogram: &[u64]) -> f64 {
     histogram.iter().map(|count| (*count as f64 - expected).powi(2) / expected).sum()
 }
 
-/// Probability of a larger χ² of the ranks in so many bins, were they uniform and independent.
+/// Probability of a larger χ² of the ranks in `bins` bins, were they uniform and independent.
 #[must_use]
 pub fn uniformity(ranks: &[u32], draws: usize, bins: usize) -> f64 {
     let chi_square = chi_square(&histogram(ranks, draws, bins));
@@ -208,7 +208,7 @@ mod tests {
                 draws: Draws { states: states.clone(), size, ..Draws::default() },
                 ..FrameEstimate::default()
             };
-            of_points(&tree, &[estimate], &truth, &["Head", "nothing"])
+            at_points(&tree, &[estimate], &truth, &["Head", "nothing"])
         };
         assert_eq!(rank(vec![]), [[[2, 0, 4]]]);
         assert_eq!(rank(vec![1.0, 2.0, 2.0, 1.0])[0][0][2], 2);

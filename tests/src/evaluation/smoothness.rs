@@ -16,7 +16,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn second_differences_are_those_of_a_parabola() {
+    fn second_differences_match_a_parabola() {
         let states: Vec<Vec<f64>> = (0..5).map(|t| vec![0.02 * f64::from(t * t); 4]).collect();
         let found = second_differences(&states, |_, a, b| a - b);
         assert!(found.len() == 3 && found.iter().all(|x| (x - 0.04).abs() < 1e-12), "{found:?}");

@@ -5,7 +5,7 @@
 //! `cargo run --release --manifest-path xtask/peers/Cargo.toml -- [seeds]` prints a table in Markdown; every row is the median over the seeds (3 by default). It ends with 1 where a
 //! posterior mean is more than four standard errors from the long run's.
 //!
-//! Seconds are those of the thread on a processor. Warm-up is everything before the first kept draw: mode, metric, starts, tuning of step size and length, burn-in. Effective sample sizes are those of the bulk (rank-normalised, split chains), the least
+//! Seconds are the thread's on a processor. Warm-up is everything before the first kept draw: mode, metric, starts, tuning of step size and length, burn-in. Effective sample sizes are the bulk's (rank-normalised, split chains), the least
 //! over the 28 coordinates, of the coordinate and of its squared distance from the posterior mean.
 
 mod measure;

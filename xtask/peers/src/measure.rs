@@ -6,7 +6,7 @@ use std::fmt;
 use std::fs;
 use std::time::Instant;
 
-/// Seconds of this thread on a processor, where the system tells (Linux), so that what else runs on the machine counts for less; else seconds of the wall clock.
+/// Seconds of this thread on a processor, where the system gives them (Linux), so that what else runs on the machine counts for less; else seconds of the wall clock.
 pub struct Clock {
     start: Instant,
     on_processor: Option<f64>,

@@ -15,7 +15,7 @@ use sinew::samplers::laplace::laplace;
 use sinew::samplers::metric::Metric;
 use sinew::samplers::nuts::{self, MAX_DEPTH, Nuts};
 use sinew::samplers::starts::{importance_starts, laplace_starts};
-use sinew::samplers::tuning::{self, Trial, Tuned};
+use sinew::samplers::tuning::{self, StepSizeTrial, Tuned};
 use std::error::Error;
 
 /// Kept draws of all chains together.
@@ -112,7 +112,7 @@ fn prepared(problem: &Problem, choice: Choice, seed: u64) -> Result<(Metric, Vec
         let config = choice.config();
         for round in 0..2 {
             let stage = to_learn.round(round);
-            let mut trial = Trial { target: &target, metric: &metric, states, isa };
+            let mut trial = StepSizeTrial { target: &target, metric: &metric, states, isa };
             let tuned = tuning::step_size(&mut trial, 8, &config, &stage.round(0))?;
             let hmc = Hmc::with_metric(tuned.step_size, &metric, 8, JITTER, isa)?;
             let schedule = Schedule { updates: LEARNING * (round + 1), burn_in: BURN_IN };
@@ -133,7 +133,7 @@ fn tuned(
     stage: &Stage,
 ) -> Result<(Tuned, Vec<Block>), Box<dyn Error>> {
     let target = problem.target();
-    let mut trial = Trial { target: &target, metric, states, isa: problem.isa };
+    let mut trial = StepSizeTrial { target: &target, metric, states, isa: problem.isa };
     let config = choice.config();
     let tuned = match method {
         Method::Hmc => tuning::cheapest(&mut trial, &config, &ACCEPTANCES, stage)?,

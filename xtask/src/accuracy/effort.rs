@@ -11,7 +11,7 @@ use plotters::prelude::*;
 use sinew::body::standard::EVALUATION_JOINTS;
 use sinew::config::settings::Settings;
 use sinew::dynamics::random_walk::Between;
-use sinew::methods::Hmc;
+use sinew::methods::HmcMethod;
 use sinew::tracking::hmc_filter::Config;
 use sinew_tests::evaluation;
 use std::path::Path;
@@ -20,7 +20,7 @@ use std::sync::Arc;
 /// Updates a frame; a quarter of them is discarded.
 const UPDATES: [usize; 8] = [4, 8, 12, 16, 24, 32, 48, 96];
 const CHAINS: [usize; 3] = [8, 16, 32];
-/// Chains for the comparison of the priors, with so many updates.
+/// Chains for the comparison of the priors, with this number of updates.
 const PRIOR_CHAINS: [usize; 5] = [8, 16, 32, 64, 128];
 const PRIOR_UPDATES: usize = 24;
 
@@ -35,10 +35,10 @@ struct Found {
 }
 
 fn config(chains: usize, updates: usize) -> Config {
-    Config { chains, updates, burn_in: updates / 4, ..Hmc::default().0 }
+    Config { chains, updates, burn_in: updates / 4, ..HmcMethod::default().0 }
 }
 
-fn measure(motions: &[Motion], hmc: &Hmc, between: Between, seeds: u64) -> Outcome<Found> {
+fn measure(motions: &[Motion], hmc: &HmcMethod, between: Between, seeds: u64) -> Outcome<Found> {
     let mut tally = Tally::default();
     let (mut gradients, mut mixed, mut frames) = (vec![], 0, 0);
     for motion in motions {
@@ -115,7 +115,7 @@ pub fn run(motions: &[Motion], seeds: u64, picture: &Path) -> Outcome<()> {
     let mut effort = vec![];
     for chains in CHAINS {
         for updates in UPDATES {
-            let found = measure(motions, &Hmc(config(chains, updates)), Between::Gaussian, seeds)?;
+            let found = measure(motions, &HmcMethod(config(chains, updates)), Between::Gaussian, seeds)?;
             print(&found);
             effort.push(found);
         }
@@ -123,7 +123,7 @@ pub fn run(motions: &[Motion], seeds: u64, picture: &Path) -> Outcome<()> {
     let mut priors = vec![];
     for between in [Between::Gaussian, Between::Mixture] {
         for chains in PRIOR_CHAINS {
-            let found = measure(motions, &Hmc(config(chains, PRIOR_UPDATES)), between, seeds)?;
+            let found = measure(motions, &HmcMethod(config(chains, PRIOR_UPDATES)), between, seeds)?;
             print(&found);
             priors.push(found);
         }

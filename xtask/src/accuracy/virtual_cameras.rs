@@ -58,7 +58,7 @@ pub(super) fn film(motion: &Motion, truth: &Trajectories, seed: u64) -> Outcome<
     let noise = DetectorNoise::stated_gaussian(SIGMA_PX);
     let script = Script { noise, rate_hz: CMU_RATE_HZ, ..Script::default() };
     let (body, states) = (motion.fitted.body.clone(), motion.fitted.states.clone());
-    let film = SyntheticRecording::of_motion(body, states, truth.clone(), &script, seed)?;
+    let film = SyntheticRecording::from_motion(body, states, truth.clone(), &script, seed)?;
     Ok((source(&film), 0..truth.frames.len() as u64))
 }
 

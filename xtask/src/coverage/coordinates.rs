@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use sinew::body::Proportions;
 use sinew::body::standard::h32;
 use sinew::config::settings::Settings;
-use sinew::methods::Hmc;
+use sinew::methods::HmcMethod;
 use sinew::tracking::hmc_filter;
 use std::fmt::Write as _;
 use std::sync::Arc;
@@ -25,7 +25,7 @@ pub struct Chains {
     burn_in: Option<usize>,
 }
 
-/// The degree of freedom whose ranks are least uniform over so many series: its name, the width of its ranks, and the probability of a larger χ² times the number of degrees of freedom.
+/// The degree of freedom whose ranks are least uniform over `count` series: its name, the width of its ranks, and the probability of a larger χ² times the number of degrees of freedom.
 pub(super) fn worst(count: usize, seed: u64) -> Outcome<(String, f64, f64)> {
     let found = ranked(&Tracker::Hmc.settings(), count, seed)?.state();
     let number = found.len() as f64;
@@ -42,8 +42,8 @@ fn ranked(settings: &Settings, count: usize, seed: u64) -> Outcome<Found> {
 
 /// The table of a number of series; Markdown.
 pub(super) fn measure(count: usize, chains: Chains, seed: u64) -> Outcome<String> {
-    let usual = Hmc::default().0;
-    let hmc = Hmc(hmc_filter::Config {
+    let usual = HmcMethod::default().0;
+    let hmc = HmcMethod(hmc_filter::Config {
         updates: chains.updates.unwrap_or(usual.updates),
         burn_in: chains.burn_in.unwrap_or(usual.burn_in),
         ..usual

@@ -104,7 +104,7 @@ impl Found {
         self.uniform(|series| &series.ranks)
     }
 
-    /// Whether those of each degree of freedom are, where they are known.
+    /// Whether the ranks of each degree of freedom are, where they are known.
     pub(super) fn uniform_state(&self) -> Option<AllUniform> {
         self.uniform(|series| &series.state_ranks)
     }

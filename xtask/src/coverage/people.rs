@@ -6,7 +6,7 @@ use crate::outcome::Outcome;
 use sinew::body::{KinematicTree, Proportions};
 use sinew::formats::{amc, asf};
 use sinew_simulate::cmu;
-use sinew_simulate::points::{Trajectories, of_states};
+use sinew_simulate::points::{Trajectories, points_of_states};
 use sinew_simulate::walker::{Gait, Walker, walker_states};
 use std::path::Path;
 
@@ -87,7 +87,7 @@ fn walker([whole, legs, arms]: &[f64; 3]) -> Person {
     let states = walker_states(&walker, RATE_HZ);
     Person {
         subject: format!("walker {whole} {legs} {arms}"),
-        fitted: of_states(&walker.body, &states),
+        fitted: points_of_states(&walker.body, &states),
         body: walker.body,
         proportions,
         states,

@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 use sinew::body::Proportions;
 use sinew::body::standard::EVALUATION_JOINTS;
 use sinew::config::settings::Settings;
-use sinew::methods::Bootstrap;
+use sinew::methods::BootstrapMethod;
 use sinew::observe::Noise;
 use sinew::setup::Setup;
 use sinew::track::Doubt;
@@ -55,7 +55,7 @@ const OUTLIER_PX: [f64; 2] = [40.0, 250.0];
 pub(super) enum Tracker {
     /// With its defaults.
     Hmc,
-    /// With so many particles.
+    /// With a number of particles.
     Bootstrap(usize),
 }
 
@@ -72,7 +72,7 @@ impl Tracker {
             Self::Hmc => Settings::default(),
             Self::Bootstrap(particles) => {
                 let config = bootstrap::Config { particles, ..bootstrap::Config::default() };
-                Settings { method: Arc::new(Bootstrap(config)), ..Settings::default() }
+                Settings { method: Arc::new(BootstrapMethod(config)), ..Settings::default() }
             }
         }
     }
@@ -113,7 +113,7 @@ pub(super) enum Wrong {
 /// What is simulated and how it is tracked.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Scene {
-    /// Someone before so many cameras.
+    /// Someone before a number of cameras.
     Person { cameras: usize, tracker: Tracker, sizes: Sizes, wrong: Wrong },
     /// Motion and keypoints drawn from the tracker's own model.
     OwnModel { tracker: Tracker },
@@ -147,7 +147,7 @@ impl Sizes {
         }
     }
 
-    /// Sizes that replace those of the set-up for a person, `None` where they stay.
+    /// Sizes that replace a person's sizes from the set-up, `None` where they stay.
     fn of(self, person: &Person, people: &[Person]) -> Option<Proportions> {
         let own = person.proportions;
         match self {
@@ -197,7 +197,7 @@ impl Wrong {
 /// What came of a series.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Series {
-    /// Ranks of the last frame, joint by joint, axis by axis; of the own model also those of the state.
+    /// Ranks of the last frame, joint by joint, axis by axis; of the own model also the ranks of the state.
     pub(super) ranks: Vec<u32>,
     pub(super) state_ranks: Vec<u32>,
     /// For each level and joint the share of covered coordinates in the judged frames.
@@ -240,7 +240,7 @@ impl Series {
 pub(super) const PARTICLES: Tracker = Tracker::Bootstrap(10_000);
 pub(super) const FEW: Tracker = Tracker::Bootstrap(2000);
 
-/// Consecutive seeds that begin far from those of other first seeds.
+/// Consecutive seeds that begin far from the seeds of other first seeds.
 pub(super) fn seeds(numbers: Range<usize>, first: u64) -> Vec<u64> {
     let first = first.wrapping_mul(1_000_003);
     numbers.map(|i| first.wrapping_add(i as u64)).collect()
@@ -298,7 +298,7 @@ fn person(
     let film = |noise: DetectorNoise| -> Outcome<SyntheticRecording> {
         let script = Script { noise, rate_hz: RATE_HZ, ..Script::default() };
         let mut film =
-            SyntheticRecording::of_motion(person.body.clone(), states.clone(), truth.clone(), &script, seed)?;
+            SyntheticRecording::from_motion(person.body.clone(), states.clone(), truth.clone(), &script, seed)?;
         film.cameras.truncate(cameras);
         film.keypoints.truncate(cameras);
         Ok(film)
@@ -329,7 +329,7 @@ fn judged(found: &Filtered, truth: &Trajectories) -> Series {
     let judged = &found.estimates[found.estimates.len() - JUDGED..];
     let flat = |frame: Vec<[u32; 3]>| frame.into_iter().flatten().collect::<Vec<u32>>();
     let ranked: Vec<Vec<u32>> =
-        ranks::of_points(&found.tree, judged, truth, &EVALUATION_JOINTS).into_iter().map(flat).collect();
+        ranks::at_points(&found.tree, judged, truth, &EVALUATION_JOINTS).into_iter().map(flat).collect();
     let in_files = evaluation::covered(&found.tree, judged, truth, &EVALUATION_JOINTS);
     let mean = |x: &[f64]| x.iter().sum::<f64>() / x.len() as f64;
     let target: Track = truth.select(&EVALUATION_JOINTS).frames[truth.frames.len() - JUDGED..]

@@ -8,7 +8,7 @@ use sinew::core::lanes::Isa;
 use sinew::input::source::FrameSource as _;
 use sinew::observe::Camera;
 use sinew::results::estimate::FrameEstimate;
-use sinew::setup::{self, Request, Setup};
+use sinew::setup::{self, Setup, SetupRequest};
 use sinew::track::{self, Pipeline};
 use sinew_simulate::recording::{Script, SyntheticRecording};
 use sinew_tests::simulated_source::source;
@@ -86,8 +86,9 @@ fn track() -> Result<Tracked, Box<dyn Error>> {
     let (cameras, layout, frames) = (recording.cameras.clone(), recording.layout.clone(), frames_of.frames());
     // One instruction set, so that every machine draws the same picture.
     let settings = Settings { fps: script.rate_hz, seed: SEED, isa: Isa::baseline(), ..Settings::default() };
-    let people: Vec<_> = frames.clone().map(|number| Ok((number, frames_of.people(number)?))).collect();
-    let (mut setup, _) = setup::set_up(&cameras, &layout, &Request::default(), people)?;
+    let people: Vec<_> =
+        frames.clone().map(|number| Ok::<_, sinew::Error>((number, frames_of.people(number)?))).collect();
+    let (mut setup, _) = setup::set_up(&cameras, &layout, &SetupRequest::default(), people)?;
     let tree = setup.tree();
     setup.motion_sd = Some(setup::measure_motion(&setup, &tree, &mut frames_of, frames.clone(), script.rate_hz)?);
     let start = setup.start_frame;

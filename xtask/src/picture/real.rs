@@ -5,12 +5,12 @@ use sinew::config::settings::Settings;
 use sinew::core::lanes::Isa;
 use sinew::formats::picture::write_png;
 use sinew::input::pictures::Pictures;
-use sinew::input::recording::{Options, Recording};
-use sinew::input::silhouettes::Options as ImageOptions;
+use sinew::input::recording::{Recording, RecordingOptions};
+use sinew::input::silhouettes::ImageFolderOptions;
 use sinew::observe::{Camera, RgbImage};
-use sinew::overlay::Artist;
 use sinew::results::tracked::Tracked;
 use sinew_tests::evaluation;
+use sinew_tools::overlay::Artist;
 use std::error::Error;
 use std::ops::Range;
 use std::path::Path;
@@ -37,14 +37,14 @@ pub(super) fn is_there(data: &Path) -> bool {
 /// The picture.
 pub(super) fn png(data: &Path) -> Result<Vec<u8>, Box<dyn Error>> {
     let recording = data.join("pose2sim_single");
-    let options = Options { layout: Some("BODY_25B".into()), ..Options::default() };
+    let options = RecordingOptions { layout: Some("BODY_25B".into()), ..RecordingOptions::default() };
     let mut recording =
         Recording::open(&recording.join("Calib.toml"), &recording.join("T01_BalancingTrial/pose"), &options)?;
     // One instruction set, so that every machine draws the same picture.
     let settings = Settings { fps: FPS, isa: Isa::baseline(), ..Settings::default() };
     let run = evaluation::run(&mut recording, FRAMES, 0..SHOWN + 1, &settings, None)?;
     let calibrated = recording.cameras().to_vec();
-    let options = ImageOptions {
+    let options = ImageFolderOptions {
         scale: Some(SCALE),
         frames: Some(FRAMES),
         trim: true,

@@ -69,14 +69,14 @@ pub(super) fn run(root: &Path, args: &Args) -> Outcome<ExitCode> {
     let name = if args.quick { "annealing-quick" } else { "annealing" };
     let folder = args.out.clone().unwrap_or_else(|| root.join("target/reproduce").join(name));
     let (isa, seed) = (Isa::best(), args.seed);
-    let of_all = format!("version {VERSION}, {}, seed {seed}", isa.name());
+    let common = format!("version {VERSION}, {}, seed {seed}", isa.name());
     // A seed of the film is a cell of its own, and its sweeps are named by what they run.
-    let of_film = format!("{of_all}, film, {} frames, {:016x}", size.frames, walks.hash());
-    let of_series = format!("{of_all}, series, {:?}", (size.series, size.particles, size.part_runs, size.repeats));
+    let film_version = format!("{common}, film, {} frames, {:016x}", size.frames, walks.hash());
+    let series_version = format!("{common}, series, {:?}", (size.series, size.particles, size.part_runs, size.repeats));
     size.seeds = args.seeds.unwrap_or(size.seeds);
     let rows: Vec<Row> = film::rows().into_iter().filter(|row| size.sweeps.contains(&row.sweep)).collect();
-    let store = Store::open(&folder, &of_series)?;
-    let film_store = Store::open(&folder, &of_film)?;
+    let store = Store::open(&folder, &series_version)?;
+    let film_store = Store::open(&folder, &film_version)?;
     let film = Film::new(&walks, size.frames, size.seeds, seed, isa)?;
     let mut study = Study { size, seed, isa, rows, store, film: film_store, only: args.only.clone() };
     let granted = std::thread::available_parallelism().map_or(1, |n| n.get());

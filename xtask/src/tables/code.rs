@@ -1,7 +1,7 @@
 //! Tables that derive from lists in the code: settings, methods, layouts, planted bugs.
 
 use crate::mutants::list;
-use sinew::config::setting::{Kind, Setting};
+use sinew::config::setting::{Setting, SettingKind};
 use sinew::config::table::settings;
 use sinew::formats::layout;
 use sinew::methods::{About, Gives, METHODS};
@@ -14,12 +14,12 @@ pub(super) fn table(name: &str) -> Option<String> {
         None if name == "methods" => Some(methods()),
         None if name == "layouts" => Some(layouts()),
         None if name == "planted-bugs" => planted_bugs(),
-        Some(("settings", group)) => of_group(group),
+        Some(("settings", group)) => group_table(group),
         _ => None,
     }
 }
 
-fn of_group(group: &str) -> Option<String> {
+fn group_table(group: &str) -> Option<String> {
     let mut table = String::from("| setting | values | default | meaning |\n|---|---|---|---|\n");
     let chosen: Vec<&Setting> = settings().iter().filter(|setting| setting.group == group).collect();
     for setting in &chosen {
@@ -37,19 +37,19 @@ fn escaped(help: &str) -> String {
 
 fn values(setting: &Setting) -> String {
     match setting.kind {
-        Kind::Path => "path".into(),
-        Kind::NameOrPath => "name or path".into(),
-        Kind::Choice(names) => names.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", "),
-        Kind::Count(least, u64::MAX) => format!("whole, from {least}"),
-        Kind::Count(least, most) => format!("{least} to {most}"),
-        Kind::Number { least, excluded, most } => {
+        SettingKind::Path => "path".into(),
+        SettingKind::NameOrPath => "name or path".into(),
+        SettingKind::Choice(names) => names.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", "),
+        SettingKind::Count(least, u64::MAX) => format!("whole, from {least}"),
+        SettingKind::Count(least, most) => format!("{least} to {most}"),
+        SettingKind::Number { least, excluded, most } => {
             let above = if excluded { "above" } else { "from" };
             if most.is_finite() { format!("{above} {least} to {most}") } else { format!("{above} {least}") }
         }
-        Kind::Flag => "`true`, `false`".into(),
-        Kind::Frames => "`A..B`, B not included".into(),
-        Kind::Names => "names, `a,b,c`".into(),
-        Kind::Lags => "frames by camera, `a=1,b=-2`".into(),
+        SettingKind::Flag => "`true`, `false`".into(),
+        SettingKind::Frames => "`A..B`, B not included".into(),
+        SettingKind::Names => "names, `a,b,c`".into(),
+        SettingKind::Lags => "frames by camera, `a=1,b=-2`".into(),
     }
 }
 
@@ -70,7 +70,11 @@ fn methods() -> String {
             Gives::Search => "best states, no posterior",
         };
         let particles = particles.map_or_else(|| "–".into(), |count| count().to_string());
-        let score = if *needs_gradients { "limbs inside the contour".into() } else { format!("`{}`", score.name()) };
+        let score = match (needs_gradients, about.score_beside_keypoints) {
+            (true, _) => "limbs inside the contour".into(),
+            (_, beside) if beside == *score => format!("`{}`", score.name()),
+            (_, beside) => format!("`{}`, beside keypoints `{}`", score.name(), beside.name()),
+        };
         let own: Vec<String> = settings.iter().map(|setting| format!("`{}`", setting.key)).collect();
         let own = if own.is_empty() { "–".into() } else { own.join(", ") };
         let _ = writeln!(table, "| `{name}` | {help} | {observes} | {gives} | {particles} | {score} | {own} |");

@@ -35,7 +35,7 @@ fn is_root(path: &str) -> bool {
 fn cycles(tree: &Tree) -> Vec<Violation> {
     let arrows = arrows(tree);
     let knots = knots(&arrows, tree.files.len());
-    knots.iter().map(|knot| Violation::of_file(&tree.files[knot[0]], message(tree, &arrows, knot))).collect()
+    knots.iter().map(|knot| Violation::in_file(&tree.files[knot[0]], message(tree, &arrows, knot))).collect()
 }
 
 fn message(tree: &Tree, arrows: &Arrows, knot: &[usize]) -> String {
@@ -89,14 +89,14 @@ fn arrows(tree: &Tree) -> Arrows {
 
 /// Whether a private import of a module is only the beginning of other paths, which count for themselves.
 fn is_taken_further(tree: &Tree, module: usize, mention: &Mention, imported: usize) -> bool {
-    let of_file = |other: &&Module| other.file == tree.modules[module].file;
+    let is_same_file = |other: &&Module| other.file == tree.modules[module].file;
     let goes_through = |other: &Mention| {
         let first = other.path.first().filter(|_| other.path.len() > 1).into_iter().cloned().collect::<Vec<_>>();
         !first.is_empty() && resolve(tree, module, &first) == Some(Found::Module(imported))
     };
     let is_glob = tree.modules[module].globs.contains(&mention.path);
     mention.kind == Kind::Import
-        && (is_glob || tree.modules.iter().filter(of_file).any(|other| other.mentions.iter().any(goes_through)))
+        && (is_glob || tree.modules.iter().filter(is_same_file).any(|other| other.mentions.iter().any(goes_through)))
 }
 
 /// Files that reach each other, in sets of two and more.

@@ -17,11 +17,11 @@ pub fn check(packages: usize) -> Vec<Violation> {
     let what = format!(
         "the facade builds {packages} packages; keep it under {LIMIT}, or say why in docs/reference/dependencies.md"
     );
-    vec![Violation::of_file("Cargo.lock", what)]
+    vec![Violation::in_file("Cargo.lock", what)]
 }
 
 /// Packages that the facade builds on this platform, itself included.
-pub fn of_facade(root: &Path) -> Result<BTreeSet<String>, String> {
+pub fn facade_packages(root: &Path) -> Result<BTreeSet<String>, String> {
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
     let host = host(&cargo)?;
     let arguments = ["metadata", "--format-version", "1", "--locked", "--filter-platform", &host];

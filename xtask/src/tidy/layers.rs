@@ -5,7 +5,7 @@ use crate::source::lines_with;
 use std::collections::BTreeSet;
 
 /// What each crate may depend on, of ours.
-const ALLOWED: [(&str, &[&str]); 14] = [
+const ALLOWED: [(&str, &[&str]); 16] = [
     ("sinew-core", &[]),
     ("sinew-body", &["sinew-core"]),
     ("sinew-observe", &["sinew-body", "sinew-core"]),
@@ -16,14 +16,17 @@ const ALLOWED: [(&str, &[&str]); 14] = [
     ("sinew-formats", &["sinew-body", "sinew-observe"]),
     ("sinew-invariance", &["sinew-core"]),
     ("sinew-simulate", &["sinew-core", "sinew-body", "sinew-observe", "sinew-formats"]),
+    ("sinew-recording", &["sinew-core", "sinew-body", "sinew-observe", "sinew-formats"]),
     ("sinew", &LIBRARIES),
+    ("sinew-tools", &["sinew", "sinew-core", "sinew-body", "sinew-observe", "sinew-formats"]),
     ("sinew-cli", &BELOW_THE_PROGRAM),
-    ("xtask", &["sinew", "sinew-simulate", "sinew-tests"]),
-    ("sinew-tests", &["sinew", "sinew-simulate", "sinew-invariance"]),
+    ("xtask", &["sinew", "sinew-tools", "sinew-simulate", "sinew-tests"]),
+    ("sinew-tests", &["sinew", "sinew-tools", "sinew-simulate", "sinew-invariance"]),
 ];
 
 /// What the library that people use is made of.
-const LIBRARIES: [&str; 8] = [
+const LIBRARIES: [&str; 9] = [
+    "sinew-recording",
     "sinew-core",
     "sinew-body",
     "sinew-observe",
@@ -35,8 +38,9 @@ const LIBRARIES: [&str; 8] = [
 ];
 
 /// What the program may know.
-const BELOW_THE_PROGRAM: [&str; 10] = [
+const BELOW_THE_PROGRAM: [&str; 11] = [
     "sinew",
+    "sinew-tools",
     "sinew-simulate",
     "sinew-core",
     "sinew-body",
@@ -76,7 +80,7 @@ fn allowed(name: &str) -> Option<&'static [&'static str]> {
 }
 
 fn check_manifest(file: &File, violations: &mut Vec<Violation>) {
-    let mut complain = |what: String| violations.push(Violation::of_file(&file.path, what));
+    let mut complain = |what: String| violations.push(Violation::in_file(&file.path, what));
     let manifest: toml::Table = match file.text.parse() {
         Ok(manifest) => manifest,
         Err(error) => return complain(format!("not TOML: {error}")),
@@ -128,7 +132,7 @@ fn check_use(manifest: &File, workspace: &Workspace, violations: &mut Vec<Violat
         let word = dependency.replace('-', "_");
         let mut files = workspace.files.iter().filter(|file| file.path.starts_with(&sources));
         if !files.any(|file| !lines_with(&file.product, &word).is_empty()) {
-            violations.push(Violation::of_file(&manifest.path, format!("`{dependency}` is never used; remove it")));
+            violations.push(Violation::in_file(&manifest.path, format!("`{dependency}` is never used; remove it")));
         }
     }
 }
@@ -150,9 +154,9 @@ fn check_imports(file: &File, violations: &mut Vec<Violation>) {
             if import != name && !allowed.contains(&import.as_str()) {
                 violations.push(Violation::at(&file.path, line, format!("`{name}` must not know `{word}`")));
             }
-            let of_core = text[at + word.len()..].strip_prefix("::").filter(|_| word == "sinew_core");
+            let core_path = text[at + word.len()..].strip_prefix("::").filter(|_| word == "sinew_core");
             if name == "sinew-body"
-                && let Some(path) = of_core
+                && let Some(path) = core_path
                 && !CORE_FOR_BODY.iter().any(|module| path.starts_with(module))
             {
                 violations.push(Violation::at(&file.path, line, "bodies know only the lanes of core"));

@@ -26,7 +26,7 @@ pub fn check(workspace: &Workspace) -> Vec<Violation> {
     let violation = |(name, homes): (&str, Vec<&File>)| {
         let others: Vec<&str> = homes[1..].iter().map(|file| file.path.as_str()).collect();
         let what = format!("`{name}` is also a public type in {}: give each a name of its own", others.join(", "));
-        Violation::of_file(&homes[0].path, what).known_as(name)
+        Violation::in_file(&homes[0].path, what).known_as(name)
     };
     doubled.map(violation).collect()
 }

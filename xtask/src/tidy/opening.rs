@@ -15,7 +15,7 @@ pub fn check(workspace: &Workspace) -> Vec<Violation> {
         let sentence = first_sentence(&file.text);
         let count = words(&sentence);
         let what = format!("its first sentence has {count} words, {} at most: say what the module is", WORDS - 1);
-        (count >= WORDS).then(|| Violation::of_file(&file.path, what))
+        (count >= WORDS).then(|| Violation::in_file(&file.path, what))
     });
     long.collect()
 }

@@ -25,7 +25,7 @@ const TOP: [&str; 17] = [
 /// Checks the names at the top level.
 pub fn check(workspace: &Workspace) -> Vec<Violation> {
     let stray = workspace.top.iter().filter(|name| !TOP.contains(&name.as_str()));
-    stray.map(|name| Violation::of_file(name, "does not belong at the top level")).collect()
+    stray.map(|name| Violation::in_file(name, "does not belong at the top level")).collect()
 }
 
 /// Checks that every Rust file opens with its module documentation.
@@ -37,7 +37,7 @@ pub fn check_docs(workspace: &Workspace) -> Vec<Violation> {
         });
         file.is_rust() && !opening.is_some_and(|line| line.starts_with("//! ") && line.len() > 8)
     });
-    undocumented.map(|file| Violation::of_file(&file.path, "has no `//!` line that says what it is")).collect()
+    undocumented.map(|file| Violation::in_file(&file.path, "has no `//!` line that says what it is")).collect()
 }
 
 #[cfg(test)]

@@ -47,10 +47,12 @@ pub fn check(workspace: &Workspace) -> Vec<Violation> {
         let Some(library) = file.library() else { continue };
         match library {
             "sinew-cli" => {}
-            "sinew" => forbid(file, &OF_PROGRAMS, "the program and xtask", &mut violations),
+            "sinew" | "sinew-recording" | "sinew-tools" => {
+                forbid(file, &OF_PROGRAMS, "the program and xtask", &mut violations)
+            }
             _ => {
                 let all = [&OF_PROGRAMS[..], &INPUT_AND_OUTPUT[..]].concat();
-                forbid(file, &all, "the facade, the program and xtask", &mut violations);
+                forbid(file, &all, "the facade, recordings, tools, the program and xtask", &mut violations);
             }
         }
         if library == "sinew-body" {

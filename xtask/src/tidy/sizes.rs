@@ -19,7 +19,7 @@ pub fn check_files(workspace: &Workspace) -> Vec<Violation> {
     let counted = sources(workspace).map(|file| (file, count(&product_lines(&file.text))));
     let large = counted.filter(|(_, count)| *count > FILE);
     let what = |count| format!("has {count} product lines, {FILE} at most: split it");
-    large.map(|(file, count)| Violation::of_file(&file.path, what(count))).collect()
+    large.map(|(file, count)| Violation::in_file(&file.path, what(count))).collect()
 }
 
 /// Checks the length of functions; a violation is known by path and name.
@@ -47,7 +47,7 @@ pub fn check_crates(workspace: &Workspace) -> Vec<Violation> {
     }
     let full = crates.into_iter().filter(|(_, count)| *count > CRATE);
     let what = |count| format!("has {count} product lines, {CRATE} at most: split the crate");
-    full.map(|(folder, count)| Violation::of_file(folder, what(count))).collect()
+    full.map(|(folder, count)| Violation::in_file(folder, what(count))).collect()
 }
 
 fn count(lines: &[bool]) -> usize {
@@ -88,7 +88,7 @@ fn functions(code: &str) -> Vec<(&str, usize, usize)> {
     found
 }
 
-/// Where the body of a function begins whose signature goes on at `start`; none for a declaration.
+/// Where the body of a function begins whose signature continues at `start`; none for a declaration.
 fn body(tokens: &[Token<'_>], start: usize) -> Option<usize> {
     let mut i = start;
     while let Some(token) = tokens.get(i) {

@@ -60,13 +60,13 @@ pub struct Violation {
 
 impl Violation {
     /// About a whole file.
-    pub fn of_file(path: &str, what: impl Into<String>) -> Self {
+    pub fn in_file(path: &str, what: impl Into<String>) -> Self {
         Self { path: path.into(), line: None, what: what.into(), key: path.into() }
     }
 
     /// About a line.
     pub fn at(path: &str, line: usize, what: impl Into<String>) -> Self {
-        Self { line: Some(line), ..Self::of_file(path, what) }
+        Self { line: Some(line), ..Self::in_file(path, what) }
     }
 
     /// The same under another name for lists of exceptions than its path.

@@ -12,7 +12,7 @@ use sinew_core::lanes::{Real, triangle};
 /// Upper triangle of the moment block, the mixed block, upper triangle of the force block.
 pub(super) const INERTIA: usize = 21;
 
-/// What a point's observations tell of its position.
+/// Information of a point's observations on its position.
 pub trait Inform<V> {
     /// Information matrix (xx, xy, xz, yy, yz, zz) of point k in the plan's order at the world position `p`, 1/m². Must be `#[inline(always)]`.
     fn information(&self, k: usize, p: V3<V>) -> [V; 6];

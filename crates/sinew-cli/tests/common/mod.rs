@@ -16,7 +16,7 @@ pub struct Trial {
     pub folder: tempfile::TempDir,
 }
 
-/// The recording of so many seconds at 30 frames per second.
+/// The recording of `duration_s` seconds at 30 frames per second.
 pub fn trial(duration_s: f64) -> Trial {
     let folder = tempfile::tempdir().unwrap();
     let recording = SyntheticRecording::new(&Script { duration_s, ..Script::default() }, 7).unwrap();
@@ -86,9 +86,9 @@ impl Trial {
         self.run(&[&TRACK[..], &QUICK, out, more].concat())
     }
 
-    /// Exit code and what stands on stderr, with the folder's name replaced. What depends on chance is left out: residuals, clocks told from a few
+    /// Exit code and what stands on stderr, with the folder's name replaced. What depends on chance is left out: residuals, clocks estimated from a few
     /// frames of a person who stands still.
-    pub fn told(&self, output: &Output) -> String {
+    pub fn printed(&self, output: &Output) -> String {
         let text =
             String::from_utf8_lossy(&output.stderr).replace(&self.folder.path().display().to_string(), "[trial]");
         let by_chance = |line: &&str| ["residual of", "fits best when"].iter().any(|words| line.contains(words));
@@ -96,9 +96,9 @@ impl Trial {
         format!("exit {}\n{}", output.status.code().unwrap_or(-1), lines.join("\n"))
     }
 
-    /// As [`Trial::told`] for `sinew track`.
-    pub fn track_told(&self, more: &[&str]) -> String {
-        self.told(&self.track(more))
+    /// As [`Trial::printed`] for `sinew track`.
+    pub fn track_printed(&self, more: &[&str]) -> String {
+        self.printed(&self.track(more))
     }
 }
 

@@ -11,8 +11,8 @@ use sinew::observe::association::Person;
 use sinew::observe::bit_image::BitImage;
 use sinew::results::{Claim, claim, claim_to_resume};
 use sinew::track::checkpoint::{self, Checkpoint};
-use sinew::track::job::{self, Outcome, Pass, Watch};
-use sinew::{Error, setup};
+use sinew::track::job::{self, Outcome, RunPhase, Watch};
+use sinew::{Error, RecordingError, setup};
 use sinew_simulate::footage::SyntheticFootage;
 use sinew_simulate::recording::{Script, SyntheticRecording};
 use std::collections::BTreeMap;
@@ -33,7 +33,7 @@ struct Masks {
 impl Masks {
     fn of(recording: &SyntheticRecording) -> Self {
         let cameras: Vec<Camera> = recording.cameras.iter().map(|camera| camera.resized(0.1)).collect();
-        let footage = SyntheticFootage::of_cameras(recording.truth.clone(), 30.0, cameras.clone(), 7).unwrap();
+        let footage = SyntheticFootage::with_cameras(recording.truth.clone(), 30.0, cameras.clone(), 7).unwrap();
         let frame = |frame| (0..cameras.len()).map(|camera| Some(footage.silhouette(camera, frame))).collect();
         Self { frames: (0..footage.frames()).map(frame).collect(), cameras }
     }
@@ -55,13 +55,13 @@ impl FrameSource for Source<'_> {
     fn frames(&self) -> std::ops::Range<u64> {
         self.recording.frames()
     }
-    fn people(&mut self, number: u64) -> Result<Vec<Vec<Person>>, Error> {
+    fn people(&mut self, number: u64) -> Result<Vec<Vec<Person>>, RecordingError> {
         self.recording.people(number)
     }
     fn image_cameras(&self) -> Option<Vec<Camera>> {
         self.masks.map(|masks| masks.cameras.clone())
     }
-    fn frame(&mut self, number: u64) -> Result<Frame, Error> {
+    fn frame(&mut self, number: u64) -> Result<Frame, RecordingError> {
         let Some(masks) = self.masks else {
             return Ok(Frame { people: self.people(number)?, images: FrameImages::default() });
         };
@@ -95,13 +95,13 @@ impl Whole {
         Self::seen(frames, settings, false, 1.0)
     }
 
-    /// As [`Whole::lasting`], with so many times the keypoint noise in the set-up: a wide likelihood, under which few particles continue from frame to frame.
+    /// As [`Whole::lasting`], with a multiple of the keypoint noise in the set-up: a wide likelihood, under which few particles continue from frame to frame.
     pub fn blurred(frames: u64, settings: &[(&'static str, &str)], factor: f64) -> Self {
         Self::seen(frames, settings, false, factor)
     }
 
-    /// Tracks so many frames from silhouettes alone, after the set-up.
-    pub fn of_silhouettes(frames: u64, settings: &[(&'static str, &str)]) -> Self {
+    /// Tracks `frames` frames from silhouettes alone, after the set-up.
+    pub fn from_silhouettes(frames: u64, settings: &[(&'static str, &str)]) -> Self {
         Self::seen(frames, settings, true, 1.0)
     }
 
@@ -116,8 +116,8 @@ impl Whole {
         let folder = tempfile::tempdir().unwrap();
         let is_cf28 = settings.contains(&("body", "cf28"));
         let body = if is_cf28 { setup::Body::CF28 } else { setup::Body::H32 };
-        let request = setup::Request { body, ..setup::Request::default() };
-        let first: Vec<_> = (0..10).map(|number| Ok((number, recording.people(number)?))).collect();
+        let request = setup::SetupRequest { body, ..setup::SetupRequest::default() };
+        let first: Vec<_> = (0..10).map(|number| Ok::<_, Error>((number, recording.people(number)?))).collect();
         let (mut found, _) = setup::set_up(&recording.cameras, &recording.layout, &request, first).unwrap();
         (found.step_size, found.leapfrog_steps) = (Some(0.4), Some(3));
         found.camera.iter_mut().for_each(|camera| camera.sigma_px *= noise);
@@ -137,7 +137,7 @@ impl Whole {
         whole
     }
 
-    /// Runs into a folder with so many threads, from the first frame or a checkpoint, and asks for an end after so many frames.
+    /// Runs into a folder with a number of threads, from the first frame or a checkpoint, and requests an end after a number of frames.
     pub fn run(
         &self,
         out: &Path,
@@ -162,8 +162,8 @@ impl Whole {
     ) -> Result<Outcome, Error> {
         let resolved = resolve(&Sources { flags: self.settings.clone(), ..Sources::default() })?;
         let flag = AtomicBool::new(stop == Some(0) && from.is_none());
-        let mut progress = |pass: Pass, done: u64, _: u64| {
-            if pass == Pass::Track && Some(done) == stop {
+        let mut progress = |pass: RunPhase, done: u64, _: u64| {
+            if pass == RunPhase::Track && Some(done) == stop {
                 flag.store(true, Ordering::SeqCst);
             }
         };
@@ -176,7 +176,7 @@ impl Whole {
         })
     }
 
-    /// A run that is stopped after so many frames and resumed gives the files of the whole one.
+    /// A run that is stopped after a number of frames and resumed gives the files of the whole one.
     pub fn check_stopped_at(&self, stop: u64) {
         let out = self.folder.path().join("out");
         let outcome = self.run(&out, 1, Some(stop), None).unwrap();

@@ -20,7 +20,7 @@
 //! - the root of a body with branches is a joint `root` of its own, below the origin of the first link;
 //! - a link without children ends at the point of the body that lies farthest from its origin.
 
-use super::hierarchy::{Channel, Joint, bvh_from_world};
+use super::hierarchy::{BvhJoint, Channel, bvh_from_world};
 use crate::rotation::{IDENTITY, Matrix, apply, product, to_zyx, transpose};
 use sinew_body::KinematicTree;
 
@@ -30,7 +30,7 @@ const FILE_FROM_WORLD: Matrix = [[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0
 /// Shorter bones are not written, since programs draw them without direction.
 const MIN_BONE_M: f64 = 1e-3;
 
-/// Length of bones that nothing in the body tells: to the root, and of a link without children and points.
+/// Length of bones that nothing in the body gives: to the root, and of a link without children and points.
 const BONE_M: f64 = 0.1;
 
 /// Name of the root of a body with branches.
@@ -40,7 +40,7 @@ const ROOT: &str = "root";
 #[derive(Clone, Debug, PartialEq)]
 pub struct Skeleton {
     /// Joints, depth first.
-    pub joints: Vec<Joint>,
+    pub joints: Vec<BvhJoint>,
     /// Link whose rotation each joint has.
     links: Vec<usize>,
     /// `Q_iᵀ Aᵀ` of each link.
@@ -105,7 +105,7 @@ struct Growing<'a> {
     children: Vec<Vec<usize>>,
     /// Links of each link's branch, itself included.
     branch: Vec<usize>,
-    joints: Vec<Joint>,
+    joints: Vec<BvhJoint>,
     links: Vec<usize>,
 }
 
@@ -150,7 +150,7 @@ impl<'a> Growing<'a> {
             Some(_) => rotations.to_vec(),
             None => [0, 1, 2].map(Channel::Position).into_iter().chain(rotations).collect(),
         };
-        self.joints.push(Joint { name, parent, offset, channels, end_site: None });
+        self.joints.push(BvhJoint { name, parent, offset, channels, end_site: None });
         self.links.push(link);
         self.joints.len() - 1
     }
@@ -173,8 +173,8 @@ impl<'a> Growing<'a> {
                 continue;
             }
             let is_largest = Some(child) == largest;
-            let of_child = || self.unused(format!("{name}_{}", written(&self.tree.links()[child].name)));
-            let name = if is_largest { name.clone() } else { of_child() };
+            let child_name = || self.unused(format!("{name}_{}", written(&self.tree.links()[child].name)));
+            let name = if is_largest { name.clone() } else { child_name() };
             let joint = self.push(name, link, parent, start);
             self.grow(child, Some(joint), self.in_rest(link, self.offset(child)));
         }
@@ -273,7 +273,7 @@ mod tests {
         }
     }
 
-    /// The ends of a body that has everything: branches at one place, children at their parent's origin, and nothing that tells where the last link ends.
+    /// The ends of a body that has everything: branches at one place, children at their parent's origin, and nothing that shows where the last link ends.
     #[test]
     fn every_bone_ends_where_its_children_begin() {
         let link = |name: &str, parent, offset| Link { name: name.into(), parent, offset, joints: Vec::new() };

@@ -23,7 +23,7 @@ pub(super) const CHANNEL_NAMES: [(&str, Channel); 6] = [
 
 /// A joint.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Joint {
+pub struct BvhJoint {
     /// Name.
     pub name: String,
     /// Index of the parent, smaller than this joint's own; `None` for a root.
@@ -40,7 +40,7 @@ pub struct Joint {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Bvh {
     /// Joints, parents before children.
-    pub joints: Vec<Joint>,
+    pub joints: Vec<BvhJoint>,
     /// Duration of a frame, seconds.
     pub frame_time_s: f64,
     /// One row per frame, with the channels of all joints in order.
@@ -59,7 +59,7 @@ impl Bvh {
     /// Names of the points that [`Bvh::positions`] returns: every joint, followed by its end site as `<joint>_End`.
     #[must_use]
     pub fn point_names(&self) -> Vec<String> {
-        let with_end = |joint: &Joint| {
+        let with_end = |joint: &BvhJoint| {
             let end = joint.end_site.map(|_| format!("{}_End", joint.name));
             [Some(joint.name.clone()), end]
         };
@@ -76,7 +76,7 @@ impl Bvh {
 
 /// Positions of all joints and end sites for one row of the motion table; missing values count as 0.
 #[must_use]
-pub fn forward_kinematics(joints: &[Joint], values: &[f64]) -> Vec<[f64; 3]> {
+pub fn forward_kinematics(joints: &[BvhJoint], values: &[f64]) -> Vec<[f64; 3]> {
     let mut values = values.iter().copied();
     let mut frames = Vec::with_capacity(joints.len());
     let mut points = Vec::with_capacity(joints.len());

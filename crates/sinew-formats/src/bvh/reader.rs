@@ -1,6 +1,6 @@
 //! Reader of BVH files: a stream of words for the hierarchy, one line per frame for the motion.
 
-use super::hierarchy::{Bvh, CHANNEL_NAMES, Channel, Joint};
+use super::hierarchy::{Bvh, BvhJoint, CHANNEL_NAMES, Channel};
 use crate::nearest::nearest;
 use crate::source_text::{check_claim, finite, numbered_lines, shortened};
 use crate::{Error, Place, Warning};
@@ -118,12 +118,12 @@ enum Open {
 fn hierarchy<'a>(
     words: &mut Words<'a>,
     lines: &mut impl Iterator<Item = (usize, &'a str)>,
-) -> Result<Vec<Joint>, Error> {
+) -> Result<Vec<BvhJoint>, Error> {
     let first = words.next(lines, "`HIERARCHY`")?;
     if !first.eq_ignore_ascii_case("HIERARCHY") {
         return Err(words.syntax(first, "`HIERARCHY`"));
     }
-    let mut joints: Vec<Joint> = Vec::new();
+    let mut joints: Vec<BvhJoint> = Vec::new();
     let mut open: Vec<Open> = Vec::new();
     loop {
         let word = words.next(lines, if open.is_empty() { "`ROOT` or `MOTION`" } else { "`}`" })?;
@@ -177,7 +177,7 @@ fn open_brace<'a>(words: &mut Words<'a>, lines: &mut impl Iterator<Item = (usize
 fn new_joint<'a>(
     words: &mut Words<'a>,
     lines: &mut impl Iterator<Item = (usize, &'a str)>,
-    joints: &mut Vec<Joint>,
+    joints: &mut Vec<BvhJoint>,
     parent: Option<usize>,
 ) -> Result<Open, Error> {
     let mut name = words.next(lines, "a name")?.to_owned();
@@ -189,7 +189,7 @@ fn new_joint<'a>(
     if !words.joint_names.insert(name.clone()) {
         return Err(Error::DuplicateName { place: words.place(), what: "joint", name });
     }
-    joints.push(Joint { name, parent, offset: [0.0; 3], channels: Vec::new(), end_site: None });
+    joints.push(BvhJoint { name, parent, offset: [0.0; 3], channels: Vec::new(), end_site: None });
     Ok(Open::Joint(joints.len() - 1))
 }
 

@@ -1,6 +1,6 @@
 //! Writer of BVH files, frame by frame.
 
-use super::hierarchy::{Bvh, CHANNEL_NAMES, Channel, Joint};
+use super::hierarchy::{Bvh, BvhJoint, CHANNEL_NAMES, Channel};
 use crate::numbers::write_number;
 use std::io::{self, Write};
 
@@ -10,7 +10,7 @@ use std::io::{self, Write};
 /// # Errors
 /// What the stream reports; `InvalidInput` for joints that do not follow their parents in depth-first order, names that
 /// cannot be read back, and a frame time that is not positive.
-pub fn write_header(out: &mut impl Write, joints: &[Joint], frame_time_s: f64, frames: u32) -> io::Result<()> {
+pub fn write_header(out: &mut impl Write, joints: &[BvhJoint], frame_time_s: f64, frames: u32) -> io::Result<()> {
     if !(frame_time_s > 0.0 && frame_time_s.is_finite()) {
         return Err(invalid("the frame time must be positive"));
     }
@@ -105,12 +105,12 @@ mod tests {
     use super::*;
     use crate::bvh::read;
 
-    fn joint(name: &str, parent: Option<usize>, end_site: Option<[f64; 3]>) -> Joint {
+    fn joint(name: &str, parent: Option<usize>, end_site: Option<[f64; 3]>) -> BvhJoint {
         let rotations = [2, 1, 0].map(Channel::Rotation);
-        Joint { name: name.into(), parent, offset: [0.0, -0.5, 1e-7], channels: rotations.into(), end_site }
+        BvhJoint { name: name.into(), parent, offset: [0.0, -0.5, 1e-7], channels: rotations.into(), end_site }
     }
 
-    fn tree() -> Vec<Joint> {
+    fn tree() -> Vec<BvhJoint> {
         let tip = Some([0.0, 0.0, 1.0]);
         vec![joint("hip", None, None), joint("a", Some(0), None), joint("b", Some(1), tip), joint("c", Some(0), tip)]
     }

@@ -1,6 +1,6 @@
 //! Reader of TRC files with the quirks of the programs that write them.
 
-use super::table::{Frame, Header, Trc, Units};
+use super::table::{Header, Trc, TrcFrame, Units};
 use crate::row_time::RowTime;
 use crate::source_text::{check_claim, finite, finite_or_missing, numbered_lines, shortened};
 use crate::{Error, Place, Warning};
@@ -155,7 +155,7 @@ impl Fields<'_> {
     }
 }
 
-fn row(place: &Place, line: &str, markers: usize) -> Result<Frame, Error> {
+fn row(place: &Place, line: &str, markers: usize) -> Result<TrcFrame, Error> {
     let mut cells = cells(line);
     while cells.last().is_some_and(|cell| cell.is_empty()) {
         cells.pop();
@@ -178,7 +178,7 @@ fn row(place: &Place, line: &str, markers: usize) -> Result<Frame, Error> {
             _ => None,
         });
     }
-    Ok(Frame { number, time_s, points })
+    Ok(TrcFrame { number, time_s, points })
 }
 
 #[cfg(test)]

@@ -61,7 +61,7 @@ impl Header {
 
 /// A row of a file.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Frame {
+pub struct TrcFrame {
     /// Number in the first column, counted from 1.
     pub number: i64,
     /// Time, seconds.
@@ -76,7 +76,7 @@ pub struct Trc {
     /// Header.
     pub header: Header,
     /// Rows.
-    pub frames: Vec<Frame>,
+    pub frames: Vec<TrcFrame>,
     /// What was odd.
     pub warnings: Vec<Warning>,
 }

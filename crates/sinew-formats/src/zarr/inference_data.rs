@@ -17,14 +17,14 @@ use serde_json::{Map, Value};
 
 /// Whether draws of a frame know the frames after it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
+pub enum DrawsKind {
     /// Given the frames up to this one.
     Filtered,
     /// Given all frames.
     Smoothed,
 }
 
-impl Kind {
+impl DrawsKind {
     /// Name in files.
     #[must_use]
     pub const fn name(self) -> &'static str {
@@ -50,7 +50,7 @@ pub struct Run<'a> {
     /// Tracker.
     pub method: &'a str,
     /// Filtered or smoothed.
-    pub kind: Kind,
+    pub kind: DrawsKind,
     /// Seed.
     pub seed: u64,
     /// Date and time, where one is wanted (from `SOURCE_DATE_EPOCH`).

@@ -147,7 +147,7 @@ pub struct Schema {
 
 /// Values of a variable for one frame, last dimension fastest, `frame` left out.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Values<'a> {
+pub enum FrameValues<'a> {
     /// For floats, and integers that are whole.
     Numbers(&'a [f64]),
     /// For integers.
@@ -156,7 +156,7 @@ pub enum Values<'a> {
     Flags(&'a [bool]),
 }
 
-impl Values<'_> {
+impl FrameValues<'_> {
     /// How many.
     #[must_use]
     pub const fn len(&self) -> usize {

@@ -1,7 +1,7 @@
 //! Streams frames into a store.
 
 use super::metadata::{self, Element};
-use super::schema::{CHUNK_FRAMES, Constant, DataType, FRAME, Group, Labels, Schema, Store, Values, Variable};
+use super::schema::{CHUNK_FRAMES, Constant, DataType, FRAME, FrameValues, Group, Labels, Schema, Store, Variable};
 use serde_json::{Map, Value};
 use std::collections::{BTreeMap, BTreeSet};
 use std::io;
@@ -165,7 +165,7 @@ impl<S: Store> Writer<S> {
     /// # Errors
     /// What the store reports; `InvalidInput` for values that are too many, too few or of the wrong kind. The frame is then
     /// not counted.
-    pub fn push(&mut self, number: i64, time_s: f64, values: &[Values<'_>]) -> io::Result<()> {
+    pub fn push(&mut self, number: i64, time_s: f64, values: &[FrameValues<'_>]) -> io::Result<()> {
         let expected = self.is_time.iter().filter(|time| time.is_none()).count();
         if values.len() != expected {
             return Err(invalid(format!("{} variables given, the store has {expected}", values.len())));
@@ -174,8 +174,8 @@ impl<S: Store> Writer<S> {
         let mut given = values.iter();
         for (array, time) in self.growing.iter_mut().zip(&self.is_time) {
             match time {
-                Some(Time::Number) => array.set(place, Values::Integers(&[number]))?,
-                Some(Time::Seconds) => array.set(place, Values::Numbers(&[time_s]))?,
+                Some(Time::Number) => array.set(place, FrameValues::Integers(&[number]))?,
+                Some(Time::Seconds) => array.set(place, FrameValues::Numbers(&[time_s]))?,
                 None => given.next().map_or(Ok(()), |&values| array.set(place, values))?,
             }
         }
@@ -188,7 +188,7 @@ impl<S: Store> Writer<S> {
         self.growing.iter().map(|array| &array.chunk[..])
     }
 
-    /// Resumes where a writer of the same schema had pushed so many frames and had these open chunks. Its store is written over from there; the keys of chunks that lie further are given to `stale`.
+    /// Resumes where a writer of the same schema had pushed `frames` frames and had these open chunks. Its store is written over from there; the keys of chunks that lie further are given to `stale`.
     ///
     /// # Errors
     /// What the store and `stale` report; `InvalidInput` for chunks of another schema.
@@ -200,7 +200,7 @@ impl<S: Store> Writer<S> {
     ) -> io::Result<Self> {
         let fit = self.growing.iter().zip(chunks).all(|(array, chunk)| array.chunk.len() == chunk.as_ref().len());
         if !fit || chunks.len() != self.growing.len() {
-            return Err(invalid("the open chunks are those of another schema".into()));
+            return Err(invalid("the open chunks belong to another schema".into()));
         }
         for (array, chunk) in self.growing.iter_mut().zip(chunks) {
             array.chunk.copy_from_slice(chunk.as_ref());
@@ -274,22 +274,22 @@ impl Growing {
         self.chunk = fill.repeat(elements);
     }
 
-    fn set(&mut self, place: usize, values: Values<'_>) -> io::Result<()> {
+    fn set(&mut self, place: usize, values: FrameValues<'_>) -> io::Result<()> {
         let expected = self.outer * self.inner;
         let data_type = self.variable.data_type;
         let fits = matches!(
             (values, data_type),
-            (Values::Numbers(_), DataType::Float32 | DataType::Float64)
-                | (Values::Integers(_), DataType::Int64)
-                | (Values::Flags(_), DataType::Bool)
+            (FrameValues::Numbers(_), DataType::Float32 | DataType::Float64)
+                | (FrameValues::Integers(_), DataType::Int64)
+                | (FrameValues::Flags(_), DataType::Bool)
         );
         if !fits || values.len() != expected {
             return Err(invalid(format!("`{}` takes {expected} values as {data_type:?} a frame", self.path)));
         }
         let bytes: Vec<u8> = match values {
-            Values::Numbers(values) => values.iter().flat_map(|&value| encoded(data_type, value)).collect(),
-            Values::Integers(values) => values.iter().flat_map(|value| value.to_le_bytes()).collect(),
-            Values::Flags(values) => values.iter().map(|&flag| u8::from(flag)).collect(),
+            FrameValues::Numbers(values) => values.iter().flat_map(|&value| encoded(data_type, value)).collect(),
+            FrameValues::Integers(values) => values.iter().flat_map(|value| value.to_le_bytes()).collect(),
+            FrameValues::Flags(values) => values.iter().map(|&flag| u8::from(flag)).collect(),
         };
         let row = bytes.len() / self.outer;
         let slabs = self.chunk.chunks_exact_mut(CHUNK_FRAMES * row);

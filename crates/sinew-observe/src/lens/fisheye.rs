@@ -132,7 +132,7 @@ mod tests {
     }
 
     #[test]
-    fn arctangents_are_those_of_the_library() {
+    fn arctangents_match_the_library() {
         let at: Vec<f64> = (0..4000).map(|k| 10.0_f64.powf(f64::from(k) / 400.0 - 5.0)).chain([0.0; LANES]).collect();
         for isa in Isa::available() {
             let mut blocks: Vec<Block> = at.as_chunks::<LANES>().0.iter().map(|x| Block(*x)).collect();

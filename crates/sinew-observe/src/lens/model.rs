@@ -21,7 +21,7 @@ pub(crate) trait DistortionModel: Distort {
     /// How many coefficients there are, and which: a part of a sentence.
     const COEFFICIENTS: &'static str;
 
-    /// The lens with these coefficients, if it takes so many.
+    /// The lens with these coefficients, if it takes that number.
     fn from_coefficients(coefficients: &[f64]) -> Option<Self>;
 
     /// What [`DistortionModel::from_coefficients`] takes.

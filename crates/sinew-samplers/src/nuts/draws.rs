@@ -1,6 +1,8 @@
 //! Many no-U-turn chains on one target: blocks of eight in parallel, a fixed number of transitions each.
 
-use super::{Nuts, TreeTransition, Trees, step};
+use super::step::step;
+use super::transition::{Nuts, TreeTransition};
+use super::trees::Trees;
 use crate::Error;
 use crate::chains::{ChainDraws, Lockstep, Schedule, gather, run_blocks};
 use crate::dual_averaging::DualAveraging;

@@ -2,7 +2,7 @@
 //!
 //! What happens when a lane arrives at a new state is [`Trees::grow`], steps 1 to 4 of [`crate::nuts`].
 
-use super::{Nuts, TreeTransition};
+use super::transition::{Nuts, TreeTransition};
 use crate::Error;
 use crate::hmc::DIVERGENCE;
 use sinew_core::density::GradLogDensity;

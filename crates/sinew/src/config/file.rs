@@ -5,6 +5,7 @@ use super::value::{Value, from_toml};
 use crate::{Error, files};
 use sinew_formats::nearest::nearest;
 use sinew_formats::source_text::MAX_CONFIG_BYTES;
+use sinew_recording::{Error as RecordingError, Problems};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use toml::de::DeTable;
@@ -32,16 +33,16 @@ pub struct ConfigFile {
 /// [`Error::Io`], and [`Error::Config`] with everything that is wrong in it.
 pub fn read(path: &Path) -> Result<ConfigFile, Error> {
     let text = files::read_text(path, MAX_CONFIG_BYTES).map_err(|error| match error {
-        Error::Format(error) => {
+        RecordingError::Format(error) => {
             let (file, problem) = (path.display().to_string(), error.to_string());
             let problem = problem.strip_prefix(&format!("{file}: ")).unwrap_or(&problem).to_owned();
-            Error::Config { file, problems: vec![problem] }
+            Problems { file, problems: vec![problem] }.into()
         }
         other => other,
     })?;
     let folder = path.parent().unwrap_or_else(|| Path::new(""));
     let (values, is_root) =
-        parse(&text, folder).map_err(|problems| Error::Config { file: path.display().to_string(), problems })?;
+        parse(&text, folder).map_err(|problems| Problems { file: path.display().to_string(), problems })?;
     Ok(ConfigFile { path: path.to_owned(), values, is_root })
 }
 
@@ -50,7 +51,7 @@ fn parse(text: &str, folder: &Path) -> Result<(BTreeMap<&'static str, Value>, bo
     let line = |offset: usize| 1 + text.bytes().take(offset).filter(|&b| b == b'\n').count();
     let (table, errors) = DeTable::parse_recoverable(text);
     let mut problems: Vec<(usize, String)> = Vec::new();
-    // What follows an error of syntax may be its consequence: only the first is told, and too deep nesting before all that it leaves open.
+    // What follows an error of syntax may be its consequence: only the first is reported, and too deep nesting before all that it leaves open.
     let is_syntax = |error: &&toml::de::Error| error.message() != "duplicate key";
     let too_deep = errors.iter().find(|error| error.message().contains("recurs"));
     if let Some(error) = too_deep.or_else(|| errors.iter().find(is_syntax)) {
@@ -131,7 +132,7 @@ mod tests {
     }
 
     #[test]
-    fn all_mistakes_are_told_at_once() {
+    fn all_mistakes_are_reported_at_once() {
         let text = "paticles = 10\nseed = -1\nmethod = \"hcm\"\njitter = 1.5\nframes = \"9..2\"\nthreads = 0\nsmooth = \"yes\"\nfps = nan\n";
         assert_eq!(
             problems(text),

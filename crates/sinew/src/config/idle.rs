@@ -1,11 +1,11 @@
 //! Which settings change nothing beside the others.
 
-use super::values::Values;
+use super::values::SettingValues;
 use crate::methods::{About, Gives};
 
 /// The setting beside which another one is idle, in words; `None` for one that counts.
 #[must_use]
-pub fn idle_beside(key: &str, chosen: &About, methods: &[&'static About], values: &Values) -> Option<String> {
+pub fn idle_beside(key: &str, chosen: &About, methods: &[&'static About], values: &SettingValues) -> Option<String> {
     let is = |key: &str, value: &str| values.text(key).as_deref() == Some(value);
     let owner = methods.iter().find(|about| about.settings.iter().any(|setting| setting.key == key));
     match key {

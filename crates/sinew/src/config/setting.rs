@@ -4,7 +4,7 @@ use std::borrow::Cow;
 
 /// What a setting's value may be.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Kind {
+pub enum SettingKind {
     /// A file or folder; relative ones are taken from the folder of the file that says so.
     Path,
     /// A known name, or a path if it ends in `.toml` or `.trc`.
@@ -63,7 +63,7 @@ pub struct Setting {
     /// Name.
     pub key: &'static str,
     /// Values.
-    pub kind: Kind,
+    pub kind: SettingKind,
     /// Word for the value in the help.
     pub value: &'static str,
     /// Value where nobody gives one.
@@ -80,17 +80,17 @@ impl Setting {
     /// As a row of a table: heading, name, values, word for the value, default as typed (empty for none), meaning.
     #[must_use]
     pub const fn new((group, key, kind, value, default, help): Row) -> Self {
-        let hashed = !matches!(kind, Kind::Path);
+        let hashed = !matches!(kind, SettingKind::Path);
         let default = if default.is_empty() { DefaultValue::Unset } else { DefaultValue::Text(default) };
         Self { group, key, kind, value, default, help, hashed, rare: false }
     }
 }
 
 /// A setting with a constant default.
-pub type Row = (&'static str, &'static str, Kind, &'static str, &'static str, &'static str);
+pub type Row = (&'static str, &'static str, SettingKind, &'static str, &'static str, &'static str);
 
 /// A setting whose default is computed.
-pub type ComputedRow = (&'static str, &'static str, Kind, &'static str, fn() -> String, &'static str);
+pub type ComputedRow = (&'static str, &'static str, SettingKind, &'static str, fn() -> String, &'static str);
 
 /// A setting that only the long help shows, whose default is that of the type it becomes a part of.
 #[must_use]
@@ -103,4 +103,4 @@ pub const fn computed((group, key, kind, value, default, help): ComputedRow) -> 
 pub const SAMPLING: &str = "Sampling";
 
 /// A share of one.
-pub const SHARE: Kind = Kind::Number { least: 0.0, excluded: false, most: 1.0 };
+pub const SHARE: SettingKind = SettingKind::Number { least: 0.0, excluded: false, most: 1.0 };

@@ -1,6 +1,6 @@
 //! How a recording is tracked.
 
-use crate::methods::{Hmc, Method, Score};
+use crate::methods::{HmcMethod, Method, Score};
 use sinew_core::lanes::Isa;
 use sinew_dynamics::random_walk::Between;
 use sinew_observe::Noise;
@@ -39,7 +39,7 @@ pub struct Settings {
 impl Default for Settings {
     fn default() -> Self {
         Self {
-            method: Arc::new(Hmc::default()),
+            method: Arc::new(HmcMethod::default()),
             seed: 1,
             fps: 30.0,
             isa: Isa::best(),

@@ -2,25 +2,25 @@
 //!
 //! The same name serves as key in `sinew.toml`, as flag (`--setup-frames` for `setup_frames`) and as environment variable (`SINEW_SETUP_FRAMES`). Settings of a single method stand in its file.
 
-use super::setting::{DefaultValue, Kind, Row, SAMPLING, SHARE, Setting, computed};
+use super::setting::{DefaultValue, Row, SAMPLING, SHARE, Setting, SettingKind, computed};
 use super::settings::Settings;
 use crate::methods::about::About;
 use crate::methods::list;
 use crate::methods::score::Score;
 use std::sync::LazyLock;
 
-const POSITIVE: Kind = Kind::Number { least: 0.0, excluded: true, most: f64::INFINITY };
+const POSITIVE: SettingKind = SettingKind::Number { least: 0.0, excluded: true, most: f64::INFINITY };
 /// Beyond these nothing is a camera or a moving person.
-const RATE: Kind = Kind::Number { least: 0.01, excluded: false, most: 1e5 };
-const FACTOR: Kind = Kind::Number { least: 1e-3, excluded: false, most: 1e3 };
-const AT_LEAST_ONE: Kind = Kind::Number { least: 1.0, excluded: false, most: f64::INFINITY };
-const NOT_NEGATIVE: Kind = Kind::Number { least: 0.0, excluded: false, most: f64::INFINITY };
-const SCORES: Kind = Kind::Choice(&Score::NAMES);
-const PRIORS: Kind = Kind::Choice(&["gaussian", "mixture"]);
-const NOISES: Kind = Kind::Choice(&["floor", "student-t"]);
-const OUTLIER: Kind = Kind::Number { least: 0.0, excluded: true, most: 0.5 };
-const AXES: Kind = Kind::Choice(&["+x", "-x", "+y", "-y", "+z", "-z"]);
-const SETS: Kind = Kind::Choice(&["avx512", "avx2", "baseline"]);
+const RATE: SettingKind = SettingKind::Number { least: 0.01, excluded: false, most: 1e5 };
+const FACTOR: SettingKind = SettingKind::Number { least: 1e-3, excluded: false, most: 1e3 };
+const AT_LEAST_ONE: SettingKind = SettingKind::Number { least: 1.0, excluded: false, most: f64::INFINITY };
+const NOT_NEGATIVE: SettingKind = SettingKind::Number { least: 0.0, excluded: false, most: f64::INFINITY };
+const SCORES: SettingKind = SettingKind::Choice(&Score::NAMES);
+const PRIORS: SettingKind = SettingKind::Choice(&["gaussian", "mixture"]);
+const NOISES: SettingKind = SettingKind::Choice(&["floor", "student-t"]);
+const OUTLIER: SettingKind = SettingKind::Number { least: 0.0, excluded: true, most: 0.5 };
+const AXES: SettingKind = SettingKind::Choice(&["+x", "-x", "+y", "-y", "+z", "-z"]);
+const SETS: SettingKind = SettingKind::Choice(&["avx512", "avx2", "baseline"]);
 const INPUT: &str = "Input";
 const OUTPUT: &str = "Output";
 const METHOD: &str = "Method";
@@ -38,31 +38,31 @@ const fn unhashed(setting: Setting) -> Setting {
     Setting { hashed: false, ..setting }
 }
 
-/// Settings before those of single methods.
+/// Settings before the settings of single methods.
 #[rustfmt::skip]
 const FIRST: &[Setting] = &[
-    common((INPUT, "calibration", Kind::Path, "FILE", "", "calibration of the cameras (Calib.toml of Pose2Sim)")),
-    common((INPUT, "keypoints", Kind::Path, "DIR", "", "keypoints, one folder <camera>_json per camera")),
-    common((INPUT, "silhouettes", Kind::Path, "DIR", "", "masks of the person, <camera>_<frame>.png or a folder per camera")),
-    common((INPUT, "images", Kind::Path, "DIR", "", "images with the masks, for edges; sparse ones are used where they are")),
-    common((INPUT, "layout", Kind::NameOrPath, "NAME", "", "keypoint layout or mapping file [default: guessed]")),
-    common((INPUT, "frames", Kind::Frames, "A..B", "", "frames to take, by file number [default: all]")),
+    common((INPUT, "calibration", SettingKind::Path, "FILE", "", "calibration of the cameras (Calib.toml of Pose2Sim)")),
+    common((INPUT, "keypoints", SettingKind::Path, "DIR", "", "keypoints, one folder <camera>_json per camera")),
+    common((INPUT, "silhouettes", SettingKind::Path, "DIR", "", "masks of the person, <camera>_<frame>.png or a folder per camera")),
+    common((INPUT, "images", SettingKind::Path, "DIR", "", "images with the masks, for edges; sparse ones are used where they are")),
+    common((INPUT, "layout", SettingKind::NameOrPath, "NAME", "", "keypoint layout or mapping file [default: guessed]")),
+    common((INPUT, "frames", SettingKind::Frames, "A..B", "", "frames to take, by file number [default: all]")),
     common((INPUT, "fps", RATE, "F", "", "frames per second [default: 30, with a warning]")),
-    common((INPUT, "cameras", Kind::Names, "LIST", "", "cameras to use, a,b,c [default: all]")),
-    rare((INPUT, "person", Kind::Count(0, 999), "N", "", "which person: 0 is the most complete one on whom the cameras agree at the start [default: 0]")),
-    common((INPUT, "trim", Kind::Flag, "", "false", "take only the frames that all cameras have")),
-    rare((INPUT, "lag", Kind::Lags, "LIST", "", "frames that cameras are late, cam_01=1,cam_03=-2; `sinew inspect` finds them")),
+    common((INPUT, "cameras", SettingKind::Names, "LIST", "", "cameras to use, a,b,c [default: all]")),
+    rare((INPUT, "person", SettingKind::Count(0, 999), "N", "", "which person: 0 is the most complete one on whom the cameras agree at the start [default: 0]")),
+    common((INPUT, "trim", SettingKind::Flag, "", "false", "take only the frames that all cameras have")),
+    rare((INPUT, "lag", SettingKind::Lags, "LIST", "", "frames that cameras are late, cam_01=1,cam_03=-2; `sinew inspect` finds them")),
     rare((INPUT, "confidence_scale", POSITIVE, "C", "1", "confidence that means certainty")),
     rare((INPUT, "image_scale", FACTOR, "S", "1", "size of the images with the keypoints over that of the calibrated images, where they were resized")),
     rare((INPUT, "mask_scale", FACTOR, "S", "", "size of the masks over that of the calibrated images [default: as the keypoints']")),
     rare((INPUT, "up_axis", AXES, "AXIS", "", "axis of the calibration's world that points up; results are in a world turned to z up [default: +z]")),
-    common((METHOD, "method", Kind::Choice(&[]), "NAME", "", "")),
-    common((METHOD, "body", Kind::NameOrPath, "NAME", "h32", "body: h32, cf28 or a body file")),
-    common((METHOD, "setup", Kind::Path, "FILE", "", "set-up of an earlier run, its setup.toml")),
-    common((METHOD, "init", Kind::NameOrPath, "FROM", "", "start of silhouettes alone: `keypoints` or a TRC file of points")),
-    common((METHOD, "setup_frames", Kind::Frames, "A..B", "", "frames for the set-up, thinned where many [default: all]")),
-    rare((METHOD, "any_size", Kind::Flag, "", "false", "take sizes and speeds that no person has")),
-    common((METHOD, "smooth", Kind::Flag, "", "false", "let every frame see all frames (backward pass)")),
+    common((METHOD, "method", SettingKind::Choice(&[]), "NAME", "", "")),
+    common((METHOD, "body", SettingKind::NameOrPath, "NAME", "h32", "body: h32, cf28 or a body file")),
+    common((METHOD, "setup", SettingKind::Path, "FILE", "", "set-up of an earlier run, its setup.toml")),
+    common((METHOD, "init", SettingKind::NameOrPath, "FROM", "", "start of silhouettes alone: `keypoints` or a TRC file of points")),
+    common((METHOD, "setup_frames", SettingKind::Frames, "A..B", "", "frames for the set-up, thinned where many [default: all]")),
+    rare((METHOD, "any_size", SettingKind::Flag, "", "false", "take sizes and speeds that no person has")),
+    common((METHOD, "smooth", SettingKind::Flag, "", "false", "let every frame see all frames (backward pass)")),
     rare((METHOD, "prior", PRIORS, "NAME", "gaussian", "what a frame hands on to the next: gaussian or mixture")),
     computed((METHOD, "motion_scale", FACTOR, "X", || Settings::default().motion_scale.to_string(), "factor on the motion noise that the set-up pass found")),
     rare((METHOD, "noise", NOISES, "NAME", "floor", "density of a keypoint: floor (a Gaussian with a floor for outliers) or student-t")),
@@ -71,23 +71,23 @@ const FIRST: &[Setting] = &[
     computed((METHOD, "least_confidence", SHARE, "C", || Settings::default().least_confidence.to_string(), "keypoints of lower confidence, once scaled, count as missing")),
 ];
 
-/// Settings after those of single methods.
+/// Settings after the settings of single methods.
 #[rustfmt::skip]
 const LAST: &[Setting] = &[
     rare((METHOD, "score", SCORES, "NAME", "", "weighting function of silhouettes: deutscher-reid, bidirectional, coarse-to-fine or parts [default: the method's]")),
     rare((METHOD, "kappa", POSITIVE, "K", "100", "factor of the weighting functions deutscher-reid and bidirectional")),
-    computed((METHOD, "raster", Kind::Count(16, 10_000), "PX", || Settings::default().raster.to_string(), "longest side to which masks are reduced, by whole factors")),
-    computed((SAMPLING, "draws", Kind::Count(1, 100_000), "N", || Settings::default().draws.to_string(), "draws of a frame that are written")),
+    computed((METHOD, "raster", SettingKind::Count(16, 10_000), "PX", || Settings::default().raster.to_string(), "longest side to which masks are reduced, by whole factors")),
+    computed((SAMPLING, "draws", SettingKind::Count(1, 100_000), "N", || Settings::default().draws.to_string(), "draws of a frame that are written")),
     unhashed(rare((SAMPLING, "simd", SETS, "SET", "", "instruction set: avx512, avx2 or baseline [default: best]"))),
     rare((SAMPLING, "max_r_hat", AT_LEAST_ONE, "X", "1.05", "split R-hat above which a frame has not converged")),
     rare((SAMPLING, "max_r_hat_share", SHARE, "X", "0.05", "share of such frames above which the run fails (exit 4)")),
     rare((SAMPLING, "max_divergent_share", SHARE, "X", "0.01", "share of divergent trajectories above which the run fails")),
     rare((SAMPLING, "min_ess", NOT_NEGATIVE, "X", "10", "median effective sample size below which a particle method fails")),
-    Setting { rare: false, ..computed((GENERAL, "seed", Kind::Count(0, u64::MAX), "N", || Settings::default().seed.to_string(), "seed of all random streams")) },
-    unhashed(common((GENERAL, "threads", Kind::Count(1, 1024), "N", "", "threads [default: what the system grants]"))),
-    common((OUTPUT, "out", Kind::Path, "DIR", "", "output folder [default: sinew-out/<trial>]")),
+    Setting { rare: false, ..computed((GENERAL, "seed", SettingKind::Count(0, u64::MAX), "N", || Settings::default().seed.to_string(), "seed of all random streams")) },
+    unhashed(common((GENERAL, "threads", SettingKind::Count(1, 1024), "N", "", "threads [default: what the system grants]"))),
+    common((OUTPUT, "out", SettingKind::Path, "DIR", "", "output folder [default: sinew-out/<trial>]")),
     unhashed(rare((OUTPUT, "checkpoint_every", NOT_NEGATIVE, "SECONDS", "10", "time between checkpoints, from which `--resume` continues; 0 after every frame"))),
-    unhashed(common((OUTPUT, "force", Kind::Flag, "", "false", "replace results that are there"))),
+    unhashed(common((OUTPUT, "force", SettingKind::Flag, "", "false", "replace results that are there"))),
 ];
 
 /// Names as a sentence lists them.
@@ -102,7 +102,7 @@ fn particles(methods: &[&'static About]) -> Setting {
     let usual = |about: &&About| about.particles.map(|count| format!("{} {}", count(), about.name));
     let usual: Vec<String> = methods.iter().filter_map(usual).collect();
     let help = format!("particles [default: {}]", usual.join(", ")).leak();
-    Setting { help, ..rare((SAMPLING, "particles", Kind::Count(1, 100_000_000), "N", "", "")) }
+    Setting { help, ..rare((SAMPLING, "particles", SettingKind::Count(1, 100_000_000), "N", "", "")) }
 }
 
 /// The table of a list of methods.
@@ -120,7 +120,7 @@ pub fn table(methods: &[&'static About]) -> Vec<Setting> {
     all.extend_from_slice(LAST);
     if let Some(method) = all.iter_mut().find(|setting| setting.key == "method") {
         let names: &'static [&'static str] = methods.iter().map(|about| about.name).collect::<Vec<_>>().leak();
-        method.kind = Kind::Choice(names);
+        method.kind = SettingKind::Choice(names);
         method.help = listed(names).leak();
         method.default = names.first().map_or(DefaultValue::Unset, |name| DefaultValue::Text(name));
     }

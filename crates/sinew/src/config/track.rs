@@ -1,6 +1,6 @@
 //! The settings of a tracking run as one plain value.
 
-use super::Resolved;
+use super::resolved::Resolved;
 use super::settings::Settings;
 use super::value::Value;
 use crate::Error;
@@ -9,6 +9,7 @@ use crate::track::error::TrackError;
 use sinew_core::lanes::Isa;
 use sinew_dynamics::random_walk::Between;
 use sinew_observe::Noise;
+use sinew_recording::input::footage::{FootageFiles, Init};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
@@ -73,15 +74,6 @@ pub struct TrackConfig {
     pub force: bool,
 }
 
-/// Where tracking from silhouettes alone begins.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Init {
-    /// Keypoints, which are not used for tracking.
-    Keypoints,
-    /// Points in space over time, a TRC file.
-    Points(PathBuf),
-}
-
 impl Resolved {
     /// The settings of a tracking run.
     #[must_use]
@@ -138,7 +130,10 @@ impl Resolved {
     /// How frames are tracked, on the best instruction set and at the default rate.
     fn settings(&self) -> Settings {
         let (about, values) = (self.method(), &self.values);
-        let score = values.text("score").and_then(|name| Score::named(&name)).unwrap_or(about.score);
+        let begins_only = values.get("init").is_some();
+        let beside_keypoints = values.get("keypoints").is_some() && !begins_only;
+        let usual_score = if beside_keypoints { about.score_beside_keypoints } else { about.score };
+        let score = values.text("score").and_then(|name| Score::named(&name)).unwrap_or(usual_score);
         let usual = Settings::default();
         Settings {
             method: (about.configure)(values),
@@ -166,6 +161,22 @@ impl Resolved {
 pub const DEFAULT_FPS: f64 = 30.0;
 
 impl TrackConfig {
+    /// The files to be read, with the calibration file that was named or found.
+    #[must_use]
+    pub fn files<'a>(&'a self, calibration: &'a Path) -> FootageFiles<'a> {
+        let method = self.tracking.method.about();
+        FootageFiles {
+            calibration,
+            keypoints: self.keypoints.as_deref(),
+            silhouettes: self.silhouettes.as_deref(),
+            images: self.images.as_deref(),
+            mask_scale: self.mask_scale,
+            init: self.init.as_ref(),
+            has_setup: self.setup.is_some(),
+            needs_gradients: method.needs_gradients.then_some(method.name),
+        }
+    }
+
     /// How frames are tracked.
     ///
     /// # Errors

@@ -1,6 +1,6 @@
 //! Values of settings: from text (flags, environment), from TOML, and back to TOML.
 
-use super::setting::{Kind, Setting};
+use super::setting::{Setting, SettingKind};
 use sinew_formats::nearest::nearest;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -28,7 +28,7 @@ pub enum Value {
 }
 
 fn checked_number(setting: &Setting, value: f64, shown: &str) -> Result<Value, String> {
-    let Kind::Number { least, excluded, most } = setting.kind else { return Ok(Value::Number(value)) };
+    let SettingKind::Number { least, excluded, most } = setting.kind else { return Ok(Value::Number(value)) };
     // NaN fails the comparison.
     let low = if excluded { value > least } else { value >= least };
     if low && value <= most && value.is_finite() {
@@ -44,7 +44,7 @@ fn checked_number(setting: &Setting, value: f64, shown: &str) -> Result<Value, S
 }
 
 fn checked_count(setting: &Setting, value: Option<u64>, shown: &str) -> Result<Value, String> {
-    let Kind::Count(least, most) = setting.kind else { return Err(unexpected(setting, shown)) };
+    let SettingKind::Count(least, most) = setting.kind else { return Err(unexpected(setting, shown)) };
     match value {
         Some(value) if (least..=most).contains(&value) => Ok(Value::Count(value)),
         _ => Err(format!("`{}` is {shown}; it must be a whole number from {least} to {most}", setting.key)),
@@ -71,15 +71,15 @@ fn frames(setting: &Setting, text: &str) -> Result<Value, String> {
 
 fn unexpected(setting: &Setting, shown: &str) -> String {
     let wanted = match setting.kind {
-        Kind::Path => "a path in quotes",
-        Kind::NameOrPath => "a name or a path in quotes",
-        Kind::Choice(_) => "a name in quotes",
-        Kind::Count(..) => "a whole number",
-        Kind::Number { .. } => "a number",
-        Kind::Flag => "true or false",
-        Kind::Frames => "frame numbers in quotes, for example \"0..60\"",
-        Kind::Names => "a list of names, for example [\"cam1\", \"cam2\"]",
-        Kind::Lags => "a list of cameras with whole frames, for example [\"cam1=1\", \"cam3=-2\"]",
+        SettingKind::Path => "a path in quotes",
+        SettingKind::NameOrPath => "a name or a path in quotes",
+        SettingKind::Choice(_) => "a name in quotes",
+        SettingKind::Count(..) => "a whole number",
+        SettingKind::Number { .. } => "a number",
+        SettingKind::Flag => "true or false",
+        SettingKind::Frames => "frame numbers in quotes, for example \"0..60\"",
+        SettingKind::Names => "a list of names, for example [\"cam1\", \"cam2\"]",
+        SettingKind::Lags => "a list of cameras with whole frames, for example [\"cam1=1\", \"cam3=-2\"]",
     };
     format!("`{}` is {shown}; it must be {wanted}", setting.key)
 }
@@ -110,9 +110,9 @@ fn lags<'a>(setting: &Setting, items: impl Iterator<Item = &'a str>, shown: &str
 }
 
 /// A path, or a name that is one if it ends in `.toml` or `.trc`, seen from a folder.
-fn placed(kind: Kind, text: &str, folder: &Path) -> Value {
+fn placed(kind: SettingKind, text: &str, folder: &Path) -> Value {
     let is_file = || Path::new(text).extension().is_some_and(|extension| extension == "toml" || extension == "trc");
-    let is_path = kind == Kind::Path || is_file();
+    let is_path = kind == SettingKind::Path || is_file();
     if is_path { Value::Path(folder.join(text)) } else { Value::Text(text.into()) }
 }
 
@@ -123,25 +123,25 @@ fn placed(kind: Kind, text: &str, folder: &Path) -> Value {
 pub fn from_text(setting: &Setting, text: &str, folder: &Path) -> Result<Value, String> {
     let shown = format!("`{text}`");
     match setting.kind {
-        Kind::Path | Kind::NameOrPath if text.is_empty() => Err(unexpected(setting, "empty")),
-        Kind::Path | Kind::NameOrPath => Ok(placed(setting.kind, text, folder)),
-        Kind::Choice(known) => checked_choice(setting, known, text),
-        Kind::Count(..) => match text.parse::<u64>() {
+        SettingKind::Path | SettingKind::NameOrPath if text.is_empty() => Err(unexpected(setting, "empty")),
+        SettingKind::Path | SettingKind::NameOrPath => Ok(placed(setting.kind, text, folder)),
+        SettingKind::Choice(known) => checked_choice(setting, known, text),
+        SettingKind::Count(..) => match text.parse::<u64>() {
             Ok(value) => checked_count(setting, Some(value), text),
             Err(_) => checked_count(setting, None, &shown),
         },
-        Kind::Number { .. } => match text.parse() {
+        SettingKind::Number { .. } => match text.parse() {
             Ok(value) => checked_number(setting, value, text),
             Err(_) => Err(unexpected(setting, &shown)),
         },
-        Kind::Flag => match text {
+        SettingKind::Flag => match text {
             "true" | "1" | "yes" => Ok(Value::Flag(true)),
             "false" | "0" | "no" => Ok(Value::Flag(false)),
             _ => Err(unexpected(setting, &shown)),
         },
-        Kind::Frames => frames(setting, text),
-        Kind::Lags => lags(setting, text.split(','), text),
-        Kind::Names => {
+        SettingKind::Frames => frames(setting, text),
+        SettingKind::Lags => lags(setting, text.split(','), text),
+        SettingKind::Names => {
             let names: Vec<String> =
                 text.split(',').map(|name| name.trim().to_owned()).filter(|name| !name.is_empty()).collect();
             if names.is_empty() { Err(unexpected(setting, &shown)) } else { Ok(Value::Names(names)) }
@@ -156,31 +156,36 @@ pub fn from_text(setting: &Setting, text: &str, folder: &Path) -> Result<Value, 
 pub fn from_toml(setting: &Setting, value: &DeValue<'_>, shown: &str, folder: &Path) -> Result<Value, String> {
     let bad = || Err(unexpected(setting, shown));
     match (setting.kind, value) {
-        (Kind::Count(..), DeValue::Integer(found)) => {
+        (SettingKind::Count(..), DeValue::Integer(found)) => {
             checked_count(setting, u64::from_str_radix(found.as_str(), found.radix()).ok(), shown)
         }
-        (Kind::Count(..), DeValue::Float(_)) => checked_count(setting, None, shown),
-        (Kind::Number { .. }, DeValue::Float(found)) => match found.as_str().parse() {
+        (SettingKind::Count(..), DeValue::Float(_)) => checked_count(setting, None, shown),
+        (SettingKind::Number { .. }, DeValue::Float(found)) => match found.as_str().parse() {
             Ok(number) => checked_number(setting, number, shown),
             Err(_) => bad(),
         },
-        (Kind::Number { .. }, DeValue::Integer(found)) => match found.as_str().parse() {
+        (SettingKind::Number { .. }, DeValue::Integer(found)) => match found.as_str().parse() {
             Ok(number) => checked_number(setting, number, shown),
             Err(_) => bad(),
         },
-        (Kind::Flag, DeValue::Boolean(flag)) => Ok(Value::Flag(*flag)),
-        (Kind::Names, DeValue::Array(items)) => {
+        (SettingKind::Flag, DeValue::Boolean(flag)) => Ok(Value::Flag(*flag)),
+        (SettingKind::Names, DeValue::Array(items)) => {
             let names: Option<Vec<String>> =
                 items.iter().map(|item| Some(item.get_ref().as_str()?.to_owned())).collect();
             names.filter(|names| !names.is_empty()).map_or_else(bad, |names| Ok(Value::Names(names)))
         }
-        (Kind::Lags, DeValue::Array(items)) => {
+        (SettingKind::Lags, DeValue::Array(items)) => {
             let items: Option<Vec<&str>> = items.iter().map(|item| item.get_ref().as_str()).collect();
             items.map_or_else(bad, |items| lags(setting, items.into_iter(), shown))
         }
-        (Kind::Path | Kind::NameOrPath | Kind::Choice(_) | Kind::Frames | Kind::Lags, DeValue::String(text)) => {
-            from_text(setting, text, folder)
-        }
+        (
+            SettingKind::Path
+            | SettingKind::NameOrPath
+            | SettingKind::Choice(_)
+            | SettingKind::Frames
+            | SettingKind::Lags,
+            DeValue::String(text),
+        ) => from_text(setting, text, folder),
         _ => bad(),
     }
 }

@@ -33,12 +33,12 @@ impl Origin {
 
 /// Values by the name of their setting.
 #[derive(Clone, Debug, Default)]
-pub struct Values {
+pub struct SettingValues {
     /// Value and origin.
     pub of: BTreeMap<&'static str, (Value, Origin)>,
 }
 
-impl Values {
+impl SettingValues {
     /// Value of a setting.
     #[must_use]
     pub fn get(&self, key: &str) -> Option<&Value> {

@@ -4,7 +4,7 @@ use super::frame_likelihood::FrameLikelihood;
 use super::score::Score;
 use crate::Error;
 use crate::config::setting::Setting;
-use crate::config::values::Values;
+use crate::config::values::SettingValues;
 use crate::setup::Setup;
 use crate::track::error::TrackError;
 use sinew_core::lanes::Isa;
@@ -41,6 +41,8 @@ pub struct About {
     pub needs_parts: bool,
     /// Weighting function of images where nobody names one: the paper's, but for filters, which lose arms in the silhouette of the torso unless uncovered pixels count, too.
     pub score: Score,
+    /// The same where keypoints are observed, too.
+    pub score_beside_keypoints: Score,
     /// Number of particles where nobody says how many; `None` for methods without particles.
     pub particles: Option<fn() -> usize>,
     /// Settings that no other method has.
@@ -48,9 +50,9 @@ pub struct About {
     /// The method with its default settings.
     pub usual: fn() -> Arc<dyn Method>,
     /// The method with the settings of a run.
-    pub configure: fn(&Values) -> Arc<dyn Method>,
+    pub configure: fn(&SettingValues) -> Arc<dyn Method>,
     /// What no setting alone shows: a mistake in its settings, in a sentence.
-    pub mistake: fn(&Values) -> Option<String>,
+    pub mistake: fn(&SettingValues) -> Option<String>,
 }
 
 /// What a tracker is made of besides the settings of its method.

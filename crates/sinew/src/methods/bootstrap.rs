@@ -3,15 +3,15 @@
 use super::about::{About, Gives, Making, Method, Steps};
 use super::score::Score;
 use crate::Error;
-use crate::config::values::Values;
+use crate::config::values::SettingValues;
 use sinew_tracking::bootstrap::{self, Config};
 use std::sync::Arc;
 
 /// The method; 32 degrees of freedom need more particles than the papers had.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Bootstrap(pub Config);
+pub struct BootstrapMethod(pub Config);
 
-impl Default for Bootstrap {
+impl Default for BootstrapMethod {
     fn default() -> Self {
         Self(Config { particles: 10_000, ..Config::default() })
     }
@@ -25,19 +25,20 @@ pub const ABOUT: About = About {
     needs_gradients: false,
     needs_parts: false,
     score: Score::Bidirectional,
-    particles: Some(|| Bootstrap::default().0.particles),
+    score_beside_keypoints: Score::Bidirectional,
+    particles: Some(|| BootstrapMethod::default().0.particles),
     settings: &[],
-    usual: || Arc::new(Bootstrap::default()),
+    usual: || Arc::new(BootstrapMethod::default()),
     configure,
     mistake: |_| None,
 };
 
-fn configure(values: &Values) -> Arc<dyn Method> {
-    let usual = Bootstrap::default().0;
-    Arc::new(Bootstrap(Config { particles: values.size_or("particles", usual.particles), ..usual }))
+fn configure(values: &SettingValues) -> Arc<dyn Method> {
+    let usual = BootstrapMethod::default().0;
+    Arc::new(BootstrapMethod(Config { particles: values.size_or("particles", usual.particles), ..usual }))
 }
 
-impl Method for Bootstrap {
+impl Method for BootstrapMethod {
     fn about(&self) -> &'static About {
         &ABOUT
     }

@@ -3,16 +3,16 @@
 use super::about::{About, Gives, Making, Method, Steps};
 use super::score::Score;
 use crate::Error;
-use crate::config::setting::{Kind, SAMPLING, Setting, computed};
-use crate::config::values::Values;
+use crate::config::setting::{SAMPLING, Setting, SettingKind, computed};
+use crate::config::values::SettingValues;
 use crate::track::error::TrackError;
-use sinew_samplers::grid::Axis;
+use sinew_samplers::grid::GridAxis;
 use sinew_tracking::coarse_to_fine::{self, Config};
 use std::sync::Arc;
 
 /// The method.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct CoarseToFine(pub Config);
+pub struct CoarseToFineMethod(pub Config);
 
 /// Its description.
 pub const ABOUT: About = About {
@@ -22,38 +22,39 @@ pub const ABOUT: About = About {
     needs_gradients: false,
     needs_parts: true,
     score: Score::CoarseToFine,
-    particles: Some(|| CoarseToFine::default().0.coarse),
+    score_beside_keypoints: Score::CoarseToFine,
+    particles: Some(|| CoarseToFineMethod::default().0.coarse),
     settings: &SETTINGS,
-    usual: || Arc::new(CoarseToFine::default()),
+    usual: || Arc::new(CoarseToFineMethod::default()),
     configure,
     mistake: |_| None,
 };
 
 #[rustfmt::skip]
 const SETTINGS: [Setting; 1] = [
-    computed((SAMPLING, "fine", Kind::Count(1, 100_000_000), "N", || CoarseToFine::default().0.fine.to_string(), "particles of the fine level (coarse-to-fine)")),
+    computed((SAMPLING, "fine", SettingKind::Count(1, 100_000_000), "N", || CoarseToFineMethod::default().0.fine.to_string(), "particles of the fine level (coarse-to-fine)")),
 ];
 
-fn configure(values: &Values) -> Arc<dyn Method> {
-    let usual = CoarseToFine::default().0;
+fn configure(values: &SettingValues) -> Arc<dyn Method> {
+    let usual = CoarseToFineMethod::default().0;
     let coarse = values.size_or("particles", usual.coarse);
-    Arc::new(CoarseToFine(Config { coarse, fine: values.size("fine"), ..usual }))
+    Arc::new(CoarseToFineMethod(Config { coarse, fine: values.size("fine"), ..usual }))
 }
 
 /// Range of a position about where tracking began, metres, in which the coarse level has partitions.
 const RANGE_M: f64 = 2.0;
 
 /// Partitions of the coarse level: as wide as a step of motion, positions within [`RANGE_M`] of the start, angles all around.
-fn axes(start: &[f64], sd: &[f64]) -> Result<Vec<Axis>, sinew_samplers::Error> {
+fn axes(start: &[f64], sd: &[f64]) -> Result<Vec<GridAxis>, sinew_samplers::Error> {
     use std::f64::consts::PI;
     let axis = |(j, (&at, &sd)): (usize, (&f64, &f64))| match j {
-        0..3 => Axis::new(at - RANGE_M, at + RANGE_M, sd, false),
-        _ => Axis::new(-PI, PI, sd, true),
+        0..3 => GridAxis::new(at - RANGE_M, at + RANGE_M, sd, false),
+        _ => GridAxis::new(-PI, PI, sd, true),
     };
     start.iter().zip(sd).enumerate().map(axis).collect()
 }
 
-impl Method for CoarseToFine {
+impl Method for CoarseToFineMethod {
     fn about(&self) -> &'static About {
         &ABOUT
     }

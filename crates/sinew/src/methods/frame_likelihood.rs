@@ -8,7 +8,7 @@ use sinew_observe::image_likelihood::ImageLikelihood;
 use sinew_observe::soft_silhouette::SoftSilhouette;
 
 /// What a keypoint likelihood is made of in a frame.
-pub type Bound = sinew_core::density::Lanes<KeypointLikelihood>;
+pub type BoundKeypoints = sinew_core::density::Lanes<KeypointLikelihood>;
 
 /// The images of a frame.
 pub enum BoundImages {
@@ -23,15 +23,15 @@ pub enum BoundImages {
 /// Scored images have no gradient and no curvature; methods that need them get soft ones ([`super::about::About::needs_gradients`]).
 pub struct FrameLikelihood {
     /// That of all keypoints.
-    pub keypoints: Bound,
+    pub keypoints: BoundKeypoints,
     /// The keypoints of each part of the body; empty for methods without parts.
-    pub parts: Vec<Bound>,
+    pub parts: Vec<BoundKeypoints>,
     /// That of the images, if there are any.
     pub images: Option<BoundImages>,
 }
 
-impl From<Bound> for FrameLikelihood {
-    fn from(keypoints: Bound) -> Self {
+impl From<BoundKeypoints> for FrameLikelihood {
+    fn from(keypoints: BoundKeypoints) -> Self {
         Self { keypoints, parts: vec![], images: None }
     }
 }
@@ -129,18 +129,18 @@ impl GradLogDensity for FrameLikelihood {
     fn log_density_grad(&self, x: &[f64], grad: &mut [f64]) -> f64 {
         let value = self.keypoints.log_density_grad(x, grad);
         let Some(soft) = self.soft() else { return value };
-        let mut of_images = vec![0.0; x.len()];
-        let images = soft.log_density_grad(x, &mut of_images);
-        grad.iter_mut().zip(of_images).for_each(|(g, image)| *g += image);
+        let mut image_term = vec![0.0; x.len()];
+        let images = soft.log_density_grad(x, &mut image_term);
+        grad.iter_mut().zip(image_term).for_each(|(g, image)| *g += image);
         value + images
     }
 
     fn log_density_grad_block(&self, x: &[Block], grad: &mut [Block], ws: &mut [Block]) -> Block {
         let mut value = [self.keypoints.log_density_grad_block(x, grad, ws)];
         if let Some(soft) = self.soft() {
-            let (of_images, ws) = ws.split_at_mut(x.len());
-            add(&mut value, &[soft.log_density_grad_block(x, of_images, ws)]);
-            add(grad, of_images);
+            let (image_term, ws) = ws.split_at_mut(x.len());
+            add(&mut value, &[soft.log_density_grad_block(x, image_term, ws)]);
+            add(grad, image_term);
         }
         value[0]
     }
@@ -150,9 +150,9 @@ impl GaussNewton for FrameLikelihood {
     fn gauss_newton_diagonal_block(&self, x: &[Block], diagonal: &mut [Block], ws: &mut [Block]) {
         self.keypoints.gauss_newton_diagonal_block(x, diagonal, ws);
         if let Some(soft) = self.soft() {
-            let (of_images, ws) = ws.split_at_mut(x.len());
-            soft.gauss_newton_diagonal_block(x, of_images, ws);
-            add(diagonal, of_images);
+            let (image_term, ws) = ws.split_at_mut(x.len());
+            soft.gauss_newton_diagonal_block(x, image_term, ws);
+            add(diagonal, image_term);
         }
     }
 
@@ -175,9 +175,9 @@ impl GaussNewton for FrameLikelihood {
 impl FrameLikelihood {
     fn add_soft_curvature(&self, x: &[Block], matrix: &mut [Block], ws: &mut [Block]) {
         if let Some(soft) = self.soft() {
-            let (of_images, ws) = ws.split_at_mut(matrix.len());
-            soft.gauss_newton_block(x, of_images, ws);
-            add(matrix, of_images);
+            let (image_term, ws) = ws.split_at_mut(matrix.len());
+            soft.gauss_newton_block(x, image_term, ws);
+            add(matrix, image_term);
         }
     }
 }
@@ -203,7 +203,7 @@ mod tests {
     }
 
     /// Keypoints of a standing body so many pixels to the right of where they are, or none.
-    fn keypoints(offset: Option<f64>) -> Bound {
+    fn keypoints(offset: Option<f64>) -> BoundKeypoints {
         let (isa, tree, camera) = (Isa::best(), h32(&Proportions::default()), camera());
         let plan = Arc::new(Plan::with_all_points(&tree));
         let mut at = vec![0.0; 3 * plan.points()];
@@ -226,7 +226,7 @@ mod tests {
     }
 
     /// Keypoints of a standing body in one camera and a narrow silhouette in it, apart and together.
-    fn pieces() -> (Bound, SoftSilhouette, FrameLikelihood) {
+    fn pieces() -> (BoundKeypoints, SoftSilhouette, FrameLikelihood) {
         let tree = h32(&Proportions::default());
         let flesh = standard_flesh(&tree).unwrap();
         let soft = SoftSilhouetteModel::new(&tree, &flesh, vec![camera()], 3.0, Isa::best()).unwrap();

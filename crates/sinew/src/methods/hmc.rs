@@ -6,8 +6,8 @@ use super::about::{About, Gives, Making, Method, StepSize, Steps};
 use super::frame_likelihood::FrameLikelihood;
 use super::score::Score;
 use crate::Error;
-use crate::config::setting::{Kind, SAMPLING, SHARE, Setting, computed};
-use crate::config::values::Values;
+use crate::config::setting::{SAMPLING, SHARE, Setting, SettingKind, computed};
+use crate::config::values::SettingValues;
 use crate::setup::Setup;
 use sinew_core::random::Stage;
 use sinew_samplers::tuning;
@@ -16,9 +16,9 @@ use std::sync::Arc;
 
 /// The method; the default is the preset for real recordings.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Hmc(pub Config);
+pub struct HmcMethod(pub Config);
 
-impl Default for Hmc {
+impl Default for HmcMethod {
     fn default() -> Self {
         Self(Config::real_recordings())
     }
@@ -32,23 +32,24 @@ pub const ABOUT: About = About {
     needs_gradients: true,
     needs_parts: false,
     score: Score::Bidirectional,
+    score_beside_keypoints: Score::Bidirectional,
     particles: None,
     settings: &SETTINGS,
-    usual: || Arc::new(Hmc::default()),
+    usual: || Arc::new(HmcMethod::default()),
     configure,
     mistake,
 };
 
 #[rustfmt::skip]
 const SETTINGS: [Setting; 4] = [
-    computed((SAMPLING, "chains", Kind::Count(1, 100_000), "N", || Hmc::default().0.chains.to_string(), "chains of a frame (hmc)")),
-    computed((SAMPLING, "updates", Kind::Count(1, 1_000_000), "N", || Hmc::default().0.updates.to_string(), "updates of each chain in a frame; four times as many where the chains disagree (hmc)")),
-    computed((SAMPLING, "burn_in", Kind::Count(0, 1_000_000), "N", || Hmc::default().0.burn_in.to_string(), "first samples of each chain that are discarded (hmc)")),
-    computed((SAMPLING, "jitter", SHARE, "X", || Hmc::default().0.jitter.to_string(), "relative jitter of the step size (hmc)")),
+    computed((SAMPLING, "chains", SettingKind::Count(1, 100_000), "N", || HmcMethod::default().0.chains.to_string(), "chains of a frame (hmc)")),
+    computed((SAMPLING, "updates", SettingKind::Count(1, 1_000_000), "N", || HmcMethod::default().0.updates.to_string(), "updates of each chain in a frame; four times as many where the chains disagree (hmc)")),
+    computed((SAMPLING, "burn_in", SettingKind::Count(0, 1_000_000), "N", || HmcMethod::default().0.burn_in.to_string(), "first samples of each chain that are discarded (hmc)")),
+    computed((SAMPLING, "jitter", SHARE, "X", || HmcMethod::default().0.jitter.to_string(), "relative jitter of the step size (hmc)")),
 ];
 
-fn configure(values: &Values) -> Arc<dyn Method> {
-    Arc::new(Hmc(Config {
+fn configure(values: &SettingValues) -> Arc<dyn Method> {
+    Arc::new(HmcMethod(Config {
         chains: values.size("chains"),
         updates: values.size("updates"),
         burn_in: values.size("burn_in"),
@@ -57,7 +58,7 @@ fn configure(values: &Values) -> Arc<dyn Method> {
     }))
 }
 
-fn mistake(values: &Values) -> Option<String> {
+fn mistake(values: &SettingValues) -> Option<String> {
     let (burn_in, updates) = (values.count("burn_in").unwrap_or_default(), values.count("updates").unwrap_or(1));
     (burn_in >= updates).then(|| format!("`burn_in` is {burn_in}; it must be less than `updates`, which is {updates}"))
 }
@@ -65,7 +66,7 @@ fn mistake(values: &Values) -> Option<String> {
 /// Trajectory lengths to choose from. In units of the dense metric a trajectory should take a quarter to half of a period, 2π; longer ones come back to where they began.
 const LENGTHS: [usize; 2] = [6, 7];
 
-impl Hmc {
+impl HmcMethod {
     fn with_steps(&self, setup: &Setup) -> Config {
         Config {
             step_size: setup.step_size.unwrap_or(self.0.step_size),
@@ -75,7 +76,7 @@ impl Hmc {
     }
 }
 
-impl Method for Hmc {
+impl Method for HmcMethod {
     fn about(&self) -> &'static About {
         &ABOUT
     }

@@ -3,13 +3,13 @@
 use super::about::{About, Gives, Making, Method, Steps};
 use super::score::Score;
 use crate::Error;
-use crate::config::values::Values;
+use crate::config::values::SettingValues;
 use sinew_tracking::partitioned::{self, Config};
 use std::sync::Arc;
 
 /// The method.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Partitioned(pub Config);
+pub struct PartitionedMethod(pub Config);
 
 /// Its description.
 pub const ABOUT: About = About {
@@ -19,19 +19,20 @@ pub const ABOUT: About = About {
     needs_gradients: false,
     needs_parts: true,
     score: Score::Bidirectional,
-    particles: Some(|| Partitioned::default().0.particles),
+    score_beside_keypoints: Score::Parts,
+    particles: Some(|| PartitionedMethod::default().0.particles),
     settings: &[],
-    usual: || Arc::new(Partitioned::default()),
+    usual: || Arc::new(PartitionedMethod::default()),
     configure,
     mistake: |_| None,
 };
 
-fn configure(values: &Values) -> Arc<dyn Method> {
-    let usual = Partitioned::default().0;
-    Arc::new(Partitioned(Config { particles: values.size_or("particles", usual.particles), ..usual }))
+fn configure(values: &SettingValues) -> Arc<dyn Method> {
+    let usual = PartitionedMethod::default().0;
+    Arc::new(PartitionedMethod(Config { particles: values.size_or("particles", usual.particles), ..usual }))
 }
 
-impl Method for Partitioned {
+impl Method for PartitionedMethod {
     fn about(&self) -> &'static About {
         &ABOUT
     }

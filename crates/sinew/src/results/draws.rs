@@ -9,12 +9,12 @@ use super::error::ResultsError;
 use super::partial::{Place, partial_path, take_back};
 use super::storage::Storage;
 use crate::Error;
-use crate::results::estimate::{Carried, FrameEstimate, Kind, RunInfo};
+use crate::results::estimate::{Carried, EstimateKind, FrameEstimate, RunInfo};
 use serde::{Deserialize, Serialize};
 use sinew_body::{Joint, Plan, point_positions};
 use sinew_core::lanes::Isa;
 use sinew_formats::zarr::inference_data::{self, Run};
-use sinew_formats::zarr::{Constant, DataType, Group, Labels, Store, Values, Variable, Writer};
+use sinew_formats::zarr::{Constant, DataType, FrameValues, Group, Labels, Store, Variable, Writer};
 use std::collections::BTreeSet;
 use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
@@ -178,35 +178,36 @@ impl DrawStore {
         let steps: Vec<i64> = draws.hmc.iter().flat_map(|hmc| &hmc.n_steps).map(|&n| i64::from(n)).collect();
         let evidence = [estimate.log_evidence.unwrap_or(f64::NAN)];
         let ess = [estimate.ess];
-        let mut values = vec![Values::Numbers(&angle), Values::Numbers(&root), Values::Numbers(&markers)];
+        let mut values =
+            vec![FrameValues::Numbers(&angle), FrameValues::Numbers(&root), FrameValues::Numbers(&markers)];
         if self.carried.size {
-            values.push(Values::Numbers(&draws.size));
+            values.push(FrameValues::Numbers(&draws.size));
         }
         if self.carried.lp {
-            values.push(Values::Numbers(&draws.lp));
+            values.push(FrameValues::Numbers(&draws.lp));
         }
         if self.carried.hmc {
             let hmc = draws.hmc.as_ref().ok_or_else(|| lacking("hmc"))?;
             values.extend([
-                Values::Numbers(&hmc.acceptance_rate),
-                Values::Numbers(&hmc.step_size),
-                Values::Integers(&steps),
-                Values::Flags(&hmc.diverging),
-                Values::Numbers(&hmc.energy),
+                FrameValues::Numbers(&hmc.acceptance_rate),
+                FrameValues::Numbers(&hmc.step_size),
+                FrameValues::Integers(&steps),
+                FrameValues::Flags(&hmc.diverging),
+                FrameValues::Numbers(&hmc.energy),
             ]);
         }
-        values.push(Values::Numbers(&ess));
+        values.push(FrameValues::Numbers(&ess));
         if self.carried.log_evidence {
-            values.push(Values::Numbers(&evidence));
+            values.push(FrameValues::Numbers(&evidence));
         }
         let resampled = [estimate.particles.as_ref().is_some_and(|particles| particles.resampled)];
         if self.carried.particles.is_some() {
             let particles = estimate.particles.as_ref().ok_or_else(|| lacking("particle"))?;
-            values.extend([Values::Flags(&resampled), Values::Numbers(&particles.log_weight)]);
+            values.extend([FrameValues::Flags(&resampled), FrameValues::Numbers(&particles.log_weight)]);
         }
         let pixels: Vec<f64> = estimate.seen.iter().flat_map(|[u, v, _]| [*u, *v]).collect();
         let confidence: Vec<f64> = estimate.seen.iter().map(|[_, _, confidence]| *confidence).collect();
-        values.extend([Values::Numbers(&pixels), Values::Numbers(&confidence)]);
+        values.extend([FrameValues::Numbers(&pixels), FrameValues::Numbers(&confidence)]);
         let number = i64::try_from(estimate.number).unwrap_or(i64::MAX);
         self.writer.push(number, estimate.time_s, &values).map_err(Error::io("write", &self.partial))?;
         self.whole.append(&std::mem::take(&mut self.writer.store_mut().rows))
@@ -260,8 +261,8 @@ fn schema(info: &RunInfo, rotations: &[usize]) -> sinew_formats::zarr::Schema {
         library_version: env!("CARGO_PKG_VERSION"),
         method: &info.method,
         kind: match info.kind {
-            Kind::Filtered => inference_data::Kind::Filtered,
-            Kind::Smoothed => inference_data::Kind::Smoothed,
+            EstimateKind::Filtered => inference_data::DrawsKind::Filtered,
+            EstimateKind::Smoothed => inference_data::DrawsKind::Smoothed,
         },
         seed: info.seed,
         created_at: None,

@@ -33,9 +33,9 @@ pub enum ResultsError {
     #[error("`{}` holds no results of a run that came to its end: summary.json is missing", .0.display())]
     NoSummary(PathBuf),
     /// Frames that the results do not have.
-    #[error("{} were asked for; the results have {}", frames(asked.as_ref()), available.as_ref().map_or_else(|| "none".into(), span))]
+    #[error("{} were requested; the results have {}", frames(asked.as_ref()), available.as_ref().map_or_else(|| "none".into(), span))]
     NoSuchFrames {
-        /// Frames asked for; all of them if `None`.
+        /// Requested frames; all of them if `None`.
         asked: Option<Range<u64>>,
         /// Frames there, if any.
         available: Option<Range<u64>>,

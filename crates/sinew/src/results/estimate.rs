@@ -12,7 +12,7 @@ use sinew_observe::Camera;
 
 /// Whether an estimate uses the frames up to its own or all of them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Kind {
+pub enum EstimateKind {
     /// Frames up to this one; draws of different frames are unrelated.
     #[default]
     Filtered,
@@ -20,7 +20,7 @@ pub enum Kind {
     Smoothed,
 }
 
-impl Kind {
+impl EstimateKind {
     /// Name in files.
     #[must_use]
     pub const fn name(self) -> &'static str {
@@ -171,7 +171,7 @@ pub struct RunInfo {
     /// Whether its draws are weighted particles of a posterior.
     pub is_weighted: bool,
     /// Filtered or smoothed.
-    pub kind: Kind,
+    pub kind: EstimateKind,
     /// Body in its fitted size; points and degrees of freedom are in its order.
     pub body: KinematicTree,
     /// Frames per second.

@@ -24,6 +24,7 @@ use super::markers::Markers;
 use super::skeleton::SkeletonFile;
 use super::statistics::Statistics;
 use super::tables::Tables;
+use super::texts::Texts;
 use crate::Error;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -62,17 +63,6 @@ pub struct Written {
     draws: OpenChunks,
 }
 
-/// Texts that stand in the folder as they are.
-#[derive(Clone, Debug, Default)]
-pub struct Texts {
-    /// `config.toml`.
-    pub config_toml: String,
-    /// Settings with their origins, for the summary.
-    pub settings: serde_json::Value,
-    /// Hash of the settings that matter for the numbers.
-    pub settings_hash: String,
-}
-
 impl ResultFolder {
     /// Removes what a run left that was stopped: it is not to be resumed.
     ///
@@ -83,7 +73,7 @@ impl ResultFolder {
         OWN_NAMES.iter().rev().try_for_each(|name| claim.remove(name))
     }
 
-    /// Opens all files: new ones, or those of a run that was stopped, cut to what was `written` then. Older results lose their summary and their checkpoint.
+    /// Opens all files: new ones, or the files of a run that was stopped, cut to what was `written` then. Older results lose their summary and their checkpoint.
     ///
     /// # Errors
     /// [`Error::Io`] with the path; [`Error::Checkpoint`] for files that are not as they were left.
@@ -293,7 +283,7 @@ mod tests {
         }
     }
 
-    /// `angles.mot` and `motion.bvh` of a run that was stopped after so many frames.
+    /// `angles.mot` and `motion.bvh` of a run that was stopped after `stop` frames.
     fn written(folder: &Path, stop: u64) -> [Vec<u8>; 2] {
         let open =
             |claim, written: Option<&Written>| ResultFolder::open(claim, info(), Texts::default(), written).unwrap();

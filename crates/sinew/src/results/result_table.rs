@@ -65,7 +65,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn tables_are_told_by_their_header() {
+    fn tables_are_recognised_by_their_header() {
         let check = |header: &str, expected| assert_eq!(ResultTable::of(header), expected, "{header}");
         check("frame,time_s,person,joint,x_mean_m,y_mean_m\n0,0,0,Nose,1,2\n", Some(ResultTable::Joints));
         check("\u{feff}time_s;person;name;mean_deg\r\n", Some(ResultTable::Angles));

@@ -2,8 +2,8 @@
 //!
 //! Read at its end from the diagnostics of its frames ([`super::journal`]).
 
-use super::Texts;
 use super::summary::{CameraSummary, Diagnostics, Ending, Limits, R_HAT_NOTED, SCHEMA_VERSION, Spread, Summary};
+use super::texts::Texts;
 use crate::results::estimate::{FrameEstimate, RunInfo};
 
 /// E-BFMI below which chains are said not to reach the tails (the Stan developers' bound).
@@ -351,7 +351,7 @@ mod tests {
     }
 
     #[test]
-    fn spans_without_observation_and_large_residuals_are_told() {
+    fn spans_without_observation_and_large_residuals_are_reported() {
         let frame = |i: u64| FrameEstimate {
             observed: !matches!(i, 3 | 5..8),
             residual_px: vec![(i > 2).then_some(12.5)],

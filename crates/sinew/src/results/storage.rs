@@ -11,7 +11,7 @@ pub trait StoredFile: Write + Seek + Send {
     /// Hands what was written to the disk and waits for it.
     ///
     /// # Errors
-    /// Those of the system.
+    /// Errors of the system.
     fn sync(&mut self) -> io::Result<()>;
 }
 
@@ -26,43 +26,43 @@ pub trait Storage: Send + Sync {
     /// Creates a folder and those above it.
     ///
     /// # Errors
-    /// Those of the system.
+    /// Errors of the system.
     fn create_folder(&self, path: &Path) -> io::Result<()>;
 
     /// Creates or empties a file.
     ///
     /// # Errors
-    /// Those of the system.
+    /// Errors of the system.
     fn create(&self, path: &Path) -> io::Result<Box<dyn StoredFile>>;
 
-    /// Opens a file that is there, cut to so many bytes, at its end.
+    /// Opens a file that is there, cut to `length` bytes, at its end.
     ///
     /// # Errors
-    /// Those of the system.
+    /// Errors of the system.
     fn resume(&self, path: &Path, length: u64) -> io::Result<Box<dyn StoredFile>>;
 
     /// Opens a file for reading.
     ///
     /// # Errors
-    /// Those of the system.
+    /// Errors of the system.
     fn read(&self, path: &Path) -> io::Result<Box<dyn Read>>;
 
     /// Hands a written and closed file, or the names in a folder, to the disk and waits for it.
     ///
     /// # Errors
-    /// Those of the system.
+    /// Errors of the system.
     fn sync(&self, path: &Path) -> io::Result<()>;
 
     /// Renames a file or folder, over a file that may be there.
     ///
     /// # Errors
-    /// Those of the system.
+    /// Errors of the system.
     fn rename(&self, from: &Path, to: &Path) -> io::Result<()>;
 
     /// Removes a file or a folder with all in it; none there is no error.
     ///
     /// # Errors
-    /// Those of the system.
+    /// Errors of the system.
     fn remove(&self, path: &Path) -> io::Result<()>;
 }
 

@@ -111,7 +111,8 @@ impl Tracked {
 }
 
 /// What a command read that must not be written over: a result folder, a calibration and perhaps a folder of images.
-pub(crate) fn inputs(results: &Path, calibration: &Path, images: Option<&PathBuf>) -> Vec<PathBuf> {
+#[must_use]
+pub fn inputs(results: &Path, calibration: &Path, images: Option<&PathBuf>) -> Vec<PathBuf> {
     [results, calibration].into_iter().map(Path::to_owned).chain(images.cloned()).collect()
 }
 
@@ -132,7 +133,7 @@ fn numbers(name: &str, table: &Cells) -> Result<Vec<u64>, ResultsError> {
     table.rows.iter().map(number).collect()
 }
 
-/// States of so many frames, translations 0.
+/// States of `frames` frames, translations 0.
 fn rotations(name: &str, table: &Cells, tree: &KinematicTree, frames: usize) -> Result<Vec<Vec<f64>>, ResultsError> {
     let [name_column, mean_column] = [column(name, table, "name")?, column(name, table, "mean_deg")?];
     let rotations: Vec<(usize, String)> = tree

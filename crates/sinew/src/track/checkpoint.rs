@@ -1,4 +1,4 @@
-//! What a run needs to go on where it was stopped: `checkpoint.bin` in its output folder.
+//! What a run needs to resume where it was stopped: `checkpoint.bin` in its output folder.
 //!
 //! ```text
 //! "sinew checkpoint"  16 bytes
@@ -8,8 +8,8 @@
 //! CRC-32 of all that   4 bytes, little-endian
 //! ```
 //!
-//! Random streams are keyed by seed, purpose, frame and block, so no generator has a state. What is kept is what the next frame needs of those before it, how far every file was written, and what tells that the run that
-//! goes on is the same one: versions, settings, hashes of the inputs. The file is written beside its place, synced and renamed, after the files that it speaks of were synced. Its size does not depend on the number of frames.
+//! Random streams are keyed by seed, purpose, frame and block, so no generator has a state. What is kept is what the next frame needs of those before it, how far every file was written, and what shows that the run that
+//! resumes is the same one: versions, settings, hashes of the inputs. The file is written beside its place, synced and renamed, after the files that it speaks of were synced. Its size does not depend on the number of frames.
 //!
 //! A reader checks in this order: is it a checkpoint, is it whole, does the checksum fit, is the format known, can the body be decoded; each has a [`Problem`] of its own.
 
@@ -29,10 +29,10 @@ const MAGIC: &[u8; 16] = b"sinew checkpoint";
 /// Bytes before the body and after it.
 const HEAD: usize = 16 + 4 + 8;
 const TAIL: usize = 4;
-/// Larger files are none of ours: a hundred million particles fill more, and are told so when they are written.
+/// Larger files are none of ours: a hundred million particles fill more, which is reported when they are written.
 const MOST_BYTES: u64 = 1 << 34;
 
-/// Everything that a run needs to go on.
+/// Everything that a run needs to resume.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Checkpoint {
     /// Version of the program.
@@ -160,7 +160,7 @@ impl Checkpoint {
         if differing.is_empty() { Ok(()) } else { Err(Problem::Settings(differing)) }
     }
 
-    /// Refuses other data than those of the run that was stopped.
+    /// Refuses other data than the run that was stopped had.
     ///
     /// # Errors
     /// [`Problem::Inputs`] with all that differ.
@@ -186,7 +186,7 @@ impl Checkpoint {
 fn differences(
     before: &BTreeMap<String, String>,
     now: &BTreeMap<String, String>,
-    told: impl Fn(&str, Option<&str>, Option<&str>) -> String,
+    describe: impl Fn(&str, Option<&str>, Option<&str>) -> String,
 ) -> Vec<String> {
     let mut keys: Vec<&String> = before.keys().chain(now.keys()).collect();
     keys.sort();
@@ -195,6 +195,6 @@ fn differences(
     keys.into_iter()
         .map(|key| (key, value(before, key), value(now, key)))
         .filter(|(_, before, now)| before != now)
-        .map(|(key, before, now)| told(key, before.as_deref(), now.as_deref()))
+        .map(|(key, before, now)| describe(key, before.as_deref(), now.as_deref()))
         .collect()
 }

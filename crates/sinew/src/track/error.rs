@@ -78,7 +78,7 @@ pub enum TrackError {
     NoInstructionSet {
         /// The setting.
         asked: String,
-        /// Those of the processor.
+        /// Instruction sets of the processor.
         available: Vec<&'static str>,
     },
     /// Settings of a stopped run that are not JSON.
@@ -117,7 +117,7 @@ impl TrackError {
     pub const fn help(&self) -> Option<&'static str> {
         Some(match self {
             Self::UnknownCamera { .. } => "use the set-up of this recording, or leave `--setup` out",
-            Self::FewPoints { .. } => "name the body's points like those of the layout: `sinew body` lists them",
+            Self::FewPoints { .. } => "name the body's points as the layout does: `sinew body` lists them",
             Self::StartPose { .. } => "use the set-up of this body, or leave `--setup` out",
             Self::FrameNumber { .. } => "renumber the files",
             Self::Parts(_) => "give every link at most one solid",

@@ -45,7 +45,7 @@ pub struct Images {
     state: ImageState,
 }
 
-/// The parts of a body that trackers choose one by one: those of its solids.
+/// The parts of a body that trackers choose one by one: the parts of its solids.
 pub(super) fn part_tree(tree: &KinematicTree, flesh: &Flesh) -> Result<PartTree, Error> {
     let parts = flesh.coordinates(tree).into_iter().map(|part| Part::new(part, tree.dof()));
     let partition = Partition::new(parts.collect::<Result<_, _>>().map_err(TrackError::Parts)?, tree.dof());
@@ -101,7 +101,7 @@ impl Images {
         &self.flesh
     }
 
-    /// Binds the images of a frame: edges come from the picture where there is one, else from the outline of the mask. Cameras without a mask say nothing; where no mask shows anybody, none does, so that the motion model goes on alone.
+    /// Binds the images of a frame: edges come from the picture where there is one, else from the outline of the mask. Cameras without a mask say nothing; where no mask shows anybody, none does, so that the motion model continues alone.
     pub fn bind(&mut self, images: &FrameImages) -> BoundImages {
         let mut cues = Vec::with_capacity(self.rasters.len());
         for (camera, raster) in self.rasters.iter().enumerate() {

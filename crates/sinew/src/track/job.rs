@@ -5,8 +5,8 @@
 //!    └─────▶ tracker ──▶ result folder      (through a spool on disk and a backward pass with `smooth`)
 //! ```
 //!
-//! An interrupt ends the run after the frame at hand; what was done is written and marked incomplete. A checkpoint ([`crate::track::checkpoint`]) is written before the first frame, every so many seconds and at an interrupt; from it a run goes
-//! on to the same bytes, whatever stopped it: the set-up is that of the checkpoint, and what was read of the source is read again, which tells whether it is the same and counts what is odd about it.
+//! An interrupt ends the run after the frame at hand; what was done is written and marked incomplete. A checkpoint ([`crate::track::checkpoint`]) is written before the first frame, at a fixed interval of time and at an interrupt; from it a run resumes
+//! to the same bytes, whatever stopped it: the set-up is that of the checkpoint, and what was read of the source is read again, which shows whether it is the same and counts what is odd about it.
 
 mod backward;
 mod begin;
@@ -22,7 +22,7 @@ mod watch;
 pub use check::check_settings;
 pub use complete::check_complete;
 pub use ending::Outcome;
-pub use watch::{Pass, Watch};
+pub use watch::{RunPhase, Watch};
 
 use super::checkpoint::Checkpoint;
 use super::pipeline::Pipeline;
@@ -44,7 +44,7 @@ use std::ops::Range;
 /// `inputs` gives the warnings of the source and the hashes of what was read of it so far.
 ///
 /// # Errors
-/// Those of the source, the set-up, the tracker and the disk; [`Error::Checkpoint`] where the run that was stopped is another one.
+/// Errors of the source, the set-up, the tracker and the disk; [`Error::Checkpoint`] where the run that was stopped is another one.
 pub fn track<S: FrameSource>(
     source: &mut S,
     setup_frames: Range<u64>,
@@ -57,7 +57,7 @@ pub fn track<S: FrameSource>(
     let mut clock = Clock::started();
     let config = resolved.track();
     let settings = config.settings()?;
-    let inputs = Inputs { of_source: inputs, of_settings: file_hashes(resolved)? };
+    let inputs = Inputs { hash_source: inputs, settings_hashes: file_hashes(resolved)? };
     let folder = claim.folder().to_owned();
     let Begun { mut source, setup, checkpoint } = match from {
         Some(from) => resumed(source, from, resolved, &settings, &inputs, &folder, watch)?,

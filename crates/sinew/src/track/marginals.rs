@@ -1,6 +1,6 @@
 //! Marginals of points and degrees of freedom from the draws of a frame.
 //!
-//! Quantiles are those of the weighted draws: the least value at which the cumulated weight reaches p. A body of unknown size before one camera has draws of all
+//! Quantiles are taken of the weighted draws: the least value at which the cumulated weight reaches p. A body of unknown size before one camera has draws of all
 //! sizes ([`UnknownSize`]).
 
 use super::unknown_size::UnknownSize;
@@ -79,7 +79,7 @@ impl Marginals {
         blocks.for_each_init(scratch, |ws, (states, out)| point_positions_block(plan, *isa, states, out, ws));
 
         let equal = !posterior.chain_stats.is_empty();
-        let of_column = |series: &mut Vec<f64>, all: &[Block], width: usize, column: usize| {
+        let described_column = |series: &mut Vec<f64>, all: &[Block], width: usize, column: usize| {
             let blocks = all.iter().skip(column).step_by(width);
             series.clear();
             match size.as_ref().filter(|_| width == coordinates || column < 3) {
@@ -92,11 +92,11 @@ impl Marginals {
         let described: Vec<[f64; 4]> = (0..coordinates + d)
             .into_par_iter()
             .map_init(Vec::new, |series, column| match column.checked_sub(coordinates) {
-                None => of_column(series, positions, coordinates, column),
-                Some(j) => of_column(series, posterior.states, d, j),
+                None => described_column(series, positions, coordinates, column),
+                Some(j) => described_column(series, posterior.states, d, j),
             })
             .collect();
-        let (of_points, of_states) = described.split_at(coordinates);
+        let (at_points, points_of_states) = described.split_at(coordinates);
         let point = |axes: &[[f64; 4]]| {
             let mut point = PointMarginal::default();
             for (axis, &[mean, sd, q05, q95]) in axes.iter().enumerate() {
@@ -105,7 +105,7 @@ impl Marginals {
             point
         };
         let state = |&[mean, _, q05, q95]: &[f64; 4]| StateMarginal { mean, q05, q95 };
-        (of_points.chunks_exact(3).map(point).collect(), of_states.iter().map(state).collect())
+        (at_points.chunks_exact(3).map(point).collect(), points_of_states.iter().map(state).collect())
     }
 }
 

@@ -11,7 +11,7 @@
 //! Memory does not grow with the frames: a span is kept as its ends and sums, and only the first few of each camera are listed.
 
 use crate::results::problem::{Problem, check_length};
-use crate::setup::Warning;
+use crate::setup::SetupWarning;
 use serde::{Deserialize, Serialize};
 
 /// Frames that a span has at least.
@@ -102,7 +102,7 @@ impl Oddities {
         Ok(())
     }
 
-    /// Tells what a camera shows before the frame is tracked: how many people, whether the tracked one is among them, and the distances of the first one's
+    /// Takes what a camera shows before the frame is tracked: how many people, whether the tracked one is among them, and the distances of the first one's
     /// keypoints from where they are expected, as labelled and with left and right exchanged.
     pub(super) fn people(&mut self, camera: usize, count: usize, found: bool, [straight, crossed]: [&mut [f64]; 2]) {
         let Some(watched) = self.cameras.get_mut(camera) else { return };
@@ -134,8 +134,8 @@ impl Oddities {
                 }
             }
             let enough = straight.len() >= FEWEST;
-            let of_person = enough.then(|| (median(&mut straight), median(&mut crossed)));
-            let swapped = of_person.filter(|(s, x)| is_swap(*s, *x, watched.sigma_px)).or(watched.swapped_px.take());
+            let medians = enough.then(|| (median(&mut straight), median(&mut crossed)));
+            let swapped = medians.filter(|(s, x)| is_swap(*s, *x, watched.sigma_px)).or(watched.swapped_px.take());
             if let Some((straight, crossed)) = swapped {
                 let open = &mut watched.open;
                 if open.frames == 0 {
@@ -157,14 +157,14 @@ impl Oddities {
 
     /// What was odd so far.
     pub(super) fn warnings(&self) -> Vec<String> {
-        let mut told = vec![];
+        let mut warnings = vec![];
         for watched in &self.cameras {
             let mut watched = watched.clone();
             watched.close();
             let camera = &watched.name;
-            told.extend(watched.swaps.iter().map(|span| {
+            warnings.extend(watched.swaps.iter().map(|span| {
                 let frames = f64::from(span.frames);
-                Warning::Swapped {
+                SetupWarning::Swapped {
                     camera: camera.clone(),
                     first: span.first,
                     last: span.last,
@@ -174,15 +174,15 @@ impl Oddities {
                 .to_string()
             }));
             if watched.more_swaps > 0 {
-                told.push(format!("{camera}: {} more spans with left and right swapped", watched.more_swaps));
+                warnings.push(format!("{camera}: {} more spans with left and right swapped", watched.more_swaps));
             }
-            let jump = |&(frame, px)| Warning::Jump { camera: camera.clone(), frame, px }.to_string();
-            told.extend(watched.jumps.iter().map(jump));
+            let jump = |&(frame, px)| SetupWarning::Jump { camera: camera.clone(), frame, px }.to_string();
+            warnings.extend(watched.jumps.iter().map(jump));
             if watched.more_jumps > 0 {
-                told.push(format!("{camera}: {} more jumps", watched.more_jumps));
+                warnings.push(format!("{camera}: {} more jumps", watched.more_jumps));
             }
         }
-        told
+        warnings
     }
 }
 

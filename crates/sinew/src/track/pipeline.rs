@@ -143,8 +143,8 @@ impl Pipeline {
         let search = (method.gives == Gives::Search).then(|| {
             format!("`{}` is a search: its intervals and draws are what survived it, not a posterior", method.name)
         });
-        let of_images = images.iter().flat_map(Images::warnings);
-        scene.warnings().into_iter().chain(search).chain(of_images).collect()
+        let image_warnings = images.iter().flat_map(Images::warnings);
+        scene.warnings().into_iter().chain(search).chain(image_warnings).collect()
     }
 
     /// How well the tracked body covers the silhouettes, camera by camera; empty without silhouettes.
@@ -160,7 +160,7 @@ impl Pipeline {
         State { tracker: self.tracker.save(), scene: scene.save(), images: images.as_ref().map(Images::save) }
     }
 
-    /// Goes on where a pipeline of the same set-up and settings stood, to the same bits.
+    /// Resumes where a pipeline of the same set-up and settings stood, to the same bits.
     ///
     /// # Errors
     /// A state of another pipeline.
@@ -183,10 +183,10 @@ impl Pipeline {
         self.observer.scene.doubts()
     }
 
-    /// Tracks the frames of `numbers`, in order, and gives each estimate with the moments of its posterior to `record`, which may stop the run. Call it again to go on.
+    /// Tracks the frames of `numbers`, in order, and gives each estimate with the moments of its posterior to `record`, which may stop the run. Call it again to continue.
     ///
     /// # Errors
-    /// Those of the source and of `record`; frames without a posterior.
+    /// Errors of the source and of `record`; frames without a posterior.
     pub fn track(
         &mut self,
         source: &mut dyn FrameSource,

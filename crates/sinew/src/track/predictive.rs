@@ -14,8 +14,8 @@
 //! - *disagreement*: root mean square of the residuals between the cameras, each divided by `σ √(1 − leverage)`; it knows nothing of the body and of the model error, which hide a wrong σ from the scatter;
 //! - *limb*: length between triangulated ends over that of the body, left and right together, after the length that noise adds.
 //!
-//! A number is told of ([`Doubt`]) where it is beyond a bound that means something for the intervals *and* more than [`SURE`] standard errors beyond what is expected. What cannot show is what the body or the set-up
-//! absorbs: with one camera whatever moves the person, with several a shift of the world. How large that may be is told by the offsets that the set-up found
+//! A number is reported ([`Doubt`]) where it is beyond a bound that means something for the intervals *and* more than [`SURE`] standard errors beyond what is expected. What cannot show is what the body or the set-up
+//! absorbs: with one camera whatever moves the person, with several a shift of the world. How large that may be is shown by the offsets that the set-up found
 //! ([`Doubt::Calibration`]), with the same bound on each camera's.
 //!
 //! Memory does not grow with the frames.
@@ -25,12 +25,9 @@ mod expected;
 
 pub use doubt::{Doubt, Lengths, Origins};
 
-use expected::Expected;
+use expected::{Expected, GROSS};
 use serde::{Deserialize, Serialize};
 use sinew_observe::Noise;
-
-/// Standardised residuals beyond this are gross.
-pub(super) const GROSS: f64 = 4.0;
 
 /// Limbs whose lengths are looked at: name and its ends without their side.
 pub(super) const LIMBS: [(&str, [&str; 2]); 4] = [
@@ -40,19 +37,19 @@ pub(super) const LIMBS: [(&str, [&str; 2]); 4] = [
     ("shins", ["Knee", "Ankle"]),
 ];
 
-/// Frames below which nothing is told.
+/// Frames below which nothing is reported.
 const FEWEST_FRAMES: f64 = 15.0;
 /// Standard errors.
 const SURE: f64 = 4.0;
-/// Offset, in units of the assumed noise, that is told. Half of the width of a 90 % interval of a joint seen by four cameras is about one such unit.
+/// Offset, in units of the assumed noise, that is reported. Half of the width of a 90 % interval of a joint seen by four cameras is about one such unit.
 pub(super) const OFFSET: f64 = 0.3;
-/// Scatter and disagreement that are told, as a multiple of the expected one.
+/// Scatter and disagreement that are reported, as a multiple of the expected one.
 const SCATTER: f64 = 1.2;
-/// Gross residuals that are told: this many times the expected share, and so many more of all.
+/// Gross residuals that are reported: a multiple of the expected share, and what they exceed it by as a share of all.
 const OUTLIERS: [f64; 2] = [1.5, 0.01];
-/// Correlation of successive residuals that is told.
+/// Correlation of successive residuals that is reported.
 const PERSISTENCE: f64 = 0.3;
-/// Relative difference in length that is told.
+/// Relative difference in length that is reported.
 const LIMB: f64 = 0.02;
 
 /// Sums over the frames of values, for their mean and its standard error.
@@ -149,7 +146,7 @@ struct Limb {
     body_m: Sum,
 }
 
-/// The checks of a run. Plain numbers: what a stopped run needs to go on.
+/// The checks of a run. Plain numbers: what a stopped run needs to resume.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Predictive {
     expected: Expected,
@@ -247,13 +244,13 @@ impl Predictive {
 }
 
 impl Watched {
-    /// Correlation of successive residuals about the camera's offset, where it is to be told.
+    /// Correlation of successive residuals about the camera's offset, where it is to be reported.
     fn persistence(&self) -> Option<f64> {
         let offset = self.offset.map(|sum| (sum.mean() / self.sd_px.mean()).powi(2)).iter().sum::<f64>() / 2.0;
         let correlation = (self.products.mean() - offset) / (self.power.mean() - offset);
         let error = self.products.count.sqrt().recip();
-        let told = self.offset[0].count >= FEWEST_FRAMES && correlation > PERSISTENCE && correlation > SURE * error;
-        told.then_some(correlation)
+        let is_large = self.offset[0].count >= FEWEST_FRAMES && correlation > PERSISTENCE && correlation > SURE * error;
+        is_large.then_some(correlation)
     }
 
     fn doubts(&self, expected: &Expected) -> Vec<Doubt> {
@@ -306,15 +303,15 @@ mod tests {
         offset_px: f64,
         size: f64,
         persistence: f64,
-        /// One keypoint in so many is far away.
+        /// One keypoint in this number is far away.
         outlier: usize,
         disagreement: f64,
     }
 
     const RIGHT: Errs = Errs { offset_px: 0.0, size: 1.0, persistence: 0.0, outlier: 50, disagreement: 1.0 };
 
-    /// What is told of a camera that sees twelve keypoints in each of so many frames.
-    fn told(errs: Errs, frames: u64) -> Vec<Doubt> {
+    /// Doubts about a camera that sees twelve keypoints in each of `frames` frames.
+    fn doubted(errs: Errs, frames: u64) -> Vec<Doubt> {
         let mut predictive = Predictive::new(["C1".to_owned()].into_iter(), Noise::OutlierFloor { outlier: 0.02 });
         let mut errors = [[0.0; 2]; 12];
         for number in 0..frames {
@@ -341,14 +338,14 @@ mod tests {
     }
 
     #[test]
-    fn residuals_as_the_model_says_are_not_told() {
-        assert_eq!(told(RIGHT, 400), []);
+    fn residuals_as_the_model_says_are_not_reported() {
+        assert_eq!(doubted(RIGHT, 400), []);
     }
 
     #[test]
-    fn each_error_is_told_by_its_name_and_size() {
+    fn each_error_is_reported_by_its_name_and_size() {
         let is = |errs: Errs, kind: &str| {
-            let doubts = told(errs, 200);
+            let doubts = doubted(errs, 200);
             assert_eq!(kinds(&doubts), [kind], "{doubts:?}");
             doubts.into_iter().next()
         };
@@ -373,23 +370,23 @@ mod tests {
     }
 
     #[test]
-    fn too_few_frames_tell_nothing() {
-        assert_eq!(told(Errs { offset_px: 9.0, size: 2.0, ..RIGHT }, 14), []);
+    fn too_few_frames_show_nothing() {
+        assert_eq!(doubted(Errs { offset_px: 9.0, size: 2.0, ..RIGHT }, 14), []);
     }
 
     #[test]
-    fn limbs_are_told_where_their_lengths_differ_surely() {
-        let told = |ratio: f64, scatter: f64| {
+    fn limbs_are_reported_where_their_lengths_differ_surely() {
+        let doubted = |ratio: f64, scatter: f64| {
             let mut predictive = Predictive::new(std::iter::empty(), Noise::StudentT { degrees: 4.0 });
             for number in 0..40 {
                 predictive.limb(2, 0.43 * (ratio + if number % 2 == 0 { scatter } else { -scatter }), 0.43);
             }
             predictive.doubts()
         };
-        assert_eq!(told(1.01, 0.001), []);
+        assert_eq!(doubted(1.01, 0.001), []);
         // 0.03 is fewer than four of the standard errors of 40 frames.
-        assert_eq!(told(1.03, 0.05), []);
-        let doubts = told(1.03, 0.01);
+        assert_eq!(doubted(1.03, 0.05), []);
+        let doubts = doubted(1.03, 0.01);
         assert_eq!(doubts.len(), 1);
         assert_eq!(
             doubts[0].describe(Origins::default()),

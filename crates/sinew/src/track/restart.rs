@@ -8,7 +8,7 @@ use sinew_core::random::Stage;
 use sinew_tracking::posterior::Posterior;
 use sinew_tracking::{Resume, StepInfo, Tracker};
 
-/// What a frame tells a tracker.
+/// What a tracker gets of a frame.
 pub struct Observation {
     /// The likelihood.
     pub likelihood: FrameLikelihood,

@@ -7,15 +7,15 @@ use super::oddities::{Oddities, Watched};
 use super::predictive::{self, Doubt, Lengths, Origins, Predictive};
 use crate::Error;
 use crate::config::settings::Settings;
-use crate::methods::Bound;
+use crate::methods::BoundKeypoints;
 use crate::results::problem::{Problem, check_length};
-use crate::setup::{self, Setup};
+use crate::setup::{self, CameraSetup, Setup};
 use serde::{Deserialize, Serialize};
 use sinew_body::{KinematicTree, Plan, point_positions};
 use sinew_formats::Layout;
 use sinew_observe::association::{self, Person};
-use sinew_observe::following::{Following, follow};
-use sinew_observe::offsets::{self, median};
+use sinew_observe::following::{Associated, Following, follow};
+use sinew_observe::offsets::{self, Sighted, median};
 use sinew_observe::{Camera, Detection, KeypointFrame, KeypointModel, Noise, ObservationModel, View};
 use std::sync::Arc;
 
@@ -32,7 +32,7 @@ pub struct SceneState {
     last_px: Vec<Vec<Option<[f64; 2]>>>,
     lost: usize,
     started: bool,
-    /// Pixel and confidence: the last frame tells whether tracking begins anew in the next.
+    /// Pixel and confidence: the last frame decides whether tracking begins again in the next.
     detections: Vec<Vec<Option<[f64; 3]>>>,
     oddities: Vec<Watched>,
     predictive: Predictive,
@@ -58,7 +58,27 @@ pub struct Scene {
     /// For methods that take the body part by part, the part of each point of the plan, and how many parts there are.
     parts: Option<(Vec<usize>, usize)>,
     /// The likelihood of each part's points in the current frame.
-    bound_parts: Vec<Bound>,
+    bound_parts: Vec<BoundKeypoints>,
+}
+
+/// A camera as the set-up found it.
+fn view_of(camera: &Camera, setup: &Setup) -> Result<View, TrackError> {
+    let Some(known) = setup.camera.iter().find(|c| c.name == camera.name) else {
+        let known = setup.camera.iter().map(|c| c.name.clone()).collect();
+        return Err(TrackError::UnknownCamera { camera: camera.name.clone(), known });
+    };
+    let CameraSetup { offset_px, sigma_px, usual_confidence, .. } = *known;
+    Ok(View { camera: camera.clone(), offset_px, sigma_px, usual_confidence })
+}
+
+/// Points of the body that are keypoints: their index in the body and in the layout.
+fn shared_points(tree: &KinematicTree, layout: &Layout) -> Result<Vec<(usize, usize)>, TrackError> {
+    let points = tree.points().iter().enumerate();
+    let shared: Vec<(usize, usize)> = points.filter_map(|(p, point)| Some((p, layout.index(&point.name)?))).collect();
+    if shared.len() < LEAST_POINTS {
+        return Err(TrackError::FewPoints { layout: layout.name.clone(), shared: shared.len(), least: LEAST_POINTS });
+    }
+    Ok(shared)
 }
 
 impl Scene {
@@ -73,29 +93,8 @@ impl Scene {
         layout: &Layout,
         settings: &Settings,
     ) -> Result<Self, Error> {
-        let mut views = vec![];
-        for camera in cameras {
-            let Some(known) = setup.camera.iter().find(|c| c.name == camera.name) else {
-                let known = setup.camera.iter().map(|c| c.name.clone()).collect();
-                return Err(TrackError::UnknownCamera { camera: camera.name.clone(), known }.into());
-            };
-            views.push(View {
-                camera: camera.clone(),
-                offset_px: known.offset_px,
-                sigma_px: known.sigma_px,
-                usual_confidence: known.usual_confidence,
-            });
-        }
-        let shared: Vec<(usize, usize)> = tree
-            .points()
-            .iter()
-            .enumerate()
-            .filter_map(|(p, point)| layout.index(&point.name).map(|k| (p, k)))
-            .collect();
-        if shared.len() < LEAST_POINTS {
-            let (layout, shared) = (layout.name.clone(), shared.len());
-            return Err(TrackError::FewPoints { layout, shared, least: LEAST_POINTS }.into());
-        }
+        let views = cameras.iter().map(|camera| view_of(camera, setup)).collect::<Result<Vec<View>, TrackError>>()?;
+        let shared = shared_points(tree, layout)?;
         if setup.start_pose.len() != tree.dof() {
             return Err(TrackError::StartPose { found: setup.start_pose.len(), dof: tree.dof() }.into());
         }
@@ -103,8 +102,8 @@ impl Scene {
         let parts = match settings.method.about().needs_parts {
             true => {
                 let flesh = setup.flesh()?;
-                let of_point = |&p: &usize| flesh.owner(tree.points()[p].link);
-                Some((points.iter().map(of_point).collect(), flesh.solids().len()))
+                let owner = |&p: &usize| flesh.owner(tree.points()[p].link);
+                Some((points.iter().map(owner).collect(), flesh.solids().len()))
             }
             false => None,
         };
@@ -179,27 +178,43 @@ impl Scene {
     }
 
     /// Finds the person in a frame and binds his keypoints; `estimate` is the state that the tracker expects. Where he is found for the first time, or again after he was lost, or where `estimate` did not fit the frame before, also the pose that fits what is seen.
-    pub fn observe(&mut self, people: &[Vec<Person>], estimate: &[f64]) -> (Bound, Option<Vec<f64>>) {
-        let by_layout: Vec<Vec<Option<[f64; 2]>>> = self
-            .expected(&self.points(estimate))
-            .iter()
-            .map(|expected| {
-                let mut all = vec![None; self.layout.points.len()];
-                for (&k, e) in self.keypoint.iter().zip(expected) {
-                    all[k] = *e;
-                }
-                all
-            })
-            .collect();
+    pub fn observe(&mut self, people: &[Vec<Person>], estimate: &[f64]) -> (BoundKeypoints, Option<Vec<f64>>) {
+        let expected = self.expected_by_layout(estimate);
         let away = !self.following.started || self.following.lost >= self.association.lost_frames;
         let misfit = if away { f64::INFINITY } else { self.misfit(estimate) };
-        let found = follow(&mut self.following, &self.cameras, people, Some(&by_layout), &self.association);
+        let found = follow(&mut self.following, &self.cameras, people, Some(&expected), &self.association);
         for (out, seen) in self.detections.iter_mut().zip(&found.people) {
             for (out, &k) in out.iter_mut().zip(&self.keypoint) {
                 *out = seen.get(k).copied().flatten();
             }
         }
-        for (c, (people, expected)) in people.iter().zip(&by_layout).enumerate() {
+        self.note_people(people, &found, &expected);
+        if away && self.following.lengths.is_empty() {
+            self.following.lengths = setup::limb_lengths(&self.cameras, &self.layout, &found.people, &self.association);
+        }
+        let may_restart = misfit > MISFIT && found.is_present();
+        let restart = if may_restart { self.better_pose(&found.people, estimate, away, misfit) } else { None };
+        let predicted = self.points(restart.as_deref().unwrap_or(estimate));
+        self.bind_parts(&predicted);
+        let bound = self.model.bind(KeypointFrame { detections: &self.detections, predicted: &predicted });
+        (bound, restart)
+    }
+
+    /// As [`Scene::expected`], by the keypoints of the layout.
+    fn expected_by_layout(&self, state: &[f64]) -> Vec<Vec<Option<[f64; 2]>>> {
+        let by_layout = |expected: &Vec<Option<[f64; 2]>>| {
+            let mut all = vec![None; self.layout.points.len()];
+            for (&k, e) in self.keypoint.iter().zip(expected) {
+                all[k] = *e;
+            }
+            all
+        };
+        self.expected(&self.points(state)).iter().map(by_layout).collect()
+    }
+
+    /// Counts how many people each camera shows, whether the tracked one is among them, and how far the first lies from where he is expected.
+    fn note_people(&mut self, people: &[Vec<Person>], found: &Associated, expected: &[Vec<Option<[f64; 2]>>]) {
+        for (c, (people, expected)) in people.iter().zip(expected).enumerate() {
             let distance = |(d, e): (&Option<Detection>, &Option<[f64; 2]>)| {
                 let (d, [u, v]) = ((*d)?, (*e)?);
                 Some((d.pixel[0] - u).hypot(d.pixel[1] - v))
@@ -211,40 +226,38 @@ impl Scene {
             let is_found = found.members.get(c).is_some_and(Option::is_some);
             self.oddities.people(c, people.len(), is_found, [&mut distances, &mut crossed]);
         }
-        if away && self.following.lengths.is_empty() {
-            self.following.lengths = setup::limb_lengths(&self.cameras, &self.layout, &found.people, &self.association);
-        }
-        let mut restart = None;
-        if misfit > MISFIT && found.is_present() {
-            let fitted = |former| setup::pose_of(&self.setup, &self.cameras, &self.layout, &found.people, former);
-            let start = &self.setup.start_pose;
-            let known = if away { Some(start.clone()) } else { None };
-            restart = [known, fitted(None), fitted(Some(estimate)), fitted(Some(start))]
-                .into_iter()
-                .flatten()
-                .filter(|pose| pose.len() == estimate.len())
-                .map(|pose| (self.misfit(&pose), pose))
-                .min_by(|a, b| a.0.total_cmp(&b.0))
-                .filter(|(better, _)| *better < 0.7 * misfit)
-                .map(|(_, pose)| pose);
-        }
-        let predicted = self.points(restart.as_deref().unwrap_or(estimate));
-        if let Some((part_of, count)) = &self.parts {
-            let of_part = |part: usize| {
-                let own = |seen: &Vec<Option<Detection>>| {
-                    seen.iter().zip(part_of).map(|(d, of)| d.filter(|_| *of == part)).collect()
-                };
-                let detections: Vec<Vec<_>> = self.detections.iter().map(own).collect();
-                self.model.bind(KeypointFrame { detections: &detections, predicted: &predicted })
+    }
+
+    /// A pose that fits what is seen clearly better than one of that misfit; the pose of the set-up counts where the person was away.
+    fn better_pose(&self, people: &Sighted, estimate: &[f64], away: bool, misfit: f64) -> Option<Vec<f64>> {
+        let fitted = |former| setup::pose_of(&self.setup, &self.cameras, &self.layout, people, former);
+        let start = &self.setup.start_pose;
+        let known = if away { Some(start.clone()) } else { None };
+        [known, fitted(None), fitted(Some(estimate)), fitted(Some(start))]
+            .into_iter()
+            .flatten()
+            .filter(|pose| pose.len() == estimate.len())
+            .map(|pose| (self.misfit(&pose), pose))
+            .min_by(|a, b| a.0.total_cmp(&b.0))
+            .filter(|(better, _)| *better < 0.7 * misfit)
+            .map(|(_, pose)| pose)
+    }
+
+    /// Binds the keypoints of each part of the body, for methods with parts.
+    fn bind_parts(&mut self, predicted: &[f64]) {
+        let Some((part_of, count)) = &self.parts else { return };
+        let bound_part = |part: usize| {
+            let own = |seen: &Vec<Option<Detection>>| {
+                seen.iter().zip(part_of).map(|(d, of)| d.filter(|_| *of == part)).collect()
             };
-            self.bound_parts = (0..*count).map(of_part).collect();
-        }
-        let bound = self.model.bind(KeypointFrame { detections: &self.detections, predicted: &predicted });
-        (bound, restart)
+            let detections: Vec<Vec<_>> = self.detections.iter().map(own).collect();
+            self.model.bind(KeypointFrame { detections: &detections, predicted })
+        };
+        self.bound_parts = (0..*count).map(bound_part).collect();
     }
 
     /// The likelihoods of the parts of the body in the current frame, taken away; none for methods without parts.
-    pub fn parts(&mut self) -> Vec<Bound> {
+    pub fn parts(&mut self) -> Vec<BoundKeypoints> {
         std::mem::take(&mut self.bound_parts)
     }
 

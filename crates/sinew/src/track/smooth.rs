@@ -6,11 +6,11 @@
 //! 2. Backward, a second file takes for each record the states of [`TRAJECTORIES`] trajectories drawn from the smoothing distribution of the moments ([`sinew_dynamics::smoother`]).
 //! 3. Forward again, [`smooth`] reads the trajectories frame by frame and describes them; draw *i* of every frame belongs to trajectory *i*.
 //!
-//! Where tracking began anew the motion prior says nothing of the step, so the pass is cut there: the frame before counts as a last one.
+//! Where tracking restarted the motion prior says nothing of the step, so the pass is cut there: the frame before counts as a last one.
 //!
-//! Exact for linear-Gaussian models; elsewhere each frame's posterior is taken for a Gaussian. Evidence, effective sample size and residuals stay those of the filter. Memory does not grow with the number
+//! Exact for linear-Gaussian models; elsewhere each frame's posterior is taken for a Gaussian. Evidence, effective sample size and residuals stay the filter's. Memory does not grow with the number
 //! of frames; the files take some 40 kB a frame and are removed at the end. The records stay as they are until then, so that the backward pass can be
-//! done again by a run that goes on after a stop.
+//! done again by a run that resumes after a stop.
 
 use super::error::TrackError;
 use super::marginals::Marginals;
@@ -66,7 +66,7 @@ impl Drop for Files {
 }
 
 impl Spool {
-    /// A spool in a claimed folder: an empty one, or that of a run that was stopped after so many frames.
+    /// A spool in a claimed folder: an empty one, or what a stopped run had `written`.
     ///
     /// # Errors
     /// [`Error::Io`]; [`Error::Checkpoint`] for a file that is not as it was left.
@@ -189,29 +189,44 @@ impl Drop for Scratch {
 /// Smooths the frames of a spool and gives them in order to `record`. The spool stays as it is. `stopped` is asked before each frame of the backward pass.
 ///
 /// # Errors
-/// [`Error::Io`], a covariance that cannot be factored, and those of `record` and `stopped`.
+/// [`Error::Io`], a covariance that cannot be factored, and errors of `record` and `stopped`.
 pub fn smooth(
     spool: &mut Spool,
     pipeline: &Pipeline,
     tree: &KinematicTree,
     stopped: impl Fn() -> Result<(), Error>,
-    mut record: impl FnMut(FrameEstimate) -> Result<ControlFlow<()>, Error>,
+    record: impl FnMut(FrameEstimate) -> Result<ControlFlow<()>, Error>,
 ) -> Result<(), Error> {
-    let d = spool.dim;
     spool.moments.sync()?;
     let open = |path: &Path| File::open(path).map_err(Error::io("read", path));
     let mut moments = Numbers { file: open(&spool.files.moments)?, path: spool.files.moments.clone() };
     let file = File::options().read(true).write(true).create(true).truncate(true).open(&spool.files.trajectories);
     let file = file.map_err(Error::io("create", &spool.files.trajectories))?;
     let Scratch(trajectories) = &mut Scratch(Numbers { file, path: spool.files.trajectories.clone() });
-    let count = (1 + TRAJECTORIES) * d;
-    let (settings, size) = (pipeline.settings(), pipeline.size().cloned());
+    backwards(spool, pipeline, &mut moments, trajectories, stopped)?;
+    forwards(spool, pipeline, tree, &mut moments, trajectories, record)
+}
+
+/// Numbers of a frame in the file of trajectories: the smoothed mean, then the states.
+const fn numbers_of_frame(dim: usize) -> usize {
+    (1 + TRAJECTORIES) * dim
+}
+
+/// The backward pass: smoothed means and drawn trajectories of all frames, from the last to the first.
+fn backwards(
+    spool: &Spool,
+    pipeline: &Pipeline,
+    moments: &mut Numbers,
+    trajectories: &mut Numbers,
+    stopped: impl Fn() -> Result<(), Error>,
+) -> Result<(), Error> {
+    let (d, settings) = (spool.dim, pipeline.settings());
     let smoother = Smoother::random_walk(pipeline.transition.sd());
     let mut states = vec![Block::ZERO; TRAJECTORIES / LANES * d];
     let mut next: Option<Moments> = None;
     for frame in (0..spool.frames).rev() {
         stopped()?;
-        let Record { header, moments: filtered } = spool.read(&mut moments, frame)?;
+        let Record { header, moments: filtered } = spool.read(moments, frame)?;
         let filtered_frame = spool.estimate(&header, settings.fps);
         let rng = &mut Stage::new(settings.seed, "smooth").at_frame(frame as u32).whole();
         let smoothed = match &next {
@@ -225,17 +240,31 @@ pub fn smooth(
             }
         };
         let mut numbers = smoothed.mean.clone();
-        numbers.resize(count, 0.0);
+        numbers.resize(numbers_of_frame(d), 0.0);
         for (i, state) in numbers[d..].chunks_exact_mut(d).enumerate() {
             get_lane(&states[i / LANES * d..][..d], i % LANES, state);
         }
-        trajectories.write(frame * count as u64, &numbers)?;
+        trajectories.write(frame * numbers_of_frame(d) as u64, &numbers)?;
         next = if filtered_frame.restarted { None } else { Some(smoothed) };
     }
+    Ok(())
+}
+
+/// Marginals and draws of the smoothed frames, in order.
+fn forwards(
+    spool: &Spool,
+    pipeline: &Pipeline,
+    tree: &KinematicTree,
+    moments: &mut Numbers,
+    trajectories: &mut Numbers,
+    mut record: impl FnMut(FrameEstimate) -> Result<ControlFlow<()>, Error>,
+) -> Result<(), Error> {
+    let (d, settings) = (spool.dim, pipeline.settings());
     let weights = vec![1.0 / TRAJECTORIES as f64; TRAJECTORIES];
-    let mut marginals = Marginals::new(tree, settings.isa, size);
+    let mut marginals = Marginals::new(tree, settings.isa, pipeline.size().cloned());
+    let mut states = vec![Block::ZERO; TRAJECTORIES / LANES * d];
     for frame in 0..spool.frames {
-        let numbers = trajectories.read(frame * count as u64, count)?;
+        let numbers = trajectories.read(frame * numbers_of_frame(d) as u64, numbers_of_frame(d))?;
         let (mean_state, numbers) = numbers.split_at(d);
         for (i, state) in numbers.chunks_exact(d).enumerate() {
             set_lane(&mut states[i / LANES * d..][..d], i % LANES, state);
@@ -246,7 +275,7 @@ pub fn smooth(
         let mut kept = numbers[..settings.draws.min(TRAJECTORIES) * d].to_vec();
         let size = marginals.size_draws(0..TRAJECTORIES, &mut kept, d);
         let draws = Draws { states: kept, size, ..Draws::default() };
-        let header = spool.read(&mut moments, frame)?.header;
+        let header = spool.read(moments, frame)?.header;
         let estimate = FrameEstimate {
             mean_state: mean_state.to_vec(),
             points,

@@ -14,7 +14,7 @@ use sinew_core::random::Stage;
 /// Step size and trajectory length for a recording, from its first frames: the last value of the set-up pass, for methods that have them.
 ///
 /// # Errors
-/// Those of the source; no step size found.
+/// Errors of the source; no step size found.
 pub fn tune(
     setup: &mut Setup,
     tree: &KinematicTree,

@@ -1,4 +1,4 @@
-//! One camera cannot tell a small person from a tall one farther away.
+//! One camera cannot distinguish a small person from a tall one farther away.
 //!
 //! When the body and its place are both scaled by s about the centre C of a camera, `P' = C + s (P − C)`, no pixel moves: the likelihood says nothing about s, and its
 //! posterior is its prior, `ln s ~ N(0, sd²)`. So each draw of a pose gets an independent s. It moves the root to `R' = C + s (R − C)` and makes the body s times as
@@ -15,7 +15,7 @@ pub(super) struct UnknownSize {
     centre: [f64; 3],
     sd: f64,
     seed: u64,
-    /// Factor of each draw, in blocks like those of the draws.
+    /// Factor of each draw, in blocks like the draws.
     factors: Vec<Block>,
 }
 
@@ -31,7 +31,7 @@ impl UnknownSize {
         Self { centre: camera.centre(), sd, seed, factors: vec![] }
     }
 
-    /// Draws the factors of so many blocks.
+    /// Draws the factors of `blocks` blocks.
     pub(super) fn prepare(&mut self, blocks: usize) {
         if self.factors.len() < blocks {
             self.factors.resize(blocks, Block::ZERO);

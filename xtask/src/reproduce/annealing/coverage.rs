@@ -2,7 +2,7 @@
 //!
 //! On linear-Gaussian series, where the posterior is proper and known.
 //!
-//! A series is simulated from the model with which it is tracked, so that a tracker whose draws are those of the posterior covers what it says. For each coordinate and frame the truth's place u = Σ W_i 1(s_i < truth) among
+//! A series is simulated from the model with which it is tracked, so that a tracker whose draws come from the posterior covers what it says. For each coordinate and frame the truth's place u = Σ W_i 1(s_i < truth) among
 //! the weighted draws is taken; the central interval of level p holds it where |u − ½| < p / 2. Beside it stand the standard deviations of the set over the exact ones, and the distance of its mean from the exact mean in
 //! exact standard deviations. Errors are over series.
 
@@ -39,7 +39,7 @@ pub(super) const SHOWN: usize = 6;
 /// Number of the first search.
 pub(super) const SEARCHES: usize = 2;
 
-/// All, by name; those of the figure first, and the searches from [`SEARCHES`] on. The bootstrap filter has so many particles.
+/// All, by name; the ones in the figure first, and the searches from [`SEARCHES`] on. The bootstrap filter has `particles` particles.
 pub(super) fn contenders(particles: usize) -> Vec<(String, Contender)> {
     let of = |name: &str, config| (name.to_owned(), Contender::Annealed(config));
     let mut all = vec![

@@ -1,6 +1,6 @@
 //! What was expected before anything was run, and what came: criteria are not moved after a run.
 //!
-//! Sweeps on the film are judged on the bidirectional score by the error from the pelvis, paired by seeds; a difference holds where it is beyond so many of its standard errors over the seeds.
+//! Sweeps on the film are judged on the bidirectional score by the error from the pelvis, paired by seeds; a difference holds where it is beyond a number of its standard errors over the seeds.
 
 use super::coverage::{SEARCHES, SHOWN};
 use super::film::{Method, SCORES, annealed};

@@ -68,7 +68,7 @@ impl Row {
     }
 }
 
-/// Settings of so many layers and particles at a survival rate.
+/// Settings with a number of layers and particles at a survival rate.
 pub(super) fn annealed(layers: usize, particles: usize, survival: f64) -> annealed::Config {
     let layers = annealed_search::Config { layers, survival, ..annealed_search::Config::default() };
     annealed::Config { particles, layers }
@@ -175,9 +175,9 @@ impl<'a> Film<'a> {
         if cell.get().is_none() {
             let motion = self.walks.test.motion.clone();
             let footage = SyntheticFootage::new(motion, RATE_HZ, &Ring::SMALL_PICTURES, self.seed(index))?;
-            let of_frame =
+            let frame_masks =
                 |frame| (0..footage.cameras.len()).map(|camera| footage.mask(camera, frame, Level::Normal)).collect();
-            let masks = (0..self.frames).map(of_frame).collect();
+            let masks = (0..self.frames).map(frame_masks).collect();
             // Another thread may have been quicker; both made the same.
             let _ = cell.set((footage.cameras.clone(), masks));
         }

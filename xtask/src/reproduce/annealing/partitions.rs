@@ -3,7 +3,7 @@
 //! All parts at once against one after the other.
 //!
 //! Prior N(0, 1) and posterior N(0, σ²) in each of d coordinates, σ² = 1 − √(1 − α²), so that a part's survival rate is α = [∫ p'² / p]⁻¹. All at once N particles leave D ≈ α^d N, part by part D ≈ α N in each part
-//! (MacCormick & Isard 2000). A body of one part asks of its particles that a fifth survive; wanted here is the same number of survivors whatever d: D = 20 % of 1000. N is searched for by doubling, with the mean of D over
+//! (MacCormick & Isard 2000). In a body of one part a fifth of the particles survives; wanted here is the same number of survivors whatever d: D = 20 % of 1000. N is searched for by doubling, with the mean of D over
 //! runs interpolated between the two sizes on either side.
 
 use crate::outcome::Outcome;

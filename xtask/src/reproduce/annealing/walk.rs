@@ -5,8 +5,8 @@
 use crate::outcome::Outcome;
 use sinew::body::{KinematicTree, hppf24};
 use sinew::files::{FNV_START, fnv};
-use sinew_simulate::hppf24_motion::{self, Following, Scale};
-use sinew_simulate::points::{Trajectories, of_states};
+use sinew_simulate::hppf24_motion::{self, MotionFollowing, Scale};
+use sinew_simulate::points::{Trajectories, points_of_states};
 use sinew_simulate::walker::{Gait, Walker, walker_states};
 use sinew_tests::evaluation::joint_errors::joint_errors_mm;
 use sinew_tests::recorded_motion::recorded;
@@ -38,7 +38,7 @@ const LIMBS: [(&str, &str); 8] = [
 ];
 
 /// Twists of straight limbs stay where they are, and joints lag by less than a millimetre.
-const FOLLOWING: Following = Following { damping: 1e-3, first_refits: 20 };
+const FOLLOWING: MotionFollowing = MotionFollowing { damping: 1e-3, first_refits: 20 };
 
 impl Walk {
     /// Fits the body.
@@ -58,7 +58,7 @@ impl Walk {
     pub(super) fn errors(&self, states: &[Vec<f64>], first: usize) -> [Vec<f64>; 2] {
         let Trajectories { names, frames } = &self.motion;
         let truth = Trajectories { names: names.clone(), frames: frames[first..].to_vec() };
-        joint_errors_mm(&of_states(&self.tree, states), &truth)
+        joint_errors_mm(&points_of_states(&self.tree, states), &truth)
     }
 
     /// Half of the largest change of each coordinate from frame to frame.
@@ -96,7 +96,7 @@ impl Walks {
         } else {
             let made = |name: &str, stride_s: f64| -> Outcome<Walk> {
                 let walker = Walker::new(Gait { still_s: 0.0, stride_s, duration_s: 4.0, ..Gait::default() });
-                Walk::new(name, of_states(&walker.body, &walker_states(&walker, RATE_HZ)))
+                Walk::new(name, points_of_states(&walker.body, &walker_states(&walker, RATE_HZ)))
             };
             (made("synthetic walk", 1.1)?, vec![made("synthetic walk, slower", 1.2)?])
         };

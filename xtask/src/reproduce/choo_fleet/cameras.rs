@@ -3,7 +3,7 @@
 //! Particle filter against hybrid Monte Carlo with 1, 2 and 4 cameras and errors of 0.001, 0.003 and 0.01 focal lengths.
 //!
 //! Three frames of walking, 10 and 28 degrees of freedom. The cameras stand 4.8 m from the subject, at 0° (the paper's), 90°, 180° and 270° about the vertical. An observation's errors are the same normal deviates whatever
-//! their size, and the first camera's are those of the single-frame study. Step size and length are tuned on walking 60 for each number of cameras and each error; the reference is long chains everywhere, for no
+//! their size, and the first camera's are taken from the single-frame study. Step size and length are tuned on walking 60 for each number of cameras and each error; the reference is long chains everywhere, for no
 //! affordable number of draws of the prior reaches the narrowest posteriors.
 
 use super::chains::{self, Step, Variant};
@@ -203,7 +203,7 @@ struct Frames {
 }
 
 impl Frames {
-    fn of_view(study: &Study, store: &Store, view: &View) -> Outcome<Self> {
+    fn for_view(study: &Study, store: &Store, view: &View) -> Outcome<Self> {
         let (mut effective, mut volume, mut r_hat) = (vec![], 0.0, f64::NAN);
         let sd = view.model.walk(study.isa)?;
         for frame in WALKING {
@@ -234,7 +234,7 @@ fn report(study: &Study, store: &Store, folder: &Path) -> Outcome<Value> {
     );
     let (mut points, mut rows) = (vec![], vec![]);
     for view in View::all() {
-        let Frames { effective, volume, r_hat } = Frames::of_view(study, store, &view)?;
+        let Frames { effective, volume, r_hat } = Frames::for_view(study, store, &view)?;
         for variant in VARIANTS {
             let step = view.step(store, variant)?;
             let [units, seconds] = [Axis::Units, Axis::Seconds].map(|axis| ratios(study, store, &view, variant, axis));

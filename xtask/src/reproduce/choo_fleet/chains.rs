@@ -13,7 +13,7 @@ use sinew::samplers::laplace::laplace;
 use sinew::samplers::metric::Metric;
 use sinew::samplers::moments;
 use sinew::samplers::starts::{importance_starts, laplace_starts};
-use sinew::samplers::tuning::{self, Trial};
+use sinew::samplers::tuning::{self, StepSizeTrial};
 
 /// Samples of each chain that are discarded.
 pub(super) const BURN_IN: usize = 6;
@@ -91,7 +91,7 @@ pub(super) fn tune(problem: &Problem, variant: Variant, stage: Stage) -> Outcome
     let [to_start, to_tune] = stage.split(["start", "tune"]);
     let (states, metric) = start(problem, variant, 16, to_start)?;
     let target = problem.target();
-    let mut trial = Trial { target: &target, metric: &metric, states, isa: problem.isa };
+    let mut trial = StepSizeTrial { target: &target, metric: &metric, states, isa: problem.isa };
     let config = tuning::Config {
         jitter: variant.jitter(),
         lengths: variant.lengths(problem),

@@ -1,6 +1,6 @@
 //! The strongest opponents of hybrid Monte Carlo in single frames: samplers that see the gradient too, and annealed search.
 //!
-//! Frames, observations, references and the measure of error are those of [`super::single`]. Each opponent has the knowledge that hybrid Monte Carlo with the dense metric has: the Laplace approximation of the frame, and the
+//! Frames, observations, references and the measure of error are taken from [`super::single`]. Each opponent has the knowledge that hybrid Monte Carlo with the dense metric has: the Laplace approximation of the frame, and the
 //! step size and length that were tuned for that metric on the first frame of walking. Nothing is tuned for the opponents:
 //!
 //! - [`Opponent::Tempered`]: half of the particles survive each temperature, four updates at each, so that copies made by resampling part; the mean of all draws at β = 1
@@ -226,7 +226,7 @@ impl Contender {
 /// Particle filter, hybrid Monte Carlo and the opponents in one frame; hybrid Monte Carlo with the dense metric comes last.
 fn contenders(study: &Study, base: &Store, store: &Store, frame: usize, model: &Model) -> Outcome<Vec<Contender>> {
     let settings = |first: usize| study.size.doublings.iter().map(|doubling| first << doubling).collect::<Vec<_>>();
-    let of_study = |of: Option<Variant>| {
+    let known = |of: Option<Variant>| {
         Ok::<_, Box<dyn std::error::Error + Send + Sync>>(Contender {
             name: of.map_or("particle filter", Variant::name),
             kind: "sampler",
@@ -234,7 +234,7 @@ fn contenders(study: &Study, base: &Store, store: &Store, frame: usize, model: &
             cells: curve(study, base, Source::Recorded, frame, model, of)?,
         })
     };
-    let mut all = vec![of_study(None)?, of_study(Some(Variant::Paper))?];
+    let mut all = vec![known(None)?, known(Some(Variant::Paper))?];
     for opponent in Opponent::ALL {
         all.push(Contender {
             name: opponent.name(),
@@ -243,7 +243,7 @@ fn contenders(study: &Study, base: &Store, store: &Store, frame: usize, model: &
             cells: cells(base, store, frame, model, opponent)?,
         });
     }
-    all.push(of_study(Some(Variant::Dense))?);
+    all.push(known(Some(Variant::Dense))?);
     Ok(all)
 }
 

@@ -13,7 +13,7 @@ use sinew::dynamics::random_walk::{Between, RandomWalk};
 /// A part of the body with the settings of Table 1.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Model {
-    /// What sets it apart from another part of as many degrees of freedom; empty for those of the paper.
+    /// What sets it apart from another part of as many degrees of freedom; empty for the paper's parts.
     set: &'static str,
     pub(super) dim: usize,
     /// First of its consecutive degrees of freedom in CF28.
@@ -33,7 +33,7 @@ pub(super) const MODELS: [Model; 3] = [
     Model { set: "", dim: 28, first: 0, chains: 10, steps: 40, particles: 27_000 },
 ];
 
-/// The last degrees of freedom of the body, from those of one knee and hip to all: for the dimension in which hmc overtakes particles.
+/// The last degrees of freedom of the body, from one knee and hip to all: for the dimension in which hmc overtakes particles.
 pub(super) fn nested() -> Vec<Model> {
     let of = |dim| Model { set: "last ", dim, first: 28 - dim, chains: 8, steps: 10, particles: 1000 };
     [2, 4, 6, 8, 10, 14, 18, 22, 28].map(of).to_vec()

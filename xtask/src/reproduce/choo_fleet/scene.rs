@@ -2,7 +2,7 @@
 //!
 //! Motion: 07_01 (walking) frames 60, 160, 260 and 131_04 (dancing) frames 200, 500, 900, counted from 1 at 120 frames a second; one step of the filter is four
 //! recorded frames. The true state is CF28 in the subject's size, fitted to the recorded joints. The markers that are observed are the recorded joints themselves
-//! ([`Source::Recorded`]), so that the body never fits exactly, or those of the fitted body ([`Source::Fitted`]), as a control. The recording has no marker on the
+//! ([`Source::Recorded`]), so that the body never fits exactly, or the markers of the fitted body ([`Source::Fitted`]), as a control. The recording has no marker on the
 //! face: one is put before the head, at right angles to the line of the shoulders.
 //!
 //! The camera stands 4.8 m before the subject, at the height of the spine origin in the first frame of the motion that is used, and looks along +Y.

@@ -16,7 +16,7 @@ pub(super) fn median(values: &[f64]) -> f64 {
     }
 }
 
-/// From the least to the largest, with so many digits.
+/// From the least to the largest, with `digits` digits.
 pub(super) fn range(values: &[f64], digits: usize) -> String {
     let low = values.iter().copied().fold(f64::INFINITY, f64::min);
     let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);

@@ -10,11 +10,11 @@ pub(super) enum Method {
     CoarseToFine { coarse: usize, fine: usize, chained: bool, snapped: bool },
     /// Coarse and fine particles; parts judged by all of their own contour.
     OwnContours { coarse: usize, fine: usize, chained: bool },
-    /// So many particles.
+    /// With a number of particles.
     Condensation(usize),
-    /// So many particles in five layers.
+    /// With a number of particles in five layers.
     Annealed(usize),
-    /// So many particles.
+    /// With a number of particles.
     Partitioned(usize),
     /// The fitted true pose: what the body can reach.
     Truth,
@@ -52,7 +52,7 @@ const fn reid(bidirectional: Option<f64>) -> ImageScore {
     ImageScore::DeutscherReid { kappa: 12.5, bidirectional }
 }
 
-/// The tracker with so many coarse and fine particles.
+/// The tracker with these numbers of coarse and fine particles.
 pub(super) const fn c2f(coarse: usize, fine: usize) -> Contender {
     Contender {
         method: Method::CoarseToFine { coarse, fine, chained: false, snapped: true },
@@ -141,7 +141,7 @@ impl Contender {
         name
     }
 
-    /// Evaluations of the whole likelihood a frame, at most; those of a part count as a tenth.
+    /// Evaluations of the whole likelihood a frame, at most; evaluations of a part count as a tenth.
     pub(super) const fn evaluations(&self) -> usize {
         match self.method {
             Method::CoarseToFine { coarse, fine, .. } | Method::OwnContours { coarse, fine, .. } => coarse + fine,
@@ -164,7 +164,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn names_tell_all_apart() {
+    fn names_distinguish_all() {
         let names: Vec<String> = main().iter().chain(&beside()).map(Contender::name).collect();
         let mut distinct = names.clone();
         distinct.sort();

@@ -1,7 +1,7 @@
 //! The sequence of the study: motion, body, true poses, and what is learned from other trials.
 //!
 //! - **Test**: the first 330 frames of CMB at 60 frames a second (walking, 2 s of a join, the start of running). Without recordings the synthetic sequence.
-//! - **Body**: HPPF24 with cylinders. One scale, that of least squares of the lengths of limbs, trunk and head against those of the subject.
+//! - **Body**: HPPF24 with cylinders. One scale, that of least squares of the lengths of limbs, trunk and head against the subject's.
 //! - **True poses**: fitted to the joints frame by frame. Trackers are given only the first one.
 //! - **Training**: two other walks of the subject, joined and bent as the test is; there is no other trial of running. δ are the standard deviations of the changes of the poses fitted to it. Ranges are nominal ones of the body; ±3 m around the start for the position, where the specification says ±2 m: the subject goes round on a circle 2.4 m across.
 
@@ -9,11 +9,11 @@ use crate::outcome::Outcome;
 use sinew::body::standard::EVALUATION_JOINTS;
 use sinew::body::{KinematicTree, hppf24};
 use sinew::files::fnv;
-use sinew::samplers::grid::{self, Axis, LEAST_WIDTH, Width};
+use sinew::samplers::grid::{self, GridAxis, LEAST_WIDTH, Width};
 use sinew_simulate::cmu::mean_distance;
 use sinew_simulate::combo::{Trial, combo, synthetic_combo};
-use sinew_simulate::hppf24_motion::{self, Following, Scale};
-use sinew_simulate::points::{Trajectories, of_states};
+use sinew_simulate::hppf24_motion::{self, MotionFollowing, Scale};
+use sinew_simulate::points::{Trajectories, points_of_states};
 use sinew_simulate::walker::{Gait, Walker, walker_states};
 use sinew_tests::evaluation::joint_errors::joint_errors_mm;
 use sinew_tests::recorded_motion::{recorded, recorded_combo};
@@ -53,7 +53,7 @@ pub(super) struct Range {
     pub(super) high: f64,
     /// δ of the coordinate.
     pub(super) width: f64,
-    pub(super) axis: Axis,
+    pub(super) axis: GridAxis,
 }
 
 /// A motion, the body that follows it, and what that body's tracker knows.
@@ -75,7 +75,7 @@ pub(super) struct Scene {
 }
 
 fn error_m(tree: &KinematicTree, states: &[Vec<f64>], motion: &Trajectories) -> f64 {
-    mean_distance(&of_states(tree, states).select(&EVALUATION_JOINTS), &motion.select(&EVALUATION_JOINTS))
+    mean_distance(&points_of_states(tree, states).select(&EVALUATION_JOINTS), &motion.select(&EVALUATION_JOINTS))
 }
 
 /// A motion for training that is none of the test's.
@@ -92,7 +92,7 @@ fn training(folder: Option<&Path>) -> Outcome<Trajectories> {
         None => [1.3, 0.9]
             .map(|stride_s| {
                 let walker = Walker::new(Gait { still_s: 0.0, stride_s, ..Gait::default() });
-                let motion = of_states(&walker.body, &walker_states(&walker, RATE_HZ));
+                let motion = points_of_states(&walker.body, &walker_states(&walker, RATE_HZ));
                 Trial { name: format!("walk of {stride_s} s"), motion, is_locomotion: true }
             })
             .into(),
@@ -104,14 +104,14 @@ fn training(folder: Option<&Path>) -> Outcome<Trajectories> {
 fn ranges(states: Vec<Vec<f64>>, start: &[f64]) -> Outcome<Vec<Range>> {
     let wraps: Vec<bool> = (0..start.len()).map(|j| j == HEADING).collect();
     let learned = grid::train(&[states], &wraps, Width::default())?;
-    let range = |(j, learned): (usize, &Axis)| {
+    let range = |(j, learned): (usize, &GridAxis)| {
         let [low, high] = match hppf24::ranges()[j] {
             Some(range) => range,
             None if j == HEADING => [-PI, PI],
             None => [start[j] - REACH_M, start[j] + REACH_M],
         };
         let width = learned.width().max(LEAST_WIDTH);
-        Ok(Range { low, high, width, axis: Axis::new(low, high, width, wraps[j])? })
+        Ok(Range { low, high, width, axis: GridAxis::new(low, high, width, wraps[j])? })
     };
     learned.iter().enumerate().map(range).collect()
 }
@@ -127,7 +127,7 @@ impl Scene {
         let tree = hppf24::tree(scale);
         let mut tracked = sequence.motion.clone();
         tracked.frames.truncate(frames);
-        let following = Following::default();
+        let following = MotionFollowing::default();
         let truth = hppf24_motion::states(&tree, &tracked, &following)?;
         let trained = training(folder)?;
         // Trials for training have the first one's person, of other lengths where there are no recordings.
@@ -163,7 +163,7 @@ impl Scene {
 
     /// Mean distance of the joints from the recorded ones in each frame, both from the middle of the hips, millimetres.
     pub(super) fn relative_error_mm(&self, states: &[Vec<f64>]) -> Vec<f64> {
-        let [_, relative] = joint_errors_mm(&of_states(&self.tree, states), &self.motion);
+        let [_, relative] = joint_errors_mm(&points_of_states(&self.tree, states), &self.motion);
         relative
     }
 }

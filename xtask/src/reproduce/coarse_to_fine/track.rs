@@ -23,7 +23,7 @@ use sinew::observe::image_score::{ImageScore, precision_and_recall};
 use sinew::observe::own_contours::{self, OwnContours};
 use sinew::observe::solid_body::SolidBody;
 use sinew::samplers::annealed_search;
-use sinew::samplers::grid::Axis;
+use sinew::samplers::grid::GridAxis;
 use sinew::tracking::coarse_to_fine::{self, CoarseToFine};
 use sinew::tracking::{StepInfo, Tracker, annealed, partitioned};
 use sinew_simulate::footage::SyntheticFootage;
@@ -93,7 +93,7 @@ fn part_tree(scene: &Scene) -> Outcome<PartTree> {
 impl Running {
     fn new(contender: &Contender, scene: &Scene, seen: &Seen, isa: Isa) -> Outcome<Self> {
         let start = scene.truth[0].clone();
-        let axes: Vec<Axis> = scene.ranges.iter().map(|range| range.axis).collect();
+        let axes: Vec<GridAxis> = scene.ranges.iter().map(|range| range.axis).collect();
         let sd: Vec<f64> = scene.ranges.iter().map(|range| range.width).collect();
         let walk = RandomWalk::new(&sd, 1.0, Between::Mixture, isa)?;
         Ok(match contender.method {
@@ -239,8 +239,8 @@ mod tests {
     use super::*;
 
     #[test]
-    fn centres_are_told_from_other_numbers() {
-        let axis = Axis::new(-1.0, 1.0, 0.3, false).unwrap();
+    fn centres_differ_from_other_numbers() {
+        let axis = GridAxis::new(-1.0, 1.0, 0.3, false).unwrap();
         let range = Range { low: -1.0, high: 1.0, width: 0.3, axis };
         for x in [-0.95, -0.3, 0.0, 0.21, 0.99] {
             assert!(is_centre(axis.snap(x), &range) && !is_centre(axis.snap(x) + 0.1, &range));

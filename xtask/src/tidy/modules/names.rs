@@ -132,7 +132,7 @@ mod tests {
     }
 
     #[test]
-    fn other_crates_and_bare_modules_are_told_apart() {
+    fn other_crates_and_bare_modules_are_distinguished() {
         assert_eq!(led(&CRATE, "a.rs", "fmt::Display"), None);
         assert_eq!(led(&CRATE, "b.rs", "std::fmt"), None);
         assert_eq!(led(&CRATE, "b.rs", "other"), expect("a.rs", ""));

@@ -7,7 +7,7 @@ use super::{FrameEstimate, Quality};
 /// Numbers before the residuals of the cameras.
 const SCALARS: usize = 11;
 
-/// Numbers of a frame seen by so many cameras.
+/// Numbers of a frame seen by `cameras` cameras.
 #[must_use]
 pub const fn count(cameras: usize) -> usize {
     SCALARS + cameras

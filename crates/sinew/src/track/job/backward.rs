@@ -1,6 +1,6 @@
 //! The backward pass of a run: what its spool holds, smoothed and written.
 
-use super::watch::{Pass, Watch};
+use super::watch::{RunPhase, Watch};
 use crate::Error;
 use crate::results::ResultFolder;
 use crate::track::pipeline::Pipeline;
@@ -28,7 +28,7 @@ pub(super) fn smoothed(
     smooth(spool, pipeline, tree, stopped, |estimate| {
         results.append(&estimate)?;
         written += 1;
-        (watch.progress)(Pass::Smooth, written, frames);
+        (watch.progress)(RunPhase::Smooth, written, frames);
         Ok(if is_stopped() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) })
     })?;
     Ok(written)

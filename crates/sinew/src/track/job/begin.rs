@@ -3,7 +3,7 @@
 //! A set-up of an earlier run is checked for whether it belongs to the recording.
 
 use super::inputs::{Hashes, Inputs};
-use super::watch::{Pass, Watch};
+use super::watch::{RunPhase, Watch};
 use crate::config::Resolved;
 use crate::config::TrackConfig;
 use crate::config::settings::Settings;
@@ -11,12 +11,13 @@ use crate::config::track::DEFAULT_FPS;
 use crate::input::source::FrameSource;
 use crate::input::up_axis::{Z_UP, axis_before_turning};
 use crate::input::upright::Upright;
-use crate::setup::{self, Request, Setup, Warning};
+use crate::setup::{self, Setup, SetupRequest, SetupWarning};
 use crate::track::checkpoint::Checkpoint;
 use crate::track::error::TrackError;
 use crate::track::step_size::tune;
 use crate::{Error, bodies, files};
 use sinew_formats::source_text::MAX_CONFIG_BYTES;
+use sinew_recording::Problems;
 use std::ops::Range;
 use std::path::Path;
 
@@ -58,7 +59,7 @@ pub(super) fn begun<'a, S: FrameSource>(
     };
     let checkpoint = Checkpoint {
         program: env!("CARGO_PKG_VERSION").into(),
-        settings: resolved.of_numbers(),
+        settings: resolved.numeric_settings(),
         isa: settings.isa.name().into(),
         frames: source.frames(),
         setup_toml: setup.to_toml()?,
@@ -80,12 +81,12 @@ pub(super) fn resumed<'a, S: FrameSource>(
     watch: &mut Watch<'_>,
 ) -> Result<Begun<'a, S>, Error> {
     let refused = |problem| Error::checkpoint(folder, problem);
-    checkpoint.check_settings(&resolved.of_numbers(), settings.isa.name()).map_err(refused)?;
+    checkpoint.check_settings(&resolved.numeric_settings(), settings.isa.name()).map_err(refused)?;
     let setup = Setup::from_toml("setup.toml of the checkpoint", &checkpoint.setup_toml)?;
     let mut source = Upright::new(source, &setup.world_up);
     let first = source.frames().start;
     source.read_again(&checkpoint.read, first..first + checkpoint.done, |done, total| {
-        (watch.progress)(Pass::Check, done, total);
+        (watch.progress)(RunPhase::Check, done, total);
         watch.check("before tracking went on; nothing was changed")
     })?;
     checkpoint.check_inputs(&inputs.hashes(source.source()), &source.frames()).map_err(refused)?;
@@ -103,10 +104,10 @@ pub(super) fn world_up(config: &TrackConfig, setup: Option<&Setup>) -> Result<St
     }
 }
 
-/// Frames that are looked at to tell whether a set-up of an earlier run belongs to the calibration.
+/// Frames that are looked at to see whether a set-up of an earlier run belongs to the calibration.
 pub(super) const LOOKED_AT: u64 = 60;
 
-/// Refuses a calibration that fits the keypoints only when it is read differently; a set-up that is given skips the pass that would tell.
+/// Refuses a calibration that fits the keypoints only when it is read differently; a set-up that is given skips the pass that would notice.
 fn same_calibration<S: FrameSource>(source: &mut S, image_scale: f64) -> Result<(), Error> {
     let numbers = source.frames();
     let mut frames = vec![];
@@ -133,7 +134,7 @@ pub(super) fn read_setup(path: &Path) -> Result<Setup, Error> {
         TrackError::SetupFile { path: path.to_owned(), line, problem: error.message().into() }
     })?;
     let problems = setup.problems();
-    if problems.is_empty() { Ok(setup) } else { Err(Error::Config { file: path.display().to_string(), problems }) }
+    if problems.is_empty() { Ok(setup) } else { Err(Problems { file: path.display().to_string(), problems }.into()) }
 }
 
 fn set_up<S: FrameSource>(
@@ -145,31 +146,31 @@ fn set_up<S: FrameSource>(
     warnings: &mut Vec<String>,
 ) -> Result<Setup, Error> {
     let body = bodies::to_track(&config.body)?;
-    let request = Request {
+    let request = SetupRequest {
         body,
         person: config.person.unwrap_or_default(),
         image_scale: config.image_scale,
         lag: config.lag.clone(),
         fps: Some(settings.fps),
         any_size: config.any_size,
-        ..Request::default()
+        ..SetupRequest::default()
     };
     let (cameras, layout) = (source.cameras().to_vec(), source.layout().clone());
     let total = numbers.end - numbers.start;
     let frames = numbers.clone().map(|number| {
         watch.check("during the set-up pass; nothing was written")?;
         let people = source.people(number)?;
-        (watch.progress)(Pass::SetUp, number - numbers.start + 1, total);
-        Ok((number, people))
+        (watch.progress)(RunPhase::SetUp, number - numbers.start + 1, total);
+        Ok::<_, Error>((number, people))
     });
     let (mut setup, found) = setup::set_up(&cameras, &layout, &request, frames)?;
     // The tracker looks for swapped sides in all its frames.
     let tracked = source.frames();
-    let told_later = |warning: &Warning| matches!(warning, Warning::Swapped { first, last, .. } if tracked.contains(first) && tracked.contains(last));
+    let reported_later = |warning: &SetupWarning| matches!(warning, SetupWarning::Swapped { first, last, .. } if tracked.contains(first) && tracked.contains(last));
     let declared = config.up_axis.as_deref().unwrap_or(Z_UP);
-    let found = found.into_iter().filter(|warning| !told_later(warning)).map(|warning| match warning {
-        Warning::FeetAboveHead { frames, up_axis } => {
-            Warning::FeetAboveHead { frames, up_axis: axis_before_turning(up_axis, declared) }
+    let found = found.into_iter().filter(|warning| !reported_later(warning)).map(|warning| match warning {
+        SetupWarning::FeetAboveHead { frames, up_axis } => {
+            SetupWarning::FeetAboveHead { frames, up_axis: axis_before_turning(up_axis, declared) }
         }
         other => other,
     });

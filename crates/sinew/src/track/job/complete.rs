@@ -1,8 +1,8 @@
-//! Results that are complete: whether they are those of the run that is asked for.
+//! Results that are complete: whether they belong to the run that is requested.
 
 use super::begin::LOOKED_AT;
 use super::inputs::{Hashes, file_hashes};
-use super::watch::{Pass, Watch};
+use super::watch::{RunPhase, Watch};
 use crate::Error;
 use crate::config::Resolved;
 use crate::input::source::FrameSource;
@@ -21,7 +21,7 @@ fn replay<S: FrameSource>(source: &mut S, set_up: Range<u64>, watch: &mut Watch<
     let mut next = |watch: &mut Watch<'_>| {
         watch.check("before the results were compared with the data; nothing was changed")?;
         done += 1;
-        (watch.progress)(Pass::Check, done, total);
+        (watch.progress)(RunPhase::Check, done, total);
         Ok::<(), Error>(())
     };
     for number in set_up {
@@ -38,7 +38,7 @@ fn replay<S: FrameSource>(source: &mut S, set_up: Range<u64>, watch: &mut Watch<
 /// Reads all frames of a source again, and refuses a `summary.json` of other settings, another instruction set, other frames or other data; `inputs` gives the hashes of what was read of the source so far.
 ///
 /// # Errors
-/// [`Error::Checkpoint`] with all that differs; those of the source; [`Error::Interrupted`].
+/// [`Error::Checkpoint`] with all that differs; errors of the source; [`Error::Interrupted`].
 pub fn check_complete<S: FrameSource>(
     source: &mut S,
     setup_frames: Range<u64>,
@@ -53,7 +53,7 @@ pub fn check_complete<S: FrameSource>(
         return Err(refused(Problem::Summary));
     };
     let run = Checkpoint {
-        settings: Resolved::of_numbers_told(&summary["settings"]),
+        settings: Resolved::numeric_settings_in(&summary["settings"]),
         isa: end.isa,
         frames: end.frames[0]..end.frames[1],
         inputs: end.input_hashes,
@@ -61,7 +61,7 @@ pub fn check_complete<S: FrameSource>(
     };
     let config = resolved.track();
     let isa = config.settings()?.isa;
-    run.check_settings(&Resolved::of_numbers_told(&resolved.to_json()), isa.name()).map_err(refused)?;
+    run.check_settings(&Resolved::numeric_settings_in(&resolved.to_json()), isa.name()).map_err(refused)?;
     let frames = source.frames();
     let set_up = match config.setup {
         Some(_) => frames.start..frames.end.min(frames.start + LOOKED_AT),

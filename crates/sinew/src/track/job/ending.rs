@@ -35,12 +35,12 @@ impl Clock {
         self.track = self.since.elapsed() - self.set_up;
     }
 
-    /// Wall time of so many frames, milliseconds a frame.
+    /// Wall time of `frames` frames, milliseconds a frame.
     pub(super) fn ms_per_frame(&self, frames: u64) -> f64 {
         1e3 * self.track.as_secs_f64() / frames.max(1) as f64
     }
 
-    /// `timings.json`, for so many frames of this run after those before it was resumed.
+    /// `timings.json`, for `frames` frames of this run after those before it was resumed.
     pub(super) fn timings(&self, before: u64, frames: u64) -> serde_json::Map<String, serde_json::Value> {
         let timings = serde_json::json!({
             "started_unix_s": self.started.duration_since(UNIX_EPOCH).map_or(0, |since| since.as_secs()),

@@ -1,8 +1,8 @@
-//! The forward pass of a run: frames are tracked and written, and a checkpoint follows every so many seconds.
+//! The forward pass of a run: frames are tracked and written, with a checkpoint at fixed intervals.
 
 use super::inputs::{Hashes, Inputs};
 use super::keeper::Keeper;
-use super::watch::{Pass, Watch};
+use super::watch::{RunPhase, Watch};
 use crate::Error;
 use crate::input::source::FrameSource;
 use crate::input::upright::Upright;
@@ -32,12 +32,12 @@ pub(super) fn forward<S: FrameSource>(
                 None => keeper.results.append(&estimate)?,
             }
             keeper.checkpoint.done += 1;
-            (watch.progress)(Pass::Track, keeper.checkpoint.done, total);
+            (watch.progress)(RunPhase::Track, keeper.checkpoint.done, total);
             Ok(if keeper.is_due() { ControlFlow::Break(()) } else { watch.flow() })
         });
         let is_last = keeper.checkpoint.done == total;
         match tracked {
-            Err(error) if keeper.checkpoint.done == before || matches!(error, Error::Io { .. }) => return Err(error),
+            Err(error) if keeper.checkpoint.done == before || error.file().is_some() => return Err(error),
             Err(error) => return Ok(Err(error)),
             Ok(()) if is_last && keeper.spool.is_none() => return Ok(Ok(())),
             Ok(()) => keeper.keep(pipeline, source.read(), inputs.hashes(source.source()))?,

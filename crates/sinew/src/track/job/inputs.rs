@@ -11,9 +11,9 @@ pub type Hashes = BTreeMap<String, String>;
 /// The source's warnings and hashes, as far as it was read, and the files that settings name.
 pub(super) struct Inputs<F> {
     /// Warnings and hashes of a source.
-    pub(super) of_source: F,
+    pub(super) hash_source: F,
     /// Hashes of the files that settings name.
-    pub(super) of_settings: Hashes,
+    pub(super) settings_hashes: Hashes,
 }
 
 impl<F> Inputs<F> {
@@ -21,15 +21,15 @@ impl<F> Inputs<F> {
     where
         F: Fn(&S) -> (Vec<String>, Hashes),
     {
-        (self.of_source)(source).0
+        (self.hash_source)(source).0
     }
 
     pub(super) fn hashes<S>(&self, source: &S) -> Hashes
     where
         F: Fn(&S) -> (Vec<String>, Hashes),
     {
-        let mut hashes = (self.of_source)(source).1;
-        hashes.extend(self.of_settings.clone());
+        let mut hashes = (self.hash_source)(source).1;
+        hashes.extend(self.settings_hashes.clone());
         hashes
     }
 }

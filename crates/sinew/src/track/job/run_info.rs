@@ -5,7 +5,7 @@ use crate::config::TrackConfig;
 use crate::config::settings::Settings;
 use crate::methods::Gives;
 use crate::results::Texts;
-use crate::results::estimate::{Carried, Kind, RunInfo};
+use crate::results::estimate::{Carried, EstimateKind, RunInfo};
 use crate::setup::Setup;
 use crate::track::checkpoint::Checkpoint;
 use crate::track::error::TrackError;
@@ -27,7 +27,7 @@ pub(super) fn run_info(
     RunInfo {
         method: method.name.into(),
         is_weighted: method.gives == Gives::Particles,
-        kind: if config.smooth { Kind::Smoothed } else { Kind::Filtered },
+        kind: if config.smooth { EstimateKind::Smoothed } else { EstimateKind::Filtered },
         body: setup.tree(),
         fps: settings.fps,
         first_frame,

@@ -6,8 +6,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Part of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Pass {
-    /// Frames are read again, to see that they are those of the run that was stopped.
+pub enum RunPhase {
+    /// Frames are read again, to see that they belong to the run that was stopped.
     Check,
     /// Frames are read for the set-up.
     SetUp,
@@ -20,7 +20,7 @@ pub enum Pass {
 /// A progress callback and a stop flag.
 pub struct Watch<'a> {
     /// Takes a pass, the frames done and all of them.
-    pub progress: &'a mut dyn FnMut(Pass, u64, u64),
+    pub progress: &'a mut dyn FnMut(RunPhase, u64, u64),
     /// Set to end after the frame at hand.
     pub stop: &'a AtomicBool,
 }

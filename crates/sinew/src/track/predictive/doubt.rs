@@ -61,7 +61,7 @@ pub enum Doubt {
 pub enum Lengths {
     /// Too few frames show them.
     Unchecked,
-    /// None of so many kinds of limbs is doubted, and no camera sees the body aside.
+    /// None of this number of kinds of limbs is doubted, and no camera sees the body aside.
     Undoubted(usize),
     /// A limb is doubted, or a camera sees the body aside.
     Doubted,
@@ -216,7 +216,7 @@ mod tests {
         let offset = Doubt::Offset { camera: "C1".into(), offset_px: [1.0, 2.0], frames: 20, usual_px: 0.1 };
         let scatter = Doubt::Scatter { camera: "C1".into(), ratio: 1.5 };
         for words in [limb(measured), offset.describe(measured), scatter.describe(measured)] {
-            assert!(!words.contains("leave") && !words.contains("anew"), "{words}");
+            assert!(!words.contains("leave") && !words.contains("measured again"), "{words}");
         }
         assert!([&offset, &scatter].iter().all(|doubt| doubt.describe(given).contains("leave `--setup` out")));
         let outliers = Doubt::Outliers { camera: "C1".into(), share: 0.1, expected: 0.02 };

@@ -3,9 +3,11 @@
 //! In two dimensions the squared distance q of a Gaussian error exceeds x with probability `exp(−x/2)`, that of Student's t with ν degrees of freedom with `(1 + x/ν)^(−ν/2)`. The
 //! mean of q below a bound b is `(∫₀ᵇ P(q > x) dx − b P(q > b)) / P(q ≤ b)`.
 
-use super::GROSS;
 use serde::{Deserialize, Serialize};
 use sinew_observe::Noise;
+
+/// Standardised residuals beyond this are gross.
+pub(super) const GROSS: f64 = 4.0;
 
 /// Expected residuals.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -43,7 +45,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn expectations_are_those_of_the_densities() {
+    fn expectations_match_the_densities() {
         // ∫ x e^(−x/2)/2 from 0 to 16 = 2 − 18 e⁻⁸
         let e8 = (-8.0_f64).exp();
         let gaussian = Expected::of(Noise::OutlierFloor { outlier: 0.02 });

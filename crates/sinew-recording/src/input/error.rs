@@ -1,0 +1,368 @@
+//! What is refused of a recording: folders, file names, frames, layouts and sizes.
+
+use super::folder_contents::FolderContents;
+use super::size_misfit::SizeMisfit;
+use std::ops::Range;
+use std::path::PathBuf;
+
+/// A recording that cannot be read as it stands.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum InputError {
+    /// Nobody shows which layout the keypoints have.
+    #[error("{}: nobody in the first {files} files; the keypoint layout cannot be recognised", folder.display())]
+    NobodyForLayout {
+        /// Keypoint folder.
+        folder: PathBuf,
+        /// Files that were read.
+        files: usize,
+        /// Layouts with a name.
+        known: Vec<&'static str>,
+    },
+    /// No layout has that number of keypoints.
+    #[error("{}: {numbers} numbers a person fit no known layout", folder.display())]
+    NoSuchLength {
+        /// Keypoint folder.
+        folder: PathBuf,
+        /// Numbers in the list of a person.
+        numbers: usize,
+        /// Layouts with a name.
+        known: Vec<&'static str>,
+    },
+    /// A layout lacks a point without which a body cannot be placed.
+    #[error("layout `{layout}` has no {words}; the model needs it")]
+    LayoutLacks {
+        /// Layout.
+        layout: String,
+        /// The point.
+        point: &'static str,
+        /// The point in words.
+        words: &'static str,
+    },
+    /// The folder of one camera in place of the folder of all.
+    #[error("`{}` holds {files} keypoint files itself; expected a folder for each camera", folder.display())]
+    FolderOfOneCamera {
+        /// Folder.
+        folder: PathBuf,
+        /// Keypoint files in it.
+        files: usize,
+    },
+    /// A folder without keypoints.
+    #[error("`{}` holds no keypoints; expected folders `<camera>_json` with JSON files", folder.display())]
+    NoKeypoints {
+        /// Folder.
+        folder: PathBuf,
+    },
+    /// Videos where keypoints are expected.
+    #[error("`{}` holds videos ({}) and no keypoints", folder.display(), few(videos))]
+    VideosForKeypoints {
+        /// Folder.
+        folder: PathBuf,
+        /// Names of the videos.
+        videos: Vec<String>,
+    },
+    /// Videos where images are expected.
+    #[error("`{}` holds videos ({}) and no {many}", folder.display(), few(videos))]
+    VideosForImages {
+        /// Folder.
+        folder: PathBuf,
+        /// Word for the images.
+        many: &'static str,
+        /// Names of the videos.
+        videos: Vec<String>,
+    },
+    /// A file where a folder is expected.
+    #[error("`{}` is {}; expected a folder of {many}", file.display(), if *is_video { "a video" } else { "a file" })]
+    FileForFolder {
+        /// File.
+        file: PathBuf,
+        /// Word for what the folder should hold.
+        many: &'static str,
+        /// Whether it is a video.
+        is_video: bool,
+    },
+    /// A folder where a file is expected.
+    #[error("`{}` is a folder; expected a file", folder.display())]
+    FolderForFile {
+        /// Folder.
+        folder: PathBuf,
+        /// What it holds.
+        contents: FolderContents,
+    },
+    /// A calibration in the format of Qualisys.
+    #[error("`{}` is a calibration of Qualisys (XML); expected a Calib.toml", file.display())]
+    Qualisys {
+        /// File.
+        file: PathBuf,
+        /// Files `.toml` beside it.
+        beside: Vec<String>,
+    },
+    /// A camera's folder without files.
+    #[error("`{}` holds no {kind}", folder.display())]
+    NoFiles {
+        /// Folder.
+        folder: PathBuf,
+        /// Word for the files.
+        kind: String,
+    },
+    /// A camera that is requested and not calibrated.
+    #[error("no camera `{name}` in the calibration; calibrated: {}", calibrated.join(", "))]
+    NoSuchCamera {
+        /// Requested name.
+        name: String,
+        /// Cameras of the calibration.
+        calibrated: Vec<String>,
+    },
+    /// A lag of a camera that is not calibrated.
+    #[error("`lag` names no camera of the calibration: `{name}`; calibrated: {}", calibrated.join(", "))]
+    LagOfNoCamera {
+        /// Name given.
+        name: String,
+        /// Cameras of the calibration.
+        calibrated: Vec<String>,
+    },
+    /// A camera that is requested and has no keypoints.
+    #[error("no keypoints for camera `{name}`; folders: {}", folders.join(", "))]
+    NoKeypointsOfCamera {
+        /// Requested name.
+        name: String,
+        /// Folders with keypoints.
+        folders: Vec<String>,
+    },
+    /// Frames that the recording does not have.
+    #[error("frames {}..{} were requested; the recording has {}..{}", asked.start, asked.end, available.start, available.end)]
+    NoSuchFrames {
+        /// Requested frames.
+        asked: Range<u64>,
+        /// Frames of the recording.
+        available: Range<u64>,
+    },
+    /// Cameras that have no frame in common.
+    #[error("no frame is in all cameras")]
+    NoCommonFrame,
+    /// Frame numbers that are too large for the number of files.
+    #[error("frame numbers run from {first} to {last}, but there are only {files} files a camera")]
+    NumbersApart {
+        /// First number.
+        first: u64,
+        /// Last number.
+        last: u64,
+        /// Most files of a camera.
+        files: u64,
+    },
+    /// A scale of images that is no positive number.
+    #[error("the scale of the {many} is {scale}; it must be greater than 0")]
+    ImageScale {
+        /// Word for the images.
+        many: &'static str,
+        /// The scale.
+        scale: f64,
+    },
+    /// Images of other cameras than those in use.
+    #[error("`{}` holds {many} of {}, none of the cameras in use: {}", folder.display(), found.join(", "), cameras.join(", "))]
+    ImagesOfOtherCameras {
+        /// Folder.
+        folder: PathBuf,
+        /// Word for the images.
+        many: &'static str,
+        /// Cameras of the files.
+        found: Vec<String>,
+        /// Cameras in use.
+        cameras: Vec<String>,
+    },
+    /// An image of another size than the camera's first.
+    #[error("{file}: {}x{} pixels; the {many} of {camera} read before are {}x{}", size[0], size[1], first[0], first[1])]
+    SizeChanges {
+        /// File.
+        file: String,
+        /// Word for the images.
+        many: &'static str,
+        /// Camera.
+        camera: String,
+        /// Size of this image, pixels.
+        size: [usize; 2],
+        /// Size of the camera's first image, pixels.
+        first: [usize; 2],
+    },
+    /// An image of another size than its camera's.
+    #[error("{file}: {misfit}")]
+    SizeMisfit {
+        /// File.
+        file: String,
+        /// The sizes.
+        misfit: SizeMisfit,
+    },
+    /// A folder without images.
+    #[error("`{}` holds no {many} (.{}); {}", folder.display(), extensions.join(", ."), expected_names(extensions))]
+    NoImages {
+        /// Folder.
+        folder: PathBuf,
+        /// Word for the images.
+        many: &'static str,
+        /// Extensions that are read.
+        extensions: &'static [&'static str],
+    },
+    /// Images side by side and in folders.
+    #[error("`{}` holds {many} and folders with {many}; {}", folder.display(), expected_names(extensions))]
+    ImagesTwice {
+        /// Folder.
+        folder: PathBuf,
+        /// Word for the images.
+        many: &'static str,
+        /// Extensions that are read.
+        extensions: &'static [&'static str],
+    },
+    /// Images whose names do not say which camera took them.
+    #[error("`{}` holds {many} without the name of a camera; {}", folder.display(), expected_names(extensions))]
+    ImagesWithoutCamera {
+        /// Folder.
+        folder: PathBuf,
+        /// Word for the images.
+        many: &'static str,
+        /// Extensions that are read.
+        extensions: &'static [&'static str],
+    },
+    /// A method with gradients and nothing but silhouettes.
+    #[error("method `{method}` cannot track from silhouettes alone")]
+    GradientsOfSilhouettes {
+        /// Method.
+        method: &'static str,
+    },
+    /// A start from keypoints that are not given.
+    #[error("`--init keypoints` without keypoints")]
+    InitWithoutKeypoints,
+    /// Silhouettes without a start.
+    #[error("silhouettes alone do not say where the person is at first, and how large")]
+    NoStart,
+    /// A file of points without a point that the set-up needs.
+    #[error("{file}: no marker `{point}`; the set-up needs {words}, and found {}", if markers.is_empty() { "none".into() } else { markers.join(", ") })]
+    MarkerMissing {
+        /// File.
+        file: String,
+        /// The point.
+        point: &'static str,
+        /// The point in words.
+        words: &'static str,
+        /// Markers of the file.
+        markers: Vec<String>,
+    },
+}
+
+/// Names that are listed.
+const FEW: usize = 3;
+
+fn few(names: &[String]) -> String {
+    let more = if names.len() > FEW { ", …" } else { "" };
+    format!("{}{more}", names.iter().take(FEW).cloned().collect::<Vec<_>>().join(", "))
+}
+
+/// What to do with videos.
+const DETECT: &str = "run a 2D pose detector over the videos first, for example OpenPose with `--write_json`, and give the folder that it fills";
+
+fn expected_names(extensions: &[&str]) -> String {
+    let extension = extensions.first().copied().unwrap_or_default();
+    format!("expected files `<camera>_<frame>.{extension}` or folders `<camera>` with files `<frame>.{extension}`")
+}
+
+impl InputError {
+    /// Code with which the program ends.
+    #[must_use]
+    pub const fn exit_code(&self) -> u8 {
+        match self {
+            Self::NoSuchCamera { .. }
+            | Self::LagOfNoCamera { .. }
+            | Self::NoKeypointsOfCamera { .. }
+            | Self::ImageScale { .. }
+            | Self::GradientsOfSilhouettes { .. }
+            | Self::InitWithoutKeypoints
+            | Self::NoStart => 2,
+            _ => 3,
+        }
+    }
+
+    /// What the user can do about it.
+    #[must_use]
+    pub fn help(&self) -> String {
+        match self {
+            Self::NobodyForLayout { known, .. } => format!("name it with `--layout`: {}", known.join(", ")),
+            Self::NoSuchLength { known, .. } => {
+                format!("known: {}; or give a mapping file with `--layout`", known.join(", "))
+            }
+            Self::LayoutLacks { point, .. } => format!("name the keypoint `{point}` in the mapping file"),
+            Self::SizeChanges { many, .. } => {
+                format!("all {many} of a camera must have one size; write this one again")
+            }
+            Self::SizeMisfit { misfit, .. } => misfit.help(),
+            Self::VideosForImages { videos, many, .. } => format!(
+                "write their frames as {many} first, for example `ffmpeg -i {} cam01_%06d.png`",
+                videos.first().map_or("cam01.mp4", String::as_str)
+            ),
+            Self::FileForFolder { is_video: false, many, .. } => {
+                format!("give the folder that holds the {many} of all cameras")
+            }
+            Self::FileForFolder { many: "keypoints", .. } => DETECT.into(),
+            Self::FileForFolder { many, .. } => {
+                format!("write its frames as {many} first, for example `ffmpeg -i cam01.mp4 cam01_%06d.png`")
+            }
+            Self::FolderForFile { folder, contents } => match contents {
+                FolderContents::Toml(files) => {
+                    let files: Vec<String> = files.iter().map(|file| format!("`{}`", file.display())).collect();
+                    format!("did you mean {}?", files.join(" or "))
+                }
+                FolderContents::Keypoints => {
+                    format!("it holds keypoints: give it with `--keypoints {}`", folder.display())
+                }
+                FolderContents::Videos(_) => DETECT.into(),
+                FolderContents::Other => "give the path of a file".into(),
+            },
+            Self::Qualisys { beside, .. } => {
+                let convert = "convert it, for example with Pose2Sim (`calibration_type = 'convert'`, `convert_from = 'qualisys'`)";
+                match beside.as_slice() {
+                    [] => convert.into(),
+                    names => {
+                        format!("{convert}, or give `{}`, which is beside it, if it is the same", names.join("` or `"))
+                    }
+                }
+            }
+            Self::NoImages { many, .. } => format!("give the folder that holds the {many} of all cameras"),
+            Self::ImagesWithoutCamera { many, .. } => {
+                format!("move the {many} of each camera into a folder of its name; is this the folder of one camera?")
+            }
+            other => other.fixed_help().into(),
+        }
+    }
+
+    /// Help that holds no value.
+    const fn fixed_help(&self) -> &'static str {
+        match self {
+            Self::FolderOfOneCamera { .. } => {
+                "give the folder above it, which holds one folder `<camera>_json` for each camera"
+            }
+            Self::NoKeypoints { .. } => "`--keypoints` takes the folder that a detector fills, for example `pose`",
+            Self::VideosForKeypoints { .. } => DETECT,
+            Self::NoFiles { .. } => "fill the folder or remove it, or leave the camera out of `--cameras`",
+            Self::NoSuchCamera { .. } => "give `--cameras` a list of these names, separated by commas",
+            Self::LagOfNoCamera { .. } => "give `--lag` cameras by these names, for example `--lag cam_03=-2`",
+            Self::NoKeypointsOfCamera { .. } => "leave the camera out of `--cameras`",
+            Self::NoSuchFrames { .. } => "`--frames A..B` takes the numbers in the file names, A included, B not",
+            Self::NoCommonFrame => "look at the frames of each camera with `sinew inspect`",
+            Self::NumbersApart { .. } => {
+                "the last number in a file name must be the frame number, as in `cam01.0034.json`"
+            }
+            Self::ImageScale { .. } => "the scale is their width over that of the calibrated images, for example 0.5",
+            Self::ImagesOfOtherCameras { .. } => "files and cameras are matched by name; rename the files",
+            Self::ImagesTwice { .. } => "move one kind elsewhere",
+            Self::GradientsOfSilhouettes { .. } => {
+                "give it the keypoints, too, without `--init`; or use `--method annealed`"
+            }
+            Self::InitWithoutKeypoints => "give them with `--keypoints DIR`, or begin with `--init POINTS.trc`",
+            Self::NoStart => {
+                "give `--init POINTS.trc`, `--keypoints DIR --init keypoints`, or the `--setup` of an earlier run"
+            }
+            Self::MarkerMissing { .. } => {
+                "name the markers like the keypoints of BODY_25B, or begin with `--keypoints DIR --init keypoints`"
+            }
+            _ => "",
+        }
+    }
+}

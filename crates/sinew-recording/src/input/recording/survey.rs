@@ -1,0 +1,129 @@
+//! A keypoint folder without a calibration: what its files hold, for `sinew inspect`.
+
+use super::frame_ranges::no_such_frames;
+use super::guess;
+use super::known_layout::named_layout;
+use super::listing::{self, CameraFiles, chosen_folders};
+use super::options::RecordingOptions;
+use crate::{Error, files};
+use sinew_formats::openpose::{self, Tally};
+use sinew_formats::source_text::MAX_KEYPOINT_BYTES;
+use sinew_formats::{Layout, frame_number};
+use std::path::Path;
+
+/// Files of a camera that are read.
+const READ: usize = 200;
+
+/// What a keypoint folder holds.
+#[derive(Clone, Debug)]
+pub struct Survey {
+    /// Meaning of the keypoint indices.
+    pub layout: Layout,
+    /// Whether other layouts fit as well.
+    pub is_guess: bool,
+    /// Its cameras, by name.
+    pub cameras: Vec<CameraSurvey>,
+    /// What is odd.
+    pub warnings: Vec<String>,
+}
+
+/// What a camera's folder holds.
+#[derive(Clone, Debug)]
+pub struct CameraSurvey {
+    /// Name of the folder.
+    pub name: String,
+    /// Number of files, of the chosen frames.
+    pub files: usize,
+    /// First frame.
+    pub first: u64,
+    /// Frame after the last.
+    pub end: u64,
+    /// Files read, evenly spaced.
+    pub read: usize,
+    /// Files without people among them.
+    pub empty: usize,
+    /// Least number of people in a file.
+    pub fewest: usize,
+    /// Greatest number of people in a file.
+    pub most: usize,
+    /// Left, top, right and bottom end of all keypoints, pixels.
+    pub bounds_px: [f64; 4],
+}
+
+/// Looks at a folder.
+///
+/// # Errors
+/// A folder without keypoints, file names without numbers, an unknown layout, cameras or frames that are not there, files that cannot be read.
+pub fn survey(keypoints: &Path, options: &RecordingOptions) -> Result<Survey, Error> {
+    let mut folders = listing::camera_folders(keypoints)?;
+    if let Some(names) = &options.cameras {
+        folders = chosen_folders(folders, names)?;
+    }
+    let mut listed = Vec::new();
+    for folder in folders {
+        let name = folder.name.clone();
+        listed.push(listing::files(folder, &name, "keypoint files")?);
+    }
+    let (layout, guessed) = match &options.layout {
+        Some(name) => (named_layout(name)?, None),
+        None => guess::layout(&listed, keypoints)?,
+    };
+    let mut warnings = Vec::new();
+    if options.layout.is_some() {
+        warnings.extend(guess::contradiction(&listed, &layout));
+    }
+    let is_wanted = |number: &u64| options.frames.as_ref().is_none_or(|asked| asked.contains(number));
+    let numbers: Vec<Vec<u64>> = listed.iter().map(|files| files.numbers().filter(is_wanted).collect()).collect();
+    if let Some(asked) = options.frames.as_ref().filter(|_| numbers.iter().all(Vec::is_empty)) {
+        let ranges = || listed.iter().map(CameraFiles::range);
+        let first = ranges().map(|range| range.start).min().unwrap_or_default();
+        let end = ranges().map(|range| range.end).max().unwrap_or_default();
+        return Err(no_such_frames(asked, &(first..end)));
+    }
+    let mut cameras = Vec::new();
+    for (files, numbers) in listed.iter().zip(&numbers) {
+        warnings.extend(frame_number::holes(&files.camera, numbers).map(|warning| warning.to_string()));
+        cameras.push(camera(files, numbers, &layout, options.confidence_scale, &mut warnings)?);
+    }
+    Ok(Survey { layout, is_guess: guessed.is_some(), cameras, warnings })
+}
+
+fn camera(
+    files: &CameraFiles,
+    numbers: &[u64],
+    layout: &Layout,
+    confidence_scale: f64,
+    warnings: &mut Vec<String>,
+) -> Result<CameraSurvey, Error> {
+    let mut survey = CameraSurvey {
+        name: files.camera.clone(),
+        files: numbers.len(),
+        first: numbers.first().copied().unwrap_or_default(),
+        end: numbers.last().map_or(0, |last| last.saturating_add(1)),
+        read: 0,
+        empty: 0,
+        fewest: usize::MAX,
+        most: 0,
+        bounds_px: [f64::INFINITY, f64::INFINITY, f64::NEG_INFINITY, f64::NEG_INFINITY],
+    };
+    let mut tally = Tally::default();
+    for &number in numbers.iter().step_by(numbers.len().div_ceil(READ).max(1)) {
+        let Some(path) = files.path(number) else { continue };
+        let text = files::read_text(&path, MAX_KEYPOINT_BYTES)?;
+        let options = openpose::OpenposeOptions { frame: Some(number), layout: Some(layout), confidence_scale };
+        let frame = openpose::read(&path.display().to_string(), &text, &options)?;
+        tally.add(number, Some(&frame));
+        survey.read += 1;
+        survey.empty += usize::from(frame.people.is_empty());
+        survey.fewest = survey.fewest.min(frame.people.len());
+        survey.most = survey.most.max(frame.people.len());
+        let [left, top, right, bottom] = &mut survey.bounds_px;
+        for point in frame.people.iter().flat_map(|person| person.keypoints.iter().flatten()) {
+            (*left, *top) = (left.min(point.x), top.min(point.y));
+            (*right, *bottom) = (right.max(point.x), bottom.max(point.y));
+        }
+    }
+    survey.fewest = survey.fewest.min(survey.most);
+    warnings.extend(tally.warnings(&files.camera).iter().map(ToString::to_string));
+    Ok(survey)
+}

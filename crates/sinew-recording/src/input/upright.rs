@@ -1,0 +1,101 @@
+//! A source of frames in a world that is turned so that z points up.
+
+use super::frame::Frame;
+use super::source::FrameSource;
+use super::up_axis::upright;
+use crate::Error;
+use sinew_formats::Layout;
+use sinew_observe::Camera;
+use sinew_observe::association::Person;
+use std::collections::BTreeSet;
+use std::ops::Range;
+
+/// A source whose world is turned so that z points up.
+pub struct Upright<'a, S> {
+    source: &'a mut S,
+    cameras: Vec<Camera>,
+    up: String,
+    read: Vec<Range<u64>>,
+}
+
+/// The frames of a run that are there.
+fn within(run: &Range<u64>, frames: &Range<u64>) -> Range<u64> {
+    run.start.max(frames.start)..run.end.min(frames.end)
+}
+
+impl<'a, S: FrameSource> Upright<'a, S> {
+    /// Turns the world of a source whose axis `up` (`+x` to `-z`) points up. Unknown names turn nothing.
+    pub fn new(source: &'a mut S, up: &str) -> Self {
+        let cameras = upright(source.cameras().to_vec(), up);
+        Self { source, cameras, up: up.into(), read: vec![] }
+    }
+
+    /// Runs of frames that were read for the set-up, in their order.
+    #[must_use]
+    pub fn read(&self) -> &[Range<u64>] {
+        &self.read
+    }
+
+    /// Reads again what a run had read: the runs of frames of its set-up, each frame once, and the frames that it tracked. `each` takes how many they are with the one at hand, and in all,
+    /// and may end it.
+    ///
+    /// # Errors
+    /// Errors of the source and of `each`.
+    pub fn read_again<E: From<Error>>(
+        &mut self,
+        set_up: &[Range<u64>],
+        tracked: Range<u64>,
+        mut each: impl FnMut(u64, u64) -> Result<(), E>,
+    ) -> Result<(), E> {
+        let frames = self.source.frames();
+        let mut left: BTreeSet<u64> = set_up.iter().flat_map(|run| within(run, &frames)).collect();
+        let total = left.iter().copied().chain(within(&tracked, &frames)).collect::<BTreeSet<u64>>().len() as u64;
+        let mut done = 0;
+        for number in set_up.iter().flat_map(|run| within(run, &frames)).filter(|number| left.remove(number)) {
+            done += 1;
+            each(done, total)?;
+            self.source.people(number)?;
+        }
+        for number in within(&tracked, &frames) {
+            if !set_up.iter().any(|run| run.contains(&number)) {
+                done += 1;
+                each(done, total)?;
+            }
+            self.source.frame(number)?;
+        }
+        self.read = set_up.to_vec();
+        Ok(())
+    }
+
+    /// The source itself.
+    #[must_use]
+    pub fn source(&self) -> &S {
+        self.source
+    }
+}
+
+impl<S: FrameSource> FrameSource for Upright<'_, S> {
+    fn cameras(&self) -> &[Camera] {
+        &self.cameras
+    }
+    fn layout(&self) -> &Layout {
+        self.source.layout()
+    }
+    fn frames(&self) -> Range<u64> {
+        self.source.frames()
+    }
+    fn people(&mut self, number: u64) -> Result<Vec<Vec<Person>>, Error> {
+        let people = self.source.people(number)?;
+        match self.read.last_mut() {
+            Some(run) if run.end == number => run.end += 1,
+            _ => self.read.push(number..number + 1),
+        }
+        Ok(people)
+    }
+    fn image_cameras(&self) -> Option<Vec<Camera>> {
+        self.source.image_cameras().map(|cameras| upright(cameras, &self.up))
+    }
+    fn frame(&mut self, number: u64) -> Result<Frame, Error> {
+        self.source.frame(number)
+    }
+}

@@ -1,0 +1,22 @@
+//! Recordings of people by calibrated cameras: what their files hold, and what follows from them before tracking.
+//!
+//! | module | what |
+//! |---|---|
+//! | [`input`] | keypoints, masks and images of a recording, one frame at a time |
+//! | [`setup`] | sizes of the person, offsets of the cameras, noise: one value |
+//! | [`bodies`] | bodies by name or file |
+//! | [`files`] | whole files with a limit on their size |
+//!
+//! No tracker, no sampler and no result is known here.
+
+pub mod bodies;
+mod error;
+mod file_error;
+pub mod files;
+pub mod input;
+mod problems;
+pub mod setup;
+
+pub use error::Error;
+pub use file_error::FileError;
+pub use problems::Problems;

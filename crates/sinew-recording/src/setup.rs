@@ -1,0 +1,45 @@
+//! The set-up pass: everything that tracking needs to know before the first frame.
+//!
+//! [`set_up`] reads the people of some frames once, in order, and returns a [`Setup`], one plain value that is saved as `setup.toml`:
+//!
+//! 1. the tracked person is found by agreement of the cameras and followed ([`sinew_observe::association`]); of what he shows, an evenly spaced part is kept;
+//! 2. one constant offset and the scatter of the detections, camera by camera, before any pose is known ([`sinew_observe::offsets`]);
+//! 3. points in space, from which the sizes of the subject and the poses of the frames follow ([`sinew_body::bundle`]);
+//! 4. the model error: joints of the body are not keypoints of a detector ([`shape`]);
+//! 5. the pose of the first frame.
+//!
+//! A body from a file keeps the sizes that it has there: offsets, noise and the subject's sizes are found with H32, then the file's body is fitted to the points in
+//! space, and the model error is what remains for that body ([`own_body`]).
+//!
+//! With one camera there are no points in space: offsets stay 0, the body keeps its default sizes, and the pose is fitted to pixels, its depth by the size of
+//! the body ([`one_camera`]). How far that size may be from the person's is part of every interval ([`Setup::size_sd`]).
+
+pub mod calibration_fit;
+pub mod checks;
+pub mod clocks;
+mod collect;
+pub(crate) mod error;
+pub mod exchanged_cameras;
+mod measured_motion;
+mod model_error;
+pub mod motion_noise;
+pub mod one_camera;
+pub mod own_body;
+pub mod pass;
+mod pose_fit;
+mod scale;
+pub mod segment_lengths;
+pub mod shape;
+mod space_points;
+pub mod speed;
+mod stored;
+mod up_axis;
+mod warning;
+
+pub use collect::{Collected, SetupRequest, alone, collect, limb_lengths};
+pub use error::SetupError;
+pub use measured_motion::measure_motion;
+pub use pass::set_up;
+pub use pose_fit::pose_of;
+pub use stored::{Body, CameraSetup, FileBody, SCHEMA, Setup};
+pub use warning::SetupWarning;

@@ -1,0 +1,109 @@
+//! Whether keypoints fit the calibration, and what would if they do not.
+//!
+//! Keypoint files do not say how large their images were. When all images were resized by s after the calibration, keypoints (u, v) come from calibrated pixels
+//! (u, v) / s, and only there do the rays of a keypoint meet. In the same way rays meet only where the poses of the cameras are what they are taken for, the camera
+//! from the world and not the world from the camera. The median distance, in pixels of the calibrated images, between keypoints / s and the projection of their
+//! triangulation is small for the right reading and large for others; readings other than the given one are tried only where that is large.
+
+use super::error::SetupError;
+use sinew_observe::offsets::{Sighted, median};
+use sinew_observe::triangulate::{Seen, linear};
+use sinew_observe::{Camera, Detection};
+
+/// Residual, per 1000 px of image diagonal, up to which nothing is looked for.
+const DOUBTFUL: f64 = 15.0;
+/// Share of the present residual that another reading must fall below.
+const BETTER: f64 = 0.3;
+/// Sizes looked at: from a tenth to ten times, in steps of a 32nd of a doubling.
+const STEPS: std::ops::RangeInclusive<i32> = -106..=106;
+const STEPS_PER_DOUBLING: f64 = 32.0;
+/// Usual ratios of image sizes. One is meant where its residual is at most [`AS_GOOD`] times the least: constant offsets of the cameras move the least.
+const USUAL: [f64; 9] = [1.0 / 4.0, 1.0 / 3.0, 1.0 / 2.0, 2.0 / 3.0, 3.0 / 4.0, 1.0, 4.0 / 3.0, 3.0 / 2.0, 2.0];
+const AS_GOOD: f64 = 1.5;
+/// Keypoints below this confidence do not count.
+const LEAST_CONFIDENCE: f64 = 0.3;
+/// Comparisons below which nothing is said.
+const FEWEST: usize = 20;
+
+/// Refuses keypoints that fit the calibration only at another image size, or with the poses of its cameras inverted; `frames` show one person each, `declared` is the
+/// scale that the cameras were resized by.
+///
+/// # Errors
+/// What fits.
+pub fn check(cameras: &[Camera], frames: &[Sighted], declared: f64) -> Result<(), SetupError> {
+    let Some(now) = residual(cameras, frames, 1.0) else { return Ok(()) };
+    if !is_doubtful(cameras, now) {
+        return Ok(());
+    }
+    let best_of = |scales: &mut dyn Iterator<Item = f64>| {
+        let residuals = scales.filter_map(|scale| Some((scale, residual(cameras, frames, scale)?)));
+        residuals.min_by(|a, b| a.1.total_cmp(&b.1)).filter(|(_, px)| *px < BETTER * now)
+    };
+    let best = best_of(&mut STEPS.map(|step| (f64::from(step) / STEPS_PER_DOUBLING).exp2()));
+    let usual = best_of(&mut USUAL.into_iter().map(|scale| scale / declared));
+    let size = match (best, usual) {
+        (Some((_, least)), Some(usual)) if usual.1 <= AS_GOOD * least => Some(usual),
+        (best, _) => best,
+    };
+    let inverted: Vec<Camera> = cameras.iter().map(inverted).collect();
+    let best_inverted = residual(&inverted, frames, 1.0).filter(|px| *px < BETTER * now);
+    match (size, best_inverted) {
+        (size, Some(px)) if size.is_none_or(|(_, other)| px < other) => {
+            Err(SetupError::InvertedPoses { inverted_px: px, now_px: now })
+        }
+        (Some((scale, px)), _) => Err(SetupError::ResizedImages {
+            camera: cameras[0].name.clone(),
+            size_px: cameras[0].image_size_px.map(|size| size / declared),
+            scale: scale * declared,
+            fitting_px: px,
+            now_px: now,
+        }),
+        (None, _) => Ok(()),
+    }
+}
+
+/// Whether a residual, pixels, is larger than detectors and small errors of calibration make it.
+pub(super) fn is_doubtful(cameras: &[Camera], residual_px: f64) -> bool {
+    per_diagonal(cameras, residual_px) > DOUBTFUL
+}
+
+/// A residual, pixels, per 1000 px of image diagonal.
+pub(super) fn per_diagonal(cameras: &[Camera], residual_px: f64) -> f64 {
+    let diagonals = cameras.iter().map(|camera| camera.image_size_px[0].hypot(camera.image_size_px[1]));
+    1000.0 * residual_px / median(&mut diagonals.collect::<Vec<_>>())
+}
+
+/// The camera whose pose is the world from the camera, read as the camera from the world.
+fn inverted(camera: &Camera) -> Camera {
+    let [a, b, c] = camera.rotation;
+    let rotation = [0, 1, 2].map(|k: usize| [a[k], b[k], c[k]]);
+    Camera { rotation, translation: camera.centre(), ..camera.clone() }
+}
+
+/// Median distance between keypoints and the projection of their triangulation, in pixels of the calibrated images; the image's diagonal where rays meet nowhere.
+pub(super) fn residual(cameras: &[Camera], frames: &[Sighted], scale: f64) -> Option<f64> {
+    let mut distances = vec![];
+    for frame in frames {
+        let keypoints = frame.iter().map(Vec::len).max().unwrap_or(0);
+        for keypoint in 0..keypoints {
+            let mut seen: Vec<Seen<'_>> = vec![];
+            for (camera, points) in cameras.iter().zip(frame) {
+                let detection = points.get(keypoint).copied().flatten();
+                let Some(Detection { pixel, .. }) = detection.filter(|d| d.confidence >= LEAST_CONFIDENCE) else {
+                    continue;
+                };
+                let Ok(pixel) = camera.undistort(pixel.map(|x| x / scale)) else { continue };
+                seen.push(Seen { camera, pixel, confidence: 1.0 });
+            }
+            if seen.len() > 1 {
+                let point = linear(&seen, true);
+                distances.extend(seen.iter().map(|view| {
+                    let [u, v] = view.camera.image_size_px;
+                    let found = point.and_then(|point| view.camera.project_ideal(point));
+                    found.map_or(u.hypot(v), |[a, b]| (view.pixel[0] - a).hypot(view.pixel[1] - b))
+                }));
+            }
+        }
+    }
+    (distances.len() >= FEWEST).then(|| median(&mut distances))
+}

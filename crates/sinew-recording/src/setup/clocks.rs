@@ -1,0 +1,48 @@
+//! Clocks of the cameras against each other.
+
+use super::collect::Collected;
+use super::warning::SetupWarning;
+use sinew_formats::camera_name;
+use sinew_observe::Camera;
+use sinew_observe::camera_lag::{CameraLag, camera_lags};
+use sinew_observe::offsets::{CameraNoise, Sighted};
+
+/// Frames below which no clock is judged: the errors of the estimate come from blocks of fifteen frames, and fewer than four blocks say little of them.
+const FEWEST: usize = 60;
+
+/// Lags of all cameras in the runs of consecutive frames that were kept; empty where there is one camera, or too few frames.
+#[must_use]
+pub fn lags(cameras: &[Camera], noise: &[CameraNoise], collected: &Collected, least_confidence: f64) -> Vec<CameraLag> {
+    let window = collected.window.as_slice();
+    let end = window.last().map_or(0, |(number, _)| *number);
+    let after = |run: &&[(u64, Sighted)]| run.first().is_some_and(|(number, _)| *number > end);
+    let later = collected.later.iter().map(Vec::as_slice).filter(after);
+    let runs: Vec<&[(u64, Sighted)]> = std::iter::once(window).chain(later).collect();
+    if runs.iter().map(|run| run.len()).sum::<usize>() < FEWEST {
+        return vec![];
+    }
+    camera_lags(cameras, noise, &runs, least_confidence).unwrap_or_default()
+}
+
+/// The cameras that are off, with the setting that mends it: what was `declared` and whole frames of what was found.
+#[must_use]
+pub fn unsynchronised(cameras: &[Camera], declared: &[(String, i64)], lags: &[CameraLag]) -> Option<SetupWarning> {
+    let off: Vec<(String, CameraLag)> = (cameras.iter().zip(lags))
+        .filter(|(_, lag)| lag.is_off())
+        .map(|(camera, lag)| (camera.name.clone(), *lag))
+        .collect();
+    if off.is_empty() {
+        return None;
+    }
+    let mut mended: Vec<(String, i64)> = declared.to_vec();
+    for (camera, lag) in &off {
+        let frames = lag.frames.round() as i64;
+        match mended.iter_mut().find(|(name, _)| camera_name::fold(name) == camera_name::fold(camera)) {
+            Some((_, known)) => *known += frames,
+            None => mended.push((camera.clone(), frames)),
+        }
+    }
+    mended.retain(|(_, lag)| *lag != 0);
+    mended.sort();
+    Some(SetupWarning::Unsynchronised { cameras: off, mended })
+}

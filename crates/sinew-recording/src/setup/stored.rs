@@ -1,0 +1,305 @@
+//! The value of the set-up pass and its file, `setup.toml`.
+//!
+//! `body` is `"H32"`, `"CF28"`, or the whole text of a body file, so that the set-up repeats a run when that file is gone.
+
+use super::error::SetupError;
+use crate::{Error, Problems};
+use serde::{Deserialize, Serialize};
+use sinew_body::flesh::Flesh;
+use sinew_body::standard::{cf28, h32};
+use sinew_body::standard_flesh::standard_flesh;
+use sinew_body::{KinematicTree, Proportions};
+use sinew_formats::body_toml;
+use sinew_observe::{Camera, View};
+
+/// Version of the file's structure.
+pub const SCHEMA: u32 = 2;
+
+/// A body by name or from a file.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "String", into = "String")]
+pub enum Body {
+    /// The standard body for real people, 32 degrees of freedom.
+    #[default]
+    H32,
+    /// The body of Choo & Fleet (2001), 28 degrees of freedom.
+    CF28,
+    /// The body of a file, with the sizes that it has there.
+    File(FileBody),
+}
+
+/// A body file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FileBody {
+    text: String,
+    tree: KinematicTree,
+    flesh: Option<Flesh>,
+}
+
+impl FileBody {
+    /// Reads a body file; `name` is that of the file, for messages.
+    ///
+    /// # Errors
+    /// A text that is no body.
+    pub fn read(name: &str, text: &str) -> Result<Self, Error> {
+        let body_toml::BodyDefinition { tree, flesh } = body_toml::read(name, text)?;
+        Ok(Self { tree, flesh, text: text.into() })
+    }
+
+    /// The body.
+    #[must_use]
+    pub const fn tree(&self) -> &KinematicTree {
+        &self.tree
+    }
+}
+
+impl Body {
+    /// What builds a standard body from the subject's sizes. The subject of a body file is measured with H32: sizes show whether the units are right and what is
+    /// missing, and the body keeps its own.
+    #[must_use]
+    pub const fn builder(&self) -> fn(&Proportions) -> KinematicTree {
+        match self {
+            Self::H32 | Self::File(_) => h32,
+            Self::CF28 => cf28,
+        }
+    }
+
+    /// The body that is tracked.
+    #[must_use]
+    pub fn tree(&self, proportions: &Proportions) -> KinematicTree {
+        match self {
+            Self::File(body) => body.tree.clone(),
+            Self::H32 | Self::CF28 => self.builder()(proportions),
+        }
+    }
+
+    /// The solids of the body that is tracked: the solids of its file, else the standard flesh of its [`Body::tree`].
+    ///
+    /// # Errors
+    /// A body of a file without solids whose links have none of the standard names.
+    pub fn flesh(&self, tree: &KinematicTree) -> Result<Flesh, SetupError> {
+        if let Self::File(FileBody { flesh: Some(flesh), .. }) = self {
+            return Ok(flesh.clone());
+        }
+        standard_flesh(tree).map_err(SetupError::NoFlesh)
+    }
+
+    /// Name for messages.
+    #[must_use]
+    pub const fn name(&self) -> &'static str {
+        match self {
+            Self::H32 => "H32",
+            Self::CF28 => "CF28",
+            Self::File(_) => "the body of the file",
+        }
+    }
+}
+
+impl From<Body> for String {
+    fn from(body: Body) -> Self {
+        match body {
+            Body::File(body) => body.text,
+            named => named.name().into(),
+        }
+    }
+}
+
+impl TryFrom<String> for Body {
+    type Error = String;
+
+    fn try_from(text: String) -> Result<Self, String> {
+        match text.as_str() {
+            "H32" => Ok(Self::H32),
+            "CF28" => Ok(Self::CF28),
+            _ if text.contains("[[link]]") => FileBody::read("body", &text).map(Self::File).map_err(|e| e.to_string()),
+            _ => Err(format!("unknown body `{text}`; known: H32, CF28, or the text of a body file")),
+        }
+    }
+}
+
+/// What is constant about a camera's detections.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CameraSetup {
+    /// Name in the calibration.
+    pub name: String,
+    /// Observed − projected, pixels.
+    pub offset_px: [f64; 2],
+    /// Standard deviation per axis of a detection of usual confidence, pixels.
+    pub sigma_px: f64,
+    /// Median confidence of the detections.
+    pub usual_confidence: f64,
+}
+
+/// Everything that tracking needs before it streams.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Setup {
+    /// Version of this structure.
+    pub schema: u32,
+    /// The body.
+    pub body: Body,
+    /// Name of the keypoint layout.
+    pub layout: String,
+    /// Which person: 0 is the most complete one at the start.
+    pub person: usize,
+    /// Axis of the calibration's world that points up, as declared; the set-up is that of the world turned to z up.
+    #[serde(default = "z_up")]
+    pub world_up: String,
+    /// World axis that points from feet to head, as found: `+z` where all is well.
+    pub up_axis: String,
+    /// Distance between a keypoint and the body's point, per axis, metres.
+    pub model_error_m: f64,
+    /// Standard deviation of the logarithm of the body's size about that of `proportions`: 0 where it was measured or given.
+    #[serde(default)]
+    pub size_sd: f64,
+    /// Frame of `start_pose`.
+    pub start_frame: u64,
+    /// State of the body in that frame.
+    pub start_pose: Vec<f64>,
+    /// Step size of Hamiltonian Monte Carlo, once tuned.
+    pub step_size: Option<f64>,
+    /// Leapfrog steps of a trajectory, once tuned.
+    pub leapfrog_steps: Option<u32>,
+    /// Motion noise of each degree of freedom per square-root second (metres, radians), once chosen.
+    pub motion_sd: Option<Vec<f64>>,
+    /// Sizes of the subject.
+    #[serde(with = "Sizes")]
+    pub proportions: Proportions,
+    /// Cameras in use, in the order of the calibration.
+    pub camera: Vec<CameraSetup>,
+}
+
+fn z_up() -> String {
+    crate::input::up_axis::Z_UP.into()
+}
+
+/// [`Proportions`] as a table.
+#[derive(Serialize, Deserialize)]
+#[serde(remote = "Proportions", deny_unknown_fields)]
+struct Sizes {
+    spine: f64,
+    shoulder_height: f64,
+    shoulder_half_width: f64,
+    hip_half_width: f64,
+    pelvis_drop: f64,
+    upper_arm: f64,
+    forearm: f64,
+    thigh: f64,
+    shin: f64,
+    head_top: [f64; 3],
+    nose: [f64; 3],
+    eye: [f64; 3],
+    ear: [f64; 3],
+    heel: [f64; 3],
+    big_toe: [f64; 3],
+    small_toe: [f64; 3],
+}
+
+impl Setup {
+    /// The body with the subject's sizes; that of a body file as it is.
+    #[must_use]
+    pub fn tree(&self) -> KinematicTree {
+        self.body.tree(&self.proportions)
+    }
+
+    /// The solids of [`Setup::tree`].
+    ///
+    /// # Errors
+    /// As [`Body::flesh`].
+    pub fn flesh(&self) -> Result<Flesh, SetupError> {
+        self.body.flesh(&self.tree())
+    }
+
+    /// What the likelihood needs to know about each camera of the set-up.
+    #[must_use]
+    pub fn views(&self, cameras: &[Camera]) -> Vec<View> {
+        let view = |known: &CameraSetup| {
+            let camera = cameras.iter().find(|camera| camera.name == known.name)?;
+            let CameraSetup { offset_px, sigma_px, usual_confidence, .. } = *known;
+            Some(View { camera: camera.clone(), offset_px, sigma_px, usual_confidence })
+        };
+        self.camera.iter().filter_map(view).collect()
+    }
+
+    /// Cameras of the set-up, `scale` times the size for which its offsets hold, with their offsets taken up: what they show lies where it lies in images.
+    #[must_use]
+    pub fn with_offsets(&self, cameras: &[Camera], scale: f64) -> Vec<Camera> {
+        let shifted = |camera: &Camera| {
+            let mut camera = camera.clone();
+            if let Some(known) = self.camera.iter().find(|known| known.name == camera.name) {
+                camera.intrinsics.cx += scale * known.offset_px[0];
+                camera.intrinsics.cy += scale * known.offset_px[1];
+            }
+            camera
+        };
+        cameras.iter().map(shifted).collect()
+    }
+
+    /// Reads a `setup.toml`; `name` is that of the file, for messages.
+    ///
+    /// # Errors
+    /// TOML that is malformed, unknown or missing keys, and all values that cannot be, in one message.
+    pub fn from_toml(name: &str, text: &str) -> Result<Self, Error> {
+        let setup = Self::parse(name, text)?;
+        let problems = setup.problems();
+        if problems.is_empty() { Ok(setup) } else { Err(Problems { file: name.into(), problems }.into()) }
+    }
+
+    /// As [`Setup::from_toml`], with values that cannot be.
+    pub fn parse(name: &str, text: &str) -> Result<Self, Error> {
+        let refused =
+            |e: toml::de::Error| Problems { file: name.into(), problems: vec![e.to_string().trim_end().into()] };
+        Ok(toml::from_str(text).map_err(refused)?)
+    }
+
+    /// All values that cannot be, one sentence each.
+    #[must_use]
+    pub fn problems(&self) -> Vec<String> {
+        let mut problems = vec![];
+        if self.schema != SCHEMA {
+            problems.push(format!("schema = {}; this version reads {SCHEMA}: make the set-up again", self.schema));
+            return problems;
+        }
+        let sizes = [self.proportions.spine, self.proportions.upper_arm, self.proportions.thigh, self.proportions.shin];
+        if !sizes.iter().all(|x| *x > 0.0 && x.is_finite()) {
+            problems.push("proportions: lengths must be positive".into());
+        } else {
+            let dof = self.tree().dof();
+            if self.start_pose.len() != dof {
+                let found = self.start_pose.len();
+                let body = self.body.name();
+                problems.push(format!("start_pose has {found} numbers; {body} has {dof} degrees of freedom"));
+            }
+        }
+        if crate::input::up_axis::z_up_from(&self.world_up).is_none() {
+            problems.push(format!("world_up = {}; must be one of +x, -x, +y, -y, +z, -z", self.world_up));
+        }
+        if !self.start_pose.iter().all(|x| x.is_finite()) {
+            problems.push("start_pose holds a number that is not finite".into());
+        }
+        if !(self.model_error_m >= 0.0 && self.model_error_m.is_finite()) {
+            problems.push(format!("model_error_m = {}; must not be negative", self.model_error_m));
+        }
+        if !(0.0..1.0).contains(&self.size_sd) {
+            problems.push(format!("size_sd = {}; must be at least 0 and less than 1", self.size_sd));
+        }
+        for camera in &self.camera {
+            if !(camera.sigma_px > 0.0 && camera.sigma_px.is_finite()) {
+                problems.push(format!("camera `{}`: sigma_px = {}; must be positive", camera.name, camera.sigma_px));
+            }
+            if !camera.offset_px.iter().all(|x| x.is_finite()) {
+                problems.push(format!("camera `{}`: offset_px is not finite", camera.name));
+            }
+        }
+        problems
+    }
+
+    /// The text of `setup.toml`.
+    ///
+    /// # Errors
+    /// None that is known; the serialiser's are passed on.
+    pub fn to_toml(&self) -> Result<String, SetupError> {
+        toml::to_string(self).map_err(SetupError::Unwritable)
+    }
+}

@@ -1,0 +1,40 @@
+//! What a calibration holds: image, lens and place of each camera.
+
+use super::facts::Facts;
+use crate::Error;
+use sinew::files::read_text;
+use sinew::input::qualisys::refuse_qualisys;
+use sinew_formats::calib_toml;
+use sinew_formats::source_text::MAX_CONFIG_BYTES;
+use std::path::Path;
+
+/// Height of a person for the question whether a calibration is in metres.
+const HEIGHT_M: f64 = 1.7;
+
+pub(super) fn facts(path: &Path) -> Result<Facts, Error> {
+    let text = read_text(path, MAX_CONFIG_BYTES)?;
+    refuse_qualisys(path, &text)?;
+    let calibration = calib_toml::read(&path.display().to_string(), &text)?;
+    let mut facts = Facts::new(format!("{}: calibration of {} cameras", path.display(), calibration.cameras.len()));
+    for camera in &calibration.cameras {
+        let [width, height] = camera.image_size_px;
+        let [x, y, z] = camera.centre();
+        let lens = if camera.lens.is_perfect() { "no distortion" } else { "distortion" };
+        let place = format!(
+            "{width} x {height} px, focal length {:.0} px, {lens}, at ({x:.2}, {y:.2}, {z:.2}) m",
+            camera.intrinsics.fx
+        );
+        facts.row(&camera.name, place);
+    }
+    facts.odd.extend(calibration.warnings.iter().map(ToString::to_string));
+    facts.odd.extend(calib_toml::far_cameras(&calibration.cameras, HEIGHT_M).map(|warning| warning.to_string()));
+    for (index, camera) in calibration.cameras.iter().enumerate() {
+        let near = |other: &&sinew_observe::Camera| {
+            camera.centre().iter().zip(other.centre()).all(|(a, b)| (a - b).abs() < 0.01)
+        };
+        if let Some(other) = calibration.cameras[..index].iter().find(near) {
+            facts.odd.push(format!("{} and {} stand at the same place", other.name, camera.name));
+        }
+    }
+    Ok(facts)
+}

@@ -1,0 +1,35 @@
+//! What is known about one file or folder of any kind.
+
+use super::facts::Facts;
+use super::subject::Subject;
+use super::{
+    acclaim, body_file, calibration, draws, image_files, keypoints, motion_file, results, settings_file, setup_file,
+    table_file,
+};
+use crate::Error;
+use sinew::input::recording::RecordingOptions;
+
+/// What is known about one subject; keypoints are read with the options.
+///
+/// # Errors
+/// What the readers refuse.
+pub fn file_facts(subject: &Subject, options: &RecordingOptions) -> Result<Facts, Error> {
+    match subject {
+        Subject::Calibration(path) => calibration::facts(path),
+        Subject::Setup(path) => setup_file::facts(path),
+        Subject::Configuration(path) => settings_file::facts(path),
+        Subject::Body(path) => body_file::body(path),
+        Subject::Layout(path) => body_file::mapping(path),
+        Subject::Keypoints(path) => keypoints::facts(path, options),
+        Subject::Images(path) => image_files::facts(path),
+        Subject::Motion(path) => match path.extension().filter(|extension| extension.eq_ignore_ascii_case("csv")) {
+            Some(_) => table_file::facts(path)?.map_or_else(|| motion_file::facts(path, None), Ok),
+            None => motion_file::facts(path, None),
+        },
+        Subject::Skeleton(path) => acclaim::skeleton(path),
+        Subject::Acclaim { motion, skeleton: None } => acclaim::motion(motion),
+        Subject::Acclaim { motion, skeleton } => motion_file::facts(motion, skeleton.as_deref()),
+        Subject::Results(path) => results::facts(path),
+        Subject::Draws(path) => draws::facts(path),
+    }
+}

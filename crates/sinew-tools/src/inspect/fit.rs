@@ -1,0 +1,115 @@
+//! Whether a calibration and keypoints belong together, before any tracking.
+//!
+//! The person is followed through the first frames. For each camera:
+//!
+//! - *RMS*: distance of the keypoints from the projection of their plain triangulation from all cameras, pixels;
+//! - *offset*: the constant part of it (observed − projected), and the *scatter* that remains per axis;
+//! - *lag*: the frames that the camera is late, with their standard deviation; 0 for synchronised cameras.
+//!
+//! The set-up pass over the same frames adds what it finds odd: units, axes, cameras that look away, sides swapped.
+
+use super::facts::Facts;
+use crate::Error;
+use sinew::input::frame::detections;
+use sinew::input::recording::Recording;
+use sinew::setup::SetupError;
+use sinew::setup::{self, SetupRequest, clocks, collect};
+use sinew_observe::camera_lag::CameraLag;
+use sinew_observe::offsets::{self, Sighted};
+use sinew_observe::triangulate::{Seen, linear};
+use sinew_observe::{Camera, Detection};
+
+/// Frames looked at.
+const FRAMES: u64 = 600;
+
+/// Standard deviation of a lag above which it counts as unknown, frames.
+const UNKNOWN_LAG: f64 = 2.0;
+
+/// Looks at a recording; what is `known` to be odd is not repeated.
+///
+/// # Errors
+/// Files that cannot be read.
+pub fn facts(recording: &mut Recording, known: &[String]) -> Result<Facts, Error> {
+    let cameras = recording.cameras().to_vec();
+    let layout = recording.layout().clone();
+    let range = recording.frames();
+    let numbers = range.start..range.end.min(range.start + FRAMES);
+    let mut frames = Vec::new();
+    for number in numbers.clone() {
+        frames.push((number, detections(&recording.frame(number)?)));
+    }
+    let (image_scale, lag) = (recording.image_scale(), recording.lag().to_vec());
+    let asked = SetupRequest { image_scale, lag, ..SetupRequest::default() };
+    let mut facts = Facts::new(format!("fit of calibration and keypoints, frames {}..{}", numbers.start, numbers.end));
+    let request = SetupRequest { frames: frames.len(), ..asked.clone() };
+    let collected = match collect(&cameras, &layout, &request, frames.iter().cloned().map(Ok::<_, SetupError>)) {
+        Ok(collected) => collected,
+        Err(error) => {
+            facts.odd.push(error.to_string());
+            verdict(&mut facts);
+            return Ok(facts);
+        }
+    };
+    facts.row("person", format!("found in {} of {} frames", collected.found, collected.read));
+    let sighted: Vec<Sighted> = collected.window.iter().map(|(_, sighted)| sighted.clone()).collect();
+    let config = offsets::Config::default();
+    let noise = offsets::estimate(&cameras, &sighted, &config);
+    let lags = clocks::lags(&cameras, &noise, &collected, config.least_confidence);
+    let rms = reprojection_rms(&cameras, &sighted, config.least_confidence);
+    for (index, camera) in cameras.iter().enumerate() {
+        let lag = lags.get(index).filter(|lag| lag.sd < UNKNOWN_LAG);
+        let clock = lag.map_or("lag unknown".into(), |CameraLag { frames, sd }| {
+            format!("lag {:+.1} ± {sd:.1} frames", (10.0 * frames).round() / 10.0 + 0.0)
+        });
+        let [u, v] = noise[index].offset_px;
+        let rms = rms[index].map_or("RMS unknown".into(), |rms| format!("RMS {rms:.1} px"));
+        let scatter = noise[index].sigma_px;
+        facts.row(&camera.name, format!("{rms}, offset ({u:+.1}, {v:+.1}) px, then {scatter:.1} px per axis, {clock}"));
+    }
+    match setup::set_up(&cameras, &layout, &asked, frames.into_iter().map(Ok::<_, SetupError>)) {
+        Ok((_, warnings)) => facts.odd.extend(warnings.iter().map(ToString::to_string)),
+        Err(error) => facts.odd.push(error.to_string()),
+    }
+    facts.odd.retain(|odd| !known.contains(odd));
+    verdict(&mut facts);
+    Ok(facts)
+}
+
+fn verdict(facts: &mut Facts) {
+    let fits = facts.odd.is_empty();
+    facts.row(
+        "verdict",
+        if fits { "calibration and keypoints fit" } else { "look at what is odd here before tracking" },
+    );
+}
+
+/// Root mean square reprojection distance of each camera, pixels.
+fn reprojection_rms(cameras: &[Camera], frames: &[Sighted], least_confidence: f64) -> Vec<Option<f64>> {
+    let mut sums = vec![(0.0, 0_u32); cameras.len()];
+    for frame in frames {
+        let keypoints = frame.iter().map(Vec::len).max().unwrap_or_default();
+        for keypoint in 0..keypoints {
+            let at = |camera: usize| -> Option<Detection> {
+                let detection = frame.get(camera)?.get(keypoint).copied().flatten()?;
+                (detection.confidence >= least_confidence).then_some(detection)
+            };
+            let seen: Vec<(usize, Seen<'_>)> = cameras
+                .iter()
+                .enumerate()
+                .filter_map(|(index, camera)| {
+                    let Detection { pixel, confidence } = at(index)?;
+                    Some((index, Seen { camera, pixel: camera.undistort(pixel).ok()?, confidence }))
+                })
+                .collect();
+            let views: Vec<Seen<'_>> = seen.iter().map(|(_, seen)| *seen).collect();
+            let Some(point) = linear(&views, true).filter(|_| views.len() > 1) else { continue };
+            for (index, seen) in &seen {
+                if let Some([u, v]) = seen.camera.project_ideal(point) {
+                    sums[*index].0 += (seen.pixel[0] - u).powi(2) + (seen.pixel[1] - v).powi(2);
+                    sums[*index].1 += 1;
+                }
+            }
+        }
+    }
+    sums.into_iter().map(|(sum, count)| (count > 0).then(|| (sum / f64::from(count)).sqrt())).collect()
+}

@@ -1,0 +1,18 @@
+//! What surrounds the tracking of a recording: it reads files, recordings and results, never a run.
+//!
+//! | module | what |
+//! |---|---|
+//! | [`inspect`] | what a file or folder holds, and whether calibration and keypoints fit |
+//! | [`motion`] | motion files into each other |
+//! | [`segment`] | masks from images of fixed cameras |
+//! | [`overlay`] | pictures of results over the images |
+//! | [`shape_fit`] | thicknesses of a body from masks and a result |
+
+mod error;
+pub mod inspect;
+pub mod motion;
+pub mod overlay;
+pub mod segment;
+pub mod shape_fit;
+
+pub use error::Error;

@@ -1,0 +1,339 @@
+//! Every setting with its value, found by asking the sources in the order of their strength.
+
+use super::file;
+use super::idle::idle_beside;
+use super::setting::Setting;
+use super::table::{self, is_local, settings};
+use super::value::{Value, from_text, to_json, to_toml};
+use super::values::{Origin, SettingValues};
+use crate::Error;
+use crate::methods::{self, About, METHODS};
+use sinew_formats::nearest::nearest;
+use sinew_recording::Problems;
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+
+/// What the program was started with.
+#[derive(Clone, Debug, Default)]
+pub struct Sources {
+    /// Settings on the command line, as typed.
+    pub flags: Vec<(&'static str, String)>,
+    /// Environment variables.
+    pub environment: Vec<(String, String)>,
+    /// `--config`.
+    pub file: Option<PathBuf>,
+}
+
+/// Every setting that has a value.
+#[derive(Clone, Debug, Default)]
+pub struct Resolved {
+    pub(super) values: SettingValues,
+    /// Variables that look like settings and are none.
+    pub warnings: Vec<String>,
+}
+
+/// Variables of ours that are no settings.
+const OTHER_VARIABLES: [&str; 3] = ["SINEW_DATA", "SINEW_REQUIRE_DATA", "SINEW_PYTHON"];
+
+/// Finds every setting.
+///
+/// # Errors
+/// [`Error::Config`] with all problems of a source, [`Error::Io`] for a file that cannot be read.
+pub fn resolve(sources: &Sources) -> Result<Resolved, Error> {
+    let here = Path::new("");
+    let mut resolved = Resolved::default();
+    let mut problems = Vec::new();
+    for (key, text) in &sources.flags {
+        resolved.take(key, text, Origin::Flag, &mut problems);
+    }
+    refuse("the command line", problems)?;
+    let mut problems = Vec::new();
+    for (name, text) in &sources.environment {
+        let Some(key) = name.strip_prefix("SINEW_").map(str::to_lowercase) else { continue };
+        match table::find(&key) {
+            Some(setting) => {
+                let mut variable_problems = Vec::new();
+                resolved.take(setting.key, text, Origin::Environment, &mut variable_problems);
+                problems.extend(variable_problems.into_iter().map(|problem| format!("{name}: {problem}")));
+            }
+            None if OTHER_VARIABLES.contains(&name.as_str()) => {}
+            None => {
+                let meant = nearest(&key, settings().iter().map(|setting| setting.key));
+                let meant =
+                    meant.map(|key| format!("; did you mean `SINEW_{}`?", key.to_uppercase())).unwrap_or_default();
+                resolved.warnings.push(format!("the environment variable `{name}` is no setting{meant}"));
+            }
+        }
+    }
+    refuse("the environment", problems)?;
+
+    let mut folder = resolved.trial_folder().unwrap_or_else(|| here.to_owned());
+    let mut search = true;
+    if let Some(path) = &sources.file {
+        let file = file::read(path)?;
+        let parent = path.parent().unwrap_or(here);
+        let parent = if parent.as_os_str().is_empty() { Path::new(".") } else { parent };
+        folder = normal(&std::path::absolute(parent).map_err(Error::io("read", parent))?.join(".."));
+        search = !file.is_root;
+        resolved.add(file);
+    }
+    if search {
+        for file in file::search(&folder)? {
+            resolved.add(file);
+        }
+    }
+    for setting in settings() {
+        let Some(default) = setting.default.text() else { continue };
+        let value = from_text(setting, &default, here);
+        let value = value.map_err(|problem| Problems { file: "the defaults".into(), problems: vec![problem] })?;
+        resolved.values.of.entry(setting.key).or_insert((value, Origin::Default));
+    }
+    resolved.check()?;
+    Ok(resolved)
+}
+
+fn refuse(source: &str, problems: Vec<String>) -> Result<(), Error> {
+    if problems.is_empty() { Ok(()) } else { Err(Problems { file: source.into(), problems }.into()) }
+}
+
+/// The path without `..`, by its text.
+fn normal(path: &Path) -> PathBuf {
+    let mut out = PathBuf::new();
+    for part in path.components() {
+        match part {
+            std::path::Component::ParentDir if out.file_name().is_some() => {
+                out.pop();
+            }
+            other => out.push(other),
+        }
+    }
+    out
+}
+
+impl Resolved {
+    fn take(&mut self, key: &'static str, text: &str, origin: Origin, problems: &mut Vec<String>) {
+        let Some(setting) = table::find(key) else { return };
+        match from_text(setting, text, Path::new("")) {
+            Ok(value) => {
+                self.values.of.entry(key).or_insert((value, origin));
+            }
+            Err(problem) => problems.push(problem),
+        }
+    }
+
+    /// The method that was chosen.
+    #[must_use]
+    pub fn method(&self) -> &'static About {
+        self.values.text("method").and_then(|name| methods::find(&name)).unwrap_or(METHODS[0])
+    }
+
+    fn check(&self) -> Result<(), Error> {
+        match (self.method().mistake)(&self.values) {
+            None => Ok(()),
+            Some(problem) => Err(Problems { file: "the configuration".into(), problems: vec![problem] }.into()),
+        }
+    }
+
+    /// Warnings about flags that change nothing beside the other settings.
+    #[must_use]
+    pub fn idle_flags(&self) -> Vec<String> {
+        let given = self.values.of.iter().filter(|(_, (_, origin))| *origin == Origin::Flag);
+        let idle = |key: &str| idle_beside(key, self.method(), &METHODS, &self.values);
+        given
+            .filter_map(|(key, _)| Some(format!("`--{}` changes nothing with {}", key.replace('_', "-"), idle(key)?)))
+            .collect()
+    }
+
+    fn add(&mut self, file: file::ConfigFile) {
+        for (key, value) in file.values {
+            self.values.of.entry(key).or_insert_with(|| (value, Origin::File(file.path.clone())));
+        }
+    }
+
+    /// The folder that holds the keypoint folder, or that of the masks.
+    pub(super) fn trial_folder(&self) -> Option<PathBuf> {
+        let input = self.values.path("keypoints").or_else(|| self.values.path("silhouettes"))?;
+        normal(&std::path::absolute(input).ok()?).parent().map(Path::to_owned)
+    }
+
+    /// Settings with their origins, one line each, as TOML with comments.
+    #[must_use]
+    pub fn describe(&self) -> String {
+        let mut lines: Vec<(String, String)> = Vec::new();
+        for setting in settings() {
+            lines.push(match self.values.of.get(setting.key) {
+                Some((value, origin)) => (format!("{} = {}", setting.key, to_toml(value)), origin.describe()),
+                None => (format!("# {}", setting.key), format!("not set: {}", setting.help)),
+            });
+        }
+        let width = lines.iter().map(|(left, _)| left.chars().count()).filter(|&n| n <= 44).max().unwrap_or_default();
+        lines.iter().fold(String::new(), |mut out, (left, right)| {
+            let _ = writeln!(out, "{left:width$}  # {right}");
+            out
+        })
+    }
+
+    /// A configuration that repeats the run; threads and places for output are left out.
+    #[must_use]
+    pub fn to_toml(&self) -> String {
+        let mut out =
+            String::from("# Settings in force. Repeat the run with: sinew track --config config.toml\nroot = true\n");
+        for (key, value) in self.repeated() {
+            let _ = writeln!(out, "{key} = {}", to_toml(&value));
+        }
+        out
+    }
+
+    fn repeated(&self) -> impl Iterator<Item = (&'static str, Value)> + '_ {
+        let kept = settings().iter().filter(|setting| !is_local(setting.key));
+        kept.filter_map(|setting| {
+            let value = match self.values.get(setting.key)? {
+                Value::Path(path) => Value::Path(normal(&std::path::absolute(path).unwrap_or_else(|_| path.clone()))),
+                other => other.clone(),
+            };
+            Some((setting.key, value))
+        })
+    }
+
+    /// Settings with origins, as JSON; threads and paths are left out, and a file is named without its folder: the same run is described in the same words wherever
+    /// it happens.
+    #[must_use]
+    pub fn to_json(&self) -> serde_json::Value {
+        let of = |setting: &Setting| {
+            let (value, origin) = self.values.of.get(setting.key)?;
+            let origin = match origin {
+                Origin::File(path) => path.file_name().unwrap_or_default().to_string_lossy().into_owned(),
+                other => other.describe(),
+            };
+            let is_reported = !is_local(setting.key) && !matches!(value, Value::Path(_));
+            is_reported
+                .then(|| (setting.key.to_owned(), serde_json::json!({ "value": to_json(value), "origin": origin })))
+        };
+        settings().iter().filter_map(of).collect::<serde_json::Map<_, _>>().into()
+    }
+
+    /// Files that settings name, by setting.
+    #[must_use]
+    pub fn files(&self) -> BTreeMap<&'static str, PathBuf> {
+        let file = |(key, (value, _)): (&&'static str, &(Value, Origin))| match value {
+            Value::Path(path) if path.is_file() => Some((*key, path.clone())),
+            _ => None,
+        };
+        self.values.of.iter().filter_map(file).collect()
+    }
+
+    /// Settings that change numbers, as they stand in a file; files that settings name are distinguished by their content ([`Resolved::files`]).
+    #[must_use]
+    pub fn numeric_settings(&self) -> BTreeMap<String, String> {
+        let of = |setting: &Setting| match self.values.get(setting.key)? {
+            Value::Path(_) => None,
+            value => Some((setting.key.to_owned(), to_toml(value))),
+        };
+        table::settings().iter().filter(|setting| setting.hashed).filter_map(of).collect()
+    }
+
+    /// Settings of [`Resolved::to_json`] that change numbers, here or in another run's summary, in the words of JSON.
+    #[must_use]
+    pub fn numeric_settings_in(settings: &serde_json::Value) -> BTreeMap<String, String> {
+        let value = |setting: &&Setting| settings[setting.key].get("value").map(ToString::to_string);
+        let of = |setting: &Setting| Some((setting.key.to_owned(), value(&setting)?));
+        table::settings().iter().filter(|setting| setting.hashed).filter_map(of).collect()
+    }
+
+    /// Hash of the settings that change numbers: FNV-1a, 64 bits, over `key = value` lines in the order of [`table::settings`].
+    #[must_use]
+    pub fn hash(&self) -> String {
+        let values = self.numeric_settings();
+        let lines = settings().iter().filter_map(|setting| {
+            let value = values.get(setting.key)?;
+            Some(format!("{} = {value}\n", setting.key))
+        });
+        let hash = lines.fold(crate::files::FNV_START, |hash, line| crate::files::fnv(hash, line.as_bytes()));
+        format!("{hash:016x}")
+    }
+
+    /// Whether a setting has a value that somebody gave.
+    #[must_use]
+    pub fn is_given(&self, key: &str) -> bool {
+        self.values.is_given(key)
+    }
+
+    /// Value of a setting.
+    #[must_use]
+    pub fn get(&self, key: &str) -> Option<&Value> {
+        self.values.get(key)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::fs;
+
+    fn sources(flags: &[(&'static str, &str)], environment: &[(&str, &str)]) -> Sources {
+        Sources {
+            flags: flags.iter().map(|(key, text)| (*key, (*text).to_owned())).collect(),
+            environment: environment.iter().map(|(name, text)| ((*name).to_owned(), (*text).to_owned())).collect(),
+            file: None,
+        }
+    }
+
+    #[test]
+    fn the_stronger_source_wins() {
+        let root = tempfile::tempdir().unwrap();
+        let trial = root.path().join("study/trial");
+        fs::create_dir_all(trial.join("pose")).unwrap();
+        fs::write(root.path().join("sinew.toml"), "chains = 99\nroot = true\n").unwrap();
+        fs::write(root.path().join("study/sinew.toml"), "root = true\nseed = 2\ndraws = 3\nfps = 50\njitter = 0.5\n")
+            .unwrap();
+        fs::write(trial.join("sinew.toml"), "seed = 4\ndraws = 5\nfps = 60.0\n").unwrap();
+        let pose = trial.join("pose").display().to_string();
+        let resolved =
+            resolve(&sources(&[("keypoints", &pose), ("seed", "8")], &[("SINEW_SEED", "6"), ("SINEW_DRAWS", "7")]))
+                .unwrap();
+        let config = resolved.track();
+        assert_eq!((config.tracking.seed, config.tracking.draws, config.fps), (8, 7, Some(60.0)));
+        let hmc = format!("{:?}", config.tracking.method);
+        assert!(hmc.contains("chains: 16") && hmc.contains("jitter: 0.5"), "{hmc}");
+        assert_eq!(config.out, Path::new("sinew-out/trial"));
+        assert_eq!(resolved.values.of["seed"].1, Origin::Flag);
+        assert_eq!(resolved.values.of["draws"].1, Origin::Environment);
+        assert_eq!(resolved.values.of["fps"].1, Origin::File(trial.join("sinew.toml")));
+        assert_eq!(resolved.values.of["chains"].1, Origin::Default);
+        assert!(resolved.describe().contains("# environment"));
+    }
+
+    #[test]
+    fn a_written_configuration_repeats_the_run() {
+        let root = tempfile::tempdir().unwrap();
+        let first =
+            resolve(&sources(&[("keypoints", "a/b/pose"), ("frames", "3..9"), ("threads", "2"), ("out", "x")], &[]))
+                .unwrap();
+        let path = root.path().join("config.toml");
+        fs::write(&path, first.to_toml()).unwrap();
+        let second = resolve(&Sources { file: Some(path), ..sources(&[("out", "y")], &[]) }).unwrap();
+        assert_eq!(second.hash(), first.hash());
+        assert_eq!(second.to_toml(), first.to_toml());
+        assert_eq!(second.track().threads, None);
+    }
+
+    #[test]
+    fn threads_and_paths_do_not_change_the_hash() {
+        let hash = |flags: &[(&'static str, &str)]| resolve(&sources(flags, &[])).unwrap().hash();
+        assert_eq!(
+            hash(&[("threads", "2"), ("keypoints", "/a"), ("out", "b"), ("body", "c.toml")]),
+            hash(&[("threads", "1"), ("body", "d.toml")])
+        );
+        assert_ne!(hash(&[("seed", "2")]), hash(&[]));
+    }
+
+    #[test]
+    fn strange_variables_are_warned_of() {
+        let resolved = resolve(&sources(&[], &[("SINEW_SED", "2"), ("SINEW_DATA", "/x"), ("PATH", "")])).unwrap();
+        assert_eq!(
+            resolved.warnings,
+            ["the environment variable `SINEW_SED` is no setting; did you mean `SINEW_SEED`?"]
+        );
+    }
+}
