@@ -52,12 +52,12 @@ fn limbs_stay_with_clean_masks() {
     assert!(tracked.status.success(), "{}", trial.printed(&tracked));
     let positions = |name: &str| {
         let file = trc::read(name, &fs::read_to_string(trial.path(name)).unwrap()).unwrap();
-        let of_joint = |joint: &&'static str| {
+        let path = |joint: &&'static str| {
             let marker = file.marker_index(joint).unwrap();
-            let of_frame = |frame| file.point_in_world(frame, marker).unwrap();
-            (*joint, (0..file.frames.len()).map(of_frame).collect::<Vec<_>>())
+            let place = |frame| file.point_in_world(frame, marker).unwrap();
+            (*joint, (0..file.frames.len()).map(place).collect::<Vec<_>>())
         };
-        JOINTS.iter().map(of_joint).collect::<BTreeMap<_, _>>()
+        JOINTS.iter().map(path).collect::<BTreeMap<_, _>>()
     };
     let (truth, found) = (positions("rec/truth.trc"), positions("out/markers.trc"));
     let distances: Vec<f64> = JOINTS

@@ -1,4 +1,6 @@
-//! What the value of one solid says of its place on a silhouette: why partitioned sampling does not choose parts of silhouettes by it.
+//! What the value of one solid says of its place on a silhouette.
+//!
+//! It is why partitioned sampling does not choose parts of silhouettes by it.
 
 use sinew_body::standard::h32;
 use sinew_body::standard_flesh::standard_flesh;
@@ -44,9 +46,9 @@ fn seen(score: ImageScore) -> (ImageLikelihood, Vec<Vec<usize>>, Vec<f64>) {
 fn moved(score: ImageScore, part: usize) -> [Vec<f64>; 2] {
     let (bound, coordinates, state) = seen(score);
     let values = |x: &[Block]| {
-        let mut of_part = [Block::ZERO];
-        bound.log_density_parts_block(part..part + 1, x, &mut of_part, &mut []);
-        [of_part[0].0, bound.log_density_block(x, &mut []).0]
+        let mut alone = [Block::ZERO];
+        bound.log_density_parts_block(part..part + 1, x, &mut alone, &mut []);
+        [alone[0].0, bound.log_density_block(x, &mut []).0]
     };
     let unmoved: Vec<Block> = state.iter().map(|&x| Block::splat(x)).collect();
     let at_rest = values(&unmoved).map(|value| value[0]);
@@ -80,13 +82,13 @@ fn a_trunk_alone_is_best_at_a_wrong_place() {
     assert!(alone > 10.0 && whole <= 0.0, "{alone} and {whole}");
 }
 
-/// The product over parts tells hardly any places apart: of states in which one limb has moved more than two thirds survive it.
+/// The product over parts distinguishes hardly any places: of states in which one limb has moved more than two thirds survive it.
 #[test]
 fn the_product_over_parts_is_flat() {
     for part in 3..11 {
-        let [of_parts, whole] = [surviving(&moved(ImageScore::Parts, part)[0]), surviving(&moved(BOTH, part)[1])];
-        println!("part {part}: {of_parts:.2} survive the product over parts, {whole:.2} the whole silhouette");
-        assert!(of_parts > 0.67, "part {part}: {of_parts}");
-        assert!(whole < of_parts, "part {part}: {whole}");
+        let [product, whole] = [surviving(&moved(ImageScore::Parts, part)[0]), surviving(&moved(BOTH, part)[1])];
+        println!("part {part}: {product:.2} survive the product over parts, {whole:.2} the whole silhouette");
+        assert!(product > 0.67, "part {part}: {product}");
+        assert!(whole < product, "part {part}: {whole}");
     }
 }

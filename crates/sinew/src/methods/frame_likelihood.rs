@@ -202,7 +202,7 @@ mod tests {
         Camera::look_at("C", [160.0, 120.0], 130.0, [0.5, -4.0, 1.2], [0.0, 0.0, 1.0]).unwrap()
     }
 
-    /// Keypoints of a standing body so many pixels to the right of where they are, or none.
+    /// Keypoints of a standing body, `offset` pixels to the right of where they are, or none.
     fn keypoints(offset: Option<f64>) -> BoundKeypoints {
         let (isa, tree, camera) = (Isa::best(), h32(&Proportions::default()), camera());
         let plan = Arc::new(Plan::with_all_points(&tree));
