@@ -260,7 +260,7 @@ pub const CHECKS: &[Check] = &[
         run: |seed, size| {
             in_two_stages(seed, |seed| {
                 let mut findings = particles_needed(seed, size);
-                for importance in [Importance::Product, Importance::Right, Importance::Wrong] {
+                for importance in [Importance::Product, Importance::Right, Importance::Wrong, Importance::Whole] {
                     findings.extend(agreement(true, importance, 1, size, seed));
                     findings.extend(agreement(true, importance, 4, size, seed));
                     findings.extend(agreement(false, importance, 4, size, seed));

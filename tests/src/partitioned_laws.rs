@@ -100,6 +100,8 @@ pub enum Importance {
     Right,
     /// As before, but of the root of each factor, for another observation.
     Wrong,
+    /// Intermediate densities: the whole likelihood of states whose later parts have not moved yet, to the power of the share of parts that have.
+    Whole,
 }
 
 /// One observation: a factor z_k = c_k · x + N(0, r_k) a part.
@@ -132,6 +134,13 @@ impl PartLogDensity for Seen {
     }
     fn is_product(&self) -> bool {
         self.importance == Importance::Product
+    }
+    fn has_intermediates(&self) -> bool {
+        self.importance == Importance::Whole
+    }
+    fn log_intermediate_block(&self, part: usize, x: &[Block], ws: &mut [Block]) -> Block {
+        let power = (part + 1) as f64 / self.parts() as f64;
+        Block(self.log_density_block(x, ws).0.map(|value| power * value))
     }
     fn log_density_parts_block(&self, parts: Range<usize>, x: &[Block], out: &mut [Block], _ws: &mut [Block]) {
         for (k, out) in parts.zip(out) {

@@ -45,6 +45,7 @@ const ABOUT: About = About {
     needs_gradients: false,
     needs_parts: false,
     score: Score::Bidirectional,
+    score_beside_keypoints: Score::Bidirectional,
     particles: None,
     settings: &SETTINGS,
     usual: || Arc::new(Greedy { tries: 4 }),

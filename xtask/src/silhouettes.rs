@@ -30,6 +30,9 @@ pub(crate) struct Args {
     /// Seeds of each row.
     #[arg(long, default_value_t = 5)]
     seeds: u64,
+    /// Only the rows of this method.
+    #[arg(long, value_name = "NAME")]
+    method: Option<String>,
 }
 
 const CHOSEN: Range<usize> = 0..60;
@@ -78,6 +81,7 @@ fn rows() -> Vec<Row> {
         rows.push(keypoints(method, false));
         rows.push(keypoints(method, true));
     }
+    rows.push(Row { score: Score::Parts, ..keypoints(&partitioned::ABOUT, true) });
     rows.push(keypoints(&hmc::ABOUT, false));
     rows.push(keypoints(&hmc::ABOUT, true));
     let plain = |settings: &mut Settings| {
@@ -102,7 +106,7 @@ pub(crate) fn run(root: &Path, args: &Args) -> ExitCode {
         println!("skipped: no data");
         return ExitCode::SUCCESS;
     }
-    match tables(&data, args.seeds) {
+    match tables(&data, args) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             eprintln!("error: {error}");
@@ -156,13 +160,15 @@ fn set_up(config: &TrackConfig, settings: &Settings) -> Outcome<Setup> {
     Ok(evaluation::set_up(&mut footage(config)?, 0..CHOSEN.end as u64, settings, |_| {})?)
 }
 
-fn tables(data: &Path, seeds: u64) -> Outcome<()> {
+fn tables(data: &Path, args: &Args) -> Outcome<()> {
+    let seeds = args.seeds;
     let reference = reference(data)?;
     println!(
         "| method | score | observed | cameras | frames 0–59, mm | frames 60–99, mm | precision, % | recall, % | ms a frame |"
     );
     println!("|---|---|---|---|---|---|---|---|---|");
-    for row in rows() {
+    let is_wanted = |row: &Row| args.method.as_deref().is_none_or(|name| row.method.name == name);
+    for row in rows().into_iter().filter(is_wanted) {
         let config = config(data, &row)?;
         let mut base = Settings {
             method: (row.method.usual)(),

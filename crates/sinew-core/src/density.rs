@@ -103,6 +103,17 @@ pub trait PartLogDensity: LogDensity {
         false
     }
 
+    /// Whether parts are better chosen by [`PartLogDensity::log_intermediate_block`] than by their own values, which may say little of a part alone or name a wrong place.
+    fn has_intermediates(&self) -> bool {
+        false
+    }
+
+    /// Log of an intermediate density for a block of states whose parts up to `part` are in place and whose later parts are still where they were: any function that is positive where the density is. By default the whole density.
+    fn log_intermediate_block(&self, part: usize, x: &[Block], ws: &mut [Block]) -> Block {
+        let _ = part;
+        self.log_density_block(x, ws)
+    }
+
     /// Writes the log likelihoods of the parts `parts` for a block of states: one block a part to `out`; `ws` ≥ [`LogDensity::workspace`] blocks. A part's value may depend on the whole state.
     fn log_density_parts_block(&self, parts: Range<usize>, x: &[Block], out: &mut [Block], ws: &mut [Block]);
 }
@@ -300,6 +311,12 @@ macro_rules! forward_to_target {
             }
             fn is_product(&self) -> bool {
                 (**self).is_product()
+            }
+            fn has_intermediates(&self) -> bool {
+                (**self).has_intermediates()
+            }
+            fn log_intermediate_block(&self, part: usize, x: &[Block], ws: &mut [Block]) -> Block {
+                (**self).log_intermediate_block(part, x, ws)
             }
             fn log_density_parts_block(&self, parts: Range<usize>, x: &[Block], out: &mut [Block], ws: &mut [Block]) {
                 (**self).log_density_parts_block(parts, x, out, ws);

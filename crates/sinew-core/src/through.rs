@@ -71,6 +71,13 @@ impl<D: PartLogDensity, C: Decode> PartLogDensity for Through<D, C> {
     fn is_product(&self) -> bool {
         self.target.is_product() && self.decoder.is_coordinatewise()
     }
+    fn has_intermediates(&self) -> bool {
+        self.target.has_intermediates()
+    }
+    fn log_intermediate_block(&self, part: usize, x: &[Block], ws: &mut [Block]) -> Block {
+        let (decoded, ws) = self.decoded_block(x, ws);
+        self.target.log_intermediate_block(part, decoded, ws)
+    }
     fn log_density_parts_block(&self, parts: Range<usize>, x: &[Block], out: &mut [Block], ws: &mut [Block]) {
         let (decoded, ws) = self.decoded_block(x, ws);
         self.target.log_density_parts_block(parts, decoded, out, ws);

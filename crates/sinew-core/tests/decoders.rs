@@ -50,6 +50,14 @@ impl PartLogDensity for Parts {
     fn is_product(&self) -> bool {
         true
     }
+    fn has_intermediates(&self) -> bool {
+        true
+    }
+    fn log_intermediate_block(&self, part: usize, x: &[Block], ws: &mut [Block]) -> Block {
+        let mut factors = vec![Block::ZERO; part + 1];
+        self.log_density_parts_block(0..part + 1, x, &mut factors, ws);
+        Block(core::array::from_fn(|lane| factors.iter().map(|factor| factor.0[lane]).sum()))
+    }
     fn log_density_parts_block(&self, parts: Range<usize>, x: &[Block], out: &mut [Block], _ws: &mut [Block]) {
         let Quadratic { centre, precision } = &self.0.leaf;
         for (k, out) in parts.zip(out) {
@@ -261,6 +269,9 @@ fn parts_match_the_decoded_state() {
     let mut expected = scratch(2);
     through.target.log_density_parts_block(1..3, &y, &mut expected, &mut []);
     assert_eq!((through.parts(), found), (4, expected));
+    assert!(through.has_intermediates());
+    let found = through.log_intermediate_block(2, &x, &mut scratch(through.workspace()));
+    assert_eq!(found, through.target.log_intermediate_block(2, &y, &mut []));
     assert!(!through.is_product(), "a coordinate of the sheet moves several parts");
     assert!(Through { target: Parts(quadratic(4, isa)), decoder: Identity(4) }.is_product());
 }

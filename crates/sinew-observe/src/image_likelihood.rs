@@ -128,6 +128,12 @@ impl ImageModel {
 }
 
 impl ImageLikelihood {
+    /// Whether its score is made for solids one by one, so that the value of a solid is its factor of the whole.
+    #[must_use]
+    pub const fn is_of_parts(&self) -> bool {
+        matches!(self.model.score, ImageScore::Parts)
+    }
+
     /// Number of cameras that saw something.
     #[must_use]
     pub fn views(&self) -> usize {

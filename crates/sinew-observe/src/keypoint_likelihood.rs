@@ -73,6 +73,12 @@ impl LaneDensity for KeypointLikelihood {
 }
 
 impl KeypointLikelihood {
+    /// Whether no camera sees any point.
+    #[must_use]
+    pub const fn is_empty(&self) -> bool {
+        self.sightings.is_empty()
+    }
+
     #[inline(always)]
     fn sum<V: Real, L: Distort, const GRAD: bool>(
         &self,

@@ -66,6 +66,11 @@ pub fn evaluate_part<D: PartLogDensity + ?Sized>(particles: &mut Particles, dens
     });
 }
 
+/// Evaluates the log intermediate density of every state whose parts up to `part` are in place.
+pub fn evaluate_intermediate<D: PartLogDensity + ?Sized>(particles: &mut Particles, density: &D, part: usize) {
+    evaluate_by(particles, density.workspace(), |states, ws| density.log_intermediate_block(part, states, ws));
+}
+
 /// The state of largest value; none where no value is above −∞.
 fn chosen(values: &[f64]) -> Result<usize, Error> {
     match largest(values) {

@@ -12,7 +12,11 @@
 //!
 //! Where f = Π g_k, and g_k depends on no later part, step 2 multiplies π by g_k before it divides by it, and step 3 is left with the last factor: the same weights for fewer evaluations.
 //!
-//! **Exact for every positive g**, evidence included: only the variance depends on it. A g_k of zero where f is not loses what stands there. D_k far below N says that part k is too much for N particles at once:
+//! A likelihood that is no such product, as that of silhouettes, may have intermediate densities F_k instead: the likelihood of the whole state with the parts after k where the last frame left them, or a power of it. Step 2
+//! then chooses by ρ ∝ π F_k, which leaves π ∝ 1 / F_k: the importance functions are g_k = F_k / F_(k−1), their product telescopes, and step 3 weighs by f / F_(K−1). K N evaluations of the whole a frame.
+//!
+//! **Exact for every positive g**, evidence included: only the variance depends on it. A g_k of zero where f is not loses what stands there. The least D_k is reported as the effective number: a part that few states
+//! survived does not become many again when later parts move. D_k far below N says that part k is too much for N particles at once:
 //! N = D / α serves for a D in each part of survival rate α, where all at once would need D / α^K. (K − 1) N evaluations of parts and N of the whole a frame; K N of parts where f is their product.
 
 use crate::error::check_dimension;
@@ -24,7 +28,7 @@ use sinew_core::part::{Part, PartTree};
 use sinew_core::random::Stage;
 use sinew_core::transition::{MotionModel, PartTransition};
 use sinew_samplers::particles::{Particles, aggregate, resample, reweight, take, temper};
-use sinew_samplers::parts::{evaluate_part, predict_part, start_part};
+use sinew_samplers::parts::{evaluate_intermediate, evaluate_part, predict_part, start_part};
 use sinew_samplers::resample::Scheme;
 use sinew_samplers::weighted_resampling::weighted_resample;
 
@@ -81,6 +85,23 @@ impl<T: PartTransition> Partitioned<T> {
     }
 }
 
+/// Log importance of each state for the choice of part k, and the evidence that its weights have gained on the way.
+fn importance<O: PartLogDensity + ?Sized>(
+    particles: &mut Particles,
+    observed: &O,
+    k: usize,
+) -> Result<(Vec<f64>, f64), Error> {
+    if !observed.is_product() && observed.has_intermediates() {
+        evaluate_intermediate(particles, observed, k);
+        let weighted = particles.log_weights().iter().zip(particles.values()).map(|(weight, value)| weight + value);
+        return Ok((weighted.collect(), 0.0));
+    }
+    evaluate_part(particles, observed, k);
+    let values = particles.values();
+    let gained = if observed.is_product() { temper(particles, 1.0)? } else { 0.0 };
+    Ok((values, gained))
+}
+
 impl<T: PartTransition + Send, O: PartLogDensity + ?Sized> Tracker<O> for Partitioned<T> {
     fn step(&mut self, observed: &O, stage: Stage) -> Result<StepInfo, Error> {
         check_dimension("observation", observed.dim(), self.state.estimate.len())?;
@@ -106,20 +127,22 @@ impl<T: PartTransition + Send, O: PartLogDensity + ?Sized> Tracker<O> for Partit
                 log_evidence += reweight(&mut particles, observed)?;
                 break;
             }
-            evaluate_part(&mut particles, observed, k);
-            let values = particles.values();
-            if is_product {
-                log_evidence += temper(&mut particles, 1.0)?;
-            }
+            let (importance, gained) = importance(&mut particles, observed, k)?;
+            log_evidence += gained;
             if k < last {
-                let reselected = weighted_resample(&mut particles, &values, scheme, to_select.round(k))?;
+                let reselected = weighted_resample(&mut particles, &importance, scheme, to_select.round(k))?;
                 log_evidence += reselected.log_sum;
                 survivors.push(reselected.survivors);
             }
         }
-        let (mean, ess) = (aggregate(&particles), particles.effective_sample_size());
-        survivors.push(ess);
-        let (parts, whole) = if is_product { (last + 1, 0) } else { (last, 1) };
+        let mean = aggregate(&particles);
+        survivors.push(particles.effective_sample_size());
+        let ess = survivors.iter().copied().fold(f64::INFINITY, f64::min);
+        let (parts, whole) = match (is_product, observed.has_intermediates()) {
+            (true, _) => (last + 1, 0),
+            (_, true) => (0, last + 1),
+            _ => (last, 1),
+        };
         (self.state.particles, self.survivors) = (particles, survivors);
         Ok(StepInfo {
             ess,

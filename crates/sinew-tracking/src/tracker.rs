@@ -24,7 +24,7 @@ pub trait Tracker<O: ?Sized>: Send {
 pub struct StepInfo {
     /// Mean state of the posterior, or what a search reports in its place.
     pub mean: Vec<f64>,
-    /// Effective number of draws: 1 / Σ W² of particles, the least n / τ over coordinates of chains.
+    /// Effective number of draws: 1 / Σ W² of particles, the least of the parts where they are chosen part by part, the least n / τ over coordinates of chains.
     pub ess: f64,
     /// Estimate of log p(observation | earlier observations). By `hmc` from one importance draw a chain, from the prior or from the Laplace approximation: unbiased on the natural scale, but rough in many dimensions. Searches have none.
     pub log_evidence: Option<f64>,

@@ -107,7 +107,7 @@ proptest! {
         prop_assert_eq!((info.likelihood_evaluations, info.part_evaluations), counts);
         prop_assert_eq!(info.survivors.len(), dim);
         prop_assert!(info.survivors.iter().all(|d| *d >= 1.0 - 1e-9 && *d <= particles as f64 * (1.0 + 1e-9)));
-        prop_assert_eq!(info.survivors[dim - 1], info.ess);
+        prop_assert_eq!(info.survivors.iter().copied().fold(f64::INFINITY, f64::min), info.ess);
     }
 
     #[test]

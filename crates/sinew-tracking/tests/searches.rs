@@ -186,6 +186,57 @@ fn a_product_is_weighed_by_its_last_factor() {
     assert!(a.survivors.iter().all(|d| (2.0..301.0).contains(d)), "{:?}", a.survivors);
 }
 
+/// Intermediate densities that are the products of the factors so far choose as the factors do: what is divided out leaves the last one. Equal but for rounding.
+#[test]
+fn intermediate_densities_telescope() {
+    struct SoFar(InParts);
+    impl LogDensity for SoFar {
+        fn dim(&self) -> usize {
+            3
+        }
+        fn log_density(&self, x: &[f64]) -> f64 {
+            self.0.log_density(x)
+        }
+        fn log_density_block(&self, x: &[Block], ws: &mut [Block]) -> Block {
+            self.0.log_density_block(x, ws)
+        }
+    }
+    impl PartLogDensity for SoFar {
+        fn parts(&self) -> usize {
+            3
+        }
+        fn has_intermediates(&self) -> bool {
+            true
+        }
+        fn log_intermediate_block(&self, part: usize, x: &[Block], ws: &mut [Block]) -> Block {
+            let mut factors = [Block::ZERO; 3];
+            self.0.log_density_parts_block(0..3, x, &mut factors, ws);
+            Block(core::array::from_fn(|lane| factors[..=part].iter().map(|factor| factor.0[lane]).sum()))
+        }
+        fn log_density_parts_block(&self, parts: Range<usize>, _x: &[Block], out: &mut [Block], _ws: &mut [Block]) {
+            out[..parts.len()].fill(Block::splat(f64::NAN));
+        }
+    }
+    let make = || {
+        let config = partitioned::Config { particles: 301, ..Default::default() };
+        Partitioned::new(config, walk(), tree(), vec![0.0, 1.0, 0.0]).expect("valid")
+    };
+    let (mut by_factors, mut by_intermediates) = (make(), make());
+    for frame in 0..3 {
+        let product = || InParts { whole: seen(3), product: true };
+        let stage = || Stage::new(3, "telescope").at_frame(frame);
+        let a = by_factors.step(&product(), stage()).expect("weights");
+        let b = by_intermediates.step(&SoFar(product()), stage()).expect("weights");
+        assert_eq!((b.part_evaluations, b.likelihood_evaluations), (0, 3 * 301));
+        assert_eq!(by_factors.particles().states(), by_intermediates.particles().states());
+        let pairs = by_factors.particles().weights().iter().zip(by_intermediates.particles().weights());
+        assert!(pairs.clone().all(|(a, b)| (a - b).abs() < 1e-12));
+        let [za, zb] = [a.log_evidence, b.log_evidence].map(|z| z.expect("evidence"));
+        assert!((za - zb).abs() < 1e-10, "{za} and {zb}");
+        assert!(a.survivors.iter().zip(&b.survivors).all(|(a, b)| (a - b).abs() < 1e-8));
+    }
+}
+
 fn axes(width: f64) -> Vec<GridAxis> {
     vec![GridAxis::new(-2.0, 2.0, width, false).expect("valid"); 3]
 }

@@ -70,7 +70,11 @@ fn methods() -> String {
             Gives::Search => "best states, no posterior",
         };
         let particles = particles.map_or_else(|| "–".into(), |count| count().to_string());
-        let score = if *needs_gradients { "limbs inside the contour".into() } else { format!("`{}`", score.name()) };
+        let score = match (needs_gradients, about.score_beside_keypoints) {
+            (true, _) => "limbs inside the contour".into(),
+            (_, beside) if beside == *score => format!("`{}`", score.name()),
+            (_, beside) => format!("`{}`, beside keypoints `{}`", score.name(), beside.name()),
+        };
         let own: Vec<String> = settings.iter().map(|setting| format!("`{}`", setting.key)).collect();
         let own = if own.is_empty() { "–".into() } else { own.join(", ") };
         let _ = writeln!(table, "| `{name}` | {help} | {observes} | {gives} | {particles} | {score} | {own} |");

@@ -130,7 +130,10 @@ impl Resolved {
     /// How frames are tracked, on the best instruction set and at the default rate.
     fn settings(&self) -> Settings {
         let (about, values) = (self.method(), &self.values);
-        let score = values.text("score").and_then(|name| Score::named(&name)).unwrap_or(about.score);
+        let begins_only = values.get("init").is_some();
+        let beside_keypoints = values.get("keypoints").is_some() && !begins_only;
+        let usual_score = if beside_keypoints { about.score_beside_keypoints } else { about.score };
+        let score = values.text("score").and_then(|name| Score::named(&name)).unwrap_or(usual_score);
         let usual = Settings::default();
         Settings {
             method: (about.configure)(values),

@@ -39,9 +39,10 @@ pub struct About {
     pub needs_gradients: bool,
     /// Whether it takes the body part by part.
     pub needs_parts: bool,
-    /// Weighting function of images where nobody names one: the paper's, but for the filters that take the whole body at once, which lose arms in the silhouette of the torso unless
-    /// uncovered pixels count, too.
+    /// Weighting function of images where nobody names one: the paper's, but for filters, which lose arms in the silhouette of the torso unless uncovered pixels count, too.
     pub score: Score,
+    /// The same where keypoints are observed, too.
+    pub score_beside_keypoints: Score,
     /// Number of particles where nobody says how many; `None` for methods without particles.
     pub particles: Option<fn() -> usize>,
     /// Settings that no other method has.

@@ -28,6 +28,7 @@ pub const ABOUT: About = About {
     needs_gradients: false,
     needs_parts: false,
     score: Score::Bidirectional,
+    score_beside_keypoints: Score::Bidirectional,
     particles: Some(|| AnnealedMethod::default().0.particles),
     settings: &SETTINGS,
     usual: || Arc::new(AnnealedMethod::default()),

@@ -25,6 +25,7 @@ pub const ABOUT: About = About {
     needs_gradients: false,
     needs_parts: false,
     score: Score::Bidirectional,
+    score_beside_keypoints: Score::Bidirectional,
     particles: Some(|| BootstrapMethod::default().0.particles),
     settings: &[],
     usual: || Arc::new(BootstrapMethod::default()),

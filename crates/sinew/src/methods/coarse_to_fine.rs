@@ -22,6 +22,7 @@ pub const ABOUT: About = About {
     needs_gradients: false,
     needs_parts: true,
     score: Score::CoarseToFine,
+    score_beside_keypoints: Score::CoarseToFine,
     particles: Some(|| CoarseToFineMethod::default().0.coarse),
     settings: &SETTINGS,
     usual: || Arc::new(CoarseToFineMethod::default()),

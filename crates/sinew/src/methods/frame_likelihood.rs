@@ -92,6 +92,28 @@ impl PartLogDensity for FrameLikelihood {
         self.images.is_none()
     }
 
+    /// True for the scores of whole silhouettes. A solid has no factor of them: a trunk between its own limbs has no contour, and its value alone is largest at a wrong place.
+    fn has_intermediates(&self) -> bool {
+        matches!(&self.images, Some(BoundImages::Scored(images)) if !images.is_of_parts())
+    }
+
+    /// The keypoints of the parts that are in place; in a frame without keypoints the silhouettes of the whole body, to the power of the share of parts that are in place. Both at once, or silhouettes at full power, would hold
+    /// the trunk where limbs that have not moved yet fit.
+    fn log_intermediate_block(&self, part: usize, x: &[Block], ws: &mut [Block]) -> Block {
+        let in_place = part + 1;
+        match self.image_density() {
+            Some(images) if self.keypoints.leaf.is_empty() => {
+                let power = in_place as f64 / self.parts() as f64;
+                Block(images.log_density_block(x, ws).0.map(|value| power * value))
+            }
+            _ => {
+                let mut value = [Block::ZERO];
+                self.parts.iter().take(in_place).for_each(|own| add(&mut value, &[own.log_density_block(x, ws)]));
+                value[0]
+            }
+        }
+    }
+
     fn log_density_parts_block(&self, parts: Range<usize>, x: &[Block], out: &mut [Block], ws: &mut [Block]) {
         match &self.images {
             Some(BoundImages::Scored(images)) => images.log_density_parts_block(parts.clone(), x, out, ws),
@@ -163,26 +185,32 @@ impl FrameLikelihood {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::methods::Score;
     use sinew_body::standard::h32;
     use sinew_body::standard_flesh::standard_flesh;
     use sinew_body::{Plan, Proportions, point_positions};
     use sinew_core::lanes::Isa;
     use sinew_observe::bit_image::BitImage;
+    use sinew_observe::contour_map::contour_map;
+    use sinew_observe::image_likelihood::{Cues, ImageModel};
     use sinew_observe::soft_silhouette::SoftSilhouetteModel;
+    use sinew_observe::solid_body::SolidBody;
     use sinew_observe::{Camera, Detection, KeypointFrame, KeypointModel, Noise, ObservationModel, View};
     use std::sync::Arc;
 
-    /// Keypoints of a standing body in one camera and a narrow silhouette in it, apart and together.
-    fn pieces() -> (BoundKeypoints, SoftSilhouette, FrameLikelihood) {
-        let isa = Isa::best();
-        let tree = h32(&Proportions::default());
-        let camera = Camera::look_at("C", [160.0, 120.0], 130.0, [0.5, -4.0, 1.2], [0.0, 0.0, 1.0]).unwrap();
+    fn camera() -> Camera {
+        Camera::look_at("C", [160.0, 120.0], 130.0, [0.5, -4.0, 1.2], [0.0, 0.0, 1.0]).unwrap()
+    }
+
+    /// Keypoints of a standing body, `offset` pixels to the right of where they are, or none.
+    fn keypoints(offset: Option<f64>) -> BoundKeypoints {
+        let (isa, tree, camera) = (Isa::best(), h32(&Proportions::default()), camera());
         let plan = Arc::new(Plan::with_all_points(&tree));
         let mut at = vec![0.0; 3 * plan.points()];
         point_positions(&plan, isa, &standing(), &mut at);
         let seen = |p: &[f64]| {
             let pixel = camera.project([p[0], p[1], p[2]]).pixel()?;
-            Some(Detection { pixel: [pixel[0] + 2.0, pixel[1] - 1.0], confidence: 0.8 })
+            Some(Detection { pixel: [pixel[0] + offset?, pixel[1] - 1.0], confidence: 0.8 })
         };
         let detections = vec![at.chunks(3).map(seen).collect::<Vec<_>>()];
         let view = View { camera: camera.clone(), offset_px: [0.0; 2], sigma_px: 3.0, usual_confidence: 0.8 };
@@ -194,11 +222,17 @@ mod tests {
             least_confidence: 0.1,
             isa,
         };
-        let bound = || model.bind(KeypointFrame { detections: &detections, predicted: &at });
+        model.bind(KeypointFrame { detections: &detections, predicted: &at })
+    }
+
+    /// Keypoints of a standing body in one camera and a narrow silhouette in it, apart and together.
+    fn pieces() -> (BoundKeypoints, SoftSilhouette, FrameLikelihood) {
+        let tree = h32(&Proportions::default());
         let flesh = standard_flesh(&tree).unwrap();
-        let soft = SoftSilhouetteModel::new(&tree, &flesh, vec![camera], 3.0, isa).unwrap();
+        let soft = SoftSilhouetteModel::new(&tree, &flesh, vec![camera()], 3.0, Isa::best()).unwrap();
         let mask = [Some(BitImage::from_fn(160, 120, |x, _| (70..84).contains(&x)))];
         let images = Some(BoundImages::Soft(soft.bind(&mask)));
+        let bound = || keypoints(Some(2.0));
         (bound(), soft.bind(&mask), FrameLikelihood { keypoints: bound(), parts: vec![], images })
     }
 
@@ -206,6 +240,39 @@ mod tests {
         let mut state = vec![0.05; 32];
         state[..3].copy_from_slice(&[0.0, 0.0, 1.0]);
         state
+    }
+
+    /// Keypoints of the parts in place; a power of the whole silhouette where there are no keypoints; and none where the score is a product over solids.
+    #[test]
+    fn intermediates_take_keypoints_before_silhouettes() {
+        let tree = h32(&Proportions::default());
+        let flesh = standard_flesh(&tree).unwrap();
+        let count = flesh.solids().len();
+        let silhouette = BitImage::from_fn(160, 120, |x, _| (70..84).contains(&x));
+        let likelihood = |score: Score, offset: Option<f64>| {
+            let body = Arc::new(SolidBody::new(&tree, &flesh).unwrap());
+            let (score, isa) = (score.with_kappa(100.0), Isa::best());
+            let model = ImageModel { body, cameras: vec![camera()], score, colours: Arc::default(), isa };
+            let cues = Cues { edges: Some(contour_map(&silhouette)), silhouette: silhouette.clone(), picture: None };
+            let parts = (0..count).map(|_| keypoints(offset)).collect();
+            let images = Some(BoundImages::Scored(model.bind(vec![Some(cues)])));
+            FrameLikelihood { keypoints: keypoints(offset), parts, images }
+        };
+        let x: Vec<Block> = standing().iter().map(|&x| Block::splat(x)).collect();
+        let (seen, unseen) = (likelihood(Score::Bidirectional, Some(2.0)), likelihood(Score::Bidirectional, None));
+        let mut ws = vec![Block::ZERO; seen.workspace()];
+        let one = seen.keypoints.log_density(&standing());
+        let images = unseen.log_density(&standing());
+        assert!(images < -10.0, "{images}");
+        for part in 0..count {
+            let [with, without] = [&seen, &unseen].map(|both| both.log_intermediate_block(part, &x, &mut ws).0[3]);
+            let expected = (part + 1) as f64 * one;
+            assert!((with - expected).abs() < 1e-9 * expected.abs(), "{part}: {with} for {expected}");
+            let expected = (part + 1) as f64 / count as f64 * images;
+            assert!((without - expected).abs() < 1e-9 * images.abs(), "{part}: {without} for {expected}");
+        }
+        assert!(seen.has_intermediates() && !seen.is_product());
+        assert!(!likelihood(Score::Parts, None).has_intermediates());
     }
 
     #[test]

@@ -32,6 +32,7 @@ pub const ABOUT: About = About {
     needs_gradients: true,
     needs_parts: false,
     score: Score::Bidirectional,
+    score_beside_keypoints: Score::Bidirectional,
     particles: None,
     settings: &SETTINGS,
     usual: || Arc::new(HmcMethod::default()),
