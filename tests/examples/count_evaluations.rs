@@ -15,7 +15,9 @@ use std::hint::black_box;
 fn main() -> Result<(), String> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let [set, part, blocks] = &arguments[..] else {
-        return Err("give an instruction set, `posterior`, `likelihood`, `views` or `prior`, and a number of blocks".into());
+        return Err(
+            "give an instruction set, `posterior`, `likelihood`, `views` or `prior`, and a number of blocks".into()
+        );
     };
     let isa = Isa::by_name(set).ok_or(format!("this processor has no `{set}`"))?;
     let problem = problem28::load();

@@ -38,7 +38,7 @@ enum Command {
     Mutants(mutants::Args),
     /// Measure how often intervals hold the truth of simulated people: the tables and figures of docs/evidence/coverage.md.
     Coverage(coverage::Args),
-    /// Draw docs/images/demo.svg and real.svg, the pictures of the guide and the README.
+    /// Draw docs/images/demo.svg and real.png, the pictures of the guide and the README.
     Picture,
     /// Reproduce a paper: its tables and figures on our data, its claims judged.
     Reproduce(reproduce::Args),

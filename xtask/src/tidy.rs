@@ -65,9 +65,9 @@ pub fn run(root: &Path) -> ExitCode {
         Ok(violations) => report("links", violations),
         Err(error) => report("links", vec![Violation::in_file("docs", error.to_string())]),
     }
-    match dependencies::facade_packages(root) {
+    match dependencies::library_packages(root) {
         Ok(packages) => {
-            println!("the facade builds {} packages", packages.len());
+            println!("the library builds {} packages", packages.len());
             report("dependencies", dependencies::check(packages.len()));
         }
         Err(what) => report("dependencies", vec![Violation::in_file("Cargo.lock", what)]),

@@ -19,7 +19,7 @@ use std::time::{Instant, SystemTime, UNIX_EPOCH};
 /// Options.
 #[derive(ClapArgs)]
 pub struct Args {
-    /// Full size, up to an hour on two cores; without it the size of the ordinary suite.
+    /// Full size, ten to twelve minutes on two cores; without it the size of the ordinary suite.
     #[arg(long)]
     nightly: bool,
     /// Seed of all checks; by default the number of the day, so that it turns.
@@ -54,7 +54,7 @@ impl Done {
     }
 }
 
-/// Checks of the facade, beside the checks of the layers.
+/// Checks of the library, beside the checks of the layers.
 const OF_PEOPLE: Check = Check {
     name: "people",
     claim: "90 % intervals of `sinew track` at its defaults cover 90 ± 3 % where the noise is as assumed",

@@ -18,7 +18,7 @@
 //! it.
 //!
 //! ```
-//! use sinew_formats::zarr::{DataType, Group, Labels, MemoryStore, Schema, Values, Variable, Writer};
+//! use sinew_formats::zarr::{DataType, Group, Labels, MemoryStore, Schema, FrameValues, Variable, Writer};
 //! let mut schema = Schema::default();
 //! schema.dimensions.insert("draw".into(), Labels::Count(2));
 //! let mut posterior = Group::new("posterior");
@@ -26,7 +26,7 @@
 //! schema.groups.push(posterior);
 //!
 //! let mut writer = Writer::create(MemoryStore::default(), schema)?;
-//! writer.push(0, 0.0, &[Values::Numbers(&[0.5, 0.25])])?;
+//! writer.push(0, 0.0, &[FrameValues::Numbers(&[0.5, 0.25])])?;
 //! let store = writer.finish()?;
 //! assert_eq!(store.0["posterior/angle/c/0/0"].len(), 2 * 64 * 4);
 //! # Ok::<(), std::io::Error>(())

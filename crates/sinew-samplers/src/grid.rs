@@ -8,7 +8,7 @@
 //!
 //! ```
 //! use sinew_samplers::grid::GridAxis;
-//! let axis = Axis::new(-1.0, 1.0, 0.3, false)?;
+//! let axis = GridAxis::new(-1.0, 1.0, 0.3, false)?;
 //! assert_eq!(axis.count(), 7);
 //! assert!((axis.snap(0.1) - 0.0).abs() < 1e-15 && axis.snap(9.0) == axis.centre(6));
 //! # Ok::<(), sinew_samplers::Error>(())

@@ -23,7 +23,7 @@
 //!
 //! let walk = SyntheticRecording::new(&Script { duration_s: 1.5, ..Script::default() }, 1)?;
 //! let mut source = InMemory { cameras: walk.cameras, layout: walk.layout, keypoints: walk.keypoints };
-//! let frames: Vec<_> = source.frames().map(|number| Ok((number, source.people(number)?))).collect();
+//! let frames: Vec<_> = source.frames().map(|number| Ok::<_, sinew::Error>((number, source.people(number)?))).collect();
 //!
 //! let (found, _) = setup::set_up(&source.cameras, &source.layout, &SetupRequest::default(), frames)?;
 //! let knee = found.tree().link_index("r_shin").ok_or("no knee")?;

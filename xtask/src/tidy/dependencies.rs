@@ -1,4 +1,4 @@
-//! How many packages the facade builds, counted from `cargo metadata`.
+//! How many packages the library builds, counted from `cargo metadata`.
 
 use super::workspace::Violation;
 use serde_json::Value;
@@ -15,13 +15,13 @@ pub fn check(packages: usize) -> Vec<Violation> {
         return Vec::new();
     }
     let what = format!(
-        "the facade builds {packages} packages; keep it under {LIMIT}, or say why in docs/reference/dependencies.md"
+        "the library builds {packages} packages; keep it under {LIMIT}, or say why in docs/reference/dependencies.md"
     );
     vec![Violation::in_file("Cargo.lock", what)]
 }
 
-/// Packages that the facade builds on this platform, itself included.
-pub fn facade_packages(root: &Path) -> Result<BTreeSet<String>, String> {
+/// Packages that the library builds on this platform, itself included.
+pub fn library_packages(root: &Path) -> Result<BTreeSet<String>, String> {
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
     let host = host(&cargo)?;
     let arguments = ["metadata", "--format-version", "1", "--locked", "--filter-platform", &host];
@@ -31,7 +31,7 @@ pub fn facade_packages(root: &Path) -> Result<BTreeSet<String>, String> {
         return Err(format!("cargo metadata fails: {}", String::from_utf8_lossy(&output.stderr).trim()));
     }
     let metadata: Value = serde_json::from_slice(&output.stdout).map_err(|error| error.to_string())?;
-    closure(&metadata, "sinew").ok_or_else(|| "cargo metadata does not list the facade".into())
+    closure(&metadata, "sinew").ok_or_else(|| "cargo metadata does not list the library".into())
 }
 
 fn host(cargo: &std::ffi::OsStr) -> Result<String, String> {

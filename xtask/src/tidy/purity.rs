@@ -15,7 +15,7 @@ const OF_PROGRAMS: [(&str, &str); 8] = [
     ("ThreadPoolBuilder", "sets up a thread pool"),
 ];
 
-/// What the facade and programs do, with the reason.
+/// What the library and programs do, with the reason.
 const INPUT_AND_OUTPUT: [(&str, &str); 13] = [
     ("std::fs", "touches files"),
     ("fs::", "touches files"),
@@ -52,7 +52,7 @@ pub fn check(workspace: &Workspace) -> Vec<Violation> {
             }
             _ => {
                 let all = [&OF_PROGRAMS[..], &INPUT_AND_OUTPUT[..]].concat();
-                forbid(file, &all, "the facade, recordings, tools, the program and xtask", &mut violations);
+                forbid(file, &all, "the library, recordings, tools, the program and xtask", &mut violations);
             }
         }
         if library == "sinew-body" {

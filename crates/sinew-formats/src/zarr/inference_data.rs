@@ -5,8 +5,8 @@
 //! draw index means across frames is stated in `draw_meaning`.
 //!
 //! ```
-//! use sinew_formats::zarr::inference_data::{group, Kind, Run};
-//! let run = Run { library_version: "0.1.0", method: "hmc", kind: Kind::Filtered, seed: 7, created_at: None };
+//! use sinew_formats::zarr::inference_data::{group, DrawsKind, Run};
+//! let run = Run { library_version: "0.1.0", method: "hmc", kind: DrawsKind::Filtered, seed: 7, created_at: None };
 //! let posterior = group("posterior", &run);
 //! assert_eq!(posterior.attributes["inference_library"], "sinew");
 //! assert!(posterior.attributes["draw_meaning"].as_str().unwrap().contains("per frame"));

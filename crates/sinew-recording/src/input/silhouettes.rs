@@ -4,8 +4,8 @@
 //! number in the file names, and a number without a file is a frame that the camera missed. [`sinew_formats::mask`] describes mask files.
 //!
 //! ```no_run
-//! use sinew::input::recording::{Recording, RecordingOptions};
-//! use sinew::input::silhouettes::{self, Silhouettes};
+//! use sinew_recording::input::recording::{Recording, RecordingOptions};
+//! use sinew_recording::input::silhouettes::{self, Silhouettes};
 //! use std::path::Path;
 //!
 //! let mut recording = Recording::open(Path::new("Calib.toml"), Path::new("pose"), &RecordingOptions::default())?;
@@ -20,7 +20,7 @@
 //!     let (people, masks) = (recording.frame(number)?, silhouettes.frame(number)?);
 //!     assert_eq!(people.len(), masks.len());
 //! }
-//! # Ok::<(), sinew::Error>(())
+//! # Ok::<(), sinew_recording::Error>(())
 //! ```
 
 use crate::Error;
