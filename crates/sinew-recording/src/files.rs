@@ -11,7 +11,7 @@ use std::path::Path;
 /// Bytes of a file of at most `limit` bytes.
 ///
 /// # Errors
-/// [`Error::Io`] with the path, [`Error::Recording`] for a folder, [`Error::Format`] for a file that is too large.
+/// [`Error::Io`] with the path, [`Error::Input`] for a folder, [`Error::Format`] for a file that is too large.
 pub fn read_bytes(path: &Path, limit: u64) -> Result<Vec<u8>, Error> {
     if path.is_dir() {
         return Err(InputError::FolderForFile { folder: path.to_owned(), contents: folder_contents(path) }.into());

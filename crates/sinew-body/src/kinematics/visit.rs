@@ -5,7 +5,7 @@ use super::vector::V3;
 /// Force and moment.
 pub(super) const WRENCH: usize = 6;
 
-/// What [`Plan::forward`] shows its points to. A trait and no closure: closures cannot be `#[inline(always)]`, and a long one stays outside the entry point of its instruction set.
+/// What the forward pass of [`Plan`](super::Plan) shows its points to. A trait and no closure: closures cannot be `#[inline(always)]`, and a long one stays outside the entry point of its instruction set.
 pub trait Visit<V> {
     /// Point k in the plan's order at the world position `p`, metres. Answers with the force `∂E/∂P` on it. Must be `#[inline(always)]`.
     fn point(&mut self, k: usize, p: V3<V>) -> V3<V>;

@@ -1,6 +1,6 @@
 //! Whether the person moves as fast as people do, at the frame rate that is taken.
 //!
-//! The displacement of a point over [`SPAN`] frames, less what the errors of its two places make of it, over the time that they last; the 90th percentile of all. Nobody's
+//! The displacement of a point over `SPAN` frames, less what the errors of its two places make of it, over the time that they last; the 90th percentile of all. Nobody's
 //! hips are faster than the fastest sprinter, 12.4 m/s (Bolt in Berlin 2009, Graubner & Nixdorf 2011, New Studies in Athletics 26), and nobody's hands and feet faster than
 //! the fastest ball that a hand has thrown, 47.3 m/s (105.8 miles an hour, Guinness World Records). A rate that is too low slows the motion down, which no bound shows.
 
