@@ -270,4 +270,11 @@ fn a_set_up_file_that_cannot_be_is_refused_with_every_reason() {
     let error = Setup::from_toml("setup.toml", &wrong).unwrap_err();
     assert!(error.to_string().starts_with("2 problems in setup.toml:"), "{error}");
     assert!(Setup::from_toml("setup.toml", &format!("colour = 1\n{text}")).is_err());
+    let (before, after) = text.split_once("forearm = ").unwrap();
+    let rest = after.split_once('\n').unwrap().1;
+    for size in ["nan", "inf"] {
+        let error = Setup::from_toml("setup.toml", &format!("{before}forearm = {size}\n{rest}")).unwrap_err();
+        let expected = "setup.toml: proportions hold a number that is not finite";
+        assert_eq!((error.to_string().as_str(), error.exit_code()), (expected, 2));
+    }
 }

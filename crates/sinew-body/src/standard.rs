@@ -42,6 +42,19 @@ pub struct Proportions {
     pub small_toe: [f64; 3],
 }
 
+impl Proportions {
+    /// Whether every size is a finite number, as the bodies need.
+    #[must_use]
+    pub fn is_finite(&self) -> bool {
+        let Self { spine, shoulder_height, shoulder_half_width, hip_half_width, pelvis_drop, .. } = *self;
+        let Self { upper_arm, forearm, thigh, shin, head_top, nose, eye, ear, heel, big_toe, small_toe, .. } = *self;
+        let trunk = [spine, shoulder_height, shoulder_half_width, hip_half_width, pelvis_drop];
+        let limbs = [upper_arm, forearm, thigh, shin];
+        let places = [head_top, nose, eye, ear, heel, big_toe, small_toe];
+        trunk.iter().chain(&limbs).chain(places.iter().flatten()).all(|size| size.is_finite())
+    }
+}
+
 impl Default for Proportions {
     fn default() -> Self {
         Self {
