@@ -2,7 +2,7 @@
 //! Commands run in the order of the page.
 //!
 //! A page finds the files of "your own recording" in its folder: a simulated one. Blocks that open with `# sinew.toml` are written to that file. Runs are
-//! shortened by settings in the environment and simulations to a second; nothing else differs from what a reader types. Lines that do not begin with
+//! shortened by settings in the environment and simulations to a second; nothing else differs from what a reader types. A line that ends with a backslash continues in the next. Lines that do not begin with
 //! `sinew` are not run.
 
 mod common;
@@ -114,7 +114,8 @@ fn run_page(path: &str) {
     for (language, lines) in blocks(&page) {
         match language {
             "sh" => {
-                let own = lines.iter().filter(|line| line.starts_with("sinew "));
+                let joined = lines.join("\n").replace("\\\n", "");
+                let own = joined.lines().filter(|line| line.starts_with("sinew "));
                 let answers: Vec<String> = own.map(|line| run(&trial, line)).collect();
                 commands += answers.len();
                 printed = answers.concat();

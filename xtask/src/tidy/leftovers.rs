@@ -1,8 +1,8 @@
 //! What is written in passing and must not stay.
 //!
-//! Notes to oneself, placeholders, tests that do not run or do not say what they expect.
+//! Notes to oneself, empty stand-ins, both sides of a merge, tests that do not run or do not say what they expect.
 
-use super::workspace::{Violation, Workspace};
+use super::workspace::{File, Violation, Workspace};
 use crate::source::lines_with;
 
 /// Macros, found in code.
@@ -21,9 +21,18 @@ const ATTRIBUTES: [(&str, &str); 2] = [
     (concat!("should_", "panic"), "assert the error's value instead of a panic"),
 ];
 
-/// Checks all Rust files.
+/// What a merge writes around the two sides of a conflict, at the beginning of a line.
+const SIDES: [&str; 2] = [concat!("<<<<", "<<< "), concat!(">>>>", ">>> ")];
+
+/// Lines of a file with both sides of a merge.
+fn both_sides(file: &File) -> impl Iterator<Item = Violation> + '_ {
+    let marked = (1..).zip(file.text.lines()).filter(|(_, line)| SIDES.iter().any(|side| line.starts_with(side)));
+    marked.map(|(number, _)| Violation::at(&file.path, number, "both sides of a merge; keep one"))
+}
+
+/// Checks Rust files, and all files for sides of a merge.
 pub fn check(workspace: &Workspace) -> Vec<Violation> {
-    let mut violations = Vec::new();
+    let mut violations: Vec<Violation> = workspace.files.iter().flat_map(both_sides).collect();
     for file in workspace.files.iter().filter(|file| file.is_rust()) {
         let mut complain = |text: &str, words: &str, why: &str| {
             for line in lines_with(text, words) {
@@ -55,6 +64,13 @@ mod tests {
         }
         for words in NOTES {
             planted::check(check, "tests/tests/x.rs", &format!("// {words}\n"), "// done");
+        }
+    }
+
+    #[test]
+    fn both_sides_of_a_merge_are_caught() {
+        for side in SIDES {
+            planted::check(check, "docs/a.md", &format!("a\n{side}HEAD\n"), &format!("a {side}HEAD\n=======\n"));
         }
     }
 
