@@ -181,7 +181,6 @@ pub fn mean_distance(a: &Trajectories, b: &Trajectories) -> f64 {
 
 #[cfg(test)]
 #[path = "../../../tests/src/data.rs"]
-#[allow(dead_code)]
 mod shared_data;
 
 #[cfg(test)]

@@ -3,7 +3,6 @@
 use std::path::Path;
 
 #[path = "../../../../tests/src/data.rs"]
-#[allow(dead_code)]
 mod shared_data;
 
 pub use shared_data::shared as data;

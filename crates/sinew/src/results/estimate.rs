@@ -3,7 +3,7 @@
 //! The seam between tracking and everything that is written.
 //!
 //! Plain values in SI units: radians, metres, seconds, in the world frame (right-handed, z up). Vectors have one entry per degree of freedom, point or camera in
-//! the order of [`RunInfo`]. What a method does not have is `None`, never a placeholder number.
+//! the order of [`RunInfo`]. What a method does not have is `None`, never a number in its place.
 
 pub mod diagnostics;
 
