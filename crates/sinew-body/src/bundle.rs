@@ -8,11 +8,11 @@
 //! ```
 //!
 //! with J the derivatives by the angles of frame f and W Huber's weights over σ². The prior is a Gaussian around the sizes given at first: it decides what poses and
-//! sizes could trade (a head that always looks 5° lower has other face offsets). What feet and ankles could trade the definition of the zero pose decides: after every step the feet are brought to their rest orientation
-//! (the module `foot`).
+//! sizes could trade (a head that always looks 5° lower has other face offsets). What feet and ankles could trade the definition of the zero pose decides: steps keep the feet in their rest orientation
+//! (the module `foot`) to first order, and after every step they are brought to it.
 
 use crate::fit::{self, Target, fit_pose, measured};
-use crate::foot::{FootPoints, levelled};
+use crate::foot::{FootPoints, levelled, rest_turn};
 use crate::initial::initial_pose;
 use crate::kinematics::{Plan, point_jacobian, point_positions};
 use crate::sizes::SIZES;
@@ -22,6 +22,9 @@ use nalgebra::{DMatrix, DVector};
 use sinew_core::lanes::Isa;
 
 const ISA: Isa = Isa::baseline();
+
+/// How far a step may turn the feet out of their rest orientation, radians: little beside what any measurement says.
+const LEVEL_SD: f64 = 1e-4;
 
 /// How to refine.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -140,6 +143,7 @@ pub fn refine(
                 add_frame(build, &proportions, targets, pose, damping, huber_m, &mut normal, &mut right);
             }
         }
+        keep_feet_level(&mut normal, start, &proportions, feet);
         let Some(step) = normal.cholesky().map(|c| c.solve(&right)) else { break };
         let mut next = proportions;
         for ((_, length, size), step) in SIZES.iter().zip(step.iter()) {
@@ -171,6 +175,20 @@ fn prior(start: &Proportions, now: &Proportions, config: &Config) -> (DMatrix<f6
         right[i] = weight * (*size(&mut start) - *size(&mut now));
     }
     (normal, right)
+}
+
+/// Forbids steps that turn the feet out of the rest orientation that `now` has.
+fn keep_feet_level(normal: &mut DMatrix<f64>, start: &Proportions, now: &Proportions, feet: FootPoints) {
+    const DIFFERENCE_M: f64 = 1e-6;
+    let turn = |i: usize, by: f64| {
+        let mut moved = *now;
+        *SIZES[i].2(&mut moved) += by;
+        rest_turn(&moved, start, feet)
+    };
+    let gradients = DMatrix::from_fn(SIZES.len(), 2, |i, k| {
+        (turn(i, DIFFERENCE_M)[k] - turn(i, -DIFFERENCE_M)[k]) / (2.0 * DIFFERENCE_M)
+    });
+    normal.gemm(LEVEL_SD.powi(-2), &gradients, &gradients.transpose(), 1.0);
 }
 
 /// Adds a frame's share of the equations for the sizes, its pose eliminated.
@@ -245,6 +263,33 @@ mod tests {
         let found = near(&tree, &[9.0, 0.5, -1.0 - 2.0 * turn], Some(&[-9.0, 3.0 * turn, 1.0]));
         assert!(found.iter().zip([9.0, 0.5 + 3.0 * turn, -1.0]).all(|(a, b)| (a - b).abs() < 1e-12), "{found:?}");
         assert_eq!(near(&tree, &[9.0, 7.0, -8.0], None), [9.0, 7.0, -8.0]);
+    }
+
+    /// A pull on the toes alone turns the feet, unless steps keep them level: then they only get longer.
+    #[test]
+    fn a_step_keeps_the_feet_level() {
+        let start = Proportions::default();
+        let feet = FootPoints { heel: true, big_toe: true, small_toe: true };
+        let mut pulled = start;
+        for toe in [&mut pulled.big_toe, &mut pulled.small_toe] {
+            *toe = [toe[0], toe[1] + 0.02, toe[2] - 0.02];
+        }
+        let difference =
+            |(_, _, size): &(_, _, fn(&mut Proportions) -> &mut f64)| *size(&mut pulled) - *size(&mut start.clone());
+        let right = DVector::from_iterator(SIZES.len(), SIZES.iter().map(difference));
+        let stepped = |normal: DMatrix<f64>| {
+            let mut next = start;
+            let step = normal.cholesky().expect("positive definite").solve(&right);
+            SIZES.iter().zip(step.iter()).for_each(|((_, _, size), step)| *size(&mut next) += step);
+            next
+        };
+        let free = DMatrix::identity(SIZES.len(), SIZES.len());
+        let mut level = free.clone();
+        keep_feet_level(&mut level, &start, &start, feet);
+        assert!(rest_turn(&stepped(free), &start, feet)[0] < -0.05);
+        let kept = stepped(level);
+        assert!(rest_turn(&kept, &start, feet).iter().all(|turn| turn.abs() < 2e-3), "{kept:?}");
+        assert!(kept.big_toe[1] > start.big_toe[1] + 0.015, "{kept:?}");
     }
 
     #[test]

@@ -38,6 +38,18 @@ impl FootPoints {
 
 /// The same sizes with the measured points of the feet turned to their rest orientation about the ankle.
 pub(crate) fn levelled(sizes: &Proportions, start: &Proportions, measured: FootPoints) -> Proportions {
+    let [alpha, beta] = rest_turn(sizes, start, measured);
+    let turned = |seen: bool, point: [f64; 3]| if seen { back(point, alpha, beta) } else { point };
+    Proportions {
+        heel: turned(measured.heel, sizes.heel),
+        big_toe: turned(measured.big_toe, sizes.big_toe),
+        small_toe: turned(measured.small_toe, sizes.small_toe),
+        ..*sizes
+    }
+}
+
+/// Turns α and β of the feet out of their rest orientation, radians.
+pub(crate) fn rest_turn(sizes: &Proportions, start: &Proportions, measured: FootPoints) -> [f64; 2] {
     let FootPoints { heel, big_toe, small_toe } = measured;
     let toes = |p: &Proportions| match (big_toe, small_toe) {
         (true, true) => Some([0, 1, 2].map(|k: usize| 0.5 * (p.big_toe[k] + p.small_toe[k]))),
@@ -46,32 +58,25 @@ pub(crate) fn levelled(sizes: &Proportions, start: &Proportions, measured: FootP
         (false, false) => None,
     };
     let pitch = |[_, y, z]: [f64; 3]| z.atan2(y);
-    let (alpha, beta) = match (heel, toes(sizes), toes(start)) {
+    match (heel, toes(sizes), toes(start)) {
         (true, Some(toe), _) => {
             let sole = if big_toe && small_toe { tilt(sizes) } else { None };
-            sole.unwrap_or_else(|| (pitch(minus(toe, sizes.heel)), 0.0))
+            sole.unwrap_or_else(|| [pitch(minus(toe, sizes.heel)), 0.0])
         }
-        (false, Some(toe), Some(before)) => (pitch(toe) - pitch(before), 0.0),
-        (true, None, _) => (pitch(sizes.heel) - pitch(start.heel), 0.0),
-        _ => return *sizes,
-    };
-    let turned = |seen: bool, point: [f64; 3]| if seen { back(point, alpha, beta) } else { point };
-    Proportions {
-        heel: turned(heel, sizes.heel),
-        big_toe: turned(big_toe, sizes.big_toe),
-        small_toe: turned(small_toe, sizes.small_toe),
-        ..*sizes
+        (false, Some(toe), Some(before)) => [pitch(toe) - pitch(before), 0.0],
+        (true, None, _) => [pitch(sizes.heel) - pitch(start.heel), 0.0],
+        _ => [0.0; 2],
     }
 }
 
 /// α and β of the sole's plane, whose normal is R_x(α) R_y(β) z; `None` where the points lie in a line or are no right foot.
-fn tilt(sizes: &Proportions) -> Option<(f64, f64)> {
+fn tilt(sizes: &Proportions) -> Option<[f64; 2]> {
     let (a, b) = (minus(sizes.small_toe, sizes.heel), minus(sizes.big_toe, sizes.heel));
     let normal = [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
     let length = |v: [f64; 3]| v.iter().map(|x| x * x).sum::<f64>().sqrt();
     let (size, sides) = (length(normal), length(a) * length(b));
     let [x, y, z] = normal.map(|n| n / size);
-    (size > FLATTEST * sides && z > FLATTEST).then(|| ((-y).atan2(z), x.clamp(-1.0, 1.0).asin()))
+    (size > FLATTEST * sides && z > FLATTEST).then(|| [(-y).atan2(z), x.clamp(-1.0, 1.0).asin()])
 }
 
 /// R_y(−β) R_x(−α) applied to a point.
