@@ -126,10 +126,13 @@ fn expected(m: &HashMap<String, V3>, girdle: f64) -> HashMap<String, f64> {
         );
         let foot = if side == "R" { "r_foot_ry" } else { "l_foot_ry" };
         put([foot, "", ""], "", [x.asin().to_degrees(), 0.0, 0.0], [1.0; 3]);
-        // The plainest measure of an ankle: the line from heel to toes, seen along the hinge.
+        // The plainest measure of an ankle is the line from heel to toes, seen along the hinge. Where the toes point out by `out` and the foot is turned by β about its own
+        // forward axis, that line rises by atan(tan(out) sin β), with the ankle at zero.
         let line = middle(toe("BigToe"), toe("SmallToe"));
-        let [_, y, z] = axes(hinge, shin.map(|x| -x)).map(|axis| dot(axis, line));
-        put([&format!("line{suffix}"), "", ""], "", [z.atan2(y).to_degrees(), 0.0, 0.0], [1.0; 3]);
+        let [across, y, z] = axes(hinge, shin.map(|x| -x)).map(|axis| dot(axis, line));
+        let out_of_line = (across / x.asin().cos() / dot(line, line).sqrt()).asin();
+        let rise = (-out_of_line.tan() * x).atan();
+        put(["line", "line_rise", ""], suffix, [z.atan2(y).to_degrees(), rise.to_degrees(), 0.0], [1.0; 3]);
     }
     out.remove("");
     out
@@ -164,7 +167,9 @@ fn angles_match_the_markers() {
         }
         for side in ["r", "l"] {
             let ankle = found[&format!("ankle_angle_{side}")];
-            line_from_ankle = line_from_ankle.max((ankle - expected[&format!("line_{side}")]).abs());
+            let (line, rise) = (expected[&format!("line_{side}")], expected[&format!("line_rise_{side}")]);
+            assert!((line - rise - ankle).abs() < 0.01, "frame {frame}: {ankle}, the line has {line}, of this {rise}");
+            line_from_ankle = line_from_ankle.max((ankle - line).abs());
         }
     }
     println!("largest differences, degrees: {compared:.4?}; of the line from heel to toes {line_from_ankle:.1}");

@@ -100,18 +100,20 @@ pub fn applied(bug: &Bug, code: &str) -> Result<String, String> {
 mod tests {
     use super::*;
     use std::collections::BTreeSet;
+    use std::path::PathBuf;
 
     fn root() -> &'static Path {
         Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("xtask lies in the workspace")
     }
 
-    /// Every text of a folder's Rust files.
-    fn code_in(folder: &Path) -> String {
-        let Ok(entries) = fs::read_dir(folder) else { return String::new() };
-        let text = |path: &Path| {
-            if path.is_dir() { code_in(path) } else { fs::read_to_string(path).unwrap_or_default() }
-        };
-        entries.filter_map(Result::ok).map(|entry| text(&entry.path())).collect()
+    /// The file of a target: of a library, that of the test's module.
+    fn file_of(package: &str, target: &str, test: &str) -> PathBuf {
+        let folder = root().join(if package == "sinew-tests" { "tests".into() } else { format!("crates/{package}") });
+        if target != "lib" {
+            return folder.join(format!("tests/{target}.rs"));
+        }
+        let module = test.split("::tests::").next().unwrap_or(test).replace("::", "/");
+        folder.join(format!("src/{module}.rs"))
     }
 
     #[test]
@@ -133,13 +135,7 @@ mod tests {
     fn every_named_test_exists() {
         for bug in read(root()).expect("well formed") {
             for Test { package, target, test } in &bug.caught_by {
-                let folder = if package == "sinew-tests" { "tests".into() } else { format!("crates/{package}") };
-                let folder = root().join(folder);
-                let code = if target == "lib" {
-                    code_in(&folder.join("src"))
-                } else {
-                    fs::read_to_string(folder.join(format!("tests/{target}.rs"))).unwrap_or_default()
-                };
+                let code = fs::read_to_string(file_of(package, target, test)).unwrap_or_default();
                 let function = test.rsplit("::").next().unwrap_or(test);
                 assert!(code.contains(&format!("fn {function}(")), "{}: {package} {target} has no {test}", bug.name);
             }
