@@ -40,7 +40,7 @@ use sinew::results::estimate::FrameEstimate;
 use sinew::results::silhouette_overlap::SilhouetteOverlap;
 use sinew::setup::{self, Setup, SetupRequest};
 use sinew::track::{self, Doubt, Pipeline, Spool};
-use sinew_simulate::points::points_of_states;
+use sinew_motion::points::points_of_states;
 use std::ops::{ControlFlow, Range};
 use std::sync::atomic::{AtomicU64, Ordering};
 

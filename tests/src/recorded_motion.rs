@@ -1,9 +1,9 @@
 //! Recorded motion from ASF and AMC files, as points at a rate.
 
 use sinew::formats::{amc, asf};
-use sinew_simulate::cmu::joints;
+use sinew_motion::cmu::joints;
+use sinew_motion::points::Trajectories;
 use sinew_simulate::combo::{Sequence, Trial, combo};
-use sinew_simulate::points::Trajectories;
 use std::error::Error;
 use std::fs;
 use std::path::Path;

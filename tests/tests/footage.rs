@@ -1,10 +1,10 @@
 //! Masks and pictures of every sequence that experiments use.
 //! The person is in all views, and the same seed gives the same pixels.
 
+use sinew_motion::points::{Trajectories, points_of_states};
+use sinew_motion::recorded::from_points;
 use sinew_simulate::combo::{Sequence, synthetic_combo};
 use sinew_simulate::footage::SyntheticFootage;
-use sinew_simulate::points::{Trajectories, points_of_states};
-use sinew_simulate::recorded::from_points;
 use sinew_simulate::ring::Ring;
 use sinew_simulate::segmentation_noise::Level;
 use sinew_simulate::walker::{Gait, Walker, walker_states};

@@ -13,7 +13,7 @@ use sinew::input::source::FrameSource as _;
 use sinew::methods::{bootstrap, hmc};
 use sinew::observe::Noise;
 use sinew::observe::association::Person;
-use sinew_simulate::points::Trajectories;
+use sinew_motion::points::Trajectories;
 use sinew_tests::evaluation::{self, LIMB_JOINTS, LeftOut, PixelErrors, Run, Track};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;

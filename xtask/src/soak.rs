@@ -17,7 +17,7 @@ use sinew::results::claim;
 use sinew::track::job;
 use sinew::track::job::{RunPhase, Watch};
 use sinew::{Error, RecordingError};
-use sinew_simulate::points::Trajectories;
+use sinew_motion::points::Trajectories;
 use sinew_simulate::recording::{Script, SyntheticRecording};
 use sinew_tests::simulated_source::source;
 use std::collections::BTreeMap;

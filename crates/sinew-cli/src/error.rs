@@ -1,6 +1,6 @@
 //! What ends a command early: a mistake in how it was called, or what the library refuses.
 
-use sinew_simulate::NEEDED;
+use sinew_motion::NEEDED;
 use std::ops::Range;
 use std::path::PathBuf;
 
@@ -80,7 +80,7 @@ pub(crate) enum Error {
         /// The file.
         path: PathBuf,
         /// Why.
-        problem: sinew_simulate::Error,
+        problem: sinew_motion::Error,
     },
     /// A scene that cannot be simulated.
     #[error("{0}")]
@@ -156,7 +156,8 @@ impl Error {
         let words = match self {
             Self::Library(error) => return error.help(),
             Self::Tools(error) => return error.help(),
-            Self::Motion { problem: error, .. } | Self::Scene(error) => return error.help(),
+            Self::Motion { problem, .. } => return problem.help(),
+            Self::Scene(error) => return error.help(),
             Self::NoPlace(written) => {
                 return Some(format!("name one with `-o`, for example `-o {}`", written.example()));
             }

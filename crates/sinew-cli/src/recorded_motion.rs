@@ -4,9 +4,9 @@ use super::error::Error;
 use sinew::files;
 use sinew::formats::source_text::MAX_TEXT_BYTES;
 use sinew::formats::{amc, asf};
-use sinew_simulate::cmu::joints;
-use sinew_simulate::points::Trajectories;
-use sinew_simulate::recorded;
+use sinew_motion::cmu::joints;
+use sinew_motion::points::Trajectories;
+use sinew_motion::recorded;
 use sinew_tools::motion::{self, Content, Format};
 use std::path::Path;
 

@@ -16,10 +16,10 @@
 //! Limits: feet slide in joins and, by some centimetres, where paths are bent.
 
 use crate::Error;
-use crate::points::{Trajectories, points_of_states};
 use crate::space::{Vector, along, cross, distance, minus, unit};
 use crate::walker::{Gait, Walker, walker_states};
 use sinew_body::standard::EVALUATION_JOINTS;
+use sinew_motion::points::{Trajectories, points_of_states};
 use std::f64::consts::TAU;
 use std::ops::Range;
 

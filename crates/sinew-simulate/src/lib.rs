@@ -6,8 +6,6 @@
 //! |---|---|
 //! | [`gait`] | normative joint-angle curves of walking as Fourier series |
 //! | [`walker`] | the whole body's state over time, feet on the ground |
-//! | [`points`] | named points in space over time, from states or from recorded motion |
-//! | [`recorded`] | the joints of a motion file, by the names that are in use |
 //! | [`combo`] | walking, running and free movement in one sequence |
 //! | [`ring`] | cameras on a circle around a motion |
 //! | [`detector`] | projections with offset, jitter, missing keypoints and gross outliers |
@@ -16,8 +14,6 @@
 //! | [`segmentation_noise`] | silhouettes as a segmentation gives them |
 //! | [`footage`] | cameras, person, masks and pictures of a motion |
 //! | [`recording`] | all of it together, and as the files that other programs read |
-//! | [`cmu`] | recorded motion as points and as a motion of the standard body |
-//! | [`hppf24_motion`] | the size and the states of HPPF24 along a motion |
 //!
 //! Everything follows from a seed, and nothing depends on the processor or the number of threads: the same seed gives the same bytes.
 //!
@@ -30,7 +26,6 @@
 //! ```
 
 mod cast;
-pub mod cmu;
 pub mod combo;
 pub mod detector;
 mod draws;
@@ -38,9 +33,6 @@ mod error;
 pub mod evaluation_body;
 pub mod footage;
 pub mod gait;
-pub mod hppf24_motion;
-pub mod points;
-pub mod recorded;
 pub mod recording;
 pub mod render;
 pub mod ring;
@@ -48,4 +40,4 @@ pub mod segmentation_noise;
 mod space;
 pub mod walker;
 
-pub use error::{Error, NEEDED};
+pub use error::Error;

@@ -3,13 +3,13 @@
 //! In memory, and as the text of the files that `sinew track` and other programs read.
 
 use crate::detector::{Detections, DetectorNoise, detect};
-use crate::points::{Trajectories, points_of_states};
 use crate::ring::{Ring, around};
 use crate::walker::{Gait, Walker, walker_states};
 use sinew_body::{KinematicTree, Proportions};
 use sinew_core::random::Stage;
 use sinew_formats::openpose::Keypoint;
 use sinew_formats::{Layout, calib_toml, layout, trc};
+use sinew_motion::points::{Trajectories, points_of_states};
 use sinew_observe::{Camera, Error};
 use std::fmt::Write as _;
 use std::io;

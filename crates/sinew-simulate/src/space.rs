@@ -1,5 +1,7 @@
 //! Vectors of three numbers.
 
+pub(super) use sinew_motion::points::{between, distance};
+
 /// A point, a direction or a ray.
 pub(super) type Vector = [f64; 3];
 
@@ -20,17 +22,8 @@ pub(super) fn minus(a: Vector, b: Vector) -> Vector {
     along(a, -1.0, b)
 }
 
-/// The point at a fraction of the way from a to b.
-pub(super) fn between(a: Vector, b: Vector, fraction: f64) -> Vector {
-    along(a, fraction, minus(b, a))
-}
-
 pub(super) fn length(a: Vector) -> f64 {
     dot(a, a).sqrt()
-}
-
-pub(super) fn distance(a: Vector, b: Vector) -> f64 {
-    length(minus(a, b))
 }
 
 /// The direction of a vector; `None` where it has none.

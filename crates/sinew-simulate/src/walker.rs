@@ -273,7 +273,7 @@ fn posture(size: &Proportions, swing: &Swing) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::points::{Trajectories, points_of_states};
+    use sinew_motion::points::{Trajectories, points_of_states};
 
     const RATE_HZ: f64 = 120.0;
 

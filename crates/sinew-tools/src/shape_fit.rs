@@ -305,7 +305,7 @@ pub fn fit_shape(
 mod tests {
     use super::*;
     use sinew_body::standard_flesh::standard_flesh;
-    use sinew_simulate::points::points_of_states;
+    use sinew_motion::points::points_of_states;
     use sinew_simulate::ring::{Ring, around};
     use sinew_simulate::walker::{Gait, Walker, walker_states};
 

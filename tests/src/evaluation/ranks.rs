@@ -12,7 +12,7 @@
 use sinew::body::{KinematicTree, Plan, point_positions};
 use sinew::core::lanes::Isa;
 use sinew::results::estimate::FrameEstimate;
-use sinew_simulate::points::Trajectories;
+use sinew_motion::points::Trajectories;
 use statrs::distribution::{ChiSquared, ContinuousCDF as _};
 
 /// Levels of central intervals that are looked at.

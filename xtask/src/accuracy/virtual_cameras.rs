@@ -6,9 +6,10 @@ use sinew::config::settings::Settings;
 use sinew::formats::{amc, asf};
 use sinew::input::in_memory::InMemory;
 use sinew::results::estimate::FrameEstimate;
-use sinew_simulate::cmu;
+use sinew_motion::cmu;
+use sinew_motion::points::Trajectories;
+use sinew_motion::retarget::{Retargeted, retarget};
 use sinew_simulate::detector::DetectorNoise;
-use sinew_simulate::points::Trajectories;
 use sinew_simulate::recording::{Script, SyntheticRecording};
 use sinew_tests::evaluation::{self, Run, Track};
 use sinew_tests::simulated_source::source;
@@ -34,7 +35,7 @@ pub(super) struct Tally {
 pub(super) struct Motion {
     pub(super) name: &'static str,
     pub(super) recorded: Trajectories,
-    pub(super) fitted: cmu::Retargeted,
+    pub(super) fitted: Retargeted,
 }
 
 pub(super) fn motions(data: &Path) -> Outcome<Vec<Motion>> {
@@ -47,7 +48,7 @@ pub(super) fn motions(data: &Path) -> Outcome<Vec<Motion>> {
             let skeleton = asf::read(name, &text(format!("{subject}.asf"))?)?;
             let motion = amc::read(name, &text(format!("{name}.amc"))?, &skeleton)?;
             let recorded = cmu::joints(&skeleton, &motion, CMU_RATE_HZ);
-            let fitted = cmu::retarget(&recorded).ok_or("no pose in the first frame")?;
+            let fitted = retarget(&recorded).ok_or("no pose in the first frame")?;
             Ok(Motion { name, recorded, fitted })
         })
         .collect()

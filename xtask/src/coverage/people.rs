@@ -5,8 +5,9 @@
 use crate::outcome::Outcome;
 use sinew::body::{KinematicTree, Proportions};
 use sinew::formats::{amc, asf};
-use sinew_simulate::cmu;
-use sinew_simulate::points::{Trajectories, points_of_states};
+use sinew_motion::cmu;
+use sinew_motion::points::{Trajectories, points_of_states};
+use sinew_motion::retarget::retarget;
 use sinew_simulate::walker::{Gait, Walker, walker_states};
 use std::path::Path;
 
@@ -58,7 +59,7 @@ fn recorded(folder: &Path, subject: &str, trial: &str) -> Outcome<Person> {
     let skeleton = asf::read(subject, &text(format!("{subject}.asf"))?)?;
     let motion = amc::read(trial, &text(format!("{trial}.amc"))?, &skeleton)?;
     let recorded = cmu::joints(&skeleton, &motion, RATE_HZ);
-    let fitted = cmu::retarget(&recorded).ok_or("no pose in the first frame")?;
+    let fitted = retarget(&recorded).ok_or("no pose in the first frame")?;
     Ok(Person {
         subject: subject.into(),
         body: fitted.body,

@@ -10,7 +10,7 @@ use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
 /// Longest run of the named tests of one target.
-const PATIENCE: Duration = Duration::from_secs(300);
+const PATIENCE: Duration = Duration::from_secs(900);
 
 /// Packages whose tests are built in minutes where their lane kernels are optimised, and without that in seconds; they run in seconds either way.
 const NOT_OPTIMISED: [&str; 3] = ["sinew-body", "sinew-observe", "sinew-dynamics"];

@@ -5,8 +5,8 @@
 use crate::outcome::Outcome;
 use sinew::body::{KinematicTree, hppf24};
 use sinew::files::{FNV_START, fnv};
-use sinew_simulate::hppf24_motion::{self, MotionFollowing, Scale};
-use sinew_simulate::points::{Trajectories, points_of_states};
+use sinew_motion::hppf24_motion::{self, MotionFollowing, Scale};
+use sinew_motion::points::{Trajectories, points_of_states};
 use sinew_simulate::walker::{Gait, Walker, walker_states};
 use sinew_tests::evaluation::joint_errors::joint_errors_mm;
 use sinew_tests::recorded_motion::recorded;

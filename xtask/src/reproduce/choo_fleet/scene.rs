@@ -14,8 +14,9 @@ use sinew::core::random::Stage;
 use sinew::files::fnv;
 use sinew::formats::{amc, asf};
 use sinew::observe::{MarkerModel, MarkerView};
-use sinew_simulate::cmu;
-use sinew_simulate::points::Trajectories;
+use sinew_motion::cmu;
+use sinew_motion::points::Trajectories;
+use sinew_motion::retarget;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -88,7 +89,7 @@ pub(super) fn motion(data: &Path, name: &str) -> Outcome<Motion> {
     let moved = amc::read(name, &text(format!("{name}.amc"))?, &skeleton)?;
     let mut points = cmu::joints(&skeleton, &moved, cmu::RATE_HZ);
     with_face(&mut points)?;
-    let fitted = cmu::retarget_to(standard::cf28, &points).ok_or("no pose in the first frame")?;
+    let fitted = retarget::retarget_to(standard::cf28, &points).ok_or("no pose in the first frame")?;
     let names: Vec<&str> = fitted.body.points().iter().map(|point| point.name.as_str()).collect();
     Ok(Motion {
         recorded: points.select(&names).frames,

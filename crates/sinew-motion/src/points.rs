@@ -50,6 +50,29 @@ pub fn points_of_states(body: &KinematicTree, states: &[Vec<f64>]) -> Trajectori
     Trajectories { names: body.points().iter().map(|point| point.name.clone()).collect(), frames: frames.collect() }
 }
 
+/// Distance of two points.
+#[must_use]
+pub fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt()
+}
+
+/// The point at a fraction of the way from a to b.
+#[must_use]
+pub fn between(a: [f64; 3], b: [f64; 3], fraction: f64) -> [f64; 3] {
+    [0, 1, 2].map(|k: usize| a[k] + fraction * (b[k] - a[k]))
+}
+
+/// Mean distance of points of the same name, metres; NaN without any.
+#[must_use]
+pub fn mean_distance(a: &Trajectories, b: &Trajectories) -> f64 {
+    let pairs: Vec<(usize, usize)> =
+        a.names.iter().enumerate().filter_map(|(i, name)| Some((i, b.index(name)?))).collect();
+    let frames = a.frames.iter().zip(&b.frames);
+    let apart: Vec<f64> =
+        frames.flat_map(|(a, b)| pairs.iter().map(|&(i, j)| distance(a[i], b[j])).collect::<Vec<_>>()).collect();
+    apart.iter().sum::<f64>() / apart.len() as f64
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

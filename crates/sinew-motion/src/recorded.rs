@@ -7,8 +7,7 @@
 
 use crate::Error;
 use crate::cmu::resampled;
-use crate::points::Trajectories;
-use crate::space::{between, distance};
+use crate::points::{Trajectories, between, distance};
 use sinew_formats::point_table::PointTable;
 
 /// Our name and what others call the joint, in lower case, the best name first.

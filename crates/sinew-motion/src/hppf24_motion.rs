@@ -5,7 +5,7 @@
 //! 3. Least squares on the points ([`fit_pose`]), angles unwrapped ([`states`]).
 
 use crate::error::Error;
-use crate::points::{Trajectories, points_of_states};
+use crate::points::{Trajectories, distance, points_of_states};
 use sinew_body::fit::{Config, Target, fit_pose};
 use sinew_body::{KinematicTree, Plan, hppf24};
 use std::f64::consts::TAU;
@@ -62,10 +62,6 @@ pub fn scale(motion: &Trajectories, segments: &[(&str, &str)], how: Scale) -> Re
 
 fn column(motion: &Trajectories, name: &str) -> Result<usize, Error> {
     motion.index(name).ok_or_else(|| Error::NoPoint(name.to_owned()))
-}
-
-fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt()
 }
 
 fn sum_of_medians(motion: &Trajectories, segments: &[(&str, &str)]) -> Result<f64, Error> {

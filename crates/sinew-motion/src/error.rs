@@ -1,0 +1,44 @@
+//! Why a motion cannot be taken.
+
+/// What a motion lacks.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// A point that a fit needs and that the motion lacks.
+    #[error("the motion has no {0}")]
+    NoPoint(String),
+    /// A motion without frames.
+    #[error("a motion without a frame")]
+    NoFrames,
+    /// Joints of which a motion file has none of the known names.
+    #[error("no joint is known as {}", .0.join(", "))]
+    UnknownJoints(Vec<&'static str>),
+    /// A joint that is not there in all frames of a motion file.
+    #[error("{joint} is missing in frame {frame}, counted from 0")]
+    Gap {
+        /// Our name of the joint.
+        joint: &'static str,
+        /// The frame, counted from 0.
+        frame: usize,
+    },
+    /// A motion file of one frame.
+    #[error("a single frame is no motion")]
+    SingleFrame,
+    /// A motion file whose legs have no plausible length in any unit.
+    #[error("legs of no plausible length in any unit")]
+    Unit,
+}
+
+impl Error {
+    /// What the user can do about it.
+    #[must_use]
+    pub fn help(&self) -> Option<String> {
+        match self {
+            Self::UnknownJoints(_) | Self::Gap { .. } | Self::SingleFrame | Self::Unit => Some(NEEDED.into()),
+            Self::NoPoint(_) | Self::NoFrames => None,
+        }
+    }
+}
+
+/// What a motion file must have.
+pub const NEEDED: &str = "needed are the positions of neck, head, shoulders, elbows, wrists, hips, knees and ankles, as in BVH files or in `truth.trc` of `sinew demo`";

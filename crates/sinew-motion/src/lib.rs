@@ -1,0 +1,32 @@
+//! Recorded human motion as named points over time, and as states of a body that follows them.
+//!
+//! | module | what |
+//! |---|---|
+//! | [`points`] | named points in space over time, from states or from files |
+//! | [`recorded`] | the joints of a motion file, by the names that are in use |
+//! | [`cmu`] | the joints of recordings of the CMU database |
+//! | [`retarget`] | a body in a person's size, and its states along a motion |
+//! | [`hppf24_motion`] | the same for the body with thickness HPPF24, whose parts have one scale |
+//!
+//! ```
+//! use sinew_body::hppf24;
+//! use sinew_motion::hppf24_motion::{MotionFollowing, states};
+//! use sinew_motion::points::points_of_states;
+//!
+//! let body = hppf24::tree(1.0);
+//! let mut standing = vec![0.0; body.dof()];
+//! standing[2] = 0.9;
+//! let motion = points_of_states(&body, &[standing]);
+//! let found = states(&body, &motion, &MotionFollowing::default())?;
+//! assert!((found[0][2] - 0.9).abs() < 0.01);
+//! # Ok::<(), sinew_motion::Error>(())
+//! ```
+
+pub mod cmu;
+mod error;
+pub mod hppf24_motion;
+pub mod points;
+pub mod recorded;
+pub mod retarget;
+
+pub use error::{Error, NEEDED};
