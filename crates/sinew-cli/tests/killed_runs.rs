@@ -1,4 +1,4 @@
-//! A program that was killed or interrupted is resumed, or says why it cannot be; results and other runs are left alone.
+//! A program that was killed or interrupted is resumed, or says why it cannot be.
 
 mod common;
 
