@@ -25,6 +25,7 @@ pub mod kalman;
 pub mod linear_gaussian;
 pub mod linear_motion;
 pub mod mixture;
+pub mod mixture_em;
 pub mod pca;
 pub mod prior;
 pub mod random_walk;
