@@ -27,6 +27,7 @@ pub mod linear_motion;
 pub mod mixture;
 pub mod mixture_em;
 pub mod pca;
+pub mod primitives;
 pub mod prior;
 pub mod random_walk;
 pub mod smoother;

@@ -200,8 +200,7 @@ fn maximisation(points: &Points, found: &Expectation, slots: &mut Vec<Slot>, max
         .into_par_iter()
         .map(|k| points.component(found.shares.iter().skip(k).step_by(width).copied()))
         .collect();
-    // A count that is not a number starves too.
-    let starves = |k: usize| !(fitted[k].0 >= least);
+    let starves = |k: usize| fitted[k].0 < least;
     let mut exhausted: Vec<usize> = (0..width).filter(|&k| starves(k) && slots[k].reseeds >= max_reseeds).collect();
     exhausted.sort_by(|&a, &b| fitted[a].0.total_cmp(&fitted[b].0));
     exhausted.truncate(exhausted.len().div_ceil(2).min(width - 1));

@@ -1,0 +1,7 @@
+//! Motion by action primitives (Husz, Wallace & Green 2007): clusters of short pieces of recorded motion.
+pub mod learning;
+#[cfg(test)]
+pub(crate) mod made_up;
+pub mod matching;
+pub mod model;
+pub mod windows;
