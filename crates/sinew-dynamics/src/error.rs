@@ -42,4 +42,21 @@ pub enum Error {
         /// Last jitter tried.
         jitter: f64,
     },
+    /// A part of a state is none.
+    #[error(transparent)]
+    Part(#[from] sinew_core::Error),
+    /// Two feature vectors have one name.
+    #[error("two feature vectors are called \"{name}\"")]
+    Duplicate {
+        /// The name.
+        name: String,
+    },
+    /// A model has no feature vector of that name.
+    #[error("no feature vector is called \"{name}\"; there are: {}", known.join(", "))]
+    Unknown {
+        /// Name sought.
+        name: String,
+        /// Names that there are.
+        known: Vec<String>,
+    },
 }

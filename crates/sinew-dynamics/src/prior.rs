@@ -1,9 +1,10 @@
-//! Prior of one frame: a mixture or a Gaussian.
+//! Prior of one frame: a mixture, a Gaussian, or action primitives.
 //!
 //! It is one type, so that the choice is a value of the transition and not of the tracker.
 
 use crate::gaussian::Gaussian;
 use crate::mixture::Mixture;
+use crate::primitives::density::SwitchingMixture;
 use sinew_core::density::{GradLogDensity, Lanes, LogDensity};
 use sinew_core::lanes::{Block, LANES};
 use sinew_core::random::BlockRng;
@@ -16,6 +17,8 @@ pub enum Prior {
     Mixture(Lanes<Mixture>),
     /// One Gaussian of all its draws.
     Gaussian(Lanes<Gaussian>),
+    /// The three models of action primitives, for each chain of the frame before.
+    Switching(Lanes<SwitchingMixture>),
 }
 
 macro_rules! either {
@@ -23,6 +26,7 @@ macro_rules! either {
         match $self {
             Prior::Mixture($p) => $e,
             Prior::Gaussian($p) => $e,
+            Prior::Switching($p) => $e,
         }
     };
 }
@@ -55,6 +59,7 @@ impl FramePrior for Prior {
     fn sample_block(&self, block: usize, out: &mut [Block], rng: &mut BlockRng) {
         match self {
             Self::Gaussian(p) => p.leaf.sample_block(p.isa, out, rng),
+            Self::Switching(p) => p.leaf.sample_block(p.isa, block, out, rng),
             Self::Mixture(p) => {
                 rng.fill_normal(p.isa, out);
                 let means = p.leaf.means();
@@ -71,13 +76,14 @@ impl FramePrior for Prior {
         match self {
             Self::Gaussian(p) => p.leaf.precision_diagonal(),
             Self::Mixture(p) => p.leaf.precision(),
+            Self::Switching(p) => p.leaf.precision(),
         }
     }
 
     fn precision(&self) -> Vec<f64> {
         match self {
             Self::Gaussian(p) => p.leaf.precision().to_vec(),
-            Self::Mixture(p) => sinew_core::transition::diagonal_matrix(p.leaf.precision()),
+            Self::Mixture(_) | Self::Switching(_) => sinew_core::transition::diagonal_matrix(self.precision_diagonal()),
         }
     }
 }
