@@ -1,7 +1,7 @@
 //! Recorded motion from ASF and AMC files, as points at a rate.
 
 use sinew::formats::{amc, asf};
-use sinew_motion::cmu::joints;
+use sinew_motion::cmu::{RATE_HZ, joints};
 use sinew_motion::points::Trajectories;
 use sinew_simulate::combo::{Sequence, Trial, combo};
 use std::error::Error;
@@ -17,7 +17,7 @@ type Outcome<T> = Result<T, Box<dyn Error + Send + Sync>>;
 pub fn recorded(motion: &Path, skeleton: &Path, rate_hz: f64) -> Outcome<Trajectories> {
     let skeleton = asf::read(&skeleton.display().to_string(), &fs::read_to_string(skeleton)?)?;
     let motion = amc::read(&motion.display().to_string(), &fs::read_to_string(motion)?, &skeleton)?;
-    Ok(joints(&skeleton, &motion, rate_hz))
+    Ok(joints(&skeleton, &motion, RATE_HZ / rate_hz))
 }
 
 /// The recorded trials of CMB: name of the motion and of its skeleton, and whether it goes somewhere.

@@ -1,6 +1,5 @@
 //! What ends a command early: a mistake in how it was called, or what the library refuses.
 
-use sinew_motion::NEEDED;
 use std::ops::Range;
 use std::path::PathBuf;
 
@@ -71,17 +70,6 @@ pub(crate) enum Error {
     /// A simulation of no frame.
     #[error("no frame in that time")]
     NoFrames,
-    /// A motion file of coordinates whose body is unknown.
-    #[error("{}: coordinates without a body give no points", .0.display())]
-    NoPoints(PathBuf),
-    /// A motion file that a simulation cannot take.
-    #[error("{}: {problem}", path.display())]
-    Motion {
-        /// The file.
-        path: PathBuf,
-        /// Why.
-        problem: sinew_motion::Error,
-    },
     /// A scene that cannot be simulated.
     #[error("{0}")]
     Scene(sinew_simulate::Error),
@@ -146,7 +134,7 @@ impl Error {
             Self::Library(error) => error.exit_code(),
             Self::Tools(error) => error.exit_code(),
             Self::Threads(_) | Self::Demo(_) => 1,
-            Self::SetupFrames { .. } | Self::NoPoints(_) | Self::Motion { .. } | Self::Scene(_) => 3,
+            Self::SetupFrames { .. } | Self::Scene(_) => 3,
             _ => 2,
         }
     }
@@ -156,7 +144,6 @@ impl Error {
         let words = match self {
             Self::Library(error) => return error.help(),
             Self::Tools(error) => return error.help(),
-            Self::Motion { problem, .. } => return problem.help(),
             Self::Scene(error) => return error.help(),
             Self::NoPlace(written) => {
                 return Some(format!("name one with `-o`, for example `-o {}`", written.example()));
@@ -171,7 +158,6 @@ impl Error {
             Self::SkeletonOfWalk => "`--skeleton` belongs to .amc files; leave it out",
             Self::TooManyFrames(_) => "ask for less with `--duration` or `--fps`",
             Self::NoFrames => "ask for more with `--duration` or `--fps`",
-            Self::NoPoints(_) => NEEDED,
         };
         Some(words.to_owned())
     }

@@ -16,7 +16,6 @@ mod manual;
 mod misplaced;
 mod overlay;
 mod progress;
-mod recorded_motion;
 mod report;
 mod resume;
 mod segment;

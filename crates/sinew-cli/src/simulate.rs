@@ -5,7 +5,6 @@ use super::claimed::claimed;
 use super::ended::Ended;
 use super::error::Error;
 use super::progress::Progress;
-use super::recorded_motion::recorded_motion;
 use super::report::{self, Report};
 use super::table::aligned;
 use super::threads::with_threads;
@@ -21,6 +20,7 @@ use sinew_simulate::recording::{body_25b, keypoint_files, write_trc};
 use sinew_simulate::ring::Ring;
 use sinew_simulate::segmentation_noise::Level;
 use sinew_simulate::walker::{Gait, Walker, walker_states};
+use sinew_tools::motion::{RecordedJoints, recorded_joints};
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -95,7 +95,8 @@ fn motion(args: &SimulateArgs, report: &Report) -> Result<(Trajectories, Vec<Pat
         let walker = Walker::new(Gait { duration_s, ..Gait::default() });
         (points_of_states(&walker.body, &walker_states(&walker, args.fps)), vec![])
     } else {
-        let (motion, warnings) = recorded_motion(&args.motion, args.skeleton.as_deref(), args.fps)?;
+        let RecordedJoints { motion, warnings, .. } =
+            recorded_joints(&args.motion, args.skeleton.as_deref(), None, |_| args.fps)?;
         report.warnings(&warnings);
         (motion, [Some(args.motion.clone()), args.skeleton.clone()].into_iter().flatten().collect())
     };

@@ -36,9 +36,9 @@ const JOINTS: [(&str, &[&str]); 18] = [
     ("Spine", &["root"]),
 ];
 
-/// Positions of the joints that the skeleton has, at the given rate.
+/// Positions of the joints that the skeleton has, every `step`-th frame (a fraction of a frame is interpolated).
 #[must_use]
-pub fn joints(skeleton: &Asf, motion: &Amc, rate_hz: f64) -> Trajectories {
+pub fn joints(skeleton: &Asf, motion: &Amc, step: f64) -> Trajectories {
     let bones = skeleton.point_names();
     let sources: Vec<(&str, Vec<usize>)> = JOINTS
         .iter()
@@ -60,7 +60,7 @@ pub fn joints(skeleton: &Asf, motion: &Amc, rate_hz: f64) -> Trajectories {
         })
         .collect();
     let names = sources.iter().map(|(name, _)| (*name).to_owned()).collect();
-    Trajectories { names, frames: resampled(&recorded, RATE_HZ / rate_hz) }
+    Trajectories { names, frames: resampled(&recorded, step) }
 }
 
 /// Every `step`-th frame (a fraction of a frame is interpolated), starting with the first.
@@ -106,7 +106,7 @@ pub(crate) mod tests {
     #[test]
     fn recorded_joints_stand_upright_in_our_world() {
         let Some((skeleton, motion)) = trial("07_01") else { return };
-        let points = joints(&skeleton, &motion, 30.0);
+        let points = joints(&skeleton, &motion, 4.0);
         assert_eq!(points.frames.len(), 79);
         assert_eq!(&points.names[..15], EVALUATION_JOINTS);
         let head = points.index("Head").unwrap();

@@ -17,11 +17,13 @@ mod acclaim;
 mod content;
 pub(crate) mod error;
 mod format;
+mod joints;
 mod read;
 mod write;
 
 pub use content::{Content, Motion, rate_of};
 pub use error::MotionError;
 pub use format::Format;
+pub use joints::{RecordedJoints, recorded_joints};
 pub use read::read;
 pub use write::write;

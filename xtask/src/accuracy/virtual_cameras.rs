@@ -47,7 +47,7 @@ pub(super) fn motions(data: &Path) -> Outcome<Vec<Motion>> {
             let text = |file: String| std::fs::read_to_string(data.join(file));
             let skeleton = asf::read(name, &text(format!("{subject}.asf"))?)?;
             let motion = amc::read(name, &text(format!("{name}.amc"))?, &skeleton)?;
-            let recorded = cmu::joints(&skeleton, &motion, CMU_RATE_HZ);
+            let recorded = cmu::joints(&skeleton, &motion, cmu::RATE_HZ / CMU_RATE_HZ);
             let fitted = retarget(&recorded).ok_or("no pose in the first frame")?;
             Ok(Motion { name, recorded, fitted })
         })

@@ -58,7 +58,7 @@ fn recorded(folder: &Path, subject: &str, trial: &str) -> Outcome<Person> {
     let text = |file: String| std::fs::read_to_string(folder.join(file));
     let skeleton = asf::read(subject, &text(format!("{subject}.asf"))?)?;
     let motion = amc::read(trial, &text(format!("{trial}.amc"))?, &skeleton)?;
-    let recorded = cmu::joints(&skeleton, &motion, RATE_HZ);
+    let recorded = cmu::joints(&skeleton, &motion, cmu::RATE_HZ / RATE_HZ);
     let fitted = retarget(&recorded).ok_or("no pose in the first frame")?;
     Ok(Person {
         subject: subject.into(),

@@ -74,6 +74,20 @@ pub enum MotionError {
         /// What its writer says.
         refusal: io::Error,
     },
+    /// A file of coordinates whose body is unknown.
+    #[error("{}: coordinates without a body give no points", path.display())]
+    NoPoints {
+        /// File.
+        path: PathBuf,
+    },
+    /// A file without one of the joints, or with a joint that is missing in a frame.
+    #[error("{}: {problem}", path.display())]
+    Joints {
+        /// File.
+        path: PathBuf,
+        /// Why.
+        problem: sinew_motion::Error,
+    },
 }
 
 impl MotionError {
@@ -81,7 +95,12 @@ impl MotionError {
     #[must_use]
     pub const fn exit_code(&self) -> u8 {
         match self {
-            Self::NoMotion { .. } | Self::NoTimes { .. } | Self::NoColumns { .. } | Self::Unwritable { .. } => 3,
+            Self::NoMotion { .. }
+            | Self::NoTimes { .. }
+            | Self::NoColumns { .. }
+            | Self::Unwritable { .. }
+            | Self::NoPoints { .. }
+            | Self::Joints { .. } => 3,
             _ => 2,
         }
     }
@@ -97,6 +116,8 @@ impl MotionError {
             Self::NoTimes { .. } => "name the column of the times `time_s`, in seconds",
             Self::ReadOnly => "write .bvh instead",
             Self::Impossible { instead, .. } => instead,
+            Self::NoPoints { .. } => sinew_motion::NEEDED,
+            Self::Joints { problem, .. } => return problem.help(),
             Self::NoColumns { .. } | Self::Unwritable { .. } => return None,
         };
         Some(fixed.into())

@@ -14,7 +14,7 @@ use sinew_formats::{amc, asf, bvh, tidy_csv, trc};
 use std::path::Path;
 
 /// Rate of the CMU recordings, of which most AMC files come.
-const AMC_RATE_HZ: f64 = 120.0;
+pub(super) const AMC_RATE_HZ: f64 = 120.0;
 
 /// Reads a motion.
 ///

@@ -87,7 +87,7 @@ pub(super) fn motion(data: &Path, name: &str) -> Outcome<Motion> {
     let text = |file: String| std::fs::read_to_string(folder.join(file));
     let skeleton = asf::read(name, &text(format!("{subject}.asf"))?)?;
     let moved = amc::read(name, &text(format!("{name}.amc"))?, &skeleton)?;
-    let mut points = cmu::joints(&skeleton, &moved, cmu::RATE_HZ);
+    let mut points = cmu::joints(&skeleton, &moved, 1.0);
     with_face(&mut points)?;
     let fitted = retarget::retarget_to(standard::cf28, &points).ok_or("no pose in the first frame")?;
     let names: Vec<&str> = fitted.body.points().iter().map(|point| point.name.as_str()).collect();
