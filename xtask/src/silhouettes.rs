@@ -30,6 +30,9 @@ pub(crate) struct Args {
     /// Seeds of each row.
     #[arg(long, default_value_t = 5)]
     seeds: u64,
+    /// Leave limbs and trunk as thick as people usually are, whatever the masks show.
+    #[arg(long)]
+    usual_girth: bool,
     /// Only the rows of this method.
     #[arg(long, value_name = "NAME")]
     method: Option<String>,
@@ -156,8 +159,13 @@ fn reference(data: &Path) -> Outcome<Track> {
     Ok((0..file.frames.len()).map(frame).collect())
 }
 
-fn set_up(config: &TrackConfig, settings: &Settings) -> Outcome<Setup> {
-    Ok(evaluation::set_up(&mut footage(config)?, 0..CHOSEN.end as u64, settings, |_| {})?)
+fn set_up(config: &TrackConfig, settings: &Settings, usual_girth: bool) -> Outcome<Setup> {
+    let change = |setup: &mut Setup| {
+        if usual_girth {
+            setup.girth = None;
+        }
+    };
+    Ok(evaluation::set_up(&mut footage(config)?, 0..CHOSEN.end as u64, settings, change)?)
 }
 
 fn tables(data: &Path, args: &Args) -> Outcome<()> {
@@ -177,7 +185,10 @@ fn tables(data: &Path, args: &Args) -> Outcome<()> {
             ..Settings::default()
         };
         (row.change)(&mut base);
-        let setup = set_up(&config, &base)?;
+        let setup = set_up(&config, &base, args.usual_girth)?;
+        if let Some(girth) = setup.girth {
+            eprintln!("{}, {} cameras: {girth:?}", row.method.name, row.cameras.map_or(4, <[_]>::len));
+        }
         let (mut errors, mut coverage, mut seconds) = ([vec![], vec![]], vec![], 0.0);
         for seed in 1..=seeds {
             let settings = Settings { seed, ..base.clone() };
