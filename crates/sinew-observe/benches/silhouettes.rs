@@ -77,6 +77,9 @@ fn scores(c: &mut Criterion) {
     group.bench_function("union and mismatch", |b| {
         per_body(b, || counted.overlaps_block(black_box(&states), |_, overlaps| _ = black_box(overlaps)));
     });
+    group.bench_function("alignment", |b| {
+        per_body(b, || _ = black_box(counted.alignment_block(black_box(&states))));
+    });
     for (name, score, edges) in [
         ("region", reid(None), false),
         ("edges and region", reid(None), true),

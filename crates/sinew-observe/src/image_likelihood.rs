@@ -151,11 +151,24 @@ impl ImageLikelihood {
         });
     }
 
+    /// Shows the spans of eight bodies to `each`, view by view, with the number of the camera and its silhouette.
+    pub(crate) fn each_view(&self, x: &[Block], mut each: impl FnMut(&mut Scratch, usize, &BitImage)) {
+        self.with_scratch(x, |scratch| {
+            for (camera, cues) in &self.views {
+                scratch.project(self.model.isa, &self.model.body, &self.eyes[*camera]);
+                scratch.scan(self.model.isa, cues.silhouette.width());
+                each(scratch, *camera, &cues.silhouette);
+            }
+        });
+    }
+
+    pub(crate) fn isa(&self) -> Isa {
+        self.model.isa
+    }
+
     fn compare(&self, scratch: &mut Scratch, cues: &Cues, pixels_of_silhouette: u64) -> [Overlap; LANES] {
         let silhouette = &cues.silhouette;
-        if (scratch.image.width(), scratch.image.height()) != (silhouette.width(), silhouette.height()) {
-            scratch.image = BitImage::new(silhouette.width(), silhouette.height());
-        }
+        scratch.image.fit(silhouette);
         let mut out = [Overlap::default(); LANES];
         let kernel = Compare {
             bodies: &scratch.bodies,

@@ -10,6 +10,7 @@ use crate::outline::{Eye, Outline, Project};
 use crate::raster::Spans;
 use crate::solid_body::SolidBody;
 use crate::{Map, RgbImage};
+use core::ops::Range;
 use sinew_body::point_positions_block;
 use sinew_core::lanes::{Block, Isa, Kernel, LANES, Real, dispatch, dispatch_one};
 
@@ -179,6 +180,16 @@ impl Kernel<f64> for LookUp<'_> {
     }
 }
 
+/// Draws all solids of a body into an image, where nothing is left of the one before in the columns that are used. Returns these.
+#[inline(always)]
+pub(crate) fn draw_union(body: &Body, image: &mut BitImage) -> Range<usize> {
+    let used = body.spans.iter().map(Spans::columns).filter(|columns| !columns.is_empty());
+    let columns = used.reduce(|a, b| a.start.min(b.start)..a.end.max(b.end)).unwrap_or_default();
+    image.clear(columns.clone());
+    body.spans.iter().for_each(|spans| spans.draw(image));
+    columns
+}
+
 /// Compares the pixels of each body with a silhouette.
 pub(crate) struct Compare<'a> {
     pub bodies: &'a [Body; LANES],
@@ -192,10 +203,7 @@ impl Kernel<f64> for Compare<'_> {
     #[inline(always)]
     fn run<V: Real<Mem = f64>>(&mut self) {
         for (body, out) in self.bodies.iter().zip(&mut *self.out) {
-            let used = body.spans.iter().map(Spans::columns).filter(|columns| !columns.is_empty());
-            let columns = used.reduce(|a, b| a.start.min(b.start)..a.end.max(b.end)).unwrap_or_default();
-            self.image.clear(columns.clone());
-            body.spans.iter().for_each(|spans| spans.draw(self.image));
+            let columns = draw_union(body, self.image);
             let inside = overlap(self.silhouette, self.image, columns);
             *out = Overlap { first_only: self.pixels_of_silhouette - inside.both, ..inside };
         }
