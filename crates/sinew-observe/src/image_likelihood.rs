@@ -17,7 +17,6 @@ use crate::outline::{Eye, Outline};
 use crate::raster::Spans;
 use crate::solid_body::{MOST_SOLIDS, SolidBody};
 use crate::{Camera, ObservationModel, RgbImage};
-use core::ops::Range;
 use sinew_body::point_positions_block;
 use sinew_core::density::{LogDensity, PartLogDensity};
 use sinew_core::lanes::{Block, Isa, LANES, dispatch, dispatch_one};
@@ -192,11 +191,11 @@ impl ImageLikelihood {
         out
     }
 
-    /// Shows what was looked up of some solids to `each`, view by view.
+    /// Shows what was looked up of some solids, no more than there are, to `each`, view by view.
     fn look(
         &self,
         x: &[Block],
-        solids: Range<usize>,
+        solids: &[usize],
         with_region: bool,
         mut each: impl FnMut(&[[Looked; LANES]], Option<&[Overlap; LANES]>),
     ) {
@@ -206,7 +205,7 @@ impl ImageLikelihood {
                 scratch.project(*isa, body, &self.eyes[*camera]);
                 scratch.scan(*isa, cues.silhouette.width());
                 scratch.hide(*isa, score.hiding(), body);
-                for solid in solids.clone() {
+                for (place, &solid) in solids.iter().enumerate() {
                     let outline = &scratch.outlines[solid];
                     dispatch(*isa, Place { outline, with_region, points: &mut scratch.points });
                     let kernel = LookUp {
@@ -219,16 +218,27 @@ impl ImageLikelihood {
                         counts: &mut scratch.counts,
                         hides_region: score.hiding() == Hiding::Nearer,
                         with_region,
-                        looked: &mut scratch.looked[solid],
+                        looked: &mut scratch.looked[place],
                     };
                     dispatch_one(*isa, kernel);
                 }
                 let pixels = (!with_region).then(|| self.compare(scratch, cues, pixels_seen));
-                each(&scratch.looked[solids.clone()], pixels.as_ref());
+                each(&scratch.looked[..solids.len()], pixels.as_ref());
             }
         });
     }
 }
+
+/// The numbers of all solids that a body may have.
+const ALL: [usize; MOST_SOLIDS] = {
+    let mut all = [0; MOST_SOLIDS];
+    let mut solid = 0;
+    while solid < MOST_SOLIDS {
+        all[solid] = solid;
+        solid += 1;
+    }
+    all
+};
 
 impl LogDensity for ImageLikelihood {
     fn dim(&self) -> usize {
@@ -243,8 +253,9 @@ impl LogDensity for ImageLikelihood {
     fn log_density_block(&self, x: &[Block], _ws: &mut [Block]) -> Block {
         let score = &self.model.score;
         let mut out = Block::ZERO;
-        let parts = &mut [Looked::default(); MOST_SOLIDS][..self.model.body.count()];
-        self.look(x, 0..self.model.body.count(), !score.counts_pixels(), |looked, pixels| {
+        let count = self.model.body.count();
+        let parts = &mut [Looked::default(); MOST_SOLIDS][..count];
+        self.look(x, &ALL[..count], !score.counts_pixels(), |looked, pixels| {
             for (lane, out) in out.0.iter_mut().enumerate() {
                 parts.iter_mut().zip(looked).for_each(|(part, looked)| *part = looked[lane]);
                 *out += score.score_view(parts, pixels.map(|pixels| pixels[lane]));
@@ -259,7 +270,7 @@ impl PartLogDensity for ImageLikelihood {
         self.model.body.count()
     }
 
-    fn log_density_parts_block(&self, parts: Range<usize>, x: &[Block], out: &mut [Block], _ws: &mut [Block]) {
+    fn log_density_parts_block(&self, parts: &[usize], x: &[Block], out: &mut [Block], _ws: &mut [Block]) {
         let score = &self.model.score;
         out.fill(Block::ZERO);
         self.look(x, parts, true, |looked, _| {

@@ -1,6 +1,5 @@
 //! Laws of weights, resampling and the integrator, for every input that the types let in.
 
-use core::ops::Range;
 use proptest::prelude::*;
 use sinew_core::density::PartLogDensity;
 use sinew_core::density::{GradLogDensity, LogDensity};
@@ -78,8 +77,8 @@ impl PartLogDensity for Ladder {
     fn parts(&self) -> usize {
         self.0
     }
-    fn log_density_parts_block(&self, parts: Range<usize>, x: &[Block], out: &mut [Block], _ws: &mut [Block]) {
-        for (k, out) in parts.zip(out) {
+    fn log_density_parts_block(&self, parts: &[usize], x: &[Block], out: &mut [Block], _ws: &mut [Block]) {
+        for (&k, out) in parts.iter().zip(out) {
             *out = Block(x[k].0.map(|x| rung(k, x)));
         }
     }
@@ -182,7 +181,7 @@ proptest! {
     #[test]
     fn chosen_parts_are_the_largest(dim in 1..5usize, count in 1..50usize, seed: u64) {
         let mut particles = cloud(dim, count, seed);
-        let values = log_likelihoods(&particles, &Ladder(dim), 0..dim);
+        let values = log_likelihoods(&particles, &Ladder(dim), &(0..dim).collect::<Vec<_>>());
         let state = choose(&particles, &Ladder(dim), &chain(dim)).expect("explained");
         for (j, column) in values.iter().enumerate() {
             let largest = column.iter().copied().fold(f64::NEG_INFINITY, f64::max);

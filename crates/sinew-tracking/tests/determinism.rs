@@ -62,7 +62,7 @@ impl PartLogDensity for Nothing {
     fn is_product(&self) -> bool {
         true
     }
-    fn log_density_parts_block(&self, _parts: Range<usize>, _x: &[Block], out: &mut [Block], _ws: &mut [Block]) {
+    fn log_density_parts_block(&self, _parts: &[usize], _x: &[Block], out: &mut [Block], _ws: &mut [Block]) {
         out.fill(Block::ZERO);
     }
 }
@@ -81,7 +81,7 @@ impl PartLogDensity for Impossible {
     fn parts(&self) -> usize {
         2
     }
-    fn log_density_parts_block(&self, _parts: Range<usize>, _x: &[Block], out: &mut [Block], _ws: &mut [Block]) {
+    fn log_density_parts_block(&self, _parts: &[usize], _x: &[Block], out: &mut [Block], _ws: &mut [Block]) {
         out.fill(Block::splat(f64::NEG_INFINITY));
     }
 }
@@ -283,7 +283,7 @@ fn an_observation_of_another_shape_is_refused() {
         fn parts(&self) -> usize {
             3
         }
-        fn log_density_parts_block(&self, _parts: Range<usize>, _x: &[Block], out: &mut [Block], _ws: &mut [Block]) {
+        fn log_density_parts_block(&self, _parts: &[usize], _x: &[Block], out: &mut [Block], _ws: &mut [Block]) {
             out.fill(Block::ZERO);
         }
     }
