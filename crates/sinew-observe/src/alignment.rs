@@ -7,7 +7,7 @@
 //! n_mismatch = pixels of the silhouette that the body leaves uncovered, n_nonbg = pixels of the silhouette or of the body. Where there is neither, the ratio is 1. A pixel is in the box if its centre is.
 //!
 //! A flaw of the formula: mismatches are counted in the body's own box alone, so that a body away from the person has the largest value of all, 0. Whoever looks for the best body asks first in how many views it meets the
-//! silhouette ([`Alignment::views_met`]).
+//! silhouette ([`Global::met`]).
 //!
 //! The body's pixels lie in its box, so that the silhouette is counted in the box once, and with the body's bits only in the columns that the body has.
 
@@ -17,6 +17,7 @@ use crate::image_lookup::{Body, Scratch, draw_union};
 use crate::outline::{Outline, whole};
 use crate::raster::PARTS;
 use core::ops::Range;
+use sinew_core::density::Global;
 use sinew_core::lanes::{Block, Kernel, LANES, Real, dispatch, dispatch_one};
 
 /// σ of the paper.
@@ -42,24 +43,15 @@ impl Aligned {
     }
 }
 
-/// Alignment of eight bodies in all views.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Alignment {
-    /// log λ_G.
-    pub log_likelihood: Block,
-    /// Views in which the body covers a pixel of the silhouette.
-    pub views_met: Block,
-}
-
 impl ImageLikelihood {
-    /// Alignment of eight bodies in all views that saw something; d blocks.
+    /// log λ_G of eight bodies over all views that saw something, and in how many of these each covers a pixel of the silhouette; d blocks.
     #[must_use]
-    pub fn alignment_block(&self, x: &[Block]) -> Alignment {
-        let mut out = Alignment { log_likelihood: Block::ZERO, views_met: Block::ZERO };
+    pub fn alignment_block(&self, x: &[Block]) -> Global {
+        let mut out = Global { log_likelihood: Block::ZERO, met: Block::ZERO };
         self.aligned_block(x, |_, views| {
             for (lane, view) in views.iter().enumerate() {
                 out.log_likelihood.0[lane] -= view.ratio() / SIGMA;
-                out.views_met.0[lane] += f64::from(u8::from(view.both > 0));
+                out.met.0[lane] += f64::from(u8::from(view.both > 0));
             }
         });
         out

@@ -18,7 +18,7 @@ use crate::raster::Spans;
 use crate::solid_body::{MOST_SOLIDS, SolidBody};
 use crate::{Camera, ObservationModel, RgbImage};
 use sinew_body::point_positions_block;
-use sinew_core::density::{LogDensity, PartLogDensity};
+use sinew_core::density::{Global, LogDensity, PartLogDensity};
 use sinew_core::lanes::{Block, Isa, LANES, dispatch, dispatch_one};
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -268,6 +268,11 @@ impl LogDensity for ImageLikelihood {
 impl PartLogDensity for ImageLikelihood {
     fn parts(&self) -> usize {
         self.model.body.count()
+    }
+
+    /// The alignment of silhouettes, whatever the score.
+    fn global_block(&self, x: &[Block], _ws: &mut [Block]) -> Global {
+        self.alignment_block(x)
     }
 
     fn log_density_parts_block(&self, parts: &[usize], x: &[Block], out: &mut [Block], _ws: &mut [Block]) {

@@ -131,7 +131,7 @@ fn alignment_is_what_sets_of_pixels_say() {
                         log -= expected.ratio() / SIGMA;
                         met += f64::from(u8::from(expected.both > 0));
                     }
-                    assert!((found.log_likelihood.0[lane] - log).abs() < 1e-12 && found.views_met.0[lane] == met);
+                    assert!((found.log_likelihood.0[lane] - log).abs() < 1e-12 && found.met.0[lane] == met);
                 }
             }
         }
@@ -146,13 +146,13 @@ fn the_right_body_is_aligned_and_none_at_all_is_not() {
     let bound = bind(&model, model.silhouettes(&standing()));
     let block = |state: &[f64]| state.iter().map(|&x| Block::splat(x)).collect::<Vec<_>>();
     let right = bound.alignment_block(&block(&standing()));
-    assert_eq!((right.log_likelihood, right.views_met), (Block::ZERO, Block::splat(4.0)));
+    assert_eq!((right.log_likelihood, right.met), (Block::ZERO, Block::splat(4.0)));
     // Behind one camera, and nearer than a few centimetres to none.
     let one = ImageModel { cameras: vec![model.cameras[0].clone()], ..model.clone() };
     let mut behind = standing();
     (behind[0], behind[1]) = (9.0, 9.0);
     let none = bind(&one, one.silhouettes(&standing())).alignment_block(&block(&behind));
-    assert_eq!((none.log_likelihood, none.views_met), (Block::splat(-4.0), Block::ZERO));
+    assert_eq!((none.log_likelihood, none.met), (Block::splat(-4.0), Block::ZERO));
     // Nothing seen and nothing there.
     let empty = bind(&one, vec![BitImage::new(SIZE[0], SIZE[1])]).alignment_block(&block(&behind));
     assert_eq!(empty.log_likelihood, Block::splat(-4.0));
@@ -166,8 +166,8 @@ fn a_body_away_from_all_foreground_has_the_largest_value() {
     let bound = bind(&model, vec![corner; 4]);
     let x: Vec<Block> = standing().iter().map(|&x| Block::splat(x)).collect();
     let away = bound.alignment_block(&x);
-    assert_eq!((away.log_likelihood, away.views_met), (Block::ZERO, Block::ZERO));
+    assert_eq!((away.log_likelihood, away.met), (Block::ZERO, Block::ZERO));
     // A camera without a silhouette says nothing.
     let unseen = model.bind(vec![None; 4]).alignment_block(&x);
-    assert_eq!((unseen.log_likelihood, unseen.views_met), (Block::ZERO, Block::ZERO));
+    assert_eq!((unseen.log_likelihood, unseen.met), (Block::ZERO, Block::ZERO));
 }

@@ -15,7 +15,7 @@ use sinew_samplers::integrator::PhasePoint;
 use sinew_samplers::particles::{Particles, evaluate, resample, reweight, select, temper};
 use sinew_samplers::parts::{choose, choose_chained, evaluate_part, log_likelihoods};
 use sinew_samplers::quantised::{evaluate_distinct, walk};
-use sinew_samplers::resample::{Scheme, keep_once_refill, shuffle};
+use sinew_samplers::resample::{Scheme, keep_once_refill, shuffle, truncate_then_systematic};
 use sinew_samplers::weighted_resampling::weighted_resample;
 use sinew_samplers::weights::{effective_number, normalise};
 
@@ -237,6 +237,14 @@ proptest! {
         let least = ancestors.iter().map(|&a| w[a]).fold(f64::INFINITY, f64::min);
         let dropped = (0..w.len()).filter(|i| !ancestors.contains(i));
         prop_assert!(dropped.map(|i| w[i]).all(|w| w <= least));
+    }
+
+    #[test]
+    fn truncation_leaves_offspring_to_the_same_states_in_both_readings(w in weights(), surviving in 0.0..=1.0f64, seed: u64) {
+        let drawn = truncate_then_systematic(&w, surviving, &mut Stage::new(seed, "property").whole());
+        prop_assert_eq!(drawn.len(), w.len());
+        let kept = keep_once_refill(&w, surviving, &mut Stage::new(seed, "property").whole());
+        prop_assert!(drawn.iter().all(|a| kept[*a] == *a && w[*a] > 0.0));
     }
 
     #[test]
