@@ -78,6 +78,17 @@ impl Flesh {
         Ok(Self { solids, owner, parents })
     }
 
+    /// The same solids with their radii at base and top times a factor each, which must be positive and finite.
+    #[must_use]
+    pub fn with_radii(&self, factors: impl Fn(&Solid) -> [f64; 2]) -> Self {
+        let mut scaled = self.clone();
+        for solid in &mut scaled.solids {
+            let factors = factors(solid);
+            solid.frustum.radii = [0, 1].map(|end| solid.frustum.radii[end] * factors[end]);
+        }
+        scaled
+    }
+
     /// The solids.
     #[must_use]
     pub fn solids(&self) -> &[Solid] {

@@ -1,6 +1,7 @@
 //! The answer of a run as a table of two columns.
 
 use sinew::results::CameraSummary;
+use sinew::setup::MeasuredGirth;
 use sinew::track::job::Outcome;
 use std::path::Path;
 
@@ -24,8 +25,18 @@ pub(crate) fn table(outcome: &Outcome, out: &Path) -> String {
         rows.push(("effective size".into(), format!("median {ess:.0}")));
     }
     rows.extend(summary.cameras.iter().map(|camera| (camera.name.clone(), seen_by(camera))));
+    rows.extend(outcome.girth.map(|girth| ("girth".into(), girth_of(girth))));
     rows.push(("results".into(), out.display().to_string()));
     aligned(&rows)
+}
+
+/// Girths with what they gained.
+fn girth_of(MeasuredGirth { trunk, arms, legs, held_out_iou }: MeasuredGirth) -> String {
+    let [before, after] = held_out_iou.map(|iou| 100.0 * iou);
+    format!(
+        "trunk × {trunk:.2}, arms × {arms:.2}, legs × {legs:.2}: intersection over union with held-out masks \
+         {after:.0} %, {before:.0} % without"
+    )
 }
 
 /// How well the tracked body fits what a camera saw.

@@ -3,6 +3,7 @@
 mod common;
 
 use common::synthetic::{FRAMES, Whole};
+use sinew::input::upright::{FramesRead, Upright};
 use sinew::results::problem;
 use sinew::results::problem::Problem;
 use sinew::track::checkpoint::{self, Checkpoint};
@@ -150,12 +151,13 @@ fn a_changed_or_missing_chunk_is_refused() {
 fn frames_read_again_are_counted_once() {
     let whole = Whole::new(&[("method", "bootstrap"), ("particles", "8"), ("draws", "1"), ("body", "cf28")]);
     let mut recording = whole.recording.clone();
-    let mut source = sinew::input::upright::Upright::new(&mut recording, "+z");
+    let mut source = Upright::new(&mut recording, "+z");
     let mut printed = vec![];
     let each = |done, total| {
         printed.push((done, total));
         Ok::<_, sinew::Error>(())
     };
-    source.read_again(&[0..20, 5..6, 28..40], 0..30, each).unwrap();
+    let read = FramesRead { people: vec![0..20, 5..6, 28..40], masks: vec![] };
+    source.read_again(&read, 0..30, each).unwrap();
     assert_eq!(printed, (1..=FRAMES).map(|done| (done, FRAMES)).collect::<Vec<_>>());
 }

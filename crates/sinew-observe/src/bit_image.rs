@@ -164,6 +164,17 @@ pub struct Overlap {
     pub second_only: u64,
 }
 
+impl core::iter::Sum for Overlap {
+    fn sum<I: Iterator<Item = Self>>(all: I) -> Self {
+        let add = |a: Self, b: Self| Self {
+            both: a.both + b.both,
+            first_only: a.first_only + b.first_only,
+            second_only: a.second_only + b.second_only,
+        };
+        all.fold(Self::default(), add)
+    }
+}
+
 /// Counts the pixels of two images in some columns.
 ///
 /// # Panics

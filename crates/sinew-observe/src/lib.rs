@@ -37,6 +37,8 @@ pub mod distance_map;
 pub mod edges;
 mod error;
 pub mod following;
+pub mod girth;
+pub mod golden_section;
 pub mod hull;
 pub mod image_likelihood;
 mod image_lookup;

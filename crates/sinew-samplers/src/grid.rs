@@ -3,8 +3,8 @@
 //! A coordinate between θ_L and θ_H with steps of δ has ⌈(θ_H − θ_L) / δ⌉ partitions of equal width; its values are their centres. A coordinate that wraps (a heading) has a range of one turn, whose ends are one
 //! point; one that does not is held at its outermost centres.
 //!
-//! The step is learned from how much a coordinate changes between consecutive frames, at the frame rate that is tracked: δ = c √Var\[θ(t+1) − θ(t)\], at least 10⁻³ rad or m. What is printed is the variance; the units ask
-//! for its root. [`Width::VarianceLiteral`] keeps the other reading for comparison.
+//! The step is learned from how much a coordinate changes between consecutive frames, at the frame rate that is tracked: δ = c √mean (θ(t+1) − θ(t))², at least 10⁻³ rad or m. What is printed is the variance; the units
+//! ask for its root. It is taken about zero: the deviation about the mean of a walk straight ahead leaves out the walking. [`Width::MeanSquareLiteral`] keeps the printed unit for comparison.
 //!
 //! ```
 //! use sinew_samplers::grid::GridAxis;
@@ -86,15 +86,15 @@ impl GridAxis {
 /// How a step follows from the changes between consecutive frames.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Width {
-    /// A number of standard deviations.
-    Deviations(f64),
-    /// The number of their variance, as printed.
-    VarianceLiteral,
+    /// A number of root mean squares.
+    RootMeanSquares(f64),
+    /// The number of their mean square, as printed.
+    MeanSquareLiteral,
 }
 
 impl Default for Width {
     fn default() -> Self {
-        Self::Deviations(1.0)
+        Self::RootMeanSquares(1.0)
     }
 }
 
@@ -124,12 +124,11 @@ pub fn train(sequences: &[Vec<Vec<f64>>], wraps: &[bool], width: Width) -> Resul
             [values().fold(f64::INFINITY, f64::min), values().fold(f64::NEG_INFINITY, f64::max)]
         };
         let range = GridAxis::new(low, high, LEAST_WIDTH, wraps)?;
-        let changes: Vec<f64> = pairs().map(|pair| range.difference(pair[1][j], pair[0][j])).collect();
-        let mean = changes.iter().sum::<f64>() / count as f64;
-        let variance = changes.iter().map(|c| (c - mean).powi(2)).sum::<f64>() / count as f64;
+        let squares = pairs().map(|pair| range.difference(pair[1][j], pair[0][j]).powi(2));
+        let mean_square = squares.sum::<f64>() / count as f64;
         let learned = match width {
-            Width::Deviations(factor) => factor * variance.sqrt(),
-            Width::VarianceLiteral => variance,
+            Width::RootMeanSquares(factor) => factor * mean_square.sqrt(),
+            Width::MeanSquareLiteral => mean_square,
         };
         if learned.is_nan() {
             return Err(Error::OutOfRange { name: "learned width", value: learned, expected: "must be a number" });
@@ -180,15 +179,15 @@ mod tests {
 
     #[test]
     fn steps_are_learned_from_changes_within_sequences() {
-        // Changes of the first coordinate: ±0.1 about a mean of 0; of the second, across the turn, 0.2 each but for one.
+        // Changes of the first coordinate: ±0.1 about a mean of 0; of the second, across the turn, ±0.2, three of four forwards.
         let walk = |x: [f64; 3], y: [f64; 3]| x.into_iter().zip(y).map(|(x, y)| vec![x, y, 5.0]).collect::<Vec<_>>();
         let sequences =
             vec![walk([0.0, 0.1, 0.0], [3.0, 3.2 - 2.0 * PI, 3.4 - 2.0 * PI]), walk([9.0, 9.1, 9.0], [0.0, 0.2, 0.0])];
-        let axes = train(&sequences, &[false, true, false], Width::Deviations(2.0)).expect("valid");
+        let axes = train(&sequences, &[false, true, false], Width::RootMeanSquares(2.0)).expect("valid");
         assert!((axes[0].width() - 0.2).abs() < 1e-12 && (axes[0].low, axes[0].high) == (0.0, 9.1));
-        assert!((axes[1].width() - 2.0 * 0.03_f64.sqrt()).abs() < 1e-12 && axes[1].high == PI);
+        assert!((axes[1].width() - 2.0 * 0.04_f64.sqrt()).abs() < 1e-12 && axes[1].high == PI);
         assert_eq!((axes[2].width(), axes[2].count()), (LEAST_WIDTH, 1));
-        let literal = train(&sequences, &[false, true, false], Width::VarianceLiteral).expect("valid");
+        let literal = train(&sequences, &[false, true, false], Width::MeanSquareLiteral).expect("valid");
         assert!((literal[0].width() - 0.01).abs() < 1e-12);
     }
 

@@ -2,7 +2,7 @@
 //!
 //! - [`start_part`] and [`predict_part`] apply one factor h_k of a motion h = h_1 * … * h_K that moves one part each (MacCormick & Isard 2000).
 //! - [`log_likelihoods`] gives the log likelihood of each part of each state.
-//! - [`choose`] picks for each part the state that explains it best, [`choose_chained`] with the parts chosen before as its ancestors. Both are searches: what they put together is no draw from anything.
+//! - [`choose`] picks for each part the state that explains it best, [`choose_chained`] with the parts chosen before as its ancestors, [`choose_whole`] by the likelihood of the whole. All are searches: what they put together is no draw from anything.
 
 use crate::Error;
 use crate::particles::{Particles, evaluate_by};
@@ -117,6 +117,28 @@ pub fn choose_chained<D: PartLogDensity + ?Sized>(
         }
         let values = log_likelihoods(&candidates, density, &[k]).concat();
         adopt(&mut state, part, &particles.state(chosen(&values)?));
+    }
+    Ok(state)
+}
+
+/// From the root outwards, part k is that of the particle which makes the whole state likeliest: with the parts chosen before, and all others as in `base`. Count × parts evaluations of the whole likelihood.
+///
+/// # Errors
+/// [`Error::AllWeightsZero`] where no particle's part has a likelihood.
+pub fn choose_whole<D: PartLogDensity + ?Sized>(
+    particles: &Particles,
+    density: &D,
+    tree: &PartTree,
+    base: &[f64],
+) -> Result<Vec<f64>, Error> {
+    let mut state = base.to_vec();
+    for part in tree.partition().parts() {
+        let mut candidates = particles.clone();
+        for (j, x) in state.iter().enumerate().filter(|(j, _)| !part.indices().contains(j)) {
+            candidates.states.chunks_mut(base.len()).for_each(|block| block[j] = Block::splat(*x));
+        }
+        evaluate_by(&mut candidates, density.workspace(), |states, ws| density.log_density_block(states, ws));
+        adopt(&mut state, part, &particles.state(chosen(&candidates.values())?));
     }
     Ok(state)
 }

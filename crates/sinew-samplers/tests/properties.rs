@@ -13,7 +13,7 @@ use sinew_samplers::grid::GridAxis;
 use sinew_samplers::hmc::Hmc;
 use sinew_samplers::integrator::PhasePoint;
 use sinew_samplers::particles::{Particles, evaluate, resample, reweight, select, temper};
-use sinew_samplers::parts::{choose, choose_chained, evaluate_part, log_likelihoods};
+use sinew_samplers::parts::{choose, choose_chained, choose_whole, evaluate_part, log_likelihoods};
 use sinew_samplers::quantised::{evaluate_distinct, walk};
 use sinew_samplers::resample::{Scheme, keep_once_refill, shuffle, truncate_then_systematic};
 use sinew_samplers::weighted_resampling::weighted_resample;
@@ -177,7 +177,7 @@ proptest! {
         }
     }
 
-    /// A12: each chosen part is the largest of its column; of parts that do not see each other the chain chooses the same.
+    /// A12: each chosen part is the largest of its column; of parts that do not see each other the chain and the whole choose the same.
     #[test]
     fn chosen_parts_are_the_largest(dim in 1..5usize, count in 1..50usize, seed: u64) {
         let mut particles = cloud(dim, count, seed);
@@ -189,6 +189,10 @@ proptest! {
             prop_assert!((0..count).any(|i| particles.state(i)[j] == state[j]));
             evaluate_part(&mut particles, &Ladder(dim), j);
             prop_assert_eq!(&particles.values(), column);
+        }
+        let whole = choose_whole(&particles, &Ladder(dim), &chain(dim), &vec![0.0; dim]).expect("explained");
+        for (j, x) in whole.iter().enumerate() {
+            prop_assert_eq!(rung(j, *x), rung(j, state[j]));
         }
         prop_assert_eq!(choose_chained(&particles, &Ladder(dim), &chain(dim)).expect("explained"), state);
     }

@@ -21,16 +21,13 @@ use sinew::results::error::Occupied;
 use sinew::results::tracked::{self, Tracked};
 use sinew_body::KinematicTree;
 use sinew_body::flesh::{Flesh, Solid};
-use sinew_core::lanes::Isa;
 use sinew_formats::body_toml;
-use sinew_observe::bit_image::{BitImage, Overlap, overlap};
-use sinew_observe::image_likelihood::ImageModel;
-use sinew_observe::image_score::ImageScore;
-use sinew_observe::solid_body::SolidBody;
+use sinew_observe::bit_image::Overlap;
+use sinew_observe::girth::{Sight, before_cameras, mask_overlap};
+use sinew_observe::golden_section::golden_section;
 use sinew_observe::{Camera, WorkingRaster};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 
 /// Where poses and masks come from.
 #[derive(Clone, Debug, PartialEq)]
@@ -43,15 +40,6 @@ pub struct ShapeFitRequest {
     pub scale: Option<f64>,
     /// Frames to choose from, by number; all if `None`.
     pub frames: Option<Range<u64>>,
-}
-
-/// A state with what the cameras saw of it.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Sight {
-    /// State of the body.
-    pub state: Vec<f64>,
-    /// Masks, in the order and size of the cameras.
-    pub silhouettes: Vec<Option<BitImage>>,
 }
 
 /// Scales of one part.
@@ -109,15 +97,9 @@ fn part_names(solids: &[Solid]) -> Vec<String> {
 }
 
 /// Solids with scaled radii.
-fn scaled(solids: &[Solid], names: &[String], logs: &[[f64; 2]]) -> Vec<Solid> {
-    let one = |solid: &Solid| {
-        let mut solid = solid.clone();
-        if let Some(part) = names.iter().position(|name| name == part_name(&solid.name)) {
-            solid.frustum.radii = [0, 1].map(|end| solid.frustum.radii[end] * logs[part][end].exp());
-        }
-        solid
-    };
-    solids.iter().map(one).collect()
+fn scaled(flesh: &Flesh, names: &[String], logs: &[[f64; 2]]) -> Flesh {
+    let part = |solid: &Solid| names.iter().position(|name| name == part_name(&solid.name));
+    flesh.with_radii(|solid| part(solid).map_or([1.0; 2], |part| logs[part].map(f64::exp)))
 }
 
 /// Counts wrong pixels.
@@ -130,32 +112,13 @@ struct Judge<'a> {
 }
 
 impl Judge<'_> {
-    fn flesh(&self, logs: &[[f64; 2]]) -> Result<Flesh, ShapeFitError> {
-        Flesh::new(self.tree, scaled(self.flesh.solids(), self.names, logs)).map_err(ShapeFitError::Solids)
-    }
-
     /// Wrong pixels over the masks' pixels.
     fn mismatch(&self, logs: &[[f64; 2]]) -> Result<f64, ShapeFitError> {
-        let body = SolidBody::new(self.tree, &self.flesh(logs)?).map_err(ShapeFitError::Solids)?;
-        let model = ImageModel {
-            body: Arc::new(body),
-            cameras: self.cameras.to_vec(),
-            score: ImageScore::Parts,
-            colours: Arc::default(),
-            isa: Isa::baseline(),
-        };
-        let counts_of = |sight: &Sight| {
-            let bodies = model.silhouettes(&sight.state);
-            let pairs = bodies.iter().zip(&sight.silhouettes).filter_map(|(body, mask)| Some((body, mask.as_ref()?)));
-            let counts = pairs.map(|(body, mask)| {
-                let Overlap { both, first_only, second_only } = overlap(mask, body, 0..mask.width());
-                [first_only + second_only, both + first_only]
-            });
-            counts.fold([0, 0], |[a, b], [c, d]| [a + c, b + d])
-        };
-        let sum = |[a, b]: [u64; 2], [c, d]: [u64; 2]| [a + c, b + d];
-        let [wrong, all] = self.sights.par_iter().map(counts_of).reduce(|| [0, 0], sum);
-        Ok(wrong as f64 / all.max(1) as f64)
+        let flesh = scaled(self.flesh, self.names, logs);
+        let model = before_cameras(self.tree, &flesh, self.cameras).map_err(ShapeFitError::Solids)?;
+        let Overlap { both, first_only, second_only } =
+            self.sights.par_iter().map(|sight| mask_overlap(&model, sight)).sum();
+        Ok((first_only + second_only) as f64 / (both + first_only).max(1) as f64)
     }
 
     /// What is minimised.
@@ -174,33 +137,17 @@ impl Judge<'_> {
     ) -> Result<(), ShapeFitError> {
         let start = logs[part];
         let [least, most] = SCALES.map(f64::ln);
-        let at = |step: f64, logs: &mut [[f64; 2]], best: &mut f64, kept: &mut [f64; 2]| {
-            let mut ends_at = start;
-            ends.iter().for_each(|&end| ends_at[end] = (start[end] + step).clamp(least, most));
-            logs[part] = ends_at;
-            let cost = self.cost(logs)?;
-            if cost < *best {
-                (*best, *kept) = (cost, ends_at);
-            }
-            Ok::<f64, ShapeFitError>(cost)
+        let moved = |step: f64| {
+            let mut moved = start;
+            ends.iter().for_each(|&end| moved[end] = (start[end] + step).clamp(least, most));
+            moved
         };
-        let golden = 0.5 * (5.0_f64.sqrt() - 1.0);
-        let mut kept = start;
-        let (mut low, mut high) = (-reach, reach);
-        let mut inner = [high - golden * (high - low), low + golden * (high - low)];
-        let mut costs = [at(inner[0], logs, best, &mut kept)?, at(inner[1], logs, best, &mut kept)?];
-        for _ in 0..STEPS {
-            if costs[0] < costs[1] {
-                high = inner[1];
-                inner = [high - golden * (high - low), inner[0]];
-                costs = [at(inner[0], logs, best, &mut kept)?, costs[0]];
-            } else {
-                low = inner[0];
-                inner = [inner[1], low + golden * (high - low)];
-                costs = [costs[1], at(inner[1], logs, best, &mut kept)?];
-            }
-        }
-        logs[part] = kept;
+        let (step, cost) = golden_section([-reach, reach], STEPS, |step| {
+            logs[part] = moved(step);
+            self.cost(logs)
+        })?;
+        logs[part] = if cost < *best { moved(step) } else { start };
+        *best = best.min(cost);
         Ok(())
     }
 }
@@ -242,7 +189,7 @@ pub fn fit(
         }
         progress(round as u64 + 1, ROUNDS.len() as u64);
     }
-    let (after, flesh) = (judge.mismatch(&logs)?, judge.flesh(&logs)?);
+    let (after, flesh) = (judge.mismatch(&logs)?, scaled(flesh, &names, &logs));
     let parts = names.iter().zip(&logs).map(|(name, log)| PartScale { name: name.clone(), scale: log.map(f64::exp) });
     Ok(FittedShape {
         flesh,
@@ -306,6 +253,7 @@ mod tests {
     use super::*;
     use sinew_body::standard_flesh::standard_flesh;
     use sinew_motion::points::points_of_states;
+    use sinew_observe::bit_image::BitImage;
     use sinew_simulate::ring::{Ring, around};
     use sinew_simulate::walker::{Gait, Walker, walker_states};
 
@@ -333,13 +281,7 @@ mod tests {
     }
 
     fn sights(tree: &KinematicTree, flesh: &Flesh, cameras: &[Camera], states: &[Vec<f64>]) -> Vec<Sight> {
-        let model = ImageModel {
-            body: Arc::new(SolidBody::new(tree, flesh).expect("a body")),
-            cameras: cameras.to_vec(),
-            score: ImageScore::Parts,
-            colours: Arc::default(),
-            isa: Isa::baseline(),
-        };
+        let model = before_cameras(tree, flesh, cameras).expect("a body");
         let sight = |state: &Vec<f64>| {
             let silhouettes = model.silhouettes(state).into_iter().map(Some).collect();
             Sight { state: state.clone(), silhouettes }
@@ -356,7 +298,7 @@ mod tests {
             .iter()
             .map(|name| TRUTH.iter().find(|(known, _)| known == name).map_or([0.0; 2], |(_, scale)| scale.map(f64::ln)))
             .collect();
-        let truth = Flesh::new(&tree, scaled(standard.solids(), &names, &logs)).expect("positive radii");
+        let truth = scaled(&standard, &names, &logs);
         let seen = sights(&tree, &truth, &cameras, &states);
         let fitted = fit(&tree, &standard, &cameras, &seen, |_, _| {}).expect("masks of a person");
         assert!(fitted.before > 0.05 && fitted.after < 0.2 * fitted.before, "{} {}", fitted.before, fitted.after);

@@ -8,10 +8,9 @@
 //! 4. o_k = argmax over all M of λ_jk (printed is the number of coarse particles); X̂(t + 1) = part k of y_(o_k), k = 1 … K, put together
 //!
 //! The coarse particles with their weights pass to the next frame. Before two estimates exist the difference in step 1 is 0; a coordinate that wraps differs the short way round. The coarse particles start at the given
-//! state. At most N + 1 evaluations of the whole likelihood a frame, the one for that of X̂, and M K of parts.
+//! state. At most N + 1 evaluations of the whole likelihood a frame, the one for that of X̂, and M K of parts; with [`Judging::Whole`] M K of the whole.
 //!
-//! Each part of y_j is judged under the other parts of y_j, which need not be those that are chosen. With [`Config::chained`], not the paper's, step 4 goes from the root outwards and judges part k under the chosen
-//! ancestors.
+//! In steps 3 and 4 each part of y_j is judged under the other parts of y_j, which need not be those that are chosen. "The likelihood function (3) is used … for each body part" can be read otherwise: see [`Judging`].
 
 use crate::error::check_dimension;
 use crate::particle_state::ParticleState;
@@ -25,7 +24,7 @@ use sinew_core::transition::MotionModel;
 use sinew_samplers::diffusion::diffuse;
 use sinew_samplers::grid::GridAxis;
 use sinew_samplers::particles::{Particles, best, resample, temper};
-use sinew_samplers::parts::{choose, choose_chained};
+use sinew_samplers::parts::{choose, choose_chained, choose_whole};
 use sinew_samplers::quantised::{evaluate_distinct, walk};
 use sinew_samplers::resample::Scheme;
 
@@ -40,13 +39,24 @@ pub struct Config {
     pub drift: f64,
     /// Whether coarse particles stand on the centres of partitions.
     pub snapped: bool,
-    /// Whether a part is judged under the parts that were chosen for its ancestors.
-    pub chained: bool,
+    /// How the parts of the fine particles are judged.
+    pub judging: Judging,
+}
+
+/// By what the best part k of the fine particles is chosen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Judging {
+    /// The likelihood of part k on its own particle.
+    Decoupled,
+    /// From the root outwards, the likelihood of part k under the parts chosen for its ancestors.
+    Chained,
+    /// From the root outwards, the likelihood of the whole with the parts chosen before and the others of X_c.
+    Whole,
 }
 
 impl Default for Config {
     fn default() -> Self {
-        Self { coarse: 300, fine: 500, drift: 0.2, snapped: true, chained: false }
+        Self { coarse: 300, fine: 500, drift: 0.2, snapped: true, judging: Judging::Decoupled }
     }
 }
 
@@ -158,16 +168,20 @@ impl<O: PartLogDensity + ?Sized> Tracker<O> for CoarseToFine {
         let mut refined = Particles::new(&coarse.state, config.fine)?;
         let widths: Vec<f64> = axes.iter().map(GridAxis::width).collect();
         diffuse(&mut refined, None, &widths, *isa, to_refine);
-        let choice = if config.chained { choose_chained } else { choose };
-        let chosen = choice(&refined, observed, tree)?;
+        let (chosen, whole) = match config.judging {
+            Judging::Decoupled => (choose(&refined, observed, tree)?, false),
+            Judging::Chained => (choose_chained(&refined, observed, tree)?, false),
+            Judging::Whole => (choose_whole(&refined, observed, tree, &coarse.state)?, true),
+        };
+        let judged = config.fine * parts;
         let fine = Judged { log_likelihood: observed.log_density(&chosen), state: chosen };
         let info = StepInfo {
             mean: fine.state.clone(),
             ess: 1.0,
             survivors: vec![particles.effective_sample_size()],
             resampled: Some(true),
-            likelihood_evaluations: evaluations + 1,
-            part_evaluations: config.fine * parts,
+            likelihood_evaluations: evaluations + 1 + if whole { judged } else { 0 },
+            part_evaluations: if whole { 0 } else { judged },
             ..StepInfo::default()
         };
         self.answer = Particles::new(&fine.state, 1)?;

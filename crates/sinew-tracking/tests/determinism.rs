@@ -17,7 +17,7 @@ use sinew_samplers::resample::Truncation;
 use sinew_samplers::tuning;
 use sinew_tracking::annealed::{self, Annealed};
 use sinew_tracking::bootstrap::{self, Bootstrap};
-use sinew_tracking::coarse_to_fine::{self, CoarseToFine};
+use sinew_tracking::coarse_to_fine::{self, CoarseToFine, Judging};
 use sinew_tracking::hmc_filter::{self, HmcFilter};
 use sinew_tracking::hppf::{self, Hppf};
 use sinew_tracking::partitioned::{self, Partitioned};
@@ -150,7 +150,7 @@ fn trackers() -> Vec<Boxed> {
         Box::new(coarse_to_fine(coarse_to_fine::Config::default())),
         Box::new(coarse_to_fine(coarse_to_fine::Config {
             snapped: false,
-            chained: true,
+            judging: Judging::Whole,
             coarse: 51,
             fine: 43,
             drift: 0.5,

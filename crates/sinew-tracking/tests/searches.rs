@@ -2,7 +2,7 @@
 //! A1, A12, validity, counts of evaluations, equality of the two ways of a product likelihood.
 
 use sinew_core::density::{Lanes, LogDensity, PartLogDensity};
-use sinew_core::lanes::{Block, Isa};
+use sinew_core::lanes::{Block, Isa, LANES};
 use sinew_core::part::{Part, PartTree, Partition};
 use sinew_core::random::Stage;
 use sinew_core::toy::Quadratic;
@@ -13,7 +13,7 @@ use sinew_samplers::particles::aggregate;
 use sinew_samplers::resample::Scheme;
 use sinew_tracking::annealed::{self, Annealed};
 use sinew_tracking::bootstrap::{self, Bootstrap};
-use sinew_tracking::coarse_to_fine::{self, CoarseToFine};
+use sinew_tracking::coarse_to_fine::{self, CoarseToFine, Judging};
 use sinew_tracking::partitioned::{self, Partitioned};
 use sinew_tracking::{StepInfo, Tracker};
 use std::sync::Arc;
@@ -274,8 +274,8 @@ fn coarse_states_stand_on_centres_and_share_evaluations() {
 /// A12, second half: with one fine particle the parts are its own, and it is one draw around the coarse estimate.
 #[test]
 fn one_fine_particle_is_the_estimate() {
-    for chained in [false, true] {
-        let mut tracker = coarse_to_fine(coarse_to_fine::Config { fine: 1, chained, ..Default::default() }, 0.2);
+    for judging in [Judging::Decoupled, Judging::Chained, Judging::Whole] {
+        let mut tracker = coarse_to_fine(coarse_to_fine::Config { fine: 1, judging, ..Default::default() }, 0.2);
         let observed = InParts { whole: seen(1), product: false };
         tracker.step(&observed, Stage::new(5, "one")).expect("weights");
         let [_, _, to_refine] = Stage::new(5, "one").split(["resample", "walk", "refine"]);
@@ -290,7 +290,7 @@ fn one_fine_particle_is_the_estimate() {
 /// The drift follows the change of the estimates, from the third frame on: with a flat likelihood and many particles the mean moves by A times the change.
 #[test]
 fn coarse_states_drift_with_the_estimate() {
-    let config = coarse_to_fine::Config { coarse: 20_000, fine: 1, drift: 5.0, snapped: false, chained: false };
+    let config = coarse_to_fine::Config { coarse: 20_000, fine: 1, drift: 5.0, snapped: false, ..Default::default() };
     let mut tracker = coarse_to_fine(config, 0.01);
     let flat = InParts {
         whole: Lanes { leaf: Quadratic { centre: vec![0.0; 3], precision: vec![0.0; 3] }, isa: Isa::best() },
@@ -320,8 +320,8 @@ fn coarse_states_drift_with_the_estimate() {
 #[test]
 fn chained_parts_are_judged_under_the_chosen_ones() {
     let observed = InParts { whole: seen(1), product: false };
-    let run = |chained| {
-        let mut tracker = coarse_to_fine(coarse_to_fine::Config { chained, ..Default::default() }, 0.2);
+    let run = |judging| {
+        let mut tracker = coarse_to_fine(coarse_to_fine::Config { judging, ..Default::default() }, 0.2);
         tracker.step(&observed, Stage::new(7, "chained")).expect("weights");
         let value = |part: usize| {
             let x: Vec<Block> = tracker.fine().state.iter().map(|&x| Block::splat(x)).collect();
@@ -331,8 +331,55 @@ fn chained_parts_are_judged_under_the_chosen_ones() {
         };
         [0, 1, 2].map(value)
     };
-    let (apart, chained) = (run(false), run(true));
+    let (apart, chained) = (run(Judging::Decoupled), run(Judging::Chained));
     assert_eq!(apart[..2], chained[..2], "parts without ancestors that matter are chosen alike");
     assert!(chained[2] > apart[2], "{chained:?} against {apart:?}");
     assert!(chained[2] > -1e-2, "the best of 500 is near the peak: {chained:?}");
+}
+
+/// Coordinates that see each other.
+struct Coupled;
+impl LogDensity for Coupled {
+    fn dim(&self) -> usize {
+        3
+    }
+    fn log_density(&self, x: &[f64]) -> f64 {
+        -20.0 * (x[0] + x[1] - 1.3).powi(2) - 30.0 * (x[1] - x[2] + 0.4).powi(2) - 2.0 * x[0] * x[0]
+    }
+}
+impl PartLogDensity for Coupled {
+    fn parts(&self) -> usize {
+        3
+    }
+    fn log_density_parts_block(&self, _: Range<usize>, _: &[Block], out: &mut [Block], _: &mut [Block]) {
+        out.fill(Block::splat(f64::NEG_INFINITY));
+    }
+}
+
+/// Judged as a whole, part after part is the best of all fine particles', the parts before as chosen and the others those of X_c.
+#[test]
+fn whole_states_are_put_together_greedily() {
+    let observed = Coupled;
+    let config = coarse_to_fine::Config { fine: LANES, judging: Judging::Whole, ..Default::default() };
+    let mut tracker = coarse_to_fine(config, 0.2);
+    let info = tracker.step(&observed, Stage::new(8, "whole")).expect("weights");
+    assert_eq!((info.likelihood_evaluations > 3 * LANES, info.part_evaluations), (true, 0));
+    let [_, _, to_refine] = Stage::new(8, "whole").split(["resample", "walk", "refine"]);
+    let mut noise = [Block::ZERO; 3];
+    to_refine.block(0).fill_normal(Isa::best(), &mut noise);
+    let coarse = &tracker.coarse().state;
+    let mut state = coarse.clone();
+    for part in [0, 1, 2] {
+        let with = |lane: usize| {
+            let mut with = state.clone();
+            with[part] = coarse[part] + 0.2 * noise[part].0[lane];
+            with
+        };
+        let likelier =
+            |a: &usize, b: &usize| observed.log_density(&with(*a)).total_cmp(&observed.log_density(&with(*b)));
+        let best = (0..LANES).max_by(likelier).expect("eight lanes");
+        state = with(best);
+    }
+    assert_eq!(tracker.fine().state, state);
+    assert_ne!(state, *coarse);
 }

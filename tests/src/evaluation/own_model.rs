@@ -101,6 +101,7 @@ fn stated_setup(body: &KinematicTree, sigma_px: f64) -> Result<(Setup, Vec<Camer
         up_axis: Z_UP.into(),
         model_error_m: 0.0,
         size_sd: 0.0,
+        girth: None,
         start_frame: 0,
         start_pose: start,
         step_size: None,

@@ -15,6 +15,7 @@ use crate::{Error, files};
 use sinew_formats::source_text::MAX_TEXT_BYTES;
 use sinew_formats::{Layout, layout, trc};
 use sinew_observe::association::Person;
+use sinew_observe::bit_image::BitImage;
 use sinew_observe::{Camera, Detection};
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -264,15 +265,18 @@ impl FrameSource for Footage {
         self.silhouettes.as_ref().map(Silhouettes::cameras)
     }
 
+    fn masks(&mut self, number: u64) -> Result<Vec<Option<BitImage>>, Error> {
+        Ok(self.silhouettes.as_mut().map(|masks| masks.frame(number)).transpose()?.unwrap_or_default())
+    }
+
     fn frame(&mut self, number: u64) -> Result<Frame, Error> {
         let people = match self.begins_only {
             true => vec![vec![]; self.cameras.len()],
             false => self.people(number)?,
         };
-        let silhouettes = self.silhouettes.as_mut().map(|masks| masks.frame(number)).transpose()?;
+        let silhouettes = self.masks(number)?;
         let pictures = self.pictures.as_mut().map(|images| images.frame(number)).transpose()?;
-        let images =
-            FrameImages { silhouettes: silhouettes.unwrap_or_default(), pictures: pictures.unwrap_or_default() };
+        let images = FrameImages { silhouettes, pictures: pictures.unwrap_or_default() };
         Ok(Frame { people, images })
     }
 }

@@ -6,6 +6,7 @@ use crate::Error;
 use sinew_formats::Layout;
 use sinew_observe::Camera;
 use sinew_observe::association::Person;
+use sinew_observe::bit_image::BitImage;
 use std::ops::Range;
 
 /// Keypoints of all people in all views, one frame at a time.
@@ -25,6 +26,14 @@ pub trait FrameSource {
     /// The cameras sized like the masks, if there are masks.
     fn image_cameras(&self) -> Option<Vec<Camera>> {
         None
+    }
+
+    /// For each camera its mask in a frame, for the set-up; none without masks.
+    ///
+    /// # Errors
+    /// A frame that cannot be read.
+    fn masks(&mut self, number: u64) -> Result<Vec<Option<BitImage>>, Error> {
+        Ok(self.frame(number)?.images.silhouettes)
     }
 
     /// A frame to be tracked: people and, where there are masks, images.

@@ -4,9 +4,11 @@ use super::frame::Frame;
 use super::source::FrameSource;
 use super::up_axis::upright;
 use crate::Error;
+use serde::{Deserialize, Serialize};
 use sinew_formats::Layout;
 use sinew_observe::Camera;
 use sinew_observe::association::Person;
+use sinew_observe::bit_image::BitImage;
 use std::collections::BTreeSet;
 use std::ops::Range;
 
@@ -15,7 +17,16 @@ pub struct Upright<'a, S> {
     source: &'a mut S,
     cameras: Vec<Camera>,
     up: String,
-    read: Vec<Range<u64>>,
+    read: FramesRead,
+}
+
+/// Runs of frames that were read for a set-up, in their order.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct FramesRead {
+    /// Those of which people were read.
+    pub people: Vec<Range<u64>>,
+    /// Those of which masks were read.
+    pub masks: Vec<Range<u64>>,
 }
 
 /// The frames of a run that are there.
@@ -23,16 +34,24 @@ fn within(run: &Range<u64>, frames: &Range<u64>) -> Range<u64> {
     run.start.max(frames.start)..run.end.min(frames.end)
 }
 
+/// Adds a frame to runs of frames.
+fn note(runs: &mut Vec<Range<u64>>, number: u64) {
+    match runs.last_mut() {
+        Some(run) if run.end == number => run.end += 1,
+        _ => runs.push(number..number + 1),
+    }
+}
+
 impl<'a, S: FrameSource> Upright<'a, S> {
     /// Turns the world of a source whose axis `up` (`+x` to `-z`) points up. Unknown names turn nothing.
     pub fn new(source: &'a mut S, up: &str) -> Self {
         let cameras = upright(source.cameras().to_vec(), up);
-        Self { source, cameras, up: up.into(), read: vec![] }
+        Self { source, cameras, up: up.into(), read: FramesRead::default() }
     }
 
-    /// Runs of frames that were read for the set-up, in their order.
+    /// What was read for the set-up.
     #[must_use]
-    pub fn read(&self) -> &[Range<u64>] {
+    pub const fn read(&self) -> &FramesRead {
         &self.read
     }
 
@@ -43,27 +62,31 @@ impl<'a, S: FrameSource> Upright<'a, S> {
     /// Errors of the source and of `each`.
     pub fn read_again<E: From<Error>>(
         &mut self,
-        set_up: &[Range<u64>],
+        set_up: &FramesRead,
         tracked: Range<u64>,
         mut each: impl FnMut(u64, u64) -> Result<(), E>,
     ) -> Result<(), E> {
         let frames = self.source.frames();
-        let mut left: BTreeSet<u64> = set_up.iter().flat_map(|run| within(run, &frames)).collect();
+        let people = &set_up.people;
+        let mut left: BTreeSet<u64> = people.iter().flat_map(|run| within(run, &frames)).collect();
         let total = left.iter().copied().chain(within(&tracked, &frames)).collect::<BTreeSet<u64>>().len() as u64;
         let mut done = 0;
-        for number in set_up.iter().flat_map(|run| within(run, &frames)).filter(|number| left.remove(number)) {
+        for number in people.iter().flat_map(|run| within(run, &frames)).filter(|number| left.remove(number)) {
             done += 1;
             each(done, total)?;
             self.source.people(number)?;
         }
+        for number in set_up.masks.iter().flat_map(|run| within(run, &frames)) {
+            self.source.masks(number)?;
+        }
         for number in within(&tracked, &frames) {
-            if !set_up.iter().any(|run| run.contains(&number)) {
+            if !people.iter().any(|run| run.contains(&number)) {
                 done += 1;
                 each(done, total)?;
             }
             self.source.frame(number)?;
         }
-        self.read = set_up.to_vec();
+        self.read = set_up.clone();
         Ok(())
     }
 
@@ -86,11 +109,13 @@ impl<S: FrameSource> FrameSource for Upright<'_, S> {
     }
     fn people(&mut self, number: u64) -> Result<Vec<Vec<Person>>, Error> {
         let people = self.source.people(number)?;
-        match self.read.last_mut() {
-            Some(run) if run.end == number => run.end += 1,
-            _ => self.read.push(number..number + 1),
-        }
+        note(&mut self.read.people, number);
         Ok(people)
+    }
+    fn masks(&mut self, number: u64) -> Result<Vec<Option<BitImage>>, Error> {
+        let masks = self.source.masks(number)?;
+        note(&mut self.read.masks, number);
+        Ok(masks)
     }
     fn image_cameras(&self) -> Option<Vec<Camera>> {
         self.source.image_cameras().map(|cameras| upright(cameras, &self.up))

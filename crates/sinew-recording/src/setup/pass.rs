@@ -95,6 +95,7 @@ fn unmeasured(layout: &Layout, request: &SetupRequest, camera: Vec<CameraSetup>)
         step_size: None,
         leapfrog_steps: None,
         motion_sd: None,
+        girth: None,
         proportions: Proportions::default(),
         camera,
     }

@@ -3,6 +3,7 @@
 //! `body` is `"H32"`, `"CF28"`, or the whole text of a body file, so that the set-up repeats a run when that file is gone.
 
 use super::error::SetupError;
+use super::measured_girth::MeasuredGirth;
 use crate::{Error, Problems};
 use serde::{Deserialize, Serialize};
 use sinew_body::flesh::Flesh;
@@ -84,6 +85,12 @@ impl Body {
         standard_flesh(tree).map_err(SetupError::NoFlesh)
     }
 
+    /// Whether it brings solids of its own, which stay as they are.
+    #[must_use]
+    pub const fn has_solids(&self) -> bool {
+        matches!(self, Self::File(FileBody { flesh: Some(_), .. }))
+    }
+
     /// Name for messages.
     #[must_use]
     pub const fn name(&self) -> &'static str {
@@ -163,6 +170,9 @@ pub struct Setup {
     pub leapfrog_steps: Option<u32>,
     /// Motion noise of each degree of freedom per square-root second (metres, radians), once chosen.
     pub motion_sd: Option<Vec<f64>>,
+    /// Girths of the subject, where masks show them.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub girth: Option<MeasuredGirth>,
     /// Sizes of the subject.
     #[serde(with = "Sizes")]
     pub proportions: Proportions,
@@ -203,12 +213,13 @@ impl Setup {
         self.body.tree(&self.proportions)
     }
 
-    /// The solids of [`Setup::tree`].
+    /// The solids of [`Setup::tree`], as thick as the subject where that is known.
     ///
     /// # Errors
     /// As [`Body::flesh`].
     pub fn flesh(&self) -> Result<Flesh, SetupError> {
-        self.body.flesh(&self.tree())
+        let flesh = self.body.flesh(&self.tree())?;
+        Ok(self.girth.map_or(flesh.clone(), |measured| measured.girth().applied(&flesh)))
     }
 
     /// What the likelihood needs to know about each camera of the set-up.
@@ -285,6 +296,9 @@ impl Setup {
         }
         if !(0.0..1.0).contains(&self.size_sd) {
             problems.push(format!("size_sd = {}; must be at least 0 and less than 1", self.size_sd));
+        }
+        if let Some(problem) = self.girth.and_then(|girth| girth.problem()) {
+            problems.push(problem);
         }
         for camera in &self.camera {
             if !(camera.sigma_px > 0.0 && camera.sigma_px.is_finite()) {

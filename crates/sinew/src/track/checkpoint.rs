@@ -17,6 +17,7 @@ use super::error::TrackError;
 use super::pipeline;
 use crate::Error;
 use crate::files::read_bytes;
+use crate::input::upright::FramesRead;
 use crate::results::folder::write_whole_in;
 use crate::results::problem::{FORMAT, NAME, Problem, state};
 use crate::results::{Claim, Position, Written};
@@ -45,8 +46,8 @@ pub struct Checkpoint {
     pub frames: Range<u64>,
     /// How many of them are tracked.
     pub done: u64,
-    /// Runs of frames that were read, in their order.
-    pub read: Vec<Range<u64>>,
+    /// Frames that the set-up read.
+    pub read: FramesRead,
     /// Hashes of the inputs as far as they were read.
     pub inputs: BTreeMap<String, String>,
     /// The value of the set-up pass.

@@ -98,5 +98,5 @@ pub fn track<S: FrameSource>(
         timings: clock.timings(before, done),
     })?;
     tracked?;
-    Ok(Outcome { summary, ms_per_frame: clock.ms_per_frame(done) })
+    Ok(Outcome { summary, ms_per_frame: clock.ms_per_frame(done), girth: setup.girth })
 }

@@ -1,8 +1,8 @@
 //! The paper's claims CC1–CC6, judged by criteria that were fixed before any run, on the level `normal`.
 //!
-//! The second estimates are compared: X̂ against the weighted mean. Where a criterion says "1 SE", it is that of the paired difference over seeds.
+//! Every reading is judged for itself. The second estimates are compared: X̂ against the weighted mean. Where a criterion says "1 SE", it is that of the paired difference over seeds.
 
-use super::contender::{Contender, PAIRS, SETTINGS};
+use super::contender::{Contender, Reading};
 use super::results::{Estimate, Mean, Results, mean};
 use super::scene::Scene;
 use crate::outcome::Outcome;
@@ -28,9 +28,9 @@ fn paired(results: &Results<'_>, a: (&Contender, Estimate), b: (&Contender, Esti
     Ok(mean(&differences))
 }
 
-fn fine_level(results: &Results<'_>) -> Outcome<Claim> {
+fn fine_level(results: &Results<'_>, reading: &Reading) -> Outcome<Claim> {
     let (mut found, mut pass, mut direction) = (vec![], true, true);
-    for setting in &SETTINGS {
+    for setting in &reading.settings() {
         let of = |name| paired(results, (setting, Estimate::Second), (setting, Estimate::First), name);
         let gains = [of("precision")?, of("recall")?];
         pass &= gains.iter().zip(LEAST_GAIN).all(|(gain, least)| gain.value >= least);
@@ -48,9 +48,9 @@ fn fine_level(results: &Results<'_>) -> Outcome<Claim> {
     })
 }
 
-fn against_condensation(results: &Results<'_>) -> Outcome<Claim> {
+fn against_condensation(results: &Results<'_>, reading: &Reading) -> Outcome<Claim> {
     let (mut found, mut pass, mut direction) = (vec![], true, true);
-    for (c2f, opponent) in &PAIRS {
+    for (c2f, opponent) in &reading.pairs() {
         let of = |name| results.difference(LEVEL, [c2f, opponent], name);
         let [precision, recall] = [of("precision")?, of("recall")?];
         pass &= precision.value >= 0.0 && precision.low >= -PRECISION_SLACK && recall.value >= LEAST_RECALL;
@@ -75,8 +75,9 @@ fn against_condensation(results: &Results<'_>) -> Outcome<Claim> {
     })
 }
 
-fn more_particles(results: &Results<'_>) -> Outcome<Claim> {
-    let (most, fewest) = ((&SETTINGS[3], Estimate::Second), (&SETTINGS[0], Estimate::Second));
+fn more_particles(results: &Results<'_>, reading: &Reading) -> Outcome<Claim> {
+    let [small, .., large] = &reading.settings();
+    let (most, fewest) = ((large, Estimate::Second), (small, Estimate::Second));
     let gains = [paired(results, most, fewest, "precision")?, paired(results, most, fewest, "recall")?];
     Ok(Claim {
         id: "CC3",
@@ -91,8 +92,8 @@ fn more_particles(results: &Results<'_>) -> Outcome<Claim> {
     })
 }
 
-fn likelihood(results: &Results<'_>) -> Outcome<Claim> {
-    let found = results.difference(LEVEL, [&SETTINGS[0], &PAIRS[2].1], "log_likelihood")?;
+fn likelihood(results: &Results<'_>, reading: &Reading) -> Outcome<Claim> {
+    let found = results.difference(LEVEL, [&reading.settings()[0], &reading.pairs()[2].1], "log_likelihood")?;
     Ok(Claim {
         id: "CC4",
         paper: "a higher likelihood with 250 particles than CONDENSATION with 1500",
@@ -108,19 +109,20 @@ fn likelihood(results: &Results<'_>) -> Outcome<Claim> {
     })
 }
 
-fn smoothness(results: &Results<'_>) -> Outcome<Claim> {
+fn smoothness(results: &Results<'_>, reading: &Reading) -> Outcome<Claim> {
+    let settings = reading.settings();
     let mut found = vec![];
-    for setting in &SETTINGS {
+    for setting in &settings {
         let of = mean(&results.means(LEVEL, setting, Estimate::Second, "second_difference")?);
         found.push(format!("{:.4} ± {:.4}", of.value, of.error));
     }
     let mut pass = true;
-    for pair in SETTINGS.windows(2) {
+    for pair in settings.windows(2) {
         let rise = paired(results, (&pair[1], Estimate::Second), (&pair[0], Estimate::Second), "second_difference")?;
         pass &= rise.value <= rise.error;
     }
     let ends =
-        paired(results, (&SETTINGS[3], Estimate::Second), (&SETTINGS[0], Estimate::Second), "second_difference")?;
+        paired(results, (&settings[3], Estimate::Second), (&settings[0], Estimate::Second), "second_difference")?;
     Ok(Claim {
         id: "CC5",
         paper: "estimates get smoother as particles increase",
@@ -131,11 +133,11 @@ fn smoothness(results: &Results<'_>) -> Outcome<Claim> {
     })
 }
 
-fn finite(results: &Results<'_>, scene: &Scene) -> Outcome<Claim> {
+fn finite(results: &Results<'_>, reading: &Reading, scene: &Scene) -> Outcome<Claim> {
     let by_formula = |range: &super::scene::Range| ((range.high - range.low) / range.width).ceil();
     let counted = scene.ranges.iter().all(|range| range.axis.count() as f64 == by_formula(range));
     let mut on_centres = true;
-    for setting in &SETTINGS {
+    for setting in &reading.settings() {
         on_centres &= results.on_centres(LEVEL, setting)?;
     }
     let [least, most] = [f64::min, f64::max]
@@ -155,14 +157,14 @@ fn finite(results: &Results<'_>, scene: &Scene) -> Outcome<Claim> {
     })
 }
 
-/// Judges all.
-pub(super) fn judge(results: &Results<'_>, scene: &Scene) -> Outcome<Vec<Claim>> {
+/// Judges all for a reading.
+pub(super) fn judge(results: &Results<'_>, reading: &Reading, scene: &Scene) -> Outcome<Vec<Claim>> {
     Ok(vec![
-        fine_level(results)?,
-        against_condensation(results)?,
-        more_particles(results)?,
-        likelihood(results)?,
-        smoothness(results)?,
-        finite(results, scene)?,
+        fine_level(results, reading)?,
+        against_condensation(results, reading)?,
+        more_particles(results, reading)?,
+        likelihood(results, reading)?,
+        smoothness(results, reading)?,
+        finite(results, reading, scene)?,
     ])
 }

@@ -1,7 +1,7 @@
 //! Figure 4: the log likelihood of the estimates frame by frame; beside it their recall.
 
 use super::claims::LEVEL;
-use super::contender::{Contender, PAIRS, SETTINGS};
+use super::contender::{Contender, Reading};
 use super::results::{Estimate, Results};
 use crate::chart::{BLUE, GREEN, GREY, Line, Names, ORANGE, PURPLE, finish, panel_with};
 use crate::outcome::Outcome;
@@ -24,11 +24,12 @@ fn line(results: &Results<'_>, of: &Contender, name: &str, colour: RGBColor) -> 
     Ok(Line { name: of.name(), colour, points: (0..frames).step_by(AVERAGED).map(point).collect() })
 }
 
-/// Draws the figure.
-pub(super) fn draw(results: &Results<'_>, path: &Path) -> Outcome<()> {
+/// Draws the figure of a reading.
+pub(super) fn draw(results: &Results<'_>, reading: &Reading, path: &Path) -> Outcome<()> {
     let root = SVGBackend::new(path, (1000, 760)).into_drawing_area();
     root.fill(&WHITE)?;
-    let contenders = SETTINGS.iter().chain([&PAIRS[2].1]).zip([BLUE, GREEN, PURPLE, GREY, ORANGE]);
+    let (settings, opponent) = (reading.settings(), reading.pairs()[2].1);
+    let contenders = settings.iter().chain([&opponent]).zip([BLUE, GREEN, PURPLE, GREY, ORANGE]);
     let panels = [("log_likelihood", "log likelihood of the estimate"), ("recall", "recall, %")];
     for ((name, words), area) in panels.into_iter().zip(root.split_evenly((2, 1))) {
         let lines = contenders.clone().map(|(of, colour)| line(results, of, name, colour));

@@ -1,10 +1,12 @@
 //! The sequence of the study: motion, body, true poses, and what is learned from other trials.
 //!
 //! - **Test**: the first 330 frames of CMB at 60 frames a second (walking, 2 s of a join, the start of running). Without recordings the synthetic sequence.
+//! - **Pilot**: the first frames of the training motion in place of the test.
 //! - **Body**: HPPF24 with cylinders. One scale, that of least squares of the lengths of limbs, trunk and head against the subject's.
 //! - **True poses**: fitted to the joints frame by frame. Trackers are given only the first one.
-//! - **Training**: two other walks of the subject, joined and bent as the test is; there is no other trial of running. δ are the standard deviations of the changes of the poses fitted to it. Ranges are nominal ones of the body; ±3 m around the start for the position, where the specification says ±2 m: the subject goes round on a circle 2.4 m across.
+//! - **Training**: two other walks of the subject, joined and bent as the test is; there is no other trial of running. δ are the root mean squares of the changes of the poses fitted to it, which also settle the girths ([`super::girth`]). Ranges are nominal ones of the body; ±3 m around the start for the position, where the specification says ±2 m: the subject goes round on a circle 2.4 m across.
 
+use super::girth::Girths;
 use crate::outcome::Outcome;
 use sinew::body::standard::EVALUATION_JOINTS;
 use sinew::body::{KinematicTree, hppf24};
@@ -13,7 +15,7 @@ use sinew::samplers::grid::{self, GridAxis, LEAST_WIDTH, Width};
 use sinew_motion::hppf24_motion::{self, MotionFollowing, Scale};
 use sinew_motion::points::mean_distance;
 use sinew_motion::points::{Trajectories, points_of_states};
-use sinew_simulate::combo::{Trial, combo, synthetic_combo};
+use sinew_simulate::combo::{Sequence, Trial, combo, synthetic_combo};
 use sinew_simulate::walker::{Gait, Walker, walker_states};
 use sinew_tests::evaluation::joint_errors::joint_errors_mm;
 use sinew_tests::recorded_motion::{recorded, recorded_combo};
@@ -26,6 +28,8 @@ pub(super) const RATE_HZ: f64 = 60.0;
 pub(super) const FRAMES: usize = 330;
 /// Number of the coordinate that wraps.
 pub(super) const HEADING: usize = 3;
+/// Camera of the ring that sees the person: C1.
+pub(super) const CAMERA: usize = 0;
 /// Half the range of the position, metres.
 const REACH_M: f64 = 3.0;
 
@@ -70,6 +74,9 @@ pub(super) struct Scene {
     /// Mean distance of the fitted joints, test and training, metres.
     pub(super) fit_error_m: [f64; 2],
     pub(super) training_frames: usize,
+    /// Means of the coordinates of the training poses.
+    pub(super) mean_pose: Vec<f64>,
+    pub(super) girths: Girths,
     /// Names of the phases with their first frames.
     pub(super) phases: Vec<(String, usize)>,
 }
@@ -79,7 +86,7 @@ fn error_m(tree: &KinematicTree, states: &[Vec<f64>], motion: &Trajectories) -> 
 }
 
 /// A motion for training that is none of the test's.
-fn training(folder: Option<&Path>) -> Outcome<Trajectories> {
+fn training(folder: Option<&Path>) -> Outcome<Sequence> {
     let trials: Vec<Trial> = match folder {
         Some(folder) => TRAINING
             .iter()
@@ -97,7 +104,7 @@ fn training(folder: Option<&Path>) -> Outcome<Trajectories> {
             })
             .into(),
     };
-    Ok(combo("training", &trials, RATE_HZ)?.motion)
+    Ok(combo("training", &trials, RATE_HZ)?)
 }
 
 /// Steps learned from training, ranges around the start.
@@ -116,24 +123,37 @@ fn ranges(states: Vec<Vec<f64>>, start: &[f64]) -> Outcome<Vec<Range>> {
     learned.iter().enumerate().map(range).collect()
 }
 
+/// Which motion is tracked.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Tracked {
+    Test,
+    /// The motion that steps and girths are learned from, before anything is seen of the test.
+    Training,
+}
+
 impl Scene {
     /// The scene from recordings, or without any; `frames` of it are tracked.
-    pub(super) fn new(folder: Option<&Path>, frames: usize) -> Outcome<Self> {
-        let sequence = match folder {
+    pub(super) fn new(folder: Option<&Path>, frames: usize, which: Tracked) -> Outcome<Self> {
+        let test = match folder {
             Some(folder) => recorded_combo(folder, RATE_HZ)?,
             None => synthetic_combo(RATE_HZ)?,
         };
+        let trained = training(folder)?;
+        let sequence = if which == Tracked::Test { test } else { trained.clone() };
+        let trained = trained.motion;
         let scale = hppf24_motion::scale(&sequence.motion, &SEGMENTS, Scale::LeastSquares)?;
         let tree = hppf24::tree(scale);
         let mut tracked = sequence.motion.clone();
         tracked.frames.truncate(frames);
         let following = MotionFollowing::default();
         let truth = hppf24_motion::states(&tree, &tracked, &following)?;
-        let trained = training(folder)?;
         // Trials for training have the first one's person, of other lengths where there are no recordings.
         let poses = hppf24_motion::states(&tree, &trained, &following)?;
         let fit_error_m = [error_m(&tree, &truth, &tracked), error_m(&tree, &poses, &trained)];
+        let mean = |j: usize| poses.iter().map(|pose| pose[j]).sum::<f64>() / poses.len() as f64;
         Ok(Self {
+            mean_pose: (0..tree.dof()).map(mean).collect(),
+            girths: Girths::new(&tree, scale, &trained, &poses, RATE_HZ, CAMERA)?,
             name: sequence.name,
             fit_error_m,
             training_frames: poses.len(),
@@ -175,7 +195,7 @@ mod tests {
     /// The body takes up the walker's poses to some centimetres, and moves in no frame by more than its grid's noise may follow.
     #[test]
     fn the_body_follows_the_synthetic_sequence() {
-        let scene = Scene::new(None, 40).unwrap();
+        let scene = Scene::new(None, 40, Tracked::Test).unwrap();
         assert!((0.85..1.15).contains(&scene.scale), "{}", scene.scale);
         assert!(scene.fit_error_m.iter().all(|error| *error < 0.06), "{:?}", scene.fit_error_m);
         assert!(scene.within() > 0.97, "{}", scene.within());

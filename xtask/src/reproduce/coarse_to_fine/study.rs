@@ -1,6 +1,7 @@
 //! What the study runs: groups of contenders with one level of noise, on images that cells share.
 
-use super::contender::{self, Contender, Person};
+use super::contender::{self, Contender, Person, Reading};
+use super::girth::Thickness;
 use super::results::level_name;
 use super::scene::Scene;
 use super::track::{self, Seen};
@@ -13,7 +14,7 @@ use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 /// Raised with every change of what a cell computes.
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 
 /// Images of a person, level and seed; drawn by the first cell that needs them.
 type Drawn = Arc<OnceLock<Seen>>;
@@ -35,11 +36,11 @@ impl Study {
         )
     }
 
-    fn seen(&self, person: Person, level: Level, seed: u64) -> Outcome<Drawn> {
-        let name = format!("{person:?} {level:?} {seed}");
+    fn seen(&self, who: (Person, Thickness), level: Level, seed: u64) -> Outcome<Drawn> {
+        let name = format!("{who:?} {level:?} {seed}");
         let drawn = Arc::clone(self.drawn.lock().unwrap_or_else(PoisonError::into_inner).entry(name).or_default());
         if drawn.get().is_none() {
-            let seen = Seen::new(&self.scene, person, level, seed, self.isa)?;
+            let seen = Seen::new(&self.scene, who, level, seed, self.isa)?;
             // Another cell may have drawn the same in the meantime.
             let _ = drawn.set(seen);
         }
@@ -48,7 +49,7 @@ impl Study {
 
     fn task(&self, level: Level, contender: Contender, seed: u64) -> Task<'_> {
         let run = move || {
-            let drawn = self.seen(contender.person, level, seed)?;
+            let drawn = self.seen((contender.person, contender.thickness), level, seed)?;
             let seen = drawn.get().ok_or("images were not drawn")?;
             track::cell(&self.scene, seen, &contender, seed, self.isa)
         };
@@ -59,21 +60,43 @@ impl Study {
 /// What is run with one level of noise and the same seeds.
 pub(super) struct Group {
     pub(super) level: Level,
-    /// Whether it goes beyond the paper.
-    pub(super) beside: bool,
+    pub(super) what: What,
     pub(super) seeds: Vec<u64>,
     pub(super) contenders: Vec<Contender>,
 }
 
+/// What a group is compared for.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum What {
+    /// The paper's tables, for some readings.
+    Readings(Vec<Reading>),
+    /// The same with opponents of as many evaluations.
+    Equal(Vec<Reading>),
+    /// What goes beyond the paper.
+    Beside,
+    /// Whether anybody is followed at all.
+    Pilot,
+}
+
 impl Group {
-    pub(super) fn new(level: Level, beside: bool, seeds: u64) -> Self {
-        let contenders = if beside { contender::beside() } else { contender::main() };
-        Self { level, beside, seeds: (1..=seeds).collect(), contenders }
+    pub(super) fn new(level: Level, what: What, seeds: u64) -> Self {
+        let contenders = match &what {
+            What::Readings(readings) => contender::main(readings),
+            What::Equal(readings) => contender::equal(readings),
+            What::Beside => contender::beside(),
+            What::Pilot => contender::pilot(),
+        };
+        Self { level, what, seeds: (1..=seeds).collect(), contenders }
     }
 
     pub(super) fn title(&self) -> String {
-        let beside = if self.beside { ", beyond the paper" } else { "" };
-        format!("{}{beside}", level_name(self.level))
+        let what = match self.what {
+            What::Readings(_) => "",
+            What::Equal(_) => ", equal evaluations",
+            What::Beside => ", beyond the paper",
+            What::Pilot => ", pilot on training motion",
+        };
+        format!("{}{what}", level_name(self.level))
     }
 
     /// One seed after the other.

@@ -1,22 +1,24 @@
 //! The paper's two tables and those beside them as Markdown, CSV and JSON.
 
-use super::contender::{Contender, Method, PAIRS, SETTINGS};
+use super::contender::{Contender, Method, Reading};
 use super::results::{Estimate, Mean, Results, level_name, mean};
 use super::scene::Scene;
 use super::study::Group;
 use crate::outcome::Outcome;
 use crate::reproduce::claim::Claim;
 use serde_json::json;
+use sinew::observe::girth::Girth;
 use sinew_simulate::segmentation_noise::Level;
 use std::fmt::Write as _;
 
 /// Quantities of a frame with the decimals that tables show.
-const QUANTITIES: [(&str, usize); 7] = [
+const QUANTITIES: [(&str, usize); 8] = [
     ("precision", 1),
     ("recall", 1),
     ("clean_precision", 1),
     ("clean_recall", 1),
     ("log_likelihood", 2),
+    ("parts", 1),
     ("error_mm", 0),
     ("second_difference", 4),
 ];
@@ -26,11 +28,11 @@ fn shown(of: Mean, decimals: usize) -> String {
 }
 
 /// Table 1: precision and recall of the coarse level and of both levels, percent.
-pub(super) fn levels(results: &Results<'_>, level: Level) -> Outcome<String> {
+pub(super) fn levels(results: &Results<'_>, reading: &Reading, level: Level) -> Outcome<String> {
     let mut out = String::from(
         "| | precision, coarse | coarse + fine | recall, coarse | coarse + fine |\n|---|---|---|---|---|\n",
     );
-    for setting in &SETTINGS {
+    for setting in &reading.settings() {
         let mut row = format!("| {} |", setting.name());
         for name in ["precision", "recall"] {
             for estimate in [Estimate::First, Estimate::Second] {
@@ -42,13 +44,13 @@ pub(super) fn levels(results: &Results<'_>, level: Level) -> Outcome<String> {
     Ok(out)
 }
 
-/// Table 2: the pairs of equal standing.
-pub(super) fn pairs(results: &Results<'_>, level: Level) -> Outcome<String> {
+/// Table 2: pairs of a setting and its opponent.
+pub(super) fn pairs(results: &Results<'_>, pairs: &[(Contender, Contender)], level: Level) -> Outcome<String> {
     let mut out = String::from(
         "| c2f | condensation | precision, c2f | condensation | recall, c2f | condensation |\n|---|---|---|---|---|---|\n",
     );
-    for (c2f, opponent) in &PAIRS {
-        let counts = [c2f, opponent].map(|of| of.name().split(' ').next_back().unwrap_or_default().to_owned());
+    for (c2f, opponent) in pairs {
+        let counts = [c2f, opponent].map(|of| of.name().split([' ', ',']).nth(1).unwrap_or_default().to_owned());
         let mut row = format!("| {} | {} |", counts[0], counts[1]);
         for name in ["precision", "recall"] {
             for of in [c2f, opponent] {
@@ -63,13 +65,13 @@ pub(super) fn pairs(results: &Results<'_>, level: Level) -> Outcome<String> {
 /// Everything of some contenders; the first estimate has rows of its own where it is another state.
 pub(super) fn all(results: &Results<'_>, level: Level, contenders: &[Contender]) -> Outcome<String> {
     let mut out = String::from(
-        "| | precision | recall | precision, clean | recall, clean | log likelihood | error, mm | second difference | evaluations | ms a frame |\n|---|---|---|---|---|---|---|---|---|---|\n",
+        "| | precision | recall | precision, clean | recall, clean | log likelihood | of the parts | error, mm | second difference | evaluations | ms a frame |\n|---|---|---|---|---|---|---|---|---|---|---|\n",
     );
     for of in contenders {
         let cost = mean(&results.numbers(level, of, "evaluations")?).value;
         let ms = mean(&results.numbers(level, of, "ms")?).value;
         let both = [(Estimate::First, first_name(of)), (Estimate::Second, "")];
-        for (estimate, what) in both.into_iter().skip(usize::from(of.method == Method::Truth)) {
+        for (estimate, what) in both.into_iter().skip(usize::from(of.is_reference())) {
             let mut row = format!("| {}{what} |", of.name());
             for (name, decimals) in QUANTITIES {
                 let _ = write!(row, " {} |", shown(mean(&results.means(level, of, estimate, name)?), decimals));
@@ -106,9 +108,16 @@ pub(super) fn csv(results: &Results<'_>, level: Level, contenders: &[Contender])
 }
 
 /// What was run, and the claims, as JSON.
-pub(super) fn json(configuration: &str, scene: &Scene, claims: &[Claim], runs: &[Group]) -> serde_json::Value {
+pub(super) fn json(
+    configuration: &str,
+    scene: &Scene,
+    claims: &[(Reading, Vec<Claim>)],
+    runs: &[Group],
+) -> serde_json::Value {
+    let girth = |of: Girth| json!({ "trunk": of.trunk, "arms": of.arms, "legs": of.legs });
     let claim =
         |c: &Claim| json!({ "id": c.id, "paper": c.paper, "ours": c.ours, "criterion": c.criterion, "pass": c.pass });
+    let judged = |(reading, claims): &(Reading, Vec<Claim>)| json!({ "reading": reading.title(), "claims": claims.iter().map(claim).collect::<Vec<_>>() });
     let names = scene.tree.dof_names();
     let grid = scene.ranges.iter().zip(&names).map(|(range, name)| {
         json!({ "coordinate": name, "low": range.low, "high": range.high, "delta": range.width, "partitions": range.axis.count() })
@@ -124,6 +133,12 @@ pub(super) fn json(configuration: &str, scene: &Scene, claims: &[Claim], runs: &
         "training_frames": scene.training_frames,
         "truth_within_ranges": scene.within(),
         "grid": grid.collect::<Vec<_>>(),
-        "claims": claims.iter().map(claim).collect::<Vec<_>>(),
+        "girth": {
+            "printed": girth(scene.girths.printed),
+            "fitted": girth(scene.girths.fitted),
+            "area_ratio_before": scene.girths.ratio,
+            "iou_before_and_fitted": scene.girths.iou,
+        },
+        "claims": claims.iter().map(judged).collect::<Vec<_>>(),
     })
 }

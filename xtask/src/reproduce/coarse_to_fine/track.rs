@@ -6,12 +6,14 @@
 
 use super::condensation::condensation;
 use super::contender::{Contender, EQ3, LAYERS, Method, Person};
-use super::scene::{RATE_HZ, Range, Scene};
+use super::girth::Thickness;
+use super::scene::{CAMERA, HEADING, RATE_HZ, Range, Scene};
 use crate::outcome::Outcome;
 use serde_json::{Value, json};
+use sinew::body::flesh::Flesh;
 use sinew::body::hppf24;
-use sinew::core::density::LogDensity as _;
-use sinew::core::lanes::Isa;
+use sinew::core::density::{LogDensity as _, PartLogDensity as _};
+use sinew::core::lanes::{Block, Isa};
 use sinew::core::part::{Part, PartTree, Partition};
 use sinew::core::random::Stage;
 use sinew::dynamics::random_walk::{Between, RandomWalk};
@@ -36,21 +38,26 @@ use std::time::Instant;
 /// The part A of the last change of the estimate by which particles move on (eq. 2).
 const DRIFT: f64 = 0.2;
 
-/// What a camera saw of a person, frame by frame.
+/// What a camera saw of a person, frame by frame, and the tracker's body before it.
 pub(super) struct Seen {
     clean: Vec<BitImage>,
     masks: Vec<BitImage>,
     model: ImageModel,
+    flesh: Flesh,
 }
-
-/// The camera C1.
-const CAMERA: usize = 0;
 
 impl Seen {
     /// Draws a person and the errors of a level.
-    pub(super) fn new(scene: &Scene, person: Person, level: Level, seed: u64, isa: Isa) -> Outcome<Self> {
+    pub(super) fn new(
+        scene: &Scene,
+        (person, thickness): (Person, Thickness),
+        level: Level,
+        seed: u64,
+        isa: Isa,
+    ) -> Outcome<Self> {
         let footage = SyntheticFootage::new(scene.motion.clone(), RATE_HZ, &Ring::SMALL_PICTURES, seed)?;
-        let body = Arc::new(SolidBody::new(&scene.tree, &hppf24::cylinders(scene.scale))?);
+        let flesh = scene.girths.of(thickness).applied(&hppf24::cylinders(scene.scale));
+        let body = Arc::new(SolidBody::new(&scene.tree, &flesh)?);
         let cameras = vec![footage.cameras[CAMERA].clone()];
         let model = ImageModel { body, cameras, score: EQ3, colours: Arc::default(), isa };
         let frames = 0..scene.truth.len();
@@ -65,7 +72,7 @@ impl Seen {
                 segmented(&clean[frame], None, level, stage)
             }
         };
-        Ok(Self { masks: frames.map(mask).collect(), clean, model })
+        Ok(Self { masks: frames.map(mask).collect(), clean, model, flesh })
     }
 
     fn bind(&self, score: ImageScore, cues: Cues) -> ImageLikelihood {
@@ -79,7 +86,8 @@ enum Running {
     /// With models of the solids alone.
     OwnContours(Box<CoarseToFine>, Vec<ImageModel>),
     Other(Box<dyn Tracker<ImageLikelihood>>),
-    Still,
+    /// Nothing is searched: the pose, and how many coordinates of it are those of the true pose in every frame.
+    Still(Vec<f64>, usize),
 }
 
 /// Parts of the body with their coordinates.
@@ -97,14 +105,14 @@ impl Running {
         let sd: Vec<f64> = scene.ranges.iter().map(|range| range.width).collect();
         let walk = RandomWalk::new(&sd, 1.0, Between::Mixture, isa)?;
         Ok(match contender.method {
-            Method::CoarseToFine { coarse, fine, chained, snapped } => {
-                let config = coarse_to_fine::Config { coarse, fine, drift: DRIFT, snapped, chained };
+            Method::CoarseToFine { coarse, fine, judging, snapped } => {
+                let config = coarse_to_fine::Config { coarse, fine, drift: DRIFT, snapped, judging };
                 Self::CoarseToFine(Box::new(CoarseToFine::new(config, axes, part_tree(scene)?, start, isa)?))
             }
-            Method::OwnContours { coarse, fine, chained } => {
-                let config = coarse_to_fine::Config { coarse, fine, drift: DRIFT, snapped: true, chained };
+            Method::OwnContours { coarse, fine, judging } => {
+                let config = coarse_to_fine::Config { coarse, fine, drift: DRIFT, snapped: true, judging };
                 let tracker = CoarseToFine::new(config, axes, part_tree(scene)?, start, isa)?;
-                let models = own_contours::alone(&seen.model, &scene.tree, &hppf24::cylinders(scene.scale))?;
+                let models = own_contours::alone(&seen.model, &scene.tree, &seen.flesh)?;
                 Self::OwnContours(Box::new(tracker), models)
             }
             Method::Condensation(n) => Self::Other(Box::new(condensation(n, &sd, DRIFT, &start, isa)?)),
@@ -117,7 +125,9 @@ impl Running {
                 let config = partitioned::Config { particles, ..partitioned::Config::default() };
                 Self::Other(Box::new(partitioned::Partitioned::new(config, walk, part_tree(scene)?, start)?))
             }
-            Method::Truth => Self::Still,
+            Method::Truth => Self::Still(start, scene.tree.dof()),
+            Method::Frozen => Self::Still(start, 0),
+            Method::MeanPose => Self::Still(scene.mean_pose.clone(), HEADING + 1),
         })
     }
 
@@ -126,7 +136,7 @@ impl Running {
             Self::CoarseToFine(tracker) => tracker.step(observed, stage)?,
             Self::OwnContours(tracker, models) => tracker.step(&OwnContours::new(observed, models, cues), stage)?,
             Self::Other(tracker) => tracker.step(observed, stage)?,
-            Self::Still => StepInfo::default(),
+            Self::Still(..) => StepInfo::default(),
         })
     }
 
@@ -137,7 +147,10 @@ impl Running {
                 [tracker.coarse().state.clone(), tracker.fine().state.clone()]
             }
             Self::Other(tracker) => [tracker.posterior().heaviest(), tracker.estimate().to_vec()],
-            Self::Still => [truth.to_vec(), truth.to_vec()],
+            Self::Still(pose, true_ones) => {
+                let pose = [&truth[..*true_ones], &pose[*true_ones..]].concat();
+                [pose.clone(), pose]
+            }
         }
     }
 
@@ -164,6 +177,8 @@ struct Worth {
     /// Precision and recall against the mask, then against the silhouette without errors, percent.
     shares: [Vec<f64>; 4],
     log_likelihood: Vec<f64>,
+    /// Sum of the log likelihoods of the parts, each in its place.
+    parts: Vec<f64>,
 }
 
 impl Worth {
@@ -175,6 +190,10 @@ impl Worth {
             all.push(100.0 * share);
         }
         self.log_likelihood.push(judge.log_density(&state));
+        let block: Vec<Block> = state.iter().map(|&x| Block::splat(x)).collect();
+        let mut parts = vec![Block::ZERO; judge.parts()];
+        judge.log_density_parts_block(0..judge.parts(), &block, &mut parts, &mut vec![Block::ZERO; judge.workspace()]);
+        self.parts.push(parts.iter().map(|part| part.0[0]).sum());
         self.states.push(state);
     }
 
@@ -189,6 +208,7 @@ impl Worth {
             "clean_precision": clean_precision,
             "clean_recall": clean_recall,
             "log_likelihood": rounded(&self.log_likelihood),
+            "parts": rounded(&self.parts),
             "error_mm": rounded(&error),
             "second_difference": second_differences(&self.states, difference),
         })

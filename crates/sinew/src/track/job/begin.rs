@@ -176,7 +176,10 @@ fn set_up<S: FrameSource>(
     });
     warnings.extend(found.map(|warning| warning.to_string()));
     let tree = setup.tree();
-    setup.motion_sd = Some(setup::measure_motion(&setup, &tree, source, numbers, settings.fps)?);
+    setup.motion_sd = Some(setup::measure_motion(&setup, &tree, source, numbers.clone(), settings.fps)?);
+    if !setup.body.has_solids() {
+        setup.girth = setup::measure_girth(&setup, source, numbers, settings.fps)?;
+    }
     let start = setup.start_frame;
     tune(&mut setup, &tree, source, start, settings)?;
     Ok(setup)

@@ -1,6 +1,7 @@
 //! The end of a run: warnings, timings, the summary.
 
 use crate::results::Summary;
+use crate::setup::MeasuredGirth;
 use std::collections::BTreeSet;
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
@@ -11,6 +12,8 @@ pub struct Outcome {
     pub summary: Summary,
     /// Wall time of the tracking pass per frame, milliseconds.
     pub ms_per_frame: f64,
+    /// Girths of the subject, where masks show them.
+    pub girth: Option<MeasuredGirth>,
 }
 
 /// Wall times of a run.

@@ -4,12 +4,12 @@ use super::inputs::Hashes;
 use super::run_info::texts;
 use crate::Error;
 use crate::config::TrackConfig;
+use crate::input::upright::FramesRead;
 use crate::results::estimate::RunInfo;
 use crate::results::{Claim, ResultFolder};
 use crate::track::checkpoint::{self, Checkpoint};
 use crate::track::pipeline::Pipeline;
 use crate::track::smooth::Spool;
-use std::ops::Range;
 use std::time::{Duration, Instant};
 
 /// The files of a run and its checkpoint.
@@ -52,8 +52,8 @@ impl Keeper {
         self.kept.elapsed() >= least
     }
 
-    /// Writes the checkpoint, behind the files that it speaks of; `read` are the frames that the set-up read.
-    pub(super) fn keep(&mut self, pipeline: &Pipeline, read: &[Range<u64>], inputs: Hashes) -> Result<(), Error> {
+    /// Writes the checkpoint, behind the files that it speaks of; `read` is what the set-up read.
+    pub(super) fn keep(&mut self, pipeline: &Pipeline, read: &FramesRead, inputs: Hashes) -> Result<(), Error> {
         let clock = Instant::now();
         let checkpoint = &mut self.checkpoint;
         match &mut self.spool {
@@ -61,7 +61,7 @@ impl Keeper {
             None => checkpoint.written = Some(self.results.keep()?),
         }
         checkpoint.pipeline = Some(pipeline.save());
-        checkpoint.read = read.to_vec();
+        checkpoint.read = read.clone();
         checkpoint.inputs = inputs;
         checkpoint::write(self.results.claim(), checkpoint)?;
         self.kept = Instant::now();
