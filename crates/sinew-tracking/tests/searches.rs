@@ -351,7 +351,7 @@ impl PartLogDensity for Coupled {
     fn parts(&self) -> usize {
         3
     }
-    fn log_density_parts_block(&self, _: Range<usize>, _: &[Block], out: &mut [Block], _: &mut [Block]) {
+    fn log_density_parts_block(&self, _: &[usize], _: &[Block], out: &mut [Block], _: &mut [Block]) {
         out.fill(Block::splat(f64::NEG_INFINITY));
     }
 }
