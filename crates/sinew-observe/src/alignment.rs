@@ -71,7 +71,7 @@ impl ImageLikelihood {
     }
 }
 
-/// Finds the least and the largest x and y of the corners of all solids that are seen, in parts of a pixel as [`whole`] reads them. Without any the least are larger than the largest.
+/// Finds the least x and y of all solids that are seen and the largest, in parts of a pixel as [`whole`] reads them. Without any the least are larger than the largest.
 struct Bounds<'a> {
     outlines: &'a [Outline],
     out: &'a mut [Block; 4],
@@ -83,11 +83,8 @@ impl Kernel<Block> for Bounds<'_> {
         let none = V::splat(-f64::MAX);
         let mut far = [none; 4];
         for outline in self.outlines {
-            let mut own = [none; 4];
-            for [x, y] in &outline.corners {
-                let (x, y) = (V::load(x), V::load(y));
-                own = [own[0].max(-x), own[1].max(x), own[2].max(-y), own[3].max(y)];
-            }
+            let [left, up, right, down] = &outline.bounds;
+            let own = [-V::load(left), -V::load(up), V::load(right), V::load(down)];
             let seen = V::load(&outline.nearest) - V::splat(crate::MIN_DEPTH_M);
             let mut k = 0;
             while k < 4 {
@@ -95,10 +92,10 @@ impl Kernel<Block> for Bounds<'_> {
                 k += 1;
             }
         }
-        let [left, right, up, down] = far;
+        let [left, up, right, down] = far;
         (-left).store(&mut self.out[0]);
-        right.store(&mut self.out[1]);
-        (-up).store(&mut self.out[2]);
+        (-up).store(&mut self.out[1]);
+        right.store(&mut self.out[2]);
         down.store(&mut self.out[3]);
     }
 }
@@ -127,7 +124,7 @@ struct Align<'a> {
 impl Kernel<f64> for Align<'_> {
     #[inline(always)]
     fn run<V: Real<Mem = f64>>(&mut self) {
-        let (silhouette, [left, right, up, down]) = (self.silhouette, self.bounds);
+        let (silhouette, [left, up, right, down]) = (self.silhouette, self.bounds);
         for (lane, (body, out)) in self.bodies.iter().zip(&mut *self.out).enumerate() {
             *out = Aligned::default();
             if body.seen == 0 {

@@ -99,8 +99,9 @@ impl ImageModel {
         let mut scratch = Scratch::new(&self.body);
         let Some(eye) = self.cameras.get(camera).map(Eye::of) else { return vec![] };
         scratch.project_state(self.isa, &self.body, state, &eye);
-        scratch.scan(self.isa, picture.width);
-        scratch.hide(self.isa, self.score.hiding(), &self.body);
+        let all = &ALL[..self.body.count()];
+        scratch.hide(self.isa, self.score.hiding(), &self.body, all);
+        scratch.scan_hiders(self.isa, all, picture.width);
         let histogram = |solid: usize| {
             let mut counts = Counts::default();
             let mut points = scratch.points.clone();
@@ -203,8 +204,11 @@ impl ImageLikelihood {
         self.with_scratch(x, |scratch| {
             for ((camera, cues), &pixels_seen) in self.views.iter().zip(&self.pixels) {
                 scratch.project(*isa, body, &self.eyes[*camera]);
-                scratch.scan(*isa, cues.silhouette.width());
-                scratch.hide(*isa, score.hiding(), body);
+                scratch.hide(*isa, score.hiding(), body, solids);
+                match with_region {
+                    true => scratch.scan_hiders(*isa, solids, cues.silhouette.width()),
+                    false => scratch.scan(*isa, cues.silhouette.width()),
+                }
                 for (place, &solid) in solids.iter().enumerate() {
                     let outline = &scratch.outlines[solid];
                     dispatch(*isa, Place { outline, with_region, points: &mut scratch.points });
