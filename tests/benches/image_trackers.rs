@@ -9,6 +9,7 @@ use sinew::core::density::PartLogDensity;
 use sinew::core::lanes::Isa;
 use sinew::core::part::{Part, PartTree, Partition};
 use sinew::core::random::Stage;
+use sinew::dynamics::level_walk::LevelWalk;
 use sinew::dynamics::random_walk::{Between, RandomWalk};
 use sinew::observe::bit_image::BitImage;
 use sinew::observe::contour_map::contour_map;
@@ -20,6 +21,7 @@ use sinew::samplers::annealed_search;
 use sinew::samplers::grid::GridAxis;
 use sinew::tracking::annealed::{self, Annealed};
 use sinew::tracking::coarse_to_fine::{self, CoarseToFine};
+use sinew::tracking::hppf::{self, Hppf};
 use sinew::tracking::partitioned::{self, Partitioned};
 use sinew::tracking::{StepInfo, Tracker};
 use std::hint::black_box;
@@ -105,6 +107,9 @@ fn trackers(c: &mut Criterion) {
         let config = partitioned::Config { particles: 200, ..partitioned::Config::default() };
         let mut tracker = Partitioned::new(config, walk(), part_tree(), standing()).expect("valid");
         row("partitioned, 200", ImageScore::Parts, &mut |seen, stage| tracker.step(seen, stage).expect("weights"));
+        let motion = LevelWalk::new(part_tree(), sd(), sd(), isa).expect("valid");
+        let mut tracker = Hppf::new(hppf::Config::default(), motion, &part_tree(), standing()).expect("valid");
+        row("hppf, 200", ImageScore::Parts, &mut |seen, stage| tracker.step(seen, stage).expect("weights"));
         group.finish();
     }
 }

@@ -6,7 +6,6 @@
 use crate::finding::{Finding, mean_and_error};
 use crate::linear_series::{Series, Sight, dot, product};
 use crate::size::Size;
-use core::ops::Range;
 use serde_json::Value;
 use sinew::core::density::{LogDensity, PartLogDensity};
 use sinew::core::lanes::{Block, Isa, LANES};
@@ -142,8 +141,8 @@ impl PartLogDensity for Seen {
         let power = (part + 1) as f64 / self.parts() as f64;
         Block(self.log_density_block(x, ws).0.map(|value| power * value))
     }
-    fn log_density_parts_block(&self, parts: Range<usize>, x: &[Block], out: &mut [Block], _ws: &mut [Block]) {
-        for (k, out) in parts.zip(out) {
+    fn log_density_parts_block(&self, parts: &[usize], x: &[Block], out: &mut [Block], _ws: &mut [Block]) {
+        for (&k, out) in parts.iter().zip(out) {
             let (power, shift) = if self.importance == Importance::Wrong { (0.5, 0.4) } else { (1.0, 0.0) };
             let value = |lane: usize| {
                 let seen: f64 = self.c[k].iter().zip(x).map(|(c, x)| c * x.0[lane]).sum();

@@ -12,8 +12,10 @@
 //!
 //! The paper names tilt and azimuth of the torso; here the lean is a turn about x followed by one about y, which has no pole where the body stands upright and is a chain of plain joints. Tilts up to 60° are reached in all directions.
 
+use crate::Error;
 use crate::flesh::{DOWNWARDS, Flesh, Solid, UPWARDS};
 use crate::frustum::Frustum;
+use crate::standard::Proportions;
 use crate::tree::{Axis, Joint, KinematicTree, Link, Point};
 use core::f64::consts::PI;
 
@@ -30,42 +32,88 @@ const SHIN: f64 = 0.42;
 /// Height of the pelvis' centre above the ground where the body of an adult of 1.75 m stands upright, metres.
 pub const STANDING_HEIGHT_M: f64 = 0.92;
 
+/// Lengths of the skeleton, metres.
+struct Lengths {
+    hip: f64,
+    shoulder: f64,
+    torso: f64,
+    neck: f64,
+    head: f64,
+    upper_arm: f64,
+    forearm: f64,
+    thigh: f64,
+    shin: f64,
+}
+
 /// The tree with the fifteen joints of evaluation, sizes of an adult of 1.75 m times `scale`.
 ///
 /// # Panics
 /// If the scale is not finite.
 #[must_use]
 pub fn tree(scale: f64) -> KinematicTree {
+    skeleton(&Lengths {
+        hip: scale * HIP,
+        shoulder: scale * SHOULDER,
+        torso: scale * TORSO,
+        neck: scale * NECK,
+        head: scale * HEAD,
+        upper_arm: scale * UPPER_ARM,
+        forearm: scale * FOREARM,
+        thigh: scale * THIGH,
+        shin: scale * SHIN,
+    })
+}
+
+/// The tree with the sizes of a subject.
+///
+/// # Panics
+/// If a size is not finite.
+#[must_use]
+pub fn sized(p: &Proportions) -> KinematicTree {
+    skeleton(&Lengths {
+        hip: p.hip_half_width,
+        shoulder: p.shoulder_half_width,
+        torso: p.shoulder_height + p.pelvis_drop,
+        neck: p.spine + p.pelvis_drop,
+        head: p.head_top[2],
+        upper_arm: p.upper_arm,
+        forearm: p.forearm,
+        thigh: p.thigh,
+        shin: p.shin,
+    })
+}
+
+fn skeleton(lengths: &Lengths) -> KinematicTree {
     use Axis::{X, Y, Z};
+    let Lengths { hip, shoulder, torso, neck, head, upper_arm, forearm, thigh, shin } = *lengths;
     let link = |name: &str, parent: Option<usize>, offset: [f64; 3], axes: &[Axis]| Link {
         name: name.into(),
         parent,
-        offset: offset.map(|x| scale * x),
+        offset,
         joints: axes.iter().map(|&a| Joint::Rotate(a)).collect(),
     };
     let mut pelvis = link("pelvis", None, [0.0; 3], &[Z]);
     pelvis.joints.splice(0..0, [X, Y, Z].map(Joint::Translate));
     let mut links =
-        vec![pelvis, link("torso", Some(0), [0.0; 3], &[X, Y]), link("head", Some(1), [0.0, 0.0, NECK], &[X, Y])];
+        vec![pelvis, link("torso", Some(0), [0.0; 3], &[X, Y]), link("head", Some(1), [0.0, 0.0, neck], &[X, Y])];
     for (side, sign) in [("l", -1.0), ("r", 1.0)] {
-        links.push(link(&format!("{side}_upper_arm"), Some(1), [sign * SHOULDER, 0.0, TORSO], &[X, Y]));
-        links.push(link(&format!("{side}_forearm"), Some(links.len() - 1), [0.0, 0.0, -UPPER_ARM], &[Z, X]));
+        links.push(link(&format!("{side}_upper_arm"), Some(1), [sign * shoulder, 0.0, torso], &[X, Y]));
+        links.push(link(&format!("{side}_forearm"), Some(links.len() - 1), [0.0, 0.0, -upper_arm], &[Z, X]));
     }
     for (side, sign) in [("l", -1.0), ("r", 1.0)] {
-        links.push(link(&format!("{side}_thigh"), Some(0), [sign * HIP, 0.0, 0.0], &[X, Y]));
-        links.push(link(&format!("{side}_shin"), Some(links.len() - 1), [0.0, 0.0, -THIGH], &[Z, X]));
+        links.push(link(&format!("{side}_thigh"), Some(0), [sign * hip, 0.0, 0.0], &[X, Y]));
+        links.push(link(&format!("{side}_shin"), Some(links.len() - 1), [0.0, 0.0, -thigh], &[Z, X]));
     }
-    let point =
-        |name: &str, link, offset: [f64; 3]| Point { name: name.into(), link, offset: offset.map(|x| scale * x) };
-    let mut points = vec![point("MidHip", 0, [0.0; 3]), point("Neck", 2, [0.0; 3]), point("Head", 2, [0.0, 0.0, HEAD])];
+    let point = |name: &str, link, offset: [f64; 3]| Point { name: name.into(), link, offset };
+    let mut points = vec![point("MidHip", 0, [0.0; 3]), point("Neck", 2, [0.0; 3]), point("Head", 2, [0.0, 0.0, head])];
     for (side, arm, leg) in [("L", 3, 7), ("R", 5, 9)] {
         points.extend([
             point(&format!("{side}Shoulder"), arm, [0.0; 3]),
             point(&format!("{side}Elbow"), arm + 1, [0.0; 3]),
-            point(&format!("{side}Wrist"), arm + 1, [0.0, 0.0, -FOREARM]),
+            point(&format!("{side}Wrist"), arm + 1, [0.0, 0.0, -forearm]),
             point(&format!("{side}Hip"), leg, [0.0; 3]),
             point(&format!("{side}Knee"), leg + 1, [0.0; 3]),
-            point(&format!("{side}Ankle"), leg + 1, [0.0, 0.0, -SHIN]),
+            point(&format!("{side}Ankle"), leg + 1, [0.0, 0.0, -shin]),
         ]);
     }
     KinematicTree::new(links, points).expect("the built-in bodies are valid for every finite size")
@@ -81,21 +129,45 @@ const SHAPES: [(f64, [f64; 2], f64); 6] = [
     (SHIN, [0.058, 0.038], 1.0),
 ];
 
-fn flesh_of(scale: f64, round: bool) -> Flesh {
-    let tree = tree(scale);
+/// Heights of the parts in the order of [`SHAPES`].
+fn flesh_with(tree: &KinematicTree, heights: [f64; 6], scale: f64, round: bool) -> Result<Flesh, Error> {
     let solids = tree.links().iter().enumerate().skip(1).map(|(link, tree_link)| {
         let shape = match link {
             1 | 2 => link - 1,
             _ => [2, 3, 4, 5][(link - 3) % 2 + (link - 3) / 4 * 2],
         };
-        let (height, radii, ratio) = SHAPES[shape];
+        let (_, radii, ratio) = SHAPES[shape];
         let mean = 0.5 * (radii[0] + radii[1]) * 0.5 * (1.0 + ratio);
         let (radii, ratio) = if round { ([mean; 2], 1.0) } else { (radii, ratio) };
-        let frustum = Frustum { height: scale * height, radii: radii.map(|r| scale * r), ratio };
+        let frustum = Frustum { height: heights[shape], radii: radii.map(|r| scale * r), ratio };
         let axes = if link < 3 { UPWARDS } else { DOWNWARDS };
         Solid { name: tree_link.name.clone(), link, base: [0.0; 3], axes, frustum }
     });
-    Flesh::new(&tree, solids.collect()).expect("the built-in bodies are valid for every positive size")
+    Flesh::new(tree, solids.collect())
+}
+
+fn flesh_of(scale: f64, round: bool) -> Flesh {
+    flesh_with(&tree(scale), SHAPES.map(|(height, ..)| scale * height), scale, round)
+        .expect("the built-in bodies are valid for every positive size")
+}
+
+/// The ten truncated cones of a tree that [`sized`] made: as long as its segments, and as thick as an adult of 1.75 m stretched with the limbs.
+///
+/// # Errors
+/// [`Error::NoSolid`] for the tree of another body.
+pub fn flesh_on(tree: &KinematicTree) -> Result<Flesh, Error> {
+    let reach = |link: &str| Some(tree.links()[tree.link_index(link)?].offset[2].abs());
+    let end = |point: &str| Some(tree.points()[tree.point_index(point)?].offset[2].abs());
+    let heights =
+        [reach("l_upper_arm"), end("Head"), reach("l_forearm"), end("LWrist"), reach("l_shin"), end("LAnkle")];
+    let [Some(torso), Some(head), Some(upper_arm), Some(forearm), Some(thigh), Some(shin)] = heights else {
+        return Err(Error::NoSolid);
+    };
+    if tree.links().len() != 11 {
+        return Err(Error::NoSolid);
+    }
+    let scale = (upper_arm + forearm + thigh + shin) / (UPPER_ARM + FOREARM + THIGH + SHIN);
+    flesh_with(tree, [torso, head, upper_arm, forearm, thigh, shin], scale, false)
 }
 
 /// The ten truncated cones: torso, head, then upper and lower limb of left arm, right arm, left leg, right leg.
@@ -216,6 +288,22 @@ mod tests {
         assert_eq!(flesh.parents()[6..], [Some(0), Some(6), Some(0), Some(8)]);
         let torso = cylinders(1.0).solids()[0].frustum;
         assert!((torso.radii[0] - 0.25 * (0.15 + 0.10 + 0.17 + 0.17 / 1.5)).abs() < 1e-12 && torso.ratio == 1.0);
+    }
+
+    #[test]
+    fn a_subject_of_standard_size_has_the_standard_body() {
+        let (sized, standard) = (sized(&Proportions::default()), tree(1.0));
+        let offsets = |tree: &KinematicTree| -> Vec<[f64; 3]> {
+            let links = tree.links().iter().map(|link| link.offset);
+            links.chain(tree.points().iter().map(|point| point.offset)).collect()
+        };
+        assert!(offsets(&sized).into_iter().zip(offsets(&standard)).all(|(a, b)| near(a, b)));
+        let (found, expected) = (flesh_on(&sized).expect("its own tree"), flesh(1.0));
+        for (a, b) in found.solids().iter().zip(expected.solids()) {
+            let [a, b] = [a, b].map(|s| [s.frustum.height, s.frustum.radii[0], s.frustum.radii[1]]);
+            assert!(near(a, b), "{a:?} for {b:?}");
+        }
+        assert!(flesh_on(&crate::standard::h32(&Proportions::default())).is_err());
     }
 
     #[test]

@@ -128,7 +128,7 @@ fn any_number_of_threads_leaves_the_same_files() {
 /// Every method that takes silhouettes leaves the same files on one thread and on two.
 #[test]
 fn silhouettes_are_tracked_alike_on_any_number_of_threads() {
-    for method in ["bootstrap", "annealed", "partitioned", "coarse-to-fine"] {
+    for method in ["bootstrap", "annealed", "partitioned", "hppf", "coarse-to-fine"] {
         let few = [("method", method), ("particles", "24"), ("fine", "16"), ("layers", "2"), ("raster", "64")];
         let whole = Whole::from_silhouettes(6, &few);
         for threads in [1, 2] {

@@ -35,7 +35,7 @@ fn a_particle_filter_that_continues_is_resumed_to_the_same_files() {
 /// The same from silhouettes, by searches: what they remember is resumed, too.
 #[test]
 fn a_run_on_silhouettes_stopped_after_any_frame_gives_the_same_files() {
-    for method in ["annealed", "coarse-to-fine"] {
+    for method in ["annealed", "hppf", "coarse-to-fine"] {
         let few = [("method", method), ("particles", "8"), ("fine", "8"), ("layers", "2"), ("raster", "64")];
         let whole = Whole::from_silhouettes(FRAMES, &few);
         for stop in 0..=FRAMES {

@@ -11,7 +11,6 @@
 //! 5. The content of a workspace before and after a call means nothing.
 
 use crate::lanes::{Block, Isa, Kernel, LANES, Real, dispatch, dispatch_one, get_lane, triangle};
-use core::ops::Range;
 
 /// A log density on ℝᵈ, up to a constant that does not depend on the state.
 pub trait LogDensity: Sync {
@@ -114,8 +113,22 @@ pub trait PartLogDensity: LogDensity {
         self.log_density_block(x, ws)
     }
 
-    /// Writes the log likelihoods of the parts `parts` for a block of states: one block a part to `out`; `ws` ≥ [`LogDensity::workspace`] blocks. A part's value may depend on the whole state.
-    fn log_density_parts_block(&self, parts: Range<usize>, x: &[Block], out: &mut [Block], ws: &mut [Block]);
+    /// What searches compare whole states by that were put together from parts ([`Global`]). By default the density, of which every state meets something.
+    fn global_block(&self, x: &[Block], ws: &mut [Block]) -> Global {
+        Global { log_likelihood: self.log_density_block(x, ws), met: Block::splat(1.0) }
+    }
+
+    /// Writes the log likelihoods of some parts for a block of states: one block a part to `out`, in their order; `ws` ≥ [`LogDensity::workspace`] blocks. A part's value may depend on the whole state.
+    fn log_density_parts_block(&self, parts: &[usize], x: &[Block], out: &mut [Block], ws: &mut [Block]);
+}
+
+/// How well a block of whole states explains what was observed, compared with each other.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Global {
+    /// Log likelihoods.
+    pub log_likelihood: Block,
+    /// In how many observations, such as views, each state meets anything of what was seen. A likelihood may be largest for states that meet nothing; those that meet the most are to be preferred.
+    pub met: Block,
 }
 
 /// A numerical leaf, written once over the lane scalar. All methods must be `#[inline(always)]`.
@@ -318,7 +331,10 @@ macro_rules! forward_to_target {
             fn log_intermediate_block(&self, part: usize, x: &[Block], ws: &mut [Block]) -> Block {
                 (**self).log_intermediate_block(part, x, ws)
             }
-            fn log_density_parts_block(&self, parts: Range<usize>, x: &[Block], out: &mut [Block], ws: &mut [Block]) {
+            fn global_block(&self, x: &[Block], ws: &mut [Block]) -> Global {
+                (**self).global_block(x, ws)
+            }
+            fn log_density_parts_block(&self, parts: &[usize], x: &[Block], out: &mut [Block], ws: &mut [Block]) {
                 (**self).log_density_parts_block(parts, x, out, ws);
             }
         }

@@ -99,6 +99,36 @@ impl PartTree {
     pub fn parents(&self) -> &[Option<usize>] {
         &self.parents
     }
+
+    /// The parts of each depth, those without a parent first.
+    #[must_use]
+    pub fn levels(&self) -> Vec<Vec<usize>> {
+        let mut depths: Vec<usize> = vec![];
+        let mut levels: Vec<Vec<usize>> = vec![];
+        for (part, parent) in self.parents.iter().enumerate() {
+            let depth = parent.map_or(0, |parent| depths[parent] + 1);
+            depths.push(depth);
+            levels.resize(levels.len().max(depth + 1), vec![]);
+            levels[depth].push(part);
+        }
+        levels
+    }
+
+    /// The parts that hang on a part, at any distance.
+    #[must_use]
+    pub fn descendants(&self, part: usize) -> Vec<usize> {
+        let mut found = vec![false; self.parents.len()];
+        for (other, parent) in self.parents.iter().enumerate() {
+            found[other] = parent.is_some_and(|parent| parent == part || found[parent]);
+        }
+        (0..found.len()).filter(|&other| found[other]).collect()
+    }
+
+    /// The coordinates of some parts, one part after the other.
+    #[must_use]
+    pub fn coordinates(&self, parts: &[usize]) -> Vec<usize> {
+        parts.iter().flat_map(|&part| self.partition.parts()[part].indices()).copied().collect()
+    }
 }
 
 #[cfg(test)]
@@ -130,6 +160,11 @@ mod tests {
         assert_eq!(Partition::new(all.clone(), 4), Err(Error::IndexOutOfRange { index: 4, dim: 4 }));
         let tree = PartTree::new(partition.clone(), vec![None, Some(0), Some(0)]).expect("parents first");
         assert_eq!((tree.partition(), tree.parents()), (&partition, &[None, Some(0), Some(0)][..]));
+        assert_eq!((tree.levels(), tree.descendants(0)), (vec![vec![0], vec![1, 2]], vec![1, 2]));
+        assert_eq!(tree.coordinates(&[2, 0]), [3, 0, 1]);
+        let chain = PartTree::new(partition.clone(), vec![None, Some(0), Some(1)]).expect("parents first");
+        assert_eq!((chain.levels(), chain.descendants(0)), (vec![vec![0], vec![1], vec![2]], vec![1, 2]));
+        assert_eq!((chain.descendants(1), chain.descendants(2)), (vec![2], vec![]));
         assert_eq!(
             PartTree::new(partition.clone(), vec![None, Some(1), Some(0)]),
             Err(Error::ParentNotBefore { part: 1 })

@@ -1,9 +1,8 @@
 //! A density of decoded states as a function of sampled ones, which lets a tracker sample a latent space.
 
 use crate::decode::Decode;
-use crate::density::{GaussNewton, GradLogDensity, LogDensity, PartLogDensity};
+use crate::density::{GaussNewton, Global, GradLogDensity, LogDensity, PartLogDensity};
 use crate::lanes::{Block, LANES, triangle};
-use core::ops::Range;
 
 /// A density of a decoded state, as a function of the sampled one. It is a likelihood term: no Jacobian is added.
 ///
@@ -78,7 +77,11 @@ impl<D: PartLogDensity, C: Decode> PartLogDensity for Through<D, C> {
         let (decoded, ws) = self.decoded_block(x, ws);
         self.target.log_intermediate_block(part, decoded, ws)
     }
-    fn log_density_parts_block(&self, parts: Range<usize>, x: &[Block], out: &mut [Block], ws: &mut [Block]) {
+    fn global_block(&self, x: &[Block], ws: &mut [Block]) -> Global {
+        let (decoded, ws) = self.decoded_block(x, ws);
+        self.target.global_block(decoded, ws)
+    }
+    fn log_density_parts_block(&self, parts: &[usize], x: &[Block], out: &mut [Block], ws: &mut [Block]) {
         let (decoded, ws) = self.decoded_block(x, ws);
         self.target.log_density_parts_block(parts, decoded, out, ws);
     }

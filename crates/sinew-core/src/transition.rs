@@ -1,6 +1,6 @@
 //! How a state moves from one frame to the next.
 //!
-//! A [`MotionModel`] may learn from the estimates of the frames. [`Transition`] draws and evaluates; [`GradTransition`] adds the gradient; [`PartTransition`] moves one [`Part`] only. A filter that needs the *marginal* prior of a
+//! A [`MotionModel`] may learn from the estimates of the frames. [`Transition`] draws and evaluates; [`GradTransition`] adds the gradient; [`PartTransition`] moves one [`Part`] only, [`LevelMotion`] all parts of one depth. A filter that needs the *marginal* prior of a
 //! frame, given a cloud of draws of the frame before, asks for [`Predict`]: how the cloud is summarised (a mixture, a Gaussian) is a value of the transition.
 
 use crate::density::GradLogDensity;
@@ -67,6 +67,29 @@ pub trait PartTransition: Transition {
             next[j] = Block::splat(centre[j]);
         }
         self.sample_part_block(part, next, rng);
+    }
+}
+
+/// A motion that moves a state level by level down a tree of parts: the parts of one depth, and slightly those above them.
+///
+/// What one frame moves in all is no transition with a density: a coordinate may be moved at several levels, and later ones may overwrite what earlier ones set.
+pub trait LevelMotion: MotionModel {
+    /// Moves one level of eight states; `before` are the states of the frame before, whose parts went with those of `next`.
+    fn sample_level_block(&self, level: usize, before: &[Block], next: &mut [Block], rng: &mut BlockRng);
+
+    /// Standard deviations of the random walk of each coordinate: what counts as near.
+    fn step_sd(&self) -> &[f64];
+
+    /// From one value of a coordinate to another, the short way round where it turns.
+    fn change(&self, coordinate: usize, from: f64, to: f64) -> f64 {
+        let _ = coordinate;
+        to - from
+    }
+
+    /// Log ψ: how plausible some coordinates of a block of states are by themselves. By default all are alike.
+    fn log_plausibility_block(&self, coordinates: &[usize], x: &[Block]) -> Block {
+        let _ = (coordinates, x);
+        Block::ZERO
     }
 }
 

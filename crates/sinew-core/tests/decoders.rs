@@ -1,6 +1,5 @@
 //! Laws of decoders and of densities seen through them, for random states on every instruction set.
 
-use core::ops::Range;
 use proptest::prelude::*;
 use sinew_core::Error;
 use sinew_core::combinators::Through;
@@ -55,12 +54,12 @@ impl PartLogDensity for Parts {
     }
     fn log_intermediate_block(&self, part: usize, x: &[Block], ws: &mut [Block]) -> Block {
         let mut factors = vec![Block::ZERO; part + 1];
-        self.log_density_parts_block(0..part + 1, x, &mut factors, ws);
+        self.log_density_parts_block(&(0..=part).collect::<Vec<_>>(), x, &mut factors, ws);
         Block(core::array::from_fn(|lane| factors.iter().map(|factor| factor.0[lane]).sum()))
     }
-    fn log_density_parts_block(&self, parts: Range<usize>, x: &[Block], out: &mut [Block], _ws: &mut [Block]) {
+    fn log_density_parts_block(&self, parts: &[usize], x: &[Block], out: &mut [Block], _ws: &mut [Block]) {
         let Quadratic { centre, precision } = &self.0.leaf;
-        for (k, out) in parts.zip(out) {
+        for (&k, out) in parts.iter().zip(out) {
             *out = Block(x[k].0.map(|x| -0.5 * precision[k] * (x - centre[k]).powi(2)));
         }
     }
@@ -264,14 +263,16 @@ fn parts_match_the_decoded_state() {
     let x = blocks(&vec![vec![0.4, -0.7]; LANES]);
     let through = Through { target: Parts(quadratic(4, isa)), decoder: sheet(isa) };
     let mut found = scratch(2);
-    through.log_density_parts_block(1..3, &x, &mut found, &mut scratch(through.workspace()));
+    through.log_density_parts_block(&[1, 2], &x, &mut found, &mut scratch(through.workspace()));
     let y: Vec<Block> = decoded(&through.decoder, &[0.4, -0.7]).into_iter().map(Block::splat).collect();
     let mut expected = scratch(2);
-    through.target.log_density_parts_block(1..3, &y, &mut expected, &mut []);
+    through.target.log_density_parts_block(&[1, 2], &y, &mut expected, &mut []);
     assert_eq!((through.parts(), found), (4, expected));
     assert!(through.has_intermediates());
     let found = through.log_intermediate_block(2, &x, &mut scratch(through.workspace()));
     assert_eq!(found, through.target.log_intermediate_block(2, &y, &mut []));
+    let found = through.global_block(&x, &mut scratch(through.workspace()));
+    assert_eq!(found, through.target.global_block(&y, &mut []));
     assert!(!through.is_product(), "a coordinate of the sheet moves several parts");
     assert!(Through { target: Parts(quadratic(4, isa)), decoder: Identity(4) }.is_product());
 }

@@ -87,6 +87,12 @@ impl RandomWalk {
         &self.sd
     }
 
+    /// Standard deviations of the first frame about its centre.
+    #[must_use]
+    pub fn initial_sd(&self) -> &[f64] {
+        &self.initial_sd
+    }
+
     fn add_noise(&self, previous: &[Block], sd: &[f64], next: &mut [Block], rng: &mut BlockRng) {
         rng.fill_normal(self.isa, next);
         dispatch(self.isa, Diffuse { previous, sd, next });

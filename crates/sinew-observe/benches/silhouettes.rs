@@ -4,7 +4,7 @@
 
 use criterion::{Bencher, Criterion, criterion_group, criterion_main};
 use sinew_body::hppf24;
-use sinew_core::density::LogDensity;
+use sinew_core::density::{LogDensity, PartLogDensity};
 use sinew_core::lanes::{Block, Isa, LANES};
 use sinew_core::random::Stage;
 use sinew_observe::image_likelihood::{Cues, ImageModel};
@@ -26,6 +26,9 @@ fn per_body(b: &mut Bencher<'_>, mut call: impl FnMut()) {
         Duration::from_secs_f64(start.elapsed().as_secs_f64() * iterations as f64 / (calls * LANES as u64) as f64)
     });
 }
+
+/// The parts that the hierarchical filter judges: torso; head, upper limbs and torso; all.
+const LEVELS: [&[usize]; 3] = [&[0], &[1, 2, 4, 6, 8, 0], &[3, 5, 7, 9, 0, 1, 2, 4, 6, 8]];
 
 fn model(score: ImageScore) -> ImageModel {
     let tree = hppf24::tree(1.0);
@@ -77,6 +80,9 @@ fn scores(c: &mut Criterion) {
     group.bench_function("union and mismatch", |b| {
         per_body(b, || counted.overlaps_block(black_box(&states), |_, overlaps| _ = black_box(overlaps)));
     });
+    group.bench_function("alignment", |b| {
+        per_body(b, || _ = black_box(counted.alignment_block(black_box(&states))));
+    });
     for (name, score, edges) in [
         ("region", reid(None), false),
         ("edges and region", reid(None), true),
@@ -89,6 +95,17 @@ fn scores(c: &mut Criterion) {
             per_body(b, || _ = black_box(bound.log_density_block(black_box(&states), &mut [])));
         });
     }
+    let parts = bound(ImageScore::Parts, true);
+    group.bench_function("parts of three levels (1 + 6 + 10) and alignment", |b| {
+        per_body(b, || {
+            let mut out = [Block::ZERO; 10];
+            for level in LEVELS {
+                parts.log_density_parts_block(level, black_box(&states), &mut out[..level.len()], &mut []);
+                black_box(&out);
+            }
+            black_box(parts.alignment_block(black_box(&states)));
+        });
+    });
     group.finish();
 }
 

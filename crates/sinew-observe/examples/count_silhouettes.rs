@@ -8,7 +8,7 @@
 //! The difference of the two counts, divided by 8 · 100, is the number of instructions a body: ten solids in four views of 320 × 240 pixels. Valgrind shows the program a processor without AVX-512.
 
 use sinew_body::hppf24;
-use sinew_core::density::LogDensity;
+use sinew_core::density::{LogDensity, PartLogDensity};
 use sinew_core::lanes::{Block, Isa, LANES};
 use sinew_observe::contour_map::contour_map;
 use sinew_observe::image_likelihood::{Cues, ImageModel};
@@ -19,17 +19,23 @@ use std::error::Error;
 use std::hint::black_box;
 use std::sync::Arc;
 
+/// The parts that the hierarchical filter judges: torso; head, upper limbs and torso; all.
+const LEVELS: [&[usize]; 3] = [&[0], &[1, 2, 4, 6, 8, 0], &[3, 5, 7, 9, 0, 1, 2, 4, 6, 8]];
+
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let [set, part, blocks] = &arguments[..] else {
-        return Err("give an instruction set, `pixels`, `one-sided`, `both` or `parts`, and a number of blocks".into());
+        return Err(
+            "give an instruction set, `pixels`, `alignment`, `one-sided`, `both`, `parts` or `levels`, and a number of blocks"
+                .into(),
+        );
     };
     let isa = Isa::by_name(set).ok_or(format!("this processor has no `{set}`"))?;
     let reid = |bidirectional| ImageScore::DeutscherReid { kappa: 1.0, bidirectional };
     let score = match part.as_str() {
         "pixels" | "both" => reid(Some(0.5)),
         "one-sided" => reid(None),
-        "parts" => ImageScore::Parts,
+        "parts" | "alignment" | "levels" => ImageScore::Parts,
         other => return Err(format!("no part `{other}`").into()),
     };
     let mut cameras = vec![];
@@ -43,7 +49,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut truth = vec![0.0; 24];
     truth[2] = hppf24::STANDING_HEIGHT_M;
     let cues = |silhouette| {
-        let edges = (part != "pixels").then(|| contour_map(&silhouette));
+        let edges = (!["pixels", "alignment"].contains(&part.as_str())).then(|| contour_map(&silhouette));
         Some(Cues { edges, silhouette, picture: None })
     };
     let bound = model.bind(model.silhouettes(&truth).into_iter().map(cues).collect());
@@ -53,10 +59,18 @@ fn main() -> Result<(), Box<dyn Error>> {
     };
     let x: Vec<Block> = truth.iter().enumerate().map(lanes).collect();
     for _ in 0..blocks.parse::<usize>()? {
-        if part == "pixels" {
-            bound.overlaps_block(black_box(&x), |_, overlaps| _ = black_box(overlaps));
-        } else {
-            black_box(bound.log_density_block(black_box(&x), &mut []));
+        match part.as_str() {
+            "pixels" => bound.overlaps_block(black_box(&x), |_, overlaps| _ = black_box(overlaps)),
+            "alignment" => _ = black_box(bound.alignment_block(black_box(&x))),
+            "levels" => {
+                let mut out = [Block::ZERO; 10];
+                for level in LEVELS {
+                    bound.log_density_parts_block(level, black_box(&x), &mut out[..level.len()], &mut []);
+                    black_box(&out);
+                }
+                black_box(bound.alignment_block(black_box(&x)));
+            }
+            _ => _ = black_box(bound.log_density_block(black_box(&x), &mut [])),
         }
     }
     Ok(())

@@ -115,6 +115,37 @@ impl BitImage {
         Some([first..last + 1, rows[0]..rows[1]])
     }
 
+    /// Pixels that are set in a rectangle that lies in the image.
+    #[inline(always)]
+    #[must_use]
+    pub fn count_inside(&self, columns: Range<usize>, rows: Range<usize>) -> u64 {
+        if columns.is_empty() || rows.is_empty() {
+            return 0;
+        }
+        let (first, last) = (rows.start / BITS, (rows.end - 1) / BITS);
+        let (head, tail) = (upwards(rows.start % BITS), !(upwards((rows.end - 1) % BITS) << 1));
+        let mut count = 0;
+        for column in self.words[columns.start * self.stride..columns.end * self.stride].chunks_exact(self.stride) {
+            if first == last {
+                count += u64::from((column[first] & head & tail).count_ones());
+                continue;
+            }
+            count += u64::from((column[first] & head).count_ones() + (column[last] & tail).count_ones());
+            for word in &column[first + 1..last] {
+                count += u64::from(word.count_ones());
+            }
+        }
+        count
+    }
+
+    /// Takes the size of another image, with no pixel set, where it has another size.
+    #[inline(always)]
+    pub(crate) fn fit(&mut self, other: &Self) {
+        if (self.width, self.height) != (other.width, other.height) {
+            *self = Self::new(other.width, other.height);
+        }
+    }
+
     /// Pixels that are set.
     #[must_use]
     pub fn count(&self) -> u64 {
@@ -187,6 +218,22 @@ mod tests {
         image.fill(2, 0..70);
         assert_eq!(image, BitImage::new(2, 70));
         assert!(!image.get(0, 70) && !image.get(2, 0));
+    }
+
+    #[test]
+    fn pixels_are_counted_in_a_rectangle() {
+        let image = BitImage::from_fn(6, 200, |x, y| (3 * x + 7 * y) % 5 < 2);
+        for columns in [0..6, 2..3, 1..5, 4..4] {
+            for rows in [0..200, 63..64, 64..65, 10..20, 60..70, 5..190, 128..200, 9..9] {
+                let inside = |x: usize, y: usize| columns.contains(&x) && rows.contains(&y) && image.get(x, y);
+                let expected = (0..6).flat_map(|x| (0..200).map(move |y| (x, y))).filter(|&(x, y)| inside(x, y));
+                assert_eq!(
+                    image.count_inside(columns.clone(), rows.clone()),
+                    expected.count() as u64,
+                    "{columns:?}, {rows:?}"
+                );
+            }
+        }
     }
 
     #[test]

@@ -17,9 +17,8 @@ use crate::outline::{Eye, Outline};
 use crate::raster::Spans;
 use crate::solid_body::{MOST_SOLIDS, SolidBody};
 use crate::{Camera, ObservationModel, RgbImage};
-use core::ops::Range;
 use sinew_body::point_positions_block;
-use sinew_core::density::{LogDensity, PartLogDensity};
+use sinew_core::density::{Global, LogDensity, PartLogDensity};
 use sinew_core::lanes::{Block, Isa, LANES, dispatch, dispatch_one};
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -100,8 +99,9 @@ impl ImageModel {
         let mut scratch = Scratch::new(&self.body);
         let Some(eye) = self.cameras.get(camera).map(Eye::of) else { return vec![] };
         scratch.project_state(self.isa, &self.body, state, &eye);
-        scratch.scan(self.isa, picture.width);
-        scratch.hide(self.isa, self.score.hiding(), &self.body);
+        let all = &ALL[..self.body.count()];
+        scratch.hide(self.isa, self.score.hiding(), &self.body, all);
+        scratch.scan_hiders(self.isa, all, picture.width);
         let histogram = |solid: usize| {
             let mut counts = Counts::default();
             let mut points = scratch.points.clone();
@@ -151,11 +151,24 @@ impl ImageLikelihood {
         });
     }
 
+    /// Shows the spans of eight bodies to `each`, view by view, with the number of the camera and its silhouette.
+    pub(crate) fn each_view(&self, x: &[Block], mut each: impl FnMut(&mut Scratch, usize, &BitImage)) {
+        self.with_scratch(x, |scratch| {
+            for (camera, cues) in &self.views {
+                scratch.project(self.model.isa, &self.model.body, &self.eyes[*camera]);
+                scratch.scan(self.model.isa, cues.silhouette.width());
+                each(scratch, *camera, &cues.silhouette);
+            }
+        });
+    }
+
+    pub(crate) fn isa(&self) -> Isa {
+        self.model.isa
+    }
+
     fn compare(&self, scratch: &mut Scratch, cues: &Cues, pixels_of_silhouette: u64) -> [Overlap; LANES] {
         let silhouette = &cues.silhouette;
-        if (scratch.image.width(), scratch.image.height()) != (silhouette.width(), silhouette.height()) {
-            scratch.image = BitImage::new(silhouette.width(), silhouette.height());
-        }
+        scratch.image.fit(silhouette);
         let mut out = [Overlap::default(); LANES];
         let kernel = Compare {
             bodies: &scratch.bodies,
@@ -179,11 +192,11 @@ impl ImageLikelihood {
         out
     }
 
-    /// Shows what was looked up of some solids to `each`, view by view.
+    /// Shows what was looked up of some solids, no more than there are, to `each`, view by view.
     fn look(
         &self,
         x: &[Block],
-        solids: Range<usize>,
+        solids: &[usize],
         with_region: bool,
         mut each: impl FnMut(&[[Looked; LANES]], Option<&[Overlap; LANES]>),
     ) {
@@ -191,9 +204,12 @@ impl ImageLikelihood {
         self.with_scratch(x, |scratch| {
             for ((camera, cues), &pixels_seen) in self.views.iter().zip(&self.pixels) {
                 scratch.project(*isa, body, &self.eyes[*camera]);
-                scratch.scan(*isa, cues.silhouette.width());
-                scratch.hide(*isa, score.hiding(), body);
-                for solid in solids.clone() {
+                scratch.hide(*isa, score.hiding(), body, solids);
+                match with_region {
+                    true => scratch.scan_hiders(*isa, solids, cues.silhouette.width()),
+                    false => scratch.scan(*isa, cues.silhouette.width()),
+                }
+                for (place, &solid) in solids.iter().enumerate() {
                     let outline = &scratch.outlines[solid];
                     dispatch(*isa, Place { outline, with_region, points: &mut scratch.points });
                     let kernel = LookUp {
@@ -206,16 +222,27 @@ impl ImageLikelihood {
                         counts: &mut scratch.counts,
                         hides_region: score.hiding() == Hiding::Nearer,
                         with_region,
-                        looked: &mut scratch.looked[solid],
+                        looked: &mut scratch.looked[place],
                     };
                     dispatch_one(*isa, kernel);
                 }
                 let pixels = (!with_region).then(|| self.compare(scratch, cues, pixels_seen));
-                each(&scratch.looked[solids.clone()], pixels.as_ref());
+                each(&scratch.looked[..solids.len()], pixels.as_ref());
             }
         });
     }
 }
+
+/// The numbers of all solids that a body may have.
+const ALL: [usize; MOST_SOLIDS] = {
+    let mut all = [0; MOST_SOLIDS];
+    let mut solid = 0;
+    while solid < MOST_SOLIDS {
+        all[solid] = solid;
+        solid += 1;
+    }
+    all
+};
 
 impl LogDensity for ImageLikelihood {
     fn dim(&self) -> usize {
@@ -230,8 +257,9 @@ impl LogDensity for ImageLikelihood {
     fn log_density_block(&self, x: &[Block], _ws: &mut [Block]) -> Block {
         let score = &self.model.score;
         let mut out = Block::ZERO;
-        let parts = &mut [Looked::default(); MOST_SOLIDS][..self.model.body.count()];
-        self.look(x, 0..self.model.body.count(), !score.counts_pixels(), |looked, pixels| {
+        let count = self.model.body.count();
+        let parts = &mut [Looked::default(); MOST_SOLIDS][..count];
+        self.look(x, &ALL[..count], !score.counts_pixels(), |looked, pixels| {
             for (lane, out) in out.0.iter_mut().enumerate() {
                 parts.iter_mut().zip(looked).for_each(|(part, looked)| *part = looked[lane]);
                 *out += score.score_view(parts, pixels.map(|pixels| pixels[lane]));
@@ -246,7 +274,12 @@ impl PartLogDensity for ImageLikelihood {
         self.model.body.count()
     }
 
-    fn log_density_parts_block(&self, parts: Range<usize>, x: &[Block], out: &mut [Block], _ws: &mut [Block]) {
+    /// The alignment of silhouettes, whatever the score.
+    fn global_block(&self, x: &[Block], _ws: &mut [Block]) -> Global {
+        self.alignment_block(x)
+    }
+
+    fn log_density_parts_block(&self, parts: &[usize], x: &[Block], out: &mut [Block], _ws: &mut [Block]) {
         let score = &self.model.score;
         out.fill(Block::ZERO);
         self.look(x, parts, true, |looked, _| {

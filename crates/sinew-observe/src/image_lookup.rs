@@ -7,9 +7,10 @@ use crate::colour_histogram::{Counts, Reference};
 use crate::image_score::Looked;
 use crate::measurement::{Hiders, Hiding, Points};
 use crate::outline::{Eye, Outline, Project};
-use crate::raster::Spans;
+use crate::raster::{PARTS, Spans};
 use crate::solid_body::SolidBody;
 use crate::{Map, RgbImage};
+use core::ops::Range;
 use sinew_body::point_positions_block;
 use sinew_core::lanes::{Block, Isa, Kernel, LANES, Real, dispatch, dispatch_one};
 
@@ -73,18 +74,26 @@ impl Scratch {
         dispatch(isa, Project { eye, solids: &body.solids, frames: &self.frames, out: &mut self.outlines });
     }
 
+    /// Spans of all solids.
     pub fn scan(&mut self, isa: Isa, width: usize) {
-        dispatch_one(isa, Scan { width, outlines: &self.outlines, bodies: &mut self.bodies });
+        dispatch_one(isa, Scan { width, hidden: None, outlines: &self.outlines, bodies: &mut self.bodies });
     }
 
-    pub fn hide(&mut self, isa: Isa, hiding: Hiding, body: &SolidBody) {
-        dispatch_one(isa, Hide { hiding, body, outlines: &self.outlines, bodies: &mut self.bodies });
+    /// Spans of what may hide some solids, which [`Scratch::hide`] has found.
+    pub fn scan_hiders(&mut self, isa: Isa, solids: &[usize], width: usize) {
+        dispatch_one(isa, Scan { width, hidden: Some(solids), outlines: &self.outlines, bodies: &mut self.bodies });
+    }
+
+    /// Finds what may hide some solids.
+    pub fn hide(&mut self, isa: Isa, hiding: Hiding, body: &SolidBody, solids: &[usize]) {
+        dispatch_one(isa, Hide { hiding, body, solids, outlines: &self.outlines, bodies: &mut self.bodies });
     }
 }
 
-/// Spans of all solids.
+/// Spans of all solids, or of those that may hide some.
 struct Scan<'a> {
     width: usize,
+    hidden: Option<&'a [usize]>,
     outlines: &'a [Outline],
     bodies: &'a mut [Body; LANES],
 }
@@ -93,10 +102,18 @@ impl Kernel<f64> for Scan<'_> {
     #[inline(always)]
     fn run<V: Real<Mem = f64>>(&mut self) {
         for (lane, body) in self.bodies.iter_mut().enumerate() {
+            let mut wanted = u32::MAX;
+            if let Some(hidden) = self.hidden {
+                wanted = 0;
+                for &solid in hidden {
+                    wanted |= body.hiders[solid].middle;
+                }
+            }
             body.seen = 0;
             for (solid, (outline, spans)) in self.outlines.iter().zip(&mut body.spans).enumerate() {
-                if outline.is_seen(lane) {
-                    body.seen |= 1 << solid;
+                let is_seen = outline.is_seen(lane);
+                body.seen |= u32::from(is_seen) << solid;
+                if is_seen && wanted >> solid & 1 == 1 {
                     spans.scan(&outline.corners(lane), self.width);
                 } else {
                     spans.scan(&[], self.width);
@@ -106,10 +123,11 @@ impl Kernel<f64> for Scan<'_> {
     }
 }
 
-/// What may hide what.
+/// What may hide some solids: what overlaps their bounds, widened by a pixel, since a point may lie in a pixel next to those that its solid covers.
 struct Hide<'a> {
     hiding: Hiding,
     body: &'a SolidBody,
+    solids: &'a [usize],
     outlines: &'a [Outline],
     bodies: &'a mut [Body; LANES],
 }
@@ -118,17 +136,19 @@ impl Kernel<f64> for Hide<'_> {
     #[inline(always)]
     fn run<V: Real<Mem = f64>>(&mut self) {
         for (lane, body) in self.bodies.iter_mut().enumerate() {
-            for (solid, outline) in self.outlines.iter().enumerate() {
-                let columns = body.spans[solid].columns();
+            for &solid in self.solids {
+                let outline = &self.outlines[solid];
+                let [left, up, right, down] = outline.bounds(lane);
                 let mut middle = 0;
-                for (other, spans) in body.spans.iter().enumerate() {
-                    // An edge point may lie in a pixel next to those that its solid covers.
-                    let overlaps = spans.columns().start <= columns.end && columns.start <= spans.columns().end;
+                for (other, nearer) in self.outlines.iter().enumerate() {
+                    let bounds = nearer.bounds(lane);
+                    let beside = bounds[0] > right + PARTS || left > bounds[2] + PARTS;
+                    let above = bounds[1] > down + PARTS || up > bounds[3] + PARTS;
                     let may_hide = match self.hiding {
-                        Hiding::Nearer => self.outlines[other].depth.0[lane] < outline.depth.0[lane],
+                        Hiding::Nearer => nearer.depth.0[lane] < outline.depth.0[lane],
                         Hiding::Others => other != solid,
                     };
-                    middle |= u32::from(overlaps && may_hide) << other;
+                    middle |= u32::from(may_hide && !beside && !above && nearer.is_seen(lane)) << other;
                 }
                 let ends = match self.hiding {
                     Hiding::Nearer => middle & !self.body.adjacent[solid],
@@ -179,6 +199,16 @@ impl Kernel<f64> for LookUp<'_> {
     }
 }
 
+/// Draws all solids of a body into an image, where nothing is left of the one before in the columns that are used. Returns these.
+#[inline(always)]
+pub(crate) fn draw_union(body: &Body, image: &mut BitImage) -> Range<usize> {
+    let used = body.spans.iter().map(Spans::columns).filter(|columns| !columns.is_empty());
+    let columns = used.reduce(|a, b| a.start.min(b.start)..a.end.max(b.end)).unwrap_or_default();
+    image.clear(columns.clone());
+    body.spans.iter().for_each(|spans| spans.draw(image));
+    columns
+}
+
 /// Compares the pixels of each body with a silhouette.
 pub(crate) struct Compare<'a> {
     pub bodies: &'a [Body; LANES],
@@ -192,10 +222,7 @@ impl Kernel<f64> for Compare<'_> {
     #[inline(always)]
     fn run<V: Real<Mem = f64>>(&mut self) {
         for (body, out) in self.bodies.iter().zip(&mut *self.out) {
-            let used = body.spans.iter().map(Spans::columns).filter(|columns| !columns.is_empty());
-            let columns = used.reduce(|a, b| a.start.min(b.start)..a.end.max(b.end)).unwrap_or_default();
-            self.image.clear(columns.clone());
-            body.spans.iter().for_each(|spans| spans.draw(self.image));
+            let columns = draw_union(body, self.image);
             let inside = overlap(self.silhouette, self.image, columns);
             *out = Overlap { first_only: self.pixels_of_silhouette - inside.both, ..inside };
         }

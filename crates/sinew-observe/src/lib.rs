@@ -23,6 +23,7 @@
 //! assert!((0..3).all(|k| (found.point[k] - wrist[k]).abs() < 1e-9));
 //! # Ok::<(), sinew_observe::Error>(())
 //! ```
+pub mod alignment;
 pub mod association;
 pub mod background;
 pub mod bit_image;

@@ -34,6 +34,8 @@ pub(crate) struct Outline {
     pub nearest: Block,
     /// Whether there are generators: 1 or 0.
     pub has_sides: Block,
+    /// Least x and y of the corners, then the largest, in parts of a pixel as [`whole`] reads them.
+    pub bounds: [Block; 4],
 }
 
 impl Outline {
@@ -43,12 +45,20 @@ impl Outline {
         depth: Block::ZERO,
         nearest: Block::ZERO,
         has_sides: Block::ZERO,
+        bounds: [Block::ZERO; 4],
     };
 
     /// Whether a body's solid is in front of the camera as a whole.
     #[inline(always)]
     pub fn is_seen(&self, lane: usize) -> bool {
         self.nearest.0[lane] > MIN_DEPTH_M
+    }
+
+    /// Its bounds in one lane: least x and y, largest x and y.
+    #[inline(always)]
+    pub fn bounds(&self, lane: usize) -> [i32; 4] {
+        let [left, up, right, down] = &self.bounds;
+        [whole(left.0[lane]), whole(up.0[lane]), whole(right.0[lane]), whole(down.0[lane])]
     }
 
     /// Its corners in one lane.
@@ -196,13 +206,23 @@ impl<V: Real> Rim<V> {
     }
 }
 
-/// Writes the corners of an arc from one direction to another by equal steps; gives its least depth. Corners between the ends stand out so far that the polygon has the area of the ellipse's sector: by √(θ/sin θ) for chords of θ.
+/// Least depth of an arc, and how far its corners reach to the left, up, right and down.
+type Reach<V> = [V; 5];
+
+/// The larger reach of two; of the depths the lesser.
 #[inline(always)]
-fn arc<V: Real<Mem = Block>>(rim: &Rim<V>, [from, to]: [[V; 2]; 2], step: V, out: &mut [[Block; 2]]) -> V {
+fn further<V: Real>(a: Reach<V>, b: Reach<V>) -> Reach<V> {
+    [-((-a[0]).max(-b[0])), a[1].max(b[1]), a[2].max(b[2]), a[3].max(b[3]), a[4].max(b[4])]
+}
+
+/// Writes the corners of an arc from one direction to another by equal steps; gives its reach. Corners between the ends stand out so far that the polygon has the area of the ellipse's sector: by √(θ/sin θ) for chords of θ.
+#[inline(always)]
+fn arc<V: Real<Mem = Block>>(rim: &Rim<V>, [from, to]: [[V; 2]; 2], step: V, out: &mut [[Block; 2]]) -> Reach<V> {
     let (sin, cos) = sin_cos(step);
     let square = step * step;
     let out_by = square.fma(square.fma(V::splat(1.0 / 160.0), V::splat(1.0 / 12.0)), V::splat(1.0));
-    let (mut at, mut nearest) = (from, V::splat(f64::MAX));
+    let none = V::splat(-f64::MAX);
+    let (mut at, mut reach) = (from, [V::splat(f64::MAX), none, none, none, none]);
     let last = out.len() - 1;
     for (k, corner) in out.iter_mut().enumerate() {
         let direction = match k {
@@ -211,13 +231,14 @@ fn arc<V: Real<Mem = Block>>(rim: &Rim<V>, [from, to]: [[V; 2]; 2], step: V, out
             _ => [at[0] * out_by, at[1] * out_by],
         };
         let [u, v, depth] = rim.at(direction);
-        nearest = -((-nearest).max(-depth));
         let inverse = V::splat(1.0) / depth;
-        round(u * inverse, f64::from(PARTS), 0.0).store(&mut corner[0]);
-        round(v * inverse, f64::from(PARTS), 0.0).store(&mut corner[1]);
+        let (x, y) = (round(u * inverse, f64::from(PARTS), 0.0), round(v * inverse, f64::from(PARTS), 0.0));
+        x.store(&mut corner[0]);
+        y.store(&mut corner[1]);
+        reach = further(reach, [depth, -x, -y, x, y]);
         at = [at[1].fnma(sin, at[0] * cos), at[1].fma(cos, at[0] * sin)];
     }
-    nearest
+    reach
 }
 
 impl Kernel<Block> for Project<'_> {
@@ -274,7 +295,12 @@ impl Kernel<Block> for Project<'_> {
             let (low_corners, high_corners) = out.corners.split_at_mut(CHORDS + 1);
             let a = arc(&used_low, [minus, plus], low_arc * per_chord, low_corners);
             let b = arc(&used_high, [plus, minus], high_arc * per_chord, high_corners);
-            (-((-a).max(-b))).store(&mut out.nearest);
+            let [nearest, left, up, right, down] = further(a, b);
+            nearest.store(&mut out.nearest);
+            (-left).store(&mut out.bounds[0]);
+            (-up).store(&mut out.bounds[1]);
+            right.store(&mut out.bounds[2]);
+            down.store(&mut out.bounds[3]);
             ((low.centre[2] + high.centre[2]) * V::splat(0.5)).store(&mut out.depth);
             sides.select_gt(0.0, V::splat(1.0), V::splat(0.0)).store(&mut out.has_sides);
         }

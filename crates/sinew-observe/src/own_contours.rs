@@ -13,7 +13,6 @@ use sinew_body::KinematicTree;
 use sinew_body::flesh::{Flesh, Solid};
 use sinew_core::density::{LogDensity, PartLogDensity};
 use sinew_core::lanes::Block;
-use std::ops::Range;
 use std::sync::Arc;
 
 /// Models of each solid alone, otherwise as the model of the whole body.
@@ -62,8 +61,8 @@ impl PartLogDensity for OwnContours<'_> {
         self.parts.len()
     }
 
-    fn log_density_parts_block(&self, parts: Range<usize>, x: &[Block], out: &mut [Block], ws: &mut [Block]) {
-        for (out, part) in out.iter_mut().zip(&self.parts[parts]) {
+    fn log_density_parts_block(&self, parts: &[usize], x: &[Block], out: &mut [Block], ws: &mut [Block]) {
+        for (out, part) in out.iter_mut().zip(parts.iter().map(|&part| &self.parts[part])) {
             *out = part.log_density_block(x, ws);
         }
     }

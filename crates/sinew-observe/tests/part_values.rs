@@ -47,7 +47,7 @@ fn moved(score: ImageScore, part: usize) -> [Vec<f64>; 2] {
     let (bound, coordinates, state) = seen(score);
     let values = |x: &[Block]| {
         let mut alone = [Block::ZERO];
-        bound.log_density_parts_block(part..part + 1, x, &mut alone, &mut []);
+        bound.log_density_parts_block(&[part], x, &mut alone, &mut []);
         [alone[0].0, bound.log_density_block(x, &mut []).0]
     };
     let unmoved: Vec<Block> = state.iter().map(|&x| Block::splat(x)).collect();

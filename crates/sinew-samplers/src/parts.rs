@@ -7,7 +7,6 @@
 use crate::Error;
 use crate::particles::{Particles, evaluate_by};
 use crate::weights::largest;
-use core::ops::Range;
 use rayon::prelude::*;
 use sinew_core::density::PartLogDensity;
 use sinew_core::lanes::Block;
@@ -37,19 +36,19 @@ fn in_place(particles: &mut Particles, stage: Stage, change: impl Fn(&mut [Block
     blocks.for_each(|(block, states)| change(states, &mut stage.block(block as u32)));
 }
 
-/// Log likelihoods of the parts `parts` of each state: a vector a part.
+/// Log likelihoods of some parts of each state: a vector a part, in their order.
 #[must_use]
 pub fn log_likelihoods<D: PartLogDensity + ?Sized>(
     particles: &Particles,
     density: &D,
-    parts: Range<usize>,
+    parts: &[usize],
 ) -> Vec<Vec<f64>> {
     let scratch = || (vec![Block::ZERO; parts.len()], vec![Block::ZERO; density.workspace()]);
     let blocks: Vec<Vec<Block>> = particles
         .states()
         .par_chunks(particles.dim())
         .map_init(scratch, |(out, ws), states| {
-            density.log_density_parts_block(parts.clone(), states, out, ws);
+            density.log_density_parts_block(parts, states, out, ws);
             out.clone()
         })
         .collect();
@@ -61,7 +60,7 @@ pub fn log_likelihoods<D: PartLogDensity + ?Sized>(
 pub fn evaluate_part<D: PartLogDensity + ?Sized>(particles: &mut Particles, density: &D, part: usize) {
     evaluate_by(particles, density.workspace(), |states, ws| {
         let mut value = [Block::ZERO];
-        density.log_density_parts_block(part..part + 1, states, &mut value, ws);
+        density.log_density_parts_block(&[part], states, &mut value, ws);
         value[0]
     });
 }
@@ -90,7 +89,7 @@ pub fn choose<D: PartLogDensity + ?Sized>(
 ) -> Result<Vec<f64>, Error> {
     let parts = tree.partition().parts();
     let mut state = vec![0.0; particles.dim()];
-    for (part, values) in parts.iter().zip(log_likelihoods(particles, density, 0..parts.len())) {
+    for (part, values) in parts.iter().zip(log_likelihoods(particles, density, &(0..parts.len()).collect::<Vec<_>>())) {
         adopt(&mut state, part, &particles.state(chosen(&values)?));
     }
     Ok(state)
@@ -116,7 +115,7 @@ pub fn choose_chained<D: PartLogDensity + ?Sized>(
             }
             ancestor = tree.parents()[above];
         }
-        let values = log_likelihoods(&candidates, density, k..k + 1).concat();
+        let values = log_likelihoods(&candidates, density, &[k]).concat();
         adopt(&mut state, part, &particles.state(chosen(&values)?));
     }
     Ok(state)

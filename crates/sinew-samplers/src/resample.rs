@@ -10,7 +10,7 @@
 //! The ancestor of u is the least j with W_1 + … + W_j ≥ u. All four keep `E[count_i] = n W_i`. Ancestors come *sorted*, so that a gather walks through memory: the multinomial ones by drawing sorted uniforms
 //! from exponential spacings (Devroye 1986, V.3.1). Where two independently resampled sub-vectors are later paired by index, permute one of them.
 //!
-//! [`keep_once_refill`] (Husz, Wallace & Green 2007: "only the highest 80 % survive") is biased on purpose.
+//! [`Truncation`] (Husz, Wallace & Green 2007: "only the highest 80 % survive") is biased on purpose, in both readings.
 //!
 //! Weights need not be normalised; they must be finite, not negative and not all zero, as [`crate::weights::normalise`] makes them. A weight of zero has no offspring.
 //!
@@ -175,22 +175,51 @@ pub fn residual(weights: &[f64], n: usize, rng: &mut impl Rng) -> Ancestors {
 /// The highest `surviving` share of the states (rounded up; of equals the lower index) keep their slots once; the freed slots are refilled from the survivors, systematically by weight.
 /// The new states have equal weights. Not unbiased: it keeps variety. Not sorted: survivors stay where they are.
 pub fn keep_once_refill(weights: &[f64], surviving: f64, rng: &mut impl Rng) -> Ancestors {
-    let n = weights.len();
-    let survivors = ((surviving * n as f64 - 1e-9).ceil() as usize).clamp(n.min(1), n);
-    let mut order: Vec<usize> = (0..n).collect();
-    order.sort_by(|&a, &b| weights[b].total_cmp(&weights[a]));
-    let freed = order.split_off(survivors);
-    let mut kept = weights.to_vec();
-    for &slot in &freed {
-        kept[slot] = 0.0;
-    }
-    let mut ancestors: Ancestors = (0..n).collect();
-    let mut slots = freed;
-    slots.sort_unstable();
+    let (kept, slots) = truncated(weights, surviving);
+    let mut ancestors: Ancestors = (0..weights.len()).collect();
     for (slot, ancestor) in slots.iter().zip(systematic(&kept, slots.len(), rng)) {
         ancestors[*slot] = ancestor;
     }
     ancestors
+}
+
+/// The highest `surviving` share of the states (rounded up; of equals the lower index) are resampled systematically by weight; the others have no offspring. Not unbiased: it concentrates. Sorted.
+pub fn truncate_then_systematic(weights: &[f64], surviving: f64, rng: &mut impl Rng) -> Ancestors {
+    let (kept, _) = truncated(weights, surviving);
+    systematic(&kept, weights.len(), rng)
+}
+
+/// The weights of the highest share of the states, 0 for the others; and the slots of these, ascending.
+fn truncated(weights: &[f64], surviving: f64) -> (Vec<f64>, Vec<usize>) {
+    let n = weights.len();
+    let survivors = ((surviving * n as f64 - 1e-9).ceil() as usize).clamp(n.min(1), n);
+    let mut order: Vec<usize> = (0..n).collect();
+    order.sort_by(|&a, &b| weights[b].total_cmp(&weights[a]));
+    let mut freed = order.split_off(survivors);
+    freed.sort_unstable();
+    let mut kept = weights.to_vec();
+    freed.iter().for_each(|&slot| kept[slot] = 0.0);
+    (kept, freed)
+}
+
+/// Choice of what "only the highest 80 % survive" means.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Truncation {
+    /// [`keep_once_refill`].
+    #[default]
+    KeepOnceRefill,
+    /// [`truncate_then_systematic`].
+    TruncateThenSystematic,
+}
+
+impl Truncation {
+    /// Draws as many ancestors as there are weights, of which the highest `surviving` share has offspring.
+    pub fn ancestors(self, weights: &[f64], surviving: f64, rng: &mut impl Rng) -> Ancestors {
+        match self {
+            Self::KeepOnceRefill => keep_once_refill(weights, surviving, rng),
+            Self::TruncateThenSystematic => truncate_then_systematic(weights, surviving, rng),
+        }
+    }
 }
 
 #[cfg(test)]
@@ -238,5 +267,16 @@ mod tests {
             assert_eq!(ancestors[i], i);
         }
         assert!(ancestors.iter().all(|a| ![2, 8].contains(a)));
+        let drawn = truncate_then_systematic(&weights, 0.8, &mut Stage::new(5, "R5").whole());
+        assert!(drawn.is_sorted() && drawn.len() == 10 && drawn.iter().all(|a| ![2, 8].contains(a)));
+        // 0.97 is what survives: each has the whole part of its share, or one more.
+        for (i, w) in weights.iter().enumerate().filter(|(i, _)| ![2, 8].contains(i)) {
+            let (count, share) = (drawn.iter().filter(|a| **a == i).count() as f64, 10.0 * w / 0.97);
+            assert!((share.floor()..=share.ceil()).contains(&count), "{count} of {share}");
+        }
+        assert_eq!(
+            Truncation::TruncateThenSystematic.ancestors(&[0.0, 1.0, 0.0], 0.1, &mut Stage::new(5, "R5").whole()),
+            [1; 3]
+        );
     }
 }

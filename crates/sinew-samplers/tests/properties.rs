@@ -1,6 +1,5 @@
 //! Laws of weights, resampling and the integrator, for every input that the types let in.
 
-use core::ops::Range;
 use proptest::prelude::*;
 use sinew_core::density::PartLogDensity;
 use sinew_core::density::{GradLogDensity, LogDensity};
@@ -16,7 +15,7 @@ use sinew_samplers::integrator::PhasePoint;
 use sinew_samplers::particles::{Particles, evaluate, resample, reweight, select, temper};
 use sinew_samplers::parts::{choose, choose_chained, choose_whole, evaluate_part, log_likelihoods};
 use sinew_samplers::quantised::{evaluate_distinct, walk};
-use sinew_samplers::resample::{Scheme, keep_once_refill, shuffle};
+use sinew_samplers::resample::{Scheme, keep_once_refill, shuffle, truncate_then_systematic};
 use sinew_samplers::weighted_resampling::weighted_resample;
 use sinew_samplers::weights::{effective_number, normalise};
 
@@ -78,8 +77,8 @@ impl PartLogDensity for Ladder {
     fn parts(&self) -> usize {
         self.0
     }
-    fn log_density_parts_block(&self, parts: Range<usize>, x: &[Block], out: &mut [Block], _ws: &mut [Block]) {
-        for (k, out) in parts.zip(out) {
+    fn log_density_parts_block(&self, parts: &[usize], x: &[Block], out: &mut [Block], _ws: &mut [Block]) {
+        for (&k, out) in parts.iter().zip(out) {
             *out = Block(x[k].0.map(|x| rung(k, x)));
         }
     }
@@ -182,7 +181,7 @@ proptest! {
     #[test]
     fn chosen_parts_are_the_largest(dim in 1..5usize, count in 1..50usize, seed: u64) {
         let mut particles = cloud(dim, count, seed);
-        let values = log_likelihoods(&particles, &Ladder(dim), 0..dim);
+        let values = log_likelihoods(&particles, &Ladder(dim), &(0..dim).collect::<Vec<_>>());
         let state = choose(&particles, &Ladder(dim), &chain(dim)).expect("explained");
         for (j, column) in values.iter().enumerate() {
             let largest = column.iter().copied().fold(f64::NEG_INFINITY, f64::max);
@@ -242,6 +241,14 @@ proptest! {
         let least = ancestors.iter().map(|&a| w[a]).fold(f64::INFINITY, f64::min);
         let dropped = (0..w.len()).filter(|i| !ancestors.contains(i));
         prop_assert!(dropped.map(|i| w[i]).all(|w| w <= least));
+    }
+
+    #[test]
+    fn truncation_leaves_offspring_to_the_same_states_in_both_readings(w in weights(), surviving in 0.0..=1.0f64, seed: u64) {
+        let drawn = truncate_then_systematic(&w, surviving, &mut Stage::new(seed, "property").whole());
+        prop_assert_eq!(drawn.len(), w.len());
+        let kept = keep_once_refill(&w, surviving, &mut Stage::new(seed, "property").whole());
+        prop_assert!(drawn.iter().all(|a| kept[*a] == *a && w[*a] > 0.0));
     }
 
     #[test]

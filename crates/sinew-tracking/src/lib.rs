@@ -48,6 +48,7 @@ pub mod coarse_to_fine;
 pub mod decoded;
 mod error;
 pub mod hmc_filter;
+pub mod hppf;
 mod particle_state;
 pub mod partitioned;
 pub mod posterior;

@@ -3,20 +3,23 @@
 mod common;
 
 use common::Sight;
-use core::ops::Range;
 use sinew_core::density::{GaussNewton, GradLogDensity, Lanes, LogDensity, PartLogDensity};
 use sinew_core::lanes::{Block, Isa};
 use sinew_core::part::{Part, PartTree, Partition};
 use sinew_core::random::Stage;
 use sinew_core::toy::Quadratic;
+use sinew_dynamics::level_walk::LevelWalk;
 use sinew_dynamics::random_walk::{Between, RandomWalk};
 use sinew_samplers::annealed_search;
 use sinew_samplers::grid::GridAxis;
+use sinew_samplers::levels::Selection;
+use sinew_samplers::resample::Truncation;
 use sinew_samplers::tuning;
 use sinew_tracking::annealed::{self, Annealed};
 use sinew_tracking::bootstrap::{self, Bootstrap};
 use sinew_tracking::coarse_to_fine::{self, CoarseToFine, Judging};
 use sinew_tracking::hmc_filter::{self, HmcFilter};
+use sinew_tracking::hppf::{self, Hppf};
 use sinew_tracking::partitioned::{self, Partitioned};
 use sinew_tracking::posterior::Posterior;
 use sinew_tracking::{Error, Harness, Resume, StepInfo, Tracker, run};
@@ -62,7 +65,7 @@ impl PartLogDensity for Nothing {
     fn is_product(&self) -> bool {
         true
     }
-    fn log_density_parts_block(&self, _parts: Range<usize>, _x: &[Block], out: &mut [Block], _ws: &mut [Block]) {
+    fn log_density_parts_block(&self, _parts: &[usize], _x: &[Block], out: &mut [Block], _ws: &mut [Block]) {
         out.fill(Block::ZERO);
     }
 }
@@ -81,7 +84,7 @@ impl PartLogDensity for Impossible {
     fn parts(&self) -> usize {
         2
     }
-    fn log_density_parts_block(&self, _parts: Range<usize>, _x: &[Block], out: &mut [Block], _ws: &mut [Block]) {
+    fn log_density_parts_block(&self, _parts: &[usize], _x: &[Block], out: &mut [Block], _ws: &mut [Block]) {
         out.fill(Block::splat(f64::NEG_INFINITY));
     }
 }
@@ -122,6 +125,13 @@ fn coarse_to_fine(config: coarse_to_fine::Config) -> CoarseToFine {
     CoarseToFine::new(config, axes, tree(), vec![0.0, 1.0], Isa::best()).expect("valid")
 }
 
+fn hppf(truncation: Truncation) -> Hppf<LevelWalk> {
+    let selection = Selection { truncation, surviving: 0.8 };
+    let config = hppf::Config { particles: 203, selection, ..hppf::Config::default() };
+    let motion = LevelWalk::new(tree(), vec![0.2, 0.1], vec![0.2, 0.1], Isa::best()).expect("valid");
+    Hppf::new(config, motion, &tree(), vec![0.0, 1.0]).expect("valid")
+}
+
 /// Trackers that claim a posterior, and how many: they come first.
 const FILTERS: usize = 5;
 
@@ -145,6 +155,8 @@ fn trackers() -> Vec<Boxed> {
             fine: 43,
             drift: 0.5,
         })),
+        Box::new(hppf(Truncation::KeepOnceRefill)),
+        Box::new(hppf(Truncation::TruncateThenSystematic)),
     ]
 }
 
@@ -265,6 +277,7 @@ fn a_refused_frame_leaves_a_tracker_of_particles_where_it_stood() {
     check(partitioned(100), stage);
     check(annealed(annealed_search::Config::default()), stage);
     check(coarse_to_fine(coarse_to_fine::Config::default()), stage);
+    check(hppf(Truncation::KeepOnceRefill), stage);
 }
 
 /// Another dimension, or another number of parts.
@@ -283,7 +296,7 @@ fn an_observation_of_another_shape_is_refused() {
         fn parts(&self) -> usize {
             3
         }
-        fn log_density_parts_block(&self, _parts: Range<usize>, _x: &[Block], out: &mut [Block], _ws: &mut [Block]) {
+        fn log_density_parts_block(&self, _parts: &[usize], _x: &[Block], out: &mut [Block], _ws: &mut [Block]) {
             out.fill(Block::ZERO);
         }
     }
@@ -293,6 +306,7 @@ fn an_observation_of_another_shape_is_refused() {
     };
     for dim in [2, 3] {
         assert!(refused(Box::new(partitioned(10)), Wrong(dim)));
+        assert!(refused(Box::new(hppf(Truncation::KeepOnceRefill)), Wrong(dim)));
         assert!(refused(Box::new(coarse_to_fine(coarse_to_fine::Config::default())), Wrong(dim)));
     }
     assert!(refused(Box::new(annealed(annealed_search::Config::default())), Wrong(3)));

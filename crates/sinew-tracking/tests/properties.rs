@@ -8,15 +8,18 @@ use sinew_core::density::LogDensity;
 use sinew_core::lanes::Isa;
 use sinew_core::part::{Part, PartTree, Partition};
 use sinew_core::random::Stage;
+use sinew_dynamics::level_walk::LevelWalk;
 use sinew_dynamics::random_walk::{Between, RandomWalk};
 use sinew_samplers::annealed_search::{self, Last, Scaling};
 use sinew_samplers::grid::GridAxis;
+use sinew_samplers::levels::Selection;
 use sinew_samplers::metric::Geometry;
-use sinew_samplers::resample::Scheme;
+use sinew_samplers::resample::{Scheme, Truncation};
 use sinew_tracking::annealed::{self, Annealed};
 use sinew_tracking::bootstrap::{self, Bootstrap};
 use sinew_tracking::coarse_to_fine::{self, CoarseToFine, Judging};
 use sinew_tracking::hmc_filter::{self, HmcFilter};
+use sinew_tracking::hppf::{self, Hppf};
 use sinew_tracking::partitioned::{self, Partitioned};
 use sinew_tracking::{StepInfo, Tracker};
 
@@ -128,6 +131,22 @@ proptest! {
             prop_assert_eq!(judged.log_likelihood, seen.log_density(&judged.state));
         }
         prop_assert_eq!(&tracker.fine().state, &info.mean);
+    }
+
+    #[test]
+    fn hppf_steps_for_every_size(
+        dim in 1..6usize, particles in 1..60usize, surviving in 0.01..1.0f64, seed: u64,
+        truncation in prop::sample::select(&[Truncation::KeepOnceRefill, Truncation::TruncateThenSystematic][..]),
+    ) {
+        let config = hppf::Config { particles, selection: Selection { truncation, surviving }, width: 3.0 };
+        let motion = LevelWalk::new(tree(dim), vec![0.2; dim], vec![0.2; dim], Isa::best()).expect("valid");
+        let mut tracker = Hppf::new(config, motion, &tree(dim), vec![0.0; dim]).expect("valid");
+        let info = steps(&mut tracker, dim, seed)?;
+        let judged = dim * (dim + 1) / 2;
+        prop_assert_eq!((info.likelihood_evaluations, info.part_evaluations), (particles, judged * particles));
+        prop_assert_eq!(info.survivors.len(), 2 * dim);
+        let found = tracker.found().expect("a frame");
+        prop_assert!(found.similar.contains(&found.mode) && found.similar.iter().all(|i| *i < particles));
     }
 
     #[test]

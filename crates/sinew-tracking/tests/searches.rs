@@ -1,7 +1,6 @@
 //! The annealed and the coarse-to-fine tracker against exact results.
 //! A1, A12, validity, counts of evaluations, equality of the two ways of a product likelihood.
 
-use core::ops::Range;
 use sinew_core::density::{Lanes, LogDensity, PartLogDensity};
 use sinew_core::lanes::{Block, Isa, LANES};
 use sinew_core::part::{Part, PartTree, Partition};
@@ -125,9 +124,9 @@ impl PartLogDensity for InParts {
     fn is_product(&self) -> bool {
         self.product
     }
-    fn log_density_parts_block(&self, parts: Range<usize>, x: &[Block], out: &mut [Block], _ws: &mut [Block]) {
+    fn log_density_parts_block(&self, parts: &[usize], x: &[Block], out: &mut [Block], _ws: &mut [Block]) {
         let Quadratic { centre, precision } = &self.whole.leaf;
-        for (k, out) in parts.zip(out) {
+        for (&k, out) in parts.iter().zip(out) {
             let other = if k == 2 && !self.product { x[0].0 } else { [centre[0]; 8] };
             let value = |lane: usize| {
                 let error = x[k].0[lane] - centre[k] + 3.0 * (other[lane] - centre[0]);
@@ -162,7 +161,7 @@ fn a_product_is_weighed_by_its_last_factor() {
         fn parts(&self) -> usize {
             3
         }
-        fn log_density_parts_block(&self, parts: Range<usize>, x: &[Block], out: &mut [Block], ws: &mut [Block]) {
+        fn log_density_parts_block(&self, parts: &[usize], x: &[Block], out: &mut [Block], ws: &mut [Block]) {
             self.0.log_density_parts_block(parts, x, out, ws);
         }
     }
@@ -210,10 +209,10 @@ fn intermediate_densities_telescope() {
         }
         fn log_intermediate_block(&self, part: usize, x: &[Block], ws: &mut [Block]) -> Block {
             let mut factors = [Block::ZERO; 3];
-            self.0.log_density_parts_block(0..3, x, &mut factors, ws);
+            self.0.log_density_parts_block(&[0, 1, 2], x, &mut factors, ws);
             Block(core::array::from_fn(|lane| factors[..=part].iter().map(|factor| factor.0[lane]).sum()))
         }
-        fn log_density_parts_block(&self, parts: Range<usize>, _x: &[Block], out: &mut [Block], _ws: &mut [Block]) {
+        fn log_density_parts_block(&self, parts: &[usize], _x: &[Block], out: &mut [Block], _ws: &mut [Block]) {
             out[..parts.len()].fill(Block::splat(f64::NAN));
         }
     }
@@ -327,7 +326,7 @@ fn chained_parts_are_judged_under_the_chosen_ones() {
         let value = |part: usize| {
             let x: Vec<Block> = tracker.fine().state.iter().map(|&x| Block::splat(x)).collect();
             let mut out = [Block::ZERO];
-            observed.log_density_parts_block(part..part + 1, &x, &mut out, &mut []);
+            observed.log_density_parts_block(&[part], &x, &mut out, &mut []);
             out[0].0[0]
         };
         [0, 1, 2].map(value)
@@ -352,7 +351,7 @@ impl PartLogDensity for Coupled {
     fn parts(&self) -> usize {
         3
     }
-    fn log_density_parts_block(&self, _: Range<usize>, _: &[Block], out: &mut [Block], _: &mut [Block]) {
+    fn log_density_parts_block(&self, _: &[usize], _: &[Block], out: &mut [Block], _: &mut [Block]) {
         out.fill(Block::splat(f64::NEG_INFINITY));
     }
 }

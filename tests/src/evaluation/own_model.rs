@@ -65,7 +65,8 @@ pub fn ranked(frames: usize, sigma_px: f64, settings: &Settings, seed: u64) -> R
     let states = drawn_states(&walk, &setup.start_pose, frames, [first, steps]);
     let film = filmed(&body, states, cameras, sigma_px, settings.fps, errors)?;
     track::tune(&mut setup, &body, &mut source(&film), 0, &settings)?;
-    let making = Making { setup: &setup, transition: &walk, parts: None, isa: settings.isa };
+    let dt = 1.0 / settings.fps;
+    let making = Making { setup: &setup, transition: &walk, parts: None, motion_model: None, dt, isa: settings.isa };
     let mut tracker = settings.method.tracker(&making, setup.start_pose.clone())?;
     let mut seen = Seen::new(&film, sigma_px, &settings);
     let mut disagreeing = 0.0;

@@ -38,6 +38,16 @@ pub struct PrimitiveMotion {
     isa: Isa,
 }
 
+/// Refuses frames that are not as far apart as those of the training motion.
+pub(crate) fn check_rate(model: &PrimitiveModel, dt: f64) -> Result<(), Error> {
+    let off = (dt * model.frame_rate - 1.0).abs();
+    if off <= SAME_RATE {
+        return Ok(());
+    }
+    let expected = "must be that of the motion that the model was learned from";
+    Err(Error::OutOfRange { name: "time step", index: 0, value: dt, expected })
+}
+
 impl PrimitiveMotion {
     /// The motion of the feature vector called `feature`, for frames `dt` seconds apart. The first frame's spread about its given centre is that of one step of the random walk.
     ///
@@ -48,11 +58,7 @@ impl PrimitiveMotion {
             let known = model.primitives.iter().map(|primitives| primitives.feature.name.clone()).collect();
             return Err(Error::Unknown { name: feature.into(), known });
         };
-        let off = (dt * model.frame_rate - 1.0).abs();
-        if off.is_nan() || off > SAME_RATE {
-            let expected = "must be that of the motion that the model was learned from";
-            return Err(Error::OutOfRange { name: "time step", index: 0, value: dt, expected });
-        }
+        check_rate(model, dt)?;
         let covered = sinew_core::part::Part::new(primitives.feature.coordinates.clone(), model.dim)?;
         let sd = model.noise_sd.clone();
         if sd.len() != model.dim {

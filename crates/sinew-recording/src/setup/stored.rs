@@ -1,6 +1,6 @@
 //! The value of the set-up pass and its file, `setup.toml`.
 //!
-//! `body` is `"H32"`, `"CF28"`, or the whole text of a body file, so that the set-up repeats a run when that file is gone.
+//! `body` is `"H32"`, `"CF28"`, `"HPPF24"`, or the whole text of a body file, so that the set-up repeats a run when that file is gone.
 
 use super::error::SetupError;
 use super::measured_girth::MeasuredGirth;
@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use sinew_body::flesh::Flesh;
 use sinew_body::standard::{cf28, h32};
 use sinew_body::standard_flesh::standard_flesh;
-use sinew_body::{KinematicTree, Proportions};
+use sinew_body::{KinematicTree, Proportions, hppf24};
 use sinew_formats::body_toml;
 use sinew_observe::{Camera, View};
 
@@ -25,6 +25,8 @@ pub enum Body {
     H32,
     /// The body of Choo & Fleet (2001), 28 degrees of freedom.
     CF28,
+    /// The body of Husz, Wallace & Green (2007), 24 degrees of freedom.
+    HPPF24,
     /// The body of a file, with the sizes that it has there.
     File(FileBody),
 }
@@ -62,6 +64,7 @@ impl Body {
         match self {
             Self::H32 | Self::File(_) => h32,
             Self::CF28 => cf28,
+            Self::HPPF24 => hppf24::sized,
         }
     }
 
@@ -70,19 +73,20 @@ impl Body {
     pub fn tree(&self, proportions: &Proportions) -> KinematicTree {
         match self {
             Self::File(body) => body.tree.clone(),
-            Self::H32 | Self::CF28 => self.builder()(proportions),
+            Self::H32 | Self::CF28 | Self::HPPF24 => self.builder()(proportions),
         }
     }
 
-    /// The solids of the body that is tracked: the solids of its file, else the standard flesh of its [`Body::tree`].
+    /// The solids of the body that is tracked: the solids of its file, the paper's of HPPF24, else the standard flesh of its [`Body::tree`].
     ///
     /// # Errors
     /// A body of a file without solids whose links have none of the standard names.
     pub fn flesh(&self, tree: &KinematicTree) -> Result<Flesh, SetupError> {
-        if let Self::File(FileBody { flesh: Some(flesh), .. }) = self {
-            return Ok(flesh.clone());
+        match self {
+            Self::File(FileBody { flesh: Some(flesh), .. }) => Ok(flesh.clone()),
+            Self::HPPF24 => hppf24::flesh_on(tree).map_err(SetupError::NoFlesh),
+            _ => standard_flesh(tree).map_err(SetupError::NoFlesh),
         }
-        standard_flesh(tree).map_err(SetupError::NoFlesh)
     }
 
     /// Whether it brings solids of its own, which stay as they are.
@@ -97,6 +101,7 @@ impl Body {
         match self {
             Self::H32 => "H32",
             Self::CF28 => "CF28",
+            Self::HPPF24 => "HPPF24",
             Self::File(_) => "the body of the file",
         }
     }
@@ -118,8 +123,9 @@ impl TryFrom<String> for Body {
         match text.as_str() {
             "H32" => Ok(Self::H32),
             "CF28" => Ok(Self::CF28),
+            "HPPF24" => Ok(Self::HPPF24),
             _ if text.contains("[[link]]") => FileBody::read("body", &text).map(Self::File).map_err(|e| e.to_string()),
-            _ => Err(format!("unknown body `{text}`; known: H32, CF28, or the text of a body file")),
+            _ => Err(format!("unknown body `{text}`; known: H32, CF28, HPPF24, or the text of a body file")),
         }
     }
 }

@@ -1,6 +1,5 @@
 //! An observation that serves every tracker.
 
-use core::ops::Range;
 use sinew_core::density::{GaussNewton, GradLogDensity, Lanes, LogDensity, PartLogDensity};
 use sinew_core::lanes::{Block, Isa};
 use sinew_core::toy::Quadratic;
@@ -51,9 +50,9 @@ impl PartLogDensity for Sight {
     fn is_product(&self) -> bool {
         self.product
     }
-    fn log_density_parts_block(&self, parts: Range<usize>, x: &[Block], out: &mut [Block], _ws: &mut [Block]) {
+    fn log_density_parts_block(&self, parts: &[usize], x: &[Block], out: &mut [Block], _ws: &mut [Block]) {
         let Quadratic { centre, precision } = &self.whole.leaf;
-        for (k, out) in parts.zip(out) {
+        for (&k, out) in parts.iter().zip(out) {
             *out = Block(x[k].0.map(|x| -0.5 * precision[k] * (x - centre[k]).powi(2)));
         }
     }

@@ -126,6 +126,7 @@ pub fn search(folder: &Path) -> Result<Vec<ConfigFile>, Error> {
 mod tests {
     use super::*;
     use crate::config::value::to_toml;
+    use crate::methods::METHODS;
 
     fn problems(text: &str) -> Vec<String> {
         parse(text, Path::new("")).unwrap_err()
@@ -134,12 +135,13 @@ mod tests {
     #[test]
     fn all_mistakes_are_reported_at_once() {
         let text = "paticles = 10\nseed = -1\nmethod = \"hcm\"\njitter = 1.5\nframes = \"9..2\"\nthreads = 0\nsmooth = \"yes\"\nfps = nan\n";
+        let names = METHODS.map(|about| about.name).join(", ");
         assert_eq!(
             problems(text),
             [
                 "line 1: unknown key `paticles`; did you mean `particles`?",
                 "line 2: `seed` is -1; it must be a whole number from 0 to 18446744073709551615",
-                "line 3: `method` is `hcm`; it must be one of hmc, bootstrap, annealed, partitioned, coarse-to-fine; did you mean `hmc`?",
+                &format!("line 3: `method` is `hcm`; it must be one of {names}; did you mean `hmc`?"),
                 "line 4: `jitter` is 1.5; it must be from 0 to 1",
                 "line 5: `frames` is 9..2; the end must come after the start",
                 "line 6: `threads` is 0; it must be a whole number from 1 to 1024",

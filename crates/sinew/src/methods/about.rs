@@ -10,6 +10,7 @@ use crate::track::error::TrackError;
 use sinew_core::lanes::Isa;
 use sinew_core::part::PartTree;
 use sinew_core::random::Stage;
+use sinew_dynamics::primitives::model::PrimitiveModel;
 use sinew_dynamics::random_walk::RandomWalk;
 use sinew_tracking::{Resume, Tracker};
 use std::fmt;
@@ -63,6 +64,10 @@ pub struct Making<'a> {
     pub transition: &'a RandomWalk,
     /// The parts of the body, for methods that need them.
     pub parts: Option<&'a PartTree>,
+    /// Action primitives of the body, where the run has a motion model.
+    pub motion_model: Option<&'a PrimitiveModel>,
+    /// Time between frames, seconds.
+    pub dt: f64,
     /// Instruction set.
     pub isa: Isa,
 }
@@ -104,6 +109,12 @@ pub trait Method: fmt::Debug + Send + Sync {
     /// # Errors
     /// Settings, a transition or a start that the tracker refuses.
     fn tracker(&self, making: &Making<'_>, start: Vec<f64>) -> Result<Box<dyn Steps>, Error>;
+
+    /// What a user of the method should know of how it was made, a sentence each.
+    fn remarks(&self, making: &Making<'_>) -> Vec<String> {
+        let _ = making;
+        vec![]
+    }
 
     /// Step size and trajectory length for a recording, from one of its frames; `None` for methods without.
     ///

@@ -1,7 +1,6 @@
 //! What is bound in a frame: keypoints, silhouettes, or both. Each tracker takes from it what it can use.
 
-use core::ops::Range;
-use sinew_core::density::{GaussNewton, GradLogDensity, LogDensity, PartLogDensity};
+use sinew_core::density::{GaussNewton, Global, GradLogDensity, LogDensity, PartLogDensity};
 use sinew_core::lanes::Block;
 use sinew_observe::KeypointLikelihood;
 use sinew_observe::image_likelihood::ImageLikelihood;
@@ -114,12 +113,26 @@ impl PartLogDensity for FrameLikelihood {
         }
     }
 
-    fn log_density_parts_block(&self, parts: Range<usize>, x: &[Block], out: &mut [Block], ws: &mut [Block]) {
+    /// The alignment of silhouettes, and the keypoints; by these alone every state meets what was seen.
+    fn global_block(&self, x: &[Block], ws: &mut [Block]) -> Global {
+        let mut keypoints = [self.keypoints.log_density_block(x, ws)];
+        let met = match &self.images {
+            Some(BoundImages::Scored(images)) => {
+                let Global { log_likelihood, met } = images.global_block(x, ws);
+                add(&mut keypoints, &[log_likelihood]);
+                met
+            }
+            _ => Block::splat(1.0),
+        };
+        Global { log_likelihood: keypoints[0], met }
+    }
+
+    fn log_density_parts_block(&self, parts: &[usize], x: &[Block], out: &mut [Block], ws: &mut [Block]) {
         match &self.images {
-            Some(BoundImages::Scored(images)) => images.log_density_parts_block(parts.clone(), x, out, ws),
+            Some(BoundImages::Scored(images)) => images.log_density_parts_block(parts, x, out, ws),
             _ => out.fill(Block::ZERO),
         }
-        for (out, part) in out.iter_mut().zip(&self.parts[parts]) {
+        for (out, part) in out.iter_mut().zip(parts.iter().map(|&part| &self.parts[part])) {
             add(std::slice::from_mut(out), &[part.log_density_block(x, ws)]);
         }
     }

@@ -1,11 +1,11 @@
 //! The one list of methods.
 
 use super::about::About;
-use super::{annealed, bootstrap, coarse_to_fine, hmc, partitioned};
+use super::{annealed, bootstrap, coarse_to_fine, hmc, hppf, partitioned};
 
 /// All methods, in the order of the help; the first is the default.
-pub const METHODS: [&About; 5] =
-    [&hmc::ABOUT, &bootstrap::ABOUT, &annealed::ABOUT, &partitioned::ABOUT, &coarse_to_fine::ABOUT];
+pub const METHODS: [&About; 6] =
+    [&hmc::ABOUT, &bootstrap::ABOUT, &annealed::ABOUT, &partitioned::ABOUT, &hppf::ABOUT, &coarse_to_fine::ABOUT];
 
 /// The method of that name.
 #[must_use]

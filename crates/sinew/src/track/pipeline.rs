@@ -54,6 +54,8 @@ struct Observer {
     scene: Scene,
     images: Option<Images>,
     marginals: Marginals,
+    /// What the method says of how it was made.
+    remarks: Vec<String>,
 }
 
 /// What a pipeline remembers from frame to frame.
@@ -103,13 +105,17 @@ impl Pipeline {
             true => Some(images::part_tree(tree, &setup.flesh()?)?),
             false => None,
         };
-        let (method, isa, walk, known) = (settings.method.clone(), settings.isa, transition.clone(), setup.clone());
+        let (method, isa, dt) = (settings.method.clone(), settings.isa, 1.0 / settings.fps);
+        let making = Making { setup, transition: &transition, parts: parts.as_ref(), motion_model: None, dt, isa };
+        let remarks = method.remarks(&making);
+        let (walk, known) = (transition.clone(), setup.clone());
         let make = move |start| {
-            method.tracker(&Making { setup: &known, transition: &walk, parts: parts.as_ref(), isa }, start)
+            let (parts, motion_model) = (parts.as_ref(), None);
+            method.tracker(&Making { setup: &known, transition: &walk, parts, motion_model, dt, isa }, start)
         };
         let tracker = Restarting::new(Box::new(make), scene.start().to_vec())?;
         let marginals = Marginals::new(tree, settings.isa, UnknownSize::of(setup, cameras, settings.seed));
-        Ok(Self { tracker, observer: Observer { settings, scene, images, marginals }, transition })
+        Ok(Self { tracker, observer: Observer { settings, scene, images, marginals, remarks }, transition })
     }
 
     /// Statistics that each frame brings.
@@ -138,13 +144,13 @@ impl Pipeline {
     /// What was odd in the frames tracked so far.
     #[must_use]
     pub fn warnings(&self) -> Vec<String> {
-        let Observer { settings, scene, images, .. } = &self.observer;
+        let Observer { settings, scene, images, remarks, .. } = &self.observer;
         let method = settings.method.about();
         let search = (method.gives == Gives::Search).then(|| {
             format!("`{}` is a search: its intervals and draws are what survived it, not a posterior", method.name)
         });
         let image_warnings = images.iter().flat_map(Images::warnings);
-        scene.warnings().into_iter().chain(search).chain(image_warnings).collect()
+        scene.warnings().into_iter().chain(search).chain(remarks.iter().cloned()).chain(image_warnings).collect()
     }
 
     /// How well the tracked body covers the silhouettes, camera by camera; empty without silhouettes.
@@ -225,7 +231,7 @@ impl Harness<Observation> for Passage<'_> {
     }
 
     fn record(&mut self, frame: u32, info: StepInfo, posterior: Posterior<'_>) -> Result<ControlFlow<()>, Error> {
-        let (number, Observer { settings, scene, images, marginals }) = (u64::from(frame), &mut *self.observer);
+        let (number, Observer { settings, scene, images, marginals, .. }) = (u64::from(frame), &mut *self.observer);
         scene.note(number, &info.mean, &some_draws(settings.seed, frame, &posterior));
         if let Some(images) = images {
             images.note(number, &info.mean);

@@ -32,7 +32,8 @@ pub fn tune(
     let start = scene.start().to_vec();
     let (observed, found) = scene.observe(&source.people(number)?, &start);
     let start = found.unwrap_or(start);
-    let making = Making { setup, transition: &transition, parts: None, isa: settings.isa };
+    let dt = 1.0 / settings.fps;
+    let making = Making { setup, transition: &transition, parts: None, motion_model: None, dt, isa: settings.isa };
     let stage = Stage::new(settings.seed, "set-up");
     let likelihood = FrameLikelihood::from(observed);
     if let Some(found) = settings.method.tuned(&making, start, &likelihood, stage)? {

@@ -16,7 +16,6 @@ use sinew::dynamics::random_walk::{Between, RandomWalk};
 use sinew::tracking::Tracker;
 use sinew::tracking::bootstrap::{self, Bootstrap};
 use sinew::tracking::partitioned::{self, Partitioned};
-use std::ops::Range;
 
 /// Survivors that are wanted: 20 % of 1000.
 pub(super) const WANTED: f64 = 200.0;
@@ -58,8 +57,8 @@ impl PartLogDensity for Peak {
     fn is_product(&self) -> bool {
         true
     }
-    fn log_density_parts_block(&self, parts: Range<usize>, x: &[Block], out: &mut [Block], _ws: &mut [Block]) {
-        parts.zip(out).for_each(|(k, out)| *out = self.at(&x[k]));
+    fn log_density_parts_block(&self, parts: &[usize], x: &[Block], out: &mut [Block], _ws: &mut [Block]) {
+        parts.iter().zip(out).for_each(|(&k, out)| *out = self.at(&x[k]));
     }
 }
 

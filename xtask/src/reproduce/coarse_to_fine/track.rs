@@ -192,7 +192,8 @@ impl Worth {
         self.log_likelihood.push(judge.log_density(&state));
         let block: Vec<Block> = state.iter().map(|&x| Block::splat(x)).collect();
         let mut parts = vec![Block::ZERO; judge.parts()];
-        judge.log_density_parts_block(0..judge.parts(), &block, &mut parts, &mut vec![Block::ZERO; judge.workspace()]);
+        let all: Vec<usize> = (0..judge.parts()).collect();
+        judge.log_density_parts_block(&all, &block, &mut parts, &mut vec![Block::ZERO; judge.workspace()]);
         self.parts.push(parts.iter().map(|part| part.0[0]).sum());
         self.states.push(state);
     }

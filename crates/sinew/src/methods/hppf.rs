@@ -1,0 +1,103 @@
+//! `hppf`: the hierarchical partitioned particle filter of Husz, Wallace & Green 2007, a search down the parts of the body.
+
+use super::about::{About, Gives, Making, Method, Steps};
+use super::score::Score;
+use crate::Error;
+use crate::config::setting::{SAMPLING, Setting, SettingKind, computed};
+use crate::config::values::SettingValues;
+use crate::setup::Body;
+use crate::track::error::TrackError;
+use sinew_body::hppf24;
+use sinew_dynamics::joint_ranges::JointRanges;
+use sinew_dynamics::level_walk::{LevelPrimitives, LevelWalk};
+use sinew_tracking::hppf::{self, Config};
+use std::sync::Arc;
+
+/// The method.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct HppfMethod {
+    /// Settings of the tracker.
+    pub config: Config,
+    /// Which action primitives move a part.
+    pub primitives: LevelPrimitives,
+}
+
+/// Its description.
+pub const ABOUT: About = About {
+    name: "hppf",
+    help: "hierarchical partitioned particle filter, a search",
+    gives: Gives::Search,
+    needs_gradients: false,
+    needs_parts: true,
+    score: Score::Parts,
+    score_beside_keypoints: Score::Parts,
+    particles: Some(|| HppfMethod::default().config.particles),
+    settings: &SETTINGS,
+    usual: || Arc::new(HppfMethod::default()),
+    configure,
+    mistake: |_| None,
+};
+
+/// Names of [`LevelPrimitives`].
+const NESTED: &str = "nested";
+const OWN_PARTS: &str = "own-parts";
+
+#[rustfmt::skip]
+const SETTINGS: [Setting; 1] = [
+    computed((SAMPLING, "level_primitives", SettingKind::Choice(&[NESTED, OWN_PARTS]), "NAME", || NESTED.into(), "action primitives that move a part: nested, with all that hangs on it, or own-parts (hppf, with a motion model)")),
+];
+
+fn configure(values: &SettingValues) -> Arc<dyn Method> {
+    let usual = HppfMethod::default();
+    let primitives = match values.text("level_primitives").as_deref() {
+        Some(OWN_PARTS) => LevelPrimitives::OwnParts,
+        _ => LevelPrimitives::Nested,
+    };
+    let config = Config { particles: values.size_or("particles", usual.config.particles), ..usual.config };
+    Arc::new(HppfMethod { config, primitives })
+}
+
+/// First coordinate that is an angle: those of the position come first.
+const FIRST_ANGLE: usize = 3;
+
+impl HppfMethod {
+    /// The motion of the parts: by action primitives where there are some, else at random.
+    fn motion(&self, making: &Making<'_>) -> Result<LevelWalk, Error> {
+        let (tree, walk) = (making.parts()?, making.transition);
+        let ranges = match making.setup.body {
+            Body::HPPF24 => JointRanges::new(hppf24::ranges().to_vec()),
+            _ => Ok(JointRanges::none(walk.sd().len())),
+        };
+        let motion = LevelWalk::new(tree, walk.sd().to_vec(), walk.initial_sd().to_vec(), making.isa)
+            .and_then(|motion| motion.with_angles_from(FIRST_ANGLE).with_ranges(ranges?))
+            .and_then(|motion| match making.motion_model {
+                Some(model) => motion.with_primitives(model, making.dt, self.primitives),
+                None => Ok(motion),
+            });
+        Ok(motion.map_err(TrackError::Motion)?)
+    }
+}
+
+impl Method for HppfMethod {
+    fn about(&self) -> &'static About {
+        &ABOUT
+    }
+
+    fn weighted_draws(&self) -> Option<usize> {
+        Some(self.config.particles)
+    }
+
+    fn tracker(&self, making: &Making<'_>, start: Vec<f64>) -> Result<Box<dyn Steps>, Error> {
+        let tracker = hppf::Hppf::new(self.config.clone(), self.motion(making)?, &making.parts()?, start);
+        Ok(Box::new(tracker?))
+    }
+
+    fn remarks(&self, making: &Making<'_>) -> Vec<String> {
+        match making.motion_model {
+            Some(_) => vec![],
+            None => {
+                vec!["`hppf` has no motion model: parts of the body walk at random, without action primitives".into()]
+            }
+        }
+    }
+}
