@@ -87,6 +87,8 @@ pub(crate) enum Written {
     Pictures,
     /// The body file of `fit-shape`.
     Body,
+    /// The motion model of `learn`.
+    Model,
 }
 
 impl Written {
@@ -95,6 +97,7 @@ impl Written {
             Self::Masks => "folder for the masks",
             Self::Pictures => "folder for the pictures",
             Self::Body => "body file to write",
+            Self::Model => "motion model to write",
         }
     }
 
@@ -103,6 +106,7 @@ impl Written {
             Self::Masks => "masks",
             Self::Pictures => "pictures",
             Self::Body => "body.toml",
+            Self::Model => "walk.json",
         }
     }
 }

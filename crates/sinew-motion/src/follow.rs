@@ -1,10 +1,11 @@
 //! A body that is known by name, in a person's size, and its states along a recorded motion.
 //!
-//! The standard bodies get the person's segment lengths ([`crate::retarget`]); HPPF24 has one scale for all of its parts, the medians of the limbs' lengths over the body's ([`crate::hppf24_motion`]), and stays near the pose before,
-//! so that twists of straight limbs do not wander.
+//! Bodies get the lengths of the person's segments: the standard ones by [`crate::retarget`], HPPF24 by [`crate::hppf24_size`]. HPPF24 then stays near the pose before ([`crate::hppf24_motion`]), so that twists of straight limbs do not
+//! wander.
 
 use crate::Error;
-use crate::hppf24_motion::{MotionFollowing, Scale, scale, states};
+use crate::hppf24_motion::{MotionFollowing, states};
+use crate::hppf24_size::sized;
 use crate::points::{Trajectories, mean_distance, points_of_states};
 use crate::retarget::retarget_to;
 use sinew_body::standard::{EVALUATION_JOINTS, cf28, h32};
@@ -63,18 +64,6 @@ pub struct Followed {
     pub mean_error_m: f64,
 }
 
-/// Segments whose lengths give the scale of HPPF24.
-const LIMBS: [(&str, &str); 8] = [
-    ("LShoulder", "LElbow"),
-    ("RShoulder", "RElbow"),
-    ("LElbow", "LWrist"),
-    ("RElbow", "RWrist"),
-    ("LHip", "LKnee"),
-    ("RHip", "RKnee"),
-    ("LKnee", "LAnkle"),
-    ("RKnee", "RAnkle"),
-];
-
 /// Twists of straight limbs stay where they are, and joints lag by less than a millimetre.
 const FOLLOWING: MotionFollowing = MotionFollowing { damping: 1e-3, first_refits: 20 };
 
@@ -92,7 +81,7 @@ pub fn follow(body: NamedBody, motion: &Trajectories) -> Result<Followed, Error>
     let found = match body {
         NamedBody::H32 => standard(h32, motion)?,
         NamedBody::Cf28 => standard(cf28, motion)?,
-        NamedBody::Hppf24 => with_one_scale(motion)?,
+        NamedBody::Hppf24 => with_thickness(motion)?,
     };
     if found.states.iter().flatten().all(|x| x.is_finite()) { Ok(found) } else { Err(Error::NoPose) }
 }
@@ -102,8 +91,8 @@ fn standard(build: fn(&sinew_body::Proportions) -> KinematicTree, motion: &Traje
     Ok(Followed { body: found.body, states: found.states, mean_error_m: found.mean_error_m })
 }
 
-fn with_one_scale(motion: &Trajectories) -> Result<Followed, Error> {
-    let body = hppf24::tree(scale(motion, &LIMBS, Scale::Medians)?);
+fn with_thickness(motion: &Trajectories) -> Result<Followed, Error> {
+    let body = sized(motion)?;
     let recorded = motion.select(&EVALUATION_JOINTS);
     let states = states(&body, &recorded, &FOLLOWING)?;
     let reached = points_of_states(&body, &states).select(&EVALUATION_JOINTS);

@@ -7,6 +7,7 @@
 //! | [`cmu`] | the joints of recordings of the CMU database |
 //! | [`follow`] | one of three bodies by name, and its states along a motion |
 //! | [`retarget`] | a body in a person's size, and its states along a motion |
+//! | [`hppf24_size`] | the body with thickness HPPF24 with the lengths of a person's segments |
 //! | [`hppf24_motion`] | the same for the body with thickness HPPF24, whose parts have one scale |
 //!
 //! ```
@@ -27,6 +28,7 @@ pub mod cmu;
 mod error;
 pub mod follow;
 pub mod hppf24_motion;
+pub mod hppf24_size;
 pub mod points;
 pub mod recorded;
 pub mod retarget;

@@ -6,6 +6,7 @@ use super::value::Value;
 use crate::Error;
 use crate::methods::Score;
 use crate::track::error::TrackError;
+use crate::track::read_model;
 use sinew_core::lanes::Isa;
 use sinew_dynamics::random_walk::Between;
 use sinew_observe::Noise;
@@ -56,6 +57,8 @@ pub struct TrackConfig {
     pub setup: Option<PathBuf>,
     /// Frames for the set-up pass.
     pub setup_frames: Option<Range<u64>>,
+    /// Learned motion model.
+    pub motion_model: Option<PathBuf>,
     /// Whether a backward pass follows.
     pub smooth: bool,
     /// How frames are tracked; instruction set and frame rate are not settled yet ([`TrackConfig::settings`]).
@@ -111,6 +114,7 @@ impl Resolved {
             body: self.values.text("body").unwrap_or_default(),
             setup: self.values.path("setup"),
             setup_frames: self.values.frames("setup_frames"),
+            motion_model: self.values.path("motion_model"),
             smooth: self.values.flag("smooth"),
             tracking: self.settings(),
             simd: self.values.text("simd"),
@@ -180,7 +184,7 @@ impl TrackConfig {
     /// How frames are tracked.
     ///
     /// # Errors
-    /// [`TrackError::NoInstructionSet`].
+    /// [`TrackError::NoInstructionSet`]; a motion model that cannot be read.
     pub fn settings(&self) -> Result<Settings, Error> {
         let isa = match &self.simd {
             None => Isa::best(),
@@ -189,6 +193,7 @@ impl TrackConfig {
                 TrackError::NoInstructionSet { asked: name.clone(), available }
             })?,
         };
-        Ok(Settings { isa, fps: self.fps.unwrap_or(DEFAULT_FPS), ..self.tracking.clone() })
+        let motion_model = self.motion_model.as_deref().map(read_model).transpose()?;
+        Ok(Settings { isa, fps: self.fps.unwrap_or(DEFAULT_FPS), motion_model, ..self.tracking.clone() })
     }
 }

@@ -16,7 +16,7 @@ use super::describe::describe;
 use super::error::TrackError;
 use super::images::{self, ImageState, Images};
 use super::marginals::Marginals;
-use super::motion_prior::walk;
+use super::motion_prior::{motion_prior, turned_near};
 use super::predictive::Doubt;
 use super::restart::{Observation, Restarting};
 use super::scene::{Scene, SceneState};
@@ -34,7 +34,7 @@ use sinew_body::KinematicTree;
 use sinew_core::lanes::Isa;
 use sinew_core::random::Stage;
 use sinew_core::transition::Moments;
-use sinew_dynamics::random_walk::RandomWalk;
+use sinew_dynamics::motion_prior::MotionPrior;
 use sinew_formats::Layout;
 use sinew_observe::Camera;
 use sinew_tracking::posterior::Posterior;
@@ -45,7 +45,7 @@ use std::ops::ControlFlow;
 pub struct Pipeline {
     tracker: Restarting,
     observer: Observer,
-    pub(super) transition: RandomWalk,
+    pub(super) transition: MotionPrior,
 }
 
 /// All of a pipeline but its tracker.
@@ -98,14 +98,19 @@ impl Pipeline {
             Images::new(tree, setup.flesh()?, &setup.with_offsets(sized, scale), &settings)
         };
         let images = image_cameras.map(with_flesh).transpose()?;
-        let transition = walk(setup, tree, &settings)?;
+        let transition = motion_prior(setup, tree, &settings)?;
         let parts = match settings.method.about().needs_parts {
             true => Some(images::part_tree(tree, &setup.flesh()?)?),
             false => None,
         };
-        let (method, isa, walk, known) = (settings.method.clone(), settings.isa, transition.clone(), setup.clone());
+        let (method, isa, prior, known) = (settings.method.clone(), settings.isa, transition.clone(), setup.clone());
+        let (model, body) = (settings.motion_model.clone(), tree.clone());
         let make = move |start| {
-            method.tracker(&Making { setup: &known, transition: &walk, parts: parts.as_ref(), isa }, start)
+            let start = match &model {
+                Some(model) => turned_near(model, &body, start),
+                None => start,
+            };
+            method.tracker(&Making { setup: &known, transition: &prior, parts: parts.as_ref(), isa }, start)
         };
         let tracker = Restarting::new(Box::new(make), scene.start().to_vec())?;
         let marginals = Marginals::new(tree, settings.isa, UnknownSize::of(setup, cameras, settings.seed));
