@@ -124,6 +124,7 @@ fn decoded(data: &[u8]) {
 
 /// A motion model; what is written of one is read as the same, and it moves a state.
 pub fn primitive_model(data: &[u8]) {
+    inspected("model.json", data, Subject::MotionModel);
     let Ok(text) = std::str::from_utf8(data) else { return };
     let model = match file::read("model.json", text) {
         Ok(model) => model,

@@ -93,7 +93,7 @@ impl General {
     pub(crate) fn unused(&self, command: &Command) -> Vec<&'static str> {
         let used: &[&str] = match command {
             Command::Demo(_) | Command::Track(_) => return vec![],
-            Command::Inspect(_) => &["config"],
+            Command::Inspect(_) => &["config", "out", "force"],
             Command::Simulate(_) | Command::Learn { .. } => &["out", "force", "seed", "threads"],
             Command::Convert(_) => &["force"],
             Command::Segment(_) | Command::Overlay(_) | Command::FitShape(_) => &["out", "force"],
@@ -118,7 +118,7 @@ pub(crate) enum Command {
     #[command(help_template = template!("sinew demo", "sinew demo -o /tmp/walk --seed 7"))]
     Demo(Answer),
     /// Say what files contain, what is odd, and whether calibration and keypoints fit
-    #[command(help_template = template!("sinew inspect Calib.toml pose", "sinew inspect markers.trc sinew-out/trial"))]
+    #[command(help_template = template!("sinew inspect Calib.toml pose", "sinew inspect walk.json -o walk.svg"))]
     Inspect(InspectArgs),
     /// Track the person in a recording
     #[command(help_template = template!(
@@ -185,7 +185,7 @@ pub(crate) enum Command {
 
 #[derive(Args, Debug)]
 pub(crate) struct InspectArgs {
-    /// Calibrations, keypoint folders, motion files, results; our other files
+    /// Calibrations, keypoint folders, motion files, motion models, results; our other files
     #[arg(required = true, value_name = "FILE")]
     pub(crate) files: Vec<PathBuf>,
     #[command(flatten)]

@@ -98,10 +98,14 @@ struct Written<'a> {
     model: &'a PrimitiveModel,
 }
 
-/// Whether a text says that it is a motion model, of whatever version.
+/// Characters at the start of a file within which its format stands.
+const HEAD: usize = 200;
+
+/// Whether a text says that it is a motion model, of whatever version and whether it is whole or not.
 #[must_use]
 pub fn is_motion_model(text: &str) -> bool {
-    serde_json::from_str::<Head>(text).is_ok_and(|head| head.format == FORMAT)
+    let head: String = text.chars().take(HEAD).collect();
+    head.trim_start().starts_with('{') && head.contains(&format!("\"{FORMAT}\""))
 }
 
 /// Reads and checks a model; `name` is what errors call the file.
