@@ -3,16 +3,18 @@
 use super::resolved::Resolved;
 use super::settings::Settings;
 use super::value::Value;
-use crate::Error;
 use crate::methods::Score;
 use crate::track::error::TrackError;
-use crate::track::read_model;
+use crate::{Error, files};
 use sinew_core::lanes::Isa;
+use sinew_dynamics::primitives::file;
+use sinew_dynamics::primitives::model::PrimitiveModel;
 use sinew_dynamics::random_walk::Between;
 use sinew_observe::Noise;
 use sinew_recording::input::footage::{FootageFiles, Init};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// Settings of a tracking run.
 #[derive(Clone, Debug)]
@@ -196,4 +198,10 @@ impl TrackConfig {
         let motion_model = self.motion_model.as_deref().map(read_model).transpose()?;
         Ok(Settings { isa, fps: self.fps.unwrap_or(DEFAULT_FPS), motion_model, ..self.tracking.clone() })
     }
+}
+
+/// The motion model in a file.
+fn read_model(path: &Path) -> Result<Arc<PrimitiveModel>, Error> {
+    let text = files::read_text(path, file::MAX_BYTES)?;
+    Ok(Arc::new(file::read(&path.display().to_string(), &text).map_err(TrackError::MotionModel)?))
 }

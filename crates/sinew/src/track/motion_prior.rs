@@ -3,19 +3,16 @@
 //! A model of action primitives moves by its feature vector `body`. Its clusters are near the angles of its training motion, so a state that tracking starts from is turned by whole turns to the nearest such angles.
 
 use super::error::TrackError;
+use crate::Error;
 use crate::config::settings::Settings;
 use crate::setup::{Setup, motion_noise};
-use crate::{Error, files};
 use sinew_body::standard::{cf28, h32};
 use sinew_body::{Joint, KinematicTree, Proportions, hppf24};
 use sinew_dynamics::motion_prior::MotionPrior;
-use sinew_dynamics::primitives::file;
 use sinew_dynamics::primitives::model::PrimitiveModel;
 use sinew_dynamics::primitives::motion::PrimitiveMotion;
 use sinew_dynamics::random_walk::RandomWalk;
 use std::f64::consts::TAU;
-use std::path::Path;
-use std::sync::Arc;
 
 /// The feature vector that moves the whole body.
 const WHOLE_BODY: &str = "body";
@@ -49,15 +46,6 @@ pub fn motion_prior(setup: &Setup, tree: &KinematicTree, settings: &Settings) ->
     let motion = PrimitiveMotion::new(model, WHOLE_BODY, 1.0 / settings.fps, settings.isa)
         .and_then(|motion| motion.with_initial_sd(motion_noise::initial_sd(tree)));
     Ok(MotionPrior::Primitives(motion.map_err(TrackError::Motion)?))
-}
-
-/// Reads the model in a file.
-///
-/// # Errors
-/// A file that cannot be read or is no motion model.
-pub fn read_model(path: &Path) -> Result<Arc<PrimitiveModel>, Error> {
-    let text = files::read_text(path, file::MAX_BYTES)?;
-    Ok(Arc::new(file::read(&path.display().to_string(), &text).map_err(TrackError::MotionModel)?))
 }
 
 /// Refuses a model of another body, another frame rate, or without the whole body's angles.
