@@ -24,7 +24,7 @@ pub(crate) struct PrimitivesArgs {
     /// Motion files to try predictions on
     #[arg(long, num_args = 1.., value_name = "FILES")]
     pub(crate) held_out: Vec<PathBuf>,
-    /// Skeleton of the .amc files [default: <subject>.asf beside each, or the only one]
+    /// Skeleton of the .amc files [default: <subject>.asf beside each]
     #[arg(long, value_name = "F.asf")]
     pub(crate) skeleton: Option<PathBuf>,
     /// Body that is tracked: h32, cf28 or hppf24

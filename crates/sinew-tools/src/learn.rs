@@ -107,7 +107,7 @@ pub fn learn(request: &LearnRequest, out: &Path, force: bool, watch: &mut LearnW
     let done = [model.primitives.len(), feature_vectors(request.body).len()];
     let is_whole = done[0] == done[1];
     if is_whole {
-        let text = file::write(&out.display().to_string(), &model).map_err(LearnError::Model)?;
+        let text = file::write(&out.display().to_string(), &model).map_err(LearnError::Unwritable)?;
         write_whole(out, text.as_bytes())?;
         Unfinished::beside(out).remove()?;
     }
@@ -142,6 +142,10 @@ fn learned(
     let (dim, sequences) = (request.body.tree().dof(), &training.states[..]);
     let state = request.body.name();
     let motion = TrainingMotion { state, dim, frame_rate: request.fps, sequences };
+    let longest = sequences.iter().map(|sequence| sequence.len() / dim).max().unwrap_or_default();
+    if longest <= request.length {
+        return Err(LearnError::NoWindows { length: request.length, frames: longest }.into());
+    }
     let noise_sd = step_sd(sequences, dim, config.noise_factor, config.noise_floor).map_err(LearnError::Learning)?;
     let features = feature_vectors(request.body);
     let mut model = PrimitiveModel {

@@ -33,10 +33,21 @@ pub enum LearnError {
         /// The working rate.
         rate_hz: f64,
     },
+    /// Files that are all shorter than a window.
+    #[error("no file is long enough for a primitive of {length} frames and the one after it; the longest has {frames}")]
+    NoWindows {
+        /// Frames in an action primitive.
+        length: usize,
+        /// Frames of the longest file at the rate of the model.
+        frames: usize,
+    },
     /// Motion that is too little or too still.
     #[error("the motion cannot be learned: {0}")]
-    Learning(#[source] sinew_dynamics::Error),
-    /// A model that would be refused when it is read.
+    Learning(sinew_dynamics::Error),
+    /// What was learned would be refused when it is read.
+    #[error("the motion gives no model: {0}")]
+    Unwritable(ModelFileError),
+    /// A file that is no motion model.
     #[error(transparent)]
     Model(#[from] ModelFileError),
 }
@@ -58,7 +69,9 @@ impl LearnError {
             Self::Learning(_) => {
                 Some("give more motion, fewer clusters (`--clusters`) or shorter primitives (`--length`)".into())
             }
-            Self::Model(_) => Some("give more motion, or fewer clusters (`--clusters`)".into()),
+            Self::NoWindows { .. } => Some("give longer recordings, or a shorter `--length`".into()),
+            Self::Unwritable(_) => Some("give more motion, or fewer clusters (`--clusters`)".into()),
+            Self::Model(error) => Some(error.help().into()),
         }
     }
 }

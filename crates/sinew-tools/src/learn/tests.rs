@@ -112,5 +112,9 @@ fn outputs_and_recordings_that_are_unfit_are_refused() {
     fs::write(&request.motion[1], &text).unwrap();
     request.clusters = 1;
     request.length = 100;
-    assert!(message(&request, &out).starts_with("the motion cannot be learned: "), "{}", message(&request, &out));
+    assert!(
+        message(&request, &out).starts_with("no file is long enough for a primitive of 100 frames"),
+        "{}",
+        message(&request, &out)
+    );
 }
