@@ -80,7 +80,7 @@ fn picture(model: &PrimitiveModel, name: &str) -> String {
     );
     if let Some(body) = body {
         svg.text(MARGIN + LABEL, 46.0, 12.0, "from the front");
-        svg.text(2.0 * MARGIN + LABEL + CELL[0] * shown.len() as f64, 46.0, 12.0, "from the right, facing right");
+        svg.text(2.0 * MARGIN + LABEL + CELL[0] * shown.len() as f64, 46.0, 12.0, "from the right");
         for (row, &cluster) in drawn.iter().enumerate() {
             let y = 54.0 + CELL[1] * row as f64;
             draw_cluster(&mut svg, model, primitives, body, cluster, &shown, y);
@@ -126,21 +126,21 @@ fn draw_cluster(
     };
     let states: Vec<Vec<f64>> = shown.iter().map(state).collect();
     let motion = points_of_states(&body.tree(), &states);
-    for (view, axis) in [0, 1].into_iter().enumerate() {
+    for (view, to_the_right) in [(0, -1.0), (1, 1.0)].into_iter().enumerate() {
         let left = MARGIN + LABEL + view as f64 * (MARGIN + CELL[0] * shown.len() as f64);
         for (column, frame) in motion.frames.iter().enumerate() {
             let centre = [left + CELL[0] * (column as f64 + 0.5), y + 0.46 * CELL[1]];
-            figure(svg, &motion, frame, axis, centre);
+            figure(svg, &motion, frame, to_the_right, centre);
         }
     }
 }
 
-/// A figure with the middle of its hips at a place; `axis` of the body runs to the right.
-fn figure(svg: &mut Svg, motion: &Trajectories, frame: &[[f64; 3]], axis: usize, centre: [f64; 2]) {
+/// A figure with the middle of its hips at a place; an axis of the world and its sign say what runs to the right.
+fn figure(svg: &mut Svg, motion: &Trajectories, frame: &[[f64; 3]], (axis, sign): (usize, f64), centre: [f64; 2]) {
     let Some(hip) = motion.index("MidHip") else { return };
     let place = |point: usize| {
         let from_hip = |k: usize| frame[point][k] - frame[hip][k];
-        [centre[0] + SCALE * from_hip(axis), centre[1] - SCALE * from_hip(2)]
+        [centre[0] + SCALE * sign * from_hip(axis), centre[1] - SCALE * from_hip(2)]
     };
     for (from, to, color) in BONES {
         if let (Some(from), Some(to)) = (motion.index(from), motion.index(to)) {

@@ -27,7 +27,7 @@ pub(super) fn facts(path: &Path) -> Result<Facts, Error> {
     for primitives in &model.primitives {
         let found = summary(primitives, &[], model.dim).map_err(LearnError::Learning)?;
         facts.row(
-            &found.feature,
+            format!("vector {}", found.feature),
             format!(
                 "{} angles, {} windows, {} of {} clusters ({} with ten windows or more), {:.1} % of the variance",
                 found.coordinates,
