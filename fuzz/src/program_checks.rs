@@ -4,6 +4,9 @@
 //! Used by the fuzz targets and by `tests/tests/corpus.rs`, like [`super::checks`].
 
 use sinew::config::settings::Settings;
+use sinew::core::lanes::Isa;
+use sinew::core::transition::{MotionModel as _, Transition as _};
+use sinew::dynamics::primitives::{file, motion::PrimitiveMotion};
 use sinew::input::in_memory::InMemory;
 use sinew::input::recording::RecordingOptions;
 use sinew::input::source::FrameSource;
@@ -116,6 +119,26 @@ fn decoded(data: &[u8]) {
             assert!(!problem.to_string().is_empty() && !problem.help().is_empty());
             assert!((2..=5).contains(&problem.exit_code()));
         }
+    }
+}
+
+/// A motion model; what is written of one is read as the same, and it moves a state.
+pub fn primitive_model(data: &[u8]) {
+    inspected("model.json", data, Subject::MotionModel);
+    let Ok(text) = std::str::from_utf8(data) else { return };
+    let model = match file::read("model.json", text) {
+        Ok(model) => model,
+        Err(error) => return assert!(!error.to_string().is_empty() && !error.help().is_empty()),
+    };
+    let written = file::write("written", &model).expect("a model that was read can be written");
+    assert_eq!(file::read("written", &written).as_ref(), Ok(&model));
+    let rest = vec![0.0; model.dim];
+    for primitives in &model.primitives {
+        let dt = model.frame_rate.recip();
+        let mut motion = PrimitiveMotion::new(&model, &primitives.feature.name, dt, Isa::baseline())
+            .unwrap_or_else(|error| panic!("{error} of a model that was read"));
+        (0..model.length.min(8)).for_each(|_| motion.follow(None, &rest));
+        assert!(!motion.log_density(&rest, &rest).is_nan());
     }
 }
 

@@ -70,4 +70,6 @@ fn valid_files_are_read() {
     assert_eq!(formats::mask::read("valid", &bytes("mask")).unwrap().image.count(), 16 * 12);
     assert_eq!(formats::picture::read("valid", &bytes("picture")).unwrap().width, 37);
     formats::tidy_csv::read_numbers("valid", &text("tidy_csv")).unwrap();
+    let model = sinew::dynamics::primitives::file::read("valid", &text("primitive_model")).unwrap();
+    assert_eq!(model.primitives[1].feature.coordinates, [2, 1]);
 }

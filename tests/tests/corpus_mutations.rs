@@ -158,5 +158,6 @@ targets! {
     zarr_metadata: 10_000,
     result_tables: 10_000,
     checkpoint: 10_000,
+    primitive_model: 10_000,
     filter_step: 1_000,
 }

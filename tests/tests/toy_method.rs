@@ -11,7 +11,7 @@ use sinew::core::density::LogDensity as _;
 use sinew::core::lanes::{Block, LANES};
 use sinew::core::random::Stage;
 use sinew::core::transition::Transition as _;
-use sinew::dynamics::random_walk::RandomWalk;
+use sinew::dynamics::motion_prior::MotionPrior;
 use sinew::input::source::FrameSource as _;
 use sinew::methods::{About, FrameLikelihood, Gives, METHODS, Making, Method, Score, Steps};
 use sinew::setup::{self, Setup, SetupRequest};
@@ -68,7 +68,7 @@ impl Method for Greedy {
 
 struct GreedyTracker {
     tries: u32,
-    transition: RandomWalk,
+    transition: MotionPrior,
     best: Vec<f64>,
     states: Vec<Block>,
 }

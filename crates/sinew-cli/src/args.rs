@@ -2,6 +2,7 @@
 //!
 //! Flags that are settings come from the one table of settings; a command has the ones that it uses.
 
+use super::learn_args::LearnCommand;
 use super::setting_args::{InspectSettings, TrackSettings, Typed};
 use clap::{ArgAction, Args, Parser, Subcommand, ValueEnum};
 use std::ops::Range;
@@ -12,6 +13,8 @@ macro_rules! template {
         concat!("{about}\n\n{usage-heading} {usage}\n\nExamples:\n", $("  ", $example, "\n"),+, "\n{all-args}{after-help}")
     };
 }
+
+pub(crate) use template;
 
 #[derive(Debug, Parser)]
 #[command(
@@ -90,8 +93,8 @@ impl General {
     pub(crate) fn unused(&self, command: &Command) -> Vec<&'static str> {
         let used: &[&str] = match command {
             Command::Demo(_) | Command::Track(_) => return vec![],
-            Command::Inspect(_) => &["config"],
-            Command::Simulate(_) => &["out", "force", "seed", "threads"],
+            Command::Inspect(_) => &["config", "out", "force"],
+            Command::Simulate(_) | Command::Learn { .. } => &["out", "force", "seed", "threads"],
             Command::Convert(_) => &["force"],
             Command::Segment(_) | Command::Overlay(_) | Command::FitShape(_) => &["out", "force"],
             Command::Body { .. } | Command::Completions { .. } | Command::Man => &[],
@@ -115,7 +118,7 @@ pub(crate) enum Command {
     #[command(help_template = template!("sinew demo", "sinew demo -o /tmp/walk --seed 7"))]
     Demo(Answer),
     /// Say what files contain, what is odd, and whether calibration and keypoints fit
-    #[command(help_template = template!("sinew inspect Calib.toml pose", "sinew inspect markers.trc sinew-out/trial"))]
+    #[command(help_template = template!("sinew inspect Calib.toml pose", "sinew inspect walk.json -o walk.svg"))]
     Inspect(InspectArgs),
     /// Track the person in a recording
     #[command(help_template = template!(
@@ -147,6 +150,19 @@ pub(crate) enum Command {
         "sinew track --body body.toml --calibration Calib.toml --silhouettes masks --init start.trc"
     ))]
     FitShape(FitShapeArgs),
+    /// Learn a motion model from motion files
+    #[command(
+        disable_help_subcommand = true,
+        subcommand_help_heading = "Models",
+        help_template = template!(
+            "sinew learn primitives --motion walk1.bvh walk2.bvh --body h32 -o walk.json",
+            "sinew track --motion-model walk.json --calibration Calib.toml --keypoints pose --fps 20"
+        )
+    )]
+    Learn {
+        #[command(subcommand)]
+        what: LearnCommand,
+    },
     /// Show a body as a tree
     #[command(help_template = template!("sinew body h32", "sinew body my_body.toml"))]
     Body {
@@ -169,7 +185,7 @@ pub(crate) enum Command {
 
 #[derive(Args, Debug)]
 pub(crate) struct InspectArgs {
-    /// Calibrations, keypoint folders, motion files, results; our other files
+    /// Calibrations, keypoint folders, motion files, motion models, results; our other files
     #[arg(required = true, value_name = "FILE")]
     pub(crate) files: Vec<PathBuf>,
     #[command(flatten)]

@@ -50,7 +50,7 @@ pub(crate) fn run(answer: Answer, general: &General, report: &Report) -> Result<
     };
     let outcome = with_threads(&config, || {
         let mut progress = PassProgress::new(general);
-        let stop = interrupt::flag();
+        let stop = interrupt::flag("the frame");
         let mut at = |pass, done, total| progress.at(pass, done, total);
         let mut watch = Watch { progress: &mut at, stop: &stop };
         job::track(&mut source, 0..frames, &resolved, claim, &mut watch, |_| (Vec::new(), BTreeMap::new()), None)

@@ -58,6 +58,9 @@ pub(crate) enum Error {
         /// What to give.
         help: &'static str,
     },
+    /// A picture of something other than one motion model.
+    #[error("only one motion model at a time can be drawn")]
+    NothingToDraw,
     /// A file that would be written over while it is read.
     #[error("{} is both input and output", .0.display())]
     InputIsOutput(PathBuf),
@@ -87,6 +90,8 @@ pub(crate) enum Written {
     Pictures,
     /// The body file of `fit-shape`.
     Body,
+    /// The motion model of `learn`.
+    Model,
 }
 
 impl Written {
@@ -95,6 +100,7 @@ impl Written {
             Self::Masks => "folder for the masks",
             Self::Pictures => "folder for the pictures",
             Self::Body => "body file to write",
+            Self::Model => "motion model to write",
         }
     }
 
@@ -103,6 +109,7 @@ impl Written {
             Self::Masks => "masks",
             Self::Pictures => "pictures",
             Self::Body => "body.toml",
+            Self::Model => "walk.json",
         }
     }
 }
@@ -155,6 +162,7 @@ impl Error {
             Self::ForeignFlag { .. } => "leave it out, or put it after the command that it belongs to",
             Self::NoKeypointsToRead { .. } => "give the keypoint folder too, or leave the flag out",
             Self::InputIsOutput(_) => "write to another file",
+            Self::NothingToDraw => "give one file of `sinew learn`, or leave `-o` out",
             Self::SkeletonOfWalk => "`--skeleton` belongs to .amc files; leave it out",
             Self::TooManyFrames(_) => "ask for less with `--duration` or `--fps`",
             Self::NoFrames => "ask for more with `--duration` or `--fps`",

@@ -10,7 +10,9 @@ use super::settings::{reading, settings};
 use super::table::aligned;
 use serde_json::json;
 use sinew::input::recording::{Recording, RecordingOptions};
-use sinew_tools::inspect::{Facts, Subject, file_facts, fit, subjects};
+use sinew::results::error::Occupied;
+use sinew::results::write_whole;
+use sinew_tools::inspect::{Facts, Subject, file_facts, fit, model_picture, subjects};
 use std::path::Path;
 
 /// Runs the command.
@@ -37,6 +39,9 @@ pub(crate) fn run(args: &InspectArgs, general: &General, report: &Report) -> Res
         let known: Vec<String> = all.iter().flat_map(|facts| facts.odd.clone()).collect();
         all.push(fit::facts(&mut recording, &known)?);
     }
+    if let Some(out) = &general.out {
+        draw(&subjects, Path::new(out), general.force)?;
+    }
     if args.answer.json {
         let facts = |facts: &Facts| {
             let rows: serde_json::Map<_, _> =
@@ -50,6 +55,22 @@ pub(crate) fn run(args: &InspectArgs, general: &General, report: &Report) -> Res
     }
     report.detail(&format!("{} things looked at", all.len()));
     Ok(Ended::Done)
+}
+
+/// Draws the motion model among the files.
+fn draw(subjects: &[Subject], out: &Path, force: bool) -> Result<(), Error> {
+    let mut models =
+        subjects.iter().filter_map(|subject| if let Subject::MotionModel(path) = subject { Some(path) } else { None });
+    let (Some(model), None) = (models.next(), models.next()) else {
+        return Err(Error::NothingToDraw);
+    };
+    if out.exists() && !force {
+        return Err(sinew::Error::OutputExists { path: out.to_owned(), found: Occupied::File }.into());
+    }
+    if out.canonicalize().is_ok_and(|out| model.canonicalize().is_ok_and(|model| model == out)) {
+        return Err(Error::InputIsOutput(model.clone()));
+    }
+    Ok(write_whole(out, model_picture(model)?.as_bytes())?)
 }
 
 /// How to read the keypoints, from all sources of settings.

@@ -1,4 +1,4 @@
-//! Ctrl-C and SIGTERM: the first asks for an end after the frame, the second ends at once.
+//! Ctrl-C and SIGTERM: the first asks for an end after the frame or the like, the second ends at once.
 
 use std::io::Write as _;
 use std::sync::Arc;
@@ -7,8 +7,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 /// Exit code of a second interrupt: nothing was saved since the first.
 const AT_ONCE: i32 = 130;
 
-/// A flag that the first interrupt sets.
-pub(crate) fn flag() -> Arc<AtomicBool> {
+/// A flag that the first interrupt sets; `unit` is what is finished before the end.
+pub(crate) fn flag(unit: &'static str) -> Arc<AtomicBool> {
     let asked = Arc::new(AtomicBool::new(false));
     let seen = Arc::clone(&asked);
     // Where no handler can be set, an interrupt ends the program as usual.
@@ -16,7 +16,7 @@ pub(crate) fn flag() -> Arc<AtomicBool> {
         if seen.swap(true, Ordering::SeqCst) {
             std::process::exit(AT_ONCE);
         }
-        let _ = writeln!(std::io::stderr(), "interrupted: finishing the frame; once more to end at once");
+        let _ = writeln!(std::io::stderr(), "interrupted: finishing {unit}; once more to end at once");
     });
     asked
 }

@@ -12,6 +12,8 @@ mod error;
 mod fit_shape;
 mod inspect;
 mod interrupt;
+mod learn;
+mod learn_args;
 mod manual;
 mod misplaced;
 mod overlay;
@@ -28,6 +30,7 @@ mod track;
 
 use args::{Cli, Command, General};
 use clap::Parser as _;
+use learn_args::LearnCommand;
 use report::Report;
 use std::process::ExitCode;
 
@@ -53,6 +56,7 @@ fn main() -> ExitCode {
         Command::Segment(args) => segment::run(args, &cli.general, &report),
         Command::Overlay(args) => overlay::run(args, &cli.general, &report),
         Command::FitShape(args) => fit_shape::run(args, &cli.general, &report),
+        Command::Learn { what: LearnCommand::Primitives(args) } => learn::run(args, &cli.general, &report),
         Command::Body { body, answer } => body::run(body, *answer),
         Command::Completions { shell } => manual::completions(*shell),
         Command::Man => manual::man(),

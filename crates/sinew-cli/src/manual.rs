@@ -19,7 +19,8 @@ pub(crate) fn man() -> Result<Ended, Error> {
     let mut text = Vec::new();
     let mut command = Cli::command();
     command.build();
-    let pages = std::iter::once(&command).chain(command.get_subcommands());
+    let below = |page| std::iter::once(page).chain(clap::Command::get_subcommands(page));
+    let pages = std::iter::once(&command).chain(command.get_subcommands().flat_map(below));
     for page in pages.filter(|page| !page.is_hide_set()) {
         let rendered = clap_mangen::Man::new(page.clone()).render(&mut text);
         rendered.map_err(sinew::Error::io("write to", "the manual page"))?;

@@ -16,7 +16,9 @@ pub(crate) enum Progress {
     Lines {
         /// What is done.
         what: &'static str,
-        /// Frames in all.
+        /// What is counted.
+        unit: &'static str,
+        /// How many in all.
         total: u64,
         /// Tenths that were shown.
         shown: u64,
@@ -26,25 +28,30 @@ pub(crate) enum Progress {
 impl Progress {
     /// Starts a pass over `total` frames.
     pub(crate) fn start(general: &General, what: &'static str, total: u64) -> Self {
+        Self::counting(general, what, "frames", total)
+    }
+
+    /// Starts a pass over `total` things of a kind.
+    pub(crate) fn counting(general: &General, what: &'static str, unit: &'static str, total: u64) -> Self {
         if general.quiet > 0 || general.no_progress {
             return Self::Silent;
         }
         if !io::stderr().is_terminal() {
-            return Self::Lines { what, total, shown: 0 };
+            return Self::Lines { what, unit, total, shown: 0 };
         }
-        Self::Bar(bar(ProgressDrawTarget::stderr(), what, total))
+        Self::Bar(bar(ProgressDrawTarget::stderr(), what, unit, total))
     }
 
-    /// `done` frames are done.
+    /// `done` of them are done.
     pub(crate) fn at(&mut self, done: u64) {
         match self {
             Self::Silent => {}
             Self::Bar(bar) => advance(bar, done),
-            Self::Lines { what, total, shown } => {
+            Self::Lines { what, unit, total, shown } => {
                 let tenths = (10 * done).checked_div(*total).unwrap_or(10);
                 if tenths > *shown {
                     *shown = tenths;
-                    let _ = writeln!(io::stderr(), "{what}: {} % ({done} of {total} frames)", 10 * tenths);
+                    let _ = writeln!(io::stderr(), "{what}: {} % ({done} of {total} {unit})", 10 * tenths);
                 }
             }
         }
@@ -60,11 +67,11 @@ impl Drop for Progress {
 }
 
 /// A bar that takes what the terminal's width leaves.
-fn bar(target: ProgressDrawTarget, what: &'static str, total: u64) -> ProgressBar {
+fn bar(target: ProgressDrawTarget, what: &'static str, unit: &str, total: u64) -> ProgressBar {
     let bar = ProgressBar::with_draw_target(Some(total), target);
     // A template that does not parse falls back to indicatif's own bar.
-    if let Ok(style) = ProgressStyle::with_template("{prefix:13} {wide_bar} {pos}/{len} frames {rate:>7} {eta:>4} left")
-    {
+    let template = format!("{{prefix:13}} {{wide_bar}} {{pos}}/{{len}} {unit} {{rate:>7}} {{eta:>4}} left");
+    if let Ok(style) = ProgressStyle::with_template(&template) {
         let rate = |state: &ProgressState, out: &mut dyn fmt::Write| {
             let _ = write!(out, "{}", rate(state.per_sec()));
         };
@@ -168,7 +175,7 @@ mod tests {
     fn a_bar_fits_eighty_columns_from_its_first_frame_on() {
         let screen = Screen::default();
         let target = ProgressDrawTarget::term_like_with_hz(Box::new(screen.clone()), 255);
-        let bar = bar(target, "smoothing", 123_456);
+        let bar = bar(target, "smoothing", "frames", 123_456);
         for done in [40_000, 40_001, 40_002, 90_000, 123_456] {
             advance(&bar, done);
             bar.tick();

@@ -54,7 +54,7 @@ pub(crate) fn same_run(
     general: &General,
 ) -> Result<(), Error> {
     let mut progress = PassProgress::new(general);
-    let stop = interrupt::flag();
+    let stop = interrupt::flag("the frame");
     let mut at = |pass, done, total| progress.at(pass, done, total);
     let mut watch = Watch { progress: &mut at, stop: &stop };
     let inputs = Footage::input_hashes;

@@ -58,7 +58,7 @@ pub(crate) fn run(args: &SimulateArgs, general: &General, report: &Report) -> Re
             (0..footage.cameras.len()).into_par_iter().try_for_each(write_camera)?;
             progress.at(frame as u64 + 1);
         }
-        Ok(())
+        Ok::<(), sinew::Error>(())
     })?;
     // Last: a folder with it is whole.
     write(&config.out.join(README), readme(args, &config, &footage).as_bytes())?;

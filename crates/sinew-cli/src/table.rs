@@ -53,6 +53,23 @@ fn seen_by(camera: &CameraSummary) -> String {
     if parts.is_empty() { format!("no observation, offset {u:+.1} {v:+.1} px, 0 frames") } else { parts.join("; ") }
 }
 
+/// A table with heads: the first column to the left, numbers to the right.
+pub(crate) fn columns(heads: &[String], rows: &[Vec<String>]) -> String {
+    let all = || std::iter::once(heads).chain(rows.iter().map(Vec::as_slice));
+    let width = |column: usize| {
+        all().filter_map(|row| row.get(column)).map(|cell| cell.chars().count()).max().unwrap_or_default()
+    };
+    let widths: Vec<usize> = (0..heads.len()).map(width).collect();
+    let line = |row: &[String]| {
+        let cell = |(column, (cell, width)): (usize, (&String, &usize))| match column {
+            0 => format!("{cell:width$}"),
+            _ => format!("  {cell:>width$}"),
+        };
+        row.iter().zip(&widths).enumerate().map(cell).collect::<String>().trim_end().to_owned() + "\n"
+    };
+    all().map(line).collect()
+}
+
 /// Two columns.
 pub(crate) fn aligned(rows: &[(String, String)]) -> String {
     let width = rows.iter().map(|(left, _)| left.chars().count()).max().unwrap_or_default();

@@ -108,7 +108,7 @@ fn tracked(
 ) -> Result<Outcome, Error> {
     with_threads(&resolved.track(), || {
         let mut progress = PassProgress::new(general);
-        let stop = interrupt::flag();
+        let stop = interrupt::flag("the frame");
         let mut at = |pass, done, total| progress.at(pass, done, total);
         let mut watch = Watch { progress: &mut at, stop: &stop };
         let inputs = |recording: &Footage| (recording.warnings(), recording.input_hashes());

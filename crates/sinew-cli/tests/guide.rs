@@ -30,7 +30,8 @@ const SHORT: [(&str, &str); 11] = [
 ];
 
 /// Pages of the guide.
-const PAGES: [&str; 6] = ["cameras", "first-recording", "own-recording", "results", "silhouettes", "warnings"];
+const PAGES: [&str; 7] =
+    ["cameras", "first-recording", "motion-models", "own-recording", "results", "silhouettes", "warnings"];
 
 fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
@@ -159,6 +160,11 @@ fn cameras_run() {
 #[test]
 fn silhouettes_run() {
     run_page("docs/guide/silhouettes.md");
+}
+
+#[test]
+fn motion_models_run() {
+    run_page("docs/guide/motion-models.md");
 }
 
 #[test]

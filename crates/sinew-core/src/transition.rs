@@ -105,9 +105,9 @@ pub struct Moments {
 /// What a filter hands from one frame to the next: the posterior as last states and as moments.
 #[derive(Clone, Copy, Debug)]
 pub struct Cloud<'a> {
-    /// Last states of the chains, blocks of eight states, d blocks each, one after the other.
+    /// Last states of the chains, or draws of them all where [`Predict::wanted_draws`] asks for more: blocks of eight states, d blocks each, one after the other.
     pub last: &'a [Block],
-    /// Number of chains; lanes beyond it are to be ignored.
+    /// Number of these states; lanes beyond it are to be ignored.
     pub count: usize,
     /// Moments of all kept draws, the covariance shrunk.
     pub moments: &'a Moments,
@@ -131,6 +131,11 @@ pub trait Predict: MotionModel {
     /// # Errors
     /// [`Predict::Error`] where the centre has no prior.
     fn initial(&self, centre: &[f64]) -> Result<Self::Prior, Self::Error>;
+
+    /// How many draws of a frame the prior of the next one is to be made from, at least, where there are as many; 0 for the last states of the chains.
+    fn wanted_draws(&self) -> usize {
+        0
+    }
 }
 
 /// Prior of one frame: a differentiable density that can also be drawn from.

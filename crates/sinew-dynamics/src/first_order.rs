@@ -119,6 +119,10 @@ impl<T: Predict> Predict for FirstOrder<T> {
         self.model.predict(Cloud { last: &last, moments: &moments, ..cloud })
     }
 
+    fn wanted_draws(&self) -> usize {
+        self.model.wanted_draws()
+    }
+
     fn initial(&self, centre: &[f64]) -> Result<T::Prior, T::Error> {
         self.model.initial(centre)
     }

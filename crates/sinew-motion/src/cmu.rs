@@ -85,10 +85,11 @@ pub(crate) fn resampled(frames: &[Vec<[f64; 3]>], step: f64) -> Vec<Vec<[f64; 3]
 
 #[cfg(test)]
 #[path = "../../../tests/src/data.rs"]
-mod shared_data;
+pub(crate) mod shared_data;
 
 #[cfg(test)]
 pub(crate) mod tests {
+    pub(crate) use super::shared_data;
     use super::*;
     use sinew_body::standard::EVALUATION_JOINTS;
     use sinew_formats::{amc, asf};

@@ -10,6 +10,9 @@ pub enum Error {
     /// A motion without frames.
     #[error("a motion without a frame")]
     NoFrames,
+    /// A motion along which no pose of a body is found.
+    #[error("the joints of the first frame do not determine a pose")]
+    NoPose,
     /// Joints of which a motion file has none of the known names.
     #[error("no joint is known as {}", .0.join(", "))]
     UnknownJoints(Vec<&'static str>),
@@ -35,6 +38,7 @@ impl Error {
     pub fn help(&self) -> Option<String> {
         match self {
             Self::UnknownJoints(_) | Self::Gap { .. } | Self::SingleFrame | Self::Unit => Some(NEEDED.into()),
+            Self::NoPose => Some("leave the file out, or cut off its beginning".into()),
             Self::NoPoint(_) | Self::NoFrames => None,
         }
     }

@@ -5,7 +5,9 @@
 //! | [`points`] | named points in space over time, from states or from files |
 //! | [`recorded`] | the joints of a motion file, by the names that are in use |
 //! | [`cmu`] | the joints of recordings of the CMU database |
+//! | [`follow`] | one of three bodies by name, and its states along a motion |
 //! | [`retarget`] | a body in a person's size, and its states along a motion |
+//! | [`hppf24_size`] | the body with thickness HPPF24 with the lengths of a person's segments |
 //! | [`hppf24_motion`] | the same for the body with thickness HPPF24, whose parts have one scale |
 //!
 //! ```
@@ -24,7 +26,9 @@
 
 pub mod cmu;
 mod error;
+pub mod follow;
 pub mod hppf24_motion;
+pub mod hppf24_size;
 pub mod points;
 pub mod recorded;
 pub mod retarget;

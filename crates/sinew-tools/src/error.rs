@@ -1,6 +1,7 @@
 //! What can go wrong beside a run, with the exit code and the advice that belong to it.
 
 use crate::inspect::error::InspectError;
+use crate::learn::LearnError;
 use crate::motion::error::MotionError;
 use crate::overlay::error::OverlayError;
 use crate::segment::error::SegmentError;
@@ -30,6 +31,9 @@ pub enum Error {
     /// Masks or solids that cannot be compared.
     #[error(transparent)]
     ShapeFit(#[from] ShapeFitError),
+    /// Motion from which nothing can be learned.
+    #[error(transparent)]
+    Learn(#[from] LearnError),
 }
 
 impl From<sinew::RecordingError> for Error {
@@ -67,6 +71,7 @@ impl Error {
             Self::Overlay(error) => error.exit_code(),
             Self::Segment(error) => error.exit_code(),
             Self::ShapeFit(error) => error.exit_code(),
+            Self::Learn(error) => error.exit_code(),
         }
     }
 
@@ -80,6 +85,7 @@ impl Error {
             Self::Overlay(error) => error.help().map(Into::into),
             Self::Segment(error) => Some(error.help().into()),
             Self::ShapeFit(error) => error.help().map(Into::into),
+            Self::Learn(error) => error.help(),
         }
     }
 }

@@ -3,6 +3,7 @@
 //! | module | looks at |
 //! |---|---|
 //! | [`file_facts`] | one file or folder, by what it is ([`Subject`]) |
+//! | [`model_picture`] | a motion model, as a picture |
 //! | [`fit`] | a calibration and keypoints together: do they belong to each other? |
 
 mod acclaim;
@@ -15,17 +16,21 @@ mod file_facts;
 pub mod fit;
 mod image_files;
 mod keypoints;
+mod model_picture;
 mod motion_file;
+mod motion_model;
 mod recognise;
 mod results;
 mod settings_file;
 mod setup_file;
 mod subject;
+mod svg;
 mod table_file;
 mod toml_file;
 
 pub use error::InspectError;
 pub use facts::Facts;
 pub use file_facts::file_facts;
+pub use model_picture::model_picture;
 pub use recognise::subjects;
 pub use subject::Subject;

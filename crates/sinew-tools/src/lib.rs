@@ -3,6 +3,7 @@
 //! | module | what |
 //! |---|---|
 //! | [`inspect`] | what a file or folder holds, and whether calibration and keypoints fit |
+//! | [`learn`] | a motion model from motion files |
 //! | [`motion`] | motion files into each other |
 //! | [`segment`] | masks from images of fixed cameras |
 //! | [`overlay`] | pictures of results over the images |
@@ -10,6 +11,7 @@
 
 mod error;
 pub mod inspect;
+pub mod learn;
 pub mod motion;
 pub mod overlay;
 pub mod segment;

@@ -12,17 +12,18 @@
 //!    (with a patience above 1, not the paper's, chains that disagree continue with `patience` times the updates, and only those count)
 //! 7. estimate = mean of s^(i,r) over all i and r ≥ b; a rejected state counts again
 //!
-//! Only the last states s^(i,R), and the moments of all kept draws, pass to the next frame. M(R + 1 − b) draws, M + M R L evaluations and one gradient a chain to begin with. Chains are moved in blocks of eight lanes: 10 chains cost as much as 16.
+//! Only the last states s^(i,R), and the moments of all kept draws, pass to the next frame; some of these draws themselves where the transition asks for them ([`Predict::wanted_draws`]). M(R + 1 − b) draws, M + M R L evaluations and one gradient a chain to begin with. Chains are moved in blocks of eight lanes: 10 chains cost as much as 16.
 //! The chains of one frame start close together, so R̂ within a frame is the sign to look at.
 
+use crate::handed::Handed;
 use crate::posterior::Posterior;
-use crate::resume::{blocks, check_length, put_blocks};
+use crate::resume::check_length;
 use crate::{Error, Resume, StepInfo, Tracker};
 use sinew_core::combinators::Sum;
 use sinew_core::density::GaussNewton;
-use sinew_core::lanes::{Block, Isa, LANES};
+use sinew_core::lanes::{Block, Isa};
 use sinew_core::random::Stage;
-use sinew_core::transition::{Cloud, Moments, MotionModel, Predict};
+use sinew_core::transition::{Cloud, Moments, Predict};
 use sinew_samplers::chains::{ChainDraws, Schedule, draw};
 use sinew_samplers::curvature::curvature;
 use sinew_samplers::hmc::Hmc;
@@ -101,6 +102,7 @@ pub struct HmcFilter<T> {
     draws: ChainDraws,
     weights: Vec<f64>,
     effective: f64,
+    handed: Handed,
     moments: Option<Moments>,
 }
 
@@ -134,7 +136,17 @@ impl<T: Predict> HmcFilter<T> {
             }
         }
         let draws = ChainDraws { dim: expected, ..ChainDraws::default() };
-        Ok(Self { config, transition, isa, estimate: centre, draws, weights: vec![], effective: 0.0, moments: None })
+        Ok(Self {
+            config,
+            transition,
+            isa,
+            estimate: centre,
+            draws,
+            weights: vec![],
+            effective: 0.0,
+            handed: Handed::default(),
+            moments: None,
+        })
     }
 
     /// Steps 1–3 and 5: prior, starting states, curvature.
@@ -145,7 +157,10 @@ impl<T: Predict> HmcFilter<T> {
         }
         let prior = match &self.moments {
             None => self.transition.initial(&self.estimate),
-            Some(moments) => self.transition.predict(Cloud { last: &self.draws.last, count: chains, moments }),
+            Some(moments) => {
+                let Handed { states, count } = &self.handed;
+                self.transition.predict(Cloud { last: states, count: *count, moments })
+            }
         };
         let prior = prior.map_err(|e| Error::Prior(Box::new(e)))?;
         let [to_start, to_average] = stage.split(["start", "curvature"]);
@@ -225,6 +240,7 @@ impl<T: Predict + Send, O: GaussNewton + ?Sized> Tracker<O> for HmcFilter<T> {
         let mut moments = self.view().moments(self.isa);
         metric.shrink(&mut moments, self.effective);
         self.moments = Some(moments);
+        self.handed = Handed::of(&self.draws, chains, self.transition.wanted_draws());
         self.transition.follow(before.as_deref(), &self.estimate);
         Ok(StepInfo {
             mean: self.estimate.clone(),
@@ -250,13 +266,13 @@ impl<T: Predict + Send, O: GaussNewton + ?Sized> Tracker<O> for HmcFilter<T> {
     }
 }
 
-impl<T: MotionModel> Resume for HmcFilter<T> {
+impl<T: Predict> Resume for HmcFilter<T> {
     fn save(&self) -> Vec<f64> {
         let mut saved = self.estimate.clone();
         if let Some(moments) = &self.moments {
             saved.extend(&moments.mean);
             saved.extend(&moments.covariance);
-            put_blocks(&mut saved, &self.draws.last);
+            self.handed.put(&mut saved, self.transition.wanted_draws());
         }
         saved.extend(self.transition.memory());
         saved
@@ -266,19 +282,22 @@ impl<T: MotionModel> Resume for HmcFilter<T> {
         let d = self.estimate.len();
         let memory = self.transition.memory().len();
         let started = saved.len() > d + memory;
-        let last = LANES * d * self.config.chains.div_ceil(LANES);
-        check_length(saved.len(), if started { d + d + d * d + last + memory } else { d + memory })?;
-        let (saved, memory) = saved.split_at(saved.len() - memory);
-        self.transition.recall(memory);
-        let (estimate, rest) = saved.split_at(d);
-        self.estimate = estimate.to_vec();
-        self.moments = None;
-        if started {
-            let (mean, rest) = rest.split_at(d);
-            let (covariance, last) = rest.split_at(d * d);
-            self.moments = Some(Moments { mean: mean.to_vec(), covariance: covariance.to_vec() });
-            self.draws.last = blocks(last);
+        if !started {
+            check_length(saved.len(), d + memory)?;
         }
+        let (saved, memory) = saved.split_at(saved.len() - memory);
+        let (estimate, rest) = saved.split_at(d);
+        if started {
+            check_length(saved.len().min(d + d + d * d), d + d + d * d)?;
+            let (mean, rest) = rest.split_at(d);
+            let (covariance, handed) = rest.split_at(d * d);
+            self.handed = Handed::taken(handed, d, self.config.chains, self.transition.wanted_draws())?;
+            self.moments = Some(Moments { mean: mean.to_vec(), covariance: covariance.to_vec() });
+        } else {
+            self.moments = None;
+        }
+        self.estimate = estimate.to_vec();
+        self.transition.recall(memory);
         Ok(())
     }
 }

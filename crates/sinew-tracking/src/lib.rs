@@ -47,6 +47,7 @@ pub mod bootstrap;
 pub mod coarse_to_fine;
 pub mod decoded;
 mod error;
+mod handed;
 pub mod hmc_filter;
 pub mod hppf;
 mod particle_state;

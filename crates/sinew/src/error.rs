@@ -134,7 +134,7 @@ impl Error {
             Self::Io(error) => error.help(),
             Self::Results(error) => error.help().map(Into::into),
             Self::OutputExists { found, .. } => Some(found.help().into()),
-            Self::Track(error) => error.help().map(Into::into),
+            Self::Track(error) => error.help(),
             Self::OutputLocked { .. } => Some("wait for it to end, or choose another folder with `-o`".into()),
             Self::Checkpoint { problem, .. } => Some(problem.help().into()),
             Self::OutputIsInput { .. } => Some("choose another folder with `-o`".into()),

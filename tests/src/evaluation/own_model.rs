@@ -18,7 +18,7 @@ use sinew::config::settings::Settings;
 use sinew::core::lanes::Block;
 use sinew::core::random::Stage;
 use sinew::core::transition::Transition as _;
-use sinew::dynamics::random_walk::RandomWalk;
+use sinew::dynamics::motion_prior::MotionPrior;
 use sinew::formats::openpose::Keypoint;
 use sinew::input::up_axis::Z_UP;
 use sinew::methods::{BoundKeypoints, Making};
@@ -60,7 +60,7 @@ pub fn ranked(frames: usize, sigma_px: f64, settings: &Settings, seed: u64) -> R
     let settings = Settings { noise: Noise::OutlierFloor { outlier: 1e-12 }, seed, ..settings.clone() };
     let body = h32(&Proportions::default());
     let (mut setup, cameras) = stated_setup(&body, sigma_px)?;
-    let walk = track::walk(&setup, &body, &settings)?;
+    let walk = track::motion_prior(&setup, &body, &settings)?;
     let [first, steps, errors] = Stage::new(seed, "own model").split(["first", "steps", "errors"]);
     let states = drawn_states(&walk, &setup.start_pose, frames, [first, steps]);
     let film = filmed(&body, states, cameras, sigma_px, settings.fps, errors)?;
@@ -114,8 +114,8 @@ fn stated_setup(body: &KinematicTree, sigma_px: f64) -> Result<(Setup, Vec<Camer
     Ok((setup, cameras))
 }
 
-/// States of the random walk.
-fn drawn_states(walk: &RandomWalk, start: &[f64], frames: usize, [first, steps]: [Stage; 2]) -> Vec<Vec<f64>> {
+/// States that the motion prior draws, a random walk.
+fn drawn_states(walk: &MotionPrior, start: &[f64], frames: usize, [first, steps]: [Stage; 2]) -> Vec<Vec<f64>> {
     let mut state = vec![Block::ZERO; start.len()];
     walk.sample_initial_block(start, &mut state, &mut first.whole());
     let mut rng = steps.whole();

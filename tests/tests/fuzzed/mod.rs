@@ -11,7 +11,7 @@ use std::path::Path;
 pub type Check = fn(&[u8]);
 
 /// Every fuzz target.
-pub const CHECKS: [(&str, Check); 19] = [
+pub const CHECKS: [(&str, Check); 20] = [
     ("openpose", checks::openpose),
     ("calib_toml", checks::calib_toml),
     ("layout", checks::layout),
@@ -30,6 +30,7 @@ pub const CHECKS: [(&str, Check); 19] = [
     ("zarr_metadata", program_checks::zarr_metadata),
     ("result_tables", program_checks::result_tables),
     ("checkpoint", program_checks::checkpoint),
+    ("primitive_model", program_checks::primitive_model),
     ("filter_step", program_checks::filter_step),
 ];
 

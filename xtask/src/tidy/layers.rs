@@ -18,7 +18,10 @@ const ALLOWED: [(&str, &[&str]); 16] = [
     ("sinew-simulate", &["sinew-core", "sinew-body", "sinew-observe", "sinew-formats", "sinew-motion"]),
     ("sinew-recording", &["sinew-core", "sinew-body", "sinew-observe", "sinew-formats"]),
     ("sinew", &LIBRARIES),
-    ("sinew-tools", &["sinew", "sinew-motion", "sinew-core", "sinew-body", "sinew-observe", "sinew-formats"]),
+    (
+        "sinew-tools",
+        &["sinew", "sinew-motion", "sinew-core", "sinew-body", "sinew-observe", "sinew-dynamics", "sinew-formats"],
+    ),
     ("sinew-cli", &BELOW_THE_PROGRAM),
     ("xtask", &["sinew", "sinew-tools", "sinew-motion", "sinew-simulate", "sinew-tests"]),
     ("sinew-tests", &["sinew", "sinew-tools", "sinew-motion", "sinew-simulate", "sinew-invariance"]),

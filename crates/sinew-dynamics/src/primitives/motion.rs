@@ -5,7 +5,7 @@
 //!
 //! The action primitive of a state at frame t is made of the estimates of the frames t − D to t − 2 and, as the newest, of the state's own values at t − 1. While there are fewer than D estimates, all coordinates walk at random.
 //!
-//! As a prior between frames it is the mean over the cloud's last states, each with all its three models. Coordinates are not wrapped: they are to be continuous in time and near the angles of the training motion.
+//! As a prior between frames it is the mean over draws of the last frame, each with all its three models. Coordinates are not wrapped: they are to be continuous in time and near the angles of the training motion.
 //!
 //! It moves no part alone: which model moves a state is drawn once for all of the feature vector, and parts moved one after the other would each draw it again, which is another law than the whole transition's.
 
@@ -20,6 +20,9 @@ use sinew_core::lanes::{Block, Isa, LANES};
 use sinew_core::random::BlockRng;
 use sinew_core::transition::{Cloud, GradTransition, MotionModel, Predict, Transition};
 use std::sync::Arc;
+
+/// Draws of the last frame that a prior between frames is averaged over, at least: with the last states of a few chains it has holes where no chain ended.
+const AVERAGED: usize = 400;
 
 /// How far the time between frames may be from that of the training motion, as a share.
 const SAME_RATE: f64 = 0.01;
@@ -100,6 +103,12 @@ impl PrimitiveMotion {
     #[must_use]
     pub fn sd(&self) -> &[f64] {
         &self.places.sd
+    }
+
+    /// Standard deviations of the first frame about its centre.
+    #[must_use]
+    pub fn initial_sd(&self) -> &[f64] {
+        &self.initial_sd
     }
 
     /// Whether there are enough estimates to match action primitives.
@@ -224,6 +233,10 @@ impl Predict for PrimitiveMotion {
 
     fn predict(&self, cloud: Cloud<'_>) -> Result<Prior, Error> {
         self.after(cloud.last, cloud.count)
+    }
+
+    fn wanted_draws(&self) -> usize {
+        AVERAGED
     }
 
     fn initial(&self, centre: &[f64]) -> Result<Prior, Error> {

@@ -3,8 +3,8 @@
 use super::facts::Facts;
 use super::subject::Subject;
 use super::{
-    acclaim, body_file, calibration, draws, image_files, keypoints, motion_file, results, settings_file, setup_file,
-    table_file,
+    acclaim, body_file, calibration, draws, image_files, keypoints, motion_file, motion_model, results, settings_file,
+    setup_file, table_file,
 };
 use crate::Error;
 use sinew::input::recording::RecordingOptions;
@@ -29,6 +29,7 @@ pub fn file_facts(subject: &Subject, options: &RecordingOptions) -> Result<Facts
         Subject::Skeleton(path) => acclaim::skeleton(path),
         Subject::Acclaim { motion, skeleton: None } => acclaim::motion(motion),
         Subject::Acclaim { motion, skeleton } => motion_file::facts(motion, skeleton.as_deref()),
+        Subject::MotionModel(path) => motion_model::facts(path),
         Subject::Results(path) => results::facts(path),
         Subject::Draws(path) => draws::facts(path),
     }

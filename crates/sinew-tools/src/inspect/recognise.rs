@@ -7,6 +7,7 @@ use crate::Error;
 use sinew::files::read_text;
 use sinew::input::folder_contents::is_video;
 use sinew::input::qualisys::refuse_qualisys;
+use sinew_dynamics::primitives::file::{MAX_BYTES, is_motion_model};
 use sinew_formats::source_text::MAX_CONFIG_BYTES;
 use std::path::{Path, PathBuf};
 
@@ -59,6 +60,7 @@ fn subject(path: &Path) -> Result<Subject, Error> {
         Some("asf") => Ok(Subject::Skeleton(path_buf)),
         Some("amc") => Ok(Subject::Acclaim { motion: path_buf, skeleton: None }),
         _ if is_video(path) => Err(InspectError::Video { path: path_buf }.into()),
+        _ if is_model_file(path) => Ok(Subject::MotionModel(path_buf)),
         _ => {
             if let Ok(text) = read_text(path, MAX_CONFIG_BYTES) {
                 refuse_qualisys(path, &text)?;
@@ -66,4 +68,8 @@ fn subject(path: &Path) -> Result<Subject, Error> {
             Err(InspectError::UnknownKind { path: path_buf }.into())
         }
     }
+}
+
+fn is_model_file(path: &Path) -> bool {
+    read_text(path, MAX_BYTES).is_ok_and(|text| is_motion_model(&text))
 }

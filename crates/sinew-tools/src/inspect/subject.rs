@@ -30,6 +30,8 @@ pub enum Subject {
         /// ASF file.
         skeleton: Option<PathBuf>,
     },
+    /// Motion model.
+    MotionModel(PathBuf),
     /// Result folder.
     Results(PathBuf),
     /// Zarr store.

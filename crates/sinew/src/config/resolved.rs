@@ -129,7 +129,9 @@ impl Resolved {
     }
 
     fn check(&self) -> Result<(), Error> {
-        match (self.method().mistake)(&self.values) {
+        let smoothed = self.values.flag("smooth") && self.values.get("motion_model").is_some();
+        let smoothed = smoothed.then(|| "`smooth` goes back over a random walk; leave it or `motion_model` out".into());
+        match (self.method().mistake)(&self.values).or(smoothed) {
             None => Ok(()),
             Some(problem) => Err(Problems { file: "the configuration".into(), problems: vec![problem] }.into()),
         }

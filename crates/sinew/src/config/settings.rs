@@ -2,6 +2,7 @@
 
 use crate::methods::{HmcMethod, Method, Score};
 use sinew_core::lanes::Isa;
+use sinew_dynamics::primitives::model::PrimitiveModel;
 use sinew_dynamics::random_walk::Between;
 use sinew_observe::Noise;
 use sinew_observe::image_score::ImageScore;
@@ -26,6 +27,8 @@ pub struct Settings {
     pub between: Between,
     /// Factor on the motion noise that the set-up pass found.
     pub motion_scale: f64,
+    /// Learned motion model that takes the place of the random walk.
+    pub motion_model: Option<Arc<PrimitiveModel>>,
     /// Weighting function of images.
     pub score: ImageScore,
     /// Longest side of the raster in which silhouettes are compared, pixels.
@@ -47,6 +50,7 @@ impl Default for Settings {
             least_confidence: 0.1,
             between: Between::Gaussian,
             motion_scale: 1.0,
+            motion_model: None,
             score: Score::Bidirectional.with_kappa(100.0),
             raster: 320,
             draws: 64,

@@ -3,15 +3,18 @@
 use super::resolved::Resolved;
 use super::settings::Settings;
 use super::value::Value;
-use crate::Error;
 use crate::methods::Score;
 use crate::track::error::TrackError;
+use crate::{Error, files};
 use sinew_core::lanes::Isa;
+use sinew_dynamics::primitives::file;
+use sinew_dynamics::primitives::model::PrimitiveModel;
 use sinew_dynamics::random_walk::Between;
 use sinew_observe::Noise;
 use sinew_recording::input::footage::{FootageFiles, Init};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// Settings of a tracking run.
 #[derive(Clone, Debug)]
@@ -56,6 +59,8 @@ pub struct TrackConfig {
     pub setup: Option<PathBuf>,
     /// Frames for the set-up pass.
     pub setup_frames: Option<Range<u64>>,
+    /// Learned motion model.
+    pub motion_model: Option<PathBuf>,
     /// Whether a backward pass follows.
     pub smooth: bool,
     /// How frames are tracked; instruction set and frame rate are not settled yet ([`TrackConfig::settings`]).
@@ -111,6 +116,7 @@ impl Resolved {
             body: self.values.text("body").unwrap_or_default(),
             setup: self.values.path("setup"),
             setup_frames: self.values.frames("setup_frames"),
+            motion_model: self.values.path("motion_model"),
             smooth: self.values.flag("smooth"),
             tracking: self.settings(),
             simd: self.values.text("simd"),
@@ -180,7 +186,7 @@ impl TrackConfig {
     /// How frames are tracked.
     ///
     /// # Errors
-    /// [`TrackError::NoInstructionSet`].
+    /// [`TrackError::NoInstructionSet`]; a motion model that cannot be read.
     pub fn settings(&self) -> Result<Settings, Error> {
         let isa = match &self.simd {
             None => Isa::best(),
@@ -189,6 +195,13 @@ impl TrackConfig {
                 TrackError::NoInstructionSet { asked: name.clone(), available }
             })?,
         };
-        Ok(Settings { isa, fps: self.fps.unwrap_or(DEFAULT_FPS), ..self.tracking.clone() })
+        let motion_model = self.motion_model.as_deref().map(read_model).transpose()?;
+        Ok(Settings { isa, fps: self.fps.unwrap_or(DEFAULT_FPS), motion_model, ..self.tracking.clone() })
     }
+}
+
+/// The motion model in a file.
+fn read_model(path: &Path) -> Result<Arc<PrimitiveModel>, Error> {
+    let text = files::read_text(path, file::MAX_BYTES)?;
+    Ok(Arc::new(file::read(&path.display().to_string(), &text).map_err(TrackError::MotionModel)?))
 }

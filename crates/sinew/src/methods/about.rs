@@ -10,6 +10,7 @@ use crate::track::error::TrackError;
 use sinew_core::lanes::Isa;
 use sinew_core::part::PartTree;
 use sinew_core::random::Stage;
+use sinew_dynamics::motion_prior::MotionPrior;
 use sinew_dynamics::primitives::model::PrimitiveModel;
 use sinew_dynamics::random_walk::RandomWalk;
 use sinew_tracking::{Resume, Tracker};
@@ -56,12 +57,20 @@ pub struct About {
     pub mistake: fn(&SettingValues) -> Option<String>,
 }
 
+/// That a method takes no learned motion model, where one is given.
+#[must_use]
+pub fn no_motion_model(values: &SettingValues, method: &str) -> Option<String> {
+    values.get("motion_model").map(|_| {
+        format!("`motion_model` cannot be used with `{method}`; it is for the methods hmc, bootstrap and annealed")
+    })
+}
+
 /// What a tracker is made of besides the settings of its method.
 pub struct Making<'a> {
     /// The set-up of the recording.
     pub setup: &'a Setup,
     /// The motion prior.
-    pub transition: &'a RandomWalk,
+    pub transition: &'a MotionPrior,
     /// The parts of the body, for methods that need them.
     pub parts: Option<&'a PartTree>,
     /// Action primitives of the body, where the run has a motion model.
@@ -73,6 +82,14 @@ pub struct Making<'a> {
 }
 
 impl Making<'_> {
+    /// The motion prior of methods that take the body part by part or in steps of one width: a random walk.
+    ///
+    /// # Errors
+    /// [`TrackError::NoMotionModel`] where it was learned.
+    pub fn walk(&self, method: &About) -> Result<RandomWalk, Error> {
+        Ok(self.transition.walk().cloned().ok_or(TrackError::NoMotionModel { method: method.name })?)
+    }
+
     /// The parts of the body.
     ///
     /// # Errors

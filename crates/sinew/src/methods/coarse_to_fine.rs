@@ -1,6 +1,6 @@
 //! `coarse-to-fine`: a grid of poses first, then its parts one by one, a search.
 
-use super::about::{About, Gives, Making, Method, Steps};
+use super::about::{About, Gives, Making, Method, Steps, no_motion_model};
 use super::score::Score;
 use crate::Error;
 use crate::config::setting::{SAMPLING, Setting, SettingKind, computed};
@@ -27,7 +27,7 @@ pub const ABOUT: About = About {
     settings: &SETTINGS,
     usual: || Arc::new(CoarseToFineMethod::default()),
     configure,
-    mistake: |_| None,
+    mistake: |values| no_motion_model(values, ABOUT.name),
 };
 
 #[rustfmt::skip]
@@ -65,7 +65,7 @@ impl Method for CoarseToFineMethod {
     }
 
     fn tracker(&self, making: &Making<'_>, start: Vec<f64>) -> Result<Box<dyn Steps>, Error> {
-        let axes = axes(&start, making.transition.sd()).map_err(TrackError::Sampler)?;
+        let axes = axes(&start, making.walk(&ABOUT)?.sd()).map_err(TrackError::Sampler)?;
         let (config, parts) = (self.0.clone(), making.parts()?);
         let filter = coarse_to_fine::CoarseToFine::new(config, axes, parts, start, making.isa);
         Ok(Box::new(filter?))

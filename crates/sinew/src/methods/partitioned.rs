@@ -1,6 +1,6 @@
 //! `partitioned`: the partitioned sampling of MacCormick & Blake 1999, part by part.
 
-use super::about::{About, Gives, Making, Method, Steps};
+use super::about::{About, Gives, Making, Method, Steps, no_motion_model};
 use super::score::Score;
 use crate::Error;
 use crate::config::values::SettingValues;
@@ -24,7 +24,7 @@ pub const ABOUT: About = About {
     settings: &[],
     usual: || Arc::new(PartitionedMethod::default()),
     configure,
-    mistake: |_| None,
+    mistake: |values| no_motion_model(values, ABOUT.name),
 };
 
 fn configure(values: &SettingValues) -> Arc<dyn Method> {
@@ -43,7 +43,7 @@ impl Method for PartitionedMethod {
 
     fn tracker(&self, making: &Making<'_>, start: Vec<f64>) -> Result<Box<dyn Steps>, Error> {
         let parts = making.parts()?;
-        let filter = partitioned::Partitioned::new(self.0.clone(), making.transition.clone(), parts, start);
+        let filter = partitioned::Partitioned::new(self.0.clone(), making.walk(&ABOUT)?, parts, start);
         Ok(Box::new(filter?))
     }
 }

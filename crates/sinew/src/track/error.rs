@@ -1,5 +1,6 @@
 //! What tracking refuses of a set-up, a body and a machine.
 
+use sinew_dynamics::primitives::file::ModelFileError;
 use std::path::PathBuf;
 
 /// A recording that cannot be tracked as it stands, or numbers that fail.
@@ -87,6 +88,29 @@ pub enum TrackError {
     /// A value that a checkpoint cannot hold.
     #[error("the checkpoint cannot be encoded: {0}")]
     Encoding(#[source] postcard::Error),
+    /// A file that is no motion model.
+    #[error(transparent)]
+    MotionModel(ModelFileError),
+    /// A motion model of another body.
+    #[error("the motion model was learned for the body {learned}, which is not the one that is tracked")]
+    MotionModelBody {
+        /// Body of the model.
+        learned: String,
+    },
+    /// A motion model of another frame rate.
+    #[error("the motion model was learned at {learned} frames per second; the recording has {tracked}")]
+    MotionModelRate {
+        /// Rate of the model.
+        learned: f64,
+        /// Rate of the recording.
+        tracked: f64,
+    },
+    /// A learned motion model for a method that takes none.
+    #[error("`{method}` takes no motion model")]
+    NoMotionModel {
+        /// Name of the method.
+        method: &'static str,
+    },
     /// A sampler that refuses its settings or fails.
     #[error(transparent)]
     Sampler(#[from] sinew_samplers::Error),
@@ -101,20 +125,35 @@ impl TrackError {
     pub const fn exit_code(&self) -> u8 {
         match self {
             Self::NoParts | Self::StoredSettings(_) | Self::Encoding(_) | Self::Sampler(_) | Self::Motion(_) => 1,
-            Self::UpAxis { .. } | Self::Body { .. } | Self::NoInstructionSet { .. } => 2,
+            Self::UpAxis { .. }
+            | Self::Body { .. }
+            | Self::NoInstructionSet { .. }
+            | Self::MotionModelBody { .. }
+            | Self::MotionModelRate { .. }
+            | Self::NoMotionModel { .. } => 2,
             Self::UnknownCamera { .. }
             | Self::FewPoints { .. }
             | Self::StartPose { .. }
             | Self::FrameNumber { .. }
             | Self::Parts(_)
             | Self::Solids(_)
-            | Self::SetupFile { .. } => 3,
+            | Self::SetupFile { .. }
+            | Self::MotionModel(_) => 3,
         }
     }
 
     /// What the user can do about it.
     #[must_use]
-    pub const fn help(&self) -> Option<&'static str> {
+    pub fn help(&self) -> Option<String> {
+        match self {
+            Self::MotionModelRate { tracked, .. } => Some(format!(
+                "learn it at that rate with `sinew learn primitives --fps {tracked}`, or state the recording's with `--fps`"
+            )),
+            _ => self.advice().map(Into::into),
+        }
+    }
+
+    const fn advice(&self) -> Option<&'static str> {
         Some(match self {
             Self::UnknownCamera { .. } => "use the set-up of this recording, or leave `--setup` out",
             Self::FewPoints { .. } => "name the body's points as the layout does: `sinew body` lists them",
@@ -126,9 +165,17 @@ impl TrackError {
             Self::SetupFile { .. } => {
                 "give `--setup` the setup.toml of a result folder of this version, or leave it out"
             }
+            Self::MotionModel(error) => error.help(),
+            Self::MotionModelBody { .. } => {
+                "track with `--body` of that name, or learn a model with `sinew learn primitives --body`"
+            }
+            Self::NoMotionModel { .. } => {
+                "leave `--motion-model` out, or use `--method hmc`, `bootstrap` or `annealed`"
+            }
             Self::NoInstructionSet { .. } => "leave `--simd` out to take the best",
             Self::Solids(_)
             | Self::NoParts
+            | Self::MotionModelRate { .. }
             | Self::StoredSettings(_)
             | Self::Encoding(_)
             | Self::Sampler(_)

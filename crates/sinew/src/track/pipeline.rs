@@ -16,7 +16,7 @@ use super::describe::describe;
 use super::error::TrackError;
 use super::images::{self, ImageState, Images};
 use super::marginals::Marginals;
-use super::motion_prior::walk;
+use super::motion_prior::{motion_prior, turned_near};
 use super::predictive::Doubt;
 use super::restart::{Observation, Restarting};
 use super::scene::{Scene, SceneState};
@@ -34,7 +34,7 @@ use sinew_body::KinematicTree;
 use sinew_core::lanes::Isa;
 use sinew_core::random::Stage;
 use sinew_core::transition::Moments;
-use sinew_dynamics::random_walk::RandomWalk;
+use sinew_dynamics::motion_prior::MotionPrior;
 use sinew_formats::Layout;
 use sinew_observe::Camera;
 use sinew_tracking::posterior::Posterior;
@@ -45,7 +45,7 @@ use std::ops::ControlFlow;
 pub struct Pipeline {
     tracker: Restarting,
     observer: Observer,
-    pub(super) transition: RandomWalk,
+    pub(super) transition: MotionPrior,
 }
 
 /// All of a pipeline but its tracker.
@@ -100,18 +100,24 @@ impl Pipeline {
             Images::new(tree, setup.flesh()?, &setup.with_offsets(sized, scale), &settings)
         };
         let images = image_cameras.map(with_flesh).transpose()?;
-        let transition = walk(setup, tree, &settings)?;
+        let transition = motion_prior(setup, tree, &settings)?;
         let parts = match settings.method.about().needs_parts {
             true => Some(images::part_tree(tree, &setup.flesh()?)?),
             false => None,
         };
         let (method, isa, dt) = (settings.method.clone(), settings.isa, 1.0 / settings.fps);
-        let making = Making { setup, transition: &transition, parts: parts.as_ref(), motion_model: None, dt, isa };
+        let (prior, known, body) = (transition.clone(), setup.clone(), tree.clone());
+        let model = settings.motion_model.clone();
+        let motion_model = model.as_deref();
+        let making = Making { setup, transition: &transition, parts: parts.as_ref(), motion_model, dt, isa };
         let remarks = method.remarks(&making);
-        let (walk, known) = (transition.clone(), setup.clone());
         let make = move |start| {
-            let (parts, motion_model) = (parts.as_ref(), None);
-            method.tracker(&Making { setup: &known, transition: &walk, parts, motion_model, dt, isa }, start)
+            let start = match &model {
+                Some(model) => turned_near(model, &body, start),
+                None => start,
+            };
+            let (parts, motion_model) = (parts.as_ref(), model.as_deref());
+            method.tracker(&Making { setup: &known, transition: &prior, parts, motion_model, dt, isa }, start)
         };
         let tracker = Restarting::new(Box::new(make), scene.start().to_vec())?;
         let marginals = Marginals::new(tree, settings.isa, UnknownSize::of(setup, cameras, settings.seed));

@@ -1,13 +1,13 @@
 //! Step size and trajectory length of Hamiltonian Monte Carlo for a recording.
 
 use super::error::TrackError;
-use super::motion_prior::walk;
+use super::motion_prior::motion_prior;
 use super::scene::Scene;
 use crate::Error;
 use crate::config::settings::Settings;
 use crate::input::source::FrameSource;
 use crate::methods::{FrameLikelihood, Gives, Making};
-use crate::setup::{Setup, motion_noise};
+use crate::setup::Setup;
 use sinew_body::KinematicTree;
 use sinew_core::random::Stage;
 
@@ -27,8 +27,10 @@ pub fn tune(
     }
     let (cameras, layout) = (source.cameras().to_vec(), source.layout().clone());
     let mut scene = Scene::new(setup, tree, &cameras, &layout, settings)?;
-    let transition =
-        walk(setup, tree, settings)?.with_initial_sd(steady_sd(setup, tree, settings)).map_err(TrackError::Motion)?;
+    let prior = motion_prior(setup, tree, settings)?;
+    // Spread of the prior in the middle of a recording, where step sizes are tuned: that of one step of motion.
+    let steady_sd = prior.sd().to_vec();
+    let transition = prior.with_initial_sd(steady_sd).map_err(TrackError::Motion)?;
     let start = scene.start().to_vec();
     let (observed, found) = scene.observe(&source.people(number)?, &start);
     let start = found.unwrap_or(start);
@@ -41,9 +43,4 @@ pub fn tune(
         setup.leapfrog_steps = u32::try_from(found.leapfrog_steps).ok();
     }
     Ok(())
-}
-
-/// Spread of the prior in the middle of a recording, where step sizes are tuned: that of one step of motion.
-fn steady_sd(setup: &Setup, tree: &KinematicTree, settings: &Settings) -> Vec<f64> {
-    walk(setup, tree, settings).map_or_else(|_| motion_noise::initial_sd(tree), |walk| walk.sd().to_vec())
 }

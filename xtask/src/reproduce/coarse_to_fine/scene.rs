@@ -178,7 +178,8 @@ impl Scene {
         let numbers = self.truth.iter().flatten().copied();
         let grid = self.ranges.iter().flat_map(|range| [range.low, range.high, range.width]);
         let points = self.motion.frames.iter().flatten().flatten().copied();
-        numbers.chain(grid).chain(points).fold(hash, |hash, x| fnv(hash, &x.to_le_bytes()))
+        let girths = [self.girths.printed, self.girths.fitted].into_iter().flat_map(|of| [of.trunk, of.arms, of.legs]);
+        numbers.chain(grid).chain(points).chain(girths).fold(hash, |hash, x| fnv(hash, &x.to_le_bytes()))
     }
 
     /// Mean distance of the joints from the recorded ones in each frame, both from the middle of the hips, millimetres.

@@ -2,6 +2,7 @@
 
 use super::begin::{read_setup, same_body, world_up};
 use crate::config::Resolved;
+use crate::track::check_model;
 use crate::{Error, bodies};
 
 /// Refuses settings that this processor, each other or the files that they name contradict.
@@ -10,11 +11,18 @@ use crate::{Error, bodies};
 /// What a run would say of them later, and that a file cannot be read.
 pub fn check_settings(resolved: &Resolved) -> Result<(), Error> {
     let config = resolved.track();
-    config.settings()?;
+    let settings = config.settings()?;
     let known = config.setup.as_deref().map(read_setup).transpose()?;
     match known.as_ref().filter(|_| resolved.is_given("body")) {
         Some(setup) => same_body(&config.body, setup)?,
         None => drop(bodies::to_track(&config.body)?),
+    }
+    if let Some(model) = &settings.motion_model {
+        let tree = match &known {
+            Some(setup) => setup.tree(),
+            None => bodies::find(&config.body)?,
+        };
+        check_model(model, &tree, settings.fps)?;
     }
     world_up(&config, known.as_ref()).map(drop)
 }

@@ -1,0 +1,70 @@
+//! Arguments of `sinew learn`.
+
+use super::args::{Answer, template};
+use clap::{Args, Subcommand};
+use sinew_motion::follow::NamedBody;
+use std::path::PathBuf;
+
+/// What can be learned.
+#[derive(Debug, Subcommand)]
+pub(crate) enum LearnCommand {
+    /// Learn action primitives: clusters of short pieces of recorded motion
+    #[command(help_template = template!(
+        "sinew learn primitives --motion walk1.bvh walk2.bvh --body h32 -o walk.json",
+        "sinew learn primitives --motion 07_02.amc 07_05.amc --held-out 07_01.amc --body hppf24 -o walk.json"
+    ))]
+    Primitives(PrimitivesArgs),
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct PrimitivesArgs {
+    /// Motion files to learn from: .bvh, .trc, .csv or .amc
+    #[arg(long, required = true, num_args = 1.., value_name = "FILES")]
+    pub(crate) motion: Vec<PathBuf>,
+    /// Motion files to try predictions on
+    #[arg(long, num_args = 1.., value_name = "FILES")]
+    pub(crate) held_out: Vec<PathBuf>,
+    /// Skeleton of the .amc files [default: <subject>.asf beside each]
+    #[arg(long, value_name = "F.asf")]
+    pub(crate) skeleton: Option<PathBuf>,
+    /// Body that is tracked: h32, cf28 or hppf24
+    #[arg(long, value_name = "NAME", hide_possible_values = true, value_parser = NamedBody::ALL.map(NamedBody::name))]
+    pub(crate) body: String,
+    /// Frames per second of the recordings to be tracked
+    #[arg(long, value_name = "F", default_value_t = 20.0, value_parser = rate, allow_negative_numbers = true)]
+    pub(crate) fps: f64,
+    /// Clusters of each feature vector
+    #[arg(long, value_name = "N", default_value = "80", value_parser = clusters)]
+    pub(crate) clusters: usize,
+    /// Frames in an action primitive
+    #[arg(long, value_name = "D", default_value = "3", value_parser = length)]
+    pub(crate) length: usize,
+    #[command(flatten)]
+    pub(crate) answer: Answer,
+}
+
+/// Least and greatest frame rate of a model.
+const RATES: std::ops::RangeInclusive<f64> = 1.0..=1000.0;
+
+fn rate(text: &str) -> Result<f64, String> {
+    let rate = text.parse().ok().filter(|rate| RATES.contains(rate));
+    rate.ok_or_else(|| format!("expected frames per second from {} to {}", RATES.start(), RATES.end()))
+}
+
+/// More have no windows.
+const MOST_CLUSTERS: usize = 10_000;
+/// Longer ones have more numbers than their covariance has room for.
+const LONGEST: usize = 100;
+
+fn clusters(text: &str) -> Result<usize, String> {
+    whole(text, MOST_CLUSTERS)
+}
+
+fn length(text: &str) -> Result<usize, String> {
+    whole(text, LONGEST)
+}
+
+fn whole(text: &str, most: usize) -> Result<usize, String> {
+    let count = text.parse().ok().filter(|count| (1..=most).contains(count));
+    count.ok_or_else(|| format!("expected a whole number from 1 to {most}"))
+}

@@ -1,0 +1,214 @@
+//! A body that is known by name, in a person's size, and its states along a recorded motion.
+//!
+//! Bodies get the lengths of the person's segments: the standard ones by [`crate::retarget`], HPPF24 by [`crate::hppf24_size`]. HPPF24 then stays near the pose before ([`crate::hppf24_motion`]), so that twists of straight limbs do not
+//! wander.
+
+use crate::Error;
+use crate::hppf24_motion::{MotionFollowing, states};
+use crate::hppf24_size::sized;
+use crate::points::{Trajectories, mean_distance, points_of_states};
+use crate::retarget::{Retargeted, along, retarget_to, targets};
+use sinew_body::standard::{EVALUATION_JOINTS, cf28, h32};
+use sinew_body::{Joint, KinematicTree, hppf24};
+
+/// A body that follows motion.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum NamedBody {
+    /// The standard body, 32 degrees of freedom.
+    H32,
+    /// The body of Choo & Fleet (2001), 28.
+    Cf28,
+    /// The body of Husz, Wallace & Green (2007), 24.
+    Hppf24,
+}
+
+impl NamedBody {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::H32, Self::Cf28, Self::Hppf24];
+
+    /// Its name.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::H32 => "h32",
+            Self::Cf28 => "cf28",
+            Self::Hppf24 => "hppf24",
+        }
+    }
+
+    /// The body of that name.
+    #[must_use]
+    pub fn find(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|body| body.name() == name)
+    }
+
+    /// The body in the size of an adult of 1.75 m.
+    #[must_use]
+    pub fn tree(self) -> KinematicTree {
+        match self {
+            Self::H32 => h32(&sinew_body::Proportions::default()),
+            Self::Cf28 => cf28(&sinew_body::Proportions::default()),
+            Self::Hppf24 => hppf24::tree(1.0),
+        }
+    }
+}
+
+/// A body along a motion.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Followed {
+    /// The body in the person's size.
+    pub body: KinematicTree,
+    /// States, one a frame; angles are continuous in time.
+    pub states: Vec<Vec<f64>>,
+    /// Mean distance of the 15 joints of evaluation to their recorded positions, metres.
+    pub mean_error_m: f64,
+}
+
+/// Twists of straight limbs stay where they are, and joints lag by less than a millimetre.
+const FOLLOWING: MotionFollowing = MotionFollowing { damping: 1e-3, first_refits: 20 };
+
+/// Makes a body follow a motion, frame by frame.
+///
+/// # Errors
+/// [`Error::NoFrames`], [`Error::NoPoint`] where a joint of evaluation is missing, [`Error::NoPose`] where the first frame does not determine a pose.
+pub fn follow(body: NamedBody, motion: &Trajectories) -> Result<Followed, Error> {
+    if motion.frames.is_empty() {
+        return Err(Error::NoFrames);
+    }
+    if let Some(missing) = EVALUATION_JOINTS.iter().find(|joint| motion.index(joint).is_none()) {
+        return Err(Error::NoPoint((*missing).to_owned()));
+    }
+    let found = match body {
+        NamedBody::H32 => standard(h32, motion)?,
+        NamedBody::Cf28 => standard(cf28, motion)?,
+        NamedBody::Hppf24 => with_thickness(motion)?,
+    };
+    if found.states.iter().flatten().all(|x| x.is_finite()) { Ok(found) } else { Err(Error::NoPose) }
+}
+
+fn standard(build: fn(&sinew_body::Proportions) -> KinematicTree, motion: &Trajectories) -> Result<Followed, Error> {
+    let Retargeted { body, states, mean_error_m, .. } = retarget_to(build, motion).ok_or(Error::NoPose)?;
+    let found = Followed { body, states, mean_error_m };
+    let Some(first) = found.states.first().and_then(|first| unfolded(&found.body, first)) else { return Ok(found) };
+    let states = along(&found.body, &targets(&found.body, motion), first);
+    let reached = points_of_states(&found.body, &states).select(&EVALUATION_JOINTS);
+    let mean_error_m = mean_distance(&reached, &motion.select(&EVALUATION_JOINTS));
+    // Only where the body gets as near as before did it stand in another solution of the same pose.
+    let is_as_near = mean_error_m <= found.mean_error_m + EQUALLY_NEAR_M;
+    Ok(if is_as_near { Followed { states, mean_error_m, ..found } } else { found })
+}
+
+/// Mean errors that differ by less than this count as equal, metres.
+const EQUALLY_NEAR_M: f64 = 1e-3;
+
+/// Coordinates of the root.
+const ROOT: usize = 6;
+
+/// The pose with joint angles of more than a quarter turn set to zero, if there are any: two turns about different axes reach every direction twice, and a model of motion needs the solution that other recordings have, too.
+fn unfolded(body: &KinematicTree, pose: &[f64]) -> Option<Vec<f64>> {
+    let is_folded = |(i, joint): (usize, Joint)| {
+        i >= ROOT && matches!(joint, Joint::Rotate(_)) && pose[i].abs() > std::f64::consts::FRAC_PI_2
+    };
+    let joints: Vec<Joint> = body.joints().map(|(_, joint)| joint).collect();
+    let folded: Vec<usize> = (0..pose.len()).filter(|&i| is_folded((i, joints[i]))).collect();
+    let mut pose = pose.to_vec();
+    folded.iter().for_each(|&i| pose[i] = 0.0);
+    (!folded.is_empty()).then_some(pose)
+}
+
+fn with_thickness(motion: &Trajectories) -> Result<Followed, Error> {
+    let body = sized(motion)?;
+    let recorded = motion.select(&EVALUATION_JOINTS);
+    let states = states(&body, &recorded, &FOLLOWING)?;
+    let reached = points_of_states(&body, &states).select(&EVALUATION_JOINTS);
+    Ok(Followed { mean_error_m: mean_distance(&reached, &recorded), body, states })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cmu::joints;
+    use crate::cmu::tests::{shared_data, trial};
+    use crate::recorded::from_points;
+    use sinew_formats::bvh::{self, forward_kinematics, world_from_bvh};
+    use sinew_formats::point_table::PointTable;
+
+    /// Mean error over the joints that a conversion may have, millimetres.
+    const MOST_MM: f64 = 30.0;
+
+    /// A BVH file of the shared recordings, 20 frames a second.
+    fn skeleton_motion(name: &str) -> Option<Trajectories> {
+        let text = std::fs::read_to_string(shared_data::shared("cmu_bvh")?.join(name)).unwrap();
+        let bvh = bvh::read(name, &text).unwrap();
+        let points = |row: &Vec<f64>| {
+            forward_kinematics(&bvh.joints, row).into_iter().map(|point| Some(world_from_bvh(point))).collect()
+        };
+        let table = PointTable {
+            names: bvh.point_names(),
+            time_s: (0..bvh.frames.len()).map(|i| i as f64 * bvh.frame_time_s).collect(),
+            frames: bvh.frames.iter().map(points).collect(),
+        };
+        Some(from_points(&table, bvh.frame_time_s.recip(), false, 20.0).unwrap().0)
+    }
+
+    fn check(name: &str, body: NamedBody, motion: &Trajectories) {
+        let found = follow(body, motion).unwrap();
+        assert_eq!(found.states.len(), motion.frames.len(), "{name}");
+        let millimetres = 1000.0 * found.mean_error_m;
+        println!("{name}, {}: {millimetres:.1} mm", body.name());
+        assert!(millimetres < MOST_MM, "{name}, {}: {millimetres} mm", body.name());
+    }
+
+    #[test]
+    fn every_body_follows_acclaim_files() {
+        for name in ["07_01", "09_06", "131_04"] {
+            let Some((skeleton, motion)) = trial(name) else { return };
+            let motion = joints(&skeleton, &motion, 6.0);
+            NamedBody::ALL.into_iter().for_each(|body| check(name, body, &motion));
+        }
+    }
+
+    /// The left foot of one of these walks began upside down.
+    #[test]
+    fn the_same_walk_has_the_same_angles_in_every_recording() {
+        let mut means: Vec<Vec<f64>> = vec![];
+        for name in ["07_01", "07_02", "07_05", "07_10"] {
+            let Some((skeleton, motion)) = trial(name) else { return };
+            let found = follow(NamedBody::H32, &joints(&skeleton, &motion, 1.0)).unwrap();
+            let mean = |i: usize| found.states.iter().map(|state| state[i]).sum::<f64>() / found.states.len() as f64;
+            means.push((ROOT..32).map(mean).collect());
+        }
+        for (i, first) in means[0].iter().enumerate() {
+            let apart = means.iter().map(|mean| (mean[i] - first).abs()).fold(0.0, f64::max);
+            assert!(apart < 0.7, "coordinate {}: {apart} rad", i + ROOT);
+        }
+    }
+
+    #[test]
+    fn every_body_follows_bvh_files() {
+        for name in ["01_01.bvh", "131_01.bvh"] {
+            let Some(motion) = skeleton_motion(name) else { return };
+            NamedBody::ALL.into_iter().for_each(|body| check(name, body, &motion));
+        }
+    }
+
+    #[test]
+    fn bodies_have_their_names() {
+        for body in NamedBody::ALL {
+            assert_eq!(NamedBody::find(body.name()), Some(body));
+        }
+        assert_eq!(NamedBody::ALL.map(|body| body.tree().dof()), [32, 28, 24]);
+        assert_eq!(NamedBody::find("h31"), None);
+    }
+
+    #[test]
+    fn motion_without_frames_or_joints_is_refused() {
+        let body = hppf24::tree(1.0);
+        let mut motion = points_of_states(&body, &[vec![0.0; body.dof()]]).select(&EVALUATION_JOINTS);
+        assert_eq!(follow(NamedBody::H32, &Trajectories::default()), Err(Error::NoFrames));
+        motion.names[10] = "elsewhere".into();
+        for body in NamedBody::ALL {
+            assert!(matches!(follow(body, &motion), Err(Error::NoPoint(joint)) if joint == EVALUATION_JOINTS[10]));
+        }
+    }
+}

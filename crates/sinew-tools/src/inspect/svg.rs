@@ -1,0 +1,68 @@
+//! Lines, circles, squares and words as SVG.
+
+use std::fmt::Write as _;
+
+/// Characters of a name that are shown.
+const SHOWN: usize = 40;
+
+/// A picture in the making.
+pub(super) struct Svg {
+    text: String,
+}
+
+/// A name that is not too long.
+pub(super) fn clipped(name: &str) -> String {
+    name.chars().take(SHOWN).collect()
+}
+
+impl Svg {
+    /// A white picture of that width and height, pixels.
+    pub(super) fn new(width: f64, height: f64) -> Self {
+        let text = format!(
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width:.0}\" height=\"{height:.0}\" viewBox=\"0 0 {width:.0} {height:.0}\" font-family=\"sans-serif\">\n<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n"
+        );
+        Self { text }
+    }
+
+    fn put(&mut self, line: std::fmt::Arguments<'_>) {
+        let _ = self.text.write_fmt(line);
+        self.text.push('\n');
+    }
+
+    pub(super) fn text(&mut self, x: f64, y: f64, size: f64, words: &str) {
+        let words = words.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;");
+        self.put(format_args!(
+            "<text x=\"{x:.1}\" y=\"{y:.1}\" font-size=\"{size:.0}\" fill=\"#111827\">{words}</text>"
+        ));
+    }
+
+    pub(super) fn line(&mut self, [x1, y1]: [f64; 2], [x2, y2]: [f64; 2], width: f64, color: &str) {
+        self.put(format_args!(
+            "<line x1=\"{x1:.1}\" y1=\"{y1:.1}\" x2=\"{x2:.1}\" y2=\"{y2:.1}\" stroke=\"{color}\" stroke-width=\"{width}\" stroke-linecap=\"round\"/>"
+        ));
+    }
+
+    pub(super) fn circle(&mut self, [x, y]: [f64; 2], radius: f64, color: &str) {
+        self.put(format_args!("<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"{radius}\" fill=\"{color}\"/>"));
+    }
+
+    /// An empty square.
+    pub(super) fn frame(&mut self, x: f64, y: f64, side: f64) {
+        self.put(format_args!(
+            "<rect x=\"{x:.1}\" y=\"{y:.1}\" width=\"{side:.1}\" height=\"{side:.1}\" fill=\"none\" stroke=\"#9ca3af\"/>"
+        ));
+    }
+
+    /// A filled square, for one transition.
+    pub(super) fn square(&mut self, [x, y]: [f64; 2], side: f64, color: &str) {
+        self.put(format_args!(
+            "<rect class=\"t\" x=\"{x:.2}\" y=\"{y:.2}\" width=\"{side:.2}\" height=\"{side:.2}\" fill=\"{color}\"/>"
+        ));
+    }
+
+    /// The picture.
+    pub(super) fn done(mut self) -> String {
+        self.text.push_str("</svg>\n");
+        self.text
+    }
+}

@@ -1,0 +1,77 @@
+//! What keeps a motion model from being learned.
+
+use sinew_dynamics::primitives::file::ModelFileError;
+use std::path::PathBuf;
+
+/// Motion from which nothing can be learned.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum LearnError {
+    /// An AMC file without a skeleton beside it.
+    #[error("{}: neither `{sought}` nor one single .asf file is beside it", path.display())]
+    NoSkeleton {
+        /// The AMC file.
+        path: PathBuf,
+        /// The skeleton that its name suggests.
+        sought: String,
+    },
+    /// A file that no body follows.
+    #[error("{}: {problem}", path.display())]
+    Follow {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        problem: sinew_motion::Error,
+    },
+    /// A file of fewer frames than a step has.
+    #[error("{}: {frames} frames at {rate_hz} per second; at least 2 are needed", path.display())]
+    TooShort {
+        /// The file.
+        path: PathBuf,
+        /// Frames at the working rate.
+        frames: usize,
+        /// The working rate.
+        rate_hz: f64,
+    },
+    /// Files that are all shorter than a window.
+    #[error("no file is long enough for a primitive of {length} frames and the one after it; the longest has {frames}")]
+    NoWindows {
+        /// Frames in an action primitive.
+        length: usize,
+        /// Frames of the longest file at the rate of the model.
+        frames: usize,
+    },
+    /// Motion that is too little or too still.
+    #[error("the motion cannot be learned: {0}")]
+    Learning(sinew_dynamics::Error),
+    /// What was learned would be refused when it is read.
+    #[error("the motion gives no model: {0}")]
+    Unwritable(ModelFileError),
+    /// A file that is no motion model.
+    #[error(transparent)]
+    Model(#[from] ModelFileError),
+}
+
+impl LearnError {
+    /// Code with which the program ends.
+    #[must_use]
+    pub const fn exit_code(&self) -> u8 {
+        3
+    }
+
+    /// What the user can do about it.
+    #[must_use]
+    pub fn help(&self) -> Option<String> {
+        match self {
+            Self::NoSkeleton { .. } => Some("give the skeleton with `--skeleton FILE.asf`".into()),
+            Self::Follow { problem, .. } => problem.help().or_else(|| Some("leave the file out".into())),
+            Self::TooShort { .. } => Some("leave the file out, or learn at a higher rate with `--fps`".into()),
+            Self::Learning(_) => {
+                Some("give more motion, fewer clusters (`--clusters`) or shorter primitives (`--length`)".into())
+            }
+            Self::NoWindows { .. } => Some("give longer recordings, or a shorter `--length`".into()),
+            Self::Unwritable(_) => Some("give more motion, or fewer clusters (`--clusters`)".into()),
+            Self::Model(error) => Some(error.help().into()),
+        }
+    }
+}
