@@ -79,7 +79,7 @@ fn picture(model: &PrimitiveModel, name: &str) -> String {
         &format!("{}: {}, {rate} frames per second, feature vector {feature}", clipped(name), clipped(&model.state)),
     );
     if let Some(body) = body {
-        svg.text(MARGIN + LABEL, 46.0, 12.0, "from the front: left blue, right orange");
+        svg.text(MARGIN + LABEL, 46.0, 12.0, "from the front (left is blue)");
         svg.text(2.0 * MARGIN + LABEL + CELL[0] * shown.len() as f64, 46.0, 12.0, "from the right");
         for (row, &cluster) in drawn.iter().enumerate() {
             let y = 54.0 + CELL[1] * row as f64;
