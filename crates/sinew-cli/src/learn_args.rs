@@ -11,7 +11,7 @@ pub(crate) enum LearnCommand {
     /// Learn action primitives: clusters of short pieces of recorded motion
     #[command(help_template = template!(
         "sinew learn primitives --motion walk1.bvh walk2.bvh --body h32 -o walk.json",
-        "sinew learn primitives --motion 07_02.amc 07_05.amc --held-out 07_01.amc --body hppf24 -o walk.json"
+        "sinew learn primitives --motion 07_02.amc 07_05.amc --held-out 07_01.amc --body hppf24 -o w.json"
     ))]
     Primitives(PrimitivesArgs),
 }

@@ -58,7 +58,7 @@ fn a_model_is_learned_reported_inspected_and_drawn() {
     let inspected = trial.run(&["inspect", "model.json", "-o", "model.svg"]);
     let text = String::from_utf8_lossy(&inspected.stdout).into_owned();
     assert!(text.starts_with("model.json: motion model of action primitives\n"), "{text}");
-    assert!(text.contains("20 frames per second") && text.contains("26 angles"), "{text}");
+    assert!(text.contains("20 frames per second") && text.contains("22 angles"), "{text}");
     assert!(fs::read_to_string(trial.path("model.svg")).unwrap().contains("cluster 0"));
     assert_eq!(files(trial.folder.path()).len(), 4, "no file is left over");
 }

@@ -74,7 +74,7 @@ pub trait PartTransition: Transition {
 ///
 /// What one frame moves in all is no transition with a density: a coordinate may be moved at several levels, and later ones may overwrite what earlier ones set.
 pub trait LevelMotion: MotionModel {
-    /// Moves one level of eight states; `before` are the states of the frame before, whose parts went with those of `next`.
+    /// Moves one level of eight states; `before` are the states of the frame before, whose parts went with the parts of `next`.
     fn sample_level_block(&self, level: usize, before: &[Block], next: &mut [Block], rng: &mut BlockRng);
 
     /// Standard deviations of the random walk of each coordinate: what counts as near.

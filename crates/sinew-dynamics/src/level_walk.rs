@@ -3,7 +3,7 @@
 //! At level l, for each part x of depth l on its own, with p_x its coordinates as they stand, and the part's own values p'_x of the frame before:
 //!
 //! - with probability ⅓ each p_x ← M_NBFV + L e (6), p_x ← p'_x + M* + L* e (7), or p_x ← p_x + B e (8), by the cluster nearest to the last D − 1 estimates with p'_x as the newest ([`crate::primitives::switching`]);
-//! - coordinates that no feature vector covers, as those of the root, always move by (8);
+//! - coordinates that no feature vector covers, as the root's, always move by (8);
 //! - all coordinates of the parts above level l are slightly tuned: p ← p + 0.2 B e.
 //!
 //! Which action primitives at which level the paper leaves open. [`LevelPrimitives::Nested`]: a part moves by the feature vector of itself with all that hangs on it, so that the first level proposes all angles and the level of upper limbs
@@ -29,10 +29,10 @@ pub const TUNED: f64 = 0.2;
 /// Which action primitives move a part.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum LevelPrimitives {
-    /// Those of the part with all that hangs on it, where there are any; for parts without a parent also those of what hangs on it alone.
+    /// A feature vector of the part with all that hangs on it, where there is one; for parts without a parent also of what hangs on it alone.
     #[default]
     Nested,
-    /// Those of the part's own coordinates.
+    /// A feature vector of the part's own coordinates.
     OwnParts,
 }
 
@@ -77,7 +77,7 @@ fn check(name: &'static str, values: &[f64], dim: usize) -> Result<(), Error> {
 }
 
 impl LevelWalk {
-    /// A random walk with standard deviations B of a step and those of the first frame about its start, one a coordinate of `tree`.
+    /// A random walk with standard deviations B of a step, and others of the first frame about its start, one each a coordinate of `tree`.
     ///
     /// # Errors
     /// [`Error::Shape`], [`Error::OutOfRange`] unless all are positive and finite.

@@ -43,39 +43,29 @@ pub fn retarget_to(build: fn(&Proportions) -> KinematicTree, recorded: &Trajecto
         recorded.frames.iter().map(|frame| frame.iter().map(|&point| Some(point)).collect()).collect();
     let Measured { proportions, .. } = subject::from_distances(&names, &frames);
     let start = build(&proportions);
-    let targets = targets(&start, recorded);
+    let columns: Vec<Option<usize>> = start.points().iter().map(|point| recorded.index(&point.name)).collect();
+    let targets: Vec<Vec<Option<Target>>> = recorded
+        .frames
+        .iter()
+        .map(|frame| columns.iter().map(|k| k.map(|k| Target { position: frame[k], weight: 1.0 })).collect())
+        .collect();
     let config = bundle::Config::default();
     let sample: Vec<_> = targets.iter().step_by(targets.len().div_ceil(SIZING_FRAMES).max(1)).cloned().collect();
     let proportions = bundle::refine(build, &proportions, &sample, &config).proportions;
     let body = build(&proportions);
-    let first = match targets.first() {
-        Some(targets) => initial_pose(&body, targets)?,
-        None => vec![],
-    };
-    let states = along(&body, &targets, first);
+    let plan = Plan::with_all_points(&body);
+    let mut states: Vec<Vec<f64>> = Vec::with_capacity(targets.len());
+    for targets in &targets {
+        let previous = match states.last() {
+            Some(last) => last.clone(),
+            None => initial_pose(&body, targets)?,
+        };
+        let pose = fit_pose(&plan, targets, &previous, &fit::Config::default()).pose;
+        states.push(if states.is_empty() { pose } else { continued(&body, &pose, &previous) });
+    }
     let points = points_of_states(&body, &states);
     let mean_error_m = mean_distance(&points.select(&EVALUATION_JOINTS), &recorded.select(&EVALUATION_JOINTS));
     Some(Retargeted { body, proportions, states, points, mean_error_m })
-}
-
-/// What each point of a body is to reach, frame by frame; points that were not recorded have nothing to reach.
-pub(crate) fn targets(body: &KinematicTree, recorded: &Trajectories) -> Vec<Vec<Option<Target>>> {
-    let columns: Vec<Option<usize>> = body.points().iter().map(|point| recorded.index(&point.name)).collect();
-    let of =
-        |frame: &Vec<[f64; 3]>| columns.iter().map(|k| k.map(|k| Target { position: frame[k], weight: 1.0 })).collect();
-    recorded.frames.iter().map(of).collect()
-}
-
-/// Poses frame by frame, each fitted from the one before, the first from a given one.
-pub(crate) fn along(body: &KinematicTree, targets: &[Vec<Option<Target>>], first: Vec<f64>) -> Vec<Vec<f64>> {
-    let plan = Plan::with_all_points(body);
-    let mut states: Vec<Vec<f64>> = Vec::with_capacity(targets.len());
-    for targets in targets {
-        let previous = states.last().unwrap_or(&first);
-        let pose = fit_pose(&plan, targets, previous, &fit::Config::default()).pose;
-        states.push(if states.is_empty() { pose } else { continued(body, &pose, previous) });
-    }
-    states
 }
 
 /// Frames that the sizes come from; more add nothing but time.

@@ -205,7 +205,9 @@ pub(crate) fn draw_union(body: &Body, image: &mut BitImage) -> Range<usize> {
     let used = body.spans.iter().map(Spans::columns).filter(|columns| !columns.is_empty());
     let columns = used.reduce(|a, b| a.start.min(b.start)..a.end.max(b.end)).unwrap_or_default();
     image.clear(columns.clone());
-    body.spans.iter().for_each(|spans| spans.draw(image));
+    for spans in &body.spans {
+        spans.draw(image);
+    }
     columns
 }
 

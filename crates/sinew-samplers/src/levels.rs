@@ -45,7 +45,7 @@ impl Selection {
     }
 }
 
-/// Moves one level of the states; `before` are those of the frame before, whose parts went with them.
+/// Moves one level of the states; `before` are the states of the frame before, whose parts went with theirs.
 pub fn predict_level<M: LevelMotion + ?Sized>(
     particles: &mut Particles,
     before: &Particles,

@@ -95,7 +95,7 @@ pub struct Hppf<M> {
 }
 
 impl<M: LevelMotion> Hppf<M> {
-    /// A tracker that starts at `centre` and walks down the parts of `tree`, which are those of `motion`.
+    /// A tracker that starts at `centre` and walks down the parts of `tree`, which `motion` has, too.
     ///
     /// # Errors
     /// [`Error::Config`], [`Error::Dimension`], or no particles.

@@ -77,7 +77,7 @@ fn at(frame: u32) -> Vec<f64> {
     (0..DIM).map(|j| 0.8 * (0.05 * f64::from(frame) + 0.3 * j as f64).sin() - 0.8 * (0.3 * j as f64).sin()).collect()
 }
 
-/// A target that moves by 0.04 a frame is followed in all coordinates, with either reading of survival; the counts are those of the levels: 1, 5 + 1 and 2 + 6 parts.
+/// A target that moves by 0.04 a frame is followed in all coordinates, with either reading of survival; counted are the parts of the levels: 1, 5 + 1 and 2 + 6.
 #[test]
 fn a_moving_target_is_followed() {
     for truncation in [Truncation::KeepOnceRefill, Truncation::TruncateThenSystematic] {

@@ -4,6 +4,7 @@
 
 pub mod synthetic;
 
+use sinew::formats::trc;
 use sinew_simulate::recording::{Script, SyntheticRecording};
 use std::collections::BTreeMap;
 use std::fs;
@@ -130,4 +131,41 @@ pub fn crc32(bytes: &[u8]) -> u32 {
     !bytes.iter().fold(!0, |crc, &byte| {
         (0..8).fold(crc ^ u32::from(byte), |crc, _| (crc >> 1) ^ (0xedb8_8320 & (crc & 1).wrapping_neg()))
     })
+}
+
+/// Joints of the limbs.
+const JOINTS: [&str; 12] = [
+    "RShoulder",
+    "RElbow",
+    "RWrist",
+    "RHip",
+    "RKnee",
+    "RAnkle",
+    "LShoulder",
+    "LElbow",
+    "LWrist",
+    "LHip",
+    "LKnee",
+    "LAnkle",
+];
+
+/// Mean distance between the limbs' joints of two files, over all frames, millimetres.
+pub fn limb_error_mm(trial: &Trial, truth: &str, found: &str) -> f64 {
+    let positions = |name: &str| {
+        let file = trc::read(name, &fs::read_to_string(trial.path(name)).unwrap()).unwrap();
+        let path = |joint: &&'static str| {
+            let marker = file.marker_index(joint).unwrap();
+            let place = |frame| file.point_in_world(frame, marker).unwrap();
+            (*joint, (0..file.frames.len()).map(place).collect::<Vec<_>>())
+        };
+        JOINTS.iter().map(path).collect::<BTreeMap<_, _>>()
+    };
+    let (truth, found) = (positions(truth), positions(found));
+    let distances: Vec<f64> = JOINTS
+        .iter()
+        .flat_map(|joint| truth[joint].iter().zip(&found[joint]))
+        .map(|(a, b): (&[f64; 3], &[f64; 3])| (0..3).map(|k| (a[k] - b[k]).powi(2)).sum::<f64>().sqrt())
+        .collect();
+    assert!(!distances.is_empty() && truth.values().next().map(Vec::len) == found.values().next().map(Vec::len));
+    1e3 * distances.iter().sum::<f64>() / distances.len() as f64
 }

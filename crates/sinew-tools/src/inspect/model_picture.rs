@@ -79,7 +79,7 @@ fn picture(model: &PrimitiveModel, name: &str) -> String {
         &format!("{}: {}, {rate} frames per second, feature vector {feature}", clipped(name), clipped(&model.state)),
     );
     if let Some(body) = body {
-        svg.text(MARGIN + LABEL, 46.0, 12.0, "from the front");
+        svg.text(MARGIN + LABEL, 46.0, 12.0, "from the front (left is blue)");
         svg.text(2.0 * MARGIN + LABEL + CELL[0] * shown.len() as f64, 46.0, 12.0, "from the right");
         for (row, &cluster) in drawn.iter().enumerate() {
             let y = 54.0 + CELL[1] * row as f64;
@@ -172,7 +172,12 @@ fn transitions(svg: &mut Svg, primitives: &Primitives, top: f64) {
     let count = |i: usize, j: usize| primitives.transitions[i * n + j];
     let most = order.iter().flat_map(|&i| order.iter().map(move |&j| count(i, j))).max().unwrap_or_default().max(1);
     let (x, y, cell) = (MARGIN + LABEL, top + 20.0, SQUARE / order.len().max(1) as f64);
-    svg.text(x, y - 8.0, 12.0, &format!("what follows what: {} clusters, at most {most} transitions", order.len()));
+    svg.text(
+        x,
+        y - 8.0,
+        12.0,
+        &format!("what follows what in {} clusters; largest square: {most} times; dark: itself", order.len()),
+    );
     svg.text(MARGIN, y + 14.0, 12.0, "from cluster");
     svg.text(x, y + SQUARE + 18.0, 12.0, "to cluster, in the order of the rows");
     svg.frame(x, y, SQUARE);

@@ -57,7 +57,7 @@ fn configure(values: &SettingValues) -> Arc<dyn Method> {
     Arc::new(HppfMethod { config, primitives })
 }
 
-/// First coordinate that is an angle: those of the position come first.
+/// First coordinate that is an angle, after the position.
 const FIRST_ANGLE: usize = 3;
 
 impl HppfMethod {
