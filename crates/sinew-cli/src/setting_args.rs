@@ -86,6 +86,27 @@ fn sentence(text: &str, values: &[&str]) -> String {
     }
 }
 
+/// Characters of a row of the short help beside its flags.
+const HELP_WIDTH: usize = 70;
+
+/// The text in rows of at most `width` characters, where its words allow it.
+fn in_rows(text: &str, width: usize) -> String {
+    let (mut rows, mut used) = (String::new(), 0);
+    for word in text.split(' ') {
+        let length = word.chars().count();
+        if used > 0 && used + 1 + length > width {
+            rows.push('\n');
+            used = 0;
+        } else if used > 0 {
+            rows.push(' ');
+            used += 1;
+        }
+        rows.push_str(word);
+        used += length;
+    }
+    rows
+}
+
 fn argument(setting: &'static Setting) -> Arg {
     let values = offered(setting);
     let help = sentence(setting.help, &values);
@@ -102,7 +123,7 @@ fn argument(setting: &'static Setting) -> Arg {
     argument
         .value_name(setting.value)
         .long_help(format!("{help}{named}{default}"))
-        .help(format!("{help}{default}"))
+        .help(in_rows(&format!("{help}{default}"), HELP_WIDTH))
         .allow_negative_numbers(true)
         .allow_hyphen_values(setting.key == "up_axis")
         .hide_possible_values(true)
