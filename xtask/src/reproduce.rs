@@ -4,6 +4,7 @@ mod annealing;
 mod choo_fleet;
 mod claim;
 mod coarse_to_fine;
+mod hppf;
 
 use clap::{Args as ClapArgs, Subcommand};
 use std::path::Path;
@@ -24,6 +25,8 @@ enum Paper {
     ChooFleet(choo_fleet::Args),
     /// The coarse-to-fine particle filter with bottom-up aggregation of body parts.
     CoarseToFine(coarse_to_fine::Args),
+    /// Husz, Wallace & Green, the hierarchical partitioned particle filter with action primitives (2007).
+    Hppf(hppf::Args),
 }
 
 /// Runs the command.
@@ -32,6 +35,7 @@ pub(crate) fn run(root: &Path, args: &Args) -> ExitCode {
         Paper::Annealing(args) => annealing::run(root, args),
         Paper::ChooFleet(args) => choo_fleet::run(root, args),
         Paper::CoarseToFine(args) => coarse_to_fine::run(root, args),
+        Paper::Hppf(args) => hppf::run(root, args),
     };
     match done {
         Ok(code) => code,

@@ -1,0 +1,73 @@
+//! Recordings that the study learns from and tracks.
+//!
+//! Training: walks and runs of two people and one trial of balancing. Trials of subject 35 have 30 frames a second, all others 120. A trial that is tracked is never learned from: the pilot leaves its own two out of training.
+
+use crate::outcome::Outcome;
+use sinew::formats::{amc, asf};
+use sinew_motion::cmu;
+use sinew_motion::points::Trajectories;
+use std::path::Path;
+
+/// Frames per second that are tracked.
+pub(super) const RATE_HZ: f64 = 20.0;
+/// Frames per second from which all phases of the tracked rate are taken.
+pub(super) const WORKING_HZ: f64 = 120.0;
+
+/// A trial: its folder, name, skeleton and frame rate.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Recording {
+    folder: &'static str,
+    pub(super) name: &'static str,
+    skeleton: &'static str,
+    recorded_hz: f64,
+}
+
+const fn cmu(name: &'static str, skeleton: &'static str) -> Recording {
+    Recording { folder: "cmu_amc", name, skeleton, recorded_hz: 120.0 }
+}
+
+const fn subject_35(name: &'static str) -> Recording {
+    Recording { folder: "cmu_amc_35", name, skeleton: "35", recorded_hz: 30.0 }
+}
+
+/// What is learned from.
+pub(super) const TRAINING: [Recording; 23] = [
+    cmu("07_02", "07"),
+    cmu("07_05", "07"),
+    cmu("07_06", "07"),
+    cmu("07_08", "07"),
+    cmu("07_10", "07"),
+    subject_35("walk_01"),
+    subject_35("walk_02"),
+    subject_35("walk_03"),
+    subject_35("walk_04"),
+    subject_35("walk_05"),
+    subject_35("walk_06"),
+    subject_35("walk_07"),
+    subject_35("walk_08"),
+    subject_35("walk_09"),
+    subject_35("walk_10"),
+    subject_35("walk_11"),
+    subject_35("walk_12"),
+    subject_35("run_01"),
+    subject_35("run_02"),
+    subject_35("run_03"),
+    subject_35("run_04"),
+    subject_35("run_05"),
+    cmu("49_19", "49"),
+];
+
+/// Trials of training that the pilot tracks: a walk and a run.
+pub(super) const PILOT: [Recording; 2] = [cmu("07_05", "07"), subject_35("run_03")];
+
+impl Recording {
+    /// Joints at a rate.
+    pub(super) fn joints(&self, data: &Path, rate_hz: f64) -> Outcome<Trajectories> {
+        let folder = data.join(self.folder);
+        let [skeleton, motion] =
+            [format!("{}.asf", self.skeleton), format!("{}.amc", self.name)].map(|f| folder.join(f));
+        let skeleton = asf::read(&skeleton.display().to_string(), &std::fs::read_to_string(skeleton)?)?;
+        let motion = amc::read(&motion.display().to_string(), &std::fs::read_to_string(motion)?, &skeleton)?;
+        Ok(cmu::joints(&skeleton, &motion, self.recorded_hz / rate_hz))
+    }
+}

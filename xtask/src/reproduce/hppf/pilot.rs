@@ -1,0 +1,172 @@
+//! The pilot on training motion: is the person kept at all, and if not, which stage loses him.
+//!
+//! P = 1000, four cameras, clean masks, three seeds, a walk and a run that the model has not seen. For each variant: errors, limb ratio, and what the true pose, the mean pose and the estimate are worth to the parts' likelihood and to the global
+//! alignment, averaged over the frames.
+
+use super::models::Training;
+use super::motions::{PILOT, RATE_HZ, TRAINING};
+use super::scene::{Scene, Seen};
+use super::worth::{Errors, errors, kept, mean, mean_poses};
+use crate::outcome::Outcome;
+use sinew::body::hppf24;
+use sinew::core::density::PartLogDensity as _;
+use sinew::core::lanes::{Block, Isa};
+use sinew::core::random::Stage;
+use sinew::dynamics::joint_ranges::JointRanges;
+use sinew::dynamics::level_walk::{LevelPrimitives, LevelWalk};
+use sinew::dynamics::primitives::model::PrimitiveModel;
+use sinew::observe::image_likelihood::ImageLikelihood;
+use sinew::tracking::Tracker as _;
+use sinew::tracking::hppf::{self, Hppf};
+use sinew_simulate::segmentation_noise::Level;
+use std::fmt::Write as _;
+use std::path::Path;
+
+const SEEDS: u64 = 3;
+const CAMERAS: [usize; 4] = [0, 1, 2, 3];
+/// Action primitives of the pilot: the paper's usual D and C.
+const LENGTH: usize = 3;
+const CLUSTERS: usize = 80;
+
+/// What is tried.
+struct Variant {
+    name: &'static str,
+    particles: usize,
+    /// Action primitives, or a random walk alone.
+    primitives: Option<LevelPrimitives>,
+    /// Factor on the model's steps.
+    steps: f64,
+}
+
+const VARIANTS: [Variant; 6] = [
+    Variant { name: "nested primitives", particles: 1000, primitives: Some(LevelPrimitives::Nested), steps: 1.0 },
+    Variant { name: "own-parts primitives", particles: 1000, primitives: Some(LevelPrimitives::OwnParts), steps: 1.0 },
+    Variant { name: "random walk", particles: 1000, primitives: None, steps: 1.0 },
+    Variant { name: "nested, half steps", particles: 1000, primitives: Some(LevelPrimitives::Nested), steps: 0.5 },
+    Variant { name: "nested, P = 200", particles: 200, primitives: Some(LevelPrimitives::Nested), steps: 1.0 },
+    Variant { name: "random walk, half steps", particles: 1000, primitives: None, steps: 0.5 },
+];
+
+/// First coordinate that is an angle.
+const FIRST_ANGLE: usize = 3;
+
+fn motion(variant: &Variant, model: &PrimitiveModel, seen: &Seen, isa: Isa) -> Outcome<LevelWalk> {
+    let mut scaled = model.clone();
+    scaled.noise_sd.iter_mut().for_each(|sd| *sd *= variant.steps);
+    let sd = scaled.noise_sd.clone();
+    let walk = LevelWalk::new(seen.parts.clone(), sd.clone(), sd, isa)?
+        .with_angles_from(FIRST_ANGLE)
+        .with_ranges(JointRanges::new(hppf24::ranges().to_vec())?)?;
+    Ok(match variant.primitives {
+        Some(which) => walk.with_primitives(&scaled, 1.0 / RATE_HZ, which)?,
+        None => walk,
+    })
+}
+
+/// Sum of the parts' log likelihoods of a state, and that of its alignment.
+fn stages(observed: &ImageLikelihood, state: &[f64]) -> [f64; 2] {
+    let block: Vec<Block> = state.iter().map(|&x| Block::splat(x)).collect();
+    let count = observed.parts();
+    let (mut parts, all) = (vec![Block::ZERO; count], (0..count).collect::<Vec<_>>());
+    observed.log_density_parts_block(&all, &block, &mut parts, &mut []);
+    [parts.iter().map(|part| part.0[0]).sum(), observed.global_block(&block, &mut []).log_likelihood.0[0]]
+}
+
+/// One run: its estimates, and sums over frames of what true pose, mean pose and estimate are worth.
+struct Run {
+    errors: Errors,
+    worth: [[f64; 2]; 3],
+    similar: f64,
+    astray: f64,
+}
+
+fn run(
+    variant: &Variant,
+    model: &PrimitiveModel,
+    scene: &Scene,
+    seen: &Seen,
+    means: &[Vec<f64>],
+    seed: u64,
+) -> Outcome<Run> {
+    let isa = seen.model.isa;
+    let config = hppf::Config { particles: variant.particles, ..hppf::Config::default() };
+    let mut tracker = Hppf::new(config, motion(variant, model, seen, isa)?, &seen.parts, scene.truth[0].clone())?;
+    let (mut estimates, mut worth, mut similar, mut astray) = (vec![], [[0.0; 2]; 3], 0.0, 0.0);
+    let frames = scene.truth.len();
+    for frame in 0..frames {
+        let observed = seen.bind(frame);
+        let info = tracker.step(&observed, Stage::new(seed, "hppf pilot").at_frame(frame as u32))?;
+        for (sum, state) in worth.iter_mut().zip([&scene.truth[frame], &means[frame], &info.mean]) {
+            let found = stages(&observed, state);
+            sum.iter_mut().zip(found).for_each(|(sum, x)| *sum += x / frames as f64);
+        }
+        if let Some(found) = tracker.found() {
+            similar += found.similar.len() as f64 / frames as f64;
+            astray += found.astray as f64 / (variant.particles * frames) as f64;
+        }
+        estimates.push(info.mean);
+    }
+    Ok(Run { errors: errors(scene, &estimates), worth, similar, astray })
+}
+
+/// Root mean squares of the changes of a motion from frame to frame, position and largest angle, beside the model's steps.
+fn speeds(scene: &Scene, model: &PrimitiveModel) -> String {
+    let rms = |j: usize| {
+        let squares: Vec<f64> = scene.truth.windows(2).map(|pair| (pair[1][j] - pair[0][j]).powi(2)).collect();
+        mean(&squares).sqrt()
+    };
+    let names = scene.tree.dof_names();
+    let each = (0..names.len()).map(|j| format!("{} {:.3} ({:.3})", names[j], rms(j), model.noise_sd[j]));
+    each.collect::<Vec<_>>().join(", ")
+}
+
+/// Runs the pilot; its report.
+pub(super) fn pilot(data: &Path, folder: &Path, only: Option<&str>) -> Outcome<String> {
+    let trials: Vec<_> = TRAINING.into_iter().filter(|trial| !PILOT.contains(trial)).collect();
+    let training = Training::new(data, &trials)?;
+    let model = training.model(&folder.join("pilot-model.json"), LENGTH, CLUSTERS)?;
+    let fits = training.errors_m.iter().map(|(name, error)| format!("{name} {:.0}", 1e3 * error));
+    let mut text = format!("fit of the body to training, mm: {}\n\n", fits.collect::<Vec<_>>().join(", "));
+    for recording in PILOT {
+        let scene = Scene::new(recording.name, recording.joints(data, RATE_HZ)?)?;
+        let means = mean_poses(&scene, &training.mean_pose);
+        let mean_pose = errors(&scene, &means);
+        let frozen = errors(&scene, &vec![scene.truth[0].clone(); scene.truth.len()]);
+        let frames = scene.truth.len();
+        let _ = writeln!(text, "## {}, {frames} frames, fit {:.1} mm\n", scene.name, 1e3 * scene.fit_error_m);
+        let _ = writeln!(text, "root mean square of changes (step of the model): {}\n", speeds(&scene, &model));
+        let _ = writeln!(
+            text,
+            "| | absolute, mm | relative, mm | limb ratio | frames below 150 mm | kept | true pose: parts, alignment | mean pose | estimate | similar | astray |\n|---|---|---|---|---|---|---|---|---|---|---|"
+        );
+        for (name, found) in [("mean pose", &mean_pose), ("first pose", &frozen)] {
+            let (near, ratio, is_kept) = kept(found, &mean_pose);
+            let [absolute, relative] = [&found.absolute, &found.relative].map(|e| mean(e));
+            let _ = writeln!(
+                text,
+                "| {name} | {absolute:.0} | {relative:.0} | {ratio:.2} | {near:.2} | {is_kept} | | | | | |"
+            );
+        }
+        let seen = (1..=SEEDS).map(|seed| Seen::new(&scene, &CAMERAS, Level::Clean, seed, Isa::best()));
+        let seen = seen.collect::<Outcome<Vec<_>>>()?;
+        for seen in &seen {
+            println!("{}: {:?}", scene.name, seen.girth);
+        }
+        for variant in VARIANTS.iter().filter(|variant| only.is_none_or(|only| variant.name.contains(only))) {
+            let runs = seen.iter().zip(1..).map(|(seen, seed)| run(variant, &model, &scene, seen, &means, seed));
+            for found in runs.collect::<Outcome<Vec<Run>>>()? {
+                let (near, ratio, is_kept) = kept(&found.errors, &mean_pose);
+                let [absolute, relative] = [&found.errors.absolute, &found.errors.relative].map(|e| mean(e));
+                let shown = found.worth.map(|[parts, alignment]| format!("{parts:.2}, {alignment:.2}"));
+                let row = format!(
+                    "| {} | {absolute:.0} | {relative:.0} | {ratio:.2} | {near:.2} | {is_kept} | {} | {} | {} | {:.0} | {:.2} |",
+                    variant.name, shown[0], shown[1], shown[2], found.similar, found.astray
+                );
+                println!("{row}");
+                let _ = writeln!(text, "{row}");
+            }
+        }
+        text.push('\n');
+    }
+    Ok(text)
+}
