@@ -93,10 +93,10 @@ fn run(
     let mut tracker = Hppf::new(config, motion(variant, model, seen, isa)?, &seen.parts, scene.truth[0].clone())?;
     let (mut estimates, mut worth, mut similar, mut astray) = (vec![], [[0.0; 2]; 3], 0.0, 0.0);
     let frames = scene.truth.len();
-    for frame in 0..frames {
+    for (frame, (truth, mean_pose)) in scene.truth.iter().zip(means).enumerate() {
         let observed = seen.bind(frame);
         let info = tracker.step(&observed, Stage::new(seed, "hppf pilot").at_frame(frame as u32))?;
-        for (sum, state) in worth.iter_mut().zip([&scene.truth[frame], &means[frame], &info.mean]) {
+        for (sum, state) in worth.iter_mut().zip([truth, mean_pose, &info.mean]) {
             let found = stages(&observed, state);
             sum.iter_mut().zip(found).for_each(|(sum, x)| *sum += x / frames as f64);
         }
