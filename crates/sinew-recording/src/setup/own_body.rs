@@ -1,6 +1,6 @@
-//! A body from a file in the set-up pass: its poses and its model error.
+//! A body that the subject is not measured with, in the set-up pass: its poses and its model error.
 //!
-//! The body keeps the sizes of its file. In each frame its pose is fitted to the points in space, from a first pose by way of its trunk and limbs
+//! The body keeps the sizes of its file, or has the subject's. In each frame its pose is fitted to the points in space, from a first pose by way of its trunk and limbs
 //! ([`sinew_body::initial`]), from that of the frame before, and, where it is built unlike the standard bodies, from eight headings. The model error per axis is
 //!
 //! ```text

@@ -69,9 +69,10 @@ fn measure(
     setup.start_frame = shape.start_frame;
     setup.start_pose = shape.start_pose;
     setup.proportions = shape.proportions;
-    if let Body::File(body) = &request.body {
-        let own = own_body::measure(body.tree(), cameras, layout, request, &noise, collected)
-            .ok_or_else(|| no_pose_of(body.tree(), layout))?;
+    if !request.body.is_measured() {
+        let tree = setup.tree();
+        let own = own_body::measure(&tree, cameras, layout, request, &noise, collected)
+            .ok_or_else(|| no_pose_of(&tree, layout))?;
         setup.model_error_m = own.model_error_m;
         setup.start_frame = own.start_frame;
         setup.start_pose = own.start_pose;

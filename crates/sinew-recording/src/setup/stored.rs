@@ -57,14 +57,13 @@ impl FileBody {
 }
 
 impl Body {
-    /// What builds a standard body from the subject's sizes. The subject of a body file is measured with H32: sizes show whether the units are right and what is
-    /// missing, and the body keeps its own.
+    /// What builds a standard body from the subject's sizes. The subject of HPPF24, which has another root, and of a body file is measured with H32: sizes show whether the units are right and what is
+    /// missing; HPPF24 takes them, and a body of a file keeps its own.
     #[must_use]
     pub const fn builder(&self) -> fn(&Proportions) -> KinematicTree {
         match self {
-            Self::H32 | Self::File(_) => h32,
+            Self::H32 | Self::HPPF24 | Self::File(_) => h32,
             Self::CF28 => cf28,
-            Self::HPPF24 => hppf24::sized,
         }
     }
 
@@ -73,7 +72,8 @@ impl Body {
     pub fn tree(&self, proportions: &Proportions) -> KinematicTree {
         match self {
             Self::File(body) => body.tree.clone(),
-            Self::H32 | Self::CF28 | Self::HPPF24 => self.builder()(proportions),
+            Self::H32 | Self::CF28 => self.builder()(proportions),
+            Self::HPPF24 => hppf24::sized(proportions),
         }
     }
 
@@ -93,6 +93,12 @@ impl Body {
     #[must_use]
     pub const fn has_solids(&self) -> bool {
         matches!(self, Self::File(FileBody { flesh: Some(_), .. }))
+    }
+
+    /// Whether the subject is measured with this body itself.
+    #[must_use]
+    pub const fn is_measured(&self) -> bool {
+        matches!(self, Self::H32 | Self::CF28)
     }
 
     /// Name for messages.
