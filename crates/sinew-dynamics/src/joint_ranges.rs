@@ -20,7 +20,8 @@ impl JointRanges {
     /// # Errors
     /// [`Error::OutOfRange`] for a lower end that is not below the upper one.
     pub fn new(ranges: Vec<Option<[f64; 2]>>) -> Result<Self, Error> {
-        let is_bad = |range: &Option<[f64; 2]>| range.is_some_and(|[low, high]| !(low < high));
+        let is_bad =
+            |range: &Option<[f64; 2]>| range.is_some_and(|[low, high]| low.is_nan() || high.is_nan() || low >= high);
         match ranges.iter().position(is_bad) {
             Some(index) => {
                 let value = ranges[index].map_or(f64::NAN, |[low, _]| low);
