@@ -5,7 +5,6 @@
 //! A penalty of a search, not a prior with a normalisation: ψ is 1 inside of all ranges.
 
 use crate::Error;
-use core::cmp::Ordering;
 use sinew_core::lanes::Block;
 
 /// τ, radians.
@@ -22,7 +21,7 @@ impl JointRanges {
     /// [`Error::OutOfRange`] for a lower end that is not below the upper one.
     pub fn new(ranges: Vec<Option<[f64; 2]>>) -> Result<Self, Error> {
         let is_bad =
-            |range: &Option<[f64; 2]>| range.is_some_and(|[low, high]| low.partial_cmp(&high) != Some(Ordering::Less));
+            |range: &Option<[f64; 2]>| range.is_some_and(|[low, high]| low.is_nan() || high.is_nan() || low >= high);
         match ranges.iter().position(is_bad) {
             Some(index) => {
                 let value = ranges[index].map_or(f64::NAN, |[low, _]| low);

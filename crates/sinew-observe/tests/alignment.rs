@@ -64,9 +64,11 @@ fn standing() -> Vec<f64> {
 
 /// Both sets pixel by pixel in the box around the corners of all outlines; and where boxes lie of the image.
 fn brute_force(model: &ImageModel, silhouettes: &[BitImage], state: &[f64]) -> Vec<(Aligned, &'static str)> {
-    let views = model.silhouettes(state).into_iter().zip(model.outlines(state)).zip(silhouettes);
-    let count = |((body, outlines), silhouette): ((BitImage, Vec<(usize, Vec<[f64; 2]>)>), &BitImage)| {
-        let corners: Vec<[f64; 2]> = outlines.into_iter().flat_map(|(_, corners)| corners).collect();
+    let bodies = model.silhouettes(state);
+    let outlines = model.outlines(state);
+    let count = |camera: usize| {
+        let (body, silhouette) = (&bodies[camera], &silhouettes[camera]);
+        let corners: Vec<[f64; 2]> = outlines[camera].iter().flat_map(|(_, corners)| corners.clone()).collect();
         let range = |k: usize| {
             let least = corners.iter().map(|c| c[k]).fold(f64::INFINITY, f64::min);
             let most = corners.iter().map(|c| c[k]).fold(f64::NEG_INFINITY, f64::max);
@@ -96,7 +98,7 @@ fn brute_force(model: &ImageModel, silhouettes: &[BitImage], state: &[f64]) -> V
         };
         (out, place)
     };
-    views.map(count).collect()
+    (0..silhouettes.len()).map(count).collect()
 }
 
 /// K12: counts and values are those of sets of pixels, on every instruction set, also where boxes are cut or not in the image at all.
