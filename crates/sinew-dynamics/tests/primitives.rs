@@ -236,7 +236,7 @@ fn prior(motion: &PrimitiveMotion, last: &[Block], count: usize) -> Prior {
     motion.predict(Cloud { last, count, moments: &moments }).expect("valid")
 }
 
-/// The prior of a frame is the mean of the steps from the cloud's states; its gradient and the step's are those of central differences; blocks and instruction sets agree.
+/// The prior of a frame is the mean of the steps from the cloud's states; its gradient and the step's agree with central differences; blocks and instruction sets agree.
 #[test]
 fn priors_are_means_of_steps_and_gradients_match_differences() {
     let model = learned(5, &[feature("swing", &[3, 1, 4])], 10, 3);
@@ -368,7 +368,7 @@ fn draws_follow_the_density_by_quadrature() {
     assert!(found < bound, "prior: distance {found}, bound {bound}, seed 3");
 }
 
-/// Mean and second moments of 80 000 steps of a whole state against those of the three models: 5 + 15 statistics at |z| < 4.5, the standard errors from the draws, seed 6.
+/// Mean and second moments of 80 000 steps of a whole state against the moments of the three models: 5 + 15 statistics at |z| < 4.5, the standard errors from the draws, seed 6.
 #[test]
 fn steps_of_a_whole_state_have_the_moments_of_the_three_models() {
     let model = learned(5, &[feature("swing", &[3, 1, 4])], 10, 3);

@@ -163,7 +163,7 @@ mod tests {
     }
 
     #[test]
-    fn of_equal_clusters_the_first_is_taken() {
+    fn equal_clusters_give_the_first() {
         let mut learned = primitives();
         let first = learned.clusters[0].clone();
         learned.clusters = vec![first; 3];

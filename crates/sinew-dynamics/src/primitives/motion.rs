@@ -1,6 +1,6 @@
 //! Action primitives as the motion model of a whole state.
 //!
-//! One feature vector, usually all joint angles, moves by the three models of [`crate::primitives::switching`]; the coordinates that it does not cover, as those of the root, always walk at random, model (8). The density sums over the three models
+//! One feature vector, usually all joint angles, moves by the three models of [`crate::primitives::switching`]; the coordinates that it does not cover, as the position of the root, always walk at random, model (8). The density sums over the three models
 //! ([`crate::primitives::density`]), so that a step has an exact density with gradient.
 //!
 //! The action primitive of a state at frame t is made of the estimates of the frames t − D to t − 2 and, as the newest, of the state's own values at t − 1. While there are fewer than D estimates, all coordinates walk at random.
