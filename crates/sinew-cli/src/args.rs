@@ -2,19 +2,13 @@
 //!
 //! Flags that are settings come from the one table of settings; a command has the ones that it uses.
 
+use super::answer_args::Answer;
+use super::help_template::template;
 use super::learn_args::LearnCommand;
 use super::setting_args::{InspectSettings, TrackSettings, Typed};
 use clap::{ArgAction, Args, Parser, Subcommand, ValueEnum};
 use std::ops::Range;
 use std::path::PathBuf;
-
-macro_rules! template {
-    ($($example:literal),+) => {
-        concat!("{about}\n\n{usage-heading} {usage}\n\nExamples:\n", $("  ", $example, "\n"),+, "\n{all-args}{after-help}")
-    };
-}
-
-pub(crate) use template;
 
 #[derive(Debug, Parser)]
 #[command(
@@ -102,14 +96,6 @@ impl General {
         let given = self.settings().into_iter().map(|(key, _)| key).chain(self.config.as_ref().map(|_| "config"));
         given.filter(|key| !used.contains(key)).collect()
     }
-}
-
-/// The flag of commands whose answer has a form for programs.
-#[derive(Args, Clone, Copy, Debug)]
-pub(crate) struct Answer {
-    /// Give the answer as JSON
-    #[arg(long, help_heading = "Output")]
-    pub(crate) json: bool,
 }
 
 #[derive(Debug, Subcommand)]

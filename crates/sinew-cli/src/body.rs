@@ -2,7 +2,7 @@
 //!
 //! Each with its joints, length and points; then the solids of the flesh.
 
-use super::args::Answer;
+use super::answer_args::Answer;
 use super::ended::Ended;
 use super::error::Error;
 use super::report;

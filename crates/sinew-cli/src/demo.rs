@@ -3,7 +3,8 @@
 //! Mean error: distance between the points of the mean pose and the true ones, over frames and the fifteen joints of pose evaluation. Coverage: share of true
 //! coordinates inside their 90 % intervals, over the same.
 
-use super::args::{Answer, General};
+use super::answer_args::Answer;
+use super::args::General;
 use super::claimed::claimed;
 use super::ended::Ended;
 use super::error::Error;

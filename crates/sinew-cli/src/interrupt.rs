@@ -1,4 +1,4 @@
-//! Ctrl-C and SIGTERM: the first asks for an end after the frame or the like, the second ends at once.
+//! Ctrl-C and SIGTERM: the first finishes what is at hand, the second ends at once.
 
 use std::io::Write as _;
 use std::sync::Arc;

@@ -1,6 +1,7 @@
 //! Arguments of `sinew learn`.
 
-use super::args::{Answer, template};
+use super::answer_args::Answer;
+use super::help_template::template;
 use clap::{Args, Subcommand};
 use sinew_motion::follow::NamedBody;
 use std::path::PathBuf;

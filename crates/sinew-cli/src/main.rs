@@ -2,6 +2,7 @@
 //!
 //! Exit codes are listed in the table of [`sinew::Error`].
 
+mod answer_args;
 mod args;
 mod body;
 mod claimed;
@@ -10,6 +11,7 @@ mod demo;
 mod ended;
 mod error;
 mod fit_shape;
+mod help_template;
 mod inspect;
 mod interrupt;
 mod learn;

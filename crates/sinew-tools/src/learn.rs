@@ -185,6 +185,3 @@ fn fingerprint(request: &LearnRequest, sequences: &[Vec<f64>]) -> u64 {
     let numbers = sequences.iter().flatten().map(|x| x.to_bits());
     lengths.chain(numbers).fold(fnv(FNV_START, head.as_bytes()), |hash, bits| fnv(hash, &bits.to_le_bytes()))
 }
-
-#[cfg(test)]
-mod tests;

@@ -15,7 +15,7 @@ pub(crate) struct Handed {
 }
 
 impl Handed {
-    /// The last states of the chains; where a transition wants more, every n-th draw of all chains, n as large as leaves at least so many.
+    /// The last states of the chains; where a transition wants more, every n-th draw of all chains, n as large as leaves at least the wanted number.
     pub(crate) fn of(draws: &ChainDraws, chains: usize, wanted: usize) -> Self {
         if wanted == 0 {
             return Self { states: draws.last.clone(), count: chains };

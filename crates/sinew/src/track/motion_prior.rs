@@ -1,4 +1,4 @@
-//! The motion prior of a recording: a random walk with the noise that the set-up found, or a learned motion model.
+//! The motion prior of a recording: a random walk with measured noise, or a learned motion model.
 //!
 //! A model of action primitives moves by its feature vector `body`. Its clusters are near the angles of its training motion, so a state that tracking starts from is turned by whole turns to the nearest such angles.
 

@@ -1,10 +1,15 @@
 //! Learning from the files of a synthetic walk.
 
-use super::*;
+use sinew_dynamics::primitives::file;
+use sinew_motion::follow::NamedBody;
 use sinew_motion::points::points_of_states;
 use sinew_simulate::recording::write_trc;
 use sinew_simulate::walker::{Gait, Walker, walker_states};
+use sinew_tools::Error;
+use sinew_tools::learn::{LearnPhase, LearnRequest, LearnWatch, Learned, learn};
 use std::fs;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// A walk of four seconds at 40 frames a second as a TRC file.
 fn walk(folder: &Path, name: &str, stride_s: f64) -> PathBuf {
