@@ -27,6 +27,7 @@ pub(crate) fn run(args: &PrimitivesArgs, general: &General, report: &Report) -> 
         motion: args.motion.clone(),
         held_out: args.held_out.clone(),
         skeleton: args.skeleton.clone(),
+        amc_hz: args.amc_fps,
         body: NamedBody::find(&args.body).unwrap_or(NamedBody::H32),
         fps: args.fps,
         clusters: args.clusters,

@@ -28,6 +28,9 @@ pub(crate) struct PrimitivesArgs {
     /// Skeleton of the .amc files [default: <subject>.asf beside each]
     #[arg(long, value_name = "F.asf")]
     pub(crate) skeleton: Option<PathBuf>,
+    /// Frames per second of the .amc files, which state none [default: 120]
+    #[arg(long, value_name = "F", value_parser = rate, allow_negative_numbers = true)]
+    pub(crate) amc_fps: Option<f64>,
     /// Body that is tracked: h32, cf28 or hppf24
     #[arg(long, value_name = "NAME", hide_possible_values = true, value_parser = NamedBody::ALL.map(NamedBody::name))]
     pub(crate) body: String,

@@ -28,6 +28,7 @@ fn model(folder: &Path, seed: u64) {
         motion: vec![path],
         held_out: vec![],
         skeleton: None,
+        amc_hz: None,
         body: NamedBody::H32,
         fps: RATE_HZ,
         clusters: 6,

@@ -15,7 +15,7 @@ pub use error::LearnError;
 
 use crate::Error;
 use features::feature_vectors;
-use sequences::{FileFit, Sequences, sequences};
+use sequences::{Acclaim, FileFit, Sequences, sequences};
 use sinew::files::{FNV_START, fnv};
 use sinew::results::error::Occupied;
 use sinew::results::write_whole;
@@ -39,6 +39,8 @@ pub struct LearnRequest {
     pub held_out: Vec<PathBuf>,
     /// Skeleton of all AMC files; each has its own beside it if `None`.
     pub skeleton: Option<PathBuf>,
+    /// Frames per second of AMC files, which state none; 120 if `None`.
+    pub amc_hz: Option<f64>,
     /// Body whose states move.
     pub body: NamedBody,
     /// Frames per second of the model.
@@ -94,7 +96,8 @@ pub fn learn(request: &LearnRequest, out: &Path, force: bool, watch: &mut LearnW
     let total = request.motion.len() + request.held_out.len();
     let follow = |files: &[PathBuf], before: usize, watch: &mut LearnWatch<'_>| {
         let mut done = |done: usize| (watch.progress)(LearnPhase::Follow, (before + done) as u64, total as u64);
-        sequences(request.body, files, request.skeleton.as_deref(), request.fps, &mut done)
+        let acclaim = Acclaim { skeleton: request.skeleton.as_deref(), hz: request.amc_hz };
+        sequences(request.body, files, acclaim, request.fps, &mut done)
     };
     let training = follow(&request.motion, 0, watch)?;
     let held_out = follow(&request.held_out, request.motion.len(), watch)?;

@@ -6,6 +6,7 @@ use sinew_motion::points::points_of_states;
 use sinew_simulate::recording::write_trc;
 use sinew_simulate::walker::{Gait, Walker, walker_states};
 use sinew_tools::Error;
+use sinew_tools::learn::sequences::{Acclaim, sequences};
 use sinew_tools::learn::{LearnPhase, LearnRequest, LearnWatch, Learned, learn};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -27,6 +28,7 @@ fn request(folder: &Path, body: NamedBody) -> LearnRequest {
         motion: vec![walk(folder, "a.trc", 1.1), walk(folder, "b.trc", 1.25)],
         held_out: vec![walk(folder, "c.trc", 1.2)],
         skeleton: None,
+        amc_hz: None,
         body,
         fps: 20.0,
         clusters: 5,
@@ -122,4 +124,22 @@ fn outputs_and_recordings_that_are_unfit_are_refused() {
         "{}",
         message(&request, &out)
     );
+}
+
+#[path = "../../../tests/src/data.rs"]
+mod shared_data;
+
+/// AMC files state no rate: at the 30 frames a second that this one has, a person walks, at 120 he would race.
+#[test]
+fn acclaim_files_have_the_rate_that_is_given() {
+    let Some(folder) = shared_data::shared("cmu_amc_35") else { return };
+    let speed = |hz: Option<f64>| {
+        let acclaim = Acclaim { skeleton: None, hz };
+        let found = sequences(NamedBody::Hppf24, &[folder.join("walk_01.amc")], acclaim, 20.0, &mut |_| {}).unwrap();
+        let (states, dim) = (&found.states[0], NamedBody::Hppf24.tree().dof());
+        let [first, last] = [&states[..2], &states[states.len() - dim..][..2]];
+        20.0 * (last[0] - first[0]).hypot(last[1] - first[1]) / (states.len() / dim - 1) as f64
+    };
+    let [walking, racing] = [Some(30.0), None].map(speed);
+    assert!((1.1..1.4).contains(&walking) && (4.4..5.6).contains(&racing), "{walking} and {racing} m/s");
 }

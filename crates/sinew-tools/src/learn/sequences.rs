@@ -52,21 +52,30 @@ fn phases(recorded_hz: f64, fps: f64) -> usize {
     ((recorded_hz / fps - SAME_RATE).ceil() as usize).max(1)
 }
 
-/// States of some files; `skeleton` is that of all AMC files, else each has its own beside it. `done` takes the number of files that are done.
+/// What AMC files do not say themselves.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Acclaim<'a> {
+    /// Skeleton of all of them; each has its own beside it if `None`.
+    pub skeleton: Option<&'a Path>,
+    /// Frames per second; 120 if `None`.
+    pub hz: Option<f64>,
+}
+
+/// States of some files at the rate `fps`. `done` takes the number of files that are done.
 ///
 /// # Errors
 /// The first file, in their order, that cannot be read or followed.
 pub fn sequences(
     body: NamedBody,
     files: &[PathBuf],
-    skeleton: Option<&Path>,
+    acclaim: Acclaim<'_>,
     fps: f64,
     done: &mut (dyn FnMut(usize) + Send),
 ) -> Result<Sequences, Error> {
     let count = AtomicUsize::new(0);
     let done = std::sync::Mutex::new(done);
     let one = |path: &PathBuf| {
-        let found = file_states(body, path, skeleton, fps);
+        let found = file_states(body, path, acclaim, fps);
         if let Ok(mut done) = done.lock() {
             done(count.fetch_add(1, Ordering::SeqCst) + 1);
         }
@@ -93,14 +102,14 @@ pub fn sequences(
 
 type FileStates = (Vec<Vec<f64>>, FileFit, Vec<String>);
 
-fn file_states(body: NamedBody, path: &Path, skeleton: Option<&Path>, fps: f64) -> Result<FileStates, Error> {
-    let own = match (Format::of(path)?, skeleton) {
-        (Format::Amc, None) => Some(skeleton_beside(path)?),
-        (Format::Amc, Some(skeleton)) => Some(skeleton.to_owned()),
-        _ => None,
+fn file_states(body: NamedBody, path: &Path, acclaim: Acclaim<'_>, fps: f64) -> Result<FileStates, Error> {
+    let (own, hz) = match (Format::of(path)?, acclaim.skeleton) {
+        (Format::Amc, None) => (Some(skeleton_beside(path)?), acclaim.hz),
+        (Format::Amc, Some(skeleton)) => (Some(skeleton.to_owned()), acclaim.hz),
+        _ => (None, None),
     };
     let working = |recorded_hz: f64| fps * phases(recorded_hz, fps) as f64;
-    let joints = recorded_joints(path, own.as_deref(), None, working)?;
+    let joints = recorded_joints(path, own.as_deref(), hz, working)?;
     let (frames, recorded_hz) = (joints.motion.frames.len(), joints.recorded_hz);
     if frames < 2 {
         return Err(LearnError::TooShort { path: path.to_owned(), frames, rate_hz: working(recorded_hz) }.into());

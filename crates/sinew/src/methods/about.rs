@@ -61,7 +61,9 @@ pub struct About {
 #[must_use]
 pub fn no_motion_model(values: &SettingValues, method: &str) -> Option<String> {
     values.get("motion_model").map(|_| {
-        format!("`motion_model` cannot be used with `{method}`; it is for the methods hmc, bootstrap, annealed and hppf")
+        format!(
+            "`motion_model` cannot be used with `{method}`; it is for the methods hmc, bootstrap, annealed and hppf"
+        )
     })
 }
 

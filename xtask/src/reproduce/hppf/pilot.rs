@@ -19,6 +19,7 @@ use sinew::observe::image_likelihood::ImageLikelihood;
 use sinew::tracking::Tracker as _;
 use sinew::tracking::hppf::{self, Hppf};
 use sinew_simulate::segmentation_noise::Level;
+use sinew_tests::finding::mean_and_error;
 use std::fmt::Write as _;
 use std::path::Path;
 
@@ -120,6 +121,30 @@ fn speeds(scene: &Scene, model: &PrimitiveModel) -> String {
     each.collect::<Vec<_>>().join(", ")
 }
 
+/// Mean over seeds with its standard error; a single one has none.
+fn shown(values: impl Iterator<Item = f64>, decimals: usize) -> String {
+    let all: Vec<f64> = values.collect();
+    let [value, error] = mean_and_error(&all);
+    match all.len() {
+        1 => format!("{value:.decimals$}"),
+        _ => format!("{value:.decimals$} ± {error:.decimals$}"),
+    }
+}
+
+/// Errors of some seeds: absolute, relative, limb ratio, share of near frames, and how many keep the person.
+fn row(runs: &[Errors], mean_pose: &Errors) -> String {
+    let found: Vec<(f64, f64, bool)> = runs.iter().map(|errors| kept(errors, mean_pose)).collect();
+    let all = found.iter().filter(|(.., is_kept)| *is_kept).count();
+    let cells = [
+        shown(runs.iter().map(|errors| mean(&errors.absolute)), 0),
+        shown(runs.iter().map(|errors| mean(&errors.relative)), 0),
+        shown(found.iter().map(|(_, ratio, _)| *ratio), 2),
+        shown(found.iter().map(|(near, ..)| 100.0 * near), 0),
+        format!("{all} of {}", runs.len()),
+    ];
+    cells.join(" | ")
+}
+
 /// Runs the pilot; its report.
 pub(super) fn pilot(data: &Path, folder: &Path, only: Option<&str>) -> Outcome<String> {
     let trials: Vec<_> = TRAINING.into_iter().filter(|trial| !PILOT.contains(trial)).collect();
@@ -137,15 +162,10 @@ pub(super) fn pilot(data: &Path, folder: &Path, only: Option<&str>) -> Outcome<S
         let _ = writeln!(text, "root mean square of changes (step of the model): {}\n", speeds(&scene, &model));
         let _ = writeln!(
             text,
-            "| | absolute, mm | relative, mm | limb ratio | frames below 150 mm | kept | true pose: parts, alignment | mean pose | estimate | similar | astray |\n|---|---|---|---|---|---|---|---|---|---|---|"
+            "| | absolute, mm | relative, mm | limb ratio | frames below 150 mm, % | kept | true pose: parts, alignment | mean pose | estimate | similar | astray, % |\n|---|---|---|---|---|---|---|---|---|---|---|"
         );
         for (name, found) in [("mean pose", &mean_pose), ("first pose", &frozen)] {
-            let (near, ratio, is_kept) = kept(found, &mean_pose);
-            let [absolute, relative] = [&found.absolute, &found.relative].map(|e| mean(e));
-            let _ = writeln!(
-                text,
-                "| {name} | {absolute:.0} | {relative:.0} | {ratio:.2} | {near:.2} | {is_kept} | | | | | |"
-            );
+            let _ = writeln!(text, "| {name} | {} | | | | | |", row(std::slice::from_ref(found), &mean_pose));
         }
         let seen = (1..=SEEDS).map(|seed| Seen::new(&scene, &CAMERAS, Level::Clean, seed, Isa::best()));
         let seen = seen.collect::<Outcome<Vec<_>>>()?;
@@ -154,17 +174,20 @@ pub(super) fn pilot(data: &Path, folder: &Path, only: Option<&str>) -> Outcome<S
         }
         for variant in VARIANTS.iter().filter(|variant| only.is_none_or(|only| variant.name.contains(only))) {
             let runs = seen.iter().zip(1..).map(|(seen, seed)| run(variant, &model, &scene, seen, &means, seed));
-            for found in runs.collect::<Outcome<Vec<Run>>>()? {
-                let (near, ratio, is_kept) = kept(&found.errors, &mean_pose);
-                let [absolute, relative] = [&found.errors.absolute, &found.errors.relative].map(|e| mean(e));
-                let shown = found.worth.map(|[parts, alignment]| format!("{parts:.2}, {alignment:.2}"));
-                let row = format!(
-                    "| {} | {absolute:.0} | {relative:.0} | {ratio:.2} | {near:.2} | {is_kept} | {} | {} | {} | {:.0} | {:.2} |",
-                    variant.name, shown[0], shown[1], shown[2], found.similar, found.astray
-                );
-                println!("{row}");
-                let _ = writeln!(text, "{row}");
-            }
+            let runs = runs.collect::<Outcome<Vec<Run>>>()?;
+            let of = |k: usize, stage: usize| shown(runs.iter().map(|run| run.worth[k][stage]), 1);
+            let worth: Vec<String> = (0..3).map(|k| format!("{}, {}", of(k, 0), of(k, 1))).collect();
+            let (similar, astray) = (runs.iter().map(|run| run.similar), runs.iter().map(|run| 100.0 * run.astray));
+            let [similar, astray] = [shown(similar, 0), shown(astray, 1)];
+            let errors: Vec<Errors> = runs.into_iter().map(|run| run.errors).collect();
+            let line = format!(
+                "| {} | {} | {} | {similar} | {astray} |",
+                variant.name,
+                row(&errors, &mean_pose),
+                worth.join(" | ")
+            );
+            println!("{line}");
+            let _ = writeln!(text, "{line}");
         }
         text.push('\n');
     }
