@@ -60,6 +60,12 @@ pub(super) const TRAINING: [Recording; 23] = [
 /// Trials of training that the pilot tracks: a walk and a run.
 pub(super) const PILOT: [Recording; 2] = [cmu("07_05", "07"), subject_35("run_03")];
 
+/// The test walk of the tables.
+pub(super) const TEST_WALK: Recording = cmu("07_01", "07");
+
+/// People and motions that training lacks.
+pub(super) const UNSEEN: [Recording; 2] = [cmu("01_01", "01"), cmu("135_06", "135")];
+
 impl Recording {
     /// Joints at a rate.
     pub(super) fn joints(&self, data: &Path, rate_hz: f64) -> Outcome<Trajectories> {

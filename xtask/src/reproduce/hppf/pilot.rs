@@ -3,17 +3,17 @@
 //! P = 1000, four cameras, clean masks, three seeds, a walk and a run that the model has not seen. For each variant: errors, limb ratio, and what the true pose, the mean pose and the estimate are worth to the parts' likelihood and to the global
 //! alignment, averaged over the frames.
 
+use super::contender::Method;
 use super::models::Training;
 use super::motions::{PILOT, RATE_HZ, TRAINING};
 use super::scene::{Scene, Seen};
+use super::track::level_walk;
 use super::worth::{Errors, errors, kept, mean, mean_poses};
 use crate::outcome::Outcome;
-use sinew::body::hppf24;
 use sinew::core::density::PartLogDensity as _;
 use sinew::core::lanes::{Block, Isa};
 use sinew::core::random::Stage;
-use sinew::dynamics::joint_ranges::JointRanges;
-use sinew::dynamics::level_walk::{LevelPrimitives, LevelWalk};
+use sinew::dynamics::level_walk::LevelPrimitives;
 use sinew::dynamics::primitives::model::PrimitiveModel;
 use sinew::observe::image_likelihood::ImageLikelihood;
 use sinew::tracking::Tracker as _;
@@ -48,22 +48,6 @@ const VARIANTS: [Variant; 6] = [
     Variant { name: "random walk, half steps", particles: 1000, primitives: None, steps: 0.5 },
 ];
 
-/// First coordinate that is an angle.
-const FIRST_ANGLE: usize = 3;
-
-fn motion(variant: &Variant, model: &PrimitiveModel, seen: &Seen, isa: Isa) -> Outcome<LevelWalk> {
-    let mut scaled = model.clone();
-    scaled.noise_sd.iter_mut().for_each(|sd| *sd *= variant.steps);
-    let sd = scaled.noise_sd.clone();
-    let walk = LevelWalk::new(seen.parts.clone(), sd.clone(), sd, isa)?
-        .with_angles_from(FIRST_ANGLE)
-        .with_ranges(JointRanges::new(hppf24::ranges().to_vec())?)?;
-    Ok(match variant.primitives {
-        Some(which) => walk.with_primitives(&scaled, 1.0 / RATE_HZ, which)?,
-        None => walk,
-    })
-}
-
 /// Sum of the parts' log likelihoods of a state, and that of its alignment.
 fn stages(observed: &ImageLikelihood, state: &[f64]) -> [f64; 2] {
     let block: Vec<Block> = state.iter().map(|&x| Block::splat(x)).collect();
@@ -89,9 +73,14 @@ fn run(
     means: &[Vec<f64>],
     seed: u64,
 ) -> Outcome<Run> {
-    let isa = seen.model.isa;
-    let config = hppf::Config { particles: variant.particles, ..hppf::Config::default() };
-    let mut tracker = Hppf::new(config, motion(variant, model, seen, isa)?, &seen.parts, scene.truth[0].clone())?;
+    let particles = variant.particles;
+    let method = match variant.primitives {
+        Some(which) => Method::Primitives { particles, length: LENGTH, clusters: CLUSTERS, which },
+        None => Method::Walk(particles),
+    };
+    let walk = level_walk(seen, model, method, variant.steps, &[])?;
+    let config = hppf::Config { particles, ..hppf::Config::default() };
+    let mut tracker = Hppf::new(config, walk, &seen.parts, scene.truth[0].clone())?;
     let (mut estimates, mut worth, mut similar, mut astray) = (vec![], [[0.0; 2]; 3], 0.0, 0.0);
     let frames = scene.truth.len();
     for (frame, (truth, mean_pose)) in scene.truth.iter().zip(means).enumerate() {
@@ -107,7 +96,7 @@ fn run(
         }
         estimates.push(info.mean);
     }
-    Ok(Run { errors: errors(scene, &estimates), worth, similar, astray })
+    Ok(Run { errors: errors(scene, &estimates, 0), worth, similar, astray })
 }
 
 /// Root mean squares of the changes of a motion from frame to frame, position and largest angle, beside the model's steps.
@@ -155,8 +144,8 @@ pub(super) fn pilot(data: &Path, folder: &Path, only: Option<&str>) -> Outcome<S
     for recording in PILOT {
         let scene = Scene::new(recording.name, recording.joints(data, RATE_HZ)?)?;
         let means = mean_poses(&scene, &training.mean_pose);
-        let mean_pose = errors(&scene, &means);
-        let frozen = errors(&scene, &vec![scene.truth[0].clone(); scene.truth.len()]);
+        let mean_pose = errors(&scene, &means, 0);
+        let frozen = errors(&scene, &vec![scene.truth[0].clone(); scene.truth.len()], 0);
         let frames = scene.truth.len();
         let _ = writeln!(text, "## {}, {frames} frames, fit {:.1} mm\n", scene.name, 1e3 * scene.fit_error_m);
         let _ = writeln!(text, "root mean square of changes (step of the model): {}\n", speeds(&scene, &model));
@@ -167,7 +156,7 @@ pub(super) fn pilot(data: &Path, folder: &Path, only: Option<&str>) -> Outcome<S
         for (name, found) in [("mean pose", &mean_pose), ("first pose", &frozen)] {
             let _ = writeln!(text, "| {name} | {} | | | | | |", row(std::slice::from_ref(found), &mean_pose));
         }
-        let seen = (1..=SEEDS).map(|seed| Seen::new(&scene, &CAMERAS, Level::Clean, seed, Isa::best()));
+        let seen = (1..=SEEDS).map(|seed| Seen::new(&scene, &CAMERAS, Level::Clean, 0, seed, Isa::best()));
         let seen = seen.collect::<Outcome<Vec<_>>>()?;
         for seen in &seen {
             println!("{}: {:?}", scene.name, seen.girth);

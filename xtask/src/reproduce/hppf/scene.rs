@@ -1,6 +1,6 @@
 //! A motion that is tracked, the body that follows it, and what one seed's cameras see of it.
 //!
-//! A seed dresses another person and draws other errors of segmentation. The tracker's body has the lengths of the person's segments and the girths that the first frame's masks show in the pose that tracking starts from.
+//! A seed dresses another person and draws other errors of segmentation. The tracker's body has the lengths of the person's segments and the girths that masks show of the pose that tracking starts from.
 
 use super::motions::RATE_HZ;
 use crate::outcome::Outcome;
@@ -53,15 +53,22 @@ pub(super) struct Seen {
 }
 
 impl Seen {
-    /// Draws a person and the errors of a level; `cameras` are their numbers in the ring.
-    pub(super) fn new(scene: &Scene, cameras: &[usize], level: Level, seed: u64, isa: Isa) -> Outcome<Self> {
+    /// Draws a person and the errors of a level; `cameras` are their numbers in the ring, `start` the frame whose pose is known.
+    pub(super) fn new(
+        scene: &Scene,
+        cameras: &[usize],
+        level: Level,
+        start: usize,
+        seed: u64,
+        isa: Isa,
+    ) -> Outcome<Self> {
         let footage = SyntheticFootage::new(scene.motion.clone(), RATE_HZ, &Ring::SMALL_PICTURES, seed)?;
         let views: Vec<Camera> = cameras.iter().map(|&camera| footage.cameras[camera].clone()).collect();
         let frame = |frame| cameras.iter().map(|&camera| footage.mask(camera, frame, level)).collect();
         let masks: Vec<Vec<BitImage>> = (0..scene.truth.len()).map(frame).collect();
         let usual = hppf24::flesh_on(&scene.tree)?;
-        let silhouettes = masks[0].iter().cloned().map(Some).collect();
-        let first = Sight { state: scene.truth[0].clone(), silhouettes };
+        let silhouettes = masks[start].iter().cloned().map(Some).collect();
+        let first = Sight { state: scene.truth[start].clone(), silhouettes };
         let girth = fit_girth(&scene.tree, &usual, &views, &[first])?;
         let flesh = girth.girth.applied(&usual);
         let body = Arc::new(SolidBody::new(&scene.tree, &flesh)?);

@@ -25,11 +25,13 @@ pub(super) struct Errors {
     pub(super) limbs: Vec<f64>,
 }
 
-/// Errors of states, one for each frame of the motion.
-pub(super) fn errors(scene: &Scene, states: &[Vec<f64>]) -> Errors {
+/// Errors of states, one for each frame of the motion from `first` on.
+pub(super) fn errors(scene: &Scene, states: &[Vec<f64>], first: usize) -> Errors {
     let found = points_of_states(&scene.tree, states);
-    let [absolute, relative] = joint_errors_mm(&found, &scene.motion);
-    Errors { absolute, relative, limbs: limbs_mm(&found, &scene.motion) }
+    let Trajectories { names, frames } = &scene.motion;
+    let truth = Trajectories { names: names.clone(), frames: frames[first..].to_vec() };
+    let [absolute, relative] = joint_errors_mm(&found, &truth);
+    Errors { absolute, relative, limbs: limbs_mm(&found, &truth) }
 }
 
 fn limbs_mm(found: &Trajectories, truth: &Trajectories) -> Vec<f64> {

@@ -1,0 +1,177 @@
+//! Who is compared: the cells of the paper's tables, the reference rows, ablations and opponents.
+
+use sinew::dynamics::level_walk::LevelPrimitives;
+use sinew_simulate::segmentation_noise::Level;
+
+/// What tracks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Method {
+    /// With action primitives of `length` D from at most `clusters` C clusters.
+    Primitives { particles: usize, length: usize, clusters: usize, which: LevelPrimitives },
+    /// The same walk down the parts, at random.
+    Walk(usize),
+    /// No partitions: a bootstrap filter on the product of the parts' likelihoods.
+    Bootstrap(usize),
+    /// Annealed search in five layers on the same.
+    Annealed(usize),
+    /// Partitioned sampling on the same.
+    Partitioned(usize),
+    /// The fitted true pose.
+    Truth,
+    /// The mean training pose at the true position and heading.
+    MeanPose,
+    /// The pose of the first frame.
+    Frozen,
+}
+
+/// Motions of the study.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Motion {
+    /// Walking, running and balancing, joined.
+    Combo,
+    /// One walk.
+    Walk,
+    /// A person and motion that training lacks: climbing.
+    Unseen1,
+    /// Another: martial arts.
+    Unseen2,
+}
+
+impl Motion {
+    /// Its name in tables and keys.
+    pub(super) const fn name(self) -> &'static str {
+        match self {
+            Self::Combo => "CMB",
+            Self::Walk => "W",
+            Self::Unseen1 => "UNS 01_01",
+            Self::Unseen2 => "UNS 135_06",
+        }
+    }
+}
+
+/// A method on a motion with what it sees.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Contender {
+    pub(super) method: Method,
+    pub(super) motion: Motion,
+    /// Numbers of the cameras.
+    pub(super) cameras: &'static [usize],
+    pub(super) level: Level,
+}
+
+/// All cameras.
+pub(super) const ALL: &[usize] = &[0, 1, 2, 3];
+/// Cameras of Table 3.
+pub(super) const SUBSETS: [&[usize]; 4] = [&[0, 1, 2], &[0, 1], &[0], &[1]];
+
+/// Rows and columns of Table 1.
+pub(super) const LENGTHS: [usize; 3] = [3, 15, 25];
+pub(super) const CLUSTERS: [usize; 4] = [20, 60, 80, 100];
+/// Rows of Table 2.
+pub(super) const PARTICLES: [usize; 5] = [50, 100, 200, 500, 1000];
+
+/// First frame that is judged, so that every D has its history on the same frames.
+pub(super) const FIRST: usize = LENGTHS[2];
+
+const LAYERS: usize = 5;
+/// Parts, of which one body has ten and the walk judges 1 + 6 + 10.
+const PARTS: usize = 10;
+const WALKED: usize = 17;
+
+/// The paper's tracker.
+pub(super) const fn hppf(particles: usize, length: usize, clusters: usize) -> Method {
+    Method::Primitives { particles, length, clusters, which: LevelPrimitives::Nested }
+}
+
+/// D and C of what the paper mostly uses.
+pub(super) const USUAL_MODEL: (usize, usize) = (3, 80);
+/// What the paper mostly uses.
+pub(super) const USUAL: Method = hppf(200, USUAL_MODEL.0, USUAL_MODEL.1);
+/// Other feature vectors for a level.
+pub(super) const OWN_PARTS: Method =
+    Method::Primitives { particles: 200, length: 3, clusters: 80, which: LevelPrimitives::OwnParts };
+/// Opponents at about the evaluations of [`USUAL`].
+pub(super) const OPPONENTS: [Method; 4] =
+    [Method::Walk(200), Method::Bootstrap(540), Method::Annealed(108), Method::Partitioned(270)];
+
+const fn on(method: Method, motion: Motion) -> Contender {
+    Contender { method, motion, cameras: ALL, level: Level::Normal }
+}
+
+/// Reference rows of a motion.
+pub(super) const REFERENCES: [Method; 3] = [Method::MeanPose, Method::Frozen, Method::Truth];
+
+/// Everything that the tables need, each once.
+pub(super) fn all() -> Vec<Contender> {
+    let combo = |method| on(method, Motion::Combo);
+    let table_1 = LENGTHS.into_iter().flat_map(|d| CLUSTERS.map(|c| combo(hppf(200, d, c))));
+    let table_2 = PARTICLES.map(|particles| combo(hppf(particles, 3, 80)));
+    let table_3 = SUBSETS.map(|cameras| Contender { cameras, ..on(USUAL, Motion::Walk) });
+    let motions = [Motion::Combo, Motion::Walk, Motion::Unseen1, Motion::Unseen2];
+    let table_4 = motions
+        .into_iter()
+        .flat_map(|motion| [&[USUAL][..], &REFERENCES].concat().into_iter().map(move |m| on(m, motion)));
+    let beside = OPPONENTS.into_iter().chain([OWN_PARTS]).map(combo);
+    let levels = [Level::Clean, Level::Hard].map(|level| Contender { level, ..combo(USUAL) });
+    let mut distinct: Vec<Contender> = vec![];
+    for contender in table_4.chain(table_1).chain(table_2).chain(table_3).chain(beside).chain(levels) {
+        if !distinct.contains(&contender) {
+            distinct.push(contender);
+        }
+    }
+    distinct
+}
+
+impl Method {
+    /// Its name in tables and keys.
+    pub(super) fn name(&self) -> String {
+        match self {
+            Self::Primitives { particles, length, clusters, which } => {
+                let own = if *which == LevelPrimitives::OwnParts { ", own parts" } else { "" };
+                format!("hppf P = {particles}, D = {length}, C = {clusters}{own}")
+            }
+            Self::Walk(n) => format!("hppf P = {n}, random walk"),
+            Self::Bootstrap(n) => format!("bootstrap {n}"),
+            Self::Annealed(n) => format!("annealed {n} x {LAYERS}"),
+            Self::Partitioned(n) => format!("partitioned {n}"),
+            Self::Truth => "true pose".into(),
+            Self::MeanPose => "mean pose".into(),
+            Self::Frozen => "first pose".into(),
+        }
+    }
+
+    /// Part-views and rasterised parts a frame and camera.
+    pub(super) const fn evaluations(self) -> usize {
+        match self {
+            Self::Primitives { particles, .. } | Self::Walk(particles) => particles * (WALKED + PARTS),
+            Self::Bootstrap(n) => n * PARTS,
+            Self::Annealed(n) => n * PARTS * LAYERS,
+            Self::Partitioned(n) => n * 2 * PARTS,
+            Self::Truth | Self::MeanPose | Self::Frozen => 0,
+        }
+    }
+}
+
+impl Contender {
+    /// The name of its result with a seed.
+    pub(super) fn key(&self, seed: u64) -> String {
+        let level = Level::ALL.iter().find(|(_, of)| *of == self.level).map_or("", |(name, _)| name);
+        format!("{}/{level}/{:?}/{seed}/{}", self.motion.name(), self.cameras, self.method.name())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn keys_distinguish_all() {
+        let all = all();
+        let mut keys: Vec<String> = all.iter().map(|contender| contender.key(1)).collect();
+        keys.sort();
+        keys.dedup();
+        assert_eq!((keys.len(), all.len()), (42, 42));
+        assert_eq!(USUAL.evaluations(), 5400);
+        assert!(OPPONENTS.iter().all(|opponent| opponent.evaluations() == 5400));
+    }
+}

@@ -1,0 +1,132 @@
+//! All cells of the study, with what they share: motions, models and pictures.
+
+use super::contender::{Contender, FIRST, Method, Motion, USUAL_MODEL};
+use super::models::Training;
+use super::motions::{RATE_HZ, TEST_WALK, TRAINING, UNSEEN};
+use super::scene::{Scene, Seen};
+use super::track;
+use crate::outcome::Outcome;
+use crate::store::{Store, Task, run_all};
+use sinew::core::lanes::Isa;
+use sinew::dynamics::primitives::model::PrimitiveModel;
+use sinew::files::{FNV_START, fnv};
+use sinew_simulate::segmentation_noise::Level;
+use sinew_tests::recorded_motion::recorded_combo;
+use std::collections::BTreeMap;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+
+/// Raised with every change of what a cell computes.
+const VERSION: u32 = 1;
+
+/// Frames of a single trial that are taken at most: ten seconds after the history.
+const LONGEST: usize = FIRST + 200;
+
+/// Values that the first cell makes which needs them.
+type Shared<T> = Mutex<BTreeMap<String, Arc<OnceLock<T>>>>;
+
+/// What all cells share.
+pub(super) struct Study {
+    folder: PathBuf,
+    training: Training,
+    scenes: BTreeMap<Motion, Scene>,
+    /// Frames of CMB's three sets, without those before the first judged one.
+    pub(super) sets: [Range<usize>; 3],
+    models: Shared<PrimitiveModel>,
+    seen: Shared<Seen>,
+    isa: Isa,
+}
+
+/// The value of that name, made where it is not there yet.
+fn shared<T>(all: &Shared<T>, name: &str, make: impl FnOnce() -> Outcome<T>) -> Outcome<Arc<OnceLock<T>>> {
+    let place = Arc::clone(all.lock().unwrap_or_else(PoisonError::into_inner).entry(name.into()).or_default());
+    if place.get().is_none() {
+        // Another cell may have made the same in the meantime.
+        let _ = place.set(make()?);
+    }
+    Ok(place)
+}
+
+impl Study {
+    /// Reads the recordings and follows them.
+    pub(super) fn new(data: &Path, folder: &Path) -> Outcome<Self> {
+        let combo = recorded_combo(&data.join("cmu_amc"), RATE_HZ)?;
+        let ends: Vec<usize> = combo.phases.iter().map(|phase| phase.frames.end).collect();
+        let sets = [0, 1, 2].map(|k: usize| 0..ends.get(k).copied().unwrap_or(FIRST).saturating_sub(FIRST));
+        let mut scenes = BTreeMap::from([(Motion::Combo, Scene::new("CMB", combo.motion)?)]);
+        for (motion, recording) in
+            [Motion::Walk, Motion::Unseen1, Motion::Unseen2].into_iter().zip([TEST_WALK, UNSEEN[0], UNSEEN[1]])
+        {
+            let mut joints = recording.joints(data, RATE_HZ)?;
+            joints.frames.truncate(LONGEST);
+            scenes.insert(motion, Scene::new(recording.name, joints)?);
+        }
+        let training = Training::new(data, &TRAINING)?;
+        let (models, seen) = (Mutex::default(), Mutex::default());
+        Ok(Self { folder: folder.into(), training, scenes, sets, models, seen, isa: Isa::best() })
+    }
+
+    /// Everything that decides what a cell is.
+    pub(super) fn configuration(&self) -> String {
+        let states = self.scenes.values().flat_map(|scene| scene.truth.iter().flatten());
+        let numbers = states.chain(self.training.sequences.iter().flatten());
+        let hash = numbers.fold(FNV_START, |hash, x| fnv(hash, &x.to_bits().to_le_bytes()));
+        format!("version {VERSION}, {}, {hash:016x}", self.isa.name())
+    }
+
+    /// The model of a method; others take the steps of the usual one.
+    pub(super) fn model(&self, method: Method) -> Outcome<PrimitiveModel> {
+        let (length, clusters) = match method {
+            Method::Primitives { length, clusters, .. } => (length, clusters),
+            _ => USUAL_MODEL,
+        };
+        let name = format!("model-D{length}-C{clusters}.json");
+        let found = shared(&self.models, &name, || self.training.model(&self.folder.join(&name), length, clusters))?;
+        Ok(found.get().ok_or("no model was made")?.clone())
+    }
+
+    /// The motion, with how well the body follows it.
+    pub(super) fn scene(&self, motion: Motion) -> &Scene {
+        &self.scenes[&motion]
+    }
+
+    /// Mean distances of the body's joints to the training motion, metres, by trial.
+    pub(super) fn training_errors_m(&self) -> &[(&'static str, f64)] {
+        &self.training.errors_m
+    }
+
+    fn run(&self, contender: &Contender, seed: u64) -> Outcome<serde_json::Value> {
+        let Contender { motion, cameras, level, method } = *contender;
+        let scene = self.scene(motion);
+        let name = format!("{} {cameras:?} {level:?} {seed}", motion.name());
+        let seen = shared(&self.seen, &name, || Seen::new(scene, cameras, level, FIRST - 1, seed, self.isa))?;
+        let seen = seen.get().ok_or("no pictures were drawn")?;
+        track::cell(scene, seen, contender, (&self.model(method)?, &self.training.mean_pose), seed)
+    }
+
+    /// Runs what is not done yet, one seed after the other.
+    pub(super) fn run_all(
+        &self,
+        store: &mut Store,
+        contenders: &[Contender],
+        seeds: u64,
+        threads: usize,
+    ) -> Outcome<()> {
+        for seed in 1..=seeds {
+            let task = |contender: &Contender| -> Task<'_> {
+                let of = *contender;
+                let work = of.method.evaluations() as f64 * self.scene(of.motion).truth.len() as f64;
+                (of.key(seed), 1e4 + work, Box::new(move || self.run(&of, seed)))
+            };
+            run_all(store, &format!("seed {seed}"), contenders.iter().map(task).collect(), threads)?;
+            self.seen.lock().unwrap_or_else(PoisonError::into_inner).clear();
+        }
+        Ok(())
+    }
+}
+
+/// Name of a level.
+pub(super) fn level_name(level: Level) -> &'static str {
+    Level::ALL.iter().find(|(_, of)| *of == level).map_or("", |(name, _)| name)
+}

@@ -1,0 +1,134 @@
+//! The paper's four tables and those beside them.
+
+use super::contender::{
+    ALL, CLUSTERS, Contender, LENGTHS, Method, Motion, OPPONENTS, OWN_PARTS, PARTICLES, REFERENCES, SUBSETS, USUAL,
+    hppf,
+};
+use super::results::Results;
+use super::study::{Study, level_name};
+use crate::outcome::Outcome;
+use sinew_simulate::segmentation_noise::Level;
+use std::fmt::Write as _;
+
+pub(super) const fn on(method: Method, motion: Motion) -> Contender {
+    Contender { method, motion, cameras: ALL, level: Level::Normal }
+}
+
+/// Least number of clusters over the feature vectors of a model, and its windows.
+pub(super) fn clusters(study: &Study, method: Method) -> Outcome<(usize, usize)> {
+    let model = study.model(method)?;
+    let least = model.primitives.iter().map(|primitives| primitives.clusters.len()).min().unwrap_or_default();
+    Ok((least, model.primitives.first().map_or(0, |primitives| primitives.windows())))
+}
+
+/// Share of its clusters that a cell needs to be realised.
+const REALISED: f64 = 0.9;
+
+/// Whether the model of a cell has enough of its clusters.
+pub(super) fn is_realised(study: &Study, method: Method) -> Outcome<bool> {
+    let Method::Primitives { clusters: asked, .. } = method else { return Ok(true) };
+    Ok(clusters(study, method)?.0 as f64 >= REALISED * asked as f64)
+}
+
+/// Relative errors of the three sets.
+fn sets(results: &Results<'_>, study: &Study, contender: &Contender) -> Outcome<String> {
+    let shown = study.sets.iter().map(|frames| Ok(results.mean(contender, "/relative", Some(frames))?.shown(0)));
+    Ok(shown.collect::<Outcome<Vec<String>>>()?.join(" | "))
+}
+
+/// Table 1: relative error by D and C.
+pub(super) fn table_1(results: &Results<'_>, study: &Study) -> Outcome<String> {
+    let mut out =
+        String::from("| D | C | clusters, windows | Set 1, mm | Set 2 | Set 3 | |\n|--:|--:|---|---|---|---|---|\n");
+    for length in LENGTHS {
+        for count in CLUSTERS {
+            let method = hppf(200, length, count);
+            let (least, windows) = clusters(study, method)?;
+            let realised = if is_realised(study, method)? { "" } else { "not realised" };
+            let row = sets(results, study, &on(method, Motion::Combo))?;
+            let _ = writeln!(out, "| {length} | {count} | {least}, {windows} | {row} | {realised} |");
+        }
+    }
+    Ok(out)
+}
+
+/// Table 2: relative error by P.
+pub(super) fn table_2(results: &Results<'_>, study: &Study) -> Outcome<String> {
+    let mut out = String::from("| P | Set 1, mm | Set 2 | Set 3 |\n|--:|---|---|---|\n");
+    for particles in PARTICLES {
+        let row = sets(results, study, &on(hppf(particles, 3, 80), Motion::Combo))?;
+        let _ = writeln!(out, "| {particles} | {row} |");
+    }
+    Ok(out)
+}
+
+/// Table 3: fewer cameras.
+pub(super) fn table_3(results: &Results<'_>) -> Outcome<String> {
+    let mut out = String::from(
+        "| cameras | relative, mm | absolute, mm | first camera, relative, px | absolute | second camera, relative | absolute |\n|---|---|---|---|---|---|---|\n",
+    );
+    for cameras in SUBSETS {
+        let contender = Contender { cameras, ..on(USUAL, Motion::Walk) };
+        let names: Vec<String> = cameras.iter().map(|camera| format!("C{}", camera + 1)).collect();
+        let mut row = format!("| {} |", names.join(", "));
+        for (path, decimals) in [
+            ("/relative", 0),
+            ("/absolute", 0),
+            ("/pixels/0/relative", 1),
+            ("/pixels/0/absolute", 1),
+            ("/pixels/1/relative", 1),
+            ("/pixels/1/absolute", 1),
+        ] {
+            let shown = match path.contains("pixels/1") && cameras.len() < 2 {
+                true => String::new(),
+                false => results.mean(&contender, path, None)?.shown(decimals),
+            };
+            let _ = write!(row, " {shown} |");
+        }
+        let _ = writeln!(out, "{row}");
+    }
+    Ok(out)
+}
+
+/// Columns of tables of whole motions.
+const WHOLE: &str = "| | relative, mm | absolute, mm | limb ratio | kept | C1, px | C2, px | evaluations | ms a frame |\n|---|---|---|---|---|---|---|---|---|\n";
+
+fn whole(results: &Results<'_>, name: &str, contender: &Contender) -> Outcome<String> {
+    let mean = |path: &str, decimals| -> Outcome<String> { Ok(results.mean(contender, path, None)?.shown(decimals)) };
+    let (ratio, all) = results.kept(contender)?;
+    let cells: [String; 8] = [
+        mean("/relative", 0)?,
+        mean("/absolute", 0)?,
+        ratio.shown(2),
+        format!("{all} of {}", results.seeds),
+        mean("/pixels/0/absolute", 1)?,
+        mean("/pixels/1/absolute", 1)?,
+        contender.method.evaluations().to_string(),
+        format!("{:.1}", results.ms(contender)?.value),
+    ];
+    Ok(format!("| {name} | {} |\n", cells.join(" | ")))
+}
+
+/// Table 4: the usual setting on all motions, with the reference rows.
+pub(super) fn table_4(results: &Results<'_>) -> Outcome<String> {
+    let mut out = String::from(WHOLE);
+    for motion in [Motion::Combo, Motion::Walk, Motion::Unseen1, Motion::Unseen2] {
+        for method in [&[USUAL][..], &REFERENCES].concat() {
+            out += &whole(results, &format!("{}: {}", motion.name(), method.name()), &on(method, motion))?;
+        }
+    }
+    Ok(out)
+}
+
+/// Ablations, opponents at equal evaluations, and other levels of noise, on CMB.
+pub(super) fn beside(results: &Results<'_>) -> Outcome<String> {
+    let mut out = String::from(WHOLE);
+    for method in [&[USUAL, OWN_PARTS][..], &OPPONENTS].concat() {
+        out += &whole(results, &method.name(), &on(method, Motion::Combo))?;
+    }
+    for level in [Level::Clean, Level::Hard] {
+        let contender = Contender { level, ..on(USUAL, Motion::Combo) };
+        out += &whole(results, &format!("{}, {}", USUAL.name(), level_name(level)), &contender)?;
+    }
+    Ok(out)
+}
