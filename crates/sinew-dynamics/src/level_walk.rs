@@ -1,4 +1,6 @@
-//! Motion of a body level by level down its parts (Husz, Wallace & Green 2007): at random, or by action primitives.
+//! Motion of a body level by level down its parts, at random or by action primitives.
+//!
+//! (Husz, Wallace & Green 2007.)
 //!
 //! At level l, for each part x of depth l on its own, with p_x its coordinates as they stand, and the part's own values p'_x of the frame before:
 //!
@@ -350,7 +352,7 @@ mod tests {
 
     /// The states that models (6) and (7) move lie where the cluster says: their mean is that of both.
     #[test]
-    fn proposals_are_those_of_the_switching_models() {
+    fn proposals_are_drawn_from_the_switching_models() {
         let walk = with_model(LevelPrimitives::Nested);
         let (coordinates, switching) = walk.levels[0][0].primitives.as_ref().expect("it has some");
         assert_eq!(coordinates, &[3, 1]);

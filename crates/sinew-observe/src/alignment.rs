@@ -162,7 +162,7 @@ mod tests {
     }
 
     #[test]
-    fn ratios_are_those_of_the_paper() {
+    fn ratios_are_as_in_the_paper() {
         assert_eq!(Aligned::default().ratio(), 1.0);
         assert_eq!(Aligned { both: 5, mismatch: 0, either: 7 }.ratio(), 0.0);
         assert_eq!(Aligned { both: 0, mismatch: 3, either: 12 }.ratio(), 0.25);

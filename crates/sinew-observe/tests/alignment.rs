@@ -101,7 +101,7 @@ fn brute_force(model: &ImageModel, silhouettes: &[BitImage], state: &[f64]) -> V
     (0..silhouettes.len()).map(count).collect()
 }
 
-/// K12: counts and values are those of sets of pixels, on every instruction set, also where boxes are cut or not in the image at all.
+/// K12: counts and values agree with sets of pixels, on every instruction set, also where boxes are cut or not in the image at all.
 #[test]
 fn alignment_is_what_sets_of_pixels_say() {
     let mut places = std::collections::BTreeMap::new();

@@ -20,6 +20,7 @@ pub mod clocks;
 mod collect;
 pub(crate) mod error;
 pub mod exchanged_cameras;
+mod girth;
 mod measured_girth;
 mod measured_motion;
 mod model_error;
@@ -39,7 +40,8 @@ mod warning;
 
 pub use collect::{Collected, SetupRequest, alone, collect, limb_lengths};
 pub use error::SetupError;
-pub use measured_girth::{MeasuredGirth, measure_girth};
+pub use girth::MeasuredGirth;
+pub use measured_girth::measure_girth;
 pub use measured_motion::measure_motion;
 pub use pass::set_up;
 pub use pose_fit::pose_of;

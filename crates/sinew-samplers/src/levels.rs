@@ -1,4 +1,6 @@
-//! Particles level by level: the parts of one depth move, are weighed and are resampled on their own (Husz, Wallace & Green 2007).
+//! Particles level by level: the parts of one depth move, are weighed and resampled on their own.
+//!
+//! (Husz, Wallace & Green 2007.)
 //!
 //! - [`predict_level`] moves one level of the states.
 //! - [`log_plausibilities`] is what some coordinates are worth by themselves.

@@ -52,7 +52,7 @@ impl Default for Config {
 /// Parts that are resampled together.
 #[derive(Clone, Debug)]
 struct Partition {
-    /// Those of a level by which they are judged, as places in [`Level::judged`].
+    /// Parts of the level by which they are judged, as places in [`Level::judged`].
     places: Vec<usize>,
     /// Their own coordinates.
     own: Vec<usize>,

@@ -356,7 +356,7 @@ impl PartLogDensity for Coupled {
     }
 }
 
-/// Judged as a whole, part after part is the best of all fine particles', the parts before as chosen and the others those of X_c.
+/// Judged as a whole, part after part is the best of all fine particles', the parts before as chosen and the others as in X_c.
 #[test]
 fn whole_states_are_put_together_greedily() {
     let observed = Coupled;

@@ -41,7 +41,7 @@ pub struct PrimitiveMotion {
     isa: Isa,
 }
 
-/// Refuses frames that are not as far apart as those of the training motion.
+/// Refuses frames that are not as far apart as the training motion's.
 pub(crate) fn check_rate(model: &PrimitiveModel, dt: f64) -> Result<(), Error> {
     let off = (dt * model.frame_rate - 1.0).abs();
     if off <= SAME_RATE {

@@ -23,9 +23,9 @@ pub struct Upright<'a, S> {
 /// Runs of frames that were read for a set-up, in their order.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct FramesRead {
-    /// Those of which people were read.
+    /// Frames of which people were read.
     pub people: Vec<Range<u64>>,
-    /// Those of which masks were read.
+    /// Frames of which masks were read.
     pub masks: Vec<Range<u64>>,
 }
 

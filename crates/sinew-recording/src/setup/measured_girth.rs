@@ -2,55 +2,21 @@
 //!
 //! Of some frames of that second every other one is fitted ([`fit_girth`]), the rest is held out. Girths that do not match the held-out masks better than the radii that people usually have are not kept.
 
+use super::girth::MeasuredGirth;
 use super::pose_fit::pose_of;
 use super::stored::Setup;
 use crate::Error;
 use crate::input::source::FrameSource;
-use serde::{Deserialize, Serialize};
 use sinew_observe::association;
 use sinew_observe::following::{Following, follow};
 use sinew_observe::girth::{Girth, Sight, before_cameras, fit_girth, intersection_over_union, mask_overlap};
 use sinew_observe::{Camera, WorkingRaster};
 use std::ops::Range;
 
-/// Factors on the radii of the usual body, with what they make of masks that were held out.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct MeasuredGirth {
-    /// Torso, pelvis, spine, neck and head.
-    pub trunk: f64,
-    /// Upper arms, forearms and hands.
-    pub arms: f64,
-    /// Thighs, shins and feet.
-    pub legs: f64,
-    /// Intersection over union of the body and the held-out masks, with usual radii and with these.
-    pub held_out_iou: [f64; 2],
-}
-
 /// Frames whose masks are compared.
 const FRAMES: u64 = 12;
 /// Longest side of the raster in which masks are compared, pixels.
 const RASTER: usize = 640;
-/// Factors beyond which a person is none.
-const PLAUSIBLE: [f64; 2] = [0.3, 3.0];
-
-impl MeasuredGirth {
-    /// The factors.
-    #[must_use]
-    pub const fn girth(&self) -> Girth {
-        Girth { trunk: self.trunk, arms: self.arms, legs: self.legs }
-    }
-
-    /// What cannot be about them, if anything.
-    #[must_use]
-    pub fn problem(&self) -> Option<String> {
-        let [least, most] = PLAUSIBLE;
-        let factors = [("trunk", self.trunk), ("arms", self.arms), ("legs", self.legs)];
-        let (name, found) = factors.into_iter().find(|(_, factor)| !(least..=most).contains(factor))?;
-        Some(format!("girth: {name} = {found}; must be from {least} to {most}"))
-    }
-}
-
 /// Measures girths in the first second of some frames; none where there are no masks, nobody is on them or nothing is gained.
 ///
 /// # Errors

@@ -3,7 +3,7 @@
 //! `body` is `"H32"`, `"CF28"`, `"HPPF24"`, or the whole text of a body file, so that the set-up repeats a run when that file is gone.
 
 use super::error::SetupError;
-use super::measured_girth::MeasuredGirth;
+use super::girth::MeasuredGirth;
 use crate::{Error, Problems};
 use serde::{Deserialize, Serialize};
 use sinew_body::flesh::Flesh;

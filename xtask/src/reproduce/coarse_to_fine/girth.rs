@@ -3,7 +3,7 @@
 //! - *Printed*: one factor on all radii, such that recall over precision of the true pose is that of the paper's tables. That is the area of the projected body over the area of the silhouette.
 //! - *Fitted*: a factor for trunk, arms and legs each, by [`fit_girth`] on masks of the first second.
 //!
-//! Persons, errors of segmentation and camera are those of the study.
+//! Persons, errors of segmentation and camera are the study's own.
 
 use crate::outcome::Outcome;
 use sinew::body::KinematicTree;
@@ -36,7 +36,7 @@ pub(super) struct Girths {
 const PRINTED_RATIO: f64 = 1.19;
 /// Persons that training shows.
 const PERSONS: u64 = 3;
-/// Every so many frames are compared.
+/// Frames from one that is compared to the next.
 const EVERY: usize = 12;
 /// Frames of the first second that are compared.
 const SECOND: std::ops::Range<usize> = 0..6;

@@ -86,7 +86,7 @@ enum Running {
     /// With models of the solids alone.
     OwnContours(Box<CoarseToFine>, Vec<ImageModel>),
     Other(Box<dyn Tracker<ImageLikelihood>>),
-    /// Nothing is searched: the pose, and how many coordinates of it are those of the true pose in every frame.
+    /// Nothing is searched: the pose, and how many of its coordinates follow the true pose.
     Still(Vec<f64>, usize),
 }
 
