@@ -1,8 +1,8 @@
 //! Learning of a motion model from motion files, resumable between feature vectors.
 //!
-//! 1. Joints of each file at the working rate, the model's times a whole number, and the body along them ([`sequences`]).
+//! 1. Joints of each file at the working rate, the model's times a whole number, and the body along them ([`mod@sequences`]).
 //! 2. Every phase of the model's rate is a sequence: a recording of 120 frames a second gives six of 20.
-//! 3. One feature vector after the other ([`features`]) is learned ([`sinew_dynamics::primitives::learning`]); those that are done wait in a file beside the model ([`unfinished`]), so that an interrupted run continues at the
+//! 3. One feature vector after the other ([`features`]) is learned ([`sinew_dynamics::primitives::learning`]); those that are done wait in a file beside the model, so that an interrupted run continues at the
 //!    next one, to the same bytes.
 //! 4. The model is written whole, with errors of its predictions on motion that was held out.
 
