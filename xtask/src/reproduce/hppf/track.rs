@@ -133,7 +133,7 @@ pub(super) fn cell(
         seconds += clock.elapsed().as_secs_f64();
     }
     let found = errors(scene, &estimates, FIRST);
-    let of_mean = errors(scene, &means[FIRST..], FIRST);
+    let mean_pose_errors = errors(scene, &means[FIRST..], FIRST);
     let truth = Trajectories { names: scene.motion.names.clone(), frames: scene.motion.frames[FIRST..].to_vec() };
     let points = points_of_states(&scene.tree, &estimates);
     let pixels: Vec<Value> = seen
@@ -150,7 +150,7 @@ pub(super) fn cell(
         "absolute": rounded(&found.absolute),
         "relative": rounded(&found.relative),
         "limbs": rounded(&found.limbs),
-        "mean_pose_limbs": rounded(&of_mean.limbs),
+        "mean_pose_limbs": rounded(&mean_pose_errors.limbs),
         "pixels": pixels,
         "ms": 1e3 * seconds / judged.len() as f64,
     }))
