@@ -1,5 +1,7 @@
 //! Girths of the subject, from masks of the first second and the poses that keypoints give there.
 //!
+//! One camera does not tell a thick person from a near one: then girths stay as they are.
+//!
 //! Of some frames of that second every other one is fitted ([`fit_girth`]), the rest is held out. Girths that do not match the held-out masks better than the radii that people usually have are not kept.
 
 use super::girth::MeasuredGirth;
@@ -17,7 +19,7 @@ use std::ops::Range;
 const FRAMES: u64 = 12;
 /// Longest side of the raster in which masks are compared, pixels.
 const RASTER: usize = 640;
-/// Measures girths in the first second of some frames; none where there are no masks, nobody is on them or nothing is gained.
+/// Measures girths in the first second of some frames; none where fewer than two cameras have masks, nobody is on them or nothing is gained.
 ///
 /// # Errors
 /// Errors of the source; a body without solids.
@@ -27,7 +29,7 @@ pub fn measure_girth(
     numbers: Range<u64>,
     fps: f64,
 ) -> Result<Option<MeasuredGirth>, Error> {
-    let Some(sized) = source.image_cameras() else { return Ok(None) };
+    let Some(sized) = source.image_cameras().filter(|cameras| cameras.len() > 1) else { return Ok(None) };
     let (cameras, layout) = (source.cameras().to_vec(), source.layout().clone());
     let scale = sized.iter().zip(&cameras).next().map_or(1.0, |(a, b)| a.image_size_px[0] / b.image_size_px[0]);
     let raster = |camera: &Camera| WorkingRaster::new(camera, WorkingRaster::factor_for(camera, RASTER));
