@@ -7,7 +7,7 @@ use criterion::{Criterion, criterion_group, criterion_main};
 use sinew::body::hppf24;
 use sinew::core::density::PartLogDensity;
 use sinew::core::lanes::Isa;
-use sinew::core::part::{Part, PartTree, Partition};
+use sinew::core::part::PartTree;
 use sinew::core::random::Stage;
 use sinew::dynamics::level_walk::LevelWalk;
 use sinew::dynamics::random_walk::{Between, RandomWalk};
@@ -15,7 +15,7 @@ use sinew::observe::bit_image::BitImage;
 use sinew::observe::contour_map::contour_map;
 use sinew::observe::image_likelihood::{Cues, ImageModel};
 use sinew::observe::image_score::ImageScore;
-use sinew::observe::solid_body::SolidBody;
+use sinew::observe::solid_body::{SolidBody, part_tree};
 use sinew::observe::{Camera, ObservationModel};
 use sinew::samplers::annealed_search;
 use sinew::samplers::grid::GridAxis;
@@ -54,11 +54,8 @@ fn sd() -> Vec<f64> {
     (0..24).map(|j| if j < 3 { 0.02 } else { 0.06 }).collect()
 }
 
-fn part_tree() -> PartTree {
-    let flesh = hppf24::flesh(1.0);
-    let parts = flesh.coordinates(&hppf24::tree(1.0)).into_iter().map(|part| Part::new(part, 24).expect("a part"));
-    let partition = Partition::new(parts.collect(), 24).expect("every coordinate once");
-    PartTree::new(partition, flesh.parents().to_vec()).expect("parents first")
+fn parts() -> PartTree {
+    part_tree(&hppf24::tree(1.0), &hppf24::flesh(1.0)).expect("a solid a link")
 }
 
 fn bound(model: &ImageModel, masks: &[BitImage]) -> impl PartLogDensity {
@@ -102,13 +99,13 @@ fn trackers(c: &mut Criterion) {
         row("annealed, 5 x 100", one_sided, &mut |seen, stage| tracker.step(seen, stage).expect("weights"));
         let axes = sd().iter().map(|sd| GridAxis::new(-3.2, 3.2, *sd, false).expect("an axis")).collect();
         let config = coarse_to_fine::Config::default();
-        let mut tracker = CoarseToFine::new(config, axes, part_tree(), standing(), isa).expect("valid");
+        let mut tracker = CoarseToFine::new(config, axes, parts(), standing(), isa).expect("valid");
         row("coarse to fine, 300 + 500", fine, &mut |seen, stage| tracker.step(seen, stage).expect("weights"));
         let config = partitioned::Config { particles: 200, ..partitioned::Config::default() };
-        let mut tracker = Partitioned::new(config, walk(), part_tree(), standing()).expect("valid");
+        let mut tracker = Partitioned::new(config, walk(), parts(), standing()).expect("valid");
         row("partitioned, 200", ImageScore::Parts, &mut |seen, stage| tracker.step(seen, stage).expect("weights"));
-        let motion = LevelWalk::new(part_tree(), sd(), sd(), isa).expect("valid");
-        let mut tracker = Hppf::new(hppf::Config::default(), motion, &part_tree(), standing()).expect("valid");
+        let motion = LevelWalk::new(parts(), sd(), sd(), isa).expect("valid");
+        let mut tracker = Hppf::new(hppf::Config::default(), motion, &parts(), standing()).expect("valid");
         row("hppf, 200", ImageScore::Parts, &mut |seen, stage| tracker.step(seen, stage).expect("weights"));
         group.finish();
     }

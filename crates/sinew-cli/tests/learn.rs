@@ -64,7 +64,7 @@ fn a_model_is_learned_reported_inspected_and_drawn() {
 }
 
 #[test]
-fn what_cannot_be_learned_is_refused() {
+fn unusable_motion_is_refused() {
     let trial = walks();
     let printed = |arguments: &[&str]| trial.printed(&trial.run(arguments));
     let with = |motion: &str, more: &[&str]| {

@@ -392,7 +392,7 @@ mod tests {
     }
 
     #[test]
-    fn what_does_not_fit_is_refused() {
+    fn misfits_are_refused() {
         let bare = || walk(swinging());
         assert!(bare().with_primitives(&model(), 0.06, LevelPrimitives::Nested).is_err());
         let other = PrimitiveModel { dim: 5, ..model() };

@@ -4,9 +4,20 @@ use crate::outline::FRAME;
 use sinew_body::flesh::Flesh;
 use sinew_body::frustum::Frustum;
 use sinew_body::{Error, KinematicTree, Plan};
+use sinew_core::part::{Part, PartTree, Partition};
 
 /// Most solids of a body: sets of them are bits of a word.
 pub const MOST_SOLIDS: usize = 32;
+
+/// The parts of a body that trackers choose one by one, and that image likelihoods judge: its solids, each with its coordinates.
+///
+/// # Errors
+/// Solids of which one has no coordinate of its own.
+pub fn part_tree(tree: &KinematicTree, flesh: &Flesh) -> Result<PartTree, sinew_core::Error> {
+    let parts = flesh.coordinates(tree).into_iter().map(|part| Part::new(part, tree.dof()));
+    let partition = Partition::new(parts.collect::<Result<_, _>>()?, tree.dof())?;
+    PartTree::new(partition, flesh.parents().to_vec())
+}
 
 /// Kinematics and solids of a body.
 #[derive(Clone, Debug)]

@@ -87,7 +87,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_saved_is_taken_again() {
+    fn saved_draws_are_restored() {
         for wanted in [0, 20] {
             let (handed, mut saved) = (Handed::of(&draws(50), 2, wanted), vec![]);
             handed.put(&mut saved, wanted);

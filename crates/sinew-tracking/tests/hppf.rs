@@ -99,7 +99,7 @@ fn a_moving_target_is_followed() {
 
 /// The trap of the global likelihood: particles that meet nothing are the heaviest, and are never the mode.
 #[test]
-fn what_meets_nothing_is_not_the_mode() {
+fn particles_that_meet_nothing_are_not_the_mode() {
     let mut tracker = tracker(200, Truncation::KeepOnceRefill);
     let mut strayed = 0;
     for frame in 0..20 {

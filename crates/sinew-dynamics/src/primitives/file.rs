@@ -147,7 +147,7 @@ mod tests {
     use crate::primitives::made_up::model;
 
     #[test]
-    fn what_is_written_is_read_bit_for_bit() {
+    fn models_are_read_bit_for_bit_as_written() {
         let mut learned = model();
         learned.noise_sd[0] = f64::from_bits(0x3fb9_9999_9999_999b);
         let text = write("m.json", &learned).expect("a learned model");

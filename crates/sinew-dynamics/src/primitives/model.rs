@@ -40,7 +40,7 @@ pub struct Cluster {
 }
 
 /// How the clustering went.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Clustering {
     /// Components that were requested.

@@ -209,16 +209,7 @@ mod tests {
         unit[0] = 1.0;
         let pca = Pca { mean: vec![0.2; past], components: unit, variances: vec![1.0], total: 1.0 };
         let transitions = (0..clusters * clusters).map(|k| usize::from(k % clusters == (k / clusters + 1) % clusters));
-        let clustering = Clustering {
-            requested: clusters,
-            components: clusters,
-            reseeded: 0,
-            iterations: 1,
-            converged: true,
-            log_likelihood: 0.0,
-            dim: 1,
-            share: 1.0,
-        };
+        let clustering = Clustering { requested: clusters, components: clusters, ..Clustering::default() };
         let primitives = Primitives {
             feature: FeatureVector { name: "body".into(), coordinates: (6..32).collect() },
             pca,

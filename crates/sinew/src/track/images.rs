@@ -12,14 +12,14 @@ use crate::results::silhouette_overlap::SilhouetteOverlap;
 use serde::{Deserialize, Serialize};
 use sinew_body::KinematicTree;
 use sinew_body::flesh::Flesh;
-use sinew_core::part::{Part, PartTree, Partition};
+use sinew_core::part::PartTree;
 use sinew_observe::bit_image::{BitImage, overlap};
 use sinew_observe::contour_map::contour_map;
 use sinew_observe::edges::{self, edge_map};
 use sinew_observe::image_likelihood::{Cues, ImageModel};
 use sinew_observe::image_score::precision_and_recall;
 use sinew_observe::soft_silhouette::SoftSilhouetteModel;
-use sinew_observe::solid_body::SolidBody;
+use sinew_observe::solid_body::{SolidBody, part_tree};
 use sinew_observe::{Camera, ObservationModel, WorkingRaster};
 use std::sync::Arc;
 
@@ -43,14 +43,6 @@ pub struct Images {
     /// Silhouettes of the current frame, in the working rasters.
     seen: Vec<Option<BitImage>>,
     state: ImageState,
-}
-
-/// The parts of a body that trackers choose one by one: the parts of its solids.
-pub(super) fn part_tree(tree: &KinematicTree, flesh: &Flesh) -> Result<PartTree, Error> {
-    let parts = flesh.coordinates(tree).into_iter().map(|part| Part::new(part, tree.dof()));
-    let partition = Partition::new(parts.collect::<Result<_, _>>().map_err(TrackError::Parts)?, tree.dof());
-    let partition = partition.map_err(TrackError::Parts)?;
-    Ok(PartTree::new(partition, flesh.parents().to_vec()).map_err(TrackError::Parts)?)
 }
 
 impl Images {
@@ -80,7 +72,7 @@ impl Images {
         Ok(Self {
             soft,
             names: cameras.iter().map(|camera| camera.name.clone()).collect(),
-            tree: part_tree(tree, &flesh)?,
+            tree: part_tree(tree, &flesh).map_err(TrackError::Parts)?,
             seen: vec![None; cameras.len()],
             state: ImageState { coverage: vec![SilhouetteOverlap::default(); cameras.len()], ..ImageState::default() },
             flesh,

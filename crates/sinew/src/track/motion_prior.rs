@@ -95,16 +95,7 @@ mod tests {
     fn model(body: &str, dim: usize) -> PrimitiveModel {
         let feature = FeatureVector { name: WHOLE_BODY.into(), coordinates: (6..dim).collect() };
         let pca = Pca { mean: vec![0.5; dim - 6], components: vec![], variances: vec![], total: 1.0 };
-        let clustering = Clustering {
-            requested: 1,
-            components: 1,
-            reseeded: 0,
-            iterations: 1,
-            converged: true,
-            log_likelihood: 0.0,
-            dim: 1,
-            share: 1.0,
-        };
+        let clustering = Clustering { requested: 1, components: 1, ..Clustering::default() };
         let primitives = vec![Primitives { feature, pca, clusters: vec![], transitions: vec![], clustering }];
         let state = body.to_owned();
         PrimitiveModel { state, dim, frame_rate: 20.0, length: 1, noise_sd: vec![0.1; dim], primitives }

@@ -14,7 +14,7 @@
 
 use super::describe::describe;
 use super::error::TrackError;
-use super::images::{self, ImageState, Images};
+use super::images::{ImageState, Images};
 use super::marginals::Marginals;
 use super::motion_prior::{motion_prior, turned_near};
 use super::predictive::Doubt;
@@ -37,6 +37,7 @@ use sinew_core::transition::Moments;
 use sinew_dynamics::motion_prior::MotionPrior;
 use sinew_formats::Layout;
 use sinew_observe::Camera;
+use sinew_observe::solid_body::part_tree;
 use sinew_tracking::posterior::Posterior;
 use sinew_tracking::{Harness, Resume as _, StepInfo, run};
 use std::ops::ControlFlow;
@@ -102,7 +103,7 @@ impl Pipeline {
         let images = image_cameras.map(with_flesh).transpose()?;
         let transition = motion_prior(setup, tree, &settings)?;
         let parts = match settings.method.about().needs_parts {
-            true => Some(images::part_tree(tree, &setup.flesh()?)?),
+            true => Some(part_tree(tree, &setup.flesh()?).map_err(TrackError::Parts)?),
             false => None,
         };
         let (method, isa, dt) = (settings.method.clone(), settings.isa, 1.0 / settings.fps);

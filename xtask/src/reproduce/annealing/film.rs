@@ -8,7 +8,7 @@ use crate::outcome::Outcome;
 use serde_json::{Value, json};
 use sinew::body::hppf24;
 use sinew::core::lanes::Isa;
-use sinew::core::part::{Part, PartTree, Partition};
+use sinew::core::part::PartTree;
 use sinew::core::random::Stage;
 use sinew::dynamics::random_walk::{Between, RandomWalk};
 use sinew::observe::ObservationModel as _;
@@ -16,7 +16,7 @@ use sinew::observe::bit_image::BitImage;
 use sinew::observe::contour_map::contour_map;
 use sinew::observe::image_likelihood::{Cues, ImageLikelihood, ImageModel};
 use sinew::observe::image_score::ImageScore;
-use sinew::observe::solid_body::SolidBody;
+use sinew::observe::solid_body::{SolidBody, part_tree};
 use sinew::samplers::annealed_search;
 use sinew::tracking::annealed::{self, Annealed};
 use sinew::tracking::bootstrap::{self, Bootstrap};
@@ -186,10 +186,7 @@ impl<'a> Film<'a> {
 
     fn parts(&self) -> Outcome<PartTree> {
         let tree = &self.walks.test.tree;
-        let flesh = hppf24::flesh(self.walks.test.scale);
-        let parts = flesh.coordinates(tree).into_iter().map(|part| Part::new(part, tree.dof()));
-        let partition = Partition::new(parts.collect::<Result<_, _>>()?, tree.dof())?;
-        Ok(PartTree::new(partition, flesh.parents().to_vec())?)
+        Ok(part_tree(tree, &hppf24::flesh(self.walks.test.scale))?)
     }
 
     /// Tracks the walk of a seed with a score and returns errors frame by frame.

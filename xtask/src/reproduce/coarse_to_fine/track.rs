@@ -14,7 +14,6 @@ use sinew::body::flesh::Flesh;
 use sinew::body::hppf24;
 use sinew::core::density::{LogDensity as _, PartLogDensity as _};
 use sinew::core::lanes::{Block, Isa};
-use sinew::core::part::{Part, PartTree, Partition};
 use sinew::core::random::Stage;
 use sinew::dynamics::random_walk::{Between, RandomWalk};
 use sinew::observe::ObservationModel as _;
@@ -23,7 +22,7 @@ use sinew::observe::contour_map::contour_map;
 use sinew::observe::image_likelihood::{Cues, ImageLikelihood, ImageModel};
 use sinew::observe::image_score::{ImageScore, precision_and_recall};
 use sinew::observe::own_contours::{self, OwnContours};
-use sinew::observe::solid_body::SolidBody;
+use sinew::observe::solid_body::{SolidBody, part_tree};
 use sinew::samplers::annealed_search;
 use sinew::samplers::grid::GridAxis;
 use sinew::tracking::coarse_to_fine::{self, CoarseToFine};
@@ -90,14 +89,6 @@ enum Running {
     Still(Vec<f64>, usize),
 }
 
-/// Parts of the body with their coordinates.
-fn part_tree(scene: &Scene) -> Outcome<PartTree> {
-    let flesh = hppf24::cylinders(scene.scale);
-    let parts = flesh.coordinates(&scene.tree).into_iter().map(|part| Part::new(part, scene.tree.dof()));
-    let partition = Partition::new(parts.collect::<Result<_, _>>()?, scene.tree.dof())?;
-    Ok(PartTree::new(partition, flesh.parents().to_vec())?)
-}
-
 impl Running {
     fn new(contender: &Contender, scene: &Scene, seen: &Seen, isa: Isa) -> Outcome<Self> {
         let start = scene.truth[0].clone();
@@ -107,11 +98,17 @@ impl Running {
         Ok(match contender.method {
             Method::CoarseToFine { coarse, fine, judging, snapped } => {
                 let config = coarse_to_fine::Config { coarse, fine, drift: DRIFT, snapped, judging };
-                Self::CoarseToFine(Box::new(CoarseToFine::new(config, axes, part_tree(scene)?, start, isa)?))
+                Self::CoarseToFine(Box::new(CoarseToFine::new(
+                    config,
+                    axes,
+                    part_tree(&scene.tree, &seen.flesh)?,
+                    start,
+                    isa,
+                )?))
             }
             Method::OwnContours { coarse, fine, judging } => {
                 let config = coarse_to_fine::Config { coarse, fine, drift: DRIFT, snapped: true, judging };
-                let tracker = CoarseToFine::new(config, axes, part_tree(scene)?, start, isa)?;
+                let tracker = CoarseToFine::new(config, axes, part_tree(&scene.tree, &seen.flesh)?, start, isa)?;
                 let models = own_contours::alone(&seen.model, &scene.tree, &seen.flesh)?;
                 Self::OwnContours(Box::new(tracker), models)
             }
@@ -123,7 +120,12 @@ impl Running {
             }
             Method::Partitioned(particles) => {
                 let config = partitioned::Config { particles, ..partitioned::Config::default() };
-                Self::Other(Box::new(partitioned::Partitioned::new(config, walk, part_tree(scene)?, start)?))
+                Self::Other(Box::new(partitioned::Partitioned::new(
+                    config,
+                    walk,
+                    part_tree(&scene.tree, &seen.flesh)?,
+                    start,
+                )?))
             }
             Method::Truth => Self::Still(start, scene.tree.dof()),
             Method::Frozen => Self::Still(start, 0),

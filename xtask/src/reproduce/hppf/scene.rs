@@ -4,10 +4,9 @@
 
 use super::motions::RATE_HZ;
 use crate::outcome::Outcome;
-use sinew::body::flesh::Flesh;
 use sinew::body::{KinematicTree, hppf24};
 use sinew::core::lanes::Isa;
-use sinew::core::part::{Part, PartTree, Partition};
+use sinew::core::part::PartTree;
 use sinew::observe::Camera;
 use sinew::observe::ObservationModel as _;
 use sinew::observe::bit_image::BitImage;
@@ -15,7 +14,7 @@ use sinew::observe::contour_map::contour_map;
 use sinew::observe::girth::{FittedGirth, Sight, fit_girth};
 use sinew::observe::image_likelihood::{Cues, ImageLikelihood, ImageModel};
 use sinew::observe::image_score::ImageScore;
-use sinew::observe::solid_body::SolidBody;
+use sinew::observe::solid_body::{SolidBody, part_tree};
 use sinew_motion::follow::{NamedBody, follow};
 use sinew_motion::points::Trajectories;
 use sinew_simulate::footage::SyntheticFootage;
@@ -85,11 +84,4 @@ impl Seen {
         };
         self.model.bind(self.masks[frame].iter().map(|mask| Some(cues(mask))).collect())
     }
-}
-
-/// Parts of the body with their coordinates.
-fn part_tree(tree: &KinematicTree, flesh: &Flesh) -> Outcome<PartTree> {
-    let parts = flesh.coordinates(tree).into_iter().map(|part| Part::new(part, tree.dof()));
-    let partition = Partition::new(parts.collect::<Result<_, _>>()?, tree.dof())?;
-    Ok(PartTree::new(partition, flesh.parents().to_vec())?)
 }
