@@ -31,7 +31,7 @@ pub(super) enum Motion {
     Combo,
     /// One walk.
     Walk,
-    /// A person and motion that training lacks: climbing.
+    /// A person and motion that training lacks: forward jumps.
     Unseen1,
     /// Another: martial arts.
     Unseen2,
