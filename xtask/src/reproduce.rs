@@ -5,6 +5,7 @@ mod choo_fleet;
 mod claim;
 mod coarse_to_fine;
 mod hppf;
+mod interval_tally;
 
 use clap::{Args as ClapArgs, Subcommand};
 use std::path::Path;

@@ -8,6 +8,7 @@
 
 use super::film::annealed;
 use crate::outcome::Outcome;
+use crate::reproduce::interval_tally::Tally;
 use serde_json::{Value, json};
 use sinew::core::lanes::Isa;
 use sinew::core::random::Stage;
@@ -15,12 +16,8 @@ use sinew::tracking::annealed::{self, Annealed};
 use sinew::tracking::bootstrap::{self, Bootstrap};
 use sinew::tracking::hmc_filter::{self, HmcFilter};
 use sinew::tracking::{Error, Tracker};
-use sinew_tests::evaluation::weighted_places::{is_inside, spreads, weighted_places};
-use sinew_tests::finding::mean_and_error;
 use sinew_tests::linear_series::{Series, Sight, deviations};
 
-/// Nominal levels.
-pub(super) const LEVELS: [f64; 4] = [0.5, 0.8, 0.9, 0.95];
 /// Dimensions of the state.
 pub(super) const DIMS: [usize; 3] = [2, 6, 10];
 /// Frames of a series.
@@ -61,22 +58,12 @@ pub(super) fn contenders(particles: usize) -> Vec<(String, Contender)> {
 
 /// One series: shares inside at each level, spread over the exact one, distance of the mean from the exact one.
 fn one(series: &Series, tracker: &mut impl Tracker<Sight>, stage: &Stage) -> Result<[f64; 6], Error> {
-    let d = series.dim;
-    let mut sums = [0.0; 6];
+    let mut tally = Tally::default();
     for ((frame, truth), exact) in series.truth.iter().enumerate().zip(series.kalman()) {
         tracker.step(&series.sight(frame), stage.round(0).at_frame(frame as u32))?;
-        let posterior = tracker.posterior();
-        let (mean, sd) = (posterior.mean(), deviations(&exact.filtered));
-        let (below, spread) = (weighted_places(&posterior, truth), spreads(&posterior, &mean));
-        for j in 0..d {
-            for (sum, level) in sums.iter_mut().zip(LEVELS) {
-                *sum += f64::from(u8::from(is_inside(below[j], level)));
-            }
-            sums[4] += spread[j] / sd[j];
-            sums[5] += ((mean[j] - exact.filtered.mean[j]) / sd[j]).powi(2);
-        }
+        tally.add(&tracker.posterior(), truth, &exact.filtered.mean, &deviations(&exact.filtered));
     }
-    Ok(sums.map(|sum| sum / (d * series.truth.len()) as f64))
+    Ok(tally.row())
 }
 
 /// One contender on all series of a dimension: a row a series.
@@ -111,13 +98,4 @@ pub(super) fn cell(contender: &Contender, dim: usize, runs: usize, seed: u64, is
         rows.push(row.to_vec());
     }
     Ok(json!(rows))
-}
-
-/// Means and standard errors of the columns of the rows; the last is the root of the mean square.
-pub(super) fn summary(rows: &[Vec<f64>]) -> Vec<[f64; 2]> {
-    let column = |k: usize| {
-        let [mean, error] = mean_and_error(&rows.iter().map(|row| row[k]).collect::<Vec<_>>());
-        if k == 5 { [mean.sqrt(), 0.5 * error / mean.sqrt()] } else { [mean, error] }
-    };
-    (0..6).map(column).collect()
 }

@@ -1,11 +1,12 @@
 //! Figures: coverage against what was promised, particles against parts, errors on the film along the sweeps.
 
-use super::coverage::{LEVELS, SHOWN};
+use super::coverage::SHOWN;
 use super::expectations::errors;
 use super::film::{LAYERS, Method, SCORES, SURVIVALS, annealed};
 use super::study::{Part, Study};
 use crate::chart::{BLUE, GREEN, GREY, Line, Names, ORANGE, PURPLE, finish, panel_with};
 use crate::outcome::Outcome;
+use crate::reproduce::interval_tally::LEVELS;
 use plotters::prelude::*;
 use sinew_tests::finding::mean_and_error;
 use std::path::Path;

@@ -3,6 +3,7 @@
 use super::film::{Film, Method, Row, SCORES};
 use super::{coverage, partitions, schemes};
 use crate::outcome::Outcome;
+use crate::reproduce::interval_tally;
 use crate::store::{Store, Task, rows, run_all};
 use clap::ValueEnum;
 use serde_json::Value;
@@ -109,7 +110,7 @@ impl Study {
 
     /// Means with errors of the columns of [`coverage`].
     pub(super) fn covered(&self, name: &str, dim: usize) -> Outcome<Vec<[f64; 2]>> {
-        Ok(coverage::summary(&rows(self.value(&format!("coverage/{dim}/{name}"))?)))
+        Ok(interval_tally::summary(&rows(self.value(&format!("coverage/{dim}/{name}"))?)))
     }
 
     /// Particles and evaluations of parts that are needed for 1, 2, … parts, `at_once` or `apart`.

@@ -1,11 +1,11 @@
 //! What was found, as Markdown, CSV and JSON.
 
-use super::coverage::LEVELS;
 use super::expectations::{Expectation, errors};
 use super::film::SCORES;
 use super::schemes::{CASES, SCHEMES, over_multinomial};
 use super::study::{Part, Study};
 use crate::outcome::Outcome;
+use crate::reproduce::interval_tally::LEVELS;
 use crate::store::numbers;
 use serde_json::{Value, json};
 use sinew_tests::finding::mean_and_error;

@@ -1,9 +1,10 @@
 //! The paper's claims HP1–HP9, judged by criteria that were fixed before any run, on the level `normal`.
 
-use super::contender::{CLUSTERS, Contender, LENGTHS, Method, Motion, REFERENCES, SUBSETS, USUAL, hppf};
+use super::contender::{CLUSTERS, Contender, LENGTHS, Method, Motion, REFERENCES, SUBSETS, USUAL, hppf, on};
 use super::results::{Mean, Results};
+use super::scene::View;
 use super::study::Study;
-use super::tables::{is_realised, on};
+use super::tables::is_realised;
 use crate::outcome::Outcome;
 use crate::reproduce::claim::Claim;
 
@@ -80,7 +81,7 @@ fn particles(results: &Results<'_>, study: &Study) -> Outcome<Claim> {
 }
 
 fn with(cameras: &'static [usize]) -> Contender {
-    Contender { cameras, ..on(USUAL, Motion::Walk) }
+    Contender { view: View { cameras, ..View::USUAL }, ..on(USUAL, Motion::Walk) }
 }
 
 fn cameras(results: &Results<'_>) -> Outcome<Claim> {
@@ -135,12 +136,16 @@ fn unseen(results: &Results<'_>) -> Outcome<Claim> {
 }
 
 fn against(results: &Results<'_>, id: &'static str, paper: &'static str, other: Method) -> Outcome<Claim> {
-    let [value, high] = results.difference(&on(USUAL, Motion::Combo), &on(other, Motion::Combo))?;
+    let [value, high] = results.difference_over_trials(USUAL, other)?;
+    let [combo, combo_high] = results.difference(&on(USUAL, Motion::Combo), &on(other, Motion::Combo))?;
     Ok(Claim {
         id,
         paper,
-        ours: format!("hppf − {}: {value:+.1} mm (bound {high:+.1})", other.name()),
-        criterion: "relative error lower, paired, one-sided 95 % bound below 0",
+        ours: format!(
+            "hppf − {}: {value:+.1} mm over the test trials (bound {high:+.1}); CMB {combo:+.1} ({combo_high:+.1})",
+            other.name()
+        ),
+        criterion: "relative error lower on the test trials, paired, one-sided 95 % bound over trials below 0",
         pass: high < 0.0,
         direction: value < 0.0,
     })

@@ -1,5 +1,7 @@
 //! Who is compared: the cells of the paper's tables, the reference rows, ablations and opponents.
 
+use super::motions::TEST_TRIALS;
+use super::scene::{CueSet, Person, View};
 use sinew::dynamics::level_walk::LevelPrimitives;
 use sinew_simulate::segmentation_noise::Level;
 
@@ -8,10 +10,14 @@ use sinew_simulate::segmentation_noise::Level;
 pub(super) enum Method {
     /// With action primitives of `length` D from at most `clusters` C clusters.
     Primitives { particles: usize, length: usize, clusters: usize, which: LevelPrimitives },
+    /// As [`USUAL`] with another way of resampling, by which this share of the particles, in hundredths, survives.
+    Systematic(u8),
     /// The same walk down the parts, at random.
     Walk(usize),
     /// No partitions: a bootstrap filter on the product of the parts' likelihoods.
     Bootstrap(usize),
+    /// The same by action primitives of the whole body.
+    WholeBody(usize),
     /// Annealed search in five layers on the same.
     Annealed(usize),
     /// Partitioned sampling on the same.
@@ -35,9 +41,19 @@ pub(super) enum Motion {
     Unseen1,
     /// Another: martial arts.
     Unseen2,
+    /// A test trial by itself, by its number in [`TEST_TRIALS`].
+    Trial(usize),
 }
 
+/// What the paper's tables track.
+pub(super) const PRINTED: [Motion; 4] = [Motion::Combo, Motion::Walk, Motion::Unseen1, Motion::Unseen2];
+
 impl Motion {
+    /// All motions of the study.
+    pub(super) fn all() -> Vec<Self> {
+        PRINTED.into_iter().chain((0..TEST_TRIALS.len()).map(Self::Trial)).collect()
+    }
+
     /// Its name in tables and keys.
     pub(super) const fn name(self) -> &'static str {
         match self {
@@ -45,6 +61,15 @@ impl Motion {
             Self::Walk => "W",
             Self::Unseen1 => "UNS 01_01",
             Self::Unseen2 => "UNS 135_06",
+            Self::Trial(number) => TEST_TRIALS[number].name,
+        }
+    }
+
+    /// First frame that is judged: after the longest history, so that every D has its own on the same frames; of short trials, which one D tracks, after that one's.
+    pub(super) const fn first(self) -> usize {
+        match self {
+            Self::Trial(_) => USUAL_MODEL.0,
+            _ => LENGTHS[2],
         }
     }
 }
@@ -54,13 +79,9 @@ impl Motion {
 pub(super) struct Contender {
     pub(super) method: Method,
     pub(super) motion: Motion,
-    /// Numbers of the cameras.
-    pub(super) cameras: &'static [usize],
-    pub(super) level: Level,
+    pub(super) view: View,
 }
 
-/// All cameras.
-pub(super) const ALL: &[usize] = &[0, 1, 2, 3];
 /// Cameras of Table 3.
 pub(super) const SUBSETS: [&[usize]; 4] = [&[0, 1, 2], &[0, 1], &[0], &[1]];
 
@@ -69,9 +90,6 @@ pub(super) const LENGTHS: [usize; 3] = [3, 15, 25];
 pub(super) const CLUSTERS: [usize; 4] = [20, 60, 80, 100];
 /// Rows of Table 2.
 pub(super) const PARTICLES: [usize; 5] = [50, 100, 200, 500, 1000];
-
-/// First frame that is judged, so that every D has its history on the same frames.
-pub(super) const FIRST: usize = LENGTHS[2];
 
 const LAYERS: usize = 5;
 /// Parts, of which one body has ten and the walk judges 1 + 6 + 10.
@@ -91,12 +109,29 @@ pub(super) const USUAL: Method = hppf(200, USUAL_MODEL.0, USUAL_MODEL.1);
 pub(super) const OWN_PARTS: Method =
     Method::Primitives { particles: 200, length: 3, clusters: 80, which: LevelPrimitives::OwnParts };
 /// Opponents at about the evaluations of [`USUAL`].
-pub(super) const OPPONENTS: [Method; 4] =
-    [Method::Walk(200), Method::Bootstrap(540), Method::Annealed(108), Method::Partitioned(270)];
+pub(super) const OPPONENTS: [Method; 5] = [
+    Method::Walk(200),
+    Method::WholeBody(540),
+    Method::Bootstrap(540),
+    Method::Annealed(108),
+    Method::Partitioned(270),
+];
+/// Other ways of resampling.
+pub(super) const RESAMPLING: [Method; 2] = [Method::Systematic(80), Method::Systematic(100)];
 
-const fn on(method: Method, motion: Motion) -> Contender {
-    Contender { method, motion, cameras: ALL, level: Level::Normal }
+/// A method on a motion with the usual view.
+pub(super) const fn on(method: Method, motion: Motion) -> Contender {
+    Contender { method, motion, view: View::USUAL }
 }
+
+/// What is seen in the ablations of CMB: other noise, other cues, and the tracker's own body as the person.
+pub(super) const VIEWS: [View; 5] = [
+    View { level: Level::Clean, ..View::USUAL },
+    View { level: Level::Hard, ..View::USUAL },
+    View { cues: CueSet::Silhouette, ..View::USUAL },
+    View { cues: CueSet::WithColour, ..View::USUAL },
+    View { person: Person::Tracked, ..View::USUAL },
+];
 
 /// Reference rows of a motion.
 pub(super) const REFERENCES: [Method; 3] = [Method::MeanPose, Method::Frozen, Method::Truth];
@@ -106,15 +141,17 @@ pub(super) fn all() -> Vec<Contender> {
     let combo = |method| on(method, Motion::Combo);
     let table_1 = LENGTHS.into_iter().flat_map(|d| CLUSTERS.map(|c| combo(hppf(200, d, c))));
     let table_2 = PARTICLES.map(|particles| combo(hppf(particles, 3, 80)));
-    let table_3 = SUBSETS.map(|cameras| Contender { cameras, ..on(USUAL, Motion::Walk) });
-    let motions = [Motion::Combo, Motion::Walk, Motion::Unseen1, Motion::Unseen2];
-    let table_4 = motions
+    let table_3 = SUBSETS.map(|cameras| Contender { view: View { cameras, ..View::USUAL }, ..on(USUAL, Motion::Walk) });
+    let table_4 = PRINTED
         .into_iter()
         .flat_map(|motion| [&[USUAL][..], &REFERENCES].concat().into_iter().map(move |m| on(m, motion)));
-    let beside = OPPONENTS.into_iter().chain([OWN_PARTS]).map(combo);
-    let levels = [Level::Clean, Level::Hard].map(|level| Contender { level, ..combo(USUAL) });
+    let beside = OPPONENTS.into_iter().chain(RESAMPLING).chain([OWN_PARTS]).map(combo);
+    let views = VIEWS.map(|view| Contender { view, ..combo(USUAL) });
+    let trials = (0..TEST_TRIALS.len()).flat_map(|k| {
+        [&[USUAL][..], &OPPONENTS, &REFERENCES].concat().into_iter().map(move |method| on(method, Motion::Trial(k)))
+    });
     let mut distinct: Vec<Contender> = vec![];
-    for contender in table_4.chain(table_1).chain(table_2).chain(table_3).chain(beside).chain(levels) {
+    for contender in table_4.chain(table_1).chain(table_2).chain(table_3).chain(beside).chain(views).chain(trials) {
         if !distinct.contains(&contender) {
             distinct.push(contender);
         }
@@ -130,8 +167,10 @@ impl Method {
                 let own = if *which == LevelPrimitives::OwnParts { ", own parts" } else { "" };
                 format!("hppf P = {particles}, D = {length}, C = {clusters}{own}")
             }
+            Self::Systematic(share) => format!("{}, systematic of the best {share} %", USUAL.name()),
             Self::Walk(n) => format!("hppf P = {n}, random walk"),
             Self::Bootstrap(n) => format!("bootstrap {n}"),
+            Self::WholeBody(n) => format!("bootstrap {n}, action primitives"),
             Self::Annealed(n) => format!("annealed {n} x {LAYERS}"),
             Self::Partitioned(n) => format!("partitioned {n}"),
             Self::Truth => "true pose".into(),
@@ -144,7 +183,8 @@ impl Method {
     pub(super) const fn evaluations(self) -> usize {
         match self {
             Self::Primitives { particles, .. } | Self::Walk(particles) => particles * (WALKED + PARTS),
-            Self::Bootstrap(n) => n * PARTS,
+            Self::Systematic(_) => USUAL.evaluations(),
+            Self::Bootstrap(n) | Self::WholeBody(n) => n * PARTS,
             Self::Annealed(n) => n * PARTS * LAYERS,
             Self::Partitioned(n) => n * 2 * PARTS,
             Self::Truth | Self::MeanPose | Self::Frozen => 0,
@@ -155,8 +195,8 @@ impl Method {
 impl Contender {
     /// The name of its result with a seed.
     pub(super) fn key(&self, seed: u64) -> String {
-        let level = Level::ALL.iter().find(|(_, of)| *of == self.level).map_or("", |(name, _)| name);
-        format!("{}/{level}/{:?}/{seed}/{}", self.motion.name(), self.cameras, self.method.name())
+        let trial = if matches!(self.motion, Motion::Trial(_)) { "trial " } else { "" };
+        format!("{trial}{}/{}/{seed}/{}", self.motion.name(), self.view.name(), self.method.name())
     }
 }
 
@@ -170,7 +210,7 @@ mod tests {
         let mut keys: Vec<String> = all.iter().map(|contender| contender.key(1)).collect();
         keys.sort();
         keys.dedup();
-        assert_eq!((keys.len(), all.len()), (42, 42));
+        assert_eq!((keys.len(), all.len()), (174, 174));
         assert_eq!(USUAL.evaluations(), 5400);
         assert!(OPPONENTS.iter().all(|opponent| opponent.evaluations() == 5400));
     }

@@ -63,6 +63,24 @@ pub(super) const PILOT: [Recording; 2] = [cmu("07_05", "07"), subject_35("run_03
 /// The test walk of the tables.
 pub(super) const TEST_WALK: Recording = cmu("07_01", "07");
 
+/// All test trials: walks, runs and balancing.
+pub(super) const TEST_TRIALS: [Recording; 14] = [
+    TEST_WALK,
+    cmu("07_04", "07"),
+    cmu("07_07", "07"),
+    cmu("07_09", "07"),
+    subject_35("walk_13"),
+    subject_35("walk_14"),
+    subject_35("walk_15"),
+    subject_35("walk_16"),
+    cmu("09_06", "09"),
+    subject_35("run_06"),
+    subject_35("run_07"),
+    subject_35("run_08"),
+    subject_35("run_09"),
+    cmu("49_18", "49"),
+];
+
 /// People and motions that training lacks.
 pub(super) const UNSEEN: [Recording; 2] = [cmu("01_01", "01"), cmu("135_06", "135")];
 

@@ -6,7 +6,7 @@
 use super::contender::Method;
 use super::models::Training;
 use super::motions::{PILOT, RATE_HZ, TRAINING};
-use super::scene::{Scene, Seen};
+use super::scene::{Scene, Seen, View};
 use super::track::level_walk;
 use super::worth::{Errors, errors, kept, mean, mean_poses};
 use crate::outcome::Outcome;
@@ -24,7 +24,7 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 const SEEDS: u64 = 3;
-const CAMERAS: [usize; 4] = [0, 1, 2, 3];
+const VIEW: View = View { level: Level::Clean, ..View::USUAL };
 /// Action primitives of the pilot: the paper's usual D and C.
 const LENGTH: usize = 3;
 const CLUSTERS: usize = 80;
@@ -156,7 +156,7 @@ pub(super) fn pilot(data: &Path, folder: &Path, only: Option<&str>) -> Outcome<S
         for (name, found) in [("mean pose", &mean_pose), ("first pose", &frozen)] {
             let _ = writeln!(text, "| {name} | {} | | | | | |", row(std::slice::from_ref(found), &mean_pose));
         }
-        let seen = (1..=SEEDS).map(|seed| Seen::new(&scene, &CAMERAS, Level::Clean, 0, seed, Isa::best()));
+        let seen = (1..=SEEDS).map(|seed| Seen::new(&scene, &VIEW, 0, seed, Isa::best()));
         let seen = seen.collect::<Outcome<Vec<_>>>()?;
         for seen in &seen {
             println!("{}: {:?}", scene.name, seen.girth);

@@ -1,6 +1,7 @@
 //! What stored cells say: means over frames with their errors over seeds.
 
-use super::contender::Contender;
+use super::contender::{Contender, Method, Motion, on};
+use super::motions::TEST_TRIALS;
 use super::worth::{Errors, kept, mean};
 use crate::outcome::Outcome;
 use crate::store::{Store, numbers};
@@ -12,8 +13,9 @@ use std::ops::Range;
 /// Frames of a block of the bootstrap: 1 s.
 const BLOCK: usize = 20;
 const REPLICATES: usize = 2000;
-/// One-sided 95 % of a normal distribution, in standard errors.
+/// One-sided 95 % in standard errors: of a normal distribution, and of Student's with a degree of freedom for all test trials but one.
 const ONE_SIDED: f64 = 1.645;
+const OVER_TRIALS: f64 = 1.771;
 
 /// Finished cells of some seeds.
 #[derive(Clone, Copy)]
@@ -61,6 +63,31 @@ impl Results<'_> {
             None => mean(series),
         };
         Ok(Mean::of(&all.iter().map(of).collect::<Vec<f64>>()))
+    }
+
+    /// Mean over frames and seeds of a quantity in each test trial.
+    fn by_trial(&self, method: Method, path: &str) -> Outcome<Vec<f64>> {
+        let trial = |k| Ok(self.mean(&on(method, Motion::Trial(k)), path, None)?.value);
+        (0..TEST_TRIALS.len()).map(trial).collect()
+    }
+
+    /// Mean over the test trials, each with the same weight; the error is over trials.
+    pub(super) fn over_trials(&self, method: Method, path: &str) -> Outcome<Mean> {
+        Ok(Mean::of(&self.by_trial(method, path)?))
+    }
+
+    /// How many runs of the test trials keep the person, of how many.
+    pub(super) fn trials_kept(&self, method: Method) -> Outcome<[usize; 2]> {
+        let kept = |k| Ok(self.kept(&on(method, Motion::Trial(k)))?.1);
+        let kept = (0..TEST_TRIALS.len()).map(kept).collect::<Outcome<Vec<usize>>>()?;
+        Ok([kept.iter().sum(), kept.len() * self.seeds as usize])
+    }
+
+    /// Mean difference of the relative errors of two methods, paired by trial, and the upper end of its one-sided 95 % interval over trials.
+    pub(super) fn difference_over_trials(&self, a: Method, b: Method) -> Outcome<[f64; 2]> {
+        let (a, b) = (self.by_trial(a, "/relative")?, self.by_trial(b, "/relative")?);
+        let Mean { value, error } = Mean::of(&a.iter().zip(b).map(|(a, b)| a - b).collect::<Vec<f64>>());
+        Ok([value, value + OVER_TRIALS * error])
     }
 
     /// Milliseconds a frame.

@@ -4,9 +4,11 @@
 
 use super::motions::RATE_HZ;
 use crate::outcome::Outcome;
+use sinew::body::flesh::Flesh;
 use sinew::body::{KinematicTree, hppf24};
 use sinew::core::lanes::Isa;
 use sinew::core::part::PartTree;
+use sinew::core::random::Stage;
 use sinew::observe::Camera;
 use sinew::observe::ObservationModel as _;
 use sinew::observe::bit_image::BitImage;
@@ -19,8 +21,55 @@ use sinew_motion::follow::{NamedBody, follow};
 use sinew_motion::points::Trajectories;
 use sinew_simulate::footage::SyntheticFootage;
 use sinew_simulate::ring::Ring;
-use sinew_simulate::segmentation_noise::Level;
+use sinew_simulate::segmentation_noise::{Level, segmented};
 use std::sync::Arc;
+
+/// What the likelihood of a part looks at.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum CueSet {
+    Silhouette,
+    WithEdges,
+    /// Silhouette, edges, and colours as each part has them in the pose that tracking starts from.
+    WithColour,
+}
+
+/// Who is before the cameras.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Person {
+    /// The evaluation body, which shares no shape with the tracker's.
+    Dressed,
+    /// The tracker's own body at the fitted true pose: the inverse crime.
+    Tracked,
+}
+
+/// How a motion is seen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct View {
+    /// Numbers of the cameras.
+    pub(super) cameras: &'static [usize],
+    pub(super) level: Level,
+    pub(super) cues: CueSet,
+    pub(super) person: Person,
+}
+
+impl View {
+    /// All cameras, `normal` errors, silhouettes and their edges.
+    pub(super) const USUAL: Self =
+        Self { cameras: &[0, 1, 2, 3], level: Level::Normal, cues: CueSet::WithEdges, person: Person::Dressed };
+
+    /// Its name in tables and keys.
+    pub(super) fn name(&self) -> String {
+        let level = Level::ALL.iter().find(|(_, level)| *level == self.level).map_or("", |(name, _)| name);
+        let cameras: Vec<String> = self.cameras.iter().map(|camera| format!("C{}", camera + 1)).collect();
+        let cues = match self.cues {
+            CueSet::Silhouette => ", silhouette alone",
+            CueSet::WithEdges => "",
+            CueSet::WithColour => ", with colour",
+        };
+        let person = if self.person == Person::Tracked { ", own body seen" } else { "" };
+        format!("{} {level}{cues}{person}", cameras.join(" "))
+    }
+}
 
 /// A motion at the tracked rate.
 pub(super) struct Scene {
@@ -45,43 +94,57 @@ impl Scene {
 
 /// What cameras see of a person, frame by frame, with the tracker's body before them.
 pub(super) struct Seen {
-    masks: Vec<Vec<BitImage>>,
+    /// By frame and camera.
+    cues: Vec<Vec<Cues>>,
     pub(super) model: ImageModel,
     pub(super) parts: PartTree,
     pub(super) girth: FittedGirth,
 }
 
 impl Seen {
-    /// Draws a person and the errors of a level; `cameras` are their numbers in the ring, `start` the frame whose pose is known.
-    pub(super) fn new(
-        scene: &Scene,
-        cameras: &[usize],
-        level: Level,
-        start: usize,
-        seed: u64,
-        isa: Isa,
-    ) -> Outcome<Self> {
+    /// Draws a person and the errors of a level; `start` is the frame whose pose is known.
+    pub(super) fn new(scene: &Scene, view: &View, start: usize, seed: u64, isa: Isa) -> Outcome<Self> {
         let footage = SyntheticFootage::new(scene.motion.clone(), RATE_HZ, &Ring::SMALL_PICTURES, seed)?;
-        let views: Vec<Camera> = cameras.iter().map(|&camera| footage.cameras[camera].clone()).collect();
-        let frame = |frame| cameras.iter().map(|&camera| footage.mask(camera, frame, level)).collect();
-        let masks: Vec<Vec<BitImage>> = (0..scene.truth.len()).map(frame).collect();
+        let cameras: Vec<Camera> = view.cameras.iter().map(|&camera| footage.cameras[camera].clone()).collect();
         let usual = hppf24::flesh_on(&scene.tree)?;
-        let silhouettes = masks[start].iter().cloned().map(Some).collect();
+        let model = |flesh: &Flesh| -> Outcome<ImageModel> {
+            let (body, cameras) = (Arc::new(SolidBody::new(&scene.tree, flesh)?), cameras.clone());
+            Ok(ImageModel { body, cameras, score: ImageScore::Parts, colours: Arc::default(), isa })
+        };
+        let own = model(&usual)?;
+        let masks = |frame: usize| -> Vec<BitImage> {
+            let stage = |camera| Stage::new(seed, "own body").round(camera).at_frame(frame as u32);
+            match view.person {
+                Person::Dressed => view.cameras.iter().map(|&k| footage.mask(k, frame, view.level)).collect(),
+                Person::Tracked => {
+                    let silhouettes = own.silhouettes(&scene.truth[frame]).into_iter().zip(view.cameras);
+                    silhouettes.map(|(whole, &k)| segmented(&whole, None, view.level, stage(k))).collect()
+                }
+            }
+        };
+        let with_picture = view.cues == CueSet::WithColour;
+        let cues = |frame: usize| -> Vec<Cues> {
+            let seen = masks(frame).into_iter().zip(view.cameras).map(|(silhouette, &camera)| Cues {
+                edges: (view.cues != CueSet::Silhouette).then(|| contour_map(&silhouette)),
+                picture: with_picture.then(|| footage.picture(camera, frame)),
+                silhouette,
+            });
+            seen.collect()
+        };
+        let cues: Vec<Vec<Cues>> = (0..scene.truth.len()).map(cues).collect();
+        let silhouettes = cues[start].iter().map(|cues| Some(cues.silhouette.clone())).collect();
         let first = Sight { state: scene.truth[start].clone(), silhouettes };
-        let girth = fit_girth(&scene.tree, &usual, &views, &[first])?;
+        let girth = fit_girth(&scene.tree, &usual, &cameras, &[first])?;
         let flesh = girth.girth.applied(&usual);
-        let body = Arc::new(SolidBody::new(&scene.tree, &flesh)?);
-        let model = ImageModel { body, cameras: views, score: ImageScore::Parts, colours: Arc::default(), isa };
-        Ok(Self { masks, parts: part_tree(&scene.tree, &flesh)?, model, girth })
+        let mut model = model(&flesh)?;
+        let pictures = cues[start].iter().filter_map(|cues| cues.picture.as_ref()).enumerate();
+        model.colours =
+            Arc::new(pictures.map(|(camera, seen)| model.colours_of(camera, &scene.truth[start], seen)).collect());
+        Ok(Self { cues, parts: part_tree(&scene.tree, &flesh)?, model, girth })
     }
 
     /// The likelihood of a frame.
     pub(super) fn bind(&self, frame: usize) -> ImageLikelihood {
-        let cues = |silhouette: &BitImage| Cues {
-            edges: Some(contour_map(silhouette)),
-            silhouette: silhouette.clone(),
-            picture: None,
-        };
-        self.model.bind(self.masks[frame].iter().map(|mask| Some(cues(mask))).collect())
+        self.model.bind(self.cues[frame].iter().cloned().map(Some).collect())
     }
 }

@@ -1,8 +1,8 @@
 //! All cells of the study, with what they share: motions, models and pictures.
 
-use super::contender::{Contender, FIRST, Method, Motion, USUAL_MODEL};
+use super::contender::{Contender, Method, Motion, USUAL_MODEL};
 use super::models::Training;
-use super::motions::{RATE_HZ, TEST_WALK, TRAINING, UNSEEN};
+use super::motions::{RATE_HZ, Recording, TEST_TRIALS, TEST_WALK, UNSEEN};
 use super::scene::{Scene, Seen};
 use super::track;
 use crate::outcome::Outcome;
@@ -10,7 +10,6 @@ use crate::store::{Store, Task, run_all};
 use sinew::core::lanes::Isa;
 use sinew::dynamics::primitives::model::PrimitiveModel;
 use sinew::files::{FNV_START, fnv};
-use sinew_simulate::segmentation_noise::Level;
 use sinew_tests::recorded_motion::recorded_combo;
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -18,10 +17,10 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 /// Raised with every change of what a cell computes.
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 
-/// Frames of a single trial that are taken at most: ten seconds after the history.
-const LONGEST: usize = FIRST + 200;
+/// Frames of a single trial that are judged at most: ten seconds.
+const LONGEST: usize = 200;
 
 /// Values that the first cell makes which needs them.
 type Shared<T> = Mutex<BTreeMap<String, Arc<OnceLock<T>>>>;
@@ -49,20 +48,30 @@ fn shared<T>(all: &Shared<T>, name: &str, make: impl FnOnce() -> Outcome<T>) -> 
 }
 
 impl Study {
-    /// Reads the recordings and follows them.
-    pub(super) fn new(data: &Path, folder: &Path) -> Outcome<Self> {
-        let combo = recorded_combo(&data.join("cmu_amc"), RATE_HZ)?;
-        let ends: Vec<usize> = combo.phases.iter().map(|phase| phase.frames.end).collect();
-        let sets = [0, 1, 2].map(|k: usize| 0..ends.get(k).copied().unwrap_or(FIRST).saturating_sub(FIRST));
-        let mut scenes = BTreeMap::from([(Motion::Combo, Scene::new("CMB", combo.motion)?)]);
-        for (motion, recording) in
-            [Motion::Walk, Motion::Unseen1, Motion::Unseen2].into_iter().zip([TEST_WALK, UNSEEN[0], UNSEEN[1]])
-        {
+    /// Reads what is learned from and what is tracked, and makes the body follow it.
+    pub(super) fn new(data: &Path, folder: &Path, training: &[Recording], motions: &[Motion]) -> Outcome<Self> {
+        let (mut scenes, mut sets) = (BTreeMap::new(), [const { 0..0 }; 3]);
+        for &motion in motions {
+            let recording = match motion {
+                Motion::Combo => {
+                    let combo = recorded_combo(&data.join("cmu_amc"), RATE_HZ)?;
+                    let first = motion.first();
+                    for (set, phase) in sets.iter_mut().zip(&combo.phases) {
+                        *set = 0..phase.frames.end.saturating_sub(first);
+                    }
+                    scenes.insert(motion, Scene::new(motion.name(), combo.motion)?);
+                    continue;
+                }
+                Motion::Walk => TEST_WALK,
+                Motion::Unseen1 => UNSEEN[0],
+                Motion::Unseen2 => UNSEEN[1],
+                Motion::Trial(number) => TEST_TRIALS[number],
+            };
             let mut joints = recording.joints(data, RATE_HZ)?;
-            joints.frames.truncate(LONGEST);
+            joints.frames.truncate(motion.first() + LONGEST);
             scenes.insert(motion, Scene::new(recording.name, joints)?);
         }
-        let training = Training::new(data, &TRAINING)?;
+        let training = Training::new(data, training)?;
         let (models, seen) = (Mutex::default(), Mutex::default());
         Ok(Self { folder: folder.into(), training, scenes, sets, models, seen, isa: Isa::best() })
     }
@@ -97,10 +106,10 @@ impl Study {
     }
 
     fn run(&self, contender: &Contender, seed: u64) -> Outcome<serde_json::Value> {
-        let Contender { motion, cameras, level, method } = *contender;
+        let Contender { motion, view, method } = *contender;
         let scene = self.scene(motion);
-        let name = format!("{} {cameras:?} {level:?} {seed}", motion.name());
-        let seen = shared(&self.seen, &name, || Seen::new(scene, cameras, level, FIRST - 1, seed, self.isa))?;
+        let name = format!("{motion:?} {} {seed}", view.name());
+        let seen = shared(&self.seen, &name, || Seen::new(scene, &view, motion.first() - 1, seed, self.isa))?;
         let seen = seen.get().ok_or("no pictures were drawn")?;
         track::cell(scene, seen, contender, (&self.model(method)?, &self.training.mean_pose), seed)
     }
@@ -124,9 +133,4 @@ impl Study {
         }
         Ok(())
     }
-}
-
-/// Name of a level.
-pub(super) fn level_name(level: Level) -> &'static str {
-    Level::ALL.iter().find(|(_, of)| *of == level).map_or("", |(name, _)| name)
 }

@@ -1,18 +1,14 @@
 //! The paper's four tables and those beside them.
 
 use super::contender::{
-    ALL, CLUSTERS, Contender, LENGTHS, Method, Motion, OPPONENTS, OWN_PARTS, PARTICLES, REFERENCES, SUBSETS, USUAL,
-    hppf,
+    CLUSTERS, Contender, LENGTHS, Method, Motion, OPPONENTS, OWN_PARTS, PARTICLES, PRINTED, REFERENCES, RESAMPLING,
+    SUBSETS, USUAL, VIEWS, hppf, on,
 };
 use super::results::Results;
-use super::study::{Study, level_name};
+use super::scene::View;
+use super::study::Study;
 use crate::outcome::Outcome;
-use sinew_simulate::segmentation_noise::Level;
 use std::fmt::Write as _;
-
-pub(super) const fn on(method: Method, motion: Motion) -> Contender {
-    Contender { method, motion, cameras: ALL, level: Level::Normal }
-}
 
 /// Least number of clusters over the feature vectors of a model, and its windows.
 pub(super) fn clusters(study: &Study, method: Method) -> Outcome<(usize, usize)> {
@@ -68,7 +64,7 @@ pub(super) fn table_3(results: &Results<'_>) -> Outcome<String> {
         "| cameras | relative, mm | absolute, mm | first camera, relative, px | absolute | second camera, relative | absolute |\n|---|---|---|---|---|---|---|\n",
     );
     for cameras in SUBSETS {
-        let contender = Contender { cameras, ..on(USUAL, Motion::Walk) };
+        let contender = Contender { view: View { cameras, ..View::USUAL }, ..on(USUAL, Motion::Walk) };
         let names: Vec<String> = cameras.iter().map(|camera| format!("C{}", camera + 1)).collect();
         let mut row = format!("| {} |", names.join(", "));
         for (path, decimals) in [
@@ -112,7 +108,7 @@ fn whole(results: &Results<'_>, name: &str, contender: &Contender) -> Outcome<St
 /// Table 4: the usual setting on all motions, with the reference rows.
 pub(super) fn table_4(results: &Results<'_>) -> Outcome<String> {
     let mut out = String::from(WHOLE);
-    for motion in [Motion::Combo, Motion::Walk, Motion::Unseen1, Motion::Unseen2] {
+    for motion in PRINTED {
         for method in [&[USUAL][..], &REFERENCES].concat() {
             out += &whole(results, &format!("{}: {}", motion.name(), method.name()), &on(method, motion))?;
         }
@@ -120,15 +116,36 @@ pub(super) fn table_4(results: &Results<'_>) -> Outcome<String> {
     Ok(out)
 }
 
-/// Ablations, opponents at equal evaluations, and other levels of noise, on CMB.
+/// Ablations, opponents at equal evaluations, and other views, on CMB.
 pub(super) fn beside(results: &Results<'_>) -> Outcome<String> {
     let mut out = String::from(WHOLE);
-    for method in [&[USUAL, OWN_PARTS][..], &OPPONENTS].concat() {
+    for method in [&[USUAL, OWN_PARTS][..], &RESAMPLING, &OPPONENTS].concat() {
         out += &whole(results, &method.name(), &on(method, Motion::Combo))?;
     }
-    for level in [Level::Clean, Level::Hard] {
-        let contender = Contender { level, ..on(USUAL, Motion::Combo) };
-        out += &whole(results, &format!("{}, {}", USUAL.name(), level_name(level)), &contender)?;
+    for view in VIEWS {
+        let contender = Contender { view, ..on(USUAL, Motion::Combo) };
+        out += &whole(results, &format!("{}, {}", USUAL.name(), view.name()), &contender)?;
+    }
+    Ok(out)
+}
+
+/// The usual setting, its opponents and the reference rows on the test trials: means over trials, errors over trials.
+pub(super) fn trials(results: &Results<'_>) -> Outcome<String> {
+    let mut out = String::from(
+        "| | relative, mm | absolute, mm | kept runs | usual − this, relative, mm (upper 95 %) |\n|---|---|---|---|---|\n",
+    );
+    for method in [&[USUAL][..], &OPPONENTS, &REFERENCES].concat() {
+        let [relative, absolute] = ["/relative", "/absolute"].map(|path| results.over_trials(method, path));
+        let [kept, of] = results.trials_kept(method)?;
+        let [value, high] = results.difference_over_trials(USUAL, method)?;
+        let difference = if method == USUAL { String::new() } else { format!("{value:+.1} ({high:+.1})") };
+        let _ = writeln!(
+            out,
+            "| {} | {} | {} | {kept} of {of} | {difference} |",
+            method.name(),
+            relative?.shown(0),
+            absolute?.shown(0)
+        );
     }
     Ok(out)
 }

@@ -1,8 +1,8 @@
 //! One cell: a contender over all frames with one seed.
 //!
-//! All contenders of a motion are judged on the same frames, from frame [`FIRST`] on. The paper's tracker has D true poses before them as the history that its action primitives need.
+//! All contenders of a motion are judged on the same frames, from [`Motion::first`](super::contender::Motion::first) on. The paper's tracker has D true poses before them as the history that its action primitives need.
 
-use super::contender::{Contender, FIRST, Method};
+use super::contender::{Contender, Method, USUAL_MODEL};
 use super::motions::RATE_HZ;
 use super::scene::{Scene, Seen};
 use super::worth::{errors, mean_poses};
@@ -10,14 +10,17 @@ use crate::outcome::Outcome;
 use serde_json::{Value, json};
 use sinew::body::hppf24;
 use sinew::core::random::Stage;
-use sinew::core::transition::MotionModel as _;
+use sinew::core::transition::MotionModel;
 use sinew::dynamics::joint_ranges::JointRanges;
-use sinew::dynamics::level_walk::LevelWalk;
+use sinew::dynamics::level_walk::{LevelPrimitives, LevelWalk};
 use sinew::dynamics::primitives::model::PrimitiveModel;
+use sinew::dynamics::primitives::motion::PrimitiveMotion;
 use sinew::dynamics::random_walk::{Between, RandomWalk};
 use sinew::observe::Camera;
 use sinew::observe::image_likelihood::ImageLikelihood;
 use sinew::samplers::annealed_search;
+use sinew::samplers::levels::Selection;
+use sinew::samplers::resample::Truncation;
 use sinew::tracking::{Tracker, annealed, bootstrap, hppf, partitioned};
 use sinew_motion::points::{Trajectories, points_of_states};
 use std::time::Instant;
@@ -39,13 +42,21 @@ pub(super) fn level_walk(
     let walk = LevelWalk::new(seen.parts.clone(), sd.clone(), sd, seen.model.isa)?
         .with_angles_from(FIRST_ANGLE)
         .with_ranges(JointRanges::new(hppf24::ranges().to_vec())?)?;
-    let Method::Primitives { length, which, .. } = method else { return Ok(walk) };
+    let (length, which) = match method {
+        Method::Primitives { length, which, .. } => (length, which),
+        Method::Systematic(_) => (USUAL_MODEL.0, LevelPrimitives::Nested),
+        _ => return Ok(walk),
+    };
     let mut walk = walk.with_primitives(&scaled, 1.0 / RATE_HZ, which)?;
-    let from = history.len().saturating_sub(length);
-    for (k, pose) in history.iter().enumerate().skip(from) {
-        walk.follow(k.checked_sub(1).map(|before| &history[before][..]), pose);
-    }
+    follow_history(&mut walk, history, length);
     Ok(walk)
+}
+
+/// Shows a motion the last `length` poses of a history.
+fn follow_history(motion: &mut impl MotionModel, history: &[Vec<f64>], length: usize) {
+    for (k, pose) in history.iter().enumerate().skip(history.len().saturating_sub(length)) {
+        motion.follow(k.checked_sub(1).map(|before| &history[before][..]), pose);
+    }
 }
 
 type Running = Box<dyn Tracker<ImageLikelihood>>;
@@ -59,11 +70,28 @@ fn tracker(
 ) -> Outcome<Option<Running>> {
     let (sd, isa) = (&model.noise_sd, seen.model.isa);
     let random = || RandomWalk::new(sd, 1.0, Between::Mixture, isa);
+    let walked = |config| -> Outcome<Running> {
+        Ok(Box::new(hppf::Hppf::new(
+            config,
+            level_walk(seen, model, method, 1.0, history)?,
+            &seen.parts,
+            start.clone(),
+        )?))
+    };
     Ok(Some(match method {
         Method::Primitives { particles, .. } | Method::Walk(particles) => {
-            let motion = level_walk(seen, model, method, 1.0, history)?;
-            let config = hppf::Config { particles, ..hppf::Config::default() };
-            Box::new(hppf::Hppf::new(config, motion, &seen.parts, start)?)
+            walked(hppf::Config { particles, ..hppf::Config::default() })?
+        }
+        Method::Systematic(share) => {
+            let selection =
+                Selection { truncation: Truncation::TruncateThenSystematic, surviving: 0.01 * f64::from(share) };
+            walked(hppf::Config { selection, ..hppf::Config::default() })?
+        }
+        Method::WholeBody(particles) => {
+            let mut motion = PrimitiveMotion::new(model, "body", 1.0 / RATE_HZ, isa)?;
+            follow_history(&mut motion, history, model.length);
+            let config = bootstrap::Config { particles, ..bootstrap::Config::default() };
+            Box::new(bootstrap::Bootstrap::new(config, motion, start)?)
         }
         Method::Bootstrap(particles) => {
             let config = bootstrap::Config { particles, ..bootstrap::Config::default() };
@@ -115,12 +143,14 @@ pub(super) fn cell(
     (model, mean_pose): (&PrimitiveModel, &[f64]),
     seed: u64,
 ) -> Outcome<Value> {
-    let (history, judged) = scene.truth.split_at(FIRST);
-    let mut running = tracker(contender.method, model, seen, history, history[FIRST - 1].clone())?;
+    let first = contender.motion.first();
+    let (history, judged) = scene.truth.split_at(first);
+    let start = &history[first - 1];
+    let mut running = tracker(contender.method, model, seen, history, start.clone())?;
     let (mut estimates, mut seconds) = (Vec::with_capacity(judged.len()), 0.0);
     let means = mean_poses(scene, mean_pose);
     let purpose = format!("hppf {}", contender.method.name());
-    for (frame, truth) in judged.iter().enumerate().map(|(k, truth)| (FIRST + k, truth)) {
+    for (frame, truth) in judged.iter().enumerate().map(|(k, truth)| (first + k, truth)) {
         let clock = Instant::now();
         estimates.push(match (&mut running, contender.method) {
             (Some(running), _) => {
@@ -128,13 +158,13 @@ pub(super) fn cell(
             }
             (None, Method::Truth) => truth.clone(),
             (None, Method::MeanPose) => means[frame].clone(),
-            (None, _) => scene.truth[FIRST - 1].clone(),
+            (None, _) => start.clone(),
         });
         seconds += clock.elapsed().as_secs_f64();
     }
-    let found = errors(scene, &estimates, FIRST);
-    let mean_pose_errors = errors(scene, &means[FIRST..], FIRST);
-    let truth = Trajectories { names: scene.motion.names.clone(), frames: scene.motion.frames[FIRST..].to_vec() };
+    let found = errors(scene, &estimates, first);
+    let mean_pose_errors = errors(scene, &means[first..], first);
+    let truth = Trajectories { names: scene.motion.names.clone(), frames: scene.motion.frames[first..].to_vec() };
     let points = points_of_states(&scene.tree, &estimates);
     let pixels: Vec<Value> = seen
         .model
