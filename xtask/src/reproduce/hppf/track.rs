@@ -3,6 +3,7 @@
 //! All contenders of a motion are judged on the same frames, from frame [`FIRST`] on. The paper's tracker has D true poses before them as the history that its action primitives need.
 
 use super::contender::{Contender, FIRST, Method};
+use super::figures;
 use super::motions::RATE_HZ;
 use super::scene::{Scene, Seen};
 use super::worth::{errors, mean_poses};
@@ -117,14 +118,18 @@ pub(super) fn cell(
 ) -> Outcome<Value> {
     let (history, judged) = scene.truth.split_at(FIRST);
     let mut running = tracker(contender.method, model, seen, history, history[FIRST - 1].clone())?;
-    let (mut estimates, mut seconds) = (Vec::with_capacity(judged.len()), 0.0);
+    let (mut estimates, mut actions, mut seconds) = (Vec::with_capacity(judged.len()), vec![], 0.0);
     let means = mean_poses(scene, mean_pose);
     let purpose = format!("hppf {}", contender.method.name());
     for (frame, truth) in judged.iter().enumerate().map(|(k, truth)| (FIRST + k, truth)) {
         let clock = Instant::now();
         estimates.push(match (&mut running, contender.method) {
             (Some(running), _) => {
-                running.step(&seen.bind(frame), Stage::new(seed, &purpose).at_frame(frame as u32))?.mean
+                let info = running.step(&seen.bind(frame), Stage::new(seed, &purpose).at_frame(frame as u32))?;
+                if figures::is_drawn(contender, seed) {
+                    actions.push(figures::stored(&info.choices));
+                }
+                info.mean
             }
             (None, Method::Truth) => truth.clone(),
             (None, Method::MeanPose) => means[frame].clone(),
@@ -146,12 +151,16 @@ pub(super) fn cell(
             json!({ "absolute": rounded(&absolute), "relative": rounded(&relative) })
         })
         .collect();
-    Ok(json!({
+    let mut cell = json!({
         "absolute": rounded(&found.absolute),
         "relative": rounded(&found.relative),
         "limbs": rounded(&found.limbs),
         "mean_pose_limbs": rounded(&mean_pose_errors.limbs),
         "pixels": pixels,
         "ms": 1e3 * seconds / judged.len() as f64,
-    }))
+    });
+    if !actions.is_empty() {
+        cell["actions"] = actions.into();
+    }
+    Ok(cell)
 }
