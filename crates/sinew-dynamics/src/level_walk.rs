@@ -396,7 +396,7 @@ mod tests {
             walk.sample_level_block(0, &before, &mut next, &mut choices, &mut Stage::new(1, "choices").block(block));
             assert_eq!(choices[1], [0; LANES], "its level has not come");
             for (lane, number) in choices[0].into_iter().enumerate() {
-                let (cluster, branch) = Choice::of_number(number);
+                let (cluster, branch) = Choice::from_number(number);
                 let stayed = next[1].0[lane] == AT[1];
                 assert_eq!((cluster, stayed), (Some(nearest), branch == Branch::Walk));
                 counts[branch as usize] += 1.0;

@@ -1,4 +1,4 @@
-//! What goes with each part of the states: its values in the frame before, and how the motion moved it.
+//! What goes with a part of some states: its values before, and how the motion moved it.
 //!
 //! Kept beside the states while a frame moves and resamples them part by part ([`crate::levels`]); no part of what a tracker remembers.
 
@@ -27,13 +27,13 @@ impl Origins {
     #[must_use]
     pub fn shares(&self) -> Vec<Vec<(u32, f64)>> {
         let count = self.before.count();
-        let of_part = |part: usize| {
+        let counted = |part: usize| {
             let mut found: BTreeMap<u32, usize> = BTreeMap::new();
             let numbers = self.choices.iter().skip(part).step_by(self.parts).flatten().take(count);
             numbers.for_each(|number| *found.entry(*number).or_default() += 1);
             found.into_iter().map(|(number, states)| (number, states as f64 / count as f64)).collect()
         };
-        (0..self.parts).map(of_part).collect()
+        (0..self.parts).map(counted).collect()
     }
 
     /// Gives each state what goes with some parts of its ancestor, which have these coordinates.

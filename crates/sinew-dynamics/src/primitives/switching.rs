@@ -60,7 +60,7 @@ impl Choice {
 
     /// The cluster, where there was one, and the model that a number stands for.
     #[must_use]
-    pub const fn of_number(number: u32) -> (Option<usize>, Branch) {
+    pub const fn from_number(number: u32) -> (Option<usize>, Branch) {
         match (number as usize).checked_sub(1) {
             None => (None, Branch::Walk),
             Some(number) => (Some(number / Branch::ALL.len()), Branch::ALL[number % Branch::ALL.len()]),
@@ -264,11 +264,11 @@ mod tests {
 
     #[test]
     fn choices_have_numbers_of_their_own() {
-        assert_eq!(Choice::of_number(0), (None, Branch::Walk));
+        assert_eq!(Choice::from_number(0), (None, Branch::Walk));
         let all = (0..100).flat_map(|cluster| Branch::ALL.map(|branch| Choice { cluster, branch }));
         for (place, choice) in all.enumerate() {
             assert_eq!(choice.number() as usize, place + 1);
-            assert_eq!(Choice::of_number(choice.number()), (Some(choice.cluster), choice.branch));
+            assert_eq!(Choice::from_number(choice.number()), (Some(choice.cluster), choice.branch));
         }
     }
 

@@ -1,4 +1,4 @@
-//! `actions.csv`: which cluster and which of the switching models moved each part of the body, by share of the particles.
+//! `actions.csv`: which cluster and model moved each part of the body, by share of the particles.
 //!
 //! | a row is | columns |
 //! |---|---|

@@ -72,11 +72,11 @@ pub(super) fn describe(
 /// The choices of the motion, part by part, by their meaning.
 fn actions(choices: &[Vec<(u32, f64)>]) -> Vec<ActionShare> {
     let meaning = |part: usize, number: u32, share: f64| {
-        let (cluster, model) = Choice::of_number(number);
+        let (cluster, model) = Choice::from_number(number);
         ActionShare { part, cluster, model, share }
     };
-    let of_part = |(part, choices): (usize, &Vec<(u32, f64)>)| {
+    let meanings = |(part, choices): (usize, &Vec<(u32, f64)>)| {
         choices.iter().map(|&(number, share)| meaning(part, number, share)).collect::<Vec<_>>()
     };
-    choices.iter().enumerate().flat_map(of_part).collect()
+    choices.iter().enumerate().flat_map(meanings).collect()
 }

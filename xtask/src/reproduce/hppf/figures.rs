@@ -24,15 +24,15 @@ pub(super) fn is_drawn(contender: &Contender, seed: u64) -> bool {
 
 /// The shares of each part in a frame, in thousandths.
 pub(super) fn stored(choices: &[Vec<(u32, f64)>]) -> Value {
-    let of_part = |choices: &Vec<(u32, f64)>| {
+    let part = |choices: &Vec<(u32, f64)>| {
         let mut shares = Shares::new();
         for &(number, share) in choices {
-            let (cluster, model) = Choice::of_number(number);
+            let (cluster, model) = Choice::from_number(number);
             add_share(&mut shares, cluster, model, share);
         }
         shares.into_iter().map(|(by, share)| json!([by, (1e3 * share).round()])).collect::<Value>()
     };
-    choices.iter().map(of_part).collect()
+    choices.iter().map(part).collect()
 }
 
 /// The trace that [`stored`] frames are, of the parts of a body.
