@@ -7,6 +7,7 @@ mod filter_priors;
 mod mutants;
 mod outcome;
 mod picture;
+mod processor_time;
 mod reproduce;
 mod silhouettes;
 mod soak;

@@ -58,8 +58,8 @@ pub(crate) enum Error {
         /// What to give.
         help: &'static str,
     },
-    /// A picture of something other than one motion model.
-    #[error("only one motion model at a time can be drawn")]
+    /// A picture of something other than one motion model or the actions of one run.
+    #[error("only one motion model or `actions.csv` at a time can be drawn")]
     NothingToDraw,
     /// A file that would be written over while it is read.
     #[error("{} is both input and output", .0.display())]
@@ -162,7 +162,7 @@ impl Error {
             Self::ForeignFlag { .. } => "leave it out, or put it after the command that it belongs to",
             Self::NoKeypointsToRead { .. } => "give the keypoint folder too, or leave the flag out",
             Self::InputIsOutput(_) => "write to another file",
-            Self::NothingToDraw => "give one file of `sinew learn`, or leave `-o` out",
+            Self::NothingToDraw => "give one file of `sinew learn` or of a run with `--method hppf`, or leave `-o` out",
             Self::SkeletonOfWalk => "`--skeleton` belongs to .amc files; leave it out",
             Self::TooManyFrames(_) => "ask for less with `--duration` or `--fps`",
             Self::NoFrames => "ask for more with `--duration` or `--fps`",

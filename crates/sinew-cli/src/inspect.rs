@@ -12,8 +12,8 @@ use serde_json::json;
 use sinew::input::recording::{Recording, RecordingOptions};
 use sinew::results::error::Occupied;
 use sinew::results::write_whole;
-use sinew_tools::inspect::{Facts, Subject, file_facts, fit, model_picture, subjects};
-use std::path::Path;
+use sinew_tools::inspect::{Facts, Subject, file_facts, fit, model_picture, picture_of_actions, subjects};
+use std::path::{Path, PathBuf};
 
 /// Runs the command.
 pub(crate) fn run(args: &InspectArgs, general: &General, report: &Report) -> Result<Ended, Error> {
@@ -57,20 +57,27 @@ pub(crate) fn run(args: &InspectArgs, general: &General, report: &Report) -> Res
     Ok(Ended::Done)
 }
 
-/// Draws the motion model among the files.
+/// Draws the motion model or the actions among the files; a motion beside actions is the truth.
 fn draw(subjects: &[Subject], out: &Path, force: bool) -> Result<(), Error> {
-    let mut models =
-        subjects.iter().filter_map(|subject| if let Subject::MotionModel(path) = subject { Some(path) } else { None });
-    let (Some(model), None) = (models.next(), models.next()) else {
+    let drawn: Vec<&Subject> =
+        subjects.iter().filter(|subject| matches!(subject, Subject::MotionModel(_) | Subject::Actions(_))).collect();
+    let [Subject::MotionModel(path) | Subject::Actions(path)] = drawn[..] else {
         return Err(Error::NothingToDraw);
     };
+    let truth = subjects.iter().find_map(|subject| if let Subject::Motion(path) = subject { Some(path) } else { None });
     if out.exists() && !force {
         return Err(sinew::Error::OutputExists { path: out.to_owned(), found: Occupied::File }.into());
     }
-    if out.canonicalize().is_ok_and(|out| model.canonicalize().is_ok_and(|model| model == out)) {
-        return Err(Error::InputIsOutput(model.clone()));
+    let is_out =
+        |path: &&PathBuf| out.canonicalize().is_ok_and(|out| path.canonicalize().is_ok_and(|path| path == out));
+    if let Some(input) = [Some(path), truth].into_iter().flatten().find(is_out) {
+        return Err(Error::InputIsOutput(input.clone()));
     }
-    Ok(write_whole(out, model_picture(model)?.as_bytes())?)
+    let picture = match drawn[0] {
+        Subject::Actions(_) => picture_of_actions(path, truth.map(PathBuf::as_path))?,
+        _ => model_picture(path)?,
+    };
+    Ok(write_whole(out, picture.as_bytes())?)
 }
 
 /// How to read the keypoints, from all sources of settings.

@@ -11,11 +11,13 @@ use super::table::{aligned, columns};
 use super::threads::with_threads;
 use serde_json::json;
 use sinew::config::{Sources, resolve};
+use sinew::dynamics::primitives::learning::LearningProgress;
 use sinew::dynamics::primitives::summary::{PredictionErrors, PrimitiveSummary};
 use sinew_motion::follow::NamedBody;
 use sinew_tools::learn::sequences::FileFit;
 use sinew_tools::learn::{LearnPhase, LearnRequest, LearnWatch, Learned, learn};
 use std::path::Path;
+use std::sync::{Mutex, PoisonError};
 
 /// Runs the command.
 pub(crate) fn run(args: &PrimitivesArgs, general: &General, report: &Report) -> Result<Ended, Error> {
@@ -35,26 +37,36 @@ pub(crate) fn run(args: &PrimitivesArgs, general: &General, report: &Report) -> 
         seed: config.tracking.seed,
     };
     let stop = interrupt::flag("the feature vector");
-    let mut current: Option<(LearnPhase, Progress)> = None;
+    let current: Mutex<Option<(LearnPhase, Progress)>> = Mutex::new(None);
+    let shown = || current.lock().unwrap_or_else(PoisonError::into_inner);
     let mut progress = |phase, done, total| {
+        let mut current = shown();
         if !current.as_ref().is_some_and(|(known, _)| *known == phase) {
             let (what, unit) = match phase {
                 LearnPhase::Follow => ("fitting", "files"),
                 LearnPhase::Learn => ("learning", "vectors"),
             };
             // The bar before is cleared first.
-            current = None;
-            current = Some((phase, Progress::counting(general, what, unit, total)));
+            *current = None;
+            *current = Some((phase, Progress::counting(general, what, unit, total)));
         }
-        if let Some((_, progress)) = &mut current {
+        if let Some((_, progress)) = &mut *current {
             progress.at(done);
         }
     };
+    let mut before = 0.0;
+    let mut iteration = |at: &LearningProgress<'_>| {
+        // The first of a feature vector has none before it.
+        if let (1.., Some((_, progress))) = (at.iteration, &*shown()) {
+            progress.iteration(at.feature, at.iteration, ((at.log_likelihood - before) / before).abs());
+        }
+        before = at.log_likelihood;
+    };
     let learned = with_threads(&config, || {
-        let mut watch = LearnWatch { progress: &mut progress, stop: &stop };
+        let mut watch = LearnWatch { progress: &mut progress, iteration: &mut iteration, stop: &stop };
         learn(&request, Path::new(out), general.force, &mut watch)
     })?;
-    drop(current);
+    *shown() = None;
     report.warnings(&learned.warnings);
     if learned.model.is_none() {
         let [done, all] = learned.done;

@@ -6,6 +6,9 @@ use sinew::track::job::RunPhase;
 use std::fmt;
 use std::io::{self, IsTerminal as _, Write as _};
 
+/// Iterations from one line in a log to the next.
+const LOGGED: usize = 20;
+
 /// Progress of one pass over frames.
 pub(crate) enum Progress {
     /// Nothing is shown.
@@ -42,11 +45,29 @@ impl Progress {
         Self::Bar(bar(ProgressDrawTarget::stderr(), what, unit, total))
     }
 
+    /// An iteration on the thing at hand, from 1 on, changed what it works towards by that share.
+    pub(crate) fn iteration(&self, of: &str, iteration: usize, change: f64) {
+        match self {
+            Self::Silent => {}
+            Self::Bar(bar) => bar.set_message(format!(" iteration {iteration}: {change:.0e}")),
+            Self::Lines { what, .. } if iteration.is_multiple_of(LOGGED) => {
+                let _ = writeln!(
+                    io::stderr(),
+                    "{what}: {of}, iteration {iteration}, log likelihood changed by {change:.0e}"
+                );
+            }
+            Self::Lines { .. } => {}
+        }
+    }
+
     /// `done` of them are done.
     pub(crate) fn at(&mut self, done: u64) {
         match self {
             Self::Silent => {}
-            Self::Bar(bar) => advance(bar, done),
+            Self::Bar(bar) => {
+                bar.set_message("");
+                advance(bar, done);
+            }
             Self::Lines { what, unit, total, shown } => {
                 let tenths = (10 * done).checked_div(*total).unwrap_or(10);
                 if tenths > *shown {
@@ -70,7 +91,7 @@ impl Drop for Progress {
 fn bar(target: ProgressDrawTarget, what: &'static str, unit: &str, total: u64) -> ProgressBar {
     let bar = ProgressBar::with_draw_target(Some(total), target);
     // A template that does not parse falls back to indicatif's own bar.
-    let template = format!("{{prefix:13}} {{wide_bar}} {{pos}}/{{len}} {unit} {{rate:>7}} {{eta:>4}} left");
+    let template = format!("{{prefix:13}} {{wide_bar}} {{pos}}/{{len}} {unit} {{rate:>7}} {{eta:>4}} left{{msg}}");
     if let Ok(style) = ProgressStyle::with_template(&template) {
         let rate = |state: &ProgressState, out: &mut dyn fmt::Write| {
             let _ = write!(out, "{}", rate(state.per_sec()));
@@ -189,6 +210,19 @@ mod tests {
             let rate = text.split_once("/s").map_or("", |(before, _)| before.rsplit(' ').next().unwrap());
             assert!(rate.len() <= 4, "{text}");
         }
+    }
+
+    #[test]
+    fn a_bar_fits_eighty_columns_with_its_iteration() {
+        let screen = Screen::default();
+        let bar = bar(ProgressDrawTarget::term_like_with_hz(Box::new(screen.clone()), 255), "learning", "vectors", 14);
+        advance(&bar, 10);
+        let progress = Progress::Bar(bar.clone());
+        progress.iteration("l_upper_arm", 137, 1.234e-5);
+        bar.tick();
+        let drawn = screen.0.lock().unwrap().concat();
+        assert!(drawn.contains("10/14 vectors") && drawn.contains("left iteration 137: 1e-5"), "{drawn}");
+        assert!(screen.0.lock().unwrap().iter().all(|text| text.trim_end().chars().count() <= 80), "{drawn}");
     }
 
     #[test]

@@ -101,6 +101,7 @@ fn write(folder: &Path, steps: usize) -> Result<usize, Error> {
         first_frame: 0,
         draws: 1,
         carried: Default::default(),
+        acting_parts: vec!["torso".into()],
         seed: 1,
         isa: "baseline".into(),
         cameras: calib_toml::read("Calib.toml", CALIBRATION)?.cameras,

@@ -64,6 +64,21 @@ fn a_model_is_learned_reported_inspected_and_drawn() {
 }
 
 #[test]
+fn learning_shows_its_iterations_unless_it_is_quiet() {
+    let trial = walks();
+    let stderr = |more: &[&str]| {
+        let output = trial.run(&[&LEARN[..6], &["-omodel.json", "--force"], more].concat());
+        assert!(output.status.success(), "{}", trial.printed(&output));
+        String::from_utf8(output.stderr).unwrap()
+    };
+    let shown = stderr(&["--clusters", "20"]);
+    assert!(shown.contains("learning: body, iteration 20, log likelihood changed by "), "{shown}");
+    assert!(shown.contains("learning: 100 % (1 of 1 vectors)"), "{shown}");
+    assert_eq!(stderr(&["--clusters", "20", "-q"]), "");
+    assert_eq!(stderr(&["--clusters", "20", "--no-progress"]), "");
+}
+
+#[test]
 fn unusable_motion_is_refused() {
     let trial = walks();
     let printed = |arguments: &[&str]| trial.printed(&trial.run(arguments));

@@ -4,7 +4,7 @@
 //! frame, given a cloud of draws of the frame before, asks for [`Predict`]: how the cloud is summarised (a mixture, a Gaussian) is a value of the transition.
 
 use crate::density::GradLogDensity;
-use crate::lanes::Block;
+use crate::lanes::{Block, LANES};
 use crate::part::Part;
 use crate::random::BlockRng;
 
@@ -70,12 +70,23 @@ pub trait PartTransition: Transition {
     }
 }
 
+/// By which of a motion's ways one part of eight states was moved: numbers that the motion gives a meaning, 0 where it has one way only.
+pub type Choices = [u32; LANES];
+
 /// A motion that moves a state level by level down a tree of parts: the parts of one depth, and slightly those above them.
 ///
 /// What one frame moves in all is no transition with a density: a coordinate may be moved at several levels, and later ones may overwrite what earlier ones set.
 pub trait LevelMotion: MotionModel {
-    /// Moves one level of eight states; `before` are the states of the frame before, whose parts went with the parts of `next`.
-    fn sample_level_block(&self, level: usize, before: &[Block], next: &mut [Block], rng: &mut BlockRng);
+    /// Moves one level of eight states; `before` are the states of the frame before, whose parts went with the parts of `next`. A motion that has several ways to move a part sets the number of the one it took
+    /// in `choices`, of each part it moved by itself.
+    fn sample_level_block(
+        &self,
+        level: usize,
+        before: &[Block],
+        next: &mut [Block],
+        choices: &mut [Choices],
+        rng: &mut BlockRng,
+    );
 
     /// Standard deviations of the random walk of each coordinate: what counts as near.
     fn step_sd(&self) -> &[f64];

@@ -18,12 +18,12 @@ use crate::Error;
 use crate::joint_ranges::JointRanges;
 use crate::primitives::model::PrimitiveModel;
 use crate::primitives::motion::check_rate;
-use crate::primitives::switching::{Branch, Switching};
+use crate::primitives::switching::{Branch, Choice, Switching};
 use core::f64::consts::TAU;
-use sinew_core::lanes::{Block, Isa};
+use sinew_core::lanes::{Block, Isa, LANES};
 use sinew_core::part::PartTree;
 use sinew_core::random::BlockRng;
-use sinew_core::transition::{LevelMotion, MotionModel};
+use sinew_core::transition::{Choices, LevelMotion, MotionModel};
 
 /// Steps of the parts above a level, in units of B.
 pub const TUNED: f64 = 0.2;
@@ -41,6 +41,8 @@ pub enum LevelPrimitives {
 /// A part at its level.
 #[derive(Clone, Debug)]
 struct Moved {
+    /// Its number.
+    part: usize,
     /// Its own coordinates.
     own: Vec<usize>,
     /// The coordinates of the feature vector that moves it, and its models.
@@ -89,7 +91,7 @@ impl LevelWalk {
         let dim = tree.coordinates(&all).len();
         check("standard deviation", &sd, dim)?;
         check("initial sd", &initial_sd, dim)?;
-        let moved = |&part: &usize| Moved { own: tree.coordinates(&[part]), primitives: None };
+        let moved = |&part: &usize| Moved { part, own: tree.coordinates(&[part]), primitives: None };
         let levels = by_depth.iter().map(|parts| parts.iter().map(moved).collect()).collect();
         let above = (0..by_depth.len()).map(|level| tree.coordinates(&by_depth[..level].concat())).collect();
         let (ranges, turning) = (JointRanges::none(dim), vec![false; dim]);
@@ -169,15 +171,19 @@ impl LevelWalk {
         }
     }
 
-    fn move_part(&self, moved: &Moved, before: &[Block], next: &mut [Block], rng: &mut BlockRng) {
+    /// Moves a part, and says how.
+    fn move_part(&self, moved: &Moved, before: &[Block], next: &mut [Block], rng: &mut BlockRng) -> Choices {
         self.step(&moved.own, 1.0, next, rng);
-        let Some((coordinates, switching)) = moved.primitives.as_ref().filter(|_| self.is_matching()) else { return };
+        let Some((coordinates, switching)) = moved.primitives.as_ref().filter(|_| self.is_matching()) else {
+            return [0; LANES];
+        };
         let own: Vec<Block> = coordinates.iter().map(|&j| before[j]).collect();
         let mut drawn = vec![Block::ZERO; own.len()];
         let choices = switching.sample_block(&self.older(coordinates), &own, &mut drawn, rng);
         for (lane, _) in choices.iter().enumerate().filter(|(_, choice)| choice.branch != Branch::Walk) {
             coordinates.iter().zip(&drawn).for_each(|(&j, drawn)| next[j].0[lane] = drawn.0[lane]);
         }
+        choices.map(Choice::number)
     }
 }
 
@@ -229,9 +235,17 @@ impl MotionModel for LevelWalk {
 }
 
 impl LevelMotion for LevelWalk {
-    fn sample_level_block(&self, level: usize, before: &[Block], next: &mut [Block], rng: &mut BlockRng) {
+    /// The choices are [`Choice::number`].
+    fn sample_level_block(
+        &self,
+        level: usize,
+        before: &[Block],
+        next: &mut [Block],
+        choices: &mut [Choices],
+        rng: &mut BlockRng,
+    ) {
         for moved in &self.levels[level] {
-            self.move_part(moved, before, next, rng);
+            choices[moved.part] = self.move_part(moved, before, next, rng);
         }
         self.step(&self.above[level], TUNED, next, rng);
     }
@@ -254,7 +268,6 @@ impl LevelMotion for LevelWalk {
 mod tests {
     use super::*;
     use crate::primitives::made_up::model;
-    use sinew_core::lanes::LANES;
     use sinew_core::part::{Part, Partition};
     use sinew_core::random::Stage;
 
@@ -294,8 +307,9 @@ mod tests {
         let before: Vec<Block> = (0..d).map(|j| Block::splat(AT[j % 4])).collect();
         let mut out = vec![vec![]; d];
         for block in 0..BLOCKS {
-            let mut next = before.clone();
-            walk.sample_level_block(level, &before, &mut next, &mut Stage::new(1, "level").block(block));
+            let (mut next, mut choices) = (before.clone(), vec![[0; LANES]; walk.tree.parents().len()]);
+            let rng = &mut Stage::new(1, "level").block(block);
+            walk.sample_level_block(level, &before, &mut next, &mut choices, rng);
             for (out, (next, before)) in out.iter_mut().zip(next.iter().zip(&before)) {
                 out.extend((0..LANES).map(|lane| next.0[lane] - before.0[lane]));
             }
@@ -365,6 +379,32 @@ mod tests {
             let expected = 0.5 * (next[k] + step[k]) - AT[j];
             let error = sd(&moved.iter().map(|x| x - mean).collect::<Vec<_>>()) / (moved.len() as f64).sqrt();
             assert!((mean - expected).abs() < 4.5 * error, "{mean} for {expected}, standard error {error}, seed 1");
+        }
+    }
+
+    /// Of the part's own primitives a third each by models (6), (7) and (8), of the cluster that its values before match; |z| < 4 with 16 000 states.
+    #[test]
+    fn choices_say_which_cluster_and_model_moved_a_part() {
+        let walk = with_model(LevelPrimitives::Nested);
+        let (coordinates, switching) = walk.levels[0][0].primitives.as_ref().expect("it has some");
+        let own: Vec<Block> = coordinates.iter().map(|&j| Block::splat(AT[j])).collect();
+        let nearest = switching.matcher().nearest_block(&walk.older(coordinates), &own)[0];
+        let before: Vec<Block> = AT.map(Block::splat).to_vec();
+        let mut counts = [0.0; 3];
+        for block in 0..BLOCKS {
+            let (mut next, mut choices) = (before.clone(), vec![[0; LANES]; 2]);
+            walk.sample_level_block(0, &before, &mut next, &mut choices, &mut Stage::new(1, "choices").block(block));
+            assert_eq!(choices[1], [0; LANES], "its level has not come");
+            for (lane, number) in choices[0].into_iter().enumerate() {
+                let (cluster, branch) = Choice::from_number(number);
+                let stayed = next[1].0[lane] == AT[1];
+                assert_eq!((cluster, stayed), (Some(nearest), branch == Branch::Walk));
+                counts[branch as usize] += 1.0;
+            }
+        }
+        for count in counts {
+            let z = (count - 16_000.0 / 3.0) / (16_000.0_f64 * 2.0 / 9.0).sqrt();
+            assert!(z.abs() < 4.0, "{counts:?}, z = {z}, bound 4, seed 1");
         }
     }
 

@@ -10,12 +10,13 @@
 //! None of them keeps a distribution but [`predict_level`]: truncation has a bias on purpose, and a state put together from several has lost what its parts knew of each other. They are part of a search.
 
 use crate::Error;
+use crate::origins::{Origins, take_row};
 use crate::particles::Particles;
 use crate::resample::{Truncation, shuffle};
 use crate::weights::{effective_number, normalise};
 use rayon::prelude::*;
 use sinew_core::density::{Global, PartLogDensity};
-use sinew_core::lanes::{Block, LANES};
+use sinew_core::lanes::Block;
 use sinew_core::random::Stage;
 use sinew_core::transition::LevelMotion;
 
@@ -47,18 +48,19 @@ impl Selection {
     }
 }
 
-/// Moves one level of the states; `before` are the states of the frame before, whose parts went with theirs.
+/// Moves one level of the states, each part from its origin, which keeps how it was moved.
 pub fn predict_level<M: LevelMotion + ?Sized>(
     particles: &mut Particles,
-    before: &Particles,
+    origins: &mut Origins,
     motion: &M,
     level: usize,
     stage: Stage,
 ) {
     let d = particles.dim();
-    let blocks = particles.states.par_chunks_mut(d).zip(before.states.par_chunks(d)).enumerate();
-    blocks.for_each(|(block, (states, before))| {
-        motion.sample_level_block(level, before, states, &mut stage.block(block as u32));
+    let Origins { before, choices, parts } = origins;
+    let blocks = particles.states.par_chunks_mut(d).zip(before.states.par_chunks(d));
+    blocks.zip(choices.par_chunks_mut(*parts)).enumerate().for_each(|(block, ((states, before), choices))| {
+        motion.sample_level_block(level, before, states, choices, &mut stage.block(block as u32));
     });
 }
 
@@ -74,14 +76,15 @@ pub fn log_plausibilities<M: LevelMotion + ?Sized>(
     values.take(particles.count()).collect()
 }
 
-/// Draws an ancestor for each state by these weights and gives it the ancestor's `coordinates`; the others stay where they are. The states of the frame before are resampled alike, so that each part keeps its past. Returns the survival diagnostic
-/// D = 1 / Σ W².
+/// Draws an ancestor for each state by these weights and gives it the ancestor's `coordinates`; the others stay where they are. Some `parts` bring their origin along: the coordinates in the frame before, and how they were moved. Returns
+/// the survival diagnostic D = 1 / Σ W².
 ///
 /// # Errors
 /// [`Error::AllWeightsZero`], [`Error::BadWeight`]; nothing has changed then.
 pub fn resample_part(
     particles: &mut Particles,
-    before: &mut Particles,
+    origins: &mut Origins,
+    parts: &[usize],
     coordinates: &[usize],
     log_weights: &[f64],
     selection: Selection,
@@ -90,20 +93,10 @@ pub fn resample_part(
     let mut weights = Vec::new();
     normalise(log_weights, &mut weights)?;
     let ancestors = selection.ancestors(&weights, stage);
-    take_part(particles, coordinates, &ancestors);
-    take_part(before, coordinates, &ancestors);
-    Ok(effective_number(&weights))
-}
-
-/// Gives each state some coordinates of its ancestor.
-fn take_part(particles: &mut Particles, coordinates: &[usize], ancestors: &[usize]) {
     let d = particles.dim();
-    for &j in coordinates {
-        let column: Vec<f64> = particles.states.iter().skip(j).step_by(d).flat_map(|block| block.0).collect();
-        for (slot, &ancestor) in ancestors.iter().enumerate().filter(|(slot, ancestor)| slot != *ancestor) {
-            particles.states[slot / LANES * d + j].0[slot % LANES] = column[ancestor];
-        }
-    }
+    coordinates.iter().for_each(|&j| take_row(&mut particles.states, d, j, &ancestors, |block| &mut block.0));
+    origins.take(parts, coordinates, &ancestors);
+    Ok(effective_number(&weights))
 }
 
 /// What each whole state is worth beside the others: log likelihoods, and in how many observations it meets anything of what was seen.
@@ -123,9 +116,9 @@ pub fn log_global<D: PartLogDensity + ?Sized>(particles: &Particles, density: &D
 mod tests {
     use super::*;
     use crate::diffusion::diffuse;
-    use sinew_core::lanes::Isa;
+    use sinew_core::lanes::{Isa, LANES};
     use sinew_core::random::BlockRng;
-    use sinew_core::transition::MotionModel;
+    use sinew_core::transition::{Choices, MotionModel};
 
     const COUNT: usize = 50;
 
@@ -141,10 +134,12 @@ mod tests {
         let log_weights: Vec<f64> = (0..COUNT).map(|i| ((i * 37) % COUNT) as f64 * 0.2).collect();
         for truncation in [Truncation::KeepOnceRefill, Truncation::TruncateThenSystematic] {
             let (now, then) = (cloud("now"), cloud("then"));
-            let (mut particles, mut before) = (now.clone(), then.clone());
+            let (mut particles, mut origins) = (now.clone(), Origins::new(then.clone(), 1));
             let selection = Selection { truncation, surviving: 0.8 };
-            let d = resample_part(&mut particles, &mut before, &[3, 1], &log_weights, selection, Stage::new(2, "part"));
+            let stage = Stage::new(2, "part");
+            let d = resample_part(&mut particles, &mut origins, &[0], &[3, 1], &log_weights, selection, stage);
             assert!((1.0..50.0).contains(&d.expect("weights")));
+            let before = origins.before;
             let mut kept = 0;
             for slot in 0..COUNT {
                 let (new, old) = (particles.state(slot), now.state(slot));
@@ -164,14 +159,14 @@ mod tests {
     #[test]
     fn a_part_that_nothing_explains_is_an_error_and_changes_nothing() {
         let (now, selection) = (cloud("now"), Selection::default());
-        let (mut particles, mut before) = (now.clone(), now.clone());
+        let (mut particles, mut origins) = (now.clone(), Origins::new(now.clone(), 1));
         let none = vec![f64::NEG_INFINITY; COUNT];
-        let error = resample_part(&mut particles, &mut before, &[0], &none, selection, Stage::new(2, "part"));
+        let error = resample_part(&mut particles, &mut origins, &[0], &[0], &none, selection, Stage::new(2, "part"));
         assert_eq!(error, Err(Error::AllWeightsZero { count: COUNT }));
-        assert_eq!((particles.states(), before.states()), (now.states(), now.states()));
+        assert_eq!((particles.states(), origins.before.states()), (now.states(), now.states()));
     }
 
-    /// Adds the level and what the state was, and finds coordinate 2 implausible.
+    /// Adds the level and what the state was, chooses by the signs of coordinate 0, and finds coordinate 2 implausible.
     struct Lift;
     impl MotionModel for Lift {
         fn dim(&self) -> usize {
@@ -179,8 +174,16 @@ mod tests {
         }
     }
     impl LevelMotion for Lift {
-        fn sample_level_block(&self, level: usize, before: &[Block], next: &mut [Block], _rng: &mut BlockRng) {
+        fn sample_level_block(
+            &self,
+            level: usize,
+            before: &[Block],
+            next: &mut [Block],
+            choices: &mut [Choices],
+            _rng: &mut BlockRng,
+        ) {
             next[level].0.iter_mut().zip(before[level].0).for_each(|(x, before)| *x += before + level as f64);
+            choices[1] = core::array::from_fn(|lane| if before[0].0[lane] > 0.0 { 2 } else { 1 });
         }
         fn step_sd(&self) -> &[f64] {
             &[1.0; 5]
@@ -193,8 +196,12 @@ mod tests {
     #[test]
     fn a_level_sees_the_states_before() {
         let (mut particles, before) = (cloud("now"), cloud("then"));
-        let now = particles.clone();
-        predict_level(&mut particles, &before, &Lift, 3, Stage::new(3, "level"));
+        let (now, mut origins) = (particles.clone(), Origins::new(before.clone(), 2));
+        predict_level(&mut particles, &mut origins, &Lift, 3, Stage::new(3, "level"));
+        let positive = (0..COUNT).filter(|&i| before.state(i)[0] > 0.0).count() as f64 / COUNT as f64;
+        assert!((1..COUNT).contains(&((positive * COUNT as f64) as usize)));
+        let chosen = origins.shares();
+        assert!(chosen[0] == [(0, 1.0)] && chosen[1][1] == (2, positive), "{chosen:?}");
         for i in 0..COUNT {
             let (new, old) = (particles.state(i), now.state(i));
             assert!([0, 1, 2, 4].iter().all(|&j| new[j] == old[j]));

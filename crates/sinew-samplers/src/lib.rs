@@ -51,6 +51,7 @@ pub mod mode_mean;
 pub mod moments;
 pub mod nuts;
 pub mod one_chain;
+pub mod origins;
 pub mod particles;
 pub mod parts;
 pub mod population;

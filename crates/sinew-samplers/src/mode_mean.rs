@@ -71,7 +71,7 @@ mod tests {
     use crate::particles::select;
     use sinew_core::lanes::Block;
     use sinew_core::random::BlockRng;
-    use sinew_core::transition::MotionModel;
+    use sinew_core::transition::{Choices, MotionModel};
 
     /// The second coordinate turns.
     struct Turning;
@@ -81,7 +81,7 @@ mod tests {
         }
     }
     impl LevelMotion for Turning {
-        fn sample_level_block(&self, _: usize, _: &[Block], _: &mut [Block], _: &mut BlockRng) {}
+        fn sample_level_block(&self, _: usize, _: &[Block], _: &mut [Block], _: &mut [Choices], _: &mut BlockRng) {}
         fn step_sd(&self) -> &[f64] {
             &[0.1, 0.2]
         }

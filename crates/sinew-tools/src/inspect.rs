@@ -4,9 +4,12 @@
 //! |---|---|
 //! | [`file_facts`] | one file or folder, by what it is ([`Subject`]) |
 //! | [`model_picture`] | a motion model, as a picture |
+//! | [`action_picture`], [`picture_of_actions`] | an action trace, as a picture |
 //! | [`fit`] | a calibration and keypoints together: do they belong to each other? |
 
 mod acclaim;
+mod action_picture;
+mod actions;
 mod body_file;
 mod calibration;
 mod draws;
@@ -28,6 +31,8 @@ mod svg;
 mod table_file;
 mod toml_file;
 
+pub use action_picture::action_picture;
+pub use actions::picture_of_actions;
 pub use error::InspectError;
 pub use facts::Facts;
 pub use file_facts::file_facts;

@@ -21,7 +21,7 @@ use sinew::results::error::Occupied;
 use sinew::results::write_whole;
 use sinew_core::random::Stage;
 use sinew_dynamics::primitives::file;
-use sinew_dynamics::primitives::learning::{Config, TrainingMotion, learn_feature};
+use sinew_dynamics::primitives::learning::{Config, LearningProgress, TrainingMotion, counted, learn_feature};
 use sinew_dynamics::primitives::model::PrimitiveModel;
 use sinew_dynamics::primitives::summary::{PrimitiveSummary, summary};
 use sinew_dynamics::primitives::windows::step_sd;
@@ -66,6 +66,8 @@ pub enum LearnPhase {
 pub struct LearnWatch<'a> {
     /// Takes a phase, the files or feature vectors that are done, and all of them.
     pub progress: &'a mut (dyn FnMut(LearnPhase, u64, u64) + Send),
+    /// Takes each iteration of the clustering of a feature vector.
+    pub iteration: &'a mut (dyn FnMut(&LearningProgress<'_>) + Send),
     /// Set to end after the feature vector at hand.
     pub stop: &'a AtomicBool,
 }
@@ -172,7 +174,9 @@ fn learned(
         if watch.stop.load(Ordering::SeqCst) {
             break;
         }
-        let found = learn_feature(&motion, feature, &model.noise_sd, config, stage.round(index), &mut |_| {});
+        let mut report = counted(&feature.name, index, features.len(), watch.iteration);
+        let found = learn_feature(&motion, feature, &model.noise_sd, config, stage.round(index), &mut report);
+        drop(report);
         model.primitives.push(found.map_err(LearnError::Learning)?);
         unfinished.write(fingerprint, &model.primitives)?;
         (watch.progress)(LearnPhase::Learn, index as u64 + 1, total);

@@ -1,6 +1,7 @@
 //! Learning from the files of a synthetic walk.
 
 use sinew_dynamics::primitives::file;
+use sinew_dynamics::primitives::learning::LearningProgress;
 use sinew_motion::follow::NamedBody;
 use sinew_motion::points::points_of_states;
 use sinew_simulate::recording::write_trc;
@@ -45,7 +46,29 @@ fn run(request: &LearnRequest, out: &Path, most: u64) -> Result<Learned, Error> 
             stop.store(true, Ordering::SeqCst);
         }
     };
-    learn(request, out, false, &mut LearnWatch { progress: &mut progress, stop: &stop })
+    let mut iteration = |_: &LearningProgress<'_>| {};
+    learn(request, out, false, &mut LearnWatch { progress: &mut progress, iteration: &mut iteration, stop: &stop })
+}
+
+/// Every iteration of every feature vector is shown, in order, and the last one is the model's.
+#[test]
+fn learning_shows_every_iteration() {
+    let folder = tempfile::tempdir().unwrap();
+    let (mut seen, mut likelihoods) = (vec![], vec![]);
+    let mut iteration = |progress: &LearningProgress<'_>| {
+        seen.push((progress.index, progress.iteration, progress.feature.to_owned(), progress.count));
+        likelihoods.push(progress.log_likelihood);
+    };
+    let watch =
+        &mut LearnWatch { progress: &mut |_, _, _| {}, iteration: &mut iteration, stop: &AtomicBool::new(false) };
+    let out = folder.path().join("model.json");
+    let model = learn(&request(folder.path(), NamedBody::Hppf24), &out, false, watch).unwrap().model.unwrap();
+    let expected = model.primitives.iter().enumerate().flat_map(|(index, primitives)| {
+        let name = primitives.feature.name.clone();
+        (0..=primitives.clustering.iterations).map(move |iteration| (index, iteration, name.clone(), 14))
+    });
+    assert!(seen.iter().cloned().eq(expected), "{seen:?}");
+    assert_eq!(likelihoods.last(), Some(&model.primitives[13].clustering.log_likelihood));
 }
 
 #[test]

@@ -6,7 +6,7 @@
 //! 2. for each level l:
 //!    - (a) motion: p_x moves for every part x of depth l, and slightly what is above the level ([`LevelMotion`])
 //!    - (b) weights: w_i(x) = ψ(p_x) λ(I | p_x) (eq. 1), for every part of the level and for all parts above it together, each judged on the whole particle as it stands
-//!    - (c) resampling of each part on its own: slot i receives the coordinates x of its ancestor alone; first the parts of the level, then what is above it
+//!    - (c) resampling of each part on its own: slot i receives the coordinates x of its ancestor alone, with their origin ([`Origins`]); first the parts of the level, then what is above it
 //! 3. w_i = ψ(p_i) λ_G(p_i), by the whole state ([`PartLogDensity::global_block`], eq. 10)
 //! 4. mode = particle of largest w among those that meet the most of what was seen; estimate = weighted mean of the particles similar to it ([`sinew_samplers::mode_mean`])
 //!
@@ -29,6 +29,7 @@ use sinew_core::random::Stage;
 use sinew_core::transition::LevelMotion;
 use sinew_samplers::levels::{Selection, log_global, log_plausibilities, predict_level, resample_part};
 use sinew_samplers::mode_mean::{ModeMean, mode_mean};
+use sinew_samplers::origins::Origins;
 use sinew_samplers::particles::{Particles, select, take};
 use sinew_samplers::parts::log_likelihoods;
 
@@ -52,8 +53,8 @@ impl Default for Config {
 /// Parts that are resampled together.
 #[derive(Clone, Debug)]
 struct Partition {
-    /// Parts of the level by which they are judged, as places in [`Level::judged`].
-    places: Vec<usize>,
+    /// The parts, as places in [`Level::judged`].
+    places: core::ops::Range<usize>,
     /// Their own coordinates.
     own: Vec<usize>,
     /// What an ancestor hands on.
@@ -73,11 +74,11 @@ impl Level {
         let alone = |(place, &part): (usize, &usize)| {
             let own = tree.coordinates(&[part]);
             let below = if above.is_empty() { tree.coordinates(&tree.descendants(part)) } else { vec![] };
-            Partition { places: vec![place], carried: [&own[..], &below].concat(), own }
+            Partition { places: place..place + 1, carried: [&own[..], &below].concat(), own }
         };
         let mut partitions: Vec<Partition> = parts.iter().enumerate().map(alone).collect();
         if !above.is_empty() {
-            let (own, places) = (tree.coordinates(above), (parts.len()..parts.len() + above.len()).collect());
+            let (own, places) = (tree.coordinates(above), parts.len()..parts.len() + above.len());
             partitions.push(Partition { places, carried: own.clone(), own });
         }
         Self { judged: [parts, above].concat(), partitions }
@@ -100,13 +101,9 @@ impl<M: LevelMotion> Hppf<M> {
     /// # Errors
     /// [`Error::Config`], [`Error::Dimension`], or no particles.
     pub fn new(config: Config, motion: M, tree: &PartTree, centre: Vec<f64>) -> Result<Self, Error> {
-        let value = config.selection.surviving;
+        let (value, expected) = (config.selection.surviving, "must be above 0 and at most 1");
         if !(value > 0.0 && value <= 1.0) {
-            return Err(Error::Config {
-                name: "share that survives",
-                value,
-                expected: "must be above 0 and at most 1",
-            });
+            return Err(Error::Config { name: "share that survives", value, expected });
         }
         let (depths, parts) = (tree.levels(), tree.parents().len());
         let levels: Vec<Level> =
@@ -139,29 +136,28 @@ impl<M: LevelMotion + Send, O: PartLogDensity + ?Sized> Tracker<O> for Hppf<M> {
             let ancestors = selection.ancestors(particles.weights(), to_resample);
             take(&mut particles, ancestors);
         }
-        let mut before = particles.clone();
+        let mut origins = Origins::new(particles.clone(), self.parts);
         for (l, Level { judged, partitions }) in self.levels.iter().enumerate() {
-            predict_level(&mut particles, &before, motion, l, to_move.round(l));
+            predict_level(&mut particles, &mut origins, motion, l, to_move.round(l));
             let likelihoods = log_likelihoods(&particles, observed, judged);
             let weight = |partition: &Partition| {
                 let mut log = log_plausibilities(&particles, motion, &partition.own);
-                for &place in &partition.places {
-                    log.iter_mut().zip(&likelihoods[place]).for_each(|(log, likelihood)| *log += likelihood);
+                for likelihoods in &likelihoods[partition.places.clone()] {
+                    log.iter_mut().zip(likelihoods).for_each(|(log, likelihood)| *log += likelihood);
                 }
                 log
             };
             let weights: Vec<Vec<f64>> = partitions.iter().map(weight).collect();
-            for (Partition { carried, .. }, weights) in partitions.iter().zip(&weights) {
-                let stage = to_select.round(survivors.len());
-                survivors.push(resample_part(&mut particles, &mut before, carried, weights, selection, stage)?);
+            for (Partition { places, carried, .. }, weights) in partitions.iter().zip(&weights) {
+                let (parts, stage) = (&judged[places.clone()], to_select.round(survivors.len()));
+                survivors.push(resample_part(&mut particles, &mut origins, parts, carried, weights, selection, stage)?);
             }
         }
         let [log_likelihoods, met] = log_global(&particles, observed);
         let all: Vec<usize> = (0..particles.dim()).collect();
         let plausible = log_plausibilities(&particles, motion, &all);
         let weights: Vec<f64> = plausible.iter().zip(&log_likelihoods).map(|(psi, lambda)| psi + lambda).collect();
-        let in_place = (0..weights.len()).collect();
-        select(&mut particles, in_place, &weights)?;
+        select(&mut particles, (0..weights.len()).collect(), &weights)?;
         let found = mode_mean(&particles, &met, motion, self.config.width)?;
         survivors.push(particles.effective_sample_size());
         let count = particles.count();
@@ -171,6 +167,7 @@ impl<M: LevelMotion + Send, O: PartLogDensity + ?Sized> Tracker<O> for Hppf<M> {
             resampled: Some(self.state.settle(found.mean.clone())),
             mean: found.mean.clone(),
             survivors,
+            choices: origins.shares(),
             likelihood_evaluations: count,
             part_evaluations: count * self.levels.iter().map(|level| level.judged.len()).sum::<usize>(),
             ..StepInfo::default()

@@ -46,6 +46,8 @@ pub struct StepInfo {
     pub exponents: Vec<f64>,
     /// Survival diagnostic D = 1 / Σ W² of each layer of annealing, or of each part of a partitioned state.
     pub survivors: Vec<f64>,
+    /// For each part, in ascending order, the choices of its motion ([`sinew_core::transition::Choices`]) that moved it, with the share of the particles that have each after all resampling of the frame; without parts nothing.
+    pub choices: Vec<Vec<(u32, f64)>>,
     /// Evaluations of the observation's log density without gradient.
     pub likelihood_evaluations: usize,
     /// Evaluations of the log likelihood of one part of the observation.

@@ -88,6 +88,7 @@ fn a_moving_target_is_followed() {
             let info = tracker.step(&target, stage).expect("weights");
             assert_eq!((info.likelihood_evaluations, info.part_evaluations), (200, 15 * 200));
             assert_eq!((info.survivors.len(), info.resampled), (1 + 6 + 3 + 1, Some(frame > 0)));
+            assert_eq!(info.choices, vec![[(0, 1.0)]; 8], "a random walk moves all parts");
             assert!(info.survivors.iter().all(|d| (1.0..=200.0 + 1e-9).contains(d)), "{:?}", info.survivors);
             let worst = info.mean.iter().zip(&target.at).map(|(x, at)| (x - at).abs()).fold(0.0, f64::max);
             assert!(frame < 5 || worst < 0.25, "{truncation:?}, frame {frame}: {worst}");

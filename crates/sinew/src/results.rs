@@ -1,9 +1,10 @@
 //! The result folder: estimates in, files out, and the same files read again.
 //!
 //! Enter: a claimed folder, what a run says of itself ([`estimate::RunInfo`]), and one [`estimate::FrameEstimate`] after the other. Leave: the files of [`folder`], written under
-//! provisional names and renamed when they are whole; what a stopped run may be resumed from ([`folder::Written`]); the poses of a finished one ([`tracked`]).
+//! provisional names and renamed when they are whole; what a stopped run may be resumed from ([`folder::Written`]); the poses of a finished one ([`tracked`]) and its actions ([`action_trace`]).
 //! Must not know: how a frame was tracked, and by which method.
 
+pub mod action_trace;
 pub mod error;
 pub mod estimate;
 pub mod folder;
@@ -11,6 +12,7 @@ pub mod problem;
 pub mod silhouette_overlap;
 pub mod tracked;
 
+mod actions;
 mod chunks;
 mod claim;
 mod coordinates;

@@ -11,11 +11,12 @@
 //! | [`track`], [`study`] | one run and what its estimates are worth; all of them |
 //! | [`coverage`] | intervals of the tracker's set where the posterior is known |
 //! | [`results`] | means, errors, paired differences |
-//! | [`claims`], [`tables`] | the paper's claims and what became of them; its tables |
+//! | [`claims`], [`tables`], [`figures`] | the paper's claims and what became of them; its tables; a figure of actions |
 
 mod claims;
 mod contender;
 mod coverage;
+mod figures;
 mod models;
 mod motions;
 mod pilot;
@@ -142,6 +143,10 @@ pub(super) fn run(root: &Path, args: &Args) -> Outcome<ExitCode> {
     let [tables, claims] = report(&study, &Results { store: &store, seeds: args.seeds })?;
     std::fs::write(folder.join("tables.md"), &tables)?;
     std::fs::write(folder.join("claims.md"), &claims)?;
+    match figures::actions(&store, &study.scene(contender::Motion::Combo).tree) {
+        Ok(figure) => std::fs::write(folder.join("figure-actions.svg"), figure)?,
+        Err(why) => eprintln!("figure-actions.svg is not drawn: {why}"),
+    }
     println!("{tables}\n{claims}\n{:.0} s; cells and tables in {}", clock.elapsed().as_secs_f64(), folder.display());
     Ok(ExitCode::SUCCESS)
 }

@@ -114,8 +114,11 @@ impl Whole {
         let SyntheticRecording { cameras, layout, keypoints, .. } = recording;
         let mut recording = InMemory { cameras, layout, keypoints };
         let folder = tempfile::tempdir().unwrap();
-        let is_cf28 = settings.contains(&("body", "cf28"));
-        let body = if is_cf28 { setup::Body::CF28 } else { setup::Body::H32 };
+        let body = match settings.iter().find(|(key, _)| *key == "body") {
+            Some((_, "cf28")) => setup::Body::CF28,
+            Some((_, "hppf24")) => setup::Body::HPPF24,
+            _ => setup::Body::H32,
+        };
         let request = setup::SetupRequest { body, ..setup::SetupRequest::default() };
         let first: Vec<_> = (0..10).map(|number| Ok::<_, Error>((number, recording.people(number)?))).collect();
         let (mut found, _) = setup::set_up(&recording.cameras, &recording.layout, &request, first).unwrap();

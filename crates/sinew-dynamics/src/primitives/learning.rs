@@ -73,6 +73,21 @@ pub struct LearningProgress<'a> {
     pub log_likelihood: f64,
 }
 
+/// Reports the iterations of feature vector `index` of `count`, one after the other.
+pub fn counted<'a>(
+    feature: &'a str,
+    index: usize,
+    count: usize,
+    progress: &'a mut dyn FnMut(&LearningProgress<'_>),
+) -> impl FnMut(&Iteration) + 'a {
+    let mut iteration = 0;
+    move |found| {
+        let log_likelihood = found.log_likelihood;
+        progress(&LearningProgress { feature, index, count, iteration, log_likelihood });
+        iteration += 1;
+    }
+}
+
 /// Learns a model of all `features`; feature vector i uses round i of the stage.
 ///
 /// # Errors
@@ -94,12 +109,7 @@ pub fn learn(
         if primitives.iter().any(|other| other.feature.name == feature.name) {
             return Err(Error::Duplicate { name: feature.name.clone() });
         }
-        let mut iteration = 0;
-        let mut report = |found: &Iteration| {
-            let (feature, log_likelihood) = (&feature.name[..], found.log_likelihood);
-            progress(&LearningProgress { feature, index, count: features.len(), iteration, log_likelihood });
-            iteration += 1;
-        };
+        let mut report = counted(&feature.name, index, features.len(), progress);
         primitives.push(learn_feature(motion, feature, &noise_sd, config, stage.round(index), &mut report)?);
     }
     Ok(PrimitiveModel {

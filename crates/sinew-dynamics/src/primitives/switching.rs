@@ -36,6 +36,38 @@ pub struct Choice {
     pub branch: Branch,
 }
 
+impl Branch {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Next, Self::Step, Self::Walk];
+
+    /// Name in files.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Next => "next",
+            Self::Step => "step",
+            Self::Walk => "walk",
+        }
+    }
+}
+
+impl Choice {
+    /// Its number among all choices, from 1 on; 0 is a walk without clusters.
+    #[must_use]
+    pub const fn number(self) -> u32 {
+        (1 + Branch::ALL.len() * self.cluster + self.branch as usize) as u32
+    }
+
+    /// The cluster, where there was one, and the model that a number stands for.
+    #[must_use]
+    pub const fn from_number(number: u32) -> (Option<usize>, Branch) {
+        match (number as usize).checked_sub(1) {
+            None => (None, Branch::Walk),
+            Some(number) => (Some(number / Branch::ALL.len()), Branch::ALL[number % Branch::ALL.len()]),
+        }
+    }
+}
+
 /// A normal distribution with its factors, of a cluster and one of the models (6) and (7).
 #[derive(Clone, Debug)]
 pub(crate) struct Factored {
@@ -227,6 +259,16 @@ mod tests {
                     assert!(z.abs() < 4.5, "{branch:?}, lane {lane}, moment {k}: z = {z}, bound 4.5, seed 2");
                 }
             }
+        }
+    }
+
+    #[test]
+    fn choices_have_numbers_of_their_own() {
+        assert_eq!(Choice::from_number(0), (None, Branch::Walk));
+        let all = (0..100).flat_map(|cluster| Branch::ALL.map(|branch| Choice { cluster, branch }));
+        for (place, choice) in all.enumerate() {
+            assert_eq!(choice.number() as usize, place + 1);
+            assert_eq!(Choice::from_number(choice.number()), (Some(choice.cluster), choice.branch));
         }
     }
 

@@ -28,6 +28,20 @@ pub enum InspectError {
         /// File.
         path: PathBuf,
     },
+    /// A motion that does not say where points are.
+    #[error("{}: coordinates of a body, no points", path.display())]
+    NoPoints {
+        /// File.
+        path: PathBuf,
+    },
+    /// A truth of another motion.
+    #[error("{}: no point at a time that {} has, too", truth.display(), found.display())]
+    OtherMotion {
+        /// What was found.
+        found: PathBuf,
+        /// The truth.
+        truth: PathBuf,
+    },
     /// A folder that is no store of draws.
     #[error("{}: no `{document}`; expected a Zarr store of format 3", folder.display())]
     NoStore {
@@ -43,7 +57,7 @@ impl InspectError {
     #[must_use]
     pub const fn exit_code(&self) -> u8 {
         match self {
-            Self::NoStore { .. } => 3,
+            Self::NoStore { .. } | Self::NoPoints { .. } | Self::OtherMotion { .. } => 3,
             Self::TwoSkeletons { .. } | Self::UnknownKind { .. } | Self::Video { .. } => 2,
         }
     }
@@ -58,6 +72,9 @@ impl InspectError {
             }
             Self::Video { .. } => {
                 "run a 2D pose detector over the videos first, and inspect the folder of keypoints that it fills"
+            }
+            Self::NoPoints { .. } | Self::OtherMotion { .. } => {
+                "give the true points of the recording that was tracked (.trc, .bvh or .csv), at the same times"
             }
             Self::NoStore { .. } => {
                 "give the folder `posterior.zarr` itself, not one inside it, and no store of format 2"

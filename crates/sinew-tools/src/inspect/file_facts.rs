@@ -3,8 +3,8 @@
 use super::facts::Facts;
 use super::subject::Subject;
 use super::{
-    acclaim, body_file, calibration, draws, image_files, keypoints, motion_file, motion_model, results, settings_file,
-    setup_file, table_file,
+    acclaim, actions, body_file, calibration, draws, image_files, keypoints, motion_file, motion_model, results,
+    settings_file, setup_file, table_file,
 };
 use crate::Error;
 use sinew::input::recording::RecordingOptions;
@@ -26,6 +26,7 @@ pub fn file_facts(subject: &Subject, options: &RecordingOptions) -> Result<Facts
             Some(_) => table_file::facts(path)?.map_or_else(|| motion_file::facts(path, None), Ok),
             None => motion_file::facts(path, None),
         },
+        Subject::Actions(path) => actions::facts(path),
         Subject::Skeleton(path) => acclaim::skeleton(path),
         Subject::Acclaim { motion, skeleton: None } => acclaim::motion(motion),
         Subject::Acclaim { motion, skeleton } => motion_file::facts(motion, skeleton.as_deref()),

@@ -7,8 +7,9 @@ use crate::Error;
 use sinew::files::read_text;
 use sinew::input::folder_contents::is_video;
 use sinew::input::qualisys::refuse_qualisys;
+use sinew::results::ResultTable;
 use sinew_dynamics::primitives::file::{MAX_BYTES, is_motion_model};
-use sinew_formats::source_text::MAX_CONFIG_BYTES;
+use sinew_formats::source_text::{MAX_CONFIG_BYTES, MAX_TEXT_BYTES};
 use std::path::{Path, PathBuf};
 
 /// What paths lead to, by their names and contents; Acclaim motions get the skeleton that is among the paths.
@@ -56,6 +57,7 @@ fn subject(path: &Path) -> Result<Subject, Error> {
     }
     match path.extension().map(|extension| extension.to_string_lossy().to_lowercase()).as_deref() {
         Some("toml") => Ok(toml_file::subject(path_buf, &read_text(path, MAX_CONFIG_BYTES)?)),
+        Some("csv") if is_action_file(path) => Ok(Subject::Actions(path_buf)),
         Some("trc" | "bvh" | "mot" | "sto" | "csv") => Ok(Subject::Motion(path_buf)),
         Some("asf") => Ok(Subject::Skeleton(path_buf)),
         Some("amc") => Ok(Subject::Acclaim { motion: path_buf, skeleton: None }),
@@ -68,6 +70,10 @@ fn subject(path: &Path) -> Result<Subject, Error> {
             Err(InspectError::UnknownKind { path: path_buf }.into())
         }
     }
+}
+
+fn is_action_file(path: &Path) -> bool {
+    read_text(path, MAX_TEXT_BYTES).is_ok_and(|text| ResultTable::of(&text) == Some(ResultTable::Actions))
 }
 
 fn is_model_file(path: &Path) -> bool {

@@ -21,6 +21,8 @@ pub enum Subject {
     Images(PathBuf),
     /// Motion file or table of a result folder.
     Motion(PathBuf),
+    /// Actions of a run.
+    Actions(PathBuf),
     /// Acclaim skeleton.
     Skeleton(PathBuf),
     /// Acclaim motion.

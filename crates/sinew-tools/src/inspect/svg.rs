@@ -1,4 +1,4 @@
-//! Lines, circles, squares and words as SVG.
+//! Lines, circles, squares, cells and words as SVG.
 
 use std::fmt::Write as _;
 
@@ -57,6 +57,22 @@ impl Svg {
     pub(super) fn square(&mut self, [x, y]: [f64; 2], side: f64, color: &str) {
         self.put(format_args!(
             "<rect class=\"t\" x=\"{x:.2}\" y=\"{y:.2}\" width=\"{side:.2}\" height=\"{side:.2}\" fill=\"{color}\"/>"
+        ));
+    }
+
+    /// A line through places.
+    pub(super) fn polyline(&mut self, places: &[[f64; 2]], width: f64, color: &str) {
+        let points: Vec<String> = places.iter().map(|[x, y]| format!("{x:.1},{y:.1}")).collect();
+        self.put(format_args!(
+            "<polyline points=\"{}\" fill=\"none\" stroke=\"{color}\" stroke-width=\"{width}\"/>",
+            points.join(" ")
+        ));
+    }
+
+    /// A filled rectangle that lets through what is below, at an opacity of 0 altogether.
+    pub(super) fn cell(&mut self, [x, y]: [f64; 2], [width, height]: [f64; 2], color: &str, opacity: f64) {
+        self.put(format_args!(
+            "<rect x=\"{x:.2}\" y=\"{y:.1}\" width=\"{width:.2}\" height=\"{height:.1}\" fill=\"{color}\" fill-opacity=\"{opacity:.2}\"/>"
         ));
     }
 

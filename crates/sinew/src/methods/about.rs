@@ -129,6 +129,12 @@ pub trait Method: fmt::Debug + Send + Sync {
     /// Settings, a transition or a start that the tracker refuses.
     fn tracker(&self, making: &Making<'_>, start: Vec<f64>) -> Result<Box<dyn Steps>, Error>;
 
+    /// Whether its steps say by which action primitives the parts of the body moved.
+    fn gives_actions(&self, making: &Making<'_>) -> bool {
+        let _ = making;
+        false
+    }
+
     /// What a user of the method should know of how it was made, a sentence each.
     fn remarks(&self, making: &Making<'_>) -> Vec<String> {
         let _ = making;

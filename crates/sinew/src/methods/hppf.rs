@@ -92,6 +92,10 @@ impl Method for HppfMethod {
         Ok(Box::new(tracker?))
     }
 
+    fn gives_actions(&self, making: &Making<'_>) -> bool {
+        making.motion_model.is_some()
+    }
+
     fn remarks(&self, making: &Making<'_>) -> Vec<String> {
         match making.motion_model {
             Some(_) => vec![],

@@ -84,6 +84,18 @@ pub enum ResultsError {
         /// What belongs there.
         expected: Expected,
     },
+    /// Shares that are not those of all particles.
+    #[error("{file}: the shares of part `{part}` at {time_s} s add to {sum}; must be 1")]
+    Shares {
+        /// File.
+        file: String,
+        /// Part of the body.
+        part: String,
+        /// Time.
+        time_s: f64,
+        /// What they add to.
+        sum: f64,
+    },
 }
 
 /// What belongs into a cell.
@@ -95,6 +107,14 @@ pub enum Expected {
     Coordinate(String),
     /// A finite number.
     Number,
+    /// A time that is not before the last one.
+    LaterTime,
+    /// Number of a cluster.
+    Cluster,
+    /// Name of a model that moves particles.
+    Model,
+    /// A share of all particles.
+    Share,
 }
 
 impl fmt::Display for Expected {
@@ -103,6 +123,10 @@ impl fmt::Display for Expected {
             Self::FrameNumber => write!(f, "the number of a frame"),
             Self::Coordinate(name) => write!(f, "`{name}`, as in the body of setup.toml"),
             Self::Number => write!(f, "a number"),
+            Self::LaterTime => write!(f, "a time in seconds, not before the row above"),
+            Self::Cluster => write!(f, "the number of a cluster, or nothing"),
+            Self::Model => write!(f, "`next`, `step` or `walk`"),
+            Self::Share => write!(f, "a share from 0 to 1"),
         }
     }
 }
@@ -137,6 +161,9 @@ impl ResultsError {
             Self::UnknownCamera { .. } => Some("give the calibration that was tracked with"),
             Self::OtherLength { .. } => Some("are all files of this folder of one run?"),
             Self::NoColumn { .. } => Some("is this file of a result folder?"),
+            Self::Shares { .. } => {
+                Some("a frame has a row for each cluster and model; take the file as the run wrote it")
+            }
         }
     }
 }

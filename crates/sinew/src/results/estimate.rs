@@ -8,6 +8,7 @@
 pub mod diagnostics;
 
 use sinew_body::KinematicTree;
+use sinew_dynamics::primitives::switching::Branch;
 use sinew_observe::Camera;
 
 /// Whether an estimate uses the frames up to its own or all of them.
@@ -105,6 +106,19 @@ pub struct ParticleStatistics {
     pub resampled: bool,
 }
 
+/// A way in which particles moved a part of the body in a frame, with the share of the particles that has it after the frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ActionShare {
+    /// The part, as a place in [`RunInfo::acting_parts`].
+    pub part: usize,
+    /// Cluster that its motion was matched with; none while there are too few estimates, and for parts without action primitives.
+    pub cluster: Option<usize>,
+    /// Model that moved it.
+    pub model: Branch,
+    /// Share of the particles, above 0, at most 1.
+    pub share: f64,
+}
+
 /// What a tracker says about one frame.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct FrameEstimate {
@@ -128,6 +142,8 @@ pub struct FrameEstimate {
     pub draws: Draws,
     /// For particle methods.
     pub particles: Option<ParticleStatistics>,
+    /// For methods that move parts by action primitives, part by part.
+    pub actions: Vec<ActionShare>,
     /// Effective sample size.
     pub ess: f64,
     /// Log evidence of the frame given those before, where the method estimates it.
@@ -182,6 +198,8 @@ pub struct RunInfo {
     pub draws: usize,
     /// Statistics of each frame.
     pub carried: Carried,
+    /// Parts of the body whose actions each frame brings; none where the method has no action primitives.
+    pub acting_parts: Vec<String>,
     /// Seed of all random streams.
     pub seed: u64,
     /// Instruction set in use.

@@ -5,6 +5,7 @@
 //! config.toml    repeats the run with --config                  setup.toml     repeats the set-up with --setup
 //! markers.trc    markers_sd.csv    angles.mot    motion.bvh     of the mean pose
 //! joints.csv     angles.csv        frames.csv                   tidy tables with units in the column names
+//! actions.csv                                                   of methods with action primitives alone
 //! posterior.zarr load.py                                        draws, and how to open them
 //! ```
 //!
@@ -15,6 +16,7 @@
 //!
 //! [`ResultFolder::keep`] says how far the files go, for a [`crate::track::checkpoint`]. A run that is stopped in between leaves readable `*.partial` files and no summary.
 
+use super::actions::Actions;
 use super::coordinates::Coordinates;
 use super::draws::{DrawStore, OpenChunks};
 use super::error::ResultsError;
@@ -44,6 +46,7 @@ pub struct ResultFolder {
     texts: Texts,
     markers: Markers,
     tables: Tables,
+    actions: Actions,
     coordinates: Coordinates,
     skeleton: SkeletonFile,
     draws: DrawStore,
@@ -95,6 +98,7 @@ impl ResultFolder {
         Ok(Self {
             markers: Markers::open(&place, &info)?,
             tables: Tables::open(&place, &info)?,
+            actions: Actions::open(&place, &info)?,
             coordinates,
             skeleton,
             draws: DrawStore::open(&place, &info, written.map(|written| &written.draws))?,
@@ -132,9 +136,10 @@ impl ResultFolder {
             &mut self.journal.file,
             &mut self.draws.whole.file,
         ];
+        let files = files.into_iter().chain(self.actions.file());
         Ok(Written {
             frames: self.frames,
-            positions: files.into_iter().map(PartialFile::keep).collect::<Result<_, _>>()?,
+            positions: files.map(PartialFile::keep).collect::<Result<_, _>>()?,
             angles_before: self.coordinates.before.clone(),
             channels_before: self.skeleton.before.clone(),
             draws: self.draws.keep()?,
@@ -150,6 +155,7 @@ impl ResultFolder {
         let pose = pose(&self.info.body, &estimate.mean_state);
         self.markers.append(self.frames, estimate, &pose)?;
         self.tables.append(estimate)?;
+        self.actions.append(estimate)?;
         self.coordinates.append(estimate, &pose)?;
         self.skeleton.append(&pose)?;
         self.draws.append(estimate)?;
@@ -185,10 +191,11 @@ impl ResultFolder {
     /// # Errors
     /// [`Error::Io`] with the path at the first failure; what is not renamed by then keeps its provisional name.
     pub fn finish(self, ending: &Ending) -> Result<Summary, Error> {
-        let Self { info, texts, markers, tables, coordinates, skeleton, draws, mut journal, mut whole, frames, claim } =
-            self;
+        let Self { info, texts, markers, tables, actions, coordinates, skeleton, draws, .. } = self;
+        let Self { mut journal, mut whole, frames, claim, .. } = self;
         whole.extend(markers.finish(frames)?);
         whole.extend(tables.finish());
+        whole.extend(actions.finish(&claim)?);
         whole.push(coordinates.finish(frames)?);
         whole.push(skeleton.finish(frames)?);
         let draws = draws.finish()?;
@@ -255,6 +262,7 @@ mod tests {
             first_frame: 0,
             draws: 1,
             carried: Default::default(),
+            acting_parts: vec![],
             seed: 1,
             isa: "baseline".into(),
             cameras: vec![Camera::look_at("C1", [640.0, 480.0], 500.0, [3.0, 0.0, 1.0], [0.0, 0.0, 1.0]).unwrap()],

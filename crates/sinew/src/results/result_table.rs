@@ -14,6 +14,8 @@ pub enum ResultTable {
     Angles,
     /// `frames.csv`.
     Frames,
+    /// `actions.csv`.
+    Actions,
     /// `markers_sd.csv`.
     MarkersSd,
 }
@@ -31,6 +33,8 @@ impl ResultTable {
             Some(Self::Angles)
         } else if has(&["frame", "time_s", "observed", "quality", "restarted"]) {
             Some(Self::Frames)
+        } else if has(&["frame", "time_s", "part", "cluster", "model", "share"]) {
+            Some(Self::Actions)
         } else {
             let [frame, time, deviations @ ..] = &columns[..] else { return None };
             let only_deviations = !deviations.is_empty() && deviations.iter().all(|column| column.ends_with("_sd_m"));
@@ -45,6 +49,7 @@ impl ResultTable {
             Self::Joints => "marginals of the points, a row for each point in a frame",
             Self::Angles => "marginals of the rotations, a row for each rotation in a frame",
             Self::Frames => "diagnostics, a row for each frame",
+            Self::Actions => "actions, a row for each cluster and model that moved a part in a frame",
             Self::MarkersSd => "standard deviations of the markers, a row for each frame",
         }
     }
@@ -55,6 +60,7 @@ impl ResultTable {
         match self {
             Self::Joints => Some("joint"),
             Self::Angles => Some("name"),
+            Self::Actions => Some("part"),
             Self::Frames | Self::MarkersSd => None,
         }
     }
@@ -70,6 +76,7 @@ mod tests {
         check("frame,time_s,person,joint,x_mean_m,y_mean_m\n0,0,0,Nose,1,2\n", Some(ResultTable::Joints));
         check("\u{feff}time_s;person;name;mean_deg\r\n", Some(ResultTable::Angles));
         check("frame,time_s,observed,quality,restarted,ess\n", Some(ResultTable::Frames));
+        check("frame,time_s,person,part,cluster,model,share\n", Some(ResultTable::Actions));
         check("frame,time_s,RHip_sd_m,Nose_sd_m\n", Some(ResultTable::MarkersSd));
         check("time_s,RHip_x_m,RHip_y_m,RHip_z_m\n", None);
         check("frame,time_s,RHip_sd_m,knee_deg\n", None);

@@ -304,6 +304,7 @@ mod tests {
             first_frame: 10,
             draws: 1,
             carried: Default::default(),
+            acting_parts: vec![],
             seed: 1,
             isa: "baseline".into(),
             cameras: vec![camera],

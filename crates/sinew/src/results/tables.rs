@@ -16,7 +16,7 @@ use sinew_body::Joint;
 use sinew_formats::tidy_csv::Cell;
 
 /// Number of the tracked person in the tables; there is one.
-const PERSON: Cell<'_> = Cell::Integer(0);
+pub(crate) const PERSON: Cell<'_> = Cell::Integer(0);
 
 pub(crate) struct Tables {
     pub(crate) joints: Table,

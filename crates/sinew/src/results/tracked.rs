@@ -116,12 +116,12 @@ pub fn inputs(results: &Path, calibration: &Path, images: Option<&PathBuf>) -> V
     [results, calibration].into_iter().map(Path::to_owned).chain(images.cloned()).collect()
 }
 
-fn column(file: &str, table: &Cells, wanted: &'static str) -> Result<usize, ResultsError> {
+pub(super) fn column(file: &str, table: &Cells, wanted: &'static str) -> Result<usize, ResultsError> {
     let place = table.columns.iter().position(|column| column == wanted);
     place.ok_or_else(|| ResultsError::NoColumn { file: file.into(), wanted, columns: table.columns.clone() })
 }
 
-fn bad_cell(file: &str, line: usize, found: &str, expected: Expected) -> ResultsError {
+pub(super) fn bad_cell(file: &str, line: usize, found: &str, expected: Expected) -> ResultsError {
     ResultsError::Cell { file: file.into(), line, found: found.into(), expected }
 }
 

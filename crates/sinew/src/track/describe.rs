@@ -3,8 +3,9 @@
 use super::marginals::Marginals;
 use super::scene::Scene;
 use crate::config::settings::Settings;
-use crate::results::estimate::{Draws, FrameEstimate, HmcStatistics, ParticleStatistics, Quality};
+use crate::results::estimate::{ActionShare, Draws, FrameEstimate, HmcStatistics, ParticleStatistics, Quality};
 use sinew_core::random::Stage;
+use sinew_dynamics::primitives::switching::Choice;
 use sinew_tracking::StepInfo;
 use sinew_tracking::posterior::Posterior;
 
@@ -57,6 +58,7 @@ pub(super) fn describe(
         state,
         draws: Draws { states, size, lp: chosen.iter().map(|s| s.log_density).collect(), hmc },
         particles,
+        actions: actions(&info.choices),
         ess: info.ess,
         log_evidence: info.log_evidence,
         r_hat: info.r_hat,
@@ -65,4 +67,16 @@ pub(super) fn describe(
         divergences: info.divergences as u64,
         trajectories: info.trajectories as u64,
     }
+}
+
+/// The choices of the motion, part by part, by their meaning.
+fn actions(choices: &[Vec<(u32, f64)>]) -> Vec<ActionShare> {
+    let meaning = |part: usize, number: u32, share: f64| {
+        let (cluster, model) = Choice::from_number(number);
+        ActionShare { part, cluster, model, share }
+    };
+    let meanings = |(part, choices): (usize, &Vec<(u32, f64)>)| {
+        choices.iter().map(|&(number, share)| meaning(part, number, share)).collect::<Vec<_>>()
+    };
+    choices.iter().enumerate().flat_map(meanings).collect()
 }

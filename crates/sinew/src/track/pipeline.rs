@@ -57,6 +57,8 @@ struct Observer {
     marginals: Marginals,
     /// What the method says of how it was made.
     remarks: Vec<String>,
+    /// Parts whose actions the method gives.
+    acting_parts: Vec<String>,
 }
 
 /// What a pipeline remembers from frame to frame.
@@ -112,6 +114,10 @@ impl Pipeline {
         let motion_model = model.as_deref();
         let making = Making { setup, transition: &transition, parts: parts.as_ref(), motion_model, dt, isa };
         let remarks = method.remarks(&making);
+        let acting_parts = match method.gives_actions(&making) {
+            true => setup.flesh()?.solids().iter().map(|solid| solid.name.clone()).collect(),
+            false => vec![],
+        };
         let make = move |start| {
             let start = match &model {
                 Some(model) => turned_near(model, &body, start),
@@ -122,7 +128,8 @@ impl Pipeline {
         };
         let tracker = Restarting::new(Box::new(make), scene.start().to_vec())?;
         let marginals = Marginals::new(tree, settings.isa, UnknownSize::of(setup, cameras, settings.seed));
-        Ok(Self { tracker, observer: Observer { settings, scene, images, marginals, remarks }, transition })
+        let observer = Observer { settings, scene, images, marginals, remarks, acting_parts };
+        Ok(Self { tracker, observer, transition })
     }
 
     /// Statistics that each frame brings.
@@ -140,6 +147,12 @@ impl Pipeline {
 
     pub(super) const fn settings(&self) -> &Settings {
         &self.observer.settings
+    }
+
+    /// Parts of the body whose actions each frame brings.
+    #[must_use]
+    pub fn acting_parts(&self) -> &[String] {
+        &self.observer.acting_parts
     }
 
     /// Names of the keypoints that are points of the body.

@@ -90,7 +90,7 @@ impl Results<'_> {
         Ok([value, value + OVER_TRIALS * error])
     }
 
-    /// Milliseconds a frame.
+    /// Milliseconds of processor time a frame.
     pub(super) fn ms(&self, contender: &Contender) -> Outcome<Mean> {
         let of = |seed| Ok(self.cell(contender, seed)?["ms"].as_f64().unwrap_or(f64::NAN));
         Ok(Mean::of(&(1..=self.seeds).map(of).collect::<Outcome<Vec<f64>>>()?))

@@ -87,7 +87,7 @@ pub(super) fn table_3(results: &Results<'_>) -> Outcome<String> {
 }
 
 /// Columns of tables of whole motions.
-const WHOLE: &str = "| | relative, mm | absolute, mm | limb ratio | kept | C1, px | C2, px | evaluations | ms a frame |\n|---|---|---|---|---|---|---|---|---|\n";
+const WHOLE: &str = "| | relative, mm | absolute, mm | limb ratio | kept | C1, px | C2, px | evaluations | processor time a frame, ms |\n|---|---|---|---|---|---|---|---|---|\n";
 
 fn whole(results: &Results<'_>, name: &str, contender: &Contender) -> Outcome<String> {
     let mean = |path: &str, decimals| -> Outcome<String> { Ok(results.mean(contender, path, None)?.shown(decimals)) };

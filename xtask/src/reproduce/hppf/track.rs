@@ -3,10 +3,12 @@
 //! All contenders of a motion are judged on the same frames, from [`Motion::first`](super::contender::Motion::first) on. The paper's tracker has D true poses before them as the history that its action primitives need.
 
 use super::contender::{Contender, Method, USUAL_MODEL};
+use super::figures;
 use super::motions::RATE_HZ;
 use super::scene::{Scene, Seen};
 use super::worth::{errors, mean_poses};
 use crate::outcome::Outcome;
+use crate::processor_time::thread_seconds;
 use serde_json::{Value, json};
 use sinew::body::hppf24;
 use sinew::core::random::Stage;
@@ -23,7 +25,6 @@ use sinew::samplers::levels::Selection;
 use sinew::samplers::resample::Truncation;
 use sinew::tracking::{Tracker, annealed, bootstrap, hppf, partitioned};
 use sinew_motion::points::{Trajectories, points_of_states};
-use std::time::Instant;
 
 /// First coordinate that is an angle.
 const FIRST_ANGLE: usize = 3;
@@ -147,20 +148,24 @@ pub(super) fn cell(
     let (history, judged) = scene.truth.split_at(first);
     let start = &history[first - 1];
     let mut running = tracker(contender.method, model, seen, history, start.clone())?;
-    let (mut estimates, mut seconds) = (Vec::with_capacity(judged.len()), 0.0);
+    let (mut estimates, mut actions, mut seconds) = (Vec::with_capacity(judged.len()), vec![], 0.0);
     let means = mean_poses(scene, mean_pose);
     let purpose = format!("hppf {}", contender.method.name());
     for (frame, truth) in judged.iter().enumerate().map(|(k, truth)| (first + k, truth)) {
-        let clock = Instant::now();
+        let before = thread_seconds();
         estimates.push(match (&mut running, contender.method) {
             (Some(running), _) => {
-                running.step(&seen.bind(frame), Stage::new(seed, &purpose).at_frame(frame as u32))?.mean
+                let info = running.step(&seen.bind(frame), Stage::new(seed, &purpose).at_frame(frame as u32))?;
+                if figures::is_drawn(contender, seed) {
+                    actions.push(figures::stored(&info.choices));
+                }
+                info.mean
             }
             (None, Method::Truth) => truth.clone(),
             (None, Method::MeanPose) => means[frame].clone(),
             (None, _) => start.clone(),
         });
-        seconds += clock.elapsed().as_secs_f64();
+        seconds += thread_seconds() - before;
     }
     let found = errors(scene, &estimates, first);
     let mean_pose_errors = errors(scene, &means[first..], first);
@@ -176,12 +181,16 @@ pub(super) fn cell(
             json!({ "absolute": rounded(&absolute), "relative": rounded(&relative) })
         })
         .collect();
-    Ok(json!({
+    let mut cell = json!({
         "absolute": rounded(&found.absolute),
         "relative": rounded(&found.relative),
         "limbs": rounded(&found.limbs),
         "mean_pose_limbs": rounded(&mean_pose_errors.limbs),
         "pixels": pixels,
         "ms": 1e3 * seconds / judged.len() as f64,
-    }))
+    });
+    if !actions.is_empty() {
+        cell["actions"] = actions.into();
+    }
+    Ok(cell)
 }

@@ -37,6 +37,7 @@ pub(super) fn run_info(
         } else {
             carried
         },
+        acting_parts: pipeline.acting_parts().to_vec(),
         seed: settings.seed,
         isa: settings.isa.name().into(),
         camera_offset_px: setup.camera.iter().map(|camera| camera.offset_px).collect(),
