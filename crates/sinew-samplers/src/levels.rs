@@ -116,7 +116,7 @@ pub fn log_global<D: PartLogDensity + ?Sized>(particles: &Particles, density: &D
 mod tests {
     use super::*;
     use crate::diffusion::diffuse;
-    use sinew_core::lanes::{Isa, LANES};
+    use sinew_core::lanes::Isa;
     use sinew_core::random::BlockRng;
     use sinew_core::transition::{Choices, MotionModel};
 
