@@ -84,6 +84,26 @@ fn tables_of_results_are_described() {
     insta::assert_snapshot!("inspect_tables", String::from_utf8(output.stdout).unwrap());
 }
 
+const ACTIONS: &str = "frame,time_s,person,part,cluster,model,share\n\
+    0,0,0,torso,,walk,1\n1,0.05,0,torso,4,next,0.5\n1,0.05,0,torso,4,walk,0.25\n1,0.05,0,torso,7,step,0.25\n";
+
+#[test]
+fn actions_of_a_run_are_described_and_drawn_beside_its_errors() {
+    let trial = with(&[("actions.csv", ACTIONS), ("markers.trc", TRC), ("true points.trc", TRC)]);
+    let alone = trial.run(&["inspect", "actions.csv", "-o", "a.svg"]);
+    let with_truth = trial.run(&["inspect", "actions.csv", "true points.trc", "-o", "b.svg"]);
+    for output in [&alone, &with_truth] {
+        assert!(output.status.success(), "{}", trial.printed(output));
+    }
+    insta::assert_snapshot!("inspect_actions", String::from_utf8(alone.stdout).unwrap());
+    let has_errors = |name: &str| fs::read_to_string(trial.path(name)).unwrap().contains("joint error");
+    assert!(!has_errors("a.svg") && has_errors("b.svg"));
+    fs::write(trial.path("actions.csv"), ACTIONS.replace("step,0.25", "step,0.5")).unwrap();
+    let printed = [&["inspect", "actions.csv"][..], &["inspect", "actions.csv", "-o", "actions.csv", "--force"]]
+        .map(|arguments| trial.printed(&trial.run(arguments)));
+    insta::assert_snapshot!("inspect_actions_refused", printed.concat());
+}
+
 const ASF: &str = ":units\n length 0.45\n angle deg\n:root\n order TX TY TZ RX RY RZ\n axis XYZ\n position 0 0 0\n orientation 0 0 0\n\
     :bonedata\n begin\n name thigh\n direction 0 -1 0\n length 7\n axis 0 0 20 XYZ\n dof rx ry\n end\n\
     begin\n name shin\n direction 0 -1 0\n length 7\n axis 0 0 20 XYZ\n dof rx\n end\n\

@@ -10,7 +10,7 @@
 //! None of them keeps a distribution but [`predict_level`]: truncation has a bias on purpose, and a state put together from several has lost what its parts knew of each other. They are part of a search.
 
 use crate::Error;
-use crate::origins::{Origins, take_row};
+use crate::origins::{PartOrigins, take_row};
 use crate::particles::Particles;
 use crate::resample::{Truncation, shuffle};
 use crate::weights::{effective_number, normalise};
@@ -51,13 +51,13 @@ impl Selection {
 /// Moves one level of the states, each part from its origin, which keeps how it was moved.
 pub fn predict_level<M: LevelMotion + ?Sized>(
     particles: &mut Particles,
-    origins: &mut Origins,
+    origins: &mut PartOrigins,
     motion: &M,
     level: usize,
     stage: Stage,
 ) {
     let d = particles.dim();
-    let Origins { before, choices, parts } = origins;
+    let PartOrigins { before, choices, parts } = origins;
     let blocks = particles.states.par_chunks_mut(d).zip(before.states.par_chunks(d));
     blocks.zip(choices.par_chunks_mut(*parts)).enumerate().for_each(|(block, ((states, before), choices))| {
         motion.sample_level_block(level, before, states, choices, &mut stage.block(block as u32));
@@ -83,7 +83,7 @@ pub fn log_plausibilities<M: LevelMotion + ?Sized>(
 /// [`Error::AllWeightsZero`], [`Error::BadWeight`]; nothing has changed then.
 pub fn resample_part(
     particles: &mut Particles,
-    origins: &mut Origins,
+    origins: &mut PartOrigins,
     parts: &[usize],
     coordinates: &[usize],
     log_weights: &[f64],
@@ -116,7 +116,7 @@ pub fn log_global<D: PartLogDensity + ?Sized>(particles: &Particles, density: &D
 mod tests {
     use super::*;
     use crate::diffusion::diffuse;
-    use sinew_core::lanes::{Isa, LANES};
+    use sinew_core::lanes::Isa;
     use sinew_core::random::BlockRng;
     use sinew_core::transition::{Choices, MotionModel};
 
@@ -134,7 +134,7 @@ mod tests {
         let log_weights: Vec<f64> = (0..COUNT).map(|i| ((i * 37) % COUNT) as f64 * 0.2).collect();
         for truncation in [Truncation::KeepOnceRefill, Truncation::TruncateThenSystematic] {
             let (now, then) = (cloud("now"), cloud("then"));
-            let (mut particles, mut origins) = (now.clone(), Origins::new(then.clone(), 1));
+            let (mut particles, mut origins) = (now.clone(), PartOrigins::new(then.clone(), 1));
             let selection = Selection { truncation, surviving: 0.8 };
             let stage = Stage::new(2, "part");
             let d = resample_part(&mut particles, &mut origins, &[0], &[3, 1], &log_weights, selection, stage);
@@ -159,7 +159,7 @@ mod tests {
     #[test]
     fn a_part_that_nothing_explains_is_an_error_and_changes_nothing() {
         let (now, selection) = (cloud("now"), Selection::default());
-        let (mut particles, mut origins) = (now.clone(), Origins::new(now.clone(), 1));
+        let (mut particles, mut origins) = (now.clone(), PartOrigins::new(now.clone(), 1));
         let none = vec![f64::NEG_INFINITY; COUNT];
         let error = resample_part(&mut particles, &mut origins, &[0], &[0], &none, selection, Stage::new(2, "part"));
         assert_eq!(error, Err(Error::AllWeightsZero { count: COUNT }));
@@ -196,7 +196,7 @@ mod tests {
     #[test]
     fn a_level_sees_the_states_before() {
         let (mut particles, before) = (cloud("now"), cloud("then"));
-        let (now, mut origins) = (particles.clone(), Origins::new(before.clone(), 2));
+        let (now, mut origins) = (particles.clone(), PartOrigins::new(before.clone(), 2));
         predict_level(&mut particles, &mut origins, &Lift, 3, Stage::new(3, "level"));
         let positive = (0..COUNT).filter(|&i| before.state(i)[0] > 0.0).count() as f64 / COUNT as f64;
         assert!((1..COUNT).contains(&((positive * COUNT as f64) as usize)));

@@ -9,13 +9,13 @@ use std::collections::BTreeMap;
 
 /// The origins of all parts of some states.
 #[derive(Clone, Debug)]
-pub struct Origins {
+pub struct PartOrigins {
     pub(crate) before: Particles,
     pub(crate) choices: Vec<Choices>,
     pub(crate) parts: usize,
 }
 
-impl Origins {
+impl PartOrigins {
     /// The states `before` of a frame that has not begun, of one part at least.
     #[must_use]
     pub fn new(before: Particles, parts: usize) -> Self {
@@ -62,11 +62,11 @@ pub(crate) fn take_row<B, T: Copy>(
 mod tests {
     use super::*;
 
-    /// Eleven states of two parts: the choices of a part go with its ancestors, those of the other stay, and lanes beyond the last state do not count.
+    /// Eleven states of two parts: the choices of a part go with its ancestors, the other keeps its own, and lanes beyond the last state do not count.
     #[test]
     fn choices_go_with_their_part_and_are_counted() {
         let before = Particles::new(&[0.0, 1.0, 2.0], 11).expect("not empty");
-        let mut origins = Origins::new(before, 2);
+        let mut origins = PartOrigins::new(before, 2);
         assert_eq!(origins.shares(), [[(0, 1.0)], [(0, 1.0)]]);
         for slot in 0..16 {
             origins.choices[slot / LANES * 2][slot % LANES] = slot as u32 % 2;

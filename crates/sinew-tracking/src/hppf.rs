@@ -6,7 +6,7 @@
 //! 2. for each level l:
 //!    - (a) motion: p_x moves for every part x of depth l, and slightly what is above the level ([`LevelMotion`])
 //!    - (b) weights: w_i(x) = ψ(p_x) λ(I | p_x) (eq. 1), for every part of the level and for all parts above it together, each judged on the whole particle as it stands
-//!    - (c) resampling of each part on its own: slot i receives the coordinates x of its ancestor alone, with their origin ([`Origins`]); first the parts of the level, then what is above it
+//!    - (c) resampling of each part on its own: slot i receives the coordinates x of its ancestor alone, with their origin ([`PartOrigins`]); first the parts of the level, then what is above it
 //! 3. w_i = ψ(p_i) λ_G(p_i), by the whole state ([`PartLogDensity::global_block`], eq. 10)
 //! 4. mode = particle of largest w among those that meet the most of what was seen; estimate = weighted mean of the particles similar to it ([`sinew_samplers::mode_mean`])
 //!
@@ -29,7 +29,7 @@ use sinew_core::random::Stage;
 use sinew_core::transition::LevelMotion;
 use sinew_samplers::levels::{Selection, log_global, log_plausibilities, predict_level, resample_part};
 use sinew_samplers::mode_mean::{ModeMean, mode_mean};
-use sinew_samplers::origins::Origins;
+use sinew_samplers::origins::PartOrigins;
 use sinew_samplers::particles::{Particles, select, take};
 use sinew_samplers::parts::log_likelihoods;
 
@@ -136,7 +136,7 @@ impl<M: LevelMotion + Send, O: PartLogDensity + ?Sized> Tracker<O> for Hppf<M> {
             let ancestors = selection.ancestors(particles.weights(), to_resample);
             take(&mut particles, ancestors);
         }
-        let mut origins = Origins::new(particles.clone(), self.parts);
+        let mut origins = PartOrigins::new(particles.clone(), self.parts);
         for (l, Level { judged, partitions }) in self.levels.iter().enumerate() {
             predict_level(&mut particles, &mut origins, motion, l, to_move.round(l));
             let likelihoods = log_likelihoods(&particles, observed, judged);

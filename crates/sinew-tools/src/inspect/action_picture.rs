@@ -179,7 +179,7 @@ mod tests {
         // Two clusters and the walk of the torso, the walk of the other part: equal neighbours are one.
         assert_eq!(svg.matches("fill-opacity").count(), 4);
         assert_eq!(svg.matches("fill-opacity=\"0.80\"").count(), 2);
-        assert!(svg.contains("a&lt;b") && svg.contains(">1.5</text>") && !svg.contains("polyline"));
+        assert!(svg.contains("a&lt;b") && svg.contains(">1.6</text>") && !svg.contains("polyline"));
         let errors: Vec<(f64, f64)> = trace.time_s.iter().map(|t| (*t, 50.0 + 100.0 * t)).collect();
         let with_errors = action_picture("a trace", &trace, &errors);
         assert!(with_errors.contains("polyline") && with_errors.contains("joint error"));

@@ -88,7 +88,7 @@ mod tests {
     }
 
     #[test]
-    fn errors_are_those_of_points_of_one_name_at_one_time() {
+    fn errors_compare_points_of_one_name_at_one_time() {
         let folder = tempfile::tempdir().unwrap();
         let write = |name: &str, text: String| {
             fs::write(folder.path().join(name), text).unwrap();

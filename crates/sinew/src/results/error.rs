@@ -84,7 +84,7 @@ pub enum ResultsError {
         /// What belongs there.
         expected: Expected,
     },
-    /// Shares that are not those of all particles.
+    /// Shares that leave particles out or count them twice.
     #[error("{file}: the shares of part `{part}` at {time_s} s add to {sum}; must be 1")]
     Shares {
         /// File.
