@@ -1,4 +1,4 @@
-//! Whether the colours of a set-up are compared, and what a set-up and a source's pictures lack of each other.
+//! Whether the colours of a set-up are compared, and what set-up and pictures lack of each other.
 
 use crate::config::settings::Settings;
 use crate::input::source::FrameSource;
