@@ -114,7 +114,7 @@ pub fn set_up(
     let (cameras, layout) = (source.cameras().to_vec(), source.layout().clone());
     let people: Vec<_> = frames.clone().map(|number| Ok::<_, Error>((number, source.people(number)?))).collect();
     let (mut setup, _) = setup::set_up(&cameras, &layout, &SetupRequest::default(), people)?;
-    setup.girth = setup::measure_girth(&setup, source, frames.clone(), settings.fps)?;
+    setup::measure_look(&mut setup, source, frames.clone(), settings.fps, settings.compares_colours())?;
     change(&mut setup);
     let tree = setup.tree();
     setup.motion_sd = Some(setup::measure_motion(&setup, &tree, source, frames, settings.fps)?);

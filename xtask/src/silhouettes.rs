@@ -11,7 +11,7 @@ use sinew::formats::trc;
 use sinew::input::footage::{Footage, Init};
 use sinew::input::recording::RecordingOptions;
 use sinew::methods::Score;
-use sinew::methods::{About, AnnealedMethod, annealed, bootstrap, coarse_to_fine, hmc, partitioned};
+use sinew::methods::{About, AnnealedMethod, annealed, bootstrap, coarse_to_fine, hmc, hppf, partitioned};
 use sinew::results::silhouette_overlap::SilhouetteOverlap;
 use sinew::setup::Setup;
 use sinew_tests::evaluation::{self, LIMB_JOINTS, Track};
@@ -36,6 +36,9 @@ pub(crate) struct Args {
     /// Only the rows of this method.
     #[arg(long, value_name = "NAME")]
     method: Option<String>,
+    /// A motion model of h32 for the rows that need one, which are left out without (`sinew learn primitives --fps 60`).
+    #[arg(long, value_name = "FILE")]
+    motion_model: Option<PathBuf>,
 }
 
 const CHOSEN: Range<usize> = 0..60;
@@ -49,6 +52,10 @@ struct Row {
     /// Whether keypoints are observed, too.
     keypoints: bool,
     masks: bool,
+    /// Whether images are given with the masks: edges, and colours where the score compares them.
+    images: bool,
+    /// Whether the motion model moves the body.
+    learned: bool,
     cameras: Option<&'static [&'static str]>,
     /// Other settings than the program's.
     change: fn(&mut Settings),
@@ -64,6 +71,8 @@ fn rows() -> Vec<Row> {
         score,
         keypoints: false,
         masks: true,
+        images: false,
+        learned: false,
         cameras: None,
         change: |_| {},
         changed: "",
@@ -76,6 +85,12 @@ fn rows() -> Vec<Row> {
     }
     rows.push(masks(&partitioned::ABOUT, Score::Parts));
     rows.push(masks(&partitioned::ABOUT, Score::Bidirectional));
+    for learned in [false, true] {
+        for images in [false, true] {
+            let changed = if learned { ", motion model" } else { "" };
+            rows.push(Row { images, learned, changed, ..masks(&hppf::ABOUT, Score::Parts) });
+        }
+    }
     rows.push(Row { cameras: Some(TWO), ..masks(&annealed::ABOUT, Score::Bidirectional) });
     rows.push(Row { cameras: Some(ONE), ..masks(&annealed::ABOUT, Score::Bidirectional) });
     let keypoints =
@@ -119,7 +134,7 @@ pub(crate) fn run(root: &Path, args: &Args) -> ExitCode {
 }
 
 /// The settings of `sinew track` for the real recording.
-fn config(data: &Path, row: &Row) -> Outcome<TrackConfig> {
+fn config(data: &Path, row: &Row, motion_model: Option<&Path>) -> Outcome<TrackConfig> {
     let single = data.join("pose2sim_single");
     let path = |path: PathBuf| path.display().to_string();
     let mut flags = vec![
@@ -132,6 +147,12 @@ fn config(data: &Path, row: &Row) -> Outcome<TrackConfig> {
     if row.masks {
         flags.push(("silhouettes", path(data.join("pose2sim_silhouettes/silhouettes"))));
         flags.push(("mask_scale", "0.5".to_owned()));
+    }
+    if row.images {
+        flags.push(("images", path(data.join("pose2sim_silhouettes/images"))));
+    }
+    if let Some(model) = motion_model.filter(|_| row.learned) {
+        flags.push(("motion_model", path(model.to_owned())));
     }
     if let Some(cameras) = row.cameras {
         flags.push(("cameras", cameras.join(",")));
@@ -175,13 +196,17 @@ fn tables(data: &Path, args: &Args) -> Outcome<()> {
         "| method | score | observed | cameras | frames 0–59, mm | frames 60–99, mm | precision, % | recall, % | ms a frame |"
     );
     println!("|---|---|---|---|---|---|---|---|---|");
-    let is_wanted = |row: &Row| args.method.as_deref().is_none_or(|name| row.method.name == name);
+    let is_wanted = |row: &Row| {
+        let is_named = args.method.as_deref().is_none_or(|name| row.method.name == name);
+        is_named && (args.motion_model.is_some() || !row.learned)
+    };
     for row in rows().into_iter().filter(is_wanted) {
-        let config = config(data, &row)?;
+        let config = config(data, &row, args.motion_model.as_deref())?;
         let mut base = Settings {
             method: (row.method.usual)(),
             fps: FPS,
             score: row.score.with_kappa(100.0),
+            motion_model: config.settings()?.motion_model,
             ..Settings::default()
         };
         (row.change)(&mut base);
@@ -201,20 +226,16 @@ fn tables(data: &Path, args: &Args) -> Outcome<()> {
             }
             coverage.extend(filtered.coverage);
         }
-        let observed = match (row.keypoints, row.masks) {
-            (true, true) => "keypoints, masks",
-            (true, false) => "keypoints",
-            _ => "masks",
-        };
         let share = |of: fn(&SilhouetteOverlap) -> f64| match coverage.len() {
             0 => "–".to_owned(),
             n => format!("{:.0}", 100.0 * coverage.iter().map(of).sum::<f64>() / n as f64),
         };
         println!(
-            "| {}{} | {} | {observed} | {} | {} | {} | {} | {} | {:.0} |",
+            "| {}{} | {} | {} | {} | {} | {} | {} | {} | {:.0} |",
             row.method.name,
             row.changed,
             if row.masks { format!("{:?}", row.score) } else { "–".to_owned() },
+            observed(&row),
             row.cameras.map_or(4, <[_]>::len),
             shown(&errors[0]),
             shown(&errors[1]),
@@ -224,6 +245,12 @@ fn tables(data: &Path, args: &Args) -> Outcome<()> {
         );
     }
     Ok(())
+}
+
+/// What is observed, in words.
+fn observed(row: &Row) -> String {
+    let observed = [(row.keypoints, "keypoints"), (row.masks, "masks"), (row.images, "images")];
+    observed.into_iter().filter(|(is_observed, _)| *is_observed).map(|(_, word)| word).collect::<Vec<_>>().join(", ")
 }
 
 /// Mean and the range over seeds.

@@ -1,8 +1,9 @@
 //! The answer of a run as a table of two columns.
 
 use sinew::results::CameraSummary;
-use sinew::setup::MeasuredGirth;
+use sinew::setup::{MeasuredColours, MeasuredGirth, PartColours};
 use sinew::track::job::Outcome;
+use std::collections::BTreeSet;
 use std::path::Path;
 
 /// What a run came to.
@@ -26,6 +27,7 @@ pub(crate) fn table(outcome: &Outcome, out: &Path) -> String {
     }
     rows.extend(summary.cameras.iter().map(|camera| (camera.name.clone(), seen_by(camera))));
     rows.extend(outcome.girth.map(|girth| ("girth".into(), girth_of(girth))));
+    rows.extend(outcome.colours.as_ref().map(|colours| ("colours".into(), colours_of(colours))));
     rows.push(("results".into(), out.display().to_string()));
     aligned(&rows)
 }
@@ -37,6 +39,14 @@ fn girth_of(MeasuredGirth { trunk, arms, legs, held_out_iou }: MeasuredGirth) ->
         "trunk × {trunk:.2}, arms × {arms:.2}, legs × {legs:.2}: intersection over union with held-out masks \
          {after:.0} %, {before:.0} % without"
     )
+}
+
+/// Where the colours of the parts come from.
+fn colours_of(MeasuredColours { frames, part, .. }: &MeasuredColours) -> String {
+    let distinct = |name: fn(&PartColours) -> &String| part.iter().map(name).collect::<BTreeSet<_>>().len();
+    let (parts, cameras) = (distinct(|part| &part.name), distinct(|part| &part.camera));
+    let listed: Vec<String> = frames.iter().map(u64::to_string).collect();
+    format!("{parts} parts in {cameras} cameras, from images of the frames {}", listed.join(", "))
 }
 
 /// How well the tracked body fits what a camera saw.

@@ -3,9 +3,10 @@
 mod common;
 
 use common::{Trial, files};
-use sinew::formats::mask;
+use sinew::formats::{mask, picture};
 use sinew::observe::bit_image::BitImage;
 use std::fs;
+use std::process::Output;
 
 const SIZE: &str = "--size=96x72";
 const FRAMES: usize = 12;
@@ -91,4 +92,75 @@ fn a_person_who_leaves_all_views_is_flagged() {
     insta::assert_snapshot!("nobody_in_view", printed(&trial, &[]));
     let expected: Vec<&str> = (0..FRAMES).map(|frame| if frame < 7 { "2" } else { "0" }).collect();
     assert_eq!(qualities(&trial), expected);
+}
+
+/// Tracks the masks by parts of the body, whose colours are compared where there are images.
+fn by_parts(trial: &Trial, more: &[&str]) -> Output {
+    let usual =
+        ["track", "--calibration=rec/Calib.toml", "--silhouettes=rec/masks", "--init=rec/truth.trc", "--method=hppf"];
+    let small = ["--particles=16", "--draws=2", "--raster=64", "--min-ess=0", "--no-progress", "--force"];
+    let rate: &[&str] = if more.iter().any(|given| given.starts_with("--fps")) { &[] } else { &["--fps=30"] };
+    trial.run(&[&usual[..], &small, rate, more].concat())
+}
+
+/// The row of the answer about colours.
+fn row_of_colours(output: &Output) -> String {
+    let answer = String::from_utf8_lossy(&output.stdout);
+    answer.lines().find(|line| line.starts_with("colours ")).map(str::to_owned).unwrap_or_default()
+}
+
+#[test]
+fn colours_that_are_missing_on_one_side_are_named() {
+    let trial = recorded();
+    let check = |name: &str, more: &[&str]| {
+        let output = by_parts(&trial, more);
+        insta::assert_snapshot!(name, format!("{}\n{}", trial.printed(&output), row_of_colours(&output)));
+    };
+    check("colours", &["--images=rec/images", "-ocolours"]);
+    check("no_colours", &["-oplain"]);
+    check("colours_without_images", &["--setup=colours/setup.toml", "-oout"]);
+    check("images_without_colours", &["--setup=plain/setup.toml", "--images=rec/images", "-oout"]);
+    for frame in (0..FRAMES).filter(|frame| ![6, 8].contains(frame)) {
+        fs::remove_file(trial.path(&format!("rec/images/C1_{frame:04}.png"))).unwrap();
+        fs::remove_file(trial.path(&format!("rec/images/C2_{frame:04}.png"))).unwrap();
+    }
+    check("no_image_in_the_first_second", &["--images=rec/images", "--fps=5", "-oout"]);
+    fs::remove_file(trial.path("rec/images/C2_0008.png")).unwrap();
+    check("image_missing", &["--images=rec/images", "-oout"]);
+}
+
+#[test]
+fn grey_images_are_named() {
+    let trial = recorded();
+    for (name, bytes) in files(&trial.path("rec/images")) {
+        let mut image = picture::read(&name, &bytes).unwrap();
+        image.pixels.iter_mut().for_each(|pixel| *pixel = [pixel[1]; 3]);
+        let mut bytes = Vec::new();
+        picture::write_png(&mut bytes, &image).unwrap();
+        fs::write(trial.path("rec/images").join(name), bytes).unwrap();
+    }
+    insta::assert_snapshot!("grey_images", trial.printed(&by_parts(&trial, &["--images=rec/images", "-oout"])));
+}
+
+#[test]
+fn colours_that_cannot_be_are_refused() {
+    let trial = recorded();
+    assert_eq!(by_parts(&trial, &["--images=rec/images", "-ocolours"]).status.code(), Some(0));
+    let stored = fs::read_to_string(trial.path("colours/setup.toml")).unwrap();
+    let (before, colours) = stored.split_once("[colours]").expect("they are stored");
+    let first = colours.lines().find(|line| line.starts_with("pixels")).expect("a part was seen");
+    for (name, from, to) in [
+        ("colours_of_another_version", "version = 1", "version = 2"),
+        ("colours_of_another_camera", "camera = \"C2\"", "camera = \"C7\""),
+        ("colours_of_another_part", "name = \"head\"", "name = \"tail\""),
+        ("colours_twice", "camera = \"C2\"", "camera = \"C1\""),
+        ("colours_beyond_eight", first, "pixels = [[0, 8, 0, 5]]"),
+        ("colours_falling", first, "pixels = [[1, 2, 3, 4], [1, 2, 2, 4]]"),
+        ("colours_without_version", "version = 1", ""),
+    ] {
+        let edited = colours.replace(from, to);
+        assert_ne!(edited, colours, "{name}");
+        fs::write(trial.path("edited.toml"), format!("{before}[colours]{edited}")).unwrap();
+        insta::assert_snapshot!(name, trial.printed(&by_parts(&trial, &["--setup=edited.toml", "-oout"])));
+    }
 }

@@ -44,6 +44,18 @@ fn a_run_on_silhouettes_stopped_after_any_frame_gives_the_same_files() {
     }
 }
 
+/// The same with pictures and a set-up that learns their colours; a run that is stopped in its set-up leaves nothing.
+#[test]
+fn a_run_on_colours_stopped_after_any_frame_gives_the_same_files() {
+    for method in ["hppf", "partitioned"] {
+        let few = [("method", method), ("particles", "8"), ("score", "parts"), ("raster", "64")];
+        let whole = Whole::from_pictures(12, &few);
+        for stop in 1..=12 {
+            whole.check_stopped_at(stop);
+        }
+    }
+}
+
 /// As above through the backward pass, every fifth frame and the last.
 #[test]
 fn a_smoothed_run_stopped_after_a_frame_gives_the_same_files() {
@@ -157,7 +169,7 @@ fn frames_read_again_are_counted_once() {
         printed.push((done, total));
         Ok::<_, sinew::Error>(())
     };
-    let read = FramesRead { people: vec![0..20, 5..6, 28..40], masks: vec![] };
+    let read = FramesRead { people: vec![0..20, 5..6, 28..40], masks: vec![], pictures: vec![] };
     source.read_again(&read, 0..30, each).unwrap();
     assert_eq!(printed, (1..=FRAMES).map(|done| (done, FRAMES)).collect::<Vec<_>>());
 }

@@ -7,10 +7,11 @@ use sinew_body::hppf24;
 use sinew_core::density::{LogDensity, PartLogDensity};
 use sinew_core::lanes::{Block, Isa, LANES};
 use sinew_core::random::Stage;
-use sinew_observe::image_likelihood::{Cues, ImageModel};
+use sinew_observe::colour_histogram::Counts;
+use sinew_observe::image_likelihood::{Cues, ImageLikelihood, ImageModel};
 use sinew_observe::image_score::ImageScore;
 use sinew_observe::solid_body::SolidBody;
-use sinew_observe::{Camera, Map, ObservationModel};
+use sinew_observe::{Camera, Map, ObservationModel, RgbImage};
 use std::hint::black_box;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -61,6 +62,19 @@ fn bodies() -> Vec<Block> {
     states
 }
 
+/// The product over parts with colours besides edges, which a body in a known pose had in a picture of many colours.
+fn with_colours(truth: &[f64], edge: &Map) -> ImageLikelihood {
+    let plain = model(ImageScore::Parts);
+    let colour = |x: usize, y: usize| [(x / 9 * 37) as u8, (y / 11 * 53) as u8, ((x + y) / 17 * 91) as u8];
+    let pixels = (0..240).flat_map(|y| (0..320).map(move |x| colour(x, y))).collect();
+    let picture = RgbImage { width: 320, height: 240, pixels };
+    let reference = |camera| plain.colours_of(camera, truth, &picture).iter().map(Counts::reference).collect();
+    let colours = Arc::new((0..plain.cameras.len()).map(reference).collect());
+    let cues = |silhouette| Cues { silhouette, edges: Some(edge.clone()), picture: Some(picture.clone()) };
+    let frame = plain.silhouettes(truth).into_iter().map(|silhouette| Some(cues(silhouette))).collect();
+    ImageModel { colours, ..plain }.bind(frame)
+}
+
 fn scores(c: &mut Criterion) {
     let mut group = c.benchmark_group("ten solids, four views of 320 x 240");
     let mut truth = [0.0; 24];
@@ -95,6 +109,10 @@ fn scores(c: &mut Criterion) {
             per_body(b, || _ = black_box(bound.log_density_block(black_box(&states), &mut [])));
         });
     }
+    let coloured = with_colours(&truth, &edge);
+    group.bench_function("parts with colours", |b| {
+        per_body(b, || _ = black_box(coloured.log_density_block(black_box(&states), &mut [])));
+    });
     let parts = bound(ImageScore::Parts, true);
     group.bench_function("parts of three levels (1 + 6 + 10) and alignment", |b| {
         per_body(b, || {

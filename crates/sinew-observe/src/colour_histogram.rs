@@ -2,8 +2,10 @@
 //!
 //! Eight bins a channel, 512 in all, normalised. With the Bhattacharyya coefficient ρ = Σ √(h r) the distance is √(1 − ρ) and the match 1 − √(1 − ρ): 1 for equal histograms, 0 for those without a common colour.
 
+/// Bins of a channel.
+pub const LEVELS: usize = 8;
 /// Bins of a histogram.
-pub const BINS: usize = 512;
+pub const BINS: usize = LEVELS * LEVELS * LEVELS;
 
 /// Bin of a colour.
 #[inline(always)]
@@ -27,6 +29,32 @@ impl Counts {
     #[inline(always)]
     pub fn add(&mut self, colour: [u8; 3]) {
         self.0[bin(colour)] += 1;
+    }
+
+    /// Adds other counts.
+    pub fn merge(&mut self, other: &Self) {
+        self.0.iter_mut().zip(other.0).for_each(|(count, more)| *count += more);
+    }
+
+    /// Levels of red, green and blue, each from 0 to [`LEVELS`] − 1, with how often that colour was counted, where it was.
+    pub fn levels(&self) -> impl Iterator<Item = ([u8; 3], u32)> + '_ {
+        let level = |bin: usize, shift: usize| (bin >> shift & (LEVELS - 1)) as u8;
+        let counted = self.0.iter().enumerate().filter(|(_, count)| **count > 0);
+        counted.map(move |(bin, &count)| ([level(bin, 6), level(bin, 3), level(bin, 0)], count))
+    }
+
+    /// Counts by levels of red, green and blue; `None` with a level that is not below [`LEVELS`].
+    #[must_use]
+    pub fn from_levels(levels: impl IntoIterator<Item = ([u8; 3], u32)>) -> Option<Self> {
+        let mut counts = Self::default();
+        for (levels, count) in levels {
+            if levels.iter().any(|&level| usize::from(level) >= LEVELS) {
+                return None;
+            }
+            let [red, green, blue] = levels.map(usize::from);
+            counts.0[red << 6 | green << 3 | blue] += count;
+        }
+        Some(counts)
     }
 
     /// Colours counted.
@@ -82,6 +110,17 @@ mod tests {
         assert_eq!(reference.matched(&counts(&[[0, 0, 255]])), 0.0);
         assert!((reference.matched(&mixed) - (1.0 - (1.0 - 0.5_f64.sqrt()).sqrt())).abs() < 1e-12);
         assert_eq!((Counts::default().reference(), reference.matched(&Counts::default())), (None, 1.0));
+    }
+
+    #[test]
+    fn counts_come_back_from_their_levels() {
+        let mut counts = counts(&[[255, 0, 31], [250, 10, 3], [40, 90, 200]]);
+        let levels: Vec<_> = counts.levels().collect();
+        assert_eq!(levels, [([1, 2, 6], 1), ([7, 0, 0], 2)]);
+        assert_eq!(Counts::from_levels(levels).as_ref(), Some(&counts));
+        assert_eq!(Counts::from_levels([([0, 8, 0], 1)]), None);
+        counts.merge(&counts.clone());
+        assert_eq!(counts.levels().map(|(_, count)| count).collect::<Vec<_>>(), [2, 4]);
     }
 
     #[test]

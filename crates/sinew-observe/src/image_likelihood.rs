@@ -93,9 +93,9 @@ impl ImageModel {
         })
     }
 
-    /// Colours of the visible region of each solid of a body in one camera's picture, to be found again.
+    /// Colours of the visible region of each solid of a body in one camera's picture.
     #[must_use]
-    pub fn colours_of(&self, camera: usize, state: &[f64], picture: &RgbImage) -> Vec<Option<Reference>> {
+    pub fn colours_of(&self, camera: usize, state: &[f64], picture: &RgbImage) -> Vec<Counts> {
         let mut scratch = Scratch::new(&self.body);
         let Some(eye) = self.cameras.get(camera).map(Eye::of) else { return vec![] };
         scratch.project_state(self.isa, &self.body, state, &eye);
@@ -110,7 +110,7 @@ impl ImageModel {
             if body.seen >> solid & 1 == 1 {
                 points.colours(0, picture, body.hiders[solid], &body.spans, &mut counts);
             }
-            counts.reference()
+            counts
         };
         (0..self.body.count()).map(histogram).collect()
     }

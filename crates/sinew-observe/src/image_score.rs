@@ -49,6 +49,12 @@ impl ImageScore {
         }
     }
 
+    /// Whether it compares colours.
+    #[must_use]
+    pub const fn compares_colours(&self) -> bool {
+        matches!(self, Self::Parts)
+    }
+
     /// Whether it counts the pixels of whole silhouettes.
     #[must_use]
     pub const fn counts_pixels(&self) -> bool {

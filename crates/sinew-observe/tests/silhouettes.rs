@@ -7,6 +7,7 @@ use sinew_core::density::{LogDensity, PartLogDensity};
 use sinew_core::lanes::{Block, Isa, LANES};
 use sinew_core::random::Stage;
 use sinew_observe::bit_image::{BitImage, overlap};
+use sinew_observe::colour_histogram::Counts;
 use sinew_observe::hull::convex_hull;
 use sinew_observe::image_likelihood::{Cues, ImageModel};
 use sinew_observe::image_score::ImageScore;
@@ -370,7 +371,8 @@ fn colours_match_brute_force() {
         .into_iter()
         .map(|silhouette| Some(Cues { silhouette, edges: None, picture: Some(picture.clone()) }))
         .collect();
-    let references: Vec<_> = (0..3).map(|camera| model.colours_of(camera, &states[0], &picture)).collect();
+    let reference = |camera| model.colours_of(camera, &states[0], &picture).iter().map(Counts::reference).collect();
+    let references: Vec<Vec<_>> = (0..3).map(reference).collect();
     let histograms = |model: &ImageModel, camera: usize, state: &[f64]| {
         let brute = BruteForce { model, tree: &tree, outer: false };
         let mut counts = vec![vec![0.0; 512]; 10];

@@ -103,6 +103,7 @@ fn stated_setup(body: &KinematicTree, sigma_px: f64) -> Result<(Setup, Vec<Camer
         model_error_m: 0.0,
         size_sd: 0.0,
         girth: None,
+        colours: None,
         start_frame: 0,
         start_pose: start,
         step_size: None,

@@ -8,7 +8,6 @@ use sinew::input::in_memory::InMemory;
 use sinew::input::source::FrameSource;
 use sinew::observe::Camera;
 use sinew::observe::association::Person;
-use sinew::observe::bit_image::BitImage;
 use sinew::results::{Claim, claim, claim_to_resume};
 use sinew::track::checkpoint::{self, Checkpoint};
 use sinew::track::job::{self, Outcome, RunPhase, Watch};
@@ -23,26 +22,41 @@ use std::sync::atomic::{AtomicBool, Ordering};
 /// Frames of a run.
 pub const FRAMES: u64 = 30;
 
-/// Small silhouettes of the person of a recording.
-struct Masks {
-    cameras: Vec<Camera>,
-    /// By frame and camera.
-    frames: Vec<Vec<Option<BitImage>>>,
+/// What is seen of the person of a recording.
+#[derive(Clone, Copy, PartialEq)]
+enum Seen {
+    Keypoints,
+    Masks,
+    /// With masks, every third frame.
+    Pictures,
 }
 
-impl Masks {
-    fn of(recording: &SyntheticRecording) -> Self {
+/// Small silhouettes and pictures of the person of a recording.
+struct Images {
+    cameras: Vec<Camera>,
+    frames: Vec<FrameImages>,
+}
+
+impl Images {
+    fn of(recording: &SyntheticRecording, with_pictures: bool) -> Self {
         let cameras: Vec<Camera> = recording.cameras.iter().map(|camera| camera.resized(0.1)).collect();
         let footage = SyntheticFootage::with_cameras(recording.truth.clone(), 30.0, cameras.clone(), 7).unwrap();
-        let frame = |frame| (0..cameras.len()).map(|camera| Some(footage.silhouette(camera, frame))).collect();
+        let frame = |frame: usize| {
+            let has_pictures = with_pictures && frame.is_multiple_of(3);
+            let silhouette = |camera| Some(footage.silhouette(camera, frame));
+            let picture = |camera| has_pictures.then(|| footage.picture(camera, frame));
+            let (silhouettes, pictures) =
+                (0..cameras.len()).map(|camera| (silhouette(camera), picture(camera))).unzip();
+            FrameImages { silhouettes, pictures }
+        };
         Self { frames: (0..footage.frames()).map(frame).collect(), cameras }
     }
 }
 
-/// A recording, with or without silhouettes; with them, its keypoints are for the set-up.
+/// A recording, with or without images; with them, its keypoints are for the set-up.
 struct Source<'a> {
     recording: InMemory,
-    masks: Option<&'a Masks>,
+    images: Option<&'a Images>,
 }
 
 impl FrameSource for Source<'_> {
@@ -59,15 +73,21 @@ impl FrameSource for Source<'_> {
         self.recording.people(number)
     }
     fn image_cameras(&self) -> Option<Vec<Camera>> {
-        self.masks.map(|masks| masks.cameras.clone())
+        self.images.map(|images| images.cameras.clone())
+    }
+    fn pictured(&self, numbers: &std::ops::Range<u64>) -> Vec<u64> {
+        let has_pictures = |number: &u64| {
+            let images = self.images.and_then(|images| images.frames.get(*number as usize));
+            images.is_some_and(|images| images.pictures.iter().any(Option::is_some))
+        };
+        numbers.clone().filter(has_pictures).collect()
     }
     fn frame(&mut self, number: u64) -> Result<Frame, RecordingError> {
-        let Some(masks) = self.masks else {
+        let Some(images) = self.images else {
             return Ok(Frame { people: self.people(number)?, images: FrameImages::default() });
         };
-        let silhouettes = masks.frames[number as usize].clone();
         let people = vec![vec![]; self.recording.cameras.len()];
-        Ok(Frame { people, images: FrameImages { silhouettes, pictures: vec![] } })
+        Ok(Frame { people, images: images.frames[number as usize].clone() })
     }
 }
 
@@ -79,7 +99,7 @@ pub struct Whole {
     pub files: BTreeMap<String, Vec<u8>>,
     /// What is tracked.
     pub recording: InMemory,
-    masks: Option<Masks>,
+    images: Option<Images>,
     settings: Vec<(&'static str, String)>,
     frames: u64,
 }
@@ -92,25 +112,30 @@ impl Whole {
 
     /// As [`Whole::new`], with another number of frames.
     pub fn lasting(frames: u64, settings: &[(&'static str, &str)]) -> Self {
-        Self::seen(frames, settings, false, 1.0)
+        Self::seen(frames, settings, Seen::Keypoints, 1.0)
     }
 
     /// As [`Whole::lasting`], with a multiple of the keypoint noise in the set-up: a wide likelihood, under which few particles continue from frame to frame.
     pub fn blurred(frames: u64, settings: &[(&'static str, &str)], factor: f64) -> Self {
-        Self::seen(frames, settings, false, factor)
+        Self::seen(frames, settings, Seen::Keypoints, factor)
     }
 
     /// Tracks `frames` frames from silhouettes alone, after the set-up.
     pub fn from_silhouettes(frames: u64, settings: &[(&'static str, &str)]) -> Self {
-        Self::seen(frames, settings, true, 1.0)
+        Self::seen(frames, settings, Seen::Masks, 1.0)
     }
 
-    fn seen(frames: u64, settings: &[(&'static str, &str)], by_masks: bool, noise: f64) -> Self {
+    /// As [`Whole::from_silhouettes`] with pictures of every third frame, and with a set-up of its own, which learns their colours.
+    pub fn from_pictures(frames: u64, settings: &[(&'static str, &str)]) -> Self {
+        Self::seen(frames, settings, Seen::Pictures, 1.0)
+    }
+
+    fn seen(frames: u64, settings: &[(&'static str, &str)], seen: Seen, noise: f64) -> Self {
         let script = Script { duration_s: frames as f64 / 30.0, ..Script::default() };
         let mut recording = SyntheticRecording::new(&script, 7).unwrap();
         recording.cameras.truncate(2);
         recording.keypoints.truncate(2);
-        let masks = by_masks.then(|| Masks::of(&recording));
+        let images = (seen != Seen::Keypoints).then(|| Images::of(&recording, seen == Seen::Pictures));
         let SyntheticRecording { cameras, layout, keypoints, .. } = recording;
         let mut recording = InMemory { cameras, layout, keypoints };
         let folder = tempfile::tempdir().unwrap();
@@ -130,12 +155,15 @@ impl Whole {
             [("fps", "30"), ("chains", "8"), ("updates", "2"), ("burn_in", "1"), ("draws", "2"), ("particles", "64")];
         let mut all: BTreeMap<&'static str, String> = short.map(|(key, value)| (key, value.to_owned())).into();
         all.extend(settings.iter().map(|(key, value)| (*key, (*value).to_owned())));
-        all.insert("setup", path.display().to_string());
+        if seen != Seen::Pictures {
+            all.insert("setup", path.display().to_string());
+        }
         all.remove("body");
         let mut whole =
-            Self { folder, files: BTreeMap::new(), recording, masks, settings: all.into_iter().collect(), frames };
+            Self { folder, files: BTreeMap::new(), recording, images, settings: all.into_iter().collect(), frames };
         let out = whole.folder.path().join("whole");
-        assert!(whole.run(&out, 1, None, None).unwrap().summary.complete);
+        let outcome = whole.run(&out, 1, None, None).unwrap();
+        assert!(outcome.summary.complete && outcome.colours.is_some() == (seen == Seen::Pictures));
         whole.files = results(&out);
         whole
     }
@@ -170,7 +198,7 @@ impl Whole {
                 flag.store(true, Ordering::SeqCst);
             }
         };
-        let mut source = Source { recording: self.recording.clone(), masks: self.masks.as_ref() };
+        let mut source = Source { recording: self.recording.clone(), images: self.images.as_ref() };
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| {
             let mut watch = Watch { progress: &mut progress, stop: &flag };

@@ -16,7 +16,7 @@ use sinew_formats::source_text::MAX_TEXT_BYTES;
 use sinew_formats::{Layout, layout, trc};
 use sinew_observe::association::Person;
 use sinew_observe::bit_image::BitImage;
-use sinew_observe::{Camera, Detection};
+use sinew_observe::{Camera, Detection, RgbImage};
 use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -269,14 +269,20 @@ impl FrameSource for Footage {
         Ok(self.silhouettes.as_mut().map(|masks| masks.frame(number)).transpose()?.unwrap_or_default())
     }
 
+    fn pictured(&self, numbers: &Range<u64>) -> Vec<u64> {
+        self.pictures.as_ref().map(|pictures| pictures.numbers_in(numbers)).unwrap_or_default()
+    }
+
+    fn pictures(&mut self, number: u64) -> Result<Vec<Option<RgbImage>>, Error> {
+        Ok(self.pictures.as_mut().map(|pictures| pictures.frame(number)).transpose()?.unwrap_or_default())
+    }
+
     fn frame(&mut self, number: u64) -> Result<Frame, Error> {
         let people = match self.begins_only {
             true => vec![vec![]; self.cameras.len()],
             false => self.people(number)?,
         };
-        let silhouettes = self.masks(number)?;
-        let pictures = self.pictures.as_mut().map(|images| images.frame(number)).transpose()?;
-        let images = FrameImages { silhouettes, pictures: pictures.unwrap_or_default() };
+        let images = FrameImages { silhouettes: self.masks(number)?, pictures: self.pictures(number)? };
         Ok(Frame { people, images })
     }
 }

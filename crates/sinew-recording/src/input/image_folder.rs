@@ -178,10 +178,10 @@ impl ImageFolder {
         self.files[camera].is_some()
     }
 
-    /// Numbers of the frames to be taken that some camera has, rising.
-    pub fn numbers(&self) -> Vec<u64> {
+    /// Numbers of the given frames that some camera has, rising.
+    pub fn numbers_in(&self, frames: &Range<u64>) -> Vec<u64> {
         let all = self.files.iter().flatten().flat_map(CameraFiles::numbers);
-        let numbers: BTreeSet<u64> = all.filter(|number| self.frames.contains(number)).collect();
+        let numbers: BTreeSet<u64> = all.filter(|number| frames.contains(number)).collect();
         numbers.into_iter().collect()
     }
 

@@ -59,7 +59,13 @@ impl Pictures {
     /// Numbers of those frames of which some camera has a picture, rising.
     #[must_use]
     pub fn numbers(&self) -> Vec<u64> {
-        self.folder.numbers()
+        self.numbers_in(&self.frames())
+    }
+
+    /// Numbers of the given frames of which some camera has a picture, whether they are to be taken or not, rising.
+    #[must_use]
+    pub fn numbers_in(&self, frames: &Range<u64>) -> Vec<u64> {
+        self.folder.numbers_in(frames)
     }
 
     /// Picture of each camera, in the order in which the cameras were given; `None` where a camera has no file.

@@ -4,9 +4,9 @@ use super::frame::{Frame, FrameImages, detections};
 use super::recording::Recording;
 use crate::Error;
 use sinew_formats::Layout;
-use sinew_observe::Camera;
 use sinew_observe::association::Person;
 use sinew_observe::bit_image::BitImage;
+use sinew_observe::{Camera, RgbImage};
 use std::ops::Range;
 
 /// Keypoints of all people in all views, one frame at a time.
@@ -34,6 +34,19 @@ pub trait FrameSource {
     /// A frame that cannot be read.
     fn masks(&mut self, number: u64) -> Result<Vec<Option<BitImage>>, Error> {
         Ok(self.frame(number)?.images.silhouettes)
+    }
+
+    /// Numbers of those frames of which there are pictures, rising, for the set-up; none without masks.
+    fn pictured(&self, _numbers: &Range<u64>) -> Vec<u64> {
+        vec![]
+    }
+
+    /// For each camera its picture in a frame, for the set-up; none without pictures.
+    ///
+    /// # Errors
+    /// A frame that cannot be read.
+    fn pictures(&mut self, number: u64) -> Result<Vec<Option<RgbImage>>, Error> {
+        Ok(self.frame(number)?.images.pictures)
     }
 
     /// A frame to be tracked: people and, where there are masks, images.

@@ -6,9 +6,9 @@ use super::up_axis::upright;
 use crate::Error;
 use serde::{Deserialize, Serialize};
 use sinew_formats::Layout;
-use sinew_observe::Camera;
 use sinew_observe::association::Person;
 use sinew_observe::bit_image::BitImage;
+use sinew_observe::{Camera, RgbImage};
 use std::collections::BTreeSet;
 use std::ops::Range;
 
@@ -27,6 +27,8 @@ pub struct FramesRead {
     pub people: Vec<Range<u64>>,
     /// Frames of which masks were read.
     pub masks: Vec<Range<u64>>,
+    /// Frames of which pictures were read.
+    pub pictures: Vec<Range<u64>>,
 }
 
 /// The frames of a run that are there.
@@ -79,6 +81,9 @@ impl<'a, S: FrameSource> Upright<'a, S> {
         for number in set_up.masks.iter().flat_map(|run| within(run, &frames)) {
             self.source.masks(number)?;
         }
+        for number in set_up.pictures.iter().flat_map(|run| within(run, &frames)) {
+            self.source.pictures(number)?;
+        }
         for number in within(&tracked, &frames) {
             if !people.iter().any(|run| run.contains(&number)) {
                 done += 1;
@@ -116,6 +121,14 @@ impl<S: FrameSource> FrameSource for Upright<'_, S> {
         let masks = self.source.masks(number)?;
         note(&mut self.read.masks, number);
         Ok(masks)
+    }
+    fn pictured(&self, numbers: &Range<u64>) -> Vec<u64> {
+        self.source.pictured(numbers)
+    }
+    fn pictures(&mut self, number: u64) -> Result<Vec<Option<RgbImage>>, Error> {
+        let pictures = self.source.pictures(number)?;
+        note(&mut self.read.pictures, number);
+        Ok(pictures)
     }
     fn image_cameras(&self) -> Option<Vec<Camera>> {
         self.source.image_cameras().map(|cameras| upright(cameras, &self.up))

@@ -97,6 +97,7 @@ fn unmeasured(layout: &Layout, request: &SetupRequest, camera: Vec<CameraSetup>)
         leapfrog_steps: None,
         motion_sd: None,
         girth: None,
+        colours: None,
         proportions: Proportions::default(),
         camera,
     }

@@ -2,6 +2,7 @@
 //!
 //! `body` is `"H32"`, `"CF28"`, `"HPPF24"`, or the whole text of a body file, so that the set-up repeats a run when that file is gone.
 
+use super::colours::MeasuredColours;
 use super::error::SetupError;
 use super::girth::MeasuredGirth;
 use crate::{Error, Problems};
@@ -190,6 +191,9 @@ pub struct Setup {
     pub proportions: Proportions,
     /// Cameras in use, in the order of the calibration.
     pub camera: Vec<CameraSetup>,
+    /// Colours of the subject's parts, where pictures show them and the score compares them.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub colours: Option<MeasuredColours>,
 }
 
 fn z_up() -> String {
@@ -311,6 +315,11 @@ impl Setup {
         }
         if let Some(problem) = self.girth.and_then(|girth| girth.problem()) {
             problems.push(problem);
+        }
+        if problems.is_empty()
+            && let (Some(colours), Ok(flesh)) = (&self.colours, self.flesh())
+        {
+            problems.extend(colours.problem(&self.camera, &flesh));
         }
         for camera in &self.camera {
             if !(camera.sigma_px > 0.0 && camera.sigma_px.is_finite()) {

@@ -39,6 +39,14 @@ pub struct Settings {
     pub setup_is_given: bool,
 }
 
+impl Settings {
+    /// Whether the colours of pictures are compared: by scores that do, which methods with gradients do not use.
+    #[must_use]
+    pub fn compares_colours(&self) -> bool {
+        self.score.compares_colours() && !self.method.about().needs_gradients
+    }
+}
+
 impl Default for Settings {
     fn default() -> Self {
         Self {

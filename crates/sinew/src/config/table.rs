@@ -44,7 +44,7 @@ const FIRST: &[Setting] = &[
     common((INPUT, "calibration", SettingKind::Path, "FILE", "", "calibration of the cameras (Calib.toml of Pose2Sim)")),
     common((INPUT, "keypoints", SettingKind::Path, "DIR", "", "keypoints, one folder <camera>_json per camera")),
     common((INPUT, "silhouettes", SettingKind::Path, "DIR", "", "masks of the person, <camera>_<frame>.png or a folder per camera")),
-    common((INPUT, "images", SettingKind::Path, "DIR", "", "images with the masks, for edges; sparse ones are used where they are")),
+    common((INPUT, "images", SettingKind::Path, "DIR", "", "images with masks, for edges and (score parts) colours; may be sparse")),
     common((INPUT, "layout", SettingKind::NameOrPath, "NAME", "", "keypoint layout or mapping file [default: guessed]")),
     common((INPUT, "frames", SettingKind::Frames, "A..B", "", "frames to take, by file number [default: all]")),
     common((INPUT, "fps", RATE, "F", "", "frames per second [default: 30, with a warning]")),

@@ -9,6 +9,7 @@ use crate::input::frame::FrameImages;
 use crate::methods::BoundImages;
 use crate::results::problem::{Problem, check_length};
 use crate::results::silhouette_overlap::SilhouetteOverlap;
+use crate::setup::MeasuredColours;
 use serde::{Deserialize, Serialize};
 use sinew_body::KinematicTree;
 use sinew_body::flesh::Flesh;
@@ -46,11 +47,17 @@ pub struct Images {
 }
 
 impl Images {
-    /// Before the first frame; `cameras` are sized like the masks.
+    /// Before the first frame; `cameras` are sized like the masks. Without `colours` pictures give edges only.
     ///
     /// # Errors
     /// Solids that trackers cannot take.
-    pub fn new(tree: &KinematicTree, flesh: Flesh, cameras: &[Camera], settings: &Settings) -> Result<Self, Error> {
+    pub fn new(
+        tree: &KinematicTree,
+        flesh: Flesh,
+        colours: Option<&MeasuredColours>,
+        cameras: &[Camera],
+        settings: &Settings,
+    ) -> Result<Self, Error> {
         let body = SolidBody::new(tree, &flesh).map_err(TrackError::Solids)?;
         let raster = |camera| WorkingRaster::new(camera, WorkingRaster::factor_for(camera, settings.raster));
         let rasters: Vec<WorkingRaster> = cameras.iter().map(raster).collect();
@@ -58,7 +65,7 @@ impl Images {
             body: Arc::new(body),
             cameras: rasters.iter().map(|raster| raster.camera().clone()).collect(),
             score: settings.score,
-            colours: Arc::default(),
+            colours: Arc::new(colours.map(|colours| colours.references(cameras, &flesh)).unwrap_or_default()),
             isa: settings.isa,
         };
         let soft = match settings.method.about().needs_gradients {
@@ -93,7 +100,7 @@ impl Images {
         &self.flesh
     }
 
-    /// Binds the images of a frame: edges come from the picture where there is one, else from the outline of the mask. Cameras without a mask say nothing; where no mask shows anybody, none does, so that the motion model continues alone.
+    /// Binds the images of a frame: edges come from the picture where there is one, else from the outline of the mask; without a picture colours say nothing. Cameras without a mask say nothing; where no mask shows anybody, none does, so that the motion model continues alone.
     pub fn bind(&mut self, images: &FrameImages) -> BoundImages {
         let mut cues = Vec::with_capacity(self.rasters.len());
         for (camera, raster) in self.rasters.iter().enumerate() {
@@ -109,7 +116,7 @@ impl Images {
                     Some(picture) => edge_map(&picture.grey(), &edges::Config::default()),
                     None => contour_map(&silhouette),
                 };
-                Cues { edges: Some(edges), silhouette, picture: None }
+                Cues { edges: Some(edges), silhouette, picture }
             }));
         }
         if self.cameras_with_person() == 0 {

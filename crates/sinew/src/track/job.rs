@@ -11,6 +11,7 @@
 mod backward;
 mod begin;
 mod check;
+mod colours;
 mod complete;
 mod ending;
 mod forward;
@@ -32,6 +33,7 @@ use crate::input::source::FrameSource;
 use crate::results::{Claim, Ending, ResultFolder};
 use backward::smoothed;
 use begin::{Begun, begun, resumed};
+use colours::compared_colours;
 use ending::{Clock, distinct};
 use forward::forward;
 use inputs::{Hashes, Inputs, file_hashes};
@@ -98,5 +100,6 @@ pub fn track<S: FrameSource>(
         timings: clock.timings(before, done),
     })?;
     tracked?;
-    Ok(Outcome { summary, ms_per_frame: clock.ms_per_frame(done), girth: setup.girth })
+    let colours = compared_colours(&setup, &source, &settings);
+    Ok(Outcome { summary, ms_per_frame: clock.ms_per_frame(done), girth: setup.girth, colours })
 }

@@ -100,7 +100,8 @@ impl Pipeline {
         let with_flesh = |sized: &[Camera]| {
             let ratio = |(sized, camera): (&Camera, &Camera)| sized.image_size_px[0] / camera.image_size_px[0];
             let scale = sized.iter().zip(cameras).next().map_or(1.0, ratio);
-            Images::new(tree, setup.flesh()?, &setup.with_offsets(sized, scale), &settings)
+            let colours = setup.colours.as_ref().filter(|_| settings.compares_colours());
+            Images::new(tree, setup.flesh()?, colours, &setup.with_offsets(sized, scale), &settings)
         };
         let images = image_cameras.map(with_flesh).transpose()?;
         let transition = motion_prior(setup, tree, &settings)?;

@@ -2,6 +2,7 @@
 //!
 //! A set-up of an earlier run is checked for whether it belongs to the recording.
 
+use super::colours::colour_warning;
 use super::inputs::{Hashes, Inputs};
 use super::watch::{RunPhase, Watch};
 use crate::config::Resolved;
@@ -57,6 +58,7 @@ pub(super) fn begun<'a, S: FrameSource>(
             Setup { world_up: up, ..setup }
         }
     };
+    warnings.extend(colour_warning(&setup, &source, settings));
     let checkpoint = Checkpoint {
         program: env!("CARGO_PKG_VERSION").into(),
         settings: resolved.numeric_settings(),
@@ -177,9 +179,7 @@ fn set_up<S: FrameSource>(
     warnings.extend(found.map(|warning| warning.to_string()));
     let tree = setup.tree();
     setup.motion_sd = Some(setup::measure_motion(&setup, &tree, source, numbers.clone(), settings.fps)?);
-    if !setup.body.has_solids() {
-        setup.girth = setup::measure_girth(&setup, source, numbers, settings.fps)?;
-    }
+    setup::measure_look(&mut setup, source, numbers, settings.fps, settings.compares_colours())?;
     let start = setup.start_frame;
     tune(&mut setup, &tree, source, start, settings)?;
     Ok(setup)

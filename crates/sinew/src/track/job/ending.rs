@@ -1,7 +1,7 @@
 //! The end of a run: warnings, timings, the summary.
 
 use crate::results::Summary;
-use crate::setup::MeasuredGirth;
+use crate::setup::{MeasuredColours, MeasuredGirth};
 use std::collections::BTreeSet;
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
@@ -14,6 +14,8 @@ pub struct Outcome {
     pub ms_per_frame: f64,
     /// Girths of the subject, where masks show them.
     pub girth: Option<MeasuredGirth>,
+    /// Colours of the subject's parts, where they were compared.
+    pub colours: Option<MeasuredColours>,
 }
 
 /// Wall times of a run.
