@@ -11,7 +11,9 @@ use sinew::core::part::PartTree;
 use sinew::core::random::Stage;
 use sinew::observe::Camera;
 use sinew::observe::ObservationModel as _;
+use sinew::observe::RgbImage;
 use sinew::observe::bit_image::BitImage;
+use sinew::observe::colour_histogram::{Counts, Reference};
 use sinew::observe::contour_map::contour_map;
 use sinew::observe::girth::{FittedGirth, Sight, fit_girth};
 use sinew::observe::image_likelihood::{Cues, ImageLikelihood, ImageModel};
@@ -137,9 +139,12 @@ impl Seen {
         let girth = fit_girth(&scene.tree, &usual, &cameras, &[first])?;
         let flesh = girth.girth.applied(&usual);
         let mut model = model(&flesh)?;
+        let colours = |(camera, seen): (usize, &RgbImage)| {
+            let counts = model.colours_of(camera, &scene.truth[start], seen);
+            counts.iter().map(Counts::reference).collect::<Vec<Option<Reference>>>()
+        };
         let pictures = cues[start].iter().filter_map(|cues| cues.picture.as_ref()).enumerate();
-        model.colours =
-            Arc::new(pictures.map(|(camera, seen)| model.colours_of(camera, &scene.truth[start], seen)).collect());
+        model.colours = Arc::new(pictures.map(colours).collect());
         Ok(Self { cues, parts: part_tree(&scene.tree, &flesh)?, model, girth })
     }
 
