@@ -74,7 +74,7 @@ impl Dressed {
         (0..self.footage.cameras.len()).map(|camera| Some(cues(camera))).collect()
     }
 
-    /// The body, without colours and with those of the hanging arms.
+    /// The body, without colours and with the colours seen with hanging arms.
     fn models(&self) -> [ImageModel; 2] {
         let plain = before_cameras(&self.tree, &hppf24::flesh(1.0), &self.footage.cameras).expect("a body");
         let references = |camera| {
@@ -149,7 +149,7 @@ fn arm_raised(state: &mut [f64]) {
 
 /// In every seed the true pose is better with colours, and by more than without.
 #[test]
-fn folded_arms_are_told_apart_by_colours() {
+fn colours_tell_folded_arms_apart() {
     for (name, wrong) in [("exchanged", arms_exchanged as fn(&mut [f64])), ("raised", arm_raised)] {
         for seed in 1..=SEEDS {
             let ([plain, coloured], equality) = Dressed::new(seed).advantage(wrong);
