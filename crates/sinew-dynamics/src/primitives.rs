@@ -5,6 +5,7 @@ pub mod file;
 pub mod learning;
 #[cfg(test)]
 pub(crate) mod made_up;
+pub mod matched;
 pub mod matching;
 pub mod model;
 pub mod motion;
