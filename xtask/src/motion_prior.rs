@@ -75,11 +75,7 @@ impl Study {
                     let run = move || Ok(scene::series(person, &self.model, scene, contender, seed)?.to_json());
                     // A component for every draw costs many times as much as a few or one.
                     let work = if contender.is_mixture_of_draws() { 30.0 } else { 1.0 };
-                    tasks.push((
-                        key(scene, contender, person, seed),
-                        work * person.states.len() as f64,
-                        Box::new(run),
-                    ));
+                    tasks.push((key(scene, contender, person, seed), work * person.states.len() as f64, Box::new(run)));
                 }
             }
         }

@@ -1,8 +1,8 @@
 //! What stored series come to: the table of the scenes, and the judgement by the criteria that were set before.
 
 use super::scene::{CONTENDERS, Contender, LEVELS, SCENES, Scene, Series};
-use std::fmt::Write as _;
 use sinew_tests::finding::mean_and_error;
+use std::fmt::Write as _;
 
 /// One-sided 95 % of a normal distribution, in standard errors.
 const ONE_SIDED: f64 = 1.645;

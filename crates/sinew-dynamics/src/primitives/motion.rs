@@ -5,23 +5,24 @@
 //!
 //! The action primitive of a state at frame t is made of the estimates of the frames t − D to t − 2 and, as the newest, of the state's own values at t − 1. While there are fewer than D estimates, all coordinates walk at random.
 //!
-//! As a prior between frames it is the mean over draws of the last frame, each with all its three models ([`Between::Mixture`]), or the Gaussian of its mean and covariance ([`Between::Gaussian`], [`mod@matched`]). Coordinates are not wrapped: they are to be continuous in time and near the angles of the training motion.
+//! As a prior between frames it is the mean over draws of the last frame, each with all its three models ([`Between::Mixture`]), or the Gaussian of its mean and covariance ([`Between::Gaussian`]). Coordinates are not wrapped: they are to be continuous in time and near the angles of the training motion.
 //!
 //! It moves no part alone: which model moves a state is drawn once for all of the feature vector, and parts moved one after the other would each draw it again, which is another law than the whole transition's.
 
 use crate::Error;
 use crate::gaussian::Gaussian;
 use crate::mixture::Mixture;
-use crate::primitives::density::{Places, SwitchingMixture};
+use crate::primitives::density::SwitchingMixture;
 use crate::primitives::matched;
 use crate::primitives::model::PrimitiveModel;
+use crate::primitives::places::Places;
 use crate::primitives::switching::{Choice, Switching};
 use crate::prior::Prior;
 use crate::random_walk::Between;
 use sinew_core::density::{GradLogDensity, Lanes, LogDensity};
 use sinew_core::lanes::{Block, Isa, LANES};
 use sinew_core::random::BlockRng;
-use sinew_core::transition::{Cloud, GradTransition, Moments, MotionModel, Predict, Transition};
+use sinew_core::transition::{Cloud, GradTransition, MotionModel, Predict, Transition};
 use std::sync::Arc;
 
 /// Draws of the last frame that a prior between frames is averaged over, at least: with the last states of a few chains it has holes where no chain ended.
@@ -162,9 +163,7 @@ impl PrimitiveMotion {
     /// The Gaussian with the moments of that density.
     fn gaussian(&self, cloud: Cloud<'_>) -> Result<Prior, Error> {
         let leaf = if self.is_matching() && cloud.count > 0 {
-            let origins = self.origins(cloud.last, cloud.count);
-            let Moments { mean, covariance } = matched::moments(&self.switching, &self.places, &origins);
-            Gaussian::new(mean, &covariance)?
+            matched::gaussian(&self.switching, &self.places, &self.origins(cloud.last, cloud.count))?
         } else {
             Gaussian::widened(cloud.moments, &self.places.sd)?
         };
