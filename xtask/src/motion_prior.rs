@@ -36,6 +36,9 @@ pub(crate) struct Args {
     /// Seeds from 1 on, each another noise and other chains
     #[arg(long, default_value_t = 5)]
     seeds: u64,
+    /// Seeds of the learned mixture at most, whose cells cost many times as much
+    #[arg(long, default_value_t = 2)]
+    mixture_seeds: u64,
     /// Cells that run at a time, one thread each [default: one a processor]
     #[arg(long)]
     threads: Option<usize>,
@@ -55,6 +58,8 @@ struct Study {
     model: Arc<sinew::dynamics::primitives::model::PrimitiveModel>,
     people: Vec<Person>,
     seeds: u64,
+    /// Seeds of the learned mixture.
+    mixture_seeds: u64,
 }
 
 fn key(scene: Scene, contender: Contender, person: &Person, seed: u64) -> String {
@@ -62,19 +67,20 @@ fn key(scene: Scene, contender: Contender, person: &Person, seed: u64) -> String
 }
 
 impl Study {
-    /// Pairs of a person and a seed, seed after seed.
-    fn pairs(&self) -> impl Iterator<Item = (&Person, u64)> {
-        (1..=self.seeds).flat_map(|seed| self.people.iter().map(move |person| (person, seed)))
+    /// Pairs of a person and a seed of a contender, seed after seed.
+    fn pairs(&self, contender: Contender) -> impl Iterator<Item = (&Person, u64)> {
+        let seeds = if contender.is_mixture_of_draws() { self.mixture_seeds } else { self.seeds };
+        (1..=seeds).flat_map(|seed| self.people.iter().map(move |person| (person, seed)))
     }
 
     fn tasks(&self) -> Vec<Task<'_>> {
         let mut tasks: Vec<Task<'_>> = vec![];
-        for (person, seed) in self.pairs() {
-            for scene in SCENES {
-                for contender in CONTENDERS {
+        for contender in CONTENDERS {
+            // A component for every draw costs many times as much as a few or one.
+            let work = if contender.is_mixture_of_draws() { 10.0 } else { 1.0 };
+            for (person, seed) in self.pairs(contender) {
+                for scene in SCENES {
                     let run = move || Ok(scene::series(person, &self.model, scene, contender, seed)?.to_json());
-                    // A component for every draw costs many times as much as a few or one.
-                    let work = if contender.is_mixture_of_draws() { 30.0 } else { 1.0 };
                     tasks.push((key(scene, contender, person, seed), work * person.states.len() as f64, Box::new(run)));
                 }
             }
@@ -83,7 +89,7 @@ impl Study {
     }
 
     fn found(&self, store: &Store, scene: Scene, contender: Contender) -> Vec<Series> {
-        let cells = self.pairs().filter_map(|(person, seed)| store.get(&key(scene, contender, person, seed)));
+        let cells = self.pairs(contender).filter_map(|(person, seed)| store.get(&key(scene, contender, person, seed)));
         cells.map(Series::from_json).collect()
     }
 }
@@ -107,7 +113,7 @@ fn measure(root: &Path, args: &Args) -> Outcome<()> {
     let people = trials.iter().map(|&trial| Person::new(&data, trial)).collect::<Outcome<Vec<_>>>()?;
     let seeds = if args.quick { args.seeds.min(2) } else { args.seeds };
     let configuration = format!("version {VERSION}, {}, {without:?}, {:?}", Isa::best().name(), Settings::default());
-    let study = Study { model, people, seeds };
+    let study = Study { model, people, seeds, mixture_seeds: seeds.min(args.mixture_seeds) };
     let mut store = Store::open(&folder, &configuration)?;
     let granted = std::thread::available_parallelism().map_or(1, |n| n.get());
     run_all(&mut store, "motion prior", study.tasks(), args.threads.unwrap_or(granted))?;

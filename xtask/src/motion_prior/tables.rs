@@ -11,7 +11,7 @@ const COVERAGE_OFF: f64 = 0.05;
 /// Share of frames whose chains may disagree: what the program itself takes.
 const DISAGREEING: f64 = 0.05;
 
-/// Series of a scene and contender, in the same order for all contenders.
+/// Series of a scene and contender: walk after walk, seed after seed, of some contenders fewer seeds.
 pub(super) type Found<'a> = dyn Fn(Scene, Contender) -> Vec<Series> + 'a;
 
 fn shown(values: &[f64], factor: f64, decimals: usize) -> String {
@@ -26,7 +26,7 @@ fn of(series: &[Series], value: impl Fn(&Series) -> f64) -> Vec<f64> {
 /// Means over walks and seeds, with standard errors.
 pub(super) fn measured(found: &Found<'_>) -> String {
     let mut text = String::from(
-        "| scene | prior | error, mm | covered by 50 % | covered by 90 % | frames above 1.05, % | median R-hat | ms a frame |\n|---|---|---|---|---|---|---|---|\n",
+        "| scene | prior | series | error, mm | covered by 50 % | covered by 90 % | frames above 1.05, % | median R-hat | ms a frame |\n|---|---|---|---|---|---|---|---|---|\n",
     );
     for scene in SCENES {
         for contender in CONTENDERS {
@@ -35,9 +35,10 @@ pub(super) fn measured(found: &Found<'_>) -> String {
                 (0..LEVELS.len()).map(|level| shown(&of(&all, |s| s.covered[level]), 100.0, 1)).collect();
             let _ = writeln!(
                 text,
-                "| {} | {} | {} | {} | {} | {} | {} |",
+                "| {} | {} | {} | {} | {} | {} | {} | {} |",
                 scene.name(),
                 contender.name(),
+                all.len(),
                 shown(&of(&all, |s| s.error_mm), 1.0, 1),
                 covered.join(" | "),
                 shown(&of(&all, |s| s.disagreeing), 100.0, 0),

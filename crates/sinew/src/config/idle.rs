@@ -11,7 +11,7 @@ pub fn idle_beside(key: &str, chosen: &About, methods: &[&'static About], values
     match key {
         "particles" if chosen.particles.is_none() => Some(format!("`--method {}`", chosen.name)),
         "min_ess" if chosen.gives == Gives::Chains => Some(format!("`--method {}`", chosen.name)),
-        "max_r_hat" | "max_r_hat_share" | "max_divergent_share" if chosen.gives != Gives::Chains => {
+        "prior" | "max_r_hat" | "max_r_hat_share" | "max_divergent_share" if chosen.gives != Gives::Chains => {
             Some(format!("`--method {}`", chosen.name))
         }
         "images" | "mask_scale" | "score" | "kappa" | "raster" if values.get("silhouettes").is_none() => {
