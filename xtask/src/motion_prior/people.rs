@@ -1,4 +1,4 @@
-//! Walks that are tracked, each on the body that was fitted to it, and the motion model that was learned from others.
+//! Walks that are tracked, each on a fitted body, and the motion model learned from others.
 
 use crate::outcome::Outcome;
 use sinew::body::{KinematicTree, Proportions};

@@ -1,4 +1,4 @@
-//! What stored series come to: the table of the scenes, and the judgement by the criteria that were set before.
+//! What stored series come to: means, and the judgement by criteria that were set before.
 
 use super::scene::{CONTENDERS, Contender, LEVELS, SCENES, Scene, Series};
 use sinew_tests::finding::mean_and_error;
@@ -31,6 +31,9 @@ pub(super) fn measured(found: &Found<'_>) -> String {
     for scene in SCENES {
         for contender in CONTENDERS {
             let all = found(scene, contender);
+            if all.is_empty() {
+                continue;
+            }
             let covered: Vec<String> =
                 (0..LEVELS.len()).map(|level| shown(&of(&all, |s| s.covered[level]), 100.0, 1)).collect();
             let _ = writeln!(
@@ -58,6 +61,9 @@ pub(super) fn judged(found: &Found<'_>) -> String {
     for scene in SCENES {
         for contender in CONTENDERS.into_iter().filter(|contender| contender.is_learned) {
             let (own, walk) = (found(scene, contender), found(scene, contender.baseline()));
+            if own.is_empty() {
+                continue;
+            }
             let pairs: Vec<f64> = own.iter().zip(&walk).map(|(own, walk)| own.error_mm - walk.error_mm).collect();
             let [difference, error] = mean_and_error(&pairs);
             let covered = mean_and_error(&of(&own, |s| s.covered[1]))[0];

@@ -152,7 +152,7 @@ mod tests {
     }
 
     #[test]
-    fn the_moments_are_those_of_draws_of_the_mixture_and_of_the_gaussian() {
+    fn draws_of_the_mixture_and_of_the_gaussian_have_the_same_moments() {
         let (motion, centre) = following(3);
         let last = draws(&centre);
         let [mixture, gaussian] = [Between::Mixture, Between::Gaussian].map(|between| prior(&motion, &last, between));
