@@ -4,6 +4,7 @@ mod accuracy;
 mod chart;
 mod coverage;
 mod filter_priors;
+mod motion_prior;
 mod mutants;
 mod outcome;
 mod picture;
@@ -39,6 +40,8 @@ enum Command {
     Mutants(mutants::Args),
     /// Measure how often intervals hold the truth of simulated people: the tables and figures of docs/evidence/coverage.md.
     Coverage(coverage::Args),
+    /// Measure what a learned motion model is worth as a prior on keypoints: the tables of docs/evidence/experiments/motion-prior.md.
+    MotionPrior(motion_prior::Args),
     /// Draw docs/images/demo.svg and real.png, the pictures of the guide and the README.
     Picture,
     /// Reproduce a paper: its tables and figures on our data, its claims judged.
@@ -62,6 +65,7 @@ fn main() -> ExitCode {
         Command::FilterPriors(args) => filter_priors::run(root, &args),
         Command::Mutants(args) => mutants::run(root, &args),
         Command::Coverage(args) => coverage::run(root, &args),
+        Command::MotionPrior(args) => motion_prior::run(root, &args),
         Command::Picture => picture::run(root),
         Command::Reproduce(args) => reproduce::run(root, &args),
         Command::Silhouettes(args) => silhouettes::run(root, &args),

@@ -77,7 +77,14 @@ fn flags_that_change_nothing() {
     );
     insta::assert_snapshot!(
         "idle_with_bootstrap",
-        printed(&["--method=bootstrap", "--chains=8", "--updates=5", "--noise=student-t", "--outlier=0.1"])
+        printed(&[
+            "--method=bootstrap",
+            "--chains=8",
+            "--updates=5",
+            "--prior=mixture",
+            "--noise=student-t",
+            "--outlier=0.1"
+        ])
     );
 }
 

@@ -157,7 +157,7 @@ pub trait FramePrior: GradLogDensity + Send {
     /// Diagonal of an upper bound of the prior's precision, the same for every state.
     fn precision_diagonal(&self) -> &[f64];
 
-    /// The same bound as a matrix, d × d, row after row. By default the diagonal.
+    /// The precision for dense metrics, d × d, row after row, the same for every state. By default the diagonal bound; a prior whose components are far narrower than the whole gives the whole's.
     fn precision(&self) -> Vec<f64> {
         diagonal_matrix(self.precision_diagonal())
     }

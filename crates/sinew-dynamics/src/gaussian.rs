@@ -10,6 +10,7 @@ use core::f64::consts::TAU;
 use sinew_core::density::{LaneDensity, LaneGaussNewton};
 use sinew_core::lanes::{Block, Isa, Kernel, Real, dispatch, triangle};
 use sinew_core::random::BlockRng;
+use sinew_core::transition::Moments;
 
 /// Rows of W whose sums are held in registers together.
 const ROWS: usize = 4;
@@ -28,6 +29,18 @@ pub struct Gaussian {
 }
 
 impl Gaussian {
+    /// N(m, C + Σ) of some moments and a diagonal Σ of standard deviations `sd`: where a random walk leads.
+    ///
+    /// # Errors
+    /// As [`cholesky`].
+    pub fn widened(moments: &Moments, sd: &[f64]) -> Result<Self, Error> {
+        let mut covariance = moments.covariance.clone();
+        for (j, sd) in sd.iter().enumerate() {
+            covariance[j * (moments.mean.len() + 1)] += sd * sd;
+        }
+        Self::new(moments.mean.clone(), &covariance)
+    }
+
     /// N(`mean`, `covariance`), the latter row after row.
     ///
     /// # Errors

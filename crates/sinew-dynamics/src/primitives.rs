@@ -5,9 +5,11 @@ pub mod file;
 pub mod learning;
 #[cfg(test)]
 pub(crate) mod made_up;
+mod matched;
 pub mod matching;
 pub mod model;
 pub mod motion;
+mod places;
 pub mod summary;
 pub mod switching;
 pub mod windows;

@@ -76,14 +76,15 @@ impl FramePrior for Prior {
         match self {
             Self::Gaussian(p) => p.leaf.precision_diagonal(),
             Self::Mixture(p) => p.leaf.precision(),
-            Self::Switching(p) => p.leaf.precision(),
+            Self::Switching(p) => p.leaf.precision_bound(),
         }
     }
 
     fn precision(&self) -> Vec<f64> {
         match self {
             Self::Gaussian(p) => p.leaf.precision().to_vec(),
-            Self::Mixture(_) | Self::Switching(_) => sinew_core::transition::diagonal_matrix(self.precision_diagonal()),
+            Self::Switching(p) => p.leaf.precision().to_vec(),
+            Self::Mixture(_) => sinew_core::transition::diagonal_matrix(self.precision_diagonal()),
         }
     }
 }

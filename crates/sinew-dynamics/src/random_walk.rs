@@ -182,11 +182,7 @@ impl Predict for RandomWalk {
                 Ok(Prior::Mixture(Lanes { leaf, isa: self.isa }))
             }
             Between::Gaussian => {
-                let mut covariance = cloud.moments.covariance.clone();
-                for (j, sd) in self.sd.iter().enumerate() {
-                    covariance[j * d + j] += sd * sd;
-                }
-                let leaf = Gaussian::new(cloud.moments.mean.clone(), &covariance)?;
+                let leaf = Gaussian::widened(cloud.moments, &self.sd)?;
                 Ok(Prior::Gaussian(Lanes { leaf, isa: self.isa }))
             }
         }

@@ -8,6 +8,8 @@
 //! L*⁻¹ (s_iA + m*_k) is taken off. So a state adds about 2 d operations, a cluster 2 F².
 
 use crate::Error;
+use crate::primitives::matched;
+use crate::primitives::places::Places;
 use crate::primitives::switching::{Factored, Switching};
 use core::f64::consts::TAU;
 use sinew_core::density::LaneDensity;
@@ -36,23 +38,13 @@ pub struct SwitchingMixture {
     origins: Vec<(usize, Vec<f64>)>,
     /// Mean of the states' coordinates A, about which products are taken, so that few digits are lost.
     centre: Vec<f64>,
+    /// Diagonal of an upper bound of every component's precision.
+    precision_bound: Vec<f64>,
+    /// Precision of the Gaussian with the mixture's moments, d × d.
     precision: Vec<f64>,
     /// The logarithm of 1/(3M) times the normalisation of the random walk of R, and of that of all coordinates.
     log_rest: f64,
     log_walk: f64,
-}
-
-/// Which coordinates the feature vector covers.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Places {
-    /// A: the coordinates of the feature vector.
-    pub(crate) covered: Vec<usize>,
-    /// R: all others.
-    pub(crate) rest: Vec<usize>,
-    /// Standard deviations B of all coordinates.
-    pub(crate) sd: Vec<f64>,
-    /// 1 / B.
-    pub(crate) inverse_sd: Vec<f64>,
 }
 
 impl SwitchingMixture {
@@ -89,11 +81,17 @@ impl SwitchingMixture {
         let log_norm = |j: &usize| -0.5 * TAU.ln() - places.sd[*j].ln();
         let log_rest = -(3.0 * count as f64).ln() + places.rest.iter().map(log_norm).sum::<f64>();
         let log_walk = log_rest + places.covered.iter().map(log_norm).sum::<f64>();
-        let precision = precision_bound(&switching, &places, &groups);
-        Ok(Self { switching, places, groups, origins, centre, precision, log_rest, log_walk })
+        let precision_bound = precision_bound(&switching, &places, &groups);
+        let precision = matched::gaussian(&switching, &places, &origins)?.precision().to_vec();
+        Ok(Self { switching, places, groups, origins, centre, precision_bound, precision, log_rest, log_walk })
     }
 
     /// Diagonal of an upper bound of the precision of every component, and so of the curvature of the mixture.
+    pub(crate) fn precision_bound(&self) -> &[f64] {
+        &self.precision_bound
+    }
+
+    /// Precision of the Gaussian with the mixture's moments, d × d: for metrics. In units of the bound, which a narrow cluster sets, trajectories would be tens of times too short for all others.
     pub(crate) fn precision(&self) -> &[f64] {
         &self.precision
     }

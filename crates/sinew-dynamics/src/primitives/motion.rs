@@ -5,16 +5,20 @@
 //!
 //! The action primitive of a state at frame t is made of the estimates of the frames t − D to t − 2 and, as the newest, of the state's own values at t − 1. While there are fewer than D estimates, all coordinates walk at random.
 //!
-//! As a prior between frames it is the mean over draws of the last frame, each with all its three models. Coordinates are not wrapped: they are to be continuous in time and near the angles of the training motion.
+//! As a prior between frames it is the mean over draws of the last frame, each with all its three models ([`Between::Mixture`]), or the Gaussian of its mean and covariance ([`Between::Gaussian`]). Coordinates are not wrapped: they are to be continuous in time and near the angles of the training motion.
 //!
 //! It moves no part alone: which model moves a state is drawn once for all of the feature vector, and parts moved one after the other would each draw it again, which is another law than the whole transition's.
 
 use crate::Error;
+use crate::gaussian::Gaussian;
 use crate::mixture::Mixture;
-use crate::primitives::density::{Places, SwitchingMixture};
+use crate::primitives::density::SwitchingMixture;
+use crate::primitives::matched;
 use crate::primitives::model::PrimitiveModel;
+use crate::primitives::places::Places;
 use crate::primitives::switching::{Choice, Switching};
 use crate::prior::Prior;
+use crate::random_walk::Between;
 use sinew_core::density::{GradLogDensity, Lanes, LogDensity};
 use sinew_core::lanes::{Block, Isa, LANES};
 use sinew_core::random::BlockRng;
@@ -38,6 +42,7 @@ pub struct PrimitiveMotion {
     /// Estimates taken in, D at most.
     seen: usize,
     length: usize,
+    between: Between,
     isa: Isa,
 }
 
@@ -81,7 +86,14 @@ impl PrimitiveMotion {
         };
         let past = vec![0.0; model.length * places.covered.len()];
         let (switching, places) = (Arc::new(switching), Arc::new(places));
-        Ok(Self { switching, places, initial_sd: sd, past, seen: 0, length: model.length, isa })
+        let between = Between::Mixture;
+        Ok(Self { switching, places, initial_sd: sd, past, seen: 0, length: model.length, between, isa })
+    }
+
+    /// The same motion with another form of its prior between frames; that of [`PrimitiveMotion::new`] is the mixture.
+    #[must_use]
+    pub fn with_between(self, between: Between) -> Self {
+        Self { between, ..self }
     }
 
     /// The same motion with another spread of the first frame about its centre.
@@ -139,21 +151,39 @@ impl PrimitiveMotion {
 
     /// The density of the frame after some states; at least one. Each is a component of its own.
     fn after(&self, states: &[Block], count: usize) -> Result<Prior, Error> {
-        let d = self.dim();
-        let state = |i: usize| states[i / LANES * d..][..d].iter().map(|b| b.0[i % LANES]).collect::<Vec<f64>>();
         if !self.is_matching() || count == 0 {
-            let leaf = Mixture::new((0..count).map(state).collect(), &self.places.sd)?;
+            let leaf = Mixture::new((0..count).map(|i| self.state(states, i)).collect(), &self.places.sd)?;
             return Ok(Prior::Mixture(Lanes { leaf, isa: self.isa }));
         }
+        let (switching, places) = (self.switching.clone(), self.places.clone());
+        let leaf = SwitchingMixture::new(switching, places, self.origins(states, count))?;
+        Ok(Prior::Switching(Lanes { leaf, isa: self.isa }))
+    }
+
+    /// The Gaussian with the moments of that density.
+    fn gaussian(&self, cloud: Cloud<'_>) -> Result<Prior, Error> {
+        let leaf = if self.is_matching() && cloud.count > 0 {
+            matched::gaussian(&self.switching, &self.places, &self.origins(cloud.last, cloud.count))?
+        } else {
+            Gaussian::widened(cloud.moments, &self.places.sd)?
+        };
+        Ok(Prior::Gaussian(Lanes { leaf, isa: self.isa }))
+    }
+
+    fn state(&self, states: &[Block], i: usize) -> Vec<f64> {
+        states[i / LANES * self.dim()..][..self.dim()].iter().map(|b| b.0[i % LANES]).collect()
+    }
+
+    /// Some states with the clusters of their action primitives.
+    fn origins(&self, states: &[Block], count: usize) -> Vec<(usize, Vec<f64>)> {
         let mut origins = Vec::with_capacity(count);
-        for (block, states) in states.chunks_exact(d).take(count.div_ceil(LANES)).enumerate() {
-            let clusters = self.switching.matcher().nearest_block(self.older(), &self.own(states));
+        for (block, own) in states.chunks_exact(self.dim()).take(count.div_ceil(LANES)).enumerate() {
+            let clusters = self.switching.matcher().nearest_block(self.older(), &self.own(own));
             for (lane, cluster) in clusters.into_iter().enumerate().take(count - block * LANES) {
-                origins.push((cluster, state(block * LANES + lane)));
+                origins.push((cluster, self.state(states, block * LANES + lane)));
             }
         }
-        let leaf = SwitchingMixture::new(self.switching.clone(), self.places.clone(), origins)?;
-        Ok(Prior::Switching(Lanes { leaf, isa: self.isa }))
+        origins
     }
 
     fn walk(&self, previous: &[Block], sd: &[f64], next: &mut [Block], rng: &mut BlockRng) {
@@ -232,7 +262,10 @@ impl Predict for PrimitiveMotion {
     type Error = Error;
 
     fn predict(&self, cloud: Cloud<'_>) -> Result<Prior, Error> {
-        self.after(cloud.last, cloud.count)
+        match self.between {
+            Between::Mixture => self.after(cloud.last, cloud.count),
+            Between::Gaussian => self.gaussian(cloud),
+        }
     }
 
     fn wanted_draws(&self) -> usize {

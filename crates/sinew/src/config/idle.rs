@@ -11,13 +11,13 @@ pub fn idle_beside(key: &str, chosen: &About, methods: &[&'static About], values
     match key {
         "particles" if chosen.particles.is_none() => Some(format!("`--method {}`", chosen.name)),
         "min_ess" if chosen.gives == Gives::Chains => Some(format!("`--method {}`", chosen.name)),
-        "max_r_hat" | "max_r_hat_share" | "max_divergent_share" if chosen.gives != Gives::Chains => {
+        "prior" | "max_r_hat" | "max_r_hat_share" | "max_divergent_share" if chosen.gives != Gives::Chains => {
             Some(format!("`--method {}`", chosen.name))
         }
         "images" | "mask_scale" | "score" | "kappa" | "raster" if values.get("silhouettes").is_none() => {
             Some("no `--silhouettes`".to_owned())
         }
-        "prior" | "motion_scale" if values.get("motion_model").is_some() => Some("`--motion-model`".to_owned()),
+        "motion_scale" if values.get("motion_model").is_some() => Some("`--motion-model`".to_owned()),
         "degrees" if is("noise", "floor") => Some("`--noise floor`".to_owned()),
         "outlier" if is("noise", "student-t") => Some("`--noise student-t`".to_owned()),
         "setup_frames" | "person" if values.get("setup").is_some() => Some("`--setup`".to_owned()),

@@ -44,7 +44,7 @@ pub fn motion_prior(setup: &Setup, tree: &KinematicTree, settings: &Settings) ->
     };
     check_model(model, tree, settings.fps)?;
     let motion = PrimitiveMotion::new(model, WHOLE_BODY, 1.0 / settings.fps, settings.isa)
-        .and_then(|motion| motion.with_initial_sd(motion_noise::initial_sd(tree)));
+        .and_then(|motion| motion.with_between(settings.between).with_initial_sd(motion_noise::initial_sd(tree)));
     Ok(MotionPrior::Primitives(motion.map_err(TrackError::Motion)?))
 }
 
