@@ -290,7 +290,10 @@ fn no_curvature_exceeds_the_bound() {
     let (last, all) = (states(5, 0.1), 8);
     let prior = prior(&motion, &last, all);
     let bound = prior.precision_diagonal().to_vec();
-    assert_eq!(prior.precision(), sinew_core::transition::diagonal_matrix(&bound));
+    let moments = Moments { mean: vec![0.0; 5], covariance: vec![0.0; 25] };
+    let gaussian = motion.clone().with_between(Between::Gaussian);
+    let gaussian = gaussian.predict(Cloud { last: &last, count: all, moments: &moments }).expect("valid");
+    assert_eq!(prior.precision(), gaussian.precision(), "the metric is of the Gaussian with the same moments");
     let mut largest = 0.0_f64;
     for scale in [0.01, 0.1, 0.5] {
         let points = states(5, scale);

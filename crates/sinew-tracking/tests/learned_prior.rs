@@ -12,6 +12,7 @@ use sinew_dynamics::primitives::learning::{Config, TrainingMotion, learn};
 use sinew_dynamics::primitives::model::{FeatureVector, PrimitiveModel};
 use sinew_dynamics::primitives::motion::PrimitiveMotion;
 use sinew_dynamics::random_walk::Between;
+use sinew_samplers::diagnostics::effective_sample_size;
 use sinew_tracking::hmc_filter::{self, HmcFilter};
 use sinew_tracking::{StepInfo, Tracker};
 
@@ -39,6 +40,10 @@ fn sight(frame: usize) -> Sight {
     Sight::new(swing(frame).to_vec(), SEEN.to_vec(), false)
 }
 
+fn mean(series: &[Vec<f64>]) -> f64 {
+    series.iter().flatten().sum::<f64>() / series.iter().map(Vec::len).sum::<usize>() as f64
+}
+
 /// For a Gaussian target of precision Λ the gradient at a draw is N(0, Λ): its mean over the draws is nothing, its mean square Λ_jj.
 #[test]
 fn its_draws_have_the_gradients_of_their_gaussian_posterior() {
@@ -58,19 +63,20 @@ fn its_draws_have_the_gradients_of_their_gaussian_posterior() {
             let prior = motion.predict(Cloud { last: &last, count, moments: &moments }).expect("valid");
             let target = sight(frame);
             let target = Sum(&target, &prior);
-            let (draws, ess) = (Tracker::<Sight>::posterior(&filter).states.to_vec(), info.ess);
+            let draws = Tracker::<Sight>::posterior(&filter).states.to_vec();
             let (mut state, mut gradient) = ([0.0; DIM], [0.0; DIM]);
-            let mut sums = [[0.0; 2]; DIM];
-            for i in 0..chains * 25 {
+            let mut series = vec![vec![vec![]; chains]; DIM];
+            for i in 0..Tracker::<Sight>::posterior(&filter).weights.len() {
                 get_lane(&draws[i / LANES * DIM..][..DIM], i % LANES, &mut state);
                 target.log_density_grad(&state, &mut gradient);
-                sums.iter_mut().zip(gradient).for_each(|(sum, g)| *sum = [sum[0] + g, sum[1] + g * g]);
+                series.iter_mut().zip(gradient).for_each(|(series, g)| series[i % chains].push(g));
             }
-            for (j, [sum, squares]) in sums.into_iter().enumerate() {
-                let (n, precision) = ((chains * 25) as f64, SEEN[j] + prior.precision_diagonal()[j]);
-                let z = sum / n / (precision / ess).sqrt();
+            for (j, mut series) in series.into_iter().enumerate() {
+                let precision = SEEN[j] + prior.precision_diagonal()[j];
+                let z = mean(&series) / (precision / effective_sample_size(&series)).sqrt();
                 assert!(z.abs() < 4.5, "frame {frame}, coordinate {j}: z = {z}, bound 4.5");
-                let z = (squares / n / precision - 1.0) / (2.0 / ess).sqrt();
+                series.iter_mut().flatten().for_each(|g| *g *= *g / precision);
+                let z = (mean(&series) - 1.0) / (2.0 / effective_sample_size(&series)).sqrt();
                 assert!(z.abs() < 4.5, "frame {frame}, coordinate {j}: square, z = {z}, bound 4.5");
             }
         }
