@@ -6,7 +6,7 @@ use sinew_core::random::Stage;
 use sinew_core::transition::{Cloud, FramePrior, GradTransition, Moments, MotionModel, Predict, Transition};
 use sinew_dynamics::Error;
 use sinew_dynamics::gaussian::Gaussian;
-use sinew_dynamics::primitives::learning::{Config, TrainingMotion, learn};
+use sinew_dynamics::primitives::learning::{Config, TrainingMotion, learn, noise_sd};
 use sinew_dynamics::primitives::model::{FeatureVector, PrimitiveModel};
 use sinew_dynamics::primitives::motion::PrimitiveMotion;
 use sinew_dynamics::primitives::summary::{prediction_errors, summary};
@@ -40,7 +40,7 @@ fn swinging(dim: usize, frames: usize, noise: f64) -> Vec<Vec<f64>> {
 
 fn learned(dim: usize, features: &[FeatureVector], clusters: usize, length: usize) -> PrimitiveModel {
     let sequences = swinging(dim, 160, 0.03);
-    let motion = TrainingMotion { state: "swings", dim, frame_rate: 1.0 / DT, sequences: &sequences };
+    let motion = TrainingMotion { state: "swings", dim, frame_rate: 1.0 / DT, sequences: &sequences, horizontal: &[] };
     let mut config = Config { length, ..Config::default() };
     config.mixture.components = clusters;
     learn(&motion, features, &config, Stage::new(9, "learn"), &mut |_| {}).expect("valid")
@@ -85,7 +85,7 @@ fn what_follows_in_a_periodic_signal_is_predicted() {
             (0..frames).flat_map(|t| [phase(t).sin(), 0.5 * phase(t).cos()]).collect()
         };
         let training = [signal(0.0, 400), signal(1.0, 300)];
-        let motion = TrainingMotion { state: "sine", dim: 2, frame_rate: 20.0, sequences: &training };
+        let motion = TrainingMotion { state: "sine", dim: 2, frame_rate: 20.0, sequences: &training, horizontal: &[] };
         let mut config = Config::default();
         config.mixture.components = 20;
         config.keep.share = share;
@@ -111,7 +111,7 @@ fn what_follows_in_a_periodic_signal_is_predicted() {
 #[test]
 fn learning_is_the_same_bytes_on_any_number_of_threads_and_shows_progress() {
     let sequences = swinging(3, 160, 0.03);
-    let motion = TrainingMotion { state: "swings", dim: 3, frame_rate: 20.0, sequences: &sequences };
+    let motion = TrainingMotion { state: "swings", dim: 3, frame_rate: 20.0, sequences: &sequences, horizontal: &[] };
     let mut config = Config::default();
     config.mixture.components = 12;
     let features = [feature("both", &[1, 2]), feature("one", &[2])];
@@ -483,7 +483,7 @@ fn features_and_rates_that_do_not_fit_are_refused() {
     assert!(motion.clone().with_initial_sd(vec![1.0; 3]).is_err() && motion.with_initial_sd(vec![0.0; 4]).is_err());
     let sequences = swinging(2, 30, 0.03);
     let learn_from = |sequences: &[Vec<f64>], features: &[FeatureVector], length: usize, rate: f64| {
-        let motion = TrainingMotion { state: "bad", dim: 2, frame_rate: rate, sequences };
+        let motion = TrainingMotion { state: "bad", dim: 2, frame_rate: rate, sequences, horizontal: &[] };
         let mut config = Config { length, ..Config::default() };
         config.mixture.components = 2;
         learn(&motion, features, &config, Stage::new(1, "bad"), &mut |_| {})
@@ -497,4 +497,24 @@ fn features_and_rates_that_do_not_fit_are_refused() {
     assert!(learn_from(&sequences, &one, 0, 20.0).is_err() && learn_from(&sequences, &one, 30, 20.0).is_err());
     assert!(learn_from(&sequences, &one, 3, 0.0).is_err() && learn_from(&[], &one, 3, 20.0).is_err());
     assert!(learn_from(&[vec![1.0; 60]], &one, 3, 20.0).is_err(), "nothing moves");
+}
+
+/// A walk along one axis: both horizontal coordinates get the root of the mean of their squares, so that it could have gone anywhere; the height keeps its own.
+#[test]
+fn horizontal_steps_have_no_direction() {
+    let sequences = [(0..40).flat_map(|k| [0.0, 0.06 * f64::from(k), 0.01 * f64::from(k % 2)]).collect::<Vec<f64>>()];
+    let motion = |horizontal: &'static [usize]| TrainingMotion {
+        state: "walk",
+        dim: 3,
+        frame_rate: 20.0,
+        sequences: &sequences,
+        horizontal,
+    };
+    let config = Config { noise_factor: 1.5, noise_floor: 1e-9, ..Config::default() };
+    let sd = noise_sd(&motion(&[0, 1]), &config).expect("valid");
+    let expected = 1.5 * 0.06 / 2.0_f64.sqrt();
+    assert!((sd[0] - expected).abs() < 1e-12 && sd[0] == sd[1], "{sd:?}");
+    assert!((sd[2] - 0.015).abs() < 1e-12, "{sd:?}");
+    assert!((noise_sd(&motion(&[]), &config).expect("valid")[1] - 0.09).abs() < 1e-12);
+    assert!(matches!(noise_sd(&motion(&[3]), &config), Err(Error::Shape { .. })));
 }

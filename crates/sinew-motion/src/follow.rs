@@ -26,6 +26,9 @@ impl NamedBody {
     /// All of them.
     pub const ALL: [Self; 3] = [Self::H32, Self::Cf28, Self::Hppf24];
 
+    /// Coordinates of the horizontal position.
+    pub const HORIZONTAL: [usize; 2] = [0, 1];
+
     /// Its name.
     #[must_use]
     pub const fn name(self) -> &'static str {

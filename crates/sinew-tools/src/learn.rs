@@ -21,10 +21,11 @@ use sinew::results::error::Occupied;
 use sinew::results::write_whole;
 use sinew_core::random::Stage;
 use sinew_dynamics::primitives::file;
-use sinew_dynamics::primitives::learning::{Config, LearningProgress, TrainingMotion, counted, learn_feature};
+use sinew_dynamics::primitives::learning::{
+    Config, LearningProgress, TrainingMotion, counted, learn_feature, noise_sd,
+};
 use sinew_dynamics::primitives::model::PrimitiveModel;
 use sinew_dynamics::primitives::summary::{PrimitiveSummary, summary};
-use sinew_dynamics::primitives::windows::step_sd;
 use sinew_motion::follow::NamedBody;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -146,12 +147,12 @@ fn learned(
 ) -> Result<PrimitiveModel, Error> {
     let (dim, sequences) = (request.body.tree().dof(), &training.states[..]);
     let state = request.body.name();
-    let motion = TrainingMotion { state, dim, frame_rate: request.fps, sequences };
+    let motion = TrainingMotion { state, dim, frame_rate: request.fps, sequences, horizontal: &NamedBody::HORIZONTAL };
     let longest = sequences.iter().map(|sequence| sequence.len() / dim).max().unwrap_or_default();
     if longest <= request.length {
         return Err(LearnError::NoWindows { length: request.length, frames: longest }.into());
     }
-    let noise_sd = step_sd(sequences, dim, config.noise_factor, config.noise_floor).map_err(LearnError::Learning)?;
+    let noise_sd = noise_sd(&motion, config).map_err(LearnError::Learning)?;
     let features = feature_vectors(request.body);
     let mut model = PrimitiveModel {
         state: state.into(),

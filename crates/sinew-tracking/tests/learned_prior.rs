@@ -29,7 +29,8 @@ fn swing(frame: usize) -> [f64; DIM] {
 
 fn model() -> PrimitiveModel {
     let sequence: Vec<f64> = (0..300).flat_map(swing).collect();
-    let motion = TrainingMotion { state: "swing", dim: DIM, frame_rate: RATE_HZ, sequences: &[sequence] };
+    let motion =
+        TrainingMotion { state: "swing", dim: DIM, frame_rate: RATE_HZ, sequences: &[sequence], horizontal: &[] };
     let feature = FeatureVector { name: "swing".into(), coordinates: vec![2, 1] };
     let mut config = Config::default();
     config.mixture.components = 10;

@@ -4,9 +4,8 @@ use crate::outcome::Outcome;
 use sinew::body::{KinematicTree, Proportions};
 use sinew::core::random::Stage;
 use sinew::dynamics::primitives::file;
-use sinew::dynamics::primitives::learning::{Config, TrainingMotion, learn_feature};
+use sinew::dynamics::primitives::learning::{Config, TrainingMotion, learn_feature, noise_sd};
 use sinew::dynamics::primitives::model::PrimitiveModel;
-use sinew::dynamics::primitives::windows::step_sd;
 use sinew::formats::{amc, asf};
 use sinew_motion::cmu;
 use sinew_motion::follow::NamedBody;
@@ -96,8 +95,9 @@ pub(super) fn model(path: &Path, data: &Path, without: &[&str]) -> Outcome<Primi
     let mut config = Config { length: LENGTH, ..Config::default() };
     config.mixture.components = CLUSTERS;
     let (state, dim) = (body.name(), body.tree().dof());
-    let motion = TrainingMotion { state, dim, frame_rate: RATE_HZ, sequences: &states };
-    let noise_sd = step_sd(&states, dim, config.noise_factor, config.noise_floor)?;
+    let motion =
+        TrainingMotion { state, dim, frame_rate: RATE_HZ, sequences: &states, horizontal: &NamedBody::HORIZONTAL };
+    let noise_sd = noise_sd(&motion, &config)?;
     let stage = Stage::new(1, "motion prior models");
     let learn = |(index, feature)| learn_feature(&motion, feature, &noise_sd, &config, stage.round(index), &mut |_| {});
     let features = feature_vectors(body);

@@ -56,6 +56,23 @@ pub struct TrainingMotion<'a> {
     pub frame_rate: f64,
     /// States, one after the other, a row a frame.
     pub sequences: &'a [Vec<f64>],
+    /// Coordinates of the horizontal position, which share the standard deviation of their steps: the way in which the recorded motion went says nothing of another.
+    pub horizontal: &'a [usize],
+}
+
+/// Standard deviations of a step of each coordinate ([`step_sd`]), the horizontal ones alike.
+///
+/// # Errors
+/// As [`step_sd`].
+pub fn noise_sd(motion: &TrainingMotion<'_>, config: &Config) -> Result<Vec<f64>, Error> {
+    let mut sd = step_sd(motion.sequences, motion.dim, config.noise_factor, config.noise_floor)?;
+    let squares = motion.horizontal.iter().filter_map(|&j| sd.get(j)).map(|sd| sd * sd).sum::<f64>();
+    let shared = (squares / motion.horizontal.len() as f64).sqrt();
+    for &j in motion.horizontal {
+        let found = motion.dim;
+        *sd.get_mut(j).ok_or(Error::Shape { name: "horizontal coordinates", found, expected: j + 1 })? = shared;
+    }
+    Ok(sd)
 }
 
 /// How far learning is.
@@ -103,7 +120,7 @@ pub fn learn(
     if !(value > 0.0 && value.is_finite()) {
         return Err(Error::OutOfRange { name, index: 0, value, expected: "must be positive and finite" });
     }
-    let noise_sd = step_sd(motion.sequences, motion.dim, config.noise_factor, config.noise_floor)?;
+    let noise_sd = noise_sd(motion, config)?;
     let mut primitives: Vec<Primitives> = Vec::with_capacity(features.len());
     for (index, feature) in features.iter().enumerate() {
         if primitives.iter().any(|other| other.feature.name == feature.name) {

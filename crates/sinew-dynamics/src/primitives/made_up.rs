@@ -27,7 +27,7 @@ pub fn sequences(frames: usize) -> Vec<Vec<f64>> {
 /// A model of the two swinging coordinates, the later first.
 pub fn model() -> PrimitiveModel {
     let sequences = sequences(150);
-    let motion = TrainingMotion { state: "made up", dim: 4, frame_rate: 20.0, sequences: &sequences };
+    let motion = TrainingMotion { state: "made up", dim: 4, frame_rate: 20.0, sequences: &sequences, horizontal: &[] };
     let feature = FeatureVector { name: "swing".into(), coordinates: vec![3, 1] };
     let mut config = Config::default();
     config.mixture.components = 8;

@@ -5,9 +5,9 @@ use crate::outcome::Outcome;
 use rayon::prelude::*;
 use sinew::core::random::Stage;
 use sinew::dynamics::primitives::file;
-use sinew::dynamics::primitives::learning::{Config, TrainingMotion, learn_feature};
+use sinew::dynamics::primitives::learning::{Config, TrainingMotion, learn_feature, noise_sd};
 use sinew::dynamics::primitives::model::PrimitiveModel;
-use sinew::dynamics::primitives::windows::{step_sd, subsampled};
+use sinew::dynamics::primitives::windows::subsampled;
 use sinew_motion::follow::{NamedBody, follow};
 use sinew_tools::learn::features::feature_vectors;
 use std::path::Path;
@@ -26,11 +26,11 @@ pub(super) struct Training {
 const PHASES: usize = (WORKING_HZ / RATE_HZ) as usize;
 
 impl Training {
-    /// Makes the body follow the trials.
+    /// Makes the body follow the trials, which go round as CMB does.
     pub(super) fn new(data: &Path, trials: &[Recording]) -> Outcome<Self> {
         let dim = NamedBody::Hppf24.tree().dof();
         let followed = trials.par_iter().map(|trial| -> Outcome<_> {
-            let found = follow(NamedBody::Hppf24, &trial.joints(data, WORKING_HZ)?)?;
+            let found = follow(NamedBody::Hppf24, &trial.bent(data, WORKING_HZ)?)?;
             Ok((subsampled(&found.states.concat(), dim, PHASES)?, (trial.name, found.mean_error_m)))
         });
         let followed = followed.collect::<Vec<_>>().into_iter().collect::<Outcome<Vec<_>>>()?;
@@ -50,8 +50,9 @@ impl Training {
         let mut config = Config { length, ..Config::default() };
         config.mixture.components = clusters;
         let (state, dim) = (NamedBody::Hppf24.name(), self.mean_pose.len());
-        let motion = TrainingMotion { state, dim, frame_rate: RATE_HZ, sequences: &self.sequences };
-        let noise_sd = step_sd(&self.sequences, dim, config.noise_factor, config.noise_floor)?;
+        let horizontal = &NamedBody::HORIZONTAL;
+        let motion = TrainingMotion { state, dim, frame_rate: RATE_HZ, sequences: &self.sequences, horizontal };
+        let noise_sd = noise_sd(&motion, &config)?;
         let (features, stage) = (feature_vectors(NamedBody::Hppf24), Stage::new(1, "hppf models"));
         let learned = features.par_iter().enumerate().map(|(index, feature)| {
             learn_feature(&motion, feature, &noise_sd, &config, stage.round(index), &mut |_| {})

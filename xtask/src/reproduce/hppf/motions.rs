@@ -6,6 +6,7 @@ use crate::outcome::Outcome;
 use sinew::formats::{amc, asf};
 use sinew_motion::cmu;
 use sinew_motion::points::Trajectories;
+use sinew_simulate::combo::{Trial, combo};
 use std::path::Path;
 
 /// Frames per second that are tracked.
@@ -54,11 +55,14 @@ pub(super) const TRAINING: [Recording; 23] = [
     subject_35("run_03"),
     subject_35("run_04"),
     subject_35("run_05"),
-    cmu("49_19", "49"),
+    BALANCING,
 ];
 
-/// Trials of training that the pilot tracks: a walk and a run.
-pub(super) const PILOT: [Recording; 2] = [cmu("07_05", "07"), subject_35("run_03")];
+/// Trials of training that the pilot tracks: a walk, a run and balancing, and all three joined as in CMB.
+pub(super) const PILOT: [Recording; 3] = [cmu("07_05", "07"), subject_35("run_03"), BALANCING];
+
+/// The only trial of training that goes nowhere.
+const BALANCING: Recording = cmu("49_19", "49");
 
 /// The test walk of the tables.
 pub(super) const TEST_WALK: Recording = cmu("07_01", "07");
@@ -94,4 +98,19 @@ impl Recording {
         let motion = amc::read(&motion.display().to_string(), &std::fs::read_to_string(motion)?, &skeleton)?;
         Ok(cmu::joints(&skeleton, &motion, self.recorded_hz / rate_hz))
     }
+
+    /// Joints at a rate, of a motion that goes round as CMB does.
+    pub(super) fn bent(&self, data: &Path, rate_hz: f64) -> Outcome<Trajectories> {
+        joined(&[*self], data, rate_hz)
+    }
+}
+
+/// Trials as one motion that goes round.
+pub(super) fn joined(trials: &[Recording], data: &Path, rate_hz: f64) -> Outcome<Trajectories> {
+    let trial = |recording: &Recording| -> Outcome<Trial> {
+        let motion = recording.joints(data, rate_hz)?;
+        Ok(Trial { name: recording.name.into(), motion, is_locomotion: *recording != BALANCING })
+    };
+    let trials = trials.iter().map(trial).collect::<Outcome<Vec<Trial>>>()?;
+    Ok(combo("joined", &trials, rate_hz)?.motion)
 }

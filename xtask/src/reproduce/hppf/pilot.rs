@@ -1,11 +1,11 @@
 //! The pilot on training motion: is the person kept at all, and if not, which stage loses him.
 //!
-//! P = 1000, four cameras, clean masks, three seeds, a walk and a run that the model has not seen. For each variant: errors, limb ratio, and what the true pose, the mean pose and the estimate are worth to the parts' likelihood and to the global
+//! P = 1000, four cameras, clean masks, three seeds, a walk, a run, and both with balancing joined as in CMB, none of which the model has seen. For each variant: errors, limb ratio, and what the true pose, the mean pose and the estimate are worth to the parts' likelihood and to the global
 //! alignment, averaged over the frames.
 
 use super::contender::Method;
 use super::models::Training;
-use super::motions::{PILOT, RATE_HZ, TRAINING};
+use super::motions::{PILOT, RATE_HZ, TRAINING, joined};
 use super::scene::{Scene, Seen, View};
 use super::track::level_walk;
 use super::worth::{Errors, errors, kept, mean, mean_poses};
@@ -141,8 +141,11 @@ pub(super) fn pilot(data: &Path, folder: &Path, only: Option<&str>) -> Outcome<S
     let model = training.model(&folder.join("pilot-model.json"), LENGTH, CLUSTERS)?;
     let fits = training.errors_m.iter().map(|(name, error)| format!("{name} {:.0}", 1e3 * error));
     let mut text = format!("fit of the body to training, mm: {}\n\n", fits.collect::<Vec<_>>().join(", "));
-    for recording in PILOT {
-        let scene = Scene::new(recording.name, recording.joints(data, RATE_HZ)?)?;
+    let single = PILOT.iter().take(2).map(|trial| Ok((trial.name, trial.joints(data, RATE_HZ)?)));
+    let scenes = single.chain([joined(&PILOT, data, RATE_HZ).map(|motion| ("all three, going round", motion))]);
+    for scene in scenes {
+        let (name, motion) = scene?;
+        let scene = Scene::new(name, motion)?;
         let means = mean_poses(&scene, &training.mean_pose);
         let mean_pose = errors(&scene, &means, 0);
         let frozen = errors(&scene, &vec![scene.truth[0].clone(); scene.truth.len()], 0);
