@@ -6,7 +6,7 @@ use crate::outcome::Outcome;
 use sinew::formats::{amc, asf};
 use sinew_motion::cmu;
 use sinew_motion::points::Trajectories;
-use sinew_simulate::combo::{Trial, combo};
+use sinew_simulate::combo::{Sequence, Trial, combo};
 use std::path::Path;
 
 /// Frames per second that are tracked.
@@ -101,16 +101,16 @@ impl Recording {
 
     /// Joints at a rate, of a motion that goes round as CMB does.
     pub(super) fn bent(&self, data: &Path, rate_hz: f64) -> Outcome<Trajectories> {
-        joined(&[*self], data, rate_hz)
+        Ok(joined(&[*self], data, rate_hz)?.motion)
     }
 }
 
 /// Trials as one motion that goes round.
-pub(super) fn joined(trials: &[Recording], data: &Path, rate_hz: f64) -> Outcome<Trajectories> {
+pub(super) fn joined(trials: &[Recording], data: &Path, rate_hz: f64) -> Outcome<Sequence> {
     let trial = |recording: &Recording| -> Outcome<Trial> {
         let motion = recording.joints(data, rate_hz)?;
         Ok(Trial { name: recording.name.into(), motion, is_locomotion: *recording != BALANCING })
     };
     let trials = trials.iter().map(trial).collect::<Outcome<Vec<Trial>>>()?;
-    Ok(combo("joined", &trials, rate_hz)?.motion)
+    Ok(combo("all three, going round", &trials, rate_hz)?)
 }

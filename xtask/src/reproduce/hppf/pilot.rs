@@ -18,9 +18,11 @@ use sinew::dynamics::primitives::model::PrimitiveModel;
 use sinew::observe::image_likelihood::ImageLikelihood;
 use sinew::tracking::Tracker as _;
 use sinew::tracking::hppf::{self, Hppf};
+use sinew_simulate::combo::Phase;
 use sinew_simulate::segmentation_noise::Level;
 use sinew_tests::finding::mean_and_error;
 use std::fmt::Write as _;
+use std::ops::Range;
 use std::path::Path;
 
 const SEEDS: u64 = 3;
@@ -100,9 +102,10 @@ fn run(
 }
 
 /// Root mean squares of the changes of a motion from frame to frame, position and largest angle, beside the model's steps.
-fn speeds(scene: &Scene, model: &PrimitiveModel) -> String {
+fn speeds(scene: &Scene, model: &PrimitiveModel, frames: &Range<usize>) -> String {
     let rms = |j: usize| {
-        let squares: Vec<f64> = scene.truth.windows(2).map(|pair| (pair[1][j] - pair[0][j]).powi(2)).collect();
+        let squares: Vec<f64> =
+            scene.truth[frames.clone()].windows(2).map(|pair| (pair[1][j] - pair[0][j]).powi(2)).collect();
         mean(&squares).sqrt()
     };
     let names = scene.tree.dof_names();
@@ -134,6 +137,21 @@ fn row(runs: &[Errors], mean_pose: &Errors) -> String {
     cells.join(" | ")
 }
 
+/// What is tracked, and the phases of what was joined.
+fn scenes(data: &Path) -> Outcome<Vec<(Scene, Vec<Phase>)>> {
+    let single = PILOT.iter().take(2).map(|trial| Ok((Scene::new(trial.name, trial.joints(data, RATE_HZ)?)?, vec![])));
+    let whole = joined(&PILOT, data, RATE_HZ)?;
+    single.chain([Scene::new(&whole.name, whole.motion).map(|scene| (scene, whole.phases))]).collect()
+}
+
+/// Errors of some seeds in a phase, as a row.
+fn in_phase(variant: &str, phase: &Phase, runs: &[Errors]) -> String {
+    let of = |errors: &[f64]| mean(&errors[phase.frames.clone()]);
+    let absolute = shown(runs.iter().map(|errors| of(&errors.absolute)), 0);
+    let relative = shown(runs.iter().map(|errors| of(&errors.relative)), 0);
+    format!("| {variant} | {} | {absolute} | {relative} |\n", phase.name)
+}
+
 /// Runs the pilot; its report.
 pub(super) fn pilot(data: &Path, folder: &Path, only: Option<&str>) -> Outcome<String> {
     let trials: Vec<_> = TRAINING.into_iter().filter(|trial| !PILOT.contains(trial)).collect();
@@ -141,23 +159,27 @@ pub(super) fn pilot(data: &Path, folder: &Path, only: Option<&str>) -> Outcome<S
     let model = training.model(&folder.join("pilot-model.json"), LENGTH, CLUSTERS)?;
     let fits = training.errors_m.iter().map(|(name, error)| format!("{name} {:.0}", 1e3 * error));
     let mut text = format!("fit of the body to training, mm: {}\n\n", fits.collect::<Vec<_>>().join(", "));
-    let single = PILOT.iter().take(2).map(|trial| Ok((trial.name, trial.joints(data, RATE_HZ)?)));
-    let scenes = single.chain([joined(&PILOT, data, RATE_HZ).map(|motion| ("all three, going round", motion))]);
-    for scene in scenes {
-        let (name, motion) = scene?;
-        let scene = Scene::new(name, motion)?;
+    for (scene, phases) in scenes(data)? {
         let means = mean_poses(&scene, &training.mean_pose);
         let mean_pose = errors(&scene, &means, 0);
         let frozen = errors(&scene, &vec![scene.truth[0].clone(); scene.truth.len()], 0);
         let frames = scene.truth.len();
         let _ = writeln!(text, "## {}, {frames} frames, fit {:.1} mm\n", scene.name, 1e3 * scene.fit_error_m);
-        let _ = writeln!(text, "root mean square of changes (step of the model): {}\n", speeds(&scene, &model));
+        let whole = [Phase { name: "whole".into(), frames: 0..frames }];
+        for phase in whole.iter().chain(&phases) {
+            let line = speeds(&scene, &model, &phase.frames);
+            let _ = writeln!(text, "{}: root mean square of changes (step of the model): {line}\n", phase.name);
+        }
         let _ = writeln!(
             text,
             "| | absolute, mm | relative, mm | limb ratio | frames below 150 mm, % | kept | true pose: parts, alignment | mean pose | estimate | similar | astray, % |\n|---|---|---|---|---|---|---|---|---|---|---|"
         );
         for (name, found) in [("mean pose", &mean_pose), ("first pose", &frozen)] {
             let _ = writeln!(text, "| {name} | {} | | | | | |", row(std::slice::from_ref(found), &mean_pose));
+        }
+        let mut by_phase = String::new();
+        if !phases.is_empty() {
+            by_phase += "| | phase | absolute, mm | relative, mm |\n|---|---|---|---|\n";
         }
         let seen = (1..=SEEDS).map(|seed| Seen::new(&scene, &VIEW, 0, seed, Isa::best()));
         let seen = seen.collect::<Outcome<Vec<_>>>()?;
@@ -180,8 +202,10 @@ pub(super) fn pilot(data: &Path, folder: &Path, only: Option<&str>) -> Outcome<S
             );
             println!("{line}");
             let _ = writeln!(text, "{line}");
+            by_phase += &phases.iter().map(|phase| in_phase(variant.name, phase, &errors)).collect::<String>();
         }
-        text.push('\n');
+        println!("{by_phase}");
+        let _ = writeln!(text, "\n{by_phase}");
     }
     Ok(text)
 }
