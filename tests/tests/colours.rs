@@ -93,7 +93,7 @@ impl Dressed {
     fn advantage(&self, wrong: fn(&mut [f64])) -> ([f64; 2], f64) {
         let models = self.models();
         let frames = FRAMES..2 * FRAMES;
-        let mean = |of_frame: &dyn Fn(usize) -> f64| frames.clone().map(of_frame).sum::<f64>() / FRAMES as f64;
+        let mean = |value: &dyn Fn(usize) -> f64| frames.clone().map(value).sum::<f64>() / FRAMES as f64;
         let other = |frame: usize| {
             let mut state = self.states[frame].clone();
             wrong(&mut state);

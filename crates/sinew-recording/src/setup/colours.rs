@@ -1,6 +1,5 @@
 //! Colours of the subject's parts, as the set-up stores them.
 
-use super::stored::CameraSetup;
 use serde::{Deserialize, Serialize};
 use sinew_body::flesh::Flesh;
 use sinew_observe::Camera;
@@ -66,8 +65,8 @@ impl MeasuredColours {
             let known = self.part.iter().find(|part| part.camera == camera.name && part.name == solid);
             known.and_then(PartColours::reference)
         };
-        let of_camera = |camera| flesh.solids().iter().map(|solid| reference(camera, &solid.name)).collect();
-        cameras.iter().map(of_camera).collect()
+        let solids = flesh.solids();
+        cameras.iter().map(|camera| solids.iter().map(|solid| reference(camera, &solid.name)).collect()).collect()
     }
 
     /// Whether no colour was counted, but greys alone.
@@ -76,16 +75,15 @@ impl MeasuredColours {
         self.part.iter().flat_map(|part| &part.pixels).all(|[r, g, b, _]| r == g && g == b)
     }
 
-    /// What cannot be about them, if anything, for the cameras of a set-up and the solids of its body.
+    /// What cannot be about them, if anything, for the names of a set-up's cameras and the solids of its body.
     #[must_use]
-    pub fn problem(&self, cameras: &[CameraSetup], flesh: &Flesh) -> Option<String> {
+    pub fn problem(&self, cameras: &[&str], flesh: &Flesh) -> Option<String> {
         if self.version != VERSION {
             return Some(format!(
                 "colours: version = {}; this version reads {VERSION}: make the set-up again",
                 self.version
             ));
         }
-        let cameras: Vec<&str> = cameras.iter().map(|camera| camera.name.as_str()).collect();
         let parts: Vec<&str> = flesh.solids().iter().map(|solid| solid.name.as_str()).collect();
         self.part.iter().enumerate().find_map(|(place, part)| {
             let PartColours { camera, name, .. } = part;

@@ -319,7 +319,8 @@ impl Setup {
         if problems.is_empty()
             && let (Some(colours), Ok(flesh)) = (&self.colours, self.flesh())
         {
-            problems.extend(colours.problem(&self.camera, &flesh));
+            let cameras: Vec<&str> = self.camera.iter().map(|camera| camera.name.as_str()).collect();
+            problems.extend(colours.problem(&cameras, &flesh));
         }
         for camera in &self.camera {
             if !(camera.sigma_px > 0.0 && camera.sigma_px.is_finite()) {
