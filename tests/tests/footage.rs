@@ -3,7 +3,7 @@
 
 use sinew_motion::points::{Trajectories, points_of_states};
 use sinew_motion::recorded::from_points;
-use sinew_simulate::combo::{Sequence, synthetic_combo};
+use sinew_simulate::combo::{Sequence, TURN_RADIUS_M, comfortable_radius_m, synthetic_combo};
 use sinew_simulate::footage::SyntheticFootage;
 use sinew_simulate::ring::Ring;
 use sinew_simulate::segmentation_noise::Level;
@@ -60,11 +60,15 @@ fn recorded_people_are_in_all_views() {
         let [motion, skeleton] = [format!("{name}.amc"), format!("{skeleton}.asf")].map(|file| folder.join(file));
         is_in_all_views(name, recorded(&motion, &skeleton, RATE_HZ).unwrap());
     }
-    let Sequence { name, motion, phases, .. } = recorded_combo(&folder, RATE_HZ).unwrap();
-    assert_eq!((name.as_str(), phases.len()), ("CMB", 3));
-    let [low, high] = motion.bounds().unwrap();
-    assert!((0..2).all(|i| high[i] - low[i] < 4.0) && low[2] > -0.1, "{low:?} {high:?}");
-    is_in_all_views("CMB", motion);
+    let radii: [&dyn Fn(&Trajectories) -> f64; 2] =
+        [&|_| TURN_RADIUS_M, &|motion| comfortable_radius_m(motion, RATE_HZ)];
+    for (radius_m, widest_m) in radii.into_iter().zip([4.0, 8.0]) {
+        let Sequence { name, motion, phases, .. } = recorded_combo(&folder, RATE_HZ, radius_m).unwrap();
+        assert_eq!((name.as_str(), phases.len()), ("CMB", 3));
+        let [low, high] = motion.bounds().unwrap();
+        assert!((0..2).all(|i| high[i] - low[i] < widest_m) && low[2] > -0.1, "{low:?} {high:?}");
+        is_in_all_views("CMB", motion);
+    }
 }
 
 /// A foreign skeleton of another unit is the same person: BVH against the ASF/AMC that it was made from, where they agree.

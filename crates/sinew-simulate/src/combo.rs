@@ -8,8 +8,8 @@
 //! 2. Places: each trial is turned about the vertical and moved so that its person looks where the one before looked at the end, and continues from there.
 //! 3. Joins: 2 s in which the directions of the segments go from the last frame's to the first frame's by the smooth cubic `3s² − 2s³`, and the middle of the hips along the cubic with the velocities of
 //!    both ends that comes to rest half-way: it covers a sixth of what the velocities would.
-//! 4. Space: recorded walks are straight and short. The path of a locomotion is bent to the left, so that its person goes round: the heading turns by the way gone forward over 1.2 m. Elsewhere and at the
-//!    end of the join to free movement nothing is bent.
+//! 4. Space: recorded walks are straight and short. The path of a trial may be bent to the left, so that its person goes round: the heading turns by the way gone forward over a radius. In joins
+//!    the curvature goes from the one to the other. A radius of [`TURN_RADIUS_M`] suits walks; nobody runs round it ([`comfortable_radius_m`]).
 //!
 //! `recorded_combo` of the tests is CMB: a walk, a run and balancing on one leg. Without recordings [`synthetic_combo`] does the same with the walker: its usual gait, a quicker one, and standing with arms that swing. It is no replacement for running and dancing, and its name says so.
 //!
@@ -30,8 +30,8 @@ pub struct Trial {
     pub name: String,
     /// Points over time at the rate of the sequence.
     pub motion: Trajectories,
-    /// Whether it goes somewhere, so that its path is bent.
-    pub is_locomotion: bool,
+    /// Radius of the circle that its path is bent to, metres; none stays as it is.
+    pub turn_radius_m: Option<f64>,
 }
 
 /// Frames of a sequence that belong together; joins belong to what they lead to.
@@ -57,9 +57,21 @@ pub struct Sequence {
 }
 
 /// Duration of a join, seconds.
-const JOIN_S: f64 = 2.0;
-/// Radius of the circle that a locomotion is bent to, metres.
-const TURN_RADIUS_M: f64 = 1.2;
+pub const JOIN_S: f64 = 2.0;
+/// Radius of the circle that walks are bent to, metres.
+pub const TURN_RADIUS_M: f64 = 1.2;
+/// Largest acceleration sideways of a comfortable turn, metres a second squared: the body leans by 17°.
+const SIDEWAYS_MS2: f64 = 3.0;
+
+/// Radius of a turn that is comfortable at a motion's mean horizontal speed, at least [`TURN_RADIUS_M`], metres.
+#[must_use]
+pub fn comfortable_radius_m(motion: &Trajectories, rate_hz: f64) -> f64 {
+    let hips = motion.index("MidHip").unwrap_or_default();
+    let [Some(first), Some(last)] = [motion.frames.first(), motion.frames.last()] else { return TURN_RADIUS_M };
+    let [x, y, _] = minus(last[hips], first[hips]);
+    let speed = x.hypot(y) * rate_hz / (motion.frames.len() - 1).max(1) as f64;
+    TURN_RADIUS_M.max(speed * speed / SIDEWAYS_MS2)
+}
 
 /// Points and the points they hang on, parents first.
 const BONES: [(&str, &str); 18] = [
@@ -106,11 +118,11 @@ pub fn combo(name: &str, trials: &[Trial], rate_hz: f64) -> Result<Sequence, Err
     let parents: Vec<usize> =
         bones.iter().map(|(_, parent)| names.iter().position(|name| name == parent).unwrap_or(0)).collect();
     let skeleton = Skeleton::of(&first.motion.select(&names), parents);
-    let mut joined = Joined { skeleton: &skeleton, rate_hz, poses: Vec::new(), bends: Vec::new() };
+    let mut joined = Joined { skeleton: &skeleton, rate_hz, poses: Vec::new(), curvatures: Vec::new() };
     let mut phases = Vec::new();
     for trial in trials {
         let start = joined.poses.len();
-        joined.add(&trial.motion.select(&names), trial.is_locomotion);
+        joined.add(&trial.motion.select(&names), trial.turn_radius_m);
         phases.push(Phase { name: trial.name.clone(), frames: start..joined.poses.len() });
     }
     let frames = joined.bent();
@@ -196,14 +208,14 @@ struct Joined<'a> {
     skeleton: &'a Skeleton,
     rate_hz: f64,
     poses: Vec<Pose>,
-    /// How much of the bend each frame gets, 0 to 1.
-    bends: Vec<f64>,
+    /// How much the heading turns in each frame by the way gone forward, radians a metre.
+    curvatures: Vec<f64>,
 }
 
 impl Joined<'_> {
-    fn add(&mut self, motion: &Trajectories, is_locomotion: bool) {
+    fn add(&mut self, motion: &Trajectories, turn_radius_m: Option<f64>) {
         let mut new: Vec<Pose> = motion.frames.iter().map(|frame| self.skeleton.pose(frame)).collect();
-        let bend = f64::from(u8::from(is_locomotion));
+        let curvature = turn_radius_m.map_or(0.0, f64::recip);
         if let Some(last) = self.poses.last().cloned() {
             let angle = |pose: &Pose| {
                 let [x, y, _] = self.skeleton.heading(pose);
@@ -220,15 +232,15 @@ impl Joined<'_> {
             for pose in &mut new {
                 pose.root = [pose.root[0] + moved[0], pose.root[1] + moved[1], pose.root[2]];
             }
-            let before = self.bends.last().copied().unwrap_or(bend);
+            let before = self.curvatures.last().copied().unwrap_or(curvature);
             let steps = (JOIN_S * self.rate_hz).round().max(1.0) as usize;
             for k in 1..steps {
                 let s = k as f64 / steps as f64;
                 self.poses.push(self.between(&last, &new[0], [leaving, arriving], s));
-                self.bends.push(before + (bend - before) * smooth(s));
+                self.curvatures.push(before + (curvature - before) * smooth(s));
             }
         }
-        self.bends.extend(std::iter::repeat_n(bend, new.len()));
+        self.curvatures.extend(std::iter::repeat_n(curvature, new.len()));
         self.poses.extend(new);
     }
 
@@ -264,11 +276,11 @@ impl Joined<'_> {
         let mut frames = Vec::with_capacity(self.poses.len());
         let (mut turn, mut root) = (0.0, [0.0; 3]);
         let mut before: Option<&Pose> = None;
-        for (pose, bend) in self.poses.iter().zip(&self.bends) {
+        for (pose, curvature) in self.poses.iter().zip(&self.curvatures) {
             let step = before.map_or(pose.root, |before| minus(pose.root, before.root));
             let heading = self.skeleton.heading(pose);
             let forward = before.map_or(0.0, |_| step[0] * heading[0] + step[1] * heading[1]);
-            let more = bend * forward.max(0.0) / TURN_RADIUS_M;
+            let more = curvature * forward.max(0.0);
             root = along(root, 1.0, turned(step, turn + 0.5 * more));
             turn += more;
             let directions = pose.directions.iter().map(|direction| turned(*direction, turn)).collect();
@@ -298,11 +310,11 @@ pub fn synthetic_combo(rate_hz: f64) -> Result<Sequence, Error> {
     for (k, state) in states.iter_mut().enumerate() {
         swing_arms(state, k as f64 / rate_hz);
     }
-    let trial = |name: &str, motion, is_locomotion| Trial { name: name.into(), motion, is_locomotion };
+    let trial = |name: &str, motion, turn_radius_m| Trial { name: name.into(), motion, turn_radius_m };
     let trials = [
-        trial("synthetic walk", gait(1.1, 4.0), true),
-        trial("synthetic quick walk", gait(0.75, 3.0), true),
-        trial("synthetic arm swings", points_of_states(&standing.body, &states), false),
+        trial("synthetic walk", gait(1.1, 4.0), Some(TURN_RADIUS_M)),
+        trial("synthetic quick walk", gait(0.75, 3.0), Some(TURN_RADIUS_M)),
+        trial("synthetic arm swings", points_of_states(&standing.body, &states), None),
     ];
     combo("synthetic CMB", &trials, rate_hz)
 }
@@ -381,7 +393,7 @@ mod tests {
     fn what_cannot_be_joined_is_refused() {
         let message = |trials: &[Trial]| combo("x", trials, 30.0).unwrap_err().to_string();
         assert_eq!(message(&[]), "a sequence of no trials");
-        let trial = |motion| Trial { name: "a".into(), motion, is_locomotion: true };
+        let trial = |motion| Trial { name: "a".into(), motion, turn_radius_m: None };
         assert_eq!(message(&[trial(Trajectories::default())]), "the trial a has no MidHip");
         let names = EVALUATION_JOINTS.map(str::to_owned).to_vec();
         assert_eq!(message(&[trial(Trajectories { names, frames: vec![] })]), "the trial a has no frame");
@@ -391,9 +403,23 @@ mod tests {
     fn a_sequence_may_be_one_frame() {
         let names = EVALUATION_JOINTS.map(str::to_owned).to_vec();
         let frame: Vec<Vector> = (0..15).map(|k| [0.1 * f64::from(k), 0.0, 0.07 * f64::from(k * k)]).collect();
-        let trial =
-            Trial { name: "a".into(), motion: Trajectories { names, frames: vec![frame] }, is_locomotion: true };
+        let trial = Trial {
+            name: "a".into(),
+            motion: Trajectories { names, frames: vec![frame] },
+            turn_radius_m: Some(TURN_RADIUS_M),
+        };
         let sequence = combo("x", &[trial.clone(), trial], 10.0).unwrap();
         assert_eq!(sequence.motion.frames.len(), 21);
+    }
+
+    /// A body goes twice as fast on four times the radius, and never on less than that of walks.
+    #[test]
+    fn radii_follow_the_square_of_the_speed() {
+        let line = |speed: f64| {
+            let frames = (0..=30).map(|k| vec![[0.0, speed * f64::from(k) / 30.0, 1.0]]).collect();
+            comfortable_radius_m(&Trajectories { names: vec!["MidHip".into()], frames }, 30.0)
+        };
+        assert!((line(3.0) - 3.0).abs() < 1e-12 && (line(6.0) - 12.0).abs() < 1e-12);
+        assert_eq!(line(1.3).to_bits(), TURN_RADIUS_M.to_bits());
     }
 }

@@ -15,7 +15,7 @@ use sinew::samplers::grid::{self, GridAxis, LEAST_WIDTH, Width};
 use sinew_motion::hppf24_motion::{self, MotionFollowing, Scale};
 use sinew_motion::points::mean_distance;
 use sinew_motion::points::{Trajectories, points_of_states};
-use sinew_simulate::combo::{Sequence, Trial, combo, synthetic_combo};
+use sinew_simulate::combo::{Sequence, TURN_RADIUS_M, Trial, combo, synthetic_combo};
 use sinew_simulate::walker::{Gait, Walker, walker_states};
 use sinew_tests::evaluation::joint_errors::joint_errors_mm;
 use sinew_tests::recorded_motion::{recorded, recorded_combo};
@@ -93,14 +93,14 @@ fn training(folder: Option<&Path>) -> Outcome<Sequence> {
             .map(|&name| -> Outcome<Trial> {
                 let motion = folder.join(format!("{name}.amc"));
                 let motion = recorded(&motion, &folder.join("07.asf"), RATE_HZ)?;
-                Ok(Trial { name: name.into(), motion, is_locomotion: true })
+                Ok(Trial { name: name.into(), motion, turn_radius_m: Some(TURN_RADIUS_M) })
             })
             .collect::<Outcome<_>>()?,
         None => [1.3, 0.9]
             .map(|stride_s| {
                 let walker = Walker::new(Gait { still_s: 0.0, stride_s, ..Gait::default() });
                 let motion = points_of_states(&walker.body, &walker_states(&walker, RATE_HZ));
-                Trial { name: format!("walk of {stride_s} s"), motion, is_locomotion: true }
+                Trial { name: format!("walk of {stride_s} s"), motion, turn_radius_m: Some(TURN_RADIUS_M) }
             })
             .into(),
     };
@@ -135,7 +135,7 @@ impl Scene {
     /// The scene from recordings, or without any; `frames` of it are tracked.
     pub(super) fn new(folder: Option<&Path>, frames: usize, which: Tracked) -> Outcome<Self> {
         let test = match folder {
-            Some(folder) => recorded_combo(folder, RATE_HZ)?,
+            Some(folder) => recorded_combo(folder, RATE_HZ, |_| TURN_RADIUS_M)?,
             None => synthetic_combo(RATE_HZ)?,
         };
         let trained = training(folder)?;

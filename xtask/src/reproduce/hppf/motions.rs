@@ -6,7 +6,7 @@ use crate::outcome::Outcome;
 use sinew::formats::{amc, asf};
 use sinew_motion::cmu;
 use sinew_motion::points::Trajectories;
-use sinew_simulate::combo::{Sequence, Trial, combo};
+use sinew_simulate::combo::{Sequence, Trial, combo, comfortable_radius_m};
 use std::path::Path;
 
 /// Frames per second that are tracked.
@@ -21,14 +21,23 @@ pub(super) struct Recording {
     pub(super) name: &'static str,
     skeleton: &'static str,
     recorded_hz: f64,
+    part: Part,
+}
+
+/// How much of a trial is taken.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Part {
+    Whole,
+    FirstHalf,
+    SecondHalf,
 }
 
 const fn cmu(name: &'static str, skeleton: &'static str) -> Recording {
-    Recording { folder: "cmu_amc", name, skeleton, recorded_hz: 120.0 }
+    Recording { folder: "cmu_amc", name, skeleton, recorded_hz: 120.0, part: Part::Whole }
 }
 
 const fn subject_35(name: &'static str) -> Recording {
-    Recording { folder: "cmu_amc_35", name, skeleton: "35", recorded_hz: 30.0 }
+    Recording { folder: "cmu_amc_35", name, skeleton: "35", recorded_hz: 30.0, part: Part::Whole }
 }
 
 /// What is learned from.
@@ -58,8 +67,19 @@ pub(super) const TRAINING: [Recording; 23] = [
     BALANCING,
 ];
 
-/// Trials of training that the pilot tracks: a walk, a run and balancing, and all three joined as in CMB.
-pub(super) const PILOT: [Recording; 3] = [cmu("07_05", "07"), subject_35("run_03"), BALANCING];
+/// Trials of training that the pilot tracks: a walk, a run and half of balancing, and all three joined as in CMB.
+pub(super) const PILOT: [Recording; 3] =
+    [cmu("07_05", "07"), subject_35("run_03"), Recording { part: Part::FirstHalf, ..BALANCING }];
+
+/// What the pilot learns from: of training what it does not track.
+pub(super) fn pilot_training() -> Vec<Recording> {
+    let untracked = |trial: Recording| match PILOT.iter().find(|tracked| tracked.name == trial.name) {
+        None => Some(trial),
+        Some(tracked) if tracked.part == Part::FirstHalf => Some(Recording { part: Part::SecondHalf, ..trial }),
+        Some(_) => None,
+    };
+    TRAINING.into_iter().filter_map(untracked).collect()
+}
 
 /// The only trial of training that goes nowhere.
 const BALANCING: Recording = cmu("49_19", "49");
@@ -89,6 +109,10 @@ pub(super) const TEST_TRIALS: [Recording; 14] = [
 pub(super) const UNSEEN: [Recording; 2] = [cmu("01_01", "01"), cmu("135_06", "135")];
 
 impl Recording {
+    fn is_balancing(&self) -> bool {
+        self.name == BALANCING.name
+    }
+
     /// Joints at a rate.
     pub(super) fn joints(&self, data: &Path, rate_hz: f64) -> Outcome<Trajectories> {
         let folder = data.join(self.folder);
@@ -96,7 +120,14 @@ impl Recording {
             [format!("{}.asf", self.skeleton), format!("{}.amc", self.name)].map(|f| folder.join(f));
         let skeleton = asf::read(&skeleton.display().to_string(), &std::fs::read_to_string(skeleton)?)?;
         let motion = amc::read(&motion.display().to_string(), &std::fs::read_to_string(motion)?, &skeleton)?;
-        Ok(cmu::joints(&skeleton, &motion, self.recorded_hz / rate_hz))
+        let mut joints = cmu::joints(&skeleton, &motion, self.recorded_hz / rate_hz);
+        let half = joints.frames.len() / 2;
+        match self.part {
+            Part::Whole => {}
+            Part::FirstHalf => joints.frames.truncate(half),
+            Part::SecondHalf => drop(joints.frames.drain(..half)),
+        }
+        Ok(joints)
     }
 
     /// Joints at a rate, of a motion that goes round as CMB does.
@@ -109,7 +140,8 @@ impl Recording {
 pub(super) fn joined(trials: &[Recording], data: &Path, rate_hz: f64) -> Outcome<Sequence> {
     let trial = |recording: &Recording| -> Outcome<Trial> {
         let motion = recording.joints(data, rate_hz)?;
-        Ok(Trial { name: recording.name.into(), motion, is_locomotion: *recording != BALANCING })
+        let turn_radius_m = (!recording.is_balancing()).then(|| comfortable_radius_m(&motion, rate_hz));
+        Ok(Trial { name: recording.name.into(), motion, turn_radius_m })
     };
     let trials = trials.iter().map(trial).collect::<Outcome<Vec<Trial>>>()?;
     Ok(combo("all three, going round", &trials, rate_hz)?)

@@ -5,7 +5,7 @@
 
 use super::contender::Method;
 use super::models::Training;
-use super::motions::{PILOT, RATE_HZ, TRAINING, joined};
+use super::motions::{PILOT, RATE_HZ, joined, pilot_training};
 use super::scene::{Scene, Seen, View};
 use super::track::level_walk;
 use super::worth::{Errors, errors, kept, mean, mean_poses};
@@ -18,7 +18,7 @@ use sinew::dynamics::primitives::model::PrimitiveModel;
 use sinew::observe::image_likelihood::ImageLikelihood;
 use sinew::tracking::Tracker as _;
 use sinew::tracking::hppf::{self, Hppf};
-use sinew_simulate::combo::Phase;
+use sinew_simulate::combo::{JOIN_S, Phase};
 use sinew_simulate::segmentation_noise::Level;
 use sinew_tests::finding::mean_and_error;
 use std::fmt::Write as _;
@@ -141,7 +141,17 @@ fn row(runs: &[Errors], mean_pose: &Errors) -> String {
 fn scenes(data: &Path) -> Outcome<Vec<(Scene, Vec<Phase>)>> {
     let single = PILOT.iter().take(2).map(|trial| Ok((Scene::new(trial.name, trial.joints(data, RATE_HZ)?)?, vec![])));
     let whole = joined(&PILOT, data, RATE_HZ)?;
-    single.chain([Scene::new(&whole.name, whole.motion).map(|scene| (scene, whole.phases))]).collect()
+    let phases = whole.phases.iter().enumerate().flat_map(|(k, phase)| with_join(phase, k > 0)).collect();
+    single.chain([Scene::new(&whole.name, whole.motion).map(|scene| (scene, phases))]).collect()
+}
+
+/// A phase, and by itself the join that leads to it.
+fn with_join(phase: &Phase, has_join: bool) -> Vec<Phase> {
+    let Range { start, end } = phase.frames;
+    let middle = if has_join { start + (JOIN_S * RATE_HZ) as usize - 1 } else { start };
+    let join = Phase { name: format!("joining to {}", phase.name), frames: start..middle };
+    let rest = Phase { name: phase.name.clone(), frames: middle..end };
+    if has_join { vec![join, rest] } else { vec![rest] }
 }
 
 /// Errors of some seeds in a phase, as a row.
@@ -154,8 +164,7 @@ fn in_phase(variant: &str, phase: &Phase, runs: &[Errors]) -> String {
 
 /// Runs the pilot; its report.
 pub(super) fn pilot(data: &Path, folder: &Path, only: Option<&str>) -> Outcome<String> {
-    let trials: Vec<_> = TRAINING.into_iter().filter(|trial| !PILOT.contains(trial)).collect();
-    let training = Training::new(data, &trials)?;
+    let training = Training::new(data, &pilot_training())?;
     let model = training.model(&folder.join("pilot-model.json"), LENGTH, CLUSTERS)?;
     let fits = training.errors_m.iter().map(|(name, error)| format!("{name} {:.0}", 1e3 * error));
     let mut text = format!("fit of the body to training, mm: {}\n\n", fits.collect::<Vec<_>>().join(", "));

@@ -10,6 +10,7 @@ use crate::store::{Store, Task, run_all};
 use sinew::core::lanes::Isa;
 use sinew::dynamics::primitives::model::PrimitiveModel;
 use sinew::files::{FNV_START, fnv};
+use sinew_simulate::combo::comfortable_radius_m;
 use sinew_tests::recorded_motion::recorded_combo;
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -17,7 +18,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 /// Raised with every change of what a cell computes.
-const VERSION: u32 = 2;
+const VERSION: u32 = 3;
 
 /// Frames of a single trial that are judged at most: ten seconds.
 const LONGEST: usize = 200;
@@ -54,7 +55,8 @@ impl Study {
         for &motion in motions {
             let recording = match motion {
                 Motion::Combo => {
-                    let combo = recorded_combo(&data.join("cmu_amc"), RATE_HZ)?;
+                    let combo =
+                        recorded_combo(&data.join("cmu_amc"), RATE_HZ, |motion| comfortable_radius_m(motion, RATE_HZ))?;
                     let first = motion.first();
                     for (set, phase) in sets.iter_mut().zip(&combo.phases) {
                         *set = 0..phase.frames.end.saturating_sub(first);
