@@ -19,6 +19,7 @@ pub mod growth;
 pub mod joint_distribution;
 pub mod kernels;
 pub mod linear_series;
+pub mod missing_limbs;
 pub mod mixture_filter;
 pub mod outcome;
 pub mod partitioned_laws;

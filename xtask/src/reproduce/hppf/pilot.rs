@@ -1,6 +1,6 @@
 //! The pilot on training motion: is the person kept at all, and if not, which stage loses him.
 //!
-//! P = 1000, four cameras, clean masks, three seeds, a walk, a run, and both with balancing joined as in CMB, none of which the model has seen. For each variant: errors, limb ratio, and what the true pose, the mean pose and the estimate are worth to the parts' likelihood and to the global
+//! P = 1000, four cameras, clean masks, three seeds, a walk, a run, and both with half of balancing joined as in CMB, none of which the model has seen. For each variant: errors, limb ratio, and what the true pose, the mean pose and the estimate are worth to the parts' likelihood and to the global
 //! alignment, averaged over the frames.
 
 use super::contender::Method;
@@ -189,6 +189,8 @@ pub(super) fn pilot(data: &Path, folder: &Path, only: Option<&str>) -> Outcome<S
         let mut by_phase = String::new();
         if !phases.is_empty() {
             by_phase += "| | phase | absolute, mm | relative, mm |\n|---|---|---|---|\n";
+            let mean_pose = std::slice::from_ref(&mean_pose);
+            by_phase += &phases.iter().map(|phase| in_phase("mean pose", phase, mean_pose)).collect::<String>();
         }
         let seen = (1..=SEEDS).map(|seed| Seen::new(&scene, &VIEW, 0, seed, Isa::best()));
         let seen = seen.collect::<Outcome<Vec<_>>>()?;

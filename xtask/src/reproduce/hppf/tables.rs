@@ -45,15 +45,20 @@ pub(super) fn table_1(results: &Results<'_>, study: &Study) -> Outcome<String> {
             let _ = writeln!(out, "| {length} | {count} | {least}, {windows} | {row} | {realised} |");
         }
     }
+    for method in REFERENCES {
+        let row = sets(results, study, &on(method, Motion::Combo))?;
+        let _ = writeln!(out, "| {} | | | {row} | |", method.name());
+    }
     Ok(out)
 }
 
 /// Table 2: relative error by P.
 pub(super) fn table_2(results: &Results<'_>, study: &Study) -> Outcome<String> {
     let mut out = String::from("| P | Set 1, mm | Set 2 | Set 3 |\n|--:|---|---|---|\n");
-    for particles in PARTICLES {
-        let row = sets(results, study, &on(hppf(particles, 3, 80), Motion::Combo))?;
-        let _ = writeln!(out, "| {particles} | {row} |");
+    let tracked = PARTICLES.map(|particles| (particles.to_string(), hppf(particles, 3, 80)));
+    for (name, method) in tracked.into_iter().chain(REFERENCES.map(|method| (method.name(), method))) {
+        let row = sets(results, study, &on(method, Motion::Combo))?;
+        let _ = writeln!(out, "| {name} | {row} |");
     }
     Ok(out)
 }
@@ -63,10 +68,13 @@ pub(super) fn table_3(results: &Results<'_>) -> Outcome<String> {
     let mut out = String::from(
         "| cameras | relative, mm | absolute, mm | first camera, relative, px | absolute | second camera, relative | absolute |\n|---|---|---|---|---|---|---|\n",
     );
-    for cameras in SUBSETS {
-        let contender = Contender { view: View { cameras, ..View::USUAL }, ..on(USUAL, Motion::Walk) };
+    let tracked = SUBSETS.map(|cameras| {
         let names: Vec<String> = cameras.iter().map(|camera| format!("C{}", camera + 1)).collect();
-        let mut row = format!("| {} |", names.join(", "));
+        (names.join(", "), Contender { view: View { cameras, ..View::USUAL }, ..on(USUAL, Motion::Walk) })
+    });
+    let references = REFERENCES.map(|method| (method.name(), on(method, Motion::Walk)));
+    for (name, contender) in tracked.into_iter().chain(references) {
+        let mut row = format!("| {name} |");
         for (path, decimals) in [
             ("/relative", 0),
             ("/absolute", 0),
@@ -75,7 +83,7 @@ pub(super) fn table_3(results: &Results<'_>) -> Outcome<String> {
             ("/pixels/1/relative", 1),
             ("/pixels/1/absolute", 1),
         ] {
-            let shown = match path.contains("pixels/1") && cameras.len() < 2 {
+            let shown = match path.contains("pixels/1") && contender.view.cameras.len() < 2 {
                 true => String::new(),
                 false => results.mean(&contender, path, None)?.shown(decimals),
             };
@@ -119,7 +127,7 @@ pub(super) fn table_4(results: &Results<'_>) -> Outcome<String> {
 /// Ablations, opponents at equal evaluations, and other views, on CMB.
 pub(super) fn beside(results: &Results<'_>) -> Outcome<String> {
     let mut out = String::from(WHOLE);
-    for method in [&[USUAL, OWN_PARTS][..], &RESAMPLING, &OPPONENTS].concat() {
+    for method in [&[USUAL, OWN_PARTS][..], &RESAMPLING, &OPPONENTS, &REFERENCES].concat() {
         out += &whole(results, &method.name(), &on(method, Motion::Combo))?;
     }
     for view in VIEWS {
