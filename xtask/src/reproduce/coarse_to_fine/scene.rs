@@ -4,7 +4,7 @@
 //! - **Pilot**: the first frames of the training motion in place of the test.
 //! - **Body**: HPPF24 with cylinders. One scale, that of least squares of the lengths of limbs, trunk and head against the subject's.
 //! - **True poses**: fitted to the joints frame by frame. Trackers are given only the first one.
-//! - **Training**: two other walks of the subject, joined and bent as the test is; there is no other trial of running. δ are the root mean squares of the changes of the poses fitted to it, which also settle the girths ([`super::girth`]). Ranges are nominal ones of the body; ±3 m around the start for the position, where the specification says ±2 m: the subject goes round on a circle 2.4 m across.
+//! - **Training**: two other walks of the subject, joined and bent as the test is; it has no running, of which the subject has no other trial. δ are the root mean squares of the changes of the poses fitted to it, which also settle the girths ([`super::girth`]). Ranges are nominal ones of the body; ±3 m around the start for the position, where the specification says ±2 m: the subject goes round on a circle 2.4 m across.
 
 use super::girth::Girths;
 use crate::outcome::Outcome;
