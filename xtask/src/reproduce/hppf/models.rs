@@ -8,6 +8,7 @@ use sinew::dynamics::primitives::file;
 use sinew::dynamics::primitives::learning::{Config, TrainingMotion, learn_feature, noise_sd};
 use sinew::dynamics::primitives::model::PrimitiveModel;
 use sinew::dynamics::primitives::windows::subsampled;
+use sinew::files::{FNV_START, fnv};
 use sinew_motion::follow::{NamedBody, follow};
 use sinew_tools::learn::features::feature_vectors;
 use std::path::Path;
@@ -20,6 +21,8 @@ pub(super) struct Training {
     pub(super) mean_pose: Vec<f64>,
     /// Mean distances of the body's joints to the recorded ones, metres, by trial.
     pub(super) errors_m: Vec<(&'static str, f64)>,
+    /// Hash of the sequences, in the names of the models' files: models of other training are not read.
+    hash: u64,
 }
 
 /// Working frames of a tracked one.
@@ -38,13 +41,15 @@ impl Training {
         let sequences = sequences.concat();
         let count = sequences.iter().map(Vec::len).sum::<usize>() / dim;
         let sum = |j: usize| sequences.iter().flat_map(|all| all.iter().skip(j).step_by(dim)).sum::<f64>();
-        Ok(Self { mean_pose: (0..dim).map(|j| sum(j) / count as f64).collect(), sequences, errors_m })
+        let hash = sequences.iter().flatten().fold(FNV_START, |hash, x| fnv(hash, &x.to_bits().to_le_bytes()));
+        Ok(Self { mean_pose: (0..dim).map(|j| sum(j) / count as f64).collect(), sequences, errors_m, hash })
     }
 
-    /// A model of action primitives of `length` D with at most `clusters` C clusters, from its file where there is one.
-    pub(super) fn model(&self, path: &Path, length: usize, clusters: usize) -> Outcome<PrimitiveModel> {
+    /// A model of action primitives of `length` D with at most `clusters` C clusters, from its file in a folder where there is one.
+    pub(super) fn model(&self, folder: &Path, length: usize, clusters: usize) -> Outcome<PrimitiveModel> {
+        let path = folder.join(format!("model-D{length}-C{clusters}-{:016x}.json", self.hash));
         let name = path.display().to_string();
-        if let Ok(text) = std::fs::read_to_string(path) {
+        if let Ok(text) = std::fs::read_to_string(&path) {
             return Ok(file::read(&name, &text)?);
         }
         let mut config = Config { length, ..Config::default() };

@@ -165,7 +165,7 @@ fn in_phase(variant: &str, phase: &Phase, runs: &[Errors]) -> String {
 /// Runs the pilot; its report.
 pub(super) fn pilot(data: &Path, folder: &Path, only: Option<&str>) -> Outcome<String> {
     let training = Training::new(data, &pilot_training())?;
-    let model = training.model(&folder.join("pilot-model.json"), LENGTH, CLUSTERS)?;
+    let model = training.model(folder, LENGTH, CLUSTERS)?;
     let fits = training.errors_m.iter().map(|(name, error)| format!("{name} {:.0}", 1e3 * error));
     let mut text = format!("fit of the body to training, mm: {}\n\n", fits.collect::<Vec<_>>().join(", "));
     for (scene, phases) in scenes(data)? {

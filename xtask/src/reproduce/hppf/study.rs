@@ -92,8 +92,8 @@ impl Study {
             Method::Primitives { length, clusters, .. } => (length, clusters),
             _ => USUAL_MODEL,
         };
-        let name = format!("model-D{length}-C{clusters}.json");
-        let found = shared(&self.models, &name, || self.training.model(&self.folder.join(&name), length, clusters))?;
+        let name = format!("{length} {clusters}");
+        let found = shared(&self.models, &name, || self.training.model(&self.folder, length, clusters))?;
         Ok(found.get().ok_or("no model was made")?.clone())
     }
 
