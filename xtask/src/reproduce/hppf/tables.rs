@@ -60,8 +60,7 @@ pub(super) fn table_1(results: &Results<'_>, study: &Study) -> Outcome<String> {
 
 /// Table 2: relative error by P.
 pub(super) fn table_2(results: &Results<'_>, study: &Study) -> Outcome<String> {
-    let mut out =
-        String::from("| P | clusters, windows | Set 1, mm | Set 2 | Set 3 | |\n|--:|---|---|---|---|---|\n");
+    let mut out = String::from("| P | clusters, windows | Set 1, mm | Set 2 | Set 3 | |\n|--:|---|---|---|---|---|\n");
     for particles in PARTICLES {
         let method = hppf(particles, 3, 80);
         let [learned, realised] = realisation(study, method)?;
