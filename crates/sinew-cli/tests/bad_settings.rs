@@ -86,6 +86,9 @@ fn flags_that_change_nothing() {
             "--outlier=0.1"
         ])
     );
+    // Methods with gradients compare masks by their contours alone.
+    let looks = ["--keypoints=pose", "--silhouettes=masks", "--images=images", "--score=parts", "--kappa=50"];
+    insta::assert_snapshot!("idle_beside_contours", printed(&looks));
 }
 
 #[test]

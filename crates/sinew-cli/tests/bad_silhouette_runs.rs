@@ -132,6 +132,7 @@ fn colours_that_are_missing_on_one_side_are_named() {
 #[test]
 fn grey_images_are_named() {
     let trial = recorded();
+    assert_eq!(by_parts(&trial, &["--images=rec/images", "-ocolours"]).status.code(), Some(0));
     for (name, bytes) in files(&trial.path("rec/images")) {
         let mut image = picture::read(&name, &bytes).unwrap();
         image.pixels.iter_mut().for_each(|pixel| *pixel = [pixel[1]; 3]);
@@ -139,7 +140,12 @@ fn grey_images_are_named() {
         picture::write_png(&mut bytes, &image).unwrap();
         fs::write(trial.path("rec/images").join(name), bytes).unwrap();
     }
-    insta::assert_snapshot!("grey_images", trial.printed(&by_parts(&trial, &["--images=rec/images", "-oout"])));
+    let check = |name: &str, more: &[&str]| {
+        let tracked = by_parts(&trial, &[&["--images=rec/images", "-oout"], more].concat());
+        insta::assert_snapshot!(name, trial.printed(&tracked));
+    };
+    check("grey_images", &[]);
+    check("colours_and_grey_images", &["--setup=colours/setup.toml"]);
 }
 
 #[test]

@@ -339,6 +339,8 @@ mod tests {
             }
             walk.follow(None, &[0.0; 5]);
         }
+        // A part of the level that is tuned as well would move by 2 % more, less than the draws are sure to show.
+        assert_eq!(walk.above, [vec![], vec![0], vec![0, 1, 4, 2]]);
     }
 
     /// A third of the states stay under (8) where the whole body is proposed, and none where the part's own turn has come.
@@ -380,6 +382,34 @@ mod tests {
             let error = sd(&moved.iter().map(|x| x - mean).collect::<Vec<_>>()) / (moved.len() as f64).sqrt();
             assert!((mean - expected).abs() < 4.5 * error, "{mean} for {expected}, standard error {error}, seed 1");
         }
+    }
+
+    /// Models (6) and (7) start from the frame before, wherever the levels above have put the part; with 2000 draws none of them is near there.
+    #[test]
+    fn proposals_start_from_the_frame_before() {
+        let walk = with_model(LevelPrimitives::Nested);
+        let before: Vec<Block> = AT.map(Block::splat).to_vec();
+        let mut moved = 0;
+        for block in 0..BLOCKS / LANES as u32 {
+            let mut next: Vec<Block> = AT.map(|x| Block::splat(x + 100.0)).to_vec();
+            let mut choices = vec![[0; LANES]; 2];
+            walk.sample_level_block(1, &before, &mut next, &mut choices, &mut Stage::new(1, "moved").block(block));
+            for (lane, number) in choices[1].into_iter().enumerate() {
+                let is_proposed = Choice::from_number(number).1 != Branch::Walk;
+                assert!([1, 3].iter().all(|&j| (next[j].0[lane] < 50.0) == is_proposed));
+                moved += usize::from(is_proposed);
+            }
+        }
+        assert!(moved > 1000, "{moved} of 2000");
+    }
+
+    /// The action primitive of a state: the D − 1 estimates before the last, the oldest first, in the order of the feature vector.
+    #[test]
+    fn older_estimates_end_before_the_last() {
+        let mut walk = with_model(LevelPrimitives::Nested);
+        let estimates: Vec<Vec<f64>> = (0..5).map(|t| (0..4).map(|j| f64::from(10 * t + j)).collect()).collect();
+        estimates.iter().for_each(|estimate| walk.follow(None, estimate));
+        assert_eq!((model().length, walk.older(&[3, 1])), (3, vec![23.0, 21.0, 33.0, 31.0]));
     }
 
     /// Of the part's own primitives a third each by models (6), (7) and (8), of the cluster that its values before match; |z| < 4 with 16 000 states.

@@ -6,6 +6,7 @@ use sinew_core::random::Stage;
 use sinew_core::transition::{Cloud, FramePrior, GradTransition, Moments, MotionModel, Predict, Transition};
 use sinew_dynamics::Error;
 use sinew_dynamics::gaussian::Gaussian;
+use sinew_dynamics::pca::Keep;
 use sinew_dynamics::primitives::learning::{Config, TrainingMotion, learn};
 use sinew_dynamics::primitives::model::{FeatureVector, PrimitiveModel};
 use sinew_dynamics::primitives::motion::PrimitiveMotion;
@@ -117,6 +118,26 @@ fn clusters_and_their_transitions_count_every_window() {
     assert_eq!(primitives.mean_window(0)[6..], primitives.clusters[0].next.mean);
     let text = summary(primitives, &swinging(4, 50, 0.0), 4).expect("valid").to_string();
     assert!(text.starts_with("swing: 2 coordinates, 314 windows, ") && text.contains("94 held-out steps"), "{text}");
+}
+
+/// In every cluster the mean step leads from the last feature vector of the mean action primitive to the mean of the next, where all principal components are kept.
+#[test]
+fn steps_lead_from_the_last_feature_vector_to_the_next() {
+    let sequences = swinging(4, 160, 0.03);
+    let motion = TrainingMotion { state: "swings", dim: 4, frame_rate: 20.0, sequences: &sequences, horizontal: &[] };
+    let mut config = Config { keep: Keep { share: 1.0, most: 6 }, ..Config::default() };
+    config.mixture.components = 8;
+    let model = learn(&motion, &[feature("swing", &[3, 1])], &config, Stage::new(9, "steps"), &mut |_| {});
+    let primitives = &model.expect("valid").primitives[0];
+    let mut longest = 0.0_f64;
+    for (k, cluster) in primitives.clusters.iter().enumerate() {
+        let window = primitives.mean_window(k);
+        for (j, step) in cluster.step.mean.iter().enumerate() {
+            assert!((window[4 + j] + step - window[6 + j]).abs() < 1e-9, "cluster {k}: {step} in {window:?}");
+            longest = longest.max(step.abs());
+        }
+    }
+    assert!(longest > 0.05, "{longest}");
 }
 
 /// A ramp of slope 2 is what constant velocity predicts, and no change misses by 2.

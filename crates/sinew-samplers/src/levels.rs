@@ -156,6 +156,20 @@ mod tests {
         }
     }
 
+    /// Two parts that are resampled one after the other by equal weights come from ancestors that have nothing to do with each other: rank correlation below 4 / √50, seed 2.
+    #[test]
+    fn parts_do_not_meet_by_their_place() {
+        let weights = vec![1.0 / COUNT as f64; COUNT];
+        let selection = Selection { truncation: Truncation::TruncateThenSystematic, surviving: 1.0 };
+        let [a, b] = [0, 1].map(|round| selection.ancestors(&weights, Stage::new(2, "two parts").round(round)));
+        let middle = 0.5 * (COUNT - 1) as f64;
+        let product = |a: &[usize], b: &[usize]| -> f64 {
+            a.iter().zip(b).map(|(&a, &b)| (a as f64 - middle) * (b as f64 - middle)).sum()
+        };
+        let correlation = product(&a, &b) / (product(&a, &a) * product(&b, &b)).sqrt();
+        assert!(correlation.abs() < 4.0 / (COUNT as f64).sqrt(), "{correlation}");
+    }
+
     #[test]
     fn a_part_that_nothing_explains_is_an_error_and_changes_nothing() {
         let (now, selection) = (cloud("now"), Selection::default());

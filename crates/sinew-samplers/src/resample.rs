@@ -257,6 +257,19 @@ mod tests {
         assert_eq!(last, 1.0 + (2.0_f64.powi(20) - 1.0) * 2.0_f64.powi(-54));
     }
 
+    /// Of weights that differ little the lowest would be drawn now and then: 20 slots in 100 rounds.
+    #[test]
+    fn the_lowest_have_no_offspring_however_little_they_lack() {
+        let weights: Vec<f64> = (0..100).map(|i| 1.0 + 1e-3 * i as f64).collect();
+        let rng = &mut Stage::new(6, "lowest").whole();
+        for truncation in [Truncation::KeepOnceRefill, Truncation::TruncateThenSystematic] {
+            for _ in 0..100 {
+                let ancestors = truncation.ancestors(&weights, 0.8, rng);
+                assert!(ancestors.len() == 100 && ancestors.iter().all(|ancestor| *ancestor >= 20), "{truncation:?}");
+            }
+        }
+    }
+
     /// R5.
     #[test]
     fn keep_once_refill_keeps_the_highest_share_in_place() {

@@ -195,3 +195,34 @@ impl<M: LevelMotion> Resume for Hppf<M> {
         self.state.restore(saved)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use sinew_core::part::{Part, Partition as Parts};
+
+    /// A root, two limbs on it and one more on the first of these; coordinate j belongs to part j. Each level judges its parts and those above; a part that is resampled takes along what hangs on it at the first level only, as what hangs on a later one has its own turn.
+    #[test]
+    fn levels_are_judged_and_resampled_part_by_part() {
+        let parts = (0..4).map(|j| Part::new(vec![j], 4).expect("valid")).collect();
+        let partition = Parts::new(parts, 4).expect("covers");
+        let tree = PartTree::new(partition, vec![None, Some(0), Some(0), Some(1)]).expect("parents first");
+        let depths = tree.levels();
+        let levels: Vec<Level> = (0..3).map(|l| Level::new(&tree, &depths[l], &depths[..l].concat())).collect();
+        // Of each partition the parts by which it is judged, its own coordinates, and those that it takes along.
+        let expected: [&[[&[usize]; 3]]; 3] = [
+            &[[&[0], &[0], &[0, 1, 2, 3]]],
+            &[[&[1], &[1], &[1]], [&[2], &[2], &[2]], [&[0], &[0], &[0]]],
+            &[[&[3], &[3], &[3]], [&[0, 1, 2], &[0, 1, 2], &[0, 1, 2]]],
+        ];
+        for (Level { judged, partitions }, expected) in levels.iter().zip(expected) {
+            assert_eq!(partitions.len(), expected.len());
+            for (found, [parts, coordinates, all]) in partitions.iter().zip(expected) {
+                assert_eq!((&judged[found.places.clone()], &found.own[..]), (*parts, *coordinates));
+                let mut carried = found.carried.clone();
+                carried.sort_unstable();
+                assert_eq!(carried, *all);
+            }
+        }
+    }
+}

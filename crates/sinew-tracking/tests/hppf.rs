@@ -98,6 +98,40 @@ fn a_moving_target_is_followed() {
     }
 }
 
+/// Where only whole bodies are compared, the weights of one frame decide in the next who moves on: the particles drift to the target.
+#[test]
+fn whole_particles_are_resampled_by_the_last_frame() {
+    struct Whole(Target);
+    impl LogDensity for Whole {
+        fn dim(&self) -> usize {
+            DIM
+        }
+        fn log_density(&self, x: &[f64]) -> f64 {
+            self.0.log_density(x)
+        }
+    }
+    impl PartLogDensity for Whole {
+        fn parts(&self) -> usize {
+            8
+        }
+        fn global_block(&self, x: &[Block], ws: &mut [Block]) -> Global {
+            self.0.global_block(x, ws)
+        }
+        fn log_density_parts_block(&self, _: &[usize], _: &[Block], out: &mut [Block], _: &mut [Block]) {
+            out.fill(Block::ZERO);
+        }
+    }
+    let (mut tracker, mut at) = (tracker(400, Truncation::KeepOnceRefill), vec![0.0; DIM]);
+    at[0] = 1.0;
+    let target = Whole(Target { at, edge: f64::INFINITY });
+    for frame in 0..40 {
+        tracker.step(&target, Stage::new(5, "whole").at_frame(frame)).expect("weights");
+    }
+    let particles = tracker.particles();
+    let mean = (0..400).map(|i| particles.state(i)[0]).sum::<f64>() / 400.0;
+    assert!((mean - 1.0).abs() < 0.3, "{mean} for 1");
+}
+
 /// The trap of the global likelihood: particles that meet nothing are the heaviest, and are never the mode.
 #[test]
 fn particles_that_meet_nothing_are_not_the_mode() {

@@ -17,6 +17,7 @@ pub fn idle_beside(key: &str, chosen: &About, methods: &[&'static About], values
         "images" | "mask_scale" | "score" | "kappa" | "raster" if values.get("silhouettes").is_none() => {
             Some("no `--silhouettes`".to_owned())
         }
+        "images" | "score" | "kappa" if chosen.needs_gradients => Some(format!("`--method {}`", chosen.name)),
         "motion_scale" if values.get("motion_model").is_some() => Some("`--motion-model`".to_owned()),
         "degrees" if is("noise", "floor") => Some("`--noise floor`".to_owned()),
         "outlier" if is("noise", "student-t") => Some("`--noise student-t`".to_owned()),

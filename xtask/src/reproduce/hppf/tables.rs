@@ -26,6 +26,13 @@ pub(super) fn is_realised(study: &Study, method: Method) -> Outcome<bool> {
     Ok(clusters(study, method)?.0 as f64 >= REALISED * asked as f64)
 }
 
+/// Clusters and windows of a cell's model, and whether it is realised, as they are printed.
+fn realisation(study: &Study, method: Method) -> Outcome<[String; 2]> {
+    let (least, windows) = clusters(study, method)?;
+    let realised = if is_realised(study, method)? { "" } else { "not realised" };
+    Ok([format!("{least}, {windows}"), realised.into()])
+}
+
 /// Relative errors of the three sets.
 fn sets(results: &Results<'_>, study: &Study, contender: &Contender) -> Outcome<String> {
     let shown = study.sets.iter().map(|frames| Ok(results.mean(contender, "/relative", Some(frames))?.shown(0)));
@@ -39,10 +46,9 @@ pub(super) fn table_1(results: &Results<'_>, study: &Study) -> Outcome<String> {
     for length in LENGTHS {
         for count in CLUSTERS {
             let method = hppf(200, length, count);
-            let (least, windows) = clusters(study, method)?;
-            let realised = if is_realised(study, method)? { "" } else { "not realised" };
+            let [learned, realised] = realisation(study, method)?;
             let row = sets(results, study, &on(method, Motion::Combo))?;
-            let _ = writeln!(out, "| {length} | {count} | {least}, {windows} | {row} | {realised} |");
+            let _ = writeln!(out, "| {length} | {count} | {learned} | {row} | {realised} |");
         }
     }
     for method in REFERENCES {
@@ -54,11 +60,16 @@ pub(super) fn table_1(results: &Results<'_>, study: &Study) -> Outcome<String> {
 
 /// Table 2: relative error by P.
 pub(super) fn table_2(results: &Results<'_>, study: &Study) -> Outcome<String> {
-    let mut out = String::from("| P | Set 1, mm | Set 2 | Set 3 |\n|--:|---|---|---|\n");
-    let tracked = PARTICLES.map(|particles| (particles.to_string(), hppf(particles, 3, 80)));
-    for (name, method) in tracked.into_iter().chain(REFERENCES.map(|method| (method.name(), method))) {
+    let mut out = String::from("| P | clusters, windows | Set 1, mm | Set 2 | Set 3 | |\n|--:|---|---|---|---|---|\n");
+    for particles in PARTICLES {
+        let method = hppf(particles, 3, 80);
+        let [learned, realised] = realisation(study, method)?;
         let row = sets(results, study, &on(method, Motion::Combo))?;
-        let _ = writeln!(out, "| {name} | {row} |");
+        let _ = writeln!(out, "| {particles} | {learned} | {row} | {realised} |");
+    }
+    for method in REFERENCES {
+        let row = sets(results, study, &on(method, Motion::Combo))?;
+        let _ = writeln!(out, "| {} | | {row} | |", method.name());
     }
     Ok(out)
 }

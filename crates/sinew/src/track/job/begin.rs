@@ -58,7 +58,7 @@ pub(super) fn begun<'a, S: FrameSource>(
             Setup { world_up: up, ..setup }
         }
     };
-    warnings.extend(colour_warning(&setup, &source, settings));
+    warnings.extend(colour_warning(&setup, &mut source, settings)?);
     let checkpoint = Checkpoint {
         program: env!("CARGO_PKG_VERSION").into(),
         settings: resolved.numeric_settings(),
