@@ -1,4 +1,4 @@
-//! The benchmark of missing limbs: a walk or run of subject 35 with a leg or the body to fill in.
+//! The benchmark of missing limbs: a leg or the body of subject 35 to fill in.
 //!
 //! (Taylor, Hinton & Roweis 2007; Lawrence 2007, "Learning for larger datasets with the Gaussian process latent variable model", section 4.1.)
 //!

@@ -23,7 +23,7 @@ fn footage(motion: Trajectories) -> SyntheticFootage {
 }
 
 /// Pixels of a silhouette at least, where a person stays within 4 m and where the cameras stand back for 8 m.
-const LEAST_PIXELS: [u64; 2] = [250, 150];
+const LEAST_PIXELS: [u64; 2] = [250, 100];
 
 /// No pixel of a silhouette is at the border of an image, and there are enough of them.
 fn is_in_all_views(name: &str, motion: Trajectories, least: u64) {
