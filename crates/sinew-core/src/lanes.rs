@@ -12,8 +12,8 @@
 //! Every function from [`Kernel::run`] down carries `#[inline(always)]`: one that stays outside the entry point is compiled without the
 //! instruction set, and each of its operations becomes a call. For the same reason kernels use plain loops, never `array::from_fn` or `map` on arrays.
 //!
-//! This is the only file of the workspace with `unsafe`: loads and stores of aligned blocks, intrinsics (each needs only the feature of its
-//! entry point) and the three calls into the entry points (guarded by detection, since [`Isa`] can be made in no other way).
+//! This is the only file of the workspace with `unsafe`: loads and stores of aligned blocks, blocks seen as numbers, intrinsics (each needs only the
+//! feature of its entry point) and the three calls into the entry points (guarded by detection, since [`Isa`] can be made in no other way).
 //!
 //! The fused multiply-add rounds once, the baseline's multiply-then-add twice. So the same set gives the same bits, and two sets agree to rounding only.
 //!
@@ -69,6 +69,20 @@ pub fn get_lane(block: &[Block], lane: usize, state: &mut [f64]) {
     for (x, b) in state.iter_mut().zip(block) {
         *x = b.0[lane];
     }
+}
+
+/// Blocks as the numbers that they hold, one block after the other.
+#[must_use]
+pub const fn numbers(blocks: &[Block]) -> &[f64] {
+    // SAFETY: a block is eight numbers and nothing else (`repr(C)`, 64 bytes), and aligned more strictly than they are.
+    unsafe { core::slice::from_raw_parts(blocks.as_ptr().cast(), blocks.len() * LANES) }
+}
+
+/// As [`numbers`], to be written.
+#[must_use]
+pub const fn numbers_mut(blocks: &mut [Block]) -> &mut [f64] {
+    // SAFETY: as in `numbers`; every bit pattern of the numbers is one of a block.
+    unsafe { core::slice::from_raw_parts_mut(blocks.as_mut_ptr().cast(), blocks.len() * LANES) }
 }
 
 /// Place of row i, column j ≤ i in a packed lower triangle.

@@ -1,0 +1,43 @@
+//! What this crate refuses.
+
+/// Everything that can be wrong with a latent model.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// Sizes do not fit together.
+    #[error("{name} has {found} entries; expected {expected}")]
+    Shape {
+        /// What.
+        name: &'static str,
+        /// Entries found.
+        found: usize,
+        /// Entries expected.
+        expected: usize,
+    },
+    /// A number is outside its range.
+    #[error("{name} {index} is {value}; {expected}")]
+    OutOfRange {
+        /// What.
+        name: &'static str,
+        /// Place.
+        index: usize,
+        /// Value found.
+        value: f64,
+        /// What is allowed.
+        expected: &'static str,
+    },
+    /// A covariance has no Cholesky factor, whatever is added to its diagonal.
+    #[error("the covariance of {rows} rows has no Cholesky factor, even with {jitter} added to its diagonal")]
+    Singular {
+        /// Side of the matrix.
+        rows: usize,
+        /// Last jitter tried.
+        jitter: f64,
+    },
+    /// Principal components do not exist.
+    #[error(transparent)]
+    Principal(#[from] sinew_dynamics::Error),
+    /// A model file is none, or of another version.
+    #[error("{0}")]
+    File(String),
+}
