@@ -88,6 +88,20 @@ impl Covariance {
         Ok(())
     }
 
+    /// Only parameters that are present can be learned.
+    pub(crate) fn check_learned(&self, learned: &Learned) -> Result<(), Error> {
+        let present = self.present();
+        match (0..PARAMETERS).find(|&i| learned[i] && !present[i]) {
+            Some(index) => Err(Error::OutOfRange {
+                name: "learned covariance parameter",
+                index,
+                value: 0.0,
+                expected: "must be positive (v, g, a, b, w in this order)",
+            }),
+            None => Ok(()),
+        }
+    }
+
     /// Writes the logarithms of the learned parameters to the front of `values`; how many they are.
     pub(crate) fn write_logs(&self, learned: &Learned, values: &mut [f64]) -> usize {
         let logs = self.to_array().into_iter().zip(learned).filter(|(_, learned)| **learned).map(|(x, _)| x.ln());

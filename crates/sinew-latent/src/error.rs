@@ -34,10 +34,10 @@ pub enum Error {
         /// Last jitter tried.
         jitter: f64,
     },
+    /// The objective overflows.
+    #[error("the objective of the model is not finite; expected finite latents and parameters of moderate size")]
+    NotFinite,
     /// Principal components do not exist.
     #[error(transparent)]
     Principal(#[from] sinew_dynamics::Error),
-    /// A model file is none, or of another version.
-    #[error("{0}")]
-    File(String),
 }

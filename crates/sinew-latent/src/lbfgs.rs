@@ -101,7 +101,11 @@ impl Lbfgs {
         if slope >= 0.0 || !slope.is_finite() {
             return false;
         }
-        let first = if self.pairs.is_empty() { (1.0 / self.gradient.iter().map(|g| g.abs()).sum::<f64>()).min(1.0) } else { 1.0 };
+        let first = if self.pairs.is_empty() {
+            (1.0 / self.gradient.iter().map(|g| g.abs()).sum::<f64>()).min(1.0)
+        } else {
+            1.0
+        };
         let (mut x, mut gradient) = (self.x.clone(), self.gradient.clone());
         let mut low = Trial { length: 0.0, value: self.value, slope };
         let mut best = (self.x.clone(), self.gradient.clone());

@@ -1,15 +1,19 @@
 //! Gaussian process latent variable models.
+pub mod back_constraint;
 mod columns;
-mod covariance;
+pub mod covariance;
 mod dynamics;
 mod error;
+pub mod gpdm;
+pub mod gplvm;
 mod gram;
+pub mod hgplvm;
 pub mod lbfgs;
-mod outputs;
-mod principal;
+pub mod model;
+mod objective;
+pub mod outputs;
+pub mod principal;
 mod process;
+pub mod training;
 
-pub use covariance::Covariance;
 pub use error::Error;
-pub use outputs::{Preparation, Standard};
-pub use principal::principal_scores;

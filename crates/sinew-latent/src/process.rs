@@ -71,7 +71,7 @@ impl Process {
         self.solve(y);
         let (rows, outputs) = (y.rows(), y.cols());
         let log_determinant: f64 = (0..rows).map(|i| 2.0 * self.factor.at(i, i).ln()).sum();
-        let fit: f64 = (0..outputs).map(|d| product(y.column(d), self.weights.column(d))).sum();
+        let fit: f64 = (0..outputs).map(|d| self.fit(y, d)).sum();
         self.differentiate(covariance, outputs as f64);
         Ok(-0.5 * (outputs as f64 * log_determinant + fit + (rows * outputs) as f64 * TAU.ln()))
     }
@@ -89,6 +89,11 @@ impl Process {
     /// A = K⁻¹ Y = −dL/dY.
     pub(crate) fn weights(&self) -> &Columns {
         &self.weights
+    }
+
+    /// yᵀ K⁻¹ y of one column of the outputs of the last evaluation.
+    pub(crate) fn fit(&self, y: &Columns, column: usize) -> f64 {
+        product(y.column(column), self.weights.column(column))
     }
 
     /// The lower factor of K and its inverse: lower triangles, zeros above.
