@@ -42,10 +42,6 @@ impl Columns {
         }
     }
 
-    pub(crate) fn to_rows(&self) -> Vec<f64> {
-        (0..self.rows * self.cols).map(|k| self.at(k / self.cols, k % self.cols)).collect()
-    }
-
     #[inline(always)]
     pub(crate) fn at(&self, i: usize, j: usize) -> f64 {
         self.blocks[j * self.height() + i / LANES].0[i % LANES]

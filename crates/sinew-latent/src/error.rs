@@ -37,6 +37,9 @@ pub enum Error {
     /// The objective overflows.
     #[error("the objective of the model is not finite; expected finite latents and parameters of moderate size")]
     NotFinite,
+    /// A model whose latents have no dynamics.
+    #[error("the model has no dynamics; expected one of kind gpdm or hgplvm")]
+    NoDynamics,
     /// Principal components do not exist.
     #[error(transparent)]
     Principal(#[from] sinew_dynamics::Error),

@@ -5,7 +5,7 @@
 //! −log p = (D/2) log|K| + ½ tr(K⁻¹ Y Yᵀ) + (N D/2) log 2π + ½ Σ ‖x_n‖²
 //! ```
 //!
-//! Latents start at the leading principal components with unit variance.
+//! Latents start at the leading principal components with unit variance. Where latents are N(0, I), g stays as it is: the likelihood sees g ‖x − x′‖² only, so that with g learned the prior would shrink all latents to 0.
 
 use crate::Error;
 use crate::back_constraint::BackConstraint;
@@ -52,6 +52,7 @@ pub fn model(data: &[f64], columns: usize, config: &Config) -> Result<LatentMode
     let prepared = standard.apply(data);
     let latents = principal_scores(&prepared, columns, config.dim)?;
     let mut node = Node::new(Outputs::Columns((0..columns).collect()), 0..rows, config.dim, latents, config.covariance);
+    node.learned[1] &= config.prior != Prior::Normal;
     if let Some(ridge) = config.back {
         node.back = Some(BackConstraint::fit(&prepared, columns, &node.latents, node.dim, ridge)?);
     }
