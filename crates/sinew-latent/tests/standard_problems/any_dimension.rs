@@ -39,7 +39,7 @@ pub fn problems() -> Vec<Problem> {
 
 fn rosenbrock(i: usize, x: &[f64], row: &mut [f64]) -> f64 {
     let j = i / 2 * 2;
-    if i % 2 == 0 {
+    if i.is_multiple_of(2) {
         (row[j], row[j + 1]) = (-20.0 * x[j], 10.0);
         return 10.0 * (x[j + 1] - x[j] * x[j]);
     }

@@ -8,6 +8,7 @@
 
 mod any_dimension;
 mod fixed_dimension;
+pub mod reached_by_scipy;
 
 use sinew_latent::lbfgs::Objective;
 
