@@ -21,7 +21,7 @@ pub fn minimise(objective: &mut impl Objective, mut x: Vec<f64>, evaluations: us
     // 1: λ₁ = 10⁻⁶, λ̄ = 0, p = r = −∇f.
     let mut residual: Vec<f64> = gradient.iter().map(|g| -g).collect();
     let mut direction = residual.clone();
-    let (mut scale, mut scale_before, mut success, mut curvature) = (1e-6, 0.0, true, 0.0);
+    let (mut scale, mut scale_before, mut success, mut curvature) = (1e-6_f64, 0.0, true, 0.0);
     let mut probe = vec![0.0; n];
     for k in 1.. {
         let square = dot(&direction, &direction);
