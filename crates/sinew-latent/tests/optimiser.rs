@@ -232,3 +232,20 @@ fn slopes_without_end_and_plains_end_a_search() {
     let mut plain = Lbfgs::new(&mut Slope(0.0), vec![3.0, -2.0]);
     assert!(!plain.step(&mut Slope(0.0)) && plain.evaluations == 1 && plain.steepness() == 0.0);
 }
+
+/// A cubic that begins at 0 with slope −1 and is flat at 1, but hardly lower there.
+struct Hollow;
+
+impl Objective for Hollow {
+    fn evaluate(&mut self, x: &[f64], gradient: &mut [f64]) -> f64 {
+        let (a, b, x) = (2.0 - 3e-5, 2e-5 - 1.0, x[0]);
+        gradient[0] = -1.0 + (2.0 * a + 3.0 * b * x) * x;
+        (-1.0 + (a + b * x) * x) * x
+    }
+}
+
+#[test]
+fn a_flat_point_that_is_hardly_lower_is_refused() {
+    let mut state = Lbfgs::new(&mut Hollow, vec![0.0]);
+    assert!(state.step(&mut Hollow) && state.evaluations > 2 && state.value < -0.1, "{state:?}");
+}
