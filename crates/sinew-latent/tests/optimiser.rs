@@ -25,8 +25,8 @@ const LOCAL: [(&str, f64); 3] = [
     ("26 trigonometric, n = 10", 2.79506e-5),
 ];
 
-/// Problems whose minimum scaled conjugate gradients do not come near with all their evaluations: the Hessian's eigenvalues are too far apart. What they reach, in two digits.
-const BEYOND_CONJUGATE_GRADIENTS: [(&str, f64); 2] = [("10 Meyer, n = 3", 1.0e5), ("20 Watson, n = 9", 4.6e-6)];
+/// Problems whose eigenvalues are too far apart for scaled conjugate gradients: with all their evaluations they reached 1.0e5 (least 87.9) and 4.6e-6 (least 1.4e-6). There ours must be lower.
+const BEYOND_CONJUGATE_GRADIENTS: [&str; 2] = ["10 Meyer, n = 3", "20 Watson, n = 9"];
 
 fn minimise(mut objective: impl Objective, start: &[f64]) -> Lbfgs {
     let mut state = Lbfgs::new(&mut objective, start.to_vec());
@@ -113,7 +113,7 @@ fn scaled_conjugate_gradients_reach_the_same() {
         let scaled_conjugate_gradients::Reached { x, value, evaluations } =
             scaled_conjugate_gradients::minimise(&mut problem, start, EVALUATIONS);
         assert_eq!(value, problem.evaluate(&x, &mut vec![0.0; x.len()]));
-        let beyond = BEYOND_CONJUGATE_GRADIENTS.iter().any(|(name, _)| *name == problem.name);
+        let beyond = BEYOND_CONJUGATE_GRADIENTS.contains(&problem.name.as_str());
         let same = (ours - value).abs() <= 1e-3 * value.abs() + 1e-9;
         ensure(same || beyond && ours < value, || format!("{value:e} after {evaluations} evaluations, L-BFGS {ours:e}"))
     });
