@@ -1,6 +1,6 @@
 //! Problems of unconstrained minimisation with their standard starts and published minima.
 //!
-//! Moré, Garbow & Hillstrom, *Testing unconstrained optimization software*, ACM Transactions on Mathematical Software 7 (1981), 17–41; the numbers in the names are those of the paper. Each problem is a sum of squares
+//! Moré, Garbow & Hillstrom, *Testing unconstrained optimization software*, ACM Transactions on Mathematical Software 7 (1981), 17–41; the numbers in the names are the paper's. Each problem is a sum of squares
 //!
 //! ```text
 //! f(x) = Σᵢ rᵢ(x)²,   ∇f(x) = 2 Σᵢ rᵢ(x) ∇rᵢ(x).
