@@ -1,10 +1,12 @@
 //! Limited-memory BFGS with a line search for the strong Wolfe conditions.
 //!
 //! Nocedal & Wright, *Numerical Optimization* (2006), algorithms 7.4, 7.5, 3.5 and 3.6, with memory 10, c₁ = 10⁻⁴, c₂ = 0.9 and cubic interpolation. Value and gradient come together, so that nothing is evaluated twice. The state
-//! is plain data: what is stored and read again goes on as if never interrupted.
+//! is plain data: what is stored and read again continues as if never interrupted.
+//!
+//! argmin 0.11 (L-BFGS with Moré–Thuente, memoised) was tried on the 36 problems of `tests/standard_problems` and on 17 GPLVMs. It takes 2734 evaluations against our 2464 to the 32 published minima that both reach, and 3 % more on seven GPLVMs
+//! that end in the same minimum. It gives up where a value overflows (one problem, one GPLVM), does not notice convergence on 24 problems, and its state holds infinities, which JSON cannot carry.
 
 use serde::{Deserialize, Serialize};
-use std::collections::VecDeque;
 
 /// Pairs of steps and changes of the gradient that are kept.
 const MEMORY: usize = 10;
@@ -15,7 +17,7 @@ const TRIALS: usize = 30;
 
 /// A function to be minimised.
 pub trait Objective {
-    /// The value at `x`, its gradient written to `gradient`; infinite where the function is not defined.
+    /// The value at `x`, its gradient written to `gradient`; infinite or NaN where the function is not defined.
     fn evaluate(&mut self, x: &[f64], gradient: &mut [f64]) -> f64;
 }
 
@@ -34,9 +36,10 @@ pub struct Lbfgs {
     /// Evaluations of the function.
     pub evaluations: usize,
     /// Steps s and changes y of the gradient, oldest first.
-    pairs: VecDeque<(Vec<f64>, Vec<f64>)>,
+    pairs: Vec<(Vec<f64>, Vec<f64>)>,
 }
 
+/// Length of a step along a direction, with value and slope there.
 struct Trial {
     length: f64,
     value: f64,
@@ -52,42 +55,36 @@ impl Lbfgs {
     pub fn new(objective: &mut impl Objective, x: Vec<f64>) -> Self {
         let mut gradient = vec![0.0; x.len()];
         let value = objective.evaluate(&x, &mut gradient);
-        Self { x, value, gradient, iterations: 0, evaluations: 1, pairs: VecDeque::new() }
+        Self { x, value, gradient, iterations: 0, evaluations: 1, pairs: Vec::new() }
     }
 
-    /// Largest entry of the gradient.
+    /// Largest entry of the gradient; NaN if one of them is.
     #[must_use]
     pub fn steepness(&self) -> f64 {
-        self.gradient.iter().fold(0.0, |largest: f64, g| largest.max(g.abs()))
+        self.gradient.iter().fold(0.0, |most: f64, g| if most >= g.abs() || most.is_nan() { most } else { g.abs() })
     }
 
-    /// Makes one step; false where no lower point is found.
+    /// Makes one step; false where no point is found whose value is lower by more than rounding, neither along the direction of the pairs, which may be at fault, nor straight down.
     pub fn step(&mut self, objective: &mut impl Objective) -> bool {
-        if !self.value.is_finite() || self.steepness() == 0.0 {
-            return false;
+        let mut steps = self.line_search(objective);
+        if !steps && !self.pairs.is_empty() {
+            self.pairs.clear();
+            steps = self.line_search(objective);
         }
-        if self.line_search(objective) {
-            return true;
-        }
-        // What the pairs say of the curvature may be at fault: once more, straight down.
-        let remembered = !self.pairs.is_empty();
-        self.pairs.clear();
-        remembered && self.line_search(objective)
+        steps
     }
 
     /// −H g by the two loops over the pairs, H scaled by the newest.
     fn direction(&self) -> Vec<f64> {
         let mut direction: Vec<f64> = self.gradient.iter().map(|g| -g).collect();
-        let mut along = Vec::with_capacity(self.pairs.len());
+        let mut along = Vec::with_capacity(MEMORY);
         for (s, y) in self.pairs.iter().rev() {
             let a = dot(s, &direction) / dot(s, y);
             direction.iter_mut().zip(y).for_each(|(d, y)| *d -= a * y);
             along.push(a);
         }
-        if let Some((s, y)) = self.pairs.back() {
-            let scale = dot(s, y) / dot(y, y);
-            direction.iter_mut().for_each(|d| *d *= scale);
-        }
+        let scale = self.pairs.last().map_or(1.0, |(s, y)| dot(s, y) / dot(y, y));
+        direction.iter_mut().for_each(|d| *d *= scale);
         for ((s, y), a) in self.pairs.iter().zip(along.iter().rev()) {
             let b = dot(y, &direction) / dot(s, y);
             direction.iter_mut().zip(s).for_each(|(d, s)| *d += (a - b) * s);
@@ -95,62 +92,49 @@ impl Lbfgs {
         direction
     }
 
+    /// Brackets (algorithm 3.5), then narrows the bracket (3.6): `low` is the lowest of the trials that fall far enough, `high` the other end, at infinity before a trial rises. Where the slope at a new `low` points up towards `high`, the minimum lies behind, between it and the `low` before.
     fn line_search(&mut self, objective: &mut impl Objective) -> bool {
         let direction = self.direction();
         let slope = dot(&direction, &self.gradient);
-        if slope >= 0.0 || !slope.is_finite() {
-            return false;
-        }
-        let first = if self.pairs.is_empty() {
-            (1.0 / self.gradient.iter().map(|g| g.abs()).sum::<f64>()).min(1.0)
-        } else {
-            1.0
-        };
-        let (mut x, mut gradient) = (self.x.clone(), self.gradient.clone());
-        let mut low = Trial { length: 0.0, value: self.value, slope };
-        let mut best = (self.x.clone(), self.gradient.clone());
-        let (mut high, mut length) = (None::<Trial>, first);
+        let steep: f64 = self.gradient.iter().map(|g| g.abs()).sum();
+        let mut length = if self.pairs.is_empty() { steep.recip().min(1.0) } else { 1.0 };
+        let (mut x, mut gradient, mut best) = (self.x.clone(), self.gradient.clone(), (Vec::new(), Vec::new()));
+        let (mut low, mut high) = (Trial { length: 0.0, value: self.value, slope }, None::<Trial>);
         for _ in 0..TRIALS {
+            // Enough is found, or there is no way down, or what can still be gained is lost in rounding.
+            let gain = (length - low.length).abs() * low.slope.abs();
+            let may_gain = (f64::MIN..0.0).contains(&slope) && gain > f64::EPSILON * self.value.abs();
+            if low.slope.abs() <= -CURVATURE * slope || !may_gain {
+                break;
+            }
             x.iter_mut().zip(&self.x).zip(&direction).for_each(|((x, from), d)| *x = length.mul_add(*d, *from));
             let value = objective.evaluate(&x, &mut gradient);
             self.evaluations += 1;
             let trial = Trial { length, value, slope: dot(&direction, &gradient) };
-            let falls = value <= self.value + SUFFICIENT_DECREASE * length * slope && value < low.value;
-            if !falls {
-                high = Some(trial);
-            } else {
-                let done = trial.slope.abs() <= -CURVATURE * slope;
-                best.0.copy_from_slice(&x);
-                best.1.copy_from_slice(&gradient);
-                let ahead = high.as_ref().map_or(1.0, |high| high.length - trial.length);
+            let is_number = value.is_finite() && trial.slope.is_finite();
+            if is_number && value < low.value && value <= self.value + SUFFICIENT_DECREASE * length * slope {
+                best = (x.clone(), gradient.clone());
                 let previous = std::mem::replace(&mut low, trial);
-                if done {
-                    break;
-                }
-                if low.slope * ahead >= 0.0 {
-                    high = Some(previous);
-                }
+                let end = high.as_ref().map_or(f64::INFINITY, |high| high.length);
+                high = if low.slope * (end - length) >= 0.0 { Some(previous) } else { high };
+            } else {
+                high = Some(trial);
             }
             length = next_length(&low, high.as_ref());
         }
-        if low.length == 0.0 {
-            return false;
-        }
-        self.accept(best.0, low.value, best.1);
-        true
+        low.length > 0.0 && self.accept(best, low.value)
     }
 
-    fn accept(&mut self, x: Vec<f64>, value: f64, gradient: Vec<f64>) {
+    fn accept(&mut self, (x, gradient): (Vec<f64>, Vec<f64>), value: f64) -> bool {
         let s: Vec<f64> = x.iter().zip(&self.x).map(|(a, b)| a - b).collect();
         let y: Vec<f64> = gradient.iter().zip(&self.gradient).map(|(a, b)| a - b).collect();
         (self.x, self.value, self.gradient) = (x, value, gradient);
         self.iterations += 1;
         if dot(&s, &y) > 1e-12 * dot(&y, &y).sqrt() * dot(&s, &s).sqrt() {
-            if self.pairs.len() == MEMORY {
-                self.pairs.pop_front();
-            }
-            self.pairs.push_back((s, y));
+            self.pairs.push((s, y));
+            self.pairs.drain(..self.pairs.len().saturating_sub(MEMORY));
         }
+        true
     }
 }
 
@@ -158,10 +142,9 @@ impl Lbfgs {
 fn next_length(low: &Trial, high: Option<&Trial>) -> f64 {
     let Some(high) = high else { return 2.0 * low.length };
     let width = high.length - low.length;
-    let middle = low.length + 0.5 * width;
     let d = low.slope + high.slope - 3.0 * (high.value - low.value) / width;
     let root = (d * d - low.slope * high.slope).sqrt().copysign(width);
-    let place = low.length + width * (1.0 - (high.slope + root - d) / (high.slope - low.slope + 2.0 * root));
-    let (near, far) = (low.length + 0.1 * width, low.length + 0.9 * width);
-    if place.is_finite() && high.value.is_finite() { place.clamp(near.min(far), near.max(far)) } else { middle }
+    let place = 1.0 - (high.slope + root - d) / (high.slope - low.slope + 2.0 * root);
+    let share = if place.is_finite() && high.value.is_finite() { place.clamp(0.1, 0.9) } else { 0.5 };
+    low.length + share * width
 }
