@@ -53,6 +53,19 @@ impl<C: Decode, K> Decoded<C, K> {
     pub fn tracker(&self) -> &K {
         &self.tracker
     }
+
+    /// The decoder.
+    #[must_use]
+    pub fn decoder(&self) -> &C {
+        &self.decoder
+    }
+
+    /// Puts other draws and another estimate in the place of the last frame's; the tracker of the sampled state is to be given theirs.
+    pub(crate) fn replace(&mut self, states: Vec<Block>, estimate: Vec<f64>) -> &mut K {
+        self.states = states;
+        self.estimate = estimate;
+        &mut self.tracker
+    }
 }
 
 impl<O, C, K> Tracker<O> for Decoded<C, K>

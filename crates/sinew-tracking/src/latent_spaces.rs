@@ -1,0 +1,128 @@
+//! The latent spaces of a hierarchy as a tracker moves in them: particles [λ, θ, ρ] of each node ([`Beside`]), their noise, and what the leaves make of a pose together.
+
+use crate::Error;
+use sinew_core::beside::Beside;
+use sinew_core::decode::Decode;
+use sinew_core::hierarchy::{AnyDecode, Hierarchy};
+use sinew_core::lanes::{Block, Isa};
+use sinew_core::random::Stage;
+use sinew_samplers::annealed_search;
+use sinew_samplers::decoded::decoded;
+use sinew_samplers::descent::{PosePart, assemble, descend};
+use sinew_samplers::diffusion::diffuse;
+use sinew_samplers::particles::{Particles, resample};
+use sinew_samplers::resample::{Ancestors, shuffle};
+use std::fmt;
+use std::sync::Arc;
+
+/// Refuses a schedule of visits that does not walk from the root down to the deepest of these layers.
+pub(crate) fn check_schedule(schedule: &[usize], layers: usize) -> Result<(), Error> {
+    let check = |name, value: usize, inside: bool, expected| {
+        if inside { Ok(()) } else { Err(Error::Config { name, value: value as f64, expected }) }
+    };
+    let [first, last] = [schedule.first(), schedule.last()].map(|layer| layer.copied().unwrap_or(0));
+    check("first layer of the schedule", first, first == 1, "must be 1, the root's")?;
+    for pair in schedule.windows(2) {
+        let inside = pair[1] == pair[0] || pair[1] == pair[0] + 1;
+        check("layer of the schedule", pair[1], inside, "must be the layer before or the next below")?;
+    }
+    check("last layer of the schedule", last, last == layers, "must be the deepest of the hierarchy")
+}
+
+/// The spaces.
+#[derive(Clone)]
+pub(crate) struct LatentSpaces {
+    /// Their tree.
+    pub hierarchy: Arc<Hierarchy>,
+    /// Number of coordinates λ.
+    pub free: usize,
+    /// Of each node: from its particles to poses, and the standard deviations of Σ.
+    nodes: Vec<(Beside<Arc<AnyDecode>>, Vec<f64>)>,
+    layers: annealed_search::Config,
+    isa: Isa,
+}
+
+impl LatentSpaces {
+    /// Spaces beside as many coordinates as there are standard deviations of λ.
+    pub fn new(
+        hierarchy: Arc<Hierarchy>,
+        lambda_sd: &[f64],
+        layers: annealed_search::Config,
+        isa: Isa,
+    ) -> Result<Self, Error> {
+        let (free, dim) = (lambda_sd.len(), hierarchy.dim());
+        let mut nodes = vec![];
+        for node in hierarchy.nodes() {
+            let decoder = Beside::new(free, node.pose.clone(), &node.coordinates, dim)?;
+            let mut sd = [lambda_sd, &node.step_sd].concat();
+            sd.resize(decoder.source_dim(), 0.0);
+            layers.check(&sd, decoder.source_dim())?;
+            nodes.push((decoder, sd));
+        }
+        Ok(Self { hierarchy, free, nodes, layers, isa })
+    }
+
+    /// From a node's particles to poses.
+    pub fn decoder(&self, node: usize) -> &Beside<Arc<AnyDecode>> {
+        &self.nodes[node].0
+    }
+
+    /// The particles of a node for a visit, 0 the first: from those of its parent where its layer is new, else from its own.
+    pub fn renewed(
+        &self,
+        sets: &[Particles],
+        node: usize,
+        is_new: bool,
+        visit: usize,
+        [to_resample, to_diffuse]: [Stage; 2],
+    ) -> Particles {
+        let (decoder, sd) = &self.nodes[node];
+        let above = &self.hierarchy.nodes()[node];
+        let (mut set, ancestors) = match (above.parent, &above.from_parent) {
+            (Some(parent), Some(map)) if is_new => {
+                let ancestors = resample(&sets[parent], self.layers.scheme, to_resample);
+                (descend(&sets[parent], ancestors, self.decoder(parent), map, decoder), None)
+            }
+            _ => (sets[node].clone(), Some(resample(&sets[node], self.layers.scheme, to_resample))),
+        };
+        diffuse(&mut set, ancestors, &self.layers.noise(sd, visit), self.isa, to_diffuse);
+        set
+    }
+
+    /// The leaves' particles as parts of poses.
+    pub fn parts<'a>(&self, sets: &'a [Particles]) -> Vec<PosePart<'a>> {
+        let part = |leaf: usize| PosePart {
+            poses: decoded(sets[leaf].states(), self.decoder(leaf)),
+            weights: sets[leaf].weights(),
+            coordinates: self.hierarchy.nodes()[leaf].coordinates.iter().map(|i| self.free + i).collect(),
+        };
+        self.hierarchy.leaves().map(part).collect()
+    }
+
+    /// Poses of one draw by weight of each leaf, independently of each other.
+    pub fn assembled(&self, sets: &[Particles], parts: &[PosePart<'_>], [to_draw, to_pair]: [Stage; 2]) -> Vec<Block> {
+        let draw = |(k, leaf): (usize, usize)| {
+            let mut ancestors = resample(&sets[leaf], self.layers.scheme, to_draw.round(k));
+            shuffle(&mut ancestors, &mut to_pair.round(k).whole());
+            ancestors
+        };
+        let ancestors: Vec<Ancestors> = self.hierarchy.leaves().enumerate().map(draw).collect();
+        assemble(parts, &ancestors, self.free, self.free + self.hierarchy.dim())
+    }
+
+    /// The same poses at the place λ of one.
+    pub fn placed(&self, poses: &[Block], at: &[f64]) -> Vec<Block> {
+        let mut poses = poses.to_vec();
+        for pose in poses.chunks_exact_mut(at.len()) {
+            pose.iter_mut().zip(&at[..self.free]).for_each(|(x, lambda)| *x = Block::splat(*lambda));
+        }
+        poses
+    }
+}
+
+impl fmt::Debug for LatentSpaces {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { hierarchy, free, layers, .. } = self;
+        write!(f, "LatentSpaces {{ {hierarchy:?}, beside {free}, {layers:?} }}")
+    }
+}
