@@ -12,7 +12,7 @@ use sinew_formats::source_text::MAX_CONFIG_BYTES;
 use std::path::Path;
 
 /// Names of the bodies that come with the project.
-pub const NAMES: [&str; 3] = ["h32", "cf28", "hppf24"];
+pub const NAMES: [&str; 4] = ["h32", "cf28", "hppf24", "hapf31"];
 
 /// The body of that name with the sizes of an adult of 1.75 m, or the body in a file.
 ///
@@ -31,6 +31,7 @@ pub fn to_track(name: &str) -> Result<Body, Error> {
         "h32" => Ok(Body::H32),
         "cf28" => Ok(Body::CF28),
         "hppf24" => Ok(Body::HPPF24),
+        "hapf31" => Ok(Body::HAPF31),
         _ => from_file(name).map(Body::File),
     }
 }
