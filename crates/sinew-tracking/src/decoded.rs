@@ -84,12 +84,7 @@ where
     }
 
     fn posterior(&self) -> Posterior<'_> {
-        let sampled = Tracker::<Through<&O, &C>>::posterior(&self.tracker);
-        let dim = self.decoder.target_dim();
-        if self.states.is_empty() {
-            return Posterior { dim, states: &[], weights: &[], effective: 0.0, chain_stats: &[] };
-        }
-        Posterior { dim, states: &self.states, ..sampled }
+        Tracker::<Through<&O, &C>>::posterior(&self.tracker).as_poses(&self.states, self.decoder.target_dim())
     }
 
     fn estimate(&self) -> &[f64] {

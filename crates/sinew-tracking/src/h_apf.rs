@@ -12,7 +12,6 @@
 //! 4. (step 6) λ_opt = mean over leaves of Σ π λ; π_j ∝ p(z | λ_opt, ω_j)^β; the estimate is λ_opt and Σ π_j ω_j (eq. 9)
 //!
 //! Equation 9 has π of the last layer's nodes. A leaf above the last layer keeps the particles of its last visit. N (number of nodes visited + 1) evaluations a frame: with 1, 3 and 6 nodes in three layers, visited as (1, 1, 2, 3, 3), 18 N.
-//!
 //! With one layer, [`Config::carry_latent`] and the weighted mean as estimate it is [`crate::gpapf`], bit for bit. No step keeps a target: noise is not corrected for, and limbs that are put together have lost what they knew of each other.
 
 use crate::error::check_dimension;
@@ -159,12 +158,11 @@ impl<T: Transition + Send, O: LogDensity + ?Sized> Tracker<O> for HApf<T> {
             let root = encoded(&poses, *count, spaces.decoder(0)).ok_or(Error::NotEncoded)?;
             (Particles::of(spaces.decoder(0).source_dim(), *count, root), poses)
         };
-        let latent = aggregate(&self.state.particles);
         self.estimate.clone_from(&mean);
         Ok(StepInfo {
             mean,
             ess,
-            resampled: Some(self.state.settle(latent)),
+            resampled: Some(self.state.settle(aggregate(&self.state.particles))),
             exponents: layers.iter().map(|layer| layer.exponent).collect(),
             survivors: layers.iter().map(|layer| layer.survivors).collect(),
             likelihood_evaluations: count * layers.len(),
@@ -174,11 +172,7 @@ impl<T: Transition + Send, O: LogDensity + ?Sized> Tracker<O> for HApf<T> {
 
     /// What the next frame begins with, as poses: of a search, and no posterior.
     fn posterior(&self) -> Posterior<'_> {
-        let dim = self.estimate.len();
-        if self.poses.is_empty() {
-            return Posterior { dim, states: &[], weights: &[], effective: 0.0, chain_stats: &[] };
-        }
-        Posterior { dim, states: &self.poses, ..self.state.posterior() }
+        self.state.posterior().as_poses(&self.poses, self.estimate.len())
     }
 
     fn estimate(&self) -> &[f64] {

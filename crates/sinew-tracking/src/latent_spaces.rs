@@ -126,3 +126,77 @@ impl fmt::Debug for LatentSpaces {
         write!(f, "LatentSpaces {{ {hierarchy:?}, beside {free}, {layers:?} }}")
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use sinew_core::decode::{Identity, Linear};
+    use sinew_core::density::Lanes;
+    use sinew_core::hierarchy::Node;
+    use sinew_core::lanes::{LANES, get_lane};
+    use sinew_samplers::resample::Scheme;
+
+    const COUNT: usize = 1000;
+
+    /// A pose of two coordinates, each a leaf of its own; beside it a place.
+    fn spaces() -> LatentSpaces {
+        let node = |parent: Option<usize>, coordinates: Vec<usize>| Node {
+            parent,
+            layer: if parent.is_some() { 2 } else { 1 },
+            from_parent: parent.map(|_| {
+                let matrix = coordinates.iter().flat_map(|&j| [f64::from(j == 0), f64::from(j == 1)]).collect();
+                Arc::new(Lanes { leaf: Linear::new(matrix, 2).expect("rows"), isa: Isa::best() }) as Arc<AnyDecode>
+            }),
+            pose: Arc::new(Identity(coordinates.len())) as Arc<AnyDecode>,
+            step_sd: vec![0.1; coordinates.len()],
+            coordinates,
+        };
+        let nodes = vec![node(None, vec![0, 1]), node(Some(0), vec![1]), node(Some(0), vec![0])];
+        let layers = annealed_search::Config { scheme: Scheme::Systematic, ..annealed_search::Config::default() };
+        LatentSpaces::new(Arc::new(Hierarchy::new(nodes).expect("a tree")), &[0.2], layers, Isa::best()).expect("valid")
+    }
+
+    /// Equally weighted leaves whose particle i is at i: each is taken once, and what is put together of them is paired at random. |r| √N < 4.5, false alarm 7e-6.
+    #[test]
+    fn limbs_are_paired_at_random() {
+        let spaces = spaces();
+        let at_index = |k: usize| Block(std::array::from_fn(|lane| (k / 3 * LANES + lane) as f64));
+        let leaf = || Particles::of(3, COUNT, (0..COUNT.div_ceil(LANES) * 3).map(at_index).collect());
+        let sets = [leaf(), leaf(), leaf()];
+        let poses = spaces.assembled(&sets, &spaces.parts(&sets), ["draw", "pair"].map(|verb| Stage::new(1, verb)));
+        let mut drawn: Vec<[f64; 3]> = vec![[0.0; 3]; COUNT];
+        drawn.iter_mut().enumerate().for_each(|(i, pose)| get_lane(&poses[i / LANES * 3..][..3], i % LANES, pose));
+        let (mean, variance) = (0.5 * (COUNT - 1) as f64, (COUNT * COUNT - 1) as f64 / 12.0);
+        let product: f64 = drawn.iter().map(|[_, a, b]| (a - mean) * (b - mean)).sum();
+        let correlation = product / variance / COUNT as f64;
+        assert!(correlation.abs() * (COUNT as f64).sqrt() < 4.5, "{correlation}");
+        for j in [1, 2] {
+            let mut limb: Vec<f64> = drawn.iter().map(|pose| pose[j]).collect();
+            limb.sort_by(f64::total_cmp);
+            assert!(limb.into_iter().eq((0..COUNT).map(|i| i as f64)));
+        }
+        assert!(drawn.iter().all(|[place, a, b]| *place == 0.5 * (a + b)));
+        assert!(spaces.placed(&poses, &[7.0, 0.0, 0.0]).chunks(3).all(|pose| pose[0] == Block::splat(7.0)));
+    }
+
+    /// In a new layer a child has its parents' poses but for noise on the place and on its own coordinate; in the same one it has its own. Systematic resampling of equal weights leaves each in its place.
+    #[test]
+    fn noise_moves_the_place_and_the_node_alone() {
+        let spaces = spaces();
+        let root = Particles::of(3, 16, [1.0, 2.0, 3.0, 1.0, 2.0, 3.0].map(Block::splat).to_vec());
+        let mut sets = vec![root; 3];
+        for is_new in [true, false] {
+            let stages = || ["draw", "noise"].map(|verb| Stage::new(u64::from(is_new), verb));
+            let before: Vec<Block> = decoded(sets[1].states(), spaces.decoder(usize::from(!is_new)));
+            sets[1] = spaces.renewed(&sets, 1, is_new, 2, stages());
+            let after = decoded(sets[1].states(), spaces.decoder(1));
+            for (from, to) in before.chunks(3).zip(after.chunks(3)) {
+                assert_eq!(from[1], to[1], "the other leaf's coordinate");
+                assert!(from[0] != to[0] && from[2] != to[2]);
+                // Standard deviations 0.2 and 0.1 times the survival rate 1/2; no deviate exceeds 6.8 of them.
+                let apart = |j: usize| (from[j].0[0] - to[j].0[0]).abs();
+                assert!(apart(0) < 0.68 && apart(2) < 0.34);
+            }
+        }
+    }
+}
