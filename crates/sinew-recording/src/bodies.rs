@@ -43,3 +43,22 @@ fn from_file(name: &str) -> Result<FileBody, Error> {
     }
     Err(UnknownBody { name: name.into(), known: &NAMES, nearest: nearest(name, NAMES) }.into())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Each of them has solids on all of its coordinates, and comes back from the name that a set-up stores.
+    #[test]
+    fn bodies_are_found_by_name_and_have_solids() {
+        for name in NAMES {
+            let body = to_track(name).unwrap();
+            assert_eq!(Body::try_from(String::from(body.clone())), Ok(body.clone()));
+            assert_eq!(body.name().to_lowercase(), name);
+            let tree = body.tree(&Proportions::default());
+            let mut coordinates = body.flesh(&tree).unwrap().coordinates(&tree).concat();
+            coordinates.sort_unstable();
+            assert!(coordinates.into_iter().eq(0..tree.dof()), "{name}");
+        }
+    }
+}
