@@ -4,7 +4,7 @@ use sinew::body::{KinematicTree, hppf24};
 use sinew::core::random::Stage;
 use sinew::observe::Camera;
 use sinew::observe::girth::{Girth, Sight, before_cameras, fit_girth, intersection_over_union, mask_overlap};
-use sinew_motion::hppf24_motion::{MotionFollowing, states};
+use sinew_motion::damped_fit::{MotionFollowing, states};
 use sinew_motion::points::points_of_states;
 use sinew_simulate::ring::{Ring, around};
 use sinew_simulate::segmentation_noise::{Level, segmented};

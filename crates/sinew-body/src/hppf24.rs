@@ -13,9 +13,9 @@
 //! The paper names tilt and azimuth of the torso; here the lean is a turn about x followed by one about y, which has no pole where the body stands upright and is a chain of plain joints. Tilts up to 60° are reached in all directions.
 
 use crate::Error;
-use crate::flesh::{DOWNWARDS, Flesh, Solid, UPWARDS};
-use crate::frustum::Frustum;
+use crate::flesh::Flesh;
 use crate::standard::Proportions;
+use crate::ten_cones::{Torso, ten_cones, ten_cones_on};
 use crate::tree::{Axis, Joint, KinematicTree, Link, Point};
 use core::f64::consts::PI;
 
@@ -119,35 +119,10 @@ fn skeleton(lengths: &Lengths) -> KinematicTree {
     KinematicTree::new(links, points).expect("the built-in bodies are valid for every finite size")
 }
 
-/// Height and semi-axes of the parts: torso, head, upper arm, forearm, thigh, shin.
-const SHAPES: [(f64, [f64; 2], f64); 6] = [
-    (TORSO, [0.15, 0.17], 0.10 / 0.15),
-    (HEAD, [0.06, 0.075], 1.25),
-    (UPPER_ARM, [0.05, 0.04], 1.0),
-    (FOREARM, [0.04, 0.028], 0.9),
-    (THIGH, [0.085, 0.06], 1.0),
-    (SHIN, [0.058, 0.038], 1.0),
-];
-
-/// Heights of the parts in the order of [`SHAPES`].
-fn flesh_with(tree: &KinematicTree, heights: [f64; 6], scale: f64, round: bool) -> Result<Flesh, Error> {
-    let solids = tree.links().iter().enumerate().skip(1).map(|(link, tree_link)| {
-        let shape = match link {
-            1 | 2 => link - 1,
-            _ => [2, 3, 4, 5][(link - 3) % 2 + (link - 3) / 4 * 2],
-        };
-        let (_, radii, ratio) = SHAPES[shape];
-        let mean = 0.5 * (radii[0] + radii[1]) * 0.5 * (1.0 + ratio);
-        let (radii, ratio) = if round { ([mean; 2], 1.0) } else { (radii, ratio) };
-        let frustum = Frustum { height: heights[shape], radii: radii.map(|r| scale * r), ratio };
-        let axes = if link < 3 { UPWARDS } else { DOWNWARDS };
-        Solid { name: tree_link.name.clone(), link, base: [0.0; 3], axes, frustum }
-    });
-    Flesh::new(tree, solids.collect())
-}
-
 fn flesh_of(scale: f64, round: bool) -> Flesh {
-    flesh_with(&tree(scale), SHAPES.map(|(height, ..)| scale * height), scale, round)
+    let torso = Torso { link: "torso", drop: 0.0, height: scale * TORSO };
+    let heights = [HEAD, UPPER_ARM, FOREARM, THIGH, SHIN].map(|height| scale * height);
+    ten_cones(&tree(scale), torso, heights, scale, round)
         .expect("the built-in bodies are valid for every positive size")
 }
 
@@ -156,18 +131,11 @@ fn flesh_of(scale: f64, round: bool) -> Flesh {
 /// # Errors
 /// [`Error::NoSolid`] for the tree of another body.
 pub fn flesh_on(tree: &KinematicTree) -> Result<Flesh, Error> {
-    let reach = |link: &str| Some(tree.links()[tree.link_index(link)?].offset[2].abs());
-    let end = |point: &str| Some(tree.points()[tree.point_index(point)?].offset[2].abs());
-    let heights =
-        [reach("l_upper_arm"), end("Head"), reach("l_forearm"), end("LWrist"), reach("l_shin"), end("LAnkle")];
-    let [Some(torso), Some(head), Some(upper_arm), Some(forearm), Some(thigh), Some(shin)] = heights else {
-        return Err(Error::NoSolid);
-    };
+    let shoulder = tree.link_index("l_upper_arm").ok_or(Error::NoSolid)?;
     if tree.links().len() != 11 {
         return Err(Error::NoSolid);
     }
-    let scale = (upper_arm + forearm + thigh + shin) / (UPPER_ARM + FOREARM + THIGH + SHIN);
-    flesh_with(tree, [torso, head, upper_arm, forearm, thigh, shin], scale, false)
+    ten_cones_on(tree, Torso { link: "torso", drop: 0.0, height: tree.links()[shoulder].offset[2].abs() })
 }
 
 /// The ten truncated cones: torso, head, then upper and lower limb of left arm, right arm, left leg, right leg.

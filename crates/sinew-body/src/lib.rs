@@ -21,6 +21,7 @@ pub mod fit;
 pub mod flesh;
 mod foot;
 pub mod frustum;
+pub mod hapf31;
 pub mod hppf24;
 pub mod initial;
 pub mod kinematics;
@@ -28,6 +29,7 @@ mod sizes;
 pub mod standard;
 pub mod standard_flesh;
 pub mod subject;
+mod ten_cones;
 pub mod tree;
 
 pub use error::Error;

@@ -152,7 +152,7 @@ pub(crate) enum Command {
     /// Show a body as a tree
     #[command(help_template = template!("sinew body h32", "sinew body my_body.toml"))]
     Body {
-        /// h32, cf28, hppf24 or a body file
+        /// h32, cf28, hppf24, hapf31 or a body file
         #[arg(value_name = "NAME|FILE")]
         body: String,
         #[command(flatten)]

@@ -31,7 +31,7 @@ pub(crate) struct PrimitivesArgs {
     /// Frames per second of the .amc files, which state none [default: 120]
     #[arg(long, value_name = "F", value_parser = rate, allow_negative_numbers = true)]
     pub(crate) amc_fps: Option<f64>,
-    /// Body that is tracked: h32, cf28 or hppf24
+    /// Body that is tracked: h32, cf28, hppf24 or hapf31
     #[arg(long, value_name = "NAME", hide_possible_values = true, value_parser = NamedBody::ALL.map(NamedBody::name))]
     pub(crate) body: String,
     /// Frames per second of the recordings to be tracked

@@ -1,7 +1,7 @@
 //! What this crate refuses.
 
 /// Everything that can be wrong with parts of a state and with matrices.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
     /// A part needs at least one coordinate.
@@ -48,5 +48,45 @@ pub enum Error {
     ParentNotBefore {
         /// Part at fault.
         part: usize,
+    },
+    /// A decoder has another dimension than what is made of it.
+    #[error("the {name} has {found} coordinates; expected {expected}")]
+    Dimension {
+        /// What.
+        name: &'static str,
+        /// Coordinates found.
+        found: usize,
+        /// Coordinates expected.
+        expected: usize,
+    },
+    /// A probability is outside 0 to 1.
+    #[error("the probability {value} is not in [0, 1]")]
+    Probability {
+        /// Value found.
+        value: f64,
+    },
+    /// The first node of a hierarchy is its root, and no other.
+    #[error("node {node} should be the root, or has no parent and is not the first")]
+    Root {
+        /// Node at fault.
+        node: usize,
+    },
+    /// A node of a hierarchy does not fit the others, or its own coordinates.
+    #[error("node {node}: {name} is {found}; expected {expected}")]
+    NodeDimension {
+        /// Node at fault.
+        node: usize,
+        /// What of it.
+        name: &'static str,
+        /// Number found.
+        found: usize,
+        /// Number expected.
+        expected: usize,
+    },
+    /// A node of a hierarchy covers what its children cover.
+    #[error("node {node} has other coordinates than its children together")]
+    NodeCoordinates {
+        /// Node at fault.
+        node: usize,
     },
 }

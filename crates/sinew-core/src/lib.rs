@@ -14,6 +14,7 @@
 //! target.log_density_grad_block(&[Block::splat(2.0), Block::splat(3.0)], &mut gradient, &mut []);
 //! assert_eq!(gradient[1].0[0], -4.0);
 //! ```
+pub mod beside;
 pub mod combinators;
 pub mod convergence;
 pub mod decode;
@@ -21,10 +22,13 @@ pub mod density;
 pub mod diagnostics;
 pub mod elementary;
 mod error;
+pub mod hierarchy;
+pub mod injection;
 pub mod kernel;
 pub mod lanes;
 pub mod part;
 pub mod random;
+pub mod side_by_side;
 mod through;
 pub mod toy;
 pub mod transition;

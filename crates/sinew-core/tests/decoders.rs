@@ -2,6 +2,7 @@
 
 use proptest::prelude::*;
 use sinew_core::Error;
+use sinew_core::beside::Beside;
 use sinew_core::combinators::Through;
 use sinew_core::decode::{Decode, Identity, Linear};
 use sinew_core::density::{GaussNewton, GradLogDensity, Lanes, LogDensity, PartLogDensity};
@@ -80,6 +81,11 @@ fn sheet(isa: Isa) -> Lanes<Sheet> {
 fn quadratic(dim: usize, isa: Isa) -> Lanes<Quadratic> {
     let centre = (0..dim).map(|j| 0.3 * j as f64 - 0.5).collect();
     Lanes { leaf: Quadratic { centre, precision: (1..=dim).map(|j| 1.5 / j as f64).collect() }, isa }
+}
+
+/// One free coordinate and two of a pose that pass; a sheet writes the others, in an order of its own.
+fn beside(isa: Isa) -> Beside<Lanes<Sheet>> {
+    Beside::new(1, sheet(isa), &[4, 0, 5, 2], 6).expect("fits")
 }
 
 /// Scratch that holds nothing useful.
@@ -220,22 +226,31 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(32))]
 
     #[test]
-    fn decoders_keep_their_laws(flat in states(2), wide in states(4), grad in prop::collection::vec(-3.0..3.0f64, 5)) {
+    fn decoders_keep_their_laws(flat in states(2), wide in states(4), grad in prop::collection::vec(-3.0..3.0f64, 7), free in states(5)) {
         for isa in Isa::available() {
             pullbacks_are_derivatives(&sheet(isa), &flat, &grad)?;
             pullbacks_are_derivatives(&Bare(sheet(isa)), &flat, &grad)?;
             pullbacks_are_derivatives(&Arc::new(sheet(isa)), &flat, &grad)?;
             pullbacks_are_derivatives(&linear(isa), &wide, &grad)?;
             pullbacks_are_derivatives(&Identity(4), &wide, &grad)?;
+            pullbacks_are_derivatives(&beside(isa), &free, &grad)?;
+            pullbacks_are_derivatives(&Beside::whole(2, sheet(isa)).expect("fits"), &wide, &grad)?;
+            pullbacks_are_derivatives(&Beside::whole(0, Bare(sheet(isa))).expect("fits"), &flat, &grad)?;
         }
     }
 
     #[test]
-    fn encoding_leads_back(flat in states(2), wide in states(4)) {
+    fn encoding_leads_back(flat in states(2), wide in states(4), free in states(5)) {
         let isa = Isa::best();
         let (sheet, linear) = (sheet(isa), linear(isa));
-        let ways: [(&dyn Decode, &[Vec<f64>]); 4] =
-            [(&sheet, &flat), (&&Bare(sheet), &flat), (&linear, &wide), (&Arc::new(Identity(4)), &wide)];
+        let beside = beside(isa);
+        let ways: [(&dyn Decode, &[Vec<f64>]); 5] = [
+            (&sheet, &flat),
+            (&&Bare(sheet), &flat),
+            (&linear, &wide),
+            (&Arc::new(Identity(4)), &wide),
+            (&beside, &free),
+        ];
         for (decoder, states) in ways {
             for state in states {
                 let encoded = decoder.encode(&decoded(decoder, state)).expect("reachable");
@@ -245,7 +260,7 @@ proptest! {
     }
 
     #[test]
-    fn through_keeps_its_law(flat in states(2), wide in states(4)) {
+    fn through_keeps_its_law(flat in states(2), wide in states(4), free in states(5)) {
         for isa in Isa::available() {
             // A target whose curvature is no diagonal is itself one through a matrix.
             let full = Through { target: quadratic(5, isa), decoder: linear(isa) };
@@ -253,8 +268,26 @@ proptest! {
             through_pulls_back(&full, &sheet(isa), &flat)?;
             through_pulls_back(&full, &Bare(sheet(isa)), &flat)?;
             through_pulls_back(&full, &Identity(4), &wide)?;
+            through_pulls_back(&quadratic(7, isa), &beside(isa), &free)?;
         }
     }
+}
+
+#[test]
+fn what_is_beside_a_decoder_passes() {
+    let isa = Isa::best();
+    let y = decoded(&sheet(isa), &[0.4, -0.7]);
+    assert_eq!(decoded(&beside(isa), &[9.0, 0.4, -0.7, 8.0, 7.0]), [9.0, y[1], 8.0, y[3], 7.0, y[0], y[2]]);
+    assert_eq!(beside(isa).latent(), 1..3);
+    let identity = |coordinates: &[usize]| Beside::new(1, Identity(2), coordinates, 3).expect("fits");
+    assert!(identity(&[0, 1]).is_coordinatewise() && !identity(&[1, 0]).is_coordinatewise());
+    assert!(!beside(isa).is_coordinatewise());
+    assert_eq!(beside(isa).encode(&[0.0; 7]).map(|x| x.len()), Some(5));
+    assert_eq!(beside(isa).encode(&[1.0, 1.3, 0.0, 0.0, 0.0, 0.0, 0.5]), None, "on the axis of the sheet");
+    let refused = |coordinates: &[usize]| Beside::new(1, sheet(isa), coordinates, 6).expect_err("does not fit");
+    assert_eq!(refused(&[0, 1, 2]), Error::Dimension { name: "decoder", found: 4, expected: 3 });
+    assert_eq!(refused(&[0, 1, 2, 6]), Error::IndexOutOfRange { index: 6, dim: 6 });
+    assert_eq!(refused(&[0, 1, 2, 2]), Error::DuplicateIndex { index: 2 });
 }
 
 #[test]

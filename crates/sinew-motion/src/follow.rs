@@ -1,15 +1,15 @@
 //! A body that is known by name, in a person's size, and its states along a recorded motion.
 //!
-//! Bodies get the lengths of the person's segments: the standard ones by [`crate::retarget`], HPPF24 by [`crate::hppf24_size`]. HPPF24 then stays near the pose before ([`crate::hppf24_motion`]), so that twists of straight limbs do not
+//! Bodies get the lengths of the person's segments: the standard ones by [`crate::retarget`], HPPF24 and HAPF31 by [`median_lengths`]. These two then stay near the pose before ([`crate::damped_fit`]), so that twists of straight limbs do not
 //! wander.
 
 use crate::Error;
-use crate::hppf24_motion::{MotionFollowing, states};
-use crate::hppf24_size::sized;
+use crate::damped_fit::{MotionFollowing, states};
+use crate::median_lengths::median_lengths;
 use crate::points::{Trajectories, mean_distance, points_of_states};
 use crate::retarget::retarget_to;
 use sinew_body::standard::{EVALUATION_JOINTS, cf28, h32};
-use sinew_body::{KinematicTree, hppf24};
+use sinew_body::{KinematicTree, Proportions, hapf31, hppf24};
 
 /// A body that follows motion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -20,11 +20,13 @@ pub enum NamedBody {
     Cf28,
     /// The body of Husz, Wallace & Green (2007), 24.
     Hppf24,
+    /// The body of Raskin, Rudzsky & Rivlin (2011), 31.
+    Hapf31,
 }
 
 impl NamedBody {
     /// All of them.
-    pub const ALL: [Self; 3] = [Self::H32, Self::Cf28, Self::Hppf24];
+    pub const ALL: [Self; 4] = [Self::H32, Self::Cf28, Self::Hppf24, Self::Hapf31];
 
     /// Coordinates of the horizontal position.
     pub const HORIZONTAL: [usize; 2] = [0, 1];
@@ -36,6 +38,7 @@ impl NamedBody {
             Self::H32 => "h32",
             Self::Cf28 => "cf28",
             Self::Hppf24 => "hppf24",
+            Self::Hapf31 => "hapf31",
         }
     }
 
@@ -49,9 +52,10 @@ impl NamedBody {
     #[must_use]
     pub fn tree(self) -> KinematicTree {
         match self {
-            Self::H32 => h32(&sinew_body::Proportions::default()),
-            Self::Cf28 => cf28(&sinew_body::Proportions::default()),
+            Self::H32 => h32(&Proportions::default()),
+            Self::Cf28 => cf28(&Proportions::default()),
             Self::Hppf24 => hppf24::tree(1.0),
+            Self::Hapf31 => hapf31::sized(&Proportions::default()),
         }
     }
 }
@@ -84,18 +88,24 @@ pub fn follow(body: NamedBody, motion: &Trajectories) -> Result<Followed, Error>
     let found = match body {
         NamedBody::H32 => standard(h32, motion)?,
         NamedBody::Cf28 => standard(cf28, motion)?,
-        NamedBody::Hppf24 => with_thickness(motion)?,
+        NamedBody::Hppf24 => with_thickness(hppf24::sized(&median_lengths(motion, 0.0)?), motion)?,
+        NamedBody::Hapf31 => with_thickness(hapf31::sized(&median_lengths(motion, waist())?), motion)?,
     };
     if found.states.iter().flatten().all(|x| x.is_finite()) { Ok(found) } else { Err(Error::NoPose) }
 }
 
-fn standard(build: fn(&sinew_body::Proportions) -> KinematicTree, motion: &Trajectories) -> Result<Followed, Error> {
+/// How far up an adult's trunk, from hips to shoulders, the waist is.
+fn waist() -> f64 {
+    let Proportions { pelvis_drop, shoulder_height, .. } = Proportions::default();
+    pelvis_drop / (pelvis_drop + shoulder_height)
+}
+
+fn standard(build: fn(&Proportions) -> KinematicTree, motion: &Trajectories) -> Result<Followed, Error> {
     let found = retarget_to(build, motion).ok_or(Error::NoPose)?;
     Ok(Followed { body: found.body, states: found.states, mean_error_m: found.mean_error_m })
 }
 
-fn with_thickness(motion: &Trajectories) -> Result<Followed, Error> {
-    let body = sized(motion)?;
+fn with_thickness(body: KinematicTree, motion: &Trajectories) -> Result<Followed, Error> {
     let recorded = motion.select(&EVALUATION_JOINTS);
     let states = states(&body, &recorded, &FOLLOWING)?;
     let reached = points_of_states(&body, &states).select(&EVALUATION_JOINTS);
@@ -149,7 +159,9 @@ mod tests {
     /// Without the feet, of which recordings show one point: it does not say how they roll.
     #[test]
     fn walks_of_one_person_have_the_same_angles_in_every_recording() {
-        for (body, angles) in [(NamedBody::H32, 6..28), (NamedBody::Cf28, 6..28), (NamedBody::Hppf24, 6..24)] {
+        for (body, angles) in
+            [(NamedBody::H32, 6..28), (NamedBody::Cf28, 6..28), (NamedBody::Hppf24, 6..24), (NamedBody::Hapf31, 6..31)]
+        {
             let mut means: Vec<Vec<f64>> = vec![];
             for name in ["07_01", "07_02", "07_05", "07_10"] {
                 let Some((skeleton, motion)) = trial(name) else { return };
@@ -177,7 +189,7 @@ mod tests {
         for body in NamedBody::ALL {
             assert_eq!(NamedBody::find(body.name()), Some(body));
         }
-        assert_eq!(NamedBody::ALL.map(|body| body.tree().dof()), [32, 28, 24]);
+        assert_eq!(NamedBody::ALL.map(|body| body.tree().dof()), [32, 28, 24, 31]);
         assert_eq!(NamedBody::find("h31"), None);
     }
 

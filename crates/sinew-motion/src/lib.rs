@@ -5,14 +5,15 @@
 //! | [`points`] | named points in space over time, from states or from files |
 //! | [`recorded`] | the joints of a motion file, by the names that are in use |
 //! | [`cmu`] | the joints of recordings of the CMU database |
-//! | [`follow`] | one of three bodies by name, and its states along a motion |
+//! | [`follow`] | one of four bodies by name, and its states along a motion |
 //! | [`retarget`] | a body in a person's size, and its states along a motion |
-//! | [`hppf24_size`] | the body with thickness HPPF24 with the lengths of a person's segments |
-//! | [`hppf24_motion`] | the same for the body with thickness HPPF24, whose parts have one scale |
+//! | [`median_lengths`](mod@median_lengths) | the lengths of a person's segments, for the bodies of silhouettes |
+//! | [`damped_fit`] | states of such a body along a motion, each near the one before |
+//! | [`hppf24_scale`] | HPPF24 with one scale for all parts |
 //!
 //! ```
 //! use sinew_body::hppf24;
-//! use sinew_motion::hppf24_motion::{MotionFollowing, states};
+//! use sinew_motion::damped_fit::{MotionFollowing, states};
 //! use sinew_motion::points::points_of_states;
 //!
 //! let body = hppf24::tree(1.0);
@@ -25,10 +26,11 @@
 //! ```
 
 pub mod cmu;
+pub mod damped_fit;
 mod error;
 pub mod follow;
-pub mod hppf24_motion;
-pub mod hppf24_size;
+pub mod hppf24_scale;
+pub mod median_lengths;
 pub mod points;
 pub mod recorded;
 pub mod retarget;

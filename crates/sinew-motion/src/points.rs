@@ -1,5 +1,6 @@
 //! Named points in space over time.
 
+use crate::Error;
 use sinew_body::{KinematicTree, Plan, point_positions};
 use sinew_core::lanes::Isa;
 
@@ -17,6 +18,14 @@ impl Trajectories {
     #[must_use]
     pub fn index(&self, name: &str) -> Option<usize> {
         self.names.iter().position(|other| other == name)
+    }
+
+    /// The same, where there must be one.
+    ///
+    /// # Errors
+    /// [`Error::NoPoint`].
+    pub fn column(&self, name: &str) -> Result<usize, Error> {
+        self.index(name).ok_or_else(|| Error::NoPoint(name.to_owned()))
     }
 
     /// The points of the given names that exist, in that order.

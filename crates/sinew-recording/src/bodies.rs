@@ -12,7 +12,7 @@ use sinew_formats::source_text::MAX_CONFIG_BYTES;
 use std::path::Path;
 
 /// Names of the bodies that come with the project.
-pub const NAMES: [&str; 3] = ["h32", "cf28", "hppf24"];
+pub const NAMES: [&str; 4] = ["h32", "cf28", "hppf24", "hapf31"];
 
 /// The body of that name with the sizes of an adult of 1.75 m, or the body in a file.
 ///
@@ -31,6 +31,7 @@ pub fn to_track(name: &str) -> Result<Body, Error> {
         "h32" => Ok(Body::H32),
         "cf28" => Ok(Body::CF28),
         "hppf24" => Ok(Body::HPPF24),
+        "hapf31" => Ok(Body::HAPF31),
         _ => from_file(name).map(Body::File),
     }
 }
@@ -41,4 +42,23 @@ fn from_file(name: &str) -> Result<FileBody, Error> {
         return FileBody::read(name, &files::read_text(path, MAX_CONFIG_BYTES)?);
     }
     Err(UnknownBody { name: name.into(), known: &NAMES, nearest: nearest(name, NAMES) }.into())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Each of them has solids on all of its coordinates, and comes back from the name that a set-up stores.
+    #[test]
+    fn bodies_are_found_by_name_and_have_solids() {
+        for name in NAMES {
+            let body = to_track(name).unwrap();
+            assert_eq!(Body::try_from(String::from(body.clone())), Ok(body.clone()));
+            assert_eq!(body.name().to_lowercase(), name);
+            let tree = body.tree(&Proportions::default());
+            let mut coordinates = body.flesh(&tree).unwrap().coordinates(&tree).concat();
+            coordinates.sort_unstable();
+            assert!(coordinates.into_iter().eq(0..tree.dof()), "{name}");
+        }
+    }
 }

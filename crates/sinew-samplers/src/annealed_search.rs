@@ -112,6 +112,36 @@ impl Config {
     }
 }
 
+/// What one weighting did.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Weighed {
+    /// Exponent β.
+    pub exponent: f64,
+    /// Effective number D of states that the weights leave.
+    pub survivors: f64,
+    /// log Σ W_i exp β l_i.
+    pub log_sum: f64,
+}
+
+/// Step 1 of a layer: weighs the states by their density raised to β, where the part `survival` of the reached ones survives, or to a fixed exponent.
+///
+/// # Errors
+/// [`Error::OutOfRange`], [`Error::AllWeightsZero`], [`Error::BadWeight`]; the weights are then those before the call.
+pub fn weigh<D: LogDensity + ?Sized>(
+    particles: &mut Particles,
+    density: &D,
+    survival: f64,
+    fixed: Option<f64>,
+) -> Result<Weighed, Error> {
+    evaluate(particles, density);
+    let exponent = match fixed {
+        Some(beta) => beta,
+        None => exponent(&particles.values(), survival, MOST)?,
+    };
+    let log_sum = temper(particles, exponent)?;
+    Ok(Weighed { exponent, survivors: particles.effective_sample_size(), log_sum })
+}
+
 /// What the layers did.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Layers {
@@ -140,14 +170,11 @@ pub fn anneal<D: LogDensity + ?Sized>(
     let mut layers = Layers { exponents: vec![], survivors: vec![], log_sum: 0.0 };
     for weightings in 1..=config.layers {
         let is_last = weightings == config.layers;
-        evaluate(particles, density);
-        let beta = match config.last {
-            Last::Fixed(beta) if is_last => beta,
-            _ => exponent(&particles.values(), config.survival, MOST)?,
-        };
-        layers.log_sum = temper(particles, beta)?;
-        layers.exponents.push(beta);
-        layers.survivors.push(particles.effective_sample_size());
+        let fixed = if let Last::Fixed(beta) = config.last { Some(beta) } else { None };
+        let layer = weigh(particles, density, config.survival, fixed.filter(|_| is_last))?;
+        layers.log_sum = layer.log_sum;
+        layers.exponents.push(layer.exponent);
+        layers.survivors.push(layer.survivors);
         if is_last {
             break;
         }

@@ -33,6 +33,7 @@ pub mod chains;
 pub mod crossover;
 pub mod curvature;
 pub mod decoded;
+pub mod descent;
 pub mod diffusion;
 pub mod dual_averaging;
 mod error;

@@ -50,8 +50,9 @@ impl Particles {
         Ok(Self::of(dim, count, states))
     }
 
-    /// These states, equally weighted.
-    pub(crate) fn of(dim: usize, count: usize, states: Vec<Block>) -> Self {
+    /// `count` states in blocks of eight, equally weighted.
+    #[must_use]
+    pub fn of(dim: usize, count: usize, states: Vec<Block>) -> Self {
         Self {
             dim,
             count,

@@ -23,7 +23,7 @@ use sinew_core::lanes::Isa;
 use sinew_core::random::Stage;
 use sinew_core::transition::{MotionModel, Transition};
 use sinew_samplers::annealed_search::{self, Last, anneal};
-use sinew_samplers::particles::{Particles, aggregate, best, predict, resample, start};
+use sinew_samplers::particles::{Particles, aggregate, best};
 use std::fmt;
 use std::sync::Arc;
 
@@ -104,6 +104,11 @@ impl<T: Transition> Annealed<T> {
         &self.state.particles
     }
 
+    /// The same, to be put elsewhere.
+    pub(crate) fn particles_mut(&mut self) -> &mut Particles {
+        &mut self.state.particles
+    }
+
     /// Particle of the largest likelihood in the last layer of the last frame, and its log likelihood.
     #[must_use]
     pub fn best(&self) -> (Vec<f64>, f64) {
@@ -124,14 +129,7 @@ impl<T: Transition + Send, O: LogDensity + ?Sized> Tracker<O> for Annealed<T> {
         check_dimension("observation", observed.dim(), self.state.estimate.len())?;
         let Config { particles: count, layers: config } = &self.config;
         let [to_resample, to_predict, to_anneal] = stage.split(["resample", "predict", "layers"]);
-        let ParticleState { motion, estimate, started, .. } = &self.state;
-        let mut particles = self.state.particles.clone();
-        if *started {
-            let ancestors = resample(&particles, config.scheme, to_resample);
-            predict(&mut particles, Some(ancestors), motion, to_predict);
-        } else {
-            start(&mut particles, motion, estimate, to_predict);
-        }
+        let mut particles = self.state.moved(Some(config.scheme), to_resample, to_predict);
         let layers = match &self.validity {
             None => anneal(&mut particles, observed, &self.sd, config, self.isa, to_anneal),
             Some(validity) => {

@@ -53,6 +53,19 @@ impl<C: Decode, K> Decoded<C, K> {
     pub fn tracker(&self) -> &K {
         &self.tracker
     }
+
+    /// The decoder.
+    #[must_use]
+    pub fn decoder(&self) -> &C {
+        &self.decoder
+    }
+
+    /// Puts other draws and another estimate in the place of the last frame's; the tracker of the sampled state is to be given theirs.
+    pub(crate) fn replace(&mut self, states: Vec<Block>, estimate: Vec<f64>) -> &mut K {
+        self.states = states;
+        self.estimate = estimate;
+        &mut self.tracker
+    }
 }
 
 impl<O, C, K> Tracker<O> for Decoded<C, K>
@@ -71,12 +84,7 @@ where
     }
 
     fn posterior(&self) -> Posterior<'_> {
-        let sampled = Tracker::<Through<&O, &C>>::posterior(&self.tracker);
-        let dim = self.decoder.target_dim();
-        if self.states.is_empty() {
-            return Posterior { dim, states: &[], weights: &[], effective: 0.0, chain_stats: &[] };
-        }
-        Posterior { dim, states: &self.states, ..sampled }
+        Tracker::<Through<&O, &C>>::posterior(&self.tracker).as_poses(&self.states, self.decoder.target_dim())
     }
 
     fn estimate(&self) -> &[f64] {

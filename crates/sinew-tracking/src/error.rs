@@ -24,6 +24,9 @@ pub enum Error {
         /// Dimension expected.
         expected: usize,
     },
+    /// A decoder or a transition cannot be made.
+    #[error(transparent)]
+    Core(#[from] sinew_core::Error),
     /// A sampler refused.
     #[error(transparent)]
     Samplers(#[from] sinew_samplers::Error),

@@ -5,8 +5,10 @@ use crate::error::check_dimension;
 use crate::posterior::Posterior;
 use crate::resume::{blocks, check_length, put_blocks};
 use sinew_core::lanes::LANES;
-use sinew_core::transition::MotionModel;
-use sinew_samplers::particles::Particles;
+use sinew_core::random::Stage;
+use sinew_core::transition::{MotionModel, Transition};
+use sinew_samplers::particles::{Particles, predict, resample, start};
+use sinew_samplers::resample::Scheme;
 
 /// The memory of one tracker.
 #[derive(Clone, Debug)]
@@ -27,6 +29,21 @@ impl<T: MotionModel> ParticleState<T> {
         check_dimension("start", centre.len(), motion.dim())?;
         let particles = Particles::new(&centre, count)?;
         Ok(Self { motion, estimate: centre, particles, started: false })
+    }
+
+    /// The particles of a new frame: moved by the transition, in the first one drawn around the start; resampled before by a scheme, or as they are.
+    pub fn moved(&self, scheme: Option<Scheme>, to_resample: Stage, to_predict: Stage) -> Particles
+    where
+        T: Transition,
+    {
+        let mut particles = self.particles.clone();
+        if self.started {
+            let ancestors = scheme.map(|scheme| resample(&particles, scheme, to_resample));
+            predict(&mut particles, ancestors, &self.motion, to_predict);
+        } else {
+            start(&mut particles, &self.motion, &self.estimate, to_predict);
+        }
+        particles
     }
 
     /// Ends a frame with its estimate. Returns whether there was one before.

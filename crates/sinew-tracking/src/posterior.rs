@@ -23,7 +23,15 @@ pub struct Posterior<'a> {
     pub chain_stats: &'a [ChainStat],
 }
 
-impl Posterior<'_> {
+impl<'a> Posterior<'a> {
+    /// The same draws as what they decode to; none where nothing has been decoded.
+    pub(crate) fn as_poses(self, states: &'a [Block], dim: usize) -> Self {
+        if states.is_empty() {
+            return Self { dim, states: &[], weights: &[], effective: 0.0, chain_stats: &[] };
+        }
+        Self { dim, states, ..self }
+    }
+
     /// Number of draws.
     #[must_use]
     pub fn count(&self) -> usize {

@@ -142,6 +142,7 @@ impl Whole {
         let body = match settings.iter().find(|(key, _)| *key == "body") {
             Some((_, "cf28")) => setup::Body::CF28,
             Some((_, "hppf24")) => setup::Body::HPPF24,
+            Some((_, "hapf31")) => setup::Body::HAPF31,
             _ => setup::Body::H32,
         };
         let request = setup::SetupRequest { body, ..setup::SetupRequest::default() };

@@ -1,6 +1,6 @@
 //! The value of the set-up pass and its file, `setup.toml`.
 //!
-//! `body` is `"H32"`, `"CF28"`, `"HPPF24"`, or the whole text of a body file, so that the set-up repeats a run when that file is gone.
+//! `body` is `"H32"`, `"CF28"`, `"HPPF24"`, `"HAPF31"`, or the whole text of a body file, so that the set-up repeats a run when that file is gone.
 
 use super::colours::MeasuredColours;
 use super::error::SetupError;
@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 use sinew_body::flesh::Flesh;
 use sinew_body::standard::{cf28, h32};
 use sinew_body::standard_flesh::standard_flesh;
-use sinew_body::{KinematicTree, Proportions, hppf24};
+use sinew_body::{KinematicTree, Proportions, hapf31, hppf24};
 use sinew_formats::body_toml;
 use sinew_observe::{Camera, View};
 
@@ -28,6 +28,8 @@ pub enum Body {
     CF28,
     /// The body of Husz, Wallace & Green (2007), 24 degrees of freedom.
     HPPF24,
+    /// The body of Raskin, Rudzsky & Rivlin (2011), 31 degrees of freedom.
+    HAPF31,
     /// The body of a file, with the sizes that it has there.
     File(FileBody),
 }
@@ -58,12 +60,12 @@ impl FileBody {
 }
 
 impl Body {
-    /// What builds a standard body from the subject's sizes. The subject of HPPF24, which has another root, and of a body file is measured with H32: sizes show whether the units are right and what is
-    /// missing; HPPF24 takes them, and a body of a file keeps its own.
+    /// What builds a standard body from the subject's sizes. The subject of HPPF24 and HAPF31, which have few points, and of a body file is measured with H32: sizes show whether the units are right and
+    /// what is missing; these two take them, and a body of a file keeps its own.
     #[must_use]
     pub const fn builder(&self) -> fn(&Proportions) -> KinematicTree {
         match self {
-            Self::H32 | Self::HPPF24 | Self::File(_) => h32,
+            Self::H32 | Self::HPPF24 | Self::HAPF31 | Self::File(_) => h32,
             Self::CF28 => cf28,
         }
     }
@@ -75,10 +77,11 @@ impl Body {
             Self::File(body) => body.tree.clone(),
             Self::H32 | Self::CF28 => self.builder()(proportions),
             Self::HPPF24 => hppf24::sized(proportions),
+            Self::HAPF31 => hapf31::sized(proportions),
         }
     }
 
-    /// The solids of the body that is tracked: the solids of its file, the paper's of HPPF24, else the standard flesh of its [`Body::tree`].
+    /// The solids of the body that is tracked: the solids of its file, the papers' of HPPF24 and HAPF31, else the standard flesh of its [`Body::tree`].
     ///
     /// # Errors
     /// A body of a file without solids whose links have none of the standard names.
@@ -86,6 +89,7 @@ impl Body {
         match self {
             Self::File(FileBody { flesh: Some(flesh), .. }) => Ok(flesh.clone()),
             Self::HPPF24 => hppf24::flesh_on(tree).map_err(SetupError::NoFlesh),
+            Self::HAPF31 => hapf31::flesh_on(tree).map_err(SetupError::NoFlesh),
             _ => standard_flesh(tree).map_err(SetupError::NoFlesh),
         }
     }
@@ -109,6 +113,7 @@ impl Body {
             Self::H32 => "H32",
             Self::CF28 => "CF28",
             Self::HPPF24 => "HPPF24",
+            Self::HAPF31 => "HAPF31",
             Self::File(_) => "the body of the file",
         }
     }
@@ -131,8 +136,9 @@ impl TryFrom<String> for Body {
             "H32" => Ok(Self::H32),
             "CF28" => Ok(Self::CF28),
             "HPPF24" => Ok(Self::HPPF24),
+            "HAPF31" => Ok(Self::HAPF31),
             _ if text.contains("[[link]]") => FileBody::read("body", &text).map(Self::File).map_err(|e| e.to_string()),
-            _ => Err(format!("unknown body `{text}`; known: H32, CF28, HPPF24, or the text of a body file")),
+            _ => Err(format!("unknown body `{text}`; known: H32, CF28, HPPF24, HAPF31, or the text of a body file")),
         }
     }
 }

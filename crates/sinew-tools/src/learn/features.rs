@@ -1,6 +1,6 @@
 //! The feature vectors of a body: which coordinates move together.
 //!
-//! HPPF24 has the 14 of Husz, Wallace & Green (2007): all joint angles, head, arms and legs, and each part of a limb, by the names of the body's links. The standard bodies have one, since their
+//! HPPF24 has the 14 of Husz, Wallace & Green (2007): all joint angles, head, arms and legs, and each part of a limb, by the names of the body's links. The others have one, since their
 //! model is used as the prior of the whole body: all coordinates except root and feet. Recordings show one point of a foot, which does not say how it rolls, so that the same step has other angles in each; the feet walk at
 //! random.
 

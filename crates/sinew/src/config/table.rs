@@ -57,7 +57,7 @@ const FIRST: &[Setting] = &[
     rare((INPUT, "mask_scale", FACTOR, "S", "", "size of the masks over that of the calibrated images [default: as the keypoints']")),
     rare((INPUT, "up_axis", AXES, "AXIS", "", "axis of the calibration's world that points up; results are in a world turned to z up [default: +z]")),
     common((METHOD, "method", SettingKind::Choice(&[]), "NAME", "", "")),
-    common((METHOD, "body", SettingKind::NameOrPath, "NAME", "h32", "body: h32, cf28, hppf24 or a body file")),
+    common((METHOD, "body", SettingKind::NameOrPath, "NAME", "h32", "body: h32, cf28, hppf24, hapf31 or a body file")),
     common((METHOD, "setup", SettingKind::Path, "FILE", "", "set-up of an earlier run, its setup.toml")),
     common((METHOD, "init", SettingKind::NameOrPath, "FROM", "", "start of silhouettes alone: `keypoints` or a TRC file of points")),
     common((METHOD, "setup_frames", SettingKind::Frames, "A..B", "", "frames for the set-up, thinned where many [default: all]")),

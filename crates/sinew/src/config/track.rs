@@ -53,7 +53,7 @@ pub struct TrackConfig {
     pub trim: bool,
     /// Axis of the calibration's world that points up; `+z`, or what the set-up says, if `None`.
     pub up_axis: Option<String>,
-    /// `h32`, `cf28`, `hppf24` or the path of a body file.
+    /// `h32`, `cf28`, `hppf24`, `hapf31` or the path of a body file.
     pub body: String,
     /// Set-up of an earlier run.
     pub setup: Option<PathBuf>,

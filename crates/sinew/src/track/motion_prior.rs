@@ -7,7 +7,7 @@ use crate::Error;
 use crate::config::settings::Settings;
 use crate::setup::{Setup, motion_noise};
 use sinew_body::standard::{cf28, h32};
-use sinew_body::{Joint, KinematicTree, Proportions, hppf24};
+use sinew_body::{Joint, KinematicTree, Proportions, hapf31, hppf24};
 use sinew_dynamics::motion_prior::MotionPrior;
 use sinew_dynamics::primitives::model::PrimitiveModel;
 use sinew_dynamics::primitives::motion::PrimitiveMotion;
@@ -57,6 +57,7 @@ pub fn check_model(model: &PrimitiveModel, tree: &KinematicTree, fps: f64) -> Re
         "h32" => Some(h32(&Proportions::default())),
         "cf28" => Some(cf28(&Proportions::default())),
         "hppf24" => Some(hppf24::tree(1.0)),
+        "hapf31" => Some(hapf31::sized(&Proportions::default())),
         _ => None,
     };
     let is_same = learned.is_some_and(|learned| learned.dof_names() == tree.dof_names()) && model.dim == tree.dof();

@@ -5,7 +5,8 @@
 use crate::outcome::Outcome;
 use sinew::body::{KinematicTree, hppf24};
 use sinew::files::{FNV_START, fnv};
-use sinew_motion::hppf24_motion::{self, MotionFollowing, Scale};
+use sinew_motion::damped_fit::{self, MotionFollowing};
+use sinew_motion::hppf24_scale::{self, Scale};
 use sinew_motion::points::{Trajectories, points_of_states};
 use sinew_simulate::walker::{Gait, Walker, walker_states};
 use sinew_tests::evaluation::joint_errors::joint_errors_mm;
@@ -43,14 +44,14 @@ const FOLLOWING: MotionFollowing = MotionFollowing { damping: 1e-3, first_refits
 impl Walk {
     /// Fits the body.
     pub(super) fn new(name: &str, motion: Trajectories) -> Outcome<Self> {
-        let scale = hppf24_motion::scale(&motion, &LIMBS, Scale::Medians)?;
+        let scale = hppf24_scale::scale(&motion, &LIMBS, Scale::Medians)?;
         let tree = hppf24::tree(scale);
         let names: Vec<&str> = tree.points().iter().map(|point| point.name.as_str()).collect();
         let seen = motion.select(&names);
         if seen.names != names {
             return Err("a joint of evaluation is missing".into());
         }
-        let states = hppf24_motion::states(&tree, &seen, &FOLLOWING)?;
+        let states = damped_fit::states(&tree, &seen, &FOLLOWING)?;
         Ok(Self { name: name.into(), motion, scale, tree, states })
     }
 

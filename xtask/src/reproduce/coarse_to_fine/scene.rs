@@ -12,7 +12,8 @@ use sinew::body::standard::EVALUATION_JOINTS;
 use sinew::body::{KinematicTree, hppf24};
 use sinew::files::fnv;
 use sinew::samplers::grid::{self, GridAxis, LEAST_WIDTH, Width};
-use sinew_motion::hppf24_motion::{self, MotionFollowing, Scale};
+use sinew_motion::damped_fit::{self, MotionFollowing};
+use sinew_motion::hppf24_scale::{self, Scale};
 use sinew_motion::points::mean_distance;
 use sinew_motion::points::{Trajectories, points_of_states};
 use sinew_simulate::combo::{Sequence, TURN_RADIUS_M, Trial, combo, synthetic_combo};
@@ -141,14 +142,14 @@ impl Scene {
         let trained = training(folder)?;
         let sequence = if which == Tracked::Test { test } else { trained.clone() };
         let trained = trained.motion;
-        let scale = hppf24_motion::scale(&sequence.motion, &SEGMENTS, Scale::LeastSquares)?;
+        let scale = hppf24_scale::scale(&sequence.motion, &SEGMENTS, Scale::LeastSquares)?;
         let tree = hppf24::tree(scale);
         let mut tracked = sequence.motion.clone();
         tracked.frames.truncate(frames);
         let following = MotionFollowing::default();
-        let truth = hppf24_motion::states(&tree, &tracked, &following)?;
+        let truth = damped_fit::states(&tree, &tracked, &following)?;
         // Trials for training have the first one's person, of other lengths where there are no recordings.
-        let poses = hppf24_motion::states(&tree, &trained, &following)?;
+        let poses = damped_fit::states(&tree, &trained, &following)?;
         let fit_error_m = [error_m(&tree, &truth, &tracked), error_m(&tree, &poses, &trained)];
         let mean = |j: usize| poses.iter().map(|pose| pose[j]).sum::<f64>() / poses.len() as f64;
         Ok(Self {
