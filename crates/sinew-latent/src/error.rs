@@ -40,6 +40,15 @@ pub enum Error {
     /// A model whose latents have no dynamics.
     #[error("the model has no dynamics; expected one of kind gpdm or hgplvm")]
     NoDynamics,
+    /// A model with several roots, where one is needed.
+    #[error("the model has {found} roots, one a motion; expected one root over all motions")]
+    Roots {
+        /// Roots found.
+        found: usize,
+    },
+    /// Nodes that make no tree of latent spaces.
+    #[error(transparent)]
+    Tree(#[from] sinew_core::Error),
     /// Principal components do not exist.
     #[error(transparent)]
     Principal(#[from] sinew_dynamics::Error),

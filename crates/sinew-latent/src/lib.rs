@@ -21,5 +21,6 @@ pub mod principal;
 mod process;
 pub mod space;
 pub mod training;
+pub mod tree;
 
 pub use error::Error;

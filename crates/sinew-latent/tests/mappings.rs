@@ -15,7 +15,8 @@ use sinew_latent::model::LatentModel;
 use sinew_latent::motion::{LatentMotion, StepNoise, path};
 use sinew_latent::space::{Below, Space, ToChild};
 use sinew_latent::training::{Config, Training};
-use sinew_latent::{gpdm, gplvm, hgplvm};
+use sinew_latent::tree::hierarchy;
+use sinew_latent::{Error, gpdm, gplvm, hgplvm};
 use std::sync::Arc;
 
 const COLUMNS: usize = 7;
@@ -283,6 +284,40 @@ fn a_tree_decodes_as_its_nodes_do_one_after_the_other() {
             assert!((a - b).abs() < 1e-12 * b.abs().max(1.0));
         }
     }
+}
+
+#[test]
+fn a_model_is_a_tree_for_trackers() {
+    let model = learned_hgplvm();
+    let tree = hierarchy(&model, Isa::baseline()).expect("a tree");
+    let layers: Vec<usize> = tree.nodes().iter().map(|node| node.layer).collect();
+    assert_eq!(layers, [1, 2, 2, 3, 3]);
+    assert_eq!(tree.nodes()[2].coordinates, [1, 2, 4, 5, 6]);
+    // Going down changes no pose.
+    for x in points(2) {
+        for child in tree.nodes() {
+            let (Some(parent), Some(down)) = (child.parent, &child.from_parent) else { continue };
+            let above = &tree.nodes()[parent];
+            let (mut latent, mut own) = (vec![0.0; child.pose.source_dim()], vec![0.0; child.coordinates.len()]);
+            let mut whole = vec![0.0; above.coordinates.len()];
+            down.decode(&x, &mut latent);
+            child.pose.decode(&latent, &mut own);
+            above.pose.decode(&x, &mut whole);
+            for (coordinate, value) in child.coordinates.iter().zip(own) {
+                let place = above.coordinates.iter().position(|other| other == coordinate).expect("of the parent");
+                assert!((whole[place] - value).abs() < 1e-12 * value.abs().max(1.0));
+            }
+        }
+    }
+    let config = hgplvm::Config { tree: two_leaves(), root_per_motion: true };
+    let roots = hgplvm::model(&data(), COLUMNS, &LENGTHS, &[1, 1], &config).expect("valid");
+    assert_eq!(hierarchy(&roots, Isa::baseline()).err(), Some(Error::Roots { found: 2 }));
+}
+
+/// A root over two leaves.
+fn two_leaves() -> Vec<Branch> {
+    let branch = |parent, columns: std::ops::Range<usize>| Branch { parent, dim: 2, columns: columns.collect() };
+    vec![branch(None, 0..0), branch(Some(0), 0..3), branch(Some(0), 3..COLUMNS)]
 }
 
 #[test]
