@@ -21,6 +21,7 @@ pub mod kernels;
 pub mod linear_series;
 pub mod missing_limbs;
 pub mod mixture_filter;
+pub mod oil_flow;
 pub mod outcome;
 pub mod partitioned_laws;
 pub mod planted_hmc;

@@ -6,6 +6,7 @@ mod coverage;
 mod filter_priors;
 mod motion_prior;
 mod mutants;
+mod oil_flow;
 mod outcome;
 mod picture;
 mod processor_time;
@@ -42,6 +43,8 @@ enum Command {
     Coverage(coverage::Args),
     /// Measure what a learned motion model is worth as a prior on keypoints: the tables of docs/evidence/experiments/motion-prior.md.
     MotionPrior(motion_prior::Args),
+    /// Learn GPLVMs of the oil flow data: a table of docs/evidence/latent.md.
+    OilFlow(oil_flow::Args),
     /// Draw docs/images/demo.svg and real.png, the pictures of the guide and the README.
     Picture,
     /// Reproduce a paper: its tables and figures on our data, its claims judged.
@@ -66,6 +69,7 @@ fn main() -> ExitCode {
         Command::Mutants(args) => mutants::run(root, &args),
         Command::Coverage(args) => coverage::run(root, &args),
         Command::MotionPrior(args) => motion_prior::run(root, &args),
+        Command::OilFlow(args) => oil_flow::run(root, &args),
         Command::Picture => picture::run(root),
         Command::Reproduce(args) => reproduce::run(root, &args),
         Command::Silhouettes(args) => silhouettes::run(root, &args),

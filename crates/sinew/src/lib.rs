@@ -36,6 +36,7 @@ pub use sinew_body as body;
 pub use sinew_core as core;
 pub use sinew_dynamics as dynamics;
 pub use sinew_formats as formats;
+pub use sinew_latent as latent;
 pub use sinew_observe as observe;
 pub use sinew_samplers as samplers;
 pub use sinew_tracking as tracking;
