@@ -1,4 +1,6 @@
-//! The body of Raskin, Rudzsky & Rivlin (2011), after Balan, Sigal & Black (2005): place and orientation λ, 25 angles ω, ten truncated cones; and the tree of its latent spaces.
+//! The body of Raskin, Rudzsky & Rivlin (2011), after Balan, Sigal & Black (2005).
+//!
+//! Place and orientation λ, 25 angles ω, ten truncated cones, and the tree of its latent spaces.
 //!
 //! | index | ω | what |
 //! |---|---|---|
@@ -10,7 +12,7 @@
 //! | 18–20, 21; 24–26, 27 | 12–15; 18–21 | left, right shoulder about z, y, x, elbow |
 //! | 28–30 | 22–24 | head, about z, y, x |
 //!
-//! The paper gives counts only; axes and the grouping are ours. The body it cites has the thorax' angles after the arms; here, as everywhere, those of a link come after its parent's.
+//! The paper gives counts only; axes and the grouping are ours. The body it cites has the thorax' angles after the arms; here, as everywhere, a link's angles come after its parent's.
 
 use crate::Error;
 use crate::flesh::Flesh;
@@ -232,7 +234,7 @@ mod tests {
             );
         }
         let tree = sized(&Proportions::default());
-        let of_links = |names: &[&str]| -> Vec<usize> {
+        let links_angles = |names: &[&str]| -> Vec<usize> {
             let coordinates = |name: &&str| {
                 let link = tree.link_index(name).expect("a link");
                 let first = tree.first_dof(link) - FREE;
@@ -241,8 +243,8 @@ mod tests {
             names.iter().flat_map(coordinates).collect()
         };
         let named = |name: &str| HIERARCHY.iter().find(|space| space.name == name).expect("a space").coordinates();
-        assert_eq!(named("l_leg"), of_links(&["l_thigh", "l_shin"]));
-        assert_eq!(named("r_arm"), of_links(&["r_clavicle", "r_upper_arm", "r_forearm"]));
-        assert_eq!(named("upper_body"), of_links(&["thorax", "head"]));
+        assert_eq!(named("l_leg"), links_angles(&["l_thigh", "l_shin"]));
+        assert_eq!(named("r_arm"), links_angles(&["r_clavicle", "r_upper_arm", "r_forearm"]));
+        assert_eq!(named("upper_body"), links_angles(&["thorax", "head"]));
     }
 }

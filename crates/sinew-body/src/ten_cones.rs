@@ -1,4 +1,6 @@
-//! The flesh of the bodies of trackers on silhouettes: ten truncated elliptical cones, of torso, head, and upper and lower limbs, on links of these names.
+//! Ten truncated elliptical cones, the flesh of bodies that are tracked on silhouettes.
+//!
+//! Torso, head, and upper and lower limbs, on links of these names.
 
 use crate::Error;
 use crate::flesh::{DOWNWARDS, Flesh, Solid, UPWARDS};

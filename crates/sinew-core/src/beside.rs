@@ -1,13 +1,15 @@
-//! A decoder of some coordinates of a state, beside others that pass unchanged: a latent pose beside a place and a heading that no latent space holds.
+//! A decoder of some coordinates of a state, beside others that pass unchanged.
 //!
-//! The decoded state is [λ, ω], λ of `free` coordinates; the decoder writes those of ω that it was made for. The sampled state is [λ, θ, ρ]: θ is decoded, ρ is the rest of ω in ascending order.
+//! For instance of a latent pose, beside a place and a heading that no latent space holds.
+//!
+//! The decoded state is [λ, ω], λ of `free` coordinates; the decoder writes the coordinates of ω that it was made for. The sampled state is [λ, θ, ρ]: θ is decoded, ρ is the rest of ω in ascending order.
 
 use crate::Error;
 use crate::decode::Decode;
 use crate::lanes::{Block, triangle};
 use crate::part::Part;
 
-/// The decoder. Law: those of every [`Decode`], if the decoder of θ has them.
+/// The decoder. Law: all laws of [`Decode`], if the decoder of θ keeps them.
 #[derive(Clone, Debug)]
 pub struct Beside<C> {
     decoder: C,
@@ -98,19 +100,19 @@ impl<C: Decode> Decode for Beside<C> {
     fn pullback_matrix_block(&self, x: &[Block], matrix_out: &[Block], matrix: &mut [Block], ws: &mut [Block]) {
         let (m, n, theta) = (self.decoded.len(), self.decoder.source_dim(), &x[self.latent()]);
         let symmetric = |a: usize, b: usize| triangle(a.max(b), a.min(b));
-        let (of_decoded, ws) = ws.split_at_mut(triangle(m, 0));
-        let (of_latent, ws) = ws.split_at_mut(triangle(n, 0));
+        let (target_matrix, ws) = ws.split_at_mut(triangle(m, 0));
+        let (latent_matrix, ws) = ws.split_at_mut(triangle(n, 0));
         let (row, ws) = ws.split_at_mut(m);
         let (pulled, ws) = ws.split_at_mut(n);
         for (a, &i) in self.decoded.iter().enumerate() {
             for (b, &k) in self.decoded[..=a].iter().enumerate() {
-                of_decoded[triangle(a, b)] = matrix_out[symmetric(i, k)];
+                target_matrix[triangle(a, b)] = matrix_out[symmetric(i, k)];
             }
         }
-        self.decoder.pullback_matrix_block(theta, of_decoded, of_latent, ws);
+        self.decoder.pullback_matrix_block(theta, target_matrix, latent_matrix, ws);
         for a in 0..n {
             for b in 0..=a {
-                matrix[triangle(self.free + a, self.free + b)] = of_latent[triangle(a, b)];
+                matrix[triangle(self.free + a, self.free + b)] = latent_matrix[triangle(a, b)];
             }
         }
         for (from, to) in self.pairs() {

@@ -1,4 +1,6 @@
-//! A tree of latent spaces for a tracker to walk down (Lawrence & Moore 2007; Raskin, Rudzsky & Rivlin 2011): the root holds the whole pose, the nodes below parts of it, the leaves parts that cover it once.
+//! A tree of latent spaces for a tracker to walk down.
+//!
+//! After Lawrence & Moore (2007) and Raskin, Rudzsky & Rivlin (2011). The root holds the whole pose, the nodes below parts of it, the leaves parts that cover it once.
 //!
 //! Node n of latent θ_n covers some coordinates of the pose: ω|n = ℘_n(θ_n), [`Node::pose`]. A parent's latent says where that of a child is to be looked for: θ_c = φ_c(θ_n), [`Node::from_parent`]. The root's [`Decode::encode`] is ℘⁻¹.
 //! Where ℘_n(θ)|c = ℘_c(φ_c(θ)) for all children c, going down changes no pose. Nothing is known here of what the maps are, nor of coordinates that come before ω and belong to no latent space.

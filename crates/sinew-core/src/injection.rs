@@ -1,6 +1,8 @@
-//! A transition that now and then starts elsewhere: from one of given latents, each as probable as any other, so that a lost tracker may find back.
+//! A transition that now and then starts from one of given latents.
 //!
-//! p(s' | s) = (1 − ε) T(s' | s) + (ε / K) Σ_k T(s' | s with θ_k for its latent coordinates), for a transition T and latents θ_1 … θ_K, for instance those of the training poses. With ε = 0 it is T, to the bit.
+//! Each of them is as probable as any other; a lost tracker may so find back.
+//!
+//! p(s' | s) = (1 − ε) T(s' | s) + (ε / K) Σ_k T(s' | s with θ_k for its latent coordinates), for a transition T and latents θ_1 … θ_K, for instance the latents of training poses. With ε = 0 it is T, to the bit.
 
 use crate::Error;
 use crate::lanes::{Block, LANES};

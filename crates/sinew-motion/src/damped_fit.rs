@@ -1,9 +1,11 @@
-//! States of a body along a motion, each near the one before, so that turns that no point shows stay where they are.
+//! States of a body along a motion, each near the one before.
+//!
+//! Turns that no point shows so stay where they are.
 //!
 //! 1. In the first frame the body stands upright at the hips, turned as they are, elbows and knees slightly bent; in every other it starts from the pose before.
 //! 2. Least squares on the points ([`fit_pose`]), angles unwrapped.
 //!
-//! For bodies whose root has a position and then, about z, a heading, and whose links are named as those of HPPF24 and HAPF31.
+//! For bodies whose root has a position and then, about z, a heading, and whose links have the names that HPPF24 and HAPF31 give them.
 
 use crate::error::Error;
 use crate::points::{Trajectories, points_of_states};

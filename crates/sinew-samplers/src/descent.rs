@@ -1,4 +1,6 @@
-//! From one latent space of a hierarchy to the next below, and from its leaves back to whole poses (Raskin, Rudzsky & Rivlin 2011, eqs. 4 to 8).
+//! Down a hierarchy of latent spaces, and from its leaves back to whole poses.
+//!
+//! After Raskin, Rudzsky & Rivlin (2011, eqs. 4 to 8).
 //!
 //! States of a node are [λ, θ, ρ] ([`Beside`]): free coordinates, the node's latent, and the coordinates of the pose that the node does not cover, as its ancestors left them.
 //!
@@ -51,7 +53,7 @@ pub struct PosePart<'a> {
     pub coordinates: Vec<usize>,
 }
 
-/// Poses of dimension `dim`, of which the first `free` coordinates are λ, from the chosen ones of each part, which together hold all others once; idle lanes are those of the last pose.
+/// Poses of dimension `dim`, of which the first `free` coordinates are λ, from the chosen ones of each part, which together hold all others once; idle lanes repeat the last pose.
 #[must_use]
 pub fn assemble(parts: &[PosePart<'_>], ancestors: &[Ancestors], free: usize, dim: usize) -> Vec<Block> {
     let count = ancestors.first().map_or(0, Vec::len);

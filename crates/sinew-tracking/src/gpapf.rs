@@ -108,7 +108,7 @@ impl<C: Decode, T: Transition> Gpapf<C, T> {
         Some((0..particles.count()).filter(is_off).count() as f64 / particles.count() as f64)
     }
 
-    /// One more layer, among poses: those of the last one by their weights, diffused and weighed. With their sampled states.
+    /// One more layer, among poses: poses of the last one, drawn by their weights, diffused and weighed. With their sampled states.
     fn refined<O: LogDensity + ?Sized>(
         &self,
         observed: &O,

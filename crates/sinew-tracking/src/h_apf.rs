@@ -58,7 +58,7 @@ pub struct Config {
     pub scheme: Scheme,
     /// What a frame reports.
     pub estimate: Estimate,
-    /// Whether the particles of the last visit go on as they are, with their weights, in place of step 5; only where the root is all there is.
+    /// Whether the particles of the last visit are kept as they are, with their weights, in place of step 5; only where the root is all there is.
     pub carry_latent: bool,
 }
 
@@ -95,7 +95,7 @@ pub struct HApf<T> {
 }
 
 impl<T: Transition> HApf<T> {
-    /// A tracker that starts at a pose [λ, ω]. `motion` moves [λ, θ] of the root from frame to frame; `lambda_sd` are the standard deviations of λ's noise, those of the latents are the nodes'.
+    /// A tracker that starts at a pose [λ, ω]. `motion` moves [λ, θ] of the root from frame to frame; `lambda_sd` are the standard deviations of λ's noise; the nodes have their latents'.
     ///
     /// # Errors
     /// [`Error::Config`], [`Error::Dimension`], [`Error::NotEncoded`], standard deviations out of range, or no particles.

@@ -1,4 +1,6 @@
-//! The latent spaces of a hierarchy as a tracker moves in them: particles [λ, θ, ρ] of each node ([`Beside`]), their noise, and what the leaves make of a pose together.
+//! The latent spaces of a hierarchy as a tracker moves in them.
+//!
+//! Particles [λ, θ, ρ] of each node ([`Beside`]), their noise, and what the leaves make of a pose together.
 
 use crate::Error;
 use sinew_core::beside::Beside;
@@ -67,7 +69,7 @@ impl LatentSpaces {
         &self.nodes[node].0
     }
 
-    /// The particles of a node for a visit, 0 the first: from those of its parent where its layer is new, else from its own.
+    /// The particles of a node for a visit, 0 the first: from its parent's where its layer is new, else from its own.
     pub fn renewed(
         &self,
         sets: &[Particles],

@@ -48,7 +48,7 @@ pub struct StepInfo {
     pub survivors: Vec<f64>,
     /// For each part, in ascending order, the choices of its motion ([`sinew_core::transition::Choices`]) that moved it, with the share of the particles that have each after all resampling of the frame; without parts nothing.
     pub choices: Vec<Vec<(u32, f64)>>,
-    /// Share of the particles whose latent is where the model of poses knows next to nothing; of trackers in a latent space that were told how to see it.
+    /// Share of the particles whose latent is where the model of poses knows next to nothing; of trackers in a latent space that were given its variance.
     pub off_manifold: Option<f64>,
     /// Evaluations of the observation's log density without gradient.
     pub likelihood_evaluations: usize,

@@ -13,7 +13,7 @@ pub const LIMB: usize = 4;
 pub const PLACE: usize = 2;
 pub const DIM: usize = PLACE + LIMBS * LIMB;
 
-/// A latent of two, from which matrices make those of parts, which stand one after the other.
+/// A latent of two, from which matrices make latents of parts, which stand one after the other.
 pub struct Stack {
     pub parts: Vec<(Arc<AnyDecode>, Arc<AnyDecode>)>,
     /// All matrices, row after row.
