@@ -32,5 +32,6 @@ pub mod side_by_side;
 mod through;
 pub mod toy;
 pub mod transition;
+pub mod within;
 
 pub use error::Error;
