@@ -4,6 +4,7 @@
 //! Used by the fuzz targets and by `tests/tests/corpus.rs`, like [`super::checks`].
 
 use sinew::config::settings::Settings;
+use sinew::core::decode::Decode as _;
 use sinew::core::lanes::Isa;
 use sinew::core::transition::{MotionModel as _, Transition as _};
 use sinew::dynamics::primitives::{file, motion::PrimitiveMotion};
@@ -19,6 +20,10 @@ use sinew::track::Pipeline;
 use sinew::track::checkpoint::Checkpoint;
 use sinew::tracking::{bootstrap, hmc_filter};
 use sinew::{RecordingError, formats::Layout, observe::Camera};
+use sinew_latent::file as latent_file;
+use sinew_latent::model::Prior;
+use sinew_latent::motion::{LatentMotion, StepNoise};
+use sinew_latent::space::Below;
 use sinew_simulate::recording::{Script, SyntheticRecording};
 use sinew_tools::Error;
 use sinew_tools::inspect::{Subject, file_facts};
@@ -139,6 +144,36 @@ pub fn primitive_model(data: &[u8]) {
             .unwrap_or_else(|error| panic!("{error} of a model that was read"));
         (0..model.length.min(8)).for_each(|_| motion.follow(None, &rest));
         assert!(!motion.log_density(&rest, &rest).is_nan());
+    }
+}
+
+/// A latent model; what is written of one is read as the same, and all its maps are made and used.
+pub fn latent_model(data: &[u8]) {
+    inspected("model.json", data, Subject::LatentModel);
+    let Ok(text) = std::str::from_utf8(data) else { return };
+    let stored = match latent_file::read("model.json", text) {
+        Ok(stored) => stored,
+        Err(error) => return assert!(!error.to_string().is_empty() && !error.help().is_empty()),
+    };
+    let written = latent_file::write("written", &stored).expect("a model that was read can be written");
+    assert_eq!(latent_file::read("written", &written).as_ref(), Ok(&stored));
+    let model = &stored.model;
+    let never = |error| -> ! { panic!("{error} of a model that was read") };
+    for root in model.roots() {
+        let node = &model.nodes[root];
+        let below = Below::new(model, root, Isa::baseline()).unwrap_or_else(|error| never(error));
+        assert_eq!(below.columns().len(), model.columns);
+        let latent = below.encode(model.row(node.rows.start)).expect("a latent");
+        let mut decoded = vec![0.0; model.columns];
+        for x in [&latent, node.latent(0)] {
+            below.decode(x, &mut decoded);
+            assert!(x.iter().chain(&decoded).all(|x| x.is_finite()), "{x:?} {decoded:?}");
+        }
+        if let Prior::Dynamics { .. } = model.prior {
+            let motion = LatentMotion::new(model, root, StepNoise::Predicted, Isa::baseline());
+            let motion = motion.unwrap_or_else(|error| never(error));
+            assert!(motion.mean(node.latent(0)).iter().chain(&motion.variances(node.latent(0))).all(|x| x.is_finite()));
+        }
     }
 }
 

@@ -72,4 +72,6 @@ fn valid_files_are_read() {
     formats::tidy_csv::read_numbers("valid", &text("tidy_csv")).unwrap();
     let model = sinew::dynamics::primitives::file::read("valid", &text("primitive_model")).unwrap();
     assert_eq!(model.primitives[1].feature.coordinates, [2, 1]);
+    let model = sinew_latent::file::read("valid", &text("latent_model")).unwrap();
+    assert_eq!(model.model.nodes.len(), 4);
 }

@@ -159,5 +159,6 @@ targets! {
     result_tables: 10_000,
     checkpoint: 10_000,
     primitive_model: 10_000,
+    latent_model: 10_000,
     filter_step: 1_000,
 }

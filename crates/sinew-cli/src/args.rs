@@ -88,6 +88,7 @@ impl General {
         let used: &[&str] = match command {
             Command::Demo(_) | Command::Track(_) => return vec![],
             Command::Inspect(_) => &["config", "out", "force"],
+            Command::Learn { what: LearnCommand::Latent(_) } => &["out", "force", "threads"],
             Command::Simulate(_) | Command::Learn { .. } => &["out", "force", "seed", "threads"],
             Command::Convert(_) => &["force"],
             Command::Segment(_) | Command::Overlay(_) | Command::FitShape(_) => &["out", "force"],
@@ -136,7 +137,7 @@ pub(crate) enum Command {
         "sinew track --body body.toml --calibration Calib.toml --silhouettes masks --init start.trc"
     ))]
     FitShape(FitShapeArgs),
-    /// Learn a motion model from motion files
+    /// Learn a model of motion or poses from motion files
     #[command(
         disable_help_subcommand = true,
         subcommand_help_heading = "Models",

@@ -58,8 +58,8 @@ pub(crate) enum Error {
         /// What to give.
         help: &'static str,
     },
-    /// A picture of something other than one motion model or the actions of one run.
-    #[error("only one motion model or `actions.csv` at a time can be drawn")]
+    /// A picture of something other than one model or the actions of one run.
+    #[error("only one motion model, latent model or `actions.csv` at a time can be drawn")]
     NothingToDraw,
     /// A file that would be written over while it is read.
     #[error("{} is both input and output", .0.display())]
@@ -90,7 +90,7 @@ pub(crate) enum Written {
     Pictures,
     /// The body file of `fit-shape`.
     Body,
-    /// The motion model of `learn`.
+    /// The model of `learn`.
     Model,
 }
 
@@ -100,7 +100,7 @@ impl Written {
             Self::Masks => "folder for the masks",
             Self::Pictures => "folder for the pictures",
             Self::Body => "body file to write",
-            Self::Model => "motion model to write",
+            Self::Model => "model to write",
         }
     }
 

@@ -12,7 +12,9 @@ use serde_json::json;
 use sinew::input::recording::{Recording, RecordingOptions};
 use sinew::results::error::Occupied;
 use sinew::results::write_whole;
-use sinew_tools::inspect::{Facts, Subject, file_facts, fit, model_picture, picture_of_actions, subjects};
+use sinew_tools::inspect::{
+    Facts, Subject, file_facts, fit, latent_picture, model_picture, picture_of_actions, subjects,
+};
 use std::path::{Path, PathBuf};
 
 /// Runs the command.
@@ -57,11 +59,12 @@ pub(crate) fn run(args: &InspectArgs, general: &General, report: &Report) -> Res
     Ok(Ended::Done)
 }
 
-/// Draws the motion model or the actions among the files; a motion beside actions is the truth.
+/// Draws the model or the actions among the files; a motion beside actions is the truth.
 fn draw(subjects: &[Subject], out: &Path, force: bool) -> Result<(), Error> {
-    let drawn: Vec<&Subject> =
-        subjects.iter().filter(|subject| matches!(subject, Subject::MotionModel(_) | Subject::Actions(_))).collect();
-    let [Subject::MotionModel(path) | Subject::Actions(path)] = drawn[..] else {
+    let is_drawn =
+        |subject: &&Subject| matches!(subject, Subject::MotionModel(_) | Subject::LatentModel(_) | Subject::Actions(_));
+    let drawn: Vec<&Subject> = subjects.iter().filter(is_drawn).collect();
+    let [Subject::MotionModel(path) | Subject::LatentModel(path) | Subject::Actions(path)] = drawn[..] else {
         return Err(Error::NothingToDraw);
     };
     let truth = subjects.iter().find_map(|subject| if let Subject::Motion(path) = subject { Some(path) } else { None });
@@ -75,6 +78,7 @@ fn draw(subjects: &[Subject], out: &Path, force: bool) -> Result<(), Error> {
     }
     let picture = match drawn[0] {
         Subject::Actions(_) => picture_of_actions(path, truth.map(PathBuf::as_path))?,
+        Subject::LatentModel(_) => latent_picture(path)?,
         _ => model_picture(path)?,
     };
     Ok(write_whole(out, picture.as_bytes())?)

@@ -3,6 +3,8 @@
 use super::answer_args::Answer;
 use super::help_template::template;
 use clap::{Args, Subcommand};
+use sinew_latent::check::MAX_ROWS;
+use sinew_latent::file::Kind;
 use sinew_motion::follow::NamedBody;
 use std::path::PathBuf;
 
@@ -15,14 +17,21 @@ pub(crate) enum LearnCommand {
         "sinew learn primitives --motion 07_02.amc 07_05.amc --held-out 07_01.amc --body hppf24 -o w.json"
     ))]
     Primitives(PrimitivesArgs),
+    /// Learn a latent model: a space of few coordinates in which poses lie
+    #[command(help_template = template!(
+        "sinew learn latent --motion walk1.bvh walk2.bvh --body h32 -o walk.json",
+        "sinew learn latent --model hgplvm --motion 07_02.amc --held-out 07_01.amc --body hppf24 -o w.json"
+    ))]
+    Latent(LatentArgs),
 }
 
+/// Motion files, and how they are read.
 #[derive(Args, Debug)]
-pub(crate) struct PrimitivesArgs {
+pub(crate) struct MotionArgs {
     /// Motion files to learn from: .bvh, .trc, .csv or .amc
     #[arg(long, required = true, num_args = 1.., value_name = "FILES")]
     pub(crate) motion: Vec<PathBuf>,
-    /// Motion files to try predictions on
+    /// Motion files to try the model on
     #[arg(long, num_args = 1.., value_name = "FILES")]
     pub(crate) held_out: Vec<PathBuf>,
     /// Skeleton of the .amc files [default: <subject>.asf beside each]
@@ -37,12 +46,47 @@ pub(crate) struct PrimitivesArgs {
     /// Frames per second of the recordings to be tracked
     #[arg(long, value_name = "F", default_value_t = 20.0, value_parser = rate, allow_negative_numbers = true)]
     pub(crate) fps: f64,
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct PrimitivesArgs {
+    #[command(flatten)]
+    pub(crate) files: MotionArgs,
     /// Clusters of each feature vector
     #[arg(long, value_name = "N", default_value = "80", value_parser = clusters)]
     pub(crate) clusters: usize,
     /// Frames in an action primitive
     #[arg(long, value_name = "D", default_value = "3", value_parser = length)]
     pub(crate) length: usize,
+    #[command(flatten)]
+    pub(crate) answer: Answer,
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct LatentArgs {
+    #[command(flatten)]
+    pub(crate) files: MotionArgs,
+    /// Kind of model: gplvm, gpdm (with dynamics) or hgplvm (a tree of limbs)
+    #[arg(long, value_name = "KIND", default_value = "gpdm", hide_possible_values = true, value_parser = Kind::ALL.map(Kind::name))]
+    pub(crate) model: String,
+    /// Coordinates of a latent
+    #[arg(long, value_name = "Q", default_value = "3", value_parser = dim)]
+    pub(crate) dim: usize,
+    /// Frames to learn from, at most
+    #[arg(long, value_name = "N", default_value = "400", value_parser = rows)]
+    pub(crate) rows: usize,
+    /// Whether the dynamics of gpdm count as much as the poses [default: true]
+    #[arg(long, value_name = "BOOL", hide_possible_values = true)]
+    pub(crate) balanced: Option<bool>,
+    /// Let latents of gplvm or gpdm be a smooth function of the poses
+    #[arg(long)]
+    pub(crate) back: bool,
+    /// Give each file a root of its own (hgplvm)
+    #[arg(long)]
+    pub(crate) root_per_motion: bool,
+    /// Steps at most
+    #[arg(long, value_name = "N", default_value = "1000", value_parser = steps)]
+    pub(crate) steps: usize,
     #[command(flatten)]
     pub(crate) answer: Answer,
 }
@@ -59,6 +103,23 @@ fn rate(text: &str) -> Result<f64, String> {
 const MOST_CLUSTERS: usize = 10_000;
 /// Longer ones have more numbers than their covariance has room for.
 const LONGEST: usize = 100;
+
+/// Coordinates of a latent at most: more are no map of a motion.
+const MOST_DIMENSIONS: usize = 10;
+/// Steps at most.
+const MOST_STEPS: usize = 1_000_000;
+
+fn dim(text: &str) -> Result<usize, String> {
+    whole(text, MOST_DIMENSIONS)
+}
+
+fn rows(text: &str) -> Result<usize, String> {
+    whole(text, MAX_ROWS)
+}
+
+fn steps(text: &str) -> Result<usize, String> {
+    whole(text, MOST_STEPS)
+}
 
 fn clusters(text: &str) -> Result<usize, String> {
     whole(text, MOST_CLUSTERS)

@@ -60,6 +60,18 @@ impl Progress {
         }
     }
 
+    /// What is lowered step by step has come down to that value.
+    pub(crate) fn value(&self, step: usize, name: &str, value: f64) {
+        match self {
+            Self::Silent => {}
+            Self::Bar(bar) => bar.set_message(format!(" {name} {value:.1}")),
+            Self::Lines { what, .. } if step.is_multiple_of(LOGGED) => {
+                let _ = writeln!(io::stderr(), "{what}: step {step}, {name} {value:.2}");
+            }
+            Self::Lines { .. } => {}
+        }
+    }
+
     /// `done` of them are done.
     pub(crate) fn at(&mut self, done: u64) {
         match self {

@@ -10,7 +10,8 @@ use sinew_motion::follow::NamedBody;
 use sinew_motion::points::points_of_states;
 use sinew_simulate::recording::write_trc;
 use sinew_simulate::walker::{Gait, Walker, walker_states};
-use sinew_tools::learn::{LearnRequest, LearnWatch, learn};
+use sinew_tools::learn::motion_files::MotionFiles;
+use sinew_tools::learn::primitives::{LearnRequest, LearnWatch, learn};
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
@@ -26,17 +27,8 @@ fn model(folder: &Path, body: NamedBody, seed: u64) {
     write_trc(&mut bytes, "walk.trc", &motion, RATE_HZ).unwrap();
     let path = folder.join("walk.trc");
     fs::write(&path, bytes).unwrap();
-    let request = LearnRequest {
-        motion: vec![path],
-        held_out: vec![],
-        skeleton: None,
-        amc_hz: None,
-        body,
-        fps: RATE_HZ,
-        clusters: 6,
-        length: 3,
-        seed,
-    };
+    let files = MotionFiles { motion: vec![path], held_out: vec![], skeleton: None, amc_hz: None, body, fps: RATE_HZ };
+    let request = LearnRequest { files, clusters: 6, length: 3, seed };
     let stop = &AtomicBool::new(false);
     let mut watch = LearnWatch { progress: &mut |_, _, _| {}, iteration: &mut |_| {}, stop };
     learn(&request, &folder.join("model.json"), true, &mut watch).unwrap();

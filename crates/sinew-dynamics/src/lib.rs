@@ -28,6 +28,7 @@ pub mod linear_gaussian;
 pub mod linear_motion;
 pub mod mixture;
 pub mod mixture_em;
+pub mod model_file;
 pub mod motion_prior;
 pub mod pca;
 pub mod primitives;

@@ -49,6 +49,26 @@ pub enum Error {
     /// Nodes that make no tree of latent spaces.
     #[error(transparent)]
     Tree(#[from] sinew_core::Error),
+    /// More of something than a model from a file may have.
+    #[error("{found} {name}; expected at most {most}")]
+    TooMany {
+        /// What.
+        name: &'static str,
+        /// Number found.
+        found: usize,
+        /// Number allowed.
+        most: usize,
+    },
+    /// A file that calls a model what it is not.
+    #[error("a model of kind {kind} has {nodes} nodes{}", if *has_dynamics { " and dynamics" } else { " and no dynamics" })]
+    Kind {
+        /// Kind that the file names.
+        kind: &'static str,
+        /// Nodes of the model.
+        nodes: usize,
+        /// Whether its latents have dynamics.
+        has_dynamics: bool,
+    },
     /// Principal components do not exist.
     #[error(transparent)]
     Principal(#[from] sinew_dynamics::Error),

@@ -208,7 +208,8 @@ impl LatentModel {
             covariance.check_learned(learned)?;
             positive("balance", &[*balance])?;
         }
-        Ok(())
+        crate::check::sequences(self)?;
+        crate::check::tree(self)
     }
 
     fn check_node(&self, n: usize, node: &Node, rows: usize) -> Result<(), Error> {

@@ -4,6 +4,7 @@
 //! |---|---|
 //! | [`file_facts`] | one file or folder, by what it is ([`Subject`]) |
 //! | [`model_picture`] | a motion model, as a picture |
+//! | [`latent_picture()`] | a latent model, as a picture |
 //! | [`action_picture`], [`picture_of_actions`] | an action trace, as a picture |
 //! | [`fit`] | a calibration and keypoints together: do they belong to each other? |
 
@@ -19,6 +20,9 @@ mod file_facts;
 pub mod fit;
 mod image_files;
 mod keypoints;
+mod latent_model;
+mod latent_picture;
+mod latent_plane;
 mod model_picture;
 mod motion_file;
 mod motion_model;
@@ -26,6 +30,7 @@ mod recognise;
 mod results;
 mod settings_file;
 mod setup_file;
+mod stick_figure;
 mod subject;
 mod svg;
 mod table_file;
@@ -36,6 +41,7 @@ pub use actions::picture_of_actions;
 pub use error::InspectError;
 pub use facts::Facts;
 pub use file_facts::file_facts;
+pub use latent_picture::latent_picture;
 pub use model_picture::model_picture;
 pub use recognise::subjects;
 pub use subject::Subject;

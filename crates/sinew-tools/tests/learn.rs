@@ -7,8 +7,9 @@ use sinew_motion::points::points_of_states;
 use sinew_simulate::recording::write_trc;
 use sinew_simulate::walker::{Gait, Walker, walker_states};
 use sinew_tools::Error;
+use sinew_tools::learn::motion_files::{LearnPhase, MotionFiles};
+use sinew_tools::learn::primitives::{LearnRequest, LearnWatch, Learned, learn};
 use sinew_tools::learn::sequences::{Acclaim, sequences};
-use sinew_tools::learn::{LearnPhase, LearnRequest, LearnWatch, Learned, learn};
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -25,17 +26,15 @@ fn walk(folder: &Path, name: &str, stride_s: f64) -> PathBuf {
 }
 
 fn request(folder: &Path, body: NamedBody) -> LearnRequest {
-    LearnRequest {
+    let files = MotionFiles {
         motion: vec![walk(folder, "a.trc", 1.1), walk(folder, "b.trc", 1.25)],
         held_out: vec![walk(folder, "c.trc", 1.2)],
         skeleton: None,
         amc_hz: None,
         body,
         fps: 20.0,
-        clusters: 5,
-        length: 3,
-        seed: 1,
-    }
+    };
+    LearnRequest { files, clusters: 5, length: 3, seed: 1 }
 }
 
 /// Learns, and stops after that many feature vectors.
@@ -127,19 +126,19 @@ fn outputs_and_recordings_that_are_unfit_are_refused() {
     let folder = tempfile::tempdir().unwrap();
     let mut request = request(folder.path(), NamedBody::H32);
     let message = |request: &LearnRequest, out: &Path| run(request, out, 99).unwrap_err().to_string();
-    assert!(message(&request, &request.motion[0]).contains("is also the input"));
+    assert!(message(&request, &request.files.motion[0]).contains("is also the input"));
     let other = folder.path().join("other.json");
     fs::write(&other, "mine").unwrap();
     assert!(matches!(run(&request, &other, 99), Err(Error::Library(sinew::Error::OutputExists { .. }))));
     assert_eq!(fs::read_to_string(&other).unwrap(), "mine");
 
-    let text = fs::read_to_string(&request.motion[1]).unwrap();
+    let text = fs::read_to_string(&request.files.motion[1]).unwrap();
     let out = folder.path().join("new.json");
-    fs::write(&request.motion[1], text.replace("RKnee", "Nobody")).unwrap();
+    fs::write(&request.files.motion[1], text.replace("RKnee", "Nobody")).unwrap();
     assert!(message(&request, &out).contains("b.trc: no joint is known as RKnee"));
-    fs::write(&request.motion[1], text.lines().take(7).collect::<Vec<_>>().join("\n")).unwrap();
+    fs::write(&request.files.motion[1], text.lines().take(7).collect::<Vec<_>>().join("\n")).unwrap();
     assert!(message(&request, &out).contains("b.trc"));
-    fs::write(&request.motion[1], &text).unwrap();
+    fs::write(&request.files.motion[1], &text).unwrap();
     request.clusters = 1;
     request.length = 100;
     assert!(

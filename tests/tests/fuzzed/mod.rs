@@ -11,7 +11,7 @@ use std::path::Path;
 pub type Check = fn(&[u8]);
 
 /// Every fuzz target.
-pub const CHECKS: [(&str, Check); 20] = [
+pub const CHECKS: [(&str, Check); 21] = [
     ("openpose", checks::openpose),
     ("calib_toml", checks::calib_toml),
     ("layout", checks::layout),
@@ -31,6 +31,7 @@ pub const CHECKS: [(&str, Check); 20] = [
     ("result_tables", program_checks::result_tables),
     ("checkpoint", program_checks::checkpoint),
     ("primitive_model", program_checks::primitive_model),
+    ("latent_model", program_checks::latent_model),
     ("filter_step", program_checks::filter_step),
 ];
 

@@ -21,11 +21,20 @@ const ALLOWED: [(&str, &[&str]); 17] = [
     ("sinew", &LIBRARIES),
     (
         "sinew-tools",
-        &["sinew", "sinew-motion", "sinew-core", "sinew-body", "sinew-observe", "sinew-dynamics", "sinew-formats"],
+        &[
+            "sinew",
+            "sinew-motion",
+            "sinew-core",
+            "sinew-body",
+            "sinew-observe",
+            "sinew-dynamics",
+            "sinew-formats",
+            "sinew-latent",
+        ],
     ),
     ("sinew-cli", &BELOW_THE_PROGRAM),
     ("xtask", &["sinew", "sinew-tools", "sinew-motion", "sinew-simulate", "sinew-tests"]),
-    ("sinew-tests", &["sinew", "sinew-tools", "sinew-motion", "sinew-simulate", "sinew-invariance"]),
+    ("sinew-tests", &["sinew", "sinew-tools", "sinew-motion", "sinew-simulate", "sinew-invariance", "sinew-latent"]),
 ];
 
 /// What the library that people use is made of.
@@ -41,7 +50,7 @@ const LIBRARIES: [&str; 8] = [
 ];
 
 /// What the program may know.
-const BELOW_THE_PROGRAM: [&str; 11] = [
+const BELOW_THE_PROGRAM: [&str; 12] = [
     "sinew",
     "sinew-tools",
     "sinew-motion",
@@ -53,6 +62,7 @@ const BELOW_THE_PROGRAM: [&str; 11] = [
     "sinew-samplers",
     "sinew-tracking",
     "sinew-formats",
+    "sinew-latent",
 ];
 
 /// What only a program needs: arguments, manuals, progress bars and interrupts.

@@ -5,81 +5,21 @@
 //! ```
 //!
 //! Numbers are written with the digits that read back as the same bits. What is read is checked whole ([`crate::primitives::check`]), so that a model from a file moves states without an error.
-//! Memory is at most a small multiple of the text's length.
+//! The frame of the file is that of [`crate::model_file`].
 
+use crate::model_file::{self, Format};
 use crate::primitives::check::{Misfit, check};
 use crate::primitives::model::PrimitiveModel;
 use serde::{Deserialize, Serialize};
 
-/// Name of the format.
-pub const FORMAT: &str = "sinew motion model";
+pub use crate::model_file::MAX_BYTES;
 
-/// The version that is written and read.
-pub const VERSION: u64 = 1;
-
-/// Text of a file at most; a model of 14 feature vectors with 80 clusters each has 2 MB.
-pub const MAX_BYTES: u64 = 64 << 20;
+/// The format.
+pub const FORMAT: Format =
+    Format { what: "motion model", name: "sinew motion model", version: 1, command: "sinew learn primitives" };
 
 /// A file that is no motion model.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum ModelFileError {
-    /// Text that is no JSON, or JSON of another shape.
-    #[error("{file} is no motion model: {problem}")]
-    Json {
-        /// Name of the file.
-        file: String,
-        /// What the parser says, with line and column.
-        problem: String,
-    },
-    /// JSON of another program.
-    #[error("{file} is no motion model: its `format` is \"{found}\"; expected \"{FORMAT}\"")]
-    Format {
-        /// Name of the file.
-        file: String,
-        /// Format found.
-        found: String,
-    },
-    /// A version that is not known.
-    #[error("{file} is a motion model of version {found}; expected {VERSION}")]
-    Version {
-        /// Name of the file.
-        file: String,
-        /// Version found.
-        found: u64,
-    },
-    /// A value that no model has.
-    #[error("{file}: {misfit}")]
-    Value {
-        /// Name of the file.
-        file: String,
-        /// Place, what was found and what was expected.
-        misfit: Misfit,
-    },
-}
-
-impl ModelFileError {
-    /// What the user can do about it.
-    #[must_use]
-    pub const fn help(&self) -> &'static str {
-        match self {
-            Self::Json { .. } | Self::Format { .. } => {
-                "give a file that `sinew learn primitives` wrote; if it did write this one, learn the model again"
-            }
-            Self::Version { .. } => "learn the model again with this version of sinew: `sinew learn primitives`",
-            Self::Value { .. } => {
-                "the file was changed or damaged after it was written; learn the model again: `sinew learn primitives`"
-            }
-        }
-    }
-}
-
-/// What every version has.
-#[derive(Deserialize)]
-struct Head {
-    format: String,
-    version: u64,
-}
+pub type ModelFileError = model_file::ModelFileError<Misfit>;
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -98,35 +38,15 @@ struct Written<'a> {
     model: &'a PrimitiveModel,
 }
 
-/// Characters at the start of a file within which its format stands.
-const HEAD: usize = 200;
-
-/// Whether a text says that it is a motion model, of whatever version and whether it is whole or not.
-#[must_use]
-pub fn is_motion_model(text: &str) -> bool {
-    let head: String = text.chars().take(HEAD).collect();
-    head.trim_start().starts_with('{') && head.contains(&format!("\"{FORMAT}\""))
-}
-
 /// Reads and checks a model; `name` is what errors call the file.
 ///
 /// # Errors
 /// [`ModelFileError`]; any text gets a model or an error.
 pub fn read(name: &str, text: &str) -> Result<PrimitiveModel, ModelFileError> {
-    let file = || name.to_owned();
-    let json = |error: serde_json::Error| ModelFileError::Json { file: file(), problem: error.to_string() };
-    let head: Head = serde_json::from_str(text).map_err(json)?;
-    if head.format != FORMAT {
-        let found = head.format.chars().take(40).collect();
-        return Err(ModelFileError::Format { file: file(), found });
-    }
-    if head.version != VERSION {
-        return Err(ModelFileError::Version { file: file(), found: head.version });
-    }
-    let Whole { model, .. } = serde_json::from_str(text).map_err(json)?;
+    let Whole { model, .. } = model_file::read(FORMAT, name, text)?;
     match check(&model) {
         Ok(()) => Ok(model),
-        Err(misfit) => Err(ModelFileError::Value { file: file(), misfit }),
+        Err(misfit) => Err(ModelFileError::Value { file: name.to_owned(), format: FORMAT, misfit }),
     }
 }
 
@@ -135,15 +55,14 @@ pub fn read(name: &str, text: &str) -> Result<PrimitiveModel, ModelFileError> {
 /// # Errors
 /// [`ModelFileError::Value`] for a model that [`read`] would refuse.
 pub fn write(name: &str, model: &PrimitiveModel) -> Result<String, ModelFileError> {
-    check(model).map_err(|misfit| ModelFileError::Value { file: name.to_owned(), misfit })?;
-    let written = serde_json::to_string(&Written { format: FORMAT, version: VERSION, model });
-    let text = written.map_err(|error| ModelFileError::Json { file: name.to_owned(), problem: error.to_string() })?;
-    Ok(text + "\n")
+    check(model).map_err(|misfit| ModelFileError::Value { file: name.to_owned(), format: FORMAT, misfit })?;
+    model_file::write(FORMAT, name, &Written { format: FORMAT.name, version: FORMAT.version, model })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::model_file::is_of;
     use crate::primitives::made_up::model;
 
     #[test]
@@ -154,7 +73,7 @@ mod tests {
         let again = read("m.json", &text).expect("what was written");
         assert_eq!(again, learned);
         assert_eq!(write("m.json", &again).expect("a model that was read"), text);
-        assert!(is_motion_model(&text) && !is_motion_model("{}") && text.len() < MAX_BYTES as usize);
+        assert!(is_of(FORMAT, &text) && !is_of(FORMAT, "{}") && text.len() < MAX_BYTES as usize);
     }
 
     #[test]

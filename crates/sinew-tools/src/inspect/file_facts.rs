@@ -3,8 +3,8 @@
 use super::facts::Facts;
 use super::subject::Subject;
 use super::{
-    acclaim, actions, body_file, calibration, draws, image_files, keypoints, motion_file, motion_model, results,
-    settings_file, setup_file, table_file,
+    acclaim, actions, body_file, calibration, draws, image_files, keypoints, latent_model, motion_file, motion_model,
+    results, settings_file, setup_file, table_file,
 };
 use crate::Error;
 use sinew::input::recording::RecordingOptions;
@@ -31,6 +31,7 @@ pub fn file_facts(subject: &Subject, options: &RecordingOptions) -> Result<Facts
         Subject::Acclaim { motion, skeleton: None } => acclaim::motion(motion),
         Subject::Acclaim { motion, skeleton } => motion_file::facts(motion, skeleton.as_deref()),
         Subject::MotionModel(path) => motion_model::facts(path),
+        Subject::LatentModel(path) => latent_model::facts(path),
         Subject::Results(path) => results::facts(path),
         Subject::Draws(path) => draws::facts(path),
     }

@@ -6,11 +6,12 @@
 //! which they follow each other most often, so that repeated motion is a line beside the diagonal.
 
 use super::motion_model::read;
+use super::stick_figure::{FROM_THE_FRONT, FROM_THE_RIGHT, MIDDLE, RIGHT, figure};
 use super::svg::{Svg, clipped};
 use crate::Error;
 use sinew_dynamics::primitives::model::{PrimitiveModel, Primitives};
 use sinew_motion::follow::NamedBody;
-use sinew_motion::points::{Trajectories, points_of_states};
+use sinew_motion::points::points_of_states;
 use std::path::Path;
 
 /// Clusters whose motion is drawn.
@@ -28,28 +29,6 @@ const LABEL: f64 = 110.0;
 const MARGIN: f64 = 20.0;
 /// Side of the transition picture, pixels.
 const SQUARE: f64 = 420.0;
-
-const LEFT: &str = "#0b6e99";
-const RIGHT: &str = "#c2410c";
-const MIDDLE: &str = "#334155";
-
-/// Lines of a figure.
-const BONES: [(&str, &str, &str); 14] = [
-    ("MidHip", "Neck", MIDDLE),
-    ("Neck", "Head", MIDDLE),
-    ("Neck", "LShoulder", LEFT),
-    ("LShoulder", "LElbow", LEFT),
-    ("LElbow", "LWrist", LEFT),
-    ("Neck", "RShoulder", RIGHT),
-    ("RShoulder", "RElbow", RIGHT),
-    ("RElbow", "RWrist", RIGHT),
-    ("MidHip", "LHip", LEFT),
-    ("LHip", "LKnee", LEFT),
-    ("LKnee", "LAnkle", LEFT),
-    ("MidHip", "RHip", RIGHT),
-    ("RHip", "RKnee", RIGHT),
-    ("RKnee", "RAnkle", RIGHT),
-];
 
 /// The picture of the model in a file, as SVG.
 ///
@@ -126,29 +105,12 @@ fn draw_cluster(
     };
     let states: Vec<Vec<f64>> = shown.iter().map(state).collect();
     let motion = points_of_states(&body.tree(), &states);
-    for (view, to_the_right) in [(0, -1.0), (1, 1.0)].into_iter().enumerate() {
+    for (view, to_the_right) in [FROM_THE_FRONT, FROM_THE_RIGHT].into_iter().enumerate() {
         let left = MARGIN + LABEL + view as f64 * (MARGIN + CELL[0] * shown.len() as f64);
         for (column, frame) in motion.frames.iter().enumerate() {
             let centre = [left + CELL[0] * (column as f64 + 0.5), y + 0.46 * CELL[1]];
-            figure(svg, &motion, frame, to_the_right, centre);
+            figure(svg, &motion, frame, to_the_right, SCALE, centre);
         }
-    }
-}
-
-/// A figure with the middle of its hips at a place; an axis of the world and its sign say what runs to the right.
-fn figure(svg: &mut Svg, motion: &Trajectories, frame: &[[f64; 3]], (axis, sign): (usize, f64), centre: [f64; 2]) {
-    let Some(hip) = motion.index("MidHip") else { return };
-    let place = |point: usize| {
-        let from_hip = |k: usize| frame[point][k] - frame[hip][k];
-        [centre[0] + SCALE * sign * from_hip(axis), centre[1] - SCALE * from_hip(2)]
-    };
-    for (from, to, color) in BONES {
-        if let (Some(from), Some(to)) = (motion.index(from), motion.index(to)) {
-            svg.line(place(from), place(to), 2.0, color);
-        }
-    }
-    if let Some(head) = motion.index("Head") {
-        svg.circle(place(head), 3.0, MIDDLE);
     }
 }
 
@@ -192,6 +154,7 @@ fn transitions(svg: &mut Svg, primitives: &Primitives, top: f64) {
 
 #[cfg(test)]
 mod tests {
+    use super::super::stick_figure::BONES;
     use super::*;
     use sinew_dynamics::pca::Pca;
     use sinew_dynamics::primitives::model::{Cluster, Clustering, FeatureVector, Normal};

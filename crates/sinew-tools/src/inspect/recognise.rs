@@ -8,8 +8,10 @@ use sinew::files::read_text;
 use sinew::input::folder_contents::is_video;
 use sinew::input::qualisys::refuse_qualisys;
 use sinew::results::ResultTable;
-use sinew_dynamics::primitives::file::{MAX_BYTES, is_motion_model};
+use sinew_dynamics::model_file::{MAX_BYTES, is_of};
+use sinew_dynamics::primitives::file;
 use sinew_formats::source_text::{MAX_CONFIG_BYTES, MAX_TEXT_BYTES};
+use sinew_latent::file as latent_file;
 use std::path::{Path, PathBuf};
 
 /// What paths lead to, by their names and contents; Acclaim motions get the skeleton that is among the paths.
@@ -62,8 +64,10 @@ fn subject(path: &Path) -> Result<Subject, Error> {
         Some("asf") => Ok(Subject::Skeleton(path_buf)),
         Some("amc") => Ok(Subject::Acclaim { motion: path_buf, skeleton: None }),
         _ if is_video(path) => Err(InspectError::Video { path: path_buf }.into()),
-        _ if is_model_file(path) => Ok(Subject::MotionModel(path_buf)),
         _ => {
+            if let Some(model) = model(path) {
+                return Ok(model);
+            }
             if let Ok(text) = read_text(path, MAX_CONFIG_BYTES) {
                 refuse_qualisys(path, &text)?;
             }
@@ -76,6 +80,10 @@ fn is_action_file(path: &Path) -> bool {
     read_text(path, MAX_TEXT_BYTES).is_ok_and(|text| ResultTable::of(&text) == Some(ResultTable::Actions))
 }
 
-fn is_model_file(path: &Path) -> bool {
-    read_text(path, MAX_BYTES).is_ok_and(|text| is_motion_model(&text))
+fn model(path: &Path) -> Option<Subject> {
+    let text = read_text(path, MAX_BYTES).ok()?;
+    if is_of(file::FORMAT, &text) {
+        return Some(Subject::MotionModel(path.to_owned()));
+    }
+    is_of(latent_file::FORMAT, &text).then(|| Subject::LatentModel(path.to_owned()))
 }

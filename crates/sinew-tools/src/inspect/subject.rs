@@ -34,6 +34,8 @@ pub enum Subject {
     },
     /// Motion model.
     MotionModel(PathBuf),
+    /// Latent model.
+    LatentModel(PathBuf),
     /// Result folder.
     Results(PathBuf),
     /// Zarr store.

@@ -15,6 +15,28 @@ pub(super) fn clipped(name: &str) -> String {
     name.chars().take(SHOWN).collect()
 }
 
+/// What of words stands at their place.
+#[derive(Clone, Copy)]
+pub(super) enum Anchor {
+    /// Their middle.
+    Middle,
+    /// Their end.
+    End,
+}
+
+impl Anchor {
+    const fn name(self) -> &'static str {
+        match self {
+            Self::Middle => "middle",
+            Self::End => "end",
+        }
+    }
+}
+
+fn escaped(words: &str) -> String {
+    words.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
+}
+
 impl Svg {
     /// A white picture of that width and height, pixels.
     pub(super) fn new(width: f64, height: f64) -> Self {
@@ -30,9 +52,25 @@ impl Svg {
     }
 
     pub(super) fn text(&mut self, x: f64, y: f64, size: f64, words: &str) {
-        let words = words.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;");
+        let words = escaped(words);
         self.put(format_args!(
             "<text x=\"{x:.1}\" y=\"{y:.1}\" font-size=\"{size:.0}\" fill=\"#111827\">{words}</text>"
+        ));
+    }
+
+    /// Words that do not begin at their place.
+    pub(super) fn label(&mut self, [x, y]: [f64; 2], size: f64, anchor: Anchor, words: &str) {
+        let (words, anchor) = (escaped(words), anchor.name());
+        self.put(format_args!(
+            "<text x=\"{x:.1}\" y=\"{y:.1}\" font-size=\"{size:.0}\" fill=\"#111827\" text-anchor=\"{anchor}\">{words}</text>"
+        ));
+    }
+
+    /// Words that run upwards, their middle at a place.
+    pub(super) fn upright(&mut self, [x, y]: [f64; 2], size: f64, words: &str) {
+        let words = escaped(words);
+        self.put(format_args!(
+            "<text transform=\"translate({x:.1} {y:.1}) rotate(-90)\" font-size=\"{size:.0}\" fill=\"#111827\" text-anchor=\"middle\">{words}</text>"
         ));
     }
 
@@ -44,6 +82,13 @@ impl Svg {
 
     pub(super) fn circle(&mut self, [x, y]: [f64; 2], radius: f64, color: &str) {
         self.put(format_args!("<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"{radius}\" fill=\"{color}\"/>"));
+    }
+
+    /// An empty circle, around a point that is pointed out.
+    pub(super) fn ring(&mut self, [x, y]: [f64; 2], radius: f64, color: &str) {
+        self.put(format_args!(
+            "<circle class=\"ring\" cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"{radius}\" fill=\"none\" stroke=\"{color}\"/>"
+        ));
     }
 
     /// An empty square.

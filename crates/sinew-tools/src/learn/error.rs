@@ -1,6 +1,7 @@
-//! What keeps a motion model from being learned.
+//! What keeps a model from being learned.
 
 use sinew_dynamics::primitives::file::ModelFileError;
+use sinew_latent::file::LatentFileError;
 use std::path::PathBuf;
 
 /// Motion from which nothing can be learned.
@@ -50,6 +51,45 @@ pub enum LearnError {
     /// A file that is no motion model.
     #[error(transparent)]
     Model(#[from] ModelFileError),
+    /// A recording of one frame at the rate of the model.
+    #[error("file {}: {rows} frame at the rate of the model; at least 2 are needed", index + 1)]
+    ShortSequence {
+        /// Number of the file, from 0 on.
+        index: usize,
+        /// Frames.
+        rows: usize,
+    },
+    /// More files than rows for them.
+    #[error("{files} files do not share {most} rows; each needs at least 2")]
+    TooManySequences {
+        /// Files.
+        files: usize,
+        /// Rows allowed.
+        most: usize,
+    },
+    /// Motion that changes in fewer ways than a latent has coordinates.
+    #[error("the motion has {found} principal components; a latent of {wanted} coordinates needs as many")]
+    FewComponents {
+        /// Components found.
+        found: usize,
+        /// Coordinates of a latent.
+        wanted: usize,
+    },
+    /// A limb that keeps still.
+    #[error("nothing moves in `{limb}`")]
+    StillLimb {
+        /// Its name.
+        limb: &'static str,
+    },
+    /// Motion from which no latent model can be learned.
+    #[error("the motion cannot be learned: {0}")]
+    Latent(sinew_latent::Error),
+    /// A latent model that would be refused when it is read.
+    #[error("the motion gives no model: {0}")]
+    UnwritableLatent(LatentFileError),
+    /// A file that is no latent model.
+    #[error(transparent)]
+    LatentModel(#[from] LatentFileError),
 }
 
 impl LearnError {
@@ -71,7 +111,15 @@ impl LearnError {
             }
             Self::NoWindows { .. } => Some("give longer recordings, or a shorter `--length`".into()),
             Self::Unwritable(_) => Some("give more motion, or fewer clusters (`--clusters`)".into()),
-            Self::Model(error) => Some(error.help().into()),
+            Self::Model(error) => Some(error.help()),
+            Self::ShortSequence { .. } => Some("leave the file out, or learn at a higher rate with `--fps`".into()),
+            Self::TooManySequences { .. } => Some("give fewer files, or allow more rows with `--rows`".into()),
+            Self::FewComponents { .. } => Some("give more motion, or fewer coordinates with `--dim`".into()),
+            Self::StillLimb { .. } => Some("give motion of the whole body, or learn `--model gpdm`".into()),
+            Self::Latent(_) | Self::UnwritableLatent(_) => {
+                Some("give more motion, or fewer coordinates with `--dim`".into())
+            }
+            Self::LatentModel(error) => Some(error.help()),
         }
     }
 }

@@ -28,6 +28,8 @@ pub struct FileFit {
     pub working_hz: f64,
     /// Mean distance of the body's 15 joints of evaluation to the recorded ones, metres.
     pub mean_error_m: f64,
+    /// Sequences that it gives: phases of the model's rate.
+    pub sequences: usize,
 }
 
 /// States of some files at the rate of a model.
@@ -118,7 +120,8 @@ fn file_states(body: NamedBody, path: &Path, acclaim: Acclaim<'_>, fps: f64) -> 
     let Followed { body: tree, mut states, mean_error_m } = followed;
     comparable(&tree, &mut states);
     let states = subsampled(&states.concat(), tree.dof(), phases(recorded_hz, fps)).map_err(LearnError::Learning)?;
-    let fit = FileFit { path: path.to_owned(), frames, recorded_hz, working_hz: working(recorded_hz), mean_error_m };
+    let (working_hz, sequences) = (working(recorded_hz), states.len());
+    let fit = FileFit { path: path.to_owned(), frames, recorded_hz, working_hz, mean_error_m, sequences };
     Ok((states, fit, joints.warnings))
 }
 

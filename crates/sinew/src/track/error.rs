@@ -149,6 +149,7 @@ impl TrackError {
             Self::MotionModelRate { tracked, .. } => Some(format!(
                 "learn it at that rate with `sinew learn primitives --fps {tracked}`, or state the recording's with `--fps`"
             )),
+            Self::MotionModel(error) => Some(error.help()),
             _ => self.advice().map(Into::into),
         }
     }
@@ -165,7 +166,6 @@ impl TrackError {
             Self::SetupFile { .. } => {
                 "give `--setup` the setup.toml of a result folder of this version, or leave it out"
             }
-            Self::MotionModel(error) => error.help(),
             Self::MotionModelBody { .. } => {
                 "track with `--body` of that name, or learn a model with `sinew learn primitives --body`"
             }
@@ -176,6 +176,7 @@ impl TrackError {
             Self::Solids(_)
             | Self::NoParts
             | Self::MotionModelRate { .. }
+            | Self::MotionModel(_)
             | Self::StoredSettings(_)
             | Self::Encoding(_)
             | Self::Sampler(_)

@@ -1,0 +1,127 @@
+//! `sinew learn latent`, what `inspect` makes of its model, and what the user reads about bad input.
+
+mod common;
+
+use common::{Trial, files};
+use std::fs;
+
+const LEARN: [&str; 11] = [
+    "learn",
+    "latent",
+    "--motion",
+    "a.trc",
+    "--body",
+    "hppf24",
+    "--steps",
+    "40",
+    "--no-progress",
+    "-omodel.json",
+    "--force",
+];
+
+/// A folder with two walks of two seconds at 30 frames a second.
+fn walks() -> Trial {
+    let trial = Trial { folder: tempfile::tempdir().unwrap() };
+    for (name, seed) in [("a", "1"), ("b", "2")] {
+        let arguments = ["simulate", "-o", "made", "--force", "--duration", "2", "--cameras", "1", "--size", "32x32"];
+        let made = trial.run(&[&arguments[..], &["--images", "none", "--no-progress", "--seed", seed]].concat());
+        assert!(made.status.success(), "{}", trial.printed(&made));
+        fs::rename(trial.path("made/truth.trc"), trial.path(&format!("{name}.trc"))).unwrap();
+    }
+    fs::remove_dir_all(trial.path("made")).unwrap();
+    trial
+}
+
+fn learn(trial: &Trial, more: &[&str]) -> String {
+    let output = trial.run(&[&LEARN[..], more].concat());
+    assert!(output.status.success(), "{}", trial.printed(&output));
+    String::from_utf8(output.stdout).unwrap()
+}
+
+#[test]
+fn help_names_every_flag() {
+    let trial = Trial { folder: tempfile::tempdir().unwrap() };
+    let text = String::from_utf8(trial.run(&["learn", "latent", "-h"]).stdout).unwrap();
+    assert!(text.lines().all(|line| line.chars().count() <= 100), "{text}");
+    insta::assert_snapshot!("help", text);
+}
+
+#[test]
+fn a_model_of_each_kind_is_learned_reported_inspected_and_drawn() {
+    let trial = walks();
+    for (kind, panels) in [("gpdm", 1), ("gplvm", 1), ("hgplvm", 8)] {
+        let printed = learn(&trial, &["--model", kind, "--held-out", "b.trc"]);
+        for words in
+            ["motion ", "held out ", "rows ", "objective ", "there and back ", "degrees root mean square", "40 steps"]
+        {
+            assert!(printed.contains(words), "{words}\n{printed}");
+        }
+        let model = fs::read(trial.path("model.json")).unwrap();
+        let json = learn(&trial, &["--model", kind, "--threads", "1", "--json"]);
+        assert_eq!(fs::read(trial.path("model.json")).unwrap(), model, "{kind}, another number of threads");
+        let json: serde_json::Value = serde_json::from_str(&json).unwrap();
+        assert_eq!((json["rows"].as_u64(), json["model"].as_str()), (Some(40), Some(kind)), "{json}");
+        assert!(json["training_rms_deg"].as_f64().unwrap() < 3.0, "{json}");
+
+        let inspected = trial.run(&["inspect", "model.json", "-o", "model.svg", "--force"]);
+        let text = String::from_utf8_lossy(&inspected.stdout).into_owned();
+        assert!(text.starts_with("model.json: latent model of poses\n"), "{text}\n{}", trial.printed(&inspected));
+        assert!(text.contains(&format!("{kind}, ")) && text.contains("20 frames per second"), "{text}");
+        let svg = fs::read_to_string(trial.path("model.svg")).unwrap();
+        assert_eq!(svg.matches(": 3 coordinates").count() + svg.matches(": 2 coordinates").count(), panels, "{kind}");
+    }
+    assert_eq!(files(trial.folder.path()).len(), 4, "no file is left over");
+}
+
+#[test]
+fn flags_change_the_model_and_idle_ones_are_named() {
+    let trial = walks();
+    let model = |more: &[&str]| {
+        learn(&trial, more);
+        fs::read(trial.path("model.json")).unwrap()
+    };
+    let plain = model(&[]);
+    assert_eq!(model(&["--balanced", "true"]), plain);
+    for more in [&["--balanced", "false"][..], &["--dim", "2"], &["--back"], &["--rows", "20"], &["--steps", "30"]] {
+        assert_ne!(model(more), plain, "{more:?}");
+    }
+    let short = learn(&trial, &["--rows", "20", "--motion", "b.trc"]);
+    assert!(short.contains("20 in 2 sequences, the middle of each of 80 in all"), "{short}");
+    let idle = trial.run(&[&LEARN[..], &["--model", "hgplvm", "--back", "--balanced", "true"]].concat());
+    insta::assert_snapshot!("idle_of_a_tree", trial.printed(&idle));
+    let idle = trial.run(&[&LEARN[..], &["--model", "gplvm", "--root-per-motion", "--seed", "3"]].concat());
+    insta::assert_snapshot!("idle_of_a_plain_model", trial.printed(&idle));
+    let shown = trial.run(&[&LEARN[..8], &["-omodel.json", "--force"]].concat());
+    let shown = String::from_utf8(shown.stderr).unwrap();
+    assert!(shown.contains("learning: step 20, objective "), "{shown}");
+    assert!(shown.contains("learning: 100 % (40 of 40 steps)"), "{shown}");
+}
+
+#[test]
+fn unusable_motion_and_files_are_refused() {
+    let trial = walks();
+    let printed = |arguments: &[&str]| trial.printed(&trial.run(arguments));
+    let with = |more: &[&str]| {
+        printed(&[&["learn", "latent", "--motion", "a.trc", "--body", "hppf24", "--no-progress"], more].concat())
+    };
+    insta::assert_snapshot!("no_output", with(&[]));
+    insta::assert_snapshot!("exists", with(&["-ob.trc"]));
+    insta::assert_snapshot!("output_is_input", with(&["-oa.trc", "--force"]));
+    insta::assert_snapshot!("unknown_kind", with(&["-om", "--model", "pca"]));
+    insta::assert_snapshot!("no_coordinate", with(&["-om", "--dim", "0"]));
+    insta::assert_snapshot!("few_rows", with(&["-om", "--rows", "3", "--motion", "b.trc"]));
+    insta::assert_snapshot!("few_components", with(&["-om", "--rows", "4", "--dim", "10"]));
+    assert!(!trial.path("m").exists() && !trial.path("model.json").exists());
+
+    learn(&trial, &[]);
+    let model = fs::read_to_string(trial.path("model.json")).unwrap();
+    let inspected = |from: &str, to: &str| {
+        assert!(model.contains(from), "{from}");
+        fs::write(trial.path("model.json"), model.replacen(from, to, 1)).unwrap();
+        printed(&["inspect", "model.json"])
+    };
+    insta::assert_snapshot!("other_version", inspected("\"version\":1", "\"version\":7"));
+    insta::assert_snapshot!("broken_value", inspected("\"frame_rate\":20.0", "\"frame_rate\":-20.0"));
+    insta::assert_snapshot!("other_kind", inspected("\"kind\":\"gpdm\"", "\"kind\":\"gplvm\""));
+    insta::assert_snapshot!("cut_sequence", inspected("\"sequences\":[40]", "\"sequences\":[39,1]"));
+}

@@ -1,0 +1,147 @@
+//! Files of learned models: JSON that opens with the name of a format and a version.
+//!
+//! ```json
+//! {"format": "sinew motion model", "version": 1, …}
+//! ```
+//!
+//! What each kind of model adds to the two keys, and what it must fulfil, is up to its own module. Memory is at most a small multiple of the text's length.
+
+use core::fmt::{Debug, Display};
+use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
+
+/// Text of a file at most; a motion model of 14 feature vectors with 80 clusters each has 2 MB.
+pub const MAX_BYTES: u64 = 64 << 20;
+
+/// A kind of model.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Format {
+    /// What it is called in messages.
+    pub what: &'static str,
+    /// What stands at `format`.
+    pub name: &'static str,
+    /// The version that is written and read.
+    pub version: u64,
+    /// The command that learns one.
+    pub command: &'static str,
+}
+
+/// A file that holds no model of the kind that is wanted; `P` says what a value has that no model has.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ModelFileError<P: Debug + Display> {
+    /// Text that is no JSON, or JSON of another shape.
+    #[error("{file} is no {}: {problem}", format.what)]
+    Json {
+        /// Name of the file.
+        file: String,
+        /// What was expected.
+        format: Format,
+        /// What the parser says, with line and column.
+        problem: String,
+    },
+    /// JSON of another program.
+    #[error("{file} is no {}: its `format` is \"{found}\"; expected \"{}\"", format.what, format.name)]
+    Format {
+        /// Name of the file.
+        file: String,
+        /// What was expected.
+        format: Format,
+        /// Format found.
+        found: String,
+    },
+    /// A version that is not known.
+    #[error("{file} is a {} of version {found}; expected {}", format.what, format.version)]
+    Version {
+        /// Name of the file.
+        file: String,
+        /// What was expected.
+        format: Format,
+        /// Version found.
+        found: u64,
+    },
+    /// A value that no model has.
+    #[error("{file}: {misfit}")]
+    Value {
+        /// Name of the file.
+        file: String,
+        /// What was expected.
+        format: Format,
+        /// Place, what was found and what was expected.
+        misfit: P,
+    },
+}
+
+impl<P: Debug + Display> ModelFileError<P> {
+    /// What the user can do about it.
+    #[must_use]
+    pub fn help(&self) -> String {
+        match self {
+            Self::Json { format: Format { command, .. }, .. } | Self::Format { format: Format { command, .. }, .. } => {
+                format!("give a file that `{command}` wrote; if it did write this one, learn the model again")
+            }
+            Self::Version { format: Format { command, .. }, .. } => {
+                format!("learn the model again with this version of sinew: `{command}`")
+            }
+            Self::Value { format: Format { command, .. }, .. } => {
+                format!("the file was changed or damaged after it was written; learn the model again: `{command}`")
+            }
+        }
+    }
+}
+
+/// What every version has.
+#[derive(Deserialize)]
+struct Head {
+    format: String,
+    version: u64,
+}
+
+/// Characters at the start of a file within which its format stands.
+const HEAD: usize = 200;
+
+/// Whether a text says that it is of a format, of whatever version and whether it is whole or not.
+#[must_use]
+pub fn is_of(format: Format, text: &str) -> bool {
+    let head: String = text.chars().take(HEAD).collect();
+    head.trim_start().starts_with('{') && head.contains(&format!("\"{}\"", format.name))
+}
+
+/// Reads the whole of a file whose format and version are those that are wanted; `name` is what errors call it.
+///
+/// # Errors
+/// [`ModelFileError`] but for [`ModelFileError::Value`]: values are still to be checked.
+pub fn read<W: DeserializeOwned, P: Debug + Display>(
+    format: Format,
+    name: &str,
+    text: &str,
+) -> Result<W, ModelFileError<P>> {
+    let file = name.to_owned();
+    let json =
+        |error: serde_json::Error| ModelFileError::Json { file: file.clone(), format, problem: error.to_string() };
+    let head: Head = serde_json::from_str(text).map_err(json)?;
+    if head.format != format.name {
+        let found = head.format.chars().take(40).collect();
+        return Err(ModelFileError::Format { file, format, found });
+    }
+    if head.version != format.version {
+        return Err(ModelFileError::Version { file, format, found: head.version });
+    }
+    serde_json::from_str(text).map_err(json)
+}
+
+/// The text of a file, one line.
+///
+/// # Errors
+/// [`ModelFileError::Json`] for what has no JSON.
+pub fn write<W: Serialize, P: Debug + Display>(
+    format: Format,
+    name: &str,
+    whole: &W,
+) -> Result<String, ModelFileError<P>> {
+    let problem = |error: serde_json::Error| error.to_string();
+    match serde_json::to_string(whole).map_err(problem) {
+        Ok(text) => Ok(text + "\n"),
+        Err(problem) => Err(ModelFileError::Json { file: name.to_owned(), format, problem }),
+    }
+}
