@@ -13,7 +13,7 @@ use sinew::core::random::Stage;
 use sinew::core::transition::Transition as _;
 use sinew::dynamics::motion_prior::MotionPrior;
 use sinew::input::source::FrameSource as _;
-use sinew::methods::{About, FrameLikelihood, Gives, METHODS, Making, Method, Score, Steps};
+use sinew::methods::{About, FrameLikelihood, Gives, LatentUse, METHODS, Making, Method, Score, Steps};
 use sinew::setup::{self, Setup, SetupRequest};
 use sinew::track::Pipeline;
 use sinew::tracking::posterior::Posterior;
@@ -44,6 +44,7 @@ const ABOUT: About = About {
     gives: Gives::Search,
     needs_gradients: false,
     needs_parts: false,
+    latent: LatentUse::No,
     score: Score::Bidirectional,
     score_beside_keypoints: Score::Bidirectional,
     particles: None,

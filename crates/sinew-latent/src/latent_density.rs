@@ -10,7 +10,7 @@
 
 use crate::mapping::Mapping;
 use crate::model::{LatentModel, Prior};
-use sinew_core::density::LaneDensity;
+use sinew_core::density::{LaneDensity, LaneGaussNewton};
 use sinew_core::elementary::ln;
 use sinew_core::lanes::Real;
 use std::sync::Arc;
@@ -122,5 +122,15 @@ impl LaneDensity for LatentDensity {
             }
         }
         value
+    }
+}
+
+/// The prior's precision alone: the rest bends both ways.
+impl LaneGaussNewton for LatentDensity {
+    #[inline(always)]
+    fn gauss_newton_diagonal<V: Real>(&self, _x: &[V::Mem], diagonal: &mut [V::Mem], _ws: &mut [V::Mem]) {
+        for (d, &precision) in diagonal.iter_mut().zip(&self.prior.precision) {
+            V::splat(precision).store(d);
+        }
     }
 }

@@ -59,6 +59,7 @@ pub mod posterior;
 mod resume;
 mod run;
 mod tracker;
+pub mod with_prior;
 
 pub use error::Error;
 pub use resume::Resume;

@@ -21,7 +21,7 @@ mod step_size;
 mod unknown_size;
 
 pub use images::{ImageState, Images};
-pub use motion_prior::{check_model, motion_prior, walk};
+pub use motion_prior::{check_latent_model, check_model, motion_prior, walk};
 pub use pipeline::{Pipeline, State, moments};
 pub use predictive::{Doubt, Lengths, Origins};
 pub use scene::{Scene, SceneState};

@@ -66,7 +66,15 @@ pub fn ranked(frames: usize, sigma_px: f64, settings: &Settings, seed: u64) -> R
     let film = filmed(&body, states, cameras, sigma_px, settings.fps, errors)?;
     track::tune(&mut setup, &body, &mut source(&film), 0, &settings)?;
     let dt = 1.0 / settings.fps;
-    let making = Making { setup: &setup, transition: &walk, parts: None, motion_model: None, dt, isa: settings.isa };
+    let making = Making {
+        setup: &setup,
+        transition: &walk,
+        parts: None,
+        motion_model: None,
+        latent: None,
+        dt,
+        isa: settings.isa,
+    };
     let mut tracker = settings.method.tracker(&making, setup.start_pose.clone())?;
     let mut seen = Seen::new(&film, sigma_px, &settings);
     let mut disagreeing = 0.0;

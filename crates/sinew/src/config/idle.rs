@@ -1,7 +1,7 @@
 //! Which settings change nothing beside the others.
 
 use super::values::SettingValues;
-use crate::methods::{About, Gives};
+use crate::methods::{About, Gives, LatentUse};
 
 /// The setting beside which another one is idle, in words; `None` for one that counts.
 #[must_use]
@@ -18,6 +18,7 @@ pub fn idle_beside(key: &str, chosen: &About, methods: &[&'static About], values
             Some("no `--silhouettes`".to_owned())
         }
         "images" | "score" | "kappa" if chosen.needs_gradients => Some(format!("`--method {}`", chosen.name)),
+        "latent" if chosen.latent == LatentUse::No => Some(format!("`--method {}`", chosen.name)),
         "motion_scale" if values.get("motion_model").is_some() => Some("`--motion-model`".to_owned()),
         "degrees" if is("noise", "floor") => Some("`--noise floor`".to_owned()),
         "outlier" if is("noise", "student-t") => Some("`--noise student-t`".to_owned()),

@@ -7,7 +7,7 @@ use super::table::{self, is_local, settings};
 use super::value::{Value, from_text, to_json, to_toml};
 use super::values::{Origin, SettingValues};
 use crate::Error;
-use crate::methods::{self, About, METHODS};
+use crate::methods::{self, About, LatentUse, METHODS};
 use sinew_formats::nearest::nearest;
 use sinew_recording::Problems;
 use std::collections::BTreeMap;
@@ -131,7 +131,15 @@ impl Resolved {
     fn check(&self) -> Result<(), Error> {
         let smoothed = self.values.flag("smooth") && self.values.get("motion_model").is_some();
         let smoothed = smoothed.then(|| "`smooth` goes back over a random walk; leave it or `motion_model` out".into());
-        match (self.method().mistake)(&self.values).or(smoothed) {
+        let takes_latent = self.method().latent != LatentUse::No && self.values.get("latent").is_some();
+        let in_latent = |other: &str, what: &str| {
+            let both = takes_latent && self.values.get(other).is_some_and(|value| *value != Value::Flag(false));
+            both.then(|| format!("`{other}` {what}; leave it or `latent` out"))
+        };
+        let clash = smoothed
+            .or_else(|| in_latent("smooth", "goes back over a random walk of poses"))
+            .or_else(|| in_latent("motion_model", "moves poses, and a latent model has a motion of its own"));
+        match (self.method().mistake)(&self.values).or(clash) {
             None => Ok(()),
             Some(problem) => Err(Problems { file: "the configuration".into(), problems: vec![problem] }.into()),
         }

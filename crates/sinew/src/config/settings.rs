@@ -4,6 +4,7 @@ use crate::methods::{HmcMethod, Method, Score};
 use sinew_core::lanes::Isa;
 use sinew_dynamics::primitives::model::PrimitiveModel;
 use sinew_dynamics::random_walk::Between;
+use sinew_latent::file::StoredModel;
 use sinew_observe::Noise;
 use sinew_observe::image_score::ImageScore;
 use std::sync::Arc;
@@ -29,6 +30,8 @@ pub struct Settings {
     pub motion_scale: f64,
     /// Learned motion model that takes the place of the random walk.
     pub motion_model: Option<Arc<PrimitiveModel>>,
+    /// Latent model of the body's poses.
+    pub latent_model: Option<Arc<StoredModel>>,
     /// Weighting function of images.
     pub score: ImageScore,
     /// Longest side of the raster in which silhouettes are compared, pixels.
@@ -59,6 +62,7 @@ impl Default for Settings {
             between: Between::Gaussian,
             motion_scale: 1.0,
             motion_model: None,
+            latent_model: None,
             score: Score::Bidirectional.with_kappa(100.0),
             raster: 320,
             draws: 64,

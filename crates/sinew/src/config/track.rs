@@ -10,6 +10,7 @@ use sinew_core::lanes::Isa;
 use sinew_dynamics::primitives::file;
 use sinew_dynamics::primitives::model::PrimitiveModel;
 use sinew_dynamics::random_walk::Between;
+use sinew_latent::file::StoredModel;
 use sinew_observe::Noise;
 use sinew_recording::input::footage::{FootageFiles, Init};
 use std::ops::Range;
@@ -61,6 +62,8 @@ pub struct TrackConfig {
     pub setup_frames: Option<Range<u64>>,
     /// Learned motion model.
     pub motion_model: Option<PathBuf>,
+    /// Latent model of poses.
+    pub latent: Option<PathBuf>,
     /// Whether a backward pass follows.
     pub smooth: bool,
     /// How frames are tracked; instruction set and frame rate are not settled yet ([`TrackConfig::settings`]).
@@ -117,6 +120,7 @@ impl Resolved {
             setup: self.values.path("setup"),
             setup_frames: self.values.frames("setup_frames"),
             motion_model: self.values.path("motion_model"),
+            latent: self.values.path("latent"),
             smooth: self.values.flag("smooth"),
             tracking: self.settings(),
             simd: self.values.text("simd"),
@@ -186,7 +190,7 @@ impl TrackConfig {
     /// How frames are tracked.
     ///
     /// # Errors
-    /// [`TrackError::NoInstructionSet`]; a motion model that cannot be read.
+    /// [`TrackError::NoInstructionSet`]; a motion model or latent model that cannot be read.
     pub fn settings(&self) -> Result<Settings, Error> {
         let isa = match &self.simd {
             None => Isa::best(),
@@ -196,8 +200,17 @@ impl TrackConfig {
             })?,
         };
         let motion_model = self.motion_model.as_deref().map(read_model).transpose()?;
-        Ok(Settings { isa, fps: self.fps.unwrap_or(DEFAULT_FPS), motion_model, ..self.tracking.clone() })
+        let latent_model = self.latent.as_deref().map(read_latent).transpose()?;
+        let fps = self.fps.unwrap_or(DEFAULT_FPS);
+        Ok(Settings { isa, fps, motion_model, latent_model, ..self.tracking.clone() })
     }
+}
+
+/// The latent model in a file.
+fn read_latent(path: &Path) -> Result<Arc<StoredModel>, Error> {
+    let text = files::read_text(path, sinew_latent::file::MAX_BYTES)?;
+    let name = path.display().to_string();
+    Ok(Arc::new(sinew_latent::file::read(&name, &text).map_err(TrackError::LatentModel)?))
 }
 
 /// The motion model in a file.

@@ -13,6 +13,7 @@ use sinew_core::random::Stage;
 use sinew_dynamics::motion_prior::MotionPrior;
 use sinew_dynamics::primitives::model::PrimitiveModel;
 use sinew_dynamics::random_walk::RandomWalk;
+use sinew_latent::file::StoredModel;
 use sinew_tracking::{Resume, Tracker};
 use std::fmt;
 use std::sync::Arc;
@@ -28,6 +29,17 @@ pub enum Gives {
     Search,
 }
 
+/// Whether a method tracks in the latent space of a learned model of poses.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LatentUse {
+    /// It never does.
+    No,
+    /// Where a model is given.
+    Taken,
+    /// Always.
+    Needed,
+}
+
 /// The description of a method.
 #[derive(Clone, Debug)]
 pub struct About {
@@ -41,6 +53,8 @@ pub struct About {
     pub needs_gradients: bool,
     /// Whether it takes the body part by part.
     pub needs_parts: bool,
+    /// Whether it tracks in the latent space of a learned model.
+    pub latent: LatentUse,
     /// Weighting function of images where nobody names one: the paper's, but for filters, which lose arms in the silhouette of the torso unless uncovered pixels count, too.
     pub score: Score,
     /// The same where keypoints are observed, too.
@@ -67,6 +81,15 @@ pub fn no_motion_model(values: &SettingValues, method: &str) -> Option<String> {
     })
 }
 
+/// That a method needs a latent model, where none is given.
+#[must_use]
+pub fn no_latent_model(values: &SettingValues, method: &str) -> Option<String> {
+    let missing = values.get("latent").is_none();
+    missing.then(|| {
+        format!("`{method}` needs `latent`, the file of a latent model of the body; `sinew learn latent` makes one")
+    })
+}
+
 /// What a tracker is made of besides the settings of its method.
 pub struct Making<'a> {
     /// The set-up of the recording.
@@ -77,6 +100,8 @@ pub struct Making<'a> {
     pub parts: Option<&'a PartTree>,
     /// Action primitives of the body, where the run has a motion model.
     pub motion_model: Option<&'a PrimitiveModel>,
+    /// Latent model of the body's poses, where the run has one.
+    pub latent: Option<&'a StoredModel>,
     /// Time between frames, seconds.
     pub dt: f64,
     /// Instruction set.

@@ -1,6 +1,6 @@
 //! `annealed`: the annealed particle filter of Deutscher, Blake & Reid 2000, a search.
 
-use super::about::{About, Gives, Making, Method, Steps};
+use super::about::{About, Gives, LatentUse, Making, Method, Steps};
 use super::score::Score;
 use crate::Error;
 use crate::config::setting::{SAMPLING, SHARE, Setting, SettingKind, computed};
@@ -27,6 +27,7 @@ pub const ABOUT: About = About {
     gives: Gives::Search,
     needs_gradients: false,
     needs_parts: false,
+    latent: LatentUse::No,
     score: Score::Bidirectional,
     score_beside_keypoints: Score::Bidirectional,
     particles: Some(|| AnnealedMethod::default().0.particles),

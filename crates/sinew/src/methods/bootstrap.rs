@@ -1,6 +1,6 @@
 //! `bootstrap`: the bootstrap particle filter of Gordon, Salmond & Smith 1993, in vision CONDENSATION.
 
-use super::about::{About, Gives, Making, Method, Steps};
+use super::about::{About, Gives, LatentUse, Making, Method, Steps};
 use super::score::Score;
 use crate::Error;
 use crate::config::values::SettingValues;
@@ -24,6 +24,7 @@ pub const ABOUT: About = About {
     gives: Gives::Particles,
     needs_gradients: false,
     needs_parts: false,
+    latent: LatentUse::No,
     score: Score::Bidirectional,
     score_beside_keypoints: Score::Bidirectional,
     particles: Some(|| BootstrapMethod::default().0.particles),

@@ -1,6 +1,6 @@
 //! `coarse-to-fine`: a grid of poses first, then its parts one by one, a search.
 
-use super::about::{About, Gives, Making, Method, Steps, no_motion_model};
+use super::about::{About, Gives, LatentUse, Making, Method, Steps, no_motion_model};
 use super::score::Score;
 use crate::Error;
 use crate::config::setting::{SAMPLING, Setting, SettingKind, computed};
@@ -21,6 +21,7 @@ pub const ABOUT: About = About {
     gives: Gives::Search,
     needs_gradients: false,
     needs_parts: true,
+    latent: LatentUse::No,
     score: Score::CoarseToFine,
     score_beside_keypoints: Score::CoarseToFine,
     particles: Some(|| CoarseToFineMethod::default().0.coarse),

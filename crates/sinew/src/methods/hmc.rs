@@ -1,17 +1,31 @@
 //! `hmc`: the hybrid Monte Carlo filter of Choo & Fleet 2001.
 //!
-//! With a dense metric and a Gaussian prior between frames, which are not the paper's.
+//! With a dense metric and a Gaussian prior between frames, which are not the paper's. With a latent model it samples [λ, θ]: the likelihood through the mean of the model's Gaussian processes, and in the prior of every frame how well
+//! poses are known at a latent ([`LatentDensity::prior_of`]).
 
-use super::about::{About, Gives, Making, Method, StepSize, Steps};
+use super::about::{About, Gives, LatentUse, Making, Method, StepSize, Steps};
 use super::frame_likelihood::FrameLikelihood;
+use super::latent_state::{ROOT, walk};
 use super::score::Score;
 use crate::Error;
 use crate::config::setting::{SAMPLING, SHARE, Setting, SettingKind, computed};
 use crate::config::values::SettingValues;
 use crate::setup::Setup;
+use crate::track::error::TrackError;
+use sinew_core::beside::Beside;
+use sinew_core::combinators::{Sum, Through};
+use sinew_core::decode::Decode;
+use sinew_core::density::Lanes;
 use sinew_core::random::Stage;
+use sinew_core::within::Within;
+use sinew_dynamics::random_walk::{Between, RandomWalk};
+use sinew_latent::file::StoredModel;
+use sinew_latent::latent_density::{LatentDensity, LatentPrior};
+use sinew_latent::space::Below;
 use sinew_samplers::tuning;
+use sinew_tracking::decoded::Decoded;
 use sinew_tracking::hmc_filter::{Config, HmcFilter};
+use sinew_tracking::with_prior::WithPrior;
 use std::sync::Arc;
 
 /// The method; the default is the preset for real recordings.
@@ -31,6 +45,7 @@ pub const ABOUT: About = About {
     gives: Gives::Chains,
     needs_gradients: true,
     needs_parts: false,
+    latent: LatentUse::Taken,
     score: Score::Bidirectional,
     score_beside_keypoints: Score::Bidirectional,
     particles: None,
@@ -76,6 +91,23 @@ impl HmcMethod {
     }
 }
 
+/// What the filter on [λ, θ] is made of.
+struct LatentParts {
+    decoder: Beside<Below>,
+    prior: Within<Lanes<LatentDensity>>,
+    walk: RandomWalk,
+}
+
+fn latent_parts(making: &Making<'_>, stored: &StoredModel) -> Result<LatentParts, Error> {
+    let StoredModel { free, ref model, .. } = *stored;
+    let below = Below::new(model, ROOT, making.isa).map_err(TrackError::Latent)?;
+    let leaf = LatentDensity::prior_of(below.space().mapping.clone(), LatentPrior::of(model, ROOT));
+    let decoder = Beside::whole(free, below).map_err(sinew_tracking::Error::Core)?;
+    let target = Lanes { leaf, isa: making.isa };
+    let prior = Within { target, first: free, dim: decoder.source_dim() };
+    Ok(LatentParts { decoder, prior, walk: walk(making, stored, Between::Gaussian)? })
+}
+
 impl Method for HmcMethod {
     fn about(&self) -> &'static About {
         &ABOUT
@@ -87,6 +119,13 @@ impl Method for HmcMethod {
 
     fn tracker(&self, making: &Making<'_>, start: Vec<f64>) -> Result<Box<dyn Steps>, Error> {
         let config = self.with_steps(making.setup);
+        if let Some(stored) = making.latent {
+            let LatentParts { decoder, prior, walk } = latent_parts(making, stored)?;
+            let filter = |start| -> Result<_, Error> {
+                Ok(WithPrior { prior, tracker: HmcFilter::new(config, walk, start, making.isa)? })
+            };
+            return Ok(Box::new(Decoded::new(decoder, &start, filter)?));
+        }
         let filter = HmcFilter::new(config, making.transition.clone(), start, making.isa)?;
         Ok(Box::new(filter))
     }
@@ -99,9 +138,18 @@ impl Method for HmcMethod {
         stage: Stage,
     ) -> Result<Option<StepSize>, Error> {
         let config = self.with_steps(making.setup);
-        let filter = HmcFilter::new(config, making.transition.clone(), start, making.isa)?;
-        let config = tuning::Config { jitter: self.0.jitter, lengths: LENGTHS.to_vec(), ..tuning::Config::default() };
-        let tuned = filter.tune(observed, &config, stage)?;
+        let tuning = tuning::Config { jitter: self.0.jitter, lengths: LENGTHS.to_vec(), ..tuning::Config::default() };
+        let tuned = match making.latent {
+            None => {
+                HmcFilter::new(config, making.transition.clone(), start, making.isa)?.tune(observed, &tuning, stage)?
+            }
+            Some(stored) => {
+                let LatentParts { decoder, prior, walk } = latent_parts(making, stored)?;
+                let start = decoder.encode(&start).ok_or(sinew_tracking::Error::NotEncoded)?;
+                let target = Sum(Through { target: observed, decoder: &decoder }, &prior);
+                HmcFilter::new(config, walk, start, making.isa)?.tune(&target, &tuning, stage)?
+            }
+        };
         Ok(Some(StepSize { step_size: tuned.step_size, leapfrog_steps: tuned.leapfrog_steps }))
     }
 }

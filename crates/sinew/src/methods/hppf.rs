@@ -1,6 +1,6 @@
 //! `hppf`: the hierarchical partitioned particle filter of Husz, Wallace & Green 2007, a search down the parts of the body.
 
-use super::about::{About, Gives, Making, Method, Steps};
+use super::about::{About, Gives, LatentUse, Making, Method, Steps};
 use super::score::Score;
 use crate::Error;
 use crate::config::setting::{SAMPLING, Setting, SettingKind, computed};
@@ -29,6 +29,7 @@ pub const ABOUT: About = About {
     gives: Gives::Search,
     needs_gradients: false,
     needs_parts: true,
+    latent: LatentUse::No,
     score: Score::Parts,
     score_beside_keypoints: Score::Parts,
     particles: Some(|| HppfMethod::default().config.particles),

@@ -1,11 +1,19 @@
 //! The one list of methods.
 
 use super::about::About;
-use super::{annealed, bootstrap, coarse_to_fine, hmc, hppf, partitioned};
+use super::{annealed, bootstrap, coarse_to_fine, gpapf, h_apf, hmc, hppf, partitioned};
 
 /// All methods, in the order of the help; the first is the default.
-pub const METHODS: [&About; 6] =
-    [&hmc::ABOUT, &bootstrap::ABOUT, &annealed::ABOUT, &partitioned::ABOUT, &hppf::ABOUT, &coarse_to_fine::ABOUT];
+pub const METHODS: [&About; 8] = [
+    &hmc::ABOUT,
+    &bootstrap::ABOUT,
+    &annealed::ABOUT,
+    &partitioned::ABOUT,
+    &hppf::ABOUT,
+    &coarse_to_fine::ABOUT,
+    &gpapf::ABOUT,
+    &h_apf::ABOUT,
+];
 
 /// The method of that name.
 #[must_use]

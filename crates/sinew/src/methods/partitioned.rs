@@ -1,6 +1,6 @@
 //! `partitioned`: the partitioned sampling of MacCormick & Blake 1999, part by part.
 
-use super::about::{About, Gives, Making, Method, Steps, no_motion_model};
+use super::about::{About, Gives, LatentUse, Making, Method, Steps, no_motion_model};
 use super::score::Score;
 use crate::Error;
 use crate::config::values::SettingValues;
@@ -18,6 +18,7 @@ pub const ABOUT: About = About {
     gives: Gives::Particles,
     needs_gradients: false,
     needs_parts: true,
+    latent: LatentUse::No,
     score: Score::Bidirectional,
     score_beside_keypoints: Score::Parts,
     particles: Some(|| PartitionedMethod::default().0.particles),

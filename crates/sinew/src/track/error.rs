@@ -1,6 +1,8 @@
 //! What tracking refuses of a set-up, a body and a machine.
 
+use sinew_dynamics::model_file::Format;
 use sinew_dynamics::primitives::file::ModelFileError;
+use sinew_latent::file::LatentFileError;
 use std::path::PathBuf;
 
 /// A recording that cannot be tracked as it stands, or numbers that fail.
@@ -91,15 +93,22 @@ pub enum TrackError {
     /// A file that is no motion model.
     #[error(transparent)]
     MotionModel(ModelFileError),
-    /// A motion model of another body.
-    #[error("the motion model was learned for the body {learned}, which is not the one that is tracked")]
-    MotionModelBody {
+    /// A file that is no latent model.
+    #[error(transparent)]
+    LatentModel(LatentFileError),
+    /// A model of another body.
+    #[error("the {} was learned for the body {learned}, which is not the one that is tracked", format.what)]
+    ModelBody {
+        /// What kind of model.
+        format: Format,
         /// Body of the model.
         learned: String,
     },
-    /// A motion model of another frame rate.
-    #[error("the motion model was learned at {learned} frames per second; the recording has {tracked}")]
-    MotionModelRate {
+    /// A model of another frame rate.
+    #[error("the {} was learned at {learned} frames per second; the recording has {tracked}", format.what)]
+    ModelRate {
+        /// What kind of model.
+        format: Format,
         /// Rate of the model.
         learned: f64,
         /// Rate of the recording.
@@ -111,6 +120,15 @@ pub enum TrackError {
         /// Name of the method.
         method: &'static str,
     },
+    /// A method in a latent space without a model of one.
+    #[error("`{method}` needs a latent model")]
+    NoLatentModel {
+        /// Name of the method.
+        method: &'static str,
+    },
+    /// A latent model that cannot be tracked in.
+    #[error(transparent)]
+    Latent(#[from] sinew_latent::Error),
     /// A sampler that refuses its settings or fails.
     #[error(transparent)]
     Sampler(#[from] sinew_samplers::Error),
@@ -128,9 +146,11 @@ impl TrackError {
             Self::UpAxis { .. }
             | Self::Body { .. }
             | Self::NoInstructionSet { .. }
-            | Self::MotionModelBody { .. }
-            | Self::MotionModelRate { .. }
-            | Self::NoMotionModel { .. } => 2,
+            | Self::ModelBody { .. }
+            | Self::ModelRate { .. }
+            | Self::NoMotionModel { .. }
+            | Self::NoLatentModel { .. }
+            | Self::Latent(_) => 2,
             Self::UnknownCamera { .. }
             | Self::FewPoints { .. }
             | Self::StartPose { .. }
@@ -138,7 +158,8 @@ impl TrackError {
             | Self::Parts(_)
             | Self::Solids(_)
             | Self::SetupFile { .. }
-            | Self::MotionModel(_) => 3,
+            | Self::MotionModel(_)
+            | Self::LatentModel(_) => 3,
         }
     }
 
@@ -146,10 +167,15 @@ impl TrackError {
     #[must_use]
     pub fn help(&self) -> Option<String> {
         match self {
-            Self::MotionModelRate { tracked, .. } => Some(format!(
-                "learn it at that rate with `sinew learn primitives --fps {tracked}`, or state the recording's with `--fps`"
+            Self::ModelRate { format, tracked, .. } => Some(format!(
+                "learn it at that rate with `{} --fps {tracked}`, or state the recording's with `--fps`",
+                format.command
             )),
+            Self::ModelBody { format, .. } => {
+                Some(format!("track with `--body` of that name, or learn a model with `{} --body`", format.command))
+            }
             Self::MotionModel(error) => Some(error.help()),
+            Self::LatentModel(error) => Some(error.help()),
             _ => self.advice().map(Into::into),
         }
     }
@@ -166,17 +192,18 @@ impl TrackError {
             Self::SetupFile { .. } => {
                 "give `--setup` the setup.toml of a result folder of this version, or leave it out"
             }
-            Self::MotionModelBody { .. } => {
-                "track with `--body` of that name, or learn a model with `sinew learn primitives --body`"
-            }
             Self::NoMotionModel { .. } => {
                 "leave `--motion-model` out, or use `--method hmc`, `bootstrap` or `annealed`"
             }
+            Self::NoLatentModel { .. } => "name one with `--latent`; `sinew learn latent` makes it",
+            Self::Latent(_) => "learn the latent model again with `--model gpdm`, or `hgplvm` with one root",
             Self::NoInstructionSet { .. } => "leave `--simd` out to take the best",
             Self::Solids(_)
             | Self::NoParts
-            | Self::MotionModelRate { .. }
+            | Self::ModelRate { .. }
+            | Self::ModelBody { .. }
             | Self::MotionModel(_)
+            | Self::LatentModel(_)
             | Self::StoredSettings(_)
             | Self::Encoding(_)
             | Self::Sampler(_)

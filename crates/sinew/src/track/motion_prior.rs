@@ -8,10 +8,13 @@ use crate::config::settings::Settings;
 use crate::setup::{Setup, motion_noise};
 use sinew_body::standard::{cf28, h32};
 use sinew_body::{Joint, KinematicTree, Proportions, hapf31, hppf24};
+use sinew_dynamics::model_file::Format;
 use sinew_dynamics::motion_prior::MotionPrior;
+use sinew_dynamics::primitives::file::FORMAT;
 use sinew_dynamics::primitives::model::PrimitiveModel;
 use sinew_dynamics::primitives::motion::PrimitiveMotion;
 use sinew_dynamics::random_walk::RandomWalk;
+use sinew_latent::file::StoredModel;
 use std::f64::consts::TAU;
 
 /// The feature vector that moves the whole body.
@@ -48,26 +51,42 @@ pub fn motion_prior(setup: &Setup, tree: &KinematicTree, settings: &Settings) ->
     Ok(MotionPrior::Primitives(motion.map_err(TrackError::Motion)?))
 }
 
-/// Refuses a model of another body, another frame rate, or without the whole body's angles.
-///
-/// # Errors
-/// [`TrackError::MotionModelBody`], [`TrackError::MotionModelRate`], [`TrackError::Motion`].
-pub fn check_model(model: &PrimitiveModel, tree: &KinematicTree, fps: f64) -> Result<(), TrackError> {
-    let learned = match model.state.as_str() {
+/// What a model in a file was learned of.
+struct LearnedOf<'a> {
+    format: Format,
+    state: &'a str,
+    dim: usize,
+    frame_rate: f64,
+}
+
+/// Refuses a model of another body or another frame rate.
+fn check_body(learned_of: &LearnedOf<'_>, tree: &KinematicTree, fps: f64) -> Result<(), TrackError> {
+    let LearnedOf { format, state, dim, frame_rate } = *learned_of;
+    let learned = match state {
         "h32" => Some(h32(&Proportions::default())),
         "cf28" => Some(cf28(&Proportions::default())),
         "hppf24" => Some(hppf24::tree(1.0)),
         "hapf31" => Some(hapf31::sized(&Proportions::default())),
         _ => None,
     };
-    let is_same = learned.is_some_and(|learned| learned.dof_names() == tree.dof_names()) && model.dim == tree.dof();
+    let is_same = learned.is_some_and(|learned| learned.dof_names() == tree.dof_names()) && dim == tree.dof();
     if !is_same {
-        return Err(TrackError::MotionModelBody { learned: model.state.clone() });
+        return Err(TrackError::ModelBody { format, learned: state.to_owned() });
     }
-    let off = (fps / model.frame_rate - 1.0).abs();
+    let off = (fps / frame_rate - 1.0).abs();
     if off.is_nan() || off > SAME_RATE {
-        return Err(TrackError::MotionModelRate { learned: model.frame_rate, tracked: fps });
+        return Err(TrackError::ModelRate { format, learned: frame_rate, tracked: fps });
     }
+    Ok(())
+}
+
+/// Refuses a motion model of another body, another frame rate, or without the whole body's angles.
+///
+/// # Errors
+/// [`TrackError::ModelBody`], [`TrackError::ModelRate`], [`TrackError::Motion`].
+pub fn check_model(model: &PrimitiveModel, tree: &KinematicTree, fps: f64) -> Result<(), TrackError> {
+    let PrimitiveModel { state, dim, frame_rate, .. } = model;
+    check_body(&LearnedOf { format: FORMAT, state, dim: *dim, frame_rate: *frame_rate }, tree, fps)?;
     if model.find(WHOLE_BODY).is_none() {
         let known = model.primitives.iter().map(|primitives| primitives.feature.name.clone()).collect();
         return Err(sinew_dynamics::Error::Unknown { name: WHOLE_BODY.into(), known }.into());
@@ -75,11 +94,29 @@ pub fn check_model(model: &PrimitiveModel, tree: &KinematicTree, fps: f64) -> Re
     Ok(())
 }
 
-/// A state with its angles turned by whole turns to those nearest to a model's mean motion.
-pub(super) fn turned_near(model: &PrimitiveModel, tree: &KinematicTree, mut state: Vec<f64>) -> Vec<f64> {
-    let Some(primitives) = model.find(WHOLE_BODY) else { return state };
+/// Refuses a latent model of another body or frame rate.
+///
+/// # Errors
+/// [`TrackError::ModelBody`], [`TrackError::ModelRate`].
+pub fn check_latent_model(stored: &StoredModel, tree: &KinematicTree, fps: f64) -> Result<(), TrackError> {
+    let StoredModel { state, frame_rate, free, model, .. } = stored;
+    let (format, dim) = (sinew_latent::file::FORMAT, free + model.columns);
+    check_body(&LearnedOf { format, state, dim, frame_rate: *frame_rate }, tree, fps)
+}
+
+/// A state with its angles turned by whole turns to those nearest to the mean motion of a model.
+pub(super) fn turned_near(
+    motion_model: Option<&PrimitiveModel>,
+    latent: Option<&StoredModel>,
+    tree: &KinematicTree,
+    mut state: Vec<f64>,
+) -> Vec<f64> {
+    let primitives = motion_model.and_then(|model| model.find(WHOLE_BODY));
+    let of_motion =
+        primitives.map(|known| known.feature.coordinates.iter().copied().zip(known.pca.mean.iter().copied()));
+    let of_latent = latent.map(|stored| (stored.free..).zip(stored.model.standard.mean.iter().copied()));
     let joints: Vec<Joint> = tree.joints().map(|(_, joint)| joint).collect();
-    for (&j, mean) in primitives.feature.coordinates.iter().zip(&primitives.pca.mean) {
+    for (j, mean) in of_motion.into_iter().flatten().chain(of_latent.into_iter().flatten()) {
         if matches!(joints.get(j), Some(Joint::Rotate(_))) {
             state[j] -= TAU * ((state[j] - mean) / TAU).round();
         }
@@ -108,7 +145,7 @@ mod tests {
         assert!(check_model(&model("h32", 32), &tree, 20.1).is_ok());
         for other in [model("cf28", 28), model("hppf24", 24), model("horse", 32), model("h32", 31)] {
             let error = check_model(&other, &tree, 20.0).unwrap_err();
-            assert!(matches!(error, TrackError::MotionModelBody { .. }), "{error}");
+            assert!(matches!(error, TrackError::ModelBody { .. }), "{error}");
         }
         let error = check_model(&model("h32", 32), &tree, 30.0).unwrap_err();
         assert_eq!(error.to_string(), "the motion model was learned at 20 frames per second; the recording has 30");
@@ -121,7 +158,7 @@ mod tests {
     #[test]
     fn starts_are_turned_near_the_training_motion() {
         let tree = h32(&Proportions::default());
-        let found = turned_near(&model("h32", 32), &tree, vec![3.0 + TAU; 32]);
+        let found = turned_near(Some(&model("h32", 32)), None, &tree, vec![3.0 + TAU; 32]);
         assert_eq!(found[..6], [3.0 + TAU; 6]);
         assert!(found[6..].iter().all(|x| (x - 3.0).abs() < 1e-12), "{found:?}");
     }

@@ -111,21 +111,18 @@ impl Pipeline {
         };
         let (method, isa, dt) = (settings.method.clone(), settings.isa, 1.0 / settings.fps);
         let (prior, known, body) = (transition.clone(), setup.clone(), tree.clone());
-        let model = settings.motion_model.clone();
-        let motion_model = model.as_deref();
-        let making = Making { setup, transition: &transition, parts: parts.as_ref(), motion_model, dt, isa };
+        let (model, latent_model) = (settings.motion_model.clone(), settings.latent_model.clone());
+        let (motion_model, latent) = (model.as_deref(), latent_model.as_deref());
+        let making = Making { setup, transition: &transition, parts: parts.as_ref(), motion_model, latent, dt, isa };
         let remarks = method.remarks(&making);
         let acting_parts = match method.gives_actions(&making) {
             true => setup.flesh()?.solids().iter().map(|solid| solid.name.clone()).collect(),
             false => vec![],
         };
         let make = move |start| {
-            let start = match &model {
-                Some(model) => turned_near(model, &body, start),
-                None => start,
-            };
-            let (parts, motion_model) = (parts.as_ref(), model.as_deref());
-            method.tracker(&Making { setup: &known, transition: &prior, parts, motion_model, dt, isa }, start)
+            let (parts, motion_model, latent) = (parts.as_ref(), model.as_deref(), latent_model.as_deref());
+            let start = turned_near(motion_model, latent, &body, start);
+            method.tracker(&Making { setup: &known, transition: &prior, parts, motion_model, latent, dt, isa }, start)
         };
         let tracker = Restarting::new(Box::new(make), scene.start().to_vec())?;
         let marginals = Marginals::new(tree, settings.isa, UnknownSize::of(setup, cameras, settings.seed));

@@ -35,7 +35,8 @@ pub fn tune(
     let (observed, found) = scene.observe(&source.people(number)?, &start);
     let start = found.unwrap_or(start);
     let dt = 1.0 / settings.fps;
-    let making = Making { setup, transition: &transition, parts: None, motion_model: None, dt, isa: settings.isa };
+    let (latent, isa) = (settings.latent_model.as_deref(), settings.isa);
+    let making = Making { setup, transition: &transition, parts: None, motion_model: None, latent, dt, isa };
     let stage = Stage::new(settings.seed, "set-up");
     let likelihood = FrameLikelihood::from(observed);
     if let Some(found) = settings.method.tuned(&making, start, &likelihood, stage)? {

@@ -2,7 +2,7 @@
 
 use super::begin::{read_setup, same_body, world_up};
 use crate::config::Resolved;
-use crate::track::check_model;
+use crate::track::{check_latent_model, check_model};
 use crate::{Error, bodies};
 
 /// Refuses settings that this processor, each other or the files that they name contradict.
@@ -17,12 +17,13 @@ pub fn check_settings(resolved: &Resolved) -> Result<(), Error> {
         Some(setup) => same_body(&config.body, setup)?,
         None => drop(bodies::to_track(&config.body)?),
     }
-    if let Some(model) = &settings.motion_model {
+    if settings.motion_model.is_some() || settings.latent_model.is_some() {
         let tree = match &known {
             Some(setup) => setup.tree(),
             None => bodies::find(&config.body)?,
         };
-        check_model(model, &tree, settings.fps)?;
+        settings.motion_model.iter().try_for_each(|model| check_model(model, &tree, settings.fps))?;
+        settings.latent_model.iter().try_for_each(|model| check_latent_model(model, &tree, settings.fps))?;
     }
     world_up(&config, known.as_ref()).map(drop)
 }

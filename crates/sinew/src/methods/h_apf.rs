@@ -1,0 +1,85 @@
+//! `h-apf`: the hierarchical annealed particle filter of Raskin, Rudzsky & Rivlin 2011, a search down a tree of latent spaces.
+
+use super::about::{About, Gives, LatentUse, Making, Method, Steps, no_latent_model};
+use super::latent_state::{free_sd, motion, stored};
+use super::score::Score;
+use crate::Error;
+use crate::config::setting::{SAMPLING, Setting, SettingKind, computed};
+use crate::config::values::SettingValues;
+use crate::track::error::TrackError;
+use sinew_latent::tree::hierarchy;
+use sinew_tracking::h_apf::{Config, HApf};
+use std::sync::Arc;
+
+/// The method: visits of each layer of the hierarchy are as many as the paper's, (1, 1, 2, 3, 3) where there are three.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct HApfMethod(pub Config);
+
+/// Its description.
+pub const ABOUT: About = About {
+    name: "h-apf",
+    help: "annealed particle filter down a hierarchy of latent spaces, a search",
+    gives: Gives::Search,
+    needs_gradients: false,
+    needs_parts: false,
+    latent: LatentUse::Needed,
+    score: Score::Bidirectional,
+    score_beside_keypoints: Score::Bidirectional,
+    particles: Some(|| HApfMethod::default().0.particles),
+    settings: &SETTINGS,
+    usual: || Arc::new(HApfMethod::default()),
+    configure,
+    mistake: |values| no_latent_model(values, ABOUT.name),
+};
+
+#[rustfmt::skip]
+const SETTINGS: [Setting; 1] = [
+    computed((SAMPLING, "visits", SettingKind::Count(2, 1000), "N", || HApfMethod::default().0.schedule.len().to_string(), "visits of layers of the hierarchy: one more of the root and of the leaves than of the layers between, the rest of the leaves (h-apf)")),
+];
+
+fn configure(values: &SettingValues) -> Arc<dyn Method> {
+    let usual = HApfMethod::default().0;
+    let schedule = vec![1; values.size("visits")];
+    Arc::new(HApfMethod(Config { particles: values.size_or("particles", usual.particles), schedule, ..usual }))
+}
+
+/// A schedule of so many visits over so many layers: the root twice, every layer between once, the last one for the rest; with one layer all visits are its own. The paper's (1, 1, 2, 3, 3) is that of five visits and three layers.
+fn schedule(visits: usize, layers: usize) -> Vec<usize> {
+    let twice = usize::from(visits > layers && layers > 1);
+    let walk = std::iter::repeat_n(1, twice).chain(1..layers);
+    let mut schedule: Vec<usize> = walk.collect();
+    schedule.resize(visits.max(schedule.len() + 1), layers);
+    schedule
+}
+
+impl Method for HApfMethod {
+    fn about(&self) -> &'static About {
+        &ABOUT
+    }
+
+    fn weighted_draws(&self) -> Option<usize> {
+        Some(self.0.particles)
+    }
+
+    fn tracker(&self, making: &Making<'_>, start: Vec<f64>) -> Result<Box<dyn Steps>, Error> {
+        let stored = stored(making, &ABOUT)?;
+        let tree = Arc::new(hierarchy(&stored.model, making.isa).map_err(TrackError::Latent)?);
+        let config = Config { schedule: schedule(self.0.schedule.len(), tree.layers()), ..self.0.clone() };
+        let motion = motion(making, stored)?;
+        Ok(Box::new(HApf::new(config, tree, motion, free_sd(making, stored), &start, making.isa)?))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::schedule;
+
+    #[test]
+    fn schedules_walk_down_and_stay_at_the_leaves() {
+        assert_eq!(schedule(5, 3), [1, 1, 2, 3, 3]);
+        assert_eq!(schedule(3, 3), [1, 2, 3]);
+        assert_eq!(schedule(2, 3), [1, 2, 3]);
+        assert_eq!(schedule(5, 1), [1; 5]);
+        assert_eq!(schedule(6, 2), [1, 1, 2, 2, 2, 2]);
+    }
+}
