@@ -16,13 +16,12 @@ mod tables;
 
 use crate::outcome::Outcome;
 use crate::store::{Store, Task, run_all};
-use people::{PILOT, Person, TEST};
+use people::{Models, PILOT, Person, TEST, UNSEEN};
 use scene::{CONTENDERS, Contender, SCENES, Scene, Series};
 use sinew::config::settings::Settings;
 use sinew::core::lanes::Isa;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use std::sync::Arc;
 
 /// Measures what a learned motion model is worth as a prior on keypoints.
 #[derive(clap::Args)]
@@ -33,6 +32,9 @@ pub(crate) struct Args {
     /// A walk of training instead, which the model does not learn from
     #[arg(long)]
     pilot: bool,
+    /// People and motions that training lacks
+    #[arg(long, conflicts_with = "pilot")]
+    unseen: bool,
     /// Seeds from 1 on, each another noise and other chains
     #[arg(long, default_value_t = 5)]
     seeds: u64,
@@ -51,11 +53,11 @@ pub(crate) struct Args {
 }
 
 /// Raised with every change of what a cell computes.
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 
 /// What is run.
 struct Study {
-    model: Arc<sinew::dynamics::primitives::model::PrimitiveModel>,
+    models: Models,
     people: Vec<Person>,
     seeds: u64,
     /// Seeds of the learned mixture.
@@ -80,7 +82,7 @@ impl Study {
             let work = if contender.is_mixture_of_draws() { 10.0 } else { 1.0 };
             for (person, seed) in self.pairs(contender) {
                 for scene in SCENES {
-                    let run = move || Ok(scene::series(person, &self.model, scene, contender, seed)?.to_json());
+                    let run = move || Ok(scene::series(person, &self.models, scene, contender, seed)?.to_json());
                     tasks.push((key(scene, contender, person, seed), work * person.states.len() as f64, Box::new(run)));
                 }
             }
@@ -96,24 +98,20 @@ impl Study {
 
 fn measure(root: &Path, args: &Args) -> Outcome<()> {
     let data = args.data.clone().unwrap_or_else(|| root.join("../shared/data"));
-    let name = match (args.pilot, args.quick) {
-        (true, _) => "motion-prior-pilot",
-        (false, true) => "motion-prior-quick",
-        (false, false) => "motion-prior",
+    let (name, trials) = match args {
+        Args { pilot: true, .. } => ("motion-prior-pilot", &PILOT[..]),
+        Args { unseen: true, .. } => ("motion-prior-unseen", &UNSEEN[..]),
+        Args { quick: true, .. } => ("motion-prior-quick", &TEST[..2]),
+        _ => ("motion-prior", &TEST[..]),
     };
     let folder = args.out.clone().unwrap_or_else(|| root.join("target").join(name));
     std::fs::create_dir_all(&folder)?;
-    let trials = match (args.pilot, args.quick) {
-        (true, _) => &PILOT[..],
-        (false, true) => &TEST[..2],
-        (false, false) => &TEST[..],
-    };
     let without = if args.pilot { &PILOT[..] } else { &[] };
-    let model = Arc::new(people::model(&folder.join("model.json"), &data, without)?);
+    let models = Models::new(&folder, &data, without)?;
     let people = trials.iter().map(|&trial| Person::new(&data, trial)).collect::<Outcome<Vec<_>>>()?;
     let seeds = if args.quick { args.seeds.min(2) } else { args.seeds };
     let configuration = format!("version {VERSION}, {}, {without:?}, {:?}", Isa::best().name(), Settings::default());
-    let study = Study { model, people, seeds, mixture_seeds: seeds.min(args.mixture_seeds) };
+    let study = Study { models, people, seeds, mixture_seeds: seeds.min(args.mixture_seeds) };
     let mut store = Store::open(&folder, &configuration)?;
     let granted = std::thread::available_parallelism().map_or(1, |n| n.get());
     run_all(&mut store, "motion prior", study.tasks(), args.threads.unwrap_or(granted))?;

@@ -1,12 +1,11 @@
 //! One series: a walk that is filmed, set up and tracked.
 
-use super::people::{Person, RATE_HZ};
+use super::people::{Models, Person, RATE_HZ};
 use crate::outcome::Outcome;
 use crate::processor_time::thread_seconds;
 use serde_json::{Value, json};
 use sinew::body::standard::EVALUATION_JOINTS;
 use sinew::config::settings::Settings;
-use sinew::dynamics::primitives::model::PrimitiveModel;
 use sinew::dynamics::random_walk::Between;
 use sinew::setup::Setup;
 use sinew_motion::points::Trajectories;
@@ -14,7 +13,6 @@ use sinew_simulate::detector::DetectorNoise;
 use sinew_simulate::recording::{Script, SyntheticRecording};
 use sinew_tests::evaluation::{self, Filtered, Track, ranks};
 use sinew_tests::simulated_source::source;
-use std::sync::Arc;
 
 /// First frames that are not judged: they depend on the pose that the set-up found.
 const FIRST_JUDGED: usize = 10;
@@ -46,35 +44,51 @@ impl Scene {
     }
 }
 
+/// What is known of motion.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Known {
+    /// Nothing: a random walk.
+    Walk,
+    /// Action primitives.
+    Primitives,
+    /// The latent space of a GPDM, in which a latent walks at random.
+    Latent,
+}
+
 /// How a frame's posterior becomes the next one's prior.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Contender {
-    pub(super) is_learned: bool,
+    pub(super) known: Known,
     pub(super) between: Between,
 }
 
 /// The random walk under the mixture is what the learned mixture is compared with, the Gaussians with each other.
-pub(super) const CONTENDERS: [Contender; 4] = [
-    Contender { is_learned: false, between: Between::Mixture },
-    Contender { is_learned: true, between: Between::Mixture },
-    Contender { is_learned: false, between: Between::Gaussian },
-    Contender { is_learned: true, between: Between::Gaussian },
+pub(super) const CONTENDERS: [Contender; 5] = [
+    Contender { known: Known::Walk, between: Between::Mixture },
+    Contender { known: Known::Primitives, between: Between::Mixture },
+    Contender { known: Known::Walk, between: Between::Gaussian },
+    Contender { known: Known::Primitives, between: Between::Gaussian },
+    Contender { known: Known::Latent, between: Between::Gaussian },
 ];
 
 impl Contender {
     pub(super) fn name(self) -> String {
-        let motion = if self.is_learned { "learned" } else { "walk" };
+        let motion = match self.known {
+            Known::Walk => "walk",
+            Known::Primitives => "learned",
+            Known::Latent => "latent",
+        };
         format!("{motion}, {}", format!("{:?}", self.between).to_lowercase())
     }
 
     /// Whether its prior has a component or more for every draw of the frame before.
     pub(super) fn is_mixture_of_draws(self) -> bool {
-        self.is_learned && self.between == Between::Mixture
+        self.known == Known::Primitives && self.between == Between::Mixture
     }
 
     /// The same prior of the random walk.
     pub(super) fn baseline(self) -> Self {
-        Self { is_learned: false, ..self }
+        Self { known: Known::Walk, ..self }
     }
 }
 
@@ -91,12 +105,15 @@ pub(super) struct Series {
     pub(super) r_hat: f64,
     /// Milliseconds of processor time a frame.
     pub(super) ms: f64,
+    /// Whether the run has doubts about its own model.
+    pub(super) is_doubted: bool,
 }
 
 impl Series {
     pub(super) fn to_json(&self) -> Value {
-        let Self { error_mm, covered, disagreeing, r_hat, ms } = self;
-        json!({ "error_mm": error_mm, "covered": covered, "disagreeing": disagreeing, "r_hat": r_hat, "ms": ms })
+        let Self { error_mm, covered, disagreeing, r_hat, ms, is_doubted } = self;
+        json!({ "error_mm": error_mm, "covered": covered, "disagreeing": disagreeing, "r_hat": r_hat, "ms": ms,
+            "is_doubted": is_doubted })
     }
 
     pub(super) fn from_json(value: &Value) -> Self {
@@ -108,6 +125,7 @@ impl Series {
             disagreeing: number(&value["disagreeing"]),
             r_hat: number(&value["r_hat"]),
             ms: number(&value["ms"]),
+            is_doubted: value["is_doubted"].as_bool().unwrap_or_default(),
         }
     }
 }
@@ -115,7 +133,7 @@ impl Series {
 /// Films and tracks a person. Sizes are known, so that the prior between frames is all that contenders differ in.
 pub(super) fn series(
     person: &Person,
-    model: &Arc<PrimitiveModel>,
+    models: &Models,
     scene: Scene,
     contender: Contender,
     seed: u64,
@@ -131,7 +149,8 @@ pub(super) fn series(
         fps: RATE_HZ,
         draws: ranks::DRAWS,
         between: contender.between,
-        motion_model: contender.is_learned.then(|| model.clone()),
+        motion_model: (contender.known == Known::Primitives).then(|| models.primitives.clone()),
+        latent_model: (contender.known == Known::Latent).then(|| models.latent.clone()),
         ..Settings::default()
     };
     let known = |setup: &mut Setup| (setup.proportions, setup.size_sd) = (person.proportions, 0.0);
@@ -162,5 +181,6 @@ fn judged(found: &Filtered, truth: &Trajectories, ms: f64) -> Series {
         disagreeing,
         r_hat: r_hats[r_hats.len() / 2],
         ms,
+        is_doubted: !found.doubts.is_empty(),
     }
 }

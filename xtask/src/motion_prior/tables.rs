@@ -1,6 +1,6 @@
 //! What stored series come to: means, and the judgement by criteria that were set before.
 
-use super::scene::{CONTENDERS, Contender, LEVELS, SCENES, Scene, Series};
+use super::scene::{CONTENDERS, Contender, Known, LEVELS, SCENES, Scene, Series};
 use sinew_tests::finding::mean_and_error;
 use std::fmt::Write as _;
 
@@ -26,7 +26,7 @@ fn of(series: &[Series], value: impl Fn(&Series) -> f64) -> Vec<f64> {
 /// Means over walks and seeds, with standard errors.
 pub(super) fn measured(found: &Found<'_>) -> String {
     let mut text = String::from(
-        "| scene | prior | series | error, mm | covered by 50 % | covered by 90 % | frames above 1.05, % | median R-hat | ms a frame |\n|---|---|---|---|---|---|---|---|---|\n",
+        "| scene | prior | series | error, mm | covered by 50 % | covered by 90 % | frames above 1.05, % | median R-hat | ms a frame | runs that doubt |\n|---|---|---|---|---|---|---|---|---|---|\n",
     );
     for scene in SCENES {
         for contender in CONTENDERS {
@@ -38,7 +38,7 @@ pub(super) fn measured(found: &Found<'_>) -> String {
                 (0..LEVELS.len()).map(|level| shown(&of(&all, |s| s.covered[level]), 100.0, 1)).collect();
             let _ = writeln!(
                 text,
-                "| {} | {} | {} | {} | {} | {} | {} | {} |",
+                "| {} | {} | {} | {} | {} | {} | {} | {} | {} |",
                 scene.name(),
                 contender.name(),
                 all.len(),
@@ -47,6 +47,7 @@ pub(super) fn measured(found: &Found<'_>) -> String {
                 shown(&of(&all, |s| s.disagreeing), 100.0, 0),
                 shown(&of(&all, |s| s.r_hat), 1.0, 2),
                 shown(&of(&all, |s| s.ms), 1.0, 0),
+                all.iter().filter(|s| s.is_doubted).count(),
             );
         }
     }
@@ -59,7 +60,7 @@ pub(super) fn judged(found: &Found<'_>) -> String {
         "| scene | learned prior | error less the walk's, mm | lower error | 90 % intervals | chains agree | all three |\n|---|---|---|---|---|---|---|\n",
     );
     for scene in SCENES {
-        for contender in CONTENDERS.into_iter().filter(|contender| contender.is_learned) {
+        for contender in CONTENDERS.into_iter().filter(|contender| contender.known != Known::Walk) {
             let (own, walk) = (found(scene, contender), found(scene, contender.baseline()));
             if own.is_empty() {
                 continue;
@@ -78,7 +79,7 @@ pub(super) fn judged(found: &Found<'_>) -> String {
                 text,
                 "| {} | {} | {difference:.2} ± {error:.2} | {} | {} |",
                 scene.name(),
-                format!("{:?}", contender.between).to_lowercase(),
+                contender.name(),
                 passed.map(words).join(" | "),
                 words(passed.iter().all(|passed| *passed))
             );
