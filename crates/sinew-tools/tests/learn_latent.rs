@@ -29,7 +29,7 @@ fn request(folder: &Path, kind: Kind) -> LatentRequest {
         held_out: vec![walk(folder, "c.trc", 1.2)],
         skeleton: None,
         amc_hz: None,
-        body: NamedBody::H32,
+        body: NamedBody::Cf28,
         fps: 20.0,
     };
     LatentRequest { files, kind, dim: 3, rows: 40, balanced: true, back: false, root_per_motion: false, steps: 56 }
@@ -57,7 +57,7 @@ fn a_stopped_run_goes_on_to_the_same_bytes() {
         let expected = fs::read(&whole).unwrap();
         assert_eq!(read("whole", &String::from_utf8(expected.clone()).unwrap()).ok(), learned.model, "{kind}");
         let stored = learned.model.unwrap();
-        assert_eq!((stored.state.as_str(), stored.free, stored.model.columns), ("h32", FREE, 26));
+        assert_eq!((stored.state.as_str(), stored.free, stored.model.columns), ("cf28", FREE, 22));
         for most in [7, 53] {
             let stopped = run(&request, &parts, most).unwrap();
             assert!(
@@ -95,6 +95,15 @@ fn unfinished_runs_of_others_are_not_gone_on_with() {
         let warnings = run(&request, &out, 1).unwrap().warnings;
         assert!(warnings[0].contains("is damaged; all is learned again"), "{warnings:?}");
     }
+}
+
+#[test]
+fn feet_are_warned_of() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut request = request(folder.path(), Kind::Gplvm);
+    request.files.body = NamedBody::H32;
+    let warnings = run(&request, &folder.path().join("m.json"), 1).unwrap().warnings;
+    assert!(warnings.len() == 1 && warnings[0].starts_with("h32 has feet"), "{warnings:?}");
 }
 
 #[test]
