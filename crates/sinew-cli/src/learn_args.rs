@@ -66,7 +66,7 @@ pub(crate) struct PrimitivesArgs {
 pub(crate) struct LatentArgs {
     #[command(flatten)]
     pub(crate) files: MotionArgs,
-    /// Kind of model: gplvm, gpdm (with dynamics) or hgplvm (a tree of limbs)
+    /// Kind: gplvm, gpdm (with dynamics) or hgplvm (by limbs)
     #[arg(long, value_name = "KIND", default_value = "gpdm", hide_possible_values = true, value_parser = Kind::ALL.map(Kind::name))]
     pub(crate) model: String,
     /// Coordinates of a latent

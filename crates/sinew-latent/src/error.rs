@@ -59,8 +59,18 @@ pub enum Error {
         /// Number allowed.
         most: usize,
     },
+    /// What a file says of its model cannot be.
+    #[error("`{key}` is {found}; expected {expected}")]
+    Head {
+        /// Where it says so.
+        key: &'static str,
+        /// What it says.
+        found: String,
+        /// What is allowed.
+        expected: &'static str,
+    },
     /// A file that calls a model what it is not.
-    #[error("a model of kind {kind} has {nodes} nodes{}", if *has_dynamics { " and dynamics" } else { " and no dynamics" })]
+    #[error("`kind` is {kind}, which does not fit a model of {nodes} {} {} dynamics", if *nodes == 1 { "node" } else { "nodes" }, if *has_dynamics { "with" } else { "without" })]
     Kind {
         /// Kind that the file names.
         kind: &'static str,

@@ -112,19 +112,19 @@ const FASTEST: f64 = 1e5;
 /// Everything that a model in a file fulfils, so that its maps are made and used without an error.
 ///
 /// # Errors
-/// [`Error::Shape`], [`Error::TooMany`], [`Error::OutOfRange`] and [`Error::Kind`].
+/// [`Error::Head`], [`Error::Kind`], [`Error::TooMany`], [`Error::Shape`] and [`Error::OutOfRange`].
 pub fn check(stored: &StoredModel) -> Result<(), Error> {
     let StoredModel { state, frame_rate, free, kind, model } = stored;
-    let length = state.chars().count();
-    if !(1..=LONGEST_NAME).contains(&length) || state.chars().any(char::is_control) {
-        return Err(Error::Shape { name: "`state`, a name in printed characters,", found: length, expected: 1 });
+    let head = |key, found, expected| Err(Error::Head { key, found, expected });
+    if !(1..=LONGEST_NAME).contains(&state.chars().count()) || state.chars().any(char::is_control) {
+        let shown: String = state.chars().take(40).collect();
+        return head("state", format!("{shown:?}"), "a name of 1 to 100 characters");
     }
     if !(*frame_rate >= FASTEST.recip() && *frame_rate <= FASTEST) {
-        let (name, value) = ("`frame_rate`", *frame_rate);
-        return Err(Error::OutOfRange { name, index: 0, value, expected: "must be from 1e-5 to 1e5" });
+        return head("frame_rate", frame_rate.to_string(), "1e-5 to 1e5 frames a second");
     }
     if *free > MOST_FREE {
-        return Err(Error::TooMany { name: "coordinates that are not in the model", found: *free, most: MOST_FREE });
+        return head("free", free.to_string(), "at most 100 coordinates that are not in the model");
     }
     sizes(model)?;
     model.check()?;

@@ -129,8 +129,11 @@ fn each_broken_value_is_refused_by_its_place() {
         OF_ALL.into_iter().for_each(|change| refused(kind, change));
     }
     refused(Kind::Gpdm, ("a sequence has 1 entries; expected 2", |m| m.model.sequences = vec![15, 1]));
-    refused(Kind::Gpdm, ("kind gplvm has 1 nodes and dynamics", |m| m.kind = Kind::Gplvm));
-    refused(Kind::Gpdm, ("kind gpdm has 1 nodes and no dynamics", |m| m.model.prior = Prior::Normal));
+    refused(
+        Kind::Gpdm,
+        ("`kind` is gplvm, which does not fit a model of 1 node with dynamics", |m| m.kind = Kind::Gplvm),
+    );
+    refused(Kind::Gpdm, ("of 1 node without dynamics", |m| m.model.prior = Prior::Normal));
     refused(Kind::Gpdm, ("weight 0", |m| m.model.nodes[0].weights[0] = 0.0));
     refused(
         Kind::Gpdm,
@@ -149,7 +152,7 @@ fn each_broken_value_is_refused_by_its_place() {
     );
     refused(Kind::Gplvm, ("inverse width", |m| m.model.nodes[0].back.as_mut().unwrap().inverse_width = 0.0));
     refused(Kind::Gplvm, ("coefficient", |m| m.model.nodes[0].back.as_mut().unwrap().coefficients.truncate(1)));
-    refused(Kind::Hgplvm, ("kind gpdm has 4 nodes", |m| m.kind = Kind::Gpdm));
+    refused(Kind::Hgplvm, ("of 4 nodes with dynamics", |m| m.kind = Kind::Gpdm));
     refused(Kind::Hgplvm, ("child of a node", |m| m.model.nodes[0].outputs = Outputs::Nodes(vec![0, 3])));
     refused(
         Kind::Hgplvm,

@@ -12,9 +12,9 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// A walk of three seconds at 40 frames a second as a TRC file.
+/// A walk of two seconds at 40 frames a second as a TRC file.
 fn walk(folder: &Path, name: &str, stride_s: f64) -> PathBuf {
-    let walker = Walker::new(Gait { still_s: 0.0, stride_s, duration_s: 3.0, ..Gait::default() });
+    let walker = Walker::new(Gait { still_s: 0.0, stride_s, duration_s: 2.0, ..Gait::default() });
     let motion = points_of_states(&walker.body, &walker_states(&walker, 40.0));
     let path = folder.join(name);
     let mut bytes = Vec::new();
@@ -29,10 +29,10 @@ fn request(folder: &Path, kind: Kind) -> LatentRequest {
         held_out: vec![walk(folder, "c.trc", 1.2)],
         skeleton: None,
         amc_hz: None,
-        body: NamedBody::H32,
+        body: NamedBody::Cf28,
         fps: 20.0,
     };
-    LatentRequest { files, kind, dim: 3, rows: 60, balanced: true, back: false, root_per_motion: false, steps: 70 }
+    LatentRequest { files, kind, dim: 3, rows: 40, balanced: true, back: false, root_per_motion: false, steps: 56 }
 }
 
 /// Learns, and stops after that many steps.
@@ -53,12 +53,12 @@ fn a_stopped_run_goes_on_to_the_same_bytes() {
     for kind in Kind::ALL {
         let request = request(folder.path(), kind);
         let learned = run(&request, &whole, u64::MAX).unwrap();
-        assert_eq!((learned.lengths.as_slice(), learned.available), (&[30, 30][..], 120), "{kind}");
+        assert_eq!((learned.lengths.as_slice(), learned.available), (&[20, 20][..], 80), "{kind}");
         let expected = fs::read(&whole).unwrap();
         assert_eq!(read("whole", &String::from_utf8(expected.clone()).unwrap()).ok(), learned.model, "{kind}");
         let stored = learned.model.unwrap();
-        assert_eq!((stored.state.as_str(), stored.free, stored.model.columns), ("h32", FREE, 26));
-        for most in [0, 7, 25, 55] {
+        assert_eq!((stored.state.as_str(), stored.free, stored.model.columns), ("cf28", FREE, 22));
+        for most in [7, 53] {
             let stopped = run(&request, &parts, most).unwrap();
             assert!(
                 stopped.model.is_none() && !parts.exists() && stopped.progress.steps as u64 >= most,
@@ -83,7 +83,7 @@ fn unfinished_runs_of_others_are_not_gone_on_with() {
     for other in [
         LatentRequest { dim: 2, ..request.clone() },
         LatentRequest { balanced: false, ..request.clone() },
-        LatentRequest { rows: 50, ..request.clone() },
+        LatentRequest { rows: 30, ..request.clone() },
         LatentRequest { steps: 8, ..request.clone() },
     ] {
         let warnings = run(&other, &out, 1).unwrap().warnings;
@@ -95,6 +95,15 @@ fn unfinished_runs_of_others_are_not_gone_on_with() {
         let warnings = run(&request, &out, 1).unwrap().warnings;
         assert!(warnings[0].contains("is damaged; all is learned again"), "{warnings:?}");
     }
+}
+
+#[test]
+fn feet_are_warned_of() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut request = request(folder.path(), Kind::Gplvm);
+    request.files.body = NamedBody::H32;
+    let warnings = run(&request, &folder.path().join("m.json"), 1).unwrap().warnings;
+    assert!(warnings.len() == 1 && warnings[0].starts_with("h32 has feet"), "{warnings:?}");
 }
 
 #[test]

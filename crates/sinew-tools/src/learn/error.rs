@@ -68,7 +68,7 @@ pub enum LearnError {
         most: usize,
     },
     /// Motion that changes in fewer ways than a latent has coordinates.
-    #[error("the motion has {found} principal components; a latent of {wanted} coordinates needs as many")]
+    #[error("principal components of the motion: {found}; a latent of {wanted} coordinates needs as many as it has")]
     FewComponents {
         /// Components found.
         found: usize,

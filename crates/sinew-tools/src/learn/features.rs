@@ -38,6 +38,12 @@ pub fn feature_vectors(body: NamedBody) -> Vec<FeatureVector> {
     found
 }
 
+/// Whether a body's feet turn.
+pub(super) fn has_feet(body: NamedBody) -> bool {
+    let tree = body.tree();
+    FEET.iter().any(|foot| !coordinates_of(&tree, foot).is_empty())
+}
+
 fn coordinates_of(tree: &KinematicTree, name: &str) -> std::ops::Range<usize> {
     let Some(link) = tree.link_index(name) else { return 0..0 };
     let first = tree.first_dof(link);

@@ -6,6 +6,7 @@
 //! 4. The model is written whole, with errors of poses that go through it and back ([`super::reconstruction`]).
 
 use super::LearnError;
+use super::features::has_feet;
 use super::limbs::{branches, components};
 use super::motion_files::{Following, LearnPhase, MotionFiles, Report};
 use super::reconstruction::{Reconstruction, reconstruction};
@@ -34,6 +35,10 @@ const RIDGE: f64 = 1e-3;
 
 /// Poses that are sent through the model and back, at most, for the training and for the held-out motion.
 const TRIED: usize = 400;
+
+/// What is said of bodies with feet.
+const FEET: &str = "has feet, and recordings do not say how these roll: the same step has other angles in each, so that poses of other \
+                    recordings come back badly; `--body cf28` has no feet";
 
 /// What to learn from, and how.
 #[derive(Clone, Debug, PartialEq)]
@@ -101,6 +106,9 @@ pub fn learn(
 ) -> Result<LearnedLatent, Error> {
     request.files.refuse_output(out, force)?;
     let Following { training, held_out, mut warnings } = request.files.follow(watch.progress)?;
+    if has_feet(request.files.body) {
+        warnings.push(format!("{} {FEET}", request.files.body.name()));
+    }
     let dim = request.files.body.tree().dof();
     let selection = middles(&first_phases(&training, dim, FREE), dim - FREE, request.rows)?;
     let LatentRequest { kind, dim: q, balanced, back, root_per_motion, steps, .. } = request;
