@@ -4,7 +4,8 @@
 //! hierarchy states a table of its own in [`limbs_of`].
 
 use super::LearnError;
-use sinew_body::KinematicTree;
+use sinew_body::hapf31::LatentSpace;
+use sinew_body::{KinematicTree, hapf31};
 use sinew_dynamics::pca::{Keep, fit};
 use sinew_latent::hgplvm::Branch;
 use sinew_latent::model::{LatentModel, Outputs};
@@ -20,15 +21,17 @@ pub struct Limb {
     pub parent: Option<usize>,
     /// Links with which a limb begins; none for a node above others, and for the limb that has what is left.
     pub links: &'static [&'static str],
+    /// Coordinates of its latent at most.
+    pub most: usize,
 }
 
 const fn limb(name: &'static str, parent: usize, links: &'static [&'static str]) -> Limb {
-    Limb { name, parent: Some(parent), links }
+    Limb { name, parent: Some(parent), links, most: usize::MAX }
 }
 
 /// Bodies whose limbs begin with thighs and upper arms.
 const BY_LIMBS: [Limb; 8] = [
-    Limb { name: "body", parent: None, links: &[] },
+    Limb { name: "body", parent: None, links: &[], most: usize::MAX },
     limb("legs", 0, &[]),
     limb("arms", 0, &[]),
     limb("trunk", 0, &[]),
@@ -38,11 +41,32 @@ const BY_LIMBS: [Limb; 8] = [
     limb("r_arm", 2, &["r_upper_arm"]),
 ];
 
+/// The latent spaces of H-APF ([`hapf31::HIERARCHY`]).
+const HAPF31: [Limb; 10] = {
+    const fn space(n: usize, links: &'static [&'static str]) -> Limb {
+        let LatentSpace { name, parent, latent_dim, .. } = hapf31::HIERARCHY[n];
+        Limb { name, parent, links, most: latent_dim }
+    }
+    [
+        space(0, &[]),
+        space(1, &[]),
+        space(2, &[]),
+        space(3, &[]),
+        space(4, &["l_thigh"]),
+        space(5, &["r_thigh"]),
+        space(6, &["l_clavicle"]),
+        space(7, &["r_clavicle"]),
+        space(8, &["thorax"]),
+        space(9, &["head"]),
+    ]
+};
+
 /// The table of a body.
 #[must_use]
 pub const fn limbs_of(body: NamedBody) -> &'static [Limb] {
     match body {
         NamedBody::H32 | NamedBody::Cf28 | NamedBody::Hppf24 => &BY_LIMBS,
+        NamedBody::Hapf31 => &HAPF31,
     }
 }
 
@@ -94,7 +118,7 @@ pub fn branches(body: NamedBody, free: usize, rows: &[f64], dim: usize) -> Resul
     let place = |n: usize| kept.iter().position(|&other| other == n);
     let mut branches = Vec::new();
     for &n in &kept {
-        let most = components(&rows, width, &all[n], dim);
+        let most = components(&rows, width, &all[n], dim.min(limbs[n].most));
         if most == 0 {
             return Err(LearnError::StillLimb { limb: limbs[n].name });
         }
