@@ -170,7 +170,7 @@ impl TrackError {
                 "track with `--body` of that name, or learn a model with `sinew learn primitives --body`"
             }
             Self::NoMotionModel { .. } => {
-                "leave `--motion-model` out, or use `--method hmc`, `bootstrap` or `annealed`"
+                "leave `--motion-model` out, or use `--method hmc`, `bootstrap`, `annealed` or `hppf`"
             }
             Self::NoInstructionSet { .. } => "leave `--simd` out to take the best",
             Self::Solids(_)
