@@ -1,4 +1,4 @@
-//! Girths of a body whose poses are known roughly, as keypoints or a file give them: both are fitted to the masks.
+//! Girths of a body whose poses are known roughly: both are fitted to masks.
 //!
 //! A body in a wrong pose covers masks best when it is too thick, so that girths in poses whose joints are 2 cm off come out up to 12 % too large. The joint cost of girths g and poses q_t is
 //!
@@ -41,7 +41,7 @@ const STEPS: [f64; 2] = [0.1, 0.05];
 const NEAR: f64 = 0.06;
 /// How often girths go to the vertices of their parabolas.
 const VERTICES: usize = 2;
-/// How far poses may be from those of keypoints or a file: standard deviations of a position, metres, and of an angle, radians. A joint that is 2 cm off turns a limb of 25 cm by 0.08.
+/// How far poses may be from the poses of keypoints or a file: standard deviations of a position, metres, and of an angle, radians. A joint that is 2 cm off turns a limb of 25 cm by 0.08.
 const SD_M: f64 = 0.03;
 const SD_RAD: f64 = 0.1;
 

@@ -9,7 +9,7 @@
 //!
 //! 1. *Explore*: for each coordinate j try q_j ± r sd_j {1, ½, ¼, ⅛}; the best of them is kept where it costs less.
 //! 2. *Move*: try the change of the whole sweep again, times ¼ … 8: coordinates that must move together are followed so.
-//! 3. After a sweep that gained less than half a unit of cost, or the most sweeps that were allowed, go on to the next reach r.
+//! 3. After a sweep that gained less than half a unit of cost, or the most sweeps that were allowed, take the next reach r.
 //!
 //! A local search: a limb that masks show elsewhere, farther than a few standard deviations, is not found.
 

@@ -1,8 +1,8 @@
-//! Girths of the subject, from masks of the first second and the poses that keypoints or a file give there.
+//! Girths of the subject, from masks and rough poses of the first second.
 //!
 //! One camera does not tell a thick person from a near one: then girths stay as they are.
 //!
-//! 1. Of some frames of that second every other one is fitted, poses and girths together ([`fit_girth_and_poses`]), for the poses are known roughly; the rest is held out.
+//! 1. Of some frames of that second every other one is fitted, poses and girths together ([`fit_girth_and_poses`]), for keypoints or a file give the poses roughly; the rest is held out.
 //! 2. In the frames held out, poses follow the masks twice, with the radii that people usually have and with the girths ([`fit_poses`]). Girths that do not match these masks better are not kept.
 //!
 //! The fitted poses serve the girths alone.
