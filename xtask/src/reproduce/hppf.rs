@@ -150,7 +150,9 @@ pub(super) fn run(root: &Path, args: &Args) -> Outcome<ExitCode> {
     }
     coverage::run(&mut store, SERIES, threads)?;
     study.run_all(&mut store, &contender::all(), args.seeds, threads)?;
-    let [tables, claims] = report(&study, &Results { store: &store, seeds: args.seeds })?;
+    let results = Results { store: &store, seeds: args.seeds };
+    let [tables, claims] = report(&study, &results)?;
+    std::fs::write(folder.join("trials.md"), tables::trials(&results)?)?;
     std::fs::write(folder.join("tables.md"), &tables)?;
     std::fs::write(folder.join("claims.md"), &claims)?;
     match figures::actions(&store, &study.scene(contender::Motion::Combo).tree) {
