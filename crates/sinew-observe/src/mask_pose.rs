@@ -96,8 +96,8 @@ pub fn fit_pose_to_masks(likelihood: &ImageLikelihood, [start, sd, from]: [&[f64
     for &reach in effort.reaches {
         for _ in 0..effort.sweeps {
             let before = found.clone();
-            for j in 0..sd.len() {
-                cost.try_eight(&mut found, |lane, k| if k == j { reach * sd[j] * STEPS[lane] } else { 0.0 });
+            for (j, sd) in sd.iter().enumerate() {
+                cost.try_eight(&mut found, |lane, k| if k == j { reach * sd * STEPS[lane] } else { 0.0 });
             }
             let change: Vec<f64> = found.state.iter().zip(&before.state).map(|(now, then)| now - then).collect();
             cost.try_eight(&mut found, |lane, k| MOVES[lane] * change[k]);
