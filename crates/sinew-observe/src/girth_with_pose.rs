@@ -141,20 +141,6 @@ fn vertex([far_below, below, above, far_above]: [f64; 4]) -> f64 {
     if curvature > 0.0 { -slope / (2.0 * curvature) } else { 0.0 }
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn vertices_of_parabolas_are_found() {
-        for centre in [-1.5, 0.0, 0.7] {
-            let found = vertex([-2.0, -1.0, 1.0, 2.0].map(|x: f64| 3.0 * (x - centre).powi(2) + 5.0));
-            assert!((found - centre).abs() < 1e-12, "{found} for {centre}");
-        }
-        assert_eq!([vertex([0.0; 4]), vertex([-4.0, -1.0, -1.0, -4.0]), vertex([f64::NAN; 4])], [0.0; 3]);
-    }
-}
-
 /// Poses near the given ones in which a body with known girths fits masks.
 ///
 /// # Errors
@@ -168,4 +154,18 @@ pub fn fit_poses(
 ) -> Result<Vec<Sight>, Error> {
     let fit = Fit { tree, flesh, cameras, starts: sights, sd: standard_deviations(tree) };
     Ok(fit.posed(&to_logs(&girth), sights, Effort::AFRESH)?.sights)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn vertices_of_parabolas_are_found() {
+        for centre in [-1.5, 0.0, 0.7] {
+            let found = vertex([-2.0, -1.0, 1.0, 2.0].map(|x: f64| 3.0 * (x - centre).powi(2) + 5.0));
+            assert!((found - centre).abs() < 1e-12, "{found} for {centre}");
+        }
+        assert_eq!([vertex([0.0; 4]), vertex([-4.0, -1.0, -1.0, -4.0]), vertex([f64::NAN; 4])], [0.0; 3]);
+    }
 }
