@@ -88,6 +88,7 @@ fn unusable_motion_is_refused() {
     };
     insta::assert_snapshot!("no_output", with("a.trc", &[]));
     insta::assert_snapshot!("no_file", with("nothing.trc", &["-omodel.json"]));
+    insta::assert_snapshot!("no_acclaim_file", with("nothing.amc", &["-omodel.json"]));
     insta::assert_snapshot!("output_is_input", with("a.trc", &["-oa.trc", "--force"]));
     insta::assert_snapshot!("exists", with("a.trc", &["-ob.trc"]));
     insta::assert_snapshot!("unknown_body", printed(&["learn", "primitives", "--motion", "a.trc", "--body", "horse"]));

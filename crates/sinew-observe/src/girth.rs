@@ -5,7 +5,7 @@
 //!
 //! minimise (1 − IoU) / s + ½ Σ (ln g / σ)², s = 0.001, σ = 0.15,
 //!
-//! one kind after the other by golden sections. The prior is log-normal: circumferences of thigh, calf, upper arm and waist of 4082 men have coefficients of variation of 8 to 12 % (ANSUR II, Gordon et al. 2014); clothes add to that. Poses stay as they are.
+//! one kind after the other by golden sections. The prior is log-normal: circumferences of thigh, calf, upper arm and waist of 4082 men have coefficients of variation of 8 to 12 % (ANSUR II, Gordon et al. 2014); clothes add to that. Poses stay as they are; where they are known roughly, the module `girth_with_pose` fits both.
 
 use crate::Camera;
 use crate::bit_image::{BitImage, Overlap, overlap};
@@ -48,9 +48,11 @@ pub struct FittedGirth {
 }
 
 /// A loss of IoU that makes girths e times less likely: small, so that the prior decides only what masks do not show.
-const IOU_SCALE: f64 = 0.001;
+pub(crate) const IOU_SCALE: f64 = 0.001;
 /// Standard deviation of the logarithm of a girth before anything is seen.
-const LOG_SD: f64 = 0.15;
+pub(crate) const LOG_SD: f64 = 0.15;
+/// Kinds of solids that have a girth of their own.
+pub(crate) const KINDS: usize = 3;
 /// Half widths of the brackets of each round, in logarithms.
 const ROUNDS: [f64; 3] = [0.6, 0.2, 0.05];
 /// Steps of a golden section: its bracket becomes 47 times narrower.
@@ -123,15 +125,15 @@ pub fn fit_girth(
     cameras: &[Camera],
     sights: &[Sight],
 ) -> Result<FittedGirth, Error> {
-    let iou = |logs: &[f64; 3]| {
+    let iou = |logs: &[f64; KINDS]| {
         let model = before_cameras(tree, &from_logs(logs).applied(flesh), cameras)?;
         Ok(intersection_over_union(sights.iter().map(|sight| mask_overlap(&model, sight)).sum()))
     };
-    let cost = |logs: &[f64; 3]| {
+    let cost = |logs: &[f64; KINDS]| {
         let prior = 0.5 * logs.iter().map(|log| (log / LOG_SD).powi(2)).sum::<f64>();
         Ok((1.0 - iou(logs)?) / IOU_SCALE + prior)
     };
-    let mut logs = [0.0; 3];
+    let mut logs = [0.0; KINDS];
     let mut least: f64 = cost(&logs)?;
     for reach in ROUNDS {
         for kind in 0..logs.len() {
@@ -147,10 +149,14 @@ pub fn fit_girth(
             }
         }
     }
-    Ok(FittedGirth { girth: from_logs(&logs), iou: [iou(&[0.0; 3])?, iou(&logs)?] })
+    Ok(FittedGirth { girth: from_logs(&logs), iou: [iou(&[0.0; KINDS])?, iou(&logs)?] })
 }
 
-fn from_logs(logs: &[f64; 3]) -> Girth {
+pub(crate) fn to_logs(Girth { trunk, arms, legs }: &Girth) -> [f64; KINDS] {
+    [trunk, arms, legs].map(|factor| factor.ln())
+}
+
+pub(crate) fn from_logs(logs: &[f64; KINDS]) -> Girth {
     let [trunk, arms, legs] = logs.map(f64::exp);
     Girth { trunk, arms, legs }
 }

@@ -50,6 +50,9 @@ pub(super) struct Args {
     /// A reduced size in half a minute
     #[arg(long, conflicts_with = "pilot")]
     quick: bool,
+    /// Only the test trials and the table of ablations and opponents on them
+    #[arg(long, conflicts_with_all = ["pilot", "quick"])]
+    trials: bool,
     /// Seeds from 1 on, each another person, other noise and other particles
     #[arg(long, default_value_t = 10)]
     seeds: u64,
@@ -138,9 +141,18 @@ pub(super) fn run(root: &Path, args: &Args) -> Outcome<ExitCode> {
     if args.quick {
         return reduced(&study, &mut store, threads);
     }
+    if args.trials {
+        study.run_all(&mut store, &contender::trials(), args.seeds, threads)?;
+        let table = tables::trials(&Results { store: &store, seeds: args.seeds })?;
+        std::fs::write(folder.join("trials.md"), &table)?;
+        println!("{table}\n{:.0} s; cells and the table in {}", clock.elapsed().as_secs_f64(), folder.display());
+        return Ok(ExitCode::SUCCESS);
+    }
     coverage::run(&mut store, SERIES, threads)?;
     study.run_all(&mut store, &contender::all(), args.seeds, threads)?;
-    let [tables, claims] = report(&study, &Results { store: &store, seeds: args.seeds })?;
+    let results = Results { store: &store, seeds: args.seeds };
+    let [tables, claims] = report(&study, &results)?;
+    std::fs::write(folder.join("trials.md"), tables::trials(&results)?)?;
     std::fs::write(folder.join("tables.md"), &tables)?;
     std::fs::write(folder.join("claims.md"), &claims)?;
     match figures::actions(&store, &study.scene(contender::Motion::Combo).tree) {
@@ -163,7 +175,7 @@ mod tests {
         let out = std::env::temp_dir().join(format!("sinew-hppf-{}", std::process::id()));
         let data = data.parent().map(Path::to_path_buf);
         let (only, threads, out) = (None, None, Some(out));
-        let args = Args { pilot: false, quick: true, only, seeds: 1, threads, out: out.clone(), data };
+        let args = Args { pilot: false, quick: true, trials: false, only, seeds: 1, threads, out: out.clone(), data };
         assert_eq!(run(root, &args).unwrap(), ExitCode::SUCCESS, "what does not hold is printed above");
         std::fs::remove_dir_all(out.unwrap()).unwrap();
     }

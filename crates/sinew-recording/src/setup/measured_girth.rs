@@ -1,8 +1,11 @@
-//! Girths of the subject, from masks of the first second and the poses that keypoints give there.
+//! Girths of the subject, from masks and rough poses of the first second.
 //!
 //! One camera does not tell a thick person from a near one: then girths stay as they are.
 //!
-//! Of some frames of that second every other one is fitted ([`fit_girth`]), the rest is held out. Girths that do not match the held-out masks better than the radii that people usually have are not kept.
+//! 1. Of some frames of that second every other one is fitted, poses and girths together ([`fit_girth_and_poses`]), for keypoints or a file give the poses roughly; the rest is held out.
+//! 2. In the frames held out, poses follow the masks twice, with the radii that people usually have and with the girths ([`fit_poses`]). Girths that do not match these masks better are not kept.
+//!
+//! The fitted poses serve the girths alone.
 
 use super::error::SetupError;
 use super::first_second::{FRAMES, FirstSecond};
@@ -10,7 +13,8 @@ use super::girth::MeasuredGirth;
 use super::stored::Setup;
 use crate::Error;
 use crate::input::source::FrameSource;
-use sinew_observe::girth::{Girth, Sight, before_cameras, fit_girth, intersection_over_union, mask_overlap};
+use sinew_observe::girth::{Girth, Sight, before_cameras, intersection_over_union, mask_overlap};
+use sinew_observe::girth_with_pose::{fit_girth_and_poses, fit_poses};
 
 /// Measures girths; none where fewer than two cameras have masks, nobody is on them or nothing is gained.
 pub(super) fn measured_girth(
@@ -37,10 +41,11 @@ pub(super) fn measured_girth(
     let cameras = second.cameras();
     let (tree, flesh) = (setup.tree(), setup.flesh()?);
     let no_flesh = SetupError::NoFlesh;
-    let Girth { trunk, arms, legs } = fit_girth(&tree, &flesh, &cameras, &fitted).map_err(no_flesh)?.girth;
+    let Girth { trunk, arms, legs } = fit_girth_and_poses(&tree, &flesh, &cameras, &fitted).map_err(no_flesh)?.girth;
     let iou = |girth: Girth| {
         let model = before_cameras(&tree, &girth.applied(&flesh), &cameras).map_err(no_flesh)?;
-        Ok::<f64, Error>(intersection_over_union(held_out.iter().map(|sight| mask_overlap(&model, sight)).sum()))
+        let posed = fit_poses(&tree, &flesh, &cameras, &held_out, girth).map_err(no_flesh)?;
+        Ok::<f64, Error>(intersection_over_union(posed.iter().map(|sight| mask_overlap(&model, sight)).sum()))
     };
     let held_out_iou = [iou(Girth::default())?, iou(Girth { trunk, arms, legs })?];
     let gained = held_out_iou[1] > held_out_iou[0];

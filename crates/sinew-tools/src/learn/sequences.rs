@@ -78,7 +78,9 @@ pub fn sequences(
     let done = std::sync::Mutex::new(done);
     let one = |path: &PathBuf| {
         let found = file_states(body, path, acclaim, fps);
-        if let Ok(mut done) = done.lock() {
+        if found.is_ok()
+            && let Ok(mut done) = done.lock()
+        {
             done(count.fetch_add(1, Ordering::SeqCst) + 1);
         }
         found
@@ -137,6 +139,7 @@ fn comparable(tree: &KinematicTree, states: &mut [Vec<f64>]) {
 
 /// The skeleton of an AMC file: that of its subject, what comes before `_` in its name, or the only one beside it.
 fn skeleton_beside(path: &Path) -> Result<PathBuf, Error> {
+    std::fs::metadata(path).map_err(sinew::Error::io("read", path))?;
     let stem = path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
     let sought = format!("{}.asf", stem.split('_').next().unwrap_or_default());
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
@@ -180,6 +183,9 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let put = |name: &str| std::fs::write(folder.path().join(name), "").unwrap();
         let sought = || skeleton_beside(&folder.path().join("07_01.amc"));
+        let message = sought().unwrap_err().to_string();
+        assert!(message.contains("cannot read") && message.contains("07_01.amc"), "{message}");
+        put("07_01.amc");
         assert!(sought().is_err());
         put("b.asf");
         assert_eq!(sought().unwrap(), folder.path().join("b.asf"));

@@ -193,7 +193,7 @@ impl TrackError {
                 "give `--setup` the setup.toml of a result folder of this version, or leave it out"
             }
             Self::NoMotionModel { .. } => {
-                "leave `--motion-model` out, or use `--method hmc`, `bootstrap` or `annealed`"
+                "leave `--motion-model` out, or use `--method hmc`, `bootstrap`, `annealed` or `hppf`"
             }
             Self::NoLatentModel { .. } => "name one with `--latent`; `sinew learn latent` makes it",
             Self::Latent(_) => "learn the latent model again with `--model gpdm`, or `hgplvm` with one root",

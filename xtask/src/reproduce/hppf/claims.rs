@@ -136,7 +136,9 @@ fn unseen(results: &Results<'_>) -> Outcome<Claim> {
 }
 
 fn against(results: &Results<'_>, id: &'static str, paper: &'static str, other: Method) -> Outcome<Claim> {
-    let [value, high] = results.difference_over_trials(USUAL, other)?;
+    let [usual, opponent] = [USUAL, other].map(|method| on(method, Motion::Trial(0)));
+    let [value, reach] = results.difference_over_trials(&usual, &opponent)?;
+    let high = value + reach;
     let [combo, combo_high] = results.difference(&on(USUAL, Motion::Combo), &on(other, Motion::Combo))?;
     Ok(Claim {
         id,

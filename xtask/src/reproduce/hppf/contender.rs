@@ -106,7 +106,7 @@ pub(super) const USUAL_MODEL: (usize, usize) = (3, 80);
 /// What the paper mostly uses.
 pub(super) const USUAL: Method = hppf(200, USUAL_MODEL.0, USUAL_MODEL.1);
 /// Other feature vectors for a level.
-pub(super) const OWN_PARTS: Method =
+const OWN_PARTS: Method =
     Method::Primitives { particles: 200, length: 3, clusters: 80, which: LevelPrimitives::OwnParts };
 /// Opponents at about the evaluations of [`USUAL`].
 pub(super) const OPPONENTS: [Method; 5] = [
@@ -117,15 +117,15 @@ pub(super) const OPPONENTS: [Method; 5] = [
     Method::Partitioned(270),
 ];
 /// Other ways of resampling.
-pub(super) const RESAMPLING: [Method; 2] = [Method::Systematic(80), Method::Systematic(100)];
+const RESAMPLING: [Method; 2] = [Method::Systematic(80), Method::Systematic(100)];
 
 /// A method on a motion with the usual view.
 pub(super) const fn on(method: Method, motion: Motion) -> Contender {
     Contender { method, motion, view: View::USUAL }
 }
 
-/// What is seen in the ablations of CMB: other noise, other cues, and the tracker's own body as the person.
-pub(super) const VIEWS: [View; 5] = [
+/// What is seen in the ablations: other noise, other cues, and the tracker's own body as the person.
+const VIEWS: [View; 5] = [
     View { level: Level::Clean, ..View::USUAL },
     View { level: Level::Hard, ..View::USUAL },
     View { cues: CueSet::Silhouette, ..View::USUAL },
@@ -136,6 +136,23 @@ pub(super) const VIEWS: [View; 5] = [
 /// Reference rows of a motion.
 pub(super) const REFERENCES: [Method; 3] = [Method::MeanPose, Method::Frozen, Method::Truth];
 
+/// The usual setting on a motion, and what differs from it in one thing: feature vectors, resampling, what is seen.
+pub(super) fn ablations(motion: Motion) -> Vec<Contender> {
+    let methods = [USUAL, OWN_PARTS].into_iter().chain(RESAMPLING).map(|method| on(method, motion));
+    methods.chain(VIEWS.map(|view| Contender { view, ..on(USUAL, motion) })).collect()
+}
+
+/// All that track a motion in the table of ablations: those, the opponents and the reference rows.
+pub(super) fn compared(motion: Motion) -> Vec<Contender> {
+    let others = OPPONENTS.into_iter().chain(REFERENCES).map(|method| on(method, motion));
+    ablations(motion).into_iter().chain(others).collect()
+}
+
+/// What the table of test trials needs.
+pub(super) fn trials() -> Vec<Contender> {
+    (0..TEST_TRIALS.len()).flat_map(|k| compared(Motion::Trial(k))).collect()
+}
+
 /// Everything that the tables need, each once.
 pub(super) fn all() -> Vec<Contender> {
     let combo = |method| on(method, Motion::Combo);
@@ -145,13 +162,9 @@ pub(super) fn all() -> Vec<Contender> {
     let table_4 = PRINTED
         .into_iter()
         .flat_map(|motion| [&[USUAL][..], &REFERENCES].concat().into_iter().map(move |m| on(m, motion)));
-    let beside = OPPONENTS.into_iter().chain(RESAMPLING).chain([OWN_PARTS]).map(combo);
-    let views = VIEWS.map(|view| Contender { view, ..combo(USUAL) });
-    let trials = (0..TEST_TRIALS.len()).flat_map(|k| {
-        [&[USUAL][..], &OPPONENTS, &REFERENCES].concat().into_iter().map(move |method| on(method, Motion::Trial(k)))
-    });
+    let beside = compared(Motion::Combo);
     let mut distinct: Vec<Contender> = vec![];
-    for contender in table_4.chain(table_1).chain(table_2).chain(table_3).chain(beside).chain(views).chain(trials) {
+    for contender in table_4.chain(table_1).chain(table_2).chain(table_3).chain(beside).chain(trials()) {
         if !distinct.contains(&contender) {
             distinct.push(contender);
         }
@@ -193,6 +206,19 @@ impl Method {
 }
 
 impl Contender {
+    /// The same on another motion.
+    pub(super) const fn moved(self, motion: Motion) -> Self {
+        Self { motion, ..self }
+    }
+
+    /// Its name in tables of one motion: the method, and the view where that is not the usual one.
+    pub(super) fn name(&self) -> String {
+        match self.view == View::USUAL {
+            true => self.method.name(),
+            false => format!("{}, {}", self.method.name(), self.view.name()),
+        }
+    }
+
     /// The name of its result with a seed.
     pub(super) fn key(&self, seed: u64) -> String {
         let trial = if matches!(self.motion, Motion::Trial(_)) { "trial " } else { "" };
@@ -210,7 +236,7 @@ mod tests {
         let mut keys: Vec<String> = all.iter().map(|contender| contender.key(1)).collect();
         keys.sort();
         keys.dedup();
-        assert_eq!((keys.len(), all.len()), (174, 174));
+        assert_eq!((keys.len(), all.len()), (286, 286));
         assert_eq!(USUAL.evaluations(), 5400);
         assert!(OPPONENTS.iter().all(|opponent| opponent.evaluations() == 5400));
     }

@@ -1,6 +1,6 @@
 //! What stored cells say: means over frames with their errors over seeds.
 
-use super::contender::{Contender, Method, Motion, on};
+use super::contender::{Contender, Motion};
 use super::motions::TEST_TRIALS;
 use super::worth::{Errors, kept, mean};
 use crate::outcome::Outcome;
@@ -65,29 +65,37 @@ impl Results<'_> {
         Ok(Mean::of(&all.iter().map(of).collect::<Vec<f64>>()))
     }
 
+    /// A quantity of a contender in each test trial, whatever motion it is on.
+    fn by_trial<T>(&self, contender: &Contender, of: impl Fn(&Self, &Contender) -> Outcome<T>) -> Outcome<Vec<T>> {
+        (0..TEST_TRIALS.len()).map(|k| of(self, &contender.moved(Motion::Trial(k)))).collect()
+    }
+
     /// Mean over frames and seeds of a quantity in each test trial.
-    fn by_trial(&self, method: Method, path: &str) -> Outcome<Vec<f64>> {
-        let trial = |k| Ok(self.mean(&on(method, Motion::Trial(k)), path, None)?.value);
-        (0..TEST_TRIALS.len()).map(trial).collect()
+    fn means_by_trial(&self, contender: &Contender, path: &str) -> Outcome<Vec<f64>> {
+        self.by_trial(contender, |results, on_trial| Ok(results.mean(on_trial, path, None)?.value))
     }
 
     /// Mean over the test trials, each with the same weight; the error is over trials.
-    pub(super) fn over_trials(&self, method: Method, path: &str) -> Outcome<Mean> {
-        Ok(Mean::of(&self.by_trial(method, path)?))
+    pub(super) fn over_trials(&self, contender: &Contender, path: &str) -> Outcome<Mean> {
+        Ok(Mean::of(&self.means_by_trial(contender, path)?))
     }
 
     /// How many runs of the test trials keep the person, of how many.
-    pub(super) fn trials_kept(&self, method: Method) -> Outcome<[usize; 2]> {
-        let kept = |k| Ok(self.kept(&on(method, Motion::Trial(k)))?.1);
-        let kept = (0..TEST_TRIALS.len()).map(kept).collect::<Outcome<Vec<usize>>>()?;
+    pub(super) fn trials_kept(&self, contender: &Contender) -> Outcome<[usize; 2]> {
+        let kept = self.by_trial(contender, |results, on_trial| Ok(results.kept(on_trial)?.1))?;
         Ok([kept.iter().sum(), kept.len() * self.seeds as usize])
     }
 
-    /// Mean difference of the relative errors of two methods, paired by trial, and the upper end of its one-sided 95 % interval over trials.
-    pub(super) fn difference_over_trials(&self, a: Method, b: Method) -> Outcome<[f64; 2]> {
-        let (a, b) = (self.by_trial(a, "/relative")?, self.by_trial(b, "/relative")?);
+    /// Milliseconds of processor time a frame, over the test trials.
+    pub(super) fn ms_over_trials(&self, contender: &Contender) -> Outcome<Mean> {
+        Ok(Mean::of(&self.by_trial(contender, |results, on_trial| Ok(results.ms(on_trial)?.value))?))
+    }
+
+    /// Mean difference of the relative errors of two contenders, paired by trial, and its one-sided 95 % reach over trials.
+    pub(super) fn difference_over_trials(&self, a: &Contender, b: &Contender) -> Outcome<[f64; 2]> {
+        let (a, b) = (self.means_by_trial(a, "/relative")?, self.means_by_trial(b, "/relative")?);
         let Mean { value, error } = Mean::of(&a.iter().zip(b).map(|(a, b)| a - b).collect::<Vec<f64>>());
-        Ok([value, value + OVER_TRIALS * error])
+        Ok([value, OVER_TRIALS * error])
     }
 
     /// Milliseconds of processor time a frame.

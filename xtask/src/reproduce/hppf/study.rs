@@ -12,7 +12,7 @@ use sinew::dynamics::primitives::model::PrimitiveModel;
 use sinew::files::{FNV_START, fnv};
 use sinew_simulate::combo::comfortable_radius_m;
 use sinew_tests::recorded_motion::recorded_combo;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
@@ -116,7 +116,7 @@ impl Study {
         track::cell(scene, seen, contender, (&self.model(method)?, &self.training.mean_pose), seed)
     }
 
-    /// Runs what is not done yet, one seed after the other.
+    /// Runs what is not done yet, one seed after the other and one motion after the other, so that few pictures are held.
     pub(super) fn run_all(
         &self,
         store: &mut Store,
@@ -124,13 +124,15 @@ impl Study {
         seeds: u64,
         threads: usize,
     ) -> Outcome<()> {
-        for seed in 1..=seeds {
+        let motions: BTreeSet<Motion> = contenders.iter().map(|contender| contender.motion).collect();
+        for (seed, motion) in (1..=seeds).flat_map(|seed| motions.iter().map(move |motion| (seed, *motion))) {
             let task = |contender: &Contender| -> Task<'_> {
                 let of = *contender;
                 let work = of.method.evaluations() as f64 * self.scene(of.motion).truth.len() as f64;
                 (of.key(seed), 1e4 + work, Box::new(move || self.run(&of, seed)))
             };
-            run_all(store, &format!("seed {seed}"), contenders.iter().map(task).collect(), threads)?;
+            let tasks = contenders.iter().filter(|contender| contender.motion == motion).map(task).collect();
+            run_all(store, &format!("seed {seed}, {}", motion.name()), tasks, threads)?;
             self.seen.lock().unwrap_or_else(PoisonError::into_inner).clear();
         }
         Ok(())

@@ -1,8 +1,7 @@
 //! The paper's four tables and those beside them.
 
 use super::contender::{
-    CLUSTERS, Contender, LENGTHS, Method, Motion, OPPONENTS, OWN_PARTS, PARTICLES, PRINTED, REFERENCES, RESAMPLING,
-    SUBSETS, USUAL, VIEWS, hppf, on,
+    CLUSTERS, Contender, LENGTHS, Method, Motion, PARTICLES, PRINTED, REFERENCES, SUBSETS, USUAL, compared, hppf, on,
 };
 use super::results::Results;
 use super::scene::View;
@@ -135,35 +134,33 @@ pub(super) fn table_4(results: &Results<'_>) -> Outcome<String> {
     Ok(out)
 }
 
-/// Ablations, opponents at equal evaluations, and other views, on CMB.
+/// Ablations, opponents at equal evaluations, and the reference rows, on CMB.
 pub(super) fn beside(results: &Results<'_>) -> Outcome<String> {
     let mut out = String::from(WHOLE);
-    for method in [&[USUAL, OWN_PARTS][..], &RESAMPLING, &OPPONENTS, &REFERENCES].concat() {
-        out += &whole(results, &method.name(), &on(method, Motion::Combo))?;
-    }
-    for view in VIEWS {
-        let contender = Contender { view, ..on(USUAL, Motion::Combo) };
-        out += &whole(results, &format!("{}, {}", USUAL.name(), view.name()), &contender)?;
+    for contender in compared(Motion::Combo) {
+        out += &whole(results, &contender.name(), &contender)?;
     }
     Ok(out)
 }
 
-/// The usual setting, its opponents and the reference rows on the test trials: means over trials, errors over trials.
+/// The same on the test trials: means over trials, errors over trials.
 pub(super) fn trials(results: &Results<'_>) -> Outcome<String> {
     let mut out = String::from(
-        "| | relative, mm | absolute, mm | kept runs | usual − this, relative, mm (upper 95 %) |\n|---|---|---|---|---|\n",
+        "| | relative, mm | absolute, mm | kept runs | usual − this, relative, mm (one-sided 95 %) | processor time a frame, ms |\n|---|---|---|---|---|---|\n",
     );
-    for method in [&[USUAL][..], &OPPONENTS, &REFERENCES].concat() {
-        let [relative, absolute] = ["/relative", "/absolute"].map(|path| results.over_trials(method, path));
-        let [kept, of] = results.trials_kept(method)?;
-        let [value, high] = results.difference_over_trials(USUAL, method)?;
-        let difference = if method == USUAL { String::new() } else { format!("{value:+.1} ({high:+.1})") };
+    let usual = on(USUAL, Motion::Trial(0));
+    for contender in compared(Motion::Trial(0)) {
+        let [relative, absolute] = ["/relative", "/absolute"].map(|path| results.over_trials(&contender, path));
+        let [kept, of] = results.trials_kept(&contender)?;
+        let [value, reach] = results.difference_over_trials(&usual, &contender)?;
+        let difference = if contender == usual { String::new() } else { format!("{value:+.1} ± {reach:.1}") };
         let _ = writeln!(
             out,
-            "| {} | {} | {} | {kept} of {of} | {difference} |",
-            method.name(),
+            "| {} | {} | {} | {kept} of {of} | {difference} | {:.1} |",
+            contender.name(),
             relative?.shown(0),
-            absolute?.shown(0)
+            absolute?.shown(0),
+            results.ms_over_trials(&contender)?.value
         );
     }
     Ok(out)
