@@ -4,7 +4,7 @@ use super::answer_args::Answer;
 use super::help_template::template;
 use clap::{Args, Subcommand};
 use sinew_latent::check::MAX_ROWS;
-use sinew_latent::file::Kind;
+use sinew_latent::file::LatentKind;
 use sinew_motion::follow::NamedBody;
 use std::path::PathBuf;
 
@@ -66,8 +66,8 @@ pub(crate) struct PrimitivesArgs {
 pub(crate) struct LatentArgs {
     #[command(flatten)]
     pub(crate) files: MotionArgs,
-    /// Kind: gplvm, gpdm (with dynamics) or hgplvm (by limbs)
-    #[arg(long, value_name = "KIND", default_value = "gpdm", hide_possible_values = true, value_parser = Kind::ALL.map(Kind::name))]
+    /// LatentKind: gplvm, gpdm (with dynamics) or hgplvm (by limbs)
+    #[arg(long, value_name = "KIND", default_value = "gpdm", hide_possible_values = true, value_parser = LatentKind::ALL.map(LatentKind::name))]
     pub(crate) model: String,
     /// Coordinates of a latent
     #[arg(long, value_name = "Q", default_value = "3", value_parser = dim)]

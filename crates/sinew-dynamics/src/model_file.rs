@@ -15,7 +15,7 @@ pub const MAX_BYTES: u64 = 64 << 20;
 
 /// A kind of model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Format {
+pub struct ModelFormat {
     /// What it is called in messages.
     pub what: &'static str,
     /// What stands at `format`.
@@ -29,14 +29,14 @@ pub struct Format {
 /// A file that holds no model of the kind that is wanted; `P` says what a value has that no model has.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
-pub enum ModelFileError<P: Debug + Display> {
+pub enum ModelFileProblem<P: Debug + Display> {
     /// Text that is no JSON, or JSON of another shape.
     #[error("{file} is no {}: {problem}", format.what)]
     Json {
         /// Name of the file.
         file: String,
         /// What was expected.
-        format: Format,
+        format: ModelFormat,
         /// What the parser says, with line and column.
         problem: String,
     },
@@ -46,7 +46,7 @@ pub enum ModelFileError<P: Debug + Display> {
         /// Name of the file.
         file: String,
         /// What was expected.
-        format: Format,
+        format: ModelFormat,
         /// Format found.
         found: String,
     },
@@ -56,7 +56,7 @@ pub enum ModelFileError<P: Debug + Display> {
         /// Name of the file.
         file: String,
         /// What was expected.
-        format: Format,
+        format: ModelFormat,
         /// Version found.
         found: u64,
     },
@@ -66,24 +66,25 @@ pub enum ModelFileError<P: Debug + Display> {
         /// Name of the file.
         file: String,
         /// What was expected.
-        format: Format,
+        format: ModelFormat,
         /// Place, what was found and what was expected.
         misfit: P,
     },
 }
 
-impl<P: Debug + Display> ModelFileError<P> {
+impl<P: Debug + Display> ModelFileProblem<P> {
     /// What the user can do about it.
     #[must_use]
     pub fn help(&self) -> String {
         match self {
-            Self::Json { format: Format { command, .. }, .. } | Self::Format { format: Format { command, .. }, .. } => {
+            Self::Json { format: ModelFormat { command, .. }, .. }
+            | Self::Format { format: ModelFormat { command, .. }, .. } => {
                 format!("give a file that `{command}` wrote; if it did write this one, learn the model again")
             }
-            Self::Version { format: Format { command, .. }, .. } => {
+            Self::Version { format: ModelFormat { command, .. }, .. } => {
                 format!("learn the model again with this version of sinew: `{command}`")
             }
-            Self::Value { format: Format { command, .. }, .. } => {
+            Self::Value { format: ModelFormat { command, .. }, .. } => {
                 format!("the file was changed or damaged after it was written; learn the model again: `{command}`")
             }
         }
@@ -102,7 +103,7 @@ const HEAD: usize = 200;
 
 /// Whether a text says that it is of a format, of whatever version and whether it is whole or not.
 #[must_use]
-pub fn is_of(format: Format, text: &str) -> bool {
+pub fn is_of(format: ModelFormat, text: &str) -> bool {
     let head: String = text.chars().take(HEAD).collect();
     head.trim_start().starts_with('{') && head.contains(&format!("\"{}\"", format.name))
 }
@@ -110,22 +111,22 @@ pub fn is_of(format: Format, text: &str) -> bool {
 /// Reads the whole of a file whose format and version are those that are wanted; `name` is what errors call it.
 ///
 /// # Errors
-/// [`ModelFileError`] but for [`ModelFileError::Value`]: values are still to be checked.
+/// [`ModelFileProblem`] but for [`ModelFileProblem::Value`]: values are still to be checked.
 pub fn read<W: DeserializeOwned, P: Debug + Display>(
-    format: Format,
+    format: ModelFormat,
     name: &str,
     text: &str,
-) -> Result<W, ModelFileError<P>> {
+) -> Result<W, ModelFileProblem<P>> {
     let file = name.to_owned();
     let json =
-        |error: serde_json::Error| ModelFileError::Json { file: file.clone(), format, problem: error.to_string() };
+        |error: serde_json::Error| ModelFileProblem::Json { file: file.clone(), format, problem: error.to_string() };
     let head: Head = serde_json::from_str(text).map_err(json)?;
     if head.format != format.name {
         let found = head.format.chars().take(40).collect();
-        return Err(ModelFileError::Format { file, format, found });
+        return Err(ModelFileProblem::Format { file, format, found });
     }
     if head.version != format.version {
-        return Err(ModelFileError::Version { file, format, found: head.version });
+        return Err(ModelFileProblem::Version { file, format, found: head.version });
     }
     serde_json::from_str(text).map_err(json)
 }
@@ -133,15 +134,15 @@ pub fn read<W: DeserializeOwned, P: Debug + Display>(
 /// The text of a file, one line.
 ///
 /// # Errors
-/// [`ModelFileError::Json`] for what has no JSON.
+/// [`ModelFileProblem::Json`] for what has no JSON.
 pub fn write<W: Serialize, P: Debug + Display>(
-    format: Format,
+    format: ModelFormat,
     name: &str,
     whole: &W,
-) -> Result<String, ModelFileError<P>> {
+) -> Result<String, ModelFileProblem<P>> {
     let problem = |error: serde_json::Error| error.to_string();
     match serde_json::to_string(whole).map_err(problem) {
         Ok(text) => Ok(text + "\n"),
-        Err(problem) => Err(ModelFileError::Json { file: name.to_owned(), format, problem }),
+        Err(problem) => Err(ModelFileProblem::Json { file: name.to_owned(), format, problem }),
     }
 }

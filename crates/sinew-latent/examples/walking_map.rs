@@ -2,7 +2,7 @@
 //!
 //! `cargo run --release -p sinew-latent --example walking_map [FILE.csv]`
 //!
-//! The rows are poses: those of a table with a line of names and then numbers (angles in radians, one row a frame), or, without one, six angles of two made-up walks, hips, knees and shoulders. A GPDM with two coordinates a latent is learned,
+//! The rows are poses, read from a table with a line of names and then numbers (angles in radians, one row a frame), or, without one, six angles of two made-up walks, hips, knees and shoulders. A GPDM with two coordinates a latent is learned,
 //! a walk is continued by its dynamics, and `walking_map.svg` shows latents, what the model knows around them and the continued walk.
 
 use sinew_core::lanes::Isa;

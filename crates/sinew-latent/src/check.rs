@@ -1,4 +1,4 @@
-//! What a latent model from a file must fulfil beyond its shapes: sizes, and a tree that leads to every number.
+//! Sizes that a latent model from a file may have, and that its tree leads to every column.
 //!
 //! Sizes are bounded so that what is computed from a model stays finite and small: a covariance of at most [`MAX_ROWS`] points whose entries and white noise are within these bounds has a Cholesky factor, at the latest with the jitter that
 //! processes add to its diagonal.

@@ -11,22 +11,22 @@ use crate::Error;
 use crate::check::{covers, sizes};
 use crate::model::{LatentModel, Prior};
 use serde::{Deserialize, Serialize};
-use sinew_dynamics::model_file::{self, Format};
+use sinew_dynamics::model_file::{self, ModelFormat};
 use std::fmt;
 
 pub use sinew_dynamics::model_file::MAX_BYTES;
 
 /// The format.
-pub const FORMAT: Format =
-    Format { what: "latent model", name: "sinew latent model", version: 1, command: "sinew learn latent" };
+pub const FORMAT: ModelFormat =
+    ModelFormat { what: "latent model", name: "sinew latent model", version: 1, command: "sinew learn latent" };
 
 /// A file that is no latent model.
-pub type LatentFileError = model_file::ModelFileError<Error>;
+pub type LatentFileError = model_file::ModelFileProblem<Error>;
 
 /// The kinds of models.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
-pub enum Kind {
+pub enum LatentKind {
     /// [`crate::gplvm`].
     Gplvm,
     /// [`crate::gpdm`].
@@ -35,7 +35,7 @@ pub enum Kind {
     Hgplvm,
 }
 
-impl Kind {
+impl LatentKind {
     /// All of them.
     pub const ALL: [Self; 3] = [Self::Gplvm, Self::Gpdm, Self::Hgplvm];
 
@@ -56,7 +56,7 @@ impl Kind {
     }
 }
 
-impl fmt::Display for Kind {
+impl fmt::Display for LatentKind {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(self.name())
     }
@@ -72,7 +72,7 @@ pub struct StoredModel {
     /// Leading coordinates of a state that are not in the model: position and orientation of the root.
     pub free: usize,
     /// What kind of model it is.
-    pub kind: Kind,
+    pub kind: LatentKind,
     /// The model of the other coordinates.
     pub model: LatentModel,
 }
@@ -87,7 +87,7 @@ struct Whole {
     state: String,
     frame_rate: f64,
     free: usize,
-    kind: Kind,
+    kind: LatentKind,
     model: LatentModel,
 }
 
@@ -98,7 +98,7 @@ struct Written<'a> {
     state: &'a str,
     frame_rate: f64,
     free: usize,
-    kind: Kind,
+    kind: LatentKind,
     model: &'a LatentModel,
 }
 
@@ -131,9 +131,9 @@ pub fn check(stored: &StoredModel) -> Result<(), Error> {
     covers(model)?;
     let has_dynamics = matches!(model.prior, Prior::Dynamics { .. });
     let fits = match kind {
-        Kind::Gplvm => model.nodes.len() == 1 && !has_dynamics,
-        Kind::Gpdm => model.nodes.len() == 1 && has_dynamics,
-        Kind::Hgplvm => has_dynamics,
+        LatentKind::Gplvm => model.nodes.len() == 1 && !has_dynamics,
+        LatentKind::Gpdm => model.nodes.len() == 1 && has_dynamics,
+        LatentKind::Hgplvm => has_dynamics,
     };
     if fits { Ok(()) } else { Err(Error::Kind { kind: kind.name(), nodes: model.nodes.len(), has_dynamics }) }
 }

@@ -6,7 +6,7 @@ use common::circles;
 use sinew_core::decode::Decode;
 use sinew_core::lanes::Isa;
 use sinew_dynamics::model_file::is_of;
-use sinew_latent::file::{FORMAT, Kind, LatentFileError, StoredModel, check, read, write};
+use sinew_latent::file::{FORMAT, LatentFileError, LatentKind, StoredModel, check, read, write};
 use sinew_latent::hgplvm::Branch;
 use sinew_latent::model::{LatentModel, Outputs, Prior};
 use sinew_latent::motion::{LatentMotion, StepNoise};
@@ -22,12 +22,14 @@ fn learned(model: LatentModel) -> LatentModel {
     training.into_model()
 }
 
-fn stored(kind: Kind) -> StoredModel {
+fn stored(kind: LatentKind) -> StoredModel {
     let rows = circles(6, &LENGTHS, 0.01, 3);
     let model = match kind {
-        Kind::Gplvm => gplvm::model(&rows, 6, &gplvm::Config { dim: 2, back: Some(1e-3), ..gplvm::Config::default() }),
-        Kind::Gpdm => gpdm::model(&rows, 6, &LENGTHS, &gpdm::Config { dim: 2, ..gpdm::Config::default() }),
-        Kind::Hgplvm => {
+        LatentKind::Gplvm => {
+            gplvm::model(&rows, 6, &gplvm::Config { dim: 2, back: Some(1e-3), ..gplvm::Config::default() })
+        }
+        LatentKind::Gpdm => gpdm::model(&rows, 6, &LENGTHS, &gpdm::Config { dim: 2, ..gpdm::Config::default() }),
+        LatentKind::Hgplvm => {
             let leaf = |columns: &[usize]| Branch { parent: Some(0), dim: 2, columns: columns.to_vec() };
             let tree = vec![Branch { parent: None, dim: 2, columns: vec![] }, leaf(&[0, 3, 1]), leaf(&[2, 4, 5])];
             hgplvm::model(&rows, 6, &LENGTHS, &[1, 1], &hgplvm::Config { tree, root_per_motion: true })
@@ -37,8 +39,8 @@ fn stored(kind: Kind) -> StoredModel {
 }
 
 #[test]
-fn models_are_read_bit_for_bit_as_written_and_go_on_as_before() {
-    for kind in Kind::ALL {
+fn models_are_read_bit_for_bit_as_written_and_decode_as_before() {
+    for kind in LatentKind::ALL {
         let model = stored(kind);
         let text = write("m.json", &model).unwrap();
         let again = read("m.json", &text).unwrap();
@@ -55,13 +57,13 @@ fn models_are_read_bit_for_bit_as_written_and_go_on_as_before() {
             (latent, row)
         };
         assert_eq!(decoded(&again.model), decoded(&model.model), "{kind}");
-        assert_eq!(Kind::find(kind.name()), Some(kind));
+        assert_eq!(LatentKind::find(kind.name()), Some(kind));
     }
 }
 
 #[test]
 fn other_files_and_versions_are_refused() {
-    let text = write("m.json", &stored(Kind::Gplvm)).unwrap();
+    let text = write("m.json", &stored(LatentKind::Gplvm)).unwrap();
     let refused = |text: &str| read("m.json", text).unwrap_err();
     assert_eq!(
         refused(&text.replace("\"version\":1", "\"version\":2")).to_string(),
@@ -111,12 +113,12 @@ const OF_ALL: [Change; 20] = [
     ("kappa", |m| m.model.kappa = Some(0.0)),
 ];
 
-/// Those that need not fit the rows and latents of a node once these are shorter are told by either message.
+/// Changes of rows and latents, which may be refused by either place.
 const EITHER: [&str; 3] = ["rows of a node", "rows of whole sequences", "covariances of all nodes"];
 
 #[test]
 fn each_broken_value_is_refused_by_its_place() {
-    let refused = |kind: Kind, (words, change): Change| {
+    let refused = |kind: LatentKind, (words, change): Change| {
         let mut broken = stored(kind);
         change(&mut broken);
         let message = check(&broken).expect_err(words).to_string();
@@ -125,18 +127,18 @@ fn each_broken_value_is_refused_by_its_place() {
         assert!(message.contains(words) || is_either, "{kind}, {words}: {message}");
         assert!(write("m.json", &broken).is_err());
     };
-    for kind in Kind::ALL {
+    for kind in LatentKind::ALL {
         OF_ALL.into_iter().for_each(|change| refused(kind, change));
     }
-    refused(Kind::Gpdm, ("a sequence has 1 entries; expected 2", |m| m.model.sequences = vec![15, 1]));
+    refused(LatentKind::Gpdm, ("a sequence has 1 entries; expected 2", |m| m.model.sequences = vec![15, 1]));
     refused(
-        Kind::Gpdm,
-        ("`kind` is gplvm, which does not fit a model of 1 node with dynamics", |m| m.kind = Kind::Gplvm),
+        LatentKind::Gpdm,
+        ("`kind` is gplvm, which does not fit a model of 1 node with dynamics", |m| m.kind = LatentKind::Gplvm),
     );
-    refused(Kind::Gpdm, ("of 1 node without dynamics", |m| m.model.prior = Prior::Normal));
-    refused(Kind::Gpdm, ("weight 0", |m| m.model.nodes[0].weights[0] = 0.0));
+    refused(LatentKind::Gpdm, ("of 1 node without dynamics", |m| m.model.prior = Prior::Normal));
+    refused(LatentKind::Gpdm, ("weight 0", |m| m.model.nodes[0].weights[0] = 0.0));
     refused(
-        Kind::Gpdm,
+        LatentKind::Gpdm,
         ("balance", |m| {
             if let Prior::Dynamics { balance, .. } = &mut m.model.prior {
                 *balance = f64::INFINITY;
@@ -144,27 +146,27 @@ fn each_broken_value_is_refused_by_its_place() {
         }),
     );
     refused(
-        Kind::Gpdm,
+        LatentKind::Gpdm,
         ("column 5 is 0", |m| {
             m.model.nodes[0].outputs = Outputs::Columns(vec![0, 1, 2, 3, 4]);
             m.model.nodes[0].weights.truncate(5);
         }),
     );
-    refused(Kind::Gplvm, ("inverse width", |m| m.model.nodes[0].back.as_mut().unwrap().inverse_width = 0.0));
-    refused(Kind::Gplvm, ("coefficient", |m| m.model.nodes[0].back.as_mut().unwrap().coefficients.truncate(1)));
-    refused(Kind::Hgplvm, ("of 4 nodes with dynamics", |m| m.kind = Kind::Gpdm));
-    refused(Kind::Hgplvm, ("child of a node", |m| m.model.nodes[0].outputs = Outputs::Nodes(vec![0, 3])));
+    refused(LatentKind::Gplvm, ("inverse width", |m| m.model.nodes[0].back.as_mut().unwrap().inverse_width = 0.0));
+    refused(LatentKind::Gplvm, ("coefficient", |m| m.model.nodes[0].back.as_mut().unwrap().coefficients.truncate(1)));
+    refused(LatentKind::Hgplvm, ("of 4 nodes with dynamics", |m| m.kind = LatentKind::Gpdm));
+    refused(LatentKind::Hgplvm, ("child of a node", |m| m.model.nodes[0].outputs = Outputs::Nodes(vec![0, 3])));
     refused(
-        Kind::Hgplvm,
+        LatentKind::Hgplvm,
         ("row of node 3 is 0; must not be generated by two nodes", |m| {
             m.model.nodes[2].outputs = Outputs::Nodes(vec![3]);
             m.model.nodes[2].weights.clear();
         }),
     );
-    refused(Kind::Hgplvm, ("column 2 is 0", |m| m.model.nodes[1].outputs = Outputs::Nodes(vec![2])));
-    refused(Kind::Hgplvm, ("first row of a root", |m| m.model.nodes.swap(0, 1)));
+    refused(LatentKind::Hgplvm, ("column 2 is 0", |m| m.model.nodes[1].outputs = Outputs::Nodes(vec![2])));
+    refused(LatentKind::Hgplvm, ("first row of a root", |m| m.model.nodes.swap(0, 1)));
     refused(
-        Kind::Hgplvm,
+        LatentKind::Hgplvm,
         ("nodes; expected at most 256", |m| {
             let leaf = m.model.nodes[3].clone();
             m.model.nodes.resize(300, leaf);
@@ -176,7 +178,7 @@ fn each_broken_value_is_refused_by_its_place() {
 #[test]
 fn extreme_models_that_are_read_are_used_without_an_error() {
     for (latents, parameters) in [(1e6, 1e12), (1e6, 1e-12), (0.0, 1e12), (1e-6, 1.0)] {
-        let mut model = stored(Kind::Gpdm);
+        let mut model = stored(LatentKind::Gpdm);
         for (n, x) in model.model.nodes[0].latents.iter_mut().enumerate() {
             *x = latents * [1.0, -1.0, 0.3, 0.0, 1e-9][n % 5];
         }

@@ -8,7 +8,7 @@ use sinew_simulate::recording::write_trc;
 use sinew_simulate::walker::{Gait, Walker, walker_states};
 use sinew_tools::Error;
 use sinew_tools::learn::motion_files::{LearnPhase, MotionFiles};
-use sinew_tools::learn::primitives::{LearnRequest, LearnWatch, Learned, learn};
+use sinew_tools::learn::primitives::{LearnRequest, LearnWatch, LearnedPrimitives, learn};
 use sinew_tools::learn::sequences::{Acclaim, sequences};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -38,7 +38,7 @@ fn request(folder: &Path, body: NamedBody) -> LearnRequest {
 }
 
 /// Learns, and stops after that many feature vectors.
-fn run(request: &LearnRequest, out: &Path, most: u64) -> Result<Learned, Error> {
+fn run(request: &LearnRequest, out: &Path, most: u64) -> Result<LearnedPrimitives, Error> {
     let stop = AtomicBool::new(false);
     let mut progress = |phase, done, _| {
         if phase == LearnPhase::Learn && done >= most {

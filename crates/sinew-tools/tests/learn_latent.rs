@@ -1,6 +1,6 @@
-//! Learning of latent models from the files of a synthetic walk: stopped runs go on to the same bytes.
+//! Learning of latent models from the files of a synthetic walk: stopped runs continue to the same bytes.
 
-use sinew_latent::file::{Kind, read};
+use sinew_latent::file::{LatentKind, read};
 use sinew_motion::follow::NamedBody;
 use sinew_motion::points::points_of_states;
 use sinew_simulate::recording::write_trc;
@@ -23,7 +23,7 @@ fn walk(folder: &Path, name: &str, stride_s: f64) -> PathBuf {
     path
 }
 
-fn request(folder: &Path, kind: Kind) -> LatentRequest {
+fn request(folder: &Path, kind: LatentKind) -> LatentRequest {
     let files = MotionFiles {
         motion: vec![walk(folder, "a.trc", 1.1), walk(folder, "b.trc", 1.25)],
         held_out: vec![walk(folder, "c.trc", 1.2)],
@@ -47,10 +47,10 @@ fn run(request: &LatentRequest, out: &Path, most: u64) -> Result<LearnedLatent, 
 }
 
 #[test]
-fn a_stopped_run_goes_on_to_the_same_bytes() {
+fn a_stopped_run_continues_to_the_same_bytes() {
     let folder = tempfile::tempdir().unwrap();
     let (whole, parts) = (folder.path().join("whole.json"), folder.path().join("parts.json"));
-    for kind in Kind::ALL {
+    for kind in LatentKind::ALL {
         let request = request(folder.path(), kind);
         let learned = run(&request, &whole, u64::MAX).unwrap();
         assert_eq!((learned.lengths.as_slice(), learned.available), (&[20, 20][..], 80), "{kind}");
@@ -74,9 +74,9 @@ fn a_stopped_run_goes_on_to_the_same_bytes() {
 }
 
 #[test]
-fn unfinished_runs_of_others_are_not_gone_on_with() {
+fn unfinished_runs_of_others_are_not_continued() {
     let folder = tempfile::tempdir().unwrap();
-    let (out, request) = (folder.path().join("m.json"), request(folder.path(), Kind::Gpdm));
+    let (out, request) = (folder.path().join("m.json"), request(folder.path(), LatentKind::Gpdm));
     let unfinished = folder.path().join("m.json.unfinished");
     run(&request, &out, 7).unwrap();
     let text = fs::read_to_string(&unfinished).unwrap();
@@ -100,7 +100,7 @@ fn unfinished_runs_of_others_are_not_gone_on_with() {
 #[test]
 fn feet_are_warned_of() {
     let folder = tempfile::tempdir().unwrap();
-    let mut request = request(folder.path(), Kind::Gplvm);
+    let mut request = request(folder.path(), LatentKind::Gplvm);
     request.files.body = NamedBody::H32;
     let warnings = run(&request, &folder.path().join("m.json"), 1).unwrap().warnings;
     assert!(warnings.len() == 1 && warnings[0].starts_with("h32 has feet"), "{warnings:?}");
@@ -109,7 +109,8 @@ fn feet_are_warned_of() {
 #[test]
 fn poses_come_back_through_the_model() {
     let folder = tempfile::tempdir().unwrap();
-    for (kind, root_per_motion) in [(Kind::Gpdm, false), (Kind::Hgplvm, false), (Kind::Hgplvm, true)] {
+    for (kind, root_per_motion) in [(LatentKind::Gpdm, false), (LatentKind::Hgplvm, false), (LatentKind::Hgplvm, true)]
+    {
         let out = folder.path().join("m.json");
         let request = LatentRequest { root_per_motion, ..request(folder.path(), kind) };
         let learned = run(&request, &out, u64::MAX).unwrap();

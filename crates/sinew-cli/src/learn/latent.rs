@@ -10,7 +10,7 @@ use super::super::table::aligned;
 use super::super::threads::with_threads;
 use super::{PhaseProgress, fit_as_json, fit_rows, motion_files, place};
 use serde_json::json;
-use sinew_latent::file::Kind;
+use sinew_latent::file::LatentKind;
 use sinew_latent::training::Progress;
 use sinew_tools::learn::latent::{LatentRequest, LatentWatch, LearnedLatent, learn};
 use sinew_tools::learn::reconstruction::Reconstruction;
@@ -20,16 +20,16 @@ use std::path::Path;
 /// Runs the command.
 pub(crate) fn run(args: &LatentArgs, general: &General, report: &Report) -> Result<Ended, Error> {
     let (out, config) = place(general)?;
-    let kind = Kind::find(&args.model).unwrap_or(Kind::Gpdm);
+    let kind = LatentKind::find(&args.model).unwrap_or(LatentKind::Gpdm);
     report.warnings(&idle(args, kind));
     let request = LatentRequest {
         files: motion_files(&args.files),
         kind,
         dim: args.dim,
         rows: args.rows,
-        balanced: kind == Kind::Gpdm && args.balanced.unwrap_or(true),
-        back: kind != Kind::Hgplvm && args.back,
-        root_per_motion: kind == Kind::Hgplvm && args.root_per_motion,
+        balanced: kind == LatentKind::Gpdm && args.balanced.unwrap_or(true),
+        back: kind != LatentKind::Hgplvm && args.back,
+        root_per_motion: kind == LatentKind::Hgplvm && args.root_per_motion,
         steps: args.steps,
     };
     let stop = interrupt::flag("the step");
@@ -56,11 +56,11 @@ pub(crate) fn run(args: &LatentArgs, general: &General, report: &Report) -> Resu
 }
 
 /// Flags that the kind of model has no use for.
-fn idle(args: &LatentArgs, kind: Kind) -> Vec<String> {
+fn idle(args: &LatentArgs, kind: LatentKind) -> Vec<String> {
     let flags = [
-        ("balanced", args.balanced.is_some() && kind != Kind::Gpdm),
-        ("back", args.back && kind == Kind::Hgplvm),
-        ("root-per-motion", args.root_per_motion && kind != Kind::Hgplvm),
+        ("balanced", args.balanced.is_some() && kind != LatentKind::Gpdm),
+        ("back", args.back && kind == LatentKind::Hgplvm),
+        ("root-per-motion", args.root_per_motion && kind != LatentKind::Hgplvm),
     ];
     let idle = flags.into_iter().filter(|(_, is_idle)| *is_idle);
     idle.map(|(flag, _)| format!("`--{flag}` has no use with `--model {kind}`")).collect()

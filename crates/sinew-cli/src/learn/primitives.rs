@@ -12,7 +12,7 @@ use super::{PhaseProgress, fit_as_json, fit_rows, motion_files, place};
 use serde_json::json;
 use sinew::dynamics::primitives::learning::LearningProgress;
 use sinew::dynamics::primitives::summary::{PredictionErrors, PrimitiveSummary};
-use sinew_tools::learn::primitives::{LearnRequest, LearnWatch, Learned, learn};
+use sinew_tools::learn::primitives::{LearnRequest, LearnWatch, LearnedPrimitives, learn};
 use sinew_tools::learn::sequences::FileFit;
 use std::path::Path;
 
@@ -57,7 +57,7 @@ pub(crate) fn run(args: &PrimitivesArgs, general: &General, report: &Report) -> 
     Ok(Ended::Done)
 }
 
-fn as_text(request: &LearnRequest, learned: &Learned, out: &str) -> String {
+fn as_text(request: &LearnRequest, learned: &LearnedPrimitives, out: &str) -> String {
     let LearnRequest { files, length, seed, .. } = request;
     let (body, fps) = (files.body.name(), files.fps);
     let mut rows = fit_rows(&learned.training, &learned.held_out);
@@ -112,7 +112,7 @@ fn cells(summary: &PrimitiveSummary) -> Vec<String> {
     cells
 }
 
-fn as_json(request: &LearnRequest, learned: &Learned, out: &str) -> serde_json::Value {
+fn as_json(request: &LearnRequest, learned: &LearnedPrimitives, out: &str) -> serde_json::Value {
     let files = |fits: &[FileFit]| fits.iter().map(fit_as_json).collect::<Vec<_>>();
     let errors = |errors: &PredictionErrors| {
         json!({

@@ -7,7 +7,7 @@
 //! Numbers are written with the digits that read back as the same bits. What is read is checked whole ([`crate::primitives::check`]), so that a model from a file moves states without an error.
 //! The frame of the file is that of [`crate::model_file`].
 
-use crate::model_file::{self, Format};
+use crate::model_file::{self, ModelFormat};
 use crate::primitives::check::{Misfit, check};
 use crate::primitives::model::PrimitiveModel;
 use serde::{Deserialize, Serialize};
@@ -15,11 +15,11 @@ use serde::{Deserialize, Serialize};
 pub use crate::model_file::MAX_BYTES;
 
 /// The format.
-pub const FORMAT: Format =
-    Format { what: "motion model", name: "sinew motion model", version: 1, command: "sinew learn primitives" };
+pub const FORMAT: ModelFormat =
+    ModelFormat { what: "motion model", name: "sinew motion model", version: 1, command: "sinew learn primitives" };
 
 /// A file that is no motion model.
-pub type ModelFileError = model_file::ModelFileError<Misfit>;
+pub type ModelFileError = model_file::ModelFileProblem<Misfit>;
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]

@@ -7,7 +7,7 @@ use crate::learn::limbs::name_of;
 use crate::learn::reconstruction::{Reconstruction, reconstruction};
 use sinew::files::read_text;
 use sinew_core::lanes::Isa;
-use sinew_latent::file::{self, Kind, StoredModel};
+use sinew_latent::file::{self, LatentKind, StoredModel};
 use sinew_latent::model::{LatentModel, Outputs, Prior};
 use sinew_latent::training::objective;
 use sinew_motion::follow::NamedBody;
@@ -59,11 +59,11 @@ pub(super) fn facts(path: &Path) -> Result<Facts, Error> {
     Ok(facts)
 }
 
-const fn in_words(kind: Kind) -> &'static str {
+const fn in_words(kind: LatentKind) -> &'static str {
     match kind {
-        Kind::Gplvm => "Gaussian process latent variable model",
-        Kind::Gpdm => "Gaussian process dynamical model",
-        Kind::Hgplvm => "hierarchical Gaussian process latent variable model",
+        LatentKind::Gplvm => "Gaussian process latent variable model",
+        LatentKind::Gpdm => "Gaussian process dynamical model",
+        LatentKind::Hgplvm => "hierarchical Gaussian process latent variable model",
     }
 }
 

@@ -262,7 +262,7 @@ fn legend(svg: &mut Svg, [left, top]: [f64; 2], has_figures: bool) {
 mod tests {
     use super::*;
     use crate::learn::limbs::branches;
-    use sinew_latent::file::Kind;
+    use sinew_latent::file::LatentKind;
     use sinew_latent::{gplvm, hgplvm};
 
     fn rows() -> Vec<f64> {
@@ -272,7 +272,8 @@ mod tests {
     #[test]
     fn a_space_has_dots_lines_and_figures() {
         let model = gplvm::model(&rows(), 18, &gplvm::Config::default()).unwrap();
-        let mut stored = StoredModel { state: "hppf24".into(), frame_rate: 20.0, free: 6, kind: Kind::Gplvm, model };
+        let mut stored =
+            StoredModel { state: "hppf24".into(), frame_rate: 20.0, free: 6, kind: LatentKind::Gplvm, model };
         let svg = picture(&stored, "a<b.json").unwrap();
         assert!(svg.contains("a&lt;b.json: gplvm of hppf24") && svg.contains("body: 3 coordinates"));
         assert_eq!(svg.matches("<polyline").count(), 1);
@@ -291,7 +292,7 @@ mod tests {
         let tree = branches(NamedBody::Hppf24, 6, &rows, 2).unwrap();
         let config = hgplvm::Config { tree, root_per_motion: true };
         let model = hgplvm::model(&rows, 18, &[12, 18], &[1, 1], &config).unwrap();
-        let stored = StoredModel { state: "hppf24".into(), frame_rate: 20.0, free: 6, kind: Kind::Hgplvm, model };
+        let stored = StoredModel { state: "hppf24".into(), frame_rate: 20.0, free: 6, kind: LatentKind::Hgplvm, model };
         let svg = picture(&stored, "m").unwrap();
         for name in [
             "body of rows 0 to 11",

@@ -1,13 +1,13 @@
-//! The latent space of a node as a plane: its two coordinates of largest variance, and how well it is known around them.
+//! The latent space of a node as a plane: its two coordinates of largest variance.
 //!
-//! Off its latents, a place of the plane stands for the latent there whose other coordinates are those of the nearest known one: near every latent that was learned from the variance is small, however the space bends. A latent of one
+//! Off its latents, a place of the plane stands for the latent there whose other coordinates are the nearest known one's: near every latent that was learned from the variance is small, however the space bends. A latent of one
 //! coordinate is drawn over time.
 
 use sinew_latent::Error;
 use sinew_latent::mapping::Mapping;
 use sinew_latent::model::LatentModel;
 
-/// Share of the extent of the latents by which the plane goes on beyond them, on each side.
+/// Share of the extent of the latents by which the plane continues beyond them, on each side.
 const BEYOND: f64 = 0.27;
 
 /// A plane.
@@ -75,7 +75,7 @@ impl Plane {
     }
 }
 
-/// Rows of each sequence within some rows, which are those of whole sequences.
+/// Rows of each sequence within some rows, which whole sequences make up.
 fn lengths_within(model: &LatentModel, rows: &std::ops::Range<usize>) -> Vec<usize> {
     let mut start = 0;
     let mut within = vec![];

@@ -8,15 +8,15 @@
 use super::LearnError;
 use super::features::has_feet;
 use super::limbs::{branches, components};
-use super::motion_files::{Following, LearnPhase, MotionFiles, Report};
+use super::motion_files::{Following, LearnPhase, MotionFiles, PhaseReport};
 use super::reconstruction::{Reconstruction, reconstruction};
-use super::selection::{Selection, first_phases, middles};
+use super::selection::{ChosenRows, first_phases, middles};
 use super::sequences::FileFit;
 use super::unfinished::{Found, Unfinished};
 use crate::Error;
 use sinew::results::write_whole;
 use sinew_core::lanes::Isa;
-use sinew_latent::file::{self, Kind, StoredModel};
+use sinew_latent::file::{self, LatentKind, StoredModel};
 use sinew_latent::model::LatentModel;
 use sinew_latent::training::{Config, Learning, Progress, Training};
 use sinew_latent::{gpdm, gplvm, hgplvm};
@@ -46,7 +46,7 @@ pub struct LatentRequest {
     /// The files, and the body that follows them.
     pub files: MotionFiles,
     /// What kind of model.
-    pub kind: Kind,
+    pub kind: LatentKind,
     /// Coordinates of a latent.
     pub dim: usize,
     /// Rows to learn from, at most.
@@ -64,7 +64,7 @@ pub struct LatentRequest {
 /// Progress callbacks and a stop flag.
 pub struct LatentWatch<'a> {
     /// Takes a phase, the files or steps that are done, and all of them.
-    pub progress: &'a mut Report<'a>,
+    pub progress: &'a mut PhaseReport<'a>,
     /// Takes every step.
     pub step: &'a mut (dyn FnMut(&Progress) + Send),
     /// Set to end after the step at hand.
@@ -155,7 +155,7 @@ pub fn learn(
 /// Learning from where an unfinished run left it, or from the start.
 fn begun(
     request: &LatentRequest,
-    selection: &Selection,
+    selection: &ChosenRows,
     unfinished: &Unfinished,
     warnings: &mut Vec<String>,
 ) -> Result<Training, Error> {
@@ -169,8 +169,8 @@ fn begun(
 }
 
 /// The model at its start.
-fn model(request: &LatentRequest, selection: &Selection) -> Result<LatentModel, LearnError> {
-    let Selection { rows, lengths, .. } = selection;
+fn model(request: &LatentRequest, selection: &ChosenRows) -> Result<LatentModel, LearnError> {
+    let ChosenRows { rows, lengths, .. } = selection;
     let columns = request.files.body.tree().dof() - FREE;
     let (dim, back) = (request.dim, request.back.then_some(RIDGE));
     let found = components(rows, columns, &(0..columns).collect::<Vec<_>>(), dim);
@@ -178,18 +178,18 @@ fn model(request: &LatentRequest, selection: &Selection) -> Result<LatentModel, 
         return Err(LearnError::FewComponents { found, wanted: dim });
     }
     let model = match request.kind {
-        Kind::Gplvm => {
+        LatentKind::Gplvm => {
             let mut model = gplvm::model(rows, columns, &gplvm::Config { dim, back, ..gplvm::Config::default() });
             if let Ok(model) = &mut model {
                 model.sequences.clone_from(lengths);
             }
             model
         }
-        Kind::Gpdm => {
+        LatentKind::Gpdm => {
             let config = gpdm::Config { dim, back, balanced: request.balanced, ..gpdm::Config::default() };
             gpdm::model(rows, columns, lengths, &config)
         }
-        Kind::Hgplvm => {
+        LatentKind::Hgplvm => {
             let tree = branches(request.files.body, FREE, rows, dim)?;
             let config = hgplvm::Config { tree, root_per_motion: request.root_per_motion };
             hgplvm::model(rows, columns, lengths, &vec![1; lengths.len()], &config)

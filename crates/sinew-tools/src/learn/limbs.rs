@@ -75,7 +75,7 @@ fn is_inner(limbs: &[Limb], n: usize) -> bool {
     limbs.iter().any(|limb| limb.parent == Some(n))
 }
 
-/// Coordinates of each node from `free` on, counted from there; those of a node above others are those of all below it.
+/// Coordinates of each node from `free` on, counted from there; a node above others has all that the nodes below it have.
 fn columns(limbs: &[Limb], tree: &KinematicTree, free: usize) -> Vec<Vec<usize>> {
     let left = (0..limbs.len()).find(|&n| limbs[n].links.is_empty() && !is_inner(limbs, n));
     let mut columns = vec![Vec::new(); limbs.len()];
@@ -99,7 +99,7 @@ fn columns(limbs: &[Limb], tree: &KinematicTree, free: usize) -> Vec<Vec<usize>>
 /// Share of the variance below which a principal component counts as none.
 const STILL: f64 = 1e-9;
 
-/// Principal components of some columns of rows, at most so many.
+/// Principal components of some columns of rows, at most `most`.
 pub(super) fn components(rows: &[f64], width: usize, columns: &[usize], most: usize) -> usize {
     let chosen: Vec<f64> = rows.chunks_exact(width).flat_map(|row| columns.iter().map(|&j| row[j])).collect();
     let found = fit(&chosen, columns.len(), Keep { share: 1.0, most });

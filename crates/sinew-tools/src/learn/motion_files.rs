@@ -1,4 +1,6 @@
-//! Motion files that a model is learned from, and those that are held out: followed by a body, told apart by a hash, never written over.
+//! Motion files that a model is learned from, and others that are held out.
+//!
+//! A body follows them, a hash distinguishes them, and no output replaces one.
 
 use super::sequences::{Acclaim, Sequences, sequences};
 use crate::Error;
@@ -34,7 +36,7 @@ pub enum LearnPhase {
 }
 
 /// Takes a phase, the files or steps that are done, and all of them.
-pub type Report<'a> = dyn FnMut(LearnPhase, u64, u64) + Send + 'a;
+pub type PhaseReport<'a> = dyn FnMut(LearnPhase, u64, u64) + Send + 'a;
 
 /// The body along some motion.
 pub(super) struct Following {
@@ -48,7 +50,7 @@ pub(super) struct Following {
 
 impl MotionFiles {
     /// Makes the body follow all files.
-    pub(super) fn follow(&self, report: &mut Report<'_>) -> Result<Following, Error> {
+    pub(super) fn follow(&self, report: &mut PhaseReport<'_>) -> Result<Following, Error> {
         let total = (self.motion.len() + self.held_out.len()) as u64;
         let mut some = |files: &[PathBuf], before: usize| {
             let mut done = |done: usize| report(LearnPhase::Follow, (before + done) as u64, total);

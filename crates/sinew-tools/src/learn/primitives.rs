@@ -8,7 +8,7 @@
 
 use super::LearnError;
 use super::features::feature_vectors;
-use super::motion_files::{Following, LearnPhase, MotionFiles, Report};
+use super::motion_files::{Following, LearnPhase, MotionFiles, PhaseReport};
 use super::sequences::{FileFit, Sequences};
 use super::unfinished::{Found, Unfinished};
 use crate::Error;
@@ -41,7 +41,7 @@ pub struct LearnRequest {
 /// A progress callback and a stop flag.
 pub struct LearnWatch<'a> {
     /// Takes a phase, the files or feature vectors that are done, and all of them.
-    pub progress: &'a mut Report<'a>,
+    pub progress: &'a mut PhaseReport<'a>,
     /// Takes each iteration of the clustering of a feature vector.
     pub iteration: &'a mut (dyn FnMut(&LearningProgress<'_>) + Send),
     /// Set to end after the feature vector at hand.
@@ -50,7 +50,7 @@ pub struct LearnWatch<'a> {
 
 /// What was learned.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Learned {
+pub struct LearnedPrimitives {
     /// The model, as it was written; none where the run was interrupted.
     pub model: Option<PrimitiveModel>,
     /// Feature vectors that are done, and all of them.
@@ -69,7 +69,12 @@ pub struct Learned {
 ///
 /// # Errors
 /// Files that cannot be read or followed, an output that exists (without `force`) or is an input, too little motion, and what the disk refuses.
-pub fn learn(request: &LearnRequest, out: &Path, force: bool, watch: &mut LearnWatch<'_>) -> Result<Learned, Error> {
+pub fn learn(
+    request: &LearnRequest,
+    out: &Path,
+    force: bool,
+    watch: &mut LearnWatch<'_>,
+) -> Result<LearnedPrimitives, Error> {
     request.files.refuse_output(out, force)?;
     let Following { training, held_out, mut warnings } = request.files.follow(watch.progress)?;
     let mut config = Config { length: request.length, ..Config::default() };
@@ -88,7 +93,7 @@ pub fn learn(request: &LearnRequest, out: &Path, force: bool, watch: &mut LearnW
         unfinished.remove()?;
     }
     let model = is_whole.then_some(model);
-    Ok(Learned { model, done, training: training.files, held_out: held_out.files, summaries, warnings })
+    Ok(LearnedPrimitives { model, done, training: training.files, held_out: held_out.files, summaries, warnings })
 }
 
 /// The model with the feature vectors that were done before the end or an interrupt.

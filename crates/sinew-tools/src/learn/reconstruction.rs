@@ -16,7 +16,7 @@ pub struct Reconstruction {
     pub poses: usize,
 }
 
-/// Tries at most so many poses (rows of the model's columns), evenly spaced; of several roots the one that misses a pose least counts. None without poses.
+/// Tries at most `most` poses (rows of the model's columns), evenly spaced; of several roots the one that misses a pose least counts. None without poses.
 ///
 /// # Errors
 /// A model whose covariances have no factor.

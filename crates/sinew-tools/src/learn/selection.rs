@@ -8,7 +8,7 @@ use super::sequences::Sequences;
 
 /// The rows that were chosen.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Selection {
+pub struct ChosenRows {
     /// Coordinates from the first that is in the model on, row after row.
     pub rows: Vec<f64>,
     /// Rows of each sequence.
@@ -36,7 +36,7 @@ pub fn first_phases(sequences: &Sequences, dim: usize, free: usize) -> Vec<Vec<f
 ///
 /// # Errors
 /// [`LearnError::TooManySequences`] where not even two rows of each find room, [`LearnError::ShortSequence`] for a sequence of one row.
-pub fn middles(sequences: &[Vec<f64>], columns: usize, most: usize) -> Result<Selection, LearnError> {
+pub fn middles(sequences: &[Vec<f64>], columns: usize, most: usize) -> Result<ChosenRows, LearnError> {
     let available: usize = sequences.iter().map(|rows| rows.len() / columns).sum();
     let (mut rows, mut lengths) = (Vec::new(), Vec::new());
     for (index, sequence) in sequences.iter().enumerate() {
@@ -52,7 +52,7 @@ pub fn middles(sequences: &[Vec<f64>], columns: usize, most: usize) -> Result<Se
     if lengths.iter().sum::<usize>() > most {
         return Err(LearnError::TooManySequences { files: sequences.len(), most });
     }
-    Ok(Selection { rows, lengths, available })
+    Ok(ChosenRows { rows, lengths, available })
 }
 
 #[cfg(test)]

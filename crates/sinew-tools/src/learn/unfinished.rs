@@ -60,7 +60,7 @@ impl Unfinished {
         Ok(write_whole(&self.path, text.as_bytes())?)
     }
 
-    /// Reads what is done; `use_it` makes of it what can be gone on with, or nothing where it does not fit.
+    /// Reads what is done; `use_it` makes of it what can be continued, or nothing where it does not fit.
     pub(super) fn read<T: Serialize + DeserializeOwned, U>(&self, use_it: impl FnOnce(T) -> Option<U>) -> Found<U> {
         if !self.path.exists() {
             return Found::Nothing;
