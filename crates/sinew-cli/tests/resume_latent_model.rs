@@ -5,7 +5,7 @@ mod common;
 use common::synthetic::Whole;
 use sinew::results::problem::Problem;
 use sinew::track::checkpoint;
-use sinew_latent::file::Kind;
+use sinew_latent::file::LatentKind;
 use sinew_motion::follow::NamedBody;
 use sinew_motion::points::points_of_states;
 use sinew_simulate::recording::write_trc;
@@ -19,7 +19,7 @@ use std::sync::atomic::AtomicBool;
 const RATE_HZ: f64 = 30.0;
 
 /// Learns from a walk and writes the model.
-fn model(folder: &Path, kind: Kind, steps: usize) -> String {
+fn model(folder: &Path, kind: LatentKind, steps: usize) -> String {
     let walker = Walker::new(Gait { still_s: 0.0, duration_s: 2.0, ..Gait::default() });
     let motion = points_of_states(&walker.body, &walker_states(&walker, RATE_HZ));
     let mut bytes = vec![];
@@ -40,10 +40,10 @@ fn model(folder: &Path, kind: Kind, steps: usize) -> String {
 fn a_run_in_a_latent_space_stopped_after_a_frame_gives_the_same_files() {
     let folder = tempfile::tempdir().unwrap();
     for (kind, method, particles) in [
-        (Kind::Gpdm, "hmc", None),
-        (Kind::Gpdm, "gpapf", Some("24")),
-        (Kind::Hgplvm, "h-apf", Some("16")),
-        (Kind::Hgplvm, "gpapf", Some("16")),
+        (LatentKind::Gpdm, "hmc", None),
+        (LatentKind::Gpdm, "gpapf", Some("24")),
+        (LatentKind::Hgplvm, "h-apf", Some("16")),
+        (LatentKind::Hgplvm, "gpapf", Some("16")),
     ] {
         let path = model(folder.path(), kind, 40);
         let particles = particles.map(|count| ("particles", count));
@@ -58,11 +58,11 @@ fn a_run_in_a_latent_space_stopped_after_a_frame_gives_the_same_files() {
 #[test]
 fn a_run_with_another_latent_model_is_not_resumed() {
     let folder = tempfile::tempdir().unwrap();
-    let path = model(folder.path(), Kind::Gpdm, 30);
+    let path = model(folder.path(), LatentKind::Gpdm, 30);
     let whole = Whole::lasting(6, &[("method", "gpapf"), ("latent", &path), ("particles", "16")]);
     let out = whole.folder.path().join("out");
     whole.run(&out, 1, Some(4), None).unwrap();
-    model(folder.path(), Kind::Gpdm, 31);
+    model(folder.path(), LatentKind::Gpdm, 31);
     match whole.run(&out, 1, None, Some(checkpoint::read(&out).unwrap())) {
         Err(sinew::Error::Checkpoint { problem, .. }) => {
             let words = problem.to_string();

@@ -8,7 +8,7 @@ use sinew::dynamics::primitives::file;
 use sinew::dynamics::primitives::learning::{Config, TrainingMotion, learn_feature, noise_sd};
 use sinew::dynamics::primitives::model::PrimitiveModel;
 use sinew::formats::{amc, asf};
-use sinew::latent::file::{Kind, StoredModel};
+use sinew::latent::file::{LatentKind, StoredModel};
 use sinew::latent::gpdm;
 use sinew::latent::training::{self, Training};
 use sinew_motion::cmu;
@@ -17,7 +17,7 @@ use sinew_motion::points::Trajectories;
 use sinew_motion::retarget::retarget;
 use sinew_tools::learn::features::feature_vectors;
 use sinew_tools::learn::latent::FREE;
-use sinew_tools::learn::selection::{Selection, first_phases, middles};
+use sinew_tools::learn::selection::{ChosenRows, first_phases, middles};
 use sinew_tools::learn::sequences::{Acclaim, Sequences, sequences};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -134,13 +134,13 @@ fn latent(path: &Path, data: &Path, without: &[&str]) -> Outcome<StoredModel> {
         sequences.extend(first_phases(&found, dim, FREE));
     }
     let columns = NamedBody::H32.tree().dof() - FREE;
-    let Selection { rows, lengths, .. } = middles(&sequences, columns, LATENT_ROWS)?;
+    let ChosenRows { rows, lengths, .. } = middles(&sequences, columns, LATENT_ROWS)?;
     let model = gpdm::model(&rows, columns, &lengths, &gpdm::Config::default())?;
     let mut training = Training::new(model, training::Config::default(), Isa::best())?;
     training.run(|_| true);
     let model = training.into_model();
     let state = NamedBody::H32.name().into();
-    let stored = StoredModel { state, frame_rate: RATE_HZ, free: FREE, kind: Kind::Gpdm, model };
+    let stored = StoredModel { state, frame_rate: RATE_HZ, free: FREE, kind: LatentKind::Gpdm, model };
     std::fs::write(path, sinew::latent::file::write(&name, &stored)?)?;
     Ok(stored)
 }

@@ -1,6 +1,6 @@
 //! What tracking refuses of a set-up, a body and a machine.
 
-use sinew_dynamics::model_file::Format;
+use sinew_dynamics::model_file::ModelFormat;
 use sinew_dynamics::primitives::file::ModelFileError;
 use sinew_latent::file::LatentFileError;
 use std::path::PathBuf;
@@ -100,7 +100,7 @@ pub enum TrackError {
     #[error("the {} was learned for the body {learned}, which is not the one that is tracked", format.what)]
     ModelBody {
         /// What kind of model.
-        format: Format,
+        format: ModelFormat,
         /// Body of the model.
         learned: String,
     },
@@ -108,7 +108,7 @@ pub enum TrackError {
     #[error("the {} was learned at {learned} frames per second; the recording has {tracked}", format.what)]
     ModelRate {
         /// What kind of model.
-        format: Format,
+        format: ModelFormat,
         /// Rate of the model.
         learned: f64,
         /// Rate of the recording.

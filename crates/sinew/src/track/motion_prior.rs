@@ -8,7 +8,7 @@ use crate::config::settings::Settings;
 use crate::setup::{Setup, motion_noise};
 use sinew_body::standard::{cf28, h32};
 use sinew_body::{Joint, KinematicTree, Proportions, hapf31, hppf24};
-use sinew_dynamics::model_file::Format;
+use sinew_dynamics::model_file::ModelFormat;
 use sinew_dynamics::motion_prior::MotionPrior;
 use sinew_dynamics::primitives::file::FORMAT;
 use sinew_dynamics::primitives::model::PrimitiveModel;
@@ -53,7 +53,7 @@ pub fn motion_prior(setup: &Setup, tree: &KinematicTree, settings: &Settings) ->
 
 /// What a model in a file was learned of.
 struct LearnedOf<'a> {
-    format: Format,
+    format: ModelFormat,
     state: &'a str,
     dim: usize,
     frame_rate: f64,
