@@ -21,7 +21,7 @@ use sinew::track::checkpoint::Checkpoint;
 use sinew::tracking::{bootstrap, hmc_filter};
 use sinew::{RecordingError, formats::Layout, observe::Camera};
 use sinew_latent::file as latent_file;
-use sinew_latent::model::Prior;
+use sinew_latent::model::RootPrior;
 use sinew_latent::motion::{LatentMotion, StepNoise};
 use sinew_latent::space::Below;
 use sinew_simulate::recording::{Script, SyntheticRecording};
@@ -169,7 +169,7 @@ pub fn latent_model(data: &[u8]) {
             below.decode(x, &mut decoded);
             assert!(x.iter().chain(&decoded).all(|x| x.is_finite()), "{x:?} {decoded:?}");
         }
-        if let Prior::Dynamics { .. } = model.prior {
+        if let RootPrior::Dynamics { .. } = model.prior {
             let motion = LatentMotion::new(model, root, StepNoise::Predicted, Isa::baseline());
             let motion = motion.unwrap_or_else(|error| never(error));
             assert!(motion.mean(node.latent(0)).iter().chain(&motion.variances(node.latent(0))).all(|x| x.is_finite()));

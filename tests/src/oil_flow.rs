@@ -1,7 +1,7 @@
 //! The three-phase oil flow data (Bishop & James 1993), on which latent variable models are compared.
 
 use sinew::latent::gplvm::{self, Config};
-use sinew::latent::model::{LatentModel, Prior};
+use sinew::latent::model::{LatentModel, RootPrior};
 use sinew::latent::outputs::Preparation;
 use std::path::Path;
 
@@ -50,7 +50,7 @@ impl OilFlow {
     /// # Errors
     /// Rows without two principal components.
     pub fn model(&self) -> Result<LatentModel, sinew::latent::Error> {
-        let config = Config { dim: 2, preparation: Preparation::Centred, prior: Prior::Flat, ..Config::default() };
+        let config = Config { dim: 2, preparation: Preparation::Centred, prior: RootPrior::Flat, ..Config::default() };
         gplvm::model(&self.rows, COLUMNS, &config)
     }
 

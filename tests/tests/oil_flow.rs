@@ -10,7 +10,7 @@ use sinew_tests::oil_flow::OilFlow;
 const AT_STORED_PARAMETERS: [(usize, f64); 2] = [(100, -8184.125_283_421_72), (400, -35_474.281_121_024_2)];
 
 #[test]
-fn objectives_are_those_of_gpy() {
+fn objectives_agree_with_gpy() {
     let Some(folder) = data::shared("oil_flow") else { return };
     for (count, expected) in AT_STORED_PARAMETERS {
         let mut model = OilFlow::read(&folder, count).unwrap().model().unwrap();

@@ -1,4 +1,6 @@
-//! Objective with gradient of a GPLVM beside what faer needs for its parts, and maps of blocks of eight latents. 50 columns, 3 coordinates of a latent.
+//! Objective of a GPLVM beside what faer needs for its parts, and maps of blocks of latents.
+//!
+//! 50 columns, 3 coordinates of a latent.
 //!
 //! Arithmetic of an objective: N³/3 fused multiply-adds for the Cholesky factor and as many again for its inverse and for their product, N² D for K⁻¹ Y and N² D / 2 for A Aᵀ. Arithmetic of a block of maps: N (3 q + 18) for the radial basis functions (18 for an exponential), N D for the mean,
 //! N (q + D q) for the Jacobian; N² / 2 for a variance.

@@ -76,12 +76,12 @@ impl BackConstraint {
     }
 
     pub(crate) fn check(&self, rows: usize, dim: usize) -> Result<(), Error> {
-        crate::model::positive("inverse width of a back constraint", &[self.inverse_width])?;
+        crate::ranges::positive("inverse width of a back constraint", &[self.inverse_width])?;
         let (found, expected) = (self.coefficients.len(), rows * dim);
         if found != expected {
             return Err(Error::Shape { name: "coefficients of a back constraint", found, expected });
         }
-        crate::model::finite("coefficient", &self.coefficients)
+        crate::ranges::finite("coefficient", &self.coefficients)
     }
 }
 
@@ -96,7 +96,7 @@ impl BackMap {
         Self { kernel: kernel(rows, cols, back.inverse_width), dim }
     }
 
-    /// K V for V with rows of q; K is symmetric, so that this maps coefficients to latents and gradients of latents to those of coefficients.
+    /// K V for V with rows of q; K is symmetric, so that this maps coefficients to latents and gradients of latents to gradients of coefficients.
     pub(crate) fn apply(&self, values: &[f64]) -> Vec<f64> {
         let values = Columns::from_rows(values, self.dim);
         let product = &self.kernel * values.view();

@@ -5,7 +5,7 @@
 
 use crate::Error;
 use crate::covariance::Covariance;
-use crate::model::{LatentModel, Node, Outputs, Prior};
+use crate::model::{LatentModel, LatentNode, Outputs, RootPrior};
 
 /// Rows of a model from a file at most.
 pub const MAX_ROWS: usize = 4000;
@@ -32,7 +32,7 @@ pub(crate) fn sizes(model: &LatentModel) -> Result<(), Error> {
     most("columns", model.columns, MAX_COLUMNS)?;
     most("numbers of data", model.data.len(), MAX_ROWS * model.columns)?;
     most("nodes", model.nodes.len(), MAX_NODES)?;
-    let square = |node: &Node| node.rows.len().saturating_mul(node.rows.len());
+    let square = |node: &LatentNode| node.rows.len().saturating_mul(node.rows.len());
     let entries = model.nodes.iter().fold(0_usize, |sum, node| sum.saturating_add(square(node)));
     most("entries of the covariances of all nodes", entries, MAX_ENTRIES)?;
     within("number of the data", &model.data)?;
@@ -47,7 +47,7 @@ pub(crate) fn sizes(model: &LatentModel) -> Result<(), Error> {
             moderate("inverse width of a back constraint", &[back.inverse_width])?;
         }
     }
-    if let Prior::Dynamics { covariance: dynamics, balance, .. } = &model.prior {
+    if let RootPrior::Dynamics { covariance: dynamics, balance, .. } = &model.prior {
         covariance(dynamics)?;
         moderate("balance", &[*balance])?;
     }

@@ -9,7 +9,7 @@
 
 use crate::Error;
 use crate::check::{covers, sizes};
-use crate::model::{LatentModel, Prior};
+use crate::model::{LatentModel, RootPrior};
 use serde::{Deserialize, Serialize};
 use sinew_dynamics::model_file::{self, ModelFormat};
 use std::fmt;
@@ -129,7 +129,7 @@ pub fn check(stored: &StoredModel) -> Result<(), Error> {
     sizes(model)?;
     model.check()?;
     covers(model)?;
-    let has_dynamics = matches!(model.prior, Prior::Dynamics { .. });
+    let has_dynamics = matches!(model.prior, RootPrior::Dynamics { .. });
     let fits = match kind {
         LatentKind::Gplvm => model.nodes.len() == 1 && !has_dynamics,
         LatentKind::Gpdm => model.nodes.len() == 1 && has_dynamics,

@@ -1,4 +1,6 @@
-//! Gaussian process dynamical model (Wang, Fleet & Hertzmann 2008): a latent space with a Gaussian process from each point to the next.
+//! Gaussian process dynamical model (Wang, Fleet & Hertzmann 2008): a latent space with dynamics.
+//!
+//! A Gaussian process leads from each latent to the next.
 //!
 //! ```text
 //! K_Y = exp(−(b₂/2) ‖x − x′‖²) + δ/b₃                                  of all rows, outputs weighed by W
@@ -11,7 +13,7 @@
 use crate::Error;
 use crate::covariance::Covariance;
 use crate::gplvm;
-use crate::model::{LatentModel, Prior};
+use crate::model::{LatentModel, RootPrior};
 use crate::outputs::Preparation;
 
 /// How a model starts.
@@ -42,7 +44,7 @@ pub fn model(data: &[f64], columns: usize, sequences: &[usize], config: &Config)
     let mapping = Covariance { variance: 1.0, inverse_width: 1.0, linear: 0.0, bias: 0.0, white: noise };
     let dynamics = Covariance { variance: 0.1, inverse_width: 1.0, linear: 0.9, bias: 0.0, white: noise };
     let balance = if config.balanced { columns as f64 / config.dim as f64 } else { 1.0 };
-    let prior = Prior::Dynamics { covariance: dynamics, learned: dynamics.present(), balance };
+    let prior = RootPrior::Dynamics { covariance: dynamics, learned: dynamics.present(), balance };
     let start = gplvm::Config {
         dim: config.dim,
         preparation: Preparation::Centred,

@@ -11,7 +11,7 @@ use crate::Error;
 use crate::back_constraint::BackConstraint;
 use crate::columns::count_rows;
 use crate::covariance::Covariance;
-use crate::model::{LatentModel, Node, Outputs, Prior};
+use crate::model::{LatentModel, LatentNode, Outputs, RootPrior};
 use crate::outputs::{Preparation, Standard};
 use crate::principal::principal_scores;
 
@@ -25,7 +25,7 @@ pub struct Config {
     /// Covariance at the start.
     pub covariance: Covariance,
     /// Prior of the latents.
-    pub prior: Prior,
+    pub prior: RootPrior,
     /// Whether latents are a smooth function of the rows; then the ridge of the regression that starts it.
     pub back: Option<f64>,
 }
@@ -36,7 +36,7 @@ impl Default for Config {
             dim: 3,
             preparation: Preparation::Standardised,
             covariance: Covariance::default(),
-            prior: Prior::Normal,
+            prior: RootPrior::Normal,
             back: None,
         }
     }
@@ -51,8 +51,9 @@ pub fn model(data: &[f64], columns: usize, config: &Config) -> Result<LatentMode
     let standard = Standard::new(data, columns, config.preparation)?;
     let prepared = standard.apply(data);
     let latents = principal_scores(&prepared, columns, config.dim)?;
-    let mut node = Node::new(Outputs::Columns((0..columns).collect()), 0..rows, config.dim, latents, config.covariance);
-    node.learned[1] &= config.prior != Prior::Normal;
+    let mut node =
+        LatentNode::new(Outputs::Columns((0..columns).collect()), 0..rows, config.dim, latents, config.covariance);
+    node.learned[1] &= config.prior != RootPrior::Normal;
     if let Some(ridge) = config.back {
         node.back = Some(BackConstraint::fit(&prepared, columns, &node.latents, node.dim, ridge)?);
     }

@@ -226,9 +226,9 @@ const LEAST_SHARE: f64 = 1e-5;
 
 fn components(density: &LatentDensity, modes: &[Mode], known: &[f64]) -> Vec<Component> {
     let (dim, latents) = (density.mapping.dim(), density.mapping.latents());
-    let of_mode =
+    let from_mode =
         |mode: &Mode| Component { centre: mode.latent.clone(), root: mode.root.clone(), share: SHARES[0] * mode.share };
-    let mut components: Vec<Component> = modes.iter().map(of_mode).collect();
+    let mut components: Vec<Component> = modes.iter().map(from_mode).collect();
     let diagonal = |sd: &dyn Fn(usize) -> f64| {
         (0..dim * dim).map(|k| if k % (dim + 1) == 0 { sd(k / dim) } else { 0.0 }).collect()
     };

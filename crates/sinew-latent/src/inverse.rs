@@ -1,4 +1,4 @@
-//! From an output row back to its latent, as an inverse map of trackers: regression, then a few steps up [`LatentDensity`].
+//! From an output row back to its latent: regression, then a few steps up [`LatentDensity`].
 //!
 //! Start: kernel ridge regression from outputs to latents, fitted on the rows that were learned from (ridge 10⁻³, width the median distance), or the model's own back constraint; and the latent of the nearest known row. The likelier of both
 //! climbs by L-BFGS.

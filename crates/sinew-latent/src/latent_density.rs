@@ -1,4 +1,6 @@
-//! How plausible a latent is, given what was observed of a row: the density that inverse maps and inference climb.
+//! How plausible a latent is, given what was observed of a row.
+//!
+//! Inverse maps and inference climb this density.
 //!
 //! Grochow, Martin, Hertzmann & Popović (2004), with the observed outputs o of a row y, their number n, s² = var(x) + w and the deviations r_o = (y_o − μ_o(x)) / scale_o:
 //!
@@ -9,7 +11,7 @@
 //! without constants. Nothing observed and n = D is a prior of latents that prefers where poses are known (Urtasun, Fleet, Hertzmann & Fua 2005).
 
 use crate::mapping::Mapping;
-use crate::model::{LatentModel, Prior};
+use crate::model::{LatentModel, RootPrior};
 use sinew_core::density::{LaneDensity, LaneGaussNewton};
 use sinew_core::elementary::ln;
 use sinew_core::lanes::Real;
@@ -29,7 +31,7 @@ impl LatentPrior {
     #[must_use]
     pub fn of(model: &LatentModel, node: usize) -> Self {
         let own = &model.nodes[node];
-        if model.prior == Prior::Normal && model.roots().contains(&node) {
+        if model.prior == RootPrior::Normal && model.roots().contains(&node) {
             return Self { mean: vec![0.0; own.dim], precision: vec![1.0; own.dim] };
         }
         let count = own.rows.len() as f64;

@@ -57,6 +57,7 @@ mod objective;
 pub mod outputs;
 pub mod principal;
 mod process;
+mod ranges;
 pub mod space;
 pub mod training;
 pub mod tree;

@@ -1,4 +1,4 @@
-//! From a latent to what its node generates: the mean and the variance of its Gaussian processes, and their derivatives.
+//! From a latent to what its node generates: mean and variance of Gaussian processes, and derivatives.
 //!
 //! ```text
 //! μ(x) = Yᵀ K⁻¹ k(x),   dμ/dx = −g Σ_n A_n v e_n(x) (x − x_n) + a Xᵀ A,   A = K⁻¹ Y,  e_n = exp(−(g/2) ‖x − x_n‖²)
@@ -398,7 +398,7 @@ fn panel_product<V: Real, const N: usize>(panel: &[f64], e: &[V::Mem], out: &mut
     }
 }
 
-/// Width of the next panel where so many outputs are left: eight, or four at the end, of which some may stand for none.
+/// Width of the next panel where this number of outputs is left: eight, or four at the end, of which some may stand for none.
 #[inline(always)]
 const fn panel_width(left: usize) -> usize {
     if left > NARROW { WIDE } else { NARROW }

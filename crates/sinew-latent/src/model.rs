@@ -8,6 +8,7 @@ use crate::back_constraint::BackConstraint;
 use crate::columns::count_rows;
 use crate::covariance::{Covariance, Learned};
 use crate::outputs::Standard;
+use crate::ranges::{finite, positive};
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
@@ -24,10 +25,10 @@ pub enum Outputs {
 /// A latent space and the Gaussian processes on it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Node {
+pub struct LatentNode {
     /// What it generates.
     pub outputs: Outputs,
-    /// Rows of the data that it has latents of: all, or those of one motion.
+    /// Rows of the data that it has latents of: all, or the rows of one motion.
     pub rows: Range<usize>,
     /// Coordinates q of a latent.
     pub dim: usize,
@@ -46,7 +47,7 @@ pub struct Node {
 /// The prior of the latents that no other node generates.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
-pub enum Prior {
+pub enum RootPrior {
     /// None: the density is 1 everywhere.
     Flat,
     /// Each latent is N(0, I).
@@ -75,14 +76,14 @@ pub struct LatentModel {
     /// Means and divisors of the columns.
     pub standard: Standard,
     /// The nodes, each before those that it generates.
-    pub nodes: Vec<Node>,
+    pub nodes: Vec<LatentNode>,
     /// The prior of the roots' latents.
-    pub prior: Prior,
+    pub prior: RootPrior,
     /// κ of the half-normal prior of the weights W, where these are learned; learned parameters θ of covariances then have the prior 1/θ (1/θ⁻¹ for the white noise, whose parameter is a precision there).
     pub kappa: Option<f64>,
 }
 
-impl Node {
+impl LatentNode {
     /// A node over all rows whose latents are to be set.
     #[must_use]
     pub fn new(outputs: Outputs, rows: Range<usize>, dim: usize, latents: Vec<f64>, covariance: Covariance) -> Self {
@@ -147,7 +148,7 @@ impl LatentModel {
     /// Outputs of a node, rows one after the other: standardised columns, or latents.
     #[must_use]
     pub fn prepared(&self, node: usize) -> Vec<f64> {
-        let Node { outputs, rows, .. } = &self.nodes[node];
+        let LatentNode { outputs, rows, .. } = &self.nodes[node];
         let mut values = Vec::with_capacity(rows.len() * self.output_count(node));
         for row in rows.clone() {
             match outputs {
@@ -203,7 +204,7 @@ impl LatentModel {
         if let Some(kappa) = self.kappa {
             positive("kappa", &[kappa])?;
         }
-        if let Prior::Dynamics { covariance, balance, learned } = &self.prior {
+        if let RootPrior::Dynamics { covariance, balance, learned } = &self.prior {
             covariance.check()?;
             covariance.check_learned(learned)?;
             positive("balance", &[*balance])?;
@@ -214,7 +215,7 @@ impl LatentModel {
 
     /// Sequences have rows (two where latents have dynamics), and each node has whole ones.
     fn check_sequences(&self) -> Result<(), Error> {
-        let least = if matches!(self.prior, Prior::Dynamics { .. }) { 2 } else { 1 };
+        let least = if matches!(self.prior, RootPrior::Dynamics { .. }) { 2 } else { 1 };
         if let Some(&found) = self.sequences.iter().find(|&&length| length < least) {
             return Err(Error::Shape { name: "a sequence", found, expected: least });
         }
@@ -245,7 +246,7 @@ impl LatentModel {
         Ok(())
     }
 
-    fn check_node(&self, n: usize, node: &Node, rows: usize) -> Result<(), Error> {
+    fn check_node(&self, n: usize, node: &LatentNode, rows: usize) -> Result<(), Error> {
         let shape = |name, found, expected| {
             if found == expected { Ok(()) } else { Err(Error::Shape { name, found, expected }) }
         };
@@ -292,22 +293,6 @@ impl LatentModel {
 
 /// Coordinates of a latent at most.
 pub const MAX_DIM: usize = 32;
-
-pub(crate) fn finite(name: &'static str, values: &[f64]) -> Result<(), Error> {
-    match values.iter().position(|x| !x.is_finite()) {
-        Some(index) => Err(Error::OutOfRange { name, index, value: values[index], expected: "must be finite" }),
-        None => Ok(()),
-    }
-}
-
-pub(crate) fn positive(name: &'static str, values: &[f64]) -> Result<(), Error> {
-    match values.iter().position(|x| !(x.is_finite() && *x > 0.0)) {
-        Some(index) => {
-            Err(Error::OutOfRange { name, index, value: values[index], expected: "must be positive and finite" })
-        }
-        None => Ok(()),
-    }
-}
 
 /// Places must exist, once each, and there must be some.
 fn within(name: &'static str, places: &[usize], count: usize) -> Result<(), Error> {

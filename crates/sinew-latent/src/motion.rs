@@ -7,7 +7,7 @@
 
 use crate::Error;
 use crate::mapping::Mapping;
-use crate::model::{LatentModel, Prior};
+use crate::model::{LatentModel, RootPrior};
 use sinew_core::lanes::{Block, Isa, LANES, get_lane};
 use sinew_core::random::BlockRng;
 use sinew_core::transition::{GradTransition, MotionModel, Transition};
@@ -37,13 +37,13 @@ impl LatentMotion {
     /// # Errors
     /// [`Error::NoDynamics`], [`Error::Shape`], [`Error::OutOfRange`] or [`Error::Singular`].
     pub fn new(model: &LatentModel, root: usize, noise: StepNoise, isa: Isa) -> Result<Self, Error> {
-        let Prior::Dynamics { covariance, .. } = &model.prior else { return Err(Error::NoDynamics) };
+        let RootPrior::Dynamics { covariance, .. } = &model.prior else { return Err(Error::NoDynamics) };
         let node = &model.nodes[root];
         if let StepNoise::Fixed(sd) = &noise {
             if sd.len() != node.dim {
                 return Err(Error::Shape { name: "noise of a latent step", found: sd.len(), expected: node.dim });
             }
-            crate::model::positive("noise of a latent step", sd)?;
+            crate::ranges::positive("noise of a latent step", sd)?;
         }
         let (mut inputs, mut outputs, mut start) = (Vec::new(), Vec::new(), 0);
         for length in model.sequences_within(&node.rows) {

@@ -1,6 +1,6 @@
 //! What learning minimises: −log p of data and latents, with its gradient.
 //!
-//! The vector of unknowns holds, node by node, the latents (or the coefficients of a back constraint) and the logarithms of the learned parameters of the covariance, then those of the dynamics. White noise below [`LEAST_NOISE`]
+//! The vector of unknowns holds, node by node, the latents (or the coefficients of a back constraint) and the logarithms of the learned parameters of the covariance, then the parameters of the dynamics. White noise below [`LEAST_NOISE`]
 //! counts as that: a precision that runs away is held (a stretch without slope).
 
 use crate::Error;
@@ -9,7 +9,7 @@ use crate::columns::Columns;
 use crate::covariance::{Covariance, Learned, PARAMETERS, count};
 use crate::dynamics::{Dynamics, Successors};
 use crate::lbfgs::Objective;
-use crate::model::{LatentModel, Outputs, Prior};
+use crate::model::{LatentModel, Outputs, RootPrior};
 use crate::process::Process;
 use sinew_core::lanes::Isa;
 
@@ -38,7 +38,7 @@ impl Cost {
         model.check()?;
         let roots = model.roots();
         let mut dynamics = Vec::new();
-        if let Prior::Dynamics { .. } = model.prior {
+        if let RootPrior::Dynamics { .. } = model.prior {
             for &root in &roots {
                 let node = &model.nodes[root];
                 let successors = Successors::new(&model.sequences_within(&node.rows), node.rows.len())?;
@@ -69,7 +69,7 @@ impl Cost {
             let learned = node.covariance.write_logs(&node.learned, &mut logs);
             unknowns.extend_from_slice(&logs[..learned]);
         }
-        if let Prior::Dynamics { covariance, learned, .. } = &self.model.prior {
+        if let RootPrior::Dynamics { covariance, learned, .. } = &self.model.prior {
             let learned = covariance.write_logs(learned, &mut logs);
             unknowns.extend_from_slice(&logs[..learned]);
         }
@@ -88,7 +88,7 @@ impl Cost {
             }
             unknowns = take_parameters(&mut node.covariance, &node.learned, rest);
         }
-        if let Prior::Dynamics { covariance, learned, .. } = &mut self.model.prior {
+        if let RootPrior::Dynamics { covariance, learned, .. } = &mut self.model.prior {
             take_parameters(covariance, learned, unknowns);
         }
     }
@@ -121,7 +121,7 @@ impl Cost {
             );
             (value, place) = (value + written, place + count(&node.learned));
         }
-        if let Prior::Dynamics { covariance, learned, .. } = &self.model.prior {
+        if let RootPrior::Dynamics { covariance, learned, .. } = &self.model.prior {
             value += parameter_slopes(covariance, learned, &slopes, self.model.kappa.is_some(), &mut gradient[place..]);
         }
         Ok(value)
@@ -157,12 +157,12 @@ impl Cost {
         for (k, &root) in self.roots.iter().enumerate() {
             let (latents, pull) = (&self.model.nodes[root].latents, &mut self.pulls[root]);
             match &self.model.prior {
-                Prior::Flat => {}
-                Prior::Normal => {
+                RootPrior::Flat => {}
+                RootPrior::Normal => {
                     value += 0.5 * latents.iter().map(|x| x * x).sum::<f64>();
                     pull.iter_mut().zip(latents).for_each(|(pull, x)| *pull += x);
                 }
-                Prior::Dynamics { covariance, balance, .. } => {
+                RootPrior::Dynamics { covariance, balance, .. } => {
                     let (own, own_slopes) = self.dynamics[k].evaluate(covariance, latents, *balance, pull)?;
                     value += balance * own;
                     slopes.iter_mut().zip(own_slopes).for_each(|(sum, slope)| *sum += slope);
@@ -172,7 +172,7 @@ impl Cost {
         Ok((value, slopes))
     }
 
-    /// Sets W to its optimum given the rest (Wang, Fleet & Hertzmann 2008): w_k² = N / (y_kᵀ K⁻¹ y_k + κ⁻²). The unknowns must be those of the last evaluation.
+    /// Sets W to its optimum given the rest (Wang, Fleet & Hertzmann 2008): w_k² = N / (y_kᵀ K⁻¹ y_k + κ⁻²). The unknowns must be as in the last evaluation.
     pub(crate) fn update_weights(&mut self) {
         let Some(kappa) = self.model.kappa else { return };
         for n in 0..self.model.nodes.len() {
@@ -211,7 +211,7 @@ fn take_parameters<'a>(covariance: &mut Covariance, learned: &Learned, unknowns:
     &unknowns[count(learned)..]
 }
 
-/// Writes the slopes in the learned parameters to the front of `gradient`, with those of their priors where these have any; −log of these priors.
+/// Writes the slopes in the learned parameters to the front of `gradient`, with the slopes of their priors where they have any; −log of these priors.
 fn parameter_slopes(
     covariance: &Covariance,
     learned: &Learned,

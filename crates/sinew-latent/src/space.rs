@@ -1,4 +1,4 @@
-//! Latent spaces as decoders: from the latent of a node to what it generates, and to the columns of data below it.
+//! Latent spaces as decoders: from the latent of a node to the columns of data below it.
 //!
 //! [`Space`] is one node, a [`Decode`] to its own outputs. [`Below`] is ℘_n, a [`Decode`] to the data's columns that the leaves below a node generate: μ_n at a leaf, else ℘_c of every child's part of μ_n.
 
@@ -63,7 +63,7 @@ impl LaneDecode for Space {
     }
 }
 
-/// The part of a node's outputs that a child takes as its latent, and the places of the child's columns among those of the node.
+/// The part of a node's outputs that a child takes as its latent, and the places of the child's columns among the node's.
 #[derive(Clone, Debug)]
 struct Child {
     latent: Range<usize>,

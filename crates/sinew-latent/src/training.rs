@@ -164,7 +164,7 @@ impl Training {
     }
 }
 
-/// −log p of a model as it stands, and its gradient in the unknowns: latents (or coefficients) and logarithms of learned parameters, node by node, then those of the dynamics.
+/// −log p of a model as it stands, and its gradient in the unknowns: latents (or coefficients) and logarithms of learned parameters, node by node, then the parameters of the dynamics.
 ///
 /// # Errors
 /// A model that does not fit together, or whose covariance cannot be factored.

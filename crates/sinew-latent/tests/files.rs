@@ -7,8 +7,8 @@ use sinew_core::decode::Decode;
 use sinew_core::lanes::Isa;
 use sinew_dynamics::model_file::is_of;
 use sinew_latent::file::{FORMAT, LatentFileError, LatentKind, StoredModel, check, read, write};
-use sinew_latent::hgplvm::Branch;
-use sinew_latent::model::{LatentModel, Outputs, Prior};
+use sinew_latent::hgplvm::PlannedNode;
+use sinew_latent::model::{LatentModel, Outputs, RootPrior};
 use sinew_latent::motion::{LatentMotion, StepNoise};
 use sinew_latent::space::Below;
 use sinew_latent::training::{Config, Training};
@@ -30,8 +30,8 @@ fn stored(kind: LatentKind) -> StoredModel {
         }
         LatentKind::Gpdm => gpdm::model(&rows, 6, &LENGTHS, &gpdm::Config { dim: 2, ..gpdm::Config::default() }),
         LatentKind::Hgplvm => {
-            let leaf = |columns: &[usize]| Branch { parent: Some(0), dim: 2, columns: columns.to_vec() };
-            let tree = vec![Branch { parent: None, dim: 2, columns: vec![] }, leaf(&[0, 3, 1]), leaf(&[2, 4, 5])];
+            let leaf = |columns: &[usize]| PlannedNode { parent: Some(0), dim: 2, columns: columns.to_vec() };
+            let tree = vec![PlannedNode { parent: None, dim: 2, columns: vec![] }, leaf(&[0, 3, 1]), leaf(&[2, 4, 5])];
             hgplvm::model(&rows, 6, &LENGTHS, &[1, 1], &hgplvm::Config { tree, root_per_motion: true })
         }
     };
@@ -135,12 +135,12 @@ fn each_broken_value_is_refused_by_its_place() {
         LatentKind::Gpdm,
         ("`kind` is gplvm, which does not fit a model of 1 node with dynamics", |m| m.kind = LatentKind::Gplvm),
     );
-    refused(LatentKind::Gpdm, ("of 1 node without dynamics", |m| m.model.prior = Prior::Normal));
+    refused(LatentKind::Gpdm, ("of 1 node without dynamics", |m| m.model.prior = RootPrior::Normal));
     refused(LatentKind::Gpdm, ("weight 0", |m| m.model.nodes[0].weights[0] = 0.0));
     refused(
         LatentKind::Gpdm,
         ("balance", |m| {
-            if let Prior::Dynamics { balance, .. } = &mut m.model.prior {
+            if let RootPrior::Dynamics { balance, .. } = &mut m.model.prior {
                 *balance = f64::INFINITY;
             }
         }),
@@ -187,7 +187,7 @@ fn extreme_models_that_are_read_are_used_without_an_error() {
             covariance.white = 1e-9;
         };
         set(&mut model.model.nodes[0].covariance);
-        if let Prior::Dynamics { covariance, .. } = &mut model.model.prior {
+        if let RootPrior::Dynamics { covariance, .. } = &mut model.model.prior {
             set(covariance);
         }
         assert_eq!(check(&model), Ok(()));

@@ -1,4 +1,6 @@
-//! Maps of learned models: interpolation (G4), variances (G6), Jacobians (G7), inverse maps (G9), dynamics (G10), hierarchies (G11), laws of decoders.
+//! Maps of learned models.
+//!
+//! Interpolation (G4), variances (G6), Jacobians (G7), inverse maps (G9), dynamics (G10), hierarchies (G11), laws of decoders.
 
 mod common;
 
@@ -8,7 +10,7 @@ use sinew_core::density::{GradLogDensity, Lanes, LogDensity};
 use sinew_core::lanes::{Block, Isa, get_lane};
 use sinew_core::transition::{GradTransition, Transition};
 use sinew_latent::covariance::Covariance;
-use sinew_latent::hgplvm::Branch;
+use sinew_latent::hgplvm::PlannedNode;
 use sinew_latent::latent_density::{LatentDensity, LatentPrior};
 use sinew_latent::mapping::Mapping;
 use sinew_latent::model::LatentModel;
@@ -44,7 +46,7 @@ fn learned_gpdm() -> LatentModel {
 }
 
 fn learned_hgplvm() -> LatentModel {
-    let branch = |parent, dim, columns: &[usize]| Branch { parent, dim, columns: columns.to_vec() };
+    let branch = |parent, dim, columns: &[usize]| PlannedNode { parent, dim, columns: columns.to_vec() };
     let tree = vec![
         branch(None, 2, &[]),
         branch(Some(0), 2, &[3, 0]),
@@ -113,11 +115,11 @@ fn check_decoder(name: &str, decoder: &dyn Decode) {
     states[..8].iter().enumerate().for_each(|(i, x)| sinew_core::lanes::set_lane(&mut block, i, x));
     let mut decoded = vec![Block::ZERO; outputs];
     decoder.decode_block(&block, &mut decoded, &mut ws);
-    let (mut of_block, mut alone) = (vec![0.0; outputs], vec![0.0; outputs]);
+    let (mut in_block, mut alone) = (vec![0.0; outputs], vec![0.0; outputs]);
     for (i, x) in states[..8].iter().enumerate() {
-        get_lane(&decoded, i, &mut of_block);
+        get_lane(&decoded, i, &mut in_block);
         decoder.decode(x, &mut alone);
-        for (a, b) in of_block.iter().zip(&alone) {
+        for (a, b) in in_block.iter().zip(&alone) {
             assert!((a - b).abs() <= 1e-12 * a.abs().max(1.0), "{name}: {a} in a block, {b} alone");
         }
     }
@@ -315,14 +317,14 @@ fn a_model_is_a_tree_for_trackers() {
 }
 
 /// A root over two leaves.
-fn two_leaves() -> Vec<Branch> {
-    let branch = |parent, columns: std::ops::Range<usize>| Branch { parent, dim: 2, columns: columns.collect() };
+fn two_leaves() -> Vec<PlannedNode> {
+    let branch = |parent, columns: std::ops::Range<usize>| PlannedNode { parent, dim: 2, columns: columns.collect() };
     vec![branch(None, 0..0), branch(Some(0), 0..3), branch(Some(0), 3..COLUMNS)]
 }
 
 #[test]
 fn a_tree_of_one_leaf_is_a_gplvm() {
-    let leaf = Branch { parent: None, dim: 2, columns: (0..COLUMNS).collect() };
+    let leaf = PlannedNode { parent: None, dim: 2, columns: (0..COLUMNS).collect() };
     let config = hgplvm::Config { tree: vec![leaf], root_per_motion: false };
     let hierarchy = hgplvm::model(&data(), COLUMNS, &LENGTHS, &[2], &config).expect("valid");
     let single =

@@ -1,13 +1,15 @@
-//! Objectives of all models: gradients against differences (G1), weights (G2), linear models against principal components (G3), invariance (G5), learning (G8).
+//! Objectives of all models.
+//!
+//! Gradients against differences (G1), weights (G2), linear models against principal components (G3), invariance (G5), learning (G8).
 
 mod common;
 
 use common::{circles, differences, relative_error};
 use sinew_core::lanes::Isa;
 use sinew_latent::covariance::Covariance;
-use sinew_latent::hgplvm::Branch;
+use sinew_latent::hgplvm::PlannedNode;
 use sinew_latent::lbfgs::Objective;
-use sinew_latent::model::{LatentModel, Prior};
+use sinew_latent::model::{LatentModel, RootPrior};
 use sinew_latent::outputs::Preparation;
 use sinew_latent::training::{Config, Landscape, Training, objective};
 use sinew_latent::{gpdm, gplvm, hgplvm};
@@ -19,12 +21,12 @@ fn data() -> Vec<f64> {
     circles(COLUMNS, &LENGTHS, 0.05, 3)
 }
 
-fn branch(parent: Option<usize>, dim: usize, columns: &[usize]) -> Branch {
-    Branch { parent, dim, columns: columns.to_vec() }
+fn branch(parent: Option<usize>, dim: usize, columns: &[usize]) -> PlannedNode {
+    PlannedNode { parent, dim, columns: columns.to_vec() }
 }
 
 /// Root, one leaf below it, an inner node with two leaves.
-fn tree() -> Vec<Branch> {
+fn tree() -> Vec<PlannedNode> {
     vec![
         branch(None, 2, &[]),
         branch(Some(0), 2, &[0, 3]),
@@ -51,7 +53,7 @@ fn models() -> Vec<(&'static str, LatentModel)> {
         ("gplvm", gplvm(gplvm::Config { dim: 2, ..Default::default() })),
         (
             "gplvm, linear term, no prior",
-            gplvm(gplvm::Config { covariance: linear, prior: Prior::Flat, ..Default::default() }),
+            gplvm(gplvm::Config { covariance: linear, prior: RootPrior::Flat, ..Default::default() }),
         ),
         ("gplvm, back constraint", gplvm(gplvm::Config { back: Some(0.1), ..Default::default() })),
         ("gpdm", gpdm(false, None)),
@@ -125,7 +127,7 @@ fn largest_angle(a: &[f64], b: &[f64], dim: usize) -> f64 {
 
 #[test]
 fn objectives_do_not_see_where_the_latents_are_or_how_they_are_turned() {
-    let config = gplvm::Config { dim: 2, prior: Prior::Flat, ..Default::default() };
+    let config = gplvm::Config { dim: 2, prior: RootPrior::Flat, ..Default::default() };
     let model = gplvm::model(&data(), COLUMNS, &config).expect("valid");
     let value = |model: &LatentModel| objective(model, Isa::best()).expect("valid").0;
     let (sin, cos) = 0.7_f64.sin_cos();

@@ -1,4 +1,6 @@
-//! A tracker with one more factor of the prior in every frame: what is known of a state whatever came before, such as where the latents of poses lie.
+//! A tracker with one more factor of the prior in every frame.
+//!
+//! The factor says what is known of a state whatever came before, such as where the latents of poses lie.
 //!
 //! The tracker steps on p(z_t | x) π(x), so that what it keeps is p(x | x_{t−1}) p(z_t | x) π(x) up to a constant. The factor need not be normalised; so a step has no evidence.
 

@@ -38,7 +38,8 @@ const ALLOWED: [(&str, &[&str]); 17] = [
 ];
 
 /// What the library that people use is made of.
-const LIBRARIES: [&str; 8] = [
+const LIBRARIES: [&str; 9] = [
+    "sinew-latent",
     "sinew-recording",
     "sinew-core",
     "sinew-body",

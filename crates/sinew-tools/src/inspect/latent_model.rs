@@ -8,7 +8,7 @@ use crate::learn::reconstruction::{Reconstruction, reconstruction};
 use sinew::files::read_text;
 use sinew_core::lanes::Isa;
 use sinew_latent::file::{self, LatentKind, StoredModel};
-use sinew_latent::model::{LatentModel, Outputs, Prior};
+use sinew_latent::model::{LatentModel, Outputs, RootPrior};
 use sinew_latent::training::objective;
 use sinew_motion::follow::NamedBody;
 use std::path::Path;
@@ -84,10 +84,10 @@ fn node(model: &LatentModel, n: usize) -> String {
     format!("{} {coordinates}{back}, generates {generates}", node.dim)
 }
 
-fn prior(prior: &Prior) -> String {
+fn prior(prior: &RootPrior) -> String {
     match prior {
-        Prior::Flat => "none".into(),
-        Prior::Normal => "each latent is standard normal".into(),
-        Prior::Dynamics { balance, .. } => format!("dynamics from each latent to the next, factor {balance:.3}"),
+        RootPrior::Flat => "none".into(),
+        RootPrior::Normal => "each latent is standard normal".into(),
+        RootPrior::Dynamics { balance, .. } => format!("dynamics from each latent to the next, factor {balance:.3}"),
     }
 }

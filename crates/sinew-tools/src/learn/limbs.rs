@@ -7,7 +7,7 @@ use super::LearnError;
 use sinew_body::hapf31::LatentSpace;
 use sinew_body::{KinematicTree, hapf31};
 use sinew_dynamics::pca::{Keep, fit};
-use sinew_latent::hgplvm::Branch;
+use sinew_latent::hgplvm::PlannedNode;
 use sinew_latent::model::{LatentModel, Outputs};
 use sinew_latent::outputs::{Preparation, Standard};
 use sinew_motion::follow::NamedBody;
@@ -110,7 +110,7 @@ pub(super) fn components(rows: &[f64], width: usize, columns: &[usize], most: us
 ///
 /// # Errors
 /// [`LearnError::StillLimb`] where a limb does not move, [`LearnError::Latent`] for rows that are none.
-pub fn branches(body: NamedBody, free: usize, rows: &[f64], dim: usize) -> Result<Vec<Branch>, LearnError> {
+pub fn branches(body: NamedBody, free: usize, rows: &[f64], dim: usize) -> Result<Vec<PlannedNode>, LearnError> {
     let (tree, limbs) = (body.tree(), limbs_of(body));
     let (width, all) = (tree.dof() - free, columns(limbs, &tree, free));
     let rows = Standard::new(rows, width, Preparation::Standardised).map_err(LearnError::Latent)?.apply(rows);
@@ -123,7 +123,7 @@ pub fn branches(body: NamedBody, free: usize, rows: &[f64], dim: usize) -> Resul
             return Err(LearnError::StillLimb { limb: limbs[n].name });
         }
         let columns = if is_inner(limbs, n) { vec![] } else { all[n].clone() };
-        branches.push(Branch { parent: limbs[n].parent.and_then(place), dim: most, columns });
+        branches.push(PlannedNode { parent: limbs[n].parent.and_then(place), dim: most, columns });
     }
     Ok(branches)
 }

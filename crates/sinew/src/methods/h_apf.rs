@@ -43,7 +43,7 @@ fn configure(values: &SettingValues) -> Arc<dyn Method> {
     Arc::new(HApfMethod(Config { particles: values.size_or("particles", usual.particles), schedule, ..usual }))
 }
 
-/// A schedule of so many visits over so many layers: the root twice, every layer between once, the last one for the rest; with one layer all visits are its own. The paper's (1, 1, 2, 3, 3) is that of five visits and three layers.
+/// A schedule of a number of visits over a number of layers: the root twice, every layer between once, the last one for the rest; with one layer all visits are its own. The paper's (1, 1, 2, 3, 3) is that of five visits and three layers.
 fn schedule(visits: usize, layers: usize) -> Vec<usize> {
     let twice = usize::from(visits > layers && layers > 1);
     let walk = std::iter::repeat_n(1, twice).chain(1..layers);

@@ -1,4 +1,6 @@
-//! What methods in a latent space share: the state [λ, θ], of the leading coordinates of the body's state, which no model holds, and the latent of its pose.
+//! What methods in a latent space share: the state [λ, θ] and how it moves.
+//!
+//! λ are the leading coordinates of the body's state, which no model holds, θ is the latent of its pose.
 //!
 //! λ walks at random with the noise that the set-up measured. θ moves by the model's dynamics, or walks, with half of the largest step of the latents that the model was learned from.
 

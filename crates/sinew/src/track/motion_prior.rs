@@ -112,11 +112,11 @@ pub(super) fn turned_near(
     mut state: Vec<f64>,
 ) -> Vec<f64> {
     let primitives = motion_model.and_then(|model| model.find(WHOLE_BODY));
-    let of_motion =
+    let from_motion =
         primitives.map(|known| known.feature.coordinates.iter().copied().zip(known.pca.mean.iter().copied()));
-    let of_latent = latent.map(|stored| (stored.free..).zip(stored.model.standard.mean.iter().copied()));
+    let from_latent = latent.map(|stored| (stored.free..).zip(stored.model.standard.mean.iter().copied()));
     let joints: Vec<Joint> = tree.joints().map(|(_, joint)| joint).collect();
-    for (j, mean) in of_motion.into_iter().flatten().chain(of_latent.into_iter().flatten()) {
+    for (j, mean) in from_motion.into_iter().flatten().chain(from_latent.into_iter().flatten()) {
         if matches!(joints.get(j), Some(Joint::Rotate(_))) {
             state[j] -= TAU * ((state[j] - mean) / TAU).round();
         }
