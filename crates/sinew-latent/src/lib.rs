@@ -19,6 +19,8 @@ mod objective;
 pub mod outputs;
 pub mod principal;
 mod process;
+pub mod sequence;
+pub mod sequence_density;
 pub mod space;
 pub mod training;
 
