@@ -228,7 +228,10 @@ fn fit(
         let (target, inverse) = (&targets[range.clone()], &inverse[range]);
         let (slopes_out, pulls_out) = (&mut slopes[..], &mut pulls[..]);
         let (value_out, ws) = (&mut value, &mut ws[..]);
-        dispatch(isa, Fit { mapping, x: &x, target, inverse, slopes: slopes_out, pulls: pulls_out, value: value_out, ws });
+        dispatch(
+            isa,
+            Fit { mapping, x: &x, target, inverse, slopes: slopes_out, pulls: pulls_out, value: value_out, ws },
+        );
         (value[0], slopes, pulls)
     };
     let blocks: Vec<(Block, Vec<Block>, Vec<Block>)> = (0..rows.div_ceil(LANES)).into_par_iter().map(one).collect();

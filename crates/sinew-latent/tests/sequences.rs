@@ -56,7 +56,8 @@ fn gradients_are_those_of_differences() {
     for link in links(&model) {
         let density = density(&model, link, Isa::baseline());
         // Between the known latents, where variances change.
-        let x: Vec<f64> = likeliest_known(&density).iter().enumerate().map(|(i, x)| x + 0.1 * (i as f64).sin()).collect();
+        let x: Vec<f64> =
+            likeliest_known(&density).iter().enumerate().map(|(i, x)| x + 0.1 * (i as f64).sin()).collect();
         let mut gradient = vec![0.0; x.len()];
         let _ = density.log_density_grad(&x, &mut gradient);
         let mut unused = vec![0.0; x.len()];
@@ -85,10 +86,13 @@ fn a_climb_ends_above_its_start_where_the_density_is_flat() {
 fn linear(link: Link) -> SequenceDensity {
     let count = 1000;
     let inputs: Vec<f64> = (0..2 * count).map(|i| 3.0 * (1.7 * i as f64).sin()).collect();
-    let outputs: Vec<f64> =
-        inputs.chunks_exact(2).flat_map(|x| (0..COLUMNS).map(|d| (d as f64).cos() * x[0] + (2.0 * d as f64).sin() * x[1])).collect();
+    let outputs: Vec<f64> = inputs
+        .chunks_exact(2)
+        .flat_map(|x| (0..COLUMNS).map(|d| (d as f64).cos() * x[0] + (2.0 * d as f64).sin() * x[1]))
+        .collect();
     let covariance = Covariance { variance: 0.0, inverse_width: 1.0, linear: 1.0, bias: 0.0, white: 0.04 };
-    let mapping = Mapping::fit(covariance, &inputs, 2, &outputs, vec![1.5; COLUMNS], vec![0.3; COLUMNS]).expect("valid");
+    let mapping =
+        Mapping::fit(covariance, &inputs, 2, &outputs, vec![1.5; COLUMNS], vec![0.3; COLUMNS]).expect("valid");
     let prior = LatentPrior { mean: vec![0.2, -0.1], precision: vec![1.0, 2.0] };
     SequenceDensity::new(Arc::new(mapping), prior, link, 1.0, &observed(), Isa::baseline()).expect("valid")
 }
@@ -155,7 +159,10 @@ fn a_linear_map_and_a_random_walk_have_the_posterior_of_the_normal_equations() {
             let product = |draw: &Vec<f64>| (draw[i] - posterior.mode[i]) * (draw[j] - posterior.mode[j]);
             let found = posterior.draws.iter().map(product).sum::<f64>() / draws as f64;
             let (exact, most) = (covariance[i][j], sd * covariance[j][j].sqrt());
-            assert!((found - exact).abs() < (4.0 * (2.0 / draws as f64).sqrt() + 0.01) * most, "{i}, {j}: {found}, {exact}");
+            assert!(
+                (found - exact).abs() < (4.0 * (2.0 / draws as f64).sqrt() + 0.01) * most,
+                "{i}, {j}: {found}, {exact}"
+            );
         }
     }
     let predictions = predict(&density, &posterior);

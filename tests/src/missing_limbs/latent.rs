@@ -5,6 +5,7 @@ use super::{Outcome, Row};
 use sinew::core::lanes::Isa;
 use sinew::core::random::Stage;
 use sinew_latent::covariance::Covariance;
+use sinew_latent::gplvm;
 use sinew_latent::inference::{self, Prediction};
 use sinew_latent::latent_density::{LatentDensity, LatentPrior};
 use sinew_latent::mapping::Mapping;
@@ -14,7 +15,6 @@ use sinew_latent::outputs::Preparation;
 use sinew_latent::sequence;
 use sinew_latent::sequence_density::{Link, SequenceDensity};
 use sinew_latent::training::{self, Training};
-use sinew_latent::gplvm;
 use std::sync::Arc;
 
 /// What is learned.
@@ -69,13 +69,8 @@ pub fn learn(training: &[&[Row]], config: &Config) -> Outcome<Learned> {
         true => Prior::Dynamics { covariance: dynamics, learned: dynamics.present(), balance },
         false => Prior::Normal,
     };
-    let start = gplvm::Config {
-        dim: config.dim,
-        preparation: Preparation::Standardised,
-        covariance,
-        prior,
-        back: config.back,
-    };
+    let start =
+        gplvm::Config { dim: config.dim, preparation: Preparation::Standardised, covariance, prior, back: config.back };
     let mut model = gplvm::model(&rows, COLUMNS, &start)?;
     model.sequences = training.iter().map(|rows| rows.len().div_ceil(config.every)).collect();
     if config.weights {
@@ -84,7 +79,7 @@ pub fn learn(training: &[&[Row]], config: &Config) -> Outcome<Learned> {
         model.nodes[0].learned[0] = false;
     }
     let steps = training::Config { steps: config.steps, ..Default::default() };
-    let mut learning = Training::new(model, steps, Isa::baseline())?;
+    let mut learning = Training::new(model, steps, Isa::best())?;
     learning.run(|_| true);
     let model = learning.into_model();
     let (mapping, prior) = (Arc::new(Mapping::new(&model, 0)?), LatentPrior::of(&model, 0));
@@ -94,7 +89,8 @@ pub fn learn(training: &[&[Row]], config: &Config) -> Outcome<Learned> {
 impl Learned {
     /// Precisions of the steps of latents from row to row, from those in training.
     fn step_precisions(&self) -> Vec<f64> {
-        let (node, mut squares, mut start, mut count) = (&self.model.nodes[0], vec![0.0; self.prior.mean.len()], 0, 0.0);
+        let (node, mut squares, mut start, mut count) =
+            (&self.model.nodes[0], vec![0.0; self.prior.mean.len()], 0, 0.0);
         for &length in &self.model.sequences {
             for row in start + 1..start + length {
                 let steps = node.latent(row).iter().zip(node.latent(row - 1));
@@ -112,7 +108,7 @@ impl Learned {
         let seen = |t: usize, j: usize| t < task.first || !task.missing.contains(&j);
         let row = |&t: &usize| (0..COLUMNS).filter(|&j| seen(t, j)).map(|j| (j, task.sequence[t][j])).collect();
         let observed: Vec<Vec<(usize, f64)>> = places.iter().map(row).collect();
-        let (mapping, prior, isa) = (self.mapping.clone(), self.prior.clone(), Isa::baseline());
+        let (mapping, prior, isa) = (self.mapping.clone(), self.prior.clone(), Isa::best());
         let density = SequenceDensity::new(mapping, prior, link, balance, &observed, isa)?;
         let found = sequence::infer(&density, &sequence::Config::default(), Stage::new(1, "missing limbs, sequence"))?;
         Ok(places.into_iter().zip(sequence::predict(&density, &found)).filter(|(t, _)| *t >= task.first).collect())
@@ -140,7 +136,7 @@ impl Learned {
             }
             Rows::Walk(balance) => self.together(task, Link::Walk(self.step_precisions()), balance, 0, 1)?,
             Rows::Dynamics(balance) => {
-                let motion = LatentMotion::new(&self.model, 0, StepNoise::Predicted, Isa::baseline())?;
+                let motion = LatentMotion::new(&self.model, 0, StepNoise::Predicted, Isa::best())?;
                 let link = || Link::Dynamics(motion.clone());
                 let parts = (0..self.every).map(|from| self.together(task, link(), balance, from, self.every));
                 parts.collect::<Outcome<Vec<_>>>()?.concat()

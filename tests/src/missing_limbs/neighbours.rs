@@ -12,8 +12,7 @@ pub fn fill(task: &Task<'_>, is_scaled: bool) -> Vec<Row> {
         false => vec![1.0; scales.sd.len()],
     };
     let observed = task.observed();
-    let distance =
-        |a: &Row, b: &Row| observed.iter().map(|&j| weights[j] * (a[j] - b[j]).powi(2)).sum::<f64>();
+    let distance = |a: &Row, b: &Row| observed.iter().map(|&j| weights[j] * (a[j] - b[j]).powi(2)).sum::<f64>();
     let nearest = |row: &Row| {
         let near = |a: &&Row, b: &&Row| distance(a, row).total_cmp(&distance(b, row));
         let nearest = task.training.iter().copied().flatten().min_by(near);

@@ -25,10 +25,7 @@ const ALLOWED: [(&str, &[&str]); 17] = [
     ),
     ("sinew-cli", &BELOW_THE_PROGRAM),
     ("xtask", &["sinew", "sinew-tools", "sinew-motion", "sinew-simulate", "sinew-tests"]),
-    (
-        "sinew-tests",
-        &["sinew", "sinew-tools", "sinew-latent", "sinew-motion", "sinew-simulate", "sinew-invariance"],
-    ),
+    ("sinew-tests", &["sinew", "sinew-tools", "sinew-latent", "sinew-motion", "sinew-simulate", "sinew-invariance"]),
 ];
 
 /// What the library that people use is made of.
