@@ -5,7 +5,6 @@
 //! A row describes two consecutive frames of a sequence: 50 angles of the later one in radians, then nine numbers on the root, whose horizontal position and heading enter as changes alone. The last sequence of the test set
 //! is judged from its row [`FIRST_JUDGED`] on, where some columns are taken away and filled in from the others.
 
-use std::error::Error;
 use std::fs;
 use std::ops::Range;
 use std::path::Path;
@@ -16,12 +15,7 @@ pub mod neighbours;
 pub mod process;
 pub mod task;
 
-use task::Task;
-
-pub(crate) type Outcome<T> = Result<T, Box<dyn Error + Send + Sync>>;
-
-/// Numbers of two consecutive frames.
-pub type Row = Vec<f64>;
+use task::{Outcome, Row, Task};
 
 /// First row of the test sequence whose columns are missing.
 pub const FIRST_JUDGED: usize = 62;

@@ -1,4 +1,4 @@
-//! The benchmark of missing limbs has the published rows of nearest neighbours, to their digits; latent models do better on a sequence that was left out.
+//! The benchmark of missing limbs: published rows to their digits, and a small latent model.
 
 use sinew_tests::data;
 use sinew_tests::missing_limbs::latent::{Config, Rows, covered, learn, means};
@@ -35,7 +35,10 @@ fn a_small_latent_model_beats_nearest_neighbours_on_a_walk_left_out() {
         let near = [false, true].map(|is_scaled| benchmark.judged(&task, &neighbours::fill(&task, is_scaled)));
         assert!(near.iter().all(|near| own.rms_deg < near.rms_deg), "{missing:?}: {own:?}, neighbours {near:?}");
         let [half, .., most] = covered(&task, &said);
-        assert!(half > 0.3 && most > 0.8, "{missing:?}: {half} and {most} of the truth in the intervals of 50 and 95 %");
+        assert!(
+            half > 0.3 && most > 0.8,
+            "{missing:?}: {half} and {most} of the truth in the intervals of 50 and 95 %"
+        );
     }
 }
 

@@ -1,4 +1,4 @@
-//! The posterior of the latents of a whole sequence, given some columns of its rows, and what it says of the others.
+//! The posterior of the latents of a sequence, given some columns of its rows.
 //!
 //! 1. Start: among the latents that were learned from, the likeliest path (Viterbi 1967) with the link between rows as transition
 //! 2. L-BFGS on [`SequenceDensity`] to the mode
@@ -11,7 +11,7 @@
 use crate::Error;
 use crate::inference::Prediction;
 use crate::lbfgs::Lbfgs;
-use crate::sequence_density::{Link, SequenceDensity};
+use crate::sequence_density::{SequenceDensity, SequenceLink};
 use faer::linalg::solvers::Llt;
 use faer::linalg::triangular_solve::solve_upper_triangular_in_place;
 use faer::{Mat, Par, Side};
@@ -63,7 +63,7 @@ pub fn likeliest_known(density: &SequenceDensity) -> Vec<f64> {
             };
             match density.link {
                 // Nothing links rows: any predecessor will do.
-                Link::None => (0.0, 0),
+                SequenceLink::None => (0.0, 0),
                 _ => (0..count).map(|n| (arrive(n), n)).max_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or_default(),
             }
         };
@@ -75,7 +75,7 @@ pub fn likeliest_known(density: &SequenceDensity) -> Vec<f64> {
     let mut place = best(&scores);
     let mut path = vec![place];
     for t in (0..from.len()).rev() {
-        place = if matches!(density.link, Link::None) { best(&fits[t]) } else { from[t][place] };
+        place = if matches!(density.link, SequenceLink::None) { best(&fits[t]) } else { from[t][place] };
         path.push(place);
     }
     path.into_iter().rev().flat_map(|n| latent(n).to_vec()).collect()

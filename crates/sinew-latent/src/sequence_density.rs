@@ -24,7 +24,7 @@ use std::sync::Arc;
 
 /// What links the latents of consecutive rows.
 #[derive(Clone, Debug)]
-pub enum Link {
+pub enum SequenceLink {
     /// Nothing: each has the prior.
     None,
     /// Steps are normal with these precisions.
@@ -41,7 +41,7 @@ pub struct SequenceDensity {
     /// Prior of the first latent, or of each where nothing links them.
     pub prior: LatentPrior,
     /// What links them.
-    pub link: Link,
+    pub link: SequenceLink,
     /// λ.
     pub balance: f64,
     rows: usize,
@@ -59,7 +59,7 @@ impl SequenceDensity {
     pub fn new(
         mapping: Arc<Mapping>,
         prior: LatentPrior,
-        link: Link,
+        link: SequenceLink,
         balance: f64,
         observed: &[Vec<(usize, f64)>],
         isa: Isa,
@@ -71,12 +71,12 @@ impl SequenceDensity {
         shape("rows of a sequence", rows, rows.max(1))?;
         shape("prior of latents", prior.mean.len(), dim)?;
         match &link {
-            Link::None => {}
-            Link::Walk(precision) => {
+            SequenceLink::None => {}
+            SequenceLink::Walk(precision) => {
                 shape("precisions of latent steps", precision.len(), dim)?;
                 crate::model::positive("precision of a latent step", precision)?;
             }
-            Link::Dynamics(motion) => shape("coordinates of the dynamics", motion.mapping().dim(), dim)?,
+            SequenceLink::Dynamics(motion) => shape("coordinates of the dynamics", motion.mapping().dim(), dim)?,
         }
         crate::model::positive("balance", &[balance])?;
         let count = rows.div_ceil(LANES) * outputs;
@@ -124,8 +124,8 @@ impl SequenceDensity {
         };
         let mut linked = normal(0, gradient);
         match &self.link {
-            Link::None => linked += (1..self.rows).map(|t| normal(t, gradient)).sum::<f64>(),
-            Link::Walk(precision) => {
+            SequenceLink::None => linked += (1..self.rows).map(|t| normal(t, gradient)).sum::<f64>(),
+            SequenceLink::Walk(precision) => {
                 for i in dim..self.rows * dim {
                     let (step, precision) = (x[i] - x[i - dim], precision[i % dim]);
                     linked -= 0.5 * precision * step * step;
@@ -133,7 +133,7 @@ impl SequenceDensity {
                     gradient[i - dim] += self.balance * precision * step;
                 }
             }
-            Link::Dynamics(motion) => linked += self.dynamics(motion, x, gradient),
+            SequenceLink::Dynamics(motion) => linked += self.dynamics(motion, x, gradient),
         }
         value += self.balance * linked;
         value
@@ -163,9 +163,9 @@ impl SequenceDensity {
     /// Mean, precisions and log of the volume of the step from a latent, as λ weighs them.
     pub(crate) fn step_from(&self, x: &[f64]) -> (Vec<f64>, Vec<f64>, f64) {
         match &self.link {
-            Link::None => (vec![], vec![], 0.0),
-            Link::Walk(precision) => (x.to_vec(), precision.iter().map(|p| self.balance * p).collect(), 0.0),
-            Link::Dynamics(motion) => {
+            SequenceLink::None => (vec![], vec![], 0.0),
+            SequenceLink::Walk(precision) => (x.to_vec(), precision.iter().map(|p| self.balance * p).collect(), 0.0),
+            SequenceLink::Dynamics(motion) => {
                 let variance = motion.mapping().variance_at(x) + motion.mapping().noise();
                 let constant = -0.5 * self.balance * x.len() as f64 * variance.ln();
                 (motion.mean(x), vec![self.balance / variance; x.len()], constant)

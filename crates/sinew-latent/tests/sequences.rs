@@ -1,4 +1,4 @@
-//! Posteriors of the latents of a sequence: gradients against differences, and the exact answer where everything is linear and normal.
+//! Posteriors of the latents of a sequence, against differences and exact answers.
 
 mod common;
 
@@ -13,7 +13,7 @@ use sinew_latent::mapping::Mapping;
 use sinew_latent::model::LatentModel;
 use sinew_latent::motion::{LatentMotion, StepNoise};
 use sinew_latent::sequence::{Config, climb, infer, likeliest_known, predict};
-use sinew_latent::sequence_density::{Link, SequenceDensity};
+use sinew_latent::sequence_density::{SequenceDensity, SequenceLink};
 use sinew_latent::training::{self, Training};
 use std::sync::Arc;
 
@@ -40,18 +40,18 @@ fn observed() -> Vec<Vec<(usize, f64)>> {
     rows.map(|(t, row)| row.iter().copied().enumerate().filter(|&(d, _)| seen(t, d)).collect()).collect()
 }
 
-fn links(model: &LatentModel) -> [Link; 3] {
+fn links(model: &LatentModel) -> [SequenceLink; 3] {
     let motion = LatentMotion::new(model, 0, StepNoise::Predicted, Isa::baseline()).expect("dynamics");
-    [Link::None, Link::Walk(vec![3.0, 8.0]), Link::Dynamics(motion)]
+    [SequenceLink::None, SequenceLink::Walk(vec![3.0, 8.0]), SequenceLink::Dynamics(motion)]
 }
 
-fn density(model: &LatentModel, link: Link, isa: Isa) -> SequenceDensity {
+fn density(model: &LatentModel, link: SequenceLink, isa: Isa) -> SequenceDensity {
     let mapping = Arc::new(Mapping::new(model, 0).expect("valid"));
     SequenceDensity::new(mapping, LatentPrior::of(model, 0), link, 1.7, &observed(), isa).expect("valid")
 }
 
 #[test]
-fn gradients_are_those_of_differences() {
+fn gradients_are_the_slopes_of_differences() {
     let model = model();
     for link in links(&model) {
         let density = density(&model, link, Isa::baseline());
@@ -82,8 +82,8 @@ fn a_climb_ends_above_its_start_where_the_density_is_flat() {
     }
 }
 
-/// Everything is linear and normal: the map has a linear covariance and so many rows that its variance is nothing beside the noise.
-fn linear(link: Link) -> SequenceDensity {
+/// Everything is linear and normal: the map has a linear covariance, and rows enough that its variance is nothing beside the noise.
+fn linear(link: SequenceLink) -> SequenceDensity {
     let count = 1000;
     let inputs: Vec<f64> = (0..2 * count).map(|i| 3.0 * (1.7 * i as f64).sin()).collect();
     let outputs: Vec<f64> = inputs
@@ -148,7 +148,7 @@ fn exact(density: &SequenceDensity, precision: &[f64]) -> (Vec<f64>, Vec<Vec<f64
 #[test]
 fn a_linear_map_and_a_random_walk_have_the_posterior_of_the_normal_equations() {
     let precision = vec![3.0, 8.0];
-    let density = linear(Link::Walk(precision.clone()));
+    let density = linear(SequenceLink::Walk(precision.clone()));
     let (mean, covariance) = exact(&density, &precision);
     let draws = 4000;
     let posterior = infer(&density, &Config { steps: 500, draws }, Stage::new(3, "linear")).expect("finite");
@@ -189,14 +189,17 @@ fn what_does_not_fit_is_refused() {
     let model = model();
     let mapping = Arc::new(Mapping::new(&model, 0).expect("valid"));
     let prior = LatentPrior::of(&model, 0);
-    let with = |link: Link, balance: f64, observed: &[Vec<(usize, f64)>]| {
+    let with = |link: SequenceLink, balance: f64, observed: &[Vec<(usize, f64)>]| {
         SequenceDensity::new(mapping.clone(), prior.clone(), link, balance, observed, Isa::baseline()).map(|_| ())
     };
-    assert_eq!(with(Link::None, 1.0, &observed()), Ok(()));
-    assert!(matches!(with(Link::None, 1.0, &[]), Err(Error::Shape { found: 0, .. })));
-    assert!(matches!(with(Link::Walk(vec![1.0]), 1.0, &observed()), Err(Error::Shape { found: 1, .. })));
-    assert!(matches!(with(Link::Walk(vec![1.0, -1.0]), 1.0, &observed()), Err(Error::OutOfRange { index: 1, .. })));
-    assert!(matches!(with(Link::None, f64::NAN, &observed()), Err(Error::OutOfRange { .. })));
-    assert!(matches!(with(Link::None, 1.0, &[vec![(COLUMNS, 0.0)]]), Err(Error::OutOfRange { .. })));
-    assert!(matches!(with(Link::None, 1.0, &[vec![(0, f64::NAN)]]), Err(Error::OutOfRange { .. })));
+    assert_eq!(with(SequenceLink::None, 1.0, &observed()), Ok(()));
+    assert!(matches!(with(SequenceLink::None, 1.0, &[]), Err(Error::Shape { found: 0, .. })));
+    assert!(matches!(with(SequenceLink::Walk(vec![1.0]), 1.0, &observed()), Err(Error::Shape { found: 1, .. })));
+    assert!(matches!(
+        with(SequenceLink::Walk(vec![1.0, -1.0]), 1.0, &observed()),
+        Err(Error::OutOfRange { index: 1, .. })
+    ));
+    assert!(matches!(with(SequenceLink::None, f64::NAN, &observed()), Err(Error::OutOfRange { .. })));
+    assert!(matches!(with(SequenceLink::None, 1.0, &[vec![(COLUMNS, 0.0)]]), Err(Error::OutOfRange { .. })));
+    assert!(matches!(with(SequenceLink::None, 1.0, &[vec![(0, f64::NAN)]]), Err(Error::OutOfRange { .. })));
 }

@@ -1,7 +1,8 @@
-//! Latent models that fill in missing columns: learned from every few rows of the training sequences, inferred over the whole sequence.
+//! Latent models fill in missing columns.
+//!
+//! They learn from every few rows of the training sequences; latents of the new sequence are found row by row or together.
 
-use super::task::{COLUMNS, Task};
-use super::{Outcome, Row};
+use super::task::{COLUMNS, Outcome, Row, Task};
 use sinew::core::lanes::Isa;
 use sinew::core::random::Stage;
 use sinew_latent::covariance::Covariance;
@@ -13,7 +14,7 @@ use sinew_latent::model::{LatentModel, Prior};
 use sinew_latent::motion::{LatentMotion, StepNoise};
 use sinew_latent::outputs::Preparation;
 use sinew_latent::sequence;
-use sinew_latent::sequence_density::{Link, SequenceDensity};
+use sinew_latent::sequence_density::{SequenceDensity, SequenceLink};
 use sinew_latent::training::{self, Training};
 use std::sync::Arc;
 
@@ -43,9 +44,14 @@ pub enum Rows {
     Posterior,
     /// Together, steps from row to row as large as in training, this much heavier.
     Walk(f64),
-    /// Together, with the dynamics of the model and this λ: every so many rows are a sequence by themselves, as in learning.
+    /// Together, with the dynamics of the model and this λ: rows as far apart as in learning are a sequence by themselves.
     Dynamics(f64),
 }
+
+/// Steps and draws for a sequence.
+const SEQUENCE: sequence::Config = sequence::Config { steps: 60, draws: 16 };
+/// Starts, steps and draws for a row.
+const ROW: inference::Config = inference::Config { starts: 3, steps: 40, draws: 200 };
 
 /// A learned model.
 pub struct Learned {
@@ -102,15 +108,15 @@ impl Learned {
         squares.into_iter().map(|sum| (self.every as f64).powi(2) * count / sum).collect()
     }
 
-    /// What is said of every column of rows from `from` on, of which every so many are taken.
-    fn together(&self, task: &Task<'_>, link: Link, balance: f64, from: usize, every: usize) -> Outcome<Said> {
+    /// What is said of every column of rows from `from` on, one in `every`.
+    fn together(&self, task: &Task<'_>, link: SequenceLink, balance: f64, from: usize, every: usize) -> Outcome<Said> {
         let places: Vec<usize> = (from..task.sequence.len()).step_by(every).collect();
         let seen = |t: usize, j: usize| t < task.first || !task.missing.contains(&j);
         let row = |&t: &usize| (0..COLUMNS).filter(|&j| seen(t, j)).map(|j| (j, task.sequence[t][j])).collect();
         let observed: Vec<Vec<(usize, f64)>> = places.iter().map(row).collect();
         let (mapping, prior, isa) = (self.mapping.clone(), self.prior.clone(), Isa::best());
         let density = SequenceDensity::new(mapping, prior, link, balance, &observed, isa)?;
-        let found = sequence::infer(&density, &sequence::Config::default(), Stage::new(1, "missing limbs, sequence"))?;
+        let found = sequence::infer(&density, &SEQUENCE, Stage::new(1, "missing limbs, sequence"))?;
         Ok(places.into_iter().zip(sequence::predict(&density, &found)).filter(|(t, _)| *t >= task.first).collect())
     }
 
@@ -119,7 +125,7 @@ impl Learned {
         let observed = task.observed().into_iter().map(|j| (j, task.sequence[t][j])).collect();
         let density = LatentDensity::given(self.mapping.clone(), self.prior.clone(), observed);
         let stage = Stage::new(t as u64, "missing limbs, row");
-        let posterior = inference::infer(&density, &inference::Config::default(), stage)?;
+        let posterior = inference::infer(&density, &ROW, stage)?;
         Ok(inference::predict(&density, &posterior))
     }
 
@@ -129,15 +135,15 @@ impl Learned {
     /// Posteriors that are not finite, dynamics of a model without any.
     pub fn fill(&self, task: &Task<'_>, rows: Rows) -> Outcome<Vec<Vec<Prediction>>> {
         let mut said: Said = match rows {
-            Rows::Mode => self.together(task, Link::None, 1.0, task.first, 1)?,
+            Rows::Mode => self.together(task, SequenceLink::None, 1.0, task.first, 1)?,
             Rows::Posterior => {
                 let judged = task.first..task.sequence.len();
                 judged.map(|t| Ok((t, self.alone(task, t)?))).collect::<Outcome<_>>()?
             }
-            Rows::Walk(balance) => self.together(task, Link::Walk(self.step_precisions()), balance, 0, 1)?,
+            Rows::Walk(balance) => self.together(task, SequenceLink::Walk(self.step_precisions()), balance, 0, 1)?,
             Rows::Dynamics(balance) => {
                 let motion = LatentMotion::new(&self.model, 0, StepNoise::Predicted, Isa::best())?;
-                let link = || Link::Dynamics(motion.clone());
+                let link = || SequenceLink::Dynamics(motion.clone());
                 let parts = (0..self.every).map(|from| self.together(task, link(), balance, from, self.every));
                 parts.collect::<Outcome<Vec<_>>>()?.concat()
             }

@@ -1,4 +1,4 @@
-//! A Gaussian mixture over whole rows, fitted by expectation maximisation: missing columns have the mean of the mixture given the others.
+//! A Gaussian mixture over rows: missing columns have its mean given the others.
 //!
 //! Columns are standardised. With m and S of component k split into those that are there (o) and those that are missing (m),
 //!
@@ -6,8 +6,7 @@
 //! E[y_m | y_o] = Σ_k r_k (m_m + S_mo S_oo⁻¹ (y_o − m_o)),   r_k ∝ π_k N(y_o; m_o, S_oo)
 //! ```
 
-use super::task::{COLUMNS, Task};
-use super::{Outcome, Row};
+use super::task::{COLUMNS, Outcome, Row, Task};
 use sinew::core::random::Stage;
 use sinew::dynamics::factor::{cholesky, inverse_lower};
 use sinew::dynamics::mixture_em::{self, Component};
@@ -56,7 +55,7 @@ impl Conditional {
     }
 }
 
-/// The judged rows, filled in by a mixture of so many components.
+/// The judged rows, filled in by a mixture of this number of components.
 ///
 /// # Errors
 /// A covariance without a factor.
@@ -64,7 +63,7 @@ pub fn fill(task: &Task<'_>, components: usize) -> Outcome<Vec<Row>> {
     let (scales, observed) = (task.scales(), task.observed());
     let standard = |row: &Row| -> Row { (0..COLUMNS).map(|j| scales.apply(row, j)).collect() };
     let rows: Vec<f64> = task.training.iter().copied().flatten().flat_map(standard).collect();
-    let config = mixture_em::Config { components, ridge: RIDGE, ..Default::default() };
+    let config = mixture_em::Config { components, ridge: RIDGE, max_iterations: 30, ..Default::default() };
     let start = mixture_em::start(&rows, COLUMNS, &config, Stage::new(1, "missing limbs, mixture"))?;
     let learned = mixture_em::run(&rows, COLUMNS, start, &config, &mut |_| {})?;
     let conditionals = learned.components.iter().map(|c| Conditional::new(c, task)).collect::<Outcome<Vec<_>>>()?;

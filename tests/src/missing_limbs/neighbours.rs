@@ -1,7 +1,6 @@
 //! Nearest neighbours: each row filled in from the training row nearest to it in the columns that are there.
 
-use super::Row;
-use super::task::Task;
+use super::task::{Row, Task};
 
 /// The judged rows, filled in by distances of raw columns, or of columns in standard deviations.
 #[must_use]

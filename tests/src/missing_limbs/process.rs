@@ -2,8 +2,7 @@
 //!
 //! One process a missing column on the standardised rows, k = exp(−(g/2n) ‖o − o′‖²) + a oᵀo′ + b + w δ with n columns o; a = 10⁻³, b = 0.1.
 
-use super::task::Task;
-use super::{Outcome, Row};
+use super::task::{Outcome, Row, Task};
 use sinew_latent::covariance::Covariance;
 use sinew_latent::mapping::Mapping;
 

@@ -1,7 +1,12 @@
-//! One task: a sequence of which some columns are missing from a row on, and what may be learned from.
+//! A sequence that lacks some columns from a row on, and the sequences to learn from.
 
-use super::Row;
+use std::error::Error;
 use std::ops::Range;
+
+pub(crate) type Outcome<T> = Result<T, Box<dyn Error + Send + Sync>>;
+
+/// Numbers of two consecutive frames.
+pub type Row = Vec<f64>;
 
 /// Number of columns of a row.
 pub const COLUMNS: usize = 59;

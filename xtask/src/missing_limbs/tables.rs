@@ -1,7 +1,7 @@
 //! The tables of docs/evidence/latent.md.
 
 use super::contenders::{Latent, words};
-use super::{FOLDS, LIMBS, Pilot, Score, Scores};
+use super::pilot::{FOLDS, LIMBS, Pilot, Score, Scores};
 use sinew_tests::missing_limbs::latent::{INTERVALS, Rows};
 use std::fmt::Write as _;
 
@@ -21,7 +21,7 @@ fn mean_and_sd(values: &[f64]) -> [f64; 2] {
     [mean, (square / (count - 1.0)).sqrt()]
 }
 
-fn of_limb(scores: &Scores, limb: usize) -> String {
+fn limb_errors(scores: &Scores, limb: usize) -> String {
     let values: Vec<f64> = scores.iter().flatten().map(|limbs| limbs[limb].rms_deg).collect();
     let [mean, sd] = mean_and_sd(&values);
     format!("{mean:.2} ± {sd:.2}")
@@ -46,7 +46,7 @@ pub(super) fn pilot(pilot: &Pilot) -> String {
         pilot.references.iter().map(|(name, scores)| (*name, "–".into(), scores)).collect();
     rows.extend(pilot.latent.iter().map(|(model, way, scores)| (model.name, words(*way), scores)));
     for (name, way, scores) in &rows {
-        let [leg, body] = [0, 1].map(|limb| of_limb(scores, limb));
+        let [leg, body] = [0, 1].map(|limb| limb_errors(scores, limb));
         let [leg_in, body_in] = [0, 1].map(|limb| coverage(scores, limb));
         let ratio = pilot.ratio(scores);
         let _ = writeln!(text, "| {name} | {way} | {leg} | {body} | {ratio:.3} | {leg_in} | {body_in} |");
