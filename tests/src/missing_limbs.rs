@@ -5,12 +5,17 @@
 //! A row describes two consecutive frames of a sequence: 50 angles of the later one in radians, then nine numbers on the root, whose horizontal position and heading enter as changes alone. The last sequence of the test set
 //! is judged from its row [`FIRST_JUDGED`] on, where some columns are taken away and filled in from the others.
 
-use std::error::Error;
 use std::fs;
 use std::ops::Range;
 use std::path::Path;
 
-type Outcome<T> = Result<T, Box<dyn Error + Send + Sync>>;
+pub mod latent;
+pub mod mixture;
+pub mod neighbours;
+pub mod process;
+pub mod task;
+
+use task::{Outcome, Row, Task};
 
 /// First row of the test sequence whose columns are missing.
 pub const FIRST_JUDGED: usize = 62;
@@ -23,17 +28,13 @@ const ANGLES: [Range<usize>; 5] = [6..38, 40..47, 48..50, 52..59, 60..62];
 /// Columns before Taylor's scales that are no angles.
 const SCALES_BEFORE: usize = 9;
 
-/// Rows of a benchmark, with the mean and the standard deviation (n − 1) of their columns.
+/// Rows of a benchmark.
 #[derive(Clone, Debug)]
 pub struct Benchmark {
     /// What is learned from, a row a pair of frames, by sequence.
-    pub training: Vec<Vec<Vec<f64>>>,
+    pub training: Vec<Vec<Row>>,
     /// The test sequence.
-    pub test: Vec<Vec<f64>>,
-    /// Means of the training rows.
-    pub mean: Vec<f64>,
-    /// Standard deviations of the training rows.
-    pub sd: Vec<f64>,
+    pub test: Vec<Row>,
     /// Taylor's scales of the angles, by column.
     taylor: Vec<f64>,
 }
@@ -84,56 +85,42 @@ impl Benchmark {
         let test = sequences(&folder.join("test.csv"))?;
         let test = pairs(test.last().ok_or("no test sequence")?);
         let scales = numbers(&folder.join("taylor_scale_bias.csv"))?;
-        let taylor = scales[SCALES_BEFORE..].iter().map(|row| row[0]).collect();
-        let rows: Vec<&Vec<f64>> = training.iter().flatten().collect();
-        let (count, dim) = (rows.len() as f64, test[0].len());
-        let mean: Vec<f64> = (0..dim).map(|j| rows.iter().map(|row| row[j]).sum::<f64>() / count).collect();
-        let variance = |j: usize| rows.iter().map(|row| (row[j] - mean[j]).powi(2)).sum::<f64>() / (count - 1.0);
-        let sd = (0..dim).map(|j| variance(j).sqrt()).collect();
-        Ok(Self { training, test, mean, sd, taylor })
+        let taylor = scales.iter().skip(SCALES_BEFORE).map(|row| row[0]).collect();
+        Ok(Self { training, test, taylor })
     }
 
-    /// A row in standard deviations from the mean.
+    /// The task that was published: the last sequence, from its row [`FIRST_JUDGED`] on, after learning from all others.
     #[must_use]
-    pub fn scaled(&self, row: &[f64]) -> Vec<f64> {
-        row.iter().zip(&self.mean).zip(&self.sd).map(|((x, mean), sd)| (x - mean) / sd).collect()
+    pub fn published(&self, missing: &Range<usize>) -> Task<'_> {
+        let training = self.training.iter().map(Vec::as_slice).collect();
+        Task { training, sequence: &self.test, first: FIRST_JUDGED, missing: missing.clone() }
     }
 
-    /// Errors of rows that were filled in, one for each judged row of the test sequence, in its own units.
+    /// The same for the later half of one training sequence, after learning from those that are not left out.
+    #[must_use]
+    pub fn left_out(&self, all: &[usize], one: usize, missing: &Range<usize>) -> Task<'_> {
+        let kept = self.training.iter().enumerate().filter(|(i, _)| !all.contains(i));
+        let (training, sequence) = (kept.map(|(_, rows)| rows.as_slice()).collect(), self.training[one].as_slice());
+        Task { training, sequence, first: sequence.len() / 2, missing: missing.clone() }
+    }
+
+    /// Errors of rows that were filled in, one for each judged row, in their own units.
     ///
     /// # Panics
     /// If there are not as many.
     #[must_use]
-    pub fn judged(&self, filled: &[Vec<f64>], missing: Range<usize>) -> Filled {
-        let truth = &self.test[FIRST_JUDGED..];
+    pub fn judged(&self, task: &Task<'_>, filled: &[Row]) -> Filled {
+        let truth = task.judged();
         assert_eq!(filled.len(), truth.len(), "rows that were filled in");
         let (mut cumulative, mut squares) = (0.0, 0.0);
         for (found, truth) in filled.iter().zip(truth) {
-            for j in missing.clone() {
+            for j in task.missing.clone() {
                 let error = (found[j] - truth[j]).to_degrees();
                 squares += error * error;
                 cumulative += (error * self.taylor[j]).powi(2);
             }
         }
-        let columns = missing.len() as f64;
+        let columns = task.missing.len() as f64;
         Filled { cumulative: cumulative / columns, rms_deg: (squares / (columns * truth.len() as f64)).sqrt() }
-    }
-
-    /// The judged rows, each filled in from the training row nearest to it in the other columns: raw, or in standard deviations.
-    #[must_use]
-    pub fn nearest_neighbours(&self, missing: &Range<usize>, is_scaled: bool) -> Vec<Vec<f64>> {
-        let weights: Vec<f64> = match is_scaled {
-            true => self.sd.iter().map(|sd| sd.powi(-2)).collect(),
-            false => vec![1.0; self.sd.len()],
-        };
-        let distance = |a: &[f64], b: &[f64]| {
-            let terms = a.iter().zip(b).zip(&weights).enumerate().filter(|(j, _)| !missing.contains(j));
-            terms.map(|(_, ((a, b), weight))| weight * (a - b).powi(2)).sum::<f64>()
-        };
-        let nearest = |row: &Vec<f64>| {
-            let near = |a: &&Vec<f64>, b: &&Vec<f64>| distance(a, row).total_cmp(&distance(b, row));
-            self.training.iter().flatten().min_by(near).cloned().unwrap_or_default()
-        };
-        self.test[FIRST_JUDGED..].iter().map(nearest).collect()
     }
 }

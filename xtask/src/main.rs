@@ -4,6 +4,7 @@ mod accuracy;
 mod chart;
 mod coverage;
 mod filter_priors;
+mod missing_limbs;
 mod motion_prior;
 mod mutants;
 mod oil_flow;
@@ -37,6 +38,8 @@ enum Command {
     Accuracy(accuracy::Args),
     /// Measure the HMC filter's priors between frames against exact filters: the tables of docs/evidence/filter-priors.md.
     FilterPriors(filter_priors::Args),
+    /// Fill in missing limbs by latent models: the tables of docs/evidence/latent.md.
+    MissingLimbs(missing_limbs::Args),
     /// Plant the bugs of tests/planted in a copy of the workspace and name the test that catches each.
     Mutants(mutants::Args),
     /// Measure how often intervals hold the truth of simulated people: the tables and figures of docs/evidence/coverage.md.
@@ -66,6 +69,7 @@ fn main() -> ExitCode {
     match Cli::parse().command {
         Command::Accuracy(args) => accuracy::run(root, &args),
         Command::FilterPriors(args) => filter_priors::run(root, &args),
+        Command::MissingLimbs(args) => missing_limbs::run(root, &args),
         Command::Mutants(args) => mutants::run(root, &args),
         Command::Coverage(args) => coverage::run(root, &args),
         Command::MotionPrior(args) => motion_prior::run(root, &args),

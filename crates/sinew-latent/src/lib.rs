@@ -58,6 +58,8 @@ pub mod outputs;
 pub mod principal;
 mod process;
 mod ranges;
+pub mod sequence;
+pub mod sequence_density;
 pub mod space;
 pub mod training;
 pub mod tree;

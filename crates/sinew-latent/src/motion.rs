@@ -57,6 +57,11 @@ impl LatentMotion {
         Ok(Self { mapping, noise, isa })
     }
 
+    /// The process of the dynamics: φ and s_X².
+    pub(crate) fn mapping(&self) -> &Mapping {
+        &self.mapping
+    }
+
     /// φ(x).
     #[must_use]
     pub fn mean(&self, x: &[f64]) -> Vec<f64> {
