@@ -29,30 +29,52 @@ pub fn covered(
 /// and the mean over all series is taken; `replicates` times.
 #[must_use]
 pub fn block_bootstrap(series: &[Vec<f64>], block: usize, replicates: usize, seed: u64) -> f64 {
-    let block = block.max(1);
+    let mut uniform = uniforms(seed);
+    spread_of(replicates, || mean_of_blocks(series, block, &mut uniform))
+}
+
+/// The same for the mean over groups of series, each with the same weight: as many groups are drawn again, with replacement, and blocks within each of their series.
+#[must_use]
+pub fn grouped_block_bootstrap(groups: &[Vec<Vec<f64>>], block: usize, replicates: usize, seed: u64) -> f64 {
+    let mut uniform = uniforms(seed);
+    spread_of(replicates, || {
+        let mut drawn = || &groups[(uniform() * groups.len() as f64) as usize];
+        let drawn: Vec<&Vec<Vec<f64>>> = (0..groups.len()).map(|_| drawn()).collect();
+        drawn.iter().map(|series| mean_of_blocks(series, block, &mut uniform)).sum::<f64>() / groups.len() as f64
+    })
+}
+
+/// Uniform numbers below 1.
+fn uniforms(seed: u64) -> impl FnMut() -> f64 {
     let mut rng = Stage::new(seed, "block bootstrap").whole();
     let mut buffer = [Block::ZERO; 8];
     let mut left: Vec<f64> = vec![];
-    let mut uniform = || {
+    move || {
         if left.is_empty() {
             rng.fill_uniform(&mut buffer);
             left.extend(buffer.iter().flat_map(|block| block.0));
         }
         left.pop().unwrap_or(0.5)
-    };
-    let mut mean = || {
-        let (mut sum, mut count) = (0.0, 0.0);
-        for values in series.iter().filter(|values| !values.is_empty()) {
-            let size = block.min(values.len());
-            for _ in 0..values.len().div_ceil(size) {
-                let first = (uniform() * (values.len() - size + 1) as f64) as usize;
-                sum += values[first..first + size].iter().sum::<f64>();
-                count += size as f64;
-            }
+    }
+}
+
+/// Mean over all series of blocks drawn from each.
+fn mean_of_blocks(series: &[Vec<f64>], block: usize, uniform: &mut impl FnMut() -> f64) -> f64 {
+    let (mut sum, mut count) = (0.0, 0.0);
+    for values in series.iter().filter(|values| !values.is_empty()) {
+        let size = block.clamp(1, values.len());
+        for _ in 0..values.len().div_ceil(size) {
+            let first = (uniform() * (values.len() - size + 1) as f64) as usize;
+            sum += values[first..first + size].iter().sum::<f64>();
+            count += size as f64;
         }
-        sum / count
-    };
-    let means: Vec<f64> = (0..replicates).map(|_| mean()).collect();
+    }
+    sum / count
+}
+
+/// Standard deviation of replicates.
+fn spread_of(replicates: usize, mut replicate: impl FnMut() -> f64) -> f64 {
+    let means: Vec<f64> = (0..replicates).map(|_| replicate()).collect();
     let centre = means.iter().sum::<f64>() / means.len() as f64;
     (means.iter().map(|m| (m - centre).powi(2)).sum::<f64>() / (means.len() as f64 - 1.0)).sqrt()
 }

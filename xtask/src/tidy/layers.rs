@@ -24,7 +24,7 @@ const ALLOWED: [(&str, &[&str]); 17] = [
         &["sinew", "sinew-motion", "sinew-core", "sinew-body", "sinew-observe", "sinew-dynamics", "sinew-formats"],
     ),
     ("sinew-cli", &BELOW_THE_PROGRAM),
-    ("xtask", &["sinew", "sinew-tools", "sinew-motion", "sinew-simulate", "sinew-tests"]),
+    ("xtask", &["sinew", "sinew-latent", "sinew-tools", "sinew-motion", "sinew-simulate", "sinew-tests"]),
     ("sinew-tests", &["sinew", "sinew-tools", "sinew-motion", "sinew-simulate", "sinew-invariance"]),
 ];
 
