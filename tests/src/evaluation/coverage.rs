@@ -94,4 +94,13 @@ mod tests {
         let se = block_bootstrap(&[sticky], 40, 400, 1);
         assert!((se * 800.0_f64.sqrt() - 1.0).abs() < 0.25, "{se}");
     }
+    /// Groups that differ by more than their series do: the standard error is that of the mean of the groups.
+    #[test]
+    fn groups_are_drawn_again_as_wholes() {
+        let groups: Vec<Vec<Vec<f64>>> = (0..50).map(|k| vec![vec![f64::from(k % 2); 30]; 3]).collect();
+        let se = grouped_block_bootstrap(&groups, 10, 2000, 1);
+        assert!((se / (0.5 / 50.0_f64.sqrt()) - 1.0).abs() < 0.1, "{se}");
+        let alike = vec![vec![vec![1.0; 30]; 3]; 5];
+        assert_eq!(grouped_block_bootstrap(&alike, 10, 20, 1), 0.0);
+    }
 }

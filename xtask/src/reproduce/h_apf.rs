@@ -40,7 +40,7 @@ use study::Study;
 /// Reproduces the trackers in latent spaces.
 #[derive(clap::Args)]
 pub(super) struct Args {
-    /// Follow a walk of training that nothing was learned from, with one seed, to see whether anybody is followed at all
+    /// Follow a walk of training that nothing was learned from, with three seeds, to see whether anybody is followed at all
     #[arg(long)]
     pilot: bool,
     /// Only rows of the pilot whose name has this in it
@@ -89,9 +89,9 @@ fn report(study: &Study, store: &Store, seeds: u64) -> Outcome<[String; 2]> {
     let results = Results { store, seeds, block: RATE_HZ as usize };
     let fast = Results { block: FAST_HZ as usize, ..results };
     let claims = super::claim::table(&claims::judge(&results, study)?);
-    let lessons = || study.lessons.iter().map(|(lesson, (taught, spaces))| (*lesson, taught, spaces));
+    let lessons = || study.lessons.iter().map(|(lesson, (taught, _))| (*lesson, taught));
     let mut text = String::new();
-    for (_, taught, _) in lessons() {
+    for (_, taught) in lessons() {
         let fits = taught.poses.errors_m.iter().map(|(name, error)| format!("{name} {:.1}", 1e3 * error));
         let _ = writeln!(text, "Fit of the body, mm: {}\n", fits.collect::<Vec<_>>().join(", "));
     }
@@ -105,7 +105,7 @@ fn report(study: &Study, store: &Store, seeds: u64) -> Outcome<[String; 2]> {
         ("Recovery", tables::recovery(&results)?),
         ("Runs at 15 frames a second", tables::on_runs(&results)?),
         ("Models", tables::models(lessons())?),
-        ("Noise of the place", tables::noise(lessons().map(|(lesson, taught, _)| (lesson, taught)))),
+        ("Noise of the place", tables::noise(lessons())),
         ("Coverage", coverage::table(store, SERIES)?),
     ];
     for (title, table) in tables {

@@ -81,8 +81,8 @@ fn several(results: &Results<'_>, study: &Study) -> Outcome<Claim> {
         direction &= difference[1] < 0.0;
         found.push(shown(&motion.name(), difference));
     }
-    let (taught, spaces) = &study.lessons[&Lesson::Several];
-    let [_, single, _, leaves] = reconstructions(taught, spaces)?;
+    let (taught, _) = &study.lessons[&Lesson::Several];
+    let [_, single, _, leaves] = reconstructions(taught)?;
     Ok(Claim {
         id: "HA4",
         paper: "several motions: H-APF holds poses that a single space does not",

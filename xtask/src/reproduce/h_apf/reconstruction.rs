@@ -1,12 +1,13 @@
 //! How well poses come back from a latent space: root mean square of ℘(℘⁻¹(ω)) − ω over rows and angles, degrees.
 
 use super::lessons::{Poses, Taught};
-use super::trackers::Spaces;
 use crate::outcome::Outcome;
+use sinew::body::hapf31::ANGLES;
 use sinew::core::decode::Decode;
 use sinew::core::hierarchy::AnyDecode;
 use sinew::core::lanes::Isa;
 use sinew_latent::space::Below;
+use sinew_latent::tree::hierarchy;
 use std::sync::Arc;
 
 /// Latent spaces that together hold a pose, each with its coordinates.
@@ -34,18 +35,19 @@ pub(super) struct Reconstruction {
     pub(super) held_out_deg: f64,
 }
 
-/// Of single spaces, of the hierarchy's root and of its leaves.
-pub(super) fn reconstructions(taught: &Taught, spaces: &Spaces) -> Outcome<[Reconstruction; 4]> {
-    let all = |decoder: Arc<AnyDecode>| vec![((0..decoder.target_dim()).collect(), decoder)];
+/// Of single spaces, of the hierarchy's root and of its leaves; every inverse makes the same number of steps after regression.
+pub(super) fn reconstructions(taught: &Taught) -> Outcome<[Reconstruction; 4]> {
+    let isa = Isa::best();
+    let tree = hierarchy(&taught.hierarchy.model, isa)?;
+    let single = |model| -> Outcome<Cover> { Ok(vec![((0..ANGLES).collect(), Arc::new(Below::new(model, 0, isa)?))]) };
     let cover = |nodes: &mut dyn Iterator<Item = usize>| -> Cover {
-        nodes.map(|node| &spaces.tree.nodes()[node]).map(|node| (node.coordinates.clone(), node.pose.clone())).collect()
+        nodes.map(|node| &tree.nodes()[node]).map(|node| (node.coordinates.clone(), node.pose.clone())).collect()
     };
-    let static_single = Below::new(&taught.gplvm.model, 0, Isa::best())?;
     let covers: [(&'static str, Cover); 4] = [
-        ("GPLVM", all(Arc::new(static_single))),
-        ("GPDM", all(spaces.single.clone())),
+        ("GPLVM", single(&taught.gplvm.model)?),
+        ("GPDM", single(&taught.gpdm.model)?),
         ("HGPLVM, root", cover(&mut std::iter::once(0))),
-        ("HGPLVM, leaves", cover(&mut spaces.tree.leaves())),
+        ("HGPLVM, leaves", cover(&mut tree.leaves())),
     ];
     Ok(covers.map(|(name, cover)| Reconstruction {
         name,

@@ -108,7 +108,8 @@ impl Study {
         let scene = &self.scenes[&motion];
         let (taught, spaces) = &self.lessons[&motion.lesson()];
         // Both disturbances are of one sequence.
-        let seen = shared(&self.seen, &format!("{motion:?} {seed}"), || Seen::new(scene, &VIEW, 0, seed, self.isa))?;
+        let pictured = if let Motion::Disturbed(pair, _) = motion { format!("{pair}") } else { format!("{motion:?}") };
+        let seen = shared(&self.seen, &pictured, || Seen::new(scene, &VIEW, 0, seed, self.isa))?;
         let seen = seen.get().ok_or("no pictures were drawn")?;
         track::cell(scene, seen, contender, (spaces, &taught.mean_pose), seed)
     }

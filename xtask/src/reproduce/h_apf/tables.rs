@@ -6,20 +6,20 @@ use super::contender::{
 use super::lessons::Taught;
 use super::reconstruction::reconstructions;
 use super::study::Study;
-use super::trackers::{Spaces, all_layers};
+use super::trackers::all_layers;
 use crate::outcome::Outcome;
 use crate::reproduce::seed_results::Results;
 use sinew::body::hapf31::FREE;
 use std::fmt::Write as _;
 
 /// Models: rows, dimensions, what learning reached, and reconstruction.
-pub(super) fn models<'a>(lessons: impl IntoIterator<Item = (Lesson, &'a Taught, &'a Spaces)>) -> Outcome<String> {
+pub(super) fn models<'a>(lessons: impl IntoIterator<Item = (Lesson, &'a Taught)>) -> Outcome<String> {
     let mut out = String::from(
         "| learned from | model | N | q | −log p | steps | reconstruction of training, ° | of held-out trials, ° |\n|---|---|--:|--:|--:|--:|--:|--:|\n",
     );
-    for (lesson, taught, spaces) in lessons {
+    for (lesson, taught) in lessons {
         let learned = [&taught.gplvm, &taught.gpdm, &taught.hierarchy, &taught.hierarchy];
-        for (of, learned) in reconstructions(taught, spaces)?.iter().zip(learned) {
+        for (of, learned) in reconstructions(taught)?.iter().zip(learned) {
             let (rows, objective) = (learned.model.rows(), learned.objective);
             let _ = writeln!(
                 out,

@@ -15,8 +15,11 @@ use sinew::samplers::annealed_search;
 use sinew::tracking::{Tracker, annealed, bootstrap, gpapf, h_apf};
 use sinew_latent::motion::{LatentMotion, StepNoise, step_sd};
 use sinew_latent::space::Below;
-use sinew_latent::tree::hierarchy;
+use sinew_latent::tree::hierarchy_with_steps;
 use std::sync::Arc;
+
+/// Steps of the inverse map after regression, of which H-APF needs one a particle, frame and node: none, since three are nine tenths of its time.
+const STEPS: usize = 0;
 
 /// A tracker of poses from images.
 pub(super) type Running = Box<dyn Tracker<ImageLikelihood>>;
@@ -51,7 +54,7 @@ impl Spaces {
             single: Arc::new(Below::new(single, 0, isa)?),
             single_motion: motion(single, &single_sd)?,
             single_sd,
-            tree: Arc::new(hierarchy(whole, isa)?),
+            tree: Arc::new(hierarchy_with_steps(whole, STEPS, isa)?),
             tree_motion: motion(whole, &root_sd)?,
             half: taught.fastest.iter().map(|step| 0.5 * step).collect(),
             isa,
