@@ -95,7 +95,7 @@ fn report(study: &Study, store: &Store, seeds: u64) -> Outcome<[String; 2]> {
         let fits = taught.poses.errors_m.iter().map(|(name, error)| format!("{name} {:.1}", 1e3 * error));
         let _ = writeln!(text, "Fit of the body, mm: {}\n", fits.collect::<Vec<_>>().join(", "));
     }
-    let off = claims::off_manifold(&results, &contender::walks())?;
+    let off = results.off_manifold(PRINTED[1], &contender::walks())?;
     let _ = writeln!(text, "Particles of GPAPF off the manifold on the walks: {:.2} %\n", 100.0 * off);
     let tables = [
         ("Walks at 15 frames a second", tables::on_walks(&results)?),

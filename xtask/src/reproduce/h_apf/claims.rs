@@ -2,12 +2,12 @@
 //!
 //! Errors are absolute, millimetres. Intervals are one-sided 95 %, of motions drawn again and blocks of a second within their runs.
 
-use super::contender::{Contender, Disturbance, EQUAL, Lesson, Method, Motion, PRINTED, both_rates, walks};
+use super::contender::{Disturbance, EQUAL, Lesson, Method, OTHERS, PRINTED, both_rates, walks};
 use super::reconstruction::reconstructions;
 use super::study::Study;
 use crate::outcome::Outcome;
 use crate::reproduce::claim::Claim;
-use crate::reproduce::seed_results::{Keyed as _, Results};
+use crate::reproduce::seed_results::Results;
 
 const H_APF: Method = PRINTED[0];
 const GPAPF: Method = PRINTED[1];
@@ -75,7 +75,7 @@ fn rates(results: &Results<'_>) -> Outcome<Claim> {
 
 fn several(results: &Results<'_>, study: &Study) -> Outcome<Claim> {
     let (mut found, mut pass, mut direction) = (vec![], true, true);
-    for motion in super::contender::OTHERS {
+    for motion in OTHERS {
         let difference = results.difference_over(H_APF, GPAPF, &[motion])?;
         pass &= difference[2] < 0.0;
         direction &= difference[1] < 0.0;
@@ -148,17 +148,4 @@ pub(super) fn judge(results: &Results<'_>, study: &Study) -> Outcome<Vec<Claim>>
         recovery(results)?,
         equal_evaluations(results)?,
     ])
-}
-
-/// Mean share of particles off the manifold, of trackers that count them.
-pub(super) fn off_manifold(results: &Results<'_>, motions: &[Motion]) -> Outcome<f64> {
-    let mut shares = vec![];
-    for &motion in motions {
-        for seed in 1..=results.seeds {
-            let contender = Contender { method: GPAPF, motion };
-            let cell = results.store.get(&contender.key(seed)).ok_or("a cell is missing")?;
-            shares.extend(cell["off_manifold"].as_f64());
-        }
-    }
-    Ok(crate::reproduce::worth::mean(&shares))
 }

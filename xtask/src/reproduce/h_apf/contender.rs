@@ -74,8 +74,8 @@ pub(super) const REFERENCES: [Method; 3] = [Method::MeanPose, Method::Frozen, Me
 pub(super) const LAYERS: usize = 5;
 const WEIGHED: usize = 18;
 
-/// Factor of the likelihood; annealing finds its own exponents, so that only CONDENSATION sees it.
-const KAPPA: f64 = 100.0;
+/// Factor of the likelihood. Annealing finds its own exponents: only CONDENSATION sees it, and was better off in the pilot than with 100.
+const KAPPA: f64 = 10.0;
 
 /// What trackers see and how they compare, as the pilot settled it.
 pub(super) const VIEW: View =

@@ -6,7 +6,7 @@ use super::contender::{Lesson, Method, Motion, VIEW};
 use super::lessons::Taught;
 use super::study::scene;
 use super::tables;
-use super::trackers::Spaces;
+use super::trackers::{STEPS, Spaces};
 use crate::outcome::Outcome;
 use crate::reproduce::masked_scene::{Scene, Seen, View};
 use crate::reproduce::worth::{Errors, errors, kept, mean, mean_poses};
@@ -14,6 +14,7 @@ use sinew::core::density::LogDensity as _;
 use sinew::core::lanes::Isa;
 use sinew::core::random::Stage;
 use sinew::observe::image_score::ImageScore;
+use sinew_latent::space::INVERSE_STEPS;
 use sinew_simulate::segmentation_noise::Level;
 use std::fmt::Write as _;
 use std::path::Path;
@@ -22,10 +23,11 @@ use std::time::Instant;
 const SEEDS: u64 = 3;
 
 /// Ways to compare images, with the trackers that are tried: with 1000 particles, and as the paper has them. The factor of the likelihood matters to CONDENSATION alone.
-const TRIED: [(&str, ImageScore, &[Method]); 4] = [
+const TRIED: [(&str, ImageScore, usize, &[Method]); 5] = [
     (
         "both directions",
-        ImageScore::DeutscherReid { kappa: 100.0, bidirectional: Some(0.5) },
+        VIEW.score,
+        STEPS,
         &[
             Method::Bootstrap(1000),
             Method::Annealed(1000),
@@ -40,12 +42,14 @@ const TRIED: [(&str, ImageScore, &[Method]); 4] = [
         ],
     ),
     (
-        "both directions, factor 10",
-        ImageScore::DeutscherReid { kappa: 10.0, bidirectional: Some(0.5) },
+        "both directions, factor 100",
+        ImageScore::DeutscherReid { kappa: 100.0, bidirectional: Some(0.5) },
+        STEPS,
         &[Method::Bootstrap(1000), Method::Bootstrap(500)],
     ),
-    ("silhouette one way", ImageScore::DeutscherReid { kappa: 100.0, bidirectional: None }, &LATENT),
-    ("parts", ImageScore::Parts, &LATENT),
+    ("both directions, three steps of inverse maps", VIEW.score, INVERSE_STEPS, &[Method::HApf(100)]),
+    ("silhouette one way", ImageScore::DeutscherReid { kappa: 10.0, bidirectional: None }, STEPS, &LATENT),
+    ("parts", ImageScore::Parts, STEPS, &LATENT),
 ];
 const LATENT: [Method; 3] = [Method::Annealed(1000), Method::Gpapf(1000), Method::HApf(100)];
 
@@ -83,7 +87,7 @@ fn run(
 /// Runs the pilot; its report.
 pub(super) fn pilot(data: &Path, folder: &Path, only: Option<&str>) -> Outcome<String> {
     let (taught, isa) = (Taught::new(data, folder, Lesson::Walks)?, Isa::best());
-    let (spaces, scene) = (Spaces::new(&taught, isa)?, scene(data, Motion::Pilot)?);
+    let scene = scene(data, Motion::Pilot)?;
     let means = mean_poses(&scene, &taught.mean_pose);
     let mean_pose = errors(&scene, &means[1..], 1);
     let frozen = errors(&scene, &vec![scene.truth[0].clone(); means.len() - 1], 1);
@@ -95,8 +99,9 @@ pub(super) fn pilot(data: &Path, folder: &Path, only: Option<&str>) -> Outcome<S
         let _ = writeln!(text, "| {name} | {} | | | | |", row(std::slice::from_ref(found), &mean_pose));
     }
     println!("{text}");
-    for (compared, score, methods) in TRIED {
+    for (compared, score, steps, methods) in TRIED {
         let view = View { level: Level::Clean, score, ..VIEW };
+        let spaces = Spaces::new(&taught, steps, isa)?;
         for method in methods {
             let name = format!("{}, {compared}", method.name());
             if only.is_some_and(|only| !name.contains(only)) {

@@ -69,6 +69,15 @@ impl Results<'_> {
         Ok([value - reach, value, value + reach])
     }
 
+    /// Mean share of particles off the manifold, of a tracker that counts them.
+    pub(super) fn off_manifold(&self, method: Method, motions: &[Motion]) -> Outcome<f64> {
+        let of = |motion: &Motion| -> Outcome<Vec<f64>> {
+            let share = |seed| Ok(self.cell(&on(method, *motion), seed)?["off_manifold"].as_f64().unwrap_or(f64::NAN));
+            (1..=self.seeds).map(share).collect()
+        };
+        Ok(mean(&motions.iter().map(of).collect::<Outcome<Vec<_>>>()?.concat()))
+    }
+
     /// Runs that find the person again after a disturbance, and all.
     pub(super) fn recovered(&self, method: Method, by: Disturbance) -> Outcome<[usize; 2]> {
         // Frame 0 is not judged.

@@ -4,7 +4,7 @@ use super::contender::{Contender, Lesson, Motion, VIEW};
 use super::lessons::Taught;
 use super::motions::{FAST_HZ, LONGEST, PILOT, RATE_HZ, RECOVERED, RECOVERY_FRAMES, test};
 use super::track;
-use super::trackers::Spaces;
+use super::trackers::{STEPS, Spaces};
 use crate::outcome::Outcome;
 use crate::reproduce::masked_scene::{Scene, Seen};
 use crate::reproduce::recorded_trials::{UNSEEN, joined};
@@ -74,7 +74,7 @@ impl Study {
         let lessons: BTreeSet<Lesson> = motions.iter().map(|motion| motion.lesson()).collect();
         let taught = |lesson| -> Outcome<_> {
             let taught = Taught::new(data, folder, lesson)?;
-            let spaces = Spaces::new(&taught, isa)?;
+            let spaces = Spaces::new(&taught, STEPS, isa)?;
             Ok((lesson, (taught, spaces)))
         };
         let phases = if motions.contains(&Motion::Combo) {

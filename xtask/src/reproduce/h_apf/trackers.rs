@@ -18,8 +18,8 @@ use sinew_latent::space::Below;
 use sinew_latent::tree::hierarchy_with_steps;
 use std::sync::Arc;
 
-/// Steps of the inverse map after regression, of which H-APF needs one a particle, frame and node: none, since three are nine tenths of its time.
-const STEPS: usize = 0;
+/// Steps of the inverse map after regression, of which H-APF needs one a particle, frame and node: none, since three take nine tenths of its time.
+pub(super) const STEPS: usize = 0;
 
 /// A tracker of poses from images.
 pub(super) type Running = Box<dyn Tracker<ImageLikelihood>>;
@@ -45,8 +45,8 @@ pub(super) fn all_layers() -> f64 {
 }
 
 impl Spaces {
-    /// Makes maps of what was learned.
-    pub(super) fn new(taught: &Taught, isa: Isa) -> Outcome<Self> {
+    /// Makes maps of what was learned; inverses within the hierarchy make so many steps.
+    pub(super) fn new(taught: &Taught, steps: usize, isa: Isa) -> Outcome<Self> {
         let motion = |model, sd: &[f64]| LatentMotion::new(model, 0, StepNoise::Fixed(sd.to_vec()), isa);
         let (single, whole) = (&taught.gpdm.model, &taught.hierarchy.model);
         let (single_sd, root_sd) = (step_sd(single, 0), step_sd(whole, 0));
@@ -54,7 +54,7 @@ impl Spaces {
             single: Arc::new(Below::new(single, 0, isa)?),
             single_motion: motion(single, &single_sd)?,
             single_sd,
-            tree: Arc::new(hierarchy_with_steps(whole, STEPS, isa)?),
+            tree: Arc::new(hierarchy_with_steps(whole, steps, isa)?),
             tree_motion: motion(whole, &root_sd)?,
             half: taught.fastest.iter().map(|step| 0.5 * step).collect(),
             isa,
