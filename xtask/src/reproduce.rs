@@ -4,8 +4,15 @@ mod annealing;
 mod choo_fleet;
 mod claim;
 mod coarse_to_fine;
+mod h_apf;
 mod hppf;
 mod interval_tally;
+mod known_posterior;
+mod masked_scene;
+mod recorded_trials;
+mod seed_results;
+mod shared_values;
+mod worth;
 
 use clap::{Args as ClapArgs, Subcommand};
 use std::path::Path;
@@ -26,6 +33,8 @@ enum Paper {
     ChooFleet(choo_fleet::Args),
     /// The coarse-to-fine particle filter with bottom-up aggregation of body parts.
     CoarseToFine(coarse_to_fine::Args),
+    /// Raskin, Rudzsky & Rivlin, annealed tracking in latent spaces of poses: one (GPAPF), and a hierarchy (H-APF, 2011).
+    HApf(h_apf::Args),
     /// Husz, Wallace & Green, the hierarchical partitioned particle filter with action primitives (2007).
     Hppf(hppf::Args),
 }
@@ -36,6 +45,7 @@ pub(crate) fn run(root: &Path, args: &Args) -> ExitCode {
         Paper::Annealing(args) => annealing::run(root, args),
         Paper::ChooFleet(args) => choo_fleet::run(root, args),
         Paper::CoarseToFine(args) => coarse_to_fine::run(root, args),
+        Paper::HApf(args) => h_apf::run(root, args),
         Paper::Hppf(args) => hppf::run(root, args),
     };
     match done {

@@ -25,13 +25,21 @@ pub struct Space {
 }
 
 impl Space {
-    /// Of a node.
+    /// Of a node, whose inverse makes [`INVERSE_STEPS`].
     ///
     /// # Errors
     /// [`Error::Singular`].
     pub fn new(model: &LatentModel, node: usize) -> Result<Self, Error> {
+        Self::with_steps(model, node, INVERSE_STEPS)
+    }
+
+    /// The same with another number of steps at most; with none the inverse is the likelier of regression and nearest known row.
+    ///
+    /// # Errors
+    /// [`Error::Singular`].
+    pub fn with_steps(model: &LatentModel, node: usize, steps: usize) -> Result<Self, Error> {
         let mapping = Arc::new(Mapping::new(model, node)?);
-        let inverse = Arc::new(Inverse::new(model, node, mapping.clone(), INVERSE_STEPS)?);
+        let inverse = Arc::new(Inverse::new(model, node, mapping.clone(), steps)?);
         Ok(Self { mapping, inverse })
     }
 }
@@ -83,12 +91,20 @@ pub struct Below {
 }
 
 impl Below {
-    /// Of a node of a model.
+    /// Of a node of a model; inverses make [`INVERSE_STEPS`].
     ///
     /// # Errors
     /// [`Error::Singular`].
     pub fn new(model: &LatentModel, node: usize, isa: Isa) -> Result<Self, Error> {
-        let space = Lanes { leaf: Space::new(model, node)?, isa };
+        Self::with_steps(model, node, INVERSE_STEPS, isa)
+    }
+
+    /// The same with another number of steps of every inverse at most.
+    ///
+    /// # Errors
+    /// [`Error::Singular`].
+    pub fn with_steps(model: &LatentModel, node: usize, steps: usize, isa: Isa) -> Result<Self, Error> {
+        let space = Lanes { leaf: Space::with_steps(model, node, steps)?, isa };
         let place = |columns: &[usize], column: usize| columns.partition_point(|&other| other < column);
         match &model.nodes[node].outputs {
             Outputs::Columns(own) => {
@@ -98,7 +114,8 @@ impl Below {
                 Ok(Self { space, columns, places, children: vec![] })
             }
             Outputs::Nodes(nodes) => {
-                let below = nodes.iter().map(|&c| Self::new(model, c, isa)).collect::<Result<Vec<_>, _>>()?;
+                let below =
+                    nodes.iter().map(|&c| Self::with_steps(model, c, steps, isa)).collect::<Result<Vec<_>, _>>()?;
                 let mut columns: Vec<usize> = below.iter().flat_map(|child| child.columns.iter().copied()).collect();
                 columns.sort_unstable();
                 let mut first = 0;

@@ -3,17 +3,25 @@
 use crate::Error;
 use crate::model::{LatentModel, Outputs};
 use crate::motion::step_sd;
-use crate::space::{Below, ToChild};
+use crate::space::{Below, INVERSE_STEPS, ToChild};
 use sinew_core::decode::Decode;
 use sinew_core::hierarchy::{Hierarchy, Node};
 use sinew_core::lanes::Isa;
 use std::sync::Arc;
 
-/// The tree of a model: φ and ℘ of every node, and half of the largest step of its latents between consecutive rows as standard deviations. A model of one node is a tree of one layer.
+/// The tree of a model: φ and ℘ of every node, and half of the largest step of its latents between consecutive rows as standard deviations. A model of one node is a tree of one layer. Inverses make [`INVERSE_STEPS`].
 ///
 /// # Errors
 /// [`Error::Singular`], [`Error::Roots`] for a model with several roots, and [`Error::Tree`].
 pub fn hierarchy(model: &LatentModel, isa: Isa) -> Result<Hierarchy, Error> {
+    hierarchy_with_steps(model, INVERSE_STEPS, isa)
+}
+
+/// The same with another number of steps of every inverse at most.
+///
+/// # Errors
+/// As [`hierarchy`].
+pub fn hierarchy_with_steps(model: &LatentModel, steps: usize, isa: Isa) -> Result<Hierarchy, Error> {
     let roots = model.roots();
     if roots != [0] {
         return Err(Error::Roots { found: roots.len() });
@@ -21,7 +29,7 @@ pub fn hierarchy(model: &LatentModel, isa: Isa) -> Result<Hierarchy, Error> {
     let mut nodes: Vec<Node> = Vec::new();
     let mut spaces = Vec::new();
     for n in 0..model.nodes.len() {
-        let below = Below::new(model, n, isa)?;
+        let below = Below::with_steps(model, n, steps, isa)?;
         spaces.push(below.space().clone());
         let above = (0..n).find_map(|p| match &model.nodes[p].outputs {
             Outputs::Nodes(children) => children.iter().position(|&c| c == n).map(|place| (p, place)),

@@ -29,30 +29,52 @@ pub fn covered(
 /// and the mean over all series is taken; `replicates` times.
 #[must_use]
 pub fn block_bootstrap(series: &[Vec<f64>], block: usize, replicates: usize, seed: u64) -> f64 {
-    let block = block.max(1);
+    let mut uniform = uniforms(seed);
+    spread_of(replicates, || mean_of_blocks(series, block, &mut uniform))
+}
+
+/// The same for the mean over groups of series, each with the same weight: as many groups are drawn again, with replacement, and blocks within each of their series.
+#[must_use]
+pub fn grouped_block_bootstrap(groups: &[Vec<Vec<f64>>], block: usize, replicates: usize, seed: u64) -> f64 {
+    let mut uniform = uniforms(seed);
+    spread_of(replicates, || {
+        let mut drawn = || &groups[(uniform() * groups.len() as f64) as usize];
+        let drawn: Vec<&Vec<Vec<f64>>> = (0..groups.len()).map(|_| drawn()).collect();
+        drawn.iter().map(|series| mean_of_blocks(series, block, &mut uniform)).sum::<f64>() / groups.len() as f64
+    })
+}
+
+/// Uniform numbers below 1.
+fn uniforms(seed: u64) -> impl FnMut() -> f64 {
     let mut rng = Stage::new(seed, "block bootstrap").whole();
     let mut buffer = [Block::ZERO; 8];
     let mut left: Vec<f64> = vec![];
-    let mut uniform = || {
+    move || {
         if left.is_empty() {
             rng.fill_uniform(&mut buffer);
             left.extend(buffer.iter().flat_map(|block| block.0));
         }
         left.pop().unwrap_or(0.5)
-    };
-    let mut mean = || {
-        let (mut sum, mut count) = (0.0, 0.0);
-        for values in series.iter().filter(|values| !values.is_empty()) {
-            let size = block.min(values.len());
-            for _ in 0..values.len().div_ceil(size) {
-                let first = (uniform() * (values.len() - size + 1) as f64) as usize;
-                sum += values[first..first + size].iter().sum::<f64>();
-                count += size as f64;
-            }
+    }
+}
+
+/// Mean over all series of blocks drawn from each.
+fn mean_of_blocks(series: &[Vec<f64>], block: usize, uniform: &mut impl FnMut() -> f64) -> f64 {
+    let (mut sum, mut count) = (0.0, 0.0);
+    for values in series.iter().filter(|values| !values.is_empty()) {
+        let size = block.clamp(1, values.len());
+        for _ in 0..values.len().div_ceil(size) {
+            let first = (uniform() * (values.len() - size + 1) as f64) as usize;
+            sum += values[first..first + size].iter().sum::<f64>();
+            count += size as f64;
         }
-        sum / count
-    };
-    let means: Vec<f64> = (0..replicates).map(|_| mean()).collect();
+    }
+    sum / count
+}
+
+/// Standard deviation of replicates.
+fn spread_of(replicates: usize, mut replicate: impl FnMut() -> f64) -> f64 {
+    let means: Vec<f64> = (0..replicates).map(|_| replicate()).collect();
     let centre = means.iter().sum::<f64>() / means.len() as f64;
     (means.iter().map(|m| (m - centre).powi(2)).sum::<f64>() / (means.len() as f64 - 1.0)).sqrt()
 }
@@ -71,5 +93,14 @@ mod tests {
         let sticky: Vec<f64> = values.iter().flat_map(|x| [*x; 10]).collect();
         let se = block_bootstrap(&[sticky], 40, 400, 1);
         assert!((se * 800.0_f64.sqrt() - 1.0).abs() < 0.25, "{se}");
+    }
+    /// Groups that differ by more than their series do: the standard error is that of the mean of the groups.
+    #[test]
+    fn groups_are_drawn_again_as_wholes() {
+        let groups: Vec<Vec<Vec<f64>>> = (0..50).map(|k| vec![vec![f64::from(k % 2); 30]; 3]).collect();
+        let se = grouped_block_bootstrap(&groups, 10, 2000, 1);
+        assert!((se / (0.5 / 50.0_f64.sqrt()) - 1.0).abs() < 0.1, "{se}");
+        let alike = vec![vec![vec![1.0; 30]; 3]; 5];
+        assert_eq!(grouped_block_bootstrap(&alike, 10, 20, 1), 0.0);
     }
 }

@@ -2,15 +2,13 @@
 //!
 //! | file | what |
 //! |---|---|
-//! | [`motions`] | recordings to learn from and to track |
+//! | [`motions`] | frame rates, and what the pilot learns from and tracks |
 //! | [`models`] | motion models, learned once |
-//! | [`scene`] | a motion, its body, what cameras see |
-//! | [`worth`] | errors, and whether the person is kept |
 //! | [`pilot`] | is anybody followed at all, on training motion |
 //! | [`contender`] | who is compared |
 //! | [`track`], [`study`] | one run and what its estimates are worth; all of them |
 //! | [`coverage`] | intervals of the tracker's set where the posterior is known |
-//! | [`results`] | means, errors, paired differences |
+//! | [`results`] | errors and differences over test trials |
 //! | [`claims`], [`tables`], [`figures`] | the paper's claims and what became of them; its tables; a figure of actions |
 
 mod claims;
@@ -21,17 +19,16 @@ mod models;
 mod motions;
 mod pilot;
 mod results;
-mod scene;
 mod study;
 mod tables;
 mod track;
-mod worth;
 
+use super::recorded_trials::TRAINING;
+use super::seed_results::Results;
+use super::worth;
 use crate::outcome::Outcome;
 use crate::store::Store;
 use contender::{Motion, on};
-use motions::TRAINING;
-use results::Results;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -80,7 +77,7 @@ fn reduced(study: &Study, store: &mut Store, threads: usize) -> Outcome<ExitCode
         [contender::USUAL, contender::OPPONENTS[0], contender::REFERENCES[0]].map(|m| on(m, Motion::Walk));
     coverage::run(store, QUICK_SERIES, threads)?;
     study.run_all(store, &[usual, random, mean_pose], 1, threads)?;
-    let results = Results { store, seeds: 1 };
+    let results = Results { store, seeds: 1, block: motions::RATE_HZ as usize };
     let error = |contender| Ok(results.mean(contender, "/absolute", None)?.value);
     let [usual_mm, random_mm] = [error(&usual), error(&random)].map(|e: Outcome<f64>| e);
     let (usual_mm, random_mm, kept) = (usual_mm?, random_mm?, results.kept(&usual)?.1 == 1);
@@ -143,14 +140,14 @@ pub(super) fn run(root: &Path, args: &Args) -> Outcome<ExitCode> {
     }
     if args.trials {
         study.run_all(&mut store, &contender::trials(), args.seeds, threads)?;
-        let table = tables::trials(&Results { store: &store, seeds: args.seeds })?;
+        let table = tables::trials(&Results { store: &store, seeds: args.seeds, block: motions::RATE_HZ as usize })?;
         std::fs::write(folder.join("trials.md"), &table)?;
         println!("{table}\n{:.0} s; cells and the table in {}", clock.elapsed().as_secs_f64(), folder.display());
         return Ok(ExitCode::SUCCESS);
     }
     coverage::run(&mut store, SERIES, threads)?;
     study.run_all(&mut store, &contender::all(), args.seeds, threads)?;
-    let results = Results { store: &store, seeds: args.seeds };
+    let results = Results { store: &store, seeds: args.seeds, block: motions::RATE_HZ as usize };
     let [tables, claims] = report(&study, &results)?;
     std::fs::write(folder.join("trials.md"), tables::trials(&results)?)?;
     std::fs::write(folder.join("tables.md"), &tables)?;

@@ -1,12 +1,12 @@
 //! The paper's claims HP1–HP9, judged by criteria that were fixed before any run, on the level `normal`.
 
 use super::contender::{CLUSTERS, Contender, LENGTHS, Method, Motion, REFERENCES, SUBSETS, USUAL, hppf, on};
-use super::results::{Mean, Results};
-use super::scene::View;
 use super::study::Study;
 use super::tables::is_realised;
 use crate::outcome::Outcome;
 use crate::reproduce::claim::Claim;
+use crate::reproduce::masked_scene::View;
+use crate::reproduce::seed_results::{Mean, Results};
 
 /// Largest relative error of a good tracker, millimetres.
 const LEVEL_MM: f64 = 130.0;

@@ -1,7 +1,7 @@
 //! Who is compared: the cells of the paper's tables, the reference rows, ablations and opponents.
 
-use super::motions::TEST_TRIALS;
-use super::scene::{CueSet, Person, View};
+use crate::reproduce::masked_scene::{CueSet, Person, View};
+use crate::reproduce::recorded_trials::TEST_TRIALS;
 use sinew::dynamics::level_walk::LevelPrimitives;
 use sinew_simulate::segmentation_noise::Level;
 
@@ -75,7 +75,7 @@ impl Motion {
 }
 
 /// A method on a motion with what it sees.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Contender {
     pub(super) method: Method,
     pub(super) motion: Motion,

@@ -4,11 +4,11 @@
 //! tracker's own steps takes its set away from the posterior.
 
 use crate::outcome::Outcome;
-use crate::reproduce::interval_tally::{COLUMNS, LEVELS, Tally, summary};
-use crate::store::{Store, Task, rows, run_all};
+use crate::reproduce::interval_tally::COLUMNS;
+use crate::reproduce::known_posterior::{self, FIRST, STEP, Sight};
+use crate::store::{Store, Task, run_all};
 use serde_json::{Value, json};
-use sinew::core::density::{LogDensity, PartLogDensity};
-use sinew::core::lanes::{Block, Isa, LANES};
+use sinew::core::lanes::Isa;
 use sinew::core::part::{Part, PartTree, Partition};
 use sinew::core::random::Stage;
 use sinew::dynamics::level_walk::LevelWalk;
@@ -18,16 +18,10 @@ use sinew::samplers::resample::Truncation;
 use sinew::tracking::Tracker;
 use sinew::tracking::bootstrap::{self, Bootstrap};
 use sinew::tracking::hppf::{self, Hppf};
-use std::fmt::Write as _;
 
 /// Chains on the trunk.
 const CHAINS: [usize; 3] = [0, 2, 4];
 const TRUNK: usize = 2;
-const FRAMES: usize = 30;
-/// Standard deviations of a step, of the first frame about its centre, and of an observation.
-const STEP: f64 = 0.1;
-const FIRST: f64 = 0.1;
-const SIGHT: f64 = 0.1;
 
 /// Whose intervals are looked at.
 #[derive(Clone, Copy, Debug)]
@@ -43,49 +37,6 @@ const CONTENDERS: [(&str, Contender); 4] = [
     ("hppf 1000, systematic of all", Contender::Hppf(1000, Truncation::TruncateThenSystematic, 1.0)),
 ];
 
-/// Independent observations of all coordinates.
-struct Sight {
-    tree: PartTree,
-    seen: Vec<f64>,
-}
-
-impl Sight {
-    fn log_density_of(&self, coordinates: impl Iterator<Item = usize> + Clone, x: &[Block]) -> Block {
-        let square = |lane: usize, j: usize| ((x[j].0[lane] - self.seen[j]) / SIGHT).powi(2);
-        Block(core::array::from_fn::<f64, LANES, _>(|lane| {
-            -0.5 * coordinates.clone().map(|j| square(lane, j)).sum::<f64>()
-        }))
-    }
-}
-
-impl LogDensity for Sight {
-    fn dim(&self) -> usize {
-        self.seen.len()
-    }
-
-    fn log_density(&self, x: &[f64]) -> f64 {
-        let block: Vec<Block> = x.iter().map(|&x| Block::splat(x)).collect();
-        self.log_density_of(0..x.len(), &block).0[0]
-    }
-
-    fn log_density_block(&self, x: &[Block], _ws: &mut [Block]) -> Block {
-        self.log_density_of(0..x.len(), x)
-    }
-}
-
-impl PartLogDensity for Sight {
-    fn parts(&self) -> usize {
-        self.tree.parents().len()
-    }
-
-    fn log_density_parts_block(&self, parts: &[usize], x: &[Block], out: &mut [Block], _ws: &mut [Block]) {
-        for (&part, out) in parts.iter().zip(out) {
-            let own = self.tree.partition().parts()[part].indices();
-            *out = self.log_density_of(own.iter().copied(), x);
-        }
-    }
-}
-
 fn tree(chains: usize) -> Outcome<PartTree> {
     let dim = TRUNK + 2 * chains;
     let mut parts = vec![Part::new((0..TRUNK).collect(), dim)?];
@@ -97,19 +48,12 @@ fn tree(chains: usize) -> Outcome<PartTree> {
     Ok(PartTree::new(Partition::new(parts, dim)?, parents)?)
 }
 
-/// One series: a row of [`Tally`].
+/// One series: a row of [`known_posterior::series`].
 fn series(tree: &PartTree, contender: Contender, stage: Stage) -> Outcome<[f64; COLUMNS]> {
-    let (dim, isa) = (tree.coordinates(&(0..tree.parents().len()).collect::<Vec<_>>()).len(), Isa::best());
+    let (dim, isa) = (known_posterior::dim(tree), Isa::best());
     let [to_draw, to_track] = stage.split(["data", "tracker"]);
-    let [steps, errors] = to_draw.split(["steps", "errors"]);
-    let normals = |stage: Stage| {
-        let mut drawn = vec![Block::ZERO; (FRAMES * dim).div_ceil(LANES)];
-        stage.whole().fill_normal(isa, &mut drawn);
-        drawn.iter().flat_map(|block| block.0).collect::<Vec<f64>>()
-    };
-    let (steps, errors) = (normals(steps), normals(errors));
     let centre = vec![0.0; dim];
-    let mut tracker: Box<dyn Tracker<Sight>> = match contender {
+    let tracker: Box<dyn Tracker<Sight>> = match contender {
         Contender::Bootstrap(particles) => {
             let walk =
                 RandomWalk::new(&vec![STEP; dim], 1.0, Between::Mixture, isa)?.with_initial_sd(vec![FIRST; dim])?;
@@ -123,21 +67,7 @@ fn series(tree: &PartTree, contender: Contender, stage: Stage) -> Outcome<[f64; 
             Box::new(Hppf::new(config, walk, tree, centre)?)
         }
     };
-    let (mut truth, mut mean, mut variance) = (vec![0.0; dim], vec![0.0; dim], 0.0);
-    let mut tally = Tally::default();
-    for frame in 0..FRAMES {
-        let step = if frame == 0 { FIRST } else { STEP };
-        let drawn = frame * dim..(frame + 1) * dim;
-        truth.iter_mut().zip(&steps[drawn.clone()]).for_each(|(x, z)| *x += step * z);
-        let seen: Vec<f64> = truth.iter().zip(&errors[drawn]).map(|(x, z)| x + SIGHT * z).collect();
-        let predicted: f64 = variance + step * step;
-        let gain = predicted / (predicted + SIGHT * SIGHT);
-        mean.iter_mut().zip(&seen).for_each(|(mean, seen)| *mean += gain * (seen - *mean));
-        variance = (1.0 - gain) * predicted;
-        tracker.step(&Sight { tree: tree.clone(), seen }, to_track.round(0).at_frame(frame as u32))?;
-        tally.add(&tracker.posterior(), &truth, &mean, &vec![variance.sqrt(); dim]);
-    }
-    Ok(tally.row())
+    known_posterior::series(tree, tracker, to_draw, to_track)
 }
 
 fn key(name: &str, chains: usize, count: usize) -> String {
@@ -163,20 +93,6 @@ pub(super) fn run(store: &mut Store, count: usize, threads: usize) -> Outcome<()
 
 /// Coverage and spread by number of coordinates.
 pub(super) fn table(store: &Store, count: usize) -> Outcome<String> {
-    let mut out = String::from("| coordinates | |");
-    LEVELS.iter().for_each(|level| out += &format!(" {:.0} % |", 100.0 * level));
-    out += " sd / exact | mean off, exact sd |\n|--:|---|---|---|---|---|---|---|\n";
-    for chains in CHAINS {
-        for (name, _) in CONTENDERS {
-            let key = key(name, chains, count);
-            let found = summary(&rows(store.get(&key).ok_or(format!("the cell {key} is missing"))?));
-            let _ = write!(out, "| {} | {name} |", TRUNK + 2 * chains);
-            for [share, error] in &found[..LEVELS.len()] {
-                let _ = write!(out, " {:.1} ± {:.1} |", 100.0 * share, 100.0 * error);
-            }
-            let [spread, off] = [found[LEVELS.len()][0], found[LEVELS.len() + 1][0]];
-            let _ = writeln!(out, " {spread:.2} | {off:.2} |");
-        }
-    }
-    Ok(out)
+    let (sizes, names) = (CHAINS.map(|chains| TRUNK + 2 * chains), CONTENDERS.map(|(name, _)| name));
+    known_posterior::table(store, &sizes, &names, |name, size| key(name, (size - TRUNK) / 2, count))
 }

@@ -1,7 +1,8 @@
 //! Motion models of the study, learned once and kept beside its cells.
 
-use super::motions::{RATE_HZ, Recording, WORKING_HZ};
+use super::motions::{RATE_HZ, WORKING_HZ};
 use crate::outcome::Outcome;
+use crate::reproduce::recorded_trials::Recording;
 use rayon::prelude::*;
 use sinew::core::random::Stage;
 use sinew::dynamics::primitives::file;

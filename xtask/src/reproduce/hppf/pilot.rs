@@ -5,11 +5,12 @@
 
 use super::contender::Method;
 use super::models::Training;
-use super::motions::{PILOT, RATE_HZ, joined, pilot_training};
-use super::scene::{Scene, Seen, View};
+use super::motions::{PILOT, RATE_HZ, pilot_training};
 use super::track::level_walk;
-use super::worth::{Errors, errors, kept, mean, mean_poses};
 use crate::outcome::Outcome;
+use crate::reproduce::masked_scene::{Scene, Seen, View};
+use crate::reproduce::recorded_trials::joined;
+use crate::reproduce::worth::{Errors, errors, kept, mean, mean_poses};
 use sinew::core::density::PartLogDensity as _;
 use sinew::core::lanes::{Block, Isa};
 use sinew::core::random::Stage;
@@ -18,6 +19,7 @@ use sinew::dynamics::primitives::model::PrimitiveModel;
 use sinew::observe::image_likelihood::ImageLikelihood;
 use sinew::tracking::Tracker as _;
 use sinew::tracking::hppf::{self, Hppf};
+use sinew_motion::follow::NamedBody;
 use sinew_simulate::combo::{JOIN_S, Phase};
 use sinew_simulate::segmentation_noise::Level;
 use sinew_tests::finding::mean_and_error;
@@ -139,10 +141,15 @@ fn row(runs: &[Errors], mean_pose: &Errors) -> String {
 
 /// What is tracked, and the phases of what was joined.
 fn scenes(data: &Path) -> Outcome<Vec<(Scene, Vec<Phase>)>> {
-    let single = PILOT.iter().take(2).map(|trial| Ok((Scene::new(trial.name, trial.joints(data, RATE_HZ)?)?, vec![])));
+    let single = PILOT
+        .iter()
+        .take(2)
+        .map(|trial| Ok((Scene::new(trial.name, NamedBody::Hppf24, trial.joints(data, RATE_HZ)?, RATE_HZ)?, vec![])));
     let whole = joined(&PILOT, data, RATE_HZ)?;
     let phases = whole.phases.iter().enumerate().flat_map(|(k, phase)| with_join(phase, k > 0)).collect();
-    single.chain([Scene::new(&whole.name, whole.motion).map(|scene| (scene, phases))]).collect()
+    single
+        .chain([Scene::new(&whole.name, NamedBody::Hppf24, whole.motion, RATE_HZ).map(|scene| (scene, phases))])
+        .collect()
 }
 
 /// A phase, and by itself the join that leads to it.

@@ -2,29 +2,29 @@
 
 use super::contender::{Contender, Method, Motion, USUAL_MODEL};
 use super::models::Training;
-use super::motions::{RATE_HZ, Recording, TEST_TRIALS, TEST_WALK, UNSEEN};
-use super::scene::{Scene, Seen};
+use super::motions::RATE_HZ;
 use super::track;
 use crate::outcome::Outcome;
+use crate::reproduce::masked_scene::{Scene, Seen};
+use crate::reproduce::recorded_trials::{Recording, TEST_TRIALS, TEST_WALK, UNSEEN};
+use crate::reproduce::shared_values::{Shared, shared};
 use crate::store::{Store, Task, run_all};
 use sinew::core::lanes::Isa;
 use sinew::dynamics::primitives::model::PrimitiveModel;
 use sinew::files::{FNV_START, fnv};
+use sinew_motion::follow::NamedBody;
 use sinew_simulate::combo::comfortable_radius_m;
 use sinew_tests::recorded_motion::recorded_combo;
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+use std::sync::PoisonError;
 
 /// Raised with every change of what a cell computes.
 const VERSION: u32 = 3;
 
 /// Frames of a single trial that are judged at most: ten seconds.
 const LONGEST: usize = 200;
-
-/// Values that the first cell makes which needs them.
-type Shared<T> = Mutex<BTreeMap<String, Arc<OnceLock<T>>>>;
 
 /// What all cells share.
 pub(super) struct Study {
@@ -36,16 +36,6 @@ pub(super) struct Study {
     models: Shared<PrimitiveModel>,
     seen: Shared<Seen>,
     isa: Isa,
-}
-
-/// The value of that name, made where it is not there yet.
-fn shared<T>(all: &Shared<T>, name: &str, make: impl FnOnce() -> Outcome<T>) -> Outcome<Arc<OnceLock<T>>> {
-    let place = Arc::clone(all.lock().unwrap_or_else(PoisonError::into_inner).entry(name.into()).or_default());
-    if place.get().is_none() {
-        // Another cell may have made the same in the meantime.
-        let _ = place.set(make()?);
-    }
-    Ok(place)
 }
 
 impl Study {
@@ -61,7 +51,7 @@ impl Study {
                     for (set, phase) in sets.iter_mut().zip(&combo.phases) {
                         *set = 0..phase.frames.end.saturating_sub(first);
                     }
-                    scenes.insert(motion, Scene::new(motion.name(), combo.motion)?);
+                    scenes.insert(motion, Scene::new(motion.name(), NamedBody::Hppf24, combo.motion, RATE_HZ)?);
                     continue;
                 }
                 Motion::Walk => TEST_WALK,
@@ -71,10 +61,10 @@ impl Study {
             };
             let mut joints = recording.joints(data, RATE_HZ)?;
             joints.frames.truncate(motion.first() + LONGEST);
-            scenes.insert(motion, Scene::new(recording.name, joints)?);
+            scenes.insert(motion, Scene::new(recording.name, NamedBody::Hppf24, joints, RATE_HZ)?);
         }
         let training = Training::new(data, training)?;
-        let (models, seen) = (Mutex::default(), Mutex::default());
+        let (models, seen) = (Shared::default(), Shared::default());
         Ok(Self { folder: folder.into(), training, scenes, sets, models, seen, isa: Isa::best() })
     }
 

@@ -3,10 +3,10 @@
 use super::contender::{
     CLUSTERS, Contender, LENGTHS, Method, Motion, PARTICLES, PRINTED, REFERENCES, SUBSETS, USUAL, compared, hppf, on,
 };
-use super::results::Results;
-use super::scene::View;
 use super::study::Study;
 use crate::outcome::Outcome;
+use crate::reproduce::masked_scene::View;
+use crate::reproduce::seed_results::Results;
 use std::fmt::Write as _;
 
 /// Least number of clusters over the feature vectors of a model, and its windows.

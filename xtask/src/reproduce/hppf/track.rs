@@ -5,10 +5,10 @@
 use super::contender::{Contender, Method, USUAL_MODEL};
 use super::figures;
 use super::motions::RATE_HZ;
-use super::scene::{Scene, Seen};
-use super::worth::{errors, mean_poses};
 use crate::outcome::Outcome;
 use crate::processor_time::thread_seconds;
+use crate::reproduce::masked_scene::{Scene, Seen};
+use crate::reproduce::worth::{errors, mean_poses};
 use serde_json::{Value, json};
 use sinew::body::hppf24;
 use sinew::core::random::Stage;

@@ -2,10 +2,9 @@
 //!
 //! A seed dresses another person and draws other errors of segmentation. The tracker's body has the lengths of the person's segments and the girths that masks show of the pose that tracking starts from.
 
-use super::motions::RATE_HZ;
 use crate::outcome::Outcome;
 use sinew::body::flesh::Flesh;
-use sinew::body::{KinematicTree, hppf24};
+use sinew::body::{KinematicTree, hapf31, hppf24};
 use sinew::core::lanes::Isa;
 use sinew::core::part::PartTree;
 use sinew::core::random::Stage;
@@ -45,19 +44,26 @@ pub(super) enum Person {
 }
 
 /// How a motion is seen.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct View {
     /// Numbers of the cameras.
     pub(super) cameras: &'static [usize],
     pub(super) level: Level,
     pub(super) cues: CueSet,
     pub(super) person: Person,
+    /// How bodies are compared with it; names do not tell.
+    pub(super) score: ImageScore,
 }
 
 impl View {
     /// All cameras, `normal` errors, silhouettes and their edges.
-    pub(super) const USUAL: Self =
-        Self { cameras: &[0, 1, 2, 3], level: Level::Normal, cues: CueSet::WithEdges, person: Person::Dressed };
+    pub(super) const USUAL: Self = Self {
+        cameras: &[0, 1, 2, 3],
+        level: Level::Normal,
+        cues: CueSet::WithEdges,
+        person: Person::Dressed,
+        score: ImageScore::Parts,
+    };
 
     /// Its name in tables and keys.
     pub(super) fn name(&self) -> String {
@@ -77,20 +83,27 @@ impl View {
 pub(super) struct Scene {
     pub(super) name: String,
     pub(super) motion: Trajectories,
+    pub(super) rate_hz: f64,
     /// The body in the person's size.
     pub(super) tree: KinematicTree,
     /// States that follow the joints.
     pub(super) truth: Vec<Vec<f64>>,
     /// Mean distance of the body's joints to the recorded ones, metres.
     pub(super) fit_error_m: f64,
+    /// The tracker's body before its girths are known.
+    flesh: Flesh,
 }
 
 impl Scene {
-    /// Makes the body follow a motion.
-    pub(super) fn new(name: &str, motion: Trajectories) -> Outcome<Self> {
-        let found = follow(NamedBody::Hppf24, &motion)?;
+    /// Makes a body with solids follow a motion.
+    pub(super) fn new(name: &str, body: NamedBody, motion: Trajectories, rate_hz: f64) -> Outcome<Self> {
+        let found = follow(body, &motion)?;
         let (tree, truth, fit_error_m) = (found.body, found.states, found.mean_error_m);
-        Ok(Self { name: name.into(), motion, tree, truth, fit_error_m })
+        let flesh = match body {
+            NamedBody::Hapf31 => hapf31::flesh_on(&tree)?,
+            _ => hppf24::flesh_on(&tree)?,
+        };
+        Ok(Self { name: name.into(), motion, rate_hz, tree, truth, fit_error_m, flesh })
     }
 }
 
@@ -106,14 +119,14 @@ pub(super) struct Seen {
 impl Seen {
     /// Draws a person and the errors of a level; `start` is the frame whose pose is known.
     pub(super) fn new(scene: &Scene, view: &View, start: usize, seed: u64, isa: Isa) -> Outcome<Self> {
-        let footage = SyntheticFootage::new(scene.motion.clone(), RATE_HZ, &Ring::SMALL_PICTURES, seed)?;
+        let footage = SyntheticFootage::new(scene.motion.clone(), scene.rate_hz, &Ring::SMALL_PICTURES, seed)?;
         let cameras: Vec<Camera> = view.cameras.iter().map(|&camera| footage.cameras[camera].clone()).collect();
-        let usual = hppf24::flesh_on(&scene.tree)?;
+        let usual = &scene.flesh;
         let model = |flesh: &Flesh| -> Outcome<ImageModel> {
             let (body, cameras) = (Arc::new(SolidBody::new(&scene.tree, flesh)?), cameras.clone());
-            Ok(ImageModel { body, cameras, score: ImageScore::Parts, colours: Arc::default(), isa })
+            Ok(ImageModel { body, cameras, score: view.score, colours: Arc::default(), isa })
         };
-        let own = model(&usual)?;
+        let own = model(usual)?;
         let masks = |frame: usize| -> Vec<BitImage> {
             let stage = |camera| Stage::new(seed, "own body").round(camera).at_frame(frame as u32);
             match view.person {
@@ -136,8 +149,8 @@ impl Seen {
         let cues: Vec<Vec<Cues>> = (0..scene.truth.len()).map(cues).collect();
         let silhouettes = cues[start].iter().map(|cues| Some(cues.silhouette.clone())).collect();
         let first = Sight { state: scene.truth[start].clone(), silhouettes };
-        let girth = fit_girth(&scene.tree, &usual, &cameras, &[first])?;
-        let flesh = girth.girth.applied(&usual);
+        let girth = fit_girth(&scene.tree, usual, &cameras, &[first])?;
+        let flesh = girth.girth.applied(usual);
         let mut model = model(&flesh)?;
         let colours = |(camera, seen): (usize, &RgbImage)| {
             let counts = model.colours_of(camera, &scene.truth[start], seen);
@@ -151,5 +164,14 @@ impl Seen {
     /// The likelihood of a frame.
     pub(super) fn bind(&self, frame: usize) -> ImageLikelihood {
         self.model.bind(self.cues[frame].iter().cloned().map(Some).collect())
+    }
+
+    /// The likelihood of a frame in whose masks nobody is seen.
+    pub(super) fn bind_blank(&self, frame: usize) -> ImageLikelihood {
+        let blank = |cues: &Cues| {
+            let silhouette = BitImage::new(cues.silhouette.width(), cues.silhouette.height());
+            Some(Cues { edges: cues.edges.as_ref().map(|_| contour_map(&silhouette)), picture: None, silhouette })
+        };
+        self.model.bind(self.cues[frame].iter().map(blank).collect())
     }
 }

@@ -1,0 +1,45 @@
+//! The paper's figures on our data: errors over time, means over seeds. Figure 1: a walk in a circle at 15 frames a second. Figure 3: GPAPF and H-APF on longer sequences.
+
+use super::contender::{Contender, Method, Motion, OTHERS, PRINTED};
+use super::motions::RATE_HZ;
+use crate::chart::{BLUE, GREEN, GREY, Line, Names, ORANGE, finish, panel_with};
+use crate::outcome::Outcome;
+use crate::reproduce::seed_results::Results;
+use plotters::prelude::*;
+use std::path::Path;
+
+/// The walk that is drawn.
+const DRAWN: Motion = Motion::Walk(1);
+/// Width of the margin for names, pixels.
+const MARGIN: u32 = 150;
+
+fn line(results: &Results<'_>, method: Method, motion: Motion, colour: RGBColor) -> Outcome<Line> {
+    let runs = results.series(&Contender { method, motion }, "/absolute")?;
+    let frames = runs.first().map_or(0, Vec::len);
+    let point = |frame: usize| {
+        let value = runs.iter().map(|run| run[frame]).sum::<f64>() / runs.len() as f64;
+        [(frame + 1) as f64 / RATE_HZ, value, value, value]
+    };
+    Ok(Line { name: method.name(), colour, points: (0..frames).map(point).collect() })
+}
+
+/// Panels of lines, one a motion.
+fn draw(results: &Results<'_>, motions: &[Motion], methods: &[(Method, RGBColor)], path: &Path) -> Outcome<()> {
+    let root = SVGBackend::new(path, (900, 320 * motions.len() as u32)).into_drawing_area();
+    root.fill(&WHITE)?;
+    for (&motion, area) in motions.iter().zip(root.split_evenly((motions.len(), 1))) {
+        let lines = methods.iter().map(|&(method, colour)| line(results, method, motion, colour));
+        let lines = lines.collect::<Outcome<Vec<Line>>>()?;
+        let axes = ["time, s", "absolute error, mm"];
+        panel_with(&area, &motion.name(), axes, &lines, [false; 2], Names::Beside(MARGIN))?;
+    }
+    finish(&root)
+}
+
+/// Draws both figures into a folder.
+pub(super) fn all(results: &Results<'_>, folder: &Path) -> Outcome<()> {
+    let [h_apf, gpapf, apf, _] = PRINTED;
+    let colours = [(h_apf, BLUE), (gpapf, ORANGE), (apf, GREEN), (Method::MeanPose, GREY)];
+    draw(results, &[DRAWN], &colours, &folder.join("figure-1.svg"))?;
+    draw(results, &OTHERS, &[colours[0], colours[1], colours[3]], &folder.join("figure-3.svg"))
+}

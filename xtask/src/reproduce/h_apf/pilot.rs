@@ -1,0 +1,125 @@
+//! The pilot on training motion that no model learned from: is the person kept at all, and what would have to be true for it.
+//!
+//! A walk in a circle, 15 frames a second, four cameras, clean masks, 1000 particles a layer or node. For each way to compare images and each tracker: errors, and the mean log weights of the true pose, of the mean pose at the true place and of the estimate.
+
+use super::contender::{Lesson, Method, Motion, VIEW};
+use super::lessons::Taught;
+use super::study::scene;
+use super::tables;
+use super::trackers::{STEPS, Spaces};
+use crate::outcome::Outcome;
+use crate::reproduce::masked_scene::{Scene, Seen, View};
+use crate::reproduce::worth::{Errors, errors, kept, mean, mean_poses};
+use sinew::core::density::LogDensity as _;
+use sinew::core::lanes::Isa;
+use sinew::core::random::Stage;
+use sinew::observe::image_score::ImageScore;
+use sinew_latent::space::INVERSE_STEPS;
+use sinew_simulate::segmentation_noise::Level;
+use std::fmt::Write as _;
+use std::path::Path;
+use std::time::Instant;
+
+const SEEDS: u64 = 3;
+
+/// Ways to compare images, with the trackers that are tried: with 1000 particles, and as the paper has them. The factor of the likelihood matters to CONDENSATION alone.
+const TRIED: [(&str, ImageScore, usize, &[Method]); 5] = [
+    (
+        "both directions",
+        VIEW.score,
+        STEPS,
+        &[
+            Method::Bootstrap(1000),
+            Method::Annealed(1000),
+            Method::Gpapf(1000),
+            Method::HApf(1000),
+            Method::Bootstrap(500),
+            Method::Annealed(100),
+            Method::Gpapf(100),
+            Method::HApf(100),
+            Method::Annealed(360),
+            Method::Gpapf(360),
+        ],
+    ),
+    (
+        "both directions, factor 100",
+        ImageScore::DeutscherReid { kappa: 100.0, bidirectional: Some(0.5) },
+        STEPS,
+        &[Method::Bootstrap(1000), Method::Bootstrap(500)],
+    ),
+    ("both directions, three steps of inverse maps", VIEW.score, INVERSE_STEPS, &[Method::HApf(100)]),
+    ("silhouette one way", ImageScore::DeutscherReid { kappa: 10.0, bidirectional: None }, STEPS, &LATENT),
+    ("parts", ImageScore::Parts, STEPS, &LATENT),
+];
+const LATENT: [Method; 3] = [Method::Annealed(1000), Method::Gpapf(1000), Method::HApf(100)];
+
+/// Errors of some runs as a row.
+fn row(runs: &[Errors], mean_pose: &Errors) -> String {
+    let found: Vec<(f64, f64, bool)> = runs.iter().map(|errors| kept(errors, mean_pose)).collect();
+    let over = |of: &dyn Fn(usize) -> f64| mean(&(0..runs.len()).map(of).collect::<Vec<_>>());
+    let (absolute, relative) = (over(&|k| mean(&runs[k].absolute)), over(&|k| mean(&runs[k].relative)));
+    let (ratio, near) = (over(&|k| found[k].1), over(&|k| 100.0 * found[k].0));
+    let kept = found.iter().filter(|(.., is_kept)| *is_kept).count();
+    format!("{absolute:.0} | {relative:.0} | {ratio:.2} | {near:.0} | {kept} of {}", runs.len())
+}
+
+/// One run: its errors, and mean log weights of true pose, mean pose and estimate.
+fn run(
+    method: Method,
+    (scene, seen): (&Scene, &Seen),
+    spaces: &Spaces,
+    means: &[Vec<f64>],
+    seed: u64,
+) -> Outcome<(Errors, [f64; 3])> {
+    let mut tracker = spaces.tracker(method, &scene.truth[0])?.ok_or("no tracker")?;
+    let (mut estimates, mut worth) = (vec![], [0.0; 3]);
+    for frame in 1..scene.truth.len() {
+        let observed = seen.bind(frame);
+        let info = tracker.step(&observed, Stage::new(seed, "h-apf pilot").at_frame(frame as u32))?;
+        for (sum, state) in worth.iter_mut().zip([&scene.truth[frame], &means[frame], &info.mean]) {
+            *sum += observed.log_density(state) / (scene.truth.len() - 1) as f64;
+        }
+        estimates.push(info.mean);
+    }
+    Ok((errors(scene, &estimates, 1), worth))
+}
+
+/// Runs the pilot; its report.
+pub(super) fn pilot(data: &Path, folder: &Path, only: Option<&str>) -> Outcome<String> {
+    let (taught, isa) = (Taught::new(data, folder, Lesson::Walks)?, Isa::best());
+    let scene = scene(data, Motion::Pilot)?;
+    let means = mean_poses(&scene, &taught.mean_pose);
+    let mean_pose = errors(&scene, &means[1..], 1);
+    let frozen = errors(&scene, &vec![scene.truth[0].clone(); means.len() - 1], 1);
+    let mut text = tables::models([(Lesson::Walks, &taught)])?;
+    let _ = writeln!(text, "\n{}", tables::noise([(Lesson::Walks, &taught)]));
+    let _ = writeln!(text, "{} frames, fit {:.1} mm\n", scene.truth.len(), 1e3 * scene.fit_error_m);
+    text += "| | absolute, mm | relative, mm | limb ratio | frames below 150 mm, % | kept | log weight of true pose | of mean pose | of estimate | s a run |\n|---|---|---|---|---|---|---|---|---|---|\n";
+    for (name, found) in [("mean pose", &mean_pose), ("first pose", &frozen)] {
+        let _ = writeln!(text, "| {name} | {} | | | | |", row(std::slice::from_ref(found), &mean_pose));
+    }
+    println!("{text}");
+    for (compared, score, steps, methods) in TRIED {
+        let view = View { level: Level::Clean, score, ..VIEW };
+        let spaces = Spaces::new(&taught, steps, isa)?;
+        for method in methods {
+            let name = format!("{}, {compared}", method.name());
+            if only.is_some_and(|only| !name.contains(only)) {
+                continue;
+            }
+            let (mut runs, mut worth, clock) = (vec![], [0.0; 3], Instant::now());
+            for seed in 1..=SEEDS {
+                let seen = Seen::new(&scene, &view, 0, seed, isa)?;
+                let (found, of) = run(*method, (&scene, &seen), &spaces, &means, seed)?;
+                runs.push(found);
+                worth.iter_mut().zip(of).for_each(|(sum, x)| *sum += x / SEEDS as f64);
+            }
+            let worth = worth.map(|x| format!("{x:.1}")).join(" | ");
+            let seconds = clock.elapsed().as_secs_f64() / SEEDS as f64;
+            let line = format!("| {name} | {} | {worth} | {seconds:.0} |", row(&runs, &mean_pose));
+            println!("{line}");
+            let _ = writeln!(text, "{line}");
+        }
+    }
+    Ok(text)
+}
