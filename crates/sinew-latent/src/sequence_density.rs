@@ -74,11 +74,11 @@ impl SequenceDensity {
             SequenceLink::None => {}
             SequenceLink::Walk(precision) => {
                 shape("precisions of latent steps", precision.len(), dim)?;
-                crate::model::positive("precision of a latent step", precision)?;
+                crate::ranges::positive("precision of a latent step", precision)?;
             }
             SequenceLink::Dynamics(motion) => shape("coordinates of the dynamics", motion.mapping().dim(), dim)?,
         }
-        crate::model::positive("balance", &[balance])?;
+        crate::ranges::positive("balance", &[balance])?;
         let count = rows.div_ceil(LANES) * outputs;
         let (mut targets, mut inverse) = (vec![Block::ZERO; count], vec![Block::ZERO; count]);
         for (t, row) in observed.iter().enumerate() {

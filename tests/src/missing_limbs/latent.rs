@@ -10,7 +10,7 @@ use sinew_latent::gplvm;
 use sinew_latent::inference::{self, Prediction};
 use sinew_latent::latent_density::{LatentDensity, LatentPrior};
 use sinew_latent::mapping::Mapping;
-use sinew_latent::model::{LatentModel, Prior};
+use sinew_latent::model::{LatentModel, RootPrior};
 use sinew_latent::motion::{LatentMotion, StepNoise};
 use sinew_latent::outputs::Preparation;
 use sinew_latent::sequence;
@@ -72,8 +72,8 @@ pub fn learn(training: &[&[Row]], config: &Config) -> Outcome<Learned> {
     let dynamics = Covariance { variance: 0.1, inverse_width: 1.0, linear: 0.9, bias: 0.0, white: 0.1 };
     let balance = COLUMNS as f64 / config.dim as f64;
     let prior = match config.dynamics {
-        true => Prior::Dynamics { covariance: dynamics, learned: dynamics.present(), balance },
-        false => Prior::Normal,
+        true => RootPrior::Dynamics { covariance: dynamics, learned: dynamics.present(), balance },
+        false => RootPrior::Normal,
     };
     let start =
         gplvm::Config { dim: config.dim, preparation: Preparation::Standardised, covariance, prior, back: config.back };

@@ -10,10 +10,10 @@ use serde_json::{Value, json};
 use sinew::body::hapf31::{ANGLES, FREE, HIERARCHY};
 use sinew::core::lanes::Isa;
 use sinew::files::{FNV_START, fnv};
-use sinew_latent::hgplvm::Branch;
-use sinew_latent::model::LatentModel;
-use sinew_latent::training::{Config, Training};
-use sinew_latent::{gpdm, gplvm, hgplvm};
+use sinew::latent::hgplvm::PlannedNode;
+use sinew::latent::model::LatentModel;
+use sinew::latent::training::{Config, Training};
+use sinew::latent::{gpdm, gplvm, hgplvm};
 use sinew_motion::follow::{NamedBody, follow};
 use std::path::Path;
 
@@ -81,7 +81,7 @@ pub(super) struct Learned {
 
 impl Learned {
     /// Learns a model, or reads it where it was learned from the same.
-    fn new(path: &Path, start: impl FnOnce() -> Result<LatentModel, sinew_latent::Error>) -> Outcome<Self> {
+    fn new(path: &Path, start: impl FnOnce() -> Result<LatentModel, sinew::latent::Error>) -> Outcome<Self> {
         if let Ok(text) = std::fs::read_to_string(path) {
             let mut stored: Value = serde_json::from_str(&text)?;
             let model: LatentModel = serde_json::from_value(stored["model"].take())?;
@@ -142,9 +142,9 @@ impl Taught {
 }
 
 /// The body's latent spaces as the model wants them.
-fn branches() -> Vec<Branch> {
+fn branches() -> Vec<PlannedNode> {
     let is_leaf = |n: usize| HIERARCHY.iter().all(|space| space.parent != Some(n));
-    let branch = |(n, space): (usize, &sinew::body::hapf31::LatentSpace)| Branch {
+    let branch = |(n, space): (usize, &sinew::body::hapf31::LatentSpace)| PlannedNode {
         parent: space.parent,
         dim: space.latent_dim,
         columns: if is_leaf(n) { space.coordinates() } else { vec![] },

@@ -6,8 +6,8 @@ use sinew::body::hapf31::ANGLES;
 use sinew::core::decode::Decode;
 use sinew::core::hierarchy::AnyDecode;
 use sinew::core::lanes::Isa;
-use sinew_latent::space::Below;
-use sinew_latent::tree::hierarchy;
+use sinew::latent::space::Below;
+use sinew::latent::tree::hierarchy;
 use std::sync::Arc;
 
 /// Latent spaces that together hold a pose, each with its coordinates.

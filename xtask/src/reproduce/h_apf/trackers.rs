@@ -10,12 +10,12 @@ use sinew::core::hierarchy::Hierarchy;
 use sinew::core::lanes::Isa;
 use sinew::core::side_by_side::SideBySide;
 use sinew::dynamics::random_walk::{Between, RandomWalk};
+use sinew::latent::motion::{LatentMotion, StepNoise, step_sd};
+use sinew::latent::space::Below;
+use sinew::latent::tree::hierarchy_with_steps;
 use sinew::observe::image_likelihood::ImageLikelihood;
 use sinew::samplers::annealed_search;
 use sinew::tracking::{Tracker, annealed, bootstrap, gpapf, h_apf};
-use sinew_latent::motion::{LatentMotion, StepNoise, step_sd};
-use sinew_latent::space::Below;
-use sinew_latent::tree::hierarchy_with_steps;
 use std::sync::Arc;
 
 /// Steps of the inverse map after regression, of which H-APF needs one a particle, frame and node: none, since three take nine tenths of its time.
