@@ -1,4 +1,4 @@
-//! Raskin, Rudzsky & Rivlin (2007, 2011): annealed tracking in a latent space of poses (GPAPF), and down a hierarchy of them (H-APF).
+//! Raskin, Rudzsky & Rivlin (2007, 2011): annealed tracking in latent spaces of poses. In a single one it is GPAPF, down a hierarchy of them H-APF.
 //!
 //! | file | what |
 //! |---|---|

@@ -1,4 +1,4 @@
-//! The paper's claims HA1–HA6, judged on the level `normal` by criteria that were fixed after the pilot and before any test motion was tracked.
+//! The paper's claims HA1–HA6, judged on the level `normal`. Their criteria were fixed after the pilot and before any test motion was tracked.
 //!
 //! Errors are absolute, millimetres. Intervals are one-sided 95 %, of motions drawn again and blocks of a second within their runs.
 
@@ -16,7 +16,7 @@ const CONDENSATION: Method = PRINTED[3];
 
 /// Share by which GPAPF and APF may tie.
 const TIE: f64 = 0.05;
-/// Errors of CONDENSATION over those of annealing, and share of lost runs, that are very poor.
+/// Factor on the error of annealing, and share of lost runs, that are very poor.
 const VERY_POOR: f64 = 1.5;
 const MOSTLY_LOST: f64 = 0.5;
 /// Least share of recoveries.

@@ -1,4 +1,4 @@
-//! The pilot on training motion that no model learned from: is the person kept at all, and what would have to be true for it.
+//! The pilot on training motion that no model learned from: is the person kept at all.
 //!
 //! A walk in a circle, 15 frames a second, four cameras, clean masks, 1000 particles a layer or node. For each way to compare images and each tracker: errors, and the mean log weights of the true pose, of the mean pose at the true place and of the estimate.
 

@@ -1,4 +1,4 @@
-//! How well poses come back from a latent space: root mean square of ℘(℘⁻¹(ω)) − ω over rows and angles, degrees.
+//! How well poses come back from a latent space. Root mean square of ℘(℘⁻¹(ω)) − ω over rows and angles, degrees.
 
 use super::lessons::{Poses, Taught};
 use crate::outcome::Outcome;

@@ -43,10 +43,10 @@ pub(super) fn noise<'a>(lessons: impl IntoIterator<Item = (Lesson, &'a Taught)>)
     );
     for (lesson, taught) in lessons {
         let fastest = &taught.fastest[1..FREE];
-        let of_frame: Vec<f64> = fastest.iter().map(|step| 0.5 * all_layers() * step).collect();
+        let frame_sd: Vec<f64> = fastest.iter().map(|step| 0.5 * all_layers() * step).collect();
         let row = |values: &[f64]| values.iter().map(|x| format!("{x:.3}")).collect::<Vec<_>>().join(" | ");
-        let ratios: Vec<f64> = fastest.iter().zip(&of_frame).map(|(step, sd)| step / sd).collect();
-        for (name, values) in [("fastest step", fastest), ("noise of a frame", &of_frame), ("ratio", &ratios)] {
+        let ratios: Vec<f64> = fastest.iter().zip(&frame_sd).map(|(step, sd)| step / sd).collect();
+        for (name, values) in [("fastest step", fastest), ("noise of a frame", &frame_sd), ("ratio", &ratios)] {
             let _ = writeln!(out, "| {} | {name} | {} |", lesson.name(), row(values));
         }
     }

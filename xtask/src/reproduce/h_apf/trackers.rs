@@ -45,7 +45,7 @@ pub(super) fn all_layers() -> f64 {
 }
 
 impl Spaces {
-    /// Makes maps of what was learned; inverses within the hierarchy make so many steps.
+    /// Makes maps of what was learned; inverses within the hierarchy make that number of steps.
     pub(super) fn new(taught: &Taught, steps: usize, isa: Isa) -> Outcome<Self> {
         let motion = |model, sd: &[f64]| LatentMotion::new(model, 0, StepNoise::Fixed(sd.to_vec()), isa);
         let (single, whole) = (&taught.gpdm.model, &taught.hierarchy.model);
