@@ -8,6 +8,7 @@ use super::study::Study;
 use crate::outcome::Outcome;
 use crate::reproduce::claim::Claim;
 use crate::reproduce::seed_results::Results;
+use sinew_latent::space::INVERSE_STEPS;
 
 const H_APF: Method = PRINTED[0];
 const GPAPF: Method = PRINTED[1];
@@ -82,7 +83,7 @@ fn several(results: &Results<'_>, study: &Study) -> Outcome<Claim> {
         found.push(shown(&motion.name(), difference));
     }
     let (taught, _) = &study.lessons[&Lesson::Several];
-    let [_, single, _, leaves] = reconstructions(taught)?;
+    let [_, single, _, leaves] = reconstructions(taught, INVERSE_STEPS)?;
     Ok(Claim {
         id: "HA4",
         paper: "several motions: H-APF holds poses that a single space does not",

@@ -18,7 +18,7 @@ use sinew_latent::space::Below;
 use sinew_latent::tree::hierarchy_with_steps;
 use std::sync::Arc;
 
-/// Steps of the inverse map after regression, of which H-APF needs one a particle, frame and node: none, since three take nine tenths of its time.
+/// Steps of the inverse map after regression, of which H-APF needs one a particle, frame and node. None: three take nine tenths of its time, and lead astray where the density is sharp ([`super::reconstruction`]).
 pub(super) const STEPS: usize = 0;
 
 /// A tracker of poses from images.
