@@ -1,7 +1,7 @@
 //! From an output row back to its latent: regression, then a few steps up [`LatentDensity`].
 //!
 //! Start: kernel ridge regression from outputs to latents, fitted on the rows that were learned from (ridge 10⁻³, width the median distance), or the model's own back constraint; and the latent of the nearest known row. The likelier of both
-//! climbs by L-BFGS.
+//! climbs by L-BFGS. With no steps regression alone is the inverse: it is smooth, and does not ask a density that is sharp where outputs have next to no noise, as the latents of children have.
 
 use crate::Error;
 use crate::back_constraint::{BackConstraint, squared_distance};
@@ -31,7 +31,7 @@ pub struct Inverse {
 }
 
 impl Inverse {
-    /// Of a node, with at most this many steps up the density.
+    /// Of a node, with at most this many steps up the density; with none it is regression alone.
     ///
     /// # Errors
     /// [`Error::Singular`].
@@ -58,6 +58,9 @@ impl Inverse {
         let units = row.iter().zip(&self.centre).zip(&self.scale);
         let prepared: Vec<f64> = units.map(|((y, centre), scale)| (y - centre) / scale).collect();
         let regressed = self.regression.latent(&prepared, &self.known, dim);
+        if self.steps == 0 {
+            return regressed;
+        }
         let distances = self.known.chunks_exact(cols).map(|known| squared_distance(known, &prepared));
         let nearest = distances.enumerate().min_by(|a, b| a.1.total_cmp(&b.1)).map_or(0, |(n, _)| n);
         let nearest = &self.mapping.latents()[nearest * dim..][..dim];

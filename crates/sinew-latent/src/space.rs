@@ -33,7 +33,7 @@ impl Space {
         Self::with_steps(model, node, INVERSE_STEPS)
     }
 
-    /// The same with another number of steps at most; with none the inverse is the likelier of regression and nearest known row.
+    /// The same with another number of steps at most; with none the inverse is regression alone.
     ///
     /// # Errors
     /// [`Error::Singular`].

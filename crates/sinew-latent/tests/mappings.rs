@@ -9,6 +9,7 @@ use sinew_core::decode::{Decode, LaneDecode};
 use sinew_core::density::{GradLogDensity, Lanes, LogDensity};
 use sinew_core::lanes::{Block, Isa, get_lane};
 use sinew_core::transition::{GradTransition, Transition};
+use sinew_latent::back_constraint::BackConstraint;
 use sinew_latent::covariance::Covariance;
 use sinew_latent::hgplvm::PlannedNode;
 use sinew_latent::latent_density::{LatentDensity, LatentPrior};
@@ -181,6 +182,18 @@ fn densities_of_latents_have_their_gradients() {
                 }
             }
         }
+    }
+}
+
+#[test]
+fn inverse_maps_without_steps_are_regressions() {
+    let model = learned_gplvm();
+    let node = &model.nodes[0];
+    let (known, cols) = (model.prepared(0), model.output_count(0));
+    let regression = BackConstraint::fit(&known, cols, &node.latents, node.dim, 1e-3).expect("distinct rows");
+    let space = Space::with_steps(&model, 0, 0).expect("valid");
+    for (row, prepared) in known.chunks_exact(cols).enumerate() {
+        assert_eq!(space.inverse.latent(model.row(row)), regression.latent(prepared, &known, node.dim));
     }
 }
 

@@ -1,4 +1,4 @@
-//! Raskin, Rudzsky & Rivlin (2007, 2011): annealed tracking in a latent space of poses (GPAPF), and down a hierarchy of them (H-APF).
+//! Raskin, Rudzsky & Rivlin (2007, 2011): annealed tracking in latent spaces of poses. In a single one it is GPAPF, down a hierarchy of them H-APF.
 //!
 //! | file | what |
 //! |---|---|
@@ -124,16 +124,17 @@ pub(super) fn run(root: &Path, args: &Args) -> Outcome<ExitCode> {
     let name = if args.quick { "h-apf-quick" } else { "h-apf" };
     let folder = args.out.clone().unwrap_or_else(|| root.join("target/reproduce").join(name));
     std::fs::create_dir_all(&folder)?;
+    let threads = args.threads.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, |n| n.get()));
     if args.pilot {
-        let text = pilot::pilot(&data, &folder, args.only.as_deref())?;
+        let text = pilot::pilot(&data, &folder, args.only.as_deref(), threads)?;
         std::fs::write(folder.join("pilot.md"), &text)?;
+        println!("{text}");
         return Ok(ExitCode::SUCCESS);
     }
     let quick = [PRINTED[0], PRINTED[3], Method::MeanPose].map(|method| Contender { method, motion: QUICK });
     let contenders = if args.quick { quick.to_vec() } else { contender::all() };
     let study = Study::new(&data, &folder, &contenders)?;
     let mut store = Store::open(&folder, &study.configuration())?;
-    let threads = args.threads.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, |n| n.get()));
     if args.quick {
         return reduced(&study, &mut store, &contenders, threads);
     }

@@ -1,4 +1,4 @@
-//! Trackers where the posterior is known: coordinates that walk at random, each seen with an independent normal error, so that every one has its own Kalman filter.
+//! Trackers where the posterior is known. Coordinates walk at random, each is seen with an independent normal error, and so every one has its own Kalman filter.
 
 use super::interval_tally::{COLUMNS, LEVELS, Tally, summary};
 use crate::outcome::Outcome;

@@ -1,4 +1,4 @@
-//! What stored cells of tracked motions say: means over frames with their errors over seeds, differences, and whether the person is kept.
+//! What stored cells of tracked motions say. Means over frames with their errors over seeds, differences, and whether the person is kept.
 
 use super::worth::{Errors, kept, mean};
 use crate::outcome::Outcome;

@@ -74,7 +74,7 @@ pub(super) fn kept(found: &Errors, mean_pose: &Errors) -> (f64, f64, bool) {
 pub(super) fn lost(found: &Errors, mean_pose: &Errors, second: usize) -> bool {
     let far = found.absolute.windows(LOST_FRAMES).any(|run| run.iter().all(|error| *error > LOST_MM));
     let limbs = found.limbs.windows(second).zip(mean_pose.limbs.windows(second));
-    far || limbs.into_iter().any(|(limbs, of_mean_pose)| mean(limbs) > mean(of_mean_pose))
+    far || limbs.into_iter().any(|(limbs, reference)| mean(limbs) > mean(reference))
 }
 
 /// Whether the person is found again within some frames.

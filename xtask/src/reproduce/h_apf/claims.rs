@@ -1,4 +1,4 @@
-//! The paper's claims HA1–HA6, judged on the level `normal` by criteria that were fixed after the pilot and before any test motion was tracked.
+//! The paper's claims HA1–HA6, judged on the level `normal`. Their criteria were fixed after the pilot and before any test motion was tracked.
 //!
 //! Errors are absolute, millimetres. Intervals are one-sided 95 %, of motions drawn again and blocks of a second within their runs.
 
@@ -8,6 +8,7 @@ use super::study::Study;
 use crate::outcome::Outcome;
 use crate::reproduce::claim::Claim;
 use crate::reproduce::seed_results::Results;
+use sinew::latent::space::INVERSE_STEPS;
 
 const H_APF: Method = PRINTED[0];
 const GPAPF: Method = PRINTED[1];
@@ -16,7 +17,7 @@ const CONDENSATION: Method = PRINTED[3];
 
 /// Share by which GPAPF and APF may tie.
 const TIE: f64 = 0.05;
-/// Errors of CONDENSATION over those of annealing, and share of lost runs, that are very poor.
+/// Factor on the error of annealing, and share of lost runs, that are very poor.
 const VERY_POOR: f64 = 1.5;
 const MOSTLY_LOST: f64 = 0.5;
 /// Least share of recoveries.
@@ -82,7 +83,7 @@ fn several(results: &Results<'_>, study: &Study) -> Outcome<Claim> {
         found.push(shown(&motion.name(), difference));
     }
     let (taught, _) = &study.lessons[&Lesson::Several];
-    let [_, single, _, leaves] = reconstructions(taught)?;
+    let [_, single, _, leaves] = reconstructions(taught, INVERSE_STEPS)?;
     Ok(Claim {
         id: "HA4",
         paper: "several motions: H-APF holds poses that a single space does not",

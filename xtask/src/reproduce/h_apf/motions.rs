@@ -3,7 +3,7 @@
 use crate::reproduce::recorded_trials::{BALANCING, Part, Recording, TEST_TRIALS, cmu, subject_35};
 use std::ops::Range;
 
-/// Frames per second that are tracked, and those of the comparison of rates.
+/// Frames per second that are tracked, and of the comparison of rates.
 pub(super) const RATE_HZ: f64 = 15.0;
 pub(super) const FAST_HZ: f64 = 60.0;
 
@@ -41,7 +41,7 @@ pub(super) const BOTH_RATES: [usize; 4] = [1, 2, 4, 7];
 pub(super) const RECOVERED: [[usize; 2]; 4] = [[1, 2], [4, 7], [6, 5], [7, 3]];
 /// Frames of such a sequence: six seconds.
 pub(super) const RECOVERY_FRAMES: usize = 90;
-/// First frame of the disturbance, those of blank masks (half a second), and those within which the person is to be found (two seconds), all in the first walk.
+/// First frame of the disturbance, number of blank frames (half a second), and number of frames within which the person is to be found (two seconds): all in the first walk.
 pub(super) const DISTURBED: usize = 15;
 pub(super) const BLANK_FRAMES: usize = 8;
 pub(super) const FOUND_WITHIN: usize = 30;

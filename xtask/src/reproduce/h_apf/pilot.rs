@@ -1,4 +1,4 @@
-//! The pilot on training motion that no model learned from: is the person kept at all, and what would have to be true for it.
+//! The pilot on training motion that no model learned from: is the person kept at all.
 //!
 //! A walk in a circle, 15 frames a second, four cameras, clean masks, 1000 particles a layer or node. For each way to compare images and each tracker: errors, and the mean log weights of the true pose, of the mean pose at the true place and of the estimate.
 
@@ -8,8 +8,11 @@ use super::study::scene;
 use super::tables;
 use super::trackers::{STEPS, Spaces};
 use crate::outcome::Outcome;
+use crate::processor_time::thread_seconds;
 use crate::reproduce::masked_scene::{Scene, Seen, View};
 use crate::reproduce::worth::{Errors, errors, kept, mean, mean_poses};
+use crate::store::{Store, Task, run_all};
+use serde_json::{Value, json};
 use sinew::core::density::LogDensity as _;
 use sinew::core::lanes::Isa;
 use sinew::core::random::Stage;
@@ -18,7 +21,6 @@ use sinew::observe::image_score::ImageScore;
 use sinew_simulate::segmentation_noise::Level;
 use std::fmt::Write as _;
 use std::path::Path;
-use std::time::Instant;
 
 const SEEDS: u64 = 3;
 
@@ -84,9 +86,32 @@ fn run(
     Ok((errors(scene, &estimates, 1), worth))
 }
 
-/// Runs the pilot; its report.
-pub(super) fn pilot(data: &Path, folder: &Path, only: Option<&str>) -> Outcome<String> {
-    let (taught, isa) = (Taught::new(data, folder, Lesson::Walks)?, Isa::best());
+/// A row of the report: three seeds of a tracker.
+fn cell(
+    (score, steps, method): (ImageScore, usize, Method),
+    scene: &Scene,
+    taught: &Taught,
+    means: &[Vec<f64>],
+) -> Outcome<Value> {
+    let isa = Isa::best();
+    let (spaces, view) = (Spaces::new(taught, steps, isa)?, View { level: Level::Clean, score, ..VIEW });
+    let (mut runs, mut worth, mut seconds) = (vec![], [0.0; 3], 0.0);
+    for seed in 1..=SEEDS {
+        let seen = Seen::new(scene, &view, 0, seed, isa)?;
+        let before = thread_seconds();
+        let (found, values) = run(method, (scene, &seen), &spaces, means, seed)?;
+        seconds += thread_seconds() - before;
+        runs.push(found);
+        worth.iter_mut().zip(values).for_each(|(sum, x)| *sum += x / SEEDS as f64);
+    }
+    let worth = worth.map(|x| format!("{x:.1}")).join(" | ");
+    let ms = 1e3 * seconds / (SEEDS as usize * (means.len() - 1)) as f64;
+    Ok(json!(format!("{} | {worth} | {ms:.0}", row(&runs, &errors(scene, &means[1..], 1)))))
+}
+
+/// Runs what is not done yet of the pilot; its report.
+pub(super) fn pilot(data: &Path, folder: &Path, only: Option<&str>, threads: usize) -> Outcome<String> {
+    let taught = Taught::new(data, folder, Lesson::Walks)?;
     let scene = scene(data, Motion::Pilot)?;
     let means = mean_poses(&scene, &taught.mean_pose);
     let mean_pose = errors(&scene, &means[1..], 1);
@@ -94,32 +119,24 @@ pub(super) fn pilot(data: &Path, folder: &Path, only: Option<&str>) -> Outcome<S
     let mut text = tables::models([(Lesson::Walks, &taught)])?;
     let _ = writeln!(text, "\n{}", tables::noise([(Lesson::Walks, &taught)]));
     let _ = writeln!(text, "{} frames, fit {:.1} mm\n", scene.truth.len(), 1e3 * scene.fit_error_m);
-    text += "| | absolute, mm | relative, mm | limb ratio | frames below 150 mm, % | kept | log weight of true pose | of mean pose | of estimate | s a run |\n|---|---|---|---|---|---|---|---|---|---|\n";
+    text += "| | absolute, mm | relative, mm | limb ratio | frames below 150 mm, % | kept | log weight of true pose | of mean pose | of estimate | processor time a frame, ms |\n|---|---|---|---|---|---|---|---|---|---|\n";
     for (name, found) in [("mean pose", &mean_pose), ("first pose", &frozen)] {
         let _ = writeln!(text, "| {name} | {} | | | | |", row(std::slice::from_ref(found), &mean_pose));
     }
-    println!("{text}");
-    for (compared, score, steps, methods) in TRIED {
-        let view = View { level: Level::Clean, score, ..VIEW };
-        let spaces = Spaces::new(&taught, steps, isa)?;
-        for method in methods {
-            let name = format!("{}, {compared}", method.name());
-            if only.is_some_and(|only| !name.contains(only)) {
-                continue;
-            }
-            let (mut runs, mut worth, clock) = (vec![], [0.0; 3], Instant::now());
-            for seed in 1..=SEEDS {
-                let seen = Seen::new(&scene, &view, 0, seed, isa)?;
-                let (found, of) = run(*method, (&scene, &seen), &spaces, &means, seed)?;
-                runs.push(found);
-                worth.iter_mut().zip(of).for_each(|(sum, x)| *sum += x / SEEDS as f64);
-            }
-            let worth = worth.map(|x| format!("{x:.1}")).join(" | ");
-            let seconds = clock.elapsed().as_secs_f64() / SEEDS as f64;
-            let line = format!("| {name} | {} | {worth} | {seconds:.0} |", row(&runs, &mean_pose));
-            println!("{line}");
-            let _ = writeln!(text, "{line}");
-        }
+    let all = TRIED.iter().flat_map(|&(compared, score, steps, methods)| {
+        methods.iter().map(move |&method| (format!("{}, {compared}", method.name()), (score, steps, method)))
+    });
+    let all: Vec<_> = all.filter(|(name, _)| only.is_none_or(|only| name.contains(only))).collect();
+    let taught = &taught;
+    let tasks = all.iter().map(|(name, tried)| -> Task<'_> {
+        let (scene, means) = (&scene, &means);
+        let work = move || cell(*tried, scene, taught, means);
+        (name.clone(), tried.2.evaluations() as f64, Box::new(work))
+    });
+    let mut store = Store::open(&folder.join("pilot"), &format!("{VIEW:?}, {:?}", taught.hierarchy.objective))?;
+    run_all(&mut store, "pilot", tasks.collect(), threads)?;
+    for (name, _) in &all {
+        let _ = writeln!(text, "| {name} | {} |", store.get(name).and_then(Value::as_str).unwrap_or_default());
     }
     Ok(text)
 }

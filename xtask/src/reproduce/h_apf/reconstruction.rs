@@ -1,4 +1,4 @@
-//! How well poses come back from a latent space: root mean square of ℘(℘⁻¹(ω)) − ω over rows and angles, degrees.
+//! How well poses come back from a latent space. Root mean square of ℘(℘⁻¹(ω)) − ω over rows and angles, degrees.
 
 use super::lessons::{Poses, Taught};
 use crate::outcome::Outcome;
@@ -7,7 +7,7 @@ use sinew::core::decode::Decode;
 use sinew::core::hierarchy::AnyDecode;
 use sinew::core::lanes::Isa;
 use sinew::latent::space::Below;
-use sinew::latent::tree::hierarchy;
+use sinew::latent::tree::hierarchy_with_steps;
 use std::sync::Arc;
 
 /// Latent spaces that together hold a pose, each with its coordinates.
@@ -35,11 +35,13 @@ pub(super) struct Reconstruction {
     pub(super) held_out_deg: f64,
 }
 
-/// Of single spaces, of the hierarchy's root and of its leaves; every inverse makes the same number of steps after regression.
-pub(super) fn reconstructions(taught: &Taught) -> Outcome<[Reconstruction; 4]> {
+/// Of single spaces, of the hierarchy's root and of its leaves, with that number of steps of every inverse after regression.
+pub(super) fn reconstructions(taught: &Taught, steps: usize) -> Outcome<[Reconstruction; 4]> {
     let isa = Isa::best();
-    let tree = hierarchy(&taught.hierarchy.model, isa)?;
-    let single = |model| -> Outcome<Cover> { Ok(vec![((0..ANGLES).collect(), Arc::new(Below::new(model, 0, isa)?))]) };
+    let tree = hierarchy_with_steps(&taught.hierarchy.model, steps, isa)?;
+    let single = |model| -> Outcome<Cover> {
+        Ok(vec![((0..ANGLES).collect(), Arc::new(Below::with_steps(model, 0, steps, isa)?))])
+    };
     let cover = |nodes: &mut dyn Iterator<Item = usize>| -> Cover {
         nodes.map(|node| &tree.nodes()[node]).map(|node| (node.coordinates.clone(), node.pose.clone())).collect()
     };

@@ -14,7 +14,7 @@ const fn on(method: Method, motion: Motion) -> Contender {
 }
 
 impl Results<'_> {
-    /// Errors of each seed with those of the mean pose.
+    /// Errors of each seed, with the mean pose's.
     fn runs(&self, contender: &Contender) -> Outcome<Vec<[Errors; 2]>> {
         let run = |seed| {
             let cell = self.cell(contender, seed)?;

@@ -18,7 +18,7 @@ use sinew::samplers::annealed_search;
 use sinew::tracking::{Tracker, annealed, bootstrap, gpapf, h_apf};
 use std::sync::Arc;
 
-/// Steps of the inverse map after regression, of which H-APF needs one a particle, frame and node: none, since three take nine tenths of its time.
+/// Steps of the inverse map after regression, of which H-APF needs one a particle, frame and node. None: three take nine tenths of its time, and lead astray where the density is sharp ([`super::reconstruction`]).
 pub(super) const STEPS: usize = 0;
 
 /// A tracker of poses from images.
@@ -45,7 +45,7 @@ pub(super) fn all_layers() -> f64 {
 }
 
 impl Spaces {
-    /// Makes maps of what was learned; inverses within the hierarchy make so many steps.
+    /// Makes maps of what was learned; inverses within the hierarchy make that number of steps.
     pub(super) fn new(taught: &Taught, steps: usize, isa: Isa) -> Outcome<Self> {
         let motion = |model, sd: &[f64]| LatentMotion::new(model, 0, StepNoise::Fixed(sd.to_vec()), isa);
         let (single, whole) = (&taught.gpdm.model, &taught.hierarchy.model);
