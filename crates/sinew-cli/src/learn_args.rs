@@ -66,7 +66,7 @@ pub(crate) struct PrimitivesArgs {
 pub(crate) struct LatentArgs {
     #[command(flatten)]
     pub(crate) files: MotionArgs,
-    /// LatentKind: gplvm, gpdm (with dynamics) or hgplvm (by limbs)
+    /// Kind: gplvm, gpdm (with dynamics) or hgplvm (by limbs)
     #[arg(long, value_name = "KIND", default_value = "gpdm", hide_possible_values = true, value_parser = LatentKind::ALL.map(LatentKind::name))]
     pub(crate) model: String,
     /// Coordinates of a latent
