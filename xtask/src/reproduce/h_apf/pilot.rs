@@ -75,10 +75,10 @@ fn run(
 ) -> Outcome<(Errors, [f64; 3])> {
     let mut tracker = spaces.tracker(method, &scene.truth[0])?.ok_or("no tracker")?;
     let (mut estimates, mut worth) = (vec![], [0.0; 3]);
-    for frame in 1..scene.truth.len() {
+    for (frame, (truth, mean)) in scene.truth.iter().zip(means).enumerate().skip(1) {
         let observed = seen.bind(frame);
         let info = tracker.step(&observed, Stage::new(seed, "h-apf pilot").at_frame(frame as u32))?;
-        for (sum, state) in worth.iter_mut().zip([&scene.truth[frame], &means[frame], &info.mean]) {
+        for (sum, state) in worth.iter_mut().zip([truth, mean, &info.mean]) {
             *sum += observed.log_density(state) / (scene.truth.len() - 1) as f64;
         }
         estimates.push(info.mean);
