@@ -50,8 +50,11 @@ fn walks() -> Vec<f64> {
     walk(0.30).chain(walk(0.36)).collect()
 }
 
+/// Rows one after the other, their length, and the number of rows of each sequence.
+type Table = (Vec<f64>, usize, Vec<usize>);
+
 /// Numbers below a line of names: the rows, how long each is, and that they are one sequence.
-fn table(text: &str) -> Result<(Vec<f64>, usize, Vec<usize>), Box<dyn Error>> {
+fn table(text: &str) -> Result<Table, Box<dyn Error>> {
     let mut lines = text.lines();
     let columns = lines.next().ok_or("an empty table")?.split(',').count();
     let cells = lines.flat_map(|line| line.split(',').map(|cell| cell.trim().parse()));
