@@ -36,7 +36,7 @@ fn model() -> LatentModel {
 fn observed() -> Vec<Vec<(usize, f64)>> {
     let rows = circles(COLUMNS, &[5, ROWS], 0.1, 9);
     let rows = rows.chunks_exact(COLUMNS).skip(5).enumerate();
-    let seen = |t: usize, d: usize| t < ROWS / 2 || d % 3 == 0;
+    let seen = |t: usize, d: usize| t < ROWS / 2 || d.is_multiple_of(3);
     rows.map(|(t, row)| row.iter().copied().enumerate().filter(|&(d, _)| seen(t, d)).collect()).collect()
 }
 
@@ -116,14 +116,14 @@ fn exact(density: &SequenceDensity, precision: &[f64]) -> (Vec<f64>, Vec<Vec<f64
                 add(t * dim + a, 2 * length, slopes[a][d] * (y - origin[d]) / noise);
             }
         }
-        for j in 0..dim {
+        for (j, &precision) in precision.iter().enumerate() {
             let i = t * dim + j;
             if t == 0 {
                 add(i, i, prior.precision[j]);
                 add(i, 2 * length, prior.precision[j] * prior.mean[j]);
             } else {
                 for (a, b, sign) in [(i, i, 1.0), (i - dim, i - dim, 1.0), (i, i - dim, -1.0), (i - dim, i, -1.0)] {
-                    add(a, b, sign * precision[j]);
+                    add(a, b, sign * precision);
                 }
             }
         }
