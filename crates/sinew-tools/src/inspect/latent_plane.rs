@@ -104,11 +104,13 @@ fn extent(values: impl Iterator<Item = f64>) -> [f64; 2] {
 
 /// Round numbers within an extent, three to six of them.
 pub(super) fn ticks([low, high]: [f64; 2]) -> Vec<f64> {
-    let rough = (high - low) / 4.0;
-    let power = 10.0_f64.powf(rough.log10().floor());
-    let step = [1.0, 2.0, 5.0, 10.0].into_iter().map(|k| k * power).find(|&step| step >= rough).unwrap_or(rough);
-    let first = (low / step).ceil();
-    (0..8).map(|k| (first + f64::from(k)) * step).filter(|x| (low..=high).contains(x)).collect()
+    let power = 10.0_f64.powf((high - low).log10().floor());
+    let within = |step: f64| -> Vec<f64> {
+        let first = (low / step).ceil();
+        (0..8).map(|k| (first + f64::from(k)) * step).filter(|x| (low..=high).contains(x)).collect()
+    };
+    let mut steps = [5.0, 2.0, 1.0, 0.5, 0.2].into_iter().map(|k| within(k * power));
+    steps.find(|ticks| ticks.len() >= 3).unwrap_or_default()
 }
 
 #[cfg(test)]
@@ -135,6 +137,9 @@ mod tests {
     fn ticks_are_round() {
         assert_eq!(ticks([-1.1, 1.3]), [-1.0, 0.0, 1.0]);
         assert_eq!(ticks([0.0, 10.0]), [0.0, 5.0, 10.0]);
-        assert_eq!(ticks([-2e-3, 7e-3]).len(), 2 + 2);
+        for extent in [[-2e-3, 7e-3], [3.0, 3.9], [-120.0, 990.0], [0.0, 1.0], [0.01, 0.99]] {
+            let found = ticks(extent);
+            assert!((3..=6).contains(&found.len()), "{extent:?}: {found:?}");
+        }
     }
 }

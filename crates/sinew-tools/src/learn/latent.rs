@@ -2,7 +2,7 @@
 //!
 //! 1. Joints of each file at the working rate, and the body along them ([`mod@super::sequences`]); angles are continuous in time, position and orientation of the root are left out.
 //! 2. Of each recording one phase at the rate of the model, cut where there is too much ([`super::selection`]).
-//! 3. A model ([`sinew_latent`]) from principal components, and L-BFGS; its state waits in a file beside the model every [`STORED`] steps and when it is interrupted.
+//! 3. A model ([`sinew_latent`]) from principal components, and L-BFGS; its state waits in a file beside the model every fifty steps and when it is interrupted.
 //! 4. The model is written whole, with errors of poses that go through it and back ([`super::reconstruction`]).
 
 use super::LearnError;
