@@ -66,7 +66,7 @@ const FIRST: &[Setting] = &[
     rare((METHOD, "prior", PRIORS, "NAME", "gaussian", "what a frame hands on to the next: gaussian or mixture")),
     computed((METHOD, "motion_scale", FACTOR, "X", || Settings::default().motion_scale.to_string(), "factor on the motion noise that the set-up pass found")),
     common((METHOD, "motion_model", SettingKind::Path, "FILE", "", "learned motion in place of the random walk (`sinew learn`)")),
-    common((METHOD, "latent", SettingKind::Path, "FILE", "", "latent model of the body's poses to track in (`sinew learn latent`)")),
+    rare((METHOD, "latent", SettingKind::Path, "FILE", "", "latent model of the body's poses to track in (`sinew learn latent`)")),
     rare((METHOD, "noise", NOISES, "NAME", "floor", "density of a keypoint: floor (a Gaussian with a floor for outliers) or student-t")),
     rare((METHOD, "outlier", OUTLIER, "P", "0.02", "probability of a gross outlier (noise floor)")),
     rare((METHOD, "degrees", POSITIVE, "N", "4", "degrees of freedom (noise student-t)")),
