@@ -274,7 +274,7 @@ proptest! {
 }
 
 #[test]
-fn what_is_beside_a_decoder_passes() {
+fn coordinates_beside_a_decoder_pass() {
     let isa = Isa::best();
     let y = decoded(&sheet(isa), &[0.4, -0.7]);
     assert_eq!(decoded(&beside(isa), &[9.0, 0.4, -0.7, 8.0, 7.0]), [9.0, y[1], 8.0, y[3], 7.0, y[0], y[2]]);

@@ -91,7 +91,7 @@ fn published_minima_are_reached() {
 }
 
 #[test]
-fn what_scipy_reaches_is_reached() {
+fn minima_of_scipy_are_reached() {
     check_all(|mut problem| {
         let known = |(name, ..): &&Row| *name == problem.name;
         let (_, first, theirs, their_evaluations) = *ROWS.iter().find(known).ok_or("not among the stored rows")?;

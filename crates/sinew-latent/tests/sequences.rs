@@ -185,7 +185,7 @@ fn posteriors_are_the_same_on_one_thread_and_on_three() {
 }
 
 #[test]
-fn what_does_not_fit_is_refused() {
+fn sequences_that_do_not_fit_are_refused() {
     let model = model();
     let mapping = Arc::new(Mapping::new(&model, 0).expect("valid"));
     let prior = LatentPrior::of(&model, 0);
