@@ -84,6 +84,13 @@ impl<D: Decode + ?Sized> Hierarchy<D> {
 }
 
 impl<D: ?Sized> Hierarchy<D> {
+    /// The same tree with that many times the standard deviations of all steps.
+    #[must_use]
+    pub fn with_noise(mut self, factor: f64) -> Self {
+        self.nodes.iter_mut().flat_map(|node| &mut node.step_sd).for_each(|sd| *sd *= factor);
+        self
+    }
+
     /// The nodes, the root first, parents before children.
     #[must_use]
     pub fn nodes(&self) -> &[Node<D>] {

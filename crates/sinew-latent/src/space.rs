@@ -91,7 +91,7 @@ pub struct Below {
 }
 
 impl Below {
-    /// Of a node of a model; inverses make [`INVERSE_STEPS`].
+    /// Of a node of a model; inverses of leaves make [`INVERSE_STEPS`].
     ///
     /// # Errors
     /// [`Error::Singular`].
@@ -99,12 +99,13 @@ impl Below {
         Self::with_steps(model, node, INVERSE_STEPS, isa)
     }
 
-    /// The same with another number of steps of every inverse at most.
+    /// The same with another number of steps of the inverses of leaves at most. Those of inner nodes are regression alone: the noise of their processes is so small that a density is sharp, and steps up it from a poor start lead astray.
     ///
     /// # Errors
     /// [`Error::Singular`].
     pub fn with_steps(model: &LatentModel, node: usize, steps: usize, isa: Isa) -> Result<Self, Error> {
-        let space = Lanes { leaf: Space::with_steps(model, node, steps)?, isa };
+        let is_leaf = matches!(model.nodes[node].outputs, Outputs::Columns(_));
+        let space = Lanes { leaf: Space::with_steps(model, node, if is_leaf { steps } else { 0 })?, isa };
         let place = |columns: &[usize], column: usize| columns.partition_point(|&other| other < column);
         match &model.nodes[node].outputs {
             Outputs::Columns(own) => {

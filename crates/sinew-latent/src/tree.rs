@@ -9,7 +9,7 @@ use sinew_core::hierarchy::{Hierarchy, Node};
 use sinew_core::lanes::Isa;
 use std::sync::Arc;
 
-/// The tree of a model: φ and ℘ of every node, and half of the largest step of its latents between consecutive rows as standard deviations. A model of one node is a tree of one layer. Inverses make [`INVERSE_STEPS`].
+/// The tree of a model: φ and ℘ of every node, and half of the largest step of its latents between consecutive rows as standard deviations. A model of one node is a tree of one layer. Inverses of leaves make [`INVERSE_STEPS`].
 ///
 /// # Errors
 /// [`Error::Singular`], [`Error::Roots`] for a model with several roots, and [`Error::Tree`].
@@ -17,7 +17,7 @@ pub fn hierarchy(model: &LatentModel, isa: Isa) -> Result<Hierarchy, Error> {
     hierarchy_with_steps(model, INVERSE_STEPS, isa)
 }
 
-/// The same with another number of steps of every inverse at most.
+/// The same with another number of steps of the inverses of leaves at most.
 ///
 /// # Errors
 /// As [`hierarchy`].

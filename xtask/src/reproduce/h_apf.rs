@@ -97,8 +97,10 @@ fn report(study: &Study, store: &Store, seeds: u64) -> Outcome<[String; 2]> {
     }
     let off = results.off_manifold(PRINTED[1], &contender::walks())?;
     let _ = writeln!(text, "Particles of GPAPF off the manifold on the walks: {:.2} %\n", 100.0 * off);
+    let [paper, pilot] = tables::on_walks(&results)?;
     let tables = [
-        ("Walks at 15 frames a second", tables::on_walks(&results)?),
+        ("Walks at 15 frames a second, the paper's particles", paper),
+        ("The same, 1000 particles", pilot),
         ("Frame rates", tables::rates(&results, &fast)?),
         ("Several motions, and unseen ones", tables::others(&results)?),
         ("CMB by phase", tables::phases(&results, study)?),

@@ -67,6 +67,10 @@ pub(super) const PRINTED: [Method; 4] =
     [Method::HApf(100), Method::Gpapf(100), Method::Annealed(100), Method::Bootstrap(500)];
 /// As many evaluations a frame as the hierarchy makes.
 pub(super) const EQUAL: [Method; 2] = [Method::Gpapf(360), Method::Annealed(360)];
+/// The setting in which the pilot's latent trackers keep the person: 1000 particles a layer or node.
+pub(super) const PILOTED: [Method; 3] = [Method::HApf(1000), Method::Gpapf(1000), Method::Annealed(1000)];
+/// As many evaluations a frame as its GPAPF and APF make, 5000: a hierarchy with fewer particles, and CONDENSATION.
+pub(super) const PILOTED_EQUAL: [Method; 2] = [Method::HApf(278), Method::Bootstrap(5000)];
 /// Reference rows of a motion.
 pub(super) const REFERENCES: [Method; 3] = [Method::MeanPose, Method::Frozen, Method::Truth];
 
@@ -109,10 +113,10 @@ pub(super) fn all() -> Vec<Contender> {
     let with_references = |methods: &[Method]| [methods, &REFERENCES].concat();
     let disturbed = [Disturbance::Blank, Disturbance::Displaced].map(disturbed).concat();
     let groups = [
-        (walks(), with_references(&[&PRINTED[..], &EQUAL].concat())),
+        (walks(), with_references(&[&PRINTED[..], &EQUAL, &PILOTED, &PILOTED_EQUAL].concat())),
         (both_rates()[1].clone(), with_references(latent)),
-        (OTHERS.to_vec(), with_references(latent)),
-        (disturbed, with_references(latent)),
+        (OTHERS.to_vec(), with_references(&[latent, &PILOTED].concat())),
+        (disturbed, with_references(&[latent, &PILOTED].concat())),
         (runs(), with_references(&PRINTED)),
     ];
     let on = |(motions, methods): (Vec<Motion>, Vec<Method>)| {
@@ -211,8 +215,9 @@ mod tests {
         let mut keys: Vec<String> = all.iter().map(|contender| contender.key(1)).collect();
         keys.sort();
         keys.dedup();
-        assert_eq!((keys.len(), all.len()), (8 * 9 + 4 * 6 + 3 * 6 + 8 * 6 + 5 * 7, keys.len()));
+        assert_eq!((keys.len(), all.len()), (8 * 14 + 4 * 6 + 3 * 9 + 8 * 9 + 5 * 7, keys.len()));
         assert_eq!(PRINTED.map(Method::evaluations), [1800, 500, 500, 500]);
         assert!(EQUAL.iter().all(|method| method.evaluations() == 1800));
+        assert_eq!(PILOTED_EQUAL.map(Method::evaluations), [5004, 5000]);
     }
 }

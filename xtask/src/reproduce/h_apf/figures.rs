@@ -1,6 +1,6 @@
-//! The paper's figures on our data: errors over time, means over seeds. Figure 1: a walk in a circle at 15 frames a second. Figure 3: GPAPF and H-APF on longer sequences.
+//! The paper's figures on our data: errors over time, means over seeds. Figure 1: a walk in a circle at 15 frames a second, with 100 particles and with 1000. Figure 3: GPAPF and H-APF on longer sequences, with 1000.
 
-use super::contender::{Contender, Method, Motion, OTHERS, PRINTED};
+use super::contender::{Contender, Method, Motion, OTHERS, PILOTED, PRINTED};
 use super::motions::RATE_HZ;
 use crate::chart::{BLUE, GREEN, GREY, Line, Names, ORANGE, finish, panel_with};
 use crate::outcome::Outcome;
@@ -23,12 +23,14 @@ fn line(results: &Results<'_>, method: Method, motion: Motion, colour: RGBColor)
     Ok(Line { name: method.name(), colour, points: (0..frames).map(point).collect() })
 }
 
-/// Panels of lines, one a motion.
-fn draw(results: &Results<'_>, motions: &[Motion], methods: &[(Method, RGBColor)], path: &Path) -> Outcome<()> {
-    let root = SVGBackend::new(path, (900, 320 * motions.len() as u32)).into_drawing_area();
+/// A motion with the methods that are drawn on it.
+type Panel = (Motion, Vec<(Method, RGBColor)>);
+
+fn draw(results: &Results<'_>, panels: &[Panel], path: &Path) -> Outcome<()> {
+    let root = SVGBackend::new(path, (900, 320 * panels.len() as u32)).into_drawing_area();
     root.fill(&WHITE)?;
-    for (&motion, area) in motions.iter().zip(root.split_evenly((motions.len(), 1))) {
-        let lines = methods.iter().map(|&(method, colour)| line(results, method, motion, colour));
+    for ((motion, methods), area) in panels.iter().zip(root.split_evenly((panels.len(), 1))) {
+        let lines = methods.iter().map(|&(method, colour)| line(results, method, *motion, colour));
         let lines = lines.collect::<Outcome<Vec<Line>>>()?;
         let axes = ["time, s", "absolute error, mm"];
         panel_with(&area, &motion.name(), axes, &lines, [false; 2], Names::Beside(MARGIN))?;
@@ -38,8 +40,12 @@ fn draw(results: &Results<'_>, motions: &[Motion], methods: &[(Method, RGBColor)
 
 /// Draws both figures into a folder.
 pub(super) fn all(results: &Results<'_>, folder: &Path) -> Outcome<()> {
-    let [h_apf, gpapf, apf, _] = PRINTED;
-    let colours = [(h_apf, BLUE), (gpapf, ORANGE), (apf, GREEN), (Method::MeanPose, GREY)];
-    draw(results, &[DRAWN], &colours, &folder.join("figure-1.svg"))?;
-    draw(results, &OTHERS, &[colours[0], colours[1], colours[3]], &folder.join("figure-3.svg"))
+    let mean_pose = (Method::MeanPose, GREY);
+    let panel = |motion, methods: &[Method]| -> Panel {
+        let coloured = methods.iter().copied().zip([BLUE, ORANGE, GREEN]).chain([mean_pose]);
+        (motion, coloured.collect())
+    };
+    let walk = [panel(DRAWN, &PRINTED[..3]), panel(DRAWN, &PILOTED)];
+    draw(results, &walk, &folder.join("figure-1.svg"))?;
+    draw(results, &OTHERS.map(|motion| panel(motion, &PILOTED[..2])), &folder.join("figure-3.svg"))
 }

@@ -4,7 +4,7 @@ use super::contender::{Contender, Lesson, Motion, VIEW};
 use super::lessons::Taught;
 use super::motions::{FAST_HZ, LONGEST, PILOT, RATE_HZ, RECOVERED, RECOVERY_FRAMES, test};
 use super::track;
-use super::trackers::{STEPS, Spaces};
+use super::trackers::{Spaces, TUNING};
 use crate::outcome::Outcome;
 use crate::reproduce::masked_scene::{Scene, Seen};
 use crate::reproduce::recorded_trials::{UNSEEN, joined};
@@ -22,7 +22,7 @@ use std::path::Path;
 use std::sync::PoisonError;
 
 /// Raised with every change of what a cell computes.
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 
 /// What all cells share.
 pub(super) struct Study {
@@ -74,7 +74,7 @@ impl Study {
         let lessons: BTreeSet<Lesson> = motions.iter().map(|motion| motion.lesson()).collect();
         let taught = |lesson| -> Outcome<_> {
             let taught = Taught::new(data, folder, lesson)?;
-            let spaces = Spaces::new(&taught, STEPS, isa)?;
+            let spaces = Spaces::new(&taught, TUNING, isa)?;
             Ok((lesson, (taught, spaces)))
         };
         let phases = if motions.contains(&Motion::Combo) {
@@ -100,7 +100,7 @@ impl Study {
         };
         let learned: Vec<Vec<f64>> = self.lessons.values().map(latents).collect();
         let hash = states.chain(learned.iter().flatten()).fold(FNV_START, |h, x| fnv(h, &x.to_bits().to_le_bytes()));
-        format!("version {VERSION}, {}, {hash:016x}, {VIEW:?}", self.isa.name())
+        format!("version {VERSION}, {}, {hash:016x}, {VIEW:?}, {TUNING:?}", self.isa.name())
     }
 
     fn run(&self, contender: &Contender, seed: u64) -> Outcome<serde_json::Value> {

@@ -1,7 +1,8 @@
 //! The tables of the study.
 
 use super::contender::{
-    Disturbance, EQUAL, Lesson, Method, Motion, OTHERS, PRINTED, REFERENCES, both_rates, disturbed, runs, walks,
+    Disturbance, EQUAL, Lesson, Method, Motion, OTHERS, PILOTED, PILOTED_EQUAL, PRINTED, REFERENCES, both_rates,
+    disturbed, runs, walks,
 };
 use super::lessons::Taught;
 use super::reconstruction::reconstructions;
@@ -57,17 +58,17 @@ pub(super) fn noise<'a>(lessons: impl IntoIterator<Item = (Lesson, &'a Taught)>)
     out
 }
 
-const HEADER: &str = "| | absolute, mm | relative, mm | limb ratio | kept | lost | h-apf − this, absolute, mm (one-sided 95 %) | evaluations | processor time a frame, ms |\n|---|---|---|---|---|---|---|--:|--:|\n";
+const HEADER: &str = "| | absolute, mm | relative, mm | limb ratio | kept | lost | first row − this, absolute, mm (one-sided 95 %) | evaluations | processor time a frame, ms |\n|---|---|---|---|---|---|---|--:|--:|\n";
 
-/// Methods on some motions, with the reference rows.
+/// Methods on some motions, with the reference rows; differences are to the first method.
 fn compared(results: &Results<'_>, prefix: &str, methods: &[Method], motions: &[Motion]) -> Outcome<String> {
     let mut out = String::new();
     for &method in [methods, &REFERENCES].concat().iter() {
         let [absolute, relative] = ["/absolute", "/relative"].map(|path| results.over(method, motions, path));
         let (ratio, [kept, lost, of]) = results.kept_and_lost(method, motions)?;
-        let [low, value, high] = results.difference_over(PRINTED[0], method, motions)?;
+        let [low, value, high] = results.difference_over(methods[0], method, motions)?;
         let difference =
-            if method == PRINTED[0] { String::new() } else { format!("{value:+.1} ({low:+.1} to {high:+.1})") };
+            if method == methods[0] { String::new() } else { format!("{value:+.1} ({low:+.1} to {high:+.1})") };
         let _ = writeln!(
             out,
             "| {prefix}{} | {} | {} | {ratio:.2} | {kept} of {of} | {lost} of {of} | {difference} | {} | {:.0} |",
@@ -81,9 +82,13 @@ fn compared(results: &Results<'_>, prefix: &str, methods: &[Method], motions: &[
     Ok(out)
 }
 
-/// Test walks at 15 frames a second, with as many evaluations too.
-pub(super) fn on_walks(results: &Results<'_>) -> Outcome<String> {
-    Ok(HEADER.to_owned() + &compared(results, "", &[&PRINTED[..], &EQUAL].concat(), &walks())?)
+/// Test walks at 15 frames a second: the paper's setting with as many evaluations too, and the pilot's.
+pub(super) fn on_walks(results: &Results<'_>) -> Outcome<[String; 2]> {
+    let table =
+        |methods: &[Method]| -> Outcome<String> { Ok(HEADER.to_owned() + &compared(results, "", methods, &walks())?) };
+    let of = [table(&[&PRINTED[..], &EQUAL].concat()), table(&[&PILOTED[..], &PILOTED_EQUAL].concat())];
+    let [paper, pilot] = of;
+    Ok([paper?, pilot?])
 }
 
 /// Test runs.
@@ -103,7 +108,7 @@ pub(super) fn rates(results: &Results<'_>, fast: &Results<'_>) -> Outcome<String
 pub(super) fn others(results: &Results<'_>) -> Outcome<String> {
     let mut out = HEADER.to_owned();
     for motion in OTHERS {
-        out += &compared(results, &format!("{}: ", motion.name()), &PRINTED[..3], &[motion])?;
+        out += &compared(results, &format!("{}: ", motion.name()), &[&PILOTED[..], &PRINTED[..3]].concat(), &[motion])?;
     }
     Ok(out)
 }
@@ -113,7 +118,7 @@ pub(super) fn phases(results: &Results<'_>, study: &Study) -> Outcome<String> {
     let mut out = String::from("| |");
     study.phases.iter().for_each(|phase| out += &format!(" {}, mm |", phase.name));
     out += &format!("\n|---|{}\n", "---|".repeat(study.phases.len()));
-    for &method in [&PRINTED[..3], &REFERENCES].concat().iter() {
+    for &method in [&PILOTED[..], &PRINTED[..3], &REFERENCES].concat().iter() {
         let contender = super::contender::Contender { method, motion: Motion::Combo };
         let _ = write!(out, "| {} |", method.name());
         for phase in &study.phases {
@@ -129,12 +134,10 @@ pub(super) fn phases(results: &Results<'_>, study: &Study) -> Outcome<String> {
 pub(super) fn recovery(results: &Results<'_>) -> Outcome<String> {
     let mut out = HEADER.replace("| | absolute", "| | found again | absolute");
     out = out.replacen("|---|", "|---|---|", 1);
+    let methods = [&PILOTED[..], &PRINTED[..3]].concat();
     for by in [Disturbance::Blank, Disturbance::Displaced] {
-        for (&method, row) in [&PRINTED[..3], &REFERENCES]
-            .concat()
-            .iter()
-            .zip(compared(results, &format!("{}: ", by.name()), &PRINTED[..3], &disturbed(by))?.lines())
-        {
+        let rows = compared(results, &format!("{}: ", by.name()), &methods, &disturbed(by))?;
+        for (&method, row) in methods.iter().chain(&REFERENCES).zip(rows.lines()) {
             let [found, of] = results.recovered(method, by)?;
             let name = format!("| {}: {} |", by.name(), method.name());
             let _ = writeln!(out, "{name} {found} of {of} |{}", row.trim_start_matches(&name));

@@ -18,8 +18,17 @@ use sinew::samplers::annealed_search;
 use sinew::tracking::{Tracker, annealed, bootstrap, gpapf, h_apf};
 use std::sync::Arc;
 
-/// Steps of the inverse map after regression, of which H-APF needs one a particle, frame and node. None: three take nine tenths of its time, and lead astray where the density is sharp ([`super::reconstruction`]).
-pub(super) const STEPS: usize = 0;
+/// What the paper leaves open about latents.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Tuning {
+    /// Steps of the inverse maps of leaves after regression, of which H-APF needs one a particle, frame and leaf.
+    pub(super) steps: usize,
+    /// Standard deviation of a latent's noise over half of its largest step in training.
+    pub(super) noise: f64,
+}
+
+/// As the pilot settled it. Three steps of inverse maps take nine tenths of the time.
+pub(super) const TUNING: Tuning = Tuning { steps: 0, noise: 1.0 };
 
 /// A tracker of poses from images.
 pub(super) type Running = Box<dyn Tracker<ImageLikelihood>>;
@@ -45,16 +54,17 @@ pub(super) fn all_layers() -> f64 {
 }
 
 impl Spaces {
-    /// Makes maps of what was learned; inverses within the hierarchy make that number of steps.
-    pub(super) fn new(taught: &Taught, steps: usize, isa: Isa) -> Outcome<Self> {
+    /// Makes maps of what was learned.
+    pub(super) fn new(taught: &Taught, Tuning { steps, noise }: Tuning, isa: Isa) -> Outcome<Self> {
         let motion = |model, sd: &[f64]| LatentMotion::new(model, 0, StepNoise::Fixed(sd.to_vec()), isa);
         let (single, whole) = (&taught.gpdm.model, &taught.hierarchy.model);
-        let (single_sd, root_sd) = (step_sd(single, 0), step_sd(whole, 0));
+        let root_sd = |model| -> Vec<f64> { step_sd(model, 0).into_iter().map(|sd| noise * sd).collect() };
+        let (single_sd, root_sd) = (root_sd(single), root_sd(whole));
         Ok(Self {
             single: Arc::new(Below::new(single, 0, isa)?),
             single_motion: motion(single, &single_sd)?,
             single_sd,
-            tree: Arc::new(hierarchy_with_steps(whole, steps, isa)?),
+            tree: Arc::new(hierarchy_with_steps(whole, steps, isa)?.with_noise(noise)),
             tree_motion: motion(whole, &root_sd)?,
             half: taught.fastest.iter().map(|step| 0.5 * step).collect(),
             isa,
