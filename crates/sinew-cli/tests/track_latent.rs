@@ -29,6 +29,7 @@ fn latent_models_that_do_not_fit_are_refused_in_words() {
         ("none", &["--fps", "30", "--method", "gpapf"][..]),
         ("another_body", &["--fps", "30", "--method", "gpapf", "--latent", "space.json", "--body", "cf28"]),
         ("another_rate", &["--fps", "60", "--method", "h-apf", "--latent", "space.json"]),
+        ("without_feet", &["--fps", "30", "--method", "h-apf", "--latent", "space.json"]),
         ("smoothed", &["--fps", "30", "--latent", "space.json", "--smooth"]),
         ("no_model", &["--fps", "30", "--latent", "walk/truth.trc"]),
     ] {

@@ -4,11 +4,47 @@ use crate::lanes::Block;
 use crate::random::BlockRng;
 use crate::transition::{GradTransition, MotionModel, Transition};
 
-/// The first coordinates move by one model, those after them by another.
+/// The first coordinates move by one model, those after them by another; a part that is `None` has no coordinates.
 ///
 /// Law `densities_multiply`: the parts are independent given the state before, so that the log density is the sum of both, and its gradient is put together.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SideBySide<A, B>(pub A, pub B);
+
+/// None has no coordinates.
+impl<T: MotionModel> MotionModel for Option<T> {
+    fn dim(&self) -> usize {
+        self.as_ref().map_or(0, MotionModel::dim)
+    }
+    fn follow(&mut self, before: Option<&[f64]>, estimate: &[f64]) {
+        if let Some(motion) = self {
+            motion.follow(before, estimate);
+        }
+    }
+    fn memory(&self) -> Vec<f64> {
+        self.as_ref().map_or(vec![], MotionModel::memory)
+    }
+    fn recall(&mut self, memory: &[f64]) {
+        if let Some(motion) = self {
+            motion.recall(memory);
+        }
+    }
+}
+
+impl<T: Transition> Transition for Option<T> {
+    fn sample_block(&self, previous: &[Block], next: &mut [Block], rng: &mut BlockRng) {
+        if let Some(motion) = self {
+            motion.sample_block(previous, next, rng);
+        }
+    }
+    fn sample_initial_block(&self, centre: &[f64], next: &mut [Block], rng: &mut BlockRng) {
+        if let Some(motion) = self {
+            motion.sample_initial_block(centre, next, rng);
+        }
+    }
+    fn log_density(&self, previous: &[f64], next: &[f64]) -> f64 {
+        self.as_ref().map_or(0.0, |motion| motion.log_density(previous, next))
+    }
+}
 
 impl<A: MotionModel, B: MotionModel> MotionModel for SideBySide<A, B> {
     fn dim(&self) -> usize {

@@ -37,6 +37,20 @@ fn densities_multiply() {
     }
 }
 
+/// A part that is none changes nothing; one that is there is itself.
+#[test]
+fn parts_may_be_missing() {
+    let (from, to) = ([0.1, 0.2, 0.3], [0.4, 0.9, 0.2]);
+    let drawn = |motion: &dyn Transition| {
+        let mut next = [Block::ZERO; 3];
+        motion.sample_block(&from.map(Block::splat), &mut next, &mut Stage::new(1, "beside").whole());
+        (motion.dim(), next, motion.log_density(&from, &to))
+    };
+    let bare = both();
+    assert_eq!(drawn(&SideBySide(both(), None::<RandomWalk>)), drawn(&bare));
+    assert_eq!(drawn(&SideBySide(bare.0.clone(), Some(bare.1.clone()))), drawn(&bare));
+}
+
 /// Each part of a state is drawn by its own model, also in the first frame; the law `memory_resumes`.
 #[test]
 fn parts_move_by_their_own_models() {

@@ -1,6 +1,6 @@
 //! Annealed particle filter in a latent space of poses (GPAPF; Raskin, Rudzsky & Rivlin 2007 and 2008). A **search**: what it reports is near a peak of the likelihood, and no posterior.
 //!
-//! The state is [λ, θ]: a place and a heading as they are, and the latent of a pose ω = ℘(θ), learned from motion. It is [`Annealed`] behind [`Decoded`]; for each frame, with n layers and survival rate α:
+//! The state is [λ, θ, ρ]: a place and a heading as they are, the latent of a pose ω = ℘(θ), learned from motion, and angles that no model holds, if there are any; these belong to λ below. It is [`Annealed`] behind [`Decoded`]; for each frame, with n layers and survival rate α:
 //!
 //! 1. λ_i += N(0, P_λ), θ_i ← φ(θ_i) + N(0, P_θ): the given transition, once a frame
 //! 2. for each layer v = 1 … n: ω_i = ℘(θ_i); W_i ∝ p(z | λ_i, ω_i)^β_v with β_v by survival; v < n: resample, λ_i += N(0, α^v P_λ), θ_i += N(0, α^v P_θ)
@@ -35,7 +35,7 @@ use std::sync::Arc;
 pub struct Config {
     /// Particles and layers.
     pub annealing: annealed::Config,
-    /// Standard deviations of a last layer among poses, one a coordinate of ω.
+    /// Standard deviations of a last layer among poses, one a coordinate of the pose after λ.
     pub refine: Option<Vec<f64>>,
     /// Latents at which particles begin a frame now and then.
     pub injection: Injection,
@@ -64,26 +64,30 @@ pub struct Gpapf<C, T> {
 }
 
 impl<C: Decode, T: Transition> Gpapf<C, T> {
-    /// A tracker that starts at a pose [λ, ω], of which `decoder` makes ω. `motion` moves [λ, θ] from frame to frame; `sd` are the standard deviations of P, half of the largest step between frames by the authors.
+    /// A tracker that starts at a pose, of which `decoder` makes coordinates of [λ, θ, ρ]. `motion` moves these from frame to frame; `sd` are the standard deviations of P, half of the largest step between frames by the authors.
     ///
     /// # Errors
     /// [`Error::Dimension`], [`Error::NotEncoded`], settings out of range, or no particles.
-    pub fn new(config: Config, decoder: C, motion: T, sd: Vec<f64>, pose: &[f64], isa: Isa) -> Result<Self, Error> {
+    pub fn new(
+        config: Config,
+        decoder: Beside<C>,
+        motion: T,
+        sd: Vec<f64>,
+        pose: &[f64],
+        isa: Isa,
+    ) -> Result<Self, Error> {
         let Config { annealing, refine, injection } = config;
-        let omega = decoder.target_dim();
-        let Some(free) = pose.len().checked_sub(omega) else {
-            return Err(Error::Dimension { name: "start", found: pose.len(), expected: omega });
-        };
+        check_dimension("start", pose.len(), decoder.target_dim())?;
+        let free = decoder.latent().start;
         let refine = match refine {
             Some(noise) => {
-                check_dimension("standard deviations of the refinement", noise.len(), omega)?;
+                check_dimension("standard deviations of the refinement", noise.len(), pose.len() - free)?;
                 let noise = [vec![0.0; free], noise].concat();
                 annealing.layers.check(&noise, pose.len())?;
                 Some((noise, annealing.clone()))
             }
             None => None,
         };
-        let decoder = Beside::whole(free, decoder)?;
         check_dimension("motion", motion.dim(), decoder.source_dim())?;
         let motion = Injected::new(motion, injection, decoder.latent())?;
         let inner = Decoded::new(decoder, pose, |start| Annealed::new(annealing, motion, sd, start, isa))?;

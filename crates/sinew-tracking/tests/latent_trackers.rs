@@ -3,6 +3,7 @@
 mod limbs;
 
 use limbs::{DIM, LIMBS, PLACE, coordinates, hierarchy, limb};
+use sinew_core::beside::Beside;
 use sinew_core::decode::Decode;
 use sinew_core::density::{Lanes, LogDensity};
 use sinew_core::hierarchy::AnyDecode;
@@ -106,6 +107,11 @@ fn root() -> Ordered {
     Ordered { coordinates: tree.nodes()[0].coordinates.clone(), pose: tree.nodes()[0].pose.clone() }
 }
 
+/// The same beside the place.
+fn beside() -> Beside<Ordered> {
+    Beside::whole(PLACE, root()).expect("fits")
+}
+
 /// A decoder whose coordinates are put where they belong.
 struct Ordered {
     coordinates: Vec<usize>,
@@ -139,7 +145,7 @@ impl Decode for Ordered {
 
 fn gpapf(config: gpapf::Config) -> Gpapf<Ordered, Motion> {
     let sd = [&LAMBDA_SD[..], &[LATENT_SD; 2]].concat();
-    Gpapf::new(config, root(), motion(), sd, &start(), Isa::best()).expect("valid")
+    Gpapf::new(config, beside(), motion(), sd, &start(), Isa::best()).expect("valid")
 }
 
 /// GPAPF with all that may be added.
@@ -301,7 +307,7 @@ fn settings_that_do_not_fit_are_refused() {
     assert!(matches!(made(h_apf::Config::default(), &LAMBDA_SD, &nowhere), Error::NotEncoded));
     let gpapf = |config: gpapf::Config, start: &[f64]| {
         let sd = [&LAMBDA_SD[..], &[LATENT_SD; 2]].concat();
-        Gpapf::new(config, root(), motion(), sd, start, Isa::best()).map(|_| ()).expect_err("refused")
+        Gpapf::new(config, beside(), motion(), sd, start, Isa::best()).map(|_| ()).expect_err("refused")
     };
     let refine = Some(vec![0.1; 3]);
     let refined = gpapf(gpapf::Config { refine, ..gpapf::Config::default() }, &start());

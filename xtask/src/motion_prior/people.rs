@@ -15,8 +15,7 @@ use sinew_motion::cmu;
 use sinew_motion::follow::NamedBody;
 use sinew_motion::points::Trajectories;
 use sinew_motion::retarget::retarget;
-use sinew_tools::learn::features::feature_vectors;
-use sinew_tools::learn::latent::FREE;
+use sinew_tools::learn::features::{feature_vectors, pose_coordinates};
 use sinew_tools::learn::selection::{ChosenRows, first_phases, middles};
 use sinew_tools::learn::sequences::{Acclaim, Sequences, sequences};
 use std::path::{Path, PathBuf};
@@ -125,22 +124,21 @@ fn latent(path: &Path, data: &Path, without: &[&str]) -> Outcome<StoredModel> {
     let walks = |trials: &[&'static str], prefix: &str| -> Vec<&'static str> {
         trials.iter().copied().filter(|trial| trial.starts_with(prefix)).collect()
     };
-    let mut sequences = vec![];
+    let (mut sequences, chosen) = (vec![], pose_coordinates(NamedBody::H32));
     for (folder, trials) in [(cmu, walks(trials, "07")), (subject_35, walks(others, "walk"))] {
         let files = training_files(data, folder, &trials, without);
         let acclaim = Acclaim { hz: Some(folder.recorded_hz), ..Acclaim::default() };
         let (body, found) = (NamedBody::H32, sequences_of(&files, acclaim)?);
-        let dim = body.tree().dof();
-        sequences.extend(first_phases(&found, dim, FREE));
+        sequences.extend(first_phases(&found, body.tree().dof(), &chosen));
     }
-    let columns = NamedBody::H32.tree().dof() - FREE;
+    let columns = chosen.len();
     let ChosenRows { rows, lengths, .. } = middles(&sequences, columns, LATENT_ROWS)?;
     let model = gpdm::model(&rows, columns, &lengths, &gpdm::Config::default())?;
     let mut training = Training::new(model, training::Config::default(), Isa::best())?;
     training.run(|_| true);
     let model = training.into_model();
     let state = NamedBody::H32.name().into();
-    let stored = StoredModel { state, frame_rate: RATE_HZ, free: FREE, kind: LatentKind::Gpdm, model };
+    let stored = StoredModel { state, frame_rate: RATE_HZ, free: chosen.start, kind: LatentKind::Gpdm, model };
     std::fs::write(path, sinew::latent::file::write(&name, &stored)?)?;
     Ok(stored)
 }

@@ -3,6 +3,7 @@
 use super::facts::Facts;
 use crate::Error;
 use crate::learn::LearnError;
+use crate::learn::features::pose_coordinates;
 use crate::learn::limbs::name_of;
 use crate::learn::reconstruction::{Reconstruction, reconstruction};
 use sinew::files::read_text;
@@ -25,9 +26,10 @@ pub(super) fn read(path: &Path) -> Result<StoredModel, Error> {
     Ok(file::read(&path.display().to_string(), &text).map_err(LearnError::LatentModel)?)
 }
 
-/// The body whose states a model is of, if it is known and has as many coordinates.
+/// The body whose states a model is of, if it is known and its poses have as many coordinates.
 pub(super) fn body_of(stored: &StoredModel) -> Option<NamedBody> {
-    NamedBody::find(&stored.state).filter(|body| body.tree().dof() == stored.free + stored.model.columns)
+    let held = stored.free..stored.free + stored.model.columns;
+    NamedBody::find(&stored.state).filter(|&body| pose_coordinates(body) == held)
 }
 
 pub(super) fn facts(path: &Path) -> Result<Facts, Error> {
@@ -41,7 +43,7 @@ pub(super) fn facts(path: &Path) -> Result<Facts, Error> {
     facts.row("rows", format!("{} in {} {plural}", model.rows(), model.sequences.len()));
     let body = body_of(&stored);
     for n in 0..model.nodes.len() {
-        facts.row(format!("space {}", name_of(body, *free, model, n)), node(model, n));
+        facts.row(format!("space {}", name_of(body, model, n)), node(model, n));
     }
     facts.row("prior", prior(&model.prior));
     match objective(model, Isa::baseline()) {

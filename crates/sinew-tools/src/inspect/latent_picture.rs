@@ -74,7 +74,7 @@ impl Panel {
 }
 
 fn picture(stored: &StoredModel, name: &str) -> Result<String, sinew_latent::Error> {
-    let StoredModel { state, frame_rate, free, kind, model } = stored;
+    let StoredModel { state, frame_rate, kind, model, .. } = stored;
     let count = model.nodes.len().min(MOST);
     let (columns, side) = (count.min(BESIDE), if count == 1 { SIDES[0] } else { SIDES[1] });
     let step = [side + AXES[0] + MARGIN, NAME + side + AXES[1]];
@@ -91,7 +91,7 @@ fn picture(stored: &StoredModel, name: &str) -> Result<String, sinew_latent::Err
         let panel = Panel { corner, side };
         let plane = Plane::new(model, n)?;
         let coordinates = if model.nodes[n].dim == 1 { "coordinate" } else { "coordinates" };
-        let words = format!("{}: {} {coordinates}", name_of(body, *free, model, n), model.nodes[n].dim);
+        let words = format!("{}: {} {coordinates}", name_of(body, model, n), model.nodes[n].dim);
         svg.text(corner[0], corner[1] - 8.0, 13.0, &words);
         background(&mut svg, panel, &plane);
         paths(&mut svg, panel, &plane);
@@ -194,16 +194,17 @@ fn figures(
 ) -> Result<(), sinew_latent::Error> {
     let StoredModel { model, free, .. } = stored;
     let below = Below::new(model, n, Isa::baseline())?;
-    let drawn = outermost(panel, plane);
+    let (drawn, tree) = (outermost(panel, plane), body.tree());
     let state = |&(row, _): &(usize, [f64; 2])| {
         let mut decoded = vec![0.0; below.columns().len()];
         below.decode(model.nodes[n].latent(row), &mut decoded);
         let mut state = [&vec![0.0; *free], &model.standard.mean[..]].concat();
+        state.resize(tree.dof(), 0.0);
         below.columns().iter().zip(&decoded).for_each(|(&j, &x)| state[free + j] = x);
         state
     };
     let states: Vec<Vec<f64>> = drawn.iter().map(state).collect();
-    let motion = points_of_states(&body.tree(), &states);
+    let motion = points_of_states(&tree, &states);
     let scale = METRE * panel.side;
     for ((row, centre), frame) in drawn.iter().zip(&motion.frames) {
         let place = panel.at(plane, plane.points[*row]);
@@ -289,7 +290,7 @@ mod tests {
     #[test]
     fn a_tree_has_a_panel_a_node() {
         let rows = rows();
-        let tree = branches(NamedBody::Hppf24, 6, &rows, 2).unwrap();
+        let tree = branches(NamedBody::Hppf24, &rows, 2).unwrap();
         let config = hgplvm::Config { tree, root_per_motion: true };
         let model = hgplvm::model(&rows, 18, &[12, 18], &[1, 1], &config).unwrap();
         let stored = StoredModel { state: "hppf24".into(), frame_rate: 20.0, free: 6, kind: LatentKind::Hgplvm, model };

@@ -1,7 +1,7 @@
 //! The feature vectors of a body: which coordinates move together.
 //!
 //! HPPF24 has the 14 of Husz, Wallace & Green (2007): all joint angles, head, arms and legs, and each part of a limb, by the names of the body's links. The others have one, since their
-//! model is used as the prior of the whole body: all coordinates except root and feet. Recordings show one point of a foot, which does not say how it rolls, so that the same step has other angles in each; the feet walk at
+//! model is used as the prior of the whole body: all coordinates except root and feet ([`pose_coordinates`]), as latent models have them. Recordings show one point of a foot, which does not say how it rolls, so that the same step has other angles in each; the feet walk at
 //! random.
 
 use sinew_body::KinematicTree;
@@ -27,8 +27,7 @@ const LIMBS: [(&str, [&str; 2]); 4] = [
 pub fn feature_vectors(body: NamedBody) -> Vec<FeatureVector> {
     let tree = body.tree();
     let vector = |name: &str, coordinates| FeatureVector { name: name.into(), coordinates };
-    let is_foot = |j: &usize| FEET.iter().any(|foot| coordinates_of(&tree, foot).contains(j));
-    let mut found = vec![vector("body", (ROOT..tree.dof()).filter(|j| !is_foot(j)).collect())];
+    let mut found = vec![vector("body", pose_coordinates(body).collect())];
     if body == NamedBody::Hppf24 {
         let links = |names: &[&str]| names.iter().flat_map(|name| coordinates_of(&tree, name)).collect();
         found.push(vector("head", links(&["head"])));
@@ -38,10 +37,12 @@ pub fn feature_vectors(body: NamedBody) -> Vec<FeatureVector> {
     found
 }
 
-/// Whether a body's feet turn.
-pub(super) fn has_feet(body: NamedBody) -> bool {
+/// The coordinates that recordings of other people know: all between the root and the feet, which come last.
+#[must_use]
+pub fn pose_coordinates(body: NamedBody) -> std::ops::Range<usize> {
     let tree = body.tree();
-    FEET.iter().any(|foot| !coordinates_of(&tree, foot).is_empty())
+    let feet = FEET.iter().map(|foot| coordinates_of(&tree, foot)).filter(|foot| !foot.is_empty());
+    ROOT..feet.map(|foot| foot.start).min().unwrap_or(tree.dof())
 }
 
 fn coordinates_of(tree: &KinematicTree, name: &str) -> std::ops::Range<usize> {

@@ -1,12 +1,12 @@
 //! Learning of a latent model from motion files, resumable to the same bytes.
 //!
-//! 1. Joints of each file at the working rate, and the body along them ([`mod@super::sequences`]); angles are continuous in time, position and orientation of the root are left out.
+//! 1. Joints of each file at the working rate, and the body along them ([`mod@super::sequences`]); angles are continuous in time. Position and orientation of the root are left out, and feet, of which recordings do not say how they roll.
 //! 2. Of each recording one phase at the rate of the model, cut where there is too much ([`super::selection`]).
 //! 3. A model ([`sinew_latent`]) from principal components, and L-BFGS; its state waits in a file beside the model every fifty steps and when it is interrupted.
 //! 4. The model is written whole, with errors of poses that go through it and back ([`super::reconstruction`]).
 
 use super::LearnError;
-use super::features::has_feet;
+use super::features::pose_coordinates;
 use super::limbs::{branches, components};
 use super::motion_files::{Following, LearnPhase, MotionFiles, PhaseReport};
 use super::reconstruction::{Reconstruction, reconstruction};
@@ -24,9 +24,6 @@ use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-/// Coordinates of the root, which are not in the model: position and orientation.
-pub const FREE: usize = 6;
-
 /// Steps from one stored state to the next.
 const STORED: usize = 50;
 
@@ -35,10 +32,6 @@ const RIDGE: f64 = 1e-3;
 
 /// Poses that are sent through the model and back, at most, for the training and for the held-out motion.
 const TRIED: usize = 400;
-
-/// What is said of bodies with feet.
-const FEET: &str = "has feet, and recordings do not say how these roll: the same step has other angles in each, so that poses of other \
-                    recordings come back badly; `--body cf28` has no feet";
 
 /// What to learn from, and how.
 #[derive(Clone, Debug, PartialEq)]
@@ -106,11 +99,8 @@ pub fn learn(
 ) -> Result<LearnedLatent, Error> {
     request.files.refuse_output(out, force)?;
     let Following { training, held_out, mut warnings } = request.files.follow(watch.progress)?;
-    if has_feet(request.files.body) {
-        warnings.push(format!("{} {FEET}", request.files.body.name()));
-    }
-    let dim = request.files.body.tree().dof();
-    let selection = middles(&first_phases(&training, dim, FREE), dim - FREE, request.rows)?;
+    let (dim, chosen) = (request.files.body.tree().dof(), pose_coordinates(request.files.body));
+    let selection = middles(&first_phases(&training, dim, &chosen), chosen.len(), request.rows)?;
     let LatentRequest { kind, dim: q, balanced, back, root_per_motion, steps, .. } = request;
     let settings = format!("{kind} {q} {balanced} {back} {root_per_motion} {steps} {:?}", selection.lengths);
     let unfinished =
@@ -137,12 +127,12 @@ pub fn learn(
     let stored = StoredModel {
         state: body.name().into(),
         frame_rate: fps,
-        free: FREE,
+        free: chosen.start,
         kind: request.kind,
         model: learning.into_model(),
     };
     let text = file::write(&out.display().to_string(), &stored).map_err(LearnError::UnwritableLatent)?;
-    let others = first_phases(&held_out, dim, FREE).concat();
+    let others = first_phases(&held_out, dim, &chosen).concat();
     for (found, poses) in learned.reconstruction.iter_mut().zip([&stored.model.data, &others]) {
         *found = reconstruction(&stored.model, poses, TRIED).map_err(LearnError::Latent)?;
     }
@@ -171,7 +161,7 @@ fn begun(
 /// The model at its start.
 fn model(request: &LatentRequest, selection: &ChosenRows) -> Result<LatentModel, LearnError> {
     let ChosenRows { rows, lengths, .. } = selection;
-    let columns = request.files.body.tree().dof() - FREE;
+    let columns = pose_coordinates(request.files.body).len();
     let (dim, back) = (request.dim, request.back.then_some(RIDGE));
     let found = components(rows, columns, &(0..columns).collect::<Vec<_>>(), dim);
     if found < dim {
@@ -190,7 +180,7 @@ fn model(request: &LatentRequest, selection: &ChosenRows) -> Result<LatentModel,
             gpdm::model(rows, columns, lengths, &config)
         }
         LatentKind::Hgplvm => {
-            let tree = branches(request.files.body, FREE, rows, dim)?;
+            let tree = branches(request.files.body, rows, dim)?;
             let config = hgplvm::Config { tree, root_per_motion: request.root_per_motion };
             hgplvm::model(rows, columns, lengths, &vec![1; lengths.len()], &config)
         }

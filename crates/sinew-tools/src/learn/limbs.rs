@@ -4,6 +4,7 @@
 //! hierarchy states a table of its own in [`limbs_of`].
 
 use super::LearnError;
+use super::features::pose_coordinates;
 use sinew_body::hapf31::LatentSpace;
 use sinew_body::{KinematicTree, hapf31};
 use sinew_dynamics::pca::{Keep, fit};
@@ -11,6 +12,7 @@ use sinew_latent::hgplvm::PlannedNode;
 use sinew_latent::model::{LatentModel, Outputs};
 use sinew_latent::outputs::{Preparation, Standard};
 use sinew_motion::follow::NamedBody;
+use std::ops::Range;
 
 /// A node of the tree.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -75,8 +77,8 @@ fn is_inner(limbs: &[Limb], n: usize) -> bool {
     limbs.iter().any(|limb| limb.parent == Some(n))
 }
 
-/// Coordinates of each node from `free` on, counted from there; a node above others has all that the nodes below it have.
-fn columns(limbs: &[Limb], tree: &KinematicTree, free: usize) -> Vec<Vec<usize>> {
+/// Coordinates of each node, of those that are chosen and counted among them; a node above others has all that the nodes below it have.
+fn columns(limbs: &[Limb], tree: &KinematicTree, chosen: &Range<usize>) -> Vec<Vec<usize>> {
     let left = (0..limbs.len()).find(|&n| limbs[n].links.is_empty() && !is_inner(limbs, n));
     let mut columns = vec![Vec::new(); limbs.len()];
     let mut owners: Vec<Option<usize>> = vec![];
@@ -85,7 +87,7 @@ fn columns(limbs: &[Limb], tree: &KinematicTree, free: usize) -> Vec<Vec<usize>>
         let owner = named.or_else(|| link.parent.and_then(|parent| owners[parent]));
         owners.push(owner);
         let first = tree.first_dof(l);
-        let own = (first..first + link.joints.len()).filter(|&j| j >= free).map(|j| j - free);
+        let own = (first..first + link.joints.len()).filter(|j| chosen.contains(j)).map(|j| j - chosen.start);
         let mut node = owner.or(left);
         while let Some(n) = node {
             columns[n].extend(own.clone());
@@ -106,13 +108,13 @@ pub(super) fn components(rows: &[f64], width: usize, columns: &[usize], most: us
     found.map_or(0, |pca| pca.variances.iter().filter(|&&variance| variance > STILL * pca.total).count())
 }
 
-/// The tree of a hierarchical model of rows of all coordinates from `free` on, with `dim` coordinates in each latent, fewer where a limb moves in fewer ways.
+/// The tree of a hierarchical model of rows of a body's coordinates ([`pose_coordinates`]), with `dim` coordinates in each latent, fewer where a limb moves in fewer ways.
 ///
 /// # Errors
 /// [`LearnError::StillLimb`] where a limb does not move, [`LearnError::Latent`] for rows that are none.
-pub fn branches(body: NamedBody, free: usize, rows: &[f64], dim: usize) -> Result<Vec<PlannedNode>, LearnError> {
-    let (tree, limbs) = (body.tree(), limbs_of(body));
-    let (width, all) = (tree.dof() - free, columns(limbs, &tree, free));
+pub fn branches(body: NamedBody, rows: &[f64], dim: usize) -> Result<Vec<PlannedNode>, LearnError> {
+    let (tree, limbs, chosen) = (body.tree(), limbs_of(body), pose_coordinates(body));
+    let (width, all) = (chosen.len(), columns(limbs, &tree, &chosen));
     let rows = Standard::new(rows, width, Preparation::Standardised).map_err(LearnError::Latent)?.apply(rows);
     let kept: Vec<usize> = (0..limbs.len()).filter(|&n| !all[n].is_empty()).collect();
     let place = |n: usize| kept.iter().position(|&other| other == n);
@@ -141,10 +143,10 @@ pub fn columns_below(model: &LatentModel, node: usize) -> Vec<usize> {
 
 /// The name of a node of a model of a body, by the coordinates that it generates; its number where no limb has these. Its rows are named where they are not all.
 #[must_use]
-pub fn name_of(body: Option<NamedBody>, free: usize, model: &LatentModel, node: usize) -> String {
+pub fn name_of(body: Option<NamedBody>, model: &LatentModel, node: usize) -> String {
     let below = columns_below(model, node);
     let limbs = body.map_or(&[][..], limbs_of);
-    let all = body.map_or(vec![], |body| columns(limbs, &body.tree(), free));
+    let all = body.map_or(vec![], |body| columns(limbs, &body.tree(), &pose_coordinates(body)));
     let found = limbs.iter().zip(&all).find(|(_, columns)| **columns == below);
     let name = found.map_or_else(|| format!("node {node}"), |(limb, _)| limb.name.to_owned());
     let rows = &model.nodes[node].rows;
@@ -156,21 +158,22 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_coordinate_but_the_roots_belongs_to_one_limb() {
+    fn every_coordinate_of_a_pose_belongs_to_one_limb() {
         for body in NamedBody::ALL {
             let (limbs, tree) = (limbs_of(body), body.tree());
-            let all = columns(limbs, &tree, 6);
+            let chosen = pose_coordinates(body);
+            let all = columns(limbs, &tree, &chosen);
             let leaves = (0..limbs.len()).filter(|&n| !is_inner(limbs, n));
             let mut covered: Vec<usize> = leaves.flat_map(|n| all[n].clone()).collect();
             covered.sort_unstable();
-            assert_eq!(covered, (0..tree.dof() - 6).collect::<Vec<_>>(), "{}", body.name());
+            assert_eq!(covered, (0..chosen.len()).collect::<Vec<_>>(), "{}", body.name());
             assert_eq!(all[0], covered, "{}", body.name());
         }
-        let shown = |body: NamedBody| columns(limbs_of(body), &body.tree(), 6)[3..].to_vec();
+        let shown = |body: NamedBody| columns(limbs_of(body), &body.tree(), &pose_coordinates(body))[3..].to_vec();
         let hppf24: [&[usize]; 5] = [&[0, 1], &[10, 11, 12, 13], &[14, 15, 16, 17], &[2, 3, 4, 5], &[6, 7, 8, 9]];
         assert_eq!(shown(NamedBody::Hppf24), hppf24);
         let h32 = shown(NamedBody::H32);
-        assert_eq!(h32.iter().map(Vec::len).collect::<Vec<_>>(), [6, 6, 6, 4, 4]);
+        assert_eq!(h32.iter().map(Vec::len).collect::<Vec<_>>(), [6, 4, 4, 4, 4]);
     }
 
     #[test]
@@ -180,13 +183,10 @@ mod tests {
             _ => (0.3 * n as f64 * (1.0 + 0.1 * j as f64)).sin(),
         };
         let rows: Vec<f64> = (0..40 * 18).map(|k| angle(k / 18, k % 18)).collect();
-        let branches = branches(NamedBody::Hppf24, 6, &rows, 3).unwrap();
+        let branches = branches(NamedBody::Hppf24, &rows, 3).unwrap();
         assert_eq!(branches.iter().map(|branch| branch.dim).collect::<Vec<_>>(), [3, 3, 3, 2, 1, 3, 3, 3]);
         assert_eq!(branches[4].parent, Some(1));
         let still = vec![0.5; 40 * 18];
-        assert!(matches!(
-            super::branches(NamedBody::Hppf24, 6, &still, 3),
-            Err(LearnError::StillLimb { limb: "body" })
-        ));
+        assert!(matches!(super::branches(NamedBody::Hppf24, &still, 3), Err(LearnError::StillLimb { limb: "body" })));
     }
 }

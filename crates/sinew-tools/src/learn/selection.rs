@@ -5,6 +5,7 @@
 
 use super::LearnError;
 use super::sequences::Sequences;
+use std::ops::Range;
 
 /// The rows that were chosen.
 #[derive(Clone, Debug, PartialEq)]
@@ -20,14 +21,16 @@ pub struct ChosenRows {
 /// Rows that a sequence keeps at least: a step of the dynamics.
 const LEAST: usize = 2;
 
-/// One phase of each file, without the leading `free` of `dim` coordinates.
+/// One phase of each file: of `dim` coordinates those that are chosen.
 #[must_use]
-pub fn first_phases(sequences: &Sequences, dim: usize, free: usize) -> Vec<Vec<f64>> {
+pub fn first_phases(sequences: &Sequences, dim: usize, chosen: &Range<usize>) -> Vec<Vec<f64>> {
     let mut states = sequences.states.iter();
     let mut firsts = Vec::new();
     for file in &sequences.files {
         let own = states.by_ref().take(file.sequences).collect::<Vec<_>>();
-        firsts.extend(own.first().map(|rows| rows.chunks_exact(dim).flat_map(|row| &row[free..]).copied().collect()));
+        firsts.extend(
+            own.first().map(|rows| rows.chunks_exact(dim).flat_map(|row| &row[chosen.clone()]).copied().collect()),
+        );
     }
     firsts
 }

@@ -1,15 +1,13 @@
 //! `gpapf`: the annealed particle filter in a latent space of Raskin, Rudzsky & Rivlin 2007 and 2008, a search.
 
 use super::about::{About, Gives, LatentUse, Making, Method, Steps, no_latent_model};
-use super::latent_state::{ROOT, free_sd, motion, stored};
+use super::latent_state::{ROOT, around, decoder, motion, stored};
 use super::score::Score;
 use crate::Error;
 use crate::config::setting::{SAMPLING, SHARE, Setting, SettingKind, computed};
 use crate::config::values::SettingValues;
-use crate::track::error::TrackError;
 use sinew_core::injection::Injection;
 use sinew_latent::motion::step_sd;
-use sinew_latent::space::Below;
 use sinew_tracking::gpapf::{self, Config};
 use std::sync::Arc;
 
@@ -69,9 +67,9 @@ impl Method for GpapfMethod {
 
     fn tracker(&self, making: &Making<'_>, start: Vec<f64>) -> Result<Box<dyn Steps>, Error> {
         let stored = stored(making, &ABOUT)?;
-        let decoder = Below::new(&stored.model, ROOT, making.isa).map_err(TrackError::Latent)?;
-        let mapping = decoder.space().mapping.clone();
-        let sd = [free_sd(making, stored), &step_sd(&stored.model, ROOT)].concat();
+        let decoder = decoder(making, stored)?;
+        let mapping = decoder.decoder().space().mapping.clone();
+        let sd = around(making, stored, making.transition.sd(), &step_sd(&stored.model, ROOT));
         let noise = || making.transition.sd()[stored.free..].iter().map(|sd| REFINEMENT * sd).collect();
         let config = Config {
             refine: self.refine.then(noise),

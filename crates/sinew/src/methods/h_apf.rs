@@ -1,7 +1,7 @@
 //! `h-apf`: the hierarchical annealed particle filter of Raskin, Rudzsky & Rivlin 2011, a search down a tree of latent spaces.
 
 use super::about::{About, Gives, LatentUse, Making, Method, Steps, no_latent_model};
-use super::latent_state::{free_sd, motion, stored};
+use super::latent_state::{leading, motion, rest, stored};
 use super::score::Score;
 use crate::Error;
 use crate::config::setting::{SAMPLING, Setting, SettingKind, computed};
@@ -63,10 +63,14 @@ impl Method for HApfMethod {
 
     fn tracker(&self, making: &Making<'_>, start: Vec<f64>) -> Result<Box<dyn Steps>, Error> {
         let stored = stored(making, &ABOUT)?;
+        if !rest(making, stored).is_empty() {
+            return Err(TrackError::LatentRest { method: ABOUT.name, body: stored.state.clone() }.into());
+        }
         let tree = Arc::new(hierarchy(&stored.model, making.isa).map_err(TrackError::Latent)?);
         let config = Config { schedule: schedule(self.0.schedule.len(), tree.layers()), ..self.0.clone() };
         let motion = motion(making, stored)?;
-        Ok(Box::new(HApf::new(config, tree, motion, free_sd(making, stored), &start, making.isa)?))
+        let place = &making.transition.sd()[leading(stored)];
+        Ok(Box::new(HApf::new(config, tree, motion, place, &start, making.isa)?))
     }
 }
 

@@ -5,13 +5,12 @@
 
 use super::about::{About, Gives, LatentUse, Making, Method, StepSize, Steps};
 use super::frame_likelihood::FrameLikelihood;
-use super::latent_state::{ROOT, walk};
+use super::latent_state::{ROOT, decoder, walk};
 use super::score::Score;
 use crate::Error;
 use crate::config::setting::{SAMPLING, SHARE, Setting, SettingKind, computed};
 use crate::config::values::SettingValues;
 use crate::setup::Setup;
-use crate::track::error::TrackError;
 use sinew_core::beside::Beside;
 use sinew_core::combinators::{Sum, Through};
 use sinew_core::decode::Decode;
@@ -99,12 +98,11 @@ struct LatentParts {
 }
 
 fn latent_parts(making: &Making<'_>, stored: &StoredModel) -> Result<LatentParts, Error> {
-    let StoredModel { free, ref model, .. } = *stored;
-    let below = Below::new(model, ROOT, making.isa).map_err(TrackError::Latent)?;
-    let leaf = LatentDensity::prior_of(below.space().mapping.clone(), LatentPrior::of(model, ROOT));
-    let decoder = Beside::whole(free, below).map_err(sinew_tracking::Error::Core)?;
+    let decoder = decoder(making, stored)?;
+    let mapping = decoder.decoder().space().mapping.clone();
+    let leaf = LatentDensity::prior_of(mapping, LatentPrior::of(&stored.model, ROOT));
     let target = Lanes { leaf, isa: making.isa };
-    let prior = Within { target, first: free, dim: decoder.source_dim() };
+    let prior = Within { target, first: stored.free, dim: decoder.source_dim() };
     Ok(LatentParts { decoder, prior, walk: walk(making, stored, Between::Gaussian)? })
 }
 

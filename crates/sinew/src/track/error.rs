@@ -126,6 +126,14 @@ pub enum TrackError {
         /// Name of the method.
         method: &'static str,
     },
+    /// A latent model that leaves out coordinates of the pose, for a method that needs them all.
+    #[error("`{method}` needs a latent model of the whole pose; this one of {body} leaves out its feet")]
+    LatentRest {
+        /// Name of the method.
+        method: &'static str,
+        /// Name of the body.
+        body: String,
+    },
     /// A latent model that cannot be tracked in.
     #[error(transparent)]
     Latent(#[from] sinew_latent::Error),
@@ -150,6 +158,7 @@ impl TrackError {
             | Self::ModelRate { .. }
             | Self::NoMotionModel { .. }
             | Self::NoLatentModel { .. }
+            | Self::LatentRest { .. }
             | Self::Latent(_) => 2,
             Self::UnknownCamera { .. }
             | Self::FewPoints { .. }
@@ -196,6 +205,7 @@ impl TrackError {
                 "leave `--motion-model` out, or use `--method hmc`, `bootstrap`, `annealed` or `hppf`"
             }
             Self::NoLatentModel { .. } => "name one with `--latent`; `sinew learn latent` makes it",
+            Self::LatentRest { .. } => "learn and track another body (`--body cf28`), or use `--method gpapf`",
             Self::Latent(_) => "learn the latent model again with `--model gpdm`, or `hgplvm` with one root",
             Self::NoInstructionSet { .. } => "leave `--simd` out to take the best",
             Self::Solids(_)

@@ -100,7 +100,8 @@ pub fn check_model(model: &PrimitiveModel, tree: &KinematicTree, fps: f64) -> Re
 /// [`TrackError::ModelBody`], [`TrackError::ModelRate`].
 pub fn check_latent_model(stored: &StoredModel, tree: &KinematicTree, fps: f64) -> Result<(), TrackError> {
     let StoredModel { state, frame_rate, free, model, .. } = stored;
-    let (format, dim) = (sinew_latent::file::FORMAT, free + model.columns);
+    // Coordinates after those of the model are none of its business.
+    let (format, dim) = (sinew_latent::file::FORMAT, tree.dof().max(free + model.columns));
     check_body(&LearnedOf { format, state, dim, frame_rate: *frame_rate }, tree, fps)
 }
 

@@ -7,6 +7,7 @@ use crate::reproduce::interval_tally::COLUMNS;
 use crate::reproduce::known_posterior::{self, FIRST, STEP, Sight};
 use crate::store::{Store, Task, run_all};
 use serde_json::{Value, json};
+use sinew::core::beside::Beside;
 use sinew::core::decode::{Identity, Linear};
 use sinew::core::density::Lanes;
 use sinew::core::hierarchy::{AnyDecode, Hierarchy, Node};
@@ -91,7 +92,7 @@ fn series(limbs: usize, contender: Contender, stage: Stage) -> Outcome<[f64; COL
         Contender::Annealed => Box::new(Annealed::new(annealed::Config::raskin(), walk, sd, centre, isa)?),
         Contender::Gpapf => {
             let pose = Identity(dim - PLACE);
-            Box::new(Gpapf::new(gpapf::Config::default(), pose, walk, sd, &centre, isa)?)
+            Box::new(Gpapf::new(gpapf::Config::default(), Beside::whole(PLACE, pose)?, walk, sd, &centre, isa)?)
         }
         Contender::HApf => {
             let spaces = Arc::new(hierarchy(limbs, isa)?);

@@ -6,6 +6,7 @@ use super::contender::{LAYERS, Method};
 use super::lessons::Taught;
 use crate::outcome::Outcome;
 use sinew::body::hapf31::FREE;
+use sinew::core::beside::Beside;
 use sinew::core::hierarchy::Hierarchy;
 use sinew::core::lanes::Isa;
 use sinew::core::side_by_side::SideBySide;
@@ -93,7 +94,8 @@ impl Spaces {
                 let sd = [&half[..FREE], &self.single_sd].concat();
                 let mapping = self.single.space().mapping.clone();
                 let variance = move |x: &[f64]| mapping.variance_at(x) / mapping.prior_variance(x);
-                let tracker = gpapf::Gpapf::new(config, self.single.clone(), motion, sd, start, isa)?;
+                let decoder = Beside::whole(FREE, self.single.clone())?;
+                let tracker = gpapf::Gpapf::new(config, decoder, motion, sd, start, isa)?;
                 Box::new(tracker.with_variance(Arc::new(variance)))
             }
             Method::HApf(particles) => {
