@@ -18,6 +18,7 @@ mod source;
 mod store;
 mod tables;
 mod tidy;
+mod trackers;
 mod verify;
 
 use clap::{Parser, Subcommand};
@@ -60,6 +61,8 @@ enum Command {
     Tables,
     /// Check the rules that docs/ARCHITECTURE.md states: layers, who may do IO, leftovers, module docs.
     Tidy,
+    /// Track the same recordings by all trackers: the tables of docs/reference/trackers.md.
+    Trackers(trackers::Args),
     /// Run every statistical check: does each claim of docs/evidence/correctness.md hold?
     Verify(verify::Args),
 }
@@ -80,6 +83,7 @@ fn main() -> ExitCode {
         Command::Soak(args) => soak::run(&args),
         Command::Tables => tables::run(root),
         Command::Tidy => tidy::run(root),
+        Command::Trackers(args) => trackers::run(root, &args),
         Command::Verify(args) => verify::run(root, &args),
     }
 }
