@@ -2,12 +2,16 @@
 //!
 //! A value is reached where it is met to 10⁻⁵ (the minima are published to six digits) or to 10⁻¹² where it is 0.
 
+mod common;
 #[path = "common/scaled_conjugate_gradients.rs"]
 mod scaled_conjugate_gradients;
 mod standard_problems;
 
 use proptest::prelude::*;
+use sinew_core::lanes::Isa;
 use sinew_latent::lbfgs::{Lbfgs, Objective};
+use sinew_latent::training::Landscape;
+use sinew_latent::{gpdm, gplvm};
 use standard_problems::reached_by_scipy::{ROWS, Row};
 use standard_problems::{Problem, all};
 
@@ -15,6 +19,8 @@ const RELATIVE: f64 = 1e-5;
 const ABSOLUTE: f64 = 1e-12;
 /// Steps of L-BFGS at most.
 const STEPS: usize = 5000;
+/// Difference of two objectives that counts as none.
+const NATS: f64 = 0.1;
 /// Evaluations of scaled conjugate gradients at most.
 const EVALUATIONS: usize = 20_000;
 
@@ -31,6 +37,12 @@ const BEYOND_CONJUGATE_GRADIENTS: [&str; 2] = ["10 Meyer, n = 3", "20 Watson, n 
 fn minimise(mut objective: impl Objective, start: &[f64]) -> Lbfgs {
     let mut state = Lbfgs::new(&mut objective, start.to_vec());
     while state.iterations < STEPS && state.step(&mut objective) {}
+    state
+}
+
+fn minimise_on(objective: &mut Landscape, start: &[f64]) -> Lbfgs {
+    let mut state = Lbfgs::new(objective, start.to_vec());
+    while state.iterations < STEPS && state.step(objective) {}
     state
 }
 
@@ -117,6 +129,24 @@ fn scaled_conjugate_gradients_reach_the_same() {
         let same = (ours - value).abs() <= 1e-3 * value.abs() + 1e-9;
         ensure(same || beyond && ours < value, || format!("{value:e} after {evaluations} evaluations, L-BFGS {ours:e}"))
     });
+}
+
+/// A GPLVM and a GPDM of small data: with as many evaluations conjugate gradients end no lower. The objective of the latter falls on and on, slowly, by either.
+#[test]
+fn scaled_conjugate_gradients_learn_no_better_model() {
+    let rows = common::circles(6, &[14, 12], 0.05, 3);
+    let (single, dynamic) =
+        (gplvm::Config { dim: 2, ..Default::default() }, gpdm::Config { dim: 2, ..Default::default() });
+    let models = [gplvm::model(&rows, 6, &single), gpdm::model(&rows, 6, &[14, 12], &dynamic)];
+    for model in models.map(|model| model.expect("valid")) {
+        let (mut landscape, start) = Landscape::new(model, Isa::best()).expect("valid");
+        let first = landscape.evaluate(&start, &mut vec![0.0; start.len()]);
+        let ours = minimise_on(&mut landscape, &start);
+        let theirs = scaled_conjugate_gradients::minimise(&mut landscape, start, ours.evaluations);
+        let words = format!("from {first:.2}: {:.2}, by conjugate gradients {:.2}", ours.value, theirs.value);
+        assert!(ours.value <= theirs.value + NATS && theirs.value < first, "{words}");
+        println!("{words}, {} evaluations", ours.evaluations);
+    }
 }
 
 /// Where the promised decrease is more than rounding.
