@@ -10,7 +10,7 @@
 //! | [`track`], [`study`] | one run and what its estimates are worth; all of them |
 //! | [`coverage`] | intervals of the trackers' sets where the posterior is known |
 //! | [`results`] | means and differences over several motions, losses and recoveries |
-//! | [`claims`], [`tables`], [`figures`] | the paper's claims and what became of them; tables; errors over time |
+//! | [`claims`], [`tables`], [`figures`], [`poses`] | the paper's claims and what became of them; tables; errors over time; a run and martial arts as figures |
 
 mod claims;
 mod contender;
@@ -19,6 +19,7 @@ mod figures;
 mod lessons;
 mod motions;
 mod pilot;
+mod poses;
 mod reconstruction;
 mod results;
 mod study;
@@ -147,6 +148,7 @@ pub(super) fn run(root: &Path, args: &Args) -> Outcome<ExitCode> {
     std::fs::write(folder.join("claims.md"), &claims)?;
     let results = Results { store: &store, seeds: args.seeds, block: RATE_HZ as usize };
     figures::all(&results, &folder)?;
+    poses::figure_4(&study, &folder)?;
     println!("{tables}\n{claims}\n{:.0} s; cells and tables in {}", clock.elapsed().as_secs_f64(), folder.display());
     Ok(ExitCode::SUCCESS)
 }

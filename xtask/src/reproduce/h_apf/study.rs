@@ -103,6 +103,13 @@ impl Study {
         format!("version {VERSION}, {}, {hash:016x}, {VIEW:?}, {TUNING:?}", self.isa.name())
     }
 
+    /// Poses of a contender in all frames but the first.
+    pub(super) fn poses(&self, contender: &Contender, seed: u64) -> Outcome<Vec<Vec<f64>>> {
+        let (scene, (taught, spaces)) = (&self.scenes[&contender.motion], &self.lessons[&contender.motion.lesson()]);
+        let seen = Seen::new(scene, &VIEW, 0, seed, self.isa)?;
+        Ok(track::estimates(scene, &seen, contender, (spaces, &taught.mean_pose), seed)?.poses)
+    }
+
     fn run(&self, contender: &Contender, seed: u64) -> Outcome<serde_json::Value> {
         let motion = contender.motion;
         let scene = &self.scenes[&motion];

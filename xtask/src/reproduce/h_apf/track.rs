@@ -29,14 +29,24 @@ fn aside(pose: &[f64]) -> Vec<f64> {
     pose
 }
 
+/// What a contender says of all frames but the first.
+pub(super) struct Estimates {
+    /// States of the body.
+    pub(super) poses: Vec<Vec<f64>>,
+    /// Shares of particles off the manifold, of a tracker that counts them.
+    off_manifold: Vec<f64>,
+    /// Processor time.
+    seconds: f64,
+}
+
 /// Runs a contender.
-pub(super) fn cell(
+pub(super) fn estimates(
     scene: &Scene,
     seen: &Seen,
     contender: &Contender,
     (spaces, mean_pose): (&Spaces, &[f64]),
     seed: u64,
-) -> Outcome<Value> {
+) -> Outcome<Estimates> {
     let Contender { method, motion } = *contender;
     let disturbance = if let Motion::Disturbed(_, by) = motion { Some(by) } else { None };
     let mut running = spaces.tracker(method, &scene.truth[0])?;
@@ -66,16 +76,29 @@ pub(super) fn cell(
         });
         seconds += thread_seconds() - before;
     }
-    let (found, mean_pose) = (errors(scene, &estimates, 1), errors(scene, &means[1..], 1));
+    Ok(Estimates { poses: estimates, off_manifold: off, seconds })
+}
+
+/// What a contender's estimates are worth.
+pub(super) fn cell(
+    scene: &Scene,
+    seen: &Seen,
+    contender: &Contender,
+    (spaces, mean_pose): (&Spaces, &[f64]),
+    seed: u64,
+) -> Outcome<Value> {
+    let Estimates { poses, off_manifold, seconds } = estimates(scene, seen, contender, (spaces, mean_pose), seed)?;
+    let means = mean_poses(scene, mean_pose);
+    let (found, mean_pose) = (errors(scene, &poses, 1), errors(scene, &means[1..], 1));
     let mut cell = json!({
         "absolute": rounded(&found.absolute),
         "relative": rounded(&found.relative),
         "limbs": rounded(&found.limbs),
         "mean_pose_limbs": rounded(&mean_pose.limbs),
-        "ms": 1e3 * seconds / estimates.len() as f64,
+        "ms": 1e3 * seconds / poses.len() as f64,
     });
-    if !off.is_empty() {
-        cell["off_manifold"] = (off.iter().sum::<f64>() / off.len() as f64).into();
+    if !off_manifold.is_empty() {
+        cell["off_manifold"] = (off_manifold.iter().sum::<f64>() / off_manifold.len() as f64).into();
     }
     Ok(cell)
 }
