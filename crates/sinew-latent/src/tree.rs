@@ -3,21 +3,21 @@
 use crate::Error;
 use crate::model::{LatentModel, Outputs};
 use crate::motion::step_sd;
-use crate::space::{Below, INVERSE_STEPS, ToChild};
+use crate::space::{Below, ToChild};
 use sinew_core::decode::Decode;
 use sinew_core::hierarchy::{Hierarchy, Node};
 use sinew_core::lanes::Isa;
 use std::sync::Arc;
 
-/// The tree of a model: φ and ℘ of every node, and half of the largest step of its latents between consecutive rows as standard deviations. A model of one node is a tree of one layer. Inverses of leaves make [`INVERSE_STEPS`].
+/// The tree of a model: φ and ℘ of every node, and half of the largest step of its latents between consecutive rows as standard deviations. A model of one node is a tree of one layer. Inverses are regression alone: a tracker needs one a particle, frame and node, and steps up a density are most of its time and bring it no nearer.
 ///
 /// # Errors
 /// [`Error::Singular`], [`Error::Roots`] for a model with several roots, and [`Error::Tree`].
 pub fn hierarchy(model: &LatentModel, isa: Isa) -> Result<Hierarchy, Error> {
-    hierarchy_with_steps(model, INVERSE_STEPS, isa)
+    hierarchy_with_steps(model, 0, isa)
 }
 
-/// The same with another number of steps of the inverses of leaves at most.
+/// The same with a number of steps of the inverses of leaves at most.
 ///
 /// # Errors
 /// As [`hierarchy`].
