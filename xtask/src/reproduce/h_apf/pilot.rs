@@ -28,7 +28,7 @@ const SEEDS: u64 = 3;
 const HEADING: usize = 3;
 
 /// Ways to compare images and to move latents, with the trackers that are tried: with 1000 particles, and as the paper has them. The factor of the likelihood matters to CONDENSATION alone.
-const TRIED: [(&str, ImageScore, Tuning, &[Method]); 9] = [
+const TRIED: [(&str, ImageScore, Tuning, &[Method]); 8] = [
     (
         "both directions",
         VIEW.score,
@@ -52,7 +52,6 @@ const TRIED: [(&str, ImageScore, Tuning, &[Method]); 9] = [
         TUNING,
         &[Method::Bootstrap(1000), Method::Bootstrap(500)],
     ),
-    ("latent noise 1", VIEW.score, noise(1.0), &PRINTED_LATENT),
     ("latent noise 1/2", VIEW.score, noise(0.5), &PRINTED_LATENT),
     ("latent noise 1/4", VIEW.score, noise(0.25), &PRINTED_LATENT),
     ("latent noise 1/8", VIEW.score, noise(0.125), &PRINTED_LATENT),
