@@ -17,7 +17,7 @@ mod worth;
 use crate::outcome::Outcome;
 use crate::store::{Store, Task, run_all};
 use entries::{ENTRIES, Entry};
-use films::{Film, Program};
+use films::{Film, Program, key};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -43,10 +43,6 @@ pub(crate) struct Args {
 
 /// Raised with every change of what a cell computes.
 const VERSION: u32 = 1;
-
-fn key(film: &Film, entry: &Entry, seed: u64) -> String {
-    format!("{}/{}/{}/{seed}", film.name, entry.method, entry.seen.name())
-}
 
 /// One run in a folder of its own, which goes when it has been read.
 fn cell(program: &Program, film: &Film, entry: &Entry, seed: u64) -> Outcome<serde_json::Value> {

@@ -99,7 +99,7 @@ impl Below {
         Self::with_steps(model, node, INVERSE_STEPS, isa)
     }
 
-    /// The same with another number of steps of the inverses of leaves at most. Those of inner nodes are regression alone: the noise of their processes is so small that a density is sharp, and steps up it from a poor start lead astray.
+    /// The same with another number of steps of the inverses of leaves at most. Inverses of inner nodes are regression alone: the noise of their processes is so small that a density is sharp, and steps up it from a poor start lead astray.
     ///
     /// # Errors
     /// [`Error::Singular`].

@@ -1,4 +1,6 @@
-//! What is tracked: simulated people who move as recorded walkers do, and the real recording; and models learned from other walks of the same walker.
+//! The recordings that are tracked, and models learned from other walks.
+//!
+//! Simulated people move as a recorded walker does; models are learned from other walks of the same walker. One recording is real.
 
 use super::entries::{ENTRIES, Entry, Learned, Seen};
 use crate::outcome::Outcome;
@@ -117,6 +119,11 @@ impl Film {
             Source::Real(data) => data.join("pose2sim_single").join(REFERENCE),
         })
     }
+}
+
+/// The name of a run.
+pub(super) fn key(film: &Film, entry: &Entry, seed: u64) -> String {
+    format!("{}/{}/{}/{seed}", film.name, entry.method, entry.seen.name())
 }
 
 /// All recordings; simulated ones are made where they are not there yet.

@@ -1,8 +1,7 @@
 //! Means over recordings and seeds: one table of simulated walkers, one of the real recording.
 
 use super::entries::{ENTRIES, Entry};
-use super::films::Film;
-use super::key;
+use super::films::{Film, key};
 use super::worth::Worth;
 use crate::outcome::Outcome;
 use crate::store::Store;

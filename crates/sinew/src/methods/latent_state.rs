@@ -50,7 +50,7 @@ pub fn rest(making: &Making<'_>, stored: &StoredModel) -> Range<usize> {
     stored.free + stored.model.columns..making.transition.sd().len()
 }
 
-/// Values for λ and ρ of a state's, with those of θ between.
+/// A vector for [λ, θ, ρ]: for λ and ρ from a vector for the body's state, with the values for θ between.
 #[must_use]
 pub fn around(making: &Making<'_>, stored: &StoredModel, state: &[f64], latent: &[f64]) -> Vec<f64> {
     [&state[leading(stored)], latent, &state[rest(making, stored)]].concat()

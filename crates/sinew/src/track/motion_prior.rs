@@ -100,7 +100,7 @@ pub fn check_model(model: &PrimitiveModel, tree: &KinematicTree, fps: f64) -> Re
 /// [`TrackError::ModelBody`], [`TrackError::ModelRate`].
 pub fn check_latent_model(stored: &StoredModel, tree: &KinematicTree, fps: f64) -> Result<(), TrackError> {
     let StoredModel { state, frame_rate, free, model, .. } = stored;
-    // Coordinates after those of the model are none of its business.
+    // The model may end before the state does.
     let (format, dim) = (sinew_latent::file::FORMAT, tree.dof().max(free + model.columns));
     check_body(&LearnedOf { format, state, dim, frame_rate: *frame_rate }, tree, fps)
 }

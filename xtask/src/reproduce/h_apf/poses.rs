@@ -1,4 +1,4 @@
-//! The paper's figure 4 on our data: true poses and those of H-APF, side by side in time. A run, and martial arts that training lacks; there is no lifting.
+//! The paper's figure 4 on our data: true poses and what H-APF finds, side by side in time. A run, and martial arts that training lacks; there is no lifting.
 
 use super::contender::{Contender, Motion, PILOTED};
 use super::motions::{RATE_HZ, TEST_RUNS};
