@@ -5,7 +5,7 @@
 mod effort;
 mod virtual_cameras;
 
-use crate::outcome::Outcome;
+use crate::outcome::{Outcome, exit_code};
 use sinew::config::settings::Settings;
 use sinew::formats::trc;
 use sinew::input::recording::{Recording, RecordingOptions};
@@ -77,13 +77,7 @@ pub fn run(root: &Path, args: &Args) -> ExitCode {
         }
         Ok(())
     };
-    match all() {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!("error: {error}");
-            ExitCode::FAILURE
-        }
-    }
+    exit_code(all())
 }
 
 fn open(data: &Path, folder: &str, cameras: Option<Vec<String>>) -> Outcome<Recording> {

@@ -19,7 +19,7 @@ mod people;
 mod scene;
 mod tables;
 
-use crate::outcome::Outcome;
+use crate::outcome::{Outcome, exit_code};
 use crate::store::{Store, Task, run_all};
 use found::Found;
 use people::Person;
@@ -297,11 +297,5 @@ pub fn run(root: &Path, args: &Args) -> ExitCode {
         None if args.main => main_scene(root, args.seed),
         None => measure(root, args),
     };
-    match done {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!("error: {error}");
-            ExitCode::FAILURE
-        }
-    }
+    exit_code(done)
 }

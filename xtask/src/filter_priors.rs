@@ -3,7 +3,7 @@
 //! The measurements are functions of the test member (`sinew_tests::filter_priors`), whose exact filters judge them. The growth model and the arm are read from the data folder and left out, with a note, where there is none.
 
 use crate::chart::{BLUE, GREEN, GREY, Line, Names, ORANGE, PURPLE, finish, panel_with};
-use crate::outcome::Outcome;
+use crate::outcome::{Outcome, exit_code};
 use plotters::prelude::*;
 use serde_json::{Value, json};
 use sinew::core::random::Stage;
@@ -70,13 +70,7 @@ const fn static_runs(chains: usize, args: &Args) -> usize {
 /// Runs the command.
 pub fn run(root: &Path, args: &Args) -> ExitCode {
     let out = args.out.clone().unwrap_or_else(|| root.join("target/filter-priors"));
-    match all(&out, args) {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!("error: {error}");
-            ExitCode::FAILURE
-        }
-    }
+    exit_code(all(&out, args))
 }
 
 fn all(out: &Path, args: &Args) -> Outcome<()> {

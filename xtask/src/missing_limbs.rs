@@ -10,7 +10,7 @@ mod contenders;
 mod pilot;
 mod tables;
 
-use crate::outcome::Outcome;
+use crate::outcome::{Outcome, exit_code};
 use crate::store::{Store, Task, run_all};
 use contenders::{Contender, LATENT, Latent, REFERENCES};
 use pilot::{FOLDS, LIMBS, Pilot, Score, key};
@@ -115,11 +115,5 @@ fn measure(root: &Path, args: &Args) -> Outcome<()> {
 
 /// Runs the command.
 pub(crate) fn run(root: &Path, args: &Args) -> ExitCode {
-    match measure(root, args) {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!("error: {error}");
-            ExitCode::FAILURE
-        }
-    }
+    exit_code(measure(root, args))
 }

@@ -14,7 +14,7 @@ mod people;
 mod scene;
 mod tables;
 
-use crate::outcome::Outcome;
+use crate::outcome::{Outcome, exit_code};
 use crate::store::{Store, Task, run_all};
 use people::{Models, PILOT, Person, TEST, UNSEEN};
 use scene::{CONTENDERS, Contender, SCENES, Scene, Series};
@@ -124,11 +124,5 @@ fn measure(root: &Path, args: &Args) -> Outcome<()> {
 
 /// Runs the command.
 pub(crate) fn run(root: &Path, args: &Args) -> ExitCode {
-    match measure(root, args) {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!("error: {error}");
-            ExitCode::FAILURE
-        }
-    }
+    exit_code(measure(root, args))
 }

@@ -1,6 +1,6 @@
 //! `cargo xtask oil-flow`: GPLVMs of the oil flow data from five starts, the table of docs/evidence/latent.md.
 
-use crate::outcome::Outcome;
+use crate::outcome::{Outcome, exit_code};
 use sinew::core::lanes::Isa;
 use sinew::latent::training::{Config, Training};
 use sinew_tests::data;
@@ -28,13 +28,7 @@ const STEPS: usize = 10_000;
 
 /// Runs the command.
 pub fn run(root: &Path, args: &Args) -> ExitCode {
-    match measure(&args.out.clone().unwrap_or_else(|| root.join("target/oil-flow"))) {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!("error: {error}");
-            ExitCode::FAILURE
-        }
-    }
+    exit_code(measure(&args.out.clone().unwrap_or_else(|| root.join("target/oil-flow"))))
 }
 
 fn measure(out: &Path) -> Outcome<()> {

@@ -3,7 +3,7 @@
 //! The masks were made with the help of the joints that they are compared with here, so a distance to those joints says how well a body follows masks, and nothing of its accuracy in the world. Settings were chosen on frames 0–59;
 //! frames 60–99 judge.
 
-use crate::outcome::Outcome;
+use crate::outcome::{Outcome, exit_code};
 use clap::Args as Arguments;
 use sinew::config::settings::Settings;
 use sinew::config::{Resolved, Sources, TrackConfig, resolve};
@@ -124,13 +124,7 @@ pub(crate) fn run(root: &Path, args: &Args) -> ExitCode {
         println!("skipped: no data");
         return ExitCode::SUCCESS;
     }
-    match tables(&data, args) {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!("error: {error}");
-            ExitCode::FAILURE
-        }
-    }
+    exit_code(tables(&data, args))
 }
 
 /// The settings of `sinew track` for the real recording.

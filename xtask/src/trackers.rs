@@ -14,7 +14,7 @@ mod films;
 mod tables;
 mod worth;
 
-use crate::outcome::Outcome;
+use crate::outcome::{Outcome, exit_code};
 use crate::store::{Store, Task, run_all};
 use entries::{ENTRIES, Entry};
 use films::{Film, Program, key};
@@ -89,11 +89,5 @@ fn measure(root: &Path, args: &Args) -> Outcome<()> {
 
 /// Runs the command.
 pub(crate) fn run(root: &Path, args: &Args) -> ExitCode {
-    match measure(root, args) {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!("error: {error}");
-            ExitCode::FAILURE
-        }
-    }
+    exit_code(measure(root, args))
 }
