@@ -189,9 +189,10 @@ impl Cost {
 }
 
 impl Objective for Cost {
+    /// Within the pool of threads as a whole, so that its parts are not handed over one by one.
     fn evaluate(&mut self, x: &[f64], gradient: &mut [f64]) -> f64 {
         self.set(x);
-        match self.value(gradient) {
+        match rayon::scope(|_| self.value(gradient)) {
             Ok(value) if value.is_finite() => value,
             Ok(_) => f64::INFINITY,
             Err(error) => {

@@ -24,7 +24,7 @@ use std::f64::consts::TAU;
 /// Columns that one task takes.
 const CHUNK: usize = 64;
 /// Columns of outputs that one task solves for.
-const OUTPUTS: usize = 16;
+const OUTPUTS: usize = 32;
 
 /// Scratch of N points of q coordinates with D outputs each; the gradient after [`Process::evaluate`].
 pub(crate) struct Process {
