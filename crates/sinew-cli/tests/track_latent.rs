@@ -47,6 +47,27 @@ fn a_latent_model_changes_nothing_with_other_methods_and_the_run_says_so() {
     assert!(printed.contains("`--latent` changes nothing with `--method bootstrap`"), "{printed}");
 }
 
+/// The column of `frames.csv`, and the median of `summary.json`.
+#[test]
+fn particles_off_the_manifold_are_counted_by_gpapf_alone() {
+    let trial = recorded();
+    for (method, counts) in [("gpapf", true), ("hmc", false)] {
+        let short = ["--fps", "30", "--method", method, "--latent", "space.json", "--frames", "0..6"];
+        let few = if counts { &["--particles", "20"][..] } else { &["--updates", "4", "--burn-in", "2"] };
+        let (_, printed) = tracked(&trial, &[&short[..], few].concat());
+        let rows = std::fs::read_to_string(trial.path("out/frames.csv")).expect(&printed);
+        let cells = |row: &str| row.split(',').map(str::to_owned).collect::<Vec<_>>();
+        let mut rows = rows.lines().map(cells);
+        let column = rows.next().and_then(|names| names.iter().position(|name| name == "off_manifold")).unwrap();
+        let shares: Vec<Option<f64>> = rows.map(|row| row[column].parse().ok()).collect();
+        assert!(shares.len() > 3 && shares.iter().all(|share| share.is_some() == counts), "{method}: {shares:?}");
+        assert!(shares.iter().flatten().all(|share| (0.0..=1.0).contains(share)), "{shares:?}");
+        let summary = std::fs::read_to_string(trial.path("out/summary.json")).unwrap();
+        let summary: serde_json::Value = serde_json::from_str(&summary).unwrap();
+        assert_eq!(summary["diagnostics"]["off_manifold"].is_f64(), counts, "{method}");
+    }
+}
+
 #[test]
 fn a_model_without_dynamics_is_refused_by_searches() {
     let trial = recorded();

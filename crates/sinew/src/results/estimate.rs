@@ -154,6 +154,8 @@ pub struct FrameEstimate {
     pub energy_fraction: Option<f64>,
     /// Mean acceptance probability.
     pub acceptance: Option<f64>,
+    /// Share of the particles whose latent is where the model of poses knows next to nothing, for methods that count them.
+    pub off_manifold: Option<f64>,
     /// Divergent trajectories.
     pub divergences: u64,
     /// Trajectories in all.

@@ -9,6 +9,9 @@ use crate::results::estimate::{FrameEstimate, RunInfo};
 /// E-BFMI below which chains are said not to reach the tails (the Stan developers' bound).
 const ENERGY_FRACTION_NEEDED: f64 = 0.3;
 
+/// Share of particles off the manifold of learned poses above which a frame is named.
+const OFF_MANIFOLD_USUAL: f64 = 0.5;
+
 /// Running sums over the frames.
 pub(crate) struct Statistics {
     texts: Texts,
@@ -26,6 +29,8 @@ pub(crate) struct Statistics {
     energy_fraction: Vec<f32>,
     energy_frames: Vec<u32>,
     divergent_frames: Vec<u32>,
+    off_manifold: Vec<f32>,
+    off_manifold_frames: Vec<u32>,
     ess: Vec<f32>,
     acceptance: [f64; 2],
     divergences: u64,
@@ -71,6 +76,8 @@ impl Statistics {
             energy_fraction: Vec::new(),
             energy_frames: Vec::new(),
             divergent_frames: Vec::new(),
+            off_manifold: Vec::new(),
+            off_manifold_frames: Vec::new(),
             ess: Vec::new(),
             acceptance: [0.0; 2],
             divergences: 0,
@@ -115,6 +122,12 @@ impl Statistics {
         if estimate.divergences > 0 {
             self.divergent_frames.push(estimate.number as u32);
         }
+        if let Some(share) = estimate.off_manifold {
+            self.off_manifold.push(share as f32);
+            if share > OFF_MANIFOLD_USUAL {
+                self.off_manifold_frames.push(estimate.number as u32);
+            }
+        }
         if let Some(acceptance) = estimate.acceptance {
             self.acceptance = [self.acceptance[0] + acceptance, self.acceptance[1] + 1.0];
         }
@@ -140,6 +153,7 @@ impl Statistics {
             acceptance: (count > 0.0).then(|| sum / count),
             r_hat,
             energy_fraction: quantiles(&self.energy_fraction, [0.5]).map(|[median]| median),
+            off_manifold: quantiles(&self.off_manifold, [0.5]).map(|[median]| median),
             ess_median: ess.map(|[median, _]| median),
             ess_least: ess.map(|[_, least]| least),
             divergences: self.divergences,
@@ -208,6 +222,14 @@ impl Statistics {
                 self.energy_frames.len(),
                 self.energy_fraction.len(),
                 listed(&self.energy_frames)
+            ));
+        }
+        if !self.off_manifold_frames.is_empty() {
+            warnings.push(format!(
+                "more than half of the particles are where the latent model knows no pose in {} of {} frames ({}): the motion is not what the model was learned from, or the person is lost",
+                self.off_manifold_frames.len(),
+                self.off_manifold.len(),
+                listed(&self.off_manifold_frames)
             ));
         }
         // Where masks are there and no camera has keypoints, masks are what was observed.
@@ -391,6 +413,19 @@ mod tests {
             failed,
             ["50 of 2000 trajectories diverged (in frames 14): the intervals may be wrong there; at most 1 % may"]
         );
+    }
+
+    #[test]
+    fn frames_off_the_manifold_are_named() {
+        let frame = |i: u64| FrameEstimate { off_manifold: Some(if i < 2 { 0.51 } else { 0.5 }), ..usual() };
+        let (warnings, failed) = judged(false, (0..20).map(frame));
+        assert_eq!(
+            warnings,
+            [
+                "more than half of the particles are where the latent model knows no pose in 2 of 20 frames (10, 11): the motion is not what the model was learned from, or the person is lost"
+            ]
+        );
+        assert!(failed.is_empty());
     }
 
     #[test]

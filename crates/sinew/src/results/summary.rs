@@ -130,6 +130,8 @@ pub struct Diagnostics {
     pub r_hat: Option<Spread>,
     /// Median over the frames of the E-BFMI of their chains; `null` for particle methods.
     pub energy_fraction: Option<f64>,
+    /// Median over the frames of the share of particles off the manifold of learned poses; `null` for methods that do not count them.
+    pub off_manifold: Option<f64>,
     /// Median effective sample size.
     pub ess_median: Option<f64>,
     /// Least effective sample size.

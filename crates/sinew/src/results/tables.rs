@@ -4,7 +4,7 @@
 //! |---|---|---|
 //! | `joints.csv` | a point in a frame | frame, `time_s`, person, joint, `x_mean_m` … `z_q95_m` (world, Z up), observed, quality |
 //! | `angles.csv` | a rotation in a frame | `time_s`, person, name, `mean_deg`, `q05_deg`, `q95_deg` |
-//! | `frames.csv` | a frame | frame, `time_s`, observed, quality, restarted, ess, `log_evidence`, `r_hat`, `e_bfmi`, acceptance, divergences, `residual_px` and one per camera |
+//! | `frames.csv` | a frame | frame, `time_s`, observed, quality, restarted, ess, `log_evidence`, `r_hat`, `e_bfmi`, acceptance, `off_manifold`, divergences, `residual_px` and one per camera |
 //!
 //! `quality` is 2 where at least two cameras saw the person, 1 for one camera, 0 where the values come from the motion model only.
 
@@ -48,6 +48,7 @@ impl Tables {
             "r_hat",
             "e_bfmi",
             "acceptance",
+            "off_manifold",
             "divergences",
             "residual_px",
         ]
@@ -82,9 +83,8 @@ impl Tables {
         }
         let mut cells = vec![integer(estimate.number), time, flags[0], flags[1], integer(estimate.restarted.into())];
         cells.push(optional(Some(estimate.ess)));
-        cells.extend(
-            [estimate.log_evidence, estimate.r_hat, estimate.energy_fraction, estimate.acceptance].map(optional),
-        );
+        let FrameEstimate { log_evidence, r_hat, energy_fraction, acceptance, off_manifold, .. } = *estimate;
+        cells.extend([log_evidence, r_hat, energy_fraction, acceptance, off_manifold].map(optional));
         cells.extend([integer(estimate.divergences), optional(rms(&estimate.residual_px))]);
         cells.extend(estimate.residual_px.iter().copied().map(optional));
         self.frames.append(&cells)

@@ -64,6 +64,7 @@ pub(super) fn describe(
         r_hat: info.r_hat,
         energy_fraction: info.energy_fraction,
         acceptance: info.acceptance,
+        off_manifold: info.off_manifold,
         divergences: info.divergences as u64,
         trajectories: info.trajectories as u64,
     }

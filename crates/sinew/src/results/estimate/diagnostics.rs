@@ -5,7 +5,7 @@
 use super::{FrameEstimate, Quality};
 
 /// Numbers before the residuals of the cameras.
-const SCALARS: usize = 11;
+const SCALARS: usize = 12;
 
 /// Numbers of a frame seen by `cameras` cameras.
 #[must_use]
@@ -27,6 +27,7 @@ pub fn numbers(estimate: &FrameEstimate, cameras: usize) -> Vec<f64> {
         estimate.r_hat.unwrap_or(none),
         estimate.acceptance.unwrap_or(none),
         estimate.energy_fraction.unwrap_or(none),
+        estimate.off_manifold.unwrap_or(none),
         estimate.divergences as f64,
         estimate.trajectories as f64,
     ];
@@ -39,7 +40,7 @@ pub fn numbers(estimate: &FrameEstimate, cameras: usize) -> Vec<f64> {
 pub fn estimate(row: &[f64], fps: f64) -> Option<FrameEstimate> {
     let (scalars, residuals) = row.split_first_chunk::<SCALARS>()?;
     let [number, observed, quality, restarted, ess, optional @ .., divergences, trajectories] = *scalars;
-    let [log_evidence, r_hat, acceptance, energy_fraction] = optional.map(some);
+    let [log_evidence, r_hat, acceptance, energy_fraction, off_manifold] = optional.map(some);
     Some(FrameEstimate {
         number: number as u64,
         time_s: number / fps,
@@ -55,6 +56,7 @@ pub fn estimate(row: &[f64], fps: f64) -> Option<FrameEstimate> {
         r_hat,
         acceptance,
         energy_fraction,
+        off_manifold,
         divergences: divergences as u64,
         trajectories: trajectories as u64,
         residual_px: residuals.iter().copied().map(some).collect(),
@@ -80,6 +82,7 @@ mod tests {
             ess: 0.1 + 0.2,
             r_hat: Some(f64::INFINITY),
             energy_fraction: Some(1e-300),
+            off_manifold: Some(0.0),
             divergences: 3,
             trajectories: 512,
             residual_px: vec![None, Some(4.5)],
