@@ -1,9 +1,9 @@
-"""What scipy's L-BFGS-B reaches on the standard problems of crates/sinew-latent/tests/standard_problems.
+"""What scipy's L-BFGS-B reaches on the standard problems of crates/sinew-latent/tests/standard_problems, and on a GPLVM.
 
     python3 -m pip install scipy        # into an environment of its own; this script installs nothing
     python3 xtask/peers/scipy_lbfgs.py  # the rows of crates/sinew-latent/tests/standard_problems/reached_by_scipy.rs
 
-A row: name and dimension, value at the start, value reached, evaluations.
+A row: name and dimension (of the GPLVM the starts in turn), value at the start, value reached, evaluations.
 
 The residuals are written here a second time, from Moré, Garbow & Hillstrom (1981); their derivatives are complex steps,
 Im r(x + ih e) / h, exact to rounding. Memory is 10, as in ours; it runs until the gradient is below 1e-12 or no lower
@@ -216,10 +216,41 @@ def objective(residuals):
     return evaluate
 
 
+def gplvm_rows():
+    """30 rows of six columns, centred."""
+    n, d = np.meshgrid(np.arange(30), np.arange(6), indexing="ij")
+    rows = np.sin(0.35 * n + 0.8 * d) + 0.3 * np.cos(0.7 * n - 0.8 * d) + 0.1 * np.sin(7.3 * n * d + n)
+    return rows - rows.mean(0)
+
+
+def gplvm_start(size):
+    """Latents on a spiral, then the logarithms of v, b, w; g stays 1."""
+    n = np.arange(30)
+    latents = size * (1 + 0.02 * n[:, None]) * np.stack([np.cos(0.35 * n), np.sin(0.35 * n)], 1)
+    return join(latents.ravel(), 0.0, -2.0, -2.0)
+
+
+def gplvm(unknowns, rows=gplvm_rows()):
+    """-log p of rows and latents, and its gradient."""
+    latents, (v, b, w) = unknowns[:-3].reshape(-1, 2), np.exp(unknowns[-3:])
+    count, columns = rows.shape
+    apart = latents[:, None] - latents[None]
+    radial = v * np.exp(-0.5 * (apart**2).sum(-1))
+    gram = radial + b + w * np.eye(count)
+    inverse = np.linalg.inv(gram)
+    weights = inverse @ rows
+    value = 0.5 * (columns * np.linalg.slogdet(gram)[1] + np.sum(weights * rows) + rows.size * np.log(2 * np.pi))
+    pull = 0.5 * (columns * inverse - weights @ weights.T)
+    slopes = -2 * ((pull * radial)[..., None] * apart).sum(1) + latents
+    parameters = [np.sum(pull * radial), b * np.sum(pull), w * np.trace(pull)]
+    return value + 0.5 * np.sum(latents**2), join(slopes.ravel(), parameters)
+
+
+OPTIONS = {"maxcor": 10, "ftol": 0, "gtol": 1e-12, "maxiter": 15000, "maxfun": 15000}
+RUNS = [(f"{name}, n = {len(start)}", objective(residuals), start) for name, start, residuals in PROBLEMS]
+RUNS += [(f"GPLVM, {size}", gplvm, gplvm_start(size)) for size in (0.5, 1.0, 2.0)]
 print(f"// scipy {scipy.__version__}, numpy {np.__version__}, Python {platform.python_version()}")
-for name, start, residuals in PROBLEMS:
+for name, evaluate, start in RUNS:
     start = np.array(start, dtype=float)
-    options = {"maxcor": 10, "ftol": 0, "gtol": 1e-12, "maxiter": 15000, "maxfun": 15000}
-    run = minimize(objective(residuals), start, jac=True, method="L-BFGS-B", options=options)
-    first = objective(residuals)(start)[0]
-    print(f'    ("{name}, n = {len(start)}", {float(first)!r}, {float(run.fun)!r}, {run.nfev}),')
+    run = minimize(evaluate, start, jac=True, method="L-BFGS-B", options=OPTIONS)
+    print(f'    ("{name}", {float(evaluate(start)[0])!r}, {float(run.fun)!r}, {run.nfev}),')

@@ -1,4 +1,4 @@
-//! What the L-BFGS-B of scipy reaches on the standard problems.
+//! What the L-BFGS-B of scipy reaches on the standard problems, and on a GPLVM.
 //!
 //! Printed by `python3 xtask/peers/scipy_lbfgs.py`, which holds the residuals a second time and takes their derivatives by complex steps.
 
@@ -43,4 +43,11 @@ pub const ROWS: [Row; 36] = [
     ("33 linear of rank one, n = 10", 8658670.0, 4.634146341463414, 4),
     ("35 Chebyquad, n = 8", 0.038617698285930285, 0.0035168737256779242, 53),
     ("35 Chebyquad, n = 9", 0.028882980288225987, 1.6678993728788832e-26, 62),
+];
+
+/// A GPLVM of 30 rows of six columns from three starts: size of the spiral of latents that it starts at, value there, value reached, evaluations.
+pub const MODELS: [(f64, f64, f64, usize); 3] = [
+    (0.5, 63.12452599756537, -164.20467141067704, 1618),
+    (1.0, 100.45772733383876, -136.4443979306505, 3170),
+    (2.0, 233.54815398834836, -134.22000449801482, 3266),
 ];
