@@ -25,6 +25,11 @@ fn tracked(trial: &Trial, more: &[&str]) -> (Option<i32>, String) {
 #[test]
 fn latent_models_that_do_not_fit_are_refused_in_words() {
     let trial = recorded();
+    let inspected = String::from_utf8(trial.run(&["inspect", "space.json"]).stdout).unwrap();
+    assert!(
+        inspected.contains("the first 6 coordinates of a state are not in it, nor the last 4, of the feet"),
+        "{inspected}"
+    );
     for (name, more) in [
         ("none", &["--fps", "30", "--method", "gpapf"][..]),
         ("another_body", &["--fps", "30", "--method", "gpapf", "--latent", "space.json", "--body", "cf28"]),

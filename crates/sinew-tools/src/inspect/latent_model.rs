@@ -37,11 +37,14 @@ pub(super) fn facts(path: &Path) -> Result<Facts, Error> {
     let StoredModel { state, frame_rate, free, kind, model } = &stored;
     let mut facts = Facts::new(format!("{}: latent model of poses", path.display()));
     facts.row("kind", format!("{kind}, {}", in_words(*kind)));
-    facts.row("body", format!("{state}, {} angles; the first {free} coordinates are not in it", model.columns));
+    let body = body_of(&stored);
+    let rest = body.map_or(0, |body| body.tree().dof() - free - model.columns);
+    let last = if rest > 0 { format!(", nor the last {rest}, of the feet") } else { String::new() };
+    let first = format!("the first {free} coordinates of a state are not in it");
+    facts.row("body", format!("{state}, {} angles; {first}{last}", model.columns));
     facts.row("rate", format!("{frame_rate} frames per second"));
     let plural = if model.sequences.len() == 1 { "sequence" } else { "sequences" };
     facts.row("rows", format!("{} in {} {plural}", model.rows(), model.sequences.len()));
-    let body = body_of(&stored);
     for n in 0..model.nodes.len() {
         facts.row(format!("space {}", name_of(body, model, n)), node(model, n));
     }
