@@ -139,29 +139,32 @@ fn pullbacks_are_derivatives_and_blocks_are_single_states() {
     }
 }
 
+/// With a linear term, and with a width that is learned.
 #[test]
 fn the_jacobian_is_one_pullback_a_row() {
-    let space = Space::new(&learned_gplvm(), 0).expect("valid");
-    let lanes = Lanes { leaf: space.clone(), isa: Isa::best() };
     let (dim, outputs) = (2, COLUMNS);
-    let block: Vec<Block> = points(dim)[3].iter().map(|&x| Block::splat(x)).collect();
-    let mut identity = vec![Block::ZERO; outputs * (outputs + 1) / 2];
-    (0..outputs).for_each(|i| identity[i * (i + 3) / 2] = Block::splat(1.0));
-    let mut square = vec![Block::ZERO; dim * (dim + 1) / 2];
-    let mut ws = vec![Block::ZERO; lanes.matrix_workspace()];
-    lanes.pullback_matrix_block(&block, &identity, &mut square, &mut ws);
-    let row = |d: usize| {
-        let (mut unit, mut gradient) = (vec![0.0; outputs], vec![0.0; dim]);
-        unit[d] = 1.0;
-        Decode::pullback(&lanes, &points(dim)[3], &unit, &mut gradient);
-        gradient
-    };
-    let rows: Vec<Vec<f64>> = (0..outputs).map(row).collect();
-    for (k, (i, j)) in [(0, 0), (1, 0), (1, 1)].into_iter().enumerate() {
-        let expected: f64 = rows.iter().map(|row| row[i] * row[j]).sum();
-        assert!((square[k].0[2] - expected).abs() < 1e-10 * expected.abs().max(1.0));
+    for model in [learned_gplvm(), learned_gpdm()] {
+        let space = Space::new(&model, 0).expect("valid");
+        let lanes = Lanes { leaf: space.clone(), isa: Isa::best() };
+        let block: Vec<Block> = points(dim)[3].iter().map(|&x| Block::splat(x)).collect();
+        let mut identity = vec![Block::ZERO; outputs * (outputs + 1) / 2];
+        (0..outputs).for_each(|i| identity[i * (i + 3) / 2] = Block::splat(1.0));
+        let mut square = vec![Block::ZERO; dim * (dim + 1) / 2];
+        let mut ws = vec![Block::ZERO; lanes.matrix_workspace()];
+        lanes.pullback_matrix_block(&block, &identity, &mut square, &mut ws);
+        let row = |d: usize| {
+            let (mut unit, mut gradient) = (vec![0.0; outputs], vec![0.0; dim]);
+            unit[d] = 1.0;
+            Decode::pullback(&lanes, &points(dim)[3], &unit, &mut gradient);
+            gradient
+        };
+        let rows: Vec<Vec<f64>> = (0..outputs).map(row).collect();
+        for (k, (i, j)) in [(0, 0), (1, 0), (1, 1)].into_iter().enumerate() {
+            let expected: f64 = rows.iter().map(|row| row[i] * row[j]).sum();
+            assert!((square[k].0[2] - expected).abs() < 1e-10 * expected.abs().max(1.0));
+        }
+        assert_eq!(LaneDecode::source_dim(&space), dim);
     }
-    assert_eq!(LaneDecode::source_dim(&space), dim);
 }
 
 #[test]

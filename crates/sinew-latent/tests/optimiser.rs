@@ -195,7 +195,7 @@ fn steps_keep_the_strong_wolfe_conditions() {
             let both = fell >= 0.999e-4 * -first && last.abs() <= 0.901 * -first;
             ensure(both, || format!("step {step}: slopes {first:e} and {last:e}, fell by {fell:e}"))?;
         }
-        Ok(())
+        ensure(state.iterations > 0, || "no step is made".into())
     });
 }
 
