@@ -10,22 +10,77 @@ use sinew_latent::gplvm;
 use sinew_latent::inference::{Config, infer, predict};
 use sinew_latent::latent_density::{LatentDensity, LatentPrior};
 use sinew_latent::mapping::Mapping;
+use sinew_latent::model::LatentModel;
 use sinew_latent::training::{self, Training};
 use std::sync::Arc;
 
 const COLUMNS: usize = 7;
 
-fn density(observed: &[usize]) -> LatentDensity {
+fn model() -> LatentModel {
     let data = circles(COLUMNS, &[60], 0.1, 2);
     let model = gplvm::model(&data, COLUMNS, &gplvm::Config { dim: 2, ..Default::default() }).expect("valid");
     let mut training =
         Training::new(model, training::Config { steps: 150, ..Default::default() }, Isa::best()).expect("valid");
     training.run(|_| true);
-    let model = training.into_model();
-    // A new row, from the same circle.
-    let row = &circles(COLUMNS, &[70], 0.1, 9)[64 * COLUMNS..65 * COLUMNS];
+    training.into_model()
+}
+
+/// A new row, from the same circle.
+fn row() -> Vec<f64> {
+    circles(COLUMNS, &[70], 0.1, 9)[64 * COLUMNS..65 * COLUMNS].to_vec()
+}
+
+fn density(observed: &[usize]) -> LatentDensity {
+    let (model, row) = (model(), row());
     let mapping = Arc::new(Mapping::new(&model, 0).expect("valid"));
     LatentDensity::given(mapping, LatentPrior::of(&model, 0), observed.iter().map(|&d| (d, row[d])).collect())
+}
+
+/// log N(y; 0, K) without (N/2) log 2π, by a Cholesky factor written out.
+fn log_normal(gram: &[Vec<f64>], y: &[f64]) -> f64 {
+    let (mut factor, mut solved) = (gram.to_vec(), y.to_vec());
+    let mut value = 0.0;
+    for i in 0..y.len() {
+        for j in 0..i {
+            factor[i][j] = (factor[i][j] - (0..j).map(|k| factor[i][k] * factor[j][k]).sum::<f64>()) / factor[j][j];
+            solved[i] -= factor[i][j] * solved[j];
+        }
+        factor[i][i] = (factor[i][i] - factor[i][..i].iter().map(|x| x * x).sum::<f64>()).sqrt();
+        solved[i] /= factor[i][i];
+        value -= factor[i][i].ln() + 0.5 * solved[i] * solved[i];
+    }
+    value
+}
+
+/// What was observed of a row given its latent is the joint density of all rows' columns over that of the known ones, column by column.
+#[test]
+fn the_density_of_a_partly_observed_row_is_joint_over_known() {
+    let (model, row) = (model(), row());
+    let node = &model.nodes[0];
+    let prepared = model.prepared(0);
+    for observed in [&[0, 3][..], &[1, 2, 6], &[0, 1, 2, 3, 4, 5, 6]] {
+        let density = Lanes { leaf: density(observed), isa: Isa::best() };
+        for x in [[0.3, -0.8], [1.1, 0.4], [4.0, 4.0]] {
+            let latents: Vec<&[f64]> = (0..model.rows()).map(|n| node.latent(n)).chain([&x[..]]).collect();
+            let white = |i: usize, j: usize| if i == j { node.covariance.white } else { 0.0 };
+            let entry = |i: usize, j: usize| node.covariance.between(latents[i], latents[j]) + white(i, j);
+            let gram: Vec<Vec<f64>> =
+                (0..latents.len()).map(|i| (0..latents.len()).map(|j| entry(i, j)).collect()).collect();
+            let conditional = |&d: &usize| {
+                let mut y: Vec<f64> = prepared.iter().skip(d).step_by(COLUMNS).copied().collect();
+                let known = log_normal(&gram[..y.len()], &y);
+                y.push((row[d] - model.standard.mean[d]) / model.standard.scale[d]);
+                log_normal(&gram, &y) - known
+            };
+            let prior = -0.5 * x.iter().map(|x| x * x).sum::<f64>();
+            let expected = observed.iter().map(conditional).sum::<f64>() + prior;
+            let found = density.log_density(&x);
+            assert!(
+                (found - expected).abs() < 1e-7 * expected.abs().max(1.0),
+                "{observed:?} {x:?}: {found} {expected}"
+            );
+        }
+    }
 }
 
 const SIDE: usize = 800;

@@ -19,7 +19,7 @@ use sinew_tracking::annealed::{self, Annealed};
 use sinew_tracking::gpapf::{self, Gpapf};
 use sinew_tracking::h_apf::{self, Estimate, HApf};
 use sinew_tracking::{Error, Resume, StepInfo, Tracker};
-use std::sync::Arc;
+use std::sync::{Arc, Mutex};
 
 type Seen = Lanes<Quadratic>;
 type Motion = SideBySide<FirstOrder<RandomWalk>, RandomWalk>;
@@ -272,6 +272,30 @@ fn poses_lie_on_the_leaves() {
             }
         }
     }
+}
+
+/// No observation, but a memory of the places where it was evaluated.
+struct Asked(Mutex<Vec<[f64; PLACE]>>);
+impl LogDensity for Asked {
+    fn dim(&self) -> usize {
+        DIM
+    }
+    fn log_density(&self, x: &[f64]) -> f64 {
+        self.0.lock().expect("no panic").push([x[0], x[1]]);
+        -x.iter().map(|x| x * x).sum::<f64>()
+    }
+}
+
+/// Step 6 weighs whole poses at the one place λ of the estimate; the visits before it have particles at many.
+#[test]
+fn whole_poses_are_weighed_at_the_place_of_the_estimate() {
+    let mut tracker = h_apf(3, false, h_apf::Config::default());
+    let asked = Asked(Mutex::default());
+    let info = tracker.step(&asked, Stage::new(1, "asked")).expect("finite");
+    let places = asked.0.into_inner().expect("no panic");
+    let (before, last) = places.split_at(places.len() - 100);
+    assert!(last.iter().all(|place| place[..] == info.mean[..PLACE]), "{last:?}");
+    assert!(before.iter().filter(|place| place[..] == info.mean[..PLACE]).count() < 10);
 }
 
 #[test]
