@@ -21,6 +21,7 @@ mod tables;
 
 use crate::outcome::{Outcome, exit_code};
 use crate::store::{Store, Task, run_all};
+use crate::study_options::StudyOptions;
 use found::Found;
 use people::Person;
 use scene::{FEW, LONG, Length, PARTICLES, SHORT, Scene, Series, Sizes, Tracker, Wrong, seeds};
@@ -29,7 +30,7 @@ use sinew::config::settings::Settings;
 use sinew::core::lanes::Isa;
 use sinew_tests::evaluation::ranks::LEVELS;
 use std::ops::Range;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::ExitCode;
 use std::time::Instant;
 
@@ -50,15 +51,8 @@ pub struct Args {
     /// Seed of the first series
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    /// Cells that run at a time, one thread each [default: one a processor]
-    #[arg(long)]
-    threads: Option<usize>,
-    /// Folder for cells and tables [default: target/coverage]
-    #[arg(long)]
-    out: Option<PathBuf>,
-    /// Folder of the shared recordings [default: $SINEW_DATA, else shared/data beside the workspace]
-    #[arg(long, env = "SINEW_DATA")]
-    data: Option<PathBuf>,
+    #[command(flatten)]
+    options: StudyOptions,
 }
 
 /// How much is run: numbers of series.
@@ -101,7 +95,7 @@ const MAIN: Scene = Scene::Person { cameras: 4, tracker: Tracker::Hmc, sizes: Si
 /// # Errors
 /// Errors of the files and the tracker.
 pub fn check(root: &Path, seed: u64, size: Size) -> Outcome<Checked> {
-    let people = people::all(&data_folder(root, None))?;
+    let people = people::all(&StudyOptions::usual().data(root))?;
     let all = series(&MAIN, &people, SHORT, 0..size.ranked, seed)?;
     let found = Found::of(&all);
     Ok(Checked {
@@ -118,11 +112,6 @@ pub fn check(root: &Path, seed: u64, size: Size) -> Outcome<Checked> {
 /// Errors of the tracker.
 pub fn worst_coordinate(series: usize, seed: u64) -> Outcome<(String, f64, f64)> {
     coordinates::worst(series, seed)
-}
-
-fn data_folder(root: &Path, given: Option<&Path>) -> PathBuf {
-    let named = || std::env::var_os("SINEW_DATA").map(PathBuf::from);
-    given.map(Path::to_owned).or_else(named).unwrap_or_else(|| root.join("../shared/data"))
 }
 
 /// Some of the series of a scene.
@@ -247,14 +236,10 @@ impl Kind {
 
 fn measure(root: &Path, args: &Args) -> Outcome<()> {
     let clock = Instant::now();
-    let people = people::all(&data_folder(root, args.data.as_deref()))?;
+    let people = people::all(&args.options.data(root))?;
     let size = if args.quick { Size::QUICK } else { Size::FULL };
-    let folder = args
-        .out
-        .clone()
-        .unwrap_or_else(|| root.join("target").join(if args.quick { "coverage-quick" } else { "coverage" }));
+    let folder = args.options.folder(root, if args.quick { "coverage-quick" } else { "coverage" })?;
     let mut store = Store::open(&folder, &configuration(args, &people))?;
-    let granted = std::thread::available_parallelism().map_or(1, |n| n.get());
     let has_recorded = people.iter().all(|person| person.recorded.is_some());
     let possible = |scenes: Vec<Scene>| -> Vec<Scene> {
         let needs = |scene: &Scene| matches!(scene, Scene::Person { wrong: Wrong::Recorded, .. });
@@ -268,7 +253,7 @@ fn measure(root: &Path, args: &Args) -> Outcome<()> {
     for kind in [&others, &recordings, &ranked] {
         cells.extend(kind.tasks(&people, args.seed));
     }
-    run_all(&mut store, "coverage", cells, args.threads.unwrap_or(granted))?;
+    run_all(&mut store, "coverage", cells, args.options.threads())?;
     let series = [ranked.found(&store), others.found(&store)].concat();
     let recordings = recordings.found(&store);
     let text = tables::markdown(&series, &recordings, &RANKED);

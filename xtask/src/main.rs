@@ -16,6 +16,7 @@ mod silhouettes;
 mod soak;
 mod source;
 mod store;
+mod study_options;
 mod tables;
 mod tidy;
 mod trackers;

@@ -12,6 +12,7 @@ mod tables;
 
 use crate::outcome::{Outcome, exit_code};
 use crate::store::{Store, Task, run_all};
+use crate::study_options::StudyOptions;
 use contenders::{Contender, LATENT, Latent, REFERENCES};
 use pilot::{FOLDS, LIMBS, Pilot, Score, key};
 use serde_json::{Value, json};
@@ -20,7 +21,7 @@ use sinew_tests::missing_limbs::latent::{self, Learned};
 use sinew_tests::missing_limbs::task::Task as Limb;
 use sinew_tests::missing_limbs::{Benchmark, LEG};
 use std::ops::Range;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::ExitCode;
 
 /// Fills in missing limbs, first of training sequences, then of the test sequence.
@@ -29,15 +30,8 @@ pub(crate) struct Args {
     /// The pilot alone
     #[arg(long)]
     pilot: bool,
-    /// Cells that run at a time, one thread each [default: one a processor]
-    #[arg(long)]
-    threads: Option<usize>,
-    /// Folder for cells and tables [default: target/missing-limbs]
-    #[arg(long)]
-    out: Option<PathBuf>,
-    /// Folder of the shared recordings [default: shared/data beside the workspace]
-    #[arg(long, env = "SINEW_DATA")]
-    data: Option<PathBuf>,
+    #[command(flatten)]
+    options: StudyOptions,
 }
 
 /// Raised with every change of what a cell computes.
@@ -86,12 +80,11 @@ fn tasks(benchmark: &Benchmark) -> Vec<Task<'_>> {
 }
 
 fn measure(root: &Path, args: &Args) -> Outcome<()> {
-    let data = args.data.clone().unwrap_or_else(|| root.join("../shared/data"));
+    let data = args.options.data(root);
     let benchmark = Benchmark::read(&data.join("mocap35_missing"))?;
-    let folder = args.out.clone().unwrap_or_else(|| root.join("target/missing-limbs"));
+    let folder = args.options.folder(root, "missing-limbs")?;
     let mut store = Store::open(&folder, &format!("version {VERSION}, {}, {FOLDS:?}", Isa::best().name()))?;
-    let granted = std::thread::available_parallelism().map_or(1, |n| n.get());
-    run_all(&mut store, "missing limbs", tasks(&benchmark), args.threads.unwrap_or(granted))?;
+    run_all(&mut store, "missing limbs", tasks(&benchmark), args.options.threads())?;
     let pilot = Pilot::read(&store);
     let (model, rows) = pilot.chosen()?;
     let mut text = tables::pilot(&pilot);

@@ -16,11 +16,12 @@ mod tables;
 
 use crate::outcome::{Outcome, exit_code};
 use crate::store::{Store, Task, run_all};
+use crate::study_options::StudyOptions;
 use people::{Models, PILOT, Person, TEST, UNSEEN};
 use scene::{CONTENDERS, Contender, SCENES, Scene, Series};
 use sinew::config::settings::Settings;
 use sinew::core::lanes::Isa;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::ExitCode;
 
 /// Measures what a learned motion model is worth as a prior on keypoints.
@@ -41,15 +42,8 @@ pub(crate) struct Args {
     /// Seeds of the learned mixture at most, whose cells cost many times as much
     #[arg(long, default_value_t = 2)]
     mixture_seeds: u64,
-    /// Cells that run at a time, one thread each [default: one a processor]
-    #[arg(long)]
-    threads: Option<usize>,
-    /// Folder for model, cells and tables [default: target/motion-prior]
-    #[arg(long)]
-    out: Option<PathBuf>,
-    /// Folder of the shared recordings [default: shared/data beside the workspace]
-    #[arg(long, env = "SINEW_DATA")]
-    data: Option<PathBuf>,
+    #[command(flatten)]
+    options: StudyOptions,
 }
 
 /// Raised with every change of what a cell computes.
@@ -97,15 +91,14 @@ impl Study {
 }
 
 fn measure(root: &Path, args: &Args) -> Outcome<()> {
-    let data = args.data.clone().unwrap_or_else(|| root.join("../shared/data"));
+    let data = args.options.data(root);
     let (name, trials) = match args {
         Args { pilot: true, .. } => ("motion-prior-pilot", &PILOT[..]),
         Args { unseen: true, .. } => ("motion-prior-unseen", &UNSEEN[..]),
         Args { quick: true, .. } => ("motion-prior-quick", &TEST[..2]),
         _ => ("motion-prior", &TEST[..]),
     };
-    let folder = args.out.clone().unwrap_or_else(|| root.join("target").join(name));
-    std::fs::create_dir_all(&folder)?;
+    let folder = args.options.folder(root, name)?;
     let without = if args.pilot { &PILOT[..] } else { &[] };
     let models = Models::new(&folder, &data, without)?;
     let people = trials.iter().map(|&trial| Person::new(&data, trial)).collect::<Outcome<Vec<_>>>()?;
@@ -113,8 +106,7 @@ fn measure(root: &Path, args: &Args) -> Outcome<()> {
     let configuration = format!("version {VERSION}, {}, {without:?}, {:?}", Isa::best().name(), Settings::default());
     let study = Study { models, people, seeds, mixture_seeds: seeds.min(args.mixture_seeds) };
     let mut store = Store::open(&folder, &configuration)?;
-    let granted = std::thread::available_parallelism().map_or(1, |n| n.get());
-    run_all(&mut store, "motion prior", study.tasks(), args.threads.unwrap_or(granted))?;
+    run_all(&mut store, "motion prior", study.tasks(), args.options.threads())?;
     let found = |scene: Scene, contender: Contender| study.found(&store, scene, contender);
     let text = format!("{}\n{}", tables::measured(&found), tables::judged(&found));
     std::fs::write(folder.join("tables.md"), &text)?;

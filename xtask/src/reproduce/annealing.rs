@@ -25,10 +25,11 @@ mod walk;
 
 use crate::outcome::Outcome;
 use crate::store::Store;
+use crate::study_options::StudyOptions;
 use film::{Film, Row};
 use serde_json::json;
 use sinew::core::lanes::Isa;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::ExitCode;
 use std::time::Instant;
 use study::{Part, Size, Study, VERSION, run_film, run_series};
@@ -43,31 +44,24 @@ pub(super) struct Args {
     /// Parts to run, separated by commas [default: all]
     #[arg(long, value_delimiter = ',')]
     only: Vec<Part>,
-    /// Folder for cells, tables and figures [default: target/reproduce/annealing]
-    #[arg(long)]
-    out: Option<PathBuf>,
     /// Seeds of the film [default: all of the size]
     #[arg(long)]
     seeds: Option<usize>,
     /// Seed of the first run
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    /// Cells that run at a time, one thread each [default: one a processor]
-    #[arg(long)]
-    threads: Option<usize>,
-    /// Folder of the shared recordings [default: $SINEW_DATA, else shared/data beside the workspace]
-    #[arg(long, env = "SINEW_DATA")]
-    data: Option<PathBuf>,
+    #[command(flatten)]
+    options: StudyOptions,
 }
 
 /// Runs the command.
 pub(super) fn run(root: &Path, args: &Args) -> Outcome<ExitCode> {
     let clock = Instant::now();
-    let data = args.data.clone().unwrap_or_else(|| root.join("../shared/data"));
+    let data = args.options.data(root);
     let walks = Walks::new(&data)?;
     let mut size = if args.quick { Size::quick() } else { Size::full() };
-    let name = if args.quick { "annealing-quick" } else { "annealing" };
-    let folder = args.out.clone().unwrap_or_else(|| root.join("target/reproduce").join(name));
+    let name = if args.quick { "reproduce/annealing-quick" } else { "reproduce/annealing" };
+    let folder = args.options.folder(root, name)?;
     let (isa, seed) = (Isa::best(), args.seed);
     let common = format!("version {VERSION}, {}, seed {seed}", isa.name());
     // A seed of the film is a cell of its own, and its sweeps are named by what they run.
@@ -79,8 +73,7 @@ pub(super) fn run(root: &Path, args: &Args) -> Outcome<ExitCode> {
     let film_store = Store::open(&folder, &film_version)?;
     let film = Film::new(&walks, size.frames, size.seeds, seed, isa)?;
     let mut study = Study { size, seed, isa, rows, store, film: film_store, only: args.only.clone() };
-    let granted = std::thread::available_parallelism().map_or(1, |n| n.get());
-    let threads = args.threads.unwrap_or(granted);
+    let threads = args.options.threads();
     run_series(&mut study, threads)?;
     if study.wanted(Part::Film) {
         run_film(&mut study, &film, threads)?;
@@ -117,9 +110,8 @@ mod tests {
     fn the_reduced_study_holds() {
         let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap();
         let out = std::env::temp_dir().join(format!("sinew-annealing-{}", std::process::id()));
-        let data = std::env::var_os("SINEW_DATA").map(PathBuf::from);
-        let args =
-            Args { quick: true, only: vec![], out: Some(out.clone()), seeds: None, seed: 1, threads: None, data };
+        let options = StudyOptions { out: Some(out.clone()), ..StudyOptions::usual() };
+        let args = Args { quick: true, only: vec![], seeds: None, seed: 1, options };
         assert_eq!(run(root, &args).unwrap(), ExitCode::SUCCESS, "what does not hold is printed above");
         assert!(out.join("cells.jsonl").is_file() && std::fs::read_dir(&out).unwrap().count() > 8);
         std::fs::remove_dir_all(&out).unwrap();

@@ -36,6 +36,7 @@ mod tables;
 
 use crate::outcome::Outcome;
 use crate::store::Store;
+use crate::study_options::StudyOptions;
 use clap::ValueEnum;
 use problem::MODELS;
 use scene::Source;
@@ -71,18 +72,11 @@ pub(super) struct Args {
     /// Parts to run, separated by commas [default: all]
     #[arg(long, value_delimiter = ',')]
     only: Vec<Part>,
-    /// Folder for cells, tables and figures [default: target/reproduce/choo-fleet]
-    #[arg(long)]
-    out: Option<PathBuf>,
     /// Seed of all random streams
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    /// Cells that run at a time, one thread each [default: one a processor]
-    #[arg(long)]
-    threads: Option<usize>,
-    /// Folder of the shared recordings [default: $SINEW_DATA, else shared/data beside the workspace]
-    #[arg(long, env = "SINEW_DATA")]
-    data: Option<PathBuf>,
+    #[command(flatten)]
+    options: StudyOptions,
 }
 
 /// Frames of walking, for the crossover.
@@ -183,16 +177,15 @@ impl Run<'_> {
 
 /// Runs the command.
 pub(super) fn run(root: &Path, args: &Args) -> Outcome<ExitCode> {
-    let data = args.data.clone().unwrap_or_else(|| root.join("../shared/data"));
+    let data = args.options.data(root);
     if !data.join("cmu_amc").is_dir() {
         println!("skipped: no data in {}", data.display());
         return Ok(ExitCode::SUCCESS);
     }
     let clock = Instant::now();
     let size = if args.quick { Size::quick() } else { Size::full() };
-    let folder = args.out.clone().unwrap_or_else(|| {
-        root.join("target/reproduce").join(if args.quick { "choo-fleet-quick" } else { "choo-fleet" })
-    });
+    let name = if args.quick { "reproduce/choo-fleet-quick" } else { "reproduce/choo-fleet" };
+    let folder = args.options.folder(root, name)?;
     let mut motions = BTreeMap::new();
     for name in ["07_01", "131_04"] {
         motions.insert(name, scene::motion(&data, name)?);
@@ -200,8 +193,7 @@ pub(super) fn run(root: &Path, args: &Args) -> Outcome<ExitCode> {
     let study = Study { isa: Isa::best(), seed: args.seed, size, motions };
     let configuration = study.configuration();
     let mut store = Store::open(&folder, &configuration)?;
-    let granted = std::thread::available_parallelism().map_or(1, |n| n.get());
-    let run = Run { args, study, folder, configuration, threads: args.threads.unwrap_or(granted) };
+    let run = Run { args, study, folder, configuration, threads: args.options.threads() };
     run.cells(&mut store)?;
     let beyond = run.beyond(&mut store)?;
     let failed = run.report(&store, &beyond)?;
@@ -222,7 +214,8 @@ mod tests {
             return;
         }
         let data = Some(sinew_tests::data::folder());
-        let args = Args { quick: true, only: vec![], out: Some(out.clone()), seed: 1, threads: None, data };
+        let options = StudyOptions { out: Some(out.clone()), data, threads: None };
+        let args = Args { quick: true, only: vec![], seed: 1, options };
         assert_eq!(run(root, &args).unwrap(), ExitCode::SUCCESS, "claims that fail are printed above");
         assert!(out.join("cells.jsonl").is_file() && std::fs::read_dir(&out).unwrap().count() > 3);
         std::fs::remove_dir_all(&out).unwrap();

@@ -28,13 +28,14 @@ mod track;
 
 use crate::outcome::Outcome;
 use crate::store::Store;
+use crate::study_options::StudyOptions;
 use contender::{Contender, READINGS, Reading};
 use results::{Estimate, Results, mean};
 use scene::{FRAMES, Scene, Tracked};
 use sinew::core::lanes::Isa;
 use sinew_simulate::segmentation_noise::Level;
 use std::fmt::Write as _;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::ExitCode;
 use std::sync::Mutex;
 use std::time::Instant;
@@ -61,15 +62,8 @@ pub(super) struct Args {
     /// Seeds for what goes beyond the paper
     #[arg(long, default_value_t = 3)]
     beside_seeds: u64,
-    /// Folder for cells, tables and figures [default: target/reproduce/coarse-to-fine]
-    #[arg(long)]
-    out: Option<PathBuf>,
-    /// Cells that run at a time, one thread each [default: one a processor]
-    #[arg(long)]
-    threads: Option<usize>,
-    /// Folder of the shared recordings [default: $SINEW_DATA, else shared/data beside the workspace]; without it the synthetic sequence is used
-    #[arg(long, env = "SINEW_DATA")]
-    data: Option<PathBuf>,
+    #[command(flatten)]
+    options: StudyOptions,
 }
 
 /// Tables, figure and claims into the folder and onto the terminal; returns whether what a reduced run asserts holds.
@@ -140,22 +134,22 @@ fn truth_is_most_precise(store: &Store, group: &Group) -> Outcome<bool> {
 /// Runs the command.
 pub(super) fn run(root: &Path, args: &Args) -> Outcome<ExitCode> {
     let clock = Instant::now();
-    let data = args.data.clone().unwrap_or_else(|| root.join("../shared/data")).join("cmu_amc");
+    let data = args.options.data(root).join("cmu_amc");
     let recordings = data.is_dir().then_some(data.as_path());
     if recordings.is_none() {
         println!("no recordings in {}: the synthetic sequence is used", data.display());
     }
     let (name, which) = match (args.quick, args.pilot) {
-        (true, _) => ("coarse-to-fine-quick", Tracked::Test),
-        (_, true) => ("coarse-to-fine-pilot", Tracked::Training),
-        _ => ("coarse-to-fine", Tracked::Test),
+        (true, _) => ("reproduce/coarse-to-fine-quick", Tracked::Test),
+        (_, true) => ("reproduce/coarse-to-fine-pilot", Tracked::Training),
+        _ => ("reproduce/coarse-to-fine", Tracked::Test),
     };
-    let folder = args.out.clone().unwrap_or_else(|| root.join("target/reproduce").join(name));
+    let folder = args.options.folder(root, name)?;
     let frames = if args.quick { 24 } else { FRAMES };
     let scene = Scene::new(recordings, frames, which)?;
     let study = Study { scene, isa: Isa::best(), drawn: Mutex::default() };
     let mut store = Store::open(&folder, &study.configuration())?;
-    let threads = args.threads.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, |n| n.get()));
+    let threads = args.options.threads();
     let groups = groups(args);
     for group in &groups {
         group.run(&study, &mut store, threads)?;
@@ -216,9 +210,7 @@ mod tests {
             other_seeds: 0,
             level_seeds: 0,
             beside_seeds: 0,
-            out: Some(out.clone()),
-            threads: None,
-            data: std::env::var_os("SINEW_DATA").map(PathBuf::from),
+            options: StudyOptions { out: Some(out.clone()), ..StudyOptions::usual() },
         };
         assert_eq!(run(root, &args).unwrap(), ExitCode::SUCCESS, "what was found is printed above");
         for file in ["cells.jsonl", "tables.md", "tables.csv", "claims.md", "results.json", "likelihood.svg"] {

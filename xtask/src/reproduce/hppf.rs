@@ -28,9 +28,10 @@ use super::seed_results::Results;
 use super::worth;
 use crate::outcome::Outcome;
 use crate::store::Store;
+use crate::study_options::StudyOptions;
 use contender::{Motion, on};
 use std::fmt::Write as _;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::ExitCode;
 use std::time::Instant;
 use study::Study;
@@ -53,15 +54,8 @@ pub(super) struct Args {
     /// Seeds from 1 on, each another person, other noise and other particles
     #[arg(long, default_value_t = 10)]
     seeds: u64,
-    /// Cells that run at a time, one thread each [default: one a processor]
-    #[arg(long)]
-    threads: Option<usize>,
-    /// Folder for models, cells and tables [default: target/reproduce/hppf]
-    #[arg(long)]
-    out: Option<PathBuf>,
-    /// Folder of the shared recordings [default: $SINEW_DATA, else shared/data beside the workspace]
-    #[arg(long, env = "SINEW_DATA")]
-    data: Option<PathBuf>,
+    #[command(flatten)]
+    options: StudyOptions,
 }
 
 /// Series of the coverage, by contender and size.
@@ -116,13 +110,9 @@ fn report(study: &Study, results: &Results<'_>) -> Outcome<[String; 2]> {
 /// Runs the command.
 pub(super) fn run(root: &Path, args: &Args) -> Outcome<ExitCode> {
     let clock = Instant::now();
-    let data = args.data.clone().unwrap_or_else(|| root.join("../shared/data"));
-    if !data.join("cmu_amc").is_dir() {
-        return Err(format!("no recordings in {}: the study learns from them", data.display()).into());
-    }
-    let name = if args.quick { "hppf-quick" } else { "hppf" };
-    let folder = args.out.clone().unwrap_or_else(|| root.join("target/reproduce").join(name));
-    std::fs::create_dir_all(&folder)?;
+    let data = args.options.recordings(root)?;
+    let name = if args.quick { "reproduce/hppf-quick" } else { "reproduce/hppf" };
+    let folder = args.options.folder(root, name)?;
     if args.pilot {
         let text = pilot::pilot(&data, &folder, args.only.as_deref())?;
         std::fs::write(folder.join("pilot.md"), &text)?;
@@ -134,7 +124,7 @@ pub(super) fn run(root: &Path, args: &Args) -> Outcome<ExitCode> {
         false => Study::new(&data, &folder, &TRAINING, &Motion::all())?,
     };
     let mut store = Store::open(&folder, &study.configuration())?;
-    let threads = args.threads.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, |n| n.get()));
+    let threads = args.options.threads();
     if args.quick {
         return reduced(&study, &mut store, threads);
     }
@@ -171,9 +161,9 @@ mod tests {
         let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap();
         let out = std::env::temp_dir().join(format!("sinew-hppf-{}", std::process::id()));
         let data = data.parent().map(Path::to_path_buf);
-        let (only, threads, out) = (None, None, Some(out));
-        let args = Args { pilot: false, quick: true, trials: false, only, seeds: 1, threads, out: out.clone(), data };
+        let options = StudyOptions { out: Some(out.clone()), data, threads: None };
+        let args = Args { pilot: false, quick: true, trials: false, only: None, seeds: 1, options };
         assert_eq!(run(root, &args).unwrap(), ExitCode::SUCCESS, "what does not hold is printed above");
-        std::fs::remove_dir_all(out.unwrap()).unwrap();
+        std::fs::remove_dir_all(&out).unwrap();
     }
 }
