@@ -146,22 +146,12 @@ pub fn flesh_on(tree: &KinematicTree) -> Result<Flesh, Error> {
 mod tests {
     use super::*;
     use crate::kinematics::{Plan, point_positions};
+    use crate::placed::{self, near};
     use core::f64::consts::PI;
     use sinew_core::lanes::Isa;
 
     fn points(q: &[f64]) -> impl Fn(&str) -> [f64; 3] + use<> {
-        let tree = sized(&Proportions::default());
-        let plan = Plan::with_all_points(&tree);
-        let mut at = vec![0.0; 3 * plan.points()];
-        point_positions(&plan, Isa::baseline(), q, &mut at);
-        move |name| {
-            let k = tree.point_index(name).expect("a point");
-            [at[3 * k], at[3 * k + 1], at[3 * k + 2]]
-        }
-    }
-
-    fn near(a: [f64; 3], b: [f64; 3]) -> bool {
-        a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-12)
+        placed::points(sized(&Proportions::default()), q)
     }
 
     #[test]

@@ -182,22 +182,10 @@ pub fn ranges() -> [Option<[f64; 2]>; 24] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::kinematics::{Plan, point_positions};
-    use sinew_core::lanes::Isa;
+    use crate::placed::{self, near};
 
     fn points(q: &[f64; 24]) -> impl Fn(&str) -> [f64; 3] + use<> {
-        let tree = tree(1.0);
-        let plan = Plan::with_all_points(&tree);
-        let mut at = vec![0.0; 3 * plan.points()];
-        point_positions(&plan, Isa::baseline(), q, &mut at);
-        move |name| {
-            let k = tree.point_index(name).expect("a point");
-            [at[3 * k], at[3 * k + 1], at[3 * k + 2]]
-        }
-    }
-
-    fn near(a: [f64; 3], b: [f64; 3]) -> bool {
-        a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-12)
+        placed::points(tree(1.0), q)
     }
 
     #[test]

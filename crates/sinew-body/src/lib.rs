@@ -25,6 +25,8 @@ pub mod hapf31;
 pub mod hppf24;
 pub mod initial;
 pub mod kinematics;
+#[cfg(test)]
+mod placed;
 mod sizes;
 pub mod standard;
 pub mod standard_flesh;

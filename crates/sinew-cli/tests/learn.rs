@@ -2,29 +2,15 @@
 
 mod common;
 
+use common::walks::{learned, walks};
 use common::{Trial, files, trial};
 use std::fs;
 
 const LEARN: [&str; 10] =
     ["learn", "primitives", "--motion", "a.trc", "--body", "h32", "--clusters", "6", "--no-progress", "-omodel.json"];
 
-/// A folder with two walks of three seconds at 30 frames a second.
-fn walks() -> Trial {
-    let trial = Trial { folder: tempfile::tempdir().unwrap() };
-    for (name, seed) in [("a", "1"), ("b", "2")] {
-        let arguments = ["simulate", "-o", "made", "--force", "--duration", "3", "--cameras", "1", "--size", "32x32"];
-        let made = trial.run(&[&arguments[..], &["--images", "none", "--no-progress", "--seed", seed]].concat());
-        assert!(made.status.success(), "{}", trial.printed(&made));
-        fs::rename(trial.path("made/truth.trc"), trial.path(&format!("{name}.trc"))).unwrap();
-    }
-    fs::remove_dir_all(trial.path("made")).unwrap();
-    trial
-}
-
 fn learn(trial: &Trial, more: &[&str]) -> String {
-    let output = trial.run(&[&LEARN[..], more].concat());
-    assert!(output.status.success(), "{}", trial.printed(&output));
-    String::from_utf8(output.stdout).unwrap()
+    learned(trial, &LEARN, more)
 }
 
 #[test]
@@ -39,7 +25,7 @@ fn help_names_every_flag() {
 
 #[test]
 fn a_model_is_learned_reported_inspected_and_drawn() {
-    let trial = walks();
+    let trial = walks("3");
     let printed = learn(&trial, &["--held-out", "b.trc"]);
     for words in
         ["motion    1 file", "held out  1 file", "model     h32, 20 frames per second", "switching", "velocity"]
@@ -65,7 +51,7 @@ fn a_model_is_learned_reported_inspected_and_drawn() {
 
 #[test]
 fn learning_shows_its_iterations_unless_it_is_quiet() {
-    let trial = walks();
+    let trial = walks("3");
     let stderr = |more: &[&str]| {
         let output = trial.run(&[&LEARN[..6], &["-omodel.json", "--force"], more].concat());
         assert!(output.status.success(), "{}", trial.printed(&output));
@@ -80,7 +66,7 @@ fn learning_shows_its_iterations_unless_it_is_quiet() {
 
 #[test]
 fn unusable_motion_is_refused() {
-    let trial = walks();
+    let trial = walks("3");
     let printed = |arguments: &[&str]| trial.printed(&trial.run(arguments));
     let with = |motion: &str, more: &[&str]| {
         let arguments = ["learn", "primitives", "--motion", motion, "--body", "h32", "--no-progress"];
@@ -105,7 +91,7 @@ fn unusable_motion_is_refused() {
 /// What `inspect` and `track` say of files that are no model, or one of something else.
 #[test]
 fn models_that_do_not_fit_are_refused() {
-    let walks = walks();
+    let walks = walks("3");
     learn(&walks, &[]);
     let trial = trial(0.5);
     let model = fs::read_to_string(walks.path("model.json")).unwrap();
@@ -130,7 +116,7 @@ fn models_that_do_not_fit_are_refused() {
 /// A learned model tracks, its hash is in the summary, and another model at the same path is another run.
 #[test]
 fn a_run_with_a_model_knows_which_one() {
-    let walks = walks();
+    let walks = walks("3");
     learn(&walks, &["--fps", "30"]);
     let trial = trial(0.5);
     fs::copy(walks.path("model.json"), trial.path("model.json")).unwrap();

@@ -2,6 +2,7 @@
 
 mod common;
 
+use common::walks::{learned, walks};
 use common::{Trial, files};
 use std::fs;
 
@@ -19,23 +20,8 @@ const LEARN: [&str; 11] = [
     "--force",
 ];
 
-/// A folder with two walks of two seconds at 30 frames a second.
-fn walks() -> Trial {
-    let trial = Trial { folder: tempfile::tempdir().unwrap() };
-    for (name, seed) in [("a", "1"), ("b", "2")] {
-        let arguments = ["simulate", "-o", "made", "--force", "--duration", "2", "--cameras", "1", "--size", "32x32"];
-        let made = trial.run(&[&arguments[..], &["--images", "none", "--no-progress", "--seed", seed]].concat());
-        assert!(made.status.success(), "{}", trial.printed(&made));
-        fs::rename(trial.path("made/truth.trc"), trial.path(&format!("{name}.trc"))).unwrap();
-    }
-    fs::remove_dir_all(trial.path("made")).unwrap();
-    trial
-}
-
 fn learn(trial: &Trial, more: &[&str]) -> String {
-    let output = trial.run(&[&LEARN[..], more].concat());
-    assert!(output.status.success(), "{}", trial.printed(&output));
-    String::from_utf8(output.stdout).unwrap()
+    learned(trial, &LEARN, more)
 }
 
 #[test]
@@ -48,7 +34,7 @@ fn help_names_every_flag() {
 
 #[test]
 fn a_model_of_each_kind_is_learned_reported_inspected_and_drawn() {
-    let trial = walks();
+    let trial = walks("2");
     for (kind, panels) in [("gpdm", 1), ("gplvm", 1), ("hgplvm", 8)] {
         let printed = learn(&trial, &["--model", kind, "--held-out", "b.trc"]);
         for words in
@@ -76,7 +62,7 @@ fn a_model_of_each_kind_is_learned_reported_inspected_and_drawn() {
 /// Covariances of more rows than one thread takes at a time.
 #[test]
 fn a_model_of_many_rows_is_the_same_on_any_number_of_threads() {
-    let trial = walks();
+    let trial = walks("2");
     let model = |threads: &str| {
         let more = ["--motion", "b.trc", "--fps", "60", "--balanced", "true", "--threads", threads];
         learn(&trial, &more);
@@ -89,7 +75,7 @@ fn a_model_of_many_rows_is_the_same_on_any_number_of_threads() {
 
 #[test]
 fn flags_change_the_model_and_idle_ones_are_named() {
-    let trial = walks();
+    let trial = walks("2");
     let model = |more: &[&str]| {
         learn(&trial, more);
         fs::read(trial.path("model.json")).unwrap()
@@ -113,7 +99,7 @@ fn flags_change_the_model_and_idle_ones_are_named() {
 
 #[test]
 fn unusable_motion_and_files_are_refused() {
-    let trial = walks();
+    let trial = walks("2");
     let printed = |arguments: &[&str]| trial.printed(&trial.run(arguments));
     let with = |more: &[&str]| {
         printed(&[&["learn", "latent", "--motion", "a.trc", "--body", "hppf24", "--no-progress"], more].concat())

@@ -3,6 +3,7 @@
 #![allow(dead_code)]
 
 pub mod synthetic;
+pub mod walks;
 
 use sinew::formats::trc;
 use sinew_simulate::recording::{Script, SyntheticRecording};
