@@ -3,7 +3,7 @@
 use super::Trial;
 use std::fs;
 
-/// A folder with two walks of so many seconds at 30 frames a second, `a.trc` and `b.trc`.
+/// A folder with two walks of a number of seconds at 30 frames a second, `a.trc` and `b.trc`.
 pub fn walks(duration_s: &str) -> Trial {
     let trial = Trial { folder: tempfile::tempdir().unwrap() };
     for (name, seed) in [("a", "1"), ("b", "2")] {
