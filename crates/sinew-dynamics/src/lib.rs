@@ -23,6 +23,7 @@ pub mod first_order;
 pub mod gaussian;
 pub mod joint_ranges;
 pub mod kalman;
+pub mod lasting;
 pub mod level_walk;
 pub mod linear_gaussian;
 pub mod linear_motion;
