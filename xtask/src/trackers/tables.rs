@@ -2,7 +2,7 @@
 
 use super::entries::{ENTRIES, Entry};
 use super::films::{Film, key};
-use super::worth::Worth;
+use super::worth::{Worth, held_mm};
 use crate::outcome::Outcome;
 use crate::store::Store;
 use sinew::methods::{Gives, METHODS};
@@ -35,7 +35,7 @@ pub(super) fn text(store: &Store, films: &[Film], seeds: u64) -> Outcome<String>
     let mut out = String::new();
     for (title, films) in [("Simulated walkers", simulated), ("The real recording", real)] {
         let _ = writeln!(out, "## {title}\n");
-        out += "| method | observes | learned model | error, mm | frames below 150 mm, % | 90 % intervals hold, % | frames a second |\n|---|---|---|---|---|---|---|\n";
+        out += "| method | observes | learned model | error, mm | frames below 150 mm, % | begun again, % | 90 % intervals hold, % | frames a second |\n|---|---|---|---|---|---|---|---|\n";
         for entry in &ENTRIES {
             let about = METHODS.iter().find(|method| method.name == entry.method).ok_or("no such method")?;
             let mean = |of| over(store, &films, entry, seeds, of);
@@ -45,16 +45,19 @@ pub(super) fn text(store: &Store, films: &[Film], seeds: u64) -> Outcome<String>
             };
             let _ = writeln!(
                 out,
-                "| `{}` | {} | {} | {} | {:.0} | {covered} | {:.0} |",
+                "| `{}` | {} | {} | {} | {:.0} | {:.0} | {covered} | {:.0} |",
                 entry.method,
                 entry.seen.name(),
                 entry.learned.map_or("–", |learned| learned.name()),
                 with_error(mean(|worth| worth.error_mm)?),
                 mean(|worth| 100.0 * worth.followed)?[0],
+                mean(|worth| 100.0 * worth.restarted)?[0],
                 mean(|worth| worth.frames_per_second)?[0]
             );
         }
-        out += "\n";
+        let held = films.iter().map(|film| held_mm(&film.truth(1)?)).collect::<Outcome<Vec<f64>>>()?;
+        let held = held.iter().sum::<f64>() / held.len() as f64;
+        let _ = writeln!(out, "| first pose held at the true hips | – | – | {held:.0} | – | – | – | – |\n");
     }
     Ok(out)
 }

@@ -18,14 +18,22 @@ pub(super) struct Worth {
     pub(super) followed: f64,
     /// Share of true coordinates within the 90 % intervals.
     pub(super) covered: f64,
+    /// Share of frames at which tracking began again.
+    pub(super) restarted: f64,
     /// Frames per second, without the set-up.
     pub(super) frames_per_second: f64,
 }
 
 impl Worth {
     pub(super) fn to_json(self) -> Value {
-        let Self { error_mm, followed, covered, frames_per_second } = self;
-        json!({ "error_mm": error_mm, "followed": followed, "covered": covered, "frames_per_second": frames_per_second })
+        let Self { error_mm, followed, covered, restarted, frames_per_second } = self;
+        json!({
+            "error_mm": error_mm,
+            "followed": followed,
+            "covered": covered,
+            "restarted": restarted,
+            "frames_per_second": frames_per_second,
+        })
     }
 
     pub(super) fn from_json(value: &Value) -> Self {
@@ -34,20 +42,48 @@ impl Worth {
             error_mm: number("error_mm"),
             followed: number("followed"),
             covered: number("covered"),
+            restarted: number("restarted"),
             frames_per_second: number("frames_per_second"),
         }
     }
 }
 
-/// Reads `joints.csv` and `timings.json` of a folder, and a TRC file of true joints of the same frames.
+/// Reads `joints.csv`, `summary.json` and `timings.json` of a folder, and a TRC file of true joints of the same frames.
 pub(super) fn of(folder: &Path, truth: &Path) -> Outcome<Worth> {
-    let timings: Value = serde_json::from_str(&std::fs::read_to_string(folder.join("timings.json"))?)?;
+    let json =
+        |name: &str| -> Outcome<Value> { Ok(serde_json::from_str(&std::fs::read_to_string(folder.join(name))?)?) };
+    let (timings, summary) = (json("timings.json")?, json("summary.json")?);
     let name = truth.display().to_string();
     let truth = trc::read(&name, &std::fs::read_to_string(truth)?)?;
     let text = std::fs::read_to_string(folder.join("joints.csv"))?;
     let found = compared(&text, |frame, joint| truth.point_in_world(frame, truth.marker_index(joint)?))?;
-    let frames_per_second = timings["frames_per_second"].as_f64().unwrap_or(f64::NAN);
-    Ok(Worth { frames_per_second, ..found })
+    let number = |value: &Value| value.as_f64().unwrap_or(f64::NAN);
+    let frames_per_second = number(&timings["frames_per_second"]);
+    let restarted = number(&summary["restarted_frames"]) / number(&summary["frame_count"]);
+    Ok(Worth { restarted, frames_per_second, ..found })
+}
+
+/// Mean distance of the limb joints, millimetres, where the true pose of the first frame is carried along by the true middle of the hips.
+pub(super) fn held_mm(truth: &Path) -> Outcome<f64> {
+    let truth = trc::read(&truth.display().to_string(), &std::fs::read_to_string(truth)?)?;
+    let at = |frame: usize, name: &str| truth.point_in_world(frame, truth.marker_index(name)?);
+    let hips = |frame: usize| {
+        let (left, right) = (at(frame, "LHip")?, at(frame, "RHip")?);
+        Some([0, 1, 2].map(|k: usize| 0.5 * (left[k] + right[k])))
+    };
+    let mut distances = vec![];
+    for frame in 0..truth.frames.len() {
+        for joint in LIMB_JOINTS {
+            let places = [at(0, joint), hips(0), at(frame, joint), hips(frame)];
+            let [Some(first), Some(first_hips), Some(now), Some(hips_now)] = places else { continue };
+            let square = |k: usize| (first[k] - first_hips[k] - now[k] + hips_now[k]).powi(2);
+            distances.push(1e3 * (0..3).map(square).sum::<f64>().sqrt());
+        }
+    }
+    match distances.len() {
+        0 => Err("no joints beside hips in the file of truth".into()),
+        count => Ok(distances.iter().sum::<f64>() / count as f64),
+    }
 }
 
 /// Compares a table of joints with their true places, all but for the speed.
@@ -86,6 +122,7 @@ fn compared(text: &str, truth: impl Fn(usize, &str) -> Option<[f64; 3]>) -> Outc
         error_mm: frames.iter().sum::<f64>() / count,
         followed: frames.iter().filter(|error| **error < FOLLOWED_MM).count() as f64 / count,
         covered: inside as f64 / judged as f64,
+        restarted: f64::NAN,
         frames_per_second: f64::NAN,
     })
 }
