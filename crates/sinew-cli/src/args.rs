@@ -43,7 +43,7 @@ const LAST: usize = 100;
 #[derive(Args, Debug, Default)]
 #[command(next_help_heading = "General")]
 pub(crate) struct General {
-    /// Output folder [default: sinew-out/<trial>]
+    /// Output folder, or file of learn and inspect [default: sinew-out/<trial>]
     #[arg(short, long, global = true, display_order = LAST, value_name = "DIR", help_heading = "Output")]
     pub(crate) out: Option<String>,
     /// Replace results that are there

@@ -69,7 +69,7 @@ pub(crate) struct LatentArgs {
     /// Kind: gplvm, gpdm (with dynamics) or hgplvm (by limbs)
     #[arg(long, value_name = "KIND", default_value = "gpdm", hide_possible_values = true, value_parser = LatentKind::ALL.map(LatentKind::name))]
     pub(crate) model: String,
-    /// Coordinates of a latent
+    /// Coordinates of a latent, at most
     #[arg(long, value_name = "Q", default_value = "3", value_parser = dim)]
     pub(crate) dim: usize,
     /// Frames to learn from, at most

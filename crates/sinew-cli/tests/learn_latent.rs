@@ -86,7 +86,7 @@ fn flags_change_the_model_and_idle_ones_are_named() {
         assert_ne!(model(more), plain, "{more:?}");
     }
     let short = learn(&trial, &["--rows", "20", "--motion", "b.trc"]);
-    assert!(short.contains("20 in 2 sequences, the middle of each of 80 in all"), "{short}");
+    assert!(short.contains("20 in 2 sequences, the middle of each; 80 in all"), "{short}");
     let idle = trial.run(&[&LEARN[..], &["--model", "hgplvm", "--back", "--balanced", "true"]].concat());
     insta::assert_snapshot!("idle_of_a_tree", trial.printed(&idle));
     let idle = trial.run(&[&LEARN[..], &["--model", "gplvm", "--root-per-motion", "--seed", "3"]].concat());
@@ -95,6 +95,52 @@ fn flags_change_the_model_and_idle_ones_are_named() {
     let shown = String::from_utf8(shown.stderr).unwrap();
     assert!(shown.contains("learning: step 20, objective "), "{shown}");
     assert!(shown.contains("learning: 100 % (40 of 40 steps)"), "{shown}");
+}
+
+/// The report says how many coordinates each node has, whatever was asked for, and the allowed steps are kept.
+#[test]
+fn what_is_reported_is_what_was_learned() {
+    let trial = walks("2");
+    let learn =
+        ["learn", "latent", "--motion", "a.trc", "--body", "hppf24", "--steps", "13", "--force", "-omodel.json"];
+    let json = |more: &[&str]| -> serde_json::Value {
+        serde_json::from_str(&learned(&trial, &learn, &[more, &["--json", "--no-progress"]].concat())).unwrap()
+    };
+    let tree = json(&["--model", "hgplvm", "--dim", "10"]);
+    let dimensions: Vec<u64> = tree["dimensions"].as_array().unwrap().iter().map(|dim| dim.as_u64().unwrap()).collect();
+    assert!(dimensions.len() == 8 && dimensions.iter().any(|&dim| dim < 10), "{dimensions:?}");
+    assert_eq!(json(&["--model", "gpdm"])["steps"], 13);
+}
+
+/// Numbers that are no joints in metres, and poses that are all the same.
+#[test]
+fn impossible_and_still_motion_is_refused() {
+    let trial = walks("2");
+    let text = fs::read_to_string(trial.path("a.trc")).unwrap();
+    let lines: Vec<&str> = text.lines().collect();
+    let first = lines.iter().position(|line| line.starts_with("1\t")).unwrap();
+    let cells = |line: &str| line.split('\t').map(str::to_owned).collect::<Vec<_>>();
+    let changed = |change: &dyn Fn(usize, &mut Vec<String>)| {
+        let row = |(n, line): (usize, &&str)| {
+            let mut cells = cells(line);
+            if n >= first {
+                change(n, &mut cells);
+            }
+            cells.join("\t")
+        };
+        let rows: Vec<String> = lines.iter().enumerate().map(row).collect();
+        fs::write(trial.path("a.trc"), rows.join("\n") + "\n").unwrap();
+        trial.printed(&trial.run(&LEARN))
+    };
+    let far = changed(&|n, cells| {
+        if n == first + 3 {
+            cells[2] = "1e9".into();
+        }
+    });
+    assert!(far.starts_with("exit 3") && far.contains("m on average") && far.contains("units"), "{far}");
+    let pose = cells(lines[first]);
+    let still = changed(&|_, cells| cells[2..].clone_from_slice(&pose[2..]));
+    assert!(still.starts_with("exit 3") && still.contains("principal components of the motion: "), "{still}");
 }
 
 #[test]

@@ -31,7 +31,13 @@ fn model(folder: &Path, kind: LatentKind, body: NamedBody, steps: usize) -> Stri
         LatentRequest { files, kind, dim: 2, rows: 40, balanced: true, back: false, root_per_motion: false, steps };
     let stop = &AtomicBool::new(false);
     let out = folder.join("model.json");
-    learn(&request, &out, true, &mut LatentWatch { progress: &mut |_, _, _| {}, step: &mut |_| {}, stop }).unwrap();
+    learn(
+        &request,
+        &out,
+        true,
+        &mut LatentWatch { progress: &mut |_, _, _| {}, step: &mut |_| {}, warning: &mut |_| {}, stop },
+    )
+    .unwrap();
     out.display().to_string()
 }
 

@@ -37,7 +37,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     for n in 200..210 {
         let truth = row(n);
         let observed = KNOWN.iter().map(|&column| (column, truth[column])).collect();
-        let density = LatentDensity::given(mapping.clone(), LatentPrior::of(&model, 0), observed);
+        let density = LatentDensity::given(mapping.clone(), LatentPrior::of(&model, 0), observed)?;
         let posterior = infer(&density, &Inference::default(), Stage::new(1, "missing columns").round(n))?;
         let filled = predict(&density, &posterior);
         for column in MISSING {

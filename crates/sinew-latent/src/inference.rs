@@ -75,17 +75,20 @@ pub struct LatentPosterior {
 pub struct Prediction {
     /// Mean, in the output's unit.
     pub mean: f64,
-    /// Variance with the uncertainty of the latent and of the map, without white noise.
+    /// Variance with the uncertainty of the latent and of the map, without white noise, in the square of the output's unit.
     pub variance: f64,
-    /// Variance of the white noise.
+    /// Variance of the white noise, in the same unit.
     pub noise: f64,
 }
 
 /// The posterior of a latent under a density.
 ///
 /// # Errors
-/// [`Error::NotFinite`] where the density has no finite value at any latent that was learned from.
+/// [`Error::NotFinite`] where the density has no finite value at any latent that was learned from, [`Error::Shape`] for no draws.
 pub fn infer(density: &LatentDensity, config: &Config, stage: Stage) -> Result<LatentPosterior, Error> {
+    if config.draws == 0 {
+        return Err(Error::Shape { name: "draws", found: 0, expected: 1 });
+    }
     let lanes = Lanes { leaf: density.clone(), isa: Isa::baseline() };
     let known = likelihoods(&lanes);
     let modes = modes(&lanes, &known, config)?;

@@ -51,7 +51,7 @@ impl Inverse {
         Ok(Self { prior: LatentPrior::of(model, node), mapping, regression, known, centre, scale, steps })
     }
 
-    /// The latent of an output row.
+    /// The latent, length q, of a row of all outputs, in their units.
     #[must_use]
     pub fn latent(&self, row: &[f64]) -> Vec<f64> {
         let (dim, cols) = (self.mapping.dim(), row.len());
@@ -64,8 +64,9 @@ impl Inverse {
         let distances = self.known.chunks_exact(cols).map(|known| squared_distance(known, &prepared));
         let nearest = distances.enumerate().min_by(|a, b| a.1.total_cmp(&b.1)).map_or(0, |(n, _)| n);
         let nearest = &self.mapping.latents()[nearest * dim..][..dim];
-        let observed = row.iter().copied().enumerate().collect();
-        let leaf = LatentDensity::given(self.mapping.clone(), self.prior.clone(), observed);
+        let observed: Vec<(usize, f64)> = row.iter().copied().enumerate().collect();
+        let (mapping, prior, count) = (self.mapping.clone(), self.prior.clone(), cols as f64);
+        let leaf = LatentDensity { mapping, prior, observed, count };
         let mut density = Ascent(Lanes { leaf, isa: Isa::baseline() });
         let starts = [regressed, nearest.to_vec()].map(|x| Lbfgs::new(&mut density, x));
         let [regressed, nearest] = starts;

@@ -10,6 +10,7 @@
 //!
 //! without constants. Nothing observed and n = D is a prior of latents that prefers where poses are known (Urtasun, Fleet, Hertzmann & Fua 2005).
 
+use crate::Error;
 use crate::mapping::Mapping;
 use crate::model::{LatentModel, RootPrior};
 use sinew_core::density::{LaneDensity, LaneGaussNewton};
@@ -52,16 +53,28 @@ pub struct LatentDensity {
     pub prior: LatentPrior,
     /// Places of the outputs that were observed, and their values in the outputs' units.
     pub observed: Vec<(usize, f64)>,
-    /// n.
+    /// n, the number of outputs that count in the variance: of those observed, or of all for a prior of latents.
     pub count: f64,
 }
 
 impl LatentDensity {
-    /// Of latents, given some outputs of a row.
-    #[must_use]
-    pub fn given(mapping: Arc<Mapping>, prior: LatentPrior, observed: Vec<(usize, f64)>) -> Self {
+    /// Of latents, given some outputs of a row: their places among the outputs and their values, in the outputs' units.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] for a value that is not finite or at no place of an output, [`Error::Shape`] for a prior of another dimension.
+    pub fn given(mapping: Arc<Mapping>, prior: LatentPrior, observed: Vec<(usize, f64)>) -> Result<Self, Error> {
+        let outputs = mapping.outputs();
+        if let Some(&(index, value)) = observed.iter().find(|(place, value)| *place >= outputs || !value.is_finite()) {
+            let expected = "must be finite, at the place of an output";
+            return Err(Error::OutOfRange { name: "observed output", index, value, expected });
+        }
+        for found in [prior.mean.len(), prior.precision.len()] {
+            if found != mapping.dim() {
+                return Err(Error::Shape { name: "prior of latents", found, expected: mapping.dim() });
+            }
+        }
         let count = observed.len() as f64;
-        Self { mapping, prior, observed, count }
+        Ok(Self { mapping, prior, observed, count })
     }
 
     /// Of latents by themselves: where poses are known.

@@ -9,7 +9,7 @@
 //! streams through both once.
 
 use crate::Error;
-use crate::columns::Columns;
+use crate::columns::{Columns, count_rows};
 use crate::covariance::Covariance;
 use crate::model::{LatentModel, Outputs};
 use crate::process::Process;
@@ -46,11 +46,14 @@ pub struct Mapping {
 }
 
 impl Mapping {
-    /// Of a node of a model.
+    /// Of a node of a model, by its place among [`LatentModel::nodes`].
     ///
     /// # Errors
-    /// [`Error::Singular`].
+    /// [`Error::Shape`] for a node that is not there, [`Error::Singular`].
     pub fn new(model: &LatentModel, node: usize) -> Result<Self, Error> {
+        if node >= model.nodes.len() {
+            return Err(Error::Shape { name: "nodes of a model", found: model.nodes.len(), expected: node + 1 });
+        }
         let own = &model.nodes[node];
         let outputs = model.output_count(node);
         let (scale, mean): (Vec<f64>, Vec<f64>) = match &own.outputs {
@@ -66,7 +69,7 @@ impl Mapping {
     /// Of inputs (rows of `dim`) and outputs (rows as long as `scale` and `mean`, which lead from outputs to the units that are wanted).
     ///
     /// # Errors
-    /// [`Error::Singular`].
+    /// [`Error::Shape`], [`Error::OutOfRange`], [`Error::Singular`].
     pub fn fit(
         covariance: Covariance,
         inputs: &[f64],
@@ -75,7 +78,13 @@ impl Mapping {
         scale: Vec<f64>,
         mean: Vec<f64>,
     ) -> Result<Self, Error> {
-        let (count, width) = (inputs.len() / dim, scale.len());
+        let width = scale.len();
+        let count = count_rows("inputs", inputs, dim)?;
+        for (name, found, expected) in [("outputs", outputs.len(), count * width), ("means", mean.len(), width)] {
+            if found != expected || expected == 0 {
+                return Err(Error::Shape { name, found, expected: expected.max(1) });
+            }
+        }
         let mut process = Process::new(count, dim, width, Isa::baseline());
         process.evaluate(&covariance, inputs, &Columns::from_rows(outputs, width))?;
         let Covariance { variance, linear, bias, .. } = covariance;

@@ -106,7 +106,7 @@ impl Training {
         let exhausted = steps >= config.steps;
         if self.cost.model.kappa.is_none() {
             self.state.finished = !moved || flat || exhausted;
-        } else if !moved || flat || search.iterations >= config.round {
+        } else if !moved || flat || exhausted || search.iterations >= config.round {
             self.end_round(steps);
             self.state.finished |= exhausted;
         }

@@ -34,6 +34,7 @@ fn density(observed: &[usize]) -> LatentDensity {
     let (model, row) = (model(), row());
     let mapping = Arc::new(Mapping::new(&model, 0).expect("valid"));
     LatentDensity::given(mapping, LatentPrior::of(&model, 0), observed.iter().map(|&d| (d, row[d])).collect())
+        .expect("outputs")
 }
 
 /// log N(y; 0, K) without (N/2) log 2π, by a Cholesky factor written out.

@@ -173,7 +173,7 @@ fn densities_of_latents_have_their_gradients() {
         let mapping = Arc::new(Mapping::new(&model, 0).expect("valid"));
         let prior = LatentPrior::of(&model, 0);
         let observed = [0, 2, 5].map(|d| (d, model.row(17)[d])).to_vec();
-        let given = LatentDensity::given(mapping.clone(), prior.clone(), observed);
+        let given = LatentDensity::given(mapping.clone(), prior.clone(), observed).expect("outputs");
         for leaf in [given, LatentDensity::prior_of(mapping, prior)] {
             for isa in Isa::available() {
                 let density = Lanes { leaf: leaf.clone(), isa };

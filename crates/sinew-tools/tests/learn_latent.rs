@@ -43,7 +43,12 @@ fn run(request: &LatentRequest, out: &Path, most: u64) -> Result<LearnedLatent, 
             stop.store(true, Ordering::SeqCst);
         }
     };
-    learn(request, out, true, &mut LatentWatch { progress: &mut progress, step: &mut |_| {}, stop: &stop })
+    learn(
+        request,
+        out,
+        true,
+        &mut LatentWatch { progress: &mut progress, step: &mut |_| {}, warning: &mut |_| {}, stop: &stop },
+    )
 }
 
 #[test]

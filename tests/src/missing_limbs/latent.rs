@@ -123,7 +123,7 @@ impl Learned {
     /// One row's posterior by importance sampling.
     fn alone(&self, task: &Task<'_>, t: usize) -> Outcome<Vec<Prediction>> {
         let observed = task.observed().into_iter().map(|j| (j, task.sequence[t][j])).collect();
-        let density = LatentDensity::given(self.mapping.clone(), self.prior.clone(), observed);
+        let density = LatentDensity::given(self.mapping.clone(), self.prior.clone(), observed)?;
         let stage = Stage::new(t as u64, "missing limbs, row");
         let posterior = inference::infer(&density, &ROW, stage)?;
         Ok(inference::predict(&density, &posterior))

@@ -37,11 +37,11 @@ pub(crate) fn run(args: &LatentArgs, general: &General, report: &Report) -> Resu
     let mut progress = |phase, done, total| shown.at(phase, done, total);
     let mut step = |at: &Progress| shown.detail(|progress| progress.value(at.steps, "objective", at.objective));
     let learned = with_threads(&config, || {
-        let mut watch = LatentWatch { progress: &mut progress, step: &mut step, stop: &stop };
+        let mut warning = |warning: &str| report.warnings(&[warning.to_owned()]);
+        let mut watch = LatentWatch { progress: &mut progress, step: &mut step, warning: &mut warning, stop: &stop };
         learn(&request, Path::new(out), general.force, &mut watch)
     })?;
     shown.end();
-    report.warnings(&learned.warnings);
     if learned.model.is_none() {
         let steps = learned.progress.steps;
         report.note(&format!("interrupted after {steps} steps; the same command continues from there"));
@@ -66,18 +66,29 @@ fn idle(args: &LatentArgs, kind: LatentKind) -> Vec<String> {
     idle.map(|(flag, _)| format!("`--{flag}` has no use with `--model {kind}`")).collect()
 }
 
+/// Coordinates of the latents, node by node.
+fn dimensions(learned: &LearnedLatent) -> Vec<usize> {
+    learned.model.iter().flat_map(|stored| stored.model.nodes.iter().map(|node| node.dim)).collect()
+}
+
 fn as_text(request: &LatentRequest, learned: &LearnedLatent, out: &str) -> String {
-    let LatentRequest { files, kind, dim, .. } = request;
+    let LatentRequest { files, kind, .. } = request;
     let mut rows = fit_rows(&learned.training, &learned.held_out);
     let (used, available) = (learned.lengths.iter().sum::<usize>(), learned.available);
     let sequences = if learned.lengths.len() == 1 { "sequence" } else { "sequences" };
-    let cut = if used < available { format!(", the middle of each of {available} in all") } else { String::new() };
+    let cut = if used < available { format!(", the middle of each; {available} in all") } else { String::new() };
     rows.push(("rows".into(), format!("{used} in {} {sequences}{cut}", learned.lengths.len())));
-    let nodes = learned.model.as_ref().map_or(1, |stored| stored.model.nodes.len());
-    let tree = if nodes > 1 { format!(" in each of {nodes} nodes") } else { String::new() };
+    let coordinates = match &dimensions(learned)[..] {
+        [only] => format!("{only} coordinates"),
+        all => format!(
+            "{} coordinates in {} nodes",
+            all.iter().map(usize::to_string).collect::<Vec<_>>().join(", "),
+            all.len()
+        ),
+    };
     rows.push((
         "model".into(),
-        format!("{kind} of {}, {} frames per second, {dim} coordinates{tree}", files.body.name(), files.fps),
+        format!("{kind} of {}, {} frames per second, {coordinates}", files.body.name(), files.fps),
     ));
     let Progress { steps, objective, .. } = learned.progress;
     let ended = if steps >= request.steps { ", the most allowed" } else { "" };
@@ -102,7 +113,7 @@ fn as_json(request: &LatentRequest, learned: &LearnedLatent, out: &str) -> serde
         "model": request.kind.name(),
         "body": request.files.body.name(),
         "fps": request.files.fps,
-        "dim": request.dim,
+        "dimensions": dimensions(learned),
         "rows": learned.lengths.iter().sum::<usize>(),
         "rows_available": learned.available,
         "sequences": learned.lengths,

@@ -24,6 +24,14 @@ pub enum LearnError {
         /// Why.
         problem: sinew_motion::Error,
     },
+    /// A file whose joints are no person's.
+    #[error("{}: the body misses the recorded joints by {error_m:.1} m on average", path.display())]
+    OtherUnits {
+        /// The file.
+        path: PathBuf,
+        /// Mean distance of the joints, metres.
+        error_m: f64,
+    },
     /// A file of fewer frames than a step has.
     #[error("{}: {frames} frames at {rate_hz} per second; at least 2 are needed", path.display())]
     TooShort {
@@ -60,7 +68,7 @@ pub enum LearnError {
         rows: usize,
     },
     /// More files than rows for them.
-    #[error("{files} files do not share {most} rows; each needs at least 2")]
+    #[error("{most} rows are too few for the {files} files; each needs at least 2")]
     TooManySequences {
         /// Files.
         files: usize,
@@ -105,6 +113,7 @@ impl LearnError {
         match self {
             Self::NoSkeleton { .. } => Some("give the skeleton with `--skeleton FILE.asf`".into()),
             Self::Follow { problem, .. } => problem.help().or_else(|| Some("leave the file out".into())),
+            Self::OtherUnits { .. } => Some("check the units of the file and numbers that are out of place".into()),
             Self::TooShort { .. } => Some("leave the file out, or learn at a higher rate with `--fps`".into()),
             Self::Learning(_) => {
                 Some("give more motion, fewer clusters (`--clusters`) or shorter primitives (`--length`)".into())

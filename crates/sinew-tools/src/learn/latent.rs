@@ -60,6 +60,8 @@ pub struct LatentWatch<'a> {
     pub progress: &'a mut PhaseReport<'a>,
     /// Takes every step.
     pub step: &'a mut (dyn FnMut(&Progress) + Send),
+    /// Takes what is odd, before anything is learned.
+    pub warning: &'a mut (dyn FnMut(&str) + Send),
     /// Set to end after the step at hand.
     pub stop: &'a AtomicBool,
 }
@@ -106,6 +108,7 @@ pub fn learn(
     let unfinished =
         Unfinished::beside(out, request.files.fingerprint(&settings, std::iter::once(&selection.rows[..])));
     let mut learning = begun(request, &selection, &unfinished, &mut warnings)?;
+    warnings.iter().for_each(|warning| (watch.warning)(warning));
     let started = Instant::now();
     let progress = climbed(&mut learning, request.steps, &unfinished, watch)?;
     let took = started.elapsed();

@@ -98,14 +98,16 @@ fn columns(limbs: &[Limb], tree: &KinematicTree, chosen: &Range<usize>) -> Vec<V
     columns
 }
 
-/// Share of the variance below which a principal component counts as none.
+/// Share of the variance, and variance in square radians, below which a principal component counts as none.
 const STILL: f64 = 1e-9;
+const STILL_RAD2: f64 = 1e-12;
 
 /// Principal components of some columns of rows, at most `most`.
 pub(super) fn components(rows: &[f64], width: usize, columns: &[usize], most: usize) -> usize {
     let chosen: Vec<f64> = rows.chunks_exact(width).flat_map(|row| columns.iter().map(|&j| row[j])).collect();
     let found = fit(&chosen, columns.len(), Keep { share: 1.0, most });
-    found.map_or(0, |pca| pca.variances.iter().filter(|&&variance| variance > STILL * pca.total).count())
+    found
+        .map_or(0, |pca| pca.variances.iter().filter(|&&variance| variance > STILL_RAD2.max(STILL * pca.total)).count())
 }
 
 /// The tree of a hierarchical model of rows of a body's coordinates ([`pose_coordinates`]), with `dim` coordinates in each latent, fewer where a limb moves in fewer ways.

@@ -46,6 +46,9 @@ pub struct Sequences {
 /// Mean error above which a file's states are doubtful, metres.
 const DOUBTFUL_M: f64 = 0.03;
 
+/// Mean error above which a file's numbers are no joints of a person in metres.
+const IMPOSSIBLE_M: f64 = 1.0;
+
 /// How far a rate may be above a whole multiple of the model's and still count as it.
 const SAME_RATE: f64 = 0.01;
 
@@ -120,6 +123,9 @@ fn file_states(body: NamedBody, path: &Path, acclaim: Acclaim<'_>, fps: f64) -> 
     }
     let followed = follow(body, &joints.motion).map_err(|problem| LearnError::Follow { path: path.into(), problem })?;
     let Followed { body: tree, mut states, mean_error_m } = followed;
+    if mean_error_m.is_nan() || mean_error_m > IMPOSSIBLE_M {
+        return Err(LearnError::OtherUnits { path: path.into(), error_m: mean_error_m }.into());
+    }
     comparable(&tree, &mut states);
     let states = subsampled(&states.concat(), tree.dof(), phases(recorded_hz, fps)).map_err(LearnError::Learning)?;
     let (working_hz, sequences) = (working(recorded_hz), states.len());

@@ -11,9 +11,21 @@ use sinew_latent::tree::hierarchy;
 use sinew_tracking::h_apf::{Config, HApf};
 use std::sync::Arc;
 
-/// The method: visits of each layer of the hierarchy are as many as the paper's, (1, 1, 2, 3, 3) where there are three.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct HApfMethod(pub Config);
+/// The method; the default has the paper's five visits of layers, (1, 1, 2, 3, 3) where there are three.
+#[derive(Clone, Debug, PartialEq)]
+pub struct HApfMethod {
+    /// Settings of the tracker, but for the schedule, which depends on the model's layers.
+    pub config: Config,
+    /// Visits of layers.
+    pub visits: usize,
+}
+
+impl Default for HApfMethod {
+    fn default() -> Self {
+        let config = Config::default();
+        Self { visits: config.schedule.len(), config }
+    }
+}
 
 /// Its description.
 pub const ABOUT: About = About {
@@ -25,7 +37,7 @@ pub const ABOUT: About = About {
     latent: LatentUse::Needed,
     score: Score::Bidirectional,
     score_beside_keypoints: Score::Bidirectional,
-    particles: Some(|| HApfMethod::default().0.particles),
+    particles: Some(|| HApfMethod::default().config.particles),
     settings: &SETTINGS,
     usual: || Arc::new(HApfMethod::default()),
     configure,
@@ -34,13 +46,13 @@ pub const ABOUT: About = About {
 
 #[rustfmt::skip]
 const SETTINGS: [Setting; 1] = [
-    computed((SAMPLING, "visits", SettingKind::Count(2, 1000), "N", || HApfMethod::default().0.schedule.len().to_string(), "visits of layers of the hierarchy: one more of the root and of the leaves than of the layers between, the rest of the leaves (h-apf)")),
+    computed((SAMPLING, "visits", SettingKind::Count(2, 1000), "N", || HApfMethod::default().visits.to_string(), "visits of layers of the hierarchy: one more of the root and of the leaves than of the layers between, the rest of the leaves (h-apf)")),
 ];
 
 fn configure(values: &SettingValues) -> Arc<dyn Method> {
-    let usual = HApfMethod::default().0;
-    let schedule = vec![1; values.size("visits")];
-    Arc::new(HApfMethod(Config { particles: values.size_or("particles", usual.particles), schedule, ..usual }))
+    let mut config = HApfMethod::default().config;
+    config.particles = values.size_or("particles", config.particles);
+    Arc::new(HApfMethod { config, visits: values.size("visits") })
 }
 
 /// A schedule of a number of visits over a number of layers: the root twice, every layer between once, the last one for the rest; with one layer all visits are its own. The paper's (1, 1, 2, 3, 3) is that of five visits and three layers.
@@ -58,7 +70,7 @@ impl Method for HApfMethod {
     }
 
     fn weighted_draws(&self) -> Option<usize> {
-        Some(self.0.particles)
+        Some(self.config.particles)
     }
 
     fn tracker(&self, making: &Making<'_>, start: Vec<f64>) -> Result<Box<dyn Steps>, Error> {
@@ -67,7 +79,7 @@ impl Method for HApfMethod {
             return Err(TrackError::LatentRest { method: ABOUT.name, body: stored.state.clone() }.into());
         }
         let tree = Arc::new(hierarchy(&stored.model, making.isa).map_err(TrackError::Latent)?);
-        let config = Config { schedule: schedule(self.0.schedule.len(), tree.layers()), ..self.0.clone() };
+        let config = Config { schedule: schedule(self.visits, tree.layers()), ..self.config.clone() };
         let motion = motion(making, stored)?;
         let place = &making.transition.sd()[leading(stored)];
         Ok(Box::new(HApf::new(config, tree, motion, place, &start, making.isa)?))
