@@ -28,6 +28,8 @@
 //! # Ok::<(), sinew_latent::Error>(())
 //! ```
 //!
+//! Two examples: `walking_map` learns a map of walking and draws it, `missing_columns` fills in columns of new rows.
+//!
 //! Limits: a step of learning takes time as the cube of the rows, and memory as their square (all of them are used: no inducing points); some hundred rows learn in seconds, [`check::MAX_ROWS`] are the most that a file may have. The objective
 //! has many optima: what is found depends on the start, leading principal components. A model knows what it was learned from, and is sure of itself beyond: its variance grows where there are no latents, but poses of another kind may be
 //! mapped into the midst of them.
