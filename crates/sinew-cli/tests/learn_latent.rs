@@ -97,7 +97,7 @@ fn flags_change_the_model_and_idle_ones_are_named() {
     assert!(shown.contains("learning: 100 % (40 of 40 steps)"), "{shown}");
 }
 
-/// The report says how many coordinates each node has, whatever was asked for, and the allowed steps are kept.
+/// The report says how many coordinates each node has, whatever was requested, and the allowed steps are kept.
 #[test]
 fn what_is_reported_is_what_was_learned() {
     let trial = walks("2");

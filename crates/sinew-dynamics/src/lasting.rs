@@ -1,4 +1,4 @@
-//! What lasts over a run: how a filter's estimates answer to parameters g that are constant and known only up to an error (Friedland 1969).
+//! How a filter's estimates answer to parameters g that are constant over a run (Friedland 1969).
 //!
 //! The model is s_t = F_t s_{t−1} + N(0, Q_t), z_t = H_t s_t + G_t g + N(0, R_t), g ~ N(0, Λ₀⁻¹). A filter runs as if g were 0; beside it [`Lasting`] carries J_t = ∂m_t/∂g and what the observations say of g. With the filtered covariance P_t of that filter
 //! and the frame's information A = Hᵀ R⁻¹ H, B = Hᵀ R⁻¹ G, C = Gᵀ R⁻¹ G, a = Hᵀ R⁻¹ r, c = Gᵀ R⁻¹ r (r the innovation of the filter, z − H m⁻):
@@ -124,7 +124,7 @@ impl Lasting {
         Ok(Moments { mean: (0..p).map(|i| mean[(i, 0)]).collect(), covariance: to_rows(&covariance) })
     }
 
-    /// Moments of the state, whatever g is: those of the filter as if g were 0, moved and widened by what is known of g.
+    /// Moments of the state, whatever g is: the filter's as if g were 0, moved and widened by what is known of g.
     ///
     /// # Errors
     /// As [`Lasting::posterior`], and [`Error::Shape`].

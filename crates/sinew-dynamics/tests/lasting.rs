@@ -1,4 +1,4 @@
-//! What lasts over a run, beside a filter that does not know of it, against one filter of both together: exact in the linear-Gaussian case.
+//! Parameters that last over a run, carried beside a filter, against one filter of both together.
 
 use faer::linalg::solvers::Solve;
 use faer::{Mat, MatRef, Side};
@@ -140,7 +140,7 @@ fn beside(inherits: bool) -> (Vec<Filtered>, Vec<Lasting>) {
 }
 
 #[test]
-fn filtered_moments_and_what_lasts_are_those_of_both_together() {
+fn filtered_moments_and_what_lasts_agree_with_one_filter_of_both() {
     let (model, start) = together();
     let exact = Kalman::new(model, Form::SquareRoot).unwrap().filter(&start, &observations()).unwrap();
     let (frames, lasting) = beside(true);
@@ -152,7 +152,7 @@ fn filtered_moments_and_what_lasts_are_those_of_both_together() {
 }
 
 #[test]
-fn smoothed_moments_are_those_of_both_together() {
+fn smoothed_moments_agree_with_one_filter_of_both() {
     let (both, start) = together();
     let filter = Kalman::new(both, Form::Joseph).unwrap();
     let exact = filter.smooth(&filter.filter(&start, &observations()).unwrap()).unwrap();
