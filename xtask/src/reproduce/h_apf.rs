@@ -52,7 +52,7 @@ pub(super) struct Args {
     #[arg(long, conflicts_with = "pilot")]
     quick: bool,
     /// Seeds from 1 on, each another person, other noise and other particles
-    #[arg(long, default_value_t = 8)]
+    #[arg(long, default_value_t = 7)]
     seeds: u64,
     #[command(flatten)]
     options: StudyOptions,

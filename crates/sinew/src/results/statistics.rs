@@ -213,7 +213,7 @@ impl Statistics {
         if self.restarted as f64 > RESTARTS_USUAL * self.frames as f64 {
             let (restarted, frames) = (self.restarted, self.frames);
             warnings.push(format!(
-                "tracking was restarted in {restarted} of {frames} frames, which are then fits of single frames (`restarted` in frames.csv)"
+                "tracking was restarted in {restarted} of {frames} frames: each of these starts from a fit of that frame alone (`restarted` in frames.csv)"
             ));
         }
         if !self.energy_frames.is_empty() {
@@ -368,7 +368,7 @@ mod tests {
         assert_eq!(
             warnings,
             [
-                "tracking was restarted in 3 of 20 frames, which are then fits of single frames (`restarted` in frames.csv)"
+                "tracking was restarted in 3 of 20 frames: each of these starts from a fit of that frame alone (`restarted` in frames.csv)"
             ]
         );
     }
