@@ -43,7 +43,7 @@ impl StudyOptions {
     /// The folder of recordings that a study learns from.
     ///
     /// # Errors
-    /// There are none.
+    /// A folder without them.
     pub(crate) fn recordings(&self, root: &Path) -> Outcome<PathBuf> {
         let data = self.data(root);
         match data.join("cmu_amc").is_dir() {

@@ -99,7 +99,7 @@ fn flags_change_the_model_and_idle_ones_are_named() {
 
 /// The report says how many coordinates each node has, whatever was requested, and the allowed steps are kept.
 #[test]
-fn what_is_reported_is_what_was_learned() {
+fn the_report_says_what_was_learned() {
     let trial = walks("2");
     let learn =
         ["learn", "latent", "--motion", "a.trc", "--body", "hppf24", "--steps", "13", "--force", "-omodel.json"];

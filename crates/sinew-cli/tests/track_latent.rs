@@ -50,6 +50,9 @@ fn a_latent_model_changes_nothing_with_other_methods_and_the_run_says_so() {
     let (_, printed) =
         tracked(&trial, &["--fps", "30", "--method", "bootstrap", "--particles", "50", "--latent", "space.json"]);
     assert!(printed.contains("`--latent` changes nothing with `--method bootstrap`"), "{printed}");
+    let few = ["--fps", "30", "--latent", "space.json", "--prior", "mixture", "--frames", "0..4", "--updates", "4"];
+    let (_, printed) = tracked(&trial, &[&few[..], &["--burn-in", "2"]].concat());
+    assert!(printed.contains("`--prior` changes nothing with `--latent`"), "{printed}");
 }
 
 /// The column of `frames.csv`, and the median of `summary.json`.

@@ -6,12 +6,12 @@ use common::circles;
 use sinew_core::density::{Lanes, LogDensity};
 use sinew_core::lanes::{Block, Isa, LANES};
 use sinew_core::random::Stage;
-use sinew_latent::gplvm;
 use sinew_latent::inference::{Config, infer, predict};
 use sinew_latent::latent_density::{LatentDensity, LatentPrior};
 use sinew_latent::mapping::Mapping;
 use sinew_latent::model::LatentModel;
 use sinew_latent::training::{self, Training};
+use sinew_latent::{Error, gplvm};
 use std::sync::Arc;
 
 const COLUMNS: usize = 7;
@@ -177,6 +177,29 @@ fn columns_that_tell_the_same_leave_several_modes() {
     let posterior = infer(&density, &Config::default(), Stage::new(4, "modes")).expect("finite");
     assert!(posterior.modes.len() > 1 && posterior.modes[1].share > 0.05, "{:?}", posterior.modes);
     check(&[0, 4]);
+}
+
+#[test]
+fn what_does_not_fit_is_refused_by_name() {
+    let density = density(&[0]);
+    let given = |observed: Vec<(usize, f64)>, prior: &LatentPrior| {
+        LatentDensity::given(density.mapping.clone(), prior.clone(), observed).map(drop)
+    };
+    let place = |name, index| move |error: Error| matches!(error, Error::OutOfRange { name: n, index: i, .. } if (n, i) == (name, index));
+    assert!(given(vec![(0, 1.0), (COLUMNS, 1.0)], &density.prior).is_err_and(place("observed output", COLUMNS)));
+    assert!(given(vec![(3, f64::NAN)], &density.prior).is_err_and(place("observed output", 3)));
+    let flat = LatentPrior { mean: vec![0.0], precision: vec![1.0] };
+    let shape = |name| move |error: Error| matches!(error, Error::Shape { name: n, .. } if n == name);
+    assert!(given(vec![], &flat).is_err_and(shape("prior of latents")));
+    let none = infer(&density, &Config { draws: 0, ..Default::default() }, Stage::new(1, "none"));
+    assert!(none.map(drop).is_err_and(shape("draws")));
+    let model = model();
+    assert!(Mapping::new(&model, 1).map(drop).is_err_and(shape("nodes of a model")));
+    let fit = |inputs: &[f64], dim, outputs: &[f64]| {
+        Mapping::fit(model.nodes[0].covariance, inputs, dim, outputs, vec![1.0], vec![0.0]).map(drop)
+    };
+    assert!(fit(&[1.0, 2.0], 0, &[1.0]).is_err_and(shape("inputs")));
+    assert!(fit(&[1.0, 2.0], 1, &[1.0]).is_err_and(shape("outputs")));
 }
 
 #[test]
