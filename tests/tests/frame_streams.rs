@@ -65,7 +65,7 @@ fn smoothed_trajectories_have_the_correlations_of_the_model() {
     let variances: Vec<f64> = walk.sd().iter().map(|sd| sd * sd).collect();
     let d = variances.len();
     let folder = std::env::temp_dir().join(format!("sinew-frame-streams-{}", std::process::id()));
-    let mut spool = Spool::temporary(&folder, [d, 0, 0]).unwrap();
+    let mut spool = Spool::temporary(&folder, [d, 0, 0, 0]).unwrap();
     // Filtered variances come from a step of motion.
     let covariance: Vec<f64> = (0..d * d).map(|k| if k / d == k % d { variances[k % d] } else { 0.0 }).collect();
     for number in 0..COUNT {

@@ -27,6 +27,7 @@ pub mod initial;
 pub mod kinematics;
 #[cfg(test)]
 mod placed;
+pub mod point_derivatives;
 mod sizes;
 pub mod standard;
 pub mod standard_flesh;

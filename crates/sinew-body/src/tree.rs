@@ -118,6 +118,16 @@ impl KinematicTree {
         Ok(Self { links, points, first_dof, dof })
     }
 
+    /// The same body with its points elsewhere on their links, by these vectors in the frames of the links, metres, in the order of the points.
+    #[must_use]
+    pub fn with_points_moved(&self, by: &[[f64; 3]]) -> Self {
+        let mut moved = self.clone();
+        for (point, by) in moved.points.iter_mut().zip(by) {
+            point.offset.iter_mut().zip(by).for_each(|(x, by)| *x += by);
+        }
+        moved
+    }
+
     /// Links, parents before children.
     #[must_use]
     pub fn links(&self) -> &[Link] {

@@ -45,7 +45,7 @@ pub struct Lasting {
     pull: Mat<f64>,
 }
 
-fn rows(name: &'static str, values: &[f64], height: usize, width: usize) -> Result<Mat<f64>, Error> {
+pub(crate) fn rows(name: &'static str, values: &[f64], height: usize, width: usize) -> Result<Mat<f64>, Error> {
     if values.len() != height * width {
         return Err(Error::Shape { name, found: values.len(), expected: height * width });
     }
@@ -68,6 +68,18 @@ impl Lasting {
         }
         let information = inverse("covariance of what lasts", covariance, count)?;
         Ok(Self { response: Mat::zeros(dim, count), information, pull: Mat::zeros(count, 1) })
+    }
+
+    /// Λ, p × p, row after row: what the prior and the frames so far say of g.
+    #[must_use]
+    pub fn information(&self) -> Vec<f64> {
+        to_rows(&self.information)
+    }
+
+    /// λ, length p.
+    #[must_use]
+    pub fn pull(&self) -> Vec<f64> {
+        to_rows(&self.pull)
     }
 
     /// J, d × p, row after row.
@@ -144,6 +156,20 @@ impl Lasting {
     }
 }
 
+/// Filtered moments from predicted ones N(m⁻, P⁻) and a frame's information A and pull a at m⁻: P = (P⁻⁻¹ + A)⁻¹, m = m⁻ + P a; matrices d × d, row after row.
+///
+/// # Errors
+/// [`Error::Shape`], [`Error::OutOfRange`], and as [`cholesky`].
+pub fn informed(predicted: &Moments, information: &[f64], pull: &[f64]) -> Result<Moments, Error> {
+    let d = predicted.mean.len();
+    let before = inverse("predicted covariance", &predicted.covariance, d)?;
+    let after = before + rows("information of the state", information, d, d)?;
+    let covariance = inverse("information of the state", &to_rows(&after), d)?;
+    let moved = &covariance * rows("pull of the state", pull, d, 1)?;
+    let mean = predicted.mean.iter().enumerate().map(|(i, m)| m + moved[(i, 0)]).collect();
+    Ok(Moments { mean, covariance: to_rows(&covariance) })
+}
+
 /// Moments N(m + J ḡ, P + J Σ Jᵀ) of a state whose response to g ~ N(ḡ, Σ) is J, d × p, row after row.
 ///
 /// # Errors
@@ -164,7 +190,7 @@ fn total(response: &Mat<f64>, moments: &Moments, lasting: &Moments) -> Result<Mo
 }
 
 /// Inverse of a covariance.
-fn inverse(name: &'static str, matrix: &[f64], dim: usize) -> Result<Mat<f64>, Error> {
+pub(crate) fn inverse(name: &'static str, matrix: &[f64], dim: usize) -> Result<Mat<f64>, Error> {
     let lower = cholesky(name, matrix, dim)?.lower;
     let lower = MatRef::from_row_major_slice(&lower, dim, dim);
     let mut inverse = Mat::<f64>::identity(dim, dim);

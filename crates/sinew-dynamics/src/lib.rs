@@ -24,6 +24,8 @@ pub mod gaussian;
 pub mod joint_ranges;
 pub mod kalman;
 pub mod lasting;
+pub mod lasting_draws;
+pub mod lasting_scales;
 pub mod level_walk;
 pub mod linear_gaussian;
 pub mod linear_motion;

@@ -11,6 +11,7 @@
 
 use crate::Error;
 use crate::factor::{cholesky, root};
+use crate::lasting::rows;
 use crate::linear_motion::{add_product, predict, symmetric, to_rows};
 use faer::{Mat, MatRef};
 use sinew_core::lanes::{Block, Isa, LANES};
@@ -89,6 +90,19 @@ impl Smoother {
             - MatRef::from_row_major_slice(&predicted.covariance, d, d);
         let covariance = MatRef::from_row_major_slice(&filtered.covariance, d, d) + &gain * change * gain.transpose();
         Ok(Moments { mean, covariance: to_rows(&symmetric(&covariance)) })
+    }
+
+    /// What changes of the filtered mean become once the frames after it are known, Δ + G (Δ_{t+1} − A Δ): `own` are those of the frame, `next` the smoothed ones of the next; d × n, row after row.
+    ///
+    /// # Errors
+    /// As [`Smoother::step`].
+    pub fn changes(&self, filtered: &Moments, own: &[f64], next: &[f64]) -> Result<Vec<f64>, Error> {
+        let (d, n) = (self.dim, own.len() / self.dim.max(1));
+        let gain = self.gain(filtered)?.gain;
+        let (own, next) = (rows("changes of the mean", own, d, n)?, rows("changes of the next mean", next, d, n)?);
+        let a = MatRef::from_row_major_slice(&self.matrix, d, d);
+        let ahead = next - a * &own;
+        Ok(to_rows(&(own + gain * ahead)))
     }
 
     /// Draws a frame's states of trajectories: `next` holds their states at the next frame, blocks of d, and is replaced.

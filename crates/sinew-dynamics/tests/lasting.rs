@@ -1,10 +1,12 @@
 //! Parameters that last over a run, carried beside a filter, against one filter of both together.
 
-use faer::linalg::solvers::Solve;
+use faer::linalg::solvers::{DenseSolveCore, Solve};
 use faer::{Mat, MatRef, Side};
 use sinew_core::transition::Moments;
 use sinew_dynamics::kalman::{Filtered, Form, Kalman, Model};
 use sinew_dynamics::lasting::{FrameInformation, Lasting, widened};
+use sinew_dynamics::lasting_draws::LastingMoves;
+use sinew_dynamics::smoother::Smoother;
 
 const D: usize = 3;
 const K: usize = 4;
@@ -204,4 +206,53 @@ fn sizes_that_do_not_fit_are_refused_by_name() {
     let bad = FrameInformation { lasting_pull: vec![f64::NAN; P], ..frame };
     let refused = lasting.update(&start().covariance, &bad);
     assert!(matches!(refused, Err(Error::OutOfRange { name: "pull of what lasts", index: 0, .. })), "{refused:?}");
+}
+
+/// A random walk: what is carried for some draws is the whole response times each of them, filtered and smoothed.
+#[test]
+fn draws_move_as_the_response_says() {
+    const DRAWS: usize = 4;
+    let variances = [0.02, 0.05, 0.01];
+    let identity: Vec<f64> = (0..D * D).map(|e| if e % (D + 1) == 0 { 1.0 } else { 0.0 }).collect();
+    let noise: Vec<f64> = (0..D * D).map(|e| if e % (D + 1) == 0 { variances[e / D] } else { 0.0 }).collect();
+    let walk = Model { matrix: identity.clone(), noise, ..model() };
+    let begins: Vec<f64> = (0..D * D).map(|e| if e % (D + 1) == 0 { 0.3 } else { 0.0 }).collect();
+    let begin = Moments { mean: start().mean, covariance: begins };
+    let frames = Kalman::new(walk, Form::Joseph).unwrap().filter(&begin, &observations()).unwrap();
+    let deviations: Vec<f64> = (0..P * DRAWS).map(|e| (2.3 * e as f64).cos()).collect();
+    let expected = |response: &[f64]| rows((matrix(response, P) * matrix(&deviations, DRAWS)).as_ref());
+    let agree = |found: &[f64], expected: &[f64]| {
+        assert!(found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-10), "{found:?} for {expected:?}");
+    };
+    let mut whole = Lasting::new(D, P, &prior()).unwrap();
+    let mut drawn = LastingMoves::new(&[0.3; D], DRAWS);
+    let mut after = vec![];
+    for (t, (frame, z)) in frames.iter().zip(observations()).enumerate() {
+        let said = information(&z, &frame.predicted);
+        if t > 0 {
+            whole.predict(&identity).unwrap();
+            drawn.predict(&variances);
+        }
+        if t == 5 {
+            let mut resumed = LastingMoves::new(&[9.0; D], DRAWS);
+            resumed.restore(&drawn.save()).unwrap();
+            drawn = resumed;
+        }
+        whole.update(&frame.filtered.covariance, &said).unwrap();
+        drawn.update(&said.state, &said.between, &deviations).unwrap();
+        agree(&drawn.moves(), &expected(&whole.response()));
+        after.push((whole.clone(), drawn.moves()));
+    }
+    let smoother = Smoother::random_walk(&variances.map(f64::sqrt));
+    let (last, _) = &after[FRAMES - 1];
+    let (mut response, mut moves) = (last.response(), after[FRAMES - 1].1.clone());
+    for t in (0..FRAMES - 1).rev() {
+        let filtered = &frames[t].filtered;
+        let total: Vec<f64> = filtered.covariance.iter().enumerate().map(|(e, x)| x + if e % (D + 1) == 0 { variances[e / D] } else { 0.0 }).collect();
+        let gain = rows((matrix(&filtered.covariance, D) * matrix(&total, D).llt(Side::Lower).unwrap().inverse()).as_ref());
+        response = after[t].0.smoothed(&gain, &identity, &response).unwrap();
+        moves = smoother.changes(filtered, &after[t].1, &moves).unwrap();
+        agree(&moves, &expected(&response));
+    }
+    assert!(LastingMoves::new(&[1.0; D], 2).restore(&[0.0; 4]).is_err());
 }

@@ -50,7 +50,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             .iter()
             .map(|p| Some(Detection { pixel: camera.project(*p).pixel()?, confidence: 0.7 }));
         detections.push(detected.collect::<Vec<_>>());
-        views.push(View { camera, offset_px: [3.0, -2.0], sigma_px: 8.0, usual_confidence: 0.7 });
+        views.push(View { camera, bias_px: vec![[3.0, -2.0]; points.len() / 3], sigma_px: 8.0, usual_confidence: 0.7 });
     }
     let noise = Noise::OutlierFloor { outlier: 0.02 };
     let model = KeypointModel { plan, views, noise, model_error_m: 0.015, least_confidence: 0.05, isa };

@@ -31,7 +31,7 @@ pub enum Noise {
 #[derive(Clone, Debug)]
 pub(crate) struct Sighting {
     pub camera: usize,
-    /// Detection minus offset minus principal point, pixels.
+    /// Detection minus bias minus principal point, pixels.
     pub pixel: [f64; 2],
     /// 1/s².
     pub information: f64,

@@ -1,6 +1,6 @@
 //! Robust likelihood of detected keypoints in any number of calibrated cameras.
 //!
-//! A *sighting* is one keypoint in one camera. With the residual r (pixels) between the detection, freed of its camera's constant offset, and the distorted
+//! A *sighting* is one keypoint in one camera. With the residual r (pixels) between the detection, freed of its detector's constant bias, and the distorted
 //! projection of the body's point, and s the sighting's standard deviation per axis, its density is one of [`Noise`]:
 //!
 //! ```text
@@ -37,14 +37,22 @@ pub struct Detection {
 /// A camera with what the set-up pass found out about its detections.
 #[derive(Clone, Debug, PartialEq)]
 pub struct View {
-    /// The camera.
+    /// The camera, as it is rather than as it was calibrated.
     pub camera: Camera,
-    /// Constant offset of its detections (observed − projected), pixels.
-    pub offset_px: [f64; 2],
+    /// Constant bias of its detector for each point (observed − projected), pixels; none where it is empty.
+    pub bias_px: Vec<[f64; 2]>,
     /// Standard deviation per axis of a detection of usual confidence, pixels.
     pub sigma_px: f64,
     /// Usual confidence c₀.
     pub usual_confidence: f64,
+}
+
+impl View {
+    /// Bias of the detector for a point, pixels.
+    #[must_use]
+    pub fn bias_of(&self, point: usize) -> [f64; 2] {
+        self.bias_px.get(point).copied().unwrap_or_default()
+    }
 }
 
 /// The keypoints of a body in a set of cameras.
@@ -90,14 +98,14 @@ impl KeypointModel {
     }
 
     /// Detections of a point that count, with their views.
-    fn seen(&self, frame: &KeypointFrame<'_>, point: usize) -> Vec<(usize, Detection)> {
+    pub(crate) fn seen(&self, detections: &[Vec<Option<Detection>>], point: usize) -> Vec<(usize, Detection)> {
         let in_view = |(c, points): (usize, &Vec<Option<Detection>>)| Some((c, points.get(point).copied().flatten()?));
         let counts = |d: &Detection| d.confidence >= self.least_confidence && d.pixel.iter().all(|x| x.is_finite());
-        frame.detections.iter().enumerate().filter_map(in_view).filter(|(_, d)| counts(d)).collect()
+        detections.iter().enumerate().filter_map(in_view).filter(|(_, d)| counts(d)).collect()
     }
 
     /// A detection as the likelihood takes it, and the logarithm of its density's peak.
-    fn sighting(&self, camera: usize, detection: Detection, variance: f64) -> (Sighting, f64) {
+    fn sighting(&self, camera: usize, point: usize, detection: Detection, variance: f64) -> (Sighting, f64) {
         let view = &self.views[camera];
         let peak = 1.0 / (std::f64::consts::TAU * variance);
         let (shape, log_peak) = match self.noise {
@@ -108,8 +116,8 @@ impl KeypointModel {
             Noise::StudentT { degrees } => (1.0 / (degrees * variance), peak.ln()),
         };
         let i = &view.camera.intrinsics;
-        let [u, v] = detection.pixel;
-        let pixel = [u - view.offset_px[0] - i.cx, v - view.offset_px[1] - i.cy];
+        let ([u, v], [du, dv]) = (detection.pixel, view.bias_of(point));
+        let pixel = [u - du - i.cx, v - dv - i.cy];
         (Sighting { camera, pixel, information: 1.0 / variance, shape }, log_peak)
     }
 }
@@ -123,12 +131,12 @@ impl ObservationModel for KeypointModel {
         let mut first = vec![0];
         let mut constant = 0.0;
         for &k in self.plan.order() {
-            let seen = self.seen(&frame, k);
+            let seen = self.seen(frame.detections, k);
             let cameras = seen.len();
             for (c, detection) in seen {
                 let expected = &frame.predicted[3 * k..3 * k + 3];
                 let variance = self.variance_px2(c, detection.confidence, cameras, expected);
-                let (sighting, log_peak) = self.sighting(c, detection, variance);
+                let (sighting, log_peak) = self.sighting(c, k, detection, variance);
                 constant += log_peak;
                 sightings.push(sighting);
             }

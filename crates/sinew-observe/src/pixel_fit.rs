@@ -129,7 +129,7 @@ fn equations(
     (normal, gradient)
 }
 
-/// Camera, point and observed − projected of each detection, offsets removed.
+/// Camera, point and observed − projected of each detection, biases removed.
 fn residuals<'a>(
     plan: &'a Plan,
     views: &'a [View],
@@ -140,7 +140,7 @@ fn residuals<'a>(
         seen.iter().take(plan.points()).enumerate().filter_map(move |(k, d)| {
             let d = (*d)?;
             let projected = view.camera.project([positions[3 * k], positions[3 * k + 1], positions[3 * k + 2]]).pixel();
-            let [du, dv] = view.offset_px;
+            let [du, dv] = view.bias_of(k);
             Some((c, k, projected.map(|[u, v]| [d.pixel[0] - du - u, d.pixel[1] - dv - v])))
         })
     })

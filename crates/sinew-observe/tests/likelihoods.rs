@@ -27,7 +27,7 @@ fn views() -> Vec<View> {
                 rotation,
                 translation: [0.0, 1.0, 4.0],
             };
-            View { camera, offset_px: [3.0, -2.0], sigma_px: 8.0, usual_confidence: 0.7 }
+            View { camera, bias_px: vec![[3.0, -2.0]; 64], sigma_px: 8.0, usual_confidence: 0.7 }
         })
         .collect()
 }

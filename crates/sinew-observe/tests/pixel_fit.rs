@@ -18,8 +18,8 @@ fn views(count: usize) -> Vec<View> {
             let (s, c) = (0.3 + 1.1 * i as f64).sin_cos();
             let centre = [3.5 * c, 3.5 * s, 1.3];
             let camera = Camera::look_at(&format!("C{i}"), [1000.0; 2], 900.0, centre, [0.0, 0.0, 1.0]).unwrap();
-            let offset_px = [4.0 - 3.0 * i as f64, 2.0 + i as f64];
-            View { camera, offset_px, sigma_px: 2.0 + 0.5 * i as f64, usual_confidence: 0.8 }
+            let bias_px = vec![[4.0 - 3.0 * i as f64, 2.0 + i as f64]; body().points().len()];
+            View { camera, bias_px, sigma_px: 2.0 + 0.5 * i as f64, usual_confidence: 0.8 }
         })
         .collect()
 }
@@ -36,13 +36,13 @@ fn truth() -> Vec<f64> {
     (0..body().dof()).map(|j| 0.12 * (1.3 * j as f64 + 0.4).sin()).collect()
 }
 
-/// What the views see of a pose, offsets added, each detection aside by a few pixels.
+/// What the views see of a pose, biases added, each detection aside by a few pixels.
 fn seen(views: &[View], pose: &[f64], aside_px: f64) -> Vec<Vec<Option<Detection>>> {
     let of = |(c, view): (usize, &View)| {
         let one = |(k, p): (usize, [f64; 3])| {
             let [u, v] = view.camera.project(p).pixel()?;
             let phase = 2.1 * k as f64 + 0.7 * c as f64;
-            let [du, dv] = view.offset_px;
+            let [du, dv] = view.bias_of(k);
             let pixel = [u + du + aside_px * phase.sin(), v + dv + aside_px * phase.cos()];
             Some(Detection { pixel, confidence: 0.8 })
         };
@@ -56,10 +56,11 @@ fn distances(views: &[View], detections: &[Vec<Option<Detection>>], pose: &[f64]
     let points = points(pose);
     let mut all = vec![];
     for (view, seen) in views.iter().zip(detections) {
-        for (p, d) in points.iter().zip(seen) {
+        for (k, (p, d)) in points.iter().zip(seen).enumerate() {
             let Some(d) = d else { continue };
+            let [du, dv] = view.bias_of(k);
             let distance = view.camera.project(*p).pixel().map(|[u, v]| {
-                let distance = (d.pixel[0] - view.offset_px[0] - u).hypot(d.pixel[1] - view.offset_px[1] - v);
+                let distance = (d.pixel[0] - du - u).hypot(d.pixel[1] - dv - v);
                 [distance, distance / view.sigma_px]
             });
             all.push(distance);

@@ -32,6 +32,12 @@ pub enum Error {
     Config(#[from] Problems),
 }
 
+impl From<sinew_dynamics::Error> for Error {
+    fn from(error: sinew_dynamics::Error) -> Self {
+        Self::Setup(error.into())
+    }
+}
+
 impl Error {
     /// An [`Error::Io`] in the making: `map_err(Error::io("read", path))`.
     pub fn io(doing: &'static str, path: impl Into<PathBuf>) -> impl FnOnce(io::Error) -> Self {

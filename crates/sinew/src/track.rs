@@ -10,6 +10,7 @@ pub mod pipeline;
 
 mod describe;
 mod images;
+mod lasting;
 mod marginals;
 mod motion_prior;
 mod oddities;

@@ -144,6 +144,9 @@ pub enum SetupError {
     /// A body without solids.
     #[error("the body cannot be compared with silhouettes: {0}")]
     NoFlesh(sinew_body::Error),
+    /// What is constant has no posterior.
+    #[error("what is constant over the recording cannot be measured: {0}")]
+    Lasting(#[from] sinew_dynamics::Error),
     /// A set-up that has no text.
     #[error("the set-up cannot be written: {0}")]
     Unwritable(toml::ser::Error),
@@ -173,7 +176,7 @@ impl SetupError {
     #[must_use]
     pub const fn exit_code(&self) -> u8 {
         match self {
-            Self::Unwritable(_) => 1,
+            Self::Unwritable(_) | Self::Lasting(_) => 1,
             _ => 3,
         }
     }
@@ -185,7 +188,7 @@ impl SetupError {
             Self::ResizedImages { scale, .. } => {
                 return Some(format!("`--image-scale {scale:.4}` if all images were resized so after the calibration"));
             }
-            Self::Unwritable(_) => return None,
+            Self::Unwritable(_) | Self::Lasting(_) => return None,
             Self::Unsure { .. } => "check `confidence_scale`: it is the confidence that means certainty",
             Self::Behind(_) | Self::InvertedPoses { .. } => {
                 "the calibration must give the camera from the world, `Xcam = R Xworld + t`"

@@ -35,7 +35,7 @@ impl FirstSecond {
         let (cameras, layout) = (source.cameras().to_vec(), source.layout().clone());
         let scale = sized.iter().zip(&cameras).next().map_or(1.0, |(a, b)| a.image_size_px[0] / b.image_size_px[0]);
         let raster = |camera: &Camera| WorkingRaster::new(camera, WorkingRaster::factor_for(camera, RASTER));
-        let rasters = setup.with_offsets(sized, scale).iter().map(raster).collect();
+        let rasters = setup.as_they_are(sized, scale).iter().map(raster).collect();
         let frames = numbers.start..numbers.end.min(numbers.start + fps.ceil() as u64);
         let (mut poses, mut former): (BTreeMap<u64, Vec<f64>>, Option<Vec<f64>>) = (BTreeMap::new(), None);
         let mut following = Following { person: setup.person, ..Following::default() };

@@ -51,7 +51,7 @@ pub fn pose_from_one_view(tree: &KinematicTree, view: &View, detections: &[Optio
     let depth = view.camera.intrinsics.fx / pixels_per_metre;
     let seen: Vec<(usize, [f64; 2])> = (0..plan.points()).filter_map(|k| Some((k, pixel(k)?))).collect();
     let count = seen.len() as f64;
-    let middle = [0, 1].map(|a: usize| seen.iter().map(|(_, p)| p[a] - view.offset_px[a]).sum::<f64>() / count);
+    let middle = [0, 1].map(|a: usize| seen.iter().map(|(_, p)| p[a]).sum::<f64>() / count);
     let middle = view.camera.undistort(middle).ok()?;
     let [x, y] = view.camera.normalised_from_pixel(middle);
     let in_camera = [x * depth, y * depth, depth];

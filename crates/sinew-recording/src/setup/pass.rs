@@ -98,6 +98,7 @@ fn unmeasured(layout: &Layout, request: &SetupRequest, camera: Vec<CameraSetup>)
         motion_sd: None,
         girth: None,
         colours: None,
+        lasting: None,
         proportions: Proportions::default(),
         camera,
     }

@@ -31,7 +31,7 @@ pub fn pose_of(
     let noise: Vec<CameraNoise> = views
         .iter()
         .map(|v| CameraNoise {
-            offset_px: v.offset_px,
+            offset_px: [0.0; 2],
             sigma_px: v.sigma_px,
             usual_confidence: v.usual_confidence,
             residuals: 0,

@@ -5,6 +5,7 @@
 use super::colours::MeasuredColours;
 use super::error::SetupError;
 use super::girth::MeasuredGirth;
+use super::lasting_errors::MeasuredErrors;
 use crate::{Error, Problems};
 use serde::{Deserialize, Serialize};
 use sinew_body::flesh::Flesh;
@@ -12,6 +13,7 @@ use sinew_body::standard::{cf28, h32};
 use sinew_body::standard_flesh::standard_flesh;
 use sinew_body::{KinematicTree, Proportions, hapf31, hppf24};
 use sinew_formats::body_toml;
+use sinew_observe::camera_error::with_error;
 use sinew_observe::{Camera, View};
 
 /// Version of the file's structure.
@@ -200,6 +202,9 @@ pub struct Setup {
     /// Colours of the subject's parts, where pictures show them and the score compares them.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub colours: Option<MeasuredColours>,
+    /// What is constant over the recording and known only up to an error.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub lasting: Option<MeasuredErrors>,
 }
 
 fn z_up() -> String {
@@ -244,29 +249,53 @@ impl Setup {
         Ok(self.girth.map_or(flesh.clone(), |measured| measured.girth().applied(&flesh)))
     }
 
-    /// What the likelihood needs to know about each camera of the set-up.
+    /// What the likelihood needs to know about each camera of the set-up, without biases.
     #[must_use]
     pub fn views(&self, cameras: &[Camera]) -> Vec<View> {
         let view = |known: &CameraSetup| {
             let camera = cameras.iter().find(|camera| camera.name == known.name)?;
-            let CameraSetup { offset_px, sigma_px, usual_confidence, .. } = *known;
-            Some(View { camera: camera.clone(), offset_px, sigma_px, usual_confidence })
+            let CameraSetup { sigma_px, usual_confidence, .. } = *known;
+            Some(View { camera: self.as_it_is(camera, 1.0), bias_px: vec![], sigma_px, usual_confidence })
         };
         self.camera.iter().filter_map(view).collect()
     }
 
-    /// Cameras of the set-up, `scale` times the size for which its offsets hold, with their offsets taken up: what they show lies where it lies in images.
+    /// A camera of the set-up, `scale` times the size for which its offset holds, as the set-up found it: with its error, or its offset where there is no more.
     #[must_use]
-    pub fn with_offsets(&self, cameras: &[Camera], scale: f64) -> Vec<Camera> {
-        let shifted = |camera: &Camera| {
-            let mut camera = camera.clone();
-            if let Some(known) = self.camera.iter().find(|known| known.name == camera.name) {
-                camera.intrinsics.cx += scale * known.offset_px[0];
-                camera.intrinsics.cy += scale * known.offset_px[1];
-            }
-            camera
-        };
-        cameras.iter().map(shifted).collect()
+    pub fn as_it_is(&self, camera: &Camera, scale: f64) -> Camera {
+        if let Some(error) = self.lasting.as_ref().and_then(|lasting| lasting.camera_error(&camera.name)) {
+            return with_error(camera, &error);
+        }
+        let mut shifted = camera.clone();
+        if let Some(known) = self.camera.iter().find(|known| known.name == camera.name) {
+            shifted.intrinsics.cx += scale * known.offset_px[0];
+            shifted.intrinsics.cy += scale * known.offset_px[1];
+        }
+        shifted
+    }
+
+    /// All of them: what they show lies where it lies in images.
+    #[must_use]
+    pub fn as_they_are(&self, cameras: &[Camera], scale: f64) -> Vec<Camera> {
+        cameras.iter().map(|camera| self.as_it_is(camera, scale)).collect()
+    }
+
+    /// Biases of a camera's detector for some points, pixels.
+    #[must_use]
+    pub fn bias_px(&self, camera: &Camera, points: &[String]) -> Vec<[f64; 2]> {
+        let Some(lasting) = &self.lasting else { return vec![] };
+        let known = lasting.bias_px(camera);
+        let bias = |name| known.get(lasting.points.iter().position(|point| point == name)?).copied();
+        points.iter().map(|name| bias(name).unwrap_or_default()).collect()
+    }
+
+    /// How far the detectors see each point of a body from where it is, in the frame of its link, metres.
+    #[must_use]
+    pub fn detected_places(&self, tree: &KinematicTree) -> Vec<[f64; 3]> {
+        let Some(lasting) = &self.lasting else { return vec![[0.0; 3]; tree.points().len()] };
+        let known = lasting.places_m();
+        let place = |name| known.get(lasting.points.iter().position(|point| point == name)?).copied();
+        tree.points().iter().map(|point| place(&point.name).unwrap_or_default()).collect()
     }
 
     /// Reads a `setup.toml`; `name` is that of the file, for messages.
@@ -322,12 +351,13 @@ impl Setup {
         if let Some(problem) = self.girth.and_then(|girth| girth.problem()) {
             problems.push(problem);
         }
+        let cameras: Vec<&str> = self.camera.iter().map(|camera| camera.name.as_str()).collect();
         if problems.is_empty()
             && let (Some(colours), Ok(flesh)) = (&self.colours, self.flesh())
         {
-            let cameras: Vec<&str> = self.camera.iter().map(|camera| camera.name.as_str()).collect();
             problems.extend(colours.problem(&cameras, &flesh));
         }
+        problems.extend(self.lasting.as_ref().and_then(|lasting| lasting.problem(&cameras)));
         for camera in &self.camera {
             if !(camera.sigma_px > 0.0 && camera.sigma_px.is_finite()) {
                 problems.push(format!("camera `{}`: sigma_px = {}; must be positive", camera.name, camera.sigma_px));

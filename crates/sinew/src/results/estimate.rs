@@ -134,6 +134,8 @@ pub struct FrameEstimate {
     pub quality: Quality,
     /// Mean state.
     pub mean_state: Vec<f64>,
+    /// By how much the draws of what is constant move the filtered state, dimension × draws, row after row; empty without such draws.
+    pub moves: Vec<f64>,
     /// Marginals of the points.
     pub points: Vec<PointMarginal>,
     /// Marginals of the degrees of freedom.

@@ -88,7 +88,7 @@ impl Tracked {
     pub fn as_seen(&self, resized: &[Camera], calibrated: &[Camera]) -> Vec<Camera> {
         let ratio = |(resized, full): (&Camera, &Camera)| resized.image_size_px[0] / full.image_size_px[0];
         let scale = resized.iter().zip(calibrated).next().map_or(1.0, ratio);
-        self.setup.with_offsets(resized, scale / self.image_scale)
+        self.setup.as_they_are(resized, scale / self.image_scale)
     }
 
     /// The cameras of the run, as a calibration has them, in the world turned to z up; and the names of all that are calibrated.

@@ -1,5 +1,6 @@
 //! From a step of a tracker to what is written of it.
 
+use super::lasting::{EqualDraws, Moved};
 use super::marginals::Marginals;
 use super::scene::Scene;
 use crate::config::settings::Settings;
@@ -9,7 +10,7 @@ use sinew_dynamics::primitives::switching::Choice;
 use sinew_tracking::StepInfo;
 use sinew_tracking::posterior::Posterior;
 
-/// Turns a step into what is written of it.
+/// Turns a step into what is written of it; `moved` is where its draws go.
 pub(super) fn describe(
     settings: &Settings,
     scene: &Scene,
@@ -18,6 +19,7 @@ pub(super) fn describe(
     number: u64,
     info: StepInfo,
     posterior: &Posterior<'_>,
+    moved: Option<Moved>,
 ) -> FrameEstimate {
     let stage = Stage::new(settings.seed, "thin").at_frame(number as u32);
     let kept = posterior.equal_weight(settings.draws, &mut stage.whole());
@@ -38,8 +40,18 @@ pub(super) fn describe(
         log_weight: posterior.weights.iter().map(|w| w.ln()).collect(),
         resampled: info.resampled.unwrap_or(false),
     });
-    let (points, state) = marginals.of(posterior);
-    let size = marginals.size_draws(kept.iter().copied(), &mut states, posterior.dim);
+    let mut mean_state = info.mean.clone();
+    let (points, state) = match &moved {
+        None => marginals.of(posterior, None),
+        Some(moved) => {
+            moved.apply(&mut states, posterior.dim);
+            mean_state.iter_mut().zip(moved.mean()).for_each(|(x, by)| *x += by);
+            let rng = &mut Stage::new(settings.seed, "equal weight").at_frame(number as u32).whole();
+            let EqualDraws { states, weights } = moved.equal_draws(posterior, rng);
+            marginals.of(&Posterior { states: &states, weights: &weights, chain_stats: &[], ..*posterior }, Some(moved))
+        }
+    };
+    let size = marginals.size_draws(0..kept.len(), &mut states, posterior.dim);
     let cameras = scene.cameras_with_person().max(silhouettes);
     FrameEstimate {
         number,
@@ -53,7 +65,8 @@ pub(super) fn describe(
         },
         residual_px: scene.residual_px(&info.mean),
         seen: scene.seen(),
-        mean_state: info.mean,
+        mean_state,
+        moves: moved.map_or_else(Vec::new, |moved| moved.states),
         points,
         state,
         draws: Draws { states, size, lp: chosen.iter().map(|s| s.log_density).collect(), hmc },

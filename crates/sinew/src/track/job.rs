@@ -77,7 +77,7 @@ pub fn track<S: FrameSource>(
     let (frames, before) = (source.frames(), checkpoint.done);
     let setup_toml = checkpoint.setup_toml.clone();
     let info = run_info(&config, &settings, &setup, &pipeline, cameras, frames.start, setup_toml);
-    let mut keeper = Keeper::open(claim, info, checkpoint, &config)?;
+    let mut keeper = Keeper::open(claim, info, checkpoint, &config, pipeline.lasting_draws())?;
     if keeper.checkpoint.pipeline.is_none() {
         keeper.keep(&pipeline, source.read(), inputs.hashes(source.source()))?;
     }

@@ -1,8 +1,9 @@
 //! Marginals of points and degrees of freedom from the draws of a frame.
 //!
 //! Quantiles are taken of the weighted draws: the least value at which the cumulated weight reaches p. A body of unknown size before one camera has draws of all
-//! sizes ([`UnknownSize`]).
+//! sizes ([`UnknownSize`]); where the lengths of the body are known up to an error, its points move with them ([`Moved`]).
 
+use super::lasting::Moved;
 use super::unknown_size::UnknownSize;
 use crate::results::estimate::{PointMarginal, StateMarginal};
 use rayon::prelude::*;
@@ -65,8 +66,12 @@ impl Marginals {
         draws.zip(states.chunks_exact_mut(dim)).map(place).collect()
     }
 
-    /// Marginals of all points of the body and of all degrees of freedom.
-    pub(super) fn of(&mut self, posterior: &Posterior<'_>) -> (Vec<PointMarginal>, Vec<StateMarginal>) {
+    /// Marginals of all points of the body and of all degrees of freedom; the draws are those of `moved`, if there is one, in their order.
+    pub(super) fn of(
+        &mut self,
+        posterior: &Posterior<'_>,
+        moved: Option<&Moved>,
+    ) -> (Vec<PointMarginal>, Vec<StateMarginal>) {
         let Self { plan, isa, size, positions } = self;
         let (d, coordinates) = (posterior.dim, 3 * plan.points());
         let count = posterior.count().div_ceil(LANES);
@@ -78,15 +83,23 @@ impl Marginals {
         let scratch = || vec![Block::ZERO; plan.workspace()];
         blocks.for_each_init(scratch, |ws, (states, out)| point_positions_block(plan, *isa, states, out, ws));
 
-        let equal = !posterior.chain_stats.is_empty();
-        let described_column = |series: &mut Vec<f64>, all: &[Block], width: usize, column: usize| {
-            let blocks = all.iter().skip(column).step_by(width);
-            series.clear();
-            match size.as_ref().filter(|_| width == coordinates || column < 3) {
-                None => series.extend(blocks.flat_map(|block| block.0)),
-                Some(size) => series.extend(blocks.enumerate().flat_map(|(i, x)| size.place(i, column % 3, *x).0)),
+        let equal = posterior.weights.windows(2).all(|pair| pair[0] == pair[1]);
+        let add_shape = |series: &mut Vec<f64>, column: usize| {
+            if let Some(Moved { draws, points, .. }) = moved {
+                let row = &points[column * draws..][..*draws];
+                series.iter_mut().zip(row.iter().cycle()).for_each(|(x, by)| *x += by);
             }
+        };
+        let described_column = |series: &mut Vec<f64>, all: &[Block], width: usize, column: usize| {
+            series.clear();
+            series.extend(all.iter().skip(column).step_by(width).flat_map(|block| block.0));
             series.truncate(posterior.count());
+            if width == coordinates {
+                add_shape(series, column);
+            }
+            if let Some(size) = size.as_ref().filter(|_| width == coordinates || column < 3) {
+                series.iter_mut().enumerate().for_each(|(draw, x)| *x = size.place(draw, column % 3, *x));
+            }
             describe(series, posterior.weights, equal)
         };
         let described: Vec<[f64; 4]> = (0..coordinates + d)
@@ -136,7 +149,7 @@ mod tests {
         let posterior = Posterior { dim: d, states: &states, weights: &weights, effective: 1.0, chain_stats: &[] };
         let size = UnknownSize::with_sd(&camera, 0.05, 1);
         let mut marginals = Marginals::new(&tree, Isa::best(), Some(size));
-        let (points, state) = marginals.of(&posterior);
+        let (points, state) = marginals.of(&posterior, None);
         let hip = points[tree.point_index("MidHip").unwrap()];
         assert!((hip.sd[0] - 0.25).abs() < 0.02 && hip.sd[1] < 1e-12 && hip.sd[2] < 0.01, "{hip:?}");
         assert!((hip.q95[0] - hip.q05[0] - 2.0 * 1.645 * 0.25).abs() < 0.04, "{hip:?}");

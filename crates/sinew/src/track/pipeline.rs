@@ -15,6 +15,7 @@
 use super::describe::describe;
 use super::error::TrackError;
 use super::images::{ImageState, Images};
+use super::lasting::Lasting;
 use super::marginals::Marginals;
 use super::motion_prior::{motion_prior, turned_near};
 use super::predictive::Doubt;
@@ -54,6 +55,7 @@ struct Observer {
     settings: Settings,
     scene: Scene,
     images: Option<Images>,
+    lasting: Option<Lasting>,
     marginals: Marginals,
     /// What the method says of how it was made.
     remarks: Vec<String>,
@@ -67,6 +69,7 @@ pub struct State {
     tracker: Vec<f64>,
     scene: SceneState,
     images: Option<ImageState>,
+    lasting: Vec<f64>,
 }
 
 impl Pipeline {
@@ -101,7 +104,7 @@ impl Pipeline {
             let ratio = |(sized, camera): (&Camera, &Camera)| sized.image_size_px[0] / camera.image_size_px[0];
             let scale = sized.iter().zip(cameras).next().map_or(1.0, ratio);
             let colours = setup.colours.as_ref().filter(|_| settings.compares_colours());
-            Images::new(tree, setup.flesh()?, colours, &setup.with_offsets(sized, scale), &settings)
+            Images::new(tree, setup.flesh()?, colours, &setup.as_they_are(sized, scale), &settings)
         };
         let images = image_cameras.map(with_flesh).transpose()?;
         let transition = motion_prior(setup, tree, &settings)?;
@@ -126,7 +129,8 @@ impl Pipeline {
         };
         let tracker = Restarting::new(Box::new(make), scene.start().to_vec())?;
         let marginals = Marginals::new(tree, settings.isa, UnknownSize::of(setup, cameras, settings.seed));
-        let observer = Observer { settings, scene, images, marginals, remarks, acting_parts };
+        let lasting = Lasting::new(setup, tree, cameras, &scene, &transition);
+        let observer = Observer { settings, scene, images, lasting, marginals, remarks, acting_parts };
         Ok(Self { tracker, observer, transition })
     }
 
@@ -137,6 +141,16 @@ impl Pipeline {
         let (chains, is_search) = (method.about().gives == Gives::Chains, method.about().gives == Gives::Search);
         let (particles, size) = (method.weighted_draws(), self.size().is_some());
         Carried { lp: chains, hmc: chains, log_evidence: !is_search, particles, size }
+    }
+
+    pub(super) const fn lasting(&self) -> Option<&Lasting> {
+        self.observer.lasting.as_ref()
+    }
+
+    /// Draws of what is constant; 0 where the set-up has none.
+    #[must_use]
+    pub fn lasting_draws(&self) -> usize {
+        self.lasting().map_or(0, Lasting::draws)
     }
 
     pub(super) fn size(&self) -> Option<&UnknownSize> {
@@ -180,8 +194,9 @@ impl Pipeline {
     /// What the next frame needs of those before it.
     #[must_use]
     pub fn save(&self) -> State {
-        let Observer { scene, images, .. } = &self.observer;
-        State { tracker: self.tracker.save(), scene: scene.save(), images: images.as_ref().map(Images::save) }
+        let Observer { scene, images, lasting, .. } = &self.observer;
+        let lasting = lasting.as_ref().map_or_else(Vec::new, Lasting::save);
+        State { tracker: self.tracker.save(), scene: scene.save(), images: images.as_ref().map(Images::save), lasting }
     }
 
     /// Resumes where a pipeline of the same set-up and settings stood, to the same bits.
@@ -192,6 +207,9 @@ impl Pipeline {
         self.observer.scene.restore(&saved.scene)?;
         if let (Some(images), Some(saved)) = (&mut self.observer.images, &saved.images) {
             images.restore(saved)?;
+        }
+        if let Some(lasting) = &mut self.observer.lasting {
+            lasting.restore(&saved.lasting).map_err(|error| problem::state("what is constant", error, "its numbers"))?;
         }
         self.tracker.restore(&saved.tracker).map_err(|error| match error {
             sinew_tracking::Error::Dimension { found, expected, .. } => {
@@ -249,13 +267,15 @@ impl Harness<Observation> for Passage<'_> {
     }
 
     fn record(&mut self, frame: u32, info: StepInfo, posterior: Posterior<'_>) -> Result<ControlFlow<()>, Error> {
-        let (number, Observer { settings, scene, images, marginals, .. }) = (u64::from(frame), &mut *self.observer);
+        let (number, Observer { settings, scene, images, lasting, marginals, .. }) =
+            (u64::from(frame), &mut *self.observer);
+        let moved = lasting.as_mut().map(|lasting| lasting.step(scene, &info.mean, info.restarted)).transpose()?;
         scene.note(number, &info.mean, &some_draws(settings.seed, frame, &posterior));
         if let Some(images) = images {
             images.note(number, &info.mean);
         }
         let seen_by = images.as_ref().map_or(0, Images::cameras_with_person);
-        (self.record)(describe(settings, scene, seen_by, marginals, number, info, &posterior), &posterior)
+        (self.record)(describe(settings, scene, seen_by, marginals, number, info, &posterior, moved), &posterior)
     }
 }
 

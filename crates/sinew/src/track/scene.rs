@@ -46,6 +46,8 @@ pub struct Scene {
     layout: Layout,
     /// For each point of the plan its index in the layout.
     keypoint: Vec<usize>,
+    /// The same in the body.
+    point: Vec<usize>,
     following: Following,
     association: association::Config,
     /// Detections of the current frame: camera by camera, by point of the plan.
@@ -61,14 +63,15 @@ pub struct Scene {
     bound_parts: Vec<BoundKeypoints>,
 }
 
-/// A camera as the set-up found it.
-fn view_of(camera: &Camera, setup: &Setup) -> Result<View, TrackError> {
+/// A camera as the set-up found it, with the biases of its detector for the points of these names.
+fn view_of(camera: &Camera, setup: &Setup, points: &[String]) -> Result<View, TrackError> {
     let Some(known) = setup.camera.iter().find(|c| c.name == camera.name) else {
         let known = setup.camera.iter().map(|c| c.name.clone()).collect();
         return Err(TrackError::UnknownCamera { camera: camera.name.clone(), known });
     };
-    let CameraSetup { offset_px, sigma_px, usual_confidence, .. } = *known;
-    Ok(View { camera: camera.clone(), offset_px, sigma_px, usual_confidence })
+    let CameraSetup { sigma_px, usual_confidence, .. } = *known;
+    let (as_it_is, bias_px) = (setup.as_it_is(camera, 1.0), setup.bias_px(camera, points));
+    Ok(View { camera: as_it_is, bias_px, sigma_px, usual_confidence })
 }
 
 /// Points of the body that are keypoints: their index in the body and in the layout.
@@ -93,8 +96,10 @@ impl Scene {
         layout: &Layout,
         settings: &Settings,
     ) -> Result<Self, Error> {
-        let views = cameras.iter().map(|camera| view_of(camera, setup)).collect::<Result<Vec<View>, TrackError>>()?;
         let shared = shared_points(tree, layout)?;
+        let names: Vec<String> = shared.iter().map(|(p, _)| tree.points()[*p].name.clone()).collect();
+        let views = cameras.iter().map(|camera| view_of(camera, setup, &names));
+        let views = views.collect::<Result<Vec<View>, TrackError>>()?;
         if setup.start_pose.len() != tree.dof() {
             return Err(TrackError::StartPose { found: setup.start_pose.len(), dof: tree.dof() }.into());
         }
@@ -108,7 +113,7 @@ impl Scene {
             false => None,
         };
         let model = KeypointModel {
-            plan: Arc::new(Plan::new(tree, &points)),
+            plan: Arc::new(Plan::new(&tree.with_points_moved(&setup.detected_places(tree)), &points)),
             views,
             noise: settings.noise,
             model_error_m: setup.model_error_m,
@@ -135,6 +140,7 @@ impl Scene {
             bound_parts: vec![],
             detections: vec![vec![None; points.len()]; cameras.len()],
             keypoint: shared.iter().map(|(_, k)| *k).collect(),
+            point: points,
             following: Following { person: setup.person, ..Following::default() },
             association: association::Config::default(),
             cameras: cameras.to_vec(),
@@ -168,13 +174,15 @@ impl Scene {
         points
     }
 
-    /// Pixels, offset included, at which each camera should see each point.
+    /// Pixels, bias included, at which each camera should see each point.
     fn expected(&self, points: &[f64]) -> Vec<Vec<Option<[f64; 2]>>> {
-        let pixel = |view: &View, p: &[f64]| {
-            let [u, v] = view.camera.project([p[0], p[1], p[2]]).pixel()?;
-            Some([u + view.offset_px[0], v + view.offset_px[1]])
+        let pixel = |view: &View, point: usize, p: &[f64]| {
+            let ([u, v], [du, dv]) = (view.camera.project([p[0], p[1], p[2]]).pixel()?, view.bias_of(point));
+            Some([u + du, v + dv])
         };
-        self.model.views.iter().map(|view| points.chunks_exact(3).map(|p| pixel(view, p)).collect()).collect()
+        let of_view =
+            |view: &View| points.chunks_exact(3).enumerate().map(|(point, p)| pixel(view, point, p)).collect();
+        self.model.views.iter().map(of_view).collect()
     }
 
     /// Finds the person in a frame and binds his keypoints; `estimate` is the state that the tracker expects. Where he is found for the first time, or again after he was lost, or where `estimate` did not fit the frame before, also the pose that fits what is seen.
@@ -276,6 +284,24 @@ impl Scene {
         sum / f64::max(count, 1.0)
     }
 
+    /// The likelihood's model.
+    #[must_use]
+    pub const fn model(&self) -> &KeypointModel {
+        &self.model
+    }
+
+    /// Detections of the current frame: camera by camera, by point of the model.
+    #[must_use]
+    pub fn detections(&self) -> &[Vec<Option<Detection>>] {
+        &self.detections
+    }
+
+    /// Points of the body that are keypoints: their indices in the body.
+    #[must_use]
+    pub fn point_indices(&self) -> &[usize] {
+        &self.point
+    }
+
     /// Names of the keypoints that are points of the body.
     #[must_use]
     pub fn keypoints(&self) -> Vec<String> {
@@ -361,14 +387,15 @@ impl Scene {
 
     /// Offsets of the set-up that are large against the noise: they hide a shift of the world.
     fn calibration_doubt(&self, lengths: Lengths) -> Option<Doubt> {
-        let views = &self.model.views;
-        let offsets: Vec<[f64; 2]> = views.iter().map(|view| view.offset_px).collect();
-        let size = |view: &View| view.offset_px[0].hypot(view.offset_px[1]) / view.sigma_px;
-        let large: Vec<_> = views.iter().filter(|view| size(view) > predictive::OFFSET).collect();
+        let offset = |camera: &Camera| self.setup.camera.iter().find(|known| known.name == camera.name);
+        let known: Vec<&CameraSetup> = self.cameras.iter().filter_map(offset).collect();
+        let offsets: Vec<[f64; 2]> = known.iter().map(|known| known.offset_px).collect();
+        let size = |known: &CameraSetup| known.offset_px[0].hypot(known.offset_px[1]) / known.sigma_px;
+        let large: Vec<_> = known.into_iter().filter(|known| size(known) > predictive::OFFSET).collect();
         let points = self.points(self.start());
         let at = [0, 1, 2].map(|k| points.iter().skip(k).step_by(3).sum::<f64>() / (points.len() / 3) as f64);
         let shift_m = offsets::hidden_shift_m(&self.cameras, &offsets, at)?;
-        let cameras: Vec<_> = large.into_iter().map(|view| (view.camera.name.clone(), view.offset_px)).collect();
+        let cameras: Vec<_> = large.into_iter().map(|known| (known.name.clone(), known.offset_px)).collect();
         (!cameras.is_empty()).then_some(Doubt::Calibration { cameras, shift_m, lengths })
     }
 

@@ -13,6 +13,7 @@
 //! done again by a run that resumes after a stop.
 
 use super::error::TrackError;
+use super::lasting::Moved;
 use super::marginals::Marginals;
 use super::pipeline::Pipeline;
 use crate::Error;
@@ -47,6 +48,7 @@ pub struct Spool {
     dim: usize,
     cameras: usize,
     keypoints: usize,
+    lasting_draws: usize,
     frames: u64,
 }
 
@@ -70,7 +72,7 @@ impl Spool {
     ///
     /// # Errors
     /// [`Error::Io`]; [`Error::Checkpoint`] for a file that is not as it was left.
-    pub fn open(claim: &Claim, sizes: [usize; 3], written: Option<(u64, Position)>) -> Result<Self, Error> {
+    pub fn open(claim: &Claim, sizes: [usize; 4], written: Option<(u64, Position)>) -> Result<Self, Error> {
         Self::open_in(claim.storage(), claim.folder(), sizes, written)
     }
 
@@ -78,7 +80,7 @@ impl Spool {
     ///
     /// # Errors
     /// [`Error::Io`].
-    pub fn temporary(folder: &Path, sizes: [usize; 3]) -> Result<Self, Error> {
+    pub fn temporary(folder: &Path, sizes: [usize; 4]) -> Result<Self, Error> {
         fs::create_dir_all(folder).map_err(Error::io("create", folder))?;
         let storage: Arc<dyn Storage> = Arc::new(Disk);
         let mut spool = Self::open_in(&storage, folder, sizes, None)?;
@@ -89,7 +91,7 @@ impl Spool {
     fn open_in(
         storage: &Arc<dyn Storage>,
         folder: &Path,
-        [dim, cameras, keypoints]: [usize; 3],
+        [dim, cameras, keypoints, lasting_draws]: [usize; 4],
         written: Option<(u64, Position)>,
     ) -> Result<Self, Error> {
         let positions = written.map(|(_, position)| BTreeMap::from([(MOMENTS.to_owned(), position)]));
@@ -101,16 +103,16 @@ impl Spool {
             trajectories: folder.join(TRAJECTORY_FILE),
             own_folder: None,
         };
-        Ok(Self { moments, files, dim, cameras, keypoints, frames })
+        Ok(Self { moments, files, dim, cameras, keypoints, lasting_draws, frames })
     }
 
     fn header(&self) -> usize {
         diagnostics::count(self.cameras) + 3 * self.cameras * self.keypoints
     }
 
-    /// Numbers in a record: diagnostics, what was seen, filtered moments.
+    /// Numbers in a record: diagnostics, what was seen, filtered moments, moves of draws.
     fn record(&self) -> usize {
-        self.header() + self.dim * (self.dim + 1)
+        self.header() + self.dim * (self.dim + 1 + self.lasting_draws)
     }
 
     /// Adds a frame.
@@ -123,6 +125,8 @@ impl Spool {
         record.resize(self.header(), f64::NAN);
         record.extend(&moments.mean);
         record.extend(&moments.covariance);
+        record.extend(&estimate.moves);
+        record.resize(self.record(), 0.0);
         self.moments.write(|out| record.iter().try_for_each(|number| out.write_all(&number.to_le_bytes())))?;
         self.frames += 1;
         Ok(())
@@ -139,9 +143,10 @@ impl Spool {
     fn read(&self, file: &mut Numbers, frame: u64) -> Result<Record, Error> {
         let numbers = file.read(frame * self.record() as u64, self.record())?;
         let (header, moments) = numbers.split_at(self.header());
-        let (mean, covariance) = moments.split_at(self.dim);
+        let (mean, rest) = moments.split_at(self.dim);
+        let (covariance, moves) = rest.split_at(self.dim * self.dim);
         let moments = Moments { mean: mean.to_vec(), covariance: covariance.to_vec() };
-        Ok(Record { header: header.to_vec(), moments })
+        Ok(Record { header: header.to_vec(), moments, moves: moves.to_vec() })
     }
 
     fn estimate(&self, header: &[f64], fps: f64) -> FrameEstimate {
@@ -154,6 +159,8 @@ impl Spool {
 struct Record {
     header: Vec<f64>,
     moments: Moments,
+    /// [`FrameEstimate::moves`].
+    moves: Vec<f64>,
 }
 
 /// A file of numbers at places.
@@ -207,9 +214,9 @@ pub fn smooth(
     forwards(spool, pipeline, tree, &mut moments, trajectories, record)
 }
 
-/// Numbers of a frame in the file of trajectories: the smoothed mean, then the states.
-const fn numbers_of_frame(dim: usize) -> usize {
-    (1 + TRAJECTORIES) * dim
+/// Numbers of a frame in the file of trajectories: the smoothed mean, the states, and the moves of the draws of what is constant.
+const fn numbers_of_frame(spool: &Spool) -> usize {
+    (1 + TRAJECTORIES + spool.lasting_draws) * spool.dim
 }
 
 /// The backward pass: smoothed means and drawn trajectories of all frames, from the last to the first.
@@ -224,11 +231,18 @@ fn backwards(
     let smoother = Smoother::random_walk(pipeline.transition.sd());
     let mut states = vec![Block::ZERO; TRAJECTORIES / LANES * d];
     let mut next: Option<Moments> = None;
+    let mut next_moves = vec![];
     for frame in (0..spool.frames).rev() {
         stopped()?;
-        let Record { header, moments: filtered } = spool.read(moments, frame)?;
+        let Record { header, moments: filtered, moves } = spool.read(moments, frame)?;
         let filtered_frame = spool.estimate(&header, settings.fps);
         let rng = &mut Stage::new(settings.seed, "smooth").at_frame(frame as u32).whole();
+        next_moves = match &next {
+            Some(_) if spool.lasting_draws > 0 => {
+                smoother.changes(&filtered, &moves, &next_moves).map_err(TrackError::Motion)?
+            }
+            _ => moves,
+        };
         let smoothed = match &next {
             None => {
                 smoother.sample_last(&filtered, &mut states, settings.isa, rng).map_err(TrackError::Motion)?;
@@ -240,11 +254,12 @@ fn backwards(
             }
         };
         let mut numbers = smoothed.mean.clone();
-        numbers.resize(numbers_of_frame(d), 0.0);
+        numbers.resize((1 + TRAJECTORIES) * d, 0.0);
         for (i, state) in numbers[d..].chunks_exact_mut(d).enumerate() {
             get_lane(&states[i / LANES * d..][..d], i % LANES, state);
         }
-        trajectories.write(frame * numbers_of_frame(d) as u64, &numbers)?;
+        numbers.extend(&next_moves);
+        trajectories.write(frame * numbers_of_frame(spool) as u64, &numbers)?;
         next = if filtered_frame.restarted { None } else { Some(smoothed) };
     }
     Ok(())
@@ -264,14 +279,20 @@ fn forwards(
     let mut marginals = Marginals::new(tree, settings.isa, pipeline.size().cloned());
     let mut states = vec![Block::ZERO; TRAJECTORIES / LANES * d];
     for frame in 0..spool.frames {
-        let numbers = trajectories.read(frame * numbers_of_frame(d) as u64, numbers_of_frame(d))?;
-        let (mean_state, numbers) = numbers.split_at(d);
+        let mut numbers = trajectories.read(frame * numbers_of_frame(spool) as u64, numbers_of_frame(spool))?;
+        let moves = numbers.split_off((1 + TRAJECTORIES) * d);
+        let (mean_state, numbers) = numbers.split_at_mut(d);
+        let moved: Option<Moved> = pipeline.lasting().map(|lasting| lasting.moved(mean_state, moves));
+        if let Some(moved) = &moved {
+            moved.apply(numbers, d);
+            mean_state.iter_mut().zip(moved.mean()).for_each(|(x, by)| *x += by);
+        }
         for (i, state) in numbers.chunks_exact(d).enumerate() {
             set_lane(&mut states[i / LANES * d..][..d], i % LANES, state);
         }
         let posterior =
             Posterior { dim: d, states: &states, weights: &weights, effective: TRAJECTORIES as f64, chain_stats: &[] };
-        let (points, state) = marginals.of(&posterior);
+        let (points, state) = marginals.of(&posterior, moved.as_ref());
         let mut kept = numbers[..settings.draws.min(TRAJECTORIES) * d].to_vec();
         let size = marginals.size_draws(0..TRAJECTORIES, &mut kept, d);
         let draws = Draws { states: kept, size, ..Draws::default() };

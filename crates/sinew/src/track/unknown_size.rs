@@ -45,17 +45,14 @@ impl UnknownSize {
         self.factors[draw / LANES].0[draw % LANES]
     }
 
-    /// Moves coordinate `axis` of a point away from the camera or towards it, in a block of draws.
-    pub(super) fn place(&self, block: usize, axis: usize, x: Block) -> Block {
+    /// Moves coordinate `axis` of a point of a draw away from the camera or towards it.
+    pub(super) fn place(&self, draw: usize, axis: usize, x: f64) -> f64 {
         let centre = self.centre[axis];
-        let mut moved = x;
-        moved.0.iter_mut().zip(self.factors[block].0).for_each(|(x, s)| *x = centre + s * (*x - centre));
-        moved
+        centre + self.factor(draw) * (x - centre)
     }
 
     /// Moves the root of a state, its first three coordinates.
     pub(super) fn place_root(&self, draw: usize, state: &mut [f64]) {
-        let s = self.factor(draw);
-        state.iter_mut().zip(self.centre).for_each(|(x, centre)| *x = centre + s * (*x - centre));
+        state.iter_mut().take(3).enumerate().for_each(|(axis, x)| *x = self.place(draw, axis, *x));
     }
 }

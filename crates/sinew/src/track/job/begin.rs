@@ -179,6 +179,7 @@ fn set_up<S: FrameSource>(
     warnings.extend(found.map(|warning| warning.to_string()));
     let tree = setup.tree();
     setup.motion_sd = Some(setup::measure_motion(&setup, &tree, source, numbers.clone(), settings.fps)?);
+    setup::measure_lasting(&mut setup, source, numbers.clone(), settings.fps, settings.seed)?;
     setup::measure_look(&mut setup, source, numbers, settings.fps, settings.compares_colours())?;
     let start = setup.start_frame;
     tune(&mut setup, &tree, source, start, settings)?;

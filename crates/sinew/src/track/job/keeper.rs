@@ -32,10 +32,11 @@ impl Keeper {
         info: RunInfo,
         checkpoint: Checkpoint,
         config: &TrackConfig,
+        lasting_draws: usize,
     ) -> Result<Self, Error> {
         let spool = match config.smooth {
             true => {
-                let sizes = [info.body.dof(), info.cameras.len(), info.keypoints.len()];
+                let sizes = [info.body.dof(), info.cameras.len(), info.keypoints.len(), lasting_draws];
                 let before = checkpoint.spool.map(|position| (checkpoint.done, position));
                 Some(Spool::open(&claim, sizes, before)?)
             }

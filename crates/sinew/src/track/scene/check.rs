@@ -2,7 +2,7 @@
 
 use super::super::predictive::{LIMBS, Residual};
 use super::Scene;
-use sinew_observe::Detection;
+use sinew_observe::{Camera, Detection};
 use sinew_observe::offsets::{CameraNoise, point_from_views};
 use sinew_observe::triangulate::Refined;
 
@@ -68,15 +68,16 @@ impl Scene {
     /// Both ends of a limb, left and right, in space.
     fn ends_of(&self, ends: [&str; 2]) -> [[Met; 2]; 2] {
         let noise = |view: &sinew_observe::View| CameraNoise {
-            offset_px: view.offset_px,
+            offset_px: [0.0; 2],
             sigma_px: view.sigma_px,
             usual_confidence: view.usual_confidence,
             residuals: 0,
         };
         let noise: Vec<CameraNoise> = self.model.views.iter().map(noise).collect();
+        let cameras: Vec<Camera> = self.model.views.iter().map(|view| view.camera.clone()).collect();
         let least = self.model.least_confidence;
         SIDES.map(|side| {
-            ends.map(|name| point_from_views(&self.cameras, &noise, &self.detections, self.place(side, name)?, least))
+            ends.map(|name| point_from_views(&cameras, &noise, &self.detections, self.place(side, name)?, least))
         })
     }
 

@@ -1,0 +1,278 @@
+//! Draws of what lasts, g, whose prior has scales that are themselves unknown.
+//!
+//! The data say −½ gᵀ Λ g + λᵀ g of the p numbers of g ([`crate::lasting`]). The prior comes in clusters: each number i of a cluster is
+//!
+//! ```text
+//! g_i ~ N(m_i, (u_i s / √w)²),   ln s ~ N(ln s₀, σ²) shared by the clusters of that scale,   w ~ Gamma(2, 2) for a cluster with heavy tails, else 1
+//! ```
+//!
+//! with u_i in the units of g. With heavy tails the numbers of a cluster are Student's t with four degrees of freedom together: one camera that was moved is off by more than the others. Scales are integrated, never set to an estimate: few numbers tell them.
+//!
+//! Gibbs sampling, one sweep:
+//!
+//! 1. g | s, w: normal
+//! 2. w | g, s ~ Gamma(2 + n/2, 2 + ½ Σ ((g_i − m_i)/(u_i s))²)
+//! 3. ln s | g, w on a grid, at a random place within the cell
+//! 4. ln s | (g − m)/s, w on the same grid: all deviations of that scale grow with it (Papaspiliopoulos, Roberts & Sköld 2007; Yu & Meng 2011). Without it a scale of which the data say nothing would hardly move.
+
+use crate::Error;
+use faer::linalg::solvers::Solve;
+use faer::{Mat, MatRef, Side};
+use sinew_core::lanes::{Block, Isa};
+use sinew_core::random::Stage;
+use std::ops::Range;
+
+/// Prior of a scale: ln s ~ N(ln `median`, `log_sd`²).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ScalePrior {
+    /// Median.
+    pub median: f64,
+    /// Standard deviation of the logarithm.
+    pub log_sd: f64,
+}
+
+/// Numbers of g whose prior has one size.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Cluster {
+    /// Place in g, mean m and unit u of each number.
+    pub numbers: Vec<(usize, f64, f64)>,
+    /// Which scale multiplies the units; `None` where they are the standard deviations.
+    pub scale: Option<usize>,
+    /// Whether the cluster may be far off as a whole.
+    pub heavy_tails: bool,
+}
+
+/// The prior of g.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LastingPrior {
+    /// Every number of g is in one cluster.
+    pub clusters: Vec<Cluster>,
+    /// The scales.
+    pub scales: Vec<ScalePrior>,
+}
+
+/// What the data say of g.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LastingData {
+    /// Λ, p × p, row after row.
+    pub information: Vec<f64>,
+    /// λ, length p.
+    pub pull: Vec<f64>,
+}
+
+/// How to draw.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Schedule {
+    /// Draws.
+    pub draws: usize,
+    /// Sweeps before the first.
+    pub burn_in: usize,
+    /// Sweeps from each draw to the next.
+    pub apart: usize,
+}
+
+impl Default for Schedule {
+    fn default() -> Self {
+        Self { draws: 128, burn_in: 60, apart: 3 }
+    }
+}
+
+/// Draws of g and of the scales.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct LastingDraws {
+    /// Mean of g: of its conditional means, over all sweeps after the first.
+    pub mean: Vec<f64>,
+    /// Draws of g.
+    pub errors: Vec<Vec<f64>>,
+    /// Scales of each draw.
+    pub scales: Vec<Vec<f64>>,
+}
+
+/// Cells of the grid of ln s, and how far it reaches from the middle in standard deviations of the prior.
+const CELLS: usize = 240;
+const REACH: f64 = 5.0;
+/// Shape and rate of the prior of a cluster's weight.
+const HEAVY: f64 = 2.0;
+/// Random normals and uniforms that a number of a cluster may need.
+const LUCK: usize = 4;
+
+/// State of the sampler.
+struct Sweep<'a> {
+    prior: &'a LastingPrior,
+    data: &'a LastingData,
+    information: MatRef<'a, f64>,
+    g: Vec<f64>,
+    log_scales: Vec<f64>,
+    weights: Vec<f64>,
+}
+
+/// Random numbers, one after the other.
+struct Luck(std::vec::IntoIter<f64>);
+
+impl Luck {
+    fn take(&mut self) -> f64 {
+        self.0.next().unwrap_or(0.5)
+    }
+}
+
+fn lucks(stage: &Stage, sweep: usize, count: usize) -> [Luck; 2] {
+    let mut rng = stage.round(sweep).whole();
+    let mut blocks = vec![Block::ZERO; count.div_ceil(8)];
+    rng.fill_normal(Isa::baseline(), &mut blocks);
+    let normal: Vec<f64> = blocks.iter().flat_map(|block| block.0).collect();
+    rng.fill_uniform(&mut blocks);
+    let uniform: Vec<f64> = blocks.iter().flat_map(|block| block.0).collect();
+    [Luck(normal.into_iter()), Luck(uniform.into_iter())]
+}
+
+/// Draws g and its scales.
+///
+/// # Errors
+/// [`Error::Shape`] for a matrix of another size or a prior that does not have every number once, [`Error::OutOfRange`] for one that is not positive, [`Error::Indefinite`] where Λ is not a covariance's inverse.
+pub fn draws(data: &LastingData, prior: &LastingPrior, schedule: Schedule, stage: Stage) -> Result<LastingDraws, Error> {
+    let p = data.pull.len();
+    check(data, prior, p)?;
+    let mut sweep = Sweep {
+        prior,
+        data,
+        information: MatRef::from_row_major_slice(&data.information, p, p),
+        g: vec![0.0; p],
+        log_scales: prior.scales.iter().map(|scale| scale.median.ln()).collect(),
+        weights: vec![1.0; prior.clusters.len()],
+    };
+    let mut found = LastingDraws { mean: vec![0.0; p], ..LastingDraws::default() };
+    let after = schedule.draws * schedule.apart.max(1);
+    for round in 0..schedule.burn_in + after {
+        let [mut normal, mut uniform] = lucks(&stage, round, LUCK * (p + 8) + 8 * prior.scales.len());
+        let mean = sweep.draw_errors(&mut normal)?;
+        sweep.draw_weights(&mut normal, &mut uniform);
+        (0..prior.scales.len()).for_each(|scale| sweep.draw_scale(scale, &mut uniform));
+        if let Some(since) = round.checked_sub(schedule.burn_in) {
+            found.mean.iter_mut().zip(&mean).for_each(|(sum, mean)| *sum += mean / after as f64);
+            if since % schedule.apart.max(1) == 0 {
+                found.errors.push(sweep.g.clone());
+                found.scales.push(sweep.log_scales.iter().map(|log| log.exp()).collect());
+            }
+        }
+    }
+    Ok(found)
+}
+
+fn check(data: &LastingData, prior: &LastingPrior, p: usize) -> Result<(), Error> {
+    let wrong = |name, found, expected| Err(Error::Shape { name, found, expected });
+    if data.information.len() != p * p {
+        return wrong("information of what lasts", data.information.len(), p * p);
+    }
+    let mut known = vec![0; p];
+    for (place, _, unit) in prior.clusters.iter().flat_map(|cluster| &cluster.numbers) {
+        if *unit <= 0.0 || !unit.is_finite() {
+            let (name, index, value) = ("unit of what lasts", *place, *unit);
+            return Err(Error::OutOfRange { name, index, value, expected: "must be positive" });
+        }
+        known.get_mut(*place).into_iter().for_each(|count| *count += 1);
+    }
+    match known.iter().position(|count| *count != 1) {
+        Some(place) => wrong("clusters of a number of what lasts", known[place], 1),
+        None => Ok(()),
+    }
+}
+
+impl Sweep<'_> {
+    /// Standard deviation of a cluster's numbers over their units.
+    fn size(&self, cluster: usize) -> f64 {
+        let log_scale = self.prior.clusters[cluster].scale.map_or(0.0, |scale| self.log_scales[scale]);
+        log_scale.exp() / self.weights[cluster].sqrt()
+    }
+
+    /// Draws g, and gives its conditional mean.
+    fn draw_errors(&mut self, normal: &mut Luck) -> Result<Vec<f64>, Error> {
+        let p = self.g.len();
+        let mut matrix = self.information.to_owned();
+        let mut right = Mat::from_fn(p, 1, |i, _| self.data.pull[i]);
+        for (index, cluster) in self.prior.clusters.iter().enumerate() {
+            let size = self.size(index);
+            for &(place, mean, unit) in &cluster.numbers {
+                let precision = (unit * size).powi(-2);
+                matrix[(place, place)] += precision;
+                right[(place, 0)] += precision * mean;
+            }
+        }
+        let Ok(factor) = matrix.llt(Side::Lower) else {
+            return Err(Error::Indefinite { name: "information of what lasts", smallest: f64::NAN });
+        };
+        let mean = factor.solve(&right);
+        let mut away = Mat::from_fn(p, 1, |_, _| normal.take());
+        factor.L().transpose().solve_upper_triangular_in_place(away.as_mut());
+        let mean: Vec<f64> = (0..p).map(|i| mean[(i, 0)]).collect();
+        self.g = mean.iter().enumerate().map(|(i, mean)| mean + away[(i, 0)]).collect();
+        Ok(mean)
+    }
+
+    /// Sum of the squared deviations of a cluster over their units.
+    fn squares(&self, cluster: &Cluster) -> f64 {
+        cluster.numbers.iter().map(|&(place, mean, unit)| ((self.g[place] - mean) / unit).powi(2)).sum()
+    }
+
+    fn draw_weights(&mut self, normal: &mut Luck, uniform: &mut Luck) {
+        for (index, cluster) in self.prior.clusters.iter().enumerate().filter(|(_, cluster)| cluster.heavy_tails) {
+            let log_scale = cluster.scale.map_or(0.0, |scale| self.log_scales[scale]);
+            let rate = HEAVY + 0.5 * self.squares(cluster) * (-2.0 * log_scale).exp();
+            // Gamma(2 + n/2): two exponentials and half of n squared normals.
+            let exponentials: f64 = (0..2).map(|_| -(1.0 - uniform.take()).ln()).sum();
+            let halves: f64 = cluster.numbers.iter().map(|_| 0.5 * normal.take().powi(2)).sum();
+            self.weights[index] = (exponentials + halves) / rate;
+        }
+    }
+
+    fn draw_scale(&mut self, scale: usize, uniform: &mut Luck) {
+        let prior = self.prior.scales[scale];
+        let (middle, sd) = (prior.median.ln(), prior.log_sd);
+        let mut draw = |log_density: &dyn Fn(f64) -> f64| {
+            let place = |cell: f64| middle + REACH * sd * (2.0 * cell / CELLS as f64 - 1.0);
+            let log = |cell: usize| {
+                let x = place(cell as f64 + 0.5);
+                log_density(x) - 0.5 * ((x - middle) / sd).powi(2)
+            };
+            let logs: [f64; CELLS] = std::array::from_fn(log);
+            let largest = logs.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+            let mut left = uniform.take() * logs.iter().map(|log| (log - largest).exp()).sum::<f64>();
+            let cell = logs.iter().position(|log| {
+                left -= (log - largest).exp();
+                left <= 0.0
+            });
+            place(cell.unwrap_or(CELLS - 1) as f64 + uniform.take())
+        };
+        let own = |(_, cluster): &(usize, &Cluster)| cluster.scale == Some(scale);
+        let clusters = || self.prior.clusters.iter().enumerate().filter(own);
+        let count: f64 = clusters().map(|(_, cluster)| cluster.numbers.len() as f64).sum();
+        let squares: f64 = clusters().map(|(index, cluster)| self.weights[index] * self.squares(cluster)).sum();
+        let now = draw(&|x| -count * x - 0.5 * squares * (-2.0 * x).exp());
+        // g = rest + k v, with v the deviations of this scale and k = s' / s.
+        let mut deviations: Vec<(usize, f64, f64)> = vec![];
+        for (_, cluster) in clusters() {
+            deviations.extend(cluster.numbers.iter().map(|&(place, mean, _)| (place, mean, self.g[place] - mean)));
+        }
+        let (mut curvature, mut slope) = (0.0, 0.0);
+        for &(place, _, deviation) in &deviations {
+            let against: f64 = deviations.iter().map(|&(other, _, v)| self.information[(place, other)] * v).sum();
+            let all: f64 = self.g.iter().enumerate().map(|(j, g)| self.information[(place, j)] * g).sum();
+            curvature += deviation * against;
+            slope += deviation * (self.data.pull[place] - all + against);
+        }
+        let next = draw(&|x| {
+            let k = (x - now).exp();
+            slope * k - 0.5 * curvature * k * k
+        });
+        let grown = (next - now).exp();
+        for (place, mean, deviation) in deviations {
+            self.g[place] = mean + grown * deviation;
+        }
+        self.log_scales[scale] = next;
+    }
+}
+
+/// Numbers of g that stand one after the other, with mean 0 and one unit.
+#[must_use]
+pub fn alike(places: Range<usize>, unit: f64) -> Vec<(usize, f64, f64)> {
+    places.map(|place| (place, 0.0, unit)).collect()
+}

@@ -1,0 +1,130 @@
+//! Draws of what lasts against simulated problems (ranks) and an integral.
+
+use sinew_core::lanes::{Block, Isa};
+use sinew_core::random::Stage;
+use sinew_dynamics::lasting_scales::{Cluster, LastingData, LastingPrior, ScalePrior, Schedule, alike, draws};
+
+const COUNT: usize = 9;
+
+/// A cluster of fixed size, two of one scale with heavy tails, and one of a scale of its own.
+fn prior() -> LastingPrior {
+    let cluster = |numbers, scale, heavy_tails| Cluster { numbers, scale, heavy_tails };
+    LastingPrior {
+        clusters: vec![
+            cluster(vec![(0, 0.7, 0.5)], None, false),
+            cluster(alike(1..3, 2.0), Some(0), true),
+            cluster(vec![(3, -0.2, 1.0), (4, 0.0, 1.0)], Some(0), true),
+            cluster(alike(5..9, 1.0), Some(1), false),
+        ],
+        scales: vec![ScalePrior { median: 0.5, log_sd: 0.8 }, ScalePrior { median: 1.0, log_sd: 1.0 }],
+    }
+}
+
+struct Numbers(Vec<f64>);
+
+impl Numbers {
+    fn new(stage: Stage) -> Self {
+        let mut blocks = [Block::ZERO; 20];
+        stage.whole().fill_normal(Isa::baseline(), &mut blocks);
+        Self(blocks.iter().flat_map(|block| block.0).collect())
+    }
+
+    fn take(&mut self) -> f64 {
+        self.0.pop().expect("enough numbers")
+    }
+}
+
+/// g and the logarithms of its scales from the prior, and data about some of its combinations: number 8 is seen by none.
+fn simulated(run: u64) -> (Vec<f64>, Vec<f64>, LastingData) {
+    let prior = prior();
+    let mut z = Numbers::new(Stage::new(run, "problem"));
+    let scales: Vec<f64> = prior.scales.iter().map(|s| (s.median.ln() + s.log_sd * z.take()).exp()).collect();
+    let mut g = vec![0.0; COUNT];
+    for cluster in &prior.clusters {
+        // Gamma(2, 2): a quarter of the sum of four squared normals.
+        let weight = if cluster.heavy_tails { 0.25 * (0..4).map(|_| z.take().powi(2)).sum::<f64>() } else { 1.0 };
+        let size = cluster.scale.map_or(1.0, |scale| scales[scale]) / weight.sqrt();
+        for &(place, mean, unit) in &cluster.numbers {
+            g[place] = mean + unit * size * z.take();
+        }
+    }
+    let (mut information, mut pull) = (vec![0.0; COUNT * COUNT], vec![0.0; COUNT]);
+    for row in 0..6 {
+        let design: Vec<f64> = (0..COUNT - 1).map(|j| (1.7 * (row * 8 + j) as f64).sin()).collect();
+        let noise = 0.4;
+        let seen = design.iter().zip(&g).map(|(a, g)| a * g).sum::<f64>() + noise * z.take();
+        for (i, a) in design.iter().enumerate() {
+            pull[i] += a * seen / (noise * noise);
+            design.iter().enumerate().for_each(|(j, b)| information[i * COUNT + j] += a * b / (noise * noise));
+        }
+    }
+    (g, scales, LastingData { information, pull })
+}
+
+/// Problems drawn as the prior says: ranks of the truth among draws are uniform. χ² of ten cells, false alarm 1e-6 each.
+#[test]
+fn ranks_of_the_truth_are_uniform() {
+    const RUNS: u64 = 500;
+    let mut cells = vec![[0.0; 10]; COUNT + 2];
+    for run in 0..RUNS {
+        let (g, scales, data) = simulated(run);
+        let schedule = Schedule { draws: 99, burn_in: 60, apart: 4 };
+        let found = draws(&data, &prior(), schedule, Stage::new(run, "draws")).expect("a posterior");
+        for (k, (cells, truth)) in cells.iter_mut().zip(g.iter().chain(&scales)).enumerate() {
+            let of = |draw: usize| if k < COUNT { found.errors[draw][k] } else { found.scales[draw][k - COUNT] };
+            cells[(0..99).filter(|&draw| of(draw) < *truth).count() / 10] += 1.0;
+        }
+    }
+    for (k, cells) in cells.iter().enumerate() {
+        let expected = RUNS as f64 / 10.0;
+        let square: f64 = cells.iter().map(|cell| (cell - expected).powi(2) / expected).sum();
+        assert!(square < 45.1, "number {k}: {cells:?}");
+    }
+}
+
+/// One number seen with noise, of an unknown scale: mean and variance by quadrature over the scale.
+#[test]
+fn one_number_has_the_moments_of_the_integral() {
+    let scale = ScalePrior { median: 1.0, log_sd: 1.0 };
+    let cluster = Cluster { numbers: vec![(0, 0.3, 1.0)], scale: Some(0), heavy_tails: false };
+    let prior = LastingPrior { clusters: vec![cluster], scales: vec![scale] };
+    // Seen at 2.0 with standard deviation 0.8.
+    let (seen, noise) = (2.0, 0.8_f64);
+    let data = LastingData { information: vec![noise.powi(-2)], pull: vec![seen * noise.powi(-2)] };
+    let (mut total, mut mean, mut square) = (0.0, 0.0, 0.0);
+    for cell in 0..20_000 {
+        let log = -8.0 + 16.0 * (f64::from(cell) + 0.5) / 20_000.0;
+        let variance = (2.0 * log).exp();
+        let all = variance + noise * noise;
+        let density = (-0.5 * log * log - 0.5 * (seen - 0.3_f64).powi(2) / all).exp() / all.sqrt();
+        let given = 0.3 + variance / all * (seen - 0.3);
+        total += density;
+        mean += density * given;
+        square += density * (given * given + variance * noise * noise / all);
+    }
+    let (mean, variance) = (mean / total, square / total - (mean / total).powi(2));
+    let schedule = Schedule { draws: 40_000, burn_in: 100, apart: 2 };
+    let found = draws(&data, &prior, schedule, Stage::new(5, "one")).expect("a posterior");
+    let drawn: Vec<f64> = found.errors.iter().map(|g| g[0]).collect();
+    let drawn_mean = drawn.iter().sum::<f64>() / drawn.len() as f64;
+    let drawn_variance = drawn.iter().map(|x| (x - drawn_mean).powi(2)).sum::<f64>() / drawn.len() as f64;
+    assert!((found.mean[0] - mean).abs() < 0.015, "{} for {mean}", found.mean[0]);
+    assert!((drawn_mean - mean).abs() < 0.02, "{drawn_mean} for {mean}");
+    assert!((drawn_variance / variance - 1.0).abs() < 0.05, "{drawn_variance} for {variance}");
+}
+
+#[test]
+fn what_does_not_fit_is_refused() {
+    let (_, _, data) = simulated(0);
+    let refused = |data: &LastingData, prior: &LastingPrior| {
+        draws(data, prior, Schedule::default(), Stage::new(0, "refused")).unwrap_err().to_string()
+    };
+    let short = LastingData { information: vec![0.0; 4], ..data.clone() };
+    assert_eq!(refused(&short, &prior()), "information of what lasts has 4 entries; expected 81");
+    let mut twice = prior();
+    twice.clusters[0].numbers[0].0 = 1;
+    assert_eq!(refused(&data, &twice), "clusters of a number of what lasts has 0 entries; expected 1");
+    let mut flat = prior();
+    flat.clusters[0].numbers[0].2 = 0.0;
+    assert!(refused(&data, &flat).contains("must be positive"), "{}", refused(&data, &flat));
+}

@@ -1,0 +1,216 @@
+//! What is constant over a recording and known only up to an error, as one vector g, and what a frame says of it.
+//!
+//! ```text
+//! g = | camera 1: ten numbers | … | lengths of the body | point 1: place on its link (3) | … | camera 1, point 1: bias (2) | …
+//! ```
+//!
+//! A camera's numbers are those of [`crate::camera_error`]; lengths are metres beyond those of the body; a place is how far the detectors' keypoint lies from the joint that it is named after, in the frame of its link, metres;
+//! a bias is how far a camera's detector sees that keypoint from where it is, in metres at the distance of the recording's middle (a detector errs in proportion to the size of the person in its image).
+//!
+//! [`linearised`] gives a frame's normal equations at a pose s and a g: with H and G the derivatives of all predicted pixels by s and g, W the inverse variances times the share of a detection that is no outlier, and r observed − predicted,
+//! the blocks of `(H G)ᵀ W (H G)` and `(H G)ᵀ W r`.
+
+use crate::camera_error::{self, NUMBERS};
+use crate::keypoint_likelihood::Noise;
+use crate::keypoint_model::{Detection, KeypointModel};
+use sinew_body::point_derivatives::PointDerivatives;
+use std::f64::consts::TAU;
+use std::ops::Range;
+
+/// Where each number of g stands.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct LastingErrors {
+    /// Cameras.
+    pub cameras: usize,
+    /// Lengths of the body.
+    pub lengths: usize,
+    /// Points of the body that are keypoints.
+    pub points: usize,
+}
+
+impl LastingErrors {
+    /// How many numbers there are.
+    #[must_use]
+    pub const fn count(&self) -> usize {
+        NUMBERS * self.cameras + self.lengths + 3 * self.points + 2 * self.cameras * self.points
+    }
+
+    /// A camera's difference from its calibration.
+    #[must_use]
+    pub const fn camera(&self, camera: usize) -> Range<usize> {
+        NUMBERS * camera..NUMBERS * (camera + 1)
+    }
+
+    /// Lengths of the body.
+    #[must_use]
+    pub const fn lengths(&self) -> Range<usize> {
+        let first = NUMBERS * self.cameras;
+        first..first + self.lengths
+    }
+
+    /// Places of all points on their links.
+    #[must_use]
+    pub const fn places(&self) -> Range<usize> {
+        let first = self.lengths().end;
+        first..first + 3 * self.points
+    }
+
+    /// The place of a point on its link.
+    #[must_use]
+    pub const fn place(&self, point: usize) -> Range<usize> {
+        let first = self.places().start + 3 * point;
+        first..first + 3
+    }
+
+    /// The bias of a camera's detector for a point.
+    #[must_use]
+    pub const fn bias(&self, camera: usize, point: usize) -> Range<usize> {
+        let first = self.places().end + 2 * (camera * self.points + point);
+        first..first + 2
+    }
+
+    /// A name for each number, from those of cameras, lengths and points.
+    #[must_use]
+    pub fn names(&self, cameras: &[String], lengths: &[&str], points: &[String]) -> Vec<String> {
+        let of_cameras = cameras.iter().flat_map(|camera| camera_error::NAMES.iter().map(move |n| format!("{camera}.{n}")));
+        let of_lengths = lengths.iter().map(|name| format!("body.{name}_m"));
+        let of_places = points.iter().flat_map(|point| ["x", "y", "z"].map(|axis| format!("body.{point}.place_{axis}_m")));
+        let of_biases = cameras.iter().flat_map(|camera| {
+            points.iter().flat_map(move |point| ["u", "v"].map(|axis| format!("{camera}.{point}.bias_{axis}_m")))
+        });
+        of_cameras.chain(of_lengths).chain(of_places).chain(of_biases).collect()
+    }
+}
+
+/// What a frame says of its pose (dimension d) and of g (dimension p); matrices row after row.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct LinearisedFrame {
+    /// Hᵀ W H, d × d.
+    pub pose: Vec<f64>,
+    /// Hᵀ W G, d × p.
+    pub between: Vec<f64>,
+    /// Gᵀ W G, p × p; empty unless wanted.
+    pub lasting: Vec<f64>,
+    /// Hᵀ W r, length d.
+    pub pose_pull: Vec<f64>,
+    /// Gᵀ W r, length p.
+    pub lasting_pull: Vec<f64>,
+    /// Residuals over their standard deviations, and the places of their cameras and points.
+    pub residuals: Vec<(usize, usize, [f64; 2])>,
+}
+
+/// One detection: two rows of H and G, scaled by the root of W.
+struct Rows {
+    /// Derivatives by the pose.
+    pose: [Vec<f64>; 2],
+    /// Places in g, and derivatives there.
+    lasting: [Vec<(usize, f64)>; 2],
+    residual: [f64; 2],
+}
+
+/// A camera's pixels for a metre at the distance of the recording's middle.
+#[must_use]
+pub fn pixels_per_metre(camera: &crate::Camera, middle: [f64; 3]) -> f64 {
+    camera.intrinsics.fx / camera.point_in_camera(middle)[2].max(crate::MIN_DEPTH_M)
+}
+
+/// The normal equations of a frame. `model` is at g: its cameras and biases are those of g, and so are the points of `body`. `scales` are the [`pixels_per_metre`] of its cameras. Without `with_lasting` Gᵀ W G is left out.
+#[must_use]
+pub fn linearised(
+    model: &KeypointModel,
+    errors: &LastingErrors,
+    scales: &[f64],
+    detections: &[Vec<Option<Detection>>],
+    body: &PointDerivatives,
+    with_lasting: bool,
+) -> LinearisedFrame {
+    let (d, p) = (model.plan.dof(), errors.count());
+    let mut frame = LinearisedFrame {
+        pose: vec![0.0; d * d],
+        between: vec![0.0; d * p],
+        lasting: vec![0.0; if with_lasting { p * p } else { 0 }],
+        pose_pull: vec![0.0; d],
+        lasting_pull: vec![0.0; p],
+        residuals: vec![],
+    };
+    for point in 0..errors.points {
+        let seen = model.seen(detections, point);
+        let at = [0, 1, 2].map(|axis: usize| body.positions[3 * point + axis]);
+        for &(camera, detection) in &seen {
+            let variance = model.variance_px2(camera, detection.confidence, seen.len(), &at);
+            let Some((rows, standard)) = rows(model, errors, scales, body, (camera, point), detection, variance) else {
+                continue;
+            };
+            frame.residuals.push((camera, point, standard));
+            frame.add(&rows, p);
+        }
+    }
+    frame
+}
+
+fn rows(
+    model: &KeypointModel,
+    errors: &LastingErrors,
+    scales: &[f64],
+    body: &PointDerivatives,
+    (camera, point): (usize, usize),
+    detection: Detection,
+    variance: f64,
+) -> Option<(Rows, [f64; 2])> {
+    let view = &model.views[camera];
+    let at = [0, 1, 2].map(|axis: usize| body.positions[3 * point + axis]);
+    let (pixel, by_point, by_error) = camera_error::derivatives(&view.camera, at)?;
+    let bias = view.bias_of(point);
+    let residual = [0, 1].map(|axis: usize| detection.pixel[axis] - bias[axis] - pixel[axis]);
+    let square = (residual[0] * residual[0] + residual[1] * residual[1]) / variance;
+    let share = match model.noise {
+        Noise::OutlierFloor { outlier } => {
+            let [width, height] = view.camera.image_size_px;
+            let floor = outlier * TAU * variance / (width * height * (1.0 - outlier));
+            let core = (-0.5 * square).exp();
+            core / (core + floor)
+        }
+        Noise::StudentT { degrees } => (degrees + 2.0) / (degrees + square),
+    };
+    let root = (share / variance).sqrt();
+    let dof = model.plan.dof();
+    let across = |axis: usize, moved: &[f64]| (0..3).map(|k| by_point[axis][k] * moved[3 * point + k]).sum::<f64>();
+    let pose = |axis: usize| {
+        let by_dof = |j: usize| (0..3).map(|k| by_point[axis][k] * body.by_pose[(3 * point + k) * dof + j]).sum::<f64>();
+        (0..dof).map(|j| root * by_dof(j)).collect()
+    };
+    let lasting = |axis: usize| {
+        let of_camera = errors.camera(camera).zip(by_error[axis]);
+        let of_lengths = errors.lengths().zip(body.by_length.iter().map(|moved| across(axis, moved)));
+        let of_place = errors.place(point).zip(body.link_axes.iter().map(|moved| across(axis, moved)));
+        let of_bias = std::iter::once((errors.bias(camera, point).start + axis, scales[camera]));
+        let all = of_camera.chain(of_lengths).chain(of_place).chain(of_bias);
+        all.filter(|(_, by)| *by != 0.0).map(|(place, by)| (place, root * by)).collect()
+    };
+    let rows = Rows {
+        pose: [pose(0), pose(1)],
+        lasting: [lasting(0), lasting(1)],
+        residual: residual.map(|r| root * r),
+    };
+    Some((rows, residual.map(|r| r / variance.sqrt())))
+}
+
+impl LinearisedFrame {
+    fn add(&mut self, rows: &Rows, p: usize) {
+        let d = self.pose_pull.len();
+        for axis in 0..2 {
+            let (pose, lasting, residual) = (&rows.pose[axis], &rows.lasting[axis], rows.residual[axis]);
+            for (j, by) in pose.iter().enumerate().filter(|(_, by)| **by != 0.0) {
+                self.pose_pull[j] += by * residual;
+                self.pose[j * d..][..d].iter_mut().zip(pose).for_each(|(sum, other)| *sum += by * other);
+                lasting.iter().for_each(|(place, other)| self.between[j * p + place] += by * other);
+            }
+            for &(place, by) in lasting {
+                self.lasting_pull[place] += by * residual;
+                if !self.lasting.is_empty() {
+                    lasting.iter().for_each(|(other, value)| self.lasting[place * p + other] += by * value);
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,132 @@
+//! What is constant over a recording and known only up to an error, as the set-up stores it: the value that tracking uses, and draws of how far the truth may be from it.
+//!
+//! [`LastingErrors`] says what the numbers are.
+
+use serde::{Deserialize, Serialize};
+use sinew_body::point_derivatives::length_names;
+use sinew_observe::Camera;
+use sinew_observe::camera_error::NUMBERS;
+use sinew_observe::lasting_errors::{LastingErrors, pixels_per_metre};
+
+/// Version of the table.
+pub const VERSION: u32 = 1;
+
+/// What the set-up found out about what is constant.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct MeasuredErrors {
+    /// Version of this table.
+    pub version: u32,
+    /// Names of the cameras.
+    pub cameras: Vec<String>,
+    /// Names of the body's points that are keypoints.
+    pub points: Vec<String>,
+    /// Middle of the person in the frames looked at, metres: biases are in metres at its distance.
+    pub middle_m: [f64; 3],
+    /// Frames looked at, and how many independent ones they are worth for something constant.
+    pub frames: usize,
+    /// Independent frames of the same worth.
+    pub worth: f64,
+    /// Scales of the prior.
+    pub scale: Vec<DrawnScale>,
+    /// The numbers, one after the other.
+    pub number: Vec<DrawnNumber>,
+}
+
+/// A scale of the prior.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct DrawnScale {
+    /// Name.
+    pub name: String,
+    /// Its value in each draw.
+    pub draws: Vec<f64>,
+}
+
+/// A constant number.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct DrawnNumber {
+    /// Name with its unit.
+    pub name: String,
+    /// Value that tracking uses.
+    pub value: f64,
+    /// Standard deviation of the prior: the median over the draws of its scales.
+    pub prior_sd: f64,
+    /// Draws of the truth less `value`; the draws of all numbers belong together.
+    pub draws: Vec<f64>,
+}
+
+impl MeasuredErrors {
+    /// What the numbers are.
+    #[must_use]
+    pub fn layout(&self) -> LastingErrors {
+        LastingErrors { cameras: self.cameras.len(), lengths: length_names().len(), points: self.points.len() }
+    }
+
+    /// How many draws there are.
+    #[must_use]
+    pub fn draws(&self) -> usize {
+        self.number.first().map_or(0, |number| number.draws.len())
+    }
+
+    /// A camera's difference from its calibration; `None` for a camera that the set-up did not use.
+    #[must_use]
+    pub fn camera_error(&self, name: &str) -> Option<[f64; NUMBERS]> {
+        let camera = self.cameras.iter().position(|camera| camera == name)?;
+        let values = self.layout().camera(camera).map(|place| self.number[place].value);
+        values.collect::<Vec<_>>().try_into().ok()
+    }
+
+    /// Biases of a camera's detector for the points, pixels; `camera` is the calibrated one.
+    #[must_use]
+    pub fn bias_px(&self, camera: &Camera) -> Vec<[f64; 2]> {
+        let Some(index) = self.cameras.iter().position(|name| *name == camera.name) else { return vec![] };
+        let scale = pixels_per_metre(camera, self.middle_m);
+        let bias = |point| {
+            let first = self.layout().bias(index, point).start;
+            [first, first + 1].map(|place| scale * self.number[place].value)
+        };
+        (0..self.points.len()).map(bias).collect()
+    }
+
+    /// Places of the keypoints on their links, from the joints that they are named after, metres.
+    #[must_use]
+    pub fn places_m(&self) -> Vec<[f64; 3]> {
+        let place = |point| {
+            let first = self.layout().place(point).start;
+            [0, 1, 2].map(|axis: usize| self.number[first + axis].value)
+        };
+        (0..self.points.len()).map(place).collect()
+    }
+
+    /// What cannot be, if anything.
+    #[must_use]
+    pub fn problem(&self, cameras: &[&str]) -> Option<String> {
+        if self.version != VERSION {
+            let found = self.version;
+            return Some(format!("lasting: version = {found}; this version reads {VERSION}: make the set-up again"));
+        }
+        if let Some(camera) = self.cameras.iter().find(|name| !cameras.contains(&name.as_str())) {
+            return Some(format!("lasting: no camera `{camera}`; the set-up has: {}", cameras.join(", ")));
+        }
+        let (found, expected) = (self.number.len(), self.layout().count());
+        if found != expected {
+            return Some(format!("lasting: {found} numbers; its cameras and points make {expected}"));
+        }
+        let draws = self.draws();
+        let wrong = |values: &[f64]| values.len() != draws || values.is_empty() || !values.iter().all(|x| x.is_finite());
+        let named = |name: &str| Some(format!("lasting: `{name}` needs {draws} draws, all finite numbers"));
+        if let Some(scale) = self.scale.iter().find(|scale| wrong(&scale.draws) || !scale.draws.iter().all(|x| *x > 0.0)) {
+            return named(&scale.name);
+        }
+        let number = self.number.iter().find(|number| wrong(&number.draws) || !number.value.is_finite());
+        number.and_then(|number| named(&number.name))
+    }
+
+    /// Draws of a scale, if there is one of that name.
+    #[must_use]
+    pub fn scale(&self, name: &str) -> Option<&[f64]> {
+        self.scale.iter().find(|scale| scale.name == name).map(|scale| scale.draws.as_slice())
+    }
+}

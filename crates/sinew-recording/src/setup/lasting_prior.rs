@@ -1,0 +1,64 @@
+//! What is known beforehand of everything that is constant over a recording.
+//!
+//! | numbers | prior, standard deviations | source |
+//! |---|---|---|
+//! | a camera | s × (0.2° a turn, 5 mm, 0.3 % of the focal length, 2 mrad of the principal point, 0.02 of k1), heavy tails; ln s ~ N(0, 1) | a calibration with a board or a wand from a few metres |
+//! | a length of the body | 10 % of the default body's, about it | 5–6 % among adults, and a joint that is defined otherwise |
+//! | a point's place on its link | s per axis; ln s ~ N(ln 10 mm, 0.8²) | keypoints against joints of markers: Needham et al., Scientific Reports 11 (2021) 20673: 1–15 mm at ankles, 30–50 mm at hips |
+//! | a bias of a camera's detector for a point | s per axis, one for each kind of keypoint; ln s ~ N(ln 10 mm, 0.8²) | the same |
+
+use sinew_body::Proportions;
+use sinew_body::point_derivatives::lengths;
+use sinew_dynamics::lasting_scales::{Cluster, LastingPrior, ScalePrior, alike};
+use sinew_observe::camera_error::NUMBERS;
+use sinew_observe::lasting_errors::LastingErrors;
+
+/// Units of a camera's numbers, in the order of [`sinew_observe::camera_error`].
+const CAMERA: [f64; NUMBERS] = [3.5e-3, 3.5e-3, 3.5e-3, 5e-3, 5e-3, 5e-3, 3e-3, 2e-3, 2e-3, 0.02];
+const LENGTH_SHARE: f64 = 0.1;
+const POINTS: ScalePrior = ScalePrior { median: 0.010, log_sd: 0.8 };
+
+/// Names of the scales: that of the cameras, that of places, and one for each kind of keypoint.
+pub(super) const SCALES: [&str; 7] =
+    ["cameras", "places_m", "bias_head_m", "bias_trunk_m", "bias_arms_m", "bias_legs_m", "bias_feet_m"];
+const PLACES: usize = 1;
+const FIRST_KIND: usize = 2;
+const KINDS: usize = SCALES.len() - FIRST_KIND;
+
+/// Which kind of keypoint a point of the body is.
+#[must_use]
+pub fn kind(point: &str) -> usize {
+    let is = |parts: &[&str]| parts.iter().any(|part| point.contains(part));
+    match () {
+        () if is(&["Eye", "Ear", "Nose", "Head"]) => 0,
+        () if is(&["Elbow", "Wrist"]) => 2,
+        () if is(&["Knee", "Ankle"]) => 3,
+        () if is(&["Heel", "Toe"]) => 4,
+        () => 1,
+    }
+}
+
+/// The prior, for a subject whose lengths are given; g counts from them.
+pub(super) fn prior(errors: &LastingErrors, points: &[String], subject: &Proportions) -> LastingPrior {
+    let mut clusters = vec![];
+    for camera in 0..errors.cameras {
+        let numbers = errors.camera(camera).zip(CAMERA).map(|(place, unit)| (place, 0.0, unit)).collect();
+        clusters.push(Cluster { numbers, scale: Some(0), heavy_tails: true });
+    }
+    let usual = lengths(&Proportions::default());
+    let length = |(place, (usual, own)): (usize, (&f64, f64))| (place, usual - own, LENGTH_SHARE * usual);
+    let numbers = errors.lengths().zip(usual.iter().zip(lengths(subject))).map(length).collect();
+    clusters.push(Cluster { numbers, scale: None, heavy_tails: false });
+    clusters.push(Cluster { numbers: alike(errors.places(), 1.0), scale: Some(PLACES), heavy_tails: false });
+    for of in 0..KINDS {
+        let own = |camera| {
+            let points = points.iter().enumerate().filter(move |(_, name)| kind(name) == of);
+            points.flat_map(move |(point, _)| errors.bias(camera, point))
+        };
+        let numbers: Vec<_> = (0..errors.cameras).flat_map(own).map(|place| (place, 0.0, 1.0)).collect();
+        clusters.push(Cluster { numbers, scale: Some(FIRST_KIND + of), heavy_tails: false });
+    }
+    let mut scales = vec![POINTS; SCALES.len()];
+    scales[0] = ScalePrior { median: 1.0, log_sd: 1.0 };
+    LastingPrior { clusters, scales }
+}

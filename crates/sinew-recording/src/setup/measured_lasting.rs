@@ -1,0 +1,395 @@
+//! The posterior of everything that is constant over a recording: cameras, the subject's lengths, places of keypoints, biases of detectors.
+//!
+//! Poses of some frames and g are found together by Gauss–Newton. Frame after frame a random walk links the poses and a filter carries beside them how its estimates answer to g ([`Lasting`]), which eliminates the poses from the block-tridiagonal
+//! matrix with a border. What remains are Λ and λ of g alone, from which g and the scales of its prior are drawn ([`lasting_scales`]). Each round:
+//!
+//! 1. normal equations of all frames at their poses and g ([`linearised`]); outliers count little
+//! 2. forward: filter and Λ, λ; backward: smoothed poses
+//! 3. mean of g given Λ and λ
+//! 4. scatter of each camera, and how long errors last
+//!
+//! Errors of a detector last some frames, so frames that follow each other are not worth as many independent ones. With the correlation ρ of a residual with that of the next frame looked at, of which a white part of 7 % is none, they are worth
+//! the share 1 / (1 + 2 · 0.93 φ/(1 − φ)), φ = ρ/0.93; a frame's information is multiplied by it. For constants that is exact in long recordings.
+
+use super::lasting_errors::{DrawnNumber, DrawnScale, MeasuredErrors, VERSION};
+use super::lasting_prior::{SCALES, prior};
+use super::motion_noise::{default_sd, initial_sd};
+use super::pose_fit::pose_of;
+use super::stored::Setup;
+use crate::Error;
+use crate::input::source::FrameSource;
+use sinew_body::point_derivatives::{Neighbours, length_names, lengthened};
+use sinew_body::{KinematicTree, Plan};
+use sinew_core::lanes::Isa;
+use sinew_core::random::Stage;
+use sinew_core::transition::Moments;
+use sinew_dynamics::lasting::{FrameInformation, Lasting, informed};
+use sinew_dynamics::lasting_scales::{LastingData, LastingDraws, LastingPrior, Schedule, draws};
+use sinew_dynamics::smoother::Smoother;
+use sinew_formats::Layout;
+use sinew_observe::camera_error::{NUMBERS, PRINCIPAL_POINT, with_error};
+use sinew_observe::following::{Following, follow};
+use sinew_observe::lasting_errors::{LastingErrors, LinearisedFrame, linearised, pixels_per_metre};
+use sinew_observe::offsets::{self, Sighted, robust_sigma};
+use sinew_observe::{Camera, Detection, KeypointModel, Noise, association};
+use std::ops::Range;
+use std::sync::Arc;
+
+/// Frames looked at, at most.
+const FRAMES: usize = 120;
+/// Rounds of poses and g.
+const ROUNDS: usize = 6;
+/// Probability of a gross outlier.
+const OUTLIER: f64 = 0.02;
+/// Share of an error's variance that lasts from frame to frame.
+const LASTING_SHARE: f64 = 0.93;
+/// Largest φ.
+const MOST_LASTING: f64 = 0.98;
+/// Draws to find the mean in a round.
+const ROUND: Schedule = Schedule { draws: 24, burn_in: 16, apart: 1 };
+/// A precision that says nothing.
+const FLAT: f64 = 1e10;
+/// Digits of a draw.
+const DIGITS: usize = 5;
+
+/// A frame that is looked at.
+struct Looked {
+    number: u64,
+    detections: Vec<Vec<Option<Detection>>>,
+    pose: Vec<f64>,
+}
+
+/// Finds what is constant in the frames of `numbers`, moves cameras, lengths and scatter of the set-up to it, and stores draws of it.
+///
+/// # Errors
+/// Errors of the source; a posterior that does not exist.
+pub fn measure_lasting(
+    setup: &mut Setup,
+    source: &mut dyn FrameSource,
+    numbers: Range<u64>,
+    fps: f64,
+    seed: u64,
+) -> Result<(), Error> {
+    let (cameras, layout) = (source.cameras().to_vec(), source.layout().clone());
+    let tree = setup.tree();
+    let shared: Vec<(usize, usize)> =
+        tree.points().iter().enumerate().filter_map(|(p, point)| Some((p, layout.index(&point.name)?))).collect();
+    let looked = looked_at(setup, source, &cameras, &layout, &shared, numbers)?;
+    let mut fit = Fit::new(setup, &tree, &cameras, &shared, looked, fps);
+    for round in 0..ROUNDS {
+        let data = fit.round(&cameras)?;
+        let found = fit.drawn(&data, ROUND, Stage::new(seed, "lasting rounds").round(round))?;
+        fit.g = found.mean;
+    }
+    let data = fit.round(&cameras)?;
+    let found = fit.drawn(&data, Schedule::default(), Stage::new(seed, "lasting"))?;
+    fit.store(setup, found);
+    Ok(())
+}
+
+/// The person in some evenly spaced frames.
+fn looked_at(
+    setup: &Setup,
+    source: &mut dyn FrameSource,
+    cameras: &[Camera],
+    layout: &Layout,
+    shared: &[(usize, usize)],
+    numbers: Range<u64>,
+) -> Result<Vec<Looked>, Error> {
+    let stride = (numbers.end - numbers.start).div_ceil(FRAMES as u64).max(1);
+    let mut following = Following { person: setup.person, ..Following::default() };
+    let mut looked: Vec<Looked> = vec![];
+    for number in numbers.clone() {
+        let people = source.people(number)?;
+        let found = follow(&mut following, cameras, &people, None, &association::Config::default());
+        if !found.is_present() || !(number - numbers.start).is_multiple_of(stride) {
+            continue;
+        }
+        let sighted: Sighted = found.people;
+        let former = looked.last().map(|frame| frame.pose.as_slice());
+        let Some(pose) = pose_of(setup, cameras, layout, &sighted, former) else { continue };
+        let of_points =
+            |seen: &Vec<Option<Detection>>| shared.iter().map(|(_, k)| seen.get(*k).copied().flatten()).collect();
+        looked.push(Looked { number, detections: sighted.iter().map(of_points).collect(), pose });
+    }
+    Ok(looked)
+}
+
+/// Poses and g on their way.
+struct Fit {
+    errors: LastingErrors,
+    neighbours: Neighbours,
+    model: KeypointModel,
+    prior: LastingPrior,
+    points: Vec<String>,
+    middle: [f64; 3],
+    scales: Vec<f64>,
+    frames: Vec<Looked>,
+    initial: Vec<f64>,
+    /// Standard deviations of a step from a frame looked at to the next.
+    steps: Vec<Vec<f64>>,
+    g: Vec<f64>,
+    /// What a frame is worth.
+    worth: f64,
+}
+
+impl Fit {
+    fn new(
+        setup: &Setup,
+        tree: &KinematicTree,
+        cameras: &[Camera],
+        shared: &[(usize, usize)],
+        frames: Vec<Looked>,
+        fps: f64,
+    ) -> Self {
+        let indices: Vec<usize> = shared.iter().map(|(p, _)| *p).collect();
+        let points: Vec<String> = indices.iter().map(|&p| tree.points()[p].name.clone()).collect();
+        let neighbours = Neighbours::new(|sizes| setup.body.tree(sizes), &setup.proportions, &indices);
+        let middle = middle(&neighbours, &frames, &setup.start_pose);
+        let errors = LastingErrors { cameras: cameras.len(), lengths: length_names().len(), points: points.len() };
+        let mut g = vec![0.0; errors.count()];
+        for (c, (camera, known)) in cameras.iter().zip(&setup.camera).enumerate() {
+            let first = errors.camera(c).start + PRINCIPAL_POINT;
+            g[first] = known.offset_px[0] / camera.intrinsics.fx;
+            g[first + 1] = known.offset_px[1] / camera.intrinsics.fy;
+        }
+        let motion = setup.motion_sd.clone().unwrap_or_else(|| default_sd(tree));
+        let step = |pair: &[Looked]| {
+            let seconds = (pair[1].number - pair[0].number) as f64 / fps;
+            motion.iter().map(|sd| sd * seconds.sqrt()).collect()
+        };
+        Self {
+            prior: prior(&errors, &points, &setup.proportions),
+            model: KeypointModel {
+                plan: Arc::new(Plan::new(tree, &indices)),
+                views: setup.views(cameras),
+                noise: Noise::OutlierFloor { outlier: OUTLIER },
+                model_error_m: setup.model_error_m,
+                least_confidence: offsets::Config::default().least_confidence,
+                isa: Isa::baseline(),
+            },
+            scales: cameras.iter().map(|camera| pixels_per_metre(camera, middle)).collect(),
+            steps: frames.windows(2).map(step).collect(),
+            initial: initial_sd(tree).iter().map(|sd| (10.0 * sd).powi(2)).collect(),
+            errors,
+            neighbours,
+            points,
+            middle,
+            frames,
+            g,
+            worth: 1.0,
+        }
+    }
+
+    /// Cameras and biases at g.
+    fn at_errors(&mut self, cameras: &[Camera]) {
+        for (c, (view, camera)) in self.model.views.iter_mut().zip(cameras).enumerate() {
+            let mut error = [0.0; NUMBERS];
+            error.copy_from_slice(&self.g[self.errors.camera(c)]);
+            view.camera = with_error(camera, &error);
+            let bias = |point| {
+                let first = self.errors.bias(c, point).start;
+                [first, first + 1].map(|place| self.scales[c] * self.g[place])
+            };
+            view.bias_px = (0..self.errors.points).map(bias).collect();
+        }
+    }
+
+    fn linearised(&self, frame: &Looked) -> LinearisedFrame {
+        let mut body = self.neighbours.at(&frame.pose);
+        body.reshape(&self.g[self.errors.lengths()], &self.g[self.errors.places()]);
+        linearised(&self.model, &self.errors, &self.scales, &frame.detections, &body, true)
+    }
+
+    /// One pass over the frames at g: what they say of g, its absolute value, and better poses, scatters and worth.
+    fn round(&mut self, cameras: &[Camera]) -> Result<LastingData, Error> {
+        self.at_errors(cameras);
+        let (d, p) = (self.model.plan.dof(), self.errors.count());
+        let mut flat = vec![0.0; p * p];
+        (0..p).for_each(|i| flat[i * p + i] = FLAT);
+        let mut lasting = Lasting::new(d, p, &flat)?;
+        let mut filtered: Vec<Moments> = vec![];
+        let mut residuals: Vec<LinearisedFrame> = vec![];
+        let mut taken = 0.0;
+        for (index, frame) in self.frames.iter().enumerate() {
+            let seen = self.linearised(frame);
+            let predicted = self.predicted(index, frame, filtered.last());
+            let away: Vec<f64> = predicted.mean.iter().zip(&frame.pose).map(|(m, x)| m - x).collect();
+            let less = |pull: &[f64], rows: &[f64], by_row: bool| -> Vec<f64> {
+                let width = pull.len();
+                let moved = |i: usize| (0..d).map(|j| rows[if by_row { i * d + j } else { j * width + i }] * away[j]).sum::<f64>();
+                pull.iter().enumerate().map(|(i, pull)| self.worth * (pull - moved(i))).collect()
+            };
+            let times = |values: &[f64]| values.iter().map(|x| self.worth * x).collect::<Vec<f64>>();
+            let said = FrameInformation {
+                state: times(&seen.pose),
+                between: times(&seen.between),
+                lasting: times(&seen.lasting),
+                state_pull: less(&seen.pose_pull, &seen.pose, true),
+                lasting_pull: less(&seen.lasting_pull, &seen.between, false),
+            };
+            let moments = informed(&predicted, &said.state, &said.state_pull)?;
+            lasting.update(&moments.covariance, &said)?;
+            taken += (0..d).map(|i| (0..d).map(|j| said.state[i * d + j] * moments.covariance[j * d + i]).sum::<f64>()).sum::<f64>();
+            filtered.push(moments);
+            residuals.push(LinearisedFrame { lasting: vec![], between: vec![], pose: vec![], ..seen });
+        }
+        let information = lasting.information();
+        let absolute: Vec<f64> = information.chunks_exact(p).map(|row| row.iter().zip(&self.g).map(|(a, g)| a * g).sum()).collect();
+        let pull = lasting.pull().iter().zip(absolute).map(|(pull, at)| pull + at).collect();
+        self.smooth(&filtered)?;
+        self.scatter(&residuals, taken, &information);
+        Ok(LastingData { information, pull })
+    }
+
+    fn predicted(&self, index: usize, frame: &Looked, former: Option<&Moments>) -> Moments {
+        let d = frame.pose.len();
+        let (mean, mut covariance, added) = match former {
+            None => (frame.pose.clone(), vec![0.0; d * d], self.initial.clone()),
+            Some(former) => {
+                let step = self.steps[index - 1].iter().map(|sd| sd * sd).collect();
+                (former.mean.clone(), former.covariance.clone(), step)
+            }
+        };
+        added.iter().enumerate().for_each(|(j, variance)| covariance[j * d + j] += variance);
+        Moments { mean, covariance }
+    }
+
+    /// Poses that know the frames after them.
+    fn smooth(&mut self, filtered: &[Moments]) -> Result<(), Error> {
+        let mut next: Option<Moments> = None;
+        for (index, own) in filtered.iter().enumerate().rev() {
+            let smoothed = match &next {
+                None => own.clone(),
+                Some(next) => Smoother::random_walk(&self.steps[index]).step(own, next)?,
+            };
+            self.frames[index].pose.clone_from(&smoothed.mean);
+            next = Some(smoothed);
+        }
+        Ok(())
+    }
+
+    /// Scatter of each camera, of what the poses and g did not take, and how much of a frame's errors is left in the next.
+    fn scatter(&mut self, frames: &[LinearisedFrame], taken: f64, information: &[f64]) {
+        let p = self.errors.count();
+        let all = 2.0 * frames.iter().map(|frame| frame.residuals.len() as f64).sum::<f64>();
+        let determined = (0..p).filter(|&i| information[i * p + i] > 1.0 / FLAT).count() as f64;
+        let known = determined.min(0.5 * self.worth * all);
+        let left = (1.0 - taken / all).max(0.1) * (1.0 - known / (self.worth * all)).max(0.1);
+        if !left.is_finite() {
+            return;
+        }
+        for (c, view) in self.model.views.iter_mut().enumerate() {
+            let own = frames.iter().flat_map(|frame| &frame.residuals).filter(|(camera, ..)| *camera == c);
+            let factor = robust_sigma(own.flat_map(|(.., residual)| *residual)) / left.sqrt();
+            if factor.is_finite() {
+                view.sigma_px = (view.sigma_px * factor).max(offsets::Config::default().least_sigma_px);
+            }
+        }
+        self.worth = worth(frames, self.errors.cameras, self.errors.points);
+    }
+
+    fn drawn(&self, data: &LastingData, schedule: Schedule, stage: Stage) -> Result<LastingDraws, Error> {
+        Ok(draws(data, &self.prior, schedule, stage)?)
+    }
+
+    /// Puts what was found into the set-up; lengths become the body's own.
+    fn store(mut self, setup: &mut Setup, found: LastingDraws) {
+        let Self { errors, points, middle, frames, model, prior, .. } = &self;
+        let cameras: Vec<String> = setup.camera.iter().map(|camera| camera.name.clone()).collect();
+        let names = errors.names(&cameras, &length_names(), points);
+        let mut sd = vec![0.0; errors.count()];
+        for cluster in &prior.clusters {
+            let size = cluster.scale.map_or(1.0, |scale| {
+                offsets::median(&mut found.scales.iter().map(|scales| scales[scale]).collect::<Vec<_>>())
+            });
+            cluster.numbers.iter().for_each(|(place, _, unit)| sd[*place] = unit * size);
+        }
+        let number = |(place, name): (usize, String)| {
+            let value = rounded(found.mean[place]);
+            let draws = found.errors.iter().map(|g| rounded(g[place] - value)).collect();
+            let is_length = errors.lengths().contains(&place);
+            DrawnNumber { name, value: if is_length { 0.0 } else { value }, prior_sd: rounded(sd[place]), draws }
+        };
+        let scale = |(k, name): (usize, &str)| {
+            let draws = found.scales.iter().map(|scales| rounded(scales[k])).collect();
+            DrawnScale { name: name.into(), draws }
+        };
+        let longer: Vec<f64> = errors.lengths().map(|place| rounded(found.mean[place])).collect();
+        setup.lasting = Some(MeasuredErrors {
+            version: VERSION,
+            cameras,
+            points: points.clone(),
+            middle_m: middle.map(rounded),
+            frames: frames.len(),
+            worth: rounded(self.worth * frames.len() as f64),
+            scale: SCALES.into_iter().enumerate().map(scale).collect(),
+            number: names.into_iter().enumerate().map(number).collect(),
+        });
+        for (known, view) in setup.camera.iter_mut().zip(&model.views) {
+            known.sigma_px = view.sigma_px;
+        }
+        setup.proportions = lengthened(&setup.proportions, &longer);
+        self.frames.retain(|frame| frame.number == setup.start_frame);
+        if let Some(frame) = self.frames.pop() {
+            setup.start_pose = frame.pose;
+        }
+    }
+}
+
+/// A number with few digits, as it is stored.
+fn rounded(x: f64) -> f64 {
+    format!("{x:.*e}", DIGITS - 1).parse().unwrap_or(x)
+}
+
+/// Mean of the body's points over the frames; of a pose where there are none.
+fn middle(neighbours: &Neighbours, frames: &[Looked], otherwise: &[f64]) -> [f64; 3] {
+    let poses: Vec<&[f64]> = frames.iter().map(|frame| frame.pose.as_slice()).collect();
+    let poses = if poses.is_empty() { vec![otherwise] } else { poses };
+    let (mut sum, mut count) = ([0.0; 3], 0.0);
+    for pose in poses {
+        for point in neighbours.at(pose).positions.chunks_exact(3) {
+            sum.iter_mut().zip(point).for_each(|(sum, x)| *sum += x);
+            count += 1.0;
+        }
+    }
+    sum.map(|sum| sum / count)
+}
+
+/// Share of an independent frame that one is worth, from residuals of successive ones.
+fn worth(frames: &[LinearisedFrame], cameras: usize, points: usize) -> f64 {
+    let mut series: Vec<Vec<[f64; 2]>> = vec![vec![[f64::NAN; 2]; frames.len()]; cameras * points];
+    for (f, frame) in frames.iter().enumerate() {
+        for &(camera, point, residual) in &frame.residuals {
+            series[camera * points + point][f] = residual;
+        }
+    }
+    // Gross errors do not last.
+    const GROSS: f64 = 4.0;
+    let (mut product, mut square) = (0.0, 0.0);
+    for series in &series {
+        for axis in 0..2 {
+            let kept: Vec<f64> = series.iter().map(|r| r[axis]).map(|r| if r.abs() < GROSS { r } else { f64::NAN }).collect();
+            let known: Vec<f64> = kept.iter().copied().filter(|r| r.is_finite()).collect();
+            let mean = known.iter().sum::<f64>() / known.len() as f64;
+            for pair in kept.windows(2).filter(|pair| pair.iter().all(|r| r.is_finite())) {
+                product += (pair[0] - mean) * (pair[1] - mean);
+                square += 0.5 * ((pair[0] - mean).powi(2) + (pair[1] - mean).powi(2));
+            }
+        }
+    }
+    let phi = (product / square / LASTING_SHARE).clamp(0.0, MOST_LASTING);
+    if phi.is_finite() { 1.0 / (1.0 + 2.0 * LASTING_SHARE * phi / (1.0 - phi)) } else { 1.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_stored_with_few_digits() {
+        assert_eq!(rounded(0.123_456_78), 0.12346);
+        assert_eq!(rounded(0.0), 0.0);
+        assert_eq!(rounded(-1.0 / 3.0), -0.33333);
+    }
+}
