@@ -4,9 +4,9 @@
 //! matrix with a border. What remains are Λ and λ of g alone, from which g and the scales of its prior are drawn ([`lasting_scales`]). Each round:
 //!
 //! 1. normal equations of all frames at their poses and g ([`linearised`]); outliers count little
-//! 2. forward: filter and Λ, λ; backward: smoothed poses
+//! 2. forward: filter and Λ, λ
 //! 3. mean of g given Λ and λ
-//! 4. scatter of each camera, and how long errors last
+//! 4. backward: smoothed poses at that g; scatter of each camera, and how long errors last
 //!
 //! Errors of a detector last some frames, so frames that follow each other are not worth as many independent ones. With the correlation ρ of a residual with that of the next frame looked at, of which a white part of 7 % is none, they are worth
 //! the share 1 / (1 + 2 · 0.93 φ/(1 − φ)), φ = ρ/0.93; a frame's information is multiplied by it. For constants that is exact in long recordings.
@@ -30,15 +30,15 @@ use sinew_formats::Layout;
 use sinew_observe::camera_error::{NUMBERS, PRINCIPAL_POINT, with_error};
 use sinew_observe::following::{Following, follow};
 use sinew_observe::lasting_errors::{LastingErrors, LinearisedFrame, linearised, pixels_per_metre};
-use sinew_observe::offsets::{self, Sighted, robust_sigma};
-use sinew_observe::{Camera, Detection, KeypointModel, Noise, association};
+use sinew_observe::offsets::{self, Sighted};
+use sinew_observe::{Camera, Detection, KeypointModel, Noise, View, association};
 use std::ops::Range;
 use std::sync::Arc;
 
 /// Frames looked at, at most.
 const FRAMES: usize = 120;
 /// Rounds of poses and g.
-const ROUNDS: usize = 6;
+const ROUNDS: usize = 4;
 /// Probability of a gross outlier.
 const OUTLIER: f64 = 0.02;
 /// Share of an error's variance that lasts from frame to frame.
@@ -49,6 +49,8 @@ const MOST_LASTING: f64 = 0.98;
 const ROUND: Schedule = Schedule { draws: 24, burn_in: 16, apart: 1 };
 /// A precision that says nothing.
 const FLAT: f64 = 1e10;
+/// Share of a camera's residuals that is left, at least.
+const LEAST_LEFT: f64 = 0.1;
 /// Digits of a draw.
 const DIGITS: usize = 5;
 
@@ -76,13 +78,18 @@ pub fn measure_lasting(
         tree.points().iter().enumerate().filter_map(|(p, point)| Some((p, layout.index(&point.name)?))).collect();
     let looked = looked_at(setup, source, &cameras, &layout, &shared, numbers)?;
     let mut fit = Fit::new(setup, &tree, &cameras, &shared, looked, fps);
+    fit.at_errors(&cameras);
     for round in 0..ROUNDS {
-        let data = fit.round(&cameras)?;
-        let found = fit.drawn(&data, ROUND, Stage::new(seed, "lasting rounds").round(round))?;
-        fit.g = found.mean;
+        let pass = fit.pass()?;
+        fit.drawn(&pass.data, ROUND, Stage::new(seed, "lasting rounds").round(round))?;
+        fit.follow(&pass)?;
+        fit.at_errors(&cameras);
+        if cameras.len() > 1 {
+            fit.scatter(&pass);
+        }
     }
-    let data = fit.round(&cameras)?;
-    let found = fit.drawn(&data, Schedule::default(), Stage::new(seed, "lasting"))?;
+    let pass = fit.pass()?;
+    let found = fit.drawn(&pass.data, Schedule::default(), Stage::new(seed, "lasting"))?;
     fit.store(setup, found);
     Ok(())
 }
@@ -115,6 +122,16 @@ fn looked_at(
     Ok(looked)
 }
 
+/// What a pass over the frames leaves.
+struct Pass {
+    /// g at which it was made.
+    g: Vec<f64>,
+    data: LastingData,
+    filtered: Vec<Moments>,
+    /// How each filtered mean answers to g, d × p, row after row.
+    responses: Vec<Vec<f64>>,
+}
+
 /// Poses and g on their way.
 struct Fit {
     errors: LastingErrors,
@@ -129,6 +146,8 @@ struct Fit {
     /// Standard deviations of a step from a frame looked at to the next.
     steps: Vec<Vec<f64>>,
     g: Vec<f64>,
+    /// Standard deviations of its prior at the scales last drawn.
+    prior_sd: Vec<f64>,
     /// What a frame is worth.
     worth: f64,
 }
@@ -176,6 +195,7 @@ impl Fit {
             points,
             middle,
             frames,
+            prior_sd: vec![f64::INFINITY; g.len()],
             g,
             worth: 1.0,
         }
@@ -201,16 +221,14 @@ impl Fit {
         linearised(&self.model, &self.errors, &self.scales, &frame.detections, &body, true)
     }
 
-    /// One pass over the frames at g: what they say of g, its absolute value, and better poses, scatters and worth.
-    fn round(&mut self, cameras: &[Camera]) -> Result<LastingData, Error> {
-        self.at_errors(cameras);
+    /// One pass over the frames at g: what they say of g, its absolute value, and what a frame is worth.
+    fn pass(&mut self) -> Result<Pass, Error> {
         let (d, p) = (self.model.plan.dof(), self.errors.count());
         let mut flat = vec![0.0; p * p];
         (0..p).for_each(|i| flat[i * p + i] = FLAT);
         let mut lasting = Lasting::new(d, p, &flat)?;
         let mut filtered: Vec<Moments> = vec![];
-        let mut residuals: Vec<LinearisedFrame> = vec![];
-        let mut taken = 0.0;
+        let (mut seen_in, mut responses): (Vec<LinearisedFrame>, Vec<Vec<f64>>) = (vec![], vec![]);
         for (index, frame) in self.frames.iter().enumerate() {
             let seen = self.linearised(frame);
             let predicted = self.predicted(index, frame, filtered.last());
@@ -230,16 +248,15 @@ impl Fit {
             };
             let moments = informed(&predicted, &said.state, &said.state_pull)?;
             lasting.update(&moments.covariance, &said)?;
-            taken += (0..d).map(|i| (0..d).map(|j| said.state[i * d + j] * moments.covariance[j * d + i]).sum::<f64>()).sum::<f64>();
             filtered.push(moments);
-            residuals.push(LinearisedFrame { lasting: vec![], between: vec![], pose: vec![], ..seen });
+            responses.push(lasting.response());
+            seen_in.push(LinearisedFrame { lasting: vec![], between: vec![], pose: vec![], ..seen });
         }
         let information = lasting.information();
         let absolute: Vec<f64> = information.chunks_exact(p).map(|row| row.iter().zip(&self.g).map(|(a, g)| a * g).sum()).collect();
         let pull = lasting.pull().iter().zip(absolute).map(|(pull, at)| pull + at).collect();
-        self.smooth(&filtered)?;
-        self.scatter(&residuals, taken, &information);
-        Ok(LastingData { information, pull })
+        self.worth = worth(&seen_in, self.errors.cameras, self.errors.points);
+        Ok(Pass { g: self.g.clone(), data: LastingData { information, pull }, filtered, responses })
     }
 
     fn predicted(&self, index: usize, frame: &Looked, former: Option<&Moments>) -> Moments {
@@ -255,61 +272,80 @@ impl Fit {
         Moments { mean, covariance }
     }
 
-    /// Poses that know the frames after them.
-    fn smooth(&mut self, filtered: &[Moments]) -> Result<(), Error> {
-        let mut next: Option<Moments> = None;
-        for (index, own) in filtered.iter().enumerate().rev() {
-            let smoothed = match &next {
-                None => own.clone(),
-                Some(next) => Smoother::random_walk(&self.steps[index]).step(own, next)?,
+    /// Poses that know the frames after them, at the g that was found since the pass.
+    fn follow(&mut self, pass: &Pass) -> Result<(), Error> {
+        let change: Vec<f64> = self.g.iter().zip(&pass.g).map(|(new, old)| new - old).collect();
+        let answer = |response: &[f64]| -> Vec<f64> {
+            response.chunks_exact(change.len()).map(|row| row.iter().zip(&change).map(|(j, g)| j * g).sum()).collect()
+        };
+        let mut next: Option<(Moments, Vec<f64>)> = None;
+        for (index, (own, response)) in pass.filtered.iter().zip(&pass.responses).enumerate().rev() {
+            let moved = answer(response);
+            let (smoothed, moved) = match &next {
+                None => (own.clone(), moved),
+                Some((after, moved_after)) => {
+                    let smoother = Smoother::random_walk(&self.steps[index]);
+                    (smoother.step(own, after)?, smoother.changes(own, &moved, moved_after)?)
+                }
             };
-            self.frames[index].pose.clone_from(&smoothed.mean);
-            next = Some(smoothed);
+            self.frames[index].pose = smoothed.mean.iter().zip(&moved).map(|(x, by)| x + by).collect();
+            next = Some((smoothed, moved));
         }
         Ok(())
     }
 
-    /// Scatter of each camera, of what the poses and g did not take, and how much of a frame's errors is left in the next.
-    fn scatter(&mut self, frames: &[LinearisedFrame], taken: f64, information: &[f64]) {
+    /// Scatter of each camera, once its bias for each point is gone: that of [`offsets`], with the share that biases took.
+    fn scatter(&mut self, pass: &Pass) {
         let p = self.errors.count();
-        let all = 2.0 * frames.iter().map(|frame| frame.residuals.len() as f64).sum::<f64>();
-        let determined = (0..p).filter(|&i| information[i * p + i] > 1.0 / FLAT).count() as f64;
-        let known = determined.min(0.5 * self.worth * all);
-        let left = (1.0 - taken / all).max(0.1) * (1.0 - known / (self.worth * all)).max(0.1);
-        if !left.is_finite() {
-            return;
-        }
-        for (c, view) in self.model.views.iter_mut().enumerate() {
-            let own = frames.iter().flat_map(|frame| &frame.residuals).filter(|(camera, ..)| *camera == c);
-            let factor = robust_sigma(own.flat_map(|(.., residual)| *residual)) / left.sqrt();
-            if factor.is_finite() {
-                view.sigma_px = (view.sigma_px * factor).max(offsets::Config::default().least_sigma_px);
+        let without_bias = |(view, seen): (&View, &Vec<Option<Detection>>)| {
+            let shifted = |(point, seen): (usize, &Option<Detection>)| {
+                let ([du, dv], Detection { pixel: [u, v], confidence }) = (view.bias_of(point), (*seen)?);
+                Some(Detection { pixel: [u - du, v - dv], confidence })
+            };
+            seen.iter().enumerate().map(shifted).collect::<Vec<_>>()
+        };
+        let views = &self.model.views;
+        let sighted: Vec<Sighted> = self.frames.iter().map(|frame| views.iter().zip(&frame.detections).map(without_bias).collect()).collect();
+        let cameras: Vec<Camera> = views.iter().map(|view| view.camera.clone()).collect();
+        let config = offsets::Config { no_offsets: true, ..offsets::Config::default() };
+        let noise = offsets::estimate(&cameras, &sighted, &config);
+        for (c, (view, noise)) in self.model.views.iter_mut().zip(noise).enumerate() {
+            let taken = |place: usize| {
+                let said = pass.data.information[place * p + place];
+                said / (said + self.prior_sd[place].powi(-2))
+            };
+            let of_biases: f64 = (0..self.errors.points).flat_map(|point| self.errors.bias(c, point)).map(taken).sum();
+            let left = (1.0 - of_biases / (self.worth * noise.residuals as f64 * 2.0)).max(LEAST_LEFT);
+            let sigma = noise.sigma_px / left.sqrt();
+            if sigma.is_finite() {
+                view.sigma_px = sigma;
             }
         }
-        self.worth = worth(frames, self.errors.cameras, self.errors.points);
     }
 
-    fn drawn(&self, data: &LastingData, schedule: Schedule, stage: Stage) -> Result<LastingDraws, Error> {
-        Ok(draws(data, &self.prior, schedule, stage)?)
+    /// Draws g, and keeps its mean and the sizes of its prior.
+    fn drawn(&mut self, data: &LastingData, schedule: Schedule, stage: Stage) -> Result<LastingDraws, Error> {
+        let found = draws(data, &self.prior, schedule, stage)?;
+        for cluster in &self.prior.clusters {
+            let size = cluster.scale.map_or(1.0, |scale| {
+                offsets::median(&mut found.scales.iter().map(|scales| scales[scale]).collect::<Vec<_>>())
+            });
+            cluster.numbers.iter().for_each(|(place, _, unit)| self.prior_sd[*place] = unit * size);
+        }
+        self.g.clone_from(&found.mean);
+        Ok(found)
     }
 
     /// Puts what was found into the set-up; lengths become the body's own.
     fn store(mut self, setup: &mut Setup, found: LastingDraws) {
-        let Self { errors, points, middle, frames, model, prior, .. } = &self;
+        let Self { errors, points, middle, frames, model, prior_sd, .. } = &self;
         let cameras: Vec<String> = setup.camera.iter().map(|camera| camera.name.clone()).collect();
         let names = errors.names(&cameras, &length_names(), points);
-        let mut sd = vec![0.0; errors.count()];
-        for cluster in &prior.clusters {
-            let size = cluster.scale.map_or(1.0, |scale| {
-                offsets::median(&mut found.scales.iter().map(|scales| scales[scale]).collect::<Vec<_>>())
-            });
-            cluster.numbers.iter().for_each(|(place, _, unit)| sd[*place] = unit * size);
-        }
         let number = |(place, name): (usize, String)| {
             let value = rounded(found.mean[place]);
             let draws = found.errors.iter().map(|g| rounded(g[place] - value)).collect();
             let is_length = errors.lengths().contains(&place);
-            DrawnNumber { name, value: if is_length { 0.0 } else { value }, prior_sd: rounded(sd[place]), draws }
+            DrawnNumber { name, value: if is_length { 0.0 } else { value }, prior_sd: rounded(prior_sd[place]), draws }
         };
         let scale = |(k, name): (usize, &str)| {
             let draws = found.scales.iter().map(|scales| rounded(scales[k])).collect();
