@@ -91,10 +91,23 @@ impl KeypointModel {
     /// Variance s² per axis, square pixels, of a detection in a view: of a point that is expected at `point_in_world` and seen by `cameras` cameras.
     #[must_use]
     pub fn variance_px2(&self, view: usize, confidence: f64, cameras: usize, point_in_world: &[f64]) -> f64 {
-        let View { camera, sigma_px, usual_confidence, .. } = &self.views[view];
-        let shared = 2.0 / 3.0 * cameras as f64 * self.model_error_m.powi(2);
+        let by_model = self.model_error_m.powi(2) * self.by_model_error(view, cameras, point_in_world);
+        self.noise_px2(view, confidence) + by_model
+    }
+
+    /// The part of it that is noise of the detector.
+    #[must_use]
+    pub fn noise_px2(&self, view: usize, confidence: f64) -> f64 {
+        let View { sigma_px, usual_confidence, .. } = &self.views[view];
+        sigma_px.powi(2) * usual_confidence / confidence.max(0.01)
+    }
+
+    /// The rest over the variance of the model error, square pixels for a square metre.
+    #[must_use]
+    pub fn by_model_error(&self, view: usize, cameras: usize, point_in_world: &[f64]) -> f64 {
+        let camera = &self.views[view].camera;
         let scale = camera.intrinsics.fx / depth(camera, point_in_world).max(MIN_DEPTH_M);
-        sigma_px.powi(2) * usual_confidence / confidence.max(0.01) + shared * scale * scale
+        2.0 / 3.0 * cameras as f64 * scale * scale
     }
 
     /// Detections of a point that count, with their views.

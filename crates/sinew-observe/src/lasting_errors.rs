@@ -95,8 +95,23 @@ pub struct LinearisedFrame {
     pub pose_pull: Vec<f64>,
     /// Gᵀ W r, length p.
     pub lasting_pull: Vec<f64>,
-    /// Residuals over their standard deviations, and the places of their cameras and points.
-    pub residuals: Vec<(usize, usize, [f64; 2])>,
+    /// Residual of each detection.
+    pub residuals: Vec<FrameResidual>,
+}
+
+/// Observed − predicted of a detection.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FrameResidual {
+    /// Its camera.
+    pub camera: usize,
+    /// Its point.
+    pub point: usize,
+    /// Pixels.
+    pub residual_px: [f64; 2],
+    /// Variance by the noise of the detector, square pixels.
+    pub noise_px2: f64,
+    /// Variance for a model error of one metre ([`KeypointModel::by_model_error`]).
+    pub by_model_error: f64,
 }
 
 /// One detection: two rows of H and G, scaled by the root of W.
@@ -137,11 +152,13 @@ pub fn linearised(
         let seen = model.seen(detections, point);
         let at = [0, 1, 2].map(|axis: usize| body.positions[3 * point + axis]);
         for &(camera, detection) in &seen {
-            let variance = model.variance_px2(camera, detection.confidence, seen.len(), &at);
-            let Some((rows, standard)) = rows(model, errors, scales, body, (camera, point), detection, variance) else {
+            let noise_px2 = model.noise_px2(camera, detection.confidence);
+            let by_model_error = model.by_model_error(camera, seen.len(), &at);
+            let variance = noise_px2 + model.model_error_m.powi(2) * by_model_error;
+            let Some((rows, residual_px)) = rows(model, errors, scales, body, (camera, point), detection, variance) else {
                 continue;
             };
-            frame.residuals.push((camera, point, standard));
+            frame.residuals.push(FrameResidual { camera, point, residual_px, noise_px2, by_model_error });
             frame.add(&rows, p);
         }
     }
@@ -192,7 +209,7 @@ fn rows(
         lasting: [lasting(0), lasting(1)],
         residual: residual.map(|r| root * r),
     };
-    Some((rows, residual.map(|r| r / variance.sqrt())))
+    Some((rows, residual))
 }
 
 impl LinearisedFrame {

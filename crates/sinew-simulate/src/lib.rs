@@ -25,6 +25,7 @@
 //! # Ok::<(), sinew_observe::Error>(())
 //! ```
 
+pub mod calibration_error;
 mod cast;
 pub mod combo;
 pub mod detector;

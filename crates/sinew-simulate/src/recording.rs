@@ -2,6 +2,7 @@
 //!
 //! In memory, and as the text of the files that `sinew track` and other programs read.
 
+use crate::calibration_error::{CalibrationError, as_they_are};
 use crate::detector::{Detections, DetectorNoise, detect};
 use crate::ring::{Ring, around};
 use crate::walker::{Gait, Walker, walker_states};
@@ -25,6 +26,8 @@ pub struct Script {
     pub proportions: Proportions,
     /// Cameras.
     pub ring: Ring,
+    /// How far cameras are from their calibration.
+    pub calibration: CalibrationError,
     /// Errors of the detector.
     pub noise: DetectorNoise,
 }
@@ -36,6 +39,7 @@ impl Default for Script {
             rate_hz: 30.0,
             proportions: Proportions::default(),
             ring: Ring::default(),
+            calibration: CalibrationError::NONE,
             noise: DetectorNoise::DETECTOR_LIKE,
         }
     }
@@ -50,7 +54,7 @@ pub struct SyntheticRecording {
     pub states: Vec<Vec<f64>>,
     /// True positions of all points of the body.
     pub truth: Trajectories,
-    /// Cameras.
+    /// Cameras, as their calibration has them.
     pub cameras: Vec<Camera>,
     /// True constant offset of each camera's detections, pixels.
     pub offsets_px: Vec<[f64; 2]>,
@@ -90,7 +94,8 @@ impl SyntheticRecording {
         let cameras = around(&truth, &script.ring)?;
         let layout = body_25b();
         let stage = Stage::new(seed, "synthetic recording");
-        let Detections { offsets_px, keypoints } = detect(&truth, &layout, &cameras, &script.noise, stage);
+        let true_cameras = as_they_are(&cameras, &script.calibration, &Stage::new(seed, "calibration"));
+        let Detections { offsets_px, keypoints } = detect(&truth, &layout, &true_cameras, &script.noise, stage);
         let rate_hz = script.rate_hz;
         Ok(Self { body, states, truth, cameras, offsets_px, layout, keypoints, rate_hz })
     }
@@ -170,7 +175,8 @@ pub fn write_trc(out: &mut impl io::Write, file_name: &str, motion: &Trajectorie
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::detector::pixel;
+    use crate::calibration_error::{CalibrationError, as_they_are};
+use crate::detector::pixel;
     use sinew_formats::openpose;
 
     #[test]

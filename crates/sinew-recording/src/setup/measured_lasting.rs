@@ -29,8 +29,8 @@ use sinew_dynamics::smoother::Smoother;
 use sinew_formats::Layout;
 use sinew_observe::camera_error::{NUMBERS, PRINCIPAL_POINT, with_error};
 use sinew_observe::following::{Following, follow};
-use sinew_observe::lasting_errors::{LastingErrors, LinearisedFrame, linearised, pixels_per_metre};
-use sinew_observe::offsets::{self, Sighted};
+use sinew_observe::lasting_errors::{FrameResidual, LastingErrors, LinearisedFrame, linearised, pixels_per_metre};
+use sinew_observe::offsets::{self, Sighted, robust_sigma};
 use sinew_observe::{Camera, Detection, KeypointModel, Noise, View, association};
 use std::ops::Range;
 use std::sync::Arc;
@@ -126,10 +126,14 @@ fn looked_at(
 struct Pass {
     /// g at which it was made.
     g: Vec<f64>,
+    /// What a frame was worth.
+    worth: f64,
     data: LastingData,
     filtered: Vec<Moments>,
     /// How each filtered mean answers to g, d × p, row after row.
     responses: Vec<Vec<f64>>,
+    /// What was linearised, without G.
+    frames: Vec<LinearisedFrame>,
 }
 
 /// Poses and g on their way.
@@ -250,13 +254,13 @@ impl Fit {
             lasting.update(&moments.covariance, &said)?;
             filtered.push(moments);
             responses.push(lasting.response());
-            seen_in.push(LinearisedFrame { lasting: vec![], between: vec![], pose: vec![], ..seen });
+            seen_in.push(LinearisedFrame { lasting: vec![], between: vec![], ..seen });
         }
         let information = lasting.information();
         let absolute: Vec<f64> = information.chunks_exact(p).map(|row| row.iter().zip(&self.g).map(|(a, g)| a * g).sum()).collect();
         let pull = lasting.pull().iter().zip(absolute).map(|(pull, at)| pull + at).collect();
-        self.worth = worth(&seen_in, self.errors.cameras, self.errors.points);
-        Ok(Pass { g: self.g.clone(), data: LastingData { information, pull }, filtered, responses })
+        let worth = std::mem::replace(&mut self.worth, worth(&seen_in, self.errors.cameras, self.errors.points));
+        Ok(Pass { g: self.g.clone(), worth, data: LastingData { information, pull }, filtered, responses, frames: seen_in })
     }
 
     fn predicted(&self, index: usize, frame: &Looked, former: Option<&Moments>) -> Moments {
@@ -279,6 +283,7 @@ impl Fit {
             response.chunks_exact(change.len()).map(|row| row.iter().zip(&change).map(|(j, g)| j * g).sum()).collect()
         };
         let mut next: Option<(Moments, Vec<f64>)> = None;
+        let mut taken = 0.0;
         for (index, (own, response)) in pass.filtered.iter().zip(&pass.responses).enumerate().rev() {
             let moved = answer(response);
             let (smoothed, moved) = match &next {
@@ -288,15 +293,37 @@ impl Fit {
                     (smoother.step(own, after)?, smoother.changes(own, &moved, moved_after)?)
                 }
             };
+            taken += pass.worth * trace(&pass.frames[index].pose, &smoothed.covariance);
             self.frames[index].pose = smoothed.mean.iter().zip(&moved).map(|(x, by)| x + by).collect();
             next = Some((smoothed, moved));
         }
+        self.model_error(pass, taken);
         Ok(())
+    }
+
+    /// How much of a number of g the data tell, from 0 to 1.
+    fn told(&self, pass: &Pass, place: usize) -> f64 {
+        let said = pass.data.information[place * self.errors.count() + place];
+        said / (said + self.prior_sd[place].powi(-2))
+    }
+
+    /// The model error: what residuals about the body have beyond the noise of the detectors, once each bias is gone. Poses took `taken` of them.
+    fn model_error(&mut self, pass: &Pass, taken: f64) {
+        let all = || pass.frames.iter().flat_map(|frame| &frame.residuals);
+        let count = 2.0 * all().count() as f64;
+        let of_errors: f64 = (0..self.errors.count()).map(|place| self.told(pass, place)).sum();
+        let left = (1.0 - taken / count).max(LEAST_LEFT) * (1.0 - of_errors / (pass.worth * count)).max(LEAST_LEFT);
+        let scaled = all().flat_map(|r| r.residual_px.map(|px| px / r.noise_px2.sqrt()));
+        let beyond = robust_sigma(scaled).powi(2) / left - 1.0;
+        let by_model = all().map(|r| r.by_model_error / r.noise_px2).sum::<f64>() / (0.5 * count);
+        let model_error_m = (beyond / by_model).max(0.0).sqrt();
+        if model_error_m.is_finite() {
+            self.model.model_error_m = model_error_m;
+        }
     }
 
     /// Scatter of each camera, once its bias for each point is gone: that of [`offsets`], with the share that biases took.
     fn scatter(&mut self, pass: &Pass) {
-        let p = self.errors.count();
         let without_bias = |(view, seen): (&View, &Vec<Option<Detection>>)| {
             let shifted = |(point, seen): (usize, &Option<Detection>)| {
                 let ([du, dv], Detection { pixel: [u, v], confidence }) = (view.bias_of(point), (*seen)?);
@@ -309,12 +336,11 @@ impl Fit {
         let cameras: Vec<Camera> = views.iter().map(|view| view.camera.clone()).collect();
         let config = offsets::Config { no_offsets: true, ..offsets::Config::default() };
         let noise = offsets::estimate(&cameras, &sighted, &config);
-        for (c, (view, noise)) in self.model.views.iter_mut().zip(noise).enumerate() {
-            let taken = |place: usize| {
-                let said = pass.data.information[place * p + place];
-                said / (said + self.prior_sd[place].powi(-2))
-            };
-            let of_biases: f64 = (0..self.errors.points).flat_map(|point| self.errors.bias(c, point)).map(taken).sum();
+        let of_biases = |c: usize| -> f64 {
+            (0..self.errors.points).flat_map(|point| self.errors.bias(c, point)).map(|place| self.told(pass, place)).sum()
+        };
+        let of_biases: Vec<f64> = (0..cameras.len()).map(of_biases).collect();
+        for ((view, noise), of_biases) in self.model.views.iter_mut().zip(noise).zip(of_biases) {
             let left = (1.0 - of_biases / (self.worth * noise.residuals as f64 * 2.0)).max(LEAST_LEFT);
             let sigma = noise.sigma_px / left.sqrt();
             if sigma.is_finite() {
@@ -365,12 +391,18 @@ impl Fit {
         for (known, view) in setup.camera.iter_mut().zip(&model.views) {
             known.sigma_px = view.sigma_px;
         }
+        setup.model_error_m = model.model_error_m;
         setup.proportions = lengthened(&setup.proportions, &longer);
         self.frames.retain(|frame| frame.number == setup.start_frame);
         if let Some(frame) = self.frames.pop() {
             setup.start_pose = frame.pose;
         }
     }
+}
+
+/// Trace of the product of two symmetric matrices.
+fn trace(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 /// A number with few digits, as it is stored.
@@ -396,8 +428,8 @@ fn middle(neighbours: &Neighbours, frames: &[Looked], otherwise: &[f64]) -> [f64
 fn worth(frames: &[LinearisedFrame], cameras: usize, points: usize) -> f64 {
     let mut series: Vec<Vec<[f64; 2]>> = vec![vec![[f64::NAN; 2]; frames.len()]; cameras * points];
     for (f, frame) in frames.iter().enumerate() {
-        for &(camera, point, residual) in &frame.residuals {
-            series[camera * points + point][f] = residual;
+        for &FrameResidual { camera, point, residual_px, noise_px2, .. } in &frame.residuals {
+            series[camera * points + point][f] = residual_px.map(|r| r / noise_px2.sqrt());
         }
     }
     // Gross errors do not last.
