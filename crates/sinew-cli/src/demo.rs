@@ -21,6 +21,8 @@ use sinew::input::in_memory::InMemory;
 use sinew::results::LOCK_NAME;
 use sinew::track::job;
 use sinew::track::job::{Outcome, Watch};
+use sinew_simulate::calibration_error::CalibrationError;
+use sinew_simulate::detector::DetectorNoise;
 use sinew_simulate::recording::{Script, SyntheticRecording};
 use std::collections::BTreeMap;
 use std::fs;
@@ -34,7 +36,8 @@ const TRUTH: &str = "truth.trc";
 
 /// Runs the command.
 pub(crate) fn run(answer: Answer, general: &General, report: &Report) -> Result<Ended, Error> {
-    let script = Script::default();
+    let noise = DetectorNoise { offset_px: 0.0, ..DetectorNoise::DETECTOR_LIKE };
+    let script = Script { calibration: CalibrationError::USUAL, noise, ..Script::default() };
     let resolved = settings(general, &script)?;
     let mut config = resolved.track();
     // A former demo is no loss.
