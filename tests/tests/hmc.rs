@@ -442,7 +442,7 @@ fn the_mode_of_a_fast_limb_is_found() {
     let views: Vec<View> = [[3.0, 3.0, 1.5], [-3.0, 3.0, 1.0], [-3.0, -3.0, 1.5], [3.0, -3.0, 2.0]]
         .map(|centre| View {
             camera: Camera::look_at("c", [1000.0, 1000.0], 900.0, centre, [0.0, 0.0, 1.0]).expect("not straight down"),
-            offset_px: [0.0; 2],
+            bias_px: vec![],
             sigma_px: 1.5,
             usual_confidence: 1.0,
         })

@@ -40,7 +40,7 @@ pub(crate) enum Color {
 const LAST: usize = 100;
 
 /// Flags that every command takes.
-#[derive(Args, Debug, Default)]
+#[derive(Args, Clone, Debug, Default)]
 #[command(next_help_heading = "General")]
 pub(crate) struct General {
     /// Output folder, or file of learn and inspect [default: sinew-out/<trial>]
@@ -86,12 +86,12 @@ impl General {
     /// Flags that were given and that a command has no use for.
     pub(crate) fn unused(&self, command: &Command) -> Vec<&'static str> {
         let used: &[&str] = match command {
-            Command::Demo(_) | Command::Track(_) => return vec![],
+            Command::Demo(_) | Command::Track(_) | Command::Validate(_) => return vec![],
             Command::Inspect(_) => &["config", "out", "force"],
             Command::Learn { what: LearnCommand::Latent(_) } => &["out", "force", "threads"],
             Command::Simulate(_) | Command::Learn { .. } => &["out", "force", "seed", "threads"],
             Command::Convert(_) => &["force"],
-            Command::Segment(_) | Command::Overlay(_) | Command::FitShape(_) => &["out", "force"],
+            Command::Segment(_) | Command::Overlay(_) | Command::Predict(_) | Command::FitShape(_) => &["out", "force"],
             Command::Body { .. } | Command::Completions { .. } | Command::Man => &[],
         };
         let given = self.settings().into_iter().map(|(key, _)| key).chain(self.config.as_ref().map(|_| "config"));
@@ -131,6 +131,18 @@ pub(crate) enum Command {
         "sinew overlay out --calibration Calib.toml --silhouettes masks --every 10 -o pictures"
     ))]
     Overlay(OverlayArgs),
+    /// Say what a camera that a run did not use should see
+    #[command(help_template = template!(
+        "sinew predict sinew-out/trial --calibration Calib.toml --camera cam4 -o predicted.csv",
+        "sinew predict out --calibration Calib.toml --camera left --json -o left.csv"
+    ))]
+    Predict(PredictArgs),
+    /// Leave each camera out in turn: what the intervals of a recording are worth
+    #[command(help_template = template!(
+        "sinew validate --calibration Calib.toml --keypoints pose -o worth",
+        "sinew validate --frames 0..300 --json -o worth"
+    ))]
+    Validate(ValidateArgs),
     /// Fit the thickness of a tracked person to masks, and write a body file
     #[command(help_template = template!(
         "sinew fit-shape sinew-out/trial --calibration Calib.toml --silhouettes masks -o body.toml",
@@ -243,6 +255,29 @@ pub(crate) struct OverlayArgs {
     /// Draw every N-th of them
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
     pub(crate) every: u32,
+    #[command(flatten)]
+    pub(crate) answer: Answer,
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct PredictArgs {
+    /// Result folder of `sinew track`
+    #[arg(value_name = "RESULTS")]
+    pub(crate) results: PathBuf,
+    /// Calibration that has the camera
+    #[arg(long, value_name = "FILE")]
+    pub(crate) calibration: PathBuf,
+    /// The camera, which the run did not use
+    #[arg(long, value_name = "NAME")]
+    pub(crate) camera: String,
+    #[command(flatten)]
+    pub(crate) answer: Answer,
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct ValidateArgs {
+    #[command(flatten)]
+    pub(crate) settings: Typed<TrackSettings>,
     #[command(flatten)]
     pub(crate) answer: Answer,
 }

@@ -58,6 +58,12 @@ pub(crate) enum Error {
         /// What to give.
         help: &'static str,
     },
+    /// A validation without keypoints.
+    #[error("no keypoints to hold a prediction against")]
+    NothingToValidate,
+    /// A validation of cameras that are too few.
+    #[error("{0} cameras; three are needed, so that two are left when one is left out")]
+    TooFewToLeaveOut(usize),
     /// A picture of something other than one model or the actions of one run.
     #[error("only one motion model, latent model or `actions.csv` at a time can be drawn")]
     NothingToDraw,
@@ -92,6 +98,8 @@ pub(crate) enum Written {
     Body,
     /// The model of `learn`.
     Model,
+    /// The table of `predict`.
+    Prediction,
 }
 
 impl Written {
@@ -101,6 +109,7 @@ impl Written {
             Self::Pictures => "folder for the pictures",
             Self::Body => "body file to write",
             Self::Model => "model to write",
+            Self::Prediction => "table to write",
         }
     }
 
@@ -110,6 +119,7 @@ impl Written {
             Self::Pictures => "pictures",
             Self::Body => "body.toml",
             Self::Model => "walk.json",
+            Self::Prediction => "predicted.csv",
         }
     }
 }
@@ -161,6 +171,8 @@ impl Error {
             Self::SetupFrames { .. } => "`--setup-frames A..B` takes the numbers in the file names, A included, B not",
             Self::ForeignFlag { .. } => "leave it out, or put it after the command that it belongs to",
             Self::NoKeypointsToRead { .. } => "give the keypoint folder too, or leave the flag out",
+            Self::NothingToValidate => "give the keypoints of at least three cameras with `--keypoints`",
+            Self::TooFewToLeaveOut(_) => "give more cameras, or judge the run by other means (`sinew predict`)",
             Self::InputIsOutput(_) => "write to another file",
             Self::NothingToDraw => "give one file of `sinew learn` or of a run with `--method hppf`, or leave `-o` out",
             Self::SkeletonOfWalk => "`--skeleton` belongs to .amc files; leave it out",

@@ -19,6 +19,7 @@ mod learn_args;
 mod manual;
 mod misplaced;
 mod overlay;
+mod predict;
 mod progress;
 mod report;
 mod resume;
@@ -29,6 +30,7 @@ mod simulate;
 mod table;
 mod threads;
 mod track;
+mod validate;
 
 use args::{Cli, Command, General};
 use clap::Parser as _;
@@ -57,6 +59,8 @@ fn main() -> ExitCode {
         Command::Convert(args) => convert::run(args, &cli.general, &report),
         Command::Segment(args) => segment::run(args, &cli.general, &report),
         Command::Overlay(args) => overlay::run(args, &cli.general, &report),
+        Command::Predict(args) => predict::run(args, &cli.general, &report),
+        Command::Validate(args) => validate::run(args, &cli.general, &report),
         Command::FitShape(args) => fit_shape::run(args, &cli.general, &report),
         Command::Learn { what: LearnCommand::Primitives(args) } => learn::primitives::run(args, &cli.general, &report),
         Command::Learn { what: LearnCommand::Latent(args) } => learn::latent::run(args, &cli.general, &report),

@@ -70,14 +70,14 @@ pub(crate) fn run(args: &TrackArgs, general: &General, report: &Report) -> Resul
 }
 
 /// The calibration, if there is something to track with it; else what to try.
-fn calibration(config: &TrackConfig) -> Result<PathBuf, Error> {
+pub(crate) fn calibration(config: &TrackConfig) -> Result<PathBuf, Error> {
     let observation = config.keypoints.is_some() || config.silhouettes.is_some();
     let calibration = config.calibration.clone().filter(|_| observation);
     calibration.ok_or(Error::NothingToTrack { calibration: config.calibration.is_some(), observation })
 }
 
 /// Files and folders that a run reads.
-fn read_from(config: &TrackConfig, calibration: &Path, general: &General) -> Vec<PathBuf> {
+pub(crate) fn read_from(config: &TrackConfig, calibration: &Path, general: &General) -> Vec<PathBuf> {
     let mut read_from = vec![calibration.to_owned()];
     read_from.extend([&config.keypoints, &config.silhouettes, &config.images].into_iter().flatten().cloned());
     if let Some(Init::Points(path)) = &config.init {
@@ -87,6 +87,22 @@ fn read_from(config: &TrackConfig, calibration: &Path, general: &General) -> Vec
     read_from.extend(general.config.clone());
     read_from.extend(Some(PathBuf::from(&config.body)).filter(|body| body.is_file()));
     read_from
+}
+
+/// One run into its own folder, without an answer.
+pub(crate) fn track_into_folder(
+    resolved: &Resolved,
+    read_from: &[PathBuf],
+    general: &General,
+    report: &Report,
+) -> Result<Outcome, Error> {
+    let config = resolved.track();
+    refuse_inputs(&config.out, read_from)?;
+    job::check_settings(resolved)?;
+    let mut recording = Footage::open(&config.files(&calibration(&config)?), &reading(&config))?;
+    let setup_frames = setup_frames(&config, &recording)?;
+    let claim = claimed(&config, read_from, report)?;
+    tracked(&mut recording, setup_frames, resolved, claim, None, general)
 }
 
 /// Frames of a recording for the set-up pass.

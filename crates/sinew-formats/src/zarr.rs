@@ -34,6 +34,7 @@
 
 pub mod inference_data;
 mod metadata;
+pub mod reader;
 mod schema;
 mod writer;
 

@@ -24,7 +24,7 @@ pub mod exchanged_cameras;
 mod first_second;
 mod girth;
 pub mod lasting_errors;
-mod lasting_prior;
+pub mod lasting_prior;
 mod measured_colours;
 mod measured_girth;
 mod measured_lasting;

@@ -175,7 +175,6 @@ pub fn write_trc(out: &mut impl io::Write, file_name: &str, motion: &Trajectorie
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::calibration_error::{CalibrationError, as_they_are};
 use crate::detector::pixel;
     use sinew_formats::openpose;
 

@@ -4,6 +4,7 @@ use crate::inspect::error::InspectError;
 use crate::learn::LearnError;
 use crate::motion::error::MotionError;
 use crate::overlay::error::OverlayError;
+use crate::predict::error::PredictError;
 use crate::segment::error::SegmentError;
 use crate::shape_fit::error::ShapeFitError;
 use sinew::input::InputError;
@@ -25,6 +26,9 @@ pub enum Error {
     /// Pictures that cannot be drawn.
     #[error(transparent)]
     Overlay(#[from] OverlayError),
+    /// What a camera should see cannot be said.
+    #[error(transparent)]
+    Predict(#[from] PredictError),
     /// Images from which no masks can be made.
     #[error(transparent)]
     Segment(#[from] SegmentError),
@@ -69,6 +73,7 @@ impl Error {
             Self::Inspect(error) => error.exit_code(),
             Self::Motion(error) => error.exit_code(),
             Self::Overlay(error) => error.exit_code(),
+            Self::Predict(error) => error.exit_code(),
             Self::Segment(error) => error.exit_code(),
             Self::ShapeFit(error) => error.exit_code(),
             Self::Learn(error) => error.exit_code(),
@@ -83,6 +88,7 @@ impl Error {
             Self::Inspect(error) => Some(error.help().into()),
             Self::Motion(error) => error.help(),
             Self::Overlay(error) => error.help().map(Into::into),
+            Self::Predict(error) => error.help(),
             Self::Segment(error) => Some(error.help().into()),
             Self::ShapeFit(error) => error.help().map(Into::into),
             Self::Learn(error) => error.help(),

@@ -32,7 +32,6 @@ mod settings_file;
 mod setup_file;
 mod stick_figure;
 mod subject;
-mod svg;
 mod table_file;
 mod toml_file;
 

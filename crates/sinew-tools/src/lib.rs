@@ -14,7 +14,10 @@ pub mod inspect;
 pub mod learn;
 pub mod motion;
 pub mod overlay;
+pub mod predict;
 pub mod segment;
 pub mod shape_fit;
+mod svg;
+pub mod validate;
 
 pub use error::Error;

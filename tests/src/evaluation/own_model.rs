@@ -112,6 +112,7 @@ fn stated_setup(body: &KinematicTree, sigma_px: f64) -> Result<(Setup, Vec<Camer
         size_sd: 0.0,
         girth: None,
         colours: None,
+        lasting: None,
         start_frame: 0,
         start_pose: start,
         step_size: None,
@@ -177,7 +178,7 @@ impl Seen {
             points.filter_map(|(p, point)| Some((p, film.layout.index(&point.name)?))).collect();
         let plan = Arc::new(Plan::new(&film.body, &shared.iter().map(|(p, _)| *p).collect::<Vec<_>>()));
         let view =
-            |camera: &Camera| View { camera: camera.clone(), offset_px: [0.0; 2], sigma_px, usual_confidence: 1.0 };
+            |camera: &Camera| View { camera: camera.clone(), bias_px: vec![], sigma_px, usual_confidence: 1.0 };
         let predicted = vec![0.0; 3 * plan.points()];
         let model = KeypointModel {
             plan,

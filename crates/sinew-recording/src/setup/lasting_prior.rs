@@ -14,7 +14,7 @@ use sinew_observe::camera_error::NUMBERS;
 use sinew_observe::lasting_errors::LastingErrors;
 
 /// Units of a camera's numbers, in the order of [`sinew_observe::camera_error`].
-const CAMERA: [f64; NUMBERS] = [3.5e-3, 3.5e-3, 3.5e-3, 5e-3, 5e-3, 5e-3, 3e-3, 2e-3, 2e-3, 0.02];
+pub const CAMERA_UNITS: [f64; NUMBERS] = [3.5e-3, 3.5e-3, 3.5e-3, 5e-3, 5e-3, 5e-3, 3e-3, 2e-3, 2e-3, 0.02];
 const LENGTH_SHARE: f64 = 0.1;
 const POINTS: ScalePrior = ScalePrior { median: 0.010, log_sd: 0.8 };
 
@@ -24,6 +24,9 @@ pub(super) const SCALES: [&str; 7] =
 const PLACES: usize = 1;
 const FIRST_KIND: usize = 2;
 const KINDS: usize = SCALES.len() - FIRST_KIND;
+
+/// Names of the scales of biases, by [`kind`].
+pub const KIND_SCALES: [&str; KINDS] = [SCALES[2], SCALES[3], SCALES[4], SCALES[5], SCALES[6]];
 
 /// Which kind of keypoint a point of the body is.
 #[must_use]
@@ -42,7 +45,7 @@ pub fn kind(point: &str) -> usize {
 pub(super) fn prior(errors: &LastingErrors, points: &[String], subject: &Proportions) -> LastingPrior {
     let mut clusters = vec![];
     for camera in 0..errors.cameras {
-        let numbers = errors.camera(camera).zip(CAMERA).map(|(place, unit)| (place, 0.0, unit)).collect();
+        let numbers = errors.camera(camera).zip(CAMERA_UNITS).map(|(place, unit)| (place, 0.0, unit)).collect();
         clusters.push(Cluster { numbers, scale: Some(0), heavy_tails: true });
     }
     let usual = lengths(&Proportions::default());

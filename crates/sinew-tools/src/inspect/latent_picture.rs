@@ -6,7 +6,7 @@
 use super::latent_model::{body_of, read};
 use super::latent_plane::{Plane, ticks};
 use super::stick_figure::{FROM_THE_RIGHT, MIDDLE, figure};
-use super::svg::{Anchor, Svg, clipped};
+use crate::svg::{Anchor, Svg, clipped};
 use crate::Error;
 use crate::learn::LearnError;
 use crate::learn::limbs::name_of;

@@ -7,7 +7,7 @@
 
 use super::motion_model::read;
 use super::stick_figure::{FROM_THE_FRONT, FROM_THE_RIGHT, MIDDLE, RIGHT, figure};
-use super::svg::{Svg, clipped};
+use crate::svg::{Svg, clipped};
 use crate::Error;
 use sinew_dynamics::primitives::model::{PrimitiveModel, Primitives};
 use sinew_motion::follow::NamedBody;

@@ -1,6 +1,6 @@
 //! Stick figures: lines between the joints of a pose, left in blue, right in red.
 
-use super::svg::Svg;
+use crate::svg::Svg;
 use sinew_motion::points::Trajectories;
 
 pub(super) const LEFT: &str = "#0b6e99";

@@ -226,7 +226,7 @@ mod tests {
             Some(Detection { pixel: [pixel[0] + offset?, pixel[1] - 1.0], confidence: 0.8 })
         };
         let detections = vec![at.chunks(3).map(seen).collect::<Vec<_>>()];
-        let view = View { camera: camera.clone(), offset_px: [0.0; 2], sigma_px: 3.0, usual_confidence: 0.8 };
+        let view = View { camera: camera.clone(), bias_px: vec![], sigma_px: 3.0, usual_confidence: 0.8 };
         let model = KeypointModel {
             plan,
             views: vec![view],

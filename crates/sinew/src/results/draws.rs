@@ -2,7 +2,7 @@
 //!
 //! Length and checksum of every chunk that is whole are listed in a file of the program's own ([`super::chunks`]), so that a run that is resumed sees whether they are as they were left.
 //!
-//! `posterior` holds the rotations of the state, the root's place, the position of every point and, where it was not measured, the size of the body; `sample_stats` what the method brings and nothing else; `observed_data` the keypoints that were used.
+//! `posterior` holds the rotations of the state, the root's place, the position of every point where it was not measured the size of the body, and where the detectors see the keypoints in space; `sample_stats` what the method brings and nothing else; `observed_data` the keypoints that were used.
 
 use super::chunks::ChunkList;
 use super::error::ResultsError;
@@ -168,6 +168,7 @@ impl DrawStore {
         for (state, out) in states().zip(markers.chunks_exact_mut((3 * self.plan.points()).max(1))) {
             point_positions(&self.plan, self.isa, state, out);
         }
+        markers.iter_mut().zip(&draws.shape).for_each(|(x, by)| *x += by);
         if self.carried.size {
             let roots = root.chunks_exact(3).zip(&draws.size);
             for ((root, size), points) in roots.zip(markers.chunks_exact_mut((3 * self.plan.points()).max(1))) {
@@ -182,6 +183,9 @@ impl DrawStore {
             vec![FrameValues::Numbers(&angle), FrameValues::Numbers(&root), FrameValues::Numbers(&markers)];
         if self.carried.size {
             values.push(FrameValues::Numbers(&draws.size));
+        }
+        if self.carried.detected {
+            values.push(FrameValues::Numbers(&draws.detected));
         }
         if self.carried.lp {
             values.push(FrameValues::Numbers(&draws.lp));
@@ -296,6 +300,11 @@ fn schema(info: &RunInfo, rotations: &[usize]) -> sinew_formats::zarr::Schema {
     let mut posterior = inference_data::posterior(&run);
     if info.carried.size {
         posterior.variables.push(Variable::new("size", PER_DRAW, DataType::Float32));
+    }
+    if info.carried.detected {
+        let dimensions = [PER_DRAW, &["keypoint", "axis"]].concat();
+        let detected = Variable::new("keypoint_position", &dimensions, DataType::Float32);
+        posterior.variables.push(detected.with_attribute("units", "m"));
     }
     schema.groups.extend([posterior, statistics, observed, constants]);
     schema.attributes = inference_data::root(&run, &schema.groups);

@@ -89,6 +89,10 @@ pub struct HmcStatistics {
 pub struct Draws {
     /// States, one after the other.
     pub states: Vec<f64>,
+    /// By how much the points of the body of each lie from those of [`RunInfo::body`] in that state, three numbers a point, metres; empty where they do not.
+    pub shape: Vec<f64>,
+    /// Where the detectors see the keypoints of each in space, metres; empty where that is not known apart from the body's points.
+    pub detected: Vec<f64>,
     /// Size of the body in each, as a multiple of [`RunInfo::body`]; empty where the size is known.
     pub size: Vec<f64>,
     /// Log posterior density of each, up to a constant of the frame.
@@ -181,6 +185,8 @@ pub struct Carried {
     pub particles: Option<usize>,
     /// Size of each draw.
     pub size: bool,
+    /// Where the detectors see the keypoints of each draw.
+    pub detected: bool,
 }
 
 /// What is the same for all frames of a run.

@@ -41,10 +41,12 @@ pub(super) fn describe(
         resampled: info.resampled.unwrap_or(false),
     });
     let mut mean_state = info.mean.clone();
+    let [mut shape, mut detected] = [vec![], vec![]];
     let (points, state) = match &moved {
         None => marginals.of(posterior, None),
         Some(moved) => {
             moved.apply(&mut states, posterior.dim);
+            [shape, detected] = moved.written(scene, &states, posterior.dim);
             mean_state.iter_mut().zip(moved.mean()).for_each(|(x, by)| *x += by);
             let rng = &mut Stage::new(settings.seed, "equal weight").at_frame(number as u32).whole();
             let EqualDraws { states, weights } = moved.equal_draws(posterior, rng);
@@ -69,7 +71,7 @@ pub(super) fn describe(
         moves: moved.map_or_else(Vec::new, |moved| moved.states),
         points,
         state,
-        draws: Draws { states, size, lp: chosen.iter().map(|s| s.log_density).collect(), hmc },
+        draws: Draws { states, shape, detected, size, lp: chosen.iter().map(|s| s.log_density).collect(), hmc },
         particles,
         actions: actions(&info.choices),
         ess: info.ess,

@@ -46,6 +46,8 @@ pub(super) struct Moved {
     pub states: Vec<f64>,
     /// By how much each moves the points of the body beyond that, 3 a point, × n, metres.
     pub points: Vec<f64>,
+    /// The same of the keypoints as the detectors see them.
+    pub keypoints: Vec<f64>,
 }
 
 /// Draws of equal weight.
@@ -96,17 +98,32 @@ impl Lasting {
         Ok(self.moved(mean, self.moves.moves()))
     }
 
+    /// Points on a body moved by draws, 3 a point, × n: by lengths, and by their places where they are keypoints.
+    fn shifted(&self, by_length: &[Vec<f64>], link_axes: &[Vec<f64>]) -> Vec<f64> {
+        let n = self.draws;
+        let mut shifts = vec![0.0; by_length.first().map_or(0, Vec::len) * n];
+        let mut add = |row: usize, by: f64, place: usize| {
+            let deviations = &self.deviations[place * n..][..n];
+            shifts[row * n..][..n].iter_mut().zip(deviations).for_each(|(x, deviation)| *x += by * deviation);
+        };
+        for (place, moved) in self.errors.lengths().zip(by_length) {
+            moved.iter().enumerate().for_each(|(row, by)| add(row, *by, place));
+        }
+        for (axis, moved) in link_axes.iter().enumerate() {
+            moved.iter().enumerate().for_each(|(row, by)| add(row, *by, self.errors.place(row / 3).start + axis));
+        }
+        shifts
+    }
+
     /// Where draws go that move the state so, at a mean.
     pub(super) fn moved(&self, mean: &[f64], states: Vec<f64>) -> Moved {
-        let by_length = self.points.at(mean).by_length;
-        let mut points = vec![0.0; by_length.first().map_or(0, Vec::len) * self.draws];
-        for (place, moved) in self.errors.lengths().zip(&by_length) {
-            let longer = &self.deviations[place * self.draws..][..self.draws];
-            for (row, by) in points.chunks_exact_mut(self.draws).zip(moved) {
-                row.iter_mut().zip(longer).for_each(|(x, longer)| *x += by * longer);
-            }
+        let (body, keypoints) = (self.points.at(mean), self.keypoints.at(mean));
+        Moved {
+            draws: self.draws,
+            states,
+            points: self.shifted(&body.by_length, &[]),
+            keypoints: self.shifted(&keypoints.by_length, &keypoints.link_axes),
         }
-        Moved { draws: self.draws, states, points }
     }
 
     /// Draws of what is constant.
@@ -153,6 +170,21 @@ impl Moved {
     /// Mean move of the state.
     pub(super) fn mean(&self) -> Vec<f64> {
         self.states.chunks_exact(self.draws).map(|row| row.iter().sum::<f64>() / self.draws as f64).collect()
+    }
+
+    /// Shifts of the first draws, one after the other: of `shifts`, rows of the draws.
+    fn of_draws(&self, shifts: &[f64], count: usize) -> Vec<f64> {
+        let rows = shifts.chunks_exact(self.draws);
+        (0..count).flat_map(|draw| rows.clone().map(move |row| row[draw % self.draws])).collect()
+    }
+
+    /// Draws of a frame as they are written: `states` are moved, `scene` has the keypoints.
+    pub(super) fn written(&self, scene: &Scene, states: &[f64], dim: usize) -> [Vec<f64>; 2] {
+        let count = states.len() / dim;
+        let mut detected = self.of_draws(&self.keypoints, count);
+        let at = states.chunks_exact(dim).flat_map(|state| scene.points(state));
+        detected.iter_mut().zip(at).for_each(|(x, at)| *x += at);
+        [self.of_draws(&self.points, count), detected]
     }
 
     /// Moves some states, one after the other, the k-th as draw k says.

@@ -140,7 +140,11 @@ impl Pipeline {
         let method = &self.observer.settings.method;
         let (chains, is_search) = (method.about().gives == Gives::Chains, method.about().gives == Gives::Search);
         let (particles, size) = (method.weighted_draws(), self.size().is_some());
-        Carried { lp: chains, hmc: chains, log_evidence: !is_search, particles, size }
+        Carried { lp: chains, hmc: chains, log_evidence: !is_search, particles, size, detected: self.lasting().is_some() }
+    }
+
+    pub(super) const fn scene(&self) -> &Scene {
+        &self.observer.scene
     }
 
     pub(super) const fn lasting(&self) -> Option<&Lasting> {

@@ -168,7 +168,9 @@ impl Scene {
         self.setup.leapfrog_steps.unwrap_or(0)
     }
 
-    fn points(&self, state: &[f64]) -> Vec<f64> {
+    /// Where the detectors see the keypoints in a state, three numbers each, metres.
+    #[must_use]
+    pub fn points(&self, state: &[f64]) -> Vec<f64> {
         let mut points = vec![0.0; 3 * self.model.plan.points()];
         point_positions(&self.model.plan, self.model.isa, state, &mut points);
         points

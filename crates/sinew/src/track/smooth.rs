@@ -295,7 +295,11 @@ fn forwards(
         let (points, state) = marginals.of(&posterior, moved.as_ref());
         let mut kept = numbers[..settings.draws.min(TRAJECTORIES) * d].to_vec();
         let size = marginals.size_draws(0..TRAJECTORIES, &mut kept, d);
-        let draws = Draws { states: kept, size, ..Draws::default() };
+        let [shape, detected] = match &moved {
+            Some(moved) => moved.written(pipeline.scene(), &kept, d),
+            None => Default::default(),
+        };
+        let draws = Draws { states: kept, shape, detected, size, ..Draws::default() };
         let header = spool.read(moments, frame)?.header;
         let estimate = FrameEstimate {
             mean_state: mean_state.to_vec(),

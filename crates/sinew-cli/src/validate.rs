@@ -1,0 +1,117 @@
+//! `sinew validate`: leaves each camera out in turn and holds what it sees against what the others predict.
+
+use super::args::{General, ValidateArgs};
+use super::ended::Ended;
+use super::error::Error;
+use super::report::{self, Report};
+use super::settings::{reading, settings};
+use super::table::aligned;
+use super::track::{calibration, read_from, track_into_folder};
+use serde_json::json;
+use sinew::config::TrackConfig;
+use sinew::input::frame::detections;
+use sinew::input::recording::{Recording, RecordingOptions};
+use sinew::results::write_whole;
+use sinew_tools::predict::predict;
+use sinew_tools::validate::{LEVELS, LeftOut, left_out, sentence, to_csv, to_svg, together};
+use std::path::Path;
+
+/// Runs the command.
+pub(crate) fn run(args: &ValidateArgs, general: &General, report: &Report) -> Result<Ended, Error> {
+    let resolved = settings(&args.settings.given, general)?;
+    report.warnings(&resolved.warnings);
+    let config = resolved.track();
+    let calibration = calibration(&config)?;
+    let Some(keypoints) = config.keypoints.clone() else { return Err(Error::NothingToValidate) };
+    let cameras = Recording::open(&calibration, &keypoints, &reading(&config))?;
+    let cameras: Vec<String> = cameras.cameras().iter().map(|camera| camera.name.clone()).collect();
+    if cameras.len() < 3 {
+        return Err(Error::TooFewToLeaveOut(cameras.len()));
+    }
+    let mut found: Vec<LeftOut> = vec![];
+    for camera in &cameras {
+        let others: Vec<&str> = cameras.iter().filter(|other| *other != camera).map(String::as_str).collect();
+        let folder = config.out.join(format!("without_{camera}"));
+        let own = |(key, _): &&(&'static str, String)| !["cameras", "out"].contains(key);
+        let mut given: Vec<(&'static str, String)> = args.settings.given.iter().filter(own).cloned().collect();
+        given.push(("cameras", others.join(",")));
+        let general = General { out: Some(folder.to_string_lossy().into_owned()), ..general.clone() };
+        let run = settings(&given, &general)?;
+        report.detail(&format!("without {camera}"));
+        let outcome = track_into_folder(&run, &read_from(&config, &calibration, &general), &general, report)?;
+        if !outcome.summary.complete {
+            report.note("interrupted; nothing can be said about the intervals yet");
+            return Ok(Ended::Interrupted);
+        }
+        found.push(held_against(&config, &calibration, &keypoints, camera, &folder)?);
+    }
+    write_whole(&config.out.join("validation.csv"), to_csv(&found).as_bytes())?;
+    write_whole(&config.out.join("reliability.svg"), to_svg(&found).as_bytes())?;
+    answer(&found, args, &config.out)?;
+    Ok(Ended::Done)
+}
+
+/// What the camera saw against what the run in a folder predicts.
+fn held_against(
+    config: &TrackConfig,
+    calibration: &Path,
+    keypoints: &Path,
+    camera: &str,
+    folder: &Path,
+) -> Result<LeftOut, Error> {
+    let prediction = predict(folder, calibration, camera)?;
+    let options = RecordingOptions { cameras: Some(vec![camera.to_owned()]), ..reading(config) };
+    let mut recording = Recording::open(calibration, keypoints, &options)?;
+    let columns: Vec<Option<usize>> = prediction.keypoints.iter().map(|name| recording.layout().index(name)).collect();
+    let mut people = vec![];
+    for number in &prediction.frames {
+        people.push(detections(&recording.frame(*number)?).pop().unwrap_or_default());
+    }
+    Ok(left_out(&prediction, &people, &columns))
+}
+
+/// A table, and a sentence.
+fn answer(found: &[LeftOut], args: &ValidateArgs, out: &Path) -> Result<(), Error> {
+    let all = together(found);
+    if args.answer.json {
+        let camera = |left: &LeftOut| {
+            let tally = left.all();
+            json!({
+                "camera": left.camera,
+                "observations": tally.squares.len(),
+                "offset_px": left.offset_px,
+                "offset_size": left.offset_size,
+                "error_median_px": tally.quantile_px(0.5),
+                "error_90_px": tally.quantile_px(0.9),
+                "inside": LEVELS.map(|level| tally.coverage(level)),
+                "log_score": tally.log_score(),
+            })
+        };
+        return report::answer_json(&json!({
+            "levels": LEVELS,
+            "cameras": found.iter().map(camera).collect::<Vec<_>>(),
+            "inside": LEVELS.map(|level| all.coverage(level)),
+            "error_median_px": all.quantile_px(0.5),
+            "error_90_px": all.quantile_px(0.9),
+            "log_score": all.log_score(),
+            "calibration_error": all.calibration_error(),
+            "sentence": sentence(found),
+            "out": out.to_string_lossy(),
+        }));
+    }
+    let percent = |x: f64| format!("{:3.0}", 100.0 * x);
+    let row = |name: &str, tally: &sinew_tools::validate::Tally| {
+        let inside = LEVELS.map(|level| percent(tally.coverage(level))).join(" ");
+        (name.to_owned(), format!("{inside} % inside, error {:.1} px (90 %: {:.1} px)", tally.quantile_px(0.5), tally.quantile_px(0.9)))
+    };
+    let mut rows: Vec<(String, String)> = vec![("regions of".into(), LEVELS.map(percent).join(" ") + " %")];
+    for left in found {
+        let (name, text) = row(&left.camera, &left.all());
+        let [u, v] = left.offset_px;
+        rows.push((name, format!("{text}, offset {u:+.1} {v:+.1} px ({:.1} sd)", left.offset_size)));
+    }
+    rows.push(row("all", &all));
+    rows.push(("log score".into(), format!("{:.2}; calibration error {:.3}", all.log_score(), all.calibration_error())));
+    rows.push(("results".into(), out.display().to_string()));
+    report::answer(&format!("{}\n{}\n", aligned(&rows), sentence(found)))
+}

@@ -1,0 +1,240 @@
+//! What a camera that a run did not use should see: mean and covariance of each keypoint's observation, from the run's draws.
+//!
+//! With u⁽ⁱ⁾ the pixel of draw i's keypoint in the camera as it is calibrated,
+//!
+//! ```text
+//! mean = mean of u⁽ⁱ⁾
+//! total = cov(u⁽ⁱ⁾) + G Σ Gᵀ + (b² + n²) I
+//! common = cov(mean of u⁽ⁱ⁾ over frames and keypoints) + Ḡ Σ Ḡᵀ
+//! ```
+//!
+//! G is the derivative of the pixel by what the camera may be off by ([`sinew_observe::camera_error`]), Σ its prior with the scale that the other cameras show, Ḡ the mean of G over frames and keypoints; b is the size of a bias of the camera's detector for that kind of keypoint, n the scatter
+//! of an observation of usual confidence, both as the other cameras show them, in proportion to the size of the person in the image. `common` is the part that all keypoints of the camera share in all frames.
+
+pub(crate) mod error;
+
+pub use error::PredictError;
+
+use crate::Error;
+use rayon::prelude::*;
+use sinew::files::{read_bytes, read_text};
+use sinew::input::recording::Calibrated;
+use sinew::input::up_axis::upright;
+use sinew::results::tracked::Tracked;
+use sinew::setup::lasting_errors::MeasuredErrors;
+use sinew::setup::lasting_prior::{CAMERA_UNITS, KIND_SCALES, kind};
+use sinew_formats::source_text::MAX_TEXT_BYTES;
+use sinew_formats::zarr::reader::{self, Numbers};
+use sinew_formats::camera_name;
+use sinew_observe::Camera;
+use sinew_observe::camera_error::{NUMBERS, derivatives};
+use sinew_observe::lasting_errors::pixels_per_metre;
+use std::fmt::Write as _;
+use std::path::Path;
+
+/// Mean of 1/w for w ~ Gamma(2, 2): variance of Student's t with four degrees of freedom.
+const HEAVY: f64 = 2.0;
+
+/// A keypoint's observation.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Predicted {
+    /// Pixel.
+    pub mean: [f64; 2],
+    /// Covariance uu, uv, vv, square pixels.
+    pub total: [f64; 3],
+}
+
+/// What the camera should see.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Prediction {
+    /// The camera.
+    pub camera: Camera,
+    /// Numbers of the frames.
+    pub frames: Vec<u64>,
+    /// Names of the keypoints.
+    pub keypoints: Vec<String>,
+    /// Frame by frame, keypoint by keypoint; `None` where the camera cannot show it.
+    pub predicted: Vec<Option<Predicted>>,
+    /// Covariance that all share, uu, uv, vv, square pixels.
+    pub common: [f64; 3],
+}
+
+impl Prediction {
+    /// The table as text: `frame,camera,keypoint,u,v,uu,uv,vv,common_uu,common_uv,common_vv`.
+    #[must_use]
+    pub fn to_csv(&self) -> String {
+        let mut text = "frame,camera,keypoint,u,v,uu,uv,vv,common_uu,common_uv,common_vv\n".to_owned();
+        let [cuu, cuv, cvv] = self.common;
+        for (frame, row) in self.frames.iter().zip(self.predicted.chunks(self.keypoints.len().max(1))) {
+            for (keypoint, predicted) in self.keypoints.iter().zip(row) {
+                let Some(Predicted { mean: [u, v], total: [uu, uv, vv] }) = predicted else { continue };
+                let name = &self.camera.name;
+                let _ = writeln!(
+                    text,
+                    "{frame},{name},{keypoint},{u:.3},{v:.3},{uu:.4},{uv:.4},{vv:.4},{cuu:.4},{cuv:.4},{cvv:.4}"
+                );
+            }
+        }
+        text
+    }
+}
+
+/// The draws of keypoints of a result folder: draw by draw, frame by frame.
+fn drawn_keypoints(folder: &Path) -> Result<Numbers, Error> {
+    let array = folder.join("posterior.zarr/posterior/keypoint_position");
+    let document = array.join("zarr.json");
+    if !document.is_file() {
+        return Err(PredictError::NoKeypoints(folder.to_owned()).into());
+    }
+    let text = read_text(&document, MAX_TEXT_BYTES)?;
+    let mut failed = None;
+    let read = reader::numbers(&document.display().to_string(), &text, |key| {
+        let path = array.join(key);
+        let bytes = path.exists().then(|| read_bytes(&path, MAX_TEXT_BYTES)).transpose();
+        Ok(bytes.unwrap_or_else(|error| {
+            failed.get_or_insert(error);
+            None
+        }))
+    });
+    failed.map_or(Ok(()), Err)?;
+    Ok(read?)
+}
+
+/// Predicts what `camera` of a calibration should see of a run that did not use it.
+///
+/// # Errors
+/// A folder without draws of keypoints, a calibration that cannot be read or lacks the camera, and a camera that the run used.
+pub fn predict(folder: &Path, calibration: &Path, camera: &str) -> Result<Prediction, Error> {
+    let tracked = Tracked::read(folder)?;
+    let setup = &tracked.setup;
+    let Some(known) = &setup.lasting else { return Err(PredictError::NoKeypoints(folder.to_owned()).into()) };
+    let Calibrated { cameras, names, .. } = Calibrated::read(calibration)?;
+    let is_it = |name: &str| camera_name::fold(name) == camera_name::fold(camera);
+    let Some(found) = cameras.into_iter().find(|known| is_it(&known.name)) else {
+        let (calibration, camera) = (calibration.to_owned(), camera.to_owned());
+        return Err(PredictError::UnknownCamera { calibration, camera, calibrated: names }.into());
+    };
+    if setup.camera.iter().any(|used| is_it(&used.name)) {
+        return Err(PredictError::UsedCamera(found.name).into());
+    }
+    let found = found.resized(tracked.image_scale);
+    let camera = upright(vec![found.clone()], &setup.world_up).pop().unwrap_or(found);
+    let numbers = drawn_keypoints(folder)?;
+    let frames: Vec<u64> = tracked.frames.iter().map(|(number, _)| *number).collect();
+    let [_, draws, in_frames, points, 3] = numbers.shape[..] else {
+        return Err(PredictError::NoKeypoints(folder.to_owned()).into());
+    };
+    if in_frames != frames.len() || points != known.points.len() {
+        return Err(PredictError::OtherRun(folder.to_owned()).into());
+    }
+    // Sizes at the distance of the middle.
+    let scale = pixels_per_metre(&camera, known.middle_m);
+    let calibrated = tracked.cameras(calibration)?.0;
+    let noise_m2 = noise_m2(&tracked, known, &calibrated);
+    let sigma = camera_variances(known);
+    let biases: Vec<f64> = known.points.iter().map(|point| mean_square(known, KIND_SCALES[kind(point)])).collect();
+    let draw = |index: usize| {
+        let (frame, point) = (index / points, index % points);
+        let at = |draw: usize| {
+            let first = ((draw * in_frames + frame) * points + point) * 3;
+            [numbers.values[first], numbers.values[first + 1], numbers.values[first + 2]]
+        };
+        let seen: Option<Vec<Seen>> = (0..draws).map(|draw| Seen::of(&camera, at(draw))).collect();
+        seen
+    };
+    let shown: Vec<Option<Vec<Seen>>> = (0..in_frames * points).into_par_iter().map(draw).collect();
+    let common = common(&shown, draws, &sigma);
+    let one = |(index, seen): (usize, &Option<Vec<Seen>>)| {
+        let seen = seen.as_ref()?;
+        let pixels: Vec<[f64; 2]> = seen.iter().map(|seen| seen.pixel).collect();
+        let (mean, mut total) = moments(&pixels);
+        add(&mut total, spread(&mean_error(seen.iter()), &sigma));
+        let model = (setup.model_error_m * scale).powi(2);
+        let alone = scale * scale * (biases[index % points] + noise_m2) + model;
+        add(&mut total, [alone, 0.0, alone]);
+        Some(Predicted { mean, total })
+    };
+    let predicted = shown.iter().enumerate().map(one).collect();
+    Ok(Prediction { camera, frames, keypoints: known.points.clone(), predicted, common })
+}
+
+/// A draw's keypoint in the camera.
+struct Seen {
+    pixel: [f64; 2],
+    by_error: [[f64; NUMBERS]; 2],
+}
+
+impl Seen {
+    fn of(camera: &Camera, point: [f64; 3]) -> Option<Self> {
+        let (pixel, _, by_error) = derivatives(camera, point)?;
+        Some(Self { pixel, by_error })
+    }
+}
+
+fn add(to: &mut [f64; 3], from: [f64; 3]) {
+    to.iter_mut().zip(from).for_each(|(to, from)| *to += from);
+}
+
+/// Mean, and covariance uu, uv, vv.
+fn moments(pixels: &[[f64; 2]]) -> ([f64; 2], [f64; 3]) {
+    let n = pixels.len() as f64;
+    let mean = [0, 1].map(|axis: usize| pixels.iter().map(|p| p[axis]).sum::<f64>() / n);
+    let mut covariance = [0.0; 3];
+    for [u, v] in pixels {
+        let (u, v) = (u - mean[0], v - mean[1]);
+        add(&mut covariance, [u * u, u * v, v * v]);
+    }
+    // The mean of n draws takes one of them.
+    (mean, covariance.map(|x| x / (n - 1.0).max(1.0)))
+}
+
+/// Mean derivative by the camera's error.
+fn mean_error<'a>(seen: impl Iterator<Item = &'a Seen>) -> [[f64; NUMBERS]; 2] {
+    let (mut sum, mut count) = ([[0.0; NUMBERS]; 2], 0.0);
+    for seen in seen {
+        count += 1.0;
+        sum.as_flattened_mut().iter_mut().zip(seen.by_error.as_flattened()).for_each(|(sum, x)| *sum += x);
+    }
+    sum.map(|row| row.map(|x| x / count))
+}
+
+/// G Σ Gᵀ.
+fn spread(by_error: &[[f64; NUMBERS]; 2], variances: &[f64; NUMBERS]) -> [f64; 3] {
+    let product = |a: usize, b: usize| (0..NUMBERS).map(|k| by_error[a][k] * variances[k] * by_error[b][k]).sum();
+    [product(0, 0), product(0, 1), product(1, 1)]
+}
+
+/// The part that all keypoints share in all frames.
+fn common(shown: &[Option<Vec<Seen>>], draws: usize, variances: &[f64; NUMBERS]) -> [f64; 3] {
+    let known = || shown.iter().flatten();
+    let count = known().count() as f64;
+    if count == 0.0 {
+        return [0.0; 3];
+    }
+    let of_draw = |draw: usize| [0, 1].map(|axis: usize| known().map(|seen| seen[draw].pixel[axis]).sum::<f64>() / count);
+    let (_, mut covariance) = moments(&(0..draws).map(of_draw).collect::<Vec<_>>());
+    add(&mut covariance, spread(&mean_error(known().flatten()), variances));
+    covariance
+}
+
+/// Mean square of a scale over its draws; 0 where there is none.
+fn mean_square(known: &MeasuredErrors, name: &str) -> f64 {
+    known.scale(name).map_or(0.0, |draws| draws.iter().map(|x| x * x).sum::<f64>() / draws.len() as f64)
+}
+
+/// Variances of what a camera may be off by.
+fn camera_variances(known: &MeasuredErrors) -> [f64; NUMBERS] {
+    let square = HEAVY * mean_square(known, "cameras");
+    CAMERA_UNITS.map(|unit| unit * unit * square)
+}
+
+/// Variance of a detection of usual confidence at the distance of the middle, square metres: the mean of the run's cameras.
+fn noise_m2(tracked: &Tracked, known: &MeasuredErrors, calibrated: &[Camera]) -> f64 {
+    let square = |camera: &Camera| {
+        let setup = tracked.setup.camera.iter().find(|known| known.name == camera.name)?;
+        let scale = tracked.image_scale * pixels_per_metre(camera, known.middle_m);
+        Some((setup.sigma_px / scale).powi(2))
+    };
+    let all: Vec<f64> = calibrated.iter().filter_map(square).collect();
+    all.iter().sum::<f64>() / all.len().max(1) as f64
+}

@@ -1,0 +1,212 @@
+//! What intervals are worth on a recording: observations of a camera that a run did not use, held against what the run predicts of them ([`crate::predict`]).
+//!
+//! A camera's own constant offset, the median of observed − predicted, is taken off first: whatever the run is worth, it cannot know that, and it is common to all keypoints. It is reported in units of its own standard deviation. What remains is held against the
+//! total covariance without the common part.
+
+use crate::predict::{Predicted, Prediction};
+use crate::svg::{Anchor, Svg};
+use sinew_observe::association::Person;
+use sinew_observe::offsets::median;
+use std::fmt::Write as _;
+
+/// Detections of lower confidence are not compared.
+pub const LEAST_CONFIDENCE: f64 = 0.5;
+
+/// Probabilities of the regions that are reported.
+pub const LEVELS: [f64; 4] = [0.5, 0.8, 0.9, 0.95];
+
+/// Probabilities of the reliability curve.
+const CURVE: [f64; 19] =
+    [0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.35, 0.4, 0.45, 0.5, 0.55, 0.6, 0.65, 0.7, 0.75, 0.8, 0.85, 0.9, 0.95];
+
+/// Observations of some keypoints against what was predicted.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Tally {
+    /// Errors without the camera's offset, pixels.
+    pub errors_px: Vec<f64>,
+    /// Their squared distances in standard deviations.
+    pub squares: Vec<f64>,
+    /// Their log densities.
+    pub log_scores: Vec<f64>,
+}
+
+impl Tally {
+    /// Share of the observations in the region of a probability.
+    #[must_use]
+    pub fn coverage(&self, probability: f64) -> f64 {
+        let bound = -2.0 * (1.0 - probability).ln();
+        self.squares.iter().filter(|square| **square <= bound).count() as f64 / self.squares.len() as f64
+    }
+
+    /// Error that this share of the observations does not exceed, pixels.
+    #[must_use]
+    pub fn quantile_px(&self, share: f64) -> f64 {
+        let mut sorted = self.errors_px.clone();
+        sorted.sort_by(f64::total_cmp);
+        let last = sorted.len().saturating_sub(1);
+        sorted.get((share * last as f64).round() as usize).copied().unwrap_or(f64::NAN)
+    }
+
+    /// Mean log density.
+    #[must_use]
+    pub fn log_score(&self) -> f64 {
+        self.log_scores.iter().sum::<f64>() / self.log_scores.len() as f64
+    }
+
+    /// Mean distance of the reliability curve from what it should be (Cotton and co-workers, arXiv 2601.22412).
+    #[must_use]
+    pub fn calibration_error(&self) -> f64 {
+        CURVE.iter().map(|p| (self.coverage(*p) - p).abs()).sum::<f64>() / CURVE.len() as f64
+    }
+
+    fn merge(&mut self, other: &Self) {
+        self.errors_px.extend(&other.errors_px);
+        self.squares.extend(&other.squares);
+        self.log_scores.extend(&other.log_scores);
+    }
+}
+
+/// A camera that was left out.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LeftOut {
+    /// Its name.
+    pub camera: String,
+    /// Median of observed − predicted, pixels.
+    pub offset_px: [f64; 2],
+    /// Length of that in standard deviations: the root of half its squared distance, 1 when it is as large as expected.
+    pub offset_size: f64,
+    /// Keypoints with what was observed of them.
+    pub keypoints: Vec<(String, Tally)>,
+}
+
+impl LeftOut {
+    /// All keypoints together.
+    #[must_use]
+    pub fn all(&self) -> Tally {
+        let mut all = Tally::default();
+        self.keypoints.iter().for_each(|(_, tally)| all.merge(tally));
+        all
+    }
+}
+
+/// rᵀ S⁻¹ r and the logarithm of S's determinant, S given as uu, uv, vv; `None` where it is no covariance.
+fn distance([a, b]: [f64; 2], [uu, uv, vv]: [f64; 3]) -> Option<(f64, f64)> {
+    let determinant = uu * vv - uv * uv;
+    (determinant > 0.0 && uu > 0.0)
+        .then(|| ((vv * a * a - 2.0 * uv * a * b + uu * b * b) / determinant, determinant.ln()))
+}
+
+/// What one person shows of the predicted keypoints: `columns` says which keypoint of the layout each is.
+fn residuals(person: &Person, predicted: &[Option<Predicted>], columns: &[Option<usize>]) -> Vec<Option<[f64; 2]>> {
+    let one = |(predicted, column): (&Option<Predicted>, &Option<usize>)| {
+        let (predicted, seen) = ((*predicted)?, person.get((*column)?).copied().flatten()?);
+        let counts = seen.confidence > LEAST_CONFIDENCE;
+        counts.then(|| [0, 1].map(|axis: usize| seen.pixel[axis] - predicted.mean[axis]))
+    };
+    predicted.iter().zip(columns).map(one).collect()
+}
+
+/// Holds what a camera saw against a prediction. `people` are the camera's, frame by frame as predicted; who is nearest to what was predicted counts. `columns` is the place of each predicted keypoint in the layout.
+#[must_use]
+pub fn left_out(prediction: &Prediction, people: &[Vec<Person>], columns: &[Option<usize>]) -> LeftOut {
+    let count = prediction.keypoints.len().max(1);
+    let nearest = |(people, predicted): (&Vec<Person>, &[Option<Predicted>])| {
+        let seen = people.iter().map(|person| residuals(person, predicted, columns));
+        let away = |seen: &Vec<Option<[f64; 2]>>| median(&mut seen.iter().flatten().map(|[u, v]| u.hypot(*v)).collect::<Vec<_>>());
+        let usable = seen.map(|seen| (away(&seen), seen)).filter(|(away, _)| away.is_finite());
+        usable.min_by(|a, b| a.0.total_cmp(&b.0)).map_or_else(|| vec![None; count], |(_, seen)| seen)
+    };
+    let seen: Vec<Vec<Option<[f64; 2]>>> = people.iter().zip(prediction.predicted.chunks(count)).map(nearest).collect();
+    let offset_px = [0, 1].map(|axis: usize| median(&mut seen.iter().flatten().flatten().map(|r| r[axis]).collect::<Vec<_>>()));
+    let offset_size = distance(offset_px, prediction.common).map_or(f64::NAN, |(square, _)| (0.5 * square).sqrt());
+    let mut keypoints: Vec<(String, Tally)> = prediction.keypoints.iter().map(|name| (name.clone(), Tally::default())).collect();
+    for (seen, predicted) in seen.iter().zip(prediction.predicted.chunks(count)) {
+        for ((residual, predicted), (_, tally)) in seen.iter().zip(predicted).zip(&mut keypoints) {
+            let (Some(residual), Some(predicted)) = (residual, predicted) else { continue };
+            let rest = [0, 1].map(|axis: usize| residual[axis] - offset_px[axis]);
+            let own = [0, 1, 2].map(|k: usize| predicted.total[k] - prediction.common[k]);
+            let Some((square, log_determinant)) = distance(rest, own) else { continue };
+            tally.errors_px.push(rest[0].hypot(rest[1]));
+            tally.squares.push(square);
+            tally.log_scores.push(-0.5 * square - 0.5 * log_determinant - std::f64::consts::TAU.ln());
+        }
+    }
+    LeftOut { camera: prediction.camera.name.clone(), offset_px, offset_size, keypoints }
+}
+
+/// All cameras together.
+#[must_use]
+pub fn together(cameras: &[LeftOut]) -> Tally {
+    let mut all = Tally::default();
+    cameras.iter().for_each(|camera| all.merge(&camera.all()));
+    all
+}
+
+/// The table as text, a row a camera and keypoint, and `all` for each camera.
+#[must_use]
+pub fn to_csv(cameras: &[LeftOut]) -> String {
+    let mut text = "camera,keypoint,count,error_median_px,error_90_px,inside_50,inside_80,inside_90,inside_95,log_score\n".to_owned();
+    for camera in cameras {
+        let all = camera.all();
+        let rows = std::iter::once(("all", &all)).chain(camera.keypoints.iter().map(|(name, tally)| (name.as_str(), tally)));
+        for (name, tally) in rows.filter(|(_, tally)| !tally.squares.is_empty()) {
+            let [a, b, c, d] = LEVELS.map(|level| tally.coverage(level));
+            let (count, half, most, score) = (tally.squares.len(), tally.quantile_px(0.5), tally.quantile_px(0.9), tally.log_score());
+            let _ = writeln!(text, "{},{name},{count},{half:.3},{most:.3},{a:.4},{b:.4},{c:.4},{d:.4},{score:.4}", camera.camera);
+        }
+    }
+    text
+}
+
+/// What the intervals of this recording are worth, in a sentence.
+#[must_use]
+pub fn sentence(cameras: &[LeftOut]) -> String {
+    let all = together(cameras);
+    if all.squares.is_empty() {
+        return "no camera saw what the others predicted: nothing can be said about the intervals".into();
+    }
+    let inside = 100.0 * all.coverage(0.9);
+    let worth = match inside {
+        inside if inside < 80.0 => "the intervals of this recording are too narrow",
+        inside if inside < 86.0 => "the intervals of this recording are somewhat too narrow",
+        inside if inside > 96.0 => "the intervals of this recording are wider than they need to be",
+        _ => "the intervals of this recording can be taken at their word",
+    };
+    format!("{inside:.0} % of what a camera sees lies where the others expect it with 90 %, its own offset aside: {worth}")
+}
+
+/// Side of the square of the curve, and the space around it, pixels.
+const SIDE: f64 = 360.0;
+const MARGIN: f64 = 60.0;
+const COLOURS: [&str; 6] = ["#2563eb", "#dc2626", "#059669", "#d97706", "#7c3aed", "#0891b2"];
+
+/// The reliability curves: share of the observations inside against the probability of the region.
+#[must_use]
+pub fn to_svg(cameras: &[LeftOut]) -> String {
+    let mut svg = Svg::new(SIDE + 2.0 * MARGIN + 140.0, SIDE + 2.0 * MARGIN);
+    let at = |p: f64, share: f64| [MARGIN + SIDE * p, MARGIN + SIDE * (1.0 - share)];
+    for tick in 0..=5 {
+        let p = f64::from(tick) / 5.0;
+        svg.line(at(p, 0.0), at(p, 1.0), 0.5, "#e5e7eb");
+        svg.line(at(0.0, p), at(1.0, p), 0.5, "#e5e7eb");
+        let ([x, y], [_, v]) = (at(p, 0.0), at(0.0, p));
+        svg.label([x, y + 18.0], 12.0, Anchor::Middle, &format!("{:.0}", 100.0 * p));
+        svg.label([MARGIN - 8.0, v + 4.0], 12.0, Anchor::End, &format!("{:.0}", 100.0 * p));
+    }
+    svg.line(at(0.0, 0.0), at(1.0, 1.0), 1.0, "#6b7280");
+    svg.label([MARGIN + 0.5 * SIDE, SIDE + MARGIN + 40.0], 13.0, Anchor::Middle, "probability of the region, %");
+    svg.upright([18.0, MARGIN + 0.5 * SIDE], 13.0, "observations inside, %");
+    svg.text(MARGIN, 30.0, 15.0, "Cameras left out, each predicted by the others");
+    for (index, camera) in cameras.iter().enumerate() {
+        let (tally, colour) = (camera.all(), COLOURS[index % COLOURS.len()]);
+        if tally.squares.is_empty() {
+            continue;
+        }
+        let points: Vec<[f64; 2]> = std::iter::once(at(0.0, 0.0)).chain(CURVE.iter().map(|p| at(*p, tally.coverage(*p)))).collect();
+        svg.polyline(&points, 2.0, colour);
+        let y = MARGIN + 20.0 * (index as f64 + 1.0);
+        svg.line([SIDE + MARGIN + 20.0, y - 4.0], [SIDE + MARGIN + 40.0, y - 4.0], 2.0, colour);
+        svg.text(SIDE + MARGIN + 46.0, y, 12.0, &camera.camera);
+    }
+    svg.done()
+}
