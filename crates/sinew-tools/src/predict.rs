@@ -132,7 +132,7 @@ pub fn predict(folder: &Path, calibration: &Path, camera: &str) -> Result<Predic
     let calibrated = tracked.cameras(calibration)?.0;
     let noise_m2 = noise_m2(&tracked, known, &calibrated);
     let sigma = camera_variances(known);
-    let biases: Vec<f64> = known.points.iter().map(|point| mean_square(known, KIND_SCALES[kind(point)])).collect();
+    let biases: Vec<f64> = known.points.iter().map(|point| HEAVY * mean_square(known, KIND_SCALES[kind(point)])).collect();
     let draw = |index: usize| {
         let (frame, point) = (index / points, index % points);
         let at = |draw: usize| {

@@ -5,7 +5,7 @@
 //! | a camera | s × (0.2° a turn, 5 mm, 0.3 % of the focal length, 2 mrad of the principal point, 0.02 of k1), heavy tails; ln s ~ N(0, 1) | a calibration with a board or a wand from a few metres |
 //! | a length of the body | 10 % of the default body's, about it | 5–6 % among adults, and a joint that is defined otherwise |
 //! | a point's place on its link | s per axis; ln s ~ N(ln 10 mm, 0.8²) | keypoints against joints of markers: Needham et al., Scientific Reports 11 (2021) 20673: 1–15 mm at ankles, 30–50 mm at hips |
-//! | a bias of a camera's detector for a point | s per axis, one for each kind of keypoint; ln s ~ N(ln 10 mm, 0.8²) | the same |
+//! | a bias of a camera's detector for a point | s per axis, one for each kind of keypoint, heavy tails; ln s ~ N(ln 10 mm, 0.8²) | the same |
 
 use sinew_body::Proportions;
 use sinew_body::point_derivatives::lengths;
@@ -54,12 +54,12 @@ pub(super) fn prior(errors: &LastingErrors, points: &[String], subject: &Proport
     clusters.push(Cluster { numbers, scale: None, heavy_tails: false });
     clusters.push(Cluster { numbers: alike(errors.places(), 1.0), scale: Some(PLACES), heavy_tails: false });
     for of in 0..KINDS {
-        let own = |camera| {
-            let points = points.iter().enumerate().filter(move |(_, name)| kind(name) == of);
-            points.flat_map(move |(point, _)| errors.bias(camera, point))
-        };
-        let numbers: Vec<_> = (0..errors.cameras).flat_map(own).map(|place| (place, 0.0, 1.0)).collect();
-        clusters.push(Cluster { numbers, scale: Some(FIRST_KIND + of), heavy_tails: false });
+        for (point, _) in points.iter().enumerate().filter(|(_, name)| kind(name) == of) {
+            for camera in 0..errors.cameras {
+                let numbers = alike(errors.bias(camera, point), 1.0);
+                clusters.push(Cluster { numbers, scale: Some(FIRST_KIND + of), heavy_tails: true });
+            }
+        }
     }
     let mut scales = vec![POINTS; SCALES.len()];
     scales[0] = ScalePrior { median: 1.0, log_sd: 1.0 };
