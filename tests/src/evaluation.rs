@@ -117,7 +117,9 @@ pub fn set_up(
     setup::measure_look(&mut setup, source, frames.clone(), settings.fps, settings.compares_colours())?;
     change(&mut setup);
     let tree = setup.tree();
-    setup.motion_sd = Some(setup::measure_motion(&setup, &tree, source, frames, settings.fps)?);
+    setup.motion_sd = Some(setup::measure_motion(&setup, &tree, source, frames.clone(), settings.fps)?);
+    setup::measure_lasting(&mut setup, source, frames, settings.fps, settings.seed)?;
+    let tree = setup.tree();
     let start = setup.start_frame;
     track::tune(&mut setup, &tree, source, start, settings)?;
     Ok(setup)

@@ -157,9 +157,17 @@ fn otherwise() -> Vec<Scene> {
         Wrong::Persistent,
         Wrong::Understated,
         Wrong::Recorded,
+        Wrong::Calibration,
+        Wrong::Biased(scene::BIAS_PX),
+        Wrong::Swapped(0.02),
+        Wrong::Swapped(0.1),
+        Wrong::All,
     ];
-    let scene = |wrong| Scene::Person { cameras: 4, tracker: Tracker::Hmc, sizes: Sizes::Fitted, wrong };
-    all.into_iter().map(scene).collect()
+    let scene = |cameras, wrong| Scene::Person { cameras, tracker: Tracker::Hmc, sizes: Sizes::Fitted, wrong };
+    let few = [2, 1].into_iter().flat_map(|cameras| {
+        [Wrong::Calibration, Wrong::Biased(scene::BIAS_PX), Wrong::All].map(|wrong| scene(cameras, wrong))
+    });
+    all.into_iter().map(|wrong| scene(4, wrong)).chain(few).collect()
 }
 
 /// Scenes whose warnings are counted: all but the model's own, by `hmc`.
@@ -242,7 +250,7 @@ fn measure(root: &Path, args: &Args) -> Outcome<()> {
     let mut store = Store::open(&folder, &configuration(args, &people))?;
     let has_recorded = people.iter().all(|person| person.recorded.is_some());
     let possible = |scenes: Vec<Scene>| -> Vec<Scene> {
-        let needs = |scene: &Scene| matches!(scene, Scene::Person { wrong: Wrong::Recorded, .. });
+        let needs = |scene: &Scene| matches!(scene, Scene::Person { wrong: Wrong::Recorded | Wrong::All, .. });
         scenes.into_iter().filter(|scene| has_recorded || !needs(scene)).collect()
     };
     let kind = |name, length, scenes, count| Kind { name, length, scenes: possible(scenes), count };

@@ -10,9 +10,11 @@
 //! [`linearised`] gives a frame's normal equations at a pose s and a g: with H and G the derivatives of all predicted pixels by s and g, W the inverse variances times the share of a detection that is no outlier, and r observed − predicted,
 //! the blocks of `(H G)ᵀ W (H G)` and `(H G)ᵀ W r`.
 
+use crate::camera::Camera;
 use crate::camera_error::{self, NUMBERS};
 use crate::keypoint_likelihood::Noise;
 use crate::keypoint_model::{Detection, KeypointModel};
+use nalgebra::{Matrix3, Vector3};
 use sinew_body::point_derivatives::PointDerivatives;
 use std::f64::consts::TAU;
 use std::ops::Range;
@@ -123,9 +125,28 @@ struct Rows {
     residual: [f64; 2],
 }
 
+/// The shift of the whole world, metres, that small differences of some cameras look like at a point, by least squares over pixels; `None` where fewer than two cameras see it. Shown by cameras that differ by `errors`, the world that is shifted so looks as it does to the cameras as they are.
+#[must_use]
+pub fn common_shift(cameras: &[Camera], errors: &[[f64; NUMBERS]], at: [f64; 3]) -> Option<[f64; 3]> {
+    let (mut information, mut pull) = (Matrix3::<f64>::zeros(), Vector3::<f64>::zeros());
+    let mut seen_by = 0;
+    for (camera, error) in cameras.iter().zip(errors) {
+        let Some((_, by_point, by_error)) = camera_error::derivatives(camera, at) else { continue };
+        seen_by += 1;
+        for axis in 0..2 {
+            let row = Vector3::from(by_point[axis]);
+            let moved: f64 = by_error[axis].iter().zip(error).map(|(by, error)| by * error).sum();
+            information += row * row.transpose();
+            pull -= row * moved;
+        }
+    }
+    let inverse = information.try_inverse().filter(|_| seen_by > 1)?;
+    Some((inverse * pull).into())
+}
+
 /// A camera's pixels for a metre at the distance of the recording's middle.
 #[must_use]
-pub fn pixels_per_metre(camera: &crate::Camera, middle: [f64; 3]) -> f64 {
+pub fn pixels_per_metre(camera: &Camera, middle: [f64; 3]) -> f64 {
     camera.intrinsics.fx / camera.point_in_camera(middle)[2].max(crate::MIN_DEPTH_M)
 }
 
@@ -229,5 +250,33 @@ impl LinearisedFrame {
                 }
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// All cameras moved together are a shift of the world the other way, seen from the cameras.
+    #[test]
+    fn cameras_that_move_together_look_like_a_shift_of_the_world() {
+        let at = [0.1, -0.2, 1.0];
+        let camera = |k: f64| {
+            let (sin, cos) = (0.4 + 1.57 * k).sin_cos();
+            Camera::look_at("C", [1000.0, 800.0], 900.0, [4.0 * cos, 4.0 * sin, 1.5], at).unwrap()
+        };
+        let cameras = [0.0, 1.0, 2.0, 3.0].map(camera);
+        let world = [0.02, -0.01, 0.03];
+        // A camera's translation in its own frame by R d moves what it shows as the world's shift d does.
+        let errors = [0, 1, 2, 3].map(|c: usize| {
+            let mut error = [0.0; NUMBERS];
+            for (row, place) in cameras[c].rotation.iter().zip(&mut error[3..6]) {
+                *place = (0..3).map(|k| row[k] * world[k]).sum();
+            }
+            error
+        });
+        let found = common_shift(&cameras, &errors, at).unwrap();
+        assert!(found.iter().zip(world).all(|(f, w)| (f + w).abs() < 1e-9), "{found:?}");
+        assert_eq!(common_shift(&cameras[..1], &errors[..1], at), None);
     }
 }

@@ -1,6 +1,6 @@
 //! A keypoint detector that errs as real ones do.
 //!
-//! For each camera a constant offset; for each keypoint, independently in every frame:
+//! For each camera a constant offset, and for each of its keypoints a constant bias; in each frame of a camera with probability [`DetectorNoise::swapped`] the keypoints of the left and right arm, or leg, are exchanged; for each keypoint, independently in every frame:
 //!
 //! 1. with probability [`DetectorNoise::missing`] it is not found;
 //! 2. else with probability [`DetectorNoise::outlier`] it is found somewhere else, at a uniform direction and distance from its place, with a confidence that means little;
@@ -11,6 +11,7 @@
 //!
 //! Points outside the image or behind the camera are not found. Pixels are rounded to 0.001, confidences to 0.0001, so that files hold exactly what memory holds.
 
+use crate::draws::{normals, uniforms};
 use sinew_core::lanes::{Block, Isa, LANES};
 use sinew_core::random::Stage;
 use sinew_formats::Layout;
@@ -23,6 +24,10 @@ use sinew_observe::{Camera, Projection};
 pub struct DetectorNoise {
     /// Standard deviation per axis of a camera's constant offset, pixels.
     pub offset_px: f64,
+    /// Standard deviation per axis of the constant bias of a keypoint in a camera, pixels.
+    pub bias_px: f64,
+    /// Probability that left and right of an arm or a leg are exchanged in a camera and frame.
+    pub swapped: f64,
     /// Standard deviation σ per axis of an ordinary error, pixels.
     pub jitter_px: f64,
     /// How much the size of errors varies between detections: standard deviation of its logarithm.
@@ -43,6 +48,8 @@ impl DetectorNoise {
     /// What a good detector does on images of about a megapixel: 4 px jitter, 5 px offset, 5 % missing, 2 % gross outliers.
     pub const DETECTOR_LIKE: Self = Self {
         offset_px: 5.0,
+        bias_px: 0.0,
+        swapped: 0.0,
         jitter_px: 4.0,
         spread: 0.3,
         usual_confidence: 0.75,
@@ -57,6 +64,7 @@ impl DetectorNoise {
     pub fn resized(&self, factor: f64) -> Self {
         Self {
             offset_px: factor * self.offset_px,
+            bias_px: factor * self.bias_px,
             jitter_px: factor * self.jitter_px,
             outlier_px: self.outlier_px.map(|px| factor * px),
             ..*self
@@ -68,6 +76,8 @@ impl DetectorNoise {
     pub const fn stated_gaussian(sigma_px: f64) -> Self {
         Self {
             offset_px: 0.0,
+            bias_px: 0.0,
+            swapped: 0.0,
             jitter_px: sigma_px,
             spread: 0.0,
             usual_confidence: 1.0,
@@ -99,29 +109,49 @@ pub fn detect(
 ) -> Detections {
     let columns: Vec<Option<usize>> =
         layout.points.iter().map(|name| name.as_deref().and_then(|name| motion.index(name))).collect();
-    let [offset_stage, frame_stage] = stage.split(["camera offset", "detection"]);
+    let [offset_stage, frame_stage, bias_stage, swap_stage] =
+        stage.split(["camera offset", "detection", "bias", "swap"]);
+    let limbs = paired_limbs(layout);
     let mut offsets_px = Vec::with_capacity(cameras.len());
     let mut keypoints = Vec::with_capacity(cameras.len());
     for (index, camera) in cameras.iter().enumerate() {
         let mut normal = [Block::ZERO; 2];
         offset_stage.round(index).whole().fill_normal(Isa::baseline(), &mut normal);
         let offset = normal.map(|block| noise.offset_px * block.0[0]);
+        let biases = normals(&bias_stage.round(index), 0, 2 * columns.len());
+        let offset_of = |k: usize| [0, 1].map(|axis: usize| offset[axis] + noise.bias_px * biases[2 * k + axis]);
         let mut errors = vec![None; columns.len()];
         let frames = (0_u32..).zip(&motion.frames).map(|(number, frame)| {
             let stage = frame_stage.round(index).at_frame(number);
             let mut draws = Draws::new(&stage);
             let place = |column: &Option<usize>| column.and_then(|k| pixel(camera, frame[k]));
-            let detected = |(column, error): (&Option<usize>, &mut Option<[f64; 2]>)| {
+            let detected = |(k, (column, error)): (usize, (&Option<usize>, &mut Option<[f64; 2]>))| {
                 let mut luck = draws.next(&stage);
                 luck.persist(error, noise.persistence);
-                seen(camera, place(column), offset, noise, luck)
+                seen(camera, place(column), offset_of(k), noise, luck)
             };
-            columns.iter().zip(&mut errors).map(detected).collect()
+            let mut found: Vec<Option<Keypoint>> = columns.iter().zip(&mut errors).enumerate().map(detected).collect();
+            let luck = uniforms(&swap_stage.round(index).at_frame(number), 0, limbs.len());
+            for (pairs, _) in limbs.iter().zip(luck).filter(|(_, luck)| *luck < noise.swapped) {
+                pairs.iter().for_each(|&(left, right)| found.swap(left, right));
+            }
+            found
         });
         keypoints.push(frames.collect());
         offsets_px.push(offset);
     }
     Detections { offsets_px, keypoints }
+}
+
+/// Pairs of left and right keypoints: those of the arms, and those of the legs.
+fn paired_limbs(layout: &Layout) -> [Vec<(usize, usize)>; 2] {
+    let of = |parts: &[&str]| {
+        let is_part = |index: usize| {
+            layout.points[index].as_deref().is_some_and(|name| parts.iter().any(|part| name.ends_with(part)))
+        };
+        layout.left_right_pairs().into_iter().filter(|(left, _)| is_part(*left)).collect()
+    };
+    [of(&["Shoulder", "Elbow", "Wrist"]), of(&["Hip", "Knee", "Ankle", "Heel", "BigToe", "SmallToe"])]
 }
 
 /// Random numbers of one detection.
@@ -249,6 +279,30 @@ mod tests {
             }
         }
         (found, errors, missing)
+    }
+
+    #[test]
+    fn biases_stay_and_sides_are_exchanged() {
+        let (motion, layout, cameras) = still_points(200);
+        let still = DetectorNoise { jitter_px: 1e-9, ..DetectorNoise::stated_gaussian(0.0) };
+        let found = |noise| detect(&motion, &layout, &cameras, &noise, Stage::new(5, "test")).keypoints;
+        let (plain, biased) = (found(still), found(DetectorNoise { bias_px: 3.0, ..still }));
+        let away: Vec<f64> = plain.iter().zip(&biased).flat_map(|(plain, biased)| {
+            let [first, last] = [0, 199].map(|f: usize| {
+                plain[f].iter().zip(&biased[f]).map(|(a, b)| b.unwrap().x - a.unwrap().x).collect::<Vec<f64>>()
+            });
+            assert!(first.iter().zip(&last).all(|(a, b)| (a - b).abs() < 0.01));
+            first
+        }).collect();
+        let variance = away.iter().map(|x| x * x).sum::<f64>() / away.len() as f64;
+        assert!((variance.sqrt() / 3.0 - 1.0).abs() < 0.25, "{variance}");
+        let swapped = found(DetectorNoise { swapped: 0.1, ..still });
+        let elbow = layout.index("LElbow").unwrap();
+        let exchanged = plain.iter().zip(&swapped).flat_map(|(a, b)| a.iter().zip(b)).filter(|(a, b)| {
+            (a[elbow].unwrap().x - b[elbow].unwrap().x).abs() > 0.01
+        });
+        let share = exchanged.count() as f64 / (200.0 * cameras.len() as f64);
+        assert!((share - 0.1).abs() < 0.04, "{share}");
     }
 
     #[test]

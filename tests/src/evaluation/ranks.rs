@@ -37,6 +37,10 @@ pub fn at_points(
         let mut ranks = vec![[0; 3]; columns.len()];
         for (i, state) in estimate.draws.states.chunks_exact(tree.dof()).enumerate() {
             point_positions(&plan, Isa::baseline(), state, &mut at);
+            let shape = estimate.draws.shape.get(3 * tree.points().len() * i..).unwrap_or_default();
+            for (x, k) in at.chunks_exact_mut(3).zip(columns.iter().map(|(k, _)| *k)) {
+                x.iter_mut().zip(shape.iter().skip(3 * k)).for_each(|(x, by)| *x += by);
+            }
             let size = estimate.draws.size.get(i).copied().unwrap_or(1.0);
             for ((rank, drawn), (_, m)) in ranks.iter_mut().zip(at.chunks_exact(3)).zip(&columns) {
                 for a in 0..3 {

@@ -12,6 +12,7 @@ use sinew::setup::Setup;
 use sinew::track::Doubt;
 use sinew::tracking::bootstrap;
 use sinew_motion::points::Trajectories;
+use sinew_simulate::calibration_error::CalibrationError;
 use sinew_simulate::detector::DetectorNoise;
 use sinew_simulate::recording::{Script, SyntheticRecording};
 use sinew_tests::evaluation::{self, Filtered, Track, own_model, ranks};
@@ -46,6 +47,9 @@ const LIMBS: f64 = 1.03;
 const PERSISTENCE: f64 = 0.7;
 /// Factor by which the noise is understated.
 const UNDERSTATED: f64 = 1.5;
+/// Constant biases and share of exchanged sides where all is wrong together.
+pub(super) const BIAS_PX: f64 = 4.0;
+const SWAPPED: f64 = 0.02;
 /// Share of gross outliers and their distances, pixels.
 const OUTLIER: f64 = 0.05;
 const OUTLIER_PX: [f64; 2] = [40.0, 250.0];
@@ -108,6 +112,14 @@ pub(super) enum Wrong {
     Understated,
     /// Keypoints are the joints of the recording's own skeleton.
     Recorded,
+    /// Cameras that differ from their calibration.
+    Calibration,
+    /// A constant bias of each keypoint in each camera, of that standard deviation per axis, pixels.
+    Biased(f64),
+    /// Left and right exchanged in that share of the frames of a camera.
+    Swapped(f64),
+    /// Recorded joints, cameras that differ from their calibration, biases, exchanged sides and errors that persist, all together.
+    All,
 }
 
 /// What is simulated and how it is tracked.
@@ -180,6 +192,17 @@ impl Wrong {
             Self::Persistent => format!("errors correlated {PERSISTENCE} from frame to frame"),
             Self::Understated => format!("errors {UNDERSTATED} times as large"),
             Self::Recorded => "recorded joints, which the body does not reach".into(),
+            Self::Calibration => "cameras 0.2°, 5 mm, 0.3 % off".into(),
+            Self::Biased(px) => format!("keypoints {px} px aside in each camera"),
+            Self::Swapped(share) => format!("sides exchanged in {} %", 100.0 * share),
+            Self::All => "all together".into(),
+        }
+    }
+
+    const fn calibration(self) -> CalibrationError {
+        match self {
+            Self::Calibration | Self::All => CalibrationError::USUAL,
+            _ => CalibrationError::NONE,
         }
     }
 
@@ -189,7 +212,10 @@ impl Wrong {
             Self::Offset(offset_px) | Self::Moved(offset_px) => DetectorNoise { offset_px, ..right },
             Self::Outliers(_) => DetectorNoise { outlier: OUTLIER, outlier_px: OUTLIER_PX, ..right },
             Self::Persistent => DetectorNoise { persistence: PERSISTENCE, ..right },
-            Self::Right | Self::Understated | Self::Recorded => right,
+            Self::Biased(bias_px) => DetectorNoise { bias_px, ..right },
+            Self::Swapped(swapped) => DetectorNoise { swapped, ..right },
+            Self::All => DetectorNoise { bias_px: BIAS_PX, swapped: SWAPPED, persistence: PERSISTENCE, ..right },
+            Self::Right | Self::Understated | Self::Recorded | Self::Calibration => right,
         }
     }
 }
@@ -289,14 +315,14 @@ fn person(
     // Stretches of one motion begin everywhere in it.
     let first = (seed as usize).wrapping_mul(7919) % (person.states.len() - seen + 1);
     let truth = match (wrong, &person.recorded) {
-        (Wrong::Recorded, Some(recorded)) => recorded,
-        (Wrong::Recorded, None) => return Err("walkers have no recorded joints".into()),
+        (Wrong::Recorded | Wrong::All, Some(recorded)) => recorded,
+        (Wrong::Recorded | Wrong::All, None) => return Err("walkers have no recorded joints".into()),
         _ => &person.fitted,
     };
     let truth = cut(truth, first..first + seen);
     let states = person.states[first..first + seen].to_vec();
     let film = |noise: DetectorNoise| -> Outcome<SyntheticRecording> {
-        let script = Script { noise, rate_hz: RATE_HZ, ..Script::default() };
+        let script = Script { noise, calibration: wrong.calibration(), rate_hz: RATE_HZ, ..Script::default() };
         let mut film =
             SyntheticRecording::from_motion(person.body.clone(), states.clone(), truth.clone(), &script, seed)?;
         film.cameras.truncate(cameras);

@@ -97,7 +97,7 @@ fn coverages(text: &mut String, series: &[(Scene, Found)], as_assumed: bool) {
     let [title, first] = if as_assumed {
         ["Noise as assumed", "method, cameras, sizes"]
     } else {
-        ["Otherwise; hmc, four cameras, sizes of the set-up", "keypoints"]
+        ["Otherwise; hmc, sizes of the set-up", "keypoints, cameras"]
     };
     line(text, &format!("\n{title}:\n"));
     let last = "mean distance from promise | in files, 90 % | error, mm | R-hat above 1.05 |";
@@ -109,7 +109,7 @@ fn coverages(text: &mut String, series: &[(Scene, Found)], as_assumed: bool) {
             continue;
         }
         let [method, cameras, sizes, keypoints] = named(scene);
-        let name = if as_assumed { format!("{method}, {cameras}, {sizes}") } else { keypoints };
+        let name = if as_assumed { format!("{method}, {cameras}, {sizes}") } else { format!("{keypoints}; {cameras}") };
         let row = format!(
             "| {name} | {} |{} {:.1} | {} | {:.1} | {:.0} % |",
             found.series,

@@ -52,6 +52,8 @@ pub struct PointMarginal {
     pub mean: [f64; 3],
     /// Standard deviation.
     pub sd: [f64; 3],
+    /// Standard deviation within the run: without the shift of the world that all points share in all frames.
+    pub sd_within: [f64; 3],
     /// 5 % quantile.
     pub q05: [f64; 3],
     /// 95 % quantile.

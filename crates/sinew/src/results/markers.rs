@@ -1,7 +1,7 @@
 //! `markers.trc`, the points of the mean pose for OpenSim, and `markers_sd.csv`, how well each is known.
 //!
 //! The points of the Pose2Sim reference come first, in its order; the body's other points follow in theirs. Axes are Y up, metres. The standard deviation of a marker
-//! is the root mean square over its axes, metres: one weight for inverse kinematics.
+//! within the run, without the shift that all markers share, is the root mean square over its axes, metres: one weight for inverse kinematics.
 
 use super::partial::{PartialFile, Place};
 use super::pose::Pose;
@@ -73,7 +73,7 @@ impl Markers {
         let number = i64::try_from(row + 1).unwrap_or(i64::MAX);
         self.trc.write(|out| trc::write_frame(out, number, estimate.time_s, &points))?;
         let deviation = |index: &usize| {
-            let [x, y, z] = estimate.points[*index].sd;
+            let [x, y, z] = estimate.points[*index].sd_within;
             Cell::Number(((x * x + y * y + z * z) / 3.0).sqrt())
         };
         let mut cells = vec![integer(estimate.number), Cell::Number(estimate.time_s)];

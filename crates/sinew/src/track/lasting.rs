@@ -15,7 +15,7 @@ use sinew_core::random::BlockRng;
 use sinew_dynamics::lasting_draws::LastingMoves;
 use sinew_dynamics::motion_prior::MotionPrior;
 use sinew_observe::Camera;
-use sinew_observe::lasting_errors::{LastingErrors, linearised, pixels_per_metre};
+use sinew_observe::lasting_errors::{LastingErrors, common_shift, linearised, pixels_per_metre};
 use sinew_tracking::posterior::Posterior;
 
 /// Weighted draws are made this many of equal weight before they are moved.
@@ -29,6 +29,8 @@ pub(super) struct Lasting {
     points: Neighbours,
     pixels_per_metre: Vec<f64>,
     draws: usize,
+    /// The shift of the world that each draw of the cameras looks like, metres.
+    shifts: Vec<[f64; 3]>,
     /// Draws less the values that tracking uses, p × n, row after row.
     deviations: Vec<f64>,
     initial: Vec<f64>,
@@ -40,6 +42,8 @@ pub(super) struct Lasting {
 /// Where the draws of a frame go.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Moved {
+    /// The part of it that all points share in all frames, draw by draw, metres.
+    pub shifts: Vec<[f64; 3]>,
     /// Draws n of what is constant.
     pub draws: usize,
     /// By how much each moves the state, d × n, row after row.
@@ -70,11 +74,13 @@ impl Lasting {
         let build = |sizes: &_| setup.body.tree(sizes).with_points_moved(&places);
         let variances = |sd: &[f64]| sd.iter().map(|sd| sd * sd).collect::<Vec<f64>>();
         let (initial, draws) = (variances(motion.initial_sd()), known.draws());
+        let deviations = deviations(known, &errors, cameras, &scene.keypoints());
         Some(Self {
+            shifts: shifts(&setup.as_they_are(cameras, 1.0), &errors, &deviations, known),
             keypoints: Neighbours::new(build, &setup.proportions, indices),
             points: Neighbours::new(|sizes| setup.body.tree(sizes), &setup.proportions, &all),
             pixels_per_metre: cameras.iter().map(|camera| pixels_per_metre(camera, known.middle_m)).collect(),
-            deviations: deviations(known, &errors, cameras, &scene.keypoints()),
+            deviations,
             moves: LastingMoves::new(&initial, draws),
             step: variances(motion.sd()),
             errors,
@@ -119,6 +125,7 @@ impl Lasting {
     pub(super) fn moved(&self, mean: &[f64], states: Vec<f64>) -> Moved {
         let (body, keypoints) = (self.points.at(mean), self.keypoints.at(mean));
         Moved {
+            shifts: self.shifts.clone(),
             draws: self.draws,
             states,
             points: self.shifted(&body.by_length, &[]),
@@ -139,6 +146,20 @@ impl Lasting {
         self.started = !saved.is_empty();
         if self.started { self.moves.restore(saved) } else { Ok(()) }
     }
+}
+
+/// The shift of the world that each draw of the cameras looks like at the middle of the set-up's frames; 0 where fewer than two see it.
+fn shifts(cameras: &[Camera], errors: &LastingErrors, deviations: &[f64], known: &MeasuredErrors) -> Vec<[f64; 3]> {
+    let draws = known.draws();
+    let of_draw = |draw: usize| {
+        let error = |camera: usize| {
+            let first = errors.camera(camera).start;
+            std::array::from_fn(|k| deviations[(first + k) * draws + draw])
+        };
+        let drawn: Vec<_> = (0..cameras.len()).map(error).collect();
+        common_shift(cameras, &drawn, known.middle_m).unwrap_or_default()
+    };
+    (0..draws).map(of_draw).collect()
 }
 
 /// Draws of the set-up for these cameras and points, in the order of `errors`; what the set-up has no draws of stays where it is.

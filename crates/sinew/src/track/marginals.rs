@@ -20,10 +20,17 @@ pub(super) struct Marginals {
     positions: Vec<Block>,
 }
 
+/// Standard deviation of a series.
+fn deviation(series: &[f64], weights: &[f64]) -> f64 {
+    let mean: f64 = series.iter().zip(weights).map(|(x, w)| w * x).sum();
+    let variance: f64 = series.iter().zip(weights).map(|(x, w)| w * (x - mean) * (x - mean)).sum();
+    variance.max(0.0).sqrt()
+}
+
 /// Mean, standard deviation, 5 % and 95 % quantile of a series; reorders it where the weights are equal.
 fn describe(series: &mut [f64], weights: &[f64], equal: bool) -> [f64; 4] {
     let mean: f64 = series.iter().zip(weights).map(|(x, w)| w * x).sum();
-    let variance: f64 = series.iter().zip(weights).map(|(x, w)| w * (x - mean) * (x - mean)).sum();
+    let sd = deviation(series, weights);
     let [low, high] = if equal {
         let n = series.len();
         let at = |p: f64| ((p * n as f64).ceil() as usize).clamp(1, n) - 1;
@@ -43,7 +50,7 @@ fn describe(series: &mut [f64], weights: &[f64], equal: bool) -> [f64; 4] {
             reached.or(order.last()).map_or(mean, |(x, _)| *x)
         })
     };
-    [mean, variance.max(0.0).sqrt(), low, high]
+    [mean, sd, low, high]
 }
 
 impl Marginals {
@@ -90,6 +97,11 @@ impl Marginals {
                 series.iter_mut().zip(row.iter().cycle()).for_each(|(x, by)| *x += by);
             }
         };
+        let within = |series: &[f64], axis: usize| {
+            let shifts = moved.map(|moved| &moved.shifts);
+            let own = |(draw, x): (usize, &f64)| x - shifts.map_or(0.0, |shifts| shifts[draw % shifts.len()][axis]);
+            deviation(&series.iter().enumerate().map(own).collect::<Vec<_>>(), posterior.weights)
+        };
         let described_column = |series: &mut Vec<f64>, all: &[Block], width: usize, column: usize| {
             series.clear();
             series.extend(all.iter().skip(column).step_by(width).flat_map(|block| block.0));
@@ -100,9 +112,11 @@ impl Marginals {
             if let Some(size) = size.as_ref().filter(|_| width == coordinates || column < 3) {
                 series.iter_mut().enumerate().for_each(|(draw, x)| *x = size.place(draw, column % 3, *x));
             }
-            describe(series, posterior.weights, equal)
+            let within = if width == coordinates { within(series, column % 3) } else { 0.0 };
+            let [mean, sd, q05, q95] = describe(series, posterior.weights, equal);
+            [mean, sd, q05, q95, within]
         };
-        let described: Vec<[f64; 4]> = (0..coordinates + d)
+        let described: Vec<[f64; 5]> = (0..coordinates + d)
             .into_par_iter()
             .map_init(Vec::new, |series, column| match column.checked_sub(coordinates) {
                 None => described_column(series, positions, coordinates, column),
@@ -110,14 +124,15 @@ impl Marginals {
             })
             .collect();
         let (at_points, points_of_states) = described.split_at(coordinates);
-        let point = |axes: &[[f64; 4]]| {
+        let point = |axes: &[[f64; 5]]| {
             let mut point = PointMarginal::default();
-            for (axis, &[mean, sd, q05, q95]) in axes.iter().enumerate() {
+            for (axis, &[mean, sd, q05, q95, within]) in axes.iter().enumerate() {
                 (point.mean[axis], point.sd[axis], point.q05[axis], point.q95[axis]) = (mean, sd, q05, q95);
+                point.sd_within[axis] = within;
             }
             point
         };
-        let state = |&[mean, _, q05, q95]: &[f64; 4]| StateMarginal { mean, q05, q95 };
+        let state = |&[mean, _, q05, q95, _]: &[f64; 5]| StateMarginal { mean, q05, q95 };
         (at_points.chunks_exact(3).map(point).collect(), points_of_states.iter().map(state).collect())
     }
 }
