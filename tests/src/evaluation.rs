@@ -80,8 +80,10 @@ pub fn run(
     let mut pipeline = Pipeline::new(&setup, &tree, &cameras, &layout, settings.clone())?;
     static COUNT: AtomicU64 = AtomicU64::new(0);
     let name = format!("sinew-evaluation-{}-{}", std::process::id(), COUNT.fetch_add(1, Ordering::Relaxed));
-    let mut spool =
-        Spool::temporary(&std::env::temp_dir().join(name), [tree.dof(), cameras.len(), pipeline.keypoints().len(), pipeline.lasting_draws()])?;
+    let mut spool = Spool::temporary(
+        &std::env::temp_dir().join(name),
+        [tree.dof(), cameras.len(), pipeline.keypoints().len(), pipeline.lasting_draws()],
+    )?;
     let (mut filtered, mut smoothed) = (vec![], vec![]);
     pipeline.track(source, frames, |estimate, posterior| {
         spool.append(&estimate, &track::moments(posterior, settings.isa))?;

@@ -4,6 +4,7 @@ mod accuracy;
 mod chart;
 mod coverage;
 mod filter_priors;
+mod intervals;
 mod missing_limbs;
 mod motion_prior;
 mod mutants;
@@ -11,6 +12,7 @@ mod oil_flow;
 mod outcome;
 mod picture;
 mod processor_time;
+mod program;
 mod reproduce;
 mod silhouettes;
 mod soak;
@@ -40,6 +42,8 @@ enum Command {
     Accuracy(accuracy::Args),
     /// Measure the HMC filter's priors between frames against exact filters: the tables of docs/evidence/filter-priors.md.
     FilterPriors(filter_priors::Args),
+    /// Judge intervals by cameras that are left out and by demos: the tables of docs/evidence/intervals.md.
+    Intervals(intervals::Args),
     /// Fill in missing limbs by latent models: the tables of docs/evidence/latent.md.
     MissingLimbs(missing_limbs::Args),
     /// Plant the bugs of tests/planted in a copy of the workspace and name the test that catches each.
@@ -73,6 +77,7 @@ fn main() -> ExitCode {
     match Cli::parse().command {
         Command::Accuracy(args) => accuracy::run(root, &args),
         Command::FilterPriors(args) => filter_priors::run(root, &args),
+        Command::Intervals(args) => intervals::run(root, &args),
         Command::MissingLimbs(args) => missing_limbs::run(root, &args),
         Command::Mutants(args) => mutants::run(root, &args),
         Command::Coverage(args) => coverage::run(root, &args),

@@ -15,9 +15,10 @@ mod tables;
 mod worth;
 
 use crate::outcome::{Outcome, exit_code};
+use crate::program::{self, Program};
 use crate::store::{Store, Task, run_all};
 use entries::{ENTRIES, Entry};
-use films::{Film, Program, key};
+use films::{Film, key};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -49,7 +50,7 @@ fn cell(program: &Program, film: &Film, entry: &Entry, seed: u64) -> Outcome<ser
     let out = program.folder.join("runs").join(key(film, entry, seed).replace('/', "-"));
     let mut flags = film.flags(entry.seen, seed);
     flags.extend(entry.flags.iter().map(|&flag| flag.to_owned()));
-    flags.extend(program.model_flags(entry, film)?);
+    flags.extend(films::model_flags(program, entry, film)?);
     let rest = ["--method", entry.method, "--seed", &seed.to_string(), "--threads", "1", "--force", "--no-progress"];
     flags.extend(rest.map(str::to_owned));
     program.track(&flags, &out)?;
@@ -64,7 +65,7 @@ fn measure(root: &Path, args: &Args) -> Outcome<()> {
     std::fs::create_dir_all(&folder)?;
     let path = match &args.program {
         Some(path) => path.clone(),
-        None => films::built(root)?,
+        None => program::built(root)?,
     };
     let program = Program { path, folder: folder.clone() };
     let films = films::all(&program, &data, args.seeds)?;

@@ -102,7 +102,14 @@ fn answer(found: &[LeftOut], args: &ValidateArgs, out: &Path) -> Result<(), Erro
     let percent = |x: f64| format!("{:3.0}", 100.0 * x);
     let row = |name: &str, tally: &sinew_tools::validate::Tally| {
         let inside = LEVELS.map(|level| percent(tally.coverage(level))).join(" ");
-        (name.to_owned(), format!("{inside} % inside, error {:.1} px (90 %: {:.1} px)", tally.quantile_px(0.5), tally.quantile_px(0.9)))
+        (
+            name.to_owned(),
+            format!(
+                "{inside} % inside, error {:.1} px (90 %: {:.1} px)",
+                tally.quantile_px(0.5),
+                tally.quantile_px(0.9)
+            ),
+        )
     };
     let mut rows: Vec<(String, String)> = vec![("regions of".into(), LEVELS.map(percent).join(" ") + " %")];
     for left in found {
@@ -111,7 +118,10 @@ fn answer(found: &[LeftOut], args: &ValidateArgs, out: &Path) -> Result<(), Erro
         rows.push((name, format!("{text}, offset {u:+.1} {v:+.1} px ({:.1} sd)", left.offset_size)));
     }
     rows.push(row("all", &all));
-    rows.push(("log score".into(), format!("{:.2}; calibration error {:.3}", all.log_score(), all.calibration_error())));
+    rows.push((
+        "log score".into(),
+        format!("{:.2}; calibration error {:.3}", all.log_score(), all.calibration_error()),
+    ));
     rows.push(("results".into(), out.display().to_string()));
     report::answer(&format!("{}\n{}\n", aligned(&rows), sentence(found)))
 }

@@ -129,7 +129,12 @@ fn lucks(stage: &Stage, sweep: usize, count: usize) -> [Luck; 2] {
 ///
 /// # Errors
 /// [`Error::Shape`] for a matrix of another size or a prior that does not have every number once, [`Error::OutOfRange`] for one that is not positive, [`Error::Indefinite`] where Λ is not a covariance's inverse.
-pub fn draws(data: &LastingData, prior: &LastingPrior, schedule: Schedule, stage: Stage) -> Result<LastingDraws, Error> {
+pub fn draws(
+    data: &LastingData,
+    prior: &LastingPrior,
+    schedule: Schedule,
+    stage: Stage,
+) -> Result<LastingDraws, Error> {
     let p = data.pull.len();
     check(data, prior, p)?;
     let mut sweep = Sweep {

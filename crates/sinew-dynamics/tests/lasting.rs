@@ -248,8 +248,14 @@ fn draws_move_as_the_response_says() {
     let (mut response, mut moves) = (last.response(), after[FRAMES - 1].1.clone());
     for t in (0..FRAMES - 1).rev() {
         let filtered = &frames[t].filtered;
-        let total: Vec<f64> = filtered.covariance.iter().enumerate().map(|(e, x)| x + if e % (D + 1) == 0 { variances[e / D] } else { 0.0 }).collect();
-        let gain = rows((matrix(&filtered.covariance, D) * matrix(&total, D).llt(Side::Lower).unwrap().inverse()).as_ref());
+        let total: Vec<f64> = filtered
+            .covariance
+            .iter()
+            .enumerate()
+            .map(|(e, x)| x + if e % (D + 1) == 0 { variances[e / D] } else { 0.0 })
+            .collect();
+        let gain =
+            rows((matrix(&filtered.covariance, D) * matrix(&total, D).llt(Side::Lower).unwrap().inverse()).as_ref());
         response = after[t].0.smoothed(&gain, &identity, &response).unwrap();
         moves = smoother.changes(filtered, &after[t].1, &moves).unwrap();
         agree(&moves, &expected(&response));

@@ -74,9 +74,11 @@ impl LastingErrors {
     /// A name for each number, from those of cameras, lengths and points.
     #[must_use]
     pub fn names(&self, cameras: &[String], lengths: &[&str], points: &[String]) -> Vec<String> {
-        let of_cameras = cameras.iter().flat_map(|camera| camera_error::NAMES.iter().map(move |n| format!("{camera}.{n}")));
+        let of_cameras =
+            cameras.iter().flat_map(|camera| camera_error::NAMES.iter().map(move |n| format!("{camera}.{n}")));
         let of_lengths = lengths.iter().map(|name| format!("body.{name}_m"));
-        let of_places = points.iter().flat_map(|point| ["x", "y", "z"].map(|axis| format!("body.{point}.place_{axis}_m")));
+        let of_places =
+            points.iter().flat_map(|point| ["x", "y", "z"].map(|axis| format!("body.{point}.place_{axis}_m")));
         let of_biases = cameras.iter().flat_map(|camera| {
             points.iter().flat_map(move |point| ["u", "v"].map(|axis| format!("{camera}.{point}.bias_{axis}_m")))
         });
@@ -176,7 +178,8 @@ pub fn linearised(
             let noise_px2 = model.noise_px2(camera, detection.confidence);
             let by_model_error = model.by_model_error(camera, seen.len(), &at);
             let variance = noise_px2 + model.model_error_m.powi(2) * by_model_error;
-            let Some((rows, residual_px)) = rows(model, errors, scales, body, (camera, point), detection, variance) else {
+            let Some((rows, residual_px)) = rows(model, errors, scales, body, (camera, point), detection, variance)
+            else {
                 continue;
             };
             frame.residuals.push(FrameResidual { camera, point, residual_px, noise_px2, by_model_error });
@@ -214,7 +217,8 @@ fn rows(
     let dof = model.plan.dof();
     let across = |axis: usize, moved: &[f64]| (0..3).map(|k| by_point[axis][k] * moved[3 * point + k]).sum::<f64>();
     let pose = |axis: usize| {
-        let by_dof = |j: usize| (0..3).map(|k| by_point[axis][k] * body.by_pose[(3 * point + k) * dof + j]).sum::<f64>();
+        let by_dof =
+            |j: usize| (0..3).map(|k| by_point[axis][k] * body.by_pose[(3 * point + k) * dof + j]).sum::<f64>();
         (0..dof).map(|j| root * by_dof(j)).collect()
     };
     let lasting = |axis: usize| {
@@ -225,11 +229,8 @@ fn rows(
         let all = of_camera.chain(of_lengths).chain(of_place).chain(of_bias);
         all.filter(|(_, by)| *by != 0.0).map(|(place, by)| (place, root * by)).collect()
     };
-    let rows = Rows {
-        pose: [pose(0), pose(1)],
-        lasting: [lasting(0), lasting(1)],
-        residual: residual.map(|r| root * r),
-    };
+    let rows =
+        Rows { pose: [pose(0), pose(1)], lasting: [lasting(0), lasting(1)], residual: residual.map(|r| root * r) };
     Some((rows, residual))
 }
 

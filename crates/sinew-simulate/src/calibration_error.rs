@@ -53,7 +53,8 @@ pub fn as_they_are(calibrated: &[Camera], error: &CalibrationError, stage: &Stag
     let one = |(index, camera): (usize, &Camera)| {
         let stage = stage.round(index);
         let normal = normals(&stage, 0, NUMBERS);
-        let weight = if heavy_tails { -0.5 * uniforms(&stage, 1, 2).iter().map(|u| (1.0 - u).ln()).sum::<f64>() } else { 1.0 };
+        let weight =
+            if heavy_tails { -0.5 * uniforms(&stage, 1, 2).iter().map(|u| (1.0 - u).ln()).sum::<f64>() } else { 1.0 };
         let error: [f64; NUMBERS] = std::array::from_fn(|k| sd[k] * normal[k] / weight.sqrt());
         with_error(camera, &error)
     };
@@ -72,7 +73,10 @@ mod tests {
         let spread = |error: &CalibrationError| {
             let drawn = as_they_are(&cameras, error, &Stage::new(3, "test"));
             let place = |c: &Camera| c.translation[0] - camera.translation[0];
-            (drawn.iter().map(|c| (c.intrinsics.fx / 900.0).ln().powi(2)).sum::<f64>() / 4000.0, drawn.iter().map(|c| place(c).powi(2)).sum::<f64>() / 4000.0)
+            (
+                drawn.iter().map(|c| (c.intrinsics.fx / 900.0).ln().powi(2)).sum::<f64>() / 4000.0,
+                drawn.iter().map(|c| place(c).powi(2)).sum::<f64>() / 4000.0,
+            )
         };
         let (focal, _) = spread(&steady);
         assert!((focal.sqrt() / 3e-3 - 1.0).abs() < 0.05, "{focal}");

@@ -287,20 +287,26 @@ mod tests {
         let still = DetectorNoise { jitter_px: 1e-9, ..DetectorNoise::stated_gaussian(0.0) };
         let found = |noise| detect(&motion, &layout, &cameras, &noise, Stage::new(5, "test")).keypoints;
         let (plain, biased) = (found(still), found(DetectorNoise { bias_px: 3.0, ..still }));
-        let away: Vec<f64> = plain.iter().zip(&biased).flat_map(|(plain, biased)| {
-            let [first, last] = [0, 199].map(|f: usize| {
-                plain[f].iter().zip(&biased[f]).map(|(a, b)| b.unwrap().x - a.unwrap().x).collect::<Vec<f64>>()
-            });
-            assert!(first.iter().zip(&last).all(|(a, b)| (a - b).abs() < 0.01));
-            first
-        }).collect();
+        let away: Vec<f64> = plain
+            .iter()
+            .zip(&biased)
+            .flat_map(|(plain, biased)| {
+                let [first, last] = [0, 199].map(|f: usize| {
+                    plain[f].iter().zip(&biased[f]).map(|(a, b)| b.unwrap().x - a.unwrap().x).collect::<Vec<f64>>()
+                });
+                assert!(first.iter().zip(&last).all(|(a, b)| (a - b).abs() < 0.01));
+                first
+            })
+            .collect();
         let variance = away.iter().map(|x| x * x).sum::<f64>() / away.len() as f64;
         assert!((variance.sqrt() / 3.0 - 1.0).abs() < 0.25, "{variance}");
         let swapped = found(DetectorNoise { swapped: 0.1, ..still });
         let elbow = layout.index("LElbow").unwrap();
-        let exchanged = plain.iter().zip(&swapped).flat_map(|(a, b)| a.iter().zip(b)).filter(|(a, b)| {
-            (a[elbow].unwrap().x - b[elbow].unwrap().x).abs() > 0.01
-        });
+        let exchanged = plain
+            .iter()
+            .zip(&swapped)
+            .flat_map(|(a, b)| a.iter().zip(b))
+            .filter(|(a, b)| (a[elbow].unwrap().x - b[elbow].unwrap().x).abs() > 0.01);
         let share = exchanged.count() as f64 / (200.0 * cameras.len() as f64);
         assert!((share - 0.1).abs() < 0.04, "{share}");
     }

@@ -175,7 +175,7 @@ pub fn write_trc(out: &mut impl io::Write, file_name: &str, motion: &Trajectorie
 #[cfg(test)]
 mod tests {
     use super::*;
-use crate::detector::pixel;
+    use crate::detector::pixel;
     use sinew_formats::openpose;
 
     #[test]

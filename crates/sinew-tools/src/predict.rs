@@ -23,9 +23,9 @@ use sinew::input::up_axis::upright;
 use sinew::results::tracked::Tracked;
 use sinew::setup::lasting_errors::MeasuredErrors;
 use sinew::setup::lasting_prior::{CAMERA_UNITS, KIND_SCALES, kind};
+use sinew_formats::camera_name;
 use sinew_formats::source_text::MAX_TEXT_BYTES;
 use sinew_formats::zarr::reader::{self, Numbers};
-use sinew_formats::camera_name;
 use sinew_observe::Camera;
 use sinew_observe::camera_error::{NUMBERS, derivatives};
 use sinew_observe::lasting_errors::pixels_per_metre;
@@ -132,7 +132,8 @@ pub fn predict(folder: &Path, calibration: &Path, camera: &str) -> Result<Predic
     let calibrated = tracked.cameras(calibration)?.0;
     let noise_m2 = noise_m2(&tracked, known, &calibrated);
     let sigma = camera_variances(known);
-    let biases: Vec<f64> = known.points.iter().map(|point| HEAVY * mean_square(known, KIND_SCALES[kind(point)])).collect();
+    let biases: Vec<f64> =
+        known.points.iter().map(|point| HEAVY * mean_square(known, KIND_SCALES[kind(point)])).collect();
     let draw = |index: usize| {
         let (frame, point) = (index / points, index % points);
         let at = |draw: usize| {
@@ -211,7 +212,8 @@ fn common(shown: &[Option<Vec<Seen>>], draws: usize, variances: &[f64; NUMBERS])
     if count == 0.0 {
         return [0.0; 3];
     }
-    let of_draw = |draw: usize| [0, 1].map(|axis: usize| known().map(|seen| seen[draw].pixel[axis]).sum::<f64>() / count);
+    let of_draw =
+        |draw: usize| [0, 1].map(|axis: usize| known().map(|seen| seen[draw].pixel[axis]).sum::<f64>() / count);
     let (_, mut covariance) = moments(&(0..draws).map(of_draw).collect::<Vec<_>>());
     add(&mut covariance, spread(&mean_error(known().flatten()), variances));
     covariance

@@ -112,14 +112,18 @@ pub fn left_out(prediction: &Prediction, people: &[Vec<Person>], columns: &[Opti
     let count = prediction.keypoints.len().max(1);
     let nearest = |(people, predicted): (&Vec<Person>, &[Option<Predicted>])| {
         let seen = people.iter().map(|person| residuals(person, predicted, columns));
-        let away = |seen: &Vec<Option<[f64; 2]>>| median(&mut seen.iter().flatten().map(|[u, v]| u.hypot(*v)).collect::<Vec<_>>());
+        let away = |seen: &Vec<Option<[f64; 2]>>| {
+            median(&mut seen.iter().flatten().map(|[u, v]| u.hypot(*v)).collect::<Vec<_>>())
+        };
         let usable = seen.map(|seen| (away(&seen), seen)).filter(|(away, _)| away.is_finite());
         usable.min_by(|a, b| a.0.total_cmp(&b.0)).map_or_else(|| vec![None; count], |(_, seen)| seen)
     };
     let seen: Vec<Vec<Option<[f64; 2]>>> = people.iter().zip(prediction.predicted.chunks(count)).map(nearest).collect();
-    let offset_px = [0, 1].map(|axis: usize| median(&mut seen.iter().flatten().flatten().map(|r| r[axis]).collect::<Vec<_>>()));
+    let offset_px =
+        [0, 1].map(|axis: usize| median(&mut seen.iter().flatten().flatten().map(|r| r[axis]).collect::<Vec<_>>()));
     let offset_size = distance(offset_px, prediction.common).map_or(f64::NAN, |(square, _)| (0.5 * square).sqrt());
-    let mut keypoints: Vec<(String, Tally)> = prediction.keypoints.iter().map(|name| (name.clone(), Tally::default())).collect();
+    let mut keypoints: Vec<(String, Tally)> =
+        prediction.keypoints.iter().map(|name| (name.clone(), Tally::default())).collect();
     for (seen, predicted) in seen.iter().zip(prediction.predicted.chunks(count)) {
         for ((residual, predicted), (_, tally)) in seen.iter().zip(predicted).zip(&mut keypoints) {
             let (Some(residual), Some(predicted)) = (residual, predicted) else { continue };
@@ -145,14 +149,22 @@ pub fn together(cameras: &[LeftOut]) -> Tally {
 /// The table as text, a row a camera and keypoint, and `all` for each camera.
 #[must_use]
 pub fn to_csv(cameras: &[LeftOut]) -> String {
-    let mut text = "camera,keypoint,count,error_median_px,error_90_px,inside_50,inside_80,inside_90,inside_95,log_score\n".to_owned();
+    let mut text =
+        "camera,keypoint,count,error_median_px,error_90_px,inside_50,inside_80,inside_90,inside_95,log_score\n"
+            .to_owned();
     for camera in cameras {
         let all = camera.all();
-        let rows = std::iter::once(("all", &all)).chain(camera.keypoints.iter().map(|(name, tally)| (name.as_str(), tally)));
+        let rows =
+            std::iter::once(("all", &all)).chain(camera.keypoints.iter().map(|(name, tally)| (name.as_str(), tally)));
         for (name, tally) in rows.filter(|(_, tally)| !tally.squares.is_empty()) {
             let [a, b, c, d] = LEVELS.map(|level| tally.coverage(level));
-            let (count, half, most, score) = (tally.squares.len(), tally.quantile_px(0.5), tally.quantile_px(0.9), tally.log_score());
-            let _ = writeln!(text, "{},{name},{count},{half:.3},{most:.3},{a:.4},{b:.4},{c:.4},{d:.4},{score:.4}", camera.camera);
+            let (count, half, most, score) =
+                (tally.squares.len(), tally.quantile_px(0.5), tally.quantile_px(0.9), tally.log_score());
+            let _ = writeln!(
+                text,
+                "{},{name},{count},{half:.3},{most:.3},{a:.4},{b:.4},{c:.4},{d:.4},{score:.4}",
+                camera.camera
+            );
         }
     }
     text
@@ -172,7 +184,9 @@ pub fn sentence(cameras: &[LeftOut]) -> String {
         inside if inside > 96.0 => "the intervals of this recording are wider than they need to be",
         _ => "the intervals of this recording can be taken at their word",
     };
-    format!("{inside:.0} % of what a camera sees lies where the others expect it with 90 %, its own offset aside: {worth}")
+    format!(
+        "{inside:.0} % of what a camera sees lies where the others expect it with 90 %, its own offset aside: {worth}"
+    )
 }
 
 /// Side of the square of the curve, and the space around it, pixels.
@@ -202,7 +216,8 @@ pub fn to_svg(cameras: &[LeftOut]) -> String {
         if tally.squares.is_empty() {
             continue;
         }
-        let points: Vec<[f64; 2]> = std::iter::once(at(0.0, 0.0)).chain(CURVE.iter().map(|p| at(*p, tally.coverage(*p)))).collect();
+        let points: Vec<[f64; 2]> =
+            std::iter::once(at(0.0, 0.0)).chain(CURVE.iter().map(|p| at(*p, tally.coverage(*p)))).collect();
         svg.polyline(&points, 2.0, colour);
         let y = MARGIN + 20.0 * (index as f64 + 1.0);
         svg.line([SIDE + MARGIN + 20.0, y - 4.0], [SIDE + MARGIN + 40.0, y - 4.0], 2.0, colour);

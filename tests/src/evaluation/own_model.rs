@@ -177,8 +177,7 @@ impl Seen {
         let shared: Vec<(usize, usize)> =
             points.filter_map(|(p, point)| Some((p, film.layout.index(&point.name)?))).collect();
         let plan = Arc::new(Plan::new(&film.body, &shared.iter().map(|(p, _)| *p).collect::<Vec<_>>()));
-        let view =
-            |camera: &Camera| View { camera: camera.clone(), bias_px: vec![], sigma_px, usual_confidence: 1.0 };
+        let view = |camera: &Camera| View { camera: camera.clone(), bias_px: vec![], sigma_px, usual_confidence: 1.0 };
         let predicted = vec![0.0; 3 * plan.points()];
         let model = KeypointModel {
             plan,

@@ -4,8 +4,8 @@
 
 use super::entries::{ENTRIES, Entry, Learned, Seen};
 use crate::outcome::Outcome;
+use crate::program::{Program, shown};
 use std::path::{Path, PathBuf};
-use std::process::Command;
 
 /// Recorded walks that are tracked, and those that models learn from, all of one walker.
 const TEST: [&str; 4] = ["07_01", "07_04", "07_07", "07_09"];
@@ -17,55 +17,16 @@ const RATE_HZ: u32 = 30;
 const REAL_HZ: u32 = 60;
 const REFERENCE: &str = "T01_BalancingTrial/pose-3d/S00_P00_T01_BalancingTrial_0-100_filt_butterworth.trc";
 
-/// The program, and the folder that it works in.
-pub(super) struct Program {
-    pub(super) path: PathBuf,
-    pub(super) folder: PathBuf,
+/// The file of a learned model.
+fn model_file(program: &Program, learned: Learned, hz: u32) -> PathBuf {
+    program.folder.join(format!("{}-{hz}.json", learned.name()))
 }
 
-/// Exit codes of a run that has written its results: done, and done with diagnostics that failed.
-const WRITTEN: [i32; 2] = [0, 4];
-
-/// The program, built for release.
-pub(super) fn built(root: &Path) -> Outcome<PathBuf> {
-    let status = Command::new("cargo").args(["build", "--release", "-p", "sinew-cli"]).current_dir(root).status()?;
-    if !status.success() {
-        return Err("the program does not build".into());
-    }
-    Ok(root.join("target/release/sinew"))
-}
-
-fn shown(path: &Path) -> String {
-    path.display().to_string()
-}
-
-impl Program {
-    fn run(&self, flags: &[String], codes: &[i32]) -> Outcome<()> {
-        let output = Command::new(&self.path).args(flags).output()?;
-        if output.status.code().is_some_and(|code| codes.contains(&code)) {
-            return Ok(());
-        }
-        let said = String::from_utf8_lossy(&output.stderr);
-        Err(format!("sinew {}: {:?}\n{said}", flags.join(" "), output.status.code()).into())
-    }
-
-    /// Tracks into a folder. Diagnostics that fail are no error here: the tables say how good the results are.
-    pub(super) fn track(&self, flags: &[String], out: &Path) -> Outcome<()> {
-        let all = [&["track".to_owned()], flags, &["-o".to_owned(), shown(out)]].concat();
-        self.run(&all, &WRITTEN)?;
-        if out.join("summary.json").is_file() { Ok(()) } else { Err(format!("nothing in {}", shown(out)).into()) }
-    }
-
-    fn model(&self, learned: Learned, hz: u32) -> PathBuf {
-        self.folder.join(format!("{}-{hz}.json", learned.name()))
-    }
-
-    /// Flags for the model of a tracker.
-    pub(super) fn model_flags(&self, entry: &Entry, film: &Film) -> Outcome<Vec<String>> {
-        let Some(learned) = entry.learned else { return Ok(vec![]) };
-        let file = shown(&self.model(learned, film.hz));
-        Ok(["--body", learned.body(), learned.flag(), &file].map(str::to_owned).to_vec())
-    }
+/// Flags for the model of a tracker.
+pub(super) fn model_flags(program: &Program, entry: &Entry, film: &Film) -> Outcome<Vec<String>> {
+    let Some(learned) = entry.learned else { return Ok(vec![]) };
+    let file = shown(&model_file(program, learned, film.hz));
+    Ok(["--body", learned.body(), learned.flag(), &file].map(str::to_owned).to_vec())
 }
 
 /// A recording.
@@ -160,7 +121,7 @@ pub(super) fn learn(program: &Program, data: &Path, films: &[Film]) -> Outcome<(
     let needed = |learned: &Learned| ENTRIES.iter().any(|entry| entry.learned == Some(*learned));
     for learned in Learned::ALL.into_iter().filter(needed) {
         for &hz in &rates {
-            let out = program.model(learned, hz);
+            let out = model_file(program, learned, hz);
             if out.is_file() {
                 continue;
             }

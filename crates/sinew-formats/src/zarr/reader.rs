@@ -27,7 +27,8 @@ pub fn numbers(
     mut chunk: impl FnMut(&str) -> Result<Option<Vec<u8>>, Error>,
 ) -> Result<Numbers, Error> {
     let document: Value = json_text::parse(name, document)?;
-    let wrong = |found: String, expected: &str| Error::Syntax { place: Place::file(name), found, expected: expected.into() };
+    let wrong =
+        |found: String, expected: &str| Error::Syntax { place: Place::file(name), found, expected: expected.into() };
     let refused = |key: &str, expected: &str| wrong(format!("`{key}`: {}", document[key]), expected);
     let sizes = |value: &Value| -> Option<Vec<usize>> {
         value.as_array()?.iter().map(|size| usize::try_from(size.as_u64()?).ok()).collect()
@@ -59,7 +60,8 @@ pub fn numbers(
             return Err(wrong(format!("chunk {key} has {} bytes", bytes.len()), &(width * of_chunk).to_string()));
         }
         for (within, bytes) in bytes.chunks_exact(width).enumerate() {
-            let place: Vec<usize> = places(within, &cut).iter().zip(at.iter().zip(&cut)).map(|(w, (a, c))| a * c + w).collect();
+            let place: Vec<usize> =
+                places(within, &cut).iter().zip(at.iter().zip(&cut)).map(|(w, (a, c))| a * c + w).collect();
             if place.iter().zip(&shape).all(|(place, size)| place < size) {
                 let index = place.iter().zip(&shape).fold(0, |index, (place, size)| index * size + place);
                 values[index] = match bytes {

@@ -115,9 +115,12 @@ impl MeasuredErrors {
             return Some(format!("lasting: {found} numbers; its cameras and points make {expected}"));
         }
         let draws = self.draws();
-        let wrong = |values: &[f64]| values.len() != draws || values.is_empty() || !values.iter().all(|x| x.is_finite());
+        let wrong =
+            |values: &[f64]| values.len() != draws || values.is_empty() || !values.iter().all(|x| x.is_finite());
         let named = |name: &str| Some(format!("lasting: `{name}` needs {draws} draws, all finite numbers"));
-        if let Some(scale) = self.scale.iter().find(|scale| wrong(&scale.draws) || !scale.draws.iter().all(|x| *x > 0.0)) {
+        if let Some(scale) =
+            self.scale.iter().find(|scale| wrong(&scale.draws) || !scale.draws.iter().all(|x| *x > 0.0))
+        {
             return named(&scale.name);
         }
         let number = self.number.iter().find(|number| wrong(&number.draws) || !number.value.is_finite());

@@ -239,7 +239,9 @@ impl Fit {
             let away: Vec<f64> = predicted.mean.iter().zip(&frame.pose).map(|(m, x)| m - x).collect();
             let less = |pull: &[f64], rows: &[f64], by_row: bool| -> Vec<f64> {
                 let width = pull.len();
-                let moved = |i: usize| (0..d).map(|j| rows[if by_row { i * d + j } else { j * width + i }] * away[j]).sum::<f64>();
+                let moved = |i: usize| {
+                    (0..d).map(|j| rows[if by_row { i * d + j } else { j * width + i }] * away[j]).sum::<f64>()
+                };
                 pull.iter().enumerate().map(|(i, pull)| self.worth * (pull - moved(i))).collect()
             };
             let times = |values: &[f64]| values.iter().map(|x| self.worth * x).collect::<Vec<f64>>();
@@ -257,10 +259,18 @@ impl Fit {
             seen_in.push(LinearisedFrame { lasting: vec![], between: vec![], ..seen });
         }
         let information = lasting.information();
-        let absolute: Vec<f64> = information.chunks_exact(p).map(|row| row.iter().zip(&self.g).map(|(a, g)| a * g).sum()).collect();
+        let absolute: Vec<f64> =
+            information.chunks_exact(p).map(|row| row.iter().zip(&self.g).map(|(a, g)| a * g).sum()).collect();
         let pull = lasting.pull().iter().zip(absolute).map(|(pull, at)| pull + at).collect();
         let worth = std::mem::replace(&mut self.worth, worth(&seen_in, self.errors.cameras, self.errors.points));
-        Ok(Pass { g: self.g.clone(), worth, data: LastingData { information, pull }, filtered, responses, frames: seen_in })
+        Ok(Pass {
+            g: self.g.clone(),
+            worth,
+            data: LastingData { information, pull },
+            filtered,
+            responses,
+            frames: seen_in,
+        })
     }
 
     fn predicted(&self, index: usize, frame: &Looked, former: Option<&Moments>) -> Moments {
@@ -332,12 +342,16 @@ impl Fit {
             seen.iter().enumerate().map(shifted).collect::<Vec<_>>()
         };
         let views = &self.model.views;
-        let sighted: Vec<Sighted> = self.frames.iter().map(|frame| views.iter().zip(&frame.detections).map(without_bias).collect()).collect();
+        let sighted: Vec<Sighted> =
+            self.frames.iter().map(|frame| views.iter().zip(&frame.detections).map(without_bias).collect()).collect();
         let cameras: Vec<Camera> = views.iter().map(|view| view.camera.clone()).collect();
         let config = offsets::Config { no_offsets: true, ..offsets::Config::default() };
         let noise = offsets::estimate(&cameras, &sighted, &config);
         let of_biases = |c: usize| -> f64 {
-            (0..self.errors.points).flat_map(|point| self.errors.bias(c, point)).map(|place| self.told(pass, place)).sum()
+            (0..self.errors.points)
+                .flat_map(|point| self.errors.bias(c, point))
+                .map(|place| self.told(pass, place))
+                .sum()
         };
         let of_biases: Vec<f64> = (0..cameras.len()).map(of_biases).collect();
         for ((view, noise), of_biases) in self.model.views.iter_mut().zip(noise).zip(of_biases) {
@@ -437,7 +451,8 @@ fn worth(frames: &[LinearisedFrame], cameras: usize, points: usize) -> f64 {
     let (mut product, mut square) = (0.0, 0.0);
     for series in &series {
         for axis in 0..2 {
-            let kept: Vec<f64> = series.iter().map(|r| r[axis]).map(|r| if r.abs() < GROSS { r } else { f64::NAN }).collect();
+            let kept: Vec<f64> =
+                series.iter().map(|r| r[axis]).map(|r| if r.abs() < GROSS { r } else { f64::NAN }).collect();
             let known: Vec<f64> = kept.iter().copied().filter(|r| r.is_finite()).collect();
             let mean = known.iter().sum::<f64>() / known.len() as f64;
             for pair in kept.windows(2).filter(|pair| pair.iter().all(|r| r.is_finite())) {

@@ -6,10 +6,10 @@
 use super::latent_model::{body_of, read};
 use super::latent_plane::{Plane, ticks};
 use super::stick_figure::{FROM_THE_RIGHT, MIDDLE, figure};
-use crate::svg::{Anchor, Svg, clipped};
 use crate::Error;
 use crate::learn::LearnError;
 use crate::learn::limbs::name_of;
+use crate::svg::{Anchor, Svg, clipped};
 use rayon::prelude::*;
 use sinew_core::decode::Decode as _;
 use sinew_core::lanes::Isa;

@@ -7,8 +7,8 @@
 
 use super::motion_model::read;
 use super::stick_figure::{FROM_THE_FRONT, FROM_THE_RIGHT, MIDDLE, RIGHT, figure};
-use crate::svg::{Svg, clipped};
 use crate::Error;
+use crate::svg::{Svg, clipped};
 use sinew_dynamics::primitives::model::{PrimitiveModel, Primitives};
 use sinew_motion::follow::NamedBody;
 use sinew_motion::points::points_of_states;

@@ -44,7 +44,9 @@ impl PredictError {
             Self::NoKeypoints(_) => "track again from keypoints, with a set-up of this version",
             Self::OtherRun(_) => "track again into an empty folder",
             Self::UnknownCamera { .. } => "`sinew inspect` lists the cameras of a calibration",
-            Self::UsedCamera(_) => "track with the other cameras (`--cameras`), or use `sinew validate`, which does that",
+            Self::UsedCamera(_) => {
+                "track with the other cameras (`--cameras`), or use `sinew validate`, which does that"
+            }
         };
         Some(help.into())
     }

@@ -28,8 +28,21 @@ pub(crate) struct Tables {
 }
 
 const MARGINALS: [&str; 15] = [
-    "x_mean_m", "y_mean_m", "z_mean_m", "x_sd_m", "y_sd_m", "z_sd_m", "x_q05_m", "y_q05_m", "z_q05_m", "x_q95_m",
-    "y_q95_m", "z_q95_m", "x_sd_within_m", "y_sd_within_m", "z_sd_within_m",
+    "x_mean_m",
+    "y_mean_m",
+    "z_mean_m",
+    "x_sd_m",
+    "y_sd_m",
+    "z_sd_m",
+    "x_q05_m",
+    "y_q05_m",
+    "z_q05_m",
+    "x_q95_m",
+    "y_q95_m",
+    "z_q95_m",
+    "x_sd_within_m",
+    "y_sd_within_m",
+    "z_sd_within_m",
 ];
 
 impl Tables {
@@ -72,7 +85,13 @@ impl Tables {
         let flags = [integer(estimate.observed.into()), integer(estimate.quality as u64)];
         for (name, point) in self.point_names.iter().zip(&estimate.points) {
             let mut cells = vec![integer(estimate.number), time, PERSON, Cell::Text(name)];
-            cells.extend([point.mean, point.sd, point.q05, point.q95, point.sd_within].as_flattened().iter().copied().map(Cell::Number));
+            cells.extend(
+                [point.mean, point.sd, point.q05, point.q95, point.sd_within]
+                    .as_flattened()
+                    .iter()
+                    .copied()
+                    .map(Cell::Number),
+            );
             cells.extend(flags);
             self.joints.append(&cells)?;
         }

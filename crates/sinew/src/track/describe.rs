@@ -53,7 +53,7 @@ pub(super) fn describe(
             marginals.of(&Posterior { states: &states, weights: &weights, chain_stats: &[], ..*posterior }, Some(moved))
         }
     };
-    let size = marginals.size_draws(0..kept.len(), &mut states, posterior.dim);
+    let size = marginals.size_draws(&mut states, posterior.dim);
     let cameras = scene.cameras_with_person().max(silhouettes);
     FrameEstimate {
         number,

@@ -62,7 +62,13 @@ pub(super) struct EqualDraws {
 
 impl Lasting {
     /// `None` for a set-up that does not know what is constant.
-    pub(super) fn new(setup: &Setup, tree: &KinematicTree, cameras: &[Camera], scene: &Scene, motion: &MotionPrior) -> Option<Self> {
+    pub(super) fn new(
+        setup: &Setup,
+        tree: &KinematicTree,
+        cameras: &[Camera],
+        scene: &Scene,
+        motion: &MotionPrior,
+    ) -> Option<Self> {
         let known = setup.lasting.as_ref()?;
         if cameras.iter().any(|camera| !known.cameras.contains(&camera.name)) {
             return None;
@@ -184,7 +190,9 @@ fn deviations(known: &MeasuredErrors, errors: &LastingErrors, cameras: &[Camera]
         }
     }
     let draws = known.draws();
-    from.into_iter().flat_map(|place| place.map_or_else(|| vec![0.0; draws], |place| known.number[place].draws.clone())).collect()
+    from.into_iter()
+        .flat_map(|place| place.map_or_else(|| vec![0.0; draws], |place| known.number[place].draws.clone()))
+        .collect()
 }
 
 impl Moved {
@@ -226,14 +234,17 @@ impl Moved {
             let mut states = vec![Block::ZERO; EQUAL_DRAWS / LANES * d];
             for (draw, &index) in chosen.iter().enumerate() {
                 for j in 0..d {
-                    states[draw / LANES * d + j].0[draw % LANES] = posterior.states[index / LANES * d + j].0[index % LANES];
+                    states[draw / LANES * d + j].0[draw % LANES] =
+                        posterior.states[index / LANES * d + j].0[index % LANES];
                 }
             }
             states
         };
         for (block, state) in states.chunks_exact_mut(d).enumerate() {
             for (j, x) in state.iter_mut().enumerate() {
-                x.0.iter_mut().enumerate().for_each(|(lane, x)| *x += self.states[j * self.draws + (block * LANES + lane) % self.draws]);
+                x.0.iter_mut()
+                    .enumerate()
+                    .for_each(|(lane, x)| *x += self.states[j * self.draws + (block * LANES + lane) % self.draws]);
             }
         }
         let count = if is_equal { posterior.count() } else { EQUAL_DRAWS };

@@ -63,14 +63,15 @@ impl Marginals {
         self.size.as_ref()
     }
 
-    /// Moves the states of some draws to where a body of their size stands, and gives these sizes; nothing for a body of known size. After [`Marginals::of`].
-    pub(super) fn size_draws(&self, draws: impl Iterator<Item = usize>, states: &mut [f64], dim: usize) -> Vec<f64> {
-        let Some(size) = &self.size else { return vec![] };
+    /// Moves some states, draw after draw, to where a body of their size stands, and gives these sizes; nothing for a body of known size.
+    pub(super) fn size_draws(&mut self, states: &mut [f64], dim: usize) -> Vec<f64> {
+        let Some(size) = &mut self.size else { return vec![] };
+        size.prepare((states.len() / dim).div_ceil(LANES));
         let place = |(draw, state): (usize, &mut [f64])| {
             size.place_root(draw, state);
             size.factor(draw)
         };
-        draws.zip(states.chunks_exact_mut(dim)).map(place).collect()
+        states.chunks_exact_mut(dim).enumerate().map(place).collect()
     }
 
     /// Marginals of all points of the body and of all degrees of freedom; the draws are those of `moved`, if there is one, in their order.
@@ -173,7 +174,7 @@ mod tests {
         // Every draw is seen at the same pixels.
         let mut kept: Vec<f64> =
             (0..8).flat_map(|i| states[i / LANES * d..][..d].iter().map(move |b| b.0[i % LANES])).collect();
-        let sizes = marginals.size_draws(0..8, &mut kept, d);
+        let sizes = marginals.size_draws(&mut kept, d);
         let plan = Plan::with_all_points(&tree);
         let nose = |state: &[f64], size: f64| {
             let mut positions = vec![0.0; 3 * plan.points()];

@@ -140,7 +140,14 @@ impl Pipeline {
         let method = &self.observer.settings.method;
         let (chains, is_search) = (method.about().gives == Gives::Chains, method.about().gives == Gives::Search);
         let (particles, size) = (method.weighted_draws(), self.size().is_some());
-        Carried { lp: chains, hmc: chains, log_evidence: !is_search, particles, size, detected: self.lasting().is_some() }
+        Carried {
+            lp: chains,
+            hmc: chains,
+            log_evidence: !is_search,
+            particles,
+            size,
+            detected: self.lasting().is_some(),
+        }
     }
 
     pub(super) const fn scene(&self) -> &Scene {
@@ -213,7 +220,9 @@ impl Pipeline {
             images.restore(saved)?;
         }
         if let Some(lasting) = &mut self.observer.lasting {
-            lasting.restore(&saved.lasting).map_err(|error| problem::state("what is constant", error, "its numbers"))?;
+            lasting
+                .restore(&saved.lasting)
+                .map_err(|error| problem::state("what is constant", error, "its numbers"))?;
         }
         self.tracker.restore(&saved.tracker).map_err(|error| match error {
             sinew_tracking::Error::Dimension { found, expected, .. } => {

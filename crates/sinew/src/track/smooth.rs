@@ -294,7 +294,7 @@ fn forwards(
             Posterior { dim: d, states: &states, weights: &weights, effective: TRAJECTORIES as f64, chain_stats: &[] };
         let (points, state) = marginals.of(&posterior, moved.as_ref());
         let mut kept = numbers[..settings.draws.min(TRAJECTORIES) * d].to_vec();
-        let size = marginals.size_draws(0..TRAJECTORIES, &mut kept, d);
+        let size = marginals.size_draws(&mut kept, d);
         let [shape, detected] = match &moved {
             Some(moved) => moved.written(pipeline.scene(), &kept, d),
             None => Default::default(),

@@ -2,9 +2,9 @@
 
 use super::super::predictive::{LIMBS, Residual};
 use super::Scene;
-use sinew_observe::{Camera, Detection};
 use sinew_observe::offsets::{CameraNoise, point_from_views};
 use sinew_observe::triangulate::Refined;
+use sinew_observe::{Camera, Detection};
 
 /// A residual that its own leverage hides says nothing.
 const HIDDEN: f64 = 0.9;

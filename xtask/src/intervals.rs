@@ -1,0 +1,130 @@
+//! `cargo xtask intervals`: what intervals are worth where users stand, the tables of docs/evidence/intervals.md.
+//!
+//! Everything goes through the program as a user runs it: `demo`, `track` and `predict`. What is predicted is held against keypoints by this study's own code.
+//!
+//! Tuning used frames 0 to 59 of the real recording and simulation only. The bounds below were fixed before the first run.
+//!
+//! | file | what |
+//! |---|---|
+//! | [`demos`] | demos of many seeds: coverage of true coordinates, in all and within a run |
+//! | [`left_out`] | cameras that a run did not use, predicted |
+//! | [`pairs`] | runs of disjoint pairs of cameras, against each other |
+
+mod demos;
+mod left_out;
+mod pairs;
+
+use crate::outcome::{Outcome, exit_code};
+use crate::program::{self, Program, shown};
+use crate::store::{Store, Task, run_all};
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+/// Judges intervals by cameras that are left out and by demos.
+#[derive(clap::Args)]
+pub(crate) struct Args {
+    /// Demos, with seeds from 101 on
+    #[arg(long, default_value_t = 400)]
+    seeds: u64,
+    /// Runs at a time, one thread each
+    #[arg(long, default_value_t = 2)]
+    threads: usize,
+    /// The program `sinew` [default: it is built]
+    #[arg(long)]
+    program: Option<PathBuf>,
+    /// Folder for runs, cells and tables [default: target/intervals]
+    #[arg(long)]
+    out: Option<PathBuf>,
+    /// Folder of the shared recordings [default: $SINEW_DATA, else shared/data beside the workspace]
+    #[arg(long, env = "SINEW_DATA")]
+    data: Option<PathBuf>,
+}
+
+/// Raised with every change of what a cell computes.
+const VERSION: u32 = 1;
+const FIRST_SEED: u64 = 101;
+
+/// Bounds of the share inside 90 % intervals, percent, fixed before the first run.
+const NOMINAL: f64 = 90.0;
+const WITHIN: f64 = 3.0;
+const LEFT_OUT: [f64; 2] = [86.0, 94.0];
+const EACH_CAMERA: [f64; 2] = [80.0, 98.0];
+const TWO_USED: [f64; 2] = [84.0, 96.0];
+const PAIRS: f64 = 85.0;
+
+const CAMERAS: [&str; 4] = ["cam_01", "cam_02", "cam_03", "cam_04"];
+
+/// The real recording.
+struct Recording {
+    calibration: PathBuf,
+    keypoints: PathBuf,
+}
+
+impl Recording {
+    fn flags(&self, cameras: &[&str]) -> Vec<String> {
+        let (calibration, keypoints, cameras) = (shown(&self.calibration), shown(&self.keypoints), cameras.join(","));
+        let flags = ["--calibration", &calibration, "--keypoints", &keypoints, "--cameras", &cameras];
+        let rest = ["--layout", "BODY_25B", "--fps", "60", "--threads", "1", "--force", "--no-progress"];
+        flags.into_iter().chain(rest).map(str::to_owned).collect()
+    }
+}
+
+/// All sets of cameras of a size.
+fn sets(size: usize) -> Vec<Vec<&'static str>> {
+    let chosen = |bits: &u32| bits.count_ones() as usize == size;
+    let names = |bits: u32| (0..CAMERAS.len()).filter(|c| bits >> c & 1 == 1).map(|c| CAMERAS[c]).collect();
+    (0..1_u32 << CAMERAS.len()).filter(chosen).map(names).collect()
+}
+
+fn verdict(met: bool) -> &'static str {
+    if met { "met" } else { "**missed**" }
+}
+
+fn is_in(value: f64, [low, high]: [f64; 2]) -> bool {
+    (low..=high).contains(&value)
+}
+
+fn measure(root: &Path, args: &Args) -> Outcome<()> {
+    let data = args.data.clone().unwrap_or_else(|| root.join("../shared/data"));
+    let folder = args.out.clone().unwrap_or_else(|| root.join("target/intervals"));
+    std::fs::create_dir_all(&folder)?;
+    let path = match &args.program {
+        Some(path) => path.clone(),
+        None => program::built(root)?,
+    };
+    let program = Program { path, folder: folder.clone() };
+    let real = data.join("pose2sim_single");
+    let recording = Recording { calibration: real.join("Calib.toml"), keypoints: real.join("T01_BalancingTrial/pose") };
+    let is_there = recording.calibration.is_file();
+    let mut store = Store::open(&folder, &format!("version {VERSION}, {}", args.seeds))?;
+    let (program, recording) = (&program, &recording);
+    let mut tasks: Vec<Task<'_>> = vec![];
+    if is_there {
+        for used in [sets(3), sets(2)].concat() {
+            let key = format!("left out/{}", used.join("+"));
+            tasks.push((key, 8.0, Box::new(move || left_out::cell(program, recording, &used))));
+        }
+        for [a, b] in pairs::DISJOINT {
+            tasks.push((format!("pairs/{a:?}"), 8.0, Box::new(move || pairs::cell(program, recording, [a, b]))));
+        }
+    }
+    for seed in FIRST_SEED..FIRST_SEED + args.seeds {
+        tasks.push((format!("demo/{seed}"), 2.0, Box::new(move || demos::cell(program, seed))));
+    }
+    run_all(&mut store, "intervals", tasks, args.threads)?;
+    let mut text = String::new();
+    writeln!(text, "{}", demos::table(&store, FIRST_SEED..FIRST_SEED + args.seeds))?;
+    if is_there {
+        writeln!(text, "{}", left_out::table(&store))?;
+        writeln!(text, "{}", pairs::table(&store))?;
+    }
+    std::fs::write(folder.join("tables.md"), &text)?;
+    println!("{text}");
+    Ok(())
+}
+
+/// Runs the command.
+pub(crate) fn run(root: &Path, args: &Args) -> ExitCode {
+    exit_code(measure(root, args))
+}

@@ -1,0 +1,140 @@
+//! Cameras that a run did not use: keypoints of the judged frames against `sinew predict`, the camera's own offset, the median over the frames of tuning, taken off.
+
+use super::{CAMERAS, EACH_CAMERA, LEFT_OUT, Recording, TWO_USED, is_in, sets, verdict};
+use crate::outcome::Outcome;
+use crate::program::{Program, shown};
+use crate::store::{Store, rows};
+use serde_json::{Value, json};
+use sinew::formats::openpose::{OpenposeOptions, OpenposePerson};
+use sinew::formats::tidy_csv;
+use sinew::formats::{layout, openpose};
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+
+/// Frames of tuning; those after them are judged.
+const TUNED: u64 = 60;
+/// Detections of lower confidence are not compared.
+const CONFIDENT: f64 = 0.5;
+/// Squared distance of the 90 % region of two dimensions.
+const REGION: f64 = 4.605_170_186;
+
+/// What is predicted of a keypoint: mean, and covariance without the common part.
+struct Expected {
+    column: usize,
+    at: [f64; 2],
+    covariance: [f64; 3],
+}
+
+fn expected(text: &str) -> Outcome<BTreeMap<u64, Vec<Expected>>> {
+    let table = tidy_csv::read_cells("predicted.csv", text)?;
+    let layout = layout::find("BODY_25B")?;
+    let mut frames: BTreeMap<u64, Vec<Expected>> = BTreeMap::new();
+    for (_, row) in &table.rows {
+        let number = |k: usize| row[k].parse::<f64>();
+        let Some(column) = layout.index(&row[2]) else { continue };
+        let own = |k: usize| -> Outcome<f64> { Ok(number(5 + k)? - number(8 + k)?) };
+        let at = [number(3)?, number(4)?];
+        frames.entry(row[0].parse()?).or_default().push(Expected {
+            column,
+            at,
+            covariance: [own(0)?, own(1)?, own(2)?],
+        });
+    }
+    Ok(frames)
+}
+
+fn residuals<'a>(person: &OpenposePerson, expected: &'a [Expected]) -> Vec<(&'a Expected, [f64; 2])> {
+    let one = |expected: &'a Expected| {
+        let seen = person.keypoints.get(expected.column).copied().flatten()?;
+        let away = [seen.x - expected.at[0], seen.y - expected.at[1]];
+        (seen.confidence > CONFIDENT).then_some((expected, away))
+    };
+    expected.iter().filter_map(one).collect()
+}
+
+fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
+}
+
+/// Squared distances in standard deviations and errors in pixels, of the judged frames.
+fn held_against(text: &str, recording: &Recording, camera: &str) -> Outcome<(Vec<[f64; 2]>, [f64; 2])> {
+    let layout = layout::find("BODY_25B")?;
+    let mut seen: Vec<(bool, [f64; 3], [f64; 2])> = vec![];
+    for (frame, expected) in expected(text)? {
+        let name = camera.replace('_', "");
+        let path = recording.keypoints.join(format!("{name}_json/{name}.{frame:04}.json"));
+        let options = OpenposeOptions { layout: Some(&layout), ..OpenposeOptions::default() };
+        let people = openpose::read(&shown(&path), &std::fs::read_to_string(&path)?, &options)?.people;
+        let of_people = people.iter().map(|person| residuals(person, &expected)).filter(|seen| !seen.is_empty());
+        let away = |seen: &Vec<(&Expected, [f64; 2])>| median(seen.iter().map(|(_, [u, v])| u.hypot(*v)).collect());
+        if let Some(nearest) = of_people.min_by(|a, b| away(a).total_cmp(&away(b))) {
+            seen.extend(nearest.into_iter().map(|(expected, r)| (frame < TUNED, expected.covariance, r)));
+        }
+    }
+    let offset = [0, 1].map(|axis: usize| median(seen.iter().filter(|s| s.0).map(|s| s.2[axis]).collect()));
+    let judged = seen.iter().filter(|s| !s.0).map(|(_, [uu, uv, vv], r)| {
+        let [a, b] = [r[0] - offset[0], r[1] - offset[1]];
+        let square = (vv * a * a - 2.0 * uv * a * b + uu * b * b) / (uu * vv - uv * uv);
+        [square, a.hypot(b)]
+    });
+    Ok((judged.collect(), offset))
+}
+
+/// A run with some cameras, and what the others see of it.
+pub(super) fn cell(program: &Program, recording: &Recording, used: &[&str]) -> Outcome<Value> {
+    let folder = program.folder.join(format!("used-{}", used.join("-")));
+    program.track(&recording.flags(used), &folder)?;
+    let mut found = serde_json::Map::new();
+    for camera in CAMERAS.iter().filter(|camera| !used.contains(camera)) {
+        let table = folder.join("predicted.csv");
+        let flags = ["predict", &shown(&folder), "--calibration", &shown(&recording.calibration), "--camera", camera];
+        let rest = ["-o", &shown(&table), "--force"];
+        program.run(&flags.into_iter().chain(rest).map(str::to_owned).collect::<Vec<_>>(), &[0])?;
+        let (judged, offset) = held_against(&std::fs::read_to_string(&table)?, recording, camera)?;
+        found.insert((*camera).into(), json!({ "judged": judged, "offset_px": offset }));
+    }
+    std::fs::remove_dir_all(&folder)?;
+    Ok(found.into())
+}
+
+/// What one camera's judged observations come to.
+fn row(text: &mut String, name: &str, judged: &[Vec<f64>], bounds: Option<[f64; 2]>) {
+    let inside = 100.0 * judged.iter().filter(|j| j[0] <= REGION).count() as f64 / judged.len() as f64;
+    let mut errors: Vec<f64> = judged.iter().map(|j| j[1]).collect();
+    errors.sort_by(f64::total_cmp);
+    let at = |share: f64| errors.get((share * (errors.len() - 1) as f64).round() as usize).copied().unwrap_or(f64::NAN);
+    let (bound, met) = match bounds {
+        Some([low, high]) => (format!("{low} to {high}"), verdict(is_in(inside, [low, high]))),
+        None => (String::new(), ""),
+    };
+    let _ = writeln!(
+        text,
+        "| {name} | {} | {inside:.1} | {:.1} | {:.1} | {bound} | {met} |",
+        judged.len(),
+        at(0.5),
+        at(0.9)
+    );
+}
+
+/// Tables of three and of two cameras used.
+pub(super) fn table(store: &Store) -> String {
+    let mut text = String::new();
+    for (size, all_bounds, each) in [(3, LEFT_OUT, Some(EACH_CAMERA)), (2, TWO_USED, None)] {
+        let _ = writeln!(text, "{size} cameras used, the others predicted; frames {TUNED} to 99:\n");
+        text += "| camera left out, used | observations | inside 90 % regions, % | median error, px | 90 % of errors, px | bound | |\n";
+        text += "|---|---|---|---|---|---|---|\n";
+        let mut all: Vec<Vec<f64>> = vec![];
+        for used in sets(size) {
+            let Some(cell) = store.get(&format!("left out/{}", used.join("+"))) else { continue };
+            for camera in CAMERAS.iter().filter(|camera| !used.contains(camera)) {
+                let judged = rows(&cell[camera]["judged"]);
+                row(&mut text, &format!("{camera}, {}", used.join(" ")), &judged, each);
+                all.extend(judged);
+            }
+        }
+        row(&mut text, "**all**", &all, Some(all_bounds));
+        text.push('\n');
+    }
+    text
+}

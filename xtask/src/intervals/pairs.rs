@@ -1,0 +1,96 @@
+//! Runs of disjoint pairs of cameras: is their difference as large as they say?
+
+use super::{CAMERAS, PAIRS, Recording, verdict};
+use crate::outcome::Outcome;
+use crate::program::Program;
+use crate::store::Store;
+use serde_json::{Value, json};
+use sinew::formats::tidy_csv;
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+use std::path::Path;
+
+/// The three ways to part four cameras in two pairs.
+pub(super) const DISJOINT: [[[usize; 2]; 2]; 3] = [[[0, 1], [2, 3]], [[0, 2], [1, 3]], [[0, 3], [1, 2]]];
+
+/// Mean and total standard deviation of each joint in each frame.
+type Joints = BTreeMap<(u64, String), [[f64; 3]; 2]>;
+
+fn joints(folder: &Path) -> Outcome<Joints> {
+    let table = tidy_csv::read_cells("joints.csv", &std::fs::read_to_string(folder.join("joints.csv"))?)?;
+    let column = |name: String| table.columns.iter().position(|column| *column == name).ok_or(format!("no {name}"));
+    let places = ["mean", "sd"].map(|what| ["x", "y", "z"].map(|axis| column(format!("{axis}_{what}_m"))));
+    let mut found = Joints::new();
+    for (_, row) in &table.rows {
+        let mut numbers = [[0.0; 3]; 2];
+        for (numbers, places) in numbers.iter_mut().zip(&places) {
+            for (number, place) in numbers.iter_mut().zip(places) {
+                *number = row[place.clone()?].parse()?;
+            }
+        }
+        found.insert((row[column("frame".into())?].parse()?, row[column("joint".into())?].clone()), numbers);
+    }
+    Ok(found)
+}
+
+/// Two runs and their difference.
+pub(super) fn cell(program: &Program, recording: &Recording, pairs: [[usize; 2]; 2]) -> Outcome<Value> {
+    let run = |pair: [usize; 2]| -> Outcome<Joints> {
+        let folder = program.folder.join(format!("pair-{}-{}", pair[0], pair[1]));
+        program.track(&recording.flags(&pair.map(|c| CAMERAS[c])), &folder)?;
+        let found = joints(&folder)?;
+        std::fs::remove_dir_all(&folder)?;
+        Ok(found)
+    };
+    let [a, b] = [run(pairs[0])?, run(pairs[1])?];
+    let both = a.iter().filter_map(|(key, a)| Some((a, b.get(key)?)));
+    let differences: Vec<[[f64; 2]; 3]> = both
+        .map(|(a, b)| [0, 1, 2].map(|axis: usize| [a[0][axis] - b[0][axis], a[1][axis].hypot(b[1][axis])]))
+        .collect();
+    let count = differences.len() as f64;
+    let shift = [0, 1, 2].map(|axis: usize| differences.iter().map(|d| d[axis][0]).sum::<f64>() / count);
+    let inside = |shift: [f64; 3]| {
+        let is_inside = |(axis, [away, sd]): (usize, &[f64; 2])| (away - shift[axis]).abs() <= 1.645 * sd;
+        let inside = differences.iter().flat_map(|d| d.iter().enumerate()).filter(|pair| is_inside(*pair)).count();
+        100.0 * inside as f64 / (3.0 * count)
+    };
+    let half_width = differences.iter().flatten().map(|[_, sd]| 1.645 * sd).sum::<f64>() / (3.0 * count);
+    let mut sizes: Vec<f64> =
+        differences.iter().flat_map(|d| [0, 1, 2].map(|axis: usize| (d[axis][0] - shift[axis]).abs())).collect();
+    sizes.sort_by(f64::total_cmp);
+    Ok(json!({
+        "shift_mm": shift.map(|x| 1e3 * x),
+        "as_they_are": inside([0.0; 3]),
+        "without_shift": inside(shift),
+        "half_width_mm": 1e3 * half_width,
+        "needed_mm": 1e3 * sizes[(0.9 * (sizes.len() - 1) as f64).round() as usize],
+    }))
+}
+
+/// The table.
+pub(super) fn table(store: &Store) -> String {
+    let mut text =
+        "Disjoint pairs of cameras, difference of the means inside its 90 % interval, all frames:\n\n".to_owned();
+    text += "| pairs | inside, common shift taken off, % | not taken off, % | half-width, mm | 90 % of differences, mm | common shift, mm | bound | |\n";
+    text += "|---|---|---|---|---|---|---|---|\n";
+    for [a, b] in DISJOINT {
+        let Some(cell) = store.get(&format!("pairs/{a:?}")) else { continue };
+        let number = |name: &str| cell[name].as_f64().unwrap_or(f64::NAN);
+        let shift: Vec<String> = crate::store::numbers(&cell["shift_mm"]).iter().map(|x| format!("{x:.0}")).collect();
+        let _ = writeln!(
+            text,
+            "| {} {} against {} {} | {:.1} | {:.1} | {:.0} | {:.0} | {} | ≥ {PAIRS} | {} |",
+            CAMERAS[a[0]],
+            CAMERAS[a[1]],
+            CAMERAS[b[0]],
+            CAMERAS[b[1]],
+            number("without_shift"),
+            number("as_they_are"),
+            number("half_width_mm"),
+            number("needed_mm"),
+            shift.join(", "),
+            verdict(number("without_shift") >= PAIRS)
+        );
+    }
+    text
+}
