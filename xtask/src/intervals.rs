@@ -9,14 +9,17 @@
 //! | [`demos`] | demos of many seeds: coverage of true coordinates, in all and within a run |
 //! | [`left_out`] | cameras that a run did not use, predicted |
 //! | [`pairs`] | runs of disjoint pairs of cameras, against each other |
+//! | [`protocol`] | what is run, and the bounds |
 
 mod demos;
 mod left_out;
 mod pairs;
+mod protocol;
 
 use crate::outcome::{Outcome, exit_code};
-use crate::program::{self, Program, shown};
+use crate::program::{self, Program};
 use crate::store::{Store, Task, run_all};
+use protocol::{FIRST_SEED, Recording, sets};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -43,48 +46,6 @@ pub(crate) struct Args {
 
 /// Raised with every change of what a cell computes.
 const VERSION: u32 = 1;
-const FIRST_SEED: u64 = 101;
-
-/// Bounds of the share inside 90 % intervals, percent, fixed before the first run.
-const NOMINAL: f64 = 90.0;
-const WITHIN: f64 = 3.0;
-const LEFT_OUT: [f64; 2] = [86.0, 94.0];
-const EACH_CAMERA: [f64; 2] = [80.0, 98.0];
-const TWO_USED: [f64; 2] = [84.0, 96.0];
-const PAIRS: f64 = 85.0;
-
-const CAMERAS: [&str; 4] = ["cam_01", "cam_02", "cam_03", "cam_04"];
-
-/// The real recording.
-struct Recording {
-    calibration: PathBuf,
-    keypoints: PathBuf,
-}
-
-impl Recording {
-    fn flags(&self, cameras: &[&str]) -> Vec<String> {
-        let (calibration, keypoints, cameras) = (shown(&self.calibration), shown(&self.keypoints), cameras.join(","));
-        let flags = ["--calibration", &calibration, "--keypoints", &keypoints, "--cameras", &cameras];
-        let rest = ["--layout", "BODY_25B", "--fps", "60", "--threads", "1", "--force", "--no-progress"];
-        flags.into_iter().chain(rest).map(str::to_owned).collect()
-    }
-}
-
-/// All sets of cameras of a size.
-fn sets(size: usize) -> Vec<Vec<&'static str>> {
-    let chosen = |bits: &u32| bits.count_ones() as usize == size;
-    let names = |bits: u32| (0..CAMERAS.len()).filter(|c| bits >> c & 1 == 1).map(|c| CAMERAS[c]).collect();
-    (0..1_u32 << CAMERAS.len()).filter(chosen).map(names).collect()
-}
-
-fn verdict(met: bool) -> &'static str {
-    if met { "met" } else { "**missed**" }
-}
-
-fn is_in(value: f64, [low, high]: [f64; 2]) -> bool {
-    (low..=high).contains(&value)
-}
-
 fn measure(root: &Path, args: &Args) -> Outcome<()> {
     let data = args.data.clone().unwrap_or_else(|| root.join("../shared/data"));
     let folder = args.out.clone().unwrap_or_else(|| root.join("target/intervals"));
@@ -97,7 +58,7 @@ fn measure(root: &Path, args: &Args) -> Outcome<()> {
     let real = data.join("pose2sim_single");
     let recording = Recording { calibration: real.join("Calib.toml"), keypoints: real.join("T01_BalancingTrial/pose") };
     let is_there = recording.calibration.is_file();
-    let mut store = Store::open(&folder, &format!("version {VERSION}, {}", args.seeds))?;
+    let mut store = Store::open(&folder, &format!("version {VERSION}"))?;
     let (program, recording) = (&program, &recording);
     let mut tasks: Vec<Task<'_>> = vec![];
     if is_there {

@@ -100,7 +100,7 @@ fn answer(found: &[LeftOut], args: &ValidateArgs, out: &Path) -> Result<(), Erro
         }));
     }
     let percent = |x: f64| format!("{:3.0}", 100.0 * x);
-    let row = |name: &str, tally: &sinew_tools::validate::Tally| {
+    let row = |name: &str, tally: &sinew_tools::validate::ObservationTally| {
         let inside = LEVELS.map(|level| percent(tally.coverage(level))).join(" ");
         (
             name.to_owned(),

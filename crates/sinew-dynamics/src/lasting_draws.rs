@@ -1,6 +1,6 @@
 //! How a filter's estimate moves for each of some draws of what lasts.
 //!
-//! [`crate::lasting`] carries the whole response J of a filter to parameters g. Where tracking goes on with n draws g⁽ⁱ⁾ of them, only Δ⁽ⁱ⁾ = J (g⁽ⁱ⁾ − ĝ) is needed, a vector a draw. With the filtered covariance P of the linearised filter, a frame's information
+//! [`crate::lasting`] carries the whole response J of a filter to parameters g. Where tracking continues with n draws g⁽ⁱ⁾ of them, only Δ⁽ⁱ⁾ = J (g⁽ⁱ⁾ − ĝ) is needed, a vector a draw. With the filtered covariance P of the linearised filter, a frame's information
 //! A = Hᵀ R⁻¹ H and B = Hᵀ R⁻¹ G, and motion F = I,
 //!
 //! ```text
@@ -64,7 +64,7 @@ impl LastingMoves {
         to_rows(&self.covariance).into_iter().chain(self.moves()).collect()
     }
 
-    /// Goes on where another of the same sizes stood.
+    /// Continues where another of the same sizes stood.
     ///
     /// # Errors
     /// [`Error::Shape`], [`Error::OutOfRange`].

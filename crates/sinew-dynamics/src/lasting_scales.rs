@@ -33,7 +33,7 @@ pub struct ScalePrior {
 
 /// Numbers of g whose prior has one size.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Cluster {
+pub struct PriorCluster {
     /// Place in g, mean m and unit u of each number.
     pub numbers: Vec<(usize, f64, f64)>,
     /// Which scale multiplies the units; `None` where they are the standard deviations.
@@ -46,7 +46,7 @@ pub struct Cluster {
 #[derive(Clone, Debug, PartialEq)]
 pub struct LastingPrior {
     /// Every number of g is in one cluster.
-    pub clusters: Vec<Cluster>,
+    pub clusters: Vec<PriorCluster>,
     /// The scales.
     pub scales: Vec<ScalePrior>,
 }
@@ -62,7 +62,7 @@ pub struct LastingData {
 
 /// How to draw.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Schedule {
+pub struct SweepSchedule {
     /// Draws.
     pub draws: usize,
     /// Sweeps before the first.
@@ -71,7 +71,7 @@ pub struct Schedule {
     pub apart: usize,
 }
 
-impl Default for Schedule {
+impl Default for SweepSchedule {
     fn default() -> Self {
         Self { draws: 128, burn_in: 60, apart: 3 }
     }
@@ -132,7 +132,7 @@ fn lucks(stage: &Stage, sweep: usize, count: usize) -> [Luck; 2] {
 pub fn draws(
     data: &LastingData,
     prior: &LastingPrior,
-    schedule: Schedule,
+    schedule: SweepSchedule,
     stage: Stage,
 ) -> Result<LastingDraws, Error> {
     let p = data.pull.len();
@@ -214,7 +214,7 @@ impl Sweep<'_> {
     }
 
     /// Sum of the squared deviations of a cluster over their units.
-    fn squares(&self, cluster: &Cluster) -> f64 {
+    fn squares(&self, cluster: &PriorCluster) -> f64 {
         cluster.numbers.iter().map(|&(place, mean, unit)| ((self.g[place] - mean) / unit).powi(2)).sum()
     }
 
@@ -247,7 +247,7 @@ impl Sweep<'_> {
             });
             place(cell.unwrap_or(CELLS - 1) as f64 + uniform.take())
         };
-        let own = |(_, cluster): &(usize, &Cluster)| cluster.scale == Some(scale);
+        let own = |(_, cluster): &(usize, &PriorCluster)| cluster.scale == Some(scale);
         let clusters = || self.prior.clusters.iter().enumerate().filter(own);
         let count: f64 = clusters().map(|(_, cluster)| cluster.numbers.len() as f64).sum();
         let squares: f64 = clusters().map(|(index, cluster)| self.weights[index] * self.squares(cluster)).sum();

@@ -92,7 +92,7 @@ impl Smoother {
         Ok(Moments { mean, covariance: to_rows(&symmetric(&covariance)) })
     }
 
-    /// What changes of the filtered mean become once the frames after it are known, Δ + G (Δ_{t+1} − A Δ): `own` are those of the frame, `next` the smoothed ones of the next; d × n, row after row.
+    /// What changes of the filtered mean become once the frames after it are known, Δ + G (Δ_{t+1} − A Δ): `own` are the changes of the frame, `next` the smoothed ones of the next; d × n, row after row.
     ///
     /// # Errors
     /// As [`Smoother::step`].

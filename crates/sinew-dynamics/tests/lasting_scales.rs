@@ -2,13 +2,15 @@
 
 use sinew_core::lanes::{Block, Isa};
 use sinew_core::random::Stage;
-use sinew_dynamics::lasting_scales::{Cluster, LastingData, LastingPrior, ScalePrior, Schedule, alike, draws};
+use sinew_dynamics::lasting_scales::{
+    LastingData, LastingPrior, PriorCluster, ScalePrior, SweepSchedule, alike, draws,
+};
 
 const COUNT: usize = 9;
 
 /// A cluster of fixed size, two of one scale with heavy tails, and one of a scale of its own.
 fn prior() -> LastingPrior {
-    let cluster = |numbers, scale, heavy_tails| Cluster { numbers, scale, heavy_tails };
+    let cluster = |numbers, scale, heavy_tails| PriorCluster { numbers, scale, heavy_tails };
     LastingPrior {
         clusters: vec![
             cluster(vec![(0, 0.7, 0.5)], None, false),
@@ -68,7 +70,7 @@ fn ranks_of_the_truth_are_uniform() {
     let mut cells = vec![[0.0; 10]; COUNT + 2];
     for run in 0..RUNS {
         let (g, scales, data) = simulated(run);
-        let schedule = Schedule { draws: 99, burn_in: 60, apart: 4 };
+        let schedule = SweepSchedule { draws: 99, burn_in: 60, apart: 4 };
         let found = draws(&data, &prior(), schedule, Stage::new(run, "draws")).expect("a posterior");
         for (k, (cells, truth)) in cells.iter_mut().zip(g.iter().chain(&scales)).enumerate() {
             let of = |draw: usize| if k < COUNT { found.errors[draw][k] } else { found.scales[draw][k - COUNT] };
@@ -86,7 +88,7 @@ fn ranks_of_the_truth_are_uniform() {
 #[test]
 fn one_number_has_the_moments_of_the_integral() {
     let scale = ScalePrior { median: 1.0, log_sd: 1.0 };
-    let cluster = Cluster { numbers: vec![(0, 0.3, 1.0)], scale: Some(0), heavy_tails: false };
+    let cluster = PriorCluster { numbers: vec![(0, 0.3, 1.0)], scale: Some(0), heavy_tails: false };
     let prior = LastingPrior { clusters: vec![cluster], scales: vec![scale] };
     // Seen at 2.0 with standard deviation 0.8.
     let (seen, noise) = (2.0, 0.8_f64);
@@ -103,7 +105,7 @@ fn one_number_has_the_moments_of_the_integral() {
         square += density * (given * given + variance * noise * noise / all);
     }
     let (mean, variance) = (mean / total, square / total - (mean / total).powi(2));
-    let schedule = Schedule { draws: 40_000, burn_in: 100, apart: 2 };
+    let schedule = SweepSchedule { draws: 40_000, burn_in: 100, apart: 2 };
     let found = draws(&data, &prior, schedule, Stage::new(5, "one")).expect("a posterior");
     let drawn: Vec<f64> = found.errors.iter().map(|g| g[0]).collect();
     let drawn_mean = drawn.iter().sum::<f64>() / drawn.len() as f64;
@@ -117,7 +119,7 @@ fn one_number_has_the_moments_of_the_integral() {
 fn what_does_not_fit_is_refused() {
     let (_, _, data) = simulated(0);
     let refused = |data: &LastingData, prior: &LastingPrior| {
-        draws(data, prior, Schedule::default(), Stage::new(0, "refused")).unwrap_err().to_string()
+        draws(data, prior, SweepSchedule::default(), Stage::new(0, "refused")).unwrap_err().to_string()
     };
     let short = LastingData { information: vec![0.0; 4], ..data.clone() };
     assert_eq!(refused(&short, &prior()), "information of what lasts has 4 entries; expected 81");

@@ -85,7 +85,7 @@ mod tests {
     use crate::lens::{Brown, Fisheye};
 
     #[test]
-    fn derivatives_are_those_of_differences() {
+    fn derivatives_agree_with_differences() {
         let plain = Camera::look_at("C1", [1280.0, 960.0], 900.0, [3.0, -2.0, 2.2], [0.0, 0.0, 1.0]).unwrap();
         let brown = Brown { k1: -0.1, k2: 0.03, p1: 1e-3, p2: -5e-4, k3: 0.0 };
         let fisheye = Fisheye { k: [-0.02, 0.003, 0.0, 0.0] };

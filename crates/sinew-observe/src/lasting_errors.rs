@@ -1,10 +1,10 @@
-//! What is constant over a recording and known only up to an error, as one vector g, and what a frame says of it.
+//! What is constant over a recording and known up to an error, as one vector g.
 //!
 //! ```text
 //! g = | camera 1: ten numbers | … | lengths of the body | point 1: place on its link (3) | … | camera 1, point 1: bias (2) | …
 //! ```
 //!
-//! A camera's numbers are those of [`crate::camera_error`]; lengths are metres beyond those of the body; a place is how far the detectors' keypoint lies from the joint that it is named after, in the frame of its link, metres;
+//! A camera's numbers are its [`crate::camera_error`]; lengths are metres beyond the body's own; a place is how far the detectors' keypoint lies from the joint that it is named after, in the frame of its link, metres;
 //! a bias is how far a camera's detector sees that keypoint from where it is, in metres at the distance of the recording's middle (a detector errs in proportion to the size of the person in its image).
 //!
 //! [`linearised`] gives a frame's normal equations at a pose s and a g: with H and G the derivatives of all predicted pixels by s and g, W the inverse variances times the share of a detection that is no outlier, and r observed − predicted,
@@ -71,18 +71,18 @@ impl LastingErrors {
         first..first + 2
     }
 
-    /// A name for each number, from those of cameras, lengths and points.
+    /// A name for each number, from the names of cameras, lengths and points.
     #[must_use]
     pub fn names(&self, cameras: &[String], lengths: &[&str], points: &[String]) -> Vec<String> {
-        let of_cameras =
+        let from_cameras =
             cameras.iter().flat_map(|camera| camera_error::NAMES.iter().map(move |n| format!("{camera}.{n}")));
-        let of_lengths = lengths.iter().map(|name| format!("body.{name}_m"));
-        let of_places =
+        let from_lengths = lengths.iter().map(|name| format!("body.{name}_m"));
+        let from_places =
             points.iter().flat_map(|point| ["x", "y", "z"].map(|axis| format!("body.{point}.place_{axis}_m")));
-        let of_biases = cameras.iter().flat_map(|camera| {
+        let from_biases = cameras.iter().flat_map(|camera| {
             points.iter().flat_map(move |point| ["u", "v"].map(|axis| format!("{camera}.{point}.bias_{axis}_m")))
         });
-        of_cameras.chain(of_lengths).chain(of_places).chain(of_biases).collect()
+        from_cameras.chain(from_lengths).chain(from_places).chain(from_biases).collect()
     }
 }
 
@@ -152,7 +152,7 @@ pub fn pixels_per_metre(camera: &Camera, middle: [f64; 3]) -> f64 {
     camera.intrinsics.fx / camera.point_in_camera(middle)[2].max(crate::MIN_DEPTH_M)
 }
 
-/// The normal equations of a frame. `model` is at g: its cameras and biases are those of g, and so are the points of `body`. `scales` are the [`pixels_per_metre`] of its cameras. Without `with_lasting` Gᵀ W G is left out.
+/// The normal equations of a frame. `model` is at g: its cameras, its biases and the points of `body` are as g says. `scales` are the [`pixels_per_metre`] of its cameras. Without `with_lasting` Gᵀ W G is left out.
 #[must_use]
 pub fn linearised(
     model: &KeypointModel,
@@ -222,11 +222,11 @@ fn rows(
         (0..dof).map(|j| root * by_dof(j)).collect()
     };
     let lasting = |axis: usize| {
-        let of_camera = errors.camera(camera).zip(by_error[axis]);
-        let of_lengths = errors.lengths().zip(body.by_length.iter().map(|moved| across(axis, moved)));
-        let of_place = errors.place(point).zip(body.link_axes.iter().map(|moved| across(axis, moved)));
-        let of_bias = std::iter::once((errors.bias(camera, point).start + axis, scales[camera]));
-        let all = of_camera.chain(of_lengths).chain(of_place).chain(of_bias);
+        let by_camera = errors.camera(camera).zip(by_error[axis]);
+        let by_lengths = errors.lengths().zip(body.by_length.iter().map(|moved| across(axis, moved)));
+        let by_place = errors.place(point).zip(body.link_axes.iter().map(|moved| across(axis, moved)));
+        let by_bias = std::iter::once((errors.bias(camera, point).start + axis, scales[camera]));
+        let all = by_camera.chain(by_lengths).chain(by_place).chain(by_bias);
         all.filter(|(_, by)| *by != 0.0).map(|(place, by)| (place, root * by)).collect()
     };
     let rows =

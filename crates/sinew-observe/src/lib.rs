@@ -32,7 +32,6 @@ pub mod camera_error;
 pub mod camera_lag;
 pub mod cleaning;
 pub mod colour_histogram;
-pub mod common_shift;
 pub mod contour_map;
 pub mod cross_view;
 pub mod distance_map;

@@ -23,6 +23,7 @@ pub(crate) mod error;
 pub mod exchanged_cameras;
 mod first_second;
 mod girth;
+pub mod lasting_draws;
 pub mod lasting_errors;
 pub mod lasting_prior;
 mod measured_colours;

@@ -143,7 +143,7 @@ pub fn detect(
     Detections { offsets_px, keypoints }
 }
 
-/// Pairs of left and right keypoints: those of the arms, and those of the legs.
+/// Pairs of left and right keypoints: of the arms, and of the legs.
 fn paired_limbs(layout: &Layout) -> [Vec<(usize, usize)>; 2] {
     let of = |parts: &[&str]| {
         let is_part = |index: usize| {

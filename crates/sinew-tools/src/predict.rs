@@ -1,4 +1,6 @@
-//! What a camera that a run did not use should see: mean and covariance of each keypoint's observation, from the run's draws.
+//! What a camera that a run did not use should see.
+//!
+//! Mean and covariance of each keypoint's observation come from the run's draws.
 //!
 //! With u⁽ⁱ⁾ the pixel of draw i's keypoint in the camera as it is calibrated,
 //!
@@ -25,7 +27,7 @@ use sinew::setup::lasting_errors::MeasuredErrors;
 use sinew::setup::lasting_prior::{CAMERA_UNITS, KIND_SCALES, kind};
 use sinew_formats::camera_name;
 use sinew_formats::source_text::MAX_TEXT_BYTES;
-use sinew_formats::zarr::reader::{self, Numbers};
+use sinew_formats::zarr::reader::{self, NumberArray};
 use sinew_observe::Camera;
 use sinew_observe::camera_error::{NUMBERS, derivatives};
 use sinew_observe::lasting_errors::pixels_per_metre;
@@ -46,10 +48,10 @@ pub struct Predicted {
 
 /// What the camera should see.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Prediction {
+pub struct CameraPrediction {
     /// The camera.
     pub camera: Camera,
-    /// Numbers of the frames.
+    /// NumberArray of the frames.
     pub frames: Vec<u64>,
     /// Names of the keypoints.
     pub keypoints: Vec<String>,
@@ -59,7 +61,7 @@ pub struct Prediction {
     pub common: [f64; 3],
 }
 
-impl Prediction {
+impl CameraPrediction {
     /// The table as text: `frame,camera,keypoint,u,v,uu,uv,vv,common_uu,common_uv,common_vv`.
     #[must_use]
     pub fn to_csv(&self) -> String {
@@ -80,7 +82,7 @@ impl Prediction {
 }
 
 /// The draws of keypoints of a result folder: draw by draw, frame by frame.
-fn drawn_keypoints(folder: &Path) -> Result<Numbers, Error> {
+fn drawn_keypoints(folder: &Path) -> Result<NumberArray, Error> {
     let array = folder.join("posterior.zarr/posterior/keypoint_position");
     let document = array.join("zarr.json");
     if !document.is_file() {
@@ -104,7 +106,7 @@ fn drawn_keypoints(folder: &Path) -> Result<Numbers, Error> {
 ///
 /// # Errors
 /// A folder without draws of keypoints, a calibration that cannot be read or lacks the camera, and a camera that the run used.
-pub fn predict(folder: &Path, calibration: &Path, camera: &str) -> Result<Prediction, Error> {
+pub fn predict(folder: &Path, calibration: &Path, camera: &str) -> Result<CameraPrediction, Error> {
     let tracked = Tracked::read(folder)?;
     let setup = &tracked.setup;
     let Some(known) = &setup.lasting else { return Err(PredictError::NoKeypoints(folder.to_owned()).into()) };
@@ -156,7 +158,7 @@ pub fn predict(folder: &Path, calibration: &Path, camera: &str) -> Result<Predic
         Some(Predicted { mean, total })
     };
     let predicted = shown.iter().enumerate().map(one).collect();
-    Ok(Prediction { camera, frames, keypoints: known.points.clone(), predicted, common })
+    Ok(CameraPrediction { camera, frames, keypoints: known.points.clone(), predicted, common })
 }
 
 /// A draw's keypoint in the camera.
@@ -212,9 +214,9 @@ fn common(shown: &[Option<Vec<Seen>>], draws: usize, variances: &[f64; NUMBERS])
     if count == 0.0 {
         return [0.0; 3];
     }
-    let of_draw =
+    let in_draw =
         |draw: usize| [0, 1].map(|axis: usize| known().map(|seen| seen[draw].pixel[axis]).sum::<f64>() / count);
-    let (_, mut covariance) = moments(&(0..draws).map(of_draw).collect::<Vec<_>>());
+    let (_, mut covariance) = moments(&(0..draws).map(in_draw).collect::<Vec<_>>());
     add(&mut covariance, spread(&mean_error(known().flatten()), variances));
     covariance
 }

@@ -1,9 +1,11 @@
-//! What intervals are worth on a recording: observations of a camera that a run did not use, held against what the run predicts of them ([`crate::predict`]).
+//! What intervals are worth on a recording.
+//!
+//! Observations of a camera that a run did not use are held against what the run predicts of them ([`crate::predict`]).
 //!
 //! A camera's own constant offset, the median of observed − predicted, is taken off first: whatever the run is worth, it cannot know that, and it is common to all keypoints. It is reported in units of its own standard deviation. What remains is held against the
 //! total covariance without the common part.
 
-use crate::predict::{Predicted, Prediction};
+use crate::predict::{CameraPrediction, Predicted};
 use crate::svg::{Anchor, Svg};
 use sinew_observe::association::Person;
 use sinew_observe::offsets::median;
@@ -21,7 +23,7 @@ const CURVE: [f64; 19] =
 
 /// Observations of some keypoints against what was predicted.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Tally {
+pub struct ObservationTally {
     /// Errors without the camera's offset, pixels.
     pub errors_px: Vec<f64>,
     /// Their squared distances in standard deviations.
@@ -30,7 +32,7 @@ pub struct Tally {
     pub log_scores: Vec<f64>,
 }
 
-impl Tally {
+impl ObservationTally {
     /// Share of the observations in the region of a probability.
     #[must_use]
     pub fn coverage(&self, probability: f64) -> f64 {
@@ -76,14 +78,14 @@ pub struct LeftOut {
     /// Length of that in standard deviations: the root of half its squared distance, 1 when it is as large as expected.
     pub offset_size: f64,
     /// Keypoints with what was observed of them.
-    pub keypoints: Vec<(String, Tally)>,
+    pub keypoints: Vec<(String, ObservationTally)>,
 }
 
 impl LeftOut {
     /// All keypoints together.
     #[must_use]
-    pub fn all(&self) -> Tally {
-        let mut all = Tally::default();
+    pub fn all(&self) -> ObservationTally {
+        let mut all = ObservationTally::default();
         self.keypoints.iter().for_each(|(_, tally)| all.merge(tally));
         all
     }
@@ -108,7 +110,7 @@ fn residuals(person: &Person, predicted: &[Option<Predicted>], columns: &[Option
 
 /// Holds what a camera saw against a prediction. `people` are the camera's, frame by frame as predicted; who is nearest to what was predicted counts. `columns` is the place of each predicted keypoint in the layout.
 #[must_use]
-pub fn left_out(prediction: &Prediction, people: &[Vec<Person>], columns: &[Option<usize>]) -> LeftOut {
+pub fn left_out(prediction: &CameraPrediction, people: &[Vec<Person>], columns: &[Option<usize>]) -> LeftOut {
     let count = prediction.keypoints.len().max(1);
     let nearest = |(people, predicted): (&Vec<Person>, &[Option<Predicted>])| {
         let seen = people.iter().map(|person| residuals(person, predicted, columns));
@@ -122,8 +124,8 @@ pub fn left_out(prediction: &Prediction, people: &[Vec<Person>], columns: &[Opti
     let offset_px =
         [0, 1].map(|axis: usize| median(&mut seen.iter().flatten().flatten().map(|r| r[axis]).collect::<Vec<_>>()));
     let offset_size = distance(offset_px, prediction.common).map_or(f64::NAN, |(square, _)| (0.5 * square).sqrt());
-    let mut keypoints: Vec<(String, Tally)> =
-        prediction.keypoints.iter().map(|name| (name.clone(), Tally::default())).collect();
+    let mut keypoints: Vec<(String, ObservationTally)> =
+        prediction.keypoints.iter().map(|name| (name.clone(), ObservationTally::default())).collect();
     for (seen, predicted) in seen.iter().zip(prediction.predicted.chunks(count)) {
         for ((residual, predicted), (_, tally)) in seen.iter().zip(predicted).zip(&mut keypoints) {
             let (Some(residual), Some(predicted)) = (residual, predicted) else { continue };
@@ -140,8 +142,8 @@ pub fn left_out(prediction: &Prediction, people: &[Vec<Person>], columns: &[Opti
 
 /// All cameras together.
 #[must_use]
-pub fn together(cameras: &[LeftOut]) -> Tally {
-    let mut all = Tally::default();
+pub fn together(cameras: &[LeftOut]) -> ObservationTally {
+    let mut all = ObservationTally::default();
     cameras.iter().for_each(|camera| all.merge(&camera.all()));
     all
 }

@@ -2,7 +2,7 @@
 //!
 //! A run's common shift is the mean of truth − mean over frames, joints and axes of one kind. Its standard deviation is the root of what the total variance of the points has beyond that within the run; within the run it is taken off.
 
-use super::{NOMINAL, WITHIN, verdict};
+use super::protocol::{NOMINAL, WITHIN, verdict};
 use crate::outcome::Outcome;
 use crate::program::Program;
 use crate::store::{Store, numbers};
@@ -60,9 +60,9 @@ pub(super) fn cell(program: &Program, seed: u64) -> Outcome<Value> {
     let answer: Value = serde_json::from_str(&answer)?;
     let found = coordinates(&folder)?;
     std::fs::remove_dir_all(&folder)?;
-    let of_axis = |axis: usize| found.iter().filter(move |c| c.axis == axis);
-    let shift = [0, 1, 2].map(|axis| mean(of_axis(axis).map(|c| c.error)));
-    let shift_sd = [0, 1, 2].map(|axis| mean(of_axis(axis).map(|c| c.sd.powi(2) - c.within.powi(2))).max(0.0).sqrt());
+    let on_axis = |axis: usize| found.iter().filter(move |c| c.axis == axis);
+    let shift = [0, 1, 2].map(|axis| mean(on_axis(axis).map(|c| c.error)));
+    let shift_sd = [0, 1, 2].map(|axis| mean(on_axis(axis).map(|c| c.sd.powi(2) - c.within.powi(2))).max(0.0).sqrt());
     let is_within = |c: &Coordinate| (c.error - shift[c.axis]).abs() <= 1.645 * c.within;
     let standard_shift = [0, 1, 2].map(|axis: usize| shift[axis] / shift_sd[axis]);
     Ok(json!({
@@ -86,7 +86,7 @@ pub(super) fn table(store: &Store, seeds: Range<u64>) -> String {
         let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         (centre, (variance / values.len() as f64).sqrt(), low, high)
     };
-    let mut text = format!("{} demos, seeds from {}:\n\n", cells.len(), super::FIRST_SEED);
+    let mut text = format!("{} demos, seeds from {}:\n\n", cells.len(), super::protocol::FIRST_SEED);
     text += "| measure | mean over seeds | single seeds | half-width, mm | bound | |\n|---|---|---|---|---|---|\n";
     for (name, width, what) in [
         ("coverage", "half_width_mm", "inside 90 % intervals, %"),

@@ -1,6 +1,8 @@
-//! Cameras that a run did not use: keypoints of the judged frames against `sinew predict`, the camera's own offset, the median over the frames of tuning, taken off.
+//! Cameras that a run did not use, against `sinew predict`.
+//!
+//! Keypoints of the judged frames count. The camera's own offset, the median over the frames of tuning, is taken off.
 
-use super::{CAMERAS, EACH_CAMERA, LEFT_OUT, Recording, TWO_USED, is_in, sets, verdict};
+use super::protocol::{CAMERAS, EACH_CAMERA, LEFT_OUT, Recording, TWO_USED, is_in, sets, verdict};
 use crate::outcome::Outcome;
 use crate::program::{Program, shown};
 use crate::store::{Store, rows};
@@ -66,9 +68,9 @@ fn held_against(text: &str, recording: &Recording, camera: &str) -> Outcome<(Vec
         let path = recording.keypoints.join(format!("{name}_json/{name}.{frame:04}.json"));
         let options = OpenposeOptions { layout: Some(&layout), ..OpenposeOptions::default() };
         let people = openpose::read(&shown(&path), &std::fs::read_to_string(&path)?, &options)?.people;
-        let of_people = people.iter().map(|person| residuals(person, &expected)).filter(|seen| !seen.is_empty());
+        let by_person = people.iter().map(|person| residuals(person, &expected)).filter(|seen| !seen.is_empty());
         let away = |seen: &Vec<(&Expected, [f64; 2])>| median(seen.iter().map(|(_, [u, v])| u.hypot(*v)).collect());
-        if let Some(nearest) = of_people.min_by(|a, b| away(a).total_cmp(&away(b))) {
+        if let Some(nearest) = by_person.min_by(|a, b| away(a).total_cmp(&away(b))) {
             seen.extend(nearest.into_iter().map(|(expected, r)| (frame < TUNED, expected.covariance, r)));
         }
     }

@@ -1,6 +1,6 @@
 //! Runs of disjoint pairs of cameras: is their difference as large as they say?
 
-use super::{CAMERAS, PAIRS, Recording, verdict};
+use super::protocol::{CAMERAS, PAIRS, Recording, verdict};
 use crate::outcome::Outcome;
 use crate::program::Program;
 use crate::store::Store;

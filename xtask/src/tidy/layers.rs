@@ -17,7 +17,7 @@ const ALLOWED: [(&str, &[&str]); 17] = [
     ("sinew-invariance", &["sinew-core"]),
     ("sinew-motion", &["sinew-core", "sinew-body", "sinew-formats"]),
     ("sinew-simulate", &["sinew-core", "sinew-body", "sinew-observe", "sinew-formats", "sinew-motion"]),
-    ("sinew-recording", &["sinew-core", "sinew-body", "sinew-observe", "sinew-formats"]),
+    ("sinew-recording", &["sinew-core", "sinew-body", "sinew-observe", "sinew-formats", "sinew-dynamics"]),
     ("sinew", &LIBRARIES),
     (
         "sinew-tools",

@@ -7,7 +7,7 @@ use serde_json::Value;
 
 /// An array of numbers.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Numbers {
+pub struct NumberArray {
     /// Length along each dimension.
     pub shape: Vec<usize>,
     /// Its values, the last dimension fastest.
@@ -25,7 +25,7 @@ pub fn numbers(
     name: &str,
     document: &str,
     mut chunk: impl FnMut(&str) -> Result<Option<Vec<u8>>, Error>,
-) -> Result<Numbers, Error> {
+) -> Result<NumberArray, Error> {
     let document: Value = json_text::parse(name, document)?;
     let wrong =
         |found: String, expected: &str| Error::Syntax { place: Place::file(name), found, expected: expected.into() };
@@ -46,7 +46,7 @@ pub fn numbers(
         return Err(refused("codecs", "`bytes` alone, without compression"));
     }
     let product = |sizes: &[usize]| sizes.iter().try_fold(1_usize, |all, size| all.checked_mul(*size));
-    let (Some(total), Some(of_chunk)) = (product(&shape).filter(|n| *n <= MOST), product(&cut).filter(|n| *n <= MOST))
+    let (Some(total), Some(in_chunk)) = (product(&shape).filter(|n| *n <= MOST), product(&cut).filter(|n| *n <= MOST))
     else {
         return Err(refused("shape", "fewer numbers"));
     };
@@ -56,8 +56,8 @@ pub fn numbers(
         let at = places(number, &grid);
         let key = std::iter::once("c".to_owned()).chain(at.iter().map(usize::to_string)).collect::<Vec<_>>().join("/");
         let Some(bytes) = chunk(&key)? else { continue };
-        if bytes.len() != width * of_chunk {
-            return Err(wrong(format!("chunk {key} has {} bytes", bytes.len()), &(width * of_chunk).to_string()));
+        if bytes.len() != width * in_chunk {
+            return Err(wrong(format!("chunk {key} has {} bytes", bytes.len()), &(width * in_chunk).to_string()));
         }
         for (within, bytes) in bytes.chunks_exact(width).enumerate() {
             let place: Vec<usize> =
@@ -71,7 +71,7 @@ pub fn numbers(
             }
         }
     }
-    Ok(Numbers { shape, values })
+    Ok(NumberArray { shape, values })
 }
 
 /// Place along each dimension of the n-th entry.
@@ -103,7 +103,7 @@ mod tests {
         writer.finish().unwrap()
     }
 
-    fn read(store: &MemoryStore, change: impl Fn(String) -> String) -> Result<Numbers, Error> {
+    fn read(store: &MemoryStore, change: impl Fn(String) -> String) -> Result<NumberArray, Error> {
         let document = String::from_utf8(store.0["posterior/place/zarr.json"].clone()).unwrap();
         numbers("place", &change(document), |key| Ok(store.0.get(&format!("posterior/place/{key}")).cloned()))
     }

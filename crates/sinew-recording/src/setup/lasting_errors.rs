@@ -1,4 +1,6 @@
-//! What is constant over a recording and known only up to an error, as the set-up stores it: the value that tracking uses, and draws of how far the truth may be from it.
+//! What is constant over a recording, as the set-up stores it.
+//!
+//! Each number has the value that tracking uses, and draws of how far the truth may be from it.
 //!
 //! [`LastingErrors`] says what the numbers are.
 

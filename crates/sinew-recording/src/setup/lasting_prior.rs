@@ -9,7 +9,7 @@
 
 use sinew_body::Proportions;
 use sinew_body::point_derivatives::lengths;
-use sinew_dynamics::lasting_scales::{Cluster, LastingPrior, ScalePrior, alike};
+use sinew_dynamics::lasting_scales::{LastingPrior, PriorCluster, ScalePrior, alike};
 use sinew_observe::camera_error::NUMBERS;
 use sinew_observe::lasting_errors::LastingErrors;
 
@@ -46,18 +46,18 @@ pub(super) fn prior(errors: &LastingErrors, points: &[String], subject: &Proport
     let mut clusters = vec![];
     for camera in 0..errors.cameras {
         let numbers = errors.camera(camera).zip(CAMERA_UNITS).map(|(place, unit)| (place, 0.0, unit)).collect();
-        clusters.push(Cluster { numbers, scale: Some(0), heavy_tails: true });
+        clusters.push(PriorCluster { numbers, scale: Some(0), heavy_tails: true });
     }
     let usual = lengths(&Proportions::default());
     let length = |(place, (usual, own)): (usize, (&f64, f64))| (place, usual - own, LENGTH_SHARE * usual);
     let numbers = errors.lengths().zip(usual.iter().zip(lengths(subject))).map(length).collect();
-    clusters.push(Cluster { numbers, scale: None, heavy_tails: false });
-    clusters.push(Cluster { numbers: alike(errors.places(), 1.0), scale: Some(PLACES), heavy_tails: false });
+    clusters.push(PriorCluster { numbers, scale: None, heavy_tails: false });
+    clusters.push(PriorCluster { numbers: alike(errors.places(), 1.0), scale: Some(PLACES), heavy_tails: false });
     for of in 0..KINDS {
         for (point, _) in points.iter().enumerate().filter(|(_, name)| kind(name) == of) {
             for camera in 0..errors.cameras {
                 let numbers = alike(errors.bias(camera, point), 1.0);
-                clusters.push(Cluster { numbers, scale: Some(FIRST_KIND + of), heavy_tails: true });
+                clusters.push(PriorCluster { numbers, scale: Some(FIRST_KIND + of), heavy_tails: true });
             }
         }
     }

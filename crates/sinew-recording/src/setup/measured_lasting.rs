@@ -1,4 +1,6 @@
-//! The posterior of everything that is constant over a recording: cameras, the subject's lengths, places of keypoints, biases of detectors.
+//! The posterior of everything that is constant over a recording.
+//!
+//! That is cameras, the subject's lengths, places of keypoints, biases of detectors.
 //!
 //! Poses of some frames and g are found together by Gauss–Newton. Frame after frame a random walk links the poses and a filter carries beside them how its estimates answer to g ([`Lasting`]), which eliminates the poses from the block-tridiagonal
 //! matrix with a border. What remains are Λ and λ of g alone, from which g and the scales of its prior are drawn ([`lasting_scales`]). Each round:
@@ -24,7 +26,7 @@ use sinew_core::lanes::Isa;
 use sinew_core::random::Stage;
 use sinew_core::transition::Moments;
 use sinew_dynamics::lasting::{FrameInformation, Lasting, informed};
-use sinew_dynamics::lasting_scales::{LastingData, LastingDraws, LastingPrior, Schedule, draws};
+use sinew_dynamics::lasting_scales::{LastingData, LastingDraws, LastingPrior, SweepSchedule, draws};
 use sinew_dynamics::smoother::Smoother;
 use sinew_formats::Layout;
 use sinew_observe::camera_error::{NUMBERS, PRINCIPAL_POINT, with_error};
@@ -46,7 +48,7 @@ const LASTING_SHARE: f64 = 0.93;
 /// Largest φ.
 const MOST_LASTING: f64 = 0.98;
 /// Draws to find the mean in a round.
-const ROUND: Schedule = Schedule { draws: 24, burn_in: 16, apart: 1 };
+const ROUND: SweepSchedule = SweepSchedule { draws: 24, burn_in: 16, apart: 1 };
 /// A precision that says nothing.
 const FLAT: f64 = 1e10;
 /// Share of a camera's residuals that is left, at least.
@@ -89,7 +91,7 @@ pub fn measure_lasting(
         }
     }
     let pass = fit.pass()?;
-    let found = fit.drawn(&pass.data, Schedule::default(), Stage::new(seed, "lasting"))?;
+    let found = fit.drawn(&pass.data, SweepSchedule::default(), Stage::new(seed, "lasting"))?;
     fit.store(setup, found);
     Ok(())
 }
@@ -115,9 +117,9 @@ fn looked_at(
         let sighted: Sighted = found.people;
         let former = looked.last().map(|frame| frame.pose.as_slice());
         let Some(pose) = pose_of(setup, cameras, layout, &sighted, former) else { continue };
-        let of_points =
+        let by_point =
             |seen: &Vec<Option<Detection>>| shared.iter().map(|(_, k)| seen.get(*k).copied().flatten()).collect();
-        looked.push(Looked { number, detections: sighted.iter().map(of_points).collect(), pose });
+        looked.push(Looked { number, detections: sighted.iter().map(by_point).collect(), pose });
     }
     Ok(looked)
 }
@@ -312,7 +314,7 @@ impl Fit {
     }
 
     /// How much of a number of g the data tell, from 0 to 1.
-    fn told(&self, pass: &Pass, place: usize) -> f64 {
+    fn share_from_data(&self, pass: &Pass, place: usize) -> f64 {
         let said = pass.data.information[place * self.errors.count() + place];
         said / (said + self.prior_sd[place].powi(-2))
     }
@@ -321,8 +323,9 @@ impl Fit {
     fn model_error(&mut self, pass: &Pass, taken: f64) {
         let all = || pass.frames.iter().flat_map(|frame| &frame.residuals);
         let count = 2.0 * all().count() as f64;
-        let of_errors: f64 = (0..self.errors.count()).map(|place| self.told(pass, place)).sum();
-        let left = (1.0 - taken / count).max(LEAST_LEFT) * (1.0 - of_errors / (pass.worth * count)).max(LEAST_LEFT);
+        let taken_by_errors: f64 = (0..self.errors.count()).map(|place| self.share_from_data(pass, place)).sum();
+        let left =
+            (1.0 - taken / count).max(LEAST_LEFT) * (1.0 - taken_by_errors / (pass.worth * count)).max(LEAST_LEFT);
         let scaled = all().flat_map(|r| r.residual_px.map(|px| px / r.noise_px2.sqrt()));
         let beyond = robust_sigma(scaled).powi(2) / left - 1.0;
         let by_model = all().map(|r| r.by_model_error / r.noise_px2).sum::<f64>() / (0.5 * count);
@@ -347,15 +350,15 @@ impl Fit {
         let cameras: Vec<Camera> = views.iter().map(|view| view.camera.clone()).collect();
         let config = offsets::Config { no_offsets: true, ..offsets::Config::default() };
         let noise = offsets::estimate(&cameras, &sighted, &config);
-        let of_biases = |c: usize| -> f64 {
+        let taken_by_biases = |c: usize| -> f64 {
             (0..self.errors.points)
                 .flat_map(|point| self.errors.bias(c, point))
-                .map(|place| self.told(pass, place))
+                .map(|place| self.share_from_data(pass, place))
                 .sum()
         };
-        let of_biases: Vec<f64> = (0..cameras.len()).map(of_biases).collect();
-        for ((view, noise), of_biases) in self.model.views.iter_mut().zip(noise).zip(of_biases) {
-            let left = (1.0 - of_biases / (self.worth * noise.residuals as f64 * 2.0)).max(LEAST_LEFT);
+        let taken_by_biases: Vec<f64> = (0..cameras.len()).map(taken_by_biases).collect();
+        for ((view, noise), taken_by_biases) in self.model.views.iter_mut().zip(noise).zip(taken_by_biases) {
+            let left = (1.0 - taken_by_biases / (self.worth * noise.residuals as f64 * 2.0)).max(LEAST_LEFT);
             let sigma = noise.sigma_px / left.sqrt();
             if sigma.is_finite() {
                 view.sigma_px = sigma;
@@ -364,7 +367,7 @@ impl Fit {
     }
 
     /// Draws g, and keeps its mean and the sizes of its prior.
-    fn drawn(&mut self, data: &LastingData, schedule: Schedule, stage: Stage) -> Result<LastingDraws, Error> {
+    fn drawn(&mut self, data: &LastingData, schedule: SweepSchedule, stage: Stage) -> Result<LastingDraws, Error> {
         let found = draws(data, &self.prior, schedule, stage)?;
         for cluster in &self.prior.clusters {
             let size = cluster.scale.map_or(1.0, |scale| {

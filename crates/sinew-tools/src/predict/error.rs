@@ -17,7 +17,7 @@ pub enum PredictError {
     UnknownCamera {
         /// Calibration.
         calibration: PathBuf,
-        /// Name asked for.
+        /// Requested name.
         camera: String,
         /// Names that it has.
         calibrated: Vec<String>,

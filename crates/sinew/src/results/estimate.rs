@@ -91,7 +91,7 @@ pub struct HmcStatistics {
 pub struct Draws {
     /// States, one after the other.
     pub states: Vec<f64>,
-    /// By how much the points of the body of each lie from those of [`RunInfo::body`] in that state, three numbers a point, metres; empty where they do not.
+    /// By how much the points of the body of each lie from where [`RunInfo::body`] has them in that state, three numbers a point, metres; empty where they do not.
     pub shape: Vec<f64>,
     /// Where the detectors see the keypoints of each in space, metres; empty where that is not known apart from the body's points.
     pub detected: Vec<f64>,

@@ -1,10 +1,12 @@
 //! From a step of a tracker to what is written of it.
 
-use super::lasting::{EqualDraws, Moved};
 use super::marginals::Marginals;
+use super::moved::{EqualDraws, Moved};
 use super::scene::Scene;
 use crate::config::settings::Settings;
-use crate::results::estimate::{ActionShare, Draws, FrameEstimate, HmcStatistics, ParticleStatistics, Quality};
+use crate::results::estimate::{
+    ActionShare, Draws, FrameEstimate, HmcStatistics, ParticleStatistics, PointMarginal, Quality, StateMarginal,
+};
 use sinew_core::random::Stage;
 use sinew_dynamics::primitives::switching::Choice;
 use sinew_tracking::StepInfo;
@@ -36,23 +38,9 @@ pub(super) fn describe(
         diverging: chosen.iter().map(|s| s.divergent).collect(),
         energy: chosen.iter().map(|s| s.energy).collect(),
     });
-    let particles = posterior.chain_stats.is_empty().then(|| ParticleStatistics {
-        log_weight: posterior.weights.iter().map(|w| w.ln()).collect(),
-        resampled: info.resampled.unwrap_or(false),
-    });
-    let mut mean_state = info.mean.clone();
-    let [mut shape, mut detected] = [vec![], vec![]];
-    let (points, state) = match &moved {
-        None => marginals.of(posterior, None),
-        Some(moved) => {
-            moved.apply(&mut states, posterior.dim);
-            [shape, detected] = moved.written(scene, &states, posterior.dim);
-            mean_state.iter_mut().zip(moved.mean()).for_each(|(x, by)| *x += by);
-            let rng = &mut Stage::new(settings.seed, "equal weight").at_frame(number as u32).whole();
-            let EqualDraws { states, weights } = moved.equal_draws(posterior, rng);
-            marginals.of(&Posterior { states: &states, weights: &weights, chain_stats: &[], ..*posterior }, Some(moved))
-        }
-    };
+    let particles = posterior.chain_stats.is_empty().then(|| particles(posterior, &info));
+    let Spread { mean_state, shape, detected, points, state } =
+        spread(settings, scene, marginals, (number, &info.mean), posterior, (&mut states, moved.as_ref()));
     let size = marginals.size_draws(&mut states, posterior.dim);
     let cameras = scene.cameras_with_person().max(silhouettes);
     FrameEstimate {
@@ -83,6 +71,44 @@ pub(super) fn describe(
         divergences: info.divergences as u64,
         trajectories: info.trajectories as u64,
     }
+}
+
+fn particles(posterior: &Posterior<'_>, info: &StepInfo) -> ParticleStatistics {
+    let log_weight = posterior.weights.iter().map(|w| w.ln()).collect();
+    ParticleStatistics { log_weight, resampled: info.resampled.unwrap_or(false) }
+}
+
+/// A frame's draws with what is constant in them.
+struct Spread {
+    mean_state: Vec<f64>,
+    shape: Vec<f64>,
+    detected: Vec<f64>,
+    points: Vec<PointMarginal>,
+    state: Vec<StateMarginal>,
+}
+
+/// Mean, marginals and kept draws, moved where there is something to move them by.
+fn spread(
+    settings: &Settings,
+    scene: &Scene,
+    marginals: &mut Marginals,
+    (number, mean): (u64, &[f64]),
+    posterior: &Posterior<'_>,
+    (kept, moved): (&mut [f64], Option<&Moved>),
+) -> Spread {
+    let Some(moved) = moved else {
+        let (points, state) = marginals.of(posterior, None);
+        return Spread { mean_state: mean.to_vec(), shape: vec![], detected: vec![], points, state };
+    };
+    moved.apply(kept, posterior.dim);
+    let at = kept.chunks_exact(posterior.dim).flat_map(|state| scene.points(state));
+    let [shape, detected] = moved.written(at, kept.len() / posterior.dim);
+    let rng = &mut Stage::new(settings.seed, "equal weight").at_frame(number as u32).whole();
+    let EqualDraws { states, weights } = moved.equal_draws(posterior, rng);
+    let equal = Posterior { states: &states, weights: &weights, chain_stats: &[], ..*posterior };
+    let (points, state) = marginals.of(&equal, Some(moved));
+    let mean_state = mean.iter().zip(moved.mean()).map(|(x, by)| x + by).collect();
+    Spread { mean_state, shape, detected, points, state }
 }
 
 /// The choices of the motion, part by part, by their meaning.

@@ -1,25 +1,21 @@
 //! What is constant over a run, in every frame's draws.
 //!
-//! Tracking takes the set-up's values ĝ of what is constant for true. The set-up also drew how far the truth may be from them ([`MeasuredErrors`]). Draw i of every frame belongs to draw i mod n of these, and so is moved to
+//! Tracking takes the set-up's values ĝ of what is constant for true. The set-up also drew how far the truth may be from them ([`crate::setup::MeasuredErrors`]). Draw i of every frame belongs to draw i mod n of these, and so is moved to
 //! where the tracker's estimate would be had that been true: s⁽ⁱ⁾ + J (g⁽ⁱ⁾ − ĝ), with the answer J of the filter linearised at its estimates ([`LastingMoves`]). Longer segments move the points of the body, too.
 //! Keypoints alone enter J: beside silhouettes it is too large.
 
 use super::error::TrackError;
+use super::moved::Moved;
 use super::scene::Scene;
 use crate::Error;
-use crate::setup::{MeasuredErrors, Setup};
+use crate::setup::Setup;
+use crate::setup::lasting_draws::{deviations, world_shifts};
 use sinew_body::KinematicTree;
 use sinew_body::point_derivatives::Neighbours;
-use sinew_core::lanes::{Block, LANES};
-use sinew_core::random::BlockRng;
 use sinew_dynamics::lasting_draws::LastingMoves;
 use sinew_dynamics::motion_prior::MotionPrior;
 use sinew_observe::Camera;
-use sinew_observe::lasting_errors::{LastingErrors, common_shift, linearised, pixels_per_metre};
-use sinew_tracking::posterior::Posterior;
-
-/// Weighted draws are made this many of equal weight before they are moved.
-const EQUAL_DRAWS: usize = 512;
+use sinew_observe::lasting_errors::{LastingErrors, linearised, pixels_per_metre};
 
 /// What is constant, beside a tracker.
 pub(super) struct Lasting {
@@ -37,27 +33,6 @@ pub(super) struct Lasting {
     step: Vec<f64>,
     moves: LastingMoves,
     started: bool,
-}
-
-/// Where the draws of a frame go.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct Moved {
-    /// The part of it that all points share in all frames, draw by draw, metres.
-    pub shifts: Vec<[f64; 3]>,
-    /// Draws n of what is constant.
-    pub draws: usize,
-    /// By how much each moves the state, d × n, row after row.
-    pub states: Vec<f64>,
-    /// By how much each moves the points of the body beyond that, 3 a point, × n, metres.
-    pub points: Vec<f64>,
-    /// The same of the keypoints as the detectors see them.
-    pub keypoints: Vec<f64>,
-}
-
-/// Draws of equal weight.
-pub(super) struct EqualDraws {
-    pub states: Vec<Block>,
-    pub weights: Vec<f64>,
 }
 
 impl Lasting {
@@ -82,7 +57,7 @@ impl Lasting {
         let (initial, draws) = (variances(motion.initial_sd()), known.draws());
         let deviations = deviations(known, &errors, cameras, &scene.keypoints());
         Some(Self {
-            shifts: shifts(&setup.as_they_are(cameras, 1.0), &errors, &deviations, known),
+            shifts: world_shifts(&setup.as_they_are(cameras, 1.0), &errors, &deviations, known),
             keypoints: Neighbours::new(build, &setup.proportions, indices),
             points: Neighbours::new(|sizes| setup.body.tree(sizes), &setup.proportions, &all),
             pixels_per_metre: cameras.iter().map(|camera| pixels_per_metre(camera, known.middle_m)).collect(),
@@ -151,103 +126,5 @@ impl Lasting {
     pub(super) fn restore(&mut self, saved: &[f64]) -> Result<(), sinew_dynamics::Error> {
         self.started = !saved.is_empty();
         if self.started { self.moves.restore(saved) } else { Ok(()) }
-    }
-}
-
-/// The shift of the world that each draw of the cameras looks like at the middle of the set-up's frames; 0 where fewer than two see it.
-fn shifts(cameras: &[Camera], errors: &LastingErrors, deviations: &[f64], known: &MeasuredErrors) -> Vec<[f64; 3]> {
-    let draws = known.draws();
-    let of_draw = |draw: usize| {
-        let error = |camera: usize| {
-            let first = errors.camera(camera).start;
-            std::array::from_fn(|k| deviations[(first + k) * draws + draw])
-        };
-        let drawn: Vec<_> = (0..cameras.len()).map(error).collect();
-        common_shift(cameras, &drawn, known.middle_m).unwrap_or_default()
-    };
-    (0..draws).map(of_draw).collect()
-}
-
-/// Draws of the set-up for these cameras and points, in the order of `errors`; what the set-up has no draws of stays where it is.
-fn deviations(known: &MeasuredErrors, errors: &LastingErrors, cameras: &[Camera], points: &[String]) -> Vec<f64> {
-    let layout = known.layout();
-    let camera_of = |camera: usize| known.cameras.iter().position(|name| *name == cameras[camera].name);
-    let point_of = |point: usize| known.points.iter().position(|name| *name == points[point]);
-    let mut from: Vec<Option<usize>> = vec![None; errors.count()];
-    let mut put = |own: std::ops::Range<usize>, theirs: Option<std::ops::Range<usize>>| {
-        let theirs = theirs.into_iter().flatten().map(Some).chain(std::iter::repeat(None));
-        own.zip(theirs).for_each(|(place, theirs)| from[place] = theirs);
-    };
-    put(errors.lengths(), Some(layout.lengths()));
-    for point in 0..points.len() {
-        put(errors.place(point), point_of(point).map(|theirs| layout.place(theirs)));
-    }
-    for camera in 0..cameras.len() {
-        put(errors.camera(camera), camera_of(camera).map(|theirs| layout.camera(theirs)));
-        for point in 0..points.len() {
-            let theirs = camera_of(camera).zip(point_of(point)).map(|(camera, point)| layout.bias(camera, point));
-            put(errors.bias(camera, point), theirs);
-        }
-    }
-    let draws = known.draws();
-    from.into_iter()
-        .flat_map(|place| place.map_or_else(|| vec![0.0; draws], |place| known.number[place].draws.clone()))
-        .collect()
-}
-
-impl Moved {
-    /// Mean move of the state.
-    pub(super) fn mean(&self) -> Vec<f64> {
-        self.states.chunks_exact(self.draws).map(|row| row.iter().sum::<f64>() / self.draws as f64).collect()
-    }
-
-    /// Shifts of the first draws, one after the other: of `shifts`, rows of the draws.
-    fn of_draws(&self, shifts: &[f64], count: usize) -> Vec<f64> {
-        let rows = shifts.chunks_exact(self.draws);
-        (0..count).flat_map(|draw| rows.clone().map(move |row| row[draw % self.draws])).collect()
-    }
-
-    /// Draws of a frame as they are written: `states` are moved, `scene` has the keypoints.
-    pub(super) fn written(&self, scene: &Scene, states: &[f64], dim: usize) -> [Vec<f64>; 2] {
-        let count = states.len() / dim;
-        let mut detected = self.of_draws(&self.keypoints, count);
-        let at = states.chunks_exact(dim).flat_map(|state| scene.points(state));
-        detected.iter_mut().zip(at).for_each(|(x, at)| *x += at);
-        [self.of_draws(&self.points, count), detected]
-    }
-
-    /// Moves some states, one after the other, the k-th as draw k says.
-    pub(super) fn apply(&self, states: &mut [f64], dim: usize) {
-        for (draw, state) in states.chunks_exact_mut(dim).enumerate() {
-            state.iter_mut().enumerate().for_each(|(j, x)| *x += self.states[j * self.draws + draw % self.draws]);
-        }
-    }
-
-    /// The draws of a posterior, of equal weight and moved.
-    pub(super) fn equal_draws(&self, posterior: &Posterior<'_>, rng: &mut BlockRng) -> EqualDraws {
-        let d = posterior.dim;
-        let is_equal = posterior.weights.windows(2).all(|pair| pair[0] == pair[1]);
-        let mut states = if is_equal {
-            posterior.states.to_vec()
-        } else {
-            let chosen = posterior.equal_weight(EQUAL_DRAWS, rng);
-            let mut states = vec![Block::ZERO; EQUAL_DRAWS / LANES * d];
-            for (draw, &index) in chosen.iter().enumerate() {
-                for j in 0..d {
-                    states[draw / LANES * d + j].0[draw % LANES] =
-                        posterior.states[index / LANES * d + j].0[index % LANES];
-                }
-            }
-            states
-        };
-        for (block, state) in states.chunks_exact_mut(d).enumerate() {
-            for (j, x) in state.iter_mut().enumerate() {
-                x.0.iter_mut()
-                    .enumerate()
-                    .for_each(|(lane, x)| *x += self.states[j * self.draws + (block * LANES + lane) % self.draws]);
-            }
-        }
-        let count = if is_equal { posterior.count() } else { EQUAL_DRAWS };
-        EqualDraws { states, weights: vec![1.0 / count as f64; count] }
     }
 }

@@ -3,7 +3,7 @@
 //! Quantiles are taken of the weighted draws: the least value at which the cumulated weight reaches p. A body of unknown size before one camera has draws of all
 //! sizes ([`UnknownSize`]); where the lengths of the body are known up to an error, its points move with them ([`Moved`]).
 
-use super::lasting::Moved;
+use super::moved::Moved;
 use super::unknown_size::UnknownSize;
 use crate::results::estimate::{PointMarginal, StateMarginal};
 use rayon::prelude::*;
@@ -74,7 +74,7 @@ impl Marginals {
         states.chunks_exact_mut(dim).enumerate().map(place).collect()
     }
 
-    /// Marginals of all points of the body and of all degrees of freedom; the draws are those of `moved`, if there is one, in their order.
+    /// Marginals of all points of the body and of all degrees of freedom; the draws move as `moved` says, if there is one, in their order.
     pub(super) fn of(
         &mut self,
         posterior: &Posterior<'_>,

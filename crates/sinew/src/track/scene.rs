@@ -182,9 +182,9 @@ impl Scene {
             let ([u, v], [du, dv]) = (view.camera.project([p[0], p[1], p[2]]).pixel()?, view.bias_of(point));
             Some([u + du, v + dv])
         };
-        let of_view =
+        let in_view =
             |view: &View| points.chunks_exact(3).enumerate().map(|(point, p)| pixel(view, point, p)).collect();
-        self.model.views.iter().map(of_view).collect()
+        self.model.views.iter().map(in_view).collect()
     }
 
     /// Finds the person in a frame and binds his keypoints; `estimate` is the state that the tracker expects. Where he is found for the first time, or again after he was lost, or where `estimate` did not fit the frame before, also the pose that fits what is seen.
@@ -396,9 +396,11 @@ impl Scene {
         let large: Vec<_> = known.into_iter().filter(|known| size(known) > predictive::OFFSET).collect();
         let points = self.points(self.start());
         let at = [0, 1, 2].map(|k| points.iter().skip(k).step_by(3).sum::<f64>() / (points.len() / 3) as f64);
-        let shift_m = offsets::hidden_shift_m(&self.cameras, &offsets, at)?;
+        let drawn = setup::lasting_draws::world_shift_sd_m(&self.setup, &self.cameras);
+        let is_in_intervals = drawn.is_some();
+        let shift_m = drawn.or_else(|| offsets::hidden_shift_m(&self.cameras, &offsets, at))?;
         let cameras: Vec<_> = large.into_iter().map(|known| (known.name.clone(), known.offset_px)).collect();
-        (!cameras.is_empty()).then_some(Doubt::Calibration { cameras, shift_m, lengths })
+        (!cameras.is_empty()).then_some(Doubt::Calibration { cameras, shift_m, is_in_intervals, lengths })
     }
 
     /// Scatter per axis, per camera, of the keypoints about the projection of a pose, pixels: their median distance divided by √(2 ln 2), which is the standard

@@ -13,8 +13,8 @@
 //! done again by a run that resumes after a stop.
 
 use super::error::TrackError;
-use super::lasting::Moved;
 use super::marginals::Marginals;
+use super::moved::Moved;
 use super::pipeline::Pipeline;
 use crate::Error;
 use crate::results::estimate::{Draws, FrameEstimate, diagnostics};
@@ -265,6 +265,11 @@ fn backwards(
     Ok(())
 }
 
+/// Keypoints of the body in some states, three numbers each.
+fn keypoints_of(pipeline: &Pipeline, states: &[f64], dim: usize) -> impl Iterator<Item = f64> {
+    states.chunks_exact(dim).flat_map(|state| pipeline.scene().points(state))
+}
+
 /// Marginals and draws of the smoothed frames, in order.
 fn forwards(
     spool: &Spool,
@@ -296,7 +301,7 @@ fn forwards(
         let mut kept = numbers[..settings.draws.min(TRAJECTORIES) * d].to_vec();
         let size = marginals.size_draws(&mut kept, d);
         let [shape, detected] = match &moved {
-            Some(moved) => moved.written(pipeline.scene(), &kept, d),
+            Some(moved) => moved.written(keypoints_of(pipeline, &kept, d), kept.len() / d),
             None => Default::default(),
         };
         let draws = Draws { states: kept, shape, detected, size, ..Draws::default() };

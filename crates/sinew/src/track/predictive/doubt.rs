@@ -42,6 +42,8 @@ pub enum Doubt {
         cameras: Vec<(String, [f64; 2])>,
         /// Standard deviation per axis of the shift of the world that such offsets hide, metres.
         shift_m: f64,
+        /// Whether the intervals have it.
+        is_in_intervals: bool,
         /// What the other checks of the run say of lengths.
         lengths: Lengths,
     },
@@ -161,13 +163,14 @@ impl Doubt {
                     listed.join(", ")
                 )
             }
-            Self::Calibration { cameras, shift_m, lengths } => {
+            Self::Calibration { cameras, shift_m, is_in_intervals, lengths } => {
                 let listed: Vec<String> =
                     cameras.iter().map(|(name, [u, v])| format!("{name} {u:+.1} {v:+.1} px")).collect();
                 format!(
-                    "the set-up found cameras that see everything aside of the others ({}). This is taken away, but for the shift of the whole world that it hides: everything may lie some {:.0} mm aside along each axis, all the time, and no interval knows of it. {}",
+                    "the set-up found cameras that see everything aside of the others ({}). This is taken away, but for the shift of the whole world that it hides: everything may lie some {:.0} mm aside along each axis, all the time, {}. {}",
                     listed.join(", "),
                     1e3 * shift_m,
+                    if *is_in_intervals { "which the intervals hold" } else { "and no interval knows of it" },
                     lengths.words()
                 )
             }
@@ -229,7 +232,7 @@ mod tests {
     fn lengths_are_called_right_only_where_they_were_checked() {
         let words = |lengths| {
             let cameras = vec![("C1".to_owned(), [3.0, -4.0])];
-            Doubt::Calibration { cameras, shift_m: 0.012, lengths }.describe(Origins::default())
+            Doubt::Calibration { cameras, shift_m: 0.012, is_in_intervals: true, lengths }.describe(Origins::default())
         };
         let all = [Lengths::Unchecked, Lengths::Undoubted(4), Lengths::Doubted].map(words);
         assert_eq!(all.iter().filter(|words| words.contains("as long between the keypoints")).count(), 1);
