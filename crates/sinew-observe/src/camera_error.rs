@@ -55,9 +55,20 @@ pub fn with_error(camera: &Camera, error: &[f64; NUMBERS]) -> Camera {
     }
 }
 
-/// Pixel of a world point, its derivative by the point (pixels a metre) and by the error at zero (rows u, v), where there is a pixel. That by κ leaves the denominator of a rational lens out.
+/// Pixel of a world point and its derivatives, rows u and v.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PixelDerivatives {
+    /// The pixel.
+    pub pixel: [f64; 2],
+    /// By the point, pixels a metre.
+    pub by_point: [[f64; 3]; 2],
+    /// By the error of the camera at zero.
+    pub by_error: [[f64; NUMBERS]; 2],
+}
+
+/// Pixel and derivatives, where there is a pixel. The derivative by κ leaves the denominator of a rational lens out.
 #[must_use]
-pub fn derivatives(camera: &Camera, point: [f64; 3]) -> Option<([f64; 2], [[f64; 3]; 2], [[f64; NUMBERS]; 2])> {
+pub fn derivatives(camera: &Camera, point: [f64; 3]) -> Option<PixelDerivatives> {
     let (pixel, by_point) = camera.project_with_jacobian(point)?;
     let [x, y, z] = camera.point_in_camera(point);
     let Intrinsics { fx, fy, cx, cy } = camera.intrinsics;
@@ -76,7 +87,7 @@ pub fn derivatives(camera: &Camera, point: [f64; 3]) -> Option<([f64; 2], [[f64;
         let shift = [[fx, 0.0], [0.0, fy]][axis];
         [c * y - b * z, a * z - c * x, b * x - a * y, a, b, c, from_centre, shift[0], shift[1], focal * ideal * radial]
     };
-    Some((pixel, by_point, [row(0), row(1)]))
+    Some(PixelDerivatives { pixel, by_point, by_error: [row(0), row(1)] })
 }
 
 #[cfg(test)]
@@ -92,7 +103,7 @@ mod tests {
         for lens in [Lens::default(), brown.into(), fisheye.into()] {
             let camera = Camera { lens, ..plain.clone() };
             for point in [[0.4, 0.9, 1.8], [-0.6, 0.2, 0.1]] {
-                let (pixel, by_point, by_error) = derivatives(&camera, point).unwrap();
+                let PixelDerivatives { pixel, by_point, by_error } = derivatives(&camera, point).unwrap();
                 assert_eq!(camera.project(point).pixel(), Some(pixel));
                 let step = 1e-5;
                 for number in 0..NUMBERS {

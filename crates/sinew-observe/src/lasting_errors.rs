@@ -11,7 +11,7 @@
 //! the blocks of `(H G)ᵀ W (H G)` and `(H G)ᵀ W r`.
 
 use crate::camera::Camera;
-use crate::camera_error::{self, NUMBERS};
+use crate::camera_error::{self, NUMBERS, PixelDerivatives};
 use crate::keypoint_likelihood::Noise;
 use crate::keypoint_model::{Detection, KeypointModel};
 use nalgebra::{Matrix3, Vector3};
@@ -133,7 +133,7 @@ pub fn common_shift(cameras: &[Camera], errors: &[[f64; NUMBERS]], at: [f64; 3])
     let (mut information, mut pull) = (Matrix3::<f64>::zeros(), Vector3::<f64>::zeros());
     let mut seen_by = 0;
     for (camera, error) in cameras.iter().zip(errors) {
-        let Some((_, by_point, by_error)) = camera_error::derivatives(camera, at) else { continue };
+        let Some(PixelDerivatives { by_point, by_error, .. }) = camera_error::derivatives(camera, at) else { continue };
         seen_by += 1;
         for axis in 0..2 {
             let row = Vector3::from(by_point[axis]);
@@ -200,7 +200,7 @@ fn rows(
 ) -> Option<(Rows, [f64; 2])> {
     let view = &model.views[camera];
     let at = [0, 1, 2].map(|axis: usize| body.positions[3 * point + axis]);
-    let (pixel, by_point, by_error) = camera_error::derivatives(&view.camera, at)?;
+    let PixelDerivatives { pixel, by_point, by_error } = camera_error::derivatives(&view.camera, at)?;
     let bias = view.bias_of(point);
     let residual = [0, 1].map(|axis: usize| detection.pixel[axis] - bias[axis] - pixel[axis]);
     let square = (residual[0] * residual[0] + residual[1] * residual[1]) / variance;

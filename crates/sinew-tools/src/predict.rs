@@ -29,7 +29,7 @@ use sinew_formats::camera_name;
 use sinew_formats::source_text::MAX_TEXT_BYTES;
 use sinew_formats::zarr::reader::{self, NumberArray};
 use sinew_observe::Camera;
-use sinew_observe::camera_error::{NUMBERS, derivatives};
+use sinew_observe::camera_error::{NUMBERS, PixelDerivatives, derivatives};
 use sinew_observe::lasting_errors::pixels_per_metre;
 use std::fmt::Write as _;
 use std::path::Path;
@@ -169,7 +169,7 @@ struct Seen {
 
 impl Seen {
     fn of(camera: &Camera, point: [f64; 3]) -> Option<Self> {
-        let (pixel, _, by_error) = derivatives(camera, point)?;
+        let PixelDerivatives { pixel, by_error, .. } = derivatives(camera, point)?;
         Some(Self { pixel, by_error })
     }
 }

@@ -12,17 +12,27 @@ use sinew_dynamics::primitives::switching::Choice;
 use sinew_tracking::StepInfo;
 use sinew_tracking::posterior::Posterior;
 
-/// Turns a step into what is written of it; `moved` is where its draws go.
+/// A step of the tracker.
+pub(super) struct Stepped {
+    /// Number of the frame.
+    pub number: u64,
+    /// What the tracker says.
+    pub info: StepInfo,
+    /// Where its draws go.
+    pub moved: Option<Moved>,
+    /// Cameras whose masks show the person.
+    pub silhouettes: usize,
+}
+
+/// Turns a step into what is written of it.
 pub(super) fn describe(
     settings: &Settings,
     scene: &Scene,
-    silhouettes: usize,
     marginals: &mut Marginals,
-    number: u64,
-    info: StepInfo,
+    step: Stepped,
     posterior: &Posterior<'_>,
-    moved: Option<Moved>,
 ) -> FrameEstimate {
+    let Stepped { number, info, moved, silhouettes } = step;
     let stage = Stage::new(settings.seed, "thin").at_frame(number as u32);
     let kept = posterior.equal_weight(settings.draws, &mut stage.whole());
     let mut states = vec![0.0; kept.len() * posterior.dim];

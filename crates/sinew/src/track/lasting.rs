@@ -106,7 +106,8 @@ impl Lasting {
     pub(super) fn moved(&self, mean: &[f64], states: Vec<f64>) -> Moved {
         let (body, keypoints) = (self.points.at(mean), self.keypoints.at(mean));
         Moved {
-            shifts: self.shifts.clone(),
+            // Without keypoints nothing answers to the cameras.
+            shifts: if states.iter().any(|x| *x != 0.0) { self.shifts.clone() } else { vec![[0.0; 3]; self.draws] },
             draws: self.draws,
             states,
             points: self.shifted(&body.by_length, &[]),

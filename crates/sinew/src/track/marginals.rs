@@ -20,17 +20,16 @@ pub(super) struct Marginals {
     positions: Vec<Block>,
 }
 
-/// Standard deviation of a series.
-fn deviation(series: &[f64], weights: &[f64]) -> f64 {
+/// Mean and standard deviation of a series.
+fn moments(series: &[f64], weights: &[f64]) -> [f64; 2] {
     let mean: f64 = series.iter().zip(weights).map(|(x, w)| w * x).sum();
     let variance: f64 = series.iter().zip(weights).map(|(x, w)| w * (x - mean) * (x - mean)).sum();
-    variance.max(0.0).sqrt()
+    [mean, variance.max(0.0).sqrt()]
 }
 
 /// Mean, standard deviation, 5 % and 95 % quantile of a series; reorders it where the weights are equal.
 fn describe(series: &mut [f64], weights: &[f64], equal: bool) -> [f64; 4] {
-    let mean: f64 = series.iter().zip(weights).map(|(x, w)| w * x).sum();
-    let sd = deviation(series, weights);
+    let [mean, sd] = moments(series, weights);
     let [low, high] = if equal {
         let n = series.len();
         let at = |p: f64| ((p * n as f64).ceil() as usize).clamp(1, n) - 1;
@@ -101,7 +100,7 @@ impl Marginals {
         let within = |series: &[f64], axis: usize| {
             let shifts = moved.map(|moved| &moved.shifts);
             let own = |(draw, x): (usize, &f64)| x - shifts.map_or(0.0, |shifts| shifts[draw % shifts.len()][axis]);
-            deviation(&series.iter().enumerate().map(own).collect::<Vec<_>>(), posterior.weights)
+            moments(&series.iter().enumerate().map(own).collect::<Vec<_>>(), posterior.weights)[1]
         };
         let described_column = |series: &mut Vec<f64>, all: &[Block], width: usize, column: usize| {
             series.clear();

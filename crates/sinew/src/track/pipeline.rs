@@ -12,7 +12,7 @@
 //! Frames without the person continue on the motion prior and are flagged. Someone who was lost for some frames and is found elsewhere restarts the tracker at the pose that fits there.
 //! Nothing is kept but the tracker and a few numbers a frame, so memory does not grow.
 
-use super::describe::describe;
+use super::describe::{Stepped, describe};
 use super::error::TrackError;
 use super::images::{ImageState, Images};
 use super::lasting::Lasting;
@@ -287,8 +287,9 @@ impl Harness<Observation> for Passage<'_> {
         if let Some(images) = images {
             images.note(number, &info.mean);
         }
-        let seen_by = images.as_ref().map_or(0, Images::cameras_with_person);
-        (self.record)(describe(settings, scene, seen_by, marginals, number, info, &posterior, moved), &posterior)
+        let silhouettes = images.as_ref().map_or(0, Images::cameras_with_person);
+        let step = Stepped { number, info, moved, silhouettes };
+        (self.record)(describe(settings, scene, marginals, step, &posterior), &posterior)
     }
 }
 
