@@ -16,18 +16,30 @@ use faer::Mat;
 #[derive(Clone, Debug)]
 pub struct LastingMoves {
     covariance: Mat<f64>,
+    /// g⁽ⁱ⁾ − ĝ, p × n.
+    deviations: Mat<f64>,
     /// Δ, d × n.
     moves: Mat<f64>,
 }
 
 impl LastingMoves {
-    /// Before the first frame of a state of dimension d: its prior has these variances, and Δ = 0 for n draws.
-    #[must_use]
-    pub fn new(variances: &[f64], draws: usize) -> Self {
-        let d = variances.len();
-        let mut new = Self { covariance: Mat::zeros(d, d), moves: Mat::zeros(d, draws) };
+    /// Before the first frame: the prior of the state has these variances, and Δ = 0 for each of the n draws, which are given less what the filter takes for true, p × n, row after row.
+    ///
+    /// # Errors
+    /// [`Error::Shape`], [`Error::OutOfRange`].
+    pub fn new(variances: &[f64], draws: usize, deviations: &[f64]) -> Result<Self, Error> {
+        let (d, p) = (variances.len(), deviations.len() / draws.max(1));
+        let deviations = rows("draws of what lasts", deviations, p, draws)?;
+        let mut new = Self { covariance: Mat::zeros(d, d), deviations, moves: Mat::zeros(d, draws) };
         new.predict(variances);
-        new
+        Ok(new)
+    }
+
+    /// The filter begins again with these variances: its estimate no longer answers to what lasts.
+    pub fn restart(&mut self, variances: &[f64]) {
+        self.covariance.fill(0.0);
+        self.moves.fill(0.0);
+        self.predict(variances);
     }
 
     /// A step of a random walk with these variances.
@@ -35,19 +47,17 @@ impl LastingMoves {
         variances.iter().enumerate().for_each(|(j, variance)| self.covariance[(j, j)] += variance);
     }
 
-    /// Takes in a frame: its information A (d × d) and B (d × p), and the draws less what the filter takes for true, p × n; all row after row.
+    /// Takes in a frame: its information A (d × d) and B (d × p), row after row.
     ///
     /// # Errors
     /// [`Error::Shape`], [`Error::OutOfRange`]; [`Error::Indefinite`] or [`Error::Singular`] for a covariance without factor.
-    pub fn update(&mut self, state: &[f64], between: &[f64], deviations: &[f64]) -> Result<(), Error> {
-        let (d, n) = (self.moves.nrows(), self.moves.ncols());
-        let p = deviations.len() / n.max(1);
+    pub fn update(&mut self, state: &[f64], between: &[f64]) -> Result<(), Error> {
+        let (d, p) = (self.moves.nrows(), self.deviations.nrows());
         let a = rows("information of the state", state, d, d)?;
         let b = rows("information between state and what lasts", between, d, p)?;
-        let deviations = rows("draws of what lasts", deviations, p, n)?;
         let before = inverse("predicted covariance", &to_rows(&self.covariance), d)?;
         self.covariance = inverse("information of the state", &to_rows(&(before + &a)), d)?;
-        let pull = b * deviations + a * &self.moves;
+        let pull = b * &self.deviations + a * &self.moves;
         self.moves -= &self.covariance * pull;
         Ok(())
     }

@@ -225,7 +225,7 @@ fn draws_move_as_the_response_says() {
         assert!(found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-10), "{found:?} for {expected:?}");
     };
     let mut whole = Lasting::new(D, P, &prior()).unwrap();
-    let mut drawn = LastingMoves::new(&[0.3; D], DRAWS);
+    let mut drawn = LastingMoves::new(&[0.3; D], DRAWS, &deviations).unwrap();
     let mut after = vec![];
     for (t, (frame, z)) in frames.iter().zip(observations()).enumerate() {
         let said = information(&z, &frame.predicted);
@@ -234,12 +234,12 @@ fn draws_move_as_the_response_says() {
             drawn.predict(&variances);
         }
         if t == 5 {
-            let mut resumed = LastingMoves::new(&[9.0; D], DRAWS);
+            let mut resumed = LastingMoves::new(&[9.0; D], DRAWS, &deviations).unwrap();
             resumed.restore(&drawn.save()).unwrap();
             drawn = resumed;
         }
         whole.update(&frame.filtered.covariance, &said).unwrap();
-        drawn.update(&said.state, &said.between, &deviations).unwrap();
+        drawn.update(&said.state, &said.between).unwrap();
         agree(&drawn.moves(), &expected(&whole.response()));
         after.push((whole.clone(), drawn.moves()));
     }
@@ -260,5 +260,7 @@ fn draws_move_as_the_response_says() {
         moves = smoother.changes(filtered, &after[t].1, &moves).unwrap();
         agree(&moves, &expected(&response));
     }
-    assert!(LastingMoves::new(&[1.0; D], 2).restore(&[0.0; 4]).is_err());
+    assert!(drawn.restore(&[0.0; 4]).is_err());
+    drawn.restart(&[0.3; D]);
+    assert!(drawn.moves().iter().all(|x| *x == 0.0));
 }

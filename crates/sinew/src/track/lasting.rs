@@ -11,7 +11,7 @@ use crate::Error;
 use crate::setup::Setup;
 use crate::setup::lasting_draws::{deviations, world_shifts};
 use sinew_body::KinematicTree;
-use sinew_body::point_derivatives::Neighbours;
+use sinew_body::point_derivatives::{Neighbours, PointDerivatives};
 use sinew_dynamics::lasting_draws::LastingMoves;
 use sinew_dynamics::motion_prior::MotionPrior;
 use sinew_observe::Camera;
@@ -43,10 +43,10 @@ impl Lasting {
         cameras: &[Camera],
         scene: &Scene,
         motion: &MotionPrior,
-    ) -> Option<Self> {
-        let known = setup.lasting.as_ref()?;
+    ) -> Result<Option<Self>, Error> {
+        let Some(known) = &setup.lasting else { return Ok(None) };
         if cameras.iter().any(|camera| !known.cameras.contains(&camera.name)) {
-            return None;
+            return Ok(None);
         }
         let indices = scene.point_indices();
         let errors = LastingErrors { cameras: cameras.len(), points: indices.len(), ..known.layout() };
@@ -56,33 +56,34 @@ impl Lasting {
         let variances = |sd: &[f64]| sd.iter().map(|sd| sd * sd).collect::<Vec<f64>>();
         let (initial, draws) = (variances(motion.initial_sd()), known.draws());
         let deviations = deviations(known, &errors, cameras, &scene.keypoints());
-        Some(Self {
+        let moves = LastingMoves::new(&initial, draws, &deviations).map_err(TrackError::Motion)?;
+        Ok(Some(Self {
             shifts: world_shifts(&setup.as_they_are(cameras, 1.0), &errors, &deviations, known),
             keypoints: Neighbours::new(build, &setup.proportions, indices),
             points: Neighbours::new(|sizes| setup.body.tree(sizes), &setup.proportions, &all),
             pixels_per_metre: cameras.iter().map(|camera| pixels_per_metre(camera, known.middle_m)).collect(),
             deviations,
-            moves: LastingMoves::new(&initial, draws),
+            moves,
             step: variances(motion.sd()),
             errors,
             initial,
             draws,
             started: false,
-        })
+        }))
     }
 
     /// Takes in a frame that was tracked, `mean` its estimate, and says where its draws go.
     pub(super) fn step(&mut self, scene: &Scene, mean: &[f64], restarted: bool) -> Result<Moved, Error> {
         if !self.started || restarted {
-            self.moves = LastingMoves::new(&self.initial, self.draws);
+            self.moves.restart(&self.initial);
         } else {
             self.moves.predict(&self.step);
         }
         self.started = true;
         let body = self.keypoints.at(mean);
         let seen = linearised(scene.model(), &self.errors, &self.pixels_per_metre, scene.detections(), &body, false);
-        self.moves.update(&seen.pose, &seen.between, &self.deviations).map_err(TrackError::Motion)?;
-        Ok(self.moved(mean, self.moves.moves()))
+        self.moves.update(&seen.pose, &seen.between).map_err(TrackError::Motion)?;
+        Ok(self.moved_from(mean, &body, self.moves.moves()))
     }
 
     /// Points on a body moved by draws, 3 a point, × n: by lengths, and by their places where they are keypoints.
@@ -104,7 +105,12 @@ impl Lasting {
 
     /// Where draws go that move the state so, at a mean.
     pub(super) fn moved(&self, mean: &[f64], states: Vec<f64>) -> Moved {
-        let (body, keypoints) = (self.points.at(mean), self.keypoints.at(mean));
+        self.moved_from(mean, &self.keypoints.at(mean), states)
+    }
+
+    /// The same with the keypoints in that pose.
+    fn moved_from(&self, mean: &[f64], keypoints: &PointDerivatives, states: Vec<f64>) -> Moved {
+        let body = self.points.at(mean);
         Moved {
             // Without keypoints nothing answers to the cameras.
             shifts: if states.iter().any(|x| *x != 0.0) { self.shifts.clone() } else { vec![[0.0; 3]; self.draws] },

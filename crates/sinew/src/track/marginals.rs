@@ -98,9 +98,10 @@ impl Marginals {
             }
         };
         let within = |series: &[f64], axis: usize| {
-            let shifts = moved.map(|moved| &moved.shifts);
-            let own = |(draw, x): (usize, &f64)| x - shifts.map_or(0.0, |shifts| shifts[draw % shifts.len()][axis]);
-            moments(&series.iter().enumerate().map(own).collect::<Vec<_>>(), posterior.weights)[1]
+            let Moved { shifts, .. } = moved?;
+            let own = |(x, shift): (&f64, &[f64; 3])| x - shift[axis];
+            let own: Vec<f64> = series.iter().zip(shifts.iter().cycle()).map(own).collect();
+            Some(moments(&own, posterior.weights)[1])
         };
         let described_column = |series: &mut Vec<f64>, all: &[Block], width: usize, column: usize| {
             series.clear();
@@ -112,9 +113,9 @@ impl Marginals {
             if let Some(size) = size.as_ref().filter(|_| width == coordinates || column < 3) {
                 series.iter_mut().enumerate().for_each(|(draw, x)| *x = size.place(draw, column % 3, *x));
             }
-            let within = if width == coordinates { within(series, column % 3) } else { 0.0 };
+            let within = if width == coordinates { within(series, column % 3) } else { None };
             let [mean, sd, q05, q95] = describe(series, posterior.weights, equal);
-            [mean, sd, q05, q95, within]
+            [mean, sd, q05, q95, within.unwrap_or(sd)]
         };
         let described: Vec<[f64; 5]> = (0..coordinates + d)
             .into_par_iter()

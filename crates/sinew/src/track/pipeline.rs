@@ -129,7 +129,7 @@ impl Pipeline {
         };
         let tracker = Restarting::new(Box::new(make), scene.start().to_vec())?;
         let marginals = Marginals::new(tree, settings.isa, UnknownSize::of(setup, cameras, settings.seed));
-        let lasting = Lasting::new(setup, tree, cameras, &scene, &transition);
+        let lasting = Lasting::new(setup, tree, cameras, &scene, &transition)?;
         let observer = Observer { settings, scene, images, lasting, marginals, remarks, acting_parts };
         Ok(Self { tracker, observer, transition })
     }
