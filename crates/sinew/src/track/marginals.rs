@@ -113,7 +113,7 @@ impl Marginals {
             if let Some(size) = size.as_ref().filter(|_| width == coordinates || column < 3) {
                 series.iter_mut().enumerate().for_each(|(draw, x)| *x = size.place(draw, column % 3, *x));
             }
-            let within = if width == coordinates { within(series, column % 3) } else { None };
+            let within = within(series, column % 3);
             let [mean, sd, q05, q95] = describe(series, posterior.weights, equal);
             [mean, sd, q05, q95, within.unwrap_or(sd)]
         };
