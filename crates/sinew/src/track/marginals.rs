@@ -99,8 +99,7 @@ impl Marginals {
         };
         let within = |series: &[f64], axis: usize| {
             let Moved { shifts, .. } = moved?;
-            let own = |(x, shift): (&f64, &[f64; 3])| x - shift[axis];
-            let own: Vec<f64> = series.iter().zip(shifts.iter().cycle()).map(own).collect();
+            let own: Vec<f64> = series.iter().zip(shifts.iter().cycle()).map(|(x, shift)| x - shift[axis]).collect();
             Some(moments(&own, posterior.weights)[1])
         };
         let described_column = |series: &mut Vec<f64>, all: &[Block], width: usize, column: usize| {
