@@ -73,7 +73,7 @@ pub struct SweepSchedule {
 
 impl Default for SweepSchedule {
     fn default() -> Self {
-        Self { draws: 128, burn_in: 60, apart: 3 }
+        Self { draws: 128, burn_in: 40, apart: 2 }
     }
 }
 
@@ -140,7 +140,8 @@ pub fn draws(
     let mut sweep = Sweep {
         prior,
         data,
-        information: MatRef::from_row_major_slice(&data.information, p, p),
+        // Symmetric: the order of its entries does not matter.
+        information: MatRef::from_column_major_slice(&data.information, p, p),
         g: vec![0.0; p],
         log_scales: prior.scales.iter().map(|scale| scale.median.ln()).collect(),
         weights: vec![1.0; prior.clusters.len()],
@@ -259,8 +260,9 @@ impl Sweep<'_> {
         }
         let (mut curvature, mut slope) = (0.0, 0.0);
         for &(place, _, deviation) in &deviations {
-            let against: f64 = deviations.iter().map(|&(other, _, v)| self.information[(place, other)] * v).sum();
-            let all: f64 = self.g.iter().enumerate().map(|(j, g)| self.information[(place, j)] * g).sum();
+            let against: f64 = deviations.iter().map(|&(other, _, v)| self.information[(other, place)] * v).sum();
+            let row = &self.data.information[place * self.g.len()..][..self.g.len()];
+            let all: f64 = self.g.iter().zip(row).map(|(g, by)| g * by).sum();
             curvature += deviation * against;
             slope += deviation * (self.data.pull[place] - all + against);
         }

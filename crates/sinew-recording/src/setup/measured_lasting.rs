@@ -40,7 +40,7 @@ use std::sync::Arc;
 /// Frames looked at, at most.
 const FRAMES: usize = 120;
 /// Rounds of poses and g.
-const ROUNDS: usize = 4;
+const ROUNDS: usize = 3;
 /// Probability of a gross outlier.
 const OUTLIER: f64 = 0.02;
 /// Share of an error's variance that lasts from frame to frame.
@@ -48,7 +48,7 @@ const LASTING_SHARE: f64 = 0.93;
 /// Largest φ.
 const MOST_LASTING: f64 = 0.98;
 /// Draws to find the mean in a round.
-const ROUND: SweepSchedule = SweepSchedule { draws: 24, burn_in: 16, apart: 1 };
+const ROUND: SweepSchedule = SweepSchedule { draws: 16, burn_in: 12, apart: 1 };
 /// A precision that says nothing.
 const FLAT: f64 = 1e10;
 /// Share of a camera's residuals that is left, at least.
