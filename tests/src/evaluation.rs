@@ -103,7 +103,7 @@ pub fn run(
     Ok(Run { setup, tree, filtered, smoothed })
 }
 
-/// The set-up from some frames. `change` may replace what it found; motion noise and step size follow from what is left.
+/// The set-up from some frames, without what is constant ([`setup::measure_lasting`]): tracking given that calibration and sizes are right. `change` may replace what it found; motion noise and step size follow from what is left.
 ///
 /// # Errors
 /// Errors of the source and the set-up.
@@ -119,9 +119,7 @@ pub fn set_up(
     setup::measure_look(&mut setup, source, frames.clone(), settings.fps, settings.compares_colours())?;
     change(&mut setup);
     let tree = setup.tree();
-    setup.motion_sd = Some(setup::measure_motion(&setup, &tree, source, frames.clone(), settings.fps)?);
-    setup::measure_lasting(&mut setup, source, frames, settings.fps, settings.seed)?;
-    let tree = setup.tree();
+    setup.motion_sd = Some(setup::measure_motion(&setup, &tree, source, frames, settings.fps)?);
     let start = setup.start_frame;
     track::tune(&mut setup, &tree, source, start, settings)?;
     Ok(setup)

@@ -8,7 +8,7 @@ use sinew::body::standard::EVALUATION_JOINTS;
 use sinew::config::settings::Settings;
 use sinew::methods::BootstrapMethod;
 use sinew::observe::Noise;
-use sinew::setup::Setup;
+use sinew::setup::{self, Setup};
 use sinew::track::Doubt;
 use sinew::tracking::bootstrap;
 use sinew_motion::points::Trajectories;
@@ -344,7 +344,8 @@ fn person(
         }
     };
     let end = seen as u64;
-    let setup = evaluation::set_up(&mut source(&shown), 0..end, &settings, change)?;
+    let mut setup = evaluation::set_up(&mut source(&shown), 0..end, &settings, change)?;
+    setup::measure_lasting(&mut setup, &mut source(&shown), 0..end, settings.fps, seed)?;
     let found =
         evaluation::filter(&mut source(&tracked), &setup, end - length.tracked.min(seen) as u64..end, &settings)?;
     Ok(judged(&found, &truth))

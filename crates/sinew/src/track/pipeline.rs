@@ -66,10 +66,10 @@ struct Observer {
 /// What a pipeline remembers from frame to frame.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct State {
+    /// The tracker's numbers; where something is constant its numbers follow, and last how many these are.
     tracker: Vec<f64>,
     scene: SceneState,
     images: Option<ImageState>,
-    lasting: Vec<f64>,
 }
 
 impl Pipeline {
@@ -206,8 +206,13 @@ impl Pipeline {
     #[must_use]
     pub fn save(&self) -> State {
         let Observer { scene, images, lasting, .. } = &self.observer;
-        let lasting = lasting.as_ref().map_or_else(Vec::new, Lasting::save);
-        State { tracker: self.tracker.save(), scene: scene.save(), images: images.as_ref().map(Images::save), lasting }
+        let mut tracker = self.tracker.save();
+        if let Some(lasting) = lasting {
+            let own = lasting.save();
+            tracker.extend(&own);
+            tracker.push(own.len() as f64);
+        }
+        State { tracker, scene: scene.save(), images: images.as_ref().map(Images::save) }
     }
 
     /// Resumes where a pipeline of the same set-up and settings stood, to the same bits.
@@ -219,12 +224,16 @@ impl Pipeline {
         if let (Some(images), Some(saved)) = (&mut self.observer.images, &saved.images) {
             images.restore(saved)?;
         }
+        let mut numbers = saved.tracker.as_slice();
         if let Some(lasting) = &mut self.observer.lasting {
-            lasting
-                .restore(&saved.lasting)
-                .map_err(|error| problem::state("what is constant", error, "its numbers"))?;
+            let wrong = |found: String| problem::state("what is constant", found, "its numbers");
+            let (count, rest) = numbers.split_last().ok_or_else(|| wrong("nothing".into()))?;
+            let kept = rest.len().checked_sub(*count as usize).ok_or_else(|| wrong(format!("{count} numbers")))?;
+            let (tracker, own) = rest.split_at(kept);
+            lasting.restore(own).map_err(|error| wrong(error.to_string()))?;
+            numbers = tracker;
         }
-        self.tracker.restore(&saved.tracker).map_err(|error| match error {
+        self.tracker.restore(numbers).map_err(|error| match error {
             sinew_tracking::Error::Dimension { found, expected, .. } => {
                 problem::state("tracker", format!("{found} numbers"), expected)
             }

@@ -287,7 +287,8 @@ fn forwards(
         let mut numbers = trajectories.read(frame * numbers_of_frame(spool) as u64, numbers_of_frame(spool))?;
         let moves = numbers.split_off((1 + TRAJECTORIES) * d);
         let (mean_state, numbers) = numbers.split_at_mut(d);
-        let moved: Option<Moved> = pipeline.lasting().map(|lasting| lasting.moved(mean_state, moves));
+        let lasting = pipeline.lasting().filter(|_| spool.lasting_draws > 0);
+        let moved: Option<Moved> = lasting.map(|lasting| lasting.moved(mean_state, moves));
         if let Some(moved) = &moved {
             moved.apply(numbers, d);
             mean_state.iter_mut().zip(moved.mean()).for_each(|(x, by)| *x += by);
