@@ -2,7 +2,7 @@
 //!
 //! Everything goes through the program as a user runs it: `demo`, `track` and `predict`. What is predicted is held against keypoints by this study's own code.
 //!
-//! Tuning used frames 0 to 59 of the real recording and simulation only. The bounds below were fixed before the first run.
+//! The bounds of [`protocol`] were fixed before the first run; docs/evidence/intervals.md says what was tuned, and on what.
 //!
 //! | file | what |
 //! |---|---|
@@ -19,6 +19,7 @@ mod protocol;
 use crate::outcome::{Outcome, exit_code};
 use crate::program::{self, Program};
 use crate::store::{Store, Task, run_all};
+use crate::study_options::StudyOptions;
 use protocol::{FIRST_SEED, Recording, sets};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -30,26 +31,17 @@ pub(crate) struct Args {
     /// Demos, with seeds from 101 on
     #[arg(long, default_value_t = 400)]
     seeds: u64,
-    /// Runs at a time, one thread each
-    #[arg(long, default_value_t = 2)]
-    threads: usize,
     /// The program `sinew` [default: it is built]
     #[arg(long)]
     program: Option<PathBuf>,
-    /// Folder for runs, cells and tables [default: target/intervals]
-    #[arg(long)]
-    out: Option<PathBuf>,
-    /// Folder of the shared recordings [default: $SINEW_DATA, else shared/data beside the workspace]
-    #[arg(long, env = "SINEW_DATA")]
-    data: Option<PathBuf>,
+    #[command(flatten)]
+    options: StudyOptions,
 }
 
 /// Raised with every change of what a cell computes.
 const VERSION: u32 = 1;
 fn measure(root: &Path, args: &Args) -> Outcome<()> {
-    let data = args.data.clone().unwrap_or_else(|| root.join("../shared/data"));
-    let folder = args.out.clone().unwrap_or_else(|| root.join("target/intervals"));
-    std::fs::create_dir_all(&folder)?;
+    let (data, folder) = (args.options.data(root), args.options.folder(root, "intervals")?);
     let path = match &args.program {
         Some(path) => path.clone(),
         None => program::built(root)?,
@@ -73,7 +65,7 @@ fn measure(root: &Path, args: &Args) -> Outcome<()> {
     for seed in FIRST_SEED..FIRST_SEED + args.seeds {
         tasks.push((format!("demo/{seed}"), 2.0, Box::new(move || demos::cell(program, seed))));
     }
-    run_all(&mut store, "intervals", tasks, args.threads)?;
+    run_all(&mut store, "intervals", tasks, args.options.threads())?;
     let mut text = String::new();
     writeln!(text, "{}", demos::table(&store, FIRST_SEED..FIRST_SEED + args.seeds))?;
     if is_there {

@@ -116,7 +116,7 @@ fn one_number_has_the_moments_of_the_integral() {
 }
 
 #[test]
-fn what_does_not_fit_is_refused() {
+fn wrong_sizes_and_units_are_refused() {
     let (_, _, data) = simulated(0);
     let refused = |data: &LastingData, prior: &LastingPrior| {
         draws(data, prior, SweepSchedule::default(), Stage::new(0, "refused")).unwrap_err().to_string()

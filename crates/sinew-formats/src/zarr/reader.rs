@@ -109,7 +109,7 @@ mod tests {
     }
 
     #[test]
-    fn what_was_written_is_read() {
+    fn written_arrays_are_read() {
         let found = read(&written(70), |document| document).unwrap();
         assert_eq!(found.shape, [2, 70, 3]);
         for draw in 0..2 {
