@@ -8,6 +8,8 @@
 //! 4. the model error: joints of the body are not keypoints of a detector ([`shape`]);
 //! 5. the pose of the first frame.
 //!
+//! Then, from the frames again, the motion noise ([`measure_motion`]), the posterior of everything that is constant and known up to an error ([`measure_lasting`]), and what the subject looks like ([`measure_look`]).
+//!
 //! A body from a file keeps the sizes that it has there: offsets, noise and the subject's sizes are found with H32, then the file's body is fitted to the points in
 //! space, and the model error is what remains for that body ([`own_body`]).
 //!

@@ -112,6 +112,9 @@ impl MeasuredErrors {
         if let Some(camera) = self.cameras.iter().find(|name| !cameras.contains(&name.as_str())) {
             return Some(format!("lasting: no camera `{camera}`; the set-up has: {}", cameras.join(", ")));
         }
+        if !self.middle_m.iter().all(|x| x.is_finite()) {
+            return Some("lasting: middle_m holds a number that is not finite".into());
+        }
         let (found, expected) = (self.number.len(), self.layout().count());
         if found != expected {
             return Some(format!("lasting: {found} numbers; its cameras and points make {expected}"));
@@ -119,19 +122,55 @@ impl MeasuredErrors {
         let draws = self.draws();
         let wrong =
             |values: &[f64]| values.len() != draws || values.is_empty() || !values.iter().all(|x| x.is_finite());
-        let named = |name: &str| Some(format!("lasting: `{name}` needs {draws} draws, all finite numbers"));
-        if let Some(scale) =
-            self.scale.iter().find(|scale| wrong(&scale.draws) || !scale.draws.iter().all(|x| *x > 0.0))
-        {
-            return named(&scale.name);
+        let named = |name: &str, kind| Some(format!("lasting: `{name}` needs {draws} draws, all {kind}"));
+        let is_wrong = |scale: &&DrawnScale| wrong(&scale.draws) || !scale.draws.iter().all(|x| *x > 0.0);
+        if let Some(scale) = self.scale.iter().find(is_wrong) {
+            return named(&scale.name, "finite and above 0");
         }
         let number = self.number.iter().find(|number| wrong(&number.draws) || !number.value.is_finite());
-        number.and_then(|number| named(&number.name))
+        number.and_then(|number| named(&number.name, "finite"))
     }
 
     /// Draws of a scale, if there is one of that name.
     #[must_use]
     pub fn scale(&self, name: &str) -> Option<&[f64]> {
         self.scale.iter().find(|scale| scale.name == name).map(|scale| scale.draws.as_slice())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn known() -> MeasuredErrors {
+        let number = |_| DrawnNumber { name: "n".into(), value: 0.0, prior_sd: 1.0, draws: vec![0.1, -0.1] };
+        let mut known = MeasuredErrors {
+            version: VERSION,
+            cameras: vec!["C1".into()],
+            points: vec!["LKnee".into()],
+            middle_m: [0.0; 3],
+            frames: 2,
+            worth: 2.0,
+            scale: vec![DrawnScale { name: "cameras".into(), draws: vec![1.0, 2.0] }],
+            number: vec![],
+        };
+        known.number = (0..known.layout().count()).map(number).collect();
+        known
+    }
+
+    #[test]
+    fn tables_that_cannot_be_are_refused_in_words() {
+        assert_eq!(known().problem(&["C1", "C2"]), None);
+        let refused = |change: fn(&mut MeasuredErrors), expected: &str| {
+            let mut wrong = known();
+            change(&mut wrong);
+            assert_eq!(wrong.problem(&["C1"]).as_deref(), Some(expected));
+        };
+        refused(|k| k.version = 9, "lasting: version = 9; this version reads 1: make the set-up again");
+        refused(|k| k.cameras[0] = "C7".into(), "lasting: no camera `C7`; the set-up has: C1");
+        refused(|k| k.middle_m[1] = f64::NAN, "lasting: middle_m holds a number that is not finite");
+        refused(|k| k.number.truncate(3), "lasting: 3 numbers; its cameras and points make 24");
+        refused(|k| k.number[4].draws.clear(), "lasting: `n` needs 2 draws, all finite");
+        refused(|k| k.scale[0].draws[1] = -1.0, "lasting: `cameras` needs 2 draws, all finite and above 0");
     }
 }
