@@ -9,7 +9,7 @@
 //! Where tracking restarted the motion prior says nothing of the step, so the pass is cut there: the frame before counts as a last one.
 //!
 //! Exact for linear-Gaussian models; elsewhere each frame's posterior is taken for a Gaussian. Evidence, effective sample size and residuals stay the filter's. Memory does not grow with the number
-//! of frames; the files take some 40 kB a frame and are removed at the end. The records stay as they are until then, so that the backward pass can be
+//! of frames; the files take some 110 kB a frame and are removed at the end. The records stay as they are until then, so that the backward pass can be
 //! done again by a run that resumes after a stop.
 
 use super::error::TrackError;
