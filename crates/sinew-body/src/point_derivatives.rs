@@ -1,24 +1,42 @@
 //! How the points of a body move with its pose, its lengths, and their own places on their links.
 //!
-//! At fixed angles the points of the standard bodies are linear in every length and in every place, so differences are derivatives.
+//! At fixed angles the points of the standard bodies are linear in every length and in every place. A length moves offsets of links and of points by constant vectors, each turned as its link is:
+//!
+//! ```text
+//! ∂p_b/∂ℓ = ∂p_parent/∂ℓ + R_parent ∂offset_b/∂ℓ        ∂P/∂ℓ = ∂p_b/∂ℓ + R_b ∂m/∂ℓ        ∂P/∂m = R_b
+//! ```
 
-use crate::kinematics::{Plan, point_jacobian, point_positions};
+use crate::kinematics::{Plan, point_jacobian};
 use crate::sizes::SIZES;
 use crate::standard::Proportions;
-use crate::tree::KinematicTree;
+use crate::tree::{Axis, Joint, KinematicTree, Link};
 use sinew_core::lanes::Isa;
 
 const ISA: Isa = Isa::baseline();
 
-/// Difference to the neighbours, metres.
+/// Difference to a longer body, metres.
 const DIFFERENCE_M: f64 = 1e-3;
 
-/// A body and its neighbours: with each length a little longer, with all points a little farther along an axis of their links.
+type Matrix = [[f64; 3]; 3];
+
+/// How the offset of a link or a point grows with a length.
+#[derive(Clone, Debug)]
+struct Growth {
+    length: usize,
+    by: [f64; 3],
+}
+
+/// A body, some of its points, and what its lengths move.
 #[derive(Clone, Debug)]
 pub struct Neighbours {
     plan: Plan,
-    longer: Vec<Plan>,
-    moved: Vec<Plan>,
+    tree: KinematicTree,
+    /// Link of each point.
+    link_of: Vec<usize>,
+    /// Growths of each link's offset.
+    links: Vec<Vec<Growth>>,
+    /// Growths of each point's offset.
+    points: Vec<Vec<Growth>>,
 }
 
 /// Points of a body in a pose, K of them, and their derivatives; three numbers a point.
@@ -28,10 +46,10 @@ pub struct PointDerivatives {
     pub positions: Vec<f64>,
     /// By the degrees of freedom: row `3 k + a`, dof columns.
     pub by_pose: Vec<f64>,
-    /// By each length.
-    pub by_length: Vec<Vec<f64>>,
-    /// Axes x, y, z of each point's link in the world.
-    pub link_axes: Vec<Vec<f64>>,
+    /// By the lengths: row `3 k + a`, a column for each of [`length_names`].
+    pub by_length: Vec<f64>,
+    /// Axes of each point's link in the world: row `3 k + a`, columns x, y, z.
+    pub link_axes: Vec<f64>,
 }
 
 /// Names of the lengths of the standard bodies, in order.
@@ -58,22 +76,50 @@ pub fn lengthened(proportions: &Proportions, by: &[f64]) -> Proportions {
     sizes
 }
 
+/// Growths of an offset, from itself and those of the longer bodies.
+fn growths<'a>(offset: [f64; 3], longer: impl Iterator<Item = &'a [f64; 3]>) -> Vec<Growth> {
+    let growth = |(length, longer): (usize, &[f64; 3])| {
+        let by = [0, 1, 2].map(|a: usize| (longer[a] - offset[a]) / DIFFERENCE_M);
+        by.iter().any(|x| *x != 0.0).then_some(Growth { length, by })
+    };
+    longer.enumerate().filter_map(growth).collect()
+}
+
+fn turned(rotation: &Matrix, v: [f64; 3]) -> [f64; 3] {
+    rotation.map(|row| row[0] * v[0] + row[1] * v[1] + row[2] * v[2])
+}
+
+/// R · R_axis(q).
+fn rotated(mut rotation: Matrix, axis: Axis, angle: f64) -> Matrix {
+    let (sin, cos) = angle.sin_cos();
+    let (b, c) = [(1, 2), (2, 0), (0, 1)][axis.index()];
+    for row in &mut rotation {
+        (row[b], row[c]) = (cos * row[b] + sin * row[c], cos * row[c] - sin * row[b]);
+    }
+    rotation
+}
+
 impl Neighbours {
-    /// Neighbours of the body that `build` makes, for some of its points (their indices in the body). A body whose sizes are fixed has `build` ignore them, and derivatives of 0.
+    /// For some points (their indices in the body) of the body that `build` makes. A body whose sizes are fixed has `build` ignore them, and derivatives of 0.
     #[must_use]
     pub fn new(build: impl Fn(&Proportions) -> KinematicTree, proportions: &Proportions, points: &[usize]) -> Self {
         let tree = build(proportions);
-        let names = length_names();
-        let longer = (0..names.len()).map(|length| {
-            let by: Vec<f64> = (0..names.len()).map(|k| if k == length { DIFFERENCE_M } else { 0.0 }).collect();
-            Plan::new(&build(&lengthened(proportions, &by)), points)
-        });
-        let moved = (0..3).map(|axis| {
-            let mut places = vec![[0.0; 3]; tree.points().len()];
-            places.iter_mut().for_each(|place| place[axis] = DIFFERENCE_M);
-            Plan::new(&tree.with_points_moved(&places), points)
-        });
-        Self { plan: Plan::new(&tree, points), longer: longer.collect(), moved: moved.collect() }
+        let count = length_names().len();
+        let longer = |length: usize| {
+            let by: Vec<f64> = (0..count).map(|k| if k == length { DIFFERENCE_M } else { 0.0 }).collect();
+            build(&lengthened(proportions, &by))
+        };
+        let longer: Vec<KinematicTree> = (0..count).map(longer).collect();
+        let of_link = |(i, link): (usize, &Link)| growths(link.offset, longer.iter().map(|tree| &tree.links()[i].offset));
+        let of_point =
+            |&p: &usize| growths(tree.points()[p].offset, longer.iter().map(|tree| &tree.points()[p].offset));
+        Self {
+            plan: Plan::new(&tree, points),
+            links: tree.links().iter().enumerate().map(of_link).collect(),
+            points: points.iter().map(of_point).collect(),
+            link_of: points.iter().map(|&p| tree.points()[p].link).collect(),
+            tree,
+        }
     }
 
     /// Points and derivatives in a pose.
@@ -82,28 +128,68 @@ impl Neighbours {
         let count = 3 * self.plan.points();
         let (mut positions, mut by_pose) = (vec![0.0; count], vec![0.0; count * self.plan.dof()]);
         point_jacobian(&self.plan, ISA, pose, &mut positions, &mut by_pose);
-        let difference = |plan: &Plan| {
-            let mut out = vec![0.0; count];
-            point_positions(plan, ISA, pose, &mut out);
-            out.iter_mut().zip(&positions).for_each(|(x, p)| *x = (*x - p) / DIFFERENCE_M);
-            out
+        let rotations = self.rotations(pose);
+        let link_axes = self.link_of.iter().flat_map(|&link| rotations[link]).flatten().collect();
+        PointDerivatives { positions, by_pose, by_length: self.lengthening(&rotations), link_axes }
+    }
+
+    /// How the points move with the lengths, as in [`PointDerivatives::by_length`].
+    #[must_use]
+    pub fn by_length(&self, pose: &[f64]) -> Vec<f64> {
+        self.lengthening(&self.rotations(pose))
+    }
+
+    /// Rotation of each link, world from link.
+    fn rotations(&self, pose: &[f64]) -> Vec<Matrix> {
+        let mut rotations: Vec<Matrix> = Vec::with_capacity(self.tree.links().len());
+        for (index, link) in self.tree.links().iter().enumerate() {
+            let mut rotation =
+                link.parent.map_or([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], |parent| rotations[parent]);
+            for (joint, angle) in link.joints.iter().zip(&pose[self.tree.first_dof(index)..]) {
+                if let Joint::Rotate(axis) = joint {
+                    rotation = rotated(rotation, *axis, *angle);
+                }
+            }
+            rotations.push(rotation);
+        }
+        rotations
+    }
+
+    fn lengthening(&self, rotations: &[Matrix]) -> Vec<f64> {
+        let count = length_names().len();
+        let mut origins = vec![[0.0; 3]; self.tree.links().len() * count];
+        let add = |to: &mut [[f64; 3]], rotation: &Matrix, growths: &[Growth]| {
+            for Growth { length, by } in growths {
+                to[*length].iter_mut().zip(turned(rotation, *by)).for_each(|(x, by)| *x += by);
+            }
         };
-        let by_length = self.longer.iter().map(difference).collect();
-        let link_axes = self.moved.iter().map(difference).collect();
-        PointDerivatives { positions, by_pose, by_length, link_axes }
+        for (index, link) in self.tree.links().iter().enumerate() {
+            let (above, own) = origins.split_at_mut(index * count);
+            if let Some(parent) = link.parent {
+                own[..count].copy_from_slice(&above[parent * count..][..count]);
+                add(&mut own[..count], &rotations[parent], &self.links[index]);
+            }
+        }
+        let mut out = vec![0.0; 3 * count * self.link_of.len()];
+        let mut moved = vec![[0.0; 3]; count];
+        for ((&link, growths), out) in self.link_of.iter().zip(&self.points).zip(out.chunks_exact_mut(3 * count)) {
+            moved.copy_from_slice(&origins[link * count..][..count]);
+            add(&mut moved, &rotations[link], growths);
+            for (length, moved) in moved.iter().enumerate() {
+                moved.iter().enumerate().for_each(|(a, x)| out[a * count + length] = *x);
+            }
+        }
+        out
     }
 }
 
 impl PointDerivatives {
     /// Moves the points as longer lengths and other places on their links do (metres; three numbers a point); derivatives by the pose stay.
     pub fn reshape(&mut self, longer: &[f64], places: &[f64]) {
-        for (moved, by) in self.by_length.iter().zip(longer) {
-            self.positions.iter_mut().zip(moved).for_each(|(x, moved)| *x += by * moved);
-        }
-        for (axis, along) in self.link_axes.iter().enumerate() {
-            for (k, place) in places.chunks_exact(3).enumerate() {
-                (0..3).for_each(|a| self.positions[3 * k + a] += place[axis] * along[3 * k + a]);
-            }
+        let rows = self.by_length.chunks_exact(longer.len()).zip(self.link_axes.chunks_exact(3));
+        for (row, (position, (by_length, axes))) in self.positions.iter_mut().zip(rows).enumerate() {
+            *position += by_length.iter().zip(longer).map(|(by, longer)| by * longer).sum::<f64>();
+            *position += axes.iter().zip(&places[row / 3 * 3..]).map(|(axis, place)| axis * place).sum::<f64>();
         }
     }
 }
@@ -111,6 +197,7 @@ impl PointDerivatives {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::kinematics::point_positions;
     use crate::standard::h32;
 
     #[test]
@@ -133,7 +220,7 @@ mod tests {
     fn a_body_of_fixed_sizes_does_not_change_with_them() {
         let proportions = Proportions::default();
         let found = Neighbours::new(|_| h32(&Proportions::default()), &proportions, &[0, 3]).at(&[0.1; 32]);
-        assert!(found.by_length.iter().flatten().all(|x| *x == 0.0));
+        assert!(found.by_length.iter().all(|x| *x == 0.0));
         assert_eq!(lengths(&lengthened(&proportions, &[-9.0])), {
             let mut expected = lengths(&proportions);
             expected[0] = 1e-3;

@@ -15,6 +15,7 @@
 //! assert_eq!(gradient[1].0[0], -4.0);
 //! ```
 pub mod beside;
+pub mod combinations;
 pub mod combinators;
 pub mod convergence;
 pub mod decode;

@@ -5,7 +5,9 @@ use faer::{Mat, MatRef, Side};
 use sinew_core::transition::Moments;
 use sinew_dynamics::kalman::{Filtered, Form, Kalman, Model};
 use sinew_dynamics::lasting::{FrameInformation, Lasting, widened};
+use sinew_core::lanes::{Block, Isa, LANES, numbers, numbers_mut};
 use sinew_dynamics::lasting_draws::LastingMoves;
+use sinew_dynamics::linearised_filter::LinearisedFilter;
 use sinew_dynamics::smoother::Smoother;
 
 const D: usize = 3;
@@ -211,7 +213,7 @@ fn sizes_that_do_not_fit_are_refused_by_name() {
 /// A random walk: what is carried for some draws is the whole response times each of them, filtered and smoothed.
 #[test]
 fn draws_move_as_the_response_says() {
-    const DRAWS: usize = 4;
+    const DRAWS: usize = 16;
     let variances = [0.02, 0.05, 0.01];
     let identity: Vec<f64> = (0..D * D).map(|e| if e % (D + 1) == 0 { 1.0 } else { 0.0 }).collect();
     let noise: Vec<f64> = (0..D * D).map(|e| if e % (D + 1) == 0 { variances[e / D] } else { 0.0 }).collect();
@@ -225,23 +227,31 @@ fn draws_move_as_the_response_says() {
         assert!(found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-10), "{found:?} for {expected:?}");
     };
     let mut whole = Lasting::new(D, P, &prior()).unwrap();
-    let mut drawn = LastingMoves::new(&[0.3; D], DRAWS, &deviations).unwrap();
+    let mut drawn = LastingMoves::new(D, DRAWS / LANES, Isa::best());
+    let mut filter = LinearisedFilter::new(&[0.3; D]);
     let mut after = vec![];
     for (t, (frame, z)) in frames.iter().zip(observations()).enumerate() {
         let said = information(&z, &frame.predicted);
         if t > 0 {
             whole.predict(&identity).unwrap();
-            drawn.predict(&variances);
+            filter.predict(&variances);
         }
         if t == 5 {
-            let mut resumed = LastingMoves::new(&[9.0; D], DRAWS, &deviations).unwrap();
+            let mut resumed = LastingMoves::new(D, DRAWS / LANES, Isa::best());
             resumed.restore(&drawn.save()).unwrap();
             drawn = resumed;
+            let mut resumed = LinearisedFilter::new(&[9.0; D]);
+            resumed.restore(&filter.covariance()).unwrap();
+            filter = resumed;
         }
         whole.update(&frame.filtered.covariance, &said).unwrap();
-        drawn.update(&said.state, &said.between).unwrap();
-        agree(&drawn.moves(), &expected(&whole.response()));
-        after.push((whole.clone(), drawn.moves()));
+        filter.update(&said.state).unwrap();
+        agree(&filter.covariance(), &frame.filtered.covariance);
+        let mut pull = vec![Block::ZERO; D * DRAWS / LANES];
+        numbers_mut(&mut pull).copy_from_slice(&rows((matrix(&said.between, P) * matrix(&deviations, DRAWS)).as_ref()));
+        drawn.update(&filter.covariance(), &said.state, pull).unwrap();
+        agree(numbers(drawn.moves()), &expected(&whole.response()));
+        after.push((whole.clone(), numbers(drawn.moves()).to_vec()));
     }
     let smoother = Smoother::random_walk(&variances.map(f64::sqrt));
     let (last, _) = &after[FRAMES - 1];
@@ -261,6 +271,6 @@ fn draws_move_as_the_response_says() {
         agree(&moves, &expected(&response));
     }
     assert!(drawn.restore(&[0.0; 4]).is_err());
-    drawn.restart(&[0.3; D]);
-    assert!(drawn.moves().iter().all(|x| *x == 0.0));
+    drawn.restart();
+    assert!(drawn.moves().iter().all(|x| *x == Block::ZERO));
 }

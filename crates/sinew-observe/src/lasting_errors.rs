@@ -93,7 +93,7 @@ pub struct LinearisedFrame {
     pub pose: Vec<f64>,
     /// Hᵀ W G, d × p.
     pub between: Vec<f64>,
-    /// Gᵀ W G, p × p; empty unless wanted.
+    /// Gᵀ W G, p × p.
     pub lasting: Vec<f64>,
     /// Hᵀ W r, length d.
     pub pose_pull: Vec<f64>,
@@ -118,7 +118,19 @@ pub struct FrameResidual {
     pub by_model_error: f64,
 }
 
-/// One detection: two rows of H and G, scaled by the root of W.
+/// A detection whose pixel is linearised at a pose and a g.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LinearisedDetection {
+    /// Observed − predicted.
+    pub seen: FrameResidual,
+    /// W: the inverse variance times the share of the detection that is no outlier.
+    pub weight: f64,
+    /// Derivatives of its pixel.
+    pub by: PixelDerivatives,
+}
+
+/// Two rows of H and G, scaled by the root of W.
+#[derive(Default)]
 struct Rows {
     /// Derivatives by the pose.
     pose: [Vec<f64>; 2],
@@ -152,86 +164,157 @@ pub fn pixels_per_metre(camera: &Camera, middle: [f64; 3]) -> f64 {
     camera.intrinsics.fx / camera.point_in_camera(middle)[2].max(crate::MIN_DEPTH_M)
 }
 
-/// The normal equations of a frame. `model` is at g: its cameras, its biases and the points of `body` are as g says. `scales` are the [`pixels_per_metre`] of its cameras. Without `with_lasting` Gᵀ W G is left out.
+/// The detections of a frame, point by point, linearised. `model` is at g: its cameras, its biases and the points of `body` are as g says.
 #[must_use]
-pub fn linearised(
+pub fn linearised_detections(
     model: &KeypointModel,
-    errors: &LastingErrors,
-    scales: &[f64],
     detections: &[Vec<Option<Detection>>],
     body: &PointDerivatives,
-    with_lasting: bool,
-) -> LinearisedFrame {
-    let (d, p) = (model.plan.dof(), errors.count());
-    let mut frame = LinearisedFrame {
-        pose: vec![0.0; d * d],
-        between: vec![0.0; d * p],
-        lasting: vec![0.0; if with_lasting { p * p } else { 0 }],
-        pose_pull: vec![0.0; d],
-        lasting_pull: vec![0.0; p],
-        residuals: vec![],
-    };
-    for point in 0..errors.points {
+) -> Vec<LinearisedDetection> {
+    let mut found = vec![];
+    for (point, at) in body.positions.as_chunks::<3>().0.iter().enumerate() {
         let seen = model.seen(detections, point);
-        let at = [0, 1, 2].map(|axis: usize| body.positions[3 * point + axis]);
         for &(camera, detection) in &seen {
-            let noise_px2 = model.noise_px2(camera, detection.confidence);
-            let by_model_error = model.by_model_error(camera, seen.len(), &at);
+            let view = &model.views[camera];
+            let Some(by) = camera_error::derivatives(&view.camera, *at) else { continue };
+            let (noise_px2, by_model_error) =
+                (model.noise_px2(camera, detection.confidence), model.by_model_error(camera, seen.len(), at));
             let variance = noise_px2 + model.model_error_m.powi(2) * by_model_error;
-            let Some((rows, residual_px)) = rows(model, errors, scales, body, (camera, point), detection, variance)
-            else {
-                continue;
-            };
-            frame.residuals.push(FrameResidual { camera, point, residual_px, noise_px2, by_model_error });
-            frame.add(&rows, p);
+            let bias = view.bias_of(point);
+            let residual_px = [0, 1].map(|axis: usize| detection.pixel[axis] - bias[axis] - by.pixel[axis]);
+            let square = (residual_px[0] * residual_px[0] + residual_px[1] * residual_px[1]) / variance;
+            let weight = share(model.noise, view.camera.image_size_px, variance, square) / variance;
+            let seen = FrameResidual { camera, point, residual_px, noise_px2, by_model_error };
+            found.push(LinearisedDetection { seen, weight, by });
         }
     }
-    frame
+    found
 }
 
-fn rows(
-    model: &KeypointModel,
-    errors: &LastingErrors,
-    scales: &[f64],
-    body: &PointDerivatives,
-    (camera, point): (usize, usize),
-    detection: Detection,
-    variance: f64,
-) -> Option<(Rows, [f64; 2])> {
-    let view = &model.views[camera];
-    let at = [0, 1, 2].map(|axis: usize| body.positions[3 * point + axis]);
-    let PixelDerivatives { pixel, by_point, by_error } = camera_error::derivatives(&view.camera, at)?;
-    let bias = view.bias_of(point);
-    let residual = [0, 1].map(|axis: usize| detection.pixel[axis] - bias[axis] - pixel[axis]);
-    let square = (residual[0] * residual[0] + residual[1] * residual[1]) / variance;
-    let share = match model.noise {
+/// The share of a detection that is no outlier, at a squared distance over the variance.
+fn share(noise: Noise, [width, height]: [f64; 2], variance: f64, square: f64) -> f64 {
+    match noise {
         Noise::OutlierFloor { outlier } => {
-            let [width, height] = view.camera.image_size_px;
             let floor = outlier * TAU * variance / (width * height * (1.0 - outlier));
             let core = (-0.5 * square).exp();
             core / (core + floor)
         }
         Noise::StudentT { degrees } => (degrees + 2.0) / (degrees + square),
+    }
+}
+
+/// Σ W Pᵀ P over the detections of a point, with P the derivatives of pixels by it.
+#[must_use]
+pub fn point_information(of_point: &[LinearisedDetection]) -> [[f64; 3]; 3] {
+    let mut sum = [[0.0; 3]; 3];
+    for LinearisedDetection { weight, by, .. } in of_point {
+        for row in by.by_point {
+            for (a, sum) in sum.iter_mut().enumerate() {
+                sum.iter_mut().zip(row).for_each(|(sum, by)| *sum += weight * row[a] * by);
+            }
+        }
+    }
+    sum
+}
+
+/// Hᵀ W H, d × d, row after row.
+#[must_use]
+pub fn pose_information(found: &[LinearisedDetection], body: &PointDerivatives, dof: usize) -> Vec<f64> {
+    let mut information = vec![0.0; dof * dof];
+    let mut times = vec![0.0; 3 * dof];
+    for of_point in found.chunk_by(|a, b| a.seen.point == b.seen.point) {
+        let known = point_information(of_point);
+        let moves = &body.by_pose[3 * of_point[0].seen.point * dof..][..3 * dof];
+        let (x, y, z) = (&moves[..dof], &moves[dof..2 * dof], &moves[2 * dof..]);
+        for (row, times) in known.iter().zip(times.chunks_exact_mut(dof)) {
+            times.iter_mut().zip(x.iter().zip(y).zip(z)).for_each(|(out, ((x, y), z))| {
+                *out = row[0] * x + row[1] * y + row[2] * z;
+            });
+        }
+        for (axis, times) in moves.chunks_exact(dof).zip(times.chunks_exact(dof)) {
+            for (row, by) in information.chunks_exact_mut(dof).zip(axis).filter(|(_, by)| **by != 0.0) {
+                row.iter_mut().zip(times).for_each(|(sum, other)| *sum += by * other);
+            }
+        }
+    }
+    information
+}
+
+/// H with each row over the standard deviation of its detection: two rows for each keypoint, camera by camera, m × d; rows of 0 for what was not seen.
+#[must_use]
+pub fn whitened_rows(
+    found: &[LinearisedDetection],
+    errors: &LastingErrors,
+    body: &PointDerivatives,
+    dof: usize,
+) -> Vec<f64> {
+    let mut rows = vec![0.0; 2 * errors.cameras * errors.points * dof];
+    for LinearisedDetection { seen: FrameResidual { camera, point, .. }, weight, by } in found {
+        let own = rows.chunks_exact_mut(dof).skip(2 * (camera * errors.points + point));
+        for (row, by_point) in own.zip(by.by_point) {
+            for (by, moves) in by_point.iter().zip(body.by_pose[3 * point * dof..].chunks_exact(dof)) {
+                row.iter_mut().zip(moves).for_each(|(x, moves)| *x += weight.sqrt() * by * moves);
+            }
+        }
+    }
+    rows
+}
+
+/// The normal equations of a frame, from [`linearised_detections`]. `scales` are the [`pixels_per_metre`] of its cameras.
+#[must_use]
+pub fn linearised(
+    found: &[LinearisedDetection],
+    errors: &LastingErrors,
+    scales: &[f64],
+    body: &PointDerivatives,
+    dof: usize,
+) -> LinearisedFrame {
+    let p = errors.count();
+    let mut frame = LinearisedFrame {
+        pose: vec![0.0; dof * dof],
+        between: vec![0.0; dof * p],
+        lasting: vec![0.0; p * p],
+        pose_pull: vec![0.0; dof],
+        lasting_pull: vec![0.0; p],
+        residuals: found.iter().map(|detection| detection.seen).collect(),
     };
-    let root = (share / variance).sqrt();
-    let dof = model.plan.dof();
-    let across = |axis: usize, moved: &[f64]| (0..3).map(|k| by_point[axis][k] * moved[3 * point + k]).sum::<f64>();
-    let pose = |axis: usize| {
-        let by_dof =
-            |j: usize| (0..3).map(|k| by_point[axis][k] * body.by_pose[(3 * point + k) * dof + j]).sum::<f64>();
-        (0..dof).map(|j| root * by_dof(j)).collect()
-    };
-    let lasting = |axis: usize| {
-        let by_camera = errors.camera(camera).zip(by_error[axis]);
-        let by_lengths = errors.lengths().zip(body.by_length.iter().map(|moved| across(axis, moved)));
-        let by_place = errors.place(point).zip(body.link_axes.iter().map(|moved| across(axis, moved)));
-        let by_bias = std::iter::once((errors.bias(camera, point).start + axis, scales[camera]));
-        let all = by_camera.chain(by_lengths).chain(by_place).chain(by_bias);
-        all.filter(|(_, by)| *by != 0.0).map(|(place, by)| (place, root * by)).collect()
-    };
-    let rows =
-        Rows { pose: [pose(0), pose(1)], lasting: [lasting(0), lasting(1)], residual: residual.map(|r| root * r) };
-    Some((rows, residual))
+    let mut rows = Rows::default();
+    for detection in found {
+        rows.fill(detection, errors, scales[detection.seen.camera], body, dof);
+        frame.add(&rows, p);
+    }
+    frame
+}
+
+impl Rows {
+    fn fill(
+        &mut self,
+        detection: &LinearisedDetection,
+        errors: &LastingErrors,
+        scale: f64,
+        body: &PointDerivatives,
+        dof: usize,
+    ) {
+        let LinearisedDetection { seen: FrameResidual { camera, point, residual_px, .. }, weight, by } = detection;
+        let root = weight.sqrt();
+        for axis in 0..2 {
+            let row = by.by_point[axis].map(|by| root * by);
+            let across = |moves: &[f64], width: usize, column: usize| -> f64 {
+                (0..3).map(|a| row[a] * moves[(3 * point + a) * width + column]).sum()
+            };
+            self.residual[axis] = root * residual_px[axis];
+            self.pose[axis].clear();
+            self.pose[axis].extend((0..dof).map(|j| across(&body.by_pose, dof, j)));
+            let by_camera = errors.camera(*camera).zip(by.by_error[axis].map(|by| root * by));
+            let by_lengths = errors.lengths().enumerate();
+            let by_lengths = by_lengths.map(|(k, place)| (place, across(&body.by_length, errors.lengths, k)));
+            let by_place = errors.place(*point).enumerate().map(|(k, place)| (place, across(&body.link_axes, 3, k)));
+            let by_bias = std::iter::once((errors.bias(*camera, *point).start + axis, root * scale));
+            let all = by_camera.chain(by_lengths).chain(by_place).chain(by_bias);
+            self.lasting[axis].clear();
+            self.lasting[axis].extend(all.filter(|(_, by)| *by != 0.0));
+        }
+    }
 }
 
 impl LinearisedFrame {
@@ -246,9 +329,7 @@ impl LinearisedFrame {
             }
             for &(place, by) in lasting {
                 self.lasting_pull[place] += by * residual;
-                if !self.lasting.is_empty() {
-                    lasting.iter().for_each(|(other, value)| self.lasting[place * p + other] += by * value);
-                }
+                lasting.iter().for_each(|(other, value)| self.lasting[place * p + other] += by * value);
             }
         }
     }

@@ -36,6 +36,7 @@ pub mod contour_map;
 pub mod cross_view;
 pub mod distance_map;
 pub mod edges;
+pub mod drawn_errors;
 mod error;
 pub mod following;
 pub mod girth;

@@ -3,9 +3,12 @@
 use sinew_body::point_derivatives::{Neighbours, length_names};
 use sinew_body::standard::h32;
 use sinew_body::{Plan, Proportions};
-use sinew_core::lanes::Isa;
+use sinew_core::lanes::{Block, Isa, numbers, numbers_mut};
 use sinew_observe::camera_error::{NUMBERS, with_error};
-use sinew_observe::lasting_errors::{LastingErrors, linearised, pixels_per_metre};
+use sinew_observe::drawn_errors::DrawnErrors;
+use sinew_observe::lasting_errors::{
+    LastingErrors, linearised, linearised_detections, pixels_per_metre, pose_information, whitened_rows,
+};
 use sinew_observe::{Camera, Detection, KeypointModel, Noise, View};
 use std::sync::Arc;
 
@@ -81,7 +84,8 @@ impl Scene {
     fn linearised(&self, pose: &[f64], g: &[f64]) -> sinew_observe::lasting_errors::LinearisedFrame {
         let mut body = self.neighbours.at(pose);
         body.reshape(&g[self.errors.lengths()], &g[self.errors.places()]);
-        linearised(&self.model(g), &self.errors, &self.scales, &self.detections, &body, true)
+        let found = linearised_detections(&self.model(g), &self.detections, &body);
+        linearised(&found, &self.errors, &self.scales, &body, pose.len())
     }
 }
 
@@ -160,4 +164,45 @@ fn matrices_are_how_pulls_change() {
             assert!((change - expected).abs() < 1e-2 * (1.0 + expected.abs()), "{j}, {k}: {change} for {expected}");
         }
     }
+}
+
+/// What tracking needs of a frame is the same as the whole matrices say.
+#[test]
+fn pulls_of_draws_are_the_matrix_times_each_draw() {
+    let scene = scene();
+    let (pose, g) = (pose(), vec![0.0; scene.errors.count()]);
+    let whole = scene.linearised(&pose, &g);
+    let (d, p, blocks) = (pose.len(), g.len(), 3);
+    let body = scene.neighbours.at(&pose);
+    let found = linearised_detections(&scene.model(&g), &scene.detections, &body);
+    let agree = |found: &[f64], expected: &[f64]| {
+        assert_eq!(found.len(), expected.len());
+        for (f, e) in found.iter().zip(expected) {
+            assert!((f - e).abs() < 1e-8 * (1.0 + e.abs()), "{f} for {e}");
+        }
+    };
+    agree(&pose_information(&found, &body, d), &whole.pose);
+    let rows = whitened_rows(&found, &scene.errors, &body, d);
+    assert_eq!(rows.len(), 2 * 3 * POINTS.len() * d);
+    let square = |e: usize| rows.chunks_exact(d).map(|row| row[e / d] * row[e % d]).sum::<f64>();
+    agree(&(0..d * d).map(square).collect::<Vec<f64>>(), &whole.pose);
+
+    let mut deviations = vec![Block::ZERO; p * blocks];
+    numbers_mut(&mut deviations).iter_mut().enumerate().for_each(|(e, x)| *x = 0.01 * (0.37 * e as f64).sin());
+    let drawn = DrawnErrors { errors: scene.errors, deviations, blocks, isa: Isa::best() };
+    let shifts = drawn.keypoint_shifts(&body);
+    let pull = drawn.pull(&found, &body, &shifts, &scene.scales, d);
+    let width = 8 * blocks;
+    let by_draw = |e: usize| -> f64 {
+        let (row, draw) = (e / width, e % width);
+        (0..p).map(|k| whole.between[row * p + k] * numbers(&drawn.deviations)[k * width + draw]).sum()
+    };
+    agree(numbers(&pull), &(0..d * width).map(by_draw).collect::<Vec<f64>>());
+
+    // A draw's keypoints are those of a body of its lengths and places.
+    let of_draw: Vec<f64> = (0..p).map(|k| numbers(&drawn.deviations)[k * width + 5]).collect();
+    let mut other = body.clone();
+    other.reshape(&of_draw[scene.errors.lengths()], &of_draw[scene.errors.places()]);
+    let away: Vec<f64> = other.positions.iter().zip(&body.positions).map(|(a, b)| a - b).collect();
+    agree(&(0..away.len()).map(|row| numbers(&shifts)[row * width + 5]).collect::<Vec<f64>>(), &away);
 }

@@ -6,12 +6,21 @@
 
 use serde::{Deserialize, Serialize};
 use sinew_body::point_derivatives::length_names;
+use sinew_dynamics::persistent_errors::Persistence;
 use sinew_observe::Camera;
 use sinew_observe::camera_error::NUMBERS;
 use sinew_observe::lasting_errors::{LastingErrors, pixels_per_metre};
 
+/// Share of the variance of a detector's error that persists from frame to frame (0.93 · exp(−lag/τ) fits residuals of four cameras at 60 frames a second; the rest is white).
+pub const LASTING_SHARE: f64 = 0.93;
+/// Errors of frames that follow each other and correlate less are taken as independent.
+const LEAST_CORRELATION: f64 = 0.02;
+
+/// Longest persistence, seconds.
+const LONGEST_S: f64 = 100.0;
+
 /// Version of the table.
-pub const VERSION: u32 = 1;
+pub const VERSION: u32 = 2;
 
 /// What the set-up found out about what is constant.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -29,6 +38,8 @@ pub struct MeasuredErrors {
     pub frames: usize,
     /// Independent frames of the same worth.
     pub worth: f64,
+    /// Time in which errors of detectors are forgotten by the factor e, seconds.
+    pub persistence_s: f64,
     /// Scales of the prior.
     pub scale: Vec<DrawnScale>,
     /// The numbers, one after the other.
@@ -64,6 +75,14 @@ impl MeasuredErrors {
     #[must_use]
     pub fn layout(&self) -> LastingErrors {
         LastingErrors { cameras: self.cameras.len(), lengths: length_names().len(), points: self.points.len() }
+    }
+
+    /// How errors persist from a frame to the next, `seconds` later; `None` where they do not.
+    #[must_use]
+    pub fn persistence(&self, seconds: f64) -> Option<Persistence> {
+        let correlation = (-seconds / self.persistence_s).exp();
+        (self.persistence_s > 0.0 && correlation > LEAST_CORRELATION)
+            .then_some(Persistence { share: LASTING_SHARE, correlation })
     }
 
     /// How many draws there are.
@@ -115,6 +134,9 @@ impl MeasuredErrors {
         if !self.middle_m.iter().all(|x| x.is_finite()) {
             return Some("lasting: middle_m holds a number that is not finite".into());
         }
+        if !(0.0..=LONGEST_S).contains(&self.persistence_s) {
+            return Some(format!("lasting: persistence_s = {}; must be from 0 to {LONGEST_S}", self.persistence_s));
+        }
         let (found, expected) = (self.number.len(), self.layout().count());
         if found != expected {
             return Some(format!("lasting: {found} numbers; its cameras and points make {expected}"));
@@ -151,6 +173,7 @@ mod tests {
             middle_m: [0.0; 3],
             frames: 2,
             worth: 2.0,
+            persistence_s: 0.1,
             scale: vec![DrawnScale { name: "cameras".into(), draws: vec![1.0, 2.0] }],
             number: vec![],
         };
@@ -166,9 +189,10 @@ mod tests {
             change(&mut wrong);
             assert_eq!(wrong.problem(&["C1"]).as_deref(), Some(expected));
         };
-        refused(|k| k.version = 9, "lasting: version = 9; this version reads 1: make the set-up again");
+        refused(|k| k.version = 9, "lasting: version = 9; this version reads 2: make the set-up again");
         refused(|k| k.cameras[0] = "C7".into(), "lasting: no camera `C7`; the set-up has: C1");
         refused(|k| k.middle_m[1] = f64::NAN, "lasting: middle_m holds a number that is not finite");
+        refused(|k| k.persistence_s = -1.0, "lasting: persistence_s = -1; must be from 0 to 100");
         refused(|k| k.number.truncate(3), "lasting: 3 numbers; its cameras and points make 24");
         refused(|k| k.number[4].draws.clear(), "lasting: `n` needs 2 draws, all finite");
         refused(|k| k.scale[0].draws[1] = -1.0, "lasting: `cameras` needs 2 draws, all finite and above 0");

@@ -10,10 +10,10 @@
 //! 3. mean of g given Λ and λ
 //! 4. backward: smoothed poses at that g; scatter of each camera, and how long errors last
 //!
-//! Errors of a detector last some frames, so frames that follow each other are not worth as many independent ones. With the correlation ρ of a residual with that of the next frame looked at, of which a white part of 7 % is none, they are worth
-//! the share 1 / (1 + 2 · 0.93 φ/(1 − φ)), φ = ρ/0.93; a frame's information is multiplied by it. For constants that is exact in long recordings.
+//! Errors of a detector last some frames, so frames that follow each other are not worth as many independent ones. With the correlation 0.93 φ of a residual with that of the next frame looked at, φ = exp(−Δt/τ), they are worth
+//! the share 1 / (1 + 2 · 0.93 φ/(1 − φ)); a frame's information is multiplied by it. For constants that is exact in long recordings. τ has a prior around 0.1 s.
 
-use super::lasting_errors::{DrawnNumber, DrawnScale, MeasuredErrors, VERSION};
+use super::lasting_errors::{DrawnNumber, DrawnScale, LASTING_SHARE, MeasuredErrors, VERSION};
 use super::lasting_prior::{SCALES, prior};
 use super::motion_noise::{default_sd, initial_sd};
 use super::pose_fit::pose_of;
@@ -31,7 +31,9 @@ use sinew_dynamics::smoother::Smoother;
 use sinew_formats::Layout;
 use sinew_observe::camera_error::{NUMBERS, PRINCIPAL_POINT, with_error};
 use sinew_observe::following::{Following, follow};
-use sinew_observe::lasting_errors::{FrameResidual, LastingErrors, LinearisedFrame, linearised, pixels_per_metre};
+use sinew_observe::lasting_errors::{
+    FrameResidual, LastingErrors, LinearisedFrame, linearised, linearised_detections, pixels_per_metre,
+};
 use sinew_observe::offsets::{self, Sighted, robust_sigma};
 use sinew_observe::{Camera, Detection, KeypointModel, Noise, View, association};
 use std::ops::Range;
@@ -43,10 +45,6 @@ const FRAMES: usize = 120;
 const ROUNDS: usize = 3;
 /// Probability of a gross outlier.
 const OUTLIER: f64 = 0.02;
-/// Share of an error's variance that lasts from frame to frame.
-const LASTING_SHARE: f64 = 0.93;
-/// Largest φ.
-const MOST_LASTING: f64 = 0.98;
 /// Draws to find the mean in a round.
 const ROUND: SweepSchedule = SweepSchedule { draws: 16, burn_in: 12, apart: 1 };
 /// A precision that says nothing.
@@ -154,6 +152,10 @@ struct Fit {
     g: Vec<f64>,
     /// Standard deviations of its prior at the scales last drawn.
     prior_sd: Vec<f64>,
+    /// Usual time from a frame looked at to the next.
+    seconds_apart: f64,
+    /// τ.
+    persistence_s: f64,
     /// What a frame is worth.
     worth: f64,
 }
@@ -179,10 +181,9 @@ impl Fit {
             g[first + 1] = known.offset_px[1] / camera.intrinsics.fy;
         }
         let motion = setup.motion_sd.clone().unwrap_or_else(|| default_sd(tree));
-        let step = |pair: &[Looked]| {
-            let seconds = (pair[1].number - pair[0].number) as f64 / fps;
-            motion.iter().map(|sd| sd * seconds.sqrt()).collect()
-        };
+        let mut seconds: Vec<f64> =
+            frames.windows(2).map(|pair| (pair[1].number - pair[0].number) as f64 / fps).collect();
+        let step = |seconds: &f64| motion.iter().map(|sd| sd * seconds.sqrt()).collect();
         Self {
             prior: prior(&errors, &points, &setup.proportions),
             model: KeypointModel {
@@ -194,7 +195,7 @@ impl Fit {
                 isa: Isa::baseline(),
             },
             scales: cameras.iter().map(|camera| pixels_per_metre(camera, middle)).collect(),
-            steps: frames.windows(2).map(step).collect(),
+            steps: seconds.iter().map(step).collect(),
             initial: initial_sd(tree).iter().map(|sd| (10.0 * sd).powi(2)).collect(),
             errors,
             neighbours,
@@ -203,6 +204,8 @@ impl Fit {
             frames,
             prior_sd: vec![f64::INFINITY; g.len()],
             g,
+            seconds_apart: offsets::median(&mut seconds),
+            persistence_s: 0.0,
             worth: 1.0,
         }
     }
@@ -224,7 +227,8 @@ impl Fit {
     fn linearised(&self, frame: &Looked) -> LinearisedFrame {
         let mut body = self.neighbours.at(&frame.pose);
         body.reshape(&self.g[self.errors.lengths()], &self.g[self.errors.places()]);
-        linearised(&self.model, &self.errors, &self.scales, &frame.detections, &body, true)
+        let found = linearised_detections(&self.model, &frame.detections, &body);
+        linearised(&found, &self.errors, &self.scales, &body, self.model.plan.dof())
     }
 
     /// One pass over the frames at g: what they say of g, its absolute value, and what a frame is worth.
@@ -264,7 +268,8 @@ impl Fit {
         let absolute: Vec<f64> =
             information.chunks_exact(p).map(|row| row.iter().zip(&self.g).map(|(a, g)| a * g).sum()).collect();
         let pull = lasting.pull().iter().zip(absolute).map(|(pull, at)| pull + at).collect();
-        let worth = std::mem::replace(&mut self.worth, worth(&seen_in, self.errors.cameras, self.errors.points));
+        let worth = self.worth;
+        self.measure_persistence(&seen_in);
         Ok(Pass {
             g: self.g.clone(),
             worth,
@@ -273,6 +278,14 @@ impl Fit {
             responses,
             frames: seen_in,
         })
+    }
+
+    /// How long errors persist, and what a frame is worth.
+    fn measure_persistence(&mut self, frames: &[LinearisedFrame]) {
+        let (found, pairs) = correlation(frames, self.errors.cameras, self.errors.points);
+        self.persistence_s = persistence_s(found, self.worth * pairs, self.seconds_apart);
+        let phi = (-self.seconds_apart / self.persistence_s).exp();
+        self.worth = 1.0 / (1.0 + 2.0 * LASTING_SHARE * phi / (1.0 - phi));
     }
 
     fn predicted(&self, index: usize, frame: &Looked, former: Option<&Moments>) -> Moments {
@@ -402,6 +415,7 @@ impl Fit {
             middle_m: middle.map(rounded),
             frames: frames.len(),
             worth: rounded(self.worth * frames.len() as f64),
+            persistence_s: rounded(self.persistence_s),
             scale: SCALES.into_iter().enumerate().map(scale).collect(),
             number: names.into_iter().enumerate().map(number).collect(),
         });
@@ -441,8 +455,8 @@ fn middle(neighbours: &Neighbours, frames: &[Looked], otherwise: &[f64]) -> [f64
     sum.map(|sum| sum / count)
 }
 
-/// Share of an independent frame that one is worth, from residuals of successive ones.
-fn worth(frames: &[LinearisedFrame], cameras: usize, points: usize) -> f64 {
+/// Correlation of the residuals of successive frames, bias taken off, and how many pairs it is of.
+fn correlation(frames: &[LinearisedFrame], cameras: usize, points: usize) -> (f64, f64) {
     let mut series: Vec<Vec<[f64; 2]>> = vec![vec![[f64::NAN; 2]; frames.len()]; cameras * points];
     for (f, frame) in frames.iter().enumerate() {
         for &FrameResidual { camera, point, residual_px, noise_px2, .. } in &frame.residuals {
@@ -451,7 +465,7 @@ fn worth(frames: &[LinearisedFrame], cameras: usize, points: usize) -> f64 {
     }
     // Gross errors do not last.
     const GROSS: f64 = 4.0;
-    let (mut product, mut square) = (0.0, 0.0);
+    let (mut product, mut square, mut pairs) = (0.0, 0.0, 0.0);
     for series in &series {
         for axis in 0..2 {
             let kept: Vec<f64> =
@@ -461,16 +475,42 @@ fn worth(frames: &[LinearisedFrame], cameras: usize, points: usize) -> f64 {
             for pair in kept.windows(2).filter(|pair| pair.iter().all(|r| r.is_finite())) {
                 product += (pair[0] - mean) * (pair[1] - mean);
                 square += 0.5 * ((pair[0] - mean).powi(2) + (pair[1] - mean).powi(2));
+                pairs += 1.0;
             }
         }
     }
-    let phi = (product / square / LASTING_SHARE).clamp(0.0, MOST_LASTING);
-    if phi.is_finite() { 1.0 / (1.0 + 2.0 * LASTING_SHARE * phi / (1.0 - phi)) } else { 1.0 }
+    (product / square, pairs)
+}
+
+/// The time constant τ of errors whose correlation after some seconds is `found`, of as many independent `pairs`: the most probable with ln τ ~ N(ln 0.1, 1) and Fisher's variance (1 − ρ²)²/n. The prior without pairs.
+fn persistence_s(found: f64, pairs: f64, seconds: f64) -> f64 {
+    const USUAL_S: f64 = 0.1;
+    const CELLS: i32 = 400;
+    const REACH: f64 = 5.0;
+    let log = |z: f64| {
+        let expected = LASTING_SHARE * (-seconds / (USUAL_S * z.exp())).exp();
+        let said = if pairs > 0.0 { pairs * ((found - expected) / (1.0 - expected * expected)).powi(2) } else { 0.0 };
+        -0.5 * (said + z * z)
+    };
+    let cells = (-CELLS..=CELLS).map(|cell| REACH * f64::from(cell) / f64::from(CELLS));
+    USUAL_S * cells.max_by(|a, b| log(*a).total_cmp(&log(*b))).map_or(1.0, f64::exp)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_time_constant_is_that_of_the_correlation_where_there_are_many_pairs() {
+        let after = |seconds: f64, tau: f64| LASTING_SHARE * (-seconds / tau).exp();
+        for (seconds, tau) in [(1.0 / 60.0, 0.1), (0.1, 0.3), (1.0 / 60.0, 0.02)] {
+            let found = persistence_s(after(seconds, tau), 1e5, seconds);
+            assert!((found / tau).ln().abs() < 0.02, "{found} for {tau}");
+        }
+        assert_eq!(persistence_s(f64::NAN, 0.0, 0.1), 0.1);
+        let white = persistence_s(0.0, 1e4, 1.0 / 60.0);
+        assert!(after(1.0 / 60.0, white) < 0.03, "{white}");
+    }
 
     #[test]
     fn numbers_are_stored_with_few_digits() {

@@ -142,6 +142,8 @@ pub struct FrameEstimate {
     pub mean_state: Vec<f64>,
     /// By how much the draws of what is constant move the filtered state, dimension × draws, row after row; empty without such draws.
     pub moves: Vec<f64>,
+    /// Covariance of the filtered state that errors that persist some frames add to the draws of the tracker, dimension², row after row; empty where none do.
+    pub missing: Vec<f64>,
     /// Marginals of the points.
     pub points: Vec<PointMarginal>,
     /// Marginals of the degrees of freedom.

@@ -20,6 +20,8 @@ pub(super) struct Stepped {
     pub info: StepInfo,
     /// Where its draws go.
     pub moved: Option<Moved>,
+    /// [`FrameEstimate::moves`].
+    pub moves: Vec<f64>,
     /// Cameras whose masks show the person.
     pub silhouettes: usize,
 }
@@ -32,7 +34,7 @@ pub(super) fn describe(
     step: Stepped,
     posterior: &Posterior<'_>,
 ) -> FrameEstimate {
-    let Stepped { number, info, moved, silhouettes } = step;
+    let Stepped { number, info, moved, moves, silhouettes } = step;
     let stage = Stage::new(settings.seed, "thin").at_frame(number as u32);
     let kept = posterior.equal_weight(settings.draws, &mut stage.whole());
     let mut states = vec![0.0; kept.len() * posterior.dim];
@@ -66,7 +68,8 @@ pub(super) fn describe(
         residual_px: scene.residual_px(&info.mean),
         seen: scene.seen(),
         mean_state,
-        moves: moved.map_or_else(Vec::new, |moved| moved.states),
+        moves,
+        missing: moved.map_or_else(Vec::new, |moved| moved.missing),
         points,
         state,
         draws: Draws { states, shape, detected, size, lp: chosen.iter().map(|s| s.log_density).collect(), hmc },
@@ -110,9 +113,8 @@ fn spread(
         let (points, state) = marginals.of(posterior, None);
         return Spread { mean_state: mean.to_vec(), shape: vec![], detected: vec![], points, state };
     };
-    moved.apply(kept, posterior.dim);
-    let at = kept.chunks_exact(posterior.dim).flat_map(|state| scene.points(state));
-    let [shape, detected] = moved.written(at, kept.len() / posterior.dim);
+    moved.apply(kept);
+    let [shape, detected] = moved.written(scene.points_of(kept), kept.len() / posterior.dim);
     let rng = &mut Stage::new(settings.seed, "equal weight").at_frame(number as u32).whole();
     let EqualDraws { states, weights } = moved.equal_draws(posterior, rng);
     let equal = Posterior { states: &states, weights: &weights, chain_stats: &[], ..*posterior };

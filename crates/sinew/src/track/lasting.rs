@@ -2,51 +2,63 @@
 //!
 //! Tracking takes the set-up's values ĝ of what is constant for true. The set-up also drew how far the truth may be from them ([`crate::setup::MeasuredErrors`]). Draw i of every frame belongs to draw i mod n of these, and so is moved to
 //! where the tracker's estimate would be had that been true: s⁽ⁱ⁾ + J (g⁽ⁱ⁾ − ĝ), with the answer J of the filter linearised at its estimates ([`LastingMoves`]). Longer segments move the points of the body, too.
+//! Errors that persist some frames widen the draws by what the filter, which takes them as independent, does not know ([`PersistentErrors`]).
 //! Keypoints alone enter J: beside silhouettes it is too large.
 
 use super::error::TrackError;
-use super::moved::Moved;
+use super::moved::{Moved, Rows};
 use super::scene::Scene;
 use crate::Error;
 use crate::setup::Setup;
 use crate::setup::lasting_draws::{deviations, world_shifts};
 use sinew_body::KinematicTree;
-use sinew_body::point_derivatives::{Neighbours, PointDerivatives};
+use sinew_body::point_derivatives::Neighbours;
+use sinew_core::combinations::add_combinations;
+use sinew_core::lanes::{Block, numbers_mut};
+use sinew_core::random::Stage;
 use sinew_dynamics::lasting_draws::LastingMoves;
+use sinew_dynamics::linearised_filter::LinearisedFilter;
 use sinew_dynamics::motion_prior::MotionPrior;
+use sinew_dynamics::persistent_errors::{Persistence, PersistentErrors, root};
 use sinew_observe::Camera;
-use sinew_observe::lasting_errors::{LastingErrors, linearised, pixels_per_metre};
+use sinew_observe::drawn_errors::DrawnErrors;
+use sinew_observe::lasting_errors::{
+    LastingErrors, linearised_detections, pixels_per_metre, pose_information, whitened_rows,
+};
 
 /// What is constant, beside a tracker.
 pub(super) struct Lasting {
-    errors: LastingErrors,
+    drawn: DrawnErrors,
+    draws: usize,
     /// The body with its keypoints where the detectors see them.
     keypoints: Neighbours,
     points: Neighbours,
     pixels_per_metre: Vec<f64>,
-    draws: usize,
     /// The shift of the world that each draw of the cameras looks like, metres.
     shifts: Vec<[f64; 3]>,
-    /// Draws less the values that tracking uses, p × n, row after row.
-    deviations: Vec<f64>,
+    /// Variances of the state before the first frame, and of a step.
     initial: Vec<f64>,
     step: Vec<f64>,
+    seed: u64,
+    filter: LinearisedFilter,
     moves: LastingMoves,
+    persistence: Option<(Persistence, PersistentErrors)>,
     started: bool,
 }
 
 impl Lasting {
-    /// `None` for a set-up that does not know what is constant.
+    /// `None` for a set-up that does not know what is constant. Frames follow each other after `seconds`.
     pub(super) fn new(
         setup: &Setup,
         tree: &KinematicTree,
         cameras: &[Camera],
         scene: &Scene,
         motion: &MotionPrior,
-    ) -> Result<Option<Self>, Error> {
-        let Some(known) = &setup.lasting else { return Ok(None) };
+        (seed, seconds): (u64, f64),
+    ) -> Option<Self> {
+        let known = setup.lasting.as_ref()?;
         if cameras.iter().any(|camera| !known.cameras.contains(&camera.name)) {
-            return Ok(None);
+            return None;
         }
         let indices = scene.point_indices();
         let errors = LastingErrors { cameras: cameras.len(), points: indices.len(), ..known.layout() };
@@ -54,70 +66,93 @@ impl Lasting {
         let places = setup.detected_places(tree);
         let build = |sizes: &_| setup.body.tree(sizes).with_points_moved(&places);
         let variances = |sd: &[f64]| sd.iter().map(|sd| sd * sd).collect::<Vec<f64>>();
-        let (initial, draws) = (variances(motion.initial_sd()), known.draws());
+        let (initial, draws, isa) = (variances(motion.initial_sd()), known.draws(), scene.model().isa);
         let deviations = deviations(known, &errors, cameras, &scene.keypoints());
-        let moves = LastingMoves::new(&initial, draws, &deviations).map_err(TrackError::Motion)?;
-        Ok(Some(Self {
+        let rows = Rows::new(&deviations, draws);
+        let observed = 2 * errors.cameras * errors.points;
+        let persistence = known.persistence(seconds).map(|p| (p, PersistentErrors::new(initial.len(), observed)));
+        Some(Self {
             shifts: world_shifts(&setup.as_they_are(cameras, 1.0), &errors, &deviations, known),
             keypoints: Neighbours::new(build, &setup.proportions, indices),
             points: Neighbours::new(|sizes| setup.body.tree(sizes), &setup.proportions, &all),
             pixels_per_metre: cameras.iter().map(|camera| pixels_per_metre(camera, known.middle_m)).collect(),
-            deviations,
-            moves,
+            filter: LinearisedFilter::new(&initial),
+            moves: LastingMoves::new(initial.len(), rows.blocks(), isa),
+            drawn: DrawnErrors { errors, blocks: rows.blocks(), deviations: rows.values, isa },
             step: variances(motion.sd()),
-            errors,
             initial,
             draws,
+            seed,
+            persistence,
             started: false,
-        }))
+        })
     }
 
     /// Takes in a frame that was tracked, `mean` its estimate, and says where its draws go.
-    pub(super) fn step(&mut self, scene: &Scene, mean: &[f64], restarted: bool) -> Result<Moved, Error> {
+    pub(super) fn step(&mut self, scene: &Scene, number: u32, mean: &[f64], restarted: bool) -> Result<Moved, Error> {
         if !self.started || restarted {
-            self.moves.restart(&self.initial);
+            self.filter = LinearisedFilter::new(&self.initial);
+            self.moves.restart();
+            self.persistence.iter_mut().for_each(|(_, persistent)| persistent.restart());
         } else {
-            self.moves.predict(&self.step);
+            self.filter.predict(&self.step);
         }
         self.started = true;
+        let dof = mean.len();
         let body = self.keypoints.at(mean);
-        let seen = linearised(scene.model(), &self.errors, &self.pixels_per_metre, scene.detections(), &body, false);
-        self.moves.update(&seen.pose, &seen.between).map_err(TrackError::Motion)?;
-        Ok(self.moved_from(mean, &body, self.moves.moves()))
-    }
-
-    /// Points on a body moved by draws, 3 a point, × n: by lengths, and by their places where they are keypoints.
-    fn shifted(&self, by_length: &[Vec<f64>], link_axes: &[Vec<f64>]) -> Vec<f64> {
-        let n = self.draws;
-        let mut shifts = vec![0.0; by_length.first().map_or(0, Vec::len) * n];
-        let mut add = |row: usize, by: f64, place: usize| {
-            let deviations = &self.deviations[place * n..][..n];
-            shifts[row * n..][..n].iter_mut().zip(deviations).for_each(|(x, deviation)| *x += by * deviation);
-        };
-        for (place, moved) in self.errors.lengths().zip(by_length) {
-            moved.iter().enumerate().for_each(|(row, by)| add(row, *by, place));
+        let found = linearised_detections(scene.model(), scene.detections(), &body);
+        let information = pose_information(&found, &body, dof);
+        let shifts = self.drawn.keypoint_shifts(&body);
+        let pull = self.drawn.pull(&found, &body, &shifts, &self.pixels_per_metre, dof);
+        self.filter.update(&information).map_err(TrackError::Motion)?;
+        let covariance = self.filter.covariance();
+        self.moves.update(&covariance, &information, pull).map_err(TrackError::Motion)?;
+        let mut missing = vec![];
+        if let Some((persistence, persistent)) = &mut self.persistence {
+            let whitened = whitened_rows(&found, &self.drawn.errors, &body, dof);
+            persistent.update(&covariance, &information, &whitened, *persistence).map_err(TrackError::Motion)?;
+            missing = persistent.missing();
         }
-        for (axis, moved) in link_axes.iter().enumerate() {
-            moved.iter().enumerate().for_each(|(row, by)| add(row, *by, self.errors.place(row / 3).start + axis));
+        let mut moved = self.moved_from(mean, Rows { values: self.moves.moves().to_vec(), draws: self.draws }, shifts);
+        if !missing.is_empty() {
+            self.widen(&mut moved.states, &missing, number);
+            moved.missing = missing;
         }
-        shifts
+        Ok(moved)
     }
 
-    /// Where draws go that move the state so, at a mean.
-    pub(super) fn moved(&self, mean: &[f64], states: Vec<f64>) -> Moved {
-        self.moved_from(mean, &self.keypoints.at(mean), states)
+    /// Adds draws of what the filter does not know of persistent errors.
+    fn widen(&self, states: &mut Rows, missing: &[f64], number: u32) {
+        let dof = self.initial.len();
+        let mut normal = vec![Block::ZERO; states.values.len()];
+        let mut rng = Stage::new(self.seed, "persistent errors").at_frame(number).whole();
+        rng.fill_normal(self.drawn.isa, &mut normal);
+        // Without their mean, which would move the estimate.
+        for row in normal.chunks_exact_mut(self.drawn.blocks) {
+            let row = &mut numbers_mut(row)[..self.draws];
+            let mean = row.iter().sum::<f64>() / row.len() as f64;
+            row.iter_mut().for_each(|x| *x -= mean);
+        }
+        add_combinations(self.drawn.isa, &root(missing, dof), &normal, &mut states.values, self.drawn.blocks);
     }
 
-    /// The same with the keypoints in that pose.
-    fn moved_from(&self, mean: &[f64], keypoints: &PointDerivatives, states: Vec<f64>) -> Moved {
-        let body = self.points.at(mean);
+    /// Where draws go that move the state so, at a mean; `moves` has a row of draws for each degree of freedom.
+    pub(super) fn moved(&self, mean: &[f64], moves: &[f64]) -> Moved {
+        let shifts = self.drawn.keypoint_shifts(&self.keypoints.at(mean));
+        self.moved_from(mean, Rows::new(moves, self.draws), shifts)
+    }
+
+    /// The same with these shifts of the keypoints.
+    fn moved_from(&self, mean: &[f64], states: Rows, keypoints: Vec<Block>) -> Moved {
+        let draws = self.draws;
+        let points = self.drawn.by_length(&self.points.by_length(mean));
         Moved {
             // Without keypoints nothing answers to the cameras.
-            shifts: if states.iter().any(|x| *x != 0.0) { self.shifts.clone() } else { vec![[0.0; 3]; self.draws] },
-            draws: self.draws,
+            shifts: if states.is_zero() { vec![[0.0; 3]; draws] } else { self.shifts.clone() },
             states,
-            points: self.shifted(&body.by_length, &[]),
-            keypoints: self.shifted(&keypoints.by_length, &keypoints.link_axes),
+            points: Rows { values: points, draws },
+            keypoints: Rows { values: keypoints, draws },
+            missing: vec![],
         }
     }
 
@@ -126,12 +161,29 @@ impl Lasting {
         self.draws
     }
 
+    /// Moves of the draws by what is constant alone, a row for each degree of freedom.
+    pub(super) fn moves(&self) -> Vec<f64> {
+        Rows { values: self.moves.moves().to_vec(), draws: self.draws }.numbers()
+    }
+
     pub(super) fn save(&self) -> Vec<f64> {
-        if self.started { self.moves.save() } else { vec![] }
+        if !self.started {
+            return vec![];
+        }
+        let persistent = self.persistence.as_ref().map(|(_, persistent)| persistent.save());
+        [self.filter.covariance(), self.moves.save(), persistent.unwrap_or_default()].concat()
     }
 
     pub(super) fn restore(&mut self, saved: &[f64]) -> Result<(), sinew_dynamics::Error> {
         self.started = !saved.is_empty();
-        if self.started { self.moves.restore(saved) } else { Ok(()) }
+        if !self.started {
+            return Ok(());
+        }
+        let (covariance, moves) = (self.initial.len().pow(2), self.moves.save().len());
+        let (covariance, rest) = saved.split_at(covariance.min(saved.len()));
+        let (moves, persistent) = rest.split_at(moves.min(rest.len()));
+        self.filter.restore(covariance)?;
+        self.moves.restore(moves)?;
+        self.persistence.as_mut().map_or(Ok(()), |(_, own)| own.restore(persistent))
     }
 }

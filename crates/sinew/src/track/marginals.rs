@@ -3,7 +3,7 @@
 //! Quantiles are taken of the weighted draws: the least value at which the cumulated weight reaches p. A body of unknown size before one camera has draws of all
 //! sizes ([`UnknownSize`]); where the lengths of the body are known up to an error, its points move with them ([`Moved`]).
 
-use super::moved::Moved;
+use super::moved::{Moved, add_row};
 use super::unknown_size::UnknownSize;
 use crate::results::estimate::{PointMarginal, StateMarginal};
 use rayon::prelude::*;
@@ -92,14 +92,15 @@ impl Marginals {
 
         let equal = posterior.weights.windows(2).all(|pair| pair[0] == pair[1]);
         let add_shape = |series: &mut Vec<f64>, column: usize| {
-            if let Some(Moved { draws, points, .. }) = moved {
-                let row = &points[column * draws..][..*draws];
-                series.iter_mut().zip(row.iter().cycle()).for_each(|(x, by)| *x += by);
+            if let Some(Moved { points, .. }) = moved {
+                add_row(series, points.row(column));
             }
         };
+        let away = |axis: usize| moved.map(|moved| moved.shifts.iter().map(|shift| -shift[axis]).collect::<Vec<f64>>());
+        let away = [away(0), away(1), away(2)];
         let within = |series: &[f64], axis: usize| {
-            let Moved { shifts, .. } = moved?;
-            let own: Vec<f64> = series.iter().zip(shifts.iter().cycle()).map(|(x, shift)| x - shift[axis]).collect();
+            let mut own = series.to_vec();
+            add_row(&mut own, away[axis].as_ref()?);
             Some(moments(&own, posterior.weights)[1])
         };
         let described_column = |series: &mut Vec<f64>, all: &[Block], width: usize, column: usize| {

@@ -1,25 +1,84 @@
 //! The draws of a frame, moved to where they would be for each draw of what is constant.
 
-use sinew_core::lanes::{Block, LANES};
+use sinew_core::lanes::{Block, LANES, numbers, numbers_mut};
 use sinew_core::random::BlockRng;
 use sinew_tracking::posterior::Posterior;
 
 /// Weighted draws are made this many of equal weight before they are moved.
 const EQUAL_DRAWS: usize = 512;
 
+/// Rows of some draws of what is constant, each in as many blocks as they need.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Rows {
+    pub values: Vec<Block>,
+    pub draws: usize,
+}
+
+impl Rows {
+    /// From rows of numbers, one after the other.
+    pub(super) fn new(rows: &[f64], draws: usize) -> Self {
+        let blocks = draws.div_ceil(LANES);
+        let mut values = vec![Block::ZERO; rows.len() / draws.max(1) * blocks];
+        for (own, row) in values.chunks_exact_mut(blocks.max(1)).zip(rows.chunks_exact(draws.max(1))) {
+            numbers_mut(own)[..draws].copy_from_slice(row);
+        }
+        Self { values, draws }
+    }
+
+    /// Blocks of a row.
+    pub(super) const fn blocks(&self) -> usize {
+        self.draws.div_ceil(LANES)
+    }
+
+    /// The rows.
+    pub(super) fn rows(&self) -> impl Iterator<Item = &[f64]> {
+        self.values.chunks_exact(self.blocks().max(1)).map(|row| &numbers(row)[..self.draws])
+    }
+
+    pub(super) fn row(&self, index: usize) -> &[f64] {
+        &numbers(&self.values[index * self.blocks()..][..self.blocks()])[..self.draws]
+    }
+
+    /// The numbers, row after row.
+    pub(super) fn numbers(&self) -> Vec<f64> {
+        self.rows().flatten().copied().collect()
+    }
+
+    pub(super) fn is_zero(&self) -> bool {
+        self.values.iter().all(|block| *block == Block::ZERO)
+    }
+
+    /// Adds draw k of each row to number k, k + n, … of a column of `out`, which has a column for each row.
+    fn add_columns(&self, out: &mut [f64]) {
+        let width = self.values.len() / self.blocks().max(1);
+        for (column, row) in self.rows().enumerate() {
+            for some in out.chunks_mut(width * self.draws) {
+                some[column..].iter_mut().step_by(width).zip(row).for_each(|(x, by)| *x += by);
+            }
+        }
+    }
+}
+
+/// Adds to each number of a series what its draw has in a row; draws repeat.
+pub(super) fn add_row(series: &mut [f64], row: &[f64]) {
+    for some in series.chunks_mut(row.len()) {
+        some.iter_mut().zip(row).for_each(|(x, by)| *x += by);
+    }
+}
+
 /// Where the draws of a frame go.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Moved {
     /// The part of it that all points share in all frames, draw by draw, metres.
     pub shifts: Vec<[f64; 3]>,
-    /// Draws n of what is constant.
-    pub draws: usize,
-    /// By how much each moves the state, d × n, row after row.
-    pub states: Vec<f64>,
-    /// By how much each moves the points of the body beyond that, 3 a point, × n, metres.
-    pub points: Vec<f64>,
+    /// By how much each moves the state: a row for each degree of freedom.
+    pub states: Rows,
+    /// By how much each moves the points of the body beyond that: three rows a point, metres.
+    pub points: Rows,
     /// The same of the keypoints as the detectors see them.
-    pub keypoints: Vec<f64>,
+    pub keypoints: Rows,
+    /// Covariance of what errors that persist add to the states, d × d; empty where none do.
+    pub missing: Vec<f64>,
 }
 
 /// Draws of equal weight.
@@ -31,32 +90,25 @@ pub(super) struct EqualDraws {
 impl Moved {
     /// Mean move of the state.
     pub(super) fn mean(&self) -> Vec<f64> {
-        self.states.chunks_exact(self.draws).map(|row| row.iter().sum::<f64>() / self.draws as f64).collect()
+        self.states.rows().map(|row| row.iter().sum::<f64>() / row.len() as f64).collect()
     }
 
-    /// Shifts of the first draws, one after the other: of `shifts`, rows of the draws.
-    fn for_draws(&self, shifts: &[f64], count: usize) -> Vec<f64> {
-        let rows = shifts.chunks_exact(self.draws);
-        (0..count).flat_map(|draw| rows.clone().map(move |row| row[draw % self.draws])).collect()
-    }
-
-    /// Shape and detected keypoints of the first draws, as they are written; `at` are the keypoints of the body in their moved states.
-    pub(super) fn written(&self, at: impl Iterator<Item = f64>, count: usize) -> [Vec<f64>; 2] {
-        let mut detected = self.for_draws(&self.keypoints, count);
-        detected.iter_mut().zip(at).for_each(|(x, at)| *x += at);
-        [self.for_draws(&self.points, count), detected]
+    /// Shape and detected keypoints of the first draws, as they are written; `at` are the keypoints of the body in their moved states, draw after draw.
+    pub(super) fn written(&self, mut at: Vec<f64>, count: usize) -> [Vec<f64>; 2] {
+        let mut shape = vec![0.0; count * self.points.rows().count()];
+        self.points.add_columns(&mut shape);
+        self.keypoints.add_columns(&mut at);
+        [shape, at]
     }
 
     /// Moves some states, one after the other, the k-th as draw k says.
-    pub(super) fn apply(&self, states: &mut [f64], dim: usize) {
-        for (draw, state) in states.chunks_exact_mut(dim).enumerate() {
-            state.iter_mut().enumerate().for_each(|(j, x)| *x += self.states[j * self.draws + draw % self.draws]);
-        }
+    pub(super) fn apply(&self, states: &mut [f64]) {
+        self.states.add_columns(states);
     }
 
     /// The draws of a posterior, of equal weight and moved.
     pub(super) fn equal_draws(&self, posterior: &Posterior<'_>, rng: &mut BlockRng) -> EqualDraws {
-        let d = posterior.dim;
+        let (d, draws) = (posterior.dim, self.states.draws);
         let is_equal = posterior.weights.windows(2).all(|pair| pair[0] == pair[1]);
         let mut states = if is_equal {
             posterior.states.to_vec()
@@ -72,10 +124,10 @@ impl Moved {
             states
         };
         for (block, state) in states.chunks_exact_mut(d).enumerate() {
-            for (j, x) in state.iter_mut().enumerate() {
-                x.0.iter_mut()
-                    .enumerate()
-                    .for_each(|(lane, x)| *x += self.states[j * self.draws + (block * LANES + lane) % self.draws]);
+            let first = block * LANES % draws;
+            for (x, row) in state.iter_mut().zip(self.states.rows()) {
+                let by = row[first..].iter().chain(row.iter().cycle());
+                x.0.iter_mut().zip(by).for_each(|(x, by)| *x += by);
             }
         }
         let count = if is_equal { posterior.count() } else { EQUAL_DRAWS };

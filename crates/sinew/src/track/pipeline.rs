@@ -129,7 +129,7 @@ impl Pipeline {
         };
         let tracker = Restarting::new(Box::new(make), scene.start().to_vec())?;
         let marginals = Marginals::new(tree, settings.isa, UnknownSize::of(setup, cameras, settings.seed));
-        let lasting = Lasting::new(setup, tree, cameras, &scene, &transition)?;
+        let lasting = Lasting::new(setup, tree, cameras, &scene, &transition, (settings.seed, dt));
         let observer = Observer { settings, scene, images, lasting, marginals, remarks, acting_parts };
         Ok(Self { tracker, observer, transition })
     }
@@ -291,13 +291,14 @@ impl Harness<Observation> for Passage<'_> {
     fn record(&mut self, frame: u32, info: StepInfo, posterior: Posterior<'_>) -> Result<ControlFlow<()>, Error> {
         let (number, Observer { settings, scene, images, lasting, marginals, .. }) =
             (u64::from(frame), &mut *self.observer);
-        let moved = lasting.as_mut().map(|lasting| lasting.step(scene, &info.mean, info.restarted)).transpose()?;
+        let moved = lasting.as_mut().map(|lasting| lasting.step(scene, frame, &info.mean, info.restarted)).transpose()?;
+        let moves = lasting.as_ref().map_or_else(Vec::new, Lasting::moves);
         scene.note(number, &info.mean, &some_draws(settings.seed, frame, &posterior));
         if let Some(images) = images {
             images.note(number, &info.mean);
         }
         let silhouettes = images.as_ref().map_or(0, Images::cameras_with_person);
-        let step = Stepped { number, info, moved, silhouettes };
+        let step = Stepped { number, info, moved, moves, silhouettes };
         (self.record)(describe(settings, scene, marginals, step, &posterior), &posterior)
     }
 }

@@ -11,7 +11,8 @@ use crate::methods::BoundKeypoints;
 use crate::results::problem::{Problem, check_length};
 use crate::setup::{self, CameraSetup, Setup};
 use serde::{Deserialize, Serialize};
-use sinew_body::{KinematicTree, Plan, point_positions};
+use sinew_body::{KinematicTree, Plan, point_positions, point_positions_block};
+use sinew_core::lanes::{Block, LANES, get_lane, set_lane};
 use sinew_formats::Layout;
 use sinew_observe::association::{self, Person};
 use sinew_observe::following::{Associated, Following, follow};
@@ -173,6 +174,22 @@ impl Scene {
     pub fn points(&self, state: &[f64]) -> Vec<f64> {
         let mut points = vec![0.0; 3 * self.model.plan.points()];
         point_positions(&self.model.plan, self.model.isa, state, &mut points);
+        points
+    }
+
+    /// The same in some states, one after the other.
+    #[must_use]
+    pub fn points_of(&self, states: &[f64]) -> Vec<f64> {
+        let (plan, d) = (&self.model.plan, self.model.plan.dof());
+        let width = 3 * plan.points();
+        let mut points = vec![0.0; states.len() / d * width];
+        let (mut block, mut at) = (vec![Block::ZERO; d], vec![Block::ZERO; width]);
+        let mut ws = vec![Block::ZERO; plan.workspace()];
+        for (states, points) in states.chunks(LANES * d).zip(points.chunks_mut(LANES * width)) {
+            states.chunks_exact(d).enumerate().for_each(|(lane, state)| set_lane(&mut block, lane, state));
+            point_positions_block(plan, self.model.isa, &block, &mut at, &mut ws);
+            points.chunks_exact_mut(width).enumerate().for_each(|(lane, points)| get_lane(&at, lane, points));
+        }
         points
     }
 

@@ -124,7 +124,8 @@ impl Spool {
         record.extend(estimate.seen.as_flattened());
         record.resize(self.header(), f64::NAN);
         record.extend(&moments.mean);
-        record.extend(&moments.covariance);
+        let missing = estimate.missing.iter().copied().chain(std::iter::repeat(0.0));
+        record.extend(moments.covariance.iter().zip(missing).map(|(known, missing)| known + missing));
         record.extend(&estimate.moves);
         record.resize(self.record(), 0.0);
         self.moments.write(|out| record.iter().try_for_each(|number| out.write_all(&number.to_le_bytes())))?;
@@ -265,11 +266,6 @@ fn backwards(
     Ok(())
 }
 
-/// Keypoints of the body in some states, three numbers each.
-fn keypoints_of(pipeline: &Pipeline, states: &[f64], dim: usize) -> impl Iterator<Item = f64> {
-    states.chunks_exact(dim).flat_map(|state| pipeline.scene().points(state))
-}
-
 /// Marginals and draws of the smoothed frames, in order.
 fn forwards(
     spool: &Spool,
@@ -288,9 +284,9 @@ fn forwards(
         let moves = numbers.split_off((1 + TRAJECTORIES) * d);
         let (mean_state, numbers) = numbers.split_at_mut(d);
         let lasting = pipeline.lasting().filter(|_| spool.lasting_draws > 0);
-        let moved: Option<Moved> = lasting.map(|lasting| lasting.moved(mean_state, moves));
+        let moved: Option<Moved> = lasting.map(|lasting| lasting.moved(mean_state, &moves));
         if let Some(moved) = &moved {
-            moved.apply(numbers, d);
+            moved.apply(numbers);
             mean_state.iter_mut().zip(moved.mean()).for_each(|(x, by)| *x += by);
         }
         for (i, state) in numbers.chunks_exact(d).enumerate() {
@@ -302,7 +298,7 @@ fn forwards(
         let mut kept = numbers[..settings.draws.min(TRAJECTORIES) * d].to_vec();
         let size = marginals.size_draws(&mut kept, d);
         let [shape, detected] = match &moved {
-            Some(moved) => moved.written(keypoints_of(pipeline, &kept, d), kept.len() / d),
+            Some(moved) => moved.written(pipeline.scene().points_of(&kept), kept.len() / d),
             None => Default::default(),
         };
         let draws = Draws { states: kept, shape, detected, size, ..Draws::default() };
