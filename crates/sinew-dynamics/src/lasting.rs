@@ -16,7 +16,8 @@
 use crate::Error;
 use crate::factor::cholesky;
 use crate::linear_motion::{symmetric, to_rows};
-use faer::{Mat, MatRef};
+use faer::linalg::matmul::matmul;
+use faer::{Accum, Mat, MatRef, Par};
 use sinew_core::transition::Moments;
 
 /// What a frame says of its state (dimension d) and of what lasts (dimension p), linearised at the filter's prediction and g = 0; matrices row after row.
@@ -26,8 +27,8 @@ pub struct FrameInformation {
     pub state: Vec<f64>,
     /// B = Hᵀ R⁻¹ G, d × p.
     pub between: Vec<f64>,
-    /// C = Gᵀ R⁻¹ G, p × p.
-    pub lasting: Vec<f64>,
+    /// Rows of R^(−½) G, whose squares are C = Gᵀ R⁻¹ G: of each, the places that are not 0 and what stands there.
+    pub lasting: Vec<Vec<(usize, f64)>>,
     /// a = Hᵀ R⁻¹ r, length d.
     pub state_pull: Vec<f64>,
     /// c = Gᵀ R⁻¹ r, length p.
@@ -73,7 +74,7 @@ impl Lasting {
     /// Λ, p × p, row after row: what the prior and the frames so far say of g.
     #[must_use]
     pub fn information(&self) -> Vec<f64> {
-        to_rows(&self.information)
+        to_rows(&symmetric(&self.information))
     }
 
     /// λ, length p.
@@ -112,16 +113,34 @@ impl Lasting {
         let covariance = rows("filtered covariance", covariance, d, d)?;
         let a = rows("information of the state", &frame.state, d, d)?;
         let b = rows("information between state and what lasts", &frame.between, d, p)?;
-        let c = rows("information of what lasts", &frame.lasting, p, p)?;
         let state_pull = rows("pull of the state", &frame.state_pull, d, 1)?;
         let lasting_pull = rows("pull of what lasts", &frame.lasting_pull, p, 1)?;
+        self.add_squares(&frame.lasting)?;
         let n = &b + &a * &self.response;
         let gained = &covariance * &n;
         let u = &self.response;
-        self.information =
-            symmetric(&(&self.information + c + b.transpose() * u + u.transpose() * &n - n.transpose() * &gained));
+        for (left, right, sign) in [(&b, u, 1.0), (u, &n, 1.0), (&n, &gained, -1.0)] {
+            matmul(self.information.as_mut(), Accum::Add, left.transpose(), right, sign, Par::Seq);
+        }
         self.pull = &self.pull + lasting_pull + u.transpose() * &state_pull - gained.transpose() * &state_pull;
         self.response = u - gained;
+        Ok(())
+    }
+
+    /// Adds the squares of some rows to Λ.
+    fn add_squares(&mut self, rows: &[Vec<(usize, f64)>]) -> Result<(), Error> {
+        let (name, p) = ("row of what lasts", self.information.nrows());
+        for row in rows {
+            for &(index, value) in row {
+                if index >= p {
+                    return Err(Error::Shape { name, found: index + 1, expected: p });
+                }
+                if !value.is_finite() {
+                    return Err(Error::OutOfRange { name, index, value, expected: "must be finite" });
+                }
+                row.iter().for_each(|(other, by)| self.information[(*other, index)] += value * by);
+            }
+        }
         Ok(())
     }
 
@@ -131,7 +150,7 @@ impl Lasting {
     /// As [`cholesky`].
     pub fn posterior(&self) -> Result<Moments, Error> {
         let p = self.pull.nrows();
-        let covariance = inverse("information of what lasts", &to_rows(&self.information), p)?;
+        let covariance = inverse("information of what lasts", &self.information(), p)?;
         let mean = &covariance * &self.pull;
         Ok(Moments { mean: (0..p).map(|i| mean[(i, 0)]).collect(), covariance: to_rows(&covariance) })
     }

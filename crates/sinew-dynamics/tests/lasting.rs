@@ -109,17 +109,19 @@ fn information(z: &[Option<f64>], predicted: &Moments) -> FrameInformation {
         return FrameInformation {
             state: none(D * D),
             between: none(D * P),
-            lasting: none(P * P),
+            lasting: vec![],
             state_pull: none(D),
             lasting_pull: none(P),
         };
     }
     let factor = r.llt(Side::Lower).unwrap();
     let (hr, gr) = (factor.solve(&h).transpose().to_owned(), factor.solve(&g).transpose().to_owned());
+    let mut whitened = g.clone();
+    factor.L().solve_lower_triangular_in_place(whitened.as_mut());
     FrameInformation {
         state: rows((&hr * &h).as_ref()),
         between: rows((&hr * &g).as_ref()),
-        lasting: rows((&gr * &g).as_ref()),
+        lasting: (0..n).map(|i| (0..P).map(|j| (j, whitened[(i, j)])).collect()).collect(),
         state_pull: rows((&hr * &innovation).as_ref()),
         lasting_pull: rows((&gr * &innovation).as_ref()),
     }
@@ -205,6 +207,8 @@ fn sizes_that_do_not_fit_are_refused_by_name() {
     shape(lasting.update(&[1.0], &frame), "filtered covariance");
     let short = FrameInformation { between: vec![0.0; D], ..frame.clone() };
     shape(lasting.update(&start().covariance, &short), "information between state and what lasts");
+    let beyond = FrameInformation { lasting: vec![vec![(P, 1.0)]], ..frame.clone() };
+    shape(lasting.update(&start().covariance, &beyond), "row of what lasts");
     let bad = FrameInformation { lasting_pull: vec![f64::NAN; P], ..frame };
     let refused = lasting.update(&start().covariance, &bad);
     assert!(matches!(refused, Err(Error::OutOfRange { name: "pull of what lasts", index: 0, .. })), "{refused:?}");

@@ -93,8 +93,8 @@ pub struct LinearisedFrame {
     pub pose: Vec<f64>,
     /// Hᵀ W G, d × p.
     pub between: Vec<f64>,
-    /// Gᵀ W G, p × p.
-    pub lasting: Vec<f64>,
+    /// Rows of W^½ G, two for each detection: the places that are not 0 and what stands there.
+    pub lasting: Vec<Vec<(usize, f64)>>,
     /// Hᵀ W r, length d.
     pub pose_pull: Vec<f64>,
     /// Gᵀ W r, length p.
@@ -127,16 +127,6 @@ pub struct LinearisedDetection {
     pub weight: f64,
     /// Derivatives of its pixel.
     pub by: PixelDerivatives,
-}
-
-/// Two rows of H and G, scaled by the root of W.
-#[derive(Default)]
-struct Rows {
-    /// Derivatives by the pose.
-    pose: [Vec<f64>; 2],
-    /// Places in g, and derivatives there.
-    lasting: [Vec<(usize, f64)>; 2],
-    residual: [f64; 2],
 }
 
 /// The shift of the whole world, metres, that small differences of some cameras look like at a point, by least squares over pixels; `None` where fewer than two cameras see it. Shown by cameras that differ by `errors`, the world that is shifted so looks as it does to the cameras as they are.
@@ -273,65 +263,70 @@ pub fn linearised(
     let mut frame = LinearisedFrame {
         pose: vec![0.0; dof * dof],
         between: vec![0.0; dof * p],
-        lasting: vec![0.0; p * p],
+        lasting: vec![],
         pose_pull: vec![0.0; dof],
         lasting_pull: vec![0.0; p],
         residuals: found.iter().map(|detection| detection.seen).collect(),
     };
-    let mut rows = Rows::default();
+    let mut pose = vec![0.0; dof];
     for detection in found {
-        rows.fill(detection, errors, scales[detection.seen.camera], body, dof);
-        frame.add(&rows, p);
+        for axis in 0..2 {
+            let (lasting, residual) = row(detection, axis, errors, scales, body, &mut pose);
+            frame.add(&pose, lasting, residual, p);
+        }
     }
     frame
 }
 
-impl Rows {
-    fn fill(
-        &mut self,
-        detection: &LinearisedDetection,
-        errors: &LastingErrors,
-        scale: f64,
-        body: &PointDerivatives,
-        dof: usize,
-    ) {
-        let LinearisedDetection { seen: FrameResidual { camera, point, residual_px, .. }, weight, by } = detection;
-        let root = weight.sqrt();
-        for axis in 0..2 {
-            let row = by.by_point[axis].map(|by| root * by);
-            let across = |moves: &[f64], width: usize, column: usize| -> f64 {
-                (0..3).map(|a| row[a] * moves[(3 * point + a) * width + column]).sum()
-            };
-            self.residual[axis] = root * residual_px[axis];
-            self.pose[axis].clear();
-            self.pose[axis].extend((0..dof).map(|j| across(&body.by_pose, dof, j)));
-            let by_camera = errors.camera(*camera).zip(by.by_error[axis].map(|by| root * by));
-            let by_lengths = errors.lengths().enumerate();
-            let by_lengths = by_lengths.map(|(k, place)| (place, across(&body.by_length, errors.lengths, k)));
-            let by_place = errors.place(*point).enumerate().map(|(k, place)| (place, across(&body.link_axes, 3, k)));
-            let by_bias = std::iter::once((errors.bias(*camera, *point).start + axis, root * scale));
-            let all = by_camera.chain(by_lengths).chain(by_place).chain(by_bias);
-            self.lasting[axis].clear();
-            self.lasting[axis].extend(all.filter(|(_, by)| *by != 0.0));
-        }
-    }
+/// The row of W^½ H of a detection's axis, into `pose`; that of W^½ G, and the scaled residual.
+fn row(
+    detection: &LinearisedDetection,
+    axis: usize,
+    errors: &LastingErrors,
+    scales: &[f64],
+    body: &PointDerivatives,
+    pose: &mut [f64],
+) -> (Vec<(usize, f64)>, f64) {
+    let LinearisedDetection { seen: FrameResidual { camera, point, residual_px, .. }, weight, by } = detection;
+    let root = weight.sqrt();
+    let row = by.by_point[axis].map(|by| root * by);
+    let across = |moves: &[f64], width: usize, column: usize| -> f64 {
+        (0..3).map(|a| row[a] * moves[(3 * point + a) * width + column]).sum()
+    };
+    let dof = pose.len();
+    pose.iter_mut().enumerate().for_each(|(j, x)| *x = across(&body.by_pose, dof, j));
+    let by_camera = errors.camera(*camera).zip(by.by_error[axis].map(|by| root * by));
+    let by_lengths = errors.lengths().enumerate().map(|(k, place)| (place, across(&body.by_length, errors.lengths, k)));
+    let by_place = errors.place(*point).enumerate().map(|(k, place)| (place, across(&body.link_axes, 3, k)));
+    let by_bias = std::iter::once((errors.bias(*camera, *point).start + axis, root * scales[*camera]));
+    let all = by_camera.chain(by_lengths).chain(by_place).chain(by_bias);
+    (all.filter(|(_, by)| *by != 0.0).collect(), root * residual_px[axis])
 }
 
 impl LinearisedFrame {
-    fn add(&mut self, rows: &Rows, p: usize) {
-        let d = self.pose_pull.len();
-        for axis in 0..2 {
-            let (pose, lasting, residual) = (&rows.pose[axis], &rows.lasting[axis], rows.residual[axis]);
-            for (j, by) in pose.iter().enumerate().filter(|(_, by)| **by != 0.0) {
-                self.pose_pull[j] += by * residual;
-                self.pose[j * d..][..d].iter_mut().zip(pose).for_each(|(sum, other)| *sum += by * other);
-                lasting.iter().for_each(|(place, other)| self.between[j * p + place] += by * other);
-            }
-            for &(place, by) in lasting {
-                self.lasting_pull[place] += by * residual;
-                lasting.iter().for_each(|(other, value)| self.lasting[place * p + other] += by * value);
+    /// Adds a row.
+    fn add(&mut self, pose: &[f64], lasting: Vec<(usize, f64)>, residual: f64, p: usize) {
+        let d = pose.len();
+        for (j, by) in pose.iter().enumerate().filter(|(_, by)| **by != 0.0) {
+            self.pose_pull[j] += by * residual;
+            self.pose[j * d..][..d].iter_mut().zip(pose).for_each(|(sum, other)| *sum += by * other);
+            lasting.iter().for_each(|(place, other)| self.between[j * p + place] += by * other);
+        }
+        lasting.iter().for_each(|(place, by)| self.lasting_pull[*place] += by * residual);
+        self.lasting.push(lasting);
+    }
+
+    /// Gᵀ W G, p × p, row after row.
+    #[must_use]
+    pub fn information(&self) -> Vec<f64> {
+        let p = self.lasting_pull.len();
+        let mut information = vec![0.0; p * p];
+        for row in &self.lasting {
+            for (place, by) in row {
+                row.iter().for_each(|(other, value)| information[place * p + other] += by * value);
             }
         }
+        information
     }
 }
 

@@ -251,10 +251,12 @@ impl Fit {
                 pull.iter().enumerate().map(|(i, pull)| self.worth * (pull - moved(i))).collect()
             };
             let times = |values: &[f64]| values.iter().map(|x| self.worth * x).collect::<Vec<f64>>();
+            let root = self.worth.sqrt();
+            let weighted = |row: &[(usize, f64)]| row.iter().map(|(place, by)| (*place, root * by)).collect();
             let said = FrameInformation {
                 state: times(&seen.pose),
                 between: times(&seen.between),
-                lasting: times(&seen.lasting),
+                lasting: seen.lasting.iter().map(|row| weighted(row)).collect(),
                 state_pull: less(&seen.pose_pull, &seen.pose, true),
                 lasting_pull: less(&seen.lasting_pull, &seen.between, false),
             };
