@@ -224,13 +224,13 @@ impl Predictive {
         if checked == 0 { Lengths::Unchecked } else { Lengths::Undoubted(checked) }
     }
 
-    /// What does not look as the model says.
-    pub(super) fn doubts(&self) -> Vec<Doubt> {
+    /// What does not look as the model says; `held` is the correlation of errors that the intervals have been widened for.
+    pub(super) fn doubts(&self, held: f64) -> Vec<Doubt> {
         let mut doubts: Vec<Doubt> = self.cameras.iter().flat_map(|camera| camera.doubts(&self.expected)).collect();
         let persistent = |camera: &Watched| Some((camera.name.clone(), camera.persistence()?));
         let cameras: Vec<(String, f64)> = self.cameras.iter().filter_map(persistent).collect();
         if !cameras.is_empty() {
-            doubts.push(Doubt::Persistent { cameras });
+            doubts.push(Doubt::Persistent { cameras, held });
         }
         for ((name, _), limb) in LIMBS.iter().zip(&self.limbs) {
             let (ratio, error) = (limb.ratio.mean(), limb.ratio.error());
@@ -330,7 +330,7 @@ mod tests {
             let residuals: Vec<_> = errors.iter_mut().enumerate().map(residual).collect();
             predictive.camera(number, 0, &residuals, Some(errs.disagreement * if number % 2 == 0 { 0.9 } else { 1.1 }));
         }
-        predictive.doubts()
+        predictive.doubts(0.0)
     }
 
     fn kinds(doubts: &[Doubt]) -> Vec<&'static str> {
@@ -365,7 +365,7 @@ mod tests {
             return;
         };
         assert!((share - 0.05).abs() < 0.01 && (expected - 0.02).abs() < 1e-3, "{share} {expected}");
-        let Some(Doubt::Persistent { cameras }) = is(Errs { persistence: 0.6, ..RIGHT }, "persistence") else { return };
+        let Some(Doubt::Persistent { cameras, .. }) = is(Errs { persistence: 0.6, ..RIGHT }, "persistence") else { return };
         assert!((cameras[0].1 - 0.6).abs() < 0.1, "{cameras:?}");
     }
 
@@ -381,7 +381,7 @@ mod tests {
             for number in 0..40 {
                 predictive.limb(2, 0.43 * (ratio + if number % 2 == 0 { scatter } else { -scatter }), 0.43);
             }
-            predictive.doubts()
+            predictive.doubts(0.0)
         };
         assert_eq!(doubted(1.01, 0.001), []);
         // 0.03 is fewer than four of the standard errors of 40 frames.

@@ -53,6 +53,8 @@ pub struct Scene {
     association: association::Config,
     /// Detections of the current frame: camera by camera, by point of the plan.
     detections: Vec<Vec<Option<Detection>>>,
+    /// Correlation of errors from frame to frame that the intervals have been widened for.
+    held_correlation: f64,
     oddities: Oddities,
     predictive: Predictive,
     origins: Origins,
@@ -127,6 +129,7 @@ impl Scene {
         pairs.iter().for_each(|&(l, r)| partners.swap(l, r));
         let pairs = pairs.into_iter().filter_map(|(l, r)| Some((place(l)?, place(r)?))).collect();
         let watched = model.views.iter().map(|view| (view.camera.name.clone(), view.sigma_px));
+        let persistence = setup.lasting.as_ref().and_then(|lasting| lasting.persistence(1.0 / settings.fps));
         let names = model.views.iter().map(|view| view.camera.name.clone());
         Ok(Self {
             predictive: Predictive::new(names, settings.noise),
@@ -136,6 +139,7 @@ impl Scene {
                 has_outlier_share: matches!(settings.noise, Noise::OutlierFloor { .. }),
             },
             oddities: Oddities::new(watched, pairs),
+            held_correlation: persistence.map_or(0.0, |errors| errors.share * errors.correlation),
             partners,
             parts,
             bound_parts: vec![],
@@ -399,7 +403,7 @@ impl Scene {
     /// What does not look as the model says.
     #[must_use]
     pub fn doubts(&self) -> Vec<Doubt> {
-        let mut doubts = self.predictive.doubts();
+        let mut doubts = self.predictive.doubts(self.held_correlation);
         doubts.extend(self.calibration_doubt(self.predictive.lengths(&doubts)));
         doubts
     }

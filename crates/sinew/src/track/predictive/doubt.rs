@@ -35,6 +35,8 @@ pub enum Doubt {
     Persistent {
         /// Cameras and their correlations.
         cameras: Vec<(String, f64)>,
+        /// Correlation that the intervals have been widened for; 0 where none.
+        held: f64,
     },
     /// The set-up found the cameras calibrated aside of each other.
     Calibration {
@@ -117,6 +119,9 @@ impl Origins {
     }
 }
 
+/// Correlations that differ by less are the same for the width of intervals.
+const NEARLY: f64 = 0.1;
+
 impl Doubt {
     /// The kind in a word.
     #[must_use]
@@ -156,12 +161,16 @@ impl Doubt {
                     100.0 * expected,
                 )
             }
-            Self::Persistent { cameras } => {
+            Self::Persistent { cameras, held } => {
                 let listed: Vec<String> = cameras.iter().map(|(name, r)| format!("{name} {r:.2}")).collect();
-                format!(
-                    "errors of the keypoints persist from frame to frame (correlation {}; independent ones are assumed). The intervals are too narrow: frames repeat what others said, or the body does not fit the person",
-                    listed.join(", ")
-                )
+                let words = if *held + NEARLY > cameras.iter().map(|(_, r)| *r).fold(0.0, f64::max) {
+                    format!("The intervals are wider for a correlation of {held:.2}, which the set-up found; estimates of successive frames are wrong alike")
+                } else if *held > 0.0 {
+                    format!("The intervals are wider for a correlation of {held:.2}, which the set-up found, and still too narrow: frames repeat what others said, or the body does not fit the person")
+                } else {
+                    "The intervals are too narrow, since they take errors as independent: frames repeat what others said, or the body does not fit the person".into()
+                };
+                format!("errors of the keypoints persist from frame to frame (correlation {}). {words}", listed.join(", "))
             }
             Self::Calibration { cameras, shift_m, is_in_intervals, lengths } => {
                 let listed: Vec<String> =
