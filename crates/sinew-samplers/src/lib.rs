@@ -37,6 +37,7 @@ pub mod descent;
 pub mod diffusion;
 pub mod dual_averaging;
 mod error;
+pub mod few_draws;
 pub mod gaussian_mixture;
 pub mod grid;
 pub mod hmc;
