@@ -40,6 +40,7 @@ mod error;
 pub mod few_draws;
 pub mod gaussian_mixture;
 pub mod grid;
+pub mod guided;
 pub mod hmc;
 pub mod importance;
 pub mod integrator;
