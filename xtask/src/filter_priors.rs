@@ -9,8 +9,8 @@ use serde_json::{Value, json};
 use sinew::core::random::Stage;
 use sinew_tests::depth_flip::Arm;
 use sinew_tests::filter_priors::{
-    ArmSeries, Calibration, Length, OnGrowth, SETTINGS, Setting, gaussian_bias, growth_model, on_arm, on_growth,
-    random_walk,
+    ArmSeries, Calibration, Length, OnGrowth, SETTINGS, Setting, few_draws, gaussian_bias, growth_model, on_arm,
+    on_growth, random_walk,
 };
 use sinew_tests::growth::{self, Growth};
 use std::fmt::Write as _;
@@ -88,6 +88,7 @@ fn all(out: &Path, args: &Args) -> Outcome<()> {
     let cells = random_walks(args, &out.join("random-walk.csv"))?;
     record["random_walk"] = cells.iter().map(as_json).collect();
     tables += &walk_tables(&cells)?;
+    tables += &few_draws_table(args, &mut record)?;
     println!("{tables}\n{:.0} s", started.elapsed().as_secs_f64());
     record["seconds"] = json!(started.elapsed().as_secs_f64());
     std::fs::write(out.join("tables.md"), tables)?;
@@ -176,6 +177,29 @@ fn walk_tables(cells: &[Cell]) -> Outcome<String> {
         }
         text.push('\n');
     }
+    Ok(text)
+}
+
+/// The settings of real recordings with two numbers of draws, coordinates seen alike and not.
+fn few_draws_table(args: &Args, record: &mut Value) -> Outcome<String> {
+    let mut text = String::from(
+        "\nFew draws, q/r = 0.1 where coordinates are seen alike:\n\n| d | draws | seen | coverage, % | variance ratio | error of the mean |\n|---|---|---|---|---|---|\n",
+    );
+    let mut kept = vec![];
+    for dim in [5, 10, 28] {
+        for draws in [400, 1600] {
+            for unlike in [false, true] {
+                let runs = if args.quick { 4 } else { 64 };
+                let found = few_draws(draws, unlike, dim, Length { runs, before: 20, frames: 30 }, args.seed);
+                let (seen, Calibration { covered, variance_ratio, error, .. }) =
+                    (if unlike { "unlike" } else { "alike" }, found);
+                let numbers = [percent(covered), number(variance_ratio), number(error)].join(" | ");
+                writeln!(text, "| {dim} | {draws} | {seen} | {numbers} |")?;
+                kept.push(json!({ "dim": dim, "draws": draws, "seen": seen, "covered": covered, "variance_ratio": variance_ratio, "error": error }));
+            }
+        }
+    }
+    record["few_draws"] = json!(kept);
     Ok(text)
 }
 

@@ -1,4 +1,4 @@
-//! `cargo xtask trackers`: all eight trackers side by side on the same recordings, the tables of docs/reference/trackers.md.
+//! `cargo xtask trackers`: all trackers side by side on the same recordings, the tables of docs/reference/trackers.md.
 //!
 //! Everything goes through the program as a user runs it: recordings and learned models are files, results are read from the folder that a run leaves.
 //!

@@ -47,8 +47,21 @@ fn ln_gamma_of_half(k: u32) -> f64 {
 }
 
 impl Tails {
+    /// Refuses what has no density.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] for ν = 0.
+    pub fn check(self) -> Result<(), Error> {
+        match self {
+            Self::StudentT { degrees: 0 } => {
+                Err(Error::OutOfRange { name: "degrees of freedom", value: 0.0, expected: "must be at least 1" })
+            }
+            _ => Ok(()),
+        }
+    }
+
     /// Draws eight states about the mode and returns their log densities.
-    fn sample_block(self, laplace: &Laplace, isa: Isa, out: &mut [Block], rng: &mut BlockRng) -> Block {
+    pub(crate) fn sample_block(self, laplace: &Laplace, isa: Isa, out: &mut [Block], rng: &mut BlockRng) -> Block {
         let mut log_density = laplace.sample_block(isa, out, rng);
         let Self::StudentT { degrees } = self else { return log_density };
         let (d, nu, peak) = (laplace.mode.len() as u32, f64::from(degrees), laplace.log_peak());
@@ -105,9 +118,7 @@ pub fn importance<T: LogDensity + ?Sized>(
     isa: Isa,
     stage: &Stage,
 ) -> Result<Weighted, Error> {
-    if tails == (Tails::StudentT { degrees: 0 }) {
-        return Err(Error::OutOfRange { name: "degrees of freedom", value: 0.0, expected: "must be at least 1" });
-    }
+    tails.check()?;
     let d = target.dim();
     let scratch = || (vec![Block::ZERO; d], vec![Block::ZERO; target.workspace()]);
     let draw = |(states, ws): &mut (Vec<Block>, Vec<Block>), block: usize| {

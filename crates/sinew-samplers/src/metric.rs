@@ -104,6 +104,16 @@ impl Dense {
 }
 
 impl Metric {
+    /// A, whole: `G⁻¹ = A Aᵀ`.
+    pub(crate) fn whitening(&self) -> faer::Mat<f64> {
+        match self {
+            Self::Dense(dense) => dense.whitening(),
+            Self::Diagonal(h) => {
+                faer::Mat::from_fn(h.len(), h.len(), |i, j| if i == j { 1.0 / h[i].sqrt() } else { 0.0 })
+            }
+        }
+    }
+
     /// Shrinks the covariance C of `effective` independent draws towards what it is where the metric's own axes do not covary, and returns λ: with the whitening A,
     ///
     /// ```text

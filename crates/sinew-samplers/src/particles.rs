@@ -170,13 +170,18 @@ pub fn move_by(
     moved: impl Fn(&[Block], &mut [Block], &mut BlockRng) + Sync,
     stage: Stage,
 ) {
-    let moved = |block: usize, from: &[Block], to: &mut [Block]| moved(from, to, &mut stage.block(block as u32));
-    advance(particles, ancestors, moved, 0, |_, _| Block::ZERO);
+    advance(particles, ancestors, 0, |block, from, to, _| {
+        moved(from, to, &mut stage.block(block as u32));
+        Block::ZERO
+    });
 }
 
 /// Takes the states of these ancestors, with equal weights.
 pub fn take(particles: &mut Particles, ancestors: Ancestors) {
-    advance(particles, Some(ancestors), |_, from, to| to.copy_from_slice(from), 0, |_, _| Block::ZERO);
+    advance(particles, Some(ancestors), 0, |_, from, to, _| {
+        to.copy_from_slice(from);
+        Block::ZERO
+    });
 }
 
 /// Takes the states of these ancestors, with the weights of these logarithms, which need not be normalised. Returns the logarithm of their sum.
@@ -203,21 +208,32 @@ pub fn predict_and_reweight<T: Transition + ?Sized, D: LogDensity + ?Sized>(
     likelihood: &D,
     stage: Stage,
 ) -> Result<f64, Error> {
-    let moved = |block: usize, from: &[Block], to: &mut [Block]| {
+    propose_and_reweight(particles, ancestors, likelihood.workspace(), |block, from, to, ws| {
         transition.sample_block(from, to, &mut stage.block(block as u32));
-    };
-    let value = |states: &[Block], ws: &mut [Block]| likelihood.log_density_block(states, ws);
-    advance(particles, ancestors, moved, likelihood.workspace(), value);
+        likelihood.log_density_block(to, ws)
+    })
+}
+
+/// Moves the states by a proposal and multiplies their weights: `proposed` writes the next states of a block, whose number it is told, from the ones that they come from, and returns the logarithms of their factors, with `workspace` blocks of scratch. Returns log Σ W_i exp l_i.
+///
+/// # Errors
+/// As [`reweight`]; the states have moved, and [`retreat`] takes that back.
+pub fn propose_and_reweight(
+    particles: &mut Particles,
+    ancestors: Option<Ancestors>,
+    workspace: usize,
+    proposed: impl Fn(usize, &[Block], &mut [Block], &mut [Block]) -> Block + Sync,
+) -> Result<f64, Error> {
+    advance(particles, ancestors, workspace, proposed);
     temper(particles, 1.0)
 }
 
-/// Moves the states and keeps what `value` says of each moved block, with `workspace` blocks of scratch.
+/// Moves the states and keeps what `moved` says of each moved block, with `workspace` blocks of scratch.
 fn advance(
     particles: &mut Particles,
     ancestors: Option<Ancestors>,
-    moved: impl Fn(usize, &[Block], &mut [Block]) + Sync,
     workspace: usize,
-    value: impl Fn(&[Block], &mut [Block]) -> Block + Sync,
+    moved: impl Fn(usize, &[Block], &mut [Block], &mut [Block]) -> Block + Sync,
 ) {
     let Particles { dim, count, states, previous, values, .. } = particles;
     let d = *dim;
@@ -234,14 +250,13 @@ fn advance(
     blocks.with_min_len(BLOCKS_A_TASK).enumerate().for_each_init(
         || (vec![Block::ZERO; d], vec![Block::ZERO; workspace]),
         |(gathered, ws), (block, (next, out))| {
-            match &ancestors {
-                None => moved(block, &previous[block * d..][..d], next),
+            *out = match &ancestors {
+                None => moved(block, &previous[block * d..][..d], next, ws),
                 Some(ancestors) => {
                     gather(block, gathered, ancestors);
-                    moved(block, gathered, next);
+                    moved(block, gathered, next, ws)
                 }
-            }
-            *out = value(next, ws);
+            };
         },
     );
     particles.previous_log_weights.copy_from_slice(&particles.log_weights);

@@ -12,7 +12,7 @@
 //!    (with a patience above 1, not the paper's, chains that disagree continue with `patience` times the updates, and only those count)
 //! 7. estimate = mean of s^(i,r) over all i and r ≥ b; a rejected state counts again
 //!
-//! Only the last states s^(i,R), and the moments of all kept draws, pass to the next frame; some of these draws themselves where the transition asks for them ([`Predict::wanted_draws`]). M(R + 1 − b) draws, M + M R L evaluations and one gradient a chain to begin with. Chains are moved in blocks of eight lanes: 10 chains cost as much as 16.
+//! Only the last states s^(i,R), and the moments of all kept draws, pass to the next frame, the moments shrunk and then wider by what few draws lose ([`mod@sinew_samplers::few_draws`]); some of these draws themselves where the transition asks for them ([`Predict::wanted_draws`]). M(R + 1 − b) draws, M + M R L evaluations and one gradient a chain to begin with. Chains are moved in blocks of eight lanes: 10 chains cost as much as 16.
 //! The chains of one frame start close together, so R̂ within a frame is the sign to look at.
 
 use crate::handed::Handed;
@@ -23,9 +23,10 @@ use sinew_core::combinators::Sum;
 use sinew_core::density::GaussNewton;
 use sinew_core::lanes::{Block, Isa};
 use sinew_core::random::Stage;
-use sinew_core::transition::{Cloud, Moments, Predict};
+use sinew_core::transition::{Cloud, FramePrior, Moments, Predict, diagonal_matrix};
 use sinew_samplers::chains::{ChainDraws, Schedule, draw};
 use sinew_samplers::curvature::curvature;
+use sinew_samplers::few_draws::widen;
 use sinew_samplers::hmc::Hmc;
 use sinew_samplers::laplace::laplace;
 use sinew_samplers::metric::{Geometry, Metric};
@@ -103,7 +104,8 @@ pub struct HmcFilter<T> {
     weights: Vec<f64>,
     effective: f64,
     handed: Handed,
-    moments: Option<Moments>,
+    /// Moments for the next prior, and the number of frames that led to them.
+    handed_moments: Option<(Moments, usize)>,
 }
 
 /// What a frame's chains start with.
@@ -145,7 +147,7 @@ impl<T: Predict> HmcFilter<T> {
             weights: vec![],
             effective: 0.0,
             handed: Handed::default(),
-            moments: None,
+            handed_moments: None,
         })
     }
 
@@ -155,9 +157,9 @@ impl<T: Predict> HmcFilter<T> {
         if observed.dim() != d {
             return Err(Error::Dimension { name: "observation", found: observed.dim(), expected: d });
         }
-        let prior = match &self.moments {
+        let prior = match &self.handed_moments {
             None => self.transition.initial(&self.estimate),
-            Some(moments) => {
+            Some((moments, _)) => {
                 let Handed { states, count } = &self.handed;
                 self.transition.predict(Cloud { last: states, count: *count, moments })
             }
@@ -219,7 +221,7 @@ impl<T: Predict> HmcFilter<T> {
 impl<T: Predict + Send, O: GaussNewton + ?Sized> Tracker<O> for HmcFilter<T> {
     fn step(&mut self, observed: &O, stage: Stage) -> Result<StepInfo, Error> {
         let Config { chains, step_size, leapfrog_steps, jitter, curvature_draws, patience, .. } = self.config;
-        let before = self.moments.is_some().then(|| self.estimate.clone());
+        let before = self.handed_moments.is_some().then(|| self.estimate.clone());
         let mut schedule = Schedule { updates: self.config.updates, burn_in: self.config.burn_in };
         let [to_start, to_move] = stage.split(["start", "chains"]);
         let Start { prior, states, metric, log_evidence } = self.start(observed, to_start)?;
@@ -239,7 +241,13 @@ impl<T: Predict + Send, O: GaussNewton + ?Sized> Tracker<O> for HmcFilter<T> {
         self.effective = quality.ess_of_squares;
         let mut moments = self.view().moments(self.isa);
         metric.shrink(&mut moments, self.effective);
-        self.moments = Some(moments);
+        let precision = match self.config.geometry {
+            Geometry::Diagonal => diagonal_matrix(prior.precision_diagonal()),
+            Geometry::Dense => prior.precision(),
+        };
+        let frames = self.handed_moments.as_ref().map_or(0, |(_, frames)| *frames) + 1;
+        widen(&mut moments, &quality, &metric, &precision, frames);
+        self.handed_moments = Some((moments, frames));
         self.handed = Handed::of(&self.draws, chains, self.transition.wanted_draws());
         self.transition.follow(before.as_deref(), &self.estimate);
         Ok(StepInfo {
@@ -269,7 +277,8 @@ impl<T: Predict + Send, O: GaussNewton + ?Sized> Tracker<O> for HmcFilter<T> {
 impl<T: Predict> Resume for HmcFilter<T> {
     fn save(&self) -> Vec<f64> {
         let mut saved = self.estimate.clone();
-        if let Some(moments) = &self.moments {
+        if let Some((moments, frames)) = &self.handed_moments {
+            saved.push(*frames as f64);
             saved.extend(&moments.mean);
             saved.extend(&moments.covariance);
             self.handed.put(&mut saved, self.transition.wanted_draws());
@@ -288,13 +297,15 @@ impl<T: Predict> Resume for HmcFilter<T> {
         let (saved, memory) = saved.split_at(saved.len() - memory);
         let (estimate, rest) = saved.split_at(d);
         if started {
-            check_length(saved.len().min(d + d + d * d), d + d + d * d)?;
+            check_length(saved.len().min(2 * d + 1 + d * d), 2 * d + 1 + d * d)?;
+            let (frames, rest) = rest.split_at(1);
             let (mean, rest) = rest.split_at(d);
             let (covariance, handed) = rest.split_at(d * d);
             self.handed = Handed::taken(handed, d, self.config.chains, self.transition.wanted_draws())?;
-            self.moments = Some(Moments { mean: mean.to_vec(), covariance: covariance.to_vec() });
+            let moments = Moments { mean: mean.to_vec(), covariance: covariance.to_vec() };
+            self.handed_moments = Some((moments, frames[0] as usize));
         } else {
-            self.moments = None;
+            self.handed_moments = None;
         }
         self.estimate = estimate.to_vec();
         self.transition.recall(memory);

@@ -48,6 +48,7 @@ pub mod coarse_to_fine;
 pub mod decoded;
 mod error;
 pub mod gpapf;
+pub mod guided;
 pub mod h_apf;
 mod handed;
 pub mod hmc_filter;

@@ -12,12 +12,14 @@ use sinew_dynamics::level_walk::LevelWalk;
 use sinew_dynamics::random_walk::{Between, RandomWalk};
 use sinew_samplers::annealed_search;
 use sinew_samplers::grid::GridAxis;
+use sinew_samplers::importance::Tails;
 use sinew_samplers::levels::Selection;
 use sinew_samplers::resample::Truncation;
 use sinew_samplers::tuning;
 use sinew_tracking::annealed::{self, Annealed};
 use sinew_tracking::bootstrap::{self, Bootstrap};
 use sinew_tracking::coarse_to_fine::{self, CoarseToFine, Judging};
+use sinew_tracking::guided::{self, Guided};
 use sinew_tracking::hmc_filter::{self, HmcFilter};
 use sinew_tracking::hppf::{self, Hppf};
 use sinew_tracking::partitioned::{self, Partitioned};
@@ -105,6 +107,11 @@ fn filter(between: Between) -> HmcFilter<RandomWalk> {
     HmcFilter::new(config, walk(between), vec![0.0, 1.0], Isa::best()).expect("valid")
 }
 
+fn guided(tails: Tails) -> Guided<RandomWalk> {
+    let config = guided::Config { particles: 1003, tails, ..guided::Config::default() };
+    Guided::new(config, walk(Between::Gaussian), vec![0.0, 1.0], Isa::best()).expect("valid")
+}
+
 fn tree() -> PartTree {
     let parts = [0, 1].map(|j| Part::new(vec![j], 2).expect("valid")).to_vec();
     PartTree::new(Partition::new(parts, 2).expect("covers"), vec![None, Some(0)]).expect("parents first")
@@ -133,7 +140,7 @@ fn hppf(truncation: Truncation) -> Hppf<LevelWalk> {
 }
 
 /// Trackers that claim a posterior, and how many: they come first.
-const FILTERS: usize = 5;
+const FILTERS: usize = 6;
 
 fn trackers() -> Vec<Boxed> {
     let config = bootstrap::Config { particles: 1003, ..bootstrap::Config::default() };
@@ -144,6 +151,7 @@ fn trackers() -> Vec<Boxed> {
         Box::new(bootstrap(adaptive)),
         Box::new(filter(Between::Mixture)),
         Box::new(filter(Between::Gaussian)),
+        Box::new(guided(Tails::Gaussian)),
         Box::new(partitioned(1003)),
         Box::new(annealed(annealed_search::Config::default())),
         Box::new(annealed(annealed_search::Config { adaptive: true, crossover: 0.5, layers: 4, ..Default::default() })),

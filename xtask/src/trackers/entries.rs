@@ -70,10 +70,11 @@ const fn entry(method: &'static str, seen: Seen, learned: Option<Learned>) -> En
     Entry { method, seen, learned, flags: &[] }
 }
 
-/// All, as the program runs them where nothing else is said; `hmc` does not track from masks alone.
-pub(super) const ENTRIES: [Entry; 15] = [
+/// All, as the program runs them where nothing else is said; `hmc` and `guided` do not track from masks alone.
+pub(super) const ENTRIES: [Entry; 16] = [
     entry("hmc", Seen::Keypoints, None),
     entry("bootstrap", Seen::Keypoints, None),
+    entry("guided", Seen::Keypoints, None),
     entry("annealed", Seen::Keypoints, None),
     entry("partitioned", Seen::Keypoints, None),
     entry("hppf", Seen::Keypoints, Some(Learned::Primitives)),
@@ -99,7 +100,7 @@ mod tests {
         for method in METHODS {
             let seen: Vec<Seen> = ENTRIES.iter().filter(|e| e.method == method.name).map(|e| e.seen).collect();
             let expected =
-                if method.name == "hmc" { &[Seen::Keypoints][..] } else { &[Seen::Keypoints, Seen::Masks][..] };
+                if method.needs_gradients { &[Seen::Keypoints][..] } else { &[Seen::Keypoints, Seen::Masks][..] };
             assert_eq!(seen, expected, "{}", method.name);
         }
     }

@@ -76,7 +76,7 @@ pub struct About {
 pub fn no_motion_model(values: &SettingValues, method: &str) -> Option<String> {
     values.get("motion_model").map(|_| {
         format!(
-            "`motion_model` cannot be used with `{method}`; it is for the methods hmc, bootstrap, annealed and hppf"
+            "`motion_model` cannot be used with `{method}`; it is for the methods hmc, bootstrap, guided, annealed and hppf"
         )
     })
 }

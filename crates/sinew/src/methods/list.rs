@@ -1,12 +1,13 @@
 //! The one list of methods.
 
 use super::about::About;
-use super::{annealed, bootstrap, coarse_to_fine, gpapf, h_apf, hmc, hppf, partitioned};
+use super::{annealed, bootstrap, coarse_to_fine, gpapf, guided, h_apf, hmc, hppf, partitioned};
 
 /// All methods, in the order of the help; the first is the default.
-pub const METHODS: [&About; 8] = [
+pub const METHODS: [&About; 9] = [
     &hmc::ABOUT,
     &bootstrap::ABOUT,
+    &guided::ABOUT,
     &annealed::ABOUT,
     &partitioned::ABOUT,
     &hppf::ABOUT,

@@ -202,7 +202,7 @@ impl TrackError {
                 "give `--setup` the setup.toml of a result folder of this version, or leave it out"
             }
             Self::NoMotionModel { .. } => {
-                "leave `--motion-model` out, or use `--method hmc`, `bootstrap`, `annealed` or `hppf`"
+                "leave `--motion-model` out, or use `--method hmc`, `bootstrap`, `guided`, `annealed` or `hppf`"
             }
             Self::NoLatentModel { .. } => "name one with `--latent`; `sinew learn latent` makes it",
             Self::LatentRest { .. } => "learn and track another body (`--body cf28`), or use `--method gpapf`",
