@@ -39,28 +39,28 @@ const HINGES: [&str; 4] = ["l_shin.rx", "r_shin.rx", "l_forearm.rx", "r_forearm.
 const WHAT: [(&str, &str); 6] = [
     ("hinges", "flexion of knees and elbows"),
     ("angles", "all angles of the limbs"),
-    ("lengths", "lengths of segments"),
+    ("segments", "lengths of segments"),
     ("distances", "distances between two joints"),
     ("displacements", "displacements of a joint over a second, by axis"),
     ("coordinates", "coordinates of joints"),
 ];
 
-/// The truth of a demo.
-struct Truth {
-    frames: Vec<Vec<[f64; 3]>>,
-    states: Vec<Vec<f64>>,
-    rate_hz: usize,
+/// What is true of a run: in each frame the points of the body, in its order, and its state.
+pub(super) struct Truth {
+    pub(super) frames: Vec<Vec<[f64; 3]>>,
+    pub(super) states: Vec<Vec<f64>>,
+    pub(super) rate_hz: usize,
 }
 
 /// The draws of a run.
-struct Run {
+pub(super) struct Run {
     body: KinematicTree,
     markers: Drawn,
     angles: Drawn,
 }
 
 impl Run {
-    fn read(folder: &Path) -> Outcome<Self> {
+    pub(super) fn read(folder: &Path) -> Outcome<Self> {
         let setup = Setup::from_toml("setup.toml", &std::fs::read_to_string(folder.join("setup.toml"))?)?;
         let (markers, angles) = (Drawn::read(folder, "marker_position")?, Drawn::read(folder, "angle")?);
         Ok(Self { body: setup.tree(), markers, angles })
@@ -94,9 +94,9 @@ fn truth(folder: &Path, body: &KinematicTree) -> Outcome<Truth> {
     let frames: Vec<Vec<[f64; 3]>> = (0..walker.states.len())
         .map(|frame| columns.iter().map(|column| place(frame, *column)).collect::<Result<_, _>>())
         .collect::<Result<_, _>>()?;
-    let names = walker.truth.select(&body.points().iter().map(|point| point.name.as_str()).collect::<Vec<_>>());
-    let is_same = |(a, b): (&[f64; 3], &[f64; 3])| a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-6);
-    if !frames.iter().flatten().zip(names.frames.iter().flatten()).all(is_same) {
+    let own = walker.truth.select(&body.points().iter().map(|point| point.name.as_str()).collect::<Vec<_>>());
+    let is_same = |(a, b): (&[f64; 3], &[f64; 3])| distance(*a, *b) < 1e-5;
+    if !frames.iter().flatten().zip(own.frames.iter().flatten()).all(is_same) {
         return Err("the demo walks otherwise".into());
     }
     Ok(Truth { frames, states: walker.states, rate_hz: walker.rate_hz as usize })
@@ -106,40 +106,42 @@ fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
     (0..3).map(|axis| (a[axis] - b[axis]).powi(2)).sum::<f64>().sqrt()
 }
 
-/// Ranks by what is computed.
-fn ranked(run: &Run, truth: &Truth) -> Outcome<Vec<(&'static str, Vec<u32>)>> {
-    let (count, second) = (truth.frames.len(), truth.rate_hz);
+/// Ranks in some frames, by what is computed.
+pub(super) fn ranked(run: &Run, truth: &Truth, frames: &[usize]) -> Outcome<Vec<(&'static str, Vec<u32>)>> {
+    let second = truth.rate_hz;
     let joints: Vec<usize> = EVALUATION_JOINTS.iter().map(|name| run.point(name)).collect::<Outcome<_>>()?;
     let between = |pairs: &[[&str; 2]]| -> Outcome<Vec<u32>> {
         let pairs = run.points(pairs)?;
-        let all = (0..count).flat_map(|frame| pairs.iter().map(move |pair| (frame, pair[0], pair[1])));
+        let all = frames.iter().flat_map(|&frame| pairs.iter().map(move |pair| (frame, pair[0], pair[1])));
         Ok(all.map(|(frame, a, b)| run.rank(truth, |at| distance(at(frame, a), at(frame, b)))).collect())
     };
-    let on_axes = |frames: Range<usize>| {
-        let axes = |frame: usize| joints.iter().flat_map(move |joint| (0..3).map(move |axis| (frame, *joint, axis)));
-        frames.flat_map(axes).collect::<Vec<_>>()
+    let on_axes = || {
+        let joints = &joints;
+        let axes = move |&frame: &usize| joints.iter().flat_map(move |&j| (0..3).map(move |axis| (frame, j, axis)));
+        frames.iter().flat_map(axes)
     };
     let moved = |(f, joint, axis): (usize, usize, usize)| {
         run.rank(truth, |at| at(f + second, joint)[axis] - at(f, joint)[axis])
     };
     let coordinate = |(f, joint, axis): (usize, usize, usize)| run.rank(truth, |at| at(f, joint)[axis]);
+    let has_second = |(frame, ..): &(usize, usize, usize)| frame + second < truth.frames.len();
     Ok(vec![
-        ("hinges", angles(run, truth, |name| HINGES.contains(&name))),
-        ("angles", angles(run, truth, |name| name.starts_with("l_") || name.starts_with("r_"))),
-        ("lengths", between(&SEGMENTS)?),
+        ("hinges", angles(run, truth, frames, |name| HINGES.contains(&name))),
+        ("angles", angles(run, truth, frames, |name| name.starts_with("l_") || name.starts_with("r_"))),
+        ("segments", between(&SEGMENTS)?),
         ("distances", between(&DISTANCES)?),
-        ("displacements", on_axes(0..count - second).into_iter().map(moved).collect()),
-        ("coordinates", on_axes(0..count).into_iter().map(coordinate).collect()),
+        ("displacements", on_axes().filter(has_second).map(moved).collect()),
+        ("coordinates", on_axes().map(coordinate).collect()),
     ])
 }
 
-/// Ranks of the angles that are wanted, in all frames.
-fn angles(run: &Run, truth: &Truth, is_wanted: impl Fn(&str) -> bool) -> Vec<u32> {
+/// Ranks of the angles that are wanted.
+fn angles(run: &Run, truth: &Truth, frames: &[usize], is_wanted: impl Fn(&str) -> bool) -> Vec<u32> {
     let names = run.body.dof_names();
     let rotations = run.body.joints().enumerate().filter(|(_, (_, joint))| matches!(joint, Joint::Rotate(_)));
     let columns: Vec<(usize, usize)> =
         rotations.map(|(dof, _)| dof).enumerate().filter(|(_, dof)| is_wanted(&names[*dof])).collect();
-    let all = (0..truth.states.len()).flat_map(|frame| columns.iter().map(move |(column, dof)| (frame, *column, *dof)));
+    let all = frames.iter().flat_map(|&frame| columns.iter().map(move |&(column, dof)| (frame, column, dof)));
     all.map(|(frame, column, dof)| run.angles.rank(truth.states[frame][dof], |draw| run.angles.at(draw, frame)[column]))
         .collect()
 }
@@ -152,7 +154,8 @@ fn curve(ranks: &[u32]) -> [f64; CURVE.len()] {
 /// Curves of a run by what is computed.
 fn curves_of(run: &Path, demo: &Path) -> Outcome<Value> {
     let run = Run::read(run)?;
-    let ranked = ranked(&run, &truth(demo, &run.body)?)?;
+    let truth = truth(demo, &run.body)?;
+    let ranked = ranked(&run, &truth, &(0..truth.states.len()).collect::<Vec<_>>())?;
     Ok(ranked.into_iter().map(|(key, ranks)| (key.to_owned(), json!(curve(&ranks)))).collect::<Map<_, _>>().into())
 }
 

@@ -21,7 +21,7 @@ use std::fmt::Write as _;
 use std::ops::Range;
 
 /// Families of numbers, by their keys, as they are shown.
-const FAMILIES: [(&str, &str); 13] = [
+const FAMILIES: [(&str, &str); 16] = [
     ("rotation", "cameras: rotation"),
     ("translation", "cameras: translation"),
     ("focal", "cameras: focal length"),
@@ -32,8 +32,11 @@ const FAMILIES: [(&str, &str); 13] = [
     ("biases", "biases of detectors"),
     ("scales", "scales of the prior"),
     ("root", "root of the pose, three frames"),
-    ("knees", "flexion of the knees, three frames"),
-    ("elbows", "flexion of the elbows, three frames"),
+    ("hinges", "flexion of knees and elbows, three frames"),
+    ("angles", "all angles of the limbs, three frames"),
+    ("segments", "lengths of segments, three frames"),
+    ("distances", "distances between two joints, three frames"),
+    ("coordinates", "coordinates of joints, three frames"),
     ("left_out", "offset of a camera left out (as normal)"),
 ];
 

@@ -1,26 +1,24 @@
 //! Where the truth of a rig lies among the draws of its run.
 
+use super::super::derived::{Run, Truth, ranked};
 use super::super::posterior::Drawn;
 use super::super::protocol::{DRAWS, LAYOUT};
 use super::super::summary::{mean, normal_rank};
-use super::rig::{FRAMES, Rig, USED};
+use super::rig::{FRAMES, RATE_HZ, Rig, USED};
 use crate::outcome::Outcome;
 use crate::program::Program;
 use serde_json::{Map, Value, json};
-use sinew::body::Joint;
 use sinew::body::point_derivatives::lengths;
+use sinew::body::standard::h32;
 use sinew::observe::camera_error::PRINCIPAL_POINT;
 use sinew::setup::{MeasuredErrors, Setup};
+use sinew_motion::points::points_of_states;
 use sinew_tools::predict::predict;
 use std::ops::Range;
 use std::path::Path;
 
 /// Frames whose poses are ranked.
 const RANKED: [usize; 3] = [10, 30, FRAMES - 1];
-/// Hinges whose angles are ranked.
-const HINGES: [(&str, [&str; 2]); 2] =
-    [("knees", ["l_shin.rx", "r_shin.rx"]), ("elbows", ["l_forearm.rx", "r_forearm.rx"])];
-
 /// Ranks by family, or why there are none.
 pub(in super::super) fn cell(program: &Program, seed: u64) -> Outcome<Value> {
     let folder = program.folder.join(format!("rig-{seed}"));
@@ -101,23 +99,15 @@ fn truth(rig: &Rig, setup: &Setup, known: &MeasuredErrors) -> Vec<f64> {
 }
 
 fn of_poses(rig: &Rig, run: &Path) -> Outcome<Map<String, Value>> {
-    let (root, angles) = (Drawn::read(run, "root")?, Drawn::read(run, "angle")?);
-    let body = sinew::body::standard::h32(&rig.proportions);
-    let names = body.dof_names();
-    let rotations: Vec<usize> =
-        body.joints().enumerate().filter(|(_, (_, j))| matches!(j, Joint::Rotate(_))).map(|(dof, _)| dof).collect();
-    let mut found = Map::new();
+    let root = Drawn::read(run, "root")?;
     let of_root = |(frame, axis): (usize, usize)| root.rank(rig.states[frame][axis], |draw| root.at(draw, frame)[axis]);
-    let all: Vec<u32> = RANKED.iter().flat_map(|&frame| (0..3).map(move |axis| (frame, axis))).map(of_root).collect();
-    found.insert("root".into(), all.into());
-    for (family, hinges) in HINGES {
-        let columns = rotations.iter().enumerate().filter(|(_, dof)| hinges.contains(&names[**dof].as_str()));
-        let columns: Vec<(usize, usize)> = columns.map(|(column, dof)| (column, *dof)).collect();
-        let of = |(frame, (column, dof)): (usize, (usize, usize))| {
-            angles.rank(rig.states[frame][dof], |draw| angles.at(draw, frame)[column])
-        };
-        let all = RANKED.iter().flat_map(|&frame| columns.iter().map(move |&place| (frame, place))).map(of);
-        found.insert(family.into(), all.collect::<Vec<u32>>().into());
+    let places = RANKED.iter().flat_map(|&frame| (0..3).map(move |axis| (frame, axis)));
+    let mut found = Map::new();
+    found.insert("root".into(), places.map(of_root).collect::<Vec<u32>>().into());
+    let frames = points_of_states(&h32(&rig.proportions), &rig.states).frames;
+    let truth = Truth { frames, states: rig.states.clone(), rate_hz: RATE_HZ as usize };
+    for (key, ranks) in ranked(&Run::read(run)?, &truth, &RANKED)? {
+        found.insert(key.into(), ranks.into());
     }
     Ok(found)
 }

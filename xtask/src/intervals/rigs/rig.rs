@@ -1,7 +1,7 @@
 //! A rig that is drawn from the set-up's prior, and what its cameras see.
 //!
 //! 1. g, what lasts, and its scales come from [`lasting_prior::prior`] itself, with one camera more than are used; lengths of the body are part of it.
-//! 2. Poses begin at a standing one with normal deviations and walk at random, as the set-up and the tracker assume.
+//! 2. Poses begin at a standing one, knees and elbows bent, with normal deviations and walk at random, as the set-up and the tracker assume.
 //! 3. Keypoints are the body's points moved by their places on their links. Cameras show them as they are, with their biases and white noise; calibrated they are without errors.
 
 use crate::outcome::Outcome;
@@ -26,11 +26,14 @@ use std::path::Path;
 /// Cameras that are used; one more is left out.
 pub(super) const USED: usize = 4;
 pub(super) const FRAMES: usize = 50;
-const RATE_HZ: f64 = 30.0;
+pub(super) const RATE_HZ: f64 = 30.0;
 /// Noise of a detection per axis, pixels.
 const SIGMA_PX: f64 = 3.0;
 /// Standard deviation of each angle of the first pose, radians.
 const START: f64 = 0.3;
+/// Bends about which the hinges begin, radians: a limb that is bent the other way and turned by half a turn shows the same keypoints.
+const BENDS: [(&str, f64); 4] =
+    [("l_forearm.rx", 1.0), ("r_forearm.rx", 1.0), ("l_shin.rx", -1.0), ("r_shin.rx", -1.0)];
 /// Steps of the poses over those of brisk walking.
 const MOTION: f64 = 0.4;
 /// Share of the image's height that the person spans: small enough for poses that wander.
@@ -153,6 +156,9 @@ fn walk(body: &KinematicTree, stage: Stage) -> Vec<Vec<f64>> {
     let start = normals(&stage, 0, body.dof());
     let mut pose: Vec<f64> = start.iter().zip(is_angle).map(|(x, own)| if own { START * x } else { 0.0 }).collect();
     pose[2] = STANDING_HEIGHT_M;
+    for (place, name) in body.dof_names().iter().enumerate() {
+        pose[place] += BENDS.iter().filter(|(hinge, _)| hinge == name).map(|(_, bend)| bend).sum::<f64>();
+    }
     let sd = motion_noise::default_sd(body);
     let steps = normals(&stage, 1, body.dof() * FRAMES);
     let next = |step: &[f64]| {
