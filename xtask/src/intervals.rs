@@ -136,7 +136,7 @@ fn simulated<'a>(args: &Args, program: &'a Program) -> Vec<Task<'a>> {
     tasks
 }
 
-/// The tables of all parts, in the order of their numbers on the page, or those of the parts that were run.
+/// The tables of all parts, in the order of their numbers on the page, or only the tables of parts that were run.
 fn tables(args: &Args, store: &Store) -> String {
     let all = [
         (vec![Part::Demos], demos::table(store, args.demos())),

@@ -1,4 +1,6 @@
-//! Runs as they were before what lasts was in the intervals: their set-up has no table of it, and finds offsets, noise and sizes without.
+//! Runs as they were before what lasts was in the intervals.
+//!
+//! Their set-up has no table of it, and finds offsets, noise and sizes without.
 
 use super::protocol::LAYOUT;
 use crate::outcome::Outcome;

@@ -34,7 +34,7 @@ pub(super) type Prediction = BTreeMap<u64, Vec<Expected>>;
 
 /// What was observed of it, the camera's own offset taken off.
 pub(super) struct Observed {
-    /// Whether its frame is one of those of tuning.
+    /// Whether its frame served tuning.
     pub(super) is_tuned: bool,
     pub(super) error_px: f64,
     /// Squared distance in standard deviations.

@@ -34,7 +34,7 @@ impl Drawn {
     }
 
     /// The rank of a true number among that of the draws.
-    pub(super) fn rank(&self, truth: f64, of_draw: impl Fn(usize) -> f64) -> u32 {
-        (0..self.draws).filter(|draw| of_draw(*draw) < truth).count() as u32
+    pub(super) fn rank(&self, truth: f64, from_draw: impl Fn(usize) -> f64) -> u32 {
+        (0..self.draws).filter(|draw| from_draw(*draw) < truth).count() as u32
     }
 }

@@ -1,4 +1,6 @@
-//! Reliability: share held at many levels against the level that was stated, before and after; a table and a figure.
+//! Reliability: share held at many levels against the level that was stated.
+//!
+//! Before and after, as a table and a figure.
 
 use super::derived;
 use super::protocol::{CURVE, RELIABILITY, verdict};
@@ -24,25 +26,29 @@ struct Judged {
     before: Held,
 }
 
-fn of_tally(tally: &ObservationTally) -> Held {
+fn from_tally(tally: &ObservationTally) -> Held {
     CURVE.iter().map(|level| [tally.coverage(*level), 0.0]).collect()
 }
 
-fn of_seeds(curves: &[Vec<f64>]) -> Held {
+fn from_seeds(curves: &[Vec<f64>]) -> Held {
     (0..CURVE.len()).map(|level| with_error(&curves.iter().map(|curve| curve[level]).collect::<Vec<_>>())).collect()
 }
 
 fn judged(store: &Store, seeds: Range<u64>) -> Vec<Judged> {
-    let of_cameras = |size: usize| {
+    let cameras_left_out = |size: usize| {
         let scored = scored(store, size)?;
         let name = format!("cameras left out, {size} used");
-        Some(Judged { name, after: of_tally(&scored.after), before: of_tally(&scored.before) })
+        Some(Judged { name, after: from_tally(&scored.after), before: from_tally(&scored.before) })
     };
-    let mut all: Vec<Judged> = [3, 2].into_iter().filter_map(of_cameras).collect();
+    let mut all: Vec<Judged> = [3, 2].into_iter().filter_map(cameras_left_out).collect();
     let demos = |kind: &str| derived::curves(store, seeds.clone(), kind, "coordinates");
     let (after, before) = (demos("filtered"), demos("before"));
     if !after.is_empty() {
-        all.push(Judged { name: "coordinates of demos".into(), after: of_seeds(&after), before: of_seeds(&before) });
+        all.push(Judged {
+            name: "coordinates of demos".into(),
+            after: from_seeds(&after),
+            before: from_seeds(&before),
+        });
     }
     all
 }

@@ -1,4 +1,6 @@
-//! Sharpness: log scores of cameras that a run did not use, as its prediction is and as it was before what lasts was in the intervals.
+//! Sharpness: log scores of cameras that a run did not use.
+//!
+//! Of the prediction as it is, and as it was before what lasts was in the intervals.
 //!
 //! What was predicted before is the spread of the draws in the camera with the noise of the detectors, in proportion to the size of the person in the image, and the model error. Widened, its covariances are multiplied by the one factor that is best on the frames of tuning,
 //! which for Gaussian densities is half of the mean squared distance.
@@ -30,8 +32,8 @@ fn plain(run: &Path, tracked: &Tracked, used: &[Camera], camera: &Camera) -> Out
     let middle = [0, 1, 2].map(|axis: usize| mean(all().map(|(frame, p)| markers.point(0, frame, p)[axis])));
     let alone = alone(&tracked.setup, used, middle) * pixels_per_metre(camera, middle).powi(2);
     let one = |frame: usize, point: usize, column: usize| -> Option<Expected> {
-        let of_draw = |draw: usize| camera.project(markers.point(draw, frame, point)).pixel();
-        let pixels: Vec<[f64; 2]> = (0..markers.draws).map(of_draw).collect::<Option<_>>()?;
+        let from_draw = |draw: usize| camera.project(markers.point(draw, frame, point)).pixel();
+        let pixels: Vec<[f64; 2]> = (0..markers.draws).map(from_draw).collect::<Option<_>>()?;
         let at = [0, 1].map(|axis: usize| mean(pixels.iter().map(|pixel| pixel[axis])));
         let product = |a: usize, b: usize| mean(pixels.iter().map(|pixel| (pixel[a] - at[a]) * (pixel[b] - at[b])));
         Some(Expected { column, at, covariance: [product(0, 0) + alone, product(0, 1), product(1, 1) + alone] })
@@ -121,11 +123,11 @@ pub(super) fn scored(store: &Store, size: usize) -> Option<Scored> {
     let factor = 0.5 * mean(tuned.iter().map(|row| row[1]));
     let three =
         |after: &[Vec<f64>], before: &[Vec<f64>]| [tally(after, 1.0), tally(before, 1.0), tally(before, factor)];
-    let of_camera = |(name, cell): &(String, &Value)| {
+    let by_camera = |(name, cell): &(String, &Value)| {
         let ([_, after], [_, before]) = (split(&cell["after"]), split(&cell["before"]));
         (name.clone(), three(&after, &before))
     };
-    let cameras = cells.iter().map(of_camera).collect();
+    let cameras = cells.iter().map(by_camera).collect();
     let [after, before, widened] = three(&after, &before);
     (!after.squares.is_empty()).then_some(Scored { after, before, widened, factor, cameras })
 }

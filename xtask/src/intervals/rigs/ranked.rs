@@ -41,9 +41,9 @@ fn ranks(rig: &Rig, folder: &Path, run: &Path) -> Outcome<Value> {
     let path = run.join("setup.toml");
     let setup = Setup::from_toml("setup.toml", &std::fs::read_to_string(path)?)?;
     let known = setup.lasting.as_ref().ok_or("a set-up without what lasts")?;
-    let mut found = of_lasting(rig, &setup, known);
-    found.append(&mut of_poses(rig, run)?);
-    found.insert("left_out".into(), json!(of_left_out(rig, &folder.join("Calib.toml"), run)?));
+    let mut found = ranks_that_last(rig, &setup, known);
+    found.append(&mut pose_ranks(rig, run)?);
+    found.insert("left_out".into(), json!(left_out_ranks(rig, &folder.join("Calib.toml"), run)?));
     Ok(found.into())
 }
 
@@ -52,14 +52,14 @@ fn rank(truth: f64, draws: &[f64]) -> u32 {
     draws.iter().take(DRAWS).filter(|draw| **draw < truth).count() as u32
 }
 
-fn of_lasting(rig: &Rig, setup: &Setup, known: &MeasuredErrors) -> Map<String, Value> {
+fn ranks_that_last(rig: &Rig, setup: &Setup, known: &MeasuredErrors) -> Map<String, Value> {
     let layout = known.layout();
     let truth = truth(rig, setup, known);
     let ranks = |places: Vec<Range<usize>>| {
         let one = |place: usize| rank(truth[place] - known.number[place].value, &known.number[place].draws);
         Value::from(places.into_iter().flatten().map(one).collect::<Vec<u32>>())
     };
-    let of_cameras = |own: Range<usize>| {
+    let camera_ranks = |own: Range<usize>| {
         let place = |camera: usize| {
             let first = layout.camera(camera).start;
             first + own.start..first + own.end
@@ -69,11 +69,11 @@ fn of_lasting(rig: &Rig, setup: &Setup, known: &MeasuredErrors) -> Map<String, V
     let biases = || layout.places().end..layout.count();
     let scales = rig.scales.iter().zip(&known.scale).map(|(truth, scale)| rank(*truth, &scale.draws));
     let families = [
-        ("rotation", of_cameras(0..3)),
-        ("translation", of_cameras(3..6)),
-        ("focal", of_cameras(6..7)),
-        ("principal_point", of_cameras(PRINCIPAL_POINT..PRINCIPAL_POINT + 2)),
-        ("k1", of_cameras(9..10)),
+        ("rotation", camera_ranks(0..3)),
+        ("translation", camera_ranks(3..6)),
+        ("focal", camera_ranks(6..7)),
+        ("principal_point", camera_ranks(PRINCIPAL_POINT..PRINCIPAL_POINT + 2)),
+        ("k1", camera_ranks(9..10)),
         ("lengths", ranks(vec![layout.lengths()])),
         ("places", ranks(vec![layout.places()])),
         ("biases", ranks(vec![biases()])),
@@ -82,7 +82,7 @@ fn of_lasting(rig: &Rig, setup: &Setup, known: &MeasuredErrors) -> Map<String, V
     families.map(|(name, ranks)| (name.to_owned(), ranks)).into_iter().collect()
 }
 
-/// What is true of the numbers of a set-up, in its order; lengths beyond those of its body.
+/// What is true of the numbers of a set-up, in its order; lengths beyond its body's.
 fn truth(rig: &Rig, setup: &Setup, known: &MeasuredErrors) -> Vec<f64> {
     let (layout, mut truth) = (known.layout(), vec![f64::NAN; known.number.len()]);
     let mut put = |to: Range<usize>, from: &[f64]| truth[to].copy_from_slice(from);
@@ -98,12 +98,13 @@ fn truth(rig: &Rig, setup: &Setup, known: &MeasuredErrors) -> Vec<f64> {
     truth
 }
 
-fn of_poses(rig: &Rig, run: &Path) -> Outcome<Map<String, Value>> {
+fn pose_ranks(rig: &Rig, run: &Path) -> Outcome<Map<String, Value>> {
     let root = Drawn::read(run, "root")?;
-    let of_root = |(frame, axis): (usize, usize)| root.rank(rig.states[frame][axis], |draw| root.at(draw, frame)[axis]);
+    let root_rank =
+        |(frame, axis): (usize, usize)| root.rank(rig.states[frame][axis], |draw| root.at(draw, frame)[axis]);
     let places = RANKED.iter().flat_map(|&frame| (0..3).map(move |axis| (frame, axis)));
     let mut found = Map::new();
-    found.insert("root".into(), places.map(of_root).collect::<Vec<u32>>().into());
+    found.insert("root".into(), places.map(root_rank).collect::<Vec<u32>>().into());
     let frames = points_of_states(&h32(&rig.proportions), &rig.states).frames;
     let truth = Truth { frames, states: rig.states.clone(), rate_hz: RATE_HZ as usize };
     for (key, ranks) in ranked(&Run::read(run)?, &truth, &RANKED)? {
@@ -113,7 +114,7 @@ fn of_poses(rig: &Rig, run: &Path) -> Outcome<Map<String, Value>> {
 }
 
 /// Ranks, as of normal numbers, of the offset of the camera that was left out: its mean over keypoints and frames.
-fn of_left_out(rig: &Rig, calibration: &Path, run: &Path) -> Outcome<[u32; 2]> {
+fn left_out_ranks(rig: &Rig, calibration: &Path, run: &Path) -> Outcome<[u32; 2]> {
     let prediction = predict(run, calibration, &rig.cameras[USED].name)?;
     let mut away: Vec<[f64; 2]> = vec![];
     for (frame, row) in prediction.frames.iter().zip(prediction.predicted.chunks(prediction.keypoints.len().max(1))) {

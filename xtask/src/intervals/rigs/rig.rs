@@ -34,7 +34,7 @@ const START: f64 = 0.3;
 /// Bends about which the hinges begin, radians: a limb that is bent the other way and turned by half a turn shows the same keypoints.
 const BENDS: [(&str, f64); 4] =
     [("l_forearm.rx", 1.0), ("r_forearm.rx", 1.0), ("l_shin.rx", -1.0), ("r_shin.rx", -1.0)];
-/// Steps of the poses over those of brisk walking.
+/// Steps of the poses over the steps of brisk walking.
 const MOTION: f64 = 0.4;
 /// Share of the image's height that the person spans: small enough for poses that wander.
 const SPAN: f64 = 0.45;
