@@ -9,28 +9,71 @@
 //! | [`demos`] | demos of many seeds: coverage of true coordinates, in all and within a run |
 //! | [`left_out`] | cameras that a run did not use, predicted |
 //! | [`pairs`] | runs of disjoint pairs of cameras, against each other |
+//! | [`rigs`] | rigs drawn from the prior: ranks of what lasts, of poses, of a left-out camera's offset |
+//! | [`derived`] | angles, lengths, distances and displacements of demos |
+//! | [`scores`] | log scores of left-out cameras, now and before |
+//! | [`reliability`] | held against stated shares at many levels |
+//! | [`before`] | runs without what lasts |
+//! | [`posterior`], [`summary`] | draws of a run; means and ranks |
 //! | [`protocol`] | what is run, and the bounds |
 
+mod before;
 mod demos;
+mod derived;
 mod left_out;
 mod pairs;
+mod posterior;
 mod protocol;
+mod reliability;
+mod rigs;
+mod scores;
+mod summary;
 
 use crate::outcome::{Outcome, exit_code};
 use crate::program::{self, Program};
 use crate::store::{Store, Task, run_all};
 use crate::study_options::StudyOptions;
-use protocol::{FIRST_SEED, Recording, sets};
-use std::fmt::Write as _;
+use clap::ValueEnum;
+use protocol::{FIRST_DERIVED, FIRST_RIG, FIRST_SEED, Recording, sets};
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-/// Judges intervals by cameras that are left out and by demos.
+/// Parts of the study.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Part {
+    /// Coverage and common shift of demos.
+    Demos,
+    /// Cameras that a run did not use.
+    LeftOut,
+    /// Disjoint pairs of cameras.
+    Pairs,
+    /// Rigs drawn from the prior.
+    Rigs,
+    /// What follows from draws of demos, and demos as they were before.
+    Derived,
+    /// Log scores of left-out cameras, now and before.
+    Scores,
+}
+
+/// Judges intervals by cameras that are left out, by demos and by rigs that are drawn from the prior.
 #[derive(clap::Args)]
 pub(crate) struct Args {
     /// Demos, with seeds from 101 on
     #[arg(long, default_value_t = 400)]
     seeds: u64,
+    /// Rigs drawn from the prior, with seeds from 1 on
+    #[arg(long, default_value_t = 200)]
+    rigs: u64,
+    /// Demos whose draws are computed with, with seeds from 1001 on
+    #[arg(long, default_value_t = 60)]
+    derived: u64,
+    /// Parts to run, separated by commas; tables.md is written by all together [default: all]
+    #[arg(long, value_delimiter = ',')]
+    only: Vec<Part>,
+    /// Folder of the figure [default: that of the tables]
+    #[arg(long)]
+    images: Option<PathBuf>,
     /// The program `sinew` [default: it is built]
     #[arg(long)]
     program: Option<PathBuf>,
@@ -38,8 +81,76 @@ pub(crate) struct Args {
     options: StudyOptions,
 }
 
+impl Args {
+    fn runs(&self, part: Part) -> bool {
+        self.only.is_empty() || self.only.contains(&part)
+    }
+
+    fn demos(&self) -> Range<u64> {
+        FIRST_SEED..FIRST_SEED + self.seeds
+    }
+
+    fn rigs(&self) -> Range<u64> {
+        FIRST_RIG..FIRST_RIG + self.rigs
+    }
+
+    fn derived(&self) -> Range<u64> {
+        FIRST_DERIVED..FIRST_DERIVED + self.derived
+    }
+}
+
 /// Raised with every change of what a cell computes.
 const VERSION: u32 = 1;
+
+/// Cells of the real recording.
+fn real<'a>(args: &Args, program: &'a Program, recording: &'a Recording) -> Vec<Task<'a>> {
+    let mut tasks: Vec<Task<'a>> = vec![];
+    for used in [sets(3), sets(2)].concat() {
+        let name = used.join("+");
+        if args.runs(Part::LeftOut) {
+            let used = used.clone();
+            tasks.push((format!("left out/{name}"), 8.0, Box::new(move || left_out::cell(program, recording, &used))));
+        }
+        if args.runs(Part::Scores) {
+            tasks.push((format!("scores/{name}"), 14.0, Box::new(move || scores::cell(program, recording, &used))));
+        }
+    }
+    for [a, b] in pairs::DISJOINT.into_iter().filter(|_| args.runs(Part::Pairs)) {
+        tasks.push((format!("pairs/{a:?}"), 8.0, Box::new(move || pairs::cell(program, recording, [a, b]))));
+    }
+    tasks
+}
+
+/// Cells of simulations.
+fn simulated<'a>(args: &Args, program: &'a Program) -> Vec<Task<'a>> {
+    let mut tasks: Vec<Task<'a>> = vec![];
+    for seed in args.rigs().filter(|_| args.runs(Part::Rigs)) {
+        tasks.push((format!("rig/{seed}"), 3.0, Box::new(move || rigs::cell(program, seed))));
+    }
+    for seed in args.derived().filter(|_| args.runs(Part::Derived)) {
+        tasks.push((format!("derived/{seed}"), 7.0, Box::new(move || derived::cell(program, seed))));
+    }
+    for seed in args.demos().filter(|_| args.runs(Part::Demos)) {
+        tasks.push((format!("demo/{seed}"), 2.0, Box::new(move || demos::cell(program, seed))));
+    }
+    tasks
+}
+
+/// The tables of all parts, in the order of their numbers on the page, or only the tables of parts that were run.
+fn tables(args: &Args, store: &Store) -> String {
+    let all = [
+        (vec![Part::Demos], demos::table(store, args.demos())),
+        (vec![Part::LeftOut], left_out::table(store)),
+        (vec![Part::Pairs], pairs::table(store)),
+        (vec![Part::Rigs], rigs::table(store, args.rigs())),
+        (vec![Part::Derived], derived::table(store, args.derived())),
+        (vec![Part::Scores], scores::table(store)),
+        (vec![Part::Scores, Part::Derived], reliability::table(store, args.derived())),
+    ];
+    let wanted = all.into_iter().filter(|(parts, _)| parts.iter().any(|part| args.runs(*part)));
+    wanted.map(|(_, table)| table).collect::<Vec<_>>().join("\n")
+}
+
 fn measure(root: &Path, args: &Args) -> Outcome<()> {
     let (data, folder) = (args.options.data(root), args.options.folder(root, "intervals")?);
     let path = match &args.program {
@@ -47,32 +158,18 @@ fn measure(root: &Path, args: &Args) -> Outcome<()> {
         None => program::built(root)?,
     };
     let program = Program { path, folder: folder.clone() };
-    let real = data.join("pose2sim_single");
-    let recording = Recording { calibration: real.join("Calib.toml"), keypoints: real.join("T01_BalancingTrial/pose") };
-    let is_there = recording.calibration.is_file();
+    let own = data.join("pose2sim_single");
+    let recording = Recording { calibration: own.join("Calib.toml"), keypoints: own.join("T01_BalancingTrial/pose") };
     let mut store = Store::open(&folder, &format!("version {VERSION}"))?;
-    let (program, recording) = (&program, &recording);
-    let mut tasks: Vec<Task<'_>> = vec![];
-    if is_there {
-        for used in [sets(3), sets(2)].concat() {
-            let key = format!("left out/{}", used.join("+"));
-            tasks.push((key, 8.0, Box::new(move || left_out::cell(program, recording, &used))));
-        }
-        for [a, b] in pairs::DISJOINT {
-            tasks.push((format!("pairs/{a:?}"), 8.0, Box::new(move || pairs::cell(program, recording, [a, b]))));
-        }
-    }
-    for seed in FIRST_SEED..FIRST_SEED + args.seeds {
-        tasks.push((format!("demo/{seed}"), 2.0, Box::new(move || demos::cell(program, seed))));
-    }
+    let is_there = recording.calibration.is_file();
+    let mut tasks = if is_there { real(args, &program, &recording) } else { vec![] };
+    tasks.extend(simulated(args, &program));
     run_all(&mut store, "intervals", tasks, args.options.threads())?;
-    let mut text = String::new();
-    writeln!(text, "{}", demos::table(&store, FIRST_SEED..FIRST_SEED + args.seeds))?;
-    if is_there {
-        writeln!(text, "{}", left_out::table(&store))?;
-        writeln!(text, "{}", pairs::table(&store))?;
+    let text = tables(args, &store);
+    if args.only.is_empty() && is_there {
+        std::fs::write(folder.join("tables.md"), &text)?;
     }
-    std::fs::write(folder.join("tables.md"), &text)?;
+    reliability::draw(&store, args.derived(), &args.images.as_ref().unwrap_or(&folder).join("reliability.svg"))?;
     println!("{text}");
     Ok(())
 }

@@ -8,6 +8,7 @@
 //! | [`walker`] | the whole body's state over time, feet on the ground |
 //! | [`combo`] | walking, running and free movement in one sequence |
 //! | [`ring`] | cameras on a circle around a motion |
+//! | [`draws`] | random numbers that are the same on every processor |
 //! | [`detector`] | projections with offset, jitter, missing keypoints and gross outliers |
 //! | [`evaluation_body`] | a clothed body of capsules and ellipsoids on the points of a motion |
 //! | [`render`] | its silhouettes and pictures |
@@ -29,7 +30,7 @@ pub mod calibration_error;
 mod cast;
 pub mod combo;
 pub mod detector;
-mod draws;
+pub mod draws;
 mod error;
 pub mod evaluation_body;
 pub mod footage;

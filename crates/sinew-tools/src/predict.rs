@@ -81,9 +81,12 @@ impl CameraPrediction {
     }
 }
 
-/// The draws of keypoints of a result folder: draw by draw, frame by frame.
-fn drawn_keypoints(folder: &Path) -> Result<NumberArray, Error> {
-    let array = folder.join("posterior.zarr/posterior/keypoint_position");
+/// The draws of a variable of `posterior.zarr` of a result folder: draw by draw, frame by frame.
+///
+/// # Errors
+/// A folder without the variable, files that cannot be read.
+pub fn drawn(folder: &Path, variable: &str) -> Result<NumberArray, Error> {
+    let array = folder.join("posterior.zarr/posterior").join(variable);
     let document = array.join("zarr.json");
     if !document.is_file() {
         return Err(PredictError::NoKeypoints(folder.to_owned()).into());
@@ -121,7 +124,7 @@ pub fn predict(folder: &Path, calibration: &Path, camera: &str) -> Result<Camera
     }
     let found = found.resized(tracked.image_scale);
     let camera = upright(vec![found.clone()], &setup.world_up).pop().unwrap_or(found);
-    let numbers = drawn_keypoints(folder)?;
+    let numbers = drawn(folder, "keypoint_position")?;
     let frames: Vec<u64> = tracked.frames.iter().map(|(number, _)| *number).collect();
     let [_, draws, in_frames, points, 3] = numbers.shape[..] else {
         return Err(PredictError::NoKeypoints(folder.to_owned()).into());

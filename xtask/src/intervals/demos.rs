@@ -2,7 +2,8 @@
 //!
 //! A run's common shift is the mean of truth − mean over frames, joints and axes of one kind. Its standard deviation is the root of what the total variance of the points has beyond that within the run; within the run it is taken off.
 
-use super::protocol::{NOMINAL, WITHIN, verdict};
+use super::protocol::{LEAST_P, NOMINAL, WITHIN, verdict};
+use super::summary::{mean, normal_rank, shown, uniformity, with_error};
 use crate::outcome::Outcome;
 use crate::program::Program;
 use crate::store::{Store, numbers};
@@ -46,11 +47,6 @@ fn coordinates(folder: &Path) -> Outcome<Vec<Coordinate>> {
     Ok(found)
 }
 
-fn mean(values: impl Iterator<Item = f64>) -> f64 {
-    let (sum, count) = values.fold((0.0, 0.0), |(sum, count), x| (sum + x, count + 1.0));
-    sum / count
-}
-
 /// One demo.
 pub(super) fn cell(program: &Program, seed: u64) -> Outcome<Value> {
     let folder = program.folder.join(format!("demo-{seed}"));
@@ -80,11 +76,10 @@ pub(super) fn table(store: &Store, seeds: Range<u64>) -> String {
     let cells: Vec<&Value> = seeds.filter_map(|seed| store.get(&format!("demo/{seed}"))).collect();
     let of = |name: &str| {
         let values: Vec<f64> = cells.iter().filter_map(|cell| cell[name].as_f64()).collect();
-        let centre = mean(values.iter().copied());
-        let variance = values.iter().map(|x| (x - centre).powi(2)).sum::<f64>() / (values.len() as f64 - 1.0);
+        let [centre, error] = with_error(&values);
         let low = values.iter().copied().fold(f64::INFINITY, f64::min);
         let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        (centre, (variance / values.len() as f64).sqrt(), low, high)
+        (centre, error, low, high)
     };
     let mut text = format!("{} demos, seeds from {}:\n\n", cells.len(), super::protocol::FIRST_SEED);
     text += "| measure | mean over seeds | single seeds | half-width, mm | bound | |\n|---|---|---|---|---|---|\n";
@@ -109,6 +104,16 @@ pub(super) fn table(store: &Store, seeds: Range<u64>) -> String {
     let _ = writeln!(
         text,
         "| common shift over its standard deviation | root mean square {rms:.2} | | | {inside:.0} % within 1.645 | |"
+    );
+    let p = [0, 1, 2].map(|axis: usize| {
+        uniformity(&shifts.iter().skip(axis).step_by(3).map(|z| normal_rank(*z)).collect::<Vec<_>>())
+    });
+    let least = p.iter().fold(1.0, |least: f64, p| least.min(3.0 * p));
+    let met = verdict(least >= LEAST_P);
+    let _ = writeln!(
+        text,
+        "| its ranks over the seeds uniform: p along x, y, z | {} | | | 3 × the least ≥ {LEAST_P} | {met} |",
+        p.map(shown).join(", ")
     );
     text
 }

@@ -2,7 +2,7 @@
 //!
 //! Keypoints of the judged frames count. The camera's own offset, the median over the frames of tuning, is taken off.
 
-use super::protocol::{CAMERAS, EACH_CAMERA, LEFT_OUT, Recording, TWO_USED, is_in, sets, verdict};
+use super::protocol::{CAMERAS, EACH_CAMERA, LAYOUT, LEFT_OUT, Recording, TWO_USED, is_in, sets, verdict};
 use crate::outcome::Outcome;
 use crate::program::{Program, shown};
 use crate::store::{Store, rows};
@@ -12,25 +12,42 @@ use sinew::formats::tidy_csv;
 use sinew::formats::{layout, openpose};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
+use std::path::Path;
 
 /// Frames of tuning; those after them are judged.
-const TUNED: u64 = 60;
+pub(super) const TUNED: u64 = 60;
 /// Detections of lower confidence are not compared.
 const CONFIDENT: f64 = 0.5;
 /// Squared distance of the 90 % region of two dimensions.
 const REGION: f64 = 4.605_170_186;
 
 /// What is predicted of a keypoint: mean, and covariance without the common part.
-struct Expected {
-    column: usize,
-    at: [f64; 2],
-    covariance: [f64; 3],
+pub(super) struct Expected {
+    /// Its place in the layout.
+    pub(super) column: usize,
+    pub(super) at: [f64; 2],
+    pub(super) covariance: [f64; 3],
 }
 
-fn expected(text: &str) -> Outcome<BTreeMap<u64, Vec<Expected>>> {
+/// What is predicted, frame by frame.
+pub(super) type Prediction = BTreeMap<u64, Vec<Expected>>;
+
+/// What was observed of it, the camera's own offset taken off.
+pub(super) struct Observed {
+    /// Whether its frame served tuning.
+    pub(super) is_tuned: bool,
+    pub(super) error_px: f64,
+    /// Squared distance in standard deviations.
+    pub(super) square: f64,
+    /// Logarithm of the determinant of the covariance.
+    pub(super) log_determinant: f64,
+}
+
+/// The table of `sinew predict`.
+fn expected(text: &str) -> Outcome<Prediction> {
     let table = tidy_csv::read_cells("predicted.csv", text)?;
-    let layout = layout::find("BODY_25B")?;
-    let mut frames: BTreeMap<u64, Vec<Expected>> = BTreeMap::new();
+    let layout = layout::find(LAYOUT)?;
+    let mut frames = Prediction::new();
     for (_, row) in &table.rows {
         let number = |k: usize| row[k].parse::<f64>();
         let Some(column) = layout.index(&row[2]) else { continue };
@@ -59,11 +76,15 @@ fn median(mut values: Vec<f64>) -> f64 {
     values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
 }
 
-/// Squared distances in standard deviations and errors in pixels, of the judged frames.
-fn held_against(text: &str, recording: &Recording, camera: &str) -> Outcome<(Vec<[f64; 2]>, [f64; 2])> {
-    let layout = layout::find("BODY_25B")?;
+/// What a camera saw of a prediction, and its own offset.
+pub(super) fn observed(
+    prediction: Prediction,
+    recording: &Recording,
+    camera: &str,
+) -> Outcome<(Vec<Observed>, [f64; 2])> {
+    let layout = layout::find(LAYOUT)?;
     let mut seen: Vec<(bool, [f64; 3], [f64; 2])> = vec![];
-    for (frame, expected) in expected(text)? {
+    for (frame, expected) in prediction {
         let name = camera.replace('_', "");
         let path = recording.keypoints.join(format!("{name}_json/{name}.{frame:04}.json"));
         let options = OpenposeOptions { layout: Some(&layout), ..OpenposeOptions::default() };
@@ -75,12 +96,22 @@ fn held_against(text: &str, recording: &Recording, camera: &str) -> Outcome<(Vec
         }
     }
     let offset = [0, 1].map(|axis: usize| median(seen.iter().filter(|s| s.0).map(|s| s.2[axis]).collect()));
-    let judged = seen.iter().filter(|s| !s.0).map(|(_, [uu, uv, vv], r)| {
+    let one = |(is_tuned, [uu, uv, vv], r): &(bool, [f64; 3], [f64; 2])| {
         let [a, b] = [r[0] - offset[0], r[1] - offset[1]];
-        let square = (vv * a * a - 2.0 * uv * a * b + uu * b * b) / (uu * vv - uv * uv);
-        [square, a.hypot(b)]
-    });
-    Ok((judged.collect(), offset))
+        let determinant = uu * vv - uv * uv;
+        let square = (vv * a * a - 2.0 * uv * a * b + uu * b * b) / determinant;
+        Observed { is_tuned: *is_tuned, error_px: a.hypot(b), square, log_determinant: determinant.ln() }
+    };
+    Ok((seen.iter().map(one).collect(), offset))
+}
+
+/// What `sinew predict` says that a camera should see of a run.
+pub(super) fn predicted(program: &Program, recording: &Recording, run: &Path, camera: &str) -> Outcome<Prediction> {
+    let table = run.join("predicted.csv");
+    let flags = ["predict", &shown(run), "--calibration", &shown(&recording.calibration), "--camera", camera];
+    let rest = ["-o", &shown(&table), "--force"];
+    program.run(&flags.into_iter().chain(rest).map(str::to_owned).collect::<Vec<_>>(), &[0])?;
+    expected(&std::fs::read_to_string(&table)?)
 }
 
 /// A run with some cameras, and what the others see of it.
@@ -89,11 +120,8 @@ pub(super) fn cell(program: &Program, recording: &Recording, used: &[&str]) -> O
     program.track(&recording.flags(used), &folder)?;
     let mut found = serde_json::Map::new();
     for camera in CAMERAS.iter().filter(|camera| !used.contains(camera)) {
-        let table = folder.join("predicted.csv");
-        let flags = ["predict", &shown(&folder), "--calibration", &shown(&recording.calibration), "--camera", camera];
-        let rest = ["-o", &shown(&table), "--force"];
-        program.run(&flags.into_iter().chain(rest).map(str::to_owned).collect::<Vec<_>>(), &[0])?;
-        let (judged, offset) = held_against(&std::fs::read_to_string(&table)?, recording, camera)?;
+        let (seen, offset) = observed(predicted(program, recording, &folder, camera)?, recording, camera)?;
+        let judged: Vec<[f64; 2]> = seen.iter().filter(|s| !s.is_tuned).map(|s| [s.square, s.error_px]).collect();
         found.insert((*camera).into(), json!({ "judged": judged, "offset_px": offset }));
     }
     std::fs::remove_dir_all(&folder)?;

@@ -13,6 +13,32 @@ pub(super) const LEFT_OUT: [f64; 2] = [86.0, 94.0];
 pub(super) const EACH_CAMERA: [f64; 2] = [80.0, 98.0];
 pub(super) const TWO_USED: [f64; 2] = [84.0, 96.0];
 pub(super) const PAIRS: f64 = 85.0;
+/// Least probability of ranks as unequal as those found, were they uniform (over coordinates by Bonferroni).
+pub(super) const LEAST_P: f64 = 0.01;
+/// Of angles, lengths, distances and displacements, about [`NOMINAL`].
+pub(super) const DERIVED: f64 = 5.0;
+/// Mean distance of a reliability curve from the diagonal, percent.
+pub(super) const RELIABILITY: f64 = 5.0;
+
+/// Seed of the first simulated rig.
+pub(super) const FIRST_RIG: u64 = 1;
+
+/// Seed of the first demo of what follows from draws.
+pub(super) const FIRST_DERIVED: u64 = 1001;
+
+/// Levels of reliability curves. With [`DRAWS`] draws all their central intervals are exact.
+pub(super) const CURVE: [f64; 19] =
+    [0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.35, 0.4, 0.45, 0.5, 0.55, 0.6, 0.65, 0.7, 0.75, 0.8, 0.85, 0.9, 0.95];
+/// Draws among which truths are ranked.
+pub(super) const DRAWS: usize = 119;
+/// Bins of ranks that are tested for uniformity.
+pub(super) const BINS: usize = 20;
+
+/// Keypoints of all recordings.
+pub(super) const LAYOUT: &str = "BODY_25B";
+
+/// Frames per second of the real recording.
+pub(super) const FPS: f64 = 60.0;
 
 pub(super) const CAMERAS: [&str; 4] = ["cam_01", "cam_02", "cam_03", "cam_04"];
 
@@ -25,8 +51,9 @@ pub(super) struct Recording {
 impl Recording {
     pub(super) fn flags(&self, cameras: &[&str]) -> Vec<String> {
         let (calibration, keypoints, cameras) = (shown(&self.calibration), shown(&self.keypoints), cameras.join(","));
-        let flags = ["--calibration", &calibration, "--keypoints", &keypoints, "--cameras", &cameras];
-        let rest = ["--layout", "BODY_25B", "--fps", "60", "--threads", "1", "--force", "--no-progress"];
+        let rate = FPS.to_string();
+        let flags = ["--calibration", &calibration, "--keypoints", &keypoints, "--cameras", &cameras, "--fps", &rate];
+        let rest = ["--layout", LAYOUT, "--threads", "1", "--force", "--no-progress"];
         flags.into_iter().chain(rest).map(str::to_owned).collect()
     }
 }

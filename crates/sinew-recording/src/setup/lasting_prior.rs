@@ -42,7 +42,8 @@ pub fn kind(point: &str) -> usize {
 }
 
 /// The prior, for a subject whose lengths are given; g counts from them.
-pub(super) fn prior(errors: &LastingErrors, points: &[String], subject: &Proportions) -> LastingPrior {
+#[must_use]
+pub fn prior(errors: &LastingErrors, points: &[String], subject: &Proportions) -> LastingPrior {
     let mut clusters = vec![];
     for camera in 0..errors.cameras {
         let numbers = errors.camera(camera).zip(CAMERA_UNITS).map(|(place, unit)| (place, 0.0, unit)).collect();

@@ -1,0 +1,178 @@
+//! A rig that is drawn from the set-up's prior, and what its cameras see.
+//!
+//! 1. g, what lasts, and its scales come from [`lasting_prior::prior`] itself, with one camera more than are used; lengths of the body are part of it.
+//! 2. Poses begin at a standing one, knees and elbows bent, with normal deviations and walk at random, as the set-up and the tracker assume.
+//! 3. Keypoints are the body's points moved by their places on their links. Cameras show them as they are, with their biases and white noise; calibrated they are without errors.
+
+use crate::outcome::Outcome;
+use crate::program::shown;
+use sinew::body::point_derivatives::{Neighbours, length_names, lengthened};
+use sinew::body::standard::{STANDING_HEIGHT_M, h32};
+use sinew::body::{Joint, KinematicTree, Proportions};
+use sinew::core::random::Stage;
+use sinew::dynamics::lasting_scales::LastingPrior;
+use sinew::formats::calib_toml;
+use sinew::formats::openpose::Keypoint;
+use sinew::observe::Camera;
+use sinew::observe::camera_error::with_error;
+use sinew::observe::lasting_errors::{LastingErrors, pixels_per_metre};
+use sinew::setup::{lasting_prior, motion_noise};
+use sinew_motion::points::Trajectories;
+use sinew_simulate::draws::{normals, uniforms};
+use sinew_simulate::recording::{body_25b, keypoint_files};
+use sinew_simulate::ring::{Ring, around};
+use std::path::Path;
+
+/// Cameras that are used; one more is left out.
+pub(super) const USED: usize = 4;
+pub(super) const FRAMES: usize = 50;
+pub(super) const RATE_HZ: f64 = 30.0;
+/// Noise of a detection per axis, pixels.
+const SIGMA_PX: f64 = 3.0;
+/// Standard deviation of each angle of the first pose, radians.
+const START: f64 = 0.3;
+/// Bends about which the hinges begin, radians: a limb that is bent the other way and turned by half a turn shows the same keypoints.
+const BENDS: [(&str, f64); 4] =
+    [("l_forearm.rx", 1.0), ("r_forearm.rx", 1.0), ("l_shin.rx", -1.0), ("r_shin.rx", -1.0)];
+/// Steps of the poses over the steps of brisk walking.
+const MOTION: f64 = 0.4;
+/// Share of the image's height that the person spans: small enough for poses that wander.
+const SPAN: f64 = 0.45;
+
+/// A rig, a person and what lasts.
+pub(super) struct Rig {
+    /// As calibrated; the last one is left out.
+    pub(super) cameras: Vec<Camera>,
+    pub(super) points: Vec<String>,
+    pub(super) errors: LastingErrors,
+    pub(super) g: Vec<f64>,
+    pub(super) scales: Vec<f64>,
+    pub(super) proportions: Proportions,
+    pub(super) states: Vec<Vec<f64>>,
+    /// Where each camera shows each keypoint in each frame, without bias and noise.
+    pub(super) pixels: Vec<Vec<Vec<Option<[f64; 2]>>>>,
+    /// What the used cameras' detectors find: of each camera and frame the keypoints of the layout.
+    seen: Vec<Vec<Vec<Option<Keypoint>>>>,
+}
+
+impl Rig {
+    /// The rig of a seed.
+    pub(super) fn drawn(seed: u64) -> Outcome<Self> {
+        let [lasting, poses, noise] = Stage::new(seed, "rig").split(["lasting", "poses", "noise"]);
+        let layout = body_25b();
+        let usual = h32(&Proportions::default());
+        let indices: Vec<usize> =
+            (0..usual.points().len()).filter(|p| layout.index(&usual.points()[*p].name).is_some()).collect();
+        let points: Vec<String> = indices.iter().map(|&p| usual.points()[p].name.clone()).collect();
+        let errors = LastingErrors { cameras: USED + 1, lengths: length_names().len(), points: points.len() };
+        let (g, scales) = drawn(&lasting_prior::prior(&errors, &points, &Proportions::default()), lasting);
+        let proportions = lengthened(&Proportions::default(), &g[errors.lengths()]);
+        let states = walk(&usual, poses);
+        let neighbours = Neighbours::new(h32, &proportions, &indices);
+        let keypoints = |state: &Vec<f64>| -> Vec<[f64; 3]> {
+            let mut body = neighbours.at(state);
+            body.reshape(&[], &g[errors.places()]);
+            body.positions.chunks_exact(3).map(|x| [x[0], x[1], x[2]]).collect()
+        };
+        let truth = Trajectories { names: points.clone(), frames: states.iter().map(keypoints).collect() };
+        let cameras = around(&truth, &Ring { cameras: USED + 1, span: SPAN, ..Ring::default() })?;
+        let mut rig = Self { cameras, points, errors, g, scales, proportions, states, pixels: vec![], seen: vec![] };
+        rig.film(&truth, &noise);
+        Ok(rig)
+    }
+
+    fn film(&mut self, truth: &Trajectories, noise: &Stage) {
+        let layout = body_25b();
+        let middle = middle(truth);
+        for (index, camera) in self.cameras.iter().enumerate() {
+            let error = std::array::from_fn(|k| self.g[self.errors.camera(index).start + k]);
+            let (real, scale) = (with_error(camera, &error), pixels_per_metre(camera, middle));
+            let shown: Vec<Vec<Option<[f64; 2]>>> =
+                truth.frames.iter().map(|frame| frame.iter().map(|x| real.project(*x).pixel()).collect()).collect();
+            let errors = normals(&noise.round(index), 0, 2 * truth.frames.len() * self.points.len());
+            let found = |f: usize| {
+                let mut frame = vec![None; layout.points.len()];
+                for (p, name) in self.points.iter().enumerate() {
+                    let (Some(place), Some(pixel)) = (layout.index(name), shown[f][p]) else { continue };
+                    let bias = self.errors.bias(index, p).start;
+                    let error = 2 * (f * self.points.len() + p);
+                    let at = |axis: usize| pixel[axis] + scale * self.g[bias + axis] + SIGMA_PX * errors[error + axis];
+                    frame[place] = Some(Keypoint { x: at(0), y: at(1), confidence: 1.0 });
+                }
+                frame
+            };
+            if index < USED {
+                self.seen.push((0..truth.frames.len()).map(found).collect());
+            }
+            self.pixels.push(shown);
+        }
+    }
+
+    /// Writes calibration and keypoints, and gives the flags that track them.
+    pub(super) fn write(&self, folder: &Path) -> Outcome<Vec<String>> {
+        let (calibration, keypoints) = (folder.join("Calib.toml"), folder.join("keypoints"));
+        let used: Vec<&str> = self.cameras[..USED].iter().map(|camera| camera.name.as_str()).collect();
+        for name in &used {
+            std::fs::create_dir_all(keypoints.join(format!("{name}_json")))?;
+        }
+        std::fs::write(&calibration, calib_toml::write(&self.cameras))?;
+        for (name, text) in keypoint_files(&self.cameras[..USED], &self.seen) {
+            std::fs::write(keypoints.join(name), text)?;
+        }
+        let (calibration, keypoints, used) = (shown(&calibration), shown(&keypoints), used.join(","));
+        let rate = RATE_HZ.to_string();
+        let flags = ["--calibration", &calibration, "--keypoints", &keypoints, "--cameras", &used, "--fps", &rate];
+        Ok(flags.map(str::to_owned).to_vec())
+    }
+}
+
+/// What lasts and its scales, from their prior.
+fn drawn(prior: &LastingPrior, stage: Stage) -> (Vec<f64>, Vec<f64>) {
+    let [scales, weights, numbers] = stage.split(["scales", "weights", "numbers"]);
+    let scales: Vec<f64> = prior
+        .scales
+        .iter()
+        .zip(normals(&scales, 0, prior.scales.len()))
+        .map(|(prior, deviation)| prior.median * (prior.log_sd * deviation).exp())
+        .collect();
+    let count = prior.clusters.iter().map(|cluster| cluster.numbers.len()).sum();
+    let (weights, deviations) = (uniforms(&weights, 0, 2 * prior.clusters.len()), normals(&numbers, 0, count));
+    let mut g = vec![0.0; count];
+    for (cluster, uniform) in prior.clusters.iter().zip(weights.chunks_exact(2)) {
+        // Gamma(2, 2).
+        let heavy = -0.5 * uniform.iter().map(|u| (1.0 - u).ln()).sum::<f64>();
+        let weight = if cluster.heavy_tails { heavy } else { 1.0 };
+        let size = cluster.scale.map_or(1.0, |scale| scales[scale]) / weight.sqrt();
+        for &(place, mean, unit) in &cluster.numbers {
+            g[place] = mean + size * unit * deviations[place];
+        }
+    }
+    (g, scales)
+}
+
+/// Poses that walk at random.
+fn walk(body: &KinematicTree, stage: Stage) -> Vec<Vec<f64>> {
+    let is_angle: Vec<bool> = body.joints().map(|(_, joint)| matches!(joint, Joint::Rotate(_))).collect();
+    let start = normals(&stage, 0, body.dof());
+    let mut pose: Vec<f64> = start.iter().zip(is_angle).map(|(x, own)| if own { START * x } else { 0.0 }).collect();
+    pose[2] = STANDING_HEIGHT_M;
+    for (place, name) in body.dof_names().iter().enumerate() {
+        pose[place] += BENDS.iter().filter(|(hinge, _)| hinge == name).map(|(_, bend)| bend).sum::<f64>();
+    }
+    let sd = motion_noise::default_sd(body);
+    let steps = normals(&stage, 1, body.dof() * FRAMES);
+    let next = |step: &[f64]| {
+        let own = pose.clone();
+        for ((x, sd), step) in pose.iter_mut().zip(&sd).zip(step) {
+            *x += MOTION * sd * step / RATE_HZ.sqrt();
+        }
+        own
+    };
+    steps.chunks_exact(body.dof()).map(next).collect()
+}
+
+/// Mean of all points over all frames.
+fn middle(truth: &Trajectories) -> [f64; 3] {
+    let all = || truth.frames.iter().flatten();
+    [0, 1, 2].map(|axis: usize| super::super::summary::mean(all().map(|x| x[axis])))
+}

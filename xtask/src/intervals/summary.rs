@@ -1,0 +1,33 @@
+//! Means over seeds, and whether ranks are uniform.
+
+use super::protocol::{BINS, DRAWS};
+use sinew_tests::evaluation::ranks;
+use statrs::distribution::{ContinuousCDF as _, Normal};
+
+pub(super) fn mean(values: impl Iterator<Item = f64>) -> f64 {
+    let (sum, count) = values.fold((0.0, 0.0), |(sum, count), x| (sum + x, count + 1.0));
+    sum / count
+}
+
+/// Mean of independent values, and its standard error.
+pub(super) fn with_error(values: &[f64]) -> [f64; 2] {
+    let centre = mean(values.iter().copied());
+    let variance = values.iter().map(|x| (x - centre).powi(2)).sum::<f64>() / (values.len() as f64 - 1.0);
+    [centre, (variance / values.len() as f64).sqrt()]
+}
+
+/// The rank among [`DRAWS`] draws that a normal number of that many standard deviations has.
+pub(super) fn normal_rank(deviations: f64) -> u32 {
+    let probability = Normal::standard().cdf(deviations);
+    ((probability * (DRAWS as f64 + 1.0)) as u32).min(DRAWS as u32)
+}
+
+/// Probability of ranks as unequal as these, were they uniform and independent.
+pub(super) fn uniformity(ranks: &[u32]) -> f64 {
+    ranks::uniformity(ranks, DRAWS, BINS)
+}
+
+/// A probability as it is written.
+pub(super) fn shown(p: f64) -> String {
+    if p < 0.001 { "< 0.001".into() } else { format!("{p:.3}") }
+}
