@@ -15,6 +15,7 @@
 
 use super::lasting_errors::{DrawnNumber, DrawnScale, MeasuredErrors, VERSION};
 use super::lasting_prior::{SCALES, prior};
+use super::lasting_sources::{AnsweringPose, PointSources, sources};
 use super::motion_noise::{default_sd, initial_sd};
 use super::pose_fit::pose_of;
 use super::stored::Setup;
@@ -92,7 +93,8 @@ pub fn measure_lasting(
     }
     let pass = fit.pass()?;
     let found = fit.drawn(&pass.data, SweepSchedule::default(), Stage::new(seed, "lasting"))?;
-    fit.store(setup, found);
+    let source = fit.sources(setup, &tree, &pass, &found);
+    fit.store(setup, found, source);
     Ok(())
 }
 
@@ -379,8 +381,19 @@ impl Fit {
         Ok(found)
     }
 
+    /// What the uncertainty of the body's points comes from.
+    fn sources(&self, setup: &Setup, tree: &KinematicTree, pass: &Pass, found: &LastingDraws) -> Vec<PointSources> {
+        let indices: Vec<usize> = (0..tree.points().len()).collect();
+        let names: Vec<String> = tree.points().iter().map(|point| point.name.clone()).collect();
+        let sizes = lengthened(&setup.proportions, &found.mean[self.errors.lengths()]);
+        let body = Neighbours::new(|sizes| setup.body.tree(sizes), &sizes, &indices);
+        let poses = self.frames.iter().zip(&pass.responses);
+        let frames: Vec<_> = poses.map(|(frame, response)| AnsweringPose { pose: &frame.pose, response }).collect();
+        sources(&self.errors, &body, &names, &frames, &found.errors)
+    }
+
     /// Puts what was found into the set-up; lengths become the body's own.
-    fn store(mut self, setup: &mut Setup, found: LastingDraws) {
+    fn store(mut self, setup: &mut Setup, found: LastingDraws, source: Vec<PointSources>) {
         let Self { errors, points, middle, frames, model, prior_sd, .. } = &self;
         let cameras: Vec<String> = setup.camera.iter().map(|camera| camera.name.clone()).collect();
         let names = errors.names(&cameras, &length_names(), points);
@@ -404,6 +417,7 @@ impl Fit {
             worth: rounded(self.worth * frames.len() as f64),
             scale: SCALES.into_iter().enumerate().map(scale).collect(),
             number: names.into_iter().enumerate().map(number).collect(),
+            source: source.into_iter().map(|source| source.map(rounded)).collect(),
         });
         for (known, view) in setup.camera.iter_mut().zip(&model.views) {
             known.sigma_px = view.sigma_px;

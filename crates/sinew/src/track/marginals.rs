@@ -10,14 +10,28 @@ use rayon::prelude::*;
 use sinew_body::{KinematicTree, Plan, point_positions_block};
 use sinew_core::lanes::{Block, Isa, LANES};
 use sinew_tracking::posterior::Posterior;
+use std::sync::Arc;
 
 /// Reusable buffers for one body.
 pub(super) struct Marginals {
     plan: Plan,
+    /// The keypoints where the detectors see them, if that is known apart from the points of the body.
+    keypoints: Option<Arc<Plan>>,
     isa: Isa,
     size: Option<UnknownSize>,
-    /// Positions of all points in each block of draws.
+    /// Positions of all points, then keypoints, in each block of draws.
     positions: Vec<Block>,
+}
+
+/// What is said of a frame's draws.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Described {
+    /// All points of the body.
+    pub points: Vec<PointMarginal>,
+    /// The keypoints as the detectors see them.
+    pub keypoints: Vec<PointMarginal>,
+    /// All degrees of freedom.
+    pub state: Vec<StateMarginal>,
 }
 
 /// Mean and standard deviation of a series.
@@ -53,8 +67,8 @@ fn describe(series: &mut [f64], weights: &[f64], equal: bool) -> [f64; 4] {
 }
 
 impl Marginals {
-    pub(super) fn new(tree: &KinematicTree, isa: Isa, size: Option<UnknownSize>) -> Self {
-        Self { plan: Plan::with_all_points(tree), isa, size, positions: vec![] }
+    pub(super) fn new(tree: &KinematicTree, keypoints: Option<Arc<Plan>>, isa: Isa, size: Option<UnknownSize>) -> Self {
+        Self { plan: Plan::with_all_points(tree), keypoints, isa, size, positions: vec![] }
     }
 
     /// Sizes of the draws, for a body that was not measured.
@@ -73,27 +87,38 @@ impl Marginals {
         states.chunks_exact_mut(dim).enumerate().map(place).collect()
     }
 
-    /// Marginals of all points of the body and of all degrees of freedom; the draws move as `moved` says, if there is one, in their order.
-    pub(super) fn of(
-        &mut self,
-        posterior: &Posterior<'_>,
-        moved: Option<&Moved>,
-    ) -> (Vec<PointMarginal>, Vec<StateMarginal>) {
-        let Self { plan, isa, size, positions } = self;
-        let (d, coordinates) = (posterior.dim, 3 * plan.points());
-        let count = posterior.count().div_ceil(LANES);
-        if let Some(size) = size {
-            size.prepare(count);
-        }
-        positions.resize(count * coordinates, Block::ZERO);
-        let blocks = posterior.states.par_chunks_exact(d).zip(positions.par_chunks_exact_mut(coordinates));
-        let scratch = || vec![Block::ZERO; plan.workspace()];
-        blocks.for_each_init(scratch, |ws, (states, out)| point_positions_block(plan, *isa, states, out, ws));
+    /// Positions of all points, then keypoints, in the draws of a posterior.
+    fn positions(&mut self, posterior: &Posterior<'_>) {
+        let Self { plan, keypoints, isa, positions, .. } = self;
+        let (body, coordinates) =
+            (3 * plan.points(), 3 * (plan.points() + keypoints.as_ref().map_or(0, |k| k.points())));
+        positions.resize(posterior.count().div_ceil(LANES) * coordinates, Block::ZERO);
+        let blocks = posterior.states.par_chunks_exact(posterior.dim).zip(positions.par_chunks_exact_mut(coordinates));
+        let workspace = plan.workspace().max(keypoints.as_ref().map_or(0, |k| k.workspace()));
+        let scratch = || vec![Block::ZERO; workspace];
+        blocks.for_each_init(scratch, |ws, (states, out)| {
+            let (points, detected) = out.split_at_mut(body);
+            point_positions_block(plan, *isa, states, points, ws);
+            if let Some(keypoints) = keypoints.as_deref() {
+                point_positions_block(keypoints, *isa, states, detected, ws);
+            }
+        });
+    }
 
+    /// Marginals of all points of the body, keypoints and degrees of freedom; the draws move as `moved` says, if there is one, in their order.
+    pub(super) fn of(&mut self, posterior: &Posterior<'_>, moved: Option<&Moved>) -> Described {
+        self.positions(posterior);
+        let Self { plan, keypoints, size, positions, .. } = self;
+        let (d, body) = (posterior.dim, 3 * plan.points());
+        let coordinates = body + 3 * keypoints.as_ref().map_or(0, |k| k.points());
+        if let Some(size) = size {
+            size.prepare(posterior.count().div_ceil(LANES));
+        }
         let equal = posterior.weights.windows(2).all(|pair| pair[0] == pair[1]);
         let add_shape = |series: &mut Vec<f64>, column: usize| {
-            if let Some(Moved { draws, points, .. }) = moved {
-                let row = &points[column * draws..][..*draws];
+            if let Some(Moved { draws, points, keypoints, .. }) = moved {
+                let (rows, row) = column.checked_sub(body).map_or((points, column), |row| (keypoints, row));
+                let row = &rows[row * draws..][..*draws];
                 series.iter_mut().zip(row.iter().cycle()).for_each(|(x, by)| *x += by);
             }
         };
@@ -123,7 +148,8 @@ impl Marginals {
                 Some(j) => described_column(series, posterior.states, d, j),
             })
             .collect();
-        let (at_points, points_of_states) = described.split_at(coordinates);
+        let (at_points, of_states) = described.split_at(coordinates);
+        let (at_points, at_keypoints) = at_points.split_at(body);
         let point = |axes: &[[f64; 5]]| {
             let mut point = PointMarginal::default();
             for (axis, &[mean, sd, q05, q95, within]) in axes.iter().enumerate() {
@@ -133,7 +159,11 @@ impl Marginals {
             point
         };
         let state = |&[mean, _, q05, q95, _]: &[f64; 5]| StateMarginal { mean, q05, q95 };
-        (at_points.chunks_exact(3).map(point).collect(), points_of_states.iter().map(state).collect())
+        Described {
+            points: at_points.chunks_exact(3).map(point).collect(),
+            keypoints: at_keypoints.chunks_exact(3).map(point).collect(),
+            state: of_states.iter().map(state).collect(),
+        }
     }
 }
 
@@ -163,8 +193,8 @@ mod tests {
         let weights = vec![1.0 / draws as f64; draws];
         let posterior = Posterior { dim: d, states: &states, weights: &weights, effective: 1.0, chain_stats: &[] };
         let size = UnknownSize::with_sd(&camera, 0.05, 1);
-        let mut marginals = Marginals::new(&tree, Isa::best(), Some(size));
-        let (points, state) = marginals.of(&posterior, None);
+        let mut marginals = Marginals::new(&tree, None, Isa::best(), Some(size));
+        let Described { points, state, .. } = marginals.of(&posterior, None);
         let hip = points[tree.point_index("MidHip").unwrap()];
         assert!((hip.sd[0] - 0.25).abs() < 0.02 && hip.sd[1] < 1e-12 && hip.sd[2] < 0.01, "{hip:?}");
         assert!((hip.q95[0] - hip.q05[0] - 2.0 * 1.645 * 0.25).abs() < 0.04, "{hip:?}");

@@ -1,0 +1,48 @@
+//! What is known of a constant number after the set-up, beside what was known before.
+
+use super::lasting_errors::MeasuredErrors;
+
+/// A constant number: its posterior and its prior.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct KnownNumber {
+    /// Mean of the posterior.
+    pub mean: f64,
+    /// Its standard deviation.
+    pub sd: f64,
+    /// Standard deviation of the prior.
+    pub prior_sd: f64,
+}
+
+/// Share of the prior's variance that is left where the data say as much as the prior.
+const AS_MUCH: f64 = 0.5;
+
+impl KnownNumber {
+    /// Whether the data say more of it than the prior did.
+    #[must_use]
+    pub fn is_told(&self) -> bool {
+        self.sd.powi(2) < AS_MUCH * self.prior_sd.powi(2)
+    }
+}
+
+impl MeasuredErrors {
+    /// What is known of the number at a place.
+    #[must_use]
+    pub fn known(&self, place: usize) -> KnownNumber {
+        let number = &self.number[place];
+        let count = number.draws.len() as f64;
+        let mean = number.draws.iter().sum::<f64>() / count;
+        let variance = number.draws.iter().map(|draw| (draw - mean).powi(2)).sum::<f64>() / count;
+        KnownNumber { mean: number.value, sd: variance.sqrt(), prior_sd: number.prior_sd }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_number_is_told_where_half_of_its_variance_is_gone() {
+        let known = |sd| KnownNumber { mean: 1.0, sd, prior_sd: 2.0 };
+        assert!(known(1.4).is_told() && !known(1.42).is_told() && !known(f64::NAN).is_told());
+    }
+}
