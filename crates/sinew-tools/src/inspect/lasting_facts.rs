@@ -78,7 +78,7 @@ fn largest(facts: &mut Facts, known: &MeasuredErrors, layout: &LastingErrors) {
             })
             .collect();
         sized.sort_by(|a, b| b.0.total_cmp(&a.0));
-        sized.into_iter().take(LISTED).for_each(|(_, name, numbers)| facts.row(name, shown(&numbers, 1e3, " mm", 0)));
+        sized.into_iter().take(LISTED).for_each(|(_, name, numbers)| facts.row(name, shown(&numbers, 1e3, " mm", 1)));
     }
 }
 
