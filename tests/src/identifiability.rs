@@ -10,7 +10,6 @@ use sinew::input::in_memory::InMemory;
 use sinew::input::source::FrameSource as _;
 use sinew::observe::Camera;
 use sinew::observe::lasting_errors::LastingErrors;
-use sinew::setup::lasting_errors::DrawnNumber;
 use sinew::setup::{self, MeasuredErrors, Setup, SetupRequest};
 use sinew_simulate::calibration_error::CalibrationError;
 use sinew_simulate::detector::DetectorNoise;
@@ -67,7 +66,9 @@ pub fn pairs(scene: Scene, seed: u64) -> Outcome<Vec<Pair>> {
     let mut source = source(&recording);
     let setup = set_up(&mut source, fps, seed)?;
     let Some(known) = &setup.lasting else { return Ok(vec![]) };
-    let found = Posterior { known, cameras: &cameras, layout: known.layout(), body: body(&setup, known) };
+    let prior_sd = (0..known.number.len()).map(|place| known.known(place).prior_sd).collect();
+    let (layout, body) = (known.layout(), body(&setup, known));
+    let found = Posterior { known, prior_sd, cameras: &cameras, layout, body };
     Ok(found.all().into_iter().map(|alike| found.mean(alike)).collect())
 }
 
@@ -112,6 +113,8 @@ fn plus(a: &[f64], factor: f64, b: &[f64]) -> Combination {
 
 struct Posterior<'a> {
     known: &'a MeasuredErrors,
+    /// Standard deviations of the prior.
+    prior_sd: Vec<f64>,
     cameras: &'a [Camera],
     layout: LastingErrors,
     body: PointDerivatives,
@@ -130,8 +133,7 @@ impl Posterior<'_> {
 
     /// The coordinate along a direction.
     fn along(&self, direction: &[f64]) -> Combination {
-        let weighted = |(number, v): (&DrawnNumber, &f64)| v / number.prior_sd.powi(2);
-        let weighted: Combination = self.known.number.iter().zip(direction).map(weighted).collect();
+        let weighted: Combination = direction.iter().zip(&self.prior_sd).map(|(v, sd)| v / (sd * sd)).collect();
         let size = dot(&weighted, direction);
         weighted.iter().map(|x| x / size).collect()
     }
@@ -143,9 +145,9 @@ impl Posterior<'_> {
 
     /// What is left of a combination.
     fn left(&self, combination: &[f64]) -> f64 {
-        let prior = |(number, c): (&DrawnNumber, &f64)| (c * number.prior_sd).powi(2);
-        let prior: f64 = self.known.number.iter().zip(combination).map(prior).sum();
-        (covariance(&self.drawn(combination), &self.drawn(combination)) / prior).sqrt()
+        let prior: f64 = combination.iter().zip(&self.prior_sd).map(|(c, sd)| (c * sd).powi(2)).sum();
+        let drawn = self.drawn(combination);
+        (covariance(&drawn, &drawn) / prior).sqrt()
     }
 
     fn mean(&self, (name, alike): Alike) -> Pair {

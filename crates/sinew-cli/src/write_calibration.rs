@@ -8,7 +8,7 @@ use sinew::formats::source_text::MAX_CONFIG_BYTES;
 use sinew::results::error::Occupied;
 use sinew::results::{RESULT_NAMES, write_whole};
 use sinew::setup::Setup;
-use sinew_tools::refined::Refined;
+use sinew_tools::refined::RefinedCalibration;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -39,7 +39,7 @@ pub(crate) fn check(path: &Path, config: &TrackConfig, read_from: &[PathBuf]) ->
 pub(crate) fn write(path: &Path, config: &TrackConfig, calibration: &Path, report: &Report) -> Result<(), Error> {
     let setup = config.out.join("setup.toml");
     let setup = Setup::from_toml(&setup.display().to_string(), &read_text(&setup, MAX_CONFIG_BYTES)?)?;
-    let refined = Refined::read(calibration, &setup, config.image_scale)?;
+    let refined = RefinedCalibration::read(calibration, &setup, config.image_scale)?;
     write_whole(path, refined.to_toml().as_bytes())?;
     report.note(&format!("the calibration as the set-up refined it is in {}", path.display()));
     if !refined.unchanged.is_empty() {

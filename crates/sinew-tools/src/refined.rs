@@ -14,14 +14,14 @@ use std::path::Path;
 
 /// A refined calibration.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Refined {
+pub struct RefinedCalibration {
     /// Cameras in the order of the file.
     pub cameras: Vec<Camera>,
     /// Names of those that the set-up does not know, which stay as they were.
     pub unchanged: Vec<String>,
 }
 
-impl Refined {
+impl RefinedCalibration {
     /// Reads a calibration and refines it; `image_scale` is the size of the images of the set-up over that of the calibrated ones.
     ///
     /// # Errors

@@ -3,8 +3,10 @@
 //! A draw δ of what is constant (truth less the value used) moves the points of the body by x = X (J δ) + L δ: J is the answer of the filter's pose to it, X the derivative of the points by the pose, L that by the lengths. With x = x₁ + … + x₄, the parts of cameras, lengths, places and biases,
 //! the part of a source in the variance of x is cov(x_f, x): the parts add to the variance. One is negative where a source takes away what another one brings. All are means over frames and draws, and sums over the three axes.
 
+use super::stored::Setup;
 use serde::{Deserialize, Serialize};
-use sinew_body::point_derivatives::{Neighbours, PointDerivatives};
+use sinew_body::point_derivatives::{Neighbours, PointDerivatives, lengthened};
+use sinew_dynamics::lasting_scales::LastingDraws;
 use sinew_observe::lasting_errors::LastingErrors;
 use std::ops::Range;
 
@@ -56,8 +58,22 @@ fn families(errors: &LastingErrors) -> [Range<usize>; SOURCES] {
     [0..errors.lengths().start, errors.lengths(), places.clone(), places.end..errors.count()]
 }
 
+/// The parts of all points of the body that the set-up tracks, with the lengths that were found.
+pub(super) fn point_sources(
+    setup: &Setup,
+    errors: &LastingErrors,
+    found: &LastingDraws,
+    frames: &[AnsweringPose<'_>],
+) -> Vec<PointSources> {
+    let names: Vec<String> = setup.tree().points().iter().map(|point| point.name.clone()).collect();
+    let indices: Vec<usize> = (0..names.len()).collect();
+    let sizes = lengthened(&setup.proportions, &found.mean[errors.lengths()]);
+    let body = Neighbours::new(|sizes| setup.body.tree(sizes), &sizes, &indices);
+    sources(errors, &body, &names, frames, &found.errors)
+}
+
 /// The parts of the points of `body`, which have the names `points`, in some frames, for draws of what is constant.
-pub(super) fn sources(
+fn sources(
     errors: &LastingErrors,
     body: &Neighbours,
     points: &[String],

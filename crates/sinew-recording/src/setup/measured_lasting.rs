@@ -15,7 +15,7 @@
 
 use super::lasting_errors::{DrawnNumber, DrawnScale, MeasuredErrors, VERSION};
 use super::lasting_prior::{SCALES, prior};
-use super::lasting_sources::{AnsweringPose, PointSources, sources};
+use super::lasting_sources::{AnsweringPose, PointSources, point_sources};
 use super::motion_noise::{default_sd, initial_sd};
 use super::pose_fit::pose_of;
 use super::stored::Setup;
@@ -93,7 +93,9 @@ pub fn measure_lasting(
     }
     let pass = fit.pass()?;
     let found = fit.drawn(&pass.data, SweepSchedule::default(), Stage::new(seed, "lasting"))?;
-    let source = fit.sources(setup, &tree, &pass, &found);
+    let poses = fit.frames.iter().zip(&pass.responses);
+    let answers: Vec<_> = poses.map(|(frame, response)| AnsweringPose { pose: &frame.pose, response }).collect();
+    let source = point_sources(setup, &fit.errors, &found, &answers);
     fit.store(setup, found, source);
     Ok(())
 }
@@ -379,17 +381,6 @@ impl Fit {
         }
         self.g.clone_from(&found.mean);
         Ok(found)
-    }
-
-    /// What the uncertainty of the body's points comes from.
-    fn sources(&self, setup: &Setup, tree: &KinematicTree, pass: &Pass, found: &LastingDraws) -> Vec<PointSources> {
-        let indices: Vec<usize> = (0..tree.points().len()).collect();
-        let names: Vec<String> = tree.points().iter().map(|point| point.name.clone()).collect();
-        let sizes = lengthened(&setup.proportions, &found.mean[self.errors.lengths()]);
-        let body = Neighbours::new(|sizes| setup.body.tree(sizes), &sizes, &indices);
-        let poses = self.frames.iter().zip(&pass.responses);
-        let frames: Vec<_> = poses.map(|(frame, response)| AnsweringPose { pose: &frame.pose, response }).collect();
-        sources(&self.errors, &body, &names, &frames, &found.errors)
     }
 
     /// Puts what was found into the set-up; lengths become the body's own.

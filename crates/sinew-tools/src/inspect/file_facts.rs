@@ -10,7 +10,7 @@ use crate::Error;
 use sinew::input::recording::{Calibrated, RecordingOptions};
 use std::path::Path;
 
-/// What is known about one subject; keypoints are read with the options, and cameras of set-ups are those of the calibration.
+/// What is known about one subject; keypoints are read with the options, and set-ups beside the cameras of the calibration.
 ///
 /// # Errors
 /// What the readers refuse.

@@ -1,4 +1,4 @@
-//! What the set-up found of everything that is constant: posterior beside prior, and what the data told.
+//! What the set-up found of everything that is constant: posterior beside prior, and what was learned from the data.
 
 use super::facts::Facts;
 use sinew::setup::MeasuredErrors;
@@ -41,7 +41,7 @@ pub(super) fn add(facts: &mut Facts, known: &MeasuredErrors, calibration: &[Came
         facts.row(length.replace('_', " "), format!("± {:.0} mm, prior ± {:.0} mm", 1e3 * sd, 1e3 * prior_sd));
     }
     largest(facts, known, &layout);
-    facts.row("told by the data", told(known, &layout));
+    facts.row("learned from the data", learned(known, &layout));
 }
 
 fn known_in(known: &MeasuredErrors, places: Range<usize>) -> Vec<KnownNumber> {
@@ -82,26 +82,23 @@ fn largest(facts: &mut Facts, known: &MeasuredErrors, layout: &LastingErrors) {
     }
 }
 
-/// How many numbers of each kind the data tell.
-fn told(known: &MeasuredErrors, layout: &LastingErrors) -> String {
-    let of_cameras = |places: Range<usize>| {
+/// Of how many numbers of each kind the data say more than the prior.
+fn learned(known: &MeasuredErrors, layout: &LastingErrors) -> String {
+    let camera_numbers = |places: Range<usize>| {
         let numbers = move |camera| places.clone().map(move |place| layout.camera(camera).start + place);
         (0..layout.cameras).flat_map(numbers).collect::<Vec<usize>>()
     };
     let mut kinds: Vec<(&str, Vec<usize>)> =
-        OF_CAMERA.into_iter().map(|(what, places, ..)| (what, of_cameras(places))).collect();
+        OF_CAMERA.into_iter().map(|(what, places, ..)| (what, camera_numbers(places))).collect();
     kinds.push(("lengths", layout.lengths().collect()));
     kinds.push(("places of keypoints", layout.places().collect()));
     kinds.push(("biases", (layout.places().end..layout.count()).collect()));
     let counted = |(what, places): &(&str, Vec<usize>)| {
-        let told = places.iter().filter(|place| known.known(**place).is_told()).count();
-        format!("{what} {told} of {}", places.len())
+        let learned = places.iter().filter(|place| known.known(**place).is_learned()).count();
+        format!("{what} {learned} of {}", places.len())
     };
     let counted: Vec<String> = kinds.iter().map(counted).collect();
-    format!(
-        "{}: of these numbers the data say more than the prior; the others stay near their priors",
-        counted.join(", ")
-    )
+    format!("the data say more than the prior of {}; the other numbers stay near their priors", counted.join(", "))
 }
 
 #[cfg(test)]

@@ -148,7 +148,7 @@ impl Marginals {
                 Some(j) => described_column(series, posterior.states, d, j),
             })
             .collect();
-        let (at_points, of_states) = described.split_at(coordinates);
+        let (at_points, from_states) = described.split_at(coordinates);
         let (at_points, at_keypoints) = at_points.split_at(body);
         let point = |axes: &[[f64; 5]]| {
             let mut point = PointMarginal::default();
@@ -162,7 +162,7 @@ impl Marginals {
         Described {
             points: at_points.chunks_exact(3).map(point).collect(),
             keypoints: at_keypoints.chunks_exact(3).map(point).collect(),
-            state: of_states.iter().map(state).collect(),
+            state: from_states.iter().map(state).collect(),
         }
     }
 }
@@ -220,6 +220,36 @@ mod tests {
         for (state, size) in kept.chunks_exact(d).zip(sizes) {
             let [a, b] = nose(state, size);
             assert!((a - u).hypot(b - v) < 1e-9 && (size - 1.0).abs() > 1e-6);
+        }
+    }
+
+    /// Two keypoints 1 cm from their joints, which one of two draws of the lengths moves 2 cm farther.
+    #[test]
+    fn keypoints_lie_where_detectors_see_them() {
+        let tree = sinew_body::standard::h32(&sinew_body::Proportions::default());
+        let (d, count, shown) = (tree.dof(), tree.points().len(), [3, 0]);
+        let places = vec![[0.01, 0.0, 0.0]; count];
+        let keypoints = Arc::new(Plan::new(&tree.with_points_moved(&places), &shown));
+        let (states, weights) = (vec![Block::ZERO; d], vec![1.0 / LANES as f64; LANES]);
+        let posterior = Posterior { dim: d, states: &states, weights: &weights, effective: 1.0, chain_stats: &[] };
+        let mut moved = Moved {
+            shifts: vec![[0.0; 3]; 2],
+            draws: 2,
+            states: vec![0.0; 2 * d],
+            points: vec![0.0; 6 * count],
+            keypoints: vec![0.0; 12],
+        };
+        // The second keypoint, along y, in the second draw.
+        moved.keypoints[4 * 2 + 1] = 0.02;
+        let mut marginals = Marginals::new(&tree, Some(keypoints), Isa::baseline(), None);
+        let Described { points, keypoints, state } = marginals.of(&posterior, Some(&moved));
+        assert_eq!((points.len(), keypoints.len(), state.len()), (count, 2, d));
+        for (k, (keypoint, point)) in keypoints.iter().zip(shown).enumerate() {
+            let along_y = if k == 1 { 0.01 } else { 0.0 };
+            let from_joint = [0, 1, 2].map(|axis: usize| keypoint.mean[axis] - points[point].mean[axis]);
+            let expected = [0.01, along_y, 0.0];
+            assert!(from_joint.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-12), "{from_joint:?}");
+            assert!((keypoint.sd[1] - along_y).abs() < 1e-12 && keypoint.sd[0] < 1e-12);
         }
     }
 
