@@ -3,9 +3,9 @@
 //! A draw δ of what is constant (truth less the value used) moves the points of the body by x = X (J δ) + L δ: J is the answer of the filter's pose to it, X the derivative of the points by the pose, L that by the lengths. With x = x₁ + … + x₄, the parts of cameras, lengths, places and biases,
 //! the part of a source in the variance of x is cov(x_f, x): the parts add to the variance. One is negative where a source takes away what another one brings. All are means over frames and draws, and sums over the three axes.
 
-use super::stored::Setup;
 use serde::{Deserialize, Serialize};
 use sinew_body::point_derivatives::{Neighbours, PointDerivatives, lengthened};
+use sinew_body::{KinematicTree, Proportions};
 use sinew_dynamics::lasting_scales::LastingDraws;
 use sinew_observe::lasting_errors::LastingErrors;
 use std::ops::Range;
@@ -43,10 +43,10 @@ impl PointSources {
     }
 }
 
-/// A frame: its pose, and how the pose answers to what is constant, d × p, row after row.
-pub(super) struct AnsweringPose<'a> {
-    pub pose: &'a [f64],
-    pub response: &'a [f64],
+/// A frame: its pose, and how the pose answers to what is constant.
+struct AnsweringPose<'a> {
+    pose: &'a [f64],
+    response: &'a [f64],
 }
 
 /// Frames that are taken, at most.
@@ -58,18 +58,19 @@ fn families(errors: &LastingErrors) -> [Range<usize>; SOURCES] {
     [0..errors.lengths().start, errors.lengths(), places.clone(), places.end..errors.count()]
 }
 
-/// The parts of all points of the body that the set-up tracks, with the lengths that were found.
+/// The parts of all points of the body that `build` makes of sizes, with the lengths that were found; `poses` are poses, each with how it answers to what is constant, d × p, row after row.
 pub(super) fn point_sources(
-    setup: &Setup,
+    build: impl Fn(&Proportions) -> KinematicTree,
+    sizes: &Proportions,
     errors: &LastingErrors,
     found: &LastingDraws,
-    frames: &[AnsweringPose<'_>],
+    poses: &[(&[f64], &[f64])],
 ) -> Vec<PointSources> {
-    let names: Vec<String> = setup.tree().points().iter().map(|point| point.name.clone()).collect();
+    let frames: Vec<_> = poses.iter().map(|&(pose, response)| AnsweringPose { pose, response }).collect();
+    let names: Vec<String> = build(sizes).points().iter().map(|point| point.name.clone()).collect();
     let indices: Vec<usize> = (0..names.len()).collect();
-    let sizes = lengthened(&setup.proportions, &found.mean[errors.lengths()]);
-    let body = Neighbours::new(|sizes| setup.body.tree(sizes), &sizes, &indices);
-    sources(errors, &body, &names, frames, &found.errors)
+    let body = Neighbours::new(build, &lengthened(sizes, &found.mean[errors.lengths()]), &indices);
+    sources(errors, &body, &names, &frames, &found.errors)
 }
 
 /// The parts of the points of `body`, which have the names `points`, in some frames, for draws of what is constant.
@@ -137,7 +138,6 @@ fn moves(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use sinew_body::Proportions;
     use sinew_body::point_derivatives::length_names;
     use sinew_body::standard::h32;
 
@@ -156,7 +156,9 @@ mod tests {
     /// A body of which only the root answers: along x, by the first number of the camera and of the first bias, `bias` times that.
     fn found(moved: &[usize], bias: f64) -> Vec<PointSources> {
         let errors = LastingErrors { cameras: 1, lengths: length_names().len(), points: 2 };
-        let body = Neighbours::new(h32, &Proportions::default(), &[0, 5]);
+        let names = ["MidHip", "Nose"];
+        let tree = h32(&Proportions::default());
+        let body = Neighbours::new(h32, &Proportions::default(), &names.map(|name| tree.point_index(name).unwrap()));
         let (pose, p) = (vec![0.0; 32], errors.count());
         let mut response = vec![0.0; 32 * p];
         response[0] = 2.0;
@@ -164,7 +166,7 @@ mod tests {
         let moved: Vec<usize> =
             moved.iter().map(|&k| [0, errors.bias(0, 0).start, errors.lengths().start][k]).collect();
         let frames = [AnsweringPose { pose: &pose, response: &response }];
-        sources(&errors, &body, &["Pelvis".into(), "Nose".into()], &frames, &draws(&errors, &moved))
+        sources(&errors, &body, &names.map(String::from), &frames, &draws(&errors, &moved))
     }
 
     fn is_near(found: [f64; SOURCES], expected: [f64; SOURCES]) {
@@ -190,9 +192,9 @@ mod tests {
 
     #[test]
     fn lengths_move_the_points_beyond_the_pose() {
-        let [pelvis, nose] = &found(&[2], 0.0)[..] else { panic!("two points") };
-        is_near(pelvis.parts(), [0.0; 4]);
-        // The first length is that of the spine, which bears the head.
+        let [hips, nose] = &found(&[2], 0.0)[..] else { panic!("two points") };
+        is_near(hips.parts(), [0.0; 4]);
+        // The first length is the spine's, which bears the head.
         is_near(nose.parts(), [0.0, 1e-4, 0.0, 0.0]);
     }
 }

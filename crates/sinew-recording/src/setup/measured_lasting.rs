@@ -15,7 +15,7 @@
 
 use super::lasting_errors::{DrawnNumber, DrawnScale, MeasuredErrors, VERSION};
 use super::lasting_prior::{SCALES, prior};
-use super::lasting_sources::{AnsweringPose, PointSources, point_sources};
+use super::lasting_sources::{PointSources, point_sources};
 use super::motion_noise::{default_sd, initial_sd};
 use super::pose_fit::pose_of;
 use super::stored::Setup;
@@ -93,9 +93,8 @@ pub fn measure_lasting(
     }
     let pass = fit.pass()?;
     let found = fit.drawn(&pass.data, SweepSchedule::default(), Stage::new(seed, "lasting"))?;
-    let poses = fit.frames.iter().zip(&pass.responses);
-    let answers: Vec<_> = poses.map(|(frame, response)| AnsweringPose { pose: &frame.pose, response }).collect();
-    let source = point_sources(setup, &fit.errors, &found, &answers);
+    let poses: Vec<_> = fit.frames.iter().zip(&pass.responses).map(|(frame, j)| (&frame.pose[..], &j[..])).collect();
+    let source = point_sources(|sizes| setup.body.tree(sizes), &setup.proportions, &fit.errors, &found, &poses);
     fit.store(setup, found, source);
     Ok(())
 }
