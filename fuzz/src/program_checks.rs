@@ -53,7 +53,7 @@ fn inspected(name: &str, data: &[u8], subject: impl Fn(PathBuf) -> Subject) {
         let path = folder.path().join(name);
         fs::create_dir_all(path.parent().unwrap_or(Path::new(""))).expect("a place for files");
         fs::write(&path, data).expect("a place for files");
-        if let Some(facts) = answered(file_facts(&subject(path), &RecordingOptions::default())) {
+        if let Some(facts) = answered(file_facts(&subject(path), &RecordingOptions::default(), None)) {
             assert!(!facts.title.is_empty());
         }
     });

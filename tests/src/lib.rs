@@ -16,6 +16,7 @@ pub mod filter_priors;
 pub mod finding;
 pub mod frozen_tuning;
 pub mod growth;
+pub mod identifiability;
 pub mod joint_distribution;
 pub mod kernels;
 pub mod linear_series;

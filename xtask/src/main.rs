@@ -4,6 +4,7 @@ mod accuracy;
 mod chart;
 mod coverage;
 mod filter_priors;
+mod identifiability;
 mod intervals;
 mod missing_limbs;
 mod motion_prior;
@@ -42,6 +43,8 @@ enum Command {
     Accuracy(accuracy::Args),
     /// Measure the HMC filter's priors between frames against exact filters: the tables of docs/evidence/filter-priors.md.
     FilterPriors(filter_priors::Args),
+    /// Measure how far data tell the constants of a set-up apart: the tables of docs/evidence/identifiability.md.
+    Identifiability(identifiability::Args),
     /// Judge intervals by cameras that are left out and by demos: the tables of docs/evidence/intervals.md.
     Intervals(intervals::Args),
     /// Fill in missing limbs by latent models: the tables of docs/evidence/latent.md.
@@ -77,6 +80,7 @@ fn main() -> ExitCode {
     match Cli::parse().command {
         Command::Accuracy(args) => accuracy::run(root, &args),
         Command::FilterPriors(args) => filter_priors::run(root, &args),
+        Command::Identifiability(args) => identifiability::run(root, &args),
         Command::Intervals(args) => intervals::run(root, &args),
         Command::MissingLimbs(args) => missing_limbs::run(root, &args),
         Command::Mutants(args) => mutants::run(root, &args),

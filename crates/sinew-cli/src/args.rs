@@ -383,6 +383,9 @@ pub(crate) struct TrackArgs {
     /// Resume the run that was stopped in the output folder
     #[arg(long, help_heading = "Output", conflicts_with = "force")]
     pub(crate) resume: bool,
+    /// Write the calibration as the set-up refined it, in the format of Calib.toml
+    #[arg(long, value_name = "FILE", help_heading = "Output", hide_short_help = true)]
+    pub(crate) write_calibration: Option<PathBuf>,
     /// Show every setting with its origin, and stop
     #[arg(long, help_heading = "General")]
     pub(crate) print_config: bool,

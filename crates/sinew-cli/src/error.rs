@@ -70,6 +70,9 @@ pub(crate) enum Error {
     /// A file that would be written over while it is read.
     #[error("{} is both input and output", .0.display())]
     InputIsOutput(PathBuf),
+    /// A file that the run itself writes.
+    #[error("{} is a file that the run itself writes", .0.display())]
+    ResultIsOutput(PathBuf),
     /// A skeleton for the walk, which has its own.
     #[error("the walk needs no skeleton")]
     SkeletonOfWalk,
@@ -173,7 +176,7 @@ impl Error {
             Self::NoKeypointsToRead { .. } => "give the keypoint folder too, or leave the flag out",
             Self::NothingToValidate => "give the keypoints of at least three cameras with `--keypoints`",
             Self::TooFewToLeaveOut(_) => "give more cameras, or judge the run by other means (`sinew predict`)",
-            Self::InputIsOutput(_) => "write to another file",
+            Self::InputIsOutput(_) | Self::ResultIsOutput(_) => "write to another file",
             Self::NothingToDraw => "give one file of `sinew learn` or of a run with `--method hppf`, or leave `-o` out",
             Self::SkeletonOfWalk => "`--skeleton` belongs to .amc files; leave it out",
             Self::TooManyFrames(_) => "ask for less with `--duration` or `--fps`",

@@ -33,7 +33,7 @@ pub(crate) fn run(args: &InspectArgs, general: &General, report: &Report) -> Res
     };
     let mut all: Vec<Facts> = Vec::new();
     for subject in &subjects {
-        all.push(file_facts(subject, &options)?);
+        all.push(file_facts(subject, &options, calibration.map(PathBuf::as_path))?);
     }
     if let (Some(calibration), Some(keypoints)) = (calibration, keypoints) {
         let mut recording = Recording::open(calibration, keypoints, &options)?;

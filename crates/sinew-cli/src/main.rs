@@ -31,6 +31,7 @@ mod table;
 mod threads;
 mod track;
 mod validate;
+mod write_calibration;
 
 use args::{Cli, Command, General};
 use clap::Parser as _;

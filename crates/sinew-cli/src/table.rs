@@ -28,6 +28,7 @@ pub(crate) fn table(outcome: &Outcome, out: &Path) -> String {
     rows.extend(summary.cameras.iter().map(|camera| (camera.name.clone(), seen_by(camera))));
     rows.extend(outcome.girth.map(|girth| ("girth".into(), girth_of(girth))));
     rows.extend(outcome.colours.as_ref().map(|colours| ("colours".into(), colours_of(colours))));
+    rows.extend(summary.uncertainty.as_ref().map(|found| ("uncertainty".into(), found.words.clone())));
     rows.push(("results".into(), out.display().to_string()));
     aligned(&rows)
 }

@@ -11,6 +11,7 @@ use super::resume::{Stopped, complete, same_run, stopped_run};
 use super::settings::{reading, settings};
 use super::table::table;
 use super::threads::with_threads;
+use super::write_calibration;
 use sinew::config::{Resolved, TrackConfig};
 use sinew::input::footage::Footage;
 use sinew::input::footage::Init;
@@ -41,7 +42,14 @@ pub(crate) fn run(args: &TrackArgs, general: &General, report: &Report) -> Resul
     let read_from = read_from(&config, &calibration, general);
     // Mistakes in the settings are said before what is in the folder.
     refuse_inputs(&config.out, &read_from)?;
+    if let Some(path) = &args.write_calibration {
+        write_calibration::check(path, &config, &read_from)?;
+    }
     job::check_settings(&resolved)?;
+    let refine = || {
+        let path = args.write_calibration.as_ref();
+        path.map_or(Ok(()), |path| write_calibration::write(path, &config, &calibration, report))
+    };
     let mut recording = Footage::open(&config.files(&calibration), &options)?;
     let setup_frames = setup_frames(&config, &recording)?;
     let (claim, from) = match args.resume {
@@ -50,6 +58,7 @@ pub(crate) fn run(args: &TrackArgs, general: &General, report: &Report) -> Resul
             Stopped::Complete(claim, summary) => {
                 same_run(&mut recording, setup_frames, &resolved, &claim, &summary, general)?;
                 ResultFolder::forget(&claim)?;
+                refine()?;
                 return complete(&summary, &config.out, args, report);
             }
             Stopped::At(claim, checkpoint) => (claim, Some(*checkpoint)),
@@ -66,6 +75,7 @@ pub(crate) fn run(args: &TrackArgs, general: &General, report: &Report) -> Resul
             report.note(&format!("the frames before are kept in {}; {RESUME}", config.out.display()));
         }
     })?;
+    refine()?;
     answer(&outcome, &config.out, args, report)
 }
 

@@ -109,6 +109,7 @@ fn write(folder: &Path, steps: usize) -> Result<usize, Error> {
         has_masks: false,
         camera_offset_px: vec![[0.0; 2]],
         sigma_px: 1.0,
+        sources: vec![],
         setup_toml: "schema = 2\n".into(),
         body,
     };

@@ -40,17 +40,23 @@ fn everything_is_there_and_readable() {
     let bvh = sinew::formats::bvh::read("motion.bvh", &text("motion.bvh")).unwrap();
     assert_eq!((bvh.frames.len(), bvh.warnings.len()), (6, 0));
 
-    for name in ["joints.csv", "angles.csv", "frames.csv", "markers_sd.csv"] {
+    for name in ["joints.csv", "keypoints.csv", "angles.csv", "frames.csv", "markers_sd.csv"] {
         insta::assert_snapshot!(format!("columns_{name}"), text(name).lines().next().unwrap());
         // A diagnostic of so short a run may be undefined; an estimate may not.
         assert!(name == "frames.csv" || !text(name).contains("NaN"), "{name}");
     }
     assert_eq!(text("joints.csv").lines().count(), 1 + 6 * 26);
+    assert_eq!(text("keypoints.csv").lines().count(), 1 + 6 * 25);
     assert_eq!(text("frames.csv").lines().count(), 1 + 6);
 
     let summary: serde_json::Value = serde_json::from_str(&text("summary.json")).unwrap();
     assert_eq!(summary["complete"], true);
     assert_eq!(summary["frames"], serde_json::json!([2, 8]));
+    for joint in summary["uncertainty"]["joints"].as_array().unwrap() {
+        let share = |source: &str| joint[source].as_f64().unwrap();
+        let all: f64 = ["frames", "cameras", "lengths", "places", "biases"].map(share).iter().sum();
+        assert!((all - 1.0).abs() < 1e-9, "{joint}");
+    }
     assert_eq!(summary["settings"]["frames"], serde_json::json!({ "value": "2..8", "origin": "flag" }));
     for key in ["threads", "calibration", "keypoints", "out"] {
         assert!(summary["settings"].get(key).is_none(), "{key}");

@@ -27,7 +27,9 @@ mod first_second;
 mod girth;
 pub mod lasting_draws;
 pub mod lasting_errors;
+pub mod lasting_posterior;
 pub mod lasting_prior;
+pub mod lasting_sources;
 mod measured_colours;
 mod measured_girth;
 mod measured_lasting;
@@ -45,6 +47,7 @@ pub mod shape;
 mod space_points;
 pub mod speed;
 mod stored;
+pub mod uncertainty;
 mod up_axis;
 mod warning;
 

@@ -20,6 +20,7 @@ mod file_facts;
 pub mod fit;
 mod image_files;
 mod keypoints;
+mod lasting_facts;
 mod latent_model;
 mod latent_picture;
 mod latent_plane;

@@ -7,6 +7,8 @@
 //! | [`motion`] | motion files into each other |
 //! | [`segment`] | masks from images of fixed cameras |
 //! | [`overlay`] | pictures of results over the images |
+//! | [`refined`] | a calibration as the set-up of a run refined it |
+//! | [`result_table`] | which table of a result folder a CSV file is |
 //! | [`shape_fit`] | thicknesses of a body from masks and a result |
 
 mod error;
@@ -15,6 +17,8 @@ pub mod learn;
 pub mod motion;
 pub mod overlay;
 pub mod predict;
+pub mod refined;
+pub mod result_table;
 pub mod segment;
 pub mod shape_fit;
 mod svg;

@@ -24,7 +24,7 @@ use sinew::input::recording::Calibrated;
 use sinew::input::up_axis::upright;
 use sinew::results::tracked::Tracked;
 use sinew::setup::lasting_errors::MeasuredErrors;
-use sinew::setup::lasting_prior::{CAMERA_UNITS, KIND_SCALES, kind};
+use sinew::setup::lasting_prior::{CAMERA_UNITS, HEAVY, KIND_SCALES, kind};
 use sinew_formats::camera_name;
 use sinew_formats::source_text::MAX_TEXT_BYTES;
 use sinew_formats::zarr::reader::{self, NumberArray};
@@ -33,9 +33,6 @@ use sinew_observe::camera_error::{NUMBERS, PixelDerivatives, derivatives};
 use sinew_observe::lasting_errors::pixels_per_metre;
 use std::fmt::Write as _;
 use std::path::Path;
-
-/// Mean of 1/w for w ~ Gamma(2, 2): variance of Student's t with four degrees of freedom.
-const HEAVY: f64 = 2.0;
 
 /// A keypoint's observation.
 #[derive(Clone, Copy, Debug, PartialEq)]

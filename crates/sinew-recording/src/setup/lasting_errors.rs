@@ -4,6 +4,7 @@
 //!
 //! [`LastingErrors`] says what the numbers are.
 
+use super::lasting_sources::PointSources;
 use serde::{Deserialize, Serialize};
 use sinew_body::point_derivatives::length_names;
 use sinew_dynamics::persistent_errors::Persistence;
@@ -44,6 +45,9 @@ pub struct MeasuredErrors {
     pub scale: Vec<DrawnScale>,
     /// The numbers, one after the other.
     pub number: Vec<DrawnNumber>,
+    /// What the uncertainty of each point of the body comes from; empty in set-ups before it was found.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub source: Vec<PointSources>,
 }
 
 /// A scale of the prior.
@@ -149,8 +153,11 @@ impl MeasuredErrors {
         if let Some(scale) = self.scale.iter().find(is_wrong) {
             return named(&scale.name, "finite and above 0");
         }
-        let number = self.number.iter().find(|number| wrong(&number.draws) || !number.value.is_finite());
-        number.and_then(|number| named(&number.name, "finite"))
+        if let Some(number) = self.number.iter().find(|number| wrong(&number.draws) || !number.value.is_finite()) {
+            return named(&number.name, "finite");
+        }
+        let source = self.source.iter().find(|source| !source.parts().iter().all(|part| part.is_finite()));
+        source.map(|source| format!("lasting: the sources of `{}` hold a number that is not finite", source.point))
     }
 
     /// Draws of a scale, if there is one of that name.
@@ -176,6 +183,7 @@ mod tests {
             persistence_s: 0.1,
             scale: vec![DrawnScale { name: "cameras".into(), draws: vec![1.0, 2.0] }],
             number: vec![],
+            source: vec![PointSources { point: "Nose".into(), ..PointSources::default() }],
         };
         known.number = (0..known.layout().count()).map(number).collect();
         known
@@ -195,6 +203,8 @@ mod tests {
         refused(|k| k.persistence_s = -1.0, "lasting: persistence_s = -1; must be from 0 to 100");
         refused(|k| k.number.truncate(3), "lasting: 3 numbers; its cameras and points make 24");
         refused(|k| k.number[4].draws.clear(), "lasting: `n` needs 2 draws, all finite");
+        let message = "lasting: the sources of `Nose` hold a number that is not finite";
+        refused(|k| k.source[0].biases_m2 = f64::INFINITY, message);
         refused(|k| k.scale[0].draws[1] = -1.0, "lasting: `cameras` needs 2 draws, all finite and above 0");
     }
 }

@@ -18,10 +18,13 @@ pub const CAMERA_UNITS: [f64; NUMBERS] = [3.5e-3, 3.5e-3, 3.5e-3, 5e-3, 5e-3, 5e
 const LENGTH_SHARE: f64 = 0.1;
 const POINTS: ScalePrior = ScalePrior { median: 0.010, log_sd: 0.8 };
 
+/// Mean of 1/w for w ~ Gamma(2, 2): variance of a heavy tail, Student's t with four degrees of freedom, over that of a Gaussian.
+pub const HEAVY: f64 = 2.0;
+
 /// Names of the scales: that of the cameras, that of places, and one for each kind of keypoint.
 pub(super) const SCALES: [&str; 7] =
     ["cameras", "places_m", "bias_head_m", "bias_trunk_m", "bias_arms_m", "bias_legs_m", "bias_feet_m"];
-const PLACES: usize = 1;
+pub(super) const PLACES: usize = 1;
 const FIRST_KIND: usize = 2;
 const KINDS: usize = SCALES.len() - FIRST_KIND;
 

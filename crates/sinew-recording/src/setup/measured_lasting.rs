@@ -15,6 +15,7 @@
 
 use super::lasting_errors::{DrawnNumber, DrawnScale, LASTING_SHARE, MeasuredErrors, VERSION};
 use super::lasting_prior::{SCALES, prior};
+use super::lasting_sources::{PointSources, point_sources};
 use super::motion_noise::{default_sd, initial_sd};
 use super::pose_fit::pose_of;
 use super::stored::Setup;
@@ -90,7 +91,9 @@ pub fn measure_lasting(
     }
     let pass = fit.pass()?;
     let found = fit.drawn(&pass.data, SweepSchedule::default(), Stage::new(seed, "lasting"))?;
-    fit.store(setup, found);
+    let poses: Vec<_> = fit.frames.iter().zip(&pass.responses).map(|(frame, j)| (&frame.pose[..], &j[..])).collect();
+    let source = point_sources(|sizes| setup.body.tree(sizes), &setup.proportions, &fit.errors, &found, &poses);
+    fit.store(setup, found, source);
     Ok(())
 }
 
@@ -395,7 +398,7 @@ impl Fit {
     }
 
     /// Puts what was found into the set-up; lengths become the body's own.
-    fn store(mut self, setup: &mut Setup, found: LastingDraws) {
+    fn store(mut self, setup: &mut Setup, found: LastingDraws, source: Vec<PointSources>) {
         let Self { errors, points, middle, frames, model, prior_sd, .. } = &self;
         let cameras: Vec<String> = setup.camera.iter().map(|camera| camera.name.clone()).collect();
         let names = errors.names(&cameras, &length_names(), points);
@@ -420,6 +423,7 @@ impl Fit {
             persistence_s: rounded(self.persistence_s),
             scale: SCALES.into_iter().enumerate().map(scale).collect(),
             number: names.into_iter().enumerate().map(number).collect(),
+            source: source.into_iter().map(|source| source.map(rounded)).collect(),
         });
         for (known, view) in setup.camera.iter_mut().zip(&model.views) {
             known.sigma_px = view.sigma_px;

@@ -7,16 +7,20 @@ use super::{
     results, settings_file, setup_file, table_file,
 };
 use crate::Error;
-use sinew::input::recording::RecordingOptions;
+use sinew::input::recording::{Calibrated, RecordingOptions};
+use std::path::Path;
 
-/// What is known about one subject; keypoints are read with the options.
+/// What is known about one subject; keypoints are read with the options, and set-ups beside the cameras of the calibration.
 ///
 /// # Errors
 /// What the readers refuse.
-pub fn file_facts(subject: &Subject, options: &RecordingOptions) -> Result<Facts, Error> {
+pub fn file_facts(subject: &Subject, options: &RecordingOptions, calibration: Option<&Path>) -> Result<Facts, Error> {
     match subject {
         Subject::Calibration(path) => calibration::facts(path),
-        Subject::Setup(path) => setup_file::facts(path),
+        Subject::Setup(path) => {
+            let calibrated = calibration.map(Calibrated::read).transpose()?;
+            setup_file::facts(path, calibrated.as_ref().map_or(&[], |calibrated| &calibrated.cameras))
+        }
         Subject::Configuration(path) => settings_file::facts(path),
         Subject::Body(path) => body_file::body(path),
         Subject::Layout(path) => body_file::mapping(path),

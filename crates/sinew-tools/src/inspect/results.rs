@@ -82,6 +82,14 @@ fn summary_facts(folder: &Path, path: &Path) -> Result<Facts, Error> {
             format!("residual {} px, {} frames", number(&camera["residual_px"], 1), camera["frames"]),
         );
     }
+    let uncertainty = &summary["uncertainty"];
+    if uncertainty.is_object() {
+        facts.row("uncertainty", text_of(&uncertainty["words"]));
+        for words in uncertainty["help"].as_array().into_iter().flatten().map(text_of) {
+            let (source, rest) = words.split_once(": ").unwrap_or(("would help", &words));
+            facts.row(source, rest);
+        }
+    }
     if summary["complete"] != true {
         facts.odd.push("the run was interrupted: not all frames are there".into());
     }

@@ -1,14 +1,17 @@
 //! What a set-up of ours holds: the body, the subject's sizes, the noise of each camera.
 
 use super::facts::Facts;
+use super::lasting_facts;
 use crate::Error;
 use sinew::files::read_text;
 use sinew::setup::{Body, Setup};
 use sinew_body::{Joint, Proportions};
 use sinew_formats::source_text::MAX_CONFIG_BYTES;
+use sinew_observe::Camera;
 use std::path::Path;
 
-pub(super) fn facts(path: &Path) -> Result<Facts, Error> {
+/// What a set-up holds; `calibration` are its cameras, where they are known.
+pub(super) fn facts(path: &Path, calibration: &[Camera]) -> Result<Facts, Error> {
     let setup = Setup::parse(&path.display().to_string(), &read_text(path, MAX_CONFIG_BYTES)?)?;
     let tree = setup.body.tree(&Proportions::default());
     let mut facts = Facts::new(format!("{}: set-up with {} cameras", path.display(), setup.camera.len()));
@@ -48,6 +51,10 @@ pub(super) fn facts(path: &Path) -> Result<Facts, Error> {
         let [u, v] = camera.offset_px;
         facts.row(&camera.name, format!("offset ({u:+.1}, {v:+.1}) px, then {:.1} px per axis", camera.sigma_px));
     }
-    facts.odd.extend(setup.problems());
+    let problems = setup.problems();
+    if let Some(known) = setup.lasting.as_ref().filter(|_| problems.is_empty()) {
+        lasting_facts::add(&mut facts, known, calibration);
+    }
+    facts.odd.extend(problems);
     Ok(facts)
 }

@@ -2,8 +2,8 @@
 
 use super::facts::{Facts, shortened};
 use crate::Error;
+use crate::result_table::{MOTION_FILES, ResultTable};
 use sinew::files;
-use sinew::results::{MOTION_FILES, ResultTable};
 use sinew_formats::source_text::MAX_TEXT_BYTES;
 use sinew_formats::tidy_csv::{self, Cells};
 use std::collections::BTreeSet;

@@ -20,12 +20,13 @@ use std::sync::Arc;
 pub const LOCK_NAME: &str = "sinew.lock";
 
 /// Everything that a run leaves in its folder.
-pub const RESULT_NAMES: [&str; 13] = [
+pub const RESULT_NAMES: [&str; 14] = [
     "angles.csv",
     "angles.mot",
     "config.toml",
     "frames.csv",
     "joints.csv",
+    "keypoints.csv",
     "load.py",
     "markers.trc",
     "markers_sd.csv",

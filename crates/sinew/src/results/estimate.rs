@@ -10,6 +10,7 @@ pub mod diagnostics;
 use sinew_body::KinematicTree;
 use sinew_dynamics::primitives::switching::Branch;
 use sinew_observe::Camera;
+use sinew_recording::setup::lasting_sources::PointSources;
 
 /// Whether an estimate uses the frames up to its own or all of them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -146,6 +147,8 @@ pub struct FrameEstimate {
     pub missing: Vec<f64>,
     /// Marginals of the points.
     pub points: Vec<PointMarginal>,
+    /// Marginals of the keypoints as the detectors see them, in the order of [`RunInfo::keypoints`]; none where that is not known apart from the points.
+    pub keypoints: Vec<PointMarginal>,
     /// Marginals of the degrees of freedom.
     pub state: Vec<StateMarginal>,
     /// Thinned draws, as many in each frame.
@@ -228,6 +231,8 @@ pub struct RunInfo {
     pub camera_offset_px: Vec<[f64; 2]>,
     /// Noise of a keypoint, pixels, that residuals are to be compared with.
     pub sigma_px: f64,
+    /// What the uncertainty of the points comes from that is constant; empty where that is not known.
+    pub sources: Vec<PointSources>,
     /// The value of the set-up pass, as `setup.toml` holds it.
     pub setup_toml: String,
 }

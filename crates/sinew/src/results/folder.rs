@@ -4,7 +4,7 @@
 //! summary.json   written last; "complete": true means done      timings.json   the only file that differs from run to run
 //! config.toml    repeats the run with --config                  setup.toml     repeats the set-up with --setup
 //! markers.trc    markers_sd.csv    angles.mot    motion.bvh     of the mean pose
-//! joints.csv     angles.csv        frames.csv                   tidy tables with units in the column names
+//! joints.csv     keypoints.csv     angles.csv     frames.csv    tidy tables with units in the column names
 //! actions.csv                                                   of methods with action primitives alone
 //! posterior.zarr load.py                                        draws, and how to open them
 //! ```
@@ -102,7 +102,7 @@ impl ResultFolder {
             coordinates,
             skeleton,
             draws: DrawStore::open(&place, &info, written.map(|written| &written.draws))?,
-            journal: Journal::open(&place, info.cameras.len())?,
+            journal: Journal::open(&place, info.cameras.len(), info.body.points().len())?,
             whole: vec![
                 text("config.toml", &texts.config_toml)?,
                 text("setup.toml", &info.setup_toml)?,
@@ -129,6 +129,7 @@ impl ResultFolder {
             &mut self.markers.trc,
             &mut self.markers.sd.file,
             &mut self.tables.joints.file,
+            &mut self.tables.keypoints.file,
             &mut self.tables.angles.file,
             &mut self.tables.frames.file,
             &mut self.coordinates.file,
@@ -270,6 +271,7 @@ mod tests {
             camera_offset_px: vec![[0.0; 2]],
             sigma_px: 4.0,
             has_masks: false,
+            sources: vec![],
             setup_toml: String::new(),
             body: crate::bodies::find("cf28").unwrap(),
         }

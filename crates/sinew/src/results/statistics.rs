@@ -4,7 +4,9 @@
 
 use super::summary::{CameraSummary, Diagnostics, Ending, Limits, R_HAT_NOTED, SCHEMA_VERSION, Spread, Summary};
 use super::texts::Texts;
-use crate::results::estimate::{FrameEstimate, RunInfo};
+use crate::results::estimate::{EstimateKind, FrameEstimate, RunInfo};
+use sinew_body::Point;
+use sinew_recording::setup::uncertainty::{Uncertainty, uncertainty};
 
 /// E-BFMI below which chains are said not to reach the tails (the Stan developers' bound).
 const ENERGY_FRACTION_NEEDED: f64 = 0.3;
@@ -37,6 +39,8 @@ pub(crate) struct Statistics {
     trajectories: u64,
     log_evidence: Option<f64>,
     residual_px: Vec<Vec<f32>>,
+    /// Variance of each point, the sum over axes and frames.
+    variances: Vec<f64>,
     particles: bool,
 }
 
@@ -84,6 +88,7 @@ impl Statistics {
             trajectories: 0,
             log_evidence: None,
             residual_px: vec![Vec::new(); info.cameras.len()],
+            variances: vec![0.0; info.body.points().len()],
             particles: info.is_weighted,
         }
     }
@@ -135,6 +140,9 @@ impl Statistics {
         self.trajectories += estimate.trajectories;
         if let Some(evidence) = estimate.log_evidence {
             *self.log_evidence.get_or_insert(0.0) += evidence;
+        }
+        for (all, point) in self.variances.iter_mut().zip(&estimate.points) {
+            *all += point.sd.iter().map(|sd| sd * sd).sum::<f64>();
         }
         for (all, residual) in self.residual_px.iter_mut().zip(&estimate.residual_px) {
             all.extend(residual.map(|residual| residual as f32));
@@ -254,6 +262,14 @@ impl Statistics {
         self.residual_px.iter().map(|all| quantiles(all, [0.5]).map(|[median]| median)).collect()
     }
 
+    /// What the uncertainty of the run comes from.
+    fn uncertainty(&self, info: &RunInfo) -> Option<Uncertainty> {
+        let of = |(point, sum): (&Point, &f64)| (point.name.clone(), sum / self.frames as f64);
+        let variances: Vec<_> = info.body.points().iter().zip(&self.variances).map(of).collect();
+        let variances: Vec<_> = variances.iter().map(|(name, variance)| (name.as_str(), *variance)).collect();
+        uncertainty(&info.sources, &variances, info.kind == EstimateKind::Smoothed)
+    }
+
     pub(crate) fn summary(self, info: &RunInfo, ending: &Ending) -> Summary {
         let names = info.cameras.iter().map(|camera| camera.name.clone());
         let cameras = names.zip(self.residuals()).enumerate().map(|(i, (name, residual_px))| CameraSummary {
@@ -284,6 +300,7 @@ impl Statistics {
             degrees_of_freedom: info.body.dof(),
             cameras: cameras.collect(),
             diagnostics: self.diagnostics(),
+            uncertainty: self.uncertainty(info),
             failed_diagnostics: self.failed(&ending.limits),
             warnings,
             input_hashes: ending.input_hashes.clone(),
@@ -334,6 +351,7 @@ mod tests {
             keypoints: vec!["Nose".into()],
             camera_offset_px: vec![[0.0; 2]],
             sigma_px: 4.0,
+            sources: vec![],
             setup_toml: String::new(),
             body: crate::bodies::find("cf28").unwrap(),
         };

@@ -5,6 +5,7 @@
 
 use super::silhouette_overlap::SilhouetteOverlap;
 use serde::Serialize;
+use sinew_recording::setup::uncertainty::Uncertainty;
 use std::collections::BTreeMap;
 
 /// Version of the layout of this file.
@@ -82,6 +83,9 @@ pub struct Summary {
     pub cameras: Vec<CameraSummary>,
     /// Diagnostics.
     pub diagnostics: Diagnostics,
+    /// What the uncertainty comes from, where the set-up says what it has of what is constant.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub uncertainty: Option<Uncertainty>,
     /// Diagnostics that failed, in words.
     pub failed_diagnostics: Vec<String>,
     /// Warnings.

@@ -1,8 +1,9 @@
-//! `joints.csv`, `angles.csv`, `frames.csv`: tidy tables with the unit in every column name.
+//! `joints.csv`, `keypoints.csv`, `angles.csv`, `frames.csv`: tidy tables with the unit in every column name.
 //!
 //! | file | a row is | columns |
 //! |---|---|---|
 //! | `joints.csv` | a point in a frame | frame, `time_s`, person, joint, `x_mean_m` … `z_q95_m`, `x_sd_within_m` … (world, Z up), observed, quality |
+//! | `keypoints.csv` | a keypoint in a frame, where the detectors see it in space | the same with keypoint for joint; no rows where that is not known |
 //! | `angles.csv` | a rotation in a frame | `time_s`, person, name, `mean_deg`, `q05_deg`, `q95_deg` |
 //! | `frames.csv` | a frame | frame, `time_s`, observed, quality, restarted, ess, `log_evidence`, `r_hat`, `e_bfmi`, acceptance, `off_manifold`, divergences, `residual_px` and one per camera |
 //!
@@ -11,7 +12,7 @@
 use super::partial::{PartialFile, Place};
 use super::table::{Table, integer, optional};
 use crate::Error;
-use crate::results::estimate::{FrameEstimate, RunInfo};
+use crate::results::estimate::{FrameEstimate, PointMarginal, RunInfo};
 use sinew_body::Joint;
 use sinew_formats::tidy_csv::Cell;
 
@@ -20,9 +21,11 @@ pub(crate) const PERSON: Cell<'_> = Cell::Integer(0);
 
 pub(crate) struct Tables {
     pub(crate) joints: Table,
+    pub(crate) keypoints: Table,
     pub(crate) angles: Table,
     pub(crate) frames: Table,
     point_names: Vec<String>,
+    keypoint_names: Vec<String>,
     /// Degree of freedom and name of every rotation.
     rotations: Vec<(usize, String)>,
 }
@@ -47,8 +50,8 @@ const MARGINALS: [&str; 15] = [
 
 impl Tables {
     pub(crate) fn open(place: &Place<'_>, info: &RunInfo) -> Result<Self, Error> {
-        let joint_columns =
-            [&["frame", "time_s", "person", "joint"][..], &MARGINALS, &["observed", "quality"]].concat();
+        let point_columns =
+            |what| [&["frame", "time_s", "person", what][..], &MARGINALS, &["observed", "quality"]].concat();
         let angle_columns = ["time_s", "person", "name", "mean_deg", "q05_deg", "q95_deg"];
         let mut frame_columns: Vec<String> = [
             "frame",
@@ -72,10 +75,12 @@ impl Tables {
         let rotations =
             named.filter(|(_, (_, (_, joint)))| matches!(joint, Joint::Rotate(_))).map(|(dof, (name, _))| (dof, name));
         Ok(Self {
-            joints: Table::open(place, "joints.csv", &joint_columns)?,
+            joints: Table::open(place, "joints.csv", &point_columns("joint"))?,
+            keypoints: Table::open(place, "keypoints.csv", &point_columns("keypoint"))?,
             angles: Table::open(place, "angles.csv", &angle_columns)?,
             frames: Table::open(place, "frames.csv", &frame_columns)?,
             point_names: info.body.points().iter().map(|point| point.name.clone()).collect(),
+            keypoint_names: info.keypoints.clone(),
             rotations: rotations.collect(),
         })
     }
@@ -83,18 +88,17 @@ impl Tables {
     pub(crate) fn append(&mut self, estimate: &FrameEstimate) -> Result<(), Error> {
         let time = Cell::Number(estimate.time_s);
         let flags = [integer(estimate.observed.into()), integer(estimate.quality as u64)];
-        for (name, point) in self.point_names.iter().zip(&estimate.points) {
-            let mut cells = vec![integer(estimate.number), time, PERSON, Cell::Text(name)];
-            cells.extend(
-                [point.mean, point.sd, point.q05, point.q95, point.sd_within]
-                    .as_flattened()
-                    .iter()
-                    .copied()
-                    .map(Cell::Number),
-            );
-            cells.extend(flags);
-            self.joints.append(&cells)?;
-        }
+        let rows = |table: &mut Table, names: &[String], points: &[PointMarginal]| {
+            names.iter().zip(points).try_for_each(|(name, point)| {
+                let mut cells = vec![integer(estimate.number), time, PERSON, Cell::Text(name)];
+                let numbers = [point.mean, point.sd, point.q05, point.q95, point.sd_within];
+                cells.extend(numbers.as_flattened().iter().copied().map(Cell::Number));
+                cells.extend(flags);
+                table.append(&cells)
+            })
+        };
+        rows(&mut self.joints, &self.point_names, &estimate.points)?;
+        rows(&mut self.keypoints, &self.keypoint_names, &estimate.keypoints)?;
         for (dof, name) in &self.rotations {
             let angle = &estimate.state[*dof];
             let [mean, q05, q95] = [angle.mean, angle.q05, angle.q95].map(|value| Cell::Number(value.to_degrees()));
@@ -109,8 +113,8 @@ impl Tables {
         self.frames.append(&cells)
     }
 
-    pub(crate) fn finish(self) -> [PartialFile; 3] {
-        [self.joints.file, self.angles.file, self.frames.file]
+    pub(crate) fn finish(self) -> [PartialFile; 4] {
+        [self.joints.file, self.keypoints.file, self.angles.file, self.frames.file]
     }
 }
 

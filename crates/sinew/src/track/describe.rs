@@ -1,12 +1,10 @@
 //! From a step of a tracker to what is written of it.
 
-use super::marginals::Marginals;
+use super::marginals::{Described, Marginals};
 use super::moved::{EqualDraws, Moved};
 use super::scene::Scene;
 use crate::config::settings::Settings;
-use crate::results::estimate::{
-    ActionShare, Draws, FrameEstimate, HmcStatistics, ParticleStatistics, PointMarginal, Quality, StateMarginal,
-};
+use crate::results::estimate::{ActionShare, Draws, FrameEstimate, HmcStatistics, ParticleStatistics, Quality};
 use sinew_core::random::Stage;
 use sinew_dynamics::primitives::switching::Choice;
 use sinew_tracking::StepInfo;
@@ -51,8 +49,9 @@ pub(super) fn describe(
         energy: chosen.iter().map(|s| s.energy).collect(),
     });
     let particles = posterior.chain_stats.is_empty().then(|| particles(posterior, &info));
-    let Spread { mean_state, shape, detected, points, state } =
+    let Spread { mean_state, shape, detected, described } =
         spread(settings, scene, marginals, (number, &info.mean), posterior, (&mut states, moved.as_ref()));
+    let Described { points, keypoints, state } = described;
     let size = marginals.size_draws(&mut states, posterior.dim);
     let cameras = scene.cameras_with_person().max(silhouettes);
     FrameEstimate {
@@ -71,6 +70,7 @@ pub(super) fn describe(
         moves,
         missing: moved.map_or_else(Vec::new, |moved| moved.missing),
         points,
+        keypoints,
         state,
         draws: Draws { states, shape, detected, size, lp: chosen.iter().map(|s| s.log_density).collect(), hmc },
         particles,
@@ -96,8 +96,7 @@ struct Spread {
     mean_state: Vec<f64>,
     shape: Vec<f64>,
     detected: Vec<f64>,
-    points: Vec<PointMarginal>,
-    state: Vec<StateMarginal>,
+    described: Described,
 }
 
 /// Mean, marginals and kept draws, moved where there is something to move them by.
@@ -110,17 +109,17 @@ fn spread(
     (kept, moved): (&mut [f64], Option<&Moved>),
 ) -> Spread {
     let Some(moved) = moved else {
-        let (points, state) = marginals.of(posterior, None);
-        return Spread { mean_state: mean.to_vec(), shape: vec![], detected: vec![], points, state };
+        let described = marginals.of(posterior, None);
+        return Spread { mean_state: mean.to_vec(), shape: vec![], detected: vec![], described };
     };
     moved.apply(kept);
     let [shape, detected] = moved.written(scene.points_of(kept), kept.len() / posterior.dim);
     let rng = &mut Stage::new(settings.seed, "equal weight").at_frame(number as u32).whole();
     let EqualDraws { states, weights } = moved.equal_draws(posterior, rng);
     let equal = Posterior { states: &states, weights: &weights, chain_stats: &[], ..*posterior };
-    let (points, state) = marginals.of(&equal, Some(moved));
+    let described = marginals.of(&equal, Some(moved));
     let mean_state = mean.iter().zip(moved.mean()).map(|(x, by)| x + by).collect();
-    Spread { mean_state, shape, detected, points, state }
+    Spread { mean_state, shape, detected, described }
 }
 
 /// The choices of the motion, part by part, by their meaning.

@@ -10,18 +10,47 @@ use rayon::prelude::*;
 use sinew_body::{KinematicTree, Plan, point_positions_block};
 use sinew_core::lanes::{Block, Isa, LANES};
 use sinew_tracking::posterior::Posterior;
+use std::sync::Arc;
 
 /// Reusable buffers for one body.
 pub(super) struct Marginals {
     plan: Plan,
+    /// The keypoints where the detectors see them, if that is known apart from the points of the body.
+    keypoints: Option<Arc<Plan>>,
     isa: Isa,
     size: Option<UnknownSize>,
-    /// Positions of all points in each block of draws.
+    /// Positions of all points, then keypoints, in each block of draws.
     positions: Vec<Block>,
 }
 
+/// What is said of a frame's draws.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Described {
+    /// All points of the body.
+    pub points: Vec<PointMarginal>,
+    /// The keypoints as the detectors see them.
+    pub keypoints: Vec<PointMarginal>,
+    /// All degrees of freedom.
+    pub state: Vec<StateMarginal>,
+}
+
+/// Sum over a series, eight numbers side by side.
+fn sum(series: &[f64], of: impl Fn(f64) -> f64) -> f64 {
+    let (eights, rest) = series.as_chunks::<LANES>();
+    let mut sums = [0.0; LANES];
+    for eight in eights {
+        sums.iter_mut().zip(eight).for_each(|(sum, x)| *sum += of(*x));
+    }
+    sums.iter().sum::<f64>() + rest.iter().map(|x| of(*x)).sum::<f64>()
+}
+
 /// Mean and standard deviation of a series.
-fn moments(series: &[f64], weights: &[f64]) -> [f64; 2] {
+fn moments(series: &[f64], weights: &[f64], equal: bool) -> [f64; 2] {
+    if equal {
+        let count = series.len() as f64;
+        let mean = sum(series, |x| x) / count;
+        return [mean, (sum(series, |x| (x - mean) * (x - mean)) / count).sqrt()];
+    }
     let mean: f64 = series.iter().zip(weights).map(|(x, w)| w * x).sum();
     let variance: f64 = series.iter().zip(weights).map(|(x, w)| w * (x - mean) * (x - mean)).sum();
     [mean, variance.max(0.0).sqrt()]
@@ -29,7 +58,7 @@ fn moments(series: &[f64], weights: &[f64]) -> [f64; 2] {
 
 /// Mean, standard deviation, 5 % and 95 % quantile of a series; reorders it where the weights are equal.
 fn describe(series: &mut [f64], weights: &[f64], equal: bool) -> [f64; 4] {
-    let [mean, sd] = moments(series, weights);
+    let [mean, sd] = moments(series, weights, equal);
     let [low, high] = if equal {
         let n = series.len();
         let at = |p: f64| ((p * n as f64).ceil() as usize).clamp(1, n) - 1;
@@ -53,8 +82,8 @@ fn describe(series: &mut [f64], weights: &[f64], equal: bool) -> [f64; 4] {
 }
 
 impl Marginals {
-    pub(super) fn new(tree: &KinematicTree, isa: Isa, size: Option<UnknownSize>) -> Self {
-        Self { plan: Plan::with_all_points(tree), isa, size, positions: vec![] }
+    pub(super) fn new(tree: &KinematicTree, keypoints: Option<Arc<Plan>>, isa: Isa, size: Option<UnknownSize>) -> Self {
+        Self { plan: Plan::with_all_points(tree), keypoints, isa, size, positions: vec![] }
     }
 
     /// Sizes of the draws, for a body that was not measured.
@@ -73,27 +102,37 @@ impl Marginals {
         states.chunks_exact_mut(dim).enumerate().map(place).collect()
     }
 
-    /// Marginals of all points of the body and of all degrees of freedom; the draws move as `moved` says, if there is one, in their order.
-    pub(super) fn of(
-        &mut self,
-        posterior: &Posterior<'_>,
-        moved: Option<&Moved>,
-    ) -> (Vec<PointMarginal>, Vec<StateMarginal>) {
-        let Self { plan, isa, size, positions } = self;
-        let (d, coordinates) = (posterior.dim, 3 * plan.points());
-        let count = posterior.count().div_ceil(LANES);
-        if let Some(size) = size {
-            size.prepare(count);
-        }
-        positions.resize(count * coordinates, Block::ZERO);
-        let blocks = posterior.states.par_chunks_exact(d).zip(positions.par_chunks_exact_mut(coordinates));
-        let scratch = || vec![Block::ZERO; plan.workspace()];
-        blocks.for_each_init(scratch, |ws, (states, out)| point_positions_block(plan, *isa, states, out, ws));
+    /// Positions of all points, then keypoints, in the draws of a posterior.
+    fn positions(&mut self, posterior: &Posterior<'_>) {
+        let Self { plan, keypoints, isa, positions, .. } = self;
+        let (body, coordinates) =
+            (3 * plan.points(), 3 * (plan.points() + keypoints.as_ref().map_or(0, |k| k.points())));
+        positions.resize(posterior.count().div_ceil(LANES) * coordinates, Block::ZERO);
+        let blocks = posterior.states.par_chunks_exact(posterior.dim).zip(positions.par_chunks_exact_mut(coordinates));
+        let workspace = plan.workspace().max(keypoints.as_ref().map_or(0, |k| k.workspace()));
+        let scratch = || vec![Block::ZERO; workspace];
+        blocks.for_each_init(scratch, |ws, (states, out)| {
+            let (points, detected) = out.split_at_mut(body);
+            point_positions_block(plan, *isa, states, points, ws);
+            if let Some(keypoints) = keypoints.as_deref() {
+                point_positions_block(keypoints, *isa, states, detected, ws);
+            }
+        });
+    }
 
+    /// Marginals of all points of the body, keypoints and degrees of freedom; the draws move as `moved` says, if there is one, in their order.
+    pub(super) fn of(&mut self, posterior: &Posterior<'_>, moved: Option<&Moved>) -> Described {
+        self.positions(posterior);
+        let Self { plan, keypoints, size, positions, .. } = self;
+        let (d, body) = (posterior.dim, 3 * plan.points());
+        let coordinates = body + 3 * keypoints.as_ref().map_or(0, |k| k.points());
+        if let Some(size) = size {
+            size.prepare(posterior.count().div_ceil(LANES));
+        }
         let equal = posterior.weights.windows(2).all(|pair| pair[0] == pair[1]);
         let add_shape = |series: &mut Vec<f64>, column: usize| {
-            if let Some(Moved { points, .. }) = moved {
-                add_row(series, points.row(column));
+            if let Some(Moved { points, keypoints, .. }) = moved {
+                add_row(series, column.checked_sub(body).map_or_else(|| points.row(column), |row| keypoints.row(row)));
             }
         };
         let away = |axis: usize| moved.map(|moved| moved.shifts.iter().map(|shift| -shift[axis]).collect::<Vec<f64>>());
@@ -101,11 +140,11 @@ impl Marginals {
         let within = |series: &[f64], axis: usize| {
             let mut own = series.to_vec();
             add_row(&mut own, away[axis].as_ref()?);
-            Some(moments(&own, posterior.weights)[1])
+            Some(moments(&own, posterior.weights, equal)[1])
         };
         let described_column = |series: &mut Vec<f64>, all: &[Block], width: usize, column: usize| {
             series.clear();
-            series.extend(all.iter().skip(column).step_by(width).flat_map(|block| block.0));
+            all.chunks_exact(width).for_each(|block| series.extend_from_slice(&block[column].0));
             series.truncate(posterior.count());
             if width == coordinates {
                 add_shape(series, column);
@@ -113,7 +152,7 @@ impl Marginals {
             if let Some(size) = size.as_ref().filter(|_| width == coordinates || column < 3) {
                 series.iter_mut().enumerate().for_each(|(draw, x)| *x = size.place(draw, column % 3, *x));
             }
-            let within = within(series, column % 3);
+            let within = if width == coordinates { within(series, column % 3) } else { None };
             let [mean, sd, q05, q95] = describe(series, posterior.weights, equal);
             [mean, sd, q05, q95, within.unwrap_or(sd)]
         };
@@ -124,7 +163,8 @@ impl Marginals {
                 Some(j) => described_column(series, posterior.states, d, j),
             })
             .collect();
-        let (at_points, points_of_states) = described.split_at(coordinates);
+        let (at_points, from_states) = described.split_at(coordinates);
+        let (at_points, at_keypoints) = at_points.split_at(body);
         let point = |axes: &[[f64; 5]]| {
             let mut point = PointMarginal::default();
             for (axis, &[mean, sd, q05, q95, within]) in axes.iter().enumerate() {
@@ -134,13 +174,18 @@ impl Marginals {
             point
         };
         let state = |&[mean, _, q05, q95, _]: &[f64; 5]| StateMarginal { mean, q05, q95 };
-        (at_points.chunks_exact(3).map(point).collect(), points_of_states.iter().map(state).collect())
+        Described {
+            points: at_points.chunks_exact(3).map(point).collect(),
+            keypoints: at_keypoints.chunks_exact(3).map(point).collect(),
+            state: from_states.iter().map(state).collect(),
+        }
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use super::super::moved::Rows;
     use sinew_observe::Camera;
 
     #[test]
@@ -164,8 +209,8 @@ mod tests {
         let weights = vec![1.0 / draws as f64; draws];
         let posterior = Posterior { dim: d, states: &states, weights: &weights, effective: 1.0, chain_stats: &[] };
         let size = UnknownSize::with_sd(&camera, 0.05, 1);
-        let mut marginals = Marginals::new(&tree, Isa::best(), Some(size));
-        let (points, state) = marginals.of(&posterior, None);
+        let mut marginals = Marginals::new(&tree, None, Isa::best(), Some(size));
+        let Described { points, state, .. } = marginals.of(&posterior, None);
         let hip = points[tree.point_index("MidHip").unwrap()];
         assert!((hip.sd[0] - 0.25).abs() < 0.02 && hip.sd[1] < 1e-12 && hip.sd[2] < 0.01, "{hip:?}");
         assert!((hip.q95[0] - hip.q05[0] - 2.0 * 1.645 * 0.25).abs() < 0.04, "{hip:?}");
@@ -191,6 +236,36 @@ mod tests {
         for (state, size) in kept.chunks_exact(d).zip(sizes) {
             let [a, b] = nose(state, size);
             assert!((a - u).hypot(b - v) < 1e-9 && (size - 1.0).abs() > 1e-6);
+        }
+    }
+
+    /// Two keypoints 1 cm from their joints, which one of two draws of the lengths moves 2 cm farther.
+    #[test]
+    fn keypoints_lie_where_detectors_see_them() {
+        let tree = sinew_body::standard::h32(&sinew_body::Proportions::default());
+        let (d, count, shown) = (tree.dof(), tree.points().len(), [3, 0]);
+        let places = vec![[0.01, 0.0, 0.0]; count];
+        let keypoints = Arc::new(Plan::new(&tree.with_points_moved(&places), &shown));
+        let (states, weights) = (vec![Block::ZERO; d], vec![1.0 / LANES as f64; LANES]);
+        let posterior = Posterior { dim: d, states: &states, weights: &weights, effective: 1.0, chain_stats: &[] };
+        let mut moved = Moved {
+            shifts: vec![[0.0; 3]; 2],
+            states: Rows::new(&vec![0.0; 2 * d], 2),
+            points: Rows::new(&vec![0.0; 6 * count], 2),
+            keypoints: Rows::new(&[0.0; 12], 2),
+            missing: vec![],
+        };
+        // The second keypoint, along y, in the second draw.
+        moved.keypoints.values[4].0[1] = 0.02;
+        let mut marginals = Marginals::new(&tree, Some(keypoints), Isa::baseline(), None);
+        let Described { points, keypoints, state } = marginals.of(&posterior, Some(&moved));
+        assert_eq!((points.len(), keypoints.len(), state.len()), (count, 2, d));
+        for (k, (keypoint, point)) in keypoints.iter().zip(shown).enumerate() {
+            let along_y = if k == 1 { 0.01 } else { 0.0 };
+            let from_joint = [0, 1, 2].map(|axis: usize| keypoint.mean[axis] - points[point].mean[axis]);
+            let expected = [0.01, along_y, 0.0];
+            assert!(from_joint.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-12), "{from_joint:?}");
+            assert!((keypoint.sd[1] - along_y).abs() < 1e-12 && keypoint.sd[0] < 1e-12);
         }
     }
 

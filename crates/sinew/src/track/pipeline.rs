@@ -31,7 +31,7 @@ use crate::results::problem::{self, Problem};
 use crate::results::silhouette_overlap::SilhouetteOverlap;
 use crate::setup::Setup;
 use serde::{Deserialize, Serialize};
-use sinew_body::KinematicTree;
+use sinew_body::{KinematicTree, Plan};
 use sinew_core::lanes::Isa;
 use sinew_core::random::Stage;
 use sinew_core::transition::Moments;
@@ -42,6 +42,7 @@ use sinew_observe::solid_body::part_tree;
 use sinew_tracking::posterior::Posterior;
 use sinew_tracking::{Harness, Resume as _, StepInfo, run};
 use std::ops::ControlFlow;
+use std::sync::Arc;
 
 /// A tracker with all that surrounds it for one recording.
 pub struct Pipeline {
@@ -128,8 +129,10 @@ impl Pipeline {
             method.tracker(&Making { setup: &known, transition: &prior, parts, motion_model, latent, dt, isa }, start)
         };
         let tracker = Restarting::new(Box::new(make), scene.start().to_vec())?;
-        let marginals = Marginals::new(tree, settings.isa, UnknownSize::of(setup, cameras, settings.seed));
         let lasting = Lasting::new(setup, tree, cameras, &scene, &transition, (settings.seed, dt));
+        let detected = lasting.is_some().then(|| scene.model().plan.clone());
+        let size = UnknownSize::of(setup, cameras, settings.seed);
+        let marginals = Marginals::new(tree, detected, settings.isa, size);
         let observer = Observer { settings, scene, images, lasting, marginals, remarks, acting_parts };
         Ok(Self { tracker, observer, transition })
     }
@@ -162,6 +165,11 @@ impl Pipeline {
     #[must_use]
     pub fn lasting_draws(&self) -> usize {
         self.lasting().map_or(0, Lasting::draws)
+    }
+
+    /// The keypoints where the detectors see them, if that is known apart from the points of the body.
+    pub(super) fn detected_plan(&self) -> Option<Arc<Plan>> {
+        self.lasting().map(|_| self.scene().model().plan.clone())
     }
 
     pub(super) fn size(&self) -> Option<&UnknownSize> {

@@ -13,7 +13,7 @@
 //! done again by a run that resumes after a stop.
 
 use super::error::TrackError;
-use super::marginals::Marginals;
+use super::marginals::{Described, Marginals};
 use super::moved::Moved;
 use super::pipeline::Pipeline;
 use crate::Error;
@@ -277,7 +277,7 @@ fn forwards(
 ) -> Result<(), Error> {
     let (d, settings) = (spool.dim, pipeline.settings());
     let weights = vec![1.0 / TRAJECTORIES as f64; TRAJECTORIES];
-    let mut marginals = Marginals::new(tree, settings.isa, pipeline.size().cloned());
+    let mut marginals = Marginals::new(tree, pipeline.detected_plan(), settings.isa, pipeline.size().cloned());
     let mut states = vec![Block::ZERO; TRAJECTORIES / LANES * d];
     for frame in 0..spool.frames {
         let mut numbers = trajectories.read(frame * numbers_of_frame(spool) as u64, numbers_of_frame(spool))?;
@@ -294,7 +294,7 @@ fn forwards(
         }
         let posterior =
             Posterior { dim: d, states: &states, weights: &weights, effective: TRAJECTORIES as f64, chain_stats: &[] };
-        let (points, state) = marginals.of(&posterior, moved.as_ref());
+        let Described { points, keypoints, state } = marginals.of(&posterior, moved.as_ref());
         let mut kept = numbers[..settings.draws.min(TRAJECTORIES) * d].to_vec();
         let size = marginals.size_draws(&mut kept, d);
         let [shape, detected] = match &moved {
@@ -306,6 +306,7 @@ fn forwards(
         let estimate = FrameEstimate {
             mean_state: mean_state.to_vec(),
             points,
+            keypoints,
             state,
             draws,
             ..spool.estimate(&header, settings.fps)

@@ -12,6 +12,7 @@ use crate::track::error::TrackError;
 use crate::track::pipeline::Pipeline;
 use crate::track::smooth::TRAJECTORIES;
 use sinew_observe::Camera;
+use sinew_recording::setup::lasting_sources::PointSources;
 
 /// What is the same for all frames.
 pub(super) fn run_info(
@@ -33,7 +34,8 @@ pub(super) fn run_info(
         first_frame,
         draws: if config.smooth { settings.draws.min(TRAJECTORIES) } else { settings.draws },
         carried: if config.smooth {
-            Carried { log_evidence: carried.log_evidence, size: carried.size, ..Carried::default() }
+            let Carried { log_evidence, size, detected, .. } = carried;
+            Carried { log_evidence, size, detected, ..Carried::default() }
         } else {
             carried
         },
@@ -42,11 +44,18 @@ pub(super) fn run_info(
         isa: settings.isa.name().into(),
         camera_offset_px: setup.camera.iter().map(|camera| camera.offset_px).collect(),
         sigma_px: setup.camera.iter().map(|camera| camera.sigma_px).fold(0.0, f64::max),
+        sources: sources(setup, &cameras),
         cameras,
         keypoints: pipeline.keypoints(),
         has_masks: config.silhouettes.is_some(),
         setup_toml,
     }
+}
+
+/// What the uncertainty comes from that is constant, of a run with the cameras of its set-up. Where the size of the body is unknown, that is more than all of it.
+fn sources(setup: &Setup, cameras: &[Camera]) -> Vec<PointSources> {
+    let known = setup.lasting.as_ref().filter(|known| known.cameras.len() == cameras.len() && setup.size_sd == 0.0);
+    known.map_or_else(Vec::new, |known| known.source.clone())
 }
 
 /// The texts of the run as it was begun.

@@ -10,6 +10,8 @@ pub const MOTION_FILES: &str = "markers.trc (points), angles.mot (angles) or mot
 pub enum ResultTable {
     /// `joints.csv`.
     Joints,
+    /// `keypoints.csv`.
+    Keypoints,
     /// `angles.csv`.
     Angles,
     /// `frames.csv`.
@@ -29,6 +31,8 @@ impl ResultTable {
         let has = |names: &[&str]| names.iter().all(|name| columns.iter().any(|column| column == name));
         if has(&["frame", "time_s", "person", "joint", "x_mean_m"]) {
             Some(Self::Joints)
+        } else if has(&["frame", "time_s", "person", "keypoint", "x_mean_m"]) {
+            Some(Self::Keypoints)
         } else if has(&["time_s", "person", "name", "mean_deg"]) {
             Some(Self::Angles)
         } else if has(&["frame", "time_s", "observed", "quality", "restarted"]) {
@@ -47,6 +51,7 @@ impl ResultTable {
     pub const fn describe(self) -> &'static str {
         match self {
             Self::Joints => "marginals of the points, a row for each point in a frame",
+            Self::Keypoints => "marginals of the keypoints as detectors see them, a row for each keypoint in a frame",
             Self::Angles => "marginals of the rotations, a row for each rotation in a frame",
             Self::Frames => "diagnostics, a row for each frame",
             Self::Actions => "actions, a row for each cluster and model that moved a part in a frame",
@@ -59,6 +64,7 @@ impl ResultTable {
     pub const fn name_column(self) -> Option<&'static str> {
         match self {
             Self::Joints => Some("joint"),
+            Self::Keypoints => Some("keypoint"),
             Self::Angles => Some("name"),
             Self::Actions => Some("part"),
             Self::Frames | Self::MarkersSd => None,
@@ -74,6 +80,7 @@ mod tests {
     fn tables_are_recognised_by_their_header() {
         let check = |header: &str, expected| assert_eq!(ResultTable::of(header), expected, "{header}");
         check("frame,time_s,person,joint,x_mean_m,y_mean_m\n0,0,0,Nose,1,2\n", Some(ResultTable::Joints));
+        check("frame,time_s,person,keypoint,x_mean_m\n", Some(ResultTable::Keypoints));
         check("\u{feff}time_s;person;name;mean_deg\r\n", Some(ResultTable::Angles));
         check("frame,time_s,observed,quality,restarted,ess\n", Some(ResultTable::Frames));
         check("frame,time_s,person,part,cluster,model,share\n", Some(ResultTable::Actions));
