@@ -110,7 +110,8 @@ impl Neighbours {
             build(&lengthened(proportions, &by))
         };
         let longer: Vec<KinematicTree> = (0..count).map(longer).collect();
-        let of_link = |(i, link): (usize, &Link)| growths(link.offset, longer.iter().map(|tree| &tree.links()[i].offset));
+        let of_link =
+            |(i, link): (usize, &Link)| growths(link.offset, longer.iter().map(|tree| &tree.links()[i].offset));
         let of_point =
             |&p: &usize| growths(tree.points()[p].offset, longer.iter().map(|tree| &tree.points()[p].offset));
         Self {

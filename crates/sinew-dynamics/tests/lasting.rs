@@ -2,10 +2,10 @@
 
 use faer::linalg::solvers::{DenseSolveCore, Solve};
 use faer::{Mat, MatRef, Side};
+use sinew_core::lanes::{Block, Isa, LANES, numbers, numbers_mut};
 use sinew_core::transition::Moments;
 use sinew_dynamics::kalman::{Filtered, Form, Kalman, Model};
 use sinew_dynamics::lasting::{FrameInformation, Lasting, widened};
-use sinew_core::lanes::{Block, Isa, LANES, numbers, numbers_mut};
 use sinew_dynamics::lasting_draws::LastingMoves;
 use sinew_dynamics::linearised_filter::LinearisedFilter;
 use sinew_dynamics::smoother::Smoother;

@@ -111,7 +111,8 @@ fn the_filter_says_how_much_larger_its_error_is() {
         }
         joint = information.llt(Side::Lower).unwrap().inverse();
     }
-    let (claimed, total, best) = (filter.covariance()[0], filter.covariance()[0] + persistent.missing()[0], joint[(0, 0)]);
+    let (claimed, total, best) =
+        (filter.covariance()[0], filter.covariance()[0] + persistent.missing()[0], joint[(0, 0)]);
     assert!(total > 3.0 * claimed, "{total} for {claimed}");
     assert!((1.8..1.9).contains(&(total / best)), "{total} for {best}");
 }

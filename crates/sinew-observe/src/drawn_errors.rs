@@ -83,8 +83,7 @@ impl DrawnErrors {
                 add(by_bias.as_flattened(), self.rows(self.errors.bias(*camera, point)), point);
             }
         }
-        let transposed: Vec<f64> =
-            (0..dof).flat_map(|j| body.by_pose.iter().skip(j).step_by(dof)).copied().collect();
+        let transposed: Vec<f64> = (0..dof).flat_map(|j| body.by_pose.iter().skip(j).step_by(dof)).copied().collect();
         let mut pull = vec![Block::ZERO; dof * self.blocks];
         add_combinations(self.isa, &transposed, &at_points, &mut pull, self.blocks);
         pull

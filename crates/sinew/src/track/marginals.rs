@@ -184,8 +184,8 @@ impl Marginals {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
     use super::super::moved::Rows;
+    use super::*;
     use sinew_observe::Camera;
 
     #[test]

@@ -299,7 +299,8 @@ impl Harness<Observation> for Passage<'_> {
     fn record(&mut self, frame: u32, info: StepInfo, posterior: Posterior<'_>) -> Result<ControlFlow<()>, Error> {
         let (number, Observer { settings, scene, images, lasting, marginals, .. }) =
             (u64::from(frame), &mut *self.observer);
-        let moved = lasting.as_mut().map(|lasting| lasting.step(scene, frame, &info.mean, info.restarted)).transpose()?;
+        let moved =
+            lasting.as_mut().map(|lasting| lasting.step(scene, frame, &info.mean, info.restarted)).transpose()?;
         let moves = lasting.as_ref().map_or_else(Vec::new, Lasting::moves);
         scene.note(number, &info.mean, &some_draws(settings.seed, frame, &posterior));
         if let Some(images) = images {

@@ -365,7 +365,9 @@ mod tests {
             return;
         };
         assert!((share - 0.05).abs() < 0.01 && (expected - 0.02).abs() < 1e-3, "{share} {expected}");
-        let Some(Doubt::Persistent { cameras, .. }) = is(Errs { persistence: 0.6, ..RIGHT }, "persistence") else { return };
+        let Some(Doubt::Persistent { cameras, .. }) = is(Errs { persistence: 0.6, ..RIGHT }, "persistence") else {
+            return;
+        };
         assert!((cameras[0].1 - 0.6).abs() < 0.1, "{cameras:?}");
     }
 

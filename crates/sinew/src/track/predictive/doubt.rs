@@ -164,13 +164,20 @@ impl Doubt {
             Self::Persistent { cameras, held } => {
                 let listed: Vec<String> = cameras.iter().map(|(name, r)| format!("{name} {r:.2}")).collect();
                 let words = if *held + NEARLY > cameras.iter().map(|(_, r)| *r).fold(0.0, f64::max) {
-                    format!("The intervals are wider for a correlation of {held:.2}, which the set-up found; estimates of successive frames are wrong alike")
+                    format!(
+                        "The intervals are wider for a correlation of {held:.2}, which the set-up found; estimates of successive frames are wrong alike"
+                    )
                 } else if *held > 0.0 {
-                    format!("The intervals are wider for a correlation of {held:.2}, which the set-up found, and still too narrow: frames repeat what others said, or the body does not fit the person")
+                    format!(
+                        "The intervals are wider for a correlation of {held:.2}, which the set-up found, and still too narrow: frames repeat what others said, or the body does not fit the person"
+                    )
                 } else {
                     "The intervals are too narrow, since they take errors as independent: frames repeat what others said, or the body does not fit the person".into()
                 };
-                format!("errors of the keypoints persist from frame to frame (correlation {}). {words}", listed.join(", "))
+                format!(
+                    "errors of the keypoints persist from frame to frame (correlation {}). {words}",
+                    listed.join(", ")
+                )
             }
             Self::Calibration { cameras, shift_m, is_in_intervals, lengths } => {
                 let listed: Vec<String> =
