@@ -36,8 +36,8 @@ fn lost(shares: &[f64], frames: usize) -> Vec<f64> {
 /// Widens the shrunk moments of a frame's draws for the prior of the next frame, the last of `frames` frames that follow from each other. `metric` and `precision`, that of the frame's own prior, are what the draws were made with.
 pub fn widen(moments: &mut Moments, quality: &ChainQuality, metric: &Metric, precision: &[f64], frames: usize) {
     let d = moments.mean.len();
-    let of_mean = 1.0 + 1.0 / quality.ess.max(1.0);
-    moments.covariance.iter_mut().for_each(|entry| *entry *= of_mean);
+    let from_mean = 1.0 + 1.0 / quality.ess.max(1.0);
+    moments.covariance.iter_mut().for_each(|entry| *entry *= from_mean);
     let whitening = metric.whitening();
     let kept = whitening.transpose() * MatRef::from_row_major_slice(precision, d, d) * &whitening;
     let Ok(eigen) = kept.self_adjoint_eigen(Side::Lower) else { return };

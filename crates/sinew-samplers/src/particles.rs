@@ -214,7 +214,7 @@ pub fn predict_and_reweight<T: Transition + ?Sized, D: LogDensity + ?Sized>(
     })
 }
 
-/// Moves the states by a proposal and multiplies their weights: `proposed` writes the next states of a block, whose number it is told, from the ones that they come from, and returns the logarithms of their factors, with `workspace` blocks of scratch. Returns log Σ W_i exp l_i.
+/// Moves the states by a proposal and multiplies their weights: `proposed` writes the next states of a block, whose number it gets, from the ones that they come from, and returns the logarithms of their factors, with `workspace` blocks of scratch. Returns log Σ W_i exp l_i.
 ///
 /// # Errors
 /// As [`reweight`]; the states have moved, and [`retreat`] takes that back.

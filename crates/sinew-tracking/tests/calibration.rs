@@ -1,4 +1,4 @@
-//! The HMC filter with few draws in many dimensions against the exact filter: a coordinate's variance covers what its mean errs.
+//! The HMC filter with few draws in many dimensions: its variances cover the errors of its means.
 
 use sinew_core::density::Lanes;
 use sinew_core::lanes::{Block, Isa};

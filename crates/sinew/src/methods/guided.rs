@@ -1,7 +1,6 @@
 //! `guided`: a particle filter whose particles move with the observation in view (Doucet, Godsill & Andrieu 2000).
 
-use super::about::{About, Gives, LatentUse, Making, Method, Steps};
-use super::score::Score;
+use super::about::{About, Making, Method, Steps};
 use crate::Error;
 use crate::config::values::SettingValues;
 use sinew_tracking::guided::{Config, Guided};
@@ -11,21 +10,15 @@ use std::sync::Arc;
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct GuidedMethod(pub Config);
 
-/// Its description.
+/// Its description; what is not said is as of `bootstrap`.
 pub const ABOUT: About = About {
     name: "guided",
     help: "particle filter whose particles see the frame before they move",
-    gives: Gives::Particles,
     needs_gradients: true,
-    needs_parts: false,
-    latent: LatentUse::No,
-    score: Score::Bidirectional,
-    score_beside_keypoints: Score::Bidirectional,
     particles: Some(|| GuidedMethod::default().0.particles),
-    settings: &[],
     usual: || Arc::new(GuidedMethod::default()),
     configure,
-    mistake: |_| None,
+    ..super::bootstrap::ABOUT
 };
 
 fn configure(values: &SettingValues) -> Arc<dyn Method> {
