@@ -204,7 +204,7 @@ impl Walk {
             mixed += usize::from(info.r_hat.is_none_or(|r| r > 1.05));
             let posterior = Tracker::<Lanes<Quadratic>>::posterior(&filter);
             let moments = posterior.moments(isa);
-            for j in 0..dim {
+            for (j, truth) in truth.iter().enumerate() {
                 let (mean, variance) = (exact.mean[j], exact.variance[j]);
                 let [low, high] = interval(&posterior, j);
                 let at = |x: f64| unit.cdf((x - mean) / variance.sqrt());
@@ -212,7 +212,7 @@ impl Walk {
                     (info.mean[j] - mean).powi(2) / variance,
                     moments.covariance[j * (dim + 1)] / variance,
                     at(high) - at(low),
-                    f64::from(u8::from((low..=high).contains(&truth[j]))),
+                    f64::from(u8::from((low..=high).contains(truth))),
                 ];
                 sums.iter_mut().zip(values).for_each(|(sum, value)| *sum += value / (dim * length.frames) as f64);
             }
