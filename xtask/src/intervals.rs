@@ -7,6 +7,7 @@
 //! | file | what |
 //! |---|---|
 //! | [`demos`] | demos of many seeds: coverage of true coordinates, in all and within a run |
+//! | [`caliscope`] | a recording that no tuning has touched, in the program's files |
 //! | [`left_out`] | cameras that a run did not use, predicted |
 //! | [`pairs`] | runs of disjoint pairs of cameras, against each other |
 //! | [`rigs`] | rigs drawn from the prior: ranks of what lasts, of poses, of a left-out camera's offset |
@@ -18,6 +19,7 @@
 //! | [`protocol`] | what is run, and the bounds |
 
 mod before;
+mod caliscope;
 mod demos;
 mod derived;
 mod left_out;
@@ -34,7 +36,7 @@ use crate::program::{self, Program};
 use crate::store::{Store, Task, run_all};
 use crate::study_options::StudyOptions;
 use clap::ValueEnum;
-use protocol::{FIRST_DERIVED, FIRST_RIG, FIRST_SEED, Recording, sets};
+use protocol::{FIRST_DERIVED, FIRST_RIG, FIRST_SEED, Recording, tuned_on};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -54,6 +56,8 @@ enum Part {
     Derived,
     /// Log scores of left-out cameras, now and before.
     Scores,
+    /// Cameras that a run did not use, of the recording that no tuning has touched.
+    Caliscope,
 }
 
 /// Judges intervals by cameras that are left out, by demos and by rigs that are drawn from the prior.
@@ -102,18 +106,21 @@ impl Args {
 /// Raised with every change of what a cell computes.
 const VERSION: u32 = 1;
 
-/// Cells of the real recording.
+/// Cells of cameras that are left out.
+fn left_out<'a>(program: &'a Program, recording: &'a Recording) -> Vec<Task<'a>> {
+    let task = |used: Vec<&'static str>| -> Task<'a> {
+        let name = format!("{}/{}", recording.cells, used.join("+"));
+        (name, 8.0, Box::new(move || left_out::cell(program, recording, &used)))
+    };
+    recording.sets().into_iter().map(task).collect()
+}
+
+/// Cells of the recording that was tuned on.
 fn real<'a>(args: &Args, program: &'a Program, recording: &'a Recording) -> Vec<Task<'a>> {
-    let mut tasks: Vec<Task<'a>> = vec![];
-    for used in [sets(3), sets(2)].concat() {
+    let mut tasks = if args.runs(Part::LeftOut) { left_out(program, recording) } else { vec![] };
+    for used in recording.sets().into_iter().filter(|_| args.runs(Part::Scores)) {
         let name = used.join("+");
-        if args.runs(Part::LeftOut) {
-            let used = used.clone();
-            tasks.push((format!("left out/{name}"), 8.0, Box::new(move || left_out::cell(program, recording, &used))));
-        }
-        if args.runs(Part::Scores) {
-            tasks.push((format!("scores/{name}"), 14.0, Box::new(move || scores::cell(program, recording, &used))));
-        }
+        tasks.push((format!("scores/{name}"), 14.0, Box::new(move || scores::cell(program, recording, &used))));
     }
     for [a, b] in pairs::DISJOINT.into_iter().filter(|_| args.runs(Part::Pairs)) {
         tasks.push((format!("pairs/{a:?}"), 8.0, Box::new(move || pairs::cell(program, recording, [a, b]))));
@@ -137,15 +144,16 @@ fn simulated<'a>(args: &Args, program: &'a Program) -> Vec<Task<'a>> {
 }
 
 /// The tables of all parts, in the order of their numbers on the page, or only the tables of parts that were run.
-fn tables(args: &Args, store: &Store) -> String {
+fn tables(args: &Args, store: &Store, [tuned_on, untouched]: [&Recording; 2]) -> String {
     let all = [
         (vec![Part::Demos], demos::table(store, args.demos())),
-        (vec![Part::LeftOut], left_out::table(store)),
+        (vec![Part::LeftOut], left_out::table(store, tuned_on)),
         (vec![Part::Pairs], pairs::table(store)),
         (vec![Part::Rigs], rigs::table(store, args.rigs())),
         (vec![Part::Derived], derived::table(store, args.derived())),
         (vec![Part::Scores], scores::table(store)),
         (vec![Part::Scores, Part::Derived], reliability::table(store, args.derived())),
+        (vec![Part::Caliscope], left_out::table(store, untouched)),
     ];
     let wanted = all.into_iter().filter(|(parts, _)| parts.iter().any(|part| args.runs(*part)));
     wanted.map(|(_, table)| table).collect::<Vec<_>>().join("\n")
@@ -158,15 +166,19 @@ fn measure(root: &Path, args: &Args) -> Outcome<()> {
         None => program::built(root)?,
     };
     let program = Program { path, folder: folder.clone() };
-    let own = data.join("pose2sim_single");
-    let recording = Recording { calibration: own.join("Calib.toml"), keypoints: own.join("T01_BalancingTrial/pose") };
+    let recording = tuned_on(&data.join("pose2sim_single"));
+    let (source, untouched) = (data.join("caliscope_gesture"), caliscope::recording(&folder.join("caliscope")));
     let mut store = Store::open(&folder, &format!("version {VERSION}"))?;
     let is_there = recording.calibration.is_file();
     let mut tasks = if is_there { real(args, &program, &recording) } else { vec![] };
+    if args.runs(Part::Caliscope) && source.is_dir() {
+        caliscope::converted(&source, &folder.join("caliscope"))?;
+        tasks.extend(left_out(&program, &untouched));
+    }
     tasks.extend(simulated(args, &program));
     run_all(&mut store, "intervals", tasks, args.options.threads())?;
-    let text = tables(args, &store);
-    if args.only.is_empty() && is_there {
+    let text = tables(args, &store, [&recording, &untouched]);
+    if args.only.is_empty() && is_there && source.is_dir() {
         std::fs::write(folder.join("tables.md"), &text)?;
     }
     reliability::draw(&store, args.derived(), &args.images.as_ref().unwrap_or(&folder).join("reliability.svg"))?;

@@ -2,7 +2,7 @@
 //!
 //! Keypoints of the judged frames count. The camera's own offset, the median over the frames of tuning, is taken off.
 
-use super::protocol::{CAMERAS, EACH_CAMERA, LAYOUT, LEFT_OUT, Recording, TWO_USED, is_in, sets, verdict};
+use super::protocol::{LAYOUT, Recording, is_in, sets, verdict};
 use crate::outcome::Outcome;
 use crate::program::{Program, shown};
 use crate::store::{Store, rows};
@@ -37,7 +37,7 @@ pub(super) struct Observed {
     /// Whether its frame served tuning.
     pub(super) is_tuned: bool,
     pub(super) error_px: f64,
-    /// Squared distance in standard deviations.
+    /// Squared distance in standard deviations; not a number where the common part is more than all there is and no region is left.
     pub(super) square: f64,
     /// Logarithm of the determinant of the covariance.
     pub(super) log_determinant: f64,
@@ -71,7 +71,7 @@ fn residuals<'a>(person: &OpenposePerson, expected: &'a [Expected]) -> Vec<(&'a 
     expected.iter().filter_map(one).collect()
 }
 
-fn median(mut values: Vec<f64>) -> f64 {
+pub(super) fn median(mut values: Vec<f64>) -> f64 {
     values.sort_by(f64::total_cmp);
     values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
 }
@@ -85,8 +85,7 @@ pub(super) fn observed(
     let layout = layout::find(LAYOUT)?;
     let mut seen: Vec<(bool, [f64; 3], [f64; 2])> = vec![];
     for (frame, expected) in prediction {
-        let name = camera.replace('_', "");
-        let path = recording.keypoints.join(format!("{name}_json/{name}.{frame:04}.json"));
+        let path = recording.file(camera, frame).ok_or("a camera is not in the recording")?;
         let options = OpenposeOptions { layout: Some(&layout), ..OpenposeOptions::default() };
         let people = openpose::read(&shown(&path), &std::fs::read_to_string(&path)?, &options)?.people;
         let by_person = people.iter().map(|person| residuals(person, &expected)).filter(|seen| !seen.is_empty());
@@ -99,7 +98,8 @@ pub(super) fn observed(
     let one = |(is_tuned, [uu, uv, vv], r): &(bool, [f64; 3], [f64; 2])| {
         let [a, b] = [r[0] - offset[0], r[1] - offset[1]];
         let determinant = uu * vv - uv * uv;
-        let square = (vv * a * a - 2.0 * uv * a * b + uu * b * b) / determinant;
+        let has_region = *uu > 0.0 && determinant > 0.0;
+        let square = if has_region { (vv * a * a - 2.0 * uv * a * b + uu * b * b) / determinant } else { f64::NAN };
         Observed { is_tuned: *is_tuned, error_px: a.hypot(b), square, log_determinant: determinant.ln() }
     };
     Ok((seen.iter().map(one).collect(), offset))
@@ -119,7 +119,7 @@ pub(super) fn cell(program: &Program, recording: &Recording, used: &[&str]) -> O
     let folder = program.folder.join(format!("used-{}", used.join("-")));
     program.track(&recording.flags(used), &folder)?;
     let mut found = serde_json::Map::new();
-    for camera in CAMERAS.iter().filter(|camera| !used.contains(camera)) {
+    for camera in recording.cameras.iter().filter(|camera| !used.contains(camera)) {
         let (seen, offset) = observed(predicted(program, recording, &folder, camera)?, recording, camera)?;
         let judged: Vec<[f64; 2]> = seen.iter().filter(|s| !s.is_tuned).map(|s| [s.square, s.error_px]).collect();
         found.insert((*camera).into(), json!({ "judged": judged, "offset_px": offset }));
@@ -148,22 +148,23 @@ fn row(text: &mut String, name: &str, judged: &[Vec<f64>], bounds: Option<[f64; 
 }
 
 /// Tables of three and of two cameras used.
-pub(super) fn table(store: &Store) -> String {
-    let mut text = String::new();
-    for (size, all_bounds, each) in [(3, LEFT_OUT, Some(EACH_CAMERA)), (2, TWO_USED, None)] {
-        let _ = writeln!(text, "{size} cameras used, the others predicted; frames {TUNED} to 99:\n");
+pub(super) fn table(store: &Store, recording: &Recording) -> String {
+    let (mut text, last) = (String::new(), recording.frames - 1);
+    let [three, two] = recording.bounds;
+    for (size, bounds, each) in [(3, three, recording.each), (2, two, None)] {
+        let _ = writeln!(text, "{size} cameras used, the others predicted; frames {TUNED} to {last}:\n");
         text += "| camera left out, used | observations | inside 90 % regions, % | median error, px | 90 % of errors, px | bound | |\n";
         text += "|---|---|---|---|---|---|---|\n";
         let mut all: Vec<Vec<f64>> = vec![];
-        for used in sets(size) {
-            let Some(cell) = store.get(&format!("left out/{}", used.join("+"))) else { continue };
-            for camera in CAMERAS.iter().filter(|camera| !used.contains(camera)) {
+        for used in sets(&recording.cameras, size) {
+            let Some(cell) = store.get(&format!("{}/{}", recording.cells, used.join("+"))) else { continue };
+            for camera in recording.cameras.iter().filter(|camera| !used.contains(camera)) {
                 let judged = rows(&cell[camera]["judged"]);
                 row(&mut text, &format!("{camera}, {}", used.join(" ")), &judged, each);
                 all.extend(judged);
             }
         }
-        row(&mut text, "**all**", &all, Some(all_bounds));
+        row(&mut text, "**all**", &all, Some(bounds));
         text.push('\n');
     }
     text

@@ -8,7 +8,7 @@
 use super::before::{self, Input};
 use super::left_out::{Expected, Observed, Prediction, TUNED, observed, predicted};
 use super::posterior::Drawn;
-use super::protocol::{CAMERAS, FPS, LAYOUT, NOMINAL, Recording, sets, verdict};
+use super::protocol::{CAMERAS, LAYOUT, NOMINAL, Recording, sets, verdict};
 use super::summary::mean;
 use crate::outcome::Outcome;
 use crate::program::Program;
@@ -63,7 +63,7 @@ pub(super) fn cell(program: &Program, recording: &Recording, used: &[&str]) -> O
     let [after, plainly] = ["after", "before"].map(|when| program.folder.join(format!("scores-{name}-{when}")));
     program.track(&recording.flags(used), &after)?;
     let (calibration, keypoints) = (recording.calibration.as_path(), recording.keypoints.as_path());
-    let input = Input { calibration, keypoints, cameras: used, fps: FPS };
+    let input = Input { calibration, keypoints, cameras: used, fps: recording.fps };
     before::track(program, &input, &recording.flags(used), &plainly)?;
     let tracked = Tracked::read(&plainly)?;
     let cameras = tracked.cameras(calibration)?.0;
@@ -107,7 +107,7 @@ pub(super) struct Scored {
 
 /// The sets of a size, as far as they were run.
 pub(super) fn scored(store: &Store, size: usize) -> Option<Scored> {
-    let cells: Vec<(String, &Value)> = sets(size)
+    let cells: Vec<(String, &Value)> = sets(&CAMERAS, size)
         .into_iter()
         .filter_map(|used| Some((used.join(" "), store.get(&format!("scores/{}", used.join("+")))?)))
         .flat_map(|(used, cell)| {
