@@ -133,7 +133,9 @@ fn row(text: &mut String, name: &str, judged: &[Vec<f64>], bounds: Option<[f64; 
     let inside = 100.0 * judged.iter().filter(|j| j[0] <= REGION).count() as f64 / judged.len() as f64;
     let mut errors: Vec<f64> = judged.iter().map(|j| j[1]).collect();
     errors.sort_by(f64::total_cmp);
-    let at = |share: f64| errors.get((share * (errors.len() - 1) as f64).round() as usize).copied().unwrap_or(f64::NAN);
+    let at = |share: f64| {
+        errors.get((share * errors.len().saturating_sub(1) as f64).round() as usize).copied().unwrap_or(f64::NAN)
+    };
     let (bound, met) = match bounds {
         Some([low, high]) => (format!("{low} to {high}"), verdict(is_in(inside, [low, high]))),
         None => (String::new(), ""),
