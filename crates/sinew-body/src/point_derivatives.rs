@@ -19,8 +19,6 @@ const DIFFERENCE_M: f64 = 1e-3;
 
 type Matrix = [[f64; 3]; 3];
 
-const UPRIGHT: Matrix = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-
 /// How the offset of a link or a point grows with a length.
 #[derive(Clone, Debug)]
 struct Growth {
@@ -87,17 +85,6 @@ fn growths<'a>(offset: [f64; 3], longer: impl Iterator<Item = &'a [f64; 3]>) -> 
     longer.enumerate().filter_map(growth).collect()
 }
 
-/// Adds growths, turned as their link is, to how something moves with each length.
-fn grow(to: &mut [[f64; 3]], rotation: &Matrix, growths: &[Growth]) {
-    for Growth { length, by } in growths {
-        to[*length].iter_mut().zip(turned(rotation, *by)).for_each(|(x, by)| *x += by);
-    }
-}
-
-fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-}
-
 fn turned(rotation: &Matrix, v: [f64; 3]) -> [f64; 3] {
     rotation.map(|row| row[0] * v[0] + row[1] * v[1] + row[2] * v[2])
 }
@@ -144,72 +131,21 @@ impl Neighbours {
         point_jacobian(&self.plan, ISA, pose, &mut positions, &mut by_pose);
         let rotations = self.rotations(pose);
         let link_axes = self.link_of.iter().flat_map(|&link| rotations[link]).flatten().collect();
-        let by_length = self.lengthening(&rotations, &self.origins(&rotations));
-        PointDerivatives { positions, by_pose, by_length, link_axes }
+        PointDerivatives { positions, by_pose, by_length: self.lengthening(&rotations), link_axes }
     }
 
     /// How the points move with the lengths, as in [`PointDerivatives::by_length`].
     #[must_use]
     pub fn by_length(&self, pose: &[f64]) -> Vec<f64> {
-        let rotations = self.rotations(pose);
-        self.lengthening(&rotations, &self.origins(&rotations))
-    }
-
-    /// Derivatives of the sum of `weights` ∘ J, entry by entry, by the lengths and by the places of the points on their links (three a point); J and `weights` are as [`PointDerivatives::by_pose`].
-    #[must_use]
-    pub fn jacobian_pullback(&self, pose: &[f64], weights: &[f64]) -> (Vec<f64>, Vec<f64>) {
-        let (count, dof) = (length_names().len(), self.plan.dof());
-        let (rotations, turns) = (self.rotations(pose), self.turns(pose));
-        let origins = self.origins(&rotations);
-        let by_length = self.lengthening(&rotations, &origins);
-        let (mut lengths, mut places) = (vec![0.0; count], Vec::with_capacity(3 * self.link_of.len()));
-        for (k, &own) in self.link_of.iter().enumerate() {
-            let weight = |j: usize| [0, 1, 2].map(|a: usize| weights[(3 * k + a) * dof + j]);
-            let mut at_point = [0.0; 3];
-            let mut above = Some(own);
-            while let Some(link) = above {
-                // w · (u × (P − p)) = (P − p) · (w × u)
-                for &(j, turn) in &turns[link] {
-                    let along = cross(weight(j), turn);
-                    for (length, sum) in lengths.iter_mut().enumerate() {
-                        let origin = &origins[link * count + length];
-                        *sum += (0..3)
-                            .map(|a| along[a] * (by_length[(3 * k + a) * count + length] - origin[a]))
-                            .sum::<f64>();
-                    }
-                    at_point.iter_mut().zip(along).for_each(|(sum, x)| *sum += x);
-                }
-                above = self.tree.links()[link].parent;
-            }
-            places.extend(
-                [0, 1, 2].map(|axis: usize| (0..3).map(|a| rotations[own][a][axis] * at_point[a]).sum::<f64>()),
-            );
-        }
-        (lengths, places)
-    }
-
-    /// The rotations of each link: their degrees of freedom and axes in the world.
-    fn turns(&self, pose: &[f64]) -> Vec<Vec<(usize, [f64; 3])>> {
-        let rotations = self.rotations(pose);
-        let from_link = |(index, link): (usize, &Link)| {
-            let mut rotation = link.parent.map_or(UPRIGHT, |parent| rotations[parent]);
-            let mut turns = vec![];
-            for (j, joint) in (self.tree.first_dof(index)..).zip(&link.joints) {
-                if let Joint::Rotate(axis) = joint {
-                    turns.push((j, rotation.map(|row| row[axis.index()])));
-                    rotation = rotated(rotation, *axis, pose[j]);
-                }
-            }
-            turns
-        };
-        self.tree.links().iter().enumerate().map(from_link).collect()
+        self.lengthening(&self.rotations(pose))
     }
 
     /// Rotation of each link, world from link.
     fn rotations(&self, pose: &[f64]) -> Vec<Matrix> {
         let mut rotations: Vec<Matrix> = Vec::with_capacity(self.tree.links().len());
         for (index, link) in self.tree.links().iter().enumerate() {
-            let mut rotation = link.parent.map_or(UPRIGHT, |parent| rotations[parent]);
+            let mut rotation =
+                link.parent.map_or([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], |parent| rotations[parent]);
             for (joint, angle) in link.joints.iter().zip(&pose[self.tree.first_dof(index)..]) {
                 if let Joint::Rotate(axis) = joint {
                     rotation = rotated(rotation, *axis, *angle);
@@ -220,27 +156,26 @@ impl Neighbours {
         rotations
     }
 
-    /// How the origin of each link moves with each length.
-    fn origins(&self, rotations: &[Matrix]) -> Vec<[f64; 3]> {
+    fn lengthening(&self, rotations: &[Matrix]) -> Vec<f64> {
         let count = length_names().len();
         let mut origins = vec![[0.0; 3]; self.tree.links().len() * count];
+        let add = |to: &mut [[f64; 3]], rotation: &Matrix, growths: &[Growth]| {
+            for Growth { length, by } in growths {
+                to[*length].iter_mut().zip(turned(rotation, *by)).for_each(|(x, by)| *x += by);
+            }
+        };
         for (index, link) in self.tree.links().iter().enumerate() {
             let (above, own) = origins.split_at_mut(index * count);
             if let Some(parent) = link.parent {
                 own[..count].copy_from_slice(&above[parent * count..][..count]);
-                grow(&mut own[..count], &rotations[parent], &self.links[index]);
+                add(&mut own[..count], &rotations[parent], &self.links[index]);
             }
         }
-        origins
-    }
-
-    fn lengthening(&self, rotations: &[Matrix], origins: &[[f64; 3]]) -> Vec<f64> {
-        let count = length_names().len();
         let mut out = vec![0.0; 3 * count * self.link_of.len()];
         let mut moved = vec![[0.0; 3]; count];
         for ((&link, growths), out) in self.link_of.iter().zip(&self.points).zip(out.chunks_exact_mut(3 * count)) {
             moved.copy_from_slice(&origins[link * count..][..count]);
-            grow(&mut moved, &rotations[link], growths);
+            add(&mut moved, &rotations[link], growths);
             for (length, moved) in moved.iter().enumerate() {
                 moved.iter().enumerate().for_each(|(a, x)| out[a * count + length] = *x);
             }
@@ -280,40 +215,6 @@ mod tests {
         let mut expected = vec![0.0; 3 * points.len()];
         point_positions(&Plan::new(&other, &points), ISA, &pose, &mut expected);
         assert!(found.positions.iter().zip(&expected).all(|(a, b)| (a - b).abs() < 1e-9));
-    }
-
-    #[test]
-    fn the_jacobian_changes_with_lengths_and_places_as_its_pullback_says() {
-        let proportions = Proportions::default();
-        let tree = h32(&proportions);
-        let points: Vec<usize> = (0..tree.points().len()).collect();
-        let pose: Vec<f64> = (0..tree.dof()).map(|j| 0.1 * ((3 * j) % 7) as f64 - 0.2).collect();
-        let weights: Vec<f64> = (0..3 * points.len() * pose.len()).map(|e| (0.7 * e as f64).sin()).collect();
-        let sum = |body: &KinematicTree| {
-            let (mut positions, mut jacobian) = (vec![0.0; 3 * points.len()], vec![0.0; weights.len()]);
-            point_jacobian(&Plan::new(body, &points), ISA, &pose, &mut positions, &mut jacobian);
-            jacobian.iter().zip(&weights).map(|(j, w)| j * w).sum::<f64>()
-        };
-        let (lengths, places) = Neighbours::new(h32, &proportions, &points).jacobian_pullback(&pose, &weights);
-        let near = |found: f64, difference: f64, what: usize| {
-            assert!((found - difference).abs() < 1e-6 * (1.0 + difference.abs()), "{what}: {found} for {difference}");
-        };
-        let step = 1e-3;
-        for (length, found) in lengths.iter().enumerate() {
-            let at = |by: f64| {
-                let longer: Vec<f64> = (0..lengths.len()).map(|k| if k == length { by } else { 0.0 }).collect();
-                sum(&h32(&lengthened(&proportions, &longer)))
-            };
-            near(*found, (at(step) - at(-step)) / (2.0 * step), length);
-        }
-        for (place, found) in places.iter().enumerate() {
-            let at = |by: f64| {
-                let mut moved = vec![[0.0; 3]; points.len()];
-                moved[place / 3][place % 3] = by;
-                sum(&tree.with_points_moved(&moved))
-            };
-            near(*found, (at(step) - at(-step)) / (2.0 * step), place);
-        }
     }
 
     #[test]

@@ -10,9 +10,6 @@
 //! 3. mean of g given Λ and λ
 //! 4. backward: smoothed poses at that g; scatter of each camera, and how long errors last
 //!
-//! Poses are integrated, not only set to their best: the volume that they have, det(information)^(−½), depends on g. Angles of a longer limb are better known, so that a posterior without the volume prefers long, bent limbs, and the more so the more frames
-//! there are (Neyman & Scott 1948), whatever the noise is. Its gradient at the last round's poses enters λ: −½ Σ tr(P ∂A/∂g), with the smoothed covariance P of each frame, by lengths and places.
-//!
 //! Errors of a detector last some frames, so frames that follow each other are not worth as many independent ones. With the correlation 0.93 φ of a residual with that of the next frame looked at, φ = exp(−Δt/τ), they are worth
 //! the share 1 / (1 + 2 · 0.93 φ/(1 − φ)); a frame's information is multiplied by it. For constants that is exact in long recordings. τ has a prior around 0.1 s.
 
@@ -37,7 +34,6 @@ use sinew_observe::camera_error::{NUMBERS, PRINCIPAL_POINT, with_error};
 use sinew_observe::following::{Following, follow};
 use sinew_observe::lasting_errors::{
     FrameResidual, LastingErrors, LinearisedFrame, linearised, linearised_detections, pixels_per_metre,
-    point_information,
 };
 use sinew_observe::offsets::{self, Sighted, robust_sigma};
 use sinew_observe::{Camera, Detection, KeypointModel, Noise, View, association};
@@ -157,8 +153,6 @@ struct Fit {
     /// Standard deviations of a step from a frame looked at to the next.
     steps: Vec<Vec<f64>>,
     g: Vec<f64>,
-    /// How the logarithm of the volume of the poses grows with each number.
-    volume_pull: Vec<f64>,
     /// Standard deviations of its prior at the scales last drawn.
     prior_sd: Vec<f64>,
     /// Usual time from a frame looked at to the next.
@@ -212,7 +206,6 @@ impl Fit {
             middle,
             frames,
             prior_sd: vec![f64::INFINITY; g.len()],
-            volume_pull: vec![0.0; g.len()],
             g,
             seconds_apart: offsets::median(&mut seconds),
             persistence_s: 0.0,
@@ -279,8 +272,7 @@ impl Fit {
         let information = lasting.information();
         let absolute: Vec<f64> =
             information.chunks_exact(p).map(|row| row.iter().zip(&self.g).map(|(a, g)| a * g).sum()).collect();
-        let pulls = lasting.pull().into_iter().zip(absolute).zip(&self.volume_pull);
-        let pull = pulls.map(|((pull, at), volume)| pull + at + volume).collect();
+        let pull = lasting.pull().iter().zip(absolute).map(|(pull, at)| pull + at).collect();
         let worth = self.worth;
         self.measure_persistence(&seen_in);
         Ok(Pass {
@@ -322,7 +314,6 @@ impl Fit {
         };
         let mut next: Option<(Moments, Vec<f64>)> = None;
         let mut taken = 0.0;
-        let mut volume = vec![0.0; change.len()];
         for (index, (own, response)) in pass.filtered.iter().zip(&pass.responses).enumerate().rev() {
             let moved = answer(response);
             let (smoothed, moved) = match &next {
@@ -333,37 +324,11 @@ impl Fit {
                 }
             };
             taken += pass.worth * trace(&pass.frames[index].pose, &smoothed.covariance);
-            self.add_volume(index, &smoothed.covariance, pass, &mut volume);
             self.frames[index].pose = smoothed.mean.iter().zip(&moved).map(|(x, by)| x + by).collect();
             next = Some((smoothed, moved));
         }
-        self.volume_pull = volume;
         self.model_error(pass, taken);
         Ok(())
-    }
-
-    /// Adds a frame's part of how the logarithm of the volume that poses have grows with lengths and places: −½ ∂ ln det of their information, of which poses know the covariance.
-    fn add_volume(&self, index: usize, covariance: &[f64], pass: &Pass, volume: &mut [f64]) {
-        let Pass { worth, g, .. } = pass;
-        let (frame, dof) = (&self.frames[index], self.model.plan.dof());
-        let mut body = self.neighbours.at(&frame.pose);
-        body.reshape(&g[self.errors.lengths()], &g[self.errors.places()]);
-        let found = linearised_detections(&self.model, &frame.detections, &body);
-        let mut weights = vec![0.0; body.by_pose.len()];
-        for of_point in found.chunk_by(|a, b| a.seen.point == b.seen.point) {
-            let first = 3 * of_point[0].seen.point;
-            for (a, known) in point_information(of_point).iter().enumerate() {
-                let times = |j: usize| (0..3).map(|b| known[b] * body.by_pose[(first + b) * dof + j]).sum::<f64>();
-                let times: Vec<f64> = (0..dof).map(times).collect();
-                let row = &mut weights[(first + a) * dof..][..dof];
-                for (by, covariance) in times.iter().zip(covariance.chunks_exact(dof)) {
-                    row.iter_mut().zip(covariance).for_each(|(sum, c)| *sum += by * c);
-                }
-            }
-        }
-        let (lengths, places) = self.neighbours.jacobian_pullback(&frame.pose, &weights);
-        let all = self.errors.lengths().zip(lengths).chain(self.errors.places().zip(places));
-        all.for_each(|(place, by)| volume[place] -= worth * worth * by);
     }
 
     /// How much of a number of g the data tell, from 0 to 1.
