@@ -187,7 +187,8 @@ impl Neighbours {
 impl PointDerivatives {
     /// Moves the points as longer lengths and other places on their links do (metres; three numbers a point); derivatives by the pose stay.
     pub fn reshape(&mut self, longer: &[f64], places: &[f64]) {
-        let rows = self.by_length.chunks_exact(longer.len()).zip(self.link_axes.chunks_exact(3));
+        let lengths = self.by_length.len() / self.positions.len().max(1);
+        let rows = self.by_length.chunks_exact(lengths.max(1)).zip(self.link_axes.chunks_exact(3));
         for (row, (position, (by_length, axes))) in self.positions.iter_mut().zip(rows).enumerate() {
             *position += by_length.iter().zip(longer).map(|(by, longer)| by * longer).sum::<f64>();
             *position += axes.iter().zip(&places[row / 3 * 3..]).map(|(axis, place)| axis * place).sum::<f64>();
