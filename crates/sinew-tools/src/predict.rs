@@ -11,7 +11,7 @@
 //! ```
 //!
 //! G is the derivative of the pixel by what the camera may be off by ([`sinew_observe::camera_error`]), Σ its prior with the scale that the other cameras show, Ḡ the mean of G over frames and keypoints; b is the size of a bias of the camera's detector for that kind of keypoint, n the scatter
-//! of an observation of usual confidence, both as the other cameras show them, in proportion to the size of the person in the image. `common` is the part that all keypoints of the camera share in all frames.
+//! of an observation of usual confidence, both as the other cameras show them, in proportion to the size of the person in the image. `common` is the part that all keypoints of the camera share in all frames. A keypoint that lies outside the image in the mean is not predicted: pixels of points near the plane of a camera say nothing of it.
 
 pub(crate) mod error;
 
@@ -143,7 +143,7 @@ pub fn predict(folder: &Path, calibration: &Path, camera: &str) -> Result<Camera
             [numbers.values[first], numbers.values[first + 1], numbers.values[first + 2]]
         };
         let seen: Option<Vec<Seen>> = (0..draws).map(|draw| Seen::of(&camera, at(draw))).collect();
-        seen
+        seen.filter(|seen| is_shown(seen, camera.image_size_px))
     };
     let shown: Vec<Option<Vec<Seen>>> = (0..in_frames * points).into_par_iter().map(draw).collect();
     let common = common(&shown, draws, &sigma);
@@ -172,6 +172,12 @@ impl Seen {
         let PixelDerivatives { pixel, by_error, .. } = derivatives(camera, point)?;
         Some(Self { pixel, by_error })
     }
+}
+
+/// Whether the mean of the draws lies in the image.
+fn is_shown(seen: &[Seen], size_px: [f64; 2]) -> bool {
+    let mean = |axis: usize| seen.iter().map(|seen| seen.pixel[axis]).sum::<f64>() / seen.len() as f64;
+    (0..2).all(|axis| (0.0..=size_px[axis]).contains(&mean(axis)))
 }
 
 fn add(to: &mut [f64; 3], from: [f64; 3]) {
@@ -241,4 +247,19 @@ fn noise_m2(tracked: &Tracked, known: &MeasuredErrors, calibrated: &[Camera]) ->
     };
     let all: Vec<f64> = calibrated.iter().filter_map(square).collect();
     all.iter().sum::<f64>() / all.len().max(1) as f64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_lies_outside_the_image_is_not_shown() {
+        let seen = |pixels: &[[f64; 2]]| -> Vec<Seen> {
+            pixels.iter().map(|pixel| Seen { pixel: *pixel, by_error: [[0.0; NUMBERS]; 2] }).collect()
+        };
+        assert!(is_shown(&seen(&[[10.0, 5.0], [-8.0, 5.0]]), [100.0, 50.0]));
+        assert!(!is_shown(&seen(&[[10.0, 5.0], [1e7, 5.0]]), [100.0, 50.0]));
+        assert!(!is_shown(&seen(&[[10.0, -1.0]]), [100.0, 50.0]));
+    }
 }
