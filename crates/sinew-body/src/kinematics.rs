@@ -26,7 +26,7 @@ mod visit;
 pub use gauss_newton::Inform;
 pub use jacobian::point_jacobian;
 pub use plan::Plan;
-pub use positions::{point_positions, point_positions_block};
+pub use positions::{point_positions, point_positions_block, point_positions_each};
 pub use vector::V3;
 pub use visit::{Pass, Visit};
 

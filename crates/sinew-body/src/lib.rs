@@ -36,6 +36,6 @@ mod ten_cones;
 pub mod tree;
 
 pub use error::Error;
-pub use kinematics::{Plan, point_jacobian, point_positions, point_positions_block};
+pub use kinematics::{Plan, point_jacobian, point_positions, point_positions_block, point_positions_each};
 pub use standard::Proportions;
 pub use tree::{Axis, Joint, KinematicTree, Link, Point};

@@ -76,7 +76,7 @@ pub fn lengthened(proportions: &Proportions, by: &[f64]) -> Proportions {
     sizes
 }
 
-/// Growths of an offset, from itself and those of the longer bodies.
+/// Growths of an offset, from itself and the offsets of the longer bodies.
 fn growths<'a>(offset: [f64; 3], longer: impl Iterator<Item = &'a [f64; 3]>) -> Vec<Growth> {
     let growth = |(length, longer): (usize, &[f64; 3])| {
         let by = [0, 1, 2].map(|a: usize| (longer[a] - offset[a]) / DIFFERENCE_M);
@@ -110,14 +110,14 @@ impl Neighbours {
             build(&lengthened(proportions, &by))
         };
         let longer: Vec<KinematicTree> = (0..count).map(longer).collect();
-        let of_link =
+        let from_link =
             |(i, link): (usize, &Link)| growths(link.offset, longer.iter().map(|tree| &tree.links()[i].offset));
-        let of_point =
+        let from_point =
             |&p: &usize| growths(tree.points()[p].offset, longer.iter().map(|tree| &tree.points()[p].offset));
         Self {
             plan: Plan::new(&tree, points),
-            links: tree.links().iter().enumerate().map(of_link).collect(),
-            points: points.iter().map(of_point).collect(),
+            links: tree.links().iter().enumerate().map(from_link).collect(),
+            points: points.iter().map(from_point).collect(),
             link_of: points.iter().map(|&p| tree.points()[p].link).collect(),
             tree,
         }

@@ -51,7 +51,7 @@ impl DrawnErrors {
         shifts
     }
 
-    /// Hᵀ W G δ, a row for each degree of freedom. `shifts` are those of the keypoints, `scales` the pixels for a metre of each camera.
+    /// Hᵀ W G δ, a row for each degree of freedom. `shifts` are [`DrawnErrors::keypoint_shifts`], `scales` the pixels for a metre of each camera.
     #[must_use]
     pub fn pull(
         &self,
@@ -66,11 +66,11 @@ impl DrawnErrors {
             let at_point = &mut at_points[3 * point * self.blocks..][..3 * self.blocks];
             add_combinations(self.isa, coefficients, rows, at_point, self.blocks);
         };
-        for of_point in found.chunk_by(|a, b| a.seen.point == b.seen.point) {
-            let point = of_point[0].seen.point;
+        for seen_there in found.chunk_by(|a, b| a.seen.point == b.seen.point) {
+            let point = seen_there[0].seen.point;
             let own = &shifts[3 * point * self.blocks..][..3 * self.blocks];
-            add(point_information(of_point).as_flattened(), own, point);
-            for LinearisedDetection { seen: FrameResidual { camera, .. }, weight, by } in of_point {
+            add(point_information(seen_there).as_flattened(), own, point);
+            for LinearisedDetection { seen: FrameResidual { camera, .. }, weight, by } in seen_there {
                 let [u, v] = by.by_point.map(|row| row.map(|by| weight * by));
                 let [by_u, by_v] = by.by_error;
                 let by_camera = [0, 1, 2].map(|a: usize| {

@@ -195,9 +195,9 @@ fn share(noise: Noise, [width, height]: [f64; 2], variance: f64, square: f64) ->
 
 /// Σ W Pᵀ P over the detections of a point, with P the derivatives of pixels by it.
 #[must_use]
-pub fn point_information(of_point: &[LinearisedDetection]) -> [[f64; 3]; 3] {
+pub fn point_information(at_point: &[LinearisedDetection]) -> [[f64; 3]; 3] {
     let mut sum = [[0.0; 3]; 3];
-    for LinearisedDetection { weight, by, .. } in of_point {
+    for LinearisedDetection { weight, by, .. } in at_point {
         for row in by.by_point {
             for (a, sum) in sum.iter_mut().enumerate() {
                 sum.iter_mut().zip(row).for_each(|(sum, by)| *sum += weight * row[a] * by);
@@ -212,9 +212,9 @@ pub fn point_information(of_point: &[LinearisedDetection]) -> [[f64; 3]; 3] {
 pub fn pose_information(found: &[LinearisedDetection], body: &PointDerivatives, dof: usize) -> Vec<f64> {
     let mut information = vec![0.0; dof * dof];
     let mut times = vec![0.0; 3 * dof];
-    for of_point in found.chunk_by(|a, b| a.seen.point == b.seen.point) {
-        let known = point_information(of_point);
-        let moves = &body.by_pose[3 * of_point[0].seen.point * dof..][..3 * dof];
+    for at_point in found.chunk_by(|a, b| a.seen.point == b.seen.point) {
+        let known = point_information(at_point);
+        let moves = &body.by_pose[3 * at_point[0].seen.point * dof..][..3 * dof];
         let (x, y, z) = (&moves[..dof], &moves[dof..2 * dof], &moves[2 * dof..]);
         for (row, times) in known.iter().zip(times.chunks_exact_mut(dof)) {
             times.iter_mut().zip(x.iter().zip(y).zip(z)).for_each(|(out, ((x, y), z))| {

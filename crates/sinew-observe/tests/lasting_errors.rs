@@ -169,7 +169,7 @@ fn matrices_are_how_pulls_change() {
 
 /// What tracking needs of a frame is the same as the whole matrices say.
 #[test]
-fn pulls_of_draws_are_the_matrix_times_each_draw() {
+fn pulls_one_draws_are_the_matrix_times_each_draw() {
     let scene = scene();
     let (pose, g) = (pose(), vec![0.0; scene.errors.count()]);
     let whole = scene.linearised(&pose, &g);
@@ -200,10 +200,10 @@ fn pulls_of_draws_are_the_matrix_times_each_draw() {
     };
     agree(numbers(&pull), &(0..d * width).map(by_draw).collect::<Vec<f64>>());
 
-    // A draw's keypoints are those of a body of its lengths and places.
-    let of_draw: Vec<f64> = (0..p).map(|k| numbers(&drawn.deviations)[k * width + 5]).collect();
+    // A draw's keypoints are where a body of its lengths and places has them.
+    let one_draw: Vec<f64> = (0..p).map(|k| numbers(&drawn.deviations)[k * width + 5]).collect();
     let mut other = body.clone();
-    other.reshape(&of_draw[scene.errors.lengths()], &of_draw[scene.errors.places()]);
+    other.reshape(&one_draw[scene.errors.lengths()], &one_draw[scene.errors.places()]);
     let away: Vec<f64> = other.positions.iter().zip(&body.positions).map(|(a, b)| a - b).collect();
     agree(&(0..away.len()).map(|row| numbers(&shifts)[row * width + 5]).collect::<Vec<f64>>(), &away);
 }

@@ -22,6 +22,7 @@ pub mod clocks;
 mod collect;
 mod colours;
 pub(crate) mod error;
+mod error_persistence;
 pub mod exchanged_cameras;
 mod first_second;
 mod girth;

@@ -54,11 +54,13 @@ mod handed;
 pub mod hmc_filter;
 pub mod hppf;
 mod latent_spaces;
+pub mod moved;
 mod particle_state;
 pub mod partitioned;
 pub mod posterior;
 mod resume;
 mod run;
+pub mod series;
 mod tracker;
 pub mod with_prior;
 

@@ -13,7 +13,6 @@ mod images;
 mod lasting;
 mod marginals;
 mod motion_prior;
-mod moved;
 mod oddities;
 mod predictive;
 mod restart;

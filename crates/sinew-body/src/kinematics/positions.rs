@@ -3,7 +3,7 @@
 use super::plan::Plan;
 use super::vector::{V3, store3};
 use super::visit::Visit;
-use sinew_core::lanes::{Block, Isa, Kernel, Real, dispatch, dispatch_one};
+use sinew_core::lanes::{Block, Isa, Kernel, LANES, Real, dispatch, dispatch_one, get_lane, set_lane};
 
 /// Writes positions in the caller's order.
 pub(super) struct Record<'a, M> {
@@ -43,4 +43,19 @@ pub fn point_positions(plan: &Plan, isa: Isa, q: &[f64], out: &mut [f64]) {
 /// World positions of all points of the plan for a block of states, with the caller's workspace of [`Plan::workspace`] blocks.
 pub fn point_positions_block(plan: &Plan, isa: Isa, q: &[Block], out: &mut [Block], ws: &mut [Block]) {
     dispatch(isa, Positions { plan, q, out, ws });
+}
+
+/// Positions of all points in some states that stand one after the other, eight at a time.
+#[must_use]
+pub fn point_positions_each(plan: &Plan, isa: Isa, states: &[f64]) -> Vec<f64> {
+    let (d, width) = (plan.dof(), 3 * plan.points());
+    let mut points = vec![0.0; states.len() / d * width];
+    let (mut block, mut at) = (vec![Block::ZERO; d], vec![Block::ZERO; width]);
+    let mut ws = vec![Block::ZERO; plan.workspace()];
+    for (states, points) in states.chunks(LANES * d).zip(points.chunks_mut(LANES * width)) {
+        states.chunks_exact(d).enumerate().for_each(|(lane, state)| set_lane(&mut block, lane, state));
+        point_positions_block(plan, isa, &block, &mut at, &mut ws);
+        points.chunks_exact_mut(width).enumerate().for_each(|(lane, points)| get_lane(&at, lane, points));
+    }
+    points
 }

@@ -1,13 +1,13 @@
 //! From a step of a tracker to what is written of it.
 
 use super::marginals::{Described, Marginals};
-use super::moved::{EqualDraws, Moved};
 use super::scene::Scene;
 use crate::config::settings::Settings;
 use crate::results::estimate::{ActionShare, Draws, FrameEstimate, HmcStatistics, ParticleStatistics, Quality};
 use sinew_core::random::Stage;
 use sinew_dynamics::primitives::switching::Choice;
 use sinew_tracking::StepInfo;
+use sinew_tracking::moved::{EqualDraws, Moved};
 use sinew_tracking::posterior::Posterior;
 
 /// A step of the tracker.

@@ -6,7 +6,6 @@
 //! Keypoints alone enter J: beside silhouettes it is too large.
 
 use super::error::TrackError;
-use super::moved::{Moved, Rows};
 use super::scene::Scene;
 use crate::Error;
 use crate::setup::Setup;
@@ -25,6 +24,7 @@ use sinew_observe::drawn_errors::DrawnErrors;
 use sinew_observe::lasting_errors::{
     LastingErrors, linearised_detections, pixels_per_metre, pose_information, whitened_rows,
 };
+use sinew_tracking::moved::{Moved, Rows};
 
 /// What is constant, beside a tracker.
 pub(super) struct Lasting {

@@ -11,8 +11,7 @@ use crate::methods::BoundKeypoints;
 use crate::results::problem::{Problem, check_length};
 use crate::setup::{self, CameraSetup, Setup};
 use serde::{Deserialize, Serialize};
-use sinew_body::{KinematicTree, Plan, point_positions, point_positions_block};
-use sinew_core::lanes::{Block, LANES, get_lane, set_lane};
+use sinew_body::{KinematicTree, Plan, point_positions, point_positions_each};
 use sinew_formats::Layout;
 use sinew_observe::association::{self, Person};
 use sinew_observe::following::{Associated, Following, follow};
@@ -87,6 +86,12 @@ fn shared_points(tree: &KinematicTree, layout: &Layout) -> Result<Vec<(usize, us
     Ok(shared)
 }
 
+/// Correlation of errors from a frame to the next that intervals are widened for.
+fn held_correlation(setup: &Setup, fps: f64) -> f64 {
+    let persistence = setup.lasting.as_ref().and_then(|lasting| lasting.persistence(1.0 / fps));
+    persistence.map_or(0.0, |errors| errors.share * errors.correlation)
+}
+
 impl Scene {
     /// A scene before its first frame.
     ///
@@ -129,17 +134,15 @@ impl Scene {
         pairs.iter().for_each(|&(l, r)| partners.swap(l, r));
         let pairs = pairs.into_iter().filter_map(|(l, r)| Some((place(l)?, place(r)?))).collect();
         let watched = model.views.iter().map(|view| (view.camera.name.clone(), view.sigma_px));
-        let persistence = setup.lasting.as_ref().and_then(|lasting| lasting.persistence(1.0 / settings.fps));
-        let names = model.views.iter().map(|view| view.camera.name.clone());
         Ok(Self {
-            predictive: Predictive::new(names, settings.noise),
+            predictive: Predictive::new(model.views.iter().map(|view| view.camera.name.clone()), settings.noise),
             origins: Origins {
                 setup_is_given: settings.setup_is_given,
                 body_is_file: matches!(setup.body, setup::Body::File(_)),
                 has_outlier_share: matches!(settings.noise, Noise::OutlierFloor { .. }),
             },
             oddities: Oddities::new(watched, pairs),
-            held_correlation: persistence.map_or(0.0, |errors| errors.share * errors.correlation),
+            held_correlation: held_correlation(setup, settings.fps),
             partners,
             parts,
             bound_parts: vec![],
@@ -184,17 +187,7 @@ impl Scene {
     /// The same in some states, one after the other.
     #[must_use]
     pub fn points_of(&self, states: &[f64]) -> Vec<f64> {
-        let (plan, d) = (&self.model.plan, self.model.plan.dof());
-        let width = 3 * plan.points();
-        let mut points = vec![0.0; states.len() / d * width];
-        let (mut block, mut at) = (vec![Block::ZERO; d], vec![Block::ZERO; width]);
-        let mut ws = vec![Block::ZERO; plan.workspace()];
-        for (states, points) in states.chunks(LANES * d).zip(points.chunks_mut(LANES * width)) {
-            states.chunks_exact(d).enumerate().for_each(|(lane, state)| set_lane(&mut block, lane, state));
-            point_positions_block(plan, self.model.isa, &block, &mut at, &mut ws);
-            points.chunks_exact_mut(width).enumerate().for_each(|(lane, points)| get_lane(&at, lane, points));
-        }
-        points
+        point_positions_each(&self.model.plan, self.model.isa, states)
     }
 
     /// Pixels, bias included, at which each camera should see each point.

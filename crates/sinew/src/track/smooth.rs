@@ -14,7 +14,6 @@
 
 use super::error::TrackError;
 use super::marginals::{Described, Marginals};
-use super::moved::Moved;
 use super::pipeline::Pipeline;
 use crate::Error;
 use crate::results::estimate::{Draws, FrameEstimate, diagnostics};
@@ -24,6 +23,7 @@ use sinew_core::lanes::{Block, LANES, get_lane, set_lane};
 use sinew_core::random::Stage;
 use sinew_core::transition::Moments;
 use sinew_dynamics::smoother::Smoother;
+use sinew_tracking::moved::Moved;
 use sinew_tracking::posterior::Posterior;
 use std::collections::BTreeMap;
 use std::fs::{self, File};

@@ -1,22 +1,25 @@
 //! The draws of a frame, moved to where they would be for each draw of what is constant.
 
+use crate::posterior::Posterior;
 use sinew_core::lanes::{Block, LANES, numbers, numbers_mut};
 use sinew_core::random::BlockRng;
-use sinew_tracking::posterior::Posterior;
 
 /// Weighted draws are made this many of equal weight before they are moved.
 const EQUAL_DRAWS: usize = 512;
 
 /// Rows of some draws of what is constant, each in as many blocks as they need.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct Rows {
+pub struct Rows {
+    /// Blocks of the rows, one row after the other.
     pub values: Vec<Block>,
+    /// Draws n.
     pub draws: usize,
 }
 
 impl Rows {
     /// From rows of numbers, one after the other.
-    pub(super) fn new(rows: &[f64], draws: usize) -> Self {
+    #[must_use]
+    pub fn new(rows: &[f64], draws: usize) -> Self {
         let blocks = draws.div_ceil(LANES);
         let mut values = vec![Block::ZERO; rows.len() / draws.max(1) * blocks];
         for (own, row) in values.chunks_exact_mut(blocks.max(1)).zip(rows.chunks_exact(draws.max(1))) {
@@ -26,25 +29,31 @@ impl Rows {
     }
 
     /// Blocks of a row.
-    pub(super) const fn blocks(&self) -> usize {
+    #[must_use]
+    pub const fn blocks(&self) -> usize {
         self.draws.div_ceil(LANES)
     }
 
     /// The rows.
-    pub(super) fn rows(&self) -> impl Iterator<Item = &[f64]> {
+    pub fn rows(&self) -> impl Iterator<Item = &[f64]> {
         self.values.chunks_exact(self.blocks().max(1)).map(|row| &numbers(row)[..self.draws])
     }
 
-    pub(super) fn row(&self, index: usize) -> &[f64] {
+    /// One of them.
+    #[must_use]
+    pub fn row(&self, index: usize) -> &[f64] {
         &numbers(&self.values[index * self.blocks()..][..self.blocks()])[..self.draws]
     }
 
     /// The numbers, row after row.
-    pub(super) fn numbers(&self) -> Vec<f64> {
+    #[must_use]
+    pub fn numbers(&self) -> Vec<f64> {
         self.rows().flatten().copied().collect()
     }
 
-    pub(super) fn is_zero(&self) -> bool {
+    /// Whether nothing moves.
+    #[must_use]
+    pub fn is_zero(&self) -> bool {
         self.values.iter().all(|block| *block == Block::ZERO)
     }
 
@@ -60,7 +69,7 @@ impl Rows {
 }
 
 /// Adds to each number of a series what its draw has in a row; draws repeat.
-pub(super) fn add_row(series: &mut [f64], row: &[f64]) {
+pub fn add_row(series: &mut [f64], row: &[f64]) {
     for some in series.chunks_mut(row.len()) {
         some.iter_mut().zip(row).for_each(|(x, by)| *x += by);
     }
@@ -68,7 +77,7 @@ pub(super) fn add_row(series: &mut [f64], row: &[f64]) {
 
 /// Where the draws of a frame go.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Moved {
+pub struct Moved {
     /// The part of it that all points share in all frames, draw by draw, metres.
     pub shifts: Vec<[f64; 3]>,
     /// By how much each moves the state: a row for each degree of freedom.
@@ -82,19 +91,24 @@ pub(super) struct Moved {
 }
 
 /// Draws of equal weight.
-pub(super) struct EqualDraws {
+#[derive(Clone, Debug)]
+pub struct EqualDraws {
+    /// Their states, a block for each eight.
     pub states: Vec<Block>,
+    /// Their weights.
     pub weights: Vec<f64>,
 }
 
 impl Moved {
     /// Mean move of the state.
-    pub(super) fn mean(&self) -> Vec<f64> {
+    #[must_use]
+    pub fn mean(&self) -> Vec<f64> {
         self.states.rows().map(|row| row.iter().sum::<f64>() / row.len() as f64).collect()
     }
 
     /// Shape and detected keypoints of the first draws, as they are written; `at` are the keypoints of the body in their moved states, draw after draw.
-    pub(super) fn written(&self, mut at: Vec<f64>, count: usize) -> [Vec<f64>; 2] {
+    #[must_use]
+    pub fn written(&self, mut at: Vec<f64>, count: usize) -> [Vec<f64>; 2] {
         let mut shape = vec![0.0; count * self.points.rows().count()];
         self.points.add_columns(&mut shape);
         self.keypoints.add_columns(&mut at);
@@ -102,12 +116,13 @@ impl Moved {
     }
 
     /// Moves some states, one after the other, the k-th as draw k says.
-    pub(super) fn apply(&self, states: &mut [f64]) {
+    pub fn apply(&self, states: &mut [f64]) {
         self.states.add_columns(states);
     }
 
     /// The draws of a posterior, of equal weight and moved.
-    pub(super) fn equal_draws(&self, posterior: &Posterior<'_>, rng: &mut BlockRng) -> EqualDraws {
+    #[must_use]
+    pub fn equal_draws(&self, posterior: &Posterior<'_>, rng: &mut BlockRng) -> EqualDraws {
         let (d, draws) = (posterior.dim, self.states.draws);
         let is_equal = posterior.weights.windows(2).all(|pair| pair[0] == pair[1]);
         let mut states = if is_equal {
