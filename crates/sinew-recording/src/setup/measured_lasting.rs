@@ -34,7 +34,7 @@ use sinew_formats::Layout;
 use sinew_observe::camera_error::{NUMBERS, PRINCIPAL_POINT, with_error};
 use sinew_observe::following::{Following, follow};
 use sinew_observe::lasting_errors::{
-    FrameResidual, LastingErrors, LinearisedFrame, linearised, linearised_detections, pixels_per_metre,
+    LastingErrors, LinearisedFrame, linearised, linearised_detections, pixels_per_metre,
 };
 use sinew_observe::offsets::{self, Sighted, robust_sigma};
 use sinew_observe::{Camera, Detection, KeypointModel, Noise, View, association};
