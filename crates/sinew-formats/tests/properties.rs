@@ -35,12 +35,12 @@ fn times(frames: usize) -> Vec<f64> {
 }
 
 prop_compose! {
-    fn trc_file()(names in prop::collection::vec("[A-Za-z*_][A-Za-z0-9 _é]{0,6}[A-Za-z0-9]", 1..4))(
+    fn trc_file()(names in prop::collection::btree_set("[A-Za-z*_][A-Za-z0-9 _é]{0,6}[A-Za-z0-9]", 1..4))(
         frames in prop::collection::vec(prop::collection::vec(prop::option::of(vector()), names.len()), 0..5),
         rate_hz in prop_oneof![Just(60.0), 1e-3..1e6f64],
         start_frame in 0..1_000_000i64,
         units in prop_oneof![Just(trc::Units::Metres), Just(trc::Units::Centimetres), Just(trc::Units::Millimetres)],
-        names in Just(names),
+        names in Just(Vec::from_iter(names)),
     ) -> trc::Trc {
         let frames = frames.into_iter().zip(times(5)).enumerate();
         let frames = frames.map(|(i, (points, time_s))| trc::TrcFrame { number: i as i64 + 1, time_s, points });
