@@ -214,7 +214,7 @@ fn a_model_without_memory_adds_nothing_to_what_is_saved() {
     let blocks = PARTICLES.div_ceil(LANES) * 2 * LANES;
     for ((name, mut plain), (_, mut drifting)) in trackers(walk(0.1)).into_iter().zip(trackers(first_order())) {
         let (start, lengths) = match name {
-            "hmc" => (0, [2, 2 + 2 + 4 + CHAINS.div_ceil(LANES) * 2 * LANES]),
+            "hmc" => (0, [2, 2 + 2 + 4 + 1 + CHAINS.div_ceil(LANES) * 2 * LANES]),
             _ => (1, [1 + 2 + 2 * PARTICLES + blocks; 2]),
         };
         for (frame, length) in (0..).zip(lengths) {
