@@ -53,7 +53,7 @@ fn a_written_calibration_shows_points_where_the_refined_cameras_do() {
 }
 
 #[test]
-fn what_is_there_is_not_written_over() {
+fn a_file_that_exists_stays() {
     let trial = trial(0.2);
     fs::write(trial.path("there.toml"), "").unwrap();
     let refused = |file: &str| trial.track_printed(&["--write-calibration", file]);

@@ -72,7 +72,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_seen_is_not_lost() {
+    fn axes_without_observation_lose_nothing() {
         let (mut moments, precision) = (unit(3), unit(3).covariance);
         widen(&mut moments, &quality(400.0, 100.0), &Metric::Diagonal(vec![1.0; 3]), &precision, 1000);
         let expected = unit(3).covariance.iter().map(|c| c * (1.0 + 1.0 / 400.0)).collect::<Vec<_>>();
@@ -80,7 +80,7 @@ mod tests {
     }
 
     #[test]
-    fn what_was_lost_earlier_is_carried_on() {
+    fn losses_of_earlier_frames_are_carried() {
         assert_eq!(lost(&[0.5], 1), [1.0]);
         assert_eq!(lost(&[0.5, 1.0], 1), [1.0, 0.5]);
         assert!((lost(&[0.5], 2)[0] - (1.0 + 1.0 / 16.0)).abs() < 1e-15);

@@ -254,7 +254,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_lies_outside_the_image_is_not_shown() {
+    fn keypoints_outside_the_image_are_not_shown() {
         let seen = |pixels: &[[f64; 2]]| -> Vec<Seen> {
             pixels.iter().map(|pixel| Seen { pixel: *pixel, by_error: [[0.0; NUMBERS]; 2] }).collect()
         };
