@@ -11,13 +11,13 @@
 //! N likelihood evaluations a frame. The evidence is unbiased on the natural scale. An effective number below ten says that N is too small for the noise and the dimension.
 
 use crate::error::check_dimension;
-use crate::particle_state::ParticleState;
+use crate::particle_state::{ParticleState, are_few};
 use crate::posterior::Posterior;
 use crate::{Error, Resume, StepInfo, Tracker};
 use sinew_core::density::LogDensity;
 use sinew_core::random::Stage;
 use sinew_core::transition::{MotionModel, Transition};
-use sinew_samplers::particles::{Particles, aggregate, predict_and_reweight, resample, retreat, reweight, start};
+use sinew_samplers::particles::{Particles, predict_and_reweight, resample, retreat, reweight, start};
 use sinew_samplers::resample::Scheme;
 
 /// Settings; the default resamples multinomially in every frame, as in all the papers.
@@ -70,10 +70,9 @@ impl<T: Transition + Send, O: LogDensity + ?Sized> Tracker<O> for Bootstrap<T> {
         check_dimension("observation", observed.dim(), self.state.estimate.len())?;
         let [to_resample, to_predict] = stage.split(["resample", "predict"]);
         let ParticleState { motion, estimate, particles, started } = &mut self.state;
-        let count = particles.count();
         let mut resampled = false;
         let weighed = if *started {
-            resampled = particles.effective_sample_size() <= self.config.resample_below * count as f64 * (1.0 + 1e-9);
+            resampled = are_few(particles, self.config.resample_below);
             let ancestors = resampled.then(|| resample(particles, self.config.scheme, to_resample));
             predict_and_reweight(particles, ancestors, motion, observed, to_predict)
         } else {
@@ -89,16 +88,7 @@ impl<T: Transition + Send, O: LogDensity + ?Sized> Tracker<O> for Bootstrap<T> {
                 return Err(error.into());
             }
         };
-        let (mean, ess) = (aggregate(particles), particles.effective_sample_size());
-        self.state.settle(mean.clone());
-        Ok(StepInfo {
-            mean,
-            ess,
-            log_evidence: Some(log_evidence),
-            resampled: Some(resampled),
-            likelihood_evaluations: count,
-            ..StepInfo::default()
-        })
+        Ok(self.state.weighed(log_evidence, resampled))
     }
 
     fn posterior(&self) -> Posterior<'_> {

@@ -11,7 +11,7 @@
 //! In the first frame the prior about the start takes the place of the step. The evidence is unbiased on the natural scale. N likelihood evaluations a frame. An effective number below ten says that N is too small; one mode is searched for, and another is found by no particle.
 
 use crate::error::check_dimension;
-use crate::particle_state::ParticleState;
+use crate::particle_state::{ParticleState, are_few};
 use crate::posterior::Posterior;
 use crate::{Error, Resume, StepInfo, Tracker};
 use sinew_core::density::{GaussNewton, LogDensity};
@@ -21,7 +21,7 @@ use sinew_core::transition::{Cloud, FramePrior, Moments, MotionModel, Predict, T
 use sinew_samplers::guided::Guide;
 use sinew_samplers::importance::Tails;
 use sinew_samplers::laplace::laplace;
-use sinew_samplers::particles::{aggregate, propose_and_reweight, resample, retreat};
+use sinew_samplers::particles::{propose_and_reweight, resample, retreat};
 use sinew_samplers::resample::{Ancestors, Scheme};
 
 /// Settings.
@@ -139,21 +139,10 @@ impl<T: Transition + Predict + Send, O: GaussNewton + ?Sized> Tracker<O> for Gui
         let laplace = laplace(observed, &prior, search_draws, self.isa, to_search)?;
         let guide = Guide::new(laplace, &prior.precision(), self.state.estimate.clone(), tails, self.isa)?;
         let particles = &self.state.particles;
-        let count = particles.count();
-        let few = particles.effective_sample_size() <= resample_below * count as f64 * (1.0 + 1e-9);
-        let resampled = self.state.started && few;
+        let resampled = self.state.started && are_few(particles, resample_below);
         let ancestors = resampled.then(|| resample(particles, scheme, to_resample));
         let log_evidence = advance(&mut self.state, ancestors, &guide, (observed, &prior), &to_move)?;
-        let (mean, ess) = (aggregate(&self.state.particles), self.state.particles.effective_sample_size());
-        self.state.settle(mean.clone());
-        Ok(StepInfo {
-            mean,
-            ess,
-            log_evidence: Some(log_evidence),
-            resampled: Some(resampled),
-            likelihood_evaluations: count,
-            ..StepInfo::default()
-        })
+        Ok(self.state.weighed(log_evidence, resampled))
     }
 
     fn posterior(&self) -> Posterior<'_> {

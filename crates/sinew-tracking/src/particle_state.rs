@@ -1,14 +1,20 @@
 //! What a tracker of particles keeps from frame to frame: its motion model, estimate and particles.
 
 use crate::Error;
+use crate::StepInfo;
 use crate::error::check_dimension;
 use crate::posterior::Posterior;
 use crate::resume::{blocks, check_length, put_blocks};
 use sinew_core::lanes::LANES;
 use sinew_core::random::Stage;
 use sinew_core::transition::{MotionModel, Transition};
-use sinew_samplers::particles::{Particles, predict, resample, start};
+use sinew_samplers::particles::{Particles, aggregate, predict, resample, start};
 use sinew_samplers::resample::Scheme;
+
+/// Whether particles are to be resampled: their effective number is at most this share of them, but for rounding.
+pub(crate) fn are_few(particles: &Particles, share: f64) -> bool {
+    particles.effective_sample_size() <= share * particles.count() as f64 * (1.0 + 1e-9)
+}
 
 /// The memory of one tracker.
 #[derive(Clone, Debug)]
@@ -51,6 +57,20 @@ impl<T: MotionModel> ParticleState<T> {
         self.motion.follow(self.started.then_some(&*self.estimate), &estimate);
         self.estimate = estimate;
         std::mem::replace(&mut self.started, true)
+    }
+
+    /// Ends a frame whose particles are weighed, with their mean as its estimate.
+    pub fn weighed(&mut self, log_evidence: f64, resampled: bool) -> StepInfo {
+        let (mean, ess) = (aggregate(&self.particles), self.particles.effective_sample_size());
+        self.settle(mean.clone());
+        StepInfo {
+            mean,
+            ess,
+            log_evidence: Some(log_evidence),
+            resampled: Some(resampled),
+            likelihood_evaluations: self.particles.count(),
+            ..StepInfo::default()
+        }
     }
 
     /// The particles as draws.
