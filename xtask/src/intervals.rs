@@ -8,7 +8,7 @@
 //! |---|---|
 //! | [`demos`] | demos of many seeds: coverage of true coordinates, in all and within a run |
 //! | [`caliscope`] | a recording that no tuning has touched, in the program's files |
-//! | [`left_out`] | cameras that a run did not use, predicted |
+//! | [`mod@left_out`] | cameras that a run did not use, predicted |
 //! | [`pairs`] | runs of disjoint pairs of cameras, against each other |
 //! | [`rigs`] | rigs drawn from the prior: ranks of what lasts, of poses, of a left-out camera's offset |
 //! | [`derived`] | angles, lengths, distances and displacements of demos |
