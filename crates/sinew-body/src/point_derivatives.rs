@@ -31,6 +31,8 @@ struct Growth {
 pub struct Neighbours {
     plan: Plan,
     tree: KinematicTree,
+    /// Which points of the tree.
+    chosen: Vec<usize>,
     /// Link of each point.
     link_of: Vec<usize>,
     /// Growths of each link's offset.
@@ -119,8 +121,29 @@ impl Neighbours {
             links: tree.links().iter().enumerate().map(from_link).collect(),
             points: points.iter().map(from_point).collect(),
             link_of: points.iter().map(|&p| tree.points()[p].link).collect(),
+            chosen: points.to_vec(),
             tree,
         }
+    }
+
+    /// The body with longer lengths, metres, and its points elsewhere on their links, metres, three numbers a point.
+    #[must_use]
+    pub fn reshaped(&self, longer: &[f64], places: &[f64]) -> Self {
+        let grown = |growths: &Vec<Growth>| {
+            let mut by = [0.0; 3];
+            for growth in growths {
+                by.iter_mut().zip(growth.by).for_each(|(x, by)| *x += by * longer[growth.length]);
+            }
+            by
+        };
+        let mut moved = vec![[0.0; 3]; self.tree.points().len()];
+        for ((&point, growths), place) in self.chosen.iter().zip(&self.points).zip(places.chunks_exact(3)) {
+            let by = grown(growths);
+            moved[point] = [0, 1, 2].map(|a: usize| by[a] + place[a]);
+        }
+        let links: Vec<[f64; 3]> = self.links.iter().map(grown).collect();
+        let tree = self.tree.with_links_moved(&links).with_points_moved(&moved);
+        Self { plan: Plan::new(&tree, &self.chosen), tree, ..self.clone() }
     }
 
     /// Points and derivatives in a pose.
@@ -184,38 +207,30 @@ impl Neighbours {
     }
 }
 
-impl PointDerivatives {
-    /// Moves the points as longer lengths and other places on their links do (metres; three numbers a point); derivatives by the pose stay.
-    pub fn reshape(&mut self, longer: &[f64], places: &[f64]) {
-        let lengths = self.by_length.len() / self.positions.len().max(1);
-        let rows = self.by_length.chunks_exact(lengths.max(1)).zip(self.link_axes.chunks_exact(3));
-        for (row, (position, (by_length, axes))) in self.positions.iter_mut().zip(rows).enumerate() {
-            *position += by_length.iter().zip(longer).map(|(by, longer)| by * longer).sum::<f64>();
-            *position += axes.iter().zip(&places[row / 3 * 3..]).map(|(axis, place)| axis * place).sum::<f64>();
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::kinematics::point_positions;
     use crate::standard::h32;
 
     #[test]
-    fn a_reshaped_body_has_its_points_where_a_body_of_those_sizes_has_them() {
+    fn a_reshaped_body_is_a_body_of_those_sizes() {
         let proportions = Proportions::default();
         let tree = h32(&proportions);
         let points: Vec<usize> = (0..tree.points().len()).collect();
         let pose: Vec<f64> = (0..tree.dof()).map(|j| 0.1 * ((3 * j) % 7) as f64 - 0.2).collect();
-        let mut found = Neighbours::new(h32, &proportions, &points).at(&pose);
         let longer: Vec<f64> = (0..length_names().len()).map(|k| 0.01 * k as f64 - 0.03).collect();
         let places: Vec<[f64; 3]> = points.iter().map(|&k| [0.001 * k as f64, -0.01, 0.002 * k as f64]).collect();
-        found.reshape(&longer, places.as_flattened());
-        let other = h32(&lengthened(&proportions, &longer)).with_points_moved(&places);
-        let mut expected = vec![0.0; 3 * points.len()];
-        point_positions(&Plan::new(&other, &points), ISA, &pose, &mut expected);
-        assert!(found.positions.iter().zip(&expected).all(|(a, b)| (a - b).abs() < 1e-9));
+        let found = Neighbours::new(h32, &proportions, &points).reshaped(&longer, places.as_flattened()).at(&pose);
+        let build = |sizes: &Proportions| h32(sizes).with_points_moved(&places);
+        let expected = Neighbours::new(build, &lengthened(&proportions, &longer), &points).at(&pose);
+        let agree = |found: &[f64], expected: &[f64]| {
+            assert_eq!(found.len(), expected.len());
+            assert!(found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-9));
+        };
+        agree(&found.positions, &expected.positions);
+        agree(&found.by_pose, &expected.by_pose);
+        agree(&found.by_length, &expected.by_length);
+        agree(&found.link_axes, &expected.link_axes);
     }
 
     #[test]

@@ -128,6 +128,16 @@ impl KinematicTree {
         moved
     }
 
+    /// The same body with the origins of its links elsewhere in their parents, by these vectors in the frames of the parents, metres, in the order of the links.
+    #[must_use]
+    pub fn with_links_moved(&self, by: &[[f64; 3]]) -> Self {
+        let mut moved = self.clone();
+        for (link, by) in moved.links.iter_mut().zip(by) {
+            link.offset.iter_mut().zip(by).for_each(|(x, by)| *x += by);
+        }
+        moved
+    }
+
     /// Links, parents before children.
     #[must_use]
     pub fn links(&self) -> &[Link] {

@@ -82,8 +82,7 @@ impl Scene {
     }
 
     fn linearised(&self, pose: &[f64], g: &[f64]) -> sinew_observe::lasting_errors::LinearisedFrame {
-        let mut body = self.neighbours.at(pose);
-        body.reshape(&g[self.errors.lengths()], &g[self.errors.places()]);
+        let body = self.neighbours.reshaped(&g[self.errors.lengths()], &g[self.errors.places()]).at(pose);
         let found = linearised_detections(&self.model(g), &self.detections, &body);
         linearised(&found, &self.errors, &self.scales, &body, pose.len())
     }
@@ -91,8 +90,22 @@ impl Scene {
 
 #[test]
 fn pulls_are_the_gradient_of_the_likelihood() {
+    let count = scene().errors.count();
+    pulls_are_the_gradient_at(vec![0.0; count]);
+    pulls_are_the_gradient_at(elsewhere());
+}
+
+/// Lengths, places and biases as far from 0 as those of real people. Cameras stay: derivatives by them are those of an error on top of the one that is there.
+fn elsewhere() -> Vec<f64> {
+    let errors = scene().errors;
+    let mut g: Vec<f64> = (0..errors.count()).map(|place| 0.02 * (2.3 * place as f64).sin()).collect();
+    (0..3).flat_map(|camera| errors.camera(camera)).for_each(|place| g[place] = 0.0);
+    g
+}
+
+fn pulls_are_the_gradient_at(g: Vec<f64>) {
     let scene = scene();
-    let (pose, g) = (pose(), vec![0.0; scene.errors.count()]);
+    let pose = pose();
     let found = scene.linearised(&pose, &g);
     assert_eq!(found.residuals.len(), 15);
     let step = 1e-6;
@@ -128,12 +141,15 @@ fn pulls_are_the_gradient_of_the_likelihood() {
 #[test]
 fn matrices_are_how_pulls_change() {
     let mut scene = scene();
-    let (pose, g) = (pose(), vec![0.0; scene.errors.count()]);
+    let (pose, g) = (pose(), elsewhere());
     // Without residuals the matrices are the whole second derivative.
-    let at = scene.neighbours.at(&pose).positions;
-    for (camera, seen) in scene.cameras.iter().zip(&mut scene.detections) {
+    let body = scene.neighbours.reshaped(&g[scene.errors.lengths()], &g[scene.errors.places()]);
+    let at = body.at(&pose).positions;
+    for (view, seen) in scene.model(&g).views.iter().zip(&mut scene.detections) {
         for (k, seen) in seen.iter_mut().enumerate() {
-            let pixel = camera.project([at[3 * k], at[3 * k + 1], at[3 * k + 2]]).pixel();
+            let pixel = view.camera.project([at[3 * k], at[3 * k + 1], at[3 * k + 2]]).pixel();
+            let bias = view.bias_of(k);
+            let pixel = pixel.map(|pixel| [pixel[0] + bias[0], pixel[1] + bias[1]]);
             *seen = pixel.map(|pixel| Detection { pixel, confidence: 0.7 });
         }
     }
@@ -202,8 +218,8 @@ fn pulls_one_draws_are_the_matrix_times_each_draw() {
 
     // A draw's keypoints are where a body of its lengths and places has them.
     let one_draw: Vec<f64> = (0..p).map(|k| numbers(&drawn.deviations)[k * width + 5]).collect();
-    let mut other = body.clone();
-    other.reshape(&one_draw[scene.errors.lengths()], &one_draw[scene.errors.places()]);
+    let other =
+        scene.neighbours.reshaped(&one_draw[scene.errors.lengths()], &one_draw[scene.errors.places()]).at(&pose);
     let away: Vec<f64> = other.positions.iter().zip(&body.positions).map(|(a, b)| a - b).collect();
     agree(&(0..away.len()).map(|row| numbers(&shifts)[row * width + 5]).collect::<Vec<f64>>(), &away);
 }

@@ -143,7 +143,10 @@ struct Pass {
 /// Poses and g on their way.
 struct Fit {
     errors: LastingErrors,
-    neighbours: Neighbours,
+    /// Body of the lengths that g counts from.
+    unmoved: Neighbours,
+    /// Body at g.
+    body: Neighbours,
     model: KeypointModel,
     prior: LastingPrior,
     points: Vec<String>,
@@ -175,8 +178,8 @@ impl Fit {
     ) -> Self {
         let indices: Vec<usize> = shared.iter().map(|(p, _)| *p).collect();
         let points: Vec<String> = indices.iter().map(|&p| tree.points()[p].name.clone()).collect();
-        let neighbours = Neighbours::new(|sizes| setup.body.tree(sizes), &setup.proportions, &indices);
-        let middle = middle(&neighbours, &frames, &setup.start_pose);
+        let unmoved = Neighbours::new(|sizes| setup.body.tree(sizes), &setup.proportions, &indices);
+        let middle = middle(&unmoved, &frames, &setup.start_pose);
         let errors = LastingErrors { cameras: cameras.len(), lengths: length_names().len(), points: points.len() };
         let mut g = vec![0.0; errors.count()];
         for (c, (camera, known)) in cameras.iter().zip(&setup.camera).enumerate() {
@@ -202,7 +205,8 @@ impl Fit {
             steps: seconds.iter().map(step).collect(),
             initial: initial_sd(tree).iter().map(|sd| (10.0 * sd).powi(2)).collect(),
             errors,
-            neighbours,
+            body: unmoved.clone(),
+            unmoved,
             points,
             middle,
             frames,
@@ -214,8 +218,9 @@ impl Fit {
         }
     }
 
-    /// Cameras and biases at g.
+    /// Body, cameras and biases at g.
     fn at_errors(&mut self, cameras: &[Camera]) {
+        self.body = self.unmoved.reshaped(&self.g[self.errors.lengths()], &self.g[self.errors.places()]);
         for (c, (view, camera)) in self.model.views.iter_mut().zip(cameras).enumerate() {
             let mut error = [0.0; NUMBERS];
             error.copy_from_slice(&self.g[self.errors.camera(c)]);
@@ -229,8 +234,7 @@ impl Fit {
     }
 
     fn linearised(&self, frame: &Looked) -> LinearisedFrame {
-        let mut body = self.neighbours.at(&frame.pose);
-        body.reshape(&self.g[self.errors.lengths()], &self.g[self.errors.places()]);
+        let body = self.body.at(&frame.pose);
         let found = linearised_detections(&self.model, &frame.detections, &body);
         linearised(&found, &self.errors, &self.scales, &body, self.model.plan.dof())
     }
@@ -449,12 +453,12 @@ fn rounded(x: f64) -> f64 {
 }
 
 /// Mean of the body's points over the frames; of a pose where there are none.
-fn middle(neighbours: &Neighbours, frames: &[Looked], otherwise: &[f64]) -> [f64; 3] {
+fn middle(body: &Neighbours, frames: &[Looked], otherwise: &[f64]) -> [f64; 3] {
     let poses: Vec<&[f64]> = frames.iter().map(|frame| frame.pose.as_slice()).collect();
     let poses = if poses.is_empty() { vec![otherwise] } else { poses };
     let (mut sum, mut count) = ([0.0; 3], 0.0);
     for pose in poses {
-        for point in neighbours.at(pose).positions.chunks_exact(3) {
+        for point in body.at(pose).positions.chunks_exact(3) {
             sum.iter_mut().zip(point).for_each(|(sum, x)| *sum += x);
             count += 1.0;
         }

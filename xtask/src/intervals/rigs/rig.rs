@@ -68,11 +68,10 @@ impl Rig {
         let (g, scales) = drawn(&lasting_prior::prior(&errors, &points, &Proportions::default()), lasting);
         let proportions = lengthened(&Proportions::default(), &g[errors.lengths()]);
         let states = walk(&usual, poses);
-        let neighbours = Neighbours::new(h32, &proportions, &indices);
+        let longer = vec![0.0; errors.lengths];
+        let body = Neighbours::new(h32, &proportions, &indices).reshaped(&longer, &g[errors.places()]);
         let keypoints = |state: &Vec<f64>| -> Vec<[f64; 3]> {
-            let mut body = neighbours.at(state);
-            body.reshape(&[], &g[errors.places()]);
-            body.positions.chunks_exact(3).map(|x| [x[0], x[1], x[2]]).collect()
+            body.at(state).positions.chunks_exact(3).map(|x| [x[0], x[1], x[2]]).collect()
         };
         let truth = Trajectories { names: points.clone(), frames: states.iter().map(keypoints).collect() };
         let cameras = around(&truth, &Ring { cameras: USED + 1, span: SPAN, ..Ring::default() })?;
