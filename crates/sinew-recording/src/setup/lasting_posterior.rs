@@ -1,7 +1,7 @@
 //! What is known of a constant number after the set-up, beside what was known before.
 
 use super::lasting_errors::MeasuredErrors;
-use super::lasting_prior::{HEAVY, KIND_SCALES, PLACES, SCALES, kind};
+use super::lasting_prior::{HEAVY, KIND_SCALES, SCALES, kind, place_scale};
 use sinew_observe::offsets::median;
 
 /// A constant number: its posterior and its prior.
@@ -45,7 +45,8 @@ impl MeasuredErrors {
         } else if layout.lengths().contains(&place) {
             return 1.0;
         } else if layout.places().contains(&place) {
-            (SCALES[PLACES], 1.0)
+            let point = (place - layout.places().start) / 3;
+            (SCALES[place_scale(&self.points[point])], 1.0)
         } else {
             let point = (place - layout.places().end) / 2 % layout.points;
             (KIND_SCALES[kind(&self.points[point])], HEAVY)

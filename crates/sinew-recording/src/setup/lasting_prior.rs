@@ -5,10 +5,11 @@
 //! | a camera | s × (0.2° a turn, 5 mm, 0.3 % of the focal length, 2 mrad of the principal point, 0.02 of k1), heavy tails; ln s ~ N(0, 1) | a calibration with a board or a wand from a few metres |
 //! | a length of the body | 10 % of the default body's, about it | 5–6 % among adults, and a joint that is defined otherwise |
 //! | a point's place on its link | s per axis; ln s ~ N(ln 10 mm, 0.8²) | keypoints against joints of markers: Needham et al., Scientific Reports 11 (2021) 20673: 1–15 mm at ankles, 30–50 mm at hips |
+//! | the same of points of head and feet, about the default body's | s per axis; ln s ~ N(ln 15 mm, 0.8²) | besides, 5 % of the length of a foot and the height of a head among adults |
 //! | a bias of a camera's detector for a point | s per axis, one for each kind of keypoint, heavy tails; ln s ~ N(ln 10 mm, 0.8²) | the same |
 
-use sinew_body::Proportions;
-use sinew_body::point_derivatives::lengths;
+use sinew_body::point_derivatives::{lengthened, lengths};
+use sinew_body::{KinematicTree, Proportions};
 use sinew_dynamics::lasting_scales::{LastingPrior, PriorCluster, ScalePrior, alike};
 use sinew_observe::camera_error::NUMBERS;
 use sinew_observe::lasting_errors::LastingErrors;
@@ -17,19 +18,28 @@ use sinew_observe::lasting_errors::LastingErrors;
 pub const CAMERA_UNITS: [f64; NUMBERS] = [3.5e-3, 3.5e-3, 3.5e-3, 5e-3, 5e-3, 5e-3, 3e-3, 2e-3, 2e-3, 0.02];
 const LENGTH_SHARE: f64 = 0.1;
 const POINTS: ScalePrior = ScalePrior { median: 0.010, log_sd: 0.8 };
+const ENDS: ScalePrior = ScalePrior { median: 0.015, log_sd: 0.8 };
 
 /// Mean of 1/w for w ~ Gamma(2, 2): variance of a heavy tail, Student's t with four degrees of freedom, over that of a Gaussian.
 pub const HEAVY: f64 = 2.0;
 
-/// Names of the scales: that of the cameras, that of places, and one for each kind of keypoint.
-pub(super) const SCALES: [&str; 7] =
-    ["cameras", "places_m", "bias_head_m", "bias_trunk_m", "bias_arms_m", "bias_legs_m", "bias_feet_m"];
-pub(super) const PLACES: usize = 1;
-const FIRST_KIND: usize = 2;
+/// Names of the scales: that of the cameras, those of places, and one for each kind of keypoint.
+pub(super) const SCALES: [&str; 8] = [
+    "cameras",
+    "places_m",
+    "places_head_feet_m",
+    "bias_head_m",
+    "bias_trunk_m",
+    "bias_arms_m",
+    "bias_legs_m",
+    "bias_feet_m",
+];
+const PLACES: [usize; 2] = [1, 2];
+const FIRST_KIND: usize = 3;
 const KINDS: usize = SCALES.len() - FIRST_KIND;
 
 /// Names of the scales of biases, by [`kind`].
-pub const KIND_SCALES: [&str; KINDS] = [SCALES[2], SCALES[3], SCALES[4], SCALES[5], SCALES[6]];
+pub const KIND_SCALES: [&str; KINDS] = [SCALES[3], SCALES[4], SCALES[5], SCALES[6], SCALES[7]];
 
 /// Which kind of keypoint a point of the body is.
 #[must_use]
@@ -44,9 +54,33 @@ pub fn kind(point: &str) -> usize {
     }
 }
 
-/// The prior, for a subject whose lengths are given; g counts from them.
+/// Which scale the place of a point has: points of head and feet stand for no joint, and the sizes of heads and feet differ.
 #[must_use]
-pub fn prior(errors: &LastingErrors, points: &[String], subject: &Proportions) -> LastingPrior {
+pub(super) fn place_scale(point: &str) -> usize {
+    PLACES[usize::from(matches!(kind(point), 0 | 4))]
+}
+
+/// Places that points are expected at, metres, from those that the subject's body has them at: what the set-up fitted to the data is no prior.
+#[must_use]
+pub fn expected_places(
+    build: impl Fn(&Proportions) -> KinematicTree,
+    points: &[String],
+    subject: &Proportions,
+) -> Vec<[f64; 3]> {
+    let usual = Proportions::default();
+    let longer: Vec<f64> = lengths(subject).iter().zip(lengths(&usual)).map(|(own, usual)| own - usual).collect();
+    let [own, usual] = [build(subject), build(&lengthened(&usual, &longer))];
+    let offset = |tree: &KinematicTree, name: &str| Some(tree.points()[tree.point_index(name)?].offset);
+    let between = |name: &String| {
+        let (own, usual) = offset(&own, name).zip(offset(&usual, name))?;
+        Some([0, 1, 2].map(|axis: usize| usual[axis] - own[axis]))
+    };
+    points.iter().map(|name| between(name).unwrap_or_default()).collect()
+}
+
+/// The prior, for a subject whose lengths are given, with its points expected at `places`; g counts from them.
+#[must_use]
+pub fn prior(errors: &LastingErrors, points: &[String], subject: &Proportions, places: &[[f64; 3]]) -> LastingPrior {
     let mut clusters = vec![];
     for camera in 0..errors.cameras {
         let numbers = errors.camera(camera).zip(CAMERA_UNITS).map(|(place, unit)| (place, 0.0, unit)).collect();
@@ -56,7 +90,12 @@ pub fn prior(errors: &LastingErrors, points: &[String], subject: &Proportions) -
     let length = |(place, (usual, own)): (usize, (&f64, f64))| (place, usual - own, LENGTH_SHARE * usual);
     let numbers = errors.lengths().zip(usual.iter().zip(lengths(subject))).map(length).collect();
     clusters.push(PriorCluster { numbers, scale: None, heavy_tails: false });
-    clusters.push(PriorCluster { numbers: alike(errors.places(), 1.0), scale: Some(PLACES), heavy_tails: false });
+    for scale in PLACES {
+        let own = |(point, name): (usize, &String)| (place_scale(name) == scale).then_some(point);
+        let place = |point| errors.place(point).zip(places[point]).map(|(place, mean)| (place, mean, 1.0));
+        let numbers = points.iter().enumerate().filter_map(own).flat_map(place).collect();
+        clusters.push(PriorCluster { numbers, scale: Some(scale), heavy_tails: false });
+    }
     for of in 0..KINDS {
         for (point, _) in points.iter().enumerate().filter(|(_, name)| kind(name) == of) {
             for camera in 0..errors.cameras {
@@ -67,5 +106,30 @@ pub fn prior(errors: &LastingErrors, points: &[String], subject: &Proportions) -
     }
     let mut scales = vec![POINTS; SCALES.len()];
     scales[0] = ScalePrior { median: 1.0, log_sd: 1.0 };
+    scales[PLACES[1]] = ENDS;
     LastingPrior { clusters, scales }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use sinew_body::point_derivatives::length_names;
+    use sinew_body::standard::h32;
+
+    #[test]
+    fn sizes_that_were_fitted_to_head_and_feet_are_not_expected() {
+        let usual = Proportions::default();
+        let mut subject = lengthened(&usual, &vec![0.02; length_names().len()]);
+        subject.heel[1] -= 0.03;
+        let points = ["LKnee", "LHeel", "Neck"].map(str::to_owned);
+        let places = expected_places(h32, &points, &subject);
+        assert_eq!(places[0], [0.0; 3]);
+        assert!((places[1][1] - 0.03).abs() < 1e-12 && places[2] == [0.0; 3]);
+        let errors = LastingErrors { cameras: 1, lengths: length_names().len(), points: 3 };
+        let prior = prior(&errors, &points, &subject, &places);
+        let found = prior.clusters.iter().flat_map(|cluster| cluster.numbers.iter().map(|n| (cluster.scale, *n)));
+        let place = errors.place(1).start + 1;
+        let (scale, (_, mean, _)) = found.into_iter().find(|(_, number)| number.0 == place).unwrap();
+        assert_eq!((scale, mean), (Some(PLACES[1]), places[1][1]));
+    }
 }

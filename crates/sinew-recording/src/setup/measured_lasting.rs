@@ -15,7 +15,7 @@
 
 use super::error_persistence::{correlation, persistence_s};
 use super::lasting_errors::{DrawnNumber, DrawnScale, LASTING_SHARE, MeasuredErrors, VERSION};
-use super::lasting_prior::{SCALES, prior};
+use super::lasting_prior::{SCALES, expected_places, prior};
 use super::lasting_sources::{PointSources, point_sources};
 use super::motion_noise::{default_sd, initial_sd};
 use super::pose_fit::pose_of;
@@ -45,6 +45,8 @@ use std::sync::Arc;
 const FRAMES: usize = 120;
 /// Rounds of poses and g.
 const ROUNDS: usize = 3;
+/// Steps between poses over those of the recording's motion. How large the steps of someone's angles are is not known; taken as known, they would say how long limbs are: longer limbs turn less for the same keypoints. Steps this wide say nothing of it, and still lead from frame to frame.
+const UNTIED: f64 = 5.0;
 /// Probability of a gross outlier.
 const OUTLIER: f64 = 0.02;
 /// Draws to find the mean in a round.
@@ -179,6 +181,7 @@ impl Fit {
         let indices: Vec<usize> = shared.iter().map(|(p, _)| *p).collect();
         let points: Vec<String> = indices.iter().map(|&p| tree.points()[p].name.clone()).collect();
         let unmoved = Neighbours::new(|sizes| setup.body.tree(sizes), &setup.proportions, &indices);
+        let expected = expected_places(|sizes| setup.body.tree(sizes), &points, &setup.proportions);
         let middle = middle(&unmoved, &frames, &setup.start_pose);
         let errors = LastingErrors { cameras: cameras.len(), lengths: length_names().len(), points: points.len() };
         let mut g = vec![0.0; errors.count()];
@@ -190,9 +193,9 @@ impl Fit {
         let motion = setup.motion_sd.clone().unwrap_or_else(|| default_sd(tree));
         let mut seconds: Vec<f64> =
             frames.windows(2).map(|pair| (pair[1].number - pair[0].number) as f64 / fps).collect();
-        let step = |seconds: &f64| motion.iter().map(|sd| sd * seconds.sqrt()).collect();
+        let step = |seconds: &f64| motion.iter().map(|sd| UNTIED * sd * seconds.sqrt()).collect();
         Self {
-            prior: prior(&errors, &points, &setup.proportions),
+            prior: prior(&errors, &points, &setup.proportions, &expected),
             model: KeypointModel {
                 plan: Arc::new(Plan::new(tree, &indices)),
                 views: setup.views(cameras),

@@ -65,7 +65,8 @@ impl Rig {
             (0..usual.points().len()).filter(|p| layout.index(&usual.points()[*p].name).is_some()).collect();
         let points: Vec<String> = indices.iter().map(|&p| usual.points()[p].name.clone()).collect();
         let errors = LastingErrors { cameras: USED + 1, lengths: length_names().len(), points: points.len() };
-        let (g, scales) = drawn(&lasting_prior::prior(&errors, &points, &Proportions::default()), lasting);
+        let places = vec![[0.0; 3]; points.len()];
+        let (g, scales) = drawn(&lasting_prior::prior(&errors, &points, &Proportions::default(), &places), lasting);
         let proportions = lengthened(&Proportions::default(), &g[errors.lengths()]);
         let states = walk(&usual, poses);
         let longer = vec![0.0; errors.lengths];
