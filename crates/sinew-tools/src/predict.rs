@@ -10,7 +10,8 @@
 //! common = cov(mean of u⁽ⁱ⁾ over frames and keypoints) + Ḡ Σ Ḡᵀ
 //! ```
 //!
-//! G is the derivative of the pixel by what the camera may be off by ([`sinew_observe::camera_error`]), Σ its prior with the scale that the other cameras show, Ḡ the mean of G over frames and keypoints; b is the size of a bias of the camera's detector for that kind of keypoint, n the scatter
+//! The mean over frames and keypoints counts each by the inverse of its total variance: where the camera is aside is seen in keypoints that are known well.
+//! G is the derivative of the pixel by what the camera may be off by ([`sinew_observe::camera_error`]), Σ its prior with the scale that the other cameras show, Ḡ the same mean of G; b is the size of a bias of the camera's detector for that kind of keypoint, n the scatter
 //! of an observation of usual confidence, both as the other cameras show them, in proportion to the size of the person in the image. `common` is the part that all keypoints of the camera share in all frames. A keypoint that lies outside the image in the mean is not predicted: pixels of points near the plane of a camera say nothing of it.
 
 pub(crate) mod error;
@@ -146,18 +147,18 @@ pub fn predict(folder: &Path, calibration: &Path, camera: &str) -> Result<Camera
         seen.filter(|seen| is_shown(seen, camera.image_size_px))
     };
     let shown: Vec<Option<Vec<Seen>>> = (0..in_frames * points).into_par_iter().map(draw).collect();
-    let common = common(&shown, draws, &sigma);
     let one = |(index, seen): (usize, &Option<Vec<Seen>>)| {
         let seen = seen.as_ref()?;
         let pixels: Vec<[f64; 2]> = seen.iter().map(|seen| seen.pixel).collect();
         let (mean, mut total) = moments(&pixels);
-        add(&mut total, spread(&mean_error(seen.iter()), &sigma));
+        add(&mut total, spread(&mean_error(seen.iter().map(|seen| (1.0, seen))), &sigma));
         let model = (setup.model_error_m * scale).powi(2);
         let alone = scale * scale * (biases[index % points] + noise_m2) + model;
         add(&mut total, [alone, 0.0, alone]);
         Some(Predicted { mean, total })
     };
-    let predicted = shown.iter().enumerate().map(one).collect();
+    let predicted: Vec<Option<Predicted>> = shown.iter().enumerate().map(one).collect();
+    let common = common(&shown, &predicted, draws, &sigma);
     Ok(CameraPrediction { camera, frames, keypoints: known.points.clone(), predicted, common })
 }
 
@@ -197,14 +198,14 @@ fn moments(pixels: &[[f64; 2]]) -> ([f64; 2], [f64; 3]) {
     (mean, covariance.map(|x| x / (n - 1.0).max(1.0)))
 }
 
-/// Mean derivative by the camera's error.
-fn mean_error<'a>(seen: impl Iterator<Item = &'a Seen>) -> [[f64; NUMBERS]; 2] {
-    let (mut sum, mut count) = ([[0.0; NUMBERS]; 2], 0.0);
-    for seen in seen {
-        count += 1.0;
-        sum.as_flattened_mut().iter_mut().zip(seen.by_error.as_flattened()).for_each(|(sum, x)| *sum += x);
+/// Mean derivative by the camera's error, with weights.
+fn mean_error<'a>(seen: impl Iterator<Item = (f64, &'a Seen)>) -> [[f64; NUMBERS]; 2] {
+    let (mut sum, mut weights) = ([[0.0; NUMBERS]; 2], 0.0);
+    for (weight, seen) in seen {
+        weights += weight;
+        sum.as_flattened_mut().iter_mut().zip(seen.by_error.as_flattened()).for_each(|(sum, x)| *sum += weight * x);
     }
-    sum.map(|row| row.map(|x| x / count))
+    sum.map(|row| row.map(|x| x / weights))
 }
 
 /// G Σ Gᵀ.
@@ -214,16 +215,29 @@ fn spread(by_error: &[[f64; NUMBERS]; 2], variances: &[f64; NUMBERS]) -> [f64; 3
 }
 
 /// The part that all keypoints share in all frames.
-fn common(shown: &[Option<Vec<Seen>>], draws: usize, variances: &[f64; NUMBERS]) -> [f64; 3] {
-    let known = || shown.iter().flatten();
-    let count = known().count() as f64;
-    if count == 0.0 {
+fn common(
+    shown: &[Option<Vec<Seen>>],
+    predicted: &[Option<Predicted>],
+    draws: usize,
+    variances: &[f64; NUMBERS],
+) -> [f64; 3] {
+    let both = shown.iter().zip(predicted);
+    let known: Vec<(f64, &Vec<Seen>)> = both
+        .filter_map(|(seen, predicted)| {
+            let [uu, _, vv] = (*predicted)?.total;
+            Some(((uu + vv).recip(), seen.as_ref()?))
+        })
+        .collect();
+    let weights: f64 = known.iter().map(|(weight, _)| weight).sum();
+    if weights == 0.0 {
         return [0.0; 3];
     }
-    let in_draw =
-        |draw: usize| [0, 1].map(|axis: usize| known().map(|seen| seen[draw].pixel[axis]).sum::<f64>() / count);
+    let in_draw = |draw: usize| {
+        [0, 1].map(|axis: usize| known.iter().map(|(w, seen)| w * seen[draw].pixel[axis]).sum::<f64>() / weights)
+    };
     let (_, mut covariance) = moments(&(0..draws).map(in_draw).collect::<Vec<_>>());
-    add(&mut covariance, spread(&mean_error(known().flatten()), variances));
+    let each = known.iter().flat_map(|(weight, seen)| seen.iter().map(move |seen| (*weight, seen)));
+    add(&mut covariance, spread(&mean_error(each), variances));
     covariance
 }
 
@@ -252,6 +266,22 @@ fn noise_m2(tracked: &Tracked, known: &MeasuredErrors, calibrated: &[Camera]) ->
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Two keypoints that move together, and a third one of which next to nothing is known.
+    #[test]
+    fn what_keypoints_share_is_told_by_those_that_are_known() {
+        let seen = |pixels: &[[f64; 2]]| -> Option<Vec<Seen>> {
+            Some(pixels.iter().map(|pixel| Seen { pixel: *pixel, by_error: [[0.0; NUMBERS]; 2] }).collect())
+        };
+        let known = seen(&[[10.0, 5.0], [12.0, 5.0], [14.0, 5.0]]);
+        let other = seen(&[[30.0, 9.0], [32.0, 9.0], [34.0, 9.0]]);
+        let unknown = seen(&[[900.0, 90.0], [-300.0, 20.0], [100.0, 50.0]]);
+        let predicted = |variance: f64| Some(Predicted { mean: [0.0; 2], total: [variance, 0.0, variance] });
+        let shown = [known, other, unknown, None];
+        let predicted = [predicted(5.0), predicted(5.0), predicted(1e9), None];
+        let [uu, _, vv] = common(&shown, &predicted, 3, &[0.0; NUMBERS]);
+        assert!((uu - 4.0).abs() < 1e-3 && vv < 1e-3, "{uu} {vv}");
+    }
 
     #[test]
     fn keypoints_outside_the_image_are_not_shown() {

@@ -37,7 +37,7 @@ const FAMILIES: [(&str, &str); 16] = [
     ("segments", "lengths of segments, three frames"),
     ("distances", "distances between two joints, three frames"),
     ("coordinates", "coordinates of joints, three frames"),
-    ("left_out", "offset of a camera left out (as normal)"),
+    ("left_out", "offset of a camera left out (scale mixture)"),
 ];
 
 /// A row of the table, from the ranks of each rig.

@@ -1,8 +1,9 @@
 //! Means over seeds, and whether ranks are uniform.
 
 use super::protocol::{BINS, DRAWS};
+use crate::outcome::Outcome;
 use sinew_tests::evaluation::ranks;
-use statrs::distribution::{ContinuousCDF as _, Normal};
+use statrs::distribution::{ContinuousCDF as _, Normal, StudentsT};
 
 pub(super) fn mean(values: impl Iterator<Item = f64>) -> f64 {
     let (sum, count) = values.fold((0.0, 0.0), |(sum, count), x| (sum + x, count + 1.0));
@@ -18,7 +19,22 @@ pub(super) fn with_error(values: &[f64]) -> [f64; 2] {
 
 /// The rank among [`DRAWS`] draws that a normal number of that many standard deviations has.
 pub(super) fn normal_rank(deviations: f64) -> u32 {
-    let probability = Normal::standard().cdf(deviations);
+    rank_of(Normal::standard().cdf(deviations))
+}
+
+/// Degrees of freedom of the errors of a camera.
+const CAMERA_DEGREES: f64 = 4.0;
+
+/// The same of a number that is Student's t with four degrees of freedom once its scale is known, of which there are draws.
+pub(super) fn scale_mixture_rank(deviations: f64, scales: &[f64]) -> Outcome<u32> {
+    let square = mean(scales.iter().map(|scale| scale * scale));
+    // The variance of Student's t is n / (n − 2).
+    let over = (CAMERA_DEGREES / (CAMERA_DEGREES - 2.0) * square).sqrt();
+    let student = StudentsT::new(0.0, 1.0, CAMERA_DEGREES)?;
+    Ok(rank_of(mean(scales.iter().map(|scale| student.cdf(deviations * over / scale)))))
+}
+
+fn rank_of(probability: f64) -> u32 {
     ((probability * (DRAWS as f64 + 1.0)) as u32).min(DRAWS as u32)
 }
 

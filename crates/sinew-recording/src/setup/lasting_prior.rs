@@ -54,10 +54,16 @@ pub fn kind(point: &str) -> usize {
     }
 }
 
-/// Which scale the place of a point has: points of head and feet stand for no joint, and the sizes of heads and feet differ.
+/// Whether a keypoint stands for no joint, as those of head and feet.
+#[must_use]
+pub fn stands_for_no_joint(point: &str) -> bool {
+    matches!(kind(point), 0 | 4)
+}
+
+/// Which scale the place of a point has: the sizes of heads and feet differ, too.
 #[must_use]
 pub(super) fn place_scale(point: &str) -> usize {
-    PLACES[usize::from(matches!(kind(point), 0 | 4))]
+    PLACES[usize::from(stands_for_no_joint(point))]
 }
 
 /// Places that points are expected at, metres, from those that the subject's body has them at: what the set-up fitted to the data is no prior.

@@ -1,6 +1,6 @@
 //! How much of each point's uncertainty comes from what, of everything that is constant.
 //!
-//! A draw δ of what is constant (truth less the value used) moves the points of the body by x = X (J δ) + L δ: J is the answer of the filter's pose to it, X the derivative of the points by the pose, L that by the lengths. With x = x₁ + … + x₄, the parts of cameras, lengths, places and biases,
+//! A draw δ of what is constant (truth less the value used) moves the points of the body by x = X (J δ) + L δ: J is the answer of the filter's pose to it, X the derivative of the points by the pose, L that by the lengths and, of points that are where detectors see them, by their places. With x = x₁ + … + x₄, the parts of cameras, lengths, places and biases,
 //! the part of a source in the variance of x is cov(x_f, x): the parts add to the variance. One is negative where a source takes away what another one brings. All are means over frames and draws, and sums over the three axes.
 
 use serde::{Deserialize, Serialize};
@@ -58,26 +58,28 @@ fn families(errors: &LastingErrors) -> [Range<usize>; SOURCES] {
     [0..errors.lengths().start, errors.lengths(), places.clone(), places.end..errors.count()]
 }
 
-/// The parts of all points of the body that `build` makes of sizes, with the lengths that were found; `poses` are poses, each with how it answers to what is constant, d × p, row after row.
+/// The parts of all points of the body that `build` makes of sizes, with the lengths that were found; `poses` are poses, each with how it answers to what is constant, d × p, row after row; `keypoint_at` says which keypoint a point is at.
 pub(super) fn point_sources(
     build: impl Fn(&Proportions) -> KinematicTree,
     sizes: &Proportions,
     errors: &LastingErrors,
     found: &LastingDraws,
     poses: &[(&[f64], &[f64])],
+    keypoint_at: impl Fn(&str) -> Option<usize>,
 ) -> Vec<PointSources> {
     let frames: Vec<_> = poses.iter().map(|&(pose, response)| AnsweringPose { pose, response }).collect();
     let names: Vec<String> = build(sizes).points().iter().map(|point| point.name.clone()).collect();
     let indices: Vec<usize> = (0..names.len()).collect();
     let body = Neighbours::new(build, &lengthened(sizes, &found.mean[errors.lengths()]), &indices);
-    sources(errors, &body, &names, &frames, &found.errors)
+    let points: Vec<_> = names.into_iter().map(|name| (keypoint_at(&name), name)).collect();
+    sources(errors, &body, &points, &frames, &found.errors)
 }
 
-/// The parts of the points of `body`, which have the names `points`, in some frames, for draws of what is constant.
+/// The parts of the points of `body`, in some frames, for draws of what is constant; `points` have the keypoint that each is at, and its name.
 fn sources(
     errors: &LastingErrors,
     body: &Neighbours,
-    points: &[String],
+    points: &[(Option<usize>, String)],
     frames: &[AnsweringPose<'_>],
     draws: &[Vec<f64>],
 ) -> Vec<PointSources> {
@@ -86,7 +88,7 @@ fn sources(
     let taken: Vec<&AnsweringPose<'_>> = frames.iter().step_by(frames.len().div_ceil(FRAMES).max(1)).collect();
     for frame in &taken {
         let at = body.at(frame.pose);
-        let moved = families(errors).map(|family| moves(errors, &at, frame, &deviations, draws.len(), family));
+        let moved = families(errors).map(|family| moves(errors, &at, points, frame, &deviations, family));
         for (row, n) in (0..3 * points.len()).flat_map(|row| (0..draws.len()).map(move |draw| (row, draw))) {
             let parts = [0, 1, 2, 3].map(|source: usize| moved[source][row * draws.len() + n]);
             let all: f64 = parts.iter().sum();
@@ -94,7 +96,7 @@ fn sources(
         }
     }
     let count = (taken.len() * draws.len()).max(1) as f64;
-    let named = |(point, sums): (&String, [f64; SOURCES])| {
+    let named = |((_, point), sums): (&(Option<usize>, String), [f64; SOURCES])| {
         let [cameras_m2, lengths_m2, places_m2, biases_m2] = sums.map(|sum| sum / count);
         PointSources { point: point.clone(), cameras_m2, lengths_m2, places_m2, biases_m2 }
     };
@@ -115,25 +117,28 @@ fn centred(draws: &[Vec<f64>]) -> Vec<f64> {
 fn moves(
     errors: &LastingErrors,
     at: &PointDerivatives,
+    points: &[(Option<usize>, String)],
     frame: &AnsweringPose<'_>,
     deviations: &[f64],
-    n: usize,
     family: Range<usize>,
 ) -> Vec<f64> {
     let (p, dof) = (errors.count(), frame.pose.len());
+    let n = deviations.len() / p;
     let add = |to: &mut [f64], by: f64, row: &[f64]| to.iter_mut().zip(row).for_each(|(x, d)| *x += by * d);
     let mut states = vec![0.0; dof * n];
     for (j, state) in states.chunks_exact_mut(n).enumerate() {
         family.clone().for_each(|place| add(state, frame.response[j * p + place], &deviations[place * n..][..n]));
     }
-    let mut points = vec![0.0; at.positions.len() * n];
-    for (row, point) in points.chunks_exact_mut(n).enumerate() {
+    let mut moved = vec![0.0; at.positions.len() * n];
+    for (row, point) in moved.chunks_exact_mut(n).enumerate() {
         states.chunks_exact(n).enumerate().for_each(|(j, state)| add(point, at.by_pose[row * dof + j], state));
         let by_length = &at.by_length[row * errors.lengths..][..errors.lengths];
         let lengths = errors.lengths().zip(by_length).filter(|(place, _)| family.contains(place));
-        lengths.for_each(|(place, by)| add(point, *by, &deviations[place * n..][..n]));
+        let places = points[row / 3].0.into_iter().flat_map(|keypoint| errors.place(keypoint));
+        let places = places.zip(&at.link_axes[3 * row..]).filter(|(place, _)| family.contains(place));
+        lengths.chain(places).for_each(|(place, by)| add(point, *by, &deviations[place * n..][..n]));
     }
-    points
+    moved
 }
 
 #[cfg(test)]
@@ -154,7 +159,7 @@ mod tests {
         (0..DRAWS).map(draw).collect()
     }
 
-    /// A body of which only the root answers: along x, by the first number of the camera and of the first bias, `bias` times that.
+    /// A body of which only the root answers: along x, by the first number of the camera and of the first bias, `bias` times that. Its nose is at the second keypoint.
     fn found(moved: &[usize], bias: f64) -> Vec<PointSources> {
         let errors = LastingErrors { cameras: 1, lengths: length_names().len(), points: 2 };
         let names = ["MidHip", "Nose"];
@@ -164,10 +169,13 @@ mod tests {
         let mut response = vec![0.0; 32 * p];
         response[0] = 2.0;
         response[errors.bias(0, 0).start] = bias;
-        let moved: Vec<usize> =
-            moved.iter().map(|&k| [0, errors.bias(0, 0).start, errors.lengths().start][k]).collect();
+        let moved: Vec<usize> = moved
+            .iter()
+            .map(|&k| [0, errors.bias(0, 0).start, errors.lengths().start, errors.place(1).start][k])
+            .collect();
         let frames = [AnsweringPose { pose: &pose, response: &response }];
-        sources(&errors, &body, &names.map(String::from), &frames, &draws(&errors, &moved))
+        let points = [(None, names[0].to_owned()), (Some(1), names[1].to_owned())];
+        sources(&errors, &body, &points, &frames, &draws(&errors, &moved))
     }
 
     fn is_near(found: [f64; SOURCES], expected: [f64; SOURCES]) {
@@ -197,5 +205,12 @@ mod tests {
         is_near(hips.parts(), [0.0; 4]);
         // The first length is the spine's, which bears the head.
         is_near(nose.parts(), [0.0, 1e-4, 0.0, 0.0]);
+    }
+
+    #[test]
+    fn a_place_moves_a_point_that_is_where_the_detector_sees_it() {
+        let [hips, nose] = &found(&[3], 0.0)[..] else { panic!("two points") };
+        is_near(hips.parts(), [0.0; 4]);
+        is_near(nose.parts(), [0.0, 0.0, 1e-4, 0.0]);
     }
 }

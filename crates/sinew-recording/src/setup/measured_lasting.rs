@@ -95,7 +95,9 @@ pub fn measure_lasting(
     let pass = fit.pass()?;
     let found = fit.drawn(&pass.data, SweepSchedule::default(), Stage::new(seed, "lasting"))?;
     let poses: Vec<_> = fit.frames.iter().zip(&pass.responses).map(|(frame, j)| (&frame.pose[..], &j[..])).collect();
-    let source = point_sources(|sizes| setup.body.tree(sizes), &setup.proportions, &fit.errors, &found, &poses);
+    let keypoint_at = |name: &str| fit.points.iter().position(|own| own == name && setup.follows_detectors(name));
+    let build = |sizes: &_| setup.body.tree(sizes);
+    let source = point_sources(build, &setup.proportions, &fit.errors, &found, &poses, keypoint_at);
     fit.store(setup, found, source);
     Ok(())
 }

@@ -6,12 +6,13 @@ use super::colours::MeasuredColours;
 use super::error::SetupError;
 use super::girth::MeasuredGirth;
 use super::lasting_errors::MeasuredErrors;
+use super::lasting_prior::stands_for_no_joint;
 use crate::{Error, Problems};
 use serde::{Deserialize, Serialize};
 use sinew_body::flesh::Flesh;
 use sinew_body::standard::{cf28, h32};
 use sinew_body::standard_flesh::standard_flesh;
-use sinew_body::{KinematicTree, Proportions, hapf31, hppf24};
+use sinew_body::{KinematicTree, Point, Proportions, hapf31, hppf24};
 use sinew_formats::body_toml;
 use sinew_observe::camera_error::with_error;
 use sinew_observe::{Camera, View};
@@ -234,10 +235,24 @@ struct Sizes {
 }
 
 impl Setup {
-    /// The body with the subject's sizes; that of a body file as it is.
+    /// The body with the subject's sizes, points of head and feet where detectors see them; that of a body file as it is.
     #[must_use]
     pub fn tree(&self) -> KinematicTree {
-        self.body.tree(&self.proportions)
+        self.tree_of(&self.proportions)
+    }
+
+    /// The same with other sizes.
+    #[must_use]
+    pub fn tree_of(&self, sizes: &Proportions) -> KinematicTree {
+        let tree = self.body.tree(sizes);
+        let places = self.places(&tree, |point| self.follows_detectors(point));
+        tree.with_points_moved(&places)
+    }
+
+    /// Whether a point of the body is where detectors see it: those of heads and feet stand for no joint.
+    #[must_use]
+    pub fn follows_detectors(&self, point: &str) -> bool {
+        self.body.is_measured() && stands_for_no_joint(point)
     }
 
     /// The solids of [`Setup::tree`], as thick as the subject where that is known.
@@ -289,13 +304,19 @@ impl Setup {
         points.iter().map(|name| bias(name).unwrap_or_default()).collect()
     }
 
-    /// How far the detectors see each point of a body from where it is, in the frame of its link, metres.
+    /// How far the detectors see each point of [`Setup::tree`] from where it is, in the frame of its link, metres.
     #[must_use]
     pub fn detected_places(&self, tree: &KinematicTree) -> Vec<[f64; 3]> {
+        self.places(tree, |point| !self.follows_detectors(point))
+    }
+
+    /// Places of those points of a body that are wanted; others are at 0.
+    fn places(&self, tree: &KinematicTree, is_wanted: impl Fn(&str) -> bool) -> Vec<[f64; 3]> {
         let Some(lasting) = &self.lasting else { return vec![[0.0; 3]; tree.points().len()] };
         let known = lasting.places_m();
-        let place = |name| known.get(lasting.points.iter().position(|point| point == name)?).copied();
-        tree.points().iter().map(|point| place(&point.name).unwrap_or_default()).collect()
+        let place = |name: &str| known.get(lasting.points.iter().position(|point| point == name)?).copied();
+        let wanted = |point: &Point| is_wanted(&point.name).then(|| place(&point.name)).flatten().unwrap_or_default();
+        tree.points().iter().map(wanted).collect()
     }
 
     /// Reads a `setup.toml`; `name` is that of the file, for messages.

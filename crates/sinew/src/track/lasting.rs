@@ -33,6 +33,8 @@ pub(super) struct Lasting {
     /// The body with its keypoints where the detectors see them.
     keypoints: Neighbours,
     points: Neighbours,
+    /// Points that are where a detector sees them, with the place of their keypoint.
+    detected: Vec<(usize, usize)>,
     pixels_per_metre: Vec<f64>,
     /// The shift of the world that each draw of the cameras looks like, metres.
     shifts: Vec<[f64; 3]>,
@@ -64,7 +66,10 @@ impl Lasting {
         let errors = LastingErrors { cameras: cameras.len(), points: indices.len(), ..known.layout() };
         let all: Vec<usize> = (0..tree.points().len()).collect();
         let places = setup.detected_places(tree);
-        let build = |sizes: &_| setup.body.tree(sizes).with_points_moved(&places);
+        let build = |sizes: &_| setup.tree_of(sizes).with_points_moved(&places);
+        let detected = |(row, &point): (usize, &usize)| {
+            setup.follows_detectors(&tree.points()[point].name).then_some((point, row))
+        };
         let variances = |sd: &[f64]| sd.iter().map(|sd| sd * sd).collect::<Vec<f64>>();
         let (initial, draws, isa) = (variances(motion.initial_sd()), known.draws(), scene.model().isa);
         let deviations = deviations(known, &errors, cameras, &scene.keypoints());
@@ -74,7 +79,8 @@ impl Lasting {
         Some(Self {
             shifts: world_shifts(&setup.as_they_are(cameras, 1.0), &errors, &deviations, known),
             keypoints: Neighbours::new(build, &setup.proportions, indices),
-            points: Neighbours::new(|sizes| setup.body.tree(sizes), &setup.proportions, &all),
+            points: Neighbours::new(|sizes| setup.tree_of(sizes), &setup.proportions, &all),
+            detected: indices.iter().enumerate().filter_map(detected).collect(),
             pixels_per_metre: cameras.iter().map(|camera| pixels_per_metre(camera, known.middle_m)).collect(),
             filter: LinearisedFilter::new(&initial),
             moves: LastingMoves::new(initial.len(), rows.blocks(), isa),
@@ -145,7 +151,11 @@ impl Lasting {
     /// The same with these shifts of the keypoints.
     fn moved_from(&self, mean: &[f64], states: Rows, keypoints: Vec<Block>) -> Moved {
         let draws = self.draws;
-        let points = self.drawn.by_length(&self.points.by_length(mean));
+        let mut points = self.drawn.by_length(&self.points.by_length(mean));
+        let three = 3 * self.drawn.blocks;
+        for &(point, keypoint) in &self.detected {
+            points[point * three..][..three].copy_from_slice(&keypoints[keypoint * three..][..three]);
+        }
         Moved {
             // Without keypoints nothing answers to the cameras.
             shifts: if states.is_zero() { vec![[0.0; 3]; draws] } else { self.shifts.clone() },

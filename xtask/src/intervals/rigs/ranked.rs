@@ -3,7 +3,7 @@
 use super::super::derived::{Run, Truth, ranked};
 use super::super::posterior::Drawn;
 use super::super::protocol::{DRAWS, LAYOUT};
-use super::super::summary::{mean, normal_rank};
+use super::super::summary::{mean, scale_mixture_rank};
 use super::rig::{FRAMES, RATE_HZ, Rig, USED};
 use crate::outcome::Outcome;
 use crate::program::Program;
@@ -44,7 +44,8 @@ fn ranks(rig: &Rig, folder: &Path, run: &Path) -> Outcome<Value> {
     let known = setup.lasting.as_ref().ok_or("a set-up without what lasts")?;
     let mut found = ranks_that_last(rig, &setup, known);
     found.append(&mut pose_ranks(rig, run)?);
-    found.insert("left_out".into(), json!(left_out_ranks(rig, &folder.join("Calib.toml"), run)?));
+    let scales = known.scale("cameras").ok_or("a set-up without a scale of the cameras")?;
+    found.insert("left_out".into(), json!(left_out_ranks(rig, &folder.join("Calib.toml"), run, scales)?));
     Ok(found.into())
 }
 
@@ -112,7 +113,7 @@ fn pose_ranks(rig: &Rig, run: &Path) -> Outcome<Map<String, Value>> {
     let places = RANKED.iter().flat_map(|&frame| (0..3).map(move |axis| (frame, axis)));
     let mut found = Map::new();
     found.insert("root".into(), places.map(root_rank).collect::<Vec<u32>>().into());
-    let frames = points_of_states(&h32(&rig.proportions), &rig.states).frames;
+    let frames = points_of_states(&rig.body(), &rig.states).frames;
     let truth = Truth { frames, states: rig.states.clone(), rate_hz: RATE_HZ as usize };
     for (key, ranks) in ranked(&Run::read(run)?, &truth, &RANKED)? {
         found.insert(key.into(), ranks.into());
@@ -120,8 +121,8 @@ fn pose_ranks(rig: &Rig, run: &Path) -> Outcome<Map<String, Value>> {
     Ok(found)
 }
 
-/// Ranks, as of normal numbers, of the offset of the camera that was left out: its mean over keypoints and frames.
-fn left_out_ranks(rig: &Rig, calibration: &Path, run: &Path) -> Outcome<[u32; 2]> {
+/// Ranks of the offset of the camera that was left out, its mean over keypoints and frames. The camera's own errors are nearly all of it: Student's t with four degrees of freedom, whose scale is as that of the cameras was drawn.
+fn left_out_ranks(rig: &Rig, calibration: &Path, run: &Path, scales: &[f64]) -> Outcome<[u32; 2]> {
     let prediction = predict(run, calibration, &rig.cameras[USED].name)?;
     let mut away: Vec<[f64; 2]> = vec![];
     for (frame, row) in prediction.frames.iter().zip(prediction.predicted.chunks(prediction.keypoints.len().max(1))) {
@@ -132,5 +133,6 @@ fn left_out_ranks(rig: &Rig, calibration: &Path, run: &Path) -> Outcome<[u32; 2]
         }
     }
     let sd = [prediction.common[0].sqrt(), prediction.common[2].sqrt()];
-    Ok([0, 1].map(|axis: usize| normal_rank(mean(away.iter().map(|away| away[axis])) / sd[axis])))
+    let offset = |axis: usize| mean(away.iter().map(|away| away[axis])) / sd[axis];
+    Ok([scale_mixture_rank(offset(0), scales)?, scale_mixture_rank(offset(1), scales)?])
 }

@@ -81,6 +81,17 @@ impl Rig {
         Ok(rig)
     }
 
+    /// The person's body; head and feet are where detectors see them.
+    pub(super) fn body(&self) -> KinematicTree {
+        let body = h32(&self.proportions);
+        let place = |name: &String| {
+            let own = self.points.iter().position(|point| point == name && lasting_prior::stands_for_no_joint(name));
+            own.map_or([0.0; 3], |own| [0, 1, 2].map(|axis: usize| self.g[self.errors.place(own).start + axis]))
+        };
+        let places: Vec<[f64; 3]> = body.points().iter().map(|point| place(&point.name)).collect();
+        body.with_points_moved(&places)
+    }
+
     fn film(&mut self, truth: &Trajectories, noise: &Stage) {
         let layout = body_25b();
         let middle = middle(truth);
