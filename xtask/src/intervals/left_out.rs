@@ -9,8 +9,8 @@ use crate::store::{Store, rows};
 use serde_json::{Value, json};
 use sinew::formats::openpose::{OpenposeOptions, OpenposePerson};
 use sinew::formats::tidy_csv;
-use sinew::formats::{layout, openpose};
-use std::collections::BTreeMap;
+use sinew::formats::{Layout, layout, openpose};
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 use std::path::Path;
 
@@ -34,6 +34,10 @@ pub(super) type Prediction = BTreeMap<u64, Vec<Expected>>;
 
 /// What was observed of it, the camera's own offset taken off.
 pub(super) struct Observed {
+    /// Its frame.
+    pub(super) frame: u64,
+    /// Its place in the layout.
+    pub(super) column: usize,
     /// Whether its frame served tuning.
     pub(super) is_tuned: bool,
     pub(super) error_px: f64,
@@ -76,6 +80,29 @@ pub(super) fn median(mut values: Vec<f64>) -> f64 {
     values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
 }
 
+/// The people that a camera saw in a frame.
+fn people(recording: &Recording, camera: &str, frame: u64, layout: &Layout) -> Outcome<Vec<OpenposePerson>> {
+    let path = recording.file(camera, frame).ok_or("a camera is not in the recording")?;
+    let options = OpenposeOptions { layout: Some(layout), ..OpenposeOptions::default() };
+    Ok(openpose::read(&shown(&path), &std::fs::read_to_string(&path)?, &options)?.people)
+}
+
+/// Frames and keypoints of which two of the used cameras or more are confident.
+fn seen_twice(recording: &Recording, used: &[&str]) -> Outcome<BTreeSet<(u64, usize)>> {
+    let (layout, mut count) = (layout::find(LAYOUT)?, BTreeMap::<(u64, usize), usize>::new());
+    for (camera, frame) in used.iter().flat_map(|camera| (0..recording.frames as u64).map(move |frame| (camera, frame))) {
+        let people = people(recording, camera, frame, &layout)?;
+        let is_seen = |column: &usize| {
+            let all = || people.iter().filter_map(|person| person.keypoints.get(*column).copied().flatten());
+            all().any(|seen| seen.confidence > CONFIDENT)
+        };
+        for column in (0..layout.points.len()).filter(is_seen) {
+            *count.entry((frame, column)).or_default() += 1;
+        }
+    }
+    Ok(count.into_iter().filter_map(|(key, cameras)| (cameras > 1).then_some(key)).collect())
+}
+
 /// What a camera saw of a prediction, and its own offset.
 pub(super) fn observed(
     prediction: Prediction,
@@ -83,24 +110,23 @@ pub(super) fn observed(
     camera: &str,
 ) -> Outcome<(Vec<Observed>, [f64; 2])> {
     let layout = layout::find(LAYOUT)?;
-    let mut seen: Vec<(bool, [f64; 3], [f64; 2])> = vec![];
+    let mut seen: Vec<(u64, usize, [f64; 3], [f64; 2])> = vec![];
     for (frame, expected) in prediction {
-        let path = recording.file(camera, frame).ok_or("a camera is not in the recording")?;
-        let options = OpenposeOptions { layout: Some(&layout), ..OpenposeOptions::default() };
-        let people = openpose::read(&shown(&path), &std::fs::read_to_string(&path)?, &options)?.people;
+        let people = people(recording, camera, frame, &layout)?;
         let by_person = people.iter().map(|person| residuals(person, &expected)).filter(|seen| !seen.is_empty());
         let away = |seen: &Vec<(&Expected, [f64; 2])>| median(seen.iter().map(|(_, [u, v])| u.hypot(*v)).collect());
         if let Some(nearest) = by_person.min_by(|a, b| away(a).total_cmp(&away(b))) {
-            seen.extend(nearest.into_iter().map(|(expected, r)| (frame < TUNED, expected.covariance, r)));
+            seen.extend(nearest.into_iter().map(|(own, r)| (frame, own.column, own.covariance, r)));
         }
     }
-    let offset = [0, 1].map(|axis: usize| median(seen.iter().filter(|s| s.0).map(|s| s.2[axis]).collect()));
-    let one = |(is_tuned, [uu, uv, vv], r): &(bool, [f64; 3], [f64; 2])| {
+    let offset = [0, 1].map(|axis: usize| median(seen.iter().filter(|s| s.0 < TUNED).map(|s| s.3[axis]).collect()));
+    let one = |&(frame, column, [uu, uv, vv], r): &(u64, usize, [f64; 3], [f64; 2])| {
         let [a, b] = [r[0] - offset[0], r[1] - offset[1]];
         let determinant = uu * vv - uv * uv;
-        let has_region = *uu > 0.0 && determinant > 0.0;
+        let has_region = uu > 0.0 && determinant > 0.0;
         let square = if has_region { (vv * a * a - 2.0 * uv * a * b + uu * b * b) / determinant } else { f64::NAN };
-        Observed { is_tuned: *is_tuned, error_px: a.hypot(b), square, log_determinant: determinant.ln() }
+        let (is_tuned, log_determinant) = (frame < TUNED, determinant.ln());
+        Observed { frame, column, is_tuned, error_px: a.hypot(b), square, log_determinant }
     };
     Ok((seen.iter().map(one).collect(), offset))
 }
@@ -118,10 +144,11 @@ pub(super) fn predicted(program: &Program, recording: &Recording, run: &Path, ca
 pub(super) fn cell(program: &Program, recording: &Recording, used: &[&str]) -> Outcome<Value> {
     let folder = program.folder.join(format!("used-{}", used.join("-")));
     program.track(&recording.flags(used), &folder)?;
-    let mut found = serde_json::Map::new();
+    let (twice, mut found) = (seen_twice(recording, used)?, serde_json::Map::new());
     for camera in recording.cameras.iter().filter(|camera| !used.contains(camera)) {
         let (seen, offset) = observed(predicted(program, recording, &folder, camera)?, recording, camera)?;
-        let judged: Vec<[f64; 2]> = seen.iter().filter(|s| !s.is_tuned).map(|s| [s.square, s.error_px]).collect();
+        let row = |s: &Observed| [s.square, s.error_px, f64::from(u8::from(twice.contains(&(s.frame, s.column))))];
+        let judged: Vec<[f64; 3]> = seen.iter().filter(|s| !s.is_tuned).map(row).collect();
         found.insert((*camera).into(), json!({ "judged": judged, "offset_px": offset }));
     }
     std::fs::remove_dir_all(&folder)?;
@@ -130,7 +157,10 @@ pub(super) fn cell(program: &Program, recording: &Recording, used: &[&str]) -> O
 
 /// What one camera's judged observations come to.
 fn row(text: &mut String, name: &str, judged: &[Vec<f64>], bounds: Option<[f64; 2]>) {
-    let inside = 100.0 * judged.iter().filter(|j| j[0] <= REGION).count() as f64 / judged.len() as f64;
+    let share =
+        |judged: Vec<&Vec<f64>>| 100.0 * judged.iter().filter(|j| j[0] <= REGION).count() as f64 / judged.len() as f64;
+    let inside = share(judged.iter().collect());
+    let twice: Vec<&Vec<f64>> = judged.iter().filter(|j| j[2] > 0.0).collect();
     let mut errors: Vec<f64> = judged.iter().map(|j| j[1]).collect();
     errors.sort_by(f64::total_cmp);
     let at = |share: f64| {
@@ -142,10 +172,12 @@ fn row(text: &mut String, name: &str, judged: &[Vec<f64>], bounds: Option<[f64; 
     };
     let _ = writeln!(
         text,
-        "| {name} | {} | {inside:.1} | {:.1} | {:.1} | {bound} | {met} |",
+        "| {name} | {} | {inside:.1} | {bound} | {met} | {:.1} | {:.1} | {} | {:.1} |",
         judged.len(),
         at(0.5),
-        at(0.9)
+        at(0.9),
+        twice.len(),
+        share(twice.clone()),
     );
 }
 
@@ -155,8 +187,8 @@ pub(super) fn table(store: &Store, recording: &Recording) -> String {
     let [three, two] = recording.bounds;
     for (size, bounds, each) in [(3, three, recording.each), (2, two, None)] {
         let _ = writeln!(text, "{size} cameras used, the others predicted; frames {TUNED} to {last}:\n");
-        text += "| camera left out, used | observations | inside 90 % regions, % | median error, px | 90 % of errors, px | bound | |\n";
-        text += "|---|---|---|---|---|---|---|\n";
+        text += "| camera left out, used | observations | inside 90 % regions, % | bound | | median error, px | 90 % of errors, px | two used cameras see it | inside, % |\n";
+        text += "|---|---|---|---|---|---|---|---|---|\n";
         let mut all: Vec<Vec<f64>> = vec![];
         for used in sets(&recording.cameras, size) {
             let Some(cell) = store.get(&format!("{}/{}", recording.cells, used.join("+"))) else { continue };
