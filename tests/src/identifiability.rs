@@ -3,14 +3,12 @@
 //! A pair is two combinations of the numbers g ([`sinew::setup::MeasuredErrors`]) in the same unit, of which the data see the sum. Of each member and of the sum the share of the prior's standard deviation that is left is given, and the correlation of the two in the posterior: −1 where the data see nothing but the sum.
 //! A common movement of all cameras, and the part of the biases of a keypoint that agrees in 3D, are coordinates along a direction v of g: vᵀ Σ₀⁻¹ g / vᵀ Σ₀⁻¹ v, Σ₀ the prior's covariance.
 
-use crate::simulated_source::source;
+use crate::simulated_source::{set_up, source};
 use sinew::body::Proportions;
 use sinew::body::point_derivatives::{Neighbours, PointDerivatives, length_names, lengths};
-use sinew::input::in_memory::InMemory;
-use sinew::input::source::FrameSource as _;
 use sinew::observe::Camera;
 use sinew::observe::lasting_errors::LastingErrors;
-use sinew::setup::{self, MeasuredErrors, Setup, SetupRequest};
+use sinew::setup::{MeasuredErrors, Setup, SetupRequest};
 use sinew_simulate::calibration_error::CalibrationError;
 use sinew_simulate::detector::DetectorNoise;
 use sinew_simulate::recording::{Script, SyntheticRecording};
@@ -64,22 +62,12 @@ pub fn pairs(scene: Scene, seed: u64) -> Outcome<Vec<Pair>> {
     let recording = SyntheticRecording::new(&script, seed)?;
     let (fps, cameras) = (script.rate_hz, recording.cameras.clone());
     let mut source = source(&recording);
-    let setup = set_up(&mut source, fps, seed)?;
+    let setup = set_up(&mut source, &SetupRequest::default(), fps, seed)?;
     let Some(known) = &setup.lasting else { return Ok(vec![]) };
     let prior_sd = (0..known.number.len()).map(|place| known.known(place).prior_sd).collect();
     let (layout, body) = (known.layout(), body(&setup, known));
     let found = Posterior { known, prior_sd, cameras: &cameras, layout, body };
     Ok(found.all().into_iter().map(|alike| found.mean(alike)).collect())
-}
-
-fn set_up(source: &mut InMemory, fps: f64, seed: u64) -> Outcome<Setup> {
-    let (cameras, layout, frames) = (source.cameras.clone(), source.layout.clone(), source.frames());
-    let people: Vec<_> = frames.clone().map(|number| Ok::<_, sinew::Error>((number, source.people(number)?))).collect();
-    let (mut setup, _) = setup::set_up(&cameras, &layout, &SetupRequest::default(), people)?;
-    let tree = setup.tree();
-    setup.motion_sd = Some(setup::measure_motion(&setup, &tree, source, frames.clone(), fps)?);
-    setup::measure_lasting(&mut setup, source, frames, fps, seed)?;
-    Ok(setup)
 }
 
 /// The keypoints in the set-up's first pose.

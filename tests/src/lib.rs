@@ -8,6 +8,7 @@ pub mod camera_point;
 pub mod checks;
 pub mod data;
 pub mod depth_flip;
+pub mod drawn_rig;
 pub mod evaluation;
 pub mod evidence;
 pub mod faulty_kernels;

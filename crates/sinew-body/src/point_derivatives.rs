@@ -146,6 +146,12 @@ impl Neighbours {
         Self { plan: Plan::new(&tree, &self.chosen), tree, ..self.clone() }
     }
 
+    /// Where a point is in the frame of its link, metres.
+    #[must_use]
+    pub fn offset(&self, point: usize) -> [f64; 3] {
+        self.tree.points()[self.chosen[point]].offset
+    }
+
     /// Points and derivatives in a pose.
     #[must_use]
     pub fn at(&self, pose: &[f64]) -> PointDerivatives {

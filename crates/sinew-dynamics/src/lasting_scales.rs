@@ -40,6 +40,8 @@ pub struct PriorCluster {
     pub scale: Option<usize>,
     /// Whether the cluster may be far off as a whole.
     pub heavy_tails: bool,
+    /// How many of its numbers are equal to another one by definition, which the data say: they tell nothing more of the scale.
+    pub tied: usize,
 }
 
 /// The prior of g.
@@ -250,7 +252,8 @@ impl Sweep<'_> {
         };
         let own = |(_, cluster): &(usize, &PriorCluster)| cluster.scale == Some(scale);
         let clusters = || self.prior.clusters.iter().enumerate().filter(own);
-        let count: f64 = clusters().map(|(_, cluster)| cluster.numbers.len() as f64).sum();
+        let tied: f64 = clusters().map(|(_, cluster)| cluster.tied as f64).sum();
+        let count: f64 = clusters().map(|(_, cluster)| cluster.numbers.len() as f64).sum::<f64>() - tied;
         let squares: f64 = clusters().map(|(index, cluster)| self.weights[index] * self.squares(cluster)).sum();
         let now = draw(&|x| -count * x - 0.5 * squares * (-2.0 * x).exp());
         // g = rest + k v, with v the deviations of this scale and k = s' / s.
@@ -268,7 +271,7 @@ impl Sweep<'_> {
         }
         let next = draw(&|x| {
             let k = (x - now).exp();
-            slope * k - 0.5 * curvature * k * k
+            tied * x + slope * k - 0.5 * curvature * k * k
         });
         let grown = (next - now).exp();
         for (place, mean, deviation) in deviations {

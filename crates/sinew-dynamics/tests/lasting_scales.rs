@@ -10,7 +10,7 @@ const COUNT: usize = 9;
 
 /// A cluster of fixed size, two of one scale with heavy tails, and one of a scale of its own.
 fn prior() -> LastingPrior {
-    let cluster = |numbers, scale, heavy_tails| PriorCluster { numbers, scale, heavy_tails };
+    let cluster = |numbers, scale, heavy_tails| PriorCluster { numbers, scale, heavy_tails, tied: 0 };
     LastingPrior {
         clusters: vec![
             cluster(vec![(0, 0.7, 0.5)], None, false),
@@ -84,15 +84,35 @@ fn ranks_of_the_truth_are_uniform() {
     }
 }
 
-/// One number seen with noise, of an unknown scale: mean and variance by quadrature over the scale.
+/// Seen at 2.0 with standard deviation 0.8.
+const SEEN: (f64, f64) = (2.0, 0.8);
+
+fn of_one_scale(numbers: Vec<(usize, f64, f64)>, tied: usize) -> LastingPrior {
+    let cluster = PriorCluster { numbers, scale: Some(0), heavy_tails: false, tied };
+    LastingPrior { clusters: vec![cluster], scales: vec![ScalePrior { median: 1.0, log_sd: 1.0 }] }
+}
+
 #[test]
 fn one_number_has_the_moments_of_the_integral() {
-    let scale = ScalePrior { median: 1.0, log_sd: 1.0 };
-    let cluster = PriorCluster { numbers: vec![(0, 0.3, 1.0)], scale: Some(0), heavy_tails: false };
-    let prior = LastingPrior { clusters: vec![cluster], scales: vec![scale] };
-    // Seen at 2.0 with standard deviation 0.8.
-    let (seen, noise) = (2.0, 0.8_f64);
-    let data = LastingData { information: vec![noise.powi(-2)], pull: vec![seen * noise.powi(-2)] };
+    let precision = SEEN.1.powi(-2);
+    let data = LastingData { information: vec![precision], pull: vec![SEEN.0 * precision] };
+    has_the_moments_of_the_integral(&data, &of_one_scale(vec![(0, 0.3, 1.0)], 0));
+}
+
+/// Two numbers that are equal are one, of 1/√2 of their size.
+#[test]
+fn equal_numbers_have_the_moments_of_one() {
+    let (precision, equal) = (SEEN.1.powi(-2), 1e8);
+    let data = LastingData {
+        information: vec![precision + equal, -equal, -equal, equal],
+        pull: vec![SEEN.0 * precision, 0.0],
+    };
+    has_the_moments_of_the_integral(&data, &of_one_scale(vec![(0, 0.3, 2.0_f64.sqrt()), (1, 0.3, 2.0_f64.sqrt())], 1));
+}
+
+/// One number seen with noise, of an unknown scale: mean and variance by quadrature over the scale.
+fn has_the_moments_of_the_integral(data: &LastingData, prior: &LastingPrior) {
+    let (seen, noise) = SEEN;
     let (mut total, mut mean, mut square) = (0.0, 0.0, 0.0);
     for cell in 0..20_000 {
         let log = -8.0 + 16.0 * (f64::from(cell) + 0.5) / 20_000.0;
@@ -106,7 +126,7 @@ fn one_number_has_the_moments_of_the_integral() {
     }
     let (mean, variance) = (mean / total, square / total - (mean / total).powi(2));
     let schedule = SweepSchedule { draws: 40_000, burn_in: 100, apart: 2 };
-    let found = draws(&data, &prior, schedule, Stage::new(5, "one")).expect("a posterior");
+    let found = draws(data, prior, schedule, Stage::new(5, "one")).expect("a posterior");
     let drawn: Vec<f64> = found.errors.iter().map(|g| g[0]).collect();
     let drawn_mean = drawn.iter().sum::<f64>() / drawn.len() as f64;
     let drawn_variance = drawn.iter().map(|x| (x - drawn_mean).powi(2)).sum::<f64>() / drawn.len() as f64;

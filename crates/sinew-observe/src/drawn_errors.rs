@@ -51,6 +51,14 @@ impl DrawnErrors {
         shifts
     }
 
+    /// Shifts points, three rows each, as keypoints do; `pairs` have the places of both.
+    pub fn follow(&self, points: &mut [Block], keypoints: &[Block], pairs: &[(usize, usize)]) {
+        let three = 3 * self.blocks;
+        for &(point, keypoint) in pairs {
+            points[point * three..][..three].copy_from_slice(&keypoints[keypoint * three..][..three]);
+        }
+    }
+
     /// Hᵀ W G δ, a row for each degree of freedom. `shifts` are [`DrawnErrors::keypoint_shifts`], `scales` the pixels for a metre of each camera.
     #[must_use]
     pub fn pull(

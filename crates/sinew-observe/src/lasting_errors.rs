@@ -154,7 +154,7 @@ pub fn pixels_per_metre(camera: &Camera, middle: [f64; 3]) -> f64 {
     camera.intrinsics.fx / camera.point_in_camera(middle)[2].max(crate::MIN_DEPTH_M)
 }
 
-/// The detections of a frame, point by point, linearised. `model` is at g: its cameras, its biases and the points of `body` are as g says. Derivatives by a camera are those of an error on top of the one that it has: right where errors are small.
+/// The detections of a frame, point by point, linearised. `model` is at g: its cameras, its biases and the points of `body` are as g says. Derivatives by a camera are by an error on top of the one that it has: right where errors are small.
 #[must_use]
 pub fn linearised_detections(
     model: &KeypointModel,

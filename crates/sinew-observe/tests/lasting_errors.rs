@@ -95,7 +95,7 @@ fn pulls_are_the_gradient_of_the_likelihood() {
     pulls_are_the_gradient_at(elsewhere());
 }
 
-/// Lengths, places and biases as far from 0 as those of real people. Cameras stay: derivatives by them are those of an error on top of the one that is there.
+/// Lengths, places and biases as far from 0 as real people have them. Cameras stay: derivatives by them are by an error on top of the one that is there.
 fn elsewhere() -> Vec<f64> {
     let errors = scene().errors;
     let mut g: Vec<f64> = (0..errors.count()).map(|place| 0.02 * (2.3 * place as f64).sin()).collect();

@@ -269,7 +269,7 @@ mod tests {
 
     /// Two keypoints that move together, and a third one of which next to nothing is known.
     #[test]
-    fn what_keypoints_share_is_told_by_those_that_are_known() {
+    fn keypoints_that_are_known_say_what_all_share() {
         let seen = |pixels: &[[f64; 2]]| -> Option<Vec<Seen>> {
             Some(pixels.iter().map(|pixel| Seen { pixel: *pixel, by_error: [[0.0; NUMBERS]; 2] }).collect())
         };

@@ -90,7 +90,8 @@ fn people(recording: &Recording, camera: &str, frame: u64, layout: &Layout) -> O
 /// Frames and keypoints of which two of the used cameras or more are confident.
 fn seen_twice(recording: &Recording, used: &[&str]) -> Outcome<BTreeSet<(u64, usize)>> {
     let (layout, mut count) = (layout::find(LAYOUT)?, BTreeMap::<(u64, usize), usize>::new());
-    for (camera, frame) in used.iter().flat_map(|camera| (0..recording.frames as u64).map(move |frame| (camera, frame))) {
+    for (camera, frame) in used.iter().flat_map(|camera| (0..recording.frames as u64).map(move |frame| (camera, frame)))
+    {
         let people = people(recording, camera, frame, &layout)?;
         let is_seen = |column: &usize| {
             let all = || people.iter().filter_map(|person| person.keypoints.get(*column).copied().flatten());

@@ -4,11 +4,9 @@
 //!
 //! | file | what |
 //! |---|---|
-//! | [`rig`] | a rig, its person, and what cameras see |
 //! | [`ranked`] | one rig tracked, its truths ranked |
 
 mod ranked;
-mod rig;
 
 pub(super) use ranked::cell;
 

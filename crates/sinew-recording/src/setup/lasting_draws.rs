@@ -2,6 +2,7 @@
 
 use super::lasting_errors::MeasuredErrors;
 use super::stored::Setup;
+use sinew_body::KinematicTree;
 use sinew_observe::Camera;
 use sinew_observe::lasting_errors::{LastingErrors, common_shift};
 use std::ops::Range;
@@ -37,6 +38,13 @@ pub fn world_shift_sd_m(setup: &Setup, cameras: &[Camera]) -> Option<f64> {
     let mean = [0, 1, 2].map(|axis: usize| drawn.iter().map(|shift| shift[axis]).sum::<f64>() / count);
     let square = |shift: &[f64; 3]| (0..3).map(|axis| (shift[axis] - mean[axis]).powi(2)).sum::<f64>();
     Some((drawn.iter().map(square).sum::<f64>() / (3.0 * count)).sqrt())
+}
+
+/// Points of a body that are where detectors see them, each with the place of its keypoint among `keypoints`, the indices of points.
+#[must_use]
+pub fn detected(setup: &Setup, tree: &KinematicTree, keypoints: &[usize]) -> Vec<(usize, usize)> {
+    let follows = |(_, point): &(usize, &usize)| setup.follows_detectors(&tree.points()[**point].name);
+    keypoints.iter().enumerate().filter(follows).map(|(place, point)| (*point, place)).collect()
 }
 
 /// Draws of the set-up for some cameras and points, less the values that tracking uses, in the order of `errors`, p × draws, row after row; what the set-up has no draws of stays where it is.

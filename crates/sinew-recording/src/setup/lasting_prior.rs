@@ -23,7 +23,7 @@ const ENDS: ScalePrior = ScalePrior { median: 0.015, log_sd: 0.8 };
 /// Mean of 1/w for w ~ Gamma(2, 2): variance of a heavy tail, Student's t with four degrees of freedom, over that of a Gaussian.
 pub const HEAVY: f64 = 2.0;
 
-/// Names of the scales: that of the cameras, those of places, and one for each kind of keypoint.
+/// Names of the scales: that of the cameras, two of places, and one for each kind of keypoint.
 pub(super) const SCALES: [&str; 8] = [
     "cameras",
     "places_m",
@@ -54,7 +54,7 @@ pub fn kind(point: &str) -> usize {
     }
 }
 
-/// Whether a keypoint stands for no joint, as those of head and feet.
+/// Whether a keypoint stands for no joint, as points of head and feet.
 #[must_use]
 pub fn stands_for_no_joint(point: &str) -> bool {
     matches!(kind(point), 0 | 4)
@@ -64,6 +64,21 @@ pub fn stands_for_no_joint(point: &str) -> bool {
 #[must_use]
 pub(super) fn place_scale(point: &str) -> usize {
     PLACES[usize::from(stands_for_no_joint(point))]
+}
+
+/// Points whose places are equal along an axis of their link, by names: soles are level and the line of the eyes is across where the angles of feet and head are 0.
+const LEVEL: [(&[&str], usize); 4] = [
+    (&["LBigToe", "LSmallToe", "LHeel"], 2),
+    (&["RBigToe", "RSmallToe", "RHeel"], 2),
+    (&["LEye", "REye"], 1),
+    (&["LEye", "REye"], 2),
+];
+
+/// Indices of the points of each group that is level, with the axis.
+#[must_use]
+pub fn level(points: &[String]) -> Level {
+    let index = |name: &&str| points.iter().position(|point| point == name);
+    LEVEL.map(|(names, axis)| (names.iter().filter_map(index).collect(), axis)).to_vec()
 }
 
 /// Places that points are expected at, metres, from those that the subject's body has them at: what the set-up fitted to the data is no prior.
@@ -84,29 +99,40 @@ pub fn expected_places(
     points.iter().map(|name| between(name).unwrap_or_default()).collect()
 }
 
-/// The prior, for a subject whose lengths are given, with its points expected at `places`; g counts from them.
+/// Groups of points that are level, with the axis.
+pub type Level = Vec<(Vec<usize>, usize)>;
+
+/// The prior, for a subject whose lengths are given, with its points expected at `places`, of which some are [`level`]; g counts from them.
 #[must_use]
-pub fn prior(errors: &LastingErrors, points: &[String], subject: &Proportions, places: &[[f64; 3]]) -> LastingPrior {
+pub fn prior(
+    errors: &LastingErrors,
+    points: &[String],
+    subject: &Proportions,
+    places: &[[f64; 3]],
+    level: &Level,
+) -> LastingPrior {
     let mut clusters = vec![];
     for camera in 0..errors.cameras {
         let numbers = errors.camera(camera).zip(CAMERA_UNITS).map(|(place, unit)| (place, 0.0, unit)).collect();
-        clusters.push(PriorCluster { numbers, scale: Some(0), heavy_tails: true });
+        clusters.push(PriorCluster { numbers, scale: Some(0), heavy_tails: true, tied: 0 });
     }
     let usual = lengths(&Proportions::default());
     let length = |(place, (usual, own)): (usize, (&f64, f64))| (place, usual - own, LENGTH_SHARE * usual);
     let numbers = errors.lengths().zip(usual.iter().zip(lengths(subject))).map(length).collect();
-    clusters.push(PriorCluster { numbers, scale: None, heavy_tails: false });
+    clusters.push(PriorCluster { numbers, scale: None, heavy_tails: false, tied: 0 });
+    let tied = level.iter().map(|(points, _)| points.len().saturating_sub(1)).sum();
     for scale in PLACES {
         let own = |(point, name): (usize, &String)| (place_scale(name) == scale).then_some(point);
         let place = |point| errors.place(point).zip(places[point]).map(|(place, mean)| (place, mean, 1.0));
         let numbers = points.iter().enumerate().filter_map(own).flat_map(place).collect();
-        clusters.push(PriorCluster { numbers, scale: Some(scale), heavy_tails: false });
+        let tied = if scale == PLACES[1] { tied } else { 0 };
+        clusters.push(PriorCluster { numbers, scale: Some(scale), heavy_tails: false, tied });
     }
     for of in 0..KINDS {
         for (point, _) in points.iter().enumerate().filter(|(_, name)| kind(name) == of) {
             for camera in 0..errors.cameras {
                 let numbers = alike(errors.bias(camera, point), 1.0);
-                clusters.push(PriorCluster { numbers, scale: Some(FIRST_KIND + of), heavy_tails: true });
+                clusters.push(PriorCluster { numbers, scale: Some(FIRST_KIND + of), heavy_tails: true, tied: 0 });
             }
         }
     }
@@ -132,7 +158,7 @@ mod tests {
         assert_eq!(places[0], [0.0; 3]);
         assert!((places[1][1] - 0.03).abs() < 1e-12 && places[2] == [0.0; 3]);
         let errors = LastingErrors { cameras: 1, lengths: length_names().len(), points: 3 };
-        let prior = prior(&errors, &points, &subject, &places);
+        let prior = prior(&errors, &points, &subject, &places, &level(&points));
         let found = prior.clusters.iter().flat_map(|cluster| cluster.numbers.iter().map(|n| (cluster.scale, *n)));
         let place = errors.place(1).start + 1;
         let (scale, (_, mean, _)) = found.into_iter().find(|(_, number)| number.0 == place).unwrap();

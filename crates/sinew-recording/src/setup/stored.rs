@@ -249,7 +249,7 @@ impl Setup {
         tree.with_points_moved(&places)
     }
 
-    /// Whether a point of the body is where detectors see it: those of heads and feet stand for no joint.
+    /// Whether a point of the body is where detectors see it: points of heads and feet stand for no joint.
     #[must_use]
     pub fn follows_detectors(&self, point: &str) -> bool {
         self.body.is_measured() && stands_for_no_joint(point)

@@ -2,14 +2,13 @@
 //!
 //! Tracking takes the set-up's values ĝ of what is constant for true. The set-up also drew how far the truth may be from them ([`crate::setup::MeasuredErrors`]). Draw i of every frame belongs to draw i mod n of these, and so is moved to
 //! where the tracker's estimate would be had that been true: s⁽ⁱ⁾ + J (g⁽ⁱ⁾ − ĝ), with the answer J of the filter linearised at its estimates ([`LastingMoves`]). Longer segments move the points of the body, too.
-//! Errors that persist some frames widen the draws by what the filter, which takes them as independent, does not know ([`PersistentErrors`]).
-//! Keypoints alone enter J: beside silhouettes it is too large.
+//! Errors that persist some frames widen the draws by what the filter, which takes them as independent, does not know ([`PersistentErrors`]). Keypoints alone enter J: beside silhouettes it is too large.
 
 use super::error::TrackError;
 use super::scene::Scene;
 use crate::Error;
 use crate::setup::Setup;
-use crate::setup::lasting_draws::{deviations, world_shifts};
+use crate::setup::lasting_draws::{detected, deviations, world_shifts};
 use sinew_body::KinematicTree;
 use sinew_body::point_derivatives::Neighbours;
 use sinew_core::combinations::add_combinations;
@@ -67,9 +66,6 @@ impl Lasting {
         let all: Vec<usize> = (0..tree.points().len()).collect();
         let places = setup.detected_places(tree);
         let build = |sizes: &_| setup.tree_of(sizes).with_points_moved(&places);
-        let detected = |(row, &point): (usize, &usize)| {
-            setup.follows_detectors(&tree.points()[point].name).then_some((point, row))
-        };
         let variances = |sd: &[f64]| sd.iter().map(|sd| sd * sd).collect::<Vec<f64>>();
         let (initial, draws, isa) = (variances(motion.initial_sd()), known.draws(), scene.model().isa);
         let deviations = deviations(known, &errors, cameras, &scene.keypoints());
@@ -80,7 +76,7 @@ impl Lasting {
             shifts: world_shifts(&setup.as_they_are(cameras, 1.0), &errors, &deviations, known),
             keypoints: Neighbours::new(build, &setup.proportions, indices),
             points: Neighbours::new(|sizes| setup.tree_of(sizes), &setup.proportions, &all),
-            detected: indices.iter().enumerate().filter_map(detected).collect(),
+            detected: detected(setup, tree, indices),
             pixels_per_metre: cameras.iter().map(|camera| pixels_per_metre(camera, known.middle_m)).collect(),
             filter: LinearisedFilter::new(&initial),
             moves: LastingMoves::new(initial.len(), rows.blocks(), isa),
@@ -152,10 +148,7 @@ impl Lasting {
     fn moved_from(&self, mean: &[f64], states: Rows, keypoints: Vec<Block>) -> Moved {
         let draws = self.draws;
         let mut points = self.drawn.by_length(&self.points.by_length(mean));
-        let three = 3 * self.drawn.blocks;
-        for &(point, keypoint) in &self.detected {
-            points[point * three..][..three].copy_from_slice(&keypoints[keypoint * three..][..three]);
-        }
+        self.drawn.follow(&mut points, &keypoints, &self.detected);
         Moved {
             // Without keypoints nothing answers to the cameras.
             shifts: if states.is_zero() { vec![[0.0; 3]; draws] } else { self.shifts.clone() },

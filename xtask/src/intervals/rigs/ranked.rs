@@ -4,16 +4,13 @@ use super::super::derived::{Run, Truth, ranked};
 use super::super::posterior::Drawn;
 use super::super::protocol::{DRAWS, LAYOUT};
 use super::super::summary::{mean, scale_mixture_rank};
-use super::rig::{FRAMES, RATE_HZ, Rig, USED};
 use crate::outcome::Outcome;
 use crate::program::Program;
 use serde_json::{Map, Value, json};
-use sinew::body::KinematicTree;
-use sinew::body::point_derivatives::{lengthened, lengths};
-use sinew::body::standard::h32;
 use sinew::observe::camera_error::PRINCIPAL_POINT;
 use sinew::setup::{MeasuredErrors, Setup};
 use sinew_motion::points::points_of_states;
+use sinew_tests::drawn_rig::{FRAMES, RATE_HZ, Rig, USED, truth};
 use sinew_tools::predict::predict;
 use std::ops::Range;
 use std::path::Path;
@@ -82,28 +79,6 @@ fn ranks_that_last(rig: &Rig, setup: &Setup, known: &MeasuredErrors) -> Map<Stri
         ("scales", scales.collect::<Vec<u32>>().into()),
     ];
     families.map(|(name, ranks)| (name.to_owned(), ranks)).into_iter().collect()
-}
-
-/// What is true of the numbers of a set-up, in its order; lengths beyond its body's, places from where its body of the true lengths has the points: head and feet have sizes that are not among the numbers.
-fn truth(rig: &Rig, setup: &Setup, known: &MeasuredErrors) -> Vec<f64> {
-    let (layout, mut truth) = (known.layout(), vec![f64::NAN; known.number.len()]);
-    let mut put = |to: Range<usize>, from: &[f64]| truth[to].copy_from_slice(from);
-    let longer: Vec<f64> =
-        lengths(&rig.proportions).iter().zip(lengths(&setup.proportions)).map(|(own, found)| own - found).collect();
-    put(layout.lengths(), &longer);
-    let [own_body, body] = [h32(&rig.proportions), h32(&lengthened(&setup.proportions, &longer))];
-    let point = |name: &String| rig.points.iter().position(|own| own == name);
-    for (p, own) in known.points.iter().enumerate().filter_map(|(p, name)| Some((p, point(name)?))) {
-        let offset = |body: &KinematicTree, axis: usize| {
-            body.point_index(&known.points[p]).map_or(f64::NAN, |point| body.points()[point].offset[axis])
-        };
-        let places = &rig.g[rig.errors.place(own)];
-        let place = [0, 1, 2].map(|axis: usize| places[axis] + offset(&own_body, axis) - offset(&body, axis));
-        put(layout.place(p), &place);
-        (0..USED).for_each(|c| put(layout.bias(c, p), &rig.g[rig.errors.bias(c, own)]));
-    }
-    (0..USED).for_each(|c| put(layout.camera(c), &rig.g[rig.errors.camera(c)]));
-    truth
 }
 
 fn pose_ranks(rig: &Rig, run: &Path) -> Outcome<Map<String, Value>> {

@@ -1,32 +1,38 @@
 //! A rig that is drawn from the set-up's prior, and what its cameras see.
 //!
 //! 1. g, what lasts, and its scales come from [`lasting_prior::prior`] itself, with one camera more than are used; lengths of the body are part of it.
+//!    Soles and eyes are level: of normal numbers that are known to be equal, each is as their mean was.
 //! 2. Poses begin at a standing one, knees and elbows bent, with normal deviations and walk at random, as the set-up and the tracker assume.
 //! 3. Keypoints are the body's points moved by their places on their links. Cameras show them as they are, with their biases and white noise; calibrated they are without errors.
 
-use crate::outcome::Outcome;
-use crate::program::shown;
-use sinew::body::point_derivatives::{Neighbours, length_names, lengthened};
+use sinew::body::point_derivatives::{Neighbours, length_names, lengthened, lengths};
 use sinew::body::standard::{STANDING_HEIGHT_M, h32};
 use sinew::body::{Joint, KinematicTree, Proportions};
 use sinew::core::random::Stage;
 use sinew::dynamics::lasting_scales::LastingPrior;
 use sinew::formats::calib_toml;
 use sinew::formats::openpose::Keypoint;
+use sinew::input::in_memory::InMemory;
 use sinew::observe::Camera;
 use sinew::observe::camera_error::with_error;
 use sinew::observe::lasting_errors::{LastingErrors, pixels_per_metre};
-use sinew::setup::{lasting_prior, motion_noise};
+use sinew::setup::{MeasuredErrors, Setup, lasting_prior, motion_noise};
 use sinew_motion::points::Trajectories;
 use sinew_simulate::draws::{normals, uniforms};
 use sinew_simulate::recording::{body_25b, keypoint_files};
 use sinew_simulate::ring::{Ring, around};
+use std::error::Error;
+use std::ops::Range;
 use std::path::Path;
 
+type Outcome<T> = Result<T, Box<dyn Error + Send + Sync>>;
+
 /// Cameras that are used; one more is left out.
-pub(super) const USED: usize = 4;
-pub(super) const FRAMES: usize = 50;
-pub(super) const RATE_HZ: f64 = 30.0;
+pub const USED: usize = 4;
+/// Frames of a rig.
+pub const FRAMES: usize = 50;
+/// Frames a second.
+pub const RATE_HZ: f64 = 30.0;
 /// Noise of a detection per axis, pixels.
 const SIGMA_PX: f64 = 3.0;
 /// Standard deviation of each angle of the first pose, radians.
@@ -40,24 +46,33 @@ const MOTION: f64 = 0.4;
 const SPAN: f64 = 0.45;
 
 /// A rig, a person and what lasts.
-pub(super) struct Rig {
+pub struct Rig {
     /// As calibrated; the last one is left out.
-    pub(super) cameras: Vec<Camera>,
-    pub(super) points: Vec<String>,
-    pub(super) errors: LastingErrors,
-    pub(super) g: Vec<f64>,
-    pub(super) scales: Vec<f64>,
-    pub(super) proportions: Proportions,
-    pub(super) states: Vec<Vec<f64>>,
+    pub cameras: Vec<Camera>,
+    /// Names of the keypoints.
+    pub points: Vec<String>,
+    /// Where each number of `g` stands.
+    pub errors: LastingErrors,
+    /// What lasts.
+    pub g: Vec<f64>,
+    /// Scales of its prior.
+    pub scales: Vec<f64>,
+    /// Sizes of the person.
+    pub proportions: Proportions,
+    /// Poses, frame by frame.
+    pub states: Vec<Vec<f64>>,
     /// Where each camera shows each keypoint in each frame, without bias and noise.
-    pub(super) pixels: Vec<Vec<Vec<Option<[f64; 2]>>>>,
+    pub pixels: Vec<Vec<Vec<Option<[f64; 2]>>>>,
     /// What the used cameras' detectors find: of each camera and frame the keypoints of the layout.
     seen: Vec<Vec<Vec<Option<Keypoint>>>>,
 }
 
 impl Rig {
     /// The rig of a seed.
-    pub(super) fn drawn(seed: u64) -> Outcome<Self> {
+    ///
+    /// # Errors
+    /// Cameras that cannot stand around the person.
+    pub fn drawn(seed: u64) -> Outcome<Self> {
         let [lasting, poses, noise] = Stage::new(seed, "rig").split(["lasting", "poses", "noise"]);
         let layout = body_25b();
         let usual = h32(&Proportions::default());
@@ -66,7 +81,14 @@ impl Rig {
         let points: Vec<String> = indices.iter().map(|&p| usual.points()[p].name.clone()).collect();
         let errors = LastingErrors { cameras: USED + 1, lengths: length_names().len(), points: points.len() };
         let places = vec![[0.0; 3]; points.len()];
-        let (g, scales) = drawn(&lasting_prior::prior(&errors, &points, &Proportions::default(), &places), lasting);
+        let level = lasting_prior::level(&points);
+        let prior = lasting_prior::prior(&errors, &points, &Proportions::default(), &places, &level);
+        let (mut g, scales) = drawn(&prior, lasting);
+        for (level, axis) in level {
+            let places: Vec<usize> = level.iter().map(|&point| errors.place(point).start + axis).collect();
+            let mean = places.iter().map(|&place| g[place]).sum::<f64>() / places.len() as f64;
+            places.into_iter().for_each(|place| g[place] = mean);
+        }
         let proportions = lengthened(&Proportions::default(), &g[errors.lengths()]);
         let states = walk(&usual, poses);
         let longer = vec![0.0; errors.lengths];
@@ -82,7 +104,8 @@ impl Rig {
     }
 
     /// The person's body; head and feet are where detectors see them.
-    pub(super) fn body(&self) -> KinematicTree {
+    #[must_use]
+    pub fn body(&self) -> KinematicTree {
         let body = h32(&self.proportions);
         let place = |name: &String| {
             let own = self.points.iter().position(|point| point == name && lasting_prior::stands_for_no_joint(name));
@@ -119,8 +142,17 @@ impl Rig {
         }
     }
 
+    /// What the used cameras' detectors find, as a source of frames.
+    #[must_use]
+    pub fn source(&self) -> InMemory {
+        InMemory { cameras: self.cameras[..USED].to_vec(), layout: body_25b(), keypoints: self.seen.clone() }
+    }
+
     /// Writes calibration and keypoints, and gives the flags that track them.
-    pub(super) fn write(&self, folder: &Path) -> Outcome<Vec<String>> {
+    ///
+    /// # Errors
+    /// A folder that cannot be written to.
+    pub fn write(&self, folder: &Path) -> Outcome<Vec<String>> {
         let (calibration, keypoints) = (folder.join("Calib.toml"), folder.join("keypoints"));
         let used: Vec<&str> = self.cameras[..USED].iter().map(|camera| camera.name.as_str()).collect();
         for name in &used {
@@ -130,11 +162,35 @@ impl Rig {
         for (name, text) in keypoint_files(&self.cameras[..USED], &self.seen) {
             std::fs::write(keypoints.join(name), text)?;
         }
+        let shown = |path: &Path| path.display().to_string();
         let (calibration, keypoints, used) = (shown(&calibration), shown(&keypoints), used.join(","));
         let rate = RATE_HZ.to_string();
         let flags = ["--calibration", &calibration, "--keypoints", &keypoints, "--cameras", &used, "--fps", &rate];
         Ok(flags.map(str::to_owned).to_vec())
     }
+}
+
+/// What is true of the numbers of a set-up, in its order; lengths beyond its body's, places from where its body of the true lengths has the points: head and feet have sizes that are not among the numbers.
+#[must_use]
+pub fn truth(rig: &Rig, setup: &Setup, known: &MeasuredErrors) -> Vec<f64> {
+    let (layout, mut truth) = (known.layout(), vec![f64::NAN; known.number.len()]);
+    let mut put = |to: Range<usize>, from: &[f64]| truth[to].copy_from_slice(from);
+    let longer: Vec<f64> =
+        lengths(&rig.proportions).iter().zip(lengths(&setup.proportions)).map(|(own, found)| own - found).collect();
+    put(layout.lengths(), &longer);
+    let [own_body, body] = [h32(&rig.proportions), h32(&lengthened(&setup.proportions, &longer))];
+    let point = |name: &String| rig.points.iter().position(|own| own == name);
+    for (p, own) in known.points.iter().enumerate().filter_map(|(p, name)| Some((p, point(name)?))) {
+        let offset = |body: &KinematicTree, axis: usize| {
+            body.point_index(&known.points[p]).map_or(f64::NAN, |point| body.points()[point].offset[axis])
+        };
+        let places = &rig.g[rig.errors.place(own)];
+        let place = [0, 1, 2].map(|axis: usize| places[axis] + offset(&own_body, axis) - offset(&body, axis));
+        put(layout.place(p), &place);
+        (0..USED).for_each(|c| put(layout.bias(c, p), &rig.g[rig.errors.bias(c, own)]));
+    }
+    (0..USED).for_each(|c| put(layout.camera(c), &rig.g[rig.errors.camera(c)]));
+    truth
 }
 
 /// What lasts and its scales, from their prior.
@@ -185,5 +241,5 @@ fn walk(body: &KinematicTree, stage: Stage) -> Vec<Vec<f64>> {
 /// Mean of all points over all frames.
 fn middle(truth: &Trajectories) -> [f64; 3] {
     let all = || truth.frames.iter().flatten();
-    [0, 1, 2].map(|axis: usize| super::super::summary::mean(all().map(|x| x[axis])))
+    [0, 1, 2].map(|axis: usize| all().map(|x| x[axis]).sum::<f64>() / all().count() as f64)
 }
