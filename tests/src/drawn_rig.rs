@@ -16,6 +16,7 @@ use sinew::input::in_memory::InMemory;
 use sinew::observe::Camera;
 use sinew::observe::camera_error::with_error;
 use sinew::observe::lasting_errors::{LastingErrors, pixels_per_metre};
+use sinew::setup::level_points::{self, LevelPoints};
 use sinew::setup::{MeasuredErrors, Setup, lasting_prior, motion_noise};
 use sinew_motion::points::Trajectories;
 use sinew_simulate::draws::{normals, uniforms};
@@ -81,11 +82,12 @@ impl Rig {
         let points: Vec<String> = indices.iter().map(|&p| usual.points()[p].name.clone()).collect();
         let errors = LastingErrors { cameras: USED + 1, lengths: length_names().len(), points: points.len() };
         let places = vec![[0.0; 3]; points.len()];
-        let level = lasting_prior::level(&points);
-        let prior = lasting_prior::prior(&errors, &points, &Proportions::default(), &places, &level);
+        let level = level_points::level_points(&points);
+        let prior =
+            lasting_prior::prior(&errors, &points, &Proportions::default(), &places, level_points::tied(&level));
         let (mut g, scales) = drawn(&prior, lasting);
-        for (level, axis) in level {
-            let places: Vec<usize> = level.iter().map(|&point| errors.place(point).start + axis).collect();
+        for LevelPoints { points, axis } in level {
+            let places: Vec<usize> = points.iter().map(|&point| errors.place(point).start + axis).collect();
             let mean = places.iter().map(|&place| g[place]).sum::<f64>() / places.len() as f64;
             places.into_iter().for_each(|place| g[place] = mean);
         }

@@ -87,7 +87,7 @@ fn ranks_of_the_truth_are_uniform() {
 /// Seen at 2.0 with standard deviation 0.8.
 const SEEN: (f64, f64) = (2.0, 0.8);
 
-fn of_one_scale(numbers: Vec<(usize, f64, f64)>, tied: usize) -> LastingPrior {
+fn one_scale(numbers: Vec<(usize, f64, f64)>, tied: usize) -> LastingPrior {
     let cluster = PriorCluster { numbers, scale: Some(0), heavy_tails: false, tied };
     LastingPrior { clusters: vec![cluster], scales: vec![ScalePrior { median: 1.0, log_sd: 1.0 }] }
 }
@@ -96,7 +96,7 @@ fn of_one_scale(numbers: Vec<(usize, f64, f64)>, tied: usize) -> LastingPrior {
 fn one_number_has_the_moments_of_the_integral() {
     let precision = SEEN.1.powi(-2);
     let data = LastingData { information: vec![precision], pull: vec![SEEN.0 * precision] };
-    has_the_moments_of_the_integral(&data, &of_one_scale(vec![(0, 0.3, 1.0)], 0));
+    has_the_moments_of_the_integral(&data, &one_scale(vec![(0, 0.3, 1.0)], 0));
 }
 
 /// Two numbers that are equal are one, of 1/√2 of their size.
@@ -107,7 +107,7 @@ fn equal_numbers_have_the_moments_of_one() {
         information: vec![precision + equal, -equal, -equal, equal],
         pull: vec![SEEN.0 * precision, 0.0],
     };
-    has_the_moments_of_the_integral(&data, &of_one_scale(vec![(0, 0.3, 2.0_f64.sqrt()), (1, 0.3, 2.0_f64.sqrt())], 1));
+    has_the_moments_of_the_integral(&data, &one_scale(vec![(0, 0.3, 2.0_f64.sqrt()), (1, 0.3, 2.0_f64.sqrt())], 1));
 }
 
 /// One number seen with noise, of an unknown scale: mean and variance by quadrature over the scale.

@@ -31,6 +31,7 @@ pub mod lasting_errors;
 pub mod lasting_posterior;
 pub mod lasting_prior;
 pub mod lasting_sources;
+pub mod level_points;
 mod measured_colours;
 mod measured_girth;
 mod measured_lasting;

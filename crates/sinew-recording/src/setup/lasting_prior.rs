@@ -66,21 +66,6 @@ pub(super) fn place_scale(point: &str) -> usize {
     PLACES[usize::from(stands_for_no_joint(point))]
 }
 
-/// Points whose places are equal along an axis of their link, by names: soles are level and the line of the eyes is across where the angles of feet and head are 0.
-const LEVEL: [(&[&str], usize); 4] = [
-    (&["LBigToe", "LSmallToe", "LHeel"], 2),
-    (&["RBigToe", "RSmallToe", "RHeel"], 2),
-    (&["LEye", "REye"], 1),
-    (&["LEye", "REye"], 2),
-];
-
-/// Indices of the points of each group that is level, with the axis.
-#[must_use]
-pub fn level(points: &[String]) -> Level {
-    let index = |name: &&str| points.iter().position(|point| point == name);
-    LEVEL.map(|(names, axis)| (names.iter().filter_map(index).collect(), axis)).to_vec()
-}
-
 /// Places that points are expected at, metres, from those that the subject's body has them at: what the set-up fitted to the data is no prior.
 #[must_use]
 pub fn expected_places(
@@ -99,17 +84,14 @@ pub fn expected_places(
     points.iter().map(|name| between(name).unwrap_or_default()).collect()
 }
 
-/// Groups of points that are level, with the axis.
-pub type Level = Vec<(Vec<usize>, usize)>;
-
-/// The prior, for a subject whose lengths are given, with its points expected at `places`, of which some are [`level`]; g counts from them.
+/// The prior, for a subject whose lengths are given, with its points expected at `places`, of which `tied` are equal to another one; g counts from them.
 #[must_use]
 pub fn prior(
     errors: &LastingErrors,
     points: &[String],
     subject: &Proportions,
     places: &[[f64; 3]],
-    level: &Level,
+    tied: usize,
 ) -> LastingPrior {
     let mut clusters = vec![];
     for camera in 0..errors.cameras {
@@ -120,7 +102,6 @@ pub fn prior(
     let length = |(place, (usual, own)): (usize, (&f64, f64))| (place, usual - own, LENGTH_SHARE * usual);
     let numbers = errors.lengths().zip(usual.iter().zip(lengths(subject))).map(length).collect();
     clusters.push(PriorCluster { numbers, scale: None, heavy_tails: false, tied: 0 });
-    let tied = level.iter().map(|(points, _)| points.len().saturating_sub(1)).sum();
     for scale in PLACES {
         let own = |(point, name): (usize, &String)| (place_scale(name) == scale).then_some(point);
         let place = |point| errors.place(point).zip(places[point]).map(|(place, mean)| (place, mean, 1.0));
@@ -158,7 +139,7 @@ mod tests {
         assert_eq!(places[0], [0.0; 3]);
         assert!((places[1][1] - 0.03).abs() < 1e-12 && places[2] == [0.0; 3]);
         let errors = LastingErrors { cameras: 1, lengths: length_names().len(), points: 3 };
-        let prior = prior(&errors, &points, &subject, &places, &level(&points));
+        let prior = prior(&errors, &points, &subject, &places, 0);
         let found = prior.clusters.iter().flat_map(|cluster| cluster.numbers.iter().map(|n| (cluster.scale, *n)));
         let place = errors.place(1).start + 1;
         let (scale, (_, mean, _)) = found.into_iter().find(|(_, number)| number.0 == place).unwrap();

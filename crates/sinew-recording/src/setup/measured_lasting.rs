@@ -15,8 +15,9 @@
 
 use super::error_persistence::{correlation, persistence_s};
 use super::lasting_errors::{DrawnNumber, DrawnScale, LASTING_SHARE, MeasuredErrors, VERSION};
-use super::lasting_prior::{Level, SCALES, expected_places, level, prior};
+use super::lasting_prior::{SCALES, expected_places, prior};
 use super::lasting_sources::{PointSources, point_sources};
+use super::level_points::{LevelPoints, level_points, levelled, tied};
 use super::motion_noise::{default_sd, initial_sd};
 use super::pose_fit::pose_of;
 use super::stored::Setup;
@@ -39,7 +40,6 @@ use sinew_observe::lasting_errors::{
 use sinew_observe::offsets::{self, Sighted, robust_sigma};
 use sinew_observe::{Camera, Detection, KeypointModel, Noise, View, association};
 use std::ops::Range;
-use std::sync::Arc;
 
 /// Frames looked at, at most.
 const FRAMES: usize = 120;
@@ -47,8 +47,6 @@ const FRAMES: usize = 120;
 const ROUNDS: usize = 3;
 /// Steps between poses over the steps of the recording's motion. How large the steps of someone's angles are is not known; taken as known, they would say how long limbs are: longer limbs turn less for the same keypoints. Steps this wide say nothing of it, and still lead from frame to frame.
 const UNTIED: f64 = 5.0;
-/// Precision of what is level by definition: a tenth of a millimetre.
-const LEVEL: f64 = 1e8;
 /// Probability of a gross outlier.
 const OUTLIER: f64 = 0.02;
 /// Draws to find the mean in a round.
@@ -155,8 +153,7 @@ struct Fit {
     body: Neighbours,
     model: KeypointModel,
     prior: LastingPrior,
-    /// Points that are level, with the axis.
-    level: Level,
+    level: Vec<LevelPoints>,
     points: Vec<String>,
     middle: [f64; 3],
     scales: Vec<f64>,
@@ -188,7 +185,7 @@ impl Fit {
         let points: Vec<String> = indices.iter().map(|&p| tree.points()[p].name.clone()).collect();
         let unmoved = Neighbours::new(|sizes| setup.body.tree(sizes), &setup.proportions, &indices);
         let expected = expected_places(|sizes| setup.body.tree(sizes), &points, &setup.proportions);
-        let level = if setup.body.is_measured() { level(&points) } else { vec![] };
+        let level = if setup.body.is_measured() { level_points(&points) } else { vec![] };
         let middle = middle(&unmoved, &frames, &setup.start_pose);
         let errors = LastingErrors { cameras: cameras.len(), lengths: length_names().len(), points: points.len() };
         let mut g = vec![0.0; errors.count()];
@@ -202,10 +199,10 @@ impl Fit {
             frames.windows(2).map(|pair| (pair[1].number - pair[0].number) as f64 / fps).collect();
         let step = |seconds: &f64| motion.iter().map(|sd| UNTIED * sd * seconds.sqrt()).collect();
         Self {
-            prior: prior(&errors, &points, &setup.proportions, &expected, &level),
+            prior: prior(&errors, &points, &setup.proportions, &expected, tied(&level)),
             level,
             model: KeypointModel {
-                plan: Arc::new(Plan::new(tree, &indices)),
+                plan: Plan::new(tree, &indices).into(),
                 views: setup.views(cameras),
                 noise: Noise::OutlierFloor { outlier: OUTLIER },
                 model_error_m: setup.model_error_m,
@@ -270,8 +267,8 @@ impl Fit {
                 pull.iter().enumerate().map(|(i, pull)| self.worth * (pull - moved(i))).collect()
             };
             let times = |values: &[f64]| values.iter().map(|x| self.worth * x).collect::<Vec<f64>>();
-            let root = self.worth.sqrt();
-            let weighted = |row: &[(usize, f64)]| row.iter().map(|(place, by)| (*place, root * by)).collect();
+            let weighted =
+                |row: &[(usize, f64)]| row.iter().map(|(place, by)| (*place, self.worth.sqrt() * by)).collect();
             let said = FrameInformation {
                 state: times(&seen.pose),
                 between: times(&seen.between),
@@ -400,27 +397,9 @@ impl Fit {
         }
     }
 
-    /// What the data say, and that soles and eyes are level.
-    fn levelled(&self, data: &LastingData) -> LastingData {
-        let (mut data, p) = (data.clone(), self.errors.count());
-        for (points, axis) in &self.level {
-            for (a, b) in points.iter().zip(points.iter().skip(1)) {
-                let [(a, at_a), (b, at_b)] =
-                    [*a, *b].map(|point| (self.errors.place(point).start + axis, self.unmoved.offset(point)[*axis]));
-                let pull = LEVEL * (at_b - at_a);
-                for (i, j, sign) in [(a, a, 1.0), (b, b, 1.0), (a, b, -1.0), (b, a, -1.0)] {
-                    data.information[i * p + j] += sign * LEVEL;
-                }
-                data.pull[a] += pull;
-                data.pull[b] -= pull;
-            }
-        }
-        data
-    }
-
     /// Draws g, and keeps its mean and the sizes of its prior.
     fn drawn(&mut self, data: &LastingData, schedule: SweepSchedule, stage: Stage) -> Result<LastingDraws, Error> {
-        let found = draws(&self.levelled(data), &self.prior, schedule, stage)?;
+        let found = draws(&levelled(data, &self.errors, &self.unmoved, &self.level), &self.prior, schedule, stage)?;
         for cluster in &self.prior.clusters {
             let size = cluster.scale.map_or(1.0, |scale| {
                 offsets::median(&mut found.scales.iter().map(|scales| scales[scale]).collect::<Vec<_>>())
