@@ -185,7 +185,7 @@ fn matrices_are_how_pulls_change() {
 
 /// What tracking needs of a frame is the same as the whole matrices say.
 #[test]
-fn pulls_one_draws_are_the_matrix_times_each_draw() {
+fn pulls_on_draws_are_the_matrix_times_each_draw() {
     let scene = scene();
     let (pose, g) = (pose(), vec![0.0; scene.errors.count()]);
     let whole = scene.linearised(&pose, &g);
