@@ -60,6 +60,11 @@ pub struct DrawnScale {
     pub draws: Vec<f64>,
 }
 
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde passes references")]
+fn is_zero(x: &f64) -> bool {
+    *x == 0.0
+}
+
 /// A constant number.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -68,6 +73,9 @@ pub struct DrawnNumber {
     pub name: String,
     /// Value that tracking uses.
     pub value: f64,
+    /// Mean of the prior; 0 in set-ups before it was stored.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub prior_mean: f64,
     /// Standard deviation of the prior: the median over the draws of its scales.
     pub prior_sd: f64,
     /// Draws of the truth less `value`; the draws of all numbers belong together.
@@ -172,7 +180,8 @@ mod tests {
     use super::*;
 
     fn known() -> MeasuredErrors {
-        let number = |_| DrawnNumber { name: "n".into(), value: 0.0, prior_sd: 1.0, draws: vec![0.1, -0.1] };
+        let number =
+            |_| DrawnNumber { name: "n".into(), value: 0.0, prior_mean: 0.0, prior_sd: 1.0, draws: vec![0.1, -0.1] };
         let mut known = MeasuredErrors {
             version: VERSION,
             cameras: vec!["C1".into()],

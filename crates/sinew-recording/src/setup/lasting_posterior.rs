@@ -11,6 +11,8 @@ pub struct KnownNumber {
     pub mean: f64,
     /// Its standard deviation.
     pub sd: f64,
+    /// Mean of the prior.
+    pub prior_mean: f64,
     /// Standard deviation of the prior, with the draws of its scale.
     pub prior_sd: f64,
 }
@@ -34,7 +36,12 @@ impl MeasuredErrors {
         let count = number.draws.len() as f64;
         let mean = number.draws.iter().sum::<f64>() / count;
         let variance = number.draws.iter().map(|draw| (draw - mean).powi(2)).sum::<f64>() / count;
-        KnownNumber { mean: number.value, sd: variance.sqrt(), prior_sd: number.prior_sd * self.spread(place) }
+        KnownNumber {
+            mean: number.value,
+            sd: variance.sqrt(),
+            prior_mean: number.prior_mean,
+            prior_sd: number.prior_sd * self.spread(place),
+        }
     }
 
     /// Standard deviation of the prior of a number over its size at the median of its scale: tails and draws of the scale widen it.
@@ -63,7 +70,7 @@ mod tests {
 
     #[test]
     fn a_number_is_learned_where_half_of_its_variance_is_gone() {
-        let known = |sd| KnownNumber { mean: 1.0, sd, prior_sd: 2.0 };
+        let known = |sd| KnownNumber { mean: 1.0, sd, prior_mean: 0.0, prior_sd: 2.0 };
         assert!(known(1.4).is_learned() && !known(1.42).is_learned() && !known(f64::NAN).is_learned());
     }
 }

@@ -162,8 +162,8 @@ struct Fit {
     /// Standard deviations of a step from a frame looked at to the next.
     steps: Vec<Vec<f64>>,
     g: Vec<f64>,
-    /// Standard deviations of its prior at the scales last drawn.
-    prior_sd: Vec<f64>,
+    /// Mean and standard deviation of each number's prior, at the scales last drawn.
+    expected: Vec<[f64; 2]>,
     /// Usual time from a frame looked at to the next.
     seconds_apart: f64,
     /// τ.
@@ -218,7 +218,7 @@ impl Fit {
             points,
             middle,
             frames,
-            prior_sd: vec![f64::INFINITY; g.len()],
+            expected: vec![[0.0, f64::INFINITY]; g.len()],
             g,
             seconds_apart: offsets::median(&mut seconds),
             persistence_s: 0.0,
@@ -347,7 +347,7 @@ impl Fit {
     /// How much of a number of g the data tell, from 0 to 1.
     fn share_from_data(&self, pass: &Pass, place: usize) -> f64 {
         let said = pass.data.information[place * self.errors.count() + place];
-        said / (said + self.prior_sd[place].powi(-2))
+        said / (said + self.expected[place][1].powi(-2))
     }
 
     /// The model error: what residuals about the body have beyond the noise of the detectors, once each bias is gone. Poses took `taken` of them.
@@ -404,7 +404,7 @@ impl Fit {
             let size = cluster.scale.map_or(1.0, |scale| {
                 offsets::median(&mut found.scales.iter().map(|scales| scales[scale]).collect::<Vec<_>>())
             });
-            cluster.numbers.iter().for_each(|(place, _, unit)| self.prior_sd[*place] = unit * size);
+            cluster.numbers.iter().for_each(|(place, mean, unit)| self.expected[*place] = [*mean, unit * size]);
         }
         self.g.clone_from(&found.mean);
         Ok(found)
@@ -412,22 +412,23 @@ impl Fit {
 
     /// Puts what was found into the set-up; lengths become the body's own.
     fn store(mut self, setup: &mut Setup, found: LastingDraws, source: Vec<PointSources>) {
-        let Self { errors, points, middle, frames, model, prior_sd, .. } = &self;
+        let Self { errors, points, middle, frames, model, expected, .. } = &self;
         let cameras: Vec<String> = setup.camera.iter().map(|camera| camera.name.clone()).collect();
-        let names = errors.names(&cameras, &length_names(), points);
         let number = |(place, name): (usize, String)| {
             let value = rounded(found.mean[place]);
             let draws = found.errors.iter().map(|g| rounded(g[place] - value)).collect();
-            let is_length = errors.lengths().contains(&place);
-            DrawnNumber { name, value: if is_length { 0.0 } else { value }, prior_sd: rounded(prior_sd[place]), draws }
+            let base = if errors.lengths().contains(&place) { value } else { 0.0 };
+            let [prior_mean, prior_sd] = [expected[place][0] - base, expected[place][1]].map(rounded);
+            DrawnNumber { name, value: value - base, prior_mean, prior_sd, draws }
         };
-        let scale = |(k, name): (usize, &str)| {
-            let draws = found.scales.iter().map(|scales| rounded(scales[k])).collect();
-            DrawnScale { name: name.into(), draws }
+        let scale = |(k, name): (usize, &str)| DrawnScale {
+            name: name.into(),
+            draws: found.scales.iter().map(|scales| rounded(scales[k])).collect(),
         };
         let longer: Vec<f64> = errors.lengths().map(|place| rounded(found.mean[place])).collect();
         setup.lasting = Some(MeasuredErrors {
             version: VERSION,
+            number: errors.names(&cameras, &length_names(), points).into_iter().enumerate().map(number).collect(),
             cameras,
             points: points.clone(),
             middle_m: middle.map(rounded),
@@ -435,7 +436,6 @@ impl Fit {
             worth: rounded(self.worth * frames.len() as f64),
             persistence_s: rounded(self.persistence_s),
             scale: SCALES.into_iter().enumerate().map(scale).collect(),
-            number: names.into_iter().enumerate().map(number).collect(),
             source: source.into_iter().map(|source| source.map(rounded)).collect(),
         });
         for (known, view) in setup.camera.iter_mut().zip(&model.views) {

@@ -56,7 +56,7 @@ fn shown(numbers: &[KnownNumber], factor: f64, unit: &str, digits: usize) -> Str
     };
     // Zero is added to take its sign from a number that is rounded to it.
     let rounded = |x: f64| (x * factor * 10_f64.powi(digits as i32)).round() / 10_f64.powi(digits as i32) + 0.0;
-    let mean = listed(&|number| format!("{:+.digits$}", rounded(number.mean)));
+    let mean = listed(&|number| format!("{:+.digits$}", rounded(number.mean - number.prior_mean)));
     let sd = listed(&|number| format!("{:.digits$}", rounded(number.sd)));
     let prior = numbers.first().map_or(0.0, |number| rounded(number.prior_sd));
     format!("{mean} ± {sd}{unit}, prior ± {prior:.digits$}{unit}")
@@ -74,7 +74,7 @@ fn largest(facts: &mut Facts, known: &MeasuredErrors, layout: &LastingErrors) {
             .into_iter()
             .map(|(name, range)| {
                 let numbers = known_in(known, range);
-                (numbers.iter().map(|number| number.mean.powi(2)).sum(), name, numbers)
+                (numbers.iter().map(|number| (number.mean - number.prior_mean).powi(2)).sum(), name, numbers)
             })
             .collect();
         sized.sort_by(|a, b| b.0.total_cmp(&a.0));
@@ -107,7 +107,7 @@ mod tests {
 
     #[test]
     fn numbers_are_shown_with_their_prior() {
-        let number = |mean, sd| KnownNumber { mean, sd, prior_sd: 0.02 };
+        let number = |mean, sd| KnownNumber { mean, sd, prior_mean: 0.0, prior_sd: 0.02 };
         assert_eq!(shown(&[number(0.0123, 0.004)], 1e3, " mm", 0), "+12 ± 4 mm, prior ± 20 mm");
         let pair = [number(0.001, 0.004), number(-0.00001, 0.01)];
         assert_eq!(shown(&pair, 1.0, "", 3), "(+0.001, +0.000) ± (0.004, 0.010), prior ± 0.020");
