@@ -159,8 +159,8 @@ pub(super) fn cell(program: &Program, recording: &Recording, used: &[&str]) -> O
 /// What one camera's judged observations come to.
 fn row(text: &mut String, name: &str, judged: &[Vec<f64>], bounds: Option<[f64; 2]>) {
     let share =
-        |judged: Vec<&Vec<f64>>| 100.0 * judged.iter().filter(|j| j[0] <= REGION).count() as f64 / judged.len() as f64;
-    let inside = share(judged.iter().collect());
+        |judged: &[&Vec<f64>]| 100.0 * judged.iter().filter(|j| j[0] <= REGION).count() as f64 / judged.len() as f64;
+    let inside = share(&judged.iter().collect::<Vec<_>>());
     let twice: Vec<&Vec<f64>> = judged.iter().filter(|j| j[2] > 0.0).collect();
     let mut errors: Vec<f64> = judged.iter().map(|j| j[1]).collect();
     errors.sort_by(f64::total_cmp);
@@ -178,7 +178,7 @@ fn row(text: &mut String, name: &str, judged: &[Vec<f64>], bounds: Option<[f64; 
         at(0.5),
         at(0.9),
         twice.len(),
-        share(twice.clone()),
+        share(&twice),
     );
 }
 
