@@ -15,7 +15,8 @@ use sinew::dynamics::gaussian::Gaussian;
 use sinew::dynamics::mixture::Mixture;
 use sinew::dynamics::prior::Prior;
 use sinew::observe::{
-    Camera, Detection, KeypointFrame, KeypointModel, MarkerLikelihood, MarkerModel, Noise, ObservationModel, View,
+    Camera, Detection, KeypointFrame, KeypointModel, MarkerLikelihood, MarkerModel, Mistakes, Noise, ObservationModel,
+    View,
 };
 use sinew::samplers::chains::{Schedule, draw};
 use sinew::samplers::hmc::Hmc;
@@ -453,9 +454,16 @@ fn the_mode_of_a_fast_limb_is_found() {
     };
     let detections: Vec<_> = views.iter().map(detect).collect();
     let noise = Noise::OutlierFloor { outlier: 0.02 };
-    let model =
-        KeypointModel { plan: Arc::clone(&plan), views, noise, model_error_m: 0.003, least_confidence: 0.0, isa };
-    let observed = model.bind(KeypointFrame { detections: &detections, predicted: &predicted });
+    let model = KeypointModel {
+        plan: Arc::clone(&plan),
+        views,
+        noise,
+        model_error_m: 0.003,
+        least_confidence: 0.0,
+        mistakes: Mistakes::default(),
+        isa,
+    };
+    let observed = model.bind(KeypointFrame { detections: &detections, elsewhere: &[], predicted: &predicted });
     let covariance: Vec<f64> = (0..32 * 32).map(|e| if e / 32 == e % 32 { 0.25 * 0.25 } else { 0.0 }).collect();
     let prior = Prior::Gaussian(Lanes { leaf: Gaussian::new(before, &covariance).expect("valid"), isa });
     let mode = laplace(&observed, &prior, 64, isa, Stage::new(1, "fast")).expect("positive definite").mode;

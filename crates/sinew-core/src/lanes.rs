@@ -244,9 +244,9 @@ pub fn dispatch_one<K: Kernel<f64>>(isa: Isa, mut kernel: K) {
     }
 }
 
-/// One state, multiply then add.
+/// One state, multiply then add: what runs over lanes, for a number by itself.
 #[derive(Clone, Copy)]
-struct One(f64);
+pub struct One(pub f64);
 
 /// Eight states in an array, for the compiler to vectorise.
 #[derive(Clone, Copy)]

@@ -12,7 +12,7 @@ use sinew_body::{Plan, Proportions, point_positions};
 use sinew_core::density::{GaussNewton, GradLogDensity, LogDensity};
 use sinew_core::lanes::{Block, Isa, triangle};
 use sinew_observe::lens::{Brown, Fisheye, Lens, Rational};
-use sinew_observe::{Camera, Detection, KeypointFrame, KeypointModel, Noise, ObservationModel, View};
+use sinew_observe::{Camera, Detection, KeypointFrame, KeypointModel, Mistakes, Noise, ObservationModel, View};
 use std::error::Error;
 use std::hint::black_box;
 use std::sync::Arc;
@@ -53,8 +53,16 @@ fn main() -> Result<(), Box<dyn Error>> {
         views.push(View { camera, bias_px: vec![[3.0, -2.0]; points.len() / 3], sigma_px: 8.0, usual_confidence: 0.7 });
     }
     let noise = Noise::OutlierFloor { outlier: 0.02 };
-    let model = KeypointModel { plan, views, noise, model_error_m: 0.015, least_confidence: 0.05, isa };
-    let bound = model.bind(KeypointFrame { detections: &detections, predicted: &points });
+    let model = KeypointModel {
+        plan,
+        views,
+        noise,
+        model_error_m: 0.015,
+        least_confidence: 0.05,
+        mistakes: Mistakes::default(),
+        isa,
+    };
+    let bound = model.bind(KeypointFrame { detections: &detections, elsewhere: &[], predicted: &points });
     let x: Vec<Block> = standing.iter().map(|&x| Block::splat(x + 0.01)).collect();
     let d = x.len();
     let (mut gradient, mut matrix) = (vec![Block::ZERO; d], vec![Block::ZERO; triangle(d, 0)]);

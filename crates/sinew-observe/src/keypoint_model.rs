@@ -13,13 +13,19 @@
 //! it, and not n independent ones; n sightings with the variance `⅔ n τ²` together know the point's position to τ in each direction, so that is what each gets. Depths for this are taken at the
 //! predicted pose when the frame is bound: s does not depend on the state.
 //!
+//! What a detector takes for something else ([`Mistakes`]) are components of the density: a pair of limbs whose sides it has exchanged ([`crate::exchanged_limbs`]), and, beside the outlier floor, a keypoint of somebody else: with
+//! probability π it lies as his keypoints of that name do, `p = (1 − ε − π) core + ε/A + π e`, e their mean density at the detection.
+//!
 //! A missing keypoint drops out. A point behind a camera, or beyond the domain of its lens, counts as an outlier there: its floor (for Student t the density at 1000 s), gradient 0, so that one wrong
 //! camera cannot veto every pose.
 
 use crate::camera::{Camera, MIN_DEPTH_M};
-use crate::keypoint_likelihood::{KeypointLikelihood, Noise, Sighting};
+use crate::exchanged_limbs::{Doubts, LEAST, Member};
+use crate::keypoint_likelihood::KeypointLikelihood;
 use crate::lane_projection::LaneCameras;
+use crate::mistakes::Mistakes;
 use crate::model::ObservationModel;
+use crate::sighting::{Noise, Sighting};
 use sinew_body::Plan;
 use sinew_core::density::Lanes;
 use sinew_core::lanes::Isa;
@@ -68,6 +74,8 @@ pub struct KeypointModel {
     pub model_error_m: f64,
     /// Keypoints of lower confidence count as missing.
     pub least_confidence: f64,
+    /// What detectors take for something else.
+    pub mistakes: Mistakes,
     /// Instruction set for the kernels.
     pub isa: Isa,
 }
@@ -77,6 +85,8 @@ pub struct KeypointModel {
 pub struct KeypointFrame<'a> {
     /// For each view, for each point of the plan, its detection if any.
     pub detections: &'a [Vec<Option<Detection>>],
+    /// For each view, for each point, the density (1/px²) at its detection of other people's keypoints of that name; empty where there is nobody else.
+    pub elsewhere: &'a [Vec<f64>],
     /// Predicted world positions of the points, three numbers each, metres.
     pub predicted: &'a [f64],
 }
@@ -110,29 +120,113 @@ impl KeypointModel {
         2.0 / 3.0 * cameras as f64 * scale * scale
     }
 
-    /// Detections of a point that count, with their views.
-    pub(crate) fn seen(&self, detections: &[Vec<Option<Detection>>], point: usize) -> Vec<(usize, Detection)> {
-        let in_view = |(c, points): (usize, &Vec<Option<Detection>>)| Some((c, points.get(point).copied().flatten()?));
+    /// The detection of a point in a view, if it counts.
+    fn counted(&self, frame: &KeypointFrame<'_>, view: usize, point: usize) -> Option<Detection> {
         let counts = |d: &Detection| d.confidence >= self.least_confidence && d.pixel.iter().all(|x| x.is_finite());
-        detections.iter().enumerate().filter_map(in_view).filter(|(_, d)| counts(d)).collect()
+        frame.detections.get(view)?.get(point).copied().flatten().filter(counts)
     }
 
-    /// A detection as the likelihood takes it, and the logarithm of its density's peak.
-    fn sighting(&self, camera: usize, point: usize, detection: Detection, variance: f64) -> (Sighting, f64) {
+    /// How many cameras see each point.
+    pub(crate) fn seen_by(&self, frame: &KeypointFrame<'_>) -> Vec<usize> {
+        let views = |point| (0..self.views.len()).filter(|&view| self.counted(frame, view, point).is_some()).count();
+        (0..self.plan.points()).map(views).collect()
+    }
+
+    /// The detection of a view's point `named` as one of `point`, and the logarithm of its density's peak; `seen_by` are the cameras that see each point.
+    pub(crate) fn sighting(
+        &self,
+        frame: &KeypointFrame<'_>,
+        seen_by: &[usize],
+        camera: usize,
+        [named, point]: [usize; 2],
+    ) -> Option<(Sighting, f64)> {
+        let detection = self.counted(frame, camera, named)?;
         let view = &self.views[camera];
+        let expected = &frame.predicted[3 * point..3 * point + 3];
+        let variance = self.variance_px2(camera, detection.confidence, seen_by[point].max(1), expected);
         let peak = 1.0 / (std::f64::consts::TAU * variance);
         let (shape, log_peak) = match self.noise {
             Noise::OutlierFloor { outlier } => {
                 let area = view.camera.image_size_px[0] * view.camera.image_size_px[1];
-                (outlier / (area * (1.0 - outlier) * peak), ((1.0 - outlier) * peak).ln())
+                let density = frame.elsewhere.get(camera).and_then(|densities| densities.get(named));
+                let [elsewhere, density] =
+                    density.map_or([0.0; 2], |density| [self.mistakes.elsewhere(camera), *density]);
+                let core = (1.0 - outlier - elsewhere) * peak;
+                ((outlier / area + elsewhere * density) / core, core.ln())
             }
             Noise::StudentT { degrees } => (1.0 / (degrees * variance), peak.ln()),
         };
         let i = &view.camera.intrinsics;
         let ([u, v], [du, dv]) = (detection.pixel, view.bias_of(point));
         let pixel = [u - du - i.cx, v - dv - i.cy];
-        (Sighting { camera, pixel, information: 1.0 / variance, shape }, log_peak)
+        Some((Sighting { camera, pixel, information: 1.0 / variance, shape }, log_peak))
     }
+
+    /// How far a sighting is from where its camera shows a point of the world, pixels.
+    fn offset(&self, sighting: &Sighting, at: &[f64]) -> Option<[f64; 2]> {
+        let camera = &self.views[sighting.camera].camera;
+        let [u, v] = camera.project([at[0], at[1], at[2]]).pixel()?;
+        let i = &camera.intrinsics;
+        Some([sighting.pixel[0] + i.cx - u, sighting.pixel[1] + i.cy - v])
+    }
+
+    /// A pair of limbs in a camera, as named and exchanged; `None` where the camera never exchanges them or shows neither.
+    fn paired(&self, frame: &KeypointFrame<'_>, seen_by: &[usize], camera: usize, limb: usize) -> Option<Paired> {
+        let q = self.mistakes.exchanged(camera);
+        let mut paired = Paired { points: vec![], log_peak: [0.0; 2], log_odds: (q / (1.0 - q)).ln() };
+        for &(left, right) in &self.mistakes.limbs[limb] {
+            for (own, other) in [(left, right), (right, left)] {
+                let ways = [own, other].map(|named| self.sighting(frame, seen_by, camera, [named, own]));
+                for ((way, sign), sum) in ways.iter().zip([-1.0, 1.0]).zip(&mut paired.log_peak) {
+                    let Some((sighting, log_peak)) = way else { continue };
+                    *sum += log_peak;
+                    let at = &frame.predicted[3 * own..3 * own + 3];
+                    let (log_factor, _) = self.noise.at(sighting, self.offset(sighting, at));
+                    paired.log_odds += sign * (log_peak + log_factor);
+                }
+                paired.points.push((own, ways.map(|way| way.map(|(sighting, _)| sighting))));
+            }
+        }
+        let is_seen = paired.points.iter().any(|(_, ways)| ways.iter().any(Option::is_some));
+        (q > 0.0 && is_seen).then_some(paired)
+    }
+
+    /// For each view and pair of limbs that it shows, the probability that it has exchanged their sides, were the points where `frame` predicts them.
+    #[must_use]
+    pub fn exchanged(&self, frame: &KeypointFrame<'_>) -> Vec<Vec<Option<f64>>> {
+        let seen_by = self.seen_by(frame);
+        let probability = |camera: usize, limb: usize| {
+            let paired = self.paired(frame, &seen_by, camera, limb)?;
+            Some(1.0 / (1.0 + (-paired.log_odds).exp()))
+        };
+        let in_view = |camera| (0..self.mistakes.limbs.len()).map(|limb| probability(camera, limb)).collect();
+        (0..self.views.len()).map(in_view).collect()
+    }
+
+    /// For each view and point with a detection, the probability that it is somebody else's, were the points where `frame` predicts them; none in views without others.
+    #[must_use]
+    pub fn elsewhere(&self, frame: &KeypointFrame<'_>) -> Vec<Vec<f64>> {
+        let seen_by = self.seen_by(frame);
+        let probability = |camera: usize, point: usize| {
+            let density = frame.elsewhere.get(camera)?.get(point)?;
+            let (sighting, log_peak) = self.sighting(frame, &seen_by, camera, [point, point])?;
+            let at = &frame.predicted[3 * point..3 * point + 3];
+            let (log_factor, _) = self.noise.at(&sighting, self.offset(&sighting, at));
+            Some(self.mistakes.elsewhere(camera) * density / (log_peak + log_factor).exp())
+        };
+        let in_view = |camera| (0..self.plan.points()).filter_map(|point| probability(camera, point)).collect();
+        (0..self.views.len()).map(in_view).collect()
+    }
+}
+
+/// A pair of limbs in a camera.
+struct Paired {
+    /// Points with the keypoint of their own name and of their partner's.
+    points: Vec<(usize, [Option<Sighting>; 2])>,
+    /// Sums of the peaks' logarithms, as named and exchanged.
+    log_peak: [f64; 2],
+    /// Log odds of exchanged sides at the predicted points.
+    log_odds: f64,
 }
 
 impl ObservationModel for KeypointModel {
@@ -140,24 +234,42 @@ impl ObservationModel for KeypointModel {
     type Bound = Lanes<KeypointLikelihood>;
 
     fn bind(&self, frame: KeypointFrame<'_>) -> Self::Bound {
+        let (seen_by, points) = (self.seen_by(&frame), self.plan.points());
+        let mut place = vec![0; points];
+        self.plan.order().iter().enumerate().for_each(|(k, &point)| place[point] = k);
+        let (mut log_odds, mut members, mut constant) = (vec![], vec![], 0.0);
+        let mut is_doubted = vec![false; self.views.len() * points];
+        for camera in 0..self.views.len() {
+            let q = self.mistakes.exchanged(camera);
+            for limb in 0..self.mistakes.limbs.len() {
+                let Some(paired) = self.paired(&frame, &seen_by, camera, limb) else { continue };
+                constant += (1.0 - q).ln();
+                if paired.log_odds < LEAST {
+                    continue;
+                }
+                constant += paired.log_peak[0];
+                for (point, [straight, crossed]) in paired.points {
+                    is_doubted[camera * points + point] = true;
+                    members.push(Member { point: place[point], doubt: log_odds.len(), straight, crossed });
+                }
+                log_odds.push((q / (1.0 - q)).ln() + paired.log_peak[1] - paired.log_peak[0]);
+            }
+        }
         let mut sightings = vec![];
         let mut first = vec![0];
-        let mut constant = 0.0;
         for &k in self.plan.order() {
-            let seen = self.seen(frame.detections, k);
-            let cameras = seen.len();
-            for (c, detection) in seen {
-                let expected = &frame.predicted[3 * k..3 * k + 3];
-                let variance = self.variance_px2(c, detection.confidence, cameras, expected);
-                let (sighting, log_peak) = self.sighting(c, k, detection, variance);
-                constant += log_peak;
-                sightings.push(sighting);
+            for camera in (0..self.views.len()).filter(|camera| !is_doubted[camera * points + k]) {
+                if let Some((sighting, log_peak)) = self.sighting(&frame, &seen_by, camera, [k, k]) {
+                    constant += log_peak;
+                    sightings.push(sighting);
+                }
             }
             first.push(sightings.len());
         }
         let leaf = KeypointLikelihood {
             plan: Arc::clone(&self.plan),
             cameras: LaneCameras::new(self.views.iter().map(|view| &view.camera)),
+            doubts: Doubts::new(log_odds, members, points),
             sightings,
             first,
             noise: self.noise,

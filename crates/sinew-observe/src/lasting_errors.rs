@@ -12,11 +12,9 @@
 
 use crate::camera::Camera;
 use crate::camera_error::{self, NUMBERS, PixelDerivatives};
-use crate::keypoint_likelihood::Noise;
-use crate::keypoint_model::{Detection, KeypointModel};
+use crate::keypoint_model::{Detection, KeypointFrame, KeypointModel};
 use nalgebra::{Matrix3, Vector3};
 use sinew_body::point_derivatives::PointDerivatives;
-use std::f64::consts::TAU;
 use std::ops::Range;
 
 /// Where each number of g stands.
@@ -154,44 +152,58 @@ pub fn pixels_per_metre(camera: &Camera, middle: [f64; 3]) -> f64 {
     camera.intrinsics.fx / camera.point_in_camera(middle)[2].max(crate::MIN_DEPTH_M)
 }
 
-/// The detections of a frame, point by point, linearised. `model` is at g: its cameras, its biases and the points of `body` are as g says. Derivatives by a camera are by an error on top of the one that it has: right where errors are small.
+/// The detections of a frame, point by point, linearised; `detections` and `elsewhere` as in [`KeypointFrame`]. `model` is at g: its cameras, its biases and the points of `body` are as g says. Derivatives by a camera are by an error on top of the one that it has: right where errors are small.
+///
+/// Where sides may be exchanged a point has the keypoints of both names, each weighed by how probable it is, as one with their mean.
 #[must_use]
 pub fn linearised_detections(
     model: &KeypointModel,
     detections: &[Vec<Option<Detection>>],
+    elsewhere: &[Vec<f64>],
     body: &PointDerivatives,
 ) -> Vec<LinearisedDetection> {
+    let frame = &KeypointFrame { detections, elsewhere, predicted: &body.positions };
+    let (seen_by, exchanged) = (model.seen_by(frame), model.exchanged(frame));
+    let partners = model.mistakes.partners(body.positions.len() / 3);
     let mut found = vec![];
     for (point, at) in body.positions.as_chunks::<3>().0.iter().enumerate() {
-        let seen = model.seen(detections, point);
-        for &(camera, detection) in &seen {
-            let view = &model.views[camera];
-            let Some(by) = camera_error::derivatives(&view.camera, *at) else { continue };
-            let (noise_px2, by_model_error) =
-                (model.noise_px2(camera, detection.confidence), model.by_model_error(camera, seen.len(), at));
-            let variance = noise_px2 + model.model_error_m.powi(2) * by_model_error;
-            let bias = view.bias_of(point);
-            let residual_px = [0, 1].map(|axis: usize| detection.pixel[axis] - bias[axis] - by.pixel[axis]);
-            let square = (residual_px[0] * residual_px[0] + residual_px[1] * residual_px[1]) / variance;
-            let weight = share(model.noise, view.camera.image_size_px, variance, square) / variance;
-            let seen = FrameResidual { camera, point, residual_px, noise_px2, by_model_error };
-            found.push(LinearisedDetection { seen, weight, by });
+        for camera in 0..model.views.len() {
+            let Some(by) = camera_error::derivatives(&model.views[camera].camera, *at) else { continue };
+            let crossed = partners[point].and_then(|(partner, limb)| Some((partner, exchanged[camera][limb]?)));
+            let ways = [Some((point, 1.0 - crossed.map_or(0.0, |(_, q)| q))), crossed];
+            let mut sum: Option<LinearisedDetection> = None;
+            for (named, probability) in ways.into_iter().flatten().filter(|(_, probability)| *probability > SMALLEST) {
+                let Some((sighting, _)) = model.sighting(frame, &seen_by, camera, [named, point]) else { continue };
+                let i = &model.views[camera].camera.intrinsics;
+                let residual_px = [sighting.pixel[0] + i.cx - by.pixel[0], sighting.pixel[1] + i.cy - by.pixel[1]];
+                let (_, share) = model.noise.at(&sighting, Some(residual_px));
+                let by_model_error = model.by_model_error(camera, seen_by[point].max(1), at);
+                let noise_px2 = 1.0 / sighting.information - model.model_error_m.powi(2) * by_model_error;
+                let seen = FrameResidual { camera, point, residual_px, noise_px2, by_model_error };
+                let own = LinearisedDetection { seen, weight: probability * share * sighting.information, by };
+                sum = Some(sum.map_or(own, |other| other.with(&own)));
+            }
+            found.extend(sum);
         }
     }
     found
 }
 
-/// The share of a detection that is no outlier, at a squared distance over the variance.
-fn share(noise: Noise, [width, height]: [f64; 2], variance: f64, square: f64) -> f64 {
-    match noise {
-        Noise::OutlierFloor { outlier } => {
-            let floor = outlier * TAU * variance / (width * height * (1.0 - outlier));
-            let core = (-0.5 * square).exp();
-            core / (core + floor)
-        }
-        Noise::StudentT { degrees } => (degrees + 2.0) / (degrees + square),
+impl LinearisedDetection {
+    /// One detection of the same point in place of two, with their weighted mean; what is known of the noise is that of the one with more weight.
+    fn with(&self, other: &Self) -> Self {
+        let weight = self.weight + other.weight;
+        let mean = |axis: usize| {
+            let sum = self.weight * self.seen.residual_px[axis] + other.weight * other.seen.residual_px[axis];
+            sum / weight.max(f64::MIN_POSITIVE)
+        };
+        let likelier = if other.weight > self.weight { other } else { self };
+        Self { seen: FrameResidual { residual_px: [mean(0), mean(1)], ..likelier.seen }, weight, by: self.by }
     }
 }
+
+/// Probability of exchanged sides that is none.
+const SMALLEST: f64 = 1e-8;
 
 /// Σ W Pᵀ P over the detections of a point, with P the derivatives of pixels by it.
 #[must_use]

@@ -9,7 +9,7 @@ use sinew_observe::drawn_errors::DrawnErrors;
 use sinew_observe::lasting_errors::{
     LastingErrors, linearised, linearised_detections, pixels_per_metre, pose_information, whitened_rows,
 };
-use sinew_observe::{Camera, Detection, KeypointModel, Noise, View};
+use sinew_observe::{Camera, Detection, KeypointModel, Mistakes, Noise, View};
 use std::sync::Arc;
 
 const POINTS: [usize; 5] = [1, 4, 7, 12, 20];
@@ -70,6 +70,7 @@ impl Scene {
             noise: Noise::OutlierFloor { outlier: 1e-12 },
             model_error_m: 0.0,
             least_confidence: 0.1,
+            mistakes: Mistakes::default(),
             isa: Isa::baseline(),
         }
     }
@@ -83,7 +84,7 @@ impl Scene {
 
     fn linearised(&self, pose: &[f64], g: &[f64]) -> sinew_observe::lasting_errors::LinearisedFrame {
         let body = self.neighbours.reshaped(&g[self.errors.lengths()], &g[self.errors.places()]).at(pose);
-        let found = linearised_detections(&self.model(g), &self.detections, &body);
+        let found = linearised_detections(&self.model(g), &self.detections, &[], &body);
         linearised(&found, &self.errors, &self.scales, &body, pose.len())
     }
 }
@@ -191,7 +192,7 @@ fn pulls_on_draws_are_the_matrix_times_each_draw() {
     let whole = scene.linearised(&pose, &g);
     let (d, p, blocks) = (pose.len(), g.len(), 3);
     let body = scene.neighbours.at(&pose);
-    let found = linearised_detections(&scene.model(&g), &scene.detections, &body);
+    let found = linearised_detections(&scene.model(&g), &scene.detections, &[], &body);
     let agree = |found: &[f64], expected: &[f64]| {
         assert_eq!(found.len(), expected.len());
         for (f, e) in found.iter().zip(expected) {

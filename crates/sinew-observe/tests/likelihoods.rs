@@ -7,7 +7,7 @@ use sinew_core::density::{GaussNewton, GradLogDensity, LogDensity};
 use sinew_core::lanes::{Block, Isa, LANES, set_lane, triangle};
 use sinew_observe::lens::{Brown, Fisheye, Lens, Rational};
 use sinew_observe::{
-    Camera, Detection, Intrinsics, KeypointFrame, KeypointModel, MarkerModel, Noise, ObservationModel, View,
+    Camera, Detection, Intrinsics, KeypointFrame, KeypointModel, MarkerModel, Mistakes, Noise, ObservationModel, View,
 };
 use std::sync::Arc;
 
@@ -73,8 +73,16 @@ fn keypoints_with_errors(factor: f64, noise: Noise, isa: Isa) -> (KeypointModel,
         })
         .collect();
     let views = views.into_iter().map(|view| View { sigma_px: factor * view.sigma_px, ..view }).collect();
-    let model = KeypointModel { plan, views, noise, model_error_m: factor * 0.015, least_confidence: 0.05, isa };
-    let bound = model.bind(KeypointFrame { detections: &detections, predicted: &points });
+    let model = KeypointModel {
+        plan,
+        views,
+        noise,
+        model_error_m: factor * 0.015,
+        least_confidence: 0.05,
+        mistakes: Mistakes::default(),
+        isa,
+    };
+    let bound = model.bind(KeypointFrame { detections: &detections, elsewhere: &[], predicted: &points });
     (model, bound)
 }
 
@@ -266,7 +274,11 @@ fn a_point_behind_a_camera_counts_as_an_outlier_and_does_not_pull() {
         assert!(value.is_finite());
         assert!(grad.iter().all(|g| g.is_finite()), "{grad:?}");
         let nothing = vec![vec![None; model.plan.points()]; 4];
-        let empty = model.bind(KeypointFrame { detections: &nothing, predicted: &vec![0.0; 3 * model.plan.points()] });
+        let empty = model.bind(KeypointFrame {
+            detections: &nothing,
+            elsewhere: &[],
+            predicted: &vec![0.0; 3 * model.plan.points()],
+        });
         assert_eq!(empty.log_density_grad(&q, &mut grad), 0.0);
         assert!(grad.iter().all(|&g| g == 0.0));
     }
@@ -288,7 +300,7 @@ fn a_point_beyond_the_domain_of_a_lens_counts_as_an_outlier() {
         let n = model.plan.points();
         let bound = |model: &KeypointModel| {
             let detections = vec![vec![Some(Detection { pixel: [480.0, 600.0], confidence: 0.6 }); n]];
-            model.bind(KeypointFrame { detections: &detections, predicted: &[0.0, 0.0, 1.0].repeat(n) })
+            model.bind(KeypointFrame { detections: &detections, elsewhere: &[], predicted: &[0.0, 0.0, 1.0].repeat(n) })
         };
         let density = bound(&model);
         let at = |place: [f64; 3]| {

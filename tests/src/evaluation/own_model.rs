@@ -22,7 +22,7 @@ use sinew::dynamics::motion_prior::MotionPrior;
 use sinew::formats::openpose::Keypoint;
 use sinew::input::up_axis::Z_UP;
 use sinew::methods::{BoundKeypoints, Making};
-use sinew::observe::{Camera, Detection, KeypointFrame, KeypointModel, Noise, ObservationModel as _, View};
+use sinew::observe::{Camera, Detection, KeypointFrame, KeypointModel, Mistakes, Noise, ObservationModel as _, View};
 use sinew::results::estimate::{Draws, FrameEstimate};
 use sinew::setup::{Body, CameraSetup, Setup, motion_noise};
 use sinew::track;
@@ -100,6 +100,8 @@ fn stated_setup(body: &KinematicTree, sigma_px: f64) -> Result<(Setup, Vec<Camer
         offset_px: [0.0; 2],
         sigma_px,
         usual_confidence: 1.0,
+        exchanged: 0.0,
+        elsewhere: 0.0,
     };
     let setup = Setup {
         schema: sinew::setup::SCHEMA,
@@ -185,6 +187,7 @@ impl Seen {
             noise: settings.noise,
             model_error_m: 0.0,
             least_confidence: settings.least_confidence,
+            mistakes: Mistakes::default(),
             isa: settings.isa,
         };
         Self { shared, model, predicted }
@@ -200,7 +203,7 @@ impl Seen {
         };
         let detections: Vec<Vec<Option<Detection>>> = film.keypoints.iter().map(found).collect();
         point_positions(&self.model.plan, self.model.isa, estimate, &mut self.predicted);
-        self.model.bind(KeypointFrame { detections: &detections, predicted: &self.predicted })
+        self.model.bind(KeypointFrame { detections: &detections, elsewhere: &[], predicted: &self.predicted })
     }
 }
 

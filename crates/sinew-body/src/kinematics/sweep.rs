@@ -118,6 +118,16 @@ impl Plan {
         }
     }
 
+    /// Puts one more force on point k in the plan's order, at the world position `p`, between [`Plan::forward`] with `BACK` and [`Plan::pullback`].
+    #[inline(always)]
+    pub fn push<V: Real>(&self, pass: &mut Pass<'_, V::Mem>, k: usize, p: V3<V>, force: V3<V>) {
+        let moment = cross_add(p, force, [V::splat(0.0); 3]);
+        let wrench = &mut pass.wrenches[self.link_of[k]];
+        for (total, more) in wrench.iter_mut().zip(force.into_iter().chain(moment)) {
+            (V::load(total) + more).store(total);
+        }
+    }
+
     /// Turns the forces on all points into `∂E/∂q`, after [`Plan::forward`] with `BACK`.
     #[inline(always)]
     pub fn pullback<V: Real>(&self, pass: &mut Pass<'_, V::Mem>, grad: &mut [V::Mem]) {

@@ -35,9 +35,12 @@ pub fn check(cameras: &[Camera], frames: &[Sighted], declared: f64) -> Result<()
     if !is_doubtful(cameras, now) {
         return Ok(());
     }
+    // Keypoints that are shrunk to a spot are near everything: distances count beside the size of the person.
+    let beside_size = |(scale, px): &(f64, f64)| px * scale.max(1.0);
     let best_of = |scales: &mut dyn Iterator<Item = f64>| {
         let residuals = scales.filter_map(|scale| Some((scale, residual(cameras, frames, scale)?)));
-        residuals.min_by(|a, b| a.1.total_cmp(&b.1)).filter(|(_, px)| *px < BETTER * now)
+        let best = residuals.min_by(|a, b| beside_size(a).total_cmp(&beside_size(b)));
+        best.filter(|found| beside_size(found) < BETTER * now)
     };
     let best = best_of(&mut STEPS.map(|step| (f64::from(step) / STEPS_PER_DOUBLING).exp2()));
     let usual = best_of(&mut USUAL.into_iter().map(|scale| scale / declared));

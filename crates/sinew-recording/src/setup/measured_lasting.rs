@@ -18,37 +18,31 @@ use super::lasting_errors::{DrawnNumber, DrawnScale, LASTING_SHARE, MeasuredErro
 use super::lasting_prior::{SCALES, expected_places, prior};
 use super::lasting_sources::{PointSources, point_sources};
 use super::level_points::{LevelPoints, level_points, levelled, tied};
+use super::looked_frames::{Looked, looked_at, observed_by};
+use super::measured_mistakes;
 use super::motion_noise::{default_sd, initial_sd};
-use super::pose_fit::pose_of;
 use super::stored::Setup;
 use crate::Error;
 use crate::input::source::FrameSource;
+use sinew_body::KinematicTree;
 use sinew_body::point_derivatives::{Neighbours, length_names, lengthened};
-use sinew_body::{KinematicTree, Plan};
-use sinew_core::lanes::Isa;
 use sinew_core::random::Stage;
 use sinew_core::transition::Moments;
 use sinew_dynamics::lasting::{FrameInformation, Lasting, informed};
 use sinew_dynamics::lasting_scales::{LastingData, LastingDraws, LastingPrior, SweepSchedule, draws};
 use sinew_dynamics::smoother::Smoother;
-use sinew_formats::Layout;
 use sinew_observe::camera_error::{NUMBERS, PRINCIPAL_POINT, with_error};
-use sinew_observe::following::{Following, follow};
 use sinew_observe::lasting_errors::{
     LastingErrors, LinearisedFrame, linearised, linearised_detections, pixels_per_metre,
 };
 use sinew_observe::offsets::{self, Sighted, robust_sigma};
-use sinew_observe::{Camera, Detection, KeypointModel, Noise, View, association};
+use sinew_observe::{Camera, Detection, KeypointFrame, KeypointModel, View};
 use std::ops::Range;
 
-/// Frames looked at, at most.
-const FRAMES: usize = 120;
 /// Rounds of poses and g.
 const ROUNDS: usize = 3;
 /// Steps between poses over the steps of the recording's motion. How large the steps of someone's angles are is not known; taken as known, they would say how long limbs are: longer limbs turn less for the same keypoints. Steps this wide say nothing of it, and still lead from frame to frame.
 const UNTIED: f64 = 5.0;
-/// Probability of a gross outlier.
-const OUTLIER: f64 = 0.02;
 /// Draws to find the mean in a round.
 const ROUND: SweepSchedule = SweepSchedule { draws: 16, burn_in: 12, apart: 1 };
 /// A precision that says nothing.
@@ -57,13 +51,6 @@ const FLAT: f64 = 1e10;
 const LEAST_LEFT: f64 = 0.1;
 /// Digits of a draw.
 const DIGITS: usize = 5;
-
-/// A frame that is looked at.
-struct Looked {
-    number: u64,
-    detections: Vec<Vec<Option<Detection>>>,
-    pose: Vec<f64>,
-}
 
 /// Finds what is constant in the frames of `numbers`, moves cameras, lengths and scatter of the set-up to it, and stores draws of it.
 ///
@@ -80,7 +67,7 @@ pub fn measure_lasting(
     let tree = setup.tree();
     let shared: Vec<(usize, usize)> =
         tree.points().iter().enumerate().filter_map(|(p, point)| Some((p, layout.index(&point.name)?))).collect();
-    let looked = looked_at(setup, source, &cameras, &layout, &shared, numbers)?;
+    let looked = looked_at(setup, source, &tree, &shared, numbers)?;
     let mut fit = Fit::new(setup, &tree, &cameras, &shared, looked, fps);
     fit.at_errors(&cameras);
     for round in 0..ROUNDS {
@@ -88,6 +75,7 @@ pub fn measure_lasting(
         fit.drawn(&pass.data, ROUND, Stage::new(seed, "lasting rounds").round(round))?;
         fit.follow(&pass)?;
         fit.at_errors(&cameras);
+        fit.mistakes();
         if cameras.len() > 1 {
             fit.scatter(&pass);
         }
@@ -100,34 +88,6 @@ pub fn measure_lasting(
     let source = point_sources(build, &setup.proportions, &fit.errors, &found, &poses, keypoint_at);
     fit.store(setup, found, source);
     Ok(())
-}
-
-/// The person in some evenly spaced frames.
-fn looked_at(
-    setup: &Setup,
-    source: &mut dyn FrameSource,
-    cameras: &[Camera],
-    layout: &Layout,
-    shared: &[(usize, usize)],
-    numbers: Range<u64>,
-) -> Result<Vec<Looked>, Error> {
-    let stride = (numbers.end - numbers.start).div_ceil(FRAMES as u64).max(1);
-    let mut following = Following { person: setup.person, ..Following::default() };
-    let mut looked: Vec<Looked> = vec![];
-    for number in numbers.clone() {
-        let people = source.people(number)?;
-        let found = follow(&mut following, cameras, &people, None, &association::Config::default());
-        if !found.is_present() || !(number - numbers.start).is_multiple_of(stride) {
-            continue;
-        }
-        let sighted: Sighted = found.people;
-        let former = looked.last().map(|frame| frame.pose.as_slice());
-        let Some(pose) = pose_of(setup, cameras, layout, &sighted, former) else { continue };
-        let by_point =
-            |seen: &Vec<Option<Detection>>| shared.iter().map(|(_, k)| seen.get(*k).copied().flatten()).collect();
-        looked.push(Looked { number, detections: sighted.iter().map(by_point).collect(), pose });
-    }
-    Ok(looked)
 }
 
 /// What a pass over the frames leaves.
@@ -201,14 +161,7 @@ impl Fit {
         Self {
             prior: prior(&errors, &points, &setup.proportions, &expected, tied(&level)),
             level,
-            model: KeypointModel {
-                plan: Plan::new(tree, &indices).into(),
-                views: setup.views(cameras),
-                noise: Noise::OutlierFloor { outlier: OUTLIER },
-                model_error_m: setup.model_error_m,
-                least_confidence: offsets::Config::default().least_confidence,
-                isa: Isa::baseline(),
-            },
+            model: observed_by(setup, tree, cameras, &indices),
             scales: cameras.iter().map(|camera| pixels_per_metre(camera, middle)).collect(),
             steps: seconds.iter().map(step).collect(),
             initial: initial_sd(tree).iter().map(|sd| (10.0 * sd).powi(2)).collect(),
@@ -243,8 +196,17 @@ impl Fit {
 
     fn linearised(&self, frame: &Looked) -> LinearisedFrame {
         let body = self.body.at(&frame.pose);
-        let found = linearised_detections(&self.model, &frame.detections, &body);
+        let found = linearised_detections(&self.model, &frame.detections, &frame.elsewhere, &body);
         linearised(&found, &self.errors, &self.scales, &body, self.model.plan.dof())
+    }
+
+    /// How often cameras take something for something else.
+    fn mistakes(&mut self) {
+        let points: Vec<Vec<f64>> = self.frames.iter().map(|frame| self.body.at(&frame.pose).positions).collect();
+        let frames = self.frames.iter().zip(&points).map(|(Looked { detections, elsewhere, .. }, predicted)| {
+            KeypointFrame { detections, elsewhere, predicted }
+        });
+        self.model.mistakes = measured_mistakes::measured(&self.model, frames);
     }
 
     /// One pass over the frames at g: what they say of g, its absolute value, and what a frame is worth.
@@ -442,6 +404,7 @@ impl Fit {
             known.sigma_px = view.sigma_px;
         }
         setup.model_error_m = model.model_error_m;
+        setup.store_mistakes(&model.mistakes);
         setup.proportions = lengthened(&setup.proportions, &longer);
         self.frames.retain(|frame| frame.number == setup.start_frame);
         if let Some(frame) = self.frames.pop() {

@@ -1,5 +1,6 @@
 //! Motion noise of a recording, measured from poses that are fitted frame by frame.
 
+use super::looked_frames::straight;
 use super::motion_noise::measured_sd;
 use super::pose_fit::pose_of;
 use super::stored::Setup;
@@ -32,11 +33,14 @@ pub fn measure_motion(
     for first in numbers.clone().step_by(stride as usize) {
         let mut following = Following { person: setup.person, ..Following::default() };
         poses.push(None);
+        let mut run = vec![];
         for number in first..(first + MOTION_FRAMES).min(numbers.end) {
             let people = source.people(number)?;
-            let found = follow(&mut following, &cameras, &people, None, &association::Config::default());
+            run.push(follow(&mut following, &cameras, &people, None, &association::Config::default()).people);
+        }
+        for sighted in straight(&run, tree, &layout) {
             let former: Option<&[f64]> = poses.last().and_then(Option::as_deref);
-            let pose = pose_of(setup, &cameras, &layout, &found.people, former);
+            let pose = pose_of(setup, &cameras, &layout, &sighted, former);
             poses.push(pose.filter(|pose| pose.len() == tree.dof()));
         }
     }

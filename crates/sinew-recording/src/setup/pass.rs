@@ -3,6 +3,7 @@
 use super::checks;
 use super::collect::{Collected, SetupRequest, collect};
 use super::error::SetupError;
+use super::mistake_prior::{usual_elsewhere, usual_exchanged};
 use super::own_body;
 use super::pose_fit::pose_of;
 use super::scale;
@@ -148,6 +149,8 @@ fn camera_setup(camera: &Camera, noise: &CameraNoise, all: &[CameraNoise]) -> Ca
         offset_px: noise.offset_px,
         sigma_px: usual(|n| n.sigma_px, UNKNOWN_SIGMA_PX),
         usual_confidence: usual(|n| n.usual_confidence, 0.7),
+        exchanged: usual_exchanged(),
+        elsewhere: usual_elsewhere(),
     }
 }
 

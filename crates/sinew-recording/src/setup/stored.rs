@@ -158,6 +158,12 @@ pub struct CameraSetup {
     pub sigma_px: f64,
     /// Median confidence of the detections.
     pub usual_confidence: f64,
+    /// Probability that left and right of arms, or legs, are exchanged in a frame.
+    #[serde(default = "super::mistake_prior::usual_exchanged")]
+    pub exchanged: f64,
+    /// Probability that a keypoint is somebody else's, in a frame that shows others.
+    #[serde(default = "super::mistake_prior::usual_elsewhere")]
+    pub elsewhere: f64,
 }
 
 /// Everything that tracking needs before it streams.

@@ -208,7 +208,7 @@ mod tests {
     use sinew_observe::image_likelihood::{Cues, ImageModel};
     use sinew_observe::soft_silhouette::SoftSilhouetteModel;
     use sinew_observe::solid_body::SolidBody;
-    use sinew_observe::{Camera, Detection, KeypointFrame, KeypointModel, Noise, ObservationModel, View};
+    use sinew_observe::{Camera, Detection, KeypointFrame, KeypointModel, Mistakes, Noise, ObservationModel, View};
     use std::sync::Arc;
 
     fn camera() -> Camera {
@@ -233,9 +233,10 @@ mod tests {
             noise: Noise::OutlierFloor { outlier: 0.02 },
             model_error_m: 0.01,
             least_confidence: 0.1,
+            mistakes: Mistakes::default(),
             isa,
         };
-        model.bind(KeypointFrame { detections: &detections, predicted: &at })
+        model.bind(KeypointFrame { detections: &detections, elsewhere: &[], predicted: &at })
     }
 
     /// Keypoints of a standing body in one camera and a narrow silhouette in it, apart and together.

@@ -102,7 +102,7 @@ impl Lasting {
         self.started = true;
         let dof = mean.len();
         let body = self.keypoints.at(mean);
-        let found = linearised_detections(scene.model(), scene.detections(), &body);
+        let found = linearised_detections(scene.model(), scene.detections(), scene.elsewhere(), &body);
         let information = pose_information(&found, &body, dof);
         let shifts = self.drawn.keypoint_shifts(&body);
         let pull = self.drawn.pull(&found, &body, &shifts, &self.pixels_per_metre, dof);

@@ -75,7 +75,7 @@ mod tests {
     use sinew_body::standard::h32;
     use sinew_body::{Plan, Proportions};
     use sinew_core::lanes::Isa;
-    use sinew_observe::{KeypointFrame, KeypointModel, Noise, ObservationModel};
+    use sinew_observe::{KeypointFrame, KeypointModel, Mistakes, Noise, ObservationModel};
     use std::sync::Arc;
 
     /// Fails where its start is negative; remembers where it was started.
@@ -112,10 +112,15 @@ mod tests {
             noise: Noise::OutlierFloor { outlier: 0.02 },
             model_error_m: 0.01,
             least_confidence: 0.1,
+            mistakes: Mistakes::default(),
             isa: Isa::best(),
         };
         let observed = |restart| Observation {
-            likelihood: FrameLikelihood::from(model.bind(KeypointFrame { detections: &[], predicted: &[] })),
+            likelihood: FrameLikelihood::from(model.bind(KeypointFrame {
+                detections: &[],
+                elsewhere: &[],
+                predicted: &[],
+            })),
             restart,
         };
         // A tracker made where the old one failed stands one further.

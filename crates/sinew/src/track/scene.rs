@@ -9,14 +9,16 @@ use crate::Error;
 use crate::config::settings::Settings;
 use crate::methods::BoundKeypoints;
 use crate::results::problem::{Problem, check_length};
+use crate::setup::measured_mistakes::mistakes;
 use crate::setup::{self, CameraSetup, Setup};
 use serde::{Deserialize, Serialize};
 use sinew_body::{KinematicTree, Plan, point_positions, point_positions_each};
 use sinew_formats::Layout;
 use sinew_observe::association::{self, Person};
+use sinew_observe::bystanders::elsewhere;
 use sinew_observe::following::{Associated, Following, follow};
 use sinew_observe::offsets::{self, Sighted, median};
-use sinew_observe::{Camera, Detection, KeypointFrame, KeypointModel, Noise, ObservationModel, View};
+use sinew_observe::{Camera, Detection, KeypointFrame, KeypointModel, Mistakes, Noise, ObservationModel, View};
 use std::sync::Arc;
 
 /// Mean squared distance of the keypoints from a pose, in noise variances and at most [`WORST`] each, above which the pose is doubted. A right one has about 3.
@@ -52,6 +54,8 @@ pub struct Scene {
     association: association::Config,
     /// Detections of the current frame: camera by camera, by point of the plan.
     detections: Vec<Vec<Option<Detection>>>,
+    /// The same for the density of other people's keypoints; empty where a camera shows nobody else.
+    elsewhere: Vec<Vec<f64>>,
     /// Correlation of errors from frame to frame that the intervals have been widened for.
     held_correlation: f64,
     oddities: Oddities,
@@ -120,12 +124,15 @@ impl Scene {
             }
             false => None,
         };
+        let known = cameras.iter().filter_map(|camera| setup.camera.iter().find(|known| known.name == camera.name));
         let model = KeypointModel {
             plan: Arc::new(Plan::new(&tree.with_points_moved(&setup.detected_places(tree)), &points)),
             views,
             noise: settings.noise,
             model_error_m: setup.model_error_m,
             least_confidence: settings.least_confidence,
+            // A limb that is taken part by part cannot be exchanged as a whole.
+            mistakes: if parts.is_some() { Mistakes::default() } else { mistakes(tree, &points, known) },
             isa: settings.isa,
         };
         let place = |k: usize| shared.iter().position(|(_, keypoint)| *keypoint == k);
@@ -147,6 +154,7 @@ impl Scene {
             parts,
             bound_parts: vec![],
             detections: vec![vec![None; points.len()]; cameras.len()],
+            elsewhere: vec![],
             keypoint: shared.iter().map(|(_, k)| *k).collect(),
             point: points,
             following: Following { person: setup.person, ..Following::default() },
@@ -212,6 +220,7 @@ impl Scene {
                 *out = seen.get(k).copied().flatten();
             }
         }
+        self.elsewhere = elsewhere(&self.model, people, &found, &self.keypoint, &self.association);
         self.note_people(people, &found, &expected);
         if away && self.following.lengths.is_empty() {
             self.following.lengths = setup::limb_lengths(&self.cameras, &self.layout, &found.people, &self.association);
@@ -220,7 +229,8 @@ impl Scene {
         let restart = if may_restart { self.better_pose(&found.people, estimate, away, misfit) } else { None };
         let predicted = self.points(restart.as_deref().unwrap_or(estimate));
         self.bind_parts(&predicted);
-        let bound = self.model.bind(KeypointFrame { detections: &self.detections, predicted: &predicted });
+        let frame = KeypointFrame { detections: &self.detections, elsewhere: &self.elsewhere, predicted: &predicted };
+        let bound = self.model.bind(frame);
         (bound, restart)
     }
 
@@ -275,7 +285,7 @@ impl Scene {
                 seen.iter().zip(part_of).map(|(d, of)| d.filter(|_| *of == part)).collect()
             };
             let detections: Vec<Vec<_>> = self.detections.iter().map(own).collect();
-            self.model.bind(KeypointFrame { detections: &detections, predicted })
+            self.model.bind(KeypointFrame { detections: &detections, elsewhere: &self.elsewhere, predicted })
         };
         self.bound_parts = (0..*count).map(bound_part).collect();
     }
@@ -310,6 +320,12 @@ impl Scene {
     #[must_use]
     pub fn detections(&self) -> &[Vec<Option<Detection>>] {
         &self.detections
+    }
+
+    /// Density of other people's keypoints at them ([`KeypointFrame::elsewhere`]).
+    #[must_use]
+    pub fn elsewhere(&self) -> &[Vec<f64>] {
+        &self.elsewhere
     }
 
     /// Points of the body that are keypoints: their indices in the body.

@@ -1,0 +1,88 @@
+//! The person in some evenly spaced frames, from which what is constant is measured.
+
+use super::measured_mistakes::{limb_pairs, mistakes};
+use super::pose_fit::pose_of;
+use super::stored::Setup;
+use crate::Error;
+use crate::input::source::FrameSource;
+use sinew_body::{KinematicTree, Plan};
+use sinew_core::lanes::Isa;
+use sinew_formats::Layout;
+use sinew_observe::bystanders::elsewhere;
+use sinew_observe::following::{Following, follow};
+use sinew_observe::offsets::{self, Sighted};
+use sinew_observe::straightened::straightened;
+use sinew_observe::{Camera, Detection, KeypointModel, Noise, association};
+use std::ops::Range;
+
+/// Frames looked at, at most.
+const FRAMES: usize = 120;
+/// Probability of a gross outlier.
+const OUTLIER: f64 = 0.02;
+
+/// A frame that is looked at.
+pub(super) struct Looked {
+    pub number: u64,
+    pub detections: Vec<Vec<Option<Detection>>>,
+    /// As in [`sinew_observe::KeypointFrame`].
+    pub elsewhere: Vec<Vec<f64>>,
+    pub pose: Vec<f64>,
+}
+
+/// What the cameras of a set-up are taken to see of some points of a body.
+pub(super) fn observed_by(setup: &Setup, tree: &KinematicTree, cameras: &[Camera], points: &[usize]) -> KeypointModel {
+    KeypointModel {
+        plan: Plan::new(tree, points).into(),
+        views: setup.views(cameras),
+        noise: Noise::OutlierFloor { outlier: OUTLIER },
+        model_error_m: setup.model_error_m,
+        least_confidence: offsets::Config::default().least_confidence,
+        mistakes: mistakes(tree, points, setup.camera.iter()),
+        isa: Isa::baseline(),
+    }
+}
+
+/// Frames that follow each other with the sides of limbs put right, by which poses are found.
+pub(super) fn straight(frames: &[Sighted], tree: &KinematicTree, layout: &Layout) -> Vec<Sighted> {
+    let shared = tree.points().iter().enumerate().filter_map(|(p, point)| Some((p, layout.index(&point.name)?)));
+    let (points, keypoints): (Vec<usize>, Vec<usize>) = shared.unzip();
+    let named = |pairs: Vec<(usize, usize)>| pairs.into_iter().map(|(l, r)| (keypoints[l], keypoints[r])).collect();
+    let limbs: Vec<Vec<(usize, usize)>> = limb_pairs(tree, &points).into_iter().map(named).collect();
+    straightened(frames, &limbs)
+}
+
+/// The person in some of the frames of `numbers`; `shared` are the points of the body that are keypoints, and which.
+pub(super) fn looked_at(
+    setup: &Setup,
+    source: &mut dyn FrameSource,
+    tree: &KinematicTree,
+    shared: &[(usize, usize)],
+    numbers: Range<u64>,
+) -> Result<Vec<Looked>, Error> {
+    let (cameras, layout) = (source.cameras().to_vec(), source.layout().clone());
+    let (points, keypoints): (Vec<usize>, Vec<usize>) = shared.iter().copied().unzip();
+    let model = observed_by(setup, tree, &cameras, &points);
+    let stride = (numbers.end - numbers.start).div_ceil(FRAMES as u64).max(1);
+    let config = association::Config::default();
+    let mut following = Following { person: setup.person, ..Following::default() };
+    let mut found_in: Vec<(u64, Sighted, Vec<Vec<f64>>)> = vec![];
+    for number in numbers.clone() {
+        let people = source.people(number)?;
+        let found = follow(&mut following, &cameras, &people, None, &config);
+        if !found.is_present() || !(number - numbers.start).is_multiple_of(stride) {
+            continue;
+        }
+        let elsewhere = elsewhere(&model, &people, &found, &keypoints, &config);
+        found_in.push((number, found.people, elsewhere));
+    }
+    let sighted: Vec<Sighted> = found_in.iter().map(|(_, sighted, _)| sighted.clone()).collect();
+    let mut looked: Vec<Looked> = vec![];
+    for ((number, sighted, elsewhere), straight) in found_in.into_iter().zip(straight(&sighted, tree, &layout)) {
+        let former = looked.last().map(|frame| frame.pose.as_slice());
+        let Some(pose) = pose_of(setup, &cameras, &layout, &straight, former) else { continue };
+        let by_point =
+            |seen: &Vec<Option<Detection>>| keypoints.iter().map(|&k| seen.get(k).copied().flatten()).collect();
+        looked.push(Looked { number, detections: sighted.iter().map(by_point).collect(), elsewhere, pose });
+    }
+    Ok(looked)
+}
