@@ -22,8 +22,9 @@ pub fn straightened(frames: &[Sighted], limbs: &[Vec<(usize, usize)>]) -> Vec<Si
             let usual = usual_move(frames, camera, limb);
             for (frame, exchanged) in straight.iter_mut().zip(exchanged(frames, camera, limb, usual)) {
                 let seen = &mut frame[camera];
-                if exchanged {
-                    limb.iter().filter(|(l, r)| (*l).max(*r) < seen.len()).for_each(|&(l, r)| seen.swap(l, r));
+                let count = seen.len();
+                for &(left, right) in limb.iter().filter(|(l, r)| exchanged && *l.max(r) < count) {
+                    seen.swap(left, right);
                 }
             }
         }
@@ -90,14 +91,17 @@ mod tests {
     use super::*;
     use crate::Detection;
 
-    /// A left and a right ankle that pass each other in the image, 200 frames.
+    /// Left and right ankles, knees and toes that pass each other in the image, 200 frames.
     fn walk() -> Vec<Sighted> {
         let at = |u: f64, v: f64| Some(Detection { pixel: [u, v], confidence: 0.8 });
         (0..200)
             .map(|t| {
                 let phase = 0.15 * f64::from(t);
                 let jitter = 2.0 * f64::from(t * 7 % 5) / 5.0;
-                vec![vec![at(300.0 + 80.0 * phase.sin() + jitter, 500.0), at(300.0 - 80.0 * phase.sin(), 503.0)]]
+                let pair = |reach: f64, v: f64| {
+                    [at(300.0 + reach * phase.sin() + jitter, v), at(300.0 - reach * phase.sin(), v + 3.0)]
+                };
+                vec![[pair(80.0, 500.0), pair(45.0, 400.0), pair(85.0, 520.0)].concat()]
             })
             .collect()
     }
@@ -106,11 +110,11 @@ mod tests {
     #[test]
     fn exchanged_frames_are_put_right() {
         let truth = walk();
-        let limbs = vec![vec![(0, 1)]];
+        let limbs = vec![vec![(0, 1), (2, 3), (4, 5)]];
         assert_eq!(straightened(&truth, &limbs), truth);
         let mut seen = truth.clone();
         let wrong: Vec<usize> = (0..200).filter(|t| t % 17 == 9 || (120..126).contains(t)).collect();
-        wrong.iter().for_each(|&t| seen[t][0].swap(0, 1));
+        wrong.iter().for_each(|&t| limbs[0].iter().for_each(|&(l, r)| seen[t][0].swap(l, r)));
         let found = straightened(&seen, &limbs);
         let far = |t: &usize| (0.15 * *t as f64).sin().abs() > 0.3;
         let bad: Vec<usize> = (0..200).filter(far).filter(|&t| found[t] != truth[t]).collect();
