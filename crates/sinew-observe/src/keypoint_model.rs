@@ -203,6 +203,19 @@ impl KeypointModel {
         (0..self.views.len()).map(in_view).collect()
     }
 
+    /// The detections with the sides of limbs put right where they are more probably exchanged than not ([`KeypointModel::exchanged`]).
+    #[must_use]
+    pub fn straight(&self, frame: &KeypointFrame<'_>) -> Vec<Vec<Option<Detection>>> {
+        let mut detections = frame.detections.to_vec();
+        for (seen, probabilities) in detections.iter_mut().zip(self.exchanged(frame)) {
+            let exchanged = |probability: &Option<f64>| probability.is_some_and(|p| p > 0.5);
+            for (limb, _) in self.mistakes.limbs.iter().zip(&probabilities).filter(|(_, p)| exchanged(p)) {
+                limb.iter().for_each(|&(left, right)| seen.swap(left, right));
+            }
+        }
+        detections
+    }
+
     /// For each view and point with a detection, the probability that it is somebody else's, were the points where `frame` predicts them; none in views without others.
     #[must_use]
     pub fn elsewhere(&self, frame: &KeypointFrame<'_>) -> Vec<Vec<f64>> {

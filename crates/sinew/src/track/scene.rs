@@ -226,12 +226,29 @@ impl Scene {
             self.following.lengths = setup::limb_lengths(&self.cameras, &self.layout, &found.people, &self.association);
         }
         let may_restart = misfit > MISFIT && found.is_present();
-        let restart = if may_restart { self.better_pose(&found.people, estimate, away, misfit) } else { None };
+        let straight = || self.straightened(found.people.clone(), estimate);
+        let restart = if may_restart { self.better_pose(&straight(), estimate, away, misfit) } else { None };
         let predicted = self.points(restart.as_deref().unwrap_or(estimate));
         self.bind_parts(&predicted);
         let frame = KeypointFrame { detections: &self.detections, elsewhere: &self.elsewhere, predicted: &predicted };
         let bound = self.model.bind(frame);
         (bound, restart)
+    }
+
+    /// The current frame, its points expected at these places.
+    fn frame<'a>(&'a self, predicted: &'a [f64]) -> KeypointFrame<'a> {
+        KeypointFrame { detections: &self.detections, elsewhere: &self.elsewhere, predicted }
+    }
+
+    /// What the cameras see, by the layout, with the sides of limbs put right that are exchanged if the person is in a state.
+    fn straightened(&self, mut people: Sighted, state: &[f64]) -> Sighted {
+        let straight = self.model.straight(&self.frame(&self.points(state)));
+        for (seen, straight) in people.iter_mut().zip(&straight) {
+            for (&k, detection) in self.keypoint.iter().zip(straight) {
+                seen.get_mut(k).into_iter().for_each(|place| *place = *detection);
+            }
+        }
+        people
     }
 
     /// As [`Scene::expected`], by the keypoints of the layout.
@@ -295,11 +312,12 @@ impl Scene {
         std::mem::take(&mut self.bound_parts)
     }
 
-    /// How badly a pose fits the keypoints of the current frame; 0 without any.
+    /// How badly a pose fits the keypoints of the current frame, exchanged sides put right; 0 without any.
     fn misfit(&self, state: &[f64]) -> f64 {
-        let expected = self.expected(&self.points(state));
+        let points = self.points(state);
+        let (expected, straight) = (self.expected(&points), self.model.straight(&self.frame(&points)));
         let (mut sum, mut count) = (0.0, 0.0);
-        for ((view, seen), expected) in self.model.views.iter().zip(&self.detections).zip(&expected) {
+        for ((view, seen), expected) in self.model.views.iter().zip(&straight).zip(&expected) {
             for (d, e) in seen.iter().zip(expected) {
                 let Some(d) = d else { continue };
                 let square = e.map_or(f64::INFINITY, |e| (d.pixel[0] - e[0]).powi(2) + (d.pixel[1] - e[1]).powi(2));
@@ -355,8 +373,12 @@ impl Scene {
 
     /// Looks at a frame once it is tracked: `state` is the mean of its posterior, `draws` are some of its draws.
     pub fn note(&mut self, number: u64, state: &[f64], draws: &[Vec<f64>]) {
+        let points = self.points(state);
+        let expected = self.expected(&points);
+        let straight = self.model.straight(&self.frame(&points));
+        let named = std::mem::replace(&mut self.detections, straight);
         self.check(number, state, draws);
-        let expected = self.expected(&self.points(state));
+        self.detections = named;
         let detections = &self.detections;
         self.oddities.note(number, |camera, seen, at| {
             let ([u, v], d) = (expected[camera][at]?, detections[camera][seen]?);
