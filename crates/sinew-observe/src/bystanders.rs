@@ -8,7 +8,7 @@ use std::f64::consts::TAU;
 /// Median distance of keypoints, in sizes of the person in the image, up to which another detection is the same person once more.
 const SAME: f64 = 0.1;
 
-/// For each view, for each point of the model, the density (1/px²) at its detection of the other people's keypoints of that name ([`crate::KeypointFrame::elsewhere`]); empty where there is nobody else. `people` are those of each view,
+/// For each view, for each point of the model, the density (1/px²) at its detection of the other people's keypoints of that name ([`crate::KeypointFrame::elsewhere`]); empty where there is nobody else. `people` are all people of each view,
 /// `found` is the tracked one among them, `keypoint` says for each point of the model which keypoint it is.
 #[must_use]
 pub fn elsewhere(

@@ -1,4 +1,4 @@
-//! Keypoints with the sides of limbs put right that a detector has exchanged in some frames, camera by camera, before any pose is known.
+//! Keypoints with exchanged sides of limbs put right, before any pose is known.
 //!
 //! In each camera a pair of limbs is as named or exchanged, frame by frame. The likeliest sequence (Viterbi) pays for every exchanged frame its odds, [`ODDS`], and for every keypoint that moves by d pixels from a frame to
 //! the next `min(½ d²/m², `[`MOST`]`)`, with m the median of all moves in that camera. Limbs that cross in the image can be followed either way; the odds bring them back to their names.
@@ -46,8 +46,10 @@ fn distance(from: &Sighted, to: &Sighted, camera: usize, [before, after]: [usize
 /// Median of the moves of a limb's keypoints, pixels.
 fn usual_move(frames: &[Sighted], camera: usize, limb: &[(usize, usize)]) -> f64 {
     let keypoints = || limb.iter().flat_map(|&(l, r)| [l, r]);
-    let of_pair = |pair: &[Sighted]| keypoints().filter_map(|k| distance(&pair[0], &pair[1], camera, [k, k])).collect();
-    let mut moves: Vec<f64> = frames.windows(2).flat_map(|pair| -> Vec<f64> { of_pair(pair) }).collect();
+    let in_step = |step: &[Sighted]| -> Vec<f64> {
+        keypoints().filter_map(|k| distance(&step[0], &step[1], camera, [k, k])).collect()
+    };
+    let mut moves: Vec<f64> = frames.windows(2).flat_map(in_step).collect();
     if moves.is_empty() { LEAST_PX } else { median(&mut moves).max(LEAST_PX) }
 }
 

@@ -53,6 +53,7 @@ mod space_points;
 pub mod speed;
 mod stored;
 pub mod uncertainty;
+pub mod unknown_size;
 mod up_axis;
 mod warning;
 

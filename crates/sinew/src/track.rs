@@ -19,7 +19,6 @@ mod restart;
 mod scene;
 mod smooth;
 mod step_size;
-mod unknown_size;
 
 pub use images::{ImageState, Images};
 pub use motion_prior::{check_latent_model, check_model, motion_prior, walk};

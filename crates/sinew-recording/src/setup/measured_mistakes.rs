@@ -53,11 +53,17 @@ pub(super) fn measured<'a>(model: &KeypointModel, frames: impl Iterator<Item = K
     }
 }
 
+/// A probability with few digits, as it is stored.
+fn rounded(probability: f64) -> f64 {
+    (1e5 * probability).round() / 1e5
+}
+
 impl Setup {
     /// Takes up what was measured.
     pub(super) fn store_mistakes(&mut self, mistakes: &Mistakes) {
         for (view, camera) in self.camera.iter_mut().enumerate() {
-            (camera.exchanged, camera.elsewhere) = (mistakes.exchanged(view), mistakes.elsewhere(view));
+            camera.exchanged = rounded(mistakes.exchanged(view));
+            camera.elsewhere = rounded(mistakes.elsewhere(view));
         }
     }
 }

@@ -389,6 +389,13 @@ impl Setup {
             if !(camera.sigma_px > 0.0 && camera.sigma_px.is_finite()) {
                 problems.push(format!("camera `{}`: sigma_px = {}; must be positive", camera.name, camera.sigma_px));
             }
+            for (key, probability) in [("exchanged", camera.exchanged), ("elsewhere", camera.elsewhere)] {
+                if !(0.0..0.5).contains(&probability) {
+                    let name = &camera.name;
+                    problems
+                        .push(format!("camera `{name}`: {key} = {probability}; must be at least 0 and less than 0.5"));
+                }
+            }
             if !camera.offset_px.iter().all(|x| x.is_finite()) {
                 problems.push(format!("camera `{}`: offset_px is not finite", camera.name));
             }

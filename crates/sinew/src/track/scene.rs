@@ -90,6 +90,18 @@ fn shared_points(tree: &KinematicTree, layout: &Layout) -> Result<Vec<(usize, us
     Ok(shared)
 }
 
+/// What the cameras' detectors take for something else; a limb that is taken part by part cannot be exchanged as a whole.
+fn likely_mistakes(
+    setup: &Setup,
+    tree: &KinematicTree,
+    cameras: &[Camera],
+    points: &[usize],
+    by_parts: bool,
+) -> Mistakes {
+    let known = cameras.iter().filter_map(|camera| setup.camera.iter().find(|known| known.name == camera.name));
+    if by_parts { Mistakes::default() } else { mistakes(tree, points, known) }
+}
+
 /// Correlation of errors from a frame to the next that intervals are widened for.
 fn held_correlation(setup: &Setup, fps: f64) -> f64 {
     let persistence = setup.lasting.as_ref().and_then(|lasting| lasting.persistence(1.0 / fps));
@@ -124,15 +136,13 @@ impl Scene {
             }
             false => None,
         };
-        let known = cameras.iter().filter_map(|camera| setup.camera.iter().find(|known| known.name == camera.name));
         let model = KeypointModel {
             plan: Arc::new(Plan::new(&tree.with_points_moved(&setup.detected_places(tree)), &points)),
             views,
             noise: settings.noise,
             model_error_m: setup.model_error_m,
             least_confidence: settings.least_confidence,
-            // A limb that is taken part by part cannot be exchanged as a whole.
-            mistakes: if parts.is_some() { Mistakes::default() } else { mistakes(tree, &points, known) },
+            mistakes: likely_mistakes(setup, tree, cameras, &points, parts.is_some()),
             isa: settings.isa,
         };
         let place = |k: usize| shared.iter().position(|(_, keypoint)| *keypoint == k);
