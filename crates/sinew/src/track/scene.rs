@@ -18,7 +18,7 @@ use sinew_observe::association::{self, Person};
 use sinew_observe::bystanders::elsewhere;
 use sinew_observe::following::{Associated, Following, follow};
 use sinew_observe::offsets::{self, Sighted, median};
-use sinew_observe::{Camera, Detection, KeypointFrame, KeypointModel, Mistakes, Noise, ObservationModel, View};
+use sinew_observe::{Camera, Detection, KeypointFrame, KeypointModel, Noise, ObservationModel, View};
 use std::sync::Arc;
 
 /// Mean squared distance of the keypoints from a pose, in noise variances and at most [`WORST`] each, above which the pose is doubted. A right one has about 3.
@@ -90,16 +90,26 @@ fn shared_points(tree: &KinematicTree, layout: &Layout) -> Result<Vec<(usize, us
     Ok(shared)
 }
 
-/// What the cameras' detectors take for something else; a limb that is taken part by part cannot be exchanged as a whole.
-fn likely_mistakes(
+/// What the cameras see of some points of the body. A limb that is taken part by part is never exchanged as a whole.
+fn keypoint_model(
     setup: &Setup,
     tree: &KinematicTree,
     cameras: &[Camera],
     points: &[usize],
-    by_parts: bool,
-) -> Mistakes {
+    settings: &Settings,
+) -> Result<KeypointModel, TrackError> {
+    let names: Vec<String> = points.iter().map(|&p| tree.points()[p].name.clone()).collect();
+    let views = cameras.iter().map(|camera| view_of(camera, setup, &names));
     let known = cameras.iter().filter_map(|camera| setup.camera.iter().find(|known| known.name == camera.name));
-    if by_parts { Mistakes::default() } else { mistakes(tree, points, known) }
+    Ok(KeypointModel {
+        plan: Arc::new(Plan::new(&tree.with_points_moved(&setup.detected_places(tree)), points)),
+        views: views.collect::<Result<_, _>>()?,
+        noise: settings.noise,
+        model_error_m: setup.model_error_m,
+        least_confidence: settings.least_confidence,
+        mistakes: (!settings.method.about().needs_parts).then(|| mistakes(tree, points, known)).unwrap_or_default(),
+        isa: settings.isa,
+    })
 }
 
 /// Correlation of errors from a frame to the next that intervals are widened for.
@@ -121,9 +131,6 @@ impl Scene {
         settings: &Settings,
     ) -> Result<Self, Error> {
         let shared = shared_points(tree, layout)?;
-        let names: Vec<String> = shared.iter().map(|(p, _)| tree.points()[*p].name.clone()).collect();
-        let views = cameras.iter().map(|camera| view_of(camera, setup, &names));
-        let views = views.collect::<Result<Vec<View>, TrackError>>()?;
         if setup.start_pose.len() != tree.dof() {
             return Err(TrackError::StartPose { found: setup.start_pose.len(), dof: tree.dof() }.into());
         }
@@ -136,15 +143,7 @@ impl Scene {
             }
             false => None,
         };
-        let model = KeypointModel {
-            plan: Arc::new(Plan::new(&tree.with_points_moved(&setup.detected_places(tree)), &points)),
-            views,
-            noise: settings.noise,
-            model_error_m: setup.model_error_m,
-            least_confidence: settings.least_confidence,
-            mistakes: likely_mistakes(setup, tree, cameras, &points, parts.is_some()),
-            isa: settings.isa,
-        };
+        let model = keypoint_model(setup, tree, cameras, &points, settings)?;
         let place = |k: usize| shared.iter().position(|(_, keypoint)| *keypoint == k);
         let pairs = layout.left_right_pairs();
         let mut partners: Vec<usize> = (0..layout.points.len()).collect();
