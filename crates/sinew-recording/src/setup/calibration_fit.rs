@@ -20,6 +20,8 @@ const STEPS_PER_DOUBLING: f64 = 32.0;
 /// Usual ratios of image sizes. One is meant where its residual is at most [`AS_GOOD`] times the least: constant offsets of the cameras move the least.
 const USUAL: [f64; 9] = [1.0 / 4.0, 1.0 / 3.0, 1.0 / 2.0, 2.0 / 3.0, 3.0 / 4.0, 1.0, 4.0 / 3.0, 3.0 / 2.0, 2.0];
 const AS_GOOD: f64 = 1.5;
+/// Two cameras disagree in one number a point, and one that is turned a little looks like another size. Of two, sizes that are not usual are looked at only where the residual is this many times [`DOUBTFUL`].
+const FAR: f64 = 3.0;
 /// Keypoints below this confidence do not count.
 const LEAST_CONFIDENCE: f64 = 0.3;
 /// Comparisons below which nothing is said.
@@ -42,10 +44,13 @@ pub fn check(cameras: &[Camera], frames: &[Sighted], declared: f64) -> Result<()
         let best = residuals.min_by(|a, b| beside_size(a).total_cmp(&beside_size(b)));
         best.filter(|found| beside_size(found) < BETTER * now)
     };
-    let best = best_of(&mut STEPS.map(|step| (f64::from(step) / STEPS_PER_DOUBLING).exp2()));
+    let any = cameras.len() > 2 || per_diagonal(cameras, now) > FAR * DOUBTFUL;
+    let mut sizes = STEPS.filter(|_| any).map(|step| (f64::from(step) / STEPS_PER_DOUBLING).exp2());
+    let best = best_of(&mut sizes);
     let usual = best_of(&mut USUAL.into_iter().map(|scale| scale / declared));
     let size = match (best, usual) {
         (Some((_, least)), Some(usual)) if usual.1 <= AS_GOOD * least => Some(usual),
+        (None, usual) => usual,
         (best, _) => best,
     };
     let inverted: Vec<Camera> = cameras.iter().map(inverted).collect();
