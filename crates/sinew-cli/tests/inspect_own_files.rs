@@ -14,7 +14,7 @@ fn set_up() -> String {
     let sizes = "spine = 0.48\nshoulder_height = 0.42\nshoulder_half_width = 0.18\nhip_half_width = 0.09\npelvis_drop = 0.1\nupper_arm = 0.3\nforearm = 0.26\nthigh = 0.43\nshin = 0.42\nhead_top = [0.0, 0.0, 0.2]\nnose = [0.0, 0.1, 0.1]\neye = [0.0, 0.1, 0.1]\near = [0.1, 0.0, 0.1]\nheel = [0.0, -0.1, -0.1]\nbig_toe = [0.0, 0.2, -0.1]\nsmall_toe = [0.1, 0.2, -0.1]\n";
     let motion: Vec<String> = (0..32).map(|dof| format!("{}.0", 1 + dof)).collect();
     format!(
-        "schema = 2\nbody = \"H32\"\nlayout = \"BODY_25B\"\nperson = 0\nup_axis = \"+z\"\nmodel_error_m = 0.0123\nstart_frame = 5\nstart_pose = [{}]\nstep_size = 0.25\nleapfrog_steps = 7\nmotion_sd = [{}]\n[proportions]\n{sizes}[[camera]]\nname = \"C1\"\noffset_px = [1.5, -2.0]\nsigma_px = 4.0\nusual_confidence = 0.8\n[[camera]]\nname = \"C2\"\noffset_px = [0.0, 0.0]\nsigma_px = 0.0\nusual_confidence = 0.8\n",
+        "schema = 2\nbody = \"H32\"\nlayout = \"BODY_25B\"\nperson = 0\nup_axis = \"+z\"\nmodel_error_m = 0.0123\nstart_frame = 5\nstart_pose = [{}]\nstep_size = 0.25\nleapfrog_steps = 7\nmotion_sd = [{}]\n[proportions]\n{sizes}[[camera]]\nname = \"C1\"\noffset_px = [1.5, -2.0]\nsigma_px = 4.0\nusual_confidence = 0.8\n[[camera]]\nname = \"C2\"\noffset_px = [0.0, 0.0]\nsigma_px = 0.0\nusual_confidence = 0.8\nexchanged = 0.7\n",
         vec!["0.0"; 32].join(", "),
         motion.join(", ")
     )

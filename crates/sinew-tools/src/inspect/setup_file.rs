@@ -49,7 +49,10 @@ pub(super) fn facts(path: &Path, calibration: &[Camera]) -> Result<Facts, Error>
     );
     for camera in &setup.camera {
         let [u, v] = camera.offset_px;
-        facts.row(&camera.name, format!("offset ({u:+.1}, {v:+.1}) px, then {:.1} px per axis", camera.sigma_px));
+        let [exchanged, elsewhere] = [camera.exchanged, camera.elsewhere].map(|share| 100.0 * share);
+        let mistakes = format!("sides exchanged in {exchanged:.1} % of frames, somebody else's in {elsewhere:.1} %");
+        let scatter = format!("offset ({u:+.1}, {v:+.1}) px, then {:.1} px per axis", camera.sigma_px);
+        facts.row(&camera.name, format!("{scatter}, {mistakes}"));
     }
     let problems = setup.problems();
     if let Some(known) = setup.lasting.as_ref().filter(|_| problems.is_empty()) {
