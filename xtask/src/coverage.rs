@@ -130,7 +130,7 @@ const RANKED: [Scene; 4] = [
     Scene::OwnModel { tracker: PARTICLES },
 ];
 
-/// Cameras and sizes with the noise as assumed, less what is ranked.
+/// Cameras and sizes with the noise as assumed, less what is ranked. With one camera only sizes of the set-up: it finds others again, and would take them for certain.
 fn as_assumed() -> Vec<Scene> {
     let mut scenes = vec![];
     for tracker in [Tracker::Hmc, PARTICLES] {
@@ -138,6 +138,7 @@ fn as_assumed() -> Vec<Scene> {
             for sizes in [Sizes::Known, Sizes::Fitted, Sizes::Limbs, Sizes::Other] {
                 let scene = Scene::Person { cameras, tracker, sizes, wrong: Wrong::Right };
                 let wanted = tracker == Tracker::Hmc || matches!(sizes, Sizes::Known | Sizes::Fitted) || cameras == 4;
+                let wanted = wanted && (cameras > 1 || sizes == Sizes::Fitted);
                 if wanted && !RANKED.contains(&scene) {
                     scenes.push(scene);
                 }

@@ -203,6 +203,16 @@ impl KeypointModel {
         (0..self.views.len()).map(in_view).collect()
     }
 
+    /// Whether most cameras that see a pair of limbs have exchanged it, were the points where `frame` predicts them: it is then rather the pose that has.
+    #[must_use]
+    pub fn is_turned(&self, frame: &KeypointFrame<'_>) -> bool {
+        let exchanged = self.exchanged(frame);
+        (0..self.mistakes.limbs.len()).any(|limb| {
+            let seen: Vec<f64> = exchanged.iter().filter_map(|view| view[limb]).collect();
+            seen.len() > 1 && 2 * seen.iter().filter(|probability| **probability > 0.5).count() > seen.len()
+        })
+    }
+
     /// The detections with the sides of limbs put right where they are more probably exchanged than not ([`KeypointModel::exchanged`]).
     #[must_use]
     pub fn straight(&self, frame: &KeypointFrame<'_>) -> Vec<Vec<Option<Detection>>> {

@@ -273,12 +273,17 @@ impl Setup {
     /// What the likelihood needs to know about each camera of the set-up, without biases.
     #[must_use]
     pub fn views(&self, cameras: &[Camera]) -> Vec<View> {
-        let view = |known: &CameraSetup| {
-            let camera = cameras.iter().find(|camera| camera.name == known.name)?;
-            let CameraSetup { sigma_px, usual_confidence, .. } = *known;
-            Some(View { camera: self.as_it_is(camera, 1.0), bias_px: vec![], sigma_px, usual_confidence })
-        };
-        self.camera.iter().filter_map(view).collect()
+        let own = |known: &CameraSetup| cameras.iter().find(|camera| camera.name == known.name);
+        self.camera.iter().filter_map(own).filter_map(|camera| self.view(camera, &[])).collect()
+    }
+
+    /// A camera as the set-up found it, with the biases of its detector for the points of these names; `None` for one that the set-up does not know.
+    #[must_use]
+    pub fn view(&self, camera: &Camera, points: &[String]) -> Option<View> {
+        let CameraSetup { sigma_px, usual_confidence, .. } =
+            *self.camera.iter().find(|known| known.name == camera.name)?;
+        let (as_it_is, bias_px) = (self.as_it_is(camera, 1.0), self.bias_px(camera, points));
+        Some(View { camera: as_it_is, bias_px, sigma_px, usual_confidence })
     }
 
     /// A camera of the set-up, `scale` times the size for which its offset holds, as the set-up found it: with its error, or its offset where there is no more.

@@ -69,15 +69,10 @@ pub struct Scene {
     bound_parts: Vec<BoundKeypoints>,
 }
 
-/// A camera as the set-up found it, with the biases of its detector for the points of these names.
-fn view_of(camera: &Camera, setup: &Setup, points: &[String]) -> Result<View, TrackError> {
-    let Some(known) = setup.camera.iter().find(|c| c.name == camera.name) else {
-        let known = setup.camera.iter().map(|c| c.name.clone()).collect();
-        return Err(TrackError::UnknownCamera { camera: camera.name.clone(), known });
-    };
-    let CameraSetup { sigma_px, usual_confidence, .. } = *known;
-    let (as_it_is, bias_px) = (setup.as_it_is(camera, 1.0), setup.bias_px(camera, points));
-    Ok(View { camera: as_it_is, bias_px, sigma_px, usual_confidence })
+/// How far a detection is from where it is expected.
+fn distance_px(detection: Option<Detection>, expected: Option<[f64; 2]>) -> Option<f64> {
+    let (Detection { pixel: [x, y], .. }, [u, v]) = (detection?, expected?);
+    Some((x - u).hypot(y - v))
 }
 
 /// Points of the body that are keypoints: their index in the body and in the layout.
@@ -99,7 +94,11 @@ fn keypoint_model(
     settings: &Settings,
 ) -> Result<KeypointModel, TrackError> {
     let names: Vec<String> = points.iter().map(|&p| tree.points()[p].name.clone()).collect();
-    let views = cameras.iter().map(|camera| view_of(camera, setup, &names));
+    let unknown = |camera: &Camera| {
+        let known = setup.camera.iter().map(|known| known.name.clone()).collect();
+        TrackError::UnknownCamera { camera: camera.name.clone(), known }
+    };
+    let views = cameras.iter().map(|camera| setup.view(camera, &names).ok_or_else(|| unknown(camera)));
     let known = cameras.iter().filter_map(|camera| setup.camera.iter().find(|known| known.name == camera.name));
     Ok(KeypointModel {
         plan: Arc::new(Plan::new(&tree.with_points_moved(&setup.detected_places(tree)), points)),
@@ -223,6 +222,7 @@ impl Scene {
         let expected = self.expected_by_layout(estimate);
         let away = !self.following.started || self.following.lost >= self.association.lost_frames;
         let misfit = if away { f64::INFINITY } else { self.misfit(estimate) };
+        let turned = !away && self.is_turned(estimate);
         let found = follow(&mut self.following, &self.cameras, people, Some(&expected), &self.association);
         for (out, seen) in self.detections.iter_mut().zip(&found.people) {
             for (out, &k) in out.iter_mut().zip(&self.keypoint) {
@@ -237,6 +237,7 @@ impl Scene {
         let may_restart = misfit > MISFIT && found.is_present();
         let straight = || self.straightened(found.people.clone(), estimate);
         let restart = if may_restart { self.better_pose(&straight(), estimate, away, misfit) } else { None };
+        let restart = restart.or_else(|| (turned && self.is_turned(estimate)).then(|| self.as_named(&found.people))?);
         let predicted = self.points(restart.as_deref().unwrap_or(estimate));
         self.bind_parts(&predicted);
         let frame = KeypointFrame { detections: &self.detections, elsewhere: &self.elsewhere, predicted: &predicted };
@@ -247,6 +248,17 @@ impl Scene {
     /// The current frame, its points expected at these places.
     fn frame<'a>(&'a self, predicted: &'a [f64]) -> KeypointFrame<'a> {
         KeypointFrame { detections: &self.detections, elsewhere: &self.elsewhere, predicted }
+    }
+
+    /// Whether the state seems to have exchanged a pair of limbs, rather than the cameras.
+    fn is_turned(&self, state: &[f64]) -> bool {
+        self.model.is_turned(&self.frame(&self.points(state)))
+    }
+
+    /// The pose of the keypoints as they are named, if it fits them.
+    fn as_named(&self, people: &Sighted) -> Option<Vec<f64>> {
+        let pose = setup::pose_of(&self.setup, &self.cameras, &self.layout, people, None)?;
+        (self.misfit(&pose) < MISFIT && !self.is_turned(&pose)).then_some(pose)
     }
 
     /// What the cameras see, by the layout, with the sides of limbs put right that are exchanged if the person is in a state.
@@ -275,10 +287,7 @@ impl Scene {
     /// Counts how many people each camera shows, whether the tracked one is among them, and how far the first lies from where he is expected.
     fn note_people(&mut self, people: &[Vec<Person>], found: &Associated, expected: &[Vec<Option<[f64; 2]>>]) {
         for (c, (people, expected)) in people.iter().zip(expected).enumerate() {
-            let distance = |(d, e): (&Option<Detection>, &Option<[f64; 2]>)| {
-                let (d, [u, v]) = ((*d)?, (*e)?);
-                Some((d.pixel[0] - u).hypot(d.pixel[1] - v))
-            };
+            let distance = |(d, e): (&Option<Detection>, &Option<[f64; 2]>)| distance_px(*d, *e);
             let first = people.first().map_or(&[][..], Vec::as_slice);
             let mut distances: Vec<f64> = first.iter().zip(expected).filter_map(distance).collect();
             let exchanged = self.partners.iter().filter_map(|&k| expected.get(k));
@@ -389,10 +398,7 @@ impl Scene {
         self.check(number, state, draws);
         self.detections = named;
         let detections = &self.detections;
-        self.oddities.note(number, |camera, seen, at| {
-            let ([u, v], d) = (expected[camera][at]?, detections[camera][seen]?);
-            Some((d.pixel[0] - u).hypot(d.pixel[1] - v))
-        });
+        self.oddities.note(number, |camera, seen, at| distance_px(detections[camera][seen], expected[camera][at]));
     }
 
     /// What the next frame needs of those before it.
@@ -473,14 +479,8 @@ impl Scene {
             .iter()
             .zip(&expected)
             .map(|(seen, expected)| {
-                let mut distances: Vec<f64> = seen
-                    .iter()
-                    .zip(expected)
-                    .filter_map(|(d, e)| {
-                        let (d, e) = ((*d)?, (*e)?);
-                        Some((d.pixel[0] - e[0]).hypot(d.pixel[1] - e[1]))
-                    })
-                    .collect();
+                let mut distances: Vec<f64> =
+                    seen.iter().zip(expected).filter_map(|(d, e)| distance_px(*d, *e)).collect();
                 (!distances.is_empty()).then(|| median(&mut distances) / (2.0 * std::f64::consts::LN_2).sqrt())
             })
             .collect()
