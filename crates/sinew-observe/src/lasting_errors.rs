@@ -167,14 +167,14 @@ pub fn linearised_detections(
     let partners = model.mistakes.partners(body.positions.len() / 3);
     let mut found = vec![];
     for (point, at) in body.positions.as_chunks::<3>().0.iter().enumerate() {
-        for camera in 0..model.views.len() {
-            let Some(by) = camera_error::derivatives(&model.views[camera].camera, *at) else { continue };
+        for (camera, view) in model.views.iter().enumerate() {
+            let Some(by) = camera_error::derivatives(&view.camera, *at) else { continue };
             let crossed = partners[point].and_then(|(partner, limb)| Some((partner, exchanged[camera][limb]?)));
             let ways = [Some((point, 1.0 - crossed.map_or(0.0, |(_, q)| q))), crossed];
             let mut sum: Option<LinearisedDetection> = None;
             for (named, probability) in ways.into_iter().flatten().filter(|(_, probability)| *probability > SMALLEST) {
                 let Some((sighting, _)) = model.sighting(frame, &seen_by, camera, [named, point]) else { continue };
-                let i = &model.views[camera].camera.intrinsics;
+                let i = &view.camera.intrinsics;
                 let residual_px = [sighting.pixel[0] + i.cx - by.pixel[0], sighting.pixel[1] + i.cy - by.pixel[1]];
                 let (_, share) = model.noise.at(&sighting, Some(residual_px));
                 let by_model_error = model.by_model_error(camera, seen_by[point].max(1), at);

@@ -47,18 +47,21 @@ impl Mistakes {
 /// Limbs part at the link where the branches to left and right part; a point on the link that both hang on belongs to the limb whose joint it is. Points of the head belong to no limb.
 #[must_use]
 pub fn paired_limbs(tree: &KinematicTree, points: &[usize], pairs: &[(usize, usize)]) -> Vec<Vec<(usize, usize)>> {
-    let mut limbs: Vec<((usize, usize), Vec<(usize, usize)>)> = vec![];
+    let mut known: Vec<(usize, usize)> = vec![];
+    let mut limbs: Vec<Vec<(usize, usize)>> = vec![];
     for &(left, right) in pairs {
         let Some(roots) = limb_of(tree, points[left]).zip(limb_of(tree, points[right])) else { continue };
         if roots.0 == roots.1 {
             continue;
         }
-        match limbs.iter_mut().find(|(known, _)| *known == roots) {
-            Some((_, own)) => own.push((left, right)),
-            None => limbs.push((roots, vec![(left, right)])),
-        }
+        let limb = known.iter().position(|own| *own == roots).unwrap_or_else(|| {
+            known.push(roots);
+            limbs.push(vec![]);
+            limbs.len() - 1
+        });
+        limbs[limb].push((left, right));
     }
-    limbs.into_iter().map(|(_, own)| own).collect()
+    limbs
 }
 
 /// The first link of the limb that a point belongs to: below a link with several children; `None` on a link that has several, away from their joints.

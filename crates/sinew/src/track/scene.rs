@@ -18,7 +18,7 @@ use sinew_observe::association::{self, Person};
 use sinew_observe::bystanders::elsewhere;
 use sinew_observe::following::{Associated, Following, follow};
 use sinew_observe::offsets::{self, Sighted, median};
-use sinew_observe::{Camera, Detection, KeypointFrame, KeypointModel, Noise, ObservationModel, View};
+use sinew_observe::{Camera, Detection, KeypointFrame, KeypointModel, Mistakes, Noise, ObservationModel, View};
 use std::sync::Arc;
 
 /// Mean squared distance of the keypoints from a pose, in noise variances and at most [`WORST`] each, above which the pose is doubted. A right one has about 3.
@@ -100,13 +100,14 @@ fn keypoint_model(
     };
     let views = cameras.iter().map(|camera| setup.view(camera, &names).ok_or_else(|| unknown(camera)));
     let known = cameras.iter().filter_map(|camera| setup.camera.iter().find(|known| known.name == camera.name));
+    let by_parts = settings.method.about().needs_parts;
     Ok(KeypointModel {
         plan: Arc::new(Plan::new(&tree.with_points_moved(&setup.detected_places(tree)), points)),
         views: views.collect::<Result<_, _>>()?,
         noise: settings.noise,
         model_error_m: setup.model_error_m,
         least_confidence: settings.least_confidence,
-        mistakes: (!settings.method.about().needs_parts).then(|| mistakes(tree, points, known)).unwrap_or_default(),
+        mistakes: if by_parts { Mistakes::default() } else { mistakes(tree, points, known) },
         isa: settings.isa,
     })
 }
