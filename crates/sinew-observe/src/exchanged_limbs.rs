@@ -8,7 +8,7 @@
 //!
 //! with q the camera's probability of it and p_k the density of a sighting of point k ([`crate::KeypointModel`]). The gradient weighs the forces of both ways by how probable each is at the state, and so does the Gauss–Newton matrix.
 //!
-//! Where one way is out of the question at the predicted pose (less than [`LEAST`] to one), the pair's sightings are ordinary ones. What is left are *doubts*; they cost no projection more.
+//! Where one way is out of the question at the predicted pose (less than e⁻¹⁸ to one), the pair's sightings are ordinary ones. What is left are *doubts*; they cost no projection more.
 
 use crate::lane_projection::LaneCamera;
 use crate::lens::Distort;

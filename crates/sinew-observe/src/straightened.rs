@@ -1,7 +1,7 @@
 //! Keypoints with exchanged sides of limbs put right, before any pose is known.
 //!
-//! In each camera a pair of limbs is as named or exchanged, frame by frame. The likeliest sequence (Viterbi) pays for every exchanged frame its odds, [`ODDS`], and for every keypoint that moves by d pixels from a frame to
-//! the next `min(½ d²/m², `[`MOST`]`)`, with m the median of all moves in that camera. Limbs that cross in the image can be followed either way; the odds bring them back to their names.
+//! In each camera a pair of limbs is as named or exchanged, frame by frame. The likeliest sequence (Viterbi) pays for every exchanged frame its odds (e⁴ to one against it), and for every keypoint that moves by d pixels from a frame to
+//! the next `min(½ d²/m², 8)`, with m the median of all moves in that camera. Limbs that cross in the image can be followed either way; the odds bring them back to their names.
 
 use crate::offsets::{Sighted, median};
 
