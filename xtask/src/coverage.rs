@@ -148,9 +148,19 @@ fn as_assumed() -> Vec<Scene> {
     scenes
 }
 
-/// Every way of being wrong about the keypoints, alone.
+/// Errors of fixed size that real recordings have, each alone and all together: with any number of cameras.
+const RECORDED_ERRORS: [Wrong; 6] = [
+    Wrong::Recorded,
+    Wrong::Calibration,
+    Wrong::Biased(scene::BIAS_PX),
+    Wrong::Swapped(0.02),
+    Wrong::Swapped(0.1),
+    Wrong::All,
+];
+
+/// Every way of being wrong about the keypoints.
 fn otherwise() -> Vec<Scene> {
-    let all = [
+    let four = [
         Wrong::Offset(3.0),
         Wrong::Offset(6.0),
         Wrong::Moved(3.0),
@@ -160,26 +170,12 @@ fn otherwise() -> Vec<Scene> {
         Wrong::Outliers(0.0),
         Wrong::Persistent,
         Wrong::Understated,
-        Wrong::Recorded,
-        Wrong::Calibration,
-        Wrong::Biased(scene::BIAS_PX),
-        Wrong::Swapped(0.02),
-        Wrong::Swapped(0.1),
-        Wrong::All,
     ];
     let scene = |cameras, wrong| Scene::Person { cameras, tracker: Tracker::Hmc, sizes: Sizes::Fitted, wrong };
-    let few = [2, 1].into_iter().flat_map(|cameras| {
-        let wrong = [
-            Wrong::Recorded,
-            Wrong::Calibration,
-            Wrong::Biased(scene::BIAS_PX),
-            Wrong::Swapped(0.02),
-            Wrong::Swapped(0.1),
-            Wrong::All,
-        ];
-        wrong.map(|wrong| scene(cameras, wrong))
-    });
-    all.into_iter().map(|wrong| scene(4, wrong)).chain(few).collect()
+    let with_four = four.into_iter().map(|wrong| scene(4, wrong));
+    with_four
+        .chain([4, 2, 1].into_iter().flat_map(|cameras| RECORDED_ERRORS.map(|wrong| scene(cameras, wrong))))
+        .collect()
 }
 
 /// Scenes whose warnings are counted: all but the model's own, by `hmc`.

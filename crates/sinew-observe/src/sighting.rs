@@ -34,7 +34,7 @@ pub(crate) struct Sighting {
 }
 
 impl Noise {
-    /// A sighting's density over its peak, to the power that [`Noise::exponent`] is the inverse of, and how strongly it pulls, 1/s² at its centre.
+    /// A factor of the likelihood, which to the power [`Noise::exponent`] is a sighting's density over its peak; and how strongly it pulls, 1/s² at its centre.
     #[inline(always)]
     pub(crate) fn factor<V: Real>(self, sighting: &Sighting, [r0, r1]: [V; 2], depth: V) -> (V, V) {
         let s = |x: f64| V::splat(x);

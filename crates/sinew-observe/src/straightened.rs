@@ -125,7 +125,7 @@ mod tests {
 
     /// Missing keypoints, missing people and no frames at all are as they were.
     #[test]
-    fn what_is_missing_stays_missing() {
+    fn missing_keypoints_stay_missing() {
         let limbs = vec![vec![(0, 1), (7, 8)]];
         let mut frames = walk();
         frames[3][0][1] = None;

@@ -177,6 +177,19 @@ fn exchanged_legs_are_put_right() {
     assert!(gain(&scene) > gain(&plain) + 3.0, "{} and {}", gain(&scene), gain(&plain));
 }
 
+/// One camera of three may have exchanged the legs; that all three have is less likely than that the pose has.
+#[test]
+fn a_pose_that_most_cameras_contradict_is_turned() {
+    let scene = scene(FLOOR, 0.02, Isa::baseline());
+    let legs = scene.model.mistakes.limbs.iter().position(|limb| limb.len() == 6).unwrap();
+    let is_turned = |cameras: usize| {
+        let crossed =
+            (0..cameras).fold(scene.detections.clone(), |frame, camera| scene.exchanged(&frame, camera, legs));
+        scene.model.is_turned(&KeypointFrame { detections: &crossed, elsewhere: &[], predicted: &scene.points })
+    };
+    assert_eq!([0, 1, 2, 3].map(is_turned), [false, false, true, true]);
+}
+
 #[test]
 fn gradients_of_mixtures_are_differences() {
     for noise in [FLOOR, STUDENT] {
