@@ -11,8 +11,8 @@ use sinew_tests::simulated_source::{set_up, source};
 /// Frames in which the walker walks.
 const WALKED: std::ops::Range<u64> = 40..100;
 
-/// Two cameras a right angle apart, whose detectors exchange limbs in this share of the frames: the shares that the set-up finds, and the mean error of tracking, metres.
-fn tracked(swapped: f64, seed: u64) -> (Vec<f64>, f64) {
+/// Two cameras a right angle apart, whose detectors exchange limbs in this share of the frames: the shares that the set-up finds, the mean error of tracking, metres, and the frames in which it began again.
+fn tracked(swapped: f64, seed: u64) -> (Vec<f64>, f64, usize) {
     let noise = DetectorNoise { swapped, ..DetectorNoise::stated_gaussian(3.0) };
     let mut film = SyntheticRecording::new(&Script { noise, ..Script::default() }, seed).unwrap();
     film.cameras.truncate(2);
@@ -26,15 +26,18 @@ fn tracked(swapped: f64, seed: u64) -> (Vec<f64>, f64) {
         .map(|frame| frame.iter().map(|&point| Some(point)).collect())
         .collect();
     let track = positions(&found.tree, &found.estimates, &EVALUATION_JOINTS);
-    (setup.camera.iter().map(|camera| camera.exchanged).collect(), mean_distance(&track, &truth, 0..60))
+    let shares = setup.camera.iter().map(|camera| camera.exchanged).collect();
+    let restarts = found.estimates.iter().filter(|estimate| estimate.restarted).count();
+    (shares, mean_distance(&track, &truth, 0..60), restarts)
 }
 
 /// The share of exchanged limbs is found, and what is exchanged costs next to nothing, though two cameras cannot outvote one of them.
 #[test]
 fn exchanged_limbs_are_found_and_cost_little() {
-    let (none, plain) = tracked(0.0, 3);
+    let (none, plain, usual) = tracked(0.0, 3);
     assert!(none.iter().all(|share| *share < 0.01), "{none:?}");
-    let (found, exchanged) = tracked(0.1, 3);
+    let (found, exchanged, restarts) = tracked(0.1, 3);
     assert!(found.iter().all(|share| (0.05..0.15).contains(share)), "{found:?}");
     assert!(exchanged < 1.05 * plain, "{exchanged} m, without exchanges {plain} m");
+    assert_eq!(restarts, usual, "frames in which tracking began again");
 }
