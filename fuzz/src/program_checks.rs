@@ -14,10 +14,12 @@ use sinew::input::source::FrameSource;
 use sinew::methods::{BootstrapMethod, HmcMethod, Method};
 use sinew::observe::Detection;
 use sinew::observe::association::Person;
+use sinew::results::estimate::FrameEstimate;
 use sinew::results::problem::Problem;
 use sinew::setup::{Setup, SetupRequest, set_up};
 use sinew::track::Pipeline;
 use sinew::track::checkpoint::Checkpoint;
+use sinew::tracking::posterior::Posterior;
 use sinew::tracking::{bootstrap, hmc_filter};
 use sinew::{RecordingError, formats::Layout, observe::Camera};
 use sinew_latent::file as latent_file;
@@ -29,7 +31,7 @@ use sinew_tools::Error;
 use sinew_tools::inspect::{Subject, file_facts};
 use std::cell::RefCell;
 use std::fs;
-use std::ops::{ControlFlow, Range};
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, LazyLock};
 
@@ -248,10 +250,10 @@ pub fn filter_step(data: &[u8]) {
     let pipeline = Pipeline::new(setup, &tree, &recording.cameras, &recording.layout, settings);
     let Some(mut pipeline) = answered(pipeline) else { return };
     let mut source = Changed { recording, people };
-    answered(pipeline.track(&mut source, 0..1, |estimate, _| {
+    answered(pipeline.track(&mut source, 0..1, |estimate: FrameEstimate, _: &Posterior<'_>| {
         let points = estimate.points.iter().flat_map(|p| [p.mean, p.sd, p.q05, p.q95]).flatten();
         let numbers = estimate.mean_state.iter().chain(&estimate.draws.states).copied().chain(points);
         assert!(numbers.into_iter().all(f64::is_finite), "an estimate that is no number");
-        Ok(ControlFlow::Continue(()))
+        Ok(())
     }));
 }

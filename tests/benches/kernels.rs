@@ -20,12 +20,12 @@ use sinew::samplers::metric::{Dense, Metric};
 use sinew::samplers::resample::Scheme;
 use sinew::setup::{self, SetupRequest};
 use sinew::track::{self, Pipeline, Scene};
+use sinew::tracking::posterior::Posterior;
 use sinew::tracking::{Tracker, bootstrap};
 use sinew_simulate::recording::{Script, SyntheticRecording};
 use sinew_tests::problem28;
 use sinew_tests::simulated_source::source;
 use std::hint::black_box;
-use std::ops::ControlFlow;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -208,9 +208,9 @@ fn tracking(c: &mut Criterion) {
                         let mut pipeline =
                             Pipeline::new(&setup, &tree, &cameras, &layout, settings.clone()).expect("pipeline");
                         pipeline
-                            .track(&mut recording, frames.clone(), |estimate: FrameEstimate, _| {
+                            .track(&mut recording, frames.clone(), |estimate: FrameEstimate, _: &Posterior<'_>| {
                                 black_box(estimate);
-                                Ok(ControlFlow::Continue(()))
+                                Ok(())
                             })
                             .expect("tracked");
                     });

@@ -40,6 +40,7 @@ use sinew::results::estimate::FrameEstimate;
 use sinew::results::silhouette_overlap::SilhouetteOverlap;
 use sinew::setup::{self, Setup, SetupRequest};
 use sinew::track::{self, Doubt, Pipeline, Spool};
+use sinew::tracking::posterior::Posterior;
 use sinew_motion::points::points_of_states;
 use std::ops::{ControlFlow, Range};
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -85,10 +86,10 @@ pub fn run(
         [tree.dof(), cameras.len(), pipeline.keypoints().len(), pipeline.lasting_draws()],
     )?;
     let (mut filtered, mut smoothed) = (vec![], vec![]);
-    pipeline.track(source, frames, |estimate, posterior| {
+    pipeline.track(source, frames, |estimate: FrameEstimate, posterior: &Posterior<'_>| {
         spool.append(&estimate, &track::moments(posterior, settings.isa))?;
         filtered.push(estimate);
-        Ok(ControlFlow::Continue(()))
+        Ok(())
     })?;
     track::smooth(
         &mut spool,
@@ -153,9 +154,9 @@ pub fn filter(
     let image_cameras = image_cameras.as_deref();
     let mut pipeline = Pipeline::with_images(setup, &tree, &cameras, &layout, settings.clone(), image_cameras)?;
     let mut estimates = vec![];
-    pipeline.track(source, frames, |estimate, _| {
+    pipeline.track(source, frames, |estimate, _: &Posterior<'_>| {
         estimates.push(estimate);
-        Ok(ControlFlow::Continue(()))
+        Ok(())
     })?;
     Ok(Filtered { doubts: pipeline.doubts(), coverage: pipeline.coverage().to_vec(), tree, estimates })
 }

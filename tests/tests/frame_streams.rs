@@ -7,6 +7,7 @@ use sinew::methods::{BootstrapMethod, HmcMethod};
 use sinew::results::estimate::FrameEstimate;
 use sinew::setup::Setup;
 use sinew::track::{self, Pipeline, Spool};
+use sinew::tracking::posterior::Posterior;
 use sinew::tracking::{bootstrap, hmc_filter};
 use sinew_simulate::recording::{Script, SyntheticRecording};
 use sinew_tests::evaluation;
@@ -37,7 +38,7 @@ fn each_frame_is_thinned_from_another_start() {
     let (recording, _, mut pipeline) = prepared(&settings);
     let mut starts = BTreeSet::new();
     pipeline
-        .track(&mut source(&recording), 0..FRAMES, |estimate, posterior| {
+        .track(&mut source(&recording), 0..FRAMES, |estimate: FrameEstimate, posterior: &Posterior<'_>| {
             let mut state = vec![0.0; posterior.dim];
             let kept = &estimate.draws.states[..posterior.dim];
             let index = (0..posterior.weights.len()).find(|&index| {
@@ -45,7 +46,7 @@ fn each_frame_is_thinned_from_another_start() {
                 state == kept
             });
             starts.insert(index.expect("a draw of the posterior"));
-            Ok(ControlFlow::Continue(()))
+            Ok(())
         })
         .unwrap();
     // 15 of 32 starts: fewer than five different ones in one of a thousand million runs.

@@ -20,7 +20,6 @@ use sinew::tracking::posterior::Posterior;
 use sinew::tracking::{Resume, StepInfo, Tracker};
 use sinew_simulate::recording::{Script, SyntheticRecording};
 use sinew_tests::simulated_source::source;
-use std::ops::ControlFlow;
 use std::sync::Arc;
 
 /// Takes a number of steps of the motion prior and keeps the likeliest.
@@ -131,7 +130,7 @@ fn a_run_takes_it_like_any_other() {
         let mut estimates = vec![];
         let record = |estimate, _: &Posterior<'_>| {
             estimates.push(estimate);
-            Ok(ControlFlow::Continue(()))
+            Ok(())
         };
         pipeline.track(&mut source(&recording), frames, record).unwrap();
         estimates

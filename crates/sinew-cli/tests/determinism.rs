@@ -19,11 +19,12 @@ use sinew::methods::{BootstrapMethod, HmcMethod, Method};
 use sinew::results::estimate::{FrameEstimate, Quality};
 use sinew::setup::{self, Setup, SetupRequest};
 use sinew::track::Pipeline;
+use sinew::tracking::posterior::Posterior;
 use sinew::tracking::{bootstrap, hmc_filter};
 use sinew_simulate::recording::{Script, SyntheticRecording};
 use sinew_tests::simulated_source::source;
 use std::fs;
-use std::ops::{ControlFlow, Range};
+use std::ops::Range;
 use std::sync::Arc;
 
 fn recording(duration_s: f64) -> SyntheticRecording {
@@ -58,12 +59,11 @@ fn tracked(
     let (tree, mut source, mut all) = (setup.tree(), source(recording), vec![]);
     let mut pipeline = Pipeline::new(setup, &tree, &recording.cameras, &recording.layout, settings.clone()).unwrap();
     for part in parts {
-        pipeline
-            .track(&mut source, part.clone(), |estimate, _| {
-                all.push(estimate);
-                Ok(ControlFlow::Continue(()))
-            })
-            .unwrap();
+        let keep = |estimate, _: &Posterior<'_>| {
+            all.push(estimate);
+            Ok(())
+        };
+        pipeline.track(&mut source, part.clone(), keep).unwrap();
     }
     all
 }

@@ -11,7 +11,6 @@
 //! use sinew_tracking::bootstrap::{Bootstrap, Config};
 //! use sinew_tracking::posterior::Posterior;
 //! use sinew_tracking::{Error, Harness, StepInfo, run};
-//! use std::ops::ControlFlow;
 //!
 //! /// A point that moves to the right, seen in every frame.
 //! struct Moving {
@@ -21,14 +20,19 @@
 //!
 //! impl Harness<Lanes<Quadratic>> for Moving {
 //!     type Bound = Lanes<Quadratic>;
+//!     type Noted = StepInfo;
+//!     type Described = StepInfo;
 //!     type Error = Error;
 //!     fn observe(&mut self, frame: u32, _estimate: &[f64]) -> Result<Self::Bound, Error> {
 //!         let leaf = Quadratic { centre: vec![0.1 * f64::from(frame), 0.0], precision: vec![100.0; 2] };
 //!         Ok(Lanes { leaf, isa: self.isa })
 //!     }
-//!     fn record(&mut self, _: u32, info: StepInfo, _: Posterior<'_>) -> Result<ControlFlow<()>, Error> {
+//!     fn note(&mut self, _: u32, info: StepInfo, _: Posterior<'_>) -> Result<StepInfo, Error> {
+//!         Ok(info)
+//!     }
+//!     fn record(&mut self, info: StepInfo, _: Posterior<'_>) -> Result<(), Error> {
 //!         self.last = Some(info);
-//!         Ok(ControlFlow::Continue(()))
+//!         Ok(())
 //!     }
 //! }
 //!
@@ -36,7 +40,8 @@
 //! let walk = RandomWalk::new(&[1.0, 1.0], 0.01, Between::Mixture, isa)?;
 //! let mut tracker = Bootstrap::new(Config { particles: 1000, ..Config::default() }, walk, vec![0.0, 0.0])?;
 //! let mut moving = Moving { isa, last: None };
-//! run(&mut tracker, 0..20, |frame| Stage::new(1, "example").at_frame(frame), &mut moving)?;
+//! let stage = |frame| Stage::new(1, "example").at_frame(frame);
+//! run(&mut tracker, 0..20, stage, &mut moving, |info, _| Ok(info))?;
 //! assert!((moving.last.expect("20 frames").mean[0] - 1.9).abs() < 0.2);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```

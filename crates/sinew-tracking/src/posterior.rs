@@ -93,6 +93,31 @@ impl<'a> Posterior<'a> {
     }
 }
 
+/// A posterior that its tracker has left behind.
+#[derive(Default)]
+pub(crate) struct Copied {
+    dim: usize,
+    states: Vec<Block>,
+    weights: Vec<f64>,
+    effective: f64,
+    chain_stats: Vec<ChainStat>,
+}
+
+impl Copied {
+    pub(crate) fn take(&mut self, posterior: Posterior<'_>) {
+        let Posterior { dim, states, weights, effective, chain_stats } = posterior;
+        (self.dim, self.effective) = (dim, effective);
+        states.clone_into(&mut self.states);
+        weights.clone_into(&mut self.weights);
+        chain_stats.clone_into(&mut self.chain_stats);
+    }
+
+    pub(crate) fn view(&self) -> Posterior<'_> {
+        let Self { dim, states, weights, effective, chain_stats } = self;
+        Posterior { dim: *dim, states, weights, effective: *effective, chain_stats }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -1,6 +1,9 @@
-//! The one time loop: observe a frame, step the tracker, record what came out.
+//! The one time loop: observe a frame, step the tracker, note what the next frame needs, describe and record the rest.
+//!
+//! A step leaves two kinds of work. What the next frame needs is done at once ([`Harness::note`]). The description of the posterior is needed by no later frame, so it is made beside the next step, on another thread if one is idle.
+//! All that is passed on belongs to one frame, so the number of threads changes nothing.
 
-use crate::posterior::Posterior;
+use crate::posterior::{Copied, Posterior};
 use crate::{Error, StepInfo, Tracker};
 use sinew_core::random::Stage;
 use std::borrow::Borrow;
@@ -9,9 +12,13 @@ use std::ops::ControlFlow;
 /// What surrounds a tracker in a run: where its observations come from and where its posteriors go. One value does both, so that what it learns from a posterior is at hand when it binds the next frame.
 pub trait Harness<O: ?Sized> {
     /// A bound observation.
-    type Bound: Borrow<O>;
+    type Bound: Borrow<O> + Sync;
+    /// What is noted of a step, to be described.
+    type Noted: Send;
+    /// What a posterior is described by.
+    type Described: Send;
     /// What can go wrong around the tracker, or in it.
-    type Error: From<Error>;
+    type Error: From<Error> + Send;
 
     /// Binds the observation of a frame, given the tracker's estimate so far.
     ///
@@ -19,34 +26,64 @@ pub trait Harness<O: ?Sized> {
     /// A frame that cannot be read or bound: the run ends with it.
     fn observe(&mut self, frame: u32, estimate: &[f64]) -> Result<Self::Bound, Self::Error>;
 
-    /// Takes what a step gave, and may stop the run.
+    /// Takes in what a step gave, as far as later frames need it, and says what is to be described.
+    ///
+    /// # Errors
+    /// A step that cannot be taken in: the run ends with it.
+    fn note(&mut self, frame: u32, info: StepInfo, posterior: Posterior<'_>) -> Result<Self::Noted, Self::Error>;
+
+    /// Keeps what the posterior of a frame has been described by.
     ///
     /// # Errors
     /// Results that cannot be kept: the run ends with it.
-    fn record(&mut self, frame: u32, info: StepInfo, posterior: Posterior<'_>) -> Result<ControlFlow<()>, Self::Error>;
+    fn record(&mut self, described: Self::Described, posterior: Posterior<'_>) -> Result<(), Self::Error>;
+
+    /// Whether to stop; asked before every frame but the first. The frame before is still recorded.
+    fn flow(&mut self) -> ControlFlow<()> {
+        ControlFlow::Continue(())
+    }
 }
 
 /// Steps a tracker through `frames`.
 ///
-/// For each frame `harness` binds the observation, the tracker steps with the `stage` of that frame, and `harness` records what came out. Nothing is kept here, so
-/// memory does not grow; and since the stage depends on the frame alone, a run in two halves with the carried tracker gives the same bits as one.
+/// For each frame `harness` binds the observation, the tracker steps with the `stage` of that frame, `harness` notes what came out, `describe` turns it into what is kept, and `harness` records that; the last two beside the next step.
+/// Nothing is kept here but one frame, so memory does not grow; and since the stage depends on the frame alone, a run in two halves with the carried tracker gives the same bits as one.
 ///
 /// # Errors
-/// Errors of the harness, and of the tracker as [`Error::Frame`].
-pub fn run<O: ?Sized, H: Harness<O> + ?Sized>(
+/// Errors of the harness and of `describe`, and of the tracker as [`Error::Frame`]. Frames before the one that failed are recorded.
+pub fn run<O: Sync + ?Sized, H: Harness<O> + ?Sized>(
     tracker: &mut (impl Tracker<O> + ?Sized),
     frames: impl IntoIterator<Item = u32>,
     stage: impl Fn(u32) -> Stage,
     harness: &mut H,
+    mut describe: impl FnMut(H::Noted, Posterior<'_>) -> Result<H::Described, H::Error> + Send,
 ) -> Result<(), H::Error> {
+    let (mut noted, mut last, mut failed) = (None, Copied::default(), Ok(()));
     for frame in frames {
-        let observed = harness.observe(frame, tracker.estimate())?;
-        let info = tracker
-            .step(observed.borrow(), stage(frame))
-            .map_err(|source| Error::Frame { frame, source: Box::new(source) })?;
-        if harness.record(frame, info, tracker.posterior())?.is_break() {
+        if noted.is_some() && harness.flow().is_break() {
             break;
         }
+        let observed = match harness.observe(frame, tracker.estimate()) {
+            Ok(observed) => observed,
+            Err(error) => {
+                failed = Err(error);
+                break;
+            }
+        };
+        let stage = stage(frame);
+        let (stepped, described) = rayon::join(
+            || tracker.step(observed.borrow(), stage),
+            || noted.take().map(|noted| describe(noted, last.view())),
+        );
+        if let Some(described) = described {
+            harness.record(described?, last.view())?;
+        }
+        let info = stepped.map_err(|source| Error::Frame { frame, source: Box::new(source) })?;
+        noted = Some(harness.note(frame, info, tracker.posterior())?);
+        last.take(tracker.posterior());
     }
-    Ok(())
+    if let Some(noted) = noted {
+        harness.record(describe(noted, last.view())?, last.view())?;
+    }
+    failed
 }

@@ -25,7 +25,6 @@ use sinew_tracking::hppf::{self, Hppf};
 use sinew_tracking::partitioned::{self, Partitioned};
 use sinew_tracking::posterior::Posterior;
 use sinew_tracking::{Error, Harness, Resume, StepInfo, Tracker, run};
-use std::ops::ControlFlow;
 
 /// An observation that serves every tracker.
 trait Seen: GaussNewton + PartLogDensity {}
@@ -182,20 +181,26 @@ struct Circling<'a>(&'a mut Record);
 
 impl Harness<dyn Seen> for Circling<'_> {
     type Bound = Box<dyn Seen>;
+    type Noted = StepInfo;
+    type Described = StepInfo;
     type Error = Error;
     fn observe(&mut self, frame: u32, _estimate: &[f64]) -> Result<Self::Bound, Error> {
         Ok(observation(frame))
     }
-    fn record(&mut self, _: u32, info: StepInfo, posterior: Posterior<'_>) -> Result<ControlFlow<()>, Error> {
+    fn note(&mut self, _: u32, info: StepInfo, _: Posterior<'_>) -> Result<StepInfo, Error> {
         assert!(!info.restarted);
+        Ok(info)
+    }
+    fn record(&mut self, info: StepInfo, posterior: Posterior<'_>) -> Result<(), Error> {
         self.0.push((info, posterior.states.to_vec(), posterior.weights.to_vec()));
-        Ok(ControlFlow::Continue(()))
+        Ok(())
     }
 }
 
 fn follow(tracker: &mut Boxed, frames: std::ops::Range<u32>, record: &mut Record) {
     let stage = |frame| Stage::new(42, "determinism").at_frame(frame);
-    run(tracker.as_mut(), frames, stage, &mut Circling(record)).expect("every frame has a posterior");
+    run(tracker.as_mut(), frames, stage, &mut Circling(record), |info, _| Ok(info))
+        .expect("every frame has a posterior");
 }
 
 #[test]
@@ -340,12 +345,17 @@ struct Blinded;
 
 impl Harness<Impossible> for Blinded {
     type Bound = Impossible;
+    type Noted = ();
+    type Described = ();
     type Error = Error;
     fn observe(&mut self, _frame: u32, _estimate: &[f64]) -> Result<Impossible, Error> {
         Ok(Impossible)
     }
-    fn record(&mut self, _: u32, _: StepInfo, _: Posterior<'_>) -> Result<ControlFlow<()>, Error> {
-        Ok(ControlFlow::Continue(()))
+    fn note(&mut self, _: u32, _: StepInfo, _: Posterior<'_>) -> Result<(), Error> {
+        Ok(())
+    }
+    fn record(&mut self, (): (), _: Posterior<'_>) -> Result<(), Error> {
+        Ok(())
     }
 }
 
@@ -365,7 +375,7 @@ fn an_impossible_frame_is_an_error_and_can_be_passed_over() {
     let spread = Tracker::<Nothing>::posterior(&tracker).moments(Isa::best()).covariance[0];
     assert!((0.02..0.07).contains(&spread), "one step of variance 0.04, not two: {spread}");
     let mut walked: Box<dyn Tracker<Impossible>> = Box::new(make());
-    let result = run(walked.as_mut(), 5..9, stage, &mut Blinded);
+    let result = run(walked.as_mut(), 5..9, stage, &mut Blinded, |(), _| Ok(()));
     assert!(matches!(result, Err(Error::Frame { frame: 5, .. })));
 }
 

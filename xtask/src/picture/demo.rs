@@ -10,11 +10,11 @@ use sinew::observe::Camera;
 use sinew::results::estimate::FrameEstimate;
 use sinew::setup::{self, Setup, SetupRequest};
 use sinew::track::{self, Pipeline};
+use sinew::tracking::posterior::Posterior;
 use sinew_simulate::recording::{Script, SyntheticRecording};
 use sinew_tests::simulated_source::source;
 use std::error::Error;
 use std::fmt::Write as _;
-use std::ops::ControlFlow;
 
 /// The demo's seed.
 const SEED: u64 = 1;
@@ -94,10 +94,14 @@ fn track() -> Result<Tracked, Box<dyn Error>> {
     let start = setup.start_frame;
     track::tune(&mut setup, &tree, &mut frames_of, start, &settings)?;
     let mut estimates = Vec::new();
-    Pipeline::new(&setup, &tree, &cameras, &layout, settings)?.track(&mut frames_of, frames, |estimate, _| {
-        estimates.push(estimate);
-        Ok(ControlFlow::Continue(()))
-    })?;
+    Pipeline::new(&setup, &tree, &cameras, &layout, settings)?.track(
+        &mut frames_of,
+        frames,
+        |estimate, _: &Posterior<'_>| {
+            estimates.push(estimate);
+            Ok(())
+        },
+    )?;
     Ok(Tracked { recording, setup, tree, estimates })
 }
 

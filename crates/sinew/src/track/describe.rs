@@ -1,88 +1,140 @@
 //! From a step of a tracker to what is written of it.
 
+use super::lasting::Lasting;
 use super::marginals::{Described, Marginals};
-use super::scene::Scene;
+use crate::Error;
 use crate::config::settings::Settings;
 use crate::results::estimate::{ActionShare, Draws, FrameEstimate, HmcStatistics, ParticleStatistics, Quality};
 use sinew_core::random::Stage;
 use sinew_dynamics::primitives::switching::Choice;
+use sinew_observe::Detection;
 use sinew_tracking::StepInfo;
 use sinew_tracking::moved::{EqualDraws, Moved};
 use sinew_tracking::posterior::Posterior;
 
-/// A step of the tracker.
-pub(super) struct Stepped {
+/// What a frame's description needs beside its draws.
+pub(super) struct Noted {
     /// Number of the frame.
     pub number: u64,
     /// What the tracker says.
     pub info: StepInfo,
-    /// Where its draws go.
-    pub moved: Option<Moved>,
-    /// [`FrameEstimate::moves`].
-    pub moves: Vec<f64>,
+    /// What each camera sees of each keypoint.
+    pub detections: Vec<Vec<Option<Detection>>>,
+    /// [`sinew_observe::KeypointFrame::elsewhere`].
+    pub elsewhere: Vec<Vec<f64>>,
+    /// [`FrameEstimate::residual_px`].
+    pub residual_px: Vec<Option<f64>>,
     /// Cameras whose masks show the person.
     pub silhouettes: usize,
 }
 
-/// Turns a step into what is written of it.
-pub(super) fn describe(
-    settings: &Settings,
-    scene: &Scene,
-    marginals: &mut Marginals,
-    step: Stepped,
-    posterior: &Posterior<'_>,
-) -> FrameEstimate {
-    let Stepped { number, info, moved, moves, silhouettes } = step;
-    let stage = Stage::new(settings.seed, "thin").at_frame(number as u32);
-    let kept = posterior.equal_weight(settings.draws, &mut stage.whole());
-    let mut states = vec![0.0; kept.len() * posterior.dim];
-    for (state, &index) in states.chunks_exact_mut(posterior.dim).zip(&kept) {
-        posterior.state(index, state);
+impl Noted {
+    /// What was seen of the person ([`FrameEstimate::seen`]).
+    fn seen(&self) -> Vec<[f64; 3]> {
+        let one = |d: &Option<Detection>| d.map_or([f64::NAN; 3], |d| [d.pixel[0], d.pixel[1], d.confidence]);
+        self.detections.iter().flatten().map(one).collect()
     }
-    let stats = |index: &usize| posterior.chain_stats.get(*index);
-    let chosen: Vec<_> = kept.iter().filter_map(stats).collect();
-    let hmc = (!chosen.is_empty()).then(|| HmcStatistics {
-        acceptance_rate: chosen.iter().map(|s| s.acceptance).collect(),
-        step_size: chosen.iter().map(|s| s.step_factor * scene.step_size()).collect(),
-        n_steps: vec![scene.leapfrog_steps(); chosen.len()],
-        diverging: chosen.iter().map(|s| s.divergent).collect(),
-        energy: chosen.iter().map(|s| s.energy).collect(),
-    });
-    let particles = posterior.chain_stats.is_empty().then(|| particles(posterior, &info));
-    let Spread { mean_state, shape, detected, described } =
-        spread(settings, scene, marginals, (number, &info.mean), posterior, (&mut states, moved.as_ref()));
-    let Described { points, keypoints, state } = described;
-    let size = marginals.size_draws(&mut states, posterior.dim);
-    let cameras = scene.cameras_with_person().max(silhouettes);
-    FrameEstimate {
-        number,
-        restarted: info.restarted,
-        time_s: number as f64 / settings.fps,
-        observed: cameras > 0,
-        quality: match cameras {
-            0 => Quality::Predicted,
-            1 => Quality::OneCamera,
-            _ => Quality::Good,
-        },
-        residual_px: scene.residual_px(&info.mean),
-        seen: scene.seen(),
-        mean_state,
-        moves,
-        missing: moved.map_or_else(Vec::new, |moved| moved.missing),
-        points,
-        keypoints,
-        state,
-        draws: Draws { states, shape, detected, size, lp: chosen.iter().map(|s| s.log_density).collect(), hmc },
-        particles,
-        actions: actions(&info.choices),
-        ess: info.ess,
-        log_evidence: info.log_evidence,
-        r_hat: info.r_hat,
-        energy_fraction: info.energy_fraction,
-        acceptance: info.acceptance,
-        off_manifold: info.off_manifold,
-        divergences: info.divergences as u64,
-        trajectories: info.trajectories as u64,
+
+    /// Cameras that saw the person.
+    fn cameras(&self) -> usize {
+        let by_keypoints = self.detections.iter().filter(|points| points.iter().any(Option::is_some)).count();
+        by_keypoints.max(self.silhouettes)
+    }
+}
+
+/// Describes steps of a tracker, frame after frame.
+pub(super) struct Describer {
+    pub settings: Settings,
+    /// Step size and leapfrog steps of the set-up.
+    pub trajectories: (f64, u32),
+    pub lasting: Option<Lasting>,
+    pub marginals: Marginals,
+}
+
+impl Describer {
+    /// Turns a step into what is written of it.
+    pub(super) fn describe(&mut self, noted: Noted, posterior: &Posterior<'_>) -> Result<FrameEstimate, Error> {
+        let moved = self.lasting.as_mut().map(|lasting| lasting.step(&noted)).transpose()?;
+        let moves = self.lasting.as_ref().map_or_else(Vec::new, Lasting::moves);
+        let stage = Stage::new(self.settings.seed, "thin").at_frame(noted.number as u32);
+        let kept = posterior.equal_weight(self.settings.draws, &mut stage.whole());
+        let mut states = vec![0.0; kept.len() * posterior.dim];
+        for (state, &index) in states.chunks_exact_mut(posterior.dim).zip(&kept) {
+            posterior.state(index, state);
+        }
+        let stats = |index: &usize| posterior.chain_stats.get(*index);
+        let chosen: Vec<_> = kept.iter().filter_map(stats).collect();
+        let (step_size, leapfrog_steps) = self.trajectories;
+        let hmc = (!chosen.is_empty()).then(|| HmcStatistics {
+            acceptance_rate: chosen.iter().map(|s| s.acceptance).collect(),
+            step_size: chosen.iter().map(|s| s.step_factor * step_size).collect(),
+            n_steps: vec![leapfrog_steps; chosen.len()],
+            diverging: chosen.iter().map(|s| s.divergent).collect(),
+            energy: chosen.iter().map(|s| s.energy).collect(),
+        });
+        let lp = chosen.iter().map(|s| s.log_density).collect();
+        let Spread { mean_state, shape, detected, described } =
+            self.spread(&noted, posterior, (&mut states, moved.as_ref()));
+        let size = self.marginals.size_draws(&mut states, posterior.dim);
+        let draws = Draws { states, shape, detected, size, lp, hmc };
+        let missing = moved.map_or_else(Vec::new, |moved| moved.missing);
+        let particles = posterior.chain_stats.is_empty().then(|| particles(posterior, &noted.info));
+        Ok(FrameEstimate { mean_state, moves, missing, draws, particles, ..self.estimate(noted, described) })
+    }
+
+    /// What a step says without its draws.
+    fn estimate(&self, noted: Noted, described: Described) -> FrameEstimate {
+        let Described { points, keypoints, state } = described;
+        let (cameras, seen) = (noted.cameras(), noted.seen());
+        let Noted { number, info, residual_px, .. } = noted;
+        FrameEstimate {
+            number,
+            restarted: info.restarted,
+            time_s: number as f64 / self.settings.fps,
+            observed: cameras > 0,
+            quality: match cameras {
+                0 => Quality::Predicted,
+                1 => Quality::OneCamera,
+                _ => Quality::Good,
+            },
+            residual_px,
+            seen,
+            points,
+            keypoints,
+            state,
+            actions: actions(&info.choices),
+            ess: info.ess,
+            log_evidence: info.log_evidence,
+            r_hat: info.r_hat,
+            energy_fraction: info.energy_fraction,
+            acceptance: info.acceptance,
+            off_manifold: info.off_manifold,
+            divergences: info.divergences as u64,
+            trajectories: info.trajectories as u64,
+            ..FrameEstimate::default()
+        }
+    }
+
+    /// Mean, marginals and kept draws, moved where there is something to move them by.
+    fn spread(
+        &mut self,
+        noted: &Noted,
+        posterior: &Posterior<'_>,
+        (kept, moved): (&mut [f64], Option<&Moved>),
+    ) -> Spread {
+        let mean = &noted.info.mean;
+        let Some((lasting, moved)) = self.lasting.as_ref().zip(moved) else {
+            let described = self.marginals.of(posterior, None);
+            return Spread { mean_state: mean.clone(), shape: vec![], detected: vec![], described };
+        };
+        moved.apply(kept);
+        let [shape, detected] = lasting.written(moved, kept);
+        let rng = &mut Stage::new(self.settings.seed, "equal weight").at_frame(noted.number as u32).whole();
+        let EqualDraws { states, weights } = moved.equal_draws(posterior, rng);
+        let equal = Posterior { states: &states, weights: &weights, chain_stats: &[], ..*posterior };
+        let described = self.marginals.of(&equal, Some(moved));
+        let mean_state = mean.iter().zip(moved.mean()).map(|(x, by)| x + by).collect();
+        Spread { mean_state, shape, detected, described }
     }
 }
 
@@ -97,29 +149,6 @@ struct Spread {
     shape: Vec<f64>,
     detected: Vec<f64>,
     described: Described,
-}
-
-/// Mean, marginals and kept draws, moved where there is something to move them by.
-fn spread(
-    settings: &Settings,
-    scene: &Scene,
-    marginals: &mut Marginals,
-    (number, mean): (u64, &[f64]),
-    posterior: &Posterior<'_>,
-    (kept, moved): (&mut [f64], Option<&Moved>),
-) -> Spread {
-    let Some(moved) = moved else {
-        let described = marginals.of(posterior, None);
-        return Spread { mean_state: mean.to_vec(), shape: vec![], detected: vec![], described };
-    };
-    moved.apply(kept);
-    let [shape, detected] = moved.written(scene.points_of(kept), kept.len() / posterior.dim);
-    let rng = &mut Stage::new(settings.seed, "equal weight").at_frame(number as u32).whole();
-    let EqualDraws { states, weights } = moved.equal_draws(posterior, rng);
-    let equal = Posterior { states: &states, weights: &weights, chain_stats: &[], ..*posterior };
-    let described = marginals.of(&equal, Some(moved));
-    let mean_state = mean.iter().zip(moved.mean()).map(|(x, by)| x + by).collect();
-    Spread { mean_state, shape, detected, described }
 }
 
 /// The choices of the motion, part by part, by their meaning.

@@ -4,13 +4,14 @@
 //! where the tracker's estimate would be had that been true: s⁽ⁱ⁾ + J (g⁽ⁱ⁾ − ĝ), with the answer J of the filter linearised at its estimates ([`LastingMoves`]). Longer segments move the points of the body, too.
 //! Errors that persist some frames widen the draws by what the filter, which takes them as independent, does not know ([`PersistentErrors`]). Keypoints alone enter J: beside silhouettes it is too large.
 
+use super::describe::Noted;
 use super::error::TrackError;
 use super::scene::Scene;
 use crate::Error;
 use crate::setup::Setup;
 use crate::setup::lasting_draws::{detected, deviations, world_shifts};
-use sinew_body::KinematicTree;
 use sinew_body::point_derivatives::Neighbours;
+use sinew_body::{KinematicTree, point_positions_each};
 use sinew_core::combinations::add_combinations;
 use sinew_core::lanes::{Block, numbers_mut};
 use sinew_core::random::Stage;
@@ -18,15 +19,17 @@ use sinew_dynamics::lasting_draws::LastingMoves;
 use sinew_dynamics::linearised_filter::LinearisedFilter;
 use sinew_dynamics::motion_prior::MotionPrior;
 use sinew_dynamics::persistent_errors::{Persistence, PersistentErrors, root};
-use sinew_observe::Camera;
 use sinew_observe::drawn_errors::DrawnErrors;
 use sinew_observe::lasting_errors::{
     LastingErrors, linearised_detections, pixels_per_metre, pose_information, whitened_rows,
 };
+use sinew_observe::{Camera, KeypointModel};
+use sinew_tracking::StepInfo;
 use sinew_tracking::moved::{Moved, Rows};
 
 /// What is constant, beside a tracker.
 pub(super) struct Lasting {
+    model: KeypointModel,
     drawn: DrawnErrors,
     draws: usize,
     /// The body with its keypoints where the detectors see them.
@@ -73,6 +76,7 @@ impl Lasting {
         let observed = 2 * errors.cameras * errors.points;
         let persistence = known.persistence(seconds).map(|p| (p, PersistentErrors::new(initial.len(), observed)));
         Some(Self {
+            model: scene.model().clone(),
             shifts: world_shifts(&setup.as_they_are(cameras, 1.0), &errors, &deviations, known),
             keypoints: Neighbours::new(build, &setup.proportions, indices),
             points: Neighbours::new(|sizes| setup.tree_of(sizes), &setup.proportions, &all),
@@ -90,9 +94,10 @@ impl Lasting {
         })
     }
 
-    /// Takes in a frame that was tracked, `mean` its estimate, and says where its draws go.
-    pub(super) fn step(&mut self, scene: &Scene, number: u32, mean: &[f64], restarted: bool) -> Result<Moved, Error> {
-        if !self.started || restarted {
+    /// Takes in a frame that was tracked, and says where its draws go.
+    pub(super) fn step(&mut self, noted: &Noted) -> Result<Moved, Error> {
+        let Noted { number, detections, elsewhere, info: StepInfo { mean, restarted, .. }, .. } = noted;
+        if !self.started || *restarted {
             self.filter = LinearisedFilter::new(&self.initial);
             self.moves.restart();
             self.persistence.iter_mut().for_each(|(_, persistent)| persistent.restart());
@@ -102,7 +107,7 @@ impl Lasting {
         self.started = true;
         let dof = mean.len();
         let body = self.keypoints.at(mean);
-        let found = linearised_detections(scene.model(), scene.detections(), scene.elsewhere(), &body);
+        let found = linearised_detections(&self.model, detections, elsewhere, &body);
         let information = pose_information(&found, &body, dof);
         let shifts = self.drawn.keypoint_shifts(&body);
         let pull = self.drawn.pull(&found, &body, &shifts, &self.pixels_per_metre, dof);
@@ -117,7 +122,7 @@ impl Lasting {
         }
         let mut moved = self.moved_from(mean, Rows { values: self.moves.moves().to_vec(), draws: self.draws }, shifts);
         if !missing.is_empty() {
-            self.widen(&mut moved.states, &missing, number);
+            self.widen(&mut moved.states, &missing, *number as u32);
             moved.missing = missing;
         }
         Ok(moved)
@@ -136,6 +141,12 @@ impl Lasting {
             row.iter_mut().for_each(|x| *x -= mean);
         }
         add_combinations(self.drawn.isa, &root(missing, dof), &normal, &mut states.values, self.drawn.blocks);
+    }
+
+    /// Shape and detected keypoints of the first draws, in their moved states, as they are written.
+    pub(super) fn written(&self, moved: &Moved, states: &[f64]) -> [Vec<f64>; 2] {
+        let at = point_positions_each(&self.model.plan, self.model.isa, states);
+        moved.written(at, states.len() / self.initial.len())
     }
 
     /// Where draws go that move the state so, at a mean; `moves` has a row of draws for each degree of freedom.

@@ -12,7 +12,7 @@
 //! Frames without the person continue on the motion prior and are flagged. Someone who was lost for some frames and is found elsewhere restarts the tracker at the pose that fits there.
 //! Nothing is kept but the tracker and a few numbers a frame, so memory does not grow.
 
-use super::describe::{Stepped, describe};
+use super::describe::{Describer, Noted};
 use super::error::TrackError;
 use super::images::{ImageState, Images};
 use super::lasting::Lasting;
@@ -47,17 +47,10 @@ use std::sync::Arc;
 /// A tracker with all that surrounds it for one recording.
 pub struct Pipeline {
     tracker: Restarting,
-    observer: Observer,
-    pub(super) transition: MotionPrior,
-}
-
-/// All of a pipeline but its tracker.
-struct Observer {
-    settings: Settings,
     scene: Scene,
     images: Option<Images>,
-    lasting: Option<Lasting>,
-    marginals: Marginals,
+    describer: Describer,
+    pub(super) transition: MotionPrior,
     /// What the method says of how it was made.
     remarks: Vec<String>,
     /// Parts whose actions the method gives.
@@ -133,14 +126,15 @@ impl Pipeline {
         let detected = lasting.is_some().then(|| scene.model().plan.clone());
         let size = UnknownSize::of(setup, cameras, settings.seed);
         let marginals = Marginals::new(tree, detected, settings.isa, size);
-        let observer = Observer { settings, scene, images, lasting, marginals, remarks, acting_parts };
-        Ok(Self { tracker, observer, transition })
+        let trajectories = (setup.step_size.unwrap_or(f64::NAN), setup.leapfrog_steps.unwrap_or(0));
+        let describer = Describer { settings, trajectories, lasting, marginals };
+        Ok(Self { tracker, scene, images, describer, transition, remarks, acting_parts })
     }
 
     /// Statistics that each frame brings.
     #[must_use]
     pub fn carried(&self) -> Carried {
-        let method = &self.observer.settings.method;
+        let method = &self.settings().method;
         let (chains, is_search) = (method.about().gives == Gives::Chains, method.about().gives == Gives::Search);
         let (particles, size) = (method.weighted_draws(), self.size().is_some());
         Carried {
@@ -154,11 +148,11 @@ impl Pipeline {
     }
 
     pub(super) const fn scene(&self) -> &Scene {
-        &self.observer.scene
+        &self.scene
     }
 
     pub(super) const fn lasting(&self) -> Option<&Lasting> {
-        self.observer.lasting.as_ref()
+        self.describer.lasting.as_ref()
     }
 
     /// Draws of what is constant; 0 where the set-up has none.
@@ -173,30 +167,30 @@ impl Pipeline {
     }
 
     pub(super) fn size(&self) -> Option<&UnknownSize> {
-        self.observer.marginals.size()
+        self.describer.marginals.size()
     }
 
     pub(super) const fn settings(&self) -> &Settings {
-        &self.observer.settings
+        &self.describer.settings
     }
 
     /// Parts of the body whose actions each frame brings.
     #[must_use]
     pub fn acting_parts(&self) -> &[String] {
-        &self.observer.acting_parts
+        &self.acting_parts
     }
 
     /// Names of the keypoints that are points of the body.
     #[must_use]
     pub fn keypoints(&self) -> Vec<String> {
-        self.observer.scene.keypoints()
+        self.scene.keypoints()
     }
 
     /// What was odd in the frames tracked so far.
     #[must_use]
     pub fn warnings(&self) -> Vec<String> {
-        let Observer { settings, scene, images, remarks, .. } = &self.observer;
-        let method = settings.method.about();
+        let Self { scene, images, remarks, .. } = self;
+        let method = self.settings().method.about();
         let search = (method.gives == Gives::Search).then(|| {
             format!("`{}` is a search: its intervals and draws are what survived it, not a posterior", method.name)
         });
@@ -207,15 +201,15 @@ impl Pipeline {
     /// How well the tracked body covers the silhouettes, camera by camera; empty without silhouettes.
     #[must_use]
     pub fn coverage(&self) -> &[SilhouetteOverlap] {
-        self.observer.images.as_ref().map_or(&[], Images::coverage)
+        self.images.as_ref().map_or(&[], Images::coverage)
     }
 
     /// What the next frame needs of those before it.
     #[must_use]
     pub fn save(&self) -> State {
-        let Observer { scene, images, lasting, .. } = &self.observer;
+        let Self { scene, images, .. } = self;
         let mut tracker = self.tracker.save();
-        if let Some(lasting) = lasting {
+        if let Some(lasting) = self.lasting() {
             let own = lasting.save();
             tracker.extend(&own);
             tracker.push(own.len() as f64);
@@ -228,12 +222,12 @@ impl Pipeline {
     /// # Errors
     /// A state of another pipeline.
     pub fn restore(&mut self, saved: &State) -> Result<(), Problem> {
-        self.observer.scene.restore(&saved.scene)?;
-        if let (Some(images), Some(saved)) = (&mut self.observer.images, &saved.images) {
+        self.scene.restore(&saved.scene)?;
+        if let (Some(images), Some(saved)) = (&mut self.images, &saved.images) {
             images.restore(saved)?;
         }
         let mut numbers = saved.tracker.as_slice();
-        if let Some(lasting) = &mut self.observer.lasting {
+        if let Some(lasting) = &mut self.describer.lasting {
             let wrong = |found: String| problem::state("what is constant", found, "its numbers");
             let (count, rest) = numbers.split_last().ok_or_else(|| wrong("nothing".into()))?;
             let kept = rest.len().checked_sub(*count as usize).ok_or_else(|| wrong(format!("{count} numbers")))?;
@@ -252,63 +246,90 @@ impl Pipeline {
     /// What does not look as the model says in the frames tracked so far; [`Pipeline::warnings`] has it in words.
     #[must_use]
     pub fn doubts(&self) -> Vec<Doubt> {
-        self.observer.scene.doubts()
+        self.scene.doubts()
     }
 
-    /// Tracks the frames of `numbers`, in order, and gives each estimate with the moments of its posterior to `record`, which may stop the run. Call it again to continue.
+    /// Tracks the frames of `numbers`, in order, and gives each estimate with its posterior to `keep`, which may stop the run. Call it again to continue.
     ///
     /// # Errors
-    /// Errors of the source and of `record`; frames without a posterior.
+    /// Errors of the source and of `keep`; frames without a posterior.
     pub fn track(
         &mut self,
         source: &mut dyn FrameSource,
         numbers: impl IntoIterator<Item = u64>,
-        mut record: impl FnMut(FrameEstimate, &Posterior<'_>) -> Result<ControlFlow<()>, Error>,
+        mut keep: impl Keep,
     ) -> Result<(), Error> {
         let mut refused = None;
         let numbers = numbers.into_iter().map_while(|number| frame_index(number).map_err(|e| refused = Some(e)).ok());
-        let seed = self.observer.settings.seed;
-        let mut passage = Passage { observer: &mut self.observer, source, record: &mut record };
-        run(&mut self.tracker, numbers, |frame| Stage::new(seed, "track").at_frame(frame), &mut passage)?;
+        let Self { tracker, scene, images, describer, .. } = self;
+        let seed = describer.settings.seed;
+        let mut passage = Passage { scene, images, seed, source, keep: &mut keep };
+        let stage = |frame| Stage::new(seed, "track").at_frame(frame);
+        run(tracker, numbers, stage, &mut passage, |noted, posterior| describer.describe(noted, &posterior))?;
         refused.map_or(Ok(()), Err)
     }
 }
 
-/// Takes each estimate, with the posterior that it describes, and may stop the run.
-type Record<'a> = dyn FnMut(FrameEstimate, &Posterior<'_>) -> Result<ControlFlow<()>, Error> + 'a;
+/// Takes what a pipeline gives.
+pub trait Keep {
+    /// Takes an estimate, with the posterior that it describes.
+    ///
+    /// # Errors
+    /// The run ends with it.
+    fn keep(&mut self, estimate: FrameEstimate, posterior: &Posterior<'_>) -> Result<(), Error>;
+
+    /// Whether to stop; asked before every frame but the first, before the estimate of the last one is there.
+    fn flow(&mut self) -> ControlFlow<()> {
+        ControlFlow::Continue(())
+    }
+}
+
+impl<F: FnMut(FrameEstimate, &Posterior<'_>) -> Result<(), Error>> Keep for F {
+    fn keep(&mut self, estimate: FrameEstimate, posterior: &Posterior<'_>) -> Result<(), Error> {
+        self(estimate, posterior)
+    }
+}
 
 /// A pipeline's way through the frames of a source.
 struct Passage<'a> {
-    observer: &'a mut Observer,
+    scene: &'a mut Scene,
+    images: &'a mut Option<Images>,
+    seed: u64,
     source: &'a mut dyn FrameSource,
-    record: &'a mut Record<'a>,
+    keep: &'a mut dyn Keep,
 }
 
 impl Harness<Observation> for Passage<'_> {
     type Bound = Observation;
+    type Noted = Noted;
+    type Described = FrameEstimate;
     type Error = Error;
 
     fn observe(&mut self, frame: u32, estimate: &[f64]) -> Result<Observation, Error> {
         let frame = self.source.frame(u64::from(frame))?;
-        let Observer { scene, images, .. } = &mut *self.observer;
-        let (keypoints, restart) = scene.observe(&frame.people, estimate);
-        let images = images.as_mut().map(|images| images.bind(&frame.images));
-        Ok(Observation { likelihood: FrameLikelihood { keypoints, parts: scene.parts(), images }, restart })
+        let (keypoints, restart) = self.scene.observe(&frame.people, estimate);
+        let images = self.images.as_mut().map(|images| images.bind(&frame.images));
+        Ok(Observation { likelihood: FrameLikelihood { keypoints, parts: self.scene.parts(), images }, restart })
     }
 
-    fn record(&mut self, frame: u32, info: StepInfo, posterior: Posterior<'_>) -> Result<ControlFlow<()>, Error> {
-        let (number, Observer { settings, scene, images, lasting, marginals, .. }) =
-            (u64::from(frame), &mut *self.observer);
-        let moved =
-            lasting.as_mut().map(|lasting| lasting.step(scene, frame, &info.mean, info.restarted)).transpose()?;
-        let moves = lasting.as_ref().map_or_else(Vec::new, Lasting::moves);
-        scene.note(number, &info.mean, &some_draws(settings.seed, frame, &posterior));
-        if let Some(images) = images {
+    fn note(&mut self, frame: u32, info: StepInfo, posterior: Posterior<'_>) -> Result<Noted, Error> {
+        let number = u64::from(frame);
+        self.scene.note(number, &info.mean, &some_draws(self.seed, frame, &posterior));
+        if let Some(images) = &mut self.images {
             images.note(number, &info.mean);
         }
-        let silhouettes = images.as_ref().map_or(0, Images::cameras_with_person);
-        let step = Stepped { number, info, moved, moves, silhouettes };
-        (self.record)(describe(settings, scene, marginals, step, &posterior), &posterior)
+        let silhouettes = self.images.as_ref().map_or(0, Images::cameras_with_person);
+        let (detections, elsewhere) = (self.scene.detections().to_vec(), self.scene.elsewhere().to_vec());
+        let residual_px = self.scene.residual_px(&info.mean);
+        Ok(Noted { number, detections, elsewhere, residual_px, silhouettes, info })
+    }
+
+    fn record(&mut self, estimate: FrameEstimate, posterior: Posterior<'_>) -> Result<(), Error> {
+        self.keep.keep(estimate, &posterior)
+    }
+
+    fn flow(&mut self) -> ControlFlow<()> {
+        self.keep.flow()
     }
 }
 

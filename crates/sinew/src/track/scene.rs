@@ -12,7 +12,7 @@ use crate::results::problem::{Problem, check_length};
 use crate::setup::measured_mistakes::mistakes;
 use crate::setup::{self, CameraSetup, Setup};
 use serde::{Deserialize, Serialize};
-use sinew_body::{KinematicTree, Plan, point_positions, point_positions_each};
+use sinew_body::{KinematicTree, Plan, point_positions};
 use sinew_formats::Layout;
 use sinew_observe::association::{self, Person};
 use sinew_observe::bystanders::elsewhere;
@@ -181,30 +181,12 @@ impl Scene {
         &self.setup.start_pose
     }
 
-    /// Step size of the set-up.
-    #[must_use]
-    pub fn step_size(&self) -> f64 {
-        self.setup.step_size.unwrap_or(f64::NAN)
-    }
-
-    /// Leapfrog steps of the set-up.
-    #[must_use]
-    pub fn leapfrog_steps(&self) -> u32 {
-        self.setup.leapfrog_steps.unwrap_or(0)
-    }
-
     /// Where the detectors see the keypoints in a state, three numbers each, metres.
     #[must_use]
     pub fn points(&self, state: &[f64]) -> Vec<f64> {
         let mut points = vec![0.0; 3 * self.model.plan.points()];
         point_positions(&self.model.plan, self.model.isa, state, &mut points);
         points
-    }
-
-    /// The same in some states, one after the other.
-    #[must_use]
-    pub fn points_of(&self, states: &[f64]) -> Vec<f64> {
-        point_positions_each(&self.model.plan, self.model.isa, states)
     }
 
     /// Pixels, bias included, at which each camera should see each point.
@@ -375,19 +357,6 @@ impl Scene {
     #[must_use]
     pub fn keypoints(&self) -> Vec<String> {
         self.keypoint.iter().map(|&k| self.layout.points[k].clone().unwrap_or_default()).collect()
-    }
-
-    /// What was seen of the person in the current frame ([`crate::results::estimate::FrameEstimate::seen`]).
-    #[must_use]
-    pub fn seen(&self) -> Vec<[f64; 3]> {
-        let one = |d: &Option<Detection>| d.map_or([f64::NAN; 3], |d| [d.pixel[0], d.pixel[1], d.confidence]);
-        self.detections.iter().flatten().map(one).collect()
-    }
-
-    /// Cameras that saw the person in the current frame.
-    #[must_use]
-    pub fn cameras_with_person(&self) -> usize {
-        self.detections.iter().filter(|points| points.iter().any(Option::is_some)).count()
     }
 
     /// Looks at a frame once it is tracked: `state` is the mean of its posterior, `draws` are some of its draws.

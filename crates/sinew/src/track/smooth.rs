@@ -297,10 +297,8 @@ fn forwards(
         let Described { points, keypoints, state } = marginals.of(&posterior, moved.as_ref());
         let mut kept = numbers[..settings.draws.min(TRAJECTORIES) * d].to_vec();
         let size = marginals.size_draws(&mut kept, d);
-        let [shape, detected] = match &moved {
-            Some(moved) => moved.written(pipeline.scene().points_of(&kept), kept.len() / d),
-            None => Default::default(),
-        };
+        let written = lasting.zip(moved.as_ref()).map(|(lasting, moved)| lasting.written(moved, &kept));
+        let [shape, detected] = written.unwrap_or_default();
         let draws = Draws { states: kept, shape, detected, size, ..Draws::default() };
         let header = spool.read(moments, frame)?.header;
         let estimate = FrameEstimate {

@@ -26,7 +26,6 @@ use sinew::tracking::{self, Harness, StepInfo, Tracker};
 use sinew_simulate::footage::SyntheticFootage;
 use sinew_simulate::ring::Ring;
 use sinew_simulate::segmentation_noise::Level;
-use std::ops::ControlFlow;
 use std::sync::{Arc, OnceLock};
 use std::time::Instant;
 
@@ -131,6 +130,8 @@ struct Screen<'a> {
 
 impl Harness<ImageLikelihood> for Screen<'_> {
     type Bound = ImageLikelihood;
+    type Noted = ();
+    type Described = ();
     type Error = tracking::Error;
 
     fn observe(&mut self, frame: u32, _estimate: &[f64]) -> Result<ImageLikelihood, tracking::Error> {
@@ -139,9 +140,13 @@ impl Harness<ImageLikelihood> for Screen<'_> {
         Ok(self.model.bind(self.masks[frame as usize].iter().map(cues).collect()))
     }
 
-    fn record(&mut self, _: u32, info: StepInfo, _: Posterior<'_>) -> Result<ControlFlow<()>, tracking::Error> {
+    fn note(&mut self, _: u32, info: StepInfo, _: Posterior<'_>) -> Result<(), tracking::Error> {
         self.infos.push(info);
-        Ok(ControlFlow::Continue(()))
+        Ok(())
+    }
+
+    fn record(&mut self, (): (), _: Posterior<'_>) -> Result<(), tracking::Error> {
+        Ok(())
     }
 }
 
@@ -229,7 +234,7 @@ impl<'a> Film<'a> {
         let stage = |frame| Stage::new(self.seed(index), "annealing walk").at_frame(frame);
         let clock = Instant::now();
         let mut screen = Screen { model, masks, infos: vec![] };
-        tracking::run(tracker, 1..self.frames as u32, stage, &mut screen)?;
+        tracking::run(tracker, 1..self.frames as u32, stage, &mut screen, |(), _| Ok(()))?;
         let infos = screen.infos;
         let means: Vec<Vec<f64>> = infos.iter().map(|info| info.mean.clone()).collect();
         let survivors: Vec<Vec<f64>> = infos.iter().map(|info| info.survivors.clone()).collect();

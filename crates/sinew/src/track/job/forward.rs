@@ -6,8 +6,10 @@ use super::watch::{RunPhase, Watch};
 use crate::Error;
 use crate::input::source::FrameSource;
 use crate::input::upright::Upright;
-use crate::track::pipeline::{Pipeline, moments};
+use crate::results::estimate::FrameEstimate;
+use crate::track::pipeline::{Keep, Pipeline, moments};
 use sinew_core::lanes::Isa;
+use sinew_tracking::posterior::Posterior;
 use std::ops::ControlFlow;
 
 /// Tracks the frames that the keeper's checkpoint has not.
@@ -26,15 +28,8 @@ pub(super) fn forward<S: FrameSource>(
     let total = frames.end - frames.start;
     loop {
         let next = frames.start + keeper.checkpoint.done;
-        let tracked = pipeline.track(source, next..frames.end, |estimate, posterior| {
-            match &mut keeper.spool {
-                Some(spool) => spool.append(&estimate, &moments(posterior, isa))?,
-                None => keeper.results.append(&estimate)?,
-            }
-            keeper.checkpoint.done += 1;
-            (watch.progress)(RunPhase::Track, keeper.checkpoint.done, total);
-            Ok(if keeper.is_due() { ControlFlow::Break(()) } else { watch.flow() })
-        });
+        let writing = Writing { keeper, watch, isa, total };
+        let tracked = pipeline.track(source, next..frames.end, writing);
         let is_last = keeper.checkpoint.done == total;
         match tracked {
             Err(error) if keeper.checkpoint.done == before || error.file().is_some() => return Err(error),
@@ -45,5 +40,30 @@ pub(super) fn forward<S: FrameSource>(
         if is_last || watch.is_stopped() {
             return Ok(Ok(()));
         }
+    }
+}
+
+/// Writes each frame, until a checkpoint is due or the run is to stop.
+struct Writing<'a, 'w> {
+    keeper: &'a mut Keeper,
+    watch: &'a mut Watch<'w>,
+    isa: Isa,
+    total: u64,
+}
+
+impl Keep for Writing<'_, '_> {
+    fn keep(&mut self, estimate: FrameEstimate, posterior: &Posterior<'_>) -> Result<(), Error> {
+        let Self { keeper, watch, isa, total } = self;
+        match &mut keeper.spool {
+            Some(spool) => spool.append(&estimate, &moments(posterior, *isa))?,
+            None => keeper.results.append(&estimate)?,
+        }
+        keeper.checkpoint.done += 1;
+        (watch.progress)(RunPhase::Track, keeper.checkpoint.done, *total);
+        Ok(())
+    }
+
+    fn flow(&mut self) -> ControlFlow<()> {
+        if self.keeper.is_due() { ControlFlow::Break(()) } else { self.watch.flow() }
     }
 }
