@@ -131,7 +131,7 @@ pub struct Global {
     pub met: Block,
 }
 
-/// A numerical leaf, written once over the lane scalar. All methods must be `#[inline(always)]`.
+/// A numerical leaf, written once over the lane scalar. All methods must be `#[inline(always)]`, but for those that [`compile_density_here!`](crate::compile_density_here) writes.
 pub trait LaneDensity: Sync {
     /// Dimension d of the state.
     fn dim(&self) -> usize;
@@ -143,6 +143,33 @@ pub trait LaneDensity: Sync {
 
     /// Log density at `x`; with `GRAD` the gradient is written to `grad` (else `grad` is not touched).
     fn eval<V: Real, const GRAD: bool>(&self, x: &[V::Mem], grad: &mut [V::Mem], ws: &mut [V::Mem]) -> V;
+
+    /// [`LaneDensity::eval`] of a block on an instruction set, with gradient if it is wanted.
+    fn eval_block(&self, isa: Isa, x: &[Block], grad: Option<&mut [Block]>, ws: &mut [Block]) -> Block
+    where
+        Self: Sized,
+    {
+        run_block(self, isa, x, grad, ws)
+    }
+
+    /// The same of one state.
+    fn eval_one(&self, isa: Isa, x: &[f64], grad: Option<&mut [f64]>) -> f64
+    where
+        Self: Sized,
+    {
+        run_one(self, isa, x, grad)
+    }
+}
+
+/// Which part of a curvature.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Curvature {
+    /// [`GaussNewton::gauss_newton_diagonal_block`].
+    Diagonal,
+    /// [`GaussNewton::gauss_newton_block`].
+    Matrix,
+    /// [`GaussNewton::weighted_gauss_newton_block`].
+    Weighted,
 }
 
 /// A [`LaneDensity`] with Gauss–Newton curvature.
@@ -179,6 +206,14 @@ pub trait LaneGaussNewton: LaneDensity {
         let _ = factor;
         None
     }
+
+    /// One of the three of a block, on an instruction set.
+    fn curvature_block(&self, isa: Isa, which: Curvature, x: &[Block], out: &mut [Block], ws: &mut [Block])
+    where
+        Self: Sized,
+    {
+        run_curvature(self, isa, which, x, out, ws);
+    }
 }
 
 /// A leaf together with the instruction set that runs it: an object-safe density.
@@ -212,14 +247,14 @@ impl<T: LaneDensity, const GRAD: bool> Kernel<f64> for Eval<'_, T, f64, GRAD> {
     }
 }
 
-struct Curvature<'a, T> {
+struct Diagonal<'a, T> {
     leaf: &'a T,
     x: &'a [Block],
     diagonal: &'a mut [Block],
     ws: &'a mut [Block],
 }
 
-impl<T: LaneGaussNewton> Kernel<Block> for Curvature<'_, T> {
+impl<T: LaneGaussNewton> Kernel<Block> for Diagonal<'_, T> {
     #[inline(always)]
     fn run<V: Real<Mem = Block>>(&mut self) {
         self.leaf.gauss_newton_diagonal::<V>(self.x, self.diagonal, self.ws);
@@ -244,6 +279,51 @@ impl<T: LaneGaussNewton, const WEIGHTED: bool> Kernel<Block> for Matrix<'_, T, W
     }
 }
 
+/// [`LaneDensity::eval_block`].
+pub fn run_block<T: LaneDensity>(
+    leaf: &T,
+    isa: Isa,
+    x: &[Block],
+    grad: Option<&mut [Block]>,
+    ws: &mut [Block],
+) -> Block {
+    let mut sum = Block::ZERO;
+    let value = &mut sum;
+    match grad {
+        Some(grad) => dispatch(isa, Eval::<_, _, true> { leaf, x, grad, ws, value }),
+        None => dispatch(isa, Eval::<_, _, false> { leaf, x, grad: &mut [], ws, value }),
+    }
+    sum
+}
+
+/// [`LaneDensity::eval_one`].
+pub fn run_one<T: LaneDensity>(leaf: &T, isa: Isa, x: &[f64], grad: Option<&mut [f64]>) -> f64 {
+    let ws = &mut vec![0.0; leaf.workspace()];
+    let mut sum = 0.0;
+    let value = &mut sum;
+    match grad {
+        Some(grad) => dispatch_one(isa, Eval::<_, _, true> { leaf, x, grad, ws, value }),
+        None => dispatch_one(isa, Eval::<_, _, false> { leaf, x, grad: &mut [], ws, value }),
+    }
+    sum
+}
+
+/// [`LaneGaussNewton::curvature_block`].
+pub fn run_curvature<T: LaneGaussNewton>(
+    leaf: &T,
+    isa: Isa,
+    which: Curvature,
+    x: &[Block],
+    out: &mut [Block],
+    ws: &mut [Block],
+) {
+    match which {
+        Curvature::Diagonal => dispatch(isa, Diagonal { leaf, x, diagonal: out, ws }),
+        Curvature::Matrix => dispatch(isa, Matrix::<_, false> { leaf, x, matrix: out, ws }),
+        Curvature::Weighted => dispatch(isa, Matrix::<_, true> { leaf, x, matrix: out, ws }),
+    }
+}
+
 impl<T: LaneDensity> LogDensity for Lanes<T> {
     fn dim(&self) -> usize {
         self.leaf.dim()
@@ -252,109 +332,34 @@ impl<T: LaneDensity> LogDensity for Lanes<T> {
         self.leaf.workspace()
     }
     fn log_density(&self, x: &[f64]) -> f64 {
-        let ws = &mut vec![0.0; self.leaf.workspace()];
-        let mut value = 0.0;
-        dispatch_one(self.isa, Eval::<_, _, false> { leaf: &self.leaf, x, grad: &mut [], ws, value: &mut value });
-        value
+        self.leaf.eval_one(self.isa, x, None)
     }
     fn log_density_block(&self, x: &[Block], ws: &mut [Block]) -> Block {
-        let mut value = Block::ZERO;
-        dispatch(self.isa, Eval::<_, _, false> { leaf: &self.leaf, x, grad: &mut [], ws, value: &mut value });
-        value
+        self.leaf.eval_block(self.isa, x, None, ws)
     }
 }
 
 impl<T: LaneDensity> GradLogDensity for Lanes<T> {
     fn log_density_grad(&self, x: &[f64], grad: &mut [f64]) -> f64 {
-        let ws = &mut vec![0.0; self.leaf.workspace()];
-        let mut value = 0.0;
-        dispatch_one(self.isa, Eval::<_, _, true> { leaf: &self.leaf, x, grad, ws, value: &mut value });
-        value
+        self.leaf.eval_one(self.isa, x, Some(grad))
     }
     fn log_density_grad_block(&self, x: &[Block], grad: &mut [Block], ws: &mut [Block]) -> Block {
-        let mut value = Block::ZERO;
-        dispatch(self.isa, Eval::<_, _, true> { leaf: &self.leaf, x, grad, ws, value: &mut value });
-        value
+        self.leaf.eval_block(self.isa, x, Some(grad), ws)
     }
 }
 
 impl<T: LaneGaussNewton> GaussNewton for Lanes<T> {
     fn gauss_newton_diagonal_block(&self, x: &[Block], diagonal: &mut [Block], ws: &mut [Block]) {
-        dispatch(self.isa, Curvature { leaf: &self.leaf, x, diagonal, ws });
+        self.leaf.curvature_block(self.isa, Curvature::Diagonal, x, diagonal, ws);
     }
     fn gauss_newton_block(&self, x: &[Block], matrix: &mut [Block], ws: &mut [Block]) {
-        dispatch(self.isa, Matrix::<_, false> { leaf: &self.leaf, x, matrix, ws });
+        self.leaf.curvature_block(self.isa, Curvature::Matrix, x, matrix, ws);
     }
     fn weighted_gauss_newton_block(&self, x: &[Block], matrix: &mut [Block], ws: &mut [Block]) {
-        dispatch(self.isa, Matrix::<_, true> { leaf: &self.leaf, x, matrix, ws });
+        self.leaf.curvature_block(self.isa, Curvature::Weighted, x, matrix, ws);
     }
     fn broadened(&self, factor: f64) -> Option<Box<dyn GaussNewton + '_>> {
         let leaf = self.leaf.broadened(factor)?;
         Some(Box::new(Lanes { leaf, isa: self.isa }))
     }
 }
-
-macro_rules! forward_to_target {
-    ($($wrapper:ty),*) => {$(
-        impl<D: LogDensity + ?Sized> LogDensity for $wrapper where Self: Sync {
-            fn dim(&self) -> usize {
-                (**self).dim()
-            }
-            fn workspace(&self) -> usize {
-                (**self).workspace()
-            }
-            fn log_density(&self, x: &[f64]) -> f64 {
-                (**self).log_density(x)
-            }
-            fn log_density_block(&self, x: &[Block], ws: &mut [Block]) -> Block {
-                (**self).log_density_block(x, ws)
-            }
-        }
-        impl<D: GradLogDensity + ?Sized> GradLogDensity for $wrapper where Self: Sync {
-            fn log_density_grad(&self, x: &[f64], grad: &mut [f64]) -> f64 {
-                (**self).log_density_grad(x, grad)
-            }
-            fn log_density_grad_block(&self, x: &[Block], grad: &mut [Block], ws: &mut [Block]) -> Block {
-                (**self).log_density_grad_block(x, grad, ws)
-            }
-        }
-        impl<D: PartLogDensity + ?Sized> PartLogDensity for $wrapper where Self: Sync {
-            fn parts(&self) -> usize {
-                (**self).parts()
-            }
-            fn is_product(&self) -> bool {
-                (**self).is_product()
-            }
-            fn has_intermediates(&self) -> bool {
-                (**self).has_intermediates()
-            }
-            fn log_intermediate_block(&self, part: usize, x: &[Block], ws: &mut [Block]) -> Block {
-                (**self).log_intermediate_block(part, x, ws)
-            }
-            fn global_block(&self, x: &[Block], ws: &mut [Block]) -> Global {
-                (**self).global_block(x, ws)
-            }
-            fn log_density_parts_block(&self, parts: &[usize], x: &[Block], out: &mut [Block], ws: &mut [Block]) {
-                (**self).log_density_parts_block(parts, x, out, ws);
-            }
-        }
-        impl<D: GaussNewton + ?Sized> GaussNewton for $wrapper where Self: Sync {
-            fn matrix_workspace(&self) -> usize {
-                (**self).matrix_workspace()
-            }
-            fn gauss_newton_diagonal_block(&self, x: &[Block], diagonal: &mut [Block], ws: &mut [Block]) {
-                (**self).gauss_newton_diagonal_block(x, diagonal, ws);
-            }
-            fn gauss_newton_block(&self, x: &[Block], matrix: &mut [Block], ws: &mut [Block]) {
-                (**self).gauss_newton_block(x, matrix, ws);
-            }
-            fn weighted_gauss_newton_block(&self, x: &[Block], matrix: &mut [Block], ws: &mut [Block]) {
-                (**self).weighted_gauss_newton_block(x, matrix, ws);
-            }
-            fn broadened(&self, factor: f64) -> Option<Box<dyn GaussNewton + '_>> {
-                (**self).broadened(factor)
-            }
-        }
-    )*};
-}
-forward_to_target!(&D, Box<D>);

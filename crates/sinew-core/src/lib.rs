@@ -17,12 +17,14 @@
 pub mod beside;
 pub mod combinations;
 pub mod combinators;
+mod compile_here;
 pub mod convergence;
 pub mod decode;
 pub mod density;
 pub mod diagnostics;
 pub mod elementary;
 mod error;
+mod forwarded;
 pub mod hierarchy;
 pub mod injection;
 pub mod kernel;

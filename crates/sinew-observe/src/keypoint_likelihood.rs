@@ -13,6 +13,7 @@ use sinew_body::kinematics::{Inform, Visit};
 use sinew_core::density::{LaneDensity, LaneGaussNewton};
 use sinew_core::elementary::ln;
 use sinew_core::lanes::Real;
+use sinew_core::{compile_curvature_here, compile_density_here};
 use std::sync::Arc;
 
 /// The likelihood of one frame of keypoints.
@@ -33,6 +34,8 @@ pub struct KeypointLikelihood {
 const FACTORS: usize = 16;
 
 impl LaneDensity for KeypointLikelihood {
+    compile_density_here!();
+
     fn dim(&self) -> usize {
         self.plan.dof()
     }
@@ -226,6 +229,8 @@ impl KeypointLikelihood {
 }
 
 impl LaneGaussNewton for KeypointLikelihood {
+    compile_curvature_here!();
+
     #[inline(always)]
     fn gauss_newton_diagonal<V: Real>(&self, x: &[V::Mem], diagonal: &mut [V::Mem], ws: &mut [V::Mem]) {
         match &self.cameras {

@@ -15,6 +15,7 @@ use sinew_body::Plan;
 use sinew_body::kinematics::{Inform, Visit};
 use sinew_core::density::{LaneDensity, LaneGaussNewton, Lanes};
 use sinew_core::lanes::{Isa, Real};
+use sinew_core::{compile_curvature_here, compile_density_here};
 use std::sync::Arc;
 
 /// Markers on a body, seen by the paper's camera.
@@ -62,6 +63,8 @@ impl ObservationModel for MarkerModel {
 }
 
 impl LaneDensity for MarkerLikelihood {
+    compile_density_here!();
+
     fn dim(&self) -> usize {
         self.plan.dof()
     }
@@ -130,6 +133,8 @@ impl<V: Real> Inform<V> for MarkerLikelihood {
 }
 
 impl LaneGaussNewton for MarkerLikelihood {
+    compile_curvature_here!();
+
     #[inline(always)]
     fn gauss_newton_diagonal<V: Real>(&self, x: &[V::Mem], diagonal: &mut [V::Mem], ws: &mut [V::Mem]) {
         self.plan.gauss_newton_diagonal::<V>(x, ws, diagonal, self);
