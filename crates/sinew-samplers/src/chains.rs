@@ -172,10 +172,77 @@ pub fn draw<T: GradLogDensity + ?Sized>(
     schedule: Schedule,
     stage: &Stage,
 ) -> Result<ChainDraws, Error> {
-    run_blocks(target.dim(), starts, chains, schedule, |start, block| {
-        lockstep(target, hmc, start, schedule, stage, block)
-    })
-    .map(|runs| gather(target.dim(), chains, schedule, &runs))
+    ChainRun::new(target, hmc, starts, chains, schedule, stage)?.draws(schedule.burn_in)
+}
+
+/// Chains that can be continued.
+pub struct ChainRun {
+    dim: usize,
+    chains: usize,
+    updates: usize,
+    blocks: Vec<Lockstep>,
+}
+
+impl ChainRun {
+    /// Runs chains as [`draw`] does.
+    ///
+    /// # Errors
+    /// Those of [`draw`].
+    pub fn new<T: GradLogDensity + ?Sized>(
+        target: &T,
+        hmc: &Hmc,
+        starts: &[Block],
+        chains: usize,
+        schedule: Schedule,
+        stage: &Stage,
+    ) -> Result<Self, Error> {
+        let dim = target.dim();
+        let run = |start: &[Block], block| lockstep(target, hmc, start, schedule, stage, block);
+        let blocks = run_blocks(dim, starts, chains, schedule, run)?;
+        Ok(Self { dim, chains, updates: schedule.updates, blocks })
+    }
+
+    /// Runs every chain on for `updates` more; the stage must be another one.
+    ///
+    /// # Errors
+    /// None: a chain stands where its target is positive.
+    pub fn go_on<T: GradLogDensity + ?Sized>(
+        &mut self,
+        target: &T,
+        hmc: &Hmc,
+        updates: usize,
+        stage: &Stage,
+    ) -> Result<(), Error> {
+        // Sample 0 is where the chain stands, which has been counted.
+        let schedule = Schedule { updates, burn_in: 1 };
+        self.updates += updates;
+        self.blocks.par_iter_mut().enumerate().try_for_each(|(block, run)| {
+            let Lockstep { kept, log, last } = lockstep(target, hmc, &run.last, schedule, stage, block)?;
+            run.kept.extend(kept);
+            run.log.extend(log.into_iter().skip(1));
+            run.last = last;
+            Ok(())
+        })
+    }
+
+    /// The draws without the first `burn_in` samples of each chain, at least as many as the first schedule discards.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] where nothing is left.
+    pub fn draws(&self, burn_in: usize) -> Result<ChainDraws, Error> {
+        let schedule = Schedule { updates: self.updates, burn_in };
+        check(schedule)?;
+        Ok(gather(self.dim, self.chains, schedule, &self.blocks))
+    }
+}
+
+/// Refuses a schedule that keeps nothing.
+fn check(schedule: Schedule) -> Result<(), Error> {
+    if schedule.burn_in > schedule.updates {
+        let (name, value) = ("burn-in", schedule.burn_in as f64);
+        return Err(Error::OutOfRange { name, value, expected: "must not exceed the number of updates" });
+    }
+    Ok(())
 }
 
 /// Runs every block of eight starts.
@@ -189,19 +256,17 @@ pub(crate) fn run_blocks<B: Send>(
     if chains == 0 || starts.len() != chains.div_ceil(LANES) * dim {
         return Err(Error::Empty { count: chains, dim });
     }
-    if schedule.burn_in > schedule.updates {
-        let (name, value) = ("burn-in", schedule.burn_in as f64);
-        return Err(Error::OutOfRange { name, value, expected: "must not exceed the number of updates" });
-    }
+    check(schedule)?;
     starts.par_chunks(dim).enumerate().map(|(block, start)| run(start, block)).collect()
 }
 
-/// The kept draws of all blocks.
+/// The draws of all blocks after those that the schedule discards.
 pub(crate) fn gather(dim: usize, chains: usize, schedule: Schedule, runs: &[Lockstep]) -> ChainDraws {
     let per_chain = schedule.updates + 1 - schedule.burn_in;
     let count = chains * per_chain;
     let mut states = vec![Block::ZERO; count.div_ceil(LANES) * dim];
     let mut stats = Vec::with_capacity(count);
+    let first = runs.first().map_or(0, |run| run.log.len() - run.kept.len() / dim);
     let (mut acceptance, mut divergences) = (0.0, 0);
     for r in 0..=schedule.updates {
         for chain in 0..chains {
@@ -214,7 +279,7 @@ pub(crate) fn gather(dim: usize, chains: usize, schedule: Schedule, runs: &[Lock
                 continue;
             }
             let index = stats.len();
-            let old = &run.kept[(r - schedule.burn_in) * dim..][..dim];
+            let old = &run.kept[(r - first) * dim..][..dim];
             for (new, old) in states[index / LANES * dim..].iter_mut().zip(old) {
                 new.0[index % LANES] = old.0[lane];
             }

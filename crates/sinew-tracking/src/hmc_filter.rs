@@ -9,7 +9,7 @@
 //! 5. h_j = curvature from K prior draws, ε_j = η / √h_j (eq. 17), both frozen for the frame
 //!    (with [`Geometry::Dense`], not the paper's, steps 2 and 5 use the Laplace approximation at the mode: u_i are its draws, w_i their importance weights, and its whole matrix the metric)
 //! 6. for each chain i and r = 1 … R: s^(i,r) = hybrid Monte Carlo update of s^(i,r−1) (eqs. 13–16)
-//!    (with a patience above 1, not the paper's, chains that disagree continue with `patience` times the updates, and only those count)
+//!    (with a patience above 1, not the paper's, chains that disagree continue until they have 2, 4, … up to `patience` times the updates; as large a share of them is discarded)
 //! 7. estimate = mean of s^(i,r) over all i and r ≥ b; a rejected state counts again
 //!
 //! Only the last states s^(i,R), and the moments of all kept draws, pass to the next frame, the moments shrunk and then wider by what few draws lose ([`mod@sinew_samplers::few_draws`]); some of these draws themselves where the transition asks for them ([`Predict::wanted_draws`]). M(R + 1 − b) draws, M + M R L evaluations and one gradient a chain to begin with. Chains are moved in blocks of eight lanes: 10 chains cost as much as 16.
@@ -24,7 +24,7 @@ use sinew_core::density::GaussNewton;
 use sinew_core::lanes::{Block, Isa};
 use sinew_core::random::Stage;
 use sinew_core::transition::{Cloud, FramePrior, Moments, Predict, diagonal_matrix};
-use sinew_samplers::chains::{ChainDraws, Schedule, draw};
+use sinew_samplers::chains::{ChainDraws, ChainQuality, ChainRun, Schedule};
 use sinew_samplers::curvature::curvature;
 use sinew_samplers::few_draws::widen;
 use sinew_samplers::hmc::Hmc;
@@ -54,7 +54,7 @@ pub struct Config {
     pub jitter: f64,
     /// Prior draws K for the curvature.
     pub curvature_draws: usize,
-    /// A frame whose split R̂ is above [`R_HAT_BOUND`], or does not exist since no chain moved, is drawn again, from where its chains stand, with this multiple of the updates and discarded samples; 1 (the paper's) never.
+    /// While the split R̂ of a frame is above [`R_HAT_BOUND`], or does not exist since no chain moved, its chains continue until they have twice the updates and discarded samples, and again, up to this multiple; 1 (the paper's) never.
     pub patience: usize,
     /// Start and metric of the trajectories: the paper's, or the Laplace approximation's.
     pub geometry: Geometry,
@@ -182,13 +182,14 @@ impl<T: Predict> HmcFilter<T> {
         Ok(Start { prior, states, metric, log_evidence })
     }
 
-    /// Keeps draws of equal weight, and their mean.
-    fn keep(&mut self, draws: ChainDraws) {
+    /// Keeps draws of equal weight, and their mean, and says what they are worth.
+    fn keep(&mut self, draws: ChainDraws) -> ChainQuality {
         let count = draws.stats.len();
         self.weights.clear();
         self.weights.resize(count, 1.0 / count as f64);
         self.estimate = moments::mean(&draws.states, draws.dim, &self.weights);
         self.draws = draws;
+        self.draws.quality(&self.estimate)
     }
 
     fn view(&self) -> Posterior<'_> {
@@ -222,22 +223,21 @@ impl<T: Predict + Send, O: GaussNewton + ?Sized> Tracker<O> for HmcFilter<T> {
     fn step(&mut self, observed: &O, stage: Stage) -> Result<StepInfo, Error> {
         let Config { chains, step_size, leapfrog_steps, jitter, curvature_draws, patience, .. } = self.config;
         let before = self.handed_moments.is_some().then(|| self.estimate.clone());
-        let mut schedule = Schedule { updates: self.config.updates, burn_in: self.config.burn_in };
+        let schedule = Schedule { updates: self.config.updates, burn_in: self.config.burn_in };
         let [to_start, to_move] = stage.split(["start", "chains"]);
         let Start { prior, states, metric, log_evidence } = self.start(observed, to_start)?;
         let hmc = Hmc::with_metric(step_size, &metric, leapfrog_steps, jitter, self.isa)?;
         let target = Sum(observed, &prior);
-        self.keep(draw(&target, &hmc, &states, chains, schedule, &to_move)?);
-        let mut quality = self.draws.quality(&self.estimate);
-        let (mut runs, mut updates, mut divergences) = (1, schedule.updates, self.draws.divergences);
-        if patience > 1 && (quality.r_hat > R_HAT_BOUND || quality.r_hat.is_nan()) {
-            schedule = Schedule { updates: patience * schedule.updates, burn_in: patience * schedule.burn_in };
-            self.keep(draw(&target, &hmc, &self.draws.last, chains, schedule, &to_move.round(1))?);
-            quality = self.draws.quality(&self.estimate);
-            runs += 1;
-            updates += schedule.updates;
-            divergences += self.draws.divergences;
+        let mut run = ChainRun::new(&target, &hmc, &states, chains, schedule, &to_move)?;
+        let mut quality = self.keep(run.draws(schedule.burn_in)?);
+        let (mut starts, mut times) = (1, 1);
+        while times < patience && (quality.r_hat > R_HAT_BOUND || quality.r_hat.is_nan()) {
+            let more = times.min(patience - times);
+            run.go_on(&target, &hmc, more * schedule.updates, &to_move.round(starts))?;
+            (starts, times) = (starts + 1, times + more);
+            quality = self.keep(run.draws(times * schedule.burn_in)?);
         }
+        let updates = times * schedule.updates;
         self.effective = quality.ess_of_squares;
         let mut moments = self.view().moments(self.isa);
         metric.shrink(&mut moments, self.effective);
@@ -256,11 +256,11 @@ impl<T: Predict + Send, O: GaussNewton + ?Sized> Tracker<O> for HmcFilter<T> {
             log_evidence: Some(log_evidence),
             acceptance: Some(self.draws.acceptance),
             trajectories: chains * updates,
-            divergences,
+            divergences: self.draws.divergences,
             r_hat: Some(quality.r_hat).filter(|r| !r.is_nan()),
             energy_fraction: Some(quality.energy_fraction).filter(|e| e.is_finite()),
             likelihood_evaluations: chains,
-            gradient_evaluations: chains * (runs + updates * leapfrog_steps) + curvature_draws,
+            gradient_evaluations: chains * (starts + updates * leapfrog_steps) + curvature_draws,
             ..StepInfo::default()
         })
     }

@@ -21,13 +21,12 @@
 //! impl Harness<Lanes<Quadratic>> for Moving {
 //!     type Bound = Lanes<Quadratic>;
 //!     type Noted = StepInfo;
-//!     type Described = StepInfo;
 //!     type Error = Error;
 //!     fn observe(&mut self, frame: u32, _estimate: &[f64]) -> Result<Self::Bound, Error> {
 //!         let leaf = Quadratic { centre: vec![0.1 * f64::from(frame), 0.0], precision: vec![100.0; 2] };
 //!         Ok(Lanes { leaf, isa: self.isa })
 //!     }
-//!     fn note(&mut self, _: u32, info: StepInfo, _: Posterior<'_>) -> Result<StepInfo, Error> {
+//!     fn note(&mut self, _: u32, info: StepInfo) -> Result<StepInfo, Error> {
 //!         Ok(info)
 //!     }
 //!     fn record(&mut self, info: StepInfo, _: Posterior<'_>) -> Result<(), Error> {
@@ -40,8 +39,7 @@
 //! let walk = RandomWalk::new(&[1.0, 1.0], 0.01, Between::Mixture, isa)?;
 //! let mut tracker = Bootstrap::new(Config { particles: 1000, ..Config::default() }, walk, vec![0.0, 0.0])?;
 //! let mut moving = Moving { isa, last: None };
-//! let stage = |frame| Stage::new(1, "example").at_frame(frame);
-//! run(&mut tracker, 0..20, stage, &mut moving, |info, _| Ok(info))?;
+//! run(&mut tracker, 0..20, |frame| Stage::new(1, "example").at_frame(frame), &mut moving)?;
 //! assert!((moving.last.expect("20 frames").mean[0] - 1.9).abs() < 0.2);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```

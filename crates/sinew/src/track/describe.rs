@@ -2,6 +2,7 @@
 
 use super::lasting::Lasting;
 use super::marginals::{Described, Marginals};
+use super::scene::Shown;
 use crate::Error;
 use crate::config::settings::Settings;
 use crate::results::estimate::{ActionShare, Draws, FrameEstimate, HmcStatistics, ParticleStatistics, Quality};
@@ -18,12 +19,8 @@ pub(super) struct Noted {
     pub number: u64,
     /// What the tracker says.
     pub info: StepInfo,
-    /// What each camera sees of each keypoint.
-    pub detections: Vec<Vec<Option<Detection>>>,
-    /// [`sinew_observe::KeypointFrame::elsewhere`].
-    pub elsewhere: Vec<Vec<f64>>,
-    /// [`FrameEstimate::residual_px`].
-    pub residual_px: Vec<Option<f64>>,
+    /// What the frame shows.
+    pub shown: Shown,
     /// Cameras whose masks show the person.
     pub silhouettes: usize,
 }
@@ -32,12 +29,12 @@ impl Noted {
     /// What was seen of the person ([`FrameEstimate::seen`]).
     fn seen(&self) -> Vec<[f64; 3]> {
         let one = |d: &Option<Detection>| d.map_or([f64::NAN; 3], |d| [d.pixel[0], d.pixel[1], d.confidence]);
-        self.detections.iter().flatten().map(one).collect()
+        self.shown.detections.iter().flatten().map(one).collect()
     }
 
     /// Cameras that saw the person.
     fn cameras(&self) -> usize {
-        let by_keypoints = self.detections.iter().filter(|points| points.iter().any(Option::is_some)).count();
+        let by_keypoints = self.shown.detections.iter().filter(|points| points.iter().any(Option::is_some)).count();
         by_keypoints.max(self.silhouettes)
     }
 }
@@ -53,7 +50,12 @@ pub(super) struct Describer {
 
 impl Describer {
     /// Turns a step into what is written of it.
-    pub(super) fn describe(&mut self, noted: Noted, posterior: &Posterior<'_>) -> Result<FrameEstimate, Error> {
+    pub(super) fn describe(
+        &mut self,
+        noted: Noted,
+        residual_px: Vec<Option<f64>>,
+        posterior: &Posterior<'_>,
+    ) -> Result<FrameEstimate, Error> {
         let moved = self.lasting.as_mut().map(|lasting| lasting.step(&noted)).transpose()?;
         let moves = self.lasting.as_ref().map_or_else(Vec::new, Lasting::moves);
         let stage = Stage::new(self.settings.seed, "thin").at_frame(noted.number as u32);
@@ -79,14 +81,22 @@ impl Describer {
         let draws = Draws { states, shape, detected, size, lp, hmc };
         let missing = moved.map_or_else(Vec::new, |moved| moved.missing);
         let particles = posterior.chain_stats.is_empty().then(|| particles(posterior, &noted.info));
-        Ok(FrameEstimate { mean_state, moves, missing, draws, particles, ..self.estimate(noted, described) })
+        Ok(FrameEstimate {
+            residual_px,
+            mean_state,
+            moves,
+            missing,
+            draws,
+            particles,
+            ..self.estimate(noted, described)
+        })
     }
 
     /// What a step says without its draws.
     fn estimate(&self, noted: Noted, described: Described) -> FrameEstimate {
         let Described { points, keypoints, state } = described;
         let (cameras, seen) = (noted.cameras(), noted.seen());
-        let Noted { number, info, residual_px, .. } = noted;
+        let Noted { number, info, .. } = noted;
         FrameEstimate {
             number,
             restarted: info.restarted,
@@ -97,7 +107,6 @@ impl Describer {
                 1 => Quality::OneCamera,
                 _ => Quality::Good,
             },
-            residual_px,
             seen,
             points,
             keypoints,

@@ -96,7 +96,7 @@ impl Lasting {
 
     /// Takes in a frame that was tracked, and says where its draws go.
     pub(super) fn step(&mut self, noted: &Noted) -> Result<Moved, Error> {
-        let Noted { number, detections, elsewhere, info: StepInfo { mean, restarted, .. }, .. } = noted;
+        let Noted { number, shown, info: StepInfo { mean, restarted, .. }, .. } = noted;
         if !self.started || *restarted {
             self.filter = LinearisedFilter::new(&self.initial);
             self.moves.restart();
@@ -107,7 +107,7 @@ impl Lasting {
         self.started = true;
         let dof = mean.len();
         let body = self.keypoints.at(mean);
-        let found = linearised_detections(&self.model, detections, elsewhere, &body);
+        let found = linearised_detections(&self.model, &shown.detections, &shown.elsewhere, &body);
         let information = pose_information(&found, &body, dof);
         let shifts = self.drawn.keypoint_shifts(&body);
         let pull = self.drawn.pull(&found, &body, &shifts, &self.pixels_per_metre, dof);

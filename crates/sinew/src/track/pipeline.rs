@@ -263,9 +263,8 @@ impl Pipeline {
         let numbers = numbers.into_iter().map_while(|number| frame_index(number).map_err(|e| refused = Some(e)).ok());
         let Self { tracker, scene, images, describer, .. } = self;
         let seed = describer.settings.seed;
-        let mut passage = Passage { scene, images, seed, source, keep: &mut keep };
-        let stage = |frame| Stage::new(seed, "track").at_frame(frame);
-        run(tracker, numbers, stage, &mut passage, |noted, posterior| describer.describe(noted, &posterior))?;
+        let mut passage = Passage { scene, images, describer, source, keep: &mut keep };
+        run(tracker, numbers, |frame| Stage::new(seed, "track").at_frame(frame), &mut passage)?;
         refused.map_or(Ok(()), Err)
     }
 }
@@ -278,7 +277,7 @@ pub trait Keep {
     /// The run ends with it.
     fn keep(&mut self, estimate: FrameEstimate, posterior: &Posterior<'_>) -> Result<(), Error>;
 
-    /// Whether to stop; asked before every frame but the first, before the estimate of the last one is there.
+    /// Whether to stop; asked before every frame but the first, while the last one is still to be kept.
     fn flow(&mut self) -> ControlFlow<()> {
         ControlFlow::Continue(())
     }
@@ -294,7 +293,7 @@ impl<F: FnMut(FrameEstimate, &Posterior<'_>) -> Result<(), Error>> Keep for F {
 struct Passage<'a> {
     scene: &'a mut Scene,
     images: &'a mut Option<Images>,
-    seed: u64,
+    describer: &'a mut Describer,
     source: &'a mut dyn FrameSource,
     keep: &'a mut dyn Keep,
 }
@@ -302,7 +301,6 @@ struct Passage<'a> {
 impl Harness<Observation> for Passage<'_> {
     type Bound = Observation;
     type Noted = Noted;
-    type Described = FrameEstimate;
     type Error = Error;
 
     fn observe(&mut self, frame: u32, estimate: &[f64]) -> Result<Observation, Error> {
@@ -312,19 +310,24 @@ impl Harness<Observation> for Passage<'_> {
         Ok(Observation { likelihood: FrameLikelihood { keypoints, parts: self.scene.parts(), images }, restart })
     }
 
-    fn note(&mut self, frame: u32, info: StepInfo, posterior: Posterior<'_>) -> Result<Noted, Error> {
+    fn note(&mut self, frame: u32, info: StepInfo) -> Result<Noted, Error> {
         let number = u64::from(frame);
-        self.scene.note(number, &info.mean, &some_draws(self.seed, frame, &posterior));
-        if let Some(images) = &mut self.images {
+        if let Some(images) = self.images {
             images.note(number, &info.mean);
         }
         let silhouettes = self.images.as_ref().map_or(0, Images::cameras_with_person);
-        let (detections, elsewhere) = (self.scene.detections().to_vec(), self.scene.elsewhere().to_vec());
-        let residual_px = self.scene.residual_px(&info.mean);
-        Ok(Noted { number, detections, elsewhere, residual_px, silhouettes, info })
+        Ok(Noted { number, info, shown: self.scene.shown().clone(), silhouettes })
     }
 
-    fn record(&mut self, estimate: FrameEstimate, posterior: Posterior<'_>) -> Result<(), Error> {
+    fn record(&mut self, noted: Noted, posterior: Posterior<'_>) -> Result<(), Error> {
+        let Noted { number, info, shown, .. } = &noted;
+        let draws = some_draws(self.describer.settings.seed, *number as u32, &posterior);
+        self.scene.check_frame(*number, shown, &info.mean, &draws);
+        let residual_px = self.scene.residual_px(shown, &info.mean);
+        // Chains of the next step that wait for a thread go first.
+        rayon::yield_now();
+        let estimate = self.describer.describe(noted, residual_px, &posterior)?;
+        rayon::yield_now();
         self.keep.keep(estimate, &posterior)
     }
 

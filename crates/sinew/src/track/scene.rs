@@ -40,6 +40,15 @@ pub struct SceneState {
     predictive: Predictive,
 }
 
+/// What a frame shows of the tracked person.
+#[derive(Clone, Debug, Default)]
+pub struct Shown {
+    /// Detections: camera by camera, by point of the plan.
+    pub detections: Vec<Vec<Option<Detection>>>,
+    /// The same for the density of other people's keypoints ([`KeypointFrame::elsewhere`]); empty where a camera shows nobody else.
+    pub elsewhere: Vec<Vec<f64>>,
+}
+
 /// The tracked person in the cameras.
 pub struct Scene {
     model: KeypointModel,
@@ -52,10 +61,8 @@ pub struct Scene {
     point: Vec<usize>,
     following: Following,
     association: association::Config,
-    /// Detections of the current frame: camera by camera, by point of the plan.
-    detections: Vec<Vec<Option<Detection>>>,
-    /// The same for the density of other people's keypoints; empty where a camera shows nobody else.
-    elsewhere: Vec<Vec<f64>>,
+    /// What the current frame shows.
+    shown: Shown,
     /// Correlation of errors from frame to frame that the intervals have been widened for.
     held_correlation: f64,
     oddities: Oddities,
@@ -162,8 +169,7 @@ impl Scene {
             partners,
             parts,
             bound_parts: vec![],
-            detections: vec![vec![None; points.len()]; cameras.len()],
-            elsewhere: vec![],
+            shown: Shown { detections: vec![vec![None; points.len()]; cameras.len()], elsewhere: vec![] },
             keypoint: shared.iter().map(|(_, k)| *k).collect(),
             point: points,
             following: Following { person: setup.person, ..Following::default() },
@@ -207,12 +213,12 @@ impl Scene {
         let misfit = if away { f64::INFINITY } else { self.misfit(estimate) };
         let turned = !away && self.is_turned(estimate);
         let found = follow(&mut self.following, &self.cameras, people, Some(&expected), &self.association);
-        for (out, seen) in self.detections.iter_mut().zip(&found.people) {
+        for (out, seen) in self.shown.detections.iter_mut().zip(&found.people) {
             for (out, &k) in out.iter_mut().zip(&self.keypoint) {
                 *out = seen.get(k).copied().flatten();
             }
         }
-        self.elsewhere = elsewhere(&self.model, people, &found, &self.keypoint, &self.association);
+        self.shown.elsewhere = elsewhere(&self.model, people, &found, &self.keypoint, &self.association);
         self.note_people(people, &found, &expected);
         if away && self.following.lengths.is_empty() {
             self.following.lengths = setup::limb_lengths(&self.cameras, &self.layout, &found.people, &self.association);
@@ -223,14 +229,18 @@ impl Scene {
         let restart = restart.or_else(|| (turned && self.is_turned(estimate)).then(|| self.as_named(&found.people))?);
         let predicted = self.points(restart.as_deref().unwrap_or(estimate));
         self.bind_parts(&predicted);
-        let frame = KeypointFrame { detections: &self.detections, elsewhere: &self.elsewhere, predicted: &predicted };
+        let frame = KeypointFrame {
+            detections: &self.shown.detections,
+            elsewhere: &self.shown.elsewhere,
+            predicted: &predicted,
+        };
         let bound = self.model.bind(frame);
         (bound, restart)
     }
 
     /// The current frame, its points expected at these places.
     fn frame<'a>(&'a self, predicted: &'a [f64]) -> KeypointFrame<'a> {
-        KeypointFrame { detections: &self.detections, elsewhere: &self.elsewhere, predicted }
+        KeypointFrame { detections: &self.shown.detections, elsewhere: &self.shown.elsewhere, predicted }
     }
 
     /// Whether the state seems to have exchanged a pair of limbs, rather than the cameras.
@@ -302,8 +312,8 @@ impl Scene {
             let own = |seen: &Vec<Option<Detection>>| {
                 seen.iter().zip(part_of).map(|(d, of)| d.filter(|_| *of == part)).collect()
             };
-            let detections: Vec<Vec<_>> = self.detections.iter().map(own).collect();
-            self.model.bind(KeypointFrame { detections: &detections, elsewhere: &self.elsewhere, predicted })
+            let detections: Vec<Vec<_>> = self.shown.detections.iter().map(own).collect();
+            self.model.bind(KeypointFrame { detections: &detections, elsewhere: &self.shown.elsewhere, predicted })
         };
         self.bound_parts = (0..*count).map(bound_part).collect();
     }
@@ -335,16 +345,10 @@ impl Scene {
         &self.model
     }
 
-    /// Detections of the current frame: camera by camera, by point of the model.
+    /// What the current frame shows.
     #[must_use]
-    pub fn detections(&self) -> &[Vec<Option<Detection>>] {
-        &self.detections
-    }
-
-    /// Density of other people's keypoints at them ([`KeypointFrame::elsewhere`]).
-    #[must_use]
-    pub fn elsewhere(&self) -> &[Vec<f64>] {
-        &self.elsewhere
+    pub const fn shown(&self) -> &Shown {
+        &self.shown
     }
 
     /// Points of the body that are keypoints: their indices in the body.
@@ -359,15 +363,14 @@ impl Scene {
         self.keypoint.iter().map(|&k| self.layout.points[k].clone().unwrap_or_default()).collect()
     }
 
-    /// Looks at a frame once it is tracked: `state` is the mean of its posterior, `draws` are some of its draws.
-    pub fn note(&mut self, number: u64, state: &[f64], draws: &[Vec<f64>]) {
+    /// Looks at a frame once it is tracked, `shown` what it showed: `state` is the mean of its posterior, `draws` are some of its draws.
+    pub fn check_frame(&mut self, number: u64, shown: &Shown, state: &[f64], draws: &[Vec<f64>]) {
         let points = self.points(state);
         let expected = self.expected(&points);
-        let straight = self.model.straight(&self.frame(&points));
-        let named = std::mem::replace(&mut self.detections, straight);
-        self.check(number, state, draws);
-        self.detections = named;
-        let detections = &self.detections;
+        let frame = KeypointFrame { detections: &shown.detections, elsewhere: &shown.elsewhere, predicted: &points };
+        let straight = self.model.straight(&frame);
+        self.check(number, &straight, state, draws);
+        let detections = &shown.detections;
         self.oddities.note(number, |camera, seen, at| distance_px(detections[camera][seen], expected[camera][at]));
     }
 
@@ -376,7 +379,7 @@ impl Scene {
     pub fn save(&self) -> SceneState {
         let Following { lengths, last_px, lost, started, .. } = self.following.clone();
         let numbers = |d: &Option<Detection>| d.map(|Detection { pixel: [u, v], confidence }| [u, v, confidence]);
-        let detections = self.detections.iter().map(|seen| seen.iter().map(numbers).collect()).collect();
+        let detections = self.shown.detections.iter().map(|seen| seen.iter().map(numbers).collect()).collect();
         let (oddities, predictive) = (self.oddities.save(), self.predictive.clone());
         SceneState { lengths, last_px, lost, started, detections, oddities, predictive }
     }
@@ -405,7 +408,7 @@ impl Scene {
             started: saved.started,
         };
         let detection = |d: &Option<[f64; 3]>| d.map(|[u, v, confidence]| Detection { pixel: [u, v], confidence });
-        self.detections = saved.detections.iter().map(|seen| seen.iter().map(detection).collect()).collect();
+        self.shown.detections = saved.detections.iter().map(|seen| seen.iter().map(detection).collect()).collect();
         Ok(())
     }
 
@@ -443,9 +446,10 @@ impl Scene {
     /// Scatter per axis, per camera, of the keypoints about the projection of a pose, pixels: their median distance divided by √(2 ln 2), which is the standard
     /// deviation per axis of Gaussian errors and hardly moved by gross outliers.
     #[must_use]
-    pub fn residual_px(&self, state: &[f64]) -> Vec<Option<f64>> {
+    pub fn residual_px(&self, shown: &Shown, state: &[f64]) -> Vec<Option<f64>> {
         let expected = self.expected(&self.points(state));
-        self.detections
+        shown
+            .detections
             .iter()
             .zip(&expected)
             .map(|(seen, expected)| {

@@ -131,7 +131,6 @@ struct Screen<'a> {
 impl Harness<ImageLikelihood> for Screen<'_> {
     type Bound = ImageLikelihood;
     type Noted = ();
-    type Described = ();
     type Error = tracking::Error;
 
     fn observe(&mut self, frame: u32, _estimate: &[f64]) -> Result<ImageLikelihood, tracking::Error> {
@@ -140,7 +139,7 @@ impl Harness<ImageLikelihood> for Screen<'_> {
         Ok(self.model.bind(self.masks[frame as usize].iter().map(cues).collect()))
     }
 
-    fn note(&mut self, _: u32, info: StepInfo, _: Posterior<'_>) -> Result<(), tracking::Error> {
+    fn note(&mut self, _: u32, info: StepInfo) -> Result<(), tracking::Error> {
         self.infos.push(info);
         Ok(())
     }
@@ -234,7 +233,7 @@ impl<'a> Film<'a> {
         let stage = |frame| Stage::new(self.seed(index), "annealing walk").at_frame(frame);
         let clock = Instant::now();
         let mut screen = Screen { model, masks, infos: vec![] };
-        tracking::run(tracker, 1..self.frames as u32, stage, &mut screen, |(), _| Ok(()))?;
+        tracking::run(tracker, 1..self.frames as u32, stage, &mut screen)?;
         let infos = screen.infos;
         let means: Vec<Vec<f64>> = infos.iter().map(|info| info.mean.clone()).collect();
         let survivors: Vec<Vec<f64>> = infos.iter().map(|info| info.survivors.clone()).collect();

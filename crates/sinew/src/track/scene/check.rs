@@ -2,7 +2,7 @@
 
 use super::super::predictive::{LIMBS, Residual};
 use super::Scene;
-use sinew_observe::offsets::{CameraNoise, point_from_views};
+use sinew_observe::offsets::{CameraNoise, Sighted, point_from_views};
 use sinew_observe::triangulate::Refined;
 use sinew_observe::{Camera, Detection};
 
@@ -17,24 +17,24 @@ type Met = Option<(Refined, Vec<usize>)>;
 
 impl Scene {
     /// Detections that the likelihood uses.
-    fn used(&self, camera: usize, k: usize) -> Option<Detection> {
+    fn used(&self, detection: Option<Detection>) -> Option<Detection> {
         let usable =
             |d: &Detection| d.confidence >= self.model.least_confidence && d.pixel.iter().all(|x| x.is_finite());
-        self.detections[camera][k].filter(usable)
+        detection.filter(usable)
     }
 
-    /// Holds the keypoints of the current frame against its posterior: its mean state and some draws.
-    pub(super) fn check(&mut self, number: u64, state: &[f64], draws: &[Vec<f64>]) {
+    /// Holds the keypoints of a frame, their sides put right, against its posterior: its mean state and some draws.
+    pub(super) fn check(&mut self, number: u64, seen: &Sighted, state: &[f64], draws: &[Vec<f64>]) {
         let points = self.points(state);
         let drawn: Vec<_> = draws.iter().map(|draw| self.expected(&self.points(draw))).collect();
         let cameras = self.model.views.len();
-        let met: Vec<[[Met; 2]; 2]> = LIMBS.iter().map(|(_, ends)| self.ends_of(*ends)).collect();
+        let met: Vec<[[Met; 2]; 2]> = LIMBS.iter().map(|(_, ends)| self.ends_of(seen, *ends)).collect();
         for c in 0..cameras {
             let residual = |k: usize| {
-                let detection = self.used(c, k)?;
-                let seen = (0..cameras).filter(|&other| self.used(other, k).is_some()).count();
+                let detection = self.used(seen[c][k])?;
+                let cameras = seen.iter().filter(|seen| self.used(seen[k]).is_some()).count();
                 let at = points.get(3 * k..3 * k + 3)?;
-                let sd_px = self.model.variance_px2(c, detection.confidence, seen, at).sqrt();
+                let sd_px = self.model.variance_px2(c, detection.confidence, cameras, at).sqrt();
                 let about = |expected: &Vec<Vec<Option<[f64; 2]>>>| {
                     expected[c][k].map_or([f64::INFINITY; 2], |[u, v]| [detection.pixel[0] - u, detection.pixel[1] - v])
                 };
@@ -66,7 +66,7 @@ impl Scene {
     }
 
     /// Both ends of a limb, left and right, in space.
-    fn ends_of(&self, ends: [&str; 2]) -> [[Met; 2]; 2] {
+    fn ends_of(&self, seen: &Sighted, ends: [&str; 2]) -> [[Met; 2]; 2] {
         let noise = |view: &sinew_observe::View| CameraNoise {
             offset_px: [0.0; 2],
             sigma_px: view.sigma_px,
@@ -76,9 +76,7 @@ impl Scene {
         let noise: Vec<CameraNoise> = self.model.views.iter().map(noise).collect();
         let cameras: Vec<Camera> = self.model.views.iter().map(|view| view.camera.clone()).collect();
         let least = self.model.least_confidence;
-        SIDES.map(|side| {
-            ends.map(|name| point_from_views(&cameras, &noise, &self.detections, self.place(side, name)?, least))
-        })
+        SIDES.map(|side| ends.map(|name| point_from_views(&cameras, &noise, seen, self.place(side, name)?, least)))
     }
 
     /// Length of a limb in the pose whose points are given.
