@@ -29,6 +29,8 @@
 //! assert_eq!(effective_sample_size(&[draws]), (8.0 / tau).min(8.0));
 //! ```
 
+use crate::lanes::LANES;
+
 /// Where the sum of autocorrelations is cut.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Window {
@@ -38,11 +40,21 @@ pub enum Window {
     Sokal,
 }
 
-/// Chains cut to a common length, centred on their pooled mean.
+/// Chains cut to a common length, one after the other, centred on their pooled mean.
 struct Centred {
-    chains: Vec<Vec<f64>>,
+    values: Vec<f64>,
     length: usize,
     variance: f64,
+}
+
+/// Sum of the products of two series, eight of them side by side.
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    let ((a, rest_a), (b, rest_b)) = (a.as_chunks::<LANES>(), b.as_chunks::<LANES>());
+    let mut sums = [0.0; LANES];
+    for (a, b) in a.iter().zip(b) {
+        sums.iter_mut().zip(a.iter().zip(b)).for_each(|(sum, (a, b))| *sum += a * b);
+    }
+    sums.iter().sum::<f64>() + rest_a.iter().zip(rest_b).map(|(a, b)| a * b).sum::<f64>()
 }
 
 impl Centred {
@@ -52,22 +64,22 @@ impl Centred {
         if length < 2 {
             return None;
         }
-        let all = || chains.iter().flat_map(|c| &c.as_ref()[..length]);
-        let first = *all().next()?;
-        if all().any(|x| !x.is_finite()) || all().all(|&x| x == first) {
+        let mut values = Vec::with_capacity(length * chains.len());
+        chains.iter().for_each(|c| values.extend_from_slice(&c.as_ref()[..length]));
+        if values.iter().any(|x| !x.is_finite()) || values.iter().all(|x| *x == values[0]) {
             return None;
         }
-        let n = (length * chains.len()) as f64;
-        let mean = all().map(|x| x / n).sum::<f64>();
-        let chains: Vec<Vec<f64>> =
-            chains.iter().map(|c| c.as_ref()[..length].iter().map(|x| x - mean).collect()).collect();
-        let variance = chains.iter().flatten().map(|x| x * x / n).sum::<f64>();
-        (variance > 0.0 && variance.is_finite()).then_some(Self { chains, length, variance })
+        let n = values.len() as f64;
+        let mean = values.iter().map(|x| x / n).sum::<f64>();
+        values.iter_mut().for_each(|x| *x -= mean);
+        let variance = values.iter().map(|x| x * x / n).sum::<f64>();
+        (variance > 0.0 && variance.is_finite()).then_some(Self { values, length, variance })
     }
 
     fn autocorrelation(&self, lag: usize) -> f64 {
-        let sum: f64 = self.chains.iter().map(|c| c.iter().zip(&c[lag..]).map(|(a, b)| a * b).sum::<f64>()).sum();
-        sum / ((self.length * self.chains.len()) as f64 * self.variance)
+        let ahead = self.length - lag;
+        let sum: f64 = self.values.chunks_exact(self.length).map(|c| dot(&c[..ahead], &c[lag..])).sum();
+        sum / (self.values.len() as f64 * self.variance)
     }
 
     fn integrated_time(&self, window: Window) -> f64 {
@@ -116,7 +128,7 @@ pub fn integrated_time<C: AsRef<[f64]>>(chains: &[C], window: Window) -> f64 {
 #[must_use]
 pub fn effective_sample_size<C: AsRef<[f64]>>(chains: &[C]) -> f64 {
     Centred::new(chains).map_or(0.0, |c| {
-        let draws = (c.length * c.chains.len()) as f64;
+        let draws = c.values.len() as f64;
         let tau = c.integrated_time(Window::Geyer);
         if tau > 1.0 { draws / tau } else { draws }
     })
@@ -128,7 +140,7 @@ pub fn split_r_hat<C: AsRef<[f64]>>(chains: &[C]) -> f64 {
     let Some(half) = chains.iter().map(|c| c.as_ref().len() / 2).min().filter(|&half| half >= 2) else {
         return f64::NAN;
     };
-    if chains.iter().flat_map(AsRef::as_ref).any(|x| !x.is_finite()) {
+    if chains.iter().any(|c| c.as_ref().iter().any(|x| !x.is_finite())) {
         return f64::NAN;
     }
     let n = half as f64;

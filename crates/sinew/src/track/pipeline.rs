@@ -324,8 +324,6 @@ impl Harness<Observation> for Passage<'_> {
         let draws = some_draws(self.describer.settings.seed, *number as u32, &posterior);
         self.scene.check_frame(*number, shown, &info.mean, &draws);
         let residual_px = self.scene.residual_px(shown, &info.mean);
-        // Chains of the next step that wait for a thread go first.
-        rayon::yield_now();
         let estimate = self.describer.describe(noted, residual_px, &posterior)?;
         rayon::yield_now();
         self.keep.keep(estimate, &posterior)
