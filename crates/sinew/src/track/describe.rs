@@ -58,8 +58,6 @@ impl Describer {
     ) -> Result<FrameEstimate, Error> {
         let moved = self.lasting.as_mut().map(|lasting| lasting.step(&noted)).transpose()?;
         let moves = self.lasting.as_ref().map_or_else(Vec::new, Lasting::moves);
-        // Chains of the next step that wait for a thread go first.
-        rayon::yield_now();
         let stage = Stage::new(self.settings.seed, "thin").at_frame(noted.number as u32);
         let kept = posterior.equal_weight(self.settings.draws, &mut stage.whole());
         let mut states = vec![0.0; kept.len() * posterior.dim];

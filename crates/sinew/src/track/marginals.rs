@@ -77,6 +77,8 @@ impl Marginals {
     /// Marginals of all points of the body, keypoints and degrees of freedom; the draws move as `moved` says, if there is one, in their order.
     pub(super) fn of(&mut self, posterior: &Posterior<'_>, moved: Option<&Moved>) -> Described {
         self.positions(posterior);
+        // By now the chains of the next step wait for a thread: they go first.
+        rayon::yield_now();
         let Self { plan, keypoints, size, positions, .. } = self;
         let (d, body) = (posterior.dim, 3 * plan.points());
         let coordinates = body + 3 * keypoints.as_ref().map_or(0, |k| k.points());
