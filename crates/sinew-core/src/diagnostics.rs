@@ -47,14 +47,20 @@ struct Centred {
     variance: f64,
 }
 
-/// Sum of the products of two series, eight of them side by side.
-fn dot(a: &[f64], b: &[f64]) -> f64 {
+/// Sum over the pairs of two series of one length, eight of them side by side.
+fn sum(a: &[f64], b: &[f64], of: impl Fn(f64, f64) -> f64) -> f64 {
     let ((a, rest_a), (b, rest_b)) = (a.as_chunks::<LANES>(), b.as_chunks::<LANES>());
     let mut sums = [0.0; LANES];
     for (a, b) in a.iter().zip(b) {
-        sums.iter_mut().zip(a.iter().zip(b)).for_each(|(sum, (a, b))| *sum += a * b);
+        sums.iter_mut().zip(a.iter().zip(b)).for_each(|(sum, (a, b))| *sum += of(*a, *b));
     }
-    sums.iter().sum::<f64>() + rest_a.iter().zip(rest_b).map(|(a, b)| a * b).sum::<f64>()
+    sums.iter().sum::<f64>() + rest_a.iter().zip(rest_b).map(|(a, b)| of(*a, *b)).sum::<f64>()
+}
+
+/// Mean, without a sum that could overflow.
+fn mean(values: &[f64]) -> f64 {
+    let share = 1.0 / values.len() as f64;
+    sum(values, values, |x, _| x * share)
 }
 
 impl Centred {
@@ -69,17 +75,18 @@ impl Centred {
         if values.iter().any(|x| !x.is_finite()) || values.iter().all(|x| *x == values[0]) {
             return None;
         }
-        let n = values.len() as f64;
-        let mean = values.iter().map(|x| x / n).sum::<f64>();
+        let mean = mean(&values);
         values.iter_mut().for_each(|x| *x -= mean);
-        let variance = values.iter().map(|x| x * x / n).sum::<f64>();
+        let share = 1.0 / values.len() as f64;
+        let variance = sum(&values, &values, |x, y| x * y * share);
         (variance > 0.0 && variance.is_finite()).then_some(Self { values, length, variance })
     }
 
     fn autocorrelation(&self, lag: usize) -> f64 {
         let ahead = self.length - lag;
-        let sum: f64 = self.values.chunks_exact(self.length).map(|c| dot(&c[..ahead], &c[lag..])).sum();
-        sum / (self.values.len() as f64 * self.variance)
+        let products: f64 =
+            self.values.chunks_exact(self.length).map(|c| sum(&c[..ahead], &c[lag..], |x, y| x * y)).sum();
+        products / (self.values.len() as f64 * self.variance)
     }
 
     fn integrated_time(&self, window: Window) -> f64 {
@@ -153,8 +160,8 @@ pub fn split_r_hat<C: AsRef<[f64]>>(chains: &[C]) -> f64 {
             if h.iter().all(|&x| x == h[0]) {
                 return (h[0], 0.0);
             }
-            let mean = h.iter().map(|x| x / n).sum::<f64>();
-            (mean, h.iter().map(|x| (x - mean) * (x - mean)).sum::<f64>() / (n - 1.0))
+            let mean = mean(h);
+            (mean, sum(h, h, |x, y| (x - mean) * (y - mean)) / (n - 1.0))
         })
         .collect();
     let m = moments.len() as f64;

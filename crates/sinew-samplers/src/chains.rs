@@ -58,8 +58,13 @@ impl ChainDraws {
     /// Values of one coordinate: one series a chain.
     #[must_use]
     pub fn series(&self, coordinate: usize) -> Vec<Vec<f64>> {
-        let value = |index: usize| self.states[index / LANES * self.dim + coordinate].0[index % LANES];
-        (0..self.chains).map(|i| (i..self.stats.len()).step_by(self.chains).map(value).collect()).collect()
+        (0..self.chains).map(|chain| self.chain(chain, coordinate).collect()).collect()
+    }
+
+    /// Values of one coordinate in one chain.
+    fn chain(&self, chain: usize, coordinate: usize) -> impl Iterator<Item = f64> {
+        let value = move |index: usize| self.states[index / LANES * self.dim + coordinate].0[index % LANES];
+        (chain..self.stats.len()).step_by(self.chains).map(value)
     }
 
     /// The draws of some of the chains, in the order of `chosen`; acceptance and divergences are the kept draws' own.
@@ -103,13 +108,17 @@ impl ChainDraws {
     /// Diagnostics of the draws about their mean.
     #[must_use]
     pub fn quality(&self, mean: &[f64]) -> ChainQuality {
-        let coordinate = |j: usize| {
-            let mut series = self.series(j);
+        let kept = self.stats.len() / self.chains.max(1);
+        let coordinate = |values: &mut Vec<f64>, j: usize| {
+            values.clear();
+            (0..self.chains).for_each(|chain| values.extend(self.chain(chain, j)));
+            let series: Vec<&[f64]> = values.chunks_exact(kept.max(1)).collect();
             let (ess, r_hat) = (effective_sample_size(&series), split_r_hat(&series));
-            series.iter_mut().flatten().for_each(|x| *x = (*x - mean[j]) * (*x - mean[j]));
+            values.iter_mut().for_each(|x| *x = (*x - mean[j]) * (*x - mean[j]));
+            let series: Vec<&[f64]> = values.chunks_exact(kept.max(1)).collect();
             (ess, r_hat, effective_sample_size(&series))
         };
-        let all: Vec<(f64, f64, f64)> = (0..mean.len()).into_par_iter().map(coordinate).collect();
+        let all: Vec<(f64, f64, f64)> = (0..mean.len()).into_par_iter().map_init(Vec::new, coordinate).collect();
         ChainQuality {
             ess: all.iter().map(|found| found.0).fold(f64::INFINITY, f64::min),
             r_hat: all.iter().map(|found| found.1).fold(f64::NAN, f64::max),
