@@ -47,6 +47,12 @@ pub struct Watched {
     more_jumps: u64,
     /// Whether the last frame showed the person and nobody else.
     alone: bool,
+}
+
+/// What is odd of the first person that a camera shows in a frame.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct OddPerson {
+    /// How far away somebody stands who was alone so far and has jumped.
     jump_px: Option<f64>,
     /// Distances as labelled and exchanged of someone who was not taken for the person because of his labels.
     swapped_px: Option<(f64, f64)>,
@@ -104,20 +110,31 @@ impl Oddities {
 
     /// Takes what a camera shows before the frame is tracked: how many people, whether the tracked one is among them, and the distances of the first one's
     /// keypoints from where they are expected, as labelled and with left and right exchanged.
-    pub(super) fn people(&mut self, camera: usize, count: usize, found: bool, [straight, crossed]: [&mut [f64]; 2]) {
-        let Some(watched) = self.cameras.get_mut(camera) else { return };
+    pub(super) fn people(
+        &mut self,
+        camera: usize,
+        count: usize,
+        found: bool,
+        [straight, crossed]: [&mut [f64]; 2],
+    ) -> OddPerson {
+        let Some(watched) = self.cameras.get_mut(camera) else { return OddPerson::default() };
         let is_other = count == 1 && !found && straight.len() >= FEWEST;
         let (straight, crossed) = (median(straight), median(crossed));
         let swapped = is_other && is_swap(straight, crossed, watched.sigma_px);
-        watched.swapped_px = swapped.then_some((straight, crossed));
-        watched.jump_px = (is_other && watched.alone && !swapped).then_some(straight);
+        let jump_px = (is_other && watched.alone && !swapped).then_some(straight);
         watched.alone = count == 1 && (found || swapped);
+        OddPerson { jump_px, swapped_px: swapped.then_some((straight, crossed)) }
     }
 
-    /// Closes a frame: `distance(camera, seen, at)` is that of keypoint `seen` from the projection of point `at` of the tracked pose.
-    pub(super) fn note(&mut self, number: u64, distance: impl Fn(usize, usize, usize) -> Option<f64>) {
-        for (c, watched) in self.cameras.iter_mut().enumerate() {
-            if let Some(px) = watched.jump_px.take() {
+    /// Closes a frame, of which `odd` is what each camera showed before: `distance(camera, seen, at)` is that of keypoint `seen` from the projection of point `at` of the tracked pose.
+    pub(super) fn note(
+        &mut self,
+        number: u64,
+        odd: &[OddPerson],
+        distance: impl Fn(usize, usize, usize) -> Option<f64>,
+    ) {
+        for (c, (watched, odd)) in self.cameras.iter_mut().zip(odd).enumerate() {
+            if let Some(px) = odd.jump_px {
                 if watched.jumps.len() < LISTED {
                     watched.jumps.push((number, px));
                 } else {
@@ -135,7 +152,7 @@ impl Oddities {
             }
             let enough = straight.len() >= FEWEST;
             let medians = enough.then(|| (median(&mut straight), median(&mut crossed)));
-            let swapped = medians.filter(|(s, x)| is_swap(*s, *x, watched.sigma_px)).or(watched.swapped_px.take());
+            let swapped = medians.filter(|(s, x)| is_swap(*s, *x, watched.sigma_px)).or(odd.swapped_px);
             if let Some((straight, crossed)) = swapped {
                 let open = &mut watched.open;
                 if open.frames == 0 {
@@ -199,8 +216,8 @@ mod tests {
             let px = |seen: usize, at: usize| if (seen == at) == swapped { 41.0 } else { 6.0 };
             let distance = |_, seen: usize, at: usize| is_there.then(|| px(seen, at));
             let near = if (35..38).contains(&number) { 6.0 } else { 300.0 };
-            oddities.people(0, 1, !matches!(number, 25 | 26 | 35..38), [&mut [310.0; 5], &mut [near; 5]]);
-            oddities.note(number, distance);
+            let odd = oddities.people(0, 1, !matches!(number, 25 | 26 | 35..38), [&mut [310.0; 5], &mut [near; 5]]);
+            oddities.note(number, &[odd], distance);
         }
         assert_eq!(
             oddities.warnings(),

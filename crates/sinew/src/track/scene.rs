@@ -3,7 +3,7 @@
 mod check;
 
 use super::error::TrackError;
-use super::oddities::{Oddities, Watched};
+use super::oddities::{OddPerson, Oddities, Watched};
 use super::predictive::{self, Doubt, Lengths, Origins, Predictive};
 use crate::Error;
 use crate::config::settings::Settings;
@@ -47,6 +47,8 @@ pub struct Shown {
     pub detections: Vec<Vec<Option<Detection>>>,
     /// The same for the density of other people's keypoints ([`KeypointFrame::elsewhere`]); empty where a camera shows nobody else.
     pub elsewhere: Vec<Vec<f64>>,
+    /// What is odd of the first person in each camera.
+    odd: Vec<OddPerson>,
 }
 
 /// The tracked person in the cameras.
@@ -169,7 +171,7 @@ impl Scene {
             partners,
             parts,
             bound_parts: vec![],
-            shown: Shown { detections: vec![vec![None; points.len()]; cameras.len()], elsewhere: vec![] },
+            shown: Shown { detections: vec![vec![None; points.len()]; cameras.len()], ..Shown::default() },
             keypoint: shared.iter().map(|(_, k)| *k).collect(),
             point: points,
             following: Following { person: setup.person, ..Following::default() },
@@ -219,7 +221,7 @@ impl Scene {
             }
         }
         self.shown.elsewhere = elsewhere(&self.model, people, &found, &self.keypoint, &self.association);
-        self.note_people(people, &found, &expected);
+        self.shown.odd = self.odd_people(people, &found, &expected);
         if away && self.following.lengths.is_empty() {
             self.following.lengths = setup::limb_lengths(&self.cameras, &self.layout, &found.people, &self.association);
         }
@@ -278,16 +280,23 @@ impl Scene {
     }
 
     /// Counts how many people each camera shows, whether the tracked one is among them, and how far the first lies from where he is expected.
-    fn note_people(&mut self, people: &[Vec<Person>], found: &Associated, expected: &[Vec<Option<[f64; 2]>>]) {
-        for (c, (people, expected)) in people.iter().zip(expected).enumerate() {
+    fn odd_people(
+        &mut self,
+        people: &[Vec<Person>],
+        found: &Associated,
+        expected: &[Vec<Option<[f64; 2]>>],
+    ) -> Vec<OddPerson> {
+        let cameras = people.iter().zip(expected).enumerate();
+        let odd = cameras.map(|(c, (people, expected))| {
             let distance = |(d, e): (&Option<Detection>, &Option<[f64; 2]>)| distance_px(*d, *e);
             let first = people.first().map_or(&[][..], Vec::as_slice);
             let mut distances: Vec<f64> = first.iter().zip(expected).filter_map(distance).collect();
             let exchanged = self.partners.iter().filter_map(|&k| expected.get(k));
             let mut crossed: Vec<f64> = first.iter().zip(exchanged).filter_map(distance).collect();
             let is_found = found.members.get(c).is_some_and(Option::is_some);
-            self.oddities.people(c, people.len(), is_found, [&mut distances, &mut crossed]);
-        }
+            self.oddities.people(c, people.len(), is_found, [&mut distances, &mut crossed])
+        });
+        odd.collect()
     }
 
     /// A pose that fits what is seen clearly better than one of that misfit; the pose of the set-up counts where the person was away.
@@ -370,8 +379,8 @@ impl Scene {
         let frame = KeypointFrame { detections: &shown.detections, elsewhere: &shown.elsewhere, predicted: &points };
         let straight = self.model.straight(&frame);
         self.check(number, &straight, state, draws);
-        let detections = &shown.detections;
-        self.oddities.note(number, |camera, seen, at| distance_px(detections[camera][seen], expected[camera][at]));
+        let distance = |camera: usize, seen, at| distance_px(shown.detections[camera][seen], expected[camera][at]);
+        self.oddities.note(number, &shown.odd, distance);
     }
 
     /// What the next frame needs of those before it.

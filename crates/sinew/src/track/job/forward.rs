@@ -59,11 +59,16 @@ impl Keep for Writing<'_, '_> {
             None => keeper.results.append(&estimate)?,
         }
         keeper.checkpoint.done += 1;
-        (watch.progress)(RunPhase::Track, keeper.checkpoint.done, *total);
+        if keeper.checkpoint.done == *total {
+            (watch.progress)(RunPhase::Track, *total, *total);
+        }
         Ok(())
     }
 
     fn flow(&mut self) -> ControlFlow<()> {
-        if self.keeper.is_due() { ControlFlow::Break(()) } else { self.watch.flow() }
+        let Self { keeper, watch, total, .. } = self;
+        // The last frame is tracked, and still to be kept.
+        (watch.progress)(RunPhase::Track, keeper.checkpoint.done + 1, *total);
+        if keeper.is_due() { ControlFlow::Break(()) } else { watch.flow() }
     }
 }
