@@ -59,7 +59,7 @@ fn draws_are_listed() {
 #[test]
 fn a_run_that_did_not_end_well_says_so() {
     let trial = trial(0.2);
-    let too_few = ["--updates=4", "--burn-in=1", "--chains=8", "-oout"];
+    let too_few = ["--updates=2", "--burn-in=1", "--chains=8", "-oout"];
     assert_eq!(trial.run(&[&common::TRACK[..], &too_few].concat()).status.code(), Some(4));
     let summary: serde_json::Value =
         serde_json::from_str(&fs::read_to_string(trial.path("out/summary.json")).unwrap()).unwrap();

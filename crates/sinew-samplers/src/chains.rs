@@ -196,7 +196,7 @@ impl ChainRun {
     /// Runs chains as [`draw`] does.
     ///
     /// # Errors
-    /// Those of [`draw`].
+    /// As [`draw`].
     pub fn new<T: GradLogDensity + ?Sized>(
         target: &T,
         hmc: &Hmc,
@@ -215,7 +215,7 @@ impl ChainRun {
     ///
     /// # Errors
     /// None: a chain stands where its target is positive.
-    pub fn go_on<T: GradLogDensity + ?Sized>(
+    pub fn resume<T: GradLogDensity + ?Sized>(
         &mut self,
         target: &T,
         hmc: &Hmc,

@@ -233,7 +233,7 @@ impl<T: Predict + Send, O: GaussNewton + ?Sized> Tracker<O> for HmcFilter<T> {
         let (mut starts, mut times) = (1, 1);
         while times < patience && (quality.r_hat > R_HAT_BOUND || quality.r_hat.is_nan()) {
             let more = times.min(patience - times);
-            run.go_on(&target, &hmc, more * schedule.updates, &to_move.round(starts))?;
+            run.resume(&target, &hmc, more * schedule.updates, &to_move.round(starts))?;
             (starts, times) = (starts + 1, times + more);
             quality = self.keep(run.draws(times * schedule.burn_in)?);
         }

@@ -1,4 +1,4 @@
-//! The one time loop: observe a frame, step the tracker, note what the next frame needs, describe and record the rest.
+//! The one time loop: observe a frame, step the tracker, note what the next frame needs, record the rest.
 //!
 //! A step leaves two kinds of work. What the next frame needs is done at once ([`Harness::note`]). The rest ([`Harness::record`]) is done beside the next step, which another thread takes if one is idle.
 //! All that is passed on belongs to one frame, so the number of threads changes nothing.

@@ -91,7 +91,7 @@ mod tests {
 
     /// Also of series with nothing below the mean less one standard deviation, few numbers, and equal ones.
     #[test]
-    fn quantiles_are_those_of_the_sorted_series() {
+    fn quantiles_agree_with_the_sorted_series() {
         let power =
             |exponent: i32| (1..=400).map(move |i| f64::from(i * 171 % 401).powi(exponent)).collect::<Vec<f64>>();
         let mirrored = power(9).iter().map(|x| -x).collect();

@@ -408,9 +408,9 @@ fn chains_that_disagree_continue() {
     assert_eq!(run(3, 0.3, 120).0, 16 * 120);
 }
 
-/// Chains that go on move by other random numbers than before: by as good as the same forces from other places, their later steps have nothing to do with the first.
+/// Chains that continue move by other random numbers than before: by as good as the same forces from other places, their later steps have nothing to do with the first.
 #[test]
-fn chains_that_go_on_do_not_repeat_their_steps() {
+fn continued_chains_do_not_repeat_their_steps() {
     const CHAINS: usize = 16;
     let draws = |patience| {
         let config = hmc_filter::Config {

@@ -2,42 +2,15 @@
 
 use super::lasting::Lasting;
 use super::marginals::{Described, Marginals};
-use super::scene::Shown;
+use super::noted::Noted;
 use crate::Error;
 use crate::config::settings::Settings;
 use crate::results::estimate::{ActionShare, Draws, FrameEstimate, HmcStatistics, ParticleStatistics, Quality};
 use sinew_core::random::Stage;
 use sinew_dynamics::primitives::switching::Choice;
-use sinew_observe::Detection;
 use sinew_tracking::StepInfo;
 use sinew_tracking::moved::{EqualDraws, Moved};
 use sinew_tracking::posterior::Posterior;
-
-/// What a frame's description needs beside its draws.
-pub(super) struct Noted {
-    /// Number of the frame.
-    pub number: u64,
-    /// What the tracker says.
-    pub info: StepInfo,
-    /// What the frame shows.
-    pub shown: Shown,
-    /// Cameras whose masks show the person.
-    pub silhouettes: usize,
-}
-
-impl Noted {
-    /// What was seen of the person ([`FrameEstimate::seen`]).
-    fn seen(&self) -> Vec<[f64; 3]> {
-        let one = |d: &Option<Detection>| d.map_or([f64::NAN; 3], |d| [d.pixel[0], d.pixel[1], d.confidence]);
-        self.shown.detections.iter().flatten().map(one).collect()
-    }
-
-    /// Cameras that saw the person.
-    fn cameras(&self) -> usize {
-        let by_keypoints = self.shown.detections.iter().filter(|points| points.iter().any(Option::is_some)).count();
-        by_keypoints.max(self.silhouettes)
-    }
-}
 
 /// Describes steps of a tracker, frame after frame.
 pub(super) struct Describer {

@@ -4,8 +4,8 @@
 //! where the tracker's estimate would be had that been true: s⁽ⁱ⁾ + J (g⁽ⁱ⁾ − ĝ), with the answer J of the filter linearised at its estimates ([`LastingMoves`]). Longer segments move the points of the body, too.
 //! Errors that persist some frames widen the draws by what the filter, which takes them as independent, does not know ([`PersistentErrors`]). Keypoints alone enter J: beside silhouettes it is too large.
 
-use super::describe::Noted;
 use super::error::TrackError;
+use super::noted::Noted;
 use super::scene::Scene;
 use crate::Error;
 use crate::setup::Setup;

@@ -12,13 +12,13 @@
 //! Frames without the person continue on the motion prior and are flagged. Someone who was lost for some frames and is found elsewhere restarts the tracker at the pose that fits there.
 //! Nothing is kept but the tracker and a few numbers a frame, so memory does not grow.
 
-use super::describe::{Describer, Noted};
+use super::describe::Describer;
 use super::error::TrackError;
 use super::images::{ImageState, Images};
 use super::lasting::Lasting;
 use super::marginals::Marginals;
 use super::motion_prior::{motion_prior, turned_near};
-use super::predictive::Doubt;
+use super::noted::Noted;
 use super::restart::{Observation, Restarting};
 use super::scene::{Scene, SceneState};
 use crate::Error;
@@ -39,6 +39,7 @@ use sinew_dynamics::motion_prior::MotionPrior;
 use sinew_formats::Layout;
 use sinew_observe::Camera;
 use sinew_observe::solid_body::part_tree;
+use sinew_recording::predictive::Doubt;
 use sinew_tracking::posterior::Posterior;
 use sinew_tracking::{Harness, Resume as _, StepInfo, run};
 use std::ops::ControlFlow;
@@ -257,7 +258,7 @@ impl Pipeline {
         &mut self,
         source: &mut dyn FrameSource,
         numbers: impl IntoIterator<Item = u64>,
-        mut keep: impl Keep,
+        mut keep: impl KeepFrames,
     ) -> Result<(), Error> {
         let mut refused = None;
         let numbers = numbers.into_iter().map_while(|number| frame_index(number).map_err(|e| refused = Some(e)).ok());
@@ -270,7 +271,7 @@ impl Pipeline {
 }
 
 /// Takes what a pipeline gives.
-pub trait Keep {
+pub trait KeepFrames {
     /// Takes an estimate, with the posterior that it describes.
     ///
     /// # Errors
@@ -283,7 +284,7 @@ pub trait Keep {
     }
 }
 
-impl<F: FnMut(FrameEstimate, &Posterior<'_>) -> Result<(), Error>> Keep for F {
+impl<F: FnMut(FrameEstimate, &Posterior<'_>) -> Result<(), Error>> KeepFrames for F {
     fn keep(&mut self, estimate: FrameEstimate, posterior: &Posterior<'_>) -> Result<(), Error> {
         self(estimate, posterior)
     }
@@ -295,7 +296,7 @@ struct Passage<'a> {
     images: &'a mut Option<Images>,
     describer: &'a mut Describer,
     source: &'a mut dyn FrameSource,
-    keep: &'a mut dyn Keep,
+    keep: &'a mut dyn KeepFrames,
 }
 
 impl Harness<Observation> for Passage<'_> {

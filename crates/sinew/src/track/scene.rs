@@ -4,7 +4,6 @@ mod check;
 
 use super::error::TrackError;
 use super::oddities::{OddPerson, Oddities, Watched};
-use super::predictive::{self, Doubt, Lengths, Origins, Predictive};
 use crate::Error;
 use crate::config::settings::Settings;
 use crate::methods::BoundKeypoints;
@@ -19,6 +18,7 @@ use sinew_observe::bystanders::elsewhere;
 use sinew_observe::following::{Associated, Following, follow};
 use sinew_observe::offsets::{self, Sighted, median};
 use sinew_observe::{Camera, Detection, KeypointFrame, KeypointModel, Mistakes, Noise, ObservationModel, View};
+use sinew_recording::predictive::{self, Doubt, Lengths, Origins, Predictive};
 use std::sync::Arc;
 
 /// Mean squared distance of the keypoints from a pose, in noise variances and at most [`WORST`] each, above which the pose is doubted. A right one has about 3.

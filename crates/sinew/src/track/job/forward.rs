@@ -7,7 +7,7 @@ use crate::Error;
 use crate::input::source::FrameSource;
 use crate::input::upright::Upright;
 use crate::results::estimate::FrameEstimate;
-use crate::track::pipeline::{Keep, Pipeline, moments};
+use crate::track::pipeline::{KeepFrames, Pipeline, moments};
 use sinew_core::lanes::Isa;
 use sinew_tracking::posterior::Posterior;
 use std::ops::ControlFlow;
@@ -51,7 +51,7 @@ struct Writing<'a, 'w> {
     total: u64,
 }
 
-impl Keep for Writing<'_, '_> {
+impl KeepFrames for Writing<'_, '_> {
     fn keep(&mut self, estimate: FrameEstimate, posterior: &Posterior<'_>) -> Result<(), Error> {
         let Self { keeper, watch, isa, total } = self;
         match &mut keeper.spool {

@@ -14,7 +14,7 @@
 //! - *disagreement*: root mean square of the residuals between the cameras, each divided by `σ √(1 − leverage)`; it knows nothing of the body and of the model error, which hide a wrong σ from the scatter;
 //! - *limb*: length between triangulated ends over that of the body, left and right together, after the length that noise adds.
 //!
-//! A number is reported ([`Doubt`]) where it is beyond a bound that means something for the intervals *and* more than [`SURE`] standard errors beyond what is expected. What cannot show is what the body or the set-up
+//! A number is reported ([`Doubt`]) where it is beyond a bound that means something for the intervals *and* more than `SURE` standard errors beyond what is expected. What cannot show is what the body or the set-up
 //! absorbs: with one camera whatever moves the person, with several a shift of the world. How large that may be is shown by the offsets that the set-up found
 //! ([`Doubt::Calibration`]), with the same bound on each camera's.
 //!
@@ -30,7 +30,7 @@ use serde::{Deserialize, Serialize};
 use sinew_observe::Noise;
 
 /// Limbs whose lengths are looked at: name and its ends without their side.
-pub(super) const LIMBS: [(&str, [&str; 2]); 4] = [
+pub const LIMBS: [(&str, [&str; 2]); 4] = [
     ("upper arms", ["Shoulder", "Elbow"]),
     ("forearms", ["Elbow", "Wrist"]),
     ("thighs", ["Hip", "Knee"]),
@@ -42,7 +42,7 @@ const FEWEST_FRAMES: f64 = 15.0;
 /// Standard errors.
 const SURE: f64 = 4.0;
 /// Offset, in units of the assumed noise, that is reported. Half of the width of a 90 % interval of a joint seen by four cameras is about one such unit.
-pub(super) const OFFSET: f64 = 0.3;
+pub const OFFSET: f64 = 0.3;
 /// Scatter and disagreement that are reported, as a multiple of the expected one.
 const SCATTER: f64 = 1.2;
 /// Gross residuals that are reported: a multiple of the expected share, and what they exceed it by as a share of all.
@@ -79,20 +79,20 @@ impl Sum {
 
 /// A keypoint in a camera, seen from the draws of a frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Residual {
+pub struct Residual {
     /// Assumed standard deviation per axis, pixels.
-    pub(super) sd_px: f64,
+    pub sd_px: f64,
     /// Mean residual over the draws in which it is not gross, pixels.
-    pub(super) mean_px: [f64; 2],
+    pub mean_px: [f64; 2],
     /// Mean square of its distance over the same, in units of the standard deviation; two axes together.
-    pub(super) square: f64,
+    pub square: f64,
     /// Share of the draws in which it is gross.
-    pub(super) gross: f64,
+    pub gross: f64,
 }
 
 impl Residual {
     /// From the residuals about some draws; `None` without any.
-    pub(super) fn of(sd_px: f64, about_draws: &[[f64; 2]]) -> Option<Self> {
+    pub fn of(sd_px: f64, about_draws: &[[f64; 2]]) -> Option<Self> {
         let mut found = Self { sd_px, ..Self::default() };
         let mut near = 0.0;
         for [u, v] in about_draws {
@@ -148,7 +148,7 @@ struct Limb {
 
 /// The checks of a run. Plain numbers: what a stopped run needs to resume.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub(super) struct Predictive {
+pub struct Predictive {
     expected: Expected,
     cameras: Vec<Watched>,
     limbs: [Limb; LIMBS.len()],
@@ -156,24 +156,18 @@ pub(super) struct Predictive {
 
 impl Predictive {
     /// Nothing seen yet in cameras of these names.
-    pub(super) fn new(cameras: impl Iterator<Item = String>, noise: Noise) -> Self {
+    pub fn new(cameras: impl Iterator<Item = String>, noise: Noise) -> Self {
         let watched = |name| Watched { name, ..Watched::default() };
         Self { expected: Expected::of(noise), cameras: cameras.map(watched).collect(), limbs: Default::default() }
     }
 
     /// Number of cameras.
-    pub(super) const fn cameras(&self) -> usize {
+    pub const fn cameras(&self) -> usize {
         self.cameras.len()
     }
 
     /// Takes in what a camera shows in a frame: each keypoint that it sees, and the mean square of its standardised residuals against the other cameras, if there are any.
-    pub(super) fn camera(
-        &mut self,
-        number: u64,
-        camera: usize,
-        residuals: &[Option<Residual>],
-        disagreement: Option<f64>,
-    ) {
+    pub fn camera(&mut self, number: u64, camera: usize, residuals: &[Option<Residual>], disagreement: Option<f64>) {
         let Some(watched) = self.cameras.get_mut(camera) else { return };
         let seen: Vec<&Residual> = residuals.iter().flatten().collect();
         if seen.is_empty() {
@@ -207,7 +201,7 @@ impl Predictive {
     }
 
     /// Takes in a limb of a frame: its length between the keypoints, less what noise adds, and in the body, metres.
-    pub(super) fn limb(&mut self, limb: usize, keypoints_m: f64, body_m: f64) {
+    pub fn limb(&mut self, limb: usize, keypoints_m: f64, body_m: f64) {
         let Some(limb) = self.limbs.get_mut(limb) else { return };
         if body_m > 0.0 && keypoints_m.is_finite() {
             limb.ratio.add(keypoints_m / body_m);
@@ -216,7 +210,7 @@ impl Predictive {
     }
 
     /// What the checks say of lengths, where these are all their doubts.
-    pub(super) fn lengths(&self, doubts: &[Doubt]) -> Lengths {
+    pub fn lengths(&self, doubts: &[Doubt]) -> Lengths {
         let checked = self.limbs.iter().filter(|limb| limb.ratio.count >= FEWEST_FRAMES).count();
         if doubts.iter().any(|doubt| matches!(doubt, Doubt::Limb { .. } | Doubt::Offset { .. })) {
             return Lengths::Doubted;
@@ -225,7 +219,7 @@ impl Predictive {
     }
 
     /// What does not look as the model says; `held` is the correlation of errors that the intervals have been widened for.
-    pub(super) fn doubts(&self, held: f64) -> Vec<Doubt> {
+    pub fn doubts(&self, held: f64) -> Vec<Doubt> {
         let mut doubts: Vec<Doubt> = self.cameras.iter().flat_map(|camera| camera.doubts(&self.expected)).collect();
         let persistent = |camera: &Watched| Some((camera.name.clone(), camera.persistence()?));
         let cameras: Vec<(String, f64)> = self.cameras.iter().filter_map(persistent).collect();
