@@ -16,7 +16,7 @@
 //! 4. ln s | (g − m)/s, w on the same grid: all deviations of that scale grow with it (Papaspiliopoulos, Roberts & Sköld 2007; Yu & Meng 2011). Without it a scale of which the data say nothing would hardly move.
 
 use crate::Error;
-use faer::linalg::solvers::Solve;
+use faer::linalg::solvers::{Llt, Solve};
 use faer::{Mat, MatRef, Side};
 use sinew_core::lanes::{Block, Isa};
 use sinew_core::random::Stage;
@@ -138,16 +138,7 @@ pub fn draws(
     stage: Stage,
 ) -> Result<LastingDraws, Error> {
     let p = data.pull.len();
-    check(data, prior, p)?;
-    let mut sweep = Sweep {
-        prior,
-        data,
-        // Symmetric: the order of its entries does not matter.
-        information: MatRef::from_column_major_slice(&data.information, p, p),
-        g: vec![0.0; p],
-        log_scales: prior.scales.iter().map(|scale| scale.median.ln()).collect(),
-        weights: vec![1.0; prior.clusters.len()],
-    };
+    let mut sweep = Sweep::new(data, prior)?;
     let mut found = LastingDraws { mean: vec![0.0; p], ..LastingDraws::default() };
     let after = schedule.draws * schedule.apart.max(1);
     for round in 0..schedule.burn_in + after {
@@ -164,6 +155,16 @@ pub fn draws(
         }
     }
     Ok(found)
+}
+
+/// Mean of g where its scales are these and no cluster is far off. Unlike the mean over draws it is not moved by the few in which a scale of which the data say little is large.
+///
+/// # Errors
+/// As [`draws`].
+pub fn mean_at(data: &LastingData, prior: &LastingPrior, scales: &[f64]) -> Result<Vec<f64>, Error> {
+    let mut sweep = Sweep::new(data, prior)?;
+    sweep.log_scales = scales.iter().map(|scale| scale.ln()).collect();
+    Ok(sweep.conditional()?.0)
 }
 
 fn check(data: &LastingData, prior: &LastingPrior, p: usize) -> Result<(), Error> {
@@ -185,15 +186,30 @@ fn check(data: &LastingData, prior: &LastingPrior, p: usize) -> Result<(), Error
     }
 }
 
-impl Sweep<'_> {
+impl<'a> Sweep<'a> {
+    /// A sampler that stands at g = 0 and the medians of the scales.
+    fn new(data: &'a LastingData, prior: &'a LastingPrior) -> Result<Self, Error> {
+        let p = data.pull.len();
+        check(data, prior, p)?;
+        Ok(Self {
+            prior,
+            data,
+            // Symmetric: the order of its entries does not matter.
+            information: MatRef::from_column_major_slice(&data.information, p, p),
+            g: vec![0.0; p],
+            log_scales: prior.scales.iter().map(|scale| scale.median.ln()).collect(),
+            weights: vec![1.0; prior.clusters.len()],
+        })
+    }
+
     /// Standard deviation of a cluster's numbers over their units.
     fn size(&self, cluster: usize) -> f64 {
         let log_scale = self.prior.clusters[cluster].scale.map_or(0.0, |scale| self.log_scales[scale]);
         log_scale.exp() / self.weights[cluster].sqrt()
     }
 
-    /// Draws g, and gives its conditional mean.
-    fn draw_errors(&mut self, normal: &mut Luck) -> Result<Vec<f64>, Error> {
+    /// Mean of g at the scales and weights, and the factor of its precision.
+    fn conditional(&self) -> Result<(Vec<f64>, Llt<f64>), Error> {
         let p = self.g.len();
         let mut matrix = self.information.to_owned();
         let mut right = Mat::from_fn(p, 1, |i, _| self.data.pull[i]);
@@ -209,9 +225,14 @@ impl Sweep<'_> {
             return Err(Error::Indefinite { name: "information of what lasts", smallest: f64::NAN });
         };
         let mean = factor.solve(&right);
-        let mut away = Mat::from_fn(p, 1, |_, _| normal.take());
+        Ok(((0..p).map(|i| mean[(i, 0)]).collect(), factor))
+    }
+
+    /// Draws g, and gives its conditional mean.
+    fn draw_errors(&mut self, normal: &mut Luck) -> Result<Vec<f64>, Error> {
+        let (mean, factor) = self.conditional()?;
+        let mut away = Mat::from_fn(mean.len(), 1, |_, _| normal.take());
         factor.L().transpose().solve_upper_triangular_in_place(away.as_mut());
-        let mean: Vec<f64> = (0..p).map(|i| mean[(i, 0)]).collect();
         self.g = mean.iter().enumerate().map(|(i, mean)| mean + away[(i, 0)]).collect();
         Ok(mean)
     }

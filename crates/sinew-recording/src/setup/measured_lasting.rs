@@ -29,7 +29,7 @@ use sinew_body::point_derivatives::{Neighbours, length_names, lengthened};
 use sinew_core::random::Stage;
 use sinew_core::transition::Moments;
 use sinew_dynamics::lasting::{FrameInformation, Lasting, informed};
-use sinew_dynamics::lasting_scales::{LastingData, LastingDraws, LastingPrior, SweepSchedule, draws};
+use sinew_dynamics::lasting_scales::{LastingData, LastingDraws, LastingPrior, SweepSchedule, draws, mean_at};
 use sinew_dynamics::smoother::Smoother;
 use sinew_observe::camera_error::{NUMBERS, PRINCIPAL_POINT, with_error};
 use sinew_observe::lasting_errors::{
@@ -72,7 +72,8 @@ pub fn measure_lasting(
     fit.at_errors(&cameras);
     for round in 0..ROUNDS {
         let pass = fit.pass()?;
-        fit.drawn(&pass.data, ROUND, Stage::new(seed, "lasting rounds").round(round))?;
+        let found = fit.drawn(&pass.data, ROUND, Stage::new(seed, "lasting rounds").round(round))?;
+        fit.settle(&pass.data, &found)?;
         fit.follow(&pass)?;
         fit.at_errors(&cameras);
         fit.mistakes();
@@ -88,6 +89,10 @@ pub fn measure_lasting(
     let source = point_sources(build, &setup.proportions, &fit.errors, &found, &poses, keypoint_at);
     fit.store(setup, found, source);
     Ok(())
+}
+
+fn median_scale(found: &LastingDraws, scale: usize) -> f64 {
+    offsets::median(&mut found.scales.iter().map(|scales| scales[scale]).collect::<Vec<_>>())
 }
 
 /// What a pass over the frames leaves.
@@ -359,13 +364,18 @@ impl Fit {
         }
     }
 
+    /// Puts g to its mean at the medians of its drawn scales: where cameras tell little of their scale, the mean of a few draws may be far off, and the next round linearises there.
+    fn settle(&mut self, data: &LastingData, found: &LastingDraws) -> Result<(), Error> {
+        let scales: Vec<f64> = (0..self.prior.scales.len()).map(|scale| median_scale(found, scale)).collect();
+        self.g = mean_at(&levelled(data, &self.errors, &self.unmoved, &self.level), &self.prior, &scales)?;
+        Ok(())
+    }
+
     /// Draws g, and keeps its mean and the sizes of its prior.
     fn drawn(&mut self, data: &LastingData, schedule: SweepSchedule, stage: Stage) -> Result<LastingDraws, Error> {
         let found = draws(&levelled(data, &self.errors, &self.unmoved, &self.level), &self.prior, schedule, stage)?;
         for cluster in &self.prior.clusters {
-            let size = cluster.scale.map_or(1.0, |scale| {
-                offsets::median(&mut found.scales.iter().map(|scales| scales[scale]).collect::<Vec<_>>())
-            });
+            let size = cluster.scale.map_or(1.0, |scale| median_scale(&found, scale));
             cluster.numbers.iter().for_each(|(place, mean, unit)| self.expected[*place] = [*mean, unit * size]);
         }
         self.g.clone_from(&found.mean);
