@@ -3,7 +3,7 @@
 use sinew_core::lanes::{Block, Isa};
 use sinew_core::random::Stage;
 use sinew_dynamics::lasting_scales::{
-    LastingData, LastingPrior, PriorCluster, ScalePrior, SweepSchedule, alike, draws,
+    LastingData, LastingPrior, PriorCluster, ScalePrior, SweepSchedule, alike, draws, mean_at,
 };
 
 const COUNT: usize = 9;
@@ -154,4 +154,23 @@ fn wrong_sizes_and_units_are_refused() {
     let mut flat = prior();
     flat.clusters[0].numbers[0].2 = 0.0;
     assert!(refused(&data, &flat).contains("must be positive"), "{}", refused(&data, &flat));
+}
+
+/// At the mean the posterior of these scales is stationary: what the data pull is what the prior holds back.
+#[test]
+fn the_mean_at_some_scales_is_where_their_posterior_is_flat() {
+    let (prior, scales) = (prior(), [0.3, 2.0]);
+    for run in 0..5 {
+        let (_, _, data) = simulated(run);
+        let g = mean_at(&data, &prior, &scales).expect("valid");
+        for cluster in &prior.clusters {
+            let size = cluster.scale.map_or(1.0, |scale| scales[scale]);
+            for &(place, mean, unit) in &cluster.numbers {
+                let against: f64 = (0..COUNT).map(|other| data.information[place * COUNT + other] * g[other]).sum();
+                let held = (g[place] - mean) / (unit * size).powi(2);
+                let left = data.pull[place] - against - held;
+                assert!(left.abs() < 1e-9 * (1.0 + data.pull[place].abs()), "run {run}, number {place}: {left}");
+            }
+        }
+    }
 }
