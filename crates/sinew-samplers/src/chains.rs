@@ -188,7 +188,8 @@ pub fn draw<T: GradLogDensity + ?Sized>(
 pub struct ChainRun {
     dim: usize,
     chains: usize,
-    updates: usize,
+    /// What has run, and what was discarded at first.
+    schedule: Schedule,
     blocks: Vec<Lockstep>,
 }
 
@@ -208,13 +209,13 @@ impl ChainRun {
         let dim = target.dim();
         let run = |start: &[Block], block| lockstep(target, hmc, start, schedule, stage, block);
         let blocks = run_blocks(dim, starts, chains, schedule, run)?;
-        Ok(Self { dim, chains, updates: schedule.updates, blocks })
+        Ok(Self { dim, chains, schedule, blocks })
     }
 
     /// Runs every chain on for `updates` more; the stage must be another one.
     ///
     /// # Errors
-    /// None: a chain stands where its target is positive.
+    /// [`Error::BadStart`] for a target that is 0 where a chain stands, as the one that it has run on is not.
     pub fn resume<T: GradLogDensity + ?Sized>(
         &mut self,
         target: &T,
@@ -224,7 +225,7 @@ impl ChainRun {
     ) -> Result<(), Error> {
         // Sample 0 is where the chain stands, which has been counted.
         let schedule = Schedule { updates, burn_in: 1 };
-        self.updates += updates;
+        self.schedule.updates += updates;
         self.blocks.par_iter_mut().enumerate().try_for_each(|(block, run)| {
             let Lockstep { kept, log, last } = lockstep(target, hmc, &run.last, schedule, stage, block)?;
             run.kept.extend(kept);
@@ -234,13 +235,18 @@ impl ChainRun {
         })
     }
 
-    /// The draws without the first `burn_in` samples of each chain, at least as many as the first schedule discards.
+    /// The draws without the first `burn_in` samples of each chain.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] where nothing is left.
+    /// [`Error::OutOfRange`] where nothing is left, or for fewer samples than the first schedule discarded.
     pub fn draws(&self, burn_in: usize) -> Result<ChainDraws, Error> {
-        let schedule = Schedule { updates: self.updates, burn_in };
+        let schedule = Schedule { burn_in, ..self.schedule };
         check(schedule)?;
+        if burn_in < self.schedule.burn_in {
+            let (name, value, expected) =
+                ("burn-in", burn_in as f64, "must not be less than what was discarded before");
+            return Err(Error::OutOfRange { name, value, expected });
+        }
         Ok(gather(self.dim, self.chains, schedule, &self.blocks))
     }
 }
@@ -336,6 +342,11 @@ mod tests {
         assert!((draws.quality(&[0.0, 3.0]).energy_fraction - expected).abs() < 1e-12);
         for (chain, series) in series[1].iter().enumerate() {
             assert_eq!(series[3], draws.last[chain / 8 * 2 + 1].0[chain % 8]);
+        }
+        let run = ChainRun::new(&target, &hmc, &starts, 10, schedule, &Stage::new(1, "compact")).expect("valid");
+        assert_eq!(run.draws(6).expect("valid"), draws);
+        for burn_in in [5, 10] {
+            assert!(matches!(run.draws(burn_in), Err(Error::OutOfRange { name: "burn-in", .. })), "{burn_in}");
         }
         let none = draw(&target, &hmc, &starts, 10, Schedule { updates: 5, burn_in: 6 }, &Stage::new(1, "none"));
         assert!(matches!(none, Err(Error::OutOfRange { name: "burn-in", .. })));
