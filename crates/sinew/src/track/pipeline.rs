@@ -7,10 +7,10 @@
 //! 1. the tracked person is found in each view, near to where the last pose projects ([`sinew_observe::association`]);
 //! 2. the keypoints become the points of the body, and are bound to a likelihood at the predicted pose ([`sinew_observe::keypoint_likelihood`]), images likewise;
 //! 3. the tracker steps ([`sinew_tracking::run`]);
-//! 4. its draws, moved by draws of what is constant over the run, become marginals of points and angles.
+//! 4. beside the next step, its draws, moved by draws of what is constant over the run, become marginals of points and angles.
 //!
 //! Frames without the person continue on the motion prior and are flagged. Someone who was lost for some frames and is found elsewhere restarts the tracker at the pose that fits there.
-//! Nothing is kept but the tracker and a few numbers a frame, so memory does not grow.
+//! Nothing is kept but the tracker, one frame and a few numbers a frame, so memory does not grow.
 
 use super::describe::Describer;
 use super::error::TrackError;
