@@ -3,7 +3,8 @@
 //! 1. g, what lasts, and its scales come from [`lasting_prior::prior`] itself, with one camera more than are used; lengths of the body are part of it.
 //!    Soles and eyes are level: of normal numbers that are known to be equal, each is as their mean was.
 //! 2. Poses begin at a standing one, knees and elbows bent, with normal deviations and walk at random, as the set-up and the tracker assume.
-//! 3. Keypoints are the body's points moved by their places on their links. Cameras show them as they are, with their biases and white noise; calibrated they are without errors.
+//! 3. Keypoints are the body's points moved by their places on their links. Cameras show them as they are, where they were a lag before, with their biases and white noise; calibrated they are without errors.
+//!    A point was there on a straight line, along the frames around.
 
 use sinew::body::point_derivatives::{Neighbours, length_names, lengthened, lengths};
 use sinew::body::standard::{STANDING_HEIGHT_M, h32};
@@ -16,6 +17,7 @@ use sinew::input::in_memory::InMemory;
 use sinew::observe::Camera;
 use sinew::observe::camera_error::with_error;
 use sinew::observe::lasting_errors::{LastingErrors, pixels_per_metre};
+use sinew::observe::point_velocity::{reach, velocity};
 use sinew::setup::level_points::{self, LevelPoints};
 use sinew::setup::{MeasuredErrors, Setup, lasting_prior, motion_noise};
 use sinew_motion::points::Trajectories;
@@ -36,6 +38,8 @@ pub const FRAMES: usize = 50;
 pub const RATE_HZ: f64 = 30.0;
 /// Noise of a detection per axis, pixels.
 const SIGMA_PX: f64 = 3.0;
+/// Seconds from a frame to the next.
+const FRAME_S: f64 = 1.0 / RATE_HZ;
 /// Standard deviation of each angle of the first pose, radians.
 const START: f64 = 0.3;
 /// Bends about which the hinges begin, radians: a limb that is bent the other way and turned by half a turn shows the same keypoints.
@@ -83,8 +87,14 @@ impl Rig {
         let errors = LastingErrors { cameras: USED + 1, lengths: length_names().len(), points: points.len() };
         let places = vec![[0.0; 3]; points.len()];
         let level = level_points::level_points(&points);
-        let prior =
-            lasting_prior::prior(&errors, &points, &Proportions::default(), &places, level_points::tied(&level));
+        let prior = lasting_prior::prior(
+            &errors,
+            &points,
+            &Proportions::default(),
+            &places,
+            level_points::tied(&level),
+            FRAME_S,
+        );
         let (mut g, scales) = drawn(&prior, lasting);
         for LevelPoints { points, axis } in level {
             let places: Vec<usize> = points.iter().map(|&point| errors.place(point).start + axis).collect();
@@ -119,12 +129,16 @@ impl Rig {
 
     fn film(&mut self, truth: &Trajectories, noise: &Stage) {
         let layout = body_25b();
-        let middle = middle(truth);
+        let (middle, velocities) = (middle(truth), velocities(truth));
         for (index, camera) in self.cameras.iter().enumerate() {
             let error = std::array::from_fn(|k| self.g[self.errors.camera(index).start + k]);
             let (real, scale) = (with_error(camera, &error), pixels_per_metre(camera, middle));
-            let shown: Vec<Vec<Option<[f64; 2]>>> =
-                truth.frames.iter().map(|frame| frame.iter().map(|x| real.project(*x).pixel()).collect()).collect();
+            let lag = self.g[self.errors.lag(index)];
+            let shown_in = |f: usize| {
+                let points = truth.frames[f].iter().enumerate();
+                points.map(|(p, x)| real.project(before(*x, velocities[f][p], lag)).pixel()).collect()
+            };
+            let shown: Vec<Vec<Option<[f64; 2]>>> = (0..truth.frames.len()).map(shown_in).collect();
             let errors = normals(&noise.round(index), 0, 2 * truth.frames.len() * self.points.len());
             let found = |f: usize| {
                 let mut frame = vec![None; layout.points.len()];
@@ -192,6 +206,7 @@ pub fn truth(rig: &Rig, setup: &Setup, known: &MeasuredErrors) -> Vec<f64> {
         (0..USED).for_each(|c| put(layout.bias(c, p), &rig.g[rig.errors.bias(c, own)]));
     }
     (0..USED).for_each(|c| put(layout.camera(c), &rig.g[rig.errors.camera(c)]));
+    (0..USED).for_each(|c| put(layout.lag(c)..layout.lag(c) + 1, &[rig.g[rig.errors.lag(c)]]));
     truth
 }
 
@@ -238,6 +253,26 @@ fn walk(body: &KinematicTree, stage: Stage) -> Vec<Vec<f64>> {
         own
     };
     steps.chunks_exact(body.dof()).map(next).collect()
+}
+
+/// Velocities of all points in all frames, metres a second, as the set-up knows them: over the frames around.
+fn velocities(truth: &Trajectories) -> Vec<Vec<[f64; 3]>> {
+    let numbers: Vec<u64> = (0..truth.frames.len() as u64).collect();
+    let at_ends = |frame: usize, reach: usize| frame.clamp(reach, truth.frames.len() - 1 - reach);
+    let near = reach(RATE_HZ);
+    let in_frame = |frame: usize| {
+        let of_point = |point: usize| {
+            let points: Vec<_> = truth.frames.iter().map(|frame| Some(frame[point])).collect();
+            velocity(&points, &numbers, at_ends(frame, near as usize), near).map_or([0.0; 3], |v| (v * RATE_HZ).into())
+        };
+        (0..truth.names.len()).map(of_point).collect()
+    };
+    (0..truth.frames.len()).map(in_frame).collect()
+}
+
+/// Where a point was some seconds before.
+fn before(at: [f64; 3], velocity: [f64; 3], seconds: f64) -> [f64; 3] {
+    [0, 1, 2].map(|axis: usize| at[axis] - seconds * velocity[axis])
 }
 
 /// Mean of all points over all frames.

@@ -65,8 +65,8 @@ pub fn pairs(scene: Scene, seed: u64) -> Outcome<Vec<Pair>> {
     let setup = set_up(&mut source, &SetupRequest::default(), fps, seed)?;
     let Some(known) = &setup.lasting else { return Ok(vec![]) };
     let prior_sd = (0..known.number.len()).map(|place| known.known(place).prior_sd).collect();
-    let (layout, body) = (known.layout(), body(&setup, known));
-    let found = Posterior { known, prior_sd, cameras: &cameras, layout, body };
+    let (layout, body, velocity) = (known.layout(), body(&setup, known), mean_velocity(&recording, fps));
+    let found = Posterior { known, prior_sd, cameras: &cameras, layout, body, velocity };
     Ok(found.all().into_iter().map(|alike| found.mean(alike)).collect())
 }
 
@@ -75,6 +75,15 @@ fn body(setup: &Setup, known: &MeasuredErrors) -> PointDerivatives {
     let tree = setup.tree();
     let indices: Vec<usize> = known.points.iter().filter_map(|name| tree.point_index(name)).collect();
     Neighbours::new(|sizes| setup.body.tree(sizes), &setup.proportions, &indices).at(&setup.start_pose)
+}
+
+/// From where all points of the person are in the first frame to where they are in the last, metres a second.
+fn mean_velocity(recording: &SyntheticRecording, fps: f64) -> [f64; 3] {
+    let frames = &recording.truth.frames;
+    let seconds = (frames.len() - 1) as f64 / fps;
+    let mean = |frame: &[[f64; 3]], axis: usize| frame.iter().map(|x| x[axis]).sum::<f64>() / frame.len() as f64;
+    let ends = frames.first().zip(frames.last());
+    [0, 1, 2].map(|axis: usize| ends.map_or(0.0, |(first, last)| (mean(last, axis) - mean(first, axis)) / seconds))
 }
 
 fn dot(a: &[f64], b: &[f64]) -> f64 {
@@ -106,6 +115,8 @@ struct Posterior<'a> {
     cameras: &'a [Camera],
     layout: LastingErrors,
     body: PointDerivatives,
+    /// Of the person, metres a second.
+    velocity: [f64; 3],
 }
 
 impl Posterior<'_> {
@@ -183,12 +194,14 @@ impl Posterior<'_> {
     fn common_movements(&self) -> Vec<Alike> {
         let still = [0.0; 3];
         let alone = |direction: Combination| [self.along(&direction), self.none()];
+        let late = self.of(&self.layout.lags().map(|place| (place, 1.0)).collect::<Vec<_>>());
         let shifts = (0..3).map(|k| alone(self.moved(axis(k), still, 0.0))).collect();
         let turns = (0..3).map(|k| alone(self.moved(still, axis(k), 0.0))).collect();
         let scale = [self.along(&self.moved(still, still, 1.0)), self.size()];
         vec![
             ("all cameras shifted", shifts),
             ("all cameras turned", turns),
+            ("all cameras late", vec![alone(late)]),
             ("all cameras scaled, size of the body", vec![scale]),
         ]
     }
@@ -228,7 +241,21 @@ impl Posterior<'_> {
             ("focal length, distance", cameras.clone().map(|camera| [focal(camera), nearer(camera)]).collect()),
             ("mean focal length, size of the body", vec![sized]),
             ("offset of a camera, mean of its biases", axes().map(offset).collect()),
+            ("lag of a camera, its offset along the motion", cameras.clone().map(|camera| self.late(camera)).collect()),
         ]
+    }
+
+    /// How the lag of a camera, and rotation and principal point together, shift images along the mean motion of the person, radians.
+    fn late(&self, camera: usize) -> [Combination; 2] {
+        let [x, y, z] = self.cameras[camera].point_in_camera(self.known.middle_m);
+        let [vx, vy, vz] = seen_from(&self.cameras[camera], self.velocity);
+        let flow = [(vx - vz * x / z) / z, (vy - vz * y / z) / z];
+        let speed = flow[0].hypot(flow[1]);
+        let offset = [0, 1].map(|along: usize| {
+            let [turn, principal_point, _] = self.shifts(camera, along);
+            plus(&self.none(), flow[along] / speed, &plus(&turn, 1.0, &principal_point))
+        });
+        [self.of(&[(self.layout.lag(camera), -speed)]), plus(&offset[0], 1.0, &offset[1])]
     }
 
     /// The part of the biases of a keypoint that is a shift in 3D, along a direction.

@@ -36,7 +36,7 @@ use crate::program::{self, Program};
 use crate::store::{Store, Task, run_all};
 use crate::study_options::StudyOptions;
 use clap::ValueEnum;
-use protocol::{FIRST_DERIVED, FIRST_RIG, FIRST_SEED, Recording, tuned_on};
+use protocol::{FIRST_DERIVED, FIRST_RIG, FIRST_RUN, FIRST_SEED, Recording, tuned_on};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -69,6 +69,9 @@ pub(crate) struct Args {
     /// Rigs drawn from the prior, with seeds from 1 on
     #[arg(long, default_value_t = 200)]
     rigs: u64,
+    /// Runs of each set of cameras of a recording, with seeds from 1 on
+    #[arg(long, default_value_t = 5)]
+    runs: u64,
     /// Demos whose draws are computed with, with seeds from 1001 on
     #[arg(long, default_value_t = 60)]
     derived: u64,
@@ -86,8 +89,12 @@ pub(crate) struct Args {
 }
 
 impl Args {
-    fn runs(&self, part: Part) -> bool {
+    fn has(&self, part: Part) -> bool {
         self.only.is_empty() || self.only.contains(&part)
+    }
+
+    fn runs(&self) -> Range<u64> {
+        FIRST_RUN..FIRST_RUN + self.runs
     }
 
     fn demos(&self) -> Range<u64> {
@@ -104,26 +111,26 @@ impl Args {
 }
 
 /// Raised with every change of what a cell computes.
-const VERSION: u32 = 2;
+const VERSION: u32 = 3;
 
 /// Cells of cameras that are left out.
-fn left_out<'a>(program: &'a Program, recording: &'a Recording) -> Vec<Task<'a>> {
+fn left_out<'a>(program: &'a Program, recording: &'a Recording, seed: u64) -> Vec<Task<'a>> {
     let task = |used: Vec<&'static str>| -> Task<'a> {
-        let name = format!("{}/{}", recording.cells, used.join("+"));
-        (name, 8.0, Box::new(move || left_out::cell(program, recording, &used)))
+        (recording.cell(&used, seed), 8.0, Box::new(move || left_out::cell(program, recording, &used, seed)))
     };
     recording.sets().into_iter().map(task).collect()
 }
 
 /// Cells of the recording that was tuned on.
-fn real<'a>(args: &Args, program: &'a Program, recording: &'a Recording) -> Vec<Task<'a>> {
-    let mut tasks = if args.runs(Part::LeftOut) { left_out(program, recording) } else { vec![] };
-    for used in recording.sets().into_iter().filter(|_| args.runs(Part::Scores)) {
-        let name = used.join("+");
-        tasks.push((format!("scores/{name}"), 14.0, Box::new(move || scores::cell(program, recording, &used))));
+fn real<'a>(args: &Args, program: &'a Program, recording: &'a Recording, seed: u64) -> Vec<Task<'a>> {
+    let mut tasks = if args.has(Part::LeftOut) { left_out(program, recording, seed) } else { vec![] };
+    for used in recording.sets().into_iter().filter(|_| args.has(Part::Scores)) {
+        let name = scores::name(&used, seed);
+        tasks.push((name, 14.0, Box::new(move || scores::cell(program, recording, &used, seed))));
     }
-    for [a, b] in pairs::DISJOINT.into_iter().filter(|_| args.runs(Part::Pairs)) {
-        tasks.push((format!("pairs/{a:?}"), 8.0, Box::new(move || pairs::cell(program, recording, [a, b]))));
+    for both in pairs::DISJOINT.into_iter().filter(|_| args.has(Part::Pairs)) {
+        let task = move || pairs::cell(program, recording, both, seed);
+        tasks.push((pairs::name(both, seed), 8.0, Box::new(task)));
     }
     tasks
 }
@@ -131,13 +138,13 @@ fn real<'a>(args: &Args, program: &'a Program, recording: &'a Recording) -> Vec<
 /// Cells of simulations.
 fn simulated<'a>(args: &Args, program: &'a Program) -> Vec<Task<'a>> {
     let mut tasks: Vec<Task<'a>> = vec![];
-    for seed in args.rigs().filter(|_| args.runs(Part::Rigs)) {
+    for seed in args.rigs().filter(|_| args.has(Part::Rigs)) {
         tasks.push((format!("rig/{seed}"), 3.0, Box::new(move || rigs::cell(program, seed))));
     }
-    for seed in args.derived().filter(|_| args.runs(Part::Derived)) {
+    for seed in args.derived().filter(|_| args.has(Part::Derived)) {
         tasks.push((format!("derived/{seed}"), 7.0, Box::new(move || derived::cell(program, seed))));
     }
-    for seed in args.demos().filter(|_| args.runs(Part::Demos)) {
+    for seed in args.demos().filter(|_| args.has(Part::Demos)) {
         tasks.push((format!("demo/{seed}"), 2.0, Box::new(move || demos::cell(program, seed))));
     }
     tasks
@@ -147,15 +154,15 @@ fn simulated<'a>(args: &Args, program: &'a Program) -> Vec<Task<'a>> {
 fn tables(args: &Args, store: &Store, [tuned_on, untouched]: [&Recording; 2]) -> String {
     let all = [
         (vec![Part::Demos], demos::table(store, args.demos())),
-        (vec![Part::LeftOut], left_out::table(store, tuned_on)),
-        (vec![Part::Pairs], pairs::table(store)),
+        (vec![Part::LeftOut], left_out::table(store, tuned_on, args.runs())),
+        (vec![Part::Pairs], pairs::table(store, args.runs())),
         (vec![Part::Rigs], rigs::table(store, args.rigs())),
         (vec![Part::Derived], derived::table(store, args.derived())),
-        (vec![Part::Scores], scores::table(store)),
-        (vec![Part::Scores, Part::Derived], reliability::table(store, args.derived())),
-        (vec![Part::Caliscope], left_out::table(store, untouched)),
+        (vec![Part::Scores], scores::table(store, &args.runs())),
+        (vec![Part::Scores, Part::Derived], reliability::table(store, [args.runs(), args.derived()])),
+        (vec![Part::Caliscope], left_out::table(store, untouched, args.runs())),
     ];
-    let wanted = all.into_iter().filter(|(parts, _)| parts.iter().any(|part| args.runs(*part)));
+    let wanted = all.into_iter().filter(|(parts, _)| parts.iter().any(|part| args.has(*part)));
     wanted.map(|(_, table)| table).collect::<Vec<_>>().join("\n")
 }
 
@@ -170,10 +177,13 @@ fn measure(root: &Path, args: &Args) -> Outcome<()> {
     let (source, untouched) = (data.join("caliscope_gesture"), caliscope::recording(&folder.join("caliscope")));
     let mut store = Store::open(&folder, &format!("version {VERSION}"))?;
     let is_there = recording.calibration.is_file();
-    let mut tasks = if is_there { real(args, &program, &recording) } else { vec![] };
-    if args.runs(Part::Caliscope) && source.is_dir() {
+    let mut tasks = vec![];
+    for seed in args.runs().filter(|_| is_there) {
+        tasks.extend(real(args, &program, &recording, seed));
+    }
+    if args.has(Part::Caliscope) && source.is_dir() {
         caliscope::converted(&source, &folder.join("caliscope"))?;
-        tasks.extend(left_out(&program, &untouched));
+        args.runs().for_each(|seed| tasks.extend(left_out(&program, &untouched, seed)));
     }
     tasks.extend(simulated(args, &program));
     run_all(&mut store, "intervals", tasks, args.options.threads())?;
@@ -181,7 +191,11 @@ fn measure(root: &Path, args: &Args) -> Outcome<()> {
     if args.only.is_empty() && is_there && source.is_dir() {
         std::fs::write(folder.join("tables.md"), &text)?;
     }
-    reliability::draw(&store, args.derived(), &args.images.as_ref().unwrap_or(&folder).join("reliability.svg"))?;
+    reliability::draw(
+        &store,
+        [args.runs(), args.derived()],
+        &args.images.as_ref().unwrap_or(&folder).join("reliability.svg"),
+    )?;
     println!("{text}");
     Ok(())
 }

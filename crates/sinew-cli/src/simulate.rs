@@ -143,7 +143,7 @@ fn write_points(footage: &SyntheticFootage, seed: u64, out: &Path) -> Result<(),
     let rows = footage.cameras.first().map_or(DETECTOR_ROWS, |camera| camera.image_size_px[1]);
     let noise = DetectorNoise::DETECTOR_LIKE.resized(rows / DETECTOR_ROWS);
     let stage = Stage::new(seed, "synthetic recording");
-    let found = detect(&footage.motion, &body_25b(), &footage.cameras, &noise, stage);
+    let found = detect(&footage.motion, &body_25b(), (&footage.cameras, &[]), &noise, stage);
     let keypoints = out.join(FOLDERS[0]);
     for camera in &footage.cameras {
         let folder = keypoints.join(format!("{}_json", camera.name));

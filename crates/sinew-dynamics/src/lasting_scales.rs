@@ -14,6 +14,7 @@
 //! 2. w | g, s ~ Gamma(2 + n/2, 2 + ½ Σ ((g_i − m_i)/(u_i s))²)
 //! 3. ln s | g, w on a grid, at a random place within the cell
 //! 4. ln s | (g − m)/s, w on the same grid: all deviations of that scale grow with it (Papaspiliopoulos, Roberts & Sköld 2007; Yu & Meng 2011). Without it a scale of which the data say nothing would hardly move.
+//! 5. ln s and all w of that scale, where sizes s/√w stay, on the same grid (a generalised Gibbs step, Liu & Sabatti 2000): a larger scale with larger weights says the same of g.
 
 use crate::Error;
 use faer::linalg::solvers::{Llt, Solve};
@@ -75,7 +76,7 @@ pub struct SweepSchedule {
 
 impl Default for SweepSchedule {
     fn default() -> Self {
-        Self { draws: 128, burn_in: 40, apart: 2 }
+        Self { draws: 128, burn_in: 40, apart: 4 }
     }
 }
 
@@ -299,6 +300,14 @@ impl<'a> Sweep<'a> {
             self.g[place] = mean + grown * deviation;
         }
         self.log_scales[scale] = next;
+        if clusters().all(|(_, cluster)| cluster.heavy_tails) {
+            let own: Vec<usize> = clusters().map(|(index, _)| index).collect();
+            let (count, sum) = (own.len() as f64, own.iter().map(|&index| self.weights[index]).sum::<f64>());
+            // Density of ln w, where w ~ Gamma(2, 2) grows with s².
+            let last = draw(&|x| HEAVY * (2.0 * count * x - sum * (2.0 * (x - next)).exp()));
+            own.iter().for_each(|&index| self.weights[index] *= (2.0 * (last - next)).exp());
+            self.log_scales[scale] = last;
+        }
     }
 }
 

@@ -17,6 +17,7 @@
 
 use crate::camera::Camera;
 use crate::offsets::{CameraNoise, Sighted, point_from_views};
+use crate::point_velocity::velocity;
 use nalgebra::{DMatrix, DVector, Matrix2x3, Matrix3, Vector2, Vector3};
 use std::collections::HashMap;
 
@@ -115,24 +116,6 @@ fn shifted(frames: &[(u64, Sighted)], by: &[i64]) -> Vec<(u64, Sighted)> {
     frames.iter().map(|(number, _)| (*number, frame(*number))).collect()
 }
 
-/// Least-squares slope of positions over frame numbers, metres a frame; `None` without frames on both sides.
-fn velocity(points: &[Option<[f64; 3]>], frames: &[(u64, Sighted)], at: usize) -> Option<Vector3<f64>> {
-    let centre = frames[at].0;
-    let near: Vec<(f64, Vector3<f64>)> = (at.saturating_sub(REACH as usize)..frames.len().min(at + REACH as usize + 1))
-        .filter(|&i| frames[i].0.abs_diff(centre) <= REACH)
-        .filter_map(|i| Some((frames[i].0 as f64 - centre as f64, Vector3::from(points[i]?))))
-        .collect();
-    let has = |side: fn(f64) -> bool| near.iter().any(|(offset, _)| side(*offset));
-    if near.len() <= REACH as usize || !has(|offset| offset < 0.0) || !has(|offset| offset > 0.0) {
-        return None;
-    }
-    let count = near.len() as f64;
-    let middle = near.iter().map(|(offset, _)| offset).sum::<f64>() / count;
-    let mean = near.iter().map(|(_, point)| point).sum::<Vector3<f64>>() / count;
-    let slope = near.iter().map(|(offset, point)| (offset - middle) * (point - mean)).sum::<Vector3<f64>>();
-    Some(slope / near.iter().map(|(offset, _)| (offset - middle).powi(2)).sum::<f64>())
-}
-
 fn sights_of(
     cameras: &[Camera],
     noise: &[CameraNoise],
@@ -142,6 +125,7 @@ fn sights_of(
 ) -> Vec<Sight> {
     let keypoints = frames.iter().flat_map(|(_, views)| views).map(Vec::len).max().unwrap_or(0);
     let first = frames.first().map_or(0, |(number, _)| *number);
+    let numbers: Vec<u64> = frames.iter().map(|(number, _)| *number).collect();
     let mut sights = vec![];
     for keypoint in 0..keypoints {
         let found: Vec<Option<([f64; 3], Vec<usize>)>> = frames
@@ -153,7 +137,9 @@ fn sights_of(
             .collect();
         let points: Vec<Option<[f64; 3]>> = found.iter().map(|found| found.as_ref().map(|(point, _)| *point)).collect();
         for (at, found) in found.iter().enumerate() {
-            let (Some((point, used)), Some(velocity)) = (found, velocity(&points, frames, at)) else { continue };
+            let (Some((point, used)), Some(velocity)) = (found, velocity(&points, &numbers, at, REACH)) else {
+                continue;
+            };
             let views: Vec<SightView> = used
                 .iter()
                 .filter_map(|&camera| {

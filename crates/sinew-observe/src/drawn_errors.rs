@@ -4,12 +4,12 @@
 //!
 //! ```text
 //! shift of point k        S_k = L_k δ_lengths + R_k δ_place,k               by lengths, and along the axes of its link
-//! Hᵀ W G δ                Σ_k J_kᵀ Σ_c W Pᵀ (P S_k + E δ_camera + m δ_bias)      P, E: derivatives of a pixel by point and camera; m: pixels for a metre
+//! Hᵀ W G δ                Σ_k J_kᵀ Σ_c W Pᵀ (P S_k + E δ_camera + m δ_bias − P v_k δ_lag)      P, E: derivatives of a pixel by point and camera; m: pixels for a metre
 //! ```
 //!
-//! J_k is the derivative of the point by the pose. No matrix as large as G is made.
+//! J_k is the derivative of the point by the pose, v_k its velocity. No matrix as large as G is made.
 
-use crate::lasting_errors::{FrameResidual, LastingErrors, LinearisedDetection, point_information};
+use crate::lasting_errors::{FrameResidual, LastingErrors, LinearisedDetection, by_lag, point_information};
 use sinew_body::point_derivatives::PointDerivatives;
 use sinew_core::combinations::add_combinations;
 use sinew_core::lanes::{Block, Isa};
@@ -59,12 +59,12 @@ impl DrawnErrors {
         }
     }
 
-    /// Hᵀ W G δ, a row for each degree of freedom. `shifts` are [`DrawnErrors::keypoint_shifts`], `scales` the pixels for a metre of each camera.
+    /// Hᵀ W G δ, a row for each degree of freedom. `shifts` are [`DrawnErrors::keypoint_shifts`], `scales` the pixels for a metre of each camera, `velocities` those of the points, metres a second.
     #[must_use]
     pub fn pull(
         &self,
         found: &[LinearisedDetection],
-        body: &PointDerivatives,
+        (body, velocities): (&PointDerivatives, &[[f64; 3]]),
         shifts: &[Block],
         scales: &[f64],
         dof: usize,
@@ -78,7 +78,8 @@ impl DrawnErrors {
             let point = seen_there[0].seen.point;
             let own = &shifts[3 * point * self.blocks..][..3 * self.blocks];
             add(point_information(seen_there).as_flattened(), own, point);
-            for LinearisedDetection { seen: FrameResidual { camera, .. }, weight, by } in seen_there {
+            for detection in seen_there {
+                let LinearisedDetection { seen: FrameResidual { camera, .. }, weight, by } = detection;
                 let [u, v] = by.by_point.map(|row| row.map(|by| weight * by));
                 let [by_u, by_v] = by.by_error;
                 let by_camera = [0, 1, 2].map(|a: usize| {
@@ -89,6 +90,10 @@ impl DrawnErrors {
                 add(by_camera.as_flattened(), self.rows(self.errors.camera(*camera)), point);
                 let by_bias = [0, 1, 2].map(|a: usize| [scales[*camera] * u[a], scales[*camera] * v[a]]);
                 add(by_bias.as_flattened(), self.rows(self.errors.bias(*camera, point)), point);
+                let [later_u, later_v] = by_lag(detection, velocities);
+                let late = [0, 1, 2].map(|a: usize| u[a] * later_u + v[a] * later_v);
+                let lag = self.errors.lag(*camera);
+                add(&late, self.rows(lag..lag + 1), point);
             }
         }
         let transposed: Vec<f64> = (0..dof).flat_map(|j| body.by_pose.iter().skip(j).step_by(dof)).copied().collect();

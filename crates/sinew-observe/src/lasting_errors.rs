@@ -1,11 +1,12 @@
 //! What is constant over a recording and known up to an error, as one vector g.
 //!
 //! ```text
-//! g = | camera 1: ten numbers | … | lengths of the body | point 1: place on its link (3) | … | camera 1, point 1: bias (2) | …
+//! g = | camera 1: ten numbers | … | lengths of the body | point 1: place on its link (3) | … | camera 1, point 1: bias (2) | … | camera 1: lag | …
 //! ```
 //!
 //! A camera's numbers are its [`crate::camera_error`]; lengths are metres beyond the body's own; a place is how far the detectors' keypoint lies from the joint that it is named after, in the frame of its link, metres;
-//! a bias is how far a camera's detector sees that keypoint from where it is, in metres at the distance of the recording's middle (a detector errs in proportion to the size of the person in its image).
+//! a bias is how far a camera's detector sees that keypoint from where it is, in metres at the distance of the recording's middle (a detector errs in proportion to the size of the person in its image);
+//! a lag is how late a camera's clock is, seconds: it shows a point x of velocity v at x − lag · v. What all cameras share of it is a shift of time, which nothing shows.
 //!
 //! [`linearised`] gives a frame's normal equations at a pose s and a g: with H and G the derivatives of all predicted pixels by s and g, W the inverse variances times the share of a detection that is no outlier, and r observed − predicted,
 //! the blocks of `(H G)ᵀ W (H G)` and `(H G)ᵀ W r`.
@@ -32,7 +33,7 @@ impl LastingErrors {
     /// How many numbers there are.
     #[must_use]
     pub const fn count(&self) -> usize {
-        NUMBERS * self.cameras + self.lengths + 3 * self.points + 2 * self.cameras * self.points
+        NUMBERS * self.cameras + self.lengths + 3 * self.points + 2 * self.cameras * self.points + self.cameras
     }
 
     /// A camera's difference from its calibration.
@@ -69,6 +70,26 @@ impl LastingErrors {
         first..first + 2
     }
 
+    /// All biases.
+    #[must_use]
+    pub const fn biases(&self) -> Range<usize> {
+        let first = self.places().end;
+        first..first + 2 * self.cameras * self.points
+    }
+
+    /// Lags of all cameras.
+    #[must_use]
+    pub const fn lags(&self) -> Range<usize> {
+        let first = self.biases().end;
+        first..first + self.cameras
+    }
+
+    /// The lag of a camera.
+    #[must_use]
+    pub const fn lag(&self, camera: usize) -> usize {
+        self.lags().start + camera
+    }
+
     /// A name for each number, from the names of cameras, lengths and points.
     #[must_use]
     pub fn names(&self, cameras: &[String], lengths: &[&str], points: &[String]) -> Vec<String> {
@@ -80,7 +101,8 @@ impl LastingErrors {
         let from_biases = cameras.iter().flat_map(|camera| {
             points.iter().flat_map(move |point| ["u", "v"].map(|axis| format!("{camera}.{point}.bias_{axis}_m")))
         });
-        from_cameras.chain(from_lengths).chain(from_places).chain(from_biases).collect()
+        let lags = cameras.iter().map(|camera| format!("{camera}.lag_s"));
+        from_cameras.chain(from_lengths).chain(from_places).chain(from_biases).chain(lags).collect()
     }
 }
 
@@ -262,13 +284,40 @@ pub fn whitened_rows(
     rows
 }
 
-/// The normal equations of a frame, from [`linearised_detections`]. `scales` are the [`pixels_per_metre`] of its cameras.
+/// How a detection's pixel changes with the lag of its camera, pixels a second, where points move so, metres a second; none moves where there are none.
+#[must_use]
+pub fn by_lag(detection: &LinearisedDetection, velocities: &[[f64; 3]]) -> [f64; 2] {
+    let velocity = velocities.get(detection.seen.point).copied().unwrap_or_default();
+    detection.by.by_point.map(|row| -row.iter().zip(velocity).map(|(by, v)| by * v).sum::<f64>())
+}
+
+/// Detections as a camera would have made them that is not late: moved by how far each point, predicted at `at` and moving with its velocity, went since.
+#[must_use]
+pub fn on_time(
+    camera: &Camera,
+    detections: &[Option<Detection>],
+    at: &[f64],
+    velocities: &[[f64; 3]],
+    lag_s: f64,
+) -> Vec<Option<Detection>> {
+    let points = at.as_chunks::<3>().0.iter().zip(velocities);
+    let shown = |(detection, (at, velocity)): (&Option<Detection>, (&[f64; 3], &[f64; 3]))| {
+        let Detection { pixel, confidence } = (*detection)?;
+        let before = [0, 1, 2].map(|k: usize| at[k] - lag_s * velocity[k]);
+        let moved = camera.project(*at).pixel().zip(camera.project(before).pixel());
+        let [du, dv] = moved.map_or([0.0; 2], |(now, before)| [now[0] - before[0], now[1] - before[1]]);
+        Some(Detection { pixel: [pixel[0] + du, pixel[1] + dv], confidence })
+    };
+    detections.iter().zip(points).map(shown).collect()
+}
+
+/// The normal equations of a frame, from [`linearised_detections`]. `scales` are the [`pixels_per_metre`] of its cameras; points move with `velocities`, metres a second.
 #[must_use]
 pub fn linearised(
     found: &[LinearisedDetection],
     errors: &LastingErrors,
     scales: &[f64],
-    body: &PointDerivatives,
+    (body, velocities): (&PointDerivatives, &[[f64; 3]]),
     dof: usize,
 ) -> LinearisedFrame {
     let p = errors.count();
@@ -283,7 +332,7 @@ pub fn linearised(
     let mut pose = vec![0.0; dof];
     for detection in found {
         for axis in 0..2 {
-            let (lasting, residual) = row(detection, axis, errors, scales, body, &mut pose);
+            let (lasting, residual) = row((detection, axis), errors, scales, (body, velocities), &mut pose);
             frame.add(&pose, lasting, residual, p);
         }
     }
@@ -292,11 +341,10 @@ pub fn linearised(
 
 /// The row of W^½ H of a detection's axis, into `pose`; that of W^½ G, and the scaled residual.
 fn row(
-    detection: &LinearisedDetection,
-    axis: usize,
+    (detection, axis): (&LinearisedDetection, usize),
     errors: &LastingErrors,
     scales: &[f64],
-    body: &PointDerivatives,
+    (body, velocities): (&PointDerivatives, &[[f64; 3]]),
     pose: &mut [f64],
 ) -> (Vec<(usize, f64)>, f64) {
     let LinearisedDetection { seen: FrameResidual { camera, point, residual_px, .. }, weight, by } = detection;
@@ -311,7 +359,8 @@ fn row(
     let by_lengths = errors.lengths().enumerate().map(|(k, place)| (place, across(&body.by_length, errors.lengths, k)));
     let by_place = errors.place(*point).enumerate().map(|(k, place)| (place, across(&body.link_axes, 3, k)));
     let by_bias = std::iter::once((errors.bias(*camera, *point).start + axis, root * scales[*camera]));
-    let all = by_camera.chain(by_lengths).chain(by_place).chain(by_bias);
+    let by_lag = std::iter::once((errors.lag(*camera), root * by_lag(detection, velocities)[axis]));
+    let all = by_camera.chain(by_lengths).chain(by_place).chain(by_bias).chain(by_lag);
     (all.filter(|(_, by)| *by != 0.0).collect(), root * residual_px[axis])
 }
 

@@ -64,6 +64,7 @@ pub mod offsets;
 mod outline;
 pub mod own_contours;
 pub mod pixel_fit;
+pub mod point_velocity;
 pub mod raster;
 pub mod rgb_image;
 pub mod sighting;

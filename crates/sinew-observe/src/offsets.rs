@@ -68,6 +68,14 @@ pub struct CameraNoise {
     pub residuals: usize,
 }
 
+impl CameraNoise {
+    /// Of a camera whose offset is part of itself.
+    #[must_use]
+    pub const fn without_offset(sigma_px: f64, usual_confidence: f64) -> Self {
+        Self { offset_px: [0.0; 2], sigma_px, usual_confidence, residuals: 0 }
+    }
+}
+
 /// Median; NaN of nothing.
 #[must_use]
 pub fn median(values: &mut [f64]) -> f64 {

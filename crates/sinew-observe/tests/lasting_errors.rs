@@ -7,7 +7,7 @@ use sinew_core::lanes::{Block, Isa, numbers, numbers_mut};
 use sinew_observe::camera_error::{NUMBERS, with_error};
 use sinew_observe::drawn_errors::DrawnErrors;
 use sinew_observe::lasting_errors::{
-    LastingErrors, linearised, linearised_detections, pixels_per_metre, pose_information, whitened_rows,
+    LastingErrors, linearised, linearised_detections, on_time, pixels_per_metre, pose_information, whitened_rows,
 };
 use sinew_observe::{Camera, Detection, KeypointModel, Mistakes, Noise, View};
 use std::sync::Arc;
@@ -22,6 +22,8 @@ struct Scene {
     detections: Vec<Vec<Option<Detection>>>,
     errors: LastingErrors,
     scales: Vec<f64>,
+    /// Metres a second.
+    velocities: Vec<[f64; 3]>,
 }
 
 fn scene() -> Scene {
@@ -43,7 +45,8 @@ fn scene() -> Scene {
     let detections = cameras.iter().enumerate().map(seen).collect();
     let errors = LastingErrors { cameras: 3, lengths: length_names().len(), points: POINTS.len() };
     let scales = cameras.iter().map(|camera| pixels_per_metre(camera, MIDDLE)).collect();
-    Scene { cameras, neighbours, detections, errors, scales }
+    let velocities = (0..POINTS.len()).map(|k| [0, 1, 2].map(|a| 2.0 * f64::from(7 * k as u32 + a).sin())).collect();
+    Scene { cameras, neighbours, detections, errors, scales, velocities }
 }
 
 fn pose() -> Vec<f64> {
@@ -84,8 +87,12 @@ impl Scene {
 
     fn linearised(&self, pose: &[f64], g: &[f64]) -> sinew_observe::lasting_errors::LinearisedFrame {
         let body = self.neighbours.reshaped(&g[self.errors.lengths()], &g[self.errors.places()]).at(pose);
-        let found = linearised_detections(&self.model(g), &self.detections, &[], &body);
-        linearised(&found, &self.errors, &self.scales, &body, pose.len())
+        let seen = |(c, camera): (usize, &Camera)| {
+            on_time(camera, &self.detections[c], &body.positions, &self.velocities, g[self.errors.lag(c)])
+        };
+        let detections: Vec<_> = self.cameras.iter().enumerate().map(seen).collect();
+        let found = linearised_detections(&self.model(g), &detections, &[], &body);
+        linearised(&found, &self.errors, &self.scales, (&body, &self.velocities), pose.len())
     }
 }
 
@@ -96,11 +103,11 @@ fn pulls_are_the_gradient_of_the_likelihood() {
     pulls_are_the_gradient_at(elsewhere());
 }
 
-/// Lengths, places and biases as far from 0 as real people have them. Cameras stay: derivatives by them are by an error on top of the one that is there.
+/// Lengths, places and biases as far from 0 as real people have them. Cameras and lags stay: derivatives by cameras are by an error on top of the one that is there, those by lags where the point is now.
 fn elsewhere() -> Vec<f64> {
     let errors = scene().errors;
     let mut g: Vec<f64> = (0..errors.count()).map(|place| 0.02 * (2.3 * place as f64).sin()).collect();
-    (0..3).flat_map(|camera| errors.camera(camera)).for_each(|place| g[place] = 0.0);
+    (0..3).flat_map(|camera| errors.camera(camera)).chain(errors.lags()).for_each(|place| g[place] = 0.0);
     g
 }
 
@@ -209,7 +216,7 @@ fn pulls_on_draws_are_the_matrix_times_each_draw() {
     numbers_mut(&mut deviations).iter_mut().enumerate().for_each(|(e, x)| *x = 0.01 * (0.37 * e as f64).sin());
     let drawn = DrawnErrors { errors: scene.errors, deviations, blocks, isa: Isa::best() };
     let shifts = drawn.keypoint_shifts(&body);
-    let pull = drawn.pull(&found, &body, &shifts, &scene.scales, d);
+    let pull = drawn.pull(&found, (&body, &scene.velocities), &shifts, &scene.scales, d);
     let width = 8 * blocks;
     let by_draw = |e: usize| -> f64 {
         let (row, draw) = (e / width, e % width);

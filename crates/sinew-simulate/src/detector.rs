@@ -18,6 +18,7 @@ use sinew_formats::Layout;
 use sinew_formats::openpose::Keypoint;
 use sinew_motion::points::Trajectories;
 use sinew_observe::{Camera, Projection};
+use std::borrow::Cow;
 
 /// How a detector errs.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -98,12 +99,12 @@ pub struct Detections {
     pub keypoints: Vec<Vec<Vec<Option<Keypoint>>>>,
 }
 
-/// Detects the points of a motion in all cameras. Points of the layout that the motion lacks are never found.
+/// Detects the points of a motion in all cameras, each with the lag of its clock, frames. Points of the layout that the motion lacks are never found.
 #[must_use]
 pub fn detect(
     motion: &Trajectories,
     layout: &Layout,
-    cameras: &[Camera],
+    (cameras, lags_frames): (&[Camera], &[f64]),
     noise: &DetectorNoise,
     stage: Stage,
 ) -> Detections {
@@ -121,7 +122,8 @@ pub fn detect(
         let biases = normals(&bias_stage.round(index), 0, 2 * columns.len());
         let offset_of = |k: usize| [0, 1].map(|axis: usize| offset[axis] + noise.bias_px * biases[2 * k + axis]);
         let mut errors = vec![None; columns.len()];
-        let frames = (0_u32..).zip(&motion.frames).map(|(number, frame)| {
+        let shown = late(motion, lags_frames.get(index).copied().unwrap_or(0.0));
+        let frames = (0_u32..).zip(&*shown).map(|(number, frame)| {
             let stage = frame_stage.round(index).at_frame(number);
             let mut draws = Draws::new(&stage);
             let place = |column: &Option<usize>| column.and_then(|k| pixel(camera, frame[k]));
@@ -141,6 +143,24 @@ pub fn detect(
         offsets_px.push(offset);
     }
     Detections { offsets_px, keypoints }
+}
+
+/// Where the points of a motion were some frames before each of its frames, on the parabola through three frames; beyond the ends at most a frame.
+fn late(motion: &Trajectories, lag_frames: f64) -> Cow<'_, [Vec<[f64; 3]>]> {
+    let count = motion.frames.len();
+    if lag_frames == 0.0 || count < 3 {
+        return Cow::Borrowed(&motion.frames);
+    }
+    let shown = |frame: usize| {
+        let time = (frame as f64 - lag_frames).clamp(-1.0, count as f64);
+        let middle = time.round().clamp(1.0, (count - 2) as f64);
+        let after = time - middle;
+        let near = &motion.frames[middle as usize - 1..][..3];
+        let weights = [0.5 * after * (after - 1.0), 1.0 - after * after, 0.5 * after * (after + 1.0)];
+        let place = |point: usize| [0, 1, 2].map(|k: usize| (0..3).map(|f| weights[f] * near[f][point][k]).sum());
+        (0..near[1].len()).map(place).collect()
+    };
+    Cow::Owned((0..count).map(shown).collect())
 }
 
 /// Pairs of left and right keypoints: of the arms, and of the legs.
@@ -260,9 +280,22 @@ mod tests {
         (motion, layout, cameras)
     }
 
+    /// A thrown point is where it was, also beyond whole frames; before the first frame there is one at most.
+    #[test]
+    fn a_late_camera_shows_where_points_were() {
+        let at = |t: f64| [t, 2.0, 0.5 * t * t];
+        let frames = (0..6).map(|f| vec![at(f64::from(f))]).collect();
+        let motion = Trajectories { names: vec!["Nose".into()], frames };
+        for (lag, frame) in [(0.3, 2), (1.7, 4), (-0.4, 5), (0.0, 3)] {
+            let (found, expected) = (late(&motion, lag)[frame][0], at(frame as f64 - lag));
+            assert!(found.iter().zip(expected).all(|(f, e)| (f - e).abs() < 1e-12), "{found:?} for {expected:?}");
+        }
+        assert_eq!(late(&motion, 4.0)[0][0], at(-1.0));
+    }
+
     fn errors(noise: &DetectorNoise, frames: usize) -> (Detections, Vec<(f64, f64, f64)>, usize) {
         let (motion, layout, cameras) = still_points(frames);
-        let found = detect(&motion, &layout, &cameras, noise, Stage::new(5, "test"));
+        let found = detect(&motion, &layout, (&cameras, &[]), noise, Stage::new(5, "test"));
         let mut errors = Vec::new();
         let mut missing = 0;
         for (c, camera) in cameras.iter().enumerate() {
@@ -285,7 +318,7 @@ mod tests {
     fn biases_stay_and_sides_are_exchanged() {
         let (motion, layout, cameras) = still_points(200);
         let still = DetectorNoise { jitter_px: 1e-9, ..DetectorNoise::stated_gaussian(0.0) };
-        let found = |noise| detect(&motion, &layout, &cameras, &noise, Stage::new(5, "test")).keypoints;
+        let found = |noise| detect(&motion, &layout, (&cameras, &[]), &noise, Stage::new(5, "test")).keypoints;
         let (plain, biased) = (found(still), found(DetectorNoise { bias_px: 3.0, ..still }));
         let away: Vec<f64> = plain
             .iter()
@@ -345,7 +378,7 @@ mod tests {
     fn errors_persist_with_the_stated_correlation_and_keep_their_size() {
         let (motion, layout, cameras) = still_points(400);
         let noise = DetectorNoise { persistence: 0.7, ..DetectorNoise::stated_gaussian(3.0) };
-        let found = detect(&motion, &layout, &cameras, &noise, Stage::new(8, "test"));
+        let found = detect(&motion, &layout, (&cameras, &[]), &noise, Stage::new(8, "test"));
         let (mut squares, mut products, mut count) = (0.0, 0.0, 0.0);
         for (camera, frames) in cameras.iter().zip(&found.keypoints) {
             for k in 0..layout.points.len() {
@@ -363,7 +396,8 @@ mod tests {
     #[test]
     fn the_same_seed_gives_the_same_detections_and_another_seed_others() {
         let (motion, layout, cameras) = still_points(3);
-        let run = |seed| detect(&motion, &layout, &cameras, &DetectorNoise::DETECTOR_LIKE, Stage::new(seed, "x"));
+        let run =
+            |seed| detect(&motion, &layout, (&cameras, &[]), &DetectorNoise::DETECTOR_LIKE, Stage::new(seed, "x"));
         assert_eq!(run(1), run(1));
         assert_ne!(run(1), run(2));
     }
@@ -373,7 +407,7 @@ mod tests {
         let (mut motion, layout, cameras) = still_points(1);
         motion.frames[0][3] = [0.0, 0.0, 30.0];
         motion.names[4] = "unknown".into();
-        let found = detect(&motion, &layout, &cameras, &DetectorNoise::stated_gaussian(1.0), Stage::new(1, "x"));
+        let found = detect(&motion, &layout, (&cameras, &[]), &DetectorNoise::stated_gaussian(1.0), Stage::new(1, "x"));
         assert!(found.keypoints.iter().all(|frames| frames[0][3].is_none() && frames[0][4].is_none()));
         assert!(found.keypoints.iter().all(|frames| frames[0][5].is_some()));
     }

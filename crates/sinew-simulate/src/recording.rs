@@ -2,7 +2,7 @@
 //!
 //! In memory, and as the text of the files that `sinew track` and other programs read.
 
-use crate::calibration_error::{CalibrationError, as_they_are};
+use crate::calibration_error::{CalibrationError, as_they_are, lags_frames};
 use crate::detector::{Detections, DetectorNoise, detect};
 use crate::ring::{Ring, around};
 use crate::walker::{Gait, Walker, walker_states};
@@ -58,6 +58,8 @@ pub struct SyntheticRecording {
     pub cameras: Vec<Camera>,
     /// True constant offset of each camera's detections, pixels.
     pub offsets_px: Vec<[f64; 2]>,
+    /// How late each camera's clock is, frames.
+    pub lags_frames: Vec<f64>,
     /// Layout of the keypoints, BODY_25B.
     pub layout: Layout,
     /// For each camera, frame and point of the layout, the detected keypoint.
@@ -95,9 +97,11 @@ impl SyntheticRecording {
         let layout = body_25b();
         let stage = Stage::new(seed, "synthetic recording");
         let true_cameras = as_they_are(&cameras, &script.calibration, &Stage::new(seed, "calibration"));
-        let Detections { offsets_px, keypoints } = detect(&truth, &layout, &true_cameras, &script.noise, stage);
+        let lags_frames = lags_frames(cameras.len(), &script.calibration, &Stage::new(seed, "lags"));
+        let Detections { offsets_px, keypoints } =
+            detect(&truth, &layout, (&true_cameras, &lags_frames), &script.noise, stage);
         let rate_hz = script.rate_hz;
-        Ok(Self { body, states, truth, cameras, offsets_px, layout, keypoints, rate_hz })
+        Ok(Self { body, states, truth, cameras, offsets_px, lags_frames, layout, keypoints, rate_hz })
     }
 
     /// The calibration as text of `Calib.toml`.

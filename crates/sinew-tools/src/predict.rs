@@ -6,12 +6,12 @@
 //!
 //! ```text
 //! mean = mean of u⁽ⁱ⁾
-//! total = cov(u⁽ⁱ⁾) + G Σ Gᵀ + (b² + n²) I
-//! common = cov(mean of u⁽ⁱ⁾ over frames and keypoints) + Ḡ Σ Ḡᵀ
+//! total = cov(u⁽ⁱ⁾) + G Σ Gᵀ + ℓ² f fᵀ + (b² + n²) I
+//! common = cov(mean of u⁽ⁱ⁾ over frames and keypoints) + Ḡ Σ Ḡᵀ + ℓ² f̄ f̄ᵀ
 //! ```
 //!
 //! The mean over frames and keypoints counts each by the inverse of its total variance: where the camera is aside is seen in keypoints that are known well.
-//! G is the derivative of the pixel by what the camera may be off by ([`sinew_observe::camera_error`]), Σ its prior with the scale that the other cameras show, Ḡ the same mean of G; b is the size of a bias of the camera's detector for that kind of keypoint, n the scatter
+//! G is the derivative of the pixel by what the camera may be off by ([`sinew_observe::camera_error`]), Σ its prior with the scale that the other cameras show, Ḡ the same mean of G; f is how far the keypoint moves in a frame, from the frame before to the frame after, f̄ its mean, ℓ the size of the lag of the camera's clock, in frames; b is the size of a bias of the camera's detector for that kind of keypoint, n the scatter
 //! of an observation of usual confidence, both as the other cameras show them, in proportion to the size of the person in the image. `common` is the part that all keypoints of the camera share in all frames. A keypoint that lies outside the image in the mean is not predicted: pixels of points near the plane of a camera say nothing of it.
 
 pub(crate) mod error;
@@ -25,7 +25,7 @@ use sinew::input::recording::Calibrated;
 use sinew::input::up_axis::upright;
 use sinew::results::tracked::Tracked;
 use sinew::setup::lasting_errors::MeasuredErrors;
-use sinew::setup::lasting_prior::{CAMERA_UNITS, HEAVY, KIND_SCALES, kind};
+use sinew::setup::lasting_prior::{CAMERA_UNITS, HEAVY, KIND_SCALES, LAG_SCALE, kind};
 use sinew_formats::camera_name;
 use sinew_formats::source_text::MAX_TEXT_BYTES;
 use sinew_formats::zarr::reader::{self, NumberArray};
@@ -147,18 +147,21 @@ pub fn predict(folder: &Path, calibration: &Path, camera: &str) -> Result<Camera
         seen.filter(|seen| is_shown(seen, camera.image_size_px))
     };
     let shown: Vec<Option<Vec<Seen>>> = (0..in_frames * points).into_par_iter().map(draw).collect();
+    let flows = flows(&shown, &frames, points);
+    let late = HEAVY * mean_square(known, LAG_SCALE);
     let one = |(index, seen): (usize, &Option<Vec<Seen>>)| {
         let seen = seen.as_ref()?;
         let pixels: Vec<[f64; 2]> = seen.iter().map(|seen| seen.pixel).collect();
         let (mean, mut total) = moments(&pixels);
         add(&mut total, spread(&mean_error(seen.iter().map(|seen| (1.0, seen))), &sigma));
+        add(&mut total, square(flows[index]).map(|x| late * x));
         let model = (setup.model_error_m * scale).powi(2);
         let alone = scale * scale * (biases[index % points] + noise_m2) + model;
         add(&mut total, [alone, 0.0, alone]);
         Some(Predicted { mean, total })
     };
     let predicted: Vec<Option<Predicted>> = shown.iter().enumerate().map(one).collect();
-    let common = common(&shown, &predicted, draws, &sigma);
+    let common = common(&shown, &predicted, (&flows, draws), (&sigma, late));
     Ok(CameraPrediction { camera, frames, keypoints: known.points.clone(), predicted, common })
 }
 
@@ -173,6 +176,28 @@ impl Seen {
         let PixelDerivatives { pixel, by_error, .. } = derivatives(camera, point)?;
         Some(Self { pixel, by_error })
     }
+}
+
+/// How far each keypoint moves in a frame, pixels, in the mean of its draws: from the frame before to the frame after, of those that show it.
+fn flows(shown: &[Option<Vec<Seen>>], frames: &[u64], points: usize) -> Vec<[f64; 2]> {
+    let mean = |index: usize| {
+        let seen = shown[index].as_ref()?;
+        Some([0, 1].map(|axis: usize| seen.iter().map(|seen| seen.pixel[axis]).sum::<f64>() / seen.len() as f64))
+    };
+    let flow = |index: usize| {
+        let (frame, point) = (index / points, index % points);
+        let near = frame.saturating_sub(1)..frames.len().min(frame + 2);
+        let at = |frame: usize| Some((frames[frame] as f64, mean(frame * points + point)?));
+        let (before, after) = (near.clone().find_map(at)?, near.rev().find_map(at)?);
+        let apart = (after.0 - before.0).max(1.0);
+        Some([0, 1].map(|axis: usize| (after.1[axis] - before.1[axis]) / apart))
+    };
+    (0..shown.len()).map(|index| flow(index).unwrap_or_default()).collect()
+}
+
+/// x xᵀ: uu, uv, vv.
+fn square([u, v]: [f64; 2]) -> [f64; 3] {
+    [u * u, u * v, v * v]
 }
 
 /// Whether the mean of the draws lies in the image.
@@ -191,8 +216,7 @@ fn moments(pixels: &[[f64; 2]]) -> ([f64; 2], [f64; 3]) {
     let mean = [0, 1].map(|axis: usize| pixels.iter().map(|p| p[axis]).sum::<f64>() / n);
     let mut covariance = [0.0; 3];
     for [u, v] in pixels {
-        let (u, v) = (u - mean[0], v - mean[1]);
-        add(&mut covariance, [u * u, u * v, v * v]);
+        add(&mut covariance, square([u - mean[0], v - mean[1]]));
     }
     // The mean of n draws takes one of them.
     (mean, covariance.map(|x| x / (n - 1.0).max(1.0)))
@@ -218,26 +242,28 @@ fn spread(by_error: &[[f64; NUMBERS]; 2], variances: &[f64; NUMBERS]) -> [f64; 3
 fn common(
     shown: &[Option<Vec<Seen>>],
     predicted: &[Option<Predicted>],
-    draws: usize,
-    variances: &[f64; NUMBERS],
+    (flows, draws): (&[[f64; 2]], usize),
+    (variances, late): (&[f64; NUMBERS], f64),
 ) -> [f64; 3] {
-    let both = shown.iter().zip(predicted);
-    let known: Vec<(f64, &Vec<Seen>)> = both
-        .filter_map(|(seen, predicted)| {
+    let all = shown.iter().zip(predicted).zip(flows);
+    let known: Vec<(f64, &Vec<Seen>, &[f64; 2])> = all
+        .filter_map(|((seen, predicted), flow)| {
             let [uu, _, vv] = (*predicted)?.total;
-            Some(((uu + vv).recip(), seen.as_ref()?))
+            Some(((uu + vv).recip(), seen.as_ref()?, flow))
         })
         .collect();
-    let weights: f64 = known.iter().map(|(weight, _)| weight).sum();
+    let weights: f64 = known.iter().map(|(weight, ..)| weight).sum();
     if weights == 0.0 {
         return [0.0; 3];
     }
     let in_draw = |draw: usize| {
-        [0, 1].map(|axis: usize| known.iter().map(|(w, seen)| w * seen[draw].pixel[axis]).sum::<f64>() / weights)
+        [0, 1].map(|axis: usize| known.iter().map(|(w, seen, _)| w * seen[draw].pixel[axis]).sum::<f64>() / weights)
     };
     let (_, mut covariance) = moments(&(0..draws).map(in_draw).collect::<Vec<_>>());
-    let each = known.iter().flat_map(|(weight, seen)| seen.iter().map(move |seen| (*weight, seen)));
+    let each = known.iter().flat_map(|(weight, seen, _)| seen.iter().map(move |seen| (*weight, seen)));
     add(&mut covariance, spread(&mean_error(each), variances));
+    let flow = [0, 1].map(|axis: usize| known.iter().map(|(w, _, flow)| w * flow[axis]).sum::<f64>() / weights);
+    add(&mut covariance, square(flow).map(|x| late * x));
     covariance
 }
 
@@ -279,8 +305,21 @@ mod tests {
         let predicted = |variance: f64| Some(Predicted { mean: [0.0; 2], total: [variance, 0.0, variance] });
         let shown = [known, other, unknown, None];
         let predicted = [predicted(5.0), predicted(5.0), predicted(1e9), None];
-        let [uu, _, vv] = common(&shown, &predicted, 3, &[0.0; NUMBERS]);
+        let [uu, _, vv] = common(&shown, &predicted, (&[[0.0; 2]; 4], 3), (&[0.0; NUMBERS], 0.0));
         assert!((uu - 4.0).abs() < 1e-3 && vv < 1e-3, "{uu} {vv}");
+        // A camera that is late shows all of them where they were.
+        let flows = [[2.0, 1.0], [4.0, 1.0], [900.0, 0.0], [0.0; 2]];
+        let [uu, uv, vv] = common(&shown, &predicted, (&flows, 3), (&[0.0; NUMBERS], 0.25));
+        assert!((uu - 4.0 - 0.25 * 9.0).abs() < 1e-3 && (uv - 0.25 * 3.0).abs() < 1e-3, "{uu} {uv}");
+        assert!((vv - 0.25).abs() < 1e-3, "{vv}");
+    }
+
+    #[test]
+    fn a_keypoint_flows_from_the_frame_before_to_the_frame_after() {
+        let seen = |u: f64| Some(vec![Seen { pixel: [u, 2.0 * u], by_error: [[0.0; NUMBERS]; 2] }]);
+        let shown = [seen(0.0), seen(3.0), None, seen(9.0)];
+        let found = flows(&shown, &[0, 1, 2, 4], 1);
+        assert_eq!(found, [[3.0, 6.0], [3.0, 6.0], [2.0, 4.0], [0.0, 0.0]]);
     }
 
     #[test]

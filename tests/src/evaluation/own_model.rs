@@ -152,8 +152,9 @@ fn filmed(
 ) -> Result<SyntheticRecording, Error> {
     let layout = sinew::formats::layout::find(LAYOUT)?;
     let truth = points_of_states(body, &states);
-    let seen = detect(&truth, &layout, &cameras, &DetectorNoise::stated_gaussian(sigma_px), errors);
+    let seen = detect(&truth, &layout, (&cameras, &[]), &DetectorNoise::stated_gaussian(sigma_px), errors);
     Ok(SyntheticRecording {
+        lags_frames: vec![],
         body: body.clone(),
         states,
         truth,

@@ -3,6 +3,7 @@
 //! Keypoints of the judged frames count. The camera's own offset, the median over the frames of tuning, is taken off.
 
 use super::protocol::{LAYOUT, Recording, is_in, sets, verdict};
+use super::summary::{mean, over_seeds};
 use crate::outcome::Outcome;
 use crate::program::{Program, shown};
 use crate::store::{Store, rows};
@@ -12,6 +13,7 @@ use sinew::formats::tidy_csv;
 use sinew::formats::{Layout, layout, openpose};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
+use std::ops::Range;
 use std::path::Path;
 
 /// Frames of tuning; those after them are judged.
@@ -142,9 +144,9 @@ pub(super) fn predicted(program: &Program, recording: &Recording, run: &Path, ca
 }
 
 /// A run with some cameras, and what the others see of it.
-pub(super) fn cell(program: &Program, recording: &Recording, used: &[&str]) -> Outcome<Value> {
-    let folder = program.folder.join(format!("used-{}", used.join("-")));
-    program.track(&recording.flags(used), &folder)?;
+pub(super) fn cell(program: &Program, recording: &Recording, used: &[&str], seed: u64) -> Outcome<Value> {
+    let folder = program.folder.join(format!("used-{}-{seed}", used.join("-")));
+    program.track(&recording.flags(used, seed), &folder)?;
     let (twice, mut found) = (seen_twice(recording, used)?, serde_json::Map::new());
     for camera in recording.cameras.iter().filter(|camera| !used.contains(camera)) {
         let (seen, offset) = observed(predicted(program, recording, &folder, camera)?, recording, camera)?;
@@ -156,49 +158,59 @@ pub(super) fn cell(program: &Program, recording: &Recording, used: &[&str]) -> O
     Ok(found.into())
 }
 
-/// What one camera's judged observations come to.
-fn row(text: &mut String, name: &str, judged: &[Vec<f64>], bounds: Option<[f64; 2]>) {
-    let share =
-        |judged: &[&Vec<f64>]| 100.0 * judged.iter().filter(|j| j[0] <= REGION).count() as f64 / judged.len() as f64;
-    let inside = share(&judged.iter().collect::<Vec<_>>());
-    let twice: Vec<&Vec<f64>> = judged.iter().filter(|j| j[2] > 0.0).collect();
-    let mut errors: Vec<f64> = judged.iter().map(|j| j[1]).collect();
-    errors.sort_by(f64::total_cmp);
-    let at = |share: f64| {
-        errors.get((share * errors.len().saturating_sub(1) as f64).round() as usize).copied().unwrap_or(f64::NAN)
+/// What judged observations come to, each number seed by seed.
+fn row(text: &mut String, name: &str, seeds: &[Vec<Vec<f64>>], bounds: Option<[f64; 2]>) {
+    let share = |judged: &mut dyn Iterator<Item = &Vec<f64>>| {
+        let (inside, count) = judged.fold((0, 0), |(sum, n), j| (sum + usize::from(j[0] <= REGION), n + 1));
+        100.0 * f64::from(inside as u32) / f64::from(count)
     };
+    let each = |of: &dyn Fn(&Vec<Vec<f64>>) -> f64| seeds.iter().map(of).collect::<Vec<f64>>();
+    let at = |share: f64| {
+        over_seeds(&each(&|judged| {
+            let mut errors: Vec<f64> = judged.iter().map(|j| j[1]).collect();
+            errors.sort_by(f64::total_cmp);
+            errors.get((share * errors.len().saturating_sub(1) as f64).round() as usize).copied().unwrap_or(f64::NAN)
+        }))
+    };
+    let twice = |j: &&Vec<f64>| j[2] > 0.0;
+    let inside = each(&|judged| share(&mut judged.iter()));
     let (bound, met) = match bounds {
-        Some([low, high]) => (format!("{low} to {high}"), verdict(is_in(inside, [low, high]))),
+        Some([low, high]) => (format!("{low} to {high}"), verdict(is_in(mean(inside.iter().copied()), [low, high]))),
         None => (String::new(), ""),
     };
     let _ = writeln!(
         text,
-        "| {name} | {} | {inside:.1} | {bound} | {met} | {:.1} | {:.1} | {} | {:.1} |",
-        judged.len(),
+        "| {name} | {:.0} | {} | {bound} | {met} | {} | {} | {:.0} | {} |",
+        mean(each(&|judged| judged.len() as f64).into_iter()),
+        over_seeds(&inside),
         at(0.5),
         at(0.9),
-        twice.len(),
-        share(&twice),
+        mean(each(&|judged| judged.iter().filter(twice).count() as f64).into_iter()),
+        over_seeds(&each(&|judged| share(&mut judged.iter().filter(twice)))),
     );
 }
 
-/// Tables of three and of two cameras used.
-pub(super) fn table(store: &Store, recording: &Recording) -> String {
+/// Tables of three and of two cameras used, for runs of some seeds.
+pub(super) fn table(store: &Store, recording: &Recording, seeds: Range<u64>) -> String {
     let (mut text, last) = (String::new(), recording.frames - 1);
     let [three, two] = recording.bounds;
     for (size, bounds, each) in [(3, three, recording.each), (2, two, None)] {
-        let _ = writeln!(text, "{size} cameras used, the others predicted; frames {TUNED} to {last}:\n");
+        let _ = writeln!(
+            text,
+            "{size} cameras used, the others predicted; frames {TUNED} to {last}; mean ± standard deviation over seeds:\n"
+        );
         text += "| camera left out, used | observations | inside 90 % regions, % | bound | | median error, px | 90 % of errors, px | two used cameras see it | inside, % |\n";
         text += "|---|---|---|---|---|---|---|---|---|\n";
-        let mut all: Vec<Vec<f64>> = vec![];
+        let mut all: Vec<Vec<Vec<f64>>> = seeds.clone().map(|_| vec![]).collect();
         for used in sets(&recording.cameras, size) {
-            let Some(cell) = store.get(&format!("{}/{}", recording.cells, used.join("+"))) else { continue };
-            for camera in recording.cameras.iter().filter(|camera| !used.contains(camera)) {
-                let judged = rows(&cell[camera]["judged"]);
+            let cells: Vec<&Value> = seeds.clone().filter_map(|seed| store.get(&recording.cell(&used, seed))).collect();
+            for camera in recording.cameras.iter().filter(|camera| !used.contains(camera) && !cells.is_empty()) {
+                let judged: Vec<Vec<Vec<f64>>> = cells.iter().map(|cell| rows(&cell[camera]["judged"])).collect();
                 row(&mut text, &format!("{camera}, {}", used.join(" ")), &judged, each);
-                all.extend(judged);
+                all.iter_mut().zip(judged).for_each(|(all, own)| all.extend(own));
             }
         }
+        all.retain(|own| !own.is_empty());
         row(&mut text, "**all**", &all, Some(bounds));
         text.push('\n');
     }

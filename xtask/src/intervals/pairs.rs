@@ -1,6 +1,7 @@
 //! Runs of disjoint pairs of cameras: is their difference as large as they say?
 
 use super::protocol::{CAMERAS, PAIRS, Recording, verdict};
+use super::summary::{mean, over_seeds};
 use crate::outcome::Outcome;
 use crate::program::Program;
 use crate::store::Store;
@@ -8,6 +9,7 @@ use serde_json::{Value, json};
 use sinew::formats::tidy_csv;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
+use std::ops::Range;
 use std::path::Path;
 
 /// The three ways to part four cameras in two pairs.
@@ -34,10 +36,10 @@ fn joints(folder: &Path) -> Outcome<Joints> {
 }
 
 /// Two runs and their difference.
-pub(super) fn cell(program: &Program, recording: &Recording, pairs: [[usize; 2]; 2]) -> Outcome<Value> {
+pub(super) fn cell(program: &Program, recording: &Recording, pairs: [[usize; 2]; 2], seed: u64) -> Outcome<Value> {
     let run = |pair: [usize; 2]| -> Outcome<Joints> {
-        let folder = program.folder.join(format!("pair-{}-{}", pair[0], pair[1]));
-        program.track(&recording.flags(&pair.map(|c| CAMERAS[c])), &folder)?;
+        let folder = program.folder.join(format!("pair-{}-{}-{seed}", pair[0], pair[1]));
+        program.track(&recording.flags(&pair.map(|c| CAMERAS[c]), seed), &folder)?;
         let found = joints(&folder)?;
         std::fs::remove_dir_all(&folder)?;
         Ok(found)
@@ -67,29 +69,36 @@ pub(super) fn cell(program: &Program, recording: &Recording, pairs: [[usize; 2];
     }))
 }
 
-/// The table.
-pub(super) fn table(store: &Store) -> String {
+/// Name of the cell of two pairs.
+pub(super) fn name([a, b]: [[usize; 2]; 2], seed: u64) -> String {
+    format!("pairs/{a:?} {b:?}/{seed}")
+}
+
+/// The table, for runs of some seeds.
+pub(super) fn table(store: &Store, seeds: Range<u64>) -> String {
     let mut text =
-        "Disjoint pairs of cameras, difference of the means inside its 90 % interval, all frames:\n\n".to_owned();
+        "Disjoint pairs of cameras, difference of the means inside its 90 % interval, all frames; mean ± standard deviation over seeds:\n\n".to_owned();
     text += "| pairs | inside, common shift taken off, % | not taken off, % | half-width, mm | 90 % of differences, mm | common shift, mm | bound | |\n";
     text += "|---|---|---|---|---|---|---|---|\n";
-    for [a, b] in DISJOINT {
-        let Some(cell) = store.get(&format!("pairs/{a:?}")) else { continue };
-        let number = |name: &str| cell[name].as_f64().unwrap_or(f64::NAN);
-        let shift: Vec<String> = crate::store::numbers(&cell["shift_mm"]).iter().map(|x| format!("{x:.0}")).collect();
+    for pairs in DISJOINT {
+        let cells: Vec<&Value> = seeds.clone().filter_map(|seed| store.get(&name(pairs, seed))).collect();
+        if cells.is_empty() {
+            continue;
+        }
+        let each =
+            |name: &str| -> Vec<f64> { cells.iter().map(|cell| cell[name].as_f64().unwrap_or(f64::NAN)).collect() };
+        let shown = |name: &str| over_seeds(&each(name));
+        let along = |axis: usize| mean(cells.iter().map(|cell| crate::store::numbers(&cell["shift_mm"])[axis]));
+        let [x, y, z] = [0, 1, 2].map(|axis: usize| format!("{:.0}", along(axis)));
+        let [a, b] = pairs.map(|pair| pair.map(|camera| CAMERAS[camera]).join(" "));
         let _ = writeln!(
             text,
-            "| {} {} against {} {} | {:.1} | {:.1} | {:.0} | {:.0} | {} | ≥ {PAIRS} | {} |",
-            CAMERAS[a[0]],
-            CAMERAS[a[1]],
-            CAMERAS[b[0]],
-            CAMERAS[b[1]],
-            number("without_shift"),
-            number("as_they_are"),
-            number("half_width_mm"),
-            number("needed_mm"),
-            shift.join(", "),
-            verdict(number("without_shift") >= PAIRS)
+            "| {a} against {b} | {} | {} | {} | {} | {x}, {y}, {z} | ≥ {PAIRS} | {} |",
+            shown("without_shift"),
+            shown("as_they_are"),
+            shown("half_width_mm"),
+            shown("needed_mm"),
+            verdict(mean(each("without_shift").into_iter()) >= PAIRS)
         );
     }
     text

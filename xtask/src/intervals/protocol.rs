@@ -22,6 +22,9 @@ pub(super) const DERIVED: f64 = 5.0;
 /// Mean distance of a reliability curve from the diagonal, percent.
 pub(super) const RELIABILITY: f64 = 5.0;
 
+/// First seed of runs of recordings.
+pub(super) const FIRST_RUN: u64 = 1;
+
 /// Seed of the first simulated rig.
 pub(super) const FIRST_RIG: u64 = 1;
 
@@ -60,12 +63,17 @@ pub(super) struct Recording {
 }
 
 impl Recording {
-    pub(super) fn flags(&self, cameras: &[&str]) -> Vec<String> {
+    pub(super) fn flags(&self, cameras: &[&str], seed: u64) -> Vec<String> {
         let (calibration, keypoints, cameras) = (shown(&self.calibration), shown(&self.keypoints), cameras.join(","));
-        let rate = self.fps.to_string();
+        let (rate, seed) = (self.fps.to_string(), seed.to_string());
         let flags = ["--calibration", &calibration, "--keypoints", &keypoints, "--cameras", &cameras, "--fps", &rate];
-        let rest = ["--layout", LAYOUT, "--threads", "1", "--force", "--no-progress"];
+        let rest = ["--layout", LAYOUT, "--seed", &seed, "--threads", "1", "--force", "--no-progress"];
         flags.into_iter().chain(rest).map(str::to_owned).collect()
+    }
+
+    /// Name of the cell of a run with some cameras left out.
+    pub(super) fn cell(&self, used: &[&str], seed: u64) -> String {
+        format!("{}/{}/{seed}", self.cells, used.join("+"))
     }
 
     /// The sets of cameras that runs use: of three, then of two.

@@ -34,9 +34,9 @@ fn from_seeds(curves: &[Vec<f64>]) -> Held {
     (0..CURVE.len()).map(|level| with_error(&curves.iter().map(|curve| curve[level]).collect::<Vec<_>>())).collect()
 }
 
-fn judged(store: &Store, seeds: Range<u64>) -> Vec<Judged> {
+fn judged(store: &Store, [runs, seeds]: [Range<u64>; 2]) -> Vec<Judged> {
     let cameras_left_out = |size: usize| {
-        let scored = scored(store, size)?;
+        let scored = scored(store, size, runs.clone())?;
         let name = format!("cameras left out, {size} used");
         Some(Judged { name, after: from_tally(&scored.after), before: from_tally(&scored.before) })
     };
@@ -59,8 +59,8 @@ fn distance(held: &Held) -> f64 {
     100.0 * ranks::calibration_error(&held, &CURVE)
 }
 
-/// Coverage at some levels and calibration errors.
-pub(super) fn table(store: &Store, seeds: Range<u64>) -> String {
+/// Coverage at some levels and calibration errors; `seeds` are those of runs of recordings, and of demos.
+pub(super) fn table(store: &Store, seeds: [Range<u64>; 2]) -> String {
     let mut text = format!("Reliability over {} levels, mean distance of held from stated shares:\n\n", CURVE.len());
     text += "| what | held at 50, 80, 90, 95 %, % | calibration error, % | before: held, % | calibration error, % | bound | |\n";
     text += "|---|---|---|---|---|---|---|\n";
@@ -82,7 +82,7 @@ pub(super) fn table(store: &Store, seeds: Range<u64>) -> String {
 }
 
 /// Draws the curves, a panel for each thing that was judged.
-pub(super) fn draw(store: &Store, seeds: Range<u64>, path: &Path) -> Outcome<()> {
+pub(super) fn draw(store: &Store, seeds: [Range<u64>; 2], path: &Path) -> Outcome<()> {
     let judged = judged(store, seeds);
     if judged.is_empty() {
         return Ok(());

@@ -16,7 +16,7 @@ use std::fmt::Write as _;
 use std::ops::Range;
 
 /// Families of numbers, by their keys, as they are shown.
-const FAMILIES: [(&str, &str); 16] = [
+const FAMILIES: [(&str, &str); 17] = [
     ("rotation", "cameras: rotation"),
     ("translation", "cameras: translation"),
     ("focal", "cameras: focal length"),
@@ -25,6 +25,7 @@ const FAMILIES: [(&str, &str); 16] = [
     ("lengths", "lengths of the body"),
     ("places", "places of keypoints on links"),
     ("biases", "biases of detectors"),
+    ("lags", "lags of the cameras"),
     ("scales", "scales of the prior"),
     ("root", "root of the pose, three frames"),
     ("hinges", "flexion of knees and elbows, three frames"),

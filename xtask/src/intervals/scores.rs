@@ -21,6 +21,7 @@ use sinew::results::tracked::Tracked;
 use sinew::setup::Setup;
 use sinew_tools::validate::ObservationTally;
 use std::fmt::Write as _;
+use std::ops::Range;
 use std::path::Path;
 
 /// What the draws of a run and the noise of its set-up predict for a camera.
@@ -58,13 +59,13 @@ fn stored(seen: &[Observed]) -> Value {
 }
 
 /// Both runs with some cameras, and what the others see of them.
-pub(super) fn cell(program: &Program, recording: &Recording, used: &[&str]) -> Outcome<Value> {
-    let name = used.join("-");
+pub(super) fn cell(program: &Program, recording: &Recording, used: &[&str], seed: u64) -> Outcome<Value> {
+    let name = format!("{}-{seed}", used.join("-"));
     let [after, plainly] = ["after", "before"].map(|when| program.folder.join(format!("scores-{name}-{when}")));
-    program.track(&recording.flags(used), &after)?;
+    program.track(&recording.flags(used, seed), &after)?;
     let (calibration, keypoints) = (recording.calibration.as_path(), recording.keypoints.as_path());
     let input = Input { calibration, keypoints, cameras: used, fps: recording.fps };
-    before::track(program, &input, &recording.flags(used), &plainly)?;
+    before::track(program, &input, &recording.flags(used, seed), &plainly)?;
     let tracked = Tracked::read(&plainly)?;
     let cameras = tracked.cameras(calibration)?.0;
     let calibrated = sinew::input::recording::Calibrated::read(calibration)?.cameras;
@@ -105,26 +106,33 @@ pub(super) struct Scored {
     cameras: Vec<(String, [ObservationTally; 3])>,
 }
 
-/// The sets of a size, as far as they were run.
-pub(super) fn scored(store: &Store, size: usize) -> Option<Scored> {
-    let cells: Vec<(String, &Value)> = sets(&CAMERAS, size)
-        .into_iter()
-        .filter_map(|used| Some((used.join(" "), store.get(&format!("scores/{}", used.join("+")))?)))
-        .flat_map(|(used, cell)| {
-            let cameras = cell.as_object().into_iter().flatten();
-            cameras.map(move |(camera, cell)| (format!("{camera}, {used}"), cell)).collect::<Vec<_>>()
-        })
-        .collect();
-    let all = |when: &str| -> [Vec<Vec<f64>>; 2] {
-        let split: Vec<_> = cells.iter().map(|(_, cell)| split(&cell[when])).collect();
+/// Name of the cell of both runs with some cameras.
+pub(super) fn name(used: &[&str], seed: u64) -> String {
+    format!("scores/{}/{seed}", used.join("+"))
+}
+
+/// The sets of a size, as far as they were run; observations of all seeds together.
+pub(super) fn scored(store: &Store, size: usize, seeds: Range<u64>) -> Option<Scored> {
+    let mut cells: Vec<(String, Vec<&Value>)> = vec![];
+    for used in sets(&CAMERAS, size) {
+        let found: Vec<&Value> = seeds.clone().filter_map(|seed| store.get(&name(&used, seed))).collect();
+        for camera in CAMERAS.iter().filter(|camera| !used.contains(camera) && !found.is_empty()) {
+            let seen = found.iter().map(|cell| &cell[camera]).collect();
+            cells.push((format!("{camera}, {}", used.join(" ")), seen));
+        }
+    }
+    let both = |seen: &[&Value], when: &str| -> [Vec<Vec<f64>>; 2] {
+        let split: Vec<_> = seen.iter().map(|cell| split(&cell[when])).collect();
         [0, 1].map(|part: usize| split.iter().flat_map(|split| split[part].clone()).collect())
     };
+    let everything: Vec<&Value> = cells.iter().flat_map(|(_, seen)| seen.iter().copied()).collect();
+    let all = |when: &str| both(&everything, when);
     let ([_, after], [tuned, before]) = (all("after"), all("before"));
     let factor = 0.5 * mean(tuned.iter().map(|row| row[1]));
     let three =
         |after: &[Vec<f64>], before: &[Vec<f64>]| [tally(after, 1.0), tally(before, 1.0), tally(before, factor)];
-    let by_camera = |(name, cell): &(String, &Value)| {
-        let ([_, after], [_, before]) = (split(&cell["after"]), split(&cell["before"]));
+    let by_camera = |(name, seen): &(String, Vec<&Value>)| {
+        let ([_, after], [_, before]) = (both(seen, "after"), both(seen, "before"));
         (name.clone(), three(&after, &before))
     };
     let cameras = cells.iter().map(by_camera).collect();
@@ -132,14 +140,17 @@ pub(super) fn scored(store: &Store, size: usize) -> Option<Scored> {
     (!after.squares.is_empty()).then_some(Scored { after, before, widened, factor, cameras })
 }
 
-/// Tables of three and of two cameras used.
-pub(super) fn table(store: &Store) -> String {
+/// Tables of three and of two cameras used, for runs of some seeds.
+pub(super) fn table(store: &Store, seeds: &Range<u64>) -> String {
     let mut text = String::new();
     for size in [3, 2] {
-        let _ = writeln!(text, "{size} cameras used, log scores of what the others see; frames {TUNED} to 99:\n");
+        let _ = writeln!(
+            text,
+            "{size} cameras used, log scores of what the others see; frames {TUNED} to 99, all seeds:\n"
+        );
         text += "| camera left out, used | log score | before | before, widened | inside 90 % regions before, % | widened | |\n";
         text += "|---|---|---|---|---|---|---|\n";
-        let Some(scored) = scored(store, size) else { continue };
+        let Some(scored) = scored(store, size, seeds.clone()) else { continue };
         let Scored { after, before, widened, factor, cameras } = scored;
         let row = |name: &str, [after, before, widened]: &[ObservationTally; 3], is_judged: bool| {
             let inside = |tally: &ObservationTally| 100.0 * tally.coverage(NOMINAL / 100.0);

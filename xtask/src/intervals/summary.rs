@@ -17,6 +17,13 @@ pub(super) fn with_error(values: &[f64]) -> [f64; 2] {
     [centre, (variance / values.len() as f64).sqrt()]
 }
 
+/// Mean over seeds, and their standard deviation; one number alone has none.
+pub(super) fn over_seeds(values: &[f64]) -> String {
+    let [centre, error] = with_error(values);
+    let spread = error * (values.len() as f64).sqrt();
+    if spread.is_nan() { format!("{centre:.1}") } else { format!("{centre:.1} ± {spread:.1}") }
+}
+
 /// The rank among [`DRAWS`] draws that a normal number of that many standard deviations has.
 pub(super) fn normal_rank(deviations: f64) -> u32 {
     rank_of(Normal::standard().cdf(deviations))

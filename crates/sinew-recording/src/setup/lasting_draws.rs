@@ -64,6 +64,8 @@ pub fn deviations(known: &MeasuredErrors, errors: &LastingErrors, cameras: &[Cam
     }
     for camera in 0..cameras.len() {
         put(errors.camera(camera), camera_of(camera).map(|theirs| layout.camera(theirs)));
+        let lag = |camera| layout.lag(camera)..layout.lag(camera) + 1;
+        put(errors.lag(camera)..errors.lag(camera) + 1, camera_of(camera).map(lag));
         for point in 0..points.len() {
             let theirs = camera_of(camera).zip(point_of(point)).map(|(camera, point)| layout.bias(camera, point));
             put(errors.bias(camera, point), theirs);

@@ -21,7 +21,7 @@ const LEAST_CORRELATION: f64 = 0.02;
 const LONGEST_S: f64 = 100.0;
 
 /// Version of the table.
-pub const VERSION: u32 = 3;
+pub const VERSION: u32 = 4;
 
 /// What the set-up found out about what is constant.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -206,11 +206,11 @@ mod tests {
             change(&mut wrong);
             assert_eq!(wrong.problem(&["C1"]).as_deref(), Some(expected));
         };
-        refused(|k| k.version = 9, "lasting: version = 9; this version reads 3: make the set-up again");
+        refused(|k| k.version = 9, "lasting: version = 9; this version reads 4: make the set-up again");
         refused(|k| k.cameras[0] = "C7".into(), "lasting: no camera `C7`; the set-up has: C1");
         refused(|k| k.middle_m[1] = f64::NAN, "lasting: middle_m holds a number that is not finite");
         refused(|k| k.persistence_s = -1.0, "lasting: persistence_s = -1; must be from 0 to 100");
-        refused(|k| k.number.truncate(3), "lasting: 3 numbers; its cameras and points make 24");
+        refused(|k| k.number.truncate(3), "lasting: 3 numbers; its cameras and points make 25");
         refused(|k| k.number[4].draws.clear(), "lasting: `n` needs 2 draws, all finite");
         let message = "lasting: the sources of `Nose` hold a number that is not finite";
         refused(|k| k.source[0].biases_m2 = f64::INFINITY, message);

@@ -1,7 +1,7 @@
 //! What is known of a constant number after the set-up, beside what was known before.
 
 use super::lasting_errors::MeasuredErrors;
-use super::lasting_prior::{HEAVY, KIND_SCALES, SCALES, kind, place_scale};
+use super::lasting_prior::{HEAVY, KIND_SCALES, LAG_SCALE, SCALES, kind, place_scale};
 use sinew_observe::offsets::median;
 
 /// A constant number: its posterior and its prior.
@@ -37,7 +37,7 @@ impl MeasuredErrors {
         let mean = number.draws.iter().sum::<f64>() / count;
         let variance = number.draws.iter().map(|draw| (draw - mean).powi(2)).sum::<f64>() / count;
         KnownNumber {
-            mean: number.value,
+            mean: number.value + if self.layout().lags().contains(&place) { mean } else { 0.0 },
             sd: variance.sqrt(),
             prior_mean: number.prior_mean,
             prior_sd: number.prior_sd * self.spread(place),
@@ -54,6 +54,8 @@ impl MeasuredErrors {
         } else if layout.places().contains(&place) {
             let point = (place - layout.places().start) / 3;
             (SCALES[place_scale(&self.points[point])], 1.0)
+        } else if layout.lags().contains(&place) {
+            (LAG_SCALE, HEAVY)
         } else {
             let point = (place - layout.places().end) / 2 % layout.points;
             (KIND_SCALES[kind(&self.points[point])], HEAVY)

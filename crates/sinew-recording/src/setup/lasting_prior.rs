@@ -7,6 +7,7 @@
 //! | a point's place on its link | s per axis; ln s ~ N(ln 10 mm, 0.8²) | keypoints against joints of markers: Needham et al., Scientific Reports 11 (2021) 20673: 1–15 mm at ankles, 30–50 mm at hips |
 //! | the same of points of head and feet, about the default body's | s per axis; ln s ~ N(ln 15 mm, 0.8²) | besides, 5 % of the length of a foot and the height of a head among adults |
 //! | a bias of a camera's detector for a point | s per axis, one for each kind of keypoint, heavy tails; ln s ~ N(ln 10 mm, 0.8²) | the same |
+//! | the lag of a camera's clock | s frames, heavy tails; ln s ~ N(ln 0.15, 1) | cameras with one trigger are less than 0.02 of a frame off, clips that were cut to whole frames 0.29 (uniform in ± ½); in between |
 
 use sinew_body::point_derivatives::{lengthened, lengths};
 use sinew_body::{KinematicTree, Proportions};
@@ -19,12 +20,13 @@ pub const CAMERA_UNITS: [f64; NUMBERS] = [3.5e-3, 3.5e-3, 3.5e-3, 5e-3, 5e-3, 5e
 const LENGTH_SHARE: f64 = 0.1;
 const POINTS: ScalePrior = ScalePrior { median: 0.010, log_sd: 0.8 };
 const ENDS: ScalePrior = ScalePrior { median: 0.015, log_sd: 0.8 };
+const LATE: ScalePrior = ScalePrior { median: 0.15, log_sd: 1.0 };
 
 /// Mean of 1/w for w ~ Gamma(2, 2): variance of a heavy tail, Student's t with four degrees of freedom, over that of a Gaussian.
 pub const HEAVY: f64 = 2.0;
 
-/// Names of the scales: that of the cameras, two of places, and one for each kind of keypoint.
-pub(super) const SCALES: [&str; 8] = [
+/// Names of the scales: that of the cameras, two of places, one for each kind of keypoint, that of lags.
+pub(super) const SCALES: [&str; 9] = [
     "cameras",
     "places_m",
     "places_head_feet_m",
@@ -33,13 +35,18 @@ pub(super) const SCALES: [&str; 8] = [
     "bias_arms_m",
     "bias_legs_m",
     "bias_feet_m",
+    "lags_frames",
 ];
 const PLACES: [usize; 2] = [1, 2];
 const FIRST_KIND: usize = 3;
-const KINDS: usize = SCALES.len() - FIRST_KIND;
+const KINDS: usize = 5;
+const LAGS: usize = FIRST_KIND + KINDS;
 
 /// Names of the scales of biases, by [`kind`].
 pub const KIND_SCALES: [&str; KINDS] = [SCALES[3], SCALES[4], SCALES[5], SCALES[6], SCALES[7]];
+
+/// Name of the scale of lags.
+pub const LAG_SCALE: &str = SCALES[LAGS];
 
 /// Which kind of keypoint a point of the body is.
 #[must_use]
@@ -84,7 +91,7 @@ pub fn expected_places(
     points.iter().map(|name| between(name).unwrap_or_default()).collect()
 }
 
-/// The prior, for a subject whose lengths are given, with its points expected at `places`, of which `tied` are equal to another one; g counts from them.
+/// The prior, for a subject whose lengths are given, with its points expected at `places`, of which `tied` are equal to another one; g counts from them. Frames are `frame_s` seconds apart.
 #[must_use]
 pub fn prior(
     errors: &LastingErrors,
@@ -92,6 +99,7 @@ pub fn prior(
     subject: &Proportions,
     places: &[[f64; 3]],
     tied: usize,
+    frame_s: f64,
 ) -> LastingPrior {
     let mut clusters = vec![];
     for camera in 0..errors.cameras {
@@ -117,9 +125,14 @@ pub fn prior(
             }
         }
     }
+    for place in errors.lags() {
+        let numbers = vec![(place, 0.0, frame_s)];
+        clusters.push(PriorCluster { numbers, scale: Some(LAGS), heavy_tails: true, tied: 0 });
+    }
     let mut scales = vec![POINTS; SCALES.len()];
     scales[0] = ScalePrior { median: 1.0, log_sd: 1.0 };
     scales[PLACES[1]] = ENDS;
+    scales[LAGS] = LATE;
     LastingPrior { clusters, scales }
 }
 
@@ -139,7 +152,7 @@ mod tests {
         assert_eq!(places[0], [0.0; 3]);
         assert!((places[1][1] - 0.03).abs() < 1e-12 && places[2] == [0.0; 3]);
         let errors = LastingErrors { cameras: 1, lengths: length_names().len(), points: 3 };
-        let prior = prior(&errors, &points, &subject, &places, 0);
+        let prior = prior(&errors, &points, &subject, &places, 0, 0.02);
         let found = prior.clusters.iter().flat_map(|cluster| cluster.numbers.iter().map(|n| (cluster.scale, *n)));
         let place = errors.place(1).start + 1;
         let (scale, (_, mean, _)) = found.into_iter().find(|(_, number)| number.0 == place).unwrap();

@@ -1,6 +1,6 @@
 //! How much of each point's uncertainty comes from what, of everything that is constant.
 //!
-//! A draw δ of what is constant (truth less the value used) moves the points of the body by x = X (J δ) + L δ: J is the answer of the filter's pose to it, X the derivative of the points by the pose, L that by the lengths and, of points that are where detectors see them, by their places. With x = x₁ + … + x₄, the parts of cameras, lengths, places and biases,
+//! A draw δ of what is constant (truth less the value used) moves the points of the body by x = X (J δ) + L δ: J is the answer of the filter's pose to it, X the derivative of the points by the pose, L that by the lengths and, of points that are where detectors see them, by their places. With x = x₁ + … + x₅, the parts of cameras, lengths, places, biases and lags,
 //! the part of a source in the variance of x is cov(x_f, x): the parts add to the variance. One is negative where a source takes away what another one brings. All are means over frames and draws, and sums over the three axes.
 
 use serde::{Deserialize, Serialize};
@@ -11,7 +11,7 @@ use sinew_observe::lasting_errors::LastingErrors;
 use std::ops::Range;
 
 /// Sources of what is constant.
-pub const SOURCES: usize = 4;
+pub const SOURCES: usize = 5;
 
 /// Parts of the variance of a point's position, square metres.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -27,19 +27,21 @@ pub struct PointSources {
     pub places_m2: f64,
     /// From biases of the detectors.
     pub biases_m2: f64,
+    /// From lags of the cameras.
+    pub lags_m2: f64,
 }
 
 impl PointSources {
     /// The same with each part changed.
     pub(super) fn map(self, change: impl Fn(f64) -> f64) -> Self {
-        let [cameras_m2, lengths_m2, places_m2, biases_m2] = self.parts().map(change);
-        Self { point: self.point, cameras_m2, lengths_m2, places_m2, biases_m2 }
+        let [cameras_m2, lengths_m2, places_m2, biases_m2, lags_m2] = self.parts().map(change);
+        Self { point: self.point, cameras_m2, lengths_m2, places_m2, biases_m2, lags_m2 }
     }
 
     /// In the order of the fields.
     #[must_use]
     pub const fn parts(&self) -> [f64; SOURCES] {
-        [self.cameras_m2, self.lengths_m2, self.places_m2, self.biases_m2]
+        [self.cameras_m2, self.lengths_m2, self.places_m2, self.biases_m2, self.lags_m2]
     }
 }
 
@@ -54,8 +56,7 @@ const FRAMES: usize = 16;
 
 /// Which numbers belong to each source.
 fn families(errors: &LastingErrors) -> [Range<usize>; SOURCES] {
-    let places = errors.places();
-    [0..errors.lengths().start, errors.lengths(), places.clone(), places.end..errors.count()]
+    [0..errors.lengths().start, errors.lengths(), errors.places(), errors.biases(), errors.lags()]
 }
 
 /// The parts of all points of the body that `build` makes of sizes, with the lengths that were found; `poses` are poses, each with how it answers to what is constant, d × p, row after row; `keypoint_at` says which keypoint a point is at.
@@ -90,15 +91,15 @@ fn sources(
         let at = body.at(frame.pose);
         let moved = families(errors).map(|family| moves(errors, &at, points, frame, &deviations, family));
         for (row, n) in (0..3 * points.len()).flat_map(|row| (0..draws.len()).map(move |draw| (row, draw))) {
-            let parts = [0, 1, 2, 3].map(|source: usize| moved[source][row * draws.len() + n]);
+            let parts = [0, 1, 2, 3, 4].map(|source: usize| moved[source][row * draws.len() + n]);
             let all: f64 = parts.iter().sum();
             sums[row / 3].iter_mut().zip(parts).for_each(|(sum, part)| *sum += part * all);
         }
     }
     let count = (taken.len() * draws.len()).max(1) as f64;
     let named = |((_, point), sums): (&(Option<usize>, String), [f64; SOURCES])| {
-        let [cameras_m2, lengths_m2, places_m2, biases_m2] = sums.map(|sum| sum / count);
-        PointSources { point: point.clone(), cameras_m2, lengths_m2, places_m2, biases_m2 }
+        let [cameras_m2, lengths_m2, places_m2, biases_m2, lags_m2] = sums.map(|sum| sum / count);
+        PointSources { point: point.clone(), cameras_m2, lengths_m2, places_m2, biases_m2, lags_m2 }
     };
     points.iter().zip(sums).map(named).collect()
 }
@@ -159,7 +160,7 @@ mod tests {
         (0..DRAWS).map(draw).collect()
     }
 
-    /// A body of which only the root answers: along x, by the first number of the camera and of the first bias, `bias` times that. Its nose is at the second keypoint.
+    /// A body of which only the root answers: along x, by the first number of the camera, of the first bias, `bias` times that, and by the lag. Its nose is at the second keypoint.
     fn found(moved: &[usize], bias: f64) -> Vec<PointSources> {
         let errors = LastingErrors { cameras: 1, lengths: length_names().len(), points: 2 };
         let names = ["MidHip", "Nose"];
@@ -169,9 +170,10 @@ mod tests {
         let mut response = vec![0.0; 32 * p];
         response[0] = 2.0;
         response[errors.bias(0, 0).start] = bias;
+        response[errors.lag(0)] = 5.0;
         let moved: Vec<usize> = moved
             .iter()
-            .map(|&k| [0, errors.bias(0, 0).start, errors.lengths().start, errors.place(1).start][k])
+            .map(|&k| [0, errors.bias(0, 0).start, errors.lengths().start, errors.place(1).start, errors.lag(0)][k])
             .collect();
         let frames = [AnsweringPose { pose: &pose, response: &response }];
         let points = [(None, names[0].to_owned()), (Some(1), names[1].to_owned())];
@@ -185,32 +187,39 @@ mod tests {
     #[test]
     fn cameras_alone_are_all_there_is() {
         for point in found(&[0], 3.0) {
-            is_near(point.parts(), [4e-4, 0.0, 0.0, 0.0]);
+            is_near(point.parts(), [4e-4, 0.0, 0.0, 0.0, 0.0]);
         }
     }
 
     #[test]
     fn sources_that_move_together_share_and_those_against_each_other_take_away() {
         for point in found(&[0, 1], 3.0) {
-            is_near(point.parts(), [1e-3, 0.0, 0.0, 1.5e-3]);
+            is_near(point.parts(), [1e-3, 0.0, 0.0, 1.5e-3, 0.0]);
         }
         for point in found(&[0, 1], -1.0) {
-            is_near(point.parts(), [2e-4, 0.0, 0.0, -1e-4]);
+            is_near(point.parts(), [2e-4, 0.0, 0.0, -1e-4, 0.0]);
+        }
+    }
+
+    #[test]
+    fn a_lag_that_a_pose_answers_to_is_a_source_of_its_own() {
+        for point in found(&[4], 3.0) {
+            is_near(point.parts(), [0.0, 0.0, 0.0, 0.0, 25e-4]);
         }
     }
 
     #[test]
     fn lengths_move_the_points_beyond_the_pose() {
         let [hips, nose] = &found(&[2], 0.0)[..] else { panic!("two points") };
-        is_near(hips.parts(), [0.0; 4]);
+        is_near(hips.parts(), [0.0; SOURCES]);
         // The first length is the spine's, which bears the head.
-        is_near(nose.parts(), [0.0, 1e-4, 0.0, 0.0]);
+        is_near(nose.parts(), [0.0, 1e-4, 0.0, 0.0, 0.0]);
     }
 
     #[test]
     fn a_place_moves_a_point_that_is_where_the_detector_sees_it() {
         let [hips, nose] = &found(&[3], 0.0)[..] else { panic!("two points") };
-        is_near(hips.parts(), [0.0; 4]);
-        is_near(nose.parts(), [0.0, 0.0, 1e-4, 0.0]);
+        is_near(hips.parts(), [0.0; SOURCES]);
+        is_near(nose.parts(), [0.0, 0.0, 1e-4, 0.0, 0.0]);
     }
 }

@@ -10,7 +10,8 @@ use sinew_core::lanes::Isa;
 use sinew_formats::Layout;
 use sinew_observe::bystanders::elsewhere;
 use sinew_observe::following::{Following, follow};
-use sinew_observe::offsets::{self, Sighted};
+use sinew_observe::offsets::{self, CameraNoise, Sighted};
+use sinew_observe::point_velocity::{keypoint_velocities, reach};
 use sinew_observe::straightened::straightened;
 use sinew_observe::{Camera, Detection, KeypointModel, Noise, association};
 use std::ops::Range;
@@ -27,6 +28,11 @@ pub(super) struct Looked {
     /// As in [`sinew_observe::KeypointFrame`].
     pub elsewhere: Vec<Vec<f64>>,
     pub pose: Vec<f64>,
+    /// How the points were seen to move, metres a second, and how the body does.
+    pub seen_velocities: Vec<Option<[f64; 3]>>,
+    pub velocities: Vec<[f64; 3]>,
+    /// Detections as cameras that are not late would have made them.
+    pub on_time: Vec<Vec<Option<Detection>>>,
 }
 
 /// What the cameras of a set-up are taken to see of some points of a body.
@@ -51,13 +57,14 @@ pub(super) fn straight(frames: &[Sighted], tree: &KinematicTree, layout: &Layout
     straightened(frames, &limbs)
 }
 
-/// The person in some of the frames of `numbers`; `shared` are the points of the body that are keypoints, and which.
+/// The person in some of the frames of `numbers`, `fps` a second; `shared` are the points of the body that are keypoints, and which.
 pub(super) fn looked_at(
     setup: &Setup,
     source: &mut dyn FrameSource,
     tree: &KinematicTree,
     shared: &[(usize, usize)],
     numbers: Range<u64>,
+    fps: f64,
 ) -> Result<Vec<Looked>, Error> {
     let (cameras, layout) = (source.cameras().to_vec(), source.layout().clone());
     let (points, keypoints): (Vec<usize>, Vec<usize>) = shared.iter().copied().unzip();
@@ -66,23 +73,40 @@ pub(super) fn looked_at(
     let config = association::Config::default();
     let mut following = Following { person: setup.person, ..Following::default() };
     let mut found_in: Vec<(u64, Sighted, Vec<Vec<f64>>)> = vec![];
+    // Frames near those that are looked at, from which velocities come.
+    let mut near: Vec<(u64, Sighted)> = vec![];
     for number in numbers.clone() {
         let people = source.people(number)?;
         let found = follow(&mut following, &cameras, &people, None, &config);
-        if !found.is_present() || !(number - numbers.start).is_multiple_of(stride) {
+        let after = (number - numbers.start) % stride;
+        if !found.is_present() {
+            continue;
+        }
+        if after.min(stride - after) <= reach(fps) {
+            near.push((number, found.people.clone()));
+        }
+        if after != 0 {
             continue;
         }
         let elsewhere = elsewhere(&model, &people, &found, &keypoints, &config);
         found_in.push((number, found.people, elsewhere));
     }
     let sighted: Vec<Sighted> = found_in.iter().map(|(_, sighted, _)| sighted.clone()).collect();
+    let noise: Vec<CameraNoise> =
+        model.views.iter().map(|view| CameraNoise::without_offset(view.sigma_px, view.usual_confidence)).collect();
+    let as_they_are: Vec<Camera> = model.views.iter().map(|view| view.camera.clone()).collect();
     let mut looked: Vec<Looked> = vec![];
     for ((number, sighted, elsewhere), straight) in found_in.into_iter().zip(straight(&sighted, tree, &layout)) {
         let former = looked.last().map(|frame| frame.pose.as_slice());
         let Some(pose) = pose_of(setup, &cameras, &layout, &straight, former) else { continue };
         let by_point =
             |seen: &Vec<Option<Detection>>| keypoints.iter().map(|&k| seen.get(k).copied().flatten()).collect();
-        looked.push(Looked { number, detections: sighted.iter().map(by_point).collect(), elsewhere, pose });
+        let detections: Vec<Vec<_>> = sighted.iter().map(by_point).collect();
+        let at = near.partition_point(|(other, _)| *other < number);
+        let confidence = (fps, model.least_confidence);
+        let seen_velocities = keypoint_velocities((&as_they_are, &noise), &near, at, &keypoints, confidence);
+        let (velocities, on_time) = (vec![], detections.clone());
+        looked.push(Looked { number, detections, elsewhere, pose, seen_velocities, velocities, on_time });
     }
     Ok(looked)
 }

@@ -1,6 +1,6 @@
 //! The posterior of everything that is constant over a recording.
 //!
-//! That is cameras, the subject's lengths, places of keypoints, biases of detectors.
+//! That is cameras, the subject's lengths, places of keypoints, biases of detectors, lags of clocks.
 //!
 //! Poses of some frames and g are found together by Gauss–Newton. Frame after frame a random walk links the poses and a filter carries beside them how its estimates answer to g ([`Lasting`]), which eliminates the poses from the block-tridiagonal
 //! matrix with a border. What remains are Λ and λ of g alone, from which g and the scales of its prior are drawn ([`lasting_scales`]). Each round:
@@ -33,9 +33,10 @@ use sinew_dynamics::lasting_scales::{LastingData, LastingDraws, LastingPrior, Sw
 use sinew_dynamics::smoother::Smoother;
 use sinew_observe::camera_error::{NUMBERS, PRINCIPAL_POINT, with_error};
 use sinew_observe::lasting_errors::{
-    LastingErrors, LinearisedFrame, linearised, linearised_detections, pixels_per_metre,
+    LastingErrors, LinearisedFrame, linearised, linearised_detections, on_time, pixels_per_metre,
 };
 use sinew_observe::offsets::{self, Sighted, robust_sigma};
+use sinew_observe::point_velocity::{REACH_S, body_velocities, velocity_sd};
 use sinew_observe::{Camera, Detection, KeypointFrame, KeypointModel, View};
 use std::ops::Range;
 
@@ -44,7 +45,7 @@ const ROUNDS: usize = 3;
 /// Steps between poses over the steps of the recording's motion. How large the steps of someone's angles are is not known; taken as known, they would say how long limbs are: longer limbs turn less for the same keypoints. Steps this wide say nothing of it, and still lead from frame to frame.
 const UNTIED: f64 = 5.0;
 /// Draws to find the mean in a round.
-const ROUND: SweepSchedule = SweepSchedule { draws: 16, burn_in: 12, apart: 1 };
+const ROUND: SweepSchedule = SweepSchedule { draws: 48, burn_in: 16, apart: 1 };
 /// A precision that says nothing.
 const FLAT: f64 = 1e10;
 /// Share of a camera's residuals that is left, at least.
@@ -67,7 +68,7 @@ pub fn measure_lasting(
     let tree = setup.tree();
     let shared: Vec<(usize, usize)> =
         tree.points().iter().enumerate().filter_map(|(p, point)| Some((p, layout.index(&point.name)?))).collect();
-    let looked = looked_at(setup, source, &tree, &shared, numbers)?;
+    let looked = looked_at(setup, source, &tree, &shared, numbers, fps)?;
     let mut fit = Fit::new(setup, &tree, &cameras, &shared, looked, fps);
     fit.at_errors(&cameras);
     for round in 0..ROUNDS {
@@ -135,6 +136,9 @@ struct Fit {
     persistence_s: f64,
     /// What a frame is worth.
     worth: f64,
+    /// Frames a second, and usual velocities of the pose over the time in which they are looked at.
+    fps: f64,
+    usual_velocity: Vec<f64>,
 }
 
 impl Fit {
@@ -164,7 +168,7 @@ impl Fit {
             frames.windows(2).map(|pair| (pair[1].number - pair[0].number) as f64 / fps).collect();
         let step = |seconds: &f64| motion.iter().map(|sd| UNTIED * sd * seconds.sqrt()).collect();
         Self {
-            prior: prior(&errors, &points, &setup.proportions, &expected, tied(&level)),
+            prior: prior(&errors, &points, &setup.proportions, &expected, tied(&level), fps.recip()),
             level,
             model: observed_by(setup, tree, cameras, &indices),
             scales: cameras.iter().map(|camera| pixels_per_metre(camera, middle)).collect(),
@@ -181,10 +185,12 @@ impl Fit {
             seconds_apart: offsets::median(&mut seconds),
             persistence_s: 0.0,
             worth: 1.0,
+            fps,
+            usual_velocity: motion.iter().map(|sd| sd / (2.0 * REACH_S).sqrt()).collect(),
         }
     }
 
-    /// Body, cameras and biases at g.
+    /// Body, cameras, biases and detections at g.
     fn at_errors(&mut self, cameras: &[Camera]) {
         self.body = self.unmoved.reshaped(&self.g[self.errors.lengths()], &self.g[self.errors.places()]);
         for (c, (view, camera)) in self.model.views.iter_mut().zip(cameras).enumerate() {
@@ -197,19 +203,41 @@ impl Fit {
             };
             view.bias_px = (0..self.errors.points).map(bias).collect();
         }
+        self.on_time();
+    }
+
+    /// How the body moves in each frame, and what cameras that are not late would have seen.
+    fn on_time(&mut self) {
+        let lags = &self.g[self.errors.lags()];
+        let sd = velocity_sd(self.position_sd_m(), self.fps);
+        for Looked { pose, detections, seen_velocities, velocities, on_time: shown, .. } in &mut self.frames {
+            let body = self.body.at(pose);
+            *velocities = body_velocities(&body.by_pose, seen_velocities, &self.usual_velocity, sd);
+            let views = self.model.views.iter().zip(&*detections).zip(lags);
+            let seen = |((view, seen), lag): ((&View, &Vec<_>), &f64)| {
+                on_time(&view.camera, seen, &body.positions, velocities, *lag)
+            };
+            *shown = views.map(seen).collect();
+        }
+    }
+
+    /// Scatter of a keypoint in space, metres: that of its detections in all cameras.
+    fn position_sd_m(&self) -> f64 {
+        let square = |(view, scale): (&View, &f64)| (scale / view.sigma_px).powi(2);
+        self.model.views.iter().zip(&self.scales).map(square).sum::<f64>().sqrt().recip()
     }
 
     fn linearised(&self, frame: &Looked) -> LinearisedFrame {
         let body = self.body.at(&frame.pose);
-        let found = linearised_detections(&self.model, &frame.detections, &frame.elsewhere, &body);
-        linearised(&found, &self.errors, &self.scales, &body, self.model.plan.dof())
+        let found = linearised_detections(&self.model, &frame.on_time, &frame.elsewhere, &body);
+        linearised(&found, &self.errors, &self.scales, (&body, &frame.velocities), self.model.plan.dof())
     }
 
     /// How often cameras take something for something else.
     fn mistakes(&mut self) {
         let points: Vec<Vec<f64>> = self.frames.iter().map(|frame| self.body.at(&frame.pose).positions).collect();
-        let frames = self.frames.iter().zip(&points).map(|(Looked { detections, elsewhere, .. }, predicted)| {
-            KeypointFrame { detections, elsewhere, predicted }
+        let frames = self.frames.iter().zip(&points).map(|(Looked { on_time, elsewhere, .. }, predicted)| {
+            KeypointFrame { detections: on_time, elsewhere, predicted }
         });
         self.model.mistakes = measured_mistakes::measured(&self.model, frames);
     }
@@ -344,7 +372,7 @@ impl Fit {
         };
         let views = &self.model.views;
         let sighted: Vec<Sighted> =
-            self.frames.iter().map(|frame| views.iter().zip(&frame.detections).map(without_bias).collect()).collect();
+            self.frames.iter().map(|frame| views.iter().zip(&frame.on_time).map(without_bias).collect()).collect();
         let cameras: Vec<Camera> = views.iter().map(|view| view.camera.clone()).collect();
         let config = offsets::Config { no_offsets: true, ..offsets::Config::default() };
         let noise = offsets::estimate(&cameras, &sighted, &config);
@@ -382,12 +410,12 @@ impl Fit {
         Ok(found)
     }
 
-    /// Puts what was found into the set-up; lengths become the body's own.
+    /// Puts what was found into the set-up; lengths become the body's own. Tracking takes no clock for late, so that its draws are about 0 and not about their mean.
     fn store(mut self, setup: &mut Setup, found: LastingDraws, source: Vec<PointSources>) {
         let Self { errors, points, middle, frames, model, expected, .. } = &self;
         let cameras: Vec<String> = setup.camera.iter().map(|camera| camera.name.clone()).collect();
         let number = |(place, name): (usize, String)| {
-            let value = rounded(found.mean[place]);
+            let value = if errors.lags().contains(&place) { 0.0 } else { rounded(found.mean[place]) };
             let draws = found.errors.iter().map(|g| rounded(g[place] - value)).collect();
             let base = if errors.lengths().contains(&place) { value } else { 0.0 };
             let [prior_mean, prior_sd] = [expected[place][0] - base, expected[place][1]].map(rounded);

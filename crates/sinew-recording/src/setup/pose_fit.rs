@@ -28,15 +28,8 @@ pub fn pose_of(
             place.iter().map(|k| k.and_then(|k| seen.get(k).copied().flatten())).collect();
         return one_camera::pose_from_one_view(&tree, view, &detections).map(|fit| fit.pose);
     }
-    let noise: Vec<CameraNoise> = views
-        .iter()
-        .map(|v| CameraNoise {
-            offset_px: [0.0; 2],
-            sigma_px: v.sigma_px,
-            usual_confidence: v.usual_confidence,
-            residuals: 0,
-        })
-        .collect();
+    let noise: Vec<CameraNoise> =
+        views.iter().map(|view| CameraNoise::without_offset(view.sigma_px, view.usual_confidence)).collect();
     let used: Vec<Camera> = views.into_iter().map(|v| v.camera).collect();
     let points = points_in_space(&used, &noise, sighted, offsets::Config::default().least_confidence);
     let targets: Vec<Option<Target>> = place

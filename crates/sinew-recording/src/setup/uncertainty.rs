@@ -22,6 +22,8 @@ pub struct JointUncertainty {
     pub places: f64,
     /// Of biases of detectors.
     pub biases: f64,
+    /// Of lags of the cameras.
+    pub lags: f64,
 }
 
 /// What the uncertainty of a run comes from.
@@ -45,6 +47,7 @@ const WORDS: [(&str, &str); SOURCES + 1] = [
     ("lengths of the body", "measured lengths, or a recording in which the limbs bend and turn"),
     ("places of keypoints", "a static trial with measured joints"),
     ("biases of detectors", "another camera from another side, or more frames in which the person turns"),
+    ("lags of the cameras", "cameras with one trigger"),
 ];
 
 impl JointUncertainty {
@@ -52,14 +55,15 @@ impl JointUncertainty {
         let lasting: f64 = sources.parts().iter().sum();
         // Where a set-up is another recording's, its parts may be more than all.
         let all = variance.max(lasting);
-        let [cameras, lengths, places, biases] = sources.parts().map(|part| if all > 0.0 { part / all } else { 0.0 });
-        let frames = 1.0 - cameras - lengths - places - biases;
+        let [cameras, lengths, places, biases, lags] =
+            sources.parts().map(|part| if all > 0.0 { part / all } else { 0.0 });
+        let frames = 1.0 - cameras - lengths - places - biases - lags;
         let sd_m = (variance / 3.0).sqrt();
-        Self { joint: sources.point.clone(), sd_m, frames, cameras, lengths, places, biases }
+        Self { joint: sources.point.clone(), sd_m, frames, cameras, lengths, places, biases, lags }
     }
 
     const fn shares(&self) -> [f64; SOURCES + 1] {
-        [self.frames, self.cameras, self.lengths, self.places, self.biases]
+        [self.frames, self.cameras, self.lengths, self.places, self.biases, self.lags]
     }
 
     /// The largest source.
@@ -116,7 +120,7 @@ mod tests {
     use super::*;
 
     fn sources(point: &str, [cameras_m2, lengths_m2, places_m2, biases_m2]: [f64; 4]) -> PointSources {
-        PointSources { point: point.into(), cameras_m2, lengths_m2, places_m2, biases_m2 }
+        PointSources { point: point.into(), cameras_m2, lengths_m2, places_m2, biases_m2, lags_m2: 0.0 }
     }
 
     #[test]
@@ -127,10 +131,10 @@ mod tests {
             assert!((joint.shares().iter().sum::<f64>() - 1.0).abs() < 1e-12);
             assert!((joint.sd_m - (1e-3_f64 / 3.0).sqrt()).abs() < 1e-12);
         }
-        assert_eq!(found.joints[0].shares().map(|x| (10.0 * x).round()), [3.0, 6.0, 0.0, 0.0, 1.0]);
+        assert_eq!(found.joints[0].shares().map(|x| (10.0 * x).round()), [3.0, 6.0, 0.0, 0.0, 1.0, 0.0]);
         assert_eq!(
             found.words,
-            "noise of each frame 45 %, cameras 35 %, biases of detectors 25 %, places of keypoints 0 %, lengths of the body -5 %"
+            "noise of each frame 45 %, cameras 35 %, biases of detectors 25 %, places of keypoints 0 %, lags of the cameras 0 %, lengths of the body -5 %"
         );
         assert_eq!(
             found.help,

@@ -35,6 +35,7 @@ pub(super) fn add(facts: &mut Facts, known: &MeasuredErrors, calibration: &[Came
             };
             facts.row(format!("{name} {what}"), value);
         }
+        facts.row(format!("{name} lag"), shown(&[known.known(layout.lag(index))], 1e3, " ms", 1));
     }
     for (length, number) in length_names().into_iter().zip(known_in(known, layout.lengths())) {
         let KnownNumber { sd, prior_sd, .. } = number;
@@ -92,7 +93,8 @@ fn learned(known: &MeasuredErrors, layout: &LastingErrors) -> String {
         OF_CAMERA.into_iter().map(|(what, places, ..)| (what, camera_numbers(places))).collect();
     kinds.push(("lengths", layout.lengths().collect()));
     kinds.push(("places of keypoints", layout.places().collect()));
-    kinds.push(("biases", (layout.places().end..layout.count()).collect()));
+    kinds.push(("biases", layout.biases().collect()));
+    kinds.push(("lags", layout.lags().collect()));
     let counted = |(what, places): &(&str, Vec<usize>)| {
         let learned = places.iter().filter(|place| known.known(**place).is_learned()).count();
         format!("{what} {learned} of {}", places.len())

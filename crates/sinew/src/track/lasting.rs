@@ -3,6 +3,7 @@
 //! Tracking takes the set-up's values ĝ of what is constant for true. The set-up also drew how far the truth may be from them ([`crate::setup::MeasuredErrors`]). Draw i of every frame belongs to draw i mod n of these, and so is moved to
 //! where the tracker's estimate would be had that been true: s⁽ⁱ⁾ + J (g⁽ⁱ⁾ − ĝ), with the answer J of the filter linearised at its estimates ([`LastingMoves`]). Longer segments move the points of the body, too.
 //! Errors that persist some frames widen the draws by what the filter, which takes them as independent, does not know ([`PersistentErrors`]). Keypoints alone enter J: beside silhouettes it is too large.
+//! No clock is taken for late: what the set-up found of lags moves the draws, and so their mean.
 
 use super::error::TrackError;
 use super::noted::Noted;
@@ -23,6 +24,7 @@ use sinew_observe::drawn_errors::DrawnErrors;
 use sinew_observe::lasting_errors::{
     LastingErrors, linearised_detections, pixels_per_metre, pose_information, whitened_rows,
 };
+use sinew_observe::point_velocity::RunningVelocities;
 use sinew_observe::{Camera, KeypointModel};
 use sinew_tracking::StepInfo;
 use sinew_tracking::moved::{Moved, Rows};
@@ -47,6 +49,8 @@ pub(super) struct Lasting {
     filter: LinearisedFilter,
     moves: LastingMoves,
     persistence: Option<(Persistence, PersistentErrors)>,
+    /// How the keypoints move: a late camera shows them where they were.
+    velocities: RunningVelocities,
     started: bool,
 }
 
@@ -90,6 +94,7 @@ impl Lasting {
             draws,
             seed,
             persistence,
+            velocities: RunningVelocities::new(errors.points, seconds),
             started: false,
         })
     }
@@ -101,6 +106,7 @@ impl Lasting {
             self.filter = LinearisedFilter::new(&self.initial);
             self.moves.restart();
             self.persistence.iter_mut().for_each(|(_, persistent)| persistent.restart());
+            self.velocities.restart();
         } else {
             self.filter.predict(&self.step);
         }
@@ -110,7 +116,8 @@ impl Lasting {
         let found = linearised_detections(&self.model, &shown.detections, &shown.elsewhere, &body);
         let information = pose_information(&found, &body, dof);
         let shifts = self.drawn.keypoint_shifts(&body);
-        let pull = self.drawn.pull(&found, &body, &shifts, &self.pixels_per_metre, dof);
+        let velocities = self.velocities.next(&body.positions);
+        let pull = self.drawn.pull(&found, (&body, velocities), &shifts, &self.pixels_per_metre, dof);
         self.filter.update(&information).map_err(TrackError::Motion)?;
         let covariance = self.filter.covariance();
         self.moves.update(&covariance, &information, pull).map_err(TrackError::Motion)?;
@@ -185,7 +192,7 @@ impl Lasting {
             return vec![];
         }
         let persistent = self.persistence.as_ref().map(|(_, persistent)| persistent.save());
-        [self.filter.covariance(), self.moves.save(), persistent.unwrap_or_default()].concat()
+        [self.filter.covariance(), self.moves.save(), self.velocities.save(), persistent.unwrap_or_default()].concat()
     }
 
     pub(super) fn restore(&mut self, saved: &[f64]) -> Result<(), sinew_dynamics::Error> {
@@ -195,9 +202,15 @@ impl Lasting {
         }
         let (covariance, moves) = (self.initial.len().pow(2), self.moves.save().len());
         let (covariance, rest) = saved.split_at(covariance.min(saved.len()));
-        let (moves, persistent) = rest.split_at(moves.min(rest.len()));
+        let (moves, rest) = rest.split_at(moves.min(rest.len()));
+        let (velocities, persistent) = rest.split_at(self.velocities.saved().min(rest.len()));
         self.filter.restore(covariance)?;
         self.moves.restore(moves)?;
+        let (found, expected) = (velocities.len(), self.velocities.saved());
+        if found != expected {
+            return Err(sinew_dynamics::Error::Shape { name: "velocities of keypoints", found, expected });
+        }
+        self.velocities.restore(velocities);
         self.persistence.as_mut().map_or(Ok(()), |(_, own)| own.restore(persistent))
     }
 }

@@ -65,7 +65,6 @@ fn ranks_that_last(rig: &Rig, setup: &Setup, known: &MeasuredErrors) -> Map<Stri
         };
         ranks((0..layout.cameras).map(place).collect())
     };
-    let biases = || layout.places().end..layout.count();
     let scales = rig.scales.iter().zip(&known.scale).map(|(truth, scale)| rank(*truth, &scale.draws));
     let families = [
         ("rotation", camera_ranks(0..3)),
@@ -75,7 +74,8 @@ fn ranks_that_last(rig: &Rig, setup: &Setup, known: &MeasuredErrors) -> Map<Stri
         ("k1", camera_ranks(9..10)),
         ("lengths", ranks(vec![layout.lengths()])),
         ("places", ranks(vec![layout.places()])),
-        ("biases", ranks(vec![biases()])),
+        ("biases", ranks(vec![layout.biases()])),
+        ("lags", ranks(vec![layout.lags()])),
         ("scales", scales.collect::<Vec<u32>>().into()),
     ];
     families.map(|(name, ranks)| (name.to_owned(), ranks)).into_iter().collect()

@@ -67,12 +67,7 @@ impl Scene {
 
     /// Both ends of a limb, left and right, in space.
     fn ends_of(&self, seen: &Sighted, ends: [&str; 2]) -> [[Met; 2]; 2] {
-        let noise = |view: &sinew_observe::View| CameraNoise {
-            offset_px: [0.0; 2],
-            sigma_px: view.sigma_px,
-            usual_confidence: view.usual_confidence,
-            residuals: 0,
-        };
+        let noise = |view: &sinew_observe::View| CameraNoise::without_offset(view.sigma_px, view.usual_confidence);
         let noise: Vec<CameraNoise> = self.model.views.iter().map(noise).collect();
         let cameras: Vec<Camera> = self.model.views.iter().map(|view| view.camera.clone()).collect();
         let least = self.model.least_confidence;
