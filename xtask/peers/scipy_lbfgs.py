@@ -1,9 +1,10 @@
-"""What scipy's L-BFGS-B reaches on the standard problems of crates/sinew-latent/tests/standard_problems, and on a GPLVM.
+"""What scipy's L-BFGS-B reaches on the standard problems of sinew-latent's tests, and on a GPLVM.
 
     python3 -m pip install scipy        # into an environment of its own; this script installs nothing
-    python3 xtask/peers/scipy_lbfgs.py  # the rows of crates/sinew-latent/tests/standard_problems/reached_by_scipy.rs
+    python3 xtask/peers/scipy_lbfgs.py  # prints the rows
 
-A row: name and dimension (of the GPLVM the starts in turn), value at the start, value reached, evaluations.
+The rows are those of crates/sinew-latent/tests/program/standard_problems/reached_by_scipy.rs: name and dimension (of the
+GPLVM the starts in turn), value at the start, value reached, evaluations.
 
 The residuals are written here a second time, from Moré, Garbow & Hillstrom (1981); their derivatives are complex steps,
 Im r(x + ih e) / h, exact to rounding. Memory is 10, as in ours; it runs until the gradient is below 1e-12 or no lower

@@ -3,7 +3,7 @@
 //! Nocedal & Wright, *Numerical Optimization* (2006), algorithms 7.4, 7.5, 3.5 and 3.6, with memory 10, c₁ = 10⁻⁴, c₂ = 0.9 and cubic interpolation. Value and gradient come together, so that nothing is evaluated twice. The state
 //! is plain data: what is stored and read again continues as if never interrupted.
 //!
-//! argmin 0.11 (L-BFGS with Moré–Thuente, memoised) was tried on the 36 problems of `tests/standard_problems` and on 17 GPLVMs. It takes 2734 evaluations against our 2464 to the 32 published minima that both reach, and 3 % more on seven GPLVMs
+//! argmin 0.11 (L-BFGS with Moré–Thuente, memoised) was tried on the 36 problems of `tests/program/standard_problems` and on 17 GPLVMs. It takes 2734 evaluations against our 2464 to the 32 published minima that both reach, and 3 % more on seven GPLVMs
 //! that end in the same minimum. It gives up within four evaluations on one problem and one GPLVM, with tolerances of 0 it does not end on 24 problems, and its state holds infinities, which JSON cannot carry.
 
 use serde::{Deserialize, Serialize};

@@ -10,7 +10,7 @@
 //! caught_by = [{ package = "sinew-samplers", target = "exact_start", test = "name_of_the_test" }]
 //! ```
 //!
-//! `find` must occur in the file once. `target` is the name of a file in the package's `tests` folder, or `lib`.
+//! `find` must occur in the file once. `target` is `lib`, or the name of a test program: of a file in the package's `tests` folder, or of a folder there, whose tests are named with their module.
 
 use std::fs;
 use std::path::Path;
@@ -37,7 +37,7 @@ pub struct Bug {
 pub struct Test {
     /// Package.
     pub package: String,
-    /// `lib`, or the name of an integration test.
+    /// `lib`, or the name of a test program.
     pub target: String,
     /// Path of the function in the target.
     pub test: String,
@@ -106,11 +106,15 @@ mod tests {
         Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("xtask lies in the workspace")
     }
 
-    /// The file of a target: of a library, that of the test's module.
+    /// The file of a target: of a library or a folder of tests, that of the test's module.
     fn file_of(package: &str, target: &str, test: &str) -> PathBuf {
         let folder = root().join(if package == "sinew-tests" { "tests".into() } else { format!("crates/{package}") });
         if target != "lib" {
-            return folder.join(format!("tests/{target}.rs"));
+            let program = folder.join("tests").join(target);
+            return match test.split_once("::") {
+                Some((module, _)) if program.join("main.rs").exists() => program.join(format!("{module}.rs")),
+                _ => program.with_extension("rs"),
+            };
         }
         let module = test.split("::tests::").next().unwrap_or(test).replace("::", "/");
         folder.join(format!("src/{module}.rs"))
