@@ -9,7 +9,7 @@
 //! | [`triangulated`], [`filled`], [`causal`], [`zero_phase`] | the usual recipe: points one by one, gaps filled, a Butterworth low-pass |
 //! | [`mean_distance`] | of tracks to a reference |
 //! | [`pixel_errors`] | distance to the keypoints of a camera that was left out |
-//! | [`covered`], [`block_bootstrap`], [`grouped_block_bootstrap`] | share of true coordinates inside the 90 % intervals, and its standard error |
+//! | [`covered`], [`half_width_m`], [`block_bootstrap`], [`grouped_block_bootstrap`] | share of true coordinates inside the 90 % intervals, their half-width, and standard errors |
 //! | [`ranks`], [`weighted_places`] | where the truth falls among draws, and among weighted draws: coverage at any level, rank histograms |
 //! | [`joint_errors`], [`smoothness`] | of states against a motion, and of states alone |
 //! | [`equal_variance`], [`volumes`] | what estimators cost at equal variance, and how far a posterior is from its prior |
@@ -25,7 +25,7 @@ pub mod smoothness;
 pub mod volumes;
 pub mod weighted_places;
 
-pub use coverage::{block_bootstrap, covered, grouped_block_bootstrap};
+pub use coverage::{block_bootstrap, covered, grouped_block_bootstrap, half_width_m};
 pub use recipe::{Track, causal, filled, triangulated, zero_phase};
 
 use sinew::Error;

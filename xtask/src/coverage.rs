@@ -186,7 +186,7 @@ fn warned() -> Vec<Scene> {
 }
 
 /// Raised with every change of what a cell computes.
-const VERSION: u32 = 2;
+const VERSION: u32 = 3;
 
 fn configuration(args: &Args, people: &[Person]) -> String {
     let names: Vec<String> = people.iter().map(|p| format!("{} {:?}", p.subject, p.proportions)).collect();

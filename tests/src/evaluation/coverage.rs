@@ -25,6 +25,15 @@ pub fn covered(
     estimates.iter().map(|e| columns.iter().map(|c| c.map_or(f64::NAN, |c| share(e, c))).collect()).collect()
 }
 
+/// Mean half-width of the 90 % intervals of some points, metres: over frames, points and axes.
+#[must_use]
+pub fn half_width_m(tree: &KinematicTree, estimates: &[FrameEstimate], names: &[&str]) -> f64 {
+    let points: Vec<usize> = names.iter().filter_map(|name| tree.point_index(name)).collect();
+    let marginals = || estimates.iter().flat_map(|estimate| points.iter().map(|&point| &estimate.points[point]));
+    let widths = || marginals().flat_map(|marginal| (0..3).map(|axis| marginal.q95[axis] - marginal.q05[axis]));
+    0.5 * widths().sum::<f64>() / widths().count() as f64
+}
+
 /// Standard error of the mean of some time series, by a block bootstrap (Künsch 1989): as many blocks of `block` consecutive values as make up each series are drawn from it again, with replacement,
 /// and the mean over all series is taken; `replicates` times.
 #[must_use]

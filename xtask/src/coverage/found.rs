@@ -57,6 +57,10 @@ impl Found {
         with_error(self.all.iter().map(|series| series.in_files).collect())
     }
 
+    pub(super) fn half_width_mm(&self) -> f64 {
+        1e3 * mean(&self.all.iter().map(|series| series.half_width_m).collect::<Vec<_>>())
+    }
+
     pub(super) fn error_mm(&self) -> f64 {
         1e3 * mean(&self.all.iter().map(|series| series.error_m).collect::<Vec<_>>())
     }

@@ -192,7 +192,7 @@ impl Wrong {
             Self::Persistent => format!("errors correlated {PERSISTENCE} from frame to frame"),
             Self::Understated => format!("errors {UNDERSTATED} times as large"),
             Self::Recorded => "recorded joints, which the body does not reach".into(),
-            Self::Calibration => "cameras 0.2°, 5 mm, 0.3 % off".into(),
+            Self::Calibration => "cameras 0.2°, 5 mm, 0.3 %, 0.15 frames off".into(),
             Self::Biased(px) => format!("keypoints {px} px aside in each camera"),
             Self::Swapped(share) => format!("sides exchanged in {} %", 100.0 * share),
             Self::All => "all together".into(),
@@ -230,6 +230,8 @@ pub(super) struct Series {
     pub(super) covered: Vec<Vec<f64>>,
     /// The same of all joints by the 90 % intervals of the files.
     pub(super) in_files: f64,
+    /// Mean half-width of these, metres.
+    pub(super) half_width_m: f64,
     /// Mean distance from the truth, metres.
     pub(super) error_m: f64,
     /// Share of the judged frames whose split R-hat is above 1.05.
@@ -242,7 +244,7 @@ impl Series {
     pub(super) fn to_json(&self) -> Value {
         json!({
             "ranks": self.ranks, "state_ranks": self.state_ranks, "covered": self.covered, "in_files": self.in_files,
-            "error_m": self.error_m, "disagreeing": self.disagreeing, "doubts": self.doubts,
+            "half_width_m": self.half_width_m, "error_m": self.error_m, "disagreeing": self.disagreeing, "doubts": self.doubts,
         })
     }
 
@@ -255,6 +257,7 @@ impl Series {
             state_ranks: ranks("state_ranks"),
             covered: crate::store::rows(&value["covered"]),
             in_files: number("in_files"),
+            half_width_m: number("half_width_m"),
             error_m: number("error_m"),
             disagreeing: number("disagreeing"),
             doubts: doubts.filter_map(|doubt| doubt.as_str().map(String::from)).collect(),
@@ -370,6 +373,7 @@ fn judged(found: &Filtered, truth: &Trajectories) -> Series {
         ranks: ranked.last().cloned().unwrap_or_default(),
         state_ranks: vec![],
         in_files: mean(&in_files.iter().map(|frame| mean(frame)).collect::<Vec<_>>()),
+        half_width_m: evaluation::half_width_m(&found.tree, judged, &EVALUATION_JOINTS),
         error_m: evaluation::mean_distance(&track, &target, 0..JUDGED),
         disagreeing: judged.iter().filter(|e| e.r_hat.is_some_and(|r| r > 1.05)).count() as f64 / JUDGED as f64,
         doubts: doubts.into_iter().map(String::from).collect(),

@@ -100,9 +100,9 @@ fn coverages(text: &mut String, series: &[(Scene, Found)], as_assumed: bool) {
         ["Otherwise; hmc, sizes of the set-up", "keypoints, cameras"]
     };
     line(text, &format!("\n{title}:\n"));
-    let last = "mean distance from promise | in files, 90 % | error, mm | R-hat above 1.05 |";
+    let last = "mean distance from promise | in files, 90 % | half-width, mm | error, mm | R-hat above 1.05 |";
     line(text, &format!("| {first} | series |{} {last}", levels()));
-    line(text, &format!("|---|---|{}---|---|---|---|", "---|".repeat(LEVELS.len())));
+    line(text, &format!("|---|---|{}---|---|---|---|---|", "---|".repeat(LEVELS.len())));
     for (scene, found) in series {
         let Scene::Person { wrong, .. } = scene else { continue };
         if (*wrong == Wrong::Right) != as_assumed {
@@ -111,11 +111,12 @@ fn coverages(text: &mut String, series: &[(Scene, Found)], as_assumed: bool) {
         let [method, cameras, sizes, keypoints] = named(scene);
         let name = if as_assumed { format!("{method}, {cameras}, {sizes}") } else { format!("{keypoints}; {cameras}") };
         let row = format!(
-            "| {name} | {} |{} {:.1} | {} | {:.1} | {:.0} % |",
+            "| {name} | {} |{} {:.1} | {} | {:.1} | {:.1} | {:.0} % |",
             found.series,
             pooled(found),
             100.0 * found.calibration_error(),
             percent(found.in_files()),
+            found.half_width_mm(),
             found.error_mm(),
             100.0 * found.disagreeing()
         );

@@ -383,11 +383,14 @@ impl Fit {
                 .sum()
         };
         let taken_by_biases: Vec<f64> = (0..cameras.len()).map(taken_by_biases).collect();
-        for ((view, noise), taken_by_biases) in self.model.views.iter_mut().zip(noise).zip(taken_by_biases) {
-            let left = (1.0 - taken_by_biases / (self.worth * noise.residuals as f64 * 2.0)).max(LEAST_LEFT);
-            let sigma = noise.sigma_px / left.sqrt();
-            if sigma.is_finite() {
-                view.sigma_px = sigma;
+        let own = noise.iter().zip(taken_by_biases).zip(&self.scales).map(|((noise, taken), scale)| {
+            let left = (1.0 - taken / (self.worth * noise.residuals as f64 * 2.0)).max(LEAST_LEFT);
+            noise.sigma_px / left.sqrt() / scale
+        });
+        let own: Vec<f64> = own.collect();
+        for ((view, scatter_m), scale) in self.model.views.iter_mut().zip(like_the_others(&own)).zip(&self.scales) {
+            if scatter_m.is_finite() {
+                view.sigma_px = scale * scatter_m;
             }
         }
     }
@@ -449,6 +452,16 @@ impl Fit {
             setup.start_pose = frame.pose;
         }
     }
+}
+
+/// Share of the difference of a camera's scatter from the others' that is taken for its own.
+const OWN: f64 = 0.5;
+
+/// Scatter of cameras, nearer to their geometric mean.
+fn like_the_others(own: &[f64]) -> Vec<f64> {
+    let known = || own.iter().filter(|x| x.is_finite()).map(|x| x.ln());
+    let usual = known().sum::<f64>() / known().count() as f64;
+    own.iter().map(|x| (usual + OWN * (x.ln() - usual)).exp()).collect()
 }
 
 /// Trace of the product of two symmetric matrices.
