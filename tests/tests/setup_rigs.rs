@@ -1,9 +1,11 @@
-//! The set-up's posterior of the body, where lengths and places are not what its prior expects.
+//! The set-up's posterior of what lasts: lengths that its prior does not expect, and lags of clocks.
 
 use rayon::prelude::*;
 use sinew::setup::SetupRequest;
+use sinew_simulate::calibration_error::CalibrationError;
+use sinew_simulate::recording::{Script, SyntheticRecording};
 use sinew_tests::drawn_rig::{RATE_HZ, Rig, truth};
-use sinew_tests::simulated_source::set_up;
+use sinew_tests::simulated_source::{set_up, source};
 
 /// Rigs.
 const RIGS: u64 = 10;
@@ -28,4 +30,42 @@ fn lengths_that_nobody_expects_are_held() {
     let [too_long, square] = [0, 1].map(|k: usize| found.iter().map(|row| row[k]).sum::<f64>() / found.len() as f64);
     assert!(too_long.abs() < 3e-3, "{:.1} mm too long", 1e3 * too_long);
     assert!((0.4..2.0).contains(&square), "{square:.2}");
+}
+
+/// Cameras before a walker whose clocks are off by half a frame: how much each is later than the mean of all is found, and known as well as it is found. What all share is not known.
+#[test]
+fn clocks_that_are_late_are_found() {
+    const LAG_FRAMES: f64 = 0.5;
+    let calibration = CalibrationError { lag_frames: LAG_FRAMES, ..CalibrationError::NONE };
+    let script = Script { calibration, duration_s: 6.0, ..Script::default() };
+    let found = |seed: u64| -> Vec<[f64; 2]> {
+        let recording = SyntheticRecording::new(&script, seed).unwrap();
+        let setup = set_up(&mut source(&recording), &SetupRequest::default(), script.rate_hz, seed).unwrap();
+        let known = setup.lasting.as_ref().unwrap();
+        let lags = known.layout().lags();
+        let centred = |x: &[f64]| -> Vec<f64> {
+            let mean = x.iter().sum::<f64>() / x.len() as f64;
+            x.iter().map(|x| x - mean).collect()
+        };
+        let draw = |draw: usize| -> Vec<f64> {
+            lags.clone().map(|place| script.rate_hz * known.number[place].draws[draw]).collect()
+        };
+        let drawn: Vec<Vec<f64>> = (0..known.draws()).map(|k| centred(&draw(k))).collect();
+        let true_lags = centred(&recording.lags_frames);
+        let moments = |camera: usize| {
+            let mean = drawn.iter().map(|lags| lags[camera]).sum::<f64>() / drawn.len() as f64;
+            let variance = drawn.iter().map(|lags| (lags[camera] - mean).powi(2)).sum::<f64>() / drawn.len() as f64;
+            let away = mean - true_lags[camera];
+            [away, away * away / variance]
+        };
+        let together: f64 = lags.clone().map(|place| script.rate_hz * known.known(place).sd).sum();
+        assert!(together > 0.2, "the common lag is known: {together}");
+        (0..lags.len()).map(moments).collect()
+    };
+    let found: Vec<[f64; 2]> = (1..=6_u64).into_par_iter().flat_map_iter(found).collect();
+    let count = found.len() as f64;
+    let error = (found.iter().map(|[away, _]| away * away).sum::<f64>() / count).sqrt();
+    let square = found.iter().map(|row| row[1]).sum::<f64>() / count;
+    assert!(error < 0.3 * LAG_FRAMES, "{error:.3} frames");
+    assert!((0.2..2.5).contains(&square), "{square:.2}");
 }

@@ -52,7 +52,7 @@ fn everything_is_there_and_readable() {
     assert_eq!(summary["frames"], serde_json::json!([2, 8]));
     for joint in summary["uncertainty"]["joints"].as_array().unwrap() {
         let share = |source: &str| joint[source].as_f64().unwrap();
-        let all: f64 = ["frames", "cameras", "lengths", "places", "biases"].map(share).iter().sum();
+        let all: f64 = ["frames", "cameras", "lengths", "places", "biases", "lags"].map(share).iter().sum();
         assert!((all - 1.0).abs() < 1e-9, "{joint}");
     }
     assert_eq!(summary["settings"]["frames"], serde_json::json!({ "value": "2..8", "origin": "flag" }));
