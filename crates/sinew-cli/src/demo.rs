@@ -1,4 +1,4 @@
-//! `sinew demo`: a synthetic walker is recorded to files and tracked, and the truth is known.
+//! `sinew demo`: a synthetic walker, of other sizes with every seed, is recorded to files and tracked, and the truth is known.
 //!
 //! Mean error: distance between the points of the mean pose and the true ones, over frames and the fifteen joints of pose evaluation. Coverage: share of true
 //! coordinates inside their 90 % intervals, over the same. The cameras differ from their calibration as real ones do, which shifts a whole run: the coverage of one demo is near all or nothing, however right its intervals, and within the run it is not.
@@ -16,11 +16,13 @@ use super::threads::with_threads;
 use serde_json::json;
 use sinew::body::standard::EVALUATION_JOINTS;
 use sinew::config::{Resolved, Sources, resolve};
+use sinew::core::random::Stage;
 use sinew::formats;
 use sinew::input::in_memory::InMemory;
 use sinew::results::LOCK_NAME;
 use sinew::track::job;
 use sinew::track::job::{Outcome, Watch};
+use sinew_simulate::adult;
 use sinew_simulate::calibration_error::CalibrationError;
 use sinew_simulate::detector::DetectorNoise;
 use sinew_simulate::recording::{Script, SyntheticRecording};
@@ -44,6 +46,7 @@ pub(crate) fn run(answer: Answer, general: &General, report: &Report) -> Result<
     config.force |= config.out.join(TRUTH).is_file();
     let claim = claimed(&config, &[], report)?;
     let seed = config.tracking.seed;
+    let script = Script { proportions: adult::drawn(&Stage::new(seed, "walker")), ..script };
     let recording = SyntheticRecording::new(&script, seed).map_err(Error::Demo)?;
     write_recording(&recording, &config.out)?;
     let frames = recording.truth.frames.len() as u64;

@@ -26,6 +26,7 @@
 //! # Ok::<(), sinew_observe::Error>(())
 //! ```
 
+pub mod adult;
 pub mod calibration_error;
 mod cast;
 pub mod combo;

@@ -12,8 +12,10 @@ use crate::store::{Store, numbers};
 use serde_json::{Map, Value, json};
 use sinew::body::standard::EVALUATION_JOINTS;
 use sinew::body::{Joint, KinematicTree};
+use sinew::core::random::Stage;
 use sinew::formats::trc;
 use sinew::setup::Setup;
+use sinew_simulate::adult;
 use sinew_simulate::recording::{Script, SyntheticRecording};
 use sinew_tests::evaluation::ranks;
 use std::fmt::Write as _;
@@ -82,9 +84,10 @@ impl Run {
 }
 
 /// The truth that a demo wrote, points in the order of the body, and the states that it has from the same walker.
-fn truth(folder: &Path, body: &KinematicTree) -> Outcome<Truth> {
+fn truth(folder: &Path, body: &KinematicTree, seed: u64) -> Outcome<Truth> {
     let points = trc::read("truth.trc", &std::fs::read_to_string(folder.join("truth.trc"))?)?;
-    let walker = SyntheticRecording::new(&Script::default(), 1)?;
+    let script = Script { proportions: adult::drawn(&Stage::new(seed, "walker")), ..Script::default() };
+    let walker = SyntheticRecording::new(&script, seed)?;
     let columns: Vec<usize> = body
         .points()
         .iter()
@@ -152,9 +155,9 @@ fn curve(ranks: &[u32]) -> [f64; CURVE.len()] {
 }
 
 /// Curves of a run by what is computed.
-fn curves_of(run: &Path, demo: &Path) -> Outcome<Value> {
+fn curves_of(run: &Path, demo: &Path, seed: u64) -> Outcome<Value> {
     let run = Run::read(run)?;
-    let truth = truth(demo, &run.body)?;
+    let truth = truth(demo, &run.body, seed)?;
     let ranked = ranked(&run, &truth, &(0..truth.states.len()).collect::<Vec<_>>())?;
     Ok(ranked.into_iter().map(|(key, ranks)| (key.to_owned(), json!(curve(&ranks)))).collect::<Map<_, _>>().into())
 }
@@ -176,17 +179,17 @@ fn tracked_before(program: &Program, demo: &Path, flags: &[String], folder: &Pat
 /// Demos of a seed: filtered, smoothed, and as it was before.
 pub(super) fn cell(program: &Program, seed: u64) -> Outcome<Value> {
     let [folder, plainly] = ["", "-before"].map(|when| program.folder.join(format!("derived-{seed}{when}")));
-    let (seed, out, settings) = (seed.to_string(), shown(&folder), folder.with_extension("toml"));
-    let flags = ["--threads", "1", "--no-progress", "--force", "--seed", &seed].map(str::to_owned);
+    let (out, settings) = (shown(&folder), folder.with_extension("toml"));
+    let flags = ["--threads", "1", "--no-progress", "--force", "--seed", &seed.to_string()].map(str::to_owned);
     let demo = ["demo", "--json", "-o", &out, "--config", &shown(&settings)].map(str::to_owned);
     let mut found = Map::new();
     for (kind, smooth) in [("filtered", false), ("smoothed", true)] {
         std::fs::write(&settings, format!("draws = {DRAWS}\nsmooth = {smooth}\n"))?;
         program.run(&[demo.as_slice(), &flags].concat(), &[0, 4])?;
-        found.insert(kind.into(), curves_of(&folder, &folder)?);
+        found.insert(kind.into(), curves_of(&folder, &folder, seed)?);
     }
     tracked_before(program, &folder, &flags, &plainly)?;
-    found.insert("before".into(), curves_of(&plainly, &folder)?);
+    found.insert("before".into(), curves_of(&plainly, &folder, seed)?);
     std::fs::remove_file(&settings)?;
     std::fs::remove_dir_all(&folder)?;
     std::fs::remove_dir_all(&plainly)?;

@@ -361,7 +361,7 @@ impl Fit {
         }
     }
 
-    /// Scatter of each camera, once its bias for each point is gone: that of [`offsets`], with the share that biases took.
+    /// Scatter of each camera, once its bias for each point is gone: that of [`offsets`], with the share that biases took. Lags stay in it: tracking takes no clock for late.
     fn scatter(&mut self, pass: &Pass) {
         let without_bias = |(view, seen): (&View, &Vec<Option<Detection>>)| {
             let shifted = |(point, seen): (usize, &Option<Detection>)| {
@@ -372,7 +372,7 @@ impl Fit {
         };
         let views = &self.model.views;
         let sighted: Vec<Sighted> =
-            self.frames.iter().map(|frame| views.iter().zip(&frame.on_time).map(without_bias).collect()).collect();
+            self.frames.iter().map(|frame| views.iter().zip(&frame.detections).map(without_bias).collect()).collect();
         let cameras: Vec<Camera> = views.iter().map(|view| view.camera.clone()).collect();
         let config = offsets::Config { no_offsets: true, ..offsets::Config::default() };
         let noise = offsets::estimate(&cameras, &sighted, &config);
