@@ -127,6 +127,15 @@ impl Rig {
         body.with_points_moved(&places)
     }
 
+    /// How far the keypoints of both sides of that name lie from the joints that they are named after, root mean square, metres.
+    #[must_use]
+    pub fn aside(&self, name: &str) -> f64 {
+        let own = |point: &usize| self.points[*point].ends_with(name);
+        let places: Vec<usize> = (0..self.points.len()).filter(own).collect();
+        let square: f64 = places.iter().flat_map(|&point| self.errors.place(point)).map(|k| self.g[k].powi(2)).sum();
+        (square / places.len() as f64).sqrt()
+    }
+
     fn film(&mut self, truth: &Trajectories, noise: &Stage) {
         let layout = body_25b();
         let (middle, velocities) = (middle(truth), velocities(truth));

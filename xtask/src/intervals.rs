@@ -151,7 +151,7 @@ fn simulated<'a>(args: &Args, program: &'a Program) -> Vec<Task<'a>> {
 }
 
 /// The tables of all parts, in the order of their numbers on the page, or only the tables of parts that were run.
-fn tables(args: &Args, store: &Store, [tuned_on, untouched]: [&Recording; 2]) -> String {
+fn tables(args: &Args, store: &Store, [tuned_on, untouched]: [&Recording; 2]) -> Outcome<String> {
     let all = [
         (vec![Part::Demos], demos::table(store, args.demos())),
         (vec![Part::LeftOut], left_out::table(store, tuned_on, args.runs())),
@@ -161,9 +161,10 @@ fn tables(args: &Args, store: &Store, [tuned_on, untouched]: [&Recording; 2]) ->
         (vec![Part::Scores], scores::table(store, &args.runs())),
         (vec![Part::Scores, Part::Derived], reliability::table(store, [args.runs(), args.derived()])),
         (vec![Part::Caliscope], left_out::table(store, untouched, args.runs())),
+        (vec![Part::Rigs], rigs::elbow_table(store, args.rigs())?),
     ];
     let wanted = all.into_iter().filter(|(parts, _)| parts.iter().any(|part| args.has(*part)));
-    wanted.map(|(_, table)| table).collect::<Vec<_>>().join("\n")
+    Ok(wanted.map(|(_, table)| table).collect::<Vec<_>>().join("\n"))
 }
 
 fn measure(root: &Path, args: &Args) -> Outcome<()> {
@@ -187,7 +188,7 @@ fn measure(root: &Path, args: &Args) -> Outcome<()> {
     }
     tasks.extend(simulated(args, &program));
     run_all(&mut store, "intervals", tasks, args.options.threads())?;
-    let text = tables(args, &store, [&recording, &untouched]);
+    let text = tables(args, &store, [&recording, &untouched])?;
     if args.only.is_empty() && is_there && source.is_dir() {
         std::fs::write(folder.join("tables.md"), &text)?;
     }

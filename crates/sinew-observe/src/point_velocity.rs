@@ -171,7 +171,7 @@ mod tests {
     fn a_point_that_is_thrown_has_the_velocity_of_the_moment() {
         let from = |place| Camera::look_at("C", [1280.0, 960.0], 900.0, place, [0.0, 0.0, 1.0]).unwrap();
         let cameras = [from([0.0, -4.0, 1.3]), from([4.0, 0.0, 1.3])];
-        let noise = CameraNoise { offset_px: [0.0; 2], sigma_px: 3.0, usual_confidence: 0.9, residuals: 0 };
+        let noise = [0, 1].map(|_| CameraNoise::without_offset(3.0, 0.9));
         let fps = 60.0;
         let at = |number: u64| {
             let t = number as f64 / fps;
@@ -184,7 +184,7 @@ mod tests {
         };
         let frames: Vec<(u64, Sighted)> =
             [0, 1, 2, 3, 5, 6, 7].map(|n| (n, cameras.iter().map(|camera| seen(camera, n)).collect())).to_vec();
-        let found = keypoint_velocities((&cameras, &[noise, noise]), &frames, 3, &[0, 1, 2], (fps, 0.3));
+        let found = keypoint_velocities((&cameras, &noise), &frames, 3, &[0, 1, 2], (fps, 0.3));
         // The frames 3 − 3 to 3 + 3 without the fourth: their parabola's chord is that of the mean time, which is early.
         let expected = [0.4, 0.0, 2.0 - 9.81 * 3.0 / fps];
         assert!(found[0].unwrap().iter().zip(expected).all(|(f, e)| (f - e).abs() < 0.05), "{found:?}");

@@ -130,7 +130,7 @@ pub(super) fn ranked(run: &Run, truth: &Truth, frames: &[usize]) -> Outcome<Vec<
     let has_second = |(frame, ..): &(usize, usize, usize)| frame + second < truth.frames.len();
     Ok(vec![
         ("hinges", angles(run, truth, frames, |name| HINGES.contains(&name))),
-        ("angles", angles(run, truth, frames, |name| name.starts_with("l_") || name.starts_with("r_"))),
+        ("angles", angles(run, truth, frames, |_| true)),
         ("segments", between(&SEGMENTS)?),
         ("distances", between(&DISTANCES)?),
         ("displacements", on_axes().filter(has_second).map(moved).collect()),
@@ -138,14 +138,24 @@ pub(super) fn ranked(run: &Run, truth: &Truth, frames: &[usize]) -> Outcome<Vec<
     ])
 }
 
-/// Ranks of the angles that are wanted.
+/// Angles of the limbs of a body: their places among all angles, and their names.
+pub(super) fn limb_angles(body: &KinematicTree) -> Vec<(usize, String)> {
+    let names = body.dof_names();
+    let rotations = body.joints().enumerate().filter(|(_, (_, joint))| matches!(joint, Joint::Rotate(_)));
+    let named = rotations.enumerate().map(|(angle, (dof, _))| (angle, names[dof].clone()));
+    named.filter(|(_, name)| name.starts_with("l_") || name.starts_with("r_")).collect()
+}
+
+/// Ranks of the angles of limbs that are wanted.
 fn angles(run: &Run, truth: &Truth, frames: &[usize], is_wanted: impl Fn(&str) -> bool) -> Vec<u32> {
     let names = run.body.dof_names();
-    let rotations = run.body.joints().enumerate().filter(|(_, (_, joint))| matches!(joint, Joint::Rotate(_)));
-    let columns: Vec<(usize, usize)> =
-        rotations.map(|(dof, _)| dof).enumerate().filter(|(_, dof)| is_wanted(&names[*dof])).collect();
-    let all = frames.iter().flat_map(|&frame| columns.iter().map(move |&(column, dof)| (frame, column, dof)));
-    all.map(|(frame, column, dof)| run.angles.rank(truth.states[frame][dof], |draw| run.angles.at(draw, frame)[column]))
+    let wanted: Vec<(usize, usize)> = limb_angles(&run.body)
+        .into_iter()
+        .filter(|(_, name)| is_wanted(name))
+        .filter_map(|(angle, name)| Some((angle, names.iter().position(|own| *own == name)?)))
+        .collect();
+    let all = frames.iter().flat_map(|&frame| wanted.iter().map(move |&(angle, dof)| (frame, angle, dof)));
+    all.map(|(frame, angle, dof)| run.angles.rank(truth.states[frame][dof], |draw| run.angles.at(draw, frame)[angle]))
         .collect()
 }
 

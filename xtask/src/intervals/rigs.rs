@@ -7,10 +7,13 @@ mod ranked;
 
 pub(super) use ranked::cell;
 
+use super::derived::limb_angles;
 use super::protocol::{DRAWS, LEAST_P, NOMINAL, WITHIN, verdict};
 use super::summary::{shown, uniformity, with_error};
+use crate::outcome::Outcome;
 use crate::store::{Store, numbers};
 use serde_json::Value;
+use sinew_tests::drawn_rig::Rig;
 use sinew_tests::evaluation::ranks::{self, LEVELS, all_uniform, shape};
 use std::fmt::Write as _;
 use std::ops::Range;
@@ -78,4 +81,38 @@ pub(super) fn table(store: &Store, seeds: Range<u64>) -> String {
         let _ = writeln!(text, "\nfailed: {}", cell["failed"].as_str().unwrap_or_default().replace('\n', " "));
     }
     text
+}
+
+/// Angles of upper arms and of the other limbs, for thirds of the rigs by how far the keypoints of elbows lie from their joints.
+///
+/// # Errors
+/// A rig that cannot be drawn.
+pub(super) fn elbow_table(store: &Store, seeds: Range<u64>) -> Outcome<String> {
+    let mut rigs: Vec<(f64, [f64; 2])> = vec![];
+    for seed in seeds {
+        let Some(cell) = store.get(&format!("rig/{seed}")).filter(|cell| cell["angles"].is_array()) else { continue };
+        let rig = Rig::drawn(seed)?;
+        let names: Vec<String> = limb_angles(&rig.body()).into_iter().map(|(_, name)| name).collect();
+        let ranks: Vec<u32> = numbers(&cell["angles"]).into_iter().map(|x| x as u32).collect();
+        let held = |upper_arms: bool| {
+            let own = |(k, _): &(usize, &u32)| names[k % names.len()].contains("upper_arm") == upper_arms;
+            let own: Vec<u32> = ranks.iter().enumerate().filter(own).map(|(_, rank)| *rank).collect();
+            100.0 * ranks::coverage(&own, DRAWS, NOMINAL / 100.0)
+        };
+        rigs.push((rig.aside("Elbow"), [held(true), held(false)]));
+    }
+    rigs.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut text = String::from(
+        "Angles inside 90 % intervals, by how far elbows are seen from their joints, root mean square of both:\n\n",
+    );
+    text += "| third of the rigs | elbows aside, mm | upper arms, % | other limbs, % |\n|---|---|---|---|\n";
+    for (name, third) in ["nearest", "middle", "farthest"].into_iter().zip(rigs.chunks(rigs.len().div_ceil(3).max(1))) {
+        let [upper_arms, others] = [0, 1].map(|k: usize| {
+            let [share, error] = with_error(&third.iter().map(|(_, held)| held[k]).collect::<Vec<_>>());
+            format!("{share:.1} ± {error:.1}")
+        });
+        let [least, most] = [third.first(), third.last()].map(|rig| 1e3 * rig.map_or(f64::NAN, |rig| rig.0));
+        let _ = writeln!(text, "| {name} | {least:.0} to {most:.0} | {upper_arms} | {others} |");
+    }
+    Ok(text)
 }
