@@ -270,11 +270,11 @@ fn velocities(truth: &Trajectories) -> Vec<Vec<[f64; 3]>> {
     let at_ends = |frame: usize, reach: usize| frame.clamp(reach, truth.frames.len() - 1 - reach);
     let near = reach(RATE_HZ);
     let in_frame = |frame: usize| {
-        let of_point = |point: usize| {
+        let from_around = |point: usize| {
             let points: Vec<_> = truth.frames.iter().map(|frame| Some(frame[point])).collect();
             velocity(&points, &numbers, at_ends(frame, near as usize), near).map_or([0.0; 3], |v| (v * RATE_HZ).into())
         };
-        (0..truth.names.len()).map(of_point).collect()
+        (0..truth.names.len()).map(from_around).collect()
     };
     (0..truth.frames.len()).map(in_frame).collect()
 }

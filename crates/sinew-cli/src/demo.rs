@@ -1,4 +1,6 @@
-//! `sinew demo`: a synthetic walker, of other sizes with every seed, is recorded to files and tracked, and the truth is known.
+//! `sinew demo`: a synthetic walker is recorded to files and tracked, and the truth is known.
+//!
+//! The walker has other sizes with every seed.
 //!
 //! Mean error: distance between the points of the mean pose and the true ones, over frames and the fifteen joints of pose evaluation. Coverage: share of true
 //! coordinates inside their 90 % intervals, over the same. The cameras differ from their calibration as real ones do, which shifts a whole run: the coverage of one demo is near all or nothing, however right its intervals, and within the run it is not.

@@ -59,7 +59,7 @@ impl DrawnErrors {
         }
     }
 
-    /// Hᵀ W G δ, a row for each degree of freedom. `shifts` are [`DrawnErrors::keypoint_shifts`], `scales` the pixels for a metre of each camera, `velocities` those of the points, metres a second.
+    /// Hᵀ W G δ, a row for each degree of freedom. `shifts` are [`DrawnErrors::keypoint_shifts`], `scales` the pixels for a metre of each camera, `velocities` how the points move, metres a second.
     #[must_use]
     pub fn pull(
         &self,

@@ -47,6 +47,7 @@ pub mod own_body;
 pub mod pass;
 mod pose_fit;
 mod scale;
+mod scatter;
 pub mod segment_lengths;
 pub mod shape;
 mod space_points;

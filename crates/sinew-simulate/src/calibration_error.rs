@@ -36,7 +36,7 @@ impl CalibrationError {
         heavy_tails: false,
     };
 
-    /// What a calibration with a board or a wand leaves, from a few metres: 0.2°, 5 mm, 0.3 %, 2 mrad; clocks between those of cameras with one trigger and those of clips that were cut to whole frames.
+    /// What a calibration with a board or a wand leaves, from a few metres: 0.2°, 5 mm, 0.3 %, 2 mrad; clocks are off by more than with one trigger, and by less than in clips that were cut to whole frames.
     pub const USUAL: Self = Self {
         turn: 3.5e-3,
         place_m: 5e-3,

@@ -59,7 +59,7 @@ fn distance(held: &Held) -> f64 {
     100.0 * ranks::calibration_error(&held, &CURVE)
 }
 
-/// Coverage at some levels and calibration errors; `seeds` are those of runs of recordings, and of demos.
+/// Coverage at some levels and calibration errors; `seeds` are of runs of recordings, and of demos.
 pub(super) fn table(store: &Store, seeds: [Range<u64>; 2]) -> String {
     let mut text = format!("Reliability over {} levels, mean distance of held from stated shares:\n\n", CURVE.len());
     text += "| what | held at 50, 80, 90, 95 %, % | calibration error, % | before: held, % | calibration error, % | bound | |\n";

@@ -21,6 +21,7 @@ use super::level_points::{LevelPoints, level_points, levelled, tied};
 use super::looked_frames::{Looked, looked_at, observed_by};
 use super::measured_mistakes;
 use super::motion_noise::{default_sd, initial_sd};
+use super::scatter::like_the_others;
 use super::stored::Setup;
 use crate::Error;
 use crate::input::source::FrameSource;
@@ -35,7 +36,7 @@ use sinew_observe::camera_error::{NUMBERS, PRINCIPAL_POINT, with_error};
 use sinew_observe::lasting_errors::{
     LastingErrors, LinearisedFrame, linearised, linearised_detections, on_time, pixels_per_metre,
 };
-use sinew_observe::offsets::{self, Sighted, robust_sigma};
+use sinew_observe::offsets::{self, CameraNoise, Sighted, robust_sigma};
 use sinew_observe::point_velocity::{REACH_S, body_velocities, velocity_sd};
 use sinew_observe::{Camera, Detection, KeypointFrame, KeypointModel, View};
 use std::ops::Range;
@@ -223,8 +224,8 @@ impl Fit {
 
     /// Scatter of a keypoint in space, metres: that of its detections in all cameras.
     fn position_sd_m(&self) -> f64 {
-        let square = |(view, scale): (&View, &f64)| (scale / view.sigma_px).powi(2);
-        self.model.views.iter().zip(&self.scales).map(square).sum::<f64>().sqrt().recip()
+        let views = self.model.views.iter().zip(&self.scales);
+        views.map(|(view, scale)| (scale / view.sigma_px).powi(2)).sum::<f64>().sqrt().recip()
     }
 
     fn linearised(&self, frame: &Looked) -> LinearisedFrame {
@@ -376,18 +377,13 @@ impl Fit {
         let cameras: Vec<Camera> = views.iter().map(|view| view.camera.clone()).collect();
         let config = offsets::Config { no_offsets: true, ..offsets::Config::default() };
         let noise = offsets::estimate(&cameras, &sighted, &config);
-        let taken_by_biases = |c: usize| -> f64 {
-            (0..self.errors.points)
-                .flat_map(|point| self.errors.bias(c, point))
-                .map(|place| self.share_from_data(pass, place))
-                .sum()
-        };
-        let taken_by_biases: Vec<f64> = (0..cameras.len()).map(taken_by_biases).collect();
-        let own = noise.iter().zip(taken_by_biases).zip(&self.scales).map(|((noise, taken), scale)| {
+        let own = |(c, (noise, scale)): (usize, (&CameraNoise, &f64))| {
+            let biases = (0..self.errors.points).flat_map(|point| self.errors.bias(c, point));
+            let taken: f64 = biases.map(|place| self.share_from_data(pass, place)).sum();
             let left = (1.0 - taken / (self.worth * noise.residuals as f64 * 2.0)).max(LEAST_LEFT);
             noise.sigma_px / left.sqrt() / scale
-        });
-        let own: Vec<f64> = own.collect();
+        };
+        let own: Vec<f64> = noise.iter().zip(&self.scales).enumerate().map(own).collect();
         for ((view, scatter_m), scale) in self.model.views.iter_mut().zip(like_the_others(&own)).zip(&self.scales) {
             if scatter_m.is_finite() {
                 view.sigma_px = scale * scatter_m;
@@ -454,16 +450,6 @@ impl Fit {
     }
 }
 
-/// Share of the difference of a camera's scatter from the others', in logarithms, that is taken for its own.
-const OWN: f64 = 0.5;
-
-/// Scatter of cameras, metres, nearer to their geometric mean: the residuals of few cameras do not say whose errors they are. A camera that is trusted more has smaller residuals, is trusted more again, and of three one may end at a third of its scatter.
-fn like_the_others(own: &[f64]) -> Vec<f64> {
-    let known = || own.iter().filter(|x| x.is_finite()).map(|x| x.ln());
-    let usual = known().sum::<f64>() / known().count() as f64;
-    own.iter().map(|x| (usual + OWN * (x.ln() - usual)).exp()).collect()
-}
-
 /// Trace of the product of two symmetric matrices.
 fn trace(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
@@ -491,15 +477,6 @@ fn middle(body: &Neighbours, frames: &[Looked], otherwise: &[f64]) -> [f64; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    /// Half of the difference stays; a camera of which nothing is known stays so.
-    #[test]
-    fn scatter_is_drawn_to_that_of_the_others() {
-        let found = like_the_others(&[0.01, 0.04, f64::NAN]);
-        assert!((found[0] - 0.01 * 2.0_f64.sqrt()).abs() < 1e-12 && (found[1] - 0.04 / 2.0_f64.sqrt()).abs() < 1e-12);
-        assert!(found[2].is_nan());
-        assert!((like_the_others(&[0.02])[0] - 0.02).abs() < 1e-12);
-    }
 
     #[test]
     fn numbers_are_stored_with_few_digits() {
