@@ -1,7 +1,7 @@
 //! The set-up's posterior of what lasts: lengths that its prior does not expect, and lags of clocks.
 
 use rayon::prelude::*;
-use sinew::setup::SetupRequest;
+use sinew::setup::{SetupRequest, measure_lasting};
 use sinew_simulate::calibration_error::CalibrationError;
 use sinew_simulate::recording::{Script, SyntheticRecording};
 use sinew_tests::drawn_rig::{RATE_HZ, Rig, truth};
@@ -68,4 +68,16 @@ fn clocks_that_are_late_are_found() {
     let square = found.iter().map(|row| row[1]).sum::<f64>() / count;
     assert!(error < 0.3 * LAG_FRAMES, "{error:.3} frames");
     assert!((0.2..2.5).contains(&square), "{square:.2}");
+}
+
+/// One frame tells nothing of how long errors last, and a set-up of it is none that fails.
+#[test]
+fn one_frame_is_enough_for_a_set_up() {
+    let rig = Rig::drawn(1).unwrap();
+    let request = SetupRequest { fps: Some(RATE_HZ), any_size: true, ..SetupRequest::default() };
+    let mut setup = set_up(&mut rig.source(), &request, RATE_HZ, 1).unwrap();
+    measure_lasting(&mut setup, &mut rig.source(), 20..21, RATE_HZ, 1).unwrap();
+    let known = setup.lasting.unwrap();
+    assert_eq!((known.frames, known.worth, known.persistence_s), (1, 1.0, 0.0));
+    assert!(known.number.iter().all(|number| number.draws.iter().all(|draw| draw.is_finite())));
 }

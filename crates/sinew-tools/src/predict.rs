@@ -11,7 +11,7 @@
 //! ```
 //!
 //! The mean over frames and keypoints counts each by the inverse of its total variance: where the camera is aside is seen in keypoints that are known well.
-//! G is the derivative of the pixel by what the camera may be off by ([`sinew_observe::camera_error`]), Σ its prior with the scale that the other cameras show, Ḡ the same mean of G; f is how far the keypoint moves in a frame, from the frame before to the frame after, f̄ its mean, ℓ the size of the lag of the camera's clock, in frames; b is the size of a bias of the camera's detector for that kind of keypoint, n the scatter
+//! G is the derivative of the pixel by what the camera may be off by ([`sinew_observe::camera_error`]), Σ its prior with the scale that the other cameras show, Ḡ the same mean of G; f is how far the keypoint moves in a second, from the frame before to the frame after, f̄ its mean, ℓ the size of the lag of the camera's clock, seconds; b is the size of a bias of the camera's detector for that kind of keypoint, n the scatter
 //! of an observation of usual confidence, both as the other cameras show them, in proportion to the size of the person in the image. `common` is the part that all keypoints of the camera share in all frames. A keypoint that lies outside the image in the mean is not predicted: pixels of points near the plane of a camera say nothing of it.
 
 pub(crate) mod error;
@@ -147,7 +147,8 @@ pub fn predict(folder: &Path, calibration: &Path, camera: &str) -> Result<Camera
         seen.filter(|seen| is_shown(seen, camera.image_size_px))
     };
     let shown: Vec<Option<Vec<Seen>>> = (0..in_frames * points).into_par_iter().map(draw).collect();
-    let flows = flows(&shown, &frames, points);
+    let times_s: Vec<f64> = frames.iter().map(|number| *number as f64 / tracked.fps).collect();
+    let flows = flows(&shown, &times_s, points);
     let late = HEAVY * mean_square(known, LAG_SCALE);
     let one = |(index, seen): (usize, &Option<Vec<Seen>>)| {
         let seen = seen.as_ref()?;
@@ -178,19 +179,19 @@ impl Seen {
     }
 }
 
-/// How far each keypoint moves in a frame, pixels, in the mean of its draws: from the frame before to the frame after, of those that show it.
-fn flows(shown: &[Option<Vec<Seen>>], frames: &[u64], points: usize) -> Vec<[f64; 2]> {
+/// How each keypoint moves, pixels a second, in the mean of its draws: from the frame before to the frame after, where they show it.
+fn flows(shown: &[Option<Vec<Seen>>], times_s: &[f64], points: usize) -> Vec<[f64; 2]> {
     let mean = |index: usize| {
         let seen = shown[index].as_ref()?;
         Some([0, 1].map(|axis: usize| seen.iter().map(|seen| seen.pixel[axis]).sum::<f64>() / seen.len() as f64))
     };
     let flow = |index: usize| {
         let (frame, point) = (index / points, index % points);
-        let near = frame.saturating_sub(1)..frames.len().min(frame + 2);
-        let at = |frame: usize| Some((frames[frame] as f64, mean(frame * points + point)?));
+        let near = frame.saturating_sub(1)..times_s.len().min(frame + 2);
+        let at = |frame: usize| Some((times_s[frame], mean(frame * points + point)?));
         let (before, after) = (near.clone().find_map(at)?, near.rev().find_map(at)?);
-        let apart = (after.0 - before.0).max(1.0);
-        Some([0, 1].map(|axis: usize| (after.1[axis] - before.1[axis]) / apart))
+        let apart = after.0 - before.0;
+        (apart > 0.0).then(|| [0, 1].map(|axis: usize| (after.1[axis] - before.1[axis]) / apart))
     };
     (0..shown.len()).map(|index| flow(index).unwrap_or_default()).collect()
 }
@@ -318,8 +319,8 @@ mod tests {
     fn a_keypoint_flows_from_the_frame_before_to_the_frame_after() {
         let seen = |u: f64| Some(vec![Seen { pixel: [u, 2.0 * u], by_error: [[0.0; NUMBERS]; 2] }]);
         let shown = [seen(0.0), seen(3.0), None, seen(9.0)];
-        let found = flows(&shown, &[0, 1, 2, 4], 1);
-        assert_eq!(found, [[3.0, 6.0], [3.0, 6.0], [2.0, 4.0], [0.0, 0.0]]);
+        let found = flows(&shown, &[0.0, 0.5, 1.0, 2.0], 1);
+        assert_eq!(found, [[6.0, 12.0], [6.0, 12.0], [4.0, 8.0], [0.0, 0.0]]);
     }
 
     #[test]

@@ -52,7 +52,7 @@ pub(super) fn png(data: &Path) -> Result<Vec<u8>, Box<dyn Error>> {
         lag: vec![],
     };
     let mut images = Pictures::open(&data.join("pose2sim_silhouettes/images"), &calibrated, &options)?;
-    let tracked = Tracked { setup: run.setup, image_scale: 1.0, lag: vec![], frames: vec![] };
+    let tracked = Tracked { setup: run.setup, image_scale: 1.0, lag: vec![], fps: FPS, frames: vec![] };
     let cameras = tracked.as_seen(&images.cameras(), &calibrated);
     let photos = images.frame(SHOWN)?;
     let estimate = run.filtered.last().ok_or("no frame was tracked")?;

@@ -42,7 +42,7 @@ fn a_left_out_camera_is_predicted() {
     assert!(refused("C4", &["-opredicted.csv"]).contains("`--force`"), "{}", refused("C4", &["-opredicted.csv"]));
     assert!(refused("C4", &[]).contains("-o predicted.csv"));
     let used = refused("C1", &["-oused.csv"]);
-    assert!(used.starts_with("exit 2") && used.contains("the run used camera `C1`"), "{used}");
+    assert!(used.starts_with("exit 2") && used.contains("the run, or its set-up, used camera `C1`"), "{used}");
     let unknown = refused("C9", &["-ounknown.csv"]);
     assert!(unknown.starts_with("exit 2") && unknown.contains("no camera `C9`; calibrated are: C1, C2, C3, C4"));
     fs::remove_dir_all(trial.path("out/posterior.zarr/posterior/keypoint_position")).unwrap();

@@ -33,15 +33,33 @@ impl MeasuredErrors {
     #[must_use]
     pub fn known(&self, place: usize) -> KnownNumber {
         let number = &self.number[place];
-        let count = number.draws.len() as f64;
-        let mean = number.draws.iter().sum::<f64>() / count;
-        let variance = number.draws.iter().map(|draw| (draw - mean).powi(2)).sum::<f64>() / count;
         KnownNumber {
-            mean: number.value + if self.layout().lags().contains(&place) { mean } else { 0.0 },
-            sd: variance.sqrt(),
+            mean: number.value,
+            sd: moments(&number.draws).1,
             prior_mean: number.prior_mean,
             prior_sd: number.prior_sd * self.spread(place),
         }
+    }
+
+    /// What is known of how much later a camera is than the mean of all; `None` with one camera. The prior is at the median of its scale: the few draws of a large one say nothing of most.
+    #[must_use]
+    pub fn lag_between(&self, camera: usize) -> Option<KnownNumber> {
+        let lags: Vec<&[f64]> = self.layout().lags().map(|place| self.number[place].draws.as_slice()).collect();
+        let count = lags.len() as f64;
+        let between = |draw: usize| lags[camera][draw] - lags.iter().map(|lag| lag[draw]).sum::<f64>() / count;
+        let (mean, sd) = moments(&(0..self.draws()).map(between).collect::<Vec<_>>());
+        let prior_sd = self.number[self.layout().lag(camera)].prior_sd * (HEAVY * (1.0 - count.recip())).sqrt();
+        (lags.len() > 1).then_some(KnownNumber { mean, sd, prior_mean: 0.0, prior_sd })
+    }
+
+    /// Standard deviation of the lag that all cameras share, a shift of time that nothing shows, seconds.
+    #[must_use]
+    pub fn common_lag_sd_s(&self) -> f64 {
+        let lags = self.layout().lags();
+        let mean = |draw: usize| {
+            lags.clone().map(|place| self.number[place].draws[draw]).sum::<f64>() / lags.len().max(1) as f64
+        };
+        moments(&(0..self.draws()).map(mean).collect::<Vec<_>>()).1
     }
 
     /// Standard deviation of the prior of a number over its size at the median of its scale: tails and draws of the scale widen it.
@@ -66,13 +84,55 @@ impl MeasuredErrors {
     }
 }
 
+/// Mean and standard deviation.
+fn moments(draws: &[f64]) -> (f64, f64) {
+    let count = draws.len() as f64;
+    let mean = draws.iter().sum::<f64>() / count;
+    (mean, (draws.iter().map(|draw| (draw - mean).powi(2)).sum::<f64>() / count).sqrt())
+}
+
 #[cfg(test)]
 mod tests {
+    use super::super::lasting_errors::{DrawnNumber, VERSION};
     use super::*;
 
     #[test]
     fn a_number_is_learned_where_half_of_its_variance_is_gone() {
         let known = |sd| KnownNumber { mean: 1.0, sd, prior_mean: 0.0, prior_sd: 2.0 };
         assert!(known(1.4).is_learned() && !known(1.42).is_learned() && !known(f64::NAN).is_learned());
+    }
+
+    /// Two cameras that are late by the same in all draws but a millisecond between them: that is known, and what they share is not.
+    #[test]
+    fn lags_are_known_between_cameras() {
+        let number = |draws: [f64; 2], prior_sd| DrawnNumber {
+            name: "n".into(),
+            value: 0.0,
+            prior_mean: 0.0,
+            prior_sd,
+            draws: draws.to_vec(),
+        };
+        let mut known = MeasuredErrors {
+            version: VERSION,
+            cameras: vec!["C1".into(), "C2".into()],
+            points: vec![],
+            middle_m: [0.0; 3],
+            frames: 2,
+            worth: 2.0,
+            persistence_s: 0.1,
+            scale: vec![],
+            number: vec![],
+            source: vec![],
+        };
+        let others = known.layout().lags().start;
+        known.number = (0..others).map(|_| number([0.0; 2], 1.0)).collect();
+        known.number.extend([number([0.011, -0.009], 0.005), number([0.009, -0.011], 0.005)]);
+        let later = known.lag_between(0).unwrap();
+        assert!((later.mean - 0.001).abs() < 1e-12 && later.sd < 1e-12 && (later.prior_sd - 0.005).abs() < 1e-12);
+        assert!(later.is_learned() && (known.common_lag_sd_s() - 0.01).abs() < 1e-12);
+        known.cameras.pop();
+        known.number.remove(others);
+        known.number.truncate(known.layout().count());
+        assert_eq!(known.lag_between(0), None);
     }
 }

@@ -20,7 +20,7 @@ pub const CAMERA_UNITS: [f64; NUMBERS] = [3.5e-3, 3.5e-3, 3.5e-3, 5e-3, 5e-3, 5e
 const LENGTH_SHARE: f64 = 0.1;
 const POINTS: ScalePrior = ScalePrior { median: 0.010, log_sd: 0.8 };
 const ENDS: ScalePrior = ScalePrior { median: 0.015, log_sd: 0.8 };
-const LATE: ScalePrior = ScalePrior { median: 0.15, log_sd: 1.0 };
+const LATE_FRAMES: ScalePrior = ScalePrior { median: 0.15, log_sd: 1.0 };
 
 /// Mean of 1/w for w ~ Gamma(2, 2): variance of a heavy tail, Student's t with four degrees of freedom, over that of a Gaussian.
 pub const HEAVY: f64 = 2.0;
@@ -35,7 +35,7 @@ pub(super) const SCALES: [&str; 9] = [
     "bias_arms_m",
     "bias_legs_m",
     "bias_feet_m",
-    "lags_frames",
+    "lags_s",
 ];
 const PLACES: [usize; 2] = [1, 2];
 const FIRST_KIND: usize = 3;
@@ -126,13 +126,13 @@ pub fn prior(
         }
     }
     for place in errors.lags() {
-        let numbers = vec![(place, 0.0, frame_s)];
+        let numbers = vec![(place, 0.0, 1.0)];
         clusters.push(PriorCluster { numbers, scale: Some(LAGS), heavy_tails: true, tied: 0 });
     }
     let mut scales = vec![POINTS; SCALES.len()];
     scales[0] = ScalePrior { median: 1.0, log_sd: 1.0 };
     scales[PLACES[1]] = ENDS;
-    scales[LAGS] = LATE;
+    scales[LAGS] = ScalePrior { median: LATE_FRAMES.median * frame_s, ..LATE_FRAMES };
     LastingPrior { clusters, scales }
 }
 

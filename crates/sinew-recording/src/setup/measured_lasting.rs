@@ -296,6 +296,9 @@ impl Fit {
 
     /// How long errors persist, and what a frame is worth.
     fn measure_persistence(&mut self, frames: &[LinearisedFrame]) {
+        if frames.len() < 2 {
+            return;
+        }
         let (found, pairs) = correlation(frames, self.errors.cameras, self.errors.points);
         self.persistence_s = persistence_s(found, self.worth * pairs, self.seconds_apart);
         let phi = (-self.seconds_apart / self.persistence_s).exp();
@@ -409,13 +412,15 @@ impl Fit {
         Ok(found)
     }
 
-    /// Puts what was found into the set-up; lengths become the body's own. Tracking takes no clock for late, so that its draws are about 0 and not about their mean.
+    /// Puts what was found into the set-up; lengths become the body's own. Tracking takes no clock for late, so that draws of lags are about 0 and not about their mean; what all lags share is 0 in the mean, which nothing tells.
     fn store(mut self, setup: &mut Setup, found: LastingDraws, source: Vec<PointSources>) {
         let Self { errors, points, middle, frames, model, expected, .. } = &self;
         let cameras: Vec<String> = setup.camera.iter().map(|camera| camera.name.clone()).collect();
+        let common = common_lag(errors, &found);
         let number = |(place, name): (usize, String)| {
-            let value = if errors.lags().contains(&place) { 0.0 } else { rounded(found.mean[place]) };
-            let draws = found.errors.iter().map(|g| rounded(g[place] - value)).collect();
+            let is_lag = errors.lags().contains(&place);
+            let (value, shift) = if is_lag { (0.0, common) } else { (rounded(found.mean[place]), 0.0) };
+            let draws = found.errors.iter().map(|g| rounded(g[place] - value - shift)).collect();
             let base = if errors.lengths().contains(&place) { value } else { 0.0 };
             let [prior_mean, prior_sd] = [expected[place][0] - base, expected[place][1]].map(rounded);
             DrawnNumber { name, value: value - base, prior_mean, prior_sd, draws }
@@ -448,6 +453,12 @@ impl Fit {
             setup.start_pose = frame.pose;
         }
     }
+}
+
+/// Mean, over draws and cameras, of their lags.
+fn common_lag(errors: &LastingErrors, found: &LastingDraws) -> f64 {
+    let all = || found.errors.iter().flat_map(|g| &g[errors.lags()]);
+    all().sum::<f64>() / all().count().max(1) as f64
 }
 
 /// Trace of the product of two symmetric matrices.

@@ -35,8 +35,12 @@ pub(super) fn add(facts: &mut Facts, known: &MeasuredErrors, calibration: &[Came
             };
             facts.row(format!("{name} {what}"), value);
         }
-        facts.row(format!("{name} lag"), shown(&[known.known(layout.lag(index))], 1e3, " ms", 1));
+        if let Some(later) = known.lag_between(index) {
+            facts.row(format!("{name} later than all"), shown(&[later], 1e3, " ms", 1));
+        }
     }
+    let shared = format!("± {:.1} ms, a shift of time that nothing shows", 1e3 * known.common_lag_sd_s());
+    facts.row("lag of all cameras", shared);
     for (length, number) in length_names().into_iter().zip(known_in(known, layout.lengths())) {
         let KnownNumber { sd, prior_sd, .. } = number;
         facts.row(length.replace('_', " "), format!("± {:.0} mm, prior ± {:.0} mm", 1e3 * sd, 1e3 * prior_sd));
@@ -94,12 +98,14 @@ fn learned(known: &MeasuredErrors, layout: &LastingErrors) -> String {
     kinds.push(("lengths", layout.lengths().collect()));
     kinds.push(("places of keypoints", layout.places().collect()));
     kinds.push(("biases", layout.biases().collect()));
-    kinds.push(("lags", layout.lags().collect()));
     let counted = |(what, places): &(&str, Vec<usize>)| {
         let learned = places.iter().filter(|place| known.known(**place).is_learned()).count();
         format!("{what} {learned} of {}", places.len())
     };
-    let counted: Vec<String> = kinds.iter().map(counted).collect();
+    let mut counted: Vec<String> = kinds.iter().map(counted).collect();
+    let lags: Vec<KnownNumber> = (0..layout.cameras).filter_map(|camera| known.lag_between(camera)).collect();
+    let learned = lags.iter().filter(|lag| lag.is_learned()).count();
+    counted.push(format!("lags between cameras {learned} of {}", lags.len()));
     format!("the data say more than the prior of {}; the other numbers stay near their priors", counted.join(", "))
 }
 

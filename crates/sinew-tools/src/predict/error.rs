@@ -23,7 +23,7 @@ pub enum PredictError {
         calibrated: Vec<String>,
     },
     /// A camera that is part of the run.
-    #[error("the run used camera `{0}`; what it sees is no prediction")]
+    #[error("the run, or its set-up, used camera `{0}`; what it sees is no prediction")]
     UsedCamera(String),
 }
 

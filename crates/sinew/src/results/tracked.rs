@@ -27,6 +27,8 @@ pub struct Tracked {
     pub image_scale: f64,
     /// Frames that cameras are late.
     pub lag: Vec<(String, i64)>,
+    /// Frames a second.
+    pub fps: f64,
     /// Number of each frame with the state of its mean pose, in the world turned to z up.
     pub frames: Vec<(u64, Vec<f64>)>,
 }
@@ -65,8 +67,8 @@ impl Tracked {
                 known.iter().filter_map(|&(point, marker)| Some((point, markers.point_in_world(row, marker)?)));
             translate(&tree, state, &targets.collect::<Vec<_>>());
         }
-        let TrackConfig { image_scale, lag, .. } = settings.track();
-        Ok(Self { setup, image_scale, lag, frames: numbers.into_iter().zip(states).collect() })
+        let TrackConfig { image_scale, lag, tracking, .. } = settings.track();
+        Ok(Self { setup, image_scale, lag, fps: tracking.fps, frames: numbers.into_iter().zip(states).collect() })
     }
 
     /// The frames of a range of numbers, every n-th of them.

@@ -25,6 +25,7 @@ pub(super) fn run_info(
     setup_toml: String,
 ) -> RunInfo {
     let (carried, method) = (pipeline.carried(), settings.method.about());
+    let used = || cameras.iter().map(|camera| setup.camera.iter().find(|known| known.name == camera.name));
     RunInfo {
         method: method.name.into(),
         is_weighted: method.gives == Gives::Particles,
@@ -42,8 +43,8 @@ pub(super) fn run_info(
         acting_parts: pipeline.acting_parts().to_vec(),
         seed: settings.seed,
         isa: settings.isa.name().into(),
-        camera_offset_px: setup.camera.iter().map(|camera| camera.offset_px).collect(),
-        sigma_px: setup.camera.iter().map(|camera| camera.sigma_px).fold(0.0, f64::max),
+        camera_offset_px: used().map(|known| known.map_or([0.0; 2], |known| known.offset_px)).collect(),
+        sigma_px: used().flatten().map(|known| known.sigma_px).fold(0.0, f64::max),
         sources: sources(setup, &cameras),
         cameras,
         keypoints: pipeline.keypoints(),
