@@ -70,7 +70,7 @@ fn clocks_that_are_late_are_found() {
     assert!((0.2..2.5).contains(&square), "{square:.2}");
 }
 
-/// One frame tells nothing of how long errors last, and a set-up of it is none that fails.
+/// One frame says nothing of how long errors last, and is enough for a set-up.
 #[test]
 fn one_frame_is_enough_for_a_set_up() {
     let rig = Rig::drawn(1).unwrap();

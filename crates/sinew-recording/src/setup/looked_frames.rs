@@ -5,6 +5,7 @@ use super::pose_fit::pose_of;
 use super::stored::Setup;
 use crate::Error;
 use crate::input::source::FrameSource;
+use sinew_body::point_derivatives::Neighbours;
 use sinew_body::{KinematicTree, Plan};
 use sinew_core::lanes::Isa;
 use sinew_formats::Layout;
@@ -109,4 +110,18 @@ pub(super) fn looked_at(
         looked.push(Looked { number, detections, elsewhere, pose, seen_velocities, velocities, on_time });
     }
     Ok(looked)
+}
+
+/// Mean of the body's points over the frames; of a pose where there are none.
+pub(super) fn middle(body: &Neighbours, frames: &[Looked], otherwise: &[f64]) -> [f64; 3] {
+    let poses: Vec<&[f64]> = frames.iter().map(|frame| frame.pose.as_slice()).collect();
+    let poses = if poses.is_empty() { vec![otherwise] } else { poses };
+    let (mut sum, mut count) = ([0.0; 3], 0.0);
+    for pose in poses {
+        for point in body.at(pose).positions.chunks_exact(3) {
+            sum.iter_mut().zip(point).for_each(|(sum, x)| *sum += x);
+            count += 1.0;
+        }
+    }
+    sum.map(|sum| sum / count)
 }

@@ -18,7 +18,7 @@ use super::lasting_errors::{DrawnNumber, DrawnScale, LASTING_SHARE, MeasuredErro
 use super::lasting_prior::{SCALES, expected_places, prior};
 use super::lasting_sources::{PointSources, point_sources};
 use super::level_points::{LevelPoints, level_points, levelled, tied};
-use super::looked_frames::{Looked, looked_at, observed_by};
+use super::looked_frames::{Looked, looked_at, middle, observed_by};
 use super::measured_mistakes;
 use super::motion_noise::{default_sd, initial_sd};
 use super::scatter::like_the_others;
@@ -412,7 +412,7 @@ impl Fit {
         Ok(found)
     }
 
-    /// Puts what was found into the set-up; lengths become the body's own. Tracking takes no clock for late, so that draws of lags are about 0 and not about their mean; what all lags share is 0 in the mean, which nothing tells.
+    /// Puts what was found into the set-up; lengths become the body's own. Tracking takes no clock for late, so that draws of lags are about 0 and not about their mean; what all lags share is 0 in the mean, since nothing shows it.
     fn store(mut self, setup: &mut Setup, found: LastingDraws, source: Vec<PointSources>) {
         let Self { errors, points, middle, frames, model, expected, .. } = &self;
         let cameras: Vec<String> = setup.camera.iter().map(|camera| camera.name.clone()).collect();
@@ -469,20 +469,6 @@ fn trace(a: &[f64], b: &[f64]) -> f64 {
 /// A number with few digits, as it is stored.
 fn rounded(x: f64) -> f64 {
     format!("{x:.*e}", DIGITS - 1).parse().unwrap_or(x)
-}
-
-/// Mean of the body's points over the frames; of a pose where there are none.
-fn middle(body: &Neighbours, frames: &[Looked], otherwise: &[f64]) -> [f64; 3] {
-    let poses: Vec<&[f64]> = frames.iter().map(|frame| frame.pose.as_slice()).collect();
-    let poses = if poses.is_empty() { vec![otherwise] } else { poses };
-    let (mut sum, mut count) = ([0.0; 3], 0.0);
-    for pose in poses {
-        for point in body.at(pose).positions.chunks_exact(3) {
-            sum.iter_mut().zip(point).for_each(|(sum, x)| *sum += x);
-            count += 1.0;
-        }
-    }
-    sum.map(|sum| sum / count)
 }
 
 #[cfg(test)]
