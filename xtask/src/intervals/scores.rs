@@ -86,13 +86,13 @@ fn split(cell: &Value) -> [Vec<Vec<f64>>; 2] {
     rows(cell).into_iter().partition(|row| row[0] == 1.0).into()
 }
 
-/// Judged observations against covariances times a factor.
+/// Judged observations against covariances times a factor. One whose common part is more than all there is has no region, so that it lies outside, and no score.
 fn tally(judged: &[Vec<f64>], factor: f64) -> ObservationTally {
     let score = |row: &Vec<f64>| -0.5 * (row[1] / factor + row[2]) - factor.ln() - std::f64::consts::TAU.ln();
     ObservationTally {
         errors_px: judged.iter().map(|row| row[3]).collect(),
         squares: judged.iter().map(|row| row[1] / factor).collect(),
-        log_scores: judged.iter().map(score).collect(),
+        log_scores: judged.iter().map(score).filter(|score| score.is_finite()).collect(),
     }
 }
 
@@ -159,8 +159,12 @@ pub(super) fn table(store: &Store, seeds: &Range<u64>) -> String {
             format!("| {name} | {a:.2} | {b:.2} | {c:.2} | {:.0} | {:.0} | {met} |\n", inside(before), inside(widened))
         };
         cameras.iter().for_each(|(name, tallies)| text += &row(name, tallies, false));
+        let none = after.squares.len() - after.log_scores.len();
         text += &row("**all**", &[after, before, widened], true);
-        let _ = writeln!(text, "\nWidened: covariances times {factor:.1}.\n");
+        let _ = writeln!(
+            text,
+            "\nWidened: covariances times {factor:.1}. Without a region, and so without a score: {none} observations.\n"
+        );
     }
     text
 }
