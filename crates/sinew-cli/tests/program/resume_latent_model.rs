@@ -1,30 +1,18 @@
 //! Runs in a latent space are resumed to the same bytes, and with another model not at all.
 
 use crate::common::synthetic::Whole;
+use crate::common::walks::one_walk;
 use sinew::results::problem::Problem;
 use sinew::track::checkpoint;
 use sinew_latent::file::LatentKind;
 use sinew_motion::follow::NamedBody;
-use sinew_motion::points::points_of_states;
-use sinew_simulate::recording::write_trc;
-use sinew_simulate::walker::{Gait, Walker, walker_states};
 use sinew_tools::learn::latent::{LatentRequest, LatentWatch, learn};
-use sinew_tools::learn::motion_files::MotionFiles;
-use std::fs;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
-const RATE_HZ: f64 = 30.0;
-
 /// Learns from a walk and writes the model.
 fn model(folder: &Path, kind: LatentKind, body: NamedBody, steps: usize) -> String {
-    let walker = Walker::new(Gait { still_s: 0.0, duration_s: 2.0, ..Gait::default() });
-    let motion = points_of_states(&walker.body, &walker_states(&walker, RATE_HZ));
-    let mut bytes = vec![];
-    write_trc(&mut bytes, "walk.trc", &motion, RATE_HZ).unwrap();
-    let path = folder.join("walk.trc");
-    fs::write(&path, bytes).unwrap();
-    let files = MotionFiles { motion: vec![path], held_out: vec![], skeleton: None, amc_hz: None, body, fps: RATE_HZ };
+    let files = one_walk(folder, 0.0, 2.0, body);
     let request =
         LatentRequest { files, kind, dim: 2, rows: 40, balanced: true, back: false, root_per_motion: false, steps };
     let stop = &AtomicBool::new(false);

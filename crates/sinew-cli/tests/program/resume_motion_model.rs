@@ -1,31 +1,20 @@
 //! Runs with a learned motion model are resumed to the same bytes, and with another model not at all.
 
 use crate::common::synthetic::{Whole, results};
+use crate::common::walks::one_walk;
 use sinew::results::claim;
 use sinew::results::problem::Problem;
 use sinew::track::checkpoint;
 use sinew_motion::follow::NamedBody;
-use sinew_motion::points::points_of_states;
-use sinew_simulate::recording::write_trc;
-use sinew_simulate::walker::{Gait, Walker, walker_states};
-use sinew_tools::learn::motion_files::MotionFiles;
 use sinew_tools::learn::primitives::{LearnRequest, LearnWatch, learn};
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
-const RATE_HZ: f64 = 30.0;
-
 /// Learns from a walk and writes the model.
 fn model(folder: &Path, body: NamedBody, seed: u64) {
-    let walker = Walker::new(Gait { still_s: 0.5, duration_s: 3.0, ..Gait::default() });
-    let motion = points_of_states(&walker.body, &walker_states(&walker, RATE_HZ));
-    let mut bytes = vec![];
-    write_trc(&mut bytes, "walk.trc", &motion, RATE_HZ).unwrap();
-    let path = folder.join("walk.trc");
-    fs::write(&path, bytes).unwrap();
-    let files = MotionFiles { motion: vec![path], held_out: vec![], skeleton: None, amc_hz: None, body, fps: RATE_HZ };
+    let files = one_walk(folder, 0.5, 3.0, body);
     let request = LearnRequest { files, clusters: 6, length: 3, seed };
     let stop = &AtomicBool::new(false);
     let mut watch = LearnWatch { progress: &mut |_, _, _| {}, iteration: &mut |_| {}, stop };

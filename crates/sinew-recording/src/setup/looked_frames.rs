@@ -104,8 +104,8 @@ pub(super) fn looked_at(
             |seen: &Vec<Option<Detection>>| keypoints.iter().map(|&k| seen.get(k).copied().flatten()).collect();
         let detections: Vec<Vec<_>> = sighted.iter().map(by_point).collect();
         let at = near.partition_point(|(other, _)| *other < number);
-        let confidence = (fps, model.least_confidence);
-        let seen_velocities = keypoint_velocities((&as_they_are, &noise), &near, at, &keypoints, confidence);
+        let rate_and_least = (fps, model.least_confidence);
+        let seen_velocities = keypoint_velocities((&as_they_are, &noise), &near, at, &keypoints, rate_and_least);
         let (velocities, on_time) = (vec![], detections.clone());
         looked.push(Looked { number, detections, elsewhere, pose, seen_velocities, velocities, on_time });
     }
