@@ -78,6 +78,19 @@ impl Rig {
     /// # Errors
     /// Cameras that cannot stand around the person.
     pub fn drawn(seed: u64) -> Outcome<Self> {
+        Self::with_keypoints_aside(seed, 1.0)
+    }
+
+    /// The rig of a seed whose detectors mean the joints, as those of demos do: no keypoint lies aside, and none has a bias.
+    ///
+    /// # Errors
+    /// Cameras that cannot stand around the person.
+    pub fn at_joints(seed: u64) -> Outcome<Self> {
+        Self::with_keypoints_aside(seed, 0.0)
+    }
+
+    /// The rig of a seed, places and biases of its keypoints times a factor.
+    fn with_keypoints_aside(seed: u64, aside: f64) -> Outcome<Self> {
         let [lasting, poses, noise] = Stage::new(seed, "rig").split(["lasting", "poses", "noise"]);
         let layout = body_25b();
         let usual = h32(&Proportions::default());
@@ -100,6 +113,9 @@ impl Rig {
             let places: Vec<usize> = points.iter().map(|&point| errors.place(point).start + axis).collect();
             let mean = places.iter().map(|&place| g[place]).sum::<f64>() / places.len() as f64;
             places.into_iter().for_each(|place| g[place] = mean);
+        }
+        for places in [errors.places(), errors.biases()] {
+            g[places].iter_mut().for_each(|x| *x *= aside);
         }
         let proportions = lengthened(&Proportions::default(), &g[errors.lengths()]);
         let states = walk(&usual, poses);

@@ -11,6 +11,8 @@
 //! | [`mod@left_out`] | cameras that a run did not use, predicted |
 //! | [`pairs`] | runs of disjoint pairs of cameras, against each other |
 //! | [`rigs`] | rigs drawn from the prior: ranks of what lasts, of poses, of a left-out camera's offset |
+//! | [`straight`] | draws answer in a straight line: against runs that take their own constants for true |
+//! | [`triangulation`] | points that another program triangulated |
 //! | [`derived`] | angles, lengths, distances and displacements of demos |
 //! | [`scores`] | log scores of left-out cameras, now and before |
 //! | [`reliability`] | held against stated shares at many levels |
@@ -29,7 +31,9 @@ mod protocol;
 mod reliability;
 mod rigs;
 mod scores;
+mod straight;
 mod summary;
+mod triangulation;
 
 use crate::outcome::{Outcome, exit_code};
 use crate::program::{self, Program};
@@ -52,6 +56,12 @@ enum Part {
     Pairs,
     /// Rigs drawn from the prior.
     Rigs,
+    /// Rigs whose keypoints lie at the joints, as those of demos do.
+    AtJoints,
+    /// Draws that answer in a straight line, against runs that take their own constants for true.
+    Straight,
+    /// Points that another program triangulated.
+    Triangulation,
     /// What follows from draws of demos, and demos as they were before.
     Derived,
     /// Log scores of left-out cameras, now and before.
@@ -105,13 +115,21 @@ impl Args {
         FIRST_RIG..FIRST_RIG + self.rigs
     }
 
+    /// Rigs of what explains the others, fewer.
+    fn fewer_rigs(&self) -> Range<u64> {
+        FIRST_RIG..FIRST_RIG + self.rigs.min(FEWER_RIGS)
+    }
+
     fn derived(&self) -> Range<u64> {
         FIRST_DERIVED..FIRST_DERIVED + self.derived
     }
 }
 
+/// Rigs whose keypoints lie at the joints, and whose draws are compared with runs of their own constants, at most.
+const FEWER_RIGS: u64 = 60;
+
 /// Raised with every change of what a cell computes.
-const VERSION: u32 = 3;
+const VERSION: u32 = 4;
 
 /// Cells of cameras that are left out.
 fn left_out<'a>(program: &'a Program, recording: &'a Recording, seed: u64) -> Vec<Task<'a>> {
@@ -132,6 +150,14 @@ fn real<'a>(args: &Args, program: &'a Program, recording: &'a Recording, seed: u
         let task = move || pairs::cell(program, recording, both, seed);
         tasks.push((pairs::name(both, seed), 8.0, Box::new(task)));
     }
+    if args.has(Part::Triangulation) {
+        let task = move || triangulation::cell(program, recording, seed);
+        tasks.push((triangulation::name(seed), 4.0, Box::new(task)));
+    }
+    if args.has(Part::Straight) {
+        let task = move || straight::recording_cell(program, recording, seed);
+        tasks.push((straight::recording_name(seed), 40.0, Box::new(task)));
+    }
     tasks
 }
 
@@ -139,7 +165,13 @@ fn real<'a>(args: &Args, program: &'a Program, recording: &'a Recording, seed: u
 fn simulated<'a>(args: &Args, program: &'a Program) -> Vec<Task<'a>> {
     let mut tasks: Vec<Task<'a>> = vec![];
     for seed in args.rigs().filter(|_| args.has(Part::Rigs)) {
-        tasks.push((format!("rig/{seed}"), 3.0, Box::new(move || rigs::cell(program, seed))));
+        tasks.push((rigs::name(seed), 3.0, Box::new(move || rigs::cell(program, seed))));
+    }
+    for seed in args.fewer_rigs().filter(|_| args.has(Part::AtJoints)) {
+        tasks.push((rigs::name_at_joints(seed), 3.0, Box::new(move || rigs::cell_at_joints(program, seed))));
+    }
+    for seed in args.fewer_rigs().filter(|_| args.has(Part::Straight)) {
+        tasks.push((straight::rig_name(seed), 20.0, Box::new(move || straight::rig_cell(program, seed))));
     }
     for seed in args.derived().filter(|_| args.has(Part::Derived)) {
         tasks.push((format!("derived/{seed}"), 7.0, Box::new(move || derived::cell(program, seed))));
@@ -162,6 +194,11 @@ fn tables(args: &Args, store: &Store, [tuned_on, untouched]: [&Recording; 2]) ->
         (vec![Part::Scores, Part::Derived], reliability::table(store, [args.runs(), args.derived()])),
         (vec![Part::Caliscope], left_out::table(store, untouched, args.runs())),
         (vec![Part::Rigs], rigs::elbow_table(store, args.rigs())?),
+        (vec![Part::AtJoints], rigs::at_joints_table(store, args.fewer_rigs())),
+        (vec![Part::LeftOut], left_out::kinds_table(store, tuned_on, args.runs())?),
+        (vec![Part::Caliscope], left_out::kinds_table(store, untouched, args.runs())?),
+        (vec![Part::Straight], straight::table(store, args.runs(), args.fewer_rigs())?),
+        (vec![Part::Triangulation], triangulation::table(store, args.runs())),
     ];
     let wanted = all.into_iter().filter(|(parts, _)| parts.iter().any(|part| args.has(*part)));
     Ok(wanted.map(|(_, table)| table).collect::<Vec<_>>().join("\n"))

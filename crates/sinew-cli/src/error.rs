@@ -61,6 +61,9 @@ pub(crate) enum Error {
     /// A validation without keypoints.
     #[error("no keypoints to hold a prediction against")]
     NothingToValidate,
+    /// A validation with a set-up that may know the cameras that are left out.
+    #[error("a set-up is given; what it learned from a camera that is left out would be no prediction")]
+    SetupToValidate,
     /// A validation of cameras that are too few.
     #[error("{0} cameras; three are needed, so that two are left when one is left out")]
     TooFewToLeaveOut(usize),
@@ -175,6 +178,7 @@ impl Error {
             Self::ForeignFlag { .. } => "leave it out, or put it after the command that it belongs to",
             Self::NoKeypointsToRead { .. } => "give the keypoint folder too, or leave the flag out",
             Self::NothingToValidate => "give the keypoints of at least three cameras with `--keypoints`",
+            Self::SetupToValidate => "leave `setup` out: each run makes its own from the cameras that it uses",
             Self::TooFewToLeaveOut(_) => "give more cameras, or judge the run by other means (`sinew predict`)",
             Self::InputIsOutput(_) | Self::ResultIsOutput(_) => "write to another file",
             Self::NothingToDraw => "give one file of `sinew learn` or of a run with `--method hppf`, or leave `-o` out",

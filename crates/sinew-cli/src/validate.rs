@@ -11,6 +11,7 @@ use serde_json::json;
 use sinew::config::TrackConfig;
 use sinew::input::frame::detections;
 use sinew::input::recording::{Recording, RecordingOptions};
+use sinew::results::Summary;
 use sinew::results::write_whole;
 use sinew_tools::predict::predict;
 use sinew_tools::validate::{LEVELS, LeftOut, left_out, sentence, to_csv, to_svg, together};
@@ -28,7 +29,10 @@ pub(crate) fn run(args: &ValidateArgs, general: &General, report: &Report) -> Re
     if cameras.len() < 3 {
         return Err(Error::TooFewToLeaveOut(cameras.len()));
     }
-    let mut found: Vec<LeftOut> = vec![];
+    if config.setup.is_some() {
+        return Err(Error::SetupToValidate);
+    }
+    let (mut found, mut said): (Vec<LeftOut>, Said) = (vec![], Said::default());
     for camera in &cameras {
         let others: Vec<&str> = cameras.iter().filter(|other| *other != camera).map(String::as_str).collect();
         let folder = config.out.join(format!("without_{camera}"));
@@ -43,12 +47,40 @@ pub(crate) fn run(args: &ValidateArgs, general: &General, report: &Report) -> Re
             report.note("interrupted; nothing can be said about the intervals yet");
             return Ok(Ended::Interrupted);
         }
+        said.add(camera, &outcome.summary);
         found.push(held_against(&config, &calibration, &keypoints, camera, &folder)?);
     }
     write_whole(&config.out.join("validation.csv"), to_csv(&found).as_bytes())?;
     write_whole(&config.out.join("reliability.svg"), to_svg(&found).as_bytes())?;
+    report.warnings(&Said::by_run(&said.warnings));
     answer(&found, args, &config.out)?;
-    Ok(Ended::Done)
+    Said::by_run(&said.failed).iter().for_each(|failed| report.failed(failed));
+    Ok(if said.failed.is_empty() { Ended::Done } else { Ended::Doubtful })
+}
+
+/// What the runs said, each text with the cameras that were left out when it was said.
+#[derive(Default)]
+struct Said {
+    warnings: Vec<(String, Vec<String>)>,
+    failed: Vec<(String, Vec<String>)>,
+}
+
+impl Said {
+    fn add(&mut self, camera: &str, summary: &Summary) {
+        let all = [(&mut self.warnings, &summary.warnings), (&mut self.failed, &summary.failed_diagnostics)];
+        for (known, texts) in all {
+            for text in texts {
+                match known.iter_mut().find(|(own, _)| own == text) {
+                    Some((_, runs)) => runs.push(camera.to_owned()),
+                    None => known.push((text.clone(), vec![camera.to_owned()])),
+                }
+            }
+        }
+    }
+
+    fn by_run(said: &[(String, Vec<String>)]) -> Vec<String> {
+        said.iter().map(|(text, runs)| format!("without {}: {text}", runs.join(", "))).collect()
+    }
 }
 
 /// What the camera saw against what the run in a folder predicts.

@@ -122,9 +122,18 @@ impl RunningVelocities {
         &self.velocities
     }
 
-    /// What [`RunningVelocities::restore`] takes: positions and velocities.
+    /// Velocities at the last positions, metres a second.
+    #[must_use]
+    pub fn known(&self) -> &[[f64; 3]] {
+        &self.velocities
+    }
+
+    /// What [`RunningVelocities::restore`] takes: positions and velocities; nothing before the first frame.
     #[must_use]
     pub fn save(&self) -> Vec<f64> {
+        if self.former.is_empty() {
+            return vec![];
+        }
         [&self.former, self.velocities.as_flattened()].concat()
     }
 
@@ -151,6 +160,7 @@ mod tests {
     fn a_point_at_constant_speed_is_found_to_move_so_and_continues_after_a_restore() {
         let mut running = RunningVelocities::new(2, 0.02);
         let at = |frame: u32| [0.03 * f64::from(frame), 1.0, 0.0, 5.0, -0.01 * f64::from(frame), 2.0];
+        assert!(running.save().is_empty());
         assert_eq!(running.next(&at(0)), [[0.0; 3]; 2]);
         (1..20).for_each(|frame| {
             running.next(&at(frame));
@@ -162,6 +172,7 @@ mod tests {
         let mut other = RunningVelocities::new(2, 0.02);
         other.restore(&saved);
         assert_eq!(other.next(&at(20)), found);
+        assert_eq!(other.known(), found);
         running.restart();
         assert_eq!(running.next(&at(21)), [[0.0; 3]; 2]);
     }

@@ -22,7 +22,8 @@ use std::fmt::Write as _;
 use std::ops::Range;
 use std::path::Path;
 
-const SEGMENTS: [[&str; 2]; 8] = [
+/// Ends of the segments whose lengths are computed.
+pub(super) const SEGMENTS: [[&str; 2]; 8] = [
     ["LHip", "LKnee"],
     ["RHip", "RKnee"],
     ["LKnee", "LAnkle"],
@@ -105,7 +106,7 @@ fn truth(folder: &Path, body: &KinematicTree, seed: u64) -> Outcome<Truth> {
     Ok(Truth { frames, states: walker.states, rate_hz: walker.rate_hz as usize })
 }
 
-fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
+pub(super) fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
     (0..3).map(|axis| (a[axis] - b[axis]).powi(2)).sum::<f64>().sqrt()
 }
 

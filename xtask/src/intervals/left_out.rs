@@ -21,7 +21,7 @@ pub(super) const TUNED: u64 = 60;
 /// Detections of lower confidence are not compared.
 const CONFIDENT: f64 = 0.5;
 /// Squared distance of the 90 % region of two dimensions.
-const REGION: f64 = 4.605_170_186;
+pub(super) const REGION: f64 = 4.605_170_186;
 
 /// What is predicted of a keypoint: mean, and covariance without the common part.
 pub(super) struct Expected {
@@ -43,8 +43,10 @@ pub(super) struct Observed {
     /// Whether its frame served tuning.
     pub(super) is_tuned: bool,
     pub(super) error_px: f64,
-    /// Squared distance in standard deviations; not a number where the common part is more than all there is and no region is left.
+    /// Squared distance in standard deviations.
     pub(super) square: f64,
+    /// The same with the keypoint's own offset taken off as well, its median over the frames of tuning; not a number where these do not show it.
+    pub(super) without_constant: f64,
     /// Logarithm of the determinant of the covariance.
     pub(super) log_determinant: f64,
 }
@@ -123,13 +125,21 @@ pub(super) fn observed(
         }
     }
     let offset = [0, 1].map(|axis: usize| median(seen.iter().filter(|s| s.0 < TUNED).map(|s| s.3[axis]).collect()));
+    let constant = |column: usize| {
+        let own = || seen.iter().filter(|s| s.0 < TUNED && s.1 == column);
+        [0, 1].map(|axis: usize| median(own().map(|s| s.3[axis]).collect()))
+    };
+    let constants: Vec<[f64; 2]> = (0..layout.points.len()).map(constant).collect();
     let one = |&(frame, column, [uu, uv, vv], r): &(u64, usize, [f64; 3], [f64; 2])| {
-        let [a, b] = [r[0] - offset[0], r[1] - offset[1]];
         let determinant = uu * vv - uv * uv;
-        let has_region = uu > 0.0 && determinant > 0.0;
-        let square = if has_region { (vv * a * a - 2.0 * uv * a * b + uu * b * b) / determinant } else { f64::NAN };
+        let square = |from: [f64; 2]| {
+            let [a, b] = [r[0] - from[0], r[1] - from[1]];
+            (vv * a * a - 2.0 * uv * a * b + uu * b * b) / determinant
+        };
+        let error_px = (r[0] - offset[0]).hypot(r[1] - offset[1]);
         let (is_tuned, log_determinant) = (frame < TUNED, determinant.ln());
-        Observed { frame, column, is_tuned, error_px: a.hypot(b), square, log_determinant }
+        let (square, without_constant) = (square(offset), square(constants[column]));
+        Observed { frame, column, is_tuned, error_px, square, without_constant, log_determinant }
     };
     Ok((seen.iter().map(one).collect(), offset))
 }
@@ -150,8 +160,11 @@ pub(super) fn cell(program: &Program, recording: &Recording, used: &[&str], seed
     let (twice, mut found) = (seen_twice(recording, used)?, serde_json::Map::new());
     for camera in recording.cameras.iter().filter(|camera| !used.contains(camera)) {
         let (seen, offset) = observed(predicted(program, recording, &folder, camera)?, recording, camera)?;
-        let row = |s: &Observed| [s.square, s.error_px, f64::from(u8::from(twice.contains(&(s.frame, s.column))))];
-        let judged: Vec<[f64; 3]> = seen.iter().filter(|s| !s.is_tuned).map(row).collect();
+        let row = |s: &Observed| {
+            let is_seen_twice = f64::from(u8::from(twice.contains(&(s.frame, s.column))));
+            [s.square, s.error_px, is_seen_twice, s.column as f64, s.without_constant, s.log_determinant]
+        };
+        let judged: Vec<[f64; 6]> = seen.iter().filter(|s| !s.is_tuned).map(row).collect();
         found.insert((*camera).into(), json!({ "judged": judged, "offset_px": offset }));
     }
     std::fs::remove_dir_all(&folder)?;
@@ -215,4 +228,66 @@ pub(super) fn table(store: &Store, recording: &Recording, seeds: Range<u64>) -> 
         text.push('\n');
     }
     text
+}
+
+/// Kinds of keypoints, by what their names end with.
+const KINDS: [(&str, &[&str]); 8] = [
+    ("head and neck", &["Nose", "Eye", "Ear", "Head", "Neck"]),
+    ("shoulders", &["Shoulder"]),
+    ("elbows", &["Elbow"]),
+    ("wrists", &["Wrist"]),
+    ("hips", &["Hip"]),
+    ("knees", &["Knee"]),
+    ("ankles", &["Ankle"]),
+    ("feet", &["Toe", "Heel"]),
+];
+
+/// What observations of a kind come to, three cameras used and two, seed by seed.
+fn kind_row(name: &str, [three, two]: [&[Vec<Vec<f64>>]; 2]) -> String {
+    let over = |seeds: &[Vec<Vec<f64>>], of: &dyn Fn(&[Vec<f64>]) -> f64| {
+        let found: Vec<f64> = seeds.iter().filter(|judged| !judged.is_empty()).map(|judged| of(judged)).collect();
+        if found.is_empty() { "–".into() } else { over_seeds(&found) }
+    };
+    let inside = |place: usize| {
+        move |judged: &[Vec<f64>]| {
+            let known = || judged.iter().map(|j| j[place]).filter(|square| !square.is_nan());
+            100.0 * mean(known().map(|square| f64::from(u8::from(square <= REGION))))
+        }
+    };
+    // The radius of a disk of the same area as the region.
+    let radius = |judged: &[Vec<f64>]| mean(judged.iter().map(|j| (0.25 * j[5]).exp() * REGION.sqrt()));
+    let score = |judged: &[Vec<f64>]| mean(judged.iter().map(|j| -0.5 * (j[0] + j[5]) - std::f64::consts::TAU.ln()));
+    let count = mean(three.iter().map(|judged| judged.len() as f64));
+    let set = |seeds: &[Vec<Vec<f64>>]| {
+        let [held, free, size, score] =
+            [over(seeds, &inside(0)), over(seeds, &inside(4)), over(seeds, &radius), over(seeds, &score)];
+        format!("{held} | {free} | {size} | {score}")
+    };
+    format!("| {name} | {count:.0} | {} | {} |\n", set(three), set(two))
+}
+
+/// Coverage, size of regions and log score by kind of keypoint, three cameras used and two; and coverage once one constant of each camera and keypoint, its median over the frames of tuning, is known.
+pub(super) fn kinds_table(store: &Store, recording: &Recording, seeds: Range<u64>) -> Outcome<String> {
+    let layout = layout::find(LAYOUT)?;
+    let judged = |size: usize, seed: u64, names: &[&str]| -> Vec<Vec<f64>> {
+        let cells =
+            sets(&recording.cameras, size).into_iter().filter_map(|used| store.get(&recording.cell(&used, seed)));
+        let all = cells.flat_map(|cell| recording.cameras.iter().flat_map(|camera| rows(&cell[camera]["judged"])));
+        let is_own = |row: &Vec<f64>| {
+            let name = layout.points.get(row[3] as usize).cloned().flatten().unwrap_or_default();
+            names.iter().any(|end| name.ends_with(end))
+        };
+        all.filter(is_own).collect()
+    };
+    let mut text = format!("By kind of keypoint, mean ± standard deviation over seeds, frames from {TUNED} on:\n\n");
+    text += "| keypoints | observations, 3 used | inside 90 %, % | own constant known, % | radius, px | log score | 2 used: inside, % | own constant known, % | radius, px | log score |\n";
+    text += "|---|---|---|---|---|---|---|---|---|---|\n";
+    let everything: Vec<&str> = KINDS.iter().flat_map(|(_, names)| names.iter().copied()).collect();
+    for (name, names) in KINDS.into_iter().chain([("**all**", everything.as_slice())]) {
+        let [three, two] = [3, 2].map(|size| seeds.clone().map(|seed| judged(size, seed, names)).collect::<Vec<_>>());
+        if two.iter().chain(&three).any(|judged| !judged.is_empty()) {
+            text += &kind_row(name, [&three, &two]);
+        }
+    }
+    Ok(text)
 }

@@ -5,18 +5,21 @@
 
 mod ranked;
 
-pub(super) use ranked::cell;
+pub(super) use ranked::flags;
 
 use super::derived::limb_angles;
 use super::protocol::{DRAWS, LEAST_P, NOMINAL, WITHIN, verdict};
 use super::summary::{shown, uniformity, with_error};
 use crate::outcome::Outcome;
+use crate::program::Program;
 use crate::store::{Store, numbers};
 use serde_json::Value;
+use sinew::body::point_derivatives::length_names;
 use sinew_tests::drawn_rig::Rig;
 use sinew_tests::evaluation::ranks::{self, LEVELS, all_uniform, shape};
 use std::fmt::Write as _;
 use std::ops::Range;
+use std::path::Path;
 
 /// Families of numbers, by their keys, as they are shown.
 const FAMILIES: [(&str, &str); 17] = [
@@ -65,13 +68,13 @@ fn row(name: &str, rigs: &[Vec<u32>]) -> String {
 
 /// The table, and what failed.
 pub(super) fn table(store: &Store, seeds: Range<u64>) -> String {
-    let cells: Vec<&Value> = seeds.filter_map(|seed| store.get(&format!("rig/{seed}"))).collect();
+    let cells: Vec<&Value> = seeds.filter_map(|seed| store.get(&name(seed))).collect();
     let (failed, found): (Vec<&Value>, Vec<&Value>) = cells.iter().partition(|cell| cell["failed"].is_string());
     let mut text = format!("{} simulated rigs, of which {} were refused or failed:\n\n", cells.len(), failed.len());
     text += "| numbers | a rig | inside 50 %, % | 80 | 90 | 95 | width | shift | p, one a rig | p, each | bound | |\n";
     text += "|---|---|---|---|---|---|---|---|---|---|---|---|\n";
     for (key, name) in FAMILIES {
-        let ranks = |cell: &&Value| numbers(&cell[key]).into_iter().map(|x| x as u32).collect::<Vec<u32>>();
+        let ranks = |cell: &&Value| ranks_of(cell, key);
         let rigs: Vec<Vec<u32>> = found.iter().map(ranks).filter(|ranks| !ranks.is_empty()).collect();
         if !rigs.is_empty() {
             let _ = writeln!(text, "{}", row(name, &rigs));
@@ -83,36 +86,113 @@ pub(super) fn table(store: &Store, seeds: Range<u64>) -> String {
     text
 }
 
-/// Angles of upper arms and of the other limbs, for thirds of the rigs by how far the keypoints of elbows lie from their joints.
+/// A rig: ranks by family, or why there are none.
+pub(super) fn cell(program: &Program, seed: u64) -> Outcome<Value> {
+    ranked::cell(program, &Rig::drawn(seed)?, Path::new(&format!("rig-{seed}")), seed)
+}
+
+/// The same where keypoints lie at the joints and have no biases.
+pub(super) fn cell_at_joints(program: &Program, seed: u64) -> Outcome<Value> {
+    ranked::cell(program, &Rig::at_joints(seed)?, Path::new(&format!("rig-at-joints-{seed}")), seed)
+}
+
+/// Name of the cell of a rig.
+pub(super) fn name(seed: u64) -> String {
+    format!("rig/{seed}")
+}
+
+/// Name of the cell of a rig whose keypoints lie at the joints.
+pub(super) fn name_at_joints(seed: u64) -> String {
+    format!("rig at joints/{seed}")
+}
+
+fn ranks_of(cell: &Value, key: &str) -> Vec<u32> {
+    numbers(&cell[key]).into_iter().map(|x| x as u32).collect()
+}
+
+fn share_inside(ranks: &[u32]) -> f64 {
+    100.0 * ranks::coverage(ranks, DRAWS, NOMINAL / 100.0)
+}
+
+/// Families that are held in rigs whose keypoints lie at the joints.
+const AT_JOINTS: [(&str, &str); 4] = [
+    ("segments", "lengths of segments"),
+    ("angles", "all angles of the limbs"),
+    ("distances", "distances between two joints"),
+    ("coordinates", "coordinates of joints"),
+];
+
+/// Rigs whose keypoints lie at the joints, against the same rigs with keypoints aside.
+pub(super) fn at_joints_table(store: &Store, seeds: Range<u64>) -> String {
+    let cells = |name: fn(u64) -> String| -> Vec<&Value> {
+        let both = seeds.clone().filter(|seed| store.get(&name_at_joints(*seed)).is_some());
+        both.filter_map(|seed| store.get(&name(seed))).collect()
+    };
+    let (at_joints, aside) = (cells(name_at_joints), cells(name));
+    let mut text = format!(
+        "{} rigs, inside 90 % intervals, keypoints as the prior has them and at the joints:\n\n",
+        at_joints.len()
+    );
+    text += "| numbers | keypoints aside, with biases, % | at the joints, without, % |\n|---|---|---|\n";
+    for (key, name) in AT_JOINTS {
+        let held = |cells: &[&Value]| {
+            let ranks = cells.iter().map(|cell| ranks_of(cell, key)).filter(|ranks| !ranks.is_empty());
+            let [share, error] = with_error(&ranks.map(|ranks| share_inside(&ranks)).collect::<Vec<_>>());
+            format!("{share:.1} ± {error:.1}")
+        };
+        let _ = writeln!(text, "| {name} | {} | {} |", held(&aside), held(&at_joints));
+    }
+    text
+}
+
+/// What a rig says about arms.
+struct Arms {
+    aside_m: f64,
+    upper_arms: f64,
+    other_limbs: f64,
+    /// Where the truth of the forearm's length lies among the draws, from −½ to ½.
+    forearm: f64,
+}
+
+/// Angles of upper arms and of the other limbs, and the length of the forearm, for thirds of the rigs by how far the keypoints of elbows lie from their joints.
 ///
 /// # Errors
 /// A rig that cannot be drawn.
 pub(super) fn elbow_table(store: &Store, seeds: Range<u64>) -> Outcome<String> {
-    let mut rigs: Vec<(f64, [f64; 2])> = vec![];
+    let forearm = length_names().iter().position(|name| *name == "forearm").ok_or("no length of the forearm")?;
+    let mut rigs: Vec<Arms> = vec![];
     for seed in seeds {
-        let Some(cell) = store.get(&format!("rig/{seed}")).filter(|cell| cell["angles"].is_array()) else { continue };
+        let Some(cell) = store.get(&name(seed)).filter(|cell| cell["angles"].is_array()) else { continue };
         let rig = Rig::drawn(seed)?;
         let names: Vec<String> = limb_angles(&rig.body()).into_iter().map(|(_, name)| name).collect();
-        let ranks: Vec<u32> = numbers(&cell["angles"]).into_iter().map(|x| x as u32).collect();
+        let ranks = ranks_of(cell, "angles");
         let held = |upper_arms: bool| {
             let own = |(k, _): &(usize, &u32)| names[k % names.len()].contains("upper_arm") == upper_arms;
-            let own: Vec<u32> = ranks.iter().enumerate().filter(own).map(|(_, rank)| *rank).collect();
-            100.0 * ranks::coverage(&own, DRAWS, NOMINAL / 100.0)
+            share_inside(&ranks.iter().enumerate().filter(own).map(|(_, rank)| *rank).collect::<Vec<u32>>())
         };
-        rigs.push((rig.aside("Elbow"), [held(true), held(false)]));
-    }
-    rigs.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let mut text = String::from(
-        "Angles inside 90 % intervals, by how far elbows are seen from their joints, root mean square of both:\n\n",
-    );
-    text += "| third of the rigs | elbows aside, mm | upper arms, % | other limbs, % |\n|---|---|---|---|\n";
-    for (name, third) in ["nearest", "middle", "farthest"].into_iter().zip(rigs.chunks(rigs.len().div_ceil(3).max(1))) {
-        let [upper_arms, others] = [0, 1].map(|k: usize| {
-            let [share, error] = with_error(&third.iter().map(|(_, held)| held[k]).collect::<Vec<_>>());
-            format!("{share:.1} ± {error:.1}")
+        rigs.push(Arms {
+            aside_m: rig.aside("Elbow"),
+            upper_arms: held(true),
+            other_limbs: held(false),
+            forearm: shape(&[ranks_of(cell, "lengths")[forearm]], DRAWS).bias,
         });
-        let [least, most] = [third.first(), third.last()].map(|rig| 1e3 * rig.map_or(f64::NAN, |rig| rig.0));
-        let _ = writeln!(text, "| {name} | {least:.0} to {most:.0} | {upper_arms} | {others} |");
+    }
+    rigs.sort_by(|a, b| a.aside_m.total_cmp(&b.aside_m));
+    let mut text = String::from(
+        "Angles inside 90 % intervals, and shift of the ranks of the forearm's length, by how far elbows are seen from their joints, root mean square of both:\n\n",
+    );
+    text += "| third of the rigs | elbows aside, mm | upper arms, % | other limbs, % | length of the forearm, shift |\n|---|---|---|---|---|\n";
+    for (name, third) in ["nearest", "middle", "farthest"].into_iter().zip(rigs.chunks(rigs.len().div_ceil(3).max(1))) {
+        let of = |value: fn(&Arms) -> f64| with_error(&third.iter().map(value).collect::<Vec<_>>());
+        let percent = |[share, error]: [f64; 2]| format!("{share:.1} ± {error:.1}");
+        let [least, most] = [third.first(), third.last()].map(|arms| 1e3 * arms.map_or(f64::NAN, |arms| arms.aside_m));
+        let [shift, error] = of(|arms| arms.forearm);
+        let _ = writeln!(
+            text,
+            "| {name} | {least:.0} to {most:.0} | {} | {} | {shift:+.3} ± {error:.3} |",
+            percent(of(|arms| arms.upper_arms)),
+            percent(of(|arms| arms.other_limbs)),
+        );
     }
     Ok(text)
 }

@@ -111,6 +111,13 @@ impl MeasuredErrors {
         values.collect::<Vec<_>>().try_into().ok()
     }
 
+    /// How late a camera's clock is, seconds; 0 for a camera that the set-up did not use.
+    #[must_use]
+    pub fn lag_s(&self, name: &str) -> f64 {
+        let camera = self.cameras.iter().position(|camera| camera == name);
+        camera.map_or(0.0, |camera| self.number[self.layout().lag(camera)].value)
+    }
+
     /// Biases of a camera's detector for the points, pixels; `camera` is the calibrated one.
     #[must_use]
     pub fn bias_px(&self, camera: &Camera) -> Vec<[f64; 2]> {

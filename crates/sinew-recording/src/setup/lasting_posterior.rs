@@ -1,6 +1,6 @@
 //! What is known of a constant number after the set-up, beside what was known before.
 
-use super::lasting_errors::MeasuredErrors;
+use super::lasting_errors::{DrawnNumber, MeasuredErrors};
 use super::lasting_prior::{HEAVY, KIND_SCALES, LAG_SCALE, SCALES, kind, place_scale};
 use sinew_observe::offsets::median;
 
@@ -44,9 +44,9 @@ impl MeasuredErrors {
     /// What is known of how much later a camera is than the mean of all; `None` with one camera. The prior is at the median of its scale: the few draws of a large one say nothing of most.
     #[must_use]
     pub fn lag_between(&self, camera: usize) -> Option<KnownNumber> {
-        let lags: Vec<&[f64]> = self.layout().lags().map(|place| self.number[place].draws.as_slice()).collect();
-        let count = lags.len() as f64;
-        let between = |draw: usize| lags[camera][draw] - lags.iter().map(|lag| lag[draw]).sum::<f64>() / count;
+        let lags = &self.number[self.layout().lags()];
+        let (count, at) = (lags.len() as f64, |lag: &DrawnNumber, draw: usize| lag.value + lag.draws[draw]);
+        let between = |draw: usize| at(&lags[camera], draw) - lags.iter().map(|lag| at(lag, draw)).sum::<f64>() / count;
         let (mean, sd) = moments(&(0..self.draws()).map(between).collect::<Vec<_>>());
         let prior_sd = self.number[self.layout().lag(camera)].prior_sd * (HEAVY * (1.0 - count.recip())).sqrt();
         (lags.len() > 1).then_some(KnownNumber { mean, sd, prior_mean: 0.0, prior_sd })
@@ -93,7 +93,7 @@ fn moments(draws: &[f64]) -> (f64, f64) {
 
 #[cfg(test)]
 mod tests {
-    use super::super::lasting_errors::{DrawnNumber, VERSION};
+    use super::super::lasting_errors::VERSION;
     use super::*;
 
     #[test]

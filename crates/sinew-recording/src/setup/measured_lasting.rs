@@ -365,7 +365,7 @@ impl Fit {
         }
     }
 
-    /// Scatter of each camera, once its bias for each point is gone: that of [`offsets`], with the share that biases took. Lags stay in it: tracking takes no clock for late.
+    /// Scatter of each camera, once its bias for each point is gone: that of [`offsets`], with the share that biases took. Lags are not in it: draws answer for them.
     fn scatter(&mut self, pass: &Pass) {
         let without_bias = |(view, seen): (&View, &Vec<Option<Detection>>)| {
             let shifted = |(point, seen): (usize, &Option<Detection>)| {
@@ -376,7 +376,7 @@ impl Fit {
         };
         let views = &self.model.views;
         let sighted: Vec<Sighted> =
-            self.frames.iter().map(|frame| views.iter().zip(&frame.detections).map(without_bias).collect()).collect();
+            self.frames.iter().map(|frame| views.iter().zip(&frame.on_time).map(without_bias).collect()).collect();
         let cameras: Vec<Camera> = views.iter().map(|view| view.camera.clone()).collect();
         let config = offsets::Config { no_offsets: true, ..offsets::Config::default() };
         let noise = offsets::estimate(&cameras, &sighted, &config);
@@ -412,15 +412,15 @@ impl Fit {
         Ok(found)
     }
 
-    /// Puts what was found into the set-up; lengths become the body's own. Tracking takes no clock for late, so that draws of lags are about 0 and not about their mean; what all lags share is 0 in the mean, since nothing shows it.
+    /// Puts what was found into the set-up; lengths become the body's own. What all lags share is 0 in the mean, since nothing shows it.
     fn store(mut self, setup: &mut Setup, found: LastingDraws, source: Vec<PointSources>) {
         let Self { errors, points, middle, frames, model, expected, .. } = &self;
         let cameras: Vec<String> = setup.camera.iter().map(|camera| camera.name.clone()).collect();
         let common = common_lag(errors, &found);
         let number = |(place, name): (usize, String)| {
-            let is_lag = errors.lags().contains(&place);
-            let (value, shift) = if is_lag { (0.0, common) } else { (rounded(found.mean[place]), 0.0) };
-            let draws = found.errors.iter().map(|g| rounded(g[place] - value - shift)).collect();
+            let shared = if errors.lags().contains(&place) { common } else { 0.0 };
+            let value = rounded(found.mean[place] - shared);
+            let draws = found.errors.iter().map(|g| rounded(g[place] - shared - value)).collect();
             let base = if errors.lengths().contains(&place) { value } else { 0.0 };
             let [prior_mean, prior_sd] = [expected[place][0] - base, expected[place][1]].map(rounded);
             DrawnNumber { name, value: value - base, prior_mean, prior_sd, draws }

@@ -306,6 +306,12 @@ impl Setup {
         cameras.iter().map(|camera| self.as_it_is(camera, scale)).collect()
     }
 
+    /// How late a camera's clock is, seconds.
+    #[must_use]
+    pub fn lag_s(&self, camera: &Camera) -> f64 {
+        self.lasting.as_ref().map_or(0.0, |lasting| lasting.lag_s(&camera.name))
+    }
+
     /// Biases of a camera's detector for some points, pixels.
     #[must_use]
     pub fn bias_px(&self, camera: &Camera, points: &[String]) -> Vec<[f64; 2]> {

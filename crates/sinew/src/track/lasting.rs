@@ -3,7 +3,7 @@
 //! Tracking takes the set-up's values ĝ of what is constant for true. The set-up also drew how far the truth may be from them ([`crate::setup::MeasuredErrors`]). Draw i of every frame belongs to draw i mod n of these, and so is moved to
 //! where the tracker's estimate would be had that been true: s⁽ⁱ⁾ + J (g⁽ⁱ⁾ − ĝ), with the answer J of the filter linearised at its estimates ([`LastingMoves`]). Longer segments move the points of the body, too.
 //! Errors that persist some frames widen the draws by what the filter, which takes them as independent, does not know ([`PersistentErrors`]). Keypoints alone enter J: beside silhouettes it is too large.
-//! No clock is taken for late: what the set-up found of lags moves the draws, and so their mean.
+//! Lags are among them: what late cameras show is put where it would be at the set-up's value ([`Scene`]), and draws of lags move draws of poses.
 
 use super::error::TrackError;
 use super::noted::Noted;

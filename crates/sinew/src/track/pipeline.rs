@@ -316,6 +316,7 @@ impl Harness<Observation> for Passage<'_> {
         if let Some(images) = self.images {
             images.note(number, &info.mean);
         }
+        self.scene.note(&info.mean, info.restarted);
         let silhouettes = self.images.as_ref().map_or(0, Images::cameras_with_person);
         Ok(Noted { number, info, shown: self.scene.shown().clone(), silhouettes })
     }

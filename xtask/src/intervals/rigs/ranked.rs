@@ -17,18 +17,23 @@ use std::path::Path;
 
 /// Frames whose poses are ranked.
 const RANKED: [usize; 3] = [10, 30, FRAMES - 1];
-/// Ranks by family, or why there are none.
-pub(in super::super) fn cell(program: &Program, seed: u64) -> Outcome<Value> {
-    let folder = program.folder.join(format!("rig-{seed}"));
-    std::fs::create_dir_all(&folder)?;
-    let rig = Rig::drawn(seed)?;
+
+/// Files of a rig in a folder, and the flags that track them.
+pub(in super::super) fn flags(rig: &Rig, folder: &Path, seed: u64) -> Outcome<Vec<String>> {
     let (draws, seed) = (DRAWS.to_string(), seed.to_string());
     let more = ["--layout", LAYOUT, "--draws", &draws, "--seed", &seed, "--updates", "16", "--any-size"];
     let usual = ["--threads", "1", "--force", "--no-progress"];
-    let flags = [rig.write(&folder)?, more.into_iter().chain(usual).map(str::to_owned).collect()].concat();
+    Ok([rig.write(folder)?, more.into_iter().chain(usual).map(str::to_owned).collect()].concat())
+}
+
+/// Ranks by family, or why there are none.
+pub(super) fn cell(program: &Program, rig: &Rig, folder: &Path, seed: u64) -> Outcome<Value> {
+    let folder = program.folder.join(folder);
+    std::fs::create_dir_all(&folder)?;
+    let flags = flags(rig, &folder, seed)?;
     let run = folder.join("run");
     let found = match program.track(&flags, &run) {
-        Ok(()) => ranks(&rig, &folder, &run)?,
+        Ok(()) => ranks(rig, &folder, &run)?,
         Err(refused) => json!({ "failed": refused.to_string() }),
     };
     std::fs::remove_dir_all(&folder)?;
