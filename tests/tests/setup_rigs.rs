@@ -1,10 +1,14 @@
 //! The set-up's posterior of what lasts: lengths that its prior does not expect, and lags of clocks.
 
 use rayon::prelude::*;
+use sinew::config::settings::Settings;
 use sinew::setup::{SetupRequest, measure_lasting};
+use sinew::track::{self, Doubt};
 use sinew_simulate::calibration_error::CalibrationError;
+use sinew_simulate::detector::DetectorNoise;
 use sinew_simulate::recording::{Script, SyntheticRecording};
 use sinew_tests::drawn_rig::{RATE_HZ, Rig, truth};
+use sinew_tests::evaluation;
 use sinew_tests::simulated_source::{set_up, source};
 
 /// Rigs.
@@ -48,7 +52,8 @@ fn clocks_that_are_late_are_found() {
             x.iter().map(|x| x - mean).collect()
         };
         let draw = |draw: usize| -> Vec<f64> {
-            lags.clone().map(|place| script.rate_hz * known.number[place].draws[draw]).collect()
+            let late = |place: usize| known.number[place].value + known.number[place].draws[draw];
+            lags.clone().map(|place| script.rate_hz * late(place)).collect()
         };
         let drawn: Vec<Vec<f64>> = (0..known.draws()).map(|k| centred(&draw(k))).collect();
         let true_lags = centred(&recording.lags_frames);
@@ -68,6 +73,35 @@ fn clocks_that_are_late_are_found() {
     let square = found.iter().map(|row| row[1]).sum::<f64>() / count;
     assert!(error < 0.3 * LAG_FRAMES, "{error:.3} frames");
     assert!((0.2..2.5).contains(&square), "{square:.2}");
+}
+
+/// Clocks that are off by some half of a frame, and good detections: what late cameras show is put on time before the pose is found, so that keypoints lie where the pose has them and none seem to scatter. With lags taken for 0 they do.
+#[test]
+fn what_late_cameras_show_is_put_on_time() {
+    let calibration = CalibrationError { lag_frames: 0.5, ..CalibrationError::NONE };
+    let script = Script { calibration, noise: DetectorNoise::stated_gaussian(2.0), ..Script::default() };
+    let scatter = |seed: u64| {
+        let mut source = source(&SyntheticRecording::new(&script, seed).unwrap());
+        let settings = Settings { seed, fps: script.rate_hz, ..Settings::default() };
+        let mut setup = set_up(&mut source, &SetupRequest::default(), script.rate_hz, seed).unwrap();
+        let (tree, start) = (setup.tree(), setup.start_frame);
+        track::tune(&mut setup, &tree, &mut source, start, &settings).unwrap();
+        let mut as_seen = setup.clone();
+        let known = as_seen.lasting.as_mut().unwrap();
+        known.layout().lags().for_each(|place| known.number[place].value = 0.0);
+        [setup, as_seen].map(|setup| {
+            let frames = source.frames();
+            let found = evaluation::filter(&mut source, &setup, frames, &settings).unwrap();
+            let all = || found.estimates.iter().flat_map(|estimate| estimate.residual_px.iter().flatten());
+            let scatters = found.doubts.iter().any(|doubt| matches!(doubt, Doubt::Scatter { .. }));
+            (all().sum::<f64>() / all().count() as f64, scatters)
+        })
+    };
+    let found: Vec<_> = (1..=3_u64).into_par_iter().map(scatter).collect();
+    for [(on_time, seems_odd), (as_seen, is_odd)] in found {
+        assert!(on_time < 0.9 * as_seen, "{on_time:.2} px on time, {as_seen:.2} px as seen");
+        assert!(!seems_odd && is_odd, "scatter: {seems_odd} on time, {is_odd} as seen");
+    }
 }
 
 /// One frame says nothing of how long errors last, and is enough for a set-up.
