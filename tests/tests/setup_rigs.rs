@@ -2,6 +2,7 @@
 
 use rayon::prelude::*;
 use sinew::config::settings::Settings;
+use sinew::input::source::FrameSource as _;
 use sinew::setup::{SetupRequest, measure_lasting};
 use sinew::track::{self, Doubt};
 use sinew_simulate::calibration_error::CalibrationError;

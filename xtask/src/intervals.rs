@@ -58,6 +58,8 @@ enum Part {
     Rigs,
     /// Rigs whose keypoints lie at the joints, as those of demos do.
     AtJoints,
+    /// Two neighbouring cameras of rigs predict the others.
+    RigPairs,
     /// Draws that answer in a straight line, against runs that take their own constants for true.
     Straight,
     /// Points that another program triangulated.
@@ -170,6 +172,10 @@ fn simulated<'a>(args: &Args, program: &'a Program) -> Vec<Task<'a>> {
     for seed in args.fewer_rigs().filter(|_| args.has(Part::AtJoints)) {
         tasks.push((rigs::name_at_joints(seed), 3.0, Box::new(move || rigs::cell_at_joints(program, seed))));
     }
+    for seed in args.rigs().filter(|_| args.has(Part::RigPairs)) {
+        let task = move || rigs::two_cameras::cell(program, seed);
+        tasks.push((rigs::two_cameras::name(seed), 3.0, Box::new(task)));
+    }
     for seed in args.fewer_rigs().filter(|_| args.has(Part::Straight)) {
         tasks.push((straight::rig_name(seed), 20.0, Box::new(move || straight::rig_cell(program, seed))));
     }
@@ -199,6 +205,7 @@ fn tables(args: &Args, store: &Store, [tuned_on, untouched]: [&Recording; 2]) ->
         (vec![Part::Caliscope], left_out::kinds_table(store, untouched, args.runs())?),
         (vec![Part::Straight], straight::table(store, args.runs(), args.fewer_rigs())?),
         (vec![Part::Triangulation], triangulation::table(store, args.runs())),
+        (vec![Part::RigPairs], rigs::two_cameras::table(store, args.rigs())),
     ];
     let wanted = all.into_iter().filter(|(parts, _)| parts.iter().any(|part| args.has(*part)));
     Ok(wanted.map(|(_, table)| table).collect::<Vec<_>>().join("\n"))

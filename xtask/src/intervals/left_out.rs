@@ -171,12 +171,14 @@ pub(super) fn cell(program: &Program, recording: &Recording, used: &[&str], seed
     Ok(found.into())
 }
 
+/// Share of the observations inside 90 % regions, percent; `square` is the place of the squared distance in a row.
+fn share(judged: &mut dyn Iterator<Item = &Vec<f64>>, square: usize) -> f64 {
+    let known = judged.map(|j| j[square]).filter(|square| !square.is_nan());
+    100.0 * mean(known.map(|square| f64::from(u8::from(square <= REGION))))
+}
+
 /// What judged observations come to, each number seed by seed.
 fn row(text: &mut String, name: &str, seeds: &[Vec<Vec<f64>>], bounds: Option<[f64; 2]>) {
-    let share = |judged: &mut dyn Iterator<Item = &Vec<f64>>| {
-        let (inside, count) = judged.fold((0, 0), |(sum, n), j| (sum + usize::from(j[0] <= REGION), n + 1));
-        100.0 * f64::from(inside as u32) / f64::from(count)
-    };
     let each = |of: &dyn Fn(&Vec<Vec<f64>>) -> f64| seeds.iter().map(of).collect::<Vec<f64>>();
     let at = |share: f64| {
         over_seeds(&each(&|judged| {
@@ -186,20 +188,21 @@ fn row(text: &mut String, name: &str, seeds: &[Vec<Vec<f64>>], bounds: Option<[f
         }))
     };
     let twice = |j: &&Vec<f64>| j[2] > 0.0;
-    let inside = each(&|judged| share(&mut judged.iter()));
+    let inside = each(&|judged| share(&mut judged.iter(), 0));
     let (bound, met) = match bounds {
         Some([low, high]) => (format!("{low} to {high}"), verdict(is_in(mean(inside.iter().copied()), [low, high]))),
         None => (String::new(), ""),
     };
     let _ = writeln!(
         text,
-        "| {name} | {:.0} | {} | {bound} | {met} | {} | {} | {:.0} | {} |",
+        "| {name} | {:.0} | {} | {bound} | {met} | {} | {} | {} | {:.0} | {} |",
         mean(each(&|judged| judged.len() as f64).into_iter()),
         over_seeds(&inside),
+        over_seeds(&each(&|judged| share(&mut judged.iter(), 4))),
         at(0.5),
         at(0.9),
         mean(each(&|judged| judged.iter().filter(twice).count() as f64).into_iter()),
-        over_seeds(&each(&|judged| share(&mut judged.iter().filter(twice)))),
+        over_seeds(&each(&|judged| share(&mut judged.iter().filter(twice), 0))),
     );
 }
 
@@ -212,8 +215,8 @@ pub(super) fn table(store: &Store, recording: &Recording, seeds: Range<u64>) -> 
             text,
             "{size} cameras used, the others predicted; frames {TUNED} to {last}; mean ± standard deviation over seeds:\n"
         );
-        text += "| camera left out, used | observations | inside 90 % regions, % | bound | | median error, px | 90 % of errors, px | two used cameras see it | inside, % |\n";
-        text += "|---|---|---|---|---|---|---|---|---|\n";
+        text += "| camera left out, used | observations | inside 90 % regions, % | bound | | own constant known, % | median error, px | 90 % of errors, px | two used cameras see it | inside, % |\n";
+        text += "|---|---|---|---|---|---|---|---|---|---|\n";
         let mut all: Vec<Vec<Vec<f64>>> = seeds.clone().map(|_| vec![]).collect();
         for used in sets(&recording.cameras, size) {
             let cells: Vec<&Value> = seeds.clone().filter_map(|seed| store.get(&recording.cell(&used, seed))).collect();
@@ -248,12 +251,7 @@ fn kind_row(name: &str, [three, two]: [&[Vec<Vec<f64>>]; 2]) -> String {
         let found: Vec<f64> = seeds.iter().filter(|judged| !judged.is_empty()).map(|judged| of(judged)).collect();
         if found.is_empty() { "–".into() } else { over_seeds(&found) }
     };
-    let inside = |place: usize| {
-        move |judged: &[Vec<f64>]| {
-            let known = || judged.iter().map(|j| j[place]).filter(|square| !square.is_nan());
-            100.0 * mean(known().map(|square| f64::from(u8::from(square <= REGION))))
-        }
-    };
+    let inside = |place: usize| move |judged: &[Vec<f64>]| share(&mut judged.iter(), place);
     // The radius of a disk of the same area as the region.
     let radius = |judged: &[Vec<f64>]| mean(judged.iter().map(|j| (0.25 * j[5]).exp() * REGION.sqrt()));
     let score = |judged: &[Vec<f64>]| mean(judged.iter().map(|j| -0.5 * (j[0] + j[5]) - std::f64::consts::TAU.ln()));

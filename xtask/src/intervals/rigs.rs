@@ -1,9 +1,10 @@
 //! Rigs that are drawn from the set-up's own prior: are their truths uniform among the draws of the posterior?
 //!
 //! Ranks of one rig depend on each other. So one number of each rig, another one from rig to rig, is tested for uniformity over the rigs; and each number over the rigs, the least probability counting (Bonferroni). Errors of coverage are over rigs.
-//! One rig is tracked, and its truths are ranked, in [`ranked`]; [`sinew_tests::drawn_rig`] draws it.
+//! One rig is tracked, and its truths are ranked, in [`ranked`]; two of its cameras predict the others in [`two_cameras`]; [`sinew_tests::drawn_rig`] draws it.
 
 mod ranked;
+pub(super) mod two_cameras;
 
 pub(super) use ranked::flags;
 

@@ -21,7 +21,7 @@ const LEAST_CORRELATION: f64 = 0.02;
 const LONGEST_S: f64 = 100.0;
 
 /// Version of the table.
-pub const VERSION: u32 = 4;
+pub const VERSION: u32 = 5;
 
 /// What the set-up found out about what is constant.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -213,7 +213,7 @@ mod tests {
             change(&mut wrong);
             assert_eq!(wrong.problem(&["C1"]).as_deref(), Some(expected));
         };
-        refused(|k| k.version = 9, "lasting: version = 9; this version reads 4: make the set-up again");
+        refused(|k| k.version = 9, "lasting: version = 9; this version reads 5: make the set-up again");
         refused(|k| k.cameras[0] = "C7".into(), "lasting: no camera `C7`; the set-up has: C1");
         refused(|k| k.middle_m[1] = f64::NAN, "lasting: middle_m holds a number that is not finite");
         refused(|k| k.persistence_s = -1.0, "lasting: persistence_s = -1; must be from 0 to 100");

@@ -6,7 +6,7 @@
 //! | a length of the body | 10 % of the default body's, about it | 5–6 % among adults, and a joint that is defined otherwise |
 //! | a point's place on its link | s per axis; ln s ~ N(ln 10 mm, 0.8²) | keypoints against joints of markers: Needham et al., Scientific Reports 11 (2021) 20673: 1–15 mm at ankles, 30–50 mm at hips |
 //! | the same of points of head and feet, about the default body's | s per axis; ln s ~ N(ln 15 mm, 0.8²) | besides, 5 % of the length of a foot and the height of a head among adults |
-//! | a bias of a camera's detector for a point | s per axis, one for each kind of keypoint, heavy tails; ln s ~ N(ln 10 mm, 0.8²) | the same |
+//! | a bias of a camera's detector for a point | s per axis, one for each kind of keypoint, heavy tails; ln s ~ N(ln 10 mm, 0.8²), of hips N(ln 20 mm, 0.8²) | the same |
 //! | the lag of a camera's clock | s frames, heavy tails; ln s ~ N(ln 0.15, 1) | cameras with one trigger are less than 0.02 of a frame off, clips that were cut to whole frames 0.29 (uniform in ± ½); in between |
 
 use sinew_body::point_derivatives::{lengthened, lengths};
@@ -19,6 +19,7 @@ use sinew_observe::lasting_errors::LastingErrors;
 pub const CAMERA_UNITS: [f64; NUMBERS] = [3.5e-3, 3.5e-3, 3.5e-3, 5e-3, 5e-3, 5e-3, 3e-3, 2e-3, 2e-3, 0.02];
 const LENGTH_SHARE: f64 = 0.1;
 const POINTS: ScalePrior = ScalePrior { median: 0.010, log_sd: 0.8 };
+const HIP_BIASES: ScalePrior = ScalePrior { median: 0.020, log_sd: 0.8 };
 const ENDS: ScalePrior = ScalePrior { median: 0.015, log_sd: 0.8 };
 const LATE_FRAMES: ScalePrior = ScalePrior { median: 0.15, log_sd: 1.0 };
 
@@ -26,7 +27,7 @@ const LATE_FRAMES: ScalePrior = ScalePrior { median: 0.15, log_sd: 1.0 };
 pub const HEAVY: f64 = 2.0;
 
 /// Names of the scales: that of the cameras, two of places, one for each kind of keypoint, that of lags.
-pub(super) const SCALES: [&str; 9] = [
+pub(super) const SCALES: [&str; 10] = [
     "cameras",
     "places_m",
     "places_head_feet_m",
@@ -35,15 +36,17 @@ pub(super) const SCALES: [&str; 9] = [
     "bias_arms_m",
     "bias_legs_m",
     "bias_feet_m",
+    "bias_hips_m",
     "lags_s",
 ];
 const PLACES: [usize; 2] = [1, 2];
 const FIRST_KIND: usize = 3;
-const KINDS: usize = 5;
+const KINDS: usize = 6;
+const HIPS: usize = 5;
 const LAGS: usize = FIRST_KIND + KINDS;
 
 /// Names of the scales of biases, by [`kind`].
-pub const KIND_SCALES: [&str; KINDS] = [SCALES[3], SCALES[4], SCALES[5], SCALES[6], SCALES[7]];
+pub const KIND_SCALES: [&str; KINDS] = [SCALES[3], SCALES[4], SCALES[5], SCALES[6], SCALES[7], SCALES[8]];
 
 /// Name of the scale of lags.
 pub const LAG_SCALE: &str = SCALES[LAGS];
@@ -57,6 +60,7 @@ pub fn kind(point: &str) -> usize {
         () if is(&["Elbow", "Wrist"]) => 2,
         () if is(&["Knee", "Ankle"]) => 3,
         () if is(&["Heel", "Toe"]) => 4,
+        () if is(&["Hip"]) => HIPS,
         () => 1,
     }
 }
@@ -132,6 +136,7 @@ pub fn prior(
     let mut scales = vec![POINTS; SCALES.len()];
     scales[0] = ScalePrior { median: 1.0, log_sd: 1.0 };
     scales[PLACES[1]] = ENDS;
+    scales[FIRST_KIND + HIPS] = HIP_BIASES;
     scales[LAGS] = ScalePrior { median: LATE_FRAMES.median * frame_s, ..LATE_FRAMES };
     LastingPrior { clusters, scales }
 }
