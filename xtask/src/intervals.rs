@@ -200,7 +200,7 @@ fn tables(args: &Args, store: &Store, [tuned_on, untouched]: [&Recording; 2]) ->
         (vec![Part::Scores, Part::Derived], reliability::table(store, [args.runs(), args.derived()])),
         (vec![Part::Caliscope], left_out::table(store, untouched, args.runs())),
         (vec![Part::Rigs], rigs::elbow_table(store, args.rigs())?),
-        (vec![Part::AtJoints], rigs::at_joints_table(store, args.fewer_rigs())),
+        (vec![Part::AtJoints], rigs::at_joints_table(store, args.fewer_rigs())?),
         (vec![Part::LeftOut], left_out::kinds_table(store, tuned_on, args.runs())?),
         (vec![Part::Caliscope], left_out::kinds_table(store, untouched, args.runs())?),
         (vec![Part::Straight], straight::table(store, args.runs(), args.fewer_rigs())?),

@@ -248,7 +248,7 @@ const KINDS: [(&str, &[&str]); 8] = [
 /// What observations of a kind come to, three cameras used and two, seed by seed.
 fn kind_row(name: &str, [three, two]: [&[Vec<Vec<f64>>]; 2]) -> String {
     let over = |seeds: &[Vec<Vec<f64>>], of: &dyn Fn(&[Vec<f64>]) -> f64| {
-        let found: Vec<f64> = seeds.iter().filter(|judged| !judged.is_empty()).map(|judged| of(judged)).collect();
+        let found: Vec<f64> = seeds.iter().map(|judged| of(judged)).filter(|found| found.is_finite()).collect();
         if found.is_empty() { "–".into() } else { over_seeds(&found) }
     };
     let inside = |place: usize| move |judged: &[Vec<f64>]| share(&mut judged.iter(), place);

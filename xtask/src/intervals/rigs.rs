@@ -124,7 +124,10 @@ const AT_JOINTS: [(&str, &str); 4] = [
 ];
 
 /// Rigs whose keypoints lie at the joints, against the same rigs with keypoints aside.
-pub(super) fn at_joints_table(store: &Store, seeds: Range<u64>) -> String {
+///
+/// # Errors
+/// Lengths without a forearm.
+pub(super) fn at_joints_table(store: &Store, seeds: Range<u64>) -> Outcome<String> {
     let cells = |name: fn(u64) -> String| -> Vec<&Value> {
         let both = seeds.clone().filter(|seed| store.get(&name_at_joints(*seed)).is_some());
         both.filter_map(|seed| store.get(&name(seed))).collect()
@@ -143,7 +146,28 @@ pub(super) fn at_joints_table(store: &Store, seeds: Range<u64>) -> String {
         };
         let _ = writeln!(text, "| {name} | {} | {} |", held(&aside), held(&at_joints));
     }
-    text
+    let forearm = forearm()?;
+    let shifted = |cells: &[&Value]| {
+        let found = cells.iter().filter(|cell| cell["lengths"].is_array());
+        let [shift, error] = with_error(&found.map(|cell| shift_of(cell, forearm)).collect::<Vec<_>>());
+        format!("{shift:+.3} ± {error:.3}")
+    };
+    let _ = writeln!(
+        text,
+        "\nShift of the ranks of the forearm's length (below 0: draws too long): {} and {}.",
+        shifted(&aside),
+        shifted(&at_joints)
+    );
+    Ok(text)
+}
+
+fn forearm() -> Outcome<usize> {
+    Ok(length_names().iter().position(|name| *name == "forearm").ok_or("no length of the forearm")?)
+}
+
+/// Where the truth of a length lies among the draws, from −½ to ½.
+fn shift_of(cell: &Value, length: usize) -> f64 {
+    shape(&[ranks_of(cell, "lengths")[length]], DRAWS).bias
 }
 
 /// What a rig says about arms.
@@ -160,7 +184,7 @@ struct Arms {
 /// # Errors
 /// A rig that cannot be drawn.
 pub(super) fn elbow_table(store: &Store, seeds: Range<u64>) -> Outcome<String> {
-    let forearm = length_names().iter().position(|name| *name == "forearm").ok_or("no length of the forearm")?;
+    let forearm = forearm()?;
     let mut rigs: Vec<Arms> = vec![];
     for seed in seeds {
         let Some(cell) = store.get(&name(seed)).filter(|cell| cell["angles"].is_array()) else { continue };
@@ -175,7 +199,7 @@ pub(super) fn elbow_table(store: &Store, seeds: Range<u64>) -> Outcome<String> {
             aside_m: rig.aside("Elbow"),
             upper_arms: held(true),
             other_limbs: held(false),
-            forearm: shape(&[ranks_of(cell, "lengths")[forearm]], DRAWS).bias,
+            forearm: shift_of(cell, forearm),
         });
     }
     rigs.sort_by(|a, b| a.aside_m.total_cmp(&b.aside_m));
