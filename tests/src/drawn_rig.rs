@@ -81,7 +81,7 @@ impl Rig {
         Self::with_keypoints_aside(seed, 1.0)
     }
 
-    /// The rig of a seed whose detectors mean the joints, as those of demos do: no keypoint lies aside, and none has a bias.
+    /// The rig of a seed whose detectors mean the joints, as in demos: no keypoint lies aside, and none has a bias.
     ///
     /// # Errors
     /// Cameras that cannot stand around the person.

@@ -56,7 +56,7 @@ enum Part {
     Pairs,
     /// Rigs drawn from the prior.
     Rigs,
-    /// Rigs whose keypoints lie at the joints, as those of demos do.
+    /// Rigs whose keypoints lie at the joints, as in demos.
     AtJoints,
     /// Two neighbouring cameras of rigs predict the others.
     RigPairs,

@@ -271,7 +271,7 @@ mod tests {
         assert!(said(&[]).starts_with("no camera saw"));
     }
 
-    /// Ten frames of two keypoints, of which the camera sees both 7 px to the right and one of them a pixel lower.
+    /// Ten frames of three keypoints, which the camera sees 7 px to the right, and one of them a pixel lower.
     #[test]
     fn a_camera_is_judged_without_its_own_offset() {
         let at = |u: f64, v: f64| Some(Predicted { mean: [u, v], total: [50.0, 0.0, 50.0], own: [4.0, 0.0, 1.0] });
@@ -279,22 +279,22 @@ mod tests {
         let prediction = CameraPrediction {
             camera,
             frames: (0..10).collect(),
-            keypoints: vec!["Nose".into(), "Neck".into(), "Head".into()],
-            predicted: [at(10.0, 20.0), at(30.0, 40.0), None].repeat(10),
+            keypoints: ["Nose", "Neck", "Head", "LHip"].map(str::to_owned).to_vec(),
+            predicted: [at(10.0, 20.0), at(30.0, 40.0), at(50.0, 60.0), None].repeat(10),
             common: [49.0, 0.0, 49.0],
         };
         let seen = |u: f64, v: f64, confidence: f64| Some(Detection { pixel: [u, v], confidence });
-        let person = vec![seen(17.0, 20.0, 0.9), seen(37.0, 41.0, 0.9), seen(0.0, 0.0, 0.9)];
-        let far = vec![seen(90.0, 90.0, 0.9), None, None];
+        let person = vec![seen(17.0, 20.0, 0.9), seen(37.0, 41.0, 0.9), seen(57.0, 60.0, 0.9), seen(0.0, 0.0, 0.9)];
+        let far = vec![seen(90.0, 90.0, 0.9), None, None, None];
         let people = vec![vec![far, person]; 10];
-        let found = left_out(&prediction, &people, &[Some(0), Some(1), Some(2)]);
-        assert_eq!(found.offset_px, [7.0, 1.0]);
-        assert!((found.offset_size - (0.5_f64 * 50.0 / 49.0).sqrt()).abs() < 1e-12, "{}", found.offset_size);
+        let found = left_out(&prediction, &people, &[0, 1, 2, 3].map(Some));
+        assert_eq!(found.offset_px, [7.0, 0.0]);
+        assert!((found.offset_size - 0.5_f64.sqrt()).abs() < 1e-12, "{}", found.offset_size);
         let tally = |k: usize| &found.keypoints[k].1;
-        assert_eq!((tally(0).squares.len(), tally(2).squares.len()), (10, 0));
-        assert_eq!((tally(0).squares[0], tally(1).squares[0]), (1.0, 0.0));
+        assert_eq!((tally(0).squares.len(), tally(3).squares.len()), (10, 0));
+        assert_eq!((tally(0).squares[0], tally(1).squares[0]), (0.0, 1.0));
         let score = -0.5 * (1.0 + 4.0_f64.ln()) - std::f64::consts::TAU.ln();
-        assert!((tally(0).log_scores[0] - score).abs() < 1e-12);
-        assert_eq!((found.all().coverage(0.5), found.all().coverage(0.3)), (1.0, 0.5));
+        assert!((tally(1).log_scores[0] - score).abs() < 1e-12);
+        assert_eq!((found.all().coverage(0.5), found.all().coverage(0.3)), (1.0, 20.0 / 30.0));
     }
 }

@@ -1,6 +1,6 @@
-//! Draws answer to what lasts in a straight line: how far from it are runs that each take their own draw of it for true?
+//! Draws answer to what lasts in a straight line: what does that leave out?
 //!
-//! Of one set-up and some of its draws of g, two runs each: one tracks with ĝ and moves its draws as g asks, the other takes that g for true. The difference of their means is what the straight line leaves out; it is compared with the standard deviation of the run whose draws are those of all g.
+//! Of one set-up and some of its draws of g, two runs each: one tracks with ĝ and moves its draws as g asks, the other takes that g for true. The difference of their means is what the straight line leaves out; it is compared with the standard deviation over all draws.
 
 use super::derived::{SEGMENTS, distance, limb_angles};
 use super::posterior::Drawn;
@@ -35,7 +35,7 @@ const FAMILIES: [(&str, &str); 4] = [
 /// Mean and standard deviation over draws of each number, by its family, frame after frame.
 type Found = BTreeMap<&'static str, Vec<[f64; 2]>>;
 
-fn of_draws(draws: usize, from_draw: impl Fn(usize) -> f64) -> [f64; 2] {
+fn moments(draws: usize, from_draw: impl Fn(usize) -> f64) -> [f64; 2] {
     let centre = mean((0..draws).map(&from_draw));
     [centre, mean((0..draws).map(|draw| (from_draw(draw) - centre).powi(2))).sqrt()]
 }
@@ -49,16 +49,16 @@ fn found(folder: &Path, body: &KinematicTree) -> Outcome<Found> {
     let mut all = Found::new();
     for frame in 0..markers.frames {
         for (joint, axis) in joints.iter().flat_map(|joint| (0..3).map(move |axis| (*joint, axis))) {
-            let numbers = of_draws(markers.draws, |draw| markers.point(draw, frame, joint)[axis]);
+            let numbers = moments(markers.draws, |draw| markers.point(draw, frame, joint)[axis]);
             all.entry("coordinates").or_default().push(numbers);
         }
         for [a, b] in &segments {
             let long = |draw| distance(markers.point(draw, frame, *a), markers.point(draw, frame, *b));
-            all.entry("segments").or_default().push(of_draws(markers.draws, long));
+            all.entry("segments").or_default().push(moments(markers.draws, long));
         }
         for (angle, name) in limb_angles(body) {
             let family = if name.contains("upper_arm") { "upper arms" } else { "other limbs" };
-            all.entry(family).or_default().push(of_draws(angles.draws, |draw| angles.at(draw, frame)[angle]));
+            all.entry(family).or_default().push(moments(angles.draws, |draw| angles.at(draw, frame)[angle]));
         }
     }
     Ok(all)

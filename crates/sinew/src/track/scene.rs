@@ -1,7 +1,9 @@
 //! One person in all views: association, layout to body, binding, residuals.
 
 mod check;
+mod clocks;
 
+use self::clocks::Clocks;
 use super::error::TrackError;
 use super::oddities::{OddPerson, Oddities, Watched};
 use crate::Error;
@@ -16,9 +18,7 @@ use sinew_formats::Layout;
 use sinew_observe::association::{self, Person};
 use sinew_observe::bystanders::elsewhere;
 use sinew_observe::following::{Associated, Following, follow};
-use sinew_observe::lasting_errors::on_time;
 use sinew_observe::offsets::{self, Sighted, median};
-use sinew_observe::point_velocity::RunningVelocities;
 use sinew_observe::{Camera, Detection, KeypointFrame, KeypointModel, Mistakes, Noise, ObservationModel, View};
 use sinew_recording::predictive::{self, Doubt, Lengths, Origins, Predictive};
 use std::sync::Arc;
@@ -46,7 +46,7 @@ pub struct SceneState {
 /// What a frame shows of the tracked person.
 #[derive(Clone, Debug, Default)]
 pub struct Shown {
-    /// Detections: camera by camera, by point of the plan; those of a late camera as they would be if it were not.
+    /// Detections: camera by camera, by point of the plan; what a late camera shows is put on time.
     pub detections: Vec<Vec<Option<Detection>>>,
     /// The same for the density of other people's keypoints ([`KeypointFrame::elsewhere`]); empty where a camera shows nobody else.
     pub elsewhere: Vec<Vec<f64>>,
@@ -66,10 +66,7 @@ pub struct Scene {
     point: Vec<usize>,
     following: Following,
     association: association::Config,
-    /// How late each camera's clock is, seconds.
-    lags_s: Vec<f64>,
-    /// How the keypoints move: a late camera shows them where they were.
-    velocities: RunningVelocities,
+    clocks: Clocks,
     /// What the current frame shows.
     shown: Shown,
     /// Correlation of errors from frame to frame that the intervals have been widened for.
@@ -175,8 +172,11 @@ impl Scene {
             },
             oddities: Oddities::new(watched, pairs),
             held_correlation: held_correlation(setup, settings.fps),
-            lags_s: cameras.iter().map(|camera| setup.lag_s(camera)).collect(),
-            velocities: RunningVelocities::new(points.len(), settings.fps.recip()),
+            clocks: Clocks::new(
+                cameras.iter().map(|camera| setup.lag_s(camera)).collect(),
+                points.len(),
+                settings.fps.recip(),
+            ),
             partners,
             parts,
             bound_parts: vec![],
@@ -229,7 +229,10 @@ impl Scene {
                 *out = seen.get(k).copied().flatten();
             }
         }
-        self.put_on_time(estimate);
+        if !self.clocks.are_right() {
+            let points = self.points(estimate);
+            self.clocks.put_on_time(&mut self.shown.detections, &self.model.views, &points);
+        }
         self.shown.elsewhere = elsewhere(&self.model, people, &found, &self.keypoint, &self.association);
         self.shown.odd = self.odd_people(people, &found, &expected);
         if away && self.following.lengths.is_empty() {
@@ -250,24 +253,10 @@ impl Scene {
         (bound, restart)
     }
 
-    /// Moves what late cameras show to where the keypoints have gone since, if the person is in a state.
-    fn put_on_time(&mut self, state: &[f64]) {
-        if self.lags_s.iter().all(|lag| *lag == 0.0) {
-            return;
-        }
-        let (points, velocities) = (self.points(state), self.velocities.known());
-        for ((seen, view), lag) in self.shown.detections.iter_mut().zip(&self.model.views).zip(&self.lags_s) {
-            *seen = on_time(&view.camera, seen, &points, velocities, *lag);
-        }
-    }
-
     /// Takes in where the person is in the current frame, once it is tracked.
     pub fn note(&mut self, state: &[f64], restarted: bool) {
-        if restarted {
-            self.velocities.restart();
-        }
         let points = self.points(state);
-        self.velocities.next(&points);
+        self.clocks.note(&points, restarted);
     }
 
     /// The current frame, its points expected at these places.
@@ -420,7 +409,7 @@ impl Scene {
         let numbers = |d: &Option<Detection>| d.map(|Detection { pixel: [u, v], confidence }| [u, v, confidence]);
         let detections = self.shown.detections.iter().map(|seen| seen.iter().map(numbers).collect()).collect();
         let (oddities, predictive) = (self.oddities.save(), self.predictive.clone());
-        let velocities = self.velocities.save();
+        let velocities = self.clocks.save();
         SceneState { lengths, last_px, lost, started, velocities, detections, oddities, predictive }
     }
 
@@ -437,12 +426,7 @@ impl Scene {
         saved.last_px.iter().try_for_each(|px| check_length(px.len(), if px.is_empty() { 0 } else { keypoints }))?;
         let known = saved.lengths.iter().filter(|(a, b, _)| *a < keypoints && *b < keypoints).count();
         check_length(saved.lengths.len(), known)?;
-        // Nothing moves before the first frame.
-        let moving = saved.velocities.len();
-        check_length(moving, if saved.velocities.is_empty() { 0 } else { self.velocities.saved() })?;
-        if moving > 0 {
-            self.velocities.restore(&saved.velocities);
-        }
+        self.clocks.restore(&saved.velocities)?;
         self.oddities.restore(&saved.oddities)?;
         check_length(saved.predictive.cameras(), cameras)?;
         self.predictive.clone_from(&saved.predictive);

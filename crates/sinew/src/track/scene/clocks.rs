@@ -1,0 +1,52 @@
+//! Cameras that are late: what they show is put on time.
+
+use crate::results::problem::{Problem, check_length};
+use sinew_observe::lasting_errors::on_time;
+use sinew_observe::point_velocity::RunningVelocities;
+use sinew_observe::{Detection, View};
+
+/// How late each camera is, and how the keypoints move: a late camera shows them where they were.
+pub(super) struct Clocks {
+    lags_s: Vec<f64>,
+    velocities: RunningVelocities,
+}
+
+impl Clocks {
+    /// Before keypoints that stand still; `lags_s` is how late each camera is, and frames are `seconds` apart.
+    pub(super) fn new(lags_s: Vec<f64>, keypoints: usize, seconds: f64) -> Self {
+        Self { lags_s, velocities: RunningVelocities::new(keypoints, seconds) }
+    }
+
+    /// Whether no camera is late.
+    pub(super) fn are_right(&self) -> bool {
+        self.lags_s.iter().all(|lag| *lag == 0.0)
+    }
+
+    /// Moves what late cameras show to where the keypoints have gone since, if they are at these places.
+    pub(super) fn put_on_time(&self, detections: &mut [Vec<Option<Detection>>], views: &[View], points: &[f64]) {
+        for ((seen, view), lag) in detections.iter_mut().zip(views).zip(&self.lags_s) {
+            *seen = on_time(&view.camera, seen, points, self.velocities.known(), *lag);
+        }
+    }
+
+    /// Takes in where the keypoints are in a frame that was tracked.
+    pub(super) fn note(&mut self, points: &[f64], restarted: bool) {
+        if restarted {
+            self.velocities.restart();
+        }
+        self.velocities.next(points);
+    }
+
+    pub(super) fn save(&self) -> Vec<f64> {
+        self.velocities.save()
+    }
+
+    /// Takes up what was saved; nothing moves before the first frame.
+    pub(super) fn restore(&mut self, saved: &[f64]) -> Result<(), Problem> {
+        check_length(saved.len(), if saved.is_empty() { 0 } else { self.velocities.saved() })?;
+        if !saved.is_empty() {
+            self.velocities.restore(saved);
+        }
+        Ok(())
+    }
+}
