@@ -17,6 +17,7 @@ use sinew::body::standard::EVALUATION_JOINTS;
 use sinew::setup::{MeasuredErrors, Setup};
 use sinew_tests::drawn_rig::Rig;
 use std::collections::BTreeMap;
+use std::f64::consts::{PI, TAU};
 use std::fmt::Write as _;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -32,12 +33,23 @@ const FAMILIES: [(&str, &str); 4] = [
     ("other limbs", "angles of the other limbs"),
 ];
 
+/// Families that are angles.
+const ANGLES: [&str; 2] = ["upper arms", "other limbs"];
+
 /// Mean and standard deviation over draws of each number, by its family, frame after frame.
 type Found = BTreeMap<&'static str, Vec<[f64; 2]>>;
 
-fn moments(draws: usize, from_draw: impl Fn(usize) -> f64) -> [f64; 2] {
-    let centre = mean((0..draws).map(&from_draw));
-    [centre, mean((0..draws).map(|draw| (from_draw(draw) - centre).powi(2))).sqrt()]
+/// Mean and standard deviation over draws; angles are taken on the circle.
+fn moments(draws: usize, is_angle: bool, from_draw: impl Fn(usize) -> f64) -> [f64; 2] {
+    let first = from_draw(0);
+    let away = |draw| difference(is_angle, from_draw(draw), first);
+    let centre = mean((0..draws).map(away));
+    [first + centre, mean((0..draws).map(|draw| (away(draw) - centre).powi(2))).sqrt()]
+}
+
+/// a − b, of angles the shortest way.
+fn difference(is_angle: bool, a: f64, b: f64) -> f64 {
+    if is_angle { (a - b + PI).rem_euclid(TAU) - PI } else { a - b }
 }
 
 fn found(folder: &Path, body: &KinematicTree) -> Outcome<Found> {
@@ -49,16 +61,16 @@ fn found(folder: &Path, body: &KinematicTree) -> Outcome<Found> {
     let mut all = Found::new();
     for frame in 0..markers.frames {
         for (joint, axis) in joints.iter().flat_map(|joint| (0..3).map(move |axis| (*joint, axis))) {
-            let numbers = moments(markers.draws, |draw| markers.point(draw, frame, joint)[axis]);
+            let numbers = moments(markers.draws, false, |draw| markers.point(draw, frame, joint)[axis]);
             all.entry("coordinates").or_default().push(numbers);
         }
         for [a, b] in &segments {
             let long = |draw| distance(markers.point(draw, frame, *a), markers.point(draw, frame, *b));
-            all.entry("segments").or_default().push(moments(markers.draws, long));
+            all.entry("segments").or_default().push(moments(markers.draws, false, long));
         }
         for (angle, name) in limb_angles(body) {
             let family = if name.contains("upper_arm") { "upper arms" } else { "other limbs" };
-            all.entry(family).or_default().push(moments(angles.draws, |draw| angles.at(draw, frame)[angle]));
+            all.entry(family).or_default().push(moments(angles.draws, true, |draw| angles.at(draw, frame)[angle]));
         }
     }
     Ok(all)
@@ -84,7 +96,7 @@ fn with_draw(setup: &Setup, draw: usize) -> Outcome<[Setup; 2]> {
     Ok([moved, own])
 }
 
-/// Mean, and mean square, of what the straight line leaves out, in standard deviations, by family.
+/// Median, and 90th percentile, of what the straight line leaves out, in standard deviations, by family.
 fn left_out(program: &Program, flags: &[String], folder: &Path) -> Outcome<Value> {
     std::fs::create_dir_all(folder)?;
     let run = |name: &str, setup: Option<&Setup>| -> Outcome<PathBuf> {
@@ -101,23 +113,27 @@ fn left_out(program: &Program, flags: &[String], folder: &Path) -> Outcome<Value
     let setup = Setup::from_toml("setup.toml", &std::fs::read_to_string(base.join("setup.toml"))?)?;
     let total = found(&base, &setup.tree())?;
     let draws = setup.lasting.as_ref().map_or(0, MeasuredErrors::draws);
-    let mut sums: BTreeMap<&str, [f64; 3]> = BTreeMap::new();
+    let mut away: BTreeMap<&str, Vec<f64>> = BTreeMap::new();
     for draw in (0..OWN).map(|k| k * draws / OWN) {
         let [moved, own] = with_draw(&setup, draw)?;
         let straight = found(&run("moved", Some(&moved))?, &moved.tree())?;
         let taken_for_true = found(&run("own", Some(&own))?, &own.tree())?;
         for (family, total) in &total {
-            let sum = sums.entry(family).or_default();
-            for ((moved, own), [_, sd]) in straight[family].iter().zip(&taken_for_true[family]).zip(total) {
-                let away = (own[0] - moved[0]) / sd;
-                *sum = [sum[0] + away, sum[1] + away.powi(2), sum[2] + 1.0];
-            }
+            let both = straight[family].iter().zip(&taken_for_true[family]).zip(total);
+            let is_angle = ANGLES.contains(family);
+            let one = |((moved, own), [_, sd]): ((&[f64; 2], &[f64; 2]), &[f64; 2])| {
+                difference(is_angle, own[0], moved[0]).abs() / sd
+            };
+            away.entry(family).or_default().extend(both.map(one));
         }
     }
     std::fs::remove_dir_all(folder)?;
-    let each =
-        |(family, [sum, squares, count]): (&str, [f64; 3])| (family.to_owned(), json!([sum / count, squares / count]));
-    Ok(sums.into_iter().map(each).collect::<Map<_, _>>().into())
+    let each = |(family, mut away): (&str, Vec<f64>)| {
+        away.sort_by(f64::total_cmp);
+        let at = |share: f64| away.get((share * away.len().saturating_sub(1) as f64).round() as usize).copied();
+        (family.to_owned(), json!([at(0.5), at(0.9)]))
+    };
+    Ok(away.into_iter().map(each).collect::<Map<_, _>>().into())
 }
 
 /// The recording that was tuned on, all cameras.
@@ -145,11 +161,11 @@ pub(super) fn rig_name(seed: u64) -> String {
 }
 
 fn row(name: &str, cells: &[&Value]) -> String {
-    let of = |key: &str, k: usize| {
+    let mean_of = |key: &str, k: usize| {
         mean(cells.iter().map(|cell| crate::store::numbers(&cell[key]).get(k).copied().unwrap_or(f64::NAN)))
     };
-    let root = FAMILIES.map(|(key, _)| format!("{:.2}", of(key, 1).sqrt())).join(" | ");
-    format!("| {name} | {} | {root} | {:+.2} |\n", cells.len(), of("segments", 0))
+    let both = FAMILIES.map(|(key, _)| format!("{:.2}, {:.2}", mean_of(key, 0), mean_of(key, 1))).join(" | ");
+    format!("| {name} | {} | {both} |\n", cells.len())
 }
 
 /// What the straight line leaves out of the recording, and of rigs by how far elbows are seen from their joints.
@@ -158,11 +174,10 @@ fn row(name: &str, cells: &[&Value]) -> String {
 /// A rig that cannot be drawn.
 pub(super) fn table(store: &Store, runs: Range<u64>, rigs: Range<u64>) -> Outcome<String> {
     let mut text = format!(
-        "What draws that answer in a straight line leave out, in standard deviations; {OWN} draws of g of each set-up:\n\n"
+        "What draws that answer in a straight line leave out, in standard deviations, median and 90th percentile, means over set-ups; {OWN} draws of g of each:\n\n"
     );
     let names = FAMILIES.map(|(_, name)| name).join(" | ");
-    let _ =
-        writeln!(text, "| set-ups | how many | {names} | lengths of segments, mean |\n|---|---|---|---|---|---|---|");
+    let _ = writeln!(text, "| set-ups | how many | {names} |\n|---|---|---|---|---|---|");
     let recording: Vec<&Value> = runs.filter_map(|seed| store.get(&recording_name(seed))).collect();
     text += &row("real recording", &recording);
     let mut found: Vec<(f64, &Value)> = vec![];
