@@ -78,7 +78,7 @@ fn clocks_that_are_late_are_found() {
 
 /// Clocks that are off by some half of a frame, and good detections: what late cameras show is put on time before the pose is found, so that keypoints lie where the pose has them and none seem to scatter. With lags taken for 0 they do.
 #[test]
-fn what_late_cameras_show_is_put_on_time() {
+fn late_cameras_are_corrected_while_tracking() {
     let calibration = CalibrationError { lag_frames: 0.5, ..CalibrationError::NONE };
     let script = Script { calibration, noise: DetectorNoise::stated_gaussian(2.0), ..Script::default() };
     let scatter = |seed: u64| {

@@ -251,9 +251,9 @@ fn covariances(shown: &[Option<Moved>], alone: &[f64], expected: &Expected) -> (
     }
     let one = |((index, moved), total): ((usize, &Option<Moved>), &Option<[f64; 3]>)| {
         let (moved, total) = (moved.as_ref()?, (*total)?);
-        let mut alone = moved.clone();
-        alone.add(-1.0, &shared);
-        Some(Predicted { mean: moments(&moved.pixels).0, total, own: with_alone(&alone, index) })
+        let mut apart = moved.clone();
+        apart.add(-1.0, &shared);
+        Some(Predicted { mean: moments(&moved.pixels).0, total, own: with_alone(&apart, index) })
     };
     let predicted = shown.iter().enumerate().zip(&totals).map(one).collect();
     (predicted, shared.covariance(expected))

@@ -78,9 +78,11 @@ fn found(folder: &Path, body: &KinematicTree) -> Outcome<Found> {
 
 /// The set-up that has one draw of g for all that is known, and the one that takes it for true.
 fn with_draw(setup: &Setup, draw: usize) -> Outcome<[Setup; 2]> {
+    let without = "a set-up without what lasts";
+    let layout = setup.lasting.as_ref().ok_or(without)?.layout();
     let [mut moved, mut own] = [setup.clone(), setup.clone()];
-    let layout = setup.lasting.as_ref().ok_or("a set-up without what lasts")?.layout();
-    let (Some(moved_errors), Some(own_errors)) = (&mut moved.lasting, &mut own.lasting) else { unreachable!() };
+    let moved_errors = moved.lasting.as_mut().ok_or(without)?;
+    let own_errors = own.lasting.as_mut().ok_or(without)?;
     let mut longer = vec![];
     for (place, (moved, own)) in moved_errors.number.iter_mut().zip(&mut own_errors.number).enumerate() {
         let by = moved.draws[draw];

@@ -66,10 +66,10 @@ fn a_recording_is_validated() {
     assert_eq!(table.lines().filter(|line| line.contains(",all,")).count(), 4, "{table}");
     assert!(fs::read_to_string(trial.path("worth/reliability.svg")).unwrap().contains("polyline"));
     let warned = "warning: without C1: the set-up found cameras that see everything aside of the others";
+    assert!(trial.printed(&output).contains(warned), "{}", trial.printed(&output));
     let circular =
         trial.run(&[&["validate"], &TRACK[1..], &["--setup=worth/without_C1/setup.toml", "-ocircle"]].concat());
     assert!(trial.printed(&circular).contains("a set-up is given"), "{}", trial.printed(&circular));
-    assert!(trial.printed(&output).contains(warned), "{}", trial.printed(&output));
     let few = trial.run(&[&["validate"], &TRACK[1..], &QUICK, &["-ofew", "--cameras=C1,C2"]].concat());
     assert!(trial.printed(&few).contains("2 cameras; three are needed"), "{}", trial.printed(&few));
     let none = trial.run(&["validate", "--calibration=Calib.toml", "--silhouettes=pose", "-onone"]);

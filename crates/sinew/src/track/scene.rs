@@ -231,7 +231,7 @@ impl Scene {
         }
         if !self.clocks.are_right() {
             let points = self.points(estimate);
-            self.clocks.put_on_time(&mut self.shown.detections, &self.model.views, &points);
+            self.clocks.correct(&mut self.shown.detections, &self.model.views, &points);
         }
         self.shown.elsewhere = elsewhere(&self.model, people, &found, &self.keypoint, &self.association);
         self.shown.odd = self.odd_people(people, &found, &expected);
@@ -255,6 +255,9 @@ impl Scene {
 
     /// Takes in where the person is in the current frame, once it is tracked.
     pub fn note(&mut self, state: &[f64], restarted: bool) {
+        if self.clocks.are_right() {
+            return;
+        }
         let points = self.points(state);
         self.clocks.note(&points, restarted);
     }

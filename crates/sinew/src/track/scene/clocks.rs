@@ -23,7 +23,7 @@ impl Clocks {
     }
 
     /// Moves what late cameras show to where the keypoints have gone since, if they are at these places.
-    pub(super) fn put_on_time(&self, detections: &mut [Vec<Option<Detection>>], views: &[View], points: &[f64]) {
+    pub(super) fn correct(&self, detections: &mut [Vec<Option<Detection>>], views: &[View], points: &[f64]) {
         for ((seen, view), lag) in detections.iter_mut().zip(views).zip(&self.lags_s) {
             *seen = on_time(&view.camera, seen, points, self.velocities.known(), *lag);
         }
