@@ -172,11 +172,7 @@ impl Scene {
             },
             oddities: Oddities::new(watched, pairs),
             held_correlation: held_correlation(setup, settings.fps),
-            clocks: Clocks::new(
-                cameras.iter().map(|camera| setup.lag_s(camera)).collect(),
-                points.len(),
-                settings.fps.recip(),
-            ),
+            clocks: Clocks::new(setup, cameras, points.len(), settings.fps),
             partners,
             parts,
             bound_parts: vec![],

@@ -1,9 +1,10 @@
 //! Cameras that are late: what they show is put on time.
 
 use crate::results::problem::{Problem, check_length};
+use crate::setup::Setup;
 use sinew_observe::lasting_errors::on_time;
 use sinew_observe::point_velocity::RunningVelocities;
-use sinew_observe::{Detection, View};
+use sinew_observe::{Camera, Detection, View};
 
 /// How late each camera is, and how the keypoints move: a late camera shows them where they were.
 pub(super) struct Clocks {
@@ -12,9 +13,10 @@ pub(super) struct Clocks {
 }
 
 impl Clocks {
-    /// Before keypoints that stand still; `lags_s` is how late each camera is, and frames are `seconds` apart.
-    pub(super) fn new(lags_s: Vec<f64>, keypoints: usize, seconds: f64) -> Self {
-        Self { lags_s, velocities: RunningVelocities::new(keypoints, seconds) }
+    /// The clocks of a set-up's cameras, before keypoints that stand still, in frames at `fps` a second.
+    pub(super) fn new(setup: &Setup, cameras: &[Camera], keypoints: usize, fps: f64) -> Self {
+        let lags_s = cameras.iter().map(|camera| setup.lag_s(camera)).collect();
+        Self { lags_s, velocities: RunningVelocities::new(keypoints, fps.recip()) }
     }
 
     /// Whether no camera is late.
