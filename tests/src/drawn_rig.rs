@@ -4,7 +4,7 @@
 //!    Soles and eyes are level: of normal numbers that are known to be equal, each is as their mean was.
 //! 2. Poses begin at a standing one, knees and elbows bent, with normal deviations and walk at random, as the set-up and the tracker assume.
 //! 3. Keypoints are the body's points moved by their places on their links. Cameras show them as they are, where they were a lag before, with their biases and white noise; calibrated they are without errors.
-//!    A point was there on a straight line, along the frames around.
+//!    A point was there on a straight line, along the frames around. The walk is the body's at the mean of the used cameras' clocks: of a random walk, other times have other velocities, and only those there can be seen.
 
 use sinew::body::point_derivatives::{Neighbours, length_names, lengthened, lengths};
 use sinew::body::standard::{STANDING_HEIGHT_M, h32};
@@ -64,7 +64,7 @@ pub struct Rig {
     pub scales: Vec<f64>,
     /// Sizes of the person.
     pub proportions: Proportions,
-    /// Poses, frame by frame.
+    /// Poses at the times of the frames.
     pub states: Vec<Vec<f64>>,
     /// Where each camera shows each keypoint in each frame, without bias and noise.
     pub pixels: Vec<Vec<Vec<Option<[f64; 2]>>>>,
@@ -118,16 +118,18 @@ impl Rig {
             g[places].iter_mut().for_each(|x| *x *= aside);
         }
         let proportions = lengthened(&Proportions::default(), &g[errors.lengths()]);
-        let states = walk(&usual, poses);
+        let shown = walk(&usual, poses);
+        let late = errors.lags().take(USED).map(|place| g[place]).sum::<f64>() / USED as f64;
         let longer = vec![0.0; errors.lengths];
         let body = Neighbours::new(h32, &proportions, &indices).reshaped(&longer, &g[errors.places()]);
         let keypoints = |state: &Vec<f64>| -> Vec<[f64; 3]> {
             body.at(state).positions.chunks_exact(3).map(|x| [x[0], x[1], x[2]]).collect()
         };
-        let truth = Trajectories { names: points.clone(), frames: states.iter().map(keypoints).collect() };
+        let truth = Trajectories { names: points.clone(), frames: shown.iter().map(keypoints).collect() };
         let cameras = around(&truth, &Ring { cameras: USED + 1, span: SPAN, ..Ring::default() })?;
+        let states = at_time(&shown, late);
         let mut rig = Self { cameras, points, errors, g, scales, proportions, states, pixels: vec![], seen: vec![] };
-        rig.film(&truth, &noise);
+        rig.film((&truth, late), &noise);
         Ok(rig)
     }
 
@@ -152,16 +154,19 @@ impl Rig {
         (square / places.len() as f64).sqrt()
     }
 
-    fn film(&mut self, truth: &Trajectories, noise: &Stage) {
+    /// Keypoints at the mean of the used cameras' clocks, which are late by so many seconds.
+    fn film(&mut self, (truth, late): (&Trajectories, f64), noise: &Stage) {
         let layout = body_25b();
-        let (middle, velocities) = (middle(truth), velocities(truth));
+        let middle = middle(truth);
+        let velocities: Vec<Vec<[f64; 3]>> =
+            (0..truth.names.len()).map(|point| slopes(|frame| truth.frames[frame][point])).collect();
         for (index, camera) in self.cameras.iter().enumerate() {
             let error = std::array::from_fn(|k| self.g[self.errors.camera(index).start + k]);
             let (real, scale) = (with_error(camera, &error), pixels_per_metre(camera, middle));
-            let lag = self.g[self.errors.lag(index)];
+            let lag = self.g[self.errors.lag(index)] - late;
             let shown_in = |f: usize| {
                 let points = truth.frames[f].iter().enumerate();
-                points.map(|(p, x)| real.project(before(*x, velocities[f][p], lag)).pixel()).collect()
+                points.map(|(p, x)| real.project(before(*x, velocities[p][f], lag)).pixel()).collect()
             };
             let shown: Vec<Vec<Option<[f64; 2]>>> = (0..truth.frames.len()).map(shown_in).collect();
             let errors = normals(&noise.round(index), 0, 2 * truth.frames.len() * self.points.len());
@@ -280,19 +285,24 @@ fn walk(body: &KinematicTree, stage: Stage) -> Vec<Vec<f64>> {
     steps.chunks_exact(body.dof()).map(next).collect()
 }
 
-/// Velocities of all points in all frames, metres a second, as the set-up knows them: over the frames around.
-fn velocities(truth: &Trajectories) -> Vec<Vec<[f64; 3]>> {
-    let numbers: Vec<u64> = (0..truth.frames.len() as u64).collect();
-    let at_ends = |frame: usize, reach: usize| frame.clamp(reach, truth.frames.len() - 1 - reach);
-    let near = reach(RATE_HZ);
-    let in_frame = |frame: usize| {
-        let from_around = |point: usize| {
-            let points: Vec<_> = truth.frames.iter().map(|frame| Some(frame[point])).collect();
-            velocity(&points, &numbers, at_ends(frame, near as usize), near).map_or([0.0; 3], |v| (v * RATE_HZ).into())
-        };
-        (0..truth.names.len()).map(from_around).collect()
+/// Poses at the times of the frames, from those that clocks show that are late by so many seconds.
+fn at_time(shown: &[Vec<f64>], late: f64) -> Vec<Vec<f64>> {
+    let own = |j: usize| slopes(|frame| [shown[frame][j], 0.0, 0.0]).into_iter().map(|[slope, ..]| slope).collect();
+    let slopes: Vec<Vec<f64>> = (0..shown[0].len()).map(own).collect();
+    let moved = |(frame, pose): (usize, &Vec<f64>)| {
+        pose.iter().zip(&slopes).map(|(x, slopes)| x + late * slopes[frame]).collect()
     };
-    (0..truth.frames.len()).map(in_frame).collect()
+    shown.iter().enumerate().map(moved).collect()
+}
+
+/// Slopes in all frames, a second, over the frames around, as the set-up knows velocities.
+fn slopes(of: impl Fn(usize) -> [f64; 3]) -> Vec<[f64; 3]> {
+    let numbers: Vec<u64> = (0..FRAMES as u64).collect();
+    let points: Vec<_> = (0..FRAMES).map(|frame| Some(of(frame))).collect();
+    let near = reach(RATE_HZ);
+    let whole = |frame: usize| frame.clamp(near as usize, FRAMES - 1 - near as usize);
+    let slope = |frame| velocity(&points, &numbers, whole(frame), near).map_or([0.0; 3], |v| (v * RATE_HZ).into());
+    (0..FRAMES).map(slope).collect()
 }
 
 /// Where a point was some seconds before.

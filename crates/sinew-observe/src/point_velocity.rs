@@ -68,22 +68,62 @@ pub fn velocity_sd(position_sd_m: f64, fps: f64) -> f64 {
     position_sd_m * fps / (squares as f64).sqrt()
 }
 
+/// How the points of a body move in a frame.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BodyVelocities {
+    /// Of each point, metres a second.
+    pub velocities: Vec<[f64; 3]>,
+    /// Sum of the squares of those whose velocity was seen, and of what was seen less them.
+    squares: f64,
+    left: f64,
+    /// How many numbers were seen, and how many of their errors the velocities have taken in.
+    seen: f64,
+    taken: f64,
+}
+
 /// Velocities of the points of a body, metres a second: the posterior mean J ṡ, with J the derivatives of the points by the pose (three rows a point, row after row), ṡ ~ N(0, usual²), and velocities that were `seen` with errors of `sd`.
 #[must_use]
-pub fn body_velocities(by_pose: &[f64], seen: &[Option<[f64; 3]>], usual: &[f64], sd: f64) -> Vec<[f64; 3]> {
+pub fn body_velocities(by_pose: &[f64], seen: &[Option<[f64; 3]>], usual: &[f64], sd: f64) -> BodyVelocities {
     let dof = usual.len();
     let moves = DMatrix::from_row_slice(by_pose.len() / dof.max(1), dof, by_pose);
     let mut information = DMatrix::from_diagonal(&DVector::from_fn(dof, |j, _| usual[j].powi(-2)));
     let mut pull = DVector::zeros(dof);
     let rows = seen.iter().enumerate().filter_map(|(point, seen)| Some((point, (*seen)?)));
-    for (row, speed) in rows.flat_map(|(point, seen)| (0..3).map(move |axis| (3 * point + axis, seen[axis]))) {
-        let by = moves.row(row).transpose();
+    let rows: Vec<(usize, f64)> =
+        rows.flat_map(|(point, seen)| (0..3).map(move |axis| (3 * point + axis, seen[axis]))).collect();
+    for (row, speed) in &rows {
+        let by = moves.row(*row).transpose();
         information.ger(sd.powi(-2), &by, &by, 1.0);
         pull.axpy(speed * sd.powi(-2), &by, 1.0);
     }
-    let Some(factor) = information.cholesky() else { return vec![[0.0; 3]; seen.len()] };
+    let Some(factor) = information.cholesky() else {
+        return BodyVelocities {
+            velocities: vec![[0.0; 3]; seen.len()],
+            squares: 0.0,
+            left: 0.0,
+            seen: 0.0,
+            taken: 0.0,
+        };
+    };
     let found = moves * factor.solve(&pull);
-    found.as_slice().as_chunks::<3>().0.to_vec()
+    let covariance = factor.inverse();
+    let sum = |of: &dyn Fn(&(usize, f64)) -> f64| rows.iter().map(of).sum();
+    BodyVelocities {
+        squares: sum(&|(row, _)| found[*row].powi(2)),
+        left: sum(&|(row, speed)| (speed - found[*row]).powi(2)),
+        seen: rows.len() as f64,
+        taken: (0..dof).map(|j| 1.0 - covariance[(j, j)] / usual[j].powi(2)).sum(),
+        velocities: found.as_slice().as_chunks::<3>().0.to_vec(),
+    }
+}
+
+/// The share of the squares of velocities that is motion; the rest is errors, whose size is that of what was seen and the body cannot do. A regression on velocities finds too little by this share; on velocities times it, what is right in the mean (regression calibration: Carroll et al., Measurement Error in Nonlinear Models, 2006, chapter 4).
+#[must_use]
+pub fn share_of_motion(frames: &[BodyVelocities]) -> f64 {
+    let sum = |of: fn(&BodyVelocities) -> f64| frames.iter().map(of).sum::<f64>();
+    let errors = sum(|own| own.left) / sum(|own| own.seen - own.taken) * sum(|own| own.taken);
+    let share = 1.0 - errors / sum(|own| own.squares);
+    if share.is_finite() { share.clamp(0.0, 1.0) } else { 1.0 }
 }
 
 /// Velocities of points that are tracked, a mean over the steps so far of which older ones count less: by the factor e after a thirtieth of a second.
@@ -155,6 +195,8 @@ impl RunningVelocities {
 mod tests {
     use super::*;
     use crate::Detection;
+    use sinew_core::lanes::{Block, Isa};
+    use sinew_core::random::Stage;
 
     #[test]
     fn a_point_at_constant_speed_is_found_to_move_so_and_continues_after_a_restore() {
@@ -202,18 +244,47 @@ mod tests {
         assert_eq!(found[1..], [None; 2]);
     }
 
+    /// A rod that turns, seen with errors: of the squares of its velocities, what errors add is known from what a rod cannot do, and a regression on what is left of the velocities has the slope 1.
+    #[test]
+    fn errors_of_velocities_are_known_from_what_a_body_cannot_do() {
+        let by_pose = [0.0, 1.0, 0.0, 0.0, 2.0, 0.0];
+        let frames = 4000;
+        let errors = normals(7, 6 * frames);
+        let turns = normals(8, frames);
+        let seen = |frame: usize| -> Vec<Option<[f64; 3]>> {
+            let at = |row: usize| by_pose[row] * turns[frame] + 1.5 * errors[6 * frame + row];
+            (0..2).map(|point| Some([0, 1, 2].map(|axis: usize| at(3 * point + axis)))).collect()
+        };
+        let found: Vec<_> = (0..frames).map(|frame| body_velocities(&by_pose, &seen(frame), &[1e3], 1.5)).collect();
+        let share = share_of_motion(&found);
+        let (along, squares) = found.iter().zip(&turns).fold((0.0, 0.0), |(along, squares), (found, turn)| {
+            let velocity = share * found.velocities[1][1];
+            (along + velocity * 2.0 * turn, squares + velocity * velocity)
+        });
+        assert!((share - 5.0 / (5.0 + 2.25)).abs() < 0.02, "{share}");
+        assert!((along / squares - 1.0).abs() < 0.03, "{}", along / squares);
+        assert_eq!(share_of_motion(&[]), 1.0);
+    }
+
+    /// Standard normals.
+    fn normals(seed: u64, count: usize) -> Vec<f64> {
+        let mut blocks = vec![Block::ZERO; count.div_ceil(8)];
+        Stage::new(seed, "test").whole().fill_normal(Isa::baseline(), &mut blocks);
+        blocks.iter().flat_map(|block| block.0).take(count).collect()
+    }
+
     /// Two points of a rod that turns about the first move as it does, whatever is seen of them; without a sighting nothing moves.
     #[test]
     fn a_body_moves_as_it_can() {
         // The rod lies along x and turns about z.
         let by_pose = [0.0, 0.0, 0.0, 0.0, 2.0, 0.0];
         let seen = [Some([0.3, -0.2, 0.1]), Some([0.7, 3.0, 0.5])];
-        let found = body_velocities(&by_pose, &seen, &[1e3], 0.1);
+        let found = body_velocities(&by_pose, &seen, &[1e3], 0.1).velocities;
         let near = |found: [f64; 3], expected: [f64; 3]| found.iter().zip(expected).all(|(f, e)| (f - e).abs() < 1e-6);
         assert!(near(found[0], [0.0; 3]) && near(found[1], [0.0, 3.0, 0.0]), "{found:?}");
         // Errors as large as the usual velocity leave half of it.
-        assert!(near(body_velocities(&by_pose, &seen, &[0.5], 1.0)[1], [0.0, 1.5, 0.0]));
-        assert_eq!(body_velocities(&by_pose, &[None, None], &[1.0], 0.1), [[0.0; 3]; 2]);
+        assert!(near(body_velocities(&by_pose, &seen, &[0.5], 1.0).velocities[1], [0.0, 1.5, 0.0]));
+        assert_eq!(body_velocities(&by_pose, &[None, None], &[1.0], 0.1).velocities, [[0.0; 3]; 2]);
         // Slopes over two frames on each side: Σ k² = 10.
         assert!((velocity_sd(0.01, 30.0) - 0.3 / 10.0_f64.sqrt()).abs() < 1e-12);
     }
