@@ -1,7 +1,7 @@
 //! One check per reader of `sinew-formats`.
 //! Whatever the bytes, it returns a value or an error with words in it, and what its writer makes of a value it reads again.
 //!
-//! Used by the fuzz targets and, with the corpus, by an ordinary test (`tests/tests/corpus.rs`).
+//! Used by the fuzz targets and, with the corpus, by an ordinary test (`tests/tests/whole/corpus.rs`).
 
 use sinew::formats::source_text::decode;
 use sinew::formats::{

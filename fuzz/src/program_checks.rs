@@ -1,7 +1,7 @@
 //! One check per reader of the program itself, and one for a whole step of a filter.
 //! Whatever the bytes, there is a value or an error with words in it.
 //!
-//! Used by the fuzz targets and by `tests/tests/corpus.rs`, like [`super::checks`].
+//! Used by the fuzz targets and by `tests/tests/whole/corpus.rs`, like [`super::checks`].
 
 use sinew::config::settings::Settings;
 use sinew::core::decode::Decode as _;

@@ -1,5 +1,5 @@
 //! A tracker behind the identity as decoder answers and stores what it does without one.
-//! Trackers that take a state part by part too. Decoders that bend are in `tests/tests/latent_seam.rs` of the workspace.
+//! Trackers that take a state part by part too. Decoders that bend are in `tests/tests/whole/latent_seam.rs` of the workspace.
 
 mod common;
 

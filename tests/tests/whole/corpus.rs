@@ -1,9 +1,7 @@
 //! The corpus of the fuzz targets, run through all readers on the stable compiler.
 //! No panic, under a second a file, for whole files and for files cut at every byte.
 
-mod fuzzed;
-
-use fuzzed::{CHECKS, corpus};
+use crate::fuzzed::{CHECKS, corpus};
 use rayon::prelude::*;
 use sinew::formats;
 use std::path::Path;

@@ -5,9 +5,7 @@
 //! writes the input where it says. Each must be done in a second, in one of four attempts: the
 //! machine may be busy.
 
-mod fuzzed;
-
-use fuzzed::{CHECKS, corpus};
+use crate::fuzzed::{CHECKS, corpus};
 use sinew::core::lanes::Block;
 use sinew::core::random::{BlockRng, Stage};
 use std::panic::{AssertUnwindSafe, catch_unwind};
