@@ -147,7 +147,7 @@ impl Doubt {
                 origins.offset_advice()
             ),
             Self::Scatter { camera, ratio } => format!(
-                "{camera}: keypoints scatter {ratio:.1} times as much as the assumed noise. The intervals are too narrow, by up to that factor: {}",
+                "{camera}: keypoints scatter {ratio:.1} times as much as the assumed noise. The intervals may be too narrow, by up to that factor (`sinew validate` shows what they hold): {}",
                 origins.scatter_advice()
             ),
             Self::Outliers { camera, share, expected } => {
