@@ -15,7 +15,7 @@ fn a_test_on_data() {
 
 fn probe(required: &str) -> Output {
     let mut program = Command::new(std::env::current_exe().unwrap());
-    program.args(["--exact", "a_test_on_data", "--test-threads=2"]).env(PROBE, "1");
+    program.args(["--exact", "missing_data::a_test_on_data", "--test-threads=2"]).env(PROBE, "1");
     program.env("SINEW_DATA", "/nowhere").env("SINEW_REQUIRE_DATA", required).output().unwrap()
 }
 
@@ -24,7 +24,7 @@ fn missing_data_are_seen_past_the_capture_of_tests_and_can_be_required() {
     let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
     let skipped = probe("0");
     assert!(skipped.status.success());
-    assert_eq!(text(&skipped.stderr), "skipped: no data (no/such/part): a_test_on_data\n");
+    assert_eq!(text(&skipped.stderr), "skipped: no data (no/such/part): missing_data::a_test_on_data\n");
     assert!(!text(&skipped.stdout).contains("skipped"), "the harness captures what is printed");
     let required = probe("1");
     assert!(!required.status.success());
