@@ -154,7 +154,7 @@ impl Rig {
         (square / places.len() as f64).sqrt()
     }
 
-    /// Keypoints at the mean of the used cameras' clocks, which are late by so many seconds.
+    /// Keypoints at the mean of the used cameras' clocks, which are some seconds late.
     fn film(&mut self, (truth, late): (&Trajectories, f64), noise: &Stage) {
         let layout = body_25b();
         let middle = middle(truth);
@@ -285,7 +285,7 @@ fn walk(body: &KinematicTree, stage: Stage) -> Vec<Vec<f64>> {
     steps.chunks_exact(body.dof()).map(next).collect()
 }
 
-/// Poses at the times of the frames, from those that clocks show that are late by so many seconds.
+/// Poses at the times of the frames, from what clocks show that are some seconds late.
 fn at_time(shown: &[Vec<f64>], late: f64) -> Vec<Vec<f64>> {
     let own = |j: usize| slopes(|frame| [shown[frame][j], 0.0, 0.0]).into_iter().map(|[slope, ..]| slope).collect();
     let slopes: Vec<Vec<f64>> = (0..shown[0].len()).map(own).collect();
