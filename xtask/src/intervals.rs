@@ -131,7 +131,7 @@ impl Args {
 const FEWER_RIGS: u64 = 60;
 
 /// Raised with every change of what a cell computes.
-const VERSION: u32 = 4;
+const VERSION: u32 = 5;
 
 /// Cells of cameras that are left out.
 fn left_out<'a>(program: &'a Program, recording: &'a Recording, seed: u64) -> Vec<Task<'a>> {
@@ -220,6 +220,8 @@ fn measure(root: &Path, args: &Args) -> Outcome<()> {
     let program = Program { path, folder: folder.clone() };
     let recording = tuned_on(&data.join("pose2sim_single"));
     let (source, untouched) = (data.join("caliscope_gesture"), caliscope::recording(&folder.join("caliscope")));
+    let images = args.images.as_ref().unwrap_or(&folder);
+    std::fs::create_dir_all(images).map_err(|e| format!("{}: {e}", images.display()))?;
     let mut store = Store::open(&folder, &format!("version {VERSION}"))?;
     let is_there = recording.calibration.is_file();
     let mut tasks = vec![];
@@ -236,11 +238,7 @@ fn measure(root: &Path, args: &Args) -> Outcome<()> {
     if args.only.is_empty() && is_there && source.is_dir() {
         std::fs::write(folder.join("tables.md"), &text)?;
     }
-    reliability::draw(
-        &store,
-        [args.runs(), args.derived()],
-        &args.images.as_ref().unwrap_or(&folder).join("reliability.svg"),
-    )?;
+    reliability::draw(&store, [args.runs(), args.derived()], &images.join("reliability.svg"))?;
     println!("{text}");
     Ok(())
 }

@@ -69,7 +69,7 @@ pub fn velocity_sd(position_sd_m: f64, fps: f64) -> f64 {
 }
 
 /// How the points of a body move in a frame.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct BodyVelocities {
     /// Of each point, metres a second.
     pub velocities: Vec<[f64; 3]>,
@@ -97,13 +97,7 @@ pub fn body_velocities(by_pose: &[f64], seen: &[Option<[f64; 3]>], usual: &[f64]
         pull.axpy(speed * sd.powi(-2), &by, 1.0);
     }
     let Some(factor) = information.cholesky() else {
-        return BodyVelocities {
-            velocities: vec![[0.0; 3]; seen.len()],
-            squares: 0.0,
-            left: 0.0,
-            seen: 0.0,
-            taken: 0.0,
-        };
+        return BodyVelocities { velocities: vec![[0.0; 3]; seen.len()], ..BodyVelocities::default() };
     };
     let found = moves * factor.solve(&pull);
     let covariance = factor.inverse();
