@@ -78,7 +78,7 @@ pub(crate) struct Args {
     /// Demos, with seeds from 101 on
     #[arg(long, default_value_t = 400)]
     seeds: u64,
-    /// Rigs drawn from the prior, with seeds from 1 on
+    /// Rigs drawn from the prior, with seeds from 1 on; as many again show what is chance
     #[arg(long, default_value_t = 200)]
     rigs: u64,
     /// Runs of each set of cameras of a recording, with seeds from 1 on
@@ -115,6 +115,11 @@ impl Args {
 
     fn rigs(&self) -> Range<u64> {
         FIRST_RIG..FIRST_RIG + self.rigs
+    }
+
+    /// As many rigs again: what is a chance of the first ones is not seen in these.
+    fn other_rigs(&self) -> Range<u64> {
+        self.rigs().end..self.rigs().end + self.rigs
     }
 
     /// Rigs of what explains the others, fewer.
@@ -166,7 +171,7 @@ fn real<'a>(args: &Args, program: &'a Program, recording: &'a Recording, seed: u
 /// Cells of simulations.
 fn simulated<'a>(args: &Args, program: &'a Program) -> Vec<Task<'a>> {
     let mut tasks: Vec<Task<'a>> = vec![];
-    for seed in args.rigs().filter(|_| args.has(Part::Rigs)) {
+    for seed in args.rigs().chain(args.other_rigs()).filter(|_| args.has(Part::Rigs)) {
         tasks.push((rigs::name(seed), 3.0, Box::new(move || rigs::cell(program, seed))));
     }
     for seed in args.fewer_rigs().filter(|_| args.has(Part::AtJoints)) {
@@ -206,6 +211,7 @@ fn tables(args: &Args, store: &Store, [tuned_on, untouched]: [&Recording; 2]) ->
         (vec![Part::Straight], straight::table(store, args.runs(), args.fewer_rigs())?),
         (vec![Part::Triangulation], triangulation::table(store, args.runs())),
         (vec![Part::RigPairs], rigs::two_cameras::table(store, args.rigs())),
+        (vec![Part::Rigs], rigs::table(store, args.other_rigs())),
     ];
     let wanted = all.into_iter().filter(|(parts, _)| parts.iter().any(|part| args.has(*part)));
     Ok(wanted.map(|(_, table)| table).collect::<Vec<_>>().join("\n"))
