@@ -11,6 +11,7 @@ mod motion_prior;
 mod mutants;
 mod oil_flow;
 mod outcome;
+mod people;
 mod picture;
 mod processor_time;
 mod program;
@@ -45,6 +46,8 @@ enum Command {
     FilterPriors(filter_priors::Args),
     /// Measure how far data tell the constants of a set-up apart: the tables of docs/evidence/identifiability.md.
     Identifiability(identifiability::Args),
+    /// Measure how well several people are kept apart: the tables of docs/evidence/people.md.
+    People(people::Args),
     /// Judge intervals by cameras that are left out and by demos: the tables of docs/evidence/intervals.md.
     Intervals(intervals::Args),
     /// Fill in missing limbs by latent models: the tables of docs/evidence/latent.md.
@@ -81,6 +84,7 @@ fn main() -> ExitCode {
         Command::Accuracy(args) => accuracy::run(root, &args),
         Command::FilterPriors(args) => filter_priors::run(root, &args),
         Command::Identifiability(args) => identifiability::run(root, &args),
+        Command::People(args) => people::run(root, &args),
         Command::Intervals(args) => intervals::run(root, &args),
         Command::MissingLimbs(args) => missing_limbs::run(root, &args),
         Command::Mutants(args) => mutants::run(root, &args),

@@ -330,6 +330,9 @@ pub(crate) struct SimulateArgs {
     /// Cameras in a circle around the motion
     #[arg(long, value_name = "N", default_value = "4", value_parser = count)]
     pub(crate) cameras: usize,
+    /// People whose ways cross; of several there are keypoints only
+    #[arg(long, value_name = "N", default_value = "1", value_parser = count)]
+    pub(crate) people: usize,
     /// Width and height of the images, pixels
     #[arg(long, value_name = "WxH", default_value = "320x240", value_parser = size)]
     pub(crate) size: [u32; 2],

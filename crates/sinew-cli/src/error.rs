@@ -79,6 +79,9 @@ pub(crate) enum Error {
     /// A skeleton for the walk, which has its own.
     #[error("the walk needs no skeleton")]
     SkeletonOfWalk,
+    /// Several people who make a motion from a file.
+    #[error("several people walk; a motion file is of one")]
+    CrowdOfMotion,
     /// A simulation of more frames than anybody looks at.
     #[error("more than {0} frames")]
     TooManyFrames(usize),
@@ -183,6 +186,7 @@ impl Error {
             Self::InputIsOutput(_) | Self::ResultIsOutput(_) => "write to another file",
             Self::NothingToDraw => "give one file of `sinew learn` or of a run with `--method hppf`, or leave `-o` out",
             Self::SkeletonOfWalk => "`--skeleton` belongs to .amc files; leave it out",
+            Self::CrowdOfMotion => "leave `--motion` or `--people` out",
             Self::TooManyFrames(_) => "ask for less with `--duration` or `--fps`",
             Self::NoFrames => "ask for more with `--duration` or `--fps`",
         };

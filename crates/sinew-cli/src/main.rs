@@ -27,9 +27,11 @@ mod segment;
 mod setting_args;
 mod settings;
 mod simulate;
+mod simulate_crowd;
 mod table;
 mod threads;
 mod track;
+mod track_people;
 mod validate;
 mod write_calibration;
 

@@ -8,11 +8,12 @@ use super::interrupt;
 use super::progress::PassProgress;
 use super::report::{self, Report};
 use sinew::config::{Resolved, TrackConfig};
-use sinew::input::footage::Footage;
+use sinew::input::source::FrameSource;
 use sinew::results::problem::Problem;
 use sinew::results::{Claim, RESULT_NAMES, claim_to_resume};
 use sinew::track::checkpoint::{self, Checkpoint};
 use sinew::track::job::{self, Watch};
+use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
@@ -45,19 +46,19 @@ pub(crate) fn stopped_run(config: &TrackConfig, inputs: &[PathBuf], report: &Rep
 }
 
 /// Refuses complete results of other settings or data.
-pub(crate) fn same_run(
-    recording: &mut Footage,
+pub(crate) fn same_run<S: FrameSource>(
+    recording: &mut S,
     setup_frames: Range<u64>,
     resolved: &Resolved,
     claim: &Claim,
     summary: &serde_json::Value,
     general: &General,
+    inputs: impl Fn(&S) -> BTreeMap<String, String>,
 ) -> Result<(), Error> {
     let mut progress = PassProgress::new(general);
     let stop = interrupt::flag("the frame");
     let mut at = |pass, done, total| progress.at(pass, done, total);
     let mut watch = Watch { progress: &mut at, stop: &stop };
-    let inputs = Footage::input_hashes;
     Ok(job::check_complete(recording, setup_frames, resolved, claim.folder(), summary, &mut watch, inputs)?)
 }
 

@@ -6,6 +6,7 @@ use super::ended::Ended;
 use super::error::Error;
 use super::progress::Progress;
 use super::report::{self, Report};
+use super::simulate_crowd;
 use super::table::aligned;
 use super::threads::with_threads;
 use rayon::prelude::*;
@@ -14,7 +15,7 @@ use sinew::config::{Sources, TrackConfig, resolve};
 use sinew::core::random::Stage;
 use sinew::formats::{calib_toml, mask, picture};
 use sinew_motion::points::{Trajectories, points_of_states};
-use sinew_simulate::detector::{DetectorNoise, detect};
+use sinew_simulate::detector::{DetectorNoise, STATED_ROWS, detect};
 use sinew_simulate::footage::SyntheticFootage;
 use sinew_simulate::recording::{body_25b, keypoint_files, write_trc};
 use sinew_simulate::ring::Ring;
@@ -29,20 +30,25 @@ const OUT: &str = "sinew-out/simulated";
 /// The motion that needs no file.
 const WALK: &str = "walk";
 /// Duration of a walk, seconds.
-const WALK_S: f64 = 4.0;
+pub(crate) const WALK_S: f64 = 4.0;
 /// Folders of the recording.
 const FOLDERS: [&str; 3] = ["keypoints", "masks", "images"];
 const TRUTH: &str = "truth.trc";
-const CALIBRATION: &str = "Calib.toml";
-const README: &str = "README.txt";
-/// Rows of the images for which the errors of the detector are stated.
-const DETECTOR_ROWS: f64 = 960.0;
+pub(crate) const CALIBRATION: &str = "Calib.toml";
+pub(crate) const README: &str = "README.txt";
 /// More frames than anybody looks at.
 const MOST_FRAMES: usize = 1_000_000;
 
 /// Runs the command.
 pub(crate) fn run(args: &SimulateArgs, general: &General, report: &Report) -> Result<Ended, Error> {
     let config = settings(general)?;
+    if args.people > 1 {
+        check_numbers(args)?;
+        return match args.motion.as_os_str() == WALK {
+            true => simulate_crowd::run(args, &config, report),
+            false => Err(Error::CrowdOfMotion),
+        };
+    }
     let (motion, inputs) = motion(args, report)?;
     refuse_inputs_inside(&config.out, &inputs)?;
     let claim = claimed(&config, &inputs, report)?;
@@ -77,16 +83,7 @@ fn settings(general: &General) -> Result<TrackConfig, Error> {
 
 /// The motion, and the files that it is read from.
 fn motion(args: &SimulateArgs, report: &Report) -> Result<(Trajectories, Vec<PathBuf>), Error> {
-    for (flag, value) in [("fps", Some(args.fps)), ("duration", args.duration)] {
-        if let Some(value) = value.filter(|value| !(*value > 0.0 && value.is_finite())) {
-            return Err(Error::NotPositive { flag, value, help: "for example 30" });
-        }
-    }
-    let frames = |duration_s: f64| (duration_s * args.fps).round() as usize;
-    let most = args.duration.map_or(MOST_FRAMES, frames);
-    if most > MOST_FRAMES || args.fps > MOST_FRAMES as f64 {
-        return Err(Error::TooManyFrames(MOST_FRAMES));
-    }
+    let most = check_numbers(args)?;
     let (mut motion, inputs) = if args.motion.as_os_str() == WALK {
         if args.skeleton.is_some() {
             return Err(Error::SkeletonOfWalk);
@@ -108,7 +105,22 @@ fn motion(args: &SimulateArgs, report: &Report) -> Result<(Trajectories, Vec<Pat
     }
 }
 
-fn write(path: &Path, bytes: &[u8]) -> Result<(), sinew::Error> {
+/// Refuses rates and durations that are no numbers or too many frames; gives the most frames.
+fn check_numbers(args: &SimulateArgs) -> Result<usize, Error> {
+    for (flag, value) in [("fps", Some(args.fps)), ("duration", args.duration)] {
+        if let Some(value) = value.filter(|value| !(*value > 0.0 && value.is_finite())) {
+            return Err(Error::NotPositive { flag, value, help: "for example 30" });
+        }
+    }
+    let frames = |duration_s: f64| (duration_s * args.fps).round() as usize;
+    let most = args.duration.map_or(MOST_FRAMES, frames);
+    if most > MOST_FRAMES || args.fps > MOST_FRAMES as f64 {
+        return Err(Error::TooManyFrames(MOST_FRAMES));
+    }
+    if most == 0 { Err(Error::NoFrames) } else { Ok(most) }
+}
+
+pub(crate) fn write(path: &Path, bytes: &[u8]) -> Result<(), sinew::Error> {
     fs::write(path, bytes).map_err(sinew::Error::io("write", path))
 }
 
@@ -123,11 +135,16 @@ fn refuse_inputs_inside(out: &Path, inputs: &[PathBuf]) -> Result<(), sinew::Err
 }
 
 /// Takes away what a former run wrote here.
-fn clear(out: &Path) -> Result<(), sinew::Error> {
+pub(crate) fn clear(out: &Path) -> Result<(), sinew::Error> {
     for path in [README, TRUTH, CALIBRATION].map(|name| out.join(name)) {
         if path.exists() {
             fs::remove_file(&path).map_err(sinew::Error::io("replace", &path))?;
         }
+    }
+    let is_truth = |path: &PathBuf| path.file_name().is_some_and(|name| name.to_string_lossy().starts_with("truth_"));
+    let entries = fs::read_dir(out).map_err(sinew::Error::io("read", out))?;
+    for path in entries.flatten().map(|entry| entry.path()).filter(is_truth) {
+        fs::remove_file(&path).map_err(sinew::Error::io("replace", &path))?;
     }
     for path in FOLDERS.map(|name| out.join(name)) {
         if path.exists() {
@@ -140,8 +157,8 @@ fn clear(out: &Path) -> Result<(), sinew::Error> {
 
 /// Calibration, keypoints and truth.
 fn write_points(footage: &SyntheticFootage, seed: u64, out: &Path) -> Result<(), sinew::Error> {
-    let rows = footage.cameras.first().map_or(DETECTOR_ROWS, |camera| camera.image_size_px[1]);
-    let noise = DetectorNoise::DETECTOR_LIKE.resized(rows / DETECTOR_ROWS);
+    let rows = footage.cameras.first().map_or(STATED_ROWS, |camera| camera.image_size_px[1]);
+    let noise = DetectorNoise::DETECTOR_LIKE.in_rows(rows);
     let stage = Stage::new(seed, "synthetic recording");
     let found = detect(&footage.motion, &body_25b(), (&footage.cameras, &[]), &noise, stage);
     let keypoints = out.join(FOLDERS[0]);
@@ -185,7 +202,7 @@ fn write_images(
 }
 
 /// The command that tracks the recording in a folder.
-fn track_command(folder: &str, fps: f64) -> String {
+pub(crate) fn track_command(folder: &str, fps: f64) -> String {
     format!(
         "sinew track --calibration {folder}/{CALIBRATION} --keypoints {folder}/{} --layout BODY_25B --fps {fps} -o {folder}-track",
         FOLDERS[0]

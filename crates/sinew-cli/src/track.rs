@@ -11,7 +11,7 @@ use super::resume::{Stopped, complete, same_run, stopped_run};
 use super::settings::{reading, settings};
 use super::table::table;
 use super::threads::with_threads;
-use super::write_calibration;
+use super::{track_people, write_calibration};
 use sinew::config::{Resolved, TrackConfig};
 use sinew::input::footage::Footage;
 use sinew::input::footage::Init;
@@ -50,13 +50,18 @@ pub(crate) fn run(args: &TrackArgs, general: &General, report: &Report) -> Resul
         let path = args.write_calibration.as_ref();
         path.map_or(Ok(()), |path| write_calibration::write(path, &config, &calibration, report))
     };
+    if let Some(roll) = track_people::several(&config, &calibration, general)? {
+        let ended = track_people::run((args, &resolved, &roll), &calibration, &read_from, general, report)?;
+        refine()?;
+        return Ok(ended);
+    }
     let mut recording = Footage::open(&config.files(&calibration), &options)?;
     let setup_frames = setup_frames(&config, &recording)?;
     let (claim, from) = match args.resume {
         false => (claimed(&config, &read_from, report)?, None),
         true => match stopped_run(&config, &read_from, report)? {
             Stopped::Complete(claim, summary) => {
-                same_run(&mut recording, setup_frames, &resolved, &claim, &summary, general)?;
+                same_run(&mut recording, setup_frames, &resolved, &claim, &summary, general, Footage::input_hashes)?;
                 ResultFolder::forget(&claim)?;
                 refine()?;
                 return complete(&summary, &config.out, args, report);
@@ -116,7 +121,7 @@ pub(crate) fn track_into_folder(
 }
 
 /// Frames of a recording for the set-up pass.
-fn setup_frames(config: &TrackConfig, recording: &Footage) -> Result<Range<u64>, Error> {
+pub(crate) fn setup_frames(config: &TrackConfig, recording: &Footage) -> Result<Range<u64>, Error> {
     let available = recording.available();
     let Some(asked) = config.setup_frames.clone() else { return Ok(available) };
     let cut = asked.start.max(available.start)..asked.end.min(available.end);
@@ -143,7 +148,7 @@ fn tracked(
 }
 
 /// How a run that ended early is continued.
-const RESUME: &str = "the same command with `--resume` continues from there";
+pub(crate) const RESUME: &str = "the same command with `--resume` continues from there";
 
 /// Says what the run came to.
 fn answer(outcome: &Outcome, out: &Path, args: &TrackArgs, report: &Report) -> Result<Ended, Error> {

@@ -82,7 +82,7 @@ pub(crate) fn size_px(pixels: impl Iterator<Item = [f64; 2]>) -> f64 {
     (high[0] - low[0]).hypot(high[1] - low[1])
 }
 
-fn person_size_px(person: &Person, config: &Config) -> f64 {
+pub(crate) fn person_size_px(person: &Person, config: &Config) -> f64 {
     size_px(person.iter().filter_map(|d| usable(*d, config)).map(|d| d.pixel)).max(1.0)
 }
 
@@ -221,6 +221,16 @@ fn grow(
             .min_by(|a, b| a.0.total_cmp(&b.0))
             .map(|(_, i)| i);
     }
+    judged(cameras, people, members, config)
+}
+
+/// The group of these people: where their keypoints are, and how many agree; `None` where fewer than two views compare.
+pub(crate) fn judged(
+    cameras: &[Camera],
+    people: &[Vec<Person>],
+    members: Vec<Option<usize>>,
+    config: &Config,
+) -> Option<PersonGroup> {
     let points = triangulated(cameras, people, &members, config);
     let (mut keypoints, mut error, mut views) = (0, 0.0, 0);
     for (c, member) in members.iter().enumerate() {

@@ -8,18 +8,19 @@ use std::f64::consts::TAU;
 /// Median distance of keypoints, in sizes of the person in the image, up to which another detection is the same person once more.
 const SAME: f64 = 0.1;
 
-/// For each view, for each point of the model, the density (1/px²) at its detection of the other people's keypoints of that name ([`crate::KeypointFrame::elsewhere`]); empty where there is nobody else. `people` are all people of each view,
+/// For each view, for each point of the model, the density (1/px²) at its detection of the other people's keypoints of that name ([`crate::KeypointFrame::elsewhere`]); empty where there is nobody else. `people` are all people of each view, in any number of parts,
 /// `found` is the tracked one among them, `keypoint` says for each point of the model which keypoint it is.
 #[must_use]
 pub fn elsewhere(
     model: &KeypointModel,
-    people: &[Vec<Person>],
+    people: [&[Vec<Person>]; 2],
     found: &Associated,
     keypoint: &[usize],
     config: &Config,
 ) -> Vec<Vec<f64>> {
-    let in_view = |(view, (people, own)): (usize, (&Vec<Person>, &Person))| {
-        let others = others(people, own, config);
+    let in_view = |(view, own): (usize, &Person)| {
+        let all = people.iter().filter_map(|part| part.get(view)).flatten();
+        let others = others(all, own, config);
         if others.is_empty() {
             return vec![];
         }
@@ -30,15 +31,15 @@ pub fn elsewhere(
         };
         keypoint.iter().map(density).collect()
     };
-    people.iter().zip(&found.people).enumerate().map(in_view).collect()
+    found.people.iter().enumerate().map(in_view).collect()
 }
 
 /// Everybody in a view but the one with these keypoints.
-fn others<'a>(people: &'a [Person], own: &Person, config: &Config) -> Vec<&'a Person> {
+fn others<'a>(people: impl Iterator<Item = &'a Person>, own: &Person, config: &Config) -> Vec<&'a Person> {
     let places: Vec<Option<[f64; 2]>> = own.iter().map(|d| usable(*d, config).map(|d| d.pixel)).collect();
     let near = SAME * size_px(places.iter().flatten().copied());
     let is_other = |other: &&Person| distance_px(other, &places, config).is_some_and(|(distance, _)| distance > near);
-    people.iter().filter(is_other).collect()
+    people.filter(is_other).collect()
 }
 
 /// Density of the distance of two detections of one keypoint.

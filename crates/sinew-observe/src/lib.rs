@@ -24,6 +24,7 @@
 //! # Ok::<(), sinew_observe::Error>(())
 //! ```
 pub mod alignment;
+pub mod assignment;
 pub mod association;
 pub mod background;
 pub mod bit_image;
@@ -45,6 +46,7 @@ pub mod girth;
 pub mod girth_with_pose;
 pub mod golden_section;
 pub mod hull;
+pub mod identities;
 pub mod image_likelihood;
 mod image_lookup;
 pub mod image_score;
@@ -73,6 +75,7 @@ pub mod soft_silhouette;
 pub mod solid_body;
 pub mod straightened;
 pub mod triangulate;
+pub mod view_partition;
 pub mod working_raster;
 pub use camera::{Camera, Intrinsics, MIN_DEPTH_M, Projection};
 pub use error::Error;

@@ -313,7 +313,7 @@ fn keypoints_of_others_raise_the_floor() {
     let keypoints: Vec<usize> = (0..own.len()).collect();
     let config = association::Config::default();
     let density = |other: Vec<Option<Detection>>| {
-        elsewhere(&scene.model, &[vec![own.clone(), other], vec![], vec![]], &found, &keypoints, &config)
+        elsewhere(&scene.model, [&[vec![own.clone(), other], vec![], vec![]], &[]], &found, &keypoints, &config)
     };
     assert!(density(shifted(3.0))[0].is_empty(), "the same person");
     let mut other = shifted(250.0);

@@ -20,6 +20,9 @@ use sinew_motion::points::Trajectories;
 use sinew_observe::{Camera, Projection};
 use std::borrow::Cow;
 
+/// Rows of the images for which errors are stated.
+pub const STATED_ROWS: f64 = 960.0;
+
 /// How a detector errs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DetectorNoise {
@@ -70,6 +73,12 @@ impl DetectorNoise {
             outlier_px: self.outlier_px.map(|px| factor * px),
             ..*self
         }
+    }
+
+    /// The same detector on images of so many rows; errors are stated for [`STATED_ROWS`].
+    #[must_use]
+    pub fn in_rows(&self, rows: f64) -> Self {
+        self.resized(rows / STATED_ROWS)
     }
 
     /// Independent Gaussian errors of one known size and nothing else, for experiments on coverage.
@@ -164,7 +173,7 @@ fn late(motion: &Trajectories, lag_frames: f64) -> Cow<'_, [Vec<[f64; 3]>]> {
 }
 
 /// Pairs of left and right keypoints: of the arms, and of the legs.
-fn paired_limbs(layout: &Layout) -> [Vec<(usize, usize)>; 2] {
+pub(crate) fn paired_limbs(layout: &Layout) -> [Vec<(usize, usize)>; 2] {
     let of = |parts: &[&str]| {
         let is_part = |index: usize| {
             layout.points[index].as_deref().is_some_and(|name| parts.iter().any(|part| name.ends_with(part)))

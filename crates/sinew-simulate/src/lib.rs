@@ -30,6 +30,7 @@ pub mod adult;
 pub mod calibration_error;
 mod cast;
 pub mod combo;
+pub mod crowd;
 pub mod detector;
 pub mod draws;
 mod error;

@@ -8,6 +8,7 @@ pub mod action_trace;
 pub mod error;
 pub mod estimate;
 pub mod folder;
+pub mod people;
 pub mod problem;
 pub mod silhouette_overlap;
 pub mod tracked;

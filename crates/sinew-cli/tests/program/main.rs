@@ -27,6 +27,7 @@ mod resume;
 mod resume_latent_model;
 mod resume_motion_model;
 mod segment;
+mod several_people;
 mod simulate;
 mod track_latent;
 mod write_calibration;

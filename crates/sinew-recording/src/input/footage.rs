@@ -283,6 +283,6 @@ impl FrameSource for Footage {
             false => self.people(number)?,
         };
         let images = FrameImages { silhouettes: self.masks(number)?, pictures: self.pictures(number)? };
-        Ok(Frame { people, images })
+        Ok(Frame { people, images, ..Frame::default() })
     }
 }

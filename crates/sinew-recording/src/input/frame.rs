@@ -8,8 +8,10 @@ use sinew_observe::{Detection, RgbImage};
 /// A frame as it is read: once, and whole.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Frame {
-    /// For each camera the people that it saw.
+    /// For each camera the people that it saw; where it is known who is who, the tracked one alone.
     pub people: Vec<Vec<Pixels>>,
+    /// For each camera everybody who is known to be someone else; empty where nobody is known.
+    pub others: Vec<Vec<Pixels>>,
     /// Masks and pictures.
     pub images: FrameImages,
 }

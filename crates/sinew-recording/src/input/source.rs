@@ -1,6 +1,6 @@
 //! Where frames come from.
 
-use super::frame::{Frame, FrameImages, detections};
+use super::frame::{Frame, detections};
 use super::recording::Recording;
 use crate::Error;
 use sinew_formats::Layout;
@@ -22,6 +22,14 @@ pub trait FrameSource {
     /// # Errors
     /// A frame that cannot be read.
     fn people(&mut self, number: u64) -> Result<Vec<Vec<Person>>, Error>;
+
+    /// For each camera everybody in a frame who is known to be someone else, for the set-up; empty where nobody is known.
+    ///
+    /// # Errors
+    /// A frame that cannot be read.
+    fn others(&mut self, _number: u64) -> Result<Vec<Vec<Person>>, Error> {
+        Ok(vec![])
+    }
 
     /// The cameras sized like the masks, if there are masks.
     fn image_cameras(&self) -> Option<Vec<Camera>> {
@@ -54,7 +62,7 @@ pub trait FrameSource {
     /// # Errors
     /// A frame that cannot be read.
     fn frame(&mut self, number: u64) -> Result<Frame, Error> {
-        Ok(Frame { people: self.people(number)?, images: FrameImages::default() })
+        Ok(Frame { people: self.people(number)?, ..Frame::default() })
     }
 }
 

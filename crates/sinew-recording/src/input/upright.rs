@@ -117,6 +117,9 @@ impl<S: FrameSource> FrameSource for Upright<'_, S> {
         note(&mut self.read.people, number);
         Ok(people)
     }
+    fn others(&mut self, number: u64) -> Result<Vec<Vec<Person>>, Error> {
+        self.source.others(number)
+    }
     fn masks(&mut self, number: u64) -> Result<Vec<Option<BitImage>>, Error> {
         let masks = self.source.masks(number)?;
         note(&mut self.read.masks, number);

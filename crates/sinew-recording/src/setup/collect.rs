@@ -9,6 +9,7 @@ use super::error::SetupError;
 use super::exchanged_cameras;
 use super::stored::Body;
 use super::warning::SetupWarning;
+use crate::input::limbs::{LIMBS, limbs};
 use sinew_formats::Layout;
 use sinew_observe::Camera;
 use sinew_observe::association::{self, Person};
@@ -201,20 +202,6 @@ pub fn collect<E: From<SetupError>>(
     Ok(out)
 }
 
-/// Segments by which a person is known again.
-const LIMBS: [[&str; 2]; 10] = [
-    ["LHip", "LKnee"],
-    ["RHip", "RKnee"],
-    ["LKnee", "LAnkle"],
-    ["RKnee", "RAnkle"],
-    ["LShoulder", "LElbow"],
-    ["RShoulder", "RElbow"],
-    ["LElbow", "LWrist"],
-    ["RElbow", "RWrist"],
-    ["LShoulder", "LHip"],
-    ["RShoulder", "RHip"],
-];
-
 /// Lengths of the limbs that a frame shows, once there are several; for [`Following::lengths`].
 #[must_use]
 pub fn limb_lengths(
@@ -227,10 +214,9 @@ pub fn limb_lengths(
     let members: Vec<Option<usize>> = people.iter().map(|p| (!p.is_empty()).then_some(0)).collect();
     let points = association::triangulated(cameras, &views, &members, config);
     let at = |k: usize| points.get(k).copied().flatten();
-    let lengths: Vec<(usize, usize, f64)> = LIMBS
-        .iter()
-        .filter_map(|[a, b]| {
-            let (i, j) = (layout.index(a)?, layout.index(b)?);
+    let lengths: Vec<(usize, usize, f64)> = limbs(layout)
+        .into_iter()
+        .filter_map(|(i, j)| {
             let (a, b) = (at(i)?, at(j)?);
             Some((i, j, (0..3).map(|k| (a[k] - b[k]).powi(2)).sum::<f64>().sqrt()))
         })

@@ -89,7 +89,7 @@ pub(super) fn looked_at(
         if after != 0 {
             continue;
         }
-        let elsewhere = elsewhere(&model, &people, &found, &keypoints, &config);
+        let elsewhere = elsewhere(&model, [&people, &source.others(number)?], &found, &keypoints, &config);
         found_in.push((number, found.people, elsewhere));
     }
     let sighted: Vec<Sighted> = found_in.iter().map(|(_, sighted, _)| sighted.clone()).collect();

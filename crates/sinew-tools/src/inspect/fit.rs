@@ -6,21 +6,27 @@
 //! - *offset*: the constant part of it (observed − projected), and the *scatter* that remains per axis;
 //! - *lag*: the frames that the camera is late, with their standard deviation; 0 for synchronised cameras.
 //!
+//! Where there are several people, it is said who was seen where, and the rest is about the most complete one.
+//!
 //! The set-up pass over the same frames adds what it finds odd: units, axes, cameras that look away, sides swapped.
 
 use super::facts::Facts;
 use crate::Error;
 use sinew::input::frame::detections;
 use sinew::input::recording::Recording;
+use sinew::input::roll::Roll;
 use sinew::setup::SetupError;
 use sinew::setup::{self, SetupRequest, clocks, collect};
 use sinew_observe::camera_lag::CameraLag;
 use sinew_observe::offsets::{self, Sighted};
 use sinew_observe::triangulate::{Seen, linear};
-use sinew_observe::{Camera, Detection};
+use sinew_observe::{Camera, Detection, association};
 
 /// Frames looked at.
 const FRAMES: u64 = 600;
+
+/// Frames a second by which it is judged who was there for long enough.
+const FPS: f64 = 30.0;
 
 /// Standard deviation of a lag above which it counts as unknown, frames.
 const UNKNOWN_LAG: f64 = 2.0;
@@ -50,6 +56,12 @@ pub fn facts(recording: &mut Recording, known: &[String]) -> Result<Facts, Error
             return Ok(facts);
         }
     };
+    let roll = Roll::call(recording, numbers, FPS, &association::Config::default(), |_| Ok::<(), sinew::Error>(()))?;
+    if roll.people.len() > 1 {
+        for person in 0..roll.people.len() {
+            facts.row(format!("person {}", person + 1), roll.words(person, &cameras));
+        }
+    }
     facts.row("person", format!("found in {} of {} frames", collected.found, collected.read));
     let sighted: Vec<Sighted> = collected.window.iter().map(|(_, sighted)| sighted.clone()).collect();
     let config = offsets::Config::default();

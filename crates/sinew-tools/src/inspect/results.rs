@@ -57,6 +57,19 @@ fn summary_facts(folder: &Path, path: &Path) -> Result<Facts, Error> {
     let summary: Value = json_text::parse(&path.display().to_string(), &read_text(path, MAX_TEXT_BYTES)?)?;
     let text_of = |value: &Value| value.as_str().map_or_else(|| value.to_string(), str::to_owned);
     let version = text_of(&summary["sinew_version"]);
+    if let Some(people) = summary["people"].as_array() {
+        let mut facts =
+            Facts::new(format!("{}: results of sinew {version}, {} people", folder.display(), people.len()));
+        for person in people {
+            let [first, end] = [0, 1].map(|k: usize| &person["frames"][k]);
+            let tracked = if person["complete"] == true { "" } else { ", not tracked to the end" };
+            facts.row(
+                text_of(&person["folder"]),
+                format!("frames {first}..{end}, {} seen{tracked}", person["seen_frames"]),
+            );
+        }
+        return Ok(facts);
+    }
     let mut facts = Facts::new(format!(
         "{}: results of sinew {version}, {} {}",
         folder.display(),

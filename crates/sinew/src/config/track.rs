@@ -3,6 +3,7 @@
 use super::resolved::Resolved;
 use super::settings::Settings;
 use super::value::Value;
+use super::values::Origin;
 use crate::methods::Score;
 use crate::track::error::TrackError;
 use crate::{Error, files};
@@ -48,6 +49,8 @@ pub struct TrackConfig {
     pub any_size: bool,
     /// Frames that cameras are late.
     pub lag: Vec<(String, i64)>,
+    /// Whether everybody is tracked whom two cameras see.
+    pub everybody: bool,
     /// Which person: 0 is the most complete one at the start.
     pub person: Option<usize>,
     /// Whether cameras may begin and end apart.
@@ -114,6 +117,7 @@ impl Resolved {
                 _ => vec![],
             },
             person: self.values.count("person").and_then(|person| usize::try_from(person).ok()),
+            everybody: self.tracks_everybody(),
             trim: self.values.flag("trim"),
             up_axis: self.values.text("up_axis"),
             body: self.values.text("body").unwrap_or_default(),
@@ -135,6 +139,20 @@ impl Resolved {
             checkpoint_every: self.values.number("checkpoint_every").unwrap_or_default(),
             force: self.values.flag("force"),
         }
+    }
+
+    /// Whether nothing says that it is one person: neither a choice nor a set-up, which is of one, nor masks.
+    fn tracks_everybody(&self) -> bool {
+        let is_of_one = ["person", "setup", "silhouettes", "init"].iter().any(|key| self.values.get(key).is_some());
+        self.values.text("people").as_deref() == Some("all") && !is_of_one
+    }
+
+    /// The same run into another folder.
+    #[must_use]
+    pub fn into_folder(&self, folder: &Path) -> Self {
+        let mut other = self.clone();
+        other.values.of.insert("out", (Value::Path(folder.to_owned()), Origin::Flag));
+        other
     }
 
     /// How frames are tracked, on the best instruction set and at the default rate.

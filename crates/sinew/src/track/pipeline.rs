@@ -306,7 +306,7 @@ impl Harness<Observation> for Passage<'_> {
 
     fn observe(&mut self, frame: u32, estimate: &[f64]) -> Result<Observation, Error> {
         let frame = self.source.frame(u64::from(frame))?;
-        let (keypoints, restart) = self.scene.observe(&frame.people, estimate);
+        let (keypoints, restart) = self.scene.observe(&frame.people, &frame.others, estimate);
         let images = self.images.as_mut().map(|images| images.bind(&frame.images));
         Ok(Observation { likelihood: FrameLikelihood { keypoints, parts: self.scene.parts(), images }, restart })
     }

@@ -213,8 +213,13 @@ impl Scene {
         self.model.views.iter().map(in_view).collect()
     }
 
-    /// Finds the person in a frame and binds his keypoints; `estimate` is the state that the tracker expects. Where he is found for the first time, or again after he was lost, or where `estimate` did not fit the frame before, also the pose that fits what is seen.
-    pub fn observe(&mut self, people: &[Vec<Person>], estimate: &[f64]) -> (BoundKeypoints, Option<Vec<f64>>) {
+    /// Finds the person in a frame and binds his keypoints; `others` are known to be someone else; `estimate` is the state that the tracker expects. Where he is found for the first time, or again after he was lost, or where `estimate` did not fit the frame before, also the pose that fits what is seen.
+    pub fn observe(
+        &mut self,
+        people: &[Vec<Person>],
+        others: &[Vec<Person>],
+        estimate: &[f64],
+    ) -> (BoundKeypoints, Option<Vec<f64>>) {
         let expected = self.expected_by_layout(estimate);
         let away = !self.following.started || self.following.lost >= self.association.lost_frames;
         let misfit = if away { f64::INFINITY } else { self.misfit(estimate) };
@@ -229,7 +234,7 @@ impl Scene {
             let points = self.points(estimate);
             self.clocks.correct(&mut self.shown.detections, &self.model.views, &points);
         }
-        self.shown.elsewhere = elsewhere(&self.model, people, &found, &self.keypoint, &self.association);
+        self.shown.elsewhere = elsewhere(&self.model, [people, others], &found, &self.keypoint, &self.association);
         self.shown.odd = self.odd_people(people, &found, &expected);
         if away && self.following.lengths.is_empty() {
             self.following.lengths = setup::limb_lengths(&self.cameras, &self.layout, &found.people, &self.association);

@@ -32,7 +32,7 @@ pub fn tune(
     let steady_sd = prior.sd().to_vec();
     let transition = prior.with_initial_sd(steady_sd).map_err(TrackError::Motion)?;
     let start = scene.start().to_vec();
-    let (observed, found) = scene.observe(&source.people(number)?, &start);
+    let (observed, found) = scene.observe(&source.people(number)?, &[], &start);
     let start = found.unwrap_or(start);
     let dt = 1.0 / settings.fps;
     let (latent, isa) = (settings.latent_model.as_deref(), settings.isa);

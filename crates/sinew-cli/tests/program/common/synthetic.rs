@@ -84,10 +84,10 @@ impl FrameSource for Source<'_> {
     }
     fn frame(&mut self, number: u64) -> Result<Frame, RecordingError> {
         let Some(images) = self.images else {
-            return Ok(Frame { people: self.people(number)?, images: FrameImages::default() });
+            return Ok(Frame { people: self.people(number)?, ..Frame::default() });
         };
         let people = vec![vec![]; self.recording.cameras.len()];
-        Ok(Frame { people, images: images.frames[number as usize].clone() })
+        Ok(Frame { people, images: images.frames[number as usize].clone(), ..Frame::default() })
     }
 }
 

@@ -1,0 +1,87 @@
+//! `sinew simulate --people N`: people whose ways cross, before cameras around them.
+//!
+//! Keypoints and truth only: masks and pictures are of one person.
+
+use super::args::SimulateArgs;
+use super::claimed::claimed;
+use super::ended::Ended;
+use super::error::Error;
+use super::report::{self, Report};
+use super::simulate::{CALIBRATION, README, clear, track_command, write};
+use super::table::aligned;
+use serde_json::json;
+use sinew::config::TrackConfig;
+use sinew::formats::calib_toml;
+use sinew_simulate::calibration_error::CalibrationError;
+use sinew_simulate::crowd::{Crowd, CrowdNoise, CrowdRecording};
+use sinew_simulate::detector::DetectorNoise;
+use sinew_simulate::recording::write_trc;
+use sinew_simulate::ring::Ring;
+use std::fs;
+use std::path::Path;
+
+/// Runs the command for several people.
+pub(crate) fn run(args: &SimulateArgs, config: &TrackConfig, report: &Report) -> Result<Ended, Error> {
+    let claim = claimed(config, &[], report)?;
+    let size = args.size.map(f64::from);
+    let ring = Ring { cameras: args.cameras, image_size_px: size, ..Ring::default() };
+    let keypoints = DetectorNoise { offset_px: 0.0, ..DetectorNoise::DETECTOR_LIKE.in_rows(size[1]) };
+    let crowd = Crowd {
+        people: args.people,
+        duration_s: args.duration.unwrap_or(super::simulate::WALK_S),
+        rate_hz: args.fps,
+        ring,
+        calibration: CalibrationError::NONE,
+        noise: CrowdNoise { keypoints, ..CrowdNoise::DETECTOR_LIKE },
+    };
+    let seed = config.tracking.seed;
+    let recording = CrowdRecording::new(&crowd, seed).map_err(Error::Scene)?;
+    clear(&config.out)?;
+    for camera in &recording.cameras {
+        let folder = config.out.join(format!("keypoints/{}_json", camera.name));
+        fs::create_dir_all(&folder).map_err(sinew::Error::io("create", &folder))?;
+    }
+    for (name, text) in recording.keypoint_files() {
+        write(&config.out.join("keypoints").join(name), text.as_bytes())?;
+    }
+    write(&config.out.join(CALIBRATION), calib_toml::write(&recording.cameras).as_bytes())?;
+    for (person, truth) in (1..).zip(&recording.truth) {
+        let name = format!("truth_{person:02}.trc");
+        let mut bytes = vec![];
+        let path = config.out.join(&name);
+        write_trc(&mut bytes, &name, truth, args.fps).map_err(sinew::Error::io("write", &path))?;
+        write(&path, &bytes)?;
+    }
+    write(&config.out.join(README), readme(args, &config.out, seed).as_bytes())?;
+    drop(claim);
+    let frames = recording.truth.first().map_or(0, |one| one.frames.len());
+    let out = config.out.display().to_string();
+    if args.answer.json {
+        report::answer_json(&json!({
+            "people": args.people, "frames": frames, "cameras": args.cameras, "rate_hz": args.fps, "seed": seed, "out": out,
+        }))?;
+    } else {
+        let rows = [
+            ("people".to_owned(), args.people.to_string()),
+            ("frames".to_owned(), format!("{frames} at {} per second, {} cameras", args.fps, args.cameras)),
+            ("written".to_owned(), out.clone()),
+        ];
+        report::answer(&format!("{}\nNext:\n  {}\n", aligned(&rows), track_command(&out, args.fps)))?;
+    }
+    Ok(Ended::Done)
+}
+
+fn readme(args: &SimulateArgs, out: &Path, seed: u64) -> String {
+    let folder = out.file_name().unwrap_or_default().to_string_lossy();
+    format!(
+        "A synthetic recording by sinew {}: {} people whose ways cross, {} cameras, seed {seed}.\n\n\
+         {CALIBRATION}     cameras\n\
+         keypoints/     what a detector with errors found, BODY_25B: people hide, merge and exchange limbs\n\
+         truth_01.trc   the true positions of the points of each person\n\n\
+         To track everybody, from the folder above:\n  {}\n",
+        env!("CARGO_PKG_VERSION"),
+        args.people,
+        args.cameras,
+        track_command(&folder, args.fps),
+    )
+}

@@ -1,0 +1,214 @@
+//! `sinew track` of everybody: who is there, then a run a person, each into a folder of its own.
+//!
+//! A person is tracked as though he were alone, with the same seed: results of one depend on others only where it is decided who is who.
+
+use super::args::{General, TrackArgs};
+use super::claimed::claimed;
+use super::ended::Ended;
+use super::error::Error;
+use super::interrupt;
+use super::progress::{PassProgress, Progress};
+use super::report::{self, Report};
+use super::resume::{Stopped, same_run, stopped_run};
+use super::settings::reading;
+use super::table::columns;
+use super::threads::with_threads;
+use super::track::{RESUME, setup_frames};
+use sinew::config::{Resolved, TrackConfig};
+use sinew::input::footage::Footage;
+use sinew::input::one_person::OnePerson;
+use sinew::input::roll::Roll;
+use sinew::input::source::FrameSource as _;
+use sinew::observe::association;
+use sinew::results::people::{PeopleSummary, person_folder};
+use sinew::results::{ResultFolder, claim, claim_to_resume};
+use sinew::track::checkpoint::Checkpoint;
+use sinew::track::job::{self, Watch};
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+
+/// Everybody, if there are several.
+pub(crate) fn several(config: &TrackConfig, calibration: &Path, general: &General) -> Result<Option<Roll>, Error> {
+    if !config.everybody {
+        return Ok(None);
+    }
+    let mut recording = Footage::open(&config.files(calibration), &reading(config))?;
+    let frames = recording.frames();
+    if recording.cameras().len() < 2 {
+        return Ok(None);
+    }
+    let mut progress = Progress::start(general, "who is there", frames.end - frames.start);
+    let stop = interrupt::flag("the frame");
+    let fps = config.settings()?.fps;
+    let roll = Roll::call(&mut recording, frames, fps, &association::Config::default(), |done| {
+        progress.at(done);
+        if stop.load(std::sync::atomic::Ordering::Relaxed) {
+            return Err(sinew::Error::Interrupted("while people were looked for; nothing was written"));
+        }
+        Ok(())
+    })?;
+    drop(progress);
+    Ok((roll.people.len() > 1).then_some(roll))
+}
+
+/// What stays the same from person to person.
+struct Run<'a> {
+    resolved: &'a Resolved,
+    calibration: &'a Path,
+    read_from: &'a [PathBuf],
+    roll: &'a Roll,
+    resume: bool,
+    general: &'a General,
+    report: &'a Report,
+}
+
+/// Tracks everybody.
+pub(crate) fn run(
+    (args, resolved, roll): (&TrackArgs, &Resolved, &Roll),
+    calibration: &Path,
+    read_from: &[PathBuf],
+    general: &General,
+    report: &Report,
+) -> Result<Ended, Error> {
+    let config = resolved.track();
+    let run = Run { resolved, calibration, read_from, roll, resume: args.resume, general, report };
+    let _claim = match args.resume {
+        true => claim_to_resume(&config.out, read_from)?,
+        false => claimed(&config, read_from, report)?,
+    };
+    if !args.resume {
+        remove_former(&config, read_from)?;
+    }
+    let cameras = Footage::open(&config.files(calibration), &reading(&config))?;
+    let cameras = cameras.cameras().iter().map(|camera| camera.name.clone()).collect();
+    let mut summary = PeopleSummary::begun(cameras, &roll.people);
+    summary.write(&config.out)?;
+    report.note(&format!("{} people, each tracked into a folder of {}", roll.people.len(), config.out.display()));
+    let mut interrupted = false;
+    for person in 0..roll.people.len() {
+        let tracked = &mut summary.people[person];
+        match one(&run, person) {
+            Ok(Tracked { complete, failed_diagnostics }) => {
+                tracked.failed_diagnostics = failed_diagnostics;
+                tracked.complete = complete;
+                interrupted = !complete;
+            }
+            Err(Error::Library(sinew::Error::Interrupted(_))) => interrupted = true,
+            Err(Error::Library(error @ (sinew::Error::Recording(_) | sinew::Error::Tracking(_)))) => {
+                report.warnings(&[format!("person {} is not tracked: {error}", person + 1)]);
+                tracked.failed = Some(error.to_string());
+            }
+            Err(error) => return Err(error),
+        }
+        if interrupted {
+            break;
+        }
+    }
+    summary.complete = !interrupted;
+    summary.write(&config.out)?;
+    answer(&summary, &config.out, args, report)
+}
+
+/// Removes the results of people of a run before; refuses results and stopped runs that are not to be replaced.
+fn remove_former(config: &TrackConfig, read_from: &[PathBuf]) -> Result<(), Error> {
+    let folder = config.out.join("people");
+    if !folder.is_dir() {
+        return Ok(());
+    }
+    let failed = |error| sinew::Error::io("read", &folder)(error);
+    for entry in std::fs::read_dir(&folder).map_err(failed)? {
+        drop(claim(&entry.map_err(failed)?.path(), read_from, config.force)?);
+    }
+    Ok(std::fs::remove_dir_all(&folder).map_err(sinew::Error::io("remove", &folder))?)
+}
+
+/// How the run of a person ended.
+struct Tracked {
+    complete: bool,
+    failed_diagnostics: Vec<String>,
+}
+
+/// One person, from the beginning or from where his run was stopped.
+fn one(run: &Run<'_>, person: usize) -> Result<Tracked, Error> {
+    let out = run.resolved.track().out.join(person_folder(person));
+    let resolved = run.resolved.into_folder(&out);
+    let config = resolved.track();
+    let mut recording = Footage::open(&config.files(run.calibration), &reading(&config))?;
+    let frames = within(&setup_frames(&config, &recording)?, &run.roll.people[person].frames);
+    let mut source = OnePerson { source: &mut recording, roll: run.roll, person };
+    let (claim, from): (_, Option<Checkpoint>) = if run.resume && out.is_dir() {
+        match stopped_run(&config, run.read_from, run.report)? {
+            Stopped::Complete(claim, summary) => {
+                let hashes = |source: &OnePerson<'_, Footage>| source.source.input_hashes();
+                same_run(&mut source, frames, &resolved, &claim, &summary, run.general, hashes)?;
+                ResultFolder::forget(&claim)?;
+                return Ok(Tracked { complete: true, failed_diagnostics: failed_in(&summary) });
+            }
+            Stopped::At(claim, checkpoint) => (claim, Some(*checkpoint)),
+        }
+    } else {
+        (claim(&out, run.read_from, config.force)?, None)
+    };
+    let outcome = with_threads(&config, || {
+        let mut progress = PassProgress::new(run.general);
+        let stop = interrupt::flag("the frame");
+        let mut at = |pass, done, total| progress.at(pass, done, total);
+        let mut watch = Watch { progress: &mut at, stop: &stop };
+        let inputs = |source: &OnePerson<'_, Footage>| (source.source.warnings(), source.source.input_hashes());
+        job::track(&mut source, frames, &resolved, claim, &mut watch, inputs, from)
+    })?;
+    let said = |warning: &String| format!("person {}: {warning}", person + 1);
+    run.report.warnings(&outcome.summary.warnings.iter().map(said).collect::<Vec<_>>());
+    let failed_diagnostics = outcome.summary.failed_diagnostics;
+    Ok(Tracked { complete: outcome.summary.complete, failed_diagnostics })
+}
+
+/// Frames for the set-up that show the person, or all of his where there are none.
+fn within(asked: &Range<u64>, frames: &Range<u64>) -> Range<u64> {
+    let both = asked.start.max(frames.start)..asked.end.min(frames.end);
+    if both.is_empty() { frames.clone() } else { both }
+}
+
+fn failed_in(summary: &serde_json::Value) -> Vec<String> {
+    let all = summary["failed_diagnostics"].as_array().into_iter().flatten();
+    all.filter_map(|text| text.as_str()).map(str::to_owned).collect()
+}
+
+/// Says what became of everybody.
+fn answer(summary: &PeopleSummary, out: &Path, args: &TrackArgs, report: &Report) -> Result<Ended, Error> {
+    if args.answer.json {
+        report::answer_json(&serde_json::to_value(summary).unwrap_or_default())?;
+    } else {
+        let heads = ["person", "frames", "seen by two", "tracked", "results"].map(str::to_owned);
+        let row = |person: &sinew::results::people::PersonTracked| {
+            let tracked = match (&person.failed, person.complete) {
+                (Some(_), _) => "no",
+                (None, true) => "yes",
+                (None, false) => "in part",
+            };
+            let [first, end] = person.frames;
+            let folder = out.join(&person.folder).display().to_string();
+            vec![
+                person.person.to_string(),
+                format!("{first}..{end}"),
+                person.seen_frames.to_string(),
+                tracked.to_owned(),
+                folder,
+            ]
+        };
+        report::answer(&columns(&heads, &summary.people.iter().map(row).collect::<Vec<_>>()))?;
+    }
+    if !summary.complete {
+        report.note(&format!("interrupted; what was done is written and marked incomplete; {RESUME}"));
+        return Ok(Ended::Interrupted);
+    }
+    let mut doubtful = false;
+    for person in &summary.people {
+        doubtful |= person.failed.is_some() || !person.failed_diagnostics.is_empty();
+        person
+            .failed_diagnostics
+            .iter()
+            .for_each(|failed| report.failed(&format!("person {}: {failed}", person.person)));
+    }
+    Ok(if doubtful { Ended::Doubtful } else { Ended::Done })
+}

@@ -1,0 +1,86 @@
+//! Everybody in view is tracked in one run, each into a folder of his own.
+
+use crate::common::{QUICK, TRACK, Trial, files};
+use sinew::formats::{calib_toml, trc};
+use sinew_simulate::calibration_error::CalibrationError;
+use sinew_simulate::crowd::{Crowd, CrowdNoise, CrowdRecording};
+use sinew_simulate::ring::Ring;
+use std::fs;
+
+/// Two people who cross, before three cameras.
+fn crossing() -> (Trial, CrowdRecording) {
+    let crowd = Crowd {
+        people: 2,
+        duration_s: 1.0,
+        rate_hz: 30.0,
+        ring: Ring { cameras: 3, ..Ring::default() },
+        calibration: CalibrationError::NONE,
+        noise: CrowdNoise::DETECTOR_LIKE,
+    };
+    let recording = CrowdRecording::new(&crowd, 3).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    for (name, text) in recording.keypoint_files() {
+        let path = folder.path().join("pose").join(name);
+        fs::create_dir_all(path.parent().unwrap()).unwrap();
+        fs::write(path, text).unwrap();
+    }
+    fs::write(folder.path().join("Calib.toml"), calib_toml::write(&recording.cameras)).unwrap();
+    (Trial { folder }, recording)
+}
+
+/// Mean distance of the hips of a result from each person's, metres.
+fn away(trial: &Trial, folder: &str, recording: &CrowdRecording) -> Vec<f64> {
+    let text = fs::read_to_string(trial.path(folder).join("markers.trc")).unwrap();
+    let found = trc::read("markers.trc", &text).unwrap();
+    let marker = found.marker_index("RHip").unwrap();
+    let distance = |person: &sinew_motion::points::Trajectories| {
+        let hip = person.index("RHip").unwrap();
+        let apart = |frame: usize| {
+            let (at, true_at) = (found.point_in_world(frame, marker).unwrap(), person.frames[frame][hip]);
+            (0..3).map(|axis| (at[axis] - true_at[axis]).powi(2)).sum::<f64>().sqrt()
+        };
+        (0..found.frames.len()).map(apart).sum::<f64>() / found.frames.len() as f64
+    };
+    recording.truth.iter().map(distance).collect()
+}
+
+#[test]
+fn each_of_two_people_gets_a_folder_and_a_stopped_run_resumes_to_the_same_files() {
+    let (trial, recording) = crossing();
+    let output = trial.track(&["-owhole"]);
+    assert_eq!(output.status.code(), Some(0), "{}", trial.printed(&output));
+    let near: Vec<Vec<f64>> =
+        ["whole/people/01", "whole/people/02"].map(|folder| away(&trial, folder, &recording)).into();
+    let swapped = near[0][0] > near[0][1];
+    let own = |person: usize| near[person][usize::from(swapped) ^ person];
+    assert!(own(0) < 0.08 && own(1) < 0.08, "{near:?}");
+    let table = fs::read_to_string(trial.path("whole/people.csv")).unwrap();
+    assert_eq!(table.lines().count(), 3, "{table}");
+
+    // As if it had been stopped when the first person was done.
+    let whole = files(&trial.path("whole"));
+    for (name, bytes) in &whole {
+        if !name.starts_with("people/02") {
+            let path = trial.path("out").join(name);
+            fs::create_dir_all(path.parent().unwrap()).unwrap();
+            fs::write(path, bytes).unwrap();
+        }
+    }
+    let output = trial.run(&[&TRACK[..], &QUICK, &["-oout", "--resume"]].concat());
+    assert_eq!(output.status.code(), Some(0), "{}", trial.printed(&output));
+    let without_times = |folder: &str| {
+        let mut all = files(&trial.path(folder));
+        all.retain(|name, _| !name.ends_with("timings.json"));
+        all
+    };
+    let [whole, resumed] = ["whole", "out"].map(without_times);
+    assert_eq!(whole.keys().collect::<Vec<_>>(), resumed.keys().collect::<Vec<_>>());
+    assert!(whole == resumed);
+
+    // Finished results are not replaced unasked, and one person alone is tracked on request.
+    let output = trial.track(&["-owhole"]);
+    assert_eq!(output.status.code(), Some(5), "{}", trial.printed(&output));
+    let output = trial.track(&["-oone", "--people=1"]);
+    assert_eq!(output.status.code(), Some(0), "{}", trial.printed(&output));
+    assert!(trial.path("one/markers.trc").is_file() && !trial.path("one/people").exists());
+}

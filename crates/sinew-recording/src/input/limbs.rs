@@ -1,0 +1,23 @@
+//! Segments by whose lengths a person is known again.
+
+use sinew_formats::Layout;
+
+/// Ends of the segments.
+pub const LIMBS: [[&str; 2]; 10] = [
+    ["LHip", "LKnee"],
+    ["RHip", "RKnee"],
+    ["LKnee", "LAnkle"],
+    ["RKnee", "RAnkle"],
+    ["LShoulder", "LElbow"],
+    ["RShoulder", "RElbow"],
+    ["LElbow", "LWrist"],
+    ["RElbow", "RWrist"],
+    ["LShoulder", "LHip"],
+    ["RShoulder", "RHip"],
+];
+
+/// Keypoints at the ends of the segments that a layout has both ends of.
+#[must_use]
+pub fn limbs(layout: &Layout) -> Vec<(usize, usize)> {
+    LIMBS.iter().filter_map(|[a, b]| Some((layout.index(a)?, layout.index(b)?))).collect()
+}
