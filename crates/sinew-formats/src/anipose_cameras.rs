@@ -47,7 +47,8 @@ pub(crate) fn is_of(root: Table<'_>) -> bool {
     let metadata = metadata(root);
     let number = |key| metadata.and_then(|table| table.get(key)?.number().ok());
     let is_unadjusted = metadata.and_then(|table| table.get("adjusted")?.bool().ok()) == Some(false);
-    let says_so = metadata.is_some_and(|table| table.get("unit").is_some() || table.get("charuco_square_size").is_some());
+    let says_so =
+        metadata.is_some_and(|table| table.get("unit").is_some() || table.get("charuco_square_size").is_some());
     let is_of_others = is_unadjusted && number("error") == Some(0.0);
     says_so || (metadata.is_some() && is_counted && !is_of_others)
 }

@@ -58,6 +58,26 @@ impl Format {
             Self::OpenCv => "OpenCV",
         }
     }
+
+    /// The format of a file to be written, by its name.
+    ///
+    /// `.yml` and `.yaml` are OpenCV's, `.qca.txt` Qualisys's, `camera_array.toml` is Caliscope's, and any other `.toml`
+    /// Pose2Sim's.
+    #[must_use]
+    pub fn of_file_name(name: &str) -> Option<Self> {
+        let name = name.to_lowercase();
+        if name == "camera_array.toml" {
+            Some(Self::Caliscope)
+        } else if name.ends_with(".toml") {
+            Some(Self::Pose2Sim)
+        } else if name.ends_with(".yml") || name.ends_with(".yaml") {
+            Some(Self::OpenCv)
+        } else if name.ends_with(".qca.txt") {
+            Some(Self::Qualisys)
+        } else {
+            None
+        }
+    }
 }
 
 /// The format of a text.

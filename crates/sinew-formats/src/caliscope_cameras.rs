@@ -161,7 +161,8 @@ mod tests {
     #[test]
     fn cameras_keep_their_numbers_where_all_have_one() {
         let named = |names: &[&str]| {
-            let camera = |name: &&str| Camera::look_at(name, [640.0, 480.0], 500.0, [0.0, -4.0, 1.0], [0.0; 3]).unwrap();
+            let camera =
+                |name: &&str| Camera::look_at(name, [640.0, 480.0], 500.0, [0.0, -4.0, 1.0], [0.0; 3]).unwrap();
             numbers(&names.iter().map(camera).collect::<Vec<_>>())
         };
         assert_eq!(named(&["cam_4", "cam_02"]), [4, 2]);

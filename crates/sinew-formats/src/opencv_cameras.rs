@@ -116,9 +116,8 @@ fn stated_unit(file: &str, node: &Node) -> Result<Option<LengthUnit>, Error> {
 fn cameras(file: &str, root: &Node) -> Result<Vec<Found>, Error> {
     if let Some(list) = root.get("cameras") {
         let cameras = list.items().iter().enumerate();
-        let found: Vec<Found> = cameras
-            .map(|(index, node)| by_fields(file, node, &format!("camera {index}")))
-            .collect::<Result<_, _>>()?;
+        let found: Vec<Found> =
+            cameras.map(|(index, node)| by_fields(file, node, &format!("camera {index}"))).collect::<Result<_, _>>()?;
         if !found.is_empty() {
             return Ok(found);
         }
@@ -277,7 +276,9 @@ pub fn write(cameras: &[Camera]) -> String {
         let [width, height] = camera.image_size_px.map(plain);
         let matrix = |rows: usize, numbers: &[f64]| {
             let (columns, data) = (numbers.len() / rows, array(numbers));
-            format!("!!opencv-matrix\n         rows: {rows}\n         cols: {columns}\n         dt: d\n         data: {data}")
+            format!(
+                "!!opencv-matrix\n         rows: {rows}\n         cols: {columns}\n         dt: d\n         data: {data}"
+            )
         };
         // Writing to a String cannot fail.
         let _ = write!(
@@ -293,4 +294,50 @@ pub fn write(cameras: &[Camera]) -> String {
         );
     }
     out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const MATRIX: &str = "[ 500., 0., 320., 0., 510., 240., 0., 0., 1. ]";
+
+    fn check(file: &str, text: &str, name: &str, warnings: usize) {
+        let read = read(file, text).unwrap();
+        let camera = &read.cameras[0];
+        assert_eq!((&camera.name[..], camera.image_size_px), (name, [640.0, 480.0]), "{text}");
+        assert_eq!(camera.intrinsics, Intrinsics { fx: 500.0, fy: 510.0, cx: 320.0, cy: 240.0 });
+        assert_eq!(camera.lens.coefficients(), [0.1, 0.2, 0.01, 0.02]);
+        assert_eq!(camera.rotation, from_rodrigues([0.1, 0.2, 0.3]));
+        assert_eq!((camera.translation, read.warnings.len()), ([1.0, 2.0, 3.0], warnings), "{text}");
+    }
+
+    #[test]
+    fn every_layout_is_read() {
+        let list = format!(
+            "%YAML:1.0\n---\nunit: \"cm\"\ncameras:\n   - {{ name: a, image_size: [ 640, 480 ], K: {MATRIX}, \
+             D: [ 0.1, 0.2, 0.01, 0.02 ], R: [ 0.1, 0.2, 0.3 ], T: [ 100, 200, 300 ] }}\n"
+        );
+        check("rig.yml", &list, "a", 0);
+        let names = format!(
+            "%YAML:1.0\n---\nnames:\n  - \"1\"\nK_1: {MATRIX}\ndist_1: [ 0.1, 0.2, 0.01, 0.02, 0. ]\n\
+             R_1: [ 0.1, 0.2, 0.3 ]\nT_1: [ 1, 2, 3 ]\n"
+        );
+        check("both.yml", &names, "1", 1);
+        let views = format!(
+            "%YAML:1.0\n---\nKs: {MATRIX}\ndistortions: [ 0.1, 0.2, 0.01, 0.02, 0. ]\nrvecs: [ 0.1, 0.2, 0.3 ]\n\
+             Ts: [ 1000, 2000, 3000 ]\ncam_ids: \"left\"\nimage_sizes: [ 640, 480 ]\nis_fisheye: [ 0 ]\n"
+        );
+        check("views.yml", &views, "left", 1);
+        let one = "<?xml version=\"1.0\"?>\n<opencv_storage>\n<cameraMatrix type_id=\"opencv-matrix\">\n  \
+            <data>500. 0. 320. 0. 510. 240. 0. 0. 1.</data></cameraMatrix>\n<distCoeffs>0.1 0.2 0.01 0.02</distCoeffs>\n\
+            <imageSize>640 480</imageSize>\n<rvec>0.1 0.2 0.3</rvec>\n<tvec>1 2 3</tvec></opencv_storage>\n";
+        check("lab/front.xml", one, "front", 0);
+    }
+
+    #[test]
+    fn rows_that_do_not_belong_to_the_cameras_are_refused() {
+        let views = format!("%YAML:1.0\n---\nKs: {MATRIX}\ndistortions: [ 0.1 ]\nrvecs: []\nTs: [ 1, 2, 3 ]\n");
+        assert_eq!(read("views.yml", &views).unwrap_err().to_string(), "views.yml:5 (rvecs): 0 values; expected 1");
+    }
 }

@@ -47,7 +47,9 @@ const ROOT: &str = "opencv_storage";
 /// Whether a text is such a file, by its first words.
 pub(crate) fn is_of(text: &str) -> bool {
     let start = without_mark(text).trim_start();
-    start.starts_with("%YAML") || start.contains("!!opencv-matrix") || (start.starts_with('<') && start.contains("<opencv_storage"))
+    start.starts_with("%YAML")
+        || start.contains("!!opencv-matrix")
+        || (start.starts_with('<') && start.contains("<opencv_storage"))
 }
 
 /// Parses a file into its outermost map.

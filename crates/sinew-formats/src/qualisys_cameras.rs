@@ -22,7 +22,7 @@
 //!
 //! Cameras are called by their `serial`. A camera that is not active, or has no `fov_video`, is left out with a warning.
 //! A `viewrotation` is warned of: Qualisys calibrates the picture as the sensor records it.
-//! With a video of fewer pixels than `fov_video` (binning) the images are a scaled ones, as after any resizing.
+//! A video of fewer pixels than `fov_video` (binning) has scaled images, as after any resizing.
 //!
 //! ```
 //! # let text = "<calibration><cameras><camera active='1' serial='7'><fov_video left='0' top='0' right='639' bottom='479'/><transform x='0' y='0' z='3000' r11='1' r12='0' r13='0' r21='0' r22='1' r23='0' r31='0' r32='0' r33='1'/><intrinsic focalLengthU='32000' focalLengthV='32000' centerPointU='20480' centerPointV='15360' radialDistortion1='-0.1' radialDistortion2='0' radialDistortion3='0' tangentalDistortion1='0' tangentalDistortion2='0'/></camera></cameras></calibration>";
@@ -55,7 +55,8 @@ pub(crate) fn is_of(root: &Element<'_>) -> bool {
 }
 
 fn calibration<'s, 'a>(root: &'s Element<'a>) -> Option<&'s Element<'a>> {
-    let has_cameras = |element: &&Element<'_>| element.name == "calibration" && element.named("cameras").next().is_some();
+    let has_cameras =
+        |element: &&Element<'_>| element.name == "calibration" && element.named("cameras").next().is_some();
     std::iter::once(root).chain(&root.children).find(has_cameras)
 }
 
@@ -209,7 +210,8 @@ fn check_subpixels(element: &Element<'_>, optics: &Numbers<'_>, right: f64) -> R
 /// # Errors
 /// [`Error::CameraUnwritable`] for a lens with other terms than the format's.
 pub fn write(cameras: &[Camera]) -> Result<String, Error> {
-    let mut out = String::from("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<calibration type=\"regular\">\n  <cameras>\n");
+    let mut out =
+        String::from("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<calibration type=\"regular\">\n  <cameras>\n");
     for camera in cameras {
         let Distortion::Brown(Brown { k1, k2, p1, p2, k3 }) = *camera.lens.distortion() else {
             let reason = "its lens is neither perfect nor one with k1, k2, k3, p1 and p2";
@@ -237,4 +239,41 @@ pub fn write(cameras: &[Camera]) -> Result<String, Error> {
     }
     out.push_str("  </cameras>\n</calibration>\n");
     Ok(out)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const CAMERA: &str = "<fov_video left='100' top='20' right='739' bottom='499'/>\
+        <fov_video_max left='0' top='0' right='1087' bottom='1919'/>\
+        <transform x='1000' y='2000' z='3000' r11='1' r12='0' r13='0' r21='0' r22='0' r23='1' r31='0' r32='-1' r33='0'/>\
+        <intrinsic sensorMaxU='69568' skew='0' focalLengthU='32000' focalLengthV='32064' centerPointU='26880' \
+        centerPointV='16640' radialDistortion1='-0.1' radialDistortion2='0.2' radialDistortion3='0.3' \
+        tangentalDistortion1='0.01' tangentalDistortion2='0.02'/>";
+
+    #[test]
+    fn a_cropped_camera_that_looks_along_y() {
+        let text = format!(
+            "<QTM_Parameters_Ver_1.25><calibration><cameras><camera active='0' serial='1'/><camera serial='2'/>\
+             <camera serial='3'>{CAMERA}</camera></cameras></calibration></QTM_Parameters_Ver_1.25>"
+        );
+        let read = read("Calib.qca.txt", &text).unwrap();
+        let why: Vec<String> = read.warnings.iter().map(ToString::to_string).collect();
+        assert_eq!(
+            why,
+            [
+                "Calib.qca.txt:1 (1): camera `1` is left out: it is not active",
+                "Calib.qca.txt:1 (2): camera `2` is left out: it has no video (`fov_video`)",
+            ]
+        );
+        let camera = &read.cameras[0];
+        assert_eq!((&camera.name[..], camera.image_size_px), ("3", [640.0, 480.0]));
+        assert_eq!(camera.intrinsics, Intrinsics { fx: 500.0, fy: 501.0, cx: 320.0, cy: 240.0 });
+        assert_eq!(camera.lens.coefficients(), [-0.1, 0.2, 0.01, 0.02, 0.3]);
+        assert_eq!(camera.centre(), [1.0, 2.0, 3.0]);
+        // Straight ahead, along y, is the principal point; what is above it lies above it in the image.
+        assert_eq!(camera.project([1.0, 5.0, 3.0]).pixel(), Some([320.0, 240.0]));
+        assert!(camera.project([1.0, 5.0, 3.1]).pixel().unwrap()[1] < 240.0);
+    }
 }

@@ -107,11 +107,13 @@ pub(crate) fn parse<'a>(name: &'a str, text: &'a str) -> Result<Element<'a>, Err
         match open.last_mut() {
             Some(parent) => parent.text.push_str(between),
             None if between.trim().is_empty() => {}
-            None => return Err(Error::Syntax {
-                place: cursor.place(),
-                found: format!("`{}`", shortened(between.trim())),
-                expected: "an XML element".into(),
-            }),
+            None => {
+                return Err(Error::Syntax {
+                    place: cursor.place(),
+                    found: format!("`{}`", shortened(between.trim())),
+                    expected: "an XML element".into(),
+                });
+            }
         }
         let closed = if cursor.rest.starts_with("</") {
             cursor.skip(2);
@@ -261,7 +263,8 @@ mod tests {
 
     #[test]
     fn elements_have_attributes_texts_and_lines() {
-        let text = "\u{feff}<?xml version='1.0'?>\n<!-- <a> -->\n<a b = \"1 &lt; 2\"\n c='\"'>\n 1 <d/>2\n<d>x</d></a>\n";
+        let text =
+            "\u{feff}<?xml version='1.0'?>\n<!-- <a> -->\n<a b = \"1 &lt; 2\"\n c='\"'>\n 1 <d/>2\n<d>x</d></a>\n";
         let root = parse("a.xml", text).unwrap();
         assert_eq!((root.name, root.line, root.text.split_whitespace().collect::<String>()), ("a", 3, "12".into()));
         assert_eq!([root.attribute("b"), root.attribute("c")], [Some("1 < 2".into()), Some("\"".into())]);
@@ -279,7 +282,10 @@ mod tests {
         check("<a b=1>", "a.xml:1: `=1>`; expected `=` and a value in quotes");
         check("<a b=\"1\" b=\"2\"/>", "a.xml:1: the attribute `b` is there twice");
         check("x <a/>", "a.xml:1: `x`; expected an XML element");
-        check("<!DOCTYPE x [<!ENTITY a \"b\">]><x/>", "a.xml:1: `<!DOCTYPE x [<!ENTITY a \"b\"` in XML is not supported");
+        check(
+            "<!DOCTYPE x [<!ENTITY a \"b\">]><x/>",
+            "a.xml:1: `<!DOCTYPE x [<!ENTITY a \"b\"` in XML is not supported",
+        );
         check(&"<a>".repeat(101), "a.xml:1: nested more than 100 deep");
     }
 

@@ -11,7 +11,6 @@ pub mod image_folder;
 pub mod in_memory;
 pub mod missing_path;
 pub mod pictures;
-pub mod qualisys;
 pub mod recording;
 pub mod silhouettes;
 pub mod size_misfit;

@@ -321,8 +321,14 @@ mod tests {
         let check = |text: &str, expected: &str| assert_eq!(shown(&parse("a.yml", text).unwrap()), expected, "{text}");
         check("%YAML 1.2\n---\na: 1 # one\nb: \"x: y\"\n...\n", "{a=1 b=x: y}");
         check("a:\n   b:\n      c: 1\n   d: 2\ne: 3\n", "{a={b={c=1} d=2} e=3}");
-        check("a:\n- 1\n- 2\nb:\n  -\n    x: 1\n    y: [ 1., 2.,\n       3. ]\n  - x: 4\n    y: 5\n", "{a=[1 2] b=[{x=1 y=[1. 2. 3.]} {x=4 y=5}]}");
-        check("a: !!opencv-matrix\n   rows: 1\n   data: []\nb: { x:1, y: [ 2 ] }\nc:\n", "{a={rows=1 data=[]} b={x=1 y=[2]} c=}");
+        check(
+            "a:\n- 1\n- 2\nb:\n  -\n    x: 1\n    y: [ 1., 2.,\n       3. ]\n  - x: 4\n    y: 5\n",
+            "{a=[1 2] b=[{x=1 y=[1. 2. 3.]} {x=4 y=5}]}",
+        );
+        check(
+            "a: !!opencv-matrix\n   rows: 1\n   data: []\nb: { x:1, y: [ 2 ] }\nc:\n",
+            "{a={rows=1 data=[]} b={x=1 y=[2]} c=}",
+        );
         check("", "{}");
     }
 
