@@ -76,7 +76,7 @@ pub fn calib_toml(data: &[u8]) {
 
 /// Calibrations of any program.
 pub fn calibration(data: &[u8]) {
-    use calibration::Format;
+    use calibration::CalibrationFormat;
     let Some(text) = text("cameras", data) else { return };
     let Some(read) = accepted(calibration::read("cameras", text)) else { return };
     shown(&read.warnings);
@@ -88,7 +88,13 @@ pub fn calibration(data: &[u8]) {
         is_whole(width) && is_whole(height) && numbers.iter().all(|number| number.abs() < 1e100)
     };
     if read.cameras.iter().all(is_ordinary) {
-        for format in [Format::Pose2Sim, Format::Caliscope, Format::Anipose, Format::OpenCv, Format::Qualisys] {
+        for format in [
+            CalibrationFormat::Pose2Sim,
+            CalibrationFormat::Caliscope,
+            CalibrationFormat::Anipose,
+            CalibrationFormat::OpenCv,
+            CalibrationFormat::Qualisys,
+        ] {
             if let Some(written) = accepted(calibration::write(&read.cameras, format)) {
                 assert_eq!(calibration::recognised("written", &written), Ok(format));
                 reread(written.as_bytes(), calibration::read);

@@ -2,7 +2,7 @@
 
 use super::answer_args::Answer;
 use clap::{Args, ValueEnum};
-use sinew::formats::calibration::Format;
+use sinew::formats::calibration::CalibrationFormat;
 use std::path::PathBuf;
 
 #[derive(Args, Debug)]
@@ -38,13 +38,13 @@ pub(crate) enum Program {
 }
 
 impl Program {
-    pub(crate) const fn format(self) -> Format {
+    pub(crate) const fn format(self) -> CalibrationFormat {
         match self {
-            Self::Pose2sim => Format::Pose2Sim,
-            Self::Caliscope => Format::Caliscope,
-            Self::Anipose | Self::Freemocap => Format::Anipose,
-            Self::Opencv => Format::OpenCv,
-            Self::Qualisys => Format::Qualisys,
+            Self::Pose2sim => CalibrationFormat::Pose2Sim,
+            Self::Caliscope => CalibrationFormat::Caliscope,
+            Self::Anipose | Self::Freemocap => CalibrationFormat::Anipose,
+            Self::Opencv => CalibrationFormat::OpenCv,
+            Self::Qualisys => CalibrationFormat::Qualisys,
         }
     }
 }

@@ -4,7 +4,7 @@ use super::convert_args::{ConvertArgs, Program};
 use super::error::Error;
 use super::report::{self, Report};
 use serde_json::json;
-use sinew::formats::calibration::{self, Format};
+use sinew::formats::calibration::{self, CalibrationFormat};
 use sinew::formats::caliscope_cameras;
 use sinew::input::recording::Calibrated;
 use sinew::observe::Camera;
@@ -12,13 +12,13 @@ use sinew::results::write_whole;
 use sinew_tools::motion::MotionError;
 
 /// The format to write, if what is to be written is a calibration.
-pub(crate) fn format(args: &ConvertArgs) -> Option<Format> {
+pub(crate) fn format(args: &ConvertArgs) -> Option<CalibrationFormat> {
     let name = args.output.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
-    args.to.map(Program::format).or_else(|| Format::of_file_name(&name))
+    args.to.map(Program::format).or_else(|| CalibrationFormat::from_file_name(&name))
 }
 
 /// Converts.
-pub(crate) fn run(args: &ConvertArgs, format: Format, report: &Report) -> Result<(), Error> {
+pub(crate) fn run(args: &ConvertArgs, format: CalibrationFormat, report: &Report) -> Result<(), Error> {
     if args.skeleton.is_some() {
         return Err(sinew_tools::Error::from(MotionError::NeedlessSkeleton { path: args.input.clone() }).into());
     }
@@ -40,8 +40,9 @@ pub(crate) fn run(args: &ConvertArgs, format: Format, report: &Report) -> Result
 }
 
 /// Cameras that Caliscope will know by a number that is not in their name.
-fn renamed(cameras: &[Camera], format: Format) -> Option<String> {
-    let numbers = (format == Format::Caliscope).then(|| caliscope_cameras::numbers(cameras)).unwrap_or_default();
+fn renamed(cameras: &[Camera], format: CalibrationFormat) -> Option<String> {
+    let numbers =
+        (format == CalibrationFormat::Caliscope).then(|| caliscope_cameras::numbers(cameras)).unwrap_or_default();
     let pairs = cameras.iter().zip(numbers).map(|(camera, number)| (&camera.name, number));
     let renamed = pairs.filter(|(name, number)| **name != format!("cam_{number}"));
     let listed: Vec<String> = renamed.map(|(name, number)| format!("`{name}` is {number}")).collect();

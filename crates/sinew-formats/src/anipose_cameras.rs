@@ -17,7 +17,7 @@
 //! unit = "mm"                     # neither writes it; it settles the unit
 //! ```
 //!
-//! Numbers are those of [`calib_toml`](crate::calib_toml), but for the unit of `translation`, which the format does not
+//! Numbers mean what they mean in [`calib_toml`](crate::calib_toml), but for the unit of `translation`, which the format does not
 //! state: `unit` under `[metadata]` does, FreeMoCap's files are in millimetres, and of others metres are assumed where no camera stands more than 100 units from the origin, millimetres with a warning where
 //! one does. The world is that of the board or of the first camera: no axis need point up.
 //!

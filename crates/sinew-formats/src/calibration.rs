@@ -13,11 +13,11 @@
 //! of a file says nothing. Whatever it is read from, a camera has metres, pixels and the axes of OpenCV.
 //!
 //! ```
-//! use sinew_formats::calibration::{self, Format};
+//! use sinew_formats::calibration::{self, CalibrationFormat};
 //! # let text = "[cameras.3]\ncam_id = 3\nsize = [640, 480]\nmatrix = [[500, 0, 320], [0, 500, 240], [0, 0, 1]]\ndistortions = [0, 0, 0, 0, 0]\nrotation = [0, 0, 0]\ntranslation = [0, 0, 3]\n";
-//! assert_eq!(calibration::recognised("camera_array.toml", text)?, Format::Caliscope);
+//! assert_eq!(calibration::recognised("camera_array.toml", text)?, CalibrationFormat::Caliscope);
 //! let cameras = calibration::read("camera_array.toml", text)?.cameras;
-//! let yaml = calibration::write(&cameras, Format::OpenCv)?;
+//! let yaml = calibration::write(&cameras, CalibrationFormat::OpenCv)?;
 //! assert_eq!(calibration::read("cameras.yml", &yaml)?.cameras, cameras);
 //! # Ok::<(), sinew_formats::Error>(())
 //! ```
@@ -33,7 +33,7 @@ use sinew_observe::Camera;
 
 /// A format of calibrations.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Format {
+pub enum CalibrationFormat {
     /// `Calib.toml`.
     Pose2Sim,
     /// `camera_array.toml`.
@@ -46,7 +46,7 @@ pub enum Format {
     OpenCv,
 }
 
-impl Format {
+impl CalibrationFormat {
     /// Program that writes the format.
     #[must_use]
     pub const fn program(self) -> &'static str {
@@ -64,7 +64,7 @@ impl Format {
     /// `.yml` and `.yaml` are OpenCV's, `.qca.txt` Qualisys's, `camera_array.toml` is Caliscope's, and any other `.toml`
     /// Pose2Sim's.
     #[must_use]
-    pub fn of_file_name(name: &str) -> Option<Self> {
+    pub fn from_file_name(name: &str) -> Option<Self> {
         let name = name.to_lowercase();
         if name == "camera_array.toml" {
             Some(Self::Caliscope)
@@ -84,16 +84,16 @@ impl Format {
 ///
 /// # Errors
 /// [`Error::UnknownCalibration`] for what is none of them; XML and TOML that is malformed.
-pub fn recognised(name: &str, text: &str) -> Result<Format, Error> {
+pub fn recognised(name: &str, text: &str) -> Result<CalibrationFormat, Error> {
     let start = without_mark(text).trim_start();
     let unknown = |found: String| Error::UnknownCalibration { place: Place::file(name), found };
     if opencv_storage::is_of(text) {
-        return Ok(Format::OpenCv);
+        return Ok(CalibrationFormat::OpenCv);
     }
     if start.starts_with('<') {
         let root = xml_text::parse(name, text)?;
         let found = || unknown(format!("XML with the element <{}>", shortened(root.name)));
-        return if qualisys_cameras::is_of(&root) { Ok(Format::Qualisys) } else { Err(found()) };
+        return if qualisys_cameras::is_of(&root) { Ok(CalibrationFormat::Qualisys) } else { Err(found()) };
     }
     if start.is_empty() {
         return Err(unknown("the file is empty".into()));
@@ -107,11 +107,11 @@ pub fn recognised(name: &str, text: &str) -> Result<Format, Error> {
     }
     let document = Document::parse(name, text)?;
     Ok(if caliscope_cameras::is_of(document.root()) {
-        Format::Caliscope
+        CalibrationFormat::Caliscope
     } else if anipose_cameras::is_of(document.root()) {
-        Format::Anipose
+        CalibrationFormat::Anipose
     } else {
-        Format::Pose2Sim
+        CalibrationFormat::Pose2Sim
     })
 }
 
@@ -121,11 +121,11 @@ pub fn recognised(name: &str, text: &str) -> Result<Format, Error> {
 /// What [`recognised`] and the reader of the format refuse.
 pub fn read(name: &str, text: &str) -> Result<Calibration, Error> {
     match recognised(name, text)? {
-        Format::Pose2Sim => calib_toml::read(name, text),
-        Format::Caliscope => caliscope_cameras::read(name, text),
-        Format::Anipose => anipose_cameras::read(name, text),
-        Format::Qualisys => qualisys_cameras::read(name, text),
-        Format::OpenCv => opencv_cameras::read(name, text),
+        CalibrationFormat::Pose2Sim => calib_toml::read(name, text),
+        CalibrationFormat::Caliscope => caliscope_cameras::read(name, text),
+        CalibrationFormat::Anipose => anipose_cameras::read(name, text),
+        CalibrationFormat::Qualisys => qualisys_cameras::read(name, text),
+        CalibrationFormat::OpenCv => opencv_cameras::read(name, text),
     }
 }
 
@@ -133,13 +133,13 @@ pub fn read(name: &str, text: &str) -> Result<Calibration, Error> {
 ///
 /// # Errors
 /// [`Error::CameraUnwritable`] for a lens that the format has not.
-pub fn write(cameras: &[Camera], format: Format) -> Result<String, Error> {
+pub fn write(cameras: &[Camera], format: CalibrationFormat) -> Result<String, Error> {
     match format {
-        Format::Pose2Sim => Ok(calib_toml::write(cameras)),
-        Format::Caliscope => Ok(caliscope_cameras::write(cameras)),
-        Format::Anipose => Ok(anipose_cameras::write(cameras)),
-        Format::Qualisys => qualisys_cameras::write(cameras),
-        Format::OpenCv => Ok(opencv_cameras::write(cameras)),
+        CalibrationFormat::Pose2Sim => Ok(calib_toml::write(cameras)),
+        CalibrationFormat::Caliscope => Ok(caliscope_cameras::write(cameras)),
+        CalibrationFormat::Anipose => Ok(anipose_cameras::write(cameras)),
+        CalibrationFormat::Qualisys => qualisys_cameras::write(cameras),
+        CalibrationFormat::OpenCv => Ok(opencv_cameras::write(cameras)),
     }
 }
 

@@ -13,7 +13,7 @@
 //! ```
 //!
 //! The table of a camera is `[cameras.N]`, in the oldest files `[cam_N]` with a `port`. Cameras are called `cam_N`, as
-//! Caliscope calls them when it writes for other programs. Numbers are those of [`calib_toml`](crate::calib_toml).
+//! Caliscope calls them when it writes for other programs. Numbers mean what they mean in [`calib_toml`](crate::calib_toml).
 //! A camera with `ignore = true`, without intrinsics or without a pose is left out with a warning. Values that are
 //! missing may be written `"null"`. `rotation_count` turns what Caliscope shows, not what it calibrates, and is ignored.
 //! The world is that of a camera or of a board: no axis need point up.
@@ -44,11 +44,11 @@ fn tables<'a>(root: Table<'a>) -> Vec<(&'a str, Table<'a>)> {
     match tables.iter().find(|(title, _)| *title == "cameras") {
         Some((_, cameras)) => cameras.tables(),
         None => {
-            let of_port = |&(title, table): &(&'a str, Table<'a>)| {
+            let with_port = |&(title, table): &(&'a str, Table<'a>)| {
                 let number = title.strip_prefix("cam_")?;
                 table.get("port").map(|_| (number, table))
             };
-            tables.iter().filter_map(of_port).collect()
+            tables.iter().filter_map(with_port).collect()
         }
     }
 }

@@ -30,7 +30,7 @@
 //!
 //! | layout | keys |
 //! |---|---|
-//! | one camera, outermost | those of the list above, in the spellings of [`FIELDS`]; the pose must be there |
+//! | one camera, outermost | as in the list above, in the spellings of [`FIELDS`]; the pose must be there |
 //! | OpenCV's `multiview_calibration.py` | `Ks`, `distortions`, `rvecs`, `Ts` and, as far as they are there, `cam_ids`, `image_sizes`, `is_fisheye` |
 //! | EasyMocap's `intri.yml` and `extri.yml` in one file | `names`; for each `K_name`, `dist_name`, `R_name` (Rodrigues) or `Rot_name`, `T_name` and perhaps `W_name`, `H_name` |
 //!

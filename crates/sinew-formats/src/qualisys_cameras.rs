@@ -16,7 +16,7 @@
 //! camera's place in the world, millimetres, and `rij` turn the world to a camera that looks along −z with y up. Focal
 //! lengths and centre are in sub-pixels, 64 to a pixel, counted from the corner of the sensor.
 //!
-//! **Distortions are plain numbers**, those of [`Brown`], and are *not* divided by 64:
+//! **Distortions are plain numbers**, as in [`Brown`], and are *not* divided by 64:
 //! they act on coordinates that have no unit. Pose2Sim divides them when it converts (`calib_qca_fun`, to version 0.10.49), so
 //! that nearly nothing is left of them. Its `Calib.toml` and the file that it was made of differ by the distortion.
 //!
@@ -205,7 +205,7 @@ fn check_subpixels(element: &Element<'_>, optics: &Numbers<'_>, right: f64) -> R
     })
 }
 
-/// Writes a calibration that [`read`] and programs that read those of Qualisys understand.
+/// Writes a calibration that [`read`] and programs that know Qualisys read.
 ///
 /// # Errors
 /// [`Error::CameraUnwritable`] for a lens with other terms than the format's.

@@ -284,7 +284,7 @@ fn calibrations_of_opencv() {
 fn cameras_that_a_format_cannot_hold() {
     let file = include_str!("golden/cameras.yml").replace("fisheye: 0", "fisheye: 1").replace(", 0.5]", "]");
     let cameras = calibration::read("cameras.yml", &file).unwrap().cameras;
-    let error = calibration::write(&cameras, calibration::Format::Qualisys).unwrap_err();
+    let error = calibration::write(&cameras, calibration::CalibrationFormat::Qualisys).unwrap_err();
     assert_snapshot!(error, @"camera `cam_01` cannot be written for Qualisys: its lens is neither perfect nor one with k1, k2, k3, p1 and p2");
     assert_snapshot!(error.help().unwrap(), @"write another format: the formats of Pose2Sim, Caliscope, Anipose and OpenCV hold every camera");
 }

@@ -6,7 +6,7 @@
 use sinew_body::flesh::{DOWNWARDS, Flesh, Solid};
 use sinew_body::frustum::Frustum;
 use sinew_body::{Axis, Joint, KinematicTree, Link, Point};
-use sinew_formats::calibration::{self, Format};
+use sinew_formats::calibration::{self, CalibrationFormat};
 use sinew_formats::rotation::{IDENTITY, Matrix};
 use sinew_formats::tidy_csv::Cell;
 use sinew_formats::zarr::inference_data::{DrawsKind, Run, posterior, schema};
@@ -107,10 +107,10 @@ fn calibrations() {
     let cameras = [camera("cam_01", 0.0), camera("left front", 0.5)];
     check("Calib.toml", calib_toml::write(&cameras).as_bytes());
     for (name, format) in [
-        ("camera_array.toml", Format::Caliscope),
-        ("calibration.toml", Format::Anipose),
-        ("cameras.yml", Format::OpenCv),
-        ("Calib.qca.txt", Format::Qualisys),
+        ("camera_array.toml", CalibrationFormat::Caliscope),
+        ("calibration.toml", CalibrationFormat::Anipose),
+        ("cameras.yml", CalibrationFormat::OpenCv),
+        ("Calib.qca.txt", CalibrationFormat::Qualisys),
     ] {
         check(name, calibration::write(&cameras, format).unwrap().as_bytes());
     }

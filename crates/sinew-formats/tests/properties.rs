@@ -4,7 +4,7 @@ use proptest::prelude::*;
 use sinew_body::flesh::{Flesh, Solid};
 use sinew_body::frustum::Frustum;
 use sinew_body::{Axis, Joint, KinematicTree, Link, Point};
-use sinew_formats::calibration::Format;
+use sinew_formats::calibration::CalibrationFormat;
 use sinew_formats::rotation::from_rodrigues;
 use sinew_formats::tidy_csv::Cell;
 use sinew_formats::*;
@@ -285,11 +285,11 @@ proptest! {
     #[test]
     fn calibrations_survive_every_format(cameras in rig(), point in [-1.0..1.0f64, -1.0..1.0, -1.0..1.0]) {
         let mut passed_on = cameras.clone();
-        for format in [Format::Caliscope, Format::OpenCv, Format::Qualisys, Format::Anipose, Format::Pose2Sim] {
+        for format in [CalibrationFormat::Caliscope, CalibrationFormat::OpenCv, CalibrationFormat::Qualisys, CalibrationFormat::Anipose, CalibrationFormat::Pose2Sim] {
             let Ok(written) = calibration::write(&cameras, format) else {
                 // Qualisys has one kind of lens.
                 let is_brown = |camera: &Camera| !camera.lens.is_fisheye() && camera.lens.coefficients().len() < 8;
-                prop_assert!(format == Format::Qualisys && !cameras.iter().all(is_brown));
+                prop_assert!(format == CalibrationFormat::Qualisys && !cameras.iter().all(is_brown));
                 continue;
             };
             prop_assert_eq!(calibration::recognised("a", &written), Ok(format));

@@ -3,7 +3,7 @@
 mod common;
 
 use common::{data, rows, text};
-use sinew_formats::calibration::{self, Format};
+use sinew_formats::calibration::{self, CalibrationFormat};
 use sinew_formats::{amc, asf, bvh, calib_toml, camera_name, frame_number, layout, mot, openpose, trc};
 use std::collections::BTreeMap;
 
@@ -121,7 +121,7 @@ fn cameras_stand_where_the_recording_says() {
 fn the_calibration_of_qualisys_is_that_which_was_converted_but_for_the_lens() {
     let Some(folder) = data("pose2sim_single") else { return };
     let original = text(&folder.join("Calib.qca.txt"));
-    assert_eq!(calibration::recognised("Calib.qca.txt", &original), Ok(Format::Qualisys));
+    assert_eq!(calibration::recognised("Calib.qca.txt", &original), Ok(CalibrationFormat::Qualisys));
     let original = calibration::read("Calib.qca.txt", &original).unwrap();
     let converted = calibration::read("Calib.toml", &text(&folder.join("Calib.toml"))).unwrap();
     assert_eq!((original.warnings, original.cameras.len()), (vec![], 4));
@@ -142,7 +142,7 @@ fn the_calibration_of_qualisys_is_that_which_was_converted_but_for_the_lens() {
 fn cameras_of_caliscope_show_what_it_triangulated() {
     let Some(folder) = data("caliscope_gesture") else { return };
     let array = text(&folder.join("camera_array.toml"));
-    assert_eq!(calibration::recognised("camera_array.toml", &array), Ok(Format::Caliscope));
+    assert_eq!(calibration::recognised("camera_array.toml", &array), Ok(CalibrationFormat::Caliscope));
     let read = calibration::read("camera_array.toml", &array).unwrap();
     assert_eq!(read.warnings, []);
     let names: Vec<&str> = read.cameras.iter().map(|camera| &camera.name[..]).collect();

@@ -1,6 +1,6 @@
 //! The YAML that OpenCV writes, as a tree of nodes.
 
-use super::{Node, Value};
+use super::node::{Node, Value};
 use crate::source_text::{line_at, shortened, without_mark};
 use crate::{Error, Place};
 use std::collections::BTreeSet;

@@ -15,7 +15,9 @@ pub(super) fn facts(path: &Path) -> Result<Facts, Error> {
     let name = path.display().to_string();
     let program = calibration::recognised(&name, &text)?.program();
     let calibration = calibration::read(&name, &text)?;
-    let mut facts = Facts::new(format!("{name}: calibration of {} cameras ({program})", calibration.cameras.len()));
+    let count = calibration.cameras.len();
+    let many = if count == 1 { "camera" } else { "cameras" };
+    let mut facts = Facts::new(format!("{name}: calibration of {count} {many} ({program})"));
     for camera in &calibration.cameras {
         let [width, height] = camera.image_size_px;
         let [x, y, z] = camera.centre();

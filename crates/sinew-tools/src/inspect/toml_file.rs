@@ -11,7 +11,7 @@
 
 use super::subject::Subject;
 use sinew::config::{file, table};
-use sinew_formats::calibration::{self, Format};
+use sinew_formats::calibration::{self, CalibrationFormat};
 use std::path::PathBuf;
 use toml::de::{DeTable, DeValue};
 
@@ -19,7 +19,7 @@ use toml::de::{DeTable, DeValue};
 pub(super) fn subject(path: PathBuf, text: &str) -> Subject {
     // The calibration's reader says what is wrong with a text that is no TOML.
     let Ok(table) = DeTable::parse(text.trim_start_matches('\u{feff}')) else { return Subject::Calibration(path) };
-    if calibration::recognised("", text) == Ok(Format::Caliscope) {
+    if calibration::recognised("", text) == Ok(CalibrationFormat::Caliscope) {
         return Subject::Calibration(path);
     }
     let table = table.get_ref();
