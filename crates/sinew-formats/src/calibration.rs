@@ -101,7 +101,8 @@ pub fn recognised(name: &str, text: &str) -> Result<CalibrationFormat, Error> {
     if start.starts_with('{') {
         return Err(unknown("JSON".into()));
     }
-    if !start.lines().any(|line| line.trim_start().starts_with('[')) {
+    let mut lines = start.lines().map(str::trim_start).filter(|line| !line.is_empty() && !line.starts_with('#'));
+    if !lines.next().is_some_and(|line| line.starts_with('[') || line.contains('=')) {
         let first = shortened(start.lines().next().unwrap_or_default());
         return Err(unknown(format!("a text that begins with `{first}`")));
     }
