@@ -321,7 +321,7 @@ mod tests {
         check("rig.yml", &list, "a", 0);
         let names = format!(
             "%YAML:1.0\n---\nnames:\n  - \"1\"\nK_1: {MATRIX}\ndist_1: [ 0.1, 0.2, 0.01, 0.02, 0. ]\n\
-             R_1: [ 0.1, 0.2, 0.3 ]\nT_1: [ 1, 2, 3 ]\n"
+             %YAML:1.0\n---\nnames:\n  - \"1\"\nR_1: [ 0.1, 0.2, 0.3 ]\nT_1: [ 1, 2, 3 ]\n"
         );
         check("both.yml", &names, "1", 1);
         let views = format!(

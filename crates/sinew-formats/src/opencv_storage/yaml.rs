@@ -3,7 +3,7 @@
 use super::node::{Node, Value};
 use crate::source_text::{line_at, shortened, without_mark};
 use crate::{Error, Place};
-use std::collections::BTreeSet;
+use std::collections::BTreeMap;
 
 /// Nesting allowed; calibrations need four levels.
 const MAX_DEPTH: usize = 100;
@@ -110,8 +110,8 @@ impl<'a> Reader<'a> {
     }
 
     fn entries(&mut self, indent: usize, depth: usize) -> Result<Vec<(String, Node)>, Error> {
-        let mut entries = vec![];
-        let mut known = BTreeSet::new();
+        let mut entries: Vec<(String, Node)> = vec![];
+        let mut known = BTreeMap::new();
         while let Some(line) = self.peek().filter(|line| line.indent == indent && !is_item(line.text)) {
             let Some((key, after)) = key_of(line.text) else { return Err(self.unexpected(line, "`name: value`")) };
             let content = without_tag(after);
@@ -124,11 +124,16 @@ impl<'a> Reader<'a> {
             } else {
                 self.inline(Line { text: content, start: line.start + shift, ..line }, depth)?
             };
-            if !known.insert(key.clone()) {
+            // Two files in one may both say the same.
+            let first = known.get(&key).and_then(|&first: &usize| entries.get(first));
+            if first.is_some_and(|(_, first)| *first != node) {
                 let name = shortened(&key);
                 return Err(Error::DuplicateName { place: self.place(line.number), what: "key", name });
             }
-            entries.push((key, node));
+            if first.is_none() {
+                known.insert(key.clone(), entries.len());
+                entries.push((key, node));
+            }
         }
         Ok(entries)
     }
