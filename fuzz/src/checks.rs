@@ -5,8 +5,8 @@
 
 use sinew::formats::source_text::decode;
 use sinew::formats::{
-    Error, amc, asf, body_toml, bvh, calib_toml, camera_name, frame_number, layout, mask, mot, openpose, picture,
-    tidy_csv, trc,
+    Error, amc, asf, body_toml, bvh, calib_toml, calibration, camera_name, frame_number, layout, mask, mot, openpose,
+    picture, tidy_csv, trc,
 };
 use std::fmt::Display;
 
@@ -71,6 +71,35 @@ pub fn calib_toml(data: &[u8]) {
     if let Some(calibration) = accepted(calib_toml::read("Calib.toml", text)) {
         shown(&calibration.warnings);
         reread(calib_toml::write(&calibration.cameras).as_bytes(), calib_toml::read);
+    }
+}
+
+/// Calibrations of any program.
+pub fn calibration(data: &[u8]) {
+    use calibration::CalibrationFormat;
+    let Some(text) = text("cameras", data) else { return };
+    let Some(read) = accepted(calibration::read("cameras", text)) else { return };
+    shown(&read.warnings);
+    // Beyond these numbers other units overflow, and last pixels are lost to rounding.
+    let is_ordinary = |camera: &sinew::observe::Camera| {
+        let [width, height] = camera.image_size_px;
+        let numbers = [&camera.translation[..], &[camera.intrinsics.fx, camera.intrinsics.fy]].concat();
+        let is_whole = |pixels: f64| pixels.fract() == 0.0 && (1.0..1e9).contains(&pixels);
+        is_whole(width) && is_whole(height) && numbers.iter().all(|number| number.abs() < 1e100)
+    };
+    if read.cameras.iter().all(is_ordinary) {
+        for format in [
+            CalibrationFormat::Pose2Sim,
+            CalibrationFormat::Caliscope,
+            CalibrationFormat::Anipose,
+            CalibrationFormat::OpenCv,
+            CalibrationFormat::Qualisys,
+        ] {
+            if let Some(written) = accepted(calibration::write(&read.cameras, format)) {
+                assert_eq!(calibration::recognised("written", &written), Ok(format));
+                reread(written.as_bytes(), calibration::read);
+            }
+        }
     }
 }
 

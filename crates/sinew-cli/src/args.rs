@@ -3,6 +3,7 @@
 //! Flags that are settings come from the one table of settings; a command has the ones that it uses.
 
 use super::answer_args::Answer;
+use super::convert_args::ConvertArgs;
 use super::help_template::template;
 use super::learn_args::LearnCommand;
 use super::setting_args::{InspectSettings, TrackSettings, Typed};
@@ -116,8 +117,8 @@ pub(crate) enum Command {
     /// Write a synthetic recording: keypoints, silhouettes and pictures
     #[command(help_template = template!("sinew simulate -o walk", "sinew simulate --motion 07_01.amc --skeleton 07.asf --segmentation hard"))]
     Simulate(SimulateArgs),
-    /// Convert motion between TRC, BVH, MOT and CSV, and from ASF/AMC
-    #[command(help_template = template!("sinew convert markers.trc markers.csv", "sinew convert 07_01.amc walk.bvh --skeleton 07.asf"))]
+    /// Convert motion files (TRC, BVH, MOT, CSV, ASF/AMC) and calibrations
+    #[command(help_template = template!("sinew convert 07_01.amc walk.bvh --skeleton 07.asf", "sinew convert camera_array.toml Calib.toml"))]
     Convert(ConvertArgs),
     /// Make masks of who stands before a background that does not move
     #[command(help_template = template!(
@@ -189,24 +190,6 @@ pub(crate) struct InspectArgs {
     pub(crate) files: Vec<PathBuf>,
     #[command(flatten)]
     pub(crate) settings: Typed<InspectSettings>,
-    #[command(flatten)]
-    pub(crate) answer: Answer,
-}
-
-#[derive(Args, Debug)]
-pub(crate) struct ConvertArgs {
-    /// Motion file: .trc, .bvh, .mot, .csv or .amc
-    #[arg(value_name = "IN")]
-    pub(crate) input: PathBuf,
-    /// File to write: .trc, .bvh, .mot or .csv
-    #[arg(value_name = "OUT")]
-    pub(crate) output: PathBuf,
-    /// Skeleton of an .amc file
-    #[arg(long, value_name = "F.asf")]
-    pub(crate) skeleton: Option<PathBuf>,
-    /// Frames per second where the input has none [default: 120 for .amc]
-    #[arg(long, value_name = "F")]
-    pub(crate) fps: Option<f64>,
     #[command(flatten)]
     pub(crate) answer: Answer,
 }

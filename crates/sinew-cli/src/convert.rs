@@ -1,6 +1,8 @@
-//! `sinew convert`: one motion file becomes another.
+//! `sinew convert`: one motion file or calibration becomes another.
 
-use super::args::{ConvertArgs, General};
+use super::args::General;
+use super::convert_args::ConvertArgs;
+use super::convert_calibration;
 use super::ended::Ended;
 use super::error::Error;
 use super::report::{self, Report};
@@ -11,17 +13,20 @@ use sinew_tools::motion::{self, Format};
 
 /// Runs the command.
 pub(crate) fn run(args: &ConvertArgs, general: &General, report: &Report) -> Result<Ended, Error> {
+    if same_file(args) {
+        return Err(Error::InputIsOutput(args.input.clone()));
+    }
+    if let Some(format) = convert_calibration::format(args) {
+        check_free(args, general)?;
+        convert_calibration::run(args, format, report)?;
+        return Ok(Ended::Done);
+    }
     let format = Format::of(&args.output).map_err(sinew_tools::Error::from)?;
     if let Some(fps) = args.fps.filter(|fps| !(*fps > 0.0 && fps.is_finite())) {
         return Err(Error::NotPositive { flag: "fps", value: fps, help: "give frames per second, for example 120" });
     }
-    if same_file(args) {
-        return Err(Error::InputIsOutput(args.input.clone()));
-    }
     let motion = motion::read(&args.input, args.skeleton.as_deref(), args.fps)?;
-    if args.output.exists() && !general.force {
-        return Err(sinew::Error::OutputExists { path: args.output.clone(), found: Occupied::File }.into());
-    }
+    check_free(args, general)?;
     report.warnings(&motion.warnings);
     let name = args.output.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
     write_whole(&args.output, &motion::write(&motion, format, &name).map_err(sinew_tools::Error::from)?)?;
@@ -38,6 +43,14 @@ pub(crate) fn run(args: &ConvertArgs, general: &General, report: &Report) -> Res
         ))?;
     }
     Ok(Ended::Done)
+}
+
+/// Refuses to replace a file without `--force`.
+fn check_free(args: &ConvertArgs, general: &General) -> Result<(), Error> {
+    if args.output.exists() && !general.force {
+        return Err(sinew::Error::OutputExists { path: args.output.clone(), found: Occupied::File }.into());
+    }
+    Ok(())
 }
 
 fn same_file(args: &ConvertArgs) -> bool {

@@ -76,6 +76,9 @@ pub(crate) enum Error {
     /// A file that the run itself writes.
     #[error("{} is a file that the run itself writes", .0.display())]
     ResultIsOutput(PathBuf),
+    /// A frame rate for a calibration.
+    #[error("a calibration has no frame rate")]
+    RateOfCalibration,
     /// A skeleton for the walk, which has its own.
     #[error("the walk needs no skeleton")]
     SkeletonOfWalk,
@@ -185,6 +188,7 @@ impl Error {
             Self::TooFewToLeaveOut(_) => "give more cameras, or judge the run by other means (`sinew predict`)",
             Self::InputIsOutput(_) | Self::ResultIsOutput(_) => "write to another file",
             Self::NothingToDraw => "give one file of `sinew learn` or of a run with `--method hppf`, or leave `-o` out",
+            Self::RateOfCalibration => "`--fps` belongs to motion files; leave it out",
             Self::SkeletonOfWalk => "`--skeleton` belongs to .amc files; leave it out",
             Self::CrowdOfMotion => "leave `--motion` or `--people` out",
             Self::TooManyFrames(_) => "ask for less with `--duration` or `--fps`",

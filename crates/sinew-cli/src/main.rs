@@ -7,6 +7,8 @@ mod args;
 mod body;
 mod claimed;
 mod convert;
+mod convert_args;
+mod convert_calibration;
 mod demo;
 mod ended;
 mod error;

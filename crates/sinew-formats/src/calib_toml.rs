@@ -25,17 +25,12 @@
 //! # Ok::<(), sinew_formats::Error>(())
 //! ```
 
-use crate::rotation::{determinant, from_rodrigues, nearest_rotation, orthonormality_error, to_rodrigues};
+use crate::camera_checks;
+use crate::rotation::{Matrix, from_rodrigues, to_rodrigues};
 use crate::toml_text::{Document, Table, Value, array, key, quoted};
 use crate::{Error, Warning};
 use sinew_observe::{Camera, Intrinsics, Lens};
 use std::fmt::Write as _;
-
-/// Deviation of `R'R` from the identity up to which a rotation matrix is repaired without a word.
-const SILENT: f64 = 1e-6;
-
-/// Deviation up to which it is repaired with a warning.
-const REPAIRABLE: f64 = 1e-3;
 
 /// Cameras of a calibration file.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -56,14 +51,9 @@ pub fn read(name: &str, text: &str) -> Result<Calibration, Error> {
     let document = Document::parse(name, text)?;
     let mut calibration = Calibration::default();
     for (title, table) in document.root().tables() {
-        if title.eq_ignore_ascii_case("metadata") {
-            continue;
+        if !title.eq_ignore_ascii_case("metadata") {
+            add_camera(&mut calibration, title, table.within(title))?;
         }
-        let camera = camera(title, table.within(title), &mut calibration.warnings)?;
-        if calibration.cameras.iter().any(|other| other.name == camera.name) {
-            return Err(Error::DuplicateName { place: table.place(), what: "camera", name: camera.name });
-        }
-        calibration.cameras.push(camera);
     }
     if calibration.cameras.is_empty() {
         return Err(Error::MissingField { place: document.root().place(), field: "[camera]".into() });
@@ -71,58 +61,41 @@ pub fn read(name: &str, text: &str) -> Result<Calibration, Error> {
     Ok(calibration)
 }
 
-fn camera(title: &str, table: Table<'_>, warnings: &mut Vec<Warning>) -> Result<Camera, Error> {
+/// Reads the camera of a table; its name is the title where it has none.
+pub(crate) fn add_camera(calibration: &mut Calibration, title: &str, table: Table<'_>) -> Result<(), Error> {
+    let name = table.optional_string("name")?.unwrap_or_else(|| title.to_owned());
+    if calibration.cameras.iter().any(|other| other.name == name) {
+        return Err(Error::DuplicateName { place: table.place(), what: "camera", name });
+    }
+    let camera = camera(name, table, &mut calibration.warnings)?;
+    calibration.cameras.push(camera);
+    Ok(())
+}
+
+fn camera(name: String, table: Table<'_>, warnings: &mut Vec<Warning>) -> Result<Camera, Error> {
     let size = table.numbers::<2>("size")?;
     if !size.iter().all(|&pixels| pixels > 0.0) {
         return Err(table.require("size")?.must_be("two positive numbers, width and height in pixels"));
     }
-    let name = table.optional_string("name")?.unwrap_or_else(|| title.to_owned());
+    let value = table.require("matrix")?;
     Ok(Camera {
         name,
         image_size_px: size,
-        intrinsics: intrinsics(table, size, warnings)?,
+        intrinsics: camera_checks::intrinsics(value.place(), &matrix(value)?, size, warnings)?,
         lens: lens(table)?,
         rotation: rotation(table, warnings)?,
         translation: table.numbers::<3>("translation")?,
     })
 }
 
-fn intrinsics(table: Table<'_>, [width, height]: [f64; 2], warnings: &mut Vec<Warning>) -> Result<Intrinsics, Error> {
-    let value = table.require("matrix")?;
-    let [[fx, skew, cx], [m10, fy, cy], last] = matrix(value)?;
-    if m10 != 0.0 || last != [0.0, 0.0, 1.0] {
-        return Err(value.must_be("[[fx, 0, cx], [0, fy, cy], [0, 0, 1]]"));
-    }
-    let bad = |field: &str, found: f64, expected: String| Error::BadValue {
-        place: value.place(),
-        field: field.into(),
-        found: format!("{found}"),
-        expected,
-    };
-    for (field, focal) in [("fx", fx), ("fy", fy)] {
-        if focal.is_nan() || focal <= 0.0 {
-            return Err(bad(field, focal, "positive".into()));
-        }
-    }
-    for (field, centre, size) in [("cx", cx, width), ("cy", cy, height)] {
-        if !(-size..=2.0 * size).contains(&centre) {
-            return Err(bad(field, centre, format!("within one image of the image, {} to {}", -size, 2.0 * size)));
-        }
-    }
-    if skew != 0.0 {
-        warnings.push(Warning::SkewIgnored { place: value.place(), skew });
-    }
-    Ok(Intrinsics { fx, fy, cx, cy })
-}
-
 fn lens(table: Table<'_>) -> Result<Lens, Error> {
     let is_fisheye = table.get("fisheye").map_or(Ok(false), |value| value.bool())?;
     let value = table.require("distortions")?;
     let numbers = value.items()?.iter().map(Value::number).collect::<Result<Vec<f64>, Error>>()?;
-    Lens::from_coefficients(is_fisheye, &numbers).map_err(|expected| value.must_be(&expected))
+    camera_checks::lens(is_fisheye, &numbers).map_err(|expected| value.must_be(expected))
 }
 
-fn rotation(table: Table<'_>, warnings: &mut Vec<Warning>) -> Result<[[f64; 3]; 3], Error> {
+fn rotation(table: Table<'_>, warnings: &mut Vec<Warning>) -> Result<Matrix, Error> {
     let value = table.require("rotation")?;
     if value.items()?.iter().any(|item| item.items().is_err()) {
         return value.numbers::<3>().map(from_rodrigues).map_err(|error| match error {
@@ -130,24 +103,27 @@ fn rotation(table: Table<'_>, warnings: &mut Vec<Warning>) -> Result<[[f64; 3]; 
             other => other,
         });
     }
-    let matrix = matrix(value)?;
-    if determinant(&matrix) < 0.0 {
-        return Err(Error::MirrorRotation { place: value.place() });
-    }
-    let deviation = orthonormality_error(&matrix);
-    if deviation.is_nan() || deviation > REPAIRABLE {
-        return Err(Error::NotOrthonormal { place: value.place(), deviation });
-    }
-    if deviation > SILENT {
-        warnings.push(Warning::RotationRepaired { place: value.place(), deviation });
-    }
-    Ok(nearest_rotation(&matrix))
+    camera_checks::rotation(value.place(), &matrix(value)?, warnings)
 }
 
-fn matrix(value: Value<'_>) -> Result<[[f64; 3]; 3], Error> {
+fn matrix(value: Value<'_>) -> Result<Matrix, Error> {
     let rows = value.items()?;
     let [a, b, c] = rows[..] else { return Err(value.must_be("a 3 x 3 matrix")) };
     Ok([a.numbers()?, b.numbers()?, c.numbers()?])
+}
+
+/// The table of a camera, without its title and name, as Pose2Sim, Caliscope and Anipose have it.
+pub(crate) fn camera_fields(camera: &Camera, translation: [f64; 3]) -> String {
+    let Intrinsics { fx, fy, cx, cy } = camera.intrinsics;
+    let rows = [[fx, 0.0, cx], [0.0, fy, cy], [0.0, 0.0, 1.0]].map(|row| array(&row));
+    format!(
+        "matrix = [{}]\ndistortions = {}\nrotation = {}\ntranslation = {}\nfisheye = {}\n\n",
+        rows.join(", "),
+        array(&camera.lens.coefficients()),
+        array(&to_rodrigues(&camera.rotation)),
+        array(&translation),
+        camera.lens.is_fisheye(),
+    )
 }
 
 /// Writes a calibration that [`read`] and Pose2Sim read.
@@ -155,20 +131,14 @@ fn matrix(value: Value<'_>) -> Result<[[f64; 3]; 3], Error> {
 pub fn write(cameras: &[Camera]) -> String {
     let mut out = String::new();
     for camera in cameras {
-        let Intrinsics { fx, fy, cx, cy } = camera.intrinsics;
-        let rows = [[fx, 0.0, cx], [0.0, fy, cy], [0.0, 0.0, 1.0]].map(|row| array(&row));
         // Writing to a String cannot fail.
         let _ = write!(
             out,
-            "[{}]\nname = {}\nsize = {}\nmatrix = [{}]\ndistortions = {}\nrotation = {}\ntranslation = {}\nfisheye = {}\n\n",
+            "[{}]\nname = {}\nsize = {}\n{}",
             key(&camera.name),
             quoted(&camera.name),
             array(&camera.image_size_px),
-            rows.join(", "),
-            array(&camera.lens.coefficients()),
-            array(&to_rodrigues(&camera.rotation)),
-            array(&camera.translation),
-            camera.lens.is_fisheye(),
+            camera_fields(camera, camera.translation),
         );
     }
     out.push_str("[metadata]\nadjusted = false\nerror = 0.0\n");
@@ -259,7 +229,7 @@ mod tests {
         let matrix = |off: f64| format!("rotation = [[1, {off}, 0], [0, 1, 0], [0, 0, 1]]");
         let silent = read("Calib.toml", &with(4, &matrix(9e-7))).unwrap();
         assert_eq!(silent.warnings, []);
-        assert!(orthonormality_error(&silent.cameras[0].rotation) < 1e-15);
+        assert!(crate::rotation::orthonormality_error(&silent.cameras[0].rotation) < 1e-15);
         let warned = read("Calib.toml", &with(4, &matrix(5e-4))).unwrap();
         assert_eq!(
             warned.warnings[0].to_string(),

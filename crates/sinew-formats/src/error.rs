@@ -261,6 +261,24 @@ pub enum Error {
         /// Names in the calibration.
         calibrated: Vec<String>,
     },
+    /// A file of calibrated cameras in no known format.
+    #[error("{place}: {found}; expected a calibration of Pose2Sim, Caliscope, Anipose, FreeMoCap, Qualisys or OpenCV")]
+    UnknownCalibration {
+        /// File at fault.
+        place: Place,
+        /// What stands there.
+        found: String,
+    },
+    /// A camera that a format of calibrations cannot hold.
+    #[error("camera `{camera}` cannot be written for {program}: {reason}")]
+    CameraUnwritable {
+        /// Its name.
+        camera: String,
+        /// Program that reads the format.
+        program: &'static str,
+        /// What the format lacks.
+        reason: &'static str,
+    },
     /// A rotation matrix too far from orthonormal to be repaired.
     #[error("{place}: R'R differs from identity by {}", Rough(*deviation))]
     NotOrthonormal {

@@ -8,7 +8,12 @@
 //! | module | format | reads | writes |
 //! |---|---|---|---|
 //! | [`openpose`] | OpenPose-style JSON keypoints, with [`layout`], [`frame_number`] and [`camera_name`] | yes | yes |
+//! | [`calibration`] | calibrations, recognised by content: the five below | yes | yes |
 //! | [`calib_toml`] | Pose2Sim `Calib.toml` | yes | yes |
+//! | [`caliscope_cameras`] | Caliscope `camera_array.toml` | yes | yes |
+//! | [`anipose_cameras`] | Anipose and FreeMoCap `calibration.toml` | yes | yes |
+//! | [`qualisys_cameras`] | Qualisys `.qca.txt` | yes | yes |
+//! | [`opencv_cameras`] | OpenCV's YAML and XML | yes | YAML |
 //! | [`trc`], [`mot`] | trajectories of points, coordinates (OpenSim) | yes | yes |
 //! | [`bvh`] | skeleton and joint angles (Blender) | yes | yes |
 //! | [`tidy_csv`], [`point_table`] | tables with the unit in every column name | yes | yes |
@@ -34,24 +39,32 @@
 //! ```
 
 pub mod amc;
+pub mod anipose_cameras;
 pub mod asf;
 pub mod body_toml;
 pub mod bvh;
 pub mod calib_toml;
+pub mod calibration;
+pub mod caliscope_cameras;
+mod camera_checks;
 pub mod camera_name;
 mod error;
 pub mod frame_number;
 pub mod json_text;
 pub mod layout;
+mod length_unit;
 pub mod mask;
 pub mod mot;
 pub mod nearest;
 mod numbers;
+pub mod opencv_cameras;
+mod opencv_storage;
 pub mod openpose;
 pub mod picture;
 mod place;
 mod png_file;
 pub mod point_table;
+pub mod qualisys_cameras;
 pub mod rotation;
 mod row_time;
 pub mod source_text;
@@ -59,6 +72,7 @@ pub mod tidy_csv;
 mod toml_text;
 pub mod trc;
 mod warning;
+mod xml_text;
 pub mod zarr;
 
 pub use error::Error;

@@ -74,9 +74,14 @@ pub(crate) fn write_number(out: &mut impl io::Write, value: f64) -> io::Result<(
     write!(out, "{value:?}")
 }
 
+/// A size that is whole as a rule, without a fraction then.
+pub(crate) fn plain(value: f64) -> String {
+    if value.fract() == 0.0 && value.abs() < 1e15 { format!("{value:.0}") } else { format!("{value:?}") }
+}
+
 /// Writes a rate or a count that happens to be an `f64`: whole numbers without the fraction.
 pub(crate) fn write_plain(out: &mut impl io::Write, value: f64) -> io::Result<()> {
-    if value.fract() == 0.0 && value.abs() < 1e15 { write!(out, "{value:.0}") } else { write_number(out, value) }
+    if value.is_infinite() { write_number(out, value) } else { out.write_all(plain(value).as_bytes()) }
 }
 
 #[cfg(test)]

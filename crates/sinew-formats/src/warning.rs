@@ -54,6 +54,29 @@ pub enum Warning {
         /// Skew, pixels.
         skew: f64,
     },
+    /// A camera of a calibration that is not used.
+    CameraLeftOut {
+        /// Where it stands in the file.
+        place: Place,
+        /// Its name.
+        camera: String,
+        /// Why it is left out.
+        why: &'static str,
+    },
+    /// A calibration that states no unit, with cameras too far away for metres.
+    MillimetresAssumed {
+        /// File.
+        place: Place,
+        /// Distance of the farthest camera from the origin, in the unit of the file.
+        distance: f64,
+    },
+    /// A camera that was calibrated on its side or upside down.
+    TurnedView {
+        /// Camera.
+        place: Place,
+        /// By how much its program turns the picture.
+        degrees: f64,
+    },
     /// Cameras much farther away than a person is tall.
     FarCameras {
         /// Median distance from the origin, in the units of the file.
@@ -143,6 +166,15 @@ impl fmt::Display for Warning {
                 write!(f, "{place}: R'R differs from identity by {}; repaired", Rough(*deviation))
             }
             Self::SkewIgnored { place, skew } => write!(f, "{place}: skew of {skew} px ignored"),
+            Self::CameraLeftOut { place, camera, why } => write!(f, "{place}: camera `{camera}` is left out: {why}"),
+            Self::MillimetresAssumed { place, distance } => write!(
+                f,
+                "{place}: no unit is stated and a camera stands {distance:.0} units from the origin; millimetres assumed (`unit = \"m\"` states metres)"
+            ),
+            Self::TurnedView { place, degrees } => write!(
+                f,
+                "{place}: the view is turned by {degrees} degrees; the calibration is that of the picture as it is recorded, not turned"
+            ),
             Self::FarCameras { distance, height } => write!(
                 f,
                 "cameras stand {distance:.0} units from the origin but the skeleton is {height:.1} tall; are translations in millimetres?"

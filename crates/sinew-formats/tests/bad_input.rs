@@ -157,7 +157,7 @@ fn rotations_that_are_none() {
 #[test]
 fn lenses_with_other_numbers_of_coefficients() {
     let of = |count: usize| format!("{:?}", vec![0.25; count]);
-    assert_snapshot!(calibration("distortions", &of(12)).unwrap_err(), @"Calib.toml:6 (cam1): distortions = [0.25, 0.25, 0.25, 0.25, 0.25, 0.25, 0.2…; must be 4 or 5 numbers: k1, k2, p1, p2 and perhaps k3, or 8: k1, k2, p1, p2, k3, k4, k5, k6");
+    assert_snapshot!(calibration("distortions", &of(12)).unwrap_err(), @"Calib.toml:6 (cam1): distortions = [0.25, 0.25, 0.25, 0.25, 0.25, 0.25, 0.2…; must be 4 or 5 numbers: k1, k2, p1, p2 and perhaps k3, or 8: k1, k2, p1, p2, k3, k4, k5, k6; later ones are thin prisms and tilt, which no lens here has: calibrate without them");
     let fisheye = format!("{}\nfisheye = true", of(5));
     assert_snapshot!(calibration("distortions", &fisheye).unwrap_err(), @"Calib.toml:6 (cam1): distortions = [0.25, 0.25, 0.25, 0.25, 0.25]; must be 4 numbers: k1, k2, k3, k4 of a fisheye lens");
 }
@@ -222,4 +222,69 @@ fn odd_trajectory_files() {
     assert_snapshot!(warning(&|text| text.replace("X1", "X25")), @"a.trc: coordinate labels start with `X25` instead of `X1`; taken in order");
     assert_snapshot!(warning(&|text| text.replace("60\t2\t2", "60\t3\t2")), @"a.trc: NumFrames says 3, the file holds 2");
     assert_snapshot!(trc(|text| text.replace("9\n", "9\t10\n")).unwrap_err(), @"a.trc:8: 9 values; expected 8");
+}
+
+fn any_calibration(text: &str) -> Error {
+    calibration::read("cameras", text).unwrap_err()
+}
+
+#[test]
+fn calibrations_of_no_known_program() {
+    let error = any_calibration("{\"cameras\": []}");
+    assert_snapshot!(error, @"cameras: JSON; expected a calibration of Pose2Sim, Caliscope, Anipose, FreeMoCap, Qualisys or OpenCV");
+    assert_snapshot!(error.help().unwrap(), @"is this the right file? convert calibrations of other programs with Pose2Sim, or write the numbers into a Calib.toml");
+    assert_snapshot!(any_calibration("<vicon/>"), @"cameras: XML with the element <vicon>; expected a calibration of Pose2Sim, Caliscope, Anipose, FreeMoCap, Qualisys or OpenCV");
+}
+
+#[test]
+fn calibrations_of_caliscope() {
+    let file = include_str!("golden/camera_array.toml");
+    assert_snapshot!(any_calibration(&file.replace("0.5]\nrotation = [", "0.5]\nrotation = [\"x\", ")), @"cameras:17 (cam_1): rotation = [\"x\", 1.5707963267948963, 0.0, 0.0]; must be a Rodrigues vector of 3 numbers or a 3 x 3 matrix");
+    assert_snapshot!(any_calibration("[cameras.0]\nsize = [640, 480]\n"), @"cameras:1: `[cameras.N] with matrix, rotation and translation` is missing");
+}
+
+#[test]
+fn calibrations_of_anipose() {
+    let file = include_str!("golden/calibration.toml");
+    assert_snapshot!(any_calibration(&file.replace("\"mm\"", "\"inch\"")), @"cameras:22 (metadata): unit = \"inch\"; must be \"m\", \"cm\" or \"mm\"");
+    let far =
+        calibration::read("calibration.toml", &file.replace("error = 0.0\nunit = \"mm\"", "error = 0.3")).unwrap();
+    assert_snapshot!(far.warnings[0], @"calibration.toml: no unit is stated and a camera stands 3043 units from the origin; millimetres assumed (`unit = \"m\"` states metres)");
+    assert_eq!(far.cameras[0].translation, [0.3, 0.95, 2.875]);
+}
+
+#[test]
+fn calibrations_of_qualisys() {
+    let file = include_str!("golden/Calib.qca.txt");
+    let changed = |from: &str, to: &str| any_calibration(&file.replace(from, to));
+    assert_snapshot!(changed("sensorMaxU=\"69631.0\"", "sensorMaxU=\"1088\""), @"cameras:8 (cam_01): sensorMaxU = 1088; must be 64 for each of the 1088 pixels of the video");
+    assert_snapshot!(changed("<fov_video ", "<fov_marker "), @"cameras: `<camera> that is active and has <fov_video>, <transform> and <intrinsic>` is missing");
+    assert_snapshot!(changed("r11=\"1.0\"", "r11=\"1.5\""), @"cameras:7 (cam_01): R'R differs from identity by 1.2");
+    assert_snapshot!(changed("radialDistortion3", "radialDistortion4"), @"cameras:8 (cam_01): `radialDistortion3` is missing");
+    assert_snapshot!(changed("<calibration ", "<!DOCTYPE a [<!ENTITY b \"c\">]><calibration "), @"cameras:2: `<!DOCTYPE a [<!ENTITY b \"c\"` in XML is not supported");
+    assert_snapshot!(any_calibration(&file[..900]), @"cameras: ends inside a tag at byte 900 (line 11)");
+    let turned =
+        calibration::read("Calib.qca.txt", &file.replace("viewrotation=\"0\"", "viewrotation=\"90\"")).unwrap();
+    assert_snapshot!(turned.warnings[0], @"Calib.qca.txt:4 (cam_01): the view is turned by 90 degrees; the calibration is that of the picture as it is recorded, not turned");
+}
+
+#[test]
+fn calibrations_of_opencv() {
+    let file = include_str!("golden/cameras.yml");
+    let changed = |from: &str, to: &str| any_calibration(&file.replace(from, to));
+    assert_snapshot!(changed("-0.0007, 0.0022, 9.5e-6, 1.1e-5]", "0.1, 0, 0, 0, 0, 0, 0, 0, 0.25, 0, 0, 0]"), @"cameras:6 (cam_01): distortion_coefficients = [0.1, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0,…; must be 4 or 5 numbers: k1, k2, p1, p2 and perhaps k3, or 8: k1, k2, p1, p2, k3, k4, k5, k6; later ones are thin prisms and tilt, which no lens here has: calibrate without them");
+    assert_snapshot!(changed("tvec:", "centre:"), @"cameras:6 (cam_01): `tvec` is missing");
+    assert_snapshot!(changed("cameras:", "views:"), @"cameras: `cameras (or Ks, names, camera_matrix)` is missing");
+    assert_snapshot!(changed("image_width: 1088", "image_width: wide"), @"cameras:7 (cam_01): `wide`; expected a number");
+    let unsized_file = file.replace("image_width", "width_of_image");
+    assert_snapshot!(calibration::read("cameras.yml", &unsized_file).unwrap().warnings[0], @"cameras.yml:6 (cam_01): image size is not given; 1066 x 1896 px, twice the principal point, assumed");
+}
+
+#[test]
+fn cameras_that_a_format_cannot_hold() {
+    let file = include_str!("golden/cameras.yml").replace("fisheye: 0", "fisheye: 1").replace(", 0.5]", "]");
+    let cameras = calibration::read("cameras.yml", &file).unwrap().cameras;
+    let error = calibration::write(&cameras, calibration::CalibrationFormat::Qualisys).unwrap_err();
+    assert_snapshot!(error, @"camera `cam_01` cannot be written for Qualisys: its lens is neither perfect nor one with k1, k2, k3, p1 and p2");
+    assert_snapshot!(error.help().unwrap(), @"write another format: the formats of Pose2Sim, Caliscope, Anipose and OpenCV hold every camera");
 }

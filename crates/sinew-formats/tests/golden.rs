@@ -6,6 +6,7 @@
 use sinew_body::flesh::{DOWNWARDS, Flesh, Solid};
 use sinew_body::frustum::Frustum;
 use sinew_body::{Axis, Joint, KinematicTree, Link, Point};
+use sinew_formats::calibration::{self, CalibrationFormat};
 use sinew_formats::rotation::{IDENTITY, Matrix};
 use sinew_formats::tidy_csv::Cell;
 use sinew_formats::zarr::inference_data::{DrawsKind, Run, posterior, schema};
@@ -103,7 +104,16 @@ fn calibrations() {
         rotation: [[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]],
         translation: [0.3, 0.95, 2.875],
     };
-    check("Calib.toml", calib_toml::write(&[camera("cam_01", 0.0), camera("left front", 0.5)]).as_bytes());
+    let cameras = [camera("cam_01", 0.0), camera("left front", 0.5)];
+    check("Calib.toml", calib_toml::write(&cameras).as_bytes());
+    for (name, format) in [
+        ("camera_array.toml", CalibrationFormat::Caliscope),
+        ("calibration.toml", CalibrationFormat::Anipose),
+        ("cameras.yml", CalibrationFormat::OpenCv),
+        ("Calib.qca.txt", CalibrationFormat::Qualisys),
+    ] {
+        check(name, calibration::write(&cameras, format).unwrap().as_bytes());
+    }
 }
 
 #[test]

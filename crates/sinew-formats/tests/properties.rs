@@ -4,11 +4,12 @@ use proptest::prelude::*;
 use sinew_body::flesh::{Flesh, Solid};
 use sinew_body::frustum::Frustum;
 use sinew_body::{Axis, Joint, KinematicTree, Link, Point};
+use sinew_formats::calibration::CalibrationFormat;
 use sinew_formats::rotation::from_rodrigues;
 use sinew_formats::tidy_csv::Cell;
 use sinew_formats::*;
 use sinew_observe::bit_image::BitImage;
-use sinew_observe::lens::Brown;
+use sinew_observe::lens::{Brown, Lens};
 use sinew_observe::{Camera, Intrinsics, RgbImage};
 
 /// Finite numbers of every kind: zeros of both signs, denormals, 1e±300, ordinary ones.
@@ -109,6 +110,47 @@ prop_compose! {
             rotation: from_rodrigues(turn),
             translation,
         }).collect()
+    }
+}
+
+/// A rig as people have: lenses of every kind, cameras that see the origin.
+fn rig() -> impl Strategy<Value = Vec<Camera>> {
+    let lens = prop_oneof![
+        [-0.3..0.3f64, -0.1..0.1, -0.01..0.01, -0.01..0.01, -0.1..0.1].prop_map(|k| (false, k.to_vec())),
+        [-0.3..0.3f64, -0.1..0.1, -0.01..0.01, -0.01..0.01, -0.1..0.1, -0.3..0.3, -0.1..0.1, -0.1..0.1]
+            .prop_map(|k| (false, k.to_vec())),
+        [-0.1..0.1f64, -0.05..0.05, -0.01..0.01, -0.01..0.01].prop_map(|k| (true, k.to_vec())),
+    ];
+    let camera = (
+        lens,
+        [400.0..2000.0f64, 0.99..1.01],
+        [0.4..0.6f64, 0.4..0.6],
+        [-3.0..3.0f64, -3.0..3.0, -3.0..3.0],
+        2.0..9.0f64,
+    );
+    prop::collection::vec(camera, 1..5).prop_map(|cameras| {
+        let made =
+            cameras.into_iter().enumerate().map(|(i, ((is_fisheye, k), [fx, aspect], [cx, cy], turn, depth))| Camera {
+                name: format!("cam_{i}"),
+                image_size_px: [1920.0, 1080.0],
+                intrinsics: Intrinsics { fx, fy: aspect * fx, cx: cx * 1920.0, cy: cy * 1080.0 },
+                lens: Lens::from_coefficients(is_fisheye, &k).unwrap(),
+                rotation: from_rodrigues(turn),
+                translation: [0.1, -0.2, depth],
+            });
+        made.collect()
+    })
+}
+
+/// Both show the same point at the same pixel, to a billionth.
+fn check_same_pixels(a: &[Camera], b: &[Camera], point: [f64; 3]) {
+    assert_eq!(a.len(), b.len());
+    for (a, b) in a.iter().zip(b) {
+        assert_eq!((&a.name, a.image_size_px), (&b.name, b.image_size_px));
+        match (a.project(point).pixel(), b.project(point).pixel()) {
+            (Some(a), Some(b)) => assert!((a[0] - b[0]).hypot(a[1] - b[1]) < 1e-9, "{a:?} {b:?}"),
+            (a, b) => assert_eq!(a, b),
+        }
     }
 }
 
@@ -241,6 +283,25 @@ proptest! {
     }
 
     #[test]
+    fn calibrations_survive_every_format(cameras in rig(), point in [-1.0..1.0f64, -1.0..1.0, -1.0..1.0]) {
+        let mut passed_on = cameras.clone();
+        for format in [CalibrationFormat::Caliscope, CalibrationFormat::OpenCv, CalibrationFormat::Qualisys, CalibrationFormat::Anipose, CalibrationFormat::Pose2Sim] {
+            let Ok(written) = calibration::write(&cameras, format) else {
+                // Qualisys has one kind of lens.
+                let is_brown = |camera: &Camera| !camera.lens.is_fisheye() && camera.lens.coefficients().len() < 8;
+                prop_assert!(format == CalibrationFormat::Qualisys && !cameras.iter().all(is_brown));
+                continue;
+            };
+            prop_assert_eq!(calibration::recognised("a", &written), Ok(format));
+            let read = calibration::read("a", &written).unwrap();
+            prop_assert_eq!(read.warnings, []);
+            check_same_pixels(&cameras, &read.cameras, point);
+            passed_on = calibration::read("a", &calibration::write(&passed_on, format).unwrap()).unwrap().cameras;
+        }
+        check_same_pixels(&cameras, &passed_on, point);
+    }
+
+    #[test]
     fn keypoints_read_back_equal(people in prop::collection::vec(
         (0..3usize, prop::collection::vec(prop::option::of((number(), number(), 1e-6..=1.0f64)), 1..30)), 0..4,
     )) {
@@ -290,6 +351,9 @@ fn read_all(text: &str) {
         openpose::read("a.json", text, &openpose::OpenposeOptions::default()).err(),
         layout::read("a.toml", text).err(),
         calib_toml::read("a.toml", text).err(),
+        calibration::read("a.toml", text).err(),
+        qualisys_cameras::read("a.qca.txt", text).err(),
+        opencv_cameras::read("a.yml", text).err(),
         body_toml::read("a.toml", text).err(),
         trc::read("a.trc", text).err(),
         mot::read("a.mot", text).err(),
@@ -308,7 +372,7 @@ fn read_all(text: &str) {
 
 const ASF: &str = "# skeleton\n:version 1.10\n:units\n length 0.45\n angle deg\n:root\n order TX TY TZ RX RY RZ\n axis XYZ\n position 0 0 0\n orientation 0 0 5\n:bonedata\n begin\n id 1\n name a\n direction 0 -1 0\n length 7\n axis 0 0 20 XYZ\n dof rx rz\n limits (-10.0 170.0)\n (0 1)\n end\n begin\n name b\n direction 0 -1 0\n length 7\n axis 0 0 20 ZYX\n end\n:hierarchy\n begin\n root a\n a b\n end\n";
 
-const FILES: [&str; 9] = [
+const FILES: [&str; 12] = [
     "{\"version\":1.3,\"people\":[{\"person_id\":[-1],\"pose_keypoints_2d\":[505.232,431.63,0.664216,null,NaN,0.60741,0,0,0]},{}],\"x\":\"a\\\"}[\"}",
     "name = \"mine\"\npoints = [\"Nose\", \"\", \"LHip\"]\n",
     "[cam_01]\nname = \"cam_01\"\nsize = [ 1088.0, 1920.0]\nmatrix = [ [ 1681.2, 0.0, 532.9], [ 0.0, 1681.0, 948.1], [ 0.0, 0.0, 1.0]]\ndistortions = [ -0.0007, 0.002, 9.5e-06, 1.0e-05]\nrotation = [[1, 0, 0.0001], [0, 1, 0], [0, 0, 1]]\ntranslation = [ 0.3, 0.9, 2.8]\nfisheye = false\n\n[metadata]\nadjusted = false\n",
@@ -318,6 +382,9 @@ const FILES: [&str; 9] = [
     "HIERARCHY\nROOT Hips\n{\n\tOFFSET 0 0 0\n\tCHANNELS 6 Xposition Yposition Zposition Zrotation Yrotation Xrotation\n\tJOINT Leg\n\t{\n\t\tOFFSET 0 -1 0\n\t\tCHANNELS 1 Zrotation\n\t\tEnd Site\n\t\t{\n\t\t\tOFFSET 0 -2 0\n\t\t}\n\t}\n}\nMOTION\nFrames: 1\nFrame Time: .0083333\n1 2 3 90 0 0 45\n",
     ":FULLY-SPECIFIED\n:DEGREES\n1\nroot 1 2 3 4 5 6\na 7 8\n2\na 7 -9.5e-15\nroot 1 2 3 4 5 6\n",
     "time_s,RHip_x_m,\"RHip_y_m\",RHip_z_m\r\n0.0,1,2,3\r\n0.1,\"1\",NaN,\r\n",
+    include_str!("golden/camera_array.toml"),
+    include_str!("golden/Calib.qca.txt"),
+    include_str!("golden/cameras.yml"),
 ];
 
 /// Which reader takes which of the files.
@@ -333,6 +400,9 @@ fn the_files_are_valid() {
     assert!(bvh::read("a", FILES[6]).is_ok());
     assert!(amc::read("a", FILES[7], &skeleton).is_ok());
     assert!(point_table::from_numbers("a", &tidy_csv::read_numbers("a", FILES[8]).unwrap()).is_ok());
+    assert!(caliscope_cameras::read("a", FILES[9]).is_ok());
+    assert!(qualisys_cameras::read("a", FILES[10]).is_ok());
+    assert!(opencv_cameras::read("a", FILES[11]).is_ok());
 }
 
 #[test]
@@ -381,6 +451,11 @@ fn a_megabyte_of_nonsense_is_no_burden() {
         megabyte("{\"people\":[", &|_| "{},".into()),
         megabyte("{\"people\":[{\"pose_keypoints_2d\":[", &|_| "NaN,".into()),
         megabyte(&trc_header.replace("R Hip\t\t\t", &many_markers), &|i| format!("{i}\t{i}\n")),
+        megabyte("<calibration><cameras>", &|i| format!("<camera serial='{i}'/>")),
+        megabyte("<calibration ", &|i| format!("a{i}='&&' ")),
+        megabyte("%YAML:1.0\n", &|i| format!("a{i}:\n- b\n")),
+        megabyte("%YAML:1.0\na: [", &|_| "1,".into()),
+        megabyte("%YAML:1.0\nnames:\n", &|i| format!("- {i}\n")),
         megabyte("a\n", &|_| "1\n".into()),
         megabyte("", &|_| ",".into()),
         megabyte("", &|_| "\"\"".into()),

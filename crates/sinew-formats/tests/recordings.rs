@@ -3,6 +3,7 @@
 mod common;
 
 use common::{data, rows, text};
+use sinew_formats::calibration::{self, CalibrationFormat};
 use sinew_formats::{amc, asf, bvh, calib_toml, camera_name, frame_number, layout, mot, openpose, trc};
 use std::collections::BTreeMap;
 
@@ -113,6 +114,61 @@ fn cameras_stand_where_the_recording_says() {
             assert!((a - b).abs() <= 1e-15);
         }
     }
+}
+
+/// Pose2Sim divides distortions by 64 when it converts a calibration of Qualisys, and nothing else differs.
+#[test]
+fn the_calibration_of_qualisys_is_that_which_was_converted_but_for_the_lens() {
+    let Some(folder) = data("pose2sim_single") else { return };
+    let original = text(&folder.join("Calib.qca.txt"));
+    assert_eq!(calibration::recognised("Calib.qca.txt", &original), Ok(CalibrationFormat::Qualisys));
+    let original = calibration::read("Calib.qca.txt", &original).unwrap();
+    let converted = calibration::read("Calib.toml", &text(&folder.join("Calib.toml"))).unwrap();
+    assert_eq!((original.warnings, original.cameras.len()), (vec![], 4));
+    for (a, b) in original.cameras.iter().zip(converted.cameras) {
+        assert_eq!((&a.name, a.image_size_px, a.intrinsics), (&b.name, b.image_size_px, b.intrinsics));
+        check_point(&a.name, a.centre(), b.centre(), 1e-7);
+        for (a, b) in a.lens.coefficients().iter().zip(b.lens.coefficients()) {
+            assert!((a - 64.0 * b).abs() < 1e-12, "{a} {b}");
+        }
+        let undistorted = sinew_observe::Camera { lens: b.lens, ..a.clone() };
+        let [now, then] = [&undistorted, &b].map(|camera| camera.project([0.1, 0.2, 1.0]).pixel().unwrap());
+        assert!((now[0] - then[0]).hypot(now[1] - then[1]) < 1e-4, "{now:?} {then:?}");
+    }
+}
+
+/// The points that Caliscope triangulated lie where its cameras saw them.
+#[test]
+fn cameras_of_caliscope_show_what_it_triangulated() {
+    let Some(folder) = data("caliscope_gesture") else { return };
+    let array = text(&folder.join("camera_array.toml"));
+    assert_eq!(calibration::recognised("camera_array.toml", &array), Ok(CalibrationFormat::Caliscope));
+    let read = calibration::read("camera_array.toml", &array).unwrap();
+    assert_eq!(read.warnings, []);
+    let names: Vec<&str> = read.cameras.iter().map(|camera| &camera.name[..]).collect();
+    assert_eq!(names, ["cam_0", "cam_1", "cam_2", "cam_3"]);
+    let table = |name: &str, header: &str| -> Vec<Vec<f64>> {
+        let text = text(&folder.join(name));
+        assert!(text.starts_with(header), "{name}");
+        text.lines().skip(1).take(4000).map(cells).collect()
+    };
+    let seen = table("xy_HOLISTIC.csv", "sync_index,port,frame_index,frame_time,point_id,img_loc_x,img_loc_y");
+    let space = table("xyz_HOLISTIC.csv", ",sync_index,point_id,x_coord,y_coord,z_coord");
+    let mut distances: Vec<f64> = seen
+        .iter()
+        .filter_map(|row| {
+            let point = space.iter().find(|point| point[1] == row[0] && point[2] == row[4])?;
+            let shown = read.cameras[row[1] as usize].project([point[3], point[4], point[5]]).pixel()?;
+            Some((shown[0] - row[5]).hypot(shown[1] - row[6]))
+        })
+        .collect();
+    distances.sort_by(f64::total_cmp);
+    assert!(distances.len() > 500, "{}", distances.len());
+    assert!(distances[distances.len() / 2] < 12.0, "{}", distances[distances.len() / 2]);
+}
+
+fn cells(line: &str) -> Vec<f64> {
+    line.split(',').map(|cell| cell.parse().unwrap_or(f64::NAN)).collect()
 }
 
 #[test]

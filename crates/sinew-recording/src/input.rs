@@ -13,7 +13,6 @@ pub mod limbs;
 pub mod missing_path;
 pub mod one_person;
 pub mod pictures;
-pub mod qualisys;
 pub mod recording;
 pub mod roll;
 pub mod silhouettes;

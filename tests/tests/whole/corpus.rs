@@ -56,6 +56,7 @@ fn valid_files_are_read() {
     let text = |target: &str| String::from_utf8(bytes(target)).unwrap();
     formats::openpose::read("valid", &text("openpose"), &formats::openpose::OpenposeOptions::default()).unwrap();
     formats::calib_toml::read("valid", &text("calib_toml")).unwrap();
+    assert_eq!(formats::calibration::read("valid", &text("calibration")).unwrap().cameras.len(), 1);
     formats::layout::read("valid", &text("layout")).unwrap();
     formats::body_toml::read("valid", &text("body_toml")).unwrap();
     formats::trc::read("valid", &text("trc")).unwrap();

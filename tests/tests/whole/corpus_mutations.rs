@@ -140,6 +140,7 @@ macro_rules! targets {
 targets! {
     openpose: 10_000,
     calib_toml: 10_000,
+    calibration: 10_000,
     layout: 10_000,
     body_toml: 10_000,
     trc: 10_000,

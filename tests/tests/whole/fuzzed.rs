@@ -11,9 +11,10 @@ use std::path::Path;
 pub type Check = fn(&[u8]);
 
 /// Every fuzz target.
-pub const CHECKS: [(&str, Check); 21] = [
+pub const CHECKS: [(&str, Check); 22] = [
     ("openpose", checks::openpose),
     ("calib_toml", checks::calib_toml),
+    ("calibration", checks::calibration),
     ("layout", checks::layout),
     ("body_toml", checks::body_toml),
     ("trc", checks::trc),

@@ -6,6 +6,7 @@ mod angles_real;
 mod bad_keypoints;
 mod bad_settings;
 mod bad_silhouette_runs;
+mod calibrations;
 mod checkpoint_fields;
 mod clean_masks;
 mod common;

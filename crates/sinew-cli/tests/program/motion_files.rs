@@ -174,7 +174,7 @@ fn files_are_described() {
     insta::assert_snapshot!("inspect_motion", shown(&["a.trc", "a.bvh"]));
     trial.edit(&trial.path("Calib.toml"), |text| text.replace("translation = ", "translation = [9000.0, 0.0, 0.0] # "));
     let calibration = shown(&["Calib.toml"]);
-    assert!(calibration.starts_with("Calib.toml: calibration of 4 cameras\n  C1"), "{calibration}");
+    assert!(calibration.starts_with("Calib.toml: calibration of 4 cameras (Pose2Sim)\n  C1"), "{calibration}");
     assert!(calibration.contains("are translations in millimetres?"), "{calibration}");
     insta::assert_snapshot!("inspect_nothing", trial.printed(&trial.run(&["inspect", "notes.txt"])));
     let json: serde_json::Value = serde_json::from_slice(&trial.run(&["inspect", "a.bvh", "--json"]).stdout).unwrap();

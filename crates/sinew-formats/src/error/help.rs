@@ -31,6 +31,8 @@ impl Error {
             Self::FrameRanges { .. } => "pass `--trim` to use only the frames that all cameras have".into(),
             Self::CameraCollision { .. } => "rename one of them".into(),
             Self::NoCalibration { .. } => "folders and calibration are matched by name; rename the folder or leave the camera out with `--cameras`".into(),
+            Self::UnknownCalibration { .. } => "is this the right file? convert calibrations of other programs with Pose2Sim, or write the numbers into a Calib.toml".into(),
+            Self::CameraUnwritable { .. } => "write another format: the formats of Pose2Sim, Caliscope, Anipose and OpenCV hold every camera".into(),
             Self::NotOrthonormal { .. } => "calibrate again or export the rotation with more digits".into(),
             Self::MirrorRotation { .. } => "export the calibration with right-handed axes (x right, y down, z forward)".into(),
             Self::TimeBackwards { .. } => "sort the rows by time".into(),

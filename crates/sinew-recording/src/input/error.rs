@@ -89,14 +89,6 @@ pub enum InputError {
         /// What it holds.
         contents: FolderContents,
     },
-    /// A calibration in the format of Qualisys.
-    #[error("`{}` is a calibration of Qualisys (XML); expected a Calib.toml", file.display())]
-    Qualisys {
-        /// File.
-        file: PathBuf,
-        /// Files `.toml` beside it.
-        beside: Vec<String>,
-    },
     /// A camera's folder without files.
     #[error("`{}` holds no {kind}", folder.display())]
     NoFiles {
@@ -315,15 +307,6 @@ impl InputError {
                 FolderContents::Videos(_) => DETECT.into(),
                 FolderContents::Other => "give the path of a file".into(),
             },
-            Self::Qualisys { beside, .. } => {
-                let convert = "convert it, for example with Pose2Sim (`calibration_type = 'convert'`, `convert_from = 'qualisys'`)";
-                match beside.as_slice() {
-                    [] => convert.into(),
-                    names => {
-                        format!("{convert}, or give `{}`, which is beside it, if it is the same", names.join("` or `"))
-                    }
-                }
-            }
             Self::NoImages { many, .. } => format!("give the folder that holds the {many} of all cameras"),
             Self::ImagesWithoutCamera { many, .. } => {
                 format!("move the {many} of each camera into a folder of its name; is this the folder of one camera?")

@@ -54,7 +54,7 @@ impl Recording {
     /// Opens the keypoint folder of the cameras in a calibration file.
     ///
     /// # Errors
-    /// What [`sinew_formats::calib_toml::read`] refuses; folders that do not fit the calibration; cameras that begin or end apart, unless trimmed; an empty selection; a layout
+    /// What [`sinew_formats::calibration::read`] refuses; folders that do not fit the calibration; cameras that begin or end apart, unless trimmed; an empty selection; a layout
     /// that is unknown or too poor.
     pub fn open(calibration: &Path, keypoints: &Path, options: &RecordingOptions) -> Result<Self, Error> {
         let Calibrated { cameras, names: calibrated, mut warnings, hash: calibration_hash } =

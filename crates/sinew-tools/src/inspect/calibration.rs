@@ -3,9 +3,8 @@
 use super::facts::Facts;
 use crate::Error;
 use sinew::files::read_text;
-use sinew::input::qualisys::refuse_qualisys;
-use sinew_formats::calib_toml;
 use sinew_formats::source_text::MAX_CONFIG_BYTES;
+use sinew_formats::{calib_toml, calibration};
 use std::path::Path;
 
 /// Height of a person for the question whether a calibration is in metres.
@@ -13,9 +12,12 @@ const HEIGHT_M: f64 = 1.7;
 
 pub(super) fn facts(path: &Path) -> Result<Facts, Error> {
     let text = read_text(path, MAX_CONFIG_BYTES)?;
-    refuse_qualisys(path, &text)?;
-    let calibration = calib_toml::read(&path.display().to_string(), &text)?;
-    let mut facts = Facts::new(format!("{}: calibration of {} cameras", path.display(), calibration.cameras.len()));
+    let name = path.display().to_string();
+    let program = calibration::recognised(&name, &text)?.program();
+    let calibration = calibration::read(&name, &text)?;
+    let count = calibration.cameras.len();
+    let many = if count == 1 { "camera" } else { "cameras" };
+    let mut facts = Facts::new(format!("{name}: calibration of {count} {many} ({program})"));
     for camera in &calibration.cameras {
         let [width, height] = camera.image_size_px;
         let [x, y, z] = camera.centre();

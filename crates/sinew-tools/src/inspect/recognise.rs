@@ -7,9 +7,9 @@ use crate::Error;
 use crate::result_table::ResultTable;
 use sinew::files::read_text;
 use sinew::input::folder_contents::is_video;
-use sinew::input::qualisys::refuse_qualisys;
 use sinew_dynamics::model_file::{MAX_BYTES, is_of};
 use sinew_dynamics::primitives::file;
+use sinew_formats::calibration;
 use sinew_formats::source_text::{MAX_CONFIG_BYTES, MAX_TEXT_BYTES};
 use sinew_latent::file as latent_file;
 use std::path::{Path, PathBuf};
@@ -68,10 +68,14 @@ fn subject(path: &Path) -> Result<Subject, Error> {
             if let Some(model) = model(path) {
                 return Ok(model);
             }
-            if let Ok(text) = read_text(path, MAX_CONFIG_BYTES) {
-                refuse_qualisys(path, &text)?;
+            let text = read_text(path, MAX_CONFIG_BYTES).unwrap_or_default();
+            match calibration::recognised(&path.display().to_string(), &text) {
+                Ok(_) => Ok(Subject::Calibration(path_buf)),
+                Err(sinew_formats::Error::UnknownCalibration { .. }) => {
+                    Err(InspectError::UnknownKind { path: path_buf }.into())
+                }
+                Err(damaged) => Err(damaged.into()),
             }
-            Err(InspectError::UnknownKind { path: path_buf }.into())
         }
     }
 }

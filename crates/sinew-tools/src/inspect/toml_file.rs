@@ -3,6 +3,7 @@
 //! | keys | file |
 //! |---|---|
 //! | `schema` and `body` | set-up of a run, `setup.toml` |
+//! | `[cameras.N]`, or `[cam_N]` with a `port` | calibration of Caliscope |
 //! | `[[link]]` | body |
 //! | `points = […]` | mapping of keypoints |
 //! | a setting outside tables, `root` | configuration, `sinew.toml` |
@@ -10,6 +11,7 @@
 
 use super::subject::Subject;
 use sinew::config::{file, table};
+use sinew_formats::calibration::{self, CalibrationFormat};
 use std::path::PathBuf;
 use toml::de::{DeTable, DeValue};
 
@@ -17,6 +19,9 @@ use toml::de::{DeTable, DeValue};
 pub(super) fn subject(path: PathBuf, text: &str) -> Subject {
     // The calibration's reader says what is wrong with a text that is no TOML.
     let Ok(table) = DeTable::parse(text.trim_start_matches('\u{feff}')) else { return Subject::Calibration(path) };
+    if calibration::recognised("", text) == Ok(CalibrationFormat::Caliscope) {
+        return Subject::Calibration(path);
+    }
     let table = table.get_ref();
     let value = |key: &str| table.iter().find(|(name, _)| name.get_ref() == key).map(|(_, value)| value.get_ref());
     let is_array = |key: &str| matches!(value(key), Some(DeValue::Array(_)));
@@ -48,6 +53,7 @@ mod tests {
         check("points = [\"Nose\"]\n", Subject::Layout);
         check("\u{feff}fps = 60\nparticels = 3\n", Subject::Configuration);
         check("root = true\n", Subject::Configuration);
+        check("fps = 6\n[cam_1]\nport = 1\n", Subject::Calibration);
         check("[body]\nname = \"a camera of that name\"\n", Subject::Calibration);
         check("fps = = 60\n", Subject::Calibration);
         check("", Subject::Calibration);

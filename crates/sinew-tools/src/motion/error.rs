@@ -109,7 +109,9 @@ impl MotionError {
     #[must_use]
     pub fn help(&self) -> Option<String> {
         let fixed = match self {
-            Self::UnknownExtension { .. } => "known: .trc, .bvh, .mot, .csv, and .amc to read",
+            Self::UnknownExtension { .. } => {
+                "known: .trc, .bvh, .mot, .csv, and .amc to read; calibrations are written as .toml, .yml and .qca.txt"
+            }
             Self::NeedlessSkeleton { .. } => "`--skeleton` belongs to .amc files; leave it out",
             Self::NoSkeleton { .. } => "give its skeleton with `--skeleton FILE.asf`",
             Self::NoMotion { motions, .. } => return Some(format!("convert {motions}")),

@@ -41,7 +41,7 @@ const fn unhashed(setting: Setting) -> Setting {
 /// Settings before the settings of single methods.
 #[rustfmt::skip]
 const FIRST: &[Setting] = &[
-    common((INPUT, "calibration", SettingKind::Path, "FILE", "", "calibration of the cameras (Calib.toml of Pose2Sim)")),
+    common((INPUT, "calibration", SettingKind::Path, "FILE", "", "calibration of the cameras, of Pose2Sim or another program")),
     common((INPUT, "keypoints", SettingKind::Path, "DIR", "", "keypoints, one folder <camera>_json per camera")),
     common((INPUT, "silhouettes", SettingKind::Path, "DIR", "", "masks of the person, <camera>_<frame>.png or a folder per camera")),
     common((INPUT, "images", SettingKind::Path, "DIR", "", "images with masks, for edges and (score parts) colours; may be sparse")),

@@ -1,10 +1,9 @@
 //! The cameras of a calibration file, and the chosen ones.
 
 use crate::input::error::InputError;
-use crate::input::qualisys::refuse_qualisys;
 use crate::{Error, files};
 use sinew_formats::source_text::MAX_CONFIG_BYTES;
-use sinew_formats::{calib_toml, camera_name};
+use sinew_formats::{calibration, camera_name};
 use sinew_observe::Camera;
 use std::path::Path;
 
@@ -21,14 +20,13 @@ pub struct Calibrated {
 }
 
 impl Calibrated {
-    /// Reads `Calib.toml`.
+    /// Reads a calibration of any format.
     ///
     /// # Errors
-    /// A file that cannot be read, a calibration of Qualisys, and what [`calib_toml::read`] refuses.
+    /// A file that cannot be read, and what [`calibration::read`] refuses.
     pub fn read(path: &Path) -> Result<Self, Error> {
         let text = files::read_text(path, MAX_CONFIG_BYTES)?;
-        refuse_qualisys(path, &text)?;
-        let read = calib_toml::read(&path.display().to_string(), &text)?;
+        let read = calibration::read(&path.display().to_string(), &text)?;
         Ok(Self {
             names: read.cameras.iter().map(|camera| camera.name.clone()).collect(),
             cameras: read.cameras,

@@ -1,0 +1,50 @@
+//! Arguments of `sinew convert`.
+
+use super::answer_args::Answer;
+use clap::{Args, ValueEnum};
+use sinew::formats::calibration::CalibrationFormat;
+use std::path::PathBuf;
+
+#[derive(Args, Debug)]
+pub(crate) struct ConvertArgs {
+    /// Motion file (.trc, .bvh, .mot, .csv or .amc), or a calibration
+    #[arg(value_name = "IN")]
+    pub(crate) input: PathBuf,
+    /// File to write: .trc, .bvh, .mot or .csv; for a calibration .toml, .yml or .qca.txt
+    #[arg(value_name = "OUT")]
+    pub(crate) output: PathBuf,
+    /// Program that is to read the calibration [default: by the name of OUT]
+    #[arg(long, value_enum, value_name = "PROGRAM")]
+    pub(crate) to: Option<Program>,
+    /// Skeleton of an .amc file
+    #[arg(long, value_name = "F.asf")]
+    pub(crate) skeleton: Option<PathBuf>,
+    /// Frames per second where the input has none [default: 120 for .amc]
+    #[arg(long, value_name = "F")]
+    pub(crate) fps: Option<f64>,
+    #[command(flatten)]
+    pub(crate) answer: Answer,
+}
+
+/// Programs that calibrations are written for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Program {
+    Pose2sim,
+    Caliscope,
+    Anipose,
+    Freemocap,
+    Opencv,
+    Qualisys,
+}
+
+impl Program {
+    pub(crate) const fn format(self) -> CalibrationFormat {
+        match self {
+            Self::Pose2sim => CalibrationFormat::Pose2Sim,
+            Self::Caliscope => CalibrationFormat::Caliscope,
+            Self::Anipose | Self::Freemocap => CalibrationFormat::Anipose,
+            Self::Opencv => CalibrationFormat::OpenCv,
+            Self::Qualisys => CalibrationFormat::Qualisys,
+        }
+    }
+}

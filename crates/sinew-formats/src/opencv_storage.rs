@@ -1,0 +1,117 @@
+//! Files of OpenCV's `FileStorage`: a tree of names, texts and numbers, as YAML or XML.
+//!
+//! ```yaml
+//! %YAML:1.0
+//! ---
+//! camera_matrix: !!opencv-matrix
+//!    rows: 3
+//!    cols: 3
+//!    dt: d
+//!    data: [ 500.5, 0., 320., 0., 501.25, 240., 0., 0., 1. ]
+//! names:
+//!    - "left"
+//! ```
+//!
+//! The YAML is that which OpenCV writes: maps and lists by indentation, lists and maps in brackets, texts with and without
+//! quotes, comments; no anchors, no blocks of text. A matrix is a map with its numbers in `data`, rows first.
+
+mod node;
+mod yaml;
+
+use crate::source_text::{shortened, without_mark};
+use crate::xml_text::{self, Element, unescaped};
+use crate::{Error, Place};
+pub(crate) use node::Node;
+use node::Value;
+
+/// Outermost element of the XML form.
+const ROOT: &str = "opencv_storage";
+
+/// Whether a text is such a file, by its first words.
+pub(crate) fn is_of(text: &str) -> bool {
+    let start = without_mark(text).trim_start();
+    start.starts_with("%YAML")
+        || start.contains("!!opencv-matrix")
+        || (start.starts_with('<') && start.contains("<opencv_storage"))
+}
+
+/// Parses a file into its outermost map.
+pub(crate) fn parse(name: &str, text: &str) -> Result<Node, Error> {
+    if !without_mark(text).trim_start().starts_with('<') {
+        return yaml::parse(name, text);
+    }
+    let root = xml_text::parse(name, text)?;
+    if root.name == ROOT {
+        return Ok(from_xml(&root));
+    }
+    Err(Error::Syntax {
+        place: Place::file(name).at_line(root.line),
+        found: format!("<{}>", shortened(root.name)),
+        expected: format!("<{ROOT}>"),
+    })
+}
+
+fn from_xml(element: &Element<'_>) -> Node {
+    let line = element.line;
+    if element.children.is_empty() && element.name != ROOT {
+        let mut items = tokens(&element.text);
+        let scalar = |text| Node { line, value: Value::Scalar(text) };
+        return match items.len() {
+            1 => scalar(items.remove(0)),
+            _ => Node { line, value: Value::List(items.into_iter().map(scalar).collect()) },
+        };
+    }
+    let value = if element.children.iter().all(|child| child.name == "_") && element.name != ROOT {
+        Value::List(element.children.iter().map(from_xml).collect())
+    } else {
+        Value::Map(element.children.iter().map(|child| (child.name.to_owned(), from_xml(child))).collect())
+    };
+    Node { line, value }
+}
+
+/// Words of a text; what stands in quotes is one.
+fn tokens(text: &str) -> Vec<String> {
+    let mut found = vec![];
+    let mut rest = text.trim_start();
+    while !rest.is_empty() {
+        let (token, after) = match rest.strip_prefix('"') {
+            Some(quoted) => quoted.split_once('"').unwrap_or((quoted, "")),
+            None => rest.split_at(rest.find(char::is_whitespace).unwrap_or(rest.len())),
+        };
+        found.push(unescaped(token));
+        rest = after.trim_start();
+    }
+    found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const XML: &str = "<?xml version=\"1.0\"?>\n<opencv_storage>\n<cameras>\n  <_>\n    <name>\"cam &quot;0&quot; b\"</name>\n    <k type_id=\"opencv-matrix\">\n      <rows>1</rows>\n      <cols>2</cols>\n      <data>\n        500.5 1.</data></k></_></cameras>\n<names>\n  \"1\" \"b c\"</names>\n</opencv_storage>\n";
+    const YAML: &str = "%YAML:1.0\n---\ncameras:\n   -\n      name: \"cam \\\"0\\\" b\"\n      k: !!opencv-matrix\n         rows: 1\n         cols: 2\n         data: [ 500.5,\n             1. ]\nnames:\n   - \"1\"\n   - b c\n";
+
+    #[test]
+    fn both_forms_hold_the_same() {
+        for text in [XML, YAML] {
+            let root = parse("a", text).unwrap();
+            let camera = &root.get("cameras").unwrap().items()[0];
+            assert_eq!(camera.get("name").unwrap().text(), Some("cam \"0\" b"));
+            assert_eq!(camera.get("k").unwrap().numbers("a", "k").unwrap(), [500.5, 1.0]);
+            let names: Vec<_> = root.get("names").unwrap().items().iter().filter_map(Node::text).collect();
+            assert_eq!(names, ["1", "b c"]);
+        }
+    }
+
+    #[test]
+    fn numbers_that_are_none_are_placed() {
+        let error = |number: &str| {
+            let root = parse("a.yml", &format!("%YAML:1.0\n---\nk: [ 1., {number} ]\n")).unwrap();
+            root.get("k").unwrap().numbers("a.yml", "k").unwrap_err().to_string()
+        };
+        assert_eq!(error("-.Inf"), "a.yml (k): value out of range at line 3");
+        assert_eq!(error("x"), "a.yml:3 (k): `x`; expected a number");
+        let error = parse("a.xml", "<calibration/>").unwrap_err();
+        assert_eq!(error.to_string(), "a.xml:1: <calibration>; expected <opencv_storage>");
+    }
+}
