@@ -8,6 +8,7 @@
 //! | module | format | reads | writes |
 //! |---|---|---|---|
 //! | [`openpose`] | OpenPose-style JSON keypoints, with [`layout`], [`frame_number`] and [`camera_name`] | yes | yes |
+//! | [`keypoint_formats`] | keypoints of whole recordings: [`caliscope_xy`], [`deeplabcut_csv`], [`mmpose_json`], [`coco_results`], [`mediapipe_json`] | yes | – |
 //! | [`calib_toml`] | Pose2Sim `Calib.toml` | yes | yes |
 //! | [`trc`], [`mot`] | trajectories of points, coordinates (OpenSim) | yes | yes |
 //! | [`bvh`] | skeleton and joint angles (Blender) | yes | yes |
@@ -38,12 +39,19 @@ pub mod asf;
 pub mod body_toml;
 pub mod bvh;
 pub mod calib_toml;
+pub mod caliscope_xy;
 pub mod camera_name;
+pub mod coco_results;
+pub mod deeplabcut_csv;
 mod error;
 pub mod frame_number;
 pub mod json_text;
+pub mod keypoint_formats;
+pub mod keypoint_table;
 pub mod layout;
 pub mod mask;
+pub mod mediapipe_json;
+pub mod mmpose_json;
 pub mod mot;
 pub mod nearest;
 mod numbers;
@@ -51,6 +59,7 @@ pub mod openpose;
 pub mod picture;
 mod place;
 mod png_file;
+mod point_name;
 pub mod point_table;
 pub mod rotation;
 mod row_time;

@@ -178,9 +178,12 @@ pub struct Setup {
     pub layout: String,
     /// Which person: 0 is the most complete one at the start.
     pub person: usize,
-    /// Axis of the calibration's world that points up, as declared; the set-up is that of the world turned to z up.
+    /// Axis or direction `X,Y,Z` of the calibration's world that points up, as declared or found; the set-up is that of the world turned to z up.
     #[serde(default = "z_up")]
     pub world_up: String,
+    /// Standard deviation of `world_up` about each horizontal axis, degrees, where the person showed it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub world_up_sd_deg: Option<f64>,
     /// World axis that points from feet to head, as found: `+z` where all is well.
     pub up_axis: String,
     /// Distance between a keypoint and the body's point, per axis, metres.
@@ -375,7 +378,10 @@ impl Setup {
             }
         }
         if crate::input::up_axis::z_up_from(&self.world_up).is_none() {
-            problems.push(format!("world_up = {}; must be one of +x, -x, +y, -y, +z, -z", self.world_up));
+            problems.push(format!("world_up = {}; must be one of +x, -x, +y, -y, +z, -z, or X,Y,Z", self.world_up));
+        }
+        if self.world_up_sd_deg.is_some_and(|sd| !(sd >= 0.0 && sd.is_finite())) {
+            problems.push("world_up_sd_deg must be a number that is not negative".into());
         }
         if !self.start_pose.iter().all(|x| x.is_finite()) {
             problems.push("start_pose holds a number that is not finite".into());
