@@ -163,7 +163,7 @@ mod tests {
     }
 
     #[test]
-    fn names_of_files_hold_those_of_cameras() {
+    fn names_of_files_hold_names_of_cameras() {
         let cameras = ["cam_01", "cam_02", "cam_010", "left"];
         for (name, camera) in [
             ("trial3_cam01DLC_resnet50_shuffle1", Some(0)),

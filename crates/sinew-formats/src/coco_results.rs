@@ -84,7 +84,7 @@ pub fn read(name: &str, text: &str, confidence_scale: f64) -> Result<KeypointTab
         }
         add_person(frame, OpenposePerson { index: 0, keypoints });
     }
-    Ok(KeypointTable::of_one_camera(frames))
+    Ok(KeypointTable::from_one_camera(frames))
 }
 
 #[cfg(test)]

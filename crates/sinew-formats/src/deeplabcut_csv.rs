@@ -29,7 +29,7 @@ use crate::openpose::{OpenposeFrame, OpenposePerson, keypoint};
 use crate::point_name::known_point;
 use crate::source_text::{finite_or_missing, numbered_lines, shortened};
 use crate::{Error, Layout, Place, frame_number};
-use std::collections::{BTreeSet, HashMap};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 /// Whether a file begins with such a header.
 #[must_use]
@@ -38,6 +38,9 @@ pub fn recognises(beginning: &str) -> bool {
     let firsts: Vec<&str> = firsts.collect();
     firsts.first() == Some(&"scorer") && firsts.contains(&"bodyparts") && firsts.contains(&"coords")
 }
+
+/// Points of individuals that may be without columns, beyond half of all: what belongs to no individual is one of its own.
+const SPARSE: usize = 1000;
 
 /// Columns of one point of one individual.
 #[derive(Clone, Copy, Default)]
@@ -63,7 +66,10 @@ fn cells(line: &str) -> Vec<&str> {
     line.split(',').map(|cell| cell.trim().trim_matches('"')).collect()
 }
 
-fn header<'a>(name: &str, lines: &mut impl Iterator<Item = (usize, &'a str)>) -> Result<Header, Error> {
+/// The rows of the header by their first cells, and the line of the last.
+type HeaderRows<'a> = (HashMap<&'a str, Vec<&'a str>>, usize);
+
+fn header_rows<'a>(name: &str, lines: &mut impl Iterator<Item = (usize, &'a str)>) -> Result<HeaderRows<'a>, Error> {
     let mut rows: HashMap<&str, Vec<&str>> = HashMap::new();
     let mut last = 1;
     for (line, text) in lines {
@@ -79,6 +85,17 @@ fn header<'a>(name: &str, lines: &mut impl Iterator<Item = (usize, &'a str)>) ->
             break;
         }
     }
+    Ok((rows, last))
+}
+
+/// The index of a name among those that came before, to which it is added.
+fn place_among<'a>(known: &mut HashMap<&'a str, usize>, name: &'a str) -> usize {
+    let next = known.len();
+    *known.entry(name).or_insert(next)
+}
+
+fn header<'a>(name: &str, lines: &mut impl Iterator<Item = (usize, &'a str)>) -> Result<Header, Error> {
+    let (rows, last) = header_rows(name, lines)?;
     let place = || Place::file(name).at_line(last);
     let row = |key: &str| rows.get(key).ok_or_else(|| Error::MissingField { place: place(), field: key.into() });
     let (parts, coords) = (row("bodyparts")?, row("coords")?);
@@ -89,27 +106,17 @@ fn header<'a>(name: &str, lines: &mut impl Iterator<Item = (usize, &'a str)>) ->
         }
     }
     let frame = coords.iter().skip(1).take_while(|cell| cell.is_empty()).count();
-    let mut header = Header { frame, width: coords.len(), points: vec![], individuals: vec![] };
-    let mut places: [HashMap<&str, usize>; 2] = Default::default();
+    let (mut known_parts, mut known_animals) = (HashMap::new(), HashMap::new());
+    let mut groups: BTreeMap<(usize, usize), Columns> = BTreeMap::new();
+    let mut points = vec![];
     for (column, coordinate) in coords.iter().enumerate().skip(frame + 1) {
         let part = parts.get(column).copied().unwrap_or_default();
         let animal = animals.and_then(|animals| animals.get(column)).copied().unwrap_or_default();
-        let [of_part, of_animal] = &mut places;
-        let next = of_part.len();
-        let point = *of_part.entry(part).or_insert_with(|| {
-            header.points.push(part.to_owned());
-            next
-        });
-        let next = of_animal.len();
-        let individual = *of_animal.entry(animal).or_insert(next);
-        if header.individuals.len() <= individual {
-            header.individuals.push(vec![]);
+        let point = place_among(&mut known_parts, part);
+        if point == points.len() {
+            points.push(part.to_owned());
         }
-        let Some(own) = header.individuals.get_mut(individual) else { continue };
-        if own.len() <= point {
-            own.resize(point + 1, Columns::default());
-        }
-        let Some(own) = own.get_mut(point) else { continue };
+        let own = groups.entry((place_among(&mut known_animals, animal), point)).or_default();
         let slot = match *coordinate {
             "x" => &mut own.x,
             "y" => &mut own.y,
@@ -121,7 +128,16 @@ fn header<'a>(name: &str, lines: &mut impl Iterator<Item = (usize, &'a str)>) ->
             return Err(Error::DuplicateName { place: place(), what: "column", name });
         }
     }
-    Ok(header)
+    if known_animals.len().saturating_mul(points.len()) > SPARSE + 2 * groups.len() {
+        return Err(Error::Unsupported { place: place(), what: "individuals with other body parts each".into() });
+    }
+    let mut individuals = vec![vec![Columns::default(); points.len()]; known_animals.len()];
+    for ((individual, point), columns) in groups {
+        if let Some(own) = individuals.get_mut(individual).and_then(|own| own.get_mut(point)) {
+            *own = columns;
+        }
+    }
+    Ok(Header { frame, width: coords.len(), points, individuals })
 }
 
 /// Reads the keypoints of a camera.
@@ -211,6 +227,16 @@ mod tests {
         assert!(frames[&13].people.is_empty() && frames[&13].without_coordinates == 0);
         let text = "scorer,me,me\r\nbodyparts,nose,nose\r\ncoords,x,y\r\nlabeled-data/v/img7.png,1,2\r\n";
         assert!(read("a.csv", text, 1.0).unwrap().cameras[0].frames.contains_key(&7));
+    }
+
+    #[test]
+    fn individuals_that_share_no_part_are_refused() {
+        let row = |first: &str, cell: &dyn Fn(usize) -> String| {
+            (0..60).fold(first.to_owned(), |row, k| format!("{row},{}", cell(k)))
+        };
+        let named = |k: usize| format!("n{k}");
+        let text = [row("individuals", &named), row("bodyparts", &named), row("coords", &|_| "x".into())].join("\n");
+        check(&text, "a.csv:3: individuals with other body parts each is not supported");
     }
 
     #[test]

@@ -31,7 +31,7 @@ pub struct TableCamera {
 
 impl KeypointTable {
     /// Frames of one camera without a name, in pixels, whose layout is to be seen from the number of keypoints.
-    pub(crate) fn of_one_camera(frames: Frames) -> Self {
+    pub(crate) fn from_one_camera(frames: Frames) -> Self {
         Self { layout: None, in_image_shares: false, cameras: vec![TableCamera { name: None, frames }] }
     }
 }

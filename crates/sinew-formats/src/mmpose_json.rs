@@ -77,7 +77,7 @@ pub fn read(name: &str, text: &str, confidence_scale: f64) -> Result<KeypointTab
             add_instance(&place, frame, instance, confidence_scale)?;
         }
     }
-    Ok(KeypointTable::of_one_camera(frames))
+    Ok(KeypointTable::from_one_camera(frames))
 }
 
 fn add_instance(place: &Place, frame: &mut OpenposeFrame, instance: Instance, scale: f64) -> Result<(), Error> {

@@ -11,9 +11,14 @@ use std::path::Path;
 pub type Check = fn(&[u8]);
 
 /// Every fuzz target.
-pub const CHECKS: [(&str, Check); 21] = [
+pub const CHECKS: [(&str, Check); 26] = [
     ("openpose", checks::openpose),
     ("calib_toml", checks::calib_toml),
+    ("caliscope_xy", checks::caliscope_xy),
+    ("coco_results", checks::coco_results),
+    ("deeplabcut_csv", checks::deeplabcut_csv),
+    ("mediapipe_json", checks::mediapipe_json),
+    ("mmpose_json", checks::mmpose_json),
     ("layout", checks::layout),
     ("body_toml", checks::body_toml),
     ("trc", checks::trc),

@@ -51,7 +51,7 @@ impl<'a, S: FrameSource> Upright<'a, S> {
         Self { source, cameras, up: up.into(), read: FramesRead::default() }
     }
 
-    /// The same source in a world that is turned anew, as [`Upright::new`] does; what was read is kept.
+    /// The same source in a world that is turned by another axis, as [`Upright::new`] does; what was read is kept.
     #[must_use]
     pub fn turned(self, up: &str) -> Self {
         let cameras = upright(self.source.cameras().to_vec(), up);

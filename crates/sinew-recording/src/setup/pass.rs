@@ -35,6 +35,9 @@ pub fn set_up<E: From<SetupError>>(
     Ok(measure(cameras, layout, request, &collected)?)
 }
 
+/// Scatter per axis of keypoints of cameras that disagree, as a share of the image's width.
+const TOLERATED: f64 = 0.02;
+
 /// Where up is in the world of the cameras, by the person in the frames of an iterator, as for [`set_up`].
 ///
 /// # Errors
@@ -47,11 +50,21 @@ pub fn find_up<E: From<SetupError>>(
 ) -> Result<Upward, E> {
     let collected = collect(cameras, layout, request, frames)?;
     let noise = offsets::estimate(cameras, &collected.sighted(request.offset_frames), &request.offsets);
-    let in_space = |(number, sighted): &(u64, Sighted)| {
-        (*number, points_in_space(cameras, &noise, sighted, request.offsets.least_confidence))
+    let found = |noise: &[CameraNoise]| {
+        let in_space = |(number, sighted): &(u64, Sighted)| {
+            (*number, points_in_space(cameras, noise, sighted, request.offsets.least_confidence))
+        };
+        let points: Vec<(u64, Points)> = collected.spread.iter().map(in_space).collect();
+        upward(layout, &points)
     };
-    let points: Vec<(u64, Points)> = collected.spread.iter().map(in_space).collect();
-    Ok(upward(layout, &points).ok_or(SetupError::NobodyUpright { frames: points.len() })?)
+    let tolerant = || -> Vec<CameraNoise> {
+        let wide = |camera: &Camera| TOLERATED * camera.image_size_px[0];
+        let noise = noise.iter().zip(cameras);
+        noise.map(|(own, camera)| CameraNoise { sigma_px: own.sigma_px.max(wide(camera)), ..*own }).collect()
+    };
+    // Cameras that disagree say where up is all the same, if less well.
+    let up = found(&noise).or_else(|| found(&tolerant()));
+    Ok(up.ok_or(SetupError::NobodyUpright { frames: collected.spread.len() })?)
 }
 
 fn measure(

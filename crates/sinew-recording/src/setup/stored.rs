@@ -377,12 +377,7 @@ impl Setup {
                 problems.push(format!("start_pose has {found} numbers; {body} has {dof} degrees of freedom"));
             }
         }
-        if crate::input::up_axis::z_up_from(&self.world_up).is_none() {
-            problems.push(format!("world_up = {}; must be one of +x, -x, +y, -y, +z, -z, or X,Y,Z", self.world_up));
-        }
-        if self.world_up_sd_deg.is_some_and(|sd| !(sd >= 0.0 && sd.is_finite())) {
-            problems.push("world_up_sd_deg must be a number that is not negative".into());
-        }
+        problems.extend(self.world_problem());
         if !self.start_pose.iter().all(|x| x.is_finite()) {
             problems.push("start_pose holds a number that is not finite".into());
         }
@@ -418,6 +413,15 @@ impl Setup {
             }
         }
         problems
+    }
+
+    /// What is wrong with the axis or direction that points up.
+    fn world_problem(&self) -> Option<String> {
+        if crate::input::up_axis::z_up_from(&self.world_up).is_none() {
+            return Some(format!("world_up = {}; must be one of +x, -x, +y, -y, +z, -z, or X,Y,Z", self.world_up));
+        }
+        let is_odd = self.world_up_sd_deg.is_some_and(|sd| !(sd >= 0.0 && sd.is_finite()));
+        is_odd.then(|| "world_up_sd_deg must be a number that is not negative".into())
     }
 
     /// The text of `setup.toml`.

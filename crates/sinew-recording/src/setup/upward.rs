@@ -4,11 +4,13 @@
 //!    in most frames, from the middle of the hips to that of the shoulders.
 //! 2. Frames in which the person is not as long as when he stands (less than 90 % of the 90th percentile) are left out.
 //! 3. The direction is the spatial median of those that are left (Weiszfeld), which few frames do not move.
-//! 4. Its standard deviation per axis is that of the medians of eight runs of frames over √8, and how far people who stand
-//!    lean: 3° from ankles to head, 6° from hips to shoulders. Those two are judgements, not measurements.
+//! 4. Its variance per axis has three parts: that of the medians of eight runs of frames over 8; that of the points at both
+//!    ends in a frame, since errors of detectors and cameras last and do not average out; and how far people who stand lean:
+//!    3° from ankles to head, 6° from hips to shoulders. These two numbers are judgements, not measurements.
 
 use super::space_points::Points;
 use sinew_formats::Layout;
+use sinew_observe::offsets::median;
 
 /// How the person showed where up is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -60,12 +62,11 @@ const fn lean_deg(part: UprightPart) -> f64 {
 /// The direction that points up, from points in space of some frames in their order; `None` where nobody stands.
 #[must_use]
 pub fn upward(layout: &Layout, frames: &[(u64, Points)]) -> Option<Upward> {
-    let spans =
-        |part| -> Vec<[f64; 3]> { frames.iter().filter_map(|(_, points)| span(layout, points, part)).collect() };
+    let spans = |part| -> Vec<Span> { frames.iter().filter_map(|(_, points)| span(layout, points, part)).collect() };
     let (whole, trunk) = (spans(UprightPart::Whole), spans(UprightPart::Trunk));
     let is_whole = whole.len() >= FEWEST && 2 * whole.len() >= trunk.len();
     let (part, found) = if is_whole { (UprightPart::Whole, whole) } else { (UprightPart::Trunk, trunk) };
-    let standing = standing(&found);
+    let (standing, mut errors) = standing(&found);
     if standing.len() < FEWEST {
         return None;
     }
@@ -74,16 +75,21 @@ pub fn upward(layout: &Layout, frames: &[(u64, Points)]) -> Option<Upward> {
     let apart: f64 = medians.iter().map(|median| squared(minus(*median, direction))).sum();
     // Two directions lie across the vertical.
     let variance = apart / (2.0 * medians.len().saturating_sub(1).max(1) as f64 * medians.len() as f64);
-    let sd_deg = variance.sqrt().to_degrees().hypot(lean_deg(part));
+    let error = median(&mut errors);
+    let sd_deg = variance.sqrt().hypot(error).to_degrees().hypot(lean_deg(part));
     Some(Upward { direction, sd_deg, frames: standing.len(), part })
 }
 
-/// From the lower to the upper end of a person in a frame.
-fn span(layout: &Layout, points: &Points, part: UprightPart) -> Option<[f64; 3]> {
-    let at = |name: &str| points.get(layout.index(name)?).copied().flatten().map(|(point, _)| point);
+/// From the lower to the upper end of a person, and its variance per axis.
+type Span = ([f64; 3], f64);
+
+/// The span of a frame.
+fn span(layout: &Layout, points: &Points, part: UprightPart) -> Option<Span> {
+    let at = |name: &str| points.get(layout.index(name)?).copied().flatten();
     let between = |left: &str, right: &str| {
-        let (left, right) = (at(left)?, at(right)?);
-        Some([0, 1, 2].map(|k: usize| 0.5 * (left[k] + right[k])))
+        let ((left, left_variance), (right, right_variance)) = (at(left)?, at(right)?);
+        let middle = [0, 1, 2].map(|k: usize| 0.5 * (left[k] + right[k]));
+        Some((middle, 0.25 * (left_variance + right_variance)))
     };
     let (low, high) = match part {
         UprightPart::Whole => {
@@ -92,19 +98,19 @@ fn span(layout: &Layout, points: &Points, part: UprightPart) -> Option<[f64; 3]>
         }
         UprightPart::Trunk => (between("LHip", "RHip")?, between("LShoulder", "RShoulder")?),
     };
-    Some(minus(high, low))
+    Some((minus(high.0, low.0), high.1 + low.1))
 }
 
-/// Unit vectors of the spans in which the person is about as long as when he stands.
-fn standing(spans: &[[f64; 3]]) -> Vec<[f64; 3]> {
-    let mut lengths: Vec<f64> = spans.iter().map(|span| squared(*span).sqrt()).collect();
+/// Unit vectors of the spans in which the person is about as long as when he stands, and their standard deviations, radians.
+fn standing(spans: &[Span]) -> (Vec<[f64; 3]>, Vec<f64>) {
+    let mut lengths: Vec<f64> = spans.iter().map(|(span, _)| squared(*span).sqrt()).collect();
     lengths.sort_by(f64::total_cmp);
     let longest = lengths.get(lengths.len() * 9 / 10).copied().unwrap_or_default();
-    let unit = |span: &[f64; 3]| {
+    let unit = |(span, variance): &Span| {
         let length = squared(*span).sqrt();
-        (length > 0.0 && length >= STANDING * longest).then(|| span.map(|x| x / length))
+        (length > 0.0 && length >= STANDING * longest).then(|| (span.map(|x| x / length), variance.sqrt() / length))
     };
-    spans.iter().filter_map(unit).collect()
+    spans.iter().filter_map(unit).unzip()
 }
 
 /// The unit vector with the least sum of distances from unit vectors, by Weiszfeld's iteration.
@@ -144,7 +150,7 @@ mod tests {
     /// A person whose points lie along `up` from the origin, in layout COCO_17.
     fn person(up: [f64; 3], has_legs: bool, height: f64) -> Points {
         let layout = layout::find("COCO_17").unwrap();
-        let at = |share: f64| Some((up.map(|x| share * height * x), 1e-4));
+        let at = |share: f64| Some((up.map(|x| share * height * x), 0.0));
         let share = |name: &str| match name.get(1..) {
             Some("Ankle") => has_legs.then_some(0.05),
             Some("Hip") => Some(0.5),
@@ -182,6 +188,15 @@ mod tests {
         assert!(squared(minus(up.direction, UP)).sqrt().to_degrees() < 0.1, "{up:?}");
         assert_eq!(up.frames, 18);
         assert!(up.sd_deg > 3.5, "some frames contradict the others: {up:?}");
+    }
+
+    #[test]
+    fn uncertain_ends_make_an_uncertain_direction() {
+        let mut frame = person(UP, false, 1.7);
+        frame.iter_mut().flatten().for_each(|(_, variance)| *variance = 1e-4);
+        let sd_deg = found(vec![frame; 20]).unwrap().sd_deg;
+        // A centimetre over both ends of 0.51 m.
+        assert!((sd_deg - 6.0_f64.hypot((0.01_f64 / 0.51).to_degrees())).abs() < 1e-6, "{sd_deg}");
     }
 
     #[test]

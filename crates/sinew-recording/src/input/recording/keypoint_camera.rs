@@ -1,4 +1,4 @@
-//! The keypoints of a camera: a file a frame in a folder, or frames of a file that holds many.
+//! The keypoints of a camera, from a file a frame or from one file of many frames.
 //!
 //! A file that holds many is read once, when the recording is opened, and its keypoints stay in memory.
 

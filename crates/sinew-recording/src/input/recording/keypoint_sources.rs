@@ -202,3 +202,148 @@ fn from_file(
     };
     Ok(cameras.into_iter().map(source).collect())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::input::recording::{Recording, RecordingOptions};
+
+    const CALISCOPE: &str = "sync_index,port,frame_index,frame_time,point_id,img_loc_x,img_loc_y\n\
+        4,1,0,0.1,11,101,51\n4,2,0,0.1,11,102,52\n5,2,1,0.2,11,103,53\n";
+
+    fn deeplabcut(x: f64) -> String {
+        let parts = ["left_hip", "right_hip", "left_shoulder", "right_shoulder"];
+        let cells = |cell: &dyn Fn(&str) -> String| parts.map(cell).join(",");
+        format!(
+            "scorer,{}\nbodyparts,{}\ncoords,{}\n0,{}\n",
+            cells(&|_| "D,D,D".into()),
+            cells(&|part| format!("{part},{part},{part}")),
+            cells(&|_| "x,y,likelihood".into()),
+            cells(&|_| format!("{x},50,0.9")),
+        )
+    }
+
+    fn mediapipe() -> String {
+        format!("[[{}]]", vec!["{\"x\":0.25,\"y\":0.5,\"visibility\":0.9}"; 33].join(","))
+    }
+
+    /// A folder with a calibration of cameras and some files.
+    fn folder(cameras: &[&str], files: &[(&str, &str)]) -> tempfile::TempDir {
+        let root = tempfile::tempdir().unwrap();
+        let camera = |name: &&str| {
+            let [centre, target] = [[4.0, 0.0, 1.0], [0.0, 0.0, 1.0]];
+            Camera::look_at(name, [640.0, 480.0], 500.0, centre, target).unwrap()
+        };
+        let cameras: Vec<Camera> = cameras.iter().map(camera).collect();
+        fs::write(root.path().join("Calib.toml"), sinew_formats::calib_toml::write(&cameras)).unwrap();
+        for (name, text) in files {
+            let path = root.path().join("keypoints").join(name);
+            fs::create_dir_all(path.parent().unwrap()).unwrap();
+            fs::write(path, text).unwrap();
+        }
+        root
+    }
+
+    fn open(root: &Path, keypoints: &str, options: &RecordingOptions) -> Result<Recording, String> {
+        let opened = Recording::open(&root.join("Calib.toml"), &root.join(keypoints), options);
+        opened.map_err(|error| error.to_string().replace(&root.display().to_string(), "R"))
+    }
+
+    /// For each camera its name and x and y of its first keypoint in a frame.
+    fn seen(recording: &mut Recording, number: u64) -> Vec<(String, Option<[f64; 2]>)> {
+        let names: Vec<String> = recording.cameras().iter().map(|camera| camera.name.clone()).collect();
+        let first = |people: &Vec<sinew_formats::openpose::OpenposePerson>| {
+            people.first()?.keypoints.iter().flatten().next().map(|keypoint| [keypoint.x, keypoint.y])
+        };
+        names.into_iter().zip(recording.frame(number).unwrap().iter().map(first)).collect()
+    }
+
+    #[test]
+    fn one_file_has_all_cameras_by_their_numbers() {
+        let root = folder(&["cam_2", "cam_1"], &[("xy_POSE.csv", CALISCOPE)]);
+        for keypoints in ["keypoints/xy_POSE.csv", "keypoints"] {
+            assert!(
+                open(root.path(), keypoints, &RecordingOptions::default()).is_err_and(|e| e.contains("difference 1"))
+            );
+            let options = RecordingOptions { trim: true, ..RecordingOptions::default() };
+            let mut recording = open(root.path(), keypoints, &options).unwrap();
+            assert_eq!((recording.frames(), recording.layout().name.as_str()), (4..5, "MEDIAPIPE_33"));
+            let wanted = [("cam_2".into(), Some([102.0, 52.0])), ("cam_1".into(), Some([101.0, 51.0]))];
+            assert_eq!(seen(&mut recording, 4), wanted);
+            assert_eq!(recording.folders()[0], root.path().join("keypoints/xy_POSE.csv"));
+        }
+        let message =
+            open(&folder(&["a", "b"], &[("xy.csv", CALISCOPE)]).path(), "keypoints", &RecordingOptions::default());
+        assert_eq!(
+            message.unwrap_err(),
+            "`R/keypoints/xy.csv`: `1` is or holds no name of one calibrated camera; calibrated: a, b"
+        );
+    }
+
+    #[test]
+    fn files_a_camera_go_by_the_names_that_they_hold() {
+        let (one, two) = (deeplabcut(10.0), deeplabcut(20.0));
+        let flat = [("t_cam02DLC_x1.csv", two.as_str()), ("t_cam01DLC_x1.csv", &one), ("notes.csv", "a,b\n1,2\n")];
+        let deep = [("cam01/results.csv", one.as_str()), ("cam02/results.csv", &two)];
+        for files in [&flat[..], &deep] {
+            let root = folder(&["cam_01", "cam_02"], files);
+            let mut recording = open(root.path(), "keypoints", &RecordingOptions::default()).unwrap();
+            let wanted = [("cam_01".into(), Some([10.0, 50.0])), ("cam_02".into(), Some([20.0, 50.0]))];
+            assert_eq!(seen(&mut recording, 0), wanted);
+            let chosen = RecordingOptions { cameras: Some(vec!["cam_02".into()]), ..RecordingOptions::default() };
+            assert_eq!(seen(&mut open(root.path(), "keypoints", &chosen).unwrap(), 0).len(), 1);
+        }
+    }
+
+    #[test]
+    fn shares_of_the_image_become_pixels() {
+        let root = folder(&["cam1"], &[("video.json", &mediapipe())]);
+        let options = RecordingOptions { image_scale: 0.5, ..RecordingOptions::default() };
+        let mut recording = open(root.path(), "keypoints/video.json", &options).unwrap();
+        assert_eq!(seen(&mut recording, 0), [("cam1".into(), Some([80.0, 120.0]))]);
+    }
+
+    #[test]
+    fn what_is_read_is_hashed_frame_by_frame() {
+        let hash = |x: f64| {
+            let root = folder(&["cam1"], &[("cam1.csv", &deeplabcut(x))]);
+            let mut recording = open(root.path(), "keypoints", &RecordingOptions::default()).unwrap();
+            let before = recording.input_hashes()["keypoints"].clone();
+            recording.frame(0).unwrap();
+            recording.frame(0).unwrap();
+            assert_ne!(recording.input_hashes()["keypoints"], before);
+            recording.input_hashes()["keypoints"].clone()
+        };
+        assert_eq!(hash(1.0), hash(1.0));
+        assert_ne!(hash(1.0), hash(2.0));
+    }
+
+    #[test]
+    fn what_cannot_be_taken_is_named() {
+        let says = |cameras: &[&str], files: &[(&str, &str)], keypoints: &str, message: &str| {
+            let root = folder(cameras, files);
+            assert_eq!(open(root.path(), keypoints, &RecordingOptions::default()).unwrap_err(), message);
+        };
+        let (one, json) = (deeplabcut(1.0), mediapipe());
+        says(
+            &["cam1"],
+            &[("a.csv", "a,b\n1,2\n")],
+            "keypoints/a.csv",
+            "`R/keypoints/a.csv` is no keypoint file of a known kind; known: Caliscope, DeepLabCut, MMPose, COCO results, MediaPipe",
+        );
+        says(
+            &["cam1", "cam2"],
+            &[("cam1.csv", &one), ("cam2.json", &json)],
+            "keypoints",
+            "`R/keypoints/cam1.csv` and `R/keypoints/cam2.json` have other keypoints",
+        );
+        says(
+            &["cam1", "cam2"],
+            &[("cam1_a.csv", &one), ("cam1_b.csv", &one)],
+            "keypoints",
+            "cameras `cam1` and `cam1` have the same name but for punctuation, case and leading zeros",
+        );
+        let header = one.split("\n0,").next().unwrap();
+        says(&["cam1"], &[("cam1.csv", header)], "keypoints", "`R/keypoints/cam1.csv` holds no frame");
+    }
+}

@@ -1,4 +1,6 @@
-//! The world of a run: turned so that what points up, as declared or as the person shows it, is its z axis.
+//! The world of a run, turned so that z points up.
+//!
+//! What points up is declared (`--up`, `--up-axis`), known from a set-up, or shown by the person (`--up auto`).
 
 use super::watch::{RunPhase, Watch};
 use crate::Error;
@@ -69,9 +71,9 @@ fn said(found: &Upward) -> String {
     let Upward { direction: [x, y, z], sd_deg, frames, part } = found;
     let part = match part {
         UprightPart::Whole => "from ankles to head",
-        UprightPart::Trunk => "from hips to shoulders, since the legs are unseen",
+        UprightPart::Trunk => "from hips to shoulders since the legs are unseen",
     };
     format!(
-        "the world was levelled: up is ({x:.3}, {y:.3}, {z:.3}) in the calibration's world, ± {sd_deg:.1}°, by the person {part} in {frames} frames"
+        "the world was levelled: up is ({x:.3}, {y:.3}, {z:.3}) in the calibration's world, ± {sd_deg:.1}°, by {frames} frames of the person, {part}"
     )
 }
