@@ -71,6 +71,16 @@ pub enum InputError {
         /// Cameras of the calibration.
         calibrated: Vec<String>,
     },
+    /// Two files of one camera.
+    #[error("`{}` and `{}` are both of camera `{camera}`", first.display(), second.display())]
+    TwoFiles {
+        /// Camera.
+        camera: String,
+        /// A file.
+        first: PathBuf,
+        /// Another file.
+        second: PathBuf,
+    },
     /// Files of two cameras with other points.
     #[error("`{}` and `{}` have other keypoints", first.display(), second.display())]
     LayoutsDiffer {
@@ -377,6 +387,7 @@ impl InputError {
             Self::FileOfNoCamera { .. } => {
                 "files and cameras are matched by name: name the file after the camera, as in `cam01_results.json`"
             }
+            Self::TwoFiles { .. } => "keep one of the two in the folder, for example the filtered one of DeepLabCut",
             Self::LayoutsDiffer { .. } => "run the same model on all cameras, or name the points with `--layout`",
             Self::NoKeypoints { .. } => "`--keypoints` takes the folder that a detector fills, for example `pose`",
             Self::VideosForKeypoints { .. } => DETECT,

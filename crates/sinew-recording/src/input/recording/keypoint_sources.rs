@@ -17,6 +17,7 @@ use sinew_formats::keypoint_table::{Frames, KeypointTable};
 use sinew_formats::source_text::MAX_TEXT_BYTES;
 use sinew_formats::{Layout, camera_name};
 use sinew_observe::Camera;
+use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -107,7 +108,21 @@ pub fn sources(keypoints: &Path, calibrated: &[String], confidence_scale: f64) -
             }
         }
     }
+    twice(&sources)?;
     Ok(sources)
+}
+
+/// Refuses two files of one camera.
+fn twice(sources: &[KeypointSource]) -> Result<(), InputError> {
+    let mut known: BTreeMap<String, &Path> = BTreeMap::new();
+    for source in sources {
+        let Some(file) = source.file() else { continue };
+        if let Some(first) = known.insert(camera_name::fold(&source.name), file) {
+            let (first, second) = (first.to_owned(), file.to_owned());
+            return Err(InputError::TwoFiles { camera: source.name.clone(), first, second });
+        }
+    }
+    Ok(())
 }
 
 fn stem(path: &Path) -> String {
@@ -341,7 +356,7 @@ mod tests {
             &["cam1", "cam2"],
             &[("cam1_a.csv", &one), ("cam1_b.csv", &one)],
             "keypoints",
-            "cameras `cam1` and `cam1` have the same name but for punctuation, case and leading zeros",
+            "`R/keypoints/cam1_a.csv` and `R/keypoints/cam1_b.csv` are both of camera `cam1`",
         );
         let header = one.split("\n0,").next().unwrap();
         says(&["cam1"], &[("cam1.csv", header)], "keypoints", "`R/keypoints/cam1.csv` holds no frame");
