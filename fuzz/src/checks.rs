@@ -3,10 +3,11 @@
 //!
 //! Used by the fuzz targets and, with the corpus, by an ordinary test (`tests/tests/whole/corpus.rs`).
 
+use sinew::formats::keypoint_table::KeypointTable;
 use sinew::formats::source_text::decode;
 use sinew::formats::{
-    Error, amc, asf, body_toml, bvh, calib_toml, calibration, camera_name, frame_number, layout, mask, mot, openpose,
-    picture, tidy_csv, trc,
+    Error, amc, asf, body_toml, bvh, calib_toml, calibration, caliscope_xy, camera_name, coco_results, deeplabcut_csv,
+    frame_number, keypoint_formats, layout, mask, mediapipe_json, mmpose_json, mot, openpose, picture, tidy_csv, trc,
 };
 use std::fmt::Display;
 
@@ -63,6 +64,55 @@ pub fn openpose(data: &[u8]) {
             }
         }
     }
+}
+
+/// Files of many frames, by each reader and by the one that recognises them.
+fn keypoint_file(data: &[u8], read: fn(&str, &str, f64) -> Result<KeypointTable, Error>) {
+    let Some(text) = text("cam1.json", data) else { return };
+    for read in [read, keypoint_formats::read] {
+        for scale in [1.0, 100.0] {
+            let Some(table) = accepted(read("cam1.json", text, scale)) else { continue };
+            let frames = table.cameras.iter().flat_map(|camera| &camera.frames);
+            for (number, frame) in frames {
+                let mut tally = openpose::Tally::default();
+                tally.add(*number, Some(frame));
+                shown(&tally.warnings("cam1"));
+                for person in &frame.people {
+                    let points = table.layout.as_ref().map_or(person.keypoints.len(), |layout| layout.points.len());
+                    assert_eq!(person.keypoints.len(), points);
+                    for keypoint in person.keypoints.iter().flatten() {
+                        assert!(keypoint.x.is_finite() && keypoint.y.is_finite());
+                        assert!(keypoint.confidence > 0.0 && keypoint.confidence <= 1.0);
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Caliscope's tables.
+pub fn caliscope_xy(data: &[u8]) {
+    keypoint_file(data, caliscope_xy::read);
+}
+
+/// COCO results and AlphaPose.
+pub fn coco_results(data: &[u8]) {
+    keypoint_file(data, coco_results::read);
+}
+
+/// DeepLabCut's tables.
+pub fn deeplabcut_csv(data: &[u8]) {
+    keypoint_file(data, deeplabcut_csv::read);
+}
+
+/// Landmarks of MediaPipe.
+pub fn mediapipe_json(data: &[u8]) {
+    keypoint_file(data, mediapipe_json::read);
+}
+
+/// Predictions of MMPose.
+pub fn mmpose_json(data: &[u8]) {
+    keypoint_file(data, mmpose_json::read);
 }
 
 /// Calibrations.
@@ -209,6 +259,11 @@ pub fn file_names(data: &[u8]) {
     let names: Vec<&str> = text.lines().collect();
     accepted(frame_number::order(&names));
     let (folders, cameras) = names.split_at(names.len() / 2);
+    for name in folders {
+        for found in [camera_name::held(name, cameras), camera_name::numbered(name, cameras)] {
+            assert!(found.is_none_or(|index| index < cameras.len()));
+        }
+    }
     if let Some(matching) = accepted(camera_name::match_names(folders, cameras)) {
         shown(&matching.warnings(folders, cameras));
     }

@@ -125,7 +125,7 @@ fn argument(setting: &'static Setting) -> Arg {
         .long_help(format!("{help}{named}{default}"))
         .help(in_rows(&format!("{help}{default}"), HELP_WIDTH))
         .allow_negative_numbers(true)
-        .allow_hyphen_values(setting.key == "up_axis")
+        .allow_hyphen_values(matches!(setting.key, "up_axis" | "up"))
         .hide_possible_values(true)
         .value_hint(hint(setting))
         .value_parser(Offered(values))

@@ -44,6 +44,46 @@ pub fn fold(name: &str) -> String {
     if out.is_empty() { lower } else { out }
 }
 
+/// The camera whose name a longer name holds, as that of a file: `trial3_cam01DLC` holds `cam_01`. Of several the longest.
+///
+/// `None` where it holds none, or two of one length.
+#[must_use]
+pub fn held(name: &str, cameras: &[impl AsRef<str>]) -> Option<usize> {
+    let folded = fold(name);
+    let holds = |camera: &str| {
+        let is_digit = |c: Option<char>| c.is_some_and(|c| c.is_ascii_digit());
+        folded.match_indices(camera).any(|(at, _)| {
+            let before = folded.get(..at).and_then(|text| text.chars().next_back());
+            let after = folded.get(at + camera.len()..).and_then(|text| text.chars().next());
+            !(is_digit(before) && is_digit(camera.chars().next()))
+                && !(is_digit(after) && is_digit(camera.chars().next_back()))
+        })
+    };
+    let folded_cameras = cameras.iter().map(|camera| fold(camera.as_ref())).enumerate();
+    only_longest(folded_cameras.filter(|(_, camera)| holds(camera)))
+}
+
+/// The camera that is called by a number alone elsewhere: `3` is `cam_3`, `port 3` or `3`.
+///
+/// `None` where there is none, or several.
+#[must_use]
+pub fn numbered(number: &str, cameras: &[impl AsRef<str>]) -> Option<usize> {
+    let wanted = fold(number);
+    let is_it = |camera: &str| camera.trim_start_matches(|c: char| !c.is_ascii_digit()) == wanted;
+    let mut found = cameras.iter().enumerate().filter(|(_, camera)| is_it(&fold(camera.as_ref())));
+    found.next().map(|(index, _)| index).filter(|_| found.next().is_none())
+}
+
+fn only_longest(found: impl Iterator<Item = (usize, String)>) -> Option<usize> {
+    let mut found: Vec<(usize, usize)> = found.map(|(index, name)| (name.len(), index)).collect();
+    found.sort_unstable();
+    match found.as_slice() {
+        [.., (second, _), (first, _)] if second == first => None,
+        [.., (_, index)] => Some(*index),
+        [] => None,
+    }
+}
+
 /// Which folder belongs to which camera.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Matching {
@@ -120,6 +160,31 @@ mod tests {
         ] {
             assert_eq!(fold(name), folded, "{name}");
         }
+    }
+
+    #[test]
+    fn names_of_files_hold_names_of_cameras() {
+        let cameras = ["cam_01", "cam_02", "cam_010", "left"];
+        for (name, camera) in [
+            ("trial3_cam01DLC_resnet50_shuffle1", Some(0)),
+            ("results_cam10", Some(2)),
+            ("cam2", Some(1)),
+            ("left-predictions", Some(3)),
+            ("cam011", None),
+            ("cam1_cam2", None),
+            ("video", None),
+        ] {
+            assert_eq!(held(name, &cameras), camera, "{name}");
+        }
+        assert_eq!(held("cam_left_top", &["left", "left_top"]), Some(1));
+    }
+
+    #[test]
+    fn numbers_mean_the_only_camera_that_ends_with_them() {
+        assert_eq!(numbered("0", &["cam_1", "cam_0"]), Some(1));
+        assert_eq!(numbered("3", &["port 03", "port 13"]), Some(0));
+        assert_eq!(numbered("1", &["a1", "b1"]), None);
+        assert_eq!(numbered("7", &["cam1"]), None);
     }
 
     #[test]

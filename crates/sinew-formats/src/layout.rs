@@ -4,8 +4,9 @@
 //! A point that has no counterpart among them (faces, fingers) has no name. Two necks are distinguished: `Neck` is the
 //! upper neck (BODY_25B, HALPE_26), `MidShoulder` the middle of the shoulders (BODY_25).
 //!
-//! Sources: OpenPose (BODY_25, BODY_25B), AlphaPose (HALPE_26), COCO (COCO_17) and COCO-WholeBody (COCO_133: body, feet,
-//! 68 face and 2 × 21 hand points).
+//! Sources: OpenPose (BODY_25, BODY_25B), AlphaPose (HALPE_26; HALPE_136 with face and hands), COCO (COCO_17),
+//! COCO-WholeBody (COCO_133: body, feet, 68 face and 2 × 21 hand points) and MediaPipe Pose (MEDIAPIPE_33, whose foot index is
+//! taken for the big toe).
 //!
 //! ```
 //! use sinew_formats::layout;
@@ -94,15 +95,54 @@ const BODY_25_TRUNK: [&str; 19] = [
     "LEar",
 ];
 
+/// Empty names are corners of eyes and mouth, and fingers.
+const MEDIAPIPE: [&str; 33] = [
+    "Nose",
+    "",
+    "LEye",
+    "",
+    "",
+    "REye",
+    "",
+    "LEar",
+    "REar",
+    "",
+    "",
+    "LShoulder",
+    "RShoulder",
+    "LElbow",
+    "RElbow",
+    "LWrist",
+    "RWrist",
+    "",
+    "",
+    "",
+    "",
+    "",
+    "",
+    "LHip",
+    "RHip",
+    "LKnee",
+    "RKnee",
+    "LAnkle",
+    "RAnkle",
+    "LHeel",
+    "RHeel",
+    "LBigToe",
+    "RBigToe",
+];
+
 type Table = (&'static str, &'static [&'static [&'static str]], usize);
 
-/// Name, named points in order, and number of unnamed points after them.
-const TABLES: [Table; 5] = [
+/// Name, points in order, empty where they have no name, and number of unnamed points after them.
+const TABLES: [Table; 7] = [
     ("BODY_25B", &[&FACE, &LIMBS, &["Neck", "Head"], &FEET], 0),
     ("BODY_25", &[&BODY_25_TRUNK, &FEET], 0),
     ("HALPE_26", &[&FACE, &LIMBS, &["Head", "Neck", "MidHip"], &FEET_IN_PAIRS], 0),
     ("COCO_17", &[&FACE, &LIMBS], 0),
     ("COCO_133", &[&FACE, &LIMBS, &FEET], 68 + 2 * 21),
+    ("HALPE_136", &[&FACE, &LIMBS, &["Head", "Neck", "MidHip"], &FEET_IN_PAIRS], 68 + 2 * 21),
+    ("MEDIAPIPE_33", &[&MEDIAPIPE], 0),
 ];
 
 /// Names of the known layouts.
@@ -112,7 +152,8 @@ pub fn names() -> Vec<&'static str> {
 }
 
 fn layout((name, named, unnamed): &Table) -> Layout {
-    let named = named.iter().flat_map(|part| part.iter()).map(|point| Some((*point).to_owned()));
+    let name_or_none = |point: &&str| (!point.is_empty()).then(|| (*point).to_owned());
+    let named = named.iter().flat_map(|part| part.iter()).map(name_or_none);
     Layout { name: (*name).to_owned(), points: named.chain((0..*unnamed).map(|_| None)).collect() }
 }
 
@@ -185,12 +226,16 @@ mod tests {
         check("COCO_17", 17, &[(5, "LShoulder"), (16, "RAnkle")]);
         check("COCO_133", 133, &[(17, "LBigToe"), (22, "RHeel")]);
         assert!(find("COCO_133").unwrap().points[23..].iter().all(Option::is_none));
+        check("HALPE_136", 136, &[(17, "Head"), (25, "RHeel")]);
+        check("MEDIAPIPE_33", 33, &[(5, "REye"), (12, "RShoulder"), (23, "LHip"), (29, "LHeel"), (32, "RBigToe")]);
+        assert!(find("MEDIAPIPE_33").unwrap().points[17..23].iter().all(Option::is_none));
     }
 
     #[test]
     fn every_left_point_has_its_right_one() {
-        for (name, pairs) in [("BODY_25B", 11), ("BODY_25", 11), ("HALPE_26", 11), ("COCO_17", 8), ("COCO_133", 11)] {
-            assert_eq!(find(name).unwrap().left_right_pairs().len(), pairs, "{name}");
+        for name in names() {
+            let pairs = [("COCO_17", 8), ("MEDIAPIPE_33", 10)].into_iter().find(|(own, _)| *own == name);
+            assert_eq!(find(name).unwrap().left_right_pairs().len(), pairs.map_or(11, |(_, pairs)| pairs), "{name}");
         }
     }
 

@@ -9,6 +9,7 @@
 //! |---|---|---|---|
 //! | [`openpose`] | OpenPose-style JSON keypoints, with [`layout`], [`frame_number`] and [`camera_name`] | yes | yes |
 //! | [`calibration`] | calibrations, recognised by content: the five below | yes | yes |
+//! | [`keypoint_formats`] | keypoints of whole recordings: [`caliscope_xy`], [`deeplabcut_csv`], [`mmpose_json`], [`coco_results`], [`mediapipe_json`] | yes | – |
 //! | [`calib_toml`] | Pose2Sim `Calib.toml` | yes | yes |
 //! | [`caliscope_cameras`] | Caliscope `camera_array.toml` | yes | yes |
 //! | [`anipose_cameras`] | Anipose and FreeMoCap `calibration.toml` | yes | yes |
@@ -47,13 +48,20 @@ pub mod calib_toml;
 pub mod calibration;
 pub mod caliscope_cameras;
 mod camera_checks;
+pub mod caliscope_xy;
 pub mod camera_name;
+pub mod coco_results;
+pub mod deeplabcut_csv;
 mod error;
 pub mod frame_number;
 pub mod json_text;
+pub mod keypoint_formats;
+pub mod keypoint_table;
 pub mod layout;
 mod length_unit;
 pub mod mask;
+pub mod mediapipe_json;
+pub mod mmpose_json;
 pub mod mot;
 pub mod nearest;
 mod numbers;
@@ -63,6 +71,7 @@ pub mod openpose;
 pub mod picture;
 mod place;
 mod png_file;
+mod point_name;
 pub mod point_table;
 pub mod qualisys_cameras;
 pub mod rotation;

@@ -178,7 +178,8 @@ fn check_count(place: &Place, found: usize, layout: Option<&Layout>) -> Result<(
     }
 }
 
-fn keypoint(
+/// A keypoint of three numbers x, y, confidence, and what is odd about it; `None` is missing.
+pub(crate) fn keypoint(
     place: &Place,
     [x, y, confidence]: [Option<f64>; 3],
     scale: f64,

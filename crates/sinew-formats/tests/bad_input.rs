@@ -87,7 +87,7 @@ fn fewer_numbers_than_the_layout_has() {
 
 #[test]
 fn unknown_layout() {
-    assert_snapshot!(layout::find("halpe27").unwrap_err(), @"unknown layout `halpe27`; known: BODY_25B, BODY_25, HALPE_26, COCO_17, COCO_133; or give a mapping file; did you mean `HALPE_26`?");
+    assert_snapshot!(layout::find("halpe27").unwrap_err(), @"unknown layout `halpe27`; known: BODY_25B, BODY_25, HALPE_26, COCO_17, COCO_133, HALPE_136, MEDIAPIPE_33; or give a mapping file; did you mean `HALPE_26`?");
 }
 
 #[test]

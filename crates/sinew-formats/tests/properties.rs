@@ -349,6 +349,12 @@ fn read_all(text: &str) {
     let skeleton = asf::read("a.asf", ASF).unwrap();
     let outcomes = [
         openpose::read("a.json", text, &openpose::OpenposeOptions::default()).err(),
+        caliscope_xy::read("a.csv", text, 1.0).err(),
+        coco_results::read("a.json", text, 1.0).err(),
+        deeplabcut_csv::read("a.csv", text, 1.0).err(),
+        mediapipe_json::read("a.json", text, 1.0).err(),
+        mmpose_json::read("a.json", text, 1.0).err(),
+        keypoint_formats::read("a", text, 1.0).err(),
         layout::read("a.toml", text).err(),
         calib_toml::read("a.toml", text).err(),
         calibration::read("a.toml", text).err(),
@@ -372,7 +378,7 @@ fn read_all(text: &str) {
 
 const ASF: &str = "# skeleton\n:version 1.10\n:units\n length 0.45\n angle deg\n:root\n order TX TY TZ RX RY RZ\n axis XYZ\n position 0 0 0\n orientation 0 0 5\n:bonedata\n begin\n id 1\n name a\n direction 0 -1 0\n length 7\n axis 0 0 20 XYZ\n dof rx rz\n limits (-10.0 170.0)\n (0 1)\n end\n begin\n name b\n direction 0 -1 0\n length 7\n axis 0 0 20 ZYX\n end\n:hierarchy\n begin\n root a\n a b\n end\n";
 
-const FILES: [&str; 12] = [
+const FILES: [&str; 17] = [
     "{\"version\":1.3,\"people\":[{\"person_id\":[-1],\"pose_keypoints_2d\":[505.232,431.63,0.664216,null,NaN,0.60741,0,0,0]},{}],\"x\":\"a\\\"}[\"}",
     "name = \"mine\"\npoints = [\"Nose\", \"\", \"LHip\"]\n",
     "[cam_01]\nname = \"cam_01\"\nsize = [ 1088.0, 1920.0]\nmatrix = [ [ 1681.2, 0.0, 532.9], [ 0.0, 1681.0, 948.1], [ 0.0, 0.0, 1.0]]\ndistortions = [ -0.0007, 0.002, 9.5e-06, 1.0e-05]\nrotation = [[1, 0, 0.0001], [0, 1, 0], [0, 0, 1]]\ntranslation = [ 0.3, 0.9, 2.8]\nfisheye = false\n\n[metadata]\nadjusted = false\n",
@@ -385,6 +391,11 @@ const FILES: [&str; 12] = [
     include_str!("golden/camera_array.toml"),
     include_str!("golden/Calib.qca.txt"),
     include_str!("golden/cameras.yml"),
+    "sync_index,port,frame_index,frame_time,point_id,img_loc_x,img_loc_y,obj_loc_x,obj_loc_y\r\n0,0,0,9.1,11,520,193,,\n0,1,0,9.1,24,1.5,NaN,,\n",
+    "scorer,D,D,D,D,D,D\nindividuals,a,a,a,b,b,b\nbodyparts,nose,nose,nose,nose,nose,nose\ncoords,x,y,likelihood,x,y,likelihood\n0,1,2,0.5,,,\nimg1.png,,,,3,4,1\n",
+    "{\"meta_info\":{},\"instance_info\":[{\"frame_id\":1,\"instances\":[{\"keypoints\":[[1.5,2],[3,NaN]],\"keypoint_scores\":[1.1,0.5],\"bbox\":[[1,2,3,4]]}]}]}",
+    "[{\"image_id\":\"12.jpg\",\"category_id\":1,\"keypoints\":[10,20,1.1,null,2,0.5],\"score\":2.9},{\"image_id\":3,\"keypoints\":[]}]",
+    "{\"frames\":[{\"frame\":7,\"pose_landmarks\":[]},null,{\"landmarks\":{\"landmark\":[]}}]}",
 ];
 
 /// Which reader takes which of the files.
@@ -403,6 +414,13 @@ fn the_files_are_valid() {
     assert!(caliscope_cameras::read("a", FILES[9]).is_ok());
     assert!(qualisys_cameras::read("a", FILES[10]).is_ok());
     assert!(opencv_cameras::read("a", FILES[11]).is_ok());
+    for (text, format) in FILES[12..16].iter().zip(["Caliscope", "DeepLabCut", "MMPose", "COCO results"]) {
+        assert_eq!(keypoint_formats::recognised(text).unwrap().name, format);
+        let table = keypoint_formats::read("a", text, 1.0).unwrap();
+        let people = table.cameras.iter().flat_map(|camera| camera.frames.values()).map(|frame| frame.people.len());
+        assert!(people.sum::<usize>() > 0, "{format}");
+    }
+    assert_eq!(mediapipe_json::read("a", FILES[16], 1.0).unwrap().cameras[0].frames.len(), 3);
 }
 
 #[test]
@@ -456,6 +474,11 @@ fn a_megabyte_of_nonsense_is_no_burden() {
         megabyte("%YAML:1.0\n", &|i| format!("a{i}:\n- b\n")),
         megabyte("%YAML:1.0\na: [", &|_| "1,".into()),
         megabyte("%YAML:1.0\nnames:\n", &|i| format!("- {i}\n")),
+        megabyte("[", &|i| format!("{{\"image_id\":{i},\"keypoints\":[1,1,1]}},")),
+        megabyte("[{\"image_id\":1,\"keypoints\":[", &|_| "1,".into()),
+        megabyte("[", &|_| "[],".into()),
+        megabyte("sync_index,port,point_id,img_loc_x,img_loc_y\n", &|i| format!("{i},{i},1,1,1\n")),
+        megabyte("bodyparts", &|i| format!(",{i}")),
         megabyte("a\n", &|_| "1\n".into()),
         megabyte("", &|_| ",".into()),
         megabyte("", &|_| "\"\"".into()),

@@ -35,6 +35,18 @@ pub fn read_text(path: &Path, limit: u64) -> Result<String, Error> {
     Ok(decode(&path.display().to_string(), &bytes, limit)?.to_owned())
 }
 
+/// The first bytes of a file, as far as they are text: enough to see of which kind it is.
+///
+/// # Errors
+/// [`Error::Io`] with the path.
+pub fn read_beginning(path: &Path) -> Result<String, Error> {
+    const BYTES: u64 = 1 << 16;
+    let file = fs::File::open(path).map_err(Error::io("read", path))?;
+    let mut bytes = Vec::new();
+    file.take(BYTES).read_to_end(&mut bytes).map_err(Error::io("read", path))?;
+    Ok(String::from_utf8_lossy(&bytes).into_owned())
+}
+
 /// Start value of [`fnv`].
 pub const FNV_START: u64 = 0xcbf2_9ce4_8422_2325;
 

@@ -56,6 +56,7 @@ mod stored;
 pub mod uncertainty;
 pub mod unknown_size;
 mod up_axis;
+pub mod upward;
 mod warning;
 
 pub use collect::{Collected, SetupRequest, alone, collect, limb_lengths};
@@ -66,7 +67,7 @@ pub use lasting_errors::MeasuredErrors;
 pub use measured_lasting::measure_lasting;
 pub use measured_look::measure_look;
 pub use measured_motion::measure_motion;
-pub use pass::set_up;
+pub use pass::{find_up, set_up};
 pub use pose_fit::pose_of;
 pub use stored::{Body, CameraSetup, FileBody, SCHEMA, Setup};
 pub use warning::SetupWarning;

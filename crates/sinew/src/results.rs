@@ -29,6 +29,7 @@ mod summary;
 mod table;
 mod tables;
 mod texts;
+mod world_turn;
 
 pub use claim::{
     Claim, LOCK_NAME, OWN_NAMES, RESULT_NAMES, claim, claim_in, claim_to_resume, is_in_use, refuse_inputs,
@@ -42,3 +43,4 @@ pub use skeleton::t_pose;
 pub use storage::{Disk, Storage, StoredFile};
 pub use summary::{CameraSummary, Diagnostics, Ending, Limits, Summary};
 pub use texts::Texts;
+pub use world_turn::WorldTurn;

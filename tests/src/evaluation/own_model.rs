@@ -109,6 +109,7 @@ fn stated_setup(body: &KinematicTree, sigma_px: f64) -> Result<(Setup, Vec<Camer
         layout: LAYOUT.into(),
         person: 0,
         world_up: Z_UP.into(),
+        world_up_sd_deg: None,
         up_axis: Z_UP.into(),
         model_error_m: 0.0,
         size_sd: 0.0,

@@ -11,10 +11,15 @@ use std::path::Path;
 pub type Check = fn(&[u8]);
 
 /// Every fuzz target.
-pub const CHECKS: [(&str, Check); 22] = [
+pub const CHECKS: [(&str, Check); 27] = [
     ("openpose", checks::openpose),
     ("calib_toml", checks::calib_toml),
     ("calibration", checks::calibration),
+    ("caliscope_xy", checks::caliscope_xy),
+    ("coco_results", checks::coco_results),
+    ("deeplabcut_csv", checks::deeplabcut_csv),
+    ("mediapipe_json", checks::mediapipe_json),
+    ("mmpose_json", checks::mmpose_json),
     ("layout", checks::layout),
     ("body_toml", checks::body_toml),
     ("trc", checks::trc),

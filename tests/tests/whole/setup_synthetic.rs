@@ -182,7 +182,12 @@ fn units_axes_and_inverted_cameras_are_diagnosed() {
     let (found, warnings) = set_up(&turned, &layout, frames.clone()).unwrap();
     assert_eq!(found.up_axis, "-z");
     let text: Vec<String> = warnings.iter().map(ToString::to_string).collect();
-    assert_eq!(text, ["feet are above the head in the first 12 frames; set `up_axis` (found: -z)"]);
+    assert_eq!(
+        text,
+        [
+            "feet are above the head in the first 12 frames; set `up_axis` (found: -z), or let the person say where up is: `--up auto`"
+        ]
+    );
 
     let z_up = z_up_from("-z").unwrap();
     let repaired: Vec<Camera> = turned.iter().map(|c| c.turned(z_up)).collect();

@@ -50,6 +50,7 @@ fn values(setting: &Setting) -> String {
         SettingKind::Frames => "`A..B`, B not included".into(),
         SettingKind::Names => "names, `a,b,c`".into(),
         SettingKind::Lags => "frames by camera, `a=1,b=-2`".into(),
+        SettingKind::Direction => "`auto`, or three numbers `X,Y,Z`".into(),
     }
 }
 

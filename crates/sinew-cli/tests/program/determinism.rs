@@ -231,6 +231,15 @@ fn a_world_that_is_declared_is_turned_to_z_up() {
     assert!(printed.contains("set `up_axis` (found: -y)"), "{printed}");
     let printed = trial.track_printed(&["--up-axis", "-y"]);
     assert!(!printed.contains("up_axis"), "{printed}");
+    // The person says it as well: he walks, and his points hold the same heights.
+    let printed = trial.track_printed(&["-olevelled", "--up", "auto"]);
+    assert!(printed.contains("the world was levelled: up is ("), "{printed}");
+    let summary = fs::read_to_string(trial.path("levelled/summary.json")).unwrap();
+    let summary: serde_json::Value = serde_json::from_str(&summary).unwrap();
+    assert!(summary["world"]["sd_deg"].as_f64().unwrap() < 6.0, "{}", summary["world"]);
+    assert!(summary["world"]["results_from_calibration"][2][1].as_f64().unwrap() < -0.98, "{}", summary["world"]);
+    let printed = trial.track_printed(&["-oboth", "--up", "0,-1,0", "--up-axis", "-y"]);
+    assert!(printed.contains("`up` and `up_axis` are both given"), "{printed}");
     let height = |out: &str| {
         let text = fs::read_to_string(trial.path(out).join("markers.trc")).unwrap();
         let trc = sinew::formats::trc::read("markers.trc", &text).unwrap();
@@ -238,6 +247,7 @@ fn a_world_that_is_declared_is_turned_to_z_up() {
     };
     let (a, b) = (height("plain"), height("out"));
     assert!((0..3).all(|k| (a[k] - b[k]).abs() < 0.05) && a[2] > 1.0, "{a:?} {b:?}");
+    assert!((height("levelled")[2] - a[2]).abs() < 0.1, "{:?} {a:?}", height("levelled"));
     // The set-up knows the axis.
     let printed = trial.track_printed(&["-oagain", "--setup", "out/setup.toml", "--up-axis=+y"]);
     assert!(printed.contains("`up_axis` is +y; the set-up was made with -y"), "{printed}");

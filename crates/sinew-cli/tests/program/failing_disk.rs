@@ -95,6 +95,7 @@ fn write(folder: &Path, steps: usize) -> Result<usize, Error> {
         is_weighted: false,
         method: "hmc".into(),
         kind: Default::default(),
+        world: None,
         fps: 30.0,
         first_frame: 0,
         draws: 1,

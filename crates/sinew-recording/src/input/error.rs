@@ -47,8 +47,50 @@ pub enum InputError {
         /// Keypoint files in it.
         files: usize,
     },
+    /// A file that is of no format of keypoints.
+    #[error("`{}` is no keypoint file of a known kind; known: {}", file.display(), known.join(", "))]
+    UnknownKeypointFile {
+        /// File.
+        file: PathBuf,
+        /// Known kinds.
+        known: Vec<&'static str>,
+    },
+    /// A file of many frames without a frame.
+    #[error("`{}` holds no frame", file.display())]
+    NoFrames {
+        /// File.
+        file: PathBuf,
+    },
+    /// A file whose name, or a camera in it, is no camera of the calibration.
+    #[error("`{}`: `{camera}` is or holds no name of one calibrated camera; calibrated: {}", file.display(), calibrated.join(", "))]
+    FileOfNoCamera {
+        /// File.
+        file: PathBuf,
+        /// Camera in the file, or its name.
+        camera: String,
+        /// Cameras of the calibration.
+        calibrated: Vec<String>,
+    },
+    /// Two files of one camera.
+    #[error("`{}` and `{}` are both of camera `{camera}`", first.display(), second.display())]
+    TwoFiles {
+        /// Camera.
+        camera: String,
+        /// A file.
+        first: PathBuf,
+        /// Another file.
+        second: PathBuf,
+    },
+    /// Files of two cameras with other points.
+    #[error("`{}` and `{}` have other keypoints", first.display(), second.display())]
+    LayoutsDiffer {
+        /// A file.
+        first: PathBuf,
+        /// Another file.
+        second: PathBuf,
+    },
     /// A folder without keypoints.
-    #[error("`{}` holds no keypoints; expected folders `<camera>_json` with JSON files", folder.display())]
+    #[error("`{}` holds no keypoints; expected folders `<camera>_json` with JSON files, or a file a camera", folder.display())]
     NoKeypoints {
         /// Folder.
         folder: PathBuf,
@@ -321,6 +363,15 @@ impl InputError {
             Self::FolderOfOneCamera { .. } => {
                 "give the folder above it, which holds one folder `<camera>_json` for each camera"
             }
+            Self::UnknownKeypointFile { .. } => {
+                "give such a file, the folder with a file of each camera, or the folder with a folder of each camera"
+            }
+            Self::NoFrames { .. } => "run the detector again; the file has a header and nothing else",
+            Self::FileOfNoCamera { .. } => {
+                "files and cameras are matched by name: name the file after the camera, as in `cam01_results.json`"
+            }
+            Self::TwoFiles { .. } => "keep one of the two in the folder, for example the filtered one of DeepLabCut",
+            Self::LayoutsDiffer { .. } => "run the same model on all cameras, or name the points with `--layout`",
             Self::NoKeypoints { .. } => "`--keypoints` takes the folder that a detector fills, for example `pose`",
             Self::VideosForKeypoints { .. } => DETECT,
             Self::NoFiles { .. } => "fill the folder or remove it, or leave the camera out of `--cameras`",

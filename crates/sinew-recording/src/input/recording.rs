@@ -1,6 +1,6 @@
-//! A recording on disk: keypoint folders `<camera>_json/*.json` of calibrated cameras, read one frame at a time.
+//! A recording on disk: keypoints of calibrated cameras, read one frame at a time.
 //!
-//! [`Recording::open`] lists the files, matches folders to cameras by name and checks what can be checked without reading every file; [`Recording::frame`] reads
+//! [`Recording::open`] lists the files ([`keypoint_sources`]), matches them to cameras by name and checks what can be checked without reading every file; [`Recording::frame`] reads
 //! the files of one frame. What is odd about single frames is counted, each frame once however often it is read; [`Recording::warnings`] has the counts.
 //!
 //! Frames go by the number in the file names. A number without a file is a frame that the camera missed.
@@ -8,6 +8,8 @@
 mod calibrated;
 mod frame_ranges;
 mod guess;
+pub mod keypoint_camera;
+pub mod keypoint_sources;
 mod known_layout;
 pub mod listing;
 mod options;
@@ -19,10 +21,10 @@ pub use known_layout::{check_layout, lacking};
 pub use options::RecordingOptions;
 
 use crate::{Error, files};
+use keypoint_camera::KeypointCamera;
+use keypoint_sources::KeypointSource;
 use known_layout::named_layout;
-use listing::{CameraFiles, chosen_folders};
 use sinew_formats::openpose::{self, OpenposePerson, Tally};
-use sinew_formats::source_text::MAX_KEYPOINT_BYTES;
 use sinew_formats::{Layout, camera_name, frame_number};
 use sinew_observe::Camera;
 use std::collections::BTreeMap;
@@ -34,7 +36,7 @@ use std::path::{Path, PathBuf};
 pub struct Recording {
     cameras: Vec<Camera>,
     calibrated: Vec<String>,
-    files: Vec<CameraFiles>,
+    keypoints: Vec<KeypointCamera>,
     layout: Layout,
     confidence_scale: f64,
     image_scale: f64,
@@ -59,26 +61,27 @@ impl Recording {
     pub fn open(calibration: &Path, keypoints: &Path, options: &RecordingOptions) -> Result<Self, Error> {
         let Calibrated { cameras, names: calibrated, mut warnings, hash: calibration_hash } =
             Calibrated::read(calibration)?;
-        let folders = listing::camera_folders(keypoints)?;
-        let (cameras, folders) = match options.cameras.as_deref() {
-            Some(names) => (chosen_cameras(cameras, names)?, chosen_folders(folders, names)?),
-            None => (cameras, folders),
+        let sources = keypoint_sources::sources(keypoints, &calibrated, options.confidence_scale)?;
+        let (cameras, sources) = match options.cameras.as_deref() {
+            Some(names) => (chosen_cameras(cameras, names)?, keypoint_sources::chosen(sources, names)?),
+            None => (cameras, sources),
         };
+        let said = keypoint_sources::layout(&sources)?;
 
-        let names: Vec<&str> = folders.iter().map(|folder| folder.name.as_str()).collect();
+        let names: Vec<&str> = sources.iter().map(|source| source.name.as_str()).collect();
         check_lags(&options.lag, &calibrated)?;
         let camera_names: Vec<&str> = cameras.iter().map(|camera| camera.name.as_str()).collect();
         let matching = camera_name::match_names(&names, &camera_names)?;
         warnings.extend(matching.warnings(&names, &camera_names).iter().map(ToString::to_string));
-        let mut folders: Vec<Option<listing::Folder>> = folders.into_iter().map(Some).collect();
+        let mut sources: Vec<Option<KeypointSource>> = sources.into_iter().map(Some).collect();
         let mut used = Vec::new();
         let mut listed = Vec::new();
-        for (folder, camera) in matching.pairs {
-            let Some(folder) = folders.get_mut(folder).and_then(Option::take) else { continue };
-            let name = &cameras[camera].name;
-            let files = listing::files(folder, name, "keypoint files")?;
-            listed.push(files.late_by(lag_of(&options.lag, name)));
-            used.push(cameras[camera].resized(options.image_scale));
+        for (source, camera) in matching.pairs {
+            let Some(source) = sources.get_mut(source).and_then(Option::take) else { continue };
+            let camera = cameras[camera].resized(options.image_scale);
+            let keypoints = source.keypoints(&camera.name, Some(&camera))?;
+            listed.push(keypoints.late_by(lag_of(&options.lag, &camera.name)));
+            used.push(camera);
         }
         if used.len() == 1 {
             warnings.push("one camera: depth comes from the prior only".into());
@@ -86,9 +89,10 @@ impl Recording {
 
         let (available, frames) = ranges(&listed, options.frames.as_ref(), options.trim)?;
         warnings.extend(range_warnings(&listed, options, &frames));
-        let (layout, layout_note) = match &options.layout {
-            Some(name) => (named_layout(name)?, None),
-            None => guess::layout(&listed, keypoints)?,
+        let (layout, layout_note) = match (&options.layout, said) {
+            (Some(name), _) => (named_layout(name)?, None),
+            (None, Some(layout)) => (layout, None),
+            (None, None) => guess::layout(&listed, keypoints)?,
         };
         if options.layout.is_some() {
             warnings.extend(guess::contradiction(&listed, &layout));
@@ -100,7 +104,7 @@ impl Recording {
             counted: vec![false; (frames.end - frames.start) as usize],
             cameras: used,
             calibrated,
-            files: listed,
+            keypoints: listed,
             layout,
             confidence_scale: options.confidence_scale,
             image_scale: options.image_scale,
@@ -163,26 +167,20 @@ impl Recording {
     pub fn frame(&mut self, number: u64) -> Result<Vec<Vec<OpenposePerson>>, Error> {
         let slot = number.checked_sub(self.frames.start).and_then(|i| self.counted.get_mut(usize::try_from(i).ok()?));
         let count = slot.is_some_and(|counted| !std::mem::replace(counted, true));
-        let mut views = Vec::with_capacity(self.files.len());
-        for (index, (files, tally)) in self.files.iter().zip(&mut self.tallies).enumerate() {
-            let frame = match files.path(number) {
-                Some(path) => {
-                    let text = files::read_text(&path, MAX_KEYPOINT_BYTES)?;
-                    if count {
-                        // A sum does not depend on the order in which frames are read.
-                        let place =
-                            files::fnv(files::fnv(files::FNV_START, &number.to_le_bytes()), &index.to_le_bytes());
-                        self.keypoints_hash = self.keypoints_hash.wrapping_add(files::fnv(place, text.as_bytes()));
-                    }
-                    let options = openpose::OpenposeOptions {
-                        frame: Some(number),
-                        layout: Some(&self.layout),
-                        confidence_scale: self.confidence_scale,
-                    };
-                    Some(openpose::read(&path.display().to_string(), &text, &options)?)
-                }
-                None => None,
-            };
+        let mut views = Vec::with_capacity(self.keypoints.len());
+        let options = openpose::OpenposeOptions {
+            frame: Some(number),
+            layout: Some(&self.layout),
+            confidence_scale: self.confidence_scale,
+        };
+        for (index, (keypoints, tally)) in self.keypoints.iter().zip(&mut self.tallies).enumerate() {
+            let place = files::fnv(files::fnv(files::FNV_START, &number.to_le_bytes()), &index.to_le_bytes());
+            let read = keypoints.read(number, &options, place)?;
+            if let Some((_, hash)) = read.as_ref().filter(|_| count) {
+                // A sum does not depend on the order in which frames are read.
+                self.keypoints_hash = self.keypoints_hash.wrapping_add(*hash);
+            }
+            let frame = read.map(|(frame, _)| frame);
             if count {
                 tally.add(number, frame.as_ref());
             }
@@ -226,12 +224,13 @@ impl Recording {
     /// Files and folders that the recording is read from.
     #[must_use]
     pub fn folders(&self) -> Vec<PathBuf> {
-        self.files.iter().map(|files| files.folder.clone()).collect()
+        self.keypoints.iter().map(KeypointCamera::source).collect()
     }
 }
 
 /// Warnings about frames that are requested or trimmed, and about holes.
-fn range_warnings(listed: &[CameraFiles], options: &RecordingOptions, frames: &Range<u64>) -> Vec<String> {
+fn range_warnings(listed: &[KeypointCamera], options: &RecordingOptions, frames: &Range<u64>) -> Vec<String> {
+    let listed = || listed.iter().map(KeypointCamera::files);
     let mut warnings = vec![];
     if let Some(asked) = options.frames.as_ref().filter(|asked| asked.start < frames.start || asked.end > frames.end) {
         warnings.push(format!(
@@ -240,7 +239,7 @@ fn range_warnings(listed: &[CameraFiles], options: &RecordingOptions, frames: &R
         ));
     }
     if options.trim && options.frames.is_none() {
-        for camera in listed.iter().filter(|camera| camera.range() != *frames) {
+        for camera in listed().filter(|camera| camera.range() != *frames) {
             let Range { start, end } = camera.range();
             warnings.push(format!(
                 "{} has frames {start}..{end}; trimmed to {}..{}, which all cameras have",
@@ -248,7 +247,7 @@ fn range_warnings(listed: &[CameraFiles], options: &RecordingOptions, frames: &R
             ));
         }
     }
-    for camera in listed {
+    for camera in listed() {
         let numbers: Vec<u64> = camera.numbers().filter(|number| frames.contains(number)).collect();
         warnings.extend(frame_number::holes(&camera.camera, &numbers).map(|warning| warning.to_string()));
     }

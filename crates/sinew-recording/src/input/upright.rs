@@ -45,10 +45,23 @@ fn note(runs: &mut Vec<Range<u64>>, number: u64) {
 }
 
 impl<'a, S: FrameSource> Upright<'a, S> {
-    /// Turns the world of a source whose axis `up` (`+x` to `-z`) points up. Unknown names turn nothing.
+    /// Turns the world of a source whose axis or direction `up` points up ([`z_up_from`](super::up_axis::z_up_from)). Unknown names turn nothing.
     pub fn new(source: &'a mut S, up: &str) -> Self {
         let cameras = upright(source.cameras().to_vec(), up);
         Self { source, cameras, up: up.into(), read: FramesRead::default() }
+    }
+
+    /// The same source in a world that is turned by another axis, as [`Upright::new`] does; what was read is kept.
+    #[must_use]
+    pub fn turned(self, up: &str) -> Self {
+        let cameras = upright(self.source.cameras().to_vec(), up);
+        Self { cameras, up: up.into(), ..self }
+    }
+
+    /// The axis or direction that points up in the world of the source.
+    #[must_use]
+    pub fn up(&self) -> &str {
+        &self.up
     }
 
     /// What was read for the set-up.

@@ -130,6 +130,12 @@ pub enum SetupError {
         /// Residual once they are exchanged, pixels.
         residual_px: f64,
     },
+    /// Nobody who stands or walks shows where up is.
+    #[error("nobody stands or walks in the {frames} frames looked at: where up is cannot be found")]
+    NobodyUpright {
+        /// Frames looked at.
+        frames: usize,
+    },
     /// No frame shows enough.
     #[error("no frame shows enough of the person for a pose")]
     NoPose,
@@ -195,6 +201,7 @@ impl SetupError {
             }
             Self::Nobody { .. } => "look at the keypoint files, and at `--setup-frames`",
             Self::NoSuchPerson { .. } => "`--person` counts from 0, the most complete person first",
+            Self::NobodyUpright { .. } => "give the direction that points up in the calibration's world: `--up X,Y,Z`",
             Self::NoAgreement { .. } | Self::NoPose => {
                 "check the calibration against the keypoints with `sinew inspect`"
             }

@@ -8,15 +8,17 @@ use super::own_body;
 use super::pose_fit::pose_of;
 use super::scale;
 use super::shape;
+use super::space_points::{Points, points_in_space};
 use super::speed;
 use super::stored::{Body, CameraSetup, SCHEMA, Setup};
+use super::upward::{Upward, upward};
 use super::warning::SetupWarning;
 use crate::input::up_axis::Z_UP;
 use sinew_body::Proportions;
 use sinew_formats::Layout;
 use sinew_observe::Camera;
 use sinew_observe::association::Person as Pixels;
-use sinew_observe::offsets::{self, CameraNoise};
+use sinew_observe::offsets::{self, CameraNoise, Sighted};
 
 /// Sets up the tracking of a person in calibrated cameras from the frames of an iterator (number, people of each camera), which must come in order.
 ///
@@ -31,6 +33,38 @@ pub fn set_up<E: From<SetupError>>(
 ) -> Result<(Setup, Vec<SetupWarning>), E> {
     let collected = collect(cameras, layout, request, frames)?;
     Ok(measure(cameras, layout, request, &collected)?)
+}
+
+/// Scatter per axis of keypoints of cameras that disagree, as a share of the image's width.
+const TOLERATED: f64 = 0.02;
+
+/// Where up is in the world of the cameras, by the person in the frames of an iterator, as for [`set_up`].
+///
+/// # Errors
+/// Errors of the iterator and of [`collect`]; nobody who stands or walks, as far as two cameras see.
+pub fn find_up<E: From<SetupError>>(
+    cameras: &[Camera],
+    layout: &Layout,
+    request: &SetupRequest,
+    frames: impl IntoIterator<Item = Result<(u64, Vec<Vec<Pixels>>), E>>,
+) -> Result<Upward, E> {
+    let collected = collect(cameras, layout, request, frames)?;
+    let noise = offsets::estimate(cameras, &collected.sighted(request.offset_frames), &request.offsets);
+    let found = |noise: &[CameraNoise]| {
+        let in_space = |(number, sighted): &(u64, Sighted)| {
+            (*number, points_in_space(cameras, noise, sighted, request.offsets.least_confidence))
+        };
+        let points: Vec<(u64, Points)> = collected.spread.iter().map(in_space).collect();
+        upward(layout, &points)
+    };
+    let tolerant = || -> Vec<CameraNoise> {
+        let wide = |camera: &Camera| TOLERATED * camera.image_size_px[0];
+        let noise = noise.iter().zip(cameras);
+        noise.map(|(own, camera)| CameraNoise { sigma_px: own.sigma_px.max(wide(camera)), ..*own }).collect()
+    };
+    // Cameras that disagree say where up is all the same, if less well.
+    let up = found(&noise).or_else(|| found(&tolerant()));
+    Ok(up.ok_or(SetupError::NobodyUpright { frames: collected.spread.len() })?)
 }
 
 fn measure(
@@ -89,6 +123,7 @@ fn unmeasured(layout: &Layout, request: &SetupRequest, camera: Vec<CameraSetup>)
         layout: layout.name.clone(),
         person: request.person,
         world_up: Z_UP.into(),
+        world_up_sd_deg: None,
         up_axis: Z_UP.into(),
         model_error_m: ONE_CAMERA_ERROR_M,
         size_sd: 0.0,

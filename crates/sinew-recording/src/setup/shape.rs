@@ -18,6 +18,7 @@ use super::segment_lengths;
 use super::space_points::{Points, points_in_space};
 use super::stored::Body;
 use super::up_axis::up_axis;
+use super::upward::{Upward, upward};
 use super::warning::SetupWarning;
 use sinew_body::fit::Target;
 use sinew_body::{KinematicTree, Plan, Proportions, bundle, point_positions, subject};
@@ -75,7 +76,7 @@ pub fn measure(
         }
     }
     let up_axis = up_axis(layout, &frames);
-    warnings.extend(oddities(up_axis, frames.len(), &measured));
+    warnings.extend(oddities(up_axis, frames.len(), upward(layout, &frames), &measured));
     let build = request.body.builder();
     let tree = build(&measured.proportions);
     let targets = targets(&tree, layout, &frames);
@@ -121,10 +122,25 @@ fn targets(tree: &KinematicTree, layout: &Layout, frames: &[(u64, Points)]) -> V
     frames.iter().map(frame).collect()
 }
 
+/// Angle from the z axis up to which a world counts as level, degrees, and in standard deviations of what points up.
+const LEVEL_DEG: f64 = 15.0;
+const LEVEL_SD: f64 = 3.0;
+
 /// Warnings about the axis of the world and about sizes that nothing measured.
-fn oddities(up_axis: &'static str, frames: usize, measured: &subject::Measured) -> Vec<SetupWarning> {
+fn oddities(
+    up_axis: &'static str,
+    frames: usize,
+    upward: Option<Upward>,
+    measured: &subject::Measured,
+) -> Vec<SetupWarning> {
     let sizes = measured.unmeasured.clone();
-    let axis = (up_axis != "+z").then_some(SetupWarning::FeetAboveHead { frames, up_axis });
+    let axis = match upward.map(|up| (up.tilt_deg(), up.sd_deg)) {
+        _ if up_axis != "+z" => Some(SetupWarning::FeetAboveHead { frames, up_axis }),
+        Some((tilt_deg, sd_deg)) if tilt_deg > LEVEL_DEG && tilt_deg > LEVEL_SD * sd_deg => {
+            Some(SetupWarning::Unlevel { tilt_deg, sd_deg })
+        }
+        _ => None,
+    };
     axis.into_iter().chain((!sizes.is_empty()).then_some(SetupWarning::Unmeasured { sizes })).collect()
 }
 

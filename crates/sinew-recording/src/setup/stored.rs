@@ -178,9 +178,12 @@ pub struct Setup {
     pub layout: String,
     /// Which person: 0 is the most complete one at the start.
     pub person: usize,
-    /// Axis of the calibration's world that points up, as declared; the set-up is that of the world turned to z up.
+    /// Axis or direction `X,Y,Z` of the calibration's world that points up, as declared or found; the set-up is that of the world turned to z up.
     #[serde(default = "z_up")]
     pub world_up: String,
+    /// Standard deviation of `world_up` about each horizontal axis, degrees, where the person showed it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub world_up_sd_deg: Option<f64>,
     /// World axis that points from feet to head, as found: `+z` where all is well.
     pub up_axis: String,
     /// Distance between a keypoint and the body's point, per axis, metres.
@@ -374,9 +377,7 @@ impl Setup {
                 problems.push(format!("start_pose has {found} numbers; {body} has {dof} degrees of freedom"));
             }
         }
-        if crate::input::up_axis::z_up_from(&self.world_up).is_none() {
-            problems.push(format!("world_up = {}; must be one of +x, -x, +y, -y, +z, -z", self.world_up));
-        }
+        problems.extend(self.world_problem());
         if !self.start_pose.iter().all(|x| x.is_finite()) {
             problems.push("start_pose holds a number that is not finite".into());
         }
@@ -412,6 +413,15 @@ impl Setup {
             }
         }
         problems
+    }
+
+    /// What is wrong with the axis or direction that points up.
+    fn world_problem(&self) -> Option<String> {
+        if crate::input::up_axis::z_up_from(&self.world_up).is_none() {
+            return Some(format!("world_up = {}; must be one of +x, -x, +y, -y, +z, -z, or X,Y,Z", self.world_up));
+        }
+        let is_odd = self.world_up_sd_deg.is_some_and(|sd| !(sd >= 0.0 && sd.is_finite()));
+        is_odd.then(|| "world_up_sd_deg must be a number that is not negative".into())
     }
 
     /// The text of `setup.toml`.

@@ -53,6 +53,13 @@ pub enum SetupWarning {
         /// The axis that points up the body.
         up_axis: &'static str,
     },
+    /// The world's z axis is nearest to up, and does not point there.
+    Unlevel {
+        /// Angle between z and up, degrees.
+        tilt_deg: f64,
+        /// Standard deviation of what points up, degrees.
+        sd_deg: f64,
+    },
     /// A camera's keypoints scatter more than a calibrated camera's.
     Scatter {
         /// Camera.
@@ -125,8 +132,12 @@ impl fmt::Display for SetupWarning {
             Self::FeetAboveHead { frames, up_axis } => {
                 let what = if *up_axis == "-z" { "feet are above the head" } else { "the body does not stand along z" };
                 write!(f, "{what} in the first {frames} frames; set `up_axis`")?;
-                write!(f, " (found: {up_axis})")
+                write!(f, " (found: {up_axis}), or let the person say where up is: `--up auto`")
             }
+            Self::Unlevel { tilt_deg, sd_deg } => write!(
+                f,
+                "the world is not level: the person stands {tilt_deg:.0} ± {sd_deg:.0}° away from its z axis; `--up auto` levels it by the person, `--up X,Y,Z` by a direction"
+            ),
             Self::Scatter { camera, px } => {
                 write!(f, "{camera}: keypoints scatter by {px:.0} px; is this the calibration of this camera?")
             }

@@ -46,5 +46,6 @@ fn line(camera: &CameraSurvey) -> String {
     } else {
         String::new()
     };
-    format!("{} files, frames {}..{}, {people}{seen}", camera.files, camera.first, camera.end)
+    let what = if camera.is_table { "frames in one file" } else { "files" };
+    format!("{} {what}, frames {}..{}, {people}{seen}", camera.files, camera.first, camera.end)
 }

@@ -5,11 +5,12 @@ use super::subject::Subject;
 use super::{draws, image_files, results, toml_file};
 use crate::Error;
 use crate::result_table::ResultTable;
-use sinew::files::read_text;
+use sinew::files::{read_beginning, read_text};
 use sinew::input::folder_contents::is_video;
 use sinew_dynamics::model_file::{MAX_BYTES, is_of};
 use sinew_dynamics::primitives::file;
 use sinew_formats::calibration;
+use sinew_formats::keypoint_formats::recognised;
 use sinew_formats::source_text::{MAX_CONFIG_BYTES, MAX_TEXT_BYTES};
 use sinew_latent::file as latent_file;
 use std::path::{Path, PathBuf};
@@ -59,6 +60,7 @@ fn subject(path: &Path) -> Result<Subject, Error> {
     }
     match path.extension().map(|extension| extension.to_string_lossy().to_lowercase()).as_deref() {
         Some("toml") => Ok(toml_file::subject(path_buf, &read_text(path, MAX_CONFIG_BYTES)?)),
+        Some("csv" | "json") if is_keypoint_file(path) => Ok(Subject::Keypoints(path_buf)),
         Some("csv") if is_action_file(path) => Ok(Subject::Actions(path_buf)),
         Some("trc" | "bvh" | "mot" | "sto" | "csv") => Ok(Subject::Motion(path_buf)),
         Some("asf") => Ok(Subject::Skeleton(path_buf)),
@@ -78,6 +80,11 @@ fn subject(path: &Path) -> Result<Subject, Error> {
             }
         }
     }
+}
+
+/// Whether a file holds the keypoints of a recording.
+fn is_keypoint_file(path: &Path) -> bool {
+    read_beginning(path).is_ok_and(|beginning| recognised(&beginning).is_some())
 }
 
 fn is_action_file(path: &Path) -> bool {

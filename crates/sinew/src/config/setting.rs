@@ -28,6 +28,8 @@ pub enum SettingKind {
     Frames,
     /// A list of names.
     Names,
+    /// `auto`, or a direction of three numbers `X,Y,Z`.
+    Direction,
     /// Whole frames of cameras, `cam_01=1,cam_03=-2`.
     Lags,
 }

@@ -23,7 +23,7 @@ use std::sync::Arc;
 pub struct TrackConfig {
     /// Calibration file.
     pub calibration: Option<PathBuf>,
-    /// Keypoint folder.
+    /// Keypoint folder or file.
     pub keypoints: Option<PathBuf>,
     /// Folder of masks.
     pub silhouettes: Option<PathBuf>,
@@ -57,6 +57,8 @@ pub struct TrackConfig {
     pub trim: bool,
     /// Axis of the calibration's world that points up; `+z`, or what the set-up says, if `None`.
     pub up_axis: Option<String>,
+    /// Direction of the calibration's world that points up, or `auto`, in place of an axis.
+    pub up: Option<String>,
     /// `h32`, `cf28`, `hppf24`, `hapf31` or the path of a body file.
     pub body: String,
     /// Set-up of an earlier run.
@@ -120,6 +122,7 @@ impl Resolved {
             everybody: self.tracks_everybody(),
             trim: self.values.flag("trim"),
             up_axis: self.values.text("up_axis"),
+            up: self.values.text("up"),
             body: self.values.text("body").unwrap_or_default(),
             setup: self.values.path("setup"),
             setup_frames: self.values.frames("setup_frames"),

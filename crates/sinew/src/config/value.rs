@@ -2,6 +2,7 @@
 
 use super::setting::{Setting, SettingKind};
 use sinew_formats::nearest::nearest;
+use sinew_recording::input::up_axis::direction;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use toml::de::DeValue;
@@ -79,10 +80,14 @@ fn unexpected(setting: &Setting, shown: &str) -> String {
         SettingKind::Flag => "true or false",
         SettingKind::Frames => "frame numbers in quotes, for example \"0..60\"",
         SettingKind::Names => "a list of names, for example [\"cam1\", \"cam2\"]",
+        SettingKind::Direction => "auto or a direction of three numbers in quotes, for example \"0,-1,0.2\"",
         SettingKind::Lags => "a list of cameras with whole frames, for example [\"cam1=1\", \"cam3=-2\"]",
     };
     format!("`{}` is {shown}; it must be {wanted}", setting.key)
 }
+
+/// A direction that is to be found.
+pub const AUTO: &str = "auto";
 
 /// Frames beyond which a camera was not started with the others.
 const MOST_LAG: i64 = 1_000_000;
@@ -140,6 +145,8 @@ pub fn from_text(setting: &Setting, text: &str, folder: &Path) -> Result<Value, 
             _ => Err(unexpected(setting, &shown)),
         },
         SettingKind::Frames => frames(setting, text),
+        SettingKind::Direction if text == AUTO || direction(text).is_some() => Ok(Value::Text(text.into())),
+        SettingKind::Direction => Err(unexpected(setting, &shown)),
         SettingKind::Lags => lags(setting, text.split(','), text),
         SettingKind::Names => {
             let names: Vec<String> =
@@ -183,6 +190,7 @@ pub fn from_toml(setting: &Setting, value: &DeValue<'_>, shown: &str, folder: &P
             | SettingKind::NameOrPath
             | SettingKind::Choice(_)
             | SettingKind::Frames
+            | SettingKind::Direction
             | SettingKind::Lags,
             DeValue::String(text),
         ) => from_text(setting, text, folder),

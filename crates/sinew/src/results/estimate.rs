@@ -7,6 +7,7 @@
 
 pub mod diagnostics;
 
+use super::world_turn::WorldTurn;
 use sinew_body::KinematicTree;
 use sinew_dynamics::primitives::switching::Branch;
 use sinew_observe::Camera;
@@ -207,6 +208,8 @@ pub struct RunInfo {
     pub kind: EstimateKind,
     /// Body in its fitted size; points and degrees of freedom are in its order.
     pub body: KinematicTree,
+    /// How the calibration's world was turned, if it was.
+    pub world: Option<WorldTurn>,
     /// Frames per second.
     pub fps: f64,
     /// First frame that will be appended.

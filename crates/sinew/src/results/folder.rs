@@ -259,6 +259,7 @@ mod tests {
             method: "hmc".into(),
             is_weighted: false,
             kind: Default::default(),
+            world: None,
             fps: 30.0,
             first_frame: 0,
             draws: 1,

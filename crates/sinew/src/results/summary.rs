@@ -4,6 +4,7 @@
 //! residuals are warnings.
 
 use super::silhouette_overlap::SilhouetteOverlap;
+use super::world_turn::WorldTurn;
 use serde::Serialize;
 use sinew_recording::setup::uncertainty::Uncertainty;
 use std::collections::BTreeMap;
@@ -79,6 +80,9 @@ pub struct Summary {
     pub restarted_frames: u64,
     /// Degrees of freedom of the body.
     pub degrees_of_freedom: usize,
+    /// How the calibration's world was turned, if it was.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub world: Option<WorldTurn>,
     /// What the cameras say.
     pub cameras: Vec<CameraSummary>,
     /// Diagnostics.

@@ -58,6 +58,9 @@ pub enum TrackError {
         /// That of the set-up.
         known: String,
     },
+    /// An axis and a direction that point up.
+    #[error("`up` and `up_axis` are both given; they say the same")]
+    UpTwice,
     /// Another body than that of the set-up.
     #[error("`body` is {asked}; the set-up was made with {known}")]
     Body {
@@ -152,6 +155,7 @@ impl TrackError {
         match self {
             Self::NoParts | Self::StoredSettings(_) | Self::Encoding(_) | Self::Sampler(_) | Self::Motion(_) => 1,
             Self::UpAxis { .. }
+            | Self::UpTwice
             | Self::Body { .. }
             | Self::NoInstructionSet { .. }
             | Self::ModelBody { .. }
@@ -197,6 +201,7 @@ impl TrackError {
             Self::FrameNumber { .. } => "renumber the files",
             Self::Parts(_) => "give every link at most one solid",
             Self::UpAxis { .. } => "leave `up_axis` out: the set-up knows it",
+            Self::UpTwice => "leave one of them out",
             Self::Body { .. } => "leave `--body` out: the set-up knows it; or leave `--setup` out",
             Self::SetupFile { .. } => {
                 "give `--setup` the setup.toml of a result folder of this version, or leave it out"

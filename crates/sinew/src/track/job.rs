@@ -17,6 +17,7 @@ mod ending;
 mod forward;
 mod inputs;
 mod keeper;
+mod level;
 mod run_info;
 mod watch;
 

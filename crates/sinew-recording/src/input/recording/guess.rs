@@ -3,11 +3,11 @@
 //! The length of a list settles most layouts. 75 numbers fit BODY_25B and BODY_25, which the body itself distinguishes: point 8 of BODY_25 is the middle of points 9
 //! and 12 (the hips), point 8 of BODY_25B an elbow.
 
-use super::listing::CameraFiles;
+use super::keypoint_camera::KeypointCamera;
+use crate::Error;
+use crate::files::FNV_START;
 use crate::input::error::InputError;
-use crate::{Error, files};
-use sinew_formats::openpose::{self, OpenposePerson};
-use sinew_formats::source_text::MAX_KEYPOINT_BYTES;
+use sinew_formats::openpose::{OpenposeOptions, OpenposePerson};
 use sinew_formats::{Layout, layout};
 use std::path::Path;
 
@@ -21,7 +21,7 @@ const ENOUGH: usize = 20;
 const PATIENCE: usize = 400;
 
 /// The layout of the first people found, and a warning if there was a choice.
-pub(super) fn layout(cameras: &[CameraFiles], folder: &Path) -> Result<(Layout, Option<String>), Error> {
+pub(super) fn layout(cameras: &[KeypointCamera], folder: &Path) -> Result<(Layout, Option<String>), Error> {
     let mut people: Vec<OpenposePerson> = Vec::new();
     for found in first_people(cameras) {
         people.extend(found?);
@@ -52,7 +52,7 @@ pub(super) fn layout(cameras: &[CameraFiles], folder: &Path) -> Result<(Layout, 
 }
 
 /// A warning if the first people found do not look like the layout that was named. Files that cannot be read are reported when their frame is read.
-pub(super) fn contradiction(cameras: &[CameraFiles], named: &Layout) -> Option<String> {
+pub(super) fn contradiction(cameras: &[KeypointCamera], named: &Layout) -> Option<String> {
     let expected = match named.name.as_str() {
         BODY_25 => true,
         BODY_25B => false,
@@ -70,18 +70,15 @@ pub(super) fn contradiction(cameras: &[CameraFiles], named: &Layout) -> Option<S
 }
 
 /// People of the first files of every camera in turn, file by file.
-fn first_people(cameras: &[CameraFiles]) -> impl Iterator<Item = Result<Vec<OpenposePerson>, Error>> + '_ {
-    let most = cameras.iter().map(CameraFiles::len).max().unwrap_or_default();
-    let paths = (0..most).flat_map(move |index| {
-        cameras.iter().filter_map(move |camera| {
-            let number = camera.numbers().nth(index)?;
-            Some((number, camera.path(number)?))
-        })
+fn first_people(cameras: &[KeypointCamera]) -> impl Iterator<Item = Result<Vec<OpenposePerson>, Error>> + '_ {
+    let most = cameras.iter().map(|camera| camera.files().len()).max().unwrap_or_default();
+    let frames = (0..most).flat_map(move |index| {
+        cameras.iter().filter_map(move |camera| Some((camera, camera.files().numbers().nth(index)?)))
     });
-    paths.take(PATIENCE).map(|(number, path)| {
-        let text = files::read_text(&path, MAX_KEYPOINT_BYTES)?;
-        let options = openpose::OpenposeOptions { frame: Some(number), layout: None, confidence_scale: f64::MAX };
-        Ok(openpose::read(&path.display().to_string(), &text, &options)?.people)
+    frames.take(PATIENCE).map(|(camera, number)| {
+        let options = OpenposeOptions { frame: Some(number), layout: None, confidence_scale: f64::MAX };
+        let read = camera.read(number, &options, FNV_START)?;
+        Ok(read.map(|(frame, _)| frame.people).unwrap_or_default())
     })
 }
 

@@ -5,9 +5,9 @@
 use crate::Error;
 use crate::input::error::InputError;
 use crate::input::folder_contents::{FolderContents, folder_contents, is_video};
-use sinew_formats::{Error as FormatError, camera_name, frame_number};
+use sinew_formats::{Error as FormatError, frame_number};
 use std::collections::{BTreeMap, HashMap};
-use std::ffi::OsString;
+use std::ffi::{OsStr, OsString};
 use std::fs;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -95,6 +95,18 @@ pub struct CameraFiles {
 }
 
 impl CameraFiles {
+    /// Frames with these numbers, rising, that lie in one file.
+    #[must_use]
+    pub fn one_file(camera: &str, file: &Path, numbers: impl Iterator<Item = u64>) -> Self {
+        let name = file.file_name().map(OsString::from).unwrap_or_default();
+        let names = Names {
+            files: numbers.map(|number| (number, 0)).collect(),
+            patterns: vec![Pattern::Exact(name)],
+            ..Names::default()
+        };
+        Self { camera: camera.into(), folder: file.parent().unwrap_or(Path::new("")).to_owned(), lag: 0, names }
+    }
+
     /// The same files of a camera that is late by a number of frames.
     #[must_use]
     pub fn late_by(self, lag: i64) -> Self {
@@ -139,7 +151,7 @@ impl CameraFiles {
     }
 }
 
-fn has_extension(name: &OsString, extensions: &[&str]) -> bool {
+pub(super) fn has_extension(name: &OsStr, extensions: &[&str]) -> bool {
     let extension = Path::new(name).extension();
     extension.is_some_and(|found| extensions.iter().any(|wanted| found.eq_ignore_ascii_case(wanted)))
 }
@@ -194,18 +206,6 @@ pub fn camera_folders(keypoints: &Path) -> Result<Vec<Folder>, Error> {
     }
     folders.sort_by(|a, b| a.name.cmp(&b.name));
     Ok(folders)
-}
-
-/// The folders of some cameras.
-pub fn chosen_folders(folders: Vec<Folder>, names: &[String]) -> Result<Vec<Folder>, InputError> {
-    let wanted: Vec<String> = names.iter().map(|name| camera_name::fold(name)).collect();
-    for (name, wanted) in names.iter().zip(&wanted) {
-        if !folders.iter().any(|folder| camera_name::fold(&folder.name) == *wanted) {
-            let folders = folders.into_iter().map(|folder| folder.name).collect();
-            return Err(InputError::NoKeypointsOfCamera { name: name.clone(), folders });
-        }
-    }
-    Ok(folders.into_iter().filter(|folder| wanted.contains(&camera_name::fold(&folder.name))).collect())
 }
 
 /// Files in folders, and those that lie side by side by what their names begin with before the frame number.

@@ -2,12 +2,13 @@
 
 use super::frame_ranges::no_such_frames;
 use super::guess;
+use super::keypoint_camera::KeypointCamera;
+use super::keypoint_sources;
 use super::known_layout::named_layout;
-use super::listing::{self, CameraFiles, chosen_folders};
 use super::options::RecordingOptions;
-use crate::{Error, files};
-use sinew_formats::openpose::{self, Tally};
-use sinew_formats::source_text::MAX_KEYPOINT_BYTES;
+use crate::Error;
+use crate::files::FNV_START;
+use sinew_formats::openpose::{OpenposeOptions, Tally};
 use sinew_formats::{Layout, frame_number};
 use std::path::Path;
 
@@ -32,8 +33,10 @@ pub struct Survey {
 pub struct CameraSurvey {
     /// Name of the folder.
     pub name: String,
-    /// Number of files, of the chosen frames.
+    /// Number of files, or of frames of one file, of the chosen frames.
     pub files: usize,
+    /// Whether one file holds all frames.
+    pub is_table: bool,
     /// First frame.
     pub first: u64,
     /// Frame after the last.
@@ -55,49 +58,53 @@ pub struct CameraSurvey {
 /// # Errors
 /// A folder without keypoints, file names without numbers, an unknown layout, cameras or frames that are not there, files that cannot be read.
 pub fn survey(keypoints: &Path, options: &RecordingOptions) -> Result<Survey, Error> {
-    let mut folders = listing::camera_folders(keypoints)?;
+    let mut sources = keypoint_sources::sources(keypoints, &[], options.confidence_scale)?;
     if let Some(names) = &options.cameras {
-        folders = chosen_folders(folders, names)?;
+        sources = keypoint_sources::chosen(sources, names)?;
     }
+    let said = keypoint_sources::layout(&sources)?;
     let mut listed = Vec::new();
-    for folder in folders {
-        let name = folder.name.clone();
-        listed.push(listing::files(folder, &name, "keypoint files")?);
+    for source in sources {
+        let name = source.name.clone();
+        listed.push(source.keypoints(&name, None)?);
     }
-    let (layout, guessed) = match &options.layout {
-        Some(name) => (named_layout(name)?, None),
-        None => guess::layout(&listed, keypoints)?,
+    let (layout, guessed) = match (&options.layout, said) {
+        (Some(name), _) => (named_layout(name)?, None),
+        (None, Some(layout)) => (layout, None),
+        (None, None) => guess::layout(&listed, keypoints)?,
     };
     let mut warnings = Vec::new();
     if options.layout.is_some() {
         warnings.extend(guess::contradiction(&listed, &layout));
     }
     let is_wanted = |number: &u64| options.frames.as_ref().is_none_or(|asked| asked.contains(number));
-    let numbers: Vec<Vec<u64>> = listed.iter().map(|files| files.numbers().filter(is_wanted).collect()).collect();
+    let numbers: Vec<Vec<u64>> =
+        listed.iter().map(|camera| camera.files().numbers().filter(is_wanted).collect()).collect();
     if let Some(asked) = options.frames.as_ref().filter(|_| numbers.iter().all(Vec::is_empty)) {
-        let ranges = || listed.iter().map(CameraFiles::range);
+        let ranges = || listed.iter().map(|camera| camera.files().range());
         let first = ranges().map(|range| range.start).min().unwrap_or_default();
         let end = ranges().map(|range| range.end).max().unwrap_or_default();
         return Err(no_such_frames(asked, &(first..end)));
     }
     let mut cameras = Vec::new();
-    for (files, numbers) in listed.iter().zip(&numbers) {
-        warnings.extend(frame_number::holes(&files.camera, numbers).map(|warning| warning.to_string()));
-        cameras.push(camera(files, numbers, &layout, options.confidence_scale, &mut warnings)?);
+    for (keypoints, numbers) in listed.iter().zip(&numbers) {
+        warnings.extend(frame_number::holes(&keypoints.files().camera, numbers).map(|warning| warning.to_string()));
+        cameras.push(camera(keypoints, numbers, &layout, options.confidence_scale, &mut warnings)?);
     }
     Ok(Survey { layout, is_guess: guessed.is_some(), cameras, warnings })
 }
 
 fn camera(
-    files: &CameraFiles,
+    keypoints: &KeypointCamera,
     numbers: &[u64],
     layout: &Layout,
     confidence_scale: f64,
     warnings: &mut Vec<String>,
 ) -> Result<CameraSurvey, Error> {
     let mut survey = CameraSurvey {
-        name: files.camera.clone(),
+        name: keypoints.files().camera.clone(),
         files: numbers.len(),
+        is_table: keypoints.is_table(),
         first: numbers.first().copied().unwrap_or_default(),
         end: numbers.last().map_or(0, |last| last.saturating_add(1)),
         read: 0,
@@ -108,10 +115,8 @@ fn camera(
     };
     let mut tally = Tally::default();
     for &number in numbers.iter().step_by(numbers.len().div_ceil(READ).max(1)) {
-        let Some(path) = files.path(number) else { continue };
-        let text = files::read_text(&path, MAX_KEYPOINT_BYTES)?;
-        let options = openpose::OpenposeOptions { frame: Some(number), layout: Some(layout), confidence_scale };
-        let frame = openpose::read(&path.display().to_string(), &text, &options)?;
+        let options = OpenposeOptions { frame: Some(number), layout: Some(layout), confidence_scale };
+        let Some((frame, _)) = keypoints.read(number, &options, FNV_START)? else { continue };
         tally.add(number, Some(&frame));
         survey.read += 1;
         survey.empty += usize::from(frame.people.is_empty());
@@ -124,6 +129,6 @@ fn camera(
         }
     }
     survey.fewest = survey.fewest.min(survey.most);
-    warnings.extend(tally.warnings(&files.camera).iter().map(ToString::to_string));
+    warnings.extend(tally.warnings(&keypoints.files().camera).iter().map(ToString::to_string));
     Ok(survey)
 }

@@ -4,13 +4,14 @@
 
 use super::colours::colour_warning;
 use super::inputs::{Hashes, Inputs};
+use super::level::levelled;
 use super::watch::{RunPhase, Watch};
 use crate::config::Resolved;
 use crate::config::TrackConfig;
 use crate::config::settings::Settings;
 use crate::config::track::DEFAULT_FPS;
 use crate::input::source::FrameSource;
-use crate::input::up_axis::{Z_UP, axis_before_turning};
+use crate::input::up_axis::axis_before_turning;
 use crate::input::upright::Upright;
 use crate::setup::{self, Setup, SetupRequest, SetupWarning};
 use crate::track::checkpoint::Checkpoint;
@@ -46,8 +47,7 @@ pub(super) fn begun<'a, S: FrameSource>(
     if let Some(setup) = known.as_ref().filter(|_| resolved.is_given("body")) {
         same_body(&config.body, setup)?;
     }
-    let up = world_up(config, known.as_ref())?;
-    let mut source = Upright::new(source, &up);
+    let (mut source, up_sd_deg) = levelled(source, &setup_frames, config, known.as_ref(), watch, &mut warnings)?;
     let setup = match known {
         Some(setup) => {
             same_calibration(&mut source, config.image_scale)?;
@@ -55,7 +55,7 @@ pub(super) fn begun<'a, S: FrameSource>(
         }
         None => {
             let setup = set_up(&mut source, setup_frames, config, settings, watch, &mut warnings)?;
-            Setup { world_up: up, ..setup }
+            Setup { world_up: source.up().into(), world_up_sd_deg: up_sd_deg, ..setup }
         }
     };
     warnings.extend(colour_warning(&setup, &mut source, settings)?);
@@ -95,17 +95,6 @@ pub(super) fn resumed<'a, S: FrameSource>(
     Ok(Begun { source, setup, checkpoint })
 }
 
-/// The axis of the calibration's world that points up.
-pub(super) fn world_up(config: &TrackConfig, setup: Option<&Setup>) -> Result<String, Error> {
-    match (&config.up_axis, setup) {
-        (Some(asked), Some(setup)) if *asked != setup.world_up => {
-            Err(TrackError::UpAxis { asked: asked.clone(), known: setup.world_up.clone() }.into())
-        }
-        (_, Some(setup)) => Ok(setup.world_up.clone()),
-        (asked, None) => Ok(asked.clone().unwrap_or_else(|| Z_UP.into())),
-    }
-}
-
 /// Frames that are looked at to see whether a set-up of an earlier run belongs to the calibration.
 pub(super) const LOOKED_AT: u64 = 60;
 
@@ -140,7 +129,7 @@ pub(super) fn read_setup(path: &Path) -> Result<Setup, Error> {
 }
 
 fn set_up<S: FrameSource>(
-    source: &mut S,
+    source: &mut Upright<'_, S>,
     numbers: Range<u64>,
     config: &TrackConfig,
     settings: &Settings,
@@ -169,10 +158,10 @@ fn set_up<S: FrameSource>(
     // The tracker looks for swapped sides in all its frames.
     let tracked = source.frames();
     let reported_later = |warning: &SetupWarning| matches!(warning, SetupWarning::Swapped { first, last, .. } if tracked.contains(first) && tracked.contains(last));
-    let declared = config.up_axis.as_deref().unwrap_or(Z_UP);
+    let declared = source.up().to_owned();
     let found = found.into_iter().filter(|warning| !reported_later(warning)).map(|warning| match warning {
         SetupWarning::FeetAboveHead { frames, up_axis } => {
-            SetupWarning::FeetAboveHead { frames, up_axis: axis_before_turning(up_axis, declared) }
+            SetupWarning::FeetAboveHead { frames, up_axis: axis_before_turning(up_axis, &declared) }
         }
         other => other,
     });

@@ -1,6 +1,7 @@
 //! Settings that cannot be carried out, found before anything is claimed or computed.
 
-use super::begin::{read_setup, same_body, world_up};
+use super::begin::{read_setup, same_body};
+use super::level::world_up;
 use crate::config::Resolved;
 use crate::track::{check_latent_model, check_model};
 use crate::{Error, bodies};

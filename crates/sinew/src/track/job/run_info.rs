@@ -3,9 +3,10 @@
 use crate::Error;
 use crate::config::TrackConfig;
 use crate::config::settings::Settings;
+use crate::input::up_axis::{Z_UP, z_up_from};
 use crate::methods::Gives;
-use crate::results::Texts;
 use crate::results::estimate::{Carried, EstimateKind, RunInfo};
+use crate::results::{Texts, WorldTurn};
 use crate::setup::Setup;
 use crate::track::checkpoint::Checkpoint;
 use crate::track::error::TrackError;
@@ -31,6 +32,7 @@ pub(super) fn run_info(
         is_weighted: method.gives == Gives::Particles,
         kind: if config.smooth { EstimateKind::Smoothed } else { EstimateKind::Filtered },
         body: setup.tree(),
+        world: world(setup),
         fps: settings.fps,
         first_frame,
         draws: if config.smooth { settings.draws.min(TRAJECTORIES) } else { settings.draws },
@@ -51,6 +53,12 @@ pub(super) fn run_info(
         has_masks: config.silhouettes.is_some(),
         setup_toml,
     }
+}
+
+/// How the calibration's world was turned.
+fn world(setup: &Setup) -> Option<WorldTurn> {
+    let turn = z_up_from(&setup.world_up).filter(|_| setup.world_up != Z_UP)?;
+    Some(WorldTurn { up: setup.world_up.clone(), sd_deg: setup.world_up_sd_deg, results_from_calibration: turn })
 }
 
 /// What the uncertainty comes from that is constant, of a run with the cameras of its set-up. Where the size of the body is unknown, that is more than all of it.

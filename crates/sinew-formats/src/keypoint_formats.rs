@@ -1,0 +1,94 @@
+//! Files that hold the keypoints of a whole recording: of one camera, or of all.
+//!
+//! Each format is a module with `recognises` and `read`; [`FORMATS`] lists them, so that a new one is a file and a line
+//! here. A file is recognised by its beginning, whatever it is called. Camera and frame have the names and numbers of the
+//! file; a format without cameras leaves the name to the name of the file.
+//!
+//! | module | whose | confidence |
+//! |---|---|---|
+//! | [`caliscope_xy`](crate::caliscope_xy) | Caliscope, `xy_*.csv` | none: 1 |
+//! | [`deeplabcut_csv`](crate::deeplabcut_csv) | DeepLabCut, one and several animals | `likelihood` |
+//! | [`mmpose_json`](crate::mmpose_json) | MMPose, and RTMLib in its format | `keypoint_scores` |
+//! | [`coco_results`](crate::coco_results) | COCO results, AlphaPose | third number of a keypoint |
+//! | [`mediapipe_json`](crate::mediapipe_json) | MediaPipe Pose | `visibility` |
+//!
+//! ```
+//! use sinew_formats::keypoint_formats::{read, recognised};
+//! let text = "sync_index,port,frame_index,frame_time,point_id,img_loc_x,img_loc_y\n7,0,7,0.2,11,520,193\n";
+//! assert_eq!(recognised(text).unwrap().name, "Caliscope");
+//! let table = read("xy_POSE.csv", text, 1.0)?;
+//! assert_eq!(table.cameras[0].name.as_deref(), Some("0"));
+//! assert_eq!(table.cameras[0].frames[&7].people[0].keypoints[11].unwrap().x, 520.0);
+//! # Ok::<(), sinew_formats::Error>(())
+//! ```
+
+use crate::keypoint_table::KeypointTable;
+use crate::source_text::without_mark;
+use crate::{Error, Place};
+use crate::{caliscope_xy, coco_results, deeplabcut_csv, mediapipe_json, mmpose_json};
+
+/// A format of such files.
+#[derive(Clone, Copy, Debug)]
+pub struct KeypointFormat {
+    /// Name for messages.
+    pub name: &'static str,
+    /// Whether a file that begins so is of this format.
+    pub recognises: fn(&str) -> bool,
+    /// Reads a file: its name, its text and the confidence that means certainty.
+    pub read: fn(&str, &str, f64) -> Result<KeypointTable, Error>,
+}
+
+/// The formats, in the order in which they are tried.
+pub const FORMATS: [KeypointFormat; 5] = [
+    KeypointFormat { name: "Caliscope", recognises: caliscope_xy::recognises, read: caliscope_xy::read },
+    KeypointFormat { name: "DeepLabCut", recognises: deeplabcut_csv::recognises, read: deeplabcut_csv::read },
+    KeypointFormat { name: "MMPose", recognises: mmpose_json::recognises, read: mmpose_json::read },
+    KeypointFormat { name: "COCO results", recognises: coco_results::recognises, read: coco_results::read },
+    KeypointFormat { name: "MediaPipe", recognises: mediapipe_json::recognises, read: mediapipe_json::read },
+];
+
+/// Bytes at the beginning of a file by which it is recognised.
+const BEGINNING: usize = 1 << 16;
+
+/// The format of a text, by its beginning.
+#[must_use]
+pub fn recognised(text: &str) -> Option<&'static KeypointFormat> {
+    let text = without_mark(text).trim_start();
+    let end = (0..=BEGINNING.min(text.len())).rev().find(|&end| text.is_char_boundary(end)).unwrap_or(0);
+    let beginning = text.get(..end).unwrap_or_default();
+    FORMATS.iter().find(|format| (format.recognises)(beginning))
+}
+
+/// Reads a file of any of the formats; `confidence_scale` is the confidence that means certainty.
+///
+/// # Errors
+/// A text of another kind, a scale that is not positive, and what the reader of its format refuses.
+pub fn read(name: &str, text: &str, confidence_scale: f64) -> Result<KeypointTable, Error> {
+    let place = Place::file(name);
+    if !(confidence_scale > 0.0 && confidence_scale.is_finite()) {
+        let (field, expected) = ("confidence_scale".into(), "positive".into());
+        return Err(Error::BadValue { place, field, found: format!("{confidence_scale}"), expected });
+    }
+    match recognised(text) {
+        Some(format) => (format.read)(name, text, confidence_scale),
+        None => Err(Error::Syntax {
+            place,
+            found: "the beginning is that of no known keypoint file".into(),
+            expected: format!("a file of {}", FORMATS.map(|format| format.name).join(", ")),
+        }),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn other_texts_are_refused_with_a_list() {
+        for text in ["", "{\"people\": []}", "a,b\n1,2\n", "[]"] {
+            let error = read("a.json", text, 1.0).unwrap_err().to_string();
+            assert!(error.contains("a file of Caliscope, DeepLabCut, MMPose, COCO results, MediaPipe"), "{error}");
+        }
+        assert!(read("a.json", "", 0.0).unwrap_err().to_string().contains("confidence_scale = 0; must be positive"));
+    }
+}

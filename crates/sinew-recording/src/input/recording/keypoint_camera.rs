@@ -1,0 +1,121 @@
+//! The keypoints of a camera, from a file a frame or from one file of many frames.
+//!
+//! A file that holds many is read once, when the recording is opened, and its keypoints stay in memory.
+
+use super::listing::CameraFiles;
+use crate::{Error, files};
+use sinew_formats::keypoint_table::Frames;
+use sinew_formats::openpose::{self, OpenposeFrame, OpenposeOptions};
+use sinew_formats::source_text::MAX_KEYPOINT_BYTES;
+use sinew_formats::{Error as FormatError, Layout, Place};
+use sinew_observe::Camera;
+use std::borrow::Borrow;
+use std::path::PathBuf;
+
+/// The keypoints of a camera.
+#[derive(Debug)]
+pub struct KeypointCamera {
+    files: CameraFiles,
+    /// Frames by the numbers of the file, for one file of many frames.
+    table: Option<Frames>,
+}
+
+impl Borrow<CameraFiles> for KeypointCamera {
+    fn borrow(&self) -> &CameraFiles {
+        &self.files
+    }
+}
+
+impl KeypointCamera {
+    /// A folder with a file a frame.
+    #[must_use]
+    pub const fn folder(files: CameraFiles) -> Self {
+        Self { files, table: None }
+    }
+
+    /// Frames of a file; coordinates that are shares of the image become pixels of the camera.
+    #[must_use]
+    pub fn table(files: CameraFiles, mut frames: Frames, shares_of: Option<&Camera>) -> Self {
+        if let Some(camera) = shares_of {
+            let [width, height] = camera.image_size_px;
+            let people = frames.values_mut().flat_map(|frame| &mut frame.people);
+            for keypoint in people.flat_map(|person| person.keypoints.iter_mut().flatten()) {
+                (keypoint.x, keypoint.y) = (keypoint.x * width, keypoint.y * height);
+            }
+        }
+        Self { files, table: Some(frames) }
+    }
+
+    /// The same keypoints of a camera that is late by a number of frames.
+    #[must_use]
+    pub fn late_by(self, lag: i64) -> Self {
+        Self { files: self.files.late_by(lag), ..self }
+    }
+
+    /// Files or frames by number.
+    #[must_use]
+    pub const fn files(&self) -> &CameraFiles {
+        &self.files
+    }
+
+    /// Whether one file holds all frames.
+    #[must_use]
+    pub const fn is_table(&self) -> bool {
+        self.table.is_some()
+    }
+
+    /// What the keypoints are read from.
+    #[must_use]
+    pub fn source(&self) -> PathBuf {
+        let first = || self.files.numbers().next().and_then(|number| self.files.path(number));
+        if self.is_table() { first().unwrap_or_default() } else { self.files.folder.clone() }
+    }
+
+    /// What was seen in a frame, and a hash of it that begins with `hash`; `None` for a frame that the camera missed.
+    ///
+    /// # Errors
+    /// A file that cannot be read or is refused, people who do not fit the layout.
+    pub fn read(
+        &self,
+        number: u64,
+        options: &OpenposeOptions<'_>,
+        hash: u64,
+    ) -> Result<Option<(OpenposeFrame, u64)>, Error> {
+        let Some(path) = self.files.path(number) else { return Ok(None) };
+        let name = path.display().to_string();
+        let Some(frames) = &self.table else {
+            let text = files::read_text(&path, MAX_KEYPOINT_BYTES)?;
+            return Ok(Some((openpose::read(&name, &text, options)?, files::fnv(hash, text.as_bytes()))));
+        };
+        let Some(frame) = number.checked_add_signed(self.files.lag).and_then(|number| frames.get(&number)) else {
+            return Ok(None);
+        };
+        if let Some(layout) = options.layout {
+            check_count(&name, number, frame, layout)?;
+        }
+        Ok(Some((frame.clone(), hashed(frame, hash))))
+    }
+}
+
+fn check_count(name: &str, number: u64, frame: &OpenposeFrame, layout: &Layout) -> Result<(), Error> {
+    match frame.people.iter().map(|person| 3 * person.keypoints.len()).find(|found| *found != layout.numbers()) {
+        None => Ok(()),
+        Some(found) => {
+            let place = Place::file(name).within(format!("frame {number}"));
+            let (layout, expected) = (layout.name.clone(), layout.numbers());
+            Err(FormatError::KeypointCount { place, found, layout, expected }.into())
+        }
+    }
+}
+
+/// A hash of the keypoints of a frame.
+fn hashed(frame: &OpenposeFrame, hash: u64) -> u64 {
+    frame.people.iter().fold(hash, |hash, person| {
+        let keypoints = person.keypoints.iter().enumerate().filter_map(|(index, keypoint)| Some((index, (*keypoint)?)));
+        let index = files::fnv(hash, &(person.index as u64).to_le_bytes());
+        keypoints.fold(index, |hash, (index, keypoint)| {
+            let numbers = [index as u64, keypoint.x.to_bits(), keypoint.y.to_bits(), keypoint.confidence.to_bits()];
+            numbers.iter().fold(hash, |hash, number| files::fnv(hash, &number.to_le_bytes()))
+        })
+    })
+}

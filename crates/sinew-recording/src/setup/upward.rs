@@ -1,0 +1,208 @@
+//! Where up is, from a person who stands or walks.
+//!
+//! 1. Of each frame the direction from the middle of the ankles to the head, in points in space; where the legs are unseen
+//!    in most frames, from the middle of the hips to that of the shoulders.
+//! 2. Frames in which the person is not as long as when he stands (less than 90 % of the 90th percentile) are left out.
+//! 3. The direction is the spatial median of those that are left (Weiszfeld), which few frames do not move.
+//! 4. Its variance per axis has three parts: that of the medians of eight runs of frames over 8; that of the points at both
+//!    ends in a frame, since errors of detectors and cameras last and do not average out; and how far people who stand lean:
+//!    3° from ankles to head, 6° from hips to shoulders. These two numbers are judgements, not measurements.
+
+use super::space_points::Points;
+use sinew_formats::Layout;
+use sinew_observe::offsets::median;
+
+/// How the person showed where up is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum UprightPart {
+    /// From ankles to head.
+    Whole,
+    /// From hips to shoulders: the legs were not seen.
+    Trunk,
+}
+
+/// The direction that points up, in a calibration's world.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Upward {
+    /// Unit vector.
+    pub direction: [f64; 3],
+    /// Standard deviation about each horizontal axis, degrees.
+    pub sd_deg: f64,
+    /// Frames from which it was found.
+    pub frames: usize,
+    /// What showed it.
+    pub part: UprightPart,
+}
+
+impl Upward {
+    /// Angle between the direction and the z axis, degrees.
+    #[must_use]
+    pub fn tilt_deg(&self) -> f64 {
+        self.direction[2].clamp(-1.0, 1.0).acos().to_degrees()
+    }
+}
+
+/// Fewest frames that say anything.
+const FEWEST: usize = 3;
+
+/// Share of the person's length that counts as standing.
+const STANDING: f64 = 0.9;
+
+/// Runs of frames by which the scatter of the direction is judged.
+const RUNS: usize = 8;
+
+/// Standard deviation of the lean of people who stand or walk, degrees.
+const fn lean_deg(part: UprightPart) -> f64 {
+    match part {
+        UprightPart::Whole => 3.0,
+        UprightPart::Trunk => 6.0,
+    }
+}
+
+/// The direction that points up, from points in space of some frames in their order; `None` where nobody stands.
+#[must_use]
+pub fn upward(layout: &Layout, frames: &[(u64, Points)]) -> Option<Upward> {
+    let spans = |part| -> Vec<Span> { frames.iter().filter_map(|(_, points)| span(layout, points, part)).collect() };
+    let (whole, trunk) = (spans(UprightPart::Whole), spans(UprightPart::Trunk));
+    let is_whole = whole.len() >= FEWEST && 2 * whole.len() >= trunk.len();
+    let (part, found) = if is_whole { (UprightPart::Whole, whole) } else { (UprightPart::Trunk, trunk) };
+    let (standing, mut errors) = standing(&found);
+    if standing.len() < FEWEST {
+        return None;
+    }
+    let direction = spatial_median(&standing)?;
+    let medians: Vec<[f64; 3]> = standing.chunks(standing.len().div_ceil(RUNS)).filter_map(spatial_median).collect();
+    let apart: f64 = medians.iter().map(|median| squared(minus(*median, direction))).sum();
+    // Two directions lie across the vertical.
+    let variance = apart / (2.0 * medians.len().saturating_sub(1).max(1) as f64 * medians.len() as f64);
+    let error = median(&mut errors);
+    let sd_deg = variance.sqrt().hypot(error).to_degrees().hypot(lean_deg(part));
+    Some(Upward { direction, sd_deg, frames: standing.len(), part })
+}
+
+/// From the lower to the upper end of a person, and its variance per axis.
+type Span = ([f64; 3], f64);
+
+/// The span of a frame.
+fn span(layout: &Layout, points: &Points, part: UprightPart) -> Option<Span> {
+    let at = |name: &str| points.get(layout.index(name)?).copied().flatten();
+    let between = |left: &str, right: &str| {
+        let ((left, left_variance), (right, right_variance)) = (at(left)?, at(right)?);
+        let middle = [0, 1, 2].map(|k: usize| 0.5 * (left[k] + right[k]));
+        Some((middle, 0.25 * (left_variance + right_variance)))
+    };
+    let (low, high) = match part {
+        UprightPart::Whole => {
+            let head = between("LEar", "REar").or_else(|| at("Neck")).or_else(|| between("LShoulder", "RShoulder"));
+            (between("LAnkle", "RAnkle")?, head?)
+        }
+        UprightPart::Trunk => (between("LHip", "RHip")?, between("LShoulder", "RShoulder")?),
+    };
+    Some((minus(high.0, low.0), high.1 + low.1))
+}
+
+/// Unit vectors of the spans in which the person is about as long as when he stands, and their standard deviations, radians.
+fn standing(spans: &[Span]) -> (Vec<[f64; 3]>, Vec<f64>) {
+    let mut lengths: Vec<f64> = spans.iter().map(|(span, _)| squared(*span).sqrt()).collect();
+    lengths.sort_by(f64::total_cmp);
+    let longest = lengths.get(lengths.len() * 9 / 10).copied().unwrap_or_default();
+    let unit = |(span, variance): &Span| {
+        let length = squared(*span).sqrt();
+        (length > 0.0 && length >= STANDING * longest).then(|| (span.map(|x| x / length), variance.sqrt() / length))
+    };
+    spans.iter().filter_map(unit).unzip()
+}
+
+/// The unit vector with the least sum of distances from unit vectors, by Weiszfeld's iteration.
+fn spatial_median(units: &[[f64; 3]]) -> Option<[f64; 3]> {
+    const ROUNDS: usize = 100;
+    const NEAR: f64 = 1e-9;
+    let mean = |weights: &dyn Fn(&[f64; 3]) -> f64| {
+        let sum = units.iter().fold([0.0; 3], |sum, unit| [0, 1, 2].map(|k: usize| sum[k] + weights(unit) * unit[k]));
+        let length = squared(sum).sqrt();
+        (length > NEAR).then(|| sum.map(|x| x / length))
+    };
+    let mut median = mean(&|_| 1.0)?;
+    for _ in 0..ROUNDS {
+        let next = mean(&|unit| 1.0 / squared(minus(*unit, median)).sqrt().max(NEAR))?;
+        let moved = squared(minus(next, median));
+        median = next;
+        if moved < NEAR * NEAR {
+            break;
+        }
+    }
+    Some(median)
+}
+
+fn minus(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [0, 1, 2].map(|k: usize| a[k] - b[k])
+}
+
+fn squared(a: [f64; 3]) -> f64 {
+    a.iter().map(|x| x * x).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use sinew_formats::layout;
+
+    /// A person whose points lie along `up` from the origin, in layout COCO_17.
+    fn person(up: [f64; 3], has_legs: bool, height: f64) -> Points {
+        let layout = layout::find("COCO_17").unwrap();
+        let at = |share: f64| Some((up.map(|x| share * height * x), 0.0));
+        let share = |name: &str| match name.get(1..) {
+            Some("Ankle") => has_legs.then_some(0.05),
+            Some("Hip") => Some(0.5),
+            Some("Shoulder") => Some(0.8),
+            Some("Ear") => Some(0.95),
+            _ => None,
+        };
+        layout.points.iter().map(|name| at(share(name.as_deref()?)?)).collect()
+    }
+
+    fn found(frames: Vec<Points>) -> Option<Upward> {
+        let frames: Vec<(u64, Points)> = (0..).zip(frames).collect();
+        upward(&layout::find("COCO_17").unwrap(), &frames)
+    }
+
+    const UP: [f64; 3] = [0.6, 0.0, -0.8];
+
+    #[test]
+    fn the_person_says_where_up_is_with_and_without_legs() {
+        for (has_legs, part, sd_deg) in [(true, UprightPart::Whole, 3.0), (false, UprightPart::Trunk, 6.0)] {
+            let up = found(vec![person(UP, has_legs, 1.7); 20]).unwrap();
+            assert!(squared(minus(up.direction, UP)) < 1e-20, "{up:?}");
+            assert_eq!((up.part, up.frames), (part, 20));
+            assert!((up.sd_deg - sd_deg).abs() < 1e-9, "{up:?}");
+            assert!((up.tilt_deg() - 143.13).abs() < 0.01);
+        }
+    }
+
+    #[test]
+    fn who_bends_or_lies_does_not_move_it() {
+        let mut frames = vec![person(UP, true, 1.7); 14];
+        frames.extend(vec![person([0.0, 1.0, 0.0], true, 1.1); 10]);
+        frames.extend(vec![person([1.0, 0.0, 0.0], true, 1.7); 4]);
+        let up = found(frames).unwrap();
+        assert!(squared(minus(up.direction, UP)).sqrt().to_degrees() < 0.1, "{up:?}");
+        assert_eq!(up.frames, 18);
+        assert!(up.sd_deg > 3.5, "some frames contradict the others: {up:?}");
+    }
+
+    #[test]
+    fn uncertain_ends_make_an_uncertain_direction() {
+        let mut frame = person(UP, false, 1.7);
+        frame.iter_mut().flatten().for_each(|(_, variance)| *variance = 1e-4);
+        let sd_deg = found(vec![frame; 20]).unwrap().sd_deg;
+        // A centimetre over both ends of 0.51 m.
+        assert!((sd_deg - 6.0_f64.hypot((0.01_f64 / 0.51).to_degrees())).abs() < 1e-6, "{sd_deg}");
+    }
+
+    #[test]
+    fn nobody_says_nothing() {
+        assert_eq!(found(vec![vec![None; 17]; 20]), None);
+        assert_eq!(found(vec![person(UP, true, 1.7); 2]), None);
+        assert_eq!(found(vec![person(UP, true, 0.0); 9]), None);
+    }
+}
