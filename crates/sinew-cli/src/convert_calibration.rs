@@ -41,8 +41,10 @@ pub(crate) fn run(args: &ConvertArgs, format: CalibrationFormat, report: &Report
 
 /// Cameras that Caliscope will know by a number that is not in their name.
 fn renamed(cameras: &[Camera], format: CalibrationFormat) -> Option<String> {
-    let numbers =
-        (format == CalibrationFormat::Caliscope).then(|| caliscope_cameras::numbers(cameras)).unwrap_or_default();
+    if format != CalibrationFormat::Caliscope {
+        return None;
+    }
+    let numbers = caliscope_cameras::numbers(cameras);
     let pairs = cameras.iter().zip(numbers).map(|(camera, number)| (&camera.name, number));
     let renamed = pairs.filter(|(name, number)| **name != format!("cam_{number}"));
     let listed: Vec<String> = renamed.map(|(name, number)| format!("`{name}` is {number}")).collect();
