@@ -196,7 +196,7 @@ fn tracking(c: &mut Criterion) {
         let settings = Settings { isa, ..settings.clone() };
         let mut scene = Scene::new(&setup, &tree, &cameras, &layout, &settings).expect("scene");
         let pose = setup.start_pose.clone();
-        let (likelihood, _) = scene.observe(&recording.people(0).expect("people"), &pose);
+        let (likelihood, _) = scene.observe(&recording.people(0).expect("people"), &[], &pose);
         density_rows(c, "H32 keypoint likelihood, 4 cameras", &likelihood, isa, &pose);
         let mut group = c.benchmark_group(format!("track the demo, per frame/{}", isa.name()));
         group.sample_size(10).measurement_time(Duration::from_secs(8)).throughput(Throughput::Elements(1));

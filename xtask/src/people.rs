@@ -28,8 +28,8 @@ pub struct Args {
     /// Crowds of each size
     #[arg(long, default_value_t = 10)]
     seeds: u64,
-    /// Seed of the first; the pilot was made with seeds from 101 on
-    #[arg(long, default_value_t = 1)]
+    /// Seed of the first; crowds from 1 on were looked at before
+    #[arg(long, default_value_t = 101)]
     first: u64,
     /// The program `sinew`, whose speed is measured [default: it is built]
     #[arg(long)]
