@@ -1,0 +1,42 @@
+//! The sentences at the top of the page: how well the person is known, and whether to doubt it.
+
+use super::html::escaped;
+use super::recorded::Recorded;
+use sinew_observe::offsets::median;
+
+/// Standard deviations to the end of a 90 % interval.
+const HALF_WIDTH: f64 = 1.645;
+
+/// What the intervals are worth in a few words, as HTML.
+pub(super) fn verdict(recorded: &Recorded) -> String {
+    let middle = |values: &mut dyn Iterator<Item = f64>| median(&mut values.filter(|x| x.is_finite()).collect::<Vec<_>>());
+    let all_mm = middle(&mut recorded.points.iter().flat_map(|point| &point.axes).flat_map(|axis| axis.half_widths()));
+    let within_mm = middle(&mut recorded.points.iter().flat_map(|point| point.sd_within.iter().flatten().copied()));
+    let angles_deg = middle(&mut recorded.angles.iter().flat_map(|angle| angle.band.half_widths()));
+    let known = format!(
+        "A coordinate of a joint is known to <b>±{:.0} mm</b> (±{:.0} mm against other places of the run), an angle to <b>±{angles_deg:.1}°</b>: medians of 90 % intervals.",
+        1e3 * all_mm,
+        1e3 * HALF_WIDTH * within_mm
+    );
+    let (failed, warned) = (recorded.sentences("failed_diagnostics").len(), recorded.sentences("warnings").len());
+    let doubts = match (failed, warned) {
+        (0, 0) => "<span class=\"good\">The run doubts nothing that it checks.</span>".to_owned(),
+        (0, 1) => "<a class=\"warn\" href=\"#doubts\">The run has one doubt.</a>".to_owned(),
+        (0, warned) => format!("<a class=\"warn\" href=\"#doubts\">The run has {warned} doubts.</a>"),
+        (1, _) => "<a class=\"bad\" href=\"#doubts\">A diagnostic failed: doubt the intervals.</a>".to_owned(),
+        (failed, _) => format!("<a class=\"bad\" href=\"#doubts\">{failed} diagnostics failed: doubt the intervals.</a>"),
+    };
+    format!("{}{known} {doubts}", interrupted(recorded))
+}
+
+/// What is said of a run that did not come to its end.
+fn interrupted(recorded: &Recorded) -> String {
+    if recorded.summary["complete"] == true {
+        return String::new();
+    }
+    let until = recorded.numbers.last().map_or(String::new(), |number| format!(" to frame {number}"));
+    format!(
+        "<strong class=\"bad\">The run was interrupted: this page shows the frames up{}. The same command with <code>--resume</code> continues.</strong> ",
+        escaped(&until)
+    )
+}
