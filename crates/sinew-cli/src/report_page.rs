@@ -38,7 +38,7 @@ pub(crate) fn write(
     out: &Path,
     report: &Report,
 ) -> Result<ReportPage, Error> {
-    let written = page(results, &ReportRequest { calibration })?;
+    let written = page(results, &ReportRequest { calibration, ..ReportRequest::default() })?;
     write_whole(out, written.html.as_bytes())?;
     if written.every > 1 {
         report.note(&format!("the page shows one frame in {}; all would make it too large", written.every));

@@ -13,6 +13,7 @@ mod angle_words;
 mod bones;
 mod camera_table;
 mod columns;
+mod doubts;
 mod error;
 mod html;
 mod packed;
@@ -33,14 +34,22 @@ use html::{escaped, filled};
 use recorded::Recorded;
 use std::path::{Path, PathBuf};
 
-/// Largest page, bytes, that shows every frame.
+/// Largest page, bytes, that shows every frame, unless another is requested.
 pub const LARGEST_BYTES: usize = 3_000_000;
 
 /// What the page is made from besides the result folder.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ReportRequest {
     /// Calibration of the run, for the directions in which its cameras look.
     pub calibration: Option<PathBuf>,
+    /// Largest page, bytes: above it frames are left out.
+    pub largest_bytes: usize,
+}
+
+impl Default for ReportRequest {
+    fn default() -> Self {
+        Self { calibration: None, largest_bytes: LARGEST_BYTES }
+    }
 }
 
 /// A page.
@@ -87,10 +96,10 @@ pub fn page(folder: &Path, request: &ReportRequest) -> Result<ReportPage, Error>
     loop {
         let payload = packed::packed(&payload::payload(&recorded, &factors, &views, every));
         let html = assembled(folder, &recorded, &views, every, &payload, &vendor);
-        if html.len() <= LARGEST_BYTES || every >= frames {
+        if html.len() <= request.largest_bytes || every >= frames {
             return Ok(ReportPage { html, frames, every });
         }
-        every += 1.max(every * (html.len() - LARGEST_BYTES) / payload.len().max(1));
+        every += 1.max(every * (html.len() - request.largest_bytes) / payload.len().max(1));
     }
 }
 
@@ -111,7 +120,7 @@ fn assembled(
         ("verdict", verdict::verdict(recorded)),
         ("left_out", run_words::left_out(every)),
         ("directions", views.note()),
-        ("doubts", run_words::doubts(recorded)),
+        ("doubts", doubts::list(recorded)),
         ("cameras", camera_table::camera_table(recorded)),
         ("sources", source_bars::bars(&recorded.summary)),
         ("diagnostics", run_words::diagnostics(recorded)),

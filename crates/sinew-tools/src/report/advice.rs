@@ -1,27 +1,30 @@
-//! What to do about a warning, by words that it has.
+//! What to do about doubts that do not say it themselves, by words that they have.
 //!
 //! The words and the advice are rows of the guide's page on warnings; a test holds them together.
 
-/// Parts of warnings with what to do. `…` stands for what differs.
-const ADVICE: [(&str, &str); 12] = [
-    ("fit when the calibrations of", "swap the two names in `Calib.toml`, or the two folders"),
+/// Words of doubts with what to do.
+const ADVICE: [(&str, &str); 6] = [
     ("one camera: depth comes from the prior only", "use two cameras for measurements"),
-    ("keypoints lie", "run without `--setup`, or check the camera"),
-    ("keypoints scatter", "run without `--setup`, or raise `sigma_px` in `setup.toml`"),
-    ("of the keypoints are gross errors", "raise `--outlier` to the value that is named"),
     (
         "errors of the keypoints persist from frame to frame",
         "expected on real recordings; with a set-up that does not know of it read intervals as lower bounds",
     ),
-    ("between the keypoints than in the body", "run without `--setup` and `--body`"),
-    ("records", "resample the keypoints to one rate"),
-    ("more than three times the noise of", "`sinew inspect Calib.toml pose`, then as above"),
-    ("split R-hat is above", "`--updates 96`; with one or two cameras the posterior is curved, and some frames stay doubtful"),
-    ("trajectories diverged", "run without `--setup`, so that the step size is measured on this recording; or `--updates 64`"),
-    ("the median effective sample size is", "a particle method with too few particles: `--particles` more, or `--method hmc`"),
+    ("more than three times the noise of", "`sinew inspect Calib.toml pose`"),
+    (
+        "split R-hat is above",
+        "`--updates 96`; with one or two cameras the posterior is curved, and some frames stay doubtful",
+    ),
+    (
+        "trajectories diverged",
+        "run without `--setup`, so that the step size is measured on this recording; or `--updates 64`",
+    ),
+    (
+        "the median effective sample size is",
+        "a particle method with too few particles: `--particles` more, or `--method hmc`",
+    ),
 ];
 
-/// What to do, if the guide says more than the warning.
+/// What to do, where the guide says more than the doubt.
 pub(super) fn advice(warning: &str) -> Option<&'static str> {
     ADVICE.iter().find(|(words, _)| warning.contains(words)).map(|(_, advice)| *advice)
 }
@@ -42,7 +45,7 @@ mod tests {
 
     #[test]
     fn warnings_find_their_advice() {
-        assert_eq!(advice("cam_01: keypoints scatter 1.3 times as much"), Some(ADVICE[3].1));
+        assert_eq!(advice("split R-hat is above 1.05 in 9 frames"), Some(ADVICE[3].1));
         assert_eq!(advice("something else"), None);
     }
 }

@@ -55,7 +55,10 @@ mod tests {
     fn both_sides_share_a_group_and_knees_come_first() {
         let [left, right] = ["l_shin.rx", "r_shin.rx"].map(angle_words);
         assert_eq!((left.side, right.side), ("left", "right"));
-        assert_eq!((&left.group, left.group == right.group, left.rank), (&"knee, forward and back".to_owned(), true, 0));
+        assert_eq!(
+            (&left.group, left.group == right.group, left.rank),
+            (&"knee, forward and back".to_owned(), true, 0)
+        );
         assert!(angle_words("l_thigh.rx").rank < angle_words("l_thigh.ry").rank);
         assert_eq!(angle_words("tail.rq").group, "tail.rq");
         assert_eq!(angle_words("plain").side, "middle");

@@ -27,13 +27,18 @@ pub(super) fn camera_table(recorded: &Recorded) -> String {
             escaped(&camera.name),
             summary["frames"].as_u64().map_or("–".into(), |frames| frames.to_string()),
             summary["residual_px"].as_f64().map_or("–".into(), |residual| format!("{residual:.1}")),
-            format!("{u:+.1}, {v:+.1}"),
+            minus(format!("{u:+.1}, {v:+.1}")),
             format!("{:.1}", camera.sigma_px),
-            lag.map_or("–".into(), |lag| format!("{:+.1} ± {:.1}", 1e3 * lag.mean, 1e3 * lag.sd)),
+            lag.map_or("–".into(), |lag| minus(format!("{:+.1} ± {:.1}", 1e3 * lag.mean, 1e3 * lag.sd))),
             format!("{:.1}", 100.0 * camera.exchanged),
             format!("{:.1}", 100.0 * camera.elsewhere),
         ]
     };
     let rows: Vec<Vec<String>> = recorded.setup.camera.iter().enumerate().map(row).collect();
-    table("Cameras", &HEADS, &rows)
+    table("What each camera shows", &HEADS, &rows)
+}
+
+/// Numbers with the sign of print.
+fn minus(numbers: String) -> String {
+    numbers.replace('-', "−")
 }

@@ -51,7 +51,9 @@ impl ReportError {
     pub const fn help(&self) -> &'static str {
         match self {
             Self::NoSummary(_) => "give the folder that `sinew track` wrote, `sinew-out/<trial>` or what `-o` said",
-            Self::Stopped(_) => "continue with the same command and `--resume`; an interrupt with Ctrl-C writes its files",
+            Self::Stopped(_) => {
+                "continue with the same command and `--resume`; an interrupt with Ctrl-C writes its files"
+            }
             Self::Running(_) => "wait for its end",
             Self::NoFile { .. } | Self::OtherRun { .. } => "track again, or take the folder as the run left it",
             Self::NoFrames(_) => "track again, or continue with `--resume`",

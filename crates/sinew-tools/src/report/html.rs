@@ -35,7 +35,7 @@ pub(super) fn table(caption: &str, heads: &[&str], rows: &[Vec<String>]) -> Stri
     let mut out = format!("<div class=\"wide\"><table><caption>{caption}</caption>\n");
     if !heads.is_empty() {
         out.push_str("<thead><tr>");
-        heads.iter().for_each(|head| drop(write!(out, "<th scope=\"col\">{head}</th>")));
+        out.extend(heads.iter().map(|head| format!("<th scope=\"col\">{head}</th>")));
         out.push_str("</tr></thead>\n");
     }
     out.push_str("<tbody>\n");

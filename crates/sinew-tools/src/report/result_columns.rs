@@ -62,7 +62,12 @@ impl<'a> ResultTable<'a> {
     }
 
     /// Columns of a table with a row for each name in each of `frames` frames, the names in one order.
-    pub(super) fn by_name(&self, head: &'static str, wanted: &[&'static str], frames: usize) -> Result<Vec<Named>, Error> {
+    pub(super) fn by_name(
+        &self,
+        head: &'static str,
+        wanted: &[&'static str],
+        frames: usize,
+    ) -> Result<Vec<Named>, Error> {
         let other = || Error::from(ReportError::OtherRun { folder: self.folder.to_owned(), file: self.file });
         let (rows, place) = (&self.cells.rows, self.place(head)?);
         let names = rows.len() / frames.max(1);
@@ -74,7 +79,8 @@ impl<'a> ResultTable<'a> {
         if rows.chunks(names).any(|rows| rows.iter().zip(first).any(|(row, first)| row.1[place] != first.1[place])) {
             return Err(other());
         }
-        let series = |name: usize| columns.iter().map(move |all| all.iter().skip(name).step_by(names).copied().collect());
+        let series =
+            |name: usize| columns.iter().map(move |all| all.iter().skip(name).step_by(names).copied().collect());
         Ok(first.iter().enumerate().map(|(name, row)| (row.1[place].clone(), series(name).collect())).collect())
     }
 }

@@ -1,7 +1,6 @@
-//! What a run says of itself in words: its title, its doubts, its diagnostics.
+//! What a run says of itself in words: its title and its diagnostics.
 
-use super::advice::advice;
-use super::html::{escaped, table, with_code};
+use super::html::{escaped, table};
 use super::recorded::Recorded;
 use serde_json::Value;
 
@@ -24,25 +23,13 @@ pub(super) fn subtitle(recorded: &Recorded) -> String {
 pub(super) fn left_out(every: usize) -> String {
     match every {
         1 => String::new(),
-        2 => "Every second frame is shown: all of them would make this page too large. The files of the folder have all.".into(),
-        _ => format!("One frame in {every} is shown: all of them would make this page too large. The files of the folder have all."),
-    }
-}
-
-/// Failed diagnostics and warnings, each with what to do.
-pub(super) fn doubts(recorded: &Recorded) -> String {
-    let failed = recorded.sentences("failed_diagnostics").into_iter().map(|text| ("bad", "failed", text));
-    let warned = recorded.sentences("warnings").into_iter().map(|text| ("warn", "doubt", text));
-    let item = |(class, word, text): (&str, &str, &str)| {
-        let to_do = advice(text).map_or_else(String::new, |to_do| {
-            format!("<p class=\"todo\"><b>What to do</b> {}.</p>", with_code(to_do))
-        });
-        format!("<li class=\"{class}\"><p><b>{word}</b> {}.</p>{to_do}</li>\n", with_code(text.trim_end_matches('.')))
-    };
-    let items: Vec<String> = failed.chain(warned).map(item).collect();
-    match items.is_empty() {
-        true => "<p>Nothing: every check that a run makes of itself was passed.</p>\n".into(),
-        false => format!("<ul class=\"doubts\">\n{}</ul>\n", items.concat()),
+        2 => {
+            "Every second frame is shown: all of them would make this page too large. The files of the folder have all."
+                .into()
+        }
+        _ => format!(
+            "One frame in {every} is shown: all of them would make this page too large. The files of the folder have all."
+        ),
     }
 }
 
@@ -50,14 +37,21 @@ pub(super) fn doubts(recorded: &Recorded) -> String {
 pub(super) fn diagnostics(recorded: &Recorded) -> String {
     let found = &recorded.summary["diagnostics"];
     let number = |value: &Value, digits: usize| value.as_f64().map(|x| format!("{x:.digits$}"));
-    let count = |is_counted: &dyn Fn(f64) -> bool, of: &[f64]| of.iter().filter(|x| is_counted(**x)).count().to_string();
+    let count =
+        |is_counted: &dyn Fn(f64) -> bool, of: &[f64]| of.iter().filter(|x| is_counted(**x)).count().to_string();
     let quality = |wanted: f64| Some(count(&|x| x == wanted, &recorded.quality));
     let all: [(&str, Option<String>); 13] = [
         ("frames seen by two cameras or more", quality(2.0)),
         ("frames seen by one camera", quality(1.0)),
         ("frames from the motion prior alone", quality(0.0)),
-        ("frames where tracking began again", Some(count(&|x| x == 1.0, recorded.restarted.get(1..).unwrap_or_default()))),
-        ("frames with R-hat above 1.05", found["r_hat"].is_object().then(|| count(&|x| x > R_HAT_NOTED, &recorded.r_hat))),
+        (
+            "frames where tracking began again",
+            Some(count(&|x| x == 1.0, recorded.restarted.get(1..).unwrap_or_default())),
+        ),
+        (
+            "frames with R-hat above 1.05",
+            found["r_hat"].is_object().then(|| count(&|x| x > R_HAT_NOTED, &recorded.r_hat)),
+        ),
         ("R-hat, median", number(&found["r_hat"]["median"], 3)),
         ("R-hat, 95 % below", number(&found["r_hat"]["p95"], 3)),
         ("acceptance", number(&found["acceptance"], 2)),

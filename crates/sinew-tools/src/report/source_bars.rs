@@ -21,8 +21,12 @@ pub(super) fn bars(summary: &Value) -> String {
     if joints.is_empty() {
         return "<p>The set-up of this run does not say what its intervals come from.</p>\n".into();
     }
-    let mut out = format!("<p>Of the variance of all points: {}.</p>\n", escaped(uncertainty["words"].as_str().unwrap_or_default()));
-    let help: Vec<String> = uncertainty["help"].as_array().into_iter().flatten().filter_map(Value::as_str).map(with_code).collect();
+    let mut out = format!(
+        "<p>Of the variance of all points: {}.</p>\n",
+        escaped(uncertainty["words"].as_str().unwrap_or_default())
+    );
+    let help: Vec<String> =
+        uncertainty["help"].as_array().into_iter().flatten().filter_map(Value::as_str).map(with_code).collect();
     if !help.is_empty() {
         let _ = writeln!(out, "<ul>{}</ul>", help.iter().map(|words| format!("<li>{words}.</li>")).collect::<String>());
     }
@@ -41,9 +45,10 @@ fn bar(joint: &Value) -> String {
     let share = |key: &str| joint[key].as_f64().filter(|x| x.is_finite()).map_or(0.0, |x| x.max(0.0));
     let total: f64 = SOURCES.iter().map(|(key, _)| share(key)).sum();
     let percent = |key: &str| if total > 0.0 { 100.0 * share(key) / total } else { 0.0 };
-    let pieces = SOURCES.iter().enumerate().map(|(index, (key, _))| {
-        format!("<i class=\"s{index}\" style=\"width:{:.1}%\"></i>", percent(key))
-    });
+    let pieces = SOURCES
+        .iter()
+        .enumerate()
+        .map(|(index, (key, _))| format!("<i class=\"s{index}\" style=\"width:{:.1}%\"></i>", percent(key)));
     let words: Vec<String> = SOURCES.iter().map(|(key, words)| format!("{words} {:.0} %", percent(key))).collect();
     let name = escaped(joint["joint"].as_str().unwrap_or_default());
     let sd_mm = joint["sd_m"].as_f64().map_or("–".into(), |sd| format!("{:.0} mm", 1e3 * sd));

@@ -20,7 +20,9 @@ pub(super) fn factors(folder: &Path, recorded: &Recorded) -> Result<Vec<Vec<Fact
     };
     let (frames, points) = (recorded.numbers.len(), recorded.points.len());
     match draws.shape[..] {
-        [1, _, of_frames, of_points, 3] if of_frames == frames && of_points == points => Ok(from_draws(&draws, frames, points)),
+        [1, _, of_frames, of_points, 3] if of_frames == frames && of_points == points => {
+            Ok(from_draws(&draws, frames, points))
+        }
         _ => Err(ReportError::OtherRun { folder: folder.to_owned(), file: "posterior.zarr" }.into()),
     }
 }
@@ -45,7 +47,8 @@ fn from_draws(draws: &NumberArray, frames: usize, points: usize) -> Vec<Vec<Fact
         let first = (frame * points + point) * 3;
         let mut covariance = [0.0; 6];
         for (draw, shift) in shifts.iter().enumerate() {
-            let away = [0, 1, 2].map(|axis: usize| draws.values[draw * stride + first + axis] - means[first + axis] - shift[axis]);
+            let away = [0, 1, 2]
+                .map(|axis: usize| draws.values[draw * stride + first + axis] - means[first + axis] - shift[axis]);
             let products = LOWER.map(|[a, b]| away[a] * away[b] / (count.max(2) - 1) as f64);
             covariance.iter_mut().zip(products).for_each(|(sum, product)| *sum += product);
         }

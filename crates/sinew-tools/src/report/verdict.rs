@@ -1,5 +1,6 @@
 //! The sentences at the top of the page: how well the person is known, and whether to doubt it.
 
+use super::doubts::doubts;
 use super::html::escaped;
 use super::recorded::Recorded;
 use sinew_observe::offsets::median;
@@ -9,7 +10,8 @@ const HALF_WIDTH: f64 = 1.645;
 
 /// What the intervals are worth in a few words, as HTML.
 pub(super) fn verdict(recorded: &Recorded) -> String {
-    let middle = |values: &mut dyn Iterator<Item = f64>| median(&mut values.filter(|x| x.is_finite()).collect::<Vec<_>>());
+    let middle =
+        |values: &mut dyn Iterator<Item = f64>| median(&mut values.filter(|x| x.is_finite()).collect::<Vec<_>>());
     let all_mm = middle(&mut recorded.points.iter().flat_map(|point| &point.axes).flat_map(|axis| axis.half_widths()));
     let within_mm = middle(&mut recorded.points.iter().flat_map(|point| point.sd_within.iter().flatten().copied()));
     let angles_deg = middle(&mut recorded.angles.iter().flat_map(|angle| angle.band.half_widths()));
@@ -18,15 +20,19 @@ pub(super) fn verdict(recorded: &Recorded) -> String {
         1e3 * all_mm,
         1e3 * HALF_WIDTH * within_mm
     );
-    let (failed, warned) = (recorded.sentences("failed_diagnostics").len(), recorded.sentences("warnings").len());
-    let doubts = match (failed, warned) {
+    let found = doubts(recorded);
+    let failed = found.iter().filter(|doubt| doubt.is_failed).count();
+    let warned = found.len() - failed;
+    let doubted = match (failed, warned) {
         (0, 0) => "<span class=\"good\">The run doubts nothing that it checks.</span>".to_owned(),
         (0, 1) => "<a class=\"warn\" href=\"#doubts\">The run has one doubt.</a>".to_owned(),
         (0, warned) => format!("<a class=\"warn\" href=\"#doubts\">The run has {warned} doubts.</a>"),
         (1, _) => "<a class=\"bad\" href=\"#doubts\">A diagnostic failed: doubt the intervals.</a>".to_owned(),
-        (failed, _) => format!("<a class=\"bad\" href=\"#doubts\">{failed} diagnostics failed: doubt the intervals.</a>"),
+        (failed, _) => {
+            format!("<a class=\"bad\" href=\"#doubts\">{failed} diagnostics failed: doubt the intervals.</a>")
+        }
     };
-    format!("{}{known} {doubts}", interrupted(recorded))
+    format!("{}{known} {doubted}", interrupted(recorded))
 }
 
 /// What is said of a run that did not come to its end.

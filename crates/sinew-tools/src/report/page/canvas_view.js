@@ -63,7 +63,7 @@ function flatFigure(context, view, data, scene, frame, ellipsoids, colours) {
     if (!a || !b) return;
     parts.push({ depth: 0.5 * (a[2] + b[2]), draw() {
       context.strokeStyle = colours[scene.sides[index]];
-      context.lineWidth = Math.max(1.5, pixels(a, 0.028));
+      context.lineWidth = Math.max(1.5, pixels(a, 0.032));
       context.beginPath();
       context.moveTo(a[0], a[1]);
       context.lineTo(b[0], b[1]);
@@ -76,7 +76,7 @@ function flatFigure(context, view, data, scene, frame, ellipsoids, colours) {
     parts.push({ depth: at[2] - 0.01, draw() {
       context.fillStyle = colours[point.side];
       context.beginPath();
-      context.arc(at[0], at[1], Math.max(2, pixels(at, 0.02)), 0, 2 * Math.PI);
+      context.arc(at[0], at[1], Math.max(2, pixels(at, 0.024)), 0, 2 * Math.PI);
       context.fill();
     } });
     if (ellipsoids > 0) parts.push({ depth: at[2] - 0.05, draw() {

@@ -54,9 +54,21 @@ function main(data, vendor) {
   const stage = element("stage");
   const scene = sceneOf(data);
   const state = newState(data, scene);
-  const solid = vendor && webglView(element("solid"), data, scene, vendor);
-  const flat = canvasView(element("flat"), data, scene, !solid);
-  document.documentElement.dataset.view = solid ? "webgl" : "canvas";
+  let solid = null;
+  let flat = null;
+  const useViews = (found) => {
+    solid = found;
+    flat = canvasView(element("flat"), data, scene, !solid);
+    element("solid").hidden = !solid;
+    document.documentElement.dataset.view = solid ? "webgl" : "canvas";
+    state.dirty = true;
+  };
+  const webgl = webglView(element("solid"), data, scene, vendor);
+  useViews(webgl);
+  element("solid").addEventListener("webglcontextlost", () => useViews(null));
+  // Printers see the flat canvas.
+  window.addEventListener("beforeprint", () => useViews(null));
+  window.addEventListener("afterprint", () => useViews(webgl));
   const plots = [];
 
   const clock = (frame) => `frame ${data.number[frame]} · ${data.time[frame].toFixed(2)} s`;
@@ -71,7 +83,6 @@ function main(data, vendor) {
     if (state.playing && state.frame === data.frames - 1) goTo(0);
     state.clock = data.time[state.frame];
     const button = element("play");
-    button.textContent = state.playing ? "⏸" : "▶";
     button.setAttribute("aria-label", state.playing ? "Pause" : "Play");
     document.documentElement.dataset.playing = state.playing;
   };
@@ -80,8 +91,8 @@ function main(data, vendor) {
     if (firm) setPlaying(false);
     goTo(frame);
   };
-  const addPlots = (place, groups) => groups.map(({ title, curves }) => {
-    const plot = plotIn(place, vendor.uPlot, data, title, curves, seek);
+  const addPlots = (place, groups) => groups.map((group) => {
+    const plot = plotIn(place, vendor.uPlot, data, group, seek);
     plots.push(plot);
     plot.show(state.frame);
     return plot;
@@ -126,7 +137,7 @@ function main(data, vendor) {
   listenToKeys({ toggle: () => setPlaying(!state.playing), step: (by) => seek(state.frame + by, true), end: (last) => seek(last ? data.frames - 1 : 0, true) });
   steer(stage, state.eye, () => { state.dirty = true; });
   resetEye(state, data, scene, stage);
-  if (vendor) fillPlots(data, addPlots, plots, element);
+  fillPlots(data, addPlots, plots, element);
   followPage(state, data, plots, element, draw);
   draw();
   requestAnimationFrame(tick);

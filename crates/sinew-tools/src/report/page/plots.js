@@ -1,7 +1,7 @@
 // Curves over time with their bands, each with a line at the frame of the player.
 
 const CAMERA_COLOURS = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#8a8f98", "#b8a900"];
-const PLOT_HEIGHT = 128;
+const PLOT_HEIGHT = 118;
 
 /** `#rrggbb` with an opacity. */
 const faint = (colour, opacity) => colour + Math.round(255 * opacity).toString(16).padStart(2, "0");
@@ -10,18 +10,21 @@ const faint = (colour, opacity) => colour + Math.round(255 * opacity).toString(1
 const gaps = (values) => Array.from(values, (value) => (Number.isFinite(value) ? value : null));
 
 /**
- * A plot in `place`. `curves` are `{ name, colour(), band | values, unit, digits }`; `seek(frame, firm)` moves the player.
+ * A plot in `place`. `names` are words for the curious, `curves` are `{ name, colour(), band | values, unit, digits }`; `seek(frame, firm)` moves the player.
  * Returns `{ show(frame), repaint() }`.
  */
-function plotIn(place, uPlot, data, title, curves, seek) {
+function plotIn(place, uPlot, data, { title, names, curves }, seek) {
   const figure = document.createElement("figure");
   figure.className = "plot";
   const caption = document.createElement("figcaption");
   const name = document.createElement("b");
   name.textContent = title;
+  const small = document.createElement("span");
+  small.className = "names";
+  small.textContent = names || "";
   const now = document.createElement("span");
   now.className = "now";
-  caption.append(name, now);
+  caption.append(name, small, now);
   figure.append(caption);
   place.append(figure);
   const line = document.createElement("div");
@@ -47,7 +50,8 @@ function plotIn(place, uPlot, data, title, curves, seek) {
     const options = {
       width: Math.max(160, figure.clientWidth), height: PLOT_HEIGHT, series, bands, legend: { show: false },
       scales: { x: { time: false } },
-      axes: [{ ...axis, size: 24, values: (_, ticks) => ticks.map((tick) => `${+tick.toFixed(3)} s`) }, { ...axis, size: 46 }],
+      axes: [{ ...axis, size: 24, values: (_, ticks) => ticks.map((tick) => `${+tick.toFixed(3)} s`) }, { ...axis, size: 46, values: (_, ticks) => ticks.map((tick) => `${+tick.toFixed(6)}`.replace("-", "−")) }],
+      padding: [6, 10, 0, 0],
       cursor: { drag: { x: false, y: false }, points: { show: false }, y: false, x: false },
     };
     chart?.destroy();
@@ -69,7 +73,7 @@ function plotIn(place, uPlot, data, title, curves, seek) {
     if (!chart) return;
     line.style.transform = `translateX(${chart.valToPos(data.time[at], "x")}px)`;
     const words = curves.map(({ name, band, values, digits, unit }) => {
-      const number = (value) => (Number.isFinite(value) ? value.toFixed(digits) : "–");
+      const number = (value) => (Number.isFinite(value) ? value.toFixed(digits).replace("-", "−") : "–");
       const text = band ? `${number(band.mean[at])}${unit} (${number(band.low[at])} to ${number(band.high[at])})` : `${number(values[at])}${unit}`;
       return name ? `${name} ${text}` : text;
     });
@@ -100,7 +104,8 @@ function angleGroups(data) {
     groups.get(angle.of).push(angle);
   }
   return [...groups].map(([title, angles]) => ({
-    title: `${title} (${angles.map((angle) => angle.name).join(", ")})`,
+    title,
+    names: angles.map((angle) => angle.name).join(", "),
     curves: angles.map((angle) => ({ name: angle.side === "middle" ? "" : angle.side, colour: (colours) => colours[angle.side], band: angle.band, unit: "°", digits: 1 })),
   }));
 }

@@ -2,12 +2,9 @@
 
 /** A view that draws a frame, or nothing where there is no WebGL. */
 function webglView(canvas, data, scene, vendor) {
-  let renderer;
-  try {
-    renderer = new vendor.WebGLRenderer({ canvas, antialias: true, alpha: true, preserveDrawingBuffer: true });
-  } catch {
-    return null;
-  }
+  const context = canvas.getContext("webgl2", { antialias: true, alpha: true, preserveDrawingBuffer: true });
+  if (!context) return null;
+  const renderer = new vendor.WebGLRenderer({ canvas, context });
   const { Matrix4, Vector3, Quaternion, Color } = vendor;
   const world = new vendor.Scene();
   const camera = new vendor.PerspectiveCamera((FIELD * 180) / Math.PI, 1, 0.05, 500);
@@ -30,9 +27,9 @@ function webglView(canvas, data, scene, vendor) {
   };
   const floor = lines(scene.floor);
   const frames = lines(scene.cameras.flatMap((shape) => shape.lines));
-  const cylinder = new vendor.CylinderGeometry(0.013, 0.013, 1, 12);
+  const cylinder = new vendor.CylinderGeometry(0.016, 0.016, 1, 12);
   const bones = instances(cylinder, data.bones.length, {});
-  const joints = instances(new vendor.SphereGeometry(0.021, 16, 12), data.points.length, {});
+  const joints = instances(new vendor.SphereGeometry(0.024, 16, 12), data.points.length, {});
   const hazes = instances(new vendor.SphereGeometry(1, 20, 14), data.points.length, { transparent: true, opacity: 0.3, depthWrite: false });
   const [matrix, at, up, turn, stretch] = [new Matrix4(), new Vector3(), new Vector3(0, 1, 0), new Quaternion(), new Vector3()];
 
