@@ -409,7 +409,7 @@ pub(crate) struct TrackArgs {
     #[arg(long, value_name = "FILE", help_heading = "Output", hide_short_help = true)]
     pub(crate) write_calibration: Option<PathBuf>,
     /// Write report.html into the results: a page that shows them
-    #[arg(long, help_heading = "Output")]
+    #[arg(long, help_heading = "Output", hide_short_help = true)]
     pub(crate) report: bool,
     /// Show every setting with its origin, and stop
     #[arg(long, help_heading = "General")]

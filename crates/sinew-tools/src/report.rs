@@ -1,4 +1,4 @@
-//! One HTML page that shows a result: the person in 3D, curves with their bands, and what the run doubts.
+//! One HTML page that shows a result: the person in 3D, curves with bands, the run's doubts.
 //!
 //! 1. The tables of the folder are read ([`recorded`]), and the ellipsoids of its points from the draws (`spread`).
 //! 2. Numbers are rounded to steps and coded as differences from frame to frame (`columns`, `payload`).

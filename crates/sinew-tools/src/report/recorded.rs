@@ -1,4 +1,4 @@
-//! What a result folder holds of its run: the summary, the set-up, and the tables as series over the frames.
+//! What a result folder holds of its run: summary, set-up, and tables as series over the frames.
 
 use super::error::ReportError;
 use super::result_columns::{Named, ResultTable};

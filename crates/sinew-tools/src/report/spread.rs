@@ -1,7 +1,7 @@
 //! How far the points of each frame scatter within the run, as ellipsoids.
 //!
 //! With x⁽ⁱ⁾ the place of a point in draw i, x̄ its mean over the draws and s⁽ⁱ⁾ the mean of x⁽ⁱ⁾ − x̄ over all frames and points, which is the shift of the whole world in draw i, the covariance of x⁽ⁱ⁾ − s⁽ⁱ⁾ is L Lᵀ. L maps a ball to the ellipsoid.
-//! Where a folder has no draws, L is diagonal and holds the standard deviations of `joints.csv`.
+//! Where a folder has no draws, or more frames than are worth the memory, L is diagonal and holds the standard deviations of `joints.csv`.
 
 use super::error::ReportError;
 use super::recorded::Recorded;
@@ -13,14 +13,19 @@ use std::path::Path;
 /// Lower triangle of L, row after row, metres.
 pub(super) type Factor = [f64; 6];
 
+/// Frames whose draws take about a gigabyte.
+const MOST_FRAMES: usize = 20_000;
+
 /// L of each frame, point by point in the order of `joints.csv`.
 pub(super) fn factors(folder: &Path, recorded: &Recorded) -> Result<Vec<Vec<Factor>>, Error> {
-    let Some(draws) = stored_array(folder, "posterior/marker_position")? else {
+    let is_short = recorded.numbers.len() <= MOST_FRAMES;
+    let found = if is_short { stored_array(folder, "posterior/marker_position")? } else { None };
+    let Some(draws) = found else {
         return Ok(recorded.points.iter().map(|point| diagonal(&point.sd_within)).collect());
     };
     let (frames, points) = (recorded.numbers.len(), recorded.points.len());
     match draws.shape[..] {
-        [1, _, of_frames, of_points, 3] if of_frames == frames && of_points == points => {
+        [1, _, in_frames, at_points, 3] if in_frames == frames && at_points == points => {
             Ok(from_draws(&draws, frames, points))
         }
         _ => Err(ReportError::OtherRun { folder: folder.to_owned(), file: "posterior.zarr" }.into()),

@@ -24,6 +24,13 @@ function plotIn(place, uPlot, data, { title, names, curves }, seek) {
   small.textContent = names || "";
   const now = document.createElement("span");
   now.className = "now";
+  const keys = curves.map(() => {
+    const [key, swatch, words] = ["span", "i", "span"].map((tag) => document.createElement(tag));
+    if (curves.length > 1) key.append(swatch);
+    key.append(words);
+    now.append(key);
+    return { swatch, words };
+  });
   caption.append(name, small, now);
   figure.append(caption);
   place.append(figure);
@@ -38,8 +45,9 @@ function plotIn(place, uPlot, data, { title, names, curves }, seek) {
     const colours = theme();
     const series = [{}];
     const bands = [];
-    for (const curve of curves) {
+    for (const [index, curve] of curves.entries()) {
       const colour = curve.colour(colours);
+      keys[index].swatch.style.background = colour;
       series.push({ stroke: colour, width: 1.6, points: { show: data.frames < 2 } });
       if (!curve.band) continue;
       const edge = { stroke: "transparent", width: 0, points: { show: false } };
@@ -72,12 +80,11 @@ function plotIn(place, uPlot, data, { title, names, curves }, seek) {
     frame = at;
     if (!chart) return;
     line.style.transform = `translateX(${chart.valToPos(data.time[at], "x")}px)`;
-    const words = curves.map(({ name, band, values, digits, unit }) => {
+    curves.forEach(({ name, band, values, digits, unit }, index) => {
       const number = (value) => (Number.isFinite(value) ? value.toFixed(digits).replace("-", "−") : "–");
       const text = band ? `${number(band.mean[at])}${unit} (${number(band.low[at])} to ${number(band.high[at])})` : `${number(values[at])}${unit}`;
-      return name ? `${name} ${text}` : text;
+      keys[index].words.textContent = name ? `${name} ${text}` : text;
     });
-    now.textContent = words.join(" · ");
   };
   const range = (values) => values.reduce(([low, high], x) => (Number.isFinite(x) ? [Math.min(low, x), Math.max(high, x)] : [low, high]), [Infinity, -Infinity]);
   const spoken = curves.map(({ name, band, values, digits, unit }) => {
