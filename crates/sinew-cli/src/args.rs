@@ -274,7 +274,7 @@ pub(crate) struct ReportArgs {
     /// Result folder of `sinew track`
     #[arg(value_name = "RESULTS")]
     pub(crate) results: PathBuf,
-    /// Camera calibration that was tracked with, for the directions of the cameras
+    /// Camera calibration that was tracked with: where cameras look
     #[arg(long, value_name = "FILE")]
     pub(crate) calibration: Option<PathBuf>,
     #[command(flatten)]

@@ -6,7 +6,7 @@ use super::error::Error;
 use super::report::{self, Report};
 use serde_json::json;
 use sinew::results::error::Occupied;
-use sinew::results::write_whole;
+use sinew::results::{RESULT_NAMES, write_whole};
 use sinew_tools::report::{ReportPage, ReportRequest, page};
 use std::path::{Path, PathBuf};
 
@@ -16,6 +16,11 @@ pub(crate) const PAGE: &str = "report.html";
 /// Runs the command.
 pub(crate) fn run(args: &ReportArgs, general: &General, report: &Report) -> Result<Ended, Error> {
     let out = general.out.as_ref().map_or_else(|| args.results.join(PAGE), PathBuf::from);
+    let folder = out.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let in_results = folder.canonicalize().is_ok_and(|folder| args.results.canonicalize().is_ok_and(|it| it == folder));
+    if in_results && RESULT_NAMES.iter().any(|name| out.ends_with(name)) {
+        return Err(Error::ResultIsOutput(out));
+    }
     // A former page in the folder itself is no loss.
     if general.out.is_some() && out.exists() && !general.force {
         return Err(sinew::Error::OutputExists { path: out, found: Occupied::File }.into());

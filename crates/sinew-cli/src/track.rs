@@ -78,10 +78,10 @@ pub(crate) fn run(args: &TrackArgs, general: &General, report: &Report) -> Resul
         }
     })?;
     refine()?;
-    if !args.report {
-        report_page::forget(&config.out)?;
+    report_page::forget(&config.out)?;
+    if outcome.summary.frame_count > 0 {
+        show(args, &calibration, &config.out, report)?;
     }
-    show(args, &calibration, &config.out, report)?;
     answer(&outcome, &config.out, args, report)
 }
 

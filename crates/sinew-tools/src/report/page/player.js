@@ -63,9 +63,12 @@ function main(data, vendor) {
     document.documentElement.dataset.view = solid ? "webgl" : "canvas";
     state.dirty = true;
   };
-  const webgl = webglView(element("solid"), data, scene, vendor);
+  let webgl = webglView(element("solid"), data, scene, vendor);
   useViews(webgl);
-  element("solid").addEventListener("webglcontextlost", () => useViews(null));
+  element("solid").addEventListener("webglcontextlost", () => {
+    webgl = null;
+    useViews(null);
+  });
   // Printers see the flat canvas.
   window.addEventListener("beforeprint", () => useViews(null));
   window.addEventListener("afterprint", () => useViews(webgl));

@@ -45,7 +45,7 @@ function webglView(canvas, data, scene, vendor) {
     data.points.forEach((point, index) => {
       const [x, y, z] = places[index];
       joints.setMatrixAt(index, matrix.makeTranslation(x, y, z));
-      const [a, b, d, c, e, f] = point.factor.map((numbers) => Math.max(numbers[frame] * scale, -Infinity));
+      const [a, b, d, c, e, f] = point.factor.map((numbers) => numbers[frame] * scale);
       hazes.setMatrixAt(index, matrix.set(a, 0, 0, x, b, d, 0, y, c, e, f, z, 0, 0, 0, 1));
     });
     hazes.visible = scale > 0;
