@@ -1,6 +1,6 @@
 //! One HTML page that shows a result: the person in 3D, curves with bands, the run's doubts.
 //!
-//! 1. The tables of the folder are read ([`recorded`]), and the ellipsoids of its points from the draws (`spread`).
+//! 1. The tables of the folder are read (`recorded`), and the ellipsoids of its points from the draws (`spread`).
 //! 2. Numbers are rounded to steps and coded as differences from frame to frame (`columns`, `payload`).
 //! 3. They are deflated, written in base64 (`packed`) and put into the page, beside the program that shows them.
 //!

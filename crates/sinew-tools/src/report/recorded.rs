@@ -1,7 +1,7 @@
 //! What a result folder holds of its run: summary, set-up, and tables as series over the frames.
 
 use super::error::ReportError;
-use super::result_columns::{Named, ResultTable};
+use super::result_columns::{FolderTable, Named};
 use crate::Error;
 use serde_json::Value;
 use sinew::files::read_text;
@@ -31,7 +31,9 @@ pub(super) struct RecordedPoint {
     pub(super) name: String,
     /// Axis by axis, metres.
     pub(super) axes: [Band; 3],
-    /// Standard deviation within the run, axis by axis, metres.
+    /// Standard deviation, axis by axis, metres.
+    pub(super) sd: [Vec<f64>; 3],
+    /// The same within the run.
     pub(super) sd_within: [Vec<f64>; 3],
 }
 
@@ -72,7 +74,7 @@ impl Recorded {
             return Err(ReportError::NoFile { folder: folder.to_owned(), file: "setup.toml" }.into());
         }
         let setup = Setup::from_toml(&path.display().to_string(), &read_text(&path, MAX_CONFIG_BYTES)?)?;
-        let frames = ResultTable::read(folder, "frames.csv")?;
+        let frames = FolderTable::read(folder, "frames.csv")?;
         let numbers = frames.column("frame")?;
         let count = numbers.len();
         if count == 0 {
@@ -81,8 +83,8 @@ impl Recorded {
         let none = || vec![f64::NAN; count];
         let residual = |name: &str| Ok(frames.optional(&format!("residual_{name}_px"))?.unwrap_or_else(none));
         let residuals_px = setup.camera.iter().map(|camera| residual(&camera.name)).collect::<Result<_, Error>>()?;
-        let joints = ResultTable::read(folder, "joints.csv")?.by_name("joint", &OF_POINTS, count)?;
-        let angles = ResultTable::read(folder, "angles.csv")?.by_name("name", &OF_ANGLES, count)?;
+        let joints = FolderTable::read(folder, "joints.csv")?.by_name("joint", &OF_POINTS, count)?;
+        let angles = FolderTable::read(folder, "angles.csv")?.by_name("name", &OF_ANGLES, count)?;
         Ok(Self {
             summary,
             quality: frames.column("quality")?,
@@ -107,7 +109,7 @@ impl Recorded {
     }
 }
 
-const OF_POINTS: [&str; 12] = [
+const OF_POINTS: [&str; 15] = [
     "x_mean_m",
     "x_q05_m",
     "x_q95_m",
@@ -117,6 +119,9 @@ const OF_POINTS: [&str; 12] = [
     "z_mean_m",
     "z_q05_m",
     "z_q95_m",
+    "x_sd_m",
+    "y_sd_m",
+    "z_sd_m",
     "x_sd_within_m",
     "y_sd_within_m",
     "z_sd_within_m",
@@ -127,7 +132,8 @@ fn point((name, series): Named) -> RecordedPoint {
     let mut series = series.into_iter();
     let mut next = || series.next().unwrap_or_default();
     let axes = [(); 3].map(|()| Band { mean: next(), low: next(), high: next() });
-    RecordedPoint { name, axes, sd_within: [(); 3].map(|()| next()) }
+    let [sd, sd_within] = [(); 2].map(|()| [(); 3].map(|()| next()));
+    RecordedPoint { name, axes, sd, sd_within }
 }
 
 fn angle((name, series): Named) -> RecordedAngle {
@@ -144,7 +150,7 @@ fn without_summary(folder: &Path) -> Error {
     let folder = folder.to_owned();
     if is_in_use(&folder) {
         ReportError::Running(folder).into()
-    } else if RESULT_NAMES.iter().any(|name| is_partial(&name)) {
+    } else if RESULT_NAMES.iter().any(is_partial) {
         ReportError::Stopped(folder).into()
     } else {
         ReportError::NoSummary(folder).into()

@@ -9,7 +9,7 @@ use sinew_formats::tidy_csv::{self, Cells};
 use std::path::Path;
 
 /// A table with its name for messages.
-pub(super) struct ResultTable<'a> {
+pub(super) struct FolderTable<'a> {
     folder: &'a Path,
     file: &'static str,
     shown: String,
@@ -19,7 +19,7 @@ pub(super) struct ResultTable<'a> {
 /// What the rows of one name hold: a series for each column.
 pub(super) type Named = (String, Vec<Vec<f64>>);
 
-impl<'a> ResultTable<'a> {
+impl<'a> FolderTable<'a> {
     /// Reads a table of a folder.
     pub(super) fn read(folder: &'a Path, file: &'static str) -> Result<Self, Error> {
         let path = folder.join(file);

@@ -2,23 +2,20 @@
 
 use super::doubts::doubts;
 use super::html::escaped;
-use super::recorded::Recorded;
+use super::recorded::{Recorded, RecordedPoint};
 use sinew_observe::offsets::median;
-
-/// Standard deviations to the end of a 90 % interval.
-const HALF_WIDTH: f64 = 1.645;
 
 /// What the intervals are worth in a few words, as HTML.
 pub(super) fn verdict(recorded: &Recorded) -> String {
     let middle =
         |values: &mut dyn Iterator<Item = f64>| median(&mut values.filter(|x| x.is_finite()).collect::<Vec<_>>());
     let all_mm = middle(&mut recorded.points.iter().flat_map(|point| &point.axes).flat_map(|axis| axis.half_widths()));
-    let within_mm = middle(&mut recorded.points.iter().flat_map(|point| point.sd_within.iter().flatten().copied()));
+    let within_mm = middle(&mut recorded.points.iter().flat_map(half_widths_within));
     let angles_deg = middle(&mut recorded.angles.iter().flat_map(|angle| angle.band.half_widths()));
     let known = format!(
         "A coordinate of a joint is known to <b>±{:.0} mm</b> (±{:.0} mm against other places of the run), an angle to <b>±{angles_deg:.1}°</b>: medians of 90 % intervals.",
         1e3 * all_mm,
-        1e3 * HALF_WIDTH * within_mm
+        1e3 * within_mm
     );
     let found = doubts(recorded);
     let failed = found.iter().filter(|doubt| doubt.is_failed).count();
@@ -33,6 +30,14 @@ pub(super) fn verdict(recorded: &Recorded) -> String {
         }
     };
     format!("{}{known} {doubted}", interrupted(recorded))
+}
+
+/// Half the widths that the intervals of a point have within the run: the share of its standard deviation that is left there.
+fn half_widths_within(point: &RecordedPoint) -> impl Iterator<Item = f64> + '_ {
+    let axes = point.axes.iter().zip(&point.sd).zip(&point.sd_within);
+    axes.flat_map(|((band, sd), within)| {
+        band.half_widths().zip(sd).zip(within).map(|((half, sd), within)| half * within / sd)
+    })
 }
 
 /// What is said of a run that did not come to its end.

@@ -38,12 +38,13 @@ function facing(data) {
 function drawStrip(canvas, data, colours) {
   const odd = data.quality.some((quality) => quality < 2) || data.restarted.some((flag, index) => flag > 0 && index > 0);
   canvas.hidden = !odd;
+  document.getElementById("strip-key").hidden = !odd;
   if (!odd) return;
   canvas.width = Math.max(1, canvas.clientWidth);
   const context = canvas.getContext("2d");
   const width = canvas.width / data.frames;
   data.quality.forEach((quality, index) => {
-    context.fillStyle = quality < 1 ? colours.bad : quality < 2 ? colours.left : colours.grid;
+    context.fillStyle = quality < 1 ? colours.bad : quality < 2 ? colours.one : colours.grid;
     if (data.restarted[index] > 0 && index > 0) context.fillStyle = colours.text;
     context.fillRect(index * width, 0, Math.max(1, width), canvas.height);
   });
@@ -127,6 +128,7 @@ function main(data, vendor) {
 
   element("scrub").max = data.frames - 1;
   element("follow").checked = state.follow;
+  element("ellipsoids").value = areSmall(data) ? 3 : 1;
   element("play").addEventListener("click", () => setPlaying(!state.playing));
   element("scrub").addEventListener("input", (event) => seek(Number(event.target.value), true));
   element("home").addEventListener("click", () => resetEye(state, data, scene, stage));

@@ -70,6 +70,15 @@ const boneSide = (data, [from, to]) => {
   return a === b ? a : a === "middle" ? b : b === "middle" ? a : "middle";
 };
 
+/** Whether ellipsoids are better seen when they are drawn larger: half of them reach less than 8 cm. */
+function areSmall(data) {
+  const reach = data.points.map((point) => {
+    const middle = data.frames >> 1;
+    return ELLIPSOID_90 * Math.hypot(...point.factor.map((numbers) => numbers[middle]));
+  });
+  return reach.filter((metres) => metres > 0.08).length <= 0.5 * reach.length;
+}
+
 /** All that does not change from frame to frame. */
 function sceneOf(data) {
   const size = extent(data);
@@ -81,5 +90,5 @@ function sceneOf(data) {
 function theme() {
   const style = getComputedStyle(document.documentElement);
   const colour = (name) => style.getPropertyValue(`--${name}`).trim();
-  return Object.fromEntries(["left", "right", "middle", "text", "quiet", "grid", "view", "line", "accent", "warn", "bad"].map((name) => [name, colour(name)]));
+  return Object.fromEntries(["left", "right", "middle", "text", "quiet", "grid", "view", "line", "accent", "bad", "one"].map((name) => [name, colour(name)]));
 }
