@@ -277,6 +277,9 @@ pub(crate) struct ReportArgs {
     /// Camera calibration that was tracked with: where cameras look
     #[arg(long, value_name = "FILE")]
     pub(crate) calibration: Option<PathBuf>,
+    /// validation.csv of `sinew validate`: what the intervals are worth
+    #[arg(long, value_name = "FILE")]
+    pub(crate) validation: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) answer: Answer,
 }

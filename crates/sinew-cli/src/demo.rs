@@ -69,7 +69,8 @@ pub(crate) fn run(answer: Answer, general: &General, report: &Report) -> Result<
         job::track(&mut source, 0..frames, &resolved, claim, &mut watch, |_| (Vec::new(), BTreeMap::new()), None)
     })?;
     report.warnings(&outcome.summary.warnings);
-    report_page::write(&config.out, Some(config.out.join(CALIBRATION)), &config.out.join(report_page::PAGE), report)?;
+    let request = report_page::with_calibration(&config.out.join(CALIBRATION));
+    report_page::write(&config.out, &request, &config.out.join(report_page::PAGE), report)?;
     answer_of(&recording, &outcome, &config.out, answer)?;
     for failed in &outcome.summary.failed_diagnostics {
         report.failed(failed);

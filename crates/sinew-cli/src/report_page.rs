@@ -25,7 +25,9 @@ pub(crate) fn run(args: &ReportArgs, general: &General, report: &Report) -> Resu
     if general.out.is_some() && out.exists() && !general.force {
         return Err(sinew::Error::OutputExists { path: out, found: Occupied::File }.into());
     }
-    let written = write(&args.results, args.calibration.clone(), &out, report)?;
+    let (calibration, validation) = (args.calibration.clone(), args.validation.clone());
+    let request = ReportRequest { calibration, validation, ..ReportRequest::default() };
+    let written = write(&args.results, &request, &out, report)?;
     if args.answer.json {
         let ReportPage { html, frames, every } = &written;
         report::answer_json(&json!({ "out": out, "bytes": html.len(), "frames": frames, "every": every }))?;
@@ -37,13 +39,8 @@ pub(crate) fn run(args: &ReportArgs, general: &General, report: &Report) -> Resu
 }
 
 /// Writes the page of a result folder.
-pub(crate) fn write(
-    results: &Path,
-    calibration: Option<PathBuf>,
-    out: &Path,
-    report: &Report,
-) -> Result<ReportPage, Error> {
-    let written = page(results, &ReportRequest { calibration, ..ReportRequest::default() })?;
+pub(crate) fn write(results: &Path, request: &ReportRequest, out: &Path, report: &Report) -> Result<ReportPage, Error> {
+    let written = page(results, request)?;
     write_whole(out, written.html.as_bytes())?;
     if written.every > 1 {
         report.note(&format!("the page shows one frame in {}; all would make it too large", written.every));
@@ -58,6 +55,11 @@ pub(crate) fn forget(results: &Path) -> Result<(), sinew::Error> {
         Err(error) if error.kind() != std::io::ErrorKind::NotFound => Err(sinew::Error::io("remove", page)(error)),
         _ => Ok(()),
     }
+}
+
+/// What a page is made from where a calibration is all that is known besides.
+pub(crate) fn with_calibration(calibration: &Path) -> ReportRequest {
+    ReportRequest { calibration: Some(calibration.to_owned()), ..ReportRequest::default() }
 }
 
 /// The line that opens a page in a browser.

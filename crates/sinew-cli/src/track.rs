@@ -89,7 +89,7 @@ pub(crate) fn run(args: &TrackArgs, general: &General, report: &Report) -> Resul
 fn show(args: &TrackArgs, calibration: &Path, out: &Path, report: &Report) -> Result<(), Error> {
     if args.report {
         let page = out.join(report_page::PAGE);
-        report_page::write(out, Some(calibration.to_owned()), &page, report)?;
+        report_page::write(out, &report_page::with_calibration(calibration), &page, report)?;
         report.note(&format!("a page that shows the results: {}", report_page::opening(&page)));
     }
     Ok(())

@@ -24,6 +24,7 @@ mod run_words;
 mod settings_table;
 mod source_bars;
 mod spread;
+mod validation;
 mod verdict;
 mod views;
 
@@ -42,13 +43,15 @@ pub const LARGEST_BYTES: usize = 3_000_000;
 pub struct ReportRequest {
     /// Calibration of the run, for the directions in which its cameras look.
     pub calibration: Option<PathBuf>,
+    /// `validation.csv` of a `sinew validate` of the recording.
+    pub validation: Option<PathBuf>,
     /// Largest page, bytes: above it frames are left out.
     pub largest_bytes: usize,
 }
 
 impl Default for ReportRequest {
     fn default() -> Self {
-        Self { calibration: None, largest_bytes: LARGEST_BYTES }
+        Self { calibration: None, validation: None, largest_bytes: LARGEST_BYTES }
     }
 }
 
@@ -91,11 +94,13 @@ pub fn page(folder: &Path, request: &ReportRequest) -> Result<ReportPage, Error>
     let factors = spread::factors(folder, &recorded)?;
     let views = views::views(folder, &recorded, request.calibration.as_deref())?;
     let vendor = packed::packed(VENDOR.as_bytes());
+    let validated = request.validation.as_deref().map(validation::found).transpose()?;
+    let verdict = verdict::verdict(&recorded, validated.as_deref());
     let frames = recorded.numbers.len();
     let mut every = 1;
     loop {
         let payload = packed::packed(&payload::payload(&recorded, &factors, &views, every));
-        let html = assembled(folder, &recorded, &views, every, &payload, &vendor);
+        let html = assembled(folder, &recorded, &views, every, [&verdict, &payload, &vendor]);
         if html.len() <= request.largest_bytes || every >= frames {
             return Ok(ReportPage { html, frames, every });
         }
@@ -109,15 +114,14 @@ fn assembled(
     recorded: &Recorded,
     views: &views::Views,
     every: usize,
-    payload: &str,
-    vendor: &str,
+    [verdict, payload, vendor]: [&str; 3],
 ) -> String {
     let title = escaped(&name(folder));
     let parts = [
         ("title", title),
         ("style", format!("{VENDOR_STYLE}\n{STYLE}")),
         ("subtitle", run_words::subtitle(recorded)),
-        ("verdict", verdict::verdict(recorded)),
+        ("verdict", verdict.to_owned()),
         ("left_out", run_words::left_out(every)),
         ("directions", views.note()),
         ("doubts", doubts::list(recorded)),

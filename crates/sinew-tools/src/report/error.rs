@@ -27,13 +27,8 @@ pub enum ReportError {
     #[error("{}: the results have no frame", .0.display())]
     NoFrames(PathBuf),
     /// Files of different runs.
-    #[error("{}: {file} and frames.csv are of different runs", folder.display())]
-    OtherRun {
-        /// Result folder.
-        folder: PathBuf,
-        /// The file.
-        file: &'static str,
-    },
+    #[error("{} and frames.csv are of different runs", .0.display())]
+    OtherRun(PathBuf),
 }
 
 impl ReportError {
@@ -55,7 +50,7 @@ impl ReportError {
                 "continue with the same command and `--resume`; an interrupt with Ctrl-C writes its files"
             }
             Self::Running(_) => "wait for its end",
-            Self::NoFile { .. } | Self::OtherRun { .. } => "track again, or take the folder as the run left it",
+            Self::NoFile { .. } | Self::OtherRun(_) => "track again, or take the folder as the run left it",
             Self::NoFrames(_) => "track again, or continue with `--resume`",
         }
     }

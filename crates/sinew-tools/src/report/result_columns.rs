@@ -1,4 +1,4 @@
-//! Columns of the tables of a result folder.
+//! Columns of the tables that `sinew` writes.
 
 use super::error::ReportError;
 use crate::Error;
@@ -6,35 +6,47 @@ use sinew::files::read_text;
 use sinew::results::error::{Expected, ResultsError};
 use sinew_formats::source_text::MAX_TEXT_BYTES;
 use sinew_formats::tidy_csv::{self, Cells};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-/// A table with its name for messages.
-pub(super) struct FolderTable<'a> {
-    folder: &'a Path,
-    file: &'static str,
-    shown: String,
+/// A table with its place.
+pub(super) struct FolderTable {
+    path: PathBuf,
     cells: Cells,
 }
 
 /// What the rows of one name hold: a series for each column.
 pub(super) type Named = (String, Vec<Vec<f64>>);
 
-impl<'a> FolderTable<'a> {
+impl FolderTable {
     /// Reads a table of a folder.
-    pub(super) fn read(folder: &'a Path, file: &'static str) -> Result<Self, Error> {
+    pub(super) fn read(folder: &Path, file: &'static str) -> Result<Self, Error> {
         let path = folder.join(file);
         if !path.exists() {
             return Err(ReportError::NoFile { folder: folder.to_owned(), file }.into());
         }
-        let shown = path.display().to_string();
-        let cells = tidy_csv::read_cells(&shown, &read_text(&path, MAX_TEXT_BYTES)?)?;
-        Ok(Self { folder, file, shown, cells })
+        Self::open(&path)
+    }
+
+    /// Reads a table.
+    pub(super) fn open(path: &Path) -> Result<Self, Error> {
+        let cells = tidy_csv::read_cells(&path.display().to_string(), &read_text(path, MAX_TEXT_BYTES)?)?;
+        Ok(Self { path: path.to_owned(), cells })
+    }
+
+    fn shown(&self) -> String {
+        self.path.display().to_string()
+    }
+
+    /// Cells of the column of that name.
+    pub(super) fn texts(&self, wanted: &'static str) -> Result<Vec<String>, Error> {
+        let place = self.place(wanted)?;
+        Ok(self.cells.rows.iter().map(|(_, row)| row[place].clone()).collect())
     }
 
     fn place(&self, wanted: &'static str) -> Result<usize, Error> {
         let place = self.cells.columns.iter().position(|column| column == wanted);
         let columns = || self.cells.columns.clone();
-        let lacking = || ResultsError::NoColumn { file: self.shown.clone(), wanted, columns: columns() };
+        let lacking = || ResultsError::NoColumn { file: self.shown(), wanted, columns: columns() };
         Ok(place.ok_or_else(lacking).map_err(sinew::Error::from)?)
     }
 
@@ -43,7 +55,7 @@ impl<'a> FolderTable<'a> {
         let number = |(line, row): &(usize, Vec<String>)| match row[place].as_str() {
             "" => Ok(f64::NAN),
             cell => cell.parse().map_err(|_| {
-                let (file, found) = (self.shown.clone(), cell.to_owned());
+                let (file, found) = (self.shown(), cell.to_owned());
                 sinew::Error::from(ResultsError::Cell { file, line: *line, found, expected: Expected::Number })
             }),
         };
@@ -68,7 +80,7 @@ impl<'a> FolderTable<'a> {
         wanted: &[&'static str],
         frames: usize,
     ) -> Result<Vec<Named>, Error> {
-        let other = || Error::from(ReportError::OtherRun { folder: self.folder.to_owned(), file: self.file });
+        let other = || Error::from(ReportError::OtherRun(self.path.clone()));
         let (rows, place) = (&self.cells.rows, self.place(head)?);
         let names = rows.len() / frames.max(1);
         if names == 0 || names * frames != rows.len() {

@@ -28,7 +28,7 @@ pub(super) fn factors(folder: &Path, recorded: &Recorded) -> Result<Vec<Vec<Fact
         [1, _, in_frames, at_points, 3] if in_frames == frames && at_points == points => {
             Ok(from_draws(&draws, frames, points))
         }
-        _ => Err(ReportError::OtherRun { folder: folder.to_owned(), file: "posterior.zarr" }.into()),
+        _ => Err(ReportError::OtherRun(folder.join("posterior.zarr")).into()),
     }
 }
 

@@ -5,8 +5,8 @@ use super::html::escaped;
 use super::recorded::{Recorded, RecordedPoint};
 use sinew_observe::offsets::median;
 
-/// What the intervals are worth in a few words, as HTML.
-pub(super) fn verdict(recorded: &Recorded) -> String {
+/// What the intervals are worth in a few words, as HTML, with the sentence of a validation if there was one.
+pub(super) fn verdict(recorded: &Recorded, validated: Option<&str>) -> String {
     let middle =
         |values: &mut dyn Iterator<Item = f64>| median(&mut values.filter(|x| x.is_finite()).collect::<Vec<_>>());
     let all_mm = middle(&mut recorded.points.iter().flat_map(|point| &point.axes).flat_map(|axis| axis.half_widths()));
@@ -29,7 +29,8 @@ pub(super) fn verdict(recorded: &Recorded) -> String {
             format!("<a class=\"bad\" href=\"#doubts\">{failed} diagnostics failed: doubt the intervals.</a>")
         }
     };
-    format!("{}{known} {doubted}", interrupted(recorded))
+    let worth = validated.map_or_else(String::new, |worth| format!(" Cameras that were left out: {}.", escaped(worth)));
+    format!("{}{known}{worth} {doubted}", interrupted(recorded))
 }
 
 /// Half the widths that the intervals of a point have within the run: the share of its standard deviation that is left there.
