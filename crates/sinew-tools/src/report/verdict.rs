@@ -9,13 +9,13 @@ use sinew_observe::offsets::median;
 pub(super) fn verdict(recorded: &Recorded, validated: Option<&str>) -> String {
     let middle =
         |values: &mut dyn Iterator<Item = f64>| median(&mut values.filter(|x| x.is_finite()).collect::<Vec<_>>());
-    let all_mm = middle(&mut recorded.points.iter().flat_map(|point| &point.axes).flat_map(|axis| axis.half_widths()));
-    let within_mm = middle(&mut recorded.points.iter().flat_map(half_widths_within));
+    let all_m = middle(&mut recorded.points.iter().flat_map(|point| &point.axes).flat_map(|axis| axis.half_widths()));
+    let within_m = middle(&mut recorded.points.iter().flat_map(half_widths_within));
     let angles_deg = middle(&mut recorded.angles.iter().flat_map(|angle| angle.band.half_widths()));
     let known = format!(
         "A coordinate of a joint is known to <b>±{:.0} mm</b> (±{:.0} mm against other places of the run), an angle to <b>±{angles_deg:.1}°</b>: medians of 90 % intervals.",
-        1e3 * all_mm,
-        1e3 * within_mm
+        1e3 * all_m,
+        1e3 * within_m
     );
     let found = doubts(recorded);
     let failed = found.iter().filter(|doubt| doubt.is_failed).count();
