@@ -15,6 +15,7 @@ mod people;
 mod picture;
 mod processor_time;
 mod program;
+mod report_check;
 mod reproduce;
 mod silhouettes;
 mod soak;
@@ -62,6 +63,8 @@ enum Command {
     OilFlow(oil_flow::Args),
     /// Draw docs/images/demo.svg and real.png, the pictures of the guide and the README.
     Picture,
+    /// Open a page of `sinew report` in a headless browser, with and without WebGL, and judge it.
+    ReportCheck(report_check::Args),
     /// Reproduce a paper: its tables and figures on our data, its claims judged.
     Reproduce(reproduce::Args),
     /// Track real masks by all methods: the tables of docs/evidence/experiments/real-silhouettes.md.
@@ -92,6 +95,7 @@ fn main() -> ExitCode {
         Command::MotionPrior(args) => motion_prior::run(root, &args),
         Command::OilFlow(args) => oil_flow::run(root, &args),
         Command::Picture => picture::run(root),
+        Command::ReportCheck(args) => report_check::run(&args),
         Command::Reproduce(args) => reproduce::run(root, &args),
         Command::Silhouettes(args) => silhouettes::run(root, &args),
         Command::Soak(args) => soak::run(&args),

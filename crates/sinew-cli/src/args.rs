@@ -92,7 +92,11 @@ impl General {
             Command::Learn { what: LearnCommand::Latent(_) } => &["out", "force", "threads"],
             Command::Simulate(_) | Command::Learn { .. } => &["out", "force", "seed", "threads"],
             Command::Convert(_) => &["force"],
-            Command::Segment(_) | Command::Overlay(_) | Command::Predict(_) | Command::FitShape(_) => &["out", "force"],
+            Command::Segment(_)
+            | Command::Overlay(_)
+            | Command::Report(_)
+            | Command::Predict(_)
+            | Command::FitShape(_) => &["out", "force"],
             Command::Body { .. } | Command::Completions { .. } | Command::Man => &[],
         };
         let given = self.settings().into_iter().map(|(key, _)| key).chain(self.config.as_ref().map(|_| "config"));
@@ -132,6 +136,12 @@ pub(crate) enum Command {
         "sinew overlay out --calibration Calib.toml --silhouettes masks --every 10 -o pictures"
     ))]
     Overlay(OverlayArgs),
+    /// Write one HTML page that shows a result: the person in 3D, curves, doubts
+    #[command(help_template = template!(
+        "sinew report sinew-out/trial --calibration Calib.toml",
+        "sinew report sinew-out/trial -o trial.html"
+    ))]
+    Report(ReportArgs),
     /// Say what a camera that a run did not use should see
     #[command(help_template = template!(
         "sinew predict sinew-out/trial --calibration Calib.toml --camera cam4 -o predicted.csv",
@@ -238,6 +248,21 @@ pub(crate) struct OverlayArgs {
     /// Draw every N-th of them
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
     pub(crate) every: u32,
+    #[command(flatten)]
+    pub(crate) answer: Answer,
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct ReportArgs {
+    /// Result folder of `sinew track`
+    #[arg(value_name = "RESULTS")]
+    pub(crate) results: PathBuf,
+    /// Camera calibration that was tracked with: where cameras look
+    #[arg(long, value_name = "FILE")]
+    pub(crate) calibration: Option<PathBuf>,
+    /// validation.csv of `sinew validate`: what the intervals are worth
+    #[arg(long, value_name = "FILE")]
+    pub(crate) validation: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) answer: Answer,
 }
@@ -372,6 +397,9 @@ pub(crate) struct TrackArgs {
     /// Write the calibration as the set-up refined it, in the format of Calib.toml
     #[arg(long, value_name = "FILE", help_heading = "Output", hide_short_help = true)]
     pub(crate) write_calibration: Option<PathBuf>,
+    /// Write report.html into the results: a page that shows them
+    #[arg(long, help_heading = "Output", hide_short_help = true)]
+    pub(crate) report: bool,
     /// Show every setting with its origin, and stop
     #[arg(long, help_heading = "General")]
     pub(crate) print_config: bool,

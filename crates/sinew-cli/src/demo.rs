@@ -13,6 +13,7 @@ use super::error::Error;
 use super::interrupt;
 use super::progress::PassProgress;
 use super::report::{self, Report};
+use super::report_page;
 use super::table::aligned;
 use super::threads::with_threads;
 use serde_json::json;
@@ -34,6 +35,9 @@ use std::path::Path;
 
 /// Default output folder.
 const OUT: &str = "sinew-out/demo";
+
+/// Calibration of the recording.
+const CALIBRATION: &str = "Calib.toml";
 
 /// A file by which a former demo is known.
 const TRUTH: &str = "truth.trc";
@@ -65,6 +69,8 @@ pub(crate) fn run(answer: Answer, general: &General, report: &Report) -> Result<
         job::track(&mut source, 0..frames, &resolved, claim, &mut watch, |_| (Vec::new(), BTreeMap::new()), None)
     })?;
     report.warnings(&outcome.summary.warnings);
+    let request = report_page::with_calibration(&config.out.join(CALIBRATION));
+    report_page::write(&config.out, &request, &config.out.join(report_page::PAGE), report)?;
     answer_of(&recording, &outcome, &config.out, answer)?;
     for failed in &outcome.summary.failed_diagnostics {
         report.failed(failed);
@@ -99,7 +105,7 @@ fn write_recording(recording: &SyntheticRecording, out: &Path) -> Result<(), sin
     for (name, text) in recording.keypoint_files() {
         write(&keypoints.join(name), text.as_bytes())?;
     }
-    write(&out.join("Calib.toml"), recording.calibration_toml().as_bytes())?;
+    write(&out.join(CALIBRATION), recording.calibration_toml().as_bytes())?;
     let mut truth = Vec::new();
     recording.write_truth_trc(&mut truth).map_err(sinew::Error::io("write", out.join(TRUTH)))?;
     write(&out.join(TRUTH), &truth)
@@ -156,7 +162,7 @@ fn compare(recording: &SyntheticRecording, out: &Path) -> Result<Compared, Error
     })
 }
 
-/// The answer: how near the results are to the truth.
+/// The answer: how near the results are to the truth, and the line that opens their page.
 fn answer_of(recording: &SyntheticRecording, outcome: &Outcome, out: &Path, answer: Answer) -> Result<(), Error> {
     let Compared { error_mm, coverage, coverage_within } = compare(recording, out)?;
     let summary = &outcome.summary;
@@ -192,8 +198,9 @@ fn answer_of(recording: &SyntheticRecording, outcome: &Outcome, out: &Path, answ
     ];
     let rows: Vec<(String, String)> = rows.map(|(left, right)| (left.to_owned(), right)).into();
     let next = format!(
-        "\nNext, the same from files, and then from yours:\n  sinew track --calibration {shown}/Calib.toml --keypoints {shown}/keypoints --layout BODY_25B --fps {} -o sinew-out/demo-track\n",
-        recording.rate_hz
+        "\nNext, the same from files, and then from yours:\n  sinew track --calibration {shown}/Calib.toml --keypoints {shown}/keypoints --layout BODY_25B --fps {} -o sinew-out/demo-track\n\nA page that shows the result:\n  {}\n",
+        recording.rate_hz,
+        report_page::opening(&out.join(report_page::PAGE))
     );
     debug_assert!(!out.join(LOCK_NAME).exists());
     report::answer(&(aligned(&rows) + &next))

@@ -24,6 +24,7 @@ mod overlay;
 mod predict;
 mod progress;
 mod report;
+mod report_page;
 mod resume;
 mod segment;
 mod setting_args;
@@ -64,6 +65,7 @@ fn main() -> ExitCode {
         Command::Convert(args) => convert::run(args, &cli.general, &report),
         Command::Segment(args) => segment::run(args, &cli.general, &report),
         Command::Overlay(args) => overlay::run(args, &cli.general, &report),
+        Command::Report(args) => report_page::run(args, &cli.general, &report),
         Command::Predict(args) => predict::run(args, &cli.general, &report),
         Command::Validate(args) => validate::run(args, &cli.general, &report),
         Command::FitShape(args) => fit_shape::run(args, &cli.general, &report),

@@ -7,6 +7,7 @@ use super::error::Error;
 use super::interrupt;
 use super::progress::PassProgress;
 use super::report::{self, Report};
+use super::report_page;
 use super::resume::{Stopped, complete, same_run, stopped_run};
 use super::settings::{reading, settings};
 use super::table::table;
@@ -64,6 +65,7 @@ pub(crate) fn run(args: &TrackArgs, general: &General, report: &Report) -> Resul
                 same_run(&mut recording, setup_frames, &resolved, &claim, &summary, general, Footage::input_hashes)?;
                 ResultFolder::forget(&claim)?;
                 refine()?;
+                show(args, &calibration, &config.out, report)?;
                 return complete(&summary, &config.out, args, report);
             }
             Stopped::At(claim, checkpoint) => (claim, Some(*checkpoint)),
@@ -81,7 +83,21 @@ pub(crate) fn run(args: &TrackArgs, general: &General, report: &Report) -> Resul
         }
     })?;
     refine()?;
+    report_page::forget(&config.out)?;
+    if outcome.summary.frame_count > 0 {
+        show(args, &calibration, &config.out, report)?;
+    }
     answer(&outcome, &config.out, args, report)
+}
+
+/// Writes the page of the results, if it is wanted.
+fn show(args: &TrackArgs, calibration: &Path, out: &Path, report: &Report) -> Result<(), Error> {
+    if args.report {
+        let page = out.join(report_page::PAGE);
+        report_page::write(out, &report_page::with_calibration(calibration), &page, report)?;
+        report.note(&format!("a page that shows the results: {}", report_page::opening(&page)));
+    }
+    Ok(())
 }
 
 /// The calibration, if there is something to track with it; else what to try.

@@ -5,6 +5,7 @@ use crate::learn::LearnError;
 use crate::motion::error::MotionError;
 use crate::overlay::error::OverlayError;
 use crate::predict::error::PredictError;
+use crate::report::ReportError;
 use crate::segment::error::SegmentError;
 use crate::shape_fit::error::ShapeFitError;
 use sinew::input::InputError;
@@ -29,6 +30,9 @@ pub enum Error {
     /// What a camera should see cannot be said.
     #[error(transparent)]
     Predict(#[from] PredictError),
+    /// Results that no page can be made of.
+    #[error(transparent)]
+    Report(#[from] ReportError),
     /// Images from which no masks can be made.
     #[error(transparent)]
     Segment(#[from] SegmentError),
@@ -74,6 +78,7 @@ impl Error {
             Self::Motion(error) => error.exit_code(),
             Self::Overlay(error) => error.exit_code(),
             Self::Predict(error) => error.exit_code(),
+            Self::Report(error) => error.exit_code(),
             Self::Segment(error) => error.exit_code(),
             Self::ShapeFit(error) => error.exit_code(),
             Self::Learn(error) => error.exit_code(),
@@ -89,6 +94,7 @@ impl Error {
             Self::Motion(error) => error.help(),
             Self::Overlay(error) => error.help().map(Into::into),
             Self::Predict(error) => error.help(),
+            Self::Report(error) => Some(error.help().into()),
             Self::Segment(error) => Some(error.help().into()),
             Self::ShapeFit(error) => error.help().map(Into::into),
             Self::Learn(error) => error.help(),

@@ -31,7 +31,7 @@ mod recognise;
 mod results;
 mod settings_file;
 mod setup_file;
-mod stick_figure;
+pub(crate) mod stick_figure;
 mod subject;
 mod table_file;
 mod toml_file;

@@ -8,6 +8,7 @@
 //! | [`segment`] | masks from images of fixed cameras |
 //! | [`overlay`] | pictures of results over the images |
 //! | [`refined`] | a calibration as the set-up of a run refined it |
+//! | [`report`] | one HTML page that shows a result |
 //! | [`result_table`] | which table of a result folder a CSV file is |
 //! | [`shape_fit`] | thicknesses of a body from masks and a result |
 
@@ -18,9 +19,11 @@ pub mod motion;
 pub mod overlay;
 pub mod predict;
 pub mod refined;
+pub mod report;
 pub mod result_table;
 pub mod segment;
 pub mod shape_fit;
+mod stored_array;
 mod svg;
 pub mod validate;
 

@@ -20,16 +20,15 @@ pub(crate) mod error;
 pub use error::PredictError;
 
 use crate::Error;
+use crate::stored_array::stored_array;
 use rayon::prelude::*;
-use sinew::files::{read_bytes, read_text};
 use sinew::input::recording::Calibrated;
 use sinew::input::up_axis::upright;
 use sinew::results::tracked::Tracked;
 use sinew::setup::lasting_errors::MeasuredErrors;
 use sinew::setup::lasting_prior::{CAMERA_UNITS, HEAVY, KIND_SCALES, LAG_SCALE, kind};
 use sinew_formats::camera_name;
-use sinew_formats::source_text::MAX_TEXT_BYTES;
-use sinew_formats::zarr::reader::{self, NumberArray};
+use sinew_formats::zarr::reader::NumberArray;
 use sinew_observe::Camera;
 use sinew_observe::camera_error::{NUMBERS, PixelDerivatives, derivatives};
 use sinew_observe::lasting_errors::pixels_per_metre;
@@ -87,23 +86,8 @@ impl CameraPrediction {
 /// # Errors
 /// A folder without the variable, files that cannot be read.
 pub fn drawn(folder: &Path, variable: &str) -> Result<NumberArray, Error> {
-    let array = folder.join("posterior.zarr/posterior").join(variable);
-    let document = array.join("zarr.json");
-    if !document.is_file() {
-        return Err(PredictError::NoKeypoints(folder.to_owned()).into());
-    }
-    let text = read_text(&document, MAX_TEXT_BYTES)?;
-    let mut failed = None;
-    let read = reader::numbers(&document.display().to_string(), &text, |key| {
-        let path = array.join(key);
-        let bytes = path.exists().then(|| read_bytes(&path, MAX_TEXT_BYTES)).transpose();
-        Ok(bytes.unwrap_or_else(|error| {
-            failed.get_or_insert(error);
-            None
-        }))
-    });
-    failed.map_or(Ok(()), Err)?;
-    Ok(read?)
+    let found = stored_array(folder, &format!("posterior/{variable}"))?;
+    Ok(found.ok_or_else(|| PredictError::NoKeypoints(folder.to_owned()))?)
 }
 
 /// Predicts what `camera` of a calibration should see of a run that did not use it.

@@ -175,21 +175,41 @@ pub fn to_csv(cameras: &[LeftOut]) -> String {
 const WORTH: [f64; 2] = [86.0, 96.0];
 const EACH: [f64; 2] = [80.0, 98.0];
 
+/// How many observations of a camera were predicted, and the share inside their regions of 90 %.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CameraCoverage {
+    /// Name.
+    pub camera: String,
+    /// Observations.
+    pub count: f64,
+    /// Share inside.
+    pub inside: f64,
+}
+
 /// What the intervals of this recording are worth, in a sentence.
 #[must_use]
 pub fn sentence(cameras: &[LeftOut]) -> String {
-    let percent = |tally: &ObservationTally| 100.0 * tally.coverage(0.9);
-    let all = together(cameras);
-    if all.squares.is_empty() {
+    let held = |camera: &LeftOut| {
+        let tally = camera.all();
+        CameraCoverage { camera: camera.camera.clone(), count: tally.squares.len() as f64, inside: tally.coverage(0.9) }
+    };
+    worth(&cameras.iter().map(held).collect::<Vec<_>>())
+}
+
+/// The same from how much each camera holds.
+#[must_use]
+pub fn worth(cameras: &[CameraCoverage]) -> String {
+    let seen: Vec<&CameraCoverage> = cameras.iter().filter(|camera| camera.count > 0.0).collect();
+    let count: f64 = seen.iter().map(|camera| camera.count).sum();
+    if seen.is_empty() {
         return "no camera saw what the others predicted: nothing can be said about the intervals".into();
     }
-    let held = cameras.iter().map(|camera| (&camera.camera, camera.all()));
-    let aside = held.filter(|(_, tally)| !tally.squares.is_empty()).map(|(name, tally)| (name, percent(&tally)));
-    let aside: Vec<String> = aside
-        .filter(|(_, inside)| !(EACH[0]..=EACH[1]).contains(inside))
-        .map(|(name, inside)| format!("{name} {inside:.0} %"))
+    let aside: Vec<String> = seen
+        .iter()
+        .filter(|camera| !(EACH[0]..=EACH[1]).contains(&(100.0 * camera.inside)))
+        .map(|camera| format!("{} {:.0} %", camera.camera, 100.0 * camera.inside))
         .collect();
-    let inside = percent(&all);
+    let inside = 100.0 * seen.iter().map(|camera| camera.count * camera.inside).sum::<f64>() / count;
     let worth = match inside {
         inside if inside < EACH[0] => "the intervals of this recording are too narrow",
         inside if inside < WORTH[0] => "the intervals of this recording are somewhat too narrow",

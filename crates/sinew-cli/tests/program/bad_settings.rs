@@ -125,6 +125,7 @@ fn help_fits_one_screen_and_starts_with_examples() {
         "convert",
         "segment",
         "overlay",
+        "report",
         "fit-shape",
         "body",
         "completions",

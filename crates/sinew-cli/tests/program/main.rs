@@ -23,6 +23,7 @@ mod motion_files;
 mod overlay;
 mod own_body;
 mod predictive_check;
+mod report;
 mod result_folder;
 mod resume;
 mod resume_latent_model;

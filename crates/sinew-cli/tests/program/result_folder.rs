@@ -416,11 +416,12 @@ fn the_demo_prints_its_error_and_can_be_repeated() {
         "ms per frame",
         "results",
         "sinew track --calibration sinew-out/demo/Calib.toml",
+        "sinew-out/demo/report.html",
     ] {
         assert!(printed.contains(word), "{word} in {printed}");
     }
     assert!(
-        ["keypoints/C1_json", "Calib.toml", "truth.trc"]
+        ["keypoints/C1_json", "Calib.toml", "truth.trc", "report.html"]
             .iter()
             .all(|name| trial.path("sinew-out/demo").join(name).exists())
     );

@@ -8,7 +8,7 @@ pub(super) const RIGHT: &str = "#c2410c";
 pub(super) const MIDDLE: &str = "#334155";
 
 /// Lines of a figure.
-pub(super) const BONES: [(&str, &str, &str); 14] = [
+pub(crate) const BONES: [(&str, &str, &str); 14] = [
     ("MidHip", "Neck", MIDDLE),
     ("Neck", "Head", MIDDLE),
     ("Neck", "LShoulder", LEFT),

@@ -93,23 +93,31 @@ impl Tracked {
         self.setup.as_they_are(resized, scale / self.image_scale)
     }
 
-    /// The cameras of the run, as a calibration has them, in the world turned to z up; and the names of all that are calibrated.
+    /// [`calibrated`] of the run's set-up.
     ///
     /// # Errors
-    /// A calibration that cannot be read or lacks a camera of the run.
+    /// As there.
     pub fn cameras(&self, calibration: &Path) -> Result<(Vec<Camera>, Vec<String>), Error> {
-        let Calibrated { cameras, names, .. } = Calibrated::read(calibration)?;
-        let seen = self.setup.camera.iter().map(|known| {
-            let is_it = |camera: &&Camera| camera_name::fold(&camera.name) == camera_name::fold(&known.name);
-            cameras.iter().find(is_it).cloned().ok_or_else(|| ResultsError::UnknownCamera {
-                calibration: calibration.to_owned(),
-                camera: known.name.clone(),
-                calibrated: names.clone(),
-            })
-        });
-        let seen = seen.collect::<Result<Vec<Camera>, _>>()?;
-        Ok((upright(seen, &self.setup.world_up), names))
+        calibrated(&self.setup, calibration)
     }
+}
+
+/// The cameras of a set-up, as a calibration has them, in the world turned to z up; and the names of all that are calibrated.
+///
+/// # Errors
+/// A calibration that cannot be read or lacks a camera of the set-up.
+pub fn calibrated(setup: &Setup, calibration: &Path) -> Result<(Vec<Camera>, Vec<String>), Error> {
+    let Calibrated { cameras, names, .. } = Calibrated::read(calibration)?;
+    let seen = setup.camera.iter().map(|known| {
+        let is_it = |camera: &&Camera| camera_name::fold(&camera.name) == camera_name::fold(&known.name);
+        cameras.iter().find(is_it).cloned().ok_or_else(|| ResultsError::UnknownCamera {
+            calibration: calibration.to_owned(),
+            camera: known.name.clone(),
+            calibrated: names.clone(),
+        })
+    });
+    let seen = seen.collect::<Result<Vec<Camera>, _>>()?;
+    Ok((upright(seen, &setup.world_up), names))
 }
 
 /// What a command read that must not be written over: a result folder, a calibration and perhaps a folder of images.

@@ -1,0 +1,76 @@
+//! `sinew report`: one HTML page that shows a result, also written by `track --report` and `demo`.
+
+use super::args::{General, ReportArgs};
+use super::ended::Ended;
+use super::error::Error;
+use super::report::{self, Report};
+use serde_json::json;
+use sinew::results::error::Occupied;
+use sinew::results::{RESULT_NAMES, write_whole};
+use sinew_tools::report::{ReportPage, ReportRequest, page};
+use std::path::{Path, PathBuf};
+
+/// Name of the page in a result folder.
+pub(crate) const PAGE: &str = "report.html";
+
+/// Runs the command.
+pub(crate) fn run(args: &ReportArgs, general: &General, report: &Report) -> Result<Ended, Error> {
+    let out = general.out.as_ref().map_or_else(|| args.results.join(PAGE), PathBuf::from);
+    let folder = out.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let in_results = folder.canonicalize().is_ok_and(|folder| args.results.canonicalize().is_ok_and(|it| it == folder));
+    if in_results && RESULT_NAMES.iter().any(|name| out.ends_with(name)) {
+        return Err(Error::ResultIsOutput(out));
+    }
+    // A former page in the folder itself is no loss.
+    if general.out.is_some() && out.exists() && !general.force {
+        return Err(sinew::Error::OutputExists { path: out, found: Occupied::File }.into());
+    }
+    let (calibration, validation) = (args.calibration.clone(), args.validation.clone());
+    let request = ReportRequest { calibration, validation, ..ReportRequest::default() };
+    let written = write(&args.results, &request, &out, report)?;
+    if args.answer.json {
+        let ReportPage { html, frames, every } = &written;
+        report::answer_json(&json!({ "out": out, "bytes": html.len(), "frames": frames, "every": every }))?;
+    } else {
+        let megabytes = written.html.len() as f64 / 1e6;
+        report::answer(&format!("{} ({megabytes:.1} MB)\nOpen it:\n  {}\n", out.display(), opening(&out)))?;
+    }
+    Ok(Ended::Done)
+}
+
+/// Writes the page of a result folder.
+pub(crate) fn write(results: &Path, request: &ReportRequest, out: &Path, report: &Report) -> Result<ReportPage, Error> {
+    let written = page(results, request)?;
+    write_whole(out, written.html.as_bytes())?;
+    if written.every > 1 {
+        report.note(&format!("the page shows one frame in {}; all would make it too large", written.every));
+    }
+    Ok(written)
+}
+
+/// Removes the page of results that were replaced.
+pub(crate) fn forget(results: &Path) -> Result<(), sinew::Error> {
+    let page = results.join(PAGE);
+    match std::fs::remove_file(&page) {
+        Err(error) if error.kind() != std::io::ErrorKind::NotFound => Err(sinew::Error::io("remove", page)(error)),
+        _ => Ok(()),
+    }
+}
+
+/// What a page is made from where a calibration is all that is known besides.
+pub(crate) fn with_calibration(calibration: &Path) -> ReportRequest {
+    ReportRequest { calibration: Some(calibration.to_owned()), ..ReportRequest::default() }
+}
+
+/// The line that opens a page in a browser.
+pub(crate) fn opening(page: &Path) -> String {
+    let opener = if cfg!(target_os = "macos") {
+        "open"
+    } else if cfg!(windows) {
+        "start"
+    } else {
+        "xdg-open"
+    };
+    let shown = page.display().to_string();
+    if shown.contains(char::is_whitespace) { format!("{opener} \"{shown}\"") } else { format!("{opener} {shown}") }
+}
