@@ -47,15 +47,18 @@ pub(crate) fn run(args: &TrackArgs, general: &General, report: &Report) -> Resul
         write_calibration::check(path, &config, &read_from)?;
     }
     job::check_settings(&resolved)?;
-    let refine = || {
+    let refine_by = |config: &TrackConfig| {
         let path = args.write_calibration.as_ref();
-        path.map_or(Ok(()), |path| write_calibration::write(path, &config, &calibration, report))
+        path.map_or(Ok(()), |path| write_calibration::write(path, config, &calibration, report))
     };
     if let Some(roll) = track_people::several(&config, &calibration, general)? {
         let ended = track_people::run((args, &resolved, &roll), &calibration, &read_from, general, report)?;
-        refine()?;
+        if !matches!(ended, Ended::Interrupted) {
+            refine_by(&resolved.into_folder(&track_people::most_seen(&config.out, &roll)).track())?;
+        }
         return Ok(ended);
     }
+    let refine = || refine_by(&config);
     let mut recording = Footage::open(&config.files(&calibration), &options)?;
     let setup_frames = setup_frames(&config, &recording)?;
     let (claim, from) = match args.resume {
@@ -91,7 +94,7 @@ pub(crate) fn run(args: &TrackArgs, general: &General, report: &Report) -> Resul
 }
 
 /// Writes the page of the results, if it is wanted.
-fn show(args: &TrackArgs, calibration: &Path, out: &Path, report: &Report) -> Result<(), Error> {
+pub(crate) fn show(args: &TrackArgs, calibration: &Path, out: &Path, report: &Report) -> Result<(), Error> {
     if args.report {
         let page = out.join(report_page::PAGE);
         report_page::write(out, &report_page::with_calibration(calibration), &page, report)?;

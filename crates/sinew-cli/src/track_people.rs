@@ -13,7 +13,7 @@ use super::resume::{Stopped, same_run, stopped_run};
 use super::settings::reading;
 use super::table::columns;
 use super::threads::with_threads;
-use super::track::{RESUME, setup_frames};
+use super::track::{RESUME, setup_frames, show};
 use sinew::config::{Resolved, TrackConfig};
 use sinew::input::footage::Footage;
 use sinew::input::one_person::OnePerson;
@@ -51,13 +51,22 @@ pub(crate) fn several(config: &TrackConfig, calibration: &Path, general: &Genera
     Ok((roll.people.len() > 1).then_some(roll))
 }
 
+/// Folder of the tracked person whom two cameras saw in most frames: his set-up knows most of the cameras.
+pub(crate) fn most_seen(out: &Path, roll: &Roll) -> PathBuf {
+    let is_tracked = |person: &usize| out.join(person_folder(*person)).join("setup.toml").is_file();
+    let most = (0..roll.people.len())
+        .filter(is_tracked)
+        .max_by_key(|&person| (roll.people[person].seen, std::cmp::Reverse(person)));
+    out.join(person_folder(most.unwrap_or_default()))
+}
+
 /// What stays the same from person to person.
 struct Run<'a> {
+    args: &'a TrackArgs,
     resolved: &'a Resolved,
     calibration: &'a Path,
     read_from: &'a [PathBuf],
     roll: &'a Roll,
-    resume: bool,
     general: &'a General,
     report: &'a Report,
 }
@@ -71,7 +80,7 @@ pub(crate) fn run(
     report: &Report,
 ) -> Result<Ended, Error> {
     let config = resolved.track();
-    let run = Run { resolved, calibration, read_from, roll, resume: args.resume, general, report };
+    let run = Run { args, resolved, calibration, read_from, roll, general, report };
     let _claim = match args.resume {
         true => claim_to_resume(&config.out, read_from)?,
         false => claimed(&config, read_from, report)?,
@@ -136,12 +145,13 @@ fn one(run: &Run<'_>, person: usize) -> Result<Tracked, Error> {
     let mut recording = Footage::open(&config.files(run.calibration), &reading(&config))?;
     let frames = within(&setup_frames(&config, &recording)?, &run.roll.people[person].frames);
     let mut source = OnePerson { source: &mut recording, roll: run.roll, person };
-    let (claim, from): (_, Option<Checkpoint>) = if run.resume && out.is_dir() {
+    let (claim, from): (_, Option<Checkpoint>) = if run.args.resume && out.is_dir() {
         match stopped_run(&config, run.read_from, run.report)? {
             Stopped::Complete(claim, summary) => {
                 let hashes = |source: &OnePerson<'_, Footage>| source.source.input_hashes();
                 same_run(&mut source, frames, &resolved, &claim, &summary, run.general, hashes)?;
                 ResultFolder::forget(&claim)?;
+                show(run.args, run.calibration, &out, run.report)?;
                 return Ok(Tracked { complete: true, failed_diagnostics: failed_in(&summary) });
             }
             Stopped::At(claim, checkpoint) => (claim, Some(*checkpoint)),
@@ -157,6 +167,9 @@ fn one(run: &Run<'_>, person: usize) -> Result<Tracked, Error> {
         let inputs = |source: &OnePerson<'_, Footage>| (source.source.warnings(), source.source.input_hashes());
         job::track(&mut source, frames, &resolved, claim, &mut watch, inputs, from)
     })?;
+    if outcome.summary.frame_count > 0 {
+        show(run.args, run.calibration, &out, run.report)?;
+    }
     let said = |warning: &String| format!("person {}: {warning}", person + 1);
     run.report.warnings(&outcome.summary.warnings.iter().map(said).collect::<Vec<_>>());
     let failed_diagnostics = outcome.summary.failed_diagnostics;
