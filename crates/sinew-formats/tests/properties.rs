@@ -350,7 +350,6 @@ fn read_all(text: &str) {
     let outcomes = [
         openpose::read("a.json", text, &openpose::OpenposeOptions::default()).err(),
         layout::read("a.toml", text).err(),
-        calib_toml::read("a.toml", text).err(),
         calibration::read("a.toml", text).err(),
         qualisys_cameras::read("a.qca.txt", text).err(),
         opencv_cameras::read("a.yml", text).err(),
