@@ -13,8 +13,8 @@ pub(crate) struct ConvertArgs {
     /// File to write: .trc, .bvh, .mot or .csv; for a calibration .toml, .yml or .qca.txt
     #[arg(value_name = "OUT")]
     pub(crate) output: PathBuf,
-    /// Program that is to read the calibration [default: by the name of OUT]
-    #[arg(long, value_enum, value_name = "PROGRAM")]
+    /// Program: pose2sim, caliscope, anipose, freemocap, opencv or qualisys
+    #[arg(long, value_enum, value_name = "PROGRAM", hide_possible_values = true)]
     pub(crate) to: Option<Program>,
     /// Skeleton of an .amc file
     #[arg(long, value_name = "F.asf")]

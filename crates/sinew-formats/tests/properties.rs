@@ -356,7 +356,6 @@ fn read_all(text: &str) {
         mmpose_json::read("a.json", text, 1.0).err(),
         keypoint_formats::read("a", text, 1.0).err(),
         layout::read("a.toml", text).err(),
-        calib_toml::read("a.toml", text).err(),
         calibration::read("a.toml", text).err(),
         qualisys_cameras::read("a.qca.txt", text).err(),
         opencv_cameras::read("a.yml", text).err(),
