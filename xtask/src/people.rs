@@ -1,6 +1,6 @@
 //! `cargo xtask people`: are several people found and kept apart? The tables of docs/evidence/people.md.
 //!
-//! Crowds of [`sinew_simulate::crowd`], with their truth; beside the tracker's own association ([`sinew::observe::identities`]) the usual recipe ([`sinew_tests::evaluation::ray_association`]). Both get the same detections, and points are triangulated alike. Speeds are those of the program, from files.
+//! Crowds of [`sinew_simulate::crowd`], with their truth; beside the tracker's own association ([`sinew::observe::identities`]) the usual recipe ([`sinew_tests::evaluation::ray_association`]). Both get the same detections, and points are triangulated alike. Speeds are the program's, from files.
 
 use crate::outcome::{Outcome, exit_code};
 use crate::program::{self, Program, shown};

@@ -31,10 +31,12 @@ mod setting_args;
 mod settings;
 mod simulate;
 mod simulate_crowd;
+mod simulated_files;
 mod table;
 mod threads;
 mod track;
 mod track_people;
+mod track_pieces;
 mod validate;
 mod write_calibration;
 

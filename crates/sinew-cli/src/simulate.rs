@@ -7,6 +7,7 @@ use super::error::Error;
 use super::progress::Progress;
 use super::report::{self, Report};
 use super::simulate_crowd;
+use super::simulated_files::{CALIBRATION, FOLDERS, README, TRUTH, WALK_S, clear, track_command, write};
 use super::table::aligned;
 use super::threads::with_threads;
 use rayon::prelude::*;
@@ -29,13 +30,6 @@ use std::path::{Path, PathBuf};
 const OUT: &str = "sinew-out/simulated";
 /// The motion that needs no file.
 const WALK: &str = "walk";
-/// Duration of a walk, seconds.
-pub(crate) const WALK_S: f64 = 4.0;
-/// Folders of the recording.
-const FOLDERS: [&str; 3] = ["keypoints", "masks", "images"];
-const TRUTH: &str = "truth.trc";
-pub(crate) const CALIBRATION: &str = "Calib.toml";
-pub(crate) const README: &str = "README.txt";
 /// More frames than anybody looks at.
 const MOST_FRAMES: usize = 1_000_000;
 
@@ -120,10 +114,6 @@ fn check_numbers(args: &SimulateArgs) -> Result<usize, Error> {
     if most == 0 { Err(Error::NoFrames) } else { Ok(most) }
 }
 
-pub(crate) fn write(path: &Path, bytes: &[u8]) -> Result<(), sinew::Error> {
-    fs::write(path, bytes).map_err(sinew::Error::io("write", path))
-}
-
 /// What is replaced must not be what was read.
 fn refuse_inputs_inside(out: &Path, inputs: &[PathBuf]) -> Result<(), sinew::Error> {
     let Ok(folder) = out.canonicalize() else { return Ok(()) };
@@ -132,27 +122,6 @@ fn refuse_inputs_inside(out: &Path, inputs: &[PathBuf]) -> Result<(), sinew::Err
         Some(input) => Err(sinew::Error::OutputIsInput { path: out.to_owned(), input: input.clone() }),
         None => Ok(()),
     }
-}
-
-/// Takes away what a former run wrote here.
-pub(crate) fn clear(out: &Path) -> Result<(), sinew::Error> {
-    for path in [README, TRUTH, CALIBRATION].map(|name| out.join(name)) {
-        if path.exists() {
-            fs::remove_file(&path).map_err(sinew::Error::io("replace", &path))?;
-        }
-    }
-    let is_truth = |path: &PathBuf| path.file_name().is_some_and(|name| name.to_string_lossy().starts_with("truth_"));
-    let entries = fs::read_dir(out).map_err(sinew::Error::io("read", out))?;
-    for path in entries.flatten().map(|entry| entry.path()).filter(is_truth) {
-        fs::remove_file(&path).map_err(sinew::Error::io("replace", &path))?;
-    }
-    for path in FOLDERS.map(|name| out.join(name)) {
-        if path.exists() {
-            fs::remove_dir_all(&path).map_err(sinew::Error::io("replace", &path))?;
-        }
-        fs::create_dir_all(&path).map_err(sinew::Error::io("create", &path))?;
-    }
-    Ok(())
 }
 
 /// Calibration, keypoints and truth.
@@ -199,14 +168,6 @@ fn write_images(
         write(&path, &bytes)?;
     }
     Ok(())
-}
-
-/// The command that tracks the recording in a folder.
-pub(crate) fn track_command(folder: &str, fps: f64) -> String {
-    format!(
-        "sinew track --calibration {folder}/{CALIBRATION} --keypoints {folder}/{} --layout BODY_25B --fps {fps} -o {folder}-track",
-        FOLDERS[0]
-    )
 }
 
 /// The command that tracks its silhouettes.

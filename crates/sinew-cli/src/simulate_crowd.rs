@@ -7,7 +7,7 @@ use super::claimed::claimed;
 use super::ended::Ended;
 use super::error::Error;
 use super::report::{self, Report};
-use super::simulate::{CALIBRATION, README, clear, track_command, write};
+use super::simulated_files::{CALIBRATION, FOLDERS, README, WALK_S, clear, track_command, write};
 use super::table::aligned;
 use serde_json::json;
 use sinew::config::TrackConfig;
@@ -28,7 +28,7 @@ pub(crate) fn run(args: &SimulateArgs, config: &TrackConfig, report: &Report) ->
     let keypoints = DetectorNoise { offset_px: 0.0, ..DetectorNoise::DETECTOR_LIKE.in_rows(size[1]) };
     let crowd = Crowd {
         people: args.people,
-        duration_s: args.duration.unwrap_or(super::simulate::WALK_S),
+        duration_s: args.duration.unwrap_or(WALK_S),
         rate_hz: args.fps,
         ring,
         calibration: CalibrationError::NONE,
@@ -38,11 +38,11 @@ pub(crate) fn run(args: &SimulateArgs, config: &TrackConfig, report: &Report) ->
     let recording = CrowdRecording::new(&crowd, seed).map_err(Error::Scene)?;
     clear(&config.out)?;
     for camera in &recording.cameras {
-        let folder = config.out.join(format!("keypoints/{}_json", camera.name));
+        let folder = config.out.join(FOLDERS[0]).join(format!("{}_json", camera.name));
         fs::create_dir_all(&folder).map_err(sinew::Error::io("create", &folder))?;
     }
     for (name, text) in recording.keypoint_files() {
-        write(&config.out.join("keypoints").join(name), text.as_bytes())?;
+        write(&config.out.join(FOLDERS[0]).join(name), text.as_bytes())?;
     }
     write(&config.out.join(CALIBRATION), calib_toml::write(&recording.cameras).as_bytes())?;
     for (person, truth) in (1..).zip(&recording.truth) {

@@ -12,6 +12,7 @@ use super::resume::{Stopped, complete, same_run, stopped_run};
 use super::settings::{reading, settings};
 use super::table::table;
 use super::threads::with_threads;
+use super::track_pieces::{RESUME, setup_frames, show};
 use super::{track_people, write_calibration};
 use sinew::config::{Resolved, TrackConfig};
 use sinew::input::footage::Footage;
@@ -39,7 +40,6 @@ pub(crate) fn run(args: &TrackArgs, general: &General, report: &Report) -> Resul
     report.detail(&resolved.describe());
     let config = resolved.track();
     let calibration = calibration(&config)?;
-    let options = reading(&config);
     let read_from = read_from(&config, &calibration, general);
     // Mistakes in the settings are said before what is in the folder.
     refuse_inputs(&config.out, &read_from)?;
@@ -47,34 +47,42 @@ pub(crate) fn run(args: &TrackArgs, general: &General, report: &Report) -> Resul
         write_calibration::check(path, &config, &read_from)?;
     }
     job::check_settings(&resolved)?;
-    let refine_by = |config: &TrackConfig| {
-        let path = args.write_calibration.as_ref();
-        path.map_or(Ok(()), |path| write_calibration::write(path, config, &calibration, report))
-    };
-    if let Some(roll) = track_people::several(&config, &calibration, general)? {
-        let ended = track_people::run((args, &resolved, &roll), &calibration, &read_from, general, report)?;
-        if !matches!(ended, Ended::Interrupted) {
-            refine_by(&resolved.into_folder(&track_people::most_seen(&config.out, &roll)).track())?;
-        }
-        return Ok(ended);
+    match track_people::several(&config, &calibration, general)? {
+        Some(roll) => track_people::run((args, &resolved, &roll), &calibration, &read_from, general, report),
+        None => one(args, &resolved, &calibration, &read_from, general, report),
     }
-    let refine = || refine_by(&config);
-    let mut recording = Footage::open(&config.files(&calibration), &options)?;
+}
+
+/// One person, or the most complete of several.
+fn one(
+    args: &TrackArgs,
+    resolved: &Resolved,
+    calibration: &Path,
+    read_from: &[PathBuf],
+    general: &General,
+    report: &Report,
+) -> Result<Ended, Error> {
+    let config = resolved.track();
+    let refine = || {
+        let path = args.write_calibration.as_ref();
+        path.map_or(Ok(()), |path| write_calibration::write(path, &config, calibration, report))
+    };
+    let mut recording = Footage::open(&config.files(calibration), &reading(&config))?;
     let setup_frames = setup_frames(&config, &recording)?;
     let (claim, from) = match args.resume {
-        false => (claimed(&config, &read_from, report)?, None),
-        true => match stopped_run(&config, &read_from, report)? {
+        false => (claimed(&config, read_from, report)?, None),
+        true => match stopped_run(&config, read_from, report)? {
             Stopped::Complete(claim, summary) => {
-                same_run(&mut recording, setup_frames, &resolved, &claim, &summary, general, Footage::input_hashes)?;
+                same_run(&mut recording, setup_frames, resolved, &claim, &summary, general, Footage::input_hashes)?;
                 ResultFolder::forget(&claim)?;
                 refine()?;
-                show(args, &calibration, &config.out, report)?;
+                show(args, calibration, &config.out, report)?;
                 return complete(&summary, &config.out, args, report);
             }
             Stopped::At(claim, checkpoint) => (claim, Some(*checkpoint)),
         },
     };
-    let outcome = tracked(&mut recording, setup_frames, &resolved, claim, from, general);
+    let outcome = tracked(&mut recording, setup_frames, resolved, claim, from, general);
     let outcome = outcome.inspect_err(|error| {
         if let Error::Library(sinew::Error::Checkpoint { .. }) = error {
             return;
@@ -88,19 +96,9 @@ pub(crate) fn run(args: &TrackArgs, general: &General, report: &Report) -> Resul
     refine()?;
     report_page::forget(&config.out)?;
     if outcome.summary.frame_count > 0 {
-        show(args, &calibration, &config.out, report)?;
+        show(args, calibration, &config.out, report)?;
     }
     answer(&outcome, &config.out, args, report)
-}
-
-/// Writes the page of the results, if it is wanted.
-pub(crate) fn show(args: &TrackArgs, calibration: &Path, out: &Path, report: &Report) -> Result<(), Error> {
-    if args.report {
-        let page = out.join(report_page::PAGE);
-        report_page::write(out, &report_page::with_calibration(calibration), &page, report)?;
-        report.note(&format!("a page that shows the results: {}", report_page::opening(&page)));
-    }
-    Ok(())
 }
 
 /// The calibration, if there is something to track with it; else what to try.
@@ -139,14 +137,6 @@ pub(crate) fn track_into_folder(
     tracked(&mut recording, setup_frames, resolved, claim, None, general)
 }
 
-/// Frames of a recording for the set-up pass.
-pub(crate) fn setup_frames(config: &TrackConfig, recording: &Footage) -> Result<Range<u64>, Error> {
-    let available = recording.available();
-    let Some(asked) = config.setup_frames.clone() else { return Ok(available) };
-    let cut = asked.start.max(available.start)..asked.end.min(available.end);
-    if cut.is_empty() { Err(Error::SetupFrames { asked, available }) } else { Ok(cut) }
-}
-
 /// The run itself, with its progress.
 fn tracked(
     recording: &mut Footage,
@@ -165,9 +155,6 @@ fn tracked(
         job::track(recording, setup_frames, resolved, claim, &mut watch, inputs, from)
     })
 }
-
-/// How a run that ended early is continued.
-pub(crate) const RESUME: &str = "the same command with `--resume` continues from there";
 
 /// Says what the run came to.
 fn answer(outcome: &Outcome, out: &Path, args: &TrackArgs, report: &Report) -> Result<Ended, Error> {

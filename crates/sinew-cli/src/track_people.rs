@@ -13,7 +13,8 @@ use super::resume::{Stopped, same_run, stopped_run};
 use super::settings::reading;
 use super::table::columns;
 use super::threads::with_threads;
-use super::track::{RESUME, setup_frames, show};
+use super::track_pieces::{RESUME, setup_frames, show};
+use super::write_calibration;
 use sinew::config::{Resolved, TrackConfig};
 use sinew::input::footage::Footage;
 use sinew::input::one_person::OnePerson;
@@ -52,7 +53,7 @@ pub(crate) fn several(config: &TrackConfig, calibration: &Path, general: &Genera
 }
 
 /// Folder of the tracked person whom two cameras saw in most frames: his set-up knows most of the cameras.
-pub(crate) fn most_seen(out: &Path, roll: &Roll) -> PathBuf {
+fn most_seen(out: &Path, roll: &Roll) -> PathBuf {
     let is_tracked = |person: &usize| out.join(person_folder(*person)).join("setup.toml").is_file();
     let most = (0..roll.people.len())
         .filter(is_tracked)
@@ -115,6 +116,14 @@ pub(crate) fn run(
     }
     summary.complete = !interrupted;
     summary.write(&config.out)?;
+    if let Some(path) = args.write_calibration.as_ref().filter(|_| !interrupted) {
+        write_calibration::write(
+            path,
+            &resolved.into_folder(&most_seen(&config.out, roll)).track(),
+            calibration,
+            report,
+        )?;
+    }
     answer(&summary, &config.out, args, report)
 }
 

@@ -73,7 +73,7 @@ pub struct Crowd {
 }
 
 /// People of a frame in a camera, each with the keypoints of the layout.
-pub type Found = Vec<Vec<Option<Keypoint>>>;
+pub type FoundPeople = Vec<Vec<Option<Keypoint>>>;
 
 /// A recording of several people.
 #[derive(Clone, Debug, PartialEq)]
@@ -85,7 +85,7 @@ pub struct CrowdRecording {
     /// Layout of the keypoints, BODY_25B.
     pub layout: Layout,
     /// For each camera and frame the people that are found.
-    pub keypoints: Vec<Vec<Found>>,
+    pub keypoints: Vec<Vec<FoundPeople>>,
     /// For each camera, frame and person found, who it is.
     pub who: Vec<Vec<Vec<usize>>>,
     /// Frames a second.
@@ -122,7 +122,7 @@ impl CrowdRecording {
                 let number = u32::try_from(frame).unwrap_or(u32::MAX);
                 scene.mixed(camera, frame, seen, &mix.round(c).at_frame(number))
             };
-            let (found, names): (Vec<Found>, Vec<Vec<usize>>) = (0..frames).map(shown).unzip();
+            let (found, names): (Vec<FoundPeople>, Vec<Vec<usize>>) = (0..frames).map(shown).unzip();
             keypoints.push(found);
             who.push(names);
         }
@@ -179,7 +179,7 @@ struct Scene<'a> {
 
 impl Scene<'_> {
     /// What a detector makes of everybody in a frame, and who is who.
-    fn mixed(&self, camera: &Camera, frame: usize, mut seen: Found, stage: &Stage) -> (Found, Vec<usize>) {
+    fn mixed(&self, camera: &Camera, frame: usize, mut seen: FoundPeople, stage: &Stage) -> (FoundPeople, Vec<usize>) {
         let people = self.truth.len();
         let boxes: Vec<Option<[f64; 4]>> = seen.iter().map(|person| image_box(person)).collect();
         let depth = |person: usize| {

@@ -75,7 +75,7 @@ impl DetectorNoise {
         }
     }
 
-    /// The same detector on images of so many rows; errors are stated for [`STATED_ROWS`].
+    /// The same detector on images of another number of rows; errors are stated for [`STATED_ROWS`].
     #[must_use]
     pub fn in_rows(&self, rows: f64) -> Self {
         self.resized(rows / STATED_ROWS)

@@ -1,4 +1,6 @@
-//! A source of frames that shows one of several people alone, in the frames from his coming to his going.
+//! A source of frames that shows one of several people alone.
+//!
+//! Its frames are all from his coming to his going.
 
 use super::frame::Frame;
 use super::roll::Roll;

@@ -245,13 +245,7 @@ impl Scene {
         let restart = restart.or_else(|| (turned && self.is_turned(estimate)).then(|| self.as_named(&found.people))?);
         let predicted = self.points(restart.as_deref().unwrap_or(estimate));
         self.bind_parts(&predicted);
-        let frame = KeypointFrame {
-            detections: &self.shown.detections,
-            elsewhere: &self.shown.elsewhere,
-            predicted: &predicted,
-        };
-        let bound = self.model.bind(frame);
-        (bound, restart)
+        (self.model.bind(self.frame(&predicted)), restart)
     }
 
     /// Takes in where the person is in the current frame, once it is tracked.

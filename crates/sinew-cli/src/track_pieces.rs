@@ -1,0 +1,31 @@
+//! What runs of one person and of several have in common.
+
+use super::args::TrackArgs;
+use super::error::Error;
+use super::report::Report;
+use super::report_page;
+use sinew::config::TrackConfig;
+use sinew::input::footage::Footage;
+use std::ops::Range;
+use std::path::Path;
+
+/// How a run that ended early is continued.
+pub(crate) const RESUME: &str = "the same command with `--resume` continues from there";
+
+/// Frames of a recording for the set-up pass.
+pub(crate) fn setup_frames(config: &TrackConfig, recording: &Footage) -> Result<Range<u64>, Error> {
+    let available = recording.available();
+    let Some(asked) = config.setup_frames.clone() else { return Ok(available) };
+    let cut = asked.start.max(available.start)..asked.end.min(available.end);
+    if cut.is_empty() { Err(Error::SetupFrames { asked, available }) } else { Ok(cut) }
+}
+
+/// Writes the page of the results, if it is wanted.
+pub(crate) fn show(args: &TrackArgs, calibration: &Path, out: &Path, report: &Report) -> Result<(), Error> {
+    if args.report {
+        let page = out.join(report_page::PAGE);
+        report_page::write(out, &report_page::with_calibration(calibration), &page, report)?;
+        report.note(&format!("a page that shows the results: {}", report_page::opening(&page)));
+    }
+    Ok(())
+}
