@@ -199,6 +199,9 @@ fn from_file(
     }
     let text = files::read_text(file, MAX_TEXT_BYTES)?;
     if keypoint_formats::recognised(&text).is_none() {
+        if text.contains("\"people\"") {
+            return Err(InputError::FileForFolder { file: file.to_owned(), many: "keypoints", is_video: false }.into());
+        }
         let known = FORMATS.map(|format| format.name).to_vec();
         return Err(InputError::UnknownKeypointFile { file: file.to_owned(), known }.into());
     }
