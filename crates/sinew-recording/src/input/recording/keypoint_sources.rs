@@ -291,7 +291,7 @@ mod tests {
             assert_eq!(recording.folders()[0], root.path().join("keypoints/xy_POSE.csv"));
         }
         let message =
-            open(&folder(&["a", "b"], &[("xy.csv", CALISCOPE)]).path(), "keypoints", &RecordingOptions::default());
+            open(folder(&["a", "b"], &[("xy.csv", CALISCOPE)]).path(), "keypoints", &RecordingOptions::default());
         assert_eq!(
             message.unwrap_err(),
             "`R/keypoints/xy.csv`: `1` is or holds no name of one calibrated camera; calibrated: a, b"
