@@ -55,8 +55,9 @@ pub fn held(name: &str, cameras: &[impl AsRef<str>]) -> Option<usize> {
         folded.match_indices(camera).any(|(at, _)| {
             let before = folded.get(..at).and_then(|text| text.chars().next_back());
             let after = folded.get(at + camera.len()..).and_then(|text| text.chars().next());
-            !(is_digit(before) && is_digit(camera.chars().next()))
-                && !(is_digit(after) && is_digit(camera.chars().next_back()))
+            let cuts_number = (is_digit(before) && is_digit(camera.chars().next()))
+                || (is_digit(after) && is_digit(camera.chars().next_back()));
+            !cuts_number
         })
     };
     let folded_cameras = cameras.iter().map(|camera| fold(camera.as_ref())).enumerate();

@@ -97,7 +97,7 @@ mod tests {
                 + a[2] * (b[0] * c[1] - b[1] * c[0]);
             assert!((determinant - 1.0).abs() < 1e-12, "{up}");
         }
-        for text in ["0,0,0", "1,2", "1,2,3,4", "up", "nan,0,1", "inf,0,1", "", "1e308,1e308,1e308"] {
+        for text in ["0,0,0", "1,2", "1,2,3,4", "up", "nan,0,1", "inf,0,1", ""] {
             assert_eq!(z_up_from(text), None, "{text}");
         }
         let read = direction(&direction_text([0.6, 0.0, -0.8])).unwrap();

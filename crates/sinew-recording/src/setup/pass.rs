@@ -1,7 +1,7 @@
 //! The set-up pass: one reading of some frames, one [`Setup`].
 
 use super::checks;
-use super::collect::{Collected, SetupRequest, collect};
+use super::collect::{Collected, SetupRequest, alone, collect};
 use super::error::SetupError;
 use super::mistake_prior::{usual_elsewhere, usual_exchanged};
 use super::own_body;
@@ -48,22 +48,28 @@ pub fn find_up<E: From<SetupError>>(
     request: &SetupRequest,
     frames: impl IntoIterator<Item = Result<(u64, Vec<Vec<Pixels>>), E>>,
 ) -> Result<Upward, E> {
-    let collected = collect(cameras, layout, request, frames)?;
+    let mut lone: Vec<(u64, Sighted)> = vec![];
+    let kept = frames.into_iter().map(|frame| {
+        let (number, people) = frame?;
+        lone.extend(alone(&people).map(|sighted| (number, sighted)));
+        Ok::<_, E>((number, people))
+    });
+    let collected = collect(cameras, layout, request, kept)?;
     let noise = offsets::estimate(cameras, &collected.sighted(request.offset_frames), &request.offsets);
-    let found = |noise: &[CameraNoise]| {
+    let found = |noise: &[CameraNoise], frames: &[(u64, Sighted)]| {
         let in_space = |(number, sighted): &(u64, Sighted)| {
             (*number, points_in_space(cameras, noise, sighted, request.offsets.least_confidence))
         };
-        let points: Vec<(u64, Points)> = collected.spread.iter().map(in_space).collect();
+        let points: Vec<(u64, Points)> = frames.iter().map(in_space).collect();
         upward(layout, &points)
     };
-    let tolerant = || -> Vec<CameraNoise> {
-        let wide = |camera: &Camera| TOLERATED * camera.image_size_px[0];
-        let noise = noise.iter().zip(cameras);
-        noise.map(|(own, camera)| CameraNoise { sigma_px: own.sigma_px.max(wide(camera)), ..*own }).collect()
+    let wide = |(own, camera): (&CameraNoise, &Camera)| {
+        let sigma_px = TOLERATED * camera.image_size_px[0];
+        CameraNoise { offset_px: [0.0; 2], sigma_px, ..*own }
     };
-    // Cameras that disagree say where up is all the same, if less well.
-    let up = found(&noise).or_else(|| found(&tolerant()));
+    let tolerant = || noise.iter().zip(cameras).map(wide).collect::<Vec<_>>();
+    // Cameras that disagree about the only person there is say where up is all the same, if less well.
+    let up = found(&noise, &collected.spread).or_else(|| found(&tolerant(), &lone));
     Ok(up.ok_or(SetupError::NobodyUpright { frames: collected.spread.len() })?)
 }
 

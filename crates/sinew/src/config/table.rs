@@ -42,7 +42,7 @@ const fn unhashed(setting: Setting) -> Setting {
 #[rustfmt::skip]
 const FIRST: &[Setting] = &[
     common((INPUT, "calibration", SettingKind::Path, "FILE", "", "calibration of the cameras, of Pose2Sim or another program")),
-    common((INPUT, "keypoints", SettingKind::Path, "PATH", "", "keypoints: one folder <camera>_json per camera, or files of Caliscope, DeepLabCut, MMPose, COCO, AlphaPose, MediaPipe")),
+    common((INPUT, "keypoints", SettingKind::Path, "PATH", "", "keypoints: a folder <camera>_json per camera, or files of detectors")),
     common((INPUT, "silhouettes", SettingKind::Path, "DIR", "", "masks of the person, <camera>_<frame>.png or a folder per camera")),
     common((INPUT, "images", SettingKind::Path, "DIR", "", "images with masks, for edges and (score parts) colours; may be sparse")),
     common((INPUT, "layout", SettingKind::NameOrPath, "NAME", "", "keypoint layout or mapping file [default: guessed]")),
@@ -57,7 +57,7 @@ const FIRST: &[Setting] = &[
     rare((INPUT, "image_scale", FACTOR, "S", "1", "size of the images with the keypoints over that of the calibrated images, where they were resized")),
     rare((INPUT, "mask_scale", FACTOR, "S", "", "size of the masks over that of the calibrated images [default: as the keypoints']")),
     rare((INPUT, "up_axis", AXES, "AXIS", "", "axis of the calibration's world that points up; results are in a world turned to z up [default: +z]")),
-    common((INPUT, "up", SettingKind::Direction, "X,Y,Z", "", "direction in the calibration's world that points up, or `auto`: as the person stands or walks; results are in a world turned so that it is z")),
+    common((INPUT, "up", SettingKind::Direction, "X,Y,Z", "", "direction of the calibration's world that points up, X,Y,Z, or auto: as the person stands; results have it as z")),
     common((METHOD, "method", SettingKind::Choice(&[]), "NAME", "", "")),
     common((METHOD, "body", SettingKind::NameOrPath, "NAME", "h32", "body: h32, cf28, hppf24, hapf31 or a body file")),
     common((METHOD, "setup", SettingKind::Path, "FILE", "", "set-up of an earlier run, its setup.toml")),

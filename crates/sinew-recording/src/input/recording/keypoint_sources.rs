@@ -199,6 +199,9 @@ fn from_file(
     }
     let text = files::read_text(file, MAX_TEXT_BYTES)?;
     if keypoint_formats::recognised(&text).is_none() {
+        if text.contains("\"people\"") {
+            return Err(InputError::FileForFolder { file: file.to_owned(), many: "keypoints", is_video: false }.into());
+        }
         let known = FORMATS.map(|format| format.name).to_vec();
         return Err(InputError::UnknownKeypointFile { file: file.to_owned(), known }.into());
     }
@@ -288,7 +291,7 @@ mod tests {
             assert_eq!(recording.folders()[0], root.path().join("keypoints/xy_POSE.csv"));
         }
         let message =
-            open(&folder(&["a", "b"], &[("xy.csv", CALISCOPE)]).path(), "keypoints", &RecordingOptions::default());
+            open(folder(&["a", "b"], &[("xy.csv", CALISCOPE)]).path(), "keypoints", &RecordingOptions::default());
         assert_eq!(
             message.unwrap_err(),
             "`R/keypoints/xy.csv`: `1` is or holds no name of one calibrated camera; calibrated: a, b"

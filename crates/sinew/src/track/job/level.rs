@@ -71,6 +71,7 @@ fn said(found: &Upward) -> String {
     let Upward { direction: [x, y, z], sd_deg, frames, part } = found;
     let part = match part {
         UprightPart::Whole => "from ankles to head",
+        UprightPart::Head => "from shoulders to ears since legs and hips are unseen",
         UprightPart::Trunk => "from hips to shoulders since the legs are unseen",
     };
     format!(
