@@ -7,7 +7,9 @@ use sinew_observe::cross_view::{
     best_lag, cameras_behind, expected_from_others, lag_change, residual_by_lag, swapped_spans,
 };
 use sinew_observe::following::{Associated, Following, associate, follow};
+use sinew_observe::identities::Identities;
 use sinew_observe::offsets::{CameraNoise, Sighted};
+use sinew_observe::view_partition::partition;
 use sinew_observe::{Camera, Detection};
 
 fn cameras() -> Vec<Camera> {
@@ -352,4 +354,106 @@ fn a_camera_that_the_subject_stands_behind_is_counted() {
     assert_eq!(cameras_behind(&cameras, &people), (1, 4));
     people[3].clear();
     assert_eq!(cameras_behind(&cameras, &people), (0, 3));
+}
+
+/// Everybody in every view, in an order that changes from view to view and frame to frame.
+fn listed(cameras: &[Camera], figures: &[Vec<[f64; 3]>], frame: usize) -> Vec<Vec<Person>> {
+    let in_view = |(c, camera): (usize, &Camera)| {
+        let mut people: Vec<Person> = figures.iter().map(|figure| seen(camera, figure)).collect();
+        if (frame + c).is_multiple_of(2) {
+            people.reverse();
+        }
+        people
+    };
+    cameras.iter().enumerate().map(in_view).collect()
+}
+
+/// Pairs of points whose distances are lengths of limbs.
+const LIMBS: [(usize, usize); 4] = [(1, 3), (2, 4), (5, 7), (6, 8)];
+
+/// The name that each figure has in a view, by where it stands in the list.
+fn names(named: &[Vec<Option<usize>>], figures: usize, frame: usize) -> Vec<Vec<Option<usize>>> {
+    let of = |figure: usize| {
+        let place = |(c, view): (usize, &Vec<Option<usize>>)| {
+            let i = if (frame + c).is_multiple_of(2) { figures - 1 - figure } else { figure };
+            view.get(i).copied().flatten()
+        };
+        named.iter().enumerate().map(place).collect()
+    };
+    (0..figures).map(of).collect()
+}
+
+#[test]
+fn people_who_pass_each_other_keep_their_names_in_all_views() {
+    let cameras = cameras();
+    let mut identities = Identities::new(&cameras, LIMBS.to_vec(), 30.0, Config::default());
+    for frame in 0..60 {
+        let x = 0.04 * frame as f64 - 1.2;
+        let figures = [figure(x, 0.15, 1.0), figure(-x, -0.15, 1.0), figure(0.0, 1.0, 0.95)];
+        let named = identities.name(&listed(&cameras, &figures, frame));
+        let first = names(&named, 3, frame);
+        for (figure, views) in first.iter().enumerate() {
+            assert!(views.iter().all(|name| name.is_some() && *name == views[0]), "{frame} {figure}: {views:?}");
+        }
+        let all: Vec<_> = first.iter().map(|views| views[0]).collect();
+        let mut sorted = all.clone();
+        sorted.sort();
+        assert_eq!(sorted, [Some(0), Some(1), Some(2)], "frame {frame}");
+        if frame == 0 || frame == 59 {
+            // The names of the first frame are those of the last.
+            let mut again = Identities::new(&cameras, LIMBS.to_vec(), 30.0, Config::default());
+            let start = [figure(-1.2, 0.15, 1.0), figure(1.2, -0.15, 1.0), figure(0.0, 1.0, 0.95)];
+            let begun = names(&again.name(&listed(&cameras, &start, 0)), 3, 0);
+            assert_eq!(all, begun.iter().map(|views| views[0]).collect::<Vec<_>>(), "frame {frame}");
+        }
+    }
+}
+
+#[test]
+fn who_comes_back_is_known_by_his_limbs_and_a_stranger_is_somebody_new() {
+    let cameras = cameras();
+    let mut identities = Identities::new(&cameras, LIMBS.to_vec(), 30.0, Config::default());
+    let (tall, short) = (figure(0.5, 0.0, 1.0), figure(-0.5, 0.0, 0.7));
+    let mut at = |figures: &[Vec<[f64; 3]>]| names(&identities.name(&listed(&cameras, figures, 1)), figures.len(), 1);
+    let both: Vec<_> = at(&[tall.clone(), short.clone()]).iter().map(|views| views[0]).collect();
+    for _ in 0..15 {
+        at(&[short.clone()]);
+    }
+    let back = at(&[figure(0.7, 0.2, 1.0), short.clone()]);
+    assert_eq!(back.iter().map(|views| views[0]).collect::<Vec<_>>(), both);
+    for _ in 0..15 {
+        at(&[short.clone()]);
+    }
+    let giant = at(&[figure(0.7, 0.2, 1.4), short]);
+    assert_eq!(giant[0][0], Some(2));
+    // From one side of the room to the other in half a second goes nobody.
+    for _ in 0..15 {
+        at(&[]);
+    }
+    assert_eq!(at(&[figure(-9.0, 0.2, 0.7)])[0][0], Some(3));
+}
+
+#[test]
+fn a_view_that_contradicts_the_others_is_not_taken() {
+    let cameras = cameras();
+    let mut identities = Identities::new(&cameras, LIMBS.to_vec(), 30.0, Config::default());
+    let own = figure(0.2, 0.0, 1.0);
+    identities.name(&listed(&cameras, std::slice::from_ref(&own), 1));
+    let mut people = listed(&cameras, std::slice::from_ref(&own), 1);
+    // In one view somebody else stands near where he is expected.
+    people[2] = vec![seen(&cameras[2], &figure(0.36, -0.38, 1.0))];
+    let named = identities.name(&people);
+    assert_eq!(named, [vec![Some(0)], vec![Some(0)], vec![None], vec![Some(0)]]);
+}
+
+#[test]
+fn the_partition_finds_those_whom_no_pair_of_views_shows_together() {
+    let (cameras, a, b) = (cameras(), figure(0.3, 0.2, 1.0), figure(-0.6, -0.4, 0.9));
+    let show = |c: usize, figure: &Vec<[f64; 3]>| seen(&cameras[c], figure);
+    let people = vec![vec![show(0, &a)], vec![show(1, &b), show(1, &a)], vec![show(2, &b)], vec![]];
+    let free = people.iter().map(|people| vec![true; people.len()]).collect();
+    let mut found: Vec<Vec<Option<usize>>> =
+        partition(&cameras, &people, free, &Config::default()).into_iter().map(|group| group.members).collect();
+    found.sort();
+    assert_eq!(found, [vec![None, Some(0), Some(0), None], vec![Some(0), Some(1), None, None]]);
 }

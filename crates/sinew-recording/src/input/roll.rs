@@ -118,3 +118,37 @@ impl Roll {
         parted
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Somebody in two views for three frames, then in one; a ghost for one frame.
+    fn roll(fps: f64) -> Roll {
+        let named = vec![
+            vec![vec![Some(0)], vec![Some(1), Some(0)]],
+            vec![vec![Some(0), Some(1)], vec![Some(0)]],
+            vec![vec![Some(0)], vec![Some(0), None]],
+            vec![vec![], vec![Some(0)]],
+        ];
+        Roll::counted(10, named, 2, fps)
+    }
+
+    #[test]
+    fn people_count_whom_two_cameras_see_for_a_quarter_of_a_second() {
+        let somebody = PersonSeen { frames: 10..14, seen: 3, by_camera: vec![3, 4] };
+        assert_eq!(roll(12.0).people, [somebody]);
+        assert_eq!(roll(12.1).people, []);
+    }
+
+    #[test]
+    fn a_frame_is_parted_into_a_person_and_the_others() {
+        let people = |x: f64| vec![None, Some(sinew_observe::Detection { pixel: [x, 0.0], confidence: 1.0 })];
+        let frame = vec![vec![people(1.0)], vec![people(2.0), people(3.0)]];
+        let [own, others] = roll(12.0).parted(10, 0, frame.clone());
+        assert_eq!(own, [vec![people(1.0)], vec![people(3.0)]]);
+        assert_eq!(others, [vec![], vec![people(2.0)]]);
+        let [own, others] = roll(12.0).parted(99, 0, frame.clone());
+        assert_eq!((own, others), (vec![vec![], vec![]], frame));
+    }
+}
