@@ -175,7 +175,7 @@ fn speed(program: &Program) -> Outcome<String> {
             let paths = ["Calib.toml", "keypoints", "out"].map(|name| shown(&folder.join(name)));
             let threads = threads.to_string();
             let flags = ["--calibration", &paths[0], "--keypoints", &paths[1], "--layout", "BODY_25B", "--fps", "30"];
-            let rest = ["--force", "--no-progress", "--threads", &threads];
+            let rest = ["--people", "all", "--force", "--no-progress", "--threads", &threads];
             let start = Instant::now();
             program
                 .track(&flags.into_iter().chain(rest).map(str::to_owned).collect::<Vec<_>>(), Path::new(&paths[2]))?;

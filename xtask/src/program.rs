@@ -37,9 +37,11 @@ impl Program {
         Err(format!("sinew {}: {:?}\n{said}", flags.join(" "), output.status.code()).into())
     }
 
-    /// Tracks into a folder. Diagnostics that fail are no error here: the tables say how good the results are.
+    /// Tracks one person into a folder, unless `--people` is among the flags. Diagnostics that fail are no error here: the tables say how good the results are.
     pub(crate) fn track(&self, flags: &[String], out: &Path) -> Outcome<()> {
-        let all = [&["track".to_owned()], flags, &["-o".to_owned(), shown(out)]].concat();
+        let one = ["--people", "1"].map(str::to_owned);
+        let who = if flags.contains(&one[0]) { &[][..] } else { &one[..] };
+        let all = [&["track".to_owned()], flags, who, &["-o".to_owned(), shown(out)]].concat();
         self.run(&all, &WRITTEN)?;
         if out.join("summary.json").is_file() { Ok(()) } else { Err(format!("nothing in {}", shown(out)).into()) }
     }

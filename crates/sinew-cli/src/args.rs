@@ -112,7 +112,7 @@ pub(crate) enum Command {
     /// Say what files contain, what is odd, and whether calibration and keypoints fit
     #[command(help_template = template!("sinew inspect Calib.toml pose", "sinew inspect walk.json -o walk.svg"))]
     Inspect(InspectArgs),
-    /// Track the person in a recording
+    /// Track the people in a recording
     #[command(help_template = template!(
         "sinew track --calibration Calib.toml --keypoints pose --fps 60",
         "sinew track --config sinew.toml --frames 0..100 -o out"
@@ -338,7 +338,7 @@ pub(crate) struct SimulateArgs {
     /// Cameras in a circle around the motion
     #[arg(long, value_name = "N", default_value = "4", value_parser = count)]
     pub(crate) cameras: usize,
-    /// People whose ways cross; of several there are keypoints only
+    /// People whose ways cross; of several, keypoints only
     #[arg(long, value_name = "N", default_value = "1", value_parser = count)]
     pub(crate) people: usize,
     /// Width and height of the images, pixels

@@ -47,9 +47,12 @@ pub(crate) fn run(args: &TrackArgs, general: &General, report: &Report) -> Resul
         write_calibration::check(path, &config, &read_from)?;
     }
     job::check_settings(&resolved)?;
-    match track_people::several(&config, &calibration, general)? {
-        Some(roll) => track_people::run((args, &resolved, &roll), &calibration, &read_from, general, report),
-        None => one(args, &resolved, &calibration, &read_from, general, report),
+    let claimed = || if args.resume { Ok(None) } else { claimed(&config, &read_from, report).map(Some) };
+    match track_people::looked_for(&config, &calibration, general, claimed)? {
+        (claim, Some(roll)) => {
+            track_people::run((args, &resolved, &roll), claim, &calibration, &read_from, general, report)
+        }
+        (claim, None) => one(args, &resolved, claim, &calibration, &read_from, general, report),
     }
 }
 
@@ -57,6 +60,7 @@ pub(crate) fn run(args: &TrackArgs, general: &General, report: &Report) -> Resul
 fn one(
     args: &TrackArgs,
     resolved: &Resolved,
+    claim: Option<Claim>,
     calibration: &Path,
     read_from: &[PathBuf],
     general: &General,
@@ -69,9 +73,10 @@ fn one(
     };
     let mut recording = Footage::open(&config.files(calibration), &reading(&config))?;
     let setup_frames = setup_frames(&config, &recording)?;
-    let (claim, from) = match args.resume {
-        false => (claimed(&config, read_from, report)?, None),
-        true => match stopped_run(&config, read_from, report)? {
+    let (claim, from) = match (claim, args.resume) {
+        (Some(claim), _) => (claim, None),
+        (None, false) => (claimed(&config, read_from, report)?, None),
+        (None, true) => match stopped_run(&config, read_from, report)? {
             Stopped::Complete(claim, summary) => {
                 same_run(&mut recording, setup_frames, resolved, &claim, &summary, general, Footage::input_hashes)?;
                 ResultFolder::forget(&claim)?;

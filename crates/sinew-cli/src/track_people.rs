@@ -3,7 +3,6 @@
 //! A person is tracked as though he were alone, with the same seed: results of one depend on others only where it is decided who is who.
 
 use super::args::{General, TrackArgs};
-use super::claimed::claimed;
 use super::ended::Ended;
 use super::error::Error;
 use super::interrupt;
@@ -22,22 +21,28 @@ use sinew::input::roll::Roll;
 use sinew::input::source::FrameSource as _;
 use sinew::observe::association;
 use sinew::results::people::{PeopleSummary, person_folder};
-use sinew::results::{ResultFolder, claim, claim_to_resume};
+use sinew::results::{Claim, ResultFolder, claim, claim_to_resume};
 use sinew::track::checkpoint::Checkpoint;
 use sinew::track::job::{self, Watch};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-/// Everybody, if there are several.
-pub(crate) fn several(config: &TrackConfig, calibration: &Path, general: &General) -> Result<Option<Roll>, Error> {
+/// Everybody, if there are several, and the output folder, if it was `claimed` before they were looked for.
+pub(crate) fn looked_for(
+    config: &TrackConfig,
+    calibration: &Path,
+    general: &General,
+    claimed: impl Fn() -> Result<Option<Claim>, Error>,
+) -> Result<(Option<Claim>, Option<Roll>), Error> {
     if !config.everybody {
-        return Ok(None);
+        return Ok((None, None));
     }
     let mut recording = Footage::open(&config.files(calibration), &reading(config))?;
     let frames = recording.frames();
     if recording.cameras().len() < 2 {
-        return Ok(None);
+        return Ok((None, None));
     }
+    let claim = claimed()?;
     let mut progress = Progress::start(general, "who is there", frames.end - frames.start);
     let stop = interrupt::flag("the frame");
     let fps = config.settings()?.fps;
@@ -49,7 +54,7 @@ pub(crate) fn several(config: &TrackConfig, calibration: &Path, general: &Genera
         Ok(())
     })?;
     drop(progress);
-    Ok((roll.people.len() > 1).then_some(roll))
+    Ok((claim, (roll.people.len() > 1).then_some(roll)))
 }
 
 /// Folder of the tracked person whom two cameras saw in most frames: his set-up knows most of the cameras.
@@ -75,6 +80,7 @@ struct Run<'a> {
 /// Tracks everybody.
 pub(crate) fn run(
     (args, resolved, roll): (&TrackArgs, &Resolved, &Roll),
+    claim: Option<Claim>,
     calibration: &Path,
     read_from: &[PathBuf],
     general: &General,
@@ -82,10 +88,7 @@ pub(crate) fn run(
 ) -> Result<Ended, Error> {
     let config = resolved.track();
     let run = Run { args, resolved, calibration, read_from, roll, general, report };
-    let _claim = match args.resume {
-        true => claim_to_resume(&config.out, read_from)?,
-        false => claimed(&config, read_from, report)?,
-    };
+    let _claim = claim.map_or_else(|| claim_to_resume(&config.out, read_from), Ok)?;
     if !args.resume {
         remove_former(&config, read_from)?;
     }

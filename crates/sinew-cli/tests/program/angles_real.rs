@@ -145,7 +145,20 @@ fn angles_match_the_markers() {
     let out = folder.path().join("out");
     let trial = data.join("T01_BalancingTrial/pose");
     let run = Command::new(env!("CARGO_BIN_EXE_sinew"))
-        .args(["track", "--layout", "BODY_25B", "--fps", "60", "--seed", "1", "--simd", "baseline", "--no-progress"])
+        .args([
+            "track",
+            "--layout",
+            "BODY_25B",
+            "--fps",
+            "60",
+            "--seed",
+            "1",
+            "--simd",
+            "baseline",
+            "--no-progress",
+            "--people",
+            "1",
+        ])
         .args(["--calibration".as_ref(), data.join("Calib.toml").as_os_str()])
         .args(["--keypoints".as_ref(), trial.as_os_str(), "-o".as_ref(), out.as_os_str()])
         .output()

@@ -57,7 +57,7 @@ const FIRST: &[Setting] = &[
     rare((INPUT, "image_scale", FACTOR, "S", "1", "size of the images with the keypoints over that of the calibrated images, where they were resized")),
     rare((INPUT, "mask_scale", FACTOR, "S", "", "size of the masks over that of the calibrated images [default: as the keypoints']")),
     rare((INPUT, "up_axis", AXES, "AXIS", "", "axis of the calibration's world that points up; results are in a world turned to z up [default: +z]")),
-    common((INPUT, "up", SettingKind::Direction, "X,Y,Z", "", "direction of the calibration's world that points up, X,Y,Z, or auto: as the person stands; results have it as z")),
+    rare((INPUT, "up", SettingKind::Direction, "X,Y,Z", "", "direction of the calibration's world that points up, X,Y,Z, or auto: as the person stands; results have it as z")),
     common((METHOD, "method", SettingKind::Choice(&[]), "NAME", "", "")),
     common((METHOD, "body", SettingKind::NameOrPath, "NAME", "h32", "body: h32, cf28, hppf24, hapf31 or a body file")),
     common((METHOD, "setup", SettingKind::Path, "FILE", "", "set-up of an earlier run, its setup.toml")),
