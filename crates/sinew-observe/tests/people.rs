@@ -400,7 +400,7 @@ fn people_who_pass_each_other_keep_their_names_in_all_views() {
         sorted.sort();
         assert_eq!(sorted, [Some(0), Some(1), Some(2)], "frame {frame}");
         if frame == 0 || frame == 59 {
-            // The names of the first frame are those of the last.
+            // The first and the last frame have the same names.
             let mut again = Identities::new(&cameras, LIMBS.to_vec(), 30.0, Config::default());
             let start = [figure(-1.2, 0.15, 1.0), figure(1.2, -0.15, 1.0), figure(0.0, 1.0, 0.95)];
             let begun = names(&again.name(&listed(&cameras, &start, 0)), 3, 0);
@@ -417,12 +417,12 @@ fn who_comes_back_is_known_by_his_limbs_and_a_stranger_is_somebody_new() {
     let mut at = |figures: &[Vec<[f64; 3]>]| names(&identities.name(&listed(&cameras, figures, 1)), figures.len(), 1);
     let both: Vec<_> = at(&[tall.clone(), short.clone()]).iter().map(|views| views[0]).collect();
     for _ in 0..15 {
-        at(&[short.clone()]);
+        at(std::slice::from_ref(&short));
     }
     let back = at(&[figure(0.7, 0.2, 1.0), short.clone()]);
     assert_eq!(back.iter().map(|views| views[0]).collect::<Vec<_>>(), both);
     for _ in 0..15 {
-        at(&[short.clone()]);
+        at(std::slice::from_ref(&short));
     }
     let giant = at(&[figure(0.7, 0.2, 1.4), short]);
     assert_eq!(giant[0][0], Some(2));
