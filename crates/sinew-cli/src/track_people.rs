@@ -42,6 +42,8 @@ pub(crate) fn looked_for(
     if recording.cameras().len() < 2 {
         return Ok((None, None));
     }
+    // Mistakes in the settings are said before what is in the folder.
+    setup_frames(config, &recording)?;
     let claim = claimed()?;
     let mut progress = Progress::start(general, "who is there", frames.end - frames.start);
     let stop = interrupt::flag("the frame");
