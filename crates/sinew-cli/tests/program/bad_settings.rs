@@ -149,8 +149,8 @@ fn help_fits_one_screen_and_starts_with_examples() {
         assert!(values.iter().all(|value| flag_help.contains(value)), "{flag}: {flag_help}");
         let bash = String::from_utf8(trial.run(&["completions", "bash"]).stdout).unwrap();
         // Other commands may have a flag of that name.
-        let mut offered =
-            bash.split(&format!("                {flag})\n")).skip(1).filter_map(|part| part.lines().next());
+        let case = format!("                {flag})\n");
+        let mut offered = bash.split(&case).skip(1).filter_map(|part| part.lines().next());
         assert!(offered.any(|line| line.contains(&format!("compgen -W \"{}\"", values.join(" ")))), "{flag}");
     }
     for shell in ["bash", "zsh", "fish", "powershell"] {
