@@ -17,12 +17,12 @@
 //! unit = "mm"                     # neither writes it; it settles the unit
 //! ```
 //!
-//! Numbers mean what they mean in [`calib_toml`](crate::calib_toml), but for the unit of `translation`, which the format does not
+//! Numbers mean what they mean in [`calib_toml`], but for the unit of `translation`, which the format does not
 //! state: `unit` under `[metadata]` does, FreeMoCap's files are in millimetres, and of others metres are assumed where no camera stands more than 100 units from the origin, millimetres with a warning where
 //! one does. The world is that of the board or of the first camera: no axis need point up.
 //!
 //! Pose2Sim and Caliscope write tables of the same shape, in metres. Their `[metadata]` says that nothing was adjusted and that
-//! the error is 0, which Anipose never finds: such files are [`calib_toml`](crate::calib_toml)'s.
+//! the error is 0, which Anipose never finds: such files are [`calib_toml`]'s.
 //!
 //! ```
 //! # let text = "[cam_0]\nname = \"A\"\nsize = [640, 480]\nmatrix = [[500, 0, 320], [0, 500, 240], [0, 0, 1]]\ndistortions = [0, 0, 0, 0, 0]\nrotation = [0, 0, 0]\ntranslation = [0, 0, 3000]\n[metadata]\ncharuco_square_size = 58.0\n";

@@ -92,7 +92,7 @@ fn why_left_out(table: Table<'_>) -> Result<Option<&'static str>, Error> {
     })
 }
 
-/// The numbers under which [`write`] writes cameras: those at the end of `cam_N`, else their places in the list.
+/// The numbers under which [`write()`] writes cameras: those at the end of `cam_N`, else their places in the list.
 #[must_use]
 pub fn numbers(cameras: &[Camera]) -> Vec<u64> {
     let own: Option<Vec<u64>> = cameras.iter().map(|camera| camera.name.strip_prefix("cam_")?.parse().ok()).collect();

@@ -6,11 +6,11 @@
 //!
 //! | module | whose | confidence |
 //! |---|---|---|
-//! | [`caliscope_xy`](crate::caliscope_xy) | Caliscope, `xy_*.csv` | none: 1 |
-//! | [`deeplabcut_csv`](crate::deeplabcut_csv) | DeepLabCut, one and several animals | `likelihood` |
-//! | [`mmpose_json`](crate::mmpose_json) | MMPose, and RTMLib in its format | `keypoint_scores` |
-//! | [`coco_results`](crate::coco_results) | COCO results, AlphaPose | third number of a keypoint |
-//! | [`mediapipe_json`](crate::mediapipe_json) | MediaPipe Pose | `visibility` |
+//! | [`caliscope_xy`] | Caliscope, `xy_*.csv` | none: 1 |
+//! | [`deeplabcut_csv`] | DeepLabCut, one and several animals | `likelihood` |
+//! | [`mmpose_json`] | MMPose, and RTMLib in its format | `keypoint_scores` |
+//! | [`coco_results`] | COCO results, AlphaPose | third number of a keypoint |
+//! | [`mediapipe_json`] | MediaPipe Pose | `visibility` |
 //!
 //! ```
 //! use sinew_formats::keypoint_formats::{read, recognised};

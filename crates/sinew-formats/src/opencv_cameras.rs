@@ -1,6 +1,6 @@
 //! Calibrations in files of OpenCV's `FileStorage`, YAML or XML.
 //!
-//! OpenCV has no one layout. A list of cameras is what [`write`] writes, and what a script writes best:
+//! OpenCV has no one layout. A list of cameras is what [`write()`] writes, and what a script writes best:
 //!
 //! ```yaml
 //! %YAML:1.0

@@ -2,7 +2,7 @@
 //!
 //! Each person is an adult of his own size ([`crate::adult`]) who stands for a moment and walks straight across the middle, in a direction of his own; half way all of them are near the middle, each at most [`BESIDE_M`] beside it. Keypoints are as in [`crate::detector`], and besides, in a camera and frame
 //!
-//! 1. a keypoint that another person hides is not found: the ray to it enters his body before ([`crate::cast`]);
+//! 1. a keypoint that another person hides is not found: the ray to it enters his body before;
 //! 2. somebody is lost with the probability [`CrowdNoise::lost`];
 //! 3. of two whose boxes in the image share more than [`CLOSE`] of the smaller one, the farther is merged into the nearer with the probability [`CrowdNoise::merged`]: he is not found;
 //! 4. else the two exchange an arm or a leg with the probability [`CrowdNoise::swapped`];
