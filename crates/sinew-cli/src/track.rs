@@ -73,6 +73,9 @@ fn one(
     };
     let mut recording = Footage::open(&config.files(calibration), &reading(&config))?;
     let setup_frames = setup_frames(&config, &recording)?;
+    if !args.resume {
+        track_people::forget_people(&config, read_from)?;
+    }
     let (claim, from) = match (claim, args.resume) {
         (Some(claim), _) => (claim, None),
         (None, false) => (claimed(&config, read_from, report)?, None),

@@ -8,6 +8,7 @@ use super::error::Error;
 use super::interrupt;
 use super::progress::{PassProgress, Progress};
 use super::report::{self, Report};
+use super::report_page;
 use super::resume::{Stopped, same_run, stopped_run};
 use super::settings::reading;
 use super::table::columns;
@@ -21,7 +22,7 @@ use sinew::input::roll::Roll;
 use sinew::input::source::FrameSource as _;
 use sinew::observe::association;
 use sinew::results::people::{PeopleSummary, person_folder};
-use sinew::results::{Claim, ResultFolder, claim, claim_to_resume};
+use sinew::results::{Claim, OWN_NAMES, RESULT_NAMES, ResultFolder, claim, claim_to_resume};
 use sinew::track::checkpoint::Checkpoint;
 use sinew::track::job::{self, Watch};
 use std::ops::Range;
@@ -92,7 +93,8 @@ pub(crate) fn run(
     let run = Run { args, resolved, calibration, read_from, roll, general, report };
     let _claim = claim.map_or_else(|| claim_to_resume(&config.out, read_from), Ok)?;
     if !args.resume {
-        remove_former(&config, read_from)?;
+        forget_people(&config, read_from)?;
+        forget_one(&config.out)?;
     }
     let cameras = Footage::open(&config.files(calibration), &reading(&config))?;
     let cameras = cameras.cameras().iter().map(|camera| camera.name.clone()).collect();
@@ -133,7 +135,7 @@ pub(crate) fn run(
 }
 
 /// Removes the results of people of a run before; refuses results and stopped runs that are not to be replaced.
-fn remove_former(config: &TrackConfig, read_from: &[PathBuf]) -> Result<(), Error> {
+pub(crate) fn forget_people(config: &TrackConfig, read_from: &[PathBuf]) -> Result<(), Error> {
     let folder = config.out.join("people");
     if !folder.is_dir() {
         return Ok(());
@@ -142,7 +144,25 @@ fn remove_former(config: &TrackConfig, read_from: &[PathBuf]) -> Result<(), Erro
     for entry in std::fs::read_dir(&folder).map_err(failed)? {
         drop(claim(&entry.map_err(failed)?.path(), read_from, config.force)?);
     }
-    Ok(std::fs::remove_dir_all(&folder).map_err(sinew::Error::io("remove", &folder))?)
+    std::fs::remove_dir_all(&folder).map_err(sinew::Error::io("remove", &folder))?;
+    removed(&config.out.join("people.csv"))
+}
+
+/// Removes the results of a run of one person, in whose place results of several come.
+fn forget_one(out: &Path) -> Result<(), Error> {
+    RESULT_NAMES.iter().chain(&OWN_NAMES).try_for_each(|name| removed(&out.join(name)))?;
+    Ok(report_page::forget(out)?)
+}
+
+/// Removes a file or a folder, if it is there.
+fn removed(path: &Path) -> Result<(), Error> {
+    let done = if path.is_dir() { std::fs::remove_dir_all(path) } else { std::fs::remove_file(path) };
+    match done {
+        Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
+            Err(sinew::Error::io("remove", path)(error).into())
+        }
+        _ => Ok(()),
+    }
 }
 
 /// How the run of a person ended.

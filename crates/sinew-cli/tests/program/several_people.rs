@@ -83,4 +83,13 @@ fn each_of_two_people_gets_a_folder_and_a_stopped_run_resumes_to_the_same_files(
     let output = trial.track(&["-oone", "--people=1"]);
     assert_eq!(output.status.code(), Some(0), "{}", trial.printed(&output));
     assert!(trial.path("one/markers.trc").is_file() && !trial.path("one/people").exists());
+
+    // Neither leaves the other's files beside its own.
+    let output = trial.track(&["-oone", "--force"]);
+    assert_eq!(output.status.code(), Some(0), "{}", trial.printed(&output));
+    assert!(trial.path("one/people/02/markers.trc").is_file() && !trial.path("one/markers.trc").exists());
+    let output = trial.track(&["-oone", "--force", "--people=1"]);
+    assert_eq!(output.status.code(), Some(0), "{}", trial.printed(&output));
+    let left = |name: &str| trial.path(name).exists();
+    assert!(left("one/markers.trc") && !left("one/people") && !left("one/people.csv"));
 }
