@@ -60,7 +60,7 @@ fn crowd(people: usize, duration_s: f64) -> Crowd {
 }
 
 fn detections(found: &[Option<Keypoint>]) -> Person {
-    found.iter().map(|k| k.map(|k| Detection { pixel: [k.x, k.y], confidence: k.confidence })).collect()
+    found.iter().map(|k| k.map(|k| Detection::new([k.x, k.y], k.confidence))).collect()
 }
 
 /// People of each frame and camera.

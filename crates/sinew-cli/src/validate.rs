@@ -9,7 +9,6 @@ use super::table::aligned;
 use super::track::{calibration, read_from, track_into_folder};
 use serde_json::json;
 use sinew::config::TrackConfig;
-use sinew::input::frame::detections;
 use sinew::input::recording::{Recording, RecordingOptions};
 use sinew::results::Summary;
 use sinew::results::write_whole;
@@ -97,7 +96,7 @@ fn held_against(
     let columns: Vec<Option<usize>> = prediction.keypoints.iter().map(|name| recording.layout().index(name)).collect();
     let mut people = vec![];
     for number in &prediction.frames {
-        people.push(detections(&recording.frame(*number)?).pop().unwrap_or_default());
+        people.push(recording.people(*number)?.pop().unwrap_or_default());
     }
     Ok(left_out(&prediction, &people, &columns))
 }

@@ -48,7 +48,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             .as_chunks::<3>()
             .0
             .iter()
-            .map(|p| Some(Detection { pixel: camera.project(*p).pixel()?, confidence: 0.7 }));
+            .map(|p| Some(Detection::new(camera.project(*p).pixel()?, 0.7)));
         detections.push(detected.collect::<Vec<_>>());
         views.push(View { camera, bias_px: vec![[3.0, -2.0]; points.len() / 3], sigma_px: 8.0, usual_confidence: 0.7 });
     }

@@ -279,7 +279,7 @@ mod tests {
     fn who_is_expected_beyond_all_bounds_is_not_taken_for_someone_far_away() {
         let person = |x: f64, size: f64| -> Person {
             let at = |k: usize| [x + size * (k % 3) as f64 / 2.0, 100.0 + size * (k / 3) as f64 / 2.0];
-            (0..9).map(|k| Some(Detection { pixel: at(k), confidence: 0.9 })).collect()
+            (0..9).map(|k| Some(Detection::new(at(k), 0.9))).collect()
         };
         let expected = |x, size| person(x, size).into_iter().map(|d| d.map(|d| d.pixel)).collect::<Vec<_>>();
         let people = [vec![person(0.0, 200.0)]];

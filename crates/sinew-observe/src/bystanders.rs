@@ -44,7 +44,7 @@ fn others<'a>(people: impl Iterator<Item = &'a Person>, own: &Person, config: &C
 
 /// Density of the distance of two detections of one keypoint.
 fn shared_density(model: &KeypointModel, view: usize, one: Detection, other: Detection) -> f64 {
-    let variance = model.noise_px2(view, one.confidence) + model.noise_px2(view, other.confidence);
+    let variance = model.noise_px2(view, &one) + model.noise_px2(view, &other);
     let square = (one.pixel[0] - other.pixel[0]).powi(2) + (one.pixel[1] - other.pixel[1]).powi(2);
     (-0.5 * square / variance).exp() / (TAU * variance)
 }

@@ -8,7 +8,7 @@
 //! Student t        p = 1 / (2π s²) · (1 + r²/(ν s²))^(−(ν + 2)/2)           in two dimensions
 //! ```
 //!
-//! s² has three sources: the camera's pixel noise σ², larger for keypoints of lower confidence than usual, `σ² c₀/c`; and the model error τ (metres), since a
+//! s² has four sources: the camera's pixel noise σ², larger for keypoints of lower confidence than usual, `σ² c₀/c`; what interpolation adds to a keypoint ([`Detection::extra_px`]); and the model error τ (metres), since a
 //! keypoint is not a joint of the body: at depth z it is `τ f/z` pixels. A point's model error is one displacement in space, the same for all n cameras that see
 //! it, and not n independent ones; n sightings with the variance `⅔ n τ²` together know the point's position to τ in each direction, so that is what each gets. Depths for this are taken at the
 //! predicted pose when the frame is bound: s does not depend on the state.
@@ -38,6 +38,16 @@ pub struct Detection {
     pub pixel: [f64; 2],
     /// The detector's confidence, 0 to 1.
     pub confidence: f64,
+    /// Standard deviation per axis of what comes on top of the detector's noise, pixels; 0 for a keypoint that was not interpolated.
+    pub extra_px: f64,
+}
+
+impl Detection {
+    /// What a detector found.
+    #[must_use]
+    pub const fn new(pixel: [f64; 2], confidence: f64) -> Self {
+        Self { pixel, confidence, extra_px: 0.0 }
+    }
 }
 
 /// A camera with what the set-up pass found out about its detections.
@@ -100,16 +110,16 @@ fn depth(camera: &Camera, p: &[f64]) -> f64 {
 impl KeypointModel {
     /// Variance s² per axis, square pixels, of a detection in a view: of a point that is expected at `point_in_world` and seen by `cameras` cameras.
     #[must_use]
-    pub fn variance_px2(&self, view: usize, confidence: f64, cameras: usize, point_in_world: &[f64]) -> f64 {
+    pub fn variance_px2(&self, view: usize, seen: &Detection, cameras: usize, point_in_world: &[f64]) -> f64 {
         let by_model = self.model_error_m.powi(2) * self.by_model_error(view, cameras, point_in_world);
-        self.noise_px2(view, confidence) + by_model
+        self.noise_px2(view, seen) + by_model
     }
 
-    /// The part of it that is noise of the detector.
+    /// The part of it that is noise of the detector, or comes from interpolation.
     #[must_use]
-    pub fn noise_px2(&self, view: usize, confidence: f64) -> f64 {
+    pub fn noise_px2(&self, view: usize, seen: &Detection) -> f64 {
         let View { sigma_px, usual_confidence, .. } = &self.views[view];
-        sigma_px.powi(2) * usual_confidence / confidence.max(0.01)
+        sigma_px.powi(2) * usual_confidence / seen.confidence.max(0.01) + seen.extra_px.powi(2)
     }
 
     /// The rest over the variance of the model error, square pixels for a square metre.
@@ -143,7 +153,7 @@ impl KeypointModel {
         let detection = self.counted(frame, camera, named)?;
         let view = &self.views[camera];
         let expected = &frame.predicted[3 * point..3 * point + 3];
-        let variance = self.variance_px2(camera, detection.confidence, seen_by[point].max(1), expected);
+        let variance = self.variance_px2(camera, &detection, seen_by[point].max(1), expected);
         let peak = 1.0 / (std::f64::consts::TAU * variance);
         let (shape, log_peak) = match self.noise {
             Noise::OutlierFloor { outlier } => {

@@ -302,11 +302,11 @@ pub fn on_time(
 ) -> Vec<Option<Detection>> {
     let points = at.as_chunks::<3>().0.iter().zip(velocities);
     let shown = |(detection, (at, velocity)): (&Option<Detection>, (&[f64; 3], &[f64; 3]))| {
-        let Detection { pixel, confidence } = (*detection)?;
+        let seen = (*detection)?;
         let before = [0, 1, 2].map(|k: usize| at[k] - lag_s * velocity[k]);
         let moved = camera.project(*at).pixel().zip(camera.project(before).pixel());
         let [du, dv] = moved.map_or([0.0; 2], |(now, before)| [now[0] - before[0], now[1] - before[1]]);
-        Some(Detection { pixel: [pixel[0] + du, pixel[1] + dv], confidence })
+        Some(Detection { pixel: [seen.pixel[0] + du, seen.pixel[1] + dv], ..seen })
     };
     detections.iter().zip(points).map(shown).collect()
 }

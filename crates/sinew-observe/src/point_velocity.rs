@@ -20,20 +20,42 @@ pub fn reach(fps: f64) -> u64 {
 /// Least-squares slope of positions over the numbers of their frames, up to `reach` of them on each side, metres a frame; `None` without frames on both sides.
 #[must_use]
 pub fn velocity(points: &[Option<[f64; 3]>], numbers: &[u64], at: usize, reach: u64) -> Option<Vector3<f64>> {
+    slope(points, numbers, at, reach, |_| true).filter(|(_, used)| *used > reach as usize).map(|(slope, _)| slope)
+}
+
+/// The same from the frames with odd distances and from those with even ones, whose errors are apart; `None` without frames on both sides.
+pub(crate) fn two_velocities(
+    points: &[Option<[f64; 3]>],
+    numbers: &[u64],
+    at: usize,
+    reach: u64,
+) -> Option<[Vector3<f64>; 2]> {
+    let of = |even: bool| slope(points, numbers, at, reach, |distance| (distance % 2 == 0) == even);
+    Some([of(false)?.0, of(true)?.0])
+}
+
+/// Least-squares slope over frames whose distances `is_used` takes, and how many these are.
+fn slope(
+    points: &[Option<[f64; 3]>],
+    numbers: &[u64],
+    at: usize,
+    reach: u64,
+    is_used: impl Fn(u64) -> bool,
+) -> Option<(Vector3<f64>, usize)> {
     let (centre, side) = (numbers[at], reach as usize);
     let near: Vec<(f64, Vector3<f64>)> = (at.saturating_sub(side)..numbers.len().min(at + side + 1))
-        .filter(|&i| numbers[i].abs_diff(centre) <= reach)
+        .filter(|&i| numbers[i].abs_diff(centre) <= reach && is_used(numbers[i].abs_diff(centre)))
         .filter_map(|i| Some((numbers[i] as f64 - centre as f64, Vector3::from(points[i]?))))
         .collect();
     let has = |side: fn(f64) -> bool| near.iter().any(|(offset, _)| side(*offset));
-    if near.len() <= side || !has(|offset| offset < 0.0) || !has(|offset| offset > 0.0) {
+    if !has(|offset| offset < 0.0) || !has(|offset| offset > 0.0) {
         return None;
     }
     let count = near.len() as f64;
     let middle = near.iter().map(|(offset, _)| offset).sum::<f64>() / count;
     let mean = near.iter().map(|(_, point)| point).sum::<Vector3<f64>>() / count;
     let slope = near.iter().map(|(offset, point)| (offset - middle) * (point - mean)).sum::<Vector3<f64>>();
-    Some(slope / near.iter().map(|(offset, _)| (offset - middle).powi(2)).sum::<f64>())
+    Some((slope / near.iter().map(|(offset, _)| (offset - middle).powi(2)).sum::<f64>(), near.len()))
 }
 
 /// Velocities of keypoints in the frame at a place of `frames` (number, detections) that are `fps` a second, metres a second, where cameras show them.
@@ -226,7 +248,7 @@ mod tests {
         };
         let jumping = |number: u64| [0.6 * number as f64, 0.0, 1.0];
         let seen = |camera: &Camera, number: u64| {
-            let shown = |point| Some(Detection { pixel: camera.project(point).pixel()?, confidence: 0.9 });
+            let shown = |point| Some(Detection::new(camera.project(point).pixel()?, 0.9));
             vec![shown(at(number)), shown(jumping(number)), None]
         };
         let frames: Vec<(u64, Sighted)> =

@@ -95,7 +95,7 @@ mod tests {
 
     /// Left and right ankles, knees and toes that pass each other in the image, 200 frames.
     fn walk() -> Vec<Sighted> {
-        let at = |u: f64, v: f64| Some(Detection { pixel: [u, v], confidence: 0.8 });
+        let at = |u: f64, v: f64| Some(Detection::new([u, v], 0.8));
         (0..200)
             .map(|t| {
                 let phase = 0.15 * f64::from(t);

@@ -53,7 +53,7 @@ fn scene(noise: Noise, exchanged: f64, isa: Isa) -> Scene {
             let [u, v] = view.camera.project([p[0], p[1], p[2]]).pixel()?;
             let jitter = f64::from((5 * k as u32 + 3 * c as u32) % 13) - 6.0;
             let confidence = 0.5 + 0.03 * (k % 7) as f64;
-            ((k + 2 * c) % 11 != 0).then_some(Detection { pixel: [u + jitter + 2.0, v - jitter - 1.0], confidence })
+            ((k + 2 * c) % 11 != 0).then_some(Detection::new([u + jitter + 2.0, v - jitter - 1.0], confidence))
         };
         points.chunks_exact(3).enumerate().map(one).collect::<Vec<_>>()
     };
@@ -333,7 +333,7 @@ fn keypoints_of_others_raise_the_floor() {
     let bound = |elsewhere: &[Vec<f64>]| {
         scene.model.bind(KeypointFrame { detections: &alone, elsewhere, predicted: &scene.points })
     };
-    let variance = scene.model.variance_px2(0, confidence, 1, &scene.points[3 * jumped..3 * jumped + 3]);
+    let variance = scene.model.variance_px2(0, &Detection::new([0.0; 2], confidence), 1, &scene.points[3 * jumped..3 * jumped + 3]);
     let expected = |pi: f64, density: f64, core: f64| {
         ((1.0 - 0.02 - pi) * core / (std::f64::consts::TAU * variance) + 0.02 / 8e5 + pi * density).ln()
     };

@@ -38,7 +38,7 @@ fn scene() -> Scene {
         let one = |k: usize| {
             let [u, v] = camera.project([at[3 * k], at[3 * k + 1], at[3 * k + 2]]).pixel()?;
             let aside = (1.3 * (5 * c + k) as f64).sin();
-            Some(Detection { pixel: [u + 3.0 * aside, v - 2.0 * aside], confidence: 0.7 + 0.2 * aside })
+            Some(Detection::new([u + 3.0 * aside, v - 2.0 * aside], 0.7 + 0.2 * aside))
         };
         (0..POINTS.len()).map(one).collect()
     };
@@ -158,7 +158,7 @@ fn matrices_are_how_pulls_change() {
             let pixel = view.camera.project([at[3 * k], at[3 * k + 1], at[3 * k + 2]]).pixel();
             let bias = view.bias_of(k);
             let pixel = pixel.map(|pixel| [pixel[0] + bias[0], pixel[1] + bias[1]]);
-            *seen = pixel.map(|pixel| Detection { pixel, confidence: 0.7 });
+            *seen = pixel.map(|pixel| Detection::new(pixel, 0.7));
         }
     }
     let found = scene.linearised(&pose, &g);

@@ -67,7 +67,7 @@ fn keypoints_with_errors(factor: f64, noise: Noise, isa: Isa) -> (KeypointModel,
                     let jitter = f64::from((7 * k as u32 + 3 * c as u32) % 11) - 5.0;
                     let gross = if k == 4 && c == 1 { 400.0 } else { 0.0 };
                     ((k + c) % 9 != 0)
-                        .then_some(Detection { pixel: [u + jitter + 3.0, v - jitter + gross - 2.0], confidence: 0.6 })
+                        .then_some(Detection::new([u + jitter + 3.0, v - jitter + gross - 2.0], 0.6))
                 })
                 .collect()
         })
@@ -299,7 +299,7 @@ fn a_point_beyond_the_domain_of_a_lens_counts_as_an_outlier() {
         let camera = &model.views[0].camera;
         let n = model.plan.points();
         let bound = |model: &KeypointModel| {
-            let detections = vec![vec![Some(Detection { pixel: [480.0, 600.0], confidence: 0.6 }); n]];
+            let detections = vec![vec![Some(Detection::new([480.0, 600.0], 0.6)); n]];
             model.bind(KeypointFrame { detections: &detections, elsewhere: &[], predicted: &[0.0, 0.0, 1.0].repeat(n) })
         };
         let density = bound(&model);

@@ -26,7 +26,7 @@ fn frames(cameras: &[Camera], offsets: &[[f64; 2]], confidence: f64) -> Vec<Sigh
             };
             let seen = |camera: &Camera, [du, dv]: [f64; 2]| {
                 let pixel = |k| camera.project(point(k)).pixel().map(|[u, v]| [u + du, v + dv]);
-                (0..12).map(|k| Some(Detection { pixel: pixel(k)?, confidence })).collect()
+                (0..12).map(|k| Some(Detection::new(pixel(k)?, confidence))).collect()
             };
             cameras.iter().zip(offsets).map(|(camera, offset)| seen(camera, *offset)).collect()
         })

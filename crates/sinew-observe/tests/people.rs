@@ -39,7 +39,7 @@ fn figure(x: f64, y: f64, size: f64) -> Vec<[f64; 3]> {
 }
 
 fn seen(camera: &Camera, points: &[[f64; 3]]) -> Person {
-    points.iter().map(|p| Some(Detection { pixel: camera.project(*p).pixel()?, confidence: 0.9 })).collect()
+    points.iter().map(|p| Some(Detection::new(camera.project(*p).pixel()?, 0.9))).collect()
 }
 
 /// Only the keypoints of the given places.
@@ -346,7 +346,7 @@ fn a_camera_that_the_subject_stands_behind_is_counted() {
     let through = |p: &[f64; 3]| {
         let [x, y, z] = camera.point_in_camera(*p);
         assert!(z < 0.0);
-        Some(Detection { pixel: camera.pixel_from_normalised([x / z, y / z]), confidence: 0.9 })
+        Some(Detection::new(camera.pixel_from_normalised([x / z, y / z]), 0.9))
     };
     let mut people = people;
     people[3] = vec![a.iter().map(through).collect()];

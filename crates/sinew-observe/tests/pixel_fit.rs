@@ -44,7 +44,7 @@ fn seen(views: &[View], pose: &[f64], aside_px: f64) -> Vec<Vec<Option<Detection
             let phase = 2.1 * k as f64 + 0.7 * c as f64;
             let [du, dv] = view.bias_of(k);
             let pixel = [u + du + aside_px * phase.sin(), v + dv + aside_px * phase.cos()];
-            Some(Detection { pixel, confidence: 0.8 })
+            Some(Detection::new(pixel, 0.8))
         };
         points(pose).into_iter().enumerate().map(one).collect()
     };

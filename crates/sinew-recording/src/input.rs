@@ -9,6 +9,7 @@ pub mod footage;
 pub mod frame;
 pub mod image_folder;
 pub mod in_memory;
+pub mod lag;
 pub mod limbs;
 pub mod missing_path;
 pub mod one_person;

@@ -12,6 +12,7 @@ use crate::Error;
 use drawing::{disc, line};
 use rayon::prelude::*;
 use sinew::input::image_folder;
+use sinew::input::lag::Lag;
 use sinew::input::pictures::Pictures;
 use sinew::input::silhouettes::Silhouettes;
 use sinew::results::tracked::{self, Tracked};
@@ -198,7 +199,7 @@ impl Source {
         cameras: &[Camera],
         calibrated: Vec<String>,
         frames: Range<u64>,
-        lag: Vec<(String, i64)>,
+        lag: Vec<(String, Lag)>,
     ) -> Result<Self, Error> {
         let options = image_folder::ImageFolderOptions {
             scale: request.scale,

@@ -303,7 +303,7 @@ mod tests {
             predicted: [at(10.0, 20.0), at(30.0, 40.0), at(50.0, 60.0), None].repeat(10),
             common: [49.0, 0.0, 49.0],
         };
-        let seen = |u: f64, v: f64, confidence: f64| Some(Detection { pixel: [u, v], confidence });
+        let seen = |u: f64, v: f64, confidence: f64| Some(Detection::new([u, v], confidence));
         let person = vec![seen(17.0, 20.0, 0.9), seen(37.0, 41.0, 0.9), seen(57.0, 60.0, 0.9), seen(0.0, 0.0, 0.9)];
         let far = vec![seen(90.0, 90.0, 0.9), None, None, None];
         let people = vec![vec![far, person]; 10];

@@ -199,7 +199,7 @@ impl Seen {
     fn bind(&mut self, film: &SyntheticRecording, frame: usize, estimate: &[f64]) -> BoundKeypoints {
         let found = |camera: &Vec<Vec<Option<Keypoint>>>| {
             let detection = |&(_, k): &(usize, usize)| {
-                camera[frame][k].map(|d| Detection { pixel: [d.x, d.y], confidence: d.confidence })
+                camera[frame][k].map(|d| Detection::new([d.x, d.y], d.confidence))
             };
             self.shared.iter().map(detection).collect()
         };

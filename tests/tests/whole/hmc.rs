@@ -450,7 +450,7 @@ fn the_mode_of_a_fast_limb_is_found() {
         .to_vec();
     let detect = |view: &View| {
         let pixel = |p: &[f64]| view.camera.project([p[0], p[1], p[2]]).pixel();
-        seen.chunks(3).map(|p| Some(Detection { pixel: pixel(p)?, confidence: 1.0 })).collect::<Vec<_>>()
+        seen.chunks(3).map(|p| Some(Detection::new(pixel(p)?, 1.0))).collect::<Vec<_>>()
     };
     let detections: Vec<_> = views.iter().map(detect).collect();
     let noise = Noise::OutlierFloor { outlier: 0.02 };

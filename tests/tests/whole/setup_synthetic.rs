@@ -74,7 +74,7 @@ fn seen_by(camera: &Camera, layout: &Layout, q: &[f64], offset: [f64; 2], jitter
             let k = tree.point_index(name.as_deref()?)?;
             let [u, v] = camera.project([p[3 * k], p[3 * k + 1], p[3 * k + 2]]).pixel()?;
             let mut off = || jitter * (noise(seed) + noise(seed) + noise(seed));
-            Some(Detection { pixel: [u + offset[0] + off(), v + offset[1] + off()], confidence: 0.8 })
+            Some(Detection::new([u + offset[0] + off(), v + offset[1] + off()], 0.8))
         })
         .collect()
 }

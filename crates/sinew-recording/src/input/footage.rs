@@ -6,7 +6,7 @@
 //! detector without errors would see them. Row k of such a file belongs to frame k, counted from the first frame that is tracked.
 
 use super::error::InputError;
-use super::frame::{Frame, FrameImages, detections};
+use super::frame::{Frame, FrameImages};
 use super::source::FrameSource;
 use crate::input::pictures::{self, Pictures};
 use crate::input::recording::{self, Calibrated, Recording, chosen_cameras};
@@ -232,7 +232,7 @@ impl Footage {
         let seen = |camera: &Camera| {
             let detection = |point: &Option<[f64; 3]>| {
                 let pixel = camera.project((*point)?).pixel()?;
-                Some(Detection { pixel, confidence: 1.0 })
+                Some(Detection::new(pixel, 1.0))
             };
             vec![row.iter().map(detection).collect()]
         };
@@ -256,7 +256,7 @@ impl FrameSource for Footage {
     fn people(&mut self, number: u64) -> Result<Vec<Vec<Person>>, Error> {
         match (&self.points, &mut self.keypoints) {
             (Some(points), _) => Ok(self.projected(points, number)),
-            (None, Some(recording)) => Ok(detections(&recording.frame(number)?)),
+            (None, Some(recording)) => recording.people(number),
             (None, None) => Ok(vec![vec![]; self.cameras.len()]),
         }
     }

@@ -28,9 +28,12 @@ pub struct FrameImages {
 /// A frame's people, camera by camera, as the keypoint reader gives them, in the form that association takes.
 #[must_use]
 pub fn detections(people: &[Vec<OpenposePerson>]) -> Vec<Vec<Pixels>> {
-    let person = |person: &OpenposePerson| {
-        let detection = |k: Keypoint| Detection { pixel: [k.x, k.y], confidence: k.confidence };
-        person.keypoints.iter().map(|k| k.map(detection)).collect()
-    };
-    people.iter().map(|people| people.iter().map(person).collect()).collect()
+    people.iter().map(|people| people.iter().map(detected).collect()).collect()
+}
+
+/// A person as the keypoint reader gives him, in the form that association takes.
+#[must_use]
+pub fn detected(person: &OpenposePerson) -> Pixels {
+    let detection = |k: Keypoint| Detection::new([k.x, k.y], k.confidence);
+    person.keypoints.iter().map(|k| k.map(detection)).collect()
 }

@@ -30,7 +30,7 @@ impl FrameSource for InMemory {
         0..self.keypoints.first().map_or(0, Vec::len) as u64
     }
     fn people(&mut self, number: u64) -> Result<Vec<Vec<Person>>, Error> {
-        let detection = |k: Keypoint| Detection { pixel: [k.x, k.y], confidence: k.confidence };
+        let detection = |k: Keypoint| Detection::new([k.x, k.y], k.confidence);
         let person = |camera: &Vec<Vec<Option<Keypoint>>>| {
             let points = camera.get(number as usize)?;
             Some(points.iter().map(|k| k.map(detection)).collect())

@@ -3,7 +3,8 @@
 //! [`Recording::open`] lists the files ([`keypoint_sources`]), matches them to cameras by name and checks what can be checked without reading every file; [`Recording::frame`] reads
 //! the files of one frame. What is odd about single frames is counted, each frame once however often it is read; [`Recording::warnings`] has the counts.
 //!
-//! Frames go by the number in the file names. A number without a file is a frame that the camera missed.
+//! Frames go by the number in the file names. A number without a file is a frame that the camera missed. What a camera shows that is late by part of a frame, [`Recording::people`]
+//! interpolates between its frames.
 
 mod calibrated;
 mod frame_ranges;
@@ -13,6 +14,7 @@ pub mod keypoint_sources;
 mod known_layout;
 pub mod listing;
 mod options;
+mod recent_frames;
 pub mod survey;
 
 pub use calibrated::{Calibrated, chosen_cameras};
@@ -23,10 +25,14 @@ pub use options::RecordingOptions;
 use crate::{Error, files};
 use keypoint_camera::KeypointCamera;
 use keypoint_sources::KeypointSource;
+use crate::input::frame::{detected, detections};
+use crate::input::lag::Lag;
 use known_layout::named_layout;
+use recent_frames::RecentFrames;
 use sinew_formats::openpose::{self, OpenposePerson, Tally};
 use sinew_formats::{Layout, camera_name, frame_number};
 use sinew_observe::Camera;
+use sinew_observe::association::Person;
 use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -40,7 +46,8 @@ pub struct Recording {
     layout: Layout,
     confidence_scale: f64,
     image_scale: f64,
-    lag: Vec<(String, i64)>,
+    lag: Vec<(String, Lag)>,
+    recent: Vec<RecentFrames>,
     available: Range<u64>,
     frames: Range<u64>,
     counted: Vec<bool>,
@@ -104,10 +111,11 @@ impl Recording {
             counted: vec![false; (frames.end - frames.start) as usize],
             cameras: used,
             calibrated,
-            keypoints: listed,
             layout,
             confidence_scale: options.confidence_scale,
             image_scale: options.image_scale,
+            recent: listed.iter().map(|_| RecentFrames::default()).collect(),
+            keypoints: listed,
             lag: options.lag.clone(),
             available,
             frames,
@@ -136,9 +144,9 @@ impl Recording {
         self.image_scale
     }
 
-    /// Frames that cameras are late, as declared.
+    /// How late cameras are, as declared.
     #[must_use]
-    pub fn lag(&self) -> &[(String, i64)] {
+    pub fn lag(&self) -> &[(String, Lag)] {
         &self.lag
     }
 
@@ -160,7 +168,30 @@ impl Recording {
         self.available.clone()
     }
 
-    /// People in each camera's view, in the order of [`Recording::cameras`]; nobody where a camera has no file.
+    /// People in each camera's view, in the order of [`Recording::cameras`], interpolated where its frames lie between; nobody where a camera has no file.
+    ///
+    /// # Errors
+    /// As for [`Recording::frame`].
+    pub fn people(&mut self, number: u64) -> Result<Vec<Vec<Person>>, Error> {
+        let mut people = detections(&self.frame(number)?);
+        let Self { keypoints, cameras, layout, confidence_scale, recent, .. } = self;
+        for (index, (keypoints, recent)) in keypoints.iter().zip(recent).enumerate() {
+            let lag = keypoints.files().lag;
+            if lag.is_whole() {
+                continue;
+            }
+            let read = |own| {
+                let options = options(own, layout, *confidence_scale);
+                let mut people = keypoints.read(own, &options, 0)?.map(|(frame, _)| frame.people).unwrap_or_default();
+                drop_beyond_lens(&cameras[index], &mut people);
+                Ok(people.iter().map(detected).collect())
+            };
+            people[index] = recent.people_at(lag.own_time(number), read)?;
+        }
+        Ok(people)
+    }
+
+    /// As [`Recording::people`], but for each camera what it read of its frame that is nearest in time.
     ///
     /// # Errors
     /// Files that cannot be read, or that [`openpose::read`] refuses.
@@ -168,14 +199,11 @@ impl Recording {
         let slot = number.checked_sub(self.frames.start).and_then(|i| self.counted.get_mut(usize::try_from(i).ok()?));
         let count = slot.is_some_and(|counted| !std::mem::replace(counted, true));
         let mut views = Vec::with_capacity(self.keypoints.len());
-        let options = openpose::OpenposeOptions {
-            frame: Some(number),
-            layout: Some(&self.layout),
-            confidence_scale: self.confidence_scale,
-        };
         for (index, (keypoints, tally)) in self.keypoints.iter().zip(&mut self.tallies).enumerate() {
             let place = files::fnv(files::fnv(files::FNV_START, &number.to_le_bytes()), &index.to_le_bytes());
-            let read = keypoints.read(number, &options, place)?;
+            let own = keypoints.files().lag.nearest(number);
+            let read = own.map(|own| keypoints.read(own, &options(own, &self.layout, self.confidence_scale), place));
+            let read = read.transpose()?.flatten();
             if let Some((_, hash)) = read.as_ref().filter(|_| count) {
                 // A sum does not depend on the order in which frames are read.
                 self.keypoints_hash = self.keypoints_hash.wrapping_add(*hash);
@@ -252,6 +280,10 @@ fn range_warnings(listed: &[KeypointCamera], options: &RecordingOptions, frames:
         warnings.extend(frame_number::holes(&camera.camera, &numbers).map(|warning| warning.to_string()));
     }
     warnings
+}
+
+const fn options(own: u64, layout: &Layout, confidence_scale: f64) -> openpose::OpenposeOptions<'_> {
+    openpose::OpenposeOptions { frame: Some(own), layout: Some(layout), confidence_scale }
 }
 
 /// Makes keypoints missing that no ray of the camera's lens model leads to, and counts them.

@@ -143,7 +143,7 @@ mod tests {
 
     #[test]
     fn a_frame_is_parted_into_a_person_and_the_others() {
-        let people = |x: f64| vec![None, Some(sinew_observe::Detection { pixel: [x, 0.0], confidence: 1.0 })];
+        let people = |x: f64| vec![None, Some(sinew_observe::Detection::new([x, 0.0], 1.0))];
         let frame = vec![vec![people(1.0)], vec![people(2.0), people(3.0)]];
         let [own, others] = roll(12.0).parted(10, 0, frame.clone());
         assert_eq!(own, [vec![people(1.0)], vec![people(3.0)]]);

@@ -1,6 +1,6 @@
 //! Where frames come from.
 
-use super::frame::{Frame, detections};
+use super::frame::Frame;
 use super::recording::Recording;
 use crate::Error;
 use sinew_formats::Layout;
@@ -77,6 +77,6 @@ impl FrameSource for Recording {
         self.frames()
     }
     fn people(&mut self, number: u64) -> Result<Vec<Vec<Person>>, Error> {
-        Ok(detections(&self.frame(number)?))
+        self.people(number)
     }
 }

@@ -132,7 +132,7 @@ mod tests {
             let k = f64::from(k);
             let point = [0.3 * (2.0 * k).sin(), 0.3 * (3.0 * k).cos(), 0.1 + 0.07 * k];
             let pixel = camera.project(point).pixel()?.map(|x| scale * x);
-            Some(Detection { pixel, confidence: 0.9 })
+            Some(Detection::new(pixel, 0.9))
         };
         let in_camera = |camera: &Camera| (0..25).map(|k| detection(camera, k)).collect::<Vec<_>>();
         (cameras.clone(), vec![vec![in_camera(&cameras[0]), in_camera(&turned)]])

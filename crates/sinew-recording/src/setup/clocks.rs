@@ -2,6 +2,7 @@
 
 use super::collect::Collected;
 use super::warning::SetupWarning;
+use crate::input::lag::Lag;
 use sinew_formats::camera_name;
 use sinew_observe::Camera;
 use sinew_observe::camera_lag::{CameraLag, camera_lags};
@@ -24,9 +25,9 @@ pub fn lags(cameras: &[Camera], noise: &[CameraNoise], collected: &Collected, le
     camera_lags(cameras, noise, &runs, least_confidence).unwrap_or_default()
 }
 
-/// The cameras that are off, with the setting that mends it: what was `declared` and whole frames of what was found.
+/// The cameras that are off, with the setting that mends it: what was `declared` and what was found.
 #[must_use]
-pub fn unsynchronised(cameras: &[Camera], declared: &[(String, i64)], lags: &[CameraLag]) -> Option<SetupWarning> {
+pub fn unsynchronised(cameras: &[Camera], declared: &[(String, Lag)], lags: &[CameraLag]) -> Option<SetupWarning> {
     let off: Vec<(String, CameraLag)> = (cameras.iter().zip(lags))
         .filter(|(_, lag)| lag.is_off())
         .map(|(camera, lag)| (camera.name.clone(), *lag))
@@ -34,15 +35,15 @@ pub fn unsynchronised(cameras: &[Camera], declared: &[(String, i64)], lags: &[Ca
     if off.is_empty() {
         return None;
     }
-    let mut mended: Vec<(String, i64)> = declared.to_vec();
+    let mut mended: Vec<(String, Lag)> = declared.to_vec();
     for (camera, lag) in &off {
-        let frames = lag.frames.round() as i64;
+        let frames = lag.rounded();
         match mended.iter_mut().find(|(name, _)| camera_name::fold(name) == camera_name::fold(camera)) {
-            Some((_, known)) => *known += frames,
-            None => mended.push((camera.clone(), frames)),
+            Some((_, known)) => known.frames += frames,
+            None => mended.push((camera.clone(), Lag { frames, ppm: 0.0 })),
         }
     }
-    mended.retain(|(_, lag)| *lag != 0);
-    mended.sort();
+    mended.retain(|(_, lag)| *lag != Lag::default());
+    mended.sort_by(|a, b| a.0.cmp(&b.0));
     Some(SetupWarning::Unsynchronised { cameras: off, mended })
 }

@@ -9,6 +9,7 @@ use super::error::SetupError;
 use super::exchanged_cameras;
 use super::stored::Body;
 use super::warning::SetupWarning;
+use crate::input::lag::Lag;
 use crate::input::limbs::{LIMBS, limbs};
 use sinew_formats::Layout;
 use sinew_observe::Camera;
@@ -34,8 +35,8 @@ pub struct SetupRequest {
     pub shape_frames: usize,
     /// Size of the images over that of the calibrated ones, as declared; the cameras are resized already.
     pub image_scale: f64,
-    /// Frames that cameras are late, as declared; the frames are read with them already.
-    pub lag: Vec<(String, i64)>,
+    /// How late cameras are, as declared; the frames are read with it already.
+    pub lag: Vec<(String, Lag)>,
     /// Frames per second, by which speeds are judged; nothing is said about them if `None`.
     pub fps: Option<f64>,
     /// Whether sizes and speeds that no person has are taken.

@@ -376,8 +376,8 @@ impl Fit {
     fn scatter(&mut self, pass: &Pass) {
         let without_bias = |(view, seen): (&View, &Vec<Option<Detection>>)| {
             let shifted = |(point, seen): (usize, &Option<Detection>)| {
-                let ([du, dv], Detection { pixel: [u, v], confidence }) = (view.bias_of(point), (*seen)?);
-                Some(Detection { pixel: [u - du, v - dv], confidence })
+                let ([du, dv], seen) = (view.bias_of(point), (*seen)?);
+                Some(Detection { pixel: [seen.pixel[0] - du, seen.pixel[1] - dv], ..seen })
             };
             seen.iter().enumerate().map(shifted).collect::<Vec<_>>()
         };

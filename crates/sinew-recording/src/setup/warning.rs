@@ -1,5 +1,6 @@
 //! What the set-up found odd.
 
+use crate::input::lag::Lag;
 use sinew_observe::camera_lag::CameraLag;
 use std::fmt;
 
@@ -81,7 +82,7 @@ pub enum SetupWarning {
         /// Cameras, each with the frames that it is late.
         cameras: Vec<(String, CameraLag)>,
         /// The setting `lag` that mends it.
-        mended: Vec<(String, i64)>,
+        mended: Vec<(String, Lag)>,
     },
     /// One camera suddenly shows someone elsewhere.
     Jump {

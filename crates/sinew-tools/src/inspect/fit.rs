@@ -12,7 +12,6 @@
 
 use super::facts::Facts;
 use crate::Error;
-use sinew::input::frame::detections;
 use sinew::input::recording::Recording;
 use sinew::input::roll::Roll;
 use sinew::setup::SetupError;
@@ -42,7 +41,7 @@ pub fn facts(recording: &mut Recording, known: &[String]) -> Result<Facts, Error
     let numbers = range.start..range.end.min(range.start + FRAMES);
     let mut frames = Vec::new();
     for number in numbers.clone() {
-        frames.push((number, detections(&recording.frame(number)?)));
+        frames.push((number, recording.people(number)?));
     }
     let (image_scale, lag) = (recording.image_scale(), recording.lag().to_vec());
     let asked = SetupRequest { image_scale, lag, ..SetupRequest::default() };
@@ -109,7 +108,7 @@ fn reprojection_rms(cameras: &[Camera], frames: &[Sighted], least_confidence: f6
                 .iter()
                 .enumerate()
                 .filter_map(|(index, camera)| {
-                    let Detection { pixel, confidence } = at(index)?;
+                    let Detection { pixel, confidence, .. } = at(index)?;
                     Some((index, Seen { camera, pixel: camera.undistort(pixel).ok()?, confidence }))
                 })
                 .collect();

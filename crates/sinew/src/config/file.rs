@@ -125,6 +125,7 @@ pub fn search(folder: &Path) -> Result<Vec<ConfigFile>, Error> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use sinew_recording::input::lag::Lag;
     use crate::config::value::to_toml;
     use crate::methods::METHODS;
 
@@ -168,7 +169,7 @@ mod tests {
         let (values, _) = parse(text, Path::new("/trial")).unwrap();
         assert_eq!(values["calibration"], Value::Path("/trial/x/Calib.toml".into()));
         assert_eq!(values["layout"], Value::Text("BODY_25".into()));
-        assert_eq!(values["lag"], Value::Lags(vec![("cam_01".into(), 1), ("b".into(), -2)]));
+        assert_eq!(values["lag"], Value::Lags(vec![("cam_01".into(), Lag::whole(1)), ("b".into(), Lag::whole(-2))]));
         let again: String = values.iter().map(|(key, value)| format!("{key} = {}\n", to_toml(value))).collect();
         assert_eq!(parse(&again, Path::new("/other")).unwrap().0, values);
     }

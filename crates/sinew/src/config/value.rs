@@ -2,6 +2,7 @@
 
 use super::setting::{Setting, SettingKind};
 use sinew_formats::nearest::nearest;
+use sinew_recording::input::lag::Lag;
 use sinew_recording::input::up_axis::direction;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -25,7 +26,7 @@ pub enum Value {
     /// Names.
     Names(Vec<String>),
     /// Names of cameras, each with frames that it is late.
-    Lags(Vec<(String, i64)>),
+    Lags(Vec<(String, Lag)>),
 }
 
 fn checked_number(setting: &Setting, value: f64, shown: &str) -> Result<Value, String> {
@@ -81,7 +82,7 @@ fn unexpected(setting: &Setting, shown: &str) -> String {
         SettingKind::Frames => "frame numbers in quotes, for example \"0..60\"",
         SettingKind::Names => "a list of names, for example [\"cam1\", \"cam2\"]",
         SettingKind::Direction => "auto or a direction of three numbers in quotes, for example \"0,-1,0.2\"",
-        SettingKind::Lags => "a list of cameras with whole frames, for example [\"cam1=1\", \"cam3=-2\"]",
+        SettingKind::Lags => "a list of cameras with frames, for example [\"cam1=1\", \"cam3=-2.4\"]",
     };
     format!("`{}` is {shown}; it must be {wanted}", setting.key)
 }
@@ -89,15 +90,12 @@ fn unexpected(setting: &Setting, shown: &str) -> String {
 /// A direction that is to be found.
 pub const AUTO: &str = "auto";
 
-/// Frames beyond which a camera was not started with the others.
-const MOST_LAG: i64 = 1_000_000;
-
 fn lags<'a>(setting: &Setting, items: impl Iterator<Item = &'a str>, shown: &str) -> Result<Value, String> {
-    let mut lags: Vec<(String, i64)> = vec![];
+    let mut lags: Vec<(String, Lag)> = vec![];
     for item in items.map(str::trim).filter(|item| !item.is_empty()) {
         let parts = item.split_once('=').and_then(|(name, lag)| Some((name.trim(), lag.trim().parse().ok()?)));
         match parts {
-            Some((name, lag)) if !name.is_empty() && (-MOST_LAG..=MOST_LAG).contains(&lag) => {
+            Some((name, lag)) if !name.is_empty() => {
                 if lags.iter().any(|(known, _)| known == name) {
                     return Err(format!("`{}` names `{name}` twice", setting.key));
                 }
@@ -105,7 +103,7 @@ fn lags<'a>(setting: &Setting, items: impl Iterator<Item = &'a str>, shown: &str
             }
             _ => {
                 return Err(format!(
-                    "`{}` holds `{item}`; it must be a camera and whole frames, for example cam_03=-2",
+                    "`{}` holds `{item}`; it must be a camera and the frames that it is late, for example cam_03=-2, cam_03=0.4, or with a drift cam_03=0.4+80ppm",
                     setting.key
                 ));
             }
@@ -215,7 +213,7 @@ pub fn to_toml(value: &Value) -> String {
     }
 }
 
-fn lag_texts(lags: &[(String, i64)]) -> Vec<String> {
+fn lag_texts(lags: &[(String, Lag)]) -> Vec<String> {
     lags.iter().map(|(name, lag)| format!("{name}={lag}")).collect()
 }
 

@@ -223,7 +223,7 @@ mod tests {
         point_positions(&plan, isa, &standing(), &mut at);
         let seen = |p: &[f64]| {
             let pixel = camera.project([p[0], p[1], p[2]]).pixel()?;
-            Some(Detection { pixel: [pixel[0] + offset?, pixel[1] - 1.0], confidence: 0.8 })
+            Some(Detection::new([pixel[0] + offset?, pixel[1] - 1.0], 0.8))
         };
         let detections = vec![at.chunks(3).map(seen).collect::<Vec<_>>()];
         let view = View { camera: camera.clone(), bias_px: vec![], sigma_px: 3.0, usual_confidence: 0.8 };

@@ -5,6 +5,7 @@
 
 use super::error::{Expected, ResultsError};
 use crate::config::{Sources, TrackConfig, resolve};
+use crate::input::lag::Lag;
 use crate::input::recording::Calibrated;
 use crate::input::up_axis::upright;
 use crate::results::pose;
@@ -25,8 +26,8 @@ pub struct Tracked {
     pub setup: Setup,
     /// Size of the images in which its keypoints lie over that of the calibrated ones.
     pub image_scale: f64,
-    /// Frames that cameras are late.
-    pub lag: Vec<(String, i64)>,
+    /// How late cameras are.
+    pub lag: Vec<(String, Lag)>,
     /// Frames a second.
     pub fps: f64,
     /// Number of each frame with the state of its mean pose, in the world turned to z up.

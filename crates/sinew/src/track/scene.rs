@@ -38,7 +38,7 @@ pub struct SceneState {
     started: bool,
     velocities: Vec<f64>,
     /// Pixel and confidence: the last frame decides whether tracking begins again in the next.
-    detections: Vec<Vec<Option<[f64; 3]>>>,
+    detections: Vec<Vec<Option<[f64; 4]>>>,
     oddities: Vec<Watched>,
     predictive: Predictive,
 }
@@ -404,7 +404,7 @@ impl Scene {
     #[must_use]
     pub fn save(&self) -> SceneState {
         let Following { lengths, last_px, lost, started, .. } = self.following.clone();
-        let numbers = |d: &Option<Detection>| d.map(|Detection { pixel: [u, v], confidence }| [u, v, confidence]);
+        let numbers = |d: &Option<Detection>| d.map(|Detection { pixel: [u, v], confidence, extra_px }| [u, v, confidence, extra_px]);
         let detections = self.shown.detections.iter().map(|seen| seen.iter().map(numbers).collect()).collect();
         let (oddities, predictive) = (self.oddities.save(), self.predictive.clone());
         let velocities = self.clocks.save();
@@ -435,7 +435,9 @@ impl Scene {
             lost: saved.lost,
             started: saved.started,
         };
-        let detection = |d: &Option<[f64; 3]>| d.map(|[u, v, confidence]| Detection { pixel: [u, v], confidence });
+        let detection = |d: &Option<[f64; 4]>| {
+            d.map(|[u, v, confidence, extra_px]| Detection { pixel: [u, v], confidence, extra_px })
+        };
         self.shown.detections = saved.detections.iter().map(|seen| seen.iter().map(detection).collect()).collect();
         Ok(())
     }

@@ -3,6 +3,7 @@
 //! A file that holds many is read once, when the recording is opened, and its keypoints stay in memory.
 
 use super::listing::CameraFiles;
+use crate::input::lag::Lag;
 use crate::{Error, files};
 use sinew_formats::keypoint_table::Frames;
 use sinew_formats::openpose::{self, OpenposeFrame, OpenposeOptions};
@@ -46,9 +47,9 @@ impl KeypointCamera {
         Self { files, table: Some(frames) }
     }
 
-    /// The same keypoints of a camera that is late by a number of frames.
+    /// The same keypoints of a camera that is late.
     #[must_use]
-    pub fn late_by(self, lag: i64) -> Self {
+    pub fn late_by(self, lag: Lag) -> Self {
         Self { files: self.files.late_by(lag), ..self }
     }
 
@@ -71,27 +72,25 @@ impl KeypointCamera {
         if self.is_table() { first().unwrap_or_default() } else { self.files.folder.clone() }
     }
 
-    /// What was seen in a frame, and a hash of it that begins with `hash`; `None` for a frame that the camera missed.
+    /// What was seen in one of the camera's own frames, and a hash of it that begins with `hash`; `None` for a frame that it missed.
     ///
     /// # Errors
     /// A file that cannot be read or is refused, people who do not fit the layout.
     pub fn read(
         &self,
-        number: u64,
+        own: u64,
         options: &OpenposeOptions<'_>,
         hash: u64,
     ) -> Result<Option<(OpenposeFrame, u64)>, Error> {
-        let Some(path) = self.files.path(number) else { return Ok(None) };
+        let Some(path) = self.files.own_path(own) else { return Ok(None) };
         let name = path.display().to_string();
         let Some(frames) = &self.table else {
             let text = files::read_text(&path, MAX_KEYPOINT_BYTES)?;
             return Ok(Some((openpose::read(&name, &text, options)?, files::fnv(hash, text.as_bytes()))));
         };
-        let Some(frame) = number.checked_add_signed(self.files.lag).and_then(|number| frames.get(&number)) else {
-            return Ok(None);
-        };
+        let Some(frame) = frames.get(&own) else { return Ok(None) };
         if let Some(layout) = options.layout {
-            check_count(&name, number, frame, layout)?;
+            check_count(&name, own, frame, layout)?;
         }
         Ok(Some((frame.clone(), hashed(frame, hash))))
     }

@@ -4,6 +4,7 @@
 
 use crate::Error;
 use crate::input::error::InputError;
+use crate::input::lag::Lag;
 use crate::input::folder_contents::{FolderContents, folder_contents, is_video};
 use sinew_formats::{Error as FormatError, frame_number};
 use std::collections::{BTreeMap, HashMap};
@@ -89,8 +90,8 @@ pub struct CameraFiles {
     pub camera: String,
     /// Where its files lie.
     pub folder: PathBuf,
-    /// Frames that the camera is late: frame f is in the file numbered f + lag.
-    pub lag: i64,
+    /// How late the camera is: whole frames f are in the file numbered f + lag.
+    pub lag: Lag,
     names: Names,
 }
 
@@ -104,12 +105,12 @@ impl CameraFiles {
             patterns: vec![Pattern::Exact(name)],
             ..Names::default()
         };
-        Self { camera: camera.into(), folder: file.parent().unwrap_or(Path::new("")).to_owned(), lag: 0, names }
+        Self { camera: camera.into(), folder: file.parent().unwrap_or(Path::new("")).to_owned(), lag: Lag::default(), names }
     }
 
-    /// The same files of a camera that is late by a number of frames.
+    /// The same files of a camera that is late.
     #[must_use]
-    pub fn late_by(self, lag: i64) -> Self {
+    pub fn late_by(self, lag: Lag) -> Self {
         Self { lag, ..self }
     }
 
@@ -120,17 +121,22 @@ impl CameraFiles {
         self.names.files.len()
     }
 
-    /// Numbers of the frames, rising.
+    /// Numbers of the frames, rising, to which its files are nearest in time.
     pub fn numbers(&self) -> impl DoubleEndedIterator<Item = u64> + '_ {
-        self.names.files.iter().filter_map(|(number, _)| number.checked_add_signed(-self.lag))
+        let range = self.range();
+        let number = |(own, _): &(u64, u32)| self.lag.time_of(*own).round();
+        let numbers = self.names.files.iter().map(number).filter(|number| *number >= 0.0);
+        numbers.map(|number| number as u64).filter(move |number| range.contains(number))
     }
 
-    /// From the first number to the last, holes included.
+    /// From the first number to the last, holes included, between its first file and its last in time.
     pub fn range(&self) -> Range<u64> {
-        match (self.numbers().next(), self.numbers().next_back()) {
-            (Some(first), Some(last)) => first..last.saturating_add(1),
-            _ => 0..0,
+        let Range { start, end } = self.range_in_names();
+        if start == end {
+            return 0..0;
         }
+        let [first, last] = [self.lag.time_of(start).ceil(), self.lag.time_of(end - 1).floor()];
+        if last < 0.0 { 0..0 } else { first.max(0.0) as u64..(last as u64).saturating_add(1) }
     }
 
     /// As [`CameraFiles::range`], in the numbers of the file names.
@@ -141,13 +147,18 @@ impl CameraFiles {
         }
     }
 
-    /// File of a frame.
+    /// File that is nearest to a frame in time.
     #[must_use]
     pub fn path(&self, number: u64) -> Option<PathBuf> {
-        let number = number.checked_add_signed(self.lag)?;
-        let index = self.names.files.binary_search_by_key(&number, |(found, _)| *found).ok()?;
+        self.own_path(self.lag.nearest(number)?)
+    }
+
+    /// File by the number in its name.
+    #[must_use]
+    pub fn own_path(&self, own: u64) -> Option<PathBuf> {
+        let index = self.names.files.binary_search_by_key(&own, |(found, _)| *found).ok()?;
         let pattern = self.names.files[index].1 as usize;
-        Some(self.folder.join(self.names.patterns[pattern].name(number)))
+        Some(self.folder.join(self.names.patterns[pattern].name(own)))
     }
 }
 
@@ -268,7 +279,7 @@ pub fn files(folder: Folder, camera: &str, kind: &str) -> Result<CameraFiles, Er
         let [first, second] = both;
         return Err(FormatError::DuplicateFrame { frame, first, second }.into());
     }
-    Ok(CameraFiles { camera: camera.into(), folder: path, lag: 0, names })
+    Ok(CameraFiles { camera: camera.into(), folder: path, lag: Lag::default(), names })
 }
 
 #[cfg(test)]

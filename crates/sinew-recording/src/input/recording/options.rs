@@ -1,5 +1,6 @@
 //! What to take from a recording.
 
+use crate::input::lag::Lag;
 use std::ops::Range;
 
 /// What to take from a recording.
@@ -17,8 +18,8 @@ pub struct RecordingOptions {
     pub cameras: Option<Vec<String>>,
     /// Whether cameras may begin and end apart.
     pub trim: bool,
-    /// Frames that cameras are late: frame f of such a camera is in its file numbered f + lag. Beginnings and ends that differ by lags are trimmed.
-    pub lag: Vec<(String, i64)>,
+    /// How late cameras are: frame f of such a camera is in its file numbered f + lag, or between two files. Beginnings and ends that differ by lags are trimmed.
+    pub lag: Vec<(String, Lag)>,
 }
 
 impl Default for RecordingOptions {

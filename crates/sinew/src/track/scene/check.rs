@@ -34,7 +34,7 @@ impl Scene {
                 let detection = self.used(seen[c][k])?;
                 let cameras = seen.iter().filter(|seen| self.used(seen[k]).is_some()).count();
                 let at = points.get(3 * k..3 * k + 3)?;
-                let sd_px = self.model.variance_px2(c, detection.confidence, cameras, at).sqrt();
+                let sd_px = self.model.variance_px2(c, &detection, cameras, at).sqrt();
                 let about = |expected: &Vec<Vec<Option<[f64; 2]>>>| {
                     expected[c][k].map_or([f64::INFINITY; 2], |[u, v]| [detection.pixel[0] - u, detection.pixel[1] - v])
                 };

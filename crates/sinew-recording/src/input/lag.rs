@@ -1,0 +1,104 @@
+//! How late a camera's frames are: a lag in frames, and a drift where its clock runs at another rate.
+//!
+//! What the recording shows in frame f, such a camera shows at `f + frames + ppm·10⁻⁶ f` of its own frames. Written `2`, `-0.4`, `1.25+80ppm`.
+
+use std::fmt;
+use std::str::FromStr;
+
+/// Largest lag, frames, and largest drift, parts in a million.
+pub const MOST_FRAMES: f64 = 100_000.0;
+/// Largest drift, parts in a million: beyond, cameras have different frame rates.
+pub const MOST_PPM: f64 = 5000.0;
+
+/// How late a camera is.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Lag {
+    /// Frames that it is late in frame 0.
+    pub frames: f64,
+    /// Frames that it falls behind in a million frames.
+    pub ppm: f64,
+}
+
+impl Lag {
+    /// A camera that is late by whole frames.
+    #[must_use]
+    pub const fn whole(frames: i64) -> Self {
+        Self { frames: frames as f64, ppm: 0.0 }
+    }
+
+    /// Whether no frame lies between two of the camera's.
+    #[must_use]
+    pub fn is_whole(&self) -> bool {
+        self.ppm == 0.0 && self.frames.fract() == 0.0
+    }
+
+    /// The camera's own time of a frame, in its frames.
+    #[must_use]
+    pub fn own_time(&self, number: u64) -> f64 {
+        let number = number as f64;
+        number + self.frames + 1e-6 * self.ppm * number
+    }
+
+    /// The camera's own frame that is nearest to a frame in time; `None` before its first.
+    #[must_use]
+    pub fn nearest(&self, number: u64) -> Option<u64> {
+        let own = self.own_time(number).round();
+        (own >= 0.0).then_some(own as u64)
+    }
+
+    /// The time, in frames of the recording, of one of the camera's own frames.
+    #[must_use]
+    pub fn time_of(&self, own: u64) -> f64 {
+        (own as f64 - self.frames) / (1.0 + 1e-6 * self.ppm)
+    }
+}
+
+impl fmt::Display for Lag {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}", self.frames)?;
+        if self.ppm == 0.0 { Ok(()) } else { write!(f, "{:+}ppm", self.ppm) }
+    }
+}
+
+impl FromStr for Lag {
+    type Err = ();
+
+    fn from_str(text: &str) -> Result<Self, ()> {
+        let (frames, ppm) = match text.trim().strip_suffix("ppm") {
+            None => (text.trim(), "0"),
+            Some(both) => {
+                let sign = both.rfind(['+', '-']).filter(|place| *place > 0).ok_or(())?;
+                both.split_at(sign)
+            }
+        };
+        let lag = Self { frames: frames.parse().map_err(drop)?, ppm: ppm.trim().parse().map_err(drop)? };
+        (lag.frames.abs() <= MOST_FRAMES && lag.ppm.abs() <= MOST_PPM).then_some(lag).ok_or(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lags_are_read_as_they_are_written() {
+        for (text, frames, ppm) in [("2", 2.0, 0.0), ("-0.4", -0.4, 0.0), ("1.25+80ppm", 1.25, 80.0), ("-3-7.5ppm", -3.0, -7.5)] {
+            let lag: Lag = text.parse().unwrap();
+            assert_eq!((lag, lag.to_string().as_str()), (Lag { frames, ppm }, text));
+        }
+        for wrong in ["", "half", "80ppm", "1+ppm", "nan", "inf", "1e9", "1+9999ppm", "1+2+3ppm"] {
+            assert_eq!(wrong.parse::<Lag>(), Err(()), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn times_of_own_frames_are_inverse_to_own_times() {
+        let lag = Lag { frames: -2.25, ppm: 120.0 };
+        for number in [0, 3, 77_777] {
+            assert!((lag.own_time(number) - (number as f64 * 1.000_12 - 2.25)).abs() < 1e-9);
+        }
+        assert!((lag.own_time(1000) - 997.87).abs() < 1e-9 && (lag.time_of(998) - 1000.13).abs() < 2e-4);
+        assert_eq!((lag.nearest(0), lag.nearest(3)), (None, Some(1)));
+        assert!(Lag::whole(4).is_whole() && !lag.is_whole());
+    }
+}
