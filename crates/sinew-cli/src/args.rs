@@ -6,7 +6,8 @@ use super::answer_args::Answer;
 use super::convert_args::ConvertArgs;
 use super::help_template::template;
 use super::learn_args::LearnCommand;
-use super::setting_args::{InspectSettings, TrackSettings, Typed};
+use super::setting_args::{InspectSettings, SyncSettings, TrackSettings, Typed};
+use super::sync;
 use clap::{ArgAction, Args, Parser, Subcommand, ValueEnum};
 use std::ops::Range;
 use std::path::PathBuf;
@@ -89,6 +90,7 @@ impl General {
         let used: &[&str] = match command {
             Command::Demo(_) | Command::Track(_) | Command::Validate(_) => return vec![],
             Command::Inspect(_) => &["config", "out", "force"],
+            Command::Sync(_) => &["config"],
             Command::Learn { what: LearnCommand::Latent(_) } => &["out", "force", "threads"],
             Command::Simulate(_) | Command::Learn { .. } => &["out", "force", "seed", "threads"],
             Command::Convert(_) => &["force"],
@@ -112,6 +114,12 @@ pub(crate) enum Command {
     /// Say what files contain, what is odd, and whether calibration and keypoints fit
     #[command(help_template = template!("sinew inspect Calib.toml pose", "sinew inspect walk.json -o walk.svg"))]
     Inspect(InspectArgs),
+    /// Say how late cameras are against each other, to a fraction of a frame
+    #[command(help_template = template!(
+        "sinew sync --calibration Calib.toml --keypoints pose --fps 60",
+        "sinew track --sync --calibration Calib.toml --keypoints pose --fps 60"
+    ))]
+    Sync(SyncArgs),
     /// Track the people in a recording
     #[command(help_template = template!(
         "sinew track --calibration Calib.toml --keypoints pose --fps 60",
@@ -200,6 +208,17 @@ pub(crate) struct InspectArgs {
     pub(crate) files: Vec<PathBuf>,
     #[command(flatten)]
     pub(crate) settings: Typed<InspectSettings>,
+    #[command(flatten)]
+    pub(crate) answer: Answer,
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct SyncArgs {
+    #[command(flatten)]
+    pub(crate) settings: Typed<SyncSettings>,
+    /// Frames that cameras are apart at most
+    #[arg(long, value_name = "N", default_value_t = sync::MOST, value_parser = clap::value_parser!(u64).range(1..=10_000))]
+    pub(crate) most: u64,
     #[command(flatten)]
     pub(crate) answer: Answer,
 }
@@ -394,6 +413,9 @@ pub(crate) struct TrackArgs {
     /// Resume the run that was stopped in the output folder
     #[arg(long, help_heading = "Output", conflicts_with = "force")]
     pub(crate) resume: bool,
+    /// Find how late cameras are first, as `sinew sync` does, and read them in step
+    #[arg(long, help_heading = "Input", hide_short_help = true)]
+    pub(crate) sync: bool,
     /// Write the calibration as the set-up refined it, in the format of Calib.toml
     #[arg(long, value_name = "FILE", help_heading = "Output", hide_short_help = true)]
     pub(crate) write_calibration: Option<PathBuf>,

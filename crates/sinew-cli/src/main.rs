@@ -32,6 +32,7 @@ mod settings;
 mod simulate;
 mod simulate_crowd;
 mod simulated_files;
+mod sync;
 mod table;
 mod threads;
 mod track;
@@ -61,6 +62,7 @@ fn main() -> ExitCode {
     report.warnings(&unused);
     let ended = match &cli.command {
         Command::Demo(answer) => demo::run(*answer, &cli.general, &report),
+        Command::Sync(args) => sync::run(args, &cli.general, &report),
         Command::Inspect(args) => inspect::run(args, &cli.general, &report),
         Command::Track(args) => track::run(args, &cli.general, &report),
         Command::Simulate(args) => simulate::run(args, &cli.general, &report),

@@ -34,6 +34,16 @@ impl Takes for InspectSettings {
     }
 }
 
+/// What it takes to read a recording that is named by its settings.
+#[derive(Debug)]
+pub(crate) struct SyncSettings;
+
+impl Takes for SyncSettings {
+    fn takes(setting: &Setting) -> bool {
+        InspectSettings::takes(setting) || matches!(setting.key, "calibration" | "keypoints" | "fps")
+    }
+}
+
 /// Settings of a command, as typed.
 #[derive(Debug)]
 pub(crate) struct Typed<C> {

@@ -13,7 +13,7 @@ use super::settings::{reading, settings};
 use super::table::table;
 use super::threads::with_threads;
 use super::track_pieces::{RESUME, setup_frames, show};
-use super::{track_people, write_calibration};
+use super::{sync, track_people, write_calibration};
 use sinew::config::{Resolved, TrackConfig};
 use sinew::input::footage::Footage;
 use sinew::input::footage::Init;
@@ -26,9 +26,12 @@ use std::path::{Path, PathBuf};
 
 /// Runs the command.
 pub(crate) fn run(args: &TrackArgs, general: &General, report: &Report) -> Result<Ended, Error> {
-    let resolved = settings(&args.settings.given, general)?;
+    let mut resolved = settings(&args.settings.given, general)?;
     report.warnings(&resolved.warnings);
     report.warnings(&resolved.idle_flags());
+    if args.sync {
+        resolved = sync::synchronised(&args.settings.given, resolved, general, report)?;
+    }
     if args.print_config {
         if args.answer.json {
             report::answer_json(&resolved.to_json())?;

@@ -8,6 +8,7 @@ use crate::predict::error::PredictError;
 use crate::report::ReportError;
 use crate::segment::error::SegmentError;
 use crate::shape_fit::error::ShapeFitError;
+use crate::sync::SyncError;
 use sinew::input::InputError;
 use sinew::setup::SetupError;
 
@@ -39,6 +40,9 @@ pub enum Error {
     /// Masks or solids that cannot be compared.
     #[error(transparent)]
     ShapeFit(#[from] ShapeFitError),
+    /// Cameras that have no clocks to compare.
+    #[error(transparent)]
+    Sync(#[from] SyncError),
     /// Motion from which nothing can be learned.
     #[error(transparent)]
     Learn(#[from] LearnError),
@@ -81,6 +85,7 @@ impl Error {
             Self::Report(error) => error.exit_code(),
             Self::Segment(error) => error.exit_code(),
             Self::ShapeFit(error) => error.exit_code(),
+            Self::Sync(error) => error.exit_code(),
             Self::Learn(error) => error.exit_code(),
         }
     }
@@ -97,6 +102,7 @@ impl Error {
             Self::Report(error) => Some(error.help().into()),
             Self::Segment(error) => Some(error.help().into()),
             Self::ShapeFit(error) => error.help().map(Into::into),
+            Self::Sync(error) => Some(error.help().into()),
             Self::Learn(error) => error.help(),
         }
     }

@@ -10,6 +10,7 @@
 //! | [`refined`] | a calibration as the set-up of a run refined it |
 //! | [`report`] | one HTML page that shows a result |
 //! | [`result_table`] | which table of a result folder a CSV file is |
+//! | [`sync`] | how late cameras are against each other |
 //! | [`shape_fit`] | thicknesses of a body from masks and a result |
 
 mod error;
@@ -25,6 +26,7 @@ pub mod segment;
 pub mod shape_fit;
 mod stored_array;
 mod svg;
+pub mod sync;
 pub mod validate;
 
 pub use error::Error;

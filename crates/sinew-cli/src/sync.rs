@@ -1,0 +1,97 @@
+//! `sinew sync`: how late cameras are against each other; and `sinew track --sync`, which reads the recording with that.
+
+use super::args::{General, SyncArgs};
+use super::ended::Ended;
+use super::error::Error;
+use super::interrupt;
+use super::report::{self, Report};
+use super::settings::{reading, settings};
+use super::table::aligned;
+use super::track::calibration;
+use serde_json::json;
+use sinew::config::{Resolved, TrackConfig};
+use sinew_tools::sync::{FoundClock, FoundClocks, synchronise};
+use std::sync::atomic::Ordering;
+
+/// Frames that cameras are apart at most.
+pub(crate) const MOST: u64 = 120;
+
+/// Runs the command.
+pub(crate) fn run(args: &SyncArgs, general: &General, report: &Report) -> Result<Ended, Error> {
+    let resolved = settings(&args.settings.given, general)?;
+    report.warnings(&resolved.warnings);
+    let config = resolved.track();
+    let found = found(&config, args.most)?;
+    if args.answer.json {
+        report::answer_json(&as_json(&found))?;
+    } else {
+        report::answer(&shown(&found, config.fps))?;
+    }
+    Ok(if found.cameras.iter().all(|clock| clock.lag.is_some()) { Ended::Done } else { Ended::Doubtful })
+}
+
+/// The settings with the lags that were found, as though they had been typed.
+pub(crate) fn synchronised(
+    flags: &[(&'static str, String)],
+    resolved: Resolved,
+    general: &General,
+    report: &Report,
+) -> Result<Resolved, Error> {
+    let config = resolved.track();
+    let found = found(&config, MOST)?;
+    report.note(&shown(&found, config.fps));
+    let Some(lag) = found.setting() else { return Ok(resolved) };
+    let others = flags.iter().filter(|(key, _)| *key != "lag").cloned();
+    settings(&others.chain([("lag", lag)]).collect::<Vec<_>>(), general)
+}
+
+fn found(config: &TrackConfig, most: u64) -> Result<FoundClocks, Error> {
+    let calibration = calibration(config)?;
+    let keypoints = config.keypoints.as_deref().ok_or(Error::NoKeypointsToSynchronise)?;
+    let stop = interrupt::flag("the frame");
+    synchronise(&calibration, keypoints, &reading(config), most, || {
+        if stop.load(Ordering::Relaxed) {
+            return Err(sinew::Error::Interrupted("while clocks were compared; nothing was written").into());
+        }
+        Ok(())
+    })
+}
+
+/// Every camera, and the setting that puts all in step.
+fn shown(found: &FoundClocks, fps: Option<f64>) -> String {
+    let rows: Vec<(String, String)> =
+        found.cameras.iter().map(|clock| (clock.camera.clone(), words(clock, fps))).collect();
+    let mend = match found.setting() {
+        Some(setting) => format!("--lag {setting}\n"),
+        None => "all cameras are in step\n".into(),
+    };
+    aligned(&rows) + &mend
+}
+
+fn words(clock: &FoundClock, fps: Option<f64>) -> String {
+    let Some(lag) = clock.lag else { return "unknown: too little motion that it shares with other cameras".into() };
+    let side = if lag.frames < 0.0 { "early" } else { "late" };
+    let frames = lag.frames.abs();
+    let time = fps.map(|fps| format!(" ({:.1} ± {:.1} ms)", 1e3 * frames / fps, 1e3 * lag.sd / fps)).unwrap_or_default();
+    let drift = clock.drift_ppm.map(|[ppm, sd]| format!(", drift {ppm:+.0} ± {sd:.0} ppm")).unwrap_or_default();
+    format!("{frames:.2} ± {:.2} frames {side}{time}{drift}", lag.sd)
+}
+
+fn as_json(found: &FoundClocks) -> serde_json::Value {
+    let camera = |clock: &FoundClock| {
+        let [drift, drift_sd] = clock.drift_ppm.map_or([None; 2], |[drift, sd]| [Some(drift), Some(sd)]);
+        json!({
+            "camera": clock.camera,
+            "lag_frames": clock.lag.map(|lag| lag.frames),
+            "lag_sd_frames": clock.lag.map(|lag| lag.sd),
+            "drift_ppm": drift,
+            "drift_sd_ppm": drift_sd,
+            "lag": clock.declared.to_string(),
+        })
+    };
+    json!({
+        "cameras": found.cameras.iter().map(camera).collect::<Vec<_>>(),
+        "frames": found.frames,
+        "lag": found.setting(),
+    })
+}
