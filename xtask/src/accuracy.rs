@@ -9,7 +9,6 @@ use crate::outcome::{Outcome, exit_code};
 use sinew::config::settings::Settings;
 use sinew::formats::trc;
 use sinew::input::recording::{Recording, RecordingOptions};
-use sinew::input::source::FrameSource as _;
 use sinew::methods::{bootstrap, hmc};
 use sinew::observe::Noise;
 use sinew::observe::association::Person;

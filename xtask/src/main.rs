@@ -22,6 +22,7 @@ mod soak;
 mod source;
 mod store;
 mod study_options;
+mod sync;
 mod tables;
 mod tidy;
 mod trackers;
@@ -71,6 +72,8 @@ enum Command {
     Silhouettes(silhouettes::Args),
     /// Track 100 000 frames and see whether memory, time a frame, open files and errors stay what they were.
     Soak(soak::Args),
+    /// Measure how well clocks of cameras are found, and what a lag costs: the tables of docs/evidence/sync.md.
+    Sync(sync::Args),
     /// Put tables into the pages of docs: tables of the code, and tables that commands have written under target.
     Tables,
     /// Check the rules that docs/ARCHITECTURE.md states: layers, who may do IO, leftovers, module docs.
@@ -99,6 +102,7 @@ fn main() -> ExitCode {
         Command::Reproduce(args) => reproduce::run(root, &args),
         Command::Silhouettes(args) => silhouettes::run(root, &args),
         Command::Soak(args) => soak::run(&args),
+        Command::Sync(args) => sync::run(root, &args),
         Command::Tables => tables::run(root),
         Command::Tidy => tidy::run(root),
         Command::Trackers(args) => trackers::run(root, &args),

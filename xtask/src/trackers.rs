@@ -12,7 +12,7 @@
 mod entries;
 mod films;
 mod tables;
-mod worth;
+pub(crate) mod worth;
 
 use crate::outcome::{Outcome, exit_code};
 use crate::program::{self, Program};

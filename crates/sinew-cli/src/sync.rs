@@ -10,7 +10,7 @@ use super::table::aligned;
 use super::track::calibration;
 use serde_json::json;
 use sinew::config::{Resolved, TrackConfig};
-use sinew_tools::sync::{FoundClock, FoundClocks, synchronise};
+use sinew_tools::sync::{FoundClock, FoundClocks, SyncRequest, synchronise};
 use std::sync::atomic::Ordering;
 
 /// Frames that cameras are apart at most.
@@ -49,7 +49,8 @@ fn found(config: &TrackConfig, most: u64) -> Result<FoundClocks, Error> {
     let calibration = calibration(config)?;
     let keypoints = config.keypoints.as_deref().ok_or(Error::NoKeypointsToSynchronise)?;
     let stop = interrupt::flag("the frame");
-    synchronise(&calibration, keypoints, &reading(config), most, || {
+    let request = SyncRequest { most, fps: config.settings()?.fps };
+    synchronise(&calibration, keypoints, &reading(config), &request, || {
         if stop.load(Ordering::Relaxed) {
             return Err(sinew::Error::Interrupted("while clocks were compared; nothing was written").into());
         }
@@ -72,7 +73,8 @@ fn words(clock: &FoundClock, fps: Option<f64>) -> String {
     let Some(lag) = clock.lag else { return "unknown: too little motion that it shares with other cameras".into() };
     let side = if lag.frames < 0.0 { "early" } else { "late" };
     let frames = lag.frames.abs();
-    let time = fps.map(|fps| format!(" ({:.1} ± {:.1} ms)", 1e3 * frames / fps, 1e3 * lag.sd / fps)).unwrap_or_default();
+    let time =
+        fps.map(|fps| format!(" ({:.1} ± {:.1} ms)", 1e3 * frames / fps, 1e3 * lag.sd / fps)).unwrap_or_default();
     let drift = clock.drift_ppm.map(|[ppm, sd]| format!(", drift {ppm:+.0} ± {sd:.0} ppm")).unwrap_or_default();
     format!("{frames:.2} ± {:.2} frames {side}{time}{drift}", lag.sd)
 }

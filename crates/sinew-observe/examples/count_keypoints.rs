@@ -44,11 +44,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         let camera =
             Camera::look_at(&format!("C{k}"), [1000.0, 1200.0], 900.0, [4.0 * cos, 4.0 * sin, 1.5], [0.0, 0.0, 1.0])?;
         let camera = Camera { lens, ..camera };
-        let detected = points
-            .as_chunks::<3>()
-            .0
-            .iter()
-            .map(|p| Some(Detection::new(camera.project(*p).pixel()?, 0.7)));
+        let detected = points.as_chunks::<3>().0.iter().map(|p| Some(Detection::new(camera.project(*p).pixel()?, 0.7)));
         detections.push(detected.collect::<Vec<_>>());
         views.push(View { camera, bias_px: vec![[3.0, -2.0]; points.len() / 3], sigma_px: 8.0, usual_confidence: 0.7 });
     }

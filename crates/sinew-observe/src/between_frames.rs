@@ -12,8 +12,8 @@
 //!
 //! φ = 0.8 is a limb that swings at 3.8 Hz before 30 frames a second. The polynomial's own noise is at most that of one frame where it is cubic or linear (weights' squares add to 0.64 and 0.5 in the middle), 1.2 of it where quadratic; that is not added.
 
-use crate::association::{Config, Person, distance_px, person_size_px, usable};
 use crate::assignment::least_cost;
+use crate::association::{Config, Person, distance_px, person_size_px, usable};
 use crate::keypoint_model::Detection;
 
 /// Angle by which the swiftest limb swings in a frame.
@@ -40,19 +40,13 @@ pub fn keypoint_between(near: [Option<Detection>; 4], share: f64) -> Option<Dete
             (pixel, (1.0 + w) * (2.0 - w) * PHASE * PHASE / 12.0 * rms(pixel, linear))
         }
         (Some(before), None) => {
-            let pixel = through(&[
-                (-w * (1.0 - w) / 2.0, before),
-                ((1.0 + w) * (1.0 - w), start),
-                ((1.0 + w) * w / 2.0, end),
-            ]);
+            let pixel =
+                through(&[(-w * (1.0 - w) / 2.0, before), ((1.0 + w) * (1.0 - w), start), ((1.0 + w) * w / 2.0, end)]);
             (pixel, (1.0 + w) * PHASE / 3.0 * rms(pixel, linear))
         }
         (None, Some(after)) => {
-            let pixel = through(&[
-                ((1.0 - w) * (2.0 - w) / 2.0, start),
-                (w * (2.0 - w), end),
-                (-w * (1.0 - w) / 2.0, after),
-            ]);
+            let pixel =
+                through(&[((1.0 - w) * (2.0 - w) / 2.0, start), (w * (2.0 - w), end), (-w * (1.0 - w) / 2.0, after)]);
             (pixel, (2.0 - w) * PHASE / 3.0 * rms(pixel, linear))
         }
         (None, None) => (linear, w * (1.0 - w) * PHASE / 2.0 * rms(start.pixel, end.pixel)),
@@ -153,11 +147,18 @@ mod tests {
         let person = |x: f64| -> Person {
             (0..8).map(|k| Some(Detection::new([x + 10.0 * f64::from(k % 3), 20.0 * f64::from(k)], 0.9))).collect()
         };
-        let frames = [vec![person(0.0), person(300.0)], vec![person(302.0), person(2.0)], vec![person(4.0), person(304.0)], vec![person(6.0)]];
+        let frames = [
+            vec![person(0.0), person(300.0)],
+            vec![person(302.0), person(2.0)],
+            vec![person(4.0), person(304.0)],
+            vec![person(6.0)],
+        ];
         let near = [&frames[0][..], &frames[1], &frames[2], &frames[3]];
         let found = people_between(near, 0.25, &Config::default());
         assert_eq!(found.len(), 2);
-        assert!((found[0][0].unwrap().pixel[0] - 302.5).abs() < 1e-9 && (found[1][0].unwrap().pixel[0] - 2.5).abs() < 1e-9);
+        assert!(
+            (found[0][0].unwrap().pixel[0] - 302.5).abs() < 1e-9 && (found[1][0].unwrap().pixel[0] - 2.5).abs() < 1e-9
+        );
         let alone = [&[][..], &frames[1], &frames[3], &[]];
         assert_eq!(people_between(alone, 0.25, &Config::default()).len(), 1);
     }

@@ -54,6 +54,7 @@ mod image_lookup;
 pub mod image_score;
 pub mod keypoint_likelihood;
 pub mod keypoint_model;
+mod lag_regression;
 mod lane_projection;
 pub mod lasting_errors;
 pub mod lens;

@@ -333,7 +333,12 @@ fn keypoints_of_others_raise_the_floor() {
     let bound = |elsewhere: &[Vec<f64>]| {
         scene.model.bind(KeypointFrame { detections: &alone, elsewhere, predicted: &scene.points })
     };
-    let variance = scene.model.variance_px2(0, &Detection::new([0.0; 2], confidence), 1, &scene.points[3 * jumped..3 * jumped + 3]);
+    let variance = scene.model.variance_px2(
+        0,
+        &Detection::new([0.0; 2], confidence),
+        1,
+        &scene.points[3 * jumped..3 * jumped + 3],
+    );
     let expected = |pi: f64, density: f64, core: f64| {
         ((1.0 - 0.02 - pi) * core / (std::f64::consts::TAU * variance) + 0.02 / 8e5 + pi * density).ln()
     };

@@ -66,8 +66,7 @@ fn keypoints_with_errors(factor: f64, noise: Noise, isa: Isa) -> (KeypointModel,
                     let [u, v] = project(&view.camera, &points[3 * k..3 * k + 3]);
                     let jitter = f64::from((7 * k as u32 + 3 * c as u32) % 11) - 5.0;
                     let gross = if k == 4 && c == 1 { 400.0 } else { 0.0 };
-                    ((k + c) % 9 != 0)
-                        .then_some(Detection::new([u + jitter + 3.0, v - jitter + gross - 2.0], 0.6))
+                    ((k + c) % 9 != 0).then_some(Detection::new([u + jitter + 3.0, v - jitter + gross - 2.0], 0.6))
                 })
                 .collect()
         })

@@ -4,14 +4,14 @@
 //! 2. The recording is read with them, `WINDOWS` windows of it, evenly spread, and the person is followed in each.
 //! 3. Fractions of a frame and drifts from the person's motion ([`sinew_observe::camera_lag`]). Where a whole frame is left, 2 and 3 are done again.
 //!
-//! Drifts are taken where the data tell one of them from 0 (`CERTAIN` standard deviations); without any, all lags are estimated again, without drifts.
+//! Two or three views of a person who walks straight ahead say little of whole lags: 2 and 3 are done from no lags at all, too, and what brings the cameras nearer together is taken.
 
 use crate::Error;
 use sinew::input::lag::Lag;
 use sinew::input::recording::{Recording, RecordingOptions, lag_of};
 use sinew::observe::Camera;
 use sinew::observe::association;
-use sinew::observe::camera_lag::{CameraClock, CameraLag, camera_clocks};
+use sinew::observe::camera_lag::{CameraClock, CameraLag, LagSearch, camera_clocks};
 use sinew::observe::clock_search::whole_lags;
 use sinew::observe::following::{Following, follow};
 use sinew::observe::offsets::{self, Sighted};
@@ -21,15 +21,13 @@ use std::path::Path;
 
 /// Frames in which whole lags are searched for.
 const SEARCHED: u64 = 1200;
-/// Windows in which the person is followed, and their frames.
-const WINDOWS: u64 = 24;
-const WINDOW: u64 = 100;
+/// Windows in which the person is followed, and their seconds.
+const WINDOWS: u64 = 20;
+const WINDOW_S: f64 = 2.5;
 /// Times that fractions are estimated.
 const ROUNDS: usize = 4;
 /// Frames from which offsets are estimated.
 const OFFSET_FRAMES: usize = 150;
-/// Standard deviations by which a drift differs from 0.
-const CERTAIN: f64 = 4.0;
 /// Standard deviation of a lag of which nothing is known, frames.
 const UNKNOWN: f64 = 2.0;
 
@@ -65,7 +63,16 @@ impl FoundClocks {
     }
 }
 
-/// Finds the clocks of the cameras, at most `most` frames apart beyond the lags of `options`; `watch` is called before each frame that is read and may stop.
+/// How clocks are looked for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SyncRequest {
+    /// Frames that cameras are apart at most, beyond the lags that are declared.
+    pub most: u64,
+    /// Frames a second.
+    pub fps: f64,
+}
+
+/// Finds the clocks of the cameras of a recording that is read with `options`; `watch` is called before each frame that is read and may stop.
 ///
 /// # Errors
 /// A recording that cannot be read; one camera; nobody whom two cameras see; errors of `watch`.
@@ -73,7 +80,7 @@ pub fn synchronise<E: From<Error>>(
     calibration: &Path,
     keypoints: &Path,
     options: &RecordingOptions,
-    most: u64,
+    request: &SyncRequest,
     mut watch: impl FnMut() -> Result<(), E>,
 ) -> Result<FoundClocks, E> {
     let library = |error: sinew::RecordingError| E::from(error.into());
@@ -87,33 +94,48 @@ pub fn synchronise<E: From<Error>>(
         return Err(E::from(SyncError::OneCamera.into()));
     }
     let declared: Vec<Lag> = cameras.iter().map(|camera| lag_of(&options.lag, &camera.name)).collect();
-    let searched = windows(&recording.frames(), 1, SEARCHED).remove(0);
     let mut first = vec![];
-    for number in searched {
+    for number in windows(&recording.frames(), 1, SEARCHED).remove(0) {
         watch()?;
         first.push(recording.people(number).map_err(library)?);
     }
-    let whole = whole_lags(&cameras, &first, most as usize, &association::Config::default());
+    let whole = whole_lags(&cameras, &first, request.most as usize, &association::Config::default());
     drop(first);
-    let mut late: Vec<Lag> = (declared.iter().zip(&whole))
-        .map(|(declared, whole)| Lag { frames: declared.frames + *whole as f64, ..*declared })
-        .collect();
-    let mut round = 0;
-    loop {
-        let named: Vec<(String, Lag)> = cameras.iter().map(|camera| camera.name.clone()).zip(late.clone()).collect();
-        let mut recording = open(&named).map_err(library)?;
-        let runs = followed(&mut recording, &mut watch)?;
-        let (clocks, drifts) = estimated(&cameras, &runs)
-            .ok_or_else(|| E::from(SetupError::NoAgreement { cameras: cameras.len(), frames: SEARCHED }.into()))?;
-        round += 1;
-        if round < ROUNDS && clocks.iter().any(|clock| clock.lag.frames.abs() >= 1.0) {
-            late.iter_mut().zip(&clocks).for_each(|(late, clock)| late.frames += clock.lag.frames.round());
-            continue;
+    let mut best: Option<(f64, FoundClocks)> = None;
+    let none = vec![0; cameras.len()];
+    let starts = if whole == none { vec![none] } else { vec![whole, none] };
+    for start in starts {
+        let mut late: Vec<Lag> = (declared.iter().zip(start))
+            .map(|(declared, whole)| Lag { frames: declared.frames + whole as f64, ..*declared })
+            .collect();
+        for round in 1..=ROUNDS {
+            let names = cameras.iter().map(|camera| camera.name.clone());
+            let Ok(mut recording) = open(&names.zip(late.clone()).collect::<Vec<_>>()) else { break };
+            let runs = followed(&mut recording, request.fps, &mut watch)?;
+            let Some((clocks, misfit)) = estimated(&cameras, &late, &runs, request.fps) else { break };
+            let left =
+                |(clock, late): (&CameraClock, &Lag)| is_known(clock) && (clock.lag.frames - late.frames).abs() >= 1.5;
+            if round < ROUNDS && clocks.iter().zip(&late).any(left) {
+                let known = late.iter_mut().zip(&clocks).filter(|(_, clock)| is_known(clock));
+                known.for_each(|(late, clock)| late.frames = clock.lag.frames.round());
+                continue;
+            }
+            if best.as_ref().is_none_or(|(least, _)| misfit < *least) {
+                let found = cameras.iter().zip(&late).zip(&declared).zip(&clocks);
+                let cameras =
+                    found.map(|(((camera, late), declared), clock)| clock_of(camera, *late, *declared, clock));
+                let found = FoundClocks { cameras: cameras.collect(), frames: runs.iter().map(Vec::len).sum() };
+                best = Some((misfit, found));
+            }
+            break;
         }
-        let found = cameras.iter().zip(&late).zip(&declared).zip(&clocks);
-        let found = found.map(|(((camera, late), declared), clock)| clock_of(camera, *late, *declared, clock, drifts));
-        return Ok(FoundClocks { cameras: found.collect(), frames: runs.iter().map(Vec::len).sum() });
     }
+    let nobody = || SetupError::NoAgreement { cameras: cameras.len(), frames: SEARCHED };
+    best.map(|(_, found)| found).ok_or_else(|| E::from(Error::from(nobody())))
+}
+
+fn is_known(clock: &CameraClock) -> bool {
+    clock.lag.sd < UNKNOWN
 }
 
 /// Why there is nothing to synchronise.
@@ -153,12 +175,13 @@ fn windows(frames: &Range<u64>, count: u64, width: u64) -> Vec<Range<u64>> {
 /// The person in windows of the recording: frames with what the cameras show of him.
 fn followed<E: From<Error>>(
     recording: &mut Recording,
+    fps: f64,
     mut watch: impl FnMut() -> Result<(), E>,
 ) -> Result<Vec<Vec<(u64, Sighted)>>, E> {
     let config = association::Config::default();
     let cameras = recording.cameras().to_vec();
     let mut runs = vec![];
-    for window in windows(&recording.frames(), WINDOWS, WINDOW) {
+    for window in windows(&recording.frames(), WINDOWS, (WINDOW_S * fps).ceil() as u64) {
         let mut following = Following::default();
         let mut run = vec![];
         for number in window {
@@ -174,8 +197,13 @@ fn followed<E: From<Error>>(
     Ok(runs)
 }
 
-/// Clocks with drifts where one of them is certain, else without.
-fn estimated(cameras: &[Camera], runs: &[Vec<(u64, Sighted)>]) -> Option<(Vec<CameraClock>, bool)> {
+/// Clocks, and how badly cameras agree: the scatter of keypoints about where the others see them, over how many agree at all.
+fn estimated(
+    cameras: &[Camera],
+    late: &[Lag],
+    runs: &[Vec<(u64, Sighted)>],
+    fps: f64,
+) -> Option<(Vec<CameraClock>, f64)> {
     let all: Vec<&Sighted> = runs.iter().flatten().map(|(_, sighted)| sighted).collect();
     let stride = all.len().div_ceil(OFFSET_FRAMES).max(1);
     let some: Vec<Sighted> = all.into_iter().step_by(stride).cloned().collect();
@@ -185,23 +213,27 @@ fn estimated(cameras: &[Camera], runs: &[Vec<(u64, Sighted)>]) -> Option<(Vec<Ca
     let config = offsets::Config::default();
     let noise = offsets::estimate(cameras, &some, &config);
     let runs: Vec<&[(u64, Sighted)]> = runs.iter().map(Vec::as_slice).collect();
-    let clocks = |drifts| camera_clocks(cameras, &noise, &runs, config.least_confidence, drifts);
-    let with = clocks(true)?;
-    let drifts = with.iter().any(|clock| clock.drift[0].abs() > CERTAIN * clock.drift[1]);
-    Some((if drifts { with } else { clocks(false)? }, drifts))
+    let taken: Vec<f64> = late.iter().map(|late| late.frames).collect();
+    let search = LagSearch { fps, least_confidence: config.least_confidence, drifts: true };
+    let clocks = camera_clocks((cameras, &taken), &noise, &runs, &search)?;
+    let seen: f64 = noise.iter().map(|noise| noise.residuals as f64).sum();
+    let scatter =
+        noise.iter().filter(|noise| noise.sigma_px.is_finite()).map(|noise| noise.sigma_px.powi(2)).sum::<f64>();
+    Some((clocks, (scatter / cameras.len() as f64).sqrt() / seen.max(1.0)))
 }
 
 /// The clock of a camera that was read with the lag `late`, beyond which `clock` is left.
-fn clock_of(camera: &Camera, late: Lag, declared: Lag, clock: &CameraClock, drifts: bool) -> FoundClock {
+fn clock_of(camera: &Camera, late: Lag, declared: Lag, clock: &CameraClock) -> FoundClock {
     let name = camera.name.clone();
-    if clock.lag.sd > UNKNOWN {
+    if !is_known(clock) {
         return FoundClock { camera: name, lag: None, drift_ppm: None, declared };
     }
-    let middle = late.frames + 1e-6 * late.ppm * clock.middle + clock.lag.frames;
+    let middle = clock.lag.frames + 1e-6 * late.ppm * clock.middle;
     let lag = CameraLag { frames: middle, sd: clock.lag.sd };
     let ppm = late.ppm + 1e6 * clock.drift[0];
+    let drifts = clock.drift[1] > 0.0;
     let declared = match drifts {
-        false => Lag { frames: lag.rounded(), ppm: late.ppm },
+        false => Lag { frames: clock.lag.rounded(), ppm: late.ppm },
         true => {
             let ppm = (10.0 * ppm).round() / 10.0;
             Lag { frames: (100.0 * (middle - 1e-6 * ppm * clock.middle)).round() / 100.0, ppm }

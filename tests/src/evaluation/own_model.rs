@@ -198,9 +198,8 @@ impl Seen {
     /// The likelihood of a frame, with the estimate of the frame before.
     fn bind(&mut self, film: &SyntheticRecording, frame: usize, estimate: &[f64]) -> BoundKeypoints {
         let found = |camera: &Vec<Vec<Option<Keypoint>>>| {
-            let detection = |&(_, k): &(usize, usize)| {
-                camera[frame][k].map(|d| Detection::new([d.x, d.y], d.confidence))
-            };
+            let detection =
+                |&(_, k): &(usize, usize)| camera[frame][k].map(|d| Detection::new([d.x, d.y], d.confidence));
             self.shared.iter().map(detection).collect()
         };
         let detections: Vec<Vec<Option<Detection>>> = film.keypoints.iter().map(found).collect();

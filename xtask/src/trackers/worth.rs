@@ -11,17 +11,17 @@ const FOLLOWED_MM: f64 = 150.0;
 
 /// What came of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Worth {
+pub(crate) struct Worth {
     /// Mean distance of the twelve limb joints, millimetres.
-    pub(super) error_mm: f64,
+    pub(crate) error_mm: f64,
     /// Share of frames whose mean distance is below 150 mm.
-    pub(super) followed: f64,
+    pub(crate) followed: f64,
     /// Share of true coordinates within the 90 % intervals.
-    pub(super) covered: f64,
+    pub(crate) covered: f64,
     /// Share of frames at which tracking began again.
-    pub(super) restarted: f64,
+    pub(crate) restarted: f64,
     /// Frames per second, without the set-up.
-    pub(super) frames_per_second: f64,
+    pub(crate) frames_per_second: f64,
 }
 
 impl Worth {
@@ -49,7 +49,7 @@ impl Worth {
 }
 
 /// Reads `joints.csv`, `summary.json` and `timings.json` of a folder, and a TRC file of true joints of the same frames.
-pub(super) fn of(folder: &Path, truth: &Path) -> Outcome<Worth> {
+pub(crate) fn of(folder: &Path, truth: &Path) -> Outcome<Worth> {
     let json =
         |name: &str| -> Outcome<Value> { Ok(serde_json::from_str(&std::fs::read_to_string(folder.join(name))?)?) };
     let (timings, summary) = (json("timings.json")?, json("summary.json")?);

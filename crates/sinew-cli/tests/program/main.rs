@@ -31,6 +31,7 @@ mod resume_motion_model;
 mod segment;
 mod several_people;
 mod simulate;
+mod sync;
 mod track_latent;
 mod write_calibration;
 mod wrong_paths;

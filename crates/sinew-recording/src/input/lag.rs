@@ -82,7 +82,9 @@ mod tests {
 
     #[test]
     fn lags_are_read_as_they_are_written() {
-        for (text, frames, ppm) in [("2", 2.0, 0.0), ("-0.4", -0.4, 0.0), ("1.25+80ppm", 1.25, 80.0), ("-3-7.5ppm", -3.0, -7.5)] {
+        for (text, frames, ppm) in
+            [("2", 2.0, 0.0), ("-0.4", -0.4, 0.0), ("1.25+80ppm", 1.25, 80.0), ("-3-7.5ppm", -3.0, -7.5)]
+        {
             let lag: Lag = text.parse().unwrap();
             assert_eq!((lag, lag.to_string().as_str()), (Lag { frames, ppm }, text));
         }

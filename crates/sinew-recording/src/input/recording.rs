@@ -22,11 +22,11 @@ pub use frame_ranges::{check_lags, lag_of, ranges};
 pub use known_layout::{check_layout, lacking};
 pub use options::RecordingOptions;
 
+use crate::input::frame::{detected, detections};
+use crate::input::lag::Lag;
 use crate::{Error, files};
 use keypoint_camera::KeypointCamera;
 use keypoint_sources::KeypointSource;
-use crate::input::frame::{detected, detections};
-use crate::input::lag::Lag;
 use known_layout::named_layout;
 use recent_frames::RecentFrames;
 use sinew_formats::openpose::{self, OpenposePerson, Tally};

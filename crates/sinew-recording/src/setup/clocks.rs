@@ -5,15 +5,23 @@ use super::warning::SetupWarning;
 use crate::input::lag::Lag;
 use sinew_formats::camera_name;
 use sinew_observe::Camera;
-use sinew_observe::camera_lag::{CameraLag, camera_lags};
+use sinew_observe::camera_lag::{CameraLag, LagSearch, camera_clocks};
 use sinew_observe::offsets::{CameraNoise, Sighted};
 
 /// Frames below which no clock is judged: the errors of the estimate come from blocks of fifteen frames, and fewer than four blocks say little of them.
 const FEWEST: usize = 60;
 
-/// Lags of all cameras in the runs of consecutive frames that were kept; empty where there is one camera, or too few frames.
+/// Frames a second where nobody says.
+pub const USUAL_FPS: f64 = 60.0;
+
+/// Lags of all cameras in the runs of consecutive frames that were kept, of `fps` a second; empty where there is one camera, or too few frames.
 #[must_use]
-pub fn lags(cameras: &[Camera], noise: &[CameraNoise], collected: &Collected, least_confidence: f64) -> Vec<CameraLag> {
+pub fn lags(
+    cameras: &[Camera],
+    noise: &[CameraNoise],
+    collected: &Collected,
+    (fps, least_confidence): (Option<f64>, f64),
+) -> Vec<CameraLag> {
     let window = collected.window.as_slice();
     let end = window.last().map_or(0, |(number, _)| *number);
     let after = |run: &&[(u64, Sighted)]| run.first().is_some_and(|(number, _)| *number > end);
@@ -22,7 +30,10 @@ pub fn lags(cameras: &[Camera], noise: &[CameraNoise], collected: &Collected, le
     if runs.iter().map(|run| run.len()).sum::<usize>() < FEWEST {
         return vec![];
     }
-    camera_lags(cameras, noise, &runs, least_confidence).unwrap_or_default()
+    let search = LagSearch { fps: fps.unwrap_or(USUAL_FPS), least_confidence, drifts: false };
+    let taken = vec![0.0; cameras.len()];
+    let clocks = camera_clocks((cameras, &taken), noise, &runs, &search).unwrap_or_default();
+    clocks.into_iter().map(|clock| clock.lag).collect()
 }
 
 /// The cameras that are off, with the setting that mends it: what was `declared` and what was found.

@@ -125,9 +125,9 @@ pub fn search(folder: &Path) -> Result<Vec<ConfigFile>, Error> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use sinew_recording::input::lag::Lag;
     use crate::config::value::to_toml;
     use crate::methods::METHODS;
+    use sinew_recording::input::lag::Lag;
 
     fn problems(text: &str) -> Vec<String> {
         parse(text, Path::new("")).unwrap_err()

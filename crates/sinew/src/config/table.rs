@@ -52,7 +52,7 @@ const FIRST: &[Setting] = &[
     rare((INPUT, "person", SettingKind::Count(0, 999), "N", "", "which person: 0 is the most complete one on whom the cameras agree at the start [default: 0]")),
     rare((INPUT, "people", SettingKind::Choice(&["all", "1"]), "WHO", "all", "whom to track: all whom two cameras see for a quarter of a second in all, or 1, the one that --person names")),
     common((INPUT, "trim", SettingKind::Flag, "", "false", "take only the frames that all cameras have")),
-    rare((INPUT, "lag", SettingKind::Lags, "LIST", "", "frames that cameras are late, cam_01=1,cam_03=-2; `sinew inspect` finds them")),
+    rare((INPUT, "lag", SettingKind::Lags, "LIST", "", "frames that cameras are late, cam_01=1,cam_03=-2.4; `sinew sync` finds them")),
     rare((INPUT, "confidence_scale", POSITIVE, "C", "1", "confidence that means certainty")),
     rare((INPUT, "image_scale", FACTOR, "S", "1", "size of the images with the keypoints over that of the calibrated images, where they were resized")),
     rare((INPUT, "mask_scale", FACTOR, "S", "", "size of the masks over that of the calibrated images [default: as the keypoints']")),

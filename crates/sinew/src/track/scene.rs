@@ -404,7 +404,9 @@ impl Scene {
     #[must_use]
     pub fn save(&self) -> SceneState {
         let Following { lengths, last_px, lost, started, .. } = self.following.clone();
-        let numbers = |d: &Option<Detection>| d.map(|Detection { pixel: [u, v], confidence, extra_px }| [u, v, confidence, extra_px]);
+        let numbers = |d: &Option<Detection>| {
+            d.map(|Detection { pixel: [u, v], confidence, extra_px }| [u, v, confidence, extra_px])
+        };
         let detections = self.shown.detections.iter().map(|seen| seen.iter().map(numbers).collect()).collect();
         let (oddities, predictive) = (self.oddities.save(), self.predictive.clone());
         let velocities = self.clocks.save();

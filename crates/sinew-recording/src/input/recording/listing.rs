@@ -4,8 +4,8 @@
 
 use crate::Error;
 use crate::input::error::InputError;
-use crate::input::lag::Lag;
 use crate::input::folder_contents::{FolderContents, folder_contents, is_video};
+use crate::input::lag::Lag;
 use sinew_formats::{Error as FormatError, frame_number};
 use std::collections::{BTreeMap, HashMap};
 use std::ffi::{OsStr, OsString};
@@ -105,7 +105,12 @@ impl CameraFiles {
             patterns: vec![Pattern::Exact(name)],
             ..Names::default()
         };
-        Self { camera: camera.into(), folder: file.parent().unwrap_or(Path::new("")).to_owned(), lag: Lag::default(), names }
+        Self {
+            camera: camera.into(),
+            folder: file.parent().unwrap_or(Path::new("")).to_owned(),
+            lag: Lag::default(),
+            names,
+        }
     }
 
     /// The same files of a camera that is late.

@@ -1,0 +1,258 @@
+//! The linear model of [`crate::camera_lag`]: what keypoints in several cameras say of lags and drifts.
+//!
+//! A *sight* is a keypoint in a frame with what all cameras show of it. Its place in space and, for each of its cameras, an offset that lasts a second (`BLOCK_S`) are nuisance: both are eliminated (Schur complements), so that only what changes within a second counts.
+//!
+//! Velocities have errors, whose squares would count as motion, where there is none: the information about lags and drifts is made of products of a velocity from odd frames and one from even ones, whose errors are apart (instrumental variables).
+//! Robust weights (Cauchy's, Holland & Welsch 1977) are iterated. Standard deviations follow from the estimating equations with a keypoint's errors of one second as one (Liang & Zeger 1986): detectors err the same way for some frames.
+
+use crate::camera::Camera;
+use crate::offsets::{CameraNoise, Sighted, point_from_views};
+use crate::point_velocity::{reach, two_velocities, velocity};
+use nalgebra::{DMatrix, DVector, Matrix2, Matrix2x3, Matrix3, Vector2, Vector3};
+
+/// Numbers of a camera: lag, in frames, and drift, in frames over half of the span.
+pub(crate) const OWN: usize = 2;
+/// Seconds for which a keypoint's offset in a camera lasts, and in which its errors count as one.
+const BLOCK_S: f64 = 1.0;
+/// Standard deviation of that offset, pixels.
+const OFFSET_PX: f64 = 100.0;
+/// Times that weights are computed.
+const WEIGHTINGS: usize = 4;
+/// Residual, in standard deviations, at which a weight is a half.
+const SOFT: f64 = 2.0;
+
+/// How lags are looked for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LagSearch {
+    /// Frames a second.
+    pub fps: f64,
+    /// Keypoints of lower confidence do not count.
+    pub least_confidence: f64,
+    /// Whether clocks may drift.
+    pub drifts: bool,
+}
+
+/// A keypoint in a frame, seen by several cameras.
+pub(crate) struct Sight {
+    /// Keypoint and second.
+    block: (usize, u64),
+    pub(crate) views: Vec<SightView>,
+}
+
+pub(crate) struct SightView {
+    pub(crate) camera: usize,
+    residual: Vector2<f64>,
+    point: Matrix2x3<f64>,
+    /// Derivative by the camera's numbers, with velocities from all near frames, from odd ones and from even ones.
+    own: [Matrix2<f64>; 3],
+}
+
+/// The time in which drifts are measured: s = (f − middle) / half.
+#[derive(Clone, Copy)]
+pub(crate) struct Span {
+    pub(crate) middle: f64,
+    pub(crate) half: f64,
+}
+
+impl Span {
+    pub(crate) fn over(runs: &[&[(u64, Sighted)]]) -> Self {
+        let numbers = || runs.iter().flat_map(|run| run.iter()).map(|(number, _)| *number as f64);
+        let (first, last) = (numbers().fold(f64::INFINITY, f64::min), numbers().fold(0.0, f64::max));
+        Self { middle: 0.5 * (first + last), half: (0.5 * (last - first)).max(1.0) }
+    }
+
+    pub(crate) fn at(&self, number: u64) -> f64 {
+        (number as f64 - self.middle) / self.half
+    }
+}
+
+/// What the frames of a run show, keypoint by keypoint.
+pub(crate) fn sights_of(
+    cameras: &[Camera],
+    noise: &[CameraNoise],
+    frames: &[(u64, Sighted)],
+    span: Span,
+    search: &LagSearch,
+) -> Vec<Sight> {
+    let keypoints = frames.iter().flat_map(|(_, views)| views).map(Vec::len).max().unwrap_or(0);
+    let first = frames.first().map_or(0, |(number, _)| *number);
+    let numbers: Vec<u64> = frames.iter().map(|(number, _)| *number).collect();
+    let length = (BLOCK_S * search.fps).round().max(1.0) as u64;
+    // Odd and even frames on both sides.
+    let reach = reach(search.fps).max(2);
+    let mut sights = vec![];
+    for keypoint in 0..keypoints {
+        let found: Vec<Option<([f64; 3], Vec<usize>)>> = frames
+            .iter()
+            .map(|(_, views)| {
+                let (refined, used) = point_from_views(cameras, noise, views, keypoint, search.least_confidence)?;
+                Some((refined.point, used))
+            })
+            .collect();
+        let points: Vec<Option<[f64; 3]>> = found.iter().map(|found| found.as_ref().map(|(point, _)| *point)).collect();
+        for (at, found) in found.iter().enumerate() {
+            let halves = two_velocities(&points, &numbers, at, reach);
+            let (Some((point, used)), Some(velocity), Some([odd, even])) =
+                (found, velocity(&points, &numbers, at, reach), halves)
+            else {
+                continue;
+            };
+            let views: Vec<SightView> = used
+                .iter()
+                .filter_map(|&camera| {
+                    let pixel = frames[at].1.get(camera)?.get(keypoint).copied().flatten()?.pixel;
+                    let known = (&cameras[camera], &noise[camera]);
+                    view(known, camera, pixel, *point, [velocity, odd, even], span.at(frames[at].0))
+                })
+                .collect();
+            if views.len() > 1 {
+                sights.push(Sight { block: (keypoint, (frames[at].0 - first) / length), views });
+            }
+        }
+    }
+    sights
+}
+
+fn view(
+    (known, noise): (&Camera, &CameraNoise),
+    camera: usize,
+    pixel: [f64; 2],
+    point: [f64; 3],
+    velocities: [Vector3<f64>; 3],
+    time: f64,
+) -> Option<SightView> {
+    let (projected, jacobian) = known.project_with_jacobian(point)?;
+    let residual = Vector2::from_fn(|axis, _| pixel[axis] - noise.offset_px[axis] - projected[axis]);
+    let by_point = Matrix2x3::from_fn(|axis, k| jacobian[axis][k]);
+    let own = velocities.map(|velocity| {
+        let flow = by_point * velocity;
+        Matrix2::new(-flow[0], -time * flow[0], -flow[1], -time * flow[1])
+    });
+    Some(SightView { camera, residual, point: by_point, own })
+}
+
+/// Normal equations of the sights of a keypoint in a second: of the cameras' numbers, of their offsets, and between them.
+struct Block {
+    numbers: DMatrix<f64>,
+    between: DMatrix<f64>,
+    offsets: DMatrix<f64>,
+    score_of_numbers: DVector<f64>,
+    score_of_offsets: DVector<f64>,
+}
+
+/// What is left of the numbers of all cameras beyond `total`, and their covariance; `None` where velocities have nothing in common but errors.
+///
+/// Priors are about 0 with the standard deviations of a lag and a drift.
+pub(crate) fn regression(
+    noise: &[CameraNoise],
+    sights: &[Sight],
+    total: &DVector<f64>,
+    prior_sd: [f64; OWN],
+) -> Option<(DVector<f64>, DMatrix<f64>)> {
+    let size = total.len();
+    let sigma: Vec<f64> = noise.iter().map(|n| if n.sigma_px.is_finite() { n.sigma_px } else { 1.0 }).collect();
+    let prior = DMatrix::from_diagonal(&DVector::from_fn(size, |i, _| prior_sd[i % OWN].powi(-2)));
+    let blocks: Vec<&[Sight]> = sights.chunk_by(|a, b| a.block == b.block).collect();
+    let mut offsets = vec![DVector::zeros(2 * noise.len()); blocks.len()];
+    let mut solution = DVector::zeros(size);
+    let mut covariance = DMatrix::zeros(size, size);
+    for _ in 0..WEIGHTINGS {
+        let mut sums = [0.0; 2];
+        let summed: Vec<Block> = (blocks.iter().zip(&offsets))
+            .map(|(sights, offsets)| summed(sights, &sigma, &solution, offsets, &mut sums))
+            .collect();
+        // The derivative of a weighted residual is less than its weight, on the whole by this share (Huber 1981, section 7.6).
+        let share = sums[1] / sums[0].max(f64::MIN_POSITIVE);
+        let (mut information, mut spread) = (prior.clone(), prior.clone());
+        let mut score = -&prior * (&solution + total);
+        let mut eliminated = vec![];
+        for (block, offsets) in summed.iter().zip(&offsets) {
+            let own = block.offsets.scale(share)
+                + DMatrix::identity(2 * noise.len(), 2 * noise.len()).scale(OFFSET_PX.powi(-2));
+            let inverse = own.cholesky()?.inverse();
+            let score_of_offsets = &block.score_of_offsets - offsets.scale(OFFSET_PX.powi(-2));
+            let between = block.between.scale(share);
+            let through = &between * &inverse;
+            let score_left = &block.score_of_numbers - &through * &score_of_offsets;
+            information += block.numbers.scale(share) - &through * between.transpose();
+            spread += &score_left * score_left.transpose();
+            score += &score_left;
+            eliminated.push((inverse, between, score_of_offsets));
+        }
+        let inverse = information.cholesky()?.inverse();
+        let step = &inverse * score;
+        for ((inverse, between, score), offsets) in eliminated.iter().zip(&mut offsets) {
+            *offsets += inverse * (score - between.transpose() * &step);
+        }
+        solution += step;
+        covariance = &inverse * spread * &inverse;
+    }
+    Some((solution, covariance))
+}
+
+/// Sums over the sights of a block; to `sums` weights, and derivatives of weighted residuals.
+fn summed(
+    sights: &[Sight],
+    sigma: &[f64],
+    solution: &DVector<f64>,
+    offsets: &DVector<f64>,
+    sums: &mut [f64; 2],
+) -> Block {
+    let (numbers, pixels) = (solution.len(), offsets.len());
+    let mut block = Block {
+        numbers: DMatrix::zeros(numbers, numbers),
+        between: DMatrix::zeros(numbers, pixels),
+        offsets: DMatrix::zeros(pixels, pixels),
+        score_of_numbers: DVector::zeros(numbers),
+        score_of_offsets: DVector::zeros(pixels),
+    };
+    let two = |of: &DVector<f64>, camera: usize| Vector2::new(of[2 * camera], of[2 * camera + 1]);
+    for sight in sights {
+        let left = |v: &SightView| v.residual - v.own[0] * two(solution, v.camera) - two(offsets, v.camera);
+        let left: Vec<Vector2<f64>> = sight.views.iter().map(left).collect();
+        let plain: Vec<f64> = sight.views.iter().map(|v| sigma[v.camera].powi(-2)).collect();
+        let Some((step, _)) = point_step(sight, &left, &plain) else { continue };
+        let weights: Vec<f64> = (sight.views.iter().zip(&left).zip(&plain))
+            .map(|((v, left), plain)| plain / (1.0 + plain * (left - v.point * step).norm_squared() / (SOFT * SOFT)))
+            .collect();
+        let Some((step, inverse)) = point_step(sight, &left, &weights) else { continue };
+        for ((a, left), weight) in sight.views.iter().zip(&left).zip(&weights) {
+            let left = left - a.point * step;
+            *sums = [sums[0] + weight, sums[1] + weight - weight.powi(2) * left.norm_squared() / (SOFT * SOFT)];
+            add_to(&mut block.score_of_offsets, a.camera, *weight * left);
+            add_to(&mut block.score_of_numbers, a.camera, *weight * a.own[0].transpose() * left);
+            for (b, other) in sight.views.iter().zip(&weights) {
+                let mut weighted = -*weight * *other * (a.point * inverse * b.point.transpose());
+                if a.camera == b.camera {
+                    weighted += *weight * Matrix2::identity();
+                }
+                let ([whole, odd, even], at) = (a.own, (OWN * a.camera, OWN * b.camera));
+                let crossed = odd.transpose() * weighted * b.own[2] + even.transpose() * weighted * b.own[1];
+                let mut place = block.numbers.fixed_view_mut::<OWN, OWN>(at.0, at.1);
+                place += 0.5 * crossed;
+                let mut place = block.between.fixed_view_mut::<OWN, 2>(at.0, at.1);
+                place += whole.transpose() * weighted;
+                let mut place = block.offsets.fixed_view_mut::<2, 2>(at.0, at.1);
+                place += weighted;
+            }
+        }
+    }
+    block
+}
+
+fn add_to(vector: &mut DVector<f64>, camera: usize, own: Vector2<f64>) {
+    let mut place = vector.fixed_rows_mut::<2>(2 * camera);
+    place += own;
+}
+
+/// Shift of the point that explains most of the residuals, and the inverse of its information.
+fn point_step(sight: &Sight, left: &[Vector2<f64>], weights: &[f64]) -> Option<(Vector3<f64>, Matrix3<f64>)> {
+    let mut normal = Matrix3::zeros();
+    let mut gradient = Vector3::zeros();
+    for ((view, left), weight) in sight.views.iter().zip(left).zip(weights) {
+        normal += *weight * view.point.transpose() * view.point;
+        gradient += *weight * view.point.transpose() * left;
+    }
+    let inverse = normal.cholesky()?.inverse();
+    Some((inverse * gradient, inverse))
+}
