@@ -77,7 +77,7 @@ const LEAST_DRIFT_S: f64 = 10.0;
 /// Times that what was found is taken away.
 const ROUNDS: usize = 10;
 /// What may be left at the end, frames.
-const LEFT: f64 = 0.01;
+const LEFT: f64 = 0.02;
 /// Standard deviation of a lag of which nothing is known, frames.
 const UNKNOWN: f64 = 2.0;
 /// Largest lag, frames.

@@ -1,7 +1,7 @@
 //! Whole frames by which cameras are late, however many, from where rays pass each other.
 //!
 //! Rays to the same keypoint meet where two cameras show the same moment. For each pair of cameras and each lag between them, the cost is the mean distance of the rays of all keypoints, cut off at `FARTHEST_M`, of everybody in a frame to whom fits best in the other view.
-//! The lags of all cameras together have the least sum of the pairs' costs, found camera by camera from each camera as the one that is right; between lags that cost the same, the smaller one is taken.
+//! The lags of all cameras together have the least sum of the pairs' costs, found camera by camera from each camera as the one that is right; between lags that cost the same, the smaller one is taken, and none at all where lags do not lower the sum of costs to `WORTH` of it: cameras that are not quite where their calibration says have costs of their own.
 //! It is a search: [`crate::camera_lag`] says what fractions of a frame are left, and how sure that is.
 
 use crate::association::{Config, Person, usable};
@@ -12,6 +12,8 @@ use nalgebra::{Matrix3, Vector3};
 const FARTHEST_M: f64 = 0.2;
 /// Cost of a frame of lag, metres: it decides where nothing else does.
 const FRAME_M: f64 = 1e-5;
+/// Share of the cost of no lags that lags must come down to.
+const WORTH: f64 = 0.7;
 /// Frames of the first camera of a pair that are looked at, at most.
 const LOOKED_AT: usize = 300;
 /// Frames and keypoints in which two people must be seen together.
@@ -65,6 +67,10 @@ pub fn whole_lags(cameras: &[Camera], frames: &[Vec<Vec<Person>>], most: usize, 
         lags
     };
     let found = (0..count).map(from).min_by(|a, b| total(a).total_cmp(&total(b))).unwrap_or_default();
+    let none = vec![0; count];
+    if total(&found) > WORTH * total(&none) {
+        return none;
+    }
     found.iter().map(|lag| lag - found[0]).collect()
 }
 

@@ -22,8 +22,8 @@ use std::path::Path;
 /// Frames in which whole lags are searched for.
 const SEARCHED: u64 = 1200;
 /// Windows in which the person is followed, and their seconds.
-const WINDOWS: u64 = 20;
-const WINDOW_S: f64 = 2.5;
+const WINDOWS: u64 = 15;
+const WINDOW_S: f64 = 2.0;
 /// Times that fractions are estimated.
 const ROUNDS: usize = 4;
 /// Frames from which offsets are estimated.
