@@ -8,6 +8,7 @@ pub mod action_trace;
 pub mod error;
 pub mod estimate;
 pub mod folder;
+pub mod joint_angles;
 pub mod people;
 pub mod problem;
 pub mod silhouette_overlap;
@@ -29,6 +30,7 @@ mod summary;
 mod table;
 mod tables;
 mod texts;
+mod visibility;
 mod world_turn;
 
 pub use claim::{

@@ -5,7 +5,8 @@
 use crate::common::files;
 use crate::common::synthetic::Whole;
 use sinew::formats::calib_toml;
-use sinew::results::estimate::{Draws, FrameEstimate, PointMarginal, RunInfo, StateMarginal};
+use sinew::results::estimate::{AngleMarginal, Draws, FrameEstimate, PointMarginal, RunInfo, StateMarginal};
+use sinew::results::joint_angles::{Convention, JointAngles};
 use sinew::results::problem;
 use sinew::results::{Disk, Ending, OWN_NAMES, ResultFolder, Storage, StoredFile, Texts, claim_in};
 use sinew::track::checkpoint;
@@ -110,9 +111,10 @@ fn write(folder: &Path, steps: usize) -> Result<usize, Error> {
         sigma_px: 1.0,
         sources: vec![],
         setup_toml: "schema = 2\n".into(),
+        angles: JointAngles::new(&body, &[], false, Convention::OpenSim),
         body,
     };
-    let dof = info.body.dof();
+    let (dof, angles) = (info.body.dof(), info.angles.names().len());
     let points = info.body.points().len();
     let cameras = info.cameras.len();
     let claim = claim_in(Arc::new(Failing(Arc::clone(&left))), folder, &[], false)?;
@@ -125,6 +127,7 @@ fn write(folder: &Path, steps: usize) -> Result<usize, Error> {
             mean_state: vec![0.0; dof],
             points: vec![PointMarginal::default(); points],
             state: vec![StateMarginal::default(); dof],
+            angles: vec![AngleMarginal::default(); angles],
             draws: Draws { states: vec![0.0; dof], ..Draws::default() },
             seen: vec![[3.0, 4.0, 0.5]; cameras],
             ess: 20.0,

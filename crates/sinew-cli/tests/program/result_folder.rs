@@ -38,7 +38,7 @@ fn everything_is_there_and_readable() {
     let bvh = sinew::formats::bvh::read("motion.bvh", &text("motion.bvh")).unwrap();
     assert_eq!((bvh.frames.len(), bvh.warnings.len()), (6, 0));
 
-    for name in ["joints.csv", "keypoints.csv", "angles.csv", "frames.csv", "markers_sd.csv"] {
+    for name in ["joints.csv", "keypoints.csv", "angles.csv", "state.csv", "frames.csv", "markers_sd.csv"] {
         insta::assert_snapshot!(format!("columns_{name}"), text(name).lines().next().unwrap());
         // A diagnostic of so short a run may be undefined; an estimate may not.
         assert!(name == "frames.csv" || !text(name).contains("NaN"), "{name}");

@@ -1,5 +1,6 @@
 //! How a recording is tracked.
 
+use crate::results::joint_angles::Convention;
 use crate::methods::{HmcMethod, Method, Score};
 use sinew_core::lanes::Isa;
 use sinew_dynamics::primitives::model::PrimitiveModel;
@@ -36,6 +37,8 @@ pub struct Settings {
     pub score: ImageScore,
     /// Longest side of the raster in which silhouettes are compared, pixels.
     pub raster: usize,
+    /// Whose definitions the angles of joints follow.
+    pub angles: Convention,
     /// Thinned draws kept of each frame.
     pub draws: usize,
     /// Whether the set-up is that of an earlier run, which advice depends on.
@@ -65,6 +68,7 @@ impl Default for Settings {
             latent_model: None,
             score: Score::Bidirectional.with_kappa(100.0),
             raster: 320,
+            angles: Convention::default(),
             draws: 64,
             setup_is_given: false,
         }

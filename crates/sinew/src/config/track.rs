@@ -5,6 +5,7 @@ use super::settings::Settings;
 use super::value::Value;
 use super::values::Origin;
 use crate::methods::Score;
+use crate::results::joint_angles::Convention;
 use crate::track::error::TrackError;
 use crate::{Error, files};
 use sinew_core::lanes::Isa;
@@ -181,6 +182,7 @@ impl Resolved {
             motion_scale: values.number("motion_scale").unwrap_or(usual.motion_scale),
             score: values.number("kappa").map_or(usual.score, |kappa| score.with_kappa(kappa)),
             raster: values.size_or("raster", usual.raster),
+            angles: values.text("angles").and_then(|name| Convention::named(&name)).unwrap_or_default(),
             draws: values.size_or("draws", usual.draws),
             setup_is_given: values.path("setup").is_some(),
             ..usual

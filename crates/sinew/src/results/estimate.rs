@@ -7,6 +7,7 @@
 
 pub mod diagnostics;
 
+use super::joint_angles::JointAngles;
 use super::world_turn::WorldTurn;
 use sinew_body::KinematicTree;
 use sinew_dynamics::primitives::switching::Branch;
@@ -71,6 +72,21 @@ pub struct StateMarginal {
     pub q05: f64,
     /// 95 % quantile.
     pub q95: f64,
+}
+
+/// An angle of a joint, radians; all on one branch, continuous within a recording.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct AngleMarginal {
+    /// In the mean pose.
+    pub of_mean_pose: f64,
+    /// Mean.
+    pub mean: f64,
+    /// 5 % quantile.
+    pub q05: f64,
+    /// 95 % quantile.
+    pub q95: f64,
+    /// Its mean change over the frames around, radians a second: mean, 5 % and 95 % quantiles. None where tracking began in this frame and no later one counts.
+    pub rate: Option<[f64; 3]>,
 }
 
 /// Statistics that come with each draw of a Hamiltonian sampler; one entry per draw.
@@ -152,6 +168,8 @@ pub struct FrameEstimate {
     pub keypoints: Vec<PointMarginal>,
     /// Marginals of the degrees of freedom.
     pub state: Vec<StateMarginal>,
+    /// Marginals of the angles of joints, in the order of [`RunInfo::angles`].
+    pub angles: Vec<AngleMarginal>,
     /// Thinned draws, as many in each frame.
     pub draws: Draws,
     /// For particle methods.
@@ -208,6 +226,8 @@ pub struct RunInfo {
     pub kind: EstimateKind,
     /// Body in its fitted size; points and degrees of freedom are in its order.
     pub body: KinematicTree,
+    /// The angles of joints that each frame brings.
+    pub angles: JointAngles,
     /// How the calibration's world was turned, if it was.
     pub world: Option<WorldTurn>,
     /// Frames per second.

@@ -4,7 +4,8 @@
 //! summary.json   written last; "complete": true means done      timings.json   the only file that differs from run to run
 //! config.toml    repeats the run with --config                  setup.toml     repeats the set-up with --setup
 //! markers.trc    markers_sd.csv    angles.mot    motion.bvh     of the mean pose
-//! joints.csv     keypoints.csv     angles.csv     frames.csv    tidy tables with units in the column names
+//! joints.csv     keypoints.csv     angles.csv     state.csv
+//! frames.csv                                                    tidy tables with units in the column names
 //! actions.csv                                                   of methods with action primitives alone
 //! posterior.zarr load.py                                        draws, and how to open them
 //! ```
@@ -46,6 +47,8 @@ pub struct ResultFolder {
     texts: Texts,
     markers: Markers,
     tables: Tables,
+    /// Angles of joints of each frame.
+    angles: usize,
     actions: Actions,
     coordinates: Coordinates,
     skeleton: SkeletonFile,
@@ -61,7 +64,6 @@ pub struct ResultFolder {
 pub struct Written {
     frames: u64,
     positions: BTreeMap<String, Position>,
-    angles_before: Vec<Option<[f64; 3]>>,
     channels_before: Option<Vec<f64>>,
     draws: OpenChunks,
 }
@@ -88,18 +90,17 @@ impl ResultFolder {
             claim.remove("summary.json")?;
         }
         let text = |name: &str, text: &str| PartialFile::with_text(&storage, folder.join(name), text);
-        let mut coordinates = Coordinates::open(&place, &info)?;
         let mut skeleton = SkeletonFile::open(&place, &info)?;
         if let Some(written) = written {
-            let remembered = coordinates.remember(&written.angles_before);
-            let remembered = remembered.and_then(|()| skeleton.remember(written.channels_before.clone()));
+            let remembered = skeleton.remember(written.channels_before.clone());
             remembered.map_err(|problem| Error::checkpoint(&folder, problem))?;
         }
         Ok(Self {
             markers: Markers::open(&place, &info)?,
             tables: Tables::open(&place, &info)?,
+            angles: info.angles.names().len(),
             actions: Actions::open(&place, &info)?,
-            coordinates,
+            coordinates: Coordinates::open(&place, &info)?,
             skeleton,
             draws: DrawStore::open(&place, &info, written.map(|written| &written.draws))?,
             journal: Journal::open(&place, info.cameras.len(), info.body.points().len())?,
@@ -131,6 +132,7 @@ impl ResultFolder {
             &mut self.tables.joints.file,
             &mut self.tables.keypoints.file,
             &mut self.tables.angles.file,
+            &mut self.tables.state.file,
             &mut self.tables.frames.file,
             &mut self.coordinates.file,
             &mut self.skeleton.file,
@@ -141,7 +143,6 @@ impl ResultFolder {
         Ok(Written {
             frames: self.frames,
             positions: files.map(PartialFile::keep).collect::<Result<_, _>>()?,
-            angles_before: self.coordinates.before.clone(),
             channels_before: self.skeleton.before.clone(),
             draws: self.draws.keep()?,
         })
@@ -171,6 +172,7 @@ impl ResultFolder {
         let sizes = [
             ("mean state", estimate.mean_state.len(), dof),
             ("marginals of the state", estimate.state.len(), dof),
+            ("marginals of the angles", estimate.angles.len(), self.angles),
             ("marginals of the points", estimate.points.len(), points),
             ("draws", estimate.draws.states.len(), dof * self.info.draws),
         ];
@@ -181,7 +183,10 @@ impl ResultFolder {
         let finite = |values: &[f64]| values.iter().all(|value| value.is_finite());
         let points = estimate.points.iter().all(|p| [p.mean, p.sd, p.q05, p.q95].iter().all(|values| finite(values)));
         let state = estimate.state.iter().all(|s| finite(&[s.mean, s.q05, s.q95]));
-        match finite(&estimate.mean_state) && points && state && finite(&estimate.draws.states) {
+        let angles = estimate.angles.iter().all(|a| {
+            finite(&[a.of_mean_pose, a.mean, a.q05, a.q95]) && a.rate.is_none_or(|rate| finite(&rate))
+        });
+        match finite(&estimate.mean_state) && points && state && angles && finite(&estimate.draws.states) {
             true => Ok(()),
             false => Err(ResultsError::NotFinite { frame }.into()),
         }
@@ -246,8 +251,9 @@ pub(crate) fn write_whole_in(storage: &Arc<dyn Storage>, path: &std::path::Path,
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::results::estimate::{Draws, PointMarginal, StateMarginal};
+    use crate::results::estimate::{AngleMarginal, Draws, PointMarginal, StateMarginal};
     use crate::results::{claim, claim_to_resume};
+    use crate::results::joint_angles::{Convention, JointAngles};
     use sinew_observe::Camera;
     use std::fs;
     use std::path::Path;
@@ -274,6 +280,7 @@ mod tests {
             has_masks: false,
             sources: vec![],
             setup_toml: String::new(),
+            angles: JointAngles::new(&crate::bodies::find("cf28").unwrap(), &[], false, Convention::OpenSim),
             body: crate::bodies::find("cf28").unwrap(),
         }
     }
@@ -287,6 +294,7 @@ mod tests {
             number,
             points: vec![PointMarginal::default(); info.body.points().len()],
             state: vec![StateMarginal::default(); state.len()],
+            angles: vec![AngleMarginal::default(); info.angles.names().len()],
             draws: Draws { states: state.clone(), ..Draws::default() },
             seen: vec![[3.0, 4.0, 0.5]],
             mean_state: state,
@@ -294,8 +302,8 @@ mod tests {
         }
     }
 
-    /// `angles.mot` and `motion.bvh` of a run that was stopped after `stop` frames.
-    fn written(folder: &Path, stop: u64) -> [Vec<u8>; 2] {
+    /// `motion.bvh` of a run that was stopped after `stop` frames.
+    fn written(folder: &Path, stop: u64) -> Vec<u8> {
         let open =
             |claim, written: Option<&Written>| ResultFolder::open(claim, info(), Texts::default(), written).unwrap();
         let mut results = open(claim(folder, &[], false).unwrap(), None);
@@ -305,14 +313,14 @@ mod tests {
         let mut results = open(claim_to_resume(folder, &[]).unwrap(), Some(&written));
         (stop..FRAMES).for_each(|number| results.append(&turning(number, &info())).unwrap());
         results.finish(&Ending { complete: true, ..Ending::default() }).unwrap();
-        ["angles.mot", "motion.bvh"].map(|name| fs::read(folder.join(name)).unwrap())
+        fs::read(folder.join("motion.bvh")).unwrap()
     }
 
     #[test]
-    fn angles_beyond_half_a_turn_do_not_jump_where_a_run_is_resumed() {
+    fn channels_beyond_half_a_turn_do_not_jump_where_a_run_is_resumed() {
         let root = tempfile::tempdir().unwrap();
         let unbroken = written(&root.path().join("0"), 0);
-        let last = String::from_utf8_lossy(&unbroken[1]).lines().last().unwrap().to_owned();
+        let last = String::from_utf8_lossy(&unbroken).lines().last().unwrap().to_owned();
         // 9.5 rad, three half turns: 544 degrees.
         assert!(last.split(' ').any(|angle| angle.parse::<f64>().unwrap().abs() > 540.0), "{last}");
         for stop in [5, 8, 19] {

@@ -331,6 +331,7 @@ fn quantiles<const N: usize>(values: &[f32], at: [f64; N]) -> Option<[f64; N]> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::results::joint_angles::{Convention, JointAngles};
     use sinew_observe::Camera;
 
     /// Warnings and failed diagnostics of frames with the numbers 10, 11, …
@@ -355,6 +356,7 @@ mod tests {
             sigma_px: 4.0,
             sources: vec![],
             setup_toml: String::new(),
+            angles: JointAngles::new(&crate::bodies::find("cf28").unwrap(), &[], false, Convention::OpenSim),
             body: crate::bodies::find("cf28").unwrap(),
         };
         let mut statistics = Statistics::new(&info, Texts::default());

@@ -1,0 +1,143 @@
+//! Marginals of joint angles and of their rates of change, from the draws of a frame.
+//!
+//! Every draw of the state is decomposed ([`JointAngles`]), on the branch nearest to the angles of the mean pose; the mean pose is on the branch nearest to that of the frame before. An angle of an interval's end is thus never a turn away, and
+//! the mean of an angle is that of its draws, not the angle of the mean pose, which is given beside it. They are of one branch and differ where the posterior is wide.
+//!
+//! A rate is the change of an angle between two frames over the time between them, draw by draw of their joint posterior ([`super::fixed_lag`], [`super::smooth`]).
+
+use crate::results::estimate::AngleMarginal;
+use crate::results::joint_angles::JointAngles;
+use rayon::prelude::*;
+use sinew_core::lanes::{Block, LANES, get_lane};
+use sinew_tracking::posterior::Posterior;
+use sinew_tracking::series::describe;
+
+/// Draws of the states of two frames, each with itself, and the time between the frames.
+#[derive(Clone, Debug)]
+pub(super) struct Change {
+    pub earlier: Vec<Block>,
+    pub later: Vec<Block>,
+    pub seconds: f64,
+}
+
+/// Angles of a body, frame after frame.
+pub(super) struct AngleMarginals {
+    angles: JointAngles,
+    /// Angles of the mean pose in the frame before, without signs; empty before the first.
+    before: Vec<f64>,
+}
+
+impl AngleMarginals {
+    pub(super) const fn new(angles: JointAngles) -> Self {
+        Self { angles, before: vec![] }
+    }
+
+    pub(super) const fn angles(&self) -> &JointAngles {
+        &self.angles
+    }
+
+    /// What the next frame needs of this one.
+    pub(super) fn before(&self) -> &[f64] {
+        &self.before
+    }
+
+    /// Continues behind a frame; false for angles of another body.
+    pub(super) fn continue_behind(&mut self, before: &[f64]) -> bool {
+        self.before = before.to_vec();
+        before.is_empty() || before.len() == self.angles.raw_count()
+    }
+
+    /// Marginals of the angles in a frame.
+    pub(super) fn of(&mut self, mean: &[f64], posterior: &Posterior<'_>, change: Option<&Change>) -> Vec<AngleMarginal> {
+        let (angles, width, dim) = (&self.angles, self.angles.raw_count(), posterior.dim);
+        let mut pose = vec![0.0; width];
+        angles.raw(mean, Some(&self.before[..]).filter(|before| !before.is_empty()), &mut pose);
+        let mut now = raw_of_draws(angles, posterior.states, dim, |_| &pose);
+        now.truncate(posterior.count() * width);
+        let changed = change.map(|change| {
+            let later = raw_of_draws(angles, &change.later, dim, |_| &pose);
+            let earlier = raw_of_draws(angles, &change.earlier, dim, |draw| &later[draw * width..][..width]);
+            (earlier, later, change.seconds)
+        });
+        let equal = posterior.weights.windows(2).all(|pair| pair[0] == pair[1]);
+        let of = |angle: usize| {
+            let series: Vec<f64> = now.chunks_exact(width).map(|raw| angles.signed(angle, raw)).collect();
+            let [mean, _, q05, q95] = describe(&series, posterior.weights, equal);
+            let rate = changed.as_ref().map(|(earlier, later, seconds)| {
+                let both = earlier.chunks_exact(width).zip(later.chunks_exact(width));
+                let rate = |(a, b): (&[f64], &[f64])| (angles.signed(angle, b) - angles.signed(angle, a)) / seconds;
+                let rates: Vec<f64> = both.map(rate).collect();
+                let [mean, _, q05, q95] = describe(&rates, &[], true);
+                [mean, q05, q95]
+            });
+            AngleMarginal { of_mean_pose: angles.signed(angle, &pose), mean, q05, q95, rate }
+        };
+        let marginals = (0..angles.names().len()).into_par_iter().map(of).collect();
+        self.before = pose;
+        marginals
+    }
+}
+
+/// Angles without signs of each draw, those nearest to the angles that `about` gives for it.
+fn raw_of_draws<'a>(
+    angles: &JointAngles,
+    states: &[Block],
+    dim: usize,
+    about: impl Fn(usize) -> &'a [f64] + Sync,
+) -> Vec<f64> {
+    let width = angles.raw_count();
+    let mut raw = vec![0.0; states.len() / dim * LANES * width];
+    let blocks = states.par_chunks_exact(dim).zip(raw.par_chunks_exact_mut((LANES * width).max(1))).enumerate();
+    let scratch = || vec![0.0; dim];
+    blocks.for_each_init(scratch, |state, (block, (states, out))| {
+        for (lane, out) in out.chunks_exact_mut(width).enumerate() {
+            get_lane(states, lane, state);
+            angles.raw(state, Some(about(block * LANES + lane)), out);
+        }
+    });
+    raw
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::results::joint_angles::Convention;
+    use sinew_body::{Proportions, standard};
+    use sinew_core::lanes::set_lane;
+
+    /// Draws of someone who turns, spread by 0.1 rad about 3.1 rad, where half a turn is: angles lie about the mean pose's, and the next frame goes on from there.
+    #[test]
+    fn intervals_are_not_cut_at_half_a_turn() {
+        let body = standard::h32(&Proportions::default());
+        let dim = body.dof();
+        let turn = body.dof_names().iter().position(|name| name == "pelvis.rz").unwrap();
+        let angles = JointAngles::new(&body, &[], false, Convention::OpenSim);
+        let index = angles.names().iter().position(|name| name == "pelvis_rotation").unwrap();
+        let mut marginals = AngleMarginals::new(angles);
+        let draws = 400;
+        let weights = vec![1.0 / f64::from(draws); draws as usize];
+        let states = |centre: f64, spread: f64| {
+            let mut states = vec![Block::ZERO; draws as usize / LANES * dim];
+            for draw in 0..draws as usize {
+                let mut state = vec![0.0; dim];
+                state[turn] = centre + spread * ((draw as f64 + 0.5) / f64::from(draws) - 0.5);
+                set_lane(&mut states[draw / LANES * dim..][..dim], draw % LANES, &state);
+            }
+            states
+        };
+        for frame in 0..8 {
+            let centre = 3.1 + 0.7 * f64::from(frame);
+            let now = states(centre, 0.2);
+            let mut mean = vec![0.0; dim];
+            mean[turn] = centre;
+            let posterior = Posterior { dim, states: &now, weights: &weights, effective: 1.0, chain_stats: &[] };
+            // Each draw turned by 0.5 rad less the whole of its own deviation.
+            let change = Change { earlier: states(centre - 0.5, 0.0), later: now.clone(), seconds: 0.25 };
+            let found = marginals.of(&mean, &posterior, Some(&change))[index];
+            assert!((found.of_mean_pose - centre).abs() < 1e-9 && (found.mean - centre).abs() < 1e-9, "{found:?}");
+            assert!((found.q95 - found.q05 - 0.18).abs() < 1e-3, "{found:?}");
+            let [mean, low, high] = found.rate.unwrap();
+            assert!((mean - 2.0).abs() < 1e-9 && (high - low - 0.72).abs() < 4e-3, "{found:?}");
+        }
+    }
+}
