@@ -96,6 +96,7 @@ fn write(folder: &Path, steps: usize) -> Result<usize, Error> {
         is_weighted: false,
         method: "hmc".into(),
         kind: Default::default(),
+        zero: None,
         world: None,
         fps: 30.0,
         first_frame: 0,

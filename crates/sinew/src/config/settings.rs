@@ -1,7 +1,8 @@
 //! How a recording is tracked.
 
-use crate::results::joint_angles::Convention;
 use crate::methods::{HmcMethod, Method, Score};
+use crate::results::joint_angles::Convention;
+use crate::results::standing_trial::StandingTrial;
 use sinew_core::lanes::Isa;
 use sinew_dynamics::primitives::model::PrimitiveModel;
 use sinew_dynamics::random_walk::Between;
@@ -39,6 +40,8 @@ pub struct Settings {
     pub raster: usize,
     /// Whose definitions the angles of joints follow.
     pub angles: Convention,
+    /// Run of a trial in which the person stands: the zero of the angles.
+    pub standing: Option<Arc<StandingTrial>>,
     /// Thinned draws kept of each frame.
     pub draws: usize,
     /// Whether the set-up is that of an earlier run, which advice depends on.
@@ -69,6 +72,7 @@ impl Default for Settings {
             score: Score::Bidirectional.with_kappa(100.0),
             raster: 320,
             angles: Convention::default(),
+            standing: None,
             draws: 64,
             setup_is_given: false,
         }

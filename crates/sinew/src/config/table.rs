@@ -92,6 +92,7 @@ const LAST: &[Setting] = &[
     Setting { rare: false, ..computed((GENERAL, "seed", SettingKind::Count(0, u64::MAX), "N", || Settings::default().seed.to_string(), "seed of all random streams")) },
     unhashed(common((GENERAL, "threads", SettingKind::Count(1, 1024), "N", "", "threads [default: what the system grants]"))),
     rare((OUTPUT, "angles", CONVENTIONS, "NAME", "opensim", "whose definitions of joint angles: opensim or isb")),
+    rare((OUTPUT, "static", SettingKind::Path, "DIR", "", "results of a standing trial of the same person: the zero of joint angles")),
     common((OUTPUT, "out", SettingKind::Path, "DIR", "", "output folder [default: sinew-out/<trial>]")),
     unhashed(rare((OUTPUT, "checkpoint_every", NOT_NEGATIVE, "SECONDS", "10", "time between checkpoints, from which `--resume` continues; 0 after every frame"))),
     unhashed(common((OUTPUT, "force", SettingKind::Flag, "", "false", "replace results that are there"))),

@@ -6,6 +6,7 @@ use super::value::Value;
 use super::values::Origin;
 use crate::methods::Score;
 use crate::results::joint_angles::Convention;
+use crate::results::standing_trial::StandingTrial;
 use crate::track::error::TrackError;
 use crate::{Error, files};
 use sinew_core::lanes::Isa;
@@ -70,6 +71,8 @@ pub struct TrackConfig {
     pub motion_model: Option<PathBuf>,
     /// Latent model of poses.
     pub latent: Option<PathBuf>,
+    /// Result folder of a standing trial.
+    pub standing: Option<PathBuf>,
     /// Whether a backward pass follows.
     pub smooth: bool,
     /// How frames are tracked; instruction set and frame rate are not settled yet ([`TrackConfig::settings`]).
@@ -129,6 +132,7 @@ impl Resolved {
             setup_frames: self.values.frames("setup_frames"),
             motion_model: self.values.path("motion_model"),
             latent: self.values.path("latent"),
+            standing: self.values.path("static"),
             smooth: self.values.flag("smooth"),
             tracking: self.settings(),
             simd: self.values.text("simd"),
@@ -225,7 +229,9 @@ impl TrackConfig {
         let motion_model = self.motion_model.as_deref().map(read_model).transpose()?;
         let latent_model = self.latent.as_deref().map(read_latent).transpose()?;
         let fps = self.fps.unwrap_or(DEFAULT_FPS);
-        Ok(Settings { isa, fps, motion_model, latent_model, ..self.tracking.clone() })
+        let read = |folder| StandingTrial::read(folder, self.tracking.angles).map(Arc::new);
+        let standing = self.standing.as_deref().map(read).transpose()?;
+        Ok(Settings { isa, fps, motion_model, latent_model, standing, ..self.tracking.clone() })
     }
 }
 

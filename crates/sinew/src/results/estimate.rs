@@ -8,6 +8,7 @@
 pub mod diagnostics;
 
 use super::joint_angles::JointAngles;
+use super::standing_trial::AngleZero;
 use super::world_turn::WorldTurn;
 use sinew_body::KinematicTree;
 use sinew_dynamics::primitives::switching::Branch;
@@ -228,6 +229,8 @@ pub struct RunInfo {
     pub body: KinematicTree,
     /// The angles of joints that each frame brings.
     pub angles: JointAngles,
+    /// What a standing trial takes off them.
+    pub zero: Option<AngleZero>,
     /// How the calibration's world was turned, if it was.
     pub world: Option<WorldTurn>,
     /// Frames per second.

@@ -24,10 +24,12 @@ use super::error::ResultsError;
 use super::estimate::{FrameEstimate, RunInfo};
 use super::journal::Journal;
 use super::markers::Markers;
+use super::problem::check_length;
 use super::skeleton::SkeletonFile;
 use super::statistics::Statistics;
 use super::tables::Tables;
 use super::texts::Texts;
+use super::visibility::Visibility;
 use crate::Error;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -47,8 +49,9 @@ pub struct ResultFolder {
     texts: Texts,
     markers: Markers,
     tables: Tables,
-    /// Angles of joints of each frame.
-    angles: usize,
+    visibility: Visibility,
+    /// Frames in which each angle is not seen.
+    unseen: Vec<u64>,
     actions: Actions,
     coordinates: Coordinates,
     skeleton: SkeletonFile,
@@ -64,6 +67,7 @@ pub struct ResultFolder {
 pub struct Written {
     frames: u64,
     positions: BTreeMap<String, Position>,
+    unseen: Vec<u64>,
     channels_before: Option<Vec<f64>>,
     draws: OpenChunks,
 }
@@ -95,10 +99,14 @@ impl ResultFolder {
             let remembered = skeleton.remember(written.channels_before.clone());
             remembered.map_err(|problem| Error::checkpoint(&folder, problem))?;
         }
+        let angles = info.angles.names().len();
+        let unseen = written.map_or_else(|| vec![0; angles], |written| written.unseen.clone());
+        check_length(unseen.len(), angles).map_err(|problem| Error::checkpoint(&folder, problem))?;
         Ok(Self {
             markers: Markers::open(&place, &info)?,
             tables: Tables::open(&place, &info)?,
-            angles: info.angles.names().len(),
+            visibility: Visibility::new(&info),
+            unseen,
             actions: Actions::open(&place, &info)?,
             coordinates: Coordinates::open(&place, &info)?,
             skeleton,
@@ -143,6 +151,7 @@ impl ResultFolder {
         Ok(Written {
             frames: self.frames,
             positions: files.map(PartialFile::keep).collect::<Result<_, _>>()?,
+            unseen: self.unseen.clone(),
             channels_before: self.skeleton.before.clone(),
             draws: self.draws.keep()?,
         })
@@ -156,7 +165,9 @@ impl ResultFolder {
         self.check(estimate)?;
         let pose = pose(&self.info.body, &estimate.mean_state);
         self.markers.append(self.frames, estimate, &pose)?;
-        self.tables.append(estimate)?;
+        let seen = self.visibility.seen(estimate);
+        self.unseen.iter_mut().zip(&seen).for_each(|(count, seen)| *count += u64::from(*seen == Some(false)));
+        self.tables.append(estimate, &seen)?;
         self.actions.append(estimate)?;
         self.coordinates.append(estimate, &pose)?;
         self.skeleton.append(&pose)?;
@@ -172,7 +183,7 @@ impl ResultFolder {
         let sizes = [
             ("mean state", estimate.mean_state.len(), dof),
             ("marginals of the state", estimate.state.len(), dof),
-            ("marginals of the angles", estimate.angles.len(), self.angles),
+            ("marginals of the angles", estimate.angles.len(), self.unseen.len()),
             ("marginals of the points", estimate.points.len(), points),
             ("draws", estimate.draws.states.len(), dof * self.info.draws),
         ];
@@ -183,9 +194,10 @@ impl ResultFolder {
         let finite = |values: &[f64]| values.iter().all(|value| value.is_finite());
         let points = estimate.points.iter().all(|p| [p.mean, p.sd, p.q05, p.q95].iter().all(|values| finite(values)));
         let state = estimate.state.iter().all(|s| finite(&[s.mean, s.q05, s.q95]));
-        let angles = estimate.angles.iter().all(|a| {
-            finite(&[a.of_mean_pose, a.mean, a.q05, a.q95]) && a.rate.is_none_or(|rate| finite(&rate))
-        });
+        let angles = estimate
+            .angles
+            .iter()
+            .all(|a| finite(&[a.of_mean_pose, a.mean, a.q05, a.q95]) && a.rate.is_none_or(|rate| finite(&rate)));
         match finite(&estimate.mean_state) && points && state && angles && finite(&estimate.draws.states) {
             true => Ok(()),
             false => Err(ResultsError::NotFinite { frame }.into()),
@@ -198,7 +210,7 @@ impl ResultFolder {
     /// [`Error::Io`] with the path at the first failure; what is not renamed by then keeps its provisional name.
     pub fn finish(self, ending: &Ending) -> Result<Summary, Error> {
         let Self { info, texts, markers, tables, actions, coordinates, skeleton, draws, .. } = self;
-        let Self { mut journal, mut whole, frames, claim, .. } = self;
+        let Self { mut journal, mut whole, frames, claim, unseen, .. } = self;
         whole.extend(markers.finish(frames)?);
         whole.extend(tables.finish());
         whole.extend(actions.finish(&claim)?);
@@ -209,7 +221,7 @@ impl ResultFolder {
         whole.push(PartialFile::with_text(&claim.storage, claim.folder.join("timings.json"), &timings)?);
         let mut statistics = Statistics::new(&info, texts);
         journal.read_back(info.fps, |frame| statistics.add(frame))?;
-        let summary = statistics.summary(&info, ending);
+        let summary = statistics.summary(&info, ending, &unseen);
         let text = serde_json::to_string_pretty(&summary).unwrap_or_default() + "\n";
         let mut last = PartialFile::with_text(&claim.storage, claim.folder.join("summary.json"), &text)?;
         whole.iter_mut().try_for_each(PartialFile::sync)?;
@@ -252,8 +264,8 @@ pub(crate) fn write_whole_in(storage: &Arc<dyn Storage>, path: &std::path::Path,
 mod tests {
     use super::*;
     use crate::results::estimate::{AngleMarginal, Draws, PointMarginal, StateMarginal};
-    use crate::results::{claim, claim_to_resume};
     use crate::results::joint_angles::{Convention, JointAngles};
+    use crate::results::{claim, claim_to_resume};
     use sinew_observe::Camera;
     use std::fs;
     use std::path::Path;
@@ -265,6 +277,7 @@ mod tests {
             method: "hmc".into(),
             is_weighted: false,
             kind: Default::default(),
+            zero: None,
             world: None,
             fps: 30.0,
             first_frame: 0,

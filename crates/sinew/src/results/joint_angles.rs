@@ -75,6 +75,7 @@ const RAW: usize = 3;
 /// The angles of a body that a run writes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct JointAngles {
+    convention: Convention,
     names: Vec<String>,
     pub(crate) columns: Vec<(Vec<String>, Source)>,
     links: Vec<LinkAngles>,
@@ -86,8 +87,9 @@ impl JointAngles {
     /// Angles of a body by a convention. Those of links of which neither keypoints nor masks show anything are left out.
     #[must_use]
     pub fn new(body: &KinematicTree, keypoints: &[String], has_masks: bool, convention: Convention) -> Self {
-        let is_shown =
-            |(_, source): &(_, Source)| has_masks || keypoints.is_empty() || observed::is_shown(body, keypoints, source);
+        let is_shown = |(_, source): &(_, Source)| {
+            has_masks || keypoints.is_empty() || observed::is_shown(body, keypoints, source)
+        };
         let columns: Vec<_> = columns(body, convention).into_iter().filter(is_shown).collect();
         let (mut names, mut links, mut places) = (vec![], vec![], vec![]);
         for (own, source) in &columns {
@@ -97,7 +99,13 @@ impl JointAngles {
             places.extend(kept.map(|k| (RAW * links.len() + k, angles.signs[k])));
             links.push(angles.clone());
         }
-        Self { names, columns, links, places }
+        Self { convention, names, columns, links, places }
+    }
+
+    /// Whose definitions they follow.
+    #[must_use]
+    pub const fn convention(&self) -> Convention {
+        self.convention
     }
 
     /// Names of the angles.

@@ -2,7 +2,10 @@
 //!
 //! Read at its end from the diagnostics of its frames ([`super::journal`]).
 
-use super::summary::{CameraSummary, Diagnostics, Ending, Limits, R_HAT_NOTED, SCHEMA_VERSION, Spread, Summary};
+use super::standing_trial::AngleZero;
+use super::summary::{
+    AnglesSummary, CameraSummary, Diagnostics, Ending, Limits, R_HAT_NOTED, SCHEMA_VERSION, Spread, Summary,
+};
 use super::texts::Texts;
 use crate::results::estimate::{EstimateKind, FrameEstimate, RunInfo};
 use sinew_body::Point;
@@ -270,7 +273,22 @@ impl Statistics {
         uncertainty(&info.sources, &variances, info.kind == EstimateKind::Smoothed)
     }
 
-    pub(crate) fn summary(self, info: &RunInfo, ending: &Ending) -> Summary {
+    /// What is said of the angles, of which each was not seen in so many frames.
+    fn angles(&self, info: &RunInfo, unseen: &[u64]) -> AnglesSummary {
+        let share = |count: &u64| *count as f64 / self.frames.max(1) as f64;
+        let unseen = info.angles.names().iter().zip(unseen).filter(|(_, count)| **count > 0);
+        let zero = |zero: &AngleZero| {
+            let of = |(k, name): (usize, &String)| (name.clone(), [zero.means[k], zero.sd(k)].map(f64::to_degrees));
+            info.angles.names().iter().enumerate().map(of).filter(|(_, [_, sd])| *sd > 0.0).collect()
+        };
+        AnglesSummary {
+            convention: info.angles.convention().name(),
+            unseen: unseen.map(|(name, count)| (name.clone(), share(count))).collect(),
+            zero_deg: info.zero.as_ref().map(zero).unwrap_or_default(),
+        }
+    }
+
+    pub(crate) fn summary(self, info: &RunInfo, ending: &Ending, unseen: &[u64]) -> Summary {
         let names = info.cameras.iter().map(|camera| camera.name.clone());
         let cameras = names.zip(self.residuals()).enumerate().map(|(i, (name, residual_px))| CameraSummary {
             name,
@@ -299,6 +317,7 @@ impl Statistics {
             restarted_frames: self.restarted,
             degrees_of_freedom: info.body.dof(),
             world: info.world.clone(),
+            angles: self.angles(info, unseen),
             cameras: cameras.collect(),
             diagnostics: self.diagnostics(),
             uncertainty: self.uncertainty(info),
@@ -341,6 +360,7 @@ mod tests {
             method: "toy".into(),
             is_weighted,
             kind: Default::default(),
+            zero: None,
             world: None,
             fps: 30.0,
             first_frame: 10,
@@ -363,7 +383,7 @@ mod tests {
         for (number, frame) in (10..).zip(frames) {
             statistics.add(&FrameEstimate { number, ..frame });
         }
-        let summary = statistics.summary(&info, &Ending::default());
+        let summary = statistics.summary(&info, &Ending::default(), &[]);
         (summary.warnings, summary.failed_diagnostics)
     }
 

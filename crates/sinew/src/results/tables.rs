@@ -12,7 +12,6 @@
 
 use super::partial::{PartialFile, Place};
 use super::table::{Table, integer, optional};
-use super::visibility::Visibility;
 use crate::Error;
 use crate::results::estimate::{FrameEstimate, PointMarginal, RunInfo, StateMarginal};
 use sinew_body::Joint;
@@ -32,7 +31,6 @@ pub(crate) struct Tables {
     angle_names: Vec<String>,
     /// Name and unit of every degree of freedom.
     state_names: Vec<(String, &'static str)>,
-    visibility: Visibility,
 }
 
 const ANGLES: [&str; 11] = [
@@ -103,11 +101,11 @@ impl Tables {
             keypoint_names: info.keypoints.clone(),
             angle_names: info.angles.names().to_vec(),
             state_names: state_names.collect(),
-            visibility: Visibility::new(info),
         })
     }
 
-    pub(crate) fn append(&mut self, estimate: &FrameEstimate) -> Result<(), Error> {
+    /// Writes a frame; `seen` says of each angle whether the frame shows it, where that is known.
+    pub(crate) fn append(&mut self, estimate: &FrameEstimate, seen: &[Option<bool>]) -> Result<(), Error> {
         let time = Cell::Number(estimate.time_s);
         let flags = [integer(estimate.observed.into()), integer(estimate.quality as u64)];
         let rows = |table: &mut Table, names: &[String], points: &[PointMarginal]| {
@@ -121,7 +119,6 @@ impl Tables {
         };
         rows(&mut self.joints, &self.point_names, &estimate.points)?;
         rows(&mut self.keypoints, &self.keypoint_names, &estimate.keypoints)?;
-        let seen = self.visibility.seen(estimate);
         for ((name, angle), seen) in self.angle_names.iter().zip(&estimate.angles).zip(seen) {
             let mut cells = vec![integer(estimate.number), time, PERSON, Cell::Text(name)];
             cells.extend([angle.mean, angle.q05, angle.q95].map(|value| Cell::Number(value.to_degrees())));

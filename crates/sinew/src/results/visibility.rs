@@ -58,7 +58,8 @@ impl Visibility {
         if !self.is_known || estimate.seen.len() != self.cameras * keypoints {
             return vec![None; count];
         }
-        let is_seen = |point: &usize| (0..self.cameras).any(|camera| estimate.seen[camera * keypoints + point][0].is_finite());
+        let is_seen =
+            |point: &usize| (0..self.cameras).any(|camera| estimate.seen[camera * keypoints + point][0].is_finite());
         let points: Vec<usize> = (0..keypoints).filter(is_seen).collect();
         let Some(inverse) = self.inverse_root(&estimate.mean_state, &points) else { return vec![None; count] };
         let dof = self.rotates.len();

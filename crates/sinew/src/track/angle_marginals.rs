@@ -7,6 +7,7 @@
 
 use crate::results::estimate::AngleMarginal;
 use crate::results::joint_angles::JointAngles;
+use crate::results::standing_trial::AngleZero;
 use rayon::prelude::*;
 use sinew_core::lanes::{Block, LANES, get_lane};
 use sinew_tracking::posterior::Posterior;
@@ -16,20 +17,35 @@ use sinew_tracking::series::describe;
 #[derive(Clone, Debug)]
 pub(super) struct Change {
     pub earlier: Vec<Block>,
-    pub later: Vec<Block>,
+    pub later: Later,
     pub seconds: f64,
+}
+
+/// The later one of two frames.
+#[derive(Clone, Debug)]
+pub(super) enum Later {
+    /// The present one, with the index of each draw.
+    Present(Vec<usize>),
+    /// Another one.
+    States(Vec<Block>),
 }
 
 /// Angles of a body, frame after frame.
 pub(super) struct AngleMarginals {
     angles: JointAngles,
+    /// What a standing trial takes off them.
+    zero: Option<AngleZero>,
     /// Angles of the mean pose in the frame before, without signs; empty before the first.
     before: Vec<f64>,
 }
 
 impl AngleMarginals {
-    pub(super) const fn new(angles: JointAngles) -> Self {
-        Self { angles, before: vec![] }
+    pub(super) const fn new(angles: JointAngles, zero: Option<AngleZero>) -> Self {
+        Self { angles, zero, before: vec![] }
+    }
+
+    pub(super) const fn zero(&self) -> Option<&AngleZero> {
+        self.zero.as_ref()
     }
 
     pub(super) const fn angles(&self) -> &JointAngles {
@@ -48,21 +64,36 @@ impl AngleMarginals {
     }
 
     /// Marginals of the angles in a frame.
-    pub(super) fn of(&mut self, mean: &[f64], posterior: &Posterior<'_>, change: Option<&Change>) -> Vec<AngleMarginal> {
+    pub(super) fn of(
+        &mut self,
+        mean: &[f64],
+        posterior: &Posterior<'_>,
+        change: Option<&Change>,
+    ) -> Vec<AngleMarginal> {
         let (angles, width, dim) = (&self.angles, self.angles.raw_count(), posterior.dim);
         let mut pose = vec![0.0; width];
         angles.raw(mean, Some(&self.before[..]).filter(|before| !before.is_empty()), &mut pose);
         let mut now = raw_of_draws(angles, posterior.states, dim, |_| &pose);
         now.truncate(posterior.count() * width);
         let changed = change.map(|change| {
-            let later = raw_of_draws(angles, &change.later, dim, |_| &pose);
+            let later = match &change.later {
+                Later::Present(draws) => draws.iter().flat_map(|draw| &now[draw * width..][..width]).copied().collect(),
+                Later::States(states) => raw_of_draws(angles, states, dim, |_| &pose),
+            };
             let earlier = raw_of_draws(angles, &change.earlier, dim, |draw| &later[draw * width..][..width]);
             (earlier, later, change.seconds)
         });
         let equal = posterior.weights.windows(2).all(|pair| pair[0] == pair[1]);
         let of = |angle: usize| {
             let series: Vec<f64> = now.chunks_exact(width).map(|raw| angles.signed(angle, raw)).collect();
-            let [mean, _, q05, q95] = describe(&series, posterior.weights, equal);
+            let [mean, _, q05, q95] = match &self.zero {
+                None => describe(&series, posterior.weights, equal),
+                Some(zero) => {
+                    let (series, weights) = zeroed(&series, posterior.weights, zero, angle);
+                    describe(&series, &weights, equal)
+                }
+            };
+            let of_mean_pose = angles.signed(angle, &pose) - self.zero.as_ref().map_or(0.0, |zero| zero.means[angle]);
             let rate = changed.as_ref().map(|(earlier, later, seconds)| {
                 let both = earlier.chunks_exact(width).zip(later.chunks_exact(width));
                 let rate = |(a, b): (&[f64], &[f64])| (angles.signed(angle, b) - angles.signed(angle, a)) / seconds;
@@ -70,12 +101,21 @@ impl AngleMarginals {
                 let [mean, _, q05, q95] = describe(&rates, &[], true);
                 [mean, q05, q95]
             });
-            AngleMarginal { of_mean_pose: angles.signed(angle, &pose), mean, q05, q95, rate }
+            AngleMarginal { of_mean_pose, mean, q05, q95, rate }
         };
         let marginals = (0..angles.names().len()).into_par_iter().map(of).collect();
         self.before = pose;
         marginals
     }
+}
+
+/// Draws of an angle less their draws of its zero, and their weights.
+fn zeroed(series: &[f64], weights: &[f64], zero: &AngleZero, angle: usize) -> (Vec<f64>, Vec<f64>) {
+    let less = |(draw, (x, weight)): (usize, (&f64, &f64))| {
+        let partner = zero.partner(draw)?;
+        Some((x - zero.means[angle] - zero.deviations[angle][partner], *weight))
+    };
+    series.iter().zip(weights).enumerate().filter_map(less).unzip()
 }
 
 /// Angles without signs of each draw, those nearest to the angles that `about` gives for it.
@@ -113,7 +153,7 @@ mod tests {
         let turn = body.dof_names().iter().position(|name| name == "pelvis.rz").unwrap();
         let angles = JointAngles::new(&body, &[], false, Convention::OpenSim);
         let index = angles.names().iter().position(|name| name == "pelvis_rotation").unwrap();
-        let mut marginals = AngleMarginals::new(angles);
+        let mut marginals = AngleMarginals::new(angles, None);
         let draws = 400;
         let weights = vec![1.0 / f64::from(draws); draws as usize];
         let states = |centre: f64, spread: f64| {
@@ -132,12 +172,42 @@ mod tests {
             mean[turn] = centre;
             let posterior = Posterior { dim, states: &now, weights: &weights, effective: 1.0, chain_stats: &[] };
             // Each draw turned by 0.5 rad less the whole of its own deviation.
-            let change = Change { earlier: states(centre - 0.5, 0.0), later: now.clone(), seconds: 0.25 };
+            let change =
+                Change { earlier: states(centre - 0.5, 0.0), later: Later::States(now.clone()), seconds: 0.25 };
             let found = marginals.of(&mean, &posterior, Some(&change))[index];
             assert!((found.of_mean_pose - centre).abs() < 1e-9 && (found.mean - centre).abs() < 1e-9, "{found:?}");
             assert!((found.q95 - found.q05 - 0.18).abs() < 1e-3, "{found:?}");
             let [mean, low, high] = found.rate.unwrap();
             assert!((mean - 2.0).abs() < 1e-9 && (high - low - 0.72).abs() < 4e-3, "{found:?}");
         }
+    }
+
+    /// The zero of a knee errs with each draw as the knee does, by half of it: what both share goes, the rest stays.
+    #[test]
+    fn what_zero_and_angle_share_is_not_in_the_difference() {
+        let body = standard::h32(&Proportions::default());
+        let dim = body.dof();
+        let shin = body.dof_names().iter().position(|name| name == "r_shin.rx").unwrap();
+        let angles = JointAngles::new(&body, &[], false, Convention::OpenSim);
+        let (count, knee) =
+            (angles.names().len(), angles.names().iter().position(|name| name == "knee_angle_r").unwrap());
+        let draws = 400;
+        let error = |draw: usize| 0.2 * ((draw as f64 + 0.5) / draws as f64 - 0.5);
+        let mut states = vec![Block::ZERO; draws / LANES * dim];
+        for draw in 0..draws {
+            states[draw / LANES * dim + shin].0[draw % LANES] = -(0.9 + error(draw));
+        }
+        let mut deviations = vec![vec![0.0; draws]; count];
+        deviations[knee] = (0..draws).map(|draw| 0.5 * error(draw)).collect();
+        let mut means = vec![0.0; count];
+        means[knee] = 0.3;
+        let zero = AngleZero { means, deviations, draws, shared: Some(draws) };
+        let mut mean = vec![0.0; dim];
+        mean[shin] = -0.9;
+        let weights = vec![1.0 / draws as f64; draws];
+        let posterior = Posterior { dim, states: &states, weights: &weights, effective: 1.0, chain_stats: &[] };
+        let found = AngleMarginals::new(angles, Some(zero)).of(&mean, &posterior, None)[knee];
+        assert!((found.of_mean_pose - 0.6).abs() < 1e-12 && (found.mean - 0.6).abs() < 1e-9, "{found:?}");
+        assert!((found.q95 - found.q05 - 0.09).abs() < 1e-3 && found.rate.is_none(), "{found:?}");
     }
 }

@@ -1,14 +1,16 @@
 //! From a step of a tracker to what is written of it.
 
 use super::angle_marginals::AngleMarginals;
+use super::error::TrackError;
 use super::fixed_lag::FixedLag;
 use super::lasting::Lasting;
 use super::marginals::{Described, Marginals};
-use super::error::TrackError;
 use super::noted::Noted;
 use crate::Error;
 use crate::config::settings::Settings;
-use crate::results::estimate::{ActionShare, AngleMarginal, Draws, FrameEstimate, HmcStatistics, ParticleStatistics, Quality};
+use crate::results::estimate::{
+    ActionShare, AngleMarginal, Draws, FrameEstimate, HmcStatistics, ParticleStatistics, Quality,
+};
 use sinew_core::random::Stage;
 use sinew_dynamics::primitives::switching::Choice;
 use sinew_tracking::StepInfo;
@@ -61,7 +63,7 @@ impl Describer {
         let size = self.marginals.size_draws(&mut states, posterior.dim);
         let draws = Draws { states, shape, detected, size, lp, hmc };
         let missing = moved.map_or_else(Vec::new, |moved| moved.missing);
-        self.lag.push(posterior.moments(self.settings.isa), &missing, moves.clone());
+        self.lag.push(posterior.moments(self.settings.isa), &missing, moves.clone()).map_err(TrackError::Motion)?;
         let particles = posterior.chain_stats.is_empty().then(|| particles(posterior, &noted.info));
         Ok(FrameEstimate {
             residual_px,

@@ -31,6 +31,7 @@ use crate::results::estimate::{Carried, FrameEstimate};
 use crate::results::joint_angles::JointAngles;
 use crate::results::problem::{self, Problem};
 use crate::results::silhouette_overlap::SilhouetteOverlap;
+use crate::results::standing_trial::AngleZero;
 use crate::setup::Setup;
 use crate::setup::unknown_size::UnknownSize;
 use serde::{Deserialize, Serialize};
@@ -138,7 +139,8 @@ impl Pipeline {
         let names: Vec<String> = scene.keypoints();
         let angles = JointAngles::new(tree, &names, images.is_some(), settings.angles);
         let lag = FixedLag::new(transition.sd(), settings.fps, settings.seed, settings.isa);
-        let angles = AngleMarginals::new(angles);
+        let zero = settings.standing.as_ref().map(|standing| standing.zero(&angles, setup.lasting.as_ref()));
+        let angles = AngleMarginals::new(angles, zero);
         let describer = Describer { settings, trajectories, lasting, marginals, angles, lag };
         Ok(Self { tracker, scene, images, describer, transition, remarks, acting_parts })
     }
@@ -182,6 +184,12 @@ impl Pipeline {
     #[must_use]
     pub const fn angles(&self) -> &JointAngles {
         self.describer.angles.angles()
+    }
+
+    /// What a standing trial takes off them.
+    #[must_use]
+    pub const fn zero(&self) -> Option<&AngleZero> {
+        self.describer.angles.zero()
     }
 
     pub(super) fn size(&self) -> Option<&UnknownSize> {

@@ -12,9 +12,9 @@
 //! of frames; the files take some 110 kB a frame and are removed at the end. The records stay as they are until then, so that the backward pass can be
 //! done again by a run that resumes after a stop.
 
-use super::angle_marginals::{AngleMarginals, Change};
+use super::angle_marginals::{AngleMarginals, Change, Later};
 use super::error::TrackError;
-use super::fixed_lag::window_frames;
+use super::fixed_lag::half_window;
 use super::marginals::{Described, Marginals};
 use super::pipeline::Pipeline;
 use crate::Error;
@@ -158,7 +158,7 @@ impl Spool {
         Ok(self.estimate(&header, 1.0).restarted)
     }
 
-    /// Trajectories at the ends of a window about a frame, cut where tracking began again and at the ends of the recording; none where nothing is left of it.
+    /// Trajectories at the ends of a window of so many frames on both sides of a frame, cut where tracking began again and at the ends of the recording; none where nothing is left of it.
     fn change(
         &self,
         moments: &mut Numbers,
@@ -189,7 +189,7 @@ impl Spool {
             Ok::<_, Error>(blocks)
         };
         let (earlier, later) = (at(first)?, at(last)?);
-        Ok(Some(Change { earlier, later, seconds: (last - first) as f64 / fps }))
+        Ok(Some(Change { earlier, later: Later::States(later), seconds: (last - first) as f64 / fps }))
     }
 
     fn estimate(&self, header: &[f64], fps: f64) -> FrameEstimate {
@@ -327,7 +327,7 @@ fn forwards(
     let (d, settings) = (spool.dim, pipeline.settings());
     let weights = vec![1.0 / TRAJECTORIES as f64; TRAJECTORIES];
     let mut marginals = Marginals::new(tree, pipeline.detected_plan(), settings.isa, pipeline.size().cloned());
-    let mut angles = AngleMarginals::new(pipeline.angles().clone());
+    let mut angles = AngleMarginals::new(pipeline.angles().clone(), pipeline.zero().cloned());
     let mut states = vec![Block::ZERO; TRAJECTORIES / LANES * d];
     for frame in 0..spool.frames {
         let mut numbers = trajectories.read(frame * numbers_of_frame(spool) as u64, numbers_of_frame(spool))?;
@@ -343,7 +343,7 @@ fn forwards(
         let posterior =
             Posterior { dim: d, states: &states, weights: &weights, effective: TRAJECTORIES as f64, chain_stats: &[] };
         let Described { points, keypoints, state } = marginals.of(&posterior, moved.as_ref());
-        let change = spool.change(moments, trajectories, frame, window_frames(settings.fps), settings.fps)?;
+        let change = spool.change(moments, trajectories, frame, half_window(settings.fps), settings.fps)?;
         let angles = angles.of(mean_state, &posterior, change.as_ref());
         let mut kept = numbers[..settings.draws.min(TRAJECTORIES) * d].to_vec();
         let size = marginals.size_draws(&mut kept, d);

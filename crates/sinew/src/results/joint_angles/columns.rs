@@ -210,8 +210,7 @@ fn thorax(body: &KinematicTree) -> Option<usize> {
 /// What turns a link relative to another, or to the ground: the joints of the other and of its parents backwards, those of the link and its parents forwards.
 fn turns(body: &KinematicTree, link: usize, base: Option<usize>) -> Vec<Turn> {
     let chain = |link: Option<usize>| {
-        let mut links: Vec<usize> =
-            std::iter::successors(link, |&link| body.links()[link].parent).collect();
+        let mut links: Vec<usize> = std::iter::successors(link, |&link| body.links()[link].parent).collect();
         links.reverse();
         links
     };
@@ -267,13 +266,15 @@ mod tests {
     #[test]
     fn names_differ_where_definitions_do() {
         for body in [standard::h32(&Proportions::default()), standard::cf28(&Proportions::default())] {
-            let [opensim, isb] =
-                [Convention::OpenSim, Convention::Isb].map(|convention| JointAngles::new(&body, &[], false, convention));
+            let [opensim, isb] = [Convention::OpenSim, Convention::Isb]
+                .map(|convention| JointAngles::new(&body, &[], false, convention));
             let state: Vec<f64> = (0..body.dof()).map(|dof| 0.6 * (1.7 * dof as f64 + 0.4).sin()).collect();
             let values = [&opensim, &isb].map(|angles| {
                 let mut raw = vec![0.0; angles.raw_count()];
                 angles.raw(&state, None, &mut raw);
-                (0..angles.names().len()).map(|k| (angles.names()[k].clone(), angles.signed(k, &raw))).collect::<Vec<_>>()
+                (0..angles.names().len())
+                    .map(|k| (angles.names()[k].clone(), angles.signed(k, &raw)))
+                    .collect::<Vec<_>>()
             });
             let mut shared = 0;
             for (name, value) in &values[0] {
@@ -284,7 +285,9 @@ mod tests {
             }
             assert!(shared > 12 && values[0].len() == values[1].len(), "{shared}");
             assert!(values[0].iter().any(|(name, _)| name.starts_with("arm")));
-            assert!(!values[1].iter().any(|(name, _)| ["arm", "head", "lumbar"].iter().any(|own| name.starts_with(own))));
+            assert!(
+                !values[1].iter().any(|(name, _)| ["arm", "head", "lumbar"].iter().any(|own| name.starts_with(own)))
+            );
         }
     }
 

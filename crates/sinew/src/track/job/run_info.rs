@@ -33,6 +33,7 @@ pub(super) fn run_info(
         kind: if config.smooth { EstimateKind::Smoothed } else { EstimateKind::Filtered },
         body: setup.tree(),
         angles: pipeline.angles().clone(),
+        zero: pipeline.zero().cloned(),
         world: world(setup),
         fps: settings.fps,
         first_frame,
