@@ -8,7 +8,6 @@ pub mod action_trace;
 pub mod error;
 pub mod estimate;
 pub mod folder;
-pub mod joint_angles;
 pub mod people;
 pub mod problem;
 pub mod silhouette_overlap;
@@ -32,7 +31,6 @@ mod summary;
 mod table;
 mod tables;
 mod texts;
-mod visibility;
 mod world_turn;
 
 pub use claim::{

@@ -8,9 +8,7 @@ pub mod error;
 pub mod job;
 pub mod pipeline;
 
-mod angle_marginals;
 mod describe;
-mod fixed_lag;
 mod images;
 mod lasting;
 mod marginals;

@@ -118,7 +118,7 @@ const COUNTED: [&str; 7] =
 /// Time of standing at the start of a demo, seconds.
 const STANDING_S: f64 = 1.0;
 
-/// A run's angles against the truth, by frame; a rate is over so many frames before and after.
+/// A run's angles against the truth, by frame; a rate is over a number of frames before and after.
 pub(super) fn tallied(folder: &Path, truth: &[Angles], rate_hz: f64, window: [usize; 2]) -> Outcome<Value> {
     let table = tidy_csv::read_cells("angles.csv", &std::fs::read_to_string(folder.join("angles.csv"))?)?;
     let column = |name: &str| table.columns.iter().position(|column| column == name).ok_or(format!("no column {name}"));
@@ -194,7 +194,7 @@ fn group(name: &str) -> &str {
 
 /// Of each seed: share inside in percent, mean error and mean half-width of what is counted of an angle on both sides, or of all.
 pub(super) fn shares(cells: &[&Value], kind: &str, counted: usize, wanted: Option<&str>) -> Vec<[f64; 3]> {
-    let of_seed = |cell: &&Value| {
+    let seed_shares = |cell: &&Value| {
         let mut sums = [0.0; 4];
         for (name, tallies) in cell[kind].as_object().into_iter().flatten() {
             if wanted.is_none_or(|wanted| group(name) == wanted) {
@@ -205,7 +205,7 @@ pub(super) fn shares(cells: &[&Value], kind: &str, counted: usize, wanted: Optio
         let [count, inside, error, half_width] = sums;
         (count > 0.0).then(|| [100.0 * inside / count, error / count, half_width / count])
     };
-    cells.iter().filter_map(of_seed).collect()
+    cells.iter().filter_map(seed_shares).collect()
 }
 
 /// Cells of a row of the table.

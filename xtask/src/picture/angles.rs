@@ -3,9 +3,9 @@
 //! Of each angle the standard body at 0° and at 30°, side by side, seen from the side on which it shows. The poses are written down here by the body's own degrees of freedom, and an angle that does not read 30° more in the second
 //! than in the first, all others of its joint alike, is an error: drawings cannot say other than the program does.
 
+use sinew::angles::{Convention, JointAngles};
 use sinew::body::{KinematicTree, Proportions, standard};
 use sinew::formats::rotation::{about_axis, product};
-use sinew::results::joint_angles::{Convention, JointAngles};
 use sinew::results::pose;
 use std::error::Error;
 use std::fmt::Write as _;

@@ -4,9 +4,9 @@
 
 use crate::common::files;
 use crate::common::synthetic::Whole;
+use sinew::angles::{AngleMarginal, Convention, JointAngles};
 use sinew::formats::calib_toml;
-use sinew::results::estimate::{AngleMarginal, Draws, FrameEstimate, PointMarginal, RunInfo, StateMarginal};
-use sinew::results::joint_angles::{Convention, JointAngles};
+use sinew::results::estimate::{Draws, FrameEstimate, PointMarginal, RunInfo, StateMarginal};
 use sinew::results::problem;
 use sinew::results::{Disk, Ending, OWN_NAMES, ResultFolder, Storage, StoredFile, Texts, claim_in};
 use sinew::track::checkpoint;

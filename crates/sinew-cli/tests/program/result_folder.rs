@@ -131,6 +131,34 @@ fn smoothed_results_say_so() {
 }
 
 #[test]
+fn a_standing_trial_is_the_zero_of_angles() {
+    let trial = trial(0.3);
+    check_done(&trial, &["-ostanding", "--smooth"]);
+    check_done(&trial, &["-ofirst", "--setup=standing/setup.toml"]);
+    check_done(&trial, &["-ozeroed", "--setup=standing/setup.toml", "--static=standing"]);
+    let coordinates = |out: &str| {
+        let text = fs::read_to_string(trial.path(out).join("angles.mot")).unwrap();
+        sinew::formats::mot::read("angles.mot", &text).unwrap()
+    };
+    let summary: serde_json::Value =
+        serde_json::from_str(&fs::read_to_string(trial.path("zeroed/summary.json")).unwrap()).unwrap();
+    let (first, zeroed) = (coordinates("first"), coordinates("zeroed"));
+    let mut moved = 0;
+    for (column, name) in first.columns.iter().enumerate() {
+        let zero = summary["angles"]["zero_deg"][name][0].as_f64().unwrap_or(0.0);
+        for (a, b) in first.rows.iter().zip(&zeroed.rows) {
+            assert!((a[column] - zero - b[column]).abs() < 1e-6, "{name}: {} - {zero} is {}", a[column], b[column]);
+        }
+        moved += usize::from(zero != 0.0);
+    }
+    // All angles but the heading.
+    assert_eq!((moved, summary["angles"]["zero_deg"].get("pelvis_rotation")), (28, None));
+    assert_eq!(summary["angles"]["convention"], "opensim");
+    let refused = trial.track_printed(&["-onone", "--static=pose"]);
+    assert!(refused.contains("pose") && refused.contains("summary.json"), "{refused}");
+}
+
+#[test]
 fn particles_bring_their_weights() {
     let trial = trial(0.2);
     check_done(&trial, &["--method", "bootstrap", "--particles", "512", "--min-ess=0"]);

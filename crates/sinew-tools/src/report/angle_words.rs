@@ -62,8 +62,8 @@ pub(super) fn angle_words(name: &str) -> AngleWords {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use sinew::angles::{Convention, JointAngles};
     use sinew::body::{Proportions, standard};
-    use sinew::results::joint_angles::{Convention, JointAngles};
 
     #[test]
     fn both_sides_share_a_group_and_knees_come_first() {

@@ -1,8 +1,8 @@
 //! How a recording is tracked.
 
 use crate::methods::{HmcMethod, Method, Score};
-use crate::results::joint_angles::Convention;
 use crate::results::standing_trial::StandingTrial;
+use sinew_angles::Convention;
 use sinew_core::lanes::Isa;
 use sinew_dynamics::primitives::model::PrimitiveModel;
 use sinew_dynamics::random_walk::Between;

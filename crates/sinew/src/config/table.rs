@@ -7,7 +7,7 @@ use super::settings::Settings;
 use crate::methods::about::About;
 use crate::methods::list;
 use crate::methods::score::Score;
-use crate::results::joint_angles::Convention;
+use sinew_angles::Convention;
 use std::sync::LazyLock;
 
 const POSITIVE: SettingKind = SettingKind::Number { least: 0.0, excluded: true, most: f64::INFINITY };

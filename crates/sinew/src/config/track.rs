@@ -5,10 +5,10 @@ use super::settings::Settings;
 use super::value::Value;
 use super::values::Origin;
 use crate::methods::Score;
-use crate::results::joint_angles::Convention;
 use crate::results::standing_trial::StandingTrial;
 use crate::track::error::TrackError;
 use crate::{Error, files};
+use sinew_angles::Convention;
 use sinew_core::lanes::Isa;
 use sinew_dynamics::primitives::file;
 use sinew_dynamics::primitives::model::PrimitiveModel;
@@ -149,9 +149,10 @@ impl Resolved {
         }
     }
 
-    /// Whether nothing says that it is one person: neither a choice nor a set-up, which is of one, nor masks.
+    /// Whether nothing says that it is one person: neither a choice nor a set-up or a standing trial, which are of one, nor masks.
     fn tracks_everybody(&self) -> bool {
-        let is_of_one = ["person", "setup", "silhouettes", "init"].iter().any(|key| self.values.get(key).is_some());
+        let is_of_one =
+            ["person", "setup", "silhouettes", "init", "static"].iter().any(|key| self.values.get(key).is_some());
         self.values.text("people").as_deref() == Some("all") && !is_of_one
     }
 

@@ -7,9 +7,8 @@
 
 pub mod diagnostics;
 
-use super::joint_angles::JointAngles;
-use super::standing_trial::AngleZero;
 use super::world_turn::WorldTurn;
+use sinew_angles::{AngleMarginal, AngleZero, JointAngles};
 use sinew_body::KinematicTree;
 use sinew_dynamics::primitives::switching::Branch;
 use sinew_observe::Camera;
@@ -73,21 +72,6 @@ pub struct StateMarginal {
     pub q05: f64,
     /// 95 % quantile.
     pub q95: f64,
-}
-
-/// An angle of a joint, radians; all on one branch, continuous within a recording.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct AngleMarginal {
-    /// In the mean pose.
-    pub of_mean_pose: f64,
-    /// Mean.
-    pub mean: f64,
-    /// 5 % quantile.
-    pub q05: f64,
-    /// 95 % quantile.
-    pub q95: f64,
-    /// Its mean change over the frames around, radians a second: mean, 5 % and 95 % quantiles. None where tracking began in this frame and no later one counts.
-    pub rate: Option<[f64; 3]>,
 }
 
 /// Statistics that come with each draw of a Hamiltonian sampler; one entry per draw.

@@ -29,9 +29,9 @@ use super::skeleton::SkeletonFile;
 use super::statistics::Statistics;
 use super::tables::Tables;
 use super::texts::Texts;
-use super::visibility::Visibility;
 use crate::Error;
 use serde::{Deserialize, Serialize};
+use sinew_angles::visibility::Visibility;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -49,7 +49,7 @@ pub struct ResultFolder {
     texts: Texts,
     markers: Markers,
     tables: Tables,
-    visibility: Visibility,
+    visibility: Option<Visibility>,
     /// Frames in which each angle is not seen.
     unseen: Vec<u64>,
     actions: Actions,
@@ -105,7 +105,7 @@ impl ResultFolder {
         Ok(Self {
             markers: Markers::open(&place, &info)?,
             tables: Tables::open(&place, &info)?,
-            visibility: Visibility::new(&info),
+            visibility: visibility(&info),
             unseen,
             actions: Actions::open(&place, &info)?,
             coordinates: Coordinates::open(&place, &info)?,
@@ -165,7 +165,7 @@ impl ResultFolder {
         self.check(estimate)?;
         let pose = pose(&self.info.body, &estimate.mean_state);
         self.markers.append(self.frames, estimate, &pose)?;
-        let seen = self.visibility.seen(estimate);
+        let seen = self.seen(estimate);
         self.unseen.iter_mut().zip(&seen).for_each(|(count, seen)| *count += u64::from(*seen == Some(false)));
         self.tables.append(estimate, &seen)?;
         self.actions.append(estimate)?;
@@ -175,6 +175,18 @@ impl ResultFolder {
         self.journal.append(estimate)?;
         self.frames += 1;
         Ok(())
+    }
+
+    /// Whether each angle is seen in a frame, where that is known.
+    fn seen(&self, estimate: &FrameEstimate) -> Vec<Option<bool>> {
+        let (cameras, keypoints) = (self.info.cameras.len(), self.info.keypoints.len());
+        let is_seen =
+            |point: &usize| (0..cameras).any(|camera| estimate.seen[camera * keypoints + point][0].is_finite());
+        let is_whole = estimate.seen.len() == cameras * keypoints;
+        let seen = self.visibility.as_ref().filter(|_| is_whole).and_then(|visibility| {
+            visibility.seen(&estimate.mean_state, &(0..keypoints).filter(is_seen).collect::<Vec<_>>())
+        });
+        seen.map_or_else(|| vec![None; self.unseen.len()], |seen| seen.into_iter().map(Some).collect())
     }
 
     /// Refuses an estimate of another size than the run's, and numbers that are none.
@@ -197,7 +209,7 @@ impl ResultFolder {
         let angles = estimate
             .angles
             .iter()
-            .all(|a| finite(&[a.of_mean_pose, a.mean, a.q05, a.q95]) && a.rate.is_none_or(|rate| finite(&rate)));
+            .all(|a| finite(&[a.pose, a.mean, a.q05, a.q95]) && a.rate.is_none_or(|rate| finite(&rate)));
         match finite(&estimate.mean_state) && points && state && angles && finite(&estimate.draws.states) {
             true => Ok(()),
             false => Err(ResultsError::NotFinite { frame }.into()),
@@ -242,6 +254,11 @@ impl ResultFolder {
     }
 }
 
+/// What says which angles keypoints show; none where masks show the body, too.
+fn visibility(info: &RunInfo) -> Option<Visibility> {
+    Visibility::new(info.angles.clone(), &info.body, &info.keypoints).filter(|_| !info.has_masks)
+}
+
 /// Writes a single file beside its place, and renames it once it is whole; then both are on the disk.
 ///
 /// # Errors
@@ -263,9 +280,9 @@ pub(crate) fn write_whole_in(storage: &Arc<dyn Storage>, path: &std::path::Path,
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::results::estimate::{AngleMarginal, Draws, PointMarginal, StateMarginal};
-    use crate::results::joint_angles::{Convention, JointAngles};
+    use crate::results::estimate::{Draws, PointMarginal, StateMarginal};
     use crate::results::{claim, claim_to_resume};
+    use sinew_angles::{AngleMarginal, Convention, JointAngles};
     use sinew_observe::Camera;
     use std::fs;
     use std::path::Path;

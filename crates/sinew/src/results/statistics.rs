@@ -2,12 +2,12 @@
 //!
 //! Read at its end from the diagnostics of its frames ([`super::journal`]).
 
-use super::standing_trial::AngleZero;
 use super::summary::{
     AnglesSummary, CameraSummary, Diagnostics, Ending, Limits, R_HAT_NOTED, SCHEMA_VERSION, Spread, Summary,
 };
 use super::texts::Texts;
 use crate::results::estimate::{EstimateKind, FrameEstimate, RunInfo};
+use sinew_angles::AngleZero;
 use sinew_body::Point;
 use sinew_recording::setup::uncertainty::{Uncertainty, uncertainty};
 
@@ -273,7 +273,7 @@ impl Statistics {
         uncertainty(&info.sources, &variances, info.kind == EstimateKind::Smoothed)
     }
 
-    /// What is said of the angles, of which each was not seen in so many frames.
+    /// What is said of the angles, which were not seen in a number of frames each.
     fn angles(&self, info: &RunInfo, unseen: &[u64]) -> AnglesSummary {
         let share = |count: &u64| *count as f64 / self.frames.max(1) as f64;
         let unseen = info.angles.names().iter().zip(unseen).filter(|(_, count)| **count > 0);
@@ -350,7 +350,7 @@ fn quantiles<const N: usize>(values: &[f32], at: [f64; N]) -> Option<[f64; N]> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::results::joint_angles::{Convention, JointAngles};
+    use sinew_angles::{Convention, JointAngles};
     use sinew_observe::Camera;
 
     /// Warnings and failed diagnostics of frames with the numbers 10, 11, …

@@ -1,16 +1,14 @@
 //! From a step of a tracker to what is written of it.
 
-use super::angle_marginals::AngleMarginals;
 use super::error::TrackError;
-use super::fixed_lag::FixedLag;
 use super::lasting::Lasting;
 use super::marginals::{Described, Marginals};
 use super::noted::Noted;
 use crate::Error;
 use crate::config::settings::Settings;
-use crate::results::estimate::{
-    ActionShare, AngleMarginal, Draws, FrameEstimate, HmcStatistics, ParticleStatistics, Quality,
-};
+use crate::results::estimate::{ActionShare, Draws, FrameEstimate, HmcStatistics, ParticleStatistics, Quality};
+use sinew_angles::fixed_lag::FixedLag;
+use sinew_angles::{AngleMarginal, AngleMarginals};
 use sinew_core::random::Stage;
 use sinew_dynamics::primitives::switching::Choice;
 use sinew_tracking::StepInfo;

@@ -12,10 +12,8 @@
 //! Frames without the person continue on the motion prior and are flagged. Someone who was lost for some frames and is found elsewhere restarts the tracker at the pose that fits there.
 //! Nothing is kept but the tracker, one frame and a few numbers a frame, so memory does not grow.
 
-use super::angle_marginals::AngleMarginals;
 use super::describe::Describer;
 use super::error::TrackError;
-use super::fixed_lag::FixedLag;
 use super::images::{ImageState, Images};
 use super::lasting::Lasting;
 use super::marginals::Marginals;
@@ -28,13 +26,13 @@ use crate::config::settings::Settings;
 use crate::input::source::FrameSource;
 use crate::methods::{FrameLikelihood, Gives, Making};
 use crate::results::estimate::{Carried, FrameEstimate};
-use crate::results::joint_angles::JointAngles;
 use crate::results::problem::{self, Problem};
 use crate::results::silhouette_overlap::SilhouetteOverlap;
-use crate::results::standing_trial::AngleZero;
 use crate::setup::Setup;
 use crate::setup::unknown_size::UnknownSize;
 use serde::{Deserialize, Serialize};
+use sinew_angles::fixed_lag::FixedLag;
+use sinew_angles::{AngleMarginals, AngleZero, JointAngles};
 use sinew_body::{KinematicTree, Plan};
 use sinew_core::lanes::Isa;
 use sinew_core::random::Stage;

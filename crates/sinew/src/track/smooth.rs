@@ -12,14 +12,15 @@
 //! of frames; the files take some 110 kB a frame and are removed at the end. The records stay as they are until then, so that the backward pass can be
 //! done again by a run that resumes after a stop.
 
-use super::angle_marginals::{AngleMarginals, Change, Later};
 use super::error::TrackError;
-use super::fixed_lag::half_window;
 use super::marginals::{Described, Marginals};
 use super::pipeline::Pipeline;
 use crate::Error;
 use crate::results::estimate::{Draws, FrameEstimate, diagnostics};
 use crate::results::{Claim, Disk, PartialFile, Place, Position, Storage};
+use sinew_angles::AngleMarginals;
+use sinew_angles::fixed_lag::half_window;
+use sinew_angles::marginals::{AngleChange, LaterFrame};
 use sinew_body::KinematicTree;
 use sinew_core::lanes::{Block, LANES, get_lane, set_lane};
 use sinew_core::random::Stage;
@@ -158,7 +159,7 @@ impl Spool {
         Ok(self.estimate(&header, 1.0).restarted)
     }
 
-    /// Trajectories at the ends of a window of so many frames on both sides of a frame, cut where tracking began again and at the ends of the recording; none where nothing is left of it.
+    /// Trajectories at the ends of a window of some frames on both sides of a frame, cut where tracking began again and at the ends of the recording; none where nothing is left of it.
     fn change(
         &self,
         moments: &mut Numbers,
@@ -166,7 +167,7 @@ impl Spool {
         frame: u64,
         window: usize,
         fps: f64,
-    ) -> Result<Option<Change>, Error> {
+    ) -> Result<Option<AngleChange>, Error> {
         let [mut first, mut last] = [frame; 2];
         while first > 0 && frame - first < window as u64 && !self.is_restarted(moments, first)? {
             first -= 1;
@@ -189,7 +190,7 @@ impl Spool {
             Ok::<_, Error>(blocks)
         };
         let (earlier, later) = (at(first)?, at(last)?);
-        Ok(Some(Change { earlier, later: Later::States(later), seconds: (last - first) as f64 / fps }))
+        Ok(Some(AngleChange { earlier, later: LaterFrame::States(later), seconds: (last - first) as f64 / fps }))
     }
 
     fn estimate(&self, header: &[f64], fps: f64) -> FrameEstimate {

@@ -1,11 +1,11 @@
 //! Which links the keypoints of a layout show at all.
 
-use super::Source;
+use crate::link_angles::CoordinateSource;
 use sinew_body::KinematicTree;
 
 /// Whether keypoints show how the link of a column turns: one that lies on it beside its joint, or beyond it.
-pub(super) fn is_shown(body: &KinematicTree, keypoints: &[String], source: &Source) -> bool {
-    let Source::Angles(angles) = source else { return true };
+pub(crate) fn is_shown(body: &KinematicTree, keypoints: &[String], source: &CoordinateSource) -> bool {
+    let CoordinateSource::Angles(angles) = source else { return true };
     let is_beyond = |link: usize| {
         let above = std::iter::successors(body.links()[link].parent, |&parent| body.links()[parent].parent);
         above.into_iter().any(|parent| parent == angles.link)

@@ -19,8 +19,8 @@
 //! Every other degree of freedom has its own name with `_` for the dot (`girdle_rz`). Bodies with other link names are written that way throughout. An angle that the body's
 //! joints cannot change is left out (`lumbar_extension`, for a spine that bends and turns only).
 
-use super::decomposition::Sequence;
-use super::{LinkAngles, Source, Turn};
+use crate::decomposition::Sequence;
+use crate::link_angles::{CoordinateSource, JointTurn, LinkAngles};
 use sinew_body::{Axis, Joint, KinematicTree};
 
 /// Whose definitions angles follow.
@@ -56,7 +56,7 @@ const FORWARD_AXIS: Joint = Joint::Rotate(Axis::Y);
 /// Columns that are being listed, and the degrees of freedom that they use.
 struct Listed<'a> {
     body: &'a KinematicTree,
-    columns: Vec<(Vec<String>, Source)>,
+    columns: Vec<(Vec<String>, CoordinateSource)>,
     used: Vec<bool>,
 }
 
@@ -74,17 +74,17 @@ impl Listed<'_> {
         let mut angles = LinkAngles { link, turns, sequence, signs, kept: [true; 3] };
         angles.kept = movable(self.body.dof(), &angles);
         let kept = names.into_iter().zip(angles.kept).filter_map(|(name, kept)| kept.then_some(name)).collect();
-        self.columns.push((kept, Source::Angles(angles)));
+        self.columns.push((kept, CoordinateSource::Angles(angles)));
     }
 
     /// The angle of one joint.
     fn hinge(&mut self, name: String, link: usize, joint: usize, sign: f64) {
         let dof = self.body.first_dof(link) + joint;
         let Joint::Rotate(axis) = self.body.links()[link].joints[joint] else { return };
-        let turns = vec![Turn { axis, dof, sign }];
+        let turns = vec![JointTurn { axis, dof, sign }];
         let (sequence, signs) = (Sequence::Hinge, [1.0; 3]);
         let angles = LinkAngles { link, turns, sequence, signs, kept: [true, false, false] };
-        self.columns.push((vec![name], Source::Angles(angles)));
+        self.columns.push((vec![name], CoordinateSource::Angles(angles)));
         self.used[dof] = true;
     }
 
@@ -108,7 +108,7 @@ impl Listed<'_> {
         let names = ["pelvis_tilt", "pelvis_list", "pelvis_rotation"].map(str::to_owned);
         self.ball(names, [Some(pelvis), None], sequence, [1.0; 3]);
         let places = ["pelvis_tx", "pelvis_ty", "pelvis_tz"].map(str::to_owned);
-        self.columns.push((places.to_vec(), Source::Middle([left, right])));
+        self.columns.push((places.to_vec(), CoordinateSource::Middle([left, right])));
         let (names, link, sign) = match convention {
             Convention::OpenSim => (["lumbar_extension", "lumbar_bending", "lumbar_rotation"], Some(spine), 1.0),
             Convention::Isb => (["trunk_flexion", "trunk_bending", "trunk_rotation"], thorax(self.body), -1.0),
@@ -176,7 +176,7 @@ impl Listed<'_> {
                 let name = names[dof].replace('.', "_").split_whitespace().collect::<Vec<_>>().join("_");
                 match kind {
                     Joint::Rotate(_) => self.hinge(name, link, joint, 1.0),
-                    Joint::Translate(_) => self.columns.push((vec![name], Source::Length { dof })),
+                    Joint::Translate(_) => self.columns.push((vec![name], CoordinateSource::Length { dof })),
                 }
             }
         }
@@ -184,7 +184,8 @@ impl Listed<'_> {
 }
 
 /// Columns and where they come from.
-pub(super) fn columns(body: &KinematicTree, convention: Convention) -> Vec<(Vec<String>, Source)> {
+#[must_use]
+pub fn columns(body: &KinematicTree, convention: Convention) -> Vec<(Vec<String>, CoordinateSource)> {
     let mut listed = Listed { body, columns: vec![], used: vec![false; body.dof()] };
     listed.trunk(convention);
     listed.limbs(("r_", "_r", 1.0), convention);
@@ -207,8 +208,8 @@ fn thorax(body: &KinematicTree) -> Option<usize> {
     Some(body.link_index("girdle").filter(|&girdle| body.links()[girdle].parent == Some(spine)).unwrap_or(spine))
 }
 
-/// What turns a link relative to another, or to the ground: the joints of the other and of its parents backwards, those of the link and its parents forwards.
-fn turns(body: &KinematicTree, link: usize, base: Option<usize>) -> Vec<Turn> {
+/// What turns a link relative to another, or to the ground: joints of the other and of its parents backwards, joints of the link and its parents forwards.
+fn turns(body: &KinematicTree, link: usize, base: Option<usize>) -> Vec<JointTurn> {
     let chain = |link: Option<usize>| {
         let mut links: Vec<usize> = std::iter::successors(link, |&link| body.links()[link].parent).collect();
         links.reverse();
@@ -219,11 +220,12 @@ fn turns(body: &KinematicTree, link: usize, base: Option<usize>) -> Vec<Turn> {
     let own = |&link: &usize| {
         let joints = body.links()[link].joints.iter().enumerate();
         joints.filter_map(move |(k, joint)| match joint {
-            Joint::Rotate(axis) => Some(Turn { axis: *axis, dof: body.first_dof(link) + k, sign: 1.0 }),
+            Joint::Rotate(axis) => Some(JointTurn { axis: *axis, dof: body.first_dof(link) + k, sign: 1.0 }),
             Joint::Translate(_) => None,
         })
     };
-    let back: Vec<Turn> = from[common..].iter().flat_map(own).map(|turn| Turn { sign: -1.0, ..turn }).collect();
+    let back: Vec<JointTurn> =
+        from[common..].iter().flat_map(own).map(|turn| JointTurn { sign: -1.0, ..turn }).collect();
     back.into_iter().rev().chain(to[common..].iter().flat_map(own)).collect()
 }
 
@@ -244,8 +246,8 @@ fn movable(dof: usize, angles: &LinkAngles) -> [bool; 3] {
 
 #[cfg(test)]
 mod tests {
-    use super::super::JointAngles;
     use super::*;
+    use crate::JointAngles;
     use sinew_body::{Link, Proportions, standard};
 
     fn names(body: &KinematicTree, convention: Convention) -> Vec<String> {

@@ -1,73 +1,15 @@
-//! Angles of joints under the names that OpenSim or the ISB give them: what they are, and their values in a state.
+//! Angles of joints as OpenSim or the ISB name them, and their values in a state.
 //!
-//! The rotation of a link relative to another (or to the ground) is the product of the joints between them. It is read as three angles ([`decomposition`]); which link
-//! is read against which, in what order and with what sign, is the list of a [`Convention`] ([`columns`]). docs/reference/angles.md has a drawing of each.
+//! The rotation of a link relative to another (or to the ground) is the product of the joints between them. It is read as three angles ([`crate::decomposition`]); which link
+//! is read against which, in what order and with what sign, is the list of a [`Convention`] ([`crate::columns`]). docs/reference/angles.md has a drawing of each.
 //!
 //! Angles are continuous: of all that give the same rotation, those nearest to the angles before. Draws of a posterior take the ones nearest to the angles of its mean pose, so
-//! that an interval lies about them and is not cut where an angle is counted from anew.
+//! that an interval lies about them and is not cut where an angle begins again at minus half a turn.
 
-mod columns;
-mod decomposition;
-mod observed;
-
-pub use columns::Convention;
-
-use columns::columns;
-use decomposition::{Sequence, near, turned};
-use sinew_body::{Axis, KinematicTree};
-use sinew_formats::rotation::{IDENTITY, Matrix};
-
-/// One or three columns of `angles.mot`.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) enum Source {
-    /// Middle of the origins of two links, axes of the marker files.
-    Middle([usize; 2]),
-    /// Angles of a link.
-    Angles(LinkAngles),
-    /// A translation of the state.
-    Length { dof: usize },
-}
-
-/// A rotation about an axis of a link by a degree of freedom, or back.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Turn {
-    pub(crate) axis: Axis,
-    pub(crate) dof: usize,
-    pub(crate) sign: f64,
-}
-
-/// How a link is turned relative to another, and what is read of it.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct LinkAngles {
-    /// The link that turns.
-    pub(crate) link: usize,
-    /// From the one to the other, in the order in which they act.
-    pub(crate) turns: Vec<Turn>,
-    pub(crate) sequence: Sequence,
-    /// Signs of the three angles.
-    pub(crate) signs: [f64; 3],
-    /// Which of them are columns.
-    pub(crate) kept: [bool; 3],
-}
-
-impl LinkAngles {
-    /// The rotation in a state.
-    fn rotation(&self, state: &[f64]) -> Matrix {
-        self.turns.iter().fold(IDENTITY, |m, turn| turned(m, turn.axis.index(), turn.sign * state[turn.dof]))
-    }
-
-    /// The three angles without their signs.
-    fn raw(&self, state: &[f64], before: Option<[f64; 3]>) -> [f64; 3] {
-        match (self.sequence, &self.turns[..]) {
-            // A hinge counts whole turns itself.
-            (Sequence::Hinge, [turn]) => [turn.sign * state[turn.dof], 0.0, 0.0],
-            (sequence, _) => {
-                let angles = sequence.angles(&self.rotation(state));
-                before.map_or(angles, |before| near(sequence, angles, before))
-            }
-        }
-    }
-}
+use crate::columns::{Convention, columns};
+use crate::link_angles::{CoordinateSource, LinkAngles};
+use crate::observed;
+use sinew_body::KinematicTree;
 
 /// Numbers of an angle before its sign: three for each link.
 const RAW: usize = 3;
@@ -77,23 +19,23 @@ const RAW: usize = 3;
 pub struct JointAngles {
     convention: Convention,
     names: Vec<String>,
-    pub(crate) columns: Vec<(Vec<String>, Source)>,
+    columns: Vec<(Vec<String>, CoordinateSource)>,
     links: Vec<LinkAngles>,
     /// Place among the numbers before signs, and sign, of each angle.
     places: Vec<(usize, f64)>,
 }
 
 impl JointAngles {
-    /// Angles of a body by a convention. Those of links of which neither keypoints nor masks show anything are left out.
+    /// Angles of a body by a convention. A link of which neither keypoints nor masks show anything has none.
     #[must_use]
     pub fn new(body: &KinematicTree, keypoints: &[String], has_masks: bool, convention: Convention) -> Self {
-        let is_shown = |(_, source): &(_, Source)| {
+        let is_shown = |(_, source): &(_, CoordinateSource)| {
             has_masks || keypoints.is_empty() || observed::is_shown(body, keypoints, source)
         };
         let columns: Vec<_> = columns(body, convention).into_iter().filter(is_shown).collect();
         let (mut names, mut links, mut places) = (vec![], vec![], vec![]);
         for (own, source) in &columns {
-            let Source::Angles(angles) = source else { continue };
+            let CoordinateSource::Angles(angles) = source else { continue };
             names.extend(own.iter().cloned());
             let kept = (0..RAW).filter(|k| angles.kept[*k]);
             places.extend(kept.map(|k| (RAW * links.len() + k, angles.signs[k])));
@@ -106,6 +48,12 @@ impl JointAngles {
     #[must_use]
     pub const fn convention(&self) -> Convention {
         self.convention
+    }
+
+    /// Names and sources of all columns of `angles.mot`, in order.
+    #[must_use]
+    pub fn columns(&self) -> &[(Vec<String>, CoordinateSource)] {
+        &self.columns
     }
 
     /// Names of the angles.
@@ -138,9 +86,7 @@ impl JointAngles {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::results::pose;
     use sinew_body::{Proportions, standard};
-    use sinew_formats::rotation::{product, transpose};
 
     fn h32() -> KinematicTree {
         standard::h32(&Proportions::default())
@@ -161,34 +107,6 @@ mod tests {
             state[names.iter().position(|own| own == name).unwrap()] = *angle;
         }
         state
-    }
-
-    #[test]
-    fn rotations_between_links_are_those_of_the_pose() {
-        let body = h32();
-        let state: Vec<f64> = (0..body.dof()).map(|dof| (1.7 * dof as f64).sin()).collect();
-        let posed = pose(&body, &state);
-        for convention in [Convention::OpenSim, Convention::Isb] {
-            let angles = JointAngles::new(&body, &[], false, convention);
-            let mut compared = 0;
-            for (names, link) in angles.columns.iter().filter_map(|(names, source)| match source {
-                Source::Angles(link) if link.sequence != Sequence::Hinge => Some((names, link)),
-                _ => None,
-            }) {
-                let own = posed.rotations[link.link];
-                let base = match names[0].as_str() {
-                    "pelvis_tilt" => IDENTITY,
-                    name if ["hip", "lumbar", "trunk"].iter().any(|own| name.starts_with(own)) => posed.rotations[0],
-                    _ => posed.rotations[3],
-                };
-                let expected = product(&transpose(&base), &own);
-                let found = link.rotation(&state);
-                let differ = found.iter().flatten().zip(expected.iter().flatten()).map(|(a, b)| (a - b).abs());
-                assert!(differ.fold(0.0, f64::max) < 1e-12, "{names:?}");
-                compared += 1;
-            }
-            assert!(compared >= 6, "{compared}");
-        }
     }
 
     /// A movement of each joint as anatomy names it, right and left: the same number on both sides.

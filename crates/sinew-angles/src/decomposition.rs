@@ -1,18 +1,20 @@
 //! Three angles of a rotation.
 //!
-//! Axes are those of our bodies: x right, y forward, z up. ISB names the same axes z, x, y.
+//! Our bodies have the axes x right, y forward, z up. ISB names the same axes z, x, y.
 //!
 //! | sequence | rotation | angles | singular |
 //! |---|---|---|---|
 //! | flexion, adduction, rotation | R_x(a) R_y(b) R_z(c) | Grood & Suntay, J. Biomech. Eng. 105 (1983) 136–144: about the right axis of the proximal link, the floating axis, the long axis of the distal link | b = ±90° |
 //! | plane, elevation, rotation | R_z(a) R_y(b) R_z(c) | Wu et al., J. Biomech. 38 (2005) 981–992, §2.4.7: Y–X–Y of the ISB's axes | b = 0, 180° |
 
-use sinew_formats::rotation::Matrix;
 use std::f64::consts::{PI, TAU};
+
+/// A rotation, rows first.
+pub type Matrix = [[f64; 3]; 3];
 
 /// How a rotation is read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Sequence {
+pub enum Sequence {
     /// One axis.
     Hinge,
     /// R_x(a) R_y(b) R_z(c).
@@ -25,7 +27,8 @@ pub(crate) enum Sequence {
 
 impl Sequence {
     /// The angles, each but the middle one within half a turn.
-    pub(super) fn angles(self, m: &Matrix) -> [f64; 3] {
+    #[must_use]
+    pub fn angles(self, m: &Matrix) -> [f64; 3] {
         match self {
             Self::Hinge | Self::FlexionAdductionRotation => {
                 let flexion = (-m[1][2]).atan2(m[2][2]);
@@ -49,7 +52,8 @@ fn within_half(angle: f64) -> f64 {
 }
 
 /// Of the angles that give the same rotation, those nearest to the ones before.
-pub(super) fn near(sequence: Sequence, [a, b, c]: [f64; 3], before: [f64; 3]) -> [f64; 3] {
+#[must_use]
+pub fn near(sequence: Sequence, [a, b, c]: [f64; 3], before: [f64; 3]) -> [f64; 3] {
     let turned = |angles: [f64; 3]| [0, 1, 2].map(|k| angles[k] + TAU * ((before[k] - angles[k]) / TAU).round());
     let one = turned([a, b, c]);
     if sequence != Sequence::FlexionAdductionRotation {
@@ -61,7 +65,8 @@ pub(super) fn near(sequence: Sequence, [a, b, c]: [f64; 3], before: [f64; 3]) ->
 }
 
 /// m R_axis(angle).
-pub(super) fn turned(mut m: Matrix, axis: usize, angle: f64) -> Matrix {
+#[must_use]
+pub fn turned(mut m: Matrix, axis: usize, angle: f64) -> Matrix {
     let (s, c) = angle.sin_cos();
     let (i, j) = ((axis + 1) % 3, (axis + 2) % 3);
     for row in &mut m {
@@ -75,14 +80,14 @@ mod tests {
     use super::*;
     use sinew_formats::rotation::{IDENTITY, about_axis, product};
 
-    fn of_axes(axes: [usize; 3], angles: [f64; 3]) -> Matrix {
+    fn about_axes(axes: [usize; 3], angles: [f64; 3]) -> Matrix {
         let [a, b, c] = [0, 1, 2].map(|k| about_axis(axes[k], angles[k]));
         product(&product(&a, &b), &c)
     }
 
     #[test]
     fn a_turn_is_a_product() {
-        let m = of_axes([0, 2, 1], [0.3, -1.1, 2.0]);
+        let m = about_axes([0, 2, 1], [0.3, -1.1, 2.0]);
         for axis in 0..3 {
             let (found, expected) = (turned(m, axis, 0.7), product(&m, &about_axis(axis, 0.7)));
             assert!(found.iter().flatten().zip(expected.iter().flatten()).all(|(a, b)| (a - b).abs() < 1e-15));
@@ -96,7 +101,7 @@ mod tests {
         for step in 0..400 {
             let t = f64::from(step) * 0.02;
             let angles = [0.8 * t, 0.9 * (1.3 * t).sin(), -0.7 * t];
-            let found = sequence.angles(&of_axes([0, 1, 2], angles));
+            let found = sequence.angles(&about_axes([0, 1, 2], angles));
             let found = before.map_or(found, |before| near(sequence, found, before));
             assert!(found.iter().zip(angles).all(|(a, b)| (a - b).abs() < 1e-9), "{found:?} {angles:?}");
             before = Some(found);
@@ -110,7 +115,7 @@ mod tests {
             for step in 0..400 {
                 let t = f64::from(step) * 0.02;
                 let angles = [0.8 * t, sign * (1.4 + 1.3 * (1.3 * t).sin()), -0.7 * t];
-                let found = sequence.angles(&of_axes([2, 1, 2], angles));
+                let found = sequence.angles(&about_axes([2, 1, 2], angles));
                 let found = before.map_or(found, |before| near(sequence, found, before));
                 assert!(found.iter().zip(angles).all(|(a, b)| (a - b).abs() < 1e-9), "{found:?} {angles:?}");
                 before = Some(found);

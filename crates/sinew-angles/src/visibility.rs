@@ -12,8 +12,7 @@
 //! seen where sd is at most 20°: for a turn about a limb's own axis, where a keypoint lies at least 6 cm beside it. What moves only together with other angles (spine and girdle
 //! about the same axis) is not seen. Without keypoints nothing is said.
 
-use crate::results::estimate::{FrameEstimate, RunInfo};
-use crate::results::joint_angles::JointAngles;
+use crate::JointAngles;
 use sinew_body::{Joint, KinematicTree, Plan, point_jacobian};
 use sinew_core::lanes::Isa;
 use sinew_dynamics::factor::{cholesky, inverse_lower};
@@ -27,47 +26,35 @@ const SEEN_DEG: f64 = 20.0;
 /// Difference for gradients, radians.
 const DIFFERENCE: f64 = 1e-6;
 
-pub(crate) struct Visibility {
+/// The angles of a body and its keypoints.
+pub struct Visibility {
     angles: JointAngles,
     /// The keypoints that are points of the body.
     plan: Plan,
-    cameras: usize,
     /// Whether each degree of freedom is a rotation.
     rotates: Vec<bool>,
-    is_known: bool,
 }
 
 impl Visibility {
-    pub(crate) fn new(info: &RunInfo) -> Self {
-        let body: &KinematicTree = &info.body;
-        let points: Vec<usize> = info.keypoints.iter().filter_map(|name| body.point_index(name)).collect();
-        let is_known = !info.has_masks && !points.is_empty() && points.len() == info.keypoints.len();
-        Self {
-            angles: info.angles.clone(),
-            plan: Plan::new(body, &points),
-            cameras: info.cameras.len(),
-            rotates: body.joints().map(|(_, joint)| matches!(joint, Joint::Rotate(_))).collect(),
-            is_known,
-        }
+    /// For keypoints that are points of the body; `None` where there are none.
+    #[must_use]
+    pub fn new(angles: JointAngles, body: &KinematicTree, keypoints: &[String]) -> Option<Self> {
+        let points: Vec<usize> = keypoints.iter().filter_map(|name| body.point_index(name)).collect();
+        let is_known = !points.is_empty() && points.len() == keypoints.len();
+        let rotates = body.joints().map(|(_, joint)| matches!(joint, Joint::Rotate(_))).collect();
+        is_known.then(|| Self { angles, plan: Plan::new(body, &points), rotates })
     }
 
-    /// Whether each angle is seen; `None` where that is not known.
-    pub(crate) fn seen(&self, estimate: &FrameEstimate) -> Vec<Option<bool>> {
-        let count = self.angles.names().len();
-        let keypoints = self.plan.points();
-        if !self.is_known || estimate.seen.len() != self.cameras * keypoints {
-            return vec![None; count];
-        }
-        let is_seen =
-            |point: &usize| (0..self.cameras).any(|camera| estimate.seen[camera * keypoints + point][0].is_finite());
-        let points: Vec<usize> = (0..keypoints).filter(is_seen).collect();
-        let Some(inverse) = self.inverse_root(&estimate.mean_state, &points) else { return vec![None; count] };
+    /// Whether each angle is seen in a state, where these of the keypoints are seen; `None` for states that are no numbers.
+    #[must_use]
+    pub fn seen(&self, state: &[f64], keypoints: &[usize]) -> Option<Vec<bool>> {
+        let inverse = self.inverse_root(state, keypoints)?;
         let dof = self.rotates.len();
         let sd = |gradient: &Vec<f64>| {
             let row = |i: usize| (0..=i).map(|j| inverse[i * dof + j] * gradient[j]).sum::<f64>();
             (0..dof).map(|i| row(i).powi(2)).sum::<f64>().sqrt()
         };
-        self.gradients(&estimate.mean_state).iter().map(|own| Some(sd(own) <= SEEN_DEG.to_radians())).collect()
+        Some(self.gradients(state).iter().map(|own| sd(own) <= SEEN_DEG.to_radians()).collect())
     }
 
     /// L⁻¹ of A = L Lᵀ.
@@ -109,5 +96,74 @@ impl Visibility {
             }
         }
         gradients
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Convention;
+    use sinew_body::{Proportions, standard};
+
+    const KEYPOINTS: [&str; 17] = [
+        "Nose",
+        "LEye",
+        "REye",
+        "LEar",
+        "REar",
+        "LShoulder",
+        "RShoulder",
+        "LElbow",
+        "RElbow",
+        "LWrist",
+        "RWrist",
+        "LHip",
+        "RHip",
+        "LKnee",
+        "RKnee",
+        "LAnkle",
+        "RAnkle",
+    ];
+    const FEET: [&str; 6] = ["LHeel", "LBigToe", "LSmallToe", "RHeel", "RBigToe", "RSmallToe"];
+
+    /// Names of the angles that are seen with some keypoints, at some angles of the body, radians.
+    fn seen(keypoints: &[&str], bent: &[(&str, f64)]) -> Vec<String> {
+        let body = standard::h32(&Proportions::default());
+        let angles = JointAngles::new(&body, &[], false, Convention::OpenSim);
+        let names = angles.names().to_vec();
+        let keypoints: Vec<String> = keypoints.iter().map(|name| (*name).to_owned()).collect();
+        let mut state = vec![0.0; body.dof()];
+        for (name, angle) in bent {
+            state[body.dof_names().iter().position(|own| own == name).unwrap()] = *angle;
+        }
+        let visibility = Visibility::new(angles, &body, &keypoints).unwrap();
+        let found = visibility.seen(&state, &(0..keypoints.len()).collect::<Vec<_>>()).unwrap();
+        names.into_iter().zip(found).filter(|(_, seen)| *seen).map(|(name, _)| name).collect()
+    }
+
+    #[test]
+    fn a_straight_limb_does_not_show_its_turn_and_a_bent_one_does() {
+        let bent = [("r_forearm.rx", 1.0), ("r_shin.rx", -1.0)];
+        let straight = seen(&KEYPOINTS, &[]);
+        let flexed = seen(&KEYPOINTS, &bent);
+        for (name, is_straight) in
+            [("arm_rot_r", false), ("hip_rotation_r", false), ("knee_angle_r", true), ("arm_flex_r", true)]
+        {
+            assert_eq!(straight.iter().any(|own| own == name), is_straight, "{name}");
+            assert!(flexed.iter().any(|own| own == name), "{name}");
+        }
+        // The other side is straight still, and feet show the turn of a straight leg.
+        assert!(!flexed.iter().any(|own| own == "arm_rot_l" || own == "hip_rotation_l"));
+        let with_feet = seen(&[&KEYPOINTS[..], &FEET].concat(), &[]);
+        assert!(with_feet.iter().any(|own| own == "hip_rotation_l") && !with_feet.iter().any(|own| own == "arm_rot_l"));
+    }
+
+    #[test]
+    fn what_keypoints_show_the_sum_of_is_not_seen() {
+        let all = seen(&[&KEYPOINTS[..], &FEET].concat(), &[]);
+        for name in ["lumbar_rotation", "girdle_rz", "head_rz"] {
+            assert!(!all.iter().any(|own| own == name), "{name}");
+        }
+        assert!(all.iter().any(|own| own == "pelvis_rotation"));
     }
 }

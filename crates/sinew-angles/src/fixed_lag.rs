@@ -1,4 +1,4 @@
-//! Draws of a frame shortly before, each jointly with a draw of the present one: the posterior of a change.
+//! The posterior of a change: draws of an earlier frame, each jointly with a draw of the present one.
 //!
 //! Filtered draws of neighbouring frames are not joint draws: their difference would have the variance of both. Given a state s_t, the frames up to t say of the state before no more
 //! than s_t and the frames up to t − 1 do, so one step of a backward pass ([`sinew_dynamics::smoother`]) makes of each draw of frame t a draw of the pair. With moments (m, P) of
@@ -22,7 +22,7 @@ use sinew_dynamics::smoother::{BackwardStep, Smoother};
 use sinew_tracking::posterior::Posterior;
 use std::collections::VecDeque;
 
-use super::angle_marginals::{Change, Later};
+use crate::marginals::{AngleChange, LaterFrame};
 
 /// Time over which a change is looked at, seconds; at least two frames.
 const WINDOW_S: f64 = 1.0 / 15.0;
@@ -32,7 +32,7 @@ const DRAWS: usize = 256;
 
 /// Frames of half a window.
 #[must_use]
-pub(super) fn half_window(fps: f64) -> usize {
+pub fn half_window(fps: f64) -> usize {
     ((0.5 * WINDOW_S * fps).round() as usize).max(1)
 }
 
@@ -46,7 +46,7 @@ struct Filtered {
 }
 
 /// The filter's last frames.
-pub(super) struct FixedLag {
+pub struct FixedLag {
     smoother: Smoother,
     dim: usize,
     frames: usize,
@@ -58,7 +58,9 @@ pub(super) struct FixedLag {
 }
 
 impl FixedLag {
-    pub(super) fn new(step_sd: &[f64], fps: f64, seed: u64, isa: Isa) -> Self {
+    /// Before the first frame of a walk with these standard deviations of a step.
+    #[must_use]
+    pub fn new(step_sd: &[f64], fps: f64, seed: u64, isa: Isa) -> Self {
         let frames = 2 * half_window(fps);
         Self {
             smoother: Smoother::random_walk(step_sd),
@@ -72,7 +74,7 @@ impl FixedLag {
     }
 
     /// Tracking begins again: former frames say nothing of the next.
-    pub(super) fn restart(&mut self) {
+    pub fn restart(&mut self) {
         self.past.clear();
     }
 
@@ -80,7 +82,7 @@ impl FixedLag {
     ///
     /// # Errors
     /// Moves of another size than those before.
-    pub(super) fn change(&self, now: &Posterior<'_>, moves: &[f64], number: u32) -> Result<Option<Change>, Error> {
+    pub fn change(&self, now: &Posterior<'_>, moves: &[f64], number: u32) -> Result<Option<AngleChange>, Error> {
         if self.past.is_empty() {
             return Ok(None);
         }
@@ -95,7 +97,11 @@ impl FixedLag {
             }
         }
         self.shift(&mut earlier, &moves, &indices, 1.0);
-        Ok(Some(Change { earlier, later: Later::Present(indices), seconds: self.past.len() as f64 / self.fps }))
+        Ok(Some(AngleChange {
+            earlier,
+            later: LaterFrame::Present(indices),
+            seconds: self.past.len() as f64 / self.fps,
+        }))
     }
 
     /// Adds the moves of their draws to some states.
@@ -115,7 +121,7 @@ impl FixedLag {
     ///
     /// # Errors
     /// A covariance that cannot be factored.
-    pub(super) fn push(&mut self, mut moments: Moments, missing: &[f64], moves: Vec<f64>) -> Result<(), Error> {
+    pub fn push(&mut self, mut moments: Moments, missing: &[f64], moves: Vec<f64>) -> Result<(), Error> {
         moments.covariance.iter_mut().zip(missing).for_each(|(known, missing)| *known += missing);
         let step = self.smoother.backward(&moments)?;
         self.past.push_back(Filtered { moments, moves, step });
@@ -126,13 +132,14 @@ impl FixedLag {
     }
 
     /// What [`FixedLag::restore`] takes.
-    pub(super) fn save(&self) -> Vec<f64> {
+    #[must_use]
+    pub fn save(&self) -> Vec<f64> {
         let numbers = |frame: &Filtered| [&frame.moments.mean[..], &frame.moments.covariance, &frame.moves].concat();
         self.past.iter().flat_map(numbers).collect()
     }
 
     /// Continues where another stood, with as many draws of what is constant; false for numbers of another size.
-    pub(super) fn restore(&mut self, saved: &[f64], lasting_draws: usize) -> bool {
+    pub fn restore(&mut self, saved: &[f64], lasting_draws: usize) -> bool {
         let (d, frame) = (self.dim, self.dim * (1 + self.dim + lasting_draws));
         if !saved.len().is_multiple_of(frame) || saved.len() > self.frames * frame {
             return false;
@@ -210,8 +217,8 @@ mod tests {
         let [mut sum, mut squares, mut total] = [0.0; 3];
         for number in 0..40 {
             let now = Posterior { dim: 1, states: &states, weights: &weights, effective: 1.0, chain_stats: &[] };
-            let Change { earlier, later, seconds } = lag.change(&now, &[], number).unwrap().unwrap();
-            let Later::Present(draws) = later else { panic!() };
+            let AngleChange { earlier, later, seconds } = lag.change(&now, &[], number).unwrap().unwrap();
+            let LaterFrame::Present(draws) = later else { panic!() };
             assert!((seconds - 2.0 / 30.0).abs() < 1e-15 && draws.len() == DRAWS);
             for (a, b) in numbers(&earlier).iter().zip(draws.iter().map(|draw| numbers(&states)[*draw])) {
                 sum += b - a;
@@ -235,7 +242,7 @@ mod tests {
         let states = [Block(std::array::from_fn(|lane| 10.0 * lane as f64))];
         let weights = [0.125; 8];
         let now = Posterior { dim: 1, states: &states, weights: &weights, effective: 1.0, chain_stats: &[] };
-        let Change { earlier, .. } = lag.change(&now, &moves, 7).unwrap().unwrap();
+        let AngleChange { earlier, .. } = lag.change(&now, &moves, 7).unwrap().unwrap();
         assert!(numbers(&earlier).iter().zip(numbers(&states)).all(|(a, b)| (a - b).abs() < 1e-4));
         // The same numbers again from what was saved.
         let saved = lag.save();

@@ -3,27 +3,43 @@
 //! Every draw of the state is decomposed ([`JointAngles`]), on the branch nearest to the angles of the mean pose; the mean pose is on the branch nearest to that of the frame before. An angle of an interval's end is thus never a turn away, and
 //! the mean of an angle is that of its draws, not the angle of the mean pose, which is given beside it. They are of one branch and differ where the posterior is wide.
 //!
-//! A rate is the change of an angle between two frames over the time between them, draw by draw of their joint posterior ([`super::fixed_lag`], [`super::smooth`]).
+//! A rate is the change of an angle between two frames over the time between them, draw by draw of their joint posterior ([`crate::fixed_lag`], or trajectories of a smoother).
 
-use crate::results::estimate::AngleMarginal;
-use crate::results::joint_angles::JointAngles;
-use crate::results::standing_trial::AngleZero;
+use crate::{AngleZero, JointAngles};
 use rayon::prelude::*;
 use sinew_core::lanes::{Block, LANES, get_lane};
 use sinew_tracking::posterior::Posterior;
 use sinew_tracking::series::describe;
 
+/// An angle of a joint, radians; all on one branch, continuous within a recording.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct AngleMarginal {
+    /// In the mean pose.
+    pub pose: f64,
+    /// Mean.
+    pub mean: f64,
+    /// 5 % quantile.
+    pub q05: f64,
+    /// 95 % quantile.
+    pub q95: f64,
+    /// Its mean change over the frames around, radians a second: mean, 5 % and 95 % quantiles. None where tracking began in this frame and no later one counts.
+    pub rate: Option<[f64; 3]>,
+}
+
 /// Draws of the states of two frames, each with itself, and the time between the frames.
 #[derive(Clone, Debug)]
-pub(super) struct Change {
+pub struct AngleChange {
+    /// States in the earlier frame.
     pub earlier: Vec<Block>,
-    pub later: Later,
+    /// The later frame.
+    pub later: LaterFrame,
+    /// Time between them.
     pub seconds: f64,
 }
 
 /// The later one of two frames.
 #[derive(Clone, Debug)]
-pub(super) enum Later {
+pub enum LaterFrame {
     /// The present one, with the index of each draw.
     Present(Vec<usize>),
     /// Another one.
@@ -31,7 +47,7 @@ pub(super) enum Later {
 }
 
 /// Angles of a body, frame after frame.
-pub(super) struct AngleMarginals {
+pub struct AngleMarginals {
     angles: JointAngles,
     /// What a standing trial takes off them.
     zero: Option<AngleZero>,
@@ -40,36 +56,38 @@ pub(super) struct AngleMarginals {
 }
 
 impl AngleMarginals {
-    pub(super) const fn new(angles: JointAngles, zero: Option<AngleZero>) -> Self {
+    /// Before the first frame; `zero` is taken off.
+    #[must_use]
+    pub const fn new(angles: JointAngles, zero: Option<AngleZero>) -> Self {
         Self { angles, zero, before: vec![] }
     }
 
-    pub(super) const fn zero(&self) -> Option<&AngleZero> {
+    /// What is taken off.
+    #[must_use]
+    pub const fn zero(&self) -> Option<&AngleZero> {
         self.zero.as_ref()
     }
 
-    pub(super) const fn angles(&self) -> &JointAngles {
+    /// The angles.
+    #[must_use]
+    pub const fn angles(&self) -> &JointAngles {
         &self.angles
     }
 
     /// What the next frame needs of this one.
-    pub(super) fn before(&self) -> &[f64] {
+    #[must_use]
+    pub fn before(&self) -> &[f64] {
         &self.before
     }
 
     /// Continues behind a frame; false for angles of another body.
-    pub(super) fn continue_behind(&mut self, before: &[f64]) -> bool {
+    pub fn continue_behind(&mut self, before: &[f64]) -> bool {
         self.before = before.to_vec();
         before.is_empty() || before.len() == self.angles.raw_count()
     }
 
     /// Marginals of the angles in a frame.
-    pub(super) fn of(
-        &mut self,
-        mean: &[f64],
-        posterior: &Posterior<'_>,
-        change: Option<&Change>,
-    ) -> Vec<AngleMarginal> {
+    pub fn of(&mut self, mean: &[f64], posterior: &Posterior<'_>, change: Option<&AngleChange>) -> Vec<AngleMarginal> {
         let (angles, width, dim) = (&self.angles, self.angles.raw_count(), posterior.dim);
         let mut pose = vec![0.0; width];
         angles.raw(mean, Some(&self.before[..]).filter(|before| !before.is_empty()), &mut pose);
@@ -77,8 +95,10 @@ impl AngleMarginals {
         now.truncate(posterior.count() * width);
         let changed = change.map(|change| {
             let later = match &change.later {
-                Later::Present(draws) => draws.iter().flat_map(|draw| &now[draw * width..][..width]).copied().collect(),
-                Later::States(states) => raw_of_draws(angles, states, dim, |_| &pose),
+                LaterFrame::Present(draws) => {
+                    draws.iter().flat_map(|draw| &now[draw * width..][..width]).copied().collect()
+                }
+                LaterFrame::States(states) => raw_of_draws(angles, states, dim, |_| &pose),
             };
             let earlier = raw_of_draws(angles, &change.earlier, dim, |draw| &later[draw * width..][..width]);
             (earlier, later, change.seconds)
@@ -93,7 +113,7 @@ impl AngleMarginals {
                     describe(&series, &weights, equal)
                 }
             };
-            let of_mean_pose = angles.signed(angle, &pose) - self.zero.as_ref().map_or(0.0, |zero| zero.means[angle]);
+            let in_pose = angles.signed(angle, &pose) - self.zero.as_ref().map_or(0.0, |zero| zero.means[angle]);
             let rate = changed.as_ref().map(|(earlier, later, seconds)| {
                 let both = earlier.chunks_exact(width).zip(later.chunks_exact(width));
                 let rate = |(a, b): (&[f64], &[f64])| (angles.signed(angle, b) - angles.signed(angle, a)) / seconds;
@@ -101,7 +121,7 @@ impl AngleMarginals {
                 let [mean, _, q05, q95] = describe(&rates, &[], true);
                 [mean, q05, q95]
             });
-            AngleMarginal { of_mean_pose, mean, q05, q95, rate }
+            AngleMarginal { pose: in_pose, mean, q05, q95, rate }
         };
         let marginals = (0..angles.names().len()).into_par_iter().map(of).collect();
         self.before = pose;
@@ -141,11 +161,11 @@ fn raw_of_draws<'a>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::results::joint_angles::Convention;
+    use crate::Convention;
     use sinew_body::{Proportions, standard};
     use sinew_core::lanes::set_lane;
 
-    /// Draws of someone who turns, spread by 0.1 rad about 3.1 rad, where half a turn is: angles lie about the mean pose's, and the next frame goes on from there.
+    /// Draws of someone who turns, spread by 0.1 rad about 3.1 rad, where half a turn is: angles lie about the mean pose's, and the next frame continues from there.
     #[test]
     fn intervals_are_not_cut_at_half_a_turn() {
         let body = standard::h32(&Proportions::default());
@@ -172,10 +192,13 @@ mod tests {
             mean[turn] = centre;
             let posterior = Posterior { dim, states: &now, weights: &weights, effective: 1.0, chain_stats: &[] };
             // Each draw turned by 0.5 rad less the whole of its own deviation.
-            let change =
-                Change { earlier: states(centre - 0.5, 0.0), later: Later::States(now.clone()), seconds: 0.25 };
+            let change = AngleChange {
+                earlier: states(centre - 0.5, 0.0),
+                later: LaterFrame::States(now.clone()),
+                seconds: 0.25,
+            };
             let found = marginals.of(&mean, &posterior, Some(&change))[index];
-            assert!((found.of_mean_pose - centre).abs() < 1e-9 && (found.mean - centre).abs() < 1e-9, "{found:?}");
+            assert!((found.pose - centre).abs() < 1e-9 && (found.mean - centre).abs() < 1e-9, "{found:?}");
             assert!((found.q95 - found.q05 - 0.18).abs() < 1e-3, "{found:?}");
             let [mean, low, high] = found.rate.unwrap();
             assert!((mean - 2.0).abs() < 1e-9 && (high - low - 0.72).abs() < 4e-3, "{found:?}");
@@ -207,7 +230,7 @@ mod tests {
         let weights = vec![1.0 / draws as f64; draws];
         let posterior = Posterior { dim, states: &states, weights: &weights, effective: 1.0, chain_stats: &[] };
         let found = AngleMarginals::new(angles, Some(zero)).of(&mean, &posterior, None)[knee];
-        assert!((found.of_mean_pose - 0.6).abs() < 1e-12 && (found.mean - 0.6).abs() < 1e-9, "{found:?}");
+        assert!((found.pose - 0.6).abs() < 1e-12 && (found.mean - 0.6).abs() < 1e-9, "{found:?}");
         assert!((found.q95 - found.q05 - 0.09).abs() < 1e-3 && found.rate.is_none(), "{found:?}");
     }
 }
