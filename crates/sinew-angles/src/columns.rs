@@ -19,7 +19,7 @@
 //! Every other degree of freedom has its own name with `_` for the dot (`girdle_rz`). Bodies with other link names are written that way throughout. An angle that the body's
 //! joints cannot change is left out (`lumbar_extension`, for a spine that bends and turns only).
 
-use crate::decomposition::Sequence;
+use crate::decomposition::AngleSequence;
 use crate::link_angles::{CoordinateSource, JointTurn, LinkAngles};
 use sinew_body::{Axis, Joint, KinematicTree};
 
@@ -62,13 +62,19 @@ struct Listed<'a> {
 
 impl Listed<'_> {
     /// Angles of a link relative to another, whose own joints have no other names then.
-    fn ball(&mut self, names: [String; 3], [link, base]: [Option<usize>; 2], sequence: Sequence, signs: [f64; 3]) {
+    fn ball(&mut self, names: [String; 3], [link, base]: [Option<usize>; 2], sequence: AngleSequence, signs: [f64; 3]) {
         self.angles(names, [link, base], sequence, signs);
         link.into_iter().for_each(|link| self.uses(link));
     }
 
     /// Angles of a link relative to another.
-    fn angles(&mut self, names: [String; 3], [link, base]: [Option<usize>; 2], sequence: Sequence, signs: [f64; 3]) {
+    fn angles(
+        &mut self,
+        names: [String; 3],
+        [link, base]: [Option<usize>; 2],
+        sequence: AngleSequence,
+        signs: [f64; 3],
+    ) {
         let Some(link) = link else { return };
         let turns = turns(self.body, link, base);
         let mut angles = LinkAngles { link, turns, sequence, signs, kept: [true; 3] };
@@ -82,7 +88,7 @@ impl Listed<'_> {
         let dof = self.body.first_dof(link) + joint;
         let Joint::Rotate(axis) = self.body.links()[link].joints[joint] else { return };
         let turns = vec![JointTurn { axis, dof, sign }];
-        let (sequence, signs) = (Sequence::Hinge, [1.0; 3]);
+        let (sequence, signs) = (AngleSequence::Hinge, [1.0; 3]);
         let angles = LinkAngles { link, turns, sequence, signs, kept: [true, false, false] };
         self.columns.push((vec![name], CoordinateSource::Angles(angles)));
         self.used[dof] = true;
@@ -104,7 +110,7 @@ impl Listed<'_> {
         if parent(pelvis) != Some(spine) && parent(spine) != Some(pelvis) {
             return;
         }
-        let sequence = Sequence::FlexionAdductionRotation;
+        let sequence = AngleSequence::FlexionAdductionRotation;
         let names = ["pelvis_tilt", "pelvis_list", "pelvis_rotation"].map(str::to_owned);
         self.ball(names, [Some(pelvis), None], sequence, [1.0; 3]);
         let places = ["pelvis_tx", "pelvis_ty", "pelvis_tz"].map(str::to_owned);
@@ -123,7 +129,7 @@ impl Listed<'_> {
         let find = |body: &KinematicTree, name: &str| body.link_index(&format!("{prefix}{name}"));
         let named = |names: [&str; 3]| names.map(|name| format!("{name}{suffix}"));
         let mirrored = [1.0, sign, sign];
-        let sequence = Sequence::FlexionAdductionRotation;
+        let sequence = AngleSequence::FlexionAdductionRotation;
         if let Some(thigh) = find(self.body, "thigh").filter(|&link| is_ball(self.body, link)) {
             let base = self.body.links()[thigh].parent;
             let names = named(["hip_flexion", "hip_adduction", "hip_rotation"]);
@@ -137,7 +143,8 @@ impl Listed<'_> {
                 }
                 Some(thorax) => {
                     let names = named(["shoulder_plane", "shoulder_elevation", "shoulder_rotation"]);
-                    let sequence = if sign > 0.0 { Sequence::RightElevation } else { Sequence::LeftElevation };
+                    let sequence =
+                        if sign > 0.0 { AngleSequence::RightElevation } else { AngleSequence::LeftElevation };
                     self.ball(names, [Some(arm), Some(thorax)], sequence, [sign, -sign, sign]);
                 }
             }
@@ -161,7 +168,7 @@ impl Listed<'_> {
         let head = find("head").filter(|&head| is_ball(self.body, head));
         let (Some(head), Some(thorax)) = (head, thorax(self.body)) else { return };
         let names = ["neck_flexion", "neck_bending", "neck_rotation"].map(str::to_owned);
-        self.ball(names, [Some(head), Some(thorax)], Sequence::FlexionAdductionRotation, [-1.0, 1.0, 1.0]);
+        self.ball(names, [Some(head), Some(thorax)], AngleSequence::FlexionAdductionRotation, [-1.0, 1.0, 1.0]);
     }
 
     /// Everything that has no name yet.

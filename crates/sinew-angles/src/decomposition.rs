@@ -10,11 +10,11 @@
 use std::f64::consts::{PI, TAU};
 
 /// A rotation, rows first.
-pub type Matrix = [[f64; 3]; 3];
+pub(crate) type Matrix = [[f64; 3]; 3];
 
 /// How a rotation is read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Sequence {
+pub enum AngleSequence {
     /// One axis.
     Hinge,
     /// R_x(a) R_y(b) R_z(c).
@@ -25,7 +25,7 @@ pub enum Sequence {
     LeftElevation,
 }
 
-impl Sequence {
+impl AngleSequence {
     /// The angles, each but the middle one within half a turn.
     #[must_use]
     pub fn angles(self, m: &Matrix) -> [f64; 3] {
@@ -53,10 +53,10 @@ fn within_half(angle: f64) -> f64 {
 
 /// Of the angles that give the same rotation, those nearest to the ones before.
 #[must_use]
-pub fn near(sequence: Sequence, [a, b, c]: [f64; 3], before: [f64; 3]) -> [f64; 3] {
+pub fn near(sequence: AngleSequence, [a, b, c]: [f64; 3], before: [f64; 3]) -> [f64; 3] {
     let turned = |angles: [f64; 3]| [0, 1, 2].map(|k| angles[k] + TAU * ((before[k] - angles[k]) / TAU).round());
     let one = turned([a, b, c]);
-    if sequence != Sequence::FlexionAdductionRotation {
+    if sequence != AngleSequence::FlexionAdductionRotation {
         return one;
     }
     let other = turned([a + PI, PI - b, c + PI]);
@@ -96,7 +96,7 @@ mod tests {
 
     #[test]
     fn angles_of_a_ball_come_back_and_do_not_jump() {
-        let sequence = Sequence::FlexionAdductionRotation;
+        let sequence = AngleSequence::FlexionAdductionRotation;
         let mut before = None;
         for step in 0..400 {
             let t = f64::from(step) * 0.02;
@@ -110,7 +110,7 @@ mod tests {
 
     #[test]
     fn elevations_of_both_arms_come_back() {
-        for (sequence, sign) in [(Sequence::RightElevation, -1.0), (Sequence::LeftElevation, 1.0)] {
+        for (sequence, sign) in [(AngleSequence::RightElevation, -1.0), (AngleSequence::LeftElevation, 1.0)] {
             let mut before = None;
             for step in 0..400 {
                 let t = f64::from(step) * 0.02;

@@ -1,6 +1,6 @@
 //! How a link is turned relative to another, and what is read of it.
 
-use crate::decomposition::{Matrix, Sequence, near, turned};
+use crate::decomposition::{AngleSequence, Matrix, near, turned};
 use sinew_body::Axis;
 
 /// One or three columns of `angles.mot`.
@@ -36,7 +36,7 @@ pub struct LinkAngles {
     /// From the one to the other, in the order in which they act.
     pub turns: Vec<JointTurn>,
     /// How the rotation is read.
-    pub sequence: Sequence,
+    pub sequence: AngleSequence,
     /// Signs of the three angles.
     pub signs: [f64; 3],
     /// Which of them are columns.
@@ -56,7 +56,7 @@ impl LinkAngles {
     pub fn raw(&self, state: &[f64], before: Option<[f64; 3]>) -> [f64; 3] {
         match (self.sequence, &self.turns[..]) {
             // A hinge counts whole turns itself.
-            (Sequence::Hinge, [turn]) => [turn.sign * state[turn.dof], 0.0, 0.0],
+            (AngleSequence::Hinge, [turn]) => [turn.sign * state[turn.dof], 0.0, 0.0],
             (sequence, _) => {
                 let angles = sequence.angles(&self.rotation(state));
                 before.map_or(angles, |before| near(sequence, angles, before))

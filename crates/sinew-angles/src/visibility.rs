@@ -57,6 +57,15 @@ impl Visibility {
         Some(self.gradients(state).iter().map(|own| sd(own) <= SEEN_DEG.to_radians()).collect())
     }
 
+    /// Whether each angle is seen in a state by cameras that show the keypoints at these pixels (camera by camera, NaN where one is missing); `None` where no camera is given.
+    #[must_use]
+    pub fn seen_by(&self, state: &[f64], pixels: &[[f64; 3]]) -> Option<Vec<bool>> {
+        let count = self.plan.points();
+        let is_seen = |point: &usize| pixels.iter().skip(*point).step_by(count).any(|pixel| pixel[0].is_finite());
+        let is_whole = !pixels.is_empty() && pixels.len().is_multiple_of(count);
+        is_whole.then(|| self.seen(state, &(0..count).filter(is_seen).collect::<Vec<_>>())).flatten()
+    }
+
     /// L⁻¹ of A = L Lᵀ.
     fn inverse_root(&self, state: &[f64], seen: &[usize]) -> Option<Vec<f64>> {
         let dof = self.rotates.len();
@@ -156,6 +165,21 @@ mod tests {
         assert!(!flexed.iter().any(|own| own == "arm_rot_l" || own == "hip_rotation_l"));
         let with_feet = seen(&[&KEYPOINTS[..], &FEET].concat(), &[]);
         assert!(with_feet.iter().any(|own| own == "hip_rotation_l") && !with_feet.iter().any(|own| own == "arm_rot_l"));
+    }
+
+    /// Two cameras that see two keypoints each.
+    #[test]
+    fn a_keypoint_is_seen_where_one_camera_sees_it() {
+        let body = standard::h32(&Proportions::default());
+        let angles = JointAngles::new(&body, &[], false, Convention::OpenSim);
+        let keypoints = ["LHip", "RHip", "Neck"].map(str::to_owned);
+        let visibility = Visibility::new(angles, &body, &keypoints).unwrap();
+        let state = vec![0.0; body.dof()];
+        let [seen, missing] = [[1.0; 3], [f64::NAN; 3]];
+        let by = |pixels: &[[f64; 3]]| visibility.seen_by(&state, pixels);
+        assert_eq!(by(&[seen, missing, missing, missing, seen, missing]), visibility.seen(&state, &[0, 1]));
+        assert_eq!((by(&[]), by(&[seen])), (None, None));
+        assert!(Visibility::new(visibility.angles.clone(), &body, &[]).is_none());
     }
 
     #[test]

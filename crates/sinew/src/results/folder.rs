@@ -179,13 +179,7 @@ impl ResultFolder {
 
     /// Whether each angle is seen in a frame, where that is known.
     fn seen(&self, estimate: &FrameEstimate) -> Vec<Option<bool>> {
-        let (cameras, keypoints) = (self.info.cameras.len(), self.info.keypoints.len());
-        let is_seen =
-            |point: &usize| (0..cameras).any(|camera| estimate.seen[camera * keypoints + point][0].is_finite());
-        let is_whole = estimate.seen.len() == cameras * keypoints;
-        let seen = self.visibility.as_ref().filter(|_| is_whole).and_then(|visibility| {
-            visibility.seen(&estimate.mean_state, &(0..keypoints).filter(is_seen).collect::<Vec<_>>())
-        });
+        let seen = self.visibility.as_ref().and_then(|known| known.seen_by(&estimate.mean_state, &estimate.seen));
         seen.map_or_else(|| vec![None; self.unseen.len()], |seen| seen.into_iter().map(Some).collect())
     }
 

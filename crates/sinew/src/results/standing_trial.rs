@@ -1,4 +1,4 @@
-//! A run of a trial in which the person stands, read back as the zero of angles ([`sinew_angles::zero`]): what `--static` takes.
+//! A run of a standing trial, read back as the zero of angles: what `--static` takes ([`sinew_angles::zero`]).
 //!
 //! TRIAL is the result folder of a run of that trial, of the same person. With the set-up of the standing trial (`--setup TRIAL/setup.toml`) draw i of both runs is of the same constants: what lasts, such as the place of a keypoint on its link, is
 //! in both and goes with the difference. With a set-up of its own, draws are paired as they come, and what lasts counts twice. Draws of a smoothed run are trajectories; of a filtered one, draws

@@ -33,21 +33,9 @@ pub(crate) struct Tables {
     state_names: Vec<(String, &'static str)>,
 }
 
-const ANGLES: [&str; 11] = [
-    "frame",
-    "time_s",
-    "person",
-    "name",
-    "mean_deg",
-    "q05_deg",
-    "q95_deg",
-    "rate_mean_deg_s",
-    "rate_q05_deg_s",
-    "rate_q95_deg_s",
-    "seen",
-];
-
-const STATE: [&str; 8] = ["frame", "time_s", "person", "name", "unit", "mean", "q05", "q95"];
+const ANGLES: &str =
+    "frame time_s person name mean_deg q05_deg q95_deg rate_mean_deg_s rate_q05_deg_s rate_q95_deg_s seen";
+const STATE: &str = "frame time_s person name unit mean q05 q95";
 
 const MARGINALS: [&str; 15] = [
     "x_mean_m",
@@ -94,8 +82,8 @@ impl Tables {
         Ok(Self {
             joints: Table::open(place, "joints.csv", &point_columns("joint"))?,
             keypoints: Table::open(place, "keypoints.csv", &point_columns("keypoint"))?,
-            angles: Table::open(place, "angles.csv", &ANGLES)?,
-            state: Table::open(place, "state.csv", &STATE)?,
+            angles: Table::open(place, "angles.csv", &ANGLES.split(' ').collect::<Vec<_>>())?,
+            state: Table::open(place, "state.csv", &STATE.split(' ').collect::<Vec<_>>())?,
             frames: Table::open(place, "frames.csv", &frame_columns)?,
             point_names: info.body.points().iter().map(|point| point.name.clone()).collect(),
             keypoint_names: info.keypoints.clone(),
