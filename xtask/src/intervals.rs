@@ -1,4 +1,4 @@
-//! `cargo xtask intervals`: what intervals are worth where users stand, the tables of docs/evidence/intervals.md.
+//! `cargo xtask intervals`: what intervals are worth where users stand, the tables of docs/evidence/intervals.md and angles.md.
 //!
 //! Everything goes through the program as a user runs it: `demo`, `track` and `predict`. What is predicted is held against keypoints by this study's own code.
 //!
@@ -13,6 +13,8 @@
 //! | [`rigs`] | rigs drawn from the prior: ranks of what lasts, of poses, of a left-out camera's offset |
 //! | [`straight`] | draws answer in a straight line: against runs that take their own constants for true |
 //! | [`triangulation`] | points that another program triangulated |
+//! | [`angles`] | angles of joints and their rates in `angles.csv` of demos |
+//! | [`standing`] | the zero of angles from a standing trial |
 //! | [`derived`] | angles, lengths, distances and displacements of demos |
 //! | [`scores`] | log scores of left-out cameras, now and before |
 //! | [`reliability`] | held against stated shares at many levels |
@@ -20,6 +22,7 @@
 //! | [`posterior`], [`summary`] | draws of a run; means and ranks |
 //! | [`protocol`] | what is run, and the bounds |
 
+mod angles;
 mod before;
 mod caliscope;
 mod demos;
@@ -31,6 +34,7 @@ mod protocol;
 mod reliability;
 mod rigs;
 mod scores;
+mod standing;
 mod straight;
 mod summary;
 mod triangulation;
@@ -40,7 +44,7 @@ use crate::program::{self, Program};
 use crate::store::{Store, Task, run_all};
 use crate::study_options::StudyOptions;
 use clap::ValueEnum;
-use protocol::{FIRST_DERIVED, FIRST_RIG, FIRST_RUN, FIRST_SEED, Recording, tuned_on};
+use protocol::{FIRST_ANGLES, FIRST_DERIVED, FIRST_RIG, FIRST_RUN, FIRST_SEED, Recording, tuned_on};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -66,6 +70,10 @@ enum Part {
     Triangulation,
     /// What follows from draws of demos, and demos as they were before.
     Derived,
+    /// Angles of joints and their rates, of demos.
+    Angles,
+    /// The zero of angles from a standing trial.
+    Standing,
     /// Log scores of left-out cameras, now and before.
     Scores,
     /// Cameras that a run did not use, of the recording that no tuning has touched.
@@ -87,6 +95,9 @@ pub(crate) struct Args {
     /// Demos whose draws are computed with, with seeds from 1001 on
     #[arg(long, default_value_t = 60)]
     derived: u64,
+    /// Demos whose angles are held against the truth, with seeds from 2101 on
+    #[arg(long, default_value_t = 40)]
+    angles: u64,
     /// Parts to run, separated by commas; tables.md is written by all together [default: all]
     #[arg(long, value_delimiter = ',')]
     only: Vec<Part>,
@@ -125,6 +136,10 @@ impl Args {
     /// Rigs of what explains the others, fewer.
     fn fewer_rigs(&self) -> Range<u64> {
         FIRST_RIG..FIRST_RIG + self.rigs.min(FEWER_RIGS)
+    }
+
+    fn angles(&self) -> Range<u64> {
+        FIRST_ANGLES..FIRST_ANGLES + self.angles
     }
 
     fn derived(&self) -> Range<u64> {
@@ -187,6 +202,12 @@ fn simulated<'a>(args: &Args, program: &'a Program) -> Vec<Task<'a>> {
     for seed in args.derived().filter(|_| args.has(Part::Derived)) {
         tasks.push((format!("derived/{seed}"), 7.0, Box::new(move || derived::cell(program, seed))));
     }
+    for seed in args.angles().filter(|_| args.has(Part::Angles)) {
+        tasks.push((angles::name(seed), 5.0, Box::new(move || angles::cell(program, seed))));
+    }
+    for seed in args.angles().filter(|_| args.has(Part::Standing)) {
+        tasks.push((standing::name(seed), 8.0, Box::new(move || standing::cell(program, seed))));
+    }
     for seed in args.demos().filter(|_| args.has(Part::Demos)) {
         tasks.push((format!("demo/{seed}"), 2.0, Box::new(move || demos::cell(program, seed))));
     }
@@ -217,6 +238,18 @@ fn tables(args: &Args, store: &Store, [tuned_on, untouched]: [&Recording; 2]) ->
     Ok(wanted.map(|(_, table)| table).collect::<Vec<_>>().join("\n"))
 }
 
+/// The tables of docs/evidence/angles.md.
+fn tables_of_angles(args: &Args, store: &Store) -> String {
+    let mut text = String::new();
+    if args.has(Part::Angles) {
+        text += &(angles::table(store, args.angles()) + "\n" + &angles::each_table(store, args.angles()));
+    }
+    if args.has(Part::Standing) {
+        text += &("\n".to_owned() + &standing::table(store, args.angles()));
+    }
+    text
+}
+
 fn measure(root: &Path, args: &Args) -> Outcome<()> {
     let (data, folder) = (args.options.data(root), args.options.folder(root, "intervals")?);
     let path = match &args.program {
@@ -243,6 +276,12 @@ fn measure(root: &Path, args: &Args) -> Outcome<()> {
     let text = tables(args, &store, [&recording, &untouched])?;
     if args.only.is_empty() && is_there && source.is_dir() {
         std::fs::write(folder.join("tables.md"), &text)?;
+    }
+    if args.has(Part::Angles) && args.has(Part::Standing) {
+        std::fs::write(folder.join("angles.md"), tables_of_angles(args, &store))?;
+    }
+    if !args.only.is_empty() {
+        println!("{}", tables_of_angles(args, &store));
     }
     reliability::draw(&store, [args.runs(), args.derived()], &images.join("reliability.svg"))?;
     println!("{text}");

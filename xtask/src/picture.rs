@@ -1,5 +1,6 @@
-//! `cargo xtask picture`: draws `docs/images/demo.svg`, and `real.png` where the recordings are.
+//! `cargo xtask picture`: draws `docs/images/demo.svg`, the drawings of angles, and `real.png` where the recordings are.
 
+mod angles;
 mod demo;
 mod real;
 
@@ -14,6 +15,9 @@ pub fn run(root: &Path) -> ExitCode {
     let data = std::env::var_os("SINEW_DATA").map_or_else(|| root.join("../shared/data"), Into::into);
     let drawn = || -> Result<(), Box<dyn Error>> {
         fs::create_dir_all(&folder)?;
+        for sheet in angles::SHEETS {
+            write(&folder.join(sheet.file), angles::svg(&sheet)?.as_bytes())?;
+        }
         write(&folder.join("demo.svg"), demo::svg()?.as_bytes())?;
         if real::is_there(&data) {
             write(&folder.join("real.png"), &real::png(&data)?)?;

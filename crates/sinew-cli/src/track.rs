@@ -126,7 +126,7 @@ pub(crate) fn read_from(config: &TrackConfig, calibration: &Path, general: &Gene
     if let Some(Init::Points(path)) = &config.init {
         read_from.push(path.clone());
     }
-    read_from.extend(config.setup.clone());
+    read_from.extend([&config.setup, &config.standing].into_iter().flatten().cloned());
     read_from.extend(general.config.clone());
     read_from.extend(Some(PathBuf::from(&config.body)).filter(|body| body.is_file()));
     read_from

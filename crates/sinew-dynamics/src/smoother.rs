@@ -32,6 +32,47 @@ struct Gain {
     predicted: Moments,
 }
 
+/// What takes draws of the next frame back to a frame: m, m⁻, G and the root of P − G P⁻ Gᵀ.
+#[derive(Clone, Debug)]
+pub struct BackwardStep {
+    matrix: Vec<f64>,
+    mean: Vec<f64>,
+    predicted: Vec<f64>,
+    gain: Vec<f64>,
+    root: Vec<f64>,
+}
+
+impl BackwardStep {
+    /// As [`Smoother::sample`].
+    pub fn sample(&self, next: &mut [Block], isa: Isa, rng: &mut BlockRng) {
+        for state in next.chunks_exact_mut(self.mean.len()) {
+            let mut error = state.to_vec();
+            for (e, m) in error.iter_mut().zip(&self.predicted) {
+                e.0.iter_mut().for_each(|e| *e -= m);
+            }
+            draw(state, &self.mean, Some((&self.gain, &error)), &self.root, isa, rng);
+        }
+    }
+
+    /// As [`Smoother::changes`].
+    ///
+    /// # Errors
+    /// [`Error::Shape`], [`Error::OutOfRange`].
+    pub fn changes(&self, own: &[f64], next: &[f64]) -> Result<Vec<f64>, Error> {
+        let d = self.mean.len();
+        let [a, gain] = [&self.matrix, &self.gain].map(|m| MatRef::from_row_major_slice(m, d, d));
+        changes(a, gain, own, next)
+    }
+}
+
+/// Δ + G (Δ_{t+1} − A Δ), for d × n changes, row after row.
+fn changes(a: MatRef<'_, f64>, gain: MatRef<'_, f64>, own: &[f64], next: &[f64]) -> Result<Vec<f64>, Error> {
+    let (d, n) = (a.nrows(), own.len() / a.nrows().max(1));
+    let (own, next) = (rows("changes of the mean", own, d, n)?, rows("changes of the next mean", next, d, n)?);
+    let ahead = next - a * &own;
+    Ok(to_rows(&(own + gain * ahead)))
+}
+
 impl Smoother {
     /// A backward pass for s' = A s + N(0, Q), both d × d, row after row.
     ///
@@ -97,12 +138,8 @@ impl Smoother {
     /// # Errors
     /// As [`Smoother::step`].
     pub fn changes(&self, filtered: &Moments, own: &[f64], next: &[f64]) -> Result<Vec<f64>, Error> {
-        let (d, n) = (self.dim, own.len() / self.dim.max(1));
         let gain = self.gain(filtered)?.gain;
-        let (own, next) = (rows("changes of the mean", own, d, n)?, rows("changes of the next mean", next, d, n)?);
-        let a = MatRef::from_row_major_slice(&self.matrix, d, d);
-        let ahead = next - a * &own;
-        Ok(to_rows(&(own + gain * ahead)))
+        changes(MatRef::from_row_major_slice(&self.matrix, self.dim, self.dim), gain.as_ref(), own, next)
     }
 
     /// Draws a frame's states of trajectories: `next` holds their states at the next frame, blocks of d, and is replaced.
@@ -110,21 +147,27 @@ impl Smoother {
     /// # Errors
     /// [`Error::Shape`], or as [`crate::factor`].
     pub fn sample(&self, filtered: &Moments, next: &mut [Block], isa: Isa, rng: &mut BlockRng) -> Result<(), Error> {
+        self.backward(filtered)?.sample(next, isa, rng);
+        Ok(())
+    }
+
+    /// The step back to a frame, for draws of more than one pass over it.
+    ///
+    /// # Errors
+    /// [`Error::Shape`], or as [`crate::factor`].
+    pub fn backward(&self, filtered: &Moments) -> Result<BackwardStep, Error> {
         let d = self.dim;
         let Gain { gain, predicted } = self.gain(filtered)?;
         let p = MatRef::from_row_major_slice(&filtered.covariance, d, d);
         let a = MatRef::from_row_major_slice(&self.matrix, d, d);
         let left = to_rows(&symmetric(&(p - &gain * a * p)));
-        let root = root("covariance given the next frame", &left, d)?;
-        let gain = to_rows(&gain);
-        for state in next.chunks_exact_mut(d) {
-            let mut error = state.to_vec();
-            for (e, m) in error.iter_mut().zip(&predicted.mean) {
-                e.0.iter_mut().for_each(|e| *e -= m);
-            }
-            draw(state, &filtered.mean, Some((&gain, &error)), &root, isa, rng);
-        }
-        Ok(())
+        Ok(BackwardStep {
+            matrix: self.matrix.clone(),
+            mean: filtered.mean.clone(),
+            predicted: predicted.mean,
+            gain: to_rows(&gain),
+            root: root("covariance given the next frame", &left, d)?,
+        })
     }
 
     /// Draws the last frame's states, with which [`Smoother::sample`] begins.

@@ -24,7 +24,6 @@ pub mod report;
 pub mod result_table;
 pub mod segment;
 pub mod shape_fit;
-mod stored_array;
 mod svg;
 pub mod sync;
 pub mod validate;

@@ -20,10 +20,10 @@ pub(crate) mod error;
 pub use error::PredictError;
 
 use crate::Error;
-use crate::stored_array::stored_array;
 use rayon::prelude::*;
 use sinew::input::recording::Calibrated;
 use sinew::input::up_axis::upright;
+use sinew::results::stored_array::stored_array;
 use sinew::results::tracked::Tracked;
 use sinew::setup::lasting_errors::MeasuredErrors;
 use sinew::setup::lasting_prior::{CAMERA_UNITS, HEAVY, KIND_SCALES, LAG_SCALE, kind};

@@ -14,6 +14,8 @@ pub enum ResultTable {
     Keypoints,
     /// `angles.csv`.
     Angles,
+    /// `state.csv`.
+    State,
     /// `frames.csv`.
     Frames,
     /// `actions.csv`.
@@ -35,6 +37,8 @@ impl ResultTable {
             Some(Self::Keypoints)
         } else if has(&["time_s", "person", "name", "mean_deg"]) {
             Some(Self::Angles)
+        } else if has(&["frame", "time_s", "person", "name", "unit", "mean"]) {
+            Some(Self::State)
         } else if has(&["frame", "time_s", "observed", "quality", "restarted"]) {
             Some(Self::Frames)
         } else if has(&["frame", "time_s", "part", "cluster", "model", "share"]) {
@@ -52,7 +56,8 @@ impl ResultTable {
         match self {
             Self::Joints => "marginals of the points, a row for each point in a frame",
             Self::Keypoints => "marginals of the keypoints as detectors see them, a row for each keypoint in a frame",
-            Self::Angles => "marginals of the rotations, a row for each rotation in a frame",
+            Self::Angles => "marginals of the angles of joints, a row for each angle in a frame",
+            Self::State => "marginals of the body's degrees of freedom, a row for each in a frame",
             Self::Frames => "diagnostics, a row for each frame",
             Self::Actions => "actions, a row for each cluster and model that moved a part in a frame",
             Self::MarkersSd => "standard deviations of the markers, a row for each frame",
@@ -65,7 +70,7 @@ impl ResultTable {
         match self {
             Self::Joints => Some("joint"),
             Self::Keypoints => Some("keypoint"),
-            Self::Angles => Some("name"),
+            Self::Angles | Self::State => Some("name"),
             Self::Actions => Some("part"),
             Self::Frames | Self::MarkersSd => None,
         }
@@ -82,6 +87,7 @@ mod tests {
         check("frame,time_s,person,joint,x_mean_m,y_mean_m\n0,0,0,Nose,1,2\n", Some(ResultTable::Joints));
         check("frame,time_s,person,keypoint,x_mean_m\n", Some(ResultTable::Keypoints));
         check("\u{feff}time_s;person;name;mean_deg\r\n", Some(ResultTable::Angles));
+        check("frame,time_s,person,name,unit,mean,q05,q95\n", Some(ResultTable::State));
         check("frame,time_s,observed,quality,restarted,ess\n", Some(ResultTable::Frames));
         check("frame,time_s,person,part,cluster,model,share\n", Some(ResultTable::Actions));
         check("frame,time_s,RHip_sd_m,Nose_sd_m\n", Some(ResultTable::MarkersSd));

@@ -58,7 +58,7 @@ impl Rows {
     }
 
     /// Adds draw k of each row to number k, k + n, … of a column of `out`, which has a column for each row.
-    fn add_columns(&self, out: &mut [f64]) {
+    pub fn add_columns(&self, out: &mut [f64]) {
         let width = self.values.len() / self.blocks().max(1);
         for (column, row) in self.rows().enumerate() {
             for some in out.chunks_mut(width * self.draws) {

@@ -32,6 +32,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+pub use sinew_angles as angles;
 pub use sinew_body as body;
 pub use sinew_core as core;
 pub use sinew_dynamics as dynamics;

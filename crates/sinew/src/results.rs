@@ -11,6 +11,8 @@ pub mod folder;
 pub mod people;
 pub mod problem;
 pub mod silhouette_overlap;
+pub mod standing_trial;
+pub mod stored_array;
 pub mod tracked;
 
 mod actions;
@@ -41,6 +43,6 @@ pub(crate) use partial::{PartialFile, Place};
 pub use pose::{Pose, pose};
 pub use skeleton::t_pose;
 pub use storage::{Disk, Storage, StoredFile};
-pub use summary::{CameraSummary, Diagnostics, Ending, Limits, Summary};
+pub use summary::{AnglesSummary, CameraSummary, Diagnostics, Ending, Limits, Summary};
 pub use texts::Texts;
 pub use world_turn::WorldTurn;

@@ -31,6 +31,9 @@ pub(super) const FIRST_RIG: u64 = 1;
 /// Seed of the first demo of what follows from draws.
 pub(super) const FIRST_DERIVED: u64 = 1001;
 
+/// First seed of demos whose angles are held against the truth.
+pub(super) const FIRST_ANGLES: u64 = 2101;
+
 /// Levels of reliability curves. With [`DRAWS`] draws all their central intervals are exact.
 pub(super) const CURVE: [f64; 19] =
     [0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.35, 0.4, 0.45, 0.5, 0.55, 0.6, 0.65, 0.7, 0.75, 0.8, 0.85, 0.9, 0.95];

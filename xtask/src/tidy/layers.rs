@@ -5,7 +5,7 @@ use crate::source::lines_with;
 use std::collections::BTreeSet;
 
 /// What each crate may depend on, of ours.
-const ALLOWED: [(&str, &[&str]); 17] = [
+const ALLOWED: [(&str, &[&str]); 18] = [
     ("sinew-core", &[]),
     ("sinew-body", &["sinew-core"]),
     ("sinew-observe", &["sinew-body", "sinew-core"]),
@@ -17,6 +17,7 @@ const ALLOWED: [(&str, &[&str]); 17] = [
     ("sinew-invariance", &["sinew-core"]),
     ("sinew-motion", &["sinew-core", "sinew-body", "sinew-formats"]),
     ("sinew-simulate", &["sinew-core", "sinew-body", "sinew-observe", "sinew-formats", "sinew-motion"]),
+    ("sinew-angles", &["sinew-core", "sinew-body", "sinew-dynamics", "sinew-tracking"]),
     ("sinew-recording", &["sinew-core", "sinew-body", "sinew-observe", "sinew-formats", "sinew-dynamics"]),
     ("sinew", &LIBRARIES),
     (
@@ -38,7 +39,8 @@ const ALLOWED: [(&str, &[&str]); 17] = [
 ];
 
 /// What the library that people use is made of.
-const LIBRARIES: [&str; 9] = [
+const LIBRARIES: [&str; 10] = [
+    "sinew-angles",
     "sinew-latent",
     "sinew-recording",
     "sinew-core",

@@ -24,8 +24,8 @@ const LONG: usize = 16;
 const PARTS: usize = 2;
 
 /// Angles of the frame before, to which the next ones are taken nearest: left out they show only beyond half a turn, which a test of the result folder has
-/// (`angles_beyond_half_a_turn_do_not_jump_where_a_run_is_resumed`).
-const ANGLES: [&str; 2] = ["/written/angles_before", "/written/channels_before"];
+/// (`channels_beyond_half_a_turn_do_not_jump_where_a_run_is_resumed`), and one of their marginals (`intervals_are_not_cut_at_half_a_turn`).
+const ANGLES: [&str; 2] = ["/pipeline/angles", "/written/channels_before"];
 
 /// A place in a document, and for long lists which part of it.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]

@@ -73,6 +73,8 @@ fn bits(estimates: &[FrameEstimate]) -> Vec<u64> {
         all.extend(&e.mean_state);
         all.extend(e.points.iter().flat_map(|p| [p.mean, p.sd, p.q05, p.q95]).flatten());
         all.extend(e.state.iter().flat_map(|s| [s.mean, s.q05, s.q95]));
+        all.extend(e.angles.iter().flat_map(|a| [a.pose, a.mean, a.q05, a.q95]));
+        all.extend(e.angles.iter().flat_map(|a| a.rate).flatten());
         all.extend(&e.draws.states);
         all.extend(&e.draws.lp);
         all.extend(e.residual_px.iter().flatten());

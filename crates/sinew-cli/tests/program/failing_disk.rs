@@ -4,6 +4,7 @@
 
 use crate::common::files;
 use crate::common::synthetic::Whole;
+use sinew::angles::{AngleMarginal, Convention, JointAngles};
 use sinew::formats::calib_toml;
 use sinew::results::estimate::{Draws, FrameEstimate, PointMarginal, RunInfo, StateMarginal};
 use sinew::results::problem;
@@ -95,6 +96,7 @@ fn write(folder: &Path, steps: usize) -> Result<usize, Error> {
         is_weighted: false,
         method: "hmc".into(),
         kind: Default::default(),
+        zero: None,
         world: None,
         fps: 30.0,
         first_frame: 0,
@@ -110,9 +112,10 @@ fn write(folder: &Path, steps: usize) -> Result<usize, Error> {
         sigma_px: 1.0,
         sources: vec![],
         setup_toml: "schema = 2\n".into(),
+        angles: JointAngles::new(&body, &[], false, Convention::OpenSim),
         body,
     };
-    let dof = info.body.dof();
+    let (dof, angles) = (info.body.dof(), info.angles.names().len());
     let points = info.body.points().len();
     let cameras = info.cameras.len();
     let claim = claim_in(Arc::new(Failing(Arc::clone(&left))), folder, &[], false)?;
@@ -125,6 +128,7 @@ fn write(folder: &Path, steps: usize) -> Result<usize, Error> {
             mean_state: vec![0.0; dof],
             points: vec![PointMarginal::default(); points],
             state: vec![StateMarginal::default(); dof],
+            angles: vec![AngleMarginal::default(); angles],
             draws: Draws { states: vec![0.0; dof], ..Draws::default() },
             seen: vec![[3.0, 4.0, 0.5]; cameras],
             ess: 20.0,

@@ -67,7 +67,10 @@ const TABLES: [(&str, &str); 4] = [
          7,0.1,0,Nose,1,2,1.6,0.01,0.01,0.01,1,2\n7,0.1,0,RHip,1,2,0.9,0.01,0.01,0.01,1,2\n\
          8,0.2,0,Nose,1,2,1.6,0.01,0.01,0.01,1,2\n8,0.2,0,RHip,1,2,0.9,0.01,0.01,0.01,1,2\n",
     ),
-    ("angles.csv", "time_s,person,name,mean_deg,q05_deg,q95_deg\n0.1,0,r_shin.rx,1,0,2\n0.2,0,r_shin.rx,1,0,2\n"),
+    (
+        "angles.csv",
+        "frame,time_s,person,name,mean_deg,q05_deg,q95_deg\n7,0.1,0,knee_angle_r,1,0,2\n8,0.2,0,knee_angle_r,1,0,2\n",
+    ),
     (
         "frames.csv",
         "frame,time_s,observed,quality,restarted,ess,residual_px\n7,0.1,1,2,0,300,4.5\n8,0.2,1,2,0,310,4.5\n",

@@ -38,7 +38,7 @@ fn everything_is_there_and_readable() {
     let bvh = sinew::formats::bvh::read("motion.bvh", &text("motion.bvh")).unwrap();
     assert_eq!((bvh.frames.len(), bvh.warnings.len()), (6, 0));
 
-    for name in ["joints.csv", "keypoints.csv", "angles.csv", "frames.csv", "markers_sd.csv"] {
+    for name in ["joints.csv", "keypoints.csv", "angles.csv", "state.csv", "frames.csv", "markers_sd.csv"] {
         insta::assert_snapshot!(format!("columns_{name}"), text(name).lines().next().unwrap());
         // A diagnostic of so short a run may be undefined; an estimate may not.
         assert!(name == "frames.csv" || !text(name).contains("NaN"), "{name}");
@@ -128,6 +128,34 @@ fn smoothed_results_say_so() {
     assert_eq!(summary["kind"], "smoothed");
     assert!(text("posterior.zarr/zarr.json").contains("one draw index is one trajectory"));
     assert_eq!(top(&trial.path("out")), RESULT_NAMES);
+}
+
+#[test]
+fn a_standing_trial_is_the_zero_of_angles() {
+    let trial = trial(0.3);
+    check_done(&trial, &["-ostanding", "--smooth"]);
+    check_done(&trial, &["-ofirst", "--setup=standing/setup.toml"]);
+    check_done(&trial, &["-ozeroed", "--setup=standing/setup.toml", "--static=standing"]);
+    let coordinates = |out: &str| {
+        let text = fs::read_to_string(trial.path(out).join("angles.mot")).unwrap();
+        sinew::formats::mot::read("angles.mot", &text).unwrap()
+    };
+    let summary: serde_json::Value =
+        serde_json::from_str(&fs::read_to_string(trial.path("zeroed/summary.json")).unwrap()).unwrap();
+    let (first, zeroed) = (coordinates("first"), coordinates("zeroed"));
+    let mut moved = 0;
+    for (column, name) in first.columns.iter().enumerate() {
+        let zero = summary["angles"]["zero_deg"][name][0].as_f64().unwrap_or(0.0);
+        for (a, b) in first.rows.iter().zip(&zeroed.rows) {
+            assert!((a[column] - zero - b[column]).abs() < 1e-6, "{name}: {} - {zero} is {}", a[column], b[column]);
+        }
+        moved += usize::from(zero != 0.0);
+    }
+    // All angles but the heading.
+    assert_eq!((moved, summary["angles"]["zero_deg"].get("pelvis_rotation")), (28, None));
+    assert_eq!(summary["angles"]["convention"], "opensim");
+    let refused = trial.track_printed(&["-onone", "--static=pose"]);
+    assert!(refused.contains("pose") && refused.contains("summary.json"), "{refused}");
 }
 
 #[test]

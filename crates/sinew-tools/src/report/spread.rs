@@ -6,7 +6,7 @@
 use super::error::ReportError;
 use super::recorded::Recorded;
 use crate::Error;
-use crate::stored_array::stored_array;
+use sinew::results::stored_array::stored_array;
 use sinew_formats::zarr::reader::NumberArray;
 use std::path::Path;
 

@@ -2,8 +2,8 @@
 
 use super::recorded::Recorded;
 use crate::Error;
-use crate::stored_array::stored_array;
 use serde_json::{Value, json};
+use sinew::results::stored_array::stored_array;
 use sinew::results::tracked::calibrated;
 use sinew_observe::Camera;
 use std::path::Path;

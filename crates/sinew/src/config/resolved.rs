@@ -228,6 +228,8 @@ impl Resolved {
     pub fn files(&self) -> BTreeMap<&'static str, PathBuf> {
         let file = |(key, (value, _)): (&&'static str, &(Value, Origin))| match value {
             Value::Path(path) if path.is_file() => Some((*key, path.clone())),
+            // Its summary knows what it was made from.
+            Value::Path(path) if *key == "static" => Some((*key, path.join("summary.json"))),
             _ => None,
         };
         self.values.of.iter().filter_map(file).collect()

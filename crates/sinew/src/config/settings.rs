@@ -1,6 +1,8 @@
 //! How a recording is tracked.
 
 use crate::methods::{HmcMethod, Method, Score};
+use crate::results::standing_trial::StandingTrial;
+use sinew_angles::Convention;
 use sinew_core::lanes::Isa;
 use sinew_dynamics::primitives::model::PrimitiveModel;
 use sinew_dynamics::random_walk::Between;
@@ -36,6 +38,10 @@ pub struct Settings {
     pub score: ImageScore,
     /// Longest side of the raster in which silhouettes are compared, pixels.
     pub raster: usize,
+    /// Whose definitions the angles of joints follow.
+    pub angles: Convention,
+    /// Run of a trial in which the person stands: the zero of the angles.
+    pub standing: Option<Arc<StandingTrial>>,
     /// Thinned draws kept of each frame.
     pub draws: usize,
     /// Whether the set-up is that of an earlier run, which advice depends on.
@@ -65,6 +71,8 @@ impl Default for Settings {
             latent_model: None,
             score: Score::Bidirectional.with_kappa(100.0),
             raster: 320,
+            angles: Convention::default(),
+            standing: None,
             draws: 64,
             setup_is_given: false,
         }

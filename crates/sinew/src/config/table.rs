@@ -7,6 +7,7 @@ use super::settings::Settings;
 use crate::methods::about::About;
 use crate::methods::list;
 use crate::methods::score::Score;
+use sinew_angles::Convention;
 use std::sync::LazyLock;
 
 const POSITIVE: SettingKind = SettingKind::Number { least: 0.0, excluded: true, most: f64::INFINITY };
@@ -21,6 +22,7 @@ const NOISES: SettingKind = SettingKind::Choice(&["floor", "student-t"]);
 const OUTLIER: SettingKind = SettingKind::Number { least: 0.0, excluded: true, most: 0.5 };
 const AXES: SettingKind = SettingKind::Choice(&["+x", "-x", "+y", "-y", "+z", "-z"]);
 const SETS: SettingKind = SettingKind::Choice(&["avx512", "avx2", "baseline"]);
+const CONVENTIONS: SettingKind = SettingKind::Choice(&Convention::NAMES);
 const INPUT: &str = "Input";
 const OUTPUT: &str = "Output";
 const METHOD: &str = "Method";
@@ -89,6 +91,8 @@ const LAST: &[Setting] = &[
     rare((SAMPLING, "min_ess", NOT_NEGATIVE, "X", "10", "median effective sample size below which a particle method fails")),
     Setting { rare: false, ..computed((GENERAL, "seed", SettingKind::Count(0, u64::MAX), "N", || Settings::default().seed.to_string(), "seed of all random streams")) },
     unhashed(common((GENERAL, "threads", SettingKind::Count(1, 1024), "N", "", "threads [default: what the system grants]"))),
+    rare((OUTPUT, "angles", CONVENTIONS, "NAME", "opensim", "whose definitions of joint angles: opensim or isb")),
+    rare((OUTPUT, "static", SettingKind::Path, "DIR", "", "results of a standing trial of the same person: the zero of joint angles")),
     common((OUTPUT, "out", SettingKind::Path, "DIR", "", "output folder [default: sinew-out/<trial>]")),
     unhashed(rare((OUTPUT, "checkpoint_every", NOT_NEGATIVE, "SECONDS", "10", "time between checkpoints, from which `--resume` continues; 0 after every frame"))),
     unhashed(common((OUTPUT, "force", SettingKind::Flag, "", "false", "replace results that are there"))),

@@ -5,8 +5,10 @@ use super::settings::Settings;
 use super::value::Value;
 use super::values::Origin;
 use crate::methods::Score;
+use crate::results::standing_trial::StandingTrial;
 use crate::track::error::TrackError;
 use crate::{Error, files};
+use sinew_angles::Convention;
 use sinew_core::lanes::Isa;
 use sinew_dynamics::primitives::file;
 use sinew_dynamics::primitives::model::PrimitiveModel;
@@ -70,6 +72,8 @@ pub struct TrackConfig {
     pub motion_model: Option<PathBuf>,
     /// Latent model of poses.
     pub latent: Option<PathBuf>,
+    /// Result folder of a standing trial.
+    pub standing: Option<PathBuf>,
     /// Whether a backward pass follows.
     pub smooth: bool,
     /// How frames are tracked; instruction set and frame rate are not settled yet ([`TrackConfig::settings`]).
@@ -129,6 +133,7 @@ impl Resolved {
             setup_frames: self.values.frames("setup_frames"),
             motion_model: self.values.path("motion_model"),
             latent: self.values.path("latent"),
+            standing: self.values.path("static"),
             smooth: self.values.flag("smooth"),
             tracking: self.settings(),
             simd: self.values.text("simd"),
@@ -145,9 +150,10 @@ impl Resolved {
         }
     }
 
-    /// Whether nothing says that it is one person: neither a choice nor a set-up, which is of one, nor masks.
+    /// Whether nothing says that it is one person: neither a choice nor a set-up or a standing trial, which are of one, nor masks.
     fn tracks_everybody(&self) -> bool {
-        let is_of_one = ["person", "setup", "silhouettes", "init"].iter().any(|key| self.values.get(key).is_some());
+        let is_of_one =
+            ["person", "setup", "silhouettes", "init", "static"].iter().any(|key| self.values.get(key).is_some());
         self.values.text("people").as_deref() == Some("all") && !is_of_one
     }
 
@@ -182,6 +188,7 @@ impl Resolved {
             motion_scale: values.number("motion_scale").unwrap_or(usual.motion_scale),
             score: values.number("kappa").map_or(usual.score, |kappa| score.with_kappa(kappa)),
             raster: values.size_or("raster", usual.raster),
+            angles: values.text("angles").and_then(|name| Convention::named(&name)).unwrap_or_default(),
             draws: values.size_or("draws", usual.draws),
             setup_is_given: values.path("setup").is_some(),
             ..usual
@@ -224,7 +231,9 @@ impl TrackConfig {
         let motion_model = self.motion_model.as_deref().map(read_model).transpose()?;
         let latent_model = self.latent.as_deref().map(read_latent).transpose()?;
         let fps = self.fps.unwrap_or(DEFAULT_FPS);
-        Ok(Settings { isa, fps, motion_model, latent_model, ..self.tracking.clone() })
+        let read = |folder| StandingTrial::read(folder, self.tracking.angles).map(Arc::new);
+        let standing = self.standing.as_deref().map(read).transpose()?;
+        Ok(Settings { isa, fps, motion_model, latent_model, standing, ..self.tracking.clone() })
     }
 }
 

@@ -20,7 +20,7 @@ use std::sync::Arc;
 pub const LOCK_NAME: &str = "sinew.lock";
 
 /// Everything that a run leaves in its folder.
-pub const RESULT_NAMES: [&str; 14] = [
+pub const RESULT_NAMES: [&str; 15] = [
     "angles.csv",
     "angles.mot",
     "config.toml",
@@ -33,6 +33,7 @@ pub const RESULT_NAMES: [&str; 14] = [
     "motion.bvh",
     "posterior.zarr",
     "setup.toml",
+    "state.csv",
     "summary.json",
     "timings.json",
 ];

@@ -50,6 +50,9 @@ pub enum ResultsError {
         /// Cameras of the file.
         calibrated: Vec<String>,
     },
+    /// A run without draws of its angles.
+    #[error("{}: no draws of angles in posterior.zarr", .0.display())]
+    NoDraws(PathBuf),
     /// A file whose length is not that of the others.
     #[error("{file}: {found} {unit}; the other files of the folder speak of {expected}")]
     OtherLength {
@@ -157,6 +160,7 @@ impl ResultsError {
             Self::NoSummary(_) => Some(
                 "give the folder that `sinew track` wrote with `-o`; a run that was stopped is continued with `--resume`",
             ),
+            Self::NoDraws(_) => Some("give the folder of a run of `sinew track` that came to its end"),
             Self::NoSuchFrames { .. } => Some("`--frames A..B` takes the numbers in the file names, A included, B not"),
             Self::UnknownCamera { .. } => Some("give the calibration that was tracked with"),
             Self::OtherLength { .. } => Some("are all files of this folder of one run?"),

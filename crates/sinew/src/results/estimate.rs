@@ -8,6 +8,7 @@
 pub mod diagnostics;
 
 use super::world_turn::WorldTurn;
+use sinew_angles::{AngleMarginal, AngleZero, JointAngles};
 use sinew_body::KinematicTree;
 use sinew_dynamics::primitives::switching::Branch;
 use sinew_observe::Camera;
@@ -152,6 +153,8 @@ pub struct FrameEstimate {
     pub keypoints: Vec<PointMarginal>,
     /// Marginals of the degrees of freedom.
     pub state: Vec<StateMarginal>,
+    /// Marginals of the angles of joints, in the order of [`RunInfo::angles`].
+    pub angles: Vec<AngleMarginal>,
     /// Thinned draws, as many in each frame.
     pub draws: Draws,
     /// For particle methods.
@@ -208,6 +211,10 @@ pub struct RunInfo {
     pub kind: EstimateKind,
     /// Body in its fitted size; points and degrees of freedom are in its order.
     pub body: KinematicTree,
+    /// The angles of joints that each frame brings.
+    pub angles: JointAngles,
+    /// What a standing trial takes off them.
+    pub zero: Option<AngleZero>,
     /// How the calibration's world was turned, if it was.
     pub world: Option<WorldTurn>,
     /// Frames per second.

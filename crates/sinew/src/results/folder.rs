@@ -4,7 +4,8 @@
 //! summary.json   written last; "complete": true means done      timings.json   the only file that differs from run to run
 //! config.toml    repeats the run with --config                  setup.toml     repeats the set-up with --setup
 //! markers.trc    markers_sd.csv    angles.mot    motion.bvh     of the mean pose
-//! joints.csv     keypoints.csv     angles.csv     frames.csv    tidy tables with units in the column names
+//! joints.csv     keypoints.csv     angles.csv     state.csv
+//! frames.csv                                                    tidy tables with units in the column names
 //! actions.csv                                                   of methods with action primitives alone
 //! posterior.zarr load.py                                        draws, and how to open them
 //! ```
@@ -23,12 +24,14 @@ use super::error::ResultsError;
 use super::estimate::{FrameEstimate, RunInfo};
 use super::journal::Journal;
 use super::markers::Markers;
+use super::problem::check_length;
 use super::skeleton::SkeletonFile;
 use super::statistics::Statistics;
 use super::tables::Tables;
 use super::texts::Texts;
 use crate::Error;
 use serde::{Deserialize, Serialize};
+use sinew_angles::visibility::Visibility;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -46,6 +49,9 @@ pub struct ResultFolder {
     texts: Texts,
     markers: Markers,
     tables: Tables,
+    visibility: Option<Visibility>,
+    /// Frames in which each angle is not seen.
+    unseen: Vec<u64>,
     actions: Actions,
     coordinates: Coordinates,
     skeleton: SkeletonFile,
@@ -61,7 +67,7 @@ pub struct ResultFolder {
 pub struct Written {
     frames: u64,
     positions: BTreeMap<String, Position>,
-    angles_before: Vec<Option<[f64; 3]>>,
+    unseen: Vec<u64>,
     channels_before: Option<Vec<f64>>,
     draws: OpenChunks,
 }
@@ -88,18 +94,21 @@ impl ResultFolder {
             claim.remove("summary.json")?;
         }
         let text = |name: &str, text: &str| PartialFile::with_text(&storage, folder.join(name), text);
-        let mut coordinates = Coordinates::open(&place, &info)?;
         let mut skeleton = SkeletonFile::open(&place, &info)?;
         if let Some(written) = written {
-            let remembered = coordinates.remember(&written.angles_before);
-            let remembered = remembered.and_then(|()| skeleton.remember(written.channels_before.clone()));
+            let remembered = skeleton.remember(written.channels_before.clone());
             remembered.map_err(|problem| Error::checkpoint(&folder, problem))?;
         }
+        let angles = info.angles.names().len();
+        let unseen = written.map_or_else(|| vec![0; angles], |written| written.unseen.clone());
+        check_length(unseen.len(), angles).map_err(|problem| Error::checkpoint(&folder, problem))?;
         Ok(Self {
             markers: Markers::open(&place, &info)?,
             tables: Tables::open(&place, &info)?,
+            visibility: visibility(&info),
+            unseen,
             actions: Actions::open(&place, &info)?,
-            coordinates,
+            coordinates: Coordinates::open(&place, &info)?,
             skeleton,
             draws: DrawStore::open(&place, &info, written.map(|written| &written.draws))?,
             journal: Journal::open(&place, info.cameras.len(), info.body.points().len())?,
@@ -131,6 +140,7 @@ impl ResultFolder {
             &mut self.tables.joints.file,
             &mut self.tables.keypoints.file,
             &mut self.tables.angles.file,
+            &mut self.tables.state.file,
             &mut self.tables.frames.file,
             &mut self.coordinates.file,
             &mut self.skeleton.file,
@@ -141,7 +151,7 @@ impl ResultFolder {
         Ok(Written {
             frames: self.frames,
             positions: files.map(PartialFile::keep).collect::<Result<_, _>>()?,
-            angles_before: self.coordinates.before.clone(),
+            unseen: self.unseen.clone(),
             channels_before: self.skeleton.before.clone(),
             draws: self.draws.keep()?,
         })
@@ -155,7 +165,9 @@ impl ResultFolder {
         self.check(estimate)?;
         let pose = pose(&self.info.body, &estimate.mean_state);
         self.markers.append(self.frames, estimate, &pose)?;
-        self.tables.append(estimate)?;
+        let seen = self.seen(estimate);
+        self.unseen.iter_mut().zip(&seen).for_each(|(count, seen)| *count += u64::from(*seen == Some(false)));
+        self.tables.append(estimate, &seen)?;
         self.actions.append(estimate)?;
         self.coordinates.append(estimate, &pose)?;
         self.skeleton.append(&pose)?;
@@ -165,12 +177,19 @@ impl ResultFolder {
         Ok(())
     }
 
+    /// Whether each angle is seen in a frame, where that is known.
+    fn seen(&self, estimate: &FrameEstimate) -> Vec<Option<bool>> {
+        let seen = self.visibility.as_ref().and_then(|known| known.seen_by(&estimate.mean_state, &estimate.seen));
+        seen.map_or_else(|| vec![None; self.unseen.len()], |seen| seen.into_iter().map(Some).collect())
+    }
+
     /// Refuses an estimate of another size than the run's, and numbers that are none.
     fn check(&self, estimate: &FrameEstimate) -> Result<(), Error> {
         let (dof, points) = (self.info.body.dof(), self.info.body.points().len());
         let sizes = [
             ("mean state", estimate.mean_state.len(), dof),
             ("marginals of the state", estimate.state.len(), dof),
+            ("marginals of the angles", estimate.angles.len(), self.unseen.len()),
             ("marginals of the points", estimate.points.len(), points),
             ("draws", estimate.draws.states.len(), dof * self.info.draws),
         ];
@@ -181,7 +200,11 @@ impl ResultFolder {
         let finite = |values: &[f64]| values.iter().all(|value| value.is_finite());
         let points = estimate.points.iter().all(|p| [p.mean, p.sd, p.q05, p.q95].iter().all(|values| finite(values)));
         let state = estimate.state.iter().all(|s| finite(&[s.mean, s.q05, s.q95]));
-        match finite(&estimate.mean_state) && points && state && finite(&estimate.draws.states) {
+        let angles = estimate
+            .angles
+            .iter()
+            .all(|a| finite(&[a.pose, a.mean, a.q05, a.q95]) && a.rate.is_none_or(|rate| finite(&rate)));
+        match finite(&estimate.mean_state) && points && state && angles && finite(&estimate.draws.states) {
             true => Ok(()),
             false => Err(ResultsError::NotFinite { frame }.into()),
         }
@@ -193,7 +216,7 @@ impl ResultFolder {
     /// [`Error::Io`] with the path at the first failure; what is not renamed by then keeps its provisional name.
     pub fn finish(self, ending: &Ending) -> Result<Summary, Error> {
         let Self { info, texts, markers, tables, actions, coordinates, skeleton, draws, .. } = self;
-        let Self { mut journal, mut whole, frames, claim, .. } = self;
+        let Self { mut journal, mut whole, frames, claim, unseen, .. } = self;
         whole.extend(markers.finish(frames)?);
         whole.extend(tables.finish());
         whole.extend(actions.finish(&claim)?);
@@ -204,7 +227,7 @@ impl ResultFolder {
         whole.push(PartialFile::with_text(&claim.storage, claim.folder.join("timings.json"), &timings)?);
         let mut statistics = Statistics::new(&info, texts);
         journal.read_back(info.fps, |frame| statistics.add(frame))?;
-        let summary = statistics.summary(&info, ending);
+        let summary = statistics.summary(&info, ending, &unseen);
         let text = serde_json::to_string_pretty(&summary).unwrap_or_default() + "\n";
         let mut last = PartialFile::with_text(&claim.storage, claim.folder.join("summary.json"), &text)?;
         whole.iter_mut().try_for_each(PartialFile::sync)?;
@@ -223,6 +246,11 @@ impl ResultFolder {
         }
         Ok(summary)
     }
+}
+
+/// What says which angles keypoints show; none where masks show the body, too.
+fn visibility(info: &RunInfo) -> Option<Visibility> {
+    Visibility::new(info.angles.clone(), &info.body, &info.keypoints).filter(|_| !info.has_masks)
 }
 
 /// Writes a single file beside its place, and renames it once it is whole; then both are on the disk.
@@ -248,6 +276,7 @@ mod tests {
     use super::*;
     use crate::results::estimate::{Draws, PointMarginal, StateMarginal};
     use crate::results::{claim, claim_to_resume};
+    use sinew_angles::{AngleMarginal, Convention, JointAngles};
     use sinew_observe::Camera;
     use std::fs;
     use std::path::Path;
@@ -259,6 +288,7 @@ mod tests {
             method: "hmc".into(),
             is_weighted: false,
             kind: Default::default(),
+            zero: None,
             world: None,
             fps: 30.0,
             first_frame: 0,
@@ -274,6 +304,7 @@ mod tests {
             has_masks: false,
             sources: vec![],
             setup_toml: String::new(),
+            angles: JointAngles::new(&crate::bodies::find("cf28").unwrap(), &[], false, Convention::OpenSim),
             body: crate::bodies::find("cf28").unwrap(),
         }
     }
@@ -287,6 +318,7 @@ mod tests {
             number,
             points: vec![PointMarginal::default(); info.body.points().len()],
             state: vec![StateMarginal::default(); state.len()],
+            angles: vec![AngleMarginal::default(); info.angles.names().len()],
             draws: Draws { states: state.clone(), ..Draws::default() },
             seen: vec![[3.0, 4.0, 0.5]],
             mean_state: state,
@@ -294,8 +326,8 @@ mod tests {
         }
     }
 
-    /// `angles.mot` and `motion.bvh` of a run that was stopped after `stop` frames.
-    fn written(folder: &Path, stop: u64) -> [Vec<u8>; 2] {
+    /// `motion.bvh` of a run that was stopped after `stop` frames.
+    fn written(folder: &Path, stop: u64) -> Vec<u8> {
         let open =
             |claim, written: Option<&Written>| ResultFolder::open(claim, info(), Texts::default(), written).unwrap();
         let mut results = open(claim(folder, &[], false).unwrap(), None);
@@ -305,14 +337,14 @@ mod tests {
         let mut results = open(claim_to_resume(folder, &[]).unwrap(), Some(&written));
         (stop..FRAMES).for_each(|number| results.append(&turning(number, &info())).unwrap());
         results.finish(&Ending { complete: true, ..Ending::default() }).unwrap();
-        ["angles.mot", "motion.bvh"].map(|name| fs::read(folder.join(name)).unwrap())
+        fs::read(folder.join("motion.bvh")).unwrap()
     }
 
     #[test]
-    fn angles_beyond_half_a_turn_do_not_jump_where_a_run_is_resumed() {
+    fn channels_beyond_half_a_turn_do_not_jump_where_a_run_is_resumed() {
         let root = tempfile::tempdir().unwrap();
         let unbroken = written(&root.path().join("0"), 0);
-        let last = String::from_utf8_lossy(&unbroken[1]).lines().last().unwrap().to_owned();
+        let last = String::from_utf8_lossy(&unbroken).lines().last().unwrap().to_owned();
         // 9.5 rad, three half turns: 544 degrees.
         assert!(last.split(' ').any(|angle| angle.parse::<f64>().unwrap().abs() > 540.0), "{last}");
         for stop in [5, 8, 19] {

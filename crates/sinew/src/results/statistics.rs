@@ -2,9 +2,12 @@
 //!
 //! Read at its end from the diagnostics of its frames ([`super::journal`]).
 
-use super::summary::{CameraSummary, Diagnostics, Ending, Limits, R_HAT_NOTED, SCHEMA_VERSION, Spread, Summary};
+use super::summary::{
+    AnglesSummary, CameraSummary, Diagnostics, Ending, Limits, R_HAT_NOTED, SCHEMA_VERSION, Spread, Summary,
+};
 use super::texts::Texts;
 use crate::results::estimate::{EstimateKind, FrameEstimate, RunInfo};
+use sinew_angles::AngleZero;
 use sinew_body::Point;
 use sinew_recording::setup::uncertainty::{Uncertainty, uncertainty};
 
@@ -270,7 +273,22 @@ impl Statistics {
         uncertainty(&info.sources, &variances, info.kind == EstimateKind::Smoothed)
     }
 
-    pub(crate) fn summary(self, info: &RunInfo, ending: &Ending) -> Summary {
+    /// What is said of the angles, which were not seen in a number of frames each.
+    fn angles(&self, info: &RunInfo, unseen: &[u64]) -> AnglesSummary {
+        let share = |count: &u64| *count as f64 / self.frames.max(1) as f64;
+        let unseen = info.angles.names().iter().zip(unseen).filter(|(_, count)| **count > 0);
+        let zero = |zero: &AngleZero| {
+            let of = |(k, name): (usize, &String)| (name.clone(), [zero.means[k], zero.sd(k)].map(f64::to_degrees));
+            info.angles.names().iter().enumerate().map(of).filter(|(_, [_, sd])| *sd > 0.0).collect()
+        };
+        AnglesSummary {
+            convention: info.angles.convention().name(),
+            unseen: unseen.map(|(name, count)| (name.clone(), share(count))).collect(),
+            zero_deg: info.zero.as_ref().map(zero).unwrap_or_default(),
+        }
+    }
+
+    pub(crate) fn summary(self, info: &RunInfo, ending: &Ending, unseen: &[u64]) -> Summary {
         let names = info.cameras.iter().map(|camera| camera.name.clone());
         let cameras = names.zip(self.residuals()).enumerate().map(|(i, (name, residual_px))| CameraSummary {
             name,
@@ -299,6 +317,7 @@ impl Statistics {
             restarted_frames: self.restarted,
             degrees_of_freedom: info.body.dof(),
             world: info.world.clone(),
+            angles: self.angles(info, unseen),
             cameras: cameras.collect(),
             diagnostics: self.diagnostics(),
             uncertainty: self.uncertainty(info),
@@ -331,6 +350,7 @@ fn quantiles<const N: usize>(values: &[f32], at: [f64; N]) -> Option<[f64; N]> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use sinew_angles::{Convention, JointAngles};
     use sinew_observe::Camera;
 
     /// Warnings and failed diagnostics of frames with the numbers 10, 11, …
@@ -340,6 +360,7 @@ mod tests {
             method: "toy".into(),
             is_weighted,
             kind: Default::default(),
+            zero: None,
             world: None,
             fps: 30.0,
             first_frame: 10,
@@ -355,13 +376,14 @@ mod tests {
             sigma_px: 4.0,
             sources: vec![],
             setup_toml: String::new(),
+            angles: JointAngles::new(&crate::bodies::find("cf28").unwrap(), &[], false, Convention::OpenSim),
             body: crate::bodies::find("cf28").unwrap(),
         };
         let mut statistics = Statistics::new(&info, Texts::default());
         for (number, frame) in (10..).zip(frames) {
             statistics.add(&FrameEstimate { number, ..frame });
         }
-        let summary = statistics.summary(&info, &Ending::default());
+        let summary = statistics.summary(&info, &Ending::default(), &[]);
         (summary.warnings, summary.failed_diagnostics)
     }
 

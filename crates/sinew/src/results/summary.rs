@@ -83,6 +83,8 @@ pub struct Summary {
     /// How the calibration's world was turned, if it was.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub world: Option<WorldTurn>,
+    /// Angles of joints.
+    pub angles: AnglesSummary,
     /// What the cameras say.
     pub cameras: Vec<CameraSummary>,
     /// Diagnostics.
@@ -100,6 +102,18 @@ pub struct Summary {
     pub settings: serde_json::Value,
     /// Hash of the settings, without threads and paths.
     pub settings_hash: String,
+}
+
+/// What angles follow, and which of them keypoints do not show.
+#[derive(Clone, Debug, Serialize)]
+pub struct AnglesSummary {
+    /// `opensim` or `isb`.
+    pub convention: &'static str,
+    /// Share of the frames in which an angle is not seen (`seen` in `angles.csv`), by its name; without those that always are.
+    pub unseen: BTreeMap<String, f64>,
+    /// What a standing trial took off each angle: mean and standard deviation, degrees, by its name; empty without such a trial.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub zero_deg: BTreeMap<String, [f64; 2]>,
 }
 
 /// What a camera says.

@@ -1,10 +1,11 @@
-//! `joints.csv`, `keypoints.csv`, `angles.csv`, `frames.csv`: tidy tables with the unit in every column name.
+//! `joints.csv`, `keypoints.csv`, `angles.csv`, `state.csv`, `frames.csv`: tidy tables with the unit in every column name.
 //!
 //! | file | a row is | columns |
 //! |---|---|---|
 //! | `joints.csv` | a point in a frame | frame, `time_s`, person, joint, `x_mean_m` … `z_q95_m`, `x_sd_within_m` … (world, Z up), observed, quality |
 //! | `keypoints.csv` | a keypoint in a frame, where the detectors see it in space | the same with keypoint for joint; no rows where that is not known |
-//! | `angles.csv` | a rotation in a frame | `time_s`, person, name, `mean_deg`, `q05_deg`, `q95_deg` |
+//! | `angles.csv` | an angle of a joint in a frame | frame, `time_s`, person, name, `mean_deg`, `q05_deg`, `q95_deg`, `rate_mean_deg_s`, `rate_q05_deg_s`, `rate_q95_deg_s`, seen |
+//! | `state.csv` | a degree of freedom in a frame | frame, `time_s`, person, name, unit, mean, q05, q95 |
 //! | `frames.csv` | a frame | frame, `time_s`, observed, quality, restarted, ess, `log_evidence`, `r_hat`, `e_bfmi`, acceptance, `off_manifold`, divergences, `residual_px` and one per camera |
 //!
 //! `quality` is 2 where at least two cameras saw the person, 1 for one camera, 0 where the values come from the motion model only.
@@ -12,7 +13,7 @@
 use super::partial::{PartialFile, Place};
 use super::table::{Table, integer, optional};
 use crate::Error;
-use crate::results::estimate::{FrameEstimate, PointMarginal, RunInfo};
+use crate::results::estimate::{FrameEstimate, PointMarginal, RunInfo, StateMarginal};
 use sinew_body::Joint;
 use sinew_formats::tidy_csv::Cell;
 
@@ -23,12 +24,18 @@ pub(crate) struct Tables {
     pub(crate) joints: Table,
     pub(crate) keypoints: Table,
     pub(crate) angles: Table,
+    pub(crate) state: Table,
     pub(crate) frames: Table,
     point_names: Vec<String>,
     keypoint_names: Vec<String>,
-    /// Degree of freedom and name of every rotation.
-    rotations: Vec<(usize, String)>,
+    angle_names: Vec<String>,
+    /// Name and unit of every degree of freedom.
+    state_names: Vec<(String, &'static str)>,
 }
+
+const ANGLES: &str =
+    "frame time_s person name mean_deg q05_deg q95_deg rate_mean_deg_s rate_q05_deg_s rate_q95_deg_s seen";
+const STATE: &str = "frame time_s person name unit mean q05 q95";
 
 const MARGINALS: [&str; 15] = [
     "x_mean_m",
@@ -52,7 +59,6 @@ impl Tables {
     pub(crate) fn open(place: &Place<'_>, info: &RunInfo) -> Result<Self, Error> {
         let point_columns =
             |what| [&["frame", "time_s", "person", what][..], &MARGINALS, &["observed", "quality"]].concat();
-        let angle_columns = ["time_s", "person", "name", "mean_deg", "q05_deg", "q95_deg"];
         let mut frame_columns: Vec<String> = [
             "frame",
             "time_s",
@@ -71,21 +77,23 @@ impl Tables {
         .map(Into::into)
         .into();
         frame_columns.extend(info.cameras.iter().map(|camera| format!("residual_{}_px", camera.name)));
-        let named = info.body.dof_names().into_iter().zip(info.body.joints()).enumerate();
-        let rotations =
-            named.filter(|(_, (_, (_, joint)))| matches!(joint, Joint::Rotate(_))).map(|(dof, (name, _))| (dof, name));
+        let unit = |joint: Joint| if matches!(joint, Joint::Rotate(_)) { "deg" } else { "m" };
+        let state_names = info.body.dof_names().into_iter().zip(info.body.joints().map(|(_, joint)| unit(joint)));
         Ok(Self {
             joints: Table::open(place, "joints.csv", &point_columns("joint"))?,
             keypoints: Table::open(place, "keypoints.csv", &point_columns("keypoint"))?,
-            angles: Table::open(place, "angles.csv", &angle_columns)?,
+            angles: Table::open(place, "angles.csv", &ANGLES.split(' ').collect::<Vec<_>>())?,
+            state: Table::open(place, "state.csv", &STATE.split(' ').collect::<Vec<_>>())?,
             frames: Table::open(place, "frames.csv", &frame_columns)?,
             point_names: info.body.points().iter().map(|point| point.name.clone()).collect(),
             keypoint_names: info.keypoints.clone(),
-            rotations: rotations.collect(),
+            angle_names: info.angles.names().to_vec(),
+            state_names: state_names.collect(),
         })
     }
 
-    pub(crate) fn append(&mut self, estimate: &FrameEstimate) -> Result<(), Error> {
+    /// Writes a frame; `seen` says of each angle whether the frame shows it, where that is known.
+    pub(crate) fn append(&mut self, estimate: &FrameEstimate, seen: &[Option<bool>]) -> Result<(), Error> {
         let time = Cell::Number(estimate.time_s);
         let flags = [integer(estimate.observed.into()), integer(estimate.quality as u64)];
         let rows = |table: &mut Table, names: &[String], points: &[PointMarginal]| {
@@ -99,10 +107,20 @@ impl Tables {
         };
         rows(&mut self.joints, &self.point_names, &estimate.points)?;
         rows(&mut self.keypoints, &self.keypoint_names, &estimate.keypoints)?;
-        for (dof, name) in &self.rotations {
-            let angle = &estimate.state[*dof];
-            let [mean, q05, q95] = [angle.mean, angle.q05, angle.q95].map(|value| Cell::Number(value.to_degrees()));
-            self.angles.append(&[time, PERSON, Cell::Text(name), mean, q05, q95])?;
+        for ((name, angle), seen) in self.angle_names.iter().zip(&estimate.angles).zip(seen) {
+            let mut cells = vec![integer(estimate.number), time, PERSON, Cell::Text(name)];
+            cells.extend([angle.mean, angle.q05, angle.q95].map(|value| Cell::Number(value.to_degrees())));
+            let rate = angle.rate.map(|rate| rate.map(f64::to_degrees));
+            cells.extend([0, 1, 2].map(|k: usize| optional(rate.map(|rate| rate[k]))));
+            cells.push(seen.map_or(Cell::Empty, |seen| integer(seen.into())));
+            self.angles.append(&cells)?;
+        }
+        for (dof, (name, unit)) in self.state_names.iter().enumerate() {
+            let StateMarginal { q05, q95, .. } = estimate.state[dof];
+            let shown = |value: f64| Cell::Number(if *unit == "deg" { value.to_degrees() } else { value });
+            let [mean, q05, q95] = [estimate.mean_state[dof], q05, q95].map(shown);
+            let (number, name, unit) = (integer(estimate.number), Cell::Text(name), Cell::Text(unit));
+            self.state.append(&[number, time, PERSON, name, unit, mean, q05, q95])?;
         }
         let mut cells = vec![integer(estimate.number), time, flags[0], flags[1], integer(estimate.restarted.into())];
         cells.push(optional(Some(estimate.ess)));
@@ -113,8 +131,8 @@ impl Tables {
         self.frames.append(&cells)
     }
 
-    pub(crate) fn finish(self) -> [PartialFile; 4] {
-        [self.joints.file, self.keypoints.file, self.angles.file, self.frames.file]
+    pub(crate) fn finish(self) -> [PartialFile; 5] {
+        [self.joints.file, self.keypoints.file, self.angles.file, self.state.file, self.frames.file]
     }
 }
 

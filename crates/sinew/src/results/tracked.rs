@@ -1,20 +1,18 @@
 //! The poses of a result folder, read back.
 //!
-//! No file of a folder holds states as such. The body is that of `setup.toml`; rotations come from `angles.csv`, by the names of the body's degrees of freedom; translations, which it lacks, are those that put the body's points on
-//! `markers.trc`: points are affine in translations, so that least squares finds them exactly. Numbers of frames come from `frames.csv`.
+//! The body is that of `setup.toml`; states come from `state.csv`, by the names of the body's degrees of freedom; numbers of frames from `frames.csv`.
 
 use super::error::{Expected, ResultsError};
 use crate::config::{Sources, TrackConfig, resolve};
 use crate::input::lag::Lag;
 use crate::input::recording::Calibrated;
 use crate::input::up_axis::upright;
-use crate::results::pose;
 use crate::setup::Setup;
 use crate::{Error, files};
 use sinew_body::{Joint, KinematicTree};
+use sinew_formats::camera_name;
 use sinew_formats::source_text::{MAX_CONFIG_BYTES, MAX_TEXT_BYTES};
 use sinew_formats::tidy_csv::{self, Cells};
-use sinew_formats::{camera_name, trc};
 use sinew_observe::Camera;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -34,9 +32,6 @@ pub struct Tracked {
     pub frames: Vec<(u64, Vec<f64>)>,
 }
 
-/// Rounds of least squares, one translation after the other: one is enough for a root that moves along three axes.
-const ROUNDS: usize = 50;
-
 impl Tracked {
     /// Reads the poses of a run that came to its end.
     ///
@@ -54,20 +49,7 @@ impl Tracked {
         let tree = setup.tree();
         let table = |name: &str| tidy_csv::read_cells(&shown(name), &text(name, MAX_TEXT_BYTES)?).map_err(Error::from);
         let numbers = numbers(&shown("frames.csv"), &table("frames.csv")?)?;
-        let mut states = rotations(&shown("angles.csv"), &table("angles.csv")?, &tree, numbers.len())?;
-        let markers = trc::read(&shown("markers.trc"), &text("markers.trc", MAX_TEXT_BYTES)?)?;
-        if markers.frames.len() != numbers.len() {
-            let (file, found) = (shown("markers.trc"), markers.frames.len());
-            return Err(ResultsError::OtherLength { file, found, unit: "frames", expected: numbers.len() }.into());
-        }
-        let known: Vec<(usize, usize)> = (0..markers.header.markers.len())
-            .filter_map(|marker| Some((tree.point_index(&markers.header.markers[marker])?, marker)))
-            .collect();
-        for (row, state) in states.iter_mut().enumerate() {
-            let targets =
-                known.iter().filter_map(|&(point, marker)| Some((point, markers.point_in_world(row, marker)?)));
-            translate(&tree, state, &targets.collect::<Vec<_>>());
-        }
+        let states = states(&shown("state.csv"), &table("state.csv")?, &tree, numbers.len())?;
         let TrackConfig { image_scale, lag, tracking, .. } = settings.track();
         Ok(Self { setup, image_scale, lag, fps: tracking.fps, frames: numbers.into_iter().zip(states).collect() })
     }
@@ -144,81 +126,24 @@ fn numbers(name: &str, table: &Cells) -> Result<Vec<u64>, ResultsError> {
     table.rows.iter().map(number).collect()
 }
 
-/// States of `frames` frames, translations 0.
-fn rotations(name: &str, table: &Cells, tree: &KinematicTree, frames: usize) -> Result<Vec<Vec<f64>>, ResultsError> {
-    let [name_column, mean_column] = [column(name, table, "name")?, column(name, table, "mean_deg")?];
-    let rotations: Vec<(usize, String)> = tree
-        .joints()
-        .zip(tree.dof_names())
-        .enumerate()
-        .filter(|(_, ((_, joint), _))| matches!(joint, Joint::Rotate(_)))
-        .map(|(dof, (_, name))| (dof, name))
-        .collect();
-    if table.rows.len() != frames * rotations.len() {
-        let (file, found, expected) = (name.into(), table.rows.len(), frames * rotations.len());
+/// States of `frames` frames.
+fn states(name: &str, table: &Cells, tree: &KinematicTree, frames: usize) -> Result<Vec<Vec<f64>>, ResultsError> {
+    let [name_column, mean_column] = [column(name, table, "name")?, column(name, table, "mean")?];
+    let (names, joints): (Vec<String>, Vec<Joint>) =
+        tree.dof_names().into_iter().zip(tree.joints().map(|(_, joint)| joint)).unzip();
+    if table.rows.len() != frames * tree.dof() {
+        let (file, found, expected) = (name.into(), table.rows.len(), frames * tree.dof());
         return Err(ResultsError::OtherLength { file, found, unit: "rows", expected });
     }
-    let mut states = vec![vec![0.0; tree.dof()]; frames];
-    for (index, (line, row)) in table.rows.iter().enumerate() {
-        let (dof, expected) = &rotations[index % rotations.len()];
-        if row[name_column] != *expected {
-            return Err(bad_cell(name, *line, &row[name_column], Expected::Coordinate(expected.clone())));
+    let number = |(index, (line, row)): (usize, &(usize, Vec<String>))| {
+        let dof = index % tree.dof();
+        if row[name_column] != names[dof] {
+            return Err(bad_cell(name, *line, &row[name_column], Expected::Coordinate(names[dof].clone())));
         }
-        let degrees = row[mean_column].parse().ok().filter(|degrees: &f64| degrees.is_finite());
-        let degrees = degrees.ok_or_else(|| bad_cell(name, *line, &row[mean_column], Expected::Number))?;
-        states[index / rotations.len()][*dof] = degrees.to_radians();
-    }
-    Ok(states)
-}
-
-/// Moves a body along its translations until its points are as near to their targets as they get.
-fn translate(tree: &KinematicTree, state: &mut [f64], targets: &[(usize, [f64; 3])]) {
-    let points = |state: &[f64]| {
-        let pose = pose(tree, state);
-        targets.iter().flat_map(|(point, _)| pose.points[*point]).collect::<Vec<f64>>()
+        let value = row[mean_column].parse().ok().filter(|value: &f64| value.is_finite());
+        let value = value.ok_or_else(|| bad_cell(name, *line, &row[mean_column], Expected::Number))?;
+        Ok(if matches!(joints[dof], Joint::Rotate(_)) { value.to_radians() } else { value })
     };
-    let start = points(state);
-    let mut left: Vec<f64> = targets.iter().flat_map(|(_, at)| *at).zip(&start).map(|(at, is)| at - is).collect();
-    let moving = tree.joints().enumerate().filter(|(_, (_, joint))| matches!(joint, Joint::Translate(_)));
-    let columns: Vec<(usize, Vec<f64>)> = moving
-        .map(|(dof, _)| {
-            let mut moved = state.to_vec();
-            moved[dof] += 1.0;
-            (dof, points(&moved).iter().zip(&start).map(|(a, b)| a - b).collect())
-        })
-        .collect();
-    for _ in 0..ROUNDS {
-        for (dof, column) in &columns {
-            let length: f64 = column.iter().map(|x| x * x).sum();
-            if length > 0.0 {
-                let step = column.iter().zip(&left).map(|(c, r)| c * r).sum::<f64>() / length;
-                state[*dof] += step;
-                left.iter_mut().zip(column).for_each(|(r, c)| *r -= step * c);
-            }
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use sinew_body::Proportions;
-    use sinew_body::standard::h32;
-
-    #[test]
-    fn translations_come_from_the_points() {
-        let tree = h32(&Proportions::default());
-        let truth: Vec<f64> = (0..tree.dof()).map(|dof| 0.4 * (1.7 * dof as f64).sin()).collect();
-        let posed = pose(&tree, &truth);
-        let targets: Vec<(usize, [f64; 3])> = posed.points.iter().copied().enumerate().collect();
-        let mut state = truth.clone();
-        for (dof, (_, joint)) in tree.joints().enumerate() {
-            if matches!(joint, Joint::Translate(_)) {
-                state[dof] = 0.0;
-            }
-        }
-        assert!(state != truth);
-        translate(&tree, &mut state, &targets);
-        assert!(state.iter().zip(&truth).all(|(a, b)| (a - b).abs() < 1e-12), "{state:?}");
-    }
+    let numbers = table.rows.iter().enumerate().map(number).collect::<Result<Vec<f64>, _>>()?;
+    Ok(numbers.chunks_exact(tree.dof()).map(<[f64]>::to_vec).collect())
 }

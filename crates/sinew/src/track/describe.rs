@@ -1,11 +1,14 @@
 //! From a step of a tracker to what is written of it.
 
+use super::error::TrackError;
 use super::lasting::Lasting;
 use super::marginals::{Described, Marginals};
 use super::noted::Noted;
 use crate::Error;
 use crate::config::settings::Settings;
 use crate::results::estimate::{ActionShare, Draws, FrameEstimate, HmcStatistics, ParticleStatistics, Quality};
+use sinew_angles::fixed_lag::FixedLag;
+use sinew_angles::{AngleMarginal, AngleMarginals};
 use sinew_core::random::Stage;
 use sinew_dynamics::primitives::switching::Choice;
 use sinew_tracking::StepInfo;
@@ -19,6 +22,8 @@ pub(super) struct Describer {
     pub trajectories: (f64, u32),
     pub lasting: Option<Lasting>,
     pub marginals: Marginals,
+    pub angles: AngleMarginals,
+    pub lag: FixedLag,
 }
 
 impl Describer {
@@ -48,17 +53,22 @@ impl Describer {
             energy: chosen.iter().map(|s| s.energy).collect(),
         });
         let lp = chosen.iter().map(|s| s.log_density).collect();
-        let Spread { mean_state, shape, detected, described } =
-            self.spread(&noted, posterior, (&mut states, moved.as_ref()));
+        if noted.info.restarted {
+            self.lag.restart();
+        }
+        let Spread { mean_state, shape, detected, described, angles } =
+            self.spread(&noted, posterior, (&mut states, moved.as_ref()), &moves)?;
         let size = self.marginals.size_draws(&mut states, posterior.dim);
         let draws = Draws { states, shape, detected, size, lp, hmc };
         let missing = moved.map_or_else(Vec::new, |moved| moved.missing);
+        self.lag.push(posterior.moments(self.settings.isa), &missing, moves.clone()).map_err(TrackError::Motion)?;
         let particles = posterior.chain_stats.is_empty().then(|| particles(posterior, &noted.info));
         Ok(FrameEstimate {
             residual_px,
             mean_state,
             moves,
             missing,
+            angles,
             draws,
             particles,
             ..self.estimate(noted, described)
@@ -103,20 +113,25 @@ impl Describer {
         noted: &Noted,
         posterior: &Posterior<'_>,
         (kept, moved): (&mut [f64], Option<&Moved>),
-    ) -> Spread {
-        let mean = &noted.info.mean;
+        moves: &[f64],
+    ) -> Result<Spread, Error> {
+        let (mean, number) = (&noted.info.mean, noted.number as u32);
         let Some((lasting, moved)) = self.lasting.as_ref().zip(moved) else {
             let described = self.marginals.of(posterior, None);
-            return Spread { mean_state: mean.clone(), shape: vec![], detected: vec![], described };
+            let change = self.lag.change(posterior, &[], number).map_err(TrackError::Motion)?;
+            let angles = self.angles.of(mean, posterior, change.as_ref());
+            return Ok(Spread { mean_state: mean.clone(), shape: vec![], detected: vec![], described, angles });
         };
         moved.apply(kept);
         let [shape, detected] = lasting.written(moved, kept);
-        let rng = &mut Stage::new(self.settings.seed, "equal weight").at_frame(noted.number as u32).whole();
+        let rng = &mut Stage::new(self.settings.seed, "equal weight").at_frame(number).whole();
         let EqualDraws { states, weights } = moved.equal_draws(posterior, rng);
         let equal = Posterior { states: &states, weights: &weights, chain_stats: &[], ..*posterior };
         let described = self.marginals.of(&equal, Some(moved));
-        let mean_state = mean.iter().zip(moved.mean()).map(|(x, by)| x + by).collect();
-        Spread { mean_state, shape, detected, described }
+        let mean_state: Vec<f64> = mean.iter().zip(moved.mean()).map(|(x, by)| x + by).collect();
+        let change = self.lag.change(&equal, moves, number).map_err(TrackError::Motion)?;
+        let angles = self.angles.of(&mean_state, &equal, change.as_ref());
+        Ok(Spread { mean_state, shape, detected, described, angles })
     }
 }
 
@@ -131,6 +146,7 @@ struct Spread {
     shape: Vec<f64>,
     detected: Vec<f64>,
     described: Described,
+    angles: Vec<AngleMarginal>,
 }
 
 /// The choices of the motion, part by part, by their meaning.

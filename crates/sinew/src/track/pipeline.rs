@@ -31,6 +31,8 @@ use crate::results::silhouette_overlap::SilhouetteOverlap;
 use crate::setup::Setup;
 use crate::setup::unknown_size::UnknownSize;
 use serde::{Deserialize, Serialize};
+use sinew_angles::fixed_lag::FixedLag;
+use sinew_angles::{AngleMarginals, AngleZero, JointAngles};
 use sinew_body::{KinematicTree, Plan};
 use sinew_core::lanes::Isa;
 use sinew_core::random::Stage;
@@ -65,6 +67,10 @@ pub struct State {
     tracker: Vec<f64>,
     scene: SceneState,
     images: Option<ImageState>,
+    /// Angles of the mean pose, to which the next ones are nearest.
+    angles: Vec<f64>,
+    /// Moments of the last frames, from which angles change.
+    past: Vec<f64>,
 }
 
 impl Pipeline {
@@ -128,7 +134,12 @@ impl Pipeline {
         let size = UnknownSize::of(setup, cameras, settings.seed);
         let marginals = Marginals::new(tree, detected, settings.isa, size);
         let trajectories = (setup.step_size.unwrap_or(f64::NAN), setup.leapfrog_steps.unwrap_or(0));
-        let describer = Describer { settings, trajectories, lasting, marginals };
+        let names: Vec<String> = scene.keypoints();
+        let angles = JointAngles::new(tree, &names, images.is_some(), settings.angles);
+        let lag = FixedLag::new(transition.sd(), settings.fps, settings.seed, settings.isa);
+        let zero = settings.standing.as_ref().map(|standing| standing.zero(&angles, setup.lasting.as_ref()));
+        let angles = AngleMarginals::new(angles, zero);
+        let describer = Describer { settings, trajectories, lasting, marginals, angles, lag };
         Ok(Self { tracker, scene, images, describer, transition, remarks, acting_parts })
     }
 
@@ -165,6 +176,18 @@ impl Pipeline {
     /// The keypoints where the detectors see them, if that is known apart from the points of the body.
     pub(super) fn detected_plan(&self) -> Option<Arc<Plan>> {
         self.lasting().map(|_| self.scene().model().plan.clone())
+    }
+
+    /// The angles of joints that each frame brings.
+    #[must_use]
+    pub const fn angles(&self) -> &JointAngles {
+        self.describer.angles.angles()
+    }
+
+    /// What a standing trial takes off them.
+    #[must_use]
+    pub const fn zero(&self) -> Option<&AngleZero> {
+        self.describer.angles.zero()
     }
 
     pub(super) fn size(&self) -> Option<&UnknownSize> {
@@ -215,7 +238,9 @@ impl Pipeline {
             tracker.extend(&own);
             tracker.push(own.len() as f64);
         }
-        State { tracker, scene: scene.save(), images: images.as_ref().map(Images::save) }
+        let Describer { angles, lag, .. } = &self.describer;
+        let (angles, past) = (angles.before().to_vec(), lag.save());
+        State { tracker, scene: scene.save(), images: images.as_ref().map(Images::save), angles, past }
     }
 
     /// Resumes where a pipeline of the same set-up and settings stood, to the same bits.
@@ -226,6 +251,14 @@ impl Pipeline {
         self.scene.restore(&saved.scene)?;
         if let (Some(images), Some(saved)) = (&mut self.images, &saved.images) {
             images.restore(saved)?;
+        }
+        let lasting_draws = self.lasting_draws();
+        let Describer { angles, lag, .. } = &mut self.describer;
+        if !angles.continue_behind(&saved.angles) {
+            return Err(problem::state("angles", saved.angles.len(), angles.angles().raw_count()));
+        }
+        if !lag.restore(&saved.past, lasting_draws) {
+            return Err(problem::state("moments of the last frames", saved.past.len(), "their numbers"));
         }
         let mut numbers = saved.tracker.as_slice();
         if let Some(lasting) = &mut self.describer.lasting {

@@ -18,12 +18,15 @@ use super::pipeline::Pipeline;
 use crate::Error;
 use crate::results::estimate::{Draws, FrameEstimate, diagnostics};
 use crate::results::{Claim, Disk, PartialFile, Place, Position, Storage};
+use sinew_angles::AngleMarginals;
+use sinew_angles::fixed_lag::half_window;
+use sinew_angles::marginals::{AngleChange, LaterFrame};
 use sinew_body::KinematicTree;
 use sinew_core::lanes::{Block, LANES, get_lane, set_lane};
 use sinew_core::random::Stage;
 use sinew_core::transition::Moments;
 use sinew_dynamics::smoother::Smoother;
-use sinew_tracking::moved::Moved;
+use sinew_tracking::moved::{Moved, Rows};
 use sinew_tracking::posterior::Posterior;
 use std::collections::BTreeMap;
 use std::fs::{self, File};
@@ -150,6 +153,46 @@ impl Spool {
         Ok(Record { header: header.to_vec(), moments, moves: moves.to_vec() })
     }
 
+    /// Whether tracking began again in a frame.
+    fn is_restarted(&self, moments: &mut Numbers, frame: u64) -> Result<bool, Error> {
+        let header = moments.read(frame * self.record() as u64, self.header())?;
+        Ok(self.estimate(&header, 1.0).restarted)
+    }
+
+    /// Trajectories at the ends of a window of some frames on both sides of a frame, cut where tracking began again and at the ends of the recording; none where nothing is left of it.
+    fn change(
+        &self,
+        moments: &mut Numbers,
+        trajectories: &mut Numbers,
+        frame: u64,
+        window: usize,
+        fps: f64,
+    ) -> Result<Option<AngleChange>, Error> {
+        let [mut first, mut last] = [frame; 2];
+        while first > 0 && frame - first < window as u64 && !self.is_restarted(moments, first)? {
+            first -= 1;
+        }
+        while last + 1 < self.frames && last - frame < window as u64 && !self.is_restarted(moments, last + 1)? {
+            last += 1;
+        }
+        if first == last {
+            return Ok(None);
+        }
+        let mut at = |frame: u64| {
+            let mut numbers = trajectories.read(frame * numbers_of_frame(self) as u64, numbers_of_frame(self))?;
+            let moves = numbers.split_off((1 + TRAJECTORIES) * self.dim);
+            let states = &mut numbers[self.dim..];
+            if self.lasting_draws > 0 {
+                Rows::new(&moves, self.lasting_draws).add_columns(states);
+            }
+            let mut blocks = vec![Block::ZERO; TRAJECTORIES / LANES * self.dim];
+            to_blocks(states, self.dim, &mut blocks);
+            Ok::<_, Error>(blocks)
+        };
+        let (earlier, later) = (at(first)?, at(last)?);
+        Ok(Some(AngleChange { earlier, later: LaterFrame::States(later), seconds: (last - first) as f64 / fps }))
+    }
+
     fn estimate(&self, header: &[f64], fps: f64) -> FrameEstimate {
         let (row, seen) = header.split_at(diagnostics::count(self.cameras));
         FrameEstimate { seen: seen.as_chunks().0.to_vec(), ..diagnostics::estimate(row, fps).unwrap_or_default() }
@@ -220,6 +263,13 @@ const fn numbers_of_frame(spool: &Spool) -> usize {
     (1 + TRAJECTORIES + spool.lasting_draws) * spool.dim
 }
 
+/// States one after the other as blocks.
+fn to_blocks(numbers: &[f64], dim: usize, states: &mut [Block]) {
+    for (i, state) in numbers.chunks_exact(dim).enumerate() {
+        set_lane(&mut states[i / LANES * dim..][..dim], i % LANES, state);
+    }
+}
+
 /// The backward pass: smoothed means and drawn trajectories of all frames, from the last to the first.
 fn backwards(
     spool: &Spool,
@@ -278,6 +328,7 @@ fn forwards(
     let (d, settings) = (spool.dim, pipeline.settings());
     let weights = vec![1.0 / TRAJECTORIES as f64; TRAJECTORIES];
     let mut marginals = Marginals::new(tree, pipeline.detected_plan(), settings.isa, pipeline.size().cloned());
+    let mut angles = AngleMarginals::new(pipeline.angles().clone(), pipeline.zero().cloned());
     let mut states = vec![Block::ZERO; TRAJECTORIES / LANES * d];
     for frame in 0..spool.frames {
         let mut numbers = trajectories.read(frame * numbers_of_frame(spool) as u64, numbers_of_frame(spool))?;
@@ -289,12 +340,12 @@ fn forwards(
             moved.apply(numbers);
             mean_state.iter_mut().zip(moved.mean()).for_each(|(x, by)| *x += by);
         }
-        for (i, state) in numbers.chunks_exact(d).enumerate() {
-            set_lane(&mut states[i / LANES * d..][..d], i % LANES, state);
-        }
+        to_blocks(numbers, d, &mut states);
         let posterior =
             Posterior { dim: d, states: &states, weights: &weights, effective: TRAJECTORIES as f64, chain_stats: &[] };
         let Described { points, keypoints, state } = marginals.of(&posterior, moved.as_ref());
+        let change = spool.change(moments, trajectories, frame, half_window(settings.fps), settings.fps)?;
+        let angles = angles.of(mean_state, &posterior, change.as_ref());
         let mut kept = numbers[..settings.draws.min(TRAJECTORIES) * d].to_vec();
         let size = marginals.size_draws(&mut kept, d);
         let written = lasting.zip(moved.as_ref()).map(|(lasting, moved)| lasting.written(moved, &kept));
@@ -306,6 +357,7 @@ fn forwards(
             points,
             keypoints,
             state,
+            angles,
             draws,
             ..spool.estimate(&header, settings.fps)
         };

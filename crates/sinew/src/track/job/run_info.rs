@@ -32,6 +32,8 @@ pub(super) fn run_info(
         is_weighted: method.gives == Gives::Particles,
         kind: if config.smooth { EstimateKind::Smoothed } else { EstimateKind::Filtered },
         body: setup.tree(),
+        angles: pipeline.angles().clone(),
+        zero: pipeline.zero().cloned(),
         world: world(setup),
         fps: settings.fps,
         first_frame,

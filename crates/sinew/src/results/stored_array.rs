@@ -1,7 +1,7 @@
 //! Arrays of numbers of a result folder's `posterior.zarr`.
 
 use crate::Error;
-use sinew::files::{read_bytes, read_text};
+use crate::files::{read_bytes, read_text};
 use sinew_formats::source_text::MAX_TEXT_BYTES;
 use sinew_formats::zarr::reader::{self, NumberArray};
 use std::path::Path;
@@ -10,7 +10,7 @@ use std::path::Path;
 ///
 /// # Errors
 /// Files that cannot be read, arrays of another kind.
-pub(crate) fn stored_array(folder: &Path, path: &str) -> Result<Option<NumberArray>, Error> {
+pub fn stored_array(folder: &Path, path: &str) -> Result<Option<NumberArray>, Error> {
     let array = folder.join("posterior.zarr").join(path);
     let document = array.join("zarr.json");
     if !document.is_file() {

@@ -1,0 +1,126 @@
+//! Three angles of a rotation.
+//!
+//! Our bodies have the axes x right, y forward, z up. ISB names the same axes z, x, y.
+//!
+//! | sequence | rotation | angles | singular |
+//! |---|---|---|---|
+//! | flexion, adduction, rotation | R_x(a) R_y(b) R_z(c) | Grood & Suntay, J. Biomech. Eng. 105 (1983) 136–144: about the right axis of the proximal link, the floating axis, the long axis of the distal link | b = ±90° |
+//! | plane, elevation, rotation | R_z(a) R_y(b) R_z(c) | Wu et al., J. Biomech. 38 (2005) 981–992, §2.4.7: Y–X–Y of the ISB's axes | b = 0, 180° |
+
+use std::f64::consts::{PI, TAU};
+
+/// A rotation, rows first.
+pub(crate) type Matrix = [[f64; 3]; 3];
+
+/// How a rotation is read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum AngleSequence {
+    /// One axis.
+    Hinge,
+    /// R_x(a) R_y(b) R_z(c).
+    FlexionAdductionRotation,
+    /// R_z(a) R_y(b) R_z(c) of a right arm, b from −π to 0: a right arm is raised by turning about back.
+    RightElevation,
+    /// The same of a left arm, b from 0 to π.
+    LeftElevation,
+}
+
+impl AngleSequence {
+    /// The angles, each but the middle one within half a turn.
+    #[must_use]
+    pub fn angles(self, m: &Matrix) -> [f64; 3] {
+        match self {
+            Self::Hinge | Self::FlexionAdductionRotation => {
+                let flexion = (-m[1][2]).atan2(m[2][2]);
+                [flexion, m[0][2].atan2(m[0][0].hypot(m[0][1])), (-m[0][1]).atan2(m[0][0])]
+            }
+            Self::RightElevation | Self::LeftElevation => {
+                let tilt = m[0][2].hypot(m[1][2]);
+                if tilt == 0.0 {
+                    // The plane is any: all of the turn is rotation.
+                    return [0.0, if m[2][2] < 0.0 { PI } else { 0.0 }, m[1][0].atan2(m[1][1])];
+                }
+                let [a, b, c] = [m[1][2].atan2(m[0][2]), tilt.atan2(m[2][2]), m[2][1].atan2(-m[2][0])];
+                if self == Self::LeftElevation { [a, b, c] } else { [within_half(a + PI), -b, within_half(c + PI)] }
+            }
+        }
+    }
+}
+
+fn within_half(angle: f64) -> f64 {
+    angle - TAU * (angle / TAU).round()
+}
+
+/// Of the angles that give the same rotation, those nearest to the ones before.
+#[must_use]
+pub fn near(sequence: AngleSequence, [a, b, c]: [f64; 3], before: [f64; 3]) -> [f64; 3] {
+    let turned = |angles: [f64; 3]| [0, 1, 2].map(|k| angles[k] + TAU * ((before[k] - angles[k]) / TAU).round());
+    let one = turned([a, b, c]);
+    if sequence != AngleSequence::FlexionAdductionRotation {
+        return one;
+    }
+    let other = turned([a + PI, PI - b, c + PI]);
+    let apart = |angles: &[f64; 3]| angles.iter().zip(before).map(|(x, y)| (x - y).abs()).sum::<f64>();
+    if apart(&other) < apart(&one) { other } else { one }
+}
+
+/// m R_axis(angle).
+#[must_use]
+pub fn turned(mut m: Matrix, axis: usize, angle: f64) -> Matrix {
+    let (s, c) = angle.sin_cos();
+    let (i, j) = ((axis + 1) % 3, (axis + 2) % 3);
+    for row in &mut m {
+        (row[i], row[j]) = (c * row[i] + s * row[j], c * row[j] - s * row[i]);
+    }
+    m
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use sinew_formats::rotation::{IDENTITY, about_axis, product};
+
+    fn about_axes(axes: [usize; 3], angles: [f64; 3]) -> Matrix {
+        let [a, b, c] = [0, 1, 2].map(|k| about_axis(axes[k], angles[k]));
+        product(&product(&a, &b), &c)
+    }
+
+    #[test]
+    fn a_turn_is_a_product() {
+        let m = about_axes([0, 2, 1], [0.3, -1.1, 2.0]);
+        for axis in 0..3 {
+            let (found, expected) = (turned(m, axis, 0.7), product(&m, &about_axis(axis, 0.7)));
+            assert!(found.iter().flatten().zip(expected.iter().flatten()).all(|(a, b)| (a - b).abs() < 1e-15));
+        }
+    }
+
+    #[test]
+    fn angles_of_a_ball_come_back_and_do_not_jump() {
+        let sequence = AngleSequence::FlexionAdductionRotation;
+        let mut before = None;
+        for step in 0..400 {
+            let t = f64::from(step) * 0.02;
+            let angles = [0.8 * t, 0.9 * (1.3 * t).sin(), -0.7 * t];
+            let found = sequence.angles(&about_axes([0, 1, 2], angles));
+            let found = before.map_or(found, |before| near(sequence, found, before));
+            assert!(found.iter().zip(angles).all(|(a, b)| (a - b).abs() < 1e-9), "{found:?} {angles:?}");
+            before = Some(found);
+        }
+    }
+
+    #[test]
+    fn elevations_of_both_arms_come_back() {
+        for (sequence, sign) in [(AngleSequence::RightElevation, -1.0), (AngleSequence::LeftElevation, 1.0)] {
+            let mut before = None;
+            for step in 0..400 {
+                let t = f64::from(step) * 0.02;
+                let angles = [0.8 * t, sign * (1.4 + 1.3 * (1.3 * t).sin()), -0.7 * t];
+                let found = sequence.angles(&about_axes([2, 1, 2], angles));
+                let found = before.map_or(found, |before| near(sequence, found, before));
+                assert!(found.iter().zip(angles).all(|(a, b)| (a - b).abs() < 1e-9), "{found:?} {angles:?}");
+                before = Some(found);
+            }
+            assert_eq!(sequence.angles(&IDENTITY), [0.0; 3]);
+        }
+    }
+}
