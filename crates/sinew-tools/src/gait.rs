@@ -1,0 +1,108 @@
+//! Gait of a person who walks, from a result folder: events, parameters of strides, angles over the cycle.
+//!
+//! 1. Pelvis and feet are read with their draws (`walk`); the pelvis says where the person walks (`progression`).
+//! 2. Heel strikes and toe offs are where heels and toes are farthest ahead and behind (`events`).
+//! 3. Strides between them have lengths, times and shares of the cycle (`strides`), and these a mean and a spread (`summary`).
+//! 4. Angles are cut at the heel strikes and laid over each other (`cycles`).
+//!
+//! Intervals are of 90 %, from the draws of the run; what they hold is measured in docs/evidence/gait.md. Draws of a run with `--smooth` are whole paths. Of a run without it they share, from frame to frame, only what lasts over the run.
+
+mod cycles;
+mod error;
+mod events;
+mod local_polynomial;
+mod progression;
+mod strides;
+mod summary;
+mod tables;
+mod varied;
+mod walk;
+
+pub use cycles::{AngleCycle, PLACES};
+pub use error::GaitError;
+pub use events::{GaitEvent, GaitEventKind};
+pub use strides::{PARAMETERS, Stride};
+pub use summary::{ParameterSummary, summary};
+pub use varied::Varied;
+
+use crate::Error;
+use crate::report::recorded::without_summary;
+use std::path::Path;
+use walk::Walk;
+
+/// Files that are written, in this order.
+pub const GAIT_NAMES: [&str; 3] = ["gait_events.csv", "gait_parameters.csv", "gait_cycles.csv"];
+
+/// The gait of a person.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Gait {
+    /// Events of both feet, in the order of time.
+    pub events: Vec<GaitEvent>,
+    /// Number of the frame of each, with its fraction.
+    pub event_frames: Vec<f64>,
+    /// Strides of both sides, in the order of time.
+    pub strides: Vec<Stride>,
+    /// Angles over the cycle.
+    pub cycles: Vec<AngleCycle>,
+    /// What a reader should know of it.
+    pub warnings: Vec<String>,
+}
+
+/// The gait in a result folder.
+///
+/// # Errors
+/// A folder without results or files of it, tables that do not belong together, numbers that are none, and a person who does not walk.
+pub fn gait(folder: &Path) -> Result<Gait, Error> {
+    if folder.join("people.csv").exists() && !folder.join("joints.csv").exists() {
+        return Err(GaitError::People(folder.to_owned()).into());
+    }
+    if !folder.join("summary.json").exists() {
+        return Err(without_summary(folder));
+    }
+    let walk = Walk::read(folder)?;
+    let events = events::events(&walk);
+    let strides = strides::strides(&walk, &events);
+    if strides.is_empty() {
+        return Err(GaitError::NoSteps { folder: folder.to_owned(), why: why(&walk, &events) }.into());
+    }
+    let event_frames = events.iter().map(|event| walk.frame_at(event.time_s)).collect();
+    let cycles = cycles::cycles(folder, &walk.times_s, &strides)?;
+    Ok(Gait { event_frames, cycles, warnings: warnings(&walk), events, strides })
+}
+
+/// Why there is no stride.
+fn why(walk: &Walk, events: &[GaitEvent]) -> String {
+    let strikes = events.iter().filter(|event| event.kind == GaitEventKind::HeelStrike).count();
+    let mean = &walk.pelvis.mean;
+    let far = mean.iter().map(|p| (p[0] - mean[0][0]).hypot(p[1] - mean[0][1])).fold(0.0, f64::max);
+    let found = match strikes {
+        0 => "no heel strike was found".into(),
+        1 => "one heel strike was found".into(),
+        strikes => format!("{strikes} heel strikes were found, no two of one foot in a row"),
+    };
+    format!("the pelvis moves {far:.2} m, and {found}")
+}
+
+fn warnings(walk: &Walk) -> Vec<String> {
+    let mut found = vec![];
+    if walk.ankles_only {
+        found.push(
+            "the keypoints have no heels and toes: events and places are of the ankles, which strike and leave at \
+             other times"
+                .into(),
+        );
+    }
+    if walk.draws() == 0 {
+        found.push("the folder has no draws, or more than can be read: there are no intervals".into());
+    }
+    found
+}
+
+/// Names and texts of the files.
+///
+/// # Errors
+/// None but of memory.
+pub fn gait_files(gait: &Gait) -> Result<[(&'static str, String); 3], Error> {
+    let [events, parameters, cycles] = GAIT_NAMES;
+    Ok([(events, tables::events(gait)?), (parameters, tables::parameters(gait)?), (cycles, tables::cycles(gait)?)])
+}
