@@ -27,7 +27,7 @@ pub(crate) fn run(args: &GaitArgs, general: &General, report: &Report) -> Result
         return Err(sinew::Error::OutputExists { path, found: Occupied::File }.into());
     }
     let found = gait(&args.results)?;
-    let files = gait_files(&found)?;
+    let files = gait_files(&found, &name(&args.results))?;
     std::fs::create_dir_all(&out).map_err(sinew::Error::io("create", &out))?;
     for (name, text) in files {
         write_whole(&out.join(name), text.as_bytes())?;
@@ -39,6 +39,12 @@ pub(crate) fn run(args: &GaitArgs, general: &General, report: &Report) -> Result
         report::answer(&as_table(&found, &out))?;
     }
     Ok(Ended::Done)
+}
+
+/// Name of a folder, also of `.`.
+fn name(folder: &Path) -> String {
+    let whole = folder.canonicalize().unwrap_or_else(|_| folder.to_owned());
+    whole.file_name().map_or_else(|| "gait".to_owned(), |name| format!("gait: {}", name.to_string_lossy()))
 }
 
 /// Removes the gait of results that were replaced.

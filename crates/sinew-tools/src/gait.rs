@@ -11,6 +11,7 @@ mod cycles;
 mod error;
 mod events;
 mod local_polynomial;
+mod picture;
 mod progression;
 mod strides;
 mod summary;
@@ -21,17 +22,23 @@ mod walk;
 pub use cycles::{AngleCycle, PLACES};
 pub use error::GaitError;
 pub use events::{GaitEvent, GaitEventKind};
+pub use picture::gait_picture;
 pub use strides::{PARAMETERS, Stride};
 pub use summary::{ParameterSummary, summary};
 pub use varied::Varied;
 
 use crate::Error;
 use crate::report::recorded::without_summary;
+use serde_json::Value;
+use sinew::files::read_text;
+use sinew::setup::Setup;
+use sinew_formats::json_text;
+use sinew_formats::source_text::{MAX_CONFIG_BYTES, MAX_TEXT_BYTES};
 use std::path::Path;
 use walk::Walk;
 
 /// Files that are written, in this order.
-pub const GAIT_NAMES: [&str; 3] = ["gait_events.csv", "gait_parameters.csv", "gait_cycles.csv"];
+pub const GAIT_NAMES: [&str; 4] = ["gait_events.csv", "gait_parameters.csv", "gait_cycles.csv", "gait.svg"];
 
 /// The gait of a person.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -56,10 +63,13 @@ pub fn gait(folder: &Path) -> Result<Gait, Error> {
     if folder.join("people.csv").exists() && !folder.join("joints.csv").exists() {
         return Err(GaitError::People(folder.to_owned()).into());
     }
-    if !folder.join("summary.json").exists() {
+    let path = folder.join("summary.json");
+    if !path.exists() {
         return Err(without_summary(folder));
     }
-    let walk = Walk::read(folder)?;
+    let run: Value = json_text::parse(&path.display().to_string(), &read_text(&path, MAX_TEXT_BYTES)?)?;
+    let apart_s = if run["kind"].as_str() == Some("smoothed") { apart_s(folder)? } else { f64::INFINITY };
+    let walk = Walk::read(folder, apart_s)?;
     let events = events::events(&walk);
     let strides = strides::strides(&walk, &events);
     if strides.is_empty() {
@@ -68,6 +78,18 @@ pub fn gait(folder: &Path) -> Result<Gait, Error> {
     let event_frames = events.iter().map(|event| walk.frame_at(event.time_s)).collect();
     let cycles = cycles::cycles(folder, &walk.times_s, &strides)?;
     Ok(Gait { event_frames, cycles, warnings: warnings(&walk), events, strides })
+}
+
+/// Time after which errors of the detectors are independent: twice their time constant, the integral of an exponential correlation over both directions of time.
+///
+/// Draws hold how large such errors are, frame by frame, not how long they last.
+fn apart_s(folder: &Path) -> Result<f64, Error> {
+    let path = folder.join("setup.toml");
+    if !path.exists() {
+        return Ok(0.0);
+    }
+    let setup = Setup::from_toml(&path.display().to_string(), &read_text(&path, MAX_CONFIG_BYTES)?)?;
+    Ok(setup.lasting.map_or(0.0, |known| 2.0 * known.persistence_s))
 }
 
 /// Why there is no stride.
@@ -98,11 +120,12 @@ fn warnings(walk: &Walk) -> Vec<String> {
     found
 }
 
-/// Names and texts of the files.
+/// Names and texts of the files; the picture has a title.
 ///
 /// # Errors
 /// None but of memory.
-pub fn gait_files(gait: &Gait) -> Result<[(&'static str, String); 3], Error> {
-    let [events, parameters, cycles] = GAIT_NAMES;
-    Ok([(events, tables::events(gait)?), (parameters, tables::parameters(gait)?), (cycles, tables::cycles(gait)?)])
+pub fn gait_files(gait: &Gait, title: &str) -> Result<[(&'static str, String); 4], Error> {
+    let texts = [tables::events(gait)?, tables::parameters(gait)?, tables::cycles(gait)?, gait_picture(title, gait)];
+    let mut texts = texts.into_iter();
+    Ok(GAIT_NAMES.map(|name| (name, texts.next().unwrap_or_default())))
 }

@@ -126,6 +126,7 @@ fn help_fits_one_screen_and_starts_with_examples() {
         "segment",
         "overlay",
         "report",
+        "gait",
         "fit-shape",
         "body",
         "completions",

@@ -204,6 +204,7 @@ pub(super) mod tests {
             pelvis: path(&|t| place(speed * t, 0.0, 1.0)),
             feet: [foot(0), foot(1)],
             ankles_only: false,
+            apart_s: 0.0,
             times_s,
         }
     }

@@ -10,6 +10,8 @@
 //! double support ((t_off of the other − t_A) + (t_off − t_B))/(t_C − t_A)
 //! ```
 //!
+//! The place in draw i is that mean plus the draw's mean distance from it in m frames, evenly over the n that are flat. Errors that persist with the time constant τ are independent after 2 τ, so that m is their time over 2 τ, from 1 to n: all frames in a smoothed run whose errors do not persist, the middle one in a filtered run, whose draws do not say how errors of neighbouring frames belong together.
+//!
 //! Lengths and width are on the ground and relative to the stride's own line, so that they hold on a curve: Huxham, Gong, Baker, Morris & Iansek, Gait & Posture 23 (2006) 159. Each is worked out from the means, and from the places and times of every draw.
 
 use super::events::{GaitEvent, GaitEventKind};
@@ -107,8 +109,15 @@ fn place(walk: &Walk, heel: &Path3, strike_s: f64, stride_s: f64) -> Option<[Var
     let mean = |path: &[[f64; 3]], axis: usize| {
         path[first..end].iter().map(|place| place[axis]).sum::<f64>() / (end - first) as f64
     };
+    let count = end - first;
+    let independent = ((to - from) / walk.apart_s).clamp(1.0, count as f64) as usize;
+    let few: Vec<usize> = (0..independent).map(|k| first + (2 * k + 1) * count / (2 * independent)).collect();
+    let away = |path: &[[f64; 3]], axis: usize| {
+        few.iter().map(|&frame| path[frame][axis] - heel.mean[frame][axis]).sum::<f64>() / independent as f64
+    };
     let axis = |axis: usize| {
-        Varied::new(heel.draws.len(), |draw| mean(draw.map_or(&heel.mean, |draw| &heel.draws[draw]), axis))
+        let away = |draw: usize| away(&heel.draws[draw], axis);
+        Varied::new(heel.draws.len(), |draw| mean(&heel.mean, axis) + draw.map_or(0.0, away))
     };
     Some([axis(0), axis(1)])
 }
@@ -221,6 +230,29 @@ mod tests {
             // The left foot leaves no more, and the right one not at all in the last stride.
             assert!(found[2].parameters[7].is_none() && found[2].parameters[9].is_none());
         }
+    }
+
+    #[test]
+    fn errors_average_out_over_the_frames_in_which_they_are_independent() {
+        let mut walk = standing(0.0);
+        // Frame after frame the draws err by 1 cm to the other side.
+        let mean = walk.feet[0].heel.1.mean.clone();
+        let zigzag = |sign: f64| {
+            let moved = |(frame, place): (usize, &[f64; 3])| {
+                [place[0] + 0.01 * sign * if frame % 2 == 0 { 1.0 } else { -1.0 }, place[1], place[2]]
+            };
+            mean.iter().enumerate().map(moved).collect::<Vec<_>>()
+        };
+        walk.feet[0].heel.1.draws = vec![zigzag(1.0), zigzag(-1.0)];
+        let mut spread = |apart_s: f64| {
+            walk.apart_s = apart_s;
+            let [x, _] = place(&walk, &walk.feet[0].heel.1, 1.005, 1.0).unwrap();
+            (x.mean, (x.draws[0] - x.draws[1]).abs())
+        };
+        let (all, one) = (spread(0.0), spread(f64::INFINITY));
+        assert!(all.0 == one.0 && all.1 < 1e-12 && (one.1 - 0.02).abs() < 1e-12, "{all:?} {one:?}");
+        // Two frames that err to one side, three of which one errs to the other.
+        assert!(spread(0.06).1 > all.1 && spread(0.06).1 < 0.0201);
     }
 
     #[test]

@@ -47,11 +47,13 @@ pub(super) struct Walk {
     pub(super) feet: [Foot; 2],
     /// Whether the layout has no feet.
     pub(super) ankles_only: bool,
+    /// Time after which errors of a draw are independent, seconds; infinite where it is not known, as of a run without `--smooth`, whose draws share from frame to frame what lasts over the run and nothing else.
+    pub(super) apart_s: f64,
 }
 
 impl Walk {
-    /// Reads a result folder.
-    pub(super) fn read(folder: &Path) -> Result<Self, Error> {
+    /// Reads a result folder, of which `apart_s` is known.
+    pub(super) fn read(folder: &Path, apart_s: f64) -> Result<Self, Error> {
         let frames = FolderTable::read(folder, "frames.csv")?;
         let (numbers, times_s) = (frames.column("frame")?, frames.column("time_s")?);
         check_times(folder, &numbers, &times_s)?;
@@ -79,7 +81,7 @@ impl Walk {
         let named = |name: &String| Ok::<_, Error>((name.clone(), path(name)?));
         let [left, right] = &feet;
         let foot = |[heel, toe]: &[String; 2]| Ok::<_, Error>(Foot { heel: named(heel)?, toe: named(toe)? });
-        Ok(Self { pelvis, feet: [foot(left)?, foot(right)?], ankles_only, numbers, times_s })
+        Ok(Self { pelvis, feet: [foot(left)?, foot(right)?], ankles_only, apart_s, numbers, times_s })
     }
 
     /// Number of draws.
