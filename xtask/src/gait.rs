@@ -2,6 +2,7 @@
 //!
 //! Everything goes through the program as a user runs it: `track`, then `gait`. Truth ([`mod@truth`]) shares no code with its detector.
 
+mod recorded_walks;
 mod truth;
 mod walkers;
 
@@ -11,6 +12,7 @@ use crate::store::{Store, Task, numbers, rows, run_all};
 use crate::study_options::StudyOptions;
 use serde_json::Value;
 use std::fmt::Write as _;
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -101,11 +103,24 @@ fn column(seeds: &[Vec<Vec<f64>>], value: impl Fn(&Vec<f64>) -> f64) -> Vec<f64>
     seeds.iter().flatten().map(value).collect()
 }
 
-fn event_table(cells: &[(&Way, Vec<&Value>)]) -> String {
-    let mut text = String::from(
-        "| frames a second | persistence | results | event | found | missed | extra | mean error, ms | root mean square, ms | half-width, ms | inside 90 %, % | contact less extremum, ms |\n|---|---|---|---|---|---|---|---|---|---|---|---|\n",
+/// Frames a second of recorded walks.
+const RATES: [f64; 2] = [30.0, 60.0];
+
+fn recorded() -> impl Iterator<Item = (f64, &'static str)> {
+    RATES.into_iter().flat_map(|rate_hz| recorded_walks::WALKS.into_iter().map(move |walk| (rate_hz, walk)))
+}
+
+fn recorded_key(rate_hz: f64, walk: &str) -> String {
+    format!("recorded/{rate_hz}/{walk}")
+}
+
+/// Rows of events for groups of cells, whose first columns are of the given names.
+fn event_table(names: &str, groups: &[(String, Vec<&Value>)]) -> String {
+    let mut text = format!(
+        "| {names} | event | found | missed | extra | mean error, ms | root mean square, ms | half-width, ms | inside 90 %, % | contact less extremum, ms |\n|{}---|---|---|---|---|---|---|---|---|\n",
+        "---|".repeat(names.split('|').count())
     );
-    for (way, cells) in cells {
+    for (group, cells) in groups {
         for (key, words) in [("heel_strike", "heel strike"), ("toe_off", "toe off")] {
             let seeds: Vec<Vec<Vec<f64>>> = cells.iter().map(|cell| rows(&cell["events"][key])).collect();
             let count = |what: &str| cells.iter().filter_map(|cell| cell["events"][what].as_u64()).sum::<u64>();
@@ -114,8 +129,7 @@ fn event_table(cells: &[(&Way, Vec<&Value>)]) -> String {
                 seeds.iter().map(|all| mean(&all.iter().map(|x| 1e3 * x[0]).collect::<Vec<_>>())).collect();
             let _ = writeln!(
                 text,
-                "| {} | {words} | {} | {} | {} | {} | {:.1} | {:.1} | {} | {:.0} |",
-                way.shown(),
+                "| {group} | {words} | {} | {} | {} | {} | {:.1} | {:.1} | {} | {:.0} |",
                 errors.len(),
                 count("missed"),
                 count("extra"),
@@ -130,9 +144,10 @@ fn event_table(cells: &[(&Way, Vec<&Value>)]) -> String {
     text
 }
 
-fn parameter_table(cells: &[(&Way, Vec<&Value>)]) -> String {
+/// Rows of parameters for ways of one kind of results.
+fn parameter_table(cells: &[&(&Way, Vec<&Value>)]) -> String {
     let mut text = String::from(
-        "| frames a second | persistence | results | parameter | mean error | root mean square, a stride | half-width | inside 90 %, a stride, % | root mean square, mean of a walk | inside 90 %, mean of a walk, % |\n|---|---|---|---|---|---|---|---|---|---|\n",
+        "| frames a second | persistence | parameter | mean error | root mean square, a stride | half-width | inside 90 %, a stride, % | root mean square, mean of a walk | inside 90 %, mean of a walk, % |\n|---|---|---|---|---|---|---|---|---|\n",
     );
     for (way, cells) in cells {
         for (key, words, factor) in SHOWN {
@@ -144,8 +159,9 @@ fn parameter_table(cells: &[(&Way, Vec<&Value>)]) -> String {
                 seeds.iter().map(|all| mean(&all.iter().map(|x| factor * x[0]).collect::<Vec<_>>())).collect();
             let _ = writeln!(
                 text,
-                "| {} | {words} | {} | {:.1} | {:.1} | {} | {:.1} | {} |",
-                way.shown(),
+                "| {} | {} | {words} | {} | {:.1} | {:.1} | {} | {:.1} | {} |",
+                way.rate_hz,
+                way.persistence,
                 with_error(&bias),
                 rms(&column(&seeds, |x| factor * x[0])),
                 mean(&column(&seeds, |x| 0.5 * factor * (x[2] - x[1]))),
@@ -158,6 +174,24 @@ fn parameter_table(cells: &[(&Way, Vec<&Value>)]) -> String {
     text
 }
 
+/// All tables, in the order of their numbers on the page.
+fn tables(store: &Store, seeds: Range<u64>) -> String {
+    let cells: Vec<(&Way, Vec<&Value>)> =
+        WAYS.iter().map(|way| (way, seeds.clone().filter_map(|seed| store.get(&way.key(seed))).collect())).collect();
+    let walks = |rate_hz: f64| {
+        let keys = recorded_walks::WALKS.iter().map(|walk| recorded_key(rate_hz, walk));
+        (format!("{rate_hz}"), keys.filter_map(|key| store.get(&key)).collect::<Vec<_>>())
+    };
+    let shown: Vec<(String, Vec<&Value>)> = cells.iter().map(|(way, cells)| (way.shown(), cells.clone())).collect();
+    let [smoothed, filtered] = [true, false].map(|smooth| {
+        let own: Vec<_> = cells.iter().filter(|(way, _)| way.smooth == smooth).collect();
+        parameter_table(&own)
+    });
+    let ways = "frames a second | persistence | results";
+    [event_table(ways, &shown), smoothed, filtered, event_table("frames a second", &[walks(RATES[0]), walks(RATES[1])])]
+        .join("\n")
+}
+
 fn measure(root: &Path, args: &Args) -> Outcome<()> {
     let folder = args.options.folder(root, "gait")?;
     let path = match &args.program {
@@ -165,6 +199,7 @@ fn measure(root: &Path, args: &Args) -> Outcome<()> {
         None => program::built(root)?,
     };
     let program = Program { path, folder: folder.clone() };
+    let data = args.options.data(root);
     let mut store = Store::open(&folder, &format!("version {VERSION}"))?;
     let seeds = args.first..args.first + args.seeds;
     let mut tasks: Vec<Task<'_>> = vec![];
@@ -175,10 +210,15 @@ fn measure(root: &Path, args: &Args) -> Outcome<()> {
             tasks.push((way.key(seed), way.rate_hz, Box::new(task)));
         }
     }
+    for (rate_hz, walk) in recorded() {
+        if data.join("cmu_amc").is_dir() {
+            let (program, data) = (&program, &data);
+            let task = move || recorded_walks::cell(program, data, walk, rate_hz);
+            tasks.push((recorded_key(rate_hz, walk), rate_hz, Box::new(task)));
+        }
+    }
     run_all(&mut store, "gait", tasks, args.options.threads())?;
-    let cells: Vec<(&Way, Vec<&Value>)> =
-        WAYS.iter().map(|way| (way, seeds.clone().filter_map(|seed| store.get(&way.key(seed))).collect())).collect();
-    let text = format!("{}\n{}", event_table(&cells), parameter_table(&cells));
+    let text = tables(&store, seeds);
     println!("{text}");
     Ok(std::fs::write(folder.join("tables.md"), text)?)
 }

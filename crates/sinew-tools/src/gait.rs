@@ -71,13 +71,13 @@ pub fn gait(folder: &Path) -> Result<Gait, Error> {
     let apart_s = if run["kind"].as_str() == Some("smoothed") { apart_s(folder)? } else { f64::INFINITY };
     let walk = Walk::read(folder, apart_s)?;
     let events = events::events(&walk);
-    let strides = strides::strides(&walk, &events);
-    if strides.is_empty() {
-        return Err(GaitError::NoSteps { folder: folder.to_owned(), why: why(&walk, &events) }.into());
+    if !events.iter().any(|event| event.kind == GaitEventKind::HeelStrike) {
+        return Err(GaitError::NoSteps { folder: folder.to_owned(), far_m: way_m(&walk) }.into());
     }
+    let strides = strides::strides(&walk, &events);
     let event_frames = events.iter().map(|event| walk.frame_at(event.time_s)).collect();
     let cycles = cycles::cycles(folder, &walk.times_s, &strides)?;
-    Ok(Gait { event_frames, cycles, warnings: warnings(&walk), events, strides })
+    Ok(Gait { event_frames, cycles, warnings: warnings(&walk, &strides), events, strides })
 }
 
 /// Time after which errors of the detectors are independent: twice their time constant, the integral of an exponential correlation over both directions of time.
@@ -92,21 +92,19 @@ fn apart_s(folder: &Path) -> Result<f64, Error> {
     Ok(setup.lasting.map_or(0.0, |known| 2.0 * known.persistence_s))
 }
 
-/// Why there is no stride.
-fn why(walk: &Walk, events: &[GaitEvent]) -> String {
-    let strikes = events.iter().filter(|event| event.kind == GaitEventKind::HeelStrike).count();
+/// How far the pelvis gets from where it began, on the ground.
+fn way_m(walk: &Walk) -> f64 {
     let mean = &walk.pelvis.mean;
-    let far = mean.iter().map(|p| (p[0] - mean[0][0]).hypot(p[1] - mean[0][1])).fold(0.0, f64::max);
-    let found = match strikes {
-        0 => "no heel strike was found".into(),
-        1 => "one heel strike was found".into(),
-        strikes => format!("{strikes} heel strikes were found, no two of one foot in a row"),
-    };
-    format!("the pelvis moves {far:.2} m, and {found}")
+    mean.iter().map(|p| (p[0] - mean[0][0]).hypot(p[1] - mean[0][1])).fold(0.0, f64::max)
 }
 
-fn warnings(walk: &Walk) -> Vec<String> {
+fn warnings(walk: &Walk, strides: &[Stride]) -> Vec<String> {
     let mut found = vec![];
+    if strides.is_empty() {
+        found.push(
+            "no foot strikes twice in a row: there are events, but no stride to measure and no cycle of angles".into(),
+        );
+    }
     if walk.ankles_only {
         found.push(
             "the keypoints have no heels and toes: events and places are of the ankles, which strike and leave at \

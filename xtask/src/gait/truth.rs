@@ -1,9 +1,9 @@
-//! True gait of the simulated walker, without the program's detector: from his own phases, and from his points at 1000 Hz.
+//! True gait of walkers, without the program's detector: from the generator's own phases, and from noise-free points.
 //!
-//! *Contacts* are where the load of a foot begins and ends in the generator. *Extrema* are the plain largest and smallest of a thousand points a second, of the noise-free heel and toe relative to the hips along the direction in which he is known to walk. Feet stand where their heel is at [`FLAT_PHASE`].
+//! *Contacts* are where the load of a foot begins and ends in the generator. *Extrema* are the plain largest and smallest of a thousand points a second, of the noise-free heel and toe relative to the hips along the direction in which he is known to walk. Feet stand where their heel is at [`FLAT_PHASE`]. Of recorded motion ([`recorded`]) extrema are the plain ones among the frames, with a parabola through three of them.
 
 use crate::outcome::Outcome;
-use sinew_motion::points::points_of_states;
+use sinew_motion::points::{Trajectories, points_of_states};
 use sinew_simulate::walker::{DOUBLE_SUPPORT, Walker, phase, walker_states};
 
 /// Points a second.
@@ -21,7 +21,7 @@ pub(super) struct TrueEvent {
     pub(super) is_strike: bool,
     /// Time of the extremum, seconds.
     pub(super) extremum_s: f64,
-    /// Time of the contact, seconds.
+    /// Time of the contact, seconds; that of the extremum where no contact is known.
     pub(super) contact_s: f64,
     /// Where the foot stands after a strike: aside and ahead, metres.
     pub(super) place: Option<[f64; 2]>,
@@ -58,6 +58,43 @@ pub(super) fn events(walker: &Walker) -> Outcome<Vec<TrueEvent>> {
         }
     }
     found.sort_by(|a, b| a.contact_s.total_cmp(&b.contact_s));
+    Ok(found)
+}
+
+/// Least distance between two extrema of a kind, seconds.
+const APART_S: f64 = 0.3;
+
+/// Events of a recorded motion by its ankles, which walks straight, in the order of time.
+pub(super) fn recorded(points: &Trajectories, rate_hz: f64) -> Outcome<Vec<TrueEvent>> {
+    let track = |name: &str| -> Outcome<Vec<[f64; 3]>> {
+        let column = points.index(name).ok_or_else(|| format!("the motion lacks {name}"))?;
+        Ok(points.frames.iter().map(|frame| frame[column]).collect())
+    };
+    let [left, right] = [track("LHip")?, track("RHip")?];
+    let pelvis: Vec<[f64; 2]> =
+        left.iter().zip(&right).map(|(a, b)| [0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])]).collect();
+    let way = [0, 1].map(|axis: usize| pelvis[pelvis.len() - 1][axis] - pelvis[0][axis]);
+    let length = way[0].hypot(way[1]);
+    let [x, y] = way.map(|x| x / length);
+    let apart = (APART_S * rate_hz) as usize;
+    let mut found = vec![];
+    for (side, name) in ["LAnkle", "RAnkle"].into_iter().enumerate() {
+        let ankle = track(name)?;
+        let ahead = |frame: usize| x * (ankle[frame][0] - pelvis[frame][0]) + y * (ankle[frame][1] - pelvis[frame][1]);
+        for (is_strike, sign) in [(true, 1.0), (false, -1.0)] {
+            let value = |frame: usize| sign * ahead(frame);
+            let is_largest = |frame: &usize| {
+                let near = frame.saturating_sub(apart)..(frame + apart + 1).min(ankle.len());
+                value(*frame) > 0.0 && near.clone().all(|other| other == *frame || value(other) < value(*frame))
+            };
+            for frame in (1..ankle.len() - 1).filter(is_largest) {
+                let [a, b, c] = [frame - 1, frame, frame + 1].map(value);
+                let extremum_s = (frame as f64 + 0.5 * (a - c) / (a - 2.0 * b + c)) / rate_hz;
+                found.push(TrueEvent { side, is_strike, extremum_s, contact_s: extremum_s, place: None });
+            }
+        }
+    }
+    found.sort_by(|a, b| a.extremum_s.total_cmp(&b.extremum_s));
     Ok(found)
 }
 

@@ -13,7 +13,7 @@ use sinew_simulate::detector::DetectorNoise;
 use sinew_simulate::recording::{Script, SyntheticRecording};
 use sinew_simulate::walker::{Gait, Walker, walker_states};
 use sinew_tools::gait::PARAMETERS;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Seconds of a recording.
 const DURATION_S: f64 = 8.0;
@@ -48,10 +48,10 @@ fn write(recording: &SyntheticRecording, folder: &Path) -> Outcome<()> {
 }
 
 /// A table of the program.
-struct Table(Cells);
+pub(super) struct Table(Cells);
 
 impl Table {
-    fn read(folder: &Path, name: &str) -> Outcome<Self> {
+    pub(super) fn read(folder: &Path, name: &str) -> Outcome<Self> {
         Ok(Self(read_cells(name, &std::fs::read_to_string(folder.join(name))?)?))
     }
 
@@ -77,8 +77,15 @@ fn end_column(parameter: &str, end: &str) -> String {
     format!("{}_{end}{unit}", &parameter[..parameter.len() - unit.len()])
 }
 
+/// True events of a recording, and the times between which they have to be found.
+pub(super) struct Due<'a> {
+    pub(super) events: &'a [TrueEvent],
+    pub(super) from_s: f64,
+    pub(super) to_s: f64,
+}
+
 /// Error, ends of the interval less the truth, and time of the contact less that of the extremum, of each event found; and how many were missed or do not exist.
-fn judged_events(table: &Table, truth: &[TrueEvent], start_s: f64) -> Outcome<Value> {
+pub(super) fn judged_events(table: &Table, Due { events: truth, from_s, to_s }: &Due<'_>) -> Outcome<Value> {
     let mut found = [vec![], vec![]];
     let mut extra = 0;
     let mut seen = vec![false; truth.len()];
@@ -102,7 +109,7 @@ fn judged_events(table: &Table, truth: &[TrueEvent], start_s: f64) -> Outcome<Va
             None => extra += 1,
         }
     }
-    let is_due = |event: &TrueEvent| event.contact_s > start_s && event.contact_s < DURATION_S - END_S;
+    let is_due = |event: &TrueEvent| event.contact_s > *from_s && event.contact_s < *to_s;
     let missed = truth.iter().zip(&seen).filter(|(event, seen)| is_due(event) && !**seen).count();
     let due = truth.iter().filter(|event| is_due(event)).count();
     Ok(json!({ "toe_off": found[0], "heel_strike": found[1], "extra": extra, "missed": missed, "due": due }))
@@ -139,14 +146,17 @@ fn judged_parameters(table: &Table, truth: &[TrueEvent]) -> Outcome<Value> {
     Ok(json!({ "strides": strides, "means": of_means }))
 }
 
-/// A walker, tracked and read.
-pub(super) fn cell(program: &Program, seed: u64, rate_hz: f64, persistence: f64, smooth: bool) -> Outcome<Value> {
-    let walker = walker(seed);
-    let folder = program.folder.join(format!("walker-{seed}-{rate_hz}-{persistence}-{smooth}"));
-    std::fs::create_dir_all(&folder)?;
-    write(&recording(&walker, rate_hz, persistence, seed)?, &folder)?;
-    let [calibration, keypoints, fps, seed] =
-        [shown(&folder.join("Calib.toml")), shown(&folder.join("keypoints")), rate_hz.to_string(), seed.to_string()];
+/// Writes a recording, tracks it with a seed and reads its gait, all in a folder; gives that of the results.
+pub(super) fn tracked(
+    program: &Program,
+    recording: &SyntheticRecording,
+    folder: &Path,
+    (seed, smooth): (u64, bool),
+) -> Outcome<PathBuf> {
+    std::fs::create_dir_all(folder)?;
+    write(recording, folder)?;
+    let [calibration, keypoints] = ["Calib.toml", "keypoints"].map(|name| shown(&folder.join(name)));
+    let [fps, seed] = [recording.rate_hz.to_string(), seed.to_string()];
     let files = ["--calibration", &calibration, "--keypoints", &keypoints, "--layout", "BODY_25B", "--fps", &fps];
     let rest = ["--threads", "1", "--no-progress", "--force", "--seed", &seed];
     let smoothed: &[&str] = if smooth { &["--smooth"] } else { &[] };
@@ -154,12 +164,19 @@ pub(super) fn cell(program: &Program, seed: u64, rate_hz: f64, persistence: f64,
     let out = folder.join("out");
     program.track(&flags, &out)?;
     program.run(&["gait".to_owned(), shown(&out), "--force".to_owned(), "-q".to_owned()], &[0])?;
+    Ok(out)
+}
+
+/// A walker, tracked and read.
+pub(super) fn cell(program: &Program, seed: u64, rate_hz: f64, persistence: f64, smooth: bool) -> Outcome<Value> {
+    let walker = walker(seed);
+    let folder = program.folder.join(format!("walker-{seed}-{rate_hz}-{persistence}-{smooth}"));
+    let out = tracked(program, &recording(&walker, rate_hz, persistence, seed)?, &folder, (seed, smooth))?;
     let truth = events(&walker)?;
-    let start_s = walker.gait.still_s + walker.gait.start_s;
-    let events = judged_events(&Table::read(&out, "gait_events.csv")?, &truth, start_s)?;
+    let from_s = walker.gait.still_s + walker.gait.start_s;
+    let due = Due { events: &truth, from_s, to_s: DURATION_S - END_S };
+    let events = judged_events(&Table::read(&out, "gait_events.csv")?, &due)?;
     let parameters = judged_parameters(&Table::read(&out, "gait_parameters.csv")?, &truth)?;
-    if std::env::var_os("SINEW_KEEP").is_none() {
-        std::fs::remove_dir_all(&folder)?;
-    }
+    std::fs::remove_dir_all(&folder)?;
     Ok(json!({ "events": events, "parameters": parameters }))
 }

@@ -59,6 +59,15 @@ fn a_walker_has_events_strides_and_cycles() {
     assert!(svg.contains("knee, flexion") && svg.starts_with("<svg ") && svg.ends_with("</svg>\n"));
     assert!(svg.lines().all(|line| line.starts_with('<') && line.ends_with('>')), "{svg}");
 
+    for (name, words) in [
+        ("gait_events.csv", "heel strikes and toe offs"),
+        ("gait_parameters.csv", "strides of a walk"),
+        ("gait_cycles.csv", "angles over the gait cycle"),
+    ] {
+        let said = trial.run(&["inspect", &format!("out/{name}")]);
+        assert!(String::from_utf8_lossy(&said.stdout).contains(words), "{}", trial.printed(&said));
+    }
+
     // Written files are kept, unless they may be replaced, and then by the same bytes.
     insta::assert_snapshot!("occupied", printed(&trial, &["gait", "out"]));
     let before = NAMES.map(read);
@@ -73,6 +82,17 @@ fn a_walker_has_events_strides_and_cycles() {
     let ankles = trial.run(&["gait", "out", "--force"]);
     assert!(trial.printed(&ankles).contains("are of the ankles"), "{}", trial.printed(&ankles));
     assert!(column(&read("gait_events.csv"), "point").iter().all(|point| point.ends_with("Ankle")));
+
+    // Where angles.csv has an angle under its name in angles.mot, its intervals are laid over the cycle.
+    let ends = |angle: &str| {
+        let cycles = read("gait_cycles.csv");
+        let rows = column(&cycles, "angle").into_iter().zip(column(&cycles, "q05_deg"));
+        rows.filter(|(own, _)| own == angle).map(|(_, low)| low).collect::<Vec<_>>()
+    };
+    assert!(ends("knee_angle_r").iter().all(String::is_empty));
+    trial.edit(&trial.path("out/angles.csv"), |text| text.replace(",r_shin.rx,", ",knee_angle_r,"));
+    assert!(trial.run(&["gait", "out", "--force"]).status.success());
+    assert!(!ends("knee_angle_r").iter().any(String::is_empty) && ends("hip_flexion_r").iter().all(String::is_empty));
 
     // Without draws there are no intervals.
     fs::remove_dir_all(trial.path("out/posterior.zarr")).unwrap();

@@ -27,12 +27,12 @@ pub enum GaitError {
         frame: f64,
     },
     /// Nobody walks.
-    #[error("{}: nobody walks: {why}", folder.display())]
+    #[error("{}: nobody walks: no heel strike was found, and the pelvis moves {far_m:.2} m", folder.display())]
     NoSteps {
         /// Result folder.
         folder: PathBuf,
-        /// How far the pelvis moves, and what was found.
-        why: String,
+        /// How far the pelvis moves, metres.
+        far_m: f64,
     },
     /// Results of several people, each in a folder of his own.
     #[error("{}: results of several people, each in a folder of his own", .0.display())]
@@ -55,7 +55,7 @@ impl GaitError {
         match self {
             Self::NoPoints { .. } => "track with a body that has them, such as h32".into(),
             Self::NoNumber { .. } => "take the folder as the run left it, or track again".into(),
-            Self::NoSteps { .. } => "gait needs somebody who takes at least two steps; angles over time are in \
+            Self::NoSteps { .. } => "gait needs somebody who takes steps; angles over time are in \
                                      angles.mot, and `sinew report` shows them"
                 .into(),
             Self::People(folder) => format!("give one of them: `sinew gait {}`", folder.join("people/01").display()),

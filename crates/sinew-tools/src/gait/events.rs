@@ -233,6 +233,32 @@ pub(super) mod tests {
     }
 
     #[test]
+    fn a_turn_does_not_move_events() {
+        let straight = sines(50.0, 0.0);
+        let mut walk = straight.clone();
+        // The straight way is wound onto a circle of 3 m.
+        let wind = |place: &[f64; 3], pelvis: &[f64; 3]| {
+            let (sin, cos) = (pelvis[0] / 3.0).sin_cos();
+            let (ahead, out) = (place[0] - pelvis[0], 3.0 - place[1]);
+            [out * cos - ahead * sin, out * sin + ahead * cos, place[2]]
+        };
+        let pelvis = &straight.pelvis.mean;
+        let wound = |path: &Path3| {
+            let mean = path.mean.iter().zip(pelvis).map(|(place, pelvis)| wind(place, pelvis)).collect();
+            Path3 { mean, draws: vec![] }
+        };
+        walk.pelvis = wound(&straight.pelvis);
+        for (foot, own) in walk.feet.iter_mut().zip(&straight.feet) {
+            (foot.heel.1, foot.toe.1) = (wound(&own.heel.1), wound(&own.toe.1));
+        }
+        let inner = |time: f64| (0.6..5.4).contains(&time);
+        let [a, b] = [events(&straight), events(&walk)]
+            .map(|found| found.into_iter().map(|event| event.time_s).filter(|time| inner(*time)).collect::<Vec<_>>());
+        assert!(a.len() > 15 && a.len() == b.len(), "{} {}", a.len(), b.len());
+        assert!(a.iter().zip(&b).all(|(a, b)| (a - b).abs() < 1e-6), "{a:?} {b:?}");
+    }
+
+    #[test]
     fn who_stands_or_shifts_his_weight_has_no_events() {
         let mut walk = sines(30.0, 0.0);
         let still = walk.pelvis.mean[0];
