@@ -292,7 +292,8 @@ pub(super) mod tests {
         for event in events(&walk).iter().filter(|event| event.point == "Heel" && event.side == 0) {
             let moved: Vec<f64> = event.draws_s.iter().map(|t| t - event.time_s).collect();
             let expected = [0.0, 0.01, -0.01];
-            assert!(moved.iter().zip(expected).all(|(a, b)| (a - b).abs() < 2e-4), "{moved:?}");
+            // The fit flattens the slope and the curvature of a sine of a second by shares that differ by 4 %.
+            assert!(moved.iter().zip(expected).all(|(a, b)| (a - b).abs() < 5e-4), "{moved:?}");
         }
     }
 
