@@ -9,7 +9,7 @@ use super::table::aligned;
 use serde_json::{Map, Value, json};
 use sinew::results::error::Occupied;
 use sinew::results::write_whole;
-use sinew_tools::gait::{GAIT_NAMES, Gait, PARAMETERS, ParameterSummary, gait, gait_files, summary};
+use sinew_tools::gait::{GAIT_NAMES, GaitAnalysis, PARAMETERS, ParameterSummary, gait, gait_files, summary};
 use std::path::{Path, PathBuf};
 
 /// Sides in the order of the answer.
@@ -55,11 +55,11 @@ pub(crate) fn forget(results: &Path) -> Result<(), sinew::Error> {
     })
 }
 
-fn strides(found: &Gait, side: Option<usize>) -> usize {
+fn strides(found: &GaitAnalysis, side: Option<usize>) -> usize {
     found.strides.iter().filter(|stride| side.is_none_or(|side| stride.side == side)).count()
 }
 
-fn as_json(found: &Gait, out: &Path) -> Value {
+fn as_json(found: &GaitAnalysis, out: &Path) -> Value {
     let summarised = |summary: &ParameterSummary| json!({ "strides": summary.strides, "mean": summary.mean.mean, "interval": summary.mean.interval(), "sd": summary.sd });
     let side = |(name, side): (&str, Option<usize>)| {
         let all = PARAMETERS.iter().zip(summary(&found.strides, side));
@@ -87,7 +87,7 @@ const SHOWN: [(&str, &str, f64, &str); 6] = [
     ("double_support_share", "double support", 100.0, "%"),
 ];
 
-fn as_table(found: &Gait, out: &Path) -> String {
+fn as_table(found: &GaitAnalysis, out: &Path) -> String {
     let [left, right, _] = SIDES.map(|(_, side)| strides(found, side));
     let mut rows = vec![("strides".to_owned(), format!("{left} left, {right} right, {} events", found.events.len()))];
     for (parameter, words, factor, unit) in SHOWN {

@@ -7,6 +7,7 @@
 //!
 //! Intervals are of 90 %, from the draws of the run; what they hold is measured in docs/evidence/gait.md. Draws of a run with `--smooth` are whole paths. Of a run without it they share, from frame to frame, only what lasts over the run.
 
+mod analysis;
 mod cycles;
 mod error;
 mod events;
@@ -19,6 +20,7 @@ mod tables;
 mod varied;
 mod walk;
 
+pub use analysis::GaitAnalysis;
 pub use cycles::{AngleCycle, PLACES};
 pub use error::GaitError;
 pub use events::{GaitEvent, GaitEventKind};
@@ -40,26 +42,11 @@ use walk::Walk;
 /// Files that are written, in this order.
 pub const GAIT_NAMES: [&str; 4] = ["gait_events.csv", "gait_parameters.csv", "gait_cycles.csv", "gait.svg"];
 
-/// The gait of a person.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Gait {
-    /// Events of both feet, in the order of time.
-    pub events: Vec<GaitEvent>,
-    /// Number of the frame of each, with its fraction.
-    pub event_frames: Vec<f64>,
-    /// Strides of both sides, in the order of time.
-    pub strides: Vec<Stride>,
-    /// Angles over the cycle.
-    pub cycles: Vec<AngleCycle>,
-    /// What a reader should know of it.
-    pub warnings: Vec<String>,
-}
-
 /// The gait in a result folder.
 ///
 /// # Errors
 /// A folder without results or files of it, tables that do not belong together, numbers that are none, and a person who does not walk.
-pub fn gait(folder: &Path) -> Result<Gait, Error> {
+pub fn gait(folder: &Path) -> Result<GaitAnalysis, Error> {
     if folder.join("people.csv").exists() && !folder.join("joints.csv").exists() {
         return Err(GaitError::People(folder.to_owned()).into());
     }
@@ -77,7 +64,7 @@ pub fn gait(folder: &Path) -> Result<Gait, Error> {
     let strides = strides::strides(&walk, &events);
     let event_frames = events.iter().map(|event| walk.frame_at(event.time_s)).collect();
     let cycles = cycles::cycles(folder, &walk.times_s, &strides)?;
-    Ok(Gait { event_frames, cycles, warnings: warnings(&walk, &strides), events, strides })
+    Ok(GaitAnalysis { event_frames, cycles, warnings: warnings(&walk, &strides), events, strides })
 }
 
 /// Time after which errors of the detectors are independent: twice their time constant, the integral of an exponential correlation over both directions of time.
@@ -122,7 +109,7 @@ fn warnings(walk: &Walk, strides: &[Stride]) -> Vec<String> {
 ///
 /// # Errors
 /// None but of memory.
-pub fn gait_files(gait: &Gait, title: &str) -> Result<[(&'static str, String); 4], Error> {
+pub fn gait_files(gait: &GaitAnalysis, title: &str) -> Result<[(&'static str, String); 4], Error> {
     let texts = [tables::events(gait)?, tables::parameters(gait)?, tables::cycles(gait)?, gait_picture(title, gait)];
     let mut texts = texts.into_iter();
     Ok(GAIT_NAMES.map(|name| (name, texts.next().unwrap_or_default())))

@@ -119,7 +119,7 @@ pub(super) fn judged_events(table: &Table, Due { events: truth, from_s, to_s }: 
 fn judged_parameters(table: &Table, truth: &[TrueEvent]) -> Outcome<Value> {
     let mut strides: Vec<Vec<Value>> = vec![vec![]; PARAMETERS.len()];
     let mut means: Vec<(f64, f64)> = vec![(0.0, 0.0); PARAMETERS.len()];
-    let mut of_means = Map::new();
+    let mut walk_means = Map::new();
     for row in 0..table.rows() {
         let side = table.cell(row, "side")?;
         let (kind, start) = (table.cell(row, "row")?, table.number(row, "start_s")?);
@@ -137,13 +137,13 @@ fn judged_parameters(table: &Table, truth: &[TrueEvent]) -> Outcome<Value> {
                 means[k] = (means[k].0 + expected, means[k].1 + 1.0);
             } else if (kind, side) == ("mean", "both") && value.is_finite() {
                 let expected = means[k].0 / means[k].1;
-                of_means.insert((*name).into(), json!([value - expected, ends[0] - expected, ends[1] - expected]));
+                walk_means.insert((*name).into(), json!([value - expected, ends[0] - expected, ends[1] - expected]));
             }
         }
     }
     let strides: Map<String, Value> =
         PARAMETERS.iter().map(|name| (*name).to_owned()).zip(strides.into_iter().map(Value::from)).collect();
-    Ok(json!({ "strides": strides, "means": of_means }))
+    Ok(json!({ "strides": strides, "means": walk_means }))
 }
 
 /// Writes a recording, tracks it with a seed and reads its gait, all in a folder; gives that of the results.

@@ -68,8 +68,11 @@ fn series(folder: &Path, frames: usize) -> Result<Vec<Series>, Error> {
     Ok(columns.map(one).collect())
 }
 
-/// Names and ends of the 90 % intervals of each frame.
-fn intervals(folder: &Path, frames: usize) -> Result<Vec<(String, [Vec<f64>; 2])>, Error> {
+/// The name of an angle, and the ends of its 90 % interval in each frame, degrees.
+type NamedEnds = (String, [Vec<f64>; 2]);
+
+/// The intervals that a folder has.
+fn intervals(folder: &Path, frames: usize) -> Result<Vec<NamedEnds>, Error> {
     if !folder.join("angles.csv").exists() {
         return Ok(vec![]);
     }

@@ -2,7 +2,7 @@
 //!
 //! Above, a bar for each stance, from heel strike to toe off, with the 90 % interval of both ends. Below, a panel for each angle: mean over the cycles, a band of one standard deviation between cycles, and a dashed line where the foot leaves in the mean. Of the pelvis and the trunk, which have no side, each line is over the cycles of that foot.
 
-use super::Gait;
+use super::analysis::GaitAnalysis;
 use super::cycles::{AngleCycle, PLACES};
 use super::events::{GaitEvent, GaitEventKind};
 use super::strides::PARAMETERS;
@@ -51,7 +51,7 @@ type Panel<'a> = (&'static str, [Option<&'a AngleCycle>; 2]);
 
 /// The picture as SVG.
 #[must_use]
-pub fn gait_picture(title: &str, gait: &Gait) -> String {
+pub fn gait_picture(title: &str, gait: &GaitAnalysis) -> String {
     let panels = panels(gait);
     let rows = panels.len().div_ceil(BESIDE) as f64;
     let width = MARGIN + BESIDE as f64 * (PANEL[0] + GAP[0]);
@@ -70,7 +70,7 @@ pub fn gait_picture(title: &str, gait: &Gait) -> String {
 }
 
 /// What the strides come to, in a row.
-fn words(gait: &Gait) -> String {
+fn words(gait: &GaitAnalysis) -> String {
     let all = summary(&gait.strides, None);
     let shown = |name: &str, factor: f64, digits: usize, words: &str| {
         let found = all[PARAMETERS.iter().position(|own| *own == name)?].as_ref()?;
@@ -87,7 +87,7 @@ fn words(gait: &Gait) -> String {
 }
 
 /// Bars of stance over time.
-fn timeline(svg: &mut Svg, gait: &Gait, right: f64) {
+fn timeline(svg: &mut Svg, gait: &GaitAnalysis, right: f64) {
     let [Some(first), Some(last)] = [gait.events.first(), gait.events.last()] else { return };
     let (from, to) = (first.time_s - BESIDE_S, last.time_s + BESIDE_S);
     let left = MARGIN + 46.0;
@@ -118,7 +118,7 @@ fn timeline(svg: &mut Svg, gait: &Gait, right: f64) {
     }
 }
 
-fn panels(gait: &Gait) -> Vec<Panel<'_>> {
+fn panels(gait: &GaitAnalysis) -> Vec<Panel<'_>> {
     let cycle = |side: usize, name: &str| {
         let own = format!("{name}_{}", ["l", "r"][side]);
         gait.cycles.iter().find(|cycle| cycle.side == side && (cycle.angle == name || cycle.angle == own))
@@ -133,7 +133,7 @@ fn band(cycle: &AngleCycle) -> [Vec<f64>; 2] {
     [-1.0, 1.0].map(|sign| (0..PLACES).map(|place| cycle.mean_deg[place] + sign * sd(place)).collect())
 }
 
-fn draw_panel(svg: &mut Svg, gait: &Gait, (words, sides): &Panel<'_>, [left, top]: [f64; 2]) {
+fn draw_panel(svg: &mut Svg, gait: &GaitAnalysis, (words, sides): &Panel<'_>, [left, top]: [f64; 2]) {
     let values = sides.iter().flatten().flat_map(|cycle| band(cycle)).flatten().filter(|x| x.is_finite());
     let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
     if low > high {
@@ -178,10 +178,10 @@ fn number(value: f64) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::super::Stride;
+    use super::super::strides::Stride;
     use super::*;
 
-    fn gait() -> Gait {
+    fn gait() -> GaitAnalysis {
         let event = |side, kind, time_s: f64| GaitEvent {
             side,
             kind,
@@ -198,11 +198,11 @@ mod tests {
             sd_deg: vec![if side == 0 { f64::NAN } else { 2.0 }; PLACES],
             interval_deg: None,
         };
-        Gait {
+        GaitAnalysis {
             events: vec![event(0, GaitEventKind::HeelStrike, 1.0), event(0, GaitEventKind::ToeOff, 1.6)],
             strides: vec![stride],
             cycles: vec![cycle(0, "knee_angle_l"), cycle(1, "knee_angle_r"), cycle(1, "knee_angle_l")],
-            ..Gait::default()
+            ..GaitAnalysis::default()
         }
     }
 
@@ -219,7 +219,7 @@ mod tests {
 
     #[test]
     fn gait_of_nothing_is_a_picture_without_panels() {
-        let svg = gait_picture("none", &Gait::default());
+        let svg = gait_picture("none", &GaitAnalysis::default());
         assert!(svg.contains("0 strides") && !svg.contains("NaN"));
     }
 

@@ -1,6 +1,6 @@
 //! `gait_events.csv`, `gait_parameters.csv` and `gait_cycles.csv` as text.
 
-use super::Gait;
+use super::analysis::GaitAnalysis;
 use super::strides::PARAMETERS;
 use super::summary::{ParameterSummary, summary};
 use super::varied::{Varied, interval};
@@ -29,7 +29,7 @@ fn text(write: impl FnOnce(&mut Vec<u8>) -> io::Result<()>) -> Result<String, si
 }
 
 /// `side,event,point,frame,time_s,time_q05_s,time_q95_s`.
-pub(super) fn events(gait: &Gait) -> Result<String, sinew::Error> {
+pub(super) fn events(gait: &GaitAnalysis) -> Result<String, sinew::Error> {
     text(|out| {
         write_header(out, &["side", "event", "point", "frame", "time_s", "time_q05_s", "time_q95_s"])?;
         gait.events.iter().zip(&gait.event_frames).try_for_each(|(event, frame)| {
@@ -42,7 +42,7 @@ pub(super) fn events(gait: &Gait) -> Result<String, sinew::Error> {
 }
 
 /// A row for each stride, then mean and standard deviation of each side and of both.
-pub(super) fn parameters(gait: &Gait) -> Result<String, sinew::Error> {
+pub(super) fn parameters(gait: &GaitAnalysis) -> Result<String, sinew::Error> {
     let names = PARAMETERS.iter().flat_map(|name| {
         let (bare, unit) = unit(name);
         ["", "_q05", "_q95"].map(|end| format!("{bare}{end}{unit}"))
@@ -85,7 +85,7 @@ fn with_interval(found: Option<&Varied>) -> [Cell<'static>; 3] {
 }
 
 /// `side,angle,percent,cycles,mean_deg,sd_deg,q05_deg,q95_deg`.
-pub(super) fn cycles(gait: &Gait) -> Result<String, sinew::Error> {
+pub(super) fn cycles(gait: &GaitAnalysis) -> Result<String, sinew::Error> {
     text(|out| {
         write_header(out, &["side", "angle", "percent", "cycles", "mean_deg", "sd_deg", "q05_deg", "q95_deg"])?;
         for cycle in &gait.cycles {

@@ -1,6 +1,6 @@
 //! Pelvis and feet of a person over time, as a result folder has them.
 //!
-//! Means are those of the draws where the folder has draws, else of `joints.csv`. Feet are taken where the detector has them (`keypoints.csv`); of a layout without heels and toes the ankles stand for both.
+//! Means are of the draws where the folder has draws, else they come from `joints.csv`. Feet are taken where the detector has them (`keypoints.csv`); of a layout without heels and toes the ankles stand for both.
 
 use super::error::GaitError;
 use crate::Error;
