@@ -4,6 +4,7 @@ mod accuracy;
 mod chart;
 mod coverage;
 mod filter_priors;
+mod gait;
 mod identifiability;
 mod intervals;
 mod missing_limbs;
@@ -46,6 +47,8 @@ enum Command {
     Accuracy(accuracy::Args),
     /// Measure the HMC filter's priors between frames against exact filters: the tables of docs/evidence/filter-priors.md.
     FilterPriors(filter_priors::Args),
+    /// Measure how well gait is read from tracked walkers: the tables of docs/evidence/gait.md.
+    Gait(gait::Args),
     /// Measure how far data tell the constants of a set-up apart: the tables of docs/evidence/identifiability.md.
     Identifiability(identifiability::Args),
     /// Measure how well several people are kept apart: the tables of docs/evidence/people.md.
@@ -89,6 +92,7 @@ fn main() -> ExitCode {
     match Cli::parse().command {
         Command::Accuracy(args) => accuracy::run(root, &args),
         Command::FilterPriors(args) => filter_priors::run(root, &args),
+        Command::Gait(args) => gait::run(root, &args),
         Command::Identifiability(args) => identifiability::run(root, &args),
         Command::People(args) => people::run(root, &args),
         Command::Intervals(args) => intervals::run(root, &args),

@@ -4,6 +4,7 @@
 
 use super::answer_args::Answer;
 use super::convert_args::ConvertArgs;
+use super::gait_args::GaitArgs;
 use super::help_template::template;
 use super::learn_args::LearnCommand;
 use super::setting_args::{InspectSettings, SyncSettings, TrackSettings, Typed};
@@ -97,6 +98,7 @@ impl General {
             Command::Segment(_)
             | Command::Overlay(_)
             | Command::Report(_)
+            | Command::Gait(_)
             | Command::Predict(_)
             | Command::FitShape(_) => &["out", "force"],
             Command::Body { .. } | Command::Completions { .. } | Command::Man => &[],
@@ -150,6 +152,9 @@ pub(crate) enum Command {
         "sinew report sinew-out/trial -o trial.html"
     ))]
     Report(ReportArgs),
+    /// Events, strides and angles over the cycle of a person who walks, with intervals
+    #[command(help_template = template!("sinew gait sinew-out/trial", "sinew gait sinew-out/trial --json -o gait"))]
+    Gait(GaitArgs),
     /// Say what a camera that a run did not use should see
     #[command(help_template = template!(
         "sinew predict sinew-out/trial --calibration Calib.toml --camera cam4 -o predicted.csv",

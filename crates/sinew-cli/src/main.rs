@@ -13,6 +13,8 @@ mod demo;
 mod ended;
 mod error;
 mod fit_shape;
+mod gait;
+mod gait_args;
 mod help_template;
 mod inspect;
 mod interrupt;
@@ -70,6 +72,7 @@ fn main() -> ExitCode {
         Command::Segment(args) => segment::run(args, &cli.general, &report),
         Command::Overlay(args) => overlay::run(args, &cli.general, &report),
         Command::Report(args) => report_page::run(args, &cli.general, &report),
+        Command::Gait(args) => gait::run(args, &cli.general, &report),
         Command::Predict(args) => predict::run(args, &cli.general, &report),
         Command::Validate(args) => validate::run(args, &cli.general, &report),
         Command::FitShape(args) => fit_shape::run(args, &cli.general, &report),

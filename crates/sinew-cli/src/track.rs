@@ -4,6 +4,7 @@ use super::args::{General, TrackArgs};
 use super::claimed::claimed;
 use super::ended::Ended;
 use super::error::Error;
+use super::gait;
 use super::interrupt;
 use super::progress::PassProgress;
 use super::report::{self, Report};
@@ -106,6 +107,7 @@ fn one(
     })?;
     refine()?;
     report_page::forget(&config.out)?;
+    gait::forget(&config.out)?;
     if outcome.summary.frame_count > 0 {
         show(args, calibration, &config.out, report)?;
     }

@@ -5,6 +5,7 @@
 use super::args::{General, TrackArgs};
 use super::ended::Ended;
 use super::error::Error;
+use super::gait;
 use super::interrupt;
 use super::progress::{PassProgress, Progress};
 use super::report::{self, Report};
@@ -151,7 +152,8 @@ pub(crate) fn forget_people(config: &TrackConfig, read_from: &[PathBuf]) -> Resu
 /// Removes the results of a run of one person, in whose place results of several come.
 fn forget_one(out: &Path) -> Result<(), Error> {
     RESULT_NAMES.iter().chain(&OWN_NAMES).try_for_each(|name| removed(&out.join(name)))?;
-    Ok(report_page::forget(out)?)
+    report_page::forget(out)?;
+    Ok(gait::forget(out)?)
 }
 
 /// Removes a file or a folder, if it is there.

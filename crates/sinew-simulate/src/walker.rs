@@ -56,7 +56,7 @@ pub struct Walker {
 const STEP_S: f64 = 1.0 / 480.0;
 
 /// Fraction of the cycle after each heel strike in which both feet carry.
-const DOUBLE_SUPPORT: f64 = 0.12;
+pub const DOUBLE_SUPPORT: f64 = 0.12;
 
 /// Fractions of the cycle between which the load of a foot passes from heel to toes.
 const ROLL: [f64; 2] = [0.08, 0.38];
@@ -158,8 +158,9 @@ fn step_integral(t: f64) -> f64 {
     s * s * s * s * (2.5 + s * (s - 3.0)) + (t - 1.0).max(0.0)
 }
 
-/// Phase of the right leg.
-fn phase(gait: &Gait, time_s: f64) -> f64 {
+/// Phase of the right leg: it meets the ground at whole numbers, and leaves it [`DOUBLE_SUPPORT`] after the next half. The left leg is half a cycle ahead.
+#[must_use]
+pub fn phase(gait: &Gait, time_s: f64) -> f64 {
     let start = gait.start_s.max(1e-9);
     FIRST_PHASE + step_integral((time_s - gait.still_s) / start) * start / gait.stride_s
 }

@@ -1,5 +1,6 @@
 //! What can go wrong beside a run, with the exit code and the advice that belong to it.
 
+use crate::gait::GaitError;
 use crate::inspect::error::InspectError;
 use crate::learn::LearnError;
 use crate::motion::error::MotionError;
@@ -31,6 +32,9 @@ pub enum Error {
     /// What a camera should see cannot be said.
     #[error(transparent)]
     Predict(#[from] PredictError),
+    /// Results that no gait can be read from.
+    #[error(transparent)]
+    Gait(#[from] GaitError),
     /// Results that no page can be made of.
     #[error(transparent)]
     Report(#[from] ReportError),
@@ -82,6 +86,7 @@ impl Error {
             Self::Motion(error) => error.exit_code(),
             Self::Overlay(error) => error.exit_code(),
             Self::Predict(error) => error.exit_code(),
+            Self::Gait(error) => error.exit_code(),
             Self::Report(error) => error.exit_code(),
             Self::Segment(error) => error.exit_code(),
             Self::ShapeFit(error) => error.exit_code(),
@@ -99,6 +104,7 @@ impl Error {
             Self::Motion(error) => error.help(),
             Self::Overlay(error) => error.help().map(Into::into),
             Self::Predict(error) => error.help(),
+            Self::Gait(error) => Some(error.help()),
             Self::Report(error) => Some(error.help().into()),
             Self::Segment(error) => Some(error.help().into()),
             Self::ShapeFit(error) => error.help().map(Into::into),

@@ -23,7 +23,7 @@ mod keypoints;
 mod lasting_facts;
 mod latent_model;
 mod latent_picture;
-mod latent_plane;
+pub(crate) mod latent_plane;
 mod model_picture;
 mod motion_file;
 mod motion_model;

@@ -2,6 +2,7 @@
 //!
 //! | module | what |
 //! |---|---|
+//! | [`mod@gait`] | events, strides and cycles of a person who walks, from a result |
 //! | [`inspect`] | what a file or folder holds, and whether calibration and keypoints fit |
 //! | [`learn`] | a motion model from motion files |
 //! | [`motion`] | motion files into each other |
@@ -14,6 +15,7 @@
 //! | [`shape_fit`] | thicknesses of a body from masks and a result |
 
 mod error;
+pub mod gait;
 pub mod inspect;
 pub mod learn;
 pub mod motion;

@@ -22,6 +22,12 @@ pub enum ResultTable {
     Actions,
     /// `markers_sd.csv`.
     MarkersSd,
+    /// `gait_events.csv`.
+    GaitEvents,
+    /// `gait_parameters.csv`.
+    GaitParameters,
+    /// `gait_cycles.csv`.
+    GaitCycles,
 }
 
 impl ResultTable {
@@ -43,6 +49,12 @@ impl ResultTable {
             Some(Self::Frames)
         } else if has(&["frame", "time_s", "part", "cluster", "model", "share"]) {
             Some(Self::Actions)
+        } else if has(&["side", "event", "point", "frame", "time_s"]) {
+            Some(Self::GaitEvents)
+        } else if has(&["row", "side", "strides", "start_s", "end_s"]) {
+            Some(Self::GaitParameters)
+        } else if has(&["side", "angle", "percent", "cycles", "mean_deg"]) {
+            Some(Self::GaitCycles)
         } else {
             let [frame, time, deviations @ ..] = &columns[..] else { return None };
             let only_deviations = !deviations.is_empty() && deviations.iter().all(|column| column.ends_with("_sd_m"));
@@ -61,6 +73,9 @@ impl ResultTable {
             Self::Frames => "diagnostics, a row for each frame",
             Self::Actions => "actions, a row for each cluster and model that moved a part in a frame",
             Self::MarkersSd => "standard deviations of the markers, a row for each frame",
+            Self::GaitEvents => "heel strikes and toe offs, a row for each event",
+            Self::GaitParameters => "strides of a walk, a row for each, then means and standard deviations",
+            Self::GaitCycles => "angles over the gait cycle, a row for each per cent of an angle and side",
         }
     }
 
@@ -72,8 +87,17 @@ impl ResultTable {
             Self::Keypoints => Some("keypoint"),
             Self::Angles | Self::State => Some("name"),
             Self::Actions => Some("part"),
+            Self::GaitEvents => Some("event"),
+            Self::GaitParameters => Some("side"),
+            Self::GaitCycles => Some("angle"),
             Self::Frames | Self::MarkersSd => None,
         }
+    }
+
+    /// Whether its rows belong to frames.
+    #[must_use]
+    pub const fn has_frames(self) -> bool {
+        !matches!(self, Self::GaitEvents | Self::GaitParameters | Self::GaitCycles)
     }
 }
 
@@ -91,6 +115,9 @@ mod tests {
         check("frame,time_s,observed,quality,restarted,ess\n", Some(ResultTable::Frames));
         check("frame,time_s,person,part,cluster,model,share\n", Some(ResultTable::Actions));
         check("frame,time_s,RHip_sd_m,Nose_sd_m\n", Some(ResultTable::MarkersSd));
+        check("side,event,point,frame,time_s,time_q05_s,time_q95_s\n", Some(ResultTable::GaitEvents));
+        check("row,side,strides,start_s,end_s,step_length_m\n", Some(ResultTable::GaitParameters));
+        check("side,angle,percent,cycles,mean_deg,sd_deg\n", Some(ResultTable::GaitCycles));
         check("time_s,RHip_x_m,RHip_y_m,RHip_z_m\n", None);
         check("frame,time_s,RHip_sd_m,knee_deg\n", None);
         check("frame,time_s\n", None);

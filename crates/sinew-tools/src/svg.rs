@@ -114,6 +114,22 @@ impl Svg {
         ));
     }
 
+    /// A dashed line.
+    pub(crate) fn dashed(&mut self, [x1, y1]: [f64; 2], [x2, y2]: [f64; 2], color: &str) {
+        self.put(format_args!(
+            "<line x1=\"{x1:.1}\" y1=\"{y1:.1}\" x2=\"{x2:.1}\" y2=\"{y2:.1}\" stroke=\"{color}\" stroke-dasharray=\"4 3\"/>"
+        ));
+    }
+
+    /// A filled outline that lets through what is below, at an opacity of 0 altogether.
+    pub(crate) fn area(&mut self, outline: &[[f64; 2]], color: &str, opacity: f64) {
+        let points: Vec<String> = outline.iter().map(|[x, y]| format!("{x:.1},{y:.1}")).collect();
+        self.put(format_args!(
+            "<polygon points=\"{}\" fill=\"{color}\" fill-opacity=\"{opacity:.2}\"/>",
+            points.join(" ")
+        ));
+    }
+
     /// A filled rectangle that lets through what is below, at an opacity of 0 altogether.
     pub(crate) fn cell(&mut self, [x, y]: [f64; 2], [width, height]: [f64; 2], color: &str, opacity: f64) {
         self.put(format_args!(

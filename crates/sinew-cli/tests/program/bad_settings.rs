@@ -127,6 +127,7 @@ fn help_fits_one_screen_and_starts_with_examples() {
         "overlay",
         "report",
         "sync",
+        "gait",
         "fit-shape",
         "body",
         "completions",

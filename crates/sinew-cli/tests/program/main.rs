@@ -12,6 +12,7 @@ mod clean_masks;
 mod common;
 mod determinism;
 mod failing_disk;
+mod gait;
 mod guide;
 mod inspect_own_files;
 mod killed_runs;

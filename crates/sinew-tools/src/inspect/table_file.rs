@@ -17,16 +17,18 @@ pub(super) fn facts(path: &Path) -> Result<Option<Facts>, Error> {
     let mut facts = Facts::new(format!("{}: table of results, {}", path.display(), table.describe()));
     facts.row("rows", cells.rows.len().to_string());
     facts.row("columns", format!("{}: {}", cells.columns.len(), shortened(&cells.columns)));
-    let times = distinct(&cells, "time_s");
-    let frames = distinct(&cells, "frame");
-    let numbers: BTreeSet<u64> = frames.iter().filter_map(|frame| frame.parse().ok()).collect();
-    facts.row(
-        "frames",
-        match (numbers.first(), numbers.last()) {
-            (Some(first), Some(last)) => format!("{} ({first}..{})", numbers.len(), last.saturating_add(1)),
-            _ => times.len().to_string(),
-        },
-    );
+    if table.has_frames() {
+        let times = distinct(&cells, "time_s");
+        let frames = distinct(&cells, "frame");
+        let numbers: BTreeSet<u64> = frames.iter().filter_map(|frame| frame.parse().ok()).collect();
+        facts.row(
+            "frames",
+            match (numbers.first(), numbers.last()) {
+                (Some(first), Some(last)) => format!("{} ({first}..{})", numbers.len(), last.saturating_add(1)),
+                _ => times.len().to_string(),
+            },
+        );
+    }
     if let Some(column) = table.name_column() {
         let names = distinct(&cells, column);
         facts.row(column, format!("{}: {}", names.len(), shortened(&names)));

@@ -142,7 +142,8 @@ fn angle((name, series): Named) -> RecordedAngle {
     RecordedAngle { name, band: Band { mean: next(), low: next(), high: next() } }
 }
 
-fn without_summary(folder: &Path) -> Error {
+/// Why a folder has no summary.
+pub(crate) fn without_summary(folder: &Path) -> Error {
     if let Err(error) = std::fs::read_dir(folder) {
         return sinew::Error::io("read", folder)(error).into();
     }
