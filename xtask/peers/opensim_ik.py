@@ -10,8 +10,10 @@ a file .trc. The model is scaled by the set's own measurements, all frames of MA
 - `model_markers.mot`: the same of the model's markers in the poses of `ik.mot`;
 - `rest_ik.mot`, `rest.mot`, `rest_joints.mot`: coordinates of a pose at rest, its angles by the definitions from the
   model's markers, and the same from the centres of its joints where points stand for joints. All coordinates are 0, but
-  elbows and knees, so that they show their axes, and the turn of the pelvis: they have their means over `ik.mot`;
-- `fit.csv`: root mean square distance of each marker from the model's, mm.
+  elbows and knees, so that they show their axes, the lift of the arms, on which their rotation depends, and the turn of
+  the pelvis: they have their means over `ik.mot`;
+- `fit.csv`: root mean square distance of each marker from the model's, and where the model's marker is from the centre
+  of its joint with all coordinates at 0, mm.
 
 The definitions are worked out here from points alone and share no code with `sinew`.
 """
@@ -239,7 +241,8 @@ def read_poses(model, path):
 def at_rest(poses):
     """The pose at rest that belongs to a motion, one frame, radians and metres."""
     rest = {name: np.zeros(1) for name in poses}
-    kept = ("pelvis_rotation", "knee_angle_r", "knee_angle_l", "elbow_flex_r", "elbow_flex_l")
+    sided = ("knee_angle", "elbow_flex", "arm_flex", "arm_add")
+    kept = ["pelvis_rotation", *(f"{name}_{side}" for name in sided for side in "rl")]
     return rest | {name: np.full(1, poses[name].mean()) for name in kept}
 
 
@@ -268,12 +271,17 @@ def main():
     write_mot(out / "rest.mot", [0.0], angles(marker_places(model, rest)))
     write_mot(out / "rest_joints.mot", [0.0], angles(marker_places(model, rest, joints=True)))
     write_mot(out / "rest_ik.mot", [0.0], {name: np.degrees(values) for name, values in rest.items()})
+    zero = {name: np.zeros(1) for name in poses}
+    at_markers, at_joints = marker_places(model, zero), marker_places(model, zero, joints=True)
     with open(out / "fit.csv", "w", newline="") as file:
         rows = csv.writer(file)
-        rows.writerow(["marker", "rms_mm"])
+        rows.writerow(["marker", "rms_mm", "forward_mm", "up_mm", "right_mm"])
         for name in [marker for marker in names if marker in modelled]:
             apart = np.linalg.norm(modelled[name] - measured[name], axis=-1)
-            rows.writerow([name, f"{1000 * np.sqrt(np.nanmean(apart**2)):.2f}"])
+            offset = 1000 * (at_markers[name] - at_joints[name])[0]
+            has_joint = name[1:] in JOINTS
+            rms = 1000 * np.sqrt(np.nanmean(apart**2))
+            rows.writerow([name, f"{rms:.2f}", *(f"{x:.2f}" if has_joint else "" for x in offset)])
 
 
 main()

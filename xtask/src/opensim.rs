@@ -56,10 +56,7 @@ const RECORDINGS: [Recording; 3] = [
         flags: &["--layout", "BODY_25B", "--fps", "60", "--people", "all"],
         inputs: ["Calib.toml", "pose"],
         markers: "Body25b",
-        people: &[
-            ("pose2sim_two_people, who sits", "people/01"),
-            ("pose2sim_two_people, who steps", "people/02"),
-        ],
+        people: &[("pose2sim_two_people, who sits", "people/01"), ("pose2sim_two_people, who steps", "people/02")],
     },
     Recording {
         name: "gesture",
@@ -177,7 +174,8 @@ fn all(root: &Path, args: &Args) -> Outcome<()> {
             text += &format!("{name}:\n\n{}\n", compared::table(seeds));
         }
     }
-    text += &format!("Inverse kinematics alone:\n\n{}", variation(&study)?);
+    text += &format!("Inverse kinematics alone:\n\n{}\n", variation(&study)?);
+    text += &format!("Markers:\n\n{}", compared::markers(&folder.join("single-1/opensim"))?);
     println!("{text}");
     Ok(fs::write(folder.join("tables.md"), text)?)
 }

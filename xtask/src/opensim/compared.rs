@@ -147,6 +147,29 @@ fn signed(value: f64) -> String {
     format!("{value:+.1}").replace('-', "−")
 }
 
+/// A correlation; none where one of the two does not move.
+fn correlated(value: f64) -> String {
+    if value.is_finite() { format!("{value:.3}").replace('-', "−") } else { "—".into() }
+}
+
+/// The table of markers: where they are from the model's joints, and how far the fit leaves them away.
+pub(super) fn markers(fit: &Path) -> Outcome<String> {
+    let mut text = String::from(
+        "| marker | forward of the joint's centre, mm | above, mm | to the right, mm | left by the fit, mm |\n|---|---|---|---|---|\n",
+    );
+    let path = fit.join("fit.csv");
+    for line in fs::read_to_string(&path)?.lines().skip(1) {
+        let [name, rms, offsets @ ..] = &line.split(',').collect::<Vec<_>>()[..] else {
+            return Err(format!("{}: `{line}`", path.display()).into());
+        };
+        let number = |cell: &&str| cell.trim().parse().map_or("—".into(), signed);
+        let offsets: Vec<String> = offsets.iter().map(number).collect();
+        let rms: f64 = rms.parse()?;
+        let _ = writeln!(text, "| {name} | {} | {rms:.1} |", offsets.join(" | "));
+    }
+    Ok(text)
+}
+
 /// The table of a person, over seeds.
 pub(super) fn table(seeds: &[Compared]) -> String {
     let mut text = String::from(
@@ -167,7 +190,7 @@ pub(super) fn table(seeds: &[Compared]) -> String {
             "| {name} | {} | {:.1} | {} | {:.1} | {} | {} | {} | {} |",
             over_seeds(&rows.iter().map(|row| row.bias).collect::<Vec<_>>()),
             usual(|row| row.spread),
-            format!("{:.3}", usual(|row| row.correlation)).replace('-', "−"),
+            correlated(usual(|row| row.correlation)),
             usual(|row| row.motion),
             maybe(&|row| row.definition),
             maybe(&|row| row.definition.map(|part| row.bias - part)),
@@ -192,7 +215,7 @@ pub(super) fn variation(usual: &Angles, others: &[Angles; 2]) -> String {
                 continue;
             };
             let apart = differences(&other, &usual, is_length(theirs));
-            let r = format!("{:.3}", correlation(&other, &usual)).replace('-', "−");
+            let r = correlated(correlation(&other, &usual));
             let _ = write!(text, " {} | {:.1} | {r} |", signed(mean(&apart)), deviation(&apart));
         }
         text += "\n";
