@@ -62,7 +62,7 @@ mod tests {
     }
 
     #[test]
-    fn ranges_are_those_of_the_coordinate_and_mirrored() {
+    fn ranges_belong_to_coordinates_and_are_mirrored() {
         let body = h32(&Proportions::default());
         assert_eq!(degrees(&body, "l_shin.rx"), Some([-141.9, 1.6]));
         assert_eq!(degrees(&body, "r_foot.ry"), Some([-15.0, 35.0]));

@@ -2,7 +2,7 @@
 //!
 //! log π(x) = −½ Σ_j (e_j / σ)², with e_j the distance of coordinate j outside its range: flat inside, half a Gaussian beyond each end. The gradient is continuous, the curvature 1/σ² outside and 0 inside.
 //!
-//! σ says how far people differ in their ranges and how far zeros of bodies differ from those of a goniometer; [`SIGMA_RAD`] is our choice. Not normalised.
+//! σ says how far people differ in their ranges and how far the zeros of bodies are from a goniometer's; [`SIGMA_RAD`] is our choice. Not normalised.
 
 use crate::joint_ranges::JointRanges;
 use sinew_core::density::{LaneDensity, LaneGaussNewton};

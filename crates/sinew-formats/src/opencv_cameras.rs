@@ -32,7 +32,7 @@
 //! |---|---|
 //! | one camera, outermost | as in the list above, in the spellings of [`FIELDS`]; the pose must be there |
 //! | OpenCV's `multiview_calibration.py` | `Ks`, `distortions`, `rvecs`, `Ts` and, as far as they are there, `cam_ids`, `image_sizes`, `is_fisheye` |
-//! | a pair of `stereoCalibrate`, as OpenCV's sample `stereo_calib` writes it | `M1`, `D1`, `M2`, `D2`, `R`, `T` in one file, or those of `extrinsics.yml` after those of `intrinsics.yml` (YAML); `image_size` as far as it is there |
+//! | a pair of `stereoCalibrate`, as OpenCV's sample `stereo_calib` writes it | `M1`, `D1`, `M2`, `D2`, `R`, `T` in one file, or `extrinsics.yml` after `intrinsics.yml` in one (YAML); `image_size` as far as it is there |
 //! | EasyMocap's `intri.yml` and `extri.yml` in one file | `names`; for each `K_name`, `dist_name`, `R_name` (Rodrigues) or `Rot_name`, `T_name` and perhaps `W_name`, `H_name` |
 //!
 //! Coefficients are OpenCV's: 4, 5 or 8, or 12 and 14 whose later ones are 0; 4 where the camera is a fisheye. An
@@ -399,11 +399,11 @@ mod tests {
         check_pair(&read("stereo.xml", &xml).unwrap());
         assert_eq!(
             read("intrinsics.yml", &intrinsics).unwrap_err().to_string(),
-            "intrinsics.yml:1 (cam_2): field `R` is missing"
+            "intrinsics.yml:3 (cam_2): `R` is missing"
         );
         assert_eq!(
             read("extrinsics.yml", &extrinsics.replace("R1", "M1")).unwrap_err().to_string(),
-            "extrinsics.yml:1 (cam_1): field `D1` is missing"
+            "extrinsics.yml:3 (cam_1): `D1` is missing"
         );
     }
 

@@ -74,7 +74,7 @@ fn deviation(values: &[f64]) -> f64 {
     mean(&values.iter().map(|x| (x - middle).powi(2)).collect::<Vec<_>>()).sqrt()
 }
 
-/// Differences, those of angles in [−180, 180).
+/// Differences; of angles in [−180, 180).
 fn differences(a: &[f64], b: &[f64], is_length: bool) -> Vec<f64> {
     let apart = |(a, b): (&f64, &f64)| {
         if is_length { a - b } else { (a - b + 180.0).rem_euclid(360.0) - 180.0 }
@@ -115,7 +115,7 @@ impl Compared {
         let row = |&(_, names, theirs): &(&str, &[&str], &str)| {
             let is_length = is_length(theirs);
             let (our, their) = (ours.sum(names)?, ik.column(theirs)?);
-            let of_model = |angles: &Angles, coordinates: &Angles| {
+            let by_definition = |angles: &Angles, coordinates: &Angles| {
                 let differences = differences(&angles.column(names[0])?, &coordinates.column(theirs)?, is_length);
                 Some(mean(&differences))
             };
@@ -125,9 +125,9 @@ impl Compared {
                 spread: deviation(&apart),
                 correlation: correlation(&our, &their),
                 motion: deviation(&our),
-                definition: of_model(&model, &ik),
-                at_rest: of_model(&rest, &rest_ik),
-                at_rest_joints: of_model(&joints, &rest_ik),
+                definition: by_definition(&model, &ik),
+                at_rest: by_definition(&rest, &rest_ik),
+                at_rest_joints: by_definition(&joints, &rest_ik),
             })
         };
         Ok(Self(ROWS.iter().map(row).collect()))

@@ -16,10 +16,8 @@ use sinew_body::motion_ranges::motion_ranges;
 use sinew_core::beside::Beside;
 use sinew_core::combinators::{Sum, Through};
 use sinew_core::decode::Decode;
-use sinew_core::density::{GaussNewton, GradLogDensity, Lanes, LogDensity};
-use sinew_core::lanes::Block;
+use sinew_core::density::Lanes;
 use sinew_core::random::Stage;
-use sinew_core::transition::Predict;
 use sinew_core::within::Within;
 use sinew_dynamics::joint_limits::{JointLimits, SIGMA_RAD};
 use sinew_dynamics::joint_ranges::JointRanges;
@@ -30,9 +28,8 @@ use sinew_latent::space::Below;
 use sinew_samplers::tuning;
 use sinew_tracking::decoded::Decoded;
 use sinew_tracking::hmc_filter::{Config, HmcFilter};
-use sinew_tracking::posterior::Posterior;
+use sinew_tracking::restrained::{Restrained, RestrainedFilter};
 use sinew_tracking::with_prior::WithPrior;
-use sinew_tracking::{Resume, StepInfo, Tracker};
 use std::sync::Arc;
 
 /// The method; the default is the preset for real recordings.
@@ -182,84 +179,6 @@ fn limits(making: &Making<'_>) -> Result<Lanes<JointLimits>, Error> {
     Ok(Lanes { leaf: JointLimits::new(&ranges, SIGMA_RAD), isa: making.isa })
 }
 
-/// A frame's likelihood times the limits, which stay as they are where errors are broadened.
-struct Limited<'a>(Sum<&'a dyn GaussNewton, &'a Lanes<JointLimits>>);
-
-impl LogDensity for Limited<'_> {
-    fn dim(&self) -> usize {
-        self.0.dim()
-    }
-    fn workspace(&self) -> usize {
-        self.0.workspace()
-    }
-    fn log_density(&self, x: &[f64]) -> f64 {
-        self.0.log_density(x)
-    }
-    fn log_density_block(&self, x: &[Block], ws: &mut [Block]) -> Block {
-        self.0.log_density_block(x, ws)
-    }
-}
-
-impl GradLogDensity for Limited<'_> {
-    fn log_density_grad(&self, x: &[f64], grad: &mut [f64]) -> f64 {
-        self.0.log_density_grad(x, grad)
-    }
-    fn log_density_grad_block(&self, x: &[Block], grad: &mut [Block], ws: &mut [Block]) -> Block {
-        self.0.log_density_grad_block(x, grad, ws)
-    }
-}
-
-impl GaussNewton for Limited<'_> {
-    fn matrix_workspace(&self) -> usize {
-        self.0.matrix_workspace()
-    }
-    fn gauss_newton_diagonal_block(&self, x: &[Block], diagonal: &mut [Block], ws: &mut [Block]) {
-        self.0.gauss_newton_diagonal_block(x, diagonal, ws);
-    }
-    fn gauss_newton_block(&self, x: &[Block], matrix: &mut [Block], ws: &mut [Block]) {
-        self.0.gauss_newton_block(x, matrix, ws);
-    }
-    fn weighted_gauss_newton_block(&self, x: &[Block], matrix: &mut [Block], ws: &mut [Block]) {
-        self.0.weighted_gauss_newton_block(x, matrix, ws);
-    }
-    fn broadened(&self, factor: f64) -> Option<Box<dyn GaussNewton + '_>> {
-        let Sum(observed, limits) = &self.0;
-        Some(Box::new(Sum(observed.broadened(factor)?, *limits)))
-    }
-}
-
-/// The filter on likelihoods with limits.
-struct LimitedFilter<T> {
-    filter: HmcFilter<T>,
-    limits: Lanes<JointLimits>,
-}
-
-impl<T: Predict + Send> Tracker<FrameLikelihood> for LimitedFilter<T> {
-    /// The factor is not normalised, so that a step has no evidence.
-    fn step(&mut self, observed: &FrameLikelihood, stage: Stage) -> Result<StepInfo, sinew_tracking::Error> {
-        let info = self.filter.step(&Limited(Sum(observed, &self.limits)), stage)?;
-        Ok(StepInfo { log_evidence: None, ..info })
-    }
-
-    fn posterior(&self) -> Posterior<'_> {
-        Tracker::<FrameLikelihood>::posterior(&self.filter)
-    }
-
-    fn estimate(&self) -> &[f64] {
-        Tracker::<FrameLikelihood>::estimate(&self.filter)
-    }
-}
-
-impl<T: Predict> Resume for LimitedFilter<T> {
-    fn save(&self) -> Vec<f64> {
-        self.filter.save()
-    }
-
-    fn restore(&mut self, saved: &[f64]) -> Result<(), sinew_tracking::Error> {
-        self.filter.restore(saved)
-    }
-}
-
 impl Method for LimitedHmc {
     fn about(&self) -> &'static About {
         &ABOUT
@@ -275,7 +194,7 @@ impl Method for LimitedHmc {
         }
         let config = self.0.with_steps(making.setup);
         let filter = HmcFilter::new(config, making.transition.clone(), start, making.isa)?;
-        Ok(Box::new(LimitedFilter { filter, limits: limits(making)? }))
+        Ok(Box::new(RestrainedFilter { filter, prior: limits(making)? }))
     }
 
     fn tuned(
@@ -290,7 +209,7 @@ impl Method for LimitedHmc {
         }
         let filter = HmcFilter::new(self.0.with_steps(making.setup), making.transition.clone(), start, making.isa)?;
         let limits = limits(making)?;
-        let tuned = filter.tune(&Limited(Sum(observed, &limits)), &self.0.tuning(), stage)?;
+        let tuned = filter.tune(&Restrained(Sum(observed, &limits)), &self.0.tuning(), stage)?;
         Ok(Some(StepSize { step_size: tuned.step_size, leapfrog_steps: tuned.leapfrog_steps }))
     }
 }
