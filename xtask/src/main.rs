@@ -11,6 +11,7 @@ mod missing_limbs;
 mod motion_prior;
 mod mutants;
 mod oil_flow;
+mod opensim;
 mod outcome;
 mod people;
 mod picture;
@@ -65,6 +66,8 @@ enum Command {
     MotionPrior(motion_prior::Args),
     /// Learn GPLVMs of the oil flow data: a table of docs/evidence/latent.md.
     OilFlow(oil_flow::Args),
+    /// Compare joint angles with OpenSim's inverse kinematics on the same markers: the tables of docs/evidence/opensim.md.
+    Opensim(opensim::Args),
     /// Draw docs/images/demo.svg and real.png, the pictures of the guide and the README.
     Picture,
     /// Open a page of `sinew report` in a headless browser, with and without WebGL, and judge it.
@@ -101,6 +104,7 @@ fn main() -> ExitCode {
         Command::Coverage(args) => coverage::run(root, &args),
         Command::MotionPrior(args) => motion_prior::run(root, &args),
         Command::OilFlow(args) => oil_flow::run(root, &args),
+        Command::Opensim(args) => opensim::run(root, &args),
         Command::Picture => picture::run(root),
         Command::ReportCheck(args) => report_check::run(&args),
         Command::Reproduce(args) => reproduce::run(root, &args),

@@ -103,6 +103,7 @@ pub(crate) fn run(
     summary.write(&config.out)?;
     report.note(&format!("{} people, each tracked into a folder of {}", roll.people.len(), config.out.display()));
     let mut interrupted = false;
+    let mut refused = None;
     for person in 0..roll.people.len() {
         let tracked = &mut summary.people[person];
         match one(&run, person) {
@@ -115,6 +116,7 @@ pub(crate) fn run(
             Err(Error::Library(error @ (sinew::Error::Recording(_) | sinew::Error::Tracking(_)))) => {
                 report.warnings(&[format!("person {} is not tracked: {error}", person + 1)]);
                 tracked.failed = Some(error.to_string());
+                refused = refused.or(Some(error));
             }
             Err(error) => return Err(error),
         }
@@ -132,7 +134,11 @@ pub(crate) fn run(
             report,
         )?;
     }
-    answer(&summary, &config.out, args, report)
+    let ended = answer(&summary, &config.out, args, report)?;
+    match refused.filter(|_| summary.people.iter().all(|person| person.failed.is_some())) {
+        Some(error) => Err(error.into()),
+        None => Ok(ended),
+    }
 }
 
 /// Removes the results of people of a run before; refuses results and stopped runs that are not to be replaced.

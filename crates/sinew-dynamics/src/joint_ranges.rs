@@ -44,6 +44,12 @@ impl JointRanges {
         self.0.len()
     }
 
+    /// Ranges by coordinate, radians.
+    #[must_use]
+    pub fn all(&self) -> &[Option<[f64; 2]>] {
+        &self.0
+    }
+
     /// log ψ of some coordinates of eight states, d blocks.
     #[must_use]
     pub fn log_plausibility_block(&self, coordinates: &[usize], x: &[Block]) -> Block {

@@ -21,6 +21,7 @@ mod error;
 pub mod factor;
 pub mod first_order;
 pub mod gaussian;
+pub mod joint_limits;
 pub mod joint_ranges;
 pub mod kalman;
 pub mod lasting;

@@ -6,6 +6,8 @@ use sinew_core::lanes::{Block, Isa, LANES, set_lane};
 use sinew_core::transition::Moments;
 use sinew_dynamics::factor::{cholesky, root};
 use sinew_dynamics::gaussian::Gaussian;
+use sinew_dynamics::joint_limits::JointLimits;
+use sinew_dynamics::joint_ranges::JointRanges;
 use sinew_dynamics::linear_gaussian::LinearGaussian;
 use sinew_dynamics::mixture::Mixture;
 use sinew_dynamics::random_walk::{Between, RandomWalk};
@@ -35,6 +37,15 @@ fn gaussian() -> impl Strategy<Value = (Gaussian, Vec<Vec<f64>>)> {
     (1..12usize).prop_flat_map(|dim| {
         (vector(dim, 2.0), covariance(dim), prop::collection::vec(vector(dim, 4.0), LANES))
             .prop_map(|(mean, c, x)| (Gaussian::new(mean, &c).expect("positive definite"), x))
+    })
+}
+
+fn limits() -> impl Strategy<Value = (JointLimits, Vec<Vec<f64>>)> {
+    (1..12usize).prop_flat_map(|dim| {
+        let range = prop::option::of((-2.0..0.0f64, 0.1..2.0f64).prop_map(|(low, width)| [low, low + width]));
+        let ranges = prop::collection::vec(range, dim);
+        (ranges, 0.1..1.0f64, prop::collection::vec(vector(dim, 4.0), LANES))
+            .prop_map(|(ranges, sigma, x)| (JointLimits::new(&JointRanges::new(ranges).expect("rising"), sigma), x))
     })
 }
 
@@ -83,6 +94,11 @@ proptest! {
 
     #[test]
     fn gaussian_obeys_the_laws_of_densities((leaf, x) in gaussian()) {
+        check(&|isa| Box::new(Lanes { leaf: leaf.clone(), isa }), &x)?;
+    }
+
+    #[test]
+    fn limits_of_joints_obey_the_laws_of_densities((leaf, x) in limits()) {
         check(&|isa| Box::new(Lanes { leaf: leaf.clone(), isa }), &x)?;
     }
 

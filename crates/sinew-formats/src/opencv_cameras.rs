@@ -32,6 +32,7 @@
 //! |---|---|
 //! | one camera, outermost | as in the list above, in the spellings of [`FIELDS`]; the pose must be there |
 //! | OpenCV's `multiview_calibration.py` | `Ks`, `distortions`, `rvecs`, `Ts` and, as far as they are there, `cam_ids`, `image_sizes`, `is_fisheye` |
+//! | a pair of `stereoCalibrate`, as OpenCV's sample `stereo_calib` writes it | `M1`, `D1`, `M2`, `D2`, `R`, `T` in one file, or `extrinsics.yml` after `intrinsics.yml` in one (YAML); `image_size` as far as it is there |
 //! | EasyMocap's `intri.yml` and `extri.yml` in one file | `names`; for each `K_name`, `dist_name`, `R_name` (Rodrigues) or `Rot_name`, `T_name` and perhaps `W_name`, `H_name` |
 //!
 //! Coefficients are OpenCV's: 4, 5 or 8, or 12 and 14 whose later ones are 0; 4 where the camera is a fisheye. An
@@ -39,10 +40,16 @@
 //! board: without `unit` metres are assumed where no camera stands more than 100 units from the origin, and millimetres,
 //! with a warning, where one does.
 //!
+//! Of a pair, the world is the first camera, `cam_1`, and the second, `cam_2`, sees a point x of it at R x + T.
+//!
 //! ```
 //! let text = "%YAML:1.0\n---\ncamera_matrix: [ 500., 0., 320., 0., 500., 240., 0., 0., 1. ]\ndistortion_coefficients: [ 0., 0., 0., 0. ]\nimage_width: 640\nimage_height: 480\nrvec: [ 0., 0., 0. ]\ntvec: [ 0., 0., 3. ]\n";
 //! let calibration = sinew_formats::opencv_cameras::read("left.yml", text)?;
 //! assert_eq!(calibration.cameras[0].name, "left");
+//! let lens = "[ 500., 0., 320., 0., 500., 240., 0., 0., 1. ]";
+//! let pair = format!("%YAML:1.0\n---\nM1: {lens}\nD1: [ 0., 0., 0., 0. ]\nM2: {lens}\nD2: [ 0., 0., 0., 0. ]\nR: [ 0., 0., 0. ]\nT: [ -0.1, 0., 0. ]\n");
+//! let calibration = sinew_formats::opencv_cameras::read("stereo.yml", &pair)?;
+//! assert_eq!(calibration.cameras[1].translation, [-0.1, 0.0, 0.0]);
 //! # Ok::<(), sinew_formats::Error>(())
 //! ```
 
@@ -69,6 +76,9 @@ pub const FIELDS: [&[&str]; 9] = [
     &["fisheye", "is_fisheye"],
     &["name", "camera_name", "id"],
 ];
+
+/// Keys of matrix and distortion of the two cameras of a pair.
+const STEREO: [[&str; 2]; 2] = [["M1", "D1"], ["M2", "D2"]];
 
 /// What a file says of a camera.
 struct Found {
@@ -128,12 +138,14 @@ fn cameras(file: &str, root: &Node) -> Result<Vec<Found>, Error> {
         if !names.is_empty() {
             return names.into_iter().map(|name| by_name(file, root, name)).collect();
         }
+    } else if STEREO.iter().flatten().any(|key| root.get(key).is_some()) {
+        return stereo(file, root);
     } else if root.first(FIELDS[0]).is_some() {
         let stem = file.rsplit(['/', '\\']).next().unwrap_or(file);
         let stem = stem.split('.').next().filter(|stem| !stem.is_empty()).unwrap_or(stem);
         return Ok(vec![by_fields(file, root, stem)?]);
     }
-    let field = "cameras (or Ks, names, camera_matrix)".into();
+    let field = "cameras (or Ks, names, M1, camera_matrix)".into();
     Err(Error::MissingField { place: Place::file(file), field })
 }
 
@@ -223,6 +235,37 @@ fn multiview(file: &str, root: &Node) -> Result<Vec<Found>, Error> {
         is_fisheye: is_fisheye[index].first().is_some_and(|&flag| flag != 0.0),
     });
     Ok(found.collect())
+}
+
+/// The two cameras of `stereoCalibrate`; the world is the first one's.
+fn stereo(file: &str, root: &Node) -> Result<Vec<Found>, Error> {
+    let [_, _, rotation, translation, size, width, height, ..] = FIELDS;
+    let size = match (root.first(size), root.first(width), root.first(height)) {
+        (Some(size), ..) => size.numbers(file, "image_size")?,
+        (None, Some(width), Some(height)) => {
+            [width.numbers(file, "image_width")?, height.numbers(file, "image_height")?].concat()
+        }
+        _ => vec![],
+    };
+    let camera = |(index, [matrix, distortion]): (usize, [&'static str; 2])| {
+        let name = format!("cam_{}", index + 1);
+        let numbers = |keys: &[&str]| required(file, root, keys, &name)?.numbers(file, &name);
+        let pose = |keys: &[&'static str]| {
+            let capital = *keys.last().unwrap_or(&"");
+            if index == 0 { Ok(vec![0.0; 3]) } else { numbers(&[&[capital], keys].concat()) }
+        };
+        Ok(Found {
+            line: root.get(matrix).map_or(root.line, |node| node.line),
+            matrix: numbers(&[matrix])?,
+            distortion: numbers(&[distortion])?,
+            rotation: pose(rotation)?,
+            translation: pose(translation)?,
+            size: size.clone(),
+            is_fisheye: false,
+            name: name.clone(),
+        })
+    };
+    STEREO.into_iter().enumerate().map(camera).collect()
 }
 
 fn camera(place: Place, found: Found, warnings: &mut Vec<Warning>) -> Result<Camera, Error> {
@@ -333,6 +376,45 @@ mod tests {
             <data>500. 0. 320. 0. 510. 240. 0. 0. 1.</data></cameraMatrix>\n<distCoeffs>0.1 0.2 0.01 0.02</distCoeffs>\n\
             <imageSize>640 480</imageSize>\n<rvec>0.1 0.2 0.3</rvec>\n<tvec>1 2 3</tvec></opencv_storage>\n";
         check("lab/front.xml", one, "front", 0);
+    }
+
+    /// The sample `stereo_calib` writes two files; one after the other they are one.
+    #[test]
+    fn the_second_camera_of_a_pair_is_turned_and_shifted_from_the_first() {
+        let intrinsics = format!(
+            "%YAML:1.0\n---\nM1: {MATRIX}\nD1: [ 0.1, 0.2, 0.01, 0.02, 0. ]\nM2: [ 520., 0., 300., 0., 530., 250., 0., 0., 1. ]\n\
+             D2: [ 0., 0., 0., 0., 0. ]\n"
+        );
+        let extrinsics = "%YAML:1.0\n---\nR: [ 0., -1., 0., 1., 0., 0., 0., 0., 1. ]\nT: [ -0.5, 0.25, 1. ]\n\
+                          R1: [ 1., 0., 0., 0., 1., 0., 0., 0., 1. ]\nimage_size: [ 640, 480 ]\n";
+        let text = intrinsics.clone() + extrinsics;
+        check_pair(&read("stereo.yml", &text).unwrap());
+        let element = |line: &str| {
+            let (key, value) = line.split_once(": ")?;
+            let numbers = value.trim_matches(['[', ']', ' ']).replace(',', " ");
+            Some(format!("<{key}>{numbers}</{key}>\n"))
+        };
+        let elements: String = text.lines().filter_map(element).collect();
+        let xml = format!("<?xml version=\"1.0\"?>\n<opencv_storage>\n{elements}</opencv_storage>\n");
+        check_pair(&read("stereo.xml", &xml).unwrap());
+        assert_eq!(
+            read("intrinsics.yml", &intrinsics).unwrap_err().to_string(),
+            "intrinsics.yml:3 (cam_2): `R` is missing"
+        );
+        assert_eq!(
+            read("extrinsics.yml", &extrinsics.replace("R1", "M1")).unwrap_err().to_string(),
+            "extrinsics.yml:3 (cam_1): `D1` is missing"
+        );
+    }
+
+    fn check_pair(read: &Calibration) {
+        let [first, second] = &read.cameras[..] else { panic!("{:?}", read.cameras) };
+        assert_eq!((&first.name[..], &second.name[..], read.warnings.len()), ("cam_1", "cam_2", 0));
+        assert_eq!(first.intrinsics, Intrinsics { fx: 500.0, fy: 510.0, cx: 320.0, cy: 240.0 });
+        assert_eq!(second.intrinsics, Intrinsics { fx: 520.0, fy: 530.0, cx: 300.0, cy: 250.0 });
+        assert_eq!([first.image_size_px, second.image_size_px], [[640.0, 480.0]; 2]);
+        assert_eq!((first.point_in_camera([3.0, 5.0, 7.0])), [3.0, 5.0, 7.0]);
+        assert_eq!(second.point_in_camera([3.0, 5.0, 7.0]), [-5.0 - 0.5, 3.0 + 0.25, 7.0 + 1.0]);
     }
 
     #[test]

@@ -274,7 +274,7 @@ fn calibrations_of_opencv() {
     let changed = |from: &str, to: &str| any_calibration(&file.replace(from, to));
     assert_snapshot!(changed("-0.0007, 0.0022, 9.5e-6, 1.1e-5]", "0.1, 0, 0, 0, 0, 0, 0, 0, 0.25, 0, 0, 0]"), @"cameras:6 (cam_01): distortion_coefficients = [0.1, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0,…; must be 4 or 5 numbers: k1, k2, p1, p2 and perhaps k3, or 8: k1, k2, p1, p2, k3, k4, k5, k6; later ones are thin prisms and tilt, which no lens here has: calibrate without them");
     assert_snapshot!(changed("tvec:", "centre:"), @"cameras:6 (cam_01): `tvec` is missing");
-    assert_snapshot!(changed("cameras:", "views:"), @"cameras: `cameras (or Ks, names, camera_matrix)` is missing");
+    assert_snapshot!(changed("cameras:", "views:"), @"cameras: `cameras (or Ks, names, M1, camera_matrix)` is missing");
     assert_snapshot!(changed("image_width: 1088", "image_width: wide"), @"cameras:7 (cam_01): `wide`; expected a number");
     let unsized_file = file.replace("image_width", "width_of_image");
     assert_snapshot!(calibration::read("cameras.yml", &unsized_file).unwrap().warnings[0], @"cameras.yml:6 (cam_01): image size is not given; 1066 x 1896 px, twice the principal point, assumed");

@@ -1,15 +1,17 @@
 //! Pictures of tracked bodies: solids and joints of each frame's mean pose over what the cameras saw.
 //!
 //! Outlines are computed for a camera with a perfect lens and then bent by the lens, in short pieces, so that they lie in the image as it was taken; joints are projected through the lens at once. The person's left, right and middle have a
-//! colour each ([`colour_of`]).
+//! colour each ([`colour_of`]); of several people, everybody has one colour and a number.
 
 mod drawing;
 pub(crate) mod error;
+mod everybody;
 
 pub use error::OverlayError;
 
 use crate::Error;
-use drawing::{disc, line};
+use drawing::{disc, line, number};
+use everybody::colour_of_person;
 use rayon::prelude::*;
 use sinew::input::image_folder;
 use sinew::input::lag::Lag;
@@ -116,6 +118,8 @@ pub struct Artist {
     cameras: Vec<Camera>,
     model: ImageModel,
     colours: Vec<[u8; 3]>,
+    /// Number of the person, where there are several.
+    person: Option<usize>,
 }
 
 impl Artist {
@@ -135,7 +139,15 @@ impl Artist {
             isa: Isa::baseline(),
         };
         let colours = flesh.solids().iter().map(|solid| colour_of(&solid.name)).collect();
-        Ok(Self { tree, cameras, model, colours })
+        Ok(Self { tree, cameras, model, colours, person: None })
+    }
+
+    /// Draws all of the body in the colour of a person, with his number.
+    fn with_number(mut self, person: Option<usize>) -> Self {
+        if let Some(number) = person {
+            self.colours.fill(colour_of_person(number));
+        }
+        Self { person, ..self }
     }
 
     /// Draws a state into the picture of each camera; cameras without one are left out.
@@ -152,11 +164,21 @@ impl Artist {
                     bent(camera, [a, b], |piece| line(picture, piece, half_width, self.colours[*solid]));
                 }
             }
+            let mut top: Option<[f64; 2]> = None;
             for (point, at) in self.tree.points().iter().zip(&pose.points) {
                 if let Some(pixel) = camera.project(*at).pixel() {
                     disc(picture, pixel, 3.0 * half_width, [0; 3]);
-                    disc(picture, pixel, 2.2 * half_width, colour_of(&point.name));
+                    disc(
+                        picture,
+                        pixel,
+                        2.2 * half_width,
+                        self.person.map_or(colour_of(&point.name), colour_of_person),
+                    );
+                    top = top.filter(|top| top[1] <= pixel[1]).or(Some(pixel));
                 }
+            }
+            if let (Some(person), Some(top)) = (self.person, top) {
+                number(picture, top, half_width, person, colour_of_person(person));
             }
         });
     }
@@ -259,7 +281,53 @@ fn black(camera: &Camera) -> RgbImage {
     RgbImage { width, height, pixels: vec![[0; 3]; width * height] }
 }
 
-/// Draws the body of each frame of a result folder and writes `<camera>_<frame>.png`; the callback `progress` gets the number of frames done, and of all.
+/// A person of several, drawn in the cameras that his set-up knows.
+struct Drawer<'a> {
+    tracked: &'a Tracked,
+    artist: Artist,
+    /// Places of his cameras among all.
+    places: Vec<usize>,
+}
+
+impl<'a> Drawer<'a> {
+    fn new(
+        (number, tracked): &'a (Option<usize>, Tracked),
+        calibration: &Path,
+        all: &[Camera],
+        resized: &[Camera],
+    ) -> Result<Self, Error> {
+        let own = tracked.cameras(calibration)?.0;
+        let place = |camera: &Camera| all.iter().position(|known| known.name == camera.name);
+        let places: Vec<usize> = own.iter().filter_map(place).collect();
+        let seen: Vec<Camera> = places.iter().map(|&place| resized[place].clone()).collect();
+        let artist = Artist::new(tracked, tracked.as_seen(&seen, &own))?.with_number(*number);
+        Ok(Self { tracked, artist, places })
+    }
+
+    fn draw(&self, frame: u64, pictures: &mut [Option<RgbImage>]) {
+        let Some((_, state)) = self.tracked.frames.iter().find(|(number, _)| *number == frame) else { return };
+        let mut own: Vec<Option<RgbImage>> = self.places.iter().map(|&place| pictures[place].take()).collect();
+        self.artist.draw(state, &mut own);
+        for (&place, picture) in self.places.iter().zip(own) {
+            pictures[place] = picture;
+        }
+    }
+}
+
+/// Cameras that anybody's set-up knows, and the names of all that are calibrated.
+fn cameras_of(people: &[(Option<usize>, Tracked)], calibration: &Path) -> Result<(Vec<Camera>, Vec<String>), Error> {
+    let (mut cameras, mut calibrated): (Vec<Camera>, _) = (vec![], vec![]);
+    for (_, tracked) in people {
+        let (own, names) = tracked.cameras(calibration)?;
+        let is_new = |camera: &Camera| cameras.iter().all(|known| known.name != camera.name);
+        let new: Vec<Camera> = own.into_iter().filter(is_new).collect();
+        cameras.extend(new);
+        calibrated = names;
+    }
+    Ok((cameras, calibrated))
+}
+
+/// Draws the body of each frame of a result folder, or everybody's where it has several people, and writes `<camera>_<frame>.png`; the callback `progress` gets the number of frames done, and of all.
 ///
 /// # Errors
 /// Errors of [`Tracked::read`]; images or masks that do not fit the calibration; frames without any; an output folder that holds something (unless forced), is an input or cannot be written.
@@ -270,15 +338,18 @@ pub fn overlay(
     force: bool,
     mut progress: impl FnMut(u64, u64),
 ) -> Result<Drawn, Error> {
-    let tracked = Tracked::read(results)?;
-    let chosen = tracked.chosen(request.frames.as_ref(), request.every)?;
-    let (cameras, calibrated) = tracked.cameras(&request.calibration)?;
+    let people = everybody::read(results)?;
+    let chosen = everybody::frames(&people, request.frames.as_ref(), request.every)?;
+    let (cameras, calibrated) = cameras_of(&people, &request.calibration)?;
     let all = match (chosen.first(), chosen.last()) {
-        (Some((first, _)), Some((last, _))) => *first..last + 1,
+        (Some(first), Some(last)) => *first..last + 1,
         _ => 0..0,
     };
-    let mut source = Source::open(request, &cameras, calibrated, all, tracked.lag.clone())?;
-    let artist = Artist::new(&tracked, tracked.as_seen(&source.cameras(), &cameras))?;
+    let lag = people.first().map(|(_, tracked)| tracked.lag.clone()).unwrap_or_default();
+    let mut source = Source::open(request, &cameras, calibrated, all, lag)?;
+    let resized = source.cameras();
+    let drawer = |person| Drawer::new(person, &request.calibration, &cameras, &resized);
+    let drawers = people.iter().map(drawer).collect::<Result<Vec<_>, _>>()?;
     let images = match &request.ground {
         Ground::Images(folder) | Ground::Silhouettes(folder) => Some(folder),
         Ground::Black => None,
@@ -287,9 +358,9 @@ pub fn overlay(
     clear(claim.folder(), &cameras)?;
     let mut drawn = Drawn::default();
     let total = chosen.len() as u64;
-    for (done, (number, state)) in chosen.into_iter().enumerate() {
-        let mut pictures = source.frame(*number)?;
-        artist.draw(state, &mut pictures);
+    for (done, number) in chosen.into_iter().enumerate() {
+        let mut pictures = source.frame(number)?;
+        drawers.iter().for_each(|drawer| drawer.draw(number, &mut pictures));
         let written = pictures.par_iter().zip(&cameras).map(|(picture, camera)| {
             let Some(picture) = picture else { return Ok(0) };
             write(&claim.folder().join(format!("{}_{number:06}.png", camera.name)), picture).map(|()| 1)

@@ -61,6 +61,7 @@ pub mod moved;
 mod particle_state;
 pub mod partitioned;
 pub mod posterior;
+pub mod restrained;
 mod resume;
 mod run;
 pub mod series;

@@ -7,15 +7,16 @@
 use super::left_out::median;
 use super::protocol::{LAYOUT, Recording, UNTOUCHED};
 use crate::outcome::Outcome;
+use sinew::formats::keypoint_table::TableCamera;
 use sinew::formats::openpose::Keypoint;
 use sinew::formats::rotation::{Matrix, about_axis, product, transpose};
-use sinew::formats::{calib_toml, layout, tidy_csv};
+use sinew::formats::{calib_toml, calibration, caliscope_xy, layout, tidy_csv};
 use sinew::observe::Camera;
 use sinew_simulate::recording::keypoint_files;
 use std::fs;
 use std::path::Path;
 
-/// Cameras by the number that the files give them.
+/// Names of the cameras here, in the order of the numbers that the files give them.
 const CAMERAS: [&str; 4] = ["cam_1", "cam_2", "cam_3", "cam_4"];
 
 /// Frames that all cameras share.
@@ -24,30 +25,6 @@ const FRAMES: usize = 267;
 /// Confidence of what was seen: the files have none.
 const CONFIDENCE: f64 = 0.9;
 
-/// MediaPipe's numbers of the keypoints that the layout has as well. Its foot index is taken for the big toe.
-const POINTS: [(&str, usize); 21] = [
-    ("Nose", 0),
-    ("LEye", 2),
-    ("REye", 5),
-    ("LEar", 7),
-    ("REar", 8),
-    ("LShoulder", 11),
-    ("RShoulder", 12),
-    ("LElbow", 13),
-    ("RElbow", 14),
-    ("LWrist", 15),
-    ("RWrist", 16),
-    ("LHip", 23),
-    ("RHip", 24),
-    ("LKnee", 25),
-    ("RKnee", 26),
-    ("LAnkle", 27),
-    ("RAnkle", 28),
-    ("LHeel", 29),
-    ("RHeel", 30),
-    ("LBigToe", 31),
-    ("RBigToe", 32),
-];
 const SHOULDERS: [usize; 2] = [11, 12];
 const HIPS: [usize; 2] = [23, 24];
 
@@ -78,32 +55,33 @@ fn upright([x, y, z]: [f64; 3]) -> Matrix {
 
 /// The cameras, in a world that is turned.
 fn cameras(path: &Path, turn: &Matrix) -> Outcome<Vec<Camera>> {
-    let (name, array) = (path.display().to_string(), fs::read_to_string(path)?.parse::<toml::Table>()?);
-    let mut named = toml::Table::new();
-    for (number, camera) in CAMERAS.iter().enumerate() {
-        let found = array.get("cameras").and_then(|cameras| cameras.get(number.to_string()));
-        named.insert((*camera).into(), found.ok_or_else(|| format!("{name}: no camera {number}"))?.clone());
+    let mut cameras = calibration::read(&path.display().to_string(), &fs::read_to_string(path)?)?.cameras;
+    cameras.sort_by(|a, b| a.name.cmp(&b.name));
+    if cameras.len() != CAMERAS.len() {
+        return Err(format!("{}: {} cameras", path.display(), cameras.len()).into());
     }
-    let mut cameras = calib_toml::read(&name, &toml::to_string(&named)?)?.cameras;
-    for camera in &mut cameras {
+    for (camera, name) in cameras.iter_mut().zip(CAMERAS) {
+        camera.name = name.into();
         camera.rotation = product(&camera.rotation, &transpose(turn));
     }
     Ok(cameras)
 }
 
-/// Of each camera and frame the keypoints of the layout.
+/// Of each camera and frame the keypoints of the layout, by name: MediaPipe's foot index is taken for the big toe.
 fn keypoints(path: &Path) -> Outcome<Vec<Vec<Vec<Option<Keypoint>>>>> {
-    let layout = layout::find(LAYOUT)?;
-    let place = |number: usize| layout.index(POINTS.iter().find(|(_, point)| *point == number)?.0);
-    let mut seen = vec![vec![vec![None; layout.points.len()]; FRAMES]; CAMERAS.len()];
-    for [camera, frame, point, x, y] in columns(path, ["port", "sync_index", "point_id", "img_loc_x", "img_loc_y"])? {
-        let own = seen.get_mut(camera as usize).and_then(|frames| frames.get_mut(frame as usize));
-        let own = own.ok_or_else(|| format!("{}: camera {camera}, frame {frame}", path.display()))?;
-        if let Some(place) = place(point as usize) {
-            own[place] = Some(Keypoint { x, y, confidence: CONFIDENCE });
-        }
-    }
-    Ok(seen)
+    let table = caliscope_xy::read(&path.display().to_string(), &fs::read_to_string(path)?, 1.0)?;
+    let theirs = table.layout.ok_or("a table without a layout")?;
+    let places: Vec<Option<usize>> =
+        layout::find(LAYOUT)?.points.iter().map(|name| theirs.index(name.as_deref()?)).collect();
+    let frame = |camera: &TableCamera, number: usize| {
+        let person = camera.frames.get(&(number as u64)).and_then(|frame| frame.people.first());
+        let seen = |place: &Option<usize>| {
+            let keypoint = person?.keypoints.get((*place)?).copied().flatten()?;
+            Some(Keypoint { confidence: CONFIDENCE, ..keypoint })
+        };
+        places.iter().map(seen).collect()
+    };
+    Ok(table.cameras.iter().map(|camera| (0..FRAMES).map(|number| frame(camera, number)).collect()).collect())
 }
 
 /// Writes the recording into a folder.
@@ -139,6 +117,29 @@ pub(super) fn recording(folder: &Path) -> Recording {
 mod tests {
     use super::*;
     use sinew::formats::rotation::apply;
+
+    /// The points of the files, by their numbers there.
+    #[test]
+    fn keypoints_come_from_the_table() {
+        let Some(data) = sinew_tests::data::shared("caliscope_gesture") else { return };
+        let table = data.join("xy_HOLISTIC.csv");
+        let found = keypoints(&table).unwrap();
+        let layout = layout::find(LAYOUT).unwrap();
+        let names = [(0, "Nose"), (12, "RShoulder"), (25, "LKnee"), (32, "RBigToe")];
+        let mut compared = 0;
+        for [camera, frame, point, x, y] in
+            columns(&table, ["port", "sync_index", "point_id", "img_loc_x", "img_loc_y"]).unwrap()
+        {
+            let Some((_, name)) = names.iter().find(|(number, _)| *number == point as usize) else { continue };
+            let own = found[camera as usize][frame as usize][layout.index(name).unwrap()];
+            assert_eq!(own, Some(Keypoint { x, y, confidence: CONFIDENCE }), "{camera} {frame} {name}");
+            compared += 1;
+        }
+        let seen =
+            |name: &str| found.iter().flatten().filter(|frame| frame[layout.index(name).unwrap()].is_some()).count();
+        assert_eq!(compared, names.iter().map(|(_, name)| seen(name)).sum::<usize>());
+        assert!(compared > FRAMES, "{compared}");
+    }
 
     #[test]
     fn up_is_turned_to_z() {

@@ -7,6 +7,7 @@ mod bad_keypoints;
 mod bad_settings;
 mod bad_silhouette_runs;
 mod calibrations;
+mod caliscope_real;
 mod checkpoint_fields;
 mod clean_masks;
 mod common;

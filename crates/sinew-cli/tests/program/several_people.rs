@@ -1,7 +1,7 @@
 //! Everybody in view is tracked in one run, each into a folder of his own.
 
 use crate::common::{QUICK, TRACK, Trial, files};
-use sinew::formats::{calib_toml, trc};
+use sinew::formats::{calib_toml, picture, trc};
 use sinew_simulate::calibration_error::CalibrationError;
 use sinew_simulate::crowd::{Crowd, CrowdNoise, CrowdRecording};
 use sinew_simulate::ring::Ring;
@@ -92,4 +92,38 @@ fn each_of_two_people_gets_a_folder_and_a_stopped_run_resumes_to_the_same_files(
     assert_eq!(output.status.code(), Some(0), "{}", trial.printed(&output));
     let left = |name: &str| trial.path(name).exists();
     assert!(left("one/markers.trc") && !left("one/people") && !left("one/people.csv"));
+}
+
+/// Both people lie in the pictures of one call, each in his colour.
+#[test]
+fn everybody_is_drawn_in_one_picture() {
+    let (trial, _) = crossing();
+    let output = trial.track(&["-oout"]);
+    assert_eq!(output.status.code(), Some(0), "{}", trial.printed(&output));
+    let output =
+        trial.run(&["overlay", "out", "--calibration=Calib.toml", "--frames=10..12", "-oall", "--no-progress"]);
+    assert_eq!(output.status.code(), Some(0), "{}", trial.printed(&output));
+    assert!(String::from_utf8_lossy(&output.stdout).starts_with("6 pictures"), "{}", trial.printed(&output));
+    for (name, bytes) in files(&trial.path("all")).iter().filter(|(name, _)| name.ends_with(".png")) {
+        let image = picture::read(name, bytes).unwrap();
+        let count = |colour: [u8; 3]| image.pixels.iter().filter(|pixel| **pixel == colour).count();
+        assert!(count([230, 159, 0]) > 50 && count([86, 180, 233]) > 50, "{name}");
+    }
+}
+
+/// A shin that no body has: nobody can be set up, and the run ends as that of one person does.
+#[test]
+fn a_run_in_which_nobody_can_be_set_up_has_wrong_input() {
+    let (trial, _) = crossing();
+    let path = trial.path("Calib.toml");
+    let mut cameras = calib_toml::read("Calib.toml", &fs::read_to_string(&path).unwrap()).unwrap().cameras;
+    for camera in &mut cameras {
+        camera.translation = camera.translation.map(|x| 3.0 * x);
+    }
+    fs::write(&path, calib_toml::write(&cameras)).unwrap();
+    let several = trial.track(&["-oall"]);
+    let one = trial.track(&["-oone", "--people=1"]);
+    assert_eq!((one.status.code(), several.status.code()), (Some(3), Some(3)), "{}", trial.printed(&several));
+    let summary = fs::read_to_string(trial.path("all/summary.json")).unwrap();
+    assert_eq!(summary.matches("\"failed\"").count(), 2, "{summary}");
 }

@@ -1,4 +1,4 @@
-//! Lines and discs with soft edges on colour images.
+//! Lines, discs and numbers with soft edges on colour images.
 
 use sinew_observe::RgbImage;
 
@@ -34,6 +34,38 @@ pub(super) fn disc(image: &mut RgbImage, centre: [f64; 2], radius: f64, colour: 
     line(image, [centre, centre], radius, colour);
 }
 
+/// Strokes of a digit: top, upper left, upper right, middle, lower left, lower right, bottom, on a field one wide and two high.
+const STROKES: [[[f64; 2]; 2]; 7] = [
+    [[0.0, 0.0], [1.0, 0.0]],
+    [[0.0, 0.0], [0.0, 1.0]],
+    [[1.0, 0.0], [1.0, 1.0]],
+    [[0.0, 1.0], [1.0, 1.0]],
+    [[0.0, 1.0], [0.0, 2.0]],
+    [[1.0, 1.0], [1.0, 2.0]],
+    [[0.0, 2.0], [1.0, 2.0]],
+];
+/// Which strokes each digit has, in the order of [`STROKES`].
+const DIGITS: [&[u8; 7]; 10] = [
+    b"1110111", b"0010010", b"1011101", b"1011011", b"0111010", b"1101011", b"1101111", b"1010010", b"1111111",
+    b"1111011",
+];
+
+/// Writes a number above a place, with a black rim; a digit is eight half widths wide.
+pub(super) fn number(image: &mut RgbImage, above: [f64; 2], half_width: f64, number: usize, colour: [u8; 3]) {
+    let digits: Vec<usize> = number.to_string().bytes().map(|digit| usize::from(digit - b'0')).collect();
+    let (side, step) = (8.0 * half_width, 13.0 * half_width);
+    let left = above[0] - 0.5 * (step * digits.len() as f64 - 5.0 * half_width);
+    let top = above[1] - 2.0 * side - 8.0 * half_width;
+    for (half_width, colour) in [(2.2 * half_width, [0; 3]), (1.2 * half_width, colour)] {
+        for (place, digit) in digits.iter().enumerate() {
+            let corner = |[x, y]: [f64; 2]| [left + step * place as f64 + side * x, top + side * y];
+            for (ends, _) in STROKES.iter().zip(DIGITS[*digit]).filter(|(_, drawn)| **drawn == b'1') {
+                line(image, ends.map(corner), half_width, colour);
+            }
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -53,6 +85,25 @@ mod tests {
             disc(&mut image, far, 3.0, [9; 3]);
         }
         assert_eq!(image, before);
+    }
+
+    /// Ones and sevens differ by the upper stroke, and nothing is drawn below the place.
+    #[test]
+    fn digits_have_their_strokes() {
+        let drawn = |digit: usize| {
+            let mut image = RgbImage { width: 30, height: 40, pixels: vec![[0; 3]; 1200] };
+            number(&mut image, [15.0, 30.0], 1.0, digit, [0, 200, 0]);
+            assert!(image.pixels[30 * 30..].iter().all(|pixel| *pixel == [0; 3]), "{digit}");
+            image.pixels.iter().map(|pixel| pixel[1] > 100).collect::<Vec<bool>>()
+        };
+        let all: Vec<Vec<bool>> = (0..10).map(drawn).collect();
+        for a in 0..10 {
+            for b in 0..a {
+                assert_ne!(all[a], all[b], "{a} {b}");
+            }
+        }
+        let count = |digit: usize| all[digit].iter().filter(|lit| **lit).count();
+        assert!(count(1) < count(7) && count(7) < count(8) && count(1) > 0);
     }
 
     #[test]

@@ -19,7 +19,7 @@ pub fn idle_beside(key: &str, chosen: &About, methods: &[&'static About], values
         }
         "images" | "score" | "kappa" if chosen.needs_gradients => Some(format!("`--method {}`", chosen.name)),
         "latent" if chosen.latent == LatentUse::No => Some(format!("`--method {}`", chosen.name)),
-        "prior" if values.get("latent").is_some() => Some("`--latent`".to_owned()),
+        "prior" | "joint_limits" if values.get("latent").is_some() => Some("`--latent`".to_owned()),
         "motion_scale" if values.get("motion_model").is_some() => Some("`--motion-model`".to_owned()),
         "degrees" if is("noise", "floor") => Some("`--noise floor`".to_owned()),
         "outlier" if is("noise", "student-t") => Some("`--noise student-t`".to_owned()),

@@ -1,7 +1,7 @@
 //! `hmc`: the hybrid Monte Carlo filter of Choo & Fleet 2001.
 //!
 //! With a dense metric and a Gaussian prior between frames, which are not the paper's. With a latent model it samples [λ, θ]: the likelihood through the mean of the model's Gaussian processes, and in the prior of every frame how well
-//! poses are known at a latent ([`LatentDensity::prior_of`]).
+//! poses are known at a latent ([`LatentDensity::prior_of`]). Without one, `joint_limits` adds soft limits of joints to the prior ([`JointLimits`] on [`motion_ranges`]).
 
 use super::about::{About, Gives, LatentUse, Making, Method, StepSize, Steps};
 use super::frame_likelihood::FrameLikelihood;
@@ -11,12 +11,16 @@ use crate::Error;
 use crate::config::setting::{SAMPLING, SHARE, Setting, SettingKind, computed};
 use crate::config::values::SettingValues;
 use crate::setup::Setup;
+use crate::track::error::TrackError;
+use sinew_body::motion_ranges::motion_ranges;
 use sinew_core::beside::Beside;
 use sinew_core::combinators::{Sum, Through};
 use sinew_core::decode::Decode;
 use sinew_core::density::Lanes;
 use sinew_core::random::Stage;
 use sinew_core::within::Within;
+use sinew_dynamics::joint_limits::{JointLimits, SIGMA_RAD};
+use sinew_dynamics::joint_ranges::JointRanges;
 use sinew_dynamics::random_walk::{Between, RandomWalk};
 use sinew_latent::file::StoredModel;
 use sinew_latent::latent_density::{LatentDensity, LatentPrior};
@@ -24,6 +28,7 @@ use sinew_latent::space::Below;
 use sinew_samplers::tuning;
 use sinew_tracking::decoded::Decoded;
 use sinew_tracking::hmc_filter::{Config, HmcFilter};
+use sinew_tracking::restrained::{Restrained, RestrainedFilter};
 use sinew_tracking::with_prior::WithPrior;
 use std::sync::Arc;
 
@@ -54,22 +59,30 @@ pub const ABOUT: About = About {
     mistake,
 };
 
+const OFF: &str = "off";
+const ON: &str = "on";
+
 #[rustfmt::skip]
-const SETTINGS: [Setting; 4] = [
+const SETTINGS: [Setting; 5] = [
     computed((SAMPLING, "chains", SettingKind::Count(1, 100_000), "N", || HmcMethod::default().0.chains.to_string(), "chains of a frame (hmc)")),
     computed((SAMPLING, "updates", SettingKind::Count(1, 1_000_000), "N", || HmcMethod::default().0.updates.to_string(), "updates of each chain in a frame; four times as many where the chains disagree (hmc)")),
     computed((SAMPLING, "burn_in", SettingKind::Count(0, 1_000_000), "N", || HmcMethod::default().0.burn_in.to_string(), "first samples of each chain that are discarded (hmc)")),
     computed((SAMPLING, "jitter", SHARE, "X", || HmcMethod::default().0.jitter.to_string(), "relative jitter of the step size (hmc)")),
+    computed((SAMPLING, "joint_limits", SettingKind::Choice(&[OFF, ON]), "WHEN", || OFF.into(), "soft limits of knees, elbows, feet, head and trunk in the prior: off or on (hmc)")),
 ];
 
 fn configure(values: &SettingValues) -> Arc<dyn Method> {
-    Arc::new(HmcMethod(Config {
+    let method = HmcMethod(Config {
         chains: values.size("chains"),
         updates: values.size("updates"),
         burn_in: values.size("burn_in"),
         jitter: values.number("jitter").unwrap_or_default(),
         ..Config::real_recordings()
-    }))
+    });
+    match values.text("joint_limits").as_deref() {
+        Some(ON) => Arc::new(LimitedHmc(method)),
+        _ => Arc::new(method),
+    }
 }
 
 fn mistake(values: &SettingValues) -> Option<String> {
@@ -81,6 +94,11 @@ fn mistake(values: &SettingValues) -> Option<String> {
 const LENGTHS: [usize; 2] = [6, 7];
 
 impl HmcMethod {
+    /// How step size and length are found.
+    fn tuning(&self) -> tuning::Config {
+        tuning::Config { jitter: self.0.jitter, lengths: LENGTHS.to_vec(), ..tuning::Config::default() }
+    }
+
     fn with_steps(&self, setup: &Setup) -> Config {
         Config {
             step_size: setup.step_size.unwrap_or(self.0.step_size),
@@ -136,7 +154,7 @@ impl Method for HmcMethod {
         stage: Stage,
     ) -> Result<Option<StepSize>, Error> {
         let config = self.with_steps(making.setup);
-        let tuning = tuning::Config { jitter: self.0.jitter, lengths: LENGTHS.to_vec(), ..tuning::Config::default() };
+        let tuning = self.tuning();
         let tuned = match making.latent {
             None => {
                 HmcFilter::new(config, making.transition.clone(), start, making.isa)?.tune(observed, &tuning, stage)?
@@ -148,6 +166,50 @@ impl Method for HmcMethod {
                 HmcFilter::new(config, walk, start, making.isa)?.tune(&target, &tuning, stage)?
             }
         };
+        Ok(Some(StepSize { step_size: tuned.step_size, leapfrog_steps: tuned.leapfrog_steps }))
+    }
+}
+
+/// The method with limits of joints as a soft factor of every frame's prior, without a latent model.
+#[derive(Clone, Debug, PartialEq)]
+struct LimitedHmc(HmcMethod);
+
+fn limits(making: &Making<'_>) -> Result<Lanes<JointLimits>, Error> {
+    let ranges = JointRanges::new(motion_ranges(&making.setup.tree())).map_err(TrackError::Motion)?;
+    Ok(Lanes { leaf: JointLimits::new(&ranges, SIGMA_RAD), isa: making.isa })
+}
+
+impl Method for LimitedHmc {
+    fn about(&self) -> &'static About {
+        &ABOUT
+    }
+
+    fn weighted_draws(&self) -> Option<usize> {
+        None
+    }
+
+    fn tracker(&self, making: &Making<'_>, start: Vec<f64>) -> Result<Box<dyn Steps>, Error> {
+        if making.latent.is_some() {
+            return self.0.tracker(making, start);
+        }
+        let config = self.0.with_steps(making.setup);
+        let filter = HmcFilter::new(config, making.transition.clone(), start, making.isa)?;
+        Ok(Box::new(RestrainedFilter { filter, prior: limits(making)? }))
+    }
+
+    fn tuned(
+        &self,
+        making: &Making<'_>,
+        start: Vec<f64>,
+        observed: &FrameLikelihood,
+        stage: Stage,
+    ) -> Result<Option<StepSize>, Error> {
+        if making.latent.is_some() {
+            return self.0.tuned(making, start, observed, stage);
+        }
+        let filter = HmcFilter::new(self.0.with_steps(making.setup), making.transition.clone(), start, making.isa)?;
+        let limits = limits(making)?;
+        let tuned = filter.tune(&Restrained(Sum(observed, &limits)), &self.0.tuning(), stage)?;
         Ok(Some(StepSize { step_size: tuned.step_size, leapfrog_steps: tuned.leapfrog_steps }))
     }
 }
