@@ -5,7 +5,7 @@
 use super::error::GaitError;
 use crate::Error;
 use crate::report::result_columns::FolderTable;
-use crate::stored_array::stored_array;
+use sinew::results::stored_array::stored_array;
 use sinew_formats::zarr::reader::NumberArray;
 use std::path::Path;
 
