@@ -3,12 +3,14 @@
 //! A *sight* is a keypoint in a frame with what all cameras show of it. Its place in space and, for each of its cameras, an offset that lasts a second (`BLOCK_S`) are nuisance: both are eliminated (Schur complements), so that only what changes within a second counts.
 //!
 //! Velocities have errors, whose squares would count as motion, where there is none: the information about lags and drifts is made of products of a velocity from odd frames and one from even ones, whose errors are apart (instrumental variables).
-//! Robust weights (Cauchy's, Holland & Welsch 1977) are iterated. Standard deviations follow from the estimating equations with a keypoint's errors of one second as one (Liang & Zeger 1986): detectors err the same way for some frames.
+//! Robust weights (Cauchy's, Holland & Welsch 1977) are iterated. Standard deviations follow from the estimating equations for errors that all of a keypoint share and errors that all of a second share (two-way clusters: Cameron, Gelbach & Miller 2011): detectors err the same way for some frames, and in the same pose.
+//! A point's errors that come back with every stride, and all points' errors of the same moment, are both in them.
 
 use crate::camera::Camera;
 use crate::offsets::{CameraNoise, Sighted, point_from_views};
 use crate::point_velocity::{reach, two_velocities, velocity};
 use nalgebra::{DMatrix, DVector, Matrix2, Matrix2x3, Matrix3, Vector2, Vector3};
+use std::collections::BTreeMap;
 
 /// Numbers of a camera: lag, in frames, and drift, in frames over half of the span.
 pub(crate) const OWN: usize = 2;
@@ -34,7 +36,7 @@ pub struct LagSearch {
 
 /// A keypoint in a frame, seen by several cameras.
 pub(crate) struct Sight {
-    /// Keypoint and second.
+    /// Keypoint, and second of the recording.
     block: (usize, u64),
     pub(crate) views: Vec<SightView>,
 }
@@ -75,9 +77,9 @@ pub(crate) fn sights_of(
     search: &LagSearch,
 ) -> Vec<Sight> {
     let keypoints = frames.iter().flat_map(|(_, views)| views).map(Vec::len).max().unwrap_or(0);
-    let first = frames.first().map_or(0, |(number, _)| *number);
     let numbers: Vec<u64> = frames.iter().map(|(number, _)| *number).collect();
-    let length = (BLOCK_S * search.fps).round().max(1.0) as u64;
+    let block_s: f64 = std::env::var("SINEW_BLOCK").ok().and_then(|t| t.parse().ok()).unwrap_or(BLOCK_S);
+    let length = (block_s * search.fps).round().max(1.0) as u64;
     // Odd and even frames on both sides.
     let reach = reach(search.fps).max(2);
     let mut sights = vec![];
@@ -106,7 +108,7 @@ pub(crate) fn sights_of(
                 })
                 .collect();
             if views.len() > 1 {
-                sights.push(Sight { block: (keypoint, (frames[at].0 - first) / length), views });
+                sights.push(Sight { block: (keypoint, frames[at].0 / length), views });
             }
         }
     }
@@ -163,7 +165,8 @@ pub(crate) fn regression(
             .collect();
         // The derivative of a weighted residual is less than its weight, on the whole by this share (Huber 1981, section 7.6).
         let share = sums[1] / sums[0].max(f64::MIN_POSITIVE);
-        let (mut information, mut spread) = (prior.clone(), prior.clone());
+        let mut information = prior.clone();
+        let mut scores = vec![];
         let mut score = -&prior * (&solution + total);
         let mut eliminated = vec![];
         for (block, offsets) in summed.iter().zip(&offsets) {
@@ -175,8 +178,8 @@ pub(crate) fn regression(
             let through = &between * &inverse;
             let score_left = &block.score_of_numbers - &through * &score_of_offsets;
             information += block.numbers.scale(share) - &through * between.transpose();
-            spread += &score_left * score_left.transpose();
             score += &score_left;
+            scores.push(score_left);
             eliminated.push((inverse, between, score_of_offsets));
         }
         let inverse = information.cholesky()?.inverse();
@@ -185,9 +188,27 @@ pub(crate) fn regression(
             *offsets += inverse * (score - between.transpose() * &step);
         }
         solution += step;
-        covariance = &inverse * spread * &inverse;
+        covariance = &inverse * spread(&prior, &blocks, &scores) * &inverse;
     }
     Some((solution, covariance))
+}
+
+/// Covariance of the score, that of the prior and of the blocks, with errors that are shared by a keypoint and by a second.
+fn spread(prior: &DMatrix<f64>, blocks: &[&[Sight]], scores: &[DVector<f64>]) -> DMatrix<f64> {
+    let size = prior.nrows();
+    let shared = |by: &dyn Fn((usize, u64)) -> (usize, u64)| {
+        let mut sums: BTreeMap<(usize, u64), DVector<f64>> = BTreeMap::new();
+        for (sights, score) in blocks.iter().zip(scores) {
+            if let Some(sight) = sights.first() {
+                *sums.entry(by(sight.block)).or_insert_with(|| DVector::zeros(size)) += score;
+            }
+        }
+        sums.values().fold(DMatrix::zeros(size, size), |sum, own| sum + own * own.transpose())
+    };
+    let both = prior + shared(&|(keypoint, _)| (keypoint, 0)) + shared(&|(_, second)| (0, second));
+    let once = &both - shared(&|block| block);
+    // With few clusters the difference may be no covariance; what is counted twice errs on the safe side.
+    if once.clone().cholesky().is_some() { once } else { both }
 }
 
 /// Sums over the sights of a block; to `sums` weights, and derivatives of weighted residuals.

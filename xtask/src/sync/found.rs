@@ -7,8 +7,9 @@ use serde_json::Value;
 use std::path::Path;
 
 /// The answer of `sinew sync --json` for keypoints of a folder.
-pub(super) fn answer(program: &Program, calibration: &Path, keypoints: &Path) -> Outcome<Value> {
-    let flags = ["sync", "--json", "--calibration", &shown(calibration), "--keypoints", &shown(keypoints)];
+pub(super) fn answer(program: &Program, calibration: &Path, keypoints: &Path, fps: f64) -> Outcome<Value> {
+    let (calibration, keypoints, fps) = (shown(calibration), shown(keypoints), fps.to_string());
+    let flags = ["sync", "--json", "--calibration", &calibration, "--keypoints", &keypoints, "--fps", &fps];
     Ok(serde_json::from_str(&program.run(&flags.map(str::to_owned), &[0, 4])?)?)
 }
 
@@ -16,7 +17,7 @@ pub(super) fn answer(program: &Program, calibration: &Path, keypoints: &Path) ->
 pub(super) fn clocks(program: &Program, walk: &Walk) -> Outcome<Value> {
     let folder = program.folder.join("walk");
     walk.write(&folder)?;
-    answer(program, &folder.join("Calib.toml"), &folder.join("pose"))
+    answer(program, &folder.join("Calib.toml"), &folder.join("pose"), walk.fps)
 }
 
 /// Lag and its standard deviation of every camera; 0 and infinity where it was not found.

@@ -12,6 +12,9 @@ use std::path::{Path, PathBuf};
 /// Every how many frames are kept, and frames of the whole recording that the camera is late.
 const SHIFTS: [(u64, u64); 5] = [(1, 3), (1, 7), (2, 1), (2, 3), (2, 15)];
 
+/// Frames a second of the recordings.
+const FPS: f64 = 60.0;
+
 /// Recordings: folder of the data, calibration, keypoints.
 const RECORDINGS: [[&str; 3]; 2] =
     [["pose2sim_single", "Calib.toml", "T01_BalancingTrial/pose"], ["pose2sim_two_people", "Calib.toml", "pose"]];
@@ -52,7 +55,7 @@ pub(super) fn table(program: &Program, _args: &Args) -> Outcome<String> {
         let (calibration, folder) = (data.join(calibration), program.folder.join("shifted"));
         let found = |late: Option<usize>, step: u64, lag: u64| -> Outcome<Vec<[f64; 2]>> {
             write(&data.join(keypoints), &folder, late, step, lag)?;
-            Ok(lags(&answer(program, &calibration, &folder)?))
+            Ok(lags(&answer(program, &calibration, &folder, FPS / step as f64)?))
         };
         for (step, lag) in SHIFTS {
             let as_it_is = found(None, step, 0)?;
