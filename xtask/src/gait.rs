@@ -111,7 +111,7 @@ fn recorded() -> impl Iterator<Item = (f64, &'static str)> {
 }
 
 fn recorded_key(rate_hz: f64, walk: &str) -> String {
-    format!("recorded/{rate_hz}/{walk}")
+    format!("recorded with toes/{rate_hz}/{walk}")
 }
 
 /// Rows of events for groups of cells, whose first columns are of the given names.

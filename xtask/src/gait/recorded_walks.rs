@@ -1,6 +1,6 @@
 //! Recorded walks of a person before simulated cameras: people do not repeat themselves as the generator does.
 //!
-//! Nine walks of subject 07 of the CMU motion capture database, at 120 frames a second. Its skeletons have no heels, so that ankles stand for both. Truth are their extrema in the recorded motion itself.
+//! Nine walks of subject 07 of the CMU motion capture database, at 120 frames a second. Its skeletons have no heels: no heel is ever detected, and the tracker has them from the rest of the foot. Truth are extrema of ankles and big toes in the recorded motion itself.
 
 use super::truth::recorded;
 use super::walkers::{Due, Table, judged_events, tracked};

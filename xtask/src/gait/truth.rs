@@ -64,7 +64,7 @@ pub(super) fn events(walker: &Walker) -> Outcome<Vec<TrueEvent>> {
 /// Least distance between two extrema of a kind, seconds.
 const APART_S: f64 = 0.3;
 
-/// Events of a recorded motion by its ankles, which walks straight, in the order of time.
+/// Events of a recorded motion that walks straight, by its ankles and big toes, in the order of time.
 pub(super) fn recorded(points: &Trajectories, rate_hz: f64) -> Outcome<Vec<TrueEvent>> {
     let track = |name: &str| -> Outcome<Vec<[f64; 3]>> {
         let column = points.index(name).ok_or_else(|| format!("the motion lacks {name}"))?;
@@ -78,16 +78,17 @@ pub(super) fn recorded(points: &Trajectories, rate_hz: f64) -> Outcome<Vec<TrueE
     let [x, y] = way.map(|x| x / length);
     let apart = (APART_S * rate_hz) as usize;
     let mut found = vec![];
-    for (side, name) in ["LAnkle", "RAnkle"].into_iter().enumerate() {
-        let ankle = track(name)?;
-        let ahead = |frame: usize| x * (ankle[frame][0] - pelvis[frame][0]) + y * (ankle[frame][1] - pelvis[frame][1]);
-        for (is_strike, sign) in [(true, 1.0), (false, -1.0)] {
+    for (side, letter) in ["L", "R"].into_iter().enumerate() {
+        for (is_strike, name, sign) in [(true, "Ankle", 1.0), (false, "BigToe", -1.0)] {
+            let foot = track(&format!("{letter}{name}"))?;
+            let ahead =
+                |frame: usize| x * (foot[frame][0] - pelvis[frame][0]) + y * (foot[frame][1] - pelvis[frame][1]);
             let value = |frame: usize| sign * ahead(frame);
             let is_largest = |frame: &usize| {
-                let near = frame.saturating_sub(apart)..(frame + apart + 1).min(ankle.len());
-                value(*frame) > 0.0 && near.clone().all(|other| other == *frame || value(other) < value(*frame))
+                let near = frame.saturating_sub(apart)..(frame + apart + 1).min(foot.len());
+                near.clone().all(|other| other == *frame || value(other) < value(*frame))
             };
-            for frame in (1..ankle.len() - 1).filter(is_largest) {
+            for frame in (1..foot.len() - 1).filter(is_largest) {
                 let [a, b, c] = [frame - 1, frame, frame + 1].map(value);
                 let extremum_s = (frame as f64 + 0.5 * (a - c) / (a - 2.0 * b + c)) / rate_hz;
                 found.push(TrueEvent { side, is_strike, extremum_s, contact_s: extremum_s, place: None });
