@@ -81,7 +81,7 @@ pub fn people_between(near: [&[Person]; 4], share: f64, config: &Config) -> Vec<
     next.into_iter().enumerate().filter_map(person).collect()
 }
 
-/// For each person the same one among those of a neighbouring frame.
+/// For each person the same one in a neighbouring frame.
 fn followed(people: &[Person], neighbours: &[Person], config: &Config) -> Vec<Option<usize>> {
     let cost = |person: &Person, other: &Person| {
         let expected: Vec<Option<[f64; 2]>> = person.iter().map(|d| usable(*d, config).map(|d| d.pixel)).collect();

@@ -3,14 +3,14 @@
 //! A *sight* is a keypoint in a frame with what all cameras show of it. Its place in space and, for each of its cameras, an offset that lasts a second (`BLOCK_S`) are nuisance: both are eliminated (Schur complements), so that only what changes within a second counts.
 //!
 //! Velocities have errors, whose squares would count as motion, where there is none: the information about lags and drifts is made of products of a velocity from odd frames and one from even ones, whose errors are apart (instrumental variables).
-//! Robust weights (Cauchy's, Holland & Welsch 1977) are iterated. Standard deviations follow from the estimating equations for errors that all of a keypoint share and errors that all of a second share (two-way clusters: Cameron, Gelbach & Miller 2011): detectors err the same way for some frames, and in the same pose.
+//! Robust weights (Cauchy's, Holland & Welsch 1977) are iterated. Standard deviations follow from the estimating equations for errors that all of a keypoint share and, in ten seconds or more, errors that all of a second share (two-way clusters: Cameron, Gelbach & Miller 2011): detectors err the same way for some frames, and in the same pose.
 //! A point's errors that come back with every stride, and all points' errors of the same moment, are both in them.
 
 use crate::camera::Camera;
 use crate::offsets::{CameraNoise, Sighted, point_from_views};
 use crate::point_velocity::{reach, two_velocities, velocity};
 use nalgebra::{DMatrix, DVector, Matrix2, Matrix2x3, Matrix3, Vector2, Vector3};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Numbers of a camera: lag, in frames, and drift, in frames over half of the span.
 pub(crate) const OWN: usize = 2;
@@ -18,6 +18,8 @@ pub(crate) const OWN: usize = 2;
 const BLOCK_S: f64 = 1.0;
 /// Standard deviation of that offset, pixels.
 const OFFSET_PX: f64 = 100.0;
+/// Seconds from which on they say what errors they share.
+const FEWEST_SECONDS: usize = 10;
 /// Times that weights are computed.
 const WEIGHTINGS: usize = 4;
 /// Residual, in standard deviations, at which a weight is a half.
@@ -205,9 +207,14 @@ fn spread(prior: &DMatrix<f64>, blocks: &[&[Sight]], scores: &[DVector<f64>]) ->
         }
         sums.values().fold(DMatrix::zeros(size, size), |sum, own| sum + own * own.transpose())
     };
-    let both = prior + shared(&|(keypoint, _)| (keypoint, 0)) + shared(&|(_, second)| (0, second));
+    let by_keypoint = prior + shared(&|(keypoint, _)| (keypoint, 0));
+    let seconds: BTreeSet<u64> = blocks.iter().flat_map(|sights| sights.first()).map(|sight| sight.block.1).collect();
+    if seconds.len() < FEWEST_SECONDS {
+        return by_keypoint;
+    }
+    let both = by_keypoint + shared(&|(_, second)| (0, second));
     let once = &both - shared(&|block| block);
-    // With few clusters the difference may be no covariance; what is counted twice errs on the safe side.
+    // The difference may be no covariance; what is counted twice errs on the safe side.
     if once.clone().cholesky().is_some() { once } else { both }
 }
 
