@@ -1,25 +1,29 @@
 //! The linear model of [`crate::camera_lag`]: what keypoints in several cameras say of lags and drifts.
 //!
-//! A *sight* is a keypoint in a frame with what all cameras show of it. Its place in space and, for each of its cameras, an offset that lasts a second (`BLOCK_S`) are nuisance: both are eliminated (Schur complements), so that only what changes within a second counts.
+//! A *sight* is a keypoint in a frame with what all cameras show of it. Its place in space and, for each of its cameras, an offset that lasts four seconds (`BLOCK_S`) are nuisance: both are eliminated (Schur complements), so that only what changes within them counts.
 //!
 //! Velocities have errors, whose squares would count as motion, where there is none: the information about lags and drifts is made of products of a velocity from odd frames and one from even ones, whose errors are apart (instrumental variables).
-//! Robust weights (Cauchy's, Holland & Welsch 1977) are iterated. Standard deviations follow from the estimating equations for errors that all of a keypoint share and, in ten seconds or more, errors that all of a second share (two-way clusters: Cameron, Gelbach & Miller 2011): detectors err the same way for some frames, and in the same pose.
-//! A point's errors that come back with every stride, and all points' errors of the same moment, are both in them.
+//! A point whose two velocities are far apart has been taken for something else near by, and does not count: velocities that are too large would weigh most.
+//! Robust weights (Cauchy's, Holland & Welsch 1977) are iterated. Standard deviations are those of the jackknife over keypoints, in one step: a detector errs for some frames, and in the same pose, as it did before, so that only keypoints are independent; and the few that move
+//! most say most.
 
+use crate::association::median;
 use crate::camera::Camera;
 use crate::offsets::{CameraNoise, Sighted, point_from_views};
 use crate::point_velocity::{reach, two_velocities, velocity};
 use nalgebra::{DMatrix, DVector, Matrix2, Matrix2x3, Matrix3, Vector2, Vector3};
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 
 /// Numbers of a camera: lag, in frames, and drift, in frames over half of the span.
 pub(crate) const OWN: usize = 2;
-/// Seconds for which a keypoint's offset in a camera lasts, and in which its errors count as one.
-const BLOCK_S: f64 = 1.0;
+/// Seconds for which a keypoint's offset in a camera lasts.
+const BLOCK_S: f64 = 4.0;
 /// Standard deviation of that offset, pixels.
 const OFFSET_PX: f64 = 100.0;
-/// Seconds from which on they say what errors they share.
-const FEWEST_SECONDS: usize = 10;
+/// Distance of two velocities of a point, in medians of it, from which on one of them comes from something else.
+const AGREEING: f64 = 3.0;
+/// Variance of what nothing is known of.
+const NOTHING_KNOWN: f64 = 1e6;
 /// Times that weights are computed.
 const WEIGHTINGS: usize = 4;
 /// Residual, in standard deviations, at which a weight is a half.
@@ -38,7 +42,7 @@ pub struct LagSearch {
 
 /// A keypoint in a frame, seen by several cameras.
 pub(crate) struct Sight {
-    /// Keypoint, and second of the recording.
+    /// Keypoint, and part of the recording in which its offsets last.
     block: (usize, u64),
     pub(crate) views: Vec<SightView>,
 }
@@ -80,8 +84,7 @@ pub(crate) fn sights_of(
 ) -> Vec<Sight> {
     let keypoints = frames.iter().flat_map(|(_, views)| views).map(Vec::len).max().unwrap_or(0);
     let numbers: Vec<u64> = frames.iter().map(|(number, _)| *number).collect();
-    let block_s: f64 = std::env::var("SINEW_BLOCK").ok().and_then(|t| t.parse().ok()).unwrap_or(BLOCK_S);
-    let length = (block_s * search.fps).round().max(1.0) as u64;
+    let length = (BLOCK_S * search.fps).round().max(1.0) as u64;
     // Odd and even frames on both sides.
     let reach = reach(search.fps).max(2);
     let mut sights = vec![];
@@ -94,13 +97,18 @@ pub(crate) fn sights_of(
             })
             .collect();
         let points: Vec<Option<[f64; 3]>> = found.iter().map(|found| found.as_ref().map(|(point, _)| *point)).collect();
-        for (at, found) in found.iter().enumerate() {
-            let halves = two_velocities(&points, &numbers, at, reach);
+        let halves: Vec<_> = (0..points.len()).map(|at| two_velocities(&points, &numbers, at, reach)).collect();
+        let mut apart: Vec<f64> = halves.iter().flatten().map(|[odd, even]| (odd - even).norm()).collect();
+        let most = AGREEING * if apart.is_empty() { 0.0 } else { median(&mut apart) };
+        for (at, (found, halves)) in found.iter().zip(&halves).enumerate() {
             let (Some((point, used)), Some(velocity), Some([odd, even])) =
-                (found, velocity(&points, &numbers, at, reach), halves)
+                (found, velocity(&points, &numbers, at, reach), *halves)
             else {
                 continue;
             };
+            if (odd - even).norm() > most {
+                continue;
+            }
             let views: Vec<SightView> = used
                 .iter()
                 .filter_map(|&camera| {
@@ -135,7 +143,7 @@ fn view(
     Some(SightView { camera, residual, point: by_point, own })
 }
 
-/// Normal equations of the sights of a keypoint in a second: of the cameras' numbers, of their offsets, and between them.
+/// Normal equations of the sights of a keypoint while its offsets last: of the cameras' numbers, of their offsets, and between them.
 struct Block {
     numbers: DMatrix<f64>,
     between: DMatrix<f64>,
@@ -168,54 +176,51 @@ pub(crate) fn regression(
         // The derivative of a weighted residual is less than its weight, on the whole by this share (Huber 1981, section 7.6).
         let share = sums[1] / sums[0].max(f64::MIN_POSITIVE);
         let mut information = prior.clone();
-        let mut scores = vec![];
+        let mut by_keypoint: BTreeMap<usize, (DMatrix<f64>, DVector<f64>)> = BTreeMap::new();
         let mut score = -&prior * (&solution + total);
         let mut eliminated = vec![];
-        for (block, offsets) in summed.iter().zip(&offsets) {
-            let own = block.offsets.scale(share)
+        for ((sights, block), offsets) in blocks.iter().zip(&summed).zip(&offsets) {
+            let precise = block.offsets.scale(share)
                 + DMatrix::identity(2 * noise.len(), 2 * noise.len()).scale(OFFSET_PX.powi(-2));
-            let inverse = own.cholesky()?.inverse();
+            let inverse = precise.cholesky()?.inverse();
             let score_of_offsets = &block.score_of_offsets - offsets.scale(OFFSET_PX.powi(-2));
             let between = block.between.scale(share);
             let through = &between * &inverse;
             let score_left = &block.score_of_numbers - &through * &score_of_offsets;
-            information += block.numbers.scale(share) - &through * between.transpose();
+            let own = block.numbers.scale(share) - &through * between.transpose();
             score += &score_left;
-            scores.push(score_left);
+            information += &own;
+            if let Some(sight) = sights.first() {
+                let nothing = || (DMatrix::zeros(size, size), DVector::zeros(size));
+                let of_keypoint = by_keypoint.entry(sight.block.0).or_insert_with(nothing);
+                *of_keypoint = (&of_keypoint.0 + own, &of_keypoint.1 + score_left);
+            }
             eliminated.push((inverse, between, score_of_offsets));
         }
-        let inverse = information.cholesky()?.inverse();
+        let inverse = information.clone().cholesky()?.inverse();
         let step = &inverse * score;
         for ((inverse, between, score), offsets) in eliminated.iter().zip(&mut offsets) {
             *offsets += inverse * (score - between.transpose() * &step);
         }
         solution += step;
-        covariance = &inverse * spread(&prior, &blocks, &scores) * &inverse;
+        covariance = &inverse * &prior * &inverse + jackknife(&information, &by_keypoint);
     }
     Some((solution, covariance))
 }
 
-/// Covariance of the score, that of the prior and of the blocks, with errors that are shared by a keypoint and by a second.
-fn spread(prior: &DMatrix<f64>, blocks: &[&[Sight]], scores: &[DVector<f64>]) -> DMatrix<f64> {
-    let size = prior.nrows();
-    let shared = |by: &dyn Fn((usize, u64)) -> (usize, u64)| {
-        let mut sums: BTreeMap<(usize, u64), DVector<f64>> = BTreeMap::new();
-        for (sights, score) in blocks.iter().zip(scores) {
-            if let Some(sight) = sights.first() {
-                *sums.entry(by(sight.block)).or_insert_with(|| DVector::zeros(size)) += score;
-            }
-        }
-        sums.values().fold(DMatrix::zeros(size, size), |sum, own| sum + own * own.transpose())
-    };
-    let by_keypoint = prior + shared(&|(keypoint, _)| (keypoint, 0));
-    let seconds: BTreeSet<u64> = blocks.iter().flat_map(|sights| sights.first()).map(|sight| sight.block.1).collect();
-    if seconds.len() < FEWEST_SECONDS {
-        return by_keypoint;
+/// Covariance of the numbers by leaving out one keypoint after the other, a Newton step each (Miller 1974).
+fn jackknife(information: &DMatrix<f64>, by_keypoint: &BTreeMap<usize, (DMatrix<f64>, DVector<f64>)>) -> DMatrix<f64> {
+    let count = by_keypoint.len() as f64;
+    let mut sum = DMatrix::zeros(information.nrows(), information.nrows());
+    for (own, score) in by_keypoint.values() {
+        let Some(without) = (information - own).cholesky() else {
+            // A keypoint says it all, and nothing how far it errs.
+            return DMatrix::identity(information.nrows(), information.nrows()).scale(NOTHING_KNOWN);
+        };
+        let moved = without.solve(score);
+        sum += &moved * moved.transpose();
     }
-    let both = by_keypoint + shared(&|(_, second)| (0, second));
-    let once = &both - shared(&|block| block);
-    // The difference may be no covariance; what is counted twice errs on the safe side.
-    if once.clone().cholesky().is_some() { once } else { both }
+    sum * ((count - 1.0) / count.max(1.0))
 }
 
 /// Sums over the sights of a block; to `sums` weights, and derivatives of weighted residuals.
