@@ -4,11 +4,13 @@
 
 mod cost;
 mod found;
+mod measures;
 mod recorded;
 mod shifted;
 
 use crate::outcome::{Outcome, exit_code};
 use crate::program::{self, Program};
+use measures::{inside, rms};
 use recorded::{Clocks, Walk};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -43,23 +45,6 @@ const WALK_S: f64 = 8.0;
 /// Seconds of walks, on the spot, in which a clock drifts.
 const DRIFT_S: [f64; 3] = [20.0, 60.0, 180.0];
 const DRIFT_PPM: f64 = 100.0;
-
-/// Mean and standard error.
-fn with_error(values: &[f64]) -> String {
-    let count = values.len() as f64;
-    let mean = values.iter().sum::<f64>() / count;
-    let square = values.iter().map(|x| (x - mean).powi(2)).sum::<f64>();
-    format!("{mean:.3} ± {:.3}", (square / (count - 1.0).max(1.0) / count).sqrt())
-}
-
-fn rms(values: &[f64]) -> f64 {
-    (values.iter().map(|x| x * x).sum::<f64>() / values.len().max(1) as f64).sqrt()
-}
-
-/// Share of standardised errors within the 90 % interval, in per cent.
-fn inside(standardised: &[f64]) -> f64 {
-    100.0 * standardised.iter().filter(|z| z.abs() < 1.645).count() as f64 / standardised.len().max(1) as f64
-}
 
 /// One camera late by a lag, and all cameras late by random lags.
 fn lags(program: &Program, args: &Args) -> Outcome<String> {
@@ -132,8 +117,12 @@ fn all(root: &Path, args: &Args) -> Outcome<()> {
     };
     let program = Program { path, folder: folder.clone() };
     type Part = fn(&Program, &Args) -> Outcome<String>;
-    let parts: [(&str, Part); 4] =
-        [("lags", lags), ("drifts", drifts), ("shifted", shifted::table), ("cost", cost::table)];
+    let parts: [(&str, Part); 4] = [
+        ("lags", lags),
+        ("drifts", drifts),
+        ("shifted", |program, _| shifted::table(program)),
+        ("cost", |program, args| cost::table(program, args.first..args.first + args.seeds)),
+    ];
     for (name, part) in
         parts.into_iter().filter(|(name, _)| args.only.is_empty() || args.only.iter().any(|o| o == name))
     {

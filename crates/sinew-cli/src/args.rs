@@ -8,7 +8,6 @@ use super::gait_args::GaitArgs;
 use super::help_template::template;
 use super::learn_args::LearnCommand;
 use super::setting_args::{InspectSettings, SyncSettings, TrackSettings, Typed};
-use super::sync;
 use clap::{ArgAction, Args, Parser, Subcommand, ValueEnum};
 use std::ops::Range;
 use std::path::PathBuf;
@@ -217,12 +216,15 @@ pub(crate) struct InspectArgs {
     pub(crate) answer: Answer,
 }
 
+/// Frames that cameras are apart at most.
+pub(crate) const MOST_APART: u64 = 120;
+
 #[derive(Args, Debug)]
 pub(crate) struct SyncArgs {
     #[command(flatten)]
     pub(crate) settings: Typed<SyncSettings>,
     /// Frames that cameras are apart at most
-    #[arg(long, value_name = "N", default_value_t = sync::MOST, value_parser = clap::value_parser!(u64).range(1..=10_000))]
+    #[arg(long, value_name = "N", default_value_t = MOST_APART, value_parser = clap::value_parser!(u64).range(1..=10_000))]
     pub(crate) most: u64,
     #[command(flatten)]
     pub(crate) answer: Answer,

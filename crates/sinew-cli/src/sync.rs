@@ -1,6 +1,6 @@
 //! `sinew sync`: how late cameras are against each other; and `sinew track --sync`, which reads the recording with that.
 
-use super::args::{General, SyncArgs};
+use super::args::{General, MOST_APART, SyncArgs};
 use super::ended::Ended;
 use super::error::Error;
 use super::interrupt;
@@ -12,9 +12,6 @@ use serde_json::json;
 use sinew::config::{Resolved, TrackConfig};
 use sinew_tools::sync::{FoundClock, FoundClocks, SyncRequest, synchronise};
 use std::sync::atomic::Ordering;
-
-/// Frames that cameras are apart at most.
-pub(crate) const MOST: u64 = 120;
 
 /// Runs the command.
 pub(crate) fn run(args: &SyncArgs, general: &General, report: &Report) -> Result<Ended, Error> {
@@ -38,7 +35,7 @@ pub(crate) fn synchronised(
     report: &Report,
 ) -> Result<Resolved, Error> {
     let config = resolved.track();
-    let found = found(&config, MOST)?;
+    let found = found(&config, MOST_APART)?;
     report.note(&shown(&found, config.fps));
     let Some(lag) = found.setting() else { return Ok(resolved) };
     let others = flags.iter().filter(|(key, _)| *key != "lag").cloned();

@@ -1,4 +1,4 @@
-//! Lags of the cameras' clocks against each other, and their drifts, to fractions of a frame, from how keypoints move.
+//! Lags and drifts of the cameras' clocks, to fractions of a frame, from how keypoints move.
 //!
 //! A camera that is τ frames late shows in its frame f what the others show in their frame f − τ. A point at X with velocity V (metres a frame) then lies, beside its
 //! constant offset b, `−τ J V` pixels from where the others place it, J the derivative of the camera's pixels. With r = observed − projected for all cameras of a point,
@@ -42,7 +42,7 @@ pub struct CameraClock {
     pub middle: f64,
 }
 
-/// Lag from which on a camera is said to be late or early, frames.
+/// The lag from which on a camera is said to be late or early, frames.
 const LEAST: f64 = 0.5;
 /// Standard deviations that a lag must differ from 0 by.
 const CERTAIN: f64 = 4.0;
@@ -144,12 +144,13 @@ impl Fit {
                 let shifted = shifted(frames, &self.total, span);
                 sights.extend(sights_of(cameras, noise, &shifted, span, search));
             }
-            let Some((rest, of_rest)) = regression(noise, &sights, &self.total, [PRIOR_FRAMES, drift_sd]) else {
+            let Some((rest, rest_covariance)) = regression(noise, &sights, &self.total, [PRIOR_FRAMES, drift_sd])
+            else {
                 self.known.fill(false);
                 return;
             };
-            self.known = are_known(&sights, &rest, &of_rest);
-            self.covariance = of_rest;
+            self.known = are_known(&sights, &rest, &rest_covariance);
+            self.covariance = rest_covariance;
             let mut most: f64 = 0.0;
             for (place, own) in rest.iter().enumerate().filter(|(place, _)| self.known[place / OWN]) {
                 let before = self.total[place];

@@ -48,6 +48,18 @@ impl Detection {
     pub const fn new(pixel: [f64; 2], confidence: f64) -> Self {
         Self { pixel, confidence, extra_px: 0.0 }
     }
+
+    /// Its numbers: u, v, confidence, extra pixels.
+    #[must_use]
+    pub const fn to_array(self) -> [f64; 4] {
+        [self.pixel[0], self.pixel[1], self.confidence, self.extra_px]
+    }
+
+    /// The detection of these numbers.
+    #[must_use]
+    pub const fn from_array([u, v, confidence, extra_px]: [f64; 4]) -> Self {
+        Self { pixel: [u, v], confidence, extra_px }
+    }
 }
 
 /// A camera with what the set-up pass found out about its detections.

@@ -4,7 +4,7 @@
 //!
 //! Velocities have errors, whose squares would count as motion, where there is none: the information about lags and drifts is made of products of a velocity from odd frames and one from even ones, whose errors are apart (instrumental variables).
 //! A point whose two velocities are far apart has been taken for something else near by, and does not count: velocities that are too large would weigh most.
-//! Robust weights (Cauchy's, Holland & Welsch 1977) are iterated. Standard deviations are those of the jackknife over keypoints, in one step: a detector errs for some frames, and in the same pose, as it did before, so that only keypoints are independent; and the few that move
+//! Robust weights (Cauchy's, Holland & Welsch 1977) are iterated. Standard deviations come from the jackknife over keypoints, in one step: a detector errs for some frames, and in the same pose, as it did before, so that only keypoints are independent; and the few that move
 //! most say most.
 
 use crate::association::median;
@@ -192,8 +192,8 @@ pub(crate) fn regression(
             information += &own;
             if let Some(sight) = sights.first() {
                 let nothing = || (DMatrix::zeros(size, size), DVector::zeros(size));
-                let of_keypoint = by_keypoint.entry(sight.block.0).or_insert_with(nothing);
-                *of_keypoint = (&of_keypoint.0 + own, &of_keypoint.1 + score_left);
+                let sums_of_one = by_keypoint.entry(sight.block.0).or_insert_with(nothing);
+                *sums_of_one = (&sums_of_one.0 + own, &sums_of_one.1 + score_left);
             }
             eliminated.push((inverse, between, score_of_offsets));
         }

@@ -9,7 +9,7 @@ use crate::predict::error::PredictError;
 use crate::report::ReportError;
 use crate::segment::error::SegmentError;
 use crate::shape_fit::error::ShapeFitError;
-use crate::sync::SyncError;
+use crate::sync::error::SyncError;
 use sinew::input::InputError;
 use sinew::setup::SetupError;
 

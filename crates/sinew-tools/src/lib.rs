@@ -3,6 +3,7 @@
 //! | module | what |
 //! |---|---|
 //! | [`mod@gait`] | events, strides and cycles of a person who walks, from a result |
+//! | [`action_trace`] | which actions a run by action primitives saw |
 //! | [`inspect`] | what a file or folder holds, and whether calibration and keypoints fit |
 //! | [`learn`] | a motion model from motion files |
 //! | [`motion`] | motion files into each other |
@@ -14,6 +15,7 @@
 //! | [`sync`] | how late cameras are against each other |
 //! | [`shape_fit`] | thicknesses of a body from masks and a result |
 
+pub mod action_trace;
 mod error;
 pub mod gait;
 pub mod inspect;

@@ -14,7 +14,7 @@ use drawing::{disc, line, number};
 use everybody::colour_of_person;
 use rayon::prelude::*;
 use sinew::input::image_folder;
-use sinew::input::lag::Lag;
+use sinew::input::lag::ClockLag;
 use sinew::input::pictures::Pictures;
 use sinew::input::silhouettes::Silhouettes;
 use sinew::results::tracked::{self, Tracked};
@@ -221,7 +221,7 @@ impl Source {
         cameras: &[Camera],
         calibrated: Vec<String>,
         frames: Range<u64>,
-        lag: Vec<(String, Lag)>,
+        lag: Vec<(String, ClockLag)>,
     ) -> Result<Self, Error> {
         let options = image_folder::ImageFolderOptions {
             scale: request.scale,

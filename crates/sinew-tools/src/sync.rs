@@ -6,8 +6,11 @@
 //!
 //! Two or three views of a person who walks straight ahead say little of whole lags: 2 and 3 are done from no lags at all, too, and what brings the cameras nearer together is taken.
 
+pub mod error;
+
 use crate::Error;
-use sinew::input::lag::Lag;
+use error::SyncError;
+use sinew::input::lag::ClockLag;
 use sinew::input::recording::{Recording, RecordingOptions, lag_of};
 use sinew::observe::Camera;
 use sinew::observe::association;
@@ -41,7 +44,7 @@ pub struct FoundClock {
     /// Frames that it falls behind in a million, and their standard deviation; `None` where no camera drifts beyond doubt.
     pub drift_ppm: Option<[f64; 2]>,
     /// The setting `lag` that mends it.
-    pub declared: Lag,
+    pub declared: ClockLag,
 }
 
 /// What is known of all clocks.
@@ -57,7 +60,7 @@ impl FoundClocks {
     /// The setting `lag` for all cameras that need one, as typed; `None` where all are in step.
     #[must_use]
     pub fn setting(&self) -> Option<String> {
-        let late = self.cameras.iter().filter(|clock| clock.declared != Lag::default());
+        let late = self.cameras.iter().filter(|clock| clock.declared != ClockLag::default());
         let texts: Vec<String> = late.map(|clock| format!("{}={}", clock.camera, clock.declared)).collect();
         (!texts.is_empty()).then(|| texts.join(","))
     }
@@ -84,7 +87,7 @@ pub fn synchronise<E: From<Error>>(
     mut watch: impl FnMut() -> Result<(), E>,
 ) -> Result<FoundClocks, E> {
     let library = |error: sinew::RecordingError| E::from(error.into());
-    let open = |lag: &[(String, Lag)]| {
+    let open = |lag: &[(String, ClockLag)]| {
         let options = RecordingOptions { lag: lag.to_vec(), trim: true, ..options.clone() };
         Recording::open(calibration, keypoints, &options)
     };
@@ -93,7 +96,7 @@ pub fn synchronise<E: From<Error>>(
     if cameras.len() < 2 {
         return Err(E::from(SyncError::OneCamera.into()));
     }
-    let declared: Vec<Lag> = cameras.iter().map(|camera| lag_of(&options.lag, &camera.name)).collect();
+    let declared: Vec<ClockLag> = cameras.iter().map(|camera| lag_of(&options.lag, &camera.name)).collect();
     let mut first = vec![];
     for number in windows(&recording.frames(), 1, SEARCHED).remove(0) {
         watch()?;
@@ -105,16 +108,17 @@ pub fn synchronise<E: From<Error>>(
     let none = vec![0; cameras.len()];
     let starts = if whole == none { vec![none] } else { vec![whole, none] };
     for start in starts {
-        let mut late: Vec<Lag> = (declared.iter().zip(start))
-            .map(|(declared, whole)| Lag { frames: declared.frames + whole as f64, ..*declared })
+        let mut late: Vec<ClockLag> = (declared.iter().zip(start))
+            .map(|(declared, whole)| ClockLag { frames: declared.frames + whole as f64, ..*declared })
             .collect();
         for round in 1..=ROUNDS {
             let names = cameras.iter().map(|camera| camera.name.clone());
             let Ok(mut recording) = open(&names.zip(late.clone()).collect::<Vec<_>>()) else { break };
             let runs = followed(&mut recording, request.fps, &mut watch)?;
             let Some((clocks, misfit)) = estimated(&cameras, &late, &runs, request.fps) else { break };
-            let left =
-                |(clock, late): (&CameraClock, &Lag)| is_known(clock) && (clock.lag.frames - late.frames).abs() >= 1.5;
+            let left = |(clock, late): (&CameraClock, &ClockLag)| {
+                is_known(clock) && (clock.lag.frames - late.frames).abs() >= 1.5
+            };
             if round < ROUNDS && clocks.iter().zip(&late).any(left) {
                 let known = late.iter_mut().zip(&clocks).filter(|(_, clock)| is_known(clock));
                 known.for_each(|(late, clock)| late.frames = clock.lag.frames.round());
@@ -136,29 +140,6 @@ pub fn synchronise<E: From<Error>>(
 
 fn is_known(clock: &CameraClock) -> bool {
     clock.lag.sd < UNKNOWN
-}
-
-/// Why there is nothing to synchronise.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum SyncError {
-    /// One camera.
-    #[error("one camera: there is no other clock to compare its own with")]
-    OneCamera,
-}
-
-impl SyncError {
-    /// Code with which the program ends.
-    #[must_use]
-    pub const fn exit_code(&self) -> u8 {
-        2
-    }
-
-    /// What the user can do about it.
-    #[must_use]
-    pub const fn help(&self) -> &'static str {
-        "give keypoints of two cameras or more"
-    }
 }
 
 /// At most `count` windows of some frames, evenly spread; one of all frames where they would touch.
@@ -200,7 +181,7 @@ fn followed<E: From<Error>>(
 /// Clocks, and how badly cameras agree: the scatter of keypoints about where the others see them, over how many agree at all.
 fn estimated(
     cameras: &[Camera],
-    late: &[Lag],
+    late: &[ClockLag],
     runs: &[Vec<(u64, Sighted)>],
     fps: f64,
 ) -> Option<(Vec<CameraClock>, f64)> {
@@ -223,7 +204,7 @@ fn estimated(
 }
 
 /// The clock of a camera that was read with the lag `late`, beyond which `clock` is left.
-fn clock_of(camera: &Camera, late: Lag, declared: Lag, clock: &CameraClock) -> FoundClock {
+fn clock_of(camera: &Camera, late: ClockLag, declared: ClockLag, clock: &CameraClock) -> FoundClock {
     let name = camera.name.clone();
     if !is_known(clock) {
         return FoundClock { camera: name, lag: None, drift_ppm: None, declared };
@@ -233,10 +214,10 @@ fn clock_of(camera: &Camera, late: Lag, declared: Lag, clock: &CameraClock) -> F
     let ppm = late.ppm + 1e6 * clock.drift[0];
     let drifts = clock.drift[1] > 0.0;
     let declared = match drifts {
-        false => Lag { frames: clock.lag.rounded(), ppm: late.ppm },
+        false => ClockLag { frames: clock.lag.rounded(), ppm: late.ppm },
         true => {
             let ppm = (10.0 * ppm).round() / 10.0;
-            Lag { frames: (100.0 * (middle - 1e-6 * ppm * clock.middle)).round() / 100.0, ppm }
+            ClockLag { frames: (100.0 * (middle - 1e-6 * ppm * clock.middle)).round() / 100.0, ppm }
         }
     };
     let drift_ppm = drifts.then_some([ppm, 1e6 * clock.drift[1]]);
@@ -257,8 +238,8 @@ mod tests {
     #[test]
     fn a_setting_names_cameras_that_are_not_in_step() {
         let clock = |camera: &str, declared| FoundClock { camera: camera.into(), lag: None, drift_ppm: None, declared };
-        let drifting = Lag { frames: -1.25, ppm: 80.0 };
-        let cameras = vec![clock("a", Lag::default()), clock("b", Lag::whole(2)), clock("c", drifting)];
+        let drifting = ClockLag { frames: -1.25, ppm: 80.0 };
+        let cameras = vec![clock("a", ClockLag::default()), clock("b", ClockLag::whole(2)), clock("c", drifting)];
         let found = FoundClocks { cameras, frames: 1 };
         assert_eq!(found.setting().as_deref(), Some("b=2,c=-1.25+80ppm"));
         assert_eq!(FoundClocks { cameras: vec![], frames: 1 }.setting(), None);

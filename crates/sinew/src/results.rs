@@ -4,7 +4,6 @@
 //! provisional names and renamed when they are whole; what a stopped run may be resumed from ([`folder::Written`]); the poses of a finished one ([`tracked`]) and its actions ([`action_trace`]).
 //! Must not know: how a frame was tracked, and by which method.
 
-pub mod action_trace;
 pub mod error;
 pub mod estimate;
 pub mod folder;

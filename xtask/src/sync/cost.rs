@@ -1,11 +1,12 @@
-//! What a lag costs that is not known, and what is left once it is found: errors and coverage of limb joints.
+//! What an unknown lag costs: errors and coverage of limb joints.
 
+use super::measures::with_error;
 use super::recorded::{Clocks, Walk};
-use super::{Args, with_error};
 use crate::outcome::Outcome;
 use crate::program::{Program, shown};
 use crate::trackers::worth;
 use std::fmt::Write as _;
+use std::ops::Range;
 use std::path::Path;
 
 /// Frames a second, seconds, and frames that one camera is late.
@@ -27,7 +28,7 @@ fn tracked(program: &Program, folder: &Path, more: &[String]) -> Outcome<worth::
 }
 
 /// The table.
-pub(super) fn table(program: &Program, args: &Args) -> Outcome<String> {
+pub(super) fn table(program: &Program, seeds: Range<u64>) -> Outcome<String> {
     let mut text =
         String::from("| one camera late by | read | error, mm | inside 90 % intervals, % |\n|---|---|---|---|\n");
     let folder = program.folder.join("walk");
@@ -37,7 +38,7 @@ pub(super) fn table(program: &Program, args: &Args) -> Outcome<String> {
                 continue;
             }
             let (mut errors, mut covered) = (vec![], vec![]);
-            for seed in args.first..args.first + args.seeds {
+            for seed in seeds.clone() {
                 let clocks = if lag == 0.0 { Clocks::IN_STEP } else { Clocks::one_late(seed, lag) };
                 let late = clocks.lags.iter().position(|lag| *lag != 0.0).unwrap_or(0);
                 Walk { seed, fps: FPS, seconds: SECONDS, treadmill: false, clocks }.write(&folder)?;

@@ -20,7 +20,7 @@ pub(super) fn clocks(program: &Program, walk: &Walk) -> Outcome<Value> {
     answer(program, &folder.join("Calib.toml"), &folder.join("pose"), walk.fps)
 }
 
-/// Lag and its standard deviation of every camera; 0 and infinity where it was not found.
+/// ClockLag and its standard deviation of every camera; 0 and infinity where it was not found.
 pub(super) fn lags(found: &Value) -> Vec<[f64; 2]> {
     let cameras = found["cameras"].as_array().map(Vec::as_slice).unwrap_or_default();
     let number = |camera: &Value, name: &str, or: f64| camera[name].as_f64().unwrap_or(or);
@@ -58,7 +58,7 @@ pub(super) fn end_errors(found: &Value, clocks: &Clocks, frames: f64) -> [f64; 2
     let own = drifting(clocks);
     let declared = |c: usize| -> [f64; 2] {
         let text = found["cameras"][c]["lag"].as_str().unwrap_or("0");
-        let lag: sinew::input::lag::Lag = text.parse().unwrap_or_default();
+        let lag: sinew::input::lag::ClockLag = text.parse().unwrap_or_default();
         [lag.frames, lag.ppm]
     };
     let at = |c: usize, frame: f64| declared(c)[0] + 1e-6 * declared(c)[1] * frame;

@@ -3,7 +3,7 @@
 //! At half the rate, all cameras keep their even frames and the shifted one takes odd ones. What is judged is the lag against that of the same recording, at the same rate, as it is.
 
 use super::found::{answer, lags};
-use super::{Args, inside, rms};
+use super::measures::{inside, rms};
 use crate::outcome::Outcome;
 use crate::program::Program;
 use std::fmt::Write as _;
@@ -46,7 +46,7 @@ fn write(from: &Path, to: &Path, late: Option<usize>, step: u64, lag: u64) -> Ou
 }
 
 /// The table.
-pub(super) fn table(program: &Program, _args: &Args) -> Outcome<String> {
+pub(super) fn table(program: &Program) -> Outcome<String> {
     let mut text = String::from(
         "| recording | shifted by, frames | error, root mean square, frames | largest | inside 90 % intervals, % |\n|---|---|---|---|---|\n",
     );

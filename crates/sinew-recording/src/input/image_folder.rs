@@ -5,7 +5,7 @@
 
 use crate::input::error::InputError;
 use crate::input::folder_contents::{FolderContents, folder_contents};
-use crate::input::lag::Lag;
+use crate::input::lag::ClockLag;
 use crate::input::recording::{lag_of, listing, ranges};
 use crate::input::size_misfit::SizeMisfit;
 use crate::{Error, files};
@@ -29,7 +29,7 @@ pub struct ImageFolderOptions {
     /// Whether cameras may begin and end apart.
     pub trim: bool,
     /// Frames that cameras are late: frame f of such a camera is in its file numbered f + lag.
-    pub lag: Vec<(String, Lag)>,
+    pub lag: Vec<(String, ClockLag)>,
     /// Names of all calibrated cameras, of which some may not be in use; those in use if empty.
     pub calibrated: Vec<String>,
 }
@@ -241,7 +241,7 @@ fn listed_by_camera(
     cameras: &[Camera],
     mut found: Vec<(String, listing::Folder)>,
     kind: &Kind,
-    lag: &[(String, Lag)],
+    lag: &[(String, ClockLag)],
 ) -> Result<Vec<Option<CameraFiles>>, Error> {
     let mut listed = Vec::with_capacity(cameras.len());
     for camera in cameras {

@@ -1,4 +1,4 @@
-//! How late a camera's frames are: a lag in frames, and a drift where its clock runs at another rate.
+//! How late a camera is: a lag in frames, and a drift of its clock.
 //!
 //! What the recording shows in frame f, such a camera shows at `f + frames + ppm·10⁻⁶ f` of its own frames. Written `2`, `-0.4`, `1.25+80ppm`.
 
@@ -12,14 +12,14 @@ pub const MOST_PPM: f64 = 5000.0;
 
 /// How late a camera is.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Lag {
+pub struct ClockLag {
     /// Frames that it is late in frame 0.
     pub frames: f64,
     /// Frames that it falls behind in a million frames.
     pub ppm: f64,
 }
 
-impl Lag {
+impl ClockLag {
     /// A camera that is late by whole frames.
     #[must_use]
     pub const fn whole(frames: i64) -> Self {
@@ -53,14 +53,14 @@ impl Lag {
     }
 }
 
-impl fmt::Display for Lag {
+impl fmt::Display for ClockLag {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}", self.frames)?;
         if self.ppm == 0.0 { Ok(()) } else { write!(f, "{:+}ppm", self.ppm) }
     }
 }
 
-impl FromStr for Lag {
+impl FromStr for ClockLag {
     type Err = ();
 
     fn from_str(text: &str) -> Result<Self, ()> {
@@ -85,22 +85,22 @@ mod tests {
         for (text, frames, ppm) in
             [("2", 2.0, 0.0), ("-0.4", -0.4, 0.0), ("1.25+80ppm", 1.25, 80.0), ("-3-7.5ppm", -3.0, -7.5)]
         {
-            let lag: Lag = text.parse().unwrap();
-            assert_eq!((lag, lag.to_string().as_str()), (Lag { frames, ppm }, text));
+            let lag: ClockLag = text.parse().unwrap();
+            assert_eq!((lag, lag.to_string().as_str()), (ClockLag { frames, ppm }, text));
         }
         for wrong in ["", "half", "80ppm", "1+ppm", "nan", "inf", "1e9", "1+9999ppm", "1+2+3ppm"] {
-            assert_eq!(wrong.parse::<Lag>(), Err(()), "{wrong}");
+            assert_eq!(wrong.parse::<ClockLag>(), Err(()), "{wrong}");
         }
     }
 
     #[test]
     fn times_of_own_frames_are_inverse_to_own_times() {
-        let lag = Lag { frames: -2.25, ppm: 120.0 };
+        let lag = ClockLag { frames: -2.25, ppm: 120.0 };
         for number in [0, 3, 77_777] {
             assert!((lag.own_time(number) - (number as f64 * 1.000_12 - 2.25)).abs() < 1e-9);
         }
         assert!((lag.own_time(1000) - 997.87).abs() < 1e-9 && (lag.time_of(998) - 1000.13).abs() < 2e-4);
         assert_eq!((lag.nearest(0), lag.nearest(3)), (None, Some(1)));
-        assert!(Lag::whole(4).is_whole() && !lag.is_whole());
+        assert!(ClockLag::whole(4).is_whole() && !lag.is_whole());
     }
 }

@@ -23,7 +23,7 @@ pub use known_layout::{check_layout, lacking};
 pub use options::RecordingOptions;
 
 use crate::input::frame::{detected, detections};
-use crate::input::lag::Lag;
+use crate::input::lag::ClockLag;
 use crate::{Error, files};
 use keypoint_camera::KeypointCamera;
 use keypoint_sources::KeypointSource;
@@ -46,7 +46,7 @@ pub struct Recording {
     layout: Layout,
     confidence_scale: f64,
     image_scale: f64,
-    lag: Vec<(String, Lag)>,
+    lag: Vec<(String, ClockLag)>,
     recent: Vec<RecentFrames>,
     available: Range<u64>,
     frames: Range<u64>,
@@ -146,7 +146,7 @@ impl Recording {
 
     /// How late cameras are, as declared.
     #[must_use]
-    pub fn lag(&self) -> &[(String, Lag)] {
+    pub fn lag(&self) -> &[(String, ClockLag)] {
         &self.lag
     }
 

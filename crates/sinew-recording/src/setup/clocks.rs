@@ -2,7 +2,7 @@
 
 use super::collect::Collected;
 use super::warning::SetupWarning;
-use crate::input::lag::Lag;
+use crate::input::lag::ClockLag;
 use sinew_formats::camera_name;
 use sinew_observe::Camera;
 use sinew_observe::camera_lag::{CameraLag, LagSearch, camera_clocks};
@@ -38,7 +38,7 @@ pub fn lags(
 
 /// The cameras that are off, with the setting that mends it: what was `declared` and what was found.
 #[must_use]
-pub fn unsynchronised(cameras: &[Camera], declared: &[(String, Lag)], lags: &[CameraLag]) -> Option<SetupWarning> {
+pub fn unsynchronised(cameras: &[Camera], declared: &[(String, ClockLag)], lags: &[CameraLag]) -> Option<SetupWarning> {
     let off: Vec<(String, CameraLag)> = (cameras.iter().zip(lags))
         .filter(|(_, lag)| lag.is_off())
         .map(|(camera, lag)| (camera.name.clone(), *lag))
@@ -46,15 +46,15 @@ pub fn unsynchronised(cameras: &[Camera], declared: &[(String, Lag)], lags: &[Ca
     if off.is_empty() {
         return None;
     }
-    let mut mended: Vec<(String, Lag)> = declared.to_vec();
+    let mut mended: Vec<(String, ClockLag)> = declared.to_vec();
     for (camera, lag) in &off {
         let frames = lag.rounded();
         match mended.iter_mut().find(|(name, _)| camera_name::fold(name) == camera_name::fold(camera)) {
             Some((_, known)) => known.frames += frames,
-            None => mended.push((camera.clone(), Lag { frames, ppm: 0.0 })),
+            None => mended.push((camera.clone(), ClockLag { frames, ppm: 0.0 })),
         }
     }
-    mended.retain(|(_, lag)| *lag != Lag::default());
+    mended.retain(|(_, lag)| *lag != ClockLag::default());
     mended.sort_by(|a, b| a.0.cmp(&b.0));
     Some(SetupWarning::Unsynchronised { cameras: off, mended })
 }

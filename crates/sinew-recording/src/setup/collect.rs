@@ -9,7 +9,7 @@ use super::error::SetupError;
 use super::exchanged_cameras;
 use super::stored::Body;
 use super::warning::SetupWarning;
-use crate::input::lag::Lag;
+use crate::input::lag::ClockLag;
 use crate::input::limbs::{LIMBS, limbs};
 use sinew_formats::Layout;
 use sinew_observe::Camera;
@@ -36,7 +36,7 @@ pub struct SetupRequest {
     /// Size of the images over that of the calibrated ones, as declared; the cameras are resized already.
     pub image_scale: f64,
     /// How late cameras are, as declared; the frames are read with it already.
-    pub lag: Vec<(String, Lag)>,
+    pub lag: Vec<(String, ClockLag)>,
     /// Frames per second, by which speeds are judged; nothing is said about them if `None`.
     pub fps: Option<f64>,
     /// Whether sizes and speeds that no person has are taken.

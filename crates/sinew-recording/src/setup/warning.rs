@@ -1,6 +1,6 @@
 //! What the set-up found odd.
 
-use crate::input::lag::Lag;
+use crate::input::lag::ClockLag;
 use sinew_observe::camera_lag::CameraLag;
 use std::fmt;
 
@@ -82,7 +82,7 @@ pub enum SetupWarning {
         /// Cameras, each with the frames that it is late.
         cameras: Vec<(String, CameraLag)>,
         /// The setting `lag` that mends it.
-        mended: Vec<(String, Lag)>,
+        mended: Vec<(String, ClockLag)>,
     },
     /// One camera suddenly shows someone elsewhere.
     Jump {

@@ -2,8 +2,8 @@
 //!
 //! Each part is a band with a row for each of the clusters that moved most particles, in the order in which they first did so; the darker, the larger the share. The last row of a band is the share that no primitive moved.
 
+use crate::action_trace::{ActionTrace, PartActions};
 use crate::svg::{Svg, clipped};
-use sinew::results::action_trace::{ActionTrace, PartActions};
 
 /// Clusters of a part that have a row.
 const ROWS: usize = 12;

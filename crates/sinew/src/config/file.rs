@@ -127,7 +127,7 @@ mod tests {
     use super::*;
     use crate::config::value::to_toml;
     use crate::methods::METHODS;
-    use sinew_recording::input::lag::Lag;
+    use sinew_recording::input::lag::ClockLag;
 
     fn problems(text: &str) -> Vec<String> {
         parse(text, Path::new("")).unwrap_err()
@@ -169,7 +169,10 @@ mod tests {
         let (values, _) = parse(text, Path::new("/trial")).unwrap();
         assert_eq!(values["calibration"], Value::Path("/trial/x/Calib.toml".into()));
         assert_eq!(values["layout"], Value::Text("BODY_25".into()));
-        assert_eq!(values["lag"], Value::Lags(vec![("cam_01".into(), Lag::whole(1)), ("b".into(), Lag::whole(-2))]));
+        assert_eq!(
+            values["lag"],
+            Value::Lags(vec![("cam_01".into(), ClockLag::whole(1)), ("b".into(), ClockLag::whole(-2))])
+        );
         let again: String = values.iter().map(|(key, value)| format!("{key} = {}\n", to_toml(value))).collect();
         assert_eq!(parse(&again, Path::new("/other")).unwrap().0, values);
     }

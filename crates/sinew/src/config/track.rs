@@ -16,7 +16,7 @@ use sinew_dynamics::random_walk::Between;
 use sinew_latent::file::StoredModel;
 use sinew_observe::Noise;
 use sinew_recording::input::footage::{FootageFiles, Init};
-use sinew_recording::input::lag::Lag;
+use sinew_recording::input::lag::ClockLag;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -51,7 +51,7 @@ pub struct TrackConfig {
     /// Whether sizes and speeds that no person has are taken.
     pub any_size: bool,
     /// Frames that cameras are late.
-    pub lag: Vec<(String, Lag)>,
+    pub lag: Vec<(String, ClockLag)>,
     /// Whether everybody is tracked whom two cameras see.
     pub everybody: bool,
     /// Which person: 0 is the most complete one at the start.

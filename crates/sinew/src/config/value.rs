@@ -2,7 +2,7 @@
 
 use super::setting::{Setting, SettingKind};
 use sinew_formats::nearest::nearest;
-use sinew_recording::input::lag::Lag;
+use sinew_recording::input::lag::ClockLag;
 use sinew_recording::input::up_axis::direction;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -26,7 +26,7 @@ pub enum Value {
     /// Names.
     Names(Vec<String>),
     /// Names of cameras, each with frames that it is late.
-    Lags(Vec<(String, Lag)>),
+    Lags(Vec<(String, ClockLag)>),
 }
 
 fn checked_number(setting: &Setting, value: f64, shown: &str) -> Result<Value, String> {
@@ -91,7 +91,7 @@ fn unexpected(setting: &Setting, shown: &str) -> String {
 pub const AUTO: &str = "auto";
 
 fn lags<'a>(setting: &Setting, items: impl Iterator<Item = &'a str>, shown: &str) -> Result<Value, String> {
-    let mut lags: Vec<(String, Lag)> = vec![];
+    let mut lags: Vec<(String, ClockLag)> = vec![];
     for item in items.map(str::trim).filter(|item| !item.is_empty()) {
         let parts = item.split_once('=').and_then(|(name, lag)| Some((name.trim(), lag.trim().parse().ok()?)));
         match parts {
@@ -213,7 +213,7 @@ pub fn to_toml(value: &Value) -> String {
     }
 }
 
-fn lag_texts(lags: &[(String, Lag)]) -> Vec<String> {
+fn lag_texts(lags: &[(String, ClockLag)]) -> Vec<String> {
     lags.iter().map(|(name, lag)| format!("{name}={lag}")).collect()
 }
 

@@ -4,7 +4,7 @@
 
 use super::error::{Expected, ResultsError};
 use crate::config::{Sources, TrackConfig, resolve};
-use crate::input::lag::Lag;
+use crate::input::lag::ClockLag;
 use crate::input::recording::Calibrated;
 use crate::input::up_axis::upright;
 use crate::setup::Setup;
@@ -25,7 +25,7 @@ pub struct Tracked {
     /// Size of the images in which its keypoints lie over that of the calibrated ones.
     pub image_scale: f64,
     /// How late cameras are.
-    pub lag: Vec<(String, Lag)>,
+    pub lag: Vec<(String, ClockLag)>,
     /// Frames a second.
     pub fps: f64,
     /// Number of each frame with the state of its mean pose, in the world turned to z up.
@@ -109,12 +109,18 @@ pub fn inputs(results: &Path, calibration: &Path, images: Option<&PathBuf>) -> V
     [results, calibration].into_iter().map(Path::to_owned).chain(images.cloned()).collect()
 }
 
-pub(super) fn column(file: &str, table: &Cells, wanted: &'static str) -> Result<usize, ResultsError> {
+/// Place of a column of a table.
+///
+/// # Errors
+/// A table without it.
+pub fn column(file: &str, table: &Cells, wanted: &'static str) -> Result<usize, ResultsError> {
     let place = table.columns.iter().position(|column| column == wanted);
     place.ok_or_else(|| ResultsError::NoColumn { file: file.into(), wanted, columns: table.columns.clone() })
 }
 
-pub(super) fn bad_cell(file: &str, line: usize, found: &str, expected: Expected) -> ResultsError {
+/// What is wrong with a cell of a table.
+#[must_use]
+pub fn bad_cell(file: &str, line: usize, found: &str, expected: Expected) -> ResultsError {
     ResultsError::Cell { file: file.into(), line, found: found.into(), expected }
 }
 

@@ -404,9 +404,7 @@ impl Scene {
     #[must_use]
     pub fn save(&self) -> SceneState {
         let Following { lengths, last_px, lost, started, .. } = self.following.clone();
-        let numbers = |d: &Option<Detection>| {
-            d.map(|Detection { pixel: [u, v], confidence, extra_px }| [u, v, confidence, extra_px])
-        };
+        let numbers = |d: &Option<Detection>| d.map(Detection::to_array);
         let detections = self.shown.detections.iter().map(|seen| seen.iter().map(numbers).collect()).collect();
         let (oddities, predictive) = (self.oddities.save(), self.predictive.clone());
         let velocities = self.clocks.save();
@@ -437,9 +435,7 @@ impl Scene {
             lost: saved.lost,
             started: saved.started,
         };
-        let detection = |d: &Option<[f64; 4]>| {
-            d.map(|[u, v, confidence, extra_px]| Detection { pixel: [u, v], confidence, extra_px })
-        };
+        let detection = |d: &Option<[f64; 4]>| d.map(Detection::from_array);
         self.shown.detections = saved.detections.iter().map(|seen| seen.iter().map(detection).collect()).collect();
         Ok(())
     }

@@ -9,7 +9,7 @@ use crate::store::{Store, numbers};
 use serde_json::{Value, json};
 use sinew::body::{KinematicTree, hppf24};
 use sinew::dynamics::primitives::switching::Choice;
-use sinew::results::action_trace::{ActionTrace, PartActions, Shares, add_share};
+use sinew_tools::action_trace::{ActionTrace, PartActions, Shares, add_share};
 use sinew_tools::inspect::action_picture;
 
 /// The contender that is drawn, and its seed.

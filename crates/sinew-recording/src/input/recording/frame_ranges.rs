@@ -3,13 +3,13 @@
 use super::listing::CameraFiles;
 use crate::Error;
 use crate::input::error::InputError;
-use crate::input::lag::Lag;
+use crate::input::lag::ClockLag;
 use sinew_formats::{camera_name, frame_number};
 use std::borrow::Borrow;
 use std::ops::Range;
 
 /// Refuses lags of cameras that are not calibrated.
-pub fn check_lags(lags: &[(String, Lag)], calibrated: &[String]) -> Result<(), InputError> {
+pub fn check_lags(lags: &[(String, ClockLag)], calibrated: &[String]) -> Result<(), InputError> {
     let is_known = |name: &str| calibrated.iter().any(|known| camera_name::fold(known) == camera_name::fold(name));
     match lags.iter().find(|(name, _)| !is_known(name)) {
         None => Ok(()),
@@ -18,9 +18,9 @@ pub fn check_lags(lags: &[(String, Lag)], calibrated: &[String]) -> Result<(), I
 }
 
 /// How late a camera is.
-pub fn lag_of(lags: &[(String, Lag)], camera: &str) -> Lag {
-    let is_it = |(name, _): &&(String, Lag)| camera_name::fold(name) == camera_name::fold(camera);
-    lags.iter().find(is_it).map_or(Lag::default(), |(_, lag)| *lag)
+pub fn lag_of(lags: &[(String, ClockLag)], camera: &str) -> ClockLag {
+    let is_it = |(name, _): &&(String, ClockLag)| camera_name::fold(name) == camera_name::fold(camera);
+    lags.iter().find(is_it).map_or(ClockLag::default(), |(_, lag)| *lag)
 }
 
 pub(super) fn no_such_frames(asked: &Range<u64>, available: &Range<u64>) -> Error {
@@ -36,7 +36,7 @@ pub fn ranges(
     let whole: Vec<(&str, Range<u64>)> =
         listed.iter().map(Borrow::borrow).map(|files: &CameraFiles| (files.camera.as_str(), files.range())).collect();
     let available = frame_number::common_range(&whole, true)?;
-    let has_lags = listed.iter().any(|files| files.borrow().lag != Lag::default());
+    let has_lags = listed.iter().any(|files| files.borrow().lag != ClockLag::default());
     if has_lags && asked.is_none() {
         let in_names: Vec<(&str, Range<u64>)> =
             listed.iter().map(Borrow::borrow).map(|files| (files.camera.as_str(), files.range_in_names())).collect();

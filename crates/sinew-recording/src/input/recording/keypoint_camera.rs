@@ -3,7 +3,7 @@
 //! A file that holds many is read once, when the recording is opened, and its keypoints stay in memory.
 
 use super::listing::CameraFiles;
-use crate::input::lag::Lag;
+use crate::input::lag::ClockLag;
 use crate::{Error, files};
 use sinew_formats::keypoint_table::Frames;
 use sinew_formats::openpose::{self, OpenposeFrame, OpenposeOptions};
@@ -49,7 +49,7 @@ impl KeypointCamera {
 
     /// The same keypoints of a camera that is late.
     #[must_use]
-    pub fn late_by(self, lag: Lag) -> Self {
+    pub fn late_by(self, lag: ClockLag) -> Self {
         Self { files: self.files.late_by(lag), ..self }
     }
 

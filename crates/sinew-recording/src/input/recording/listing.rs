@@ -5,7 +5,7 @@
 use crate::Error;
 use crate::input::error::InputError;
 use crate::input::folder_contents::{FolderContents, folder_contents, is_video};
-use crate::input::lag::Lag;
+use crate::input::lag::ClockLag;
 use sinew_formats::{Error as FormatError, frame_number};
 use std::collections::{BTreeMap, HashMap};
 use std::ffi::{OsStr, OsString};
@@ -91,7 +91,7 @@ pub struct CameraFiles {
     /// Where its files lie.
     pub folder: PathBuf,
     /// How late the camera is: whole frames f are in the file numbered f + lag.
-    pub lag: Lag,
+    pub lag: ClockLag,
     names: Names,
 }
 
@@ -108,14 +108,14 @@ impl CameraFiles {
         Self {
             camera: camera.into(),
             folder: file.parent().unwrap_or(Path::new("")).to_owned(),
-            lag: Lag::default(),
+            lag: ClockLag::default(),
             names,
         }
     }
 
     /// The same files of a camera that is late.
     #[must_use]
-    pub fn late_by(self, lag: Lag) -> Self {
+    pub fn late_by(self, lag: ClockLag) -> Self {
         Self { lag, ..self }
     }
 
@@ -284,7 +284,7 @@ pub fn files(folder: Folder, camera: &str, kind: &str) -> Result<CameraFiles, Er
         let [first, second] = both;
         return Err(FormatError::DuplicateFrame { frame, first, second }.into());
     }
-    Ok(CameraFiles { camera: camera.into(), folder: path, lag: Lag::default(), names })
+    Ok(CameraFiles { camera: camera.into(), folder: path, lag: ClockLag::default(), names })
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! What to take from a recording.
 
-use crate::input::lag::Lag;
+use crate::input::lag::ClockLag;
 use std::ops::Range;
 
 /// What to take from a recording.
@@ -19,7 +19,7 @@ pub struct RecordingOptions {
     /// Whether cameras may begin and end apart.
     pub trim: bool,
     /// How late cameras are: frame f of such a camera is in its file numbered f + lag, or between two files. Beginnings and ends that differ by lags are trimmed.
-    pub lag: Vec<(String, Lag)>,
+    pub lag: Vec<(String, ClockLag)>,
 }
 
 impl Default for RecordingOptions {
