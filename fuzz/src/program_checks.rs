@@ -235,7 +235,7 @@ pub fn filter_step(data: &[u8]) {
             4 => view.iter_mut().flatten().flatten().for_each(|d| d.pixel[0] += 4.0 * f64::from(value)),
             5 => {
                 let [u, v] = [value, keypoint].map(|at| ODD[usize::from(at) % ODD.len()]);
-                view[0][place] = Some(Detection { pixel: [u, v], confidence: 1.0 });
+                view[0][place] = Some(Detection::new([u, v], 1.0));
             }
             6 => view[0].iter_mut().flatten().for_each(|d| d.confidence = f64::from(value) / 255.0),
             _ => view.rotate_left(1),

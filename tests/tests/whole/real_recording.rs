@@ -3,7 +3,6 @@
 use sinew::config::settings::Settings;
 use sinew::formats::trc;
 use sinew::input::recording::{Recording, RecordingOptions};
-use sinew::input::source::FrameSource as _;
 use sinew::observe::association::Person;
 use sinew_tests::data::shared;
 use sinew_tests::evaluation::{self, LIMB_JOINTS, LeftOut, Track};
