@@ -11,7 +11,7 @@
 //! and again for t − 2, …. What lasts is in it as in a backward pass over a whole run: where a draw of what is constant moves the filtered states by Δ_t and Δ_{t−1}, it moves the pair by Δ_t and
 //! Δ_{t−1} + G (Δ_t − Δ_{t−1}). Errors that persist some frames are taken for independent given the states, which makes changes wider than they are, never narrower.
 //!
-//! The rate of an angle is its mean rate over [`WINDOW_S`], two frames at 30 a second: shorter differences show noise, longer ones hide how fast a movement was. Steps back are made once for each frame, so that the cost of a frame grows with the
+//! The rate of an angle is its mean rate over `WINDOW_S`, two frames at 30 a second: shorter differences show noise, longer ones hide how fast a movement was. Steps back are made once for each frame, so that the cost of a frame grows with the
 //! frames of the window by products of matrices with draws only.
 
 use sinew_core::lanes::{Block, Isa, LANES};

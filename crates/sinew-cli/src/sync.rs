@@ -7,7 +7,7 @@ use super::interrupt;
 use super::report::{self, Report};
 use super::settings::{reading, settings};
 use super::table::aligned;
-use super::track::calibration;
+use super::track_pieces::calibration;
 use serde_json::json;
 use sinew::config::{Resolved, TrackConfig};
 use sinew_tools::sync::{FoundClock, FoundClocks, SyncRequest, synchronise};

@@ -13,7 +13,7 @@ use super::resume::{Stopped, complete, same_run, stopped_run};
 use super::settings::{reading, settings};
 use super::table::table;
 use super::threads::with_threads;
-use super::track_pieces::{RESUME, setup_frames, show};
+use super::track_pieces::{RESUME, calibration, setup_frames, show};
 use super::{sync, track_people, write_calibration};
 use sinew::config::{Resolved, TrackConfig};
 use sinew::input::footage::Footage;
@@ -112,13 +112,6 @@ fn one(
         show(args, calibration, &config.out, report)?;
     }
     answer(&outcome, &config.out, args, report)
-}
-
-/// The calibration, if there is something to track with it; else what to try.
-pub(crate) fn calibration(config: &TrackConfig) -> Result<PathBuf, Error> {
-    let observation = config.keypoints.is_some() || config.silhouettes.is_some();
-    let calibration = config.calibration.clone().filter(|_| observation);
-    calibration.ok_or(Error::NothingToTrack { calibration: config.calibration.is_some(), observation })
 }
 
 /// Files and folders that a run reads.

@@ -7,7 +7,7 @@ use super::report_page;
 use sinew::config::TrackConfig;
 use sinew::input::footage::Footage;
 use std::ops::Range;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// How a run that ended early is continued.
 pub(crate) const RESUME: &str = "the same command with `--resume` continues from there";
@@ -28,4 +28,11 @@ pub(crate) fn show(args: &TrackArgs, calibration: &Path, out: &Path, report: &Re
         report.note(&format!("a page that shows the results: {}", report_page::opening(&page)));
     }
     Ok(())
+}
+
+/// The calibration, if there is something to track with it; else what to try.
+pub(crate) fn calibration(config: &TrackConfig) -> Result<PathBuf, Error> {
+    let observation = config.keypoints.is_some() || config.silhouettes.is_some();
+    let calibration = config.calibration.clone().filter(|_| observation);
+    calibration.ok_or(Error::NothingToTrack { calibration: config.calibration.is_some(), observation })
 }

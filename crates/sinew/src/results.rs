@@ -1,7 +1,7 @@
 //! The result folder: estimates in, files out, and the same files read again.
 //!
 //! Enter: a claimed folder, what a run says of itself ([`estimate::RunInfo`]), and one [`estimate::FrameEstimate`] after the other. Leave: the files of [`folder`], written under
-//! provisional names and renamed when they are whole; what a stopped run may be resumed from ([`folder::Written`]); the poses of a finished one ([`tracked`]) and its actions ([`action_trace`]).
+//! provisional names and renamed when they are whole; what a stopped run may be resumed from ([`folder::Written`]); the poses of a finished one ([`tracked`]).
 //! Must not know: how a frame was tracked, and by which method.
 
 pub mod error;
