@@ -61,6 +61,7 @@ fn shown(found: &FoundClocks, fps: Option<f64>) -> String {
         found.cameras.iter().map(|clock| (clock.camera.clone(), words(clock, fps))).collect();
     let mend = match found.setting() {
         Some(setting) => format!("--lag {setting}\n"),
+        None if found.cameras.iter().any(|clock| clock.lag.is_none()) => "nothing is known to mend\n".into(),
         None => "all cameras are in step\n".into(),
     };
     aligned(&rows) + &mend

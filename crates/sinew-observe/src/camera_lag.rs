@@ -46,9 +46,9 @@ pub struct CameraClock {
 const LEAST: f64 = 0.5;
 /// Standard deviations that a lag must differ from 0 by.
 const CERTAIN: f64 = 4.0;
-/// Standard deviations, and frames, within which a lag may be that of a whole frame.
+/// Standard deviations, and frames, within which a lag may be a whole one; errors of lags are up to a fifth of a frame (docs/evidence/sync.md).
 const WHOLE: f64 = 2.0;
-const NEARLY: f64 = 0.05;
+const NEARLY: f64 = 0.2;
 
 impl CameraLag {
     /// Whether the camera is off by half a frame or more beyond doubt.

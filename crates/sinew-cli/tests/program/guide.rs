@@ -101,7 +101,9 @@ fn run(trial: &Trial, line: &str) -> String {
         arguments.extend(["--duration", "1"]);
     }
     let output = trial.command(&arguments).envs(SHORT).output().unwrap();
-    assert!(output.status.success(), "{line}\n{}", trial.printed(&output));
+    // Who stands for a second says nothing of clocks.
+    let is_unknown = arguments[0] == "sync" && output.status.code() == Some(4);
+    assert!(output.status.success() || is_unknown, "{line}\n{}", trial.printed(&output));
     String::from_utf8(output.stdout).unwrap()
 }
 

@@ -21,6 +21,12 @@ fn late(lag: usize) -> Trial {
     trial
 }
 
+/// Whether the number after some words is a lag, to a fifth of a frame.
+fn is_late_by(printed: &str, words: &str, lag: usize) -> bool {
+    let number = printed.split(words).nth(1).and_then(|text| text.split(' ').next()?.parse::<f64>().ok());
+    number.is_some_and(|number| (number - lag as f64).abs() < 0.21)
+}
+
 fn inspected(trial: &Trial, more: &[&str]) -> String {
     let output = trial.run(&[&["inspect", "Calib.toml", "pose"], more].concat());
     assert_eq!(output.status.code(), Some(0), "{}", trial.printed(&output));
@@ -34,9 +40,8 @@ fn a_late_camera_is_named_and_its_frames_are_read_as_they_belong() {
     for lag in [1, 2] {
         let (trial, flag) = (late(lag), format!("C3={lag}"));
         let printed = inspected(&trial, &[]);
-        let advice = format!("odd: C3 is {lag}.0 ± 0.");
         assert!(
-            printed.contains(&advice)
+            is_late_by(&printed, "odd: C3 is ", lag)
                 && printed.contains(&format!("frames late against the other cameras; `--lag {flag}` reads")),
             "{printed}"
         );
@@ -46,7 +51,7 @@ fn a_late_camera_is_named_and_its_frames_are_read_as_they_belong() {
         );
         let printed = trial.track_printed(&["-osilent"]);
         assert!(
-            printed.contains(&format!("warning: C3 is {lag}.0 ± 0.")) && printed.contains(&format!("`--lag {flag}`")),
+            is_late_by(&printed, "warning: C3 is ", lag) && printed.contains(&format!("`--lag {flag}`")),
             "{printed}"
         );
 
