@@ -9,6 +9,7 @@ use super::settings::{reading, settings};
 use super::table::aligned;
 use super::track_pieces::calibration;
 use serde_json::json;
+use sinew::config::track::DEFAULT_FPS;
 use sinew::config::{Resolved, TrackConfig};
 use sinew_tools::sync::{FoundClock, FoundClocks, SyncRequest, synchronise};
 use std::sync::atomic::Ordering;
@@ -18,6 +19,9 @@ pub(crate) fn run(args: &SyncArgs, general: &General, report: &Report) -> Result
     let resolved = settings(&args.settings.given, general)?;
     report.warnings(&resolved.warnings);
     let config = resolved.track();
+    if config.fps.is_none() {
+        report.warnings(&[format!("no frame rate given; {DEFAULT_FPS} frames per second assumed (`--fps`)")]);
+    }
     let found = found(&config, args.most)?;
     if args.answer.json {
         report::answer_json(&as_json(&found))?;
