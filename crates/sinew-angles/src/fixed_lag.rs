@@ -18,6 +18,7 @@ use sinew_core::lanes::{Block, Isa, LANES};
 use sinew_core::random::{BlockRng, Stage};
 use sinew_core::transition::Moments;
 use sinew_dynamics::Error;
+use sinew_dynamics::factor::positive_part;
 use sinew_dynamics::smoother::{BackwardStep, Smoother};
 use sinew_tracking::posterior::Posterior;
 use std::collections::VecDeque;
@@ -123,6 +124,8 @@ impl FixedLag {
     /// A covariance that cannot be factored.
     pub fn push(&mut self, mut moments: Moments, missing: &[f64], moves: Vec<f64>) -> Result<(), Error> {
         moments.covariance.iter_mut().zip(missing).for_each(|(known, missing)| *known += missing);
+        // Both are estimates, of which the sum need not be a covariance.
+        moments.covariance = positive_part("filtered covariance", &moments.covariance, moments.mean.len())?;
         let step = self.smoother.backward(&moments)?;
         self.past.push_back(Filtered { moments, moves, step });
         if self.past.len() > self.frames {

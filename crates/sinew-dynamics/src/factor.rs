@@ -77,6 +77,21 @@ pub fn root(name: &'static str, matrix: &[f64], dim: usize) -> Result<Vec<f64>, 
     Ok((0..dim * dim).map(|k| u[(k / dim, k % dim)] * values[k % dim].max(0.0).sqrt()).collect())
 }
 
+/// The covariance nearest to a symmetric matrix (Higham 1988): its negative eigenvalues are 0.
+///
+/// # Errors
+/// [`Error::Shape`]; [`Error::Indefinite`] without eigenvalues.
+pub fn positive_part(name: &'static str, matrix: &[f64], dim: usize) -> Result<Vec<f64>, Error> {
+    let m = checked(name, matrix, dim)?;
+    let Ok(eigen) = m.self_adjoint_eigen(Side::Lower) else {
+        return Err(Error::Indefinite { name, smallest: f64::NAN });
+    };
+    let values: Vec<f64> = eigen.S().column_vector().iter().map(|value| value.max(0.0)).collect();
+    let u = eigen.U();
+    let entry = |i: usize, j: usize| (0..dim).map(|k| u[(i, k)] * values[k] * u[(j, k)]).sum();
+    Ok((0..dim * dim).map(|at| entry(at / dim, at % dim)).collect())
+}
+
 /// Inverse of a lower triangular matrix with a positive diagonal, row after row.
 #[must_use]
 pub fn inverse_lower(lower: &[f64], dim: usize) -> Vec<f64> {
@@ -91,6 +106,15 @@ mod tests {
 
     fn square(root: &[f64], dim: usize) -> Vec<f64> {
         (0..dim * dim).map(|k| (0..dim).map(|l| root[k / dim * dim + l] * root[k % dim * dim + l]).sum()).collect()
+    }
+
+    #[test]
+    fn the_positive_part_keeps_what_is_a_covariance_and_drops_the_rest() {
+        let part = |matrix: &[f64]| positive_part("matrix", matrix, 2).unwrap();
+        let close = |a: &[f64], b: &[f64]| a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-12);
+        assert!(close(&part(&[2.0, 1.0, 1.0, 2.0]), &[2.0, 1.0, 1.0, 2.0]));
+        // Eigenvalues 3 along (1, 1) and −1 along (1, −1).
+        assert!(close(&part(&[1.0, 2.0, 2.0, 1.0]), &[1.5; 4]));
     }
 
     #[test]
