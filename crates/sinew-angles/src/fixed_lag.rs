@@ -238,7 +238,7 @@ mod tests {
 
     /// A constant error moves both ends of a change alike: nothing of it is left in the change.
     #[test]
-    fn what_moves_all_frames_alike_moves_no_change() {
+    fn a_move_of_all_frames_alike_is_no_change() {
         let mut lag = FixedLag::new(&[0.5], 30.0, 3, Isa::baseline());
         let moves: Vec<f64> = (0..8).map(|draw| 10.0 * f64::from(draw)).collect();
         lag.push(Moments { mean: vec![0.0], covariance: vec![1e-12] }, &[], moves.clone()).unwrap();

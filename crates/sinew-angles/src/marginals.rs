@@ -207,7 +207,7 @@ mod tests {
 
     /// The zero of a knee errs with each draw as the knee does, by half of it: what both share goes, the rest stays.
     #[test]
-    fn what_zero_and_angle_share_is_not_in_the_difference() {
+    fn errors_that_zero_and_angle_share_cancel() {
         let body = standard::h32(&Proportions::default());
         let dim = body.dof();
         let shin = body.dof_names().iter().position(|name| name == "r_shin.rx").unwrap();

@@ -183,7 +183,7 @@ mod tests {
     }
 
     #[test]
-    fn what_keypoints_show_the_sum_of_is_not_seen() {
+    fn angles_of_which_only_the_sum_shows_are_not_seen() {
         let all = seen(&[&KEYPOINTS[..], &FEET].concat(), &[]);
         for name in ["lumbar_rotation", "girdle_rz", "head_rz"] {
             assert!(!all.iter().any(|own| own == name), "{name}");

@@ -410,7 +410,7 @@ fn people_who_pass_each_other_keep_their_names_in_all_views() {
 }
 
 #[test]
-fn who_comes_back_is_known_by_his_limbs_and_a_stranger_is_somebody_new() {
+fn a_person_who_comes_back_is_known_by_limbs_and_a_stranger_is_new() {
     let cameras = cameras();
     let mut identities = Identities::new(&cameras, LIMBS.to_vec(), 30.0, Config::default());
     let (tall, short) = (figure(0.5, 0.0, 1.0), figure(-0.5, 0.0, 0.7));

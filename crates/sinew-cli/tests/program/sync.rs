@@ -73,7 +73,7 @@ fn a_clock_that_drifts_is_read_at_its_own_rate() {
 }
 
 #[test]
-fn what_cannot_be_synchronised_is_said() {
+fn recordings_without_clocks_to_compare_are_refused() {
     let trial = late([0.0; 4]);
     assert!(synchronised(&trial, &["--fps", "30"]).1.contains("all cameras are in step"));
     insta::assert_snapshot!("one_camera", synchronised(&trial, &["--cameras", "C1"]).1);

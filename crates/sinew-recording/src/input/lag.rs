@@ -5,7 +5,7 @@
 use std::fmt;
 use std::str::FromStr;
 
-/// Largest lag, frames, and largest drift, parts in a million.
+/// Largest lag, frames.
 pub const MOST_FRAMES: f64 = 100_000.0;
 /// Largest drift, parts in a million: beyond, cameras have different frame rates.
 pub const MOST_PPM: f64 = 5000.0;

@@ -259,7 +259,7 @@ pub(super) mod tests {
     }
 
     #[test]
-    fn who_stands_or_shifts_his_weight_has_no_events() {
+    fn standing_and_shifting_weight_are_no_events() {
         let mut walk = sines(30.0, 0.0);
         let still = walk.pelvis.mean[0];
         walk.pelvis.mean.iter_mut().for_each(|p| *p = still);

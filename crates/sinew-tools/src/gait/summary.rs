@@ -35,7 +35,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_all_draws_share_does_not_average_out() {
+    fn errors_that_all_draws_share_do_not_average_out() {
         let stride = |side: usize, mean: f64| Stride {
             side,
             start_s: 0.0,
