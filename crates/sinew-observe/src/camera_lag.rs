@@ -18,7 +18,7 @@ use crate::between_frames::keypoint_between;
 use crate::camera::Camera;
 pub use crate::lag_regression::LagSearch;
 use crate::lag_regression::{OWN, Sight, Span, regression, sights_of};
-use crate::offsets::{CameraNoise, Sighted};
+use crate::offsets::{self, CameraNoise, Sighted};
 use nalgebra::{DMatrix, DVector};
 use std::collections::HashMap;
 
@@ -82,13 +82,15 @@ const LEFT: f64 = 0.02;
 const UNKNOWN: f64 = 2.0;
 /// Largest lag, frames.
 const MOST: f64 = 30.0;
+/// Frames from which offsets and scatter are estimated.
+const OFFSET_FRAMES: usize = 150;
+
 /// Clocks of all cameras, from runs of frames (number, detections) in which one person is followed; `None` with fewer than two cameras.
 ///
 /// Lags contain the frames `taken` away from each camera when the runs were read.
 #[must_use]
 pub fn camera_clocks(
     (cameras, taken): (&[Camera], &[f64]),
-    noise: &[CameraNoise],
     runs: &[&[(u64, Sighted)]],
     search: &LagSearch,
 ) -> Option<Vec<CameraClock>> {
@@ -97,14 +99,14 @@ pub fn camera_clocks(
     }
     let span = Span::over(runs);
     let mut fit = Fit::nothing_known(cameras.len());
-    fit.improve(cameras, noise, runs, search, span, NO_DRIFT);
+    fit.improve(cameras, runs, search, span, NO_DRIFT);
     let clocks = |fit: &Fit| {
         let lags = fit.total.iter().enumerate().map(|(i, own)| own + if i % OWN == 0 { taken[i / OWN] } else { 0.0 });
         against_reference(&DVector::from_iterator(fit.total.len(), lags), &fit.covariance, &fit.known, span)
     };
     if search.drifts && 2.0 * span.half > LEAST_DRIFT_S * search.fps {
         let mut drifting = fit.clone();
-        drifting.improve(cameras, noise, runs, search, span, 1e-6 * PRIOR_PPM * span.half);
+        drifting.improve(cameras, runs, search, span, 1e-6 * PRIOR_PPM * span.half);
         let found = clocks(&drifting);
         if found.iter().any(|clock| clock.drift[0].abs() > CERTAIN * clock.drift[1]) {
             return Some(found);
@@ -132,19 +134,17 @@ impl Fit {
     fn improve(
         &mut self,
         cameras: &[Camera],
-        noise: &[CameraNoise],
         runs: &[&[(u64, Sighted)]],
         search: &LagSearch,
         span: Span,
         drift_sd: f64,
     ) {
         for _ in 0..ROUNDS {
-            let mut sights = vec![];
-            for frames in runs {
-                let shifted = shifted(frames, &self.total, span);
-                sights.extend(sights_of(cameras, noise, &shifted, span, search));
-            }
-            let Some((rest, rest_covariance)) = regression(noise, &sights, &self.total, [PRIOR_FRAMES, drift_sd])
+            let runs: Vec<_> = runs.iter().map(|frames| shifted(frames, &self.total, span)).collect();
+            let noise = scatter(cameras, &runs, search);
+            let sights: Vec<Sight> =
+                runs.iter().flat_map(|frames| sights_of(cameras, &noise, frames, span, search)).collect();
+            let Some((rest, rest_covariance)) = regression(&noise, &sights, &self.total, [PRIOR_FRAMES, drift_sd])
             else {
                 self.known.fill(false);
                 return;
@@ -162,6 +162,13 @@ impl Fit {
             }
         }
     }
+}
+
+/// Offsets and scatter of the cameras, from some of the frames: late cameras scatter more than they do once their lags are taken away.
+fn scatter(cameras: &[Camera], runs: &[Vec<(u64, Sighted)>], search: &LagSearch) -> Vec<CameraNoise> {
+    let frames = runs.iter().map(Vec::len).sum::<usize>();
+    let some = runs.iter().flatten().step_by(frames.div_ceil(OFFSET_FRAMES).max(1));
+    offsets::estimate(cameras, &some.map(|(_, sighted)| sighted.clone()).collect::<Vec<_>>(), &search.offsets)
 }
 
 /// Frames in which each camera shows what it saw when its clock said so.
@@ -232,7 +239,9 @@ mod tests {
     use super::*;
     use crate::Detection;
 
-    const SEARCH: LagSearch = LagSearch { fps: 60.0, least_confidence: 0.3, drifts: true };
+    fn search() -> LagSearch {
+        LagSearch { fps: 60.0, offsets: offsets::Config::default(), drifts: true }
+    }
     const POINTS: usize = 12;
     const SIGMA_PX: f64 = 3.0;
 
@@ -254,11 +263,15 @@ mod tests {
         one() + one() + one()
     }
 
-    /// Points that swing and wander, times `speed`.
+    /// Points that swing and walk to and fro, times `speed`.
     fn at(point: usize, time: f64, speed: f64) -> [f64; 3] {
         let k = point as f64;
         let phase = speed * 0.15 * time + k;
-        [0.3 * k.sin() + 0.15 * phase.sin() + 0.004 * speed * time, 0.3 * k.cos() + 0.1 * phase.cos(), 0.15 * k]
+        [
+            0.3 * k.sin() + 0.15 * phase.sin() + 0.5 * (0.008 * speed * time).sin(),
+            0.3 * k.cos() + 0.1 * phase.cos(),
+            0.15 * k,
+        ]
     }
 
     fn record(
@@ -287,12 +300,8 @@ mod tests {
     fn found(lags: &[f64], frames: u64, speed: f64, seed: u64) -> Vec<CameraLag> {
         let cameras = ring(lags.len());
         let frames = record(&cameras, |camera, time| time - lags[camera], frames, speed, seed);
-        let sighted: Vec<Sighted> = frames.iter().map(|(_, sighted)| sighted.clone()).collect();
-        let noise = crate::offsets::estimate(&cameras, &sighted, &crate::offsets::Config::default());
-        {
-            let clocks = camera_clocks((&cameras, &vec![0.0; lags.len()]), &noise, &[&frames], &SEARCH).unwrap();
-            clocks.into_iter().map(|clock| clock.lag).collect()
-        }
+        let clocks = camera_clocks((&cameras, &vec![0.0; lags.len()]), &[&frames], &search()).unwrap();
+        clocks.into_iter().map(|clock| clock.lag).collect()
     }
 
     #[test]
@@ -317,7 +326,7 @@ mod tests {
         // No two within half a frame: the first is the reference.
         let truth = [0.0, 1.2, -1.3, 2.5];
         let (mut squares, mut errors) = (vec![], vec![]);
-        for seed in 1..=8 {
+        for seed in 1..=16 {
             let found = found(&truth, 360, 1.0, seed);
             assert_eq!(found[0], CameraLag::default());
             for (lag, truth) in found.iter().zip(truth).skip(1) {
@@ -326,10 +335,11 @@ mod tests {
             }
         }
         let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
-        assert!((0.3..2.0).contains(&mean(&squares)), "{}", mean(&squares));
+        // 48 squares, three of a seed sharing the reference's error: 3 sd of their mean are about 0.8.
+        assert!((0.4..1.8).contains(&mean(&squares)), "{}", mean(&squares));
         // Errors share the reference's within a seed.
         let square = mean(&errors.iter().map(|error| error * error).collect::<Vec<_>>());
-        assert!(mean(&errors).abs() < 3.0 * (square / 8.0).sqrt() && square.sqrt() < 0.1, "{errors:?}");
+        assert!(mean(&errors).abs() < 3.0 * (square / 16.0).sqrt() && square.sqrt() < 0.1, "{errors:?}");
     }
 
     #[test]
@@ -339,9 +349,7 @@ mod tests {
         let time = |camera: usize, number: f64| number - 0.4 * f64::from(camera == 3) - 1e-6 * ppm[camera] * number;
         let frames = record(&cameras, time, 1500, 1.0, 3);
         let runs: Vec<&[(u64, Sighted)]> = frames.chunks(100).step_by(2).collect();
-        let sighted: Vec<Sighted> = frames.iter().step_by(10).map(|(_, sighted)| sighted.clone()).collect();
-        let noise = crate::offsets::estimate(&cameras, &sighted, &crate::offsets::Config::default());
-        let clocks = camera_clocks((&cameras, &[0.0; 4]), &noise, &runs, &SEARCH).unwrap();
+        let clocks = camera_clocks((&cameras, &[0.0; 4]), &runs, &search()).unwrap();
         for (camera, clock) in clocks.iter().enumerate() {
             let [drift, sd] = clock.drift;
             let truth = 1e-6 * (ppm[camera] - 400.0 / 4.0);

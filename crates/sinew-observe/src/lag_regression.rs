@@ -1,6 +1,6 @@
 //! The linear model of [`crate::camera_lag`]: what keypoints in several cameras say of lags and drifts.
 //!
-//! A *sight* is a keypoint in a frame with what all cameras show of it. Its place in space and, for each of its cameras, an offset that lasts four seconds (`BLOCK_S`) are nuisance: both are eliminated (Schur complements), so that only what changes within them counts.
+//! A *sight* is a keypoint in a frame with what all cameras show of it. Its place in space and, for each of its cameras, an offset that lasts four seconds (`BLOCK_S`) and changes evenly within them are nuisance: all are eliminated (Schur complements), so that only what swings within them counts. Offsets change evenly where somebody walks past a camera that is not quite where its calibration says.
 //!
 //! Velocities have errors, whose squares would count as motion, where there is none: the information about lags and drifts is made of products of a velocity from odd frames and one from even ones, whose errors are apart (instrumental variables).
 //! A point whose two velocities are far apart has been taken for something else near by, and does not count: velocities that are too large would weigh most.
@@ -9,7 +9,7 @@
 
 use crate::association::median;
 use crate::camera::Camera;
-use crate::offsets::{CameraNoise, Sighted, point_from_views};
+use crate::offsets::{self, CameraNoise, Sighted, point_from_views};
 use crate::point_velocity::{reach, two_velocities, velocity};
 use nalgebra::{DMatrix, DVector, Matrix2, Matrix2x3, Matrix3, Vector2, Vector3};
 use std::collections::BTreeMap;
@@ -18,8 +18,10 @@ use std::collections::BTreeMap;
 pub(crate) const OWN: usize = 2;
 /// Seconds for which a keypoint's offset in a camera lasts.
 const BLOCK_S: f64 = 4.0;
-/// Standard deviation of that offset, pixels.
+/// Standard deviation of that offset, and of its change in half of that time, pixels.
 const OFFSET_PX: f64 = 100.0;
+/// Numbers of an offset: where it is in the middle, and its change in half of that time, two each.
+const OFFSET: usize = 4;
 /// Distance of two velocities of a point, in medians of it, from which on one of them comes from something else.
 const AGREEING: f64 = 3.0;
 /// Variance of what nothing is known of.
@@ -34,8 +36,8 @@ const SOFT: f64 = 2.0;
 pub struct LagSearch {
     /// Frames a second.
     pub fps: f64,
-    /// Keypoints of lower confidence do not count.
-    pub least_confidence: f64,
+    /// Which keypoints count, and how the scatter of the cameras is estimated.
+    pub offsets: offsets::Config,
     /// Whether clocks may drift.
     pub drifts: bool,
 }
@@ -44,6 +46,8 @@ pub struct LagSearch {
 pub(crate) struct Sight {
     /// Keypoint, and part of the recording in which its offsets last.
     block: (usize, u64),
+    /// Time within that part, −1 at its start and 1 at its end.
+    within: f64,
     pub(crate) views: Vec<SightView>,
 }
 
@@ -92,7 +96,8 @@ pub(crate) fn sights_of(
         let found: Vec<Option<([f64; 3], Vec<usize>)>> = frames
             .iter()
             .map(|(_, views)| {
-                let (refined, used) = point_from_views(cameras, noise, views, keypoint, search.least_confidence)?;
+                let (refined, used) =
+                    point_from_views(cameras, noise, views, keypoint, search.offsets.least_confidence)?;
                 Some((refined.point, used))
             })
             .collect();
@@ -118,7 +123,8 @@ pub(crate) fn sights_of(
                 })
                 .collect();
             if views.len() > 1 {
-                sights.push(Sight { block: (keypoint, frames[at].0 / length), views });
+                let (part, frame) = (frames[at].0 / length, frames[at].0 % length);
+                sights.push(Sight { block: (keypoint, part), within: 2.0 * frame as f64 / length as f64 - 1.0, views });
             }
         }
     }
@@ -165,7 +171,8 @@ pub(crate) fn regression(
     let sigma: Vec<f64> = noise.iter().map(|n| if n.sigma_px.is_finite() { n.sigma_px } else { 1.0 }).collect();
     let prior = DMatrix::from_diagonal(&DVector::from_fn(size, |i, _| prior_sd[i % OWN].powi(-2)));
     let blocks: Vec<&[Sight]> = sights.chunk_by(|a, b| a.block == b.block).collect();
-    let mut offsets = vec![DVector::zeros(2 * noise.len()); blocks.len()];
+    let pixels = OFFSET * noise.len();
+    let mut offsets = vec![DVector::zeros(pixels); blocks.len()];
     let mut solution = DVector::zeros(size);
     let mut covariance = DMatrix::zeros(size, size);
     for _ in 0..WEIGHTINGS {
@@ -180,8 +187,7 @@ pub(crate) fn regression(
         let mut score = -&prior * (&solution + total);
         let mut eliminated = vec![];
         for ((sights, block), offsets) in blocks.iter().zip(&summed).zip(&offsets) {
-            let precise = block.offsets.scale(share)
-                + DMatrix::identity(2 * noise.len(), 2 * noise.len()).scale(OFFSET_PX.powi(-2));
+            let precise = block.offsets.scale(share) + DMatrix::identity(pixels, pixels).scale(OFFSET_PX.powi(-2));
             let inverse = precise.cholesky()?.inverse();
             let score_of_offsets = &block.score_of_offsets - offsets.scale(OFFSET_PX.powi(-2));
             let between = block.between.scale(share);
@@ -239,9 +245,11 @@ fn summed(
         score_of_numbers: DVector::zeros(numbers),
         score_of_offsets: DVector::zeros(pixels),
     };
-    let two = |of: &DVector<f64>, camera: usize| Vector2::new(of[2 * camera], of[2 * camera + 1]);
+    let two = |of: &DVector<f64>, at: usize| Vector2::new(of[at], of[at + 1]);
     for sight in sights {
-        let left = |v: &SightView| v.residual - v.own[0] * two(solution, v.camera) - two(offsets, v.camera);
+        let shape = [1.0, sight.within];
+        let offset = |camera: usize| two(offsets, OFFSET * camera) + sight.within * two(offsets, OFFSET * camera + 2);
+        let left = |v: &SightView| v.residual - v.own[0] * two(solution, OWN * v.camera) - offset(v.camera);
         let left: Vec<Vector2<f64>> = sight.views.iter().map(left).collect();
         let plain: Vec<f64> = sight.views.iter().map(|v| sigma[v.camera].powi(-2)).collect();
         let Some((step, _)) = point_step(sight, &left, &plain) else { continue };
@@ -252,8 +260,10 @@ fn summed(
         for ((a, left), weight) in sight.views.iter().zip(&left).zip(&weights) {
             let left = left - a.point * step;
             *sums = [sums[0] + weight, sums[1] + weight - weight.powi(2) * left.norm_squared() / (SOFT * SOFT)];
-            add_to(&mut block.score_of_offsets, a.camera, *weight * left);
-            add_to(&mut block.score_of_numbers, a.camera, *weight * a.own[0].transpose() * left);
+            for (part, by) in shape.into_iter().enumerate() {
+                add_to(&mut block.score_of_offsets, OFFSET * a.camera + 2 * part, *weight * by * left);
+            }
+            add_to(&mut block.score_of_numbers, OWN * a.camera, *weight * a.own[0].transpose() * left);
             for (b, other) in sight.views.iter().zip(&weights) {
                 let mut weighted = -*weight * *other * (a.point * inverse * b.point.transpose());
                 if a.camera == b.camera {
@@ -263,19 +273,25 @@ fn summed(
                 let crossed = odd.transpose() * weighted * b.own[2] + even.transpose() * weighted * b.own[1];
                 let mut place = block.numbers.fixed_view_mut::<OWN, OWN>(at.0, at.1);
                 place += 0.5 * crossed;
-                let mut place = block.between.fixed_view_mut::<OWN, 2>(at.0, at.1);
-                place += whole.transpose() * weighted;
-                let mut place = block.offsets.fixed_view_mut::<2, 2>(at.0, at.1);
-                place += weighted;
+                for (part, by) in shape.into_iter().enumerate() {
+                    let of_b = OFFSET * b.camera + 2 * part;
+                    let mut place = block.between.fixed_view_mut::<OWN, 2>(at.0, of_b);
+                    place += by * whole.transpose() * weighted;
+                    for (other, factor) in shape.into_iter().enumerate() {
+                        let of_a = OFFSET * a.camera + 2 * other;
+                        let mut place = block.offsets.fixed_view_mut::<2, 2>(of_a, of_b);
+                        place += factor * by * weighted;
+                    }
+                }
             }
         }
     }
     block
 }
 
-fn add_to(vector: &mut DVector<f64>, camera: usize, own: Vector2<f64>) {
-    let mut place = vector.fixed_rows_mut::<2>(2 * camera);
-    place += own;
+fn add_to(vector: &mut DVector<f64>, at: usize, pair: Vector2<f64>) {
+    let mut place = vector.fixed_rows_mut::<2>(at);
+    place += pair;
 }
 
 /// Shift of the point that explains most of the residuals, and the inverse of its information.

@@ -195,8 +195,8 @@ fn estimated(
     let noise = offsets::estimate(cameras, &some, &config);
     let runs: Vec<&[(u64, Sighted)]> = runs.iter().map(Vec::as_slice).collect();
     let taken: Vec<f64> = late.iter().map(|late| late.frames).collect();
-    let search = LagSearch { fps, least_confidence: config.least_confidence, drifts: true };
-    let clocks = camera_clocks((cameras, &taken), &noise, &runs, &search)?;
+    let search = LagSearch { fps, offsets: config, drifts: true };
+    let clocks = camera_clocks((cameras, &taken), &runs, &search)?;
     let seen: f64 = noise.iter().map(|noise| noise.residuals as f64).sum();
     let scatter =
         noise.iter().filter(|noise| noise.sigma_px.is_finite()).map(|noise| noise.sigma_px.powi(2)).sum::<f64>();

@@ -43,13 +43,13 @@ fn a_run_on_silhouettes_stopped_after_any_frame_gives_the_same_files() {
     }
 }
 
-/// The same with pictures and a set-up that learns their colours; a run that is stopped in its set-up leaves nothing.
+/// The same with pictures and a set-up that learns their colours, every fourth frame; a run that is stopped in its set-up leaves nothing.
 #[test]
-fn a_run_on_colours_stopped_after_any_frame_gives_the_same_files() {
+fn a_run_on_colours_stopped_after_a_frame_gives_the_same_files() {
     for method in ["hppf", "partitioned"] {
         let few = [("method", method), ("particles", "8"), ("score", "parts"), ("raster", "64")];
         let whole = Whole::from_pictures(12, &few);
-        for stop in 1..=12 {
+        for stop in (1..=12).step_by(4) {
             whole.check_stopped_at(stop);
         }
     }

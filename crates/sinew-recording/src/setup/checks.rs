@@ -119,6 +119,6 @@ pub fn oddities(
             swapped_px: s.swapped_px,
         }));
     }
-    warnings.extend(unsynchronised(cameras, &request.lag, &lags(cameras, noise, collected, (request.fps, least))));
+    warnings.extend(unsynchronised(cameras, &request.lag, &lags(cameras, collected, (request.fps, request.offsets))));
     warnings
 }

@@ -6,7 +6,7 @@ use crate::input::lag::ClockLag;
 use sinew_formats::camera_name;
 use sinew_observe::Camera;
 use sinew_observe::camera_lag::{CameraLag, LagSearch, camera_clocks};
-use sinew_observe::offsets::{CameraNoise, Sighted};
+use sinew_observe::offsets::{self, Sighted};
 
 /// Frames below which no clock is judged: the errors of the estimate come from blocks of fifteen frames, and fewer than four blocks say little of them.
 const FEWEST: usize = 60;
@@ -18,9 +18,8 @@ pub const USUAL_FPS: f64 = 60.0;
 #[must_use]
 pub fn lags(
     cameras: &[Camera],
-    noise: &[CameraNoise],
     collected: &Collected,
-    (fps, least_confidence): (Option<f64>, f64),
+    (fps, offsets): (Option<f64>, offsets::Config),
 ) -> Vec<CameraLag> {
     let window = collected.window.as_slice();
     let end = window.last().map_or(0, |(number, _)| *number);
@@ -30,9 +29,9 @@ pub fn lags(
     if runs.iter().map(|run| run.len()).sum::<usize>() < FEWEST {
         return vec![];
     }
-    let search = LagSearch { fps: fps.unwrap_or(USUAL_FPS), least_confidence, drifts: false };
+    let search = LagSearch { fps: fps.unwrap_or(USUAL_FPS), offsets, drifts: false };
     let taken = vec![0.0; cameras.len()];
-    let clocks = camera_clocks((cameras, &taken), noise, &runs, &search).unwrap_or_default();
+    let clocks = camera_clocks((cameras, &taken), &runs, &search).unwrap_or_default();
     clocks.into_iter().map(|clock| clock.lag).collect()
 }
 

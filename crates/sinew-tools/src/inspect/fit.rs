@@ -65,7 +65,7 @@ pub fn facts(recording: &mut Recording, known: &[String]) -> Result<Facts, Error
     let sighted: Vec<Sighted> = collected.window.iter().map(|(_, sighted)| sighted.clone()).collect();
     let config = offsets::Config::default();
     let noise = offsets::estimate(&cameras, &sighted, &config);
-    let lags = clocks::lags(&cameras, &noise, &collected, (None, config.least_confidence));
+    let lags = clocks::lags(&cameras, &collected, (None, config));
     let rms = reprojection_rms(&cameras, &sighted, config.least_confidence);
     for (index, camera) in cameras.iter().enumerate() {
         let lag = lags.get(index).filter(|lag| lag.sd < UNKNOWN_LAG);
