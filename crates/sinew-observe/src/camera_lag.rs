@@ -46,8 +46,8 @@ pub struct CameraClock {
 const LEAST: f64 = 0.5;
 /// Standard deviations that a lag must differ from 0 by.
 const CERTAIN: f64 = 4.0;
-/// Standard deviations, and frames, within which a lag may be a whole one; errors of lags are up to a fifth of a frame (docs/evidence/sync.md).
-const WHOLE: f64 = 2.0;
+/// Standard deviations, and frames, within which a lag may be a whole one: errors are 1.5 times as large as stated and more, and up to a fifth of a frame (docs/evidence/sync.md).
+const WHOLE: f64 = 3.0;
 const NEARLY: f64 = 0.2;
 
 impl CameraLag {
@@ -82,8 +82,11 @@ const LEFT: f64 = 0.02;
 const UNKNOWN: f64 = 2.0;
 /// Largest lag, frames.
 const MOST: f64 = 30.0;
-/// Frames from which offsets and scatter are estimated.
-const OFFSET_FRAMES: usize = 150;
+/// Frames from which offsets and scatter are estimated, and rounds of that.
+const OFFSET_FRAMES: usize = 40;
+const OFFSET_ROUNDS: usize = 8;
+/// Change of a lag after which they are estimated again, frames.
+const SCATTERS: f64 = 0.1;
 
 /// Clocks of all cameras, from runs of frames (number, detections) in which one person is followed; `None` with fewer than two cameras.
 ///
@@ -139,9 +142,13 @@ impl Fit {
         span: Span,
         drift_sd: f64,
     ) {
+        let mut noise = vec![];
+        let mut most = f64::INFINITY;
         for _ in 0..ROUNDS {
             let runs: Vec<_> = runs.iter().map(|frames| shifted(frames, &self.total, span)).collect();
-            let noise = scatter(cameras, &runs, search);
+            if most > SCATTERS {
+                noise = scatter(cameras, &runs, search);
+            }
             let sights: Vec<Sight> =
                 runs.iter().flat_map(|frames| sights_of(cameras, &noise, frames, span, search)).collect();
             let Some((rest, rest_covariance)) = regression(&noise, &sights, &self.total, [PRIOR_FRAMES, drift_sd])
@@ -151,7 +158,7 @@ impl Fit {
             };
             self.known = are_known(&sights, &rest, &rest_covariance);
             self.covariance = rest_covariance;
-            let mut most: f64 = 0.0;
+            most = 0.0;
             for (place, own) in rest.iter().enumerate().filter(|(place, _)| self.known[place / OWN]) {
                 let before = self.total[place];
                 self.total[place] = f64::clamp(before + own, -MOST, MOST);
@@ -168,7 +175,10 @@ impl Fit {
 fn scatter(cameras: &[Camera], runs: &[Vec<(u64, Sighted)>], search: &LagSearch) -> Vec<CameraNoise> {
     let frames = runs.iter().map(Vec::len).sum::<usize>();
     let some = runs.iter().flatten().step_by(frames.div_ceil(OFFSET_FRAMES).max(1));
-    offsets::estimate(cameras, &some.map(|(_, sighted)| sighted.clone()).collect::<Vec<_>>(), &search.offsets)
+    let some: Vec<Sighted> = some.map(|(_, sighted)| sighted.clone()).collect();
+    // Weights need no better: offsets of keypoints are estimated with the lags.
+    let roughly = offsets::Config { rounds: OFFSET_ROUNDS, ..search.offsets };
+    offsets::estimate(cameras, &some, &roughly)
 }
 
 /// Frames in which each camera shows what it saw when its clock said so.
