@@ -172,17 +172,14 @@ fn every_field_is_noticed() {
     let search = [("method", "annealed"), ("particles", "8"), ("layers", "2"), ("raster", "64"), ("draws", "1")];
     let colours = [("method", "hppf"), ("particles", "8"), ("raster", "64"), ("draws", "1")];
     let runs = [
-        [with_somebody_else(with_somebody_else(particles, 0), 1), Whole::lasting(FRAMES, &smoothed)],
-        [Whole::from_silhouettes(FRAMES, &search), Whole::from_pictures(FRAMES, &colours)],
+        with_somebody_else(with_somebody_else(particles, 0), 1),
+        Whole::lasting(FRAMES, &smoothed),
+        Whole::from_silhouettes(FRAMES, &search),
+        Whole::from_pictures(FRAMES, &colours),
     ];
     let mut noticed = Edits::new();
-    for pair in runs {
-        let known = &noticed;
-        let found: Vec<Edits> = std::thread::scope(|scope| {
-            let running = pair.each_ref().map(|whole| scope.spawn(move || edits(whole, known)));
-            running.into_iter().map(|one| one.join().unwrap()).collect()
-        });
-        for (edit, is_noticed) in found.into_iter().flatten() {
+    for whole in &runs {
+        for (edit, is_noticed) in edits(whole, &noticed) {
             *noticed.entry(edit).or_insert(false) |= is_noticed;
         }
     }
