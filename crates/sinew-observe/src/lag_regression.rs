@@ -274,12 +274,12 @@ fn summed(
                 let mut place = block.numbers.fixed_view_mut::<OWN, OWN>(at.0, at.1);
                 place += 0.5 * crossed;
                 for (part, by) in shape.into_iter().enumerate() {
-                    let of_b = OFFSET * b.camera + 2 * part;
-                    let mut place = block.between.fixed_view_mut::<OWN, 2>(at.0, of_b);
+                    let column = OFFSET * b.camera + 2 * part;
+                    let mut place = block.between.fixed_view_mut::<OWN, 2>(at.0, column);
                     place += by * whole.transpose() * weighted;
                     for (other, factor) in shape.into_iter().enumerate() {
-                        let of_a = OFFSET * a.camera + 2 * other;
-                        let mut place = block.offsets.fixed_view_mut::<2, 2>(of_a, of_b);
+                        let row = OFFSET * a.camera + 2 * other;
+                        let mut place = block.offsets.fixed_view_mut::<2, 2>(row, column);
                         place += factor * by * weighted;
                     }
                 }
