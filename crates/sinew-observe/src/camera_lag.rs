@@ -8,7 +8,7 @@
 //! r = J δ − (τ + s ρ) ∘ (J V) + b + ε     δ: error of the triangulated point, removed by projection
 //! ```
 //!
-//! is linear in the τ, drifts ρ and b of all cameras together, so that one late camera does not make another look early; s is the time, −1 in the first frame and 1 in the last. The b are a keypoint's own for some seconds (`lag_regression`):
+//! is linear in the τ, drifts ρ and b of all cameras together, so that one late camera does not make another look early; s is the time, −1 in the first frame and 1 in the last. The b are a keypoint's own for some seconds, and change evenly within them (`lag_regression`):
 //! of somebody who walks straight ahead, a lag and an offset look alike, and cameras that are not quite where their calibration says have other offsets wherever he is. It is the swing of his limbs that says how late a camera is. What is found is taken away, by interpolation between frames ([`crate::between_frames`]), and the rest is estimated again until nothing is left: V is constant over a few frames only, and velocities have errors. A lag common to all cameras is not
 //! seen: lags are those against the largest group of cameras that agree within half a frame, or against the first camera where all differ.
 //!

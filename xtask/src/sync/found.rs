@@ -20,7 +20,7 @@ pub(super) fn clocks(program: &Program, walk: &Walk) -> Outcome<Value> {
     answer(program, &folder.join("Calib.toml"), &folder.join("pose"), walk.fps)
 }
 
-/// ClockLag and its standard deviation of every camera; 0 and infinity where it was not found.
+/// Lag and its standard deviation of every camera; 0 and infinity where it was not found.
 pub(super) fn lags(found: &Value) -> Vec<[f64; 2]> {
     let cameras = found["cameras"].as_array().map(Vec::as_slice).unwrap_or_default();
     let number = |camera: &Value, name: &str, or: f64| camera[name].as_f64().unwrap_or(or);
