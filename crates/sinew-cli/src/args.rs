@@ -84,27 +84,6 @@ impl General {
         }
         settings
     }
-
-    /// Flags that were given and that a command has no use for.
-    pub(crate) fn unused(&self, command: &Command) -> Vec<&'static str> {
-        let used: &[&str] = match command {
-            Command::Demo(_) | Command::Track(_) | Command::Validate(_) => return vec![],
-            Command::Inspect(_) => &["config", "out", "force"],
-            Command::Sync(_) => &["config"],
-            Command::Learn { what: LearnCommand::Latent(_) } => &["out", "force", "threads"],
-            Command::Simulate(_) | Command::Learn { .. } => &["out", "force", "seed", "threads"],
-            Command::Convert(_) => &["force"],
-            Command::Segment(_)
-            | Command::Overlay(_)
-            | Command::Report(_)
-            | Command::Gait(_)
-            | Command::Predict(_)
-            | Command::FitShape(_) => &["out", "force"],
-            Command::Body { .. } | Command::Completions { .. } | Command::Man => &[],
-        };
-        let given = self.settings().into_iter().map(|(key, _)| key).chain(self.config.as_ref().map(|_| "config"));
-        given.filter(|key| !used.contains(key)).collect()
-    }
 }
 
 #[derive(Debug, Subcommand)]

@@ -15,7 +15,7 @@ use super::progress::PassProgress;
 use super::report::{self, Report};
 use super::report_page;
 use super::table::aligned;
-use super::threads::with_threads;
+use super::threads::{wanted, with_threads};
 use serde_json::json;
 use sinew::body::standard::EVALUATION_JOINTS;
 use sinew::config::{Resolved, Sources, resolve};
@@ -61,7 +61,7 @@ pub(crate) fn run(answer: Answer, general: &General, report: &Report) -> Result<
         layout: recording.layout.clone(),
         keypoints: recording.keypoints.clone(),
     };
-    let outcome = with_threads(&config, || {
+    let outcome = with_threads(wanted(&config), || {
         let mut progress = PassProgress::new(general);
         let stop = interrupt::flag("the frame");
         let mut at = |pass, done, total| progress.at(pass, done, total);

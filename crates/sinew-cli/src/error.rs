@@ -45,9 +45,9 @@ pub(crate) enum Error {
         /// The flag, without its dashes.
         flag: String,
     },
-    /// Clocks that no keypoints are there to compare.
-    #[error("no keypoints were given; clocks are compared by how keypoints move")]
-    NoKeypointsToSynchronise,
+    /// Clocks that no keypoints or cameras are there to compare.
+    #[error("no {0} given; clocks are compared by how keypoints move in calibrated cameras")]
+    NothingToSynchronise(&'static str),
     /// A command that writes, and no place to write to.
     #[error("no {} was given", .0.words())]
     NoPlace(Written),
@@ -186,7 +186,7 @@ impl Error {
             Self::SetupFrames { .. } => "`--setup-frames A..B` takes the numbers in the file names, A included, B not",
             Self::ForeignFlag { .. } => "leave it out, or put it after the command that it belongs to",
             Self::NoKeypointsToRead { .. } => "give the keypoint folder too, or leave the flag out",
-            Self::NoKeypointsToSynchronise => "give the keypoint folder with `--keypoints`",
+            Self::NothingToSynchronise(_) => "try `--calibration Calib.toml --keypoints pose --fps 60`",
             Self::NothingToValidate => "give the keypoints of at least three cameras with `--keypoints`",
             Self::SetupToValidate => "leave `setup` out: each run makes its own from the cameras that it uses",
             Self::TooFewToLeaveOut(_) => "give more cameras, or judge the run by other means (`sinew predict`)",

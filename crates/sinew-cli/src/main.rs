@@ -44,14 +44,16 @@ mod validate;
 mod write_calibration;
 
 use args::{Cli, Command, General};
-use clap::Parser as _;
+use clap::FromArgMatches as _;
 use learn_args::LearnCommand;
 use report::Report;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    let cli = match Cli::try_parse() {
-        Ok(cli) => cli,
+    let parsed =
+        misplaced::command().try_get_matches().and_then(|matches| Ok((Cli::from_arg_matches(&matches)?, matches)));
+    let (cli, matches) = match parsed {
+        Ok(parsed) => parsed,
         Err(wrong) => {
             let Some(error) = misplaced::flag(&wrong) else { wrong.exit() };
             Report::new(&General::default()).error(&error);
@@ -59,8 +61,10 @@ fn main() -> ExitCode {
         }
     };
     let report = Report::new(&cli.general);
-    let unused: Vec<String> =
-        cli.general.unused(&cli.command).iter().map(|flag| format!("`--{flag}` has no use in this command")).collect();
+    let unused: Vec<String> = misplaced::unused(&cli.general, &matches)
+        .iter()
+        .map(|flag| format!("`--{flag}` has no use in this command"))
+        .collect();
     report.warnings(&unused);
     let ended = match &cli.command {
         Command::Demo(answer) => demo::run(*answer, &cli.general, &report),

@@ -1,15 +1,14 @@
 //! Shell completions and the manual page, made from the arguments.
 
-use super::args::Cli;
 use super::ended::Ended;
 use super::error::Error;
+use super::misplaced;
 use super::report;
-use clap::CommandFactory as _;
 
 /// Prints completions for a shell.
 pub(crate) fn completions(shell: clap_complete::Shell) -> Result<Ended, Error> {
     let mut text = Vec::new();
-    clap_complete::generate(shell, &mut Cli::command(), "sinew", &mut text);
+    clap_complete::generate(shell, &mut misplaced::command(), "sinew", &mut text);
     report::answer(&String::from_utf8_lossy(&text))?;
     Ok(Ended::Done)
 }
@@ -17,8 +16,7 @@ pub(crate) fn completions(shell: clap_complete::Shell) -> Result<Ended, Error> {
 /// Prints the manual page of the program and of every command.
 pub(crate) fn man() -> Result<Ended, Error> {
     let mut text = Vec::new();
-    let mut command = Cli::command();
-    command.build();
+    let command = misplaced::command();
     let below = |page| std::iter::once(page).chain(clap::Command::get_subcommands(page));
     let pages = std::iter::once(&command).chain(command.get_subcommands().flat_map(below));
     for page in pages.filter(|page| !page.is_hide_set()) {

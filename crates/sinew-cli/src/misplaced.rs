@@ -1,9 +1,58 @@
 //! Flags given to a command that has no use for them.
 
-use super::args::Cli;
+use super::args::{Cli, General};
 use super::error::Error;
-use clap::CommandFactory as _;
 use clap::error::{ContextKind, ContextValue, ErrorKind};
+use clap::{ArgMatches, CommandFactory as _};
+
+/// General flags that not every command uses.
+const USED_BY_SOME: [&str; 5] = ["out", "force", "config", "seed", "threads"];
+
+/// Which of these a command uses.
+fn used(command: &str) -> &'static [&'static str] {
+    match command {
+        "demo" | "track" | "validate" => &USED_BY_SOME,
+        "inspect" => &["config", "out", "force"],
+        "sync" => &["config"],
+        "latent" => &["out", "force", "threads"],
+        "simulate" | "primitives" => &["out", "force", "seed", "threads"],
+        "convert" => &["force"],
+        "segment" | "overlay" | "report" | "gait" | "predict" | "fit-shape" => &["out", "force"],
+        _ => &[],
+    }
+}
+
+/// The program's arguments; the help of a command shows the flags that it uses.
+pub(crate) fn command() -> clap::Command {
+    let mut command = Cli::command();
+    command.build();
+    hide_unused(&mut command);
+    command
+}
+
+fn hide_unused(command: &mut clap::Command) {
+    for below in command.get_subcommands_mut() {
+        let used = used(below.get_name());
+        if below.has_subcommands() {
+            hide_unused(below);
+        } else {
+            let is_unused = |flag: &str| USED_BY_SOME.contains(&flag) && !used.contains(&flag);
+            let hidden = |flag: clap::Arg| if is_unused(flag.get_id().as_str()) { flag.hide(true) } else { flag };
+            *below = std::mem::take(below).mut_args(hidden);
+        }
+    }
+}
+
+/// General flags that were given and that the command has no use for.
+pub(crate) fn unused(general: &General, matches: &ArgMatches) -> Vec<&'static str> {
+    let mut innermost = ("", matches);
+    while let Some(below) = innermost.1.subcommand() {
+        innermost = below;
+    }
+    let used = used(innermost.0);
+    let given = general.settings().into_iter().map(|(key, _)| key).chain(general.config.as_ref().map(|_| "config"));
+    given.filter(|key| !used.contains(key)).collect()
+}
 
 /// What is wrong, if the arguments hold a flag of other commands.
 pub(crate) fn flag(error: &clap::Error) -> Option<Error> {

@@ -9,7 +9,7 @@ use super::report::{self, Report};
 use super::simulate_crowd;
 use super::simulated_files::{CALIBRATION, FOLDERS, README, TRUTH, WALK_S, clear, track_command, write};
 use super::table::aligned;
-use super::threads::with_threads;
+use super::threads::{wanted, with_threads};
 use rayon::prelude::*;
 use serde_json::json;
 use sinew::config::{Sources, TrackConfig, resolve};
@@ -48,10 +48,10 @@ pub(crate) fn run(args: &SimulateArgs, general: &General, report: &Report) -> Re
     let claim = claimed(&config, &inputs, report)?;
     let ring = Ring { cameras: args.cameras, image_size_px: args.size.map(f64::from), ..Ring::SMALL_PICTURES };
     let footage = SyntheticFootage::new(motion, args.fps, &ring, config.tracking.seed).map_err(Error::Scene)?;
-    clear(&config.out)?;
+    clear(&config.out, &FOLDERS)?;
     write_points(&footage, config.tracking.seed, &config.out)?;
     let total = footage.frames();
-    with_threads(&config, || {
+    with_threads(wanted(&config), || {
         let mut progress = Progress::start(general, "simulate", total as u64);
         for frame in 0..total {
             let write_camera = |camera| write_images(&footage, camera, frame, args, &config.out);

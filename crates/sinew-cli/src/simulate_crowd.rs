@@ -36,7 +36,7 @@ pub(crate) fn run(args: &SimulateArgs, config: &TrackConfig, report: &Report) ->
     };
     let seed = config.tracking.seed;
     let recording = CrowdRecording::new(&crowd, seed).map_err(Error::Scene)?;
-    clear(&config.out)?;
+    clear(&config.out, &FOLDERS[..1])?;
     for camera in &recording.cameras {
         let folder = config.out.join(FOLDERS[0]).join(format!("{}_json", camera.name));
         fs::create_dir_all(&folder).map_err(sinew::Error::io("create", &folder))?;

@@ -16,8 +16,8 @@ pub(crate) fn write(path: &Path, bytes: &[u8]) -> Result<(), sinew::Error> {
     fs::write(path, bytes).map_err(sinew::Error::io("write", path))
 }
 
-/// Takes away what a former run wrote here.
-pub(crate) fn clear(out: &Path) -> Result<(), sinew::Error> {
+/// Takes away what a former run wrote here, and makes the folders that this one fills.
+pub(crate) fn clear(out: &Path, filled: &[&str]) -> Result<(), sinew::Error> {
     for path in [README, TRUTH, CALIBRATION].map(|name| out.join(name)) {
         if path.exists() {
             fs::remove_file(&path).map_err(sinew::Error::io("replace", &path))?;
@@ -32,6 +32,8 @@ pub(crate) fn clear(out: &Path) -> Result<(), sinew::Error> {
         if path.exists() {
             fs::remove_dir_all(&path).map_err(sinew::Error::io("replace", &path))?;
         }
+    }
+    for path in filled.iter().map(|name| out.join(name)) {
         fs::create_dir_all(&path).map_err(sinew::Error::io("create", &path))?;
     }
     Ok(())

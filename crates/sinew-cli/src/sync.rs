@@ -7,7 +7,6 @@ use super::interrupt;
 use super::report::{self, Report};
 use super::settings::{reading, settings};
 use super::table::aligned;
-use super::track_pieces::calibration;
 use serde_json::json;
 use sinew::config::track::DEFAULT_FPS;
 use sinew::config::{Resolved, TrackConfig};
@@ -47,11 +46,15 @@ pub(crate) fn synchronised(
 }
 
 fn found(config: &TrackConfig, most: u64) -> Result<FoundClocks, Error> {
-    let calibration = calibration(config)?;
-    let keypoints = config.keypoints.as_deref().ok_or(Error::NoKeypointsToSynchronise)?;
+    let (calibration, keypoints) = match (&config.calibration, &config.keypoints) {
+        (Some(calibration), Some(keypoints)) => (calibration, keypoints),
+        (None, None) => return Err(Error::NothingToSynchronise("calibration and no keypoints were")),
+        (None, _) => return Err(Error::NothingToSynchronise("calibration was")),
+        (_, None) => return Err(Error::NothingToSynchronise("keypoints were")),
+    };
     let stop = interrupt::flag("the frame");
     let request = SyncRequest { most, fps: config.settings()?.fps };
-    synchronise(&calibration, keypoints, &reading(config), &request, || {
+    synchronise(calibration, keypoints, &reading(config), &request, || {
         if stop.load(Ordering::Relaxed) {
             return Err(sinew::Error::Interrupted("while clocks were compared; nothing was written").into());
         }

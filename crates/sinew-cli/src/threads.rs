@@ -1,17 +1,70 @@
-//! A pool of the threads that the settings ask for.
+//! The threads that the settings ask for: pools of them, and runs beside each other.
 
 use super::error::Error;
 use sinew::config::TrackConfig;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Mutex, PoisonError};
 
-/// Runs in a pool of the requested threads.
+/// How many threads the settings ask for, or the system grants.
+pub(crate) fn wanted(config: &TrackConfig) -> usize {
+    config.threads.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, |n| n.get()))
+}
+
+/// Runs in a pool of that many threads.
 pub(crate) fn with_threads<T: Send, E: Send>(
-    config: &TrackConfig,
+    threads: usize,
     run: impl FnOnce() -> Result<T, E> + Send,
 ) -> Result<T, Error>
 where
     Error: From<E>,
 {
-    let granted = std::thread::available_parallelism().map_or(1, |n| n.get());
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(config.threads.unwrap_or(granted)).build();
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
     Ok(pool.map_err(Error::Threads)?.install(run)?)
+}
+
+/// Does `one(i)` for every i below `count`, `workers` of them at a time, and returns what they came to in order.
+///
+/// Nothing is begun after one that `ends`; what was not begun is `None`.
+pub(crate) fn beside_each_other<T: Send>(
+    count: usize,
+    workers: usize,
+    one: impl Fn(usize) -> T + Sync,
+    ends: impl Fn(&T) -> bool + Sync,
+) -> Vec<Option<T>> {
+    let next = AtomicUsize::new(0);
+    let came_to: Mutex<Vec<Option<T>>> = Mutex::new((0..count).map(|_| None).collect());
+    let work = || {
+        loop {
+            let index = next.fetch_add(1, Ordering::Relaxed);
+            if index >= count {
+                return;
+            }
+            let outcome = one(index);
+            if ends(&outcome) {
+                next.store(count, Ordering::Relaxed);
+            }
+            came_to.lock().unwrap_or_else(PoisonError::into_inner)[index] = Some(outcome);
+        }
+    };
+    std::thread::scope(|scope| (0..workers).for_each(|_| drop(scope.spawn(work))));
+    came_to.into_inner().unwrap_or_else(PoisonError::into_inner)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_runs_beside_each_other_comes_in_order() {
+        for workers in [1, 2, 5] {
+            let squares = beside_each_other(9, workers, |index| index * index, |_| false);
+            assert_eq!(squares, (0..9).map(|index| Some(index * index)).collect::<Vec<_>>());
+        }
+    }
+
+    #[test]
+    fn nothing_is_begun_after_an_end() {
+        let one_by_one = beside_each_other(9, 1, |index| index, |index| *index == 3);
+        assert_eq!(one_by_one, [Some(0), Some(1), Some(2), Some(3), None, None, None, None, None]);
+    }
 }

@@ -12,7 +12,7 @@ use super::report_page;
 use super::resume::{Stopped, complete, same_run, stopped_run};
 use super::settings::{reading, settings};
 use super::table::table;
-use super::threads::with_threads;
+use super::threads::{wanted, with_threads};
 use super::track_pieces::{RESUME, calibration, setup_frames, show};
 use super::{sync, track_people, write_calibration};
 use sinew::config::{Resolved, TrackConfig};
@@ -152,7 +152,7 @@ fn tracked(
     from: Option<Checkpoint>,
     general: &General,
 ) -> Result<Outcome, Error> {
-    with_threads(&resolved.track(), || {
+    with_threads(wanted(&resolved.track()), || {
         let mut progress = PassProgress::new(general);
         let stop = interrupt::flag("the frame");
         let mut at = |pass, done, total| progress.at(pass, done, total);

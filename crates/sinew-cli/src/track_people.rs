@@ -1,19 +1,20 @@
 //! `sinew track` of everybody: who is there, then a run a person, each into a folder of its own.
 //!
 //! A person is tracked as though he were alone, with the same seed: results of one depend on others only where it is decided who is who.
+//! People are tracked beside each other where there are threads for it.
 
 use super::args::{General, TrackArgs};
 use super::ended::Ended;
 use super::error::Error;
 use super::gait;
 use super::interrupt;
-use super::progress::{PassProgress, Progress};
+use super::progress::Progress;
 use super::report::{self, Report};
 use super::report_page;
 use super::resume::{Stopped, same_run, stopped_run};
 use super::settings::reading;
 use super::table::columns;
-use super::threads::with_threads;
+use super::threads::{beside_each_other, wanted, with_threads};
 use super::track_pieces::{RESUME, setup_frames, show};
 use super::write_calibration;
 use sinew::config::{Resolved, TrackConfig};
@@ -25,9 +26,10 @@ use sinew::observe::association;
 use sinew::results::people::{PeopleSummary, person_folder};
 use sinew::results::{Claim, OWN_NAMES, RESULT_NAMES, ResultFolder, claim, claim_to_resume};
 use sinew::track::checkpoint::Checkpoint;
-use sinew::track::job::{self, Watch};
+use sinew::track::job::{self, RunPhase, Watch};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
 
 /// Everybody, if there are several, and the output folder, if it was `claimed` before they were looked for.
 pub(crate) fn looked_for(
@@ -102,29 +104,8 @@ pub(crate) fn run(
     let mut summary = PeopleSummary::begun(cameras, &roll.people);
     summary.write(&config.out)?;
     report.note(&format!("{} people, each tracked into a folder of {}", roll.people.len(), config.out.display()));
-    let mut interrupted = false;
-    let mut refused = None;
-    for person in 0..roll.people.len() {
-        let tracked = &mut summary.people[person];
-        match one(&run, person) {
-            Ok(Tracked { complete, failed_diagnostics }) => {
-                tracked.failed_diagnostics = failed_diagnostics;
-                tracked.complete = complete;
-                interrupted = !complete;
-            }
-            Err(Error::Library(sinew::Error::Interrupted(_))) => interrupted = true,
-            Err(Error::Library(error @ (sinew::Error::Recording(_) | sinew::Error::Tracking(_)))) => {
-                report.warnings(&[format!("person {} is not tracked: {error}", person + 1)]);
-                tracked.failed = Some(error.to_string());
-                refused = refused.or(Some(error));
-            }
-            Err(error) => return Err(error),
-        }
-        if interrupted {
-            break;
-        }
-    }
-    summary.complete = !interrupted;
+    let refused = everybody(&run, &config, &mut summary)?;
+    let interrupted = !summary.complete;
     summary.write(&config.out)?;
     if let Some(path) = args.write_calibration.as_ref().filter(|_| !interrupted) {
         write_calibration::write(
@@ -138,6 +119,75 @@ pub(crate) fn run(
     match refused.filter(|_| summary.people.iter().all(|person| person.failed.is_some())) {
         Some(error) => Err(error.into()),
         None => Ok(ended),
+    }
+}
+
+/// Tracks people beside each other, as many as there are threads; the first error that only concerns one of them.
+fn everybody(run: &Run<'_>, config: &TrackConfig, summary: &mut PeopleSummary) -> Result<Option<sinew::Error>, Error> {
+    let (people, threads) = (run.roll.people.len(), wanted(config));
+    let workers = threads.min(people);
+    let progress = PeopleProgress::start(run, config.smooth);
+    let track = |person| one(run, person, threads / workers, &progress);
+    let ends = |outcome: &Result<Tracked, Error>| match outcome {
+        Ok(tracked) => !tracked.complete,
+        Err(Error::Library(error)) => !is_refusal(error),
+        Err(_) => true,
+    };
+    let outcomes = beside_each_other(people, workers, track, ends);
+    drop(progress);
+    let mut refused = None;
+    let mut interrupted = false;
+    for (tracked, outcome) in summary.people.iter_mut().zip(outcomes) {
+        match outcome {
+            Some(Ok(Tracked { complete, failed_diagnostics, warnings })) => {
+                let said = |warning: &String| format!("person {}: {warning}", tracked.person);
+                run.report.warnings(&warnings.iter().map(said).collect::<Vec<_>>());
+                tracked.failed_diagnostics = failed_diagnostics;
+                tracked.complete = complete;
+                interrupted |= !complete;
+            }
+            Some(Err(Error::Library(error))) if is_refusal(&error) => {
+                run.report.warnings(&[format!("person {} is not tracked: {error}", tracked.person)]);
+                tracked.failed = Some(error.to_string());
+                refused = refused.or(Some(error));
+            }
+            Some(Err(Error::Library(sinew::Error::Interrupted(_)))) | None => interrupted = true,
+            Some(Err(error)) => return Err(error),
+        }
+    }
+    summary.complete = !interrupted;
+    Ok(refused)
+}
+
+/// Whether a person cannot be tracked, and others may be.
+const fn is_refusal(error: &sinew::Error) -> bool {
+    matches!(error, sinew::Error::Recording(_) | sinew::Error::Tracking(_))
+}
+
+/// Progress over everybody's frames.
+struct PeopleProgress {
+    shown: Mutex<(Progress, Vec<[u64; 2]>)>,
+}
+
+impl PeopleProgress {
+    fn start(run: &Run<'_>, smooth: bool) -> Self {
+        let people = &run.roll.people;
+        let frames: u64 = people.iter().map(|person| person.frames.end - person.frames.start).sum();
+        let total = if smooth { 2 * frames } else { frames };
+        let progress = Progress::counting(run.general, "tracking", "frames of all", total);
+        Self { shown: Mutex::new((progress, vec![[0; 2]; people.len()])) }
+    }
+
+    fn at(&self, person: usize, pass: RunPhase, done: u64) {
+        let place = match pass {
+            RunPhase::Track => 0,
+            RunPhase::Smooth => 1,
+            RunPhase::Check | RunPhase::SetUp => return,
+        };
+        let mut shown = self.shown.lock().unwrap_or_else(PoisonError::into_inner);
+        shown.1[person][place] = done;
+        let all = shown.1.iter().flatten().sum();
+        shown.0.at(all);
     }
 }
 
@@ -177,10 +227,11 @@ fn removed(path: &Path) -> Result<(), Error> {
 struct Tracked {
     complete: bool,
     failed_diagnostics: Vec<String>,
+    warnings: Vec<String>,
 }
 
 /// One person, from the beginning or from where his run was stopped.
-fn one(run: &Run<'_>, person: usize) -> Result<Tracked, Error> {
+fn one(run: &Run<'_>, person: usize, threads: usize, progress: &PeopleProgress) -> Result<Tracked, Error> {
     let out = run.resolved.track().out.join(person_folder(person));
     let resolved = run.resolved.into_folder(&out);
     let config = resolved.track();
@@ -191,20 +242,25 @@ fn one(run: &Run<'_>, person: usize) -> Result<Tracked, Error> {
         match stopped_run(&config, run.read_from, run.report)? {
             Stopped::Complete(claim, summary) => {
                 let hashes = |source: &OnePerson<'_, Footage>| source.source.input_hashes();
-                same_run(&mut source, frames, &resolved, &claim, &summary, run.general, hashes)?;
+                let silent = General { no_progress: true, ..run.general.clone() };
+                same_run(&mut source, frames, &resolved, &claim, &summary, &silent, hashes)?;
                 ResultFolder::forget(&claim)?;
                 show(run.args, run.calibration, &out, run.report)?;
-                return Ok(Tracked { complete: true, failed_diagnostics: failed_in(&summary) });
+                progress.at(
+                    person,
+                    RunPhase::Track,
+                    run.roll.people[person].frames.end - run.roll.people[person].frames.start,
+                );
+                return Ok(Tracked { complete: true, failed_diagnostics: failed_in(&summary), warnings: vec![] });
             }
             Stopped::At(claim, checkpoint) => (claim, Some(*checkpoint)),
         }
     } else {
         (claim(&out, run.read_from, config.force)?, None)
     };
-    let outcome = with_threads(&config, || {
-        let mut progress = PassProgress::new(run.general);
+    let outcome = with_threads(threads, || {
         let stop = interrupt::flag("the frame");
-        let mut at = |pass, done, total| progress.at(pass, done, total);
+        let mut at = |pass, done, _| progress.at(person, pass, done);
         let mut watch = Watch { progress: &mut at, stop: &stop };
         let inputs = |source: &OnePerson<'_, Footage>| (source.source.warnings(), source.source.input_hashes());
         job::track(&mut source, frames, &resolved, claim, &mut watch, inputs, from)
@@ -212,10 +268,12 @@ fn one(run: &Run<'_>, person: usize) -> Result<Tracked, Error> {
     if outcome.summary.frame_count > 0 {
         show(run.args, run.calibration, &out, run.report)?;
     }
-    let said = |warning: &String| format!("person {}: {warning}", person + 1);
-    run.report.warnings(&outcome.summary.warnings.iter().map(said).collect::<Vec<_>>());
-    let failed_diagnostics = outcome.summary.failed_diagnostics;
-    Ok(Tracked { complete: outcome.summary.complete, failed_diagnostics })
+    let summary = outcome.summary;
+    Ok(Tracked {
+        complete: summary.complete,
+        failed_diagnostics: summary.failed_diagnostics,
+        warnings: summary.warnings,
+    })
 }
 
 /// Frames for the set-up that show the person, or all of his where there are none.

@@ -7,7 +7,7 @@ use super::super::interrupt;
 use super::super::learn_args::LatentArgs;
 use super::super::report::{self, Report};
 use super::super::table::aligned;
-use super::super::threads::with_threads;
+use super::super::threads::{wanted, with_threads};
 use super::{PhaseProgress, fit_as_json, fit_rows, motion_files, place};
 use serde_json::json;
 use sinew_latent::file::LatentKind;
@@ -36,7 +36,7 @@ pub(crate) fn run(args: &LatentArgs, general: &General, report: &Report) -> Resu
     let shown = PhaseProgress::new(general, "steps");
     let mut progress = |phase, done, total| shown.at(phase, done, total);
     let mut step = |at: &Progress| shown.detail(|progress| progress.value(at.steps, "objective", at.objective));
-    let learned = with_threads(&config, || {
+    let learned = with_threads(wanted(&config), || {
         let mut warning = |warning: &str| report.warnings(&[warning.to_owned()]);
         let mut watch = LatentWatch { progress: &mut progress, step: &mut step, warning: &mut warning, stop: &stop };
         learn(&request, Path::new(out), general.force, &mut watch)

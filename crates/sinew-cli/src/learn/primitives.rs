@@ -7,7 +7,7 @@ use super::super::interrupt;
 use super::super::learn_args::PrimitivesArgs;
 use super::super::report::{self, Report};
 use super::super::table::{aligned, columns};
-use super::super::threads::with_threads;
+use super::super::threads::{wanted, with_threads};
 use super::{PhaseProgress, fit_as_json, fit_rows, motion_files, place};
 use serde_json::json;
 use sinew::dynamics::primitives::learning::LearningProgress;
@@ -37,7 +37,7 @@ pub(crate) fn run(args: &PrimitivesArgs, general: &General, report: &Report) -> 
         }
         before = at.log_likelihood;
     };
-    let learned = with_threads(&config, || {
+    let learned = with_threads(wanted(&config), || {
         let mut watch = LearnWatch { progress: &mut progress, iteration: &mut iteration, stop: &stop };
         learn(&request, Path::new(out), general.force, &mut watch)
     })?;
