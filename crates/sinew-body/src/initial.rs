@@ -4,7 +4,8 @@
 //!    the singular value decomposition of the cross-covariance (Kabsch 1976, with the determinant kept at +1). Without a trunk all points serve.
 //! 2. **Limbs**: where a link turns about z, y, x, its only child hinges about x, and both of them point along −z, the measured ends of the two say everything:
 //!    the upper part's −z axis points to the middle joint, and its x axis is normal to the plane of the limb, on the side on which the hinge bends naturally
-//!    (arms forward, legs backward). Elbows and knees so start on the right side of straight.
+//!    (arms forward, legs backward). Where it bends by less than `NEARLY_STRAIGHT` to the other side as the trunk sees it, errors of the points do that, and not a limb turned by half a turn:
+//!    then the x axis stays on the trunk's side, and the hinge starts a little beyond straight.
 //! 3. Everything else starts at 0.
 
 use crate::fit::{Target, measured};
@@ -16,6 +17,8 @@ use sinew_core::lanes::Isa;
 /// Points that turn with the root; enough of them give position and heading.
 const TRUNK: [&str; 7] = ["LHip", "RHip", "LShoulder", "RShoulder", "Neck", "MidHip", "Spine"];
 const FEWEST: usize = 3;
+/// Bends below which errors of the points can turn the plane of a limb round, radians: 40°.
+const NEARLY_STRAIGHT: f64 = 40.0 * core::f64::consts::PI / 180.0;
 
 /// A pose near the measured points (one entry per point of the tree); `None` where fewer than three are known or all lie on a line, or where the root does not
 /// move as in the standard bodies (translations, then rotations about z, y, x).
@@ -57,11 +60,10 @@ pub fn initial_pose(tree: &KinematicTree, targets: &[Option<Target>]) -> Option<
         let origin = at(link.parent?, Some(link.offset)).unwrap_or_else(|| rotation * zero + translation);
         // Legs hang from below the root's origin, arms from above it.
         let bends_forward = zero[2] > 0.0;
-        if let Some(limb) = limb_rotation(middle - origin, end - middle, &rotation, bends_forward) {
+        if let Some((limb, bend)) = limb_rotation(middle - origin, end - middle, &rotation, bends_forward) {
             let first = tree.first_dof(index);
             pose[first..first + 3].copy_from_slice(&zyx(&(rotation.transpose() * limb)));
-            let flexion = (middle - origin).angle(&(end - middle));
-            pose[tree.first_dof(child)] = if bends_forward { flexion } else { -flexion };
+            pose[tree.first_dof(child)] = if bends_forward { bend } else { -bend };
         }
     }
     Some(pose)
@@ -78,25 +80,28 @@ fn zero_origin(tree: &KinematicTree, link: usize) -> Vector3<f64> {
     origin
 }
 
-/// World rotation of the upper part of a limb with the given directions of its two parts.
+/// World rotation of the upper part of a limb with the given directions of its two parts, and the bend of its hinge, radians, positive the natural way.
 fn limb_rotation(
     upper: Vector3<f64>,
     lower: Vector3<f64>,
     trunk: &Matrix3<f64>,
     bends_forward: bool,
-) -> Option<Matrix3<f64>> {
+) -> Option<(Matrix3<f64>, f64)> {
     let z = -upper.try_normalize(1e-9)?;
     // A turn about +x takes −z towards +y, forward.
     let normal = if bends_forward { upper.cross(&lower) } else { lower.cross(&upper) };
     let hint = trunk.column(0).into_owned();
     // A straight limb has no plane: then the trunk's x axis is as good as any.
     let straight = normal.norm() < 0.1 * upper.norm() * lower.norm();
+    let bend = upper.angle(&lower);
+    let is_turned_round = bend < NEARLY_STRAIGHT && normal.dot(&hint) < 0.0;
+    let (normal, bend) = if is_turned_round { (-normal, -bend) } else { (normal, bend) };
     let x = if straight { hint - z * z.dot(&hint) } else { normal };
     let x = x.try_normalize(1e-6).or_else(|| {
         let forward = trunk.column(1).into_owned();
         forward.cross(&z).try_normalize(1e-6)
     })?;
-    Some(Matrix3::from_columns(&[x, z.cross(&x), z]))
+    Some((Matrix3::from_columns(&[x, z.cross(&x), z]), bend))
 }
 
 fn rigid_motion(targets: &[(usize, Target)], rest: &[f64]) -> Option<(Matrix3<f64>, Vector3<f64>)> {

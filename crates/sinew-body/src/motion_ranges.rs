@@ -6,6 +6,7 @@
 //! |---|---|---|
 //! | knee: flexion, extension | 141.9, 1.6 | S |
 //! | elbow: flexion, extension | 150.0, 4.7 | S |
+//! | thigh: turn | 90 to each side | twice the 45 of A: the coordinate is the rotation of the hip only where the thigh hangs |
 //! | ankle: plantarflexion, dorsiflexion | 62.1, 20 | S, A (S has 13.8 without weight on the foot) |
 //! | foot: inversion, eversion | 35, 15 | A |
 //! | head: turn, bend to the side | 60, 45 to each side | A |
@@ -15,12 +16,13 @@
 //! S: Soucie, Wang, Forsyth, Funk, Denny, Roach & Boone (2011), Range of motion measurements: reference values and a database for comparison studies, Haemophilia 17, 500–507; means of women of 20 to 44
 //! years, who move farther than men. A: American Academy of Orthopaedic Surgeons (1965), Joint Motion: Method of Measuring and Recording.
 //!
-//! Hips and shoulders have none: their three coordinates turn in another order than the angles that were measured, and each range depends on the other two. Nor has the nod of the head, for which a face has no zero.
+//! Other coordinates of hips, and shoulders, have none: they turn in another order than the angles that were measured, and each range depends on the other two. Nor has the nod of the head, for which a face has no zero.
 
 use crate::tree::KinematicTree;
 
 /// Link and axis of a coordinate on the right or in the middle, and its range, degrees.
-const RANGES: [(&str, [f64; 2]); 10] = [
+const RANGES: [(&str, [f64; 2]); 11] = [
+    ("r_thigh.rz", [-90.0, 90.0]),
     ("r_shin.rx", [-141.9, 1.6]),
     ("r_forearm.rx", [-4.7, 150.0]),
     ("r_foot.rx", [-62.1, 20.0]),

@@ -172,3 +172,21 @@ fn too_little_gives_no_pose() {
     let slider = KinematicTree::new(vec![fixed], (0..4).map(point).collect()).unwrap();
     assert_eq!(initial_pose(&slider, &targets(&slider, &[0.5])), None);
 }
+
+/// Errors of points bend a nearly straight knee forward: it starts a little beyond straight, and not on a thigh that is turned by half a turn.
+#[test]
+fn a_straight_knee_that_errors_bend_forward_stays_on_its_thigh() {
+    let tree = h32(&Proportions::default());
+    let mut truth = vec![0.0; tree.dof()];
+    let hinge = tree.first_dof(tree.link_index("l_shin").unwrap());
+    let turn = tree.first_dof(tree.link_index("l_thigh").unwrap());
+    for bend in [-0.6, -0.2, 0.1, 0.2, 0.6] {
+        truth[hinge] = bend;
+        let found = initial_pose(&tree, &targets(&tree, &truth)).unwrap();
+        assert!((found[hinge] - bend).abs() < 1e-6 && found[turn].abs() < 1e-6, "{bend}: {:?}", &found[turn..turn + 4]);
+    }
+    // So far no knee bends forward: the leg is turned round.
+    truth[hinge] = 1.2;
+    let found = initial_pose(&tree, &targets(&tree, &truth)).unwrap();
+    assert!(found[hinge] < -1.1 && found[turn].abs() > 3.0, "{:?}", &found[turn..turn + 4]);
+}

@@ -40,6 +40,9 @@ pub(crate) fn synchronised(
     let config = resolved.track();
     let found = found(&config, MOST_APART)?;
     report.note(&shown(&found, config.fps));
+    let unknown = found.cameras.iter().filter(|clock| clock.lag.is_none());
+    let said = |clock: &FoundClock| format!("the lag of `{}` is unknown; it is taken as declared", clock.camera);
+    report.warnings(&unknown.map(said).collect::<Vec<_>>());
     let Some(lag) = found.setting() else { return Ok(resolved) };
     let others = flags.iter().filter(|(key, _)| *key != "lag").cloned();
     settings(&others.chain([("lag", lag)]).collect::<Vec<_>>(), general)
@@ -69,13 +72,19 @@ fn shown(found: &FoundClocks, fps: Option<f64>) -> String {
     let mend = match found.setting() {
         Some(setting) => format!("--lag {setting}\n"),
         None if found.cameras.iter().any(|clock| clock.lag.is_none()) => "nothing is known to mend\n".into(),
-        None => "all cameras are in step\n".into(),
+        None => format!("all cameras are in step (± {:.2} frames)\n", widest_sd(found)),
     };
     aligned(&rows) + &mend
 }
 
+fn widest_sd(found: &FoundClocks) -> f64 {
+    found.cameras.iter().filter_map(|clock| Some(clock.lag?.sd)).fold(0.0, f64::max)
+}
+
 fn words(clock: &FoundClock, fps: Option<f64>) -> String {
-    let Some(lag) = clock.lag else { return "unknown: too little motion that it shares with other cameras".into() };
+    let Some(lag) = clock.lag else {
+        return "unknown: its lag does not show in what it shares with other cameras".into();
+    };
     let side = if lag.frames < 0.0 { "early" } else { "late" };
     let frames = lag.frames.abs();
     let time =

@@ -18,8 +18,6 @@ use std::collections::BTreeMap;
 pub(crate) const OWN: usize = 2;
 /// Seconds for which a keypoint's offset in a camera lasts.
 const BLOCK_S: f64 = 4.0;
-/// Standard deviation of that offset, and of its change in half of that time, pixels.
-const OFFSET_PX: f64 = 100.0;
 /// Numbers of an offset: where it is in the middle, and its change in half of that time, two each.
 const OFFSET: usize = 4;
 /// Distance of two velocities of a point, in medians of it, from which on one of them comes from something else.
@@ -158,38 +156,57 @@ struct Block {
     score_of_offsets: DVector<f64>,
 }
 
-/// What is left of the numbers of all cameras beyond `total`, and their covariance; `None` where velocities have nothing in common but errors.
+/// Standard deviations of priors about 0.
+pub(crate) struct PriorSds {
+    /// Lag and drift of a camera, frames.
+    pub(crate) own: [f64; OWN],
+    /// Offset of a keypoint, and its change in half of the time that it lasts, pixels.
+    pub(crate) offset_px: f64,
+}
+
+/// What sights say.
+pub(crate) struct Regression {
+    /// What is left of the numbers of all cameras.
+    pub(crate) rest: DVector<f64>,
+    pub(crate) covariance: DMatrix<f64>,
+    /// Mean loss of a view, in squared standard deviations.
+    pub(crate) loss: f64,
+}
+
+/// What is left of the numbers of all cameras beyond `total`; `None` where velocities have nothing in common but errors.
 ///
-/// Priors are about 0 with the standard deviations of a lag and a drift.
 pub(crate) fn regression(
     noise: &[CameraNoise],
     sights: &[Sight],
     total: &DVector<f64>,
-    prior_sd: [f64; OWN],
-) -> Option<(DVector<f64>, DMatrix<f64>)> {
+    prior: &PriorSds,
+) -> Option<Regression> {
     let size = total.len();
     let sigma: Vec<f64> = noise.iter().map(|n| if n.sigma_px.is_finite() { n.sigma_px } else { 1.0 }).collect();
-    let prior = DMatrix::from_diagonal(&DVector::from_fn(size, |i, _| prior_sd[i % OWN].powi(-2)));
+    let prior_of_offsets = prior.offset_px.powi(-2);
+    let prior = DMatrix::from_diagonal(&DVector::from_fn(size, |i, _| prior.own[i % OWN].powi(-2)));
     let blocks: Vec<&[Sight]> = sights.chunk_by(|a, b| a.block == b.block).collect();
     let pixels = OFFSET * noise.len();
     let mut offsets = vec![DVector::zeros(pixels); blocks.len()];
     let mut solution = DVector::zeros(size);
     let mut covariance = DMatrix::zeros(size, size);
+    let mut loss = 0.0;
     for _ in 0..WEIGHTINGS {
-        let mut sums = [0.0; 2];
+        let mut sums = Sums::default();
         let summed: Vec<Block> = (blocks.iter().zip(&offsets))
             .map(|(sights, offsets)| summed(sights, &sigma, &solution, offsets, &mut sums))
             .collect();
         // The derivative of a weighted residual is less than its weight, on the whole by this share (Huber 1981, section 7.6).
-        let share = sums[1] / sums[0].max(f64::MIN_POSITIVE);
+        let share = sums.derivatives / sums.weights.max(f64::MIN_POSITIVE);
+        loss = sums.loss / sums.views.max(1.0);
         let mut information = prior.clone();
         let mut by_keypoint: BTreeMap<usize, (DMatrix<f64>, DVector<f64>)> = BTreeMap::new();
         let mut score = -&prior * (&solution + total);
         let mut eliminated = vec![];
         for ((sights, block), offsets) in blocks.iter().zip(&summed).zip(&offsets) {
-            let precise = block.offsets.scale(share) + DMatrix::identity(pixels, pixels).scale(OFFSET_PX.powi(-2));
+            let precise = block.offsets.scale(share) + DMatrix::identity(pixels, pixels).scale(prior_of_offsets);
             let inverse = precise.cholesky()?.inverse();
-            let score_of_offsets = &block.score_of_offsets - offsets.scale(OFFSET_PX.powi(-2));
+            let score_of_offsets = &block.score_of_offsets - offsets.scale(prior_of_offsets);
             let between = block.between.scale(share);
             let through = &between * &inverse;
             let score_left = &block.score_of_numbers - &through * &score_of_offsets;
@@ -211,7 +228,7 @@ pub(crate) fn regression(
         solution += step;
         covariance = &inverse * &prior * &inverse + jackknife(&information, &by_keypoint);
     }
-    Some((solution, covariance))
+    Some(Regression { rest: solution, covariance, loss })
 }
 
 /// Covariance of the numbers by leaving out one keypoint after the other, a Newton step each (Miller 1974).
@@ -229,14 +246,18 @@ fn jackknife(information: &DMatrix<f64>, by_keypoint: &BTreeMap<usize, (DMatrix<
     sum * ((count - 1.0) / count.max(1.0))
 }
 
-/// Sums over the sights of a block; to `sums` weights, and derivatives of weighted residuals.
-fn summed(
-    sights: &[Sight],
-    sigma: &[f64],
-    solution: &DVector<f64>,
-    offsets: &DVector<f64>,
-    sums: &mut [f64; 2],
-) -> Block {
+/// Sums over views.
+#[derive(Default)]
+struct Sums {
+    weights: f64,
+    /// Of weighted residuals.
+    derivatives: f64,
+    loss: f64,
+    views: f64,
+}
+
+/// Sums over the sights of a block; what is over views goes to `sums`.
+fn summed(sights: &[Sight], sigma: &[f64], solution: &DVector<f64>, offsets: &DVector<f64>, sums: &mut Sums) -> Block {
     let (numbers, pixels) = (solution.len(), offsets.len());
     let mut block = Block {
         numbers: DMatrix::zeros(numbers, numbers),
@@ -259,7 +280,10 @@ fn summed(
         let Some((step, inverse)) = point_step(sight, &left, &weights) else { continue };
         for ((a, left), weight) in sight.views.iter().zip(&left).zip(&weights) {
             let left = left - a.point * step;
-            *sums = [sums[0] + weight, sums[1] + weight - weight.powi(2) * left.norm_squared() / (SOFT * SOFT)];
+            sums.weights += weight;
+            sums.derivatives += weight - weight.powi(2) * left.norm_squared() / (SOFT * SOFT);
+            sums.loss += SOFT * SOFT * (sigma[a.camera].powi(-2) * left.norm_squared() / (SOFT * SOFT)).ln_1p();
+            sums.views += 1.0;
             for (part, by) in shape.into_iter().enumerate() {
                 add_to(&mut block.score_of_offsets, OFFSET * a.camera + 2 * part, *weight * by * left);
             }

@@ -1,8 +1,8 @@
-//! How late the cameras of a recording are against each other, from how the person moves.
+//! How late the cameras of a recording are against each other, from how people move.
 //!
 //! 1. Whole frames, however many, from where rays meet ([`sinew_observe::clock_search`]), in the first `SEARCHED` frames.
-//! 2. The recording is read with them, `WINDOWS` windows of it, evenly spread, and the person is followed in each.
-//! 3. Fractions of a frame and drifts from the person's motion ([`sinew_observe::camera_lag`]). Where a whole frame is left, 2 and 3 are done again.
+//! 2. The recording is read with them, `WINDOWS` windows of it, evenly spread, and everybody is followed in each.
+//! 3. Fractions of a frame and drifts from their motion ([`sinew_observe::camera_lag`]). Where a whole frame is left, 2 and 3 are done again.
 //!
 //! Two or three views of a person who walks straight ahead say little of whole lags: 2 and 3 are done from no lags at all, too, and what brings the cameras nearer together is taken.
 
@@ -12,8 +12,9 @@ use crate::Error;
 use error::SyncError;
 use sinew::input::lag::ClockLag;
 use sinew::input::recording::{Recording, RecordingOptions, lag_of};
+use sinew::input::roll::Roll;
 use sinew::observe::Camera;
-use sinew::observe::association;
+use sinew::observe::association::{self, Person};
 use sinew::observe::camera_lag::{CameraClock, CameraLag, LagSearch, camera_clocks};
 use sinew::observe::clock_search::whole_lags;
 use sinew::observe::following::{Following, follow};
@@ -126,8 +127,9 @@ pub fn synchronise<E: From<Error>>(
             }
             if best.as_ref().is_none_or(|(least, _)| misfit < *least) {
                 let found = cameras.iter().zip(&late).zip(&declared).zip(&clocks);
+                let most = request.most as f64 + 0.5;
                 let cameras =
-                    found.map(|(((camera, late), declared), clock)| clock_of(camera, *late, *declared, clock));
+                    found.map(|(((camera, late), declared), clock)| clock_of(camera, *late, (*declared, most), clock));
                 let found = FoundClocks { cameras: cameras.collect(), frames: runs.iter().map(Vec::len).sum() };
                 best = Some((misfit, found));
             }
@@ -153,29 +155,52 @@ fn windows(frames: &Range<u64>, count: u64, width: u64) -> Vec<Range<u64>> {
     (0..count).map(|k| start(k)..start(k) + width).collect()
 }
 
-/// The person in windows of the recording: frames with what the cameras show of him.
+/// People in windows of the recording: for each, frames with what the cameras show of him.
+///
+/// Where views show one person each, he is followed; where they show several, everybody is named, so that nobody is taken for somebody else.
 fn followed<E: From<Error>>(
     recording: &mut Recording,
     fps: f64,
     mut watch: impl FnMut() -> Result<(), E>,
 ) -> Result<Vec<Vec<(u64, Sighted)>>, E> {
-    let config = association::Config::default();
     let cameras = recording.cameras().to_vec();
     let mut runs = vec![];
     for window in windows(&recording.frames(), WINDOWS, (WINDOW_S * fps).ceil() as u64) {
-        let mut following = Following::default();
-        let mut run = vec![];
-        for number in window {
+        let mut frames = vec![];
+        for number in window.clone() {
             watch()?;
-            let people = recording.people(number).map_err(|error| E::from(error.into()))?;
-            let found = follow(&mut following, &cameras, &people, None, &config);
-            if found.is_present() {
-                run.push((number, found.people));
-            }
+            frames.push((number, recording.people(number).map_err(|error| E::from(error.into()))?));
         }
-        runs.push(run);
+        let are_several = frames.iter().any(|(_, views)| views.iter().any(|people| people.len() > 1));
+        if are_several {
+            let config = association::Config::default();
+            let roll = Roll::call(recording, window, fps, &config, |_| Ok::<(), sinew::Error>(()));
+            let roll = roll.map_err(|error| E::from(error.into()))?;
+            runs.extend((0..roll.people.len()).map(|person| run_of(&roll, person, &frames)));
+        } else {
+            runs.push(alone(&cameras, frames));
+        }
     }
     Ok(runs)
+}
+
+/// The one person of some frames.
+fn alone(cameras: &[Camera], frames: Vec<(u64, Vec<Vec<Person>>)>) -> Vec<(u64, Sighted)> {
+    let mut following = Following::default();
+    let found = frames.into_iter().map(|(number, people)| {
+        (number, follow(&mut following, cameras, &people, None, &association::Config::default()))
+    });
+    found.filter(|(_, found)| found.is_present()).map(|(number, found)| (number, found.people)).collect()
+}
+
+/// One of several people in some frames.
+fn run_of(roll: &Roll, person: usize, frames: &[(u64, Vec<Vec<Person>>)]) -> Vec<(u64, Sighted)> {
+    let shown = |(number, people): &(u64, Vec<Vec<Person>>)| {
+        let [own, _] = roll.parted(*number, person, people.clone());
+        let views: Sighted = own.into_iter().map(|view| view.into_iter().next().unwrap_or_default()).collect();
+        views.iter().any(|view| !view.is_empty()).then_some((*number, views))
+    };
+    frames.iter().filter_map(shown).collect()
 }
 
 /// Clocks, and how badly cameras agree: the scatter of keypoints about where the others see them, over how many agree at all.
@@ -203,10 +228,10 @@ fn estimated(
     Some((clocks, (scatter / cameras.len() as f64).sqrt() / seen.max(1.0)))
 }
 
-/// The clock of a camera that was read with the lag `late`, beyond which `clock` is left.
-fn clock_of(camera: &Camera, late: ClockLag, declared: ClockLag, clock: &CameraClock) -> FoundClock {
+/// The clock of a camera that was read with the lag `late`, beyond which `clock` is left; unknown where it is more than `most` from what was declared.
+fn clock_of(camera: &Camera, late: ClockLag, (declared, most): (ClockLag, f64), clock: &CameraClock) -> FoundClock {
     let name = camera.name.clone();
-    if !is_known(clock) {
+    if !is_known(clock) || (clock.lag.frames - declared.frames).abs() > most {
         return FoundClock { camera: name, lag: None, drift_ppm: None, declared };
     }
     let middle = clock.lag.frames + 1e-6 * late.ppm * clock.middle;

@@ -17,6 +17,7 @@ mod gait;
 mod guide;
 mod inspect_own_files;
 mod killed_runs;
+mod knees;
 mod lag;
 mod learn;
 mod learn_latent;

@@ -93,3 +93,27 @@ fn keypoints_of_other_formats_are_interpolated_too() {
     assert_eq!(frames.lines().nth(1).unwrap().split(',').next(), Some("0"));
     assert_eq!(frames.lines().count(), 30);
 }
+
+/// Three people whose ways cross before cameras that are in step, and before one that is five frames late.
+#[test]
+fn clocks_are_found_from_everybody_of_a_crowd() {
+    let trial = trial();
+    let simulated = trial.run(&["simulate", "--people", "3", "--duration", "3", "-o", "crowd"]);
+    assert!(simulated.status.success(), "{}", trial.printed(&simulated));
+    let recording = ["--calibration", "crowd/Calib.toml", "--keypoints", "crowd/keypoints", "--layout", "BODY_25B"];
+    let found = |trial: &Trial| {
+        let output = trial.run(&[&["sync", "--json", "--fps", "30"], &recording[..]].concat());
+        let found: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+        [0, 1, 2, 3].map(|camera| found["cameras"][camera]["lag_frames"].as_f64().unwrap())
+    };
+    let in_step = found(&trial);
+    assert!(in_step.iter().all(|lag| lag.abs() < 0.2), "{in_step:?}");
+    let folder = trial.path("crowd/keypoints/C2_json");
+    let mut names: Vec<_> = fs::read_dir(&folder).unwrap().map(|entry| entry.unwrap().path()).collect();
+    names.sort();
+    for (number, path) in names.iter().enumerate().rev() {
+        fs::rename(path, folder.join(format!("C2.{:06}.json", number + 5))).unwrap();
+    }
+    let late = found(&trial);
+    assert!((late[1] - 5.0).abs() < 0.3 && [0, 2, 3].iter().all(|c| late[*c].abs() < 0.2), "{late:?}");
+}

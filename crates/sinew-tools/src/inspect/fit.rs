@@ -6,7 +6,7 @@
 //! - *offset*: the constant part of it (observed − projected), and the *scatter* that remains per axis;
 //! - *lag*: the frames that the camera is late, with their standard deviation; 0 for synchronised cameras.
 //!
-//! Where there are several people, it is said who was seen where, and the rest is about the most complete one.
+//! Where there are several people, it is said who was seen where, and the rest is about the one whom two cameras see most.
 //!
 //! The set-up pass over the same frames adds what it finds odd: units, axes, cameras that look away, sides swapped.
 
@@ -46,6 +46,18 @@ pub fn facts(recording: &mut Recording, known: &[String]) -> Result<Facts, Error
     let (image_scale, lag) = (recording.image_scale(), recording.lag().to_vec());
     let asked = SetupRequest { image_scale, lag, ..SetupRequest::default() };
     let mut facts = Facts::new(format!("fit of calibration and keypoints, frames {}..{}", numbers.start, numbers.end));
+    let roll = Roll::call(recording, numbers, FPS, &association::Config::default(), |_| Ok::<(), sinew::Error>(()))?;
+    let several = roll.people.len() > 1;
+    let who = if several { most_seen(&roll) } else { 0 };
+    if several {
+        for (number, people) in &mut frames {
+            let [own, _] = roll.parted(*number, who, std::mem::take(people));
+            *people = own;
+        }
+        for person in 0..roll.people.len() {
+            facts.row(format!("person {}", person + 1), roll.words(person, &cameras));
+        }
+    }
     let request = SetupRequest { frames: frames.len(), ..asked.clone() };
     let collected = match collect(&cameras, &layout, &request, frames.iter().cloned().map(Ok::<_, SetupError>)) {
         Ok(collected) => collected,
@@ -55,13 +67,8 @@ pub fn facts(recording: &mut Recording, known: &[String]) -> Result<Facts, Error
             return Ok(facts);
         }
     };
-    let roll = Roll::call(recording, numbers, FPS, &association::Config::default(), |_| Ok::<(), sinew::Error>(()))?;
-    if roll.people.len() > 1 {
-        for person in 0..roll.people.len() {
-            facts.row(format!("person {}", person + 1), roll.words(person, &cameras));
-        }
-    }
-    facts.row("person", format!("found in {} of {} frames", collected.found, collected.read));
+    let name = if several { format!("of person {}", who + 1) } else { "person".to_owned() };
+    facts.row(name, format!("found in {} of {} frames", collected.found, collected.read));
     let sighted: Vec<Sighted> = collected.window.iter().map(|(_, sighted)| sighted.clone()).collect();
     let config = offsets::Config::default();
     let noise = offsets::estimate(&cameras, &sighted, &config);
@@ -84,6 +91,12 @@ pub fn facts(recording: &mut Recording, known: &[String]) -> Result<Facts, Error
     facts.odd.retain(|odd| !known.contains(odd));
     verdict(&mut facts);
     Ok(facts)
+}
+
+/// The person whom two cameras see in most frames, the first of several.
+fn most_seen(roll: &Roll) -> usize {
+    let seen = |person: &usize| (roll.people[*person].seen, std::cmp::Reverse(*person));
+    (0..roll.people.len()).max_by_key(seen).unwrap_or_default()
 }
 
 fn verdict(facts: &mut Facts) {

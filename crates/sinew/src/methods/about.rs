@@ -102,6 +102,8 @@ pub struct Making<'a> {
     pub motion_model: Option<&'a PrimitiveModel>,
     /// Latent model of the body's poses, where the run has one.
     pub latent: Option<&'a StoredModel>,
+    /// Points of the body that keypoints show, by name.
+    pub keypoints: &'a [String],
     /// Time between frames, seconds.
     pub dt: f64,
     /// Instruction set.

@@ -12,6 +12,7 @@ use crate::config::setting::{SAMPLING, SHARE, Setting, SettingKind, computed};
 use crate::config::values::SettingValues;
 use crate::setup::Setup;
 use crate::track::error::TrackError;
+use sinew_body::Point;
 use sinew_body::motion_ranges::motion_ranges;
 use sinew_core::beside::Beside;
 use sinew_core::combinators::{Sum, Through};
@@ -59,8 +60,10 @@ pub const ABOUT: About = About {
     mistake,
 };
 
+/// When limits of joints count; `AUTO`: where keypoints show no foot. Then nothing else says which way a knee bends: a thigh that is turned round with a knee that bends forward fits as well.
 const OFF: &str = "off";
 const ON: &str = "on";
+const AUTO: &str = "auto";
 
 #[rustfmt::skip]
 const SETTINGS: [Setting; 5] = [
@@ -68,7 +71,7 @@ const SETTINGS: [Setting; 5] = [
     computed((SAMPLING, "updates", SettingKind::Count(1, 1_000_000), "N", || HmcMethod::default().0.updates.to_string(), "updates of each chain in a frame; four times as many where the chains disagree (hmc)")),
     computed((SAMPLING, "burn_in", SettingKind::Count(0, 1_000_000), "N", || HmcMethod::default().0.burn_in.to_string(), "first samples of each chain that are discarded (hmc)")),
     computed((SAMPLING, "jitter", SHARE, "X", || HmcMethod::default().0.jitter.to_string(), "relative jitter of the step size (hmc)")),
-    computed((SAMPLING, "joint_limits", SettingKind::Choice(&[OFF, ON]), "WHEN", || OFF.into(), "soft limits of knees, elbows, feet, head and trunk in the prior: off or on (hmc)")),
+    computed((SAMPLING, "joint_limits", SettingKind::Choice(&[AUTO, OFF, ON]), "WHEN", || AUTO.into(), "soft limits of joints in the prior: off, on, or auto: where keypoints show no feet (hmc)")),
 ];
 
 fn configure(values: &SettingValues) -> Arc<dyn Method> {
@@ -80,8 +83,8 @@ fn configure(values: &SettingValues) -> Arc<dyn Method> {
         ..Config::real_recordings()
     });
     match values.text("joint_limits").as_deref() {
-        Some(ON) => Arc::new(LimitedHmc(method)),
-        _ => Arc::new(method),
+        Some(OFF) => Arc::new(method),
+        when => Arc::new(LimitedHmc { method, always: when == Some(ON) }),
     }
 }
 
@@ -170,9 +173,31 @@ impl Method for HmcMethod {
     }
 }
 
-/// The method with limits of joints as a soft factor of every frame's prior, without a latent model.
+/// The method with limits of joints as a soft factor of every frame's prior, always or where keypoints show no feet; without a latent model.
 #[derive(Clone, Debug, PartialEq)]
-struct LimitedHmc(HmcMethod);
+struct LimitedHmc {
+    method: HmcMethod,
+    always: bool,
+}
+
+impl LimitedHmc {
+    fn is_limited(&self, making: &Making<'_>) -> bool {
+        making.latent.is_none() && (self.always || !shows_feet(making))
+    }
+}
+
+/// Links that turn with feet.
+const FEET: [&str; 2] = ["r_foot", "l_foot"];
+
+/// Whether a keypoint beyond an ankle is shown.
+fn shows_feet(making: &Making<'_>) -> bool {
+    let tree = making.setup.tree();
+    let beyond = |point: &Point| {
+        let link = &tree.links()[point.link].name;
+        FEET.contains(&link.as_str()) && point.offset != [0.0; 3]
+    };
+    tree.points().iter().any(|point| beyond(point) && making.keypoints.contains(&point.name))
+}
 
 fn limits(making: &Making<'_>) -> Result<Lanes<JointLimits>, Error> {
     let ranges = JointRanges::new(motion_ranges(&making.setup.tree())).map_err(TrackError::Motion)?;
@@ -189,10 +214,10 @@ impl Method for LimitedHmc {
     }
 
     fn tracker(&self, making: &Making<'_>, start: Vec<f64>) -> Result<Box<dyn Steps>, Error> {
-        if making.latent.is_some() {
-            return self.0.tracker(making, start);
+        if !self.is_limited(making) {
+            return self.method.tracker(making, start);
         }
-        let config = self.0.with_steps(making.setup);
+        let config = self.method.with_steps(making.setup);
         let filter = HmcFilter::new(config, making.transition.clone(), start, making.isa)?;
         Ok(Box::new(RestrainedFilter { filter, prior: limits(making)? }))
     }
@@ -204,12 +229,13 @@ impl Method for LimitedHmc {
         observed: &FrameLikelihood,
         stage: Stage,
     ) -> Result<Option<StepSize>, Error> {
-        if making.latent.is_some() {
-            return self.0.tuned(making, start, observed, stage);
+        if !self.is_limited(making) {
+            return self.method.tuned(making, start, observed, stage);
         }
-        let filter = HmcFilter::new(self.0.with_steps(making.setup), making.transition.clone(), start, making.isa)?;
+        let filter =
+            HmcFilter::new(self.method.with_steps(making.setup), making.transition.clone(), start, making.isa)?;
         let limits = limits(making)?;
-        let tuned = filter.tune(&Restrained(Sum(observed, &limits)), &self.0.tuning(), stage)?;
+        let tuned = filter.tune(&Restrained(Sum(observed, &limits)), &self.method.tuning(), stage)?;
         Ok(Some(StepSize { step_size: tuned.step_size, leapfrog_steps: tuned.leapfrog_steps }))
     }
 }

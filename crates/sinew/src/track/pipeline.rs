@@ -117,16 +117,21 @@ impl Pipeline {
         let (prior, known, body) = (transition.clone(), setup.clone(), tree.clone());
         let (model, latent_model) = (settings.motion_model.clone(), settings.latent_model.clone());
         let (motion_model, latent) = (model.as_deref(), latent_model.as_deref());
-        let making = Making { setup, transition: &transition, parts: parts.as_ref(), motion_model, latent, dt, isa };
+        let names: Vec<String> = scene.keypoints();
+        let keypoints = names.as_slice();
+        let making =
+            Making { setup, transition: &transition, parts: parts.as_ref(), motion_model, latent, keypoints, dt, isa };
         let remarks = method.remarks(&making);
         let acting_parts = match method.gives_actions(&making) {
             true => setup.flesh()?.solids().iter().map(|solid| solid.name.clone()).collect(),
             false => vec![],
         };
+        let shown = names.clone();
         let make = move |start| {
             let (parts, motion_model, latent) = (parts.as_ref(), model.as_deref(), latent_model.as_deref());
+            let (setup, transition, keypoints) = (&known, &prior, shown.as_slice());
             let start = turned_near(motion_model, latent, &body, start);
-            method.tracker(&Making { setup: &known, transition: &prior, parts, motion_model, latent, dt, isa }, start)
+            method.tracker(&Making { setup, transition, parts, motion_model, latent, keypoints, dt, isa }, start)
         };
         let tracker = Restarting::new(Box::new(make), scene.start().to_vec())?;
         let lasting = Lasting::new(setup, tree, cameras, &scene, &transition, (settings.seed, dt));
@@ -134,7 +139,6 @@ impl Pipeline {
         let size = UnknownSize::of(setup, cameras, settings.seed);
         let marginals = Marginals::new(tree, detected, settings.isa, size);
         let trajectories = (setup.step_size.unwrap_or(f64::NAN), setup.leapfrog_steps.unwrap_or(0));
-        let names: Vec<String> = scene.keypoints();
         let angles = JointAngles::new(tree, &names, images.is_some(), settings.angles);
         let lag = FixedLag::new(transition.sd(), settings.fps, settings.seed, settings.isa);
         let zero = settings.standing.as_ref().map(|standing| standing.zero(&angles, setup.lasting.as_ref()));

@@ -36,7 +36,9 @@ pub fn tune(
     let start = found.unwrap_or(start);
     let dt = 1.0 / settings.fps;
     let (latent, isa) = (settings.latent_model.as_deref(), settings.isa);
-    let making = Making { setup, transition: &transition, parts: None, motion_model: None, latent, dt, isa };
+    let names = scene.keypoints();
+    let making =
+        Making { setup, transition: &transition, parts: None, motion_model: None, latent, keypoints: &names, dt, isa };
     let stage = Stage::new(settings.seed, "set-up");
     let likelihood = FrameLikelihood::from(observed);
     if let Some(found) = settings.method.tuned(&making, start, &likelihood, stage)? {
