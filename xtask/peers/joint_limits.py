@@ -2,8 +2,9 @@
 
     python joint_limits.py SINEW OUT [SEEDS]      # numpy; prints a table in Markdown
 
-Each demo is tracked with and without `--joint-limits on`, by four cameras and by the first alone. True angles are those
-that the demo's true points have, by the definitions of opensim_ik.py. Errors are root mean squares over the frames.
+Each demo is tracked with and without `--joint-limits on`, by four cameras and by the first alone, and from keypoints
+without feet by four and by two. True angles are what the demo's true points have, by the definitions of opensim_ik.py.
+Errors are root mean squares over the frames.
 """
 
 import csv
@@ -14,10 +15,16 @@ from pathlib import Path
 
 import numpy as np
 
-CAMERAS = {"four": "C1,C2,C3,C4", "one": "C1"}
+CASES = {
+    "four": ("C1,C2,C3,C4", "BODY_25B"),
+    "one": ("C1", "BODY_25B"),
+    "four, no feet": ("C1,C2,C3,C4", "COCO_17"),
+    "two, no feet": ("C1,C2", "COCO_17"),
+}
 LIMBS = ("Shoulder", "Elbow", "Wrist", "Hip", "Knee", "Ankle")
 FEET = ("BigToe", "SmallToe", "Heel")
-NAMES = {"shin.rx": "knee", "forearm.rx": "elbow", "foot.rx": "ankle", "foot.ry": "foot, sideways"}
+NAMES = {"knee_angle_{}": "knee", "elbow_flex_{}": "elbow", "ankle_angle_{}": "ankle", "{}_foot_ry": "foot, sideways"}
+FORWARD_DEG = -15
 
 
 def points(path):
@@ -36,17 +43,17 @@ def unit(v):
 def angles(p):
     """Hinge angles by coordinate, degrees."""
     out = {}
-    for side, link, sign in (("R", "r_", 1), ("L", "l_", -1)):
+    for side, link, sign in (("R", "r", 1), ("L", "l", -1)):
         along = lambda a, b: unit(p[side + b] - p[side + a])
         between = lambda a, b: np.degrees(np.arccos(np.clip((a * b).sum(-1), -1, 1)))
         thigh, shin = along("Hip", "Knee"), along("Knee", "Ankle")
-        out[link + "shin.rx"] = -between(thigh, shin)
-        out[link + "forearm.rx"] = between(along("Shoulder", "Elbow"), along("Elbow", "Wrist"))
+        out[f"knee_angle_{link}"] = between(thigh, shin)
+        out[f"elbow_flex_{link}"] = between(along("Shoulder", "Elbow"), along("Elbow", "Wrist"))
         hinge = unit(np.cross(shin, thigh))
         sole = sign * unit(np.cross(p[side + "SmallToe"] - p[side + "Heel"], p[side + "BigToe"] - p[side + "Heel"]))
         x, y, z = ((axis * sole).sum(-1) for axis in (hinge, np.cross(-shin, hinge), -shin))
-        out[link + "foot.rx"] = np.degrees(np.arctan2(-y, z))
-        out[link + "foot.ry"] = np.degrees(np.arcsin(x))
+        out[f"ankle_angle_{link}"] = np.degrees(np.arctan2(-y, z))
+        out[f"{link}_foot_ry"] = np.degrees(np.arcsin(x))
     return out
 
 
@@ -69,20 +76,39 @@ def run(arguments):
     assert done.returncode in (0, 4), done.stderr
 
 
-def measured(sinew, demo, out, cameras, limits, seed):
-    inputs = ["--calibration", demo / "Calib.toml", "--keypoints", demo / "keypoints", "--layout", "BODY_25B"]
-    rest = ["--fps", "30", "--cameras", CAMERAS[cameras], "--people", "1", "--seed", str(seed), "--no-progress"]
+def without_feet(demo):
+    """The keypoints of COCO, which are the first 17 of BODY_25B."""
+    for path in (demo / "keypoints").glob("*/*.json"):
+        frame = json.loads(path.read_text())
+        for person in frame["people"]:
+            person["pose_keypoints_2d"] = person["pose_keypoints_2d"][:51]
+        shorter = demo / "COCO_17" / path.parent.name / path.name
+        shorter.parent.mkdir(parents=True, exist_ok=True)
+        shorter.write_text(json.dumps(frame))
+
+
+def measured(sinew, demo, out, case, limits, seed):
+    cameras, layout = CASES[case]
+    keypoints = demo / ("keypoints" if layout == "BODY_25B" else layout)
+    inputs = ["--calibration", demo / "Calib.toml", "--keypoints", keypoints, "--layout", layout]
+    rest = ["--fps", "30", "--cameras", cameras, "--people", "1", "--seed", str(seed), "--no-progress"]
     run([sinew, "track", *inputs, *rest, "--joint-limits", limits, "--force", "-o", out])
     truth, found = points(demo / "truth.trc"), points(out / "markers.trc")
     expected, ours = angles(truth), intervals(out / "angles.csv")
     row = {}
     for name, words in NAMES.items():
-        sides = [(around(ours[link + name] - expected[link + name][:, None])).T for link in ("r_", "l_")]
+        if name.format("r") not in ours:
+            continue
+        both = [name.format(link) for link in "rl"]
+        sides = [(around(ours[side] - expected[side][:, None])).T for side in both]
         row[f"{words}: error, °"] = np.mean([np.sqrt((mean**2).mean()) for mean, _, _ in sides])
         row[f"{words}: inside 90 %, %"] = 100 * np.mean([((low <= 0) & (high >= 0)).mean() for _, low, high in sides])
+    knees = [ours[f"knee_angle_{link}"][:, 0] < FORWARD_DEG for link in "rl"]
+    row["knees bent forward by more than 15°, % of frames"] = 100 * np.mean(knees)
     apart = lambda names: 1000 * np.mean([np.linalg.norm(found[s + n] - truth[s + n], axis=-1) for n in names for s in "RL"])
     row["joints of the limbs: distance, mm"] = apart(LIMBS)
-    row["feet: distance, mm"] = apart(FEET)
+    if layout == "BODY_25B":
+        row["feet: distance, mm"] = apart(FEET)
     row["frames with R-hat above 1.05"] = json.loads((out / "summary.json").read_text())["diagnostics"]["r_hat"][
         "frames_above_1_05"
     ]
@@ -96,18 +122,19 @@ def with_error(values):
 def main():
     sinew, out = Path(sys.argv[1]).resolve(), Path(sys.argv[2])
     seeds = range(1, 1 + int(sys.argv[3] if len(sys.argv) > 3 else 10))
-    rows = {(cameras, limits): [] for cameras in CAMERAS for limits in ("off", "on")}
+    rows = {(case, limits): [] for case in CASES for limits in ("off", "on")}
     for seed in seeds:
         demo = out / f"demo-{seed}"
         run([sinew, "demo", "--seed", str(seed), "-o", demo, "--force", "--no-progress"])
-        for cameras, limits in rows:
-            place = out / f"{seed}-{cameras}-{limits}"
-            rows[cameras, limits].append(measured(sinew, demo, place, cameras, limits, seed))
+        without_feet(demo)
+        for case, limits in rows:
+            place = out / f"{seed}-{case.replace(', ', '-').replace(' ', '-')}-{limits}"
+            rows[case, limits].append(measured(sinew, demo, place, case, limits, seed))
     print("| cameras | what | off | on | on less off |\n|---|---|---|---|---|")
-    for cameras in CAMERAS:
-        for what in rows[cameras, "off"][0]:
-            off, on = (np.array([row[what] for row in rows[cameras, limits]]) for limits in ("off", "on"))
-            print(f"| {cameras} | {what} | {with_error(off)} | {with_error(on)} | {with_error(on - off)} |")
+    for case in CASES:
+        for what in rows[case, "off"][0]:
+            off, on = (np.array([row[what] for row in rows[case, limits]]) for limits in ("off", "on"))
+            print(f"| {case} | {what} | {with_error(off)} | {with_error(on)} | {with_error(on - off)} |")
 
 
 main()

@@ -1,0 +1,36 @@
+//! Which way knees bend where keypoints show no feet.
+
+use crate::common::trial;
+use std::fs;
+
+/// Keypoints of COCO: the first 17 of BODY_25B.
+const COCO: usize = 17;
+
+/// A walker who stands for a second first, with straight knees that show no direction.
+#[test]
+fn knees_bend_backwards_where_keypoints_end_at_the_ankles() {
+    let trial = trial();
+    let simulated = trial.run(&["simulate", "--duration", "3", "--seed", "3", "--images", "none", "-o", "walk"]);
+    assert!(simulated.status.success(), "{}", trial.printed(&simulated));
+    for camera in fs::read_dir(trial.path("walk/keypoints")).unwrap() {
+        for file in fs::read_dir(camera.unwrap().path()).unwrap() {
+            let path = file.unwrap().path();
+            let mut read: serde_json::Value = serde_json::from_slice(&fs::read(&path).unwrap()).unwrap();
+            for person in read["people"].as_array_mut().unwrap() {
+                person["pose_keypoints_2d"].as_array_mut().unwrap().truncate(3 * COCO);
+            }
+            fs::write(&path, read.to_string()).unwrap();
+        }
+    }
+    let recording = ["--calibration", "walk/Calib.toml", "--keypoints", "walk/keypoints", "--layout", "COCO_17"];
+    let least = |more: &[&str]| {
+        trial.run(&[&["track", "--fps", "30", "--people", "1", "-o", "out", "--force"], &recording[..], more].concat());
+        let angles = fs::read_to_string(trial.path("out/angles.csv")).unwrap();
+        let knees = angles.lines().filter(|line| line.contains("knee_angle"));
+        knees.map(|line| line.split(',').nth(4).unwrap().parse::<f64>().unwrap()).fold(f64::INFINITY, f64::min)
+    };
+    let limited = least(&[]);
+    assert!(limited > -20.0, "{limited}");
+    let free = least(&["--joint-limits", "off"]);
+    assert!(free < -40.0, "the limits have nothing to do here: {free}");
+}
