@@ -84,7 +84,7 @@ fn rms(values: &[f64]) -> f64 {
 }
 
 /// Mean over seeds with its standard error.
-fn with_error(values: &[f64]) -> String {
+pub(crate) fn with_error(values: &[f64]) -> String {
     let centre = mean(values);
     let square = values.iter().map(|x| (x - centre).powi(2)).sum::<f64>();
     let count = values.len() as f64;
