@@ -2,8 +2,9 @@
 //!
 //! A frame has four numbers a point, then the samples of all channels at the first of its times, at the second, and so on.
 //! Numbers are reals where the scale is negative, else words, of which three times scale is the position. The fourth
-//! number, as a word, holds the cameras in its high byte and the residual / |scale| in its low byte; negative it marks a
-//! point that is missing, and so does a coordinate that is no finite number.
+//! number is a word with sign in either case: the high byte has the cameras, the low byte is the residual / |scale|
+//! (Technical User Guide, “Notes for programmers” of both kinds of 3D data). Negative it marks a point that is missing;
+//! some programs write the real 65 535 for the word −1. A coordinate that is no finite number marks one as well.
 
 use super::header::Header;
 use super::recording::{AnalogChannel, C3dPoint};
@@ -102,10 +103,10 @@ fn point(source: &Source<'_>, layout: FrameLayout, bytes: &[u8]) -> Option<C3dPo
     let number = |index: usize| stored(source, &bytes[index * layout.width()..][..layout.width()], false);
     let factor = if layout.is_real() { 1.0 } else { layout.scale };
     let position = [0, 1, 2].map(|axis| number(axis) * factor);
-    let fourth = number(3) as i32;
+    let fourth = number(3) as i32 as i16;
     if fourth < 0 || !position.iter().all(|x| x.is_finite()) {
         return None;
     }
     let residual = (f64::from(fourth & 0xff) * layout.scale.abs()) as f32;
-    Some(C3dPoint { position, residual, cameras: ((fourth >> 8) & 0x7f) as u8 })
+    Some(C3dPoint { position, residual, cameras: (fourth >> 8) as u8 })
 }

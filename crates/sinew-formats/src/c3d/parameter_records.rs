@@ -7,7 +7,6 @@
 use super::parameters::{C3dGroup, C3dParameter, C3dValues, text};
 use super::source::Source;
 use crate::Error;
-use crate::Place;
 use crate::source_text::shortened;
 use std::collections::BTreeMap;
 
@@ -46,9 +45,9 @@ pub(super) fn read(source: &Source<'_>, section_at: usize) -> Result<Vec<C3dGrou
         at = distance_at + distance;
         if at < end {
             return Err(Error::Syntax {
-                place: Place::file(source.name).within(shortened(&name)),
-                found: format!("the next parameter begins at byte {}", at + 1),
-                expected: format!("byte {} or later, behind the values of this one", end + 1),
+                place: source.place(distance_at),
+                found: format!("behind {} comes byte {}", shortened(&name), at + 1),
+                expected: format!("byte {} or a later one, behind its values", end + 1),
             });
         }
     }
@@ -89,7 +88,8 @@ fn parameter(source: &Source<'_>, at: usize, name: String) -> Result<(C3dParamet
     let elements = if is_empty { Some(0) } else { product };
     let width = usize::from(kind.unsigned_abs());
     if !matches!(kind, -1 | 1 | 2 | 4) {
-        return Err(source.bad(&shortened(&name), format!("values of type {kind}"), "of type -1, 1, 2 or 4"));
+        let (field, found) = (format!("the type of {}", shortened(&name)), kind.to_string());
+        return Err(Error::BadValue { place: source.place(at), field, found, expected: "-1, 1, 2 or 4".into() });
     }
     // No file holds more than a number of bytes can count.
     let size = elements.and_then(|elements| elements.checked_mul(width)).unwrap_or(usize::MAX);

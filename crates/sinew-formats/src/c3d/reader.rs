@@ -74,8 +74,11 @@ fn data_at(source: &Source<'_>, header: &Header, groups: &[C3dGroup]) -> Result<
 fn room(source: &Source<'_>, header: &Header, data_at: usize, frame: usize) -> u64 {
     let length = source.bytes.len();
     let end = if header.parameters_at > data_at { header.parameters_at.min(length) } else { length };
-    // Frames of nothing take no bytes; a file cannot have more of them than it has bytes.
-    (end.saturating_sub(data_at) / frame.max(1)) as u64
+    match frame {
+        // Frames of nothing take no bytes; a file cannot have more of them than it has bytes.
+        0 => length as u64,
+        _ => (end.saturating_sub(data_at) / frame) as u64,
+    }
 }
 
 /// Whether there is more behind the frames than what fills the last block.
