@@ -1,4 +1,4 @@
-//! First block of a C3D file: where its sections are, how a frame is laid out, and up to 18 events.
+//! First block of a C3D file: where its sections are, the layout of a frame, up to 18 events.
 //!
 //! Words of two bytes are counted from 1, as the format's manual does.
 

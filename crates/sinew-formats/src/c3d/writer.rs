@@ -121,6 +121,7 @@ mod tests {
         assert!(refused(&header(&vec!["a"; 65_536])));
         assert!(refused(&header(&vec!["a"; 65_535])), "130 kB of parameters are not enough");
         assert!(!refused(&header(&vec![&"a".repeat(255)[..]; 400])));
+        assert!(!refused(&header(&vec!["ten bytes!"; 11_000])));
         for value in [f64::INFINITY, f64::NAN, 1e39] {
             assert!(write_frame(&mut Vec::new(), &[Some([value, 0.0, 0.0])]).is_err());
         }

@@ -1,4 +1,4 @@
-//! C3D files: those of laboratories, of all processors, built by hand, damaged, and written by ourselves.
+//! C3D files of laboratories, of all processors, built by hand, damaged, and written by ourselves.
 
 #[path = "../../../../tests/src/data.rs"]
 mod shared_data;

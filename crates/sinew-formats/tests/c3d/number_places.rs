@@ -1,4 +1,4 @@
-//! Where words and reals stand in a C3D file of Intel or DEC, found from the format's manual without the reader.
+//! Where words and reals stand in a C3D file of Intel or DEC, found without the reader.
 
 use super::storage::DEC;
 
