@@ -12,6 +12,8 @@
 //! [`C3d::point_in_world`] turns the axis up that POINT:Y_SCREEN names. A point is missing where its fourth number is
 //! negative. Analog samples are scaled. What the reader does not use is in [`C3d::groups`].
 //!
+//! Results of models that a file has among its points, as angles and forces, are named by [`C3d::are_positions`].
+//!
 //! Where header and parameters disagree, the header says how frames are laid out and the parameters what they mean.
 //!
 //! Written are points alone, as reals for Intel with scale −1, axes and units as in TRC files
@@ -39,6 +41,7 @@ mod header;
 mod parameter_records;
 mod parameters;
 mod processor;
+mod quantities;
 mod reader;
 mod recording;
 mod screen_axes;

@@ -3,6 +3,7 @@
 use super::events::C3dEvent;
 use super::parameters::C3dGroup;
 use super::processor::Processor;
+use super::quantities;
 use super::screen_axes::ScreenAxis;
 use crate::Warning;
 use crate::trc::Units;
@@ -110,6 +111,12 @@ impl C3d {
         let point = (*self.frames.get(frame)?.get(marker)?)?;
         let up = self.header.up.unwrap_or(ScreenAxis::Z);
         Some(up.world_from_file(point.position).map(|v| v * self.header.units.metres()))
+    }
+
+    /// Whether each of the points is a position, and no angle, force or other result of a model.
+    #[must_use]
+    pub fn are_positions(&self) -> Vec<bool> {
+        quantities::are_positions(&self.groups, &self.header.markers)
     }
 
     /// Index of the point of that name.

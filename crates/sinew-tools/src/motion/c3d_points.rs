@@ -20,21 +20,30 @@ pub(crate) fn file(path: &Path) -> Result<C3d, sinew::Error> {
     Ok(c3d::read(&path.display().to_string(), &files::read_bytes(path, MAX_TEXT_BYTES)?)?)
 }
 
-/// Its points.
+/// Its points that are positions.
 pub(crate) fn motion(file: &C3d) -> Motion {
-    let (frames, markers) = (file.frames.len(), file.header.markers.len());
-    let points = (0..frames).map(|frame| (0..markers).map(|marker| file.point_in_world(frame, marker)).collect());
+    let (frames, markers) = (file.frames.len(), &file.header.markers);
+    let (positions, others): (Vec<usize>, Vec<usize>) = {
+        let are_positions = file.are_positions();
+        (0..markers.len()).partition(|&marker| are_positions[marker])
+    };
+    let points = (0..frames).map(|frame| positions.iter().map(|&marker| file.point_in_world(frame, marker)).collect());
     let table = PointTable {
-        names: file.header.markers.clone(),
+        names: positions.iter().map(|&marker| markers[marker].clone()).collect(),
         time_s: (0..frames).map(|frame| file.time_s(frame)).collect(),
         frames: points.collect(),
     };
+    let mut warnings: Vec<String> = file.warnings.iter().map(ToString::to_string).collect();
+    if let Some(&first) = others.first() {
+        let (count, name) = (others.len(), &markers[first]);
+        warnings.push(format!("{count} points are angles, forces or the like (first: `{name}`) and are left out"));
+    }
     Motion {
         format: Format::C3d,
         rate_hz: file.header.rate_hz,
         start_frame: file.header.first_frame.into(),
         content: Content::Points(table),
-        warnings: file.warnings.iter().map(ToString::to_string).collect(),
+        warnings,
     }
 }
 
