@@ -6,7 +6,7 @@
 use sinew::formats::keypoint_table::KeypointTable;
 use sinew::formats::source_text::decode;
 use sinew::formats::{
-    Error, amc, asf, body_toml, bvh, calib_toml, calibration, caliscope_xy, camera_name, coco_results, deeplabcut_csv,
+    Error, amc, asf, body_toml, bvh, c3d, calib_toml, calibration, caliscope_xy, camera_name, coco_results, deeplabcut_csv,
     frame_number, keypoint_formats, layout, mask, mediapipe_json, mmpose_json, mot, openpose, picture, tidy_csv, trc,
 };
 use std::fmt::Display;
@@ -179,6 +179,24 @@ pub fn trc(data: &[u8]) {
         if trc::write(&mut written, &trc).is_ok() {
             reread(&written, trc::read);
         }
+    }
+}
+
+/// C3D files; their points come back from what is written of them.
+pub fn c3d(data: &[u8]) {
+    let Some(file) = accepted(c3d::read("a.c3d", data)) else { return };
+    shown(&file.warnings);
+    assert!(file.frames.iter().all(|frame| frame.len() == file.header.markers.len()));
+    let positions = |file: &c3d::C3d| -> Vec<Vec<Option<[f64; 3]>>> {
+        // What is written has four bytes.
+        let short = |position: [f64; 3]| position.map(|x| f64::from(x as f32));
+        file.frames.iter().map(|frame| frame.iter().map(|point| point.map(|p| short(p.position))).collect()).collect()
+    };
+    let mut written = Vec::new();
+    let before = positions(&file);
+    if c3d::write(&mut written, &file.header, &before).is_ok() {
+        let again = c3d::read("written", &written).unwrap_or_else(|error| panic!("{error} in what was written"));
+        assert_eq!((again.header.first_frame, positions(&again)), (file.header.first_frame, before));
     }
 }
 

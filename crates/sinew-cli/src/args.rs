@@ -109,7 +109,7 @@ pub(crate) enum Command {
     /// Write a synthetic recording: keypoints, silhouettes and pictures
     #[command(help_template = template!("sinew simulate -o walk", "sinew simulate --motion 07_01.amc --skeleton 07.asf --segmentation hard"))]
     Simulate(SimulateArgs),
-    /// Convert motion files (TRC, BVH, MOT, CSV, ASF/AMC) and calibrations
+    /// Convert motion files (TRC, C3D, BVH, MOT, CSV, AMC) and calibrations
     #[command(help_template = template!("sinew convert 07_01.amc walk.bvh --skeleton 07.asf", "sinew convert camera_array.toml Calib.toml"))]
     Convert(ConvertArgs),
     /// Make masks of who stands before a background that does not move

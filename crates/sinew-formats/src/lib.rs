@@ -16,6 +16,7 @@
 //! | [`qualisys_cameras`] | Qualisys `.qca.txt` | yes | yes |
 //! | [`opencv_cameras`] | OpenCV's YAML and XML | yes | YAML |
 //! | [`trc`], [`mot`] | trajectories of points, coordinates (OpenSim) | yes | yes |
+//! | [`c3d`] | points, analog channels and events of laboratories | yes | points |
 //! | [`bvh`] | skeleton and joint angles (Blender) | yes | yes |
 //! | [`tidy_csv`], [`point_table`] | tables with the unit in every column name | yes | yes |
 //! | [`body_toml`] | kinematic trees of our own | yes | yes |
@@ -44,6 +45,7 @@ pub mod anipose_cameras;
 pub mod asf;
 pub mod body_toml;
 pub mod bvh;
+pub mod c3d;
 pub mod calib_toml;
 pub mod calibration;
 pub mod caliscope_cameras;

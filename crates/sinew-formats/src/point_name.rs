@@ -1,4 +1,5 @@
-//! Names that people give to points of the body, in the names of our [layouts](crate::layout).
+//! Names that people give to points of the body, in the names of our [layouts](crate::layout), and what files of points
+//! demand of names.
 //!
 //! Letter case and separators do not count; the side stands before or after the part: `left_shoulder`, `LShoulder`,
 //! `Shoulder.L`, `shoulder left`. A name that means no point of a layout has none.
@@ -56,6 +57,20 @@ pub(crate) fn known_point(name: &str) -> Option<String> {
         let part = |rest: &str| PAIRED.iter().find(|(own, _)| *own == rest).map(|(_, point)| format!("{side}{point}"));
         sides.into_iter().flatten().find_map(part)
     })
+}
+
+/// Whether a name comes back from a file of points as it was: not empty, no blanks at its ends, no control characters.
+pub(crate) fn is_writable(name: &str) -> bool {
+    !name.is_empty() && name.trim() == name && !name.chars().any(char::is_control)
+}
+
+/// Names that are there again, each as often as it is.
+pub(crate) fn repeated(names: &[String]) -> impl Iterator<Item = String> {
+    let mut sorted = names.to_vec();
+    sorted.sort_unstable();
+    let repeated: Vec<String> =
+        sorted.windows(2).filter(|pair| pair[0] == pair[1]).map(|pair| pair[0].clone()).collect();
+    repeated.into_iter()
 }
 
 #[cfg(test)]

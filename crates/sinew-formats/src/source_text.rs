@@ -20,7 +20,7 @@ pub const MAX_KEYPOINT_BYTES: u64 = 64 << 20;
 /// Largest calibration, body or layout file that is read.
 pub const MAX_CONFIG_BYTES: u64 = 16 << 20;
 
-/// Largest motion file (TRC, MOT, BVH, AMC, CSV) that is read.
+/// Largest motion file (TRC, C3D, MOT, BVH, AMC, CSV) that is read.
 pub const MAX_TEXT_BYTES: u64 = 2 << 30;
 
 /// Refuses a file by its size alone.

@@ -95,6 +95,15 @@ pub enum Warning {
         /// Count found.
         found: u64,
     },
+    /// More frames in a file than it says that it has.
+    UnreadFrames {
+        /// File.
+        place: Place,
+        /// Frames that are read.
+        read: u64,
+        /// Frames for which the file has bytes.
+        room: u64,
+    },
     /// Coordinate labels that are not X1 Y1 Z1 X2 …
     OddLabels {
         /// File.
@@ -181,6 +190,9 @@ impl fmt::Display for Warning {
             ),
             Self::CountDisagrees { place, field, stated, found } => {
                 write!(f, "{place}: {field} says {stated}, the file holds {found}")
+            }
+            Self::UnreadFrames { place, read, room } => {
+                write!(f, "{place}: {read} frames are read, as stated; there are bytes for {room}")
             }
             Self::OddLabels { place, first } => {
                 write!(f, "{place}: coordinate labels start with `{first}` instead of `X1`; taken in order")

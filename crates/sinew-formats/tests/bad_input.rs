@@ -224,6 +224,48 @@ fn odd_trajectory_files() {
     assert_snapshot!(trc(|text| text.replace("9\n", "9\t10\n")).unwrap_err(), @"a.trc:8: 9 values; expected 8");
 }
 
+fn c3d_file(header: &c3d::C3dHeader) -> Vec<u8> {
+    let mut out = Vec::new();
+    c3d::write(&mut out, header, &[vec![Some([1.0, 2.0, 3.0]); 2], vec![None; 2]]).unwrap();
+    out
+}
+
+#[test]
+fn files_of_laboratories_that_are_damaged() {
+    let header = c3d::C3dHeader::new(100.0, ["RHip", "Nose"].map(String::from).to_vec());
+    let changed = |at: usize, bytes: &[u8]| {
+        let mut file = c3d_file(&header);
+        file[at..at + bytes.len()].copy_from_slice(bytes);
+        c3d::read("a.c3d", &file)
+    };
+    let error = |at, bytes| changed(at, bytes).unwrap_err();
+    let find = |text: &[u8]| c3d_file(&header).windows(text.len()).position(|window| window == text).unwrap();
+    assert_snapshot!(c3d::read("a.c3d", b"PathFileType").unwrap_err(), @"a.c3d (byte 2): 0x61; expected 0x50, which marks a C3D file");
+    assert_snapshot!(error(0, &[0]), @"a.c3d: the block of the parameters = 0; must be 1 or more");
+    assert_snapshot!(error(515, &[87]), @"a.c3d: the processor = 87; must be 84 (Intel), 85 (DEC) or 86 (MIPS)");
+    assert_snapshot!(error(12, &[0; 4]), @"a.c3d: the scale of the points = 0; must be a number other than 0");
+    assert_snapshot!(error(4, &[7, 0, 1, 0, 2, 0, 0, 0, 0, 0, 0x80, 0xbf, 3, 0, 2, 0]), @"a.c3d: the number of analog samples = 7 in a frame, 2 of a channel; must be a multiple");
+    assert_snapshot!(error(find(b"RATE") + 8, &[0, 0, 0x80, 0xff]), @"a.c3d: POINT:RATE = -inf; must be positive");
+    assert_snapshot!(error(find(b"UNITS") + 10, b"f"), @"a.c3d: POINT:UNITS = f; must be m, cm or mm");
+    assert_snapshot!(error(find(b"Y_SCREEN") + 13, b"up"), @"a.c3d: POINT:Y_SCREEN = up; must be +X, -X, +Y, -Y, +Z or -Z");
+    assert_snapshot!(error(find(b"LABELS") + 8, &[3]), @"a.c3d (byte 630): the type of LABELS = 3; must be -1, 1, 2 or 4");
+    assert_snapshot!(error(find(b"LABELS") + 6, &[5]), @"a.c3d (byte 628): behind LABELS comes byte 633; expected byte 643 or a later one, behind its values");
+    let file = c3d_file(&header);
+    let cut = |end: usize| c3d::read("a.c3d", &file[..end]).unwrap_err();
+    assert_snapshot!(cut(300), @"a.c3d: ends inside the parameter section at byte 300");
+    assert_snapshot!(cut(700), @"a.c3d: ends inside the parameter section at byte 700");
+    assert_snapshot!(cut(1024 + 31), @"a.c3d: file claims 2 frames, holds 1.1 kB");
+    assert_snapshot!(cut(1024 + 31).help().unwrap(), @"the file is damaged or of another kind; write or copy it again");
+    let warning = |at, bytes: &[u8]| changed(at, bytes).unwrap().warnings[0].to_string();
+    assert_snapshot!(warning(find(b"USED") + 8, &[3]), @"a.c3d: POINT:USED says 3, the file holds 2");
+    assert_snapshot!(warning(find(b"FRAMES") + 10, &[1]), @"a.c3d: POINT:FRAMES says 1, the file holds 2");
+    assert_snapshot!(warning(find(b"UNITS") + 10, b" "), @"a.c3d: POINT:UNITS is not given; mm assumed");
+    assert_snapshot!(warning(find(b"Y_SCREEN"), b"Z_SCREEN"), @"a.c3d: POINT:Y_SCREEN is not given; +Z (up) assumed");
+    assert_snapshot!(warning(find(b"Nose"), b"RHip"), @"a.c3d: marker `RHip` is there twice; the first one is taken where it is selected by name");
+    let longer = c3d::read("a.c3d", &[file, vec![0; 4096]].concat()).unwrap();
+    assert_snapshot!(longer.warnings[0], @"a.c3d: 2 frames are read, as stated; there are bytes for 144");
+}
+
 fn any_calibration(text: &str) -> Error {
     calibration::read("cameras", text).unwrap_err()
 }

@@ -11,7 +11,7 @@ use sinew_formats::rotation::{IDENTITY, Matrix};
 use sinew_formats::tidy_csv::Cell;
 use sinew_formats::zarr::inference_data::{DrawsKind, Run, posterior, schema};
 use sinew_formats::zarr::{FrameValues, MemoryStore, Writer};
-use sinew_formats::{body_toml, bvh, calib_toml, layout, mot, tidy_csv, trc};
+use sinew_formats::{body_toml, bvh, c3d, calib_toml, layout, mot, tidy_csv, trc};
 use sinew_observe::lens::Brown;
 use sinew_observe::{Camera, Intrinsics};
 use std::path::{Path, PathBuf};
@@ -27,6 +27,7 @@ fn check(name: &str, written: &[u8]) {
     }
     let expected = std::fs::read(golden(name)).unwrap();
     assert_eq!(String::from_utf8_lossy(written), String::from_utf8_lossy(&expected), "{name}");
+    assert!(written == expected, "{name}: the same text, other bytes");
 }
 
 fn arm() -> KinematicTree {
@@ -51,6 +52,16 @@ fn trajectories() {
     trc::write_frame(&mut out, 1, 0.0, &[Some(hip), Some([1e-7, -0.0, 1.0 / 3.0])]).unwrap();
     trc::write_frame(&mut out, 2, 1.0 / 59.94, &[Some(hip), None]).unwrap();
     check("markers.trc", &out);
+}
+
+#[test]
+fn points_of_laboratories() {
+    let names = ["RHip", "R Wrist"].map(String::from).to_vec();
+    let header = c3d::C3dHeader { first_frame: 7, ..c3d::C3dHeader::new(59.94, names) };
+    let hip = trc::trc_from_world([-0.09, 0.25, 0.92]);
+    let mut out = Vec::new();
+    c3d::write(&mut out, &header, &[vec![Some(hip), Some([1e-7, -0.0, 1.0 / 3.0])], vec![Some(hip), None]]).unwrap();
+    check("markers.c3d", &out);
 }
 
 #[test]
@@ -172,6 +183,22 @@ s = opensim.Storage(sys.argv[2])
 assert s.getSize() == 2 and s.isInDegrees()
 ";
     python("opensim", script, &[golden("markers.trc"), golden("angles.mot")]);
+}
+
+#[test]
+fn ezc3d_opens_points() {
+    let script = "import sys, math, ezc3d
+c = ezc3d.c3d(sys.argv[1])
+point, points, header = c['parameters']['POINT'], c['data']['points'], c['header']['points']
+assert points.shape == (4, 2, 2) and point['LABELS']['value'] == ['RHip', 'R Wrist'], points.shape
+assert point['UNITS']['value'] == ['m'] and point['Y_SCREEN']['value'] == ['+Y'] and point['FRAMES']['value'][0] == 2
+assert abs(header['frame_rate'] - 59.94) < 1e-5 and header['first_frame'] == 6 and header['last_frame'] == 7
+assert all(abs(a - b) < 1e-7 for a, b in zip(points[:3, 0, 1], [0.25, 0.92, -0.09])), points[:, 0, 1]
+assert math.isnan(points[0, 1, 1]) and abs(points[2, 1, 0] - 1 / 3) < 1e-7
+assert c['data']['meta_points']['residuals'][0].T.tolist() == [[0, 0], [0, -1]]
+assert c['data']['analogs'].shape[1] == 0 and c['parameters']['FORCE_PLATFORM']['USED']['value'][0] == 0
+";
+    python("ezc3d", script, &[golden("markers.c3d")]);
 }
 
 #[test]

@@ -12,6 +12,7 @@ mod acclaim;
 mod action_picture;
 mod actions;
 mod body_file;
+mod c3d_file;
 mod calibration;
 mod draws;
 pub(crate) mod error;

@@ -1,11 +1,11 @@
 //! Motion files as values, and what can become of them.
 //!
-//! A file holds *points* (TRC, CSV), *coordinates* (MOT, CSV) or a *skeleton* (BVH, ASF/AMC). A skeleton says where its points are, so it becomes points; nothing
+//! A file holds *points* (TRC, C3D, CSV), *coordinates* (MOT, CSV) or a *skeleton* (BVH, ASF/AMC). A skeleton says where its points are, so it becomes points; nothing
 //! becomes a skeleton or coordinates of OpenSim without inverse kinematics, which is tracking and not conversion:
 //!
-//! | from \ to | TRC | CSV | MOT | BVH |
+//! | from \ to | TRC, C3D | CSV | MOT | BVH |
 //! |---|---|---|---|---|
-//! | TRC | yes | points | no | no |
+//! | TRC, C3D | yes | points | no | no |
 //! | CSV of points | yes | yes | no | no |
 //! | MOT, CSV of coordinates | no | yes | yes | no |
 //! | BVH | joints and tips | joints and tips | its channels | yes |
@@ -14,6 +14,7 @@
 //! In between everything is in the world frame (Z up), metres and seconds; BVH files state no unit of length and are taken as metres.
 
 mod acclaim;
+pub(crate) mod c3d_points;
 mod content;
 pub(crate) mod error;
 mod format;

@@ -60,6 +60,7 @@ fn valid_files_are_read() {
     formats::layout::read("valid", &text("layout")).unwrap();
     formats::body_toml::read("valid", &text("body_toml")).unwrap();
     formats::trc::read("valid", &text("trc")).unwrap();
+    assert_eq!(formats::c3d::read("valid", &bytes("c3d")).unwrap().events.len(), 3);
     formats::mot::read("valid", &text("mot")).unwrap();
     formats::bvh::read("valid", &text("bvh")).unwrap();
     let pair = text("asf_amc");

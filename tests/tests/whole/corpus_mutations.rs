@@ -149,6 +149,7 @@ targets! {
     layout: 10_000,
     body_toml: 10_000,
     trc: 10_000,
+    c3d: 10_000,
     mot: 10_000,
     bvh: 10_000,
     asf_amc: 10_000,

@@ -11,7 +11,7 @@ use std::path::Path;
 pub type Check = fn(&[u8]);
 
 /// Every fuzz target.
-pub const CHECKS: [(&str, Check); 27] = [
+pub const CHECKS: [(&str, Check); 28] = [
     ("openpose", checks::openpose),
     ("calib_toml", checks::calib_toml),
     ("calibration", checks::calibration),
@@ -23,6 +23,7 @@ pub const CHECKS: [(&str, Check); 27] = [
     ("layout", checks::layout),
     ("body_toml", checks::body_toml),
     ("trc", checks::trc),
+    ("c3d", checks::c3d),
     ("mot", checks::mot),
     ("bvh", checks::bvh),
     ("asf_amc", checks::asf_amc),

@@ -38,6 +38,39 @@ fn markers_become_a_table_and_back() {
     assert_eq!(fs::read_to_string(trial.path("b.csv")).unwrap(), table);
 }
 
+/// Positions in millimetres whose metres are numbers of four bytes: nothing is rounded on the way.
+const EXACT: [(&str, &str); 4] = [
+    ("100\t900\t300", "125\t875\t500"),
+    ("50\t1600\t310", "-250\t1625\t375"),
+    ("101\t901\t301", "0\t1000\t62.5"),
+    ("60\t5\t2", "60\t1\t2"),
+];
+
+#[test]
+fn markers_become_a_file_of_laboratories_and_back() {
+    let exact = EXACT.iter().fold(TRC.to_owned(), |text, (from, to)| text.replace(from, to));
+    let later = exact.replace("1\t0.0\t", "1\t1.5\t").replace("2\t0.016667", "2\t1.516667");
+    let trial = with(&[("a.trc", &later)]);
+    check(&trial, &["a.trc", "a.csv"]);
+    check(&trial, &["a.trc", "a.c3d"]);
+    check(&trial, &["a.c3d", "b.trc"]);
+    check(&trial, &["b.trc", "b.c3d"]);
+    assert_eq!(fs::read(trial.path("b.c3d")).unwrap(), fs::read(trial.path("a.c3d")).unwrap());
+    let [before, after] = ["a.csv", "b.trc"]
+        .map(|name| sinew_tools::motion::read(&trial.path(name), None, None).unwrap().points().unwrap());
+    assert_eq!((&after.names, &after.frames), (&before.names, &before.frames));
+    assert_eq!(after.time_s, [1.5, 91.0 / 60.0]);
+    let inspected = String::from_utf8(trial.run(&["inspect", "a.c3d"]).stdout).unwrap();
+    insta::assert_snapshot!("inspect_c3d", inspected);
+    fs::write(trial.path("cut.c3d"), &fs::read(trial.path("a.c3d")).unwrap()[..1030]).unwrap();
+    let output = trial.run(&["convert", "cut.c3d", "c.trc"]);
+    assert_eq!(output.status.code(), Some(3));
+    assert!(trial.printed(&output).contains("cut.c3d: file claims 2 frames, holds 1 kB"), "{}", trial.printed(&output));
+    fs::write(trial.path("uneven.csv"), "time_s,a_x_m,a_y_m,a_z_m\n0,1,2,3\n0.1,1,2,3\n0.5,1,2,3\n").unwrap();
+    let output = trial.run(&["convert", "uneven.csv", "c.c3d"]);
+    insta::assert_snapshot!("uneven_times", trial.printed(&output));
+}
+
 #[test]
 fn a_skeleton_becomes_points_and_channels() {
     let trial = with(&[("a.bvh", BVH)]);

@@ -1,6 +1,7 @@
 //! Reader of TRC files with the quirks of the programs that write them.
 
 use super::table::{Header, Trc, TrcFrame, Units};
+use crate::point_name::repeated;
 use crate::row_time::RowTime;
 use crate::source_text::{check_claim, finite, finite_or_missing, numbered_lines, shortened};
 use crate::{Error, Place, Warning};
@@ -63,11 +64,8 @@ pub fn read(name: &str, text: &str) -> Result<Trc, Error> {
     };
     compare("NumFrames", stated_frames, frames.len());
     compare("NumMarkers", stated_markers, header.markers.len());
-    let mut names: Vec<&String> = header.markers.iter().collect();
-    names.sort();
-    let repeated = names.windows(2).filter(|pair| pair[0] == pair[1]).map(|pair| pair[0].clone());
     let place = || Place::file(name);
-    warnings.extend(repeated.map(|name| Warning::RepeatedMarker { place: place(), name }));
+    warnings.extend(repeated(&header.markers).map(|name| Warning::RepeatedMarker { place: place(), name }));
     warnings.extend(time.warning(name));
     Ok(Trc { header, frames, warnings })
 }
@@ -137,11 +135,8 @@ impl Fields<'_> {
         if rate_hz <= 0.0 {
             return Err(self.bad("DataRate", rate.unwrap_or_default(), "positive"));
         }
-        let units = match self.get("Units").map(str::to_lowercase).as_deref() {
-            Some("m" | "meters" | "metres" | "meter" | "metre") => Units::Metres,
-            Some("cm") => Units::Centimetres,
-            Some("mm" | "millimeters" | "millimetres") => Units::Millimetres,
-            Some(other) => return Err(self.bad("Units", other, "m, cm or mm")),
+        let units = match self.get("Units") {
+            Some(text) => Units::named(text).ok_or_else(|| self.bad("Units", &text.to_lowercase(), "m, cm or mm"))?,
             None => {
                 assume("Units", "m");
                 Units::Metres

@@ -15,6 +15,17 @@ pub enum Units {
 }
 
 impl Units {
+    /// The unit that a text names; case does not count.
+    #[must_use]
+    pub fn named(text: &str) -> Option<Self> {
+        match text.to_lowercase().as_str() {
+            "m" | "meters" | "metres" | "meter" | "metre" => Some(Self::Metres),
+            "cm" => Some(Self::Centimetres),
+            "mm" | "millimeters" | "millimetres" => Some(Self::Millimetres),
+            _ => None,
+        }
+    }
+
     /// Metres per unit.
     #[must_use]
     pub const fn metres(self) -> f64 {

@@ -2,6 +2,7 @@
 
 use super::table::{Header, Trc};
 use crate::numbers::{write_number, write_plain};
+use crate::point_name::is_writable;
 use std::io::{self, Write};
 
 /// Writes the header. Its length does not depend on `frames`: write it with 0 first, and again at the start of the file
@@ -63,7 +64,7 @@ pub fn write(out: &mut impl Write, trc: &Trc) -> io::Result<()> {
 }
 
 fn check_name(name: &str) -> io::Result<()> {
-    if name.is_empty() || name.trim() != name || name.chars().any(char::is_control) {
+    if !is_writable(name) {
         return Err(invalid(&format!("`{}` cannot be a name in a TRC file", name.escape_debug())));
     }
     Ok(())

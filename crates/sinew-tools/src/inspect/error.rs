@@ -68,7 +68,7 @@ impl InspectError {
         match self {
             Self::TwoSkeletons { .. } => "inspect the motions of each skeleton by themselves",
             Self::UnknownKind { .. } => {
-                "give a calibration, a set-up, configuration, body or mapping (.toml), a folder of keypoints, masks or images, a motion file (.trc, .bvh, .mot, .csv, .asf with .amc), a motion model or latent model (.json), a result folder or its posterior.zarr"
+                "give a calibration, a set-up, configuration, body or mapping (.toml), a folder of keypoints, masks or images, a motion file (.trc, .c3d, .bvh, .mot, .csv, .asf with .amc), a motion model or latent model (.json), a result folder or its posterior.zarr"
             }
             Self::Video { .. } => {
                 "run a 2D pose detector over the videos first, and inspect the folder of keypoints that it fills"

@@ -3,10 +3,11 @@
 use super::facts::Facts;
 use super::subject::Subject;
 use super::{
-    acclaim, actions, body_file, calibration, draws, image_files, keypoints, latent_model, motion_file, motion_model,
-    results, settings_file, setup_file, table_file,
+    acclaim, actions, body_file, c3d_file, calibration, draws, image_files, keypoints, latent_model, motion_file,
+    motion_model, results, settings_file, setup_file, table_file,
 };
 use crate::Error;
+use crate::motion::Format;
 use sinew::input::recording::{Calibrated, RecordingOptions};
 use std::path::Path;
 
@@ -26,9 +27,10 @@ pub fn file_facts(subject: &Subject, options: &RecordingOptions, calibration: Op
         Subject::Layout(path) => body_file::mapping(path),
         Subject::Keypoints(path) => keypoints::facts(path, options),
         Subject::Images(path) => image_files::facts(path),
-        Subject::Motion(path) => match path.extension().filter(|extension| extension.eq_ignore_ascii_case("csv")) {
-            Some(_) => table_file::facts(path)?.map_or_else(|| motion_file::facts(path, None), Ok),
-            None => motion_file::facts(path, None),
+        Subject::Motion(path) => match Format::of(path) {
+            Ok(Format::Csv) => table_file::facts(path)?.map_or_else(|| motion_file::facts(path, None), Ok),
+            Ok(Format::C3d) => c3d_file::facts(path),
+            _ => motion_file::facts(path, None),
         },
         Subject::Actions(path) => actions::facts(path),
         Subject::Skeleton(path) => acclaim::skeleton(path),

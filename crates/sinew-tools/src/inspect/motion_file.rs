@@ -2,13 +2,17 @@
 
 use super::facts::{Facts, shortened};
 use crate::Error;
-use crate::motion::{self, Content};
+use crate::motion::{self, Content, Motion};
 use sinew_formats::point_table::PointTable;
 use std::path::Path;
 
 /// Facts of a motion; `skeleton` is the ASF file of an AMC file.
 pub(super) fn facts(path: &Path, skeleton: Option<&Path>) -> Result<Facts, Error> {
-    let motion = motion::read(path, skeleton, None)?;
+    Ok(motion_facts(path, motion::read(path, skeleton, None)?))
+}
+
+/// Facts of a motion that was read.
+pub(super) fn motion_facts(path: &Path, motion: Motion) -> Facts {
     let kind = match &motion.content {
         Content::Points(points) => format!("{} points", points.names.len()),
         Content::Coordinates(coordinates) => format!("{} coordinates", coordinates.columns.len()),
@@ -27,7 +31,7 @@ pub(super) fn facts(path: &Path, skeleton: Option<&Path>) -> Result<Facts, Error
         extent(&mut facts, &points);
     }
     facts.odd.extend(motion.warnings);
-    Ok(facts)
+    facts
 }
 
 fn extent(facts: &mut Facts, points: &PointTable) {

@@ -62,7 +62,7 @@ fn subject(path: &Path) -> Result<Subject, Error> {
         Some("toml") => Ok(toml_file::subject(path_buf, &read_text(path, MAX_CONFIG_BYTES)?)),
         Some("csv" | "json") if is_keypoint_file(path) => Ok(Subject::Keypoints(path_buf)),
         Some("csv") if is_action_file(path) => Ok(Subject::Actions(path_buf)),
-        Some("trc" | "bvh" | "mot" | "sto" | "csv") => Ok(Subject::Motion(path_buf)),
+        Some("trc" | "c3d" | "bvh" | "mot" | "sto" | "csv") => Ok(Subject::Motion(path_buf)),
         Some("asf") => Ok(Subject::Skeleton(path_buf)),
         Some("amc") => Ok(Subject::Acclaim { motion: path_buf, skeleton: None }),
         _ if is_video(path) => Err(InspectError::Video { path: path_buf }.into()),

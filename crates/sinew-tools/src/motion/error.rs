@@ -110,7 +110,7 @@ impl MotionError {
     pub fn help(&self) -> Option<String> {
         let fixed = match self {
             Self::UnknownExtension { .. } => {
-                "known: .trc, .bvh, .mot, .csv, and .amc to read; calibrations are written as .toml, .yml and .qca.txt"
+                "known: .trc, .c3d, .bvh, .mot, .csv, and .amc to read; calibrations are written as .toml, .yml and .qca.txt"
             }
             Self::NeedlessSkeleton { .. } => "`--skeleton` belongs to .amc files; leave it out",
             Self::NoSkeleton { .. } => "give its skeleton with `--skeleton FILE.asf`",

@@ -8,6 +8,8 @@ use std::path::Path;
 pub enum Format {
     /// Trajectories of markers.
     Trc,
+    /// Trajectories of markers of a laboratory.
+    C3d,
     /// A table.
     Csv,
     /// Coordinates of OpenSim.
@@ -18,8 +20,9 @@ pub enum Format {
     Amc,
 }
 
-const EXTENSIONS: [(&str, Format); 6] = [
+const EXTENSIONS: [(&str, Format); 7] = [
     ("trc", Format::Trc),
+    ("c3d", Format::C3d),
     ("csv", Format::Csv),
     ("mot", Format::Mot),
     ("sto", Format::Mot),
@@ -44,6 +47,7 @@ impl Format {
     pub const fn name(self) -> &'static str {
         match self {
             Self::Trc => "TRC",
+            Self::C3d => "C3D",
             Self::Csv => "CSV",
             Self::Mot => "MOT",
             Self::Bvh => "BVH",

@@ -1,6 +1,7 @@
 //! Reads a motion file by its extension.
 
 use super::acclaim::skeleton_of;
+use super::c3d_points;
 use super::content::{Content, Motion, rate_of};
 use super::error::MotionError;
 use super::format::Format;
@@ -27,14 +28,15 @@ pub fn read(path: &Path, skeleton: Option<&Path>, fps: Option<f64>) -> Result<Mo
     if format != Format::Amc && skeleton.is_some() {
         return Err(MotionError::NeedlessSkeleton { path: path.to_owned() }.into());
     }
-    let text = files::read_text(path, MAX_TEXT_BYTES)?;
+    let text = || files::read_text(path, MAX_TEXT_BYTES);
     let name = path.display().to_string();
     match format {
-        Format::Trc => from_trc(trc::read(&name, &text)?),
-        Format::Mot => from_mot(mot::read(&name, &text)?),
-        Format::Csv => from_csv(&name, &text),
+        Format::Trc => from_trc(trc::read(&name, &text()?)?),
+        Format::C3d => Ok(c3d_points::motion(&c3d_points::file(path)?)),
+        Format::Mot => from_mot(mot::read(&name, &text()?)?),
+        Format::Csv => from_csv(&name, &text()?),
         Format::Bvh => {
-            let bvh = bvh::read(&name, &text)?;
+            let bvh = bvh::read(&name, &text()?)?;
             let mut warnings: Vec<String> = bvh.warnings.iter().map(ToString::to_string).collect();
             let rate_hz = rate(bvh.frame_time_s.recip());
             let motion =
@@ -47,7 +49,7 @@ pub fn read(path: &Path, skeleton: Option<&Path>, fps: Option<f64>) -> Result<Mo
                 return Err(MotionError::NoSkeleton { file: name }.into());
             };
             let asf = asf::read(&skeleton.display().to_string(), &files::read_text(skeleton, MAX_TEXT_BYTES)?)?;
-            let amc = amc::read(&name, &text, &asf)?;
+            let amc = amc::read(&name, &text()?, &asf)?;
             let rate_hz = fps.unwrap_or(AMC_RATE_HZ);
             let mut warnings: Vec<String> = amc.warnings.iter().map(ToString::to_string).collect();
             if fps.is_none() {

@@ -1,5 +1,6 @@
 //! Writes a motion in another format, or says why it cannot be.
 
+use super::c3d_points;
 use super::content::{Content, Motion};
 use super::error::MotionError;
 use super::format::Format;
@@ -16,7 +17,8 @@ use std::io;
 pub fn write(motion: &Motion, format: Format, file_name: &str) -> Result<Vec<u8>, MotionError> {
     let mut out = Vec::new();
     let written = match (format, &motion.content) {
-        (Format::Trc, _) => match motion.points() {
+        (Format::Trc | Format::C3d, _) => match motion.points() {
+            Some(points) if format == Format::C3d => c3d_points::write(&mut out, motion.rate_hz, &points),
             Some(points) => as_trc(&mut out, motion, &points, file_name),
             None => return Err(impossible(motion, format, "coordinates do not say where the markers are")),
         },
@@ -44,10 +46,10 @@ pub fn write(motion: &Motion, format: Format, file_name: &str) -> Result<Vec<u8>
 fn impossible(motion: &Motion, format: Format, reason: &'static str) -> MotionError {
     let instead = match &motion.content {
         Content::Points(_) => {
-            "that takes inverse kinematics: track the keypoints with `sinew track`, or use OpenSim; .csv is possible"
+            "that takes inverse kinematics: track the keypoints with `sinew track`, or use OpenSim; .trc, .c3d and .csv are possible"
         }
         Content::Coordinates(_) => "take the marker file of the same motion; .csv is possible",
-        Content::Skeleton(_) => ".trc, .csv, .mot and .bvh are possible",
+        Content::Skeleton(_) => ".trc, .c3d, .csv, .mot and .bvh are possible",
     };
     MotionError::Impossible { from: motion.format.name(), to: format.name(), reason, instead }
 }
