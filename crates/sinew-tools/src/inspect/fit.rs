@@ -6,7 +6,7 @@
 //! - *offset*: the constant part of it (observed − projected), and the *scatter* that remains per axis;
 //! - *lag*: the frames that the camera is late, with their standard deviation; 0 for synchronised cameras.
 //!
-//! Where there are several people, it is said who was seen where, and the rest is about the most complete one.
+//! Where there are several people, it is said who was seen where in all frames, and the rest is about the most complete one.
 //!
 //! The set-up pass over the same frames adds what it finds odd: units, axes, cameras that look away, sides swapped.
 
@@ -55,7 +55,7 @@ pub fn facts(recording: &mut Recording, known: &[String]) -> Result<Facts, Error
             return Ok(facts);
         }
     };
-    let roll = Roll::call(recording, numbers, FPS, &association::Config::default(), |_| Ok::<(), sinew::Error>(()))?;
+    let roll = Roll::call(recording, range, FPS, &association::Config::default(), |_| Ok::<(), sinew::Error>(()))?;
     if roll.people.len() > 1 {
         for person in 0..roll.people.len() {
             facts.row(format!("person {}", person + 1), roll.words(person, &cameras));
