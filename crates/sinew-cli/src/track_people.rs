@@ -21,6 +21,7 @@ use sinew::config::{Resolved, TrackConfig};
 use sinew::input::footage::Footage;
 use sinew::input::one_person::OnePerson;
 use sinew::input::roll::Roll;
+use sinew::input::source::FrameSource as _;
 use sinew::results::people::{PeopleSummary, PersonTracked, person_folder};
 use sinew::results::{Claim, OWN_NAMES, RESULT_NAMES, ResultFolder, Summary, claim, claim_to_resume};
 use sinew::track::job::{self, RunPhase, Watch};
