@@ -66,9 +66,15 @@ pub(crate) fn run(args: &SimulateArgs, config: &TrackConfig, report: &Report) ->
             ("frames".to_owned(), format!("{frames} at {} per second, {}", args.fps, cameras(args.cameras))),
             ("written".to_owned(), out.clone()),
         ];
-        report::answer(&format!("{}\nNext:\n  {}\n", aligned(&rows), track_command(&out, args.fps)))?;
+        report::answer(&format!("{}\nNext:\n  {}\n", aligned(&rows), next_command(&out, args)))?;
     }
     Ok(Ended::Done)
+}
+
+/// The command that tracks everybody; one of them where one camera cannot tell people apart.
+fn next_command(folder: &str, args: &SimulateArgs) -> String {
+    let command = track_command(folder, args.fps);
+    if args.cameras > 1 { command } else { format!("{command} --people 1") }
 }
 
 /// Name of the file with a person's true positions.
@@ -78,18 +84,19 @@ fn truth_name(person: usize) -> String {
 
 fn readme(args: &SimulateArgs, out: &Path, seed: u64) -> String {
     let folder = out.file_name().unwrap_or_default().to_string_lossy();
-    let truth: Vec<String> = (1..=args.people).map(truth_name).collect();
-    let truth = truth.join("\n");
+    let line = |person| format!("{}   where the points of one person truly are\n", truth_name(person));
+    let truth: String = (1..=args.people).map(line).collect();
     let whom = if args.cameras > 1 { "everybody" } else { "the most complete one at the start" };
     format!(
         "A synthetic recording by sinew {}: {} people whose ways cross, {}, seed {seed}.\n\n\
          {CALIBRATION}     cameras\n\
          keypoints/     what a detector with errors found, BODY_25B: people hide, merge and exchange limbs\n\
-         {truth}   the true positions of the points of each person\n\n\
+         {truth}\n\
+         Results number people in the order of coming, which need not be the order of these files.\n\n\
          To track {whom}, from the folder above:\n  {}\n",
         env!("CARGO_PKG_VERSION"),
         args.people,
         cameras(args.cameras),
-        track_command(&folder, args.fps),
+        next_command(&folder, args),
     )
 }

@@ -172,7 +172,7 @@ impl PeopleProgress {
         let people = &run.roll.people;
         let frames: u64 = people.iter().map(|person| person.frames.end - person.frames.start).sum();
         let total = if smooth { 2 * frames } else { frames };
-        let progress = Progress::counting(run.general, "tracking", "frames of all", total);
+        let progress = Progress::counting(run.general, "tracking", "frames of all people", total);
         Self { shown: Mutex::new((progress, vec![[0; 2]; people.len()])) }
     }
 

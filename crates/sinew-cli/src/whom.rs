@@ -67,17 +67,19 @@ pub(crate) fn looked_for(
 }
 
 /// Everybody over the recording.
-pub(crate) fn called(recording: &mut Footage, fps: f64, general: &General) -> Result<Roll, Error> {
+fn called(recording: &mut Footage, fps: f64, general: &General) -> Result<Roll, Error> {
     let frames = recording.frames();
     let mut progress = Progress::start(general, "who is there", frames.end - frames.start);
     let stop = interrupt::flag("the frame");
-    Ok(Roll::call(recording, frames, fps, &association::Config::default(), |done| {
+    let roll = Roll::call(recording, frames.clone(), fps, &association::Config::default(), |done| {
         progress.at(done);
         if stop.load(Ordering::Relaxed) {
             return Err(sinew::Error::Interrupted("while people were looked for; nothing was written"));
         }
         Ok(())
-    })?)
+    })?;
+    progress.at(frames.end - frames.start);
+    Ok(roll)
 }
 
 /// Why nobody but one person is looked for; `None` where everybody can be named.

@@ -24,8 +24,7 @@ fn partials(folder: &Path) -> usize {
 pub(super) fn facts(folder: &Path) -> Result<Facts, Error> {
     let summary = folder.join("summary.json");
     let mut facts = if summary.exists() {
-        let summary: Value =
-            json_text::parse(&summary.display().to_string(), &read_text(&summary, MAX_TEXT_BYTES)?)?;
+        let summary: Value = json_text::parse(&summary.display().to_string(), &read_text(&summary, MAX_TEXT_BYTES)?)?;
         if summary["people"].is_array() {
             return people::facts(folder, &summary);
         }
