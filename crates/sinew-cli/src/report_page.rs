@@ -17,7 +17,7 @@ pub(crate) const PAGE: &str = "report.html";
 /// Runs the command.
 pub(crate) fn run(args: &ReportArgs, general: &General, report: &Report) -> Result<Ended, Error> {
     if is_of_several(&args.results) {
-        return of_several(args, general, report);
+        return one_each(args, general, report);
     }
     let out = general.out.as_ref().map_or_else(|| args.results.join(PAGE), PathBuf::from);
     let folder = out.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
@@ -43,7 +43,7 @@ pub(crate) fn run(args: &ReportArgs, general: &General, report: &Report) -> Resu
 }
 
 /// A page of each of several people, in the folder of his results.
-fn of_several(args: &ReportArgs, general: &General, report: &Report) -> Result<Ended, Error> {
+fn one_each(args: &ReportArgs, general: &General, report: &Report) -> Result<Ended, Error> {
     if general.out.is_some() {
         // One file cannot hold the pages of all.
         refuse_several(&args.results).map_err(sinew::Error::from)?;

@@ -59,7 +59,7 @@ pub(crate) fn stopped_or_begun(
     }
 }
 
-/// Refuses the folder of a run of several people where one is to be tracked, and the other way round.
+/// Refuses the folder of several people where one is to be tracked, and the other way round.
 pub(crate) fn refuse_other_number(out: &Path, of_several: bool) -> Result<(), Error> {
     const WHO: [&str; 2] = ["one person", "several people"];
     let is_there = is_of_several(out);

@@ -233,7 +233,7 @@ struct Tracked {
 /// One person, from the beginning or from where his run was stopped.
 fn one(run: &Run<'_>, person: usize, threads: usize, progress: &PeopleProgress) -> Result<Tracked, Error> {
     let out = run.resolved.track().out.join(person_folder(person));
-    let resolved = run.resolved.of_person(person + 1, &out);
+    let resolved = run.resolved.for_person(person + 1, &out);
     let config = resolved.track();
     let mut recording = Footage::open(&config.files(run.calibration), &reading(&config))?;
     let seen = run.roll.people[person].frames.clone();

@@ -86,22 +86,19 @@ fn called(recording: &mut Footage, fps: f64, general: &General) -> Result<Roll, 
 fn not_looked_for(resolved: &Resolved, config: &TrackConfig, recording: &Footage) -> Result<Option<String>, Error> {
     let Range { start, end } = recording.frames();
     let frames = end - start;
-    let kind = resolved.of_one_person().filter(|_| config.person.is_none());
-    Ok(match (kind, recording.cameras().len()) {
-        (Some(kind), _) => Some(format!(
-            "others are in view, too, and are not tracked: `--{kind}` is of one person; `--person N` says which"
-        )),
-        (None, 0 | 1) => Some(
-            "others are in view, too, and are not tracked: one camera does not tell people apart; the most complete one \
-             at the start is tracked (`--person` chooses)"
-                .into(),
+    let kind = resolved.single_person_setting().filter(|_| config.person.is_none());
+    let because = match (kind, recording.cameras().len()) {
+        (Some(kind), _) => format!("`--{kind}` is of one person; `--person N` says which"),
+        (None, 0 | 1) => "with one camera nobody can find out who is who; this is the most complete one at the start \
+                          (`--person` chooses)"
+            .into(),
+        (None, _) if (frames as f64) < LEAST_S * config.settings()?.fps => format!(
+            "{frames} frames are less than a quarter of a second, too few to find out who is who; this is the most \
+             complete one at the start (`--person` chooses)"
         ),
-        (None, _) if (frames as f64) < LEAST_S * config.settings()?.fps => Some(format!(
-            "others are in view, too, and are not tracked: {frames} frames are less than a quarter of a second, by which \
-             people are told apart; the most complete one at the start is tracked (`--person` chooses)"
-        )),
-        _ => None,
-    })
+        _ => return Ok(None),
+    };
+    Ok(Some(format!("others are in view, too, and only one person is tracked: {because}")))
 }
 
 /// Whether a camera shows more than one person in some of evenly spaced frames.

@@ -91,6 +91,13 @@ fn each_of_two_people_gets_a_folder_and_a_stopped_run_resumes_to_the_same_files(
     let says = |words: &str| assert!(inspected.contains(words), "{words}: {inspected}");
     ["; tracked\n", "; not tracked yet\n", "--resume` continues it", "(1.0 s), by two cameras in "].map(says);
     resumed_is_whole();
+}
+
+#[test]
+fn results_of_one_person_and_of_several_replace_each_other_only_if_forced() {
+    let (trial, _) = crossing();
+    let output = trial.track(&["-owhole"]);
+    assert_eq!(output.status.code(), Some(0), "{}", trial.printed(&output));
 
     // Finished results are not replaced unasked, and one person alone is tracked on request.
     let output = trial.track(&["-owhole"]);
@@ -135,7 +142,11 @@ fn a_number_chooses_the_person_of_the_folder_of_that_number() {
     refused(&track(&["-otwo", "--resume"]), 2, &["a run of one person; this is one of several people"]);
     refused(&track(&["-ogiven", setup]), 0, &["`--setup` is of one person; `--person N` says which"]);
     refused(&track(&["-othird", setup, "--person=2"]), 0, &[]);
-    refused(&track(&["-oshort", "--frames=0..6", "--any-size"]), 0, &["6 frames are less than a quarter of a second"]);
+    refused(
+        &track(&["-oshort", "--frames=0..6", "--any-size"]),
+        0,
+        &["6 frames are less than a quarter of a second, too few"],
+    );
     let each =
         ["results of several people, each in a folder of his own", "give one of them, for example `whole/people/01`"];
     refused(&["gait", "whole"], 2, &each);

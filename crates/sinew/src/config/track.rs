@@ -153,12 +153,12 @@ impl Resolved {
     /// Whether nothing says that it is one person: neither a choice nor what is of one.
     fn tracks_everybody(&self) -> bool {
         let is_all = self.values.text("people").as_deref() == Some("all");
-        is_all && self.values.get("person").is_none() && self.of_one_person().is_none()
+        is_all && self.values.get("person").is_none() && self.single_person_setting().is_none()
     }
 
     /// The setting, if any, whose value is of one person: a set-up, a standing trial, masks or a start.
     #[must_use]
-    pub fn of_one_person(&self) -> Option<&'static str> {
+    pub fn single_person_setting(&self) -> Option<&'static str> {
         ["setup", "silhouettes", "init", "static"].into_iter().find(|key| self.values.get(key).is_some())
     }
 
@@ -172,7 +172,7 @@ impl Resolved {
 
     /// The run of one of several people, by his number, into a folder of his own.
     #[must_use]
-    pub fn of_person(&self, number: usize, folder: &Path) -> Self {
+    pub fn for_person(&self, number: usize, folder: &Path) -> Self {
         let mut other = self.into_folder(folder);
         other.values.of.insert("person", (Value::Count(number as u64), Origin::Flag));
         other

@@ -32,7 +32,7 @@ pub enum ResultsError {
     /// A folder without the summary of a run that came to its end.
     #[error("`{}` holds no results of a run that came to its end: summary.json is missing", .0.display())]
     NoSummary(PathBuf),
-    /// Results of several people where those of one are needed.
+    /// Results of several people where one person is needed.
     #[error("{}: results of several people, each in a folder of his own", .0.display())]
     SeveralPeople(PathBuf),
     /// Frames that the results do not have.

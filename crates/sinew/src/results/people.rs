@@ -85,7 +85,7 @@ pub fn is_of_several(folder: &Path) -> bool {
     folder.join("people.csv").exists() && !folder.join("joints.csv").exists()
 }
 
-/// Refuses the results of several people where those of one are needed.
+/// Refuses the results of several people where one person is needed.
 ///
 /// # Errors
 /// [`ResultsError::SeveralPeople`].
