@@ -176,6 +176,14 @@ impl PeopleProgress {
         Self { shown: Mutex::new((progress, vec![[0; 2]; people.len()])) }
     }
 
+    /// All frames of a person are done.
+    fn done(&self, person: usize, frames: u64, smooth: bool) {
+        self.at(person, RunPhase::Track, frames);
+        if smooth {
+            self.at(person, RunPhase::Smooth, frames);
+        }
+    }
+
     fn at(&self, person: usize, pass: RunPhase, done: u64) {
         let place = match pass {
             RunPhase::Track => 0,
@@ -248,7 +256,7 @@ fn one(run: &Run<'_>, person: usize, threads: usize, progress: &PeopleProgress) 
             same_run(&mut source, frames, &resolved, &claim, &summary, &silent, hashes)?;
             ResultFolder::forget(&claim)?;
             show(run.args, run.calibration, &out, run.report)?;
-            progress.at(person, RunPhase::Track, seen.end - seen.start);
+            progress.done(person, seen.end - seen.start, config.smooth);
             let failed_diagnostics = texts(&summary, "failed_diagnostics");
             return Ok(Tracked { complete: true, failed_diagnostics, warnings: vec![], of_recording: vec![] });
         }
