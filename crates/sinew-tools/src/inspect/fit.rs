@@ -24,17 +24,14 @@ use sinew_observe::{Camera, Detection, association};
 /// Frames looked at.
 const FRAMES: u64 = 600;
 
-/// Frames a second by which it is judged who was there for long enough.
-const FPS: f64 = 30.0;
-
 /// Standard deviation of a lag above which it counts as unknown, frames.
 const UNKNOWN_LAG: f64 = 2.0;
 
-/// Looks at a recording; what is `known` to be odd is not repeated.
+/// Looks at a recording of `fps` frames a second; what is `known` to be odd is not repeated.
 ///
 /// # Errors
 /// Files that cannot be read.
-pub fn facts(recording: &mut Recording, known: &[String]) -> Result<Facts, Error> {
+pub fn facts(recording: &mut Recording, fps: f64, known: &[String]) -> Result<Facts, Error> {
     let cameras = recording.cameras().to_vec();
     let layout = recording.layout().clone();
     let range = recording.frames();
@@ -55,7 +52,7 @@ pub fn facts(recording: &mut Recording, known: &[String]) -> Result<Facts, Error
             return Ok(facts);
         }
     };
-    let roll = Roll::call(recording, range, FPS, &association::Config::default(), |_| Ok::<(), sinew::Error>(()))?;
+    let roll = Roll::call(recording, range, fps, &association::Config::default(), |_| Ok::<(), sinew::Error>(()))?;
     if roll.people.len() > 1 {
         for person in 0..roll.people.len() {
             facts.row(format!("person {}", person + 1), roll.words(person, &cameras));
