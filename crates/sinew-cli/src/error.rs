@@ -28,6 +28,14 @@ pub(crate) enum Error {
         /// Frames of the recording.
         available: Range<u64>,
     },
+    /// Fewer people than the chosen number.
+    #[error("person {chosen} was chosen; two cameras see {found} for a quarter of a second or more", found = people(*found))]
+    NoSuchPerson {
+        /// Number given.
+        chosen: usize,
+        /// People there.
+        found: usize,
+    },
     /// The system grants no threads.
     #[error("threads cannot be started: {0}")]
     Threads(rayon::ThreadPoolBuildError),
@@ -139,6 +147,10 @@ impl Written {
     }
 }
 
+fn people(count: usize) -> String {
+    if count == 1 { "one person".into() } else { format!("{count} people") }
+}
+
 const fn missing(calibration: bool, observation: bool) -> &'static str {
     match (calibration, observation) {
         (false, false) => "neither calibration nor keypoints were given",
@@ -166,7 +178,7 @@ impl Error {
             Self::Library(error) => error.exit_code(),
             Self::Tools(error) => error.exit_code(),
             Self::Threads(_) | Self::Demo(_) => 1,
-            Self::SetupFrames { .. } | Self::Scene(_) => 3,
+            Self::SetupFrames { .. } | Self::NoSuchPerson { .. } | Self::Scene(_) => 3,
             _ => 2,
         }
     }
@@ -184,6 +196,9 @@ impl Error {
             Self::Threads(_) | Self::Demo(_) => return None,
             Self::NothingToTrack { .. } => TRY,
             Self::SetupFrames { .. } => "`--setup-frames A..B` takes the numbers in the file names, A included, B not",
+            Self::NoSuchPerson { .. } => {
+                "`--person` counts from 1 in the order of coming; `sinew inspect` with calibration and keypoints says who is there"
+            }
             Self::ForeignFlag { .. } => "leave it out, or put it after the command that it belongs to",
             Self::NoKeypointsToRead { .. } => "give the keypoint folder too, or leave the flag out",
             Self::NothingToSynchronise(_) => "try `--calibration Calib.toml --keypoints pose --fps 60`",

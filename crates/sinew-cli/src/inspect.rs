@@ -9,6 +9,7 @@ use super::report::{self, Report};
 use super::settings::{reading, settings};
 use super::table::aligned;
 use serde_json::json;
+use sinew::config::track::DEFAULT_FPS;
 use sinew::input::recording::{Recording, RecordingOptions};
 use sinew::results::error::Occupied;
 use sinew::results::write_whole;
@@ -24,11 +25,11 @@ pub(crate) fn run(args: &InspectArgs, general: &General, report: &Report) -> Res
         subjects.iter().find_map(|subject| if let Subject::Calibration(path) = subject { Some(path) } else { None });
     let keypoints =
         subjects.iter().find_map(|subject| if let Subject::Keypoints(path) = subject { Some(path) } else { None });
-    let options = match keypoints {
+    let (options, fps) = match keypoints {
         Some(keypoints) => options(args, general, keypoints, report)?,
         None => {
             refuse_settings(args, general)?;
-            RecordingOptions::default()
+            (RecordingOptions::default(), DEFAULT_FPS)
         }
     };
     let mut all: Vec<Facts> = Vec::new();
@@ -39,7 +40,7 @@ pub(crate) fn run(args: &InspectArgs, general: &General, report: &Report) -> Res
         let mut recording = Recording::open(calibration, keypoints, &options)?;
         // What was said about a file is not said again about the pair.
         let known: Vec<String> = all.iter().flat_map(|facts| facts.odd.clone()).collect();
-        all.push(fit::facts(&mut recording, &known)?);
+        all.push(fit::facts(&mut recording, fps, &known)?);
     }
     if let Some(out) = &general.out {
         draw(&subjects, Path::new(out), general.force)?;
@@ -84,18 +85,19 @@ fn draw(subjects: &[Subject], out: &Path, force: bool) -> Result<(), Error> {
     Ok(write_whole(out, picture.as_bytes())?)
 }
 
-/// How to read the keypoints, from all sources of settings.
+/// How to read the keypoints, and their frames a second, from all sources of settings.
 fn options(
     args: &InspectArgs,
     general: &General,
     keypoints: &Path,
     report: &Report,
-) -> Result<RecordingOptions, Error> {
+) -> Result<(RecordingOptions, f64), Error> {
     let mut flags = args.settings.given.clone();
     flags.push(("keypoints", keypoints.to_string_lossy().into_owned()));
     let resolved = settings(&flags, general)?;
     report.warnings(&resolved.warnings);
-    Ok(reading(&resolved.track()))
+    let config = resolved.track();
+    Ok((reading(&config), config.fps.unwrap_or(DEFAULT_FPS)))
 }
 
 /// Refuses flags on how to read keypoints where there are none.

@@ -41,6 +41,7 @@ mod track;
 mod track_people;
 mod track_pieces;
 mod validate;
+mod whom;
 mod write_calibration;
 
 use args::{Cli, Command, General};

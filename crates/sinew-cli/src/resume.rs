@@ -9,7 +9,8 @@ use super::progress::PassProgress;
 use super::report::{self, Report};
 use sinew::config::{Resolved, TrackConfig};
 use sinew::input::source::FrameSource;
-use sinew::results::problem::Problem;
+use sinew::results::people::is_of_several;
+use sinew::results::problem::{self, Problem};
 use sinew::results::{Claim, RESULT_NAMES, claim_to_resume};
 use sinew::track::checkpoint::{self, Checkpoint};
 use sinew::track::job::{self, Watch};
@@ -43,6 +44,31 @@ pub(crate) fn stopped_run(config: &TrackConfig, inputs: &[PathBuf], report: &Rep
         return Err(sinew::Error::checkpoint(&config.out, Problem::BeforeFirst).into());
     }
     Ok(Stopped::At(claim, Box::new(checkpoint::read(&config.out)?)))
+}
+
+/// The run of one of several people to continue; `None` where it was stopped before its first frame or never begun.
+pub(crate) fn stopped_or_begun(
+    config: &TrackConfig,
+    inputs: &[PathBuf],
+    report: &Report,
+) -> Result<Option<Stopped>, Error> {
+    match stopped_run(config, inputs, report) {
+        Ok(stopped) => Ok(Some(stopped)),
+        Err(Error::Library(sinew::Error::Checkpoint { problem, .. })) if problem.is_before_first() => Ok(None),
+        Err(error) => Err(error),
+    }
+}
+
+/// Refuses the folder of several people where one is to be tracked, and the other way round.
+pub(crate) fn refuse_other_number(out: &Path, of_several: bool) -> Result<(), Error> {
+    const WHO: [&str; 2] = ["one person", "several people"];
+    let is_there = is_of_several(out);
+    let is_of_one = [problem::NAME, "joints.csv", "joints.csv.partial"].iter().any(|name| out.join(name).exists());
+    if of_several == is_there || !(is_there || is_of_one) {
+        return Ok(());
+    }
+    let [found, expected] = [is_there, of_several].map(|several| WHO[usize::from(several)]);
+    Err(sinew::Error::checkpoint(out, Problem::Whom { found, expected }).into())
 }
 
 /// Refuses complete results of other settings or data.

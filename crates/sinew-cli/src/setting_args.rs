@@ -30,7 +30,10 @@ pub(crate) struct InspectSettings;
 
 impl Takes for InspectSettings {
     fn takes(setting: &Setting) -> bool {
-        matches!(setting.key, "layout" | "frames" | "cameras" | "trim" | "lag" | "confidence_scale" | "image_scale")
+        matches!(
+            setting.key,
+            "layout" | "frames" | "fps" | "cameras" | "trim" | "lag" | "confidence_scale" | "image_scale"
+        )
     }
 }
 
@@ -40,7 +43,7 @@ pub(crate) struct SyncSettings;
 
 impl Takes for SyncSettings {
     fn takes(setting: &Setting) -> bool {
-        InspectSettings::takes(setting) || matches!(setting.key, "calibration" | "keypoints" | "fps")
+        InspectSettings::takes(setting) || matches!(setting.key, "calibration" | "keypoints")
     }
 }
 

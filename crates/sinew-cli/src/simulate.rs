@@ -7,7 +7,7 @@ use super::error::Error;
 use super::progress::Progress;
 use super::report::{self, Report};
 use super::simulate_crowd;
-use super::simulated_files::{CALIBRATION, FOLDERS, README, TRUTH, WALK_S, clear, track_command, write};
+use super::simulated_files::{CALIBRATION, FOLDERS, README, TRUTH, WALK_S, cameras, clear, track_command, write};
 use super::table::aligned;
 use super::threads::{wanted, with_threads};
 use rayon::prelude::*;
@@ -190,7 +190,7 @@ fn readme(args: &SimulateArgs, config: &TrackConfig, footage: &SyntheticFootage)
     let Trajectories { names, frames } = &footage.motion;
     let folder = config.out.file_name().unwrap_or_default().to_string_lossy();
     format!(
-        "A synthetic recording by sinew {}: motion {}, {} frames at {} per second, {} cameras, seed {}.\n\n\
+        "A synthetic recording by sinew {}: motion {}, {} frames at {} per second, {}, seed {}.\n\n\
          {CALIBRATION}   cameras\n\
          keypoints/   what a detector with errors found, BODY_25B\n\
          masks/       silhouettes, segmentation `{}`: <camera>_<frame>.png, one bit a pixel, white is the person\n\
@@ -202,7 +202,7 @@ fn readme(args: &SimulateArgs, config: &TrackConfig, footage: &SyntheticFootage)
         args.motion.display(),
         frames.len(),
         args.fps,
-        footage.cameras.len(),
+        cameras(footage.cameras.len()),
         config.tracking.seed,
         args.segmentation,
         names.len(),
@@ -227,7 +227,7 @@ fn answer(args: &SimulateArgs, config: &TrackConfig, footage: &SyntheticFootage)
     }
     let rows = [
         ("motion", args.motion.display().to_string()),
-        ("frames", format!("{} at {} per second, {} cameras", footage.frames(), args.fps, footage.cameras.len())),
+        ("frames", format!("{} at {} per second, {}", footage.frames(), args.fps, cameras(footage.cameras.len()))),
         ("masks", format!("segmentation {}, seed {}", args.segmentation, config.tracking.seed)),
         ("written", out.clone()),
     ];

@@ -7,7 +7,7 @@ use super::claimed::claimed;
 use super::ended::Ended;
 use super::error::Error;
 use super::report::{self, Report};
-use super::simulated_files::{CALIBRATION, FOLDERS, README, WALK_S, clear, track_command, write};
+use super::simulated_files::{CALIBRATION, FOLDERS, README, WALK_S, cameras, clear, track_command, write};
 use super::table::aligned;
 use serde_json::json;
 use sinew::config::TrackConfig;
@@ -46,7 +46,7 @@ pub(crate) fn run(args: &SimulateArgs, config: &TrackConfig, report: &Report) ->
     }
     write(&config.out.join(CALIBRATION), calib_toml::write(&recording.cameras).as_bytes())?;
     for (person, truth) in (1..).zip(&recording.truth) {
-        let name = format!("truth_{person:02}.trc");
+        let name = truth_name(person);
         let mut bytes = vec![];
         let path = config.out.join(&name);
         write_trc(&mut bytes, &name, truth, args.fps).map_err(sinew::Error::io("write", &path))?;
@@ -63,25 +63,40 @@ pub(crate) fn run(args: &SimulateArgs, config: &TrackConfig, report: &Report) ->
     } else {
         let rows = [
             ("people".to_owned(), args.people.to_string()),
-            ("frames".to_owned(), format!("{frames} at {} per second, {} cameras", args.fps, args.cameras)),
+            ("frames".to_owned(), format!("{frames} at {} per second, {}", args.fps, cameras(args.cameras))),
             ("written".to_owned(), out.clone()),
         ];
-        report::answer(&format!("{}\nNext:\n  {}\n", aligned(&rows), track_command(&out, args.fps)))?;
+        report::answer(&format!("{}\nNext:\n  {}\n", aligned(&rows), next_command(&out, args)))?;
     }
     Ok(Ended::Done)
 }
 
+/// The command that tracks everybody; one of them where one camera cannot tell people apart.
+fn next_command(folder: &str, args: &SimulateArgs) -> String {
+    let command = track_command(folder, args.fps);
+    if args.cameras > 1 { command } else { format!("{command} --people 1") }
+}
+
+/// Name of the file with a person's true positions.
+fn truth_name(person: usize) -> String {
+    format!("truth_{person:02}.trc")
+}
+
 fn readme(args: &SimulateArgs, out: &Path, seed: u64) -> String {
     let folder = out.file_name().unwrap_or_default().to_string_lossy();
+    let line = |person| format!("{}   where the points of one person truly are\n", truth_name(person));
+    let truth: String = (1..=args.people).map(line).collect();
+    let whom = if args.cameras > 1 { "everybody" } else { "the most complete one at the start" };
     format!(
-        "A synthetic recording by sinew {}: {} people whose ways cross, {} cameras, seed {seed}.\n\n\
+        "A synthetic recording by sinew {}: {} people whose ways cross, {}, seed {seed}.\n\n\
          {CALIBRATION}     cameras\n\
          keypoints/     what a detector with errors found, BODY_25B: people hide, merge and exchange limbs\n\
-         truth_01.trc   the true positions of the points of each person\n\n\
-         To track everybody, from the folder above:\n  {}\n",
+         {truth}\n\
+         Results number people in the order of coming, which need not be the order of these files.\n\n\
+         To track {whom}, from the folder above:\n  {}\n",
         env!("CARGO_PKG_VERSION"),
         args.people,
-        args.cameras,
-        track_command(&folder, args.fps),
+        cameras(args.cameras),
+        next_command(&folder, args),
     )
 }

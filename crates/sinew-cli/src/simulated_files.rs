@@ -39,6 +39,11 @@ pub(crate) fn clear(out: &Path, filled: &[&str]) -> Result<(), sinew::Error> {
     Ok(())
 }
 
+/// A number of cameras, in words.
+pub(crate) fn cameras(count: usize) -> String {
+    if count == 1 { "1 camera".into() } else { format!("{count} cameras") }
+}
+
 /// The command that tracks the recording in a folder.
 pub(crate) fn track_command(folder: &str, fps: f64) -> String {
     format!(

@@ -9,15 +9,18 @@ use super::interrupt;
 use super::progress::PassProgress;
 use super::report::{self, Report};
 use super::report_page;
-use super::resume::{Stopped, complete, same_run, stopped_run};
+use super::resume::{Stopped, complete, refuse_other_number, same_run, stopped_run};
 use super::settings::{reading, settings};
 use super::table::table;
 use super::threads::{wanted, with_threads};
-use super::track_pieces::{RESUME, calibration, setup_frames, show};
+use super::track_pieces::{FromFootage, RESUME, calibration, setup_frames, show, within};
+use super::whom::{Whom, looked_for};
 use super::{sync, track_people, write_calibration};
 use sinew::config::{Resolved, TrackConfig};
 use sinew::input::footage::Footage;
 use sinew::input::footage::Init;
+use sinew::input::one_person::OnePerson;
+use sinew::input::roll::Roll;
 use sinew::results::{Claim, ResultFolder, problem, refuse_inputs};
 use sinew::track::checkpoint::Checkpoint;
 use sinew::track::job;
@@ -52,66 +55,92 @@ pub(crate) fn run(args: &TrackArgs, general: &General, report: &Report) -> Resul
     }
     job::check_settings(&resolved)?;
     let claimed = || if args.resume { Ok(None) } else { claimed(&config, &read_from, report).map(Some) };
-    match track_people::looked_for(&config, &calibration, general, claimed)? {
-        (claim, Some(roll)) => {
-            track_people::run((args, &resolved, &roll), claim, &calibration, &read_from, general, report)
+    let (claim, whom) = looked_for(&resolved, &calibration, general, report, claimed)?;
+    if args.resume {
+        refuse_other_number(&config.out, matches!(whom, Whom::Everybody(_)))?;
+    }
+    let chosen = match whom {
+        Whom::Everybody(roll) => {
+            return track_people::run((args, &resolved, &roll), claim, &calibration, &read_from, general, report);
         }
-        (claim, None) => one(args, &resolved, claim, &calibration, &read_from, general, report),
+        Whom::One(roll, person) => Some((roll, person)),
+        Whom::MostComplete => None,
+    };
+    let mut recording = Footage::open(&config.files(&calibration), &reading(&config))?;
+    let frames = setup_frames(&config, &recording)?;
+    let run =
+        SingleRun { args, resolved: &resolved, calibration: &calibration, read_from: &read_from, general, report };
+    match &chosen {
+        None => run.track(&mut recording, frames, claim),
+        Some((roll, person)) => {
+            let frames = within(&frames, &roll.people[*person].frames);
+            run.track(&mut OnePerson { source: &mut recording, roll, person: *person }, frames, claim)
+        }
     }
 }
 
-/// One person, or the most complete of several.
-fn one(
-    args: &TrackArgs,
-    resolved: &Resolved,
-    claim: Option<Claim>,
-    calibration: &Path,
-    read_from: &[PathBuf],
-    general: &General,
-    report: &Report,
-) -> Result<Ended, Error> {
-    let config = resolved.track();
-    let refine = || {
-        let path = args.write_calibration.as_ref();
-        path.map_or(Ok(()), |path| write_calibration::write(path, &config, calibration, report))
-    };
-    let mut recording = Footage::open(&config.files(calibration), &reading(&config))?;
-    let setup_frames = setup_frames(&config, &recording)?;
-    if !args.resume {
-        track_people::forget_people(&config, read_from)?;
-    }
-    let (claim, from) = match (claim, args.resume) {
-        (Some(claim), _) => (claim, None),
-        (None, false) => (claimed(&config, read_from, report)?, None),
-        (None, true) => match stopped_run(&config, read_from, report)? {
-            Stopped::Complete(claim, summary) => {
-                same_run(&mut recording, setup_frames, resolved, &claim, &summary, general, Footage::input_hashes)?;
-                ResultFolder::forget(&claim)?;
-                refine()?;
-                show(args, calibration, &config.out, report)?;
-                return complete(&summary, &config.out, args, report);
+/// A run of one person.
+struct SingleRun<'a> {
+    args: &'a TrackArgs,
+    resolved: &'a Resolved,
+    calibration: &'a Path,
+    read_from: &'a [PathBuf],
+    general: &'a General,
+    report: &'a Report,
+}
+
+impl SingleRun<'_> {
+    fn track<S: FromFootage>(
+        &self,
+        source: &mut S,
+        setup_frames: Range<u64>,
+        claim: Option<Claim>,
+    ) -> Result<Ended, Error> {
+        let Self { args, resolved, read_from, general, report, .. } = *self;
+        let config = resolved.track();
+        if !args.resume {
+            track_people::forget_people(&config, read_from)?;
+        }
+        let (claim, from) = match (claim, args.resume) {
+            (Some(claim), _) => (claim, None),
+            (None, false) => (claimed(&config, read_from, report)?, None),
+            (None, true) => match stopped_run(&config, read_from, report)? {
+                Stopped::Complete(claim, summary) => {
+                    let hashes = |source: &S| source.footage().input_hashes();
+                    same_run(source, setup_frames, resolved, &claim, &summary, general, hashes)?;
+                    ResultFolder::forget(&claim)?;
+                    self.refine(&config)?;
+                    show(args, self.calibration, &config.out, report)?;
+                    return complete(&summary, &config.out, args, report);
+                }
+                Stopped::At(claim, checkpoint) => (claim, Some(*checkpoint)),
+            },
+        };
+        let outcome = tracked(source, setup_frames, resolved, claim, from, general);
+        let outcome = outcome.inspect_err(|error| {
+            if let Error::Library(sinew::Error::Checkpoint { .. }) = error {
+                return;
             }
-            Stopped::At(claim, checkpoint) => (claim, Some(*checkpoint)),
-        },
-    };
-    let outcome = tracked(&mut recording, setup_frames, resolved, claim, from, general);
-    let outcome = outcome.inspect_err(|error| {
-        if let Error::Library(sinew::Error::Checkpoint { .. }) = error {
-            return;
+            // What is odd about the input may be why it could not be tracked.
+            report.warnings(&source.footage().warnings());
+            if config.out.join(problem::NAME).exists() {
+                report.note(&format!("the frames before are kept in {}; {RESUME}", config.out.display()));
+            }
+        })?;
+        self.refine(&config)?;
+        report_page::forget(&config.out)?;
+        gait::forget(&config.out)?;
+        if outcome.summary.frame_count > 0 {
+            show(args, self.calibration, &config.out, report)?;
         }
-        // What is odd about the input may be why it could not be tracked.
-        report.warnings(&recording.warnings());
-        if config.out.join(problem::NAME).exists() {
-            report.note(&format!("the frames before are kept in {}; {RESUME}", config.out.display()));
-        }
-    })?;
-    refine()?;
-    report_page::forget(&config.out)?;
-    gait::forget(&config.out)?;
-    if outcome.summary.frame_count > 0 {
-        show(args, calibration, &config.out, report)?;
+        answer(&outcome, &config.out, args, report)
     }
-    answer(&outcome, &config.out, args, report)
+
+    /// Writes the calibration that the run found, if it is wanted.
+    fn refine(&self, config: &TrackConfig) -> Result<(), Error> {
+        let path = self.args.write_calibration.as_ref();
+        path.map_or(Ok(()), |path| write_calibration::write(path, config, self.calibration, self.report))
+    }
 }
 
 /// Files and folders that a run reads.
@@ -127,9 +156,10 @@ pub(crate) fn read_from(config: &TrackConfig, calibration: &Path, general: &Gene
     read_from
 }
 
-/// One run into its own folder, without an answer.
+/// One run into its own folder, without an answer; of one of several people, if he is named.
 pub(crate) fn track_into_folder(
     resolved: &Resolved,
+    chosen: Option<(&Roll, usize)>,
     read_from: &[PathBuf],
     general: &General,
     report: &Report,
@@ -138,14 +168,19 @@ pub(crate) fn track_into_folder(
     refuse_inputs(&config.out, read_from)?;
     job::check_settings(resolved)?;
     let mut recording = Footage::open(&config.files(&calibration(&config)?), &reading(&config))?;
-    let setup_frames = setup_frames(&config, &recording)?;
+    let frames = setup_frames(&config, &recording)?;
     let claim = claimed(&config, read_from, report)?;
-    tracked(&mut recording, setup_frames, resolved, claim, None, general)
+    let Some((roll, person)) = chosen else {
+        return tracked(&mut recording, frames, resolved, claim, None, general);
+    };
+    let frames = within(&frames, &roll.people[person].frames);
+    let mut source = OnePerson { source: &mut recording, roll, person };
+    tracked(&mut source, frames, resolved, claim, None, general)
 }
 
 /// The run itself, with its progress.
-fn tracked(
-    recording: &mut Footage,
+fn tracked<S: FromFootage>(
+    source: &mut S,
     setup_frames: Range<u64>,
     resolved: &Resolved,
     claim: Claim,
@@ -157,8 +192,8 @@ fn tracked(
         let stop = interrupt::flag("the frame");
         let mut at = |pass, done, total| progress.at(pass, done, total);
         let mut watch = Watch { progress: &mut at, stop: &stop };
-        let inputs = |recording: &Footage| (recording.warnings(), recording.input_hashes());
-        job::track(recording, setup_frames, resolved, claim, &mut watch, inputs, from)
+        let inputs = |source: &S| (source.footage().warnings(), source.footage().input_hashes());
+        job::track(source, setup_frames, resolved, claim, &mut watch, inputs, from)
     })
 }
 

@@ -11,57 +11,22 @@ use super::interrupt;
 use super::progress::Progress;
 use super::report::{self, Report};
 use super::report_page;
-use super::resume::{Stopped, same_run, stopped_run};
+use super::resume::{Stopped, same_run, stopped_or_begun};
 use super::settings::reading;
 use super::table::columns;
 use super::threads::{beside_each_other, wanted, with_threads};
-use super::track_pieces::{RESUME, setup_frames, show};
+use super::track_pieces::{RESUME, setup_frames, show, within};
 use super::write_calibration;
 use sinew::config::{Resolved, TrackConfig};
 use sinew::input::footage::Footage;
 use sinew::input::one_person::OnePerson;
 use sinew::input::roll::Roll;
 use sinew::input::source::FrameSource as _;
-use sinew::observe::association;
-use sinew::results::people::{PeopleSummary, person_folder};
-use sinew::results::{Claim, OWN_NAMES, RESULT_NAMES, ResultFolder, claim, claim_to_resume};
-use sinew::track::checkpoint::Checkpoint;
+use sinew::results::people::{PeopleSummary, PersonTracked, person_folder};
+use sinew::results::{Claim, OWN_NAMES, RESULT_NAMES, ResultFolder, Summary, claim, claim_to_resume};
 use sinew::track::job::{self, RunPhase, Watch};
-use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
-
-/// Everybody, if there are several, and the output folder, if it was `claimed` before they were looked for.
-pub(crate) fn looked_for(
-    config: &TrackConfig,
-    calibration: &Path,
-    general: &General,
-    claimed: impl Fn() -> Result<Option<Claim>, Error>,
-) -> Result<(Option<Claim>, Option<Roll>), Error> {
-    if !config.everybody {
-        return Ok((None, None));
-    }
-    let mut recording = Footage::open(&config.files(calibration), &reading(config))?;
-    let frames = recording.frames();
-    if recording.cameras().len() < 2 {
-        return Ok((None, None));
-    }
-    // Mistakes in the settings are said before what is in the folder.
-    setup_frames(config, &recording)?;
-    let claim = claimed()?;
-    let mut progress = Progress::start(general, "who is there", frames.end - frames.start);
-    let stop = interrupt::flag("the frame");
-    let fps = config.settings()?.fps;
-    let roll = Roll::call(&mut recording, frames, fps, &association::Config::default(), |done| {
-        progress.at(done);
-        if stop.load(std::sync::atomic::Ordering::Relaxed) {
-            return Err(sinew::Error::Interrupted("while people were looked for; nothing was written"));
-        }
-        Ok(())
-    })?;
-    drop(progress);
-    Ok((claim, (roll.people.len() > 1).then_some(roll)))
-}
 
 /// Folder of the tracked person whom two cameras saw in most frames: his set-up knows most of the cameras.
 fn most_seen(out: &Path, roll: &Roll) -> PathBuf {
@@ -101,7 +66,7 @@ pub(crate) fn run(
     }
     let cameras = Footage::open(&config.files(calibration), &reading(&config))?;
     let cameras = cameras.cameras().iter().map(|camera| camera.name.clone()).collect();
-    let mut summary = PeopleSummary::begun(cameras, &roll.people);
+    let mut summary = PeopleSummary::begun(cameras, config.settings()?.fps, &roll.people);
     summary.write(&config.out)?;
     report.note(&format!("{} people, each tracked into a folder of {}", roll.people.len(), config.out.display()));
     let refused = everybody(&run, &config, &mut summary)?;
@@ -137,17 +102,18 @@ fn everybody(run: &Run<'_>, config: &TrackConfig, summary: &mut PeopleSummary) -
     drop(progress);
     let mut refused = None;
     let mut interrupted = false;
+    let mut said = WarningsOfAll::default();
     for (tracked, outcome) in summary.people.iter_mut().zip(outcomes) {
         match outcome {
-            Some(Ok(Tracked { complete, failed_diagnostics, warnings })) => {
-                let said = |warning: &String| format!("person {}: {warning}", tracked.person);
-                run.report.warnings(&warnings.iter().map(said).collect::<Vec<_>>());
+            Some(Ok(Tracked { complete, failed_diagnostics, warnings, of_recording })) => {
+                said.add(tracked.person, &warnings, &of_recording);
+                tracked.trusted = complete && failed_diagnostics.is_empty();
                 tracked.failed_diagnostics = failed_diagnostics;
                 tracked.complete = complete;
                 interrupted |= !complete;
             }
             Some(Err(Error::Library(error))) if is_refusal(&error) => {
-                run.report.warnings(&[format!("person {} is not tracked: {error}", tracked.person)]);
+                said.add(tracked.person, &[format!("not tracked: {error}")], &[]);
                 tracked.failed = Some(error.to_string());
                 refused = refused.or(Some(error));
             }
@@ -155,8 +121,40 @@ fn everybody(run: &Run<'_>, config: &TrackConfig, summary: &mut PeopleSummary) -
             Some(Err(error)) => return Err(error),
         }
     }
+    run.report.warnings(&said.words());
     summary.complete = !interrupted;
     Ok(refused)
+}
+
+/// What is odd, each text once with the people of whom it is said; what is odd about the recording itself is said of nobody.
+#[derive(Default)]
+struct WarningsOfAll(Vec<(String, Vec<usize>)>);
+
+impl WarningsOfAll {
+    fn add(&mut self, person: usize, warnings: &[String], of_recording: &[String]) {
+        for text in warnings {
+            let known = self.0.iter().position(|(known, _)| known == text);
+            let place = known.unwrap_or_else(|| {
+                self.0.push((text.clone(), vec![]));
+                self.0.len() - 1
+            });
+            if !of_recording.contains(text) {
+                self.0[place].1.push(person);
+            }
+        }
+    }
+
+    fn words(&self) -> Vec<String> {
+        let words = |(text, people): &(String, Vec<usize>)| {
+            let people: Vec<String> = people.iter().map(usize::to_string).collect();
+            match people.len() {
+                0 => text.clone(),
+                1 => format!("person {}: {text}", people[0]),
+                _ => format!("people {}: {text}", people.join(", ")),
+            }
+        };
+        self.0.iter().map(words).collect()
+    }
 }
 
 /// Whether a person cannot be tracked, and others may be.
@@ -174,8 +172,16 @@ impl PeopleProgress {
         let people = &run.roll.people;
         let frames: u64 = people.iter().map(|person| person.frames.end - person.frames.start).sum();
         let total = if smooth { 2 * frames } else { frames };
-        let progress = Progress::counting(run.general, "tracking", "frames of all", total);
+        let progress = Progress::counting(run.general, "tracking", "frames of all people", total);
         Self { shown: Mutex::new((progress, vec![[0; 2]; people.len()])) }
+    }
+
+    /// All frames of a person are done.
+    fn done(&self, person: usize, frames: u64, smooth: bool) {
+        self.at(person, RunPhase::Track, frames);
+        if smooth {
+            self.at(person, RunPhase::Smooth, frames);
+        }
     }
 
     fn at(&self, person: usize, pass: RunPhase, done: u64) {
@@ -228,35 +234,34 @@ struct Tracked {
     complete: bool,
     failed_diagnostics: Vec<String>,
     warnings: Vec<String>,
+    /// What of them is odd about the recording itself.
+    of_recording: Vec<String>,
 }
 
 /// One person, from the beginning or from where his run was stopped.
 fn one(run: &Run<'_>, person: usize, threads: usize, progress: &PeopleProgress) -> Result<Tracked, Error> {
     let out = run.resolved.track().out.join(person_folder(person));
-    let resolved = run.resolved.into_folder(&out);
+    let resolved = run.resolved.for_person(person + 1, &out);
     let config = resolved.track();
     let mut recording = Footage::open(&config.files(run.calibration), &reading(&config))?;
-    let frames = within(&setup_frames(&config, &recording)?, &run.roll.people[person].frames);
+    let seen = run.roll.people[person].frames.clone();
+    let frames = within(&setup_frames(&config, &recording)?, &seen);
     let mut source = OnePerson { source: &mut recording, roll: run.roll, person };
-    let (claim, from): (_, Option<Checkpoint>) = if run.args.resume && out.is_dir() {
-        match stopped_run(&config, run.read_from, run.report)? {
-            Stopped::Complete(claim, summary) => {
-                let hashes = |source: &OnePerson<'_, Footage>| source.source.input_hashes();
-                let silent = General { no_progress: true, ..run.general.clone() };
-                same_run(&mut source, frames, &resolved, &claim, &summary, &silent, hashes)?;
-                ResultFolder::forget(&claim)?;
-                show(run.args, run.calibration, &out, run.report)?;
-                progress.at(
-                    person,
-                    RunPhase::Track,
-                    run.roll.people[person].frames.end - run.roll.people[person].frames.start,
-                );
-                return Ok(Tracked { complete: true, failed_diagnostics: failed_in(&summary), warnings: vec![] });
-            }
-            Stopped::At(claim, checkpoint) => (claim, Some(*checkpoint)),
+    let is_begun = run.args.resume && out.is_dir();
+    let stopped = if is_begun { stopped_or_begun(&config, run.read_from, run.report)? } else { None };
+    let (claim, from) = match stopped {
+        Some(Stopped::Complete(claim, summary)) => {
+            let hashes = |source: &OnePerson<'_, Footage>| source.source.input_hashes();
+            let silent = General { no_progress: true, ..run.general.clone() };
+            same_run(&mut source, frames, &resolved, &claim, &summary, &silent, hashes)?;
+            ResultFolder::forget(&claim)?;
+            show(run.args, run.calibration, &out, run.report)?;
+            progress.done(person, seen.end - seen.start, config.smooth);
+            let failed_diagnostics = texts(&summary, "failed_diagnostics");
+            return Ok(Tracked { complete: true, failed_diagnostics, warnings: vec![], of_recording: vec![] });
         }
-    } else {
-        (claim(&out, run.read_from, config.force)?, None)
+        Some(Stopped::At(claim, checkpoint)) => (claim, Some(*checkpoint)),
+        None => (claim(&out, run.read_from, config.force)?, None),
     };
     let outcome = with_threads(threads, || {
         let stop = interrupt::flag("the frame");
@@ -268,23 +273,37 @@ fn one(run: &Run<'_>, person: usize, threads: usize, progress: &PeopleProgress) 
     if outcome.summary.frame_count > 0 {
         show(run.args, run.calibration, &out, run.report)?;
     }
-    let summary = outcome.summary;
-    Ok(Tracked {
-        complete: summary.complete,
-        failed_diagnostics: summary.failed_diagnostics,
-        warnings: summary.warnings,
-    })
+    let Summary { complete, failed_diagnostics, warnings, .. } = outcome.summary;
+    Ok(Tracked { complete, failed_diagnostics, warnings, of_recording: recording.warnings() })
 }
 
-/// Frames for the set-up that show the person, or all of his where there are none.
-fn within(asked: &Range<u64>, frames: &Range<u64>) -> Range<u64> {
-    let both = asked.start.max(frames.start)..asked.end.min(frames.end);
-    if both.is_empty() { frames.clone() } else { both }
-}
-
-fn failed_in(summary: &serde_json::Value) -> Vec<String> {
-    let all = summary["failed_diagnostics"].as_array().into_iter().flatten();
+fn texts(summary: &serde_json::Value, key: &str) -> Vec<String> {
+    let all = summary[key].as_array().into_iter().flatten();
     all.filter_map(|text| text.as_str()).map(str::to_owned).collect()
+}
+
+/// A row a person: when he was seen, by which cameras, and what became of his run.
+fn people_table(summary: &PeopleSummary, out: &Path) -> String {
+    let heads = ["person", "frames", "seconds", "seen by two", "cameras", "tracked", "results"].map(str::to_owned);
+    let row = |person: &PersonTracked| {
+        let tracked = match (&person.failed, person.complete, person.trusted) {
+            (Some(_), _, _) => "no",
+            (None, true, true) => "yes",
+            (None, true, false) => "doubtful",
+            (None, false, _) => "in part",
+        };
+        let [first, end] = person.frames;
+        vec![
+            person.person.to_string(),
+            format!("{first}..{end}"),
+            format!("{:.1}", (end - first) as f64 / summary.fps),
+            person.seen_frames.to_string(),
+            person.seen_by(&summary.cameras),
+            tracked.to_owned(),
+            out.join(&person.folder).display().to_string(),
+        ]
+    };
+    columns(&heads, &summary.people.iter().map(row).collect::<Vec<_>>())
 }
 
 /// Says what became of everybody.
@@ -292,24 +311,7 @@ fn answer(summary: &PeopleSummary, out: &Path, args: &TrackArgs, report: &Report
     if args.answer.json {
         report::answer_json(&serde_json::to_value(summary).unwrap_or_default())?;
     } else {
-        let heads = ["person", "frames", "seen by two", "tracked", "results"].map(str::to_owned);
-        let row = |person: &sinew::results::people::PersonTracked| {
-            let tracked = match (&person.failed, person.complete) {
-                (Some(_), _) => "no",
-                (None, true) => "yes",
-                (None, false) => "in part",
-            };
-            let [first, end] = person.frames;
-            let folder = out.join(&person.folder).display().to_string();
-            vec![
-                person.person.to_string(),
-                format!("{first}..{end}"),
-                person.seen_frames.to_string(),
-                tracked.to_owned(),
-                folder,
-            ]
-        };
-        report::answer(&columns(&heads, &summary.people.iter().map(row).collect::<Vec<_>>()))?;
+        report::answer(&people_table(summary, out))?;
     }
     if !summary.complete {
         report.note(&format!("interrupted; what was done is written and marked incomplete; {RESUME}"));
@@ -317,7 +319,7 @@ fn answer(summary: &PeopleSummary, out: &Path, args: &TrackArgs, report: &Report
     }
     let mut doubtful = false;
     for person in &summary.people {
-        doubtful |= person.failed.is_some() || !person.failed_diagnostics.is_empty();
+        doubtful |= !person.trusted;
         person
             .failed_diagnostics
             .iter()

@@ -6,6 +6,8 @@ use super::report::Report;
 use super::report_page;
 use sinew::config::TrackConfig;
 use sinew::input::footage::Footage;
+use sinew::input::one_person::OnePerson;
+use sinew::input::source::FrameSource;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
@@ -18,6 +20,30 @@ pub(crate) fn setup_frames(config: &TrackConfig, recording: &Footage) -> Result<
     let Some(asked) = config.setup_frames.clone() else { return Ok(available) };
     let cut = asked.start.max(available.start)..asked.end.min(available.end);
     if cut.is_empty() { Err(Error::SetupFrames { asked, available }) } else { Ok(cut) }
+}
+
+/// Frames for the set-up that show a person, or all of his where there are none.
+pub(crate) fn within(asked: &Range<u64>, frames: &Range<u64>) -> Range<u64> {
+    let both = asked.start.max(frames.start)..asked.end.min(frames.end);
+    if both.is_empty() { frames.clone() } else { both }
+}
+
+/// Frames that come from a recording, perhaps with one of its people alone.
+pub(crate) trait FromFootage: FrameSource + Send {
+    /// The recording.
+    fn footage(&self) -> &Footage;
+}
+
+impl FromFootage for Footage {
+    fn footage(&self) -> &Footage {
+        self
+    }
+}
+
+impl FromFootage for OnePerson<'_, Footage> {
+    fn footage(&self) -> &Footage {
+        self.source
+    }
 }
 
 /// Writes the page of the results, if it is wanted.

@@ -8,9 +8,11 @@ use super::settings::{reading, settings};
 use super::table::aligned;
 use super::track::{read_from, track_into_folder};
 use super::track_pieces::calibration;
+use super::whom::{Whom, looked_for};
 use serde_json::json;
-use sinew::config::TrackConfig;
+use sinew::config::{Resolved, TrackConfig};
 use sinew::input::recording::{Recording, RecordingOptions};
+use sinew::input::roll::Roll;
 use sinew::results::Summary;
 use sinew::results::write_whole;
 use sinew_tools::predict::predict;
@@ -32,8 +34,9 @@ pub(crate) fn run(args: &ValidateArgs, general: &General, report: &Report) -> Re
     if config.setup.is_some() {
         return Err(Error::SetupToValidate);
     }
+    let chosen = chosen(&resolved, &calibration, general, report)?;
     let (mut found, mut said): (Vec<LeftOut>, Said) = (vec![], Said::default());
-    for camera in &cameras {
+    for (place, camera) in cameras.iter().enumerate() {
         let others: Vec<&str> = cameras.iter().filter(|other| *other != camera).map(String::as_str).collect();
         let folder = config.out.join(format!("without_{camera}"));
         let own = |(key, _): &&(&'static str, String)| !["cameras", "out"].contains(key);
@@ -42,7 +45,10 @@ pub(crate) fn run(args: &ValidateArgs, general: &General, report: &Report) -> Re
         let general = General { out: Some(folder.to_string_lossy().into_owned()), ..general.clone() };
         let run = settings(&given, &general)?;
         report.detail(&format!("without {camera}"));
-        let outcome = track_into_folder(&run, &read_from(&config, &calibration, &general), &general, report)?;
+        let chosen = chosen.as_ref().map(|(roll, person)| (roll.without_view(place), *person));
+        let chosen = chosen.as_ref().map(|(roll, person)| (roll, *person));
+        let read_from = read_from(&config, &calibration, &general);
+        let outcome = track_into_folder(&run, chosen, &read_from, &general, report)?;
         if !outcome.summary.complete {
             report.note("interrupted; nothing can be said about the intervals yet");
             return Ok(Ended::Interrupted);
@@ -56,6 +62,22 @@ pub(crate) fn run(args: &ValidateArgs, general: &General, report: &Report) -> Re
     answer(&found, args, &config.out)?;
     Said::by_run(&said.failed).iter().for_each(|failed| report.failed(failed));
     Ok(if said.failed.is_empty() { Ended::Done } else { Ended::Doubtful })
+}
+
+/// Everybody and the place of the one whom `--person` names, if it does and there are several.
+///
+/// All cameras say who is who, also the one that is left out afterwards: numbers are then the same in every run.
+fn chosen(
+    resolved: &Resolved,
+    calibration: &Path,
+    general: &General,
+    report: &Report,
+) -> Result<Option<(Roll, usize)>, Error> {
+    if resolved.get("person").is_none() {
+        return Ok(None);
+    }
+    let (_, whom) = looked_for(resolved, calibration, general, report, || Ok(None))?;
+    Ok(if let Whom::One(roll, person) = whom { Some((roll, person)) } else { None })
 }
 
 /// What the runs said, each text with the cameras that were left out when it was said.

@@ -33,6 +33,7 @@ use crate::Error;
 use crate::report::recorded::without_summary;
 use serde_json::Value;
 use sinew::files::read_text;
+use sinew::results::people::refuse_several;
 use sinew::setup::Setup;
 use sinew_formats::json_text;
 use sinew_formats::source_text::{MAX_CONFIG_BYTES, MAX_TEXT_BYTES};
@@ -47,9 +48,7 @@ pub const GAIT_NAMES: [&str; 4] = ["gait_events.csv", "gait_parameters.csv", "ga
 /// # Errors
 /// A folder without results or files of it, tables that do not belong together, numbers that are none, and a person who does not walk.
 pub fn gait(folder: &Path) -> Result<GaitAnalysis, Error> {
-    if folder.join("people.csv").exists() && !folder.join("joints.csv").exists() {
-        return Err(GaitError::People(folder.to_owned()).into());
-    }
+    refuse_several(folder).map_err(sinew::Error::from)?;
     let path = folder.join("summary.json");
     if !path.exists() {
         return Err(without_summary(folder));

@@ -28,6 +28,7 @@ pub(crate) mod latent_plane;
 mod model_picture;
 mod motion_file;
 mod motion_model;
+mod people;
 mod recognise;
 mod results;
 mod settings_file;

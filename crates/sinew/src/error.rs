@@ -132,7 +132,7 @@ impl Error {
         match self {
             Self::Recording(error) => error.help(),
             Self::Io(error) => error.help(),
-            Self::Results(error) => error.help().map(Into::into),
+            Self::Results(error) => error.help(),
             Self::OutputExists { found, .. } => Some(found.help().into()),
             Self::Track(error) => error.help(),
             Self::OutputLocked { .. } => Some("wait for it to end, or choose another folder with `-o`".into()),

@@ -2,6 +2,7 @@
 
 use crate::common::{QUICK, TRACK, Trial, files};
 use sinew::formats::{calib_toml, picture, trc};
+use sinew::results::LOCK_NAME;
 use sinew_simulate::calibration_error::CalibrationError;
 use sinew_simulate::crowd::{Crowd, CrowdNoise, CrowdRecording};
 use sinew_simulate::ring::Ring;
@@ -66,16 +67,37 @@ fn each_of_two_people_gets_a_folder_and_a_stopped_run_resumes_to_the_same_files(
             fs::write(path, bytes).unwrap();
         }
     }
-    let output = trial.run(&[&TRACK[..], &QUICK, &["-oout", "--resume"]].concat());
-    assert_eq!(output.status.code(), Some(0), "{}", trial.printed(&output));
     let without_times = |folder: &str| {
         let mut all = files(&trial.path(folder));
         all.retain(|name, _| !name.ends_with("timings.json"));
         all
     };
-    let [whole, resumed] = ["whole", "out"].map(without_times);
-    assert_eq!(whole.keys().collect::<Vec<_>>(), resumed.keys().collect::<Vec<_>>());
-    assert!(whole == resumed);
+    let resumed_is_whole = || {
+        let output = trial.track(&["--resume"]);
+        assert_eq!(output.status.code(), Some(0), "{}", trial.printed(&output));
+        let [whole, resumed] = ["whole", "out"].map(without_times);
+        assert_eq!(whole.keys().collect::<Vec<_>>(), resumed.keys().collect::<Vec<_>>());
+        assert!(whole == resumed);
+    };
+    resumed_is_whole();
+
+    // As if it had been killed in the set-up of the second person.
+    fs::remove_dir_all(trial.path("out/people/02")).unwrap();
+    fs::create_dir_all(trial.path("out/people/02")).unwrap();
+    fs::write(trial.path("out/people/02").join(LOCK_NAME), "999999999\n").unwrap();
+    let summary = |change: &dyn Fn(String) -> String| trial.edit(&trial.path("out/summary.json"), change);
+    summary(&|text| text.replacen("\"complete\": true", "\"complete\": false", 1));
+    let inspected = String::from_utf8(trial.run(&["inspect", "out"]).stdout).unwrap();
+    let says = |words: &str| assert!(inspected.contains(words), "{words}: {inspected}");
+    ["; tracked\n", "; not tracked yet\n", "--resume` continues it", "(1.0 s), by two cameras in "].map(says);
+    resumed_is_whole();
+}
+
+#[test]
+fn results_of_one_person_and_of_several_replace_each_other_only_if_forced() {
+    let (trial, _) = crossing();
+    let output = trial.track(&["-owhole"]);
+    assert_eq!(output.status.code(), Some(0), "{}", trial.printed(&output));
 
     // Finished results are not replaced unasked, and one person alone is tracked on request.
     let output = trial.track(&["-owhole"]);
@@ -92,6 +114,48 @@ fn each_of_two_people_gets_a_folder_and_a_stopped_run_resumes_to_the_same_files(
     assert_eq!(output.status.code(), Some(0), "{}", trial.printed(&output));
     let left = |name: &str| trial.path(name).exists();
     assert!(left("one/markers.trc") && !left("one/people") && !left("one/people.csv"));
+}
+
+/// `--person 2` is who lies in `people/02`, with the same results; commands that take one person say so of the folder of several.
+#[test]
+fn a_number_chooses_the_person_of_the_folder_of_that_number() {
+    let (trial, _) = crossing();
+    let output = trial.track(&["-owhole", "--report"]);
+    assert_eq!(output.status.code(), Some(0), "{}", trial.printed(&output));
+    let output = trial.track(&["-otwo", "--person=2"]);
+    assert_eq!(output.status.code(), Some(0), "{}", trial.printed(&output));
+    for name in ["joints.csv", "state.csv", "setup.toml", "frames.csv"] {
+        let [own, of_all] = ["two", "whole/people/02"].map(|folder| fs::read(trial.path(folder).join(name)).unwrap());
+        assert!(own == of_all, "{name}");
+    }
+    let setup = "--setup=whole/people/02/setup.toml";
+    let refused = |arguments: &[&str], code: i32, words: &[&str]| {
+        let output = trial.run(arguments);
+        let printed = trial.printed(&output);
+        assert_eq!(output.status.code(), Some(code), "{printed}");
+        words.iter().for_each(|words| assert!(printed.contains(words), "{words}: {printed}"));
+    };
+    let track = |more: &[&'static str]| [&TRACK[..], &QUICK, more].concat();
+    refused(&track(&["-othree", "--person=3"]), 3, &["person 3 was chosen; two cameras see 2 people"]);
+    refused(&track(&["-othree", "--people=2"]), 2, &["`--person 2`"]);
+    refused(&track(&["-owhole", "--people=1", "--resume"]), 2, &["a run of several people; this is one of one person"]);
+    refused(&track(&["-otwo", "--resume"]), 2, &["a run of one person; this is one of several people"]);
+    refused(&track(&["-ogiven", setup]), 0, &["`--setup` is of one person; `--person N` says which"]);
+    refused(&track(&["-othird", setup, "--person=2"]), 0, &[]);
+    refused(
+        &track(&["-oshort", "--frames=0..6", "--any-size"]),
+        0,
+        &["6 frames are less than a quarter of a second, too few"],
+    );
+    let each =
+        ["results of several people, each in a folder of his own", "give one of them, for example `whole/people/01`"];
+    refused(&["gait", "whole"], 2, &each);
+    refused(&["predict", "whole", "--calibration=Calib.toml", "--camera=C1", "-op.csv"], 2, &each);
+    refused(&["convert", "whole", "whole.bvh"], 2, &each);
+    refused(&["report", "whole", "-oall.html"], 2, &each);
+    let output = trial.run(&["report", "whole"]);
+    assert_eq!(output.status.code(), Some(0), "{}", trial.printed(&output));
+    assert!(["01", "02"].iter().all(|number| trial.path(&format!("whole/people/{number}/report.html")).is_file()));
 }
 
 /// Both people lie in the pictures of one call, each in his colour.

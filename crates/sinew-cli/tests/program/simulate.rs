@@ -138,3 +138,18 @@ fn mistakes_are_reported() {
     assert!(simulate(&trial, "out", &["--motion=a.trc"]).starts_with("exit 3\nerror: a.trc"));
     assert!(!trial.path("out").exists());
 }
+
+#[test]
+fn the_readme_of_a_crowd_lists_the_truth_of_everybody() {
+    let trial = folder();
+    let output = trial.run(&["simulate", "--no-progress", "-oout", "--people=2", "--cameras=1", "--duration=0.4"]);
+    assert_eq!(output.status.code(), Some(0), "{}", trial.printed(&output));
+    let readme = fs::read_to_string(trial.path("out/README.txt")).unwrap();
+    for name in files(&trial.path("out")).keys().filter(|name| name.starts_with("truth_")) {
+        assert!(readme.contains(name.as_str()), "{name}: {readme}");
+    }
+    let printed = String::from_utf8(output.stdout).unwrap();
+    for text in [&readme, &printed] {
+        assert!(text.contains("1 camera") && !text.contains("1 cameras") && text.contains("--people 1"), "{text}");
+    }
+}

@@ -28,7 +28,7 @@ impl Error {
             }
             Self::UnknownLayout { .. } => "a mapping file is TOML with `points = [\"Nose\", \"LEye\", …]`, one name per keypoint, \"\" for none".into(),
             Self::DuplicateFrame { .. } => "keep one of the two; frames are numbered by the last number in the file name".into(),
-            Self::FrameRanges { .. } => "pass `--trim` to use only the frames that all cameras have".into(),
+            Self::FrameRanges { .. } => "pass `--trim` to use only the frames that all cameras have; if keypoints are numbered apart, `sinew sync --trim` finds by how much".into(),
             Self::CameraCollision { .. } => "rename one of them".into(),
             Self::NoCalibration { .. } => "folders and calibration are matched by name; rename the folder or leave the camera out with `--cameras`".into(),
             Self::UnknownCalibration { .. } => "is this the right file? convert calibrations of other programs with Pose2Sim, or write the numbers into a Calib.toml".into(),

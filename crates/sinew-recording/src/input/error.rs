@@ -1,6 +1,7 @@
 //! What is refused of a recording: folders, file names, frames, layouts and sizes.
 
 use super::folder_contents::FolderContents;
+use super::lag::ClockLag;
 use super::size_misfit::SizeMisfit;
 use std::ops::Range;
 use std::path::PathBuf;
@@ -10,7 +11,7 @@ use std::path::PathBuf;
 #[non_exhaustive]
 pub enum InputError {
     /// Nobody shows which layout the keypoints have.
-    #[error("{}: nobody in the first {files} files; the keypoint layout cannot be recognised", folder.display())]
+    #[error("{}: the detector found nobody in the {files} files looked at; the keypoint layout cannot be recognised", folder.display())]
     NobodyForLayout {
         /// Keypoint folder.
         folder: PathBuf,
@@ -174,6 +175,16 @@ pub enum InputError {
     /// Cameras that have no frame in common.
     #[error("no frame is in all cameras")]
     NoCommonFrame,
+    /// A lag with which cameras have no frame in common.
+    #[error("no frame is in all cameras if `{camera}` is {lag} frames late (`lag`): it has {frames} frames")]
+    LagLeavesNoFrame {
+        /// Camera with the largest lag.
+        camera: String,
+        /// Its lag.
+        lag: ClockLag,
+        /// Its frames.
+        frames: u64,
+    },
     /// Frame numbers that are too large for the number of files.
     #[error("frame numbers run from {first} to {last}, but there are only {files} files a camera")]
     NumbersApart {
@@ -318,7 +329,10 @@ impl InputError {
     #[must_use]
     pub fn help(&self) -> String {
         match self {
-            Self::NobodyForLayout { known, .. } => format!("name it with `--layout`: {}", known.join(", ")),
+            Self::NobodyForLayout { known, .. } => format!(
+                "give keypoints that show somebody; if others of the files do, name the layout with `--layout`: {}",
+                known.join(", ")
+            ),
             Self::NoSuchLength { known, .. } => {
                 format!("known: {}; or give a mapping file with `--layout`", known.join(", "))
             }
@@ -380,6 +394,7 @@ impl InputError {
             Self::NoKeypointsOfCamera { .. } => "leave the camera out of `--cameras`",
             Self::NoSuchFrames { .. } => "`--frames A..B` takes the numbers in the file names, A included, B not",
             Self::NoCommonFrame => "look at the frames of each camera with `sinew inspect`",
+            Self::LagLeavesNoFrame { .. } => "give a smaller `--lag`; `sinew sync` says how late cameras are",
             Self::NumbersApart { .. } => {
                 "the last number in a file name must be the frame number, as in `cam01.0034.json`"
             }

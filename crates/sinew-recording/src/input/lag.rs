@@ -60,19 +60,33 @@ impl fmt::Display for ClockLag {
     }
 }
 
-impl FromStr for ClockLag {
-    type Err = ();
+/// Why a text is no lag.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LagTextError {
+    /// It is not frames, or frames and a drift.
+    Form,
+    /// It is more than [`MOST_FRAMES`] or [`MOST_PPM`].
+    Size,
+}
 
-    fn from_str(text: &str) -> Result<Self, ()> {
+impl FromStr for ClockLag {
+    type Err = LagTextError;
+
+    fn from_str(text: &str) -> Result<Self, LagTextError> {
         let (frames, ppm) = match text.trim().strip_suffix("ppm") {
             None => (text.trim(), "0"),
             Some(both) => {
-                let sign = both.rfind(['+', '-']).filter(|place| *place > 0).ok_or(())?;
+                let sign = both.rfind(['+', '-']).filter(|place| *place > 0).ok_or(LagTextError::Form)?;
                 both.split_at(sign)
             }
         };
-        let lag = Self { frames: frames.parse().map_err(drop)?, ppm: ppm.trim().parse().map_err(drop)? };
-        (lag.frames.abs() <= MOST_FRAMES && lag.ppm.abs() <= MOST_PPM).then_some(lag).ok_or(())
+        let number = |text: &str| {
+            let number: Option<f64> = text.parse().ok();
+            number.filter(|number| !number.is_nan()).ok_or(LagTextError::Form)
+        };
+        let lag = Self { frames: number(frames)?, ppm: number(ppm.trim())? };
+        let is_possible = lag.frames.abs() <= MOST_FRAMES && lag.ppm.abs() <= MOST_PPM;
+        if is_possible { Ok(lag) } else { Err(LagTextError::Size) }
     }
 }
 
@@ -88,8 +102,11 @@ mod tests {
             let lag: ClockLag = text.parse().unwrap();
             assert_eq!((lag, lag.to_string().as_str()), (ClockLag { frames, ppm }, text));
         }
-        for wrong in ["", "half", "80ppm", "1+ppm", "nan", "inf", "1e9", "1+9999ppm", "1+2+3ppm"] {
-            assert_eq!(wrong.parse::<ClockLag>(), Err(()), "{wrong}");
+        for wrong in ["", "half", "80ppm", "1+ppm", "nan", "1+2+3ppm"] {
+            assert_eq!(wrong.parse::<ClockLag>(), Err(LagTextError::Form), "{wrong}");
+        }
+        for wrong in ["inf", "1e9", "1+9999ppm", "1+900000ppm"] {
+            assert_eq!(wrong.parse::<ClockLag>(), Err(LagTextError::Size), "{wrong}");
         }
     }
 

@@ -45,6 +45,10 @@ impl<S: FrameSource> FrameSource for OnePerson<'_, S> {
         Ok(others)
     }
 
+    fn shows_one(&self) -> bool {
+        true
+    }
+
     fn image_cameras(&self) -> Option<Vec<Camera>> {
         self.source.image_cameras()
     }

@@ -93,6 +93,19 @@ impl Roll {
         Self { start, named, people }
     }
 
+    /// The same people without one of the cameras, by its place.
+    #[must_use]
+    pub fn without_view(&self, left_out: usize) -> Self {
+        let mut others = self.clone();
+        for frame in others.named.iter_mut().filter(|frame| left_out < frame.len()) {
+            frame.remove(left_out);
+        }
+        for person in others.people.iter_mut().filter(|person| left_out < person.by_camera.len()) {
+            person.by_camera.remove(left_out);
+        }
+        others
+    }
+
     /// Where a person was seen, in words.
     #[must_use]
     pub fn words(&self, person: usize, cameras: &[Camera]) -> String {
@@ -139,6 +152,13 @@ mod tests {
         let somebody = PersonSeen { frames: 10..14, seen: 3, by_camera: vec![3, 4] };
         assert_eq!(roll(12.0).people, [somebody]);
         assert_eq!(roll(12.1).people, []);
+    }
+
+    #[test]
+    fn a_view_that_is_left_out_shifts_no_other() {
+        let people = |x: f64| vec![None, Some(sinew_observe::Detection::new([x, 0.0], 1.0))];
+        let [own, others] = roll(12.0).without_view(0).parted(10, 0, vec![vec![people(2.0), people(3.0)]]);
+        assert_eq!((own, others), (vec![vec![people(3.0)]], vec![vec![people(2.0)]]));
     }
 
     #[test]

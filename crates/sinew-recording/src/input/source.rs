@@ -31,6 +31,11 @@ pub trait FrameSource {
         Ok(vec![])
     }
 
+    /// Whether the person to be tracked is the only one whom [`FrameSource::people`] shows.
+    fn shows_one(&self) -> bool {
+        false
+    }
+
     /// The cameras sized like the masks, if there are masks.
     fn image_cameras(&self) -> Option<Vec<Camera>> {
         None

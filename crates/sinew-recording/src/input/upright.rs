@@ -146,6 +146,9 @@ impl<S: FrameSource> FrameSource for Upright<'_, S> {
         note(&mut self.read.pictures, number);
         Ok(pictures)
     }
+    fn shows_one(&self) -> bool {
+        self.source.shows_one()
+    }
     fn image_cameras(&self) -> Option<Vec<Camera>> {
         self.source.image_cameras().map(|cameras| upright(cameras, &self.up))
     }

@@ -78,6 +78,8 @@ pub struct Origins {
     pub setup_is_given: bool,
     /// Whether the body, with its sizes, is that of a file.
     pub body_is_file: bool,
+    /// Number of the person by which the run chose him among several.
+    pub person: Option<usize>,
     /// Whether gross errors have a share of their own in the noise, the setting `outlier`.
     pub has_outlier_share: bool,
 }
@@ -85,7 +87,7 @@ pub struct Origins {
 impl Default for Origins {
     /// Everything was measured in the run itself.
     fn default() -> Self {
-        Self { setup_is_given: false, body_is_file: false, has_outlier_share: true }
+        Self { setup_is_given: false, body_is_file: false, person: None, has_outlier_share: true }
     }
 }
 
@@ -99,13 +101,14 @@ impl Origins {
         }
     }
 
-    const fn scatter_advice(self) -> &'static str {
-        match self.setup_is_given {
-            true => {
-                "leave `--setup` out, so that this recording is set up itself, or raise `sigma_px` of the camera in the file given"
-            }
-            false => "raise `sigma_px` of the camera in the setup.toml of this run, and give that file with `--setup`",
+    fn scatter_advice(self) -> String {
+        if self.setup_is_given {
+            return "leave `--setup` out, so that this recording is set up itself, or raise `sigma_px` of the camera in the file given".into();
         }
+        let choice = self.person.map(|number| format!("--person {number} ")).unwrap_or_default();
+        format!(
+            "raise `sigma_px` of the camera in the setup.toml of this run, and give that file with `{choice}--setup`"
+        )
     }
 
     const fn limb_advice(self) -> &'static str {
@@ -238,6 +241,8 @@ mod tests {
             assert!(!words.contains("leave") && !words.contains("measured again"), "{words}");
         }
         assert!([&offset, &scatter].iter().all(|doubt| doubt.describe(given).contains("leave `--setup` out")));
+        let second = Origins { person: Some(2), ..measured };
+        assert!(scatter.describe(second).ends_with("give that file with `--person 2 --setup`"));
         let outliers = Doubt::Outliers { camera: "C1".into(), share: 0.1, expected: 0.02 };
         assert!(outliers.describe(measured).contains("raise `outlier` to about 0.10"));
         let student = Origins { has_outlier_share: false, ..measured };

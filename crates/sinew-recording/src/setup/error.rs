@@ -24,9 +24,9 @@ pub enum SetupError {
         frames: u64,
     },
     /// Fewer people than the requested number.
-    #[error("no person number {person} that the cameras agree on in {frames} frames")]
+    #[error("no person number {} that the cameras agree on in {frames} frames", person + 1)]
     NoSuchPerson {
-        /// Requested number.
+        /// Requested place: 0 is the most complete one.
         person: usize,
         /// Frames read.
         frames: u64,
@@ -200,7 +200,9 @@ impl SetupError {
                 "the calibration must give the camera from the world, `Xcam = R Xworld + t`"
             }
             Self::Nobody { .. } => "look at the keypoint files, and at `--setup-frames`",
-            Self::NoSuchPerson { .. } => "`--person` counts from 0, the most complete person first",
+            Self::NoSuchPerson { .. } => {
+                "`--person` counts from 1; here, where nobody can be followed through the recording beforehand, the most complete person at the start is 1"
+            }
             Self::NobodyUpright { .. } => "give the direction that points up in the calibration's world: `--up X,Y,Z`",
             Self::NoAgreement { .. } | Self::NoPose => {
                 "check the calibration against the keypoints with `sinew inspect`"

@@ -176,7 +176,7 @@ pub struct Setup {
     pub body: Body,
     /// Name of the keypoint layout.
     pub layout: String,
-    /// Which person: 0 is the most complete one at the start.
+    /// Which person, where several were shown: 0 is the most complete one at the start.
     pub person: usize,
     /// Axis or direction `X,Y,Z` of the calibration's world that points up, as declared or found; the set-up is that of the world turned to z up.
     #[serde(default = "z_up")]

@@ -34,19 +34,13 @@ pub enum GaitError {
         /// How far the pelvis moves, metres.
         far_m: f64,
     },
-    /// Results of several people, each in a folder of his own.
-    #[error("{}: results of several people, each in a folder of his own", .0.display())]
-    People(PathBuf),
 }
 
 impl GaitError {
     /// Code with which the program ends.
     #[must_use]
     pub const fn exit_code(&self) -> u8 {
-        match self {
-            Self::People(_) => 2,
-            _ => 3,
-        }
+        3
     }
 
     /// What the user can do about it.
@@ -58,7 +52,6 @@ impl GaitError {
             Self::NoSteps { .. } => "gait needs somebody who takes steps; angles over time are in \
                                      angles.mot, and `sinew report` shows them"
                 .into(),
-            Self::People(folder) => format!("give one of them: `sinew gait {}`", folder.join("people/01").display()),
         }
     }
 }

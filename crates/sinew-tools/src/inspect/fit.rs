@@ -6,7 +6,7 @@
 //! - *offset*: the constant part of it (observed − projected), and the *scatter* that remains per axis;
 //! - *lag*: the frames that the camera is late, with their standard deviation; 0 for synchronised cameras.
 //!
-//! Where there are several people, it is said who was seen where, and the rest is about the one whom two cameras see most.
+//! Where there are several people, it is said who was seen where in all frames, and the rest is about the one whom two cameras see most.
 //!
 //! The set-up pass over the same frames adds what it finds odd: units, axes, cameras that look away, sides swapped.
 
@@ -24,17 +24,14 @@ use sinew_observe::{Camera, Detection, association};
 /// Frames looked at.
 const FRAMES: u64 = 600;
 
-/// Frames a second by which it is judged who was there for long enough.
-const FPS: f64 = 30.0;
-
 /// Standard deviation of a lag above which it counts as unknown, frames.
 const UNKNOWN_LAG: f64 = 2.0;
 
-/// Looks at a recording; what is `known` to be odd is not repeated.
+/// Looks at a recording of `fps` frames a second; what is `known` to be odd is not repeated.
 ///
 /// # Errors
 /// Files that cannot be read.
-pub fn facts(recording: &mut Recording, known: &[String]) -> Result<Facts, Error> {
+pub fn facts(recording: &mut Recording, fps: f64, known: &[String]) -> Result<Facts, Error> {
     let cameras = recording.cameras().to_vec();
     let layout = recording.layout().clone();
     let range = recording.frames();
@@ -46,9 +43,9 @@ pub fn facts(recording: &mut Recording, known: &[String]) -> Result<Facts, Error
     let (image_scale, lag) = (recording.image_scale(), recording.lag().to_vec());
     let asked = SetupRequest { image_scale, lag, ..SetupRequest::default() };
     let mut facts = Facts::new(format!("fit of calibration and keypoints, frames {}..{}", numbers.start, numbers.end));
-    let roll = Roll::call(recording, numbers, FPS, &association::Config::default(), |_| Ok::<(), sinew::Error>(()))?;
+    let roll = Roll::call(recording, range, fps, &association::Config::default(), |_| Ok::<(), sinew::Error>(()))?;
     let several = roll.people.len() > 1;
-    let who = if several { most_seen(&roll) } else { 0 };
+    let who = if several { most_seen(&roll, numbers.end) } else { 0 };
     if several {
         for (number, people) in &mut frames {
             let [own, _] = roll.parted(*number, who, std::mem::take(people));
@@ -93,10 +90,11 @@ pub fn facts(recording: &mut Recording, known: &[String]) -> Result<Facts, Error
     Ok(facts)
 }
 
-/// The person whom two cameras see in most frames, the first of several.
-fn most_seen(roll: &Roll) -> usize {
+/// The person whom two cameras see in most frames, the first of several, of those who come before a frame.
+fn most_seen(roll: &Roll, before: u64) -> usize {
     let seen = |person: &usize| (roll.people[*person].seen, std::cmp::Reverse(*person));
-    (0..roll.people.len()).max_by_key(seen).unwrap_or_default()
+    let there = (0..roll.people.len()).filter(|person| roll.people[*person].frames.start < before);
+    there.max_by_key(seen).unwrap_or_default()
 }
 
 fn verdict(facts: &mut Facts) {

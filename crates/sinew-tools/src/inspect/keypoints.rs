@@ -20,7 +20,7 @@ pub(super) fn facts(path: &Path, options: &RecordingOptions) -> Result<Facts, Er
     if let Some(other) = apart.filter(|_| !options.trim) {
         let (start, end) = first.unwrap_or_default();
         facts.odd.push(format!(
-            "{} has frames {start}..{end}, {} has {}..{}; tracking needs `--trim`",
+            "{} has frames {start}..{end}, {} has {}..{}; tracking needs `--trim`, and if cameras are numbered apart, `sinew sync --trim` finds by how much",
             survey.cameras[0].name, other.name, other.first, other.end
         ));
     }

@@ -1,6 +1,7 @@
 //! What a result folder says of its run, and whether the run came to its end.
 
 use super::facts::Facts;
+use super::people;
 use crate::Error;
 use serde_json::Value;
 use sinew::files::read_text;
@@ -23,7 +24,11 @@ fn partials(folder: &Path) -> usize {
 pub(super) fn facts(folder: &Path) -> Result<Facts, Error> {
     let summary = folder.join("summary.json");
     let mut facts = if summary.exists() {
-        summary_facts(folder, &summary)?
+        let summary: Value = json_text::parse(&summary.display().to_string(), &read_text(&summary, MAX_TEXT_BYTES)?)?;
+        if summary["people"].is_array() {
+            return people::facts(folder, &summary);
+        }
+        summary_facts(folder, &summary)
     } else {
         Facts::new(format!("{}: results", folder.display()))
     };
@@ -53,23 +58,9 @@ pub(super) fn facts(folder: &Path) -> Result<Facts, Error> {
     Ok(facts)
 }
 
-fn summary_facts(folder: &Path, path: &Path) -> Result<Facts, Error> {
-    let summary: Value = json_text::parse(&path.display().to_string(), &read_text(path, MAX_TEXT_BYTES)?)?;
+fn summary_facts(folder: &Path, summary: &Value) -> Facts {
     let text_of = |value: &Value| value.as_str().map_or_else(|| value.to_string(), str::to_owned);
     let version = text_of(&summary["sinew_version"]);
-    if let Some(people) = summary["people"].as_array() {
-        let mut facts =
-            Facts::new(format!("{}: results of sinew {version}, {} people", folder.display(), people.len()));
-        for person in people {
-            let [first, end] = [0, 1].map(|k: usize| &person["frames"][k]);
-            let tracked = if person["complete"] == true { "" } else { ", not tracked to the end" };
-            facts.row(
-                text_of(&person["folder"]),
-                format!("frames {first}..{end}, {} seen{tracked}", person["seen_frames"]),
-            );
-        }
-        return Ok(facts);
-    }
     let mut facts = Facts::new(format!(
         "{}: results of sinew {version}, {} {}",
         folder.display(),
@@ -109,5 +100,5 @@ fn summary_facts(folder: &Path, path: &Path) -> Result<Facts, Error> {
     let list = |name: &str| summary[name].as_array().into_iter().flatten().map(text_of).collect::<Vec<_>>();
     facts.odd.extend(list("failed_diagnostics").iter().map(|failed| format!("diagnostic failed: {failed}")));
     facts.odd.extend(list("warnings"));
-    Ok(facts)
+    facts
 }

@@ -17,7 +17,11 @@ pub(super) fn facts(path: &Path, calibration: &[Camera]) -> Result<Facts, Error>
     let mut facts = Facts::new(format!("{}: set-up with {} cameras", path.display(), setup.camera.len()));
     facts.row("body", format!("{}, {} degrees of freedom", setup.body.name(), tree.dof()));
     facts.row("layout", &setup.layout);
-    facts.row("person", setup.person.to_string());
+    let person = match setup.person {
+        0 => "the most complete one at the start".into(),
+        place => format!("{} at the start, the most complete one first", place + 1),
+    };
+    facts.row("person", person);
     facts.row("up axis", format!("{} as declared, {} as found", setup.world_up, setup.up_axis));
     facts.row("model error", format!("{:.1} mm per axis", 1e3 * setup.model_error_m));
     facts.row("start frame", setup.start_frame.to_string());

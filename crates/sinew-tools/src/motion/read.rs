@@ -8,6 +8,7 @@ use super::format::Format;
 use crate::Error;
 use crate::result_table::{MOTION_FILES, ResultTable};
 use sinew::files;
+use sinew::results::people::refuse_several;
 use sinew_formats::mot::{self, Mot};
 use sinew_formats::point_table::{self, PointTable};
 use sinew_formats::source_text::MAX_TEXT_BYTES;
@@ -24,6 +25,7 @@ pub(super) const AMC_RATE_HZ: f64 = 120.0;
 /// # Errors
 /// What the readers refuse; an AMC file without its skeleton; a table with neither points nor coordinates.
 pub fn read(path: &Path, skeleton: Option<&Path>, fps: Option<f64>) -> Result<Motion, Error> {
+    refuse_several(path).map_err(sinew::Error::from)?;
     let format = Format::of(path)?;
     if format != Format::Amc && skeleton.is_some() {
         return Err(MotionError::NeedlessSkeleton { path: path.to_owned() }.into());

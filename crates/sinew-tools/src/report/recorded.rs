@@ -5,6 +5,7 @@ use super::result_columns::{FolderTable, Named};
 use crate::Error;
 use serde_json::Value;
 use sinew::files::read_text;
+use sinew::results::people::refuse_several;
 use sinew::results::{RESULT_NAMES, is_in_use};
 use sinew::setup::Setup;
 use sinew_formats::json_text;
@@ -64,6 +65,7 @@ pub(super) struct Recorded {
 impl Recorded {
     /// Reads a folder.
     pub(super) fn read(folder: &Path) -> Result<Self, Error> {
+        refuse_several(folder).map_err(sinew::Error::from)?;
         let path = folder.join("summary.json");
         if !path.exists() {
             return Err(without_summary(folder));

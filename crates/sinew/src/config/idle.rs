@@ -25,7 +25,7 @@ pub fn idle_beside(key: &str, chosen: &About, methods: &[&'static About], values
         "outlier" if is("noise", "student-t") => Some("`--noise student-t`".to_owned()),
         "people" if values.get("person").is_some() => Some("`--person`".to_owned()),
         "people" if values.get("silhouettes").is_some() => Some("`--silhouettes`".to_owned()),
-        "setup_frames" | "person" | "people" if values.get("setup").is_some() => Some("`--setup`".to_owned()),
+        "setup_frames" | "people" if values.get("setup").is_some() => Some("`--setup`".to_owned()),
         _ => match owner {
             Some(owner) if owner.name != chosen.name && owner.gives == Gives::Chains => {
                 Some(format!("`--method {}`", chosen.name))

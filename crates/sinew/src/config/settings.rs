@@ -46,6 +46,8 @@ pub struct Settings {
     pub draws: usize,
     /// Whether the set-up is that of an earlier run, which advice depends on.
     pub setup_is_given: bool,
+    /// Number by which the person was chosen, which advice depends on.
+    pub person: Option<usize>,
 }
 
 impl Settings {
@@ -75,6 +77,7 @@ impl Default for Settings {
             standing: None,
             draws: 64,
             setup_is_given: false,
+            person: None,
         }
     }
 }

@@ -54,7 +54,7 @@ pub struct TrackConfig {
     pub lag: Vec<(String, ClockLag)>,
     /// Whether everybody is tracked whom two cameras see.
     pub everybody: bool,
-    /// Which person: 0 is the most complete one at the start.
+    /// Number of the person to track, from 1 on in the order of coming; of the most complete at the start where nobody can be followed beforehand.
     pub person: Option<usize>,
     /// Whether cameras may begin and end apart.
     pub trim: bool,
@@ -150,11 +150,16 @@ impl Resolved {
         }
     }
 
-    /// Whether nothing says that it is one person: neither a choice nor a set-up or a standing trial, which are of one, nor masks.
+    /// Whether nothing says that it is one person: neither a choice nor what is of one.
     fn tracks_everybody(&self) -> bool {
-        let is_of_one =
-            ["person", "setup", "silhouettes", "init", "static"].iter().any(|key| self.values.get(key).is_some());
-        self.values.text("people").as_deref() == Some("all") && !is_of_one
+        let is_all = self.values.text("people").as_deref() == Some("all");
+        is_all && self.values.get("person").is_none() && self.single_person_setting().is_none()
+    }
+
+    /// The setting, if any, whose value is of one person: a set-up, a standing trial, masks or a start.
+    #[must_use]
+    pub fn single_person_setting(&self) -> Option<&'static str> {
+        ["setup", "silhouettes", "init", "static"].into_iter().find(|key| self.values.get(key).is_some())
     }
 
     /// The same run into another folder.
@@ -162,6 +167,14 @@ impl Resolved {
     pub fn into_folder(&self, folder: &Path) -> Self {
         let mut other = self.clone();
         other.values.of.insert("out", (Value::Path(folder.to_owned()), Origin::Flag));
+        other
+    }
+
+    /// The run of one of several people, by his number, into a folder of his own.
+    #[must_use]
+    pub fn for_person(&self, number: usize, folder: &Path) -> Self {
+        let mut other = self.into_folder(folder);
+        other.values.of.insert("person", (Value::Count(number as u64), Origin::Flag));
         other
     }
 
@@ -191,6 +204,7 @@ impl Resolved {
             angles: values.text("angles").and_then(|name| Convention::named(&name)).unwrap_or_default(),
             draws: values.size_or("draws", usual.draws),
             setup_is_given: values.path("setup").is_some(),
+            person: values.count("person").and_then(|person| usize::try_from(person).ok()),
             ..usual
         }
     }

@@ -2,7 +2,7 @@
 
 use super::setting::{Setting, SettingKind};
 use sinew_formats::nearest::nearest;
-use sinew_recording::input::lag::ClockLag;
+use sinew_recording::input::lag::{ClockLag, LagTextError, MOST_FRAMES, MOST_PPM};
 use sinew_recording::input::up_axis::direction;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -57,6 +57,12 @@ fn checked_choice(setting: &Setting, known: &[&'static str], text: &str) -> Resu
     if known.contains(&text) {
         return Ok(Value::Text(text.into()));
     }
+    if setting.key == "people" && text.parse::<u64>().is_ok_and(|number| number > 1) {
+        return Err(format!(
+            "`people` is `{text}`; it must be one of {}; one of several is tracked with `--person {text}`",
+            known.join(", ")
+        ));
+    }
     let meant =
         nearest(text, known.iter().copied()).map(|name| format!("; did you mean `{name}`?")).unwrap_or_default();
     Err(format!("`{}` is `{text}`; it must be one of {}{meant}", setting.key, known.join(", ")))
@@ -93,9 +99,15 @@ pub const AUTO: &str = "auto";
 fn lags<'a>(setting: &Setting, items: impl Iterator<Item = &'a str>, shown: &str) -> Result<Value, String> {
     let mut lags: Vec<(String, ClockLag)> = vec![];
     for item in items.map(str::trim).filter(|item| !item.is_empty()) {
-        let parts = item.split_once('=').and_then(|(name, lag)| Some((name.trim(), lag.trim().parse().ok()?)));
+        let parts = item.split_once('=').map(|(name, lag)| (name.trim(), lag.trim().parse::<ClockLag>()));
         match parts {
-            Some((name, lag)) if !name.is_empty() => {
+            Some((name, Err(LagTextError::Size))) if !name.is_empty() => {
+                return Err(format!(
+                    "`{}` holds `{item}`; a camera may be {MOST_FRAMES} frames late at most, and drift by {MOST_PPM} ppm",
+                    setting.key
+                ));
+            }
+            Some((name, Ok(lag))) if !name.is_empty() => {
                 if lags.iter().any(|(known, _)| known == name) {
                     return Err(format!("`{}` names `{name}` twice", setting.key));
                 }
@@ -229,5 +241,31 @@ pub fn to_json(value: &Value) -> serde_json::Value {
         Value::Frames(frames) => format!("{}..{}", frames.start, frames.end).into(),
         Value::Names(names) => names.clone().into(),
         Value::Lags(lags) => lag_texts(lags).into(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::config::table::settings;
+
+    fn refused(key: &str, text: &str) -> String {
+        let setting = settings().iter().find(|setting| setting.key == key).unwrap();
+        from_text(setting, text, Path::new("")).unwrap_err()
+    }
+
+    #[test]
+    fn a_lag_beyond_its_limits_names_them() {
+        for lag in ["cam=1e9", "cam=1+900000ppm"] {
+            let words = refused("lag", lag);
+            assert!(words.contains("100000 frames late at most, and drift by 5000 ppm"), "{words}");
+        }
+        assert!(refused("lag", "cam=late").contains("for example cam_03=-2"));
+    }
+
+    #[test]
+    fn a_number_of_people_points_to_the_choice_of_one() {
+        assert!(refused("people", "3").ends_with("one of several is tracked with `--person 3`"));
+        assert!(!refused("people", "0").contains("--person"));
     }
 }

@@ -32,6 +32,9 @@ pub enum ResultsError {
     /// A folder without the summary of a run that came to its end.
     #[error("`{}` holds no results of a run that came to its end: summary.json is missing", .0.display())]
     NoSummary(PathBuf),
+    /// Results of several people where one person is needed.
+    #[error("{}: results of several people, each in a folder of his own", .0.display())]
+    SeveralPeople(PathBuf),
     /// Frames that the results do not have.
     #[error("{} were requested; the results have {}", frames(asked.as_ref()), available.as_ref().map_or_else(|| "none".into(), span))]
     NoSuchFrames {
@@ -148,27 +151,32 @@ impl ResultsError {
     pub const fn exit_code(&self) -> u8 {
         match self {
             Self::EstimateSize { .. } | Self::NotFinite { .. } | Self::LackingStatistics(_) => 1,
+            Self::SeveralPeople(_) => 2,
             _ => 3,
         }
     }
 
     /// What the user can do about it.
     #[must_use]
-    pub const fn help(&self) -> Option<&'static str> {
-        match self {
-            Self::EstimateSize { .. } | Self::NotFinite { .. } | Self::LackingStatistics(_) | Self::Cell { .. } => None,
-            Self::NoSummary(_) => Some(
-                "give the folder that `sinew track` wrote with `-o`; a run that was stopped is continued with `--resume`",
-            ),
-            Self::NoDraws(_) => Some("give the folder of a run of `sinew track` that came to its end"),
-            Self::NoSuchFrames { .. } => Some("`--frames A..B` takes the numbers in the file names, A included, B not"),
-            Self::UnknownCamera { .. } => Some("give the calibration that was tracked with"),
-            Self::OtherLength { .. } => Some("are all files of this folder of one run?"),
-            Self::NoColumn { .. } => Some("is this file of a result folder?"),
-            Self::Shares { .. } => {
-                Some("a frame has a row for each cluster and model; take the file as the run wrote it")
+    pub fn help(&self) -> Option<String> {
+        let fixed = match self {
+            Self::EstimateSize { .. } | Self::NotFinite { .. } | Self::LackingStatistics(_) | Self::Cell { .. } => {
+                return None;
             }
-        }
+            Self::SeveralPeople(folder) => {
+                return Some(format!("give one of them, for example `{}`", folder.join("people/01").display()));
+            }
+            Self::NoSummary(_) => {
+                "give the folder that `sinew track` wrote with `-o`; a run that was stopped is continued with `--resume`"
+            }
+            Self::NoDraws(_) => "give the folder of a run of `sinew track` that came to its end",
+            Self::NoSuchFrames { .. } => "`--frames A..B` takes the numbers in the file names, A included, B not",
+            Self::UnknownCamera { .. } => "give the calibration that was tracked with",
+            Self::OtherLength { .. } => "are all files of this folder of one run?",
+            Self::NoColumn { .. } => "is this file of a result folder?",
+            Self::Shares { .. } => "a frame has a row for each cluster and model; take the file as the run wrote it",
+        };
+        Some(fixed.into())
     }
 }
 

@@ -62,6 +62,14 @@ pub enum Problem {
         /// Expected.
         expected: String,
     },
+    /// One person where several are to be tracked, or the other way round.
+    #[error("holds a run of {found}; this is one of {expected}")]
+    Whom {
+        /// Who was tracked there.
+        found: &'static str,
+        /// Whom to track.
+        expected: &'static str,
+    },
     /// Other settings.
     #[error("holds a run with other settings: {}", .0.join("; "))]
     Settings(Vec<String>),
@@ -81,10 +89,16 @@ impl Problem {
     #[must_use]
     pub const fn exit_code(&self) -> u8 {
         match self {
-            Self::Missing | Self::BeforeFirst | Self::Settings(_) | Self::Program { .. } => 2,
+            Self::Missing | Self::BeforeFirst | Self::Whom { .. } | Self::Settings(_) | Self::Program { .. } => 2,
             Self::Inputs(_) => 3,
             _ => 5,
         }
+    }
+
+    /// Whether there is no frame yet from which a run could be resumed.
+    #[must_use]
+    pub const fn is_before_first(&self) -> bool {
+        matches!(self, Self::Missing | Self::BeforeFirst)
     }
 
     /// What the user can do about it.
@@ -93,6 +107,9 @@ impl Problem {
         match self {
             Self::Missing => "leave `--resume` out to begin a run, or name the folder of a stopped one with `-o`",
             Self::BeforeFirst => "repeat the command without `--resume`: it begins again",
+            Self::Whom { .. } => {
+                "give `--people` and `--person` as that run had them, another folder with `-o`, or `--force` instead of `--resume` to begin again"
+            }
             Self::Settings(_) => {
                 "repeat the settings of the run that was stopped (its config.toml or config.toml.partial holds them), or begin again with `--force` instead of `--resume`"
             }

@@ -5,6 +5,7 @@
 //! of different frames share what lasts and nothing else, so that what is left of their own errors in the mean over the trial counts too little.
 
 use super::error::ResultsError;
+use super::people::refuse_several;
 use super::stored_array::stored_array;
 use crate::setup::{MeasuredErrors, Setup};
 use crate::{Error, files};
@@ -29,6 +30,7 @@ impl StandingTrial {
     /// # Errors
     /// A folder without a summary or without draws; files that cannot be read.
     pub fn read(folder: &Path, convention: Convention) -> Result<Self, Error> {
+        refuse_several(folder)?;
         if !folder.join("summary.json").exists() {
             std::fs::read_dir(folder).map_err(Error::io("read", folder))?;
             return Err(ResultsError::NoSummary(folder.to_owned()).into());

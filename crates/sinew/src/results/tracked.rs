@@ -3,6 +3,7 @@
 //! The body is that of `setup.toml`; states come from `state.csv`, by the names of the body's degrees of freedom; numbers of frames from `frames.csv`.
 
 use super::error::{Expected, ResultsError};
+use super::people::refuse_several;
 use crate::config::{Sources, TrackConfig, resolve};
 use crate::input::lag::ClockLag;
 use crate::input::recording::Calibrated;
@@ -38,6 +39,7 @@ impl Tracked {
     /// # Errors
     /// A folder without a summary, files that cannot be read, tables that do not belong together.
     pub fn read(folder: &Path) -> Result<Self, Error> {
+        refuse_several(folder)?;
         if !folder.join("summary.json").exists() {
             std::fs::read_dir(folder).map_err(Error::io("read", folder))?;
             return Err(ResultsError::NoSummary(folder.to_owned()).into());

@@ -167,6 +167,7 @@ impl Scene {
             predictive: Predictive::new(model.views.iter().map(|view| view.camera.name.clone()), settings.noise),
             origins: Origins {
                 setup_is_given: settings.setup_is_given,
+                person: settings.person,
                 body_is_file: matches!(setup.body, setup::Body::File(_)),
                 has_outlier_share: matches!(settings.noise, Noise::OutlierFloor { .. }),
             },

@@ -27,6 +27,16 @@ pub(super) fn no_such_frames(asked: &Range<u64>, available: &Range<u64>) -> Erro
     InputError::NoSuchFrames { asked: asked.clone(), available: available.clone() }.into()
 }
 
+/// That a camera is so late that no frame is in all.
+fn lags_leave_none(listed: &[impl Borrow<CameraFiles>]) -> InputError {
+    let files = listed.iter().map(Borrow::borrow);
+    let latest = files.max_by(|a, b| a.lag.frames.abs().total_cmp(&b.lag.frames.abs()));
+    let Some(latest) = latest else { return InputError::NoCommonFrame };
+    let in_names = latest.range_in_names();
+    let frames = in_names.end.saturating_sub(in_names.start);
+    InputError::LagLeavesNoFrame { camera: latest.camera.clone(), lag: latest.lag, frames }
+}
+
 /// Frames that exist and frames to be tracked.
 pub fn ranges(
     listed: &[impl Borrow<CameraFiles>],
@@ -54,6 +64,9 @@ pub fn ranges(
             frame_number::common_range(&cut, trim)?
         }
     };
+    if available.is_empty() && has_lags {
+        return Err(lags_leave_none(listed).into());
+    }
     if frames.is_empty() {
         return Err(match asked {
             Some(asked) => no_such_frames(asked, &available),

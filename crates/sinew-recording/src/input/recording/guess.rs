@@ -31,7 +31,8 @@ pub(super) fn layout(cameras: &[KeypointCamera], folder: &Path) -> Result<(Layou
     }
     let Some(first) = people.first() else {
         let folder = folder.to_owned();
-        return Err(InputError::NobodyForLayout { folder, files: PATIENCE, known: layout::names() }.into());
+        let files = cameras.iter().map(|camera| camera.files().len()).sum::<usize>().min(PATIENCE);
+        return Err(InputError::NobodyForLayout { folder, files, known: layout::names() }.into());
     };
     let numbers = 3 * first.keypoints.len();
     let mut fitting = layout::with_numbers(numbers);

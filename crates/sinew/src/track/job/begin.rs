@@ -51,7 +51,8 @@ pub(super) fn begun<'a, S: FrameSource>(
     let setup = match known {
         Some(setup) => {
             same_calibration(&mut source, config.image_scale)?;
-            setup
+            let person = if source.shows_one() { 0 } else { setup.person };
+            Setup { person, ..setup }
         }
         None => {
             let setup = set_up(&mut source, setup_frames, config, settings, watch, &mut warnings)?;
@@ -70,6 +71,11 @@ pub(super) fn begun<'a, S: FrameSource>(
         ..Checkpoint::default()
     };
     Ok(Begun { source, setup, checkpoint })
+}
+
+/// Place of the person among everybody at the start, the most complete one first.
+pub(super) fn place_at_start(config: &TrackConfig, source: &impl FrameSource) -> usize {
+    config.person.filter(|_| !source.shows_one()).map_or(0, |number| number.saturating_sub(1))
 }
 
 /// A run where it was stopped: what it had read is read again, which shows whether it is the same and counts what is odd about it.
@@ -139,7 +145,7 @@ fn set_up<S: FrameSource>(
     let body = bodies::to_track(&config.body)?;
     let request = SetupRequest {
         body,
-        person: config.person.unwrap_or_default(),
+        person: place_at_start(config, source),
         image_scale: config.image_scale,
         lag: config.lag.clone(),
         fps: Some(settings.fps),

@@ -2,6 +2,7 @@
 //!
 //! What points up is declared (`--up`, `--up-axis`), known from a set-up, or shown by the person (`--up auto`).
 
+use super::begin::place_at_start;
 use super::watch::{RunPhase, Watch};
 use crate::Error;
 use crate::config::TrackConfig;
@@ -48,7 +49,7 @@ pub(super) fn levelled<'a, S: FrameSource>(
     let mut source = Upright::new(source, Z_UP);
     let (cameras, layout) = (source.cameras().to_vec(), source.layout().clone());
     let request = SetupRequest {
-        person: config.person.unwrap_or_default(),
+        person: place_at_start(config, &source),
         image_scale: config.image_scale,
         lag: config.lag.clone(),
         ..SetupRequest::default()
