@@ -132,6 +132,22 @@ pub enum Warning {
         /// Value taken.
         value: String,
     },
+    /// Entries of a keypoint file that are no people.
+    EntriesLeftOut {
+        /// File.
+        place: Place,
+        /// How many.
+        entries: u64,
+        /// Why they are left out.
+        why: &'static str,
+    },
+    /// The columns of a DeepLabCut file that belong to no individual.
+    SingleLeftOut {
+        /// File.
+        place: Place,
+        /// Points in these columns.
+        points: usize,
+    },
     /// A calibrated camera for which there is no data.
     NoKeypoints {
         /// Name in the calibration.
@@ -198,6 +214,14 @@ impl fmt::Display for Warning {
                 write!(f, "{place}: {rows} rows have the time of the row above (first: row {first})")
             }
             Self::Assumed { place, field, value } => write!(f, "{place}: {field} is not given; {value} assumed"),
+            Self::EntriesLeftOut { place, entries, why } => {
+                let (what, are) = if *entries == 1 { ("entry", "is") } else { ("entries", "are") };
+                write!(f, "{place}: {entries} {what} {are} left out: {why}")
+            }
+            Self::SingleLeftOut { place, points } => write!(
+                f,
+                "{place}: `single` with {points} points is left out: it is DeepLabCut's name for points of no individual"
+            ),
             Self::NoKeypoints { camera, folders } => {
                 write!(f, "no keypoints for calibrated camera `{camera}`; folders: {}", folders.join(", "))
             }
