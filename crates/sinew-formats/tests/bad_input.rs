@@ -103,7 +103,7 @@ fn cameras_that_begin_or_end_apart() {
 fn cameras_whose_numbers_run_on() {
     let error = frame_number::common_range(&[("C1", 0..60), ("C2", 3000..3060)], false).unwrap_err();
     assert_snapshot!(error, @"C1 has 60 frames, C2 has 60; difference 0, but the first frames differ by +3000 and the last by +3000");
-    assert_snapshot!(error.help().unwrap(), @"they share no frame, so that `--trim` would leave nothing: if numbers run on from camera to camera, number each camera's frames by themselves, or say what is to be taken off: `--lag C2=3000`; if a camera saw nobody meanwhile, leave it out of `--cameras`");
+    assert_snapshot!(error.help().unwrap(), @"they share no frame, so that `--trim` would leave nothing: if numbers run on from camera to camera, number each camera's frames by themselves, or say for each what is to be taken off: `--lag C2=3000`; if a camera saw nobody meanwhile, leave it out of `--cameras`");
     let before = frame_number::common_range(&[("C1", 60..120), ("C2", 0..60)], false).unwrap_err();
     assert!(before.help().unwrap().contains("`--lag C2=-60`"));
     let touching = frame_number::common_range(&[("C1", 0..60), ("C2", 59..120)], false).unwrap_err();

@@ -56,7 +56,7 @@ fn cameras_that_see_nobody_at_first_or_ever_are_tracked() {
     assert!(!printed.contains("lacks frames") && !printed.contains("no keypoints for"), "{printed}");
     let shown = inspected(&trial, &["pose", "--layout", "BODY_25B"]);
     assert!(shown.contains("8 frames in one file, frames 0..12, 0 to 1 people, pixels"), "{shown}");
-    assert!(shown.contains("odd: C4: nobody in 12 of 12 frames") && !shown.contains("--trim"), "{shown}");
+    assert!(shown.contains("odd: camera C4: 12 of 12 frames have no person") && !shown.contains("--trim"), "{shown}");
 }
 
 #[test]

@@ -29,7 +29,7 @@ impl Error {
             Self::UnknownLayout { .. } => "a mapping file is TOML with `points = [\"Nose\", \"LEye\", …]`, one name per keypoint, \"\" for none".into(),
             Self::DuplicateFrame { .. } => "keep one of the two; frames are numbered by the last number in the file name".into(),
             Self::FrameRanges { frames, other, other_frames, ends: (start, _), .. } if are_apart(*frames, *other_frames, *start) => format!(
-                "they share no frame, so that `--trim` would leave nothing: if numbers run on from camera to camera, number each camera's frames by themselves, or say what is to be taken off: `--lag {other}={start}`; if a camera saw nobody meanwhile, leave it out of `--cameras`"
+                "they share no frame, so that `--trim` would leave nothing: if numbers run on from camera to camera, number each camera's frames by themselves, or say for each what is to be taken off: `--lag {other}={start}`; if a camera saw nobody meanwhile, leave it out of `--cameras`"
             ),
             Self::FrameRanges { .. } => "pass `--trim` to use only the frames that all cameras have".into(),
             Self::CameraCollision { .. } => "rename one of them".into(),

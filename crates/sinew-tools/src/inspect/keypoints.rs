@@ -16,13 +16,6 @@ pub(super) fn facts(path: &Path, options: &RecordingOptions) -> Result<Facts, Er
     }
     facts.odd.extend(survey.warnings);
     facts.odd.extend(apart(&survey.cameras).filter(|_| !options.trim));
-    for camera in &survey.cameras {
-        if 4 * camera.empty > camera.read {
-            facts
-                .odd
-                .push(format!("{}: nobody in {} of {} frames that were read", camera.name, camera.empty, camera.read));
-        }
-    }
     Ok(facts)
 }
 

@@ -21,8 +21,7 @@ const LOOKED_AT: u64 = 300;
 pub(super) fn world_up(config: &TrackConfig, setup: Option<&Setup>) -> Result<Option<String>, Error> {
     let asked = match (&config.up, &config.up_axis) {
         (Some(_), Some(_)) => return Err(TrackError::UpTwice.into()),
-        (Some(up), None) => Some(("up", up)),
-        (None, axis) => axis.as_ref().map(|axis| ("up_axis", axis)),
+        (up, axis) => up.as_ref().map(|up| ("up", up)).or(axis.as_ref().map(|axis| ("up_axis", axis))),
     };
     match (asked, setup) {
         (Some((setting, asked)), Some(setup)) if *asked != setup.world_up && asked != AUTO => {
@@ -74,9 +73,7 @@ fn said(found: &Upward) -> String {
         UprightPart::Whole => "from ankles to head",
         UprightPart::Head => "from shoulders to ears, since ankles and hips are seen in too few frames",
         UprightPart::Trunk => "from hips to shoulders, since the ankles are seen in too few frames",
-        UprightPart::SeatedTrunk => {
-            "from hips to shoulders of someone who sits and may lean; the ankles are seen in too few frames"
-        }
+        UprightPart::SeatedTrunk => "from hips to shoulders of somebody who sits; the ankles are hardly seen",
     };
     format!(
         "the world was levelled: up is ({x:.3}, {y:.3}, {z:.3}) in the calibration's world, ± {sd_deg:.1}°, by {frames} frames of the person, {part}"
