@@ -237,7 +237,7 @@ mod tests {
         assert_eq!(table.layout.unwrap().points, [Some("LHip".into())]);
         assert_eq!(
             table.warnings[0].to_string(),
-            "a.csv: `single` with 1 points is left out: it is DeepLabCut's name for points of no individual"
+            "a.csv: `single` (points: 1) is left out: it is DeepLabCut's name for points of no individual"
         );
     }
 

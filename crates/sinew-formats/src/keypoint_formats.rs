@@ -50,7 +50,7 @@ pub const FORMATS: [KeypointFormat; 6] = [
     KeypointFormat { name: "MediaPipe", recognises: mediapipe_json::recognises, read: mediapipe_json::read },
 ];
 
-/// The formats in words, with those of a file a frame.
+/// The formats in words, with the formats that have a file a frame.
 #[must_use]
 pub fn known() -> String {
     let names = FORMATS.map(|format| format.name);

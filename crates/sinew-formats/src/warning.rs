@@ -160,6 +160,13 @@ pub enum Warning {
 /// Numbers listed before a list is cut short.
 const LISTED: usize = 12;
 
+/// What is said of DeepLabCut's individual `single`.
+const SINGLE: &str = "is left out: it is DeepLabCut's name for points of no individual";
+
+fn are(entries: u64) -> String {
+    if entries == 1 { "1 entry is".into() } else { format!("{entries} entries are") }
+}
+
 impl fmt::Display for Warning {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -214,14 +221,8 @@ impl fmt::Display for Warning {
                 write!(f, "{place}: {rows} rows have the time of the row above (first: row {first})")
             }
             Self::Assumed { place, field, value } => write!(f, "{place}: {field} is not given; {value} assumed"),
-            Self::EntriesLeftOut { place, entries, why } => {
-                let (what, are) = if *entries == 1 { ("entry", "is") } else { ("entries", "are") };
-                write!(f, "{place}: {entries} {what} {are} left out: {why}")
-            }
-            Self::SingleLeftOut { place, points } => write!(
-                f,
-                "{place}: `single` with {points} points is left out: it is DeepLabCut's name for points of no individual"
-            ),
+            Self::EntriesLeftOut { place, entries, why } => write!(f, "{place}: {} left out: {why}", are(*entries)),
+            Self::SingleLeftOut { place, points } => write!(f, "{place}: `single` (points: {points}) {SINGLE}"),
             Self::NoKeypoints { camera, folders } => {
                 write!(f, "no keypoints for calibrated camera `{camera}`; folders: {}", folders.join(", "))
             }

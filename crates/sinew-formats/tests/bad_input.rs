@@ -128,7 +128,7 @@ fn entries_that_are_no_people() {
     let animals =
         "scorer,D,D,D,D\nindividuals,a,a,single,single\nbodyparts,nose,nose,box,box\ncoords,x,y,x,y\n0,1,2,3,4\n";
     let table = keypoint_formats::read("cam1.csv", animals, 1.0).unwrap();
-    assert_snapshot!(table.warnings[0], @"cam1.csv: `single` with 1 points is left out: it is DeepLabCut's name for points of no individual");
+    assert_snapshot!(table.warnings[0], @"cam1.csv: `single` (points: 1) is left out: it is DeepLabCut's name for points of no individual");
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! Recordings of detectors that write no file for a frame: from their files to a result, and what is said of odd ones.
+//! Recordings of detectors that write one file a camera, and what is said of odd ones.
 
 use crate::common::{Trial, trial};
 use serde_json::{Value, json};
