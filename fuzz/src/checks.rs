@@ -7,7 +7,8 @@ use sinew::formats::keypoint_table::KeypointTable;
 use sinew::formats::source_text::decode;
 use sinew::formats::{
     Error, amc, asf, body_toml, bvh, c3d, calib_toml, calibration, caliscope_xy, camera_name, coco_results, deeplabcut_csv,
-    frame_number, keypoint_formats, layout, mask, mediapipe_json, mmpose_json, mot, openpose, picture, tidy_csv, trc,
+    frame_number, keypoint_formats, layout, mask, mediapipe_json, mmpose_json, mot, openpose, picture, rtmlib_json,
+    tidy_csv, trc,
 };
 use std::fmt::Display;
 
@@ -72,6 +73,7 @@ fn keypoint_file(data: &[u8], read: fn(&str, &str, f64) -> Result<KeypointTable,
     for read in [read, keypoint_formats::read] {
         for scale in [1.0, 100.0] {
             let Some(table) = accepted(read("cam1.json", text, scale)) else { continue };
+            shown(&table.warnings);
             let frames = table.cameras.iter().flat_map(|camera| &camera.frames);
             for (number, frame) in frames {
                 let mut tally = openpose::Tally::default();
@@ -113,6 +115,13 @@ pub fn mediapipe_json(data: &[u8]) {
 /// Predictions of MMPose.
 pub fn mmpose_json(data: &[u8]) {
     keypoint_file(data, mmpose_json::read);
+    let Some(text) = text("a.json", data) else { return };
+    let _ = accepted(keypoint_formats::read_frame("a.json", text, &openpose::OpenposeOptions::default()));
+}
+
+/// What RTMLib returns.
+pub fn rtmlib_json(data: &[u8]) {
+    keypoint_file(data, rtmlib_json::read);
 }
 
 /// Calibrations.

@@ -34,6 +34,7 @@ mod settings;
 mod simulate;
 mod simulate_crowd;
 mod simulated_files;
+mod stated_rate;
 mod sync;
 mod table;
 mod threads;

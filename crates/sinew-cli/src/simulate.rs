@@ -19,7 +19,7 @@ use sinew_motion::points::{Trajectories, points_of_states};
 use sinew_simulate::detector::{DetectorNoise, STATED_ROWS, detect};
 use sinew_simulate::footage::SyntheticFootage;
 use sinew_simulate::recording::{body_25b, keypoint_files, write_trc};
-use sinew_simulate::ring::Ring;
+use sinew_simulate::ring::{Ring, subject_px_and_extent_m};
 use sinew_simulate::segmentation_noise::Level;
 use sinew_simulate::walker::{Gait, Walker, walker_states};
 use sinew_tools::motion::{RecordedJoints, recorded_joints};
@@ -48,6 +48,7 @@ pub(crate) fn run(args: &SimulateArgs, general: &General, report: &Report) -> Re
     let claim = claimed(&config, &inputs, report)?;
     let ring = Ring { cameras: args.cameras, image_size_px: args.size.map(f64::from), ..Ring::SMALL_PICTURES };
     let footage = SyntheticFootage::new(motion, args.fps, &ring, config.tracking.seed).map_err(Error::Scene)?;
+    report.warnings(small_person(&footage, &ring).as_slice());
     clear(&config.out, &FOLDERS)?;
     write_points(&footage, config.tracking.seed, &config.out)?;
     let total = footage.frames();
@@ -122,6 +123,19 @@ fn refuse_inputs_inside(out: &Path, inputs: &[PathBuf]) -> Result<(), sinew::Err
         Some(input) => Err(sinew::Error::OutputIsInput { path: out.to_owned(), input: input.clone() }),
         None => Ok(()),
     }
+}
+
+/// Height of the person in the images below which they show little of a pose, pixels.
+const LEAST_PX: f64 = 40.0;
+
+/// A warning about a motion that goes so far that cameras which see all of it hardly see the person.
+fn small_person(footage: &SyntheticFootage, ring: &Ring) -> Option<String> {
+    let (height_px, extent_m) = subject_px_and_extent_m(footage.cameras.first()?, &footage.motion, ring);
+    (height_px < LEAST_PX).then(|| {
+        format!(
+            "the motion covers {extent_m:.0} m, and cameras that see all of it show the person {height_px:.0} px tall: tracking will fail; ask for less with `--duration` (a walk makes 1.2 m a second), or for larger images with `--size`"
+        )
+    })
 }
 
 /// Calibration, keypoints and truth.

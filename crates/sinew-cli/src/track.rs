@@ -10,7 +10,8 @@ use super::progress::PassProgress;
 use super::report::{self, Report};
 use super::report_page;
 use super::resume::{Stopped, complete, refuse_other_number, same_run, stopped_run};
-use super::settings::{reading, settings};
+use super::settings::reading;
+use super::stated_rate::with_stated_rate;
 use super::table::table;
 use super::threads::{wanted, with_threads};
 use super::track_pieces::{FromFootage, RESUME, calibration, setup_frames, show, within};
@@ -30,11 +31,11 @@ use std::path::{Path, PathBuf};
 
 /// Runs the command.
 pub(crate) fn run(args: &TrackArgs, general: &General, report: &Report) -> Result<Ended, Error> {
-    let mut resolved = settings(&args.settings.given, general)?;
+    let (flags, mut resolved) = with_stated_rate(&args.settings.given, general, report)?;
     report.warnings(&resolved.warnings);
     report.warnings(&resolved.idle_flags());
     if args.sync {
-        resolved = sync::synchronised(&args.settings.given, resolved, general, report)?;
+        resolved = sync::synchronised(&flags, resolved, general, report)?;
     }
     if args.print_config {
         if args.answer.json {

@@ -7,6 +7,8 @@
 //! - There is no confidence. What was seen has 1, the usual confidence; what was not seen has no row, an empty cell or
 //!   `NaN`.
 //! - Points are MediaPipe's: 0 to 32 are the pose. Hands (100 to 220) and face (from 300) are left out.
+//! - A frame in which a camera sees nobody has no row: a missing frame is one without people.
+//! - `frame_time` (seconds), where it is there, says the frame rate.
 //! - `frame_index` counts the frames of each camera, `sync_index` the moments that they share: the latter is taken.
 //!
 //! ```
@@ -15,6 +17,7 @@
 //!             0,0,0,9.1,11,520.5,193,,\n0,0,0,9.1,320,1,2,,\n0,2,0,9.1,11,400,,,\n";
 //! let table = read("xy_HOLISTIC.csv", text, 1.0)?;
 //! assert_eq!(table.layout.unwrap().name, "MEDIAPIPE_33");
+//! assert!(table.leaves_out_nobody && table.rate_hz.is_none());
 //! let shoulder = table.cameras[0].frames[&0].people[0].keypoints[11].unwrap();
 //! assert_eq!((shoulder.x, shoulder.y, shoulder.confidence), (520.5, 193.0, 1.0));
 //! assert!(table.cameras[1].frames[&0].people.is_empty());
@@ -64,6 +67,8 @@ pub fn read(name: &str, text: &str, _confidence_scale: f64) -> Result<KeypointTa
     let places = columns(name, header)?;
     let width = header.split(',').count();
     let mut cameras: BTreeMap<u64, Frames> = BTreeMap::new();
+    let time_column = header.split(',').position(|column| column.trim() == "frame_time");
+    let mut spans: BTreeMap<u64, [(u64, f64); 2]> = BTreeMap::new();
     let mut cells: Vec<&str> = Vec::with_capacity(width);
     for (line, row) in lines {
         let place = || Place::file(name).at_line(line);
@@ -75,6 +80,9 @@ pub fn read(name: &str, text: &str, _confidence_scale: f64) -> Result<KeypointTa
         let cell = |k: usize| places.get(k).and_then(|&at| cells.get(at)).copied().unwrap_or_default();
         let (frame, camera, point) =
             (whole(place, "frame", cell(0))?, whole(place, "camera", cell(1))?, whole(place, "point", cell(2))?);
+        if let Some(time_s) = time_column.and_then(|at| cells.get(at)?.parse::<f64>().ok()) {
+            spans.entry(camera).or_insert([(frame, time_s); 2])[1] = (frame, time_s);
+        }
         let frame = cameras.entry(camera).or_default().entry(frame).or_default();
         let (x, y) = (finite_or_missing(place, cell(3))?, finite_or_missing(place, cell(4))?);
         let (Some(x), Some(y), true) = (x, y, point < POINTS as u64) else { continue };
@@ -90,9 +98,18 @@ pub fn read(name: &str, text: &str, _confidence_scale: f64) -> Result<KeypointTa
     let camera = |(number, frames): (u64, Frames)| TableCamera { name: Some(number.to_string()), frames };
     Ok(KeypointTable {
         layout: Some(layout::find("MEDIAPIPE_33")?),
-        in_image_shares: false,
-        cameras: cameras.into_iter().map(camera).collect(),
+        leaves_out_nobody: true,
+        rate_hz: rate_hz(spans.into_values()),
+        ..KeypointTable::from_cameras(cameras.into_iter().map(camera).collect())
     })
+}
+
+/// The median of the rates of the cameras, from their first and last frame with its time, seconds.
+fn rate_hz(spans: impl Iterator<Item = [(u64, f64); 2]>) -> Option<f64> {
+    let rates = spans.map(|[(first, start_s), (last, end_s)]| last.saturating_sub(first) as f64 / (end_s - start_s));
+    let mut rates: Vec<f64> = rates.filter(|rate| *rate > 0.0 && rate.is_finite()).collect();
+    rates.sort_by(f64::total_cmp);
+    rates.get(rates.len() / 2).copied()
 }
 
 /// A number of a frame, camera or point; pandas writes them as `3.0` where some are missing.
@@ -125,6 +142,17 @@ mod tests {
         assert!(table.cameras[0].frames[&10].people.is_empty() && table.cameras[1].frames[&10].people.is_empty());
         let seen = &table.cameras[2].frames[&2].people[0].keypoints;
         assert_eq!((seen[0].unwrap().y, seen[32].unwrap().x, seen[1]), (2.0, 3.0, None));
+    }
+
+    #[test]
+    fn times_say_the_rate() {
+        let rate = |rows: &str| read("xy.csv", &format!("{HEADER}\n{rows}"), 1.0).unwrap().rate_hz;
+        assert_eq!(rate("10,0,0,5.0,1,2,3\n11,0,1,5.05,1,2,3\n30,0,2,6.0,1,2,3\n10,1,0,5.0,1,2,3\n"), Some(20.0));
+        for silent in
+            ["", "10,0,0,5.0,1,2,3\n", "10,0,0,5.0,1,2,3\n11,0,1,5.0,1,2,3\n", "1,0,0,x,1,2,3\n2,0,0,,1,2,3\n"]
+        {
+            assert_eq!(rate(silent), None, "{silent}");
+        }
     }
 
     #[test]

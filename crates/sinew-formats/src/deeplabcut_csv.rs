@@ -10,6 +10,8 @@
 //! - Labelled pictures have no likelihood: what was labelled has 1.
 //! - Points have the names of the project. Those that mean a point of the body get our name (`left_shoulder` is
 //!   `LShoulder`), others none. A mapping file names them in the order of the columns, each point once.
+//! - The individual `single` of a project with several animals holds points that belong to none: it is left out, with a
+//!   warning.
 //! - Individuals without a point are absent, and keep their index.
 //!
 //! ```
@@ -24,11 +26,11 @@
 //! # Ok::<(), sinew_formats::Error>(())
 //! ```
 
-use crate::keypoint_table::{Frames, KeypointTable, TableCamera};
+use crate::keypoint_table::{Frames, KeypointTable};
 use crate::openpose::{OpenposeFrame, OpenposePerson, keypoint};
 use crate::point_name::known_point;
 use crate::source_text::{finite_or_missing, numbered_lines, shortened};
-use crate::{Error, Layout, Place, frame_number};
+use crate::{Error, Layout, Place, Warning, frame_number};
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 /// Whether a file begins with such a header.
@@ -39,7 +41,10 @@ pub fn recognises(beginning: &str) -> bool {
     firsts.first() == Some(&"scorer") && firsts.contains(&"bodyparts") && firsts.contains(&"coords")
 }
 
-/// Points of individuals that may be without columns, beyond half of all: what belongs to no individual is one of its own.
+/// DeepLabCut's name for the individual whose points belong to none.
+const SINGLE: &str = "single";
+
+/// Points of individuals that may be without columns, beyond half of all.
 const SPARSE: usize = 1000;
 
 /// Columns of one point of one individual.
@@ -60,6 +65,8 @@ struct Header {
     points: Vec<String>,
     /// For each individual the columns of each point.
     individuals: Vec<Vec<Columns>>,
+    /// Points that belong to no individual and are left out.
+    single: usize,
 }
 
 fn cells(line: &str) -> Vec<&str> {
@@ -106,12 +113,19 @@ fn header<'a>(name: &str, lines: &mut impl Iterator<Item = (usize, &'a str)>) ->
         }
     }
     let frame = coords.iter().skip(1).take_while(|cell| cell.is_empty()).count();
+    let is_single = |animal: &&str| animals.is_some() && *animal == SINGLE;
+    let has_others = animals.is_some_and(|animals| animals.iter().skip(frame + 1).any(|animal| !is_single(&animal)));
+    let mut single = BTreeSet::new();
     let (mut known_parts, mut known_animals) = (HashMap::new(), HashMap::new());
     let mut groups: BTreeMap<(usize, usize), Columns> = BTreeMap::new();
     let mut points = vec![];
     for (column, coordinate) in coords.iter().enumerate().skip(frame + 1) {
         let part = parts.get(column).copied().unwrap_or_default();
         let animal = animals.and_then(|animals| animals.get(column)).copied().unwrap_or_default();
+        if has_others && is_single(&animal) {
+            single.insert(part);
+            continue;
+        }
         let point = place_among(&mut known_parts, part);
         if point == points.len() {
             points.push(part.to_owned());
@@ -137,7 +151,7 @@ fn header<'a>(name: &str, lines: &mut impl Iterator<Item = (usize, &'a str)>) ->
             *own = columns;
         }
     }
-    Ok(Header { frame, width: coords.len(), points, individuals })
+    Ok(Header { frame, width: coords.len(), points, individuals, single: single.len() })
 }
 
 /// Reads the keypoints of a camera.
@@ -166,8 +180,12 @@ pub fn read(name: &str, text: &str, confidence_scale: f64) -> Result<KeypointTab
         }
     }
     let layout = layout(&header);
-    let cameras = vec![TableCamera { name: None, frames }];
-    Ok(KeypointTable { layout: Some(layout), in_image_shares: false, cameras })
+    let warning = || Warning::SingleLeftOut { place: Place::file(name), points: header.single };
+    Ok(KeypointTable {
+        layout: Some(layout),
+        warnings: (header.single > 0).then(warning).into_iter().collect(),
+        ..KeypointTable::from_one_camera(frames)
+    })
 }
 
 fn frame_of(place: &Place, header: &Header, row: &[&str], scale: f64) -> Result<OpenposeFrame, Error> {
@@ -216,7 +234,18 @@ mod tests {
         let indices = |number: u64| frames[&number].people.iter().map(|person| person.index).collect::<Vec<_>>();
         assert_eq!((indices(3), indices(4), indices(5)), (vec![0], vec![1], vec![]));
         assert_eq!(frames[&5].without_coordinates, 1);
-        assert_eq!(table.layout.unwrap().points, [Some("LHip".into()), None]);
+        assert_eq!(table.layout.unwrap().points, [Some("LHip".into())]);
+        assert_eq!(
+            table.warnings[0].to_string(),
+            "a.csv: `single` (points: 1) is left out: it is DeepLabCut's name for points of no individual"
+        );
+    }
+
+    #[test]
+    fn a_lone_individual_of_that_name_is_kept() {
+        let text = "scorer,D,D\nindividuals,single,single\nbodyparts,LHip,LHip\ncoords,x,y\n3,1,2\n";
+        let table = read("a.csv", text, 1.0).unwrap();
+        assert!(table.warnings.is_empty() && table.cameras[0].frames[&3].people.len() == 1);
     }
 
     #[test]

@@ -5,8 +5,9 @@
 //! `Infinity` and numbers like `1e999` are errors.
 
 use crate::source_text::{line_at, shortened, without_mark};
-use crate::{Error, Place};
+use crate::{Error, Place, frame_number};
 use serde::de::DeserializeOwned;
+use serde_json::Value;
 use std::borrow::Cow;
 
 /// Nesting allowed; detectors need five levels.
@@ -39,6 +40,18 @@ pub fn parse<T: DeserializeOwned>(name: &str, text: &str) -> Result<T, Error> {
             },
         }
     })
+}
+
+/// A frame's number, which may be a name that ends with it; pandas writes whole numbers as `3.0`.
+pub(crate) fn frame_number_of(value: &Value) -> Option<u64> {
+    /// Below this every whole number is one of floating point.
+    const EXACT: f64 = 9e15;
+    let whole = |number: f64| ((0.0..EXACT).contains(&number) && number.fract() == 0.0).then_some(number as u64);
+    match value {
+        Value::Number(number) => number.as_u64().or_else(|| whole(number.as_f64()?)),
+        Value::String(name) => frame_number::parse(name),
+        _ => None,
+    }
 }
 
 /// Whether an error is about the last bytes of a text: a number or literal that is cut, like `-` or `Na`.

@@ -2,8 +2,8 @@
 //!
 //! Cameras have names where the file names them, frames have the numbers of the file, people the order of the file.
 
-use crate::Layout;
-use crate::openpose::{OpenposeFrame, OpenposePerson};
+use crate::openpose::{OpenposeFrame, OpenposePerson, keypoint};
+use crate::{Error, Layout, Place, Warning};
 use std::collections::BTreeMap;
 
 /// Frames of a camera by number.
@@ -16,6 +16,12 @@ pub struct KeypointTable {
     pub layout: Option<Layout>,
     /// Whether x and y are shares of the image's width and height instead of pixels.
     pub in_image_shares: bool,
+    /// Whether a frame in which a camera sees nobody has no entry.
+    pub leaves_out_nobody: bool,
+    /// Frames per second, where the file has times.
+    pub rate_hz: Option<f64>,
+    /// What is odd about the file.
+    pub warnings: Vec<Warning>,
     /// Cameras in the order of the file.
     pub cameras: Vec<TableCamera>,
 }
@@ -30,9 +36,21 @@ pub struct TableCamera {
 }
 
 impl KeypointTable {
-    /// Frames of one camera without a name, in pixels, whose layout is to be seen from the number of keypoints.
+    /// Frames of some cameras, in pixels, whose layout is to be seen from the number of keypoints; every frame has an entry.
+    pub(crate) fn from_cameras(cameras: Vec<TableCamera>) -> Self {
+        Self {
+            layout: None,
+            in_image_shares: false,
+            leaves_out_nobody: false,
+            rate_hz: None,
+            warnings: vec![],
+            cameras,
+        }
+    }
+
+    /// As [`KeypointTable::from_cameras`] for one camera without a name.
     pub(crate) fn from_one_camera(frames: Frames) -> Self {
-        Self { layout: None, in_image_shares: false, cameras: vec![TableCamera { name: None, frames }] }
+        Self::from_cameras(vec![TableCamera { name: None, frames }])
     }
 }
 
@@ -42,6 +60,33 @@ pub(crate) fn add_person(frame: &mut OpenposeFrame, mut person: OpenposePerson) 
         person.index = frame.people.last().map_or(0, |last| last.index + 1).max(person.index);
         frame.people.push(person);
     }
+}
+
+/// Adds a person whose points and scores are lists of their own, pixels and heights of the detector's maps.
+///
+/// # Errors
+/// Points without two coordinates, scores that are not as many as the points or outside the scale.
+pub(crate) fn add_scored_person(
+    place: &Place,
+    frame: &mut OpenposeFrame,
+    points: &[Vec<Option<f64>>],
+    scores: &[Option<f64>],
+    scale: f64,
+) -> Result<(), Error> {
+    if scores.len() != points.len() {
+        return Err(Error::RowLength { place: place.clone(), found: scores.len(), expected: points.len() });
+    }
+    let mut keypoints = Vec::with_capacity(points.len());
+    for (point, score) in points.iter().zip(scores) {
+        let &[x, y] = point.as_slice() else {
+            let (found, expected) = (format!("a point with {} coordinates", point.len()), "x and y".into());
+            return Err(Error::Syntax { place: place.clone(), found, expected });
+        };
+        let confidence = score.map(|score| height_as_confidence(score, scale));
+        keypoints.push(keypoint(place, [x, y, confidence], scale, frame)?);
+    }
+    add_person(frame, OpenposePerson { index: 0, keypoints });
+    Ok(())
 }
 
 /// What a score counts of a detector whose scores are heights of its maps and no probabilities.

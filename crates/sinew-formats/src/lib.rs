@@ -9,7 +9,7 @@
 //! |---|---|---|---|
 //! | [`openpose`] | OpenPose-style JSON keypoints, with [`layout`], [`frame_number`] and [`camera_name`] | yes | yes |
 //! | [`calibration`] | calibrations, recognised by content: the five below | yes | yes |
-//! | [`keypoint_formats`] | keypoints of whole recordings: [`caliscope_xy`], [`deeplabcut_csv`], [`mmpose_json`], [`coco_results`], [`mediapipe_json`] | yes | – |
+//! | [`keypoint_formats`] | keypoints of whole recordings: [`caliscope_xy`], [`deeplabcut_csv`], [`mmpose_json`], [`rtmlib_json`], [`coco_results`], [`mediapipe_json`] | yes | – |
 //! | [`calib_toml`] | Pose2Sim `Calib.toml` | yes | yes |
 //! | [`caliscope_cameras`] | Caliscope `camera_array.toml` | yes | yes |
 //! | [`anipose_cameras`] | Anipose and FreeMoCap `calibration.toml` | yes | yes |
@@ -78,6 +78,7 @@ pub mod point_table;
 pub mod qualisys_cameras;
 pub mod rotation;
 mod row_time;
+pub mod rtmlib_json;
 pub mod source_text;
 pub mod tidy_csv;
 mod toml_text;

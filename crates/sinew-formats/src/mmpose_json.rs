@@ -1,8 +1,9 @@
-//! Predictions of MMPose, one file a video, and of RTMLib where they were stored in that form.
+//! Predictions of MMPose, one file a video or one an image.
 //!
 //! `{"meta_info": …, "instance_info": [{"frame_id": 1, "instances": [{"keypoints": [[x, y], …], "keypoint_scores": […]}]}]}`
-//! is what the demos write; the inferencer writes the inner list alone, and of a single image the list of instances. x and y
-//! are pixels. One file holds one camera. Quirks that are ordinary input:
+//! is what the demos write; the inferencer writes the inner list alone. x and y are pixels. One file holds one camera. Of a
+//! folder of images the inferencer writes a file for each, the list of instances, called after the image: [`read_image`].
+//! Quirks that are ordinary input:
 //!
 //! - `frame_id` is the frame; without it the place in the list, from 0.
 //! - Scores are heights of the detector's maps: above 1, up to 2, counts as 1, and 0 or less as not found.
@@ -17,11 +18,16 @@
 //! let person = &table.cameras[0].frames[&5].people[0];
 //! assert_eq!((person.keypoints[0].unwrap().y, person.keypoints[0].unwrap().confidence), (20.5, 1.0));
 //! assert!(person.keypoints[1].is_none());
+//!
+//! use sinew_formats::{mmpose_json::read_image, openpose::OpenposeOptions};
+//! let text = r#"[{"keypoints": [[10, 20.5]], "keypoint_scores": [0.5], "bbox": [[0, 0, 9, 9]], "bbox_score": 0.9}]"#;
+//! let frame = read_image("cam01/000005.json", text, &OpenposeOptions::default())?;
+//! assert_eq!(frame.people[0].keypoints[0].unwrap().confidence, 0.5);
 //! # Ok::<(), sinew_formats::Error>(())
 //! ```
 
-use crate::keypoint_table::{Frames, KeypointTable, add_person, height_as_confidence};
-use crate::openpose::{OpenposeFrame, OpenposePerson, keypoint};
+use crate::keypoint_table::{Frames, KeypointTable, add_scored_person};
+use crate::openpose::{OpenposeFrame, OpenposeOptions, check_people};
 use crate::{Error, Place, json_text};
 use serde::Deserialize;
 
@@ -80,24 +86,37 @@ pub fn read(name: &str, text: &str, confidence_scale: f64) -> Result<KeypointTab
     Ok(KeypointTable::from_one_camera(frames))
 }
 
+/// Whether a file begins with the instances of one image.
+#[must_use]
+pub fn is_image(beginning: &str) -> bool {
+    let has = |key: &str| beginning.contains(key);
+    let is_video = ["\"instance_info\"", "\"instances\"", "\"frame_id\""].into_iter().any(has);
+    beginning.starts_with('[') && has("\"keypoint_scores\"") && !is_video
+}
+
+/// Reads the keypoints of one camera and image.
+///
+/// # Errors
+/// As [`read`], and people who do not fit the layout.
+pub fn read_image(name: &str, text: &str, options: &OpenposeOptions<'_>) -> Result<OpenposeFrame, Error> {
+    let instances: Vec<Instance> = json_text::parse(name, text)?;
+    let mut place = Place::file(name);
+    if let Some(frame) = options.frame {
+        place = place.within(format!("frame {frame}"));
+    }
+    let mut frame = OpenposeFrame::default();
+    for instance in instances {
+        add_instance(&place, &mut frame, instance, options.confidence_scale)?;
+    }
+    check_people(&place, &frame, options.layout)?;
+    Ok(frame)
+}
+
 fn add_instance(place: &Place, frame: &mut OpenposeFrame, instance: Instance, scale: f64) -> Result<(), Error> {
     let points = instance.keypoints.unwrap_or_default();
     let missing = || Error::MissingField { place: place.clone(), field: "keypoint_scores".into() };
     let scores = if points.is_empty() { vec![] } else { instance.keypoint_scores.ok_or_else(missing)? };
-    if scores.len() != points.len() {
-        return Err(Error::RowLength { place: place.clone(), found: scores.len(), expected: points.len() });
-    }
-    let mut keypoints = Vec::with_capacity(points.len());
-    for (point, score) in points.iter().zip(scores) {
-        let &[x, y] = point.as_slice() else {
-            let (found, expected) = (format!("a point with {} coordinates", point.len()), "x and y".into());
-            return Err(Error::Syntax { place: place.clone(), found, expected });
-        };
-        let confidence = score.map(|score| height_as_confidence(score, scale));
-        keypoints.push(keypoint(place, [x, y, confidence], scale, frame)?);
-    }
-    add_person(frame, OpenposePerson { index: 0, keypoints });
-    Ok(())
+    add_scored_person(place, frame, &points, &scores, scale)
 }
 
 #[cfg(test)]
@@ -120,6 +139,24 @@ mod tests {
         assert_eq!(numbers(&format!("[{{\"instances\":[]}},{{\"instances\":[{person}]}}]")), [(0, 0), (1, 1)]);
         assert_eq!(numbers(&format!("[{person},{person}]")), [(0, 2)]);
         assert_eq!(numbers(&format!("{{\"instance_info\":[{{\"frame_id\":9,\"instances\":[{person}]}}]}}")), [(9, 1)]);
+    }
+
+    #[test]
+    fn the_instances_of_an_image_are_people() {
+        let person = "{\"keypoints\":[[1,2]],\"keypoint_scores\":[0.5]}";
+        let text = format!("[{person},{person}]");
+        assert!(is_image(&text) && !is_image(&format!("[{{\"frame_id\":3,\"instances\":[{person}]}}]")));
+        let read = |text: &str, layout: Option<&crate::Layout>| {
+            let options = OpenposeOptions { frame: Some(4), layout, ..OpenposeOptions::default() };
+            read_image("a.json", text, &options).map(|frame| frame.people.len()).map_err(|error| error.to_string())
+        };
+        assert_eq!((read(&text, None), read("[]", None)), (Ok(2), Ok(0)));
+        let layout = crate::layout::find("COCO_17").unwrap();
+        assert_eq!(read(&text, Some(&layout)), Err("a.json (frame 4): 3 numbers, layout `COCO_17` needs 51".into()));
+        assert_eq!(
+            read("[{\"keypoints\":[[1,2]]}]", None),
+            Err("a.json (frame 4): `keypoint_scores` is missing".into())
+        );
     }
 
     #[test]

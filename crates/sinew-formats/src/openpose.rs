@@ -178,6 +178,14 @@ fn check_count(place: &Place, found: usize, layout: Option<&Layout>) -> Result<(
     }
 }
 
+/// Refuses people who do not fit the layout.
+///
+/// # Errors
+/// [`Error::KeypointCount`] for the first of them.
+pub fn check_people(place: &Place, frame: &OpenposeFrame, layout: Option<&Layout>) -> Result<(), Error> {
+    frame.people.iter().try_for_each(|person| check_count(place, 3 * person.keypoints.len(), layout))
+}
+
 /// A keypoint of three numbers x, y, confidence, and what is odd about it; `None` is missing.
 pub(crate) fn keypoint(
     place: &Place,

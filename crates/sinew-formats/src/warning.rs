@@ -141,6 +141,22 @@ pub enum Warning {
         /// Value taken.
         value: String,
     },
+    /// Entries of a keypoint file that are no people.
+    EntriesLeftOut {
+        /// File.
+        place: Place,
+        /// How many.
+        entries: u64,
+        /// Why they are left out.
+        why: &'static str,
+    },
+    /// The columns of a DeepLabCut file that belong to no individual.
+    SingleLeftOut {
+        /// File.
+        place: Place,
+        /// Points in these columns.
+        points: usize,
+    },
     /// A calibrated camera for which there is no data.
     NoKeypoints {
         /// Name in the calibration.
@@ -152,6 +168,13 @@ pub enum Warning {
 
 /// Numbers listed before a list is cut short.
 const LISTED: usize = 12;
+
+/// What is said of DeepLabCut's individual `single`.
+const SINGLE: &str = "is left out: it is DeepLabCut's name for points of no individual";
+
+fn are(entries: u64) -> String {
+    if entries == 1 { "1 entry is".into() } else { format!("{entries} entries are") }
+}
 
 impl fmt::Display for Warning {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -210,6 +233,8 @@ impl fmt::Display for Warning {
                 write!(f, "{place}: {rows} rows have the time of the row above (first: row {first})")
             }
             Self::Assumed { place, field, value } => write!(f, "{place}: {field} is not given; {value} assumed"),
+            Self::EntriesLeftOut { place, entries, why } => write!(f, "{place}: {} left out: {why}", are(*entries)),
+            Self::SingleLeftOut { place, points } => write!(f, "{place}: `single` (points: {points}) {SINGLE}"),
             Self::NoKeypoints { camera, folders } => {
                 write!(f, "no keypoints for calibrated camera `{camera}`; folders: {}", folders.join(", "))
             }

@@ -100,6 +100,38 @@ fn cameras_that_begin_or_end_apart() {
 }
 
 #[test]
+fn cameras_whose_numbers_run_on() {
+    let error = frame_number::common_range(&[("C1", 0..60), ("C2", 3000..3060)], false).unwrap_err();
+    assert_snapshot!(error, @"C1 has 60 frames, C2 has 60; difference 0, but the first frames differ by +3000 and the last by +3000");
+    assert_snapshot!(error.help().unwrap(), @"they share no frame, so that `--trim` would leave nothing: if numbers run on from camera to camera, number each camera's frames by themselves, or say for each what is to be taken off: `--lag C2=3000`; if a camera saw nobody meanwhile, leave it out of `--cameras`");
+    let before = frame_number::common_range(&[("C1", 60..120), ("C2", 0..60)], false).unwrap_err();
+    assert!(before.help().unwrap().contains("`--lag C2=-60`"));
+    let touching = frame_number::common_range(&[("C1", 0..60), ("C2", 59..120)], false).unwrap_err();
+    assert!(touching.help().unwrap().starts_with("pass `--trim`"));
+}
+
+#[test]
+fn keypoint_files_of_unknown_keys() {
+    let error = |text: &str| keypoint_formats::read("cam1.json", text, 1.0).unwrap_err();
+    assert_snapshot!(error("{\"frames\": [{\"frame\": 3, \"pose_world_landmarks\": [{\"x\": 1, \"y\": 2, \"visibility\": 1}]}]}"), @"cam1.json (frame 3): the keys `pose_world_landmarks`; expected landmarks under `pose_landmarks`, `poseLandmarks`, `landmarks`, `landmark`, `pose`, `poses`, `people`, `keypoints`");
+    assert_snapshot!(error("[{\"image_id\": -1, \"keypoints\": [1, 2, 1]}]"), @r#"cam1.json (entry 1): image_id = -1; must be a whole number from 0, or a name with the frame, as "0012.jpg""#);
+    assert_snapshot!(error("{\"joints\": [1, 2]}"), @"cam1.json: the beginning is that of no known keypoint file; expected a file of Caliscope, DeepLabCut, MMPose, RTMLib, AlphaPose, COCO results, MediaPipe; OpenPose and MMPose with a file a frame, in a folder a camera");
+}
+
+#[test]
+fn entries_that_are_no_people() {
+    let coco =
+        "[{\"image_id\": 1, \"category_id\": 18, \"keypoints\": [1, 2, 1]}, {\"image_id\": 1, \"keypoints\": null}]";
+    let table = keypoint_formats::read("cam1.json", coco, 1.0).unwrap();
+    assert_snapshot!(table.warnings[0], @"cam1.json: 1 entry is left out: `category_id` is not 1, a person's");
+    assert_snapshot!(table.warnings[1], @"cam1.json: 1 entry is left out: without `keypoints`");
+    let animals =
+        "scorer,D,D,D,D\nindividuals,a,a,single,single\nbodyparts,nose,nose,box,box\ncoords,x,y,x,y\n0,1,2,3,4\n";
+    let table = keypoint_formats::read("cam1.csv", animals, 1.0).unwrap();
+    assert_snapshot!(table.warnings[0], @"cam1.csv: `single` (points: 1) is left out: it is DeepLabCut's name for points of no individual");
+}
+
+#[test]
 fn dropped_frames() {
     let frames: Vec<u64> = (0..400).filter(|frame| ![45, 46, 301].contains(frame)).collect();
     assert_snapshot!(frame_number::holes("cam2", &frames).unwrap(), @"cam2 lacks frames 45, 46, 301");
@@ -274,7 +306,7 @@ fn any_calibration(text: &str) -> Error {
 fn calibrations_of_no_known_program() {
     let error = any_calibration("{\"cameras\": []}");
     assert_snapshot!(error, @"cameras: JSON; expected a calibration of Pose2Sim, Caliscope, Anipose, FreeMoCap, Qualisys or OpenCV");
-    assert_snapshot!(error.help().unwrap(), @"is this the right file? convert calibrations of other programs with Pose2Sim, or write the numbers into a Calib.toml");
+    assert_snapshot!(error.help().unwrap(), @"is this the right file? calibrations of these programs are read as they are, and `sinew convert` writes one for another; of other programs write the numbers into a Calib.toml");
     assert_snapshot!(any_calibration("<vicon/>"), @"cameras: XML with the element <vicon>; expected a calibration of Pose2Sim, Caliscope, Anipose, FreeMoCap, Qualisys or OpenCV");
 }
 

@@ -354,6 +354,8 @@ fn read_all(text: &str) {
         deeplabcut_csv::read("a.csv", text, 1.0).err(),
         mediapipe_json::read("a.json", text, 1.0).err(),
         mmpose_json::read("a.json", text, 1.0).err(),
+        rtmlib_json::read("a.json", text, 1.0).err(),
+        keypoint_formats::read_frame("a.json", text, &openpose::OpenposeOptions::default()).err(),
         keypoint_formats::read("a", text, 1.0).err(),
         layout::read("a.toml", text).err(),
         calibration::read("a.toml", text).err(),
@@ -377,7 +379,7 @@ fn read_all(text: &str) {
 
 const ASF: &str = "# skeleton\n:version 1.10\n:units\n length 0.45\n angle deg\n:root\n order TX TY TZ RX RY RZ\n axis XYZ\n position 0 0 0\n orientation 0 0 5\n:bonedata\n begin\n id 1\n name a\n direction 0 -1 0\n length 7\n axis 0 0 20 XYZ\n dof rx rz\n limits (-10.0 170.0)\n (0 1)\n end\n begin\n name b\n direction 0 -1 0\n length 7\n axis 0 0 20 ZYX\n end\n:hierarchy\n begin\n root a\n a b\n end\n";
 
-const FILES: [&str; 17] = [
+const FILES: [&str; 19] = [
     "{\"version\":1.3,\"people\":[{\"person_id\":[-1],\"pose_keypoints_2d\":[505.232,431.63,0.664216,null,NaN,0.60741,0,0,0]},{}],\"x\":\"a\\\"}[\"}",
     "name = \"mine\"\npoints = [\"Nose\", \"\", \"LHip\"]\n",
     "[cam_01]\nname = \"cam_01\"\nsize = [ 1088.0, 1920.0]\nmatrix = [ [ 1681.2, 0.0, 532.9], [ 0.0, 1681.0, 948.1], [ 0.0, 0.0, 1.0]]\ndistortions = [ -0.0007, 0.002, 9.5e-06, 1.0e-05]\nrotation = [[1, 0, 0.0001], [0, 1, 0], [0, 0, 1]]\ntranslation = [ 0.3, 0.9, 2.8]\nfisheye = false\n\n[metadata]\nadjusted = false\n",
@@ -395,6 +397,8 @@ const FILES: [&str; 17] = [
     "{\"meta_info\":{},\"instance_info\":[{\"frame_id\":1,\"instances\":[{\"keypoints\":[[1.5,2],[3,NaN]],\"keypoint_scores\":[1.1,0.5],\"bbox\":[[1,2,3,4]]}]}]}",
     "[{\"image_id\":\"12.jpg\",\"category_id\":1,\"keypoints\":[10,20,1.1,null,2,0.5],\"score\":2.9},{\"image_id\":3,\"keypoints\":[]}]",
     "{\"frames\":[{\"frame\":7,\"pose_landmarks\":[]},null,{\"landmarks\":{\"landmark\":[]}}]}",
+    "[{\"frame\":3,\"keypoints\":[[[1,2],[3,NaN]]],\"scores\":[[1.1,0.5]]},{\"keypoints\":[],\"scores\":[]}]",
+    "[{\"keypoints\":[[1.5,2],[3,NaN]],\"keypoint_scores\":[1.1,0.5],\"bbox\":[[1,2,3,4]]}]",
 ];
 
 /// Which reader takes which of the files.
@@ -413,7 +417,9 @@ fn the_files_are_valid() {
     assert!(caliscope_cameras::read("a", FILES[9]).is_ok());
     assert!(qualisys_cameras::read("a", FILES[10]).is_ok());
     assert!(opencv_cameras::read("a", FILES[11]).is_ok());
-    for (text, format) in FILES[12..16].iter().zip(["Caliscope", "DeepLabCut", "MMPose", "COCO results"]) {
+    let formats =
+        ["Caliscope", "DeepLabCut", "MMPose", "AlphaPose, COCO results"].into_iter().chain(["RTMLib", "MMPose"]);
+    for (text, format) in FILES[12..16].iter().chain(&FILES[17..]).zip(formats) {
         assert_eq!(keypoint_formats::recognised(text).unwrap().name, format);
         let table = keypoint_formats::read("a", text, 1.0).unwrap();
         let people = table.cameras.iter().flat_map(|camera| camera.frames.values()).map(|frame| frame.people.len());

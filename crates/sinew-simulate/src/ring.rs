@@ -79,6 +79,15 @@ pub fn around(motion: &Trajectories, ring: &Ring) -> Result<Vec<Camera>, Error> 
     cameras(focal * (INSIDE / reach).min(1.0))
 }
 
+/// Height in pixels that a camera gives the subject of a ring who stands at the middle of a motion, and the motion's longer horizontal extent, metres.
+#[must_use]
+pub fn subject_px_and_extent_m(camera: &Camera, motion: &Trajectories, ring: &Ring) -> (f64, f64) {
+    let [low, high] = motion.bounds().unwrap_or_default();
+    let middle = [0.5 * (low[0] + high[0]), 0.5 * (low[1] + high[1]), ring.target_height_m];
+    let squares: f64 = camera.centre().iter().zip(middle).map(|(a, b)| (a - b) * (a - b)).sum();
+    (ring.subject_m * camera.intrinsics.fx / squares.sqrt(), (high[0] - low[0]).max(high[1] - low[1]))
+}
+
 /// Fraction of half an image that a motion may use.
 const INSIDE: f64 = 0.95;
 
@@ -114,6 +123,20 @@ mod tests {
             let span = pixel(camera, [0.0, 2.5, 0.0]).unwrap()[1] - pixel(camera, [0.0, 2.5, 1.75]).unwrap()[1];
             assert!((0.3..0.65).contains(&(span / 960.0)), "{span}");
         }
+    }
+
+    #[test]
+    fn the_subject_shrinks_with_the_way() {
+        let along = |metres: f64| {
+            let frames = vec![vec![[0.0, 0.0, 0.0], [0.0, 0.0, 1.75]], vec![[0.0, metres, 0.0], [0.0, metres, 1.75]]];
+            let motion = Trajectories { names: vec!["A".into(), "B".into()], frames };
+            let cameras = around(&motion, &Ring::default()).unwrap();
+            subject_px_and_extent_m(&cameras[0], &motion, &Ring::default())
+        };
+        let (near, far) = (along(0.0), along(70.0));
+        // 0.6 of the image's height, unless the way needs more.
+        assert!((near.0 - 576.0).abs() < 1.0 && near.1 == 0.0, "{near:?}");
+        assert!(far.0 < 40.0 && far.1 == 70.0, "{far:?}");
     }
 
     #[test]

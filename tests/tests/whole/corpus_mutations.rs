@@ -146,6 +146,7 @@ targets! {
     deeplabcut_csv: 10_000,
     mediapipe_json: 10_000,
     mmpose_json: 10_000,
+    rtmlib_json: 10_000,
     layout: 10_000,
     body_toml: 10_000,
     trc: 10_000,

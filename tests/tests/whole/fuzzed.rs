@@ -20,6 +20,7 @@ pub const CHECKS: [(&str, Check); 28] = [
     ("deeplabcut_csv", checks::deeplabcut_csv),
     ("mediapipe_json", checks::mediapipe_json),
     ("mmpose_json", checks::mmpose_json),
+    ("rtmlib_json", checks::rtmlib_json),
     ("layout", checks::layout),
     ("body_toml", checks::body_toml),
     ("trc", checks::trc),

@@ -411,10 +411,14 @@ fn a_set_up_does_not_hide_what_no_longer_fits() {
 fn the_advice_about_the_axis_is_that_of_the_calibration() {
     let advised = |declared: &str| {
         let trial = trial(0.4);
-        trial.track_printed(&["--up-axis", declared])
+        trial.track_printed(&[declared])
     };
-    for declared in ["-z", "+y", "-x"] {
-        assert!(advised(declared).contains("set `up_axis` (found: +z)"), "{}", advised(declared));
+    for declared in ["--up-axis=-z", "--up-axis=+y", "--up=1e300,1e300,0"] {
+        assert!(
+            advised(declared).contains("leave `up_axis` and `up` out (found: +z, the default)"),
+            "{}",
+            advised(declared)
+        );
     }
 }
 

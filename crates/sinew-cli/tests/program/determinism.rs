@@ -253,6 +253,9 @@ fn a_world_that_is_declared_is_turned_to_z_up() {
     // The set-up knows the axis.
     let printed = trial.track_printed(&["-oagain", "--setup", "out/setup.toml", "--up-axis=+y"]);
     assert!(printed.contains("`up_axis` is +y; the set-up was made with -y"), "{printed}");
+    let printed = trial.track_printed(&["-oagain", "--setup", "out/setup.toml", "--up=0,0,1"]);
+    assert!(printed.contains("`up` is 0,0,1; the set-up was made with -y"), "{printed}");
+    assert!(printed.contains("leave `up` out"), "{printed}");
     // It knows the body, too.
     let printed = trial.track_printed(&["-oagain", "--setup", "out/setup.toml", "--body=cf28"]);
     assert!(printed.contains("`body` is cf28; the set-up was made with h32"), "{printed}");

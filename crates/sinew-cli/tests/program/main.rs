@@ -23,6 +23,7 @@ mod learn;
 mod learn_latent;
 mod left_out_cameras;
 mod motion_files;
+mod other_detectors;
 mod overlay;
 mod own_body;
 mod predictive_check;

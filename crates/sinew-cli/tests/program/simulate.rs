@@ -113,6 +113,14 @@ fn a_motion_file_is_taken_as_it_is() {
 }
 
 #[test]
+fn a_walk_too_long_for_the_cameras_is_warned_of() {
+    let trial = folder();
+    let long = ["simulate", "--duration=61", "--fps=2", "--images=none", "--no-progress", "-olong"];
+    let printed = trial.printed(&trial.run(&long));
+    assert!(printed.starts_with("exit 0\nwarning: the motion covers 75 m"), "{printed}");
+}
+
+#[test]
 fn mistakes_are_reported() {
     let trial = folder();
     fs::write(trial.path("a.trc"), "nonsense").unwrap();

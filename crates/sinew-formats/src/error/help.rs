@@ -28,10 +28,13 @@ impl Error {
             }
             Self::UnknownLayout { .. } => "a mapping file is TOML with `points = [\"Nose\", \"LEye\", …]`, one name per keypoint, \"\" for none".into(),
             Self::DuplicateFrame { .. } => "keep one of the two; frames are numbered by the last number in the file name".into(),
+            Self::FrameRanges { frames, other, other_frames, ends: (start, _), .. } if are_apart(*frames, *other_frames, *start) => format!(
+                "they share no frame, so that `--trim` would leave nothing: if numbers run on from camera to camera, number each camera's frames by themselves, or say for each what is to be taken off: `--lag {other}={start}`; if a camera saw nobody meanwhile, leave it out of `--cameras`"
+            ),
             Self::FrameRanges { .. } => "pass `--trim` to use only the frames that all cameras have; if keypoints are numbered apart, `sinew sync --trim` finds by how much".into(),
             Self::CameraCollision { .. } => "rename one of them".into(),
             Self::NoCalibration { .. } => "folders and calibration are matched by name; rename the folder or leave the camera out with `--cameras`".into(),
-            Self::UnknownCalibration { .. } => "is this the right file? convert calibrations of other programs with Pose2Sim, or write the numbers into a Calib.toml".into(),
+            Self::UnknownCalibration { .. } => "is this the right file? calibrations of these programs are read as they are, and `sinew convert` writes one for another; of other programs write the numbers into a Calib.toml".into(),
             Self::CameraUnwritable { .. } => "write another format: the formats of Pose2Sim, Caliscope, Anipose and OpenCV hold every camera".into(),
             Self::NotOrthonormal { .. } => "calibrate again or export the rotation with more digits".into(),
             Self::MirrorRotation { .. } => "export the calibration with right-handed axes (x right, y down, z forward)".into(),
@@ -53,4 +56,9 @@ impl Error {
         };
         Some(help)
     }
+}
+
+/// Whether two cameras share no frame: one that begins `start` frames after the other.
+const fn are_apart(frames: u64, other_frames: u64, start: i64) -> bool {
+    start.unsigned_abs() >= if start < 0 { other_frames } else { frames }
 }

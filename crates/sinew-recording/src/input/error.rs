@@ -3,8 +3,9 @@
 use super::folder_contents::FolderContents;
 use super::lag::ClockLag;
 use super::size_misfit::SizeMisfit;
+use sinew_formats::keypoint_formats;
 use std::ops::Range;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// A recording that cannot be read as it stands.
 #[derive(Debug, thiserror::Error)]
@@ -49,12 +50,12 @@ pub enum InputError {
         files: usize,
     },
     /// A file that is of no format of keypoints.
-    #[error("`{}` is no keypoint file of a known kind; known: {}", file.display(), known.join(", "))]
+    #[error("`{}` is no keypoint file of a known kind; known: {known}", file.display())]
     UnknownKeypointFile {
         /// File.
         file: PathBuf,
         /// Known kinds.
-        known: Vec<&'static str>,
+        known: String,
     },
     /// A file of many frames without a frame.
     #[error("`{}` holds no frame", file.display())]
@@ -186,14 +187,16 @@ pub enum InputError {
         frames: u64,
     },
     /// Frame numbers that are too large for the number of files.
-    #[error("frame numbers run from {first} to {last}, but there are only {files} files a camera")]
+    #[error("frame numbers run from {first} to {last}, but there are only {files} {} a camera", if *in_one_file { "frames in the file of" } else { "files" })]
     NumbersApart {
         /// First number.
         first: u64,
         /// Last number.
         last: u64,
-        /// Most files of a camera.
+        /// Most files of a camera, or frames in its file.
         files: u64,
+        /// Whether they lie in one file.
+        in_one_file: bool,
     },
     /// A scale of images that is no positive number.
     #[error("the scale of the {many} is {scale}; it must be greater than 0")]
@@ -310,6 +313,12 @@ fn expected_names(extensions: &[&str]) -> String {
 }
 
 impl InputError {
+    /// A file that is of no format of keypoints.
+    #[must_use]
+    pub fn unknown_keypoint_file(file: &Path) -> Self {
+        Self::UnknownKeypointFile { file: file.to_owned(), known: keypoint_formats::known() }
+    }
+
     /// Code with which the program ends.
     #[must_use]
     pub const fn exit_code(&self) -> u8 {
@@ -375,7 +384,7 @@ impl InputError {
     const fn fixed_help(&self) -> &'static str {
         match self {
             Self::FolderOfOneCamera { .. } => {
-                "give the folder above it, which holds one folder `<camera>_json` for each camera"
+                "give the folder above it, which holds one folder `<camera>_json` for each camera; or move the files of each camera into a folder of its name"
             }
             Self::UnknownKeypointFile { .. } => {
                 "give such a file, the folder with a file of each camera, or the folder with a folder of each camera"
@@ -395,6 +404,9 @@ impl InputError {
             Self::NoSuchFrames { .. } => "`--frames A..B` takes the numbers in the file names, A included, B not",
             Self::NoCommonFrame => "look at the frames of each camera with `sinew inspect`",
             Self::LagLeavesNoFrame { .. } => "give a smaller `--lag`; `sinew sync` says how late cameras are",
+            Self::NumbersApart { in_one_file: true, .. } => {
+                "correct the number that jumps (`image_id`, `frame`), or choose frames with `--frames A..B`"
+            }
             Self::NumbersApart { .. } => {
                 "the last number in a file name must be the frame number, as in `cam01.0034.json`"
             }

@@ -29,7 +29,7 @@ use keypoint_camera::KeypointCamera;
 use keypoint_sources::KeypointSource;
 use known_layout::named_layout;
 use recent_frames::RecentFrames;
-use sinew_formats::openpose::{self, OpenposePerson, Tally};
+use sinew_formats::openpose::{OpenposeOptions, OpenposePerson, Tally};
 use sinew_formats::{Layout, camera_name, frame_number};
 use sinew_observe::Camera;
 use sinew_observe::association::Person;
@@ -86,6 +86,7 @@ impl Recording {
         for (source, camera) in matching.pairs {
             let Some(source) = sources.get_mut(source).and_then(Option::take) else { continue };
             let camera = cameras[camera].resized(options.image_scale);
+            warnings.extend(source.warnings.iter().cloned());
             let keypoints = source.keypoints(&camera.name, Some(&camera))?;
             listed.push(keypoints.late_by(lag_of(&options.lag, &camera.name)));
             used.push(camera);
@@ -194,7 +195,7 @@ impl Recording {
     /// As [`Recording::people`], but for each camera what it read of its frame that is nearest in time.
     ///
     /// # Errors
-    /// Files that cannot be read, or that [`openpose::read`] refuses.
+    /// Files that cannot be read, or that their reader refuses.
     pub fn frame(&mut self, number: u64) -> Result<Vec<Vec<OpenposePerson>>, Error> {
         let slot = number.checked_sub(self.frames.start).and_then(|i| self.counted.get_mut(usize::try_from(i).ok()?));
         let count = slot.is_some_and(|counted| !std::mem::replace(counted, true));
@@ -209,7 +210,8 @@ impl Recording {
                 self.keypoints_hash = self.keypoints_hash.wrapping_add(*hash);
             }
             let frame = read.map(|(frame, _)| frame);
-            if count {
+            // A frame without a file is a hole in the numbers, which has a warning of its own.
+            if count && (frame.is_some() || keypoints.files().leaves_out_nobody) {
                 tally.add(number, frame.as_ref());
             }
             let mut people = frame.map(|frame| frame.people).unwrap_or_default();
@@ -267,7 +269,7 @@ fn range_warnings(listed: &[KeypointCamera], options: &RecordingOptions, frames:
         ));
     }
     if options.trim && options.frames.is_none() {
-        for camera in listed().filter(|camera| camera.range() != *frames) {
+        for camera in listed().filter(|camera| camera.len() > 0 && camera.range() != *frames) {
             let Range { start, end } = camera.range();
             warnings.push(format!(
                 "{} has frames {start}..{end}; trimmed to {}..{}, which all cameras have",
@@ -275,15 +277,15 @@ fn range_warnings(listed: &[KeypointCamera], options: &RecordingOptions, frames:
             ));
         }
     }
-    for camera in listed() {
+    for camera in listed().filter(|camera| !camera.leaves_out_nobody) {
         let numbers: Vec<u64> = camera.numbers().filter(|number| frames.contains(number)).collect();
         warnings.extend(frame_number::holes(&camera.camera, &numbers).map(|warning| warning.to_string()));
     }
     warnings
 }
 
-const fn options(own: u64, layout: &Layout, confidence_scale: f64) -> openpose::OpenposeOptions<'_> {
-    openpose::OpenposeOptions { frame: Some(own), layout: Some(layout), confidence_scale }
+const fn options(own: u64, layout: &Layout, confidence_scale: f64) -> OpenposeOptions<'_> {
+    OpenposeOptions { frame: Some(own), layout: Some(layout), confidence_scale }
 }
 
 /// Makes keypoints missing that no ray of the camera's lens model leads to, and counts them.

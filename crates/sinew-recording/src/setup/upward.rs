@@ -2,15 +2,17 @@
 //!
 //! 1. Of each frame the direction from the middle of the ankles to the head, in points in space. Frames count in which the
 //!    person is upright: one knee at least is bent by less than 30°, and the trunk is within 15° of the legs' middle line.
-//! 2. Where the legs are unseen in most frames, the direction is that from the middle of the hips to that of the shoulders;
-//!    where two cameras see no hips either, that from the middle of the shoulders to that of the ears.
+//! 2. Where the ankles are seen in less than half as many frames as the trunk, the direction is that from the middle of the
+//!    hips to that of the shoulders; where two cameras see hips as rarely, that from the middle of the shoulders to that of
+//!    the ears.
 //! 3. The direction is the spatial median over the frames (Weiszfeld), which few frames do not move.
 //! 4. Its variance per axis has three parts: that of the medians of eight runs of frames over 8; that of the points at both
 //!    ends in a frame, since errors of detectors and cameras last and do not average out; and how far people who stand lean:
-//!    3° from ankles to head, 6° from hips to shoulders, 15° from shoulders to ears. These numbers are judgements: a person
-//!    who stood showed up 1.5° wrong, one who balanced on one leg 8°.
+//!    3° from ankles to head, 6° from hips to shoulders, 15° from shoulders to ears. Where the thighs are bent by more than
+//!    45° against the trunk in most frames that show a knee, the person sits, and the trunk may lean on: 10°. These numbers
+//!    are judgements: a person who stood showed up 1.5° wrong, one who balanced on one leg 8°.
 //!
-//! Where the legs are seen and never straight, as of people who sit or bend, nothing is said.
+//! Where ankles are seen and the legs never straight, as of people who sit or bend, nothing is said.
 
 use super::space_points::Points;
 use sinew_formats::Layout;
@@ -21,9 +23,11 @@ use sinew_observe::offsets::median;
 pub enum UprightPart {
     /// From ankles to head.
     Whole,
-    /// From hips to shoulders: the legs were not seen.
+    /// From hips to shoulders: the ankles were seen in too few frames.
     Trunk,
-    /// From shoulders to ears: hips were not seen either.
+    /// From hips to shoulders of someone who sits.
+    SeatedTrunk,
+    /// From shoulders to ears: the hips were seen in too few frames, too.
     Head,
 }
 
@@ -60,6 +64,9 @@ const KNEE_DEG: f64 = 30.0;
 /// Angle between trunk and legs of someone upright, degrees.
 const BEND_DEG: f64 = 15.0;
 
+/// Angle between trunk and straighter thigh of someone who sits, degrees.
+const SEAT_DEG: f64 = 45.0;
+
 /// Runs of frames by which the scatter of the direction is judged.
 const RUNS: usize = 8;
 
@@ -68,6 +75,7 @@ const fn lean_deg(part: UprightPart) -> f64 {
     match part {
         UprightPart::Whole => 3.0,
         UprightPart::Trunk => 6.0,
+        UprightPart::SeatedTrunk => 10.0,
         UprightPart::Head => 15.0,
     }
 }
@@ -79,6 +87,7 @@ pub fn upward(layout: &Layout, frames: &[(u64, Points)]) -> Option<Upward> {
     let parts = [UprightPart::Whole, UprightPart::Trunk, UprightPart::Head].map(|part| (part, spans(part)));
     let most = parts.iter().map(|(_, spans)| spans.len()).max().unwrap_or_default();
     let (part, found) = parts.into_iter().find(|(_, spans)| spans.len() >= FEWEST && 2 * spans.len() >= most)?;
+    let part = if part == UprightPart::Trunk && sits(&found) { UprightPart::SeatedTrunk } else { part };
     let (standing, mut errors): (Vec<[f64; 3]>, Vec<f64>) = found.iter().filter_map(Span::upright).unzip();
     if standing.len() < FEWEST || (standing.len() as f64) < LEAST_SHARE * found.len() as f64 {
         return None;
@@ -99,6 +108,14 @@ struct Span {
     /// Per axis, square metres.
     variance: f64,
     is_upright: bool,
+    /// Angle between the straighter thigh and the trunk, degrees.
+    thigh_deg: Option<f64>,
+}
+
+/// Whether the thighs show someone who sits, in most of the frames that show one.
+fn sits(found: &[Span]) -> bool {
+    let mut thighs: Vec<f64> = found.iter().filter_map(|span| span.thigh_deg).collect();
+    thighs.len() >= FEWEST && median(&mut thighs) > SEAT_DEG
 }
 
 impl Span {
@@ -122,12 +139,20 @@ fn span(layout: &Layout, points: &Points, part: UprightPart) -> Option<Span> {
     let shoulders = between("LShoulder", "RShoulder")?;
     if part == UprightPart::Head {
         let (head, variance) = ears?;
-        return Some(Span { vector: minus(head, shoulders.0), variance: variance + shoulders.1, is_upright: true });
+        return Some(Span {
+            vector: minus(head, shoulders.0),
+            variance: variance + shoulders.1,
+            is_upright: true,
+            thigh_deg: None,
+        });
     }
     let hips = between("LHip", "RHip")?;
     let trunk = minus(shoulders.0, hips.0);
     if part == UprightPart::Trunk {
-        return Some(Span { vector: trunk, variance: hips.1 + shoulders.1, is_upright: true });
+        let thigh = |[hip, knee]: [&str; 2]| Some(degrees_between(minus(at(hip)?.0, at(knee)?.0), trunk));
+        let thighs = [["LHip", "LKnee"], ["RHip", "RKnee"]].map(thigh).into_iter().flatten();
+        let thigh_deg = thighs.filter(|degrees| degrees.is_finite()).reduce(f64::min);
+        return Some(Span { vector: trunk, variance: hips.1 + shoulders.1, is_upright: true, thigh_deg });
     }
     let ankles = between("LAnkle", "RAnkle")?;
     let head = ears.or_else(|| at("Neck")).unwrap_or(shoulders);
@@ -138,7 +163,7 @@ fn span(layout: &Layout, points: &Points, part: UprightPart) -> Option<Span> {
     let knees = [["LHip", "LKnee", "LAnkle"], ["RHip", "RKnee", "RAnkle"]].map(knee_deg);
     let straighter = knees.into_iter().flatten().fold(f64::INFINITY, f64::min);
     let is_upright = straighter < KNEE_DEG && degrees_between(minus(hips.0, ankles.0), trunk) < BEND_DEG;
-    Some(Span { vector: minus(head.0, ankles.0), variance: head.1 + ankles.1, is_upright })
+    Some(Span { vector: minus(head.0, ankles.0), variance: head.1 + ankles.1, is_upright, thigh_deg: None })
 }
 
 /// Angle between two vectors; NaN where one has no length.
@@ -215,6 +240,30 @@ mod tests {
             assert!((up.sd_deg - sd_deg).abs() < 1e-9, "{up:?}");
             assert!((up.tilt_deg() - 143.13).abs() < 0.01);
         }
+    }
+
+    #[test]
+    fn who_sits_says_it_worse() {
+        let layout = layout::find("COCO_17").unwrap();
+        let aside = [0.8, 0.0, 0.6];
+        let seated = |has_ankles: bool, knee: [f64; 3]| {
+            let mut frame = person(UP, UP, has_ankles);
+            let hip = [0, 1, 2].map(|k: usize| 0.85 * UP[k]);
+            for name in ["LKnee", "RKnee"] {
+                let at = [0, 1, 2].map(|k: usize| hip[k] + 0.4 * knee[k]);
+                frame[layout.index(name).unwrap()] = Some((at, 0.0));
+            }
+            frame
+        };
+        let mut frames = vec![seated(false, aside); 20];
+        let up = found(frames.clone()).unwrap();
+        assert!(squared(minus(up.direction, UP)) < 1e-20, "{up:?}");
+        assert_eq!((up.part, up.sd_deg.round()), (UprightPart::SeatedTrunk, 10.0));
+        // Ankles that are seen in a third of the frames.
+        frames.extend(vec![seated(true, aside); 9]);
+        assert_eq!(found(frames).unwrap().part, UprightPart::SeatedTrunk);
+        let down = UP.map(|x| -x);
+        assert_eq!(found(vec![seated(false, down); 20]).unwrap().part, UprightPart::Trunk);
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! What the set-up found odd.
 
 use crate::input::lag::ClockLag;
+use crate::input::up_axis::Z_UP;
 use sinew_observe::camera_lag::CameraLag;
 use std::fmt;
 
@@ -132,8 +133,13 @@ impl fmt::Display for SetupWarning {
             }
             Self::FeetAboveHead { frames, up_axis } => {
                 let what = if *up_axis == "-z" { "feet are above the head" } else { "the body does not stand along z" };
-                write!(f, "{what} in the first {frames} frames; set `up_axis`")?;
-                write!(f, " (found: {up_axis}), or let the person say where up is: `--up auto`")
+                write!(f, "{what} in the first {frames} frames; ")?;
+                match *up_axis {
+                    // Another axis or direction was declared.
+                    Z_UP => write!(f, "leave `up_axis` and `up` out (found: {up_axis}, the default)")?,
+                    _ => write!(f, "set `up_axis` (found: {up_axis})")?,
+                }
+                write!(f, ", or let the person say where up is: `--up auto`")
             }
             Self::Unlevel { tilt_deg, sd_deg } => write!(
                 f,

@@ -10,6 +10,11 @@ use std::path::Path;
 /// Height of a person for the question whether a calibration is in metres.
 const HEIGHT_M: f64 = 1.7;
 
+/// A length to the centimetre, without the sign of a zero.
+fn in_centimetres(metres: f64) -> f64 {
+    (100.0 * metres).round() / 100.0 + 0.0
+}
+
 pub(super) fn facts(path: &Path) -> Result<Facts, Error> {
     let text = read_text(path, MAX_CONFIG_BYTES)?;
     let name = path.display().to_string();
@@ -20,7 +25,7 @@ pub(super) fn facts(path: &Path) -> Result<Facts, Error> {
     let mut facts = Facts::new(format!("{name}: calibration of {count} {many} ({program})"));
     for camera in &calibration.cameras {
         let [width, height] = camera.image_size_px;
-        let [x, y, z] = camera.centre();
+        let [x, y, z] = camera.centre().map(in_centimetres);
         let lens = if camera.lens.is_perfect() { "no distortion" } else { "distortion" };
         let place = format!(
             "{width} x {height} px, focal length {:.0} px, {lens}, at ({x:.2}, {y:.2}, {z:.2}) m",
@@ -39,4 +44,15 @@ pub(super) fn facts(path: &Path) -> Result<Facts, Error> {
         }
     }
     Ok(facts)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn zeros_have_no_sign() {
+        let shown = |metres: f64| format!("{:.2}", in_centimetres(metres));
+        assert_eq!([-0.0, -1e-17, -0.004, -0.006, 2.345].map(shown), ["0.00", "0.00", "0.00", "-0.01", "2.35"]);
+    }
 }

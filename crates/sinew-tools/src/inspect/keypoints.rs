@@ -15,23 +15,19 @@ pub(super) fn facts(path: &Path, options: &RecordingOptions) -> Result<Facts, Er
         facts.row(&camera.name, line(camera));
     }
     facts.odd.extend(survey.warnings);
-    let first = survey.cameras.first().map(|camera| (camera.first, camera.end));
-    let apart = survey.cameras.iter().find(|camera| Some((camera.first, camera.end)) != first);
-    if let Some(other) = apart.filter(|_| !options.trim) {
-        let (start, end) = first.unwrap_or_default();
-        facts.odd.push(format!(
-            "{} has frames {start}..{end}, {} has {}..{}; tracking needs `--trim`, and if cameras are numbered apart, `sinew sync --trim` finds by how much",
-            survey.cameras[0].name, other.name, other.first, other.end
-        ));
-    }
-    for camera in &survey.cameras {
-        if 4 * camera.empty > camera.read {
-            facts
-                .odd
-                .push(format!("{}: nobody in {} of {} frames that were read", camera.name, camera.empty, camera.read));
-        }
-    }
+    facts.odd.extend(apart(&survey.cameras).filter(|_| !options.trim));
     Ok(facts)
+}
+
+/// Cameras that begin or end apart, which tracking refuses.
+fn apart(cameras: &[CameraSurvey]) -> Option<String> {
+    let mut whole = cameras.iter().filter(|camera| !camera.leaves_out_nobody);
+    let first = whole.next()?;
+    let other = whole.find(|camera| (camera.first, camera.end) != (first.first, first.end))?;
+    Some(format!(
+        "{} has frames {}..{}, {} has {}..{}; tracking needs `--trim`, and if cameras are numbered apart, `sinew sync --trim` finds by how much",
+        first.name, first.first, first.end, other.name, other.first, other.end
+    ))
 }
 
 fn line(camera: &CameraSurvey) -> String {
@@ -40,11 +36,13 @@ fn line(camera: &CameraSurvey) -> String {
         (a, b) if a == b => format!("{a} people"),
         (a, b) => format!("{a} to {b} people"),
     };
-    let [left, top, right, bottom] = camera.bounds_px;
-    let seen = if left <= right {
-        format!(", pixels {left:.0} to {right:.0} by {top:.0} to {bottom:.0}")
-    } else {
+    let [left, top, right, bottom] = camera.bounds;
+    let seen = if left > right {
         String::new()
+    } else if camera.in_image_shares {
+        format!(", shares of the image {left:.2} to {right:.2} by {top:.2} to {bottom:.2}")
+    } else {
+        format!(", pixels {left:.0} to {right:.0} by {top:.0} to {bottom:.0}")
     };
     let what = if camera.is_table { "frames in one file" } else { "files" };
     format!("{} {what}, frames {}..{}, {people}{seen}", camera.files, camera.first, camera.end)

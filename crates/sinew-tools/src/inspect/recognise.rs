@@ -7,6 +7,7 @@ use crate::Error;
 use crate::result_table::ResultTable;
 use sinew::files::{read_beginning, read_text};
 use sinew::input::folder_contents::is_video;
+use sinew::input::recording::keypoint_sources::refused;
 use sinew_dynamics::model_file::{MAX_BYTES, is_of};
 use sinew_dynamics::primitives::file;
 use sinew_formats::calibration;
@@ -65,6 +66,10 @@ fn subject(path: &Path) -> Result<Subject, Error> {
         Some("trc" | "c3d" | "bvh" | "mot" | "sto" | "csv") => Ok(Subject::Motion(path_buf)),
         Some("asf") => Ok(Subject::Skeleton(path_buf)),
         Some("amc") => Ok(Subject::Acclaim { motion: path_buf, skeleton: None }),
+        Some("json") if model(path).is_none() => {
+            let beginning = read_beginning(path).map_err(sinew::Error::from)?;
+            Err(sinew::Error::from(sinew::RecordingError::from(refused(path, &beginning))).into())
+        }
         _ if is_video(path) => Err(InspectError::Video { path: path_buf }.into()),
         _ => {
             if let Some(model) = model(path) {

@@ -51,15 +51,17 @@ pub enum TrackError {
     #[error("the body has no parts")]
     NoParts,
     /// Another axis that points up than that of the set-up.
-    #[error("`up_axis` is {asked}; the set-up was made with {known}")]
+    #[error("`{setting}` is {asked}; the set-up was made with {known}")]
     UpAxis {
-        /// The setting.
+        /// The setting that was given.
+        setting: &'static str,
+        /// Its value.
         asked: String,
         /// That of the set-up.
         known: String,
     },
     /// An axis and a direction that point up.
-    #[error("`up` and `up_axis` are both given; they say the same")]
+    #[error("`up` and `up_axis` are both given; each says what points up")]
     UpTwice,
     /// Another body than that of the set-up.
     #[error("`body` is {asked}; the set-up was made with {known}")]
@@ -189,6 +191,7 @@ impl TrackError {
             }
             Self::MotionModel(error) => Some(error.help()),
             Self::LatentModel(error) => Some(error.help()),
+            Self::UpAxis { setting, .. } => Some(format!("leave `{setting}` out: the set-up knows it")),
             _ => self.advice().map(Into::into),
         }
     }
@@ -200,7 +203,6 @@ impl TrackError {
             Self::StartPose { .. } => "use the set-up of this body, or leave `--setup` out",
             Self::FrameNumber { .. } => "renumber the files",
             Self::Parts(_) => "give every link at most one solid",
-            Self::UpAxis { .. } => "leave `up_axis` out: the set-up knows it",
             Self::UpTwice => "leave one of them out",
             Self::Body { .. } => "leave `--body` out: the set-up knows it; or leave `--setup` out",
             Self::SetupFile { .. } => {
@@ -215,6 +217,7 @@ impl TrackError {
             Self::NoInstructionSet { .. } => "leave `--simd` out to take the best",
             Self::Solids(_)
             | Self::NoParts
+            | Self::UpAxis { .. }
             | Self::ModelRate { .. }
             | Self::ModelBody { .. }
             | Self::MotionModel(_)

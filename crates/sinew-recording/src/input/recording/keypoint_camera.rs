@@ -8,7 +8,7 @@ use crate::{Error, files};
 use sinew_formats::keypoint_table::Frames;
 use sinew_formats::openpose::{self, OpenposeFrame, OpenposeOptions};
 use sinew_formats::source_text::MAX_KEYPOINT_BYTES;
-use sinew_formats::{Error as FormatError, Layout, Place};
+use sinew_formats::{Place, keypoint_formats};
 use sinew_observe::Camera;
 use std::borrow::Borrow;
 use std::path::PathBuf;
@@ -68,8 +68,8 @@ impl KeypointCamera {
     /// What the keypoints are read from.
     #[must_use]
     pub fn source(&self) -> PathBuf {
-        let first = || self.files.numbers().next().and_then(|number| self.files.path(number));
-        if self.is_table() { first().unwrap_or_default() } else { self.files.folder.clone() }
+        let file = self.files.file().filter(|_| self.is_table());
+        file.unwrap_or_else(|| self.files.folder.clone())
     }
 
     /// What was seen in one of the camera's own frames, and a hash of it that begins with `hash`; `None` for a frame that it missed.
@@ -86,24 +86,12 @@ impl KeypointCamera {
         let name = path.display().to_string();
         let Some(frames) = &self.table else {
             let text = files::read_text(&path, MAX_KEYPOINT_BYTES)?;
-            return Ok(Some((openpose::read(&name, &text, options)?, files::fnv(hash, text.as_bytes()))));
+            let frame = keypoint_formats::read_frame(&name, &text, options)?;
+            return Ok(Some((frame, files::fnv(hash, text.as_bytes()))));
         };
         let Some(frame) = frames.get(&own) else { return Ok(None) };
-        if let Some(layout) = options.layout {
-            check_count(&name, own, frame, layout)?;
-        }
+        openpose::check_people(&Place::file(&name).within(format!("frame {own}")), frame, options.layout)?;
         Ok(Some((frame.clone(), hashed(frame, hash))))
-    }
-}
-
-fn check_count(name: &str, number: u64, frame: &OpenposeFrame, layout: &Layout) -> Result<(), Error> {
-    match frame.people.iter().map(|person| 3 * person.keypoints.len()).find(|found| *found != layout.numbers()) {
-        None => Ok(()),
-        Some(found) => {
-            let place = Place::file(name).within(format!("frame {number}"));
-            let (layout, expected) = (layout.name.clone(), layout.numbers());
-            Err(FormatError::KeypointCount { place, found, layout, expected }.into())
-        }
     }
 }
 

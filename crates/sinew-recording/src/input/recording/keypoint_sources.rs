@@ -12,10 +12,10 @@ use super::listing::{self, CameraFiles, Folder, has_extension};
 use crate::input::error::InputError;
 use crate::input::folder_contents::is_video;
 use crate::{Error, files};
-use sinew_formats::keypoint_formats::{self, FORMATS};
-use sinew_formats::keypoint_table::{Frames, KeypointTable};
+use sinew_formats::keypoint_table::{Frames, TableCamera};
 use sinew_formats::source_text::MAX_TEXT_BYTES;
 use sinew_formats::{Layout, camera_name};
+use sinew_formats::{caliscope_xy, coco_results, keypoint_formats};
 use sinew_observe::Camera;
 use std::collections::BTreeMap;
 use std::fs;
@@ -31,12 +31,14 @@ const LOOKED_AT: usize = 100;
 pub struct KeypointSource {
     /// Name of the camera, or of its folder or file.
     pub name: String,
+    /// What is odd about its file.
+    pub warnings: Vec<String>,
     place: SourcePlace,
 }
 
 enum SourcePlace {
     Folder(Folder),
-    Table { file: PathBuf, frames: Frames, layout: Option<Layout>, in_image_shares: bool },
+    Table { file: PathBuf, frames: Frames, layout: Option<Layout>, in_image_shares: bool, leaves_out_nobody: bool },
 }
 
 impl KeypointSource {
@@ -47,14 +49,20 @@ impl KeypointSource {
     pub fn keypoints(self, name: &str, camera: Option<&Camera>) -> Result<KeypointCamera, Error> {
         match self.place {
             SourcePlace::Folder(folder) => Ok(KeypointCamera::folder(listing::files(folder, name, "keypoint files")?)),
-            SourcePlace::Table { file, frames, in_image_shares, .. } => {
-                if frames.is_empty() {
+            SourcePlace::Table { file, frames, in_image_shares, leaves_out_nobody, .. } => {
+                if frames.is_empty() && !leaves_out_nobody {
                     return Err(InputError::NoFrames { file }.into());
                 }
-                let files = CameraFiles::one_file(name, &file, frames.keys().copied());
+                let files = CameraFiles::one_file(name, &file, frames.keys().copied(), leaves_out_nobody);
                 Ok(KeypointCamera::table(files, frames, camera.filter(|_| in_image_shares)))
             }
         }
+    }
+
+    /// Whether coordinates are shares of the image.
+    #[must_use]
+    pub const fn in_image_shares(&self) -> bool {
+        matches!(self.place, SourcePlace::Table { in_image_shares: true, .. })
     }
 
     /// File of many frames.
@@ -82,7 +90,11 @@ pub fn sources(keypoints: &Path, calibrated: &[String], confidence_scale: f64) -
         if keypoints.is_file() { vec![(stem(keypoints), keypoints.to_owned())] } else { table_files(keypoints)? };
     if files.is_empty() {
         let folders = listing::camera_folders(keypoints)?.into_iter();
-        let source = |folder: Folder| KeypointSource { name: folder.name.clone(), place: SourcePlace::Folder(folder) };
+        let source = |folder: Folder| KeypointSource {
+            name: folder.name.clone(),
+            warnings: vec![],
+            place: SourcePlace::Folder(folder),
+        };
         return Ok(folders.map(source).collect());
     }
     let mut sources = vec![];
@@ -110,6 +122,36 @@ pub fn sources(keypoints: &Path, calibrated: &[String], confidence_scale: f64) -
     }
     twice(&sources)?;
     Ok(sources)
+}
+
+/// Frames per second by the times in the keypoints, where a file has such: Caliscope's. A whole number where one is within half a percent, else two decimals.
+///
+/// # Errors
+/// A folder or file that cannot be read.
+pub fn stated_rate(keypoints: &Path) -> Result<Option<f64>, Error> {
+    let files =
+        if keypoints.is_file() { vec![(stem(keypoints), keypoints.to_owned())] } else { table_files(keypoints)? };
+    for (_, file) in files {
+        if !caliscope_xy::recognises(&files::read_beginning(&file)?) {
+            continue;
+        }
+        let text = files::read_text(&file, MAX_TEXT_BYTES)?;
+        let rate = caliscope_xy::read(&file.display().to_string(), &text, 1.0)?.rate_hz;
+        let rounded = |rate: f64| {
+            if (rate.round() / rate - 1.0).abs() < 0.005 { rate.round() } else { (100.0 * rate).round() / 100.0 }
+        };
+        return Ok(rate.map(rounded).filter(|rate| *rate > 0.0));
+    }
+    Ok(None)
+}
+
+/// What is said of a file that is of no format with many frames.
+#[must_use]
+pub fn refused(file: &Path, beginning: &str) -> InputError {
+    if keypoint_formats::is_frame(beginning) {
+        return InputError::FileForFolder { file: file.to_owned(), many: "keypoints", is_video: false };
+    }
+    InputError::unknown_keypoint_file(file)
 }
 
 /// Refuses two files of one camera.
@@ -161,17 +203,22 @@ pub fn layout(sources: &[KeypointSource]) -> Result<Option<Layout>, Error> {
 /// Files of a known format in a folder, and lone ones of the folders in it, by the name that holds the camera's.
 fn table_files(folder: &Path) -> Result<Vec<(String, PathBuf)>, Error> {
     let mut found = vec![];
+    let mut is_empty = true;
     for path in entries(folder)? {
         let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
         let lone = if path.is_dir() { entries(&path).unwrap_or_default() } else { vec![path.clone()] };
         let mut files = lone.into_iter().filter(|file| file.is_file() && has_extension(file.as_os_str(), &EXTENSIONS));
         let (Some(file), None) = (files.next(), files.next()) else { continue };
         let beginning = files::read_beginning(&file)?;
-        if keypoint_formats::recognised(&beginning).is_some() {
+        // A list of one image's people, beside others of its camera.
+        let is_image = !path.is_dir() && keypoint_formats::is_frame(&beginning);
+        if keypoint_formats::recognised(&beginning).is_some() && !is_image {
+            is_empty &= coco_results::is_empty_list(&beginning);
             found.push((if path.is_dir() { name } else { stem(&path) }, file));
         }
     }
-    Ok(found)
+    // Empty lists alone are of no known kind.
+    Ok(if is_empty { vec![] } else { found })
 }
 
 /// Some entries of a folder, by name.
@@ -199,31 +246,30 @@ fn from_file(
     }
     let text = files::read_text(file, MAX_TEXT_BYTES)?;
     if keypoint_formats::recognised(&text).is_none() {
-        if text.contains("\"people\"") {
-            return Err(InputError::FileForFolder { file: file.to_owned(), many: "keypoints", is_video: false }.into());
-        }
-        let known = FORMATS.map(|format| format.name).to_vec();
-        return Err(InputError::UnknownKeypointFile { file: file.to_owned(), known }.into());
+        return Err(refused(file, &text).into());
     }
     let table = keypoint_formats::read(&file.display().to_string(), &text, confidence_scale)?;
-    let KeypointTable { layout, in_image_shares, cameras } = table;
     let named = |camera: Option<usize>, else_named: &str| {
         camera.and_then(|camera| calibrated.get(camera)).map_or_else(|| else_named.to_owned(), Clone::clone)
     };
-    let source = |camera: sinew_formats::keypoint_table::TableCamera| {
+    let mut warnings: Vec<String> = table.warnings.iter().map(ToString::to_string).collect();
+    let (in_image_shares, leaves_out_nobody) = (table.in_image_shares, table.leaves_out_nobody);
+    let source = |camera: TableCamera| {
         let name = match &camera.name {
             Some(number) => named(camera_name::numbered(number, calibrated), number),
             None => named(camera_name::held(label, calibrated), label),
         };
-        let (file, layout) = (file.to_owned(), layout.clone());
-        KeypointSource { name, place: SourcePlace::Table { file, frames: camera.frames, layout, in_image_shares } }
+        let (file, layout, frames) = (file.to_owned(), table.layout.clone(), camera.frames);
+        let place = SourcePlace::Table { file, frames, layout, in_image_shares, leaves_out_nobody };
+        KeypointSource { name, warnings: std::mem::take(&mut warnings), place }
     };
-    Ok(cameras.into_iter().map(source).collect())
+    Ok(table.cameras.into_iter().map(source).collect())
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::input::recording::survey::survey;
     use crate::input::recording::{Recording, RecordingOptions};
 
     const CALISCOPE: &str = "sync_index,port,frame_index,frame_time,point_id,img_loc_x,img_loc_y\n\
@@ -280,9 +326,8 @@ mod tests {
     fn one_file_has_all_cameras_by_their_numbers() {
         let root = folder(&["cam_2", "cam_1"], &[("xy_POSE.csv", CALISCOPE)]);
         for keypoints in ["keypoints/xy_POSE.csv", "keypoints"] {
-            assert!(
-                open(root.path(), keypoints, &RecordingOptions::default()).is_err_and(|e| e.contains("difference 1"))
-            );
+            let all = open(root.path(), keypoints, &RecordingOptions::default()).unwrap();
+            assert_eq!(all.frames(), 4..6);
             let options = RecordingOptions { trim: true, ..RecordingOptions::default() };
             let mut recording = open(root.path(), keypoints, &options).unwrap();
             assert_eq!((recording.frames(), recording.layout().name.as_str()), (4..5, "MEDIAPIPE_33"));
@@ -296,6 +341,77 @@ mod tests {
             message.unwrap_err(),
             "`R/keypoints/xy.csv`: `1` is or holds no name of one calibrated camera; calibrated: a, b"
         );
+    }
+
+    #[test]
+    fn times_say_the_frame_rate() {
+        let rate = |text: &str| {
+            let root = folder(&["cam_1"], &[("xy_POSE.csv", text)]);
+            let [folder, file] = ["keypoints", "keypoints/xy_POSE.csv"].map(|name| root.path().join(name));
+            assert_eq!(stated_rate(&folder).unwrap(), stated_rate(&file).unwrap());
+            stated_rate(&file).unwrap()
+        };
+        let row = |frame: u32, time_s: f64| format!("{frame},1,0,{time_s},11,101,51\n");
+        let header = CALISCOPE.lines().next().unwrap();
+        let rows = |rate: f64| format!("{header}\n{}{}", row(4, 100.0), row(104, 100.0 + 100.0 / rate));
+        assert_eq!([29.98, 59.94, 12.34].map(|hz| rate(&rows(hz))), [Some(30.0), Some(60.0), Some(12.34)]);
+        assert_eq!((rate(CALISCOPE), rate(&deeplabcut(1.0))), (Some(10.0), None));
+    }
+
+    #[test]
+    fn files_without_people_belong_to_the_recording() {
+        let coco = |ids: &[u32]| {
+            let entry = |id: &u32| {
+                format!("{{\"image_id\":{id},\"category_id\":1,\"keypoints\":[{}]}}", vec!["5,6,0.5"; 17].join(","))
+            };
+            format!("[{}]", ids.iter().map(entry).collect::<Vec<_>>().join(","))
+        };
+        let (first, second) = (coco(&[0, 1, 5]), coco(&[2, 3]));
+        let files = [("C1.json", first.as_str()), ("C2.json", &second), ("C3.json", "[]")];
+        let root = folder(&["C1", "C2", "C3"], &files);
+        let mut recording = open(root.path(), "keypoints", &RecordingOptions::default()).unwrap();
+        assert_eq!((recording.frames(), recording.cameras().len()), (0..6, 3));
+        assert_eq!(recording.folders()[2], root.path().join("keypoints/C3.json"));
+        for number in 0..6 {
+            recording.people(number).unwrap();
+        }
+        let wanted = [
+            "camera C1: 3 of 6 frames have no person (first: 2)",
+            "camera C2: 4 of 6 frames have no person (first: 0)",
+            "camera C3: 6 of 6 frames have no person (first: 0)",
+        ];
+        assert_eq!(recording.oddities(), wanted);
+        let shown = survey(&root.path().join("keypoints"), &RecordingOptions::default()).unwrap();
+        let rows: Vec<_> = shown.cameras.iter().map(|c| (c.name.as_str(), c.files, c.first, c.end, c.empty)).collect();
+        assert_eq!(rows, [("C1", 3, 0, 6, 3), ("C2", 2, 0, 6, 4), ("C3", 0, 0, 6, 6)]);
+        let alone = folder(&["C1"], &[("C1.json", "[]"), ("notes.txt", "")]);
+        assert!(
+            open(alone.path(), "keypoints", &RecordingOptions::default())
+                .unwrap_err()
+                .contains("no keypoint file of a known kind")
+        );
+    }
+
+    #[test]
+    fn a_file_an_image_lies_in_folders_of_the_cameras() {
+        let person = format!(
+            "{{\"keypoints\":[{}],\"keypoint_scores\":[{}]}}",
+            vec!["[7,8]"; 17].join(","),
+            vec!["0.9"; 17].join(",")
+        );
+        let image = format!("[{person}]");
+        let files =
+            [("C1/000.json", image.as_str()), ("C1/001.json", "[]"), ("C2/000.json", "[]"), ("C2/001.json", &image)];
+        let root = folder(&["C1", "C2"], &files);
+        let mut recording = open(root.path(), "keypoints", &RecordingOptions::default()).unwrap();
+        assert_eq!((recording.frames(), recording.layout().name.as_str()), (0..2, "COCO_17"));
+        assert_eq!(seen(&mut recording, 0), [("C1".into(), Some([7.0, 8.0])), ("C2".into(), None)]);
+        let loose = folder(&["C1", "C2"], &[("C1_000.json", image.as_str()), ("C1_001.json", &image)]);
+        let error = open(loose.path(), "keypoints", &RecordingOptions::default()).unwrap_err();
+        assert_eq!(error, "`R/keypoints` holds 2 keypoint files itself; expected a folder for each camera");
+        let unknown = folder(&["C1"], &[("C1_000.json", "{\"joints\":[]}"), ("C1_001.json", "{}")]);
+        let error = open(unknown.path(), "keypoints", &RecordingOptions::default()).unwrap_err();
+        assert!(error.starts_with("`R/keypoints/C1_000.json` is no keypoint file of a known kind"), "{error}");
     }
 
     #[test]
@@ -347,7 +463,7 @@ mod tests {
             &["cam1"],
             &[("a.csv", "a,b\n1,2\n")],
             "keypoints/a.csv",
-            "`R/keypoints/a.csv` is no keypoint file of a known kind; known: Caliscope, DeepLabCut, MMPose, COCO results, MediaPipe",
+            "`R/keypoints/a.csv` is no keypoint file of a known kind; known: Caliscope, DeepLabCut, MMPose, RTMLib, AlphaPose, COCO results, MediaPipe; OpenPose and MMPose with a file a frame, in a folder a camera",
         );
         says(
             &["cam1", "cam2"],

@@ -2,11 +2,11 @@
 //!
 //! Keypoints lie in a folder a camera, images in such folders or side by side in one.
 
-use crate::Error;
 use crate::input::error::InputError;
 use crate::input::folder_contents::{FolderContents, folder_contents, is_video};
 use crate::input::lag::ClockLag;
-use sinew_formats::{Error as FormatError, frame_number};
+use crate::{Error, files as text_files};
+use sinew_formats::{Error as FormatError, frame_number, keypoint_formats};
 use std::collections::{BTreeMap, HashMap};
 use std::ffi::{OsStr, OsString};
 use std::fs;
@@ -92,13 +92,15 @@ pub struct CameraFiles {
     pub folder: PathBuf,
     /// How late the camera is: whole frames f are in the file numbered f + lag.
     pub lag: ClockLag,
+    /// Whether a frame that shows nobody is missing.
+    pub leaves_out_nobody: bool,
     names: Names,
 }
 
 impl CameraFiles {
-    /// Frames with these numbers, rising, that lie in one file.
+    /// Frames with these numbers, rising, that lie in one file, which may leave out frames that show nobody.
     #[must_use]
-    pub fn one_file(camera: &str, file: &Path, numbers: impl Iterator<Item = u64>) -> Self {
+    pub fn one_file(camera: &str, file: &Path, numbers: impl Iterator<Item = u64>, leaves_out_nobody: bool) -> Self {
         let name = file.file_name().map(OsString::from).unwrap_or_default();
         let names = Names {
             files: numbers.map(|number| (number, 0)).collect(),
@@ -109,7 +111,17 @@ impl CameraFiles {
             camera: camera.into(),
             folder: file.parent().unwrap_or(Path::new("")).to_owned(),
             lag: ClockLag::default(),
+            leaves_out_nobody,
             names,
+        }
+    }
+
+    /// The only file, if it holds all frames.
+    #[must_use]
+    pub fn file(&self) -> Option<PathBuf> {
+        match self.names.patterns.as_slice() {
+            [Pattern::Exact(name)] => Some(self.folder.join(name)),
+            _ => None,
         }
     }
 
@@ -195,7 +207,7 @@ pub fn expect_folder(path: &Path, many: &'static str) -> Result<(), InputError> 
 pub fn camera_folders(keypoints: &Path) -> Result<Vec<Folder>, Error> {
     expect_folder(keypoints, "keypoints")?;
     let mut folders = Vec::new();
-    let mut loose = 0;
+    let mut loose: Vec<PathBuf> = Vec::new();
     for entry in fs::read_dir(keypoints).map_err(Error::io("read", keypoints))? {
         let entry = entry.map_err(Error::io("read", keypoints))?;
         let path = entry.path();
@@ -206,17 +218,20 @@ pub fn camera_folders(keypoints: &Path) -> Result<Vec<Folder>, Error> {
                 folders.push(Folder { name, path, names });
             }
         } else if has_extension(&entry.file_name(), &["json"]) {
-            loose += 1;
+            loose.push(path);
         }
     }
     if folders.is_empty() {
         let folder = keypoints.to_owned();
-        return Err(match loose {
-            0 => match folder_contents(&folder) {
+        return Err(match loose.iter().min() {
+            None => match folder_contents(&folder) {
                 FolderContents::Videos(videos) => InputError::VideosForKeypoints { folder, videos },
                 _ => InputError::NoKeypoints { folder },
             },
-            files => InputError::FolderOfOneCamera { folder, files },
+            Some(file) if keypoint_formats::is_frame(&text_files::read_beginning(file)?) => {
+                InputError::FolderOfOneCamera { folder, files: loose.len() }
+            }
+            Some(file) => InputError::unknown_keypoint_file(file),
         }
         .into());
     }
@@ -284,7 +299,7 @@ pub fn files(folder: Folder, camera: &str, kind: &str) -> Result<CameraFiles, Er
         let [first, second] = both;
         return Err(FormatError::DuplicateFrame { frame, first, second }.into());
     }
-    Ok(CameraFiles { camera: camera.into(), folder: path, lag: ClockLag::default(), names })
+    Ok(CameraFiles { camera: camera.into(), folder: path, lag: ClockLag::default(), leaves_out_nobody: false, names })
 }
 
 #[cfg(test)]

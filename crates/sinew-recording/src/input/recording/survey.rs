@@ -1,14 +1,15 @@
 //! A keypoint folder without a calibration: what its files hold, for `sinew inspect`.
 
-use super::frame_ranges::no_such_frames;
+use super::frame_ranges::{check_numbers, no_such_frames, spans};
 use super::guess;
 use super::keypoint_camera::KeypointCamera;
-use super::keypoint_sources;
+use super::keypoint_sources::{self, KeypointSource};
 use super::known_layout::named_layout;
+use super::listing::CameraFiles;
 use super::options::RecordingOptions;
 use crate::Error;
 use crate::files::FNV_START;
-use sinew_formats::openpose::{OpenposeOptions, Tally};
+use sinew_formats::openpose::{OpenposeFrame, OpenposeOptions, Tally};
 use sinew_formats::{Layout, frame_number};
 use std::path::Path;
 
@@ -37,6 +38,8 @@ pub struct CameraSurvey {
     pub files: usize,
     /// Whether one file holds all frames.
     pub is_table: bool,
+    /// Whether a frame that shows nobody is missing.
+    pub leaves_out_nobody: bool,
     /// First frame.
     pub first: u64,
     /// Frame after the last.
@@ -49,8 +52,10 @@ pub struct CameraSurvey {
     pub fewest: usize,
     /// Greatest number of people in a file.
     pub most: usize,
-    /// Left, top, right and bottom end of all keypoints, pixels.
-    pub bounds_px: [f64; 4],
+    /// Left, top, right and bottom end of all keypoints, pixels or shares of the image.
+    pub bounds: [f64; 4],
+    /// Whether they are shares of the image.
+    pub in_image_shares: bool,
 }
 
 /// Looks at a folder.
@@ -64,8 +69,11 @@ pub fn survey(keypoints: &Path, options: &RecordingOptions) -> Result<Survey, Er
     }
     let said = keypoint_sources::layout(&sources)?;
     let mut listed = Vec::new();
+    let mut warnings = Vec::new();
+    let in_image_shares = sources.iter().any(KeypointSource::in_image_shares);
     for source in sources {
         let name = source.name.clone();
+        warnings.extend(source.warnings.iter().cloned());
         listed.push(source.keypoints(&name, None)?);
     }
     let (layout, guessed) = match (&options.layout, said) {
@@ -73,13 +81,26 @@ pub fn survey(keypoints: &Path, options: &RecordingOptions) -> Result<Survey, Er
         (None, Some(layout)) => (layout, None),
         (None, None) => guess::layout(&listed, keypoints)?,
     };
-    let mut warnings = Vec::new();
     if options.layout.is_some() {
         warnings.extend(guess::contradiction(&listed, &layout));
     }
     let is_wanted = |number: &u64| options.frames.as_ref().is_none_or(|asked| asked.contains(number));
-    let numbers: Vec<Vec<u64>> =
-        listed.iter().map(|camera| camera.files().numbers().filter(is_wanted).collect()).collect();
+    let spans = spans(&listed, CameraFiles::range).and_then(|spans| {
+        spans.iter().try_for_each(|(_, span)| check_numbers(&listed, span))?;
+        Ok(spans)
+    });
+    let spans = spans.unwrap_or_else(|error| {
+        warnings.push(error.help().map_or_else(|| error.to_string(), |help| format!("{error}; {help}")));
+        vec![]
+    });
+    let numbers = |camera: &KeypointCamera| -> Vec<u64> {
+        let span = spans.iter().find(|(name, _)| camera.files().leaves_out_nobody && *name == camera.files().camera);
+        match span {
+            Some((_, span)) => span.clone().filter(is_wanted).collect(),
+            None => camera.files().numbers().filter(is_wanted).collect(),
+        }
+    };
+    let numbers: Vec<Vec<u64>> = listed.iter().map(numbers).collect();
     if let Some(asked) = options.frames.as_ref().filter(|_| numbers.iter().all(Vec::is_empty)) {
         let ranges = || listed.iter().map(|camera| camera.files().range());
         let first = ranges().map(|range| range.start).min().unwrap_or_default();
@@ -89,7 +110,8 @@ pub fn survey(keypoints: &Path, options: &RecordingOptions) -> Result<Survey, Er
     let mut cameras = Vec::new();
     for (keypoints, numbers) in listed.iter().zip(&numbers) {
         warnings.extend(frame_number::holes(&keypoints.files().camera, numbers).map(|warning| warning.to_string()));
-        cameras.push(camera(keypoints, numbers, &layout, options.confidence_scale, &mut warnings)?);
+        let read = camera(keypoints, numbers, &layout, options.confidence_scale, &mut warnings)?;
+        cameras.push(CameraSurvey { in_image_shares, ..read });
     }
     Ok(Survey { layout, is_guess: guessed.is_some(), cameras, warnings })
 }
@@ -103,26 +125,32 @@ fn camera(
 ) -> Result<CameraSurvey, Error> {
     let mut survey = CameraSurvey {
         name: keypoints.files().camera.clone(),
-        files: numbers.len(),
+        files: numbers.iter().filter(|number| keypoints.files().path(**number).is_some()).count(),
         is_table: keypoints.is_table(),
+        leaves_out_nobody: keypoints.files().leaves_out_nobody,
         first: numbers.first().copied().unwrap_or_default(),
         end: numbers.last().map_or(0, |last| last.saturating_add(1)),
         read: 0,
         empty: 0,
         fewest: usize::MAX,
         most: 0,
-        bounds_px: [f64::INFINITY, f64::INFINITY, f64::NEG_INFINITY, f64::NEG_INFINITY],
+        bounds: [f64::INFINITY, f64::INFINITY, f64::NEG_INFINITY, f64::NEG_INFINITY],
+        in_image_shares: false,
     };
     let mut tally = Tally::default();
     for &number in numbers.iter().step_by(numbers.len().div_ceil(READ).max(1)) {
         let options = OpenposeOptions { frame: Some(number), layout: Some(layout), confidence_scale };
-        let Some((frame, _)) = keypoints.read(number, &options, FNV_START)? else { continue };
+        let frame = match keypoints.read(number, &options, FNV_START)? {
+            Some((frame, _)) => frame,
+            None if survey.leaves_out_nobody => OpenposeFrame::default(),
+            None => continue,
+        };
         tally.add(number, Some(&frame));
         survey.read += 1;
         survey.empty += usize::from(frame.people.is_empty());
         survey.fewest = survey.fewest.min(frame.people.len());
         survey.most = survey.most.max(frame.people.len());
-        let [left, top, right, bottom] = &mut survey.bounds_px;
+        let [left, top, right, bottom] = &mut survey.bounds;
         for point in frame.people.iter().flat_map(|person| person.keypoints.iter().flatten()) {
             (*left, *top) = (left.min(point.x), top.min(point.y));
             (*right, *bottom) = (right.max(point.x), bottom.max(point.y));

@@ -22,14 +22,14 @@ const LOOKED_AT: u64 = 300;
 pub(super) fn world_up(config: &TrackConfig, setup: Option<&Setup>) -> Result<Option<String>, Error> {
     let asked = match (&config.up, &config.up_axis) {
         (Some(_), Some(_)) => return Err(TrackError::UpTwice.into()),
-        (up, axis) => up.as_ref().or(axis.as_ref()),
+        (up, axis) => up.as_ref().map(|up| ("up", up)).or(axis.as_ref().map(|axis| ("up_axis", axis))),
     };
     match (asked, setup) {
-        (Some(asked), Some(setup)) if *asked != setup.world_up && asked != AUTO => {
-            Err(TrackError::UpAxis { asked: asked.clone(), known: setup.world_up.clone() }.into())
+        (Some((setting, asked)), Some(setup)) if *asked != setup.world_up && asked != AUTO => {
+            Err(TrackError::UpAxis { setting, asked: asked.clone(), known: setup.world_up.clone() }.into())
         }
         (_, Some(setup)) => Ok(Some(setup.world_up.clone())),
-        (Some(asked), None) => Ok(Some(asked.clone()).filter(|asked| asked != AUTO)),
+        (Some((_, asked)), None) => Ok(Some(asked.clone()).filter(|asked| asked != AUTO)),
         (None, None) => Ok(Some(Z_UP.into())),
     }
 }
@@ -72,8 +72,9 @@ fn said(found: &Upward) -> String {
     let Upward { direction: [x, y, z], sd_deg, frames, part } = found;
     let part = match part {
         UprightPart::Whole => "from ankles to head",
-        UprightPart::Head => "from shoulders to ears since legs and hips are unseen",
-        UprightPart::Trunk => "from hips to shoulders since the legs are unseen",
+        UprightPart::Head => "from shoulders to ears, since ankles and hips are seen in too few frames",
+        UprightPart::Trunk => "from hips to shoulders, since the ankles are seen in too few frames",
+        UprightPart::SeatedTrunk => "from hips to shoulders of somebody who sits; the ankles are hardly seen",
     };
     format!(
         "the world was levelled: up is ({x:.3}, {y:.3}, {z:.3}) in the calibration's world, ± {sd_deg:.1}°, by {frames} frames of the person, {part}"
