@@ -118,7 +118,10 @@ impl Pipeline {
         let (model, latent_model) = (settings.motion_model.clone(), settings.latent_model.clone());
         let (motion_model, latent) = (model.as_deref(), latent_model.as_deref());
         let making = Making { setup, transition: &transition, parts: parts.as_ref(), motion_model, latent, dt, isa };
-        let remarks = method.remarks(&making);
+        let mut remarks = method.remarks(&making);
+        if let Some(standing) = &settings.standing {
+            remarks.extend(standing.remarks(&setup.body, tree)?);
+        }
         let acting_parts = match method.gives_actions(&making) {
             true => setup.flesh()?.solids().iter().map(|solid| solid.name.clone()).collect(),
             false => vec![],
