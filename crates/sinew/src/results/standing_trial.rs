@@ -10,7 +10,7 @@
 
 use super::angle_draws::AngleDraws;
 use super::error::ResultsError;
-use super::standing_doubts::{doubts, other_sizes};
+use super::standing_doubts::{FrameSpread, doubts, other_sizes};
 use crate::setup::{Body, MeasuredErrors, Setup};
 use crate::{Error, files};
 use serde_json::Value;
@@ -60,14 +60,24 @@ impl StandingTrial {
         let draws = AngleDraws::read(folder, &setup)?.ok_or_else(|| ResultsError::NoDraws(folder.to_owned()))?;
         let angles = JointAngles::new(draws.tree(), &[], true, convention);
         let (kept, unseen) = with_zero(&angles, &summary);
-        let of_kept = |all: Vec<f64>| kept.iter().map(move |k| all[*k]).collect::<Vec<f64>>();
-        let over = |states: Vec<Vec<f64>>| of_kept(mean_directions(&angles, states.iter().map(Vec::as_slice)));
-        let in_draw = |draw| over((0..draws.frames()).map(|frame| draws.state(draw, frame)).collect());
-        let in_frame = |frame| over((0..draws.draws()).map(|draw| draws.state(draw, frame)).collect());
+        let of_kept = |all: Vec<f64>| kept.iter().map(|k| all[*k]).collect::<Vec<f64>>();
+        let in_draw = |draw| {
+            let states: Vec<Vec<f64>> = (0..draws.frames()).map(|frame| draws.state(draw, frame)).collect();
+            of_kept(mean_directions(&angles, states.iter().map(Vec::as_slice)))
+        };
+        let drawn: Vec<Vec<f64>> = (0..draws.draws()).map(in_draw).collect();
+        let in_frame = |frame| {
+            let of = |(draw, zero): (usize, &Vec<f64>)| {
+                let state = draws.state(draw, frame);
+                let here = of_kept(mean_directions(&angles, std::iter::once(&state[..])));
+                here.iter().zip(zero).map(|(angle, zero)| angle - zero).collect()
+            };
+            FrameSpread::new(&drawn.iter().enumerate().map(of).collect::<Vec<Vec<f64>>>())
+        };
+        let frames: Vec<FrameSpread> = (0..draws.frames()).map(in_frame).collect();
         let names: Vec<String> = kept.iter().map(|k| angles.names()[*k].clone()).collect();
-        let drawn: Vec<f64> = (0..draws.draws()).flat_map(in_draw).collect();
-        let over_time: Vec<Vec<f64>> = (0..draws.frames()).map(in_frame).collect();
-        let remarks = doubts(&summary, &names, &over_time, &unseen);
+        let remarks = doubts(&summary, &names, &drawn, &frames, &unseen);
+        let drawn = drawn.concat();
         let (folder, tree) = (folder.to_owned(), draws.tree().clone());
         Ok(Self { folder, names, drawn, lasting: setup.lasting, body: setup.body, tree, remarks })
     }
