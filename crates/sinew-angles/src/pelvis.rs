@@ -20,7 +20,7 @@ pub(crate) const ISB_SIGNS: [f64; 3] = [-1.0, 1.0, 1.0];
 
 const IDENTITY: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 
-/// Baker's angles from OpenSim's, radians, nearest to those of the frame before where there is one.
+/// Baker's angles from OpenSim's, radians, nearest to the angles of the frame before where there is one.
 #[must_use]
 pub fn baker_from_opensim(opensim: [f64; 3], before: Option<[f64; 3]>) -> [f64; 3] {
     let m = (0..3).fold(IDENTITY, |m, axis| turned(m, axis, opensim[axis]));

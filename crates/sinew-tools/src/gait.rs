@@ -3,7 +3,7 @@
 //! 1. Pelvis and feet are read with their draws (`walk`); the pelvis says where the person walks (`progression`).
 //! 2. Heel strikes and toe offs are where heels and toes are farthest ahead and behind (`events`).
 //! 3. Strides between them have lengths, times and shares of the cycle (`strides`), and these a mean and a spread (`summary`).
-//! 4. Angles, those of the pelvis against the direction of walking (`pelvis`), are cut at the heel strikes and laid over each other (`cycles`).
+//! 4. Angles, the pelvis against the direction of walking (`pelvis`), are cut at the heel strikes and laid over each other (`cycles`).
 //!
 //! Intervals are of 90 %, from the draws of the run; what they hold is measured in docs/evidence/gait.md. Draws of a run with `--smooth` are whole paths. Of a run without it they share, from frame to frame, only what lasts over the run.
 
@@ -69,10 +69,10 @@ pub fn gait(folder: &Path) -> Result<GaitAnalysis, Error> {
     let strides = strides::strides(&walk, &events);
     let event_frames = events.iter().map(|event| walk.frame_at(event.time_s)).collect();
     let series = cycles::series(folder, walk.times_s.len())?;
-    let (series, of_pelvis) = pelvis::heading_free(folder, &run, &walk, series)?;
+    let (series, about_pelvis) = pelvis::heading_free(folder, &run, &walk, series)?;
     let cycles = cycles::cycles(&series, &walk.times_s, &strides);
     let mut warnings = warnings(&run, &walk, &strides);
-    warnings.extend(of_pelvis);
+    warnings.extend(about_pelvis);
     Ok(GaitAnalysis { event_frames, cycles, warnings, events, strides })
 }
 

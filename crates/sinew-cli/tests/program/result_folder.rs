@@ -151,7 +151,7 @@ fn a_standing_trial_is_the_zero_of_angles() {
         }
         moved += usize::from(zero != 0.0);
     }
-    // All angles but those of the pelvis, which depend on the heading, and those that keypoints do not show.
+    // All angles but OpenSim's of the pelvis, which depend on the heading, and the ones that keypoints do not show.
     let standing: serde_json::Value =
         serde_json::from_str(&fs::read_to_string(trial.path("standing/summary.json")).unwrap()).unwrap();
     let unseen = &standing["angles"]["unseen"];

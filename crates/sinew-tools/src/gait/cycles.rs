@@ -19,7 +19,7 @@ pub const PLACES: usize = 101;
 pub struct AngleCycle {
     /// 0: left, 1: right.
     pub side: usize,
-    /// Name in `angles.mot`; of the pelvis always those of `--angles isb`.
+    /// Name in `angles.mot`; of the pelvis always by `--angles isb`.
     pub angle: String,
     /// Cycles that it is the mean of.
     pub cycles: usize,

@@ -1,6 +1,6 @@
 //! Angles of the pelvis over the cycle, whatever the convention of the run and wherever somebody walks.
 //!
-//! 1. OpenSim's angles of each frame become Baker's ([`sinew::angles::pelvis`]), those of the mean pose from `angles.mot`, ends of intervals from the draws of the rotations: three angles of which each has an interval say nothing of how they go together.
+//! 1. OpenSim's angles of each frame become Baker's ([`sinew::angles::pelvis`]), in the mean pose from `angles.mot`, ends of intervals from the draws of the rotations: three angles of which each has an interval say nothing of how they go together.
 //! 2. `pelvic_rotation` is taken against the direction of walking ([`super::progression`]), of which no error is known: the pelvis errs by some millimetres on a way of a metre. Where nobody walks it is that of the last frame in which somebody did.
 
 use super::cycles::Series;

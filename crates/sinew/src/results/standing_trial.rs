@@ -60,16 +60,16 @@ impl StandingTrial {
         let draws = AngleDraws::read(folder, &setup)?.ok_or_else(|| ResultsError::NoDraws(folder.to_owned()))?;
         let angles = JointAngles::new(draws.tree(), &[], true, convention);
         let (kept, unseen) = with_zero(&angles, &summary);
-        let of_kept = |all: Vec<f64>| kept.iter().map(|k| all[*k]).collect::<Vec<f64>>();
+        let kept_only = |all: Vec<f64>| kept.iter().map(|k| all[*k]).collect::<Vec<f64>>();
         let in_draw = |draw| {
             let states: Vec<Vec<f64>> = (0..draws.frames()).map(|frame| draws.state(draw, frame)).collect();
-            of_kept(mean_directions(&angles, states.iter().map(Vec::as_slice)))
+            kept_only(mean_directions(&angles, states.iter().map(Vec::as_slice)))
         };
         let drawn: Vec<Vec<f64>> = (0..draws.draws()).map(in_draw).collect();
         let in_frame = |frame| {
             let of = |(draw, zero): (usize, &Vec<f64>)| {
                 let state = draws.state(draw, frame);
-                let here = of_kept(mean_directions(&angles, std::iter::once(&state[..])));
+                let here = kept_only(mean_directions(&angles, std::iter::once(&state[..])));
                 here.iter().zip(zero).map(|(angle, zero)| angle - zero).collect()
             };
             FrameSpread::new(&drawn.iter().enumerate().map(of).collect::<Vec<Vec<f64>>>())
