@@ -29,7 +29,7 @@ fn a_page_shows_a_result_without_harm_and_within_its_size() {
     assert!(fs::read_to_string(&html).unwrap() == first, "the page without --calibration is another");
     fs::write(&html, "mine").unwrap();
     insta::assert_snapshot!("not_over_another_page", printed(&trial, &["report", "out"]));
-    insta::assert_snapshot!("track_not_over_another_page", trial.track_printed(&["--report", "-oout"]));
+    insta::assert_snapshot!("track_not_over_another_page", trial.track_printed(&["--report"]));
     assert!(trial.run(&["report", "out", "--force"]).status.success());
 
     // Where all frames do not fit, some are left out, and the page says so.
