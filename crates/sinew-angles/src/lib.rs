@@ -5,6 +5,7 @@
 //! | [`joint_angles`] | the angles of a body by a convention, in a state |
 //! | [`columns`] | which angles a body has under which names: OpenSim's or the ISB's |
 //! | [`decomposition`] | three angles of a rotation |
+//! | [`pelvis`] | angles of the pelvis, by OpenSim and by Baker |
 //! | [`marginals`] | mean, quantiles and rates of change over draws of states |
 //! | [`fixed_lag`] | draws of an earlier frame that belong to draws of the present one |
 //! | [`visibility`] | which angles the keypoints of a frame show |
@@ -32,6 +33,7 @@ pub mod decomposition;
 pub mod fixed_lag;
 pub mod joint_angles;
 pub mod marginals;
+pub mod pelvis;
 pub mod visibility;
 pub mod zero;
 

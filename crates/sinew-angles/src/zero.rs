@@ -9,10 +9,16 @@
 //! Where both runs share draws of what is constant, draw i of the one belongs to draw i of the other, and what lasts goes with the difference; else draws are paired as they come.
 
 use crate::JointAngles;
+use crate::pelvis::{ISB_PELVIS, OPENSIM_PELVIS};
 use std::f64::consts::TAU;
 
-/// The angle that a standing trial has no zero of: where somebody faces.
-pub const HEADING: &str = "pelvis_rotation";
+/// Whether a standing trial has a zero of an angle of that name.
+///
+/// None of where somebody faces, and none of OpenSim's angles of the pelvis, which depend on it: who stands facing elsewhere has others.
+#[must_use]
+pub fn has_zero(name: &str) -> bool {
+    !OPENSIM_PELVIS.contains(&name) && name != ISB_PELVIS[2]
+}
 
 /// Mean directions of the angles of some frames, radians: `frames` gives each state, one after the other.
 pub fn mean_directions<'a>(angles: &JointAngles, frames: impl Iterator<Item = &'a [f64]>) -> Vec<f64> {
@@ -46,7 +52,7 @@ impl AngleZero {
     #[must_use]
     pub fn new(angles: &JointAngles, names: &[String], drawn: &[f64], shared: Option<usize>) -> Self {
         let draws = drawn.len() / names.len().max(1);
-        let column = |name: &String| names.iter().position(|own| own == name).filter(|_| name != HEADING);
+        let column = |name: &String| names.iter().position(|own| own == name).filter(|_| has_zero(name));
         let of = |name: &String| {
             let column = column(name);
             let at = |draw: usize| column.map_or(0.0, |column| drawn[draw * names.len() + column]);
@@ -82,9 +88,9 @@ mod tests {
 
     /// Two draws about half a turn, 0.2 rad apart: their middle is half a turn and not 0.
     #[test]
-    fn zeros_are_taken_round_the_circle_and_the_heading_has_none() {
+    fn zeros_are_taken_round_the_circle_and_what_depends_on_the_heading_has_none() {
         let angles = JointAngles::new(&standard::h32(&Proportions::default()), &[], false, Convention::OpenSim);
-        let names = vec!["knee_angle_r".to_owned(), HEADING.to_owned()];
+        let names = vec!["knee_angle_r".to_owned(), "pelvis_tilt".to_owned()];
         let half = std::f64::consts::PI;
         let drawn = [half - 0.1, 0.7, 0.1 - half, 0.7];
         let zero = AngleZero::new(&angles, &names, &drawn, None);
@@ -92,9 +98,12 @@ mod tests {
         let knee = index("knee_angle_r");
         assert!((zero.means[knee].abs() - half).abs() < 1e-12, "{}", zero.means[knee]);
         assert!((zero.sd(knee) - 0.1).abs() < 1e-12 && zero.deviations[knee].iter().sum::<f64>().abs() < 1e-12);
-        for name in [HEADING, "knee_angle_l"] {
+        for name in ["pelvis_tilt", "knee_angle_l"] {
             assert_eq!((zero.means[index(name)], zero.sd(index(name))), (0.0, 0.0), "{name}");
         }
+        let isb = JointAngles::new(&standard::h32(&Proportions::default()), &[], false, Convention::Isb);
+        let without: Vec<&String> = isb.names().iter().filter(|name| !has_zero(name)).collect();
+        assert_eq!(without, ["pelvic_rotation"]);
         // Draws belong together where the constants are the same, and those without a partner are left out.
         assert_eq!([0, 1, 2, 3].map(|draw| zero.partner(draw)), [Some(0), Some(1), Some(0), Some(1)]);
         let shared = AngleZero::new(&angles, &names, &drawn, Some(3));

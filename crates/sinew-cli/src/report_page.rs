@@ -9,10 +9,15 @@ use sinew::results::error::{Occupied, ResultsError};
 use sinew::results::people::{is_of_several, person_folder, refuse_several};
 use sinew::results::{RESULT_NAMES, write_whole};
 use sinew_tools::report::{ReportPage, ReportRequest, page};
+use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
 /// Name of the page in a result folder.
 pub(crate) const PAGE: &str = "report.html";
+
+/// How the title of every page ends, and where it stands at the latest.
+const TITLE_END: &str = " · sinew report</title>";
+const HEAD_BYTES: u64 = 4096;
 
 /// Runs the command.
 pub(crate) fn run(args: &ReportArgs, general: &General, report: &Report) -> Result<Ended, Error> {
@@ -25,10 +30,7 @@ pub(crate) fn run(args: &ReportArgs, general: &General, report: &Report) -> Resu
     if in_results && RESULT_NAMES.iter().any(|name| out.ends_with(name)) {
         return Err(Error::ResultIsOutput(out));
     }
-    // A former page in the folder itself is no loss.
-    if general.out.is_some() && out.exists() && !general.force {
-        return Err(sinew::Error::OutputExists { path: out, found: Occupied::File }.into());
-    }
+    refuse_others(&out, general.force)?;
     let (calibration, validation) = (args.calibration.clone(), args.validation.clone());
     let request = ReportRequest { calibration, validation, ..ReportRequest::default() };
     let written = write(&args.results, &request, &out, report)?;
@@ -79,9 +81,26 @@ pub(crate) fn write(results: &Path, request: &ReportRequest, out: &Path, report:
     Ok(written)
 }
 
+/// Refuses to write over what is no page of a result, without `--force`. A former page is no loss.
+pub(crate) fn refuse_others(out: &Path, force: bool) -> Result<(), Error> {
+    let is_in_the_way = out.exists() && !force && !is_page(out);
+    let refused = || sinew::Error::OutputExists { path: out.to_owned(), found: Occupied::File };
+    if is_in_the_way { Err(refused().into()) } else { Ok(()) }
+}
+
+/// Whether a file is a page that this command wrote, by its title.
+fn is_page(path: &Path) -> bool {
+    let mut head = vec![];
+    let read = std::fs::File::open(path).and_then(|file| file.take(HEAD_BYTES).read_to_end(&mut head));
+    read.is_ok() && String::from_utf8_lossy(&head).contains(TITLE_END)
+}
+
 /// Removes the page of results that were replaced.
 pub(crate) fn forget(results: &Path) -> Result<(), sinew::Error> {
     let page = results.join(PAGE);
+    if !is_page(&page) {
+        return Ok(());
+    }
     match std::fs::remove_file(&page) {
         Err(error) if error.kind() != std::io::ErrorKind::NotFound => Err(sinew::Error::io("remove", page)(error)),
         _ => Ok(()),

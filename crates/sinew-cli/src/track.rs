@@ -54,6 +54,9 @@ pub(crate) fn run(args: &TrackArgs, general: &General, report: &Report) -> Resul
     if let Some(path) = &args.write_calibration {
         write_calibration::check(path, &config, &read_from)?;
     }
+    if args.report {
+        report_page::refuse_others(&config.out.join(report_page::PAGE), general.force)?;
+    }
     job::check_settings(&resolved)?;
     let claimed = || if args.resume { Ok(None) } else { claimed(&config, &read_from, report).map(Some) };
     let (claim, whom) = looked_for(&resolved, &calibration, general, report, claimed)?;

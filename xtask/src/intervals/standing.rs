@@ -57,12 +57,12 @@ fn write(recording: &SyntheticRecording, folder: &Path) -> Outcome<()> {
     Ok(fs::write(folder.join("Calib.toml"), recording.calibration_toml())?)
 }
 
-/// True angles less their mean over the standing second, but the heading.
+/// True angles less their mean over the standing second, but OpenSim's of the pelvis, which depend on the heading.
 fn zeroed(truth: &[Angles]) -> Vec<Angles> {
     let zero = |name: &str| {
         let of =
             |part: fn(f64) -> f64| truth[..STANDING].iter().map(|angles| part(angles[name].to_radians())).sum::<f64>();
-        if name == "pelvis_rotation" { 0.0 } else { of(f64::sin).atan2(of(f64::cos)).to_degrees() }
+        if name.starts_with("pelvis_") { 0.0 } else { of(f64::sin).atan2(of(f64::cos)).to_degrees() }
     };
     let zeros: Angles = truth[0].keys().map(|name| (name.clone(), zero(name))).collect();
     truth

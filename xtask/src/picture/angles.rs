@@ -124,6 +124,9 @@ pub(super) const SHEETS: [Sheet; 3] = [
         title: "Where --angles isb differs, at 0° and at +30°",
         convention: Convention::Isb,
         drawings: &[
+            drawing("pelvic_tilt", "top forward", Right, &[], &[("pelvis.rx", -30.0)]),
+            drawing("pelvic_obliquity", "right side down", Front, &[], &[("pelvis.ry", 30.0)]),
+            drawing("pelvic_rotation", "to the left", Above, &[], &[("pelvis.rz", 30.0)]),
             drawing("trunk_bending", "to the right", Front, &[], &[("spine.ry", 30.0)]),
             drawing("trunk_rotation", "to the left", Above, &[], &[("girdle.rz", 30.0)]),
             drawing("ankle_inversion_r", "sole inward", Foot, &[], &[("r_foot.ry", 30.0)]),

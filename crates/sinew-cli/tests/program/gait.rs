@@ -91,7 +91,7 @@ fn a_walker_has_events_strides_and_cycles() {
         let rows = column(&cycles, "angle").into_iter().zip(column(&cycles, "q05_deg"));
         rows.filter(|(own, _)| own == angle).map(|(_, low)| low).collect::<Vec<_>>()
     };
-    for angle in ["knee_angle_r", "hip_flexion_r"] {
+    for angle in ["knee_angle_r", "hip_flexion_r", "pelvic_tilt", "pelvic_obliquity", "pelvic_rotation"] {
         assert!(!ends(angle).is_empty() && !ends(angle).iter().any(String::is_empty), "{angle}");
     }
     trial.edit(&trial.path("out/angles.csv"), |text| text.replace(",knee_angle_r,", ",another_angle,"));

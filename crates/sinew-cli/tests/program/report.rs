@@ -23,6 +23,15 @@ fn a_page_shows_a_result_without_harm_and_within_its_size() {
     assert!(String::from_utf8_lossy(&again.stdout).contains("out/report.html"), "{}", trial.printed(&again));
     assert!(fs::read_to_string(&html).unwrap() == first, "the same inputs give another page");
 
+    // The calibration of the run is found by itself.
+    let alone = trial.run(&["report", "out"]);
+    assert!(alone.status.success(), "{}", trial.printed(&alone));
+    assert!(fs::read_to_string(&html).unwrap() == first, "the page without --calibration is another");
+    fs::write(&html, "mine").unwrap();
+    insta::assert_snapshot!("not_over_another_page", printed(&trial, &["report", "out"]));
+    insta::assert_snapshot!("track_not_over_another_page", trial.track_printed(&["--report"]));
+    assert!(trial.run(&["report", "out", "--force"]).status.success());
+
     // Where all frames do not fit, some are left out, and the page says so.
     let request = ReportRequest { largest_bytes: first.len() - 5000, ..ReportRequest::default() };
     let small = page(&out, &request).unwrap();

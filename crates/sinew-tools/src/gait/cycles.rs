@@ -1,6 +1,6 @@
 //! Joint angles over the gait cycle, 0 to 100 % from heel strike to heel strike of a side.
 //!
-//! Every stride of a side is cut out of `angles.mot` and read at 101 shares of its duration, on the line between the frames. The band is the standard deviation between cycles. Where `angles.csv` has an angle under the same name, the ends of its 90 % intervals are read alike, and the mean over the cycles of these ends is the interval of the angle in one cycle: it does not shrink with the number of cycles.
+//! Every stride of a side is cut out of the angles of the mean pose and read at 101 shares of its duration, on the line between the frames. The band is the standard deviation between cycles. Where the ends of its 90 % intervals are known (`angles.csv`), they are read alike, and the mean over the cycles of these ends is the interval of the angle in one cycle: it does not shrink with the number of cycles.
 
 use super::strides::Stride;
 use super::walk::interpolated;
@@ -19,7 +19,7 @@ pub const PLACES: usize = 101;
 pub struct AngleCycle {
     /// 0: left, 1: right.
     pub side: usize,
-    /// Name in `angles.mot`.
+    /// Name in `angles.mot`; of the pelvis always by `--angles isb`.
     pub angle: String,
     /// Cycles that it is the mean of.
     pub cycles: usize,
@@ -32,21 +32,22 @@ pub struct AngleCycle {
 }
 
 /// An angle in each frame.
-struct Series {
-    name: String,
-    mean_deg: Vec<f64>,
-    ends_deg: Option<[Vec<f64>; 2]>,
+pub(super) struct Series {
+    pub(super) name: String,
+    pub(super) mean_deg: Vec<f64>,
+    /// Ends of its 90 % interval, where they are known.
+    pub(super) ends_deg: Option<[Vec<f64>; 2]>,
 }
 
-/// The cycles of all angles of a folder: side by side, in the order of the file.
-pub(super) fn cycles(folder: &Path, times_s: &[f64], strides: &[Stride]) -> Result<Vec<AngleCycle>, Error> {
-    let series = series(folder, times_s.len())?;
+/// The cycles of all angles: side by side, in their order.
+pub(super) fn cycles(series: &[Series], times_s: &[f64], strides: &[Stride]) -> Vec<AngleCycle> {
     let sides = [0, 1].into_iter().flat_map(|side| series.iter().map(move |series| (side, series)));
     let cycle = |(side, series): (usize, &Series)| cycle(side, series, times_s, strides);
-    Ok(sides.filter_map(cycle).collect())
+    sides.filter_map(cycle).collect()
 }
 
-fn series(folder: &Path, frames: usize) -> Result<Vec<Series>, Error> {
+/// The angles of a folder, in the order of the file.
+pub(super) fn series(folder: &Path, frames: usize) -> Result<Vec<Series>, Error> {
     let path = folder.join("angles.mot");
     if !path.exists() {
         let folder = folder.to_owned();

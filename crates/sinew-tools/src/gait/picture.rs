@@ -33,11 +33,11 @@ const LEAST_SPAN: f64 = 10.0;
 /// Room beside the first and the last event, seconds.
 const BESIDE_S: f64 = 0.2;
 
-/// Angles with a panel, as `angles.mot` calls them without their side, and their words.
+/// Angles with a panel, as `gait_cycles.csv` calls them without their side, and their words.
 const ANGLES: [(&str, &str); 9] = [
-    ("pelvis_tilt", "pelvis, tilt"),
-    ("pelvis_list", "pelvis, list"),
-    ("pelvis_rotation", "pelvis, rotation"),
+    ("pelvic_tilt", "pelvis, tilt"),
+    ("pelvic_obliquity", "pelvis, obliquity"),
+    ("pelvic_rotation", "pelvis, rotation"),
     ("hip_flexion", "hip, flexion"),
     ("hip_adduction", "hip, adduction"),
     ("hip_rotation", "hip, rotation"),

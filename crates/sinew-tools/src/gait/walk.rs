@@ -16,7 +16,7 @@ pub(super) const SIDES: [&str; 2] = ["left", "right"];
 const LETTERS: [&str; 2] = ["L", "R"];
 
 /// Frames above which draws would take more than a gigabyte.
-const MOST_FRAMES: usize = 20_000;
+pub(super) const MOST_FRAMES: usize = 20_000;
 
 /// A point over the frames, metres, z up.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -58,6 +58,15 @@ pub(super) fn facts(folder: &Path) -> Result<Facts, Error> {
     Ok(facts)
 }
 
+/// How many zeros a standing trial took off angles, and the largest.
+fn zero_words(zeros: &Value) -> Option<String> {
+    let zeros = zeros.as_object()?;
+    let of = |(name, zero): (&String, &Value)| Some((name.clone(), zero[0].as_f64()?, zero[1].as_f64()?));
+    let (name, mean, sd) = zeros.iter().filter_map(of).max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))?;
+    let count = zeros.len();
+    Some(format!("a standing trial, taken off {count} angles; the largest is `{name}`: {mean:.1}° ± {sd:.1}°"))
+}
+
 fn summary_facts(folder: &Path, summary: &Value) -> Facts {
     let text_of = |value: &Value| value.as_str().map_or_else(|| value.to_string(), str::to_owned);
     let version = text_of(&summary["sinew_version"]);
@@ -85,6 +94,9 @@ fn summary_facts(folder: &Path, summary: &Value) -> Facts {
             text_of(&camera["name"]),
             format!("residual {} px, {} frames", number(&camera["residual_px"], 1), camera["frames"]),
         );
+    }
+    if let Some(words) = zero_words(&summary["angles"]["zero_deg"]) {
+        facts.row("zero of angles", words);
     }
     let uncertainty = &summary["uncertainty"];
     if uncertainty.is_object() {

@@ -12,7 +12,7 @@ pub(super) struct AngleWords {
 }
 
 /// Angles without their side, in the order in which they are shown.
-const WORDS: [(&str, &str); 30] = [
+const WORDS: [(&str, &str); 33] = [
     ("knee_angle", "knee flexion"),
     ("hip_flexion", "hip flexion"),
     ("ankle_angle", "ankle dorsiflexion"),
@@ -24,7 +24,8 @@ const WORDS: [(&str, &str); 30] = [
     ("trunk_flexion", "trunk flexion"),
     ("head_rx", "head, forward and back"),
     ("neck_flexion", "neck flexion"),
-    ("pelvis_tilt", "pelvic tilt"),
+    ("pelvis_tilt", "pelvis, tilt about the ground’s axis"),
+    ("pelvic_tilt", "pelvic tilt"),
     ("hip_adduction", "hip adduction"),
     ("hip_rotation", "hip, internal rotation"),
     ("ankle_inversion", "ankle inversion"),
@@ -41,8 +42,10 @@ const WORDS: [(&str, &str); 30] = [
     ("neck_bending", "neck bending"),
     ("neck_rotation", "neck rotation"),
     ("girdle_rz", "shoulder girdle, twist"),
-    ("pelvis_list", "pelvic list"),
-    ("pelvis_rotation", "pelvic rotation"),
+    ("pelvis_list", "pelvis, list about the ground’s axis"),
+    ("pelvic_obliquity", "pelvic obliquity"),
+    ("pelvis_rotation", "pelvis, rotation"),
+    ("pelvic_rotation", "pelvic rotation"),
 ];
 
 /// The words for an angle; others than of the standard bodies keep their names.

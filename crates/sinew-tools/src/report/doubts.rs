@@ -49,14 +49,17 @@ pub(super) fn list(recorded: &Recorded) -> String {
 
 fn item(Doubt { is_failed, text, others }: &Doubt<'_>) -> String {
     let (class, word) = if *is_failed { ("bad", "failed") } else { ("warn", "doubt") };
-    let first = |text: &str| with_code(text.split(". ").next().unwrap_or_default().trim_end_matches('.'));
-    let others: String = others.iter().map(|text| format!("<p>{}.</p>", first(text))).collect();
+    let first = |text: &str| sentence(text.split(". ").next().unwrap_or_default());
+    let others: String = others.iter().map(|text| format!("<p>{}</p>", first(text))).collect();
     let to_do = advice(text)
-        .map_or_else(String::new, |to_do| format!("<p class=\"todo\"><b>What to do:</b> {}.</p>", with_code(to_do)));
-    format!(
-        "<li class=\"{class}\"><p><b>{word}</b> {}.</p>{others}{to_do}</li>\n",
-        with_code(text.trim_end_matches('.'))
-    )
+        .map_or_else(String::new, |to_do| format!("<p class=\"todo\"><b>What to do:</b> {}</p>", sentence(to_do)));
+    format!("<li class=\"{class}\"><p><b>{word}</b> {}</p>{others}{to_do}</li>\n", sentence(text))
+}
+
+/// A text as HTML that ends as a sentence does.
+fn sentence(text: &str) -> String {
+    let end = if text.ends_with(['.', '?', '!']) { "" } else { "." };
+    format!("{}{end}", with_code(text))
 }
 
 #[cfg(test)]
@@ -69,6 +72,8 @@ mod tests {
         let found = grouped(all.into_iter().map(|text| (false, text)));
         assert_eq!(found.iter().map(|doubt| doubt.text).collect::<Vec<_>>(), all[..2]);
         assert_eq!(found[0].others, all[2..]);
+        let asked = "C1: is it the same camera?";
+        assert!(item(&Doubt { is_failed: false, text: asked, others: vec![] }).contains("same camera?</p>"));
         let html = item(&found[0]);
         assert!(
             html.contains("C1: scatter 1.3 times. Do this.") && html.contains("<p>C2: scatter 1.5 times.</p>"),

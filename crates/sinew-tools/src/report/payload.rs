@@ -1,6 +1,6 @@
 //! The numbers of a result as the page's program reads them.
 //!
-//! Four bytes say how long the head is (least first), the head is JSON, then come columns ([`super::columns`]), each with a number for each frame shown, in this order: number of the frame, quality, restarted, R-hat, the residual of each camera; for each point, along each axis, mean, mean − q05 and q95 − mean, then the six numbers of its ellipsoid ([`super::spread`]); for each angle mean, mean − q05 and q95 − mean.
+//! Four bytes say how long the head is (least first), the head is JSON, then come columns ([`super::columns`]), each with a number for each frame shown, in this order: number of the frame, quality, restarted, R-hat, the residual of each camera; for each point, along each axis, mean, mean − q05 and q95 − mean, then the six numbers of its ellipsoid ([`super::spread`]); for each angle mean, mean − q05, q95 − mean and whether keypoints show it.
 
 use super::angle_words::angle_words;
 use super::bones::bones;
@@ -48,6 +48,9 @@ pub(super) fn payload(recorded: &Recorded, factors: &[Vec<Factor>], views: &View
         point.axes.iter().for_each(|axis| band(axis, POSITION_M, &mut add));
         (0..6).for_each(|k| add(&mut factors.iter().map(|factor| factor[k]), POSITION_M));
     }
-    recorded.angles.iter().for_each(|angle| band(&angle.band, ANGLE_DEG, &mut add));
+    for angle in &recorded.angles {
+        band(&angle.band, ANGLE_DEG, &mut add);
+        add(&mut angle.seen.iter().copied(), 1.0);
+    }
     out
 }

@@ -42,6 +42,8 @@ pub(super) struct RecordedPoint {
 pub(super) struct RecordedAngle {
     pub(super) name: String,
     pub(super) band: Band,
+    /// 1 where keypoints show it, 0 where they do not; NaN where that is not known.
+    pub(super) seen: Vec<f64>,
 }
 
 /// A result folder.
@@ -128,7 +130,7 @@ const OF_POINTS: [&str; 15] = [
     "y_sd_within_m",
     "z_sd_within_m",
 ];
-const OF_ANGLES: [&str; 3] = ["mean_deg", "q05_deg", "q95_deg"];
+const OF_ANGLES: [&str; 4] = ["mean_deg", "q05_deg", "q95_deg", "seen"];
 
 fn point((name, series): Named) -> RecordedPoint {
     let mut series = series.into_iter();
@@ -141,7 +143,8 @@ fn point((name, series): Named) -> RecordedPoint {
 fn angle((name, series): Named) -> RecordedAngle {
     let mut series = series.into_iter();
     let mut next = || series.next().unwrap_or_default();
-    RecordedAngle { name, band: Band { mean: next(), low: next(), high: next() } }
+    let band = Band { mean: next(), low: next(), high: next() };
+    RecordedAngle { name, band, seen: next() }
 }
 
 /// Why a folder has no summary.

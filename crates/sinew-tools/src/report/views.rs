@@ -3,6 +3,8 @@
 use super::recorded::Recorded;
 use crate::Error;
 use serde_json::{Value, json};
+use sinew::config::{Sources, resolve};
+use sinew::input::recording::Calibrated;
 use sinew::results::stored_array::stored_array;
 use sinew::results::tracked::calibrated;
 use sinew_observe::Camera;
@@ -21,10 +23,13 @@ pub(super) struct Views {
     all: Vec<View>,
 }
 
-/// The cameras of a calibration, or where the folder says that they stand.
+/// The cameras of a calibration or of the run's own, or where the folder says that they stand.
 pub(super) fn views(folder: &Path, recorded: &Recorded, calibration: Option<&Path>) -> Result<Views, Error> {
-    if let Some(calibration) = calibration {
-        let cameras = calibrated(&recorded.setup, calibration)?.0;
+    let cameras = match calibration {
+        Some(calibration) => Some(calibrated(&recorded.setup, calibration)?.0),
+        None => cameras_of_run(folder, recorded),
+    };
+    if let Some(cameras) = cameras {
         return Ok(Views { all: cameras.iter().map(calibrated_view).collect() });
     }
     let count = recorded.setup.camera.len();
@@ -34,6 +39,16 @@ pub(super) fn views(folder: &Path, recorded: &Recorded, calibration: Option<&Pat
         values.map_or([f64::NAN; 3], |values| [values[0], values[1], values[2]])
     };
     Ok(Views { all: (0..count).map(|camera| View { centre: centre(camera), sees: None }).collect() })
+}
+
+/// The cameras of the calibration that `config.toml` names, if it is still the one of the run, by its hash.
+fn cameras_of_run(folder: &Path, recorded: &Recorded) -> Option<Vec<Camera>> {
+    let config = folder.join("config.toml");
+    let settings = config.exists().then(|| resolve(&Sources { file: Some(config), ..Sources::default() }).ok())??;
+    let calibration = settings.track().calibration.filter(|path| path.is_file())?;
+    let hash = Calibrated::read(&calibration).ok()?.hash;
+    let is_it = recorded.summary["input_hashes"]["calibration"] == format!("{hash:016x}");
+    is_it.then(|| calibrated(&recorded.setup, &calibration).ok())?.map(|(cameras, _)| cameras)
 }
 
 fn calibrated_view(camera: &Camera) -> View {
@@ -57,7 +72,7 @@ impl Views {
     /// What the page says where it does not know in which direction cameras look.
     pub(super) fn note(&self) -> String {
         let is_known = self.all.iter().all(|view| view.sees.is_some());
-        let note = "Cameras are drawn as looking at the person: <code>--calibration</code> of <code>sinew report</code> gives their directions.";
+        let note = "Cameras are drawn as looking at the person, since the calibration of the run is not where it was, or another: <code>--calibration</code> of <code>sinew report</code> gives their directions.";
         if is_known { String::new() } else { note.into() }
     }
 }

@@ -121,7 +121,10 @@ impl Pipeline {
         let keypoints = names.as_slice();
         let making =
             Making { setup, transition: &transition, parts: parts.as_ref(), motion_model, latent, keypoints, dt, isa };
-        let remarks = method.remarks(&making);
+        let mut remarks = method.remarks(&making);
+        if let Some(standing) = &settings.standing {
+            remarks.extend(standing.remarks(&setup.body, tree)?);
+        }
         let acting_parts = match method.gives_actions(&making) {
             true => setup.flesh()?.solids().iter().map(|solid| solid.name.clone()).collect(),
             false => vec![],

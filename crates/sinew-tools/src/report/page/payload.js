@@ -59,7 +59,7 @@ function readPayload(bytes) {
     const factor = [0, 1, 2, 3, 4, 5].map(() => next(steps.position));
     return { name, side: sideOf(name), axes, factor };
   });
-  data.angles = head.angles.map((angle) => ({ ...angle, band: band(steps.angle) }));
+  data.angles = head.angles.map((angle) => ({ ...angle, band: band(steps.angle), seen: next(1) }));
   data.time = data.number.map((number) => number / head.fps);
   return data;
 }

@@ -1,0 +1,183 @@
+//! What speaks against a run as a standing trial, in words.
+//!
+//! Estimates of somebody who stands still move as keypoints err. With m_t and v_t the mean and the variance over draws of an angle less its zero in frame t, an angle moves by
+//!
+//! ```text
+//! s² = Var_t(m_t) − mean_t(v_t)        span from 5 % to 95 % of a normal law: 3.29 s
+//! ```
+//!
+//! which is 0 where what is known of each frame explains all of it.
+
+use serde_json::Value;
+use sinew_body::KinematicTree;
+use std::f64::consts::TAU;
+
+/// Movement of an angle over the trial above which nobody stands still.
+const MOST_MOVED_DEG: f64 = 5.0;
+/// Zero above which angles of one joint mix where it is subtracted.
+const LARGEST_ZERO_DEG: f64 = 20.0;
+/// Difference of the lengths of two bodies over their sum, above which they are hardly of one person.
+const MOST_LONGER: f64 = 0.04;
+
+/// Standard deviations between the 5 % and 95 % quantiles of a normal law.
+const SPAN_SD: f64 = 3.29;
+
+/// Mean and variance over draws of each angle less its zero in a frame.
+pub(super) struct FrameSpread(Vec<[f64; 2]>);
+
+impl FrameSpread {
+    /// From a row of angles for each draw, radians.
+    pub(super) fn new(draws: &[Vec<f64>]) -> Self {
+        let of = |angle: usize| {
+            let middle = direction(draws.iter().map(|row| row[angle]));
+            let apart = draws.iter().map(|row| about(row[angle] - middle).powi(2)).sum::<f64>();
+            [middle, apart / draws.len() as f64]
+        };
+        Self((0..draws.first().map_or(0, Vec::len)).map(of).collect())
+    }
+}
+
+/// Doubts about a trial: its summary, the zeros of angles with these names in each draw, and their spread in each frame, radians.
+pub(super) fn doubts(
+    summary: &Value,
+    names: &[String],
+    drawn: &[Vec<f64>],
+    frames: &[FrameSpread],
+    unseen: &[String],
+) -> Vec<String> {
+    let mut found = vec![];
+    if summary["kind"] != "smoothed" {
+        found.push(
+            "it is filtered, and the mean over its frames is surer of itself than it is right: track it with `--smooth`"
+                .to_owned(),
+        );
+    }
+    if let Some(failed) = summary["failed_diagnostics"].as_array().and_then(|all| all.first()?.as_str()) {
+        found.push(format!("its diagnostics failed ({failed}): so may its zero"));
+    }
+    if !unseen.is_empty() {
+        let unseen = unseen.join(", ");
+        found.push(format!("its keypoints do not show {unseen}: no zero is taken off these"));
+    }
+    let moved = (0..names.len()).map(|angle| moved(frames, angle).to_degrees());
+    let zeros = (0..names.len()).map(|angle| direction(drawn.iter().map(|row| row[angle])).abs().to_degrees());
+    if let Some(words) = above(names, moved, MOST_MOVED_DEG) {
+        found.push(format!(
+            "angles move by more than {MOST_MOVED_DEG}° over it ({words}): choose frames in which the person stands still, \
+             `--frames A..B`"
+        ));
+    }
+    if let Some(words) = above(names, zeros, LARGEST_ZERO_DEG) {
+        found.push(format!(
+            "zeros are above {LARGEST_ZERO_DEG}° ({words}): angles are subtracted, not rotations, and angles of \
+             one joint mix; does the person stand upright and look ahead, with hanging arms?"
+        ));
+    }
+    found.into_iter().map(|words| format!("standing trial: {words}")).collect()
+}
+
+/// How far an angle moves over the trial, radians.
+fn moved(frames: &[FrameSpread], angle: usize) -> f64 {
+    let count = frames.len() as f64;
+    let means = || frames.iter().map(|frame| frame.0[angle][0]);
+    let middle = direction(means());
+    let between = means().map(|mean| about(mean - middle).powi(2)).sum::<f64>() / count;
+    let within = frames.iter().map(|frame| frame.0[angle][1]).sum::<f64>() / count;
+    SPAN_SD * (between - within).max(0.0).sqrt()
+}
+
+/// Mean direction of angles.
+fn direction(angles: impl Iterator<Item = f64>) -> f64 {
+    let (sin, cos) = angles.fold((0.0, 0.0), |(s, c), x| (s + x.sin(), c + x.cos()));
+    f64::atan2(sin, cos)
+}
+
+/// An angle within half a turn of 0.
+fn about(angle: f64) -> f64 {
+    angle - TAU * (angle / TAU).round()
+}
+
+/// The largest of the values above a limit with its name, and how many others there are.
+fn above(names: &[String], values: impl Iterator<Item = f64>, limit: f64) -> Option<String> {
+    let all: Vec<(&String, f64)> = names.iter().zip(values).filter(|(_, value)| *value > limit).collect();
+    let (name, value) = all.iter().max_by(|a, b| a.1.total_cmp(&b.1))?;
+    let others = match all.len() - 1 {
+        0 => String::new(),
+        1 => ", and one other".into(),
+        others => format!(", and {others} others"),
+    };
+    Some(format!("`{name}` {value:.0}°{others}"))
+}
+
+/// What is said where the lengths of two bodies with the same links differ.
+pub(super) fn other_sizes(trial: &KinematicTree, run: &KinematicTree) -> Option<String> {
+    let length = |offset: &[f64; 3]| offset.iter().map(|x| x * x).sum::<f64>().sqrt();
+    let pairs: Vec<[f64; 2]> =
+        trial.links().iter().zip(run.links()).map(|(a, b)| [&a.offset, &b.offset].map(length)).collect();
+    let apart: f64 = pairs.iter().map(|[a, b]| (a - b).abs()).sum();
+    let share = apart / pairs.iter().map(|[_, b]| b).sum::<f64>().max(f64::MIN_POSITIVE);
+    (share > MOST_LONGER).then(|| {
+        format!(
+            "standing trial: the sizes of its body differ from this run's by {:.0} %: is it the same person? Take its \
+             set-up for both, `--setup TRIAL/setup.toml`",
+            100.0 * share
+        )
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::json;
+    use sinew_body::{Proportions, standard};
+
+    fn names() -> Vec<String> {
+        ["knee_angle_r", "ankle_angle_r"].map(str::to_owned).into()
+    }
+
+    /// Frames in which angles are where `at` says, their draws apart by `apart` to both sides.
+    fn frames(at: impl Fn(usize) -> [f64; 2], apart: f64) -> Vec<FrameSpread> {
+        let row = |frame: usize, sign: f64| at(frame).map(|x| x + sign * apart).to_vec();
+        (0..41).map(|frame| FrameSpread::new(&[row(frame, -1.0), row(frame, 1.0)])).collect()
+    }
+
+    /// Estimates of a knee that wander by 2.6° about half a turn, within what draws say of each frame.
+    #[test]
+    fn a_still_smoothed_trial_with_small_zeros_has_no_doubts() {
+        let summary = json!({ "kind": "smoothed", "failed_diagnostics": [] });
+        let wanders = |frame: usize| [3.1 + 0.045 * (1.3 * frame as f64).sin(), 0.0];
+        let drawn = vec![vec![0.1, -0.1]; 20];
+        assert!(doubts(&summary, &names(), &drawn, &frames(wanders, 0.045), &[]).is_empty());
+        assert_eq!(doubts(&summary, &names(), &drawn, &frames(wanders, 0.002), &[]).len(), 1);
+    }
+
+    #[test]
+    fn all_that_is_wrong_with_a_trial_is_said() {
+        let summary = json!({ "kind": "filtered", "failed_diagnostics": ["R-hat"] });
+        let drawn = vec![vec![3.1, 0.0], vec![-3.1, 0.0]];
+        let moving = frames(|frame| [0.1 * (frame as f64).sin(), 0.0], 0.01);
+        let found = doubts(&summary, &names(), &drawn, &moving, &["head_rz".to_owned()]);
+        let wanted = [
+            "track it with `--smooth`",
+            "(R-hat)",
+            "do not show head_rz",
+            "over it (`knee_angle_r` 13°)",
+            "zeros are above 20° (`knee_angle_r` 180°)",
+        ];
+        assert_eq!(found.len(), wanted.len(), "{found:#?}");
+        for (found, wanted) in found.iter().zip(wanted) {
+            assert!(found.starts_with("standing trial: ") && found.contains(wanted), "{found}");
+        }
+    }
+
+    #[test]
+    fn sizes_of_another_person_are_said() {
+        let body = |factor: f64| {
+            let usual = Proportions::default();
+            standard::h32(&Proportions { thigh: factor * usual.thigh, shin: factor * usual.shin, ..usual })
+        };
+        assert_eq!(other_sizes(&body(1.0), &body(1.03)), None);
+        let found = other_sizes(&body(1.2), &body(1.0)).unwrap();
+        assert!(found.starts_with("standing trial: the sizes"), "{found}");
+    }
+}
