@@ -1,4 +1,4 @@
-//! People of a crowd who come late, or leave and come back.
+//! People of a crowd who come late, leave, and come back or not.
 //!
 //! Nobody is seen by any camera, and hides nobody, while he is away. Whoever comes back has gone somewhere in the meantime: he is anywhere within [`STROLL_M_S`] times the gap of where he left, in a direction of its own, and walks towards the middle from there. So nothing but who he is joins the two stays, and the way that lies between.
 
@@ -16,8 +16,10 @@ const BESIDE_M: f64 = 0.5;
 /// Who is away when.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Absences {
-    /// Probability that somebody comes late and stays; everybody else leaves once and comes back.
+    /// Probability that somebody comes late and stays; everybody else leaves once.
     pub late: f64,
+    /// Probability that somebody who leaves does not come back.
+    pub for_good: f64,
     /// Seconds between which somebody comes late.
     pub comes_s: [f64; 2],
     /// Seconds between which somebody leaves.
@@ -27,20 +29,21 @@ pub struct Absences {
 }
 
 impl Absences {
-    /// One in four comes late, everybody else is away for half a second to three.
-    pub const USUAL: Self = Self { late: 0.25, comes_s: [1.0, 5.0], leaves_s: [1.5, 4.5], gap_s: [0.5, 3.0] };
+    /// One in four comes late, of the others one in four leaves for good, and the rest is away for half a second to three.
+    pub const USUAL: Self =
+        Self { late: 0.25, for_good: 0.25, comes_s: [1.0, 5.0], leaves_s: [1.5, 4.5], gap_s: [0.5, 3.0] };
 }
 
 /// Frames without somebody; where he comes back, `motion` is changed from there on.
 pub(crate) fn away(absences: &Absences, rate_hz: f64, motion: &mut Trajectories, stage: &Stage) -> Range<usize> {
-    let luck = uniforms(stage, 0, 7);
+    let luck = uniforms(stage, 0, 8);
     let between = |[low, high]: [f64; 2], part: f64| low + part * (high - low);
     let frame = |seconds: f64| ((seconds * rate_hz).round() as usize).min(motion.frames.len());
     if luck[0] < absences.late {
         return 0..frame(between(absences.comes_s, luck[1]));
     }
     let (left_s, gap_s) = (between(absences.leaves_s, luck[1]), between(absences.gap_s, luck[2]));
-    let (left, back) = (frame(left_s), frame(left_s + gap_s));
+    let (left, back) = (frame(left_s), frame(if luck[7] < absences.for_good { f64::INFINITY } else { left_s + gap_s }));
     if back < motion.frames.len() {
         let (sin, cos) = (TAU * luck[3]).sin_cos();
         let far = STROLL_M_S * gap_s * luck[4].sqrt();
@@ -81,7 +84,7 @@ mod tests {
 
     #[test]
     fn people_come_late_or_are_away_for_as_long_as_stated_and_come_back_where_they_can_have_gone() {
-        let (mut late, mut gaps) = (0, vec![]);
+        let (mut late, mut gone, mut gaps) = (0, 0, vec![]);
         for seed in 0..400 {
             let mut changed = motion();
             let away = away(&Absences::USUAL, 10.0, &mut changed, &Stage::new(seed, "test"));
@@ -91,17 +94,21 @@ mod tests {
                 assert_eq!(changed, motion());
                 continue;
             }
+            if away.end == 80 && away.start < 50 {
+                gone += 1;
+                continue;
+            }
             assert!((15..=45).contains(&away.start) && (5..=30).contains(&away.len()), "{away:?}");
             gaps.push(away.len());
             let [left, back] = [away.start, away.end].map(|frame| place(&changed.frames[frame]));
             let far = (back[0] - left[0]).hypot(back[1] - left[1]);
             assert!(far <= STROLL_M_S * (0.1 * away.len() as f64 + 0.1), "{far} m in {away:?}");
-            let [next, speed] = [&changed.frames[away.end + 1], &changed.frames[79]].map(|points| place(points));
-            assert!(((next[0] - back[0]).hypot(next[1] - back[1]) - 0.12).abs() < 1e-9, "{next:?} {speed:?}");
+            let next = place(&changed.frames[away.end + 1]);
+            assert!(((next[0] - back[0]).hypot(next[1] - back[1]) - 0.12).abs() < 1e-9, "{next:?}");
             let tall = |points: &Vec<[f64; 3]>| (0..3).map(|k| (points[1][k] - points[0][k]).powi(2)).sum::<f64>();
             assert!((tall(&changed.frames[away.end]) - tall(&motion().frames[0])).abs() < 1e-12);
         }
-        assert!((70..130).contains(&late), "{late} of 400 late");
+        assert!((70..130).contains(&late) && (50..100).contains(&gone), "{late} of 400 late, {gone} gone");
         assert!(gaps.iter().min() < Some(&8) && gaps.iter().max() > Some(&27));
     }
 
