@@ -197,7 +197,7 @@ mod tests {
     }
 
     #[test]
-    fn of_two_people_of_one_size_who_come_back_between_where_they_left_both_are_new() {
+    fn two_people_of_one_size_who_come_back_between_where_they_left_are_both_new() {
         let stays = [stay(0, 0.0, SHORT), stay(0, 1.0, SHORT), stay(90, 0.5, SHORT), stay(90, 0.5, SHORT)];
         assert_eq!(people(&stays), [0, 1, 2, 3]);
         let doubtful = joined(&stays, FPS)[2].likeness.expect("could be either");
