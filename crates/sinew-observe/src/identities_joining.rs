@@ -64,7 +64,7 @@ pub struct Naming {
 pub struct Likeness {
     /// His number. He has his name again if [`Naming::person`] is the same.
     pub person: usize,
-    /// Log odds that it is he, to the best explanation of all stays in which it is not; at least 0.
+    /// Log odds that it is he, at least 0. They are to the best explanation of all stays in which it is not.
     pub log_odds: f64,
 }
 
@@ -131,7 +131,7 @@ fn lengths(stay: &Stay, fps: f64) -> Vec<Length> {
     stay.log_lengths.iter().map(length).collect()
 }
 
-/// Log likelihood ratio of two stays of one person to those of two, from the lengths that both have.
+/// Log likelihood ratio of one person to two, from the lengths that two stays both have.
 fn length_log_odds(left: &[Length], back: &[Length]) -> f64 {
     let both: Vec<(f64, f64)> = left
         .iter()
@@ -145,7 +145,7 @@ fn length_log_odds(left: &[Length], back: &[Length]) -> f64 {
     log_density(&both, 2.0 * SCALE * SCALE) - log_density(&other, 2.0 * (SCALE * SCALE + STATURE * STATURE))
 }
 
-/// Log density, up to a constant, of Gaussian numbers with variances of their own and a common part of the variance `common`.
+/// Log density of Gaussian numbers, up to a constant. Each has a variance of its own, and all a part of the variance `common`.
 fn log_density(numbers: &[(f64, f64)], common: f64) -> f64 {
     let sum = |value: &dyn Fn(f64, f64) -> f64| numbers.iter().map(|(x, variance)| value(*x, *variance)).sum::<f64>();
     let grown = 1.0 + common * sum(&|_, variance| 1.0 / variance);

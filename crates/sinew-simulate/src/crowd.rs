@@ -99,7 +99,7 @@ pub struct CrowdRecording {
 }
 
 impl CrowdRecording {
-    /// Records a crowd in which everybody is there all the time; the same seed gives the same recording on every machine.
+    /// Records a crowd that is there all the time. The same seed gives the same recording on every machine.
     ///
     /// # Errors
     /// [`Error::Camera`] for a ring whose numbers are not finite and positive; errors of [`EvaluationBody::new`].

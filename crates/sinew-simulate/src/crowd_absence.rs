@@ -29,7 +29,7 @@ pub struct Absences {
 }
 
 impl Absences {
-    /// One in four comes late, of the others one in four leaves for good, and the rest is away for half a second to three.
+    /// One in four comes late. Of the others one in four leaves for good, and the rest is away for half a second to three.
     pub const USUAL: Self =
         Self { late: 0.25, for_good: 0.25, comes_s: [1.0, 5.0], leaves_s: [1.5, 4.5], gap_s: [0.5, 3.0] };
 }

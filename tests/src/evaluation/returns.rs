@@ -26,7 +26,7 @@ pub struct Returns {
     pub newcomers_mistaken: usize,
 }
 
-/// Counts over all people; those in `truth` are away where they have no points, for as long as that lasts.
+/// Counts over all people, who are away where `truth` has no points for them.
 #[must_use]
 pub fn returns(truth: &[Track], estimate: &[Track]) -> Returns {
     let frames = truth.first().map_or(0, Vec::len);
