@@ -22,6 +22,7 @@ pub mod own_model;
 pub mod ranks;
 pub mod ray_association;
 mod recipe;
+pub mod returns;
 pub mod several_people;
 pub mod smoothness;
 pub mod volumes;

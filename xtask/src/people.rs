@@ -1,4 +1,4 @@
-//! `cargo xtask people`: are several people found and kept apart? The tables of docs/evidence/people.md.
+//! `cargo xtask people`: are several people found, kept apart, and known again? The tables of docs/evidence/people.md.
 //!
 //! Crowds of [`sinew_simulate::crowd`], with their truth; beside the tracker's own association ([`sinew::observe::identities`]) the usual recipe ([`sinew_tests::evaluation::ray_association`]). Both get the same detections, and points are triangulated alike. Speeds are the program's, from files.
 
@@ -6,16 +6,18 @@ use crate::outcome::{Outcome, exit_code};
 use crate::program::{self, Program, shown};
 use sinew::formats::calib_toml;
 use sinew::formats::openpose::Keypoint;
-use sinew::input::limbs::{LIMBS, limbs};
+use sinew::input::limbs::{limbs, paired_limbs};
 use sinew::input::roll::LEAST_S;
 use sinew::observe::Detection;
 use sinew::observe::association::{Config, Person, triangulated};
-use sinew::observe::identities::Identities;
+use sinew::observe::identities::{Identities, Named};
 use sinew_simulate::calibration_error::CalibrationError;
 use sinew_simulate::crowd::{Crowd, CrowdNoise, CrowdRecording};
+use sinew_simulate::crowd_absence::Absences;
 use sinew_simulate::ring::Ring;
 use sinew_tests::evaluation::ray_association;
-use sinew_tests::evaluation::several_people::{Counts, Track, counted};
+use sinew_tests::evaluation::returns::{Returns, returns};
+use sinew_tests::evaluation::several_people::{self, Counts, Track};
 use std::fmt::Write as _;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -28,7 +30,7 @@ pub struct Args {
     /// Crowds of each size
     #[arg(long, default_value_t = 10)]
     seeds: u64,
-    /// Seed of the first; crowds from 1 on were looked at before
+    /// Seed of the first; crowds 1 to 60 were looked at before
     #[arg(long, default_value_t = 101)]
     first: u64,
     /// The program `sinew`, whose speed is measured [default: it is built]
@@ -76,20 +78,21 @@ fn frames(recording: &CrowdRecording) -> Vec<Vec<Vec<Person>>> {
 fn own(recording: &CrowdRecording, frames: &[Vec<Vec<Person>>]) -> Vec<Track> {
     let config = Config::default();
     let cameras = &recording.cameras;
-    let mut identities = Identities::new(cameras, limbs(&recording.layout), recording.rate_hz, config);
-    let mut tracks: Vec<Track> = vec![];
-    for (frame, people) in frames.iter().enumerate() {
-        let named = identities.name(people);
-        let count = named.iter().flatten().flatten().map(|k| k + 1).max().unwrap_or(0).max(tracks.len());
-        tracks.resize(count, vec![None; frame]);
-        for (k, track) in tracks.iter_mut().enumerate() {
-            let member = |view: &Vec<Option<usize>>| view.iter().position(|name| *name == Some(k));
-            let members: Vec<Option<usize>> = named.iter().map(member).collect();
+    let mut identities = Identities::new(cameras, paired_limbs(&recording.layout), recording.rate_hz, config);
+    let stays: Vec<Named> = frames.iter().map(|people| identities.name(people)).collect();
+    let people = identities.people();
+    let person = |k: usize, named: &[Option<usize>]| {
+        named.iter().position(|stay| stay.is_some_and(|stay| people[stay].person == k))
+    };
+    let track = |k: usize| -> Track {
+        let at = |(named, people): (&Named, &Vec<Vec<Person>>)| {
+            let members: Vec<Option<usize>> = named.iter().map(|view| person(k, view)).collect();
             let points = triangulated(cameras, people, &members, &config);
-            track.push((points.iter().flatten().count() >= config.least_keypoints).then_some(points));
-        }
-    }
-    tracks
+            (points.iter().flatten().count() >= config.least_keypoints).then_some(points)
+        };
+        stays.iter().zip(frames).map(at).collect()
+    };
+    (0..people.iter().map(|naming| naming.person + 1).max().unwrap_or(0)).map(track).collect()
 }
 
 /// Tracks that last a quarter of a second, of both methods.
@@ -98,55 +101,104 @@ fn lasting(tracks: Vec<Track>, rate_hz: f64) -> Vec<Track> {
     tracks.into_iter().filter(|track| track.iter().flatten().count() >= least).collect()
 }
 
-/// True tracks in the order of the layout, and its limbs.
+/// True tracks in the order of the layout.
 fn truth(recording: &CrowdRecording) -> Vec<Track> {
     let points = |person: &sinew_motion::points::Trajectories, frame: &Vec<[f64; 3]>| {
         let place = |name: &Option<String>| name.as_deref().and_then(|name| person.index(name)).map(|k| frame[k]);
-        Some(recording.layout.points.iter().map(place).collect())
+        recording.layout.points.iter().map(place).collect()
     };
-    recording.truth.iter().map(|person| person.frames.iter().map(|frame| points(person, frame)).collect()).collect()
+    let track = |(person, away): (&sinew_motion::points::Trajectories, &Range<usize>)| {
+        let at = |(number, frame)| (!away.contains(&number)).then(|| points(person, frame));
+        person.frames.iter().enumerate().map(at).collect()
+    };
+    recording.truth.iter().zip(&recording.away).map(track).collect()
 }
 
-fn counts(people: usize, seed: u64, duration_s: f64) -> Outcome<[Counts; 2]> {
-    let recording = CrowdRecording::new(&crowd(people, duration_s), seed)?;
-    let (frames, truth) = (frames(&recording), truth(&recording));
-    let found = [own(&recording, &frames), ray_association::tracks(&recording.cameras, &frames)];
-    let limbs: Vec<(usize, usize)> = LIMBS
-        .iter()
-        .filter_map(|ends| Some((recording.layout.index(ends[0])?, recording.layout.index(ends[1])?)))
-        .collect();
-    Ok(found.map(|tracks| counted(&truth, &lasting(tracks, recording.rate_hz), &limbs)))
+/// What was counted of a crowd.
+struct Counted {
+    counts: Counts,
+    returns: Returns,
+}
+
+/// Our own association and the usual recipe on a crowd.
+fn counted(recording: &CrowdRecording) -> [Counted; 2] {
+    let (frames, truth) = (frames(recording), truth(recording));
+    let found = [own(recording, &frames), ray_association::tracks(&recording.cameras, &frames)];
+    let limbs = limbs(&recording.layout);
+    found.map(|tracks| {
+        let tracks = lasting(tracks, recording.rate_hz);
+        Counted { counts: several_people::counted(&truth, &tracks, &limbs), returns: returns(&truth, &tracks) }
+    })
 }
 
 /// Seconds of a crowd.
 const DURATION_S: f64 = 5.0;
+/// Seconds of a crowd that comes and goes.
+const RETURNING_S: f64 = 8.0;
 
+/// Names of the two associations.
+const NAMES: [&str; 2] = ["ours", "usual recipe"];
+
+/// Mean over crowds with its standard error.
+fn mean(all: &[[Counted; 2]], method: usize, value: &dyn Fn(&Counts) -> f64) -> String {
+    let values: Vec<f64> = all.iter().map(|found| value(&found[method].counts)).collect();
+    let mean = values.iter().sum::<f64>() / values.len() as f64;
+    let square = values.iter().map(|x| (x - mean).powi(2)).sum::<f64>();
+    format!("{mean:.1} ± {:.1}", (square / (values.len() as f64 - 1.0).max(1.0) / values.len() as f64).sqrt())
+}
+
+fn share(part: usize, counts: &Counts) -> f64 {
+    100.0 * part as f64 / counts.people as f64
+}
+
+/// Crowds in which everybody is there all the time.
 fn quality(seeds: Range<u64>) -> Outcome<String> {
     let mut text = String::from(
         "| people | association | switches a minute | misses, % | false people, % | MOTA, % | IDF1, % | PCP, % |\n|---|---|---|---|---|---|---|---|\n",
     );
     for people in SIZES {
-        let all = seeds.clone().map(|seed| counts(people, seed, DURATION_S)).collect::<Outcome<Vec<_>>>()?;
-        for (method, name) in ["ours", "usual recipe"].into_iter().enumerate() {
-            let of = |value: &dyn Fn(&Counts) -> f64| {
-                let values: Vec<f64> = all.iter().map(|found| value(&found[method])).collect();
-                let mean = values.iter().sum::<f64>() / values.len() as f64;
-                let square = values.iter().map(|x| (x - mean).powi(2)).sum::<f64>();
-                format!(
-                    "{mean:.1} ± {:.1}",
-                    (square / (values.len() as f64 - 1.0).max(1.0) / values.len() as f64).sqrt()
-                )
-            };
-            let share = |part: usize, counts: &Counts| 100.0 * part as f64 / counts.people as f64;
+        let one = |seed| Ok(counted(&CrowdRecording::new(&crowd(people, DURATION_S), seed)?));
+        let all = seeds.clone().map(one).collect::<Outcome<Vec<_>>>()?;
+        for (method, name) in NAMES.into_iter().enumerate() {
             let _ = writeln!(
                 text,
                 "| {people} | {name} | {} | {} | {} | {} | {} | {} |",
-                of(&|c| c.switches as f64 * 60.0 / DURATION_S),
-                of(&|c| share(c.misses, c)),
-                of(&|c| share(c.false_people, c)),
-                of(&|c| 100.0 * c.mota()),
-                of(&|c| 100.0 * c.idf1()),
-                of(&|c| 100.0 * c.pcp()),
+                mean(&all, method, &|c| c.switches as f64 * 60.0 / DURATION_S),
+                mean(&all, method, &|c| share(c.misses, c)),
+                mean(&all, method, &|c| share(c.false_people, c)),
+                mean(&all, method, &|c| 100.0 * c.mota()),
+                mean(&all, method, &|c| 100.0 * c.idf1()),
+                mean(&all, method, &|c| 100.0 * c.pcp()),
+            );
+        }
+    }
+    Ok(text)
+}
+
+/// Crowds that come and go.
+fn returning(seeds: Range<u64>) -> Outcome<String> {
+    let mut text = String::from(
+        "| people | association | known again | new name | another's name | missed | newcomers with another's name | switches a minute | MOTA, % | IDF1, % |\n|---|---|---|---|---|---|---|---|---|---|\n",
+    );
+    for people in SIZES {
+        let crowd = crowd(people, RETURNING_S);
+        let one = |seed| Ok(counted(&CrowdRecording::with_absences(&crowd, Some(&Absences::USUAL), seed)?));
+        let all = seeds.clone().map(one).collect::<Outcome<Vec<_>>>()?;
+        for (method, name) in NAMES.into_iter().enumerate() {
+            let sum =
+                |value: fn(&Returns) -> usize| all.iter().map(|found| value(&found[method].returns)).sum::<usize>();
+            let _ = writeln!(
+                text,
+                "| {people} | {name} | {} | {} | {} | {} | {} of {} | {} | {} | {} |",
+                sum(|r| r.known),
+                sum(|r| r.new),
+                sum(|r| r.mistaken),
+                sum(|r| r.missed),
+                sum(|r| r.newcomers_mistaken),
+                sum(|r| r.newcomers),
+                mean(&all, method, &|c| c.switches as f64 * 60.0 / RETURNING_S),
+                mean(&all, method, &|c| 100.0 * c.mota()),
+                mean(&all, method, &|c| 100.0 * c.idf1()),
             );
         }
     }
@@ -189,7 +241,8 @@ fn speed(program: &Program) -> Outcome<String> {
 fn all(root: &Path, args: &Args) -> Outcome<()> {
     let folder = args.out.clone().unwrap_or_else(|| root.join("target/people"));
     std::fs::create_dir_all(&folder)?;
-    let mut text = quality(args.first..args.first + args.seeds)?;
+    let seeds = args.first..args.first + args.seeds;
+    let mut text = format!("{}\n{}", quality(seeds.clone())?, returning(seeds)?);
     if !args.no_speed {
         let path = match &args.program {
             Some(path) => path.clone(),

@@ -4,8 +4,10 @@
 //!
 //! 1. Everybody who was there a moment ago is expected where he was, moved on with his velocity. In each view, people are assigned to those who are expected ([`least_cost`]), within the gate [`Config::near`]. So two who cross keep their names.
 //! 2. Views that contradict the others of a person are taken from him again; one view alone must lie nearer.
-//! 3. Whoever is left over is grouped over the views ([`partition`]). A group that stands where somebody is whom these views had missed is he. Another one is somebody who was lost, if the lengths of his limbs and the way that he had to go allow it, by assignment; else somebody new.
-//! 4. Points in space, velocities and mean lengths of limbs are brought up to date.
+//! 3. Whoever is left over is grouped over the views ([`partition`]). A group that stands where somebody is whom these views had missed is he. Another one begins a stay.
+//! 4. Points in space and velocities are brought up to date, and lengths of segments are kept.
+//!
+//! After the last frame, stays of the same person are joined ([`crate::identities_joining`]): who comes is not decided by his first frame.
 //!
 //! What somebody looks like is not used. Cost of a frame: linear in the views, and in the people but for the assignment, which is cubic and small.
 
@@ -14,19 +16,15 @@ use crate::association::{
     Config, Person, PersonGroup, distance_px, median, person_size_px, projected, size_px, triangulated,
 };
 use crate::camera::Camera;
+use crate::identities_joining::{Naming, Stay, joined};
 use crate::view_partition::{partition, relative_distance};
 
-/// Fastest that somebody goes who is lost for a while, metres a second, and what he may be off besides, metres.
-const FASTEST_M_S: f64 = 4.0;
-const SLACK_M: f64 = 0.5;
 /// Distance in space up to which a group is somebody who is there, metres.
 const SAME_PLACE_M: f64 = 0.3;
 /// Share of a new velocity that counts.
 const FRESH: f64 = 0.3;
-/// Frames over which lengths are averaged, at most.
-const LENGTH_FRAMES: f64 = 60.0;
 
-/// Somebody, and where he was last.
+/// Somebody who stays, and where he was last.
 #[derive(Clone, Debug, PartialEq)]
 struct Known {
     points: Vec<Option<[f64; 3]>>,
@@ -34,10 +32,7 @@ struct Known {
     velocity: [f64; 3],
     /// Frames since two views agreed on him.
     unseen: u64,
-    /// Frames in which two views agreed on him.
-    frames: u64,
-    /// Mean length of each limb, and of how many frames.
-    lengths: Vec<(f64, f64)>,
+    stay: Stay,
 }
 
 /// Everybody so far.
@@ -45,23 +40,32 @@ struct Known {
 pub struct Identities<'a> {
     cameras: &'a [Camera],
     config: Config,
-    /// Pairs of keypoints whose distances are lengths of limbs.
-    limbs: Vec<(usize, usize)>,
+    /// Segments, each on the left and the right: pairs of keypoints at their ends.
+    segments: Vec<Vec<(usize, usize)>>,
     fps: f64,
+    /// Frames so far.
+    frames: u64,
     known: Vec<Known>,
 }
 
-/// For each view and each of its people, the number of the person, counted from 0 in the order of coming.
+/// For each view and each of its people, the number of the stay, counted from 0 in the order of coming.
 pub type Named = Vec<Vec<Option<usize>>>;
 
 impl<'a> Identities<'a> {
-    /// Nobody yet. `limbs` are pairs of keypoints, `fps` frames a second.
+    /// Nobody yet. `segments` are pairs of keypoints, those on the left and the right of one length together; `fps` frames a second.
     #[must_use]
-    pub const fn new(cameras: &'a [Camera], limbs: Vec<(usize, usize)>, fps: f64, config: Config) -> Self {
-        Self { cameras, config, limbs, fps, known: vec![] }
+    pub const fn new(cameras: &'a [Camera], segments: Vec<Vec<(usize, usize)>>, fps: f64, config: Config) -> Self {
+        Self { cameras, config, segments, fps, frames: 0, known: vec![] }
     }
 
-    /// Names the people of the next frame.
+    /// Who the stays so far are of.
+    #[must_use]
+    pub fn people(&self) -> Vec<Naming> {
+        let stays: Vec<Stay> = self.known.iter().map(|known| known.stay.clone()).collect();
+        joined(&stays, self.fps)
+    }
+
+    /// Finds the stays of the people of the next frame.
     pub fn name(&mut self, people: &[Vec<Person>]) -> Named {
         let views = self.cameras.len();
         for known in &mut self.known {
@@ -85,10 +89,15 @@ impl<'a> Identities<'a> {
         }
         let mut groups = partition(self.cameras, people, free, &self.config);
         groups.retain(|group| !self.joins(group, &present, &mut members));
-        self.name_groups(&groups, &mut members);
+        for group in groups {
+            let stay = Stay { log_lengths: vec![vec![]; self.segments.len()], ..Stay::default() };
+            self.known.push(Known { points: vec![], velocity: [0.0; 3], unseen: 0, stay });
+            members.push(group.members);
+        }
         for (k, members) in members.iter().enumerate() {
             self.see(k, &triangulated(self.cameras, people, members, &self.config), members);
         }
+        self.frames += 1;
         let mut named: Named = people.iter().map(|people| vec![None; people.len()]).collect();
         for (k, members) in members.iter().enumerate() {
             let seen = members.iter().enumerate().filter_map(|(view, i)| Some((view, (*i)?)));
@@ -160,41 +169,6 @@ impl<'a> Identities<'a> {
         true
     }
 
-    /// Gives groups to those who were lost, or to new ones.
-    fn name_groups(&mut self, groups: &[PersonGroup], members: &mut Vec<Vec<Option<usize>>>) {
-        let lost: Vec<usize> = (0..self.known.len()).filter(|&k| !self.is_present(k)).collect();
-        let cost = |group: &PersonGroup, known: &Known| {
-            let seconds = known.unseen as f64 / self.fps;
-            let is_near = distance_m(&group.points, &known.points).is_none_or(|m| m <= SLACK_M + FASTEST_M_S * seconds);
-            let error = self.length_error(group, known).filter(|error| is_near && *error <= self.config.length_error);
-            error.unwrap_or(f64::INFINITY)
-        };
-        let costs: Vec<Vec<f64>> =
-            groups.iter().map(|group| lost.iter().map(|&k| cost(group, &self.known[k])).collect()).collect();
-        for (group, found) in groups.iter().zip(least_cost(&costs, self.config.length_error)) {
-            if let Some(place) = found {
-                let k = lost[place];
-                self.known[k].velocity = [0.0; 3];
-                members[k].clone_from(&group.members);
-            } else {
-                let lengths = vec![(0.0, 0.0); self.limbs.len()];
-                let points = vec![None; group.points.len()];
-                self.known.push(Known { points, velocity: [0.0; 3], unseen: 0, frames: 0, lengths });
-                members.push(group.members.clone());
-            }
-        }
-    }
-
-    /// Median relative difference of a group's limbs from somebody's; `None` where none compare.
-    fn length_error(&self, group: &PersonGroup, known: &Known) -> Option<f64> {
-        let compared = self.limbs.iter().zip(&known.lengths).filter_map(|(limb, (mean, frames))| {
-            (*frames > 0.0).then_some(())?;
-            Some((length(&group.points, *limb)? / mean - 1.0).abs())
-        });
-        let mut errors: Vec<f64> = compared.collect();
-        (!errors.is_empty()).then(|| median(&mut errors))
-    }
-
     /// Takes in where somebody is.
     fn see(&mut self, k: usize, points: &[Option<[f64; 3]>], members: &[Option<usize>]) {
         let known = &mut self.known[k];
@@ -202,20 +176,26 @@ impl<'a> Identities<'a> {
             return;
         }
         let frames = known.unseen.max(1) as f64;
-        let was_there = known.frames > 0 && known.unseen <= self.config.lost_frames as u64;
-        if let Some(moved) = moved_m(points, &known.points).filter(|_| was_there) {
+        if let Some(moved) = moved_m(points, &known.points) {
             for (velocity, moved) in known.velocity.iter_mut().zip(moved) {
                 *velocity += FRESH * (moved / frames - *velocity);
             }
         }
-        let expected = known.expected();
+        let (begins, expected) = (known.points.is_empty(), known.expected());
         known.points = (0..points.len()).map(|p| points[p].or_else(|| expected.get(p).copied().flatten())).collect();
-        for ((mean, count), limb) in known.lengths.iter_mut().zip(&self.limbs) {
-            let Some(length) = length(points, *limb) else { continue };
-            *count = (*count + 1.0).min(LENGTH_FRAMES);
-            *mean += (length - *mean) / *count;
+        for (log_lengths, sides) in known.stay.log_lengths.iter_mut().zip(&self.segments) {
+            let seen: Vec<f64> =
+                sides.iter().filter_map(|ends| Some(length(points, *ends)?.ln())).filter(|x| x.is_finite()).collect();
+            log_lengths.extend((!seen.is_empty()).then(|| seen.iter().sum::<f64>() / seen.len() as f64));
         }
-        (known.unseen, known.frames) = (0, known.frames + 1);
+        let place =
+            [0, 1, 2].map(|axis: usize| median(&mut points.iter().flatten().map(|p| p[axis]).collect::<Vec<_>>()));
+        let stay = &mut known.stay;
+        if begins {
+            (stay.frames[0], stay.places[0]) = (self.frames, place);
+        }
+        (stay.frames[1], stay.places[1]) = (self.frames, place);
+        known.unseen = 0;
     }
 }
 

@@ -49,6 +49,7 @@ pub mod girth_with_pose;
 pub mod golden_section;
 pub mod hull;
 pub mod identities;
+pub mod identities_joining;
 pub mod image_likelihood;
 mod image_lookup;
 pub mod image_score;

@@ -368,8 +368,10 @@ fn listed(cameras: &[Camera], figures: &[Vec<[f64; 3]>], frame: usize) -> Vec<Ve
     cameras.iter().enumerate().map(in_view).collect()
 }
 
-/// Pairs of points whose distances are lengths of limbs.
-const LIMBS: [(usize, usize); 4] = [(1, 3), (2, 4), (5, 7), (6, 8)];
+/// Pairs of points whose distances are lengths of limbs, left and right together.
+fn segments() -> Vec<Vec<(usize, usize)>> {
+    vec![vec![(1, 3), (2, 4)], vec![(5, 7), (6, 8)]]
+}
 
 /// The name that each figure has in a view, by where it stands in the list.
 fn names(named: &[Vec<Option<usize>>], figures: usize, frame: usize) -> Vec<Vec<Option<usize>>> {
@@ -386,7 +388,7 @@ fn names(named: &[Vec<Option<usize>>], figures: usize, frame: usize) -> Vec<Vec<
 #[test]
 fn people_who_pass_each_other_keep_their_names_in_all_views() {
     let cameras = cameras();
-    let mut identities = Identities::new(&cameras, LIMBS.to_vec(), 30.0, Config::default());
+    let mut identities = Identities::new(&cameras, segments(), 30.0, Config::default());
     for frame in 0..60 {
         let x = 0.04 * frame as f64 - 1.2;
         let figures = [figure(x, 0.15, 1.0), figure(-x, -0.15, 1.0), figure(0.0, 1.0, 0.95)];
@@ -401,7 +403,7 @@ fn people_who_pass_each_other_keep_their_names_in_all_views() {
         assert_eq!(sorted, [Some(0), Some(1), Some(2)], "frame {frame}");
         if frame == 0 || frame == 59 {
             // The first and the last frame have the same names.
-            let mut again = Identities::new(&cameras, LIMBS.to_vec(), 30.0, Config::default());
+            let mut again = Identities::new(&cameras, segments(), 30.0, Config::default());
             let start = [figure(-1.2, 0.15, 1.0), figure(1.2, -0.15, 1.0), figure(0.0, 1.0, 0.95)];
             let begun = names(&again.name(&listed(&cameras, &start, 0)), 3, 0);
             assert_eq!(all, begun.iter().map(|views| views[0]).collect::<Vec<_>>(), "frame {frame}");
@@ -409,34 +411,42 @@ fn people_who_pass_each_other_keep_their_names_in_all_views() {
     }
 }
 
+/// Who comes to stay when `figures` are there for some frames each, one after the other.
+fn who_stays(acts: &[(u64, Vec<Vec<[f64; 3]>>)]) -> Vec<usize> {
+    let cameras = cameras();
+    let mut identities = Identities::new(&cameras, segments(), 30.0, Config::default());
+    for (frames, figures) in acts {
+        for _ in 0..*frames {
+            identities.name(&listed(&cameras, figures, 1));
+        }
+    }
+    identities.people().iter().map(|naming| naming.person).collect()
+}
+
 #[test]
 fn a_person_who_comes_back_is_known_by_limbs_and_a_stranger_is_new() {
-    let cameras = cameras();
-    let mut identities = Identities::new(&cameras, LIMBS.to_vec(), 30.0, Config::default());
     let (tall, short) = (figure(0.5, 0.0, 1.0), figure(-0.5, 0.0, 0.7));
-    let mut at = |figures: &[Vec<[f64; 3]>]| names(&identities.name(&listed(&cameras, figures, 1)), figures.len(), 1);
-    let both: Vec<_> = at(&[tall.clone(), short.clone()]).iter().map(|views| views[0]).collect();
-    for _ in 0..15 {
-        at(std::slice::from_ref(&short));
-    }
-    let back = at(&[figure(0.7, 0.2, 1.0), short.clone()]);
-    assert_eq!(back.iter().map(|views| views[0]).collect::<Vec<_>>(), both);
-    for _ in 0..15 {
-        at(std::slice::from_ref(&short));
-    }
-    let giant = at(&[figure(0.7, 0.2, 1.4), short]);
-    assert_eq!(giant[0][0], Some(2));
+    let start = (10, vec![tall, short.clone()]);
+    let without = (15, vec![short.clone()]);
+    let back = |scale: f64| (10, vec![figure(0.7, 0.2, scale), short.clone()]);
+    let stays = |scale: f64| who_stays(&[start.clone(), without.clone(), back(scale)]);
+    // Two stays from the start, in the order of the groups, and one more.
+    assert!([0, 1].contains(&stays(1.0)[2]) && stays(1.0).len() == 3);
+    assert_eq!(stays(1.4)[2], 2);
+    // Each is who he was before.
+    let (gone, both) = ((15, vec![]), |a: f64, b: f64| (10, vec![figure(0.3, 0.2, a), figure(-0.3, 0.0, b)]));
+    let again = who_stays(&[both(1.0, 0.7), gone.clone(), both(1.0, 0.7)]);
+    let other = who_stays(&[both(1.0, 0.7), gone.clone(), both(0.7, 1.0)]);
+    assert_eq!(again[..2], other[..2]);
+    assert!(again[2..].iter().chain(&other[2..]).all(|person| *person < 2), "{again:?} {other:?}");
     // From one side of the room to the other in half a second goes nobody.
-    for _ in 0..15 {
-        at(&[]);
-    }
-    assert_eq!(at(&[figure(-9.0, 0.2, 0.7)])[0][0], Some(3));
+    assert_eq!(who_stays(&[(10, vec![short]), gone, (10, vec![figure(-9.0, 0.2, 0.7)])]), [0, 1]);
 }
 
 #[test]
 fn a_view_that_contradicts_the_others_is_not_taken() {
     let cameras = cameras();
-    let mut identities = Identities::new(&cameras, LIMBS.to_vec(), 30.0, Config::default());
+    let mut identities = Identities::new(&cameras, segments(), 30.0, Config::default());
     let own = figure(0.2, 0.0, 1.0);
     identities.name(&listed(&cameras, std::slice::from_ref(&own), 1));
     let mut people = listed(&cameras, std::slice::from_ref(&own), 1);

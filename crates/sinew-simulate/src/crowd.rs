@@ -7,11 +7,14 @@
 //! 3. of two whose boxes in the image share more than [`CLOSE`] of the smaller one, the farther is merged into the nearer with the probability [`CrowdNoise::merged`]: he is not found;
 //! 4. else the two exchange an arm or a leg with the probability [`CrowdNoise::swapped`];
 //! 5. people are listed in any order.
+//!
+//! With [`Absences`] people come late, leave, and come back or not ([`crate::crowd_absence`]).
 
 use crate::Error;
 use crate::adult::drawn;
 use crate::calibration_error::{CalibrationError, as_they_are};
 use crate::cast::Cast;
+use crate::crowd_absence::{Absences, away};
 use crate::detector::{DetectorNoise, detect, paired_limbs};
 use crate::draws::uniforms;
 use crate::evaluation_body::EvaluationBody;
@@ -24,6 +27,7 @@ use sinew_formats::openpose::Keypoint;
 use sinew_motion::points::{Trajectories, points_of_states};
 use sinew_observe::Camera;
 use std::f64::consts::{PI, TAU};
+use std::ops::Range;
 
 /// How far people pass beside the middle, metres.
 pub const BESIDE_M: f64 = 0.5;
@@ -78,8 +82,10 @@ pub type FoundPeople = Vec<Vec<Option<Keypoint>>>;
 /// A recording of several people.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CrowdRecording {
-    /// True points of each person.
+    /// True points of each person, also while he is away.
     pub truth: Vec<Trajectories>,
+    /// Frames in which each person is away; empty where he never is.
+    pub away: Vec<Range<usize>>,
     /// Cameras, as their calibration has them.
     pub cameras: Vec<Camera>,
     /// Layout of the keypoints, BODY_25B.
@@ -93,14 +99,28 @@ pub struct CrowdRecording {
 }
 
 impl CrowdRecording {
-    /// Records a crowd; the same seed gives the same recording on every machine.
+    /// Records a crowd that is there all the time. The same seed gives the same recording on every machine.
     ///
     /// # Errors
     /// [`Error::Camera`] for a ring whose numbers are not finite and positive; errors of [`EvaluationBody::new`].
     pub fn new(crowd: &Crowd, seed: u64) -> Result<Self, Error> {
+        Self::with_absences(crowd, None, seed)
+    }
+
+    /// Records a crowd that comes and goes.
+    ///
+    /// # Errors
+    /// As [`CrowdRecording::new`].
+    pub fn with_absences(crowd: &Crowd, absences: Option<&Absences>, seed: u64) -> Result<Self, Error> {
         let stage = Stage::new(seed, "crowd");
         let [ways, bodies, detector, mix] = stage.split(["ways", "bodies", "detector", "mix"]);
-        let truth: Vec<Trajectories> = (0..crowd.people).map(|person| walk(crowd, person, &ways)).collect();
+        let mut truth: Vec<Trajectories> = (0..crowd.people).map(|person| walk(crowd, person, &ways)).collect();
+        let absent = Stage::new(seed, "absences");
+        let away: Vec<Range<usize>> = truth
+            .iter_mut()
+            .enumerate()
+            .map(|(person, one)| absences.map_or(0..0, |a| away(a, crowd.rate_hz, one, &absent.round(person))))
+            .collect();
         let together = |frame: usize| truth.iter().flat_map(|one| one.frames[frame].iter().copied()).collect();
         let frames = truth.first().map_or(0, |one| one.frames.len());
         let all = Trajectories { names: vec![], frames: (0..frames).map(together).collect() };
@@ -114,7 +134,7 @@ impl CrowdRecording {
             let noise = &crowd.noise.keypoints;
             found.push(detect(one, &layout, (&true_cameras, &[]), noise, detector.round(person)).keypoints);
         }
-        let scene = Scene { truth: &truth, bodies: &solid, layout: &layout, noise: &crowd.noise };
+        let scene = Scene { truth: &truth, bodies: &solid, away: &away, layout: &layout, noise: &crowd.noise };
         let (mut keypoints, mut who) = (vec![], vec![]);
         for (c, camera) in true_cameras.iter().enumerate() {
             let shown = |frame: usize| {
@@ -126,7 +146,7 @@ impl CrowdRecording {
             keypoints.push(found);
             who.push(names);
         }
-        Ok(Self { truth, cameras, layout, keypoints, who, rate_hz: crowd.rate_hz })
+        Ok(Self { truth, away, cameras, layout, keypoints, who, rate_hz: crowd.rate_hz })
     }
 }
 
@@ -173,6 +193,7 @@ fn walk(crowd: &Crowd, person: usize, stage: &Stage) -> Trajectories {
 struct Scene<'a> {
     truth: &'a [Trajectories],
     bodies: &'a [EvaluationBody],
+    away: &'a [Range<usize>],
     layout: &'a Layout,
     noise: &'a CrowdNoise,
 }
@@ -181,6 +202,8 @@ impl Scene<'_> {
     /// What a detector makes of everybody in a frame, and who is who.
     fn mixed(&self, camera: &Camera, frame: usize, mut seen: FoundPeople, stage: &Stage) -> (FoundPeople, Vec<usize>) {
         let people = self.truth.len();
+        let away = self.away.iter().zip(&mut seen).filter(|(away, _)| away.contains(&frame));
+        away.for_each(|(_, person)| person.fill(None));
         let boxes: Vec<Option<[f64; 4]>> = seen.iter().map(|person| image_box(person)).collect();
         let depth = |person: usize| {
             let points = &self.truth[person].frames[frame];
@@ -300,5 +323,18 @@ mod tests {
         assert!(lists.iter().any(|names| **names == [0, 1, 2]) && lists.iter().any(|names| **names == [2, 1, 0]));
         let again = CrowdRecording::new(&crowd(3), 7).unwrap();
         assert_eq!(recording, again);
+    }
+
+    #[test]
+    fn whoever_is_away_is_found_by_no_camera_and_comes_back() {
+        let crowd = Crowd { duration_s: 8.0, ..crowd(3) };
+        let recording = CrowdRecording::with_absences(&crowd, Some(&Absences::USUAL), 5).unwrap();
+        for (person, away) in recording.away.iter().enumerate() {
+            assert!(!away.is_empty() && away.end <= 160, "{away:?}");
+            let cameras = |frame: usize| recording.who.iter().filter(|who| who[frame].contains(&person)).count();
+            assert!(away.clone().all(|frame| cameras(frame) == 0), "{person} is seen while away");
+            let stays = [(0, away.start), (away.end, 160)];
+            assert!(stays.iter().all(|&(a, b)| (a..b).map(cameras).sum::<usize>() >= 2 * (b - a)), "{person}");
+        }
     }
 }

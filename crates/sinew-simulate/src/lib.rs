@@ -9,6 +9,8 @@
 //! | [`combo`] | walking, running and free movement in one sequence |
 //! | [`ring`] | cameras on a circle around a motion |
 //! | [`draws`] | random numbers that are the same on every processor |
+//! | [`crowd`] | several people, before a detector that takes one for another |
+//! | [`crowd_absence`] | people who come late, leave and come back |
 //! | [`detector`] | projections with offset, jitter, missing keypoints and gross outliers |
 //! | [`evaluation_body`] | a clothed body of capsules and ellipsoids on the points of a motion |
 //! | [`render`] | its silhouettes and pictures |
@@ -31,6 +33,7 @@ pub mod calibration_error;
 mod cast;
 pub mod combo;
 pub mod crowd;
+pub mod crowd_absence;
 pub mod detector;
 pub mod draws;
 mod error;

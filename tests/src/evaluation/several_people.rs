@@ -57,7 +57,7 @@ impl Counts {
 }
 
 /// Mean distance over the points that both have, metres; infinite without any.
-fn distance(a: &Points, b: &Points) -> f64 {
+pub(super) fn distance(a: &Points, b: &Points) -> f64 {
     let both: Vec<f64> = a.iter().zip(b).filter_map(|(a, b)| Some(between((*a)?, (*b)?))).collect();
     if both.is_empty() { f64::INFINITY } else { both.iter().sum::<f64>() / both.len() as f64 }
 }

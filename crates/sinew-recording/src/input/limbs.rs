@@ -2,7 +2,7 @@
 
 use sinew_formats::Layout;
 
-/// Ends of the segments.
+/// Ends of the segments, left and right in turn.
 pub const LIMBS: [[&str; 2]; 10] = [
     ["LHip", "LKnee"],
     ["RHip", "RKnee"],
@@ -15,6 +15,13 @@ pub const LIMBS: [[&str; 2]; 10] = [
     ["LShoulder", "LHip"],
     ["RShoulder", "RHip"],
 ];
+
+/// The same by length: left and right, which are alike, together.
+#[must_use]
+pub fn paired_limbs(layout: &Layout) -> Vec<Vec<(usize, usize)>> {
+    let ends = |[a, b]: &[&str; 2]| Some((layout.index(a)?, layout.index(b)?));
+    LIMBS.chunks(2).map(|sides| sides.iter().filter_map(ends).collect()).collect()
+}
 
 /// Keypoints at the ends of the segments that a layout has both ends of.
 #[must_use]

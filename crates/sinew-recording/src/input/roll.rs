@@ -2,7 +2,7 @@
 //!
 //! People count who are seen by at least two cameras for a quarter of a second in all ([`LEAST_S`]); they are numbered in the order of coming. [`sinew_observe::identities`] names them.
 
-use super::limbs::limbs;
+use super::limbs::paired_limbs;
 use super::source::FrameSource;
 use crate::Error;
 use sinew_observe::Camera;
@@ -48,11 +48,15 @@ impl Roll {
         mut watch: impl FnMut(u64) -> Result<(), E>,
     ) -> Result<Self, E> {
         let cameras = source.cameras().to_vec();
-        let mut identities = Identities::new(&cameras, limbs(source.layout()), fps, *config);
+        let mut identities = Identities::new(&cameras, paired_limbs(source.layout()), fps, *config);
         let mut named = vec![];
         for number in frames.clone() {
             watch(number - frames.start)?;
             named.push(identities.name(&source.people(number)?));
+        }
+        let people = identities.people();
+        for name in named.iter_mut().flatten().flatten() {
+            *name = name.map(|stay: usize| people[stay].person);
         }
         Ok(Self::counted(frames.start, named, cameras.len(), fps))
     }
