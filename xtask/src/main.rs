@@ -14,6 +14,7 @@ mod oil_flow;
 mod opensim;
 mod outcome;
 mod people;
+mod people_real;
 mod picture;
 mod processor_time;
 mod program;

@@ -3,6 +3,7 @@
 //! Crowds of [`sinew_simulate::crowd`], with their truth; beside the tracker's own association ([`sinew::observe::identities`]) the usual recipe ([`sinew_tests::evaluation::ray_association`]). Both get the same detections, and points are triangulated alike. Speeds are the program's, from files.
 
 use crate::outcome::{Outcome, exit_code};
+use crate::people_real;
 use crate::program::{self, Program, shown};
 use sinew::formats::calib_toml;
 use sinew::formats::openpose::Keypoint;
@@ -36,12 +37,29 @@ pub struct Args {
     /// The program `sinew`, whose speed is measured [default: it is built]
     #[arg(long)]
     program: Option<PathBuf>,
-    /// Leave the speeds out
+    /// Tables to make
+    #[arg(long, value_enum, value_delimiter = ',', default_values_t = [Part::Crowds, Part::Real, Part::Speed])]
+    only: Vec<Part>,
+    /// Runs of the real recording, seeds from 1 on
+    #[arg(long, default_value_t = 5)]
+    real: u64,
+    /// Folder of the data
     #[arg(long)]
-    no_speed: bool,
+    data: Option<PathBuf>,
     /// Folder of the tables [default: target/people]
     #[arg(long)]
     out: Option<PathBuf>,
+}
+
+/// A part of the study.
+#[derive(Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+enum Part {
+    /// Crowds, and crowds whose people leave and come back.
+    Crowds,
+    /// The two people of a real recording, against another program's tables.
+    Real,
+    /// Frames a second.
+    Speed,
 }
 
 /// Sizes of crowds.
@@ -241,15 +259,26 @@ fn speed(program: &Program) -> Outcome<String> {
 fn all(root: &Path, args: &Args) -> Outcome<()> {
     let folder = args.out.clone().unwrap_or_else(|| root.join("target/people"));
     std::fs::create_dir_all(&folder)?;
-    let seeds = args.first..args.first + args.seeds;
-    let mut text = format!("{}\n{}", quality(seeds.clone())?, returning(seeds)?);
-    if !args.no_speed {
+    let mut texts = vec![];
+    if args.only.contains(&Part::Crowds) {
+        let seeds = args.first..args.first + args.seeds;
+        texts.extend([quality(seeds.clone())?, returning(seeds)?]);
+    }
+    if args.only != [Part::Crowds] {
         let path = match &args.program {
             Some(path) => path.clone(),
             None => program::built(root)?,
         };
-        text += &format!("\n{}", speed(&Program { path, folder: folder.clone() })?);
+        let program = Program { path, folder: folder.clone() };
+        let data = args.data.clone().unwrap_or_else(|| root.join("../shared/data")).join("pose2sim_two_people");
+        if args.only.contains(&Part::Real) {
+            texts.push(people_real::table(&program, &data, args.real)?);
+        }
+        if args.only.contains(&Part::Speed) {
+            texts.push(speed(&program)?);
+        }
     }
+    let text = texts.join("\n");
     println!("{text}");
     Ok(std::fs::write(folder.join("tables.md"), text)?)
 }
