@@ -89,7 +89,9 @@ fn each_of_two_people_gets_a_folder_and_a_stopped_run_resumes_to_the_same_files(
     summary(&|text| text.replacen("\"complete\": true", "\"complete\": false", 1));
     let inspected = String::from_utf8(trial.run(&["inspect", "out"]).stdout).unwrap();
     let says = |words: &str| assert!(inspected.contains(words), "{words}: {inspected}");
-    ["; tracked\n", "; not tracked yet\n", "--resume` continues it", "(1.0 s), by two cameras in "].map(says);
+    ["; tracked\n", "; not tracked yet\n", "--resume` continues it", "(1.0 s), by two cameras in "]
+        .into_iter()
+        .for_each(says);
     resumed_is_whole();
 }
 
