@@ -7,12 +7,15 @@ use super::settings::settings;
 use sinew::config::Resolved;
 use sinew::input::recording::keypoint_sources::stated_rate;
 
+/// Settings by name, as they are typed.
+type Flags = Vec<(&'static str, String)>;
+
 /// The flags with the frame rate that the times in the keypoints say, as though it had been typed.
 pub(crate) fn with_stated_rate(
     flags: &[(&'static str, String)],
     general: &General,
     report: &Report,
-) -> Result<(Vec<(&'static str, String)>, Resolved), Error> {
+) -> Result<(Flags, Resolved), Error> {
     let mut flags = flags.to_vec();
     let resolved = settings(&flags, general)?;
     let config = resolved.track();

@@ -114,7 +114,7 @@ fn header<'a>(name: &str, lines: &mut impl Iterator<Item = (usize, &'a str)>) ->
     }
     let frame = coords.iter().skip(1).take_while(|cell| cell.is_empty()).count();
     let is_single = |animal: &&str| animals.is_some() && *animal == SINGLE;
-    let has_others = animals.is_some_and(|animals| animals.iter().skip(frame + 1).any(|animal| !is_single(&animal)));
+    let has_others = animals.is_some_and(|animals| animals.iter().skip(frame + 1).any(|animal| !is_single(animal)));
     let mut single = BTreeSet::new();
     let (mut known_parts, mut known_animals) = (HashMap::new(), HashMap::new());
     let mut groups: BTreeMap<(usize, usize), Columns> = BTreeMap::new();
