@@ -120,7 +120,7 @@ impl Pipeline {
         let making = Making { setup, transition: &transition, parts: parts.as_ref(), motion_model, latent, dt, isa };
         let mut remarks = method.remarks(&making);
         if let Some(standing) = &settings.standing {
-            remarks.extend(standing.remarks(&setup.body, tree)?);
+            remarks.extend(standing.remarks(setup, tree)?);
         }
         let acting_parts = match method.gives_actions(&making) {
             true => setup.flesh()?.solids().iter().map(|solid| solid.name.clone()).collect(),
