@@ -62,7 +62,8 @@ fn distances(program: &Program, data: &Path, seeds: u64) -> Outcome<Vec<[Vec<f64
         let people = folders(&out)?;
         for ((name, _, _), both) in REFERENCES.iter().zip(&mut all) {
             let reference = read(&data.join(name))?;
-            let of_everybody = people.iter().map(|folder| Ok(distance_mm(&read(&folder.join("markers.trc"))?, &reference)));
+            let of_everybody =
+                people.iter().map(|folder| Ok(distance_mm(&read(&folder.join("markers.trc"))?, &reference)));
             let of_everybody: Vec<f64> = of_everybody.collect::<Outcome<_>>()?;
             let nearest = (0..people.len()).min_by(|a, b| of_everybody[*a].total_cmp(&of_everybody[*b])).unwrap_or(0);
             let alone = program.folder.join(format!("two-people-{seed}-{}", nearest + 1));

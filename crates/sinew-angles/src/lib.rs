@@ -9,6 +9,8 @@
 //! | [`marginals`] | mean, quantiles and rates of change over draws of states |
 //! | [`fixed_lag`] | draws of an earlier frame that belong to draws of the present one |
 //! | [`visibility`] | which angles the keypoints of a frame show |
+//! | [`angle_draws`] | draws of the rotations of a body over the frames of a run |
+//! | [`standing`] | the zero of angles in the draws of a standing trial, and what speaks against the trial |
 //! | [`zero`] | what a standing trial takes off angles |
 //!
 //! No file, no camera and no set-up is known here. docs/reference/angles.md has a drawing of each angle.
@@ -28,18 +30,21 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+pub mod angle_draws;
 pub mod columns;
 pub mod decomposition;
 pub mod fixed_lag;
 pub mod joint_angles;
 pub mod marginals;
 pub mod pelvis;
+pub mod standing;
 pub mod visibility;
 pub mod zero;
 
 mod link_angles;
 mod observed;
 
+pub use angle_draws::AngleDraws;
 pub use columns::Convention;
 pub use joint_angles::JointAngles;
 pub use link_angles::{CoordinateSource, JointTurn, LinkAngles};

@@ -4,14 +4,12 @@
 //! provisional names and renamed when they are whole; what a stopped run may be resumed from ([`folder::Written`]); the poses of a finished one ([`tracked`]).
 //! Must not know: how a frame was tracked, and by which method.
 
-pub mod angle_draws;
 pub mod error;
 pub mod estimate;
 pub mod folder;
 pub mod people;
 pub mod problem;
 pub mod silhouette_overlap;
-mod standing_doubts;
 pub mod standing_trial;
 pub mod stored_array;
 pub mod tracked;

@@ -66,12 +66,14 @@ pub fn ranked(frames: usize, sigma_px: f64, settings: &Settings, seed: u64) -> R
     let film = filmed(&body, states, cameras, sigma_px, settings.fps, errors)?;
     track::tune(&mut setup, &body, &mut source(&film), 0, &settings)?;
     let dt = 1.0 / settings.fps;
+    let names: Vec<String> = body.points().iter().map(|point| point.name.clone()).collect();
     let making = Making {
         setup: &setup,
         transition: &walk,
         parts: None,
         motion_model: None,
         latent: None,
+        keypoints: &names,
         dt,
         isa: settings.isa,
     };

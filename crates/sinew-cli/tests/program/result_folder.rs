@@ -163,7 +163,7 @@ fn a_standing_trial_is_the_zero_of_angles() {
     assert!((10..28).contains(&expected), "{unseen}");
     let warnings = summary["warnings"].to_string();
     assert!(warnings.contains("standing trial: its keypoints do not show"), "{warnings}");
-    let inspected = trial.printed(&trial.run(&["inspect", "zeroed"]));
+    let inspected = String::from_utf8(trial.run(&["inspect", "zeroed"]).stdout).unwrap();
     assert!(inspected.contains("zero of angles"), "{inspected}");
     // A trial that was zeroed itself gives the same zero, since its draws were not.
     let by = |out: &str, zero: &str| {

@@ -10,9 +10,9 @@ use super::walk::{MOST_FRAMES, Walk};
 use crate::Error;
 use serde_json::Value;
 use sinew::angles::pelvis::{ISB_PELVIS, OPENSIM_PELVIS, baker_from_opensim};
-use sinew::angles::{Convention, JointAngles};
+use sinew::angles::{AngleDraws, Convention, JointAngles};
 use sinew::files::read_text;
-use sinew::results::angle_draws::AngleDraws;
+use sinew::results::stored_array::stored_array;
 use sinew::setup::Setup;
 use sinew_formats::source_text::MAX_CONFIG_BYTES;
 use std::path::Path;
@@ -73,9 +73,9 @@ fn ends_deg(folder: &Path, means_deg: &[[f64; 3]]) -> Result<Option<Vec<[[f64; 2
         return Ok(None);
     }
     let setup = Setup::from_toml(&path.display().to_string(), &read_text(&path, MAX_CONFIG_BYTES)?)?;
-    let Some(draws) = AngleDraws::read(folder, &setup)?.filter(|draws| draws.frames() == means_deg.len()) else {
-        return Ok(None);
-    };
+    let array = stored_array(folder, "posterior/angle")?;
+    let draws = array.and_then(|array| AngleDraws::new(setup.tree(), &array.shape, array.values));
+    let Some(draws) = draws.filter(|draws| draws.frames() == means_deg.len()) else { return Ok(None) };
     let angles = JointAngles::new(draws.tree(), &[], true, Convention::Isb);
     let place = |name: &&str| angles.names().iter().position(|own| own == name);
     let places: Vec<usize> = ISB_PELVIS.iter().filter_map(place).collect();

@@ -58,13 +58,17 @@ pub(super) fn facts(folder: &Path) -> Result<Facts, Error> {
     Ok(facts)
 }
 
-/// How many zeros a standing trial took off angles, and the largest.
-fn zero_words(zeros: &Value) -> Option<String> {
-    let zeros = zeros.as_object()?;
-    let of = |(name, zero): (&String, &Value)| Some((name.clone(), zero[0].as_f64()?, zero[1].as_f64()?));
-    let (name, mean, sd) = zeros.iter().filter_map(of).max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))?;
-    let count = zeros.len();
-    Some(format!("a standing trial, taken off {count} angles; the largest is `{name}`: {mean:.1}° ± {sd:.1}°"))
+/// Says how many zeros a standing trial took off angles, and the largest.
+fn zero_row(facts: &mut Facts, zeros: &Value) {
+    let zeros: Vec<(&String, &Value)> = zeros.as_object().into_iter().flatten().collect();
+    let numbers = |(name, zero): &(&String, &Value)| Some(((*name).clone(), zero[0].as_f64()?, zero[1].as_f64()?));
+    let largest = zeros.iter().filter_map(numbers).max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
+    if let Some((name, mean, sd)) = largest {
+        let count = zeros.len();
+        let words =
+            format!("a standing trial, taken off {count} angles; the largest is `{name}`: {mean:.1}° ± {sd:.1}°");
+        facts.row("zero of angles", words);
+    }
 }
 
 fn summary_facts(folder: &Path, summary: &Value) -> Facts {
@@ -95,9 +99,7 @@ fn summary_facts(folder: &Path, summary: &Value) -> Facts {
             format!("residual {} px, {} frames", number(&camera["residual_px"], 1), camera["frames"]),
         );
     }
-    if let Some(words) = zero_words(&summary["angles"]["zero_deg"]) {
-        facts.row("zero of angles", words);
-    }
+    zero_row(&mut facts, &summary["angles"]["zero_deg"]);
     let uncertainty = &summary["uncertainty"];
     if uncertainty.is_object() {
         facts.row("uncertainty", text_of(&uncertainty["words"]));

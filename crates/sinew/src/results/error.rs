@@ -56,24 +56,14 @@ pub enum ResultsError {
     /// A run without draws of its angles.
     #[error("{}: no draws of angles in posterior.zarr", .0.display())]
     NoDraws(PathBuf),
-    /// A standing trial with angles of another convention.
-    #[error("{}: a standing trial with angles by `{found}`; this run has angles by `{expected}`", folder.display())]
-    OtherConvention {
+    /// A standing trial of another kind than the run.
+    #[error("{}: a standing trial with {found}; this run has {expected}", folder.display())]
+    OtherTrial {
         /// Result folder of the trial.
         folder: PathBuf,
-        /// Its convention.
+        /// Its body or angles.
         found: String,
-        /// That of the run.
-        expected: &'static str,
-    },
-    /// A standing trial of another body.
-    #[error("{}: a standing trial of {found}; this run has {expected}", folder.display())]
-    OtherBody {
-        /// Result folder of the trial.
-        folder: PathBuf,
-        /// Its body.
-        found: String,
-        /// That of the run.
+        /// The run's.
         expected: String,
     },
     /// A file whose length is not that of the others.
@@ -189,8 +179,7 @@ impl ResultsError {
             Self::NoSummary(_) => {
                 "give the folder that `sinew track` wrote with `-o`; a run that was stopped is continued with `--resume`"
             }
-            Self::OtherConvention { .. } => "track the standing trial with the same `--angles`",
-            Self::OtherBody { .. } => "track the standing trial with the same `--body`",
+            Self::OtherTrial { .. } => "track both with the same `--body` and `--angles`",
             Self::NoDraws(_) => "give the folder of a run of `sinew track` that came to its end",
             Self::NoSuchFrames { .. } => "`--frames A..B` takes the numbers in the file names, A included, B not",
             Self::UnknownCamera { .. } => "give the calibration that was tracked with",

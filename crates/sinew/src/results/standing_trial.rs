@@ -6,17 +6,16 @@
 //!
 //! Draws are of states, which no zero was taken off: a trial that was itself tracked with `--static` gives the same zero as without.
 //!
-//! What is wrong with a trial is an error where there is no zero in it (another body, another convention), else a remark ([`super::standing_doubts`]).
+//! What is wrong with a trial is an error where there is no zero in it (another body, another convention), else a remark ([`sinew_angles::standing`]).
 
-use super::angle_draws::AngleDraws;
 use super::error::ResultsError;
 use super::people::refuse_several;
-use super::standing_doubts::{FrameSpread, doubts, other_sizes};
-use crate::setup::{Body, MeasuredErrors, Setup};
+use super::stored_array::stored_array;
+use crate::setup::{MeasuredErrors, Setup};
 use crate::{Error, files};
 use serde_json::Value;
-use sinew_angles::zero::{has_zero, mean_directions};
-use sinew_angles::{AngleZero, Convention, JointAngles};
+use sinew_angles::standing::{StandingAngles, TrialRun, other_sizes};
+use sinew_angles::{AngleDraws, AngleZero, Convention, JointAngles};
 use sinew_body::KinematicTree;
 use sinew_formats::json_text;
 use sinew_formats::source_text::{MAX_CONFIG_BYTES, MAX_TEXT_BYTES};
@@ -29,14 +28,8 @@ const MOST_UNSEEN: f64 = 0.5;
 #[derive(Clone, Debug, PartialEq)]
 pub struct StandingTrial {
     folder: PathBuf,
-    /// Angles that have a zero.
-    names: Vec<String>,
-    /// Mean directions over the frames, radians: a row for each draw, a number for each name.
-    drawn: Vec<f64>,
-    lasting: Option<MeasuredErrors>,
-    body: Body,
-    tree: KinematicTree,
-    remarks: Vec<String>,
+    angles: StandingAngles,
+    setup: Setup,
 }
 
 impl StandingTrial {
@@ -54,71 +47,43 @@ impl StandingTrial {
         let summary: Value = json_text::parse(&path.display().to_string(), &files::read_text(&path, MAX_TEXT_BYTES)?)?;
         let found = summary["angles"]["convention"].as_str().unwrap_or("none");
         if found != convention.name() {
-            let (folder, found, expected) = (folder.to_owned(), found.to_owned(), convention.name());
-            return Err(ResultsError::OtherConvention { folder, found, expected }.into());
+            let [found, expected] = [found, convention.name()].map(|name| format!("angles by `{name}`"));
+            return Err(ResultsError::OtherTrial { folder: folder.to_owned(), found, expected }.into());
         }
         let path = folder.join("setup.toml");
         let setup = Setup::from_toml(&path.display().to_string(), &files::read_text(&path, MAX_CONFIG_BYTES)?)?;
-        let draws = AngleDraws::read(folder, &setup)?.ok_or_else(|| ResultsError::NoDraws(folder.to_owned()))?;
+        let array = stored_array(folder, "posterior/angle")?;
+        let draws = array.and_then(|array| AngleDraws::new(setup.tree(), &array.shape, array.values));
+        let draws = draws.ok_or_else(|| ResultsError::NoDraws(folder.to_owned()))?;
         let angles = JointAngles::new(draws.tree(), &[], true, convention);
-        let (kept, unseen) = with_zero(&angles, &summary);
-        let kept_only = |all: Vec<f64>| kept.iter().map(|k| all[*k]).collect::<Vec<f64>>();
-        let in_draw = |draw| {
-            let states: Vec<Vec<f64>> = (0..draws.frames()).map(|frame| draws.state(draw, frame)).collect();
-            kept_only(mean_directions(&angles, states.iter().map(Vec::as_slice)))
-        };
-        let drawn: Vec<Vec<f64>> = (0..draws.draws()).map(in_draw).collect();
-        let in_frame = |frame| {
-            let of = |(draw, zero): (usize, &Vec<f64>)| {
-                let state = draws.state(draw, frame);
-                let here = kept_only(mean_directions(&angles, std::iter::once(&state[..])));
-                here.iter().zip(zero).map(|(angle, zero)| angle - zero).collect()
-            };
-            FrameSpread::new(&drawn.iter().enumerate().map(of).collect::<Vec<Vec<f64>>>())
-        };
-        let frames: Vec<FrameSpread> = (0..draws.frames()).map(in_frame).collect();
-        let names: Vec<String> = kept.iter().map(|k| angles.names()[*k].clone()).collect();
-        let remarks = doubts(&summary, &names, &drawn, &frames, &unseen);
-        let drawn = drawn.concat();
-        let (folder, tree) = (folder.to_owned(), draws.tree().clone());
-        Ok(Self { folder, names, drawn, lasting: setup.lasting, body: setup.body, tree, remarks })
+        let failed = summary["failed_diagnostics"].as_array().and_then(|all| all.first()?.as_str());
+        let run = TrialRun { is_smoothed: summary["kind"] == "smoothed", failed };
+        let unseen = &summary["angles"]["unseen"];
+        let is_unseen = |name: &str| unseen[name].as_f64().is_some_and(|share| share > MOST_UNSEEN);
+        let angles = StandingAngles::new(&angles, &draws, &run, is_unseen);
+        Ok(Self { folder: folder.to_owned(), angles, setup })
     }
 
     /// The zero of some angles, for a run with a set-up that knows this of what is constant.
     #[must_use]
     pub fn zero(&self, angles: &JointAngles, lasting: Option<&MeasuredErrors>) -> AngleZero {
-        let shared = lasting.filter(|own| Some(*own) == self.lasting.as_ref()).map(MeasuredErrors::draws);
-        AngleZero::new(angles, &self.names, &self.drawn, shared)
+        let shared = lasting.filter(|own| Some(*own) == self.setup.lasting.as_ref()).map(MeasuredErrors::draws);
+        AngleZero::new(angles, &self.angles.names, &self.angles.drawn, shared)
     }
 
-    /// What a run with a body should know of the trial, in words.
+    /// What a run with a set-up and its body should know of the trial, in words.
     ///
     /// # Errors
     /// A trial of a body with other links or joints.
-    pub fn remarks(&self, body: &Body, tree: &KinematicTree) -> Result<Vec<String>, Error> {
-        let structure = |tree: &KinematicTree| -> Vec<_> {
-            tree.links().iter().map(|link| (link.name.clone(), link.parent, link.joints.clone())).collect()
-        };
-        if structure(tree) != structure(&self.tree) {
-            let [found, expected] = [&self.body, body].map(named);
-            return Err(ResultsError::OtherBody { folder: self.folder.clone(), found, expected }.into());
+    pub fn remarks(&self, setup: &Setup, tree: &KinematicTree) -> Result<Vec<String>, Error> {
+        let own = self.setup.tree();
+        let mut pairs = own.links().iter().zip(tree.links());
+        let is_same = own.links().len() == tree.links().len()
+            && pairs.all(|(a, b)| (&a.name, a.parent, &a.joints) == (&b.name, b.parent, &b.joints));
+        if !is_same {
+            let [found, expected] = [&self.setup, setup].map(|setup| format!("the body {}", setup.body.name()));
+            return Err(ResultsError::OtherTrial { folder: self.folder.clone(), found, expected }.into());
         }
-        Ok(self.remarks.iter().cloned().chain(other_sizes(&self.tree, tree)).collect())
-    }
-}
-
-/// Places of the angles that have a zero, and names of the others that keypoints do not show.
-fn with_zero(angles: &JointAngles, summary: &Value) -> (Vec<usize>, Vec<String>) {
-    let is_unseen = |name: &str| summary["angles"]["unseen"][name].as_f64().is_some_and(|share| share > MOST_UNSEEN);
-    let all = angles.names().iter().enumerate().filter(|(_, name)| has_zero(name));
-    let (unseen, kept): (Vec<_>, Vec<_>) = all.partition(|(_, name)| is_unseen(name));
-    (kept.into_iter().map(|(k, _)| k).collect(), unseen.into_iter().map(|(_, name)| name.clone()).collect())
-}
-
-/// How a body is called.
-fn named(body: &Body) -> String {
-    match body {
-        Body::File(_) => "a body of a file".into(),
-        known => format!("`{}`", known.name().to_lowercase()),
+        Ok(self.angles.doubts.iter().cloned().chain(other_sizes(&own, tree)).collect())
     }
 }

@@ -123,7 +123,7 @@ impl Pipeline {
             Making { setup, transition: &transition, parts: parts.as_ref(), motion_model, latent, keypoints, dt, isa };
         let mut remarks = method.remarks(&making);
         if let Some(standing) = &settings.standing {
-            remarks.extend(standing.remarks(&setup.body, tree)?);
+            remarks.extend(standing.remarks(setup, tree)?);
         }
         let acting_parts = match method.gives_actions(&making) {
             true => setup.flesh()?.solids().iter().map(|solid| solid.name.clone()).collect(),

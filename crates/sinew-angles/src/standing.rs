@@ -1,4 +1,4 @@
-//! What speaks against a run as a standing trial, in words.
+//! The zero of angles in the draws of a standing trial, and what speaks against the trial.
 //!
 //! Estimates of somebody who stands still move as keypoints err. With m_t and v_t the mean and the variance over draws of an angle less its zero in frame t, an angle moves by
 //!
@@ -8,7 +8,8 @@
 //!
 //! which is 0 where what is known of each frame explains all of it.
 
-use serde_json::Value;
+use crate::zero::{has_zero, mean_directions};
+use crate::{AngleDraws, JointAngles};
 use sinew_body::KinematicTree;
 use std::f64::consts::TAU;
 
@@ -23,11 +24,11 @@ const MOST_LONGER: f64 = 0.04;
 const SPAN_SD: f64 = 3.29;
 
 /// Mean and variance over draws of each angle less its zero in a frame.
-pub(super) struct FrameSpread(Vec<[f64; 2]>);
+struct FrameSpread(Vec<[f64; 2]>);
 
 impl FrameSpread {
     /// From a row of angles for each draw, radians.
-    pub(super) fn new(draws: &[Vec<f64>]) -> Self {
+    fn new(draws: &[Vec<f64>]) -> Self {
         let of = |angle: usize| {
             let middle = direction(draws.iter().map(|row| row[angle]));
             let apart = draws.iter().map(|row| about(row[angle] - middle).powi(2)).sum::<f64>();
@@ -37,22 +38,70 @@ impl FrameSpread {
     }
 }
 
-/// Doubts about a trial: its summary, the zeros of angles with these names in each draw, and their spread in each frame, radians.
-pub(super) fn doubts(
-    summary: &Value,
+/// What a run says of itself.
+#[derive(Clone, Copy, Debug)]
+pub struct TrialRun<'a> {
+    /// Whether its draws are trajectories.
+    pub is_smoothed: bool,
+    /// A diagnostic that failed, in words.
+    pub failed: Option<&'a str>,
+}
+
+/// Angles of a standing trial.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StandingAngles {
+    /// Angles that have a zero.
+    pub names: Vec<String>,
+    /// Mean directions over the frames, radians: a row for each draw, a number for each name.
+    pub drawn: Vec<f64>,
+    /// What speaks against them, in words.
+    pub doubts: Vec<String>,
+}
+
+impl StandingAngles {
+    /// From the draws of a run, in which keypoints do not show some of the angles.
+    #[must_use]
+    pub fn new(angles: &JointAngles, draws: &AngleDraws, run: &TrialRun<'_>, is_unseen: impl Fn(&str) -> bool) -> Self {
+        let all = angles.names().iter().enumerate().filter(|(_, name)| has_zero(name));
+        let (unseen, kept): (Vec<_>, Vec<_>) = all.partition(|(_, name)| is_unseen(name));
+        let kept_only = |all: Vec<f64>| kept.iter().map(|(k, _)| all[*k]).collect::<Vec<f64>>();
+        let in_draw = |draw| {
+            let states: Vec<Vec<f64>> = (0..draws.frames()).map(|frame| draws.state(draw, frame)).collect();
+            kept_only(mean_directions(angles, states.iter().map(Vec::as_slice)))
+        };
+        let drawn: Vec<Vec<f64>> = (0..draws.draws()).map(in_draw).collect();
+        let in_frame = |frame| {
+            let less_zero = |(draw, zero): (usize, &Vec<f64>)| {
+                let state = draws.state(draw, frame);
+                let here = kept_only(mean_directions(angles, std::iter::once(&state[..])));
+                here.iter().zip(zero).map(|(angle, zero)| angle - zero).collect()
+            };
+            FrameSpread::new(&drawn.iter().enumerate().map(less_zero).collect::<Vec<Vec<f64>>>())
+        };
+        let frames: Vec<FrameSpread> = (0..draws.frames()).map(in_frame).collect();
+        let named = |all: &[(usize, &String)]| all.iter().map(|(_, name)| (*name).clone()).collect::<Vec<String>>();
+        let (names, unseen) = (named(&kept), named(&unseen));
+        let doubts = doubts(run, &names, &drawn, &frames, &unseen);
+        Self { names, drawn: drawn.concat(), doubts }
+    }
+}
+
+/// Doubts about a trial: the zeros of angles with these names in each draw, and their spread in each frame, radians.
+fn doubts(
+    run: &TrialRun<'_>,
     names: &[String],
     drawn: &[Vec<f64>],
     frames: &[FrameSpread],
     unseen: &[String],
 ) -> Vec<String> {
     let mut found = vec![];
-    if summary["kind"] != "smoothed" {
+    if !run.is_smoothed {
         found.push(
             "it is filtered, and the mean over its frames is surer of itself than it is right: track it with `--smooth`"
                 .to_owned(),
         );
     }
-    if let Some(failed) = summary["failed_diagnostics"].as_array().and_then(|all| all.first()?.as_str()) {
+    if let Some(failed) = run.failed {
         found.push(format!("its diagnostics failed ({failed}): so may its zero"));
     }
     if !unseen.is_empty() {
@@ -110,7 +159,8 @@ fn above(names: &[String], values: impl Iterator<Item = f64>, limit: f64) -> Opt
 }
 
 /// What is said where the lengths of two bodies with the same links differ.
-pub(super) fn other_sizes(trial: &KinematicTree, run: &KinematicTree) -> Option<String> {
+#[must_use]
+pub fn other_sizes(trial: &KinematicTree, run: &KinematicTree) -> Option<String> {
     let length = |offset: &[f64; 3]| offset.iter().map(|x| x * x).sum::<f64>().sqrt();
     let pairs: Vec<[f64; 2]> =
         trial.links().iter().zip(run.links()).map(|(a, b)| [&a.offset, &b.offset].map(length)).collect();
@@ -128,7 +178,6 @@ pub(super) fn other_sizes(trial: &KinematicTree, run: &KinematicTree) -> Option<
 #[cfg(test)]
 mod tests {
     use super::*;
-    use serde_json::json;
     use sinew_body::{Proportions, standard};
 
     fn names() -> Vec<String> {
@@ -144,19 +193,19 @@ mod tests {
     /// Estimates of a knee that wander by 2.6° about half a turn, within what draws say of each frame.
     #[test]
     fn a_still_smoothed_trial_with_small_zeros_has_no_doubts() {
-        let summary = json!({ "kind": "smoothed", "failed_diagnostics": [] });
+        let run = TrialRun { is_smoothed: true, failed: None };
         let wanders = |frame: usize| [3.1 + 0.045 * (1.3 * frame as f64).sin(), 0.0];
         let drawn = vec![vec![0.1, -0.1]; 20];
-        assert!(doubts(&summary, &names(), &drawn, &frames(wanders, 0.045), &[]).is_empty());
-        assert_eq!(doubts(&summary, &names(), &drawn, &frames(wanders, 0.002), &[]).len(), 1);
+        assert!(doubts(&run, &names(), &drawn, &frames(wanders, 0.045), &[]).is_empty());
+        assert_eq!(doubts(&run, &names(), &drawn, &frames(wanders, 0.002), &[]).len(), 1);
     }
 
     #[test]
     fn all_that_is_wrong_with_a_trial_is_said() {
-        let summary = json!({ "kind": "filtered", "failed_diagnostics": ["R-hat"] });
+        let run = TrialRun { is_smoothed: false, failed: Some("R-hat") };
         let drawn = vec![vec![3.1, 0.0], vec![-3.1, 0.0]];
         let moving = frames(|frame| [0.1 * (frame as f64).sin(), 0.0], 0.01);
-        let found = doubts(&summary, &names(), &drawn, &moving, &["head_rz".to_owned()]);
+        let found = doubts(&run, &names(), &drawn, &moving, &["head_rz".to_owned()]);
         let wanted = [
             "track it with `--smooth`",
             "(R-hat)",
