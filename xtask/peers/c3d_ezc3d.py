@@ -1,8 +1,8 @@
 """What ezc3d reads in C3D files, and whether sinew reads and writes the same: numbers that tests of sinew-formats hold.
 
-    python3 -m pip install ezc3d==1.7.2 numpy==2.4.6        # into an environment of its own; this script installs nothing
-    python3 xtask/peers/c3d_ezc3d.py SAMPLES                # prints the numbers of crates/sinew-formats/tests/c3d_samples.rs
-    python3 xtask/peers/c3d_ezc3d.py SAMPLES SINEW          # compares with the program SINEW as well
+    python3 -m pip install ezc3d==1.7.2 c3d==0.6.0 numpy==2.4.6     # into an environment of its own
+    python3 xtask/peers/c3d_ezc3d.py SAMPLES            # prints the numbers of crates/sinew-formats/tests/c3d/samples.rs
+    python3 xtask/peers/c3d_ezc3d.py SAMPLES SINEW      # compares with the program SINEW as well
 
 SAMPLES is the folder c3d_samples of the shared data. The comparison takes each sample as it is and as each of the three
 processors would have written it, lets ezc3d and `sinew convert` read them, and compares every coordinate. Then
@@ -10,8 +10,10 @@ processors would have written it, lets ezc3d and `sinew convert` read them, and 
 written here from the format's manual and shares no code with either reader.
 
 ezc3d 1.7.2 differs from the manual in the fourth number of a point: of words it takes the high byte for the residual and
-the low byte for the cameras (the high bytes of the first sample have at least two bits in all but 14 points, as rays that
-meet must), and the real 65535, which is the word -1, is a point at the origin to it. Both are taken from the bytes here.
+the low byte for the cameras (the high bytes of the first sample have at least two bits in all but 14 points, as rays
+that meet must), and the real 65535, which is the word -1, is a point at the origin to it. Both are taken from the bytes
+here. It refuses files of MIPS: their coordinates are compared with those that it reads in the original, and the package
+c3d reads the file, its residuals as well.
 """
 
 import csv
@@ -22,6 +24,7 @@ import sys
 import tempfile
 from pathlib import Path
 
+import c3d as c3d_package
 import ezc3d
 import numpy as np
 
@@ -178,11 +181,11 @@ def world(path):
     return labels, points
 
 
-def compare(what, sinew, c3d, folder, missing):
-    """`missing` (frames x points) is what the file itself says."""
+def compare(what, sinew, c3d, folder, missing, original=None):
+    """`missing` (frames x points) is what the file itself says; `original` is what ezc3d reads in place of the file."""
     converted(sinew, c3d, folder / "out.csv")
     names, ours = table(folder / "out.csv")
-    labels, theirs = world(c3d)
+    labels, theirs = world(original or c3d)
     assert names == labels, (what, names, labels)
     assert ours.shape == theirs.shape, (what, ours.shape, theirs.shape)
     assert (np.isnan(ours).any(2) == missing).all(), what
@@ -191,6 +194,18 @@ def compare(what, sinew, c3d, folder, missing):
     print(f"  {what}: {ours.shape[1]} points, {ours.shape[0]} frames, {int(np.isnan(ours[:, :, 0]).sum())} missing,",
           f"largest difference {largest:.1e} m")
     assert largest < 1e-6, what
+
+
+def by_c3d(path, points, fourth):
+    """The package c3d reads the MIPS file that ezc3d refuses: is it one?"""
+    reader = c3d_package.Reader(open(path, "rb"))
+    frames = np.array([frame for _, frame, _ in reader.read_frames()])
+    seen = fourth >= 0
+    largest = np.abs(frames[:, :, :3] - points)[seen].max()
+    scale = abs(reader.get("POINT:SCALE").float_value)
+    residuals = np.abs(frames[:, :, 3] - (fourth & 0xFF) * scale)[seen].max()
+    print(f"  MIPS by the package c3d: largest difference {largest:.1e} of the file's unit, of residuals {residuals:.1e}")
+    assert largest < 1e-3
 
 
 def written(sinew, folder, frames, points):
@@ -231,7 +246,9 @@ def main():
             for name, processor in [("Intel", INTEL), ("DEC", DEC), ("MIPS", MIPS)]:
                 target = folder / "transcoded.c3d"
                 target.write_bytes(Transcoder(path.read_bytes(), processor).file())
-                compare(name, sinew, target, folder, fourth < 0)
+                compare(name, sinew, target, folder, fourth < 0, path if processor == MIPS else None)
+                if processor == MIPS:
+                    by_c3d(target, points.transpose(2, 1, 0)[:, :, :3], fourth)
         written(sinew, folder, 70_000, 2)
         written(sinew, folder, 20, 300)
 

@@ -1,5 +1,5 @@
-//! Names that people give to points of the body, in the names of our [layouts](crate::layout), and what files of points
-//! demand of names.
+//! Names that people give to points of the body, in the names of our [layouts](crate::layout).
+//! Also what files of points demand of names.
 //!
 //! Letter case and separators do not count; the side stands before or after the part: `left_shoulder`, `LShoulder`,
 //! `Shoulder.L`, `shoulder left`. A name that means no point of a layout has none.

@@ -214,9 +214,7 @@ impl fmt::Display for Warning {
             Self::CountDisagrees { place, field, stated, found } => {
                 write!(f, "{place}: {field} says {stated}, the file holds {found}")
             }
-            Self::UnreadFrames { place, read, room } => {
-                write!(f, "{place}: {read} frames are read, as stated; there are bytes for {room}")
-            }
+            Self::UnreadFrames { place, read, room } => write!(f, "{place}: {read} of {room} possible frames are read"),
             Self::OddLabels { place, first } => {
                 write!(f, "{place}: coordinate labels start with `{first}` instead of `X1`; taken in order")
             }

@@ -7,6 +7,7 @@ use super::quantities;
 use super::screen_axes::ScreenAxis;
 use crate::Warning;
 use crate::trc::Units;
+use std::io;
 
 /// What is said about the points, but for the number of frames.
 #[derive(Clone, Debug, PartialEq)]
@@ -31,6 +32,13 @@ impl C3dHeader {
     pub const fn new(rate_hz: f64, markers: Vec<String>) -> Self {
         let (right, up) = (Some(ScreenAxis::X), Some(ScreenAxis::Y));
         Self { rate_hz, units: Units::Metres, first_frame: 1, right, up, markers }
+    }
+
+    /// Number of the last of that number of frames.
+    pub(super) fn last_frame(&self, frames: u32) -> io::Result<u32> {
+        let end = self.first_frame.checked_add(frames).filter(|_| self.first_frame > 0);
+        let refusal = || io::Error::new(io::ErrorKind::InvalidInput, "frames are numbered from 1 to below 2^32");
+        end.map(|end| end - 1).ok_or_else(refusal)
     }
 }
 

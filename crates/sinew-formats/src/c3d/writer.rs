@@ -27,7 +27,7 @@ pub fn write_header(out: &mut impl Write, header: &C3dHeader, frames: u32) -> io
         return Err(invalid("a C3D file has a rate: it must be positive"));
     }
     let parameters = section(header, frames)?;
-    let last = last_frame(header, frames)?;
+    let last = header.last_frame(frames)?;
     let short = |number: u32| number.try_into().unwrap_or(u16::MAX);
     let data_block = (2 + parameters.len() / BLOCK) as u16;
     let mut block = [0; BLOCK];
@@ -40,12 +40,6 @@ pub fn write_header(out: &mut impl Write, header: &C3dHeader, frames: u32) -> io
     block[20..24].copy_from_slice(&rate.to_le_bytes());
     out.write_all(&block)?;
     out.write_all(&parameters)
-}
-
-/// Number of the last frame.
-pub(super) fn last_frame(header: &C3dHeader, frames: u32) -> io::Result<u32> {
-    let last = header.first_frame.checked_add(frames).filter(|_| header.first_frame > 0);
-    last.map(|end| end - 1).ok_or_else(|| invalid("frames are numbered from 1 to below 2^32"))
 }
 
 /// Writes a frame, positions in the units and axes of the file.

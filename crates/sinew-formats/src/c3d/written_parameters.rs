@@ -43,7 +43,7 @@ pub(super) fn section(header: &C3dHeader, frames: u32) -> io::Result<Vec<u8>> {
 fn records(header: &C3dHeader, frames: u32, data_block: u16) -> io::Result<Vec<u8>> {
     use Written::{LongWord, Nothing, Real, Text, Texts, Word};
     let rate = header.rate_hz as f32;
-    let last = super::writer::last_frame(header, frames)?;
+    let last = header.last_frame(frames)?;
     // The first two bytes mean nothing, then come the number of blocks and the processor: Intel.
     let mut out = vec![1, 0x50, 0, 84];
     group(&mut out, 1, "POINT", "points in space");

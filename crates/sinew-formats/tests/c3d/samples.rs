@@ -47,9 +47,7 @@ fn check_points(file: &C3d, expected: &Points) {
     assert_eq!([missing, measured], expected.missing_and_measured);
     for (frame, point, position, residual, cameras) in expected.positions {
         let found = file.frames[frame][point].unwrap();
-        // ezc3d multiplies in single precision.
-        let near = found.position.iter().zip(position).all(|(a, b)| (a - b).abs() <= 1e-6 * b.abs());
-        assert!(near, "{found:?}, expected {position:?}");
+        assert_eq!(found.position, position, "frame {frame}, point {point}");
         assert!((found.residual - residual).abs() <= 1e-6 * residual, "{found:?}");
         assert_eq!(found.cameras, cameras);
     }
