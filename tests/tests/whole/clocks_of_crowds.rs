@@ -1,17 +1,38 @@
 //! Clocks of cameras, from each of several people whose ways cross.
 
+use sinew::formats::Layout;
 use sinew::formats::openpose::Keypoint;
-use sinew::input::limbs::limbs;
-use sinew::observe::Detection;
+use sinew::input::roll::Roll;
+use sinew::input::source::FrameSource;
 use sinew::observe::association::{Config, Person};
 use sinew::observe::camera_lag::{LagSearch, camera_clocks};
-use sinew::observe::identities::Identities;
 use sinew::observe::offsets::{self, Sighted};
+use sinew::observe::{Camera, Detection};
 use sinew_simulate::calibration_error::CalibrationError;
 use sinew_simulate::crowd::{Crowd, CrowdNoise, CrowdRecording, FoundPeople};
 use sinew_simulate::detector::DetectorNoise;
-
 use sinew_simulate::ring::Ring;
+use std::ops::Range;
+
+struct InMemory(CrowdRecording);
+
+impl FrameSource for InMemory {
+    fn cameras(&self) -> &[Camera] {
+        &self.0.cameras
+    }
+    fn layout(&self) -> &Layout {
+        &self.0.layout
+    }
+    fn frames(&self) -> Range<u64> {
+        0..self.0.keypoints[0].len() as u64
+    }
+    fn people(&mut self, number: u64) -> Result<Vec<Vec<Person>>, sinew::RecordingError> {
+        let detection = |k: Keypoint| Detection::new([k.x, k.y], k.confidence);
+        let person = |found: &Vec<Option<Keypoint>>| found.iter().map(|k| k.map(detection)).collect();
+        let view = |camera: &Vec<FoundPeople>| camera[number as usize].iter().map(person).collect();
+        Ok(self.0.keypoints.iter().map(view).collect())
+    }
+}
 
 /// In the images of small people, merged and with exchanged limbs, one leg at half a stride looks like the other.
 #[test]
@@ -26,26 +47,19 @@ fn no_camera_in_step_is_said_to_be_late() {
         calibration: CalibrationError::NONE,
         noise: CrowdNoise { keypoints, ..CrowdNoise::DETECTOR_LIKE },
     };
-    let recording = CrowdRecording::new(&crowd, 3).unwrap();
-    let mut identities =
-        Identities::new(&recording.cameras, limbs(&recording.layout), recording.rate_hz, Config::default());
-    let mut runs: Vec<Vec<(u64, Sighted)>> = vec![vec![]; crowd.people];
-    for number in 0..recording.keypoints[0].len() {
-        let person =
-            |found: &[Option<Keypoint>]| found.iter().map(|k| k.map(|k| Detection::new([k.x, k.y], k.confidence)));
-        let view = |found: &FoundPeople| found.iter().map(|found| person(found).collect()).collect();
-        let people: Vec<Vec<Person>> = recording.keypoints.iter().map(|camera| view(&camera[number])).collect();
-        let named = identities.name(&people);
-        for (person, run) in runs.iter_mut().enumerate() {
-            let own = |(view, names): (&Vec<Person>, &Vec<Option<usize>>)| {
-                names.iter().position(|name| *name == Some(person)).map(|i| view[i].clone()).unwrap_or_default()
-            };
-            run.push((number as u64, people.iter().zip(&named).map(own).collect()));
-        }
-    }
-    let search = LagSearch { fps: recording.rate_hz, offsets: offsets::Config::default(), drifts: false };
-    for run in &runs {
-        let clocks = camera_clocks((&recording.cameras, &[0.0; 4]), &[run], &search).unwrap();
+    let mut source = InMemory(CrowdRecording::new(&crowd, 3).unwrap());
+    let (frames, cameras) = (source.frames(), source.0.cameras.clone());
+    let never = |_| Ok::<(), sinew::RecordingError>(());
+    let roll = Roll::call(&mut source, frames.clone(), crowd.rate_hz, &Config::default(), never).unwrap();
+    assert_eq!(roll.people.len(), crowd.people);
+    let search = LagSearch { fps: crowd.rate_hz, offsets: offsets::Config::default(), drifts: false };
+    for person in 0..crowd.people {
+        let shown = |number: u64| {
+            let [own, _] = roll.parted(number, person, source.people(number).unwrap());
+            (number, own.into_iter().map(|view| view.into_iter().next().unwrap_or_default()).collect())
+        };
+        let run: Vec<(u64, Sighted)> = frames.clone().map(shown).collect();
+        let clocks = camera_clocks((&cameras, &[0.0; 4]), &[&run], &search).unwrap();
         assert!(clocks.iter().all(|clock| !clock.lag.is_off()), "{clocks:?}");
     }
 }

@@ -11,7 +11,7 @@ use std::path::Path;
 pub type Check = fn(&[u8]);
 
 /// Every fuzz target.
-pub const CHECKS: [(&str, Check); 28] = [
+pub const CHECKS: [(&str, Check); 29] = [
     ("openpose", checks::openpose),
     ("calib_toml", checks::calib_toml),
     ("calibration", checks::calibration),

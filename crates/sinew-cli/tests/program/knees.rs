@@ -1,6 +1,6 @@
 //! Which way knees bend where keypoints show no feet.
 
-use crate::common::trial;
+use crate::common::Trial;
 use std::fs;
 
 /// Keypoints of COCO: the first 17 of BODY_25B.
@@ -9,7 +9,7 @@ const COCO: usize = 17;
 /// A walker who stands for a second first, with straight knees that show no direction.
 #[test]
 fn knees_bend_backwards_where_keypoints_end_at_the_ankles() {
-    let trial = trial();
+    let trial = Trial { folder: tempfile::tempdir().unwrap() };
     let simulated = trial.run(&["simulate", "--duration", "3", "--seed", "3", "--images", "none", "-o", "walk"]);
     assert!(simulated.status.success(), "{}", trial.printed(&simulated));
     for camera in fs::read_dir(trial.path("walk/keypoints")).unwrap() {

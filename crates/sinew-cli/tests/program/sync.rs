@@ -97,7 +97,7 @@ fn keypoints_of_other_formats_are_interpolated_too() {
 /// Three people whose ways cross before cameras that are in step, and before one that is five frames late.
 #[test]
 fn clocks_are_found_from_everybody_of_a_crowd() {
-    let trial = trial();
+    let trial = Trial { folder: tempfile::tempdir().unwrap() };
     let simulated = trial.run(&["simulate", "--people", "3", "--duration", "3", "-o", "crowd"]);
     assert!(simulated.status.success(), "{}", trial.printed(&simulated));
     let recording = ["--calibration", "crowd/Calib.toml", "--keypoints", "crowd/keypoints", "--layout", "BODY_25B"];
