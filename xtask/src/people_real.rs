@@ -1,4 +1,6 @@
-//! The two people of `pose2sim_two_people`, all in one run and each in a run of his own, against Pose2Sim's tables of them.
+//! Two people of a real recording, in one run and in runs of their own.
+//!
+//! `pose2sim_two_people`, against Pose2Sim's tables of them.
 
 use crate::gait::with_error;
 use crate::outcome::Outcome;
@@ -62,13 +64,12 @@ fn distances(program: &Program, data: &Path, seeds: u64) -> Outcome<Vec<[Vec<f64
         let people = folders(&out)?;
         for ((name, _, _), both) in REFERENCES.iter().zip(&mut all) {
             let reference = read(&data.join(name))?;
-            let of_everybody =
-                people.iter().map(|folder| Ok(distance_mm(&read(&folder.join("markers.trc"))?, &reference)));
-            let of_everybody: Vec<f64> = of_everybody.collect::<Outcome<_>>()?;
-            let nearest = (0..people.len()).min_by(|a, b| of_everybody[*a].total_cmp(&of_everybody[*b])).unwrap_or(0);
+            let each = people.iter().map(|folder| Ok(distance_mm(&read(&folder.join("markers.trc"))?, &reference)));
+            let each: Vec<f64> = each.collect::<Outcome<_>>()?;
+            let nearest = (0..people.len()).min_by(|a, b| each[*a].total_cmp(&each[*b])).unwrap_or(0);
             let alone = program.folder.join(format!("two-people-{seed}-{}", nearest + 1));
             track(&["--people", "1", "--person", &(nearest + 1).to_string()], &alone)?;
-            both[0].push(of_everybody[nearest]);
+            both[0].push(each[nearest]);
             both[1].push(distance_mm(&read(&alone.join("markers.trc"))?, &reference));
         }
     }

@@ -60,14 +60,14 @@ pub(crate) fn stopped_or_begun(
 }
 
 /// Refuses the folder of several people where one is to be tracked, and the other way round.
-pub(crate) fn refuse_other_number(out: &Path, of_several: bool) -> Result<(), Error> {
+pub(crate) fn refuse_other_number(out: &Path, tracks_several: bool) -> Result<(), Error> {
     const WHO: [&str; 2] = ["one person", "several people"];
     let is_there = is_of_several(out);
     let is_of_one = [problem::NAME, "joints.csv", "joints.csv.partial"].iter().any(|name| out.join(name).exists());
-    if of_several == is_there || !(is_there || is_of_one) {
+    if tracks_several == is_there || !(is_there || is_of_one) {
         return Ok(());
     }
-    let [found, expected] = [is_there, of_several].map(|several| WHO[usize::from(several)]);
+    let [found, expected] = [is_there, tracks_several].map(|several| WHO[usize::from(several)]);
     Err(sinew::Error::checkpoint(out, Problem::Whom { found, expected }).into())
 }
 

@@ -105,8 +105,8 @@ fn everybody(run: &Run<'_>, config: &TrackConfig, summary: &mut PeopleSummary) -
     let mut said = WarningsOfAll::default();
     for (tracked, outcome) in summary.people.iter_mut().zip(outcomes) {
         match outcome {
-            Some(Ok(Tracked { complete, failed_diagnostics, warnings, of_recording })) => {
-                said.add(tracked.person, &warnings, &of_recording);
+            Some(Ok(Tracked { complete, failed_diagnostics, warnings, about_recording })) => {
+                said.add(tracked.person, &warnings, &about_recording);
                 tracked.trusted = complete && failed_diagnostics.is_empty();
                 tracked.failed_diagnostics = failed_diagnostics;
                 tracked.complete = complete;
@@ -131,14 +131,14 @@ fn everybody(run: &Run<'_>, config: &TrackConfig, summary: &mut PeopleSummary) -
 struct WarningsOfAll(Vec<(String, Vec<usize>)>);
 
 impl WarningsOfAll {
-    fn add(&mut self, person: usize, warnings: &[String], of_recording: &[String]) {
+    fn add(&mut self, person: usize, warnings: &[String], about_recording: &[String]) {
         for text in warnings {
             let known = self.0.iter().position(|(known, _)| known == text);
             let place = known.unwrap_or_else(|| {
                 self.0.push((text.clone(), vec![]));
                 self.0.len() - 1
             });
-            if !of_recording.contains(text) {
+            if !about_recording.contains(text) {
                 self.0[place].1.push(person);
             }
         }
@@ -235,7 +235,7 @@ struct Tracked {
     failed_diagnostics: Vec<String>,
     warnings: Vec<String>,
     /// What of them is odd about the recording itself.
-    of_recording: Vec<String>,
+    about_recording: Vec<String>,
 }
 
 /// One person, from the beginning or from where his run was stopped.
@@ -258,7 +258,7 @@ fn one(run: &Run<'_>, person: usize, threads: usize, progress: &PeopleProgress) 
             show(run.args, run.calibration, &out, run.report)?;
             progress.done(person, seen.end - seen.start, config.smooth);
             let failed_diagnostics = texts(&summary, "failed_diagnostics");
-            return Ok(Tracked { complete: true, failed_diagnostics, warnings: vec![], of_recording: vec![] });
+            return Ok(Tracked { complete: true, failed_diagnostics, warnings: vec![], about_recording: vec![] });
         }
         Some(Stopped::At(claim, checkpoint)) => (claim, Some(*checkpoint)),
         None => (claim(&out, run.read_from, config.force)?, None),
@@ -274,7 +274,7 @@ fn one(run: &Run<'_>, person: usize, threads: usize, progress: &PeopleProgress) 
         show(run.args, run.calibration, &out, run.report)?;
     }
     let Summary { complete, failed_diagnostics, warnings, .. } = outcome.summary;
-    Ok(Tracked { complete, failed_diagnostics, warnings, of_recording: recording.warnings() })
+    Ok(Tracked { complete, failed_diagnostics, warnings, about_recording: recording.warnings() })
 }
 
 fn texts(summary: &serde_json::Value, key: &str) -> Vec<String> {

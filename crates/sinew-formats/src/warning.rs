@@ -219,10 +219,7 @@ impl fmt::Display for Warning {
                 write!(f, "{place}: coordinate labels start with `{first}` instead of `X1`; taken in order")
             }
             Self::RepeatedMarker { place, name } => {
-                write!(
-                    f,
-                    "{place}: marker `{name}` is there twice; the first one is taken where it is selected by name"
-                )
+                write!(f, "{place}: marker `{name}` is there twice; the first one is taken where it is named")
             }
             Self::SpacesForTabs { place } => {
                 write!(f, "{place}: spaces instead of tabs; names cannot contain spaces then")

@@ -293,7 +293,7 @@ fn files_of_laboratories_that_are_damaged() {
     assert_snapshot!(warning(find(b"FRAMES") + 10, &[1]), @"a.c3d: POINT:FRAMES says 1, the file holds 2");
     assert_snapshot!(warning(find(b"UNITS") + 10, b" "), @"a.c3d: POINT:UNITS is not given; mm assumed");
     assert_snapshot!(warning(find(b"Y_SCREEN"), b"Z_SCREEN"), @"a.c3d: POINT:Y_SCREEN is not given; +Z (up) assumed");
-    assert_snapshot!(warning(find(b"Nose"), b"RHip"), @"a.c3d: marker `RHip` is there twice; the first one is taken where it is selected by name");
+    assert_snapshot!(warning(find(b"Nose"), b"RHip"), @"a.c3d: marker `RHip` is there twice; the first one is taken where it is named");
     let longer = c3d::read("a.c3d", &[file, vec![0; 4096]].concat()).unwrap();
     assert_snapshot!(longer.warnings[0], @"a.c3d: 2 of 144 possible frames are read");
 }

@@ -14,7 +14,6 @@ mod lasting;
 mod marginals;
 mod motion_prior;
 mod noted;
-mod oddities;
 mod restart;
 mod scene;
 mod smooth;

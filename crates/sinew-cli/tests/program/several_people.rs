@@ -127,8 +127,8 @@ fn a_number_chooses_the_person_of_the_folder_of_that_number() {
     let output = trial.track(&["-otwo", "--person=2"]);
     assert_eq!(output.status.code(), Some(0), "{}", trial.printed(&output));
     for name in ["joints.csv", "state.csv", "setup.toml", "frames.csv"] {
-        let [own, of_all] = ["two", "whole/people/02"].map(|folder| fs::read(trial.path(folder).join(name)).unwrap());
-        assert!(own == of_all, "{name}");
+        let [own, from_all] = ["two", "whole/people/02"].map(|folder| fs::read(trial.path(folder).join(name)).unwrap());
+        assert!(own == from_all, "{name}");
     }
     let setup = "--setup=whole/people/02/setup.toml";
     let refused = |arguments: &[&str], code: i32, words: &[&str]| {

@@ -5,7 +5,6 @@ mod clocks;
 
 use self::clocks::Clocks;
 use super::error::TrackError;
-use super::oddities::{OddPerson, Oddities, Watched};
 use crate::Error;
 use crate::config::settings::Settings;
 use crate::methods::BoundKeypoints;
@@ -20,6 +19,7 @@ use sinew_observe::bystanders::elsewhere;
 use sinew_observe::following::{Associated, Following, follow};
 use sinew_observe::offsets::{self, Sighted, median};
 use sinew_observe::{Camera, Detection, KeypointFrame, KeypointModel, Mistakes, Noise, ObservationModel, View};
+use sinew_recording::oddities::{OddPerson, Oddities, Watched};
 use sinew_recording::predictive::{self, Doubt, Lengths, Origins, Predictive};
 use std::sync::Arc;
 
@@ -426,7 +426,8 @@ impl Scene {
         let known = saved.lengths.iter().filter(|(a, b, _)| *a < keypoints && *b < keypoints).count();
         check_length(saved.lengths.len(), known)?;
         self.clocks.restore(&saved.velocities)?;
-        self.oddities.restore(&saved.oddities)?;
+        check_length(saved.oddities.len(), cameras)?;
+        self.oddities.restore(&saved.oddities);
         check_length(saved.predictive.cameras(), cameras)?;
         self.predictive.clone_from(&saved.predictive);
         self.following = Following {

@@ -4,7 +4,7 @@
 
 use super::colours::colour_warning;
 use super::inputs::{Hashes, Inputs};
-use super::level::levelled;
+use super::level::{levelled, place_at_start};
 use super::watch::{RunPhase, Watch};
 use crate::config::Resolved;
 use crate::config::TrackConfig;
@@ -71,11 +71,6 @@ pub(super) fn begun<'a, S: FrameSource>(
         ..Checkpoint::default()
     };
     Ok(Begun { source, setup, checkpoint })
-}
-
-/// Place of the person among everybody at the start, the most complete one first.
-pub(super) fn place_at_start(config: &TrackConfig, source: &impl FrameSource) -> usize {
-    config.person.filter(|_| !source.shows_one()).map_or(0, |number| number.saturating_sub(1))
 }
 
 /// A run where it was stopped: what it had read is read again, which shows whether it is the same and counts what is odd about it.

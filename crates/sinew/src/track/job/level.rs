@@ -2,7 +2,6 @@
 //!
 //! What points up is declared (`--up`, `--up-axis`), known from a set-up, or shown by the person (`--up auto`).
 
-use super::begin::place_at_start;
 use super::watch::{RunPhase, Watch};
 use crate::Error;
 use crate::config::TrackConfig;
@@ -65,6 +64,11 @@ pub(super) fn levelled<'a, S: FrameSource>(
     let found = setup::find_up(&cameras, &layout, &request, frames)?;
     warnings.push(said(&found));
     Ok((source.turned(&direction_text(found.direction)), Some(found.sd_deg)))
+}
+
+/// Place of the person among everybody at the start, the most complete one first.
+pub(super) fn place_at_start(config: &TrackConfig, source: &impl FrameSource) -> usize {
+    config.person.filter(|_| !source.shows_one()).map_or(0, |number| number.saturating_sub(1))
 }
 
 /// What was found, in words.

@@ -10,7 +10,6 @@
 //!
 //! Memory does not grow with the frames: a span is kept as its ends and sums, and only the first few of each camera are listed.
 
-use crate::results::problem::{Problem, check_length};
 use crate::setup::SetupWarning;
 use serde::{Deserialize, Serialize};
 
@@ -74,7 +73,7 @@ impl Watched {
 
 /// All cameras.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Oddities {
+pub struct Oddities {
     cameras: Vec<Watched>,
     /// Left and right, by point of the plan.
     pairs: Vec<(usize, usize)>,
@@ -91,26 +90,24 @@ fn is_swap(straight: f64, crossed: f64, sigma_px: f64) -> bool {
 
 impl Oddities {
     /// Nothing seen yet in cameras of these names and noises.
-    pub(super) fn new(cameras: impl Iterator<Item = (String, f64)>, pairs: Vec<(usize, usize)>) -> Self {
+    pub fn new(cameras: impl Iterator<Item = (String, f64)>, pairs: Vec<(usize, usize)>) -> Self {
         let watched = |(name, sigma_px)| Watched { name, sigma_px, ..Watched::default() };
         Self { cameras: cameras.map(watched).collect(), pairs }
     }
 
     /// What is remembered of each camera.
-    pub(super) fn save(&self) -> Vec<Watched> {
+    pub fn save(&self) -> Vec<Watched> {
         self.cameras.clone()
     }
 
-    /// Takes up what [`Oddities::save`] gave.
-    pub(super) fn restore(&mut self, saved: &[Watched]) -> Result<(), Problem> {
-        check_length(saved.len(), self.cameras.len())?;
-        self.cameras.clone_from_slice(saved);
-        Ok(())
+    /// Takes up what [`Oddities::save`] gave, of as many cameras.
+    pub fn restore(&mut self, saved: &[Watched]) {
+        self.cameras = saved.to_vec();
     }
 
     /// Takes what a camera shows before the frame is tracked: how many people, whether the tracked one is among them, and the distances of the first one's
     /// keypoints from where they are expected, as labelled and with left and right exchanged.
-    pub(super) fn people(
+    pub fn people(
         &mut self,
         camera: usize,
         count: usize,
@@ -127,12 +124,7 @@ impl Oddities {
     }
 
     /// Closes a frame, of which `odd` is what each camera showed before: `distance(camera, seen, at)` is that of keypoint `seen` from the projection of point `at` of the tracked pose.
-    pub(super) fn note(
-        &mut self,
-        number: u64,
-        odd: &[OddPerson],
-        distance: impl Fn(usize, usize, usize) -> Option<f64>,
-    ) {
+    pub fn note(&mut self, number: u64, odd: &[OddPerson], distance: impl Fn(usize, usize, usize) -> Option<f64>) {
         for (c, (watched, odd)) in self.cameras.iter_mut().zip(odd).enumerate() {
             if let Some(px) = odd.jump_px {
                 if watched.jumps.len() < LISTED {
@@ -173,7 +165,7 @@ impl Oddities {
     }
 
     /// What was odd so far.
-    pub(super) fn warnings(&self) -> Vec<String> {
+    pub fn warnings(&self) -> Vec<String> {
         let mut warnings = vec![];
         for watched in &self.cameras {
             let mut watched = watched.clone();
