@@ -6,8 +6,9 @@
 use sinew::formats::keypoint_table::KeypointTable;
 use sinew::formats::source_text::decode;
 use sinew::formats::{
-    Error, amc, asf, body_toml, bvh, c3d, calib_toml, calibration, caliscope_xy, camera_name, coco_results, deeplabcut_csv,
-    frame_number, keypoint_formats, layout, mask, mediapipe_json, mmpose_json, mot, openpose, picture, tidy_csv, trc,
+    Error, amc, asf, body_toml, bvh, c3d, calib_toml, calibration, caliscope_xy, camera_name, coco_results,
+    deeplabcut_csv, frame_number, keypoint_formats, layout, mask, mediapipe_json, mmpose_json, mot, openpose, picture,
+    tidy_csv, trc,
 };
 use std::fmt::Display;
 
