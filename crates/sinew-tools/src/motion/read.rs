@@ -47,11 +47,12 @@ pub fn read(path: &Path, skeleton: Option<&Path>, fps: Option<f64>) -> Result<Mo
             Ok(Motion { warnings, ..motion })
         }
         Format::Amc => {
+            let text = text()?;
             let Some(skeleton) = skeleton else {
                 return Err(MotionError::NoSkeleton { file: name }.into());
             };
             let asf = asf::read(&skeleton.display().to_string(), &files::read_text(skeleton, MAX_TEXT_BYTES)?)?;
-            let amc = amc::read(&name, &text()?, &asf)?;
+            let amc = amc::read(&name, &text, &asf)?;
             let rate_hz = fps.unwrap_or(AMC_RATE_HZ);
             let mut warnings: Vec<String> = amc.warnings.iter().map(ToString::to_string).collect();
             if fps.is_none() {
