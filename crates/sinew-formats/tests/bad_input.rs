@@ -95,7 +95,7 @@ fn cameras_that_begin_or_end_apart() {
     let ranges = [("cam1", 0..900), ("cam3", 0..897)];
     let error = frame_number::common_range(&ranges, false).unwrap_err();
     assert_snapshot!(error, @"cam1 has 900 frames, cam3 has 897; difference 3");
-    assert_snapshot!(error.help().unwrap(), @"pass `--trim` to use only the frames that all cameras have");
+    assert_snapshot!(error.help().unwrap(), @"pass `--trim` to use only the frames that all cameras have; if keypoints are numbered apart, `sinew sync --trim` finds by how much");
     assert_eq!(frame_number::common_range(&ranges, true), Ok(0..897));
 }
 
