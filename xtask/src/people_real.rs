@@ -24,7 +24,8 @@ fn distance_mm(found: &Trc, reference: &Trc) -> f64 {
     let names: Vec<String> = LIMBS.iter().flat_map(|joint| ["R", "L"].map(|side| format!("{side}{joint}"))).collect();
     let mut differences: Vec<[f64; 3]> = vec![];
     for (place, frame) in found.frames.iter().enumerate() {
-        let same = |other: &trc::TrcFrame| (other.time_s - frame.time_s).abs() < 1e-3;
+        // Rows of both are counted from 1; Pose2Sim's times begin a frame later.
+        let same = |other: &trc::TrcFrame| other.number == frame.number;
         let Some(there) = reference.frames.iter().position(same) else { continue };
         for name in &names {
             let at = |trc: &Trc, frame: usize| trc.point_in_world(frame, trc.marker_index(name)?);
