@@ -2,10 +2,10 @@
 //!
 //! A stay is what was seen of somebody without a break. Of stays i and j, j begun after the end of i, the log odds that they are of the same person are a sum of two likelihood ratios against "somebody new":
 //!
-//! 1. **Lengths of segments.** The medians of the log lengths in the two stays differ by d. If he is the same, d ~ N(0, V), V the variances of both medians (scatter over the frames, and [`LASTING`], which does not average out) and an error of scale that all have in common ([`SCALE`]). If he is another adult, stature and the shares of the segments differ besides ([`STATURE`], [`SEGMENT`]). Both are a diagonal and a rank one.
-//! 2. **The way.** Nobody goes faster than [`FASTEST_M_S`]. Whoever is back at once is near where he left, N(0, (0.5 m + 1 m/s t)²); the longer he is away, the more likely he comes from anywhere, as somebody new does: evenly over [`AREA_M2`].
+//! 1. **Lengths of segments.** The medians of the log lengths in the two stays differ by d. If he is the same, d ~ N(0, V), V the variances of both medians (scatter over the frames, and `LASTING`, which does not average out) and an error of scale that all have in common (`SCALE`). If he is another adult, stature and the shares of the segments differ besides (`STATURE`, `SEGMENT`). Both are a diagonal and a rank one.
+//! 2. **The way.** Nobody goes faster than `FASTEST_M_S`. Whoever is back at once is near where he left, N(0, (0.5 m + 1 m/s t)²); the longer he is away, the more likely he comes from anywhere, as somebody new does: evenly over `AREA_M2`.
 //!
-//! All stays are joined at once so that the sum of the log odds is greatest ([`least_cost`]). How sure a join is follows from what the sum loses without it, whoever he and the other may be then: **log odds of the best joint explanation with it to the best one without it**. Below [`LEAST_LOG_ODDS`] he is somebody new, since a wrong name is worse than a new one. Of two people of one size who left together, only the way can say who is back; if it does not, both are new.
+//! All stays are joined at once so that the sum of the log odds is greatest ([`least_cost`]). How sure a join is follows from what the sum loses without it, whoever he and the other may be then: **log odds of the best joint explanation with it to the best one without it**. Below `LEAST_LOG_ODDS` he is somebody new, since a wrong name is worse than a new one. Of two people of one size who left together, only the way can say who is back; if it does not, both are new.
 //!
 //! Cost: cubic in the stays for the assignment, times the joins.
 
