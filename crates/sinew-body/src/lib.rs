@@ -25,6 +25,7 @@ pub mod hapf31;
 pub mod hppf24;
 pub mod initial;
 pub mod kinematics;
+pub mod leg_turns;
 pub mod motion_ranges;
 #[cfg(test)]
 mod placed;

@@ -7,6 +7,7 @@ use super::stored::Setup;
 use crate::Error;
 use crate::input::source::FrameSource;
 use sinew_body::KinematicTree;
+use sinew_body::leg_turns::{leg_turns, shows_feet};
 use sinew_observe::association;
 use sinew_observe::following::{Following, follow};
 use std::ops::Range;
@@ -16,6 +17,8 @@ const MOTION_RUNS: u64 = 5;
 const MOTION_FRAMES: u64 = 30;
 
 /// Motion noise of a recording, from poses fitted to some of its frames one by one ([`measured_sd`]).
+///
+/// Where keypoints show no feet, legs that are straight turn about themselves at random in these fits: a leg is taken to turn no more than its thigh swings.
 ///
 /// # Errors
 /// Errors of the source.
@@ -44,5 +47,11 @@ pub fn measure_motion(
             poses.push(pose.filter(|pose| pose.len() == tree.dof()));
         }
     }
-    Ok(measured_sd(tree, &poses, fps))
+    let mut sd = measured_sd(tree, &poses, fps);
+    if !shows_feet(tree, |name| layout.index(name).is_some()) {
+        for [turn, one, other] in leg_turns(tree) {
+            sd[turn] = sd[turn].min(sd[one].max(sd[other]));
+        }
+    }
+    Ok(sd)
 }

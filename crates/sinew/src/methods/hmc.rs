@@ -12,7 +12,7 @@ use crate::config::setting::{SAMPLING, SHARE, Setting, SettingKind, computed};
 use crate::config::values::SettingValues;
 use crate::setup::Setup;
 use crate::track::error::TrackError;
-use sinew_body::Point;
+use sinew_body::leg_turns::shows_feet;
 use sinew_body::motion_ranges::motion_ranges;
 use sinew_core::beside::Beside;
 use sinew_core::combinators::{Sum, Through};
@@ -182,21 +182,10 @@ struct LimitedHmc {
 
 impl LimitedHmc {
     fn is_limited(&self, making: &Making<'_>) -> bool {
-        making.latent.is_none() && (self.always || !shows_feet(making))
+        making.latent.is_none()
+            && (self.always
+                || !shows_feet(&making.setup.tree(), |name| making.keypoints.iter().any(|shown| shown == name)))
     }
-}
-
-/// Links that turn with feet.
-const FEET: [&str; 2] = ["r_foot", "l_foot"];
-
-/// Whether a keypoint beyond an ankle is shown.
-fn shows_feet(making: &Making<'_>) -> bool {
-    let tree = making.setup.tree();
-    let beyond = |point: &Point| {
-        let link = &tree.links()[point.link].name;
-        FEET.contains(&link.as_str()) && point.offset != [0.0; 3]
-    };
-    tree.points().iter().any(|point| beyond(point) && making.keypoints.contains(&point.name))
 }
 
 fn limits(making: &Making<'_>) -> Result<Lanes<JointLimits>, Error> {
