@@ -55,7 +55,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_runs_beside_each_other_comes_in_order() {
+    fn outcomes_come_in_order() {
         for workers in [1, 2, 5] {
             let squares = beside_each_other(9, workers, |index| index * index, |_| false);
             assert_eq!(squares, (0..9).map(|index| Some(index * index)).collect::<Vec<_>>());

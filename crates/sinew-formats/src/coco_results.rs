@@ -132,7 +132,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_left_out_is_counted() {
+    fn entries_left_out_are_counted() {
         let text = r#"[{"image_id":3,"category_id":18,"keypoints":[9,9,1]},{"image_id":4,"keypoints":null},
             {"image_id":5,"bbox":[0,0,1,1]},{"image_id":5,"keypoints":[1,2,1]}]"#;
         let table = read("a.json", text, 1.0).unwrap();

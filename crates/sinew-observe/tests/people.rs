@@ -412,7 +412,7 @@ fn people_who_pass_each_other_keep_their_names_in_all_views() {
 }
 
 /// Who comes to stay when `figures` are there for some frames each, one after the other.
-fn who_stays(acts: &[(u64, Vec<Vec<[f64; 3]>>)]) -> Vec<usize> {
+fn staying(acts: &[(u64, Vec<Vec<[f64; 3]>>)]) -> Vec<usize> {
     let cameras = cameras();
     let mut identities = Identities::new(&cameras, segments(), 30.0, Config::default());
     for (frames, figures) in acts {
@@ -429,18 +429,18 @@ fn a_person_who_comes_back_is_known_by_limbs_and_a_stranger_is_new() {
     let start = (10, vec![tall, short.clone()]);
     let without = (15, vec![short.clone()]);
     let back = |scale: f64| (10, vec![figure(0.7, 0.2, scale), short.clone()]);
-    let stays = |scale: f64| who_stays(&[start.clone(), without.clone(), back(scale)]);
+    let stays = |scale: f64| staying(&[start.clone(), without.clone(), back(scale)]);
     // Two stays from the start, in the order of the groups, and one more.
     assert!([0, 1].contains(&stays(1.0)[2]) && stays(1.0).len() == 3);
     assert_eq!(stays(1.4)[2], 2);
     // Each is who he was before.
     let (gone, both) = ((15, vec![]), |a: f64, b: f64| (10, vec![figure(0.3, 0.2, a), figure(-0.3, 0.0, b)]));
-    let again = who_stays(&[both(1.0, 0.7), gone.clone(), both(1.0, 0.7)]);
-    let other = who_stays(&[both(1.0, 0.7), gone.clone(), both(0.7, 1.0)]);
+    let again = staying(&[both(1.0, 0.7), gone.clone(), both(1.0, 0.7)]);
+    let other = staying(&[both(1.0, 0.7), gone.clone(), both(0.7, 1.0)]);
     assert_eq!(again[..2], other[..2]);
     assert!(again[2..].iter().chain(&other[2..]).all(|person| *person < 2), "{again:?} {other:?}");
     // From one side of the room to the other in half a second goes nobody.
-    assert_eq!(who_stays(&[(10, vec![short]), gone, (10, vec![figure(-9.0, 0.2, 0.7)])]), [0, 1]);
+    assert_eq!(staying(&[(10, vec![short]), gone, (10, vec![figure(-9.0, 0.2, 0.7)])]), [0, 1]);
 }
 
 #[test]

@@ -105,7 +105,7 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_read_back_is_refused() {
+    fn points_that_no_reader_could_return_are_refused() {
         let refused = |header: &C3dHeader| write_header(&mut Vec::new(), header, 0).is_err();
         for name in ["", " A", "A\tB", &"a".repeat(256)] {
             assert!(refused(&header(&[name])), "{name:?}");

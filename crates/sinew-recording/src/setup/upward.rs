@@ -243,7 +243,7 @@ mod tests {
     }
 
     #[test]
-    fn who_sits_says_it_worse() {
+    fn somebody_who_sits_shows_up_less_surely() {
         let layout = layout::find("COCO_17").unwrap();
         let aside = [0.8, 0.0, 0.6];
         let seated = |has_ankles: bool, knee: [f64; 3]| {
