@@ -18,6 +18,7 @@
 //! # Ok::<(), Error>(())
 //! ```
 
+pub mod batch;
 pub mod claimed;
 mod error;
 pub mod listener;

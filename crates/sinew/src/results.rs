@@ -33,7 +33,7 @@ mod texts;
 mod world_turn;
 
 pub use claim::{
-    Claim, LOCK_NAME, OWN_NAMES, RESULT_NAMES, claim, claim_in, claim_to_resume, is_in_use, refuse_inputs,
+    Claim, LOCK_NAME, OWN_NAMES, RESULT_NAMES, claim, claim_in, claim_to_resume, is_in_use, is_stopped, refuse_inputs,
 };
 pub use folder::{ResultFolder, Written, write_whole};
 pub use markers::{REFERENCE_ORDER, order as marker_order};

@@ -8,6 +8,7 @@
 //! 4. Folders that were created and in which nothing was left are removed again.
 
 use super::error::Occupied;
+use super::people::is_of_several;
 use super::problem::{self, Problem};
 use super::storage::{Disk, Storage};
 use crate::Error;
@@ -130,6 +131,12 @@ fn locked(storage: Arc<dyn Storage>, folder: &Path, made: Made) -> Result<Claim,
 pub fn is_in_use(folder: &Path) -> bool {
     let Ok(file) = File::open(folder.join(LOCK_NAME)) else { return false };
     matches!(file.try_lock_shared(), Err(TryLockError::WouldBlock))
+}
+
+/// Whether a run was stopped in a folder, of one person or of several, that can be resumed.
+#[must_use]
+pub fn is_stopped(folder: &Path) -> bool {
+    folder.join(problem::NAME).exists() || (is_of_several(folder) && is_incomplete(folder))
 }
 
 impl Claim {
