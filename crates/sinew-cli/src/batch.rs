@@ -10,10 +10,11 @@ use super::terminal::Terminal;
 use serde_json::json;
 use sinew::config::{Sources, resolve};
 use sinew::results::error::Occupied;
-use sinew_runs::batch::gather::{Gathered, gather};
-use sinew_runs::batch::plan::{Plan, plan, write};
+use sinew_runs::batch::gather::gather;
+use sinew_runs::batch::plan::{StudyPlan, plan, write};
 use sinew_runs::batch::run::{ShardEnd, run as run_shard};
 use sinew_runs::batch::shard::Shard;
+use sinew_runs::batch::trial_table::Gathered;
 use sinew_runs::batch::{unpack, write_submit_files};
 use sinew_runs::threads::wanted;
 use std::path::{Path, PathBuf};
@@ -38,7 +39,7 @@ fn planned(args: &PlanArgs, general: &General, report: &Report) -> Result<Ended,
     }
     let tasks = plan(&args.trials)?;
     let root = std::path::absolute(&args.trials).map_err(sinew::Error::io("read", &args.trials))?;
-    let known = Plan { sinew_version: env!("CARGO_PKG_VERSION").into(), root, packed: args.pack };
+    let known = StudyPlan { sinew_version: env!("CARGO_PKG_VERSION").into(), root, packed: args.pack };
     write(&study, &known, &tasks)?;
     write_submit_files(&study, args.shards)?;
     let problems: Vec<String> =
@@ -71,7 +72,7 @@ fn planned(args: &PlanArgs, general: &General, report: &Report) -> Result<Ended,
     Ok(Ended::Done)
 }
 
-/// The part that was asked for, by flag or by a scheduler.
+/// The part that was requested, by flag or by a scheduler.
 fn wanted_shard(args: &RunArgs) -> Result<Shard, Error> {
     if let Some(shard) = args.shard {
         return Ok(shard);

@@ -1,4 +1,4 @@
-//! Many trials: a plan, shards that run it beside each other or one after the other, and one table over all.
+//! Many trials: a plan, shards that run it, and one table over all.
 //!
 //! ```text
 //! study/
@@ -22,6 +22,7 @@ mod pooled_setup;
 pub mod run;
 pub mod shard;
 mod submit;
+pub mod trial_table;
 mod trials;
 
 pub use packed::{unpack, unpacked};

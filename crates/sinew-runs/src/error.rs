@@ -69,7 +69,7 @@ pub enum Error {
     NotPacked {
         /// Folder of the study.
         study: PathBuf,
-        /// Name asked for.
+        /// Name given.
         trial: String,
     },
     /// Trials that cannot share a set-up.

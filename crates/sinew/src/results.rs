@@ -25,6 +25,7 @@ mod partial;
 mod pose;
 mod skeleton;
 mod statistics;
+mod stopped;
 mod storage;
 mod summary;
 mod table;
@@ -33,7 +34,7 @@ mod texts;
 mod world_turn;
 
 pub use claim::{
-    Claim, LOCK_NAME, OWN_NAMES, RESULT_NAMES, claim, claim_in, claim_to_resume, is_in_use, is_stopped, refuse_inputs,
+    Claim, LOCK_NAME, OWN_NAMES, RESULT_NAMES, claim, claim_in, claim_to_resume, is_in_use, refuse_inputs,
 };
 pub use folder::{ResultFolder, Written, write_whole};
 pub use markers::{REFERENCE_ORDER, order as marker_order};
@@ -41,6 +42,7 @@ pub use partial::Position;
 pub(crate) use partial::{PartialFile, Place};
 pub use pose::{Pose, pose};
 pub use skeleton::t_pose;
+pub use stopped::is_stopped;
 pub use storage::{Disk, Storage, StoredFile};
 pub use summary::{AnglesSummary, CameraSummary, Diagnostics, Ending, Limits, Summary};
 pub use texts::Texts;

@@ -1,6 +1,6 @@
-//! Recordings of one person by the same cameras, shown one after the other, for what is constant over all of them.
+//! Recordings of one person by the same cameras, shown one after the other.
 //!
-//! Between two recordings nobody is seen for a while, so that nothing is taken to move from the end of one to the beginning of the next.
+//! So what is constant over all of them is found at once. Between two recordings nobody is seen for a while, so that nothing is taken to move from the end of one to the beginning of the next.
 
 use super::source::FrameSource;
 use crate::Error;

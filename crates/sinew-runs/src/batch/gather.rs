@@ -1,4 +1,4 @@
-//! One table and one page over all trials of a study, with what failed and why, and statistics by group.
+//! One table and one page over all trials of a study, and statistics by group.
 
 use super::RESULTS;
 use super::angle_draws::{ANGLE_DRAWS, read_angle_draws};
@@ -7,10 +7,10 @@ use super::ledger::{EndedTask, TaskEnd, ended};
 use super::packed::unpacked;
 use super::page::page;
 use super::plan::{Task, read};
+use super::trial_table::{Gathered, TrialState, row, table};
 use crate::Error;
 use serde_json::Value;
 use sinew::results::write_whole;
-use std::fmt::Write as _;
 use std::fs;
 use std::path::Path;
 use std::str::FromStr;
@@ -53,65 +53,6 @@ impl FromStr for GroupBy {
         let found = Self::NAMES.iter().zip(all).find(|(name, _)| **name == text);
         found.map(|(_, by)| by).ok_or_else(|| format!("expected one of {}", Self::NAMES.join(", ")))
     }
-}
-
-/// State of a trial in a study.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum TrialState {
-    /// Results are there, and nothing doubts them.
-    Done,
-    /// Results are there, and a diagnostic failed.
-    Doubtful,
-    /// There are no results, and why is known.
-    Failed,
-    /// It was not run yet, or not since inputs or settings changed.
-    Missing,
-}
-
-impl TrialState {
-    /// In a word.
-    #[must_use]
-    pub const fn word(self) -> &'static str {
-        match self {
-            Self::Done => "done",
-            Self::Doubtful => "doubtful",
-            Self::Failed => "failed",
-            Self::Missing => "missing",
-        }
-    }
-}
-
-/// A row of the table: a trial, or one of several people in it.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct Row {
-    pub(super) trial: String,
-    pub(super) subject: String,
-    pub(super) person: String,
-    pub(super) state: TrialState,
-    pub(super) why: String,
-    /// Cells of [`NUMBERS`], empty where unknown.
-    pub(super) numbers: Vec<String>,
-}
-
-/// Columns of the table that come from a summary, with where they stand there.
-const NUMBERS: [(&str, &[&str]); 8] = [
-    ("frames", &["frame_count"]),
-    ("observed_frames", &["observed_frames"]),
-    ("fps", &["fps"]),
-    ("r_hat_median", &["diagnostics", "r_hat", "median"]),
-    ("r_hat_frames_above_1_05", &["diagnostics", "r_hat", "frames_above_1_05"]),
-    ("ess_median", &["diagnostics", "ess_median"]),
-    ("divergences", &["diagnostics", "divergences"]),
-    ("warnings", &["warnings"]),
-];
-
-/// What a study came to.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Gathered {
-    /// Trials by state: done, doubtful, failed, missing.
-    pub counts: [usize; 4],
-    /// Trials that failed or are missing, with why, in order.
-    pub lacking: Vec<(String, String)>,
 }
 
 /// Gathers a study.
@@ -173,8 +114,8 @@ fn results(study: &Path, line: Option<&EndedTask>) -> Result<Vec<(String, Value,
     files.sort();
     let text = |wanted: &str| files.iter().find(|(name, _)| name == wanted).map(|(_, text)| text.clone());
     let summaries: Vec<&(String, String)> = files.iter().filter(|(name, _)| name.ends_with("summary.json")).collect();
-    let of_people = summaries.len() > 1;
-    let found = summaries.into_iter().filter(|(name, _)| !of_people || name.contains('/')).map(|(name, summary)| {
+    let has_people = summaries.len() > 1;
+    let found = summaries.into_iter().filter(|(name, _)| !has_people || name.contains('/')).map(|(name, summary)| {
         let folder = name.strip_suffix("summary.json").unwrap_or_default();
         let person = folder.trim_end_matches('/').rsplit('/').next().unwrap_or_default().to_owned();
         let summary = serde_json::from_str(summary).unwrap_or_default();
@@ -183,7 +124,7 @@ fn results(study: &Path, line: Option<&EndedTask>) -> Result<Vec<(String, Value,
     Ok(found.collect())
 }
 
-/// The summaries and angles in a result folder and in those of its people, by their path in it.
+/// The summaries and angles in a result folder and in the folders of its people, by their path in it.
 fn small_files(folder: &Path) -> Result<Vec<(String, String)>, Error> {
     let people = fs::read_dir(folder.join("people")).into_iter().flatten().flatten();
     let people = people.map(|entry| format!("people/{}/", entry.file_name().to_string_lossy()));
@@ -198,41 +139,6 @@ fn small_files(folder: &Path) -> Result<Vec<(String, String)>, Error> {
         }
     }
     Ok(found)
-}
-
-fn row(task: &Task, person: &str, state: TrialState, why: &str, summary: &Value) -> Row {
-    let cell = |(_, keys): &(&str, &[&str])| match keys.iter().fold(summary, |value, key| &value[key]) {
-        Value::Null => String::new(),
-        Value::Array(items) => items.len().to_string(),
-        value => value.to_string(),
-    };
-    Row {
-        trial: task.trial.clone(),
-        subject: task.subject.clone().unwrap_or_default(),
-        person: person.to_owned(),
-        state,
-        why: why.to_owned(),
-        numbers: NUMBERS.iter().map(cell).collect(),
-    }
-}
-
-/// Heads of the columns with numbers.
-pub(super) fn number_heads() -> [&'static str; NUMBERS.len()] {
-    NUMBERS.map(|(head, _)| head)
-}
-
-fn table(rows: &[Row]) -> String {
-    let mut text = format!("trial,subject,person,state,{},why\n", number_heads().join(","));
-    for Row { trial, subject, person, state, why, numbers } in rows {
-        let cells = [trial, subject, person].map(|cell| quoted(cell)).join(",");
-        let _ = writeln!(text, "{cells},{},{},{}", state.word(), numbers.join(","), quoted(why));
-    }
-    text
-}
-
-/// A cell of a CSV file, between quotes where it needs them.
-pub(super) fn quoted(cell: &str) -> String {
-    if cell.contains([',', '"', '\n', '\r']) { format!("\"{}\"", cell.replace('"', "\"\"")) } else { cell.to_owned() }
 }
 
 #[cfg(test)]
@@ -258,13 +164,5 @@ mod tests {
         let groups = GroupBy::NAMES.map(|name| name.parse::<GroupBy>().unwrap().of(&walk));
         assert_eq!(groups, ["S1/day2", "walk", "anna", "all"]);
         assert!("people".parse::<GroupBy>().is_err());
-    }
-
-    #[test]
-    fn cells_with_commas_stay_one_cell() {
-        let why = "`a`, then \"b\"";
-        let row = row(&task("S1/walk", None), "", TrialState::Failed, why, &Value::Null);
-        let text = table(&[row]);
-        assert!(text.ends_with(",failed,,,,,,,,,\"`a`, then \"\"b\"\"\"\n"), "{text}");
     }
 }

@@ -4,6 +4,7 @@
 //! mean. Draws of trials with set-ups of their own are paired as they come: what such trials share without saying so, as cameras, then averages out too much.
 
 use super::angle_draws::AngleOverTime;
+use super::trial_table::quoted;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
@@ -81,15 +82,15 @@ impl Groups {
 
     /// The statistics, by group and angle.
     pub(super) fn statistics(&self) -> Vec<GroupAngle> {
-        let of_group = |(group, angles): (&String, &BTreeMap<AngleKey, RunningMean>)| {
-            let of_angle = |((angle, what), known): (&AngleKey, &RunningMean)| {
+        let statistics_in = |(group, angles): (&String, &BTreeMap<AngleKey, RunningMean>)| {
+            let statistics_for = |((angle, what), known): (&AngleKey, &RunningMean)| {
                 let (mean_deg, interval_deg, sd_between_deg) = known.statistics();
                 let (group, angle) = (group.clone(), angle.clone());
                 GroupAngle { group, angle, what, trials: known.trials, mean_deg, interval_deg, sd_between_deg }
             };
-            angles.iter().map(of_angle).collect::<Vec<_>>()
+            angles.iter().map(statistics_for).collect::<Vec<_>>()
         };
-        self.0.iter().flat_map(of_group).collect()
+        self.0.iter().flat_map(statistics_in).collect()
     }
 }
 
@@ -105,7 +106,7 @@ pub(super) fn to_csv(statistics: &[GroupAngle]) -> String {
     let mut text = "group,angle,what,trials,mean_deg,q05_deg,q95_deg,sd_between_trials_deg\n".to_owned();
     for GroupAngle { group, angle, what, trials, mean_deg, interval_deg: [low, high], sd_between_deg } in statistics {
         let between = if sd_between_deg.is_finite() { format!("{sd_between_deg:.4}") } else { String::new() };
-        let group = super::gather::quoted(group);
+        let group = quoted(group);
         let _ = writeln!(text, "{group},{angle},{what},{trials},{mean_deg:.4},{low:.4},{high:.4},{between}");
     }
     text

@@ -1,6 +1,6 @@
-//! Results of many trials in one archive a shard, which is appended to: one file on a shared disk in place of a hundred a trial.
+//! Results of many trials in one archive a shard: one file in place of a hundred a trial.
 //!
-//! The archive is a tar file whose entries are those of the trials one after the other; the ledger says where each begins. What a kill left behind the last whole trial is cut off.
+//! The archive is a tar file that holds the files of the trials one after the other; the ledger says where each begins. What a kill left behind the last whole trial is cut off.
 
 use super::ledger::{EndedTask, Packed, ended};
 use super::shard::Shard;
@@ -87,7 +87,7 @@ fn files_below(folder: &Path) -> Result<Vec<PathBuf>, Error> {
     Ok(files)
 }
 
-/// Takes the results of a trial out of its archive: those of its files that are wanted, with what they hold.
+/// Takes the results of a trial out of its archive: the files that are wanted, with what they hold.
 ///
 /// # Errors
 /// Errors of the disk; an archive that is cut short.

@@ -1,8 +1,8 @@
-//! The page of a study: how many trials are done, what failed and why, and what the groups came to.
+//! The page of a study: what is done, what failed and why, statistics by group.
 
-use super::gather::{Gathered, Row, TrialState, number_heads};
 use super::group_statistics::GroupAngle;
-use super::plan::Plan;
+use super::plan::StudyPlan;
+use super::trial_table::{Gathered, Row, TrialState, number_heads};
 use sinew_tools::report::html::{escaped, table};
 
 const TEMPLATE: &str = include_str!("page.html");
@@ -11,7 +11,7 @@ const TEMPLATE: &str = include_str!("page.html");
 const MOST_ROWS: usize = 2000;
 
 /// The page.
-pub(super) fn page(plan: &Plan, gathered: &Gathered, rows: &[Row], statistics: &[GroupAngle]) -> String {
+pub(super) fn page(plan: &StudyPlan, gathered: &Gathered, rows: &[Row], statistics: &[GroupAngle]) -> String {
     let [done, doubtful, failed, missing] = gathered.counts;
     let counts = [
         ("done", done, "results are there"),
@@ -47,7 +47,7 @@ pub(super) fn page(plan: &Plan, gathered: &Gathered, rows: &[Row], statistics: &
     sinew_tools::report::html::filled(TEMPLATE, &parts)
 }
 
-fn trial_row(plan: &Plan, row: &Row) -> Vec<String> {
+fn trial_row(plan: &StudyPlan, row: &Row) -> Vec<String> {
     let Row { trial, subject, person, state, why, numbers } = row;
     let is_linked = !plan.packed && matches!(state, TrialState::Done | TrialState::Doubtful);
     let folder = if person.is_empty() { trial.clone() } else { format!("{trial}/people/{person}") };

@@ -2,7 +2,7 @@
 //!
 //! Of text files the hash is over their content; of images and masks over names, sizes and times of change, since reading them all takes as long as tracking.
 
-use super::trials::{self, Trial};
+use super::trials::{self, FoundTrial};
 use super::{PLAN, TASKS};
 use crate::Error;
 use serde::{Deserialize, Serialize};
@@ -20,7 +20,7 @@ const MAX_BYTES: u64 = 1 << 32;
 /// What a study is about.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Plan {
+pub struct StudyPlan {
     /// Version of the program that made it.
     pub sinew_version: String,
     /// Folder of the trials.
@@ -55,8 +55,8 @@ pub struct Task {
 impl Task {
     /// The trial.
     #[must_use]
-    pub fn as_trial(&self) -> Trial {
-        Trial { name: self.trial.clone(), has_file: self.has_file }
+    pub fn as_trial(&self) -> FoundTrial {
+        FoundTrial { name: self.trial.clone(), has_file: self.has_file }
     }
 }
 
@@ -72,22 +72,22 @@ pub fn plan(root: &Path) -> Result<Vec<Task>, Error> {
     }
     let mut tasks: Vec<Task> = found.iter().map(|trial| task(trial, &root)).collect();
     // A set-up that is shared depends on all who share it.
-    let mut of_pool: BTreeMap<String, u64> = BTreeMap::new();
+    let mut pool_hashes: BTreeMap<String, u64> = BTreeMap::new();
     for task in &tasks {
         if let Some(pool) = &task.pool {
-            let hash = of_pool.entry(pool.clone()).or_insert(FNV_START);
+            let hash = pool_hashes.entry(pool.clone()).or_insert(FNV_START);
             *hash = fnv(*hash, task.hash.as_bytes());
         }
     }
     for task in &mut tasks {
-        if let Some(hash) = task.pool.as_ref().and_then(|pool| of_pool.get(pool)) {
+        if let Some(hash) = task.pool.as_ref().and_then(|pool| pool_hashes.get(pool)) {
             task.hash = format!("{:016x}", fnv(*hash, task.hash.as_bytes()));
         }
     }
     Ok(tasks)
 }
 
-fn task(trial: &Trial, root: &Path) -> Task {
+fn task(trial: &FoundTrial, root: &Path) -> Task {
     let unknown = Task {
         trial: trial.name.clone(),
         has_file: trial.has_file,
@@ -165,7 +165,7 @@ fn hash_of(hash: u64, path: &Path) -> Result<u64, Error> {
 ///
 /// # Errors
 /// Errors of the disk.
-pub fn write(study: &Path, plan: &Plan, tasks: &[Task]) -> Result<(), Error> {
+pub fn write(study: &Path, plan: &StudyPlan, tasks: &[Task]) -> Result<(), Error> {
     fs::create_dir_all(study).map_err(sinew::Error::io("create", study))?;
     let lines: String = tasks.iter().map(|task| serde_json::to_string(task).unwrap_or_default() + "\n").collect();
     write_whole(&study.join(TASKS), lines.as_bytes())?;
@@ -177,7 +177,7 @@ pub fn write(study: &Path, plan: &Plan, tasks: &[Task]) -> Result<(), Error> {
 ///
 /// # Errors
 /// [`Error::NotAStudy`], [`Error::StudyFile`].
-pub fn read(study: &Path) -> Result<(Plan, Vec<Task>), Error> {
+pub fn read(study: &Path) -> Result<(StudyPlan, Vec<Task>), Error> {
     let (plan, tasks) = (study.join(PLAN), study.join(TASKS));
     if !plan.is_file() || !tasks.is_file() {
         return Err(Error::NotAStudy(study.to_owned()));
@@ -188,7 +188,7 @@ pub fn read(study: &Path) -> Result<(Plan, Vec<Task>), Error> {
         problem: error.to_string(),
     };
     let text = read_text(&plan, MAX_BYTES)?;
-    let known: Plan = serde_json::from_str(&text).map_err(|error| wrong(&plan, error.line(), error))?;
+    let known: StudyPlan = serde_json::from_str(&text).map_err(|error| wrong(&plan, error.line(), error))?;
     let text = read_text(&tasks, MAX_BYTES)?;
     let lines = (1..).zip(text.lines());
     let all = lines.map(|(line, text)| serde_json::from_str(text).map_err(|error| wrong(&tasks, line, error)));
@@ -260,7 +260,7 @@ mod tests {
         let root = study();
         let tasks = plan(root.path()).unwrap();
         let folder = root.path().join("study");
-        let known = Plan { sinew_version: "0".into(), root: root.path().into(), packed: false };
+        let known = StudyPlan { sinew_version: "0".into(), root: root.path().into(), packed: false };
         write(&folder, &known, &tasks).unwrap();
         assert_eq!(read(&folder).unwrap(), (known, tasks));
         assert!(matches!(read(root.path()), Err(Error::NotAStudy(_))));

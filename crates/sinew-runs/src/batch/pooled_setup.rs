@@ -1,6 +1,6 @@
-//! One set-up for all trials of a subject in a session: sizes, cameras, biases of the detector and noise are the same in all of them.
+//! One set-up for all trials of a subject in a session.
 //!
-//! It is made from the trials' frames, one trial after the other, by the first who needs it. Whoever makes it makes the same bytes: shards need no lock for it.
+//! Sizes, cameras, biases of the detector and noise are the same in all of them. It is made from the trials' frames, one trial after the other, by the first who needs it. Whoever makes it makes the same bytes: shards need no lock for it.
 
 use super::plan::Task;
 use crate::Error;

@@ -6,7 +6,7 @@ use super::RESULTS;
 use super::angle_draws::write_angle_draws;
 use super::ledger::{EndedTask, Ledger, Packed, TaskEnd, ended};
 use super::packed::Archive;
-use super::plan::{Plan, Task, read};
+use super::plan::{StudyPlan, Task, read};
 use super::pooled_setup::pooled_setup;
 use super::shard::Shard;
 use crate::listener::{Deaf, Listener};
@@ -39,7 +39,7 @@ pub struct ShardEnd {
 /// A study being run.
 struct Study<'a> {
     folder: &'a Path,
-    plan: Plan,
+    plan: StudyPlan,
     tasks: Vec<Task>,
     archive: Option<Archive>,
     listener: &'a dyn Listener,

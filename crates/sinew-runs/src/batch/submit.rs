@@ -1,4 +1,4 @@
-//! Files that hand a study to a scheduler: a Slurm job array, a Snakemake rule, a line for GNU parallel.
+//! Files that hand a study to Slurm, Snakemake or GNU parallel.
 
 use super::shard::Shard;
 use crate::Error;

@@ -1,6 +1,6 @@
 //! Trials below a folder: by their `sinew.toml`, or by the folder `pose` in which Pose2Sim keeps keypoints.
 //!
-//! A file of settings that names keypoints or silhouettes is that of a trial. Settings that it leaves out are those of the folders above ([`sinew::config::file`]). A folder with keypoints in `pose` is a
+//! A file of settings that names keypoints or silhouettes is that of a trial. Settings that it leaves out come from the folders above ([`sinew::config::file`]). A folder with keypoints in `pose` is a
 //! trial without a file of its own.
 
 use crate::Error;
@@ -17,7 +17,7 @@ const CALIBRATION: [&str; 3] = ["calibration", "Calibration", "calib"];
 
 /// A trial as it was found.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Trial {
+pub struct FoundTrial {
     /// Its folder, seen from the root, with `/` between the parts; `.` for the root itself.
     pub name: String,
     /// Whether it has a file of settings that names what is tracked.
@@ -28,7 +28,7 @@ pub struct Trial {
 ///
 /// # Errors
 /// A folder that cannot be read.
-pub fn find(root: &Path) -> Result<Vec<Trial>, Error> {
+pub fn find(root: &Path) -> Result<Vec<FoundTrial>, Error> {
     let mut found = vec![];
     search(root, Path::new(""), &mut found)?;
     found.sort_by(|a, b| a.name.cmp(&b.name));
@@ -41,7 +41,7 @@ fn is_passed_over(name: &str) -> bool {
     is_input || name.starts_with('.') || matches!(name, "sinew-out" | "images" | "silhouettes" | "videos")
 }
 
-fn search(root: &Path, below: &Path, found: &mut Vec<Trial>) -> Result<(), Error> {
+fn search(root: &Path, below: &Path, found: &mut Vec<FoundTrial>) -> Result<(), Error> {
     let folder = root.join(below);
     let failed = |error| sinew::Error::io("read", &folder)(error);
     let mut folders = vec![];
@@ -61,7 +61,7 @@ fn search(root: &Path, below: &Path, found: &mut Vec<Trial>) -> Result<(), Error
         && read(&file)
             .map_or(true, |file| ["keypoints", "silhouettes"].iter().any(|key| file.values.contains_key(key)));
     if names_input || holds_keypoints(&folder.join(POSE)) {
-        found.push(Trial { name: slashed(below), has_file: names_input });
+        found.push(FoundTrial { name: slashed(below), has_file: names_input });
     }
     for name in folders {
         if !is_passed_over(&name.to_string_lossy()) {
@@ -86,7 +86,7 @@ fn holds_keypoints(folder: &Path) -> bool {
     })
 }
 
-impl Trial {
+impl FoundTrial {
     /// Its folder.
     #[must_use]
     pub fn folder(&self, root: &Path) -> PathBuf {

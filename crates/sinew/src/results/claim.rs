@@ -8,7 +8,6 @@
 //! 4. Folders that were created and in which nothing was left are removed again.
 
 use super::error::Occupied;
-use super::people::is_of_several;
 use super::problem::{self, Problem};
 use super::storage::{Disk, Storage};
 use crate::Error;
@@ -133,12 +132,6 @@ pub fn is_in_use(folder: &Path) -> bool {
     matches!(file.try_lock_shared(), Err(TryLockError::WouldBlock))
 }
 
-/// Whether a run was stopped in a folder, of one person or of several, that can be resumed.
-#[must_use]
-pub fn is_stopped(folder: &Path) -> bool {
-    folder.join(problem::NAME).exists() || (is_of_several(folder) && is_incomplete(folder))
-}
-
 impl Claim {
     /// The folder.
     #[must_use]
@@ -235,7 +228,7 @@ fn refuse_results(folder: &Path) -> Result<(), Error> {
     Ok(())
 }
 
-fn is_incomplete(folder: &Path) -> bool {
+pub(super) fn is_incomplete(folder: &Path) -> bool {
     let Ok(text) = fs::read_to_string(folder.join("summary.json")) else { return false };
     let summary: Option<serde_json::Value> = serde_json::from_str(&text).ok();
     summary.is_some_and(|summary| summary.get("complete") == Some(&serde_json::Value::Bool(false)))
