@@ -28,8 +28,8 @@ const SHORT: [(&str, &str); 11] = [
 ];
 
 /// Pages of the guide.
-const PAGES: [&str; 7] =
-    ["cameras", "first-recording", "motion-models", "own-recording", "results", "silhouettes", "warnings"];
+const PAGES: [&str; 8] =
+    ["batch", "cameras", "first-recording", "motion-models", "own-recording", "results", "silhouettes", "warnings"];
 
 fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
@@ -59,6 +59,16 @@ fn folder(page: &str) -> Trial {
     let trial = Trial { folder: tempfile::tempdir().unwrap() };
     if ["--keypoints pose", "Calib.toml pose", "--images images"].iter().any(|own| page.contains(own)) {
         own_recording(&trial);
+    }
+    if page.contains("batch plan recordings") {
+        own_recording(&trial);
+        fs::create_dir_all(trial.path("recordings/S1/walk")).unwrap();
+        fs::rename(trial.path("pose"), trial.path("recordings/S1/walk/pose")).unwrap();
+        fs::rename(trial.path("Calib.toml"), trial.path("recordings/Calib.toml")).unwrap();
+        let own = "root = true\ncalibration = \"Calib.toml\"\nfps = 30\nlayout = \"BODY_25B\"\n";
+        let short =
+            SHORT.map(|(name, value)| format!("{} = {value}\n", name.trim_start_matches("SINEW_").to_lowercase()));
+        fs::write(trial.path("recordings/sinew.toml"), own.to_owned() + &short.concat()).unwrap();
     }
     trial
 }
@@ -140,6 +150,11 @@ fn run_page(path: &str) {
 #[test]
 fn the_readme_runs() {
     run_page("README.md");
+}
+
+#[test]
+fn many_trials_run() {
+    run_page("docs/guide/batch.md");
 }
 
 #[test]

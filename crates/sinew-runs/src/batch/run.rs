@@ -7,7 +7,7 @@ use super::angle_draws::write_angle_draws;
 use super::ledger::{EndedTask, Ledger, Packed, TaskEnd, ended};
 use super::packed::Archive;
 use super::plan::{StudyPlan, Task, read};
-use super::pooled_setup::pooled_setup;
+use super::pooled_setup::PooledSetups;
 use super::shard::Shard;
 use crate::listener::{Deaf, Listener};
 use crate::threads::beside_each_other;
@@ -42,6 +42,7 @@ struct Study<'a> {
     plan: StudyPlan,
     tasks: Vec<Task>,
     archive: Option<Archive>,
+    setups: PooledSetups,
     listener: &'a dyn Listener,
     threads_a_trial: usize,
 }
@@ -63,7 +64,8 @@ pub fn run(folder: &Path, shard: Shard, threads: usize, listener: &dyn Listener)
     let before = own().filter(is_done).count();
     let missing: Vec<usize> = own().filter(|place| !is_done(place)).collect();
     let workers = threads.min(missing.len()).max(1);
-    let study = Study { folder, plan, tasks, archive, listener, threads_a_trial: (threads / workers).max(1) };
+    let setups = PooledSetups::new(folder, shard);
+    let study = Study { folder, plan, tasks, archive, setups, listener, threads_a_trial: (threads / workers).max(1) };
     let (ledger, counter) =
         (Mutex::new(ledger), Mutex::new((listener.counter("trials", "trials", missing.len() as u64), 0)));
     let one = |index: usize| -> Result<Option<EndedTask>, Error> {
@@ -161,7 +163,7 @@ impl Study<'_> {
         ];
         if let Some(pool) = &task.pool {
             let members: Vec<&Task> = self.tasks.iter().filter(|other| other.pool.as_ref() == Some(pool)).collect();
-            let setup = pooled_setup(self.folder, &self.plan.root, pool, &members, &quiet)?;
+            let setup = self.setups.of(&self.plan.root, pool, &members, &quiet)?;
             given.push(("setup", setup.to_string_lossy().into_owned()));
         }
         let resolved = task.as_trial().settings(&self.plan.root, &given)?;
