@@ -38,6 +38,7 @@ pub(crate) fn run(args: &TrackArgs, general: &General, report: &Report) -> Resul
         page: args.report,
         write_calibration: args.write_calibration.clone(),
         settings_file: general.config.clone(),
+        ..Request::default()
     };
     let out = resolved.track().out;
     match sinew_runs::track(&resolved, &request, &terminal)? {

@@ -67,7 +67,13 @@ pub fn track(resolved: &Resolved, request: &Request, listener: &dyn Listener) ->
         page::refuse_others(&config.out.join(page::PAGE), config.force)?;
     }
     job::check_settings(resolved)?;
-    let claimed = || if request.resume { Ok(None) } else { claimed::claimed(&config, &read_from, listener).map(Some) };
+    let claimed = || {
+        if request.resume {
+            Ok(None)
+        } else {
+            claimed::claimed_in(request.storage(), &config, &read_from, listener).map(Some)
+        }
+    };
     let (claim, whom) = looked_for(resolved, &calibration, listener, claimed)?;
     if request.resume {
         resume::refuse_other_number(&config.out, matches!(whom, Whom::Everybody(_)))?;

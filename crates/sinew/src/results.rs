@@ -43,7 +43,7 @@ pub(crate) use partial::{PartialFile, Place};
 pub use pose::{Pose, pose};
 pub use skeleton::t_pose;
 pub use stopped::is_stopped;
-pub use storage::{Disk, Storage, StoredFile};
+pub use storage::{Disk, Scratch, Storage, StoredFile};
 pub use summary::{AnglesSummary, CameraSummary, Diagnostics, Ending, Limits, Summary};
 pub use texts::Texts;
 pub use world_turn::WorldTurn;

@@ -45,18 +45,17 @@ impl PooledSetups {
         &self,
         root: &Path,
         pool: &str,
-        members: &[&Task],
+        tasks: &[Task],
         listener: &dyn Listener,
     ) -> Result<PathBuf, Error> {
-        // What it was made from is in its name: another plan has another.
-        let hash = members.first().map_or("", |task| task.hash.as_str());
-        let name = format!("{pool}-{hash}.toml");
+        let name = format!("{pool}.toml");
         let path = self.folder.join(&name);
         let turn =
             Arc::clone(self.being_made.lock().unwrap_or_else(PoisonError::into_inner).entry(name.clone()).or_default());
         let _turn = turn.lock().unwrap_or_else(PoisonError::into_inner);
         if !path.is_file() {
-            let setup = made(root, pool, members, listener)?;
+            let members: Vec<&Task> = tasks.iter().filter(|task| task.pool.as_deref() == Some(pool)).collect();
+            let setup = made(root, pool, &members, listener)?;
             fs::create_dir_all(&self.own).map_err(sinew::Error::io("create", &self.own))?;
             let own = self.own.join(&name);
             write_whole(&own, setup.as_bytes())?;
