@@ -5,7 +5,7 @@ use crate::source::lines_with;
 use std::collections::BTreeSet;
 
 /// What each crate may depend on, of ours.
-const ALLOWED: [(&str, &[&str]); 18] = [
+const ALLOWED: [(&str, &[&str]); 19] = [
     ("sinew-core", &[]),
     ("sinew-body", &["sinew-core"]),
     ("sinew-observe", &["sinew-body", "sinew-core"]),
@@ -34,6 +34,7 @@ const ALLOWED: [(&str, &[&str]); 18] = [
         ],
     ),
     ("sinew-cli", &BELOW_THE_PROGRAM),
+    ("sinew-python", &BELOW_PYTHON),
     ("xtask", &["sinew", "sinew-tools", "sinew-motion", "sinew-simulate", "sinew-tests"]),
     ("sinew-tests", &["sinew", "sinew-tools", "sinew-motion", "sinew-simulate", "sinew-invariance", "sinew-latent"]),
 ];
@@ -67,6 +68,9 @@ const BELOW_THE_PROGRAM: [&str; 12] = [
     "sinew-formats",
     "sinew-latent",
 ];
+
+/// What the Python package may know.
+const BELOW_PYTHON: [&str; 5] = ["sinew", "sinew-tools", "sinew-motion", "sinew-simulate", "sinew-runs"];
 
 /// What only a program needs: arguments, manuals, progress bars and interrupts.
 const TERMINAL: [&str; 5] = ["clap", "clap_complete", "clap_mangen", "ctrlc", "indicatif"];

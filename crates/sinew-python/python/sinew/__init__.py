@@ -1,0 +1,22 @@
+"""Markerless human motion capture with a posterior over 3D poses.
+
+Lengths are metres, angles radians, times seconds, image places pixels; the world has z up. Arrays are NumPy's, and
+named results are xarray's.
+"""
+
+from ._errors import DiagnosticWarning, FileError, InputError, SinewError, SinewWarning, UsageError
+from ._sinew import Body, Camera, Triangulated, __version__, triangulate
+
+__all__ = [
+    "Body",
+    "Camera",
+    "DiagnosticWarning",
+    "FileError",
+    "InputError",
+    "SinewError",
+    "SinewWarning",
+    "Triangulated",
+    "UsageError",
+    "__version__",
+    "triangulate",
+]
