@@ -1,12 +1,15 @@
 //! The Python package `sinew`: arrays in, arrays out, with the kernels and the words of the library.
 //!
-//! The classes and functions here are those that `python/sinew` shows; their documentation is Python's, with shapes and units. Everything runs without the interpreter's lock, and a panic becomes an exception.
+//! The classes and functions here are the ones that `python/sinew` shows; their documentation is Python's, with shapes and units. Everything runs without the interpreter's lock, and a panic becomes an exception.
 
 mod arrays;
 mod background;
 mod body;
 mod camera;
+mod chains;
 mod failure;
+mod log_density;
+mod particles;
 mod triangulation;
 
 use pyo3::prelude::*;
@@ -17,6 +20,16 @@ fn _sinew(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<body::PyBody>()?;
     module.add_class::<camera::PyCamera>()?;
     module.add_class::<triangulation::PyTriangulated>()?;
+    module.add_class::<chains::PyChainDraws>()?;
     module.add_function(wrap_pyfunction!(triangulation::triangulate, module)?)?;
+    module.add_function(wrap_pyfunction!(chains::no_u_turn, module)?)?;
+    module.add_function(wrap_pyfunction!(chains::hamiltonian, module)?)?;
+    module.add_function(wrap_pyfunction!(particles::normalise, module)?)?;
+    module.add_function(wrap_pyfunction!(particles::effective_number, module)?)?;
+    module.add_function(wrap_pyfunction!(particles::resample, module)?)?;
+    module.add_function(wrap_pyfunction!(particles::tempering_exponent, module)?)?;
+    module.add_function(wrap_pyfunction!(particles::r_hat, module)?)?;
+    module.add_function(wrap_pyfunction!(particles::bulk_ess, module)?)?;
+    module.add_function(wrap_pyfunction!(particles::tail_ess, module)?)?;
     Ok(())
 }

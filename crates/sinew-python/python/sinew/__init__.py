@@ -4,12 +4,14 @@ Lengths are metres, angles radians, times seconds, image places pixels; the worl
 named results are xarray's.
 """
 
+from . import particles, samplers
 from ._errors import DiagnosticWarning, FileError, InputError, SinewError, SinewWarning, UsageError
-from ._sinew import Body, Camera, Triangulated, __version__, triangulate
+from ._sinew import Body, Camera, ChainDraws, Triangulated, __version__, triangulate
 
 __all__ = [
     "Body",
     "Camera",
+    "ChainDraws",
     "DiagnosticWarning",
     "FileError",
     "InputError",
@@ -18,5 +20,7 @@ __all__ = [
     "Triangulated",
     "UsageError",
     "__version__",
+    "particles",
+    "samplers",
     "triangulate",
 ]
