@@ -75,6 +75,11 @@ pub(crate) struct General {
 }
 
 impl General {
+    /// Settings given to a command, with the flags that are settings.
+    pub(crate) fn given(&self, own: &[(&'static str, String)]) -> Vec<(&'static str, String)> {
+        [own, &self.settings()].concat()
+    }
+
     /// Flags that are settings.
     pub(crate) fn settings(&self) -> Vec<(&'static str, String)> {
         let given = [("out", &self.out), ("seed", &self.seed), ("threads", &self.threads)];

@@ -47,14 +47,6 @@ fn name(folder: &Path) -> String {
     whole.file_name().map_or_else(|| "gait".to_owned(), |name| format!("gait: {}", name.to_string_lossy()))
 }
 
-/// Removes the gait of results that were replaced.
-pub(crate) fn forget(results: &Path) -> Result<(), sinew::Error> {
-    GAIT_NAMES.iter().map(|name| results.join(name)).try_for_each(|path| match std::fs::remove_file(&path) {
-        Err(error) if error.kind() != std::io::ErrorKind::NotFound => Err(sinew::Error::io("remove", path)(error)),
-        _ => Ok(()),
-    })
-}
-
 fn strides(found: &GaitAnalysis, side: Option<usize>) -> usize {
     found.strides.iter().filter(|stride| side.is_none_or(|side| stride.side == side)).count()
 }

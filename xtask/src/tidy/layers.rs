@@ -33,6 +33,7 @@ const ALLOWED: [(&str, &[&str]); 19] = [
             "sinew-latent",
         ],
     ),
+    ("sinew-runs", &["sinew", "sinew-tools"]),
     ("sinew-cli", &BELOW_THE_PROGRAM),
     ("sinew-python", &BELOW_PYTHON),
     ("xtask", &["sinew", "sinew-tools", "sinew-motion", "sinew-simulate", "sinew-tests"]),
@@ -54,8 +55,9 @@ const LIBRARIES: [&str; 10] = [
 ];
 
 /// What the program may know.
-const BELOW_THE_PROGRAM: [&str; 12] = [
+const BELOW_THE_PROGRAM: [&str; 13] = [
     "sinew",
+    "sinew-runs",
     "sinew-tools",
     "sinew-motion",
     "sinew-simulate",
