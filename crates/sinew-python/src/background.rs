@@ -4,6 +4,7 @@ use crate::failure::Failure;
 use pyo3::prelude::*;
 use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::Duration;
@@ -22,32 +23,35 @@ pub(crate) fn detached<T: Send>(py: Python<'_>, work: impl FnOnce() -> Result<T,
     Ok(done.unwrap_or_else(|panic| Err(Failure::bug(words(&*panic))))?)
 }
 
-/// Work that may take long, on a thread of its own. On Ctrl-C the flag that it got is raised, and once it has ended `KeyboardInterrupt` is.
+/// Work that may take long, on a thread of its own. On Ctrl-C `stop` is raised, and once the work has ended `KeyboardInterrupt` is.
+///
+/// `meanwhile` is called now and then under the lock; what it raises stops the work like a signal.
 pub(crate) fn interruptible<T: Send>(
     py: Python<'_>,
-    work: impl FnOnce(&AtomicBool) -> Result<T, Failure> + Send,
+    stop: &Arc<AtomicBool>,
+    mut meanwhile: impl FnMut(Python<'_>) -> PyResult<()>,
+    work: impl FnOnce() -> Result<T, Failure> + Send,
 ) -> PyResult<T> {
-    let stop = AtomicBool::new(false);
     let waiting = thread::current();
     thread::scope(|scope| {
-        let flag = &stop;
         let worker = scope.spawn(move || {
-            let done = catch_unwind(AssertUnwindSafe(|| work(flag)));
+            let done = catch_unwind(AssertUnwindSafe(work));
             waiting.unpark();
             done
         });
         let mut signal = None;
         while !worker.is_finished() {
             py.detach(|| thread::park_timeout(LOOK));
-            if let Err(error) = py.check_signals() {
+            let looked = py.check_signals().and_then(|()| meanwhile(py));
+            if let Err(error) = looked {
                 stop.store(true, Ordering::Relaxed);
-                signal = Some(error);
+                signal.get_or_insert(error);
             }
         }
         let done = py.detach(|| worker.join()).and_then(|done| done);
         match (signal, done) {
             (Some(signal), _) => Err(signal),
-            (None, Ok(done)) => Ok(done?),
+            (None, Ok(done)) => meanwhile(py).and(Ok(done?)),
             (None, Err(panic)) => Err(Failure::bug(words(&*panic)).into()),
         }
     })

@@ -13,6 +13,7 @@ use sinew::samplers::hmc::Hmc;
 use sinew::samplers::nuts::{self, Nuts};
 use sinew::samplers::warm_up::{Config, warm_up};
 use sinew::samplers::Error;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Jitter of the step size of Hamiltonian trajectories of fixed length.
@@ -194,8 +195,9 @@ fn sample(
     }
     let blocks = blocks(starts.finite()?, dim);
     let mut raised = None;
-    let outcome = interruptible(py, |stop: &AtomicBool| {
-        let target = PythonDensity::new(function, dim, stop);
+    let stop = Arc::new(AtomicBool::new(false));
+    let outcome = interruptible(py, &stop, |_| Ok(()), || {
+        let target = PythonDensity::new(function, dim, &stop);
         let found = plan.run(&target, &blocks, chains);
         raised = target.raised();
         if stop.load(Ordering::Relaxed) { Ok(None) } else { Ok(Some(found)) }

@@ -97,7 +97,7 @@ macro_rules! program_errors {
     };
 }
 
-program_errors!(sinew::Error, sinew::RecordingError);
+program_errors!(sinew::Error, sinew::RecordingError, sinew_tools::Error, sinew_runs::Error);
 
 impl From<sinew::formats::Error> for Failure {
     fn from(error: sinew::formats::Error) -> Self {

@@ -8,8 +8,11 @@ mod body;
 mod camera;
 mod chains;
 mod failure;
+mod given;
 mod log_density;
 mod particles;
+mod run;
+mod store;
 mod triangulation;
 
 use pyo3::prelude::*;
@@ -31,5 +34,9 @@ fn _sinew(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(particles::r_hat, module)?)?;
     module.add_function(wrap_pyfunction!(particles::bulk_ess, module)?)?;
     module.add_function(wrap_pyfunction!(particles::tail_ess, module)?)?;
+    module.add_function(wrap_pyfunction!(run::track, module)?)?;
+    module.add_function(wrap_pyfunction!(run::setting_names, module)?)?;
+    module.add_function(wrap_pyfunction!(store::zarr_groups, module)?)?;
+    module.add_function(wrap_pyfunction!(store::zarr_group, module)?)?;
     Ok(())
 }

@@ -6,7 +6,9 @@ named results are xarray's.
 
 from . import particles, samplers
 from ._errors import DiagnosticWarning, FileError, InputError, SinewError, SinewWarning, UsageError
+from ._result import People, Result
 from ._sinew import Body, Camera, ChainDraws, Triangulated, __version__, triangulate
+from ._track import settings, track
 
 __all__ = [
     "Body",
@@ -15,6 +17,8 @@ __all__ = [
     "DiagnosticWarning",
     "FileError",
     "InputError",
+    "People",
+    "Result",
     "SinewError",
     "SinewWarning",
     "Triangulated",
@@ -22,5 +26,7 @@ __all__ = [
     "__version__",
     "particles",
     "samplers",
+    "settings",
+    "track",
     "triangulate",
 ]

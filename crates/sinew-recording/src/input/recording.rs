@@ -8,6 +8,7 @@
 
 mod calibrated;
 mod frame_ranges;
+pub mod given;
 mod guess;
 pub mod keypoint_camera;
 pub mod keypoint_sources;
@@ -25,6 +26,7 @@ pub use options::RecordingOptions;
 use crate::input::frame::{detected, detections};
 use crate::input::lag::ClockLag;
 use crate::{Error, files};
+use given::GivenRecording;
 use keypoint_camera::KeypointCamera;
 use keypoint_sources::KeypointSource;
 use known_layout::named_layout;
@@ -66,9 +68,26 @@ impl Recording {
     /// What [`sinew_formats::calibration::read`] refuses; folders that do not fit the calibration; cameras that begin or end apart, unless trimmed; an empty selection; a layout
     /// that is unknown or too poor.
     pub fn open(calibration: &Path, keypoints: &Path, options: &RecordingOptions) -> Result<Self, Error> {
-        let Calibrated { cameras, names: calibrated, mut warnings, hash: calibration_hash } =
-            Calibrated::read(calibration)?;
-        let sources = keypoint_sources::sources(keypoints, &calibrated, options.confidence_scale)?;
+        let calibrated = Calibrated::read(calibration)?;
+        let sources = keypoint_sources::sources(keypoints, &calibrated.names, options.confidence_scale)?;
+        Self::from_sources(calibrated, sources, keypoints, options)
+    }
+
+    /// Opens a recording in memory.
+    ///
+    /// # Errors
+    /// As [`Recording::open`], but for files.
+    pub fn given(given: &GivenRecording, options: &RecordingOptions) -> Result<Self, Error> {
+        Self::from_sources(given.calibrated(), given.sources(), Path::new("keypoints"), options)
+    }
+
+    fn from_sources(
+        calibrated: Calibrated,
+        sources: Vec<KeypointSource>,
+        keypoints: &Path,
+        options: &RecordingOptions,
+    ) -> Result<Self, Error> {
+        let Calibrated { cameras, names: calibrated, mut warnings, hash: calibration_hash } = calibrated;
         let (cameras, sources) = match options.cameras.as_deref() {
             Some(names) => (chosen_cameras(cameras, names)?, keypoint_sources::chosen(sources, names)?),
             None => (cameras, sources),
