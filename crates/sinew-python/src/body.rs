@@ -174,7 +174,7 @@ impl PyBody {
     }
 
     /// The body as a body file (`body.toml`).
-    fn to_toml(&self) -> String {
+    pub(crate) fn to_toml(&self) -> String {
         body_toml::write(&self.tree, self.body.flesh(&self.tree).ok().as_ref())
     }
 

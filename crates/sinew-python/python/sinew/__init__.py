@@ -6,8 +6,19 @@ named results are xarray's.
 
 from . import particles, samplers
 from ._errors import DiagnosticWarning, FileError, InputError, SinewError, SinewWarning, UsageError
+from ._files import Keypoints, Layout, layouts, read, read_calibration, read_mask, write
 from ._result import People, Result
-from ._sinew import Body, Camera, ChainDraws, Triangulated, __version__, triangulate
+from ._sinew import (
+    Body,
+    Camera,
+    ChainDraws,
+    Motion,
+    Simulated,
+    Triangulated,
+    __version__,
+    simulate,
+    triangulate,
+)
 from ._track import settings, track
 
 __all__ = [
@@ -17,16 +28,26 @@ __all__ = [
     "DiagnosticWarning",
     "FileError",
     "InputError",
+    "Keypoints",
+    "Layout",
+    "Motion",
     "People",
     "Result",
+    "Simulated",
     "SinewError",
     "SinewWarning",
     "Triangulated",
     "UsageError",
     "__version__",
+    "layouts",
     "particles",
+    "read",
+    "read_calibration",
+    "read_mask",
     "samplers",
     "settings",
+    "simulate",
     "track",
     "triangulate",
+    "write",
 ]

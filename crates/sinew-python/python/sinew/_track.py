@@ -143,7 +143,7 @@ def _given(
 ) -> tuple[list[Camera], Any, list[str | None] | None, int]:
     """Cameras and keypoints of arrays."""
     if isinstance(calibration, (str, os.PathLike)):
-        calibration = _sinew.read_calibration(Path(calibration))
+        calibration, _ = _sinew.read_calibration(Path(calibration))
     if calibration is None or not _is_array(keypoints):
         raise UsageError("arrays of keypoints and cameras (or a calibration file) belong together; one of them is missing")
     cameras = list(calibration)
