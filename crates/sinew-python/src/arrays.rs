@@ -69,7 +69,10 @@ impl Numbers<'_> {
     fn refused(&self, before: &str, dimensions: &[Dimension]) -> Failure {
         let word = |(name, due): &Dimension| due.map_or((*name).to_owned(), |due| format!("{name} = {due}"));
         let expected = dimensions.iter().map(word).collect::<Vec<_>>().join(", ");
-        let found = self.shape().iter().map(usize::to_string).collect::<Vec<_>>().join(", ");
+        let mut found = self.shape().iter().map(usize::to_string).collect::<Vec<_>>().join(", ");
+        if self.shape().len() == 1 {
+            found += ",";
+        }
         Failure::argument(format!("`{}` has the shape ({found}); expected ({before}{expected})", self.name))
     }
 

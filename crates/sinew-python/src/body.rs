@@ -8,7 +8,7 @@ use pyo3::prelude::*;
 use rayon::prelude::*;
 use sinew::bodies;
 use sinew::body::subject::{SIZES, scaled};
-use sinew::body::{KinematicTree, Plan, Proportions, point_jacobian_each, point_positions_into};
+use sinew::body::{Joint, KinematicTree, Plan, Proportions, point_jacobian_each, point_positions_into};
 use sinew::core::lanes::{Isa, LANES};
 use sinew::formats::body_toml;
 use sinew::setup::Body;
@@ -90,6 +90,16 @@ impl PyBody {
     #[getter]
     fn parents(&self) -> Vec<Option<usize>> {
         self.tree.links().iter().map(|link| link.parent).collect()
+    }
+
+    /// For each degree of freedom the index of its link, `translate` or `rotate`, and the axis (0, 1, 2) of the link's frame so far.
+    #[getter]
+    fn joints(&self) -> Vec<(usize, &'static str, usize)> {
+        let word = |(link, joint)| match joint {
+            Joint::Translate(axis) => (link, "translate", axis.index()),
+            Joint::Rotate(axis) => (link, "rotate", axis.index()),
+        };
+        self.tree.joints().map(word).collect()
     }
 
     /// Origin of each link in its parent's frame, (links, 3), metres.

@@ -4,7 +4,7 @@ use crate::arrays::Numbers;
 use crate::camera::PyCamera;
 use crate::failure::Failure;
 use pyo3::prelude::*;
-use sinew::formats::Layout;
+use sinew::formats::{Layout, layout};
 use sinew::formats::keypoint_table::Frames;
 use sinew::formats::openpose::{Keypoint, OpenposeFrame, OpenposePerson};
 use sinew::input::recording::given::GivenRecording;
@@ -58,9 +58,16 @@ impl<'py> Given<'py> {
                 frames[view].insert(first_frame + number as u64, frame);
             }
         }
-        let layout = points.clone().map(|points| Layout { name: "keypoints".into(), points });
+        let layout = points.clone().map(named);
         Ok(GivenRecording { cameras: cameras.clone(), frames, layout })
     }
+}
+
+/// The known layout with these points, or one of its own name.
+fn named(points: Vec<Option<String>>) -> Layout {
+    let known = layout::with_numbers(3 * points.len()).into_iter().find(|layout| layout.points == points);
+    let known = known.map(|layout| layout.name);
+    Layout { name: known.unwrap_or_else(|| "keypoints".into()), points }
 }
 
 /// A keypoint; none where a number is NaN or the confidence is zero.

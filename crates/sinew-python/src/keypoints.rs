@@ -78,7 +78,7 @@ fn read(
     for source in sources {
         let is_it = |camera: &&Camera| camera_name::fold(&camera.name) == camera_name::fold(&source.name);
         let camera = cameras.iter().find(is_it);
-        let name = camera.map_or_else(|| source.name.clone(), |camera| camera.name.clone());
+        let name = camera.map_or_else(|| bare(&source.name), |camera| camera.name.clone());
         if source.in_image_shares() && camera.is_none() {
             let what = format!("`{}` has shares of the image; give `calibration` for pixels", path.display());
             return Err(Failure::argument(what));
@@ -101,6 +101,11 @@ fn read(
     }
     let cameras = listed.into_iter().map(|(name, _)| name).collect();
     Ok(Seen { cameras, first, names: layout.map(|layout| layout.points), rate_hz: stated_rate(path)?, frames })
+}
+
+/// Name of the camera of a folder `<camera>_json`.
+fn bare(folder: &str) -> String {
+    folder.strip_suffix("_json").unwrap_or(folder).to_owned()
 }
 
 /// Writes keypoints (frames, cameras, people, points, 3) as OpenPose files, a folder a camera.
