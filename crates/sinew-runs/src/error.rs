@@ -40,6 +40,44 @@ pub enum Error {
     /// The system grants no threads.
     #[error("threads cannot be started: {0}")]
     Threads(rayon::ThreadPoolBuildError),
+    /// A folder without trials.
+    #[error("{} holds no trial: no `sinew.toml` that names keypoints or silhouettes, and no folder `pose` with keypoints", .0.display())]
+    NoTrials(PathBuf),
+    /// A folder that is no study.
+    #[error("{} is not a study: it has no `plan.json` and `tasks.jsonl`", .0.display())]
+    NotAStudy(PathBuf),
+    /// A file of a study that was changed.
+    #[error("{}, line {line}: {problem}", path.display())]
+    StudyFile {
+        /// The file.
+        path: PathBuf,
+        /// Line in it.
+        line: usize,
+        /// What is wrong.
+        problem: String,
+    },
+    /// A shard that another process runs.
+    #[error("shard {shard} of {} is being run by another process", study.display())]
+    ShardInUse {
+        /// Which.
+        shard: String,
+        /// Folder of the study.
+        study: PathBuf,
+    },
+    /// A trial without packed results.
+    #[error("{} has no packed results of `{trial}`", study.display())]
+    NotPacked {
+        /// Folder of the study.
+        study: PathBuf,
+        /// Name given.
+        trial: String,
+    },
+    /// Trials that cannot share a set-up.
+    #[error("the trials of `{pool}` have different cameras or keypoints and cannot share a set-up")]
+    UnlikeTrials {
+        /// Name of the pool.
+        pool: String,
+    },
     /// A file that would be written over while it is read.
     #[error("{} is both input and output", .0.display())]
     InputIsOutput(PathBuf),
@@ -80,8 +118,17 @@ impl Error {
             Self::Library(error) => error.exit_code(),
             Self::Tools(error) => error.exit_code(),
             Self::Threads(_) => 1,
-            Self::SetupFrames { .. } | Self::NoSuchPerson { .. } => 3,
-            Self::NothingToTrack { .. } | Self::InputIsOutput(_) | Self::ResultIsOutput(_) => 2,
+            Self::SetupFrames { .. }
+            | Self::NoSuchPerson { .. }
+            | Self::UnlikeTrials { .. }
+            | Self::NoTrials(_)
+            | Self::NotPacked { .. } => 3,
+            Self::ShardInUse { .. } => 5,
+            Self::NothingToTrack { .. }
+            | Self::NotAStudy(_)
+            | Self::StudyFile { .. }
+            | Self::InputIsOutput(_)
+            | Self::ResultIsOutput(_) => 2,
         }
     }
 
@@ -98,6 +145,20 @@ impl Error {
                 "`--person` counts from 1 in the order of coming; `sinew inspect` with calibration and keypoints says who is there"
             }
             Self::InputIsOutput(_) | Self::ResultIsOutput(_) => "write to another file",
+            Self::NoTrials(_) => {
+                "give each trial a `sinew.toml` with `keypoints = \"pose\"`; what all share stands in one above them"
+            }
+            Self::NotAStudy(_) => "make one with `sinew batch plan TRIALS -o STUDY`",
+            Self::StudyFile { .. } => {
+                "make the plan again with `sinew batch plan TRIALS -o STUDY --force`; what is done stays done"
+            }
+            Self::ShardInUse { .. } => "wait for it, or run another shard",
+            Self::NotPacked { .. } => {
+                "summary.csv of `sinew batch gather` has the names; results that are not packed lie in results/"
+            }
+            Self::UnlikeTrials { .. } => {
+                "give `subject` only to trials with the same cameras and keypoints, or different names"
+            }
         };
         Some(words.to_owned())
     }
