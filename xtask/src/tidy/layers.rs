@@ -72,7 +72,7 @@ const BELOW_THE_PROGRAM: [&str; 13] = [
 ];
 
 /// What the Python package may know.
-const BELOW_PYTHON: [&str; 5] = ["sinew", "sinew-tools", "sinew-motion", "sinew-simulate", "sinew-runs"];
+const BELOW_PYTHON: [&str; 4] = ["sinew", "sinew-runs", "sinew-tools", "sinew-simulate"];
 
 /// What only a program needs: arguments, manuals, progress bars and interrupts.
 const TERMINAL: [&str; 5] = ["clap", "clap_complete", "clap_mangen", "ctrlc", "indicatif"];
