@@ -115,13 +115,14 @@ pub(crate) fn fixed<const N: usize>(name: &'static str, value: &Bound<'_, PyAny>
 
 /// Zeros for the result of a batch. They are taken from the system as they are and first touched by whoever writes them.
 pub(crate) fn room(counts: &[usize]) -> Result<Vec<f64>, Failure> {
+    Ok(vec![0.0; affordable(counts)?])
+}
+
+/// How many numbers an array of that shape has, if there is memory for them: what takes it cannot refuse.
+pub(crate) fn affordable(counts: &[usize]) -> Result<usize, Failure> {
     let total = counts.iter().try_fold(1_usize, |all, n| all.checked_mul(*n));
-    // Whether there is that much, before what cannot refuse takes it.
-    match total.filter(|total| Vec::<f64>::new().try_reserve_exact(*total).is_ok()) {
-        Some(total) => Ok(vec![0.0; total]),
-        None => {
-            let what = format!("no memory for an array of the shape {counts:?}; give fewer states at a time");
-            Err(Failure { code: USAGE, what, causes: vec![], help: None })
-        }
-    }
+    total.filter(|total| Vec::<f64>::new().try_reserve_exact(*total).is_ok()).ok_or_else(|| {
+        let what = format!("no memory for an array of the shape {counts:?}; do less at a time");
+        Failure { code: USAGE, what, causes: vec![], help: None }
+    })
 }

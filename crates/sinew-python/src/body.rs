@@ -52,6 +52,9 @@ impl PyBody {
             set_size(&mut proportions, &name, value)?;
         }
         let tree = body.tree(&proportions);
+        if tree.dof() == 0 {
+            return Err(Failure::argument(format!("the body `{name}` has no degree of freedom")).into());
+        }
         let plan = Plan::with_all_points(&tree);
         Ok(Self { name: name.into(), body, proportions, tree, plan })
     }
@@ -145,6 +148,9 @@ impl PyBody {
         let (d, width, plan) = (self.tree.dof(), 3 * self.plan.points(), &self.plan);
         let out = detached(py, || {
             let mut out = room(&[count, width])?;
+            if width == 0 {
+                return Ok(out);
+            }
             let parts = states.par_chunks(STATES_A_TASK * d).zip(out.par_chunks_mut(STATES_A_TASK * width));
             parts.for_each(|(states, out)| point_positions_into(plan, Isa::best(), states, out));
             Ok(out)
@@ -172,6 +178,9 @@ impl PyBody {
         let (d, width, plan) = (self.tree.dof(), 3 * self.plan.points(), &self.plan);
         let (positions, jacobians) = detached(py, || {
             let mut results = (room(&[count, width])?, room(&[count, width, d])?);
+            if width == 0 {
+                return Ok(results);
+            }
             let parts = results.0.par_chunks_mut(STATES_A_TASK * width);
             let parts = parts.zip(results.1.par_chunks_mut(STATES_A_TASK * width * d));
             let parts = states.par_chunks(STATES_A_TASK * d).zip(parts);

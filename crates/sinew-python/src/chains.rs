@@ -1,6 +1,6 @@
 //! No-U-turn and Hamiltonian chains on a log density written in Python.
 
-use crate::arrays::{array, numbers};
+use crate::arrays::{affordable, array, numbers};
 use crate::background::interruptible;
 use crate::failure::{Failure, USAGE};
 use crate::log_density::PythonDensity;
@@ -8,11 +8,11 @@ use numpy::PyArrayDyn;
 use pyo3::prelude::*;
 use sinew::core::lanes::{Block, Isa, LANES, set_lane};
 use sinew::core::random::Stage;
+use sinew::samplers::Error;
 use sinew::samplers::chains::{self, ChainDraws, Schedule};
 use sinew::samplers::hmc::Hmc;
 use sinew::samplers::nuts::{self, Nuts};
 use sinew::samplers::warm_up::{Config, warm_up};
-use sinew::samplers::Error;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -180,12 +180,7 @@ impl Plan {
 /// Transitions without which no metric is learned.
 const LEAST_WARM_UP: usize = 170;
 
-fn sample(
-    py: Python<'_>,
-    function: &Py<PyAny>,
-    starts: &Bound<'_, PyAny>,
-    plan: Plan,
-) -> PyResult<PyChainDraws> {
+fn sample(py: Python<'_>, function: &Py<PyAny>, starts: &Bound<'_, PyAny>, plan: Plan) -> PyResult<PyChainDraws> {
     plan.check()?;
     let starts = numbers("starts", starts)?;
     let shape = starts.exactly(&[("chains", None), ("dim", None)])?;
@@ -193,15 +188,22 @@ fn sample(
     if chains == 0 || dim == 0 {
         return Err(Failure::argument("`starts` is empty; give one row a chain").into());
     }
+    // The draws twice, and what is known of each.
+    affordable(&[plan.draws.max(plan.warm_up), chains, 2 * dim + 10])?;
     let blocks = blocks(starts.finite()?, dim);
     let mut raised = None;
     let stop = Arc::new(AtomicBool::new(false));
-    let outcome = interruptible(py, &stop, |_| Ok(()), || {
-        let target = PythonDensity::new(function, dim, &stop);
-        let found = plan.run(&target, &blocks, chains);
-        raised = target.raised();
-        if stop.load(Ordering::Relaxed) { Ok(None) } else { Ok(Some(found)) }
-    })?;
+    let outcome = interruptible(
+        py,
+        &stop,
+        |_| Ok(()),
+        || {
+            let target = PythonDensity::new(function, dim, &stop);
+            let found = plan.run(&target, &blocks, chains);
+            raised = target.raised();
+            if stop.load(Ordering::Relaxed) { Ok(None) } else { Ok(Some(found)) }
+        },
+    )?;
     if let Some(raised) = raised {
         return Err(raised);
     }

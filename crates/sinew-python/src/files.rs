@@ -114,11 +114,7 @@ pub(crate) fn write_mask(py: Python<'_>, path: PathBuf, pixels: PyReadonlyArray2
     png(py, &path, |out| mask::write(out, &image))
 }
 
-fn png(
-    py: Python<'_>,
-    path: &Path,
-    write: impl FnOnce(&mut Vec<u8>) -> std::io::Result<()> + Send,
-) -> PyResult<()> {
+fn png(py: Python<'_>, path: &Path, write: impl FnOnce(&mut Vec<u8>) -> std::io::Result<()> + Send) -> PyResult<()> {
     detached(py, || {
         let mut bytes = vec![];
         write(&mut bytes).map_err(sinew::Error::io("write", path))?;

@@ -4,9 +4,9 @@ use crate::arrays::Numbers;
 use crate::camera::PyCamera;
 use crate::failure::Failure;
 use pyo3::prelude::*;
-use sinew::formats::{Layout, layout};
 use sinew::formats::keypoint_table::Frames;
 use sinew::formats::openpose::{Keypoint, OpenposeFrame, OpenposePerson};
+use sinew::formats::{Layout, layout};
 use sinew::input::recording::given::GivenRecording;
 use sinew::observe::Camera;
 
@@ -29,6 +29,9 @@ impl<'py> Given<'py> {
         let count = points.as_ref().map(Vec::len);
         let due = [("frames", None), ("cameras", Some(cameras.len())), ("people", None), ("points", count)];
         keypoints.exactly(&[due[0], due[1], due[2], due[3], ("u v confidence", Some(3))])?;
+        if keypoints.shape().contains(&0) {
+            return Err(Failure::argument("`keypoints` is empty; give frames of at least one camera"));
+        }
         let cameras = cameras.iter().map(|camera| camera.0.clone()).collect();
         Ok(Self { cameras, keypoints, points, first_frame })
     }
@@ -38,13 +41,13 @@ impl<'py> Given<'py> {
         let Self { cameras, keypoints, points, first_frame } = self;
         let (views, people, width) = (keypoints.shape()[1], keypoints.shape()[2], keypoints.shape()[3]);
         let mut frames = vec![Frames::new(); views];
-        let of_frames = keypoints.values()?.chunks(views * people * width * 3).enumerate();
-        for (number, of_views) in of_frames {
-            for (view, of_people) in of_views.chunks(people * width * 3).enumerate() {
+        let by_frame = keypoints.values()?.chunks(views * people * width * 3).enumerate();
+        for (number, by_view) in by_frame {
+            for (view, by_person) in by_view.chunks(people * width * 3).enumerate() {
                 let place = || format!("frame {number}, camera `{}`", cameras[view].name);
                 let mut frame = OpenposeFrame::default();
-                for (index, of_points) in of_people.chunks(width * 3).enumerate() {
-                    let (points, _) = of_points.as_chunks::<3>();
+                for (index, by_point) in by_person.chunks(width * 3).enumerate() {
+                    let (points, _) = by_point.as_chunks::<3>();
                     let keypoints = points.iter().enumerate().map(|(k, point)| {
                         keypoint(*point, confidence_scale).map_err(|what| {
                             Failure::argument(format!("`keypoints`: {}, person {index}, point {k}: {what}", place()))

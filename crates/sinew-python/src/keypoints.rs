@@ -63,12 +63,7 @@ fn cameras(path: Option<&Path>) -> Result<Vec<Camera>, Failure> {
     Ok(calibration::read(&path.display().to_string(), &text)?.cameras)
 }
 
-fn read(
-    path: &Path,
-    calibration: Option<&Path>,
-    named: Option<&str>,
-    confidence_scale: f64,
-) -> Result<Seen, Failure> {
+fn read(path: &Path, calibration: Option<&Path>, named: Option<&str>, confidence_scale: f64) -> Result<Seen, Failure> {
     let cameras = cameras(calibration)?;
     let calibrated: Vec<String> = cameras.iter().map(|camera| camera.name.clone()).collect();
     let sources = sources(path, &calibrated, confidence_scale)?;
@@ -127,13 +122,13 @@ pub(crate) fn write_keypoints(
             let folder = folder.join(format!("{camera}_json"));
             std::fs::create_dir_all(&folder).map_err(sinew::Error::io("create", &folder))?;
         }
-        for (index, of_people) in values.chunks((people * points * 3).max(1)).enumerate() {
+        for (index, people_there) in values.chunks((people * points * 3).max(1)).enumerate() {
             let (number, camera) = (first + (index / cameras.len()) as u64, &cameras[index % cameras.len()]);
             let person = |(index, person): (usize, &[f64])| OpenposePerson {
                 index,
                 keypoints: person.as_chunks::<3>().0.iter().map(|point| keypoint(*point)).collect(),
             };
-            let people = of_people.chunks((points * 3).max(1)).enumerate().map(person);
+            let people = people_there.chunks((points * 3).max(1)).enumerate().map(person);
             let seen: Vec<_> = people.filter(|person| person.keypoints.iter().any(Option::is_some)).collect();
             let path = folder.join(format!("{camera}_json")).join(format!("{camera}.{number:06}.json"));
             write_whole(&path, openpose::write(&seen).as_bytes())?;

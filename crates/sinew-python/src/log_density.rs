@@ -1,4 +1,6 @@
-//! A log density written in Python, as a target of the samplers: one call for eight states, under the interpreter's lock.
+//! A log density written in Python, as a target of the samplers.
+//!
+//! One call for eight states, under the interpreter's lock.
 
 use crate::failure::Failure;
 use numpy::{PyArray2, PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods};

@@ -38,12 +38,7 @@ impl PyMotion {
     ///     Number of the first frame.
     #[staticmethod]
     #[pyo3(signature = (names, points, rate_hz, *, start_frame = 0))]
-    fn from_points(
-        names: Vec<String>,
-        points: &Bound<'_, PyAny>,
-        rate_hz: f64,
-        start_frame: i64,
-    ) -> PyResult<Self> {
+    fn from_points(names: Vec<String>, points: &Bound<'_, PyAny>, rate_hz: f64, start_frame: i64) -> PyResult<Self> {
         let (points, rate_hz) = (numbers("points", points)?, count_of(rate_hz)?);
         let shape = points.exactly(&[("frames", None), ("points", Some(names.len())), ("3", Some(3))])?;
         let place = |point: &[f64; 3]| point.iter().all(|x| x.is_finite()).then_some(*point);

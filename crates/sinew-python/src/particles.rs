@@ -1,6 +1,6 @@
 //! Verbs of particle filters on log weights, and diagnostics of chains.
 
-use crate::arrays::{Numbers, array, numbers};
+use crate::arrays::{Numbers, affordable, array, numbers};
 use crate::failure::Failure;
 use numpy::PyArrayDyn;
 use pyo3::prelude::*;
@@ -96,6 +96,7 @@ pub(crate) fn resample<'py>(
         return Err(Failure::argument(what).into());
     };
     let n = n.unwrap_or(weights.len());
+    affordable(&[n, 2])?;
     let ancestors = chosen.ancestors(weights, n, &mut Stage::new(seed, "resample").whole());
     array(py, [n], ancestors.into_iter().map(|index| index as i64).collect())
 }

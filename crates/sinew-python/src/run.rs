@@ -131,13 +131,18 @@ pub(crate) fn track(
     heard.warnings(&resolved.idle_flags());
     let out = resolved.track().out;
     let request = Request { resume, page, write_calibration, settings_file: config };
-    let came_to = interruptible(py, &heard.stop, |py| heard.say(py, &hear, &count), || {
-        let came_to = sinew_runs::track(&resolved, &request, &heard).map_err(Failure::from)?;
-        if let CameTo::One(outcome) = &came_to {
-            heard.warnings(&outcome.summary.warnings);
-        }
-        Ok(came_to)
-    })?;
+    let came_to = interruptible(
+        py,
+        &heard.stop,
+        |py| heard.say(py, &hear, &count),
+        || {
+            let came_to = sinew_runs::track(&resolved, &request, &heard).map_err(Failure::from)?;
+            if let CameTo::One(outcome) = &came_to {
+                heard.warnings(&outcome.summary.warnings);
+            }
+            Ok(came_to)
+        },
+    )?;
     let (complete, failed) = ended(&came_to);
     Ok((out, complete, failed))
 }

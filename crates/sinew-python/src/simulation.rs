@@ -12,7 +12,7 @@ use sinew_simulate::detector::{Detections, DetectorNoise, detect};
 use sinew_simulate::recording::{Script, SyntheticRecording};
 use sinew_simulate::ring::Ring;
 
-/// Frames beyond which a simulation is refused.
+/// Frames of all cameras beyond which a simulation is refused.
 const MOST_FRAMES: f64 = 1e6;
 
 /// What cameras saw of a person who walks, and where he was.
@@ -84,23 +84,32 @@ pub(crate) fn simulate(
         None => (Ring::default().cameras, None),
         Some(given) => match given.extract::<usize>() {
             Ok(count) => (count, None),
-            Err(_) => (Ring::default().cameras, Some(given.extract::<Vec<PyRef<'_, PyCamera>>>()?)),
+            Err(_) => {
+                let rig = given.extract::<Vec<PyRef<'_, PyCamera>>>().map_err(|_| {
+                    Failure::argument("`cameras` is neither a number of cameras nor a list of `sinew.Camera`")
+                })?;
+                (rig.len(), Some(rig))
+            }
         },
     };
     let rig: Option<Vec<_>> = rig.map(|rig| rig.iter().map(|camera| camera.0.clone()).collect());
     let positive = |name: &str, value: f64| {
         let refused = format!("`{name}` is {value}; it must be positive");
-        if value > 0.0 && value.is_finite() { Ok(()) } else { Err(Failure { code: USAGE, ..Failure::argument(refused) }) }
+        if value > 0.0 && value.is_finite() {
+            Ok(())
+        } else {
+            Err(Failure { code: USAGE, ..Failure::argument(refused) })
+        }
     };
     positive("duration_s", duration_s)?;
     positive("fps", fps)?;
     sigma_px.map_or(Ok(()), |sigma| positive("sigma_px", sigma))?;
-    if duration_s * fps > MOST_FRAMES || count == 0 || rig.as_ref().is_some_and(Vec::is_empty) {
+    if duration_s * fps * count as f64 > MOST_FRAMES || count == 0 {
         let what = format!("{duration_s} s at {fps} per second before {count} cameras cannot be simulated");
         return Err(Failure { code: USAGE, ..Failure::argument(what) }.into());
     }
     let noise = sigma_px.map_or(DetectorNoise::DETECTOR_LIKE, DetectorNoise::stated_gaussian);
-    let ring = Ring { cameras: count, ..Ring::default() };
+    let ring = Ring { cameras: if rig.is_some() { 1 } else { count }, ..Ring::default() };
     let script = Script { duration_s, rate_hz: fps, ring, noise, ..Script::default() };
     let recording = detached(py, || {
         let mut recording = SyntheticRecording::new(&script, seed)?;

@@ -94,6 +94,16 @@ def test_wrong_arguments_are_named(call, words):
         call(sinew.Body())
 
 
+def test_bodies_of_files_may_be_bare(tmp_path):
+    file = tmp_path / "body.toml"
+    file.write_text('[[link]]\nname = "arm"\njoints = ["rz"]\n')
+    assert sinew.Body(str(file)).positions(np.zeros((3, 1))).shape == (3, 0, 3)
+    assert sinew.Body(str(file)).jacobian(np.zeros((3, 1)))[1].shape == (3, 0, 3, 1)
+    file.write_text('[[link]]\nname = "arm"\n')
+    with pytest.raises(sinew.InputError, match="has no degree of freedom"):
+        sinew.Body(str(file))
+
+
 def test_an_unknown_body_has_the_words_of_the_program():
     with pytest.raises(sinew.UsageError, match=r"no body `h33`; .*; did you mean `h32`\?\nhelp: give one of") as raised:
         sinew.Body("h33")

@@ -87,6 +87,10 @@ def test_an_exponent_keeps_the_survivors_that_it_promises():
 
 
 def test_wrong_weights_are_named():
+    with pytest.raises(sinew.UsageError, match="no memory for an array"):
+        sinew.particles.resample([1.0], 2**60)
+    with pytest.raises(sinew.UsageError, match="no memory for an array"):
+        sinew.samplers.nuts(gaussian, np.zeros((2, 3)), draws=2**60)
     with pytest.raises(sinew.InputError, match="`weights`: number 1 is -1; none may be negative"):
         sinew.particles.resample([1, -1])
     with pytest.raises(sinew.InputError, match="their sum is 0; it must be positive"):

@@ -185,6 +185,8 @@ def test_wrong_arrays_are_named(walk, tmp_path):
         sinew.track(walk.cameras, wrong, fps=20)
     with pytest.raises(sinew.InputError, match=r"`keypoints` has the shape \(30, 3, 1, 25, 3\); expected .*cameras = 4"):
         sinew.track(walk.cameras, walk.keypoints[:, :3], fps=20)
+    with pytest.raises(sinew.InputError, match="`keypoints` is empty"):
+        sinew.track(walk.cameras, walk.keypoints[:0], fps=20)
     with pytest.raises(sinew.UsageError, match="arrays of keypoints and cameras .* belong together"):
         sinew.track(None, walk.keypoints, fps=20)
     with pytest.raises(sinew.UsageError, match="`calibration` holds a str"):

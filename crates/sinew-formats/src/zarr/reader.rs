@@ -208,9 +208,9 @@ impl Grid<'_> {
         for (number, row) in chunk.chunks_exact(width).enumerate() {
             let within = places(number, cut);
             let mut rows = within.iter().zip(at.iter().zip(cut)).map(|(within, (at, cut))| at * cut + within);
-            let index = shape.iter().try_fold(0, |index, size| {
-                rows.next().filter(|place| place < size).map(|place| index * size + place)
-            });
+            let index = shape
+                .iter()
+                .try_fold(0, |index, size| rows.next().filter(|place| place < size).map(|place| index * size + place));
             if let Some(index) = index {
                 values[index * size + first..][..length].clone_from_slice(&row[..length]);
             }

@@ -94,22 +94,8 @@ impl Recording {
         };
         let said = keypoint_sources::layout(&sources)?;
 
-        let names: Vec<&str> = sources.iter().map(|source| source.name.as_str()).collect();
         check_lags(&options.lag, &calibrated)?;
-        let camera_names: Vec<&str> = cameras.iter().map(|camera| camera.name.as_str()).collect();
-        let matching = camera_name::match_names(&names, &camera_names)?;
-        warnings.extend(matching.warnings(&names, &camera_names).iter().map(ToString::to_string));
-        let mut sources: Vec<Option<KeypointSource>> = sources.into_iter().map(Some).collect();
-        let mut used = Vec::new();
-        let mut listed = Vec::new();
-        for (source, camera) in matching.pairs {
-            let Some(source) = sources.get_mut(source).and_then(Option::take) else { continue };
-            let camera = cameras[camera].resized(options.image_scale);
-            warnings.extend(source.warnings.iter().cloned());
-            let keypoints = source.keypoints(&camera.name, Some(&camera))?;
-            listed.push(keypoints.late_by(lag_of(&options.lag, &camera.name)));
-            used.push(camera);
-        }
+        let (used, listed) = matched(&cameras, sources, options, &mut warnings)?;
         if used.len() == 1 {
             warnings.push("one camera: depth comes from the prior only".into());
         }
@@ -275,6 +261,30 @@ impl Recording {
     pub fn folders(&self) -> Vec<PathBuf> {
         self.keypoints.iter().map(KeypointCamera::source).collect()
     }
+}
+
+/// The cameras with keypoints, resized, and the keypoints of each.
+fn matched(
+    cameras: &[Camera],
+    sources: Vec<KeypointSource>,
+    options: &RecordingOptions,
+    warnings: &mut Vec<String>,
+) -> Result<(Vec<Camera>, Vec<KeypointCamera>), Error> {
+    let names: Vec<&str> = sources.iter().map(|source| source.name.as_str()).collect();
+    let camera_names: Vec<&str> = cameras.iter().map(|camera| camera.name.as_str()).collect();
+    let matching = camera_name::match_names(&names, &camera_names)?;
+    warnings.extend(matching.warnings(&names, &camera_names).iter().map(ToString::to_string));
+    let mut sources: Vec<Option<KeypointSource>> = sources.into_iter().map(Some).collect();
+    let (mut used, mut listed) = (Vec::new(), Vec::new());
+    for (source, camera) in matching.pairs {
+        let Some(source) = sources.get_mut(source).and_then(Option::take) else { continue };
+        let camera = cameras[camera].resized(options.image_scale);
+        warnings.extend(source.warnings.iter().cloned());
+        let keypoints = source.keypoints(&camera.name, Some(&camera))?;
+        listed.push(keypoints.late_by(lag_of(&options.lag, &camera.name)));
+        used.push(camera);
+    }
+    Ok((used, listed))
 }
 
 /// Warnings about frames that are requested or trimmed, and about holes.

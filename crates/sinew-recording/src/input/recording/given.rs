@@ -33,8 +33,6 @@ impl GivenRecording {
     /// The keypoints of each camera.
     pub(super) fn sources(&self) -> Vec<KeypointSource> {
         let given = self.cameras.iter().zip(&self.frames);
-        given
-            .map(|(camera, frames)| KeypointSource::given(&camera.name, frames.clone(), self.layout.clone()))
-            .collect()
+        given.map(|(camera, frames)| KeypointSource::given(&camera.name, frames.clone(), self.layout.clone())).collect()
     }
 }

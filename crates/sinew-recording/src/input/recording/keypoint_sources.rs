@@ -45,13 +45,8 @@ impl KeypointSource {
     /// Frames in memory of the camera of that name.
     #[must_use]
     pub fn given(name: &str, frames: Frames, layout: Option<Layout>) -> Self {
-        let place = SourcePlace::Table {
-            file: name.into(),
-            frames,
-            layout,
-            in_image_shares: false,
-            leaves_out_nobody: false,
-        };
+        let place =
+            SourcePlace::Table { file: name.into(), frames, layout, in_image_shares: false, leaves_out_nobody: false };
         Self { name: name.into(), warnings: vec![], place }
     }
 
