@@ -2,6 +2,7 @@
 
 import os
 import shutil
+import warnings
 from pathlib import Path
 
 import pytest
@@ -33,6 +34,22 @@ def data():
     if not folder.is_dir():
         pytest.skip("no data: SINEW_DATA names them")
     return folder
+
+
+@pytest.fixture(scope="session")
+def result(recording, walk, tmp_path_factory):
+    """The first eight frames of the walk, tracked from its files."""
+    out = tmp_path_factory.mktemp("out") / "files"
+    options = {"layout": "BODY_25B", "fps": walk.rate_hz, "frames": (0, 8), "seed": 4}
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        return sinew.track(recording / "Calib.toml", recording / "pose", out=out, **options)
+
+
+@pytest.fixture(scope="session")
+def setup(result):
+    """The set-up of that run, which spares others most of their time."""
+    return result.path / "setup.toml"
 
 
 @pytest.fixture(scope="session")

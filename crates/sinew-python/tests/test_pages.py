@@ -12,12 +12,12 @@ CRATE = Path(__file__).resolve().parents[1]
 
 
 @pytest.fixture
-def names(walk, recording, monkeypatch, tmp_path):
+def names(walk, recording, setup, monkeypatch, tmp_path):
     """What a reader of the guide has: a recording in the folder, arrays of it."""
     (tmp_path / "Calib.toml").write_bytes((recording / "Calib.toml").read_bytes())
     (tmp_path / "pose").symlink_to(recording / "pose", target_is_directory=True)
     monkeypatch.chdir(tmp_path)
-    for name, value in {"FRAMES": "0..4", "LAYOUT": "BODY_25B"}.items():
+    for name, value in {"FRAMES": "0..4", "LAYOUT": "BODY_25B", "SETUP": str(setup)}.items():
         monkeypatch.setenv(f"SINEW_{name}", value)
     return {
         "keypoints": walk.keypoints,

@@ -26,14 +26,6 @@ def differing(first, second):
     return {str(name) for name in names if files[0].get(name) != files[1].get(name)}
 
 
-@pytest.fixture(scope="module")
-def result(recording, walk, tmp_path_factory):
-    out = tmp_path_factory.mktemp("out") / "files"
-    return sinew.track(
-        recording / "Calib.toml", recording / "pose", layout="BODY_25B", fps=walk.rate_hz, frames=FRAMES, seed=4, out=out
-    )
-
-
 def test_files_are_those_of_the_program(program, recording, walk, result, tmp_path):
     options = f"--layout BODY_25B --fps {walk.rate_hz:g} --frames 0..8 --seed 4 --calibration {recording / 'Calib.toml'}"
     out = ["--keypoints", str(recording / "pose"), "-o", str(tmp_path / "out")]
@@ -49,7 +41,7 @@ def test_arrays_give_what_files_give(recording, walk, result, tmp_path):
     # Paths and hashes of files that are not there.
     assert differing(result.path, tmp_path / "out") <= {"timings.json", "config.toml", "summary.json"}
     one = walk.keypoints[:, :, 0]
-    again = sinew.track(recording / "Calib.toml", one, layout="BODY_25B", frames=FRAMES, page=True, **options)
+    again = sinew.track(recording / "Calib.toml", one, layout="BODY_25B", frames=FRAMES, page=True, setup=result.path / "setup.toml", **options)
     assert (again.path / "report.html").is_file()
     assert again.posterior.equals(result.posterior)
 
@@ -99,16 +91,16 @@ def test_results_describe_themselves(result):
     assert isinstance(sinew.read(result.path), sinew.Result)
 
 
-def test_a_temporary_folder_lives_as_long_as_its_result(walk):
-    found = sinew.track(walk.cameras, walk.keypoints, layout=walk.layout, fps=20, frames=(0, 2))
+def test_a_temporary_folder_lives_as_long_as_its_result(walk, setup):
+    found = sinew.track(walk.cameras, walk.keypoints, layout=walk.layout, fps=20, frames=(0, 2), setup=setup)
     path = found.path
     assert path.is_dir()
     del found
     assert not path.exists()
 
 
-def test_several_people_are_results_each(walk):
-    """The second one walks two metres beside, in the same cameras."""
+def test_several_people_are_results_each(walk, setup):
+    """The second one walks two metres beside, in the same cameras; one of them is tracked alone then."""
     other = walk.truth + [0.0, 2.0, 0.0]
     columns = [None if name is None else walk.points.index(name) for name in walk.layout]
     second = np.full_like(walk.keypoints, np.nan)
@@ -118,22 +110,26 @@ def test_several_people_are_results_each(walk):
             if column is not None:
                 second[:, view, 0, k] = np.column_stack([pixels[:, column], np.full(len(other), 0.8)])
     both = np.concatenate([walk.keypoints, second], axis=2)
-    found = sinew.track(walk.cameras, both, layout=walk.layout, fps=20, frames=(0, 10), min_ess=1)
+    found = sinew.track(walk.cameras, both, layout=walk.layout, fps=20, frames=(0, 8), setup_frames=(0, 8))
     assert isinstance(found, sinew.People)
     people = [person for person in found.people if person is not None]
     assert len(people) == 2
     apart = [float(person.joints.y_mean_m.mean()) for person in people]
     assert abs(abs(apart[0] - apart[1]) - 2.0) < 0.1
-    alone = sinew.track(walk.cameras, both, layout=walk.layout, fps=20, frames=(0, 10), person=1, progress=False)
+    alone = sinew.track(walk.cameras, both, layout=walk.layout, fps=20, frames=(0, 8), person=1, setup=setup)
     assert isinstance(alone, sinew.Result)
 
 
-def test_progress_and_warnings_are_heard(walk):
+def test_progress_and_warnings_are_heard(walk, setup):
     heard = []
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         sinew.track(
-            walk.cameras, walk.keypoints[:4], layout=walk.layout, progress=lambda *counted: heard.append(counted)
+            walk.cameras,
+            walk.keypoints[:4],
+            layout=walk.layout,
+            setup=setup,
+            progress=lambda *counted: heard.append(counted),
         )
     assert any(what == "tracking" and unit == "frames" and total == 4 for what, unit, _, total in heard)
     assert any("frame rate" in str(of.message) or "fps" in str(of.message) for of in caught)
@@ -204,15 +200,16 @@ walk = sinew.simulate(duration_s=3, fps=20, seed=3)
 def progress(what, unit, done, total):
     if what == "tracking":
         print(done, flush=True)
-sinew.track(walk.cameras, walk.keypoints, layout=walk.layout, fps=20, out=sys.argv[1], resume=len(sys.argv) > 2, progress=progress)
+options = {"layout": walk.layout, "fps": 20, "setup": sys.argv[1], "progress": progress}
+sinew.track(walk.cameras, walk.keypoints, out=sys.argv[2], resume=len(sys.argv) > 3, **options)
 print("complete", flush=True)
 """
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="no SIGINT to send")
-def test_ctrl_c_keeps_what_is_done_and_resumes_to_the_same_bytes(tmp_path):
+def test_ctrl_c_keeps_what_is_done_and_resumes_to_the_same_bytes(setup, tmp_path):
     def started(*arguments):
-        command = [sys.executable, "-c", STOPPED, *map(str, arguments)]
+        command = [sys.executable, "-c", STOPPED, str(setup), *map(str, arguments)]
         return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
 
     run = started(tmp_path / "stopped")
@@ -230,7 +227,7 @@ def test_ctrl_c_keeps_what_is_done_and_resumes_to_the_same_bytes(tmp_path):
     assert differing(tmp_path / "stopped", tmp_path / "whole") <= {"timings.json"}
 
 
-def test_other_threads_run_meanwhile(walk):
+def test_other_threads_run_meanwhile(walk, setup):
     """A thread of Python counts on while a frame is tracked."""
     import threading
 
@@ -245,7 +242,7 @@ def test_other_threads_run_meanwhile(walk):
     thread.start()
     try:
         begun = time.monotonic()
-        sinew.track(walk.cameras, walk.keypoints, layout=walk.layout, fps=20, frames=(0, 4), progress=False)
+        sinew.track(walk.cameras, walk.keypoints, layout=walk.layout, fps=20, setup=setup, progress=False)
         passed = time.monotonic() - begun
     finally:
         over.set()
