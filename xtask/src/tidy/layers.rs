@@ -5,7 +5,7 @@ use crate::source::lines_with;
 use std::collections::BTreeSet;
 
 /// What each crate may depend on, of ours.
-const ALLOWED: [(&str, &[&str]); 19] = [
+const ALLOWED: [(&str, &[&str]); 20] = [
     ("sinew-core", &[]),
     ("sinew-body", &["sinew-core"]),
     ("sinew-observe", &["sinew-body", "sinew-core"]),
@@ -35,6 +35,7 @@ const ALLOWED: [(&str, &[&str]); 19] = [
     ),
     ("sinew-runs", &["sinew", "sinew-tools"]),
     ("sinew-cli", &BELOW_THE_PROGRAM),
+    ("sinew-python", &BELOW_PYTHON),
     ("xtask", &["sinew", "sinew-tools", "sinew-motion", "sinew-simulate", "sinew-tests"]),
     ("sinew-tests", &["sinew", "sinew-tools", "sinew-motion", "sinew-simulate", "sinew-invariance", "sinew-latent"]),
 ];
@@ -69,6 +70,9 @@ const BELOW_THE_PROGRAM: [&str; 13] = [
     "sinew-formats",
     "sinew-latent",
 ];
+
+/// What the Python package may know.
+const BELOW_PYTHON: [&str; 4] = ["sinew", "sinew-runs", "sinew-tools", "sinew-simulate"];
 
 /// What only a program needs: arguments, manuals, progress bars and interrupts.
 const TERMINAL: [&str; 5] = ["clap", "clap_complete", "clap_mangen", "ctrlc", "indicatif"];
