@@ -3,6 +3,7 @@
 use super::args::{General, TrackArgs};
 use super::ended::Ended;
 use super::error::Error;
+use super::live;
 use super::report::{self, Report};
 use super::sync;
 use super::table::{columns, table};
@@ -33,6 +34,9 @@ pub(crate) fn run(args: &TrackArgs, general: &General, report: &Report) -> Resul
         return Ok(Ended::Done);
     }
     report.detail(&resolved.describe());
+    if let Some(from) = &args.live {
+        return live::run(from, args, &resolved, general, report);
+    }
     let request = Request {
         resume: args.resume,
         page: args.report,
@@ -68,7 +72,7 @@ fn interrupted(report: &Report) -> Ended {
     Ended::Interrupted
 }
 
-fn doubts<T: AsRef<str>>(failed: &[T], report: &Report) -> Ended {
+pub(super) fn doubts<T: AsRef<str>>(failed: &[T], report: &Report) -> Ended {
     failed.iter().for_each(|failed| report.failed(failed.as_ref()));
     if failed.is_empty() { Ended::Done } else { Ended::Doubtful }
 }

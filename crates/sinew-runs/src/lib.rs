@@ -21,6 +21,7 @@
 pub mod claimed;
 mod error;
 pub mod listener;
+pub mod live;
 mod one_person;
 pub mod page;
 mod people;
