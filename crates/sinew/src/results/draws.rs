@@ -266,6 +266,7 @@ fn schema(info: &RunInfo, rotations: &[usize]) -> sinew_formats::zarr::Schema {
         method: &info.method,
         kind: match info.kind {
             EstimateKind::Filtered => inference_data::DrawsKind::Filtered,
+            EstimateKind::FixedLag => inference_data::DrawsKind::FixedLag,
             EstimateKind::Smoothed => inference_data::DrawsKind::Smoothed,
         },
         seed: info.seed,

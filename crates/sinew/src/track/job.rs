@@ -79,12 +79,13 @@ pub fn track<S: FrameSource>(
     let (frames, before) = (source.frames(), checkpoint.done);
     let setup_toml = checkpoint.setup_toml.clone();
     let info = run_info(&config, &settings, &setup, &pipeline, cameras, frames.start, setup_toml);
-    let mut keeper = Keeper::open(claim, info, checkpoint, &config, pipeline.lasting_draws())?;
+    let mut keeper = Keeper::open(claim, info, checkpoint, &config, &pipeline)?;
     if keeper.checkpoint.pipeline.is_none() {
         keeper.keep(&pipeline, source.read(), inputs.hashes(source.source()))?;
     }
     let total = frames.end - frames.start;
-    let tracked = forward(&mut keeper, &mut pipeline, &mut source, &inputs, settings.isa, watch)?;
+    let tracked = forward(&mut keeper, &mut pipeline, &mut source, &inputs, watch)?;
+    keeper.take_rest(|_| ())?;
     clock.tracking_is_done();
     let Keeper { mut results, spool, checkpoint, .. } = keeper;
     let mut written = checkpoint.done;

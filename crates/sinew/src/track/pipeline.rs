@@ -201,6 +201,10 @@ impl Pipeline {
         self.describer.marginals.size()
     }
 
+    pub(super) fn isa(&self) -> Isa {
+        self.settings().isa
+    }
+
     pub(super) const fn settings(&self) -> &Settings {
         &self.describer.settings
     }

@@ -6,6 +6,8 @@
 //!                   └───────────────────────────────────────────────────────────────────────────────┘
 //! ```
 //!
+//! With a fixed lag a frame is answered and written when so many more have come, and the last ones at the end.
+//!
 //! Every frame is recorded before the next one is waited for, and answered before it is written. A frame that did not come is tracked as one that no camera saw, so that the
 //! motion prior takes its step and the results have every number. The source does not come again, so there are no checkpoints. The end of the source or an
 //! interrupt completes the results.
@@ -64,14 +66,11 @@ pub fn track_live<S: Arrivals>(
     ResultFolder::forget(&claim)?;
     let info = run_info(&config, &settings, &setup, &pipeline, cameras, first, checkpoint.setup_toml.clone());
     answers.begin(&info);
-    let mut keeper = Keeper::open(claim, info, checkpoint, &config, pipeline.lasting_draws())?;
+    let mut keeper = Keeper::open(claim, info, checkpoint, &config, &pipeline)?;
     let (mut next, mut arrived, mut tracked) = (first, Some(first), Ok(()));
     while let (Some(number), false) = (arrived, watch.is_stopped()) {
-        let keep = |estimate: FrameEstimate, _: &Posterior<'_>| {
-            answers.frame(&estimate);
-            keeper.results.append(&estimate)?;
-            keeper.checkpoint.done += 1;
-            Ok(())
+        let keep = |estimate: FrameEstimate, posterior: &Posterior<'_>| {
+            keeper.take(estimate, posterior, |estimate| answers.frame(estimate))
         };
         tracked = pipeline.track(&mut source, next..number + 1, keep);
         if tracked.is_err() {
@@ -83,6 +82,7 @@ pub fn track_live<S: Arrivals>(
     if tracked.as_ref().is_err_and(|error| keeper.checkpoint.done == 0 || error.file().is_some()) {
         return tracked.map(|()| None);
     }
+    keeper.take_rest(|estimate| answers.frame(estimate))?;
     clock.tracking_is_done();
     let Keeper { results, checkpoint, .. } = keeper;
     let done = checkpoint.done;
