@@ -1,12 +1,11 @@
 //! `sinew track --live`: frames in, a line of JSON out for each, and a note of what it came to.
 
 use super::args::{General, TrackArgs};
-use super::ended::Ended;
+use super::ended::{Ended, doubts};
 use super::error::Error;
 use super::report::Report;
 use super::table::table;
 use super::terminal::Terminal;
-use super::track::doubts;
 use sinew::config::Resolved;
 use sinew_runs::live::{LiveRequest, Streams, track};
 

@@ -1,7 +1,7 @@
 //! `sinew track`: settings, the run, and its answer.
 
 use super::args::{General, TrackArgs};
-use super::ended::Ended;
+use super::ended::{Ended, doubts};
 use super::error::Error;
 use super::live;
 use super::report::{self, Report};
@@ -70,11 +70,6 @@ fn one_person(outcome: &Outcome, out: &Path, args: &TrackArgs, report: &Report) 
 fn interrupted(report: &Report) -> Ended {
     report.note(&format!("interrupted; what was done is written and marked incomplete; {RESUME}"));
     Ended::Interrupted
-}
-
-pub(super) fn doubts<T: AsRef<str>>(failed: &[T], report: &Report) -> Ended {
-    failed.iter().for_each(|failed| report.failed(failed.as_ref()));
-    if failed.is_empty() { Ended::Done } else { Ended::Doubtful }
 }
 
 /// Says that there is nothing to do.

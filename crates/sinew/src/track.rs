@@ -30,4 +30,4 @@ pub use sinew_recording::predictive::{Doubt, Lengths, Origins};
 pub use fixed_lag::LagWindow;
 pub use smooth::{Spool, smooth};
 pub use step_size::tune;
-pub use trajectories::TRAJECTORIES;
+pub use sinew_dynamics::backward_pass::TRAJECTORIES;

@@ -1,4 +1,6 @@
-//! Frames that come while they are tracked: what a line says of the calibrated cameras, and a source that holds the frame at hand.
+//! Frames that come while they are tracked.
+//!
+//! What a line says of the calibrated cameras, and a source that holds the frame at hand.
 //!
 //! A line is read by [`LiveCameras`], on any thread; its views go to a [`LiveRecording`], which keeps those for the set-up until they are forgotten and else one frame only.
 //! A frame of which nothing was taken is one that no camera saw.

@@ -52,24 +52,24 @@ pub(super) fn frame(estimate: &FrameEstimate, skipped: u64) -> String {
         let _ = write!(text, r#","{name}":"#);
         number_text(&mut text, value.unwrap_or(f64::NAN), 4);
     }
-    type OfPoint = fn(&PointMarginal) -> &[f64; 3];
-    let of_points: [(&str, OfPoint); 4] =
+    type PointValues = fn(&PointMarginal) -> &[f64; 3];
+    let point_lists: [(&str, PointValues); 4] =
         [("mean", |p| &p.mean), ("sd", |p| &p.sd), ("q05", |p| &p.q05), ("q95", |p| &p.q95)];
     text.push_str(r#","points":{"#);
-    for (index, (name, of_point)) in of_points.into_iter().enumerate() {
+    for (index, (name, values)) in point_lists.into_iter().enumerate() {
         let _ = write!(text, r#"{}"{name}":["#, if index > 0 { "," } else { "" });
         for (index, point) in estimate.points.iter().enumerate() {
             text.push_str(if index > 0 { "," } else { "" });
-            list(&mut text, of_point(point).iter().copied());
+            list(&mut text, values(point).iter().copied());
         }
         text.push(']');
     }
-    type OfAngle = fn(&AngleMarginal) -> f64;
-    let of_angles: [(&str, OfAngle); 3] = [("mean", |a| a.mean), ("q05", |a| a.q05), ("q95", |a| a.q95)];
+    type AngleValue = fn(&AngleMarginal) -> f64;
+    let angle_lists: [(&str, AngleValue); 3] = [("mean", |a| a.mean), ("q05", |a| a.q05), ("q95", |a| a.q95)];
     text.push_str(r#"},"angles":{"#);
-    for (index, (name, of_angle)) in of_angles.into_iter().enumerate() {
+    for (index, (name, value)) in angle_lists.into_iter().enumerate() {
         let _ = write!(text, r#"{}"{name}":"#, if index > 0 { "," } else { "" });
-        list(&mut text, estimate.angles.iter().map(of_angle));
+        list(&mut text, estimate.angles.iter().map(value));
     }
     text.push_str("}}\n");
     text

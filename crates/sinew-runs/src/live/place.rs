@@ -1,4 +1,6 @@
-//! Where frames come from and answers go: the streams of the process, or a socket that this machine alone can reach.
+//! Where frames come from and answers go.
+//!
+//! The streams of the process, or a socket that this machine alone can reach.
 
 use crate::Error;
 use crate::listener::Listener;

@@ -1,4 +1,4 @@
-//! The frames of a live run: those of the set-up, then the one at hand.
+//! The frames of a live run: some for the set-up, then the one at hand.
 
 use super::answering::Answering;
 use super::queue::{Queue, State};

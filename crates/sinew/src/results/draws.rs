@@ -7,7 +7,7 @@
 use super::chunks::ChunkList;
 use super::error::ResultsError;
 use super::partial::{Place, partial_path, take_back};
-use super::storage::Storage;
+use sinew_recording::storage::Storage;
 use crate::Error;
 use crate::results::estimate::{Carried, EstimateKind, FrameEstimate, RunInfo};
 use serde::{Deserialize, Serialize};

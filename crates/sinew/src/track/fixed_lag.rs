@@ -9,14 +9,16 @@
 use super::error::TrackError;
 use super::pipeline::Pipeline;
 use super::record::{Record, RecordShape};
-use super::trajectories::{BackwardPass, FrameNumbers, TrajectoryDescriber, change_between, window_around};
+use super::trajectories::TrajectoryDescriber;
 use crate::Error;
 use crate::results::estimate::FrameEstimate;
 use crate::results::problem::{self, Problem};
 use sinew_angles::fixed_lag::half_window;
+use sinew_angles::trajectory_change::{change_between, window_around};
 use sinew_body::KinematicTree;
 use sinew_core::lanes::Isa;
 use sinew_core::transition::Moments;
+use sinew_dynamics::backward_pass::{BackwardPass, FrameNumbers};
 use sinew_dynamics::smoother::{BackwardStep, Smoother};
 use std::collections::{BTreeMap, VecDeque};
 use std::ops::Range;
@@ -46,7 +48,7 @@ pub struct LagWindow {
 }
 
 impl LagWindow {
-    /// Before the first frame; `sizes` are those of the run: cameras and keypoints.
+    /// Before the first frame; with numbers of cameras and keypoints.
     #[must_use]
     pub fn new(pipeline: &Pipeline, tree: &KinematicTree, lag: u64, [cameras, keypoints]: [usize; 2]) -> Self {
         let settings = pipeline.settings();
@@ -66,7 +68,7 @@ impl LagWindow {
         }
     }
 
-    /// Takes in a filtered frame, and gives the one that lies so many frames before, if there is one.
+    /// Takes in a filtered frame, and gives the one that lies K frames before, if there is one.
     ///
     /// # Errors
     /// A covariance that cannot be factored.
@@ -113,7 +115,7 @@ impl LagWindow {
         let mut passed: BTreeMap<u64, FrameNumbers> = BTreeMap::new();
         for frame in (lowest..there.end).rev() {
             let Filtered { record, step, .. } = self.at(frame);
-            let numbers = pass.go_to(frame, record, &self.smoother, step)?;
+            let numbers = pass.go_to(frame, record.filtered(step), &self.smoother).map_err(TrackError::Motion)?;
             if wanted.contains(&frame) || windows.as_flattened().contains(&frame) {
                 passed.insert(frame, numbers);
             }

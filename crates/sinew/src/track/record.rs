@@ -4,6 +4,8 @@
 
 use crate::results::estimate::{FrameEstimate, diagnostics};
 use sinew_core::transition::Moments;
+use sinew_dynamics::backward_pass::FilteredFrame;
+use sinew_dynamics::smoother::BackwardStep;
 
 /// Sizes of the rows of a run.
 #[derive(Clone, Copy, Debug)]
@@ -26,6 +28,13 @@ pub(super) struct Record {
     pub(super) moments: Moments,
     /// [`FrameEstimate::moves`].
     pub(super) moves: Vec<f64>,
+}
+
+impl Record {
+    /// What a backward pass takes, with the step back to the frame.
+    pub(super) fn filtered<'a>(&'a self, step: &'a BackwardStep) -> FilteredFrame<'a> {
+        FilteredFrame { moments: &self.moments, moves: &self.moves, step, is_cut: self.estimate.restarted }
+    }
 }
 
 impl RecordShape {

@@ -3,7 +3,7 @@
 //! Filtered moments go to a file as frames are tracked, and come back as trajectories that know the future.
 //!
 //! 1. Forward, [`Spool::append`] writes each frame's moments and diagnostics, a record of fixed size.
-//! 2. Backward, a second file takes for each record the states of trajectories drawn from the smoothing distribution of the moments ([`super::trajectories`]).
+//! 2. Backward, a second file takes for each record the states of trajectories drawn from the smoothing distribution of the moments ([`sinew_dynamics::backward_pass`]).
 //! 3. Forward again, [`smooth`] reads the trajectories frame by frame and describes them; draw *i* of every frame belongs to trajectory *i*.
 //!
 //! Exact for linear-Gaussian models; elsewhere each frame's posterior is taken for a Gaussian. Evidence, effective sample size and residuals stay the filter's. Memory does not grow with the number
@@ -13,16 +13,16 @@
 use super::error::TrackError;
 use super::pipeline::Pipeline;
 use super::record::{Record, RecordShape};
-use super::trajectories::{
-    BackwardPass, FrameNumbers, TrajectoryDescriber, change_between, numbers_of_frame, window_around,
-};
+use super::trajectories::TrajectoryDescriber;
 use crate::Error;
 use crate::results::estimate::FrameEstimate;
 use crate::results::{Claim, Disk, PartialFile, Place, Position, Storage};
 use sinew_angles::fixed_lag::half_window;
 use sinew_angles::marginals::AngleChange;
+use sinew_angles::trajectory_change::{change_between, window_around};
 use sinew_body::KinematicTree;
 use sinew_core::transition::Moments;
+use sinew_dynamics::backward_pass::{BackwardPass, FrameNumbers, numbers_of_frame};
 use sinew_dynamics::smoother::Smoother;
 use std::collections::BTreeMap;
 use std::fs::{self, File};
@@ -221,7 +221,7 @@ fn backwards(
         stopped()?;
         let record = spool.read(moments, frame, settings.fps)?;
         let step = smoother.backward(&record.moments).map_err(TrackError::Motion)?;
-        let numbers = pass.go_to(frame, &record, &smoother, &step)?;
+        let numbers = pass.go_to(frame, record.filtered(&step), &smoother).map_err(TrackError::Motion)?;
         trajectories.write(frame * numbers.len() as u64, &numbers)?;
     }
     Ok(())

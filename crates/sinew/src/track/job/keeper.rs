@@ -63,6 +63,11 @@ impl Keeper {
         Ok(Self { results, spool, window, isa, checkpoint, every, kept, cost })
     }
 
+    /// Whether frames are given later than they are tracked.
+    pub(super) const fn is_late(&self) -> bool {
+        self.window.is_some()
+    }
+
     /// Takes in a frame that was tracked, and writes what is known by now; `known` hears of it first.
     pub(super) fn take(
         &mut self,

@@ -6,7 +6,7 @@
 //!                   └───────────────────────────────────────────────────────────────────────────────┘
 //! ```
 //!
-//! With a fixed lag a frame is answered and written when so many more have come, and the last ones at the end.
+//! With a fixed lag a frame is answered and written when that number of frames has come after it, and the last ones at the end.
 //!
 //! Every frame is recorded before the next one is waited for, and answered before it is written. A frame that did not come is tracked as one that no camera saw, so that the
 //! motion prior takes its step and the results have every number. The source does not come again, so there are no checkpoints. The end of the source or an
@@ -23,7 +23,7 @@ use crate::config::Resolved;
 use crate::input::source::FrameSource;
 use crate::results::estimate::{FrameEstimate, RunInfo};
 use crate::results::{Claim, ResultFolder};
-use crate::track::pipeline::Pipeline;
+use crate::track::pipeline::{KeepFrames, Pipeline};
 use sinew_tracking::posterior::Posterior;
 use std::ops::Range;
 
@@ -69,10 +69,7 @@ pub fn track_live<S: Arrivals>(
     let mut keeper = Keeper::open(claim, info, checkpoint, &config, &pipeline)?;
     let (mut next, mut arrived, mut tracked) = (first, Some(first), Ok(()));
     while let (Some(number), false) = (arrived, watch.is_stopped()) {
-        let keep = |estimate: FrameEstimate, posterior: &Posterior<'_>| {
-            keeper.take(estimate, posterior, |estimate| answers.frame(estimate))
-        };
-        tracked = pipeline.track(&mut source, next..number + 1, keep);
+        tracked = pipeline.track(&mut source, next..number + 1, Answering { keeper: &mut keeper, answers });
         if tracked.is_err() {
             break;
         }
@@ -90,4 +87,28 @@ pub fn track_live<S: Arrivals>(
     let summary = finish.summary(results, &pipeline, &inputs, source.source(), &config, &clock)?;
     tracked?;
     Ok(Some(Outcome { summary, ms_per_frame: clock.ms_per_frame(done), girth: setup.girth, colours: None }))
+}
+
+/// Answers each frame, then keeps it.
+struct Answering<'a> {
+    keeper: &'a mut Keeper,
+    answers: &'a mut dyn Answers,
+}
+
+impl KeepFrames for Answering<'_> {
+    fn known(&mut self, estimate: &FrameEstimate) {
+        if !self.keeper.is_late() {
+            self.answers.frame(estimate);
+        }
+    }
+
+    fn keep(&mut self, estimate: FrameEstimate, posterior: &Posterior<'_>) -> Result<(), Error> {
+        let Self { keeper, answers } = self;
+        let is_late = keeper.is_late();
+        keeper.take(estimate, posterior, |estimate| {
+            if is_late {
+                answers.frame(estimate);
+            }
+        })
+    }
 }
