@@ -22,6 +22,7 @@ pub mod batch;
 pub mod claimed;
 mod error;
 pub mod listener;
+pub mod live;
 mod one_person;
 pub mod page;
 mod people;

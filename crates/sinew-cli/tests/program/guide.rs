@@ -28,8 +28,8 @@ const SHORT: [(&str, &str); 11] = [
 ];
 
 /// Pages of the guide.
-const PAGES: [&str; 8] =
-    ["batch", "cameras", "first-recording", "motion-models", "own-recording", "results", "silhouettes", "warnings"];
+const PAGES: [&str; 9] =
+    ["batch", "cameras", "first-recording", "live", "motion-models", "own-recording", "results", "silhouettes", "warnings"];
 
 fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
@@ -170,6 +170,11 @@ fn an_own_recording_runs() {
 #[test]
 fn cameras_run() {
     run_page("docs/guide/cameras.md");
+}
+
+#[test]
+fn live_tracking_runs() {
+    run_page("docs/guide/live.md");
 }
 
 #[test]
