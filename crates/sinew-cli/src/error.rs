@@ -90,6 +90,12 @@ pub(crate) enum Error {
     /// A frame rate for a calibration.
     #[error("a calibration has no frame rate")]
     RateOfCalibration,
+    /// Names of bones for a calibration.
+    #[error("a calibration has no bones")]
+    BonesOfCalibration,
+    /// A scale of a world that is not aligned.
+    #[error("`--scale` is about a world that is aligned, and `--align` leaves it")]
+    ScaleWithoutSpace,
     /// A skeleton for the walk, which has its own.
     #[error("the walk needs no skeleton")]
     SkeletonOfWalk,
@@ -208,6 +214,8 @@ impl Error {
             Self::InputIsOutput(_) | Self::ResultIsOutput(_) => "write to another file",
             Self::NothingToDraw => "give one file of `sinew learn` or of a run with `--method hppf`, or leave `-o` out",
             Self::RateOfCalibration => "`--fps` belongs to motion files; leave it out",
+            Self::BonesOfCalibration => "`--bones` belongs to motion.bvh; leave it out",
+            Self::ScaleWithoutSpace => "leave it out, or use `--align both` or `--align space`",
             Self::SkeletonOfWalk => "`--skeleton` belongs to .amc files; leave it out",
             Self::CrowdOfMotion => "leave `--motion` or `--people` out",
             Self::TooManyFrames(_) => "ask for less with `--duration` or `--fps`",

@@ -6,12 +6,16 @@ mod answer_args;
 mod args;
 mod body;
 mod claimed;
+mod compare;
+mod compare_args;
 mod convert;
 mod convert_args;
 mod convert_calibration;
 mod demo;
 mod ended;
 mod error;
+mod export_args;
+mod export_opensim;
 mod fit_shape;
 mod gait;
 mod gait_args;
@@ -47,6 +51,7 @@ mod write_calibration;
 
 use args::{Cli, Command, General};
 use clap::FromArgMatches as _;
+use export_args::ExportCommand;
 use learn_args::LearnCommand;
 use report::Report;
 use std::process::ExitCode;
@@ -78,6 +83,8 @@ fn main() -> ExitCode {
         Command::Segment(args) => segment::run(args, &cli.general, &report),
         Command::Overlay(args) => overlay::run(args, &cli.general, &report),
         Command::Report(args) => report_page::run(args, &cli.general, &report),
+        Command::Compare(args) => compare::run(args, &cli.general, &report),
+        Command::Export { what: ExportCommand::Opensim(args) } => export_opensim::run(args, &cli.general, &report),
         Command::Gait(args) => gait::run(args, &cli.general, &report),
         Command::Predict(args) => predict::run(args, &cli.general, &report),
         Command::Validate(args) => validate::run(args, &cli.general, &report),

@@ -17,7 +17,9 @@ fn used(command: &str) -> &'static [&'static str] {
         "latent" => &["out", "force", "threads"],
         "simulate" | "primitives" => &["out", "force", "seed", "threads"],
         "convert" => &["force"],
-        "segment" | "overlay" | "report" | "gait" | "predict" | "fit-shape" => &["out", "force"],
+        "segment" | "overlay" | "report" | "gait" | "compare" | "opensim" | "predict" | "fit-shape" => {
+            &["out", "force"]
+        }
         _ => &[],
     }
 }

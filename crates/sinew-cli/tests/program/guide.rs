@@ -28,8 +28,16 @@ const SHORT: [(&str, &str); 11] = [
 ];
 
 /// Pages of the guide.
-const PAGES: [&str; 7] =
-    ["cameras", "first-recording", "motion-models", "own-recording", "results", "silhouettes", "warnings"];
+const PAGES: [&str; 8] = [
+    "cameras",
+    "first-recording",
+    "laboratory",
+    "motion-models",
+    "own-recording",
+    "results",
+    "silhouettes",
+    "warnings",
+];
 
 fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
