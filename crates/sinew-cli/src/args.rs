@@ -3,6 +3,7 @@
 //! Flags that are settings come from the one table of settings; a command has the ones that it uses.
 
 use super::answer_args::Answer;
+use super::batch_args::BatchCommand;
 use super::compare_args::CompareArgs;
 use super::convert_args::ConvertArgs;
 use super::export_args::ExportCommand;
@@ -77,6 +78,11 @@ pub(crate) struct General {
 }
 
 impl General {
+    /// Settings given to a command, with the flags that are settings.
+    pub(crate) fn given(&self, own: &[(&'static str, String)]) -> Vec<(&'static str, String)> {
+        [own, &self.settings()].concat()
+    }
+
     /// Flags that are settings.
     pub(crate) fn settings(&self) -> Vec<(&'static str, String)> {
         let given = [("out", &self.out), ("seed", &self.seed), ("threads", &self.threads)];
@@ -184,6 +190,16 @@ pub(crate) enum Command {
     Learn {
         #[command(subcommand)]
         what: LearnCommand,
+    },
+    /// Track many trials: plan, run in parts, gather
+    #[command(
+        disable_help_subcommand = true,
+        subcommand_help_heading = "Steps",
+        help_template = template!("sinew batch plan recordings -o study", "sinew batch run study --shard 3/16")
+    )]
+    Batch {
+        #[command(subcommand)]
+        what: BatchCommand,
     },
     /// Show a body as a tree
     #[command(help_template = template!("sinew body h32", "sinew body my_body.toml"))]

@@ -14,7 +14,7 @@ use sinew_tools::motion::{self, ConvertedMotion, Format, rename_bones};
 /// Runs the command.
 pub(crate) fn run(args: &ConvertArgs, general: &General, report: &Report) -> Result<Ended, Error> {
     if same_file(args) {
-        return Err(Error::InputIsOutput(args.input.clone()));
+        return Err(sinew_runs::Error::InputIsOutput(args.input.clone()).into());
     }
     if let Some(format) = convert_calibration::format(args) {
         check_free(args, general)?;

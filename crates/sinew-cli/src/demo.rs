@@ -7,15 +7,11 @@
 
 use super::answer_args::Answer;
 use super::args::General;
-use super::claimed::claimed;
 use super::ended::Ended;
 use super::error::Error;
-use super::interrupt;
-use super::progress::PassProgress;
 use super::report::{self, Report};
-use super::report_page;
 use super::table::aligned;
-use super::threads::{wanted, with_threads};
+use super::terminal::Terminal;
 use serde_json::json;
 use sinew::body::standard::EVALUATION_JOINTS;
 use sinew::config::{Resolved, Sources, resolve};
@@ -25,6 +21,10 @@ use sinew::input::in_memory::InMemory;
 use sinew::results::LOCK_NAME;
 use sinew::track::job;
 use sinew::track::job::{Outcome, Watch};
+use sinew_runs::claimed::claimed;
+use sinew_runs::listener::{Listener as _, PassCounter};
+use sinew_runs::page;
+use sinew_runs::threads::{wanted, with_threads};
 use sinew_simulate::adult;
 use sinew_simulate::calibration_error::CalibrationError;
 use sinew_simulate::detector::DetectorNoise;
@@ -44,13 +44,14 @@ const TRUTH: &str = "truth.trc";
 
 /// Runs the command.
 pub(crate) fn run(answer: Answer, general: &General, report: &Report) -> Result<Ended, Error> {
+    let terminal = Terminal { general, report };
     let noise = DetectorNoise { offset_px: 0.0, ..DetectorNoise::DETECTOR_LIKE };
     let script = Script { calibration: CalibrationError::USUAL, noise, ..Script::default() };
     let resolved = settings(general, &script)?;
     let mut config = resolved.track();
     // A former demo is no loss.
     config.force |= config.out.join(TRUTH).is_file();
-    let claim = claimed(&config, &[], report)?;
+    let claim = claimed(&config, &[], &terminal)?;
     let seed = config.tracking.seed;
     let script = Script { proportions: adult::drawn(&Stage::new(seed, "walker")), ..script };
     let recording = SyntheticRecording::new(&script, seed).map_err(Error::Demo)?;
@@ -62,15 +63,15 @@ pub(crate) fn run(answer: Answer, general: &General, report: &Report) -> Result<
         keypoints: recording.keypoints.clone(),
     };
     let outcome = with_threads(wanted(&config), || {
-        let mut progress = PassProgress::new(general);
-        let stop = interrupt::flag("the frame");
-        let mut at = |pass, done, total| progress.at(pass, done, total);
+        let mut counter = PassCounter::new(&terminal);
+        let stop = terminal.stop();
+        let mut at = |pass, done, total| counter.at(pass, done, total);
         let mut watch = Watch { progress: &mut at, stop: &stop };
         job::track(&mut source, 0..frames, &resolved, claim, &mut watch, |_| (Vec::new(), BTreeMap::new()), None)
     })?;
     report.warnings(&outcome.summary.warnings);
-    let request = report_page::with_calibration(&config.out.join(CALIBRATION));
-    report_page::write(&config.out, &request, &config.out.join(report_page::PAGE), report)?;
+    let request = page::with_calibration(&config.out.join(CALIBRATION));
+    page::write(&config.out, &request, &config.out.join(page::PAGE), &terminal)?;
     answer_of(&recording, &outcome, &config.out, answer)?;
     for failed in &outcome.summary.failed_diagnostics {
         report.failed(failed);
@@ -200,7 +201,7 @@ fn answer_of(recording: &SyntheticRecording, outcome: &Outcome, out: &Path, answ
     let next = format!(
         "\nNext, the same from files, and then from yours:\n  sinew track --calibration {shown}/Calib.toml --keypoints {shown}/keypoints --layout BODY_25B --fps {} -o sinew-out/demo-track\n\nA page that shows the result:\n  {}\n",
         recording.rate_hz,
-        report_page::opening(&out.join(report_page::PAGE))
+        page::opening(&out.join(page::PAGE))
     );
     debug_assert!(!out.join(LOCK_NAME).exists());
     report::answer(&(aligned(&rows) + &next))

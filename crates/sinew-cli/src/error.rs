@@ -1,44 +1,11 @@
 //! What ends a command early: a mistake in how it was called, or what the library refuses.
 
-use std::ops::Range;
-use std::path::PathBuf;
-
 /// Everything that ends a command early.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum Error {
-    /// What the library refuses.
+    /// What ends a run early.
     #[error(transparent)]
-    Library(#[from] sinew::Error),
-    /// What the tools beside a run refuse.
-    #[error(transparent)]
-    Tools(#[from] sinew_tools::Error),
-    /// Nothing to track with.
-    #[error("{}", missing(*calibration, *observation))]
-    NothingToTrack {
-        /// Whether a calibration was given.
-        calibration: bool,
-        /// Whether keypoints or silhouettes were given.
-        observation: bool,
-    },
-    /// Set-up frames that the recording does not have.
-    #[error("set-up frames {}..{} were requested; the recording has {}..{}", asked.start, asked.end, available.start, available.end)]
-    SetupFrames {
-        /// Frames given.
-        asked: Range<u64>,
-        /// Frames of the recording.
-        available: Range<u64>,
-    },
-    /// Fewer people than the chosen number.
-    #[error("person {chosen} was chosen; two cameras see {found} for a quarter of a second or more", found = people(*found))]
-    NoSuchPerson {
-        /// Number given.
-        chosen: usize,
-        /// People there.
-        found: usize,
-    },
-    /// The system grants no threads.
-    #[error("threads cannot be started: {0}")]
-    Threads(rayon::ThreadPoolBuildError),
+    Runs(#[from] sinew_runs::Error),
     /// A flag of other commands.
     #[error("`{flag}` has no use here; it belongs to {}", owners.join(", "))]
     ForeignFlag {
@@ -69,6 +36,9 @@ pub(crate) enum Error {
         /// What to give.
         help: &'static str,
     },
+    /// A part of a study that the environment does not say.
+    #[error("no part of the study: {0}")]
+    Shard(String),
     /// A validation without keypoints.
     #[error("no keypoints to hold a prediction against")]
     NothingToValidate,
@@ -81,12 +51,6 @@ pub(crate) enum Error {
     /// A picture of something other than one model or the actions of one run.
     #[error("only one motion model, latent model or `actions.csv` at a time can be drawn")]
     NothingToDraw,
-    /// A file that would be written over while it is read.
-    #[error("{} is both input and output", .0.display())]
-    InputIsOutput(PathBuf),
-    /// A file that the run itself writes.
-    #[error("{} is a file that the run itself writes", .0.display())]
-    ResultIsOutput(PathBuf),
     /// A frame rate for a calibration.
     #[error("a calibration has no frame rate")]
     RateOfCalibration,
@@ -129,6 +93,10 @@ pub(crate) enum Written {
     Model,
     /// The table of `predict`.
     Prediction,
+    /// The study of `batch plan`.
+    Study,
+    /// The results of `batch unpack`.
+    Trial,
 }
 
 impl Written {
@@ -139,6 +107,8 @@ impl Written {
             Self::Body => "body file to write",
             Self::Model => "model to write",
             Self::Prediction => "table to write",
+            Self::Study => "folder for the study",
+            Self::Trial => "folder for the results",
         }
     }
 
@@ -149,31 +119,27 @@ impl Written {
             Self::Body => "body.toml",
             Self::Model => "walk.json",
             Self::Prediction => "predicted.csv",
+            Self::Study => "study",
+            Self::Trial => "walk",
         }
     }
 }
 
-fn people(count: usize) -> String {
-    if count == 1 { "one person".into() } else { format!("{count} people") }
-}
-
-const fn missing(calibration: bool, observation: bool) -> &'static str {
-    match (calibration, observation) {
-        (false, false) => "neither calibration nor keypoints were given",
-        (false, true) => "no calibration was given",
-        (true, _) => "no keypoints were given",
+impl From<sinew::Error> for Error {
+    fn from(error: sinew::Error) -> Self {
+        Self::Runs(error.into())
     }
 }
 
-/// Commands to try where there was nothing to track with.
-const TRY: &str = "try one of
-  sinew track --calibration Calib.toml --keypoints pose --fps 60
-  sinew track --calibration Calib.toml --silhouettes masks --keypoints pose --method annealed --fps 60
-  sinew demo";
+impl From<sinew_tools::Error> for Error {
+    fn from(error: sinew_tools::Error) -> Self {
+        Self::Runs(error.into())
+    }
+}
 
 impl From<sinew::RecordingError> for Error {
     fn from(error: sinew::RecordingError) -> Self {
-        Self::Library(error.into())
+        Self::Runs(error.into())
     }
 }
 
@@ -181,10 +147,9 @@ impl Error {
     /// Code with which the program ends; the table is that of [`sinew::Error`].
     pub(crate) const fn exit_code(&self) -> u8 {
         match self {
-            Self::Library(error) => error.exit_code(),
-            Self::Tools(error) => error.exit_code(),
-            Self::Threads(_) | Self::Demo(_) => 1,
-            Self::SetupFrames { .. } | Self::NoSuchPerson { .. } | Self::Scene(_) => 3,
+            Self::Runs(error) => error.exit_code(),
+            Self::Demo(_) => 1,
+            Self::Scene(_) => 3,
             _ => 2,
         }
     }
@@ -192,26 +157,20 @@ impl Error {
     /// What the user can do about it.
     pub(crate) fn help(&self) -> Option<String> {
         let words = match self {
-            Self::Library(error) => return error.help(),
-            Self::Tools(error) => return error.help(),
+            Self::Runs(error) => return error.help(),
             Self::Scene(error) => return error.help(),
             Self::NoPlace(written) => {
                 return Some(format!("name one with `-o`, for example `-o {}`", written.example()));
             }
             Self::NotPositive { help, .. } => help,
-            Self::Threads(_) | Self::Demo(_) => return None,
-            Self::NothingToTrack { .. } => TRY,
-            Self::SetupFrames { .. } => "`--setup-frames A..B` takes the numbers in the file names, A included, B not",
-            Self::NoSuchPerson { .. } => {
-                "`--person` counts from 1 in the order of coming; `sinew inspect` with calibration and keypoints says who is there"
-            }
+            Self::Demo(_) => return None,
             Self::ForeignFlag { .. } => "leave it out, or put it after the command that it belongs to",
             Self::NoKeypointsToRead { .. } => "give the keypoint folder too, or leave the flag out",
             Self::NothingToSynchronise(_) => "try `--calibration Calib.toml --keypoints pose --fps 60`",
+            Self::Shard(_) => "name it with `--shard I/N`, or give the number of parts with `--shards N`",
             Self::NothingToValidate => "give the keypoints of at least three cameras with `--keypoints`",
             Self::SetupToValidate => "leave `setup` out: each run makes its own from the cameras that it uses",
             Self::TooFewToLeaveOut(_) => "give more cameras, or judge the run by other means (`sinew predict`)",
-            Self::InputIsOutput(_) | Self::ResultIsOutput(_) => "write to another file",
             Self::NothingToDraw => "give one file of `sinew learn` or of a run with `--method hppf`, or leave `-o` out",
             Self::RateOfCalibration => "`--fps` belongs to motion files; leave it out",
             Self::BonesOfCalibration => "`--bones` belongs to motion.bvh; leave it out",

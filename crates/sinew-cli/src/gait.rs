@@ -9,7 +9,6 @@ use super::table::aligned;
 use serde_json::{Map, Value, json};
 use sinew::results::error::Occupied;
 use sinew::results::write_whole;
-use sinew_tools::compare::COMPARISON_NAMES;
 use sinew_tools::gait::{GAIT_NAMES, GaitAnalysis, PARAMETERS, ParameterSummary, gait, gait_files, summary};
 use std::path::{Path, PathBuf};
 
@@ -46,16 +45,6 @@ pub(crate) fn run(args: &GaitArgs, general: &General, report: &Report) -> Result
 fn name(folder: &Path) -> String {
     let whole = folder.canonicalize().unwrap_or_else(|_| folder.to_owned());
     whole.file_name().map_or_else(|| "gait".to_owned(), |name| format!("gait: {}", name.to_string_lossy()))
-}
-
-/// Removes the gait of results that were replaced, and what they were compared with.
-pub(crate) fn forget(results: &Path) -> Result<(), sinew::Error> {
-    GAIT_NAMES.iter().chain(&COMPARISON_NAMES).map(|name| results.join(name)).try_for_each(|path| {
-        match std::fs::remove_file(&path) {
-            Err(error) if error.kind() != std::io::ErrorKind::NotFound => Err(sinew::Error::io("remove", path)(error)),
-            _ => Ok(()),
-        }
-    })
 }
 
 fn strides(found: &GaitAnalysis, side: Option<usize>) -> usize {

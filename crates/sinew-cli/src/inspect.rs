@@ -6,13 +6,13 @@ use super::args::{General, InspectArgs};
 use super::ended::Ended;
 use super::error::Error;
 use super::report::{self, Report};
-use super::settings::{reading, settings};
 use super::table::aligned;
 use serde_json::json;
 use sinew::config::track::DEFAULT_FPS;
 use sinew::input::recording::{Recording, RecordingOptions};
 use sinew::results::error::Occupied;
 use sinew::results::write_whole;
+use sinew_runs::settings::{reading, settings};
 use sinew_tools::inspect::{
     Facts, Subject, file_facts, fit, latent_picture, model_picture, picture_of_actions, subjects,
 };
@@ -75,7 +75,7 @@ fn draw(subjects: &[Subject], out: &Path, force: bool) -> Result<(), Error> {
     let is_out =
         |path: &&PathBuf| out.canonicalize().is_ok_and(|out| path.canonicalize().is_ok_and(|path| path == out));
     if let Some(input) = [Some(path), truth].into_iter().flatten().find(is_out) {
-        return Err(Error::InputIsOutput(input.clone()));
+        return Err(sinew_runs::Error::InputIsOutput(input.clone()).into());
     }
     let picture = match drawn[0] {
         Subject::Actions(_) => picture_of_actions(path, truth.map(PathBuf::as_path))?,
@@ -94,7 +94,7 @@ fn options(
 ) -> Result<(RecordingOptions, f64), Error> {
     let mut flags = args.settings.given.clone();
     flags.push(("keypoints", keypoints.to_string_lossy().into_owned()));
-    let resolved = settings(&flags, general)?;
+    let resolved = settings(&general.given(&flags), general.config.as_deref())?;
     report.warnings(&resolved.warnings);
     let config = resolved.track();
     Ok((reading(&config), config.fps.unwrap_or(DEFAULT_FPS)))

@@ -4,8 +4,9 @@
 
 mod answer_args;
 mod args;
+mod batch;
+mod batch_args;
 mod body;
-mod claimed;
 mod compare;
 mod compare_args;
 mod convert;
@@ -31,23 +32,16 @@ mod predict;
 mod progress;
 mod report;
 mod report_page;
-mod resume;
 mod segment;
 mod setting_args;
-mod settings;
 mod simulate;
 mod simulate_crowd;
 mod simulated_files;
-mod stated_rate;
 mod sync;
 mod table;
-mod threads;
+mod terminal;
 mod track;
-mod track_people;
-mod track_pieces;
 mod validate;
-mod whom;
-mod write_calibration;
 
 use args::{Cli, Command, General};
 use clap::FromArgMatches as _;
@@ -91,6 +85,7 @@ fn main() -> ExitCode {
         Command::FitShape(args) => fit_shape::run(args, &cli.general, &report),
         Command::Learn { what: LearnCommand::Primitives(args) } => learn::primitives::run(args, &cli.general, &report),
         Command::Learn { what: LearnCommand::Latent(args) } => learn::latent::run(args, &cli.general, &report),
+        Command::Batch { what } => batch::run(what, &cli.general, &report),
         Command::Body { body, answer } => body::run(body, *answer),
         Command::Completions { shell } => manual::completions(*shell),
         Command::Man => manual::man(),

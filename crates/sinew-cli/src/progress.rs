@@ -2,7 +2,6 @@
 
 use super::args::General;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
-use sinew::track::job::RunPhase;
 use std::fmt;
 use std::io::{self, IsTerminal as _, Write as _};
 
@@ -130,36 +129,6 @@ fn rate(per_second: f64) -> String {
         r if (0.0..999.5).contains(&r) => format!("{r:.0}/s"),
         r if (0.0..99_500.0).contains(&r) => format!("{:.0}k/s", r / 1e3),
         _ => String::new(),
-    }
-}
-
-/// One progress a pass.
-pub(crate) struct PassProgress<'a> {
-    general: &'a General,
-    current: Option<(RunPhase, Progress)>,
-}
-
-impl<'a> PassProgress<'a> {
-    pub(crate) fn new(general: &'a General) -> Self {
-        Self { general, current: None }
-    }
-
-    pub(crate) fn at(&mut self, pass: RunPhase, done: u64, total: u64) {
-        let same = self.current.as_ref().is_some_and(|(current, _)| *current == pass);
-        if !same {
-            let what = match pass {
-                RunPhase::Check => "reading again",
-                RunPhase::SetUp => "set-up",
-                RunPhase::Track => "tracking",
-                RunPhase::Smooth => "smoothing",
-            };
-            // The bar before is cleared first.
-            self.current = None;
-            self.current = Some((pass, Progress::start(self.general, what, total)));
-        }
-        if let Some((_, progress)) = &mut self.current {
-            progress.at(done);
-        }
     }
 }
 

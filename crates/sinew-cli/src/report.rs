@@ -53,10 +53,15 @@ impl Report {
         }
     }
 
-    /// Warnings, each once; silenced by `-qq`.
+    /// Warnings, each once.
     pub(crate) fn warnings(&self, warnings: &[String]) {
+        warnings.iter().for_each(|warning| self.warning(warning));
+    }
+
+    /// A warning; silenced by `-qq`.
+    pub(crate) fn warning(&self, text: &str) {
         if self.quiet < 2 {
-            warnings.iter().for_each(|warning| self.say(YELLOW, "warning", warning));
+            self.say(YELLOW, "warning", text);
         }
     }
 
@@ -96,6 +101,6 @@ pub(crate) fn answer_json(value: &serde_json::Value) -> Result<(), Error> {
 
 /// Whether the reader of our answer went away.
 pub(crate) fn is_closed_pipe(error: &Error) -> bool {
-    let file = if let Error::Library(error) = error { error.file() } else { None };
+    let file = if let Error::Runs(sinew_runs::Error::Library(error)) = error { error.file() } else { None };
     file.is_some_and(|file| file.path.as_os_str() == STDOUT && file.source.kind() == io::ErrorKind::BrokenPipe)
 }

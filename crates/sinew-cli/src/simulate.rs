@@ -1,7 +1,6 @@
 //! `sinew simulate`: a recording of a simulated person, with everything that a tracker may want.
 
 use super::args::{General, SimulateArgs};
-use super::claimed::claimed;
 use super::ended::Ended;
 use super::error::Error;
 use super::progress::Progress;
@@ -9,13 +8,15 @@ use super::report::{self, Report};
 use super::simulate_crowd;
 use super::simulated_files::{CALIBRATION, FOLDERS, README, TRUTH, WALK_S, cameras, clear, track_command, write};
 use super::table::aligned;
-use super::threads::{wanted, with_threads};
+use super::terminal::Terminal;
 use rayon::prelude::*;
 use serde_json::json;
 use sinew::config::{Sources, TrackConfig, resolve};
 use sinew::core::random::Stage;
 use sinew::formats::{calib_toml, mask, picture};
 use sinew_motion::points::{Trajectories, points_of_states};
+use sinew_runs::claimed::claimed;
+use sinew_runs::threads::{wanted, with_threads};
 use sinew_simulate::detector::{DetectorNoise, STATED_ROWS, detect};
 use sinew_simulate::footage::SyntheticFootage;
 use sinew_simulate::recording::{body_25b, keypoint_files, write_trc};
@@ -39,13 +40,13 @@ pub(crate) fn run(args: &SimulateArgs, general: &General, report: &Report) -> Re
     if args.people > 1 {
         check_numbers(args)?;
         return match args.motion.as_os_str() == WALK {
-            true => simulate_crowd::run(args, &config, report),
+            true => simulate_crowd::run(args, &config, general, report),
             false => Err(Error::CrowdOfMotion),
         };
     }
     let (motion, inputs) = motion(args, report)?;
     refuse_inputs_inside(&config.out, &inputs)?;
-    let claim = claimed(&config, &inputs, report)?;
+    let claim = claimed(&config, &inputs, &Terminal { general, report })?;
     let ring = Ring { cameras: args.cameras, image_size_px: args.size.map(f64::from), ..Ring::SMALL_PICTURES };
     let footage = SyntheticFootage::new(motion, args.fps, &ring, config.tracking.seed).map_err(Error::Scene)?;
     report.warnings(small_person(&footage, &ring).as_slice());

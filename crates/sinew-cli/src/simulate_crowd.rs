@@ -2,16 +2,17 @@
 //!
 //! Keypoints and truth only: masks and pictures are of one person.
 
-use super::args::SimulateArgs;
-use super::claimed::claimed;
+use super::args::{General, SimulateArgs};
 use super::ended::Ended;
 use super::error::Error;
 use super::report::{self, Report};
 use super::simulated_files::{CALIBRATION, FOLDERS, README, WALK_S, cameras, clear, track_command, write};
 use super::table::aligned;
+use super::terminal::Terminal;
 use serde_json::json;
 use sinew::config::TrackConfig;
 use sinew::formats::calib_toml;
+use sinew_runs::claimed::claimed;
 use sinew_simulate::calibration_error::CalibrationError;
 use sinew_simulate::crowd::{Crowd, CrowdNoise, CrowdRecording};
 use sinew_simulate::detector::DetectorNoise;
@@ -21,8 +22,13 @@ use std::fs;
 use std::path::Path;
 
 /// Runs the command for several people.
-pub(crate) fn run(args: &SimulateArgs, config: &TrackConfig, report: &Report) -> Result<Ended, Error> {
-    let claim = claimed(config, &[], report)?;
+pub(crate) fn run(
+    args: &SimulateArgs,
+    config: &TrackConfig,
+    general: &General,
+    report: &Report,
+) -> Result<Ended, Error> {
+    let claim = claimed(config, &[], &Terminal { general, report })?;
     let size = args.size.map(f64::from);
     let ring = Ring { cameras: args.cameras, image_size_px: size, ..Ring::default() };
     let keypoints = DetectorNoise { offset_px: 0.0, ..DetectorNoise::DETECTOR_LIKE.in_rows(size[1]) };

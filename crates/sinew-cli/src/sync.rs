@@ -5,17 +5,17 @@ use super::ended::Ended;
 use super::error::Error;
 use super::interrupt;
 use super::report::{self, Report};
-use super::settings::{reading, settings};
 use super::table::aligned;
 use serde_json::json;
 use sinew::config::track::DEFAULT_FPS;
 use sinew::config::{Resolved, TrackConfig};
+use sinew_runs::settings::{reading, settings};
 use sinew_tools::sync::{FoundClock, FoundClocks, SyncRequest, synchronise};
 use std::sync::atomic::Ordering;
 
 /// Runs the command.
 pub(crate) fn run(args: &SyncArgs, general: &General, report: &Report) -> Result<Ended, Error> {
-    let resolved = settings(&args.settings.given, general)?;
+    let resolved = settings(&general.given(&args.settings.given), general.config.as_deref())?;
     report.warnings(&resolved.warnings);
     let config = resolved.track();
     if config.fps.is_none() {
@@ -32,7 +32,7 @@ pub(crate) fn run(args: &SyncArgs, general: &General, report: &Report) -> Result
 
 /// The settings with the lags that were found, as though they had been typed.
 pub(crate) fn synchronised(
-    flags: &[(&'static str, String)],
+    given: &[(&'static str, String)],
     resolved: Resolved,
     general: &General,
     report: &Report,
@@ -44,8 +44,9 @@ pub(crate) fn synchronised(
     let said = |clock: &FoundClock| format!("the lag of `{}` is unknown; it is taken as declared", clock.camera);
     report.warnings(&unknown.map(said).collect::<Vec<_>>());
     let Some(lag) = found.setting() else { return Ok(resolved) };
-    let others = flags.iter().filter(|(key, _)| *key != "lag").cloned();
-    settings(&others.chain([("lag", lag)]).collect::<Vec<_>>(), general)
+    let others = given.iter().filter(|(key, _)| *key != "lag").cloned();
+    let given: Vec<_> = others.chain([("lag", lag)]).collect();
+    Ok(settings(&given, general.config.as_deref())?)
 }
 
 fn found(config: &TrackConfig, most: u64) -> Result<FoundClocks, Error> {

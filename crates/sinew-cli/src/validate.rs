@@ -4,24 +4,24 @@ use super::args::{General, ValidateArgs};
 use super::ended::Ended;
 use super::error::Error;
 use super::report::{self, Report};
-use super::settings::{reading, settings};
 use super::table::aligned;
-use super::track::{read_from, track_into_folder};
-use super::track_pieces::calibration;
-use super::whom::{Whom, looked_for};
+use super::terminal::Terminal;
 use serde_json::json;
 use sinew::config::{Resolved, TrackConfig};
 use sinew::input::recording::{Recording, RecordingOptions};
 use sinew::input::roll::Roll;
 use sinew::results::Summary;
 use sinew::results::write_whole;
+use sinew_runs::settings::{reading, settings};
+use sinew_runs::whom::{Whom, looked_for};
+use sinew_runs::{calibration, read_from, track_alone};
 use sinew_tools::predict::predict;
 use sinew_tools::validate::{LEVELS, LeftOut, left_out, sentence, to_csv, to_svg, together};
 use std::path::Path;
 
 /// Runs the command.
 pub(crate) fn run(args: &ValidateArgs, general: &General, report: &Report) -> Result<Ended, Error> {
-    let resolved = settings(&args.settings.given, general)?;
+    let resolved = settings(&general.given(&args.settings.given), general.config.as_deref())?;
     report.warnings(&resolved.warnings);
     let config = resolved.track();
     let calibration = calibration(&config)?;
@@ -43,12 +43,12 @@ pub(crate) fn run(args: &ValidateArgs, general: &General, report: &Report) -> Re
         let mut given: Vec<(&'static str, String)> = args.settings.given.iter().filter(own).cloned().collect();
         given.push(("cameras", others.join(",")));
         let general = General { out: Some(folder.to_string_lossy().into_owned()), ..general.clone() };
-        let run = settings(&given, &general)?;
+        let run = settings(&general.given(&given), general.config.as_deref())?;
         report.detail(&format!("without {camera}"));
         let chosen = chosen.as_ref().map(|(roll, person)| (roll.without_view(place), *person));
         let chosen = chosen.as_ref().map(|(roll, person)| (roll, *person));
-        let read_from = read_from(&config, &calibration, &general);
-        let outcome = track_into_folder(&run, chosen, &read_from, &general, report)?;
+        let read_from = read_from(&config, &calibration, general.config.as_deref());
+        let outcome = track_alone(&run, chosen, &read_from, &Terminal { general: &general, report })?;
         if !outcome.summary.complete {
             report.note("interrupted; nothing can be said about the intervals yet");
             return Ok(Ended::Interrupted);
@@ -76,7 +76,7 @@ fn chosen(
     if resolved.get("person").is_none() {
         return Ok(None);
     }
-    let (_, whom) = looked_for(resolved, calibration, general, report, || Ok(None))?;
+    let (_, whom) = looked_for(resolved, calibration, &Terminal { general, report }, || Ok(None))?;
     Ok(if let Whom::One(roll, person) = whom { Some((roll, person)) } else { None })
 }
 

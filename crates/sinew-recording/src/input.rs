@@ -12,6 +12,7 @@ pub mod in_memory;
 pub mod lag;
 pub mod limbs;
 pub mod missing_path;
+pub mod one_after_another;
 pub mod one_person;
 pub mod pictures;
 pub mod recording;

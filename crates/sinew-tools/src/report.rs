@@ -16,7 +16,7 @@ mod columns;
 mod comparison;
 mod doubts;
 mod error;
-mod html;
+pub mod html;
 mod packed;
 mod payload;
 pub(crate) mod recorded;

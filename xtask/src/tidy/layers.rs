@@ -5,7 +5,7 @@ use crate::source::lines_with;
 use std::collections::BTreeSet;
 
 /// What each crate may depend on, of ours.
-const ALLOWED: [(&str, &[&str]); 18] = [
+const ALLOWED: [(&str, &[&str]); 19] = [
     ("sinew-core", &[]),
     ("sinew-body", &["sinew-core"]),
     ("sinew-observe", &["sinew-body", "sinew-core"]),
@@ -33,6 +33,7 @@ const ALLOWED: [(&str, &[&str]); 18] = [
             "sinew-latent",
         ],
     ),
+    ("sinew-runs", &["sinew", "sinew-tools"]),
     ("sinew-cli", &BELOW_THE_PROGRAM),
     ("xtask", &["sinew", "sinew-tools", "sinew-motion", "sinew-simulate", "sinew-tests"]),
     ("sinew-tests", &["sinew", "sinew-tools", "sinew-motion", "sinew-simulate", "sinew-invariance", "sinew-latent"]),
@@ -53,8 +54,9 @@ const LIBRARIES: [&str; 10] = [
 ];
 
 /// What the program may know.
-const BELOW_THE_PROGRAM: [&str; 12] = [
+const BELOW_THE_PROGRAM: [&str; 13] = [
     "sinew",
+    "sinew-runs",
     "sinew-tools",
     "sinew-motion",
     "sinew-simulate",

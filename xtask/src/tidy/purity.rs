@@ -4,7 +4,7 @@ use super::workspace::{File, Violation, Workspace};
 use crate::source::lines_with;
 
 /// What only programs do, with the reason.
-const OF_PROGRAMS: [(&str, &str); 8] = [
+const TERMINAL: [(&str, &str); 7] = [
     ("println!", "prints"),
     ("eprintln!", "prints"),
     ("print!", "prints"),
@@ -12,8 +12,10 @@ const OF_PROGRAMS: [(&str, &str); 8] = [
     ("stdout()", "prints"),
     ("stderr()", "prints"),
     ("stdin()", "reads a stream of the process"),
-    ("ThreadPoolBuilder", "sets up a thread pool"),
 ];
+
+/// What whole runs and programs do, with the reason.
+const POOLS: [(&str, &str); 1] = [("ThreadPoolBuilder", "sets up a thread pool")];
 
 /// What the library and programs do, with the reason.
 const INPUT_AND_OUTPUT: [(&str, &str); 13] = [
@@ -47,12 +49,16 @@ pub fn check(workspace: &Workspace) -> Vec<Violation> {
         let Some(library) = file.library() else { continue };
         match library {
             "sinew-cli" => {}
+            "sinew-runs" => {
+                forbid(file, &TERMINAL, "the program and xtask", &mut violations);
+            }
             "sinew" | "sinew-recording" | "sinew-tools" => {
-                forbid(file, &OF_PROGRAMS, "the program and xtask", &mut violations)
+                let all = [&TERMINAL[..], &POOLS[..]].concat();
+                forbid(file, &all, "runs, the program and xtask", &mut violations);
             }
             _ => {
-                let all = [&OF_PROGRAMS[..], &INPUT_AND_OUTPUT[..]].concat();
-                forbid(file, &all, "the library, recordings, tools, the program and xtask", &mut violations);
+                let all = [&TERMINAL[..], &POOLS[..], &INPUT_AND_OUTPUT[..]].concat();
+                forbid(file, &all, "the library, recordings, tools, runs, the program and xtask", &mut violations);
             }
         }
         if library == "sinew-body" {
@@ -87,8 +93,11 @@ mod tests {
 
     #[test]
     fn io_in_a_library_is_caught() {
-        for (is_printed, (words, _)) in
-            OF_PROGRAMS.map(|words| (true, words)).into_iter().chain(INPUT_AND_OUTPUT.map(|words| (false, words)))
+        for (is_printed, (words, _)) in TERMINAL
+            .into_iter()
+            .chain(POOLS)
+            .map(|words| (true, words))
+            .chain(INPUT_AND_OUTPUT.map(|words| (false, words)))
         {
             let bad = format!("fn f() {{ {words} }}");
             let good = format!("fn f() {{}} // {words}\n#[cfg(test)]\nmod tests {{ {words} }}");

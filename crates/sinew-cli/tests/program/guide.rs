@@ -209,7 +209,7 @@ fn sources(folder: &Path, text: &mut String) {
 #[test]
 fn quoted_warnings_match_the_program() {
     let mut program = String::new();
-    ["sinew-formats", "sinew-recording", "sinew-angles", "sinew", "sinew-cli"]
+    ["sinew-formats", "sinew-recording", "sinew-angles", "sinew", "sinew-runs", "sinew-cli"]
         .iter()
         .for_each(|name| sources(&root().join("crates").join(name).join("src"), &mut program));
     let page = read("docs/guide/warnings.md");

@@ -2,13 +2,10 @@
 //!
 //! People are named over the whole recording first, where two cameras or more have keypoints of it for long enough.
 
-use super::args::General;
 use super::error::Error;
-use super::interrupt;
-use super::progress::Progress;
-use super::report::Report;
+use super::listener::Listener;
+use super::pieces::setup_frames;
 use super::settings::reading;
-use super::track_pieces::setup_frames;
 use sinew::config::value::Value;
 use sinew::config::{Resolved, TrackConfig};
 use sinew::input::footage::Footage;
@@ -24,7 +21,7 @@ use std::sync::atomic::Ordering;
 const LOOKED_AT: usize = 60;
 
 /// Whom a run tracks.
-pub(crate) enum Whom {
+pub enum Whom {
     /// The most complete one at the start.
     MostComplete,
     /// One of several, by his place.
@@ -34,11 +31,13 @@ pub(crate) enum Whom {
 }
 
 /// Whom to track, and the output folder, if it was `claimed` before people were looked for.
-pub(crate) fn looked_for(
+///
+/// # Errors
+/// [`Error::NoSuchPerson`], [`Error::SetupFrames`]; errors of the recording and of `claimed`.
+pub fn looked_for(
     resolved: &Resolved,
     calibration: &Path,
-    general: &General,
-    report: &Report,
+    listener: &dyn Listener,
     claimed: impl Fn() -> Result<Option<Claim>, Error>,
 ) -> Result<(Option<Claim>, Whom), Error> {
     let config = resolved.track();
@@ -49,14 +48,14 @@ pub(crate) fn looked_for(
     let mut recording = Footage::open(&config.files(calibration), &reading(&config))?;
     if let Some(why) = not_looked_for(resolved, &config, &recording)? {
         if config.person.is_none() && others_in_view(&mut recording)? {
-            report.warnings(&[why]);
+            listener.warning(&why);
         }
         return Ok((None, Whom::MostComplete));
     }
     // Mistakes in the settings are said before what is in the folder.
     setup_frames(&config, &recording)?;
     let claim = claimed()?;
-    let roll = called(&mut recording, config.settings()?.fps, general)?;
+    let roll = called(&mut recording, config.settings()?.fps, listener)?;
     let found = roll.people.len();
     match config.person {
         None if found > 1 => Ok((claim, Whom::Everybody(roll))),
@@ -67,18 +66,18 @@ pub(crate) fn looked_for(
 }
 
 /// Everybody over the recording.
-fn called(recording: &mut Footage, fps: f64, general: &General) -> Result<Roll, Error> {
+fn called(recording: &mut Footage, fps: f64, listener: &dyn Listener) -> Result<Roll, Error> {
     let frames = recording.frames();
-    let mut progress = Progress::start(general, "who is there", frames.end - frames.start);
-    let stop = interrupt::flag("the frame");
+    let mut counter = listener.counter("who is there", "frames", frames.end - frames.start);
+    let stop = listener.stop();
     let roll = Roll::call(recording, frames.clone(), fps, &association::Config::default(), |done| {
-        progress.at(done);
+        counter.at(done);
         if stop.load(Ordering::Relaxed) {
             return Err(sinew::Error::Interrupted("while people were looked for; nothing was written"));
         }
         Ok(())
     })?;
-    progress.at(frames.end - frames.start);
+    counter.at(frames.end - frames.start);
     Ok(roll)
 }
 

@@ -1,15 +1,18 @@
 //! The output folder of a command, with a note on what was found in it.
 
 use super::error::Error;
-use super::report::Report;
+use super::listener::Listener;
 use sinew::config::TrackConfig;
 use sinew::results::{Claim, claim};
 use std::path::PathBuf;
 
 /// The output folder, for this process alone.
-pub(crate) fn claimed(config: &TrackConfig, inputs: &[PathBuf], report: &Report) -> Result<Claim, Error> {
+///
+/// # Errors
+/// [`Error::Library`] where it is in use, holds results or cannot be made.
+pub fn claimed(config: &TrackConfig, inputs: &[PathBuf], listener: &dyn Listener) -> Result<Claim, Error> {
     let claim = claim(&config.out, inputs, config.force)?;
-    report.warnings(stale(&claim).as_slice());
+    listener.warnings(stale(&claim).as_slice());
     Ok(claim)
 }
 

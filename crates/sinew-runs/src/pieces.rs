@@ -1,18 +1,15 @@
 //! What runs of one person and of several have in common.
 
-use super::args::TrackArgs;
 use super::error::Error;
-use super::report::Report;
-use super::report_page;
 use sinew::config::TrackConfig;
-use sinew::input::footage::Footage;
+use sinew::input::footage::{Footage, Init};
 use sinew::input::one_person::OnePerson;
 use sinew::input::source::FrameSource;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 /// How a run that ended early is continued.
-pub(crate) const RESUME: &str = "the same command with `--resume` continues from there";
+pub const RESUME: &str = "the same command with `--resume` continues from there";
 
 /// Frames of a recording for the set-up pass.
 pub(crate) fn setup_frames(config: &TrackConfig, recording: &Footage) -> Result<Range<u64>, Error> {
@@ -46,19 +43,26 @@ impl FromFootage for OnePerson<'_, Footage> {
     }
 }
 
-/// Writes the page of the results, if it is wanted.
-pub(crate) fn show(args: &TrackArgs, calibration: &Path, out: &Path, report: &Report) -> Result<(), Error> {
-    if args.report {
-        let page = out.join(report_page::PAGE);
-        report_page::write(out, &report_page::with_calibration(calibration), &page, report)?;
-        report.note(&format!("a page that shows the results: {}", report_page::opening(&page)));
-    }
-    Ok(())
-}
-
-/// The calibration, if there is something to track with it; else what to try.
-pub(crate) fn calibration(config: &TrackConfig) -> Result<PathBuf, Error> {
+/// The calibration of a run, where there is something to track with it.
+///
+/// # Errors
+/// [`Error::NothingToTrack`] with what to try.
+pub fn calibration(config: &TrackConfig) -> Result<PathBuf, Error> {
     let observation = config.keypoints.is_some() || config.silhouettes.is_some();
     let calibration = config.calibration.clone().filter(|_| observation);
     calibration.ok_or(Error::NothingToTrack { calibration: config.calibration.is_some(), observation })
+}
+
+/// Files and folders that a run reads, with the `file` of its settings, if one was named.
+#[must_use]
+pub fn read_from(config: &TrackConfig, calibration: &Path, file: Option<&Path>) -> Vec<PathBuf> {
+    let mut read_from = vec![calibration.to_owned()];
+    read_from.extend([&config.keypoints, &config.silhouettes, &config.images].into_iter().flatten().cloned());
+    if let Some(Init::Points(path)) = &config.init {
+        read_from.push(path.clone());
+    }
+    read_from.extend([&config.setup, &config.standing].into_iter().flatten().cloned());
+    read_from.extend(file.map(PathBuf::from));
+    read_from.extend(Some(PathBuf::from(&config.body)).filter(|body| body.is_file()));
+    read_from
 }

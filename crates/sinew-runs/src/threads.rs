@@ -6,15 +6,16 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 
 /// How many threads the settings ask for, or the system grants.
-pub(crate) fn wanted(config: &TrackConfig) -> usize {
+#[must_use]
+pub fn wanted(config: &TrackConfig) -> usize {
     config.threads.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, |n| n.get()))
 }
 
 /// Runs in a pool of that many threads.
-pub(crate) fn with_threads<T: Send, E: Send>(
-    threads: usize,
-    run: impl FnOnce() -> Result<T, E> + Send,
-) -> Result<T, Error>
+///
+/// # Errors
+/// [`Error::Threads`] where the system grants none; errors of what is run.
+pub fn with_threads<T: Send, E: Send>(threads: usize, run: impl FnOnce() -> Result<T, E> + Send) -> Result<T, Error>
 where
     Error: From<E>,
 {
@@ -25,7 +26,7 @@ where
 /// Does `one(i)` for every i below `count`, `workers` of them at a time, and returns what they came to in order.
 ///
 /// Nothing is begun after one that `ends`; what was not begun is `None`.
-pub(crate) fn beside_each_other<T: Send>(
+pub fn beside_each_other<T: Send>(
     count: usize,
     workers: usize,
     one: impl Fn(usize) -> T + Sync,

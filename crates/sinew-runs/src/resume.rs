@@ -1,12 +1,8 @@
 //! What `--resume` finds in the output folder: a run to continue, or complete results.
 
-use super::args::{General, TrackArgs};
 use super::claimed::stale;
-use super::ended::Ended;
 use super::error::Error;
-use super::interrupt;
-use super::progress::PassProgress;
-use super::report::{self, Report};
+use super::listener::{Listener, PassCounter};
 use sinew::config::{Resolved, TrackConfig};
 use sinew::input::source::FrameSource;
 use sinew::results::people::is_of_several;
@@ -27,11 +23,11 @@ pub(crate) enum Stopped {
 }
 
 /// The run to continue, in its folder, for this process alone.
-pub(crate) fn stopped_run(config: &TrackConfig, inputs: &[PathBuf], report: &Report) -> Result<Stopped, Error> {
+pub(crate) fn stopped_run(config: &TrackConfig, inputs: &[PathBuf], listener: &dyn Listener) -> Result<Stopped, Error> {
     let claim = claim_to_resume(&config.out, inputs)?;
     if let Some(stale) = stale(&claim) {
         // A run that is resumed was stopped: no wonder.
-        report.note(&stale);
+        listener.note(&stale);
     }
     let path = config.out.join("summary.json");
     let summary: Option<serde_json::Value> =
@@ -50,9 +46,9 @@ pub(crate) fn stopped_run(config: &TrackConfig, inputs: &[PathBuf], report: &Rep
 pub(crate) fn stopped_or_begun(
     config: &TrackConfig,
     inputs: &[PathBuf],
-    report: &Report,
+    listener: &dyn Listener,
 ) -> Result<Option<Stopped>, Error> {
-    match stopped_run(config, inputs, report) {
+    match stopped_run(config, inputs, listener) {
         Ok(stopped) => Ok(Some(stopped)),
         Err(Error::Library(sinew::Error::Checkpoint { problem, .. })) if problem.is_before_first() => Ok(None),
         Err(error) => Err(error),
@@ -78,33 +74,12 @@ pub(crate) fn same_run<S: FrameSource>(
     resolved: &Resolved,
     claim: &Claim,
     summary: &serde_json::Value,
-    general: &General,
+    listener: &dyn Listener,
     inputs: impl Fn(&S) -> BTreeMap<String, String>,
 ) -> Result<(), Error> {
-    let mut progress = PassProgress::new(general);
-    let stop = interrupt::flag("the frame");
-    let mut at = |pass, done, total| progress.at(pass, done, total);
+    let mut counter = PassCounter::new(listener);
+    let stop = listener.stop();
+    let mut at = |pass, done, total| counter.at(pass, done, total);
     let mut watch = Watch { progress: &mut at, stop: &stop };
     Ok(job::check_complete(recording, setup_frames, resolved, claim.folder(), summary, &mut watch, inputs)?)
-}
-
-/// Says that there is nothing to do.
-pub(crate) fn complete(
-    summary: &serde_json::Value,
-    out: &Path,
-    args: &TrackArgs,
-    report: &Report,
-) -> Result<Ended, Error> {
-    if args.answer.json {
-        report::answer_json(summary)?;
-    } else {
-        report::answer(&format!(
-            "nothing to do: the results in {} are complete, of these settings and data\n",
-            out.display()
-        ))?;
-    }
-    let failed: Vec<&str> =
-        summary["failed_diagnostics"].as_array().into_iter().flatten().filter_map(|text| text.as_str()).collect();
-    failed.iter().for_each(|failed| report.failed(failed));
-    Ok(if failed.is_empty() { Ended::Done } else { Ended::Doubtful })
 }

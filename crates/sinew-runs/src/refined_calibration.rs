@@ -1,7 +1,7 @@
 //! `sinew track --write-calibration`: the calibration as the set-up of the run refined it.
 
 use super::error::Error;
-use super::report::Report;
+use super::listener::Listener;
 use sinew::config::TrackConfig;
 use sinew::files::read_text;
 use sinew::formats::source_text::MAX_CONFIG_BYTES;
@@ -36,14 +36,19 @@ pub(crate) fn check(path: &Path, config: &TrackConfig, read_from: &[PathBuf]) ->
 }
 
 /// Writes the file once the results are there.
-pub(crate) fn write(path: &Path, config: &TrackConfig, calibration: &Path, report: &Report) -> Result<(), Error> {
+pub(crate) fn write(
+    path: &Path,
+    config: &TrackConfig,
+    calibration: &Path,
+    listener: &dyn Listener,
+) -> Result<(), Error> {
     let setup = config.out.join("setup.toml");
     let setup = Setup::from_toml(&setup.display().to_string(), &read_text(&setup, MAX_CONFIG_BYTES)?)?;
     let refined = RefinedCalibration::read(calibration, &setup, config.image_scale)?;
     write_whole(path, refined.to_toml().as_bytes())?;
-    report.note(&format!("the calibration as the set-up refined it is in {}", path.display()));
+    listener.note(&format!("the calibration as the set-up refined it is in {}", path.display()));
     if !refined.unchanged.is_empty() {
-        report.note(&format!("not in the set-up and as they were: {}", refined.unchanged.join(", ")));
+        listener.note(&format!("not in the set-up and as they were: {}", refined.unchanged.join(", ")));
     }
     Ok(())
 }

@@ -3,26 +3,21 @@
 //! A person is tracked as though he were alone, with the same seed: results of one depend on others only where it is decided who is who.
 //! People are tracked beside each other where there are threads for it.
 
-use super::args::{General, TrackArgs};
-use super::ended::Ended;
 use super::error::Error;
-use super::gait;
-use super::interrupt;
-use super::progress::Progress;
-use super::report::{self, Report};
-use super::report_page;
+use super::listener::{Counter, Listener, Uncounted};
+use super::page::{self, remove};
+use super::pieces::{setup_frames, within};
+use super::refined_calibration;
+use super::request::Run;
 use super::resume::{Stopped, same_run, stopped_or_begun};
 use super::settings::reading;
-use super::table::columns;
 use super::threads::{beside_each_other, wanted, with_threads};
-use super::track_pieces::{RESUME, setup_frames, show, within};
-use super::write_calibration;
-use sinew::config::{Resolved, TrackConfig};
+use sinew::config::TrackConfig;
 use sinew::input::footage::Footage;
 use sinew::input::one_person::OnePerson;
 use sinew::input::roll::Roll;
 use sinew::input::source::FrameSource as _;
-use sinew::results::people::{PeopleSummary, PersonTracked, person_folder};
+use sinew::results::people::{PeopleSummary, person_folder};
 use sinew::results::{Claim, OWN_NAMES, RESULT_NAMES, ResultFolder, Summary, claim, claim_to_resume};
 use sinew::track::job::{self, RunPhase, Watch};
 use std::path::{Path, PathBuf};
@@ -37,30 +32,12 @@ fn most_seen(out: &Path, roll: &Roll) -> PathBuf {
     out.join(person_folder(most.unwrap_or_default()))
 }
 
-/// What stays the same from person to person.
-struct Run<'a> {
-    args: &'a TrackArgs,
-    resolved: &'a Resolved,
-    calibration: &'a Path,
-    read_from: &'a [PathBuf],
-    roll: &'a Roll,
-    general: &'a General,
-    report: &'a Report,
-}
-
 /// Tracks everybody.
-pub(crate) fn run(
-    (args, resolved, roll): (&TrackArgs, &Resolved, &Roll),
-    claim: Option<Claim>,
-    calibration: &Path,
-    read_from: &[PathBuf],
-    general: &General,
-    report: &Report,
-) -> Result<Ended, Error> {
+pub(crate) fn track(run: Run<'_>, roll: &Roll, claim: Option<Claim>) -> Result<PeopleSummary, Error> {
+    let Run { resolved, request, calibration, read_from, listener } = run;
     let config = resolved.track();
-    let run = Run { args, resolved, calibration, read_from, roll, general, report };
     let _claim = claim.map_or_else(|| claim_to_resume(&config.out, read_from), Ok)?;
-    if !args.resume {
+    if !request.resume {
         forget_people(&config, read_from)?;
         forget_one(&config.out)?;
     }
@@ -68,31 +45,31 @@ pub(crate) fn run(
     let cameras = cameras.cameras().iter().map(|camera| camera.name.clone()).collect();
     let mut summary = PeopleSummary::begun(cameras, config.settings()?.fps, &roll.people);
     summary.write(&config.out)?;
-    report.note(&format!("{} people, each tracked into a folder of {}", roll.people.len(), config.out.display()));
-    let refused = everybody(&run, &config, &mut summary)?;
+    listener.note(&format!("{} people, each tracked into a folder of {}", roll.people.len(), config.out.display()));
+    let refused = everybody(run, roll, &config, &mut summary)?;
     let interrupted = !summary.complete;
     summary.write(&config.out)?;
-    if let Some(path) = args.write_calibration.as_ref().filter(|_| !interrupted) {
-        write_calibration::write(
-            path,
-            &resolved.into_folder(&most_seen(&config.out, roll)).track(),
-            calibration,
-            report,
-        )?;
+    if let Some(path) = request.write_calibration.as_ref().filter(|_| !interrupted) {
+        let config = resolved.into_folder(&most_seen(&config.out, roll)).track();
+        refined_calibration::write(path, &config, calibration, listener)?;
     }
-    let ended = answer(&summary, &config.out, args, report)?;
     match refused.filter(|_| summary.people.iter().all(|person| person.failed.is_some())) {
         Some(error) => Err(error.into()),
-        None => Ok(ended),
+        None => Ok(summary),
     }
 }
 
 /// Tracks people beside each other, as many as there are threads; the first error that only concerns one of them.
-fn everybody(run: &Run<'_>, config: &TrackConfig, summary: &mut PeopleSummary) -> Result<Option<sinew::Error>, Error> {
-    let (people, threads) = (run.roll.people.len(), wanted(config));
+fn everybody(
+    run: Run<'_>,
+    roll: &Roll,
+    config: &TrackConfig,
+    summary: &mut PeopleSummary,
+) -> Result<Option<sinew::Error>, Error> {
+    let (people, threads) = (roll.people.len(), wanted(config));
     let workers = threads.min(people);
-    let progress = PeopleProgress::start(run, config.smooth);
-    let track = |person| one(run, person, threads / workers, &progress);
+    let progress = PeopleCounter::start(run.listener, roll, config.smooth);
+    let track = |person| one(run, (roll, person), threads / workers, &progress);
     let ends = |outcome: &Result<Tracked, Error>| match outcome {
         Ok(tracked) => !tracked.complete,
         Err(Error::Library(error)) => !is_refusal(error),
@@ -121,7 +98,7 @@ fn everybody(run: &Run<'_>, config: &TrackConfig, summary: &mut PeopleSummary) -
             Some(Err(error)) => return Err(error),
         }
     }
-    run.report.warnings(&said.words());
+    run.listener.warnings(&said.words());
     summary.complete = !interrupted;
     Ok(refused)
 }
@@ -163,16 +140,16 @@ const fn is_refusal(error: &sinew::Error) -> bool {
 }
 
 /// Progress over everybody's frames.
-struct PeopleProgress {
-    shown: Mutex<(Progress, Vec<[u64; 2]>)>,
+struct PeopleCounter<'a> {
+    shown: Mutex<(Box<dyn Counter + 'a>, Vec<[u64; 2]>)>,
 }
 
-impl PeopleProgress {
-    fn start(run: &Run<'_>, smooth: bool) -> Self {
-        let people = &run.roll.people;
+impl<'a> PeopleCounter<'a> {
+    fn start(listener: &'a dyn Listener, roll: &Roll, smooth: bool) -> Self {
+        let people = &roll.people;
         let frames: u64 = people.iter().map(|person| person.frames.end - person.frames.start).sum();
         let total = if smooth { 2 * frames } else { frames };
-        let progress = Progress::counting(run.general, "tracking", "frames of all people", total);
+        let progress = listener.counter("tracking", "frames of all people", total);
         Self { shown: Mutex::new((progress, vec![[0; 2]; people.len()])) }
     }
 
@@ -208,25 +185,13 @@ pub(crate) fn forget_people(config: &TrackConfig, read_from: &[PathBuf]) -> Resu
         drop(claim(&entry.map_err(failed)?.path(), read_from, config.force)?);
     }
     std::fs::remove_dir_all(&folder).map_err(sinew::Error::io("remove", &folder))?;
-    removed(&config.out.join("people.csv"))
+    Ok(remove(&config.out.join("people.csv"))?)
 }
 
 /// Removes the results of a run of one person, in whose place results of several come.
 fn forget_one(out: &Path) -> Result<(), Error> {
-    RESULT_NAMES.iter().chain(&OWN_NAMES).try_for_each(|name| removed(&out.join(name)))?;
-    report_page::forget(out)?;
-    Ok(gait::forget(out)?)
-}
-
-/// Removes a file or a folder, if it is there.
-fn removed(path: &Path) -> Result<(), Error> {
-    let done = if path.is_dir() { std::fs::remove_dir_all(path) } else { std::fs::remove_file(path) };
-    match done {
-        Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
-            Err(sinew::Error::io("remove", path)(error).into())
-        }
-        _ => Ok(()),
-    }
+    RESULT_NAMES.iter().chain(&OWN_NAMES).try_for_each(|name| remove(&out.join(name)))?;
+    Ok(page::forget_derived(out)?)
 }
 
 /// How the run of a person ended.
@@ -239,23 +204,28 @@ struct Tracked {
 }
 
 /// One person, from the beginning or from where his run was stopped.
-fn one(run: &Run<'_>, person: usize, threads: usize, progress: &PeopleProgress) -> Result<Tracked, Error> {
+fn one(
+    run: Run<'_>,
+    (roll, person): (&Roll, usize),
+    threads: usize,
+    progress: &PeopleCounter<'_>,
+) -> Result<Tracked, Error> {
     let out = run.resolved.track().out.join(person_folder(person));
     let resolved = run.resolved.for_person(person + 1, &out);
     let config = resolved.track();
     let mut recording = Footage::open(&config.files(run.calibration), &reading(&config))?;
-    let seen = run.roll.people[person].frames.clone();
+    let seen = roll.people[person].frames.clone();
     let frames = within(&setup_frames(&config, &recording)?, &seen);
-    let mut source = OnePerson { source: &mut recording, roll: run.roll, person };
-    let is_begun = run.args.resume && out.is_dir();
-    let stopped = if is_begun { stopped_or_begun(&config, run.read_from, run.report)? } else { None };
+    let mut source = OnePerson { source: &mut recording, roll, person };
+    let is_begun = run.request.resume && out.is_dir();
+    let stopped = if is_begun { stopped_or_begun(&config, run.read_from, run.listener)? } else { None };
     let (claim, from) = match stopped {
         Some(Stopped::Complete(claim, summary)) => {
             let hashes = |source: &OnePerson<'_, Footage>| source.source.input_hashes();
-            let silent = General { no_progress: true, ..run.general.clone() };
+            let silent = Uncounted(run.listener);
             same_run(&mut source, frames, &resolved, &claim, &summary, &silent, hashes)?;
             ResultFolder::forget(&claim)?;
-            show(run.args, run.calibration, &out, run.report)?;
+            run.show(&out)?;
             progress.done(person, seen.end - seen.start, config.smooth);
             let failed_diagnostics = texts(&summary, "failed_diagnostics");
             return Ok(Tracked { complete: true, failed_diagnostics, warnings: vec![], about_recording: vec![] });
@@ -264,14 +234,14 @@ fn one(run: &Run<'_>, person: usize, threads: usize, progress: &PeopleProgress) 
         None => (claim(&out, run.read_from, config.force)?, None),
     };
     let outcome = with_threads(threads, || {
-        let stop = interrupt::flag("the frame");
+        let stop = run.listener.stop();
         let mut at = |pass, done, _| progress.at(person, pass, done);
         let mut watch = Watch { progress: &mut at, stop: &stop };
         let inputs = |source: &OnePerson<'_, Footage>| (source.source.warnings(), source.source.input_hashes());
         job::track(&mut source, frames, &resolved, claim, &mut watch, inputs, from)
     })?;
     if outcome.summary.frame_count > 0 {
-        show(run.args, run.calibration, &out, run.report)?;
+        run.show(&out)?;
     }
     let Summary { complete, failed_diagnostics, warnings, .. } = outcome.summary;
     Ok(Tracked { complete, failed_diagnostics, warnings, about_recording: recording.warnings() })
@@ -280,50 +250,4 @@ fn one(run: &Run<'_>, person: usize, threads: usize, progress: &PeopleProgress) 
 fn texts(summary: &serde_json::Value, key: &str) -> Vec<String> {
     let all = summary[key].as_array().into_iter().flatten();
     all.filter_map(|text| text.as_str()).map(str::to_owned).collect()
-}
-
-/// A row a person: when he was seen, by which cameras, and what became of his run.
-fn people_table(summary: &PeopleSummary, out: &Path) -> String {
-    let heads = ["person", "frames", "seconds", "seen by two", "cameras", "tracked", "results"].map(str::to_owned);
-    let row = |person: &PersonTracked| {
-        let tracked = match (&person.failed, person.complete, person.trusted) {
-            (Some(_), _, _) => "no",
-            (None, true, true) => "yes",
-            (None, true, false) => "doubtful",
-            (None, false, _) => "in part",
-        };
-        let [first, end] = person.frames;
-        vec![
-            person.person.to_string(),
-            format!("{first}..{end}"),
-            format!("{:.1}", (end - first) as f64 / summary.fps),
-            person.seen_frames.to_string(),
-            person.seen_by(&summary.cameras),
-            tracked.to_owned(),
-            out.join(&person.folder).display().to_string(),
-        ]
-    };
-    columns(&heads, &summary.people.iter().map(row).collect::<Vec<_>>())
-}
-
-/// Says what became of everybody.
-fn answer(summary: &PeopleSummary, out: &Path, args: &TrackArgs, report: &Report) -> Result<Ended, Error> {
-    if args.answer.json {
-        report::answer_json(&serde_json::to_value(summary).unwrap_or_default())?;
-    } else {
-        report::answer(&people_table(summary, out))?;
-    }
-    if !summary.complete {
-        report.note(&format!("interrupted; what was done is written and marked incomplete; {RESUME}"));
-        return Ok(Ended::Interrupted);
-    }
-    let mut doubtful = false;
-    for person in &summary.people {
-        doubtful |= !person.trusted;
-        person
-            .failed_diagnostics
-            .iter()
-            .for_each(|failed| report.failed(&format!("person {}: {failed}", person.person)));
-    }
-    Ok(if doubtful { Ended::Doubtful } else { Ended::Done })
 }
