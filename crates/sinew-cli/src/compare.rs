@@ -9,10 +9,10 @@ use super::table::{aligned, columns};
 use serde_json::json;
 use sinew::results::error::Occupied;
 use sinew::results::write_whole;
-use sinew_tools::compare::{
-    AlignedWorlds, Alignment, COMPARISON_NAMES, Comparison, ComparisonRequest, LEVELS, as_json, compare,
-    comparison_files,
+use sinew_laboratory::compare::{
+    AlignedWorlds, Alignment, Comparison, ComparisonRequest, LEVELS, as_json, compare, comparison_files,
 };
+use sinew_tools::report::COMPARISON_NAMES;
 use std::path::{Path, PathBuf};
 
 /// Runs the command.
@@ -51,7 +51,7 @@ pub(crate) fn run(args: &CompareArgs, general: &General, report: &Report) -> Res
 
 /// ± a standard deviation, if there is one.
 fn give_or_take(sd: Option<f64>, factor: f64, digits: usize) -> String {
-    sd.map_or_else(|| " (open)".to_owned(), |sd| format!(" ± {:.digits$}", factor * sd))
+    sd.map_or_else(|| " ± ?".to_owned(), |sd| format!(" ± {:.digits$}", factor * sd))
 }
 
 fn clocks(found: &Alignment) -> String {
@@ -76,7 +76,7 @@ fn worlds(found: &Alignment, worlds: &AlignedWorlds) -> String {
     } else {
         String::new()
     };
-    format!("turned by {heading:.1}° about the vertical, tilted by {tilt:.1}°,{turn}°; middle{place} mm{scale}")
+    format!("turned by {heading:.1}°, tilted by {tilt:.1}° (each{turn}°); placed to{place} mm{scale}")
 }
 
 fn head(found: &Comparison, out: &Path) -> Vec<(String, String)> {
@@ -123,7 +123,7 @@ fn table(found: &Comparison) -> String {
     }
     let series = found.series.iter().map(|series| (series.name.as_str(), series.axis)).zip(&found.agreements);
     let all = found.all.iter().map(|(axis, agreement)| (("all", *axis), agreement));
-    let row = |((name, axis), agreement): ((&str, Option<&str>), &sinew_tools::compare::Agreement)| {
+    let row = |((name, axis), agreement): ((&str, Option<&str>), &sinew_laboratory::compare::Agreement)| {
         let limits = &agreement.limits;
         let percent = |share: f64| if share.is_finite() { format!("{:.0}", 100.0 * share) } else { "–".to_owned() };
         let mut cells = vec![

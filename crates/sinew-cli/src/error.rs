@@ -3,6 +3,9 @@
 /// Everything that ends a command early.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum Error {
+    /// What a comparison or an export refuses.
+    #[error(transparent)]
+    Laboratory(#[from] sinew_laboratory::Error),
     /// What ends a run early.
     #[error(transparent)]
     Runs(#[from] sinew_runs::Error),
@@ -147,6 +150,7 @@ impl Error {
     /// Code with which the program ends; the table is that of [`sinew::Error`].
     pub(crate) const fn exit_code(&self) -> u8 {
         match self {
+            Self::Laboratory(error) => error.exit_code(),
             Self::Runs(error) => error.exit_code(),
             Self::Demo(_) => 1,
             Self::Scene(_) => 3,
@@ -157,6 +161,7 @@ impl Error {
     /// What the user can do about it.
     pub(crate) fn help(&self) -> Option<String> {
         let words = match self {
+            Self::Laboratory(error) => return error.help(),
             Self::Runs(error) => return error.help(),
             Self::Scene(error) => return error.help(),
             Self::NoPlace(written) => {

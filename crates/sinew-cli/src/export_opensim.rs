@@ -9,7 +9,7 @@ use super::table::aligned;
 use serde_json::{Map, Value, json};
 use sinew::results::error::Occupied;
 use sinew::results::write_whole;
-use sinew_tools::opensim::{OPENSIM_NAMES, OpensimFiles, opensim_files};
+use sinew_laboratory::opensim::{OPENSIM_NAMES, OpensimFiles, opensim_files};
 use std::path::{Path, PathBuf};
 
 /// Folder in the results where none is named.

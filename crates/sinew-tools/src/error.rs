@@ -1,11 +1,9 @@
 //! What can go wrong beside a run, with the exit code and the advice that belong to it.
 
-use crate::compare::CompareError;
 use crate::gait::GaitError;
 use crate::inspect::error::InspectError;
 use crate::learn::LearnError;
 use crate::motion::error::MotionError;
-use crate::opensim::OpensimError;
 use crate::overlay::error::OverlayError;
 use crate::predict::error::PredictError;
 use crate::report::ReportError;
@@ -34,12 +32,6 @@ pub enum Error {
     /// What a camera should see cannot be said.
     #[error(transparent)]
     Predict(#[from] PredictError),
-    /// A result and a reference that cannot be compared.
-    #[error(transparent)]
-    Compare(#[from] CompareError),
-    /// A result that OpenSim cannot be given.
-    #[error(transparent)]
-    Opensim(#[from] OpensimError),
     /// Results that no gait can be read from.
     #[error(transparent)]
     Gait(#[from] GaitError),
@@ -94,8 +86,6 @@ impl Error {
             Self::Motion(error) => error.exit_code(),
             Self::Overlay(error) => error.exit_code(),
             Self::Predict(error) => error.exit_code(),
-            Self::Compare(error) => error.exit_code(),
-            Self::Opensim(error) => error.exit_code(),
             Self::Gait(error) => error.exit_code(),
             Self::Report(error) => error.exit_code(),
             Self::Segment(error) => error.exit_code(),
@@ -114,8 +104,6 @@ impl Error {
             Self::Motion(error) => error.help(),
             Self::Overlay(error) => error.help().map(Into::into),
             Self::Predict(error) => error.help(),
-            Self::Compare(error) => Some(error.help().into()),
-            Self::Opensim(error) => Some(error.help().into()),
             Self::Gait(error) => Some(error.help()),
             Self::Report(error) => Some(error.help().into()),
             Self::Segment(error) => Some(error.help().into()),

@@ -2,13 +2,11 @@
 //!
 //! | module | what |
 //! |---|---|
-//! | [`mod@compare`] | a result beside a laboratory's markers or another program's angles |
 //! | [`mod@gait`] | events, strides and cycles of a person who walks, from a result |
 //! | [`action_trace`] | which actions a run by action primitives saw |
 //! | [`inspect`] | what a file or folder holds, and whether calibration and keypoints fit |
 //! | [`learn`] | a motion model from motion files |
 //! | [`motion`] | motion files into each other |
-//! | [`opensim`] | a result as input of OpenSim's scaling and inverse kinematics |
 //! | [`segment`] | masks from images of fixed cameras |
 //! | [`overlay`] | pictures of results over the images |
 //! | [`refined`] | a calibration as the set-up of a run refined it |
@@ -18,13 +16,11 @@
 //! | [`shape_fit`] | thicknesses of a body from masks and a result |
 
 pub mod action_trace;
-pub mod compare;
 mod error;
 pub mod gait;
 pub mod inspect;
 pub mod learn;
 pub mod motion;
-pub mod opensim;
 pub mod overlay;
 pub mod predict;
 pub mod refined;
@@ -32,7 +28,7 @@ pub mod report;
 pub mod result_table;
 pub mod segment;
 pub mod shape_fit;
-mod svg;
+pub mod svg;
 pub mod sync;
 pub mod validate;
 

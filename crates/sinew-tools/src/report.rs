@@ -20,7 +20,7 @@ pub mod html;
 mod packed;
 mod payload;
 pub(crate) mod recorded;
-pub(crate) mod result_columns;
+pub mod result_columns;
 mod run_words;
 mod settings_table;
 mod source_bars;
@@ -29,7 +29,9 @@ mod validation;
 mod verdict;
 mod views;
 
+pub use comparison::COMPARISON_NAMES;
 pub use error::ReportError;
+pub use recorded::without_summary;
 
 use crate::Error;
 use html::{escaped, filled};

@@ -5,7 +5,7 @@ use crate::source::lines_with;
 use std::collections::BTreeSet;
 
 /// What each crate may depend on, of ours.
-const ALLOWED: [(&str, &[&str]); 19] = [
+const ALLOWED: [(&str, &[&str]); 20] = [
     ("sinew-core", &[]),
     ("sinew-body", &["sinew-core"]),
     ("sinew-observe", &["sinew-body", "sinew-core"]),
@@ -34,6 +34,7 @@ const ALLOWED: [(&str, &[&str]); 19] = [
         ],
     ),
     ("sinew-runs", &["sinew", "sinew-tools"]),
+    ("sinew-laboratory", &["sinew", "sinew-tools", "sinew-motion", "sinew-core", "sinew-body", "sinew-formats"]),
     ("sinew-cli", &BELOW_THE_PROGRAM),
     ("xtask", &["sinew", "sinew-tools", "sinew-motion", "sinew-simulate", "sinew-tests"]),
     ("sinew-tests", &["sinew", "sinew-tools", "sinew-motion", "sinew-simulate", "sinew-invariance", "sinew-latent"]),
@@ -54,8 +55,9 @@ const LIBRARIES: [&str; 10] = [
 ];
 
 /// What the program may know.
-const BELOW_THE_PROGRAM: [&str; 13] = [
+const BELOW_THE_PROGRAM: [&str; 14] = [
     "sinew",
+    "sinew-laboratory",
     "sinew-runs",
     "sinew-tools",
     "sinew-motion",

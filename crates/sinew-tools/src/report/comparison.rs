@@ -4,12 +4,14 @@ use super::ReportError;
 use super::html::{escaped, table, with_code};
 use super::packed::base64;
 use crate::Error;
-use crate::compare::COMPARISON_NAMES;
 use serde_json::Value;
 use sinew::files::read_text;
 use sinew_formats::json_text;
 use sinew_formats::source_text::MAX_TEXT_BYTES;
 use std::path::Path;
+
+/// Files that `sinew compare` writes into a result folder, in this order.
+pub const COMPARISON_NAMES: [&str; 3] = ["comparison.csv", "comparison.json", "bland_altman.svg"];
 
 /// The part of the page, and the link to it; both empty without a comparison.
 pub(super) fn section(folder: &Path) -> Result<[String; 2], Error> {

@@ -2,8 +2,7 @@
 
 use super::agreement::{Agreement, Pair};
 use super::outcome::{ComparedSeries, Comparison};
-use crate::inspect::latent_plane::ticks;
-use crate::svg::{Anchor, Svg, clipped};
+use sinew_tools::svg::{Anchor, Svg, clipped, ticks};
 
 /// Panels beside each other, their size and what is between them, pixels.
 const BESIDE: usize = 4;

@@ -11,7 +11,7 @@ mod agreement;
 mod angles;
 mod clock;
 mod clusters;
-pub(crate) mod error;
+mod error;
 mod estimates;
 mod matching;
 mod outcome;
@@ -29,8 +29,6 @@ pub use rigid::Similarity;
 pub use tables::{as_json, comparison_table};
 
 use crate::Error;
-use crate::motion::{Content, Motion, read};
-use crate::report::recorded::without_summary;
 use estimates::Estimates;
 use matching::{MatchedPoint, matched, unmatched};
 use picture::bland_altman;
@@ -40,10 +38,9 @@ use sinew::files::read_text;
 use sinew::results::people::refuse_several;
 use sinew_formats::point_mapping::{self, MappedPoint};
 use sinew_formats::source_text::MAX_CONFIG_BYTES;
+use sinew_tools::motion::{Content, Motion, read};
+use sinew_tools::report::{COMPARISON_NAMES, without_summary};
 use std::path::{Path, PathBuf};
-
-/// Files that are written, in this order.
-pub const COMPARISON_NAMES: [&str; 3] = ["comparison.csv", "comparison.json", "bland_altman.svg"];
 
 /// What to compare with, and how.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -66,7 +63,7 @@ const LEAST_POINTS: usize = 3;
 pub fn compare(folder: &Path, request: &ComparisonRequest) -> Result<Comparison, Error> {
     refuse_several(folder).map_err(sinew::Error::from)?;
     if !folder.join("summary.json").exists() {
-        return Err(without_summary(folder));
+        return Err(without_summary(folder).into());
     }
     let mapping = request.names.as_deref().map(mapping).transpose()?;
     let motion = read(&request.reference, None, None)?;

@@ -21,14 +21,13 @@ mod weights;
 pub use error::OpensimError;
 
 use crate::Error;
-use crate::report::ReportError;
-use crate::report::recorded::without_summary;
 use marker_set::ModelMarker;
 use sinew::files::read_text;
 use sinew::results::people::refuse_several;
 use sinew::setup::Setup;
 use sinew_formats::source_text::{MAX_CONFIG_BYTES, MAX_TEXT_BYTES};
 use sinew_formats::{osim_model, trc};
+use sinew_tools::report::{ReportError, without_summary};
 use std::path::Path;
 use weights::MarkerWeights;
 
@@ -65,7 +64,7 @@ pub const OPENSIM_NAMES: [&str; 7] =
 pub fn opensim_files(folder: &Path, model: Option<&Path>) -> Result<OpensimFiles, Error> {
     refuse_several(folder).map_err(sinew::Error::from)?;
     if !folder.join("summary.json").exists() {
-        return Err(without_summary(folder));
+        return Err(without_summary(folder).into());
     }
     let path = folder.join("markers.trc");
     let text = read_text(&path, MAX_TEXT_BYTES)?;
@@ -109,7 +108,8 @@ pub fn opensim_files(folder: &Path, model: Option<&Path>) -> Result<OpensimFiles
 fn setup(folder: &Path) -> Result<Setup, Error> {
     let path = folder.join("setup.toml");
     if !path.exists() {
-        return Err(ReportError::NoFile { folder: folder.to_owned(), file: "setup.toml" }.into());
+        let missing = ReportError::NoFile { folder: folder.to_owned(), file: "setup.toml" };
+        return Err(sinew_tools::Error::from(missing).into());
     }
     Ok(Setup::from_toml(&path.display().to_string(), &read_text(&path, MAX_CONFIG_BYTES)?)?)
 }

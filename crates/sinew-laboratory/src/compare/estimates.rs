@@ -1,7 +1,7 @@
 //! What a result says of points or angles: `joints.csv` or `angles.csv`.
 
 use crate::Error;
-use crate::report::result_columns::{FolderTable, Named};
+use sinew_tools::report::result_columns::{FolderTable, Named};
 use std::path::Path;
 
 /// Estimates of points (three axes, metres) or angles (one, degrees).
@@ -33,7 +33,7 @@ impl<const D: usize> Estimates<D> {
 
 /// Times of the frames, seconds.
 fn times(folder: &Path) -> Result<Vec<f64>, Error> {
-    FolderTable::read(folder, "frames.csv")?.column("time_s")
+    Ok(FolderTable::read(folder, "frames.csv")?.column("time_s")?)
 }
 
 fn assembled<const D: usize>(
