@@ -5,7 +5,8 @@
 RESULT is a result folder; BVH another file of the same motion, such as one with `sinew convert --bones`. The file is
 imported with Blender's defaults (forward -Z, up Y), which must restore the world: z up, metres. Checked are
 
-- the rest pose: both arms level, all bones with a length, every bone joined to those that go on from its end;
+- the rest pose: both arms level, toes ahead (along -y with renamed bones, else +y), all bones with a length, every bone
+  beginning where its parent ends;
 - places of joints in every frame against `markers.trc` (points of the mean pose): shoulders, elbows, hips, knees, ankles;
 - the frame rate with "Update Scene FPS", and the number of frames.
 
@@ -63,17 +64,19 @@ def main():
     found = [next((bone for bone in bones if bone.name in known), None) for known, _ in BONES]
     failures += [f"no bone {known[0]}" for (known, _), bone in zip(BONES, found) if bone is None]
     pairs = [(bone, point) for bone, (_, point) in zip(found, BONES) if bone is not None]
+    at_rest = lambda bone: armature.matrix_world.to_3x3() @ (bone.tail_local - bone.head_local)
     for bone, _ in pairs[:4]:
-        along = armature.matrix_world.to_3x3() @ bone.vector
+        along = at_rest(bone)
         slope = math.degrees(math.asin(along.z / along.length))
         if abs(slope) > MOST_DEG:
             failures.append(f"{bone.name} is {slope:.2f} degrees off level at rest")
-    front = "?"
     feet = [bone for bone, point in pairs if point.endswith("Ankle")]
-    if feet:
-        along = armature.matrix_world.to_3x3() @ feet[0].vector
-        front = ("-" if along.y < 0 else "+") + "y"
-    print(f"at rest the toes point along {front} of Blender's world")
+    for bone in feet:
+        # Characters look along -y, the front view; motion.bvh as the world has it, along +y.
+        along, sign = at_rest(bone), 1 if bone.name.endswith("_foot") else -1
+        print(f"at rest {bone.name} points to {along.y / along.length:+.2f} along y of Blender's world")
+        if along.y * sign < 0.8 * along.length:
+            failures.append(f"{bone.name} points elsewhere at rest")
     failures += [f"{bone.name} has no length" for bone in bones if bone.length < 1e-3]
     apart = [bone for bone in bones if bone.parent and (bone.head_local - bone.parent.tail_local).length > 1e-5]
     failures += [f"{bone.name} does not begin where {bone.parent.name} ends" for bone in apart]

@@ -9,7 +9,7 @@
 //! | `l_thigh`, `l_shin`, `l_foot` | LeftUpLeg, LeftLeg, LeftFoot | thigh_l, calf_l, foot_l | thigh.L, shin.L, foot.L |
 //! | `head` | Head | head | spine.006 |
 //!
-//! Bones that lead to others (`pelvis`, `spine_head`) keep their names: characters have none of the kind, and each bone has its own turn in the world. The rest pose of ours looks along −z of the file; characters look along +z, which Blender turns to its front view. With R the half turn about y, a joint's turn B becomes R B Rᵀ, which changes the sign of its angles about x and z, that of the root B Rᵀ, and an offset (x, y, z) becomes (−x, y, −z). Poses in the world stay.
+//! Bones that only lead to a thigh (`pelvis`, `pelvis_r_thigh`) are named after both ends, which in Rigify is a bone of its own; `spine_head` keeps its name, as no character has the like. The rest pose of ours looks along −z of the file; characters look along +z, which Blender turns to its front view. With R the half turn about y, a joint's turn B becomes R B Rᵀ, which changes the sign of its angles about x and z, that of the root B Rᵀ, and an offset (x, y, z) becomes (−x, y, −z). Poses in the world stay.
 
 use super::content::{Content, Motion};
 use super::error::MotionError;
@@ -29,7 +29,7 @@ pub enum BoneNames {
 }
 
 /// Our names with those of Mixamo, Unreal and Rigify.
-const NAMES: [(&str, [&str; 3]); 19] = [
+const NAMES: [(&str, [&str; 3]); 20] = [
     ("root", ["Hips", "pelvis", "spine"]),
     ("spine", ["Spine", "spine_01", "spine.001"]),
     ("torso", ["Spine", "spine_01", "spine.001"]),
@@ -49,6 +49,7 @@ const NAMES: [(&str, [&str; 3]); 19] = [
     ("r_foot", ["RightFoot", "foot_r", "foot.R"]),
     ("head", ["Head", "head", "spine.006"]),
     ("pelvis", ["Hips_LeftUpLeg", "pelvis_thigh_l", "pelvis.L"]),
+    ("pelvis_r_thigh", ["Hips_RightUpLeg", "pelvis_thigh_r", "pelvis.R"]),
 ];
 
 /// Bones without which a skeleton is none of ours.
