@@ -28,8 +28,18 @@ const SHORT: [(&str, &str); 11] = [
 ];
 
 /// Pages of the guide.
-const PAGES: [&str; 9] =
-    ["batch", "cameras", "first-recording", "live", "motion-models", "own-recording", "results", "silhouettes", "warnings"];
+const PAGES: [&str; 10] = [
+    "batch",
+    "cameras",
+    "first-recording",
+    "laboratory",
+    "live",
+    "motion-models",
+    "own-recording",
+    "results",
+    "silhouettes",
+    "warnings",
+];
 
 fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
