@@ -5,6 +5,7 @@
 //! | [`input`] | keypoints, masks and images of a recording, one frame at a time |
 //! | [`setup`] | sizes of the person, offsets of the cameras, noise: one value |
 //! | [`oddities`] | cameras that exchange sides for a span, people who jump |
+//! | [`posed_body`] | frames of all links and points of a body in a state |
 //! | [`predictive`] | whether keypoints scatter about poses as the model says |
 //! | [`bodies`] | bodies by name or file |
 //! | [`files`] | whole files with a limit on their size |
@@ -18,6 +19,7 @@ mod file_error;
 pub mod files;
 pub mod input;
 pub mod oddities;
+pub mod posed_body;
 pub mod predictive;
 mod problems;
 pub mod setup;
