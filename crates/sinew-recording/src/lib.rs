@@ -9,6 +9,7 @@
 //! | [`predictive`] | whether keypoints scatter about poses as the model says |
 //! | [`bodies`] | bodies by name or file |
 //! | [`files`] | whole files with a limit on their size |
+//! | [`silhouette_overlap`] | how well a body covers the silhouettes of a camera |
 //! | [`storage`] | the few operations on files that results need |
 //!
 //! No tracker, no sampler and no result is known here.
@@ -23,6 +24,7 @@ pub mod posed_body;
 pub mod predictive;
 mod problems;
 pub mod setup;
+pub mod silhouette_overlap;
 pub mod storage;
 
 pub use error::Error;
