@@ -36,6 +36,7 @@ pub mod decomposition;
 pub mod fixed_lag;
 pub mod joint_angles;
 pub mod marginals;
+pub mod trajectory_change;
 pub mod pelvis;
 pub mod standing;
 pub mod visibility;

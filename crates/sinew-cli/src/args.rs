@@ -4,7 +4,9 @@
 
 use super::answer_args::Answer;
 use super::batch_args::BatchCommand;
+use super::compare_args::CompareArgs;
 use super::convert_args::ConvertArgs;
+use super::export_args::ExportCommand;
 use super::gait_args::GaitArgs;
 use super::help_template::template;
 use super::learn_args::LearnCommand;
@@ -139,6 +141,25 @@ pub(crate) enum Command {
     /// Events, strides and angles over the cycle of a person who walks, with intervals
     #[command(help_template = template!("sinew gait sinew-out/trial", "sinew gait sinew-out/trial --json -o gait"))]
     Gait(GaitArgs),
+    /// Hold a result against a laboratory's markers, or another program's angles
+    #[command(help_template = template!(
+        "sinew compare sinew-out/trial trial.c3d",
+        "sinew compare sinew-out/trial trial.c3d --names names.toml --json -o beside"
+    ))]
+    Compare(CompareArgs),
+    /// Make a result ready for another program
+    #[command(
+        disable_help_subcommand = true,
+        subcommand_help_heading = "Programs",
+        help_template = template!(
+            "sinew export opensim sinew-out/trial --model Model_Pose2Sim_simple.osim",
+            "sinew export opensim sinew-out/trial -o opensim"
+        )
+    )]
+    Export {
+        #[command(subcommand)]
+        what: ExportCommand,
+    },
     /// Say what a camera that a run did not use should see
     #[command(help_template = template!(
         "sinew predict sinew-out/trial --calibration Calib.toml --camera cam4 -o predicted.csv",
@@ -415,6 +436,12 @@ pub(crate) struct TrackArgs {
     /// Resume the run that was stopped in the output folder
     #[arg(long, help_heading = "Output", conflicts_with = "force")]
     pub(crate) resume: bool,
+    /// Track frames as they come, a line of JSON each, from standard input (-) or tcp:127.0.0.1:PORT
+    #[arg(long, help_heading = "Input", value_name = "FROM", num_args = 0..=1, default_missing_value = "-", hide_short_help = true, conflicts_with_all = ["resume", "sync", "write_calibration"])]
+    pub(crate) live: Option<String>,
+    /// Seconds of frames for the set-up of a live run that has none [default: 5]
+    #[arg(long, help_heading = "Method", value_name = "S", hide_short_help = true, requires = "live")]
+    pub(crate) setup_seconds: Option<f64>,
     /// Find how late cameras are first, as `sinew sync` does, and read them in step
     #[arg(long, help_heading = "Input", hide_short_help = true)]
     pub(crate) sync: bool,

@@ -18,6 +18,7 @@
 //! # Ok::<(), sinew_dynamics::Error>(())
 //! ```
 mod error;
+pub mod backward_pass;
 pub mod factor;
 pub mod first_order;
 pub mod gaussian;

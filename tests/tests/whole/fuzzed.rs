@@ -11,7 +11,7 @@ use std::path::Path;
 pub type Check = fn(&[u8]);
 
 /// Every fuzz target.
-pub const CHECKS: [(&str, Check); 29] = [
+pub const CHECKS: [(&str, Check); 31] = [
     ("openpose", checks::openpose),
     ("calib_toml", checks::calib_toml),
     ("calibration", checks::calibration),
@@ -22,6 +22,8 @@ pub const CHECKS: [(&str, Check); 29] = [
     ("mmpose_json", checks::mmpose_json),
     ("rtmlib_json", checks::rtmlib_json),
     ("layout", checks::layout),
+    ("osim_model", checks::osim_model),
+    ("point_mapping", checks::point_mapping),
     ("body_toml", checks::body_toml),
     ("trc", checks::trc),
     ("c3d", checks::c3d),

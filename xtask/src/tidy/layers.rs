@@ -34,6 +34,7 @@ const ALLOWED: [(&str, &[&str]); 20] = [
         ],
     ),
     ("sinew-runs", &["sinew", "sinew-tools"]),
+    ("sinew-laboratory", &["sinew", "sinew-tools", "sinew-motion", "sinew-core", "sinew-body", "sinew-formats"]),
     ("sinew-cli", &BELOW_THE_PROGRAM),
     ("sinew-python", &BELOW_PYTHON),
     ("xtask", &["sinew", "sinew-tools", "sinew-motion", "sinew-simulate", "sinew-tests"]),
@@ -55,8 +56,9 @@ const LIBRARIES: [&str; 10] = [
 ];
 
 /// What the program may know.
-const BELOW_THE_PROGRAM: [&str; 13] = [
+const BELOW_THE_PROGRAM: [&str; 14] = [
     "sinew",
+    "sinew-laboratory",
     "sinew-runs",
     "sinew-tools",
     "sinew-motion",

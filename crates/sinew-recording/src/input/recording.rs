@@ -9,10 +9,10 @@
 mod calibrated;
 mod frame_ranges;
 pub mod given;
-mod guess;
+pub(super) mod guess;
 pub mod keypoint_camera;
 pub mod keypoint_sources;
-mod known_layout;
+pub(super) mod known_layout;
 pub mod listing;
 mod options;
 mod recent_frames;
@@ -318,7 +318,7 @@ const fn options(own: u64, layout: &Layout, confidence_scale: f64) -> OpenposeOp
 }
 
 /// Makes keypoints missing that no ray of the camera's lens model leads to, and counts them.
-fn drop_beyond_lens(camera: &Camera, people: &mut [OpenposePerson]) -> u64 {
+pub(super) fn drop_beyond_lens(camera: &Camera, people: &mut [OpenposePerson]) -> u64 {
     let mut dropped = 0;
     for keypoint in people.iter_mut().flat_map(|person| &mut person.keypoints) {
         if keypoint.is_some_and(|point| camera.undistort([point.x, point.y]).is_err()) {

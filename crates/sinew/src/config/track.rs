@@ -81,6 +81,8 @@ pub struct TrackConfig {
     pub standing: Option<PathBuf>,
     /// Whether a backward pass follows.
     pub smooth: bool,
+    /// Frames after its own that every frame sees.
+    pub lag_frames: u64,
     /// How frames are tracked; instruction set and frame rate are not settled yet ([`TrackConfig::settings`]).
     pub tracking: Settings,
     /// Instruction set; the best if `None`.
@@ -142,6 +144,7 @@ impl Resolved {
             latent: self.values.path("latent"),
             standing: self.values.path("static"),
             smooth: self.values.flag("smooth"),
+            lag_frames: self.values.count("lag_frames").unwrap_or_default(),
             tracking: self.settings(),
             simd: self.values.text("simd"),
             threads: self.values.count("threads").map(|threads| usize::try_from(threads).unwrap_or(usize::MAX)),

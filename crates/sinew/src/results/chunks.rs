@@ -5,7 +5,7 @@
 //! A row a chunk: CRC-32 in hexadecimal, bytes, key. The file itself has a [`super::Position`].
 
 use super::partial::{PartialFile, Place, checksum_of};
-use super::storage::Storage;
+use sinew_recording::storage::Storage;
 use crate::Error;
 use crate::results::problem::Problem;
 use std::io::{self, BufRead as _, BufReader, Write as _};

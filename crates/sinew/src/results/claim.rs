@@ -9,7 +9,7 @@
 
 use super::error::Occupied;
 use super::problem::{self, Problem};
-use super::storage::{Disk, Storage};
+use sinew_recording::storage::{Disk, Storage};
 use crate::Error;
 use std::fs::{self, File, TryLockError};
 use std::io::{Read as _, Seek as _, Write as _};

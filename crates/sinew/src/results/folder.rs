@@ -38,7 +38,7 @@ use std::sync::Arc;
 use super::claim::{Claim, OWN_NAMES};
 use super::partial::{PartialFile, Place, Position};
 use super::pose::pose;
-use super::storage::{Disk, Storage};
+use sinew_recording::storage::{Disk, Storage};
 use super::summary::{Ending, Summary};
 
 const LOAD_PY: &str = include_str!("load.py");
