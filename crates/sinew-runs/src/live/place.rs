@@ -39,7 +39,8 @@ impl FromStr for LivePlace {
         }
         let wrong = || Error::LivePlace(text.to_owned());
         let address = text.strip_prefix("tcp:").ok_or_else(wrong)?;
-        let address = address.strip_prefix("localhost").map_or_else(|| address.to_owned(), |port| format!("127.0.0.1{port}"));
+        let address =
+            address.strip_prefix("localhost").map_or_else(|| address.to_owned(), |port| format!("127.0.0.1{port}"));
         let address: SocketAddr = address.parse().map_err(|_| wrong())?;
         if address.ip().is_loopback() { Ok(Self::Tcp(address)) } else { Err(Error::NotLoopback(address)) }
     }

@@ -64,7 +64,10 @@ impl RecordShape {
     /// Diagnostics and what was seen, of the beginning of a row.
     pub(super) fn estimate(self, row: &[f64], fps: f64) -> FrameEstimate {
         let (diagnostics, seen) = row[..self.header()].split_at(diagnostics::count(self.cameras));
-        FrameEstimate { seen: seen.as_chunks().0.to_vec(), ..diagnostics::estimate(diagnostics, fps).unwrap_or_default() }
+        FrameEstimate {
+            seen: seen.as_chunks().0.to_vec(),
+            ..diagnostics::estimate(diagnostics, fps).unwrap_or_default()
+        }
     }
 
     /// The frame of a row.
