@@ -6,6 +6,9 @@ use numpy::{Element, IntoPyArray, PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn
 use pyo3::prelude::*;
 use pyo3::types::IntoPyDict;
 
+/// Values with their derivatives.
+pub(crate) type Two<'py> = (Bound<'py, PyArrayDyn<f64>>, Bound<'py, PyArrayDyn<f64>>);
+
 /// A dimension of an argument: its name and, where it is known, its length.
 pub(crate) type Dimension = (&'static str, Option<usize>);
 

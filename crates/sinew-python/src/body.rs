@@ -1,6 +1,6 @@
 //! Bodies: kinematic trees with named points, for batches of poses.
 
-use crate::arrays::{Numbers, array, empty, filled, given_place, numbers, shaped};
+use crate::arrays::{Numbers, Two, array, empty, filled, given_place, numbers, shaped};
 use crate::background::detached;
 use crate::failure::Failure;
 use numpy::PyArrayDyn;
@@ -176,11 +176,7 @@ impl PyBody {
     /// Returns
     /// -------
     /// Positions (..., points, 3) in metres and Jacobians (..., points, 3, dof) in metres per metre or radian.
-    fn jacobian<'py>(
-        &self,
-        py: Python<'py>,
-        poses: &Bound<'py, PyAny>,
-    ) -> PyResult<(Bound<'py, PyArrayDyn<f64>>, Bound<'py, PyArrayDyn<f64>>)> {
+    fn jacobian<'py>(&self, py: Python<'py>, poses: &Bound<'py, PyAny>) -> PyResult<Two<'py>> {
         let poses = self.poses(poses)?;
         let (states, d, plan) = (poses.values()?, self.tree.dof(), &self.plan);
         let (leading, points, width) = (self.leading(&poses)?, plan.points(), 3 * plan.points());
