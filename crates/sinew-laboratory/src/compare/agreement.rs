@@ -85,7 +85,7 @@ pub struct Agreement {
     pub inside_within: [f64; 3],
 }
 
-/// Share of the pairs whose difference less a shift is within so many of their standard deviations.
+/// Share of the pairs whose difference, less a shift, is within the reach of each level.
 fn share_inside(pairs: &[Pair], shift: f64, sd: impl Fn(&Pair) -> f64) -> [f64; 3] {
     if pairs.iter().any(|pair| !sd(pair).is_finite()) {
         return [f64::NAN; 3];

@@ -3,8 +3,10 @@
 //! The tracked body keeps its lengths, so all frames say the same. Markers are not moved afterwards: centres of joints stay at the joints.
 
 use super::marker_set::ModelMarker;
-use super::{SCALED, escaped};
 use std::fmt::Write as _;
+
+/// Scaled model that the scale tool writes and inverse kinematics reads.
+pub(super) const SCALED: &str = "scaled.osim";
 
 /// A measurement: its name, pairs of points that are averaged, and bodies that it scales in all directions.
 struct Measurement {
@@ -75,4 +77,9 @@ pub(super) fn to_xml(
         .replace("{{scaled}}", SCALED)
         .replace("{{range}}", &format!("{from} {to}"))
         .replace("{{measurements}}\n", &measured)
+}
+
+/// A text in XML.
+fn escaped(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
