@@ -1,4 +1,5 @@
-//! Where in time a reference belongs: the offset of least misfit, searched over all that leave half of the shorter recording.
+//! Where in time a reference belongs: the offset of least misfit.
+//! All offsets are searched that leave half of the shorter recording in common.
 
 /// Step of the first search, seconds; people move by less than 5 Hz.
 const STEP_S: f64 = 0.04;

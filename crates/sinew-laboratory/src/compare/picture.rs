@@ -1,4 +1,4 @@
-//! Bland–Altman pictures: for each point or angle, the difference over the mean of both, with bias and limits of agreement.
+//! Bland–Altman pictures: the difference over the mean of both, with bias and limits of agreement.
 
 use super::agreement::{Agreement, Pair};
 use super::outcome::{ComparedSeries, Comparison};
