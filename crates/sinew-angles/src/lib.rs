@@ -38,6 +38,7 @@ pub mod joint_angles;
 pub mod marginals;
 pub mod pelvis;
 pub mod standing;
+pub mod trajectory_change;
 pub mod visibility;
 pub mod zero;
 

@@ -53,13 +53,15 @@ pub struct AngleMarginals {
     zero: Option<AngleZero>,
     /// Angles of the mean pose in the frame before, without signs; empty before the first.
     before: Vec<f64>,
+    /// Angles of the present frame's draws likewise, draw after draw.
+    draws: Vec<f64>,
 }
 
 impl AngleMarginals {
     /// Before the first frame; `zero` is taken off.
     #[must_use]
     pub const fn new(angles: JointAngles, zero: Option<AngleZero>) -> Self {
-        Self { angles, zero, before: vec![] }
+        Self { angles, zero, before: vec![], draws: vec![] }
     }
 
     /// What is taken off.
@@ -86,23 +88,22 @@ impl AngleMarginals {
         before.is_empty() || before.len() == self.angles.raw_count()
     }
 
-    /// Marginals of the angles in a frame.
+    /// Marginals of the angles in a frame, with their rates where a change is given.
     pub fn of(&mut self, mean: &[f64], posterior: &Posterior<'_>, change: Option<&AngleChange>) -> Vec<AngleMarginal> {
+        let mut marginals = self.without_rates(mean, posterior);
+        if let Some(change) = change {
+            self.add_rates(&mut marginals, change, posterior.dim);
+        }
+        marginals
+    }
+
+    /// Marginals of the angles in a frame, whose rates [`AngleMarginals::add_rates`] adds.
+    pub fn without_rates(&mut self, mean: &[f64], posterior: &Posterior<'_>) -> Vec<AngleMarginal> {
         let (angles, width, dim) = (&self.angles, self.angles.raw_count(), posterior.dim);
         let mut pose = vec![0.0; width];
         angles.raw(mean, Some(&self.before[..]).filter(|before| !before.is_empty()), &mut pose);
         let mut now = raw_of_draws(angles, posterior.states, dim, |_| &pose);
         now.truncate(posterior.count() * width);
-        let changed = change.map(|change| {
-            let later = match &change.later {
-                LaterFrame::Present(draws) => {
-                    draws.iter().flat_map(|draw| &now[draw * width..][..width]).copied().collect()
-                }
-                LaterFrame::States(states) => raw_of_draws(angles, states, dim, |_| &pose),
-            };
-            let earlier = raw_of_draws(angles, &change.earlier, dim, |draw| &later[draw * width..][..width]);
-            (earlier, later, change.seconds)
-        });
         let equal = posterior.weights.windows(2).all(|pair| pair[0] == pair[1]);
         let of = |angle: usize| {
             let series: Vec<f64> = now.chunks_exact(width).map(|raw| angles.signed(angle, raw)).collect();
@@ -114,18 +115,30 @@ impl AngleMarginals {
                 }
             };
             let in_pose = angles.signed(angle, &pose) - self.zero.as_ref().map_or(0.0, |zero| zero.means[angle]);
-            let rate = changed.as_ref().map(|(earlier, later, seconds)| {
-                let both = earlier.chunks_exact(width).zip(later.chunks_exact(width));
-                let rate = |(a, b): (&[f64], &[f64])| (angles.signed(angle, b) - angles.signed(angle, a)) / seconds;
-                let rates: Vec<f64> = both.map(rate).collect();
-                let [mean, _, q05, q95] = describe(&rates, &[], true);
-                [mean, q05, q95]
-            });
-            AngleMarginal { pose: in_pose, mean, q05, q95, rate }
+            AngleMarginal { pose: in_pose, mean, q05, q95, rate: None }
         };
         let marginals = (0..angles.names().len()).into_par_iter().map(of).collect();
-        self.before = pose;
+        (self.before, self.draws) = (pose, now);
         marginals
+    }
+
+    /// Adds the rates of the frame at hand to its marginals; states have `dim` coordinates.
+    pub fn add_rates(&self, marginals: &mut [AngleMarginal], change: &AngleChange, dim: usize) {
+        let (angles, width) = (&self.angles, self.angles.raw_count());
+        let later = match &change.later {
+            LaterFrame::Present(draws) => {
+                draws.iter().flat_map(|draw| &self.draws[draw * width..][..width]).copied().collect()
+            }
+            LaterFrame::States(states) => raw_of_draws(angles, states, dim, |_| &self.before),
+        };
+        let earlier = raw_of_draws(angles, &change.earlier, dim, |draw| &later[draw * width..][..width]);
+        marginals.par_iter_mut().enumerate().for_each(|(angle, marginal)| {
+            let both = earlier.chunks_exact(width).zip(later.chunks_exact(width));
+            let rate = |(a, b): (&[f64], &[f64])| (angles.signed(angle, b) - angles.signed(angle, a)) / change.seconds;
+            let rates: Vec<f64> = both.map(rate).collect();
+            let [mean, _, q05, q95] = describe(&rates, &[], true);
+            marginal.rate = Some([mean, q05, q95]);
+        });
     }
 }
 

@@ -436,6 +436,12 @@ pub(crate) struct TrackArgs {
     /// Resume the run that was stopped in the output folder
     #[arg(long, help_heading = "Output", conflicts_with = "force")]
     pub(crate) resume: bool,
+    /// Track frames as they come, a line of JSON each, from standard input (-) or tcp:127.0.0.1:PORT
+    #[arg(long, help_heading = "Input", value_name = "FROM", num_args = 0..=1, default_missing_value = "-", hide_short_help = true, conflicts_with_all = ["resume", "sync", "write_calibration"])]
+    pub(crate) live: Option<String>,
+    /// Seconds of frames for the set-up of a live run that has none [default: 5]
+    #[arg(long, help_heading = "Method", value_name = "S", hide_short_help = true, requires = "live")]
+    pub(crate) setup_seconds: Option<f64>,
     /// Find how late cameras are first, as `sinew sync` does, and read them in step
     #[arg(long, help_heading = "Input", hide_short_help = true)]
     pub(crate) sync: bool,

@@ -1,5 +1,7 @@
 //! How a command ended, if not with an error.
 
+use super::report::Report;
+
 /// The end of a command.
 pub(crate) enum Ended {
     /// Done.
@@ -21,4 +23,10 @@ impl Ended {
             Self::Interrupted => 75,
         }
     }
+}
+
+/// The end of a run whose diagnostics may have failed, which are said.
+pub(crate) fn doubts<T: AsRef<str>>(failed: &[T], report: &Report) -> Ended {
+    failed.iter().for_each(|failed| report.failed(failed.as_ref()));
+    if failed.is_empty() { Ended::Done } else { Ended::Doubtful }
 }

@@ -25,6 +25,7 @@ mod inspect;
 mod interrupt;
 mod learn;
 mod learn_args;
+mod live;
 mod manual;
 mod misplaced;
 mod overlay;

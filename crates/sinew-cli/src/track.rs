@@ -1,8 +1,9 @@
 //! `sinew track`: settings, the run, and its answer.
 
 use super::args::{General, TrackArgs};
-use super::ended::Ended;
+use super::ended::{Ended, doubts};
 use super::error::Error;
+use super::live;
 use super::report::{self, Report};
 use super::sync;
 use super::table::{columns, table};
@@ -33,11 +34,15 @@ pub(crate) fn run(args: &TrackArgs, general: &General, report: &Report) -> Resul
         return Ok(Ended::Done);
     }
     report.detail(&resolved.describe());
+    if let Some(from) = &args.live {
+        return live::run(from, args, &resolved, general, report);
+    }
     let request = Request {
         resume: args.resume,
         page: args.report,
         write_calibration: args.write_calibration.clone(),
         settings_file: general.config.clone(),
+        ..Request::default()
     };
     let out = resolved.track().out;
     match sinew_runs::track(&resolved, &request, &terminal)? {
@@ -66,11 +71,6 @@ fn one_person(outcome: &Outcome, out: &Path, args: &TrackArgs, report: &Report) 
 fn interrupted(report: &Report) -> Ended {
     report.note(&format!("interrupted; what was done is written and marked incomplete; {RESUME}"));
     Ended::Interrupted
-}
-
-fn doubts<T: AsRef<str>>(failed: &[T], report: &Report) -> Ended {
-    failed.iter().for_each(|failed| report.failed(failed.as_ref()));
-    if failed.is_empty() { Ended::Done } else { Ended::Doubtful }
 }
 
 /// Says that there is nothing to do.

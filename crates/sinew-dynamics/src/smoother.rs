@@ -54,6 +54,15 @@ impl BackwardStep {
         }
     }
 
+    /// The smoothed mean of the frame from that of the next, as [`Smoother::step`] has it.
+    #[must_use]
+    pub fn mean(&self, next: &[f64]) -> Vec<f64> {
+        let d = self.mean.len();
+        (0..d)
+            .map(|i| self.mean[i] + (0..d).map(|j| self.gain[i * d + j] * (next[j] - self.predicted[j])).sum::<f64>())
+            .collect()
+    }
+
     /// As [`Smoother::changes`].
     ///
     /// # Errors

@@ -61,6 +61,7 @@ pub mod keypoint_formats;
 pub mod keypoint_table;
 pub mod layout;
 mod length_unit;
+pub mod live_frame;
 pub mod mask;
 pub mod mediapipe_json;
 pub mod mmpose_json;

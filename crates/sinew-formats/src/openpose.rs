@@ -120,8 +120,9 @@ impl Tally {
     }
 }
 
+/// A file as it stands.
 #[derive(Deserialize)]
-struct RawFile {
+pub(crate) struct RawFile {
     people: Option<Vec<RawPerson>>,
 }
 
@@ -140,12 +141,16 @@ pub fn read(name: &str, text: &str, options: &OpenposeOptions<'_>) -> Result<Ope
     if let Some(frame) = options.frame {
         place = place.within(format!("frame {frame}"));
     }
+    people_of(&place, json_text::parse(name, text)?, options)
+}
+
+/// The people in a file.
+pub(crate) fn people_of(place: &Place, raw: RawFile, options: &OpenposeOptions<'_>) -> Result<OpenposeFrame, Error> {
     let scale = options.confidence_scale;
     if !(scale > 0.0 && scale.is_finite()) {
         let (field, expected) = ("confidence_scale".into(), "positive".into());
-        return Err(Error::BadValue { place, field, found: format!("{scale}"), expected });
+        return Err(Error::BadValue { place: place.clone(), field, found: format!("{scale}"), expected });
     }
-    let raw: RawFile = json_text::parse(name, text)?;
     let people = raw.people.ok_or_else(|| Error::MissingField { place: place.clone(), field: "people".into() })?;
     let mut out = OpenposeFrame::default();
     for (index, person) in people.into_iter().enumerate() {
@@ -153,11 +158,11 @@ pub fn read(name: &str, text: &str, options: &OpenposeOptions<'_>) -> Result<Ope
         if numbers.is_empty() {
             continue;
         }
-        check_count(&place, numbers.len(), options.layout)?;
+        check_count(place, numbers.len(), options.layout)?;
         let mut keypoints = Vec::with_capacity(numbers.len() / 3);
         for triple in numbers.chunks_exact(3) {
             if let &[x, y, confidence] = triple {
-                keypoints.push(keypoint(&place, [x, y, confidence], scale, &mut out)?);
+                keypoints.push(keypoint(place, [x, y, confidence], scale, &mut out)?);
             }
         }
         out.people.push(OpenposePerson { index, keypoints });

@@ -44,6 +44,7 @@ pub mod edges;
 mod error;
 pub mod exchanged_limbs;
 pub mod following;
+pub mod frame_likelihood;
 pub mod girth;
 pub mod girth_with_pose;
 pub mod golden_section;

@@ -11,6 +11,7 @@ pub mod image_folder;
 pub mod in_memory;
 pub mod lag;
 pub mod limbs;
+pub mod live;
 pub mod missing_path;
 pub mod one_after_another;
 pub mod one_person;

@@ -8,6 +8,7 @@
 //! | [`predictive`] | whether keypoints scatter about poses as the model says |
 //! | [`bodies`] | bodies by name or file |
 //! | [`files`] | whole files with a limit on their size |
+//! | [`storage`] | the few operations on files that results need |
 //!
 //! No tracker, no sampler and no result is known here.
 
@@ -20,6 +21,7 @@ pub mod oddities;
 pub mod predictive;
 mod problems;
 pub mod setup;
+pub mod storage;
 
 pub use error::Error;
 pub use file_error::FileError;

@@ -1,5 +1,6 @@
 //! What can go wrong in a whole run, with the exit code and the advice that belong to it.
 
+use std::net::SocketAddr;
 use std::ops::Range;
 use std::path::PathBuf;
 
@@ -78,6 +79,34 @@ pub enum Error {
         /// Name of the pool.
         pool: String,
     },
+    /// A place from which no frames come.
+    #[error("`{0}` is no place for frames to come from; expected `-` or `tcp:127.0.0.1:PORT`")]
+    LivePlace(String),
+    /// A socket that others than this machine reach.
+    #[error("{0} can be reached from elsewhere; frames are taken from this machine only")]
+    NotLoopback(SocketAddr),
+    /// A socket that cannot be had.
+    #[error("tcp:{address} cannot be listened on: {source}")]
+    Listen {
+        /// The address.
+        address: SocketAddr,
+        /// Why.
+        source: std::io::Error,
+    },
+    /// A setting that belongs to a recording on disk.
+    #[error("`{0}` has no use where frames come live")]
+    NotLive(&'static str),
+    /// No frame to be tracked.
+    #[error("no frame came that could be tracked")]
+    NoFrame,
+    /// Fewer frames than the set-up needs.
+    #[error("the frames ended after {found} of {expected} for the set-up")]
+    SetupCutShort {
+        /// Frames that came.
+        found: u64,
+        /// Frames wanted.
+        expected: u64,
+    },
     /// A file that would be written over while it is read.
     #[error("{} is both input and output", .0.display())]
     InputIsOutput(PathBuf),
@@ -122,13 +151,18 @@ impl Error {
             | Self::NoSuchPerson { .. }
             | Self::UnlikeTrials { .. }
             | Self::NoTrials(_)
-            | Self::NotPacked { .. } => 3,
-            Self::ShardInUse { .. } => 5,
+            | Self::NotPacked { .. }
+            | Self::NoFrame
+            | Self::SetupCutShort { .. } => 3,
+            Self::ShardInUse { .. } | Self::Listen { .. } => 5,
             Self::NothingToTrack { .. }
             | Self::NotAStudy(_)
             | Self::StudyFile { .. }
             | Self::InputIsOutput(_)
-            | Self::ResultIsOutput(_) => 2,
+            | Self::ResultIsOutput(_)
+            | Self::LivePlace(_)
+            | Self::NotLoopback(_)
+            | Self::NotLive(_) => 2,
         }
     }
 
@@ -158,6 +192,16 @@ impl Error {
             }
             Self::UnlikeTrials { .. } => {
                 "give `subject` only to trials with the same cameras and keypoints, or different names"
+            }
+            Self::LivePlace(_) => "`--live -` reads standard input, `--live tcp:127.0.0.1:7777` a socket",
+            Self::NotLoopback(_) => {
+                "listen on 127.0.0.1 or [::1], and bring frames of other machines there by a tunnel"
+            }
+            Self::Listen { .. } => "choose another port; 0 takes one that is free",
+            Self::NotLive(_) => "leave it out, or track a recording without `--live`",
+            Self::NoFrame => "send one line a frame: {\"frame\": 0, \"cameras\": {\"cam1\": {\"people\": [...]}}}",
+            Self::SetupCutShort { .. } => {
+                "give a set-up of an earlier run (`--setup`), or fewer seconds (`--setup-seconds`)"
             }
         };
         Some(words.to_owned())

@@ -22,6 +22,7 @@ pub mod batch;
 pub mod claimed;
 mod error;
 pub mod listener;
+pub mod live;
 mod one_person;
 pub mod page;
 mod people;
@@ -67,7 +68,13 @@ pub fn track(resolved: &Resolved, request: &Request, listener: &dyn Listener) ->
         page::refuse_others(&config.out.join(page::PAGE), config.force)?;
     }
     job::check_settings(resolved)?;
-    let claimed = || if request.resume { Ok(None) } else { claimed::claimed(&config, &read_from, listener).map(Some) };
+    let claimed = || {
+        if request.resume {
+            Ok(None)
+        } else {
+            claimed::claimed_in(request.storage(), &config, &read_from, listener).map(Some)
+        }
+    };
     let (claim, whom) = looked_for(resolved, &calibration, listener, claimed)?;
     if request.resume {
         resume::refuse_other_number(&config.out, matches!(whom, Whom::Everybody(_)))?;

@@ -73,7 +73,8 @@ pub(crate) fn remove(path: &Path) -> Result<(), sinew::Error> {
 /// What a page is made from where a calibration is all that is known besides.
 #[must_use]
 pub fn with_calibration(calibration: &Path) -> ReportRequest {
-    ReportRequest { calibration: Some(calibration.to_owned()), ..ReportRequest::default() }
+    let file = Some(calibration.to_owned()).filter(|file| !file.as_os_str().is_empty());
+    ReportRequest { calibration: file, ..ReportRequest::default() }
 }
 
 /// The line that opens a page in a browser.

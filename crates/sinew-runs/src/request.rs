@@ -5,8 +5,10 @@ use super::listener::Listener;
 use super::page;
 use sinew::config::Resolved;
 use sinew::results::people::PeopleSummary;
+use sinew::results::{Disk, Scratch, Storage};
 use sinew::track::job::Outcome;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// What a run is to do besides tracking.
 #[derive(Clone, Debug, Default)]
@@ -17,8 +19,17 @@ pub struct Request {
     pub page: bool,
     /// Write the calibration as the set-up refined it.
     pub write_calibration: Option<PathBuf>,
+    /// Do not wait for the disk: results are copied to where they stay.
+    pub scratch: bool,
     /// File of settings that was named, which the run must not replace.
     pub settings_file: Option<PathBuf>,
+}
+
+impl Request {
+    /// Where files are kept.
+    pub(crate) fn storage(&self) -> Arc<dyn Storage> {
+        if self.scratch { Arc::new(Scratch) } else { Arc::new(Disk) }
+    }
 }
 
 /// What a run came to.

@@ -9,20 +9,25 @@ pub mod job;
 pub mod pipeline;
 
 mod describe;
+mod fixed_lag;
 mod images;
 mod lasting;
 mod marginals;
 mod motion_prior;
 mod noted;
+mod record;
 mod restart;
 mod scene;
 mod smooth;
 mod step_size;
+mod trajectories;
 
+pub use fixed_lag::LagWindow;
 pub use images::{ImageState, Images};
 pub use motion_prior::{check_latent_model, check_model, motion_prior, walk};
 pub use pipeline::{Pipeline, State, moments};
 pub use scene::{Scene, SceneState};
+pub use sinew_dynamics::backward_pass::TRAJECTORIES;
 pub use sinew_recording::predictive::{Doubt, Lengths, Origins};
-pub use smooth::{Spool, TRAJECTORIES, smooth};
+pub use smooth::{Spool, smooth};
 pub use step_size::tune;

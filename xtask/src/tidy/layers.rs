@@ -36,6 +36,7 @@ const ALLOWED: [(&str, &[&str]); 20] = [
     ("sinew-runs", &["sinew", "sinew-tools"]),
     ("sinew-laboratory", &["sinew", "sinew-tools", "sinew-motion", "sinew-core", "sinew-body", "sinew-formats"]),
     ("sinew-cli", &BELOW_THE_PROGRAM),
+    ("sinew-python", &BELOW_PYTHON),
     ("xtask", &["sinew", "sinew-tools", "sinew-motion", "sinew-simulate", "sinew-tests"]),
     ("sinew-tests", &["sinew", "sinew-tools", "sinew-motion", "sinew-simulate", "sinew-invariance", "sinew-latent"]),
 ];
@@ -71,6 +72,9 @@ const BELOW_THE_PROGRAM: [&str; 14] = [
     "sinew-formats",
     "sinew-latent",
 ];
+
+/// What the Python package may know.
+const BELOW_PYTHON: [&str; 4] = ["sinew", "sinew-runs", "sinew-tools", "sinew-simulate"];
 
 /// What only a program needs: arguments, manuals, progress bars and interrupts.
 const TERMINAL: [&str; 5] = ["clap", "clap_complete", "clap_mangen", "ctrlc", "indicatif"];

@@ -52,7 +52,7 @@ pub fn check(workspace: &Workspace) -> Vec<Violation> {
             "sinew-runs" => {
                 forbid(file, &TERMINAL, "the program and xtask", &mut violations);
             }
-            "sinew" | "sinew-recording" | "sinew-tools" | "sinew-laboratory" => {
+            "sinew" | "sinew-recording" | "sinew-tools" | "sinew-laboratory" | "sinew-python" => {
                 let all = [&TERMINAL[..], &POOLS[..]].concat();
                 forbid(file, &all, "runs, the program and xtask", &mut violations);
             }

@@ -2,7 +2,7 @@
 //!
 //! A run is stopped in its middle, and its checkpoint is taken apart as JSON. One field after the other is changed, and emptied; the run is resumed from that and stopped again
 //! a frame later. A field is *noticed* if the run is refused, or if its checkpoint or its files differ there from an unbroken run's. Long lists count as two fields. A
-//! field must be noticed in one of four runs at least: particles on keypoints, Hamiltonian Monte Carlo with smoothing, a search on silhouettes, one on silhouettes and colours with a set-up of its own. In the first somebody
+//! field must be noticed in one of five runs at least: particles on keypoints, Hamiltonian Monte Carlo with smoothing and with a fixed lag, a search on silhouettes, one on silhouettes and colours with a set-up of its own. In the first somebody
 //! else is in the cameras' view in the frame after the stop.
 
 use crate::common::synthetic::Whole;
@@ -169,11 +169,13 @@ fn every_field_is_noticed() {
     let restarted = column(&particles.files["frames.csv"], "restarted");
     assert!(restarted.iter().skip(1).all(|restarted| restarted == "0"), "it must continue: {restarted:?}");
     let smoothed = [("method", "hmc"), ("draws", "1"), ("body", "cf28"), ("smooth", "true")];
+    let lagged = [("method", "hmc"), ("draws", "1"), ("body", "cf28"), ("lag_frames", "2")];
     let search = [("method", "annealed"), ("particles", "8"), ("layers", "2"), ("raster", "64"), ("draws", "1")];
     let colours = [("method", "hppf"), ("particles", "8"), ("raster", "64"), ("draws", "1")];
     let runs = [
         with_somebody_else(with_somebody_else(particles, 0), 1),
         Whole::lasting(FRAMES, &smoothed),
+        Whole::lasting(FRAMES, &lagged),
         Whole::from_silhouettes(FRAMES, &search),
         Whole::from_pictures(FRAMES, &colours),
     ];

@@ -28,10 +28,12 @@ const SHORT: [(&str, &str); 11] = [
 ];
 
 /// Pages of the guide.
-const PAGES: [&str; 8] = [
+const PAGES: [&str; 10] = [
+    "batch",
     "cameras",
     "first-recording",
     "laboratory",
+    "live",
     "motion-models",
     "own-recording",
     "results",
@@ -67,6 +69,16 @@ fn folder(page: &str) -> Trial {
     let trial = Trial { folder: tempfile::tempdir().unwrap() };
     if ["--keypoints pose", "Calib.toml pose", "--images images"].iter().any(|own| page.contains(own)) {
         own_recording(&trial);
+    }
+    if page.contains("batch plan recordings") {
+        own_recording(&trial);
+        fs::create_dir_all(trial.path("recordings/S1/walk")).unwrap();
+        fs::rename(trial.path("pose"), trial.path("recordings/S1/walk/pose")).unwrap();
+        fs::rename(trial.path("Calib.toml"), trial.path("recordings/Calib.toml")).unwrap();
+        let own = "root = true\ncalibration = \"Calib.toml\"\nfps = 30\nlayout = \"BODY_25B\"\n";
+        let short =
+            SHORT.map(|(name, value)| format!("{} = {value}\n", name.trim_start_matches("SINEW_").to_lowercase()));
+        fs::write(trial.path("recordings/sinew.toml"), own.to_owned() + &short.concat()).unwrap();
     }
     trial
 }
@@ -151,6 +163,11 @@ fn the_readme_runs() {
 }
 
 #[test]
+fn many_trials_run() {
+    run_page("docs/guide/batch.md");
+}
+
+#[test]
 fn a_first_recording_runs() {
     run_page("docs/guide/first-recording.md");
 }
@@ -163,6 +180,11 @@ fn an_own_recording_runs() {
 #[test]
 fn cameras_run() {
     run_page("docs/guide/cameras.md");
+}
+
+#[test]
+fn live_tracking_runs() {
+    run_page("docs/guide/live.md");
 }
 
 #[test]

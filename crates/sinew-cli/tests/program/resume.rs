@@ -66,6 +66,17 @@ fn a_smoothed_run_stopped_after_a_frame_gives_the_same_files() {
     }
 }
 
+/// As above with a fixed lag, in whose window frames wait at every stop.
+#[test]
+fn a_run_with_a_fixed_lag_stopped_after_a_frame_gives_the_same_files() {
+    for (method, lag) in [("hmc", "4"), ("bootstrap", "1")] {
+        let whole = Whole::new(&[("method", method), ("lag_frames", lag)]);
+        for stop in [1, 3, 6, 17, FRAMES] {
+            whole.check_stopped_at(stop);
+        }
+    }
+}
+
 /// A checkpoint after every frame or never: the numbers are the same.
 #[test]
 fn checkpoints_change_no_number() {

@@ -1,6 +1,6 @@
 //! Groups and attributes of the InferenceData schema, which ArviZ reads.
 //!
-//! Every group names the library that made it, the method, whether the draws are `filtered` or `smoothed`, and the seed;
+//! Every group names the library that made it, the method, whether the draws are `filtered`, `fixed-lag` or `smoothed`, and the seed;
 //! a date only where the caller gives one, so that the same run gives the same bytes. The draws are equal-weight; what a
 //! draw index means across frames is stated in `draw_meaning`.
 //!
@@ -20,6 +20,8 @@ use serde_json::{Map, Value};
 pub enum DrawsKind {
     /// Given the frames up to this one.
     Filtered,
+    /// Given a number of frames after this one, too.
+    FixedLag,
     /// Given all frames.
     Smoothed,
 }
@@ -30,6 +32,7 @@ impl DrawsKind {
     pub const fn name(self) -> &'static str {
         match self {
             Self::Filtered => "filtered",
+            Self::FixedLag => "fixed-lag",
             Self::Smoothed => "smoothed",
         }
     }
@@ -37,6 +40,7 @@ impl DrawsKind {
     const fn draw_meaning(self) -> &'static str {
         match self {
             Self::Filtered => "equal-weight draws, resampled anew per frame: a draw index means nothing across frames",
+            Self::FixedLag => "equal-weight draws given some later frames: a draw index means nothing across frames",
             Self::Smoothed => "equal-weight draws: one draw index is one trajectory over all frames",
         }
     }
@@ -49,7 +53,7 @@ pub struct Run<'a> {
     pub library_version: &'a str,
     /// Tracker.
     pub method: &'a str,
-    /// Filtered or smoothed.
+    /// Filtered, smoothed, or between.
     pub kind: DrawsKind,
     /// Seed.
     pub seed: u64,

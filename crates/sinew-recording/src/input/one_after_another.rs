@@ -68,12 +68,13 @@ impl<S: FrameSource> FrameSource for OneAfterAnother<S> {
 mod tests {
     use super::super::in_memory::InMemory;
     use super::*;
+    use sinew_formats::openpose::Keypoint;
 
     fn shown(frames: &[u8]) -> InMemory {
         let camera = Camera::look_at("C1", [640.0, 480.0], 500.0, [3.0, 0.0, 1.0], [0.0, 0.0, 1.0]);
         let layout = Layout { name: "L".into(), points: vec![Some("Nose".into())] };
-        let person = |frame: &u8| vec![vec![vec![[f64::from(*frame), 0.0, 1.0]]]];
-        InMemory { cameras: camera.into_iter().collect(), layout, keypoints: frames.iter().map(person).collect() }
+        let point = |frame: &u8| vec![Some(Keypoint { x: f64::from(*frame), y: 0.0, confidence: 1.0 })];
+        InMemory { cameras: camera.into_iter().collect(), layout, keypoints: vec![frames.iter().map(point).collect()] }
     }
 
     #[test]

@@ -113,6 +113,11 @@ impl<'a, S: FrameSource> Upright<'a, S> {
     pub fn source(&self) -> &S {
         self.source
     }
+
+    /// The source itself, to be moved on.
+    pub fn source_mut(&mut self) -> &mut S {
+        self.source
+    }
 }
 
 impl<S: FrameSource> FrameSource for Upright<'_, S> {

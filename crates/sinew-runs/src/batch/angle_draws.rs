@@ -12,6 +12,7 @@ use sinew::results::stored_array::stored_array;
 use sinew::results::write_whole;
 use sinew::setup::Setup;
 use std::fmt::Write as _;
+use std::fs;
 use std::path::Path;
 
 /// Name of the table in a result folder.
@@ -31,9 +32,11 @@ pub(super) struct AngleOverTime {
 
 /// Writes the table of a result folder of one person; none where there are no draws, or where a standing trial is the zero.
 ///
+/// Nothing waits for the disk in a scratch folder.
+///
 /// # Errors
 /// Files of the folder that cannot be read, and of the disk.
-pub(super) fn write_angle_draws(folder: &Path) -> Result<(), Error> {
+pub(super) fn write_angle_draws(folder: &Path, is_scratch: bool) -> Result<(), Error> {
     let Some(angles) = angles_over_time(folder)? else { return Ok(()) };
     let mut text = HEADS.to_owned();
     for (name, AngleOverTime { mean_deg, range_deg }) in &angles {
@@ -42,7 +45,11 @@ pub(super) fn write_angle_draws(folder: &Path) -> Result<(), Error> {
             let _ = writeln!(text, "{name},{draw},{mean:.6},{range}");
         }
     }
-    Ok(write_whole(&folder.join(ANGLE_DRAWS), text.as_bytes())?)
+    let path = folder.join(ANGLE_DRAWS);
+    Ok(match is_scratch {
+        true => fs::write(&path, text).map_err(sinew::Error::io("write", path))?,
+        false => write_whole(&path, text.as_bytes())?,
+    })
 }
 
 fn angles_over_time(folder: &Path) -> Result<Option<Vec<(String, AngleOverTime)>>, Error> {

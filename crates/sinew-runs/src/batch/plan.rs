@@ -80,8 +80,11 @@ pub fn plan(root: &Path) -> Result<Vec<Task>, Error> {
         }
     }
     for task in &mut tasks {
-        if let Some(hash) = task.pool.as_ref().and_then(|pool| pool_hashes.get(pool)) {
+        if let Some(pool) = &mut task.pool
+            && let Some(hash) = pool_hashes.get(pool)
+        {
             task.hash = format!("{:016x}", fnv(*hash, task.hash.as_bytes()));
+            *pool = format!("{pool}-{hash:016x}");
         }
     }
     Ok(tasks)

@@ -7,7 +7,7 @@ use super::angle_draws::write_angle_draws;
 use super::ledger::{EndedTask, Ledger, Packed, TaskEnd, ended};
 use super::packed::Archive;
 use super::plan::{StudyPlan, Task, read};
-use super::pooled_setup::pooled_setup;
+use super::pooled_setup::PooledSetups;
 use super::shard::Shard;
 use crate::listener::{Deaf, Listener};
 use crate::threads::beside_each_other;
@@ -42,6 +42,7 @@ struct Study<'a> {
     plan: StudyPlan,
     tasks: Vec<Task>,
     archive: Option<Archive>,
+    setups: PooledSetups,
     listener: &'a dyn Listener,
     threads_a_trial: usize,
 }
@@ -63,7 +64,8 @@ pub fn run(folder: &Path, shard: Shard, threads: usize, listener: &dyn Listener)
     let before = own().filter(is_done).count();
     let missing: Vec<usize> = own().filter(|place| !is_done(place)).collect();
     let workers = threads.min(missing.len()).max(1);
-    let study = Study { folder, plan, tasks, archive, listener, threads_a_trial: (threads / workers).max(1) };
+    let setups = PooledSetups::new(folder, shard);
+    let study = Study { folder, plan, tasks, archive, setups, listener, threads_a_trial: (threads / workers).max(1) };
     let (ledger, counter) =
         (Mutex::new(ledger), Mutex::new((listener.counter("trials", "trials", missing.len() as u64), 0)));
     let one = |index: usize| -> Result<Option<EndedTask>, Error> {
@@ -144,7 +146,7 @@ impl Study<'_> {
         let Some(archive) = &self.archive else {
             return self.into_folder(task, &self.folder.join(RESULTS).join(&task.trial));
         };
-        let scratch = Scratch::new(&task.hash)?;
+        let scratch = ScratchFolder::new(&task.hash)?;
         let ending = self.into_folder(task, &scratch.0)?;
         let Some(mut ending) = ending else { return Ok(None) };
         ending.packed = Some(archive.append(&task.trial, &scratch.0)?);
@@ -160,12 +162,11 @@ impl Study<'_> {
             ("force", "true".to_owned()),
         ];
         if let Some(pool) = &task.pool {
-            let members: Vec<&Task> = self.tasks.iter().filter(|other| other.pool.as_ref() == Some(pool)).collect();
-            let setup = pooled_setup(self.folder, &self.plan.root, pool, &members, &quiet)?;
+            let setup = self.setups.of(&self.plan.root, pool, &self.tasks, &quiet)?;
             given.push(("setup", setup.to_string_lossy().into_owned()));
         }
         let resolved = task.as_trial().settings(&self.plan.root, &given)?;
-        let request = |resume| Request { resume, ..Request::default() };
+        let request = |resume| Request { resume, scratch: self.archive.is_some(), ..Request::default() };
         let mut came_to = track(&resolved, &request(sinew::results::is_stopped(out)), &quiet);
         // Where what was stopped was something else, the trial is begun again.
         if let Err(Error::Library(sinew::Error::Checkpoint { problem, .. })) = &came_to
@@ -177,11 +178,11 @@ impl Study<'_> {
             CameTo::One(outcome) if !outcome.summary.complete => None,
             CameTo::Several(summary) if !summary.complete => None,
             CameTo::One(outcome) => {
-                write_angle_draws(out)?;
+                write_angle_draws(out, self.archive.is_some())?;
                 Some(ending(&outcome.summary.failed_diagnostics, computing_s(out)))
             }
             CameTo::Complete(summary) => {
-                write_angle_draws(out)?;
+                write_angle_draws(out, self.archive.is_some())?;
                 let failed = summary["failed_diagnostics"].as_array().into_iter().flatten();
                 let failed: Vec<String> = failed.filter_map(Value::as_str).map(str::to_owned).collect();
                 Some(ending(&failed, computing_s(out)))
@@ -194,7 +195,7 @@ impl Study<'_> {
                 let folders = || summary.people.iter().map(|person| out.join(&person.folder));
                 folders()
                     .filter(|folder| folder.join("summary.json").is_file())
-                    .try_for_each(|f| write_angle_draws(&f))?;
+                    .try_for_each(|f| write_angle_draws(&f, self.archive.is_some()))?;
                 Some(ending(&doubts.collect::<Vec<_>>(), folders().map(|folder| computing_s(&folder)).sum()))
             }
         })
@@ -224,9 +225,9 @@ fn with_causes(error: &Error) -> String {
 }
 
 /// A folder on the local disk for results that go into an archive.
-struct Scratch(PathBuf);
+struct ScratchFolder(PathBuf);
 
-impl Scratch {
+impl ScratchFolder {
     fn new(name: &str) -> Result<Self, Error> {
         let folder = std::env::temp_dir().join(format!("sinew-batch-{}-{name}", std::process::id()));
         fs::create_dir_all(&folder).map_err(sinew::Error::io("create", &folder))?;
@@ -234,7 +235,7 @@ impl Scratch {
     }
 }
 
-impl Drop for Scratch {
+impl Drop for ScratchFolder {
     fn drop(&mut self) {
         // What stays is in the system's folder for such things.
         let _ = fs::remove_dir_all(&self.0);

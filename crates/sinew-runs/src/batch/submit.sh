@@ -7,6 +7,7 @@
 #SBATCH --requeue
 #SBATCH --signal=B:TERM@60
 #SBATCH --output=sinew-%a.out
+#SBATCH --open-mode=append
 study={STUDY}
 sinew batch run "$study" --no-progress &
 child=$!

@@ -10,9 +10,11 @@ use crate::Error;
 use crate::methods::{self, About, LatentUse, METHODS};
 use sinew_formats::nearest::nearest;
 use sinew_recording::Problems;
+use sinew_recording::input::recording::given::GivenRecording;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// What the program was started with.
 #[derive(Clone, Debug, Default)]
@@ -29,6 +31,8 @@ pub struct Sources {
 #[derive(Clone, Debug, Default)]
 pub struct Resolved {
     pub(super) values: SettingValues,
+    /// Cameras and keypoints in memory, in place of the ones that settings name.
+    pub given: Option<Arc<GivenRecording>>,
     /// Variables that look like settings and are none.
     pub warnings: Vec<String>,
 }
@@ -129,15 +133,22 @@ impl Resolved {
     }
 
     fn check(&self) -> Result<(), Error> {
-        let smoothed = self.values.flag("smooth") && self.values.get("motion_model").is_some();
-        let smoothed = smoothed.then(|| "`smooth` goes back over a random walk; leave it or `motion_model` out".into());
+        let lagged = self.values.count("lag_frames").is_some_and(|frames| frames > 0);
+        let back = [("smooth", self.values.flag("smooth")), ("lag_frames", lagged)];
+        let back = back.into_iter().find(|(_, given)| *given).map(|(name, _)| name);
+        let learned = back.filter(|_| self.values.get("motion_model").is_some());
+        let smoothed =
+            learned.map(|name| format!("`{name}` goes back over a random walk; leave it or `motion_model` out"));
+        let twice = (lagged && self.values.flag("smooth"))
+            .then(|| "`lag_frames` sees some frames ahead, `smooth` all; leave one of them out".to_owned());
         let takes_latent = self.method().latent != LatentUse::No && self.values.get("latent").is_some();
         let in_latent = |other: &str, what: &str| {
             let both = takes_latent && self.values.get(other).is_some_and(|value| *value != Value::Flag(false));
             both.then(|| format!("`{other}` {what}; leave it or `latent` out"))
         };
-        let clash = smoothed
-            .or_else(|| in_latent("smooth", "goes back over a random walk of poses"))
+        let clash = twice
+            .or(smoothed)
+            .or_else(|| back.and_then(|name| in_latent(name, "goes back over a random walk of poses")))
             .or_else(|| in_latent("motion_model", "moves poses, and a latent model has a motion of its own"));
         match (self.method().mistake)(&self.values).or(clash) {
             None => Ok(()),

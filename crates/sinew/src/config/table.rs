@@ -68,6 +68,7 @@ const FIRST: &[Setting] = &[
     common((METHOD, "setup_frames", SettingKind::Frames, "A..B", "", "frames for the set-up, thinned where many [default: all]")),
     rare((METHOD, "any_size", SettingKind::Flag, "", "false", "take sizes and speeds that no person has")),
     common((METHOD, "smooth", SettingKind::Flag, "", "false", "let every frame see all frames (backward pass)")),
+    rare((METHOD, "lag_frames", SettingKind::Count(0, 1000), "N", "0", "let every frame see N frames after it (fixed lag), between the filter and `smooth`")),
     rare((METHOD, "prior", PRIORS, "NAME", "gaussian", "what a frame hands on to the next: gaussian or mixture")),
     computed((METHOD, "motion_scale", FACTOR, "X", || Settings::default().motion_scale.to_string(), "factor on the motion noise that the set-up pass found")),
     common((METHOD, "motion_model", SettingKind::Path, "FILE", "", "learned motion in place of the random walk (`sinew learn`)")),

@@ -1,6 +1,5 @@
 //! What a method is: its description, and how a tracker is made of it.
 
-use super::frame_likelihood::FrameLikelihood;
 use super::score::Score;
 use crate::Error;
 use crate::config::setting::Setting;
@@ -14,6 +13,7 @@ use sinew_dynamics::motion_prior::MotionPrior;
 use sinew_dynamics::primitives::model::PrimitiveModel;
 use sinew_dynamics::random_walk::RandomWalk;
 use sinew_latent::file::StoredModel;
+use sinew_observe::frame_likelihood::FrameLikelihood;
 use sinew_tracking::{Resume, Tracker};
 use std::fmt;
 use std::sync::Arc;

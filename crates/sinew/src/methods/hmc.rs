@@ -4,7 +4,6 @@
 //! poses are known at a latent ([`LatentDensity::prior_of`]). Without one, `joint_limits` adds soft limits of joints to the prior ([`JointLimits`] on [`motion_ranges`]).
 
 use super::about::{About, Gives, LatentUse, Making, Method, StepSize, Steps};
-use super::frame_likelihood::FrameLikelihood;
 use super::latent_state::{ROOT, decoder, walk};
 use super::score::Score;
 use crate::Error;
@@ -26,6 +25,7 @@ use sinew_dynamics::random_walk::{Between, RandomWalk};
 use sinew_latent::file::StoredModel;
 use sinew_latent::latent_density::{LatentDensity, LatentPrior};
 use sinew_latent::space::Below;
+use sinew_observe::frame_likelihood::FrameLikelihood;
 use sinew_samplers::tuning;
 use sinew_tracking::decoded::Decoded;
 use sinew_tracking::hmc_filter::{Config, HmcFilter};

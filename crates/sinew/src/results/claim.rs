@@ -9,8 +9,8 @@
 
 use super::error::Occupied;
 use super::problem::{self, Problem};
-use super::storage::{Disk, Storage};
 use crate::Error;
+use sinew_recording::storage::{Disk, Storage};
 use std::fs::{self, File, TryLockError};
 use std::io::{Read as _, Seek as _, Write as _};
 use std::path::{Path, PathBuf};

@@ -7,7 +7,6 @@
 use super::chunks::ChunkList;
 use super::error::ResultsError;
 use super::partial::{Place, partial_path, take_back};
-use super::storage::Storage;
 use crate::Error;
 use crate::results::estimate::{Carried, EstimateKind, FrameEstimate, RunInfo};
 use serde::{Deserialize, Serialize};
@@ -15,6 +14,7 @@ use sinew_body::{Joint, Plan, point_positions};
 use sinew_core::lanes::Isa;
 use sinew_formats::zarr::inference_data::{self, Run};
 use sinew_formats::zarr::{Constant, DataType, FrameValues, Group, Labels, Store, Variable, Writer};
+use sinew_recording::storage::Storage;
 use std::collections::BTreeSet;
 use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
@@ -266,6 +266,7 @@ fn schema(info: &RunInfo, rotations: &[usize]) -> sinew_formats::zarr::Schema {
         method: &info.method,
         kind: match info.kind {
             EstimateKind::Filtered => inference_data::DrawsKind::Filtered,
+            EstimateKind::FixedLag => inference_data::DrawsKind::FixedLag,
             EstimateKind::Smoothed => inference_data::DrawsKind::Smoothed,
         },
         seed: info.seed,

@@ -14,12 +14,14 @@ use sinew_dynamics::primitives::switching::Branch;
 use sinew_observe::Camera;
 use sinew_recording::setup::lasting_sources::PointSources;
 
-/// Whether an estimate uses the frames up to its own or all of them.
+/// Whether an estimate uses the frames up to its own, some more, or all of them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum EstimateKind {
     /// Frames up to this one; draws of different frames are unrelated.
     #[default]
     Filtered,
+    /// A number of frames after this one, too.
+    FixedLag,
     /// All frames; one draw is one trajectory.
     Smoothed,
 }
@@ -30,6 +32,7 @@ impl EstimateKind {
     pub const fn name(self) -> &'static str {
         match self {
             Self::Filtered => "filtered",
+            Self::FixedLag => "fixed-lag",
             Self::Smoothed => "smoothed",
         }
     }
@@ -207,7 +210,7 @@ pub struct RunInfo {
     pub method: String,
     /// Whether its draws are weighted particles of a posterior.
     pub is_weighted: bool,
-    /// Filtered or smoothed.
+    /// Filtered, smoothed, or between.
     pub kind: EstimateKind,
     /// Body in its fitted size; points and degrees of freedom are in its order.
     pub body: KinematicTree,

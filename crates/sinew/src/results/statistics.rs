@@ -270,7 +270,7 @@ impl Statistics {
         let of = |(point, sum): (&Point, &f64)| (point.name.clone(), sum / self.frames as f64);
         let variances: Vec<_> = info.body.points().iter().zip(&self.variances).map(of).collect();
         let variances: Vec<_> = variances.iter().map(|(name, variance)| (name.as_str(), *variance)).collect();
-        uncertainty(&info.sources, &variances, info.kind == EstimateKind::Smoothed)
+        uncertainty(&info.sources, &variances, info.kind != EstimateKind::Filtered)
     }
 
     /// What is said of the angles, which were not seen in a number of frames each.

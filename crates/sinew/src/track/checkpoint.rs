@@ -62,6 +62,8 @@ pub struct Checkpoint {
     pub written: Option<Written>,
     /// How far a smoother's moments were written.
     pub spool: Option<Position>,
+    /// The last frames of a fixed lag, the bits of their numbers.
+    pub window: Option<Vec<u64>>,
 }
 
 impl Checkpoint {

@@ -1,4 +1,7 @@
 //! From a step of a tracker to what is written of it.
+//!
+//! First what is wanted of a frame while the next one comes: where points and angles are, and how well that is known. Then draws, rates of angles and
+//! what the next frame needs of this one.
 
 use super::error::TrackError;
 use super::lasting::Lasting;
@@ -7,8 +10,8 @@ use super::noted::Noted;
 use crate::Error;
 use crate::config::settings::Settings;
 use crate::results::estimate::{ActionShare, Draws, FrameEstimate, HmcStatistics, ParticleStatistics, Quality};
+use sinew_angles::AngleMarginals;
 use sinew_angles::fixed_lag::FixedLag;
-use sinew_angles::{AngleMarginal, AngleMarginals};
 use sinew_core::random::Stage;
 use sinew_dynamics::primitives::switching::Choice;
 use sinew_tracking::StepInfo;
@@ -27,16 +30,54 @@ pub(super) struct Describer {
 }
 
 impl Describer {
-    /// Turns a step into what is written of it.
-    pub(super) fn describe(
+    /// Says where a frame's points and angles are; [`Describer::complete`] does the rest.
+    pub(super) fn begin(
         &mut self,
         noted: Noted,
         residual_px: Vec<Option<f64>>,
         posterior: &Posterior<'_>,
-    ) -> Result<FrameEstimate, Error> {
+    ) -> Result<(FrameEstimate, Begun), Error> {
         let moved = self.lasting.as_mut().map(|lasting| lasting.step(&noted)).transpose()?;
         let moves = self.lasting.as_ref().map_or_else(Vec::new, Lasting::moves);
-        let stage = Stage::new(self.settings.seed, "thin").at_frame(noted.number as u32);
+        if noted.info.restarted {
+            self.lag.restart();
+        }
+        let mut mean_state = noted.info.mean.clone();
+        let rng = || Stage::new(self.settings.seed, "equal weight").at_frame(noted.number as u32).whole();
+        let equal = moved.as_ref().map(|moved| moved.equal_draws(posterior, &mut rng()));
+        if let Some(moved) = &moved {
+            mean_state.iter_mut().zip(moved.mean()).for_each(|(x, by)| *x += by);
+        }
+        let begun = Begun { info: noted.info.clone(), moved, equal };
+        let draws = begun.draws(posterior);
+        let described = self.marginals.of(&draws, begun.moved.as_ref());
+        let angles = self.angles.without_rates(&mean_state, &draws);
+        let estimate = self.estimate(noted, described);
+        Ok((FrameEstimate { residual_px, mean_state, moves, angles, ..estimate }, begun))
+    }
+
+    /// Adds draws and rates of angles, and takes in the frame for those after it.
+    pub(super) fn complete(
+        &mut self,
+        estimate: &mut FrameEstimate,
+        begun: Begun,
+        posterior: &Posterior<'_>,
+    ) -> Result<(), Error> {
+        let number = estimate.number as u32;
+        let change = self.lag.change(&begun.draws(posterior), &estimate.moves, number).map_err(TrackError::Motion)?;
+        if let Some(change) = &change {
+            self.angles.add_rates(&mut estimate.angles, change, posterior.dim);
+        }
+        estimate.draws = self.kept(number, begun.moved.as_ref(), posterior);
+        estimate.particles = posterior.chain_stats.is_empty().then(|| particles(posterior, &begun.info));
+        estimate.missing = begun.moved.map_or_else(Vec::new, |moved| moved.missing);
+        let moments = posterior.moments(self.settings.isa);
+        Ok(self.lag.push(moments, &estimate.missing, estimate.moves.clone()).map_err(TrackError::Motion)?)
+    }
+
+    /// Some draws of equal weight, moved where there is something to move them by.
+    fn kept(&mut self, number: u32, moved: Option<&Moved>, posterior: &Posterior<'_>) -> Draws {
+        let stage = Stage::new(self.settings.seed, "thin").at_frame(number);
         let kept = posterior.equal_weight(self.settings.draws, &mut stage.whole());
         let mut states = vec![0.0; kept.len() * posterior.dim];
         for (state, &index) in states.chunks_exact_mut(posterior.dim).zip(&kept) {
@@ -53,26 +94,13 @@ impl Describer {
             energy: chosen.iter().map(|s| s.energy).collect(),
         });
         let lp = chosen.iter().map(|s| s.log_density).collect();
-        if noted.info.restarted {
-            self.lag.restart();
-        }
-        let Spread { mean_state, shape, detected, described, angles } =
-            self.spread(&noted, posterior, (&mut states, moved.as_ref()), &moves)?;
+        let written = self.lasting.as_ref().zip(moved).map(|(lasting, moved)| {
+            moved.apply(&mut states);
+            lasting.written(moved, &states)
+        });
+        let [shape, detected] = written.unwrap_or_default();
         let size = self.marginals.size_draws(&mut states, posterior.dim);
-        let draws = Draws { states, shape, detected, size, lp, hmc };
-        let missing = moved.map_or_else(Vec::new, |moved| moved.missing);
-        self.lag.push(posterior.moments(self.settings.isa), &missing, moves.clone()).map_err(TrackError::Motion)?;
-        let particles = posterior.chain_stats.is_empty().then(|| particles(posterior, &noted.info));
-        Ok(FrameEstimate {
-            residual_px,
-            mean_state,
-            moves,
-            missing,
-            angles,
-            draws,
-            particles,
-            ..self.estimate(noted, described)
-        })
+        Draws { states, shape, detected, size, lp, hmc }
     }
 
     /// What a step says without its draws.
@@ -106,33 +134,6 @@ impl Describer {
             ..FrameEstimate::default()
         }
     }
-
-    /// Mean, marginals and kept draws, moved where there is something to move them by.
-    fn spread(
-        &mut self,
-        noted: &Noted,
-        posterior: &Posterior<'_>,
-        (kept, moved): (&mut [f64], Option<&Moved>),
-        moves: &[f64],
-    ) -> Result<Spread, Error> {
-        let (mean, number) = (&noted.info.mean, noted.number as u32);
-        let Some((lasting, moved)) = self.lasting.as_ref().zip(moved) else {
-            let described = self.marginals.of(posterior, None);
-            let change = self.lag.change(posterior, &[], number).map_err(TrackError::Motion)?;
-            let angles = self.angles.of(mean, posterior, change.as_ref());
-            return Ok(Spread { mean_state: mean.clone(), shape: vec![], detected: vec![], described, angles });
-        };
-        moved.apply(kept);
-        let [shape, detected] = lasting.written(moved, kept);
-        let rng = &mut Stage::new(self.settings.seed, "equal weight").at_frame(number).whole();
-        let EqualDraws { states, weights } = moved.equal_draws(posterior, rng);
-        let equal = Posterior { states: &states, weights: &weights, chain_stats: &[], ..*posterior };
-        let described = self.marginals.of(&equal, Some(moved));
-        let mean_state: Vec<f64> = mean.iter().zip(moved.mean()).map(|(x, by)| x + by).collect();
-        let change = self.lag.change(&equal, moves, number).map_err(TrackError::Motion)?;
-        let angles = self.angles.of(&mean_state, &equal, change.as_ref());
-        Ok(Spread { mean_state, shape, detected, described, angles })
-    }
 }
 
 fn particles(posterior: &Posterior<'_>, info: &StepInfo) -> ParticleStatistics {
@@ -140,13 +141,21 @@ fn particles(posterior: &Posterior<'_>, info: &StepInfo) -> ParticleStatistics {
     ParticleStatistics { log_weight, resampled: info.resampled.unwrap_or(false) }
 }
 
-/// A frame's draws with what is constant in them.
-struct Spread {
-    mean_state: Vec<f64>,
-    shape: Vec<f64>,
-    detected: Vec<f64>,
-    described: Described,
-    angles: Vec<AngleMarginal>,
+/// What completing a frame takes from its beginning.
+pub(super) struct Begun {
+    info: StepInfo,
+    moved: Option<Moved>,
+    /// The draws with what is constant in them, of equal weight.
+    equal: Option<EqualDraws>,
+}
+
+impl Begun {
+    fn draws<'a>(&'a self, posterior: &Posterior<'a>) -> Posterior<'a> {
+        match &self.equal {
+            Some(EqualDraws { states, weights }) => Posterior { states, weights, chain_stats: &[], ..*posterior },
+            None => *posterior,
+        }
+    }
 }
 
 /// The choices of the motion, part by part, by their meaning.

@@ -18,6 +18,7 @@ mod forward;
 mod inputs;
 mod keeper;
 mod level;
+pub mod live;
 mod run_info;
 mod watch;
 
@@ -31,11 +32,11 @@ use super::pipeline::Pipeline;
 use crate::Error;
 use crate::config::Resolved;
 use crate::input::source::FrameSource;
-use crate::results::{Claim, Ending, ResultFolder};
+use crate::results::{Claim, ResultFolder};
 use backward::smoothed;
 use begin::{Begun, begun, resumed};
 use colours::compared_colours;
-use ending::{Clock, distinct};
+use ending::{Clock, Finish};
 use forward::forward;
 use inputs::{Hashes, Inputs, file_hashes};
 use keeper::Keeper;
@@ -94,12 +95,13 @@ pub fn track<S: FrameSource>(
     let (frames, before) = (source.frames(), checkpoint.done);
     let setup_toml = checkpoint.setup_toml.clone();
     let info = run_info(&config, &settings, &setup, &pipeline, cameras, frames.start, setup_toml);
-    let mut keeper = Keeper::open(claim, info, checkpoint, &config, pipeline.lasting_draws())?;
+    let mut keeper = Keeper::open(claim, info, checkpoint, &config, &pipeline)?;
     if keeper.checkpoint.pipeline.is_none() {
         keeper.keep(&pipeline, source.read(), inputs.hashes(source.source()))?;
     }
     let total = frames.end - frames.start;
-    let tracked = forward(&mut keeper, &mut pipeline, &mut source, &inputs, settings.isa, watch)?;
+    let tracked = forward(&mut keeper, &mut pipeline, &mut source, &inputs, watch)?;
+    keeper.take_rest(|_| ())?;
     clock.tracking_is_done();
     let Keeper { mut results, spool, checkpoint, .. } = keeper;
     let mut written = checkpoint.done;
@@ -107,15 +109,9 @@ pub fn track<S: FrameSource>(
         written = smoothed(&mut spool, &mut results, &pipeline, &tree, watch, written)?;
     }
     let done = checkpoint.done - before;
-    let warnings = inputs.warnings(source.source()).into_iter().chain(checkpoint.warnings).chain(pipeline.warnings());
-    let summary = results.finish(&Ending {
-        complete: written == total && tracked.is_ok(),
-        warnings: distinct(warnings),
-        input_hashes: inputs.hashes(source.source()),
-        coverage: pipeline.coverage().to_vec(),
-        limits: config.limits,
-        timings: clock.timings(before, done),
-    })?;
+    let complete = written == total && tracked.is_ok();
+    let finish = Finish { complete, warnings: checkpoint.warnings, before, done };
+    let summary = finish.summary(results, &pipeline, &inputs, source.source(), &config, &clock)?;
     tracked?;
     let colours = compared_colours(&setup, &source, &settings);
     Ok(Outcome { summary, ms_per_frame: clock.ms_per_frame(done), girth: setup.girth, colours })

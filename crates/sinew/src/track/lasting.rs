@@ -30,6 +30,7 @@ use sinew_tracking::StepInfo;
 use sinew_tracking::moved::{Moved, Rows};
 
 /// What is constant, beside a tracker.
+#[derive(Clone)]
 pub(super) struct Lasting {
     model: KeypointModel,
     drawn: DrawnErrors,

@@ -201,6 +201,10 @@ impl Pipeline {
         self.describer.marginals.size()
     }
 
+    pub(super) fn isa(&self) -> Isa {
+        self.settings().isa
+    }
+
     pub(super) const fn settings(&self) -> &Settings {
         &self.describer.settings
     }
@@ -318,6 +322,11 @@ pub trait KeepFrames {
     /// The run ends with it.
     fn keep(&mut self, estimate: FrameEstimate, posterior: &Posterior<'_>) -> Result<(), Error>;
 
+    /// Hears where points and angles are in a frame, before its draws and the rates of its angles are known and it is to be kept.
+    fn known(&mut self, estimate: &FrameEstimate) {
+        let _ = estimate;
+    }
+
     /// Whether to stop; asked before every frame but the first, while the last one is still to be kept.
     fn flow(&mut self) -> ControlFlow<()> {
         ControlFlow::Continue(())
@@ -362,11 +371,13 @@ impl Harness<Observation> for Passage<'_> {
     }
 
     fn record(&mut self, noted: Noted, posterior: Posterior<'_>) -> Result<(), Error> {
-        let Noted { number, info, shown, .. } = &noted;
-        let draws = some_draws(self.describer.settings.seed, *number as u32, &posterior);
-        self.scene.check_frame(*number, shown, &info.mean, &draws);
-        let residual_px = self.scene.residual_px(shown, &info.mean);
-        let estimate = self.describer.describe(noted, residual_px, &posterior)?;
+        let (number, mean, shown) = (noted.number, noted.info.mean.clone(), noted.shown.clone());
+        let residual_px = self.scene.residual_px(&shown, &mean);
+        let (mut estimate, begun) = self.describer.begin(noted, residual_px, &posterior)?;
+        self.keep.known(&estimate);
+        self.describer.complete(&mut estimate, begun, &posterior)?;
+        let draws = some_draws(self.describer.settings.seed, number as u32, &posterior);
+        self.scene.check_frame(number, &shown, &mean, &draws);
         rayon::yield_now();
         self.keep.keep(estimate, &posterior)
     }

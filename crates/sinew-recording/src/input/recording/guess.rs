@@ -29,18 +29,26 @@ pub(super) fn layout(cameras: &[KeypointCamera], folder: &Path) -> Result<(Layou
             break;
         }
     }
-    let Some(first) = people.first() else {
+    if people.is_empty() {
         let folder = folder.to_owned();
         let files = cameras.iter().map(|camera| camera.files().len()).sum::<usize>().min(PATIENCE);
         return Err(InputError::NobodyForLayout { folder, files, known: layout::names() }.into());
-    };
-    let numbers = 3 * first.keypoints.len();
+    }
+    people_layout(&people, folder)
+}
+
+/// The layout of some people, and a warning if there was a choice; `place` is where they were found.
+pub(in crate::input) fn people_layout(
+    people: &[OpenposePerson],
+    place: &Path,
+) -> Result<(Layout, Option<String>), Error> {
+    let numbers = 3 * people.first().map_or(0, |first| first.keypoints.len());
     let mut fitting = layout::with_numbers(numbers);
     match fitting.len() {
-        0 => Err(InputError::NoSuchLength { folder: folder.to_owned(), numbers, known: layout::names() }.into()),
+        0 => Err(InputError::NoSuchLength { folder: place.to_owned(), numbers, known: layout::names() }.into()),
         1 => Ok((fitting.remove(0), None)),
         _ => {
-            let name = if has_mid_hip_at_8(&people) == Some(true) { BODY_25 } else { BODY_25B };
+            let name = if has_mid_hip_at_8(people) == Some(true) { BODY_25 } else { BODY_25B };
             let chosen = layout::find(name)?;
             let names: Vec<&str> = fitting.iter().map(|layout| layout.name.as_str()).collect();
             let warning = format!(

@@ -7,7 +7,7 @@ use sinew_formats::{Layout, layout};
 use std::path::Path;
 
 /// A built-in layout, or the one of a mapping file.
-pub(super) fn named_layout(name: &str) -> Result<Layout, Error> {
+pub(in crate::input) fn named_layout(name: &str) -> Result<Layout, Error> {
     let path = Path::new(name);
     if path.extension().is_some_and(|extension| extension == "toml") {
         let text = files::read_text(path, MAX_CONFIG_BYTES)?;

@@ -1,7 +1,11 @@
 //! The end of a run: warnings, timings, the summary.
 
-use crate::results::Summary;
+use super::inputs::{Hashes, Inputs};
+use crate::Error;
+use crate::config::TrackConfig;
+use crate::results::{Ending, ResultFolder, Summary};
 use crate::setup::{MeasuredColours, MeasuredGirth};
+use crate::track::pipeline::Pipeline;
 use std::collections::BTreeSet;
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
@@ -60,8 +64,43 @@ impl Clock {
     }
 }
 
+/// What a run came to, before its folder is finished.
+pub(super) struct Finish {
+    /// Whether all is there.
+    pub(super) complete: bool,
+    /// Warnings that neither source nor tracker repeats.
+    pub(super) warnings: Vec<String>,
+    /// Frames tracked before this run was resumed.
+    pub(super) before: u64,
+    /// Frames tracked since.
+    pub(super) done: u64,
+}
+
+impl Finish {
+    /// Finishes the folder.
+    pub(super) fn summary<S>(
+        self,
+        results: ResultFolder,
+        pipeline: &Pipeline,
+        inputs: &Inputs<impl Fn(&S) -> (Vec<String>, Hashes)>,
+        source: &S,
+        config: &TrackConfig,
+        clock: &Clock,
+    ) -> Result<Summary, Error> {
+        let warnings = inputs.warnings(source).into_iter().chain(self.warnings).chain(pipeline.warnings());
+        results.finish(&Ending {
+            complete: self.complete,
+            warnings: distinct(warnings),
+            input_hashes: inputs.hashes(source),
+            coverage: pipeline.coverage().to_vec(),
+            limits: config.limits,
+            timings: clock.timings(self.before, self.done),
+        })
+    }
+}
+
 /// Each warning once, in the order of the first.
-pub(super) fn distinct(warnings: impl IntoIterator<Item = String>) -> Vec<String> {
+fn distinct(warnings: impl IntoIterator<Item = String>) -> Vec<String> {
     let mut seen = BTreeSet::new();
     warnings.into_iter().filter(|warning| seen.insert(warning.clone())).collect()
 }

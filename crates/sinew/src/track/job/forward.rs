@@ -7,8 +7,7 @@ use crate::Error;
 use crate::input::source::FrameSource;
 use crate::input::upright::Upright;
 use crate::results::estimate::FrameEstimate;
-use crate::track::pipeline::{KeepFrames, Pipeline, moments};
-use sinew_core::lanes::Isa;
+use crate::track::pipeline::{KeepFrames, Pipeline};
 use sinew_tracking::posterior::Posterior;
 use std::ops::ControlFlow;
 
@@ -21,14 +20,13 @@ pub(super) fn forward<S: FrameSource>(
     pipeline: &mut Pipeline,
     source: &mut Upright<'_, S>,
     inputs: &Inputs<impl Fn(&S) -> (Vec<String>, Hashes)>,
-    isa: Isa,
     watch: &mut Watch<'_>,
 ) -> Result<Result<(), Error>, Error> {
     let (frames, before) = (source.frames(), keeper.checkpoint.done);
     let total = frames.end - frames.start;
     loop {
         let next = frames.start + keeper.checkpoint.done;
-        let writing = Writing { keeper, watch, isa, total };
+        let writing = Writing { keeper, watch, total };
         let tracked = pipeline.track(source, next..frames.end, writing);
         let is_last = keeper.checkpoint.done == total;
         match tracked {
@@ -47,18 +45,13 @@ pub(super) fn forward<S: FrameSource>(
 struct Writing<'a, 'w> {
     keeper: &'a mut Keeper,
     watch: &'a mut Watch<'w>,
-    isa: Isa,
     total: u64,
 }
 
 impl KeepFrames for Writing<'_, '_> {
     fn keep(&mut self, estimate: FrameEstimate, posterior: &Posterior<'_>) -> Result<(), Error> {
-        let Self { keeper, watch, isa, total } = self;
-        match &mut keeper.spool {
-            Some(spool) => spool.append(&estimate, &moments(posterior, *isa))?,
-            None => keeper.results.append(&estimate)?,
-        }
-        keeper.checkpoint.done += 1;
+        let Self { keeper, watch, total } = self;
+        keeper.take(estimate, posterior, |_| ())?;
         if keeper.checkpoint.done == *total {
             (watch.progress)(RunPhase::Track, *total, *total);
         }

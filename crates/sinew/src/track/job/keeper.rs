@@ -5,17 +5,22 @@ use super::run_info::texts;
 use crate::Error;
 use crate::config::TrackConfig;
 use crate::input::upright::FramesRead;
-use crate::results::estimate::RunInfo;
+use crate::results::estimate::{FrameEstimate, RunInfo};
 use crate::results::{Claim, ResultFolder};
 use crate::track::checkpoint::{self, Checkpoint};
-use crate::track::pipeline::Pipeline;
+use crate::track::fixed_lag::LagWindow;
+use crate::track::pipeline::{Pipeline, moments};
 use crate::track::smooth::Spool;
+use sinew_core::lanes::Isa;
+use sinew_tracking::posterior::Posterior;
 use std::time::{Duration, Instant};
 
 /// The files of a run and its checkpoint.
 pub(super) struct Keeper {
     pub(super) results: ResultFolder,
     pub(super) spool: Option<Spool>,
+    window: Option<LagWindow>,
+    isa: Isa,
     pub(super) checkpoint: Checkpoint,
     every: Duration,
     kept: Instant,
@@ -26,17 +31,27 @@ pub(super) struct Keeper {
 const SHARE: u32 = 20;
 
 impl Keeper {
-    /// The files of a run, new or as a stopped one left them, and a spool for the backward pass.
+    /// The files of a run, new or as a stopped one left them, and a spool for the backward pass or the window of a fixed lag.
     pub(super) fn open(
         claim: Claim,
         info: RunInfo,
         checkpoint: Checkpoint,
         config: &TrackConfig,
-        lasting_draws: usize,
+        pipeline: &Pipeline,
     ) -> Result<Self, Error> {
+        let seen = [info.cameras.len(), info.keypoints.len()];
+        let window = (config.lag_frames > 0).then(|| LagWindow::new(pipeline, &info.body, config.lag_frames, seen));
+        let window = window.map(|mut window| {
+            let saved = checkpoint.window.as_deref().unwrap_or_default();
+            let saved: Vec<f64> = saved.iter().map(|bits| f64::from_bits(*bits)).collect();
+            let restored = if saved.is_empty() { Ok(()) } else { window.restore(&saved) };
+            restored.map_err(|problem| Error::checkpoint(claim.folder(), problem)).map(|()| window)
+        });
+        let window = window.transpose()?;
         let spool = match config.smooth {
             true => {
-                let sizes = [info.body.dof(), info.cameras.len(), info.keypoints.len(), lasting_draws];
+                let [cameras, keypoints] = seen;
+                let sizes = [info.body.dof(), cameras, keypoints, pipeline.lasting_draws()];
                 let before = checkpoint.spool.map(|position| (checkpoint.done, position));
                 Some(Spool::open(&claim, sizes, before)?)
             }
@@ -44,7 +59,44 @@ impl Keeper {
         };
         let results = ResultFolder::open(claim, info, texts(&checkpoint)?, checkpoint.written.as_ref())?;
         let every = Duration::try_from_secs_f64(config.checkpoint_every).unwrap_or(Duration::MAX);
-        Ok(Self { results, spool, checkpoint, every, kept: Instant::now(), cost: Duration::ZERO })
+        let (isa, kept, cost) = (pipeline.isa(), Instant::now(), Duration::ZERO);
+        Ok(Self { results, spool, window, isa, checkpoint, every, kept, cost })
+    }
+
+    /// Whether frames are given later than they are tracked.
+    pub(super) const fn is_late(&self) -> bool {
+        self.window.is_some()
+    }
+
+    /// Takes in a frame that was tracked, and writes what is known by now; `known` hears of it first.
+    pub(super) fn take(
+        &mut self,
+        estimate: FrameEstimate,
+        posterior: &Posterior<'_>,
+        mut known: impl FnMut(&FrameEstimate),
+    ) -> Result<(), Error> {
+        self.checkpoint.done += 1;
+        if let Some(spool) = &mut self.spool {
+            return spool.append(&estimate, &moments(posterior, self.isa));
+        }
+        let given = match &mut self.window {
+            Some(window) => window.push(&estimate, &moments(posterior, self.isa))?,
+            None => Some(estimate),
+        };
+        given.map_or(Ok(()), |estimate| {
+            known(&estimate);
+            self.results.append(&estimate)
+        })
+    }
+
+    /// Writes the frames for which a fixed lag still waits.
+    pub(super) fn take_rest(&mut self, mut known: impl FnMut(&FrameEstimate)) -> Result<(), Error> {
+        let Some(window) = &mut self.window else { return Ok(()) };
+        for estimate in window.rest()? {
+            known(&estimate);
+            self.results.append(&estimate)?;
+        }
+        Ok(())
     }
 
     /// Whether it is time for a checkpoint.
@@ -61,6 +113,8 @@ impl Keeper {
             Some(spool) => checkpoint.spool = Some(spool.keep()?),
             None => checkpoint.written = Some(self.results.keep()?),
         }
+        let saved = self.window.as_ref().map(LagWindow::save);
+        checkpoint.window = saved.map(|saved| saved.into_iter().map(f64::to_bits).collect());
         checkpoint.pipeline = Some(pipeline.save());
         checkpoint.read = read.clone();
         checkpoint.inputs = inputs;

@@ -8,10 +8,10 @@ use crate::methods::Gives;
 use crate::results::estimate::{Carried, EstimateKind, RunInfo};
 use crate::results::{Texts, WorldTurn};
 use crate::setup::Setup;
+use crate::track::TRAJECTORIES;
 use crate::track::checkpoint::Checkpoint;
 use crate::track::error::TrackError;
 use crate::track::pipeline::Pipeline;
-use crate::track::smooth::TRAJECTORIES;
 use sinew_observe::Camera;
 use sinew_recording::setup::lasting_sources::PointSources;
 
@@ -25,20 +25,26 @@ pub(super) fn run_info(
     first_frame: u64,
     setup_toml: String,
 ) -> RunInfo {
+    let kind = match (config.smooth, config.lag_frames) {
+        (true, _) => EstimateKind::Smoothed,
+        (false, 0) => EstimateKind::Filtered,
+        (false, _) => EstimateKind::FixedLag,
+    };
+    let knows_later = kind != EstimateKind::Filtered;
     let (carried, method) = (pipeline.carried(), settings.method.about());
     let used = || cameras.iter().map(|camera| setup.camera.iter().find(|known| known.name == camera.name));
     RunInfo {
         method: method.name.into(),
         is_weighted: method.gives == Gives::Particles,
-        kind: if config.smooth { EstimateKind::Smoothed } else { EstimateKind::Filtered },
+        kind,
         body: setup.tree(),
         angles: pipeline.angles().clone(),
         zero: pipeline.zero().cloned(),
         world: world(setup),
         fps: settings.fps,
         first_frame,
-        draws: if config.smooth { settings.draws.min(TRAJECTORIES) } else { settings.draws },
-        carried: if config.smooth {
+        draws: if knows_later { settings.draws.min(TRAJECTORIES) } else { settings.draws },
+        carried: if knows_later {
             let Carried { log_evidence, size, detected, .. } = carried;
             Carried { log_evidence, size, detected, ..Carried::default() }
         } else {

@@ -1,10 +1,10 @@
 //! What is bound in a frame: keypoints, silhouettes, or both. Each tracker takes from it what it can use.
 
+use crate::KeypointLikelihood;
+use crate::image_likelihood::ImageLikelihood;
+use crate::soft_silhouette::SoftSilhouette;
 use sinew_core::density::{GaussNewton, Global, GradLogDensity, LogDensity, PartLogDensity};
 use sinew_core::lanes::Block;
-use sinew_observe::KeypointLikelihood;
-use sinew_observe::image_likelihood::ImageLikelihood;
-use sinew_observe::soft_silhouette::SoftSilhouette;
 
 /// What a keypoint likelihood is made of in a frame.
 pub type BoundKeypoints = sinew_core::density::Lanes<KeypointLikelihood>;
@@ -19,7 +19,7 @@ pub enum BoundImages {
 
 /// The likelihood of a frame: that of keypoints times that of images.
 ///
-/// Scored images have no gradient and no curvature; methods that need them get soft ones ([`super::about::About::needs_gradients`]).
+/// Scored images have no gradient and no curvature; methods that need them get soft ones.
 pub struct FrameLikelihood {
     /// That of all keypoints.
     pub keypoints: BoundKeypoints,
@@ -198,17 +198,17 @@ impl FrameLikelihood {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::bit_image::BitImage;
+    use crate::contour_map::contour_map;
+    use crate::image_likelihood::{Cues, ImageModel};
     use crate::methods::Score;
+    use crate::soft_silhouette::SoftSilhouetteModel;
+    use crate::solid_body::SolidBody;
+    use crate::{Camera, Detection, KeypointFrame, KeypointModel, Mistakes, Noise, ObservationModel, View};
     use sinew_body::standard::h32;
     use sinew_body::standard_flesh::standard_flesh;
     use sinew_body::{Plan, Proportions, point_positions};
     use sinew_core::lanes::Isa;
-    use sinew_observe::bit_image::BitImage;
-    use sinew_observe::contour_map::contour_map;
-    use sinew_observe::image_likelihood::{Cues, ImageModel};
-    use sinew_observe::soft_silhouette::SoftSilhouetteModel;
-    use sinew_observe::solid_body::SolidBody;
-    use sinew_observe::{Camera, Detection, KeypointFrame, KeypointModel, Mistakes, Noise, ObservationModel, View};
     use std::sync::Arc;
 
     fn camera() -> Camera {

@@ -1,0 +1,114 @@
+//! A run on frames that come while they are tracked.
+//!
+//! ```text
+//! set-up ──▶ wait for a frame ──▶ track it, and those before it that never came ──▶ answer ──▶ result folder
+//!                   ▲                                                                               │
+//!                   └───────────────────────────────────────────────────────────────────────────────┘
+//! ```
+//!
+//! With a fixed lag a frame is answered and written when that number of frames has come after it, and the last ones at the end.
+//!
+//! Every frame is recorded before the next one is waited for, and answered before it is written. A frame that did not come is tracked as one that no camera saw, so that the
+//! motion prior takes its step and the results have every number. The source does not come again, so there are no checkpoints. The end of the source or an
+//! interrupt completes the results.
+
+use super::begin::{Begun, begun};
+use super::ending::{Clock, Finish, Outcome};
+use super::inputs::{Hashes, Inputs, file_hashes};
+use super::keeper::Keeper;
+use super::run_info::run_info;
+use super::watch::Watch;
+use crate::Error;
+use crate::config::Resolved;
+use crate::input::source::FrameSource;
+use crate::results::estimate::{FrameEstimate, RunInfo};
+use crate::results::{Claim, ResultFolder};
+use crate::track::pipeline::{KeepFrames, Pipeline};
+use sinew_tracking::posterior::Posterior;
+use std::ops::Range;
+
+/// A source whose frames come while they are tracked.
+pub trait Arrivals: FrameSource {
+    /// Waits for the next frame and gives its number, which rises; none at the end of the source.
+    fn arrive(&mut self) -> Option<u64>;
+}
+
+/// Takes what is known of each frame as soon as it is.
+pub trait Answers {
+    /// Before the first frame.
+    fn begin(&mut self, info: &RunInfo);
+    /// A frame, before it is written.
+    fn frame(&mut self, estimate: &FrameEstimate);
+}
+
+/// Tracks the frames of a source into a claimed folder until there are no more. The set-up is made from frames that the source has already, if it is not given.
+///
+/// # Errors
+/// As [`super::track`]; `Ok(None)` where no frame came.
+pub fn track_live<S: Arrivals>(
+    source: &mut S,
+    setup_frames: Range<u64>,
+    resolved: &Resolved,
+    claim: Claim,
+    watch: &mut Watch<'_>,
+    inputs: impl Fn(&S) -> (Vec<String>, Hashes),
+    answers: &mut dyn Answers,
+) -> Result<Option<Outcome>, Error> {
+    let mut clock = Clock::started();
+    let config = resolved.track();
+    let settings = config.settings()?;
+    let inputs = Inputs { hash_source: inputs, settings_hashes: file_hashes(resolved)? };
+    let Begun { mut source, setup, checkpoint } = begun(source, setup_frames, resolved, &config, &settings, watch)?;
+    let (tree, cameras) = (setup.tree(), source.cameras().to_vec());
+    let mut pipeline = Pipeline::new(&setup, &tree, &cameras, source.layout(), settings.clone())?;
+    clock.set_up_is_done();
+    let Some(first) = source.source_mut().arrive() else { return Ok(None) };
+    ResultFolder::forget(&claim)?;
+    let info = run_info(&config, &settings, &setup, &pipeline, cameras, first, checkpoint.setup_toml.clone());
+    answers.begin(&info);
+    let mut keeper = Keeper::open(claim, info, checkpoint, &config, &pipeline)?;
+    let (mut next, mut arrived, mut tracked) = (first, Some(first), Ok(()));
+    while let (Some(number), false) = (arrived, watch.is_stopped()) {
+        tracked = pipeline.track(&mut source, next..number + 1, Answering { keeper: &mut keeper, answers });
+        if tracked.is_err() {
+            break;
+        }
+        next = number + 1;
+        arrived = source.source_mut().arrive();
+    }
+    if tracked.as_ref().is_err_and(|error| keeper.checkpoint.done == 0 || error.file().is_some()) {
+        return tracked.map(|()| None);
+    }
+    keeper.take_rest(|estimate| answers.frame(estimate))?;
+    clock.tracking_is_done();
+    let Keeper { results, checkpoint, .. } = keeper;
+    let done = checkpoint.done;
+    let finish = Finish { complete: tracked.is_ok(), warnings: checkpoint.warnings, before: 0, done };
+    let summary = finish.summary(results, &pipeline, &inputs, source.source(), &config, &clock)?;
+    tracked?;
+    Ok(Some(Outcome { summary, ms_per_frame: clock.ms_per_frame(done), girth: setup.girth, colours: None }))
+}
+
+/// Answers each frame, then keeps it.
+struct Answering<'a> {
+    keeper: &'a mut Keeper,
+    answers: &'a mut dyn Answers,
+}
+
+impl KeepFrames for Answering<'_> {
+    fn known(&mut self, estimate: &FrameEstimate) {
+        if !self.keeper.is_late() {
+            self.answers.frame(estimate);
+        }
+    }
+
+    fn keep(&mut self, estimate: FrameEstimate, posterior: &Posterior<'_>) -> Result<(), Error> {
+        let Self { keeper, answers } = self;
+        let is_late = keeper.is_late();
+        keeper.take(estimate, posterior, |estimate| {
+            if is_late {
+                answers.frame(estimate);
+            }
+        })
+    }
+}

@@ -1,0 +1,80 @@
+//! A filtered frame as a row of numbers, bit for bit: what a backward pass needs of it.
+//!
+//! Diagnostics, what was seen, filtered moments, moves of draws; a row has the same length in all frames of a run.
+
+use crate::results::estimate::{FrameEstimate, diagnostics};
+use sinew_core::transition::Moments;
+use sinew_dynamics::backward_pass::FilteredFrame;
+use sinew_dynamics::smoother::BackwardStep;
+
+/// Sizes of the rows of a run.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct RecordShape {
+    /// Degrees of freedom.
+    pub(super) dim: usize,
+    /// Cameras.
+    pub(super) cameras: usize,
+    /// Keypoints that are points of the body.
+    pub(super) keypoints: usize,
+    /// Draws of what is constant.
+    pub(super) lasting_draws: usize,
+}
+
+/// A frame of a row.
+pub(super) struct Record {
+    /// Its diagnostics and what was seen.
+    pub(super) estimate: FrameEstimate,
+    /// Its filtered moments, widened by what persistent errors add.
+    pub(super) moments: Moments,
+    /// [`FrameEstimate::moves`].
+    pub(super) moves: Vec<f64>,
+}
+
+impl Record {
+    /// What a backward pass takes, with the step back to the frame.
+    pub(super) fn filtered<'a>(&'a self, step: &'a BackwardStep) -> FilteredFrame<'a> {
+        FilteredFrame { moments: &self.moments, moves: &self.moves, step, is_cut: self.estimate.restarted }
+    }
+}
+
+impl RecordShape {
+    /// Numbers before the moments.
+    pub(super) fn header(self) -> usize {
+        diagnostics::count(self.cameras) + 3 * self.cameras * self.keypoints
+    }
+
+    /// Numbers of a row.
+    pub(super) fn numbers(self) -> usize {
+        self.header() + self.dim * (self.dim + 1 + self.lasting_draws)
+    }
+
+    /// The row of a frame.
+    pub(super) fn row(self, estimate: &FrameEstimate, moments: &Moments) -> Vec<f64> {
+        let mut row = diagnostics::numbers(estimate, self.cameras);
+        row.extend(estimate.seen.as_flattened());
+        row.resize(self.header(), f64::NAN);
+        row.extend(&moments.mean);
+        let missing = estimate.missing.iter().copied().chain(std::iter::repeat(0.0));
+        row.extend(moments.covariance.iter().zip(missing).map(|(known, missing)| known + missing));
+        row.extend(&estimate.moves);
+        row.resize(self.numbers(), 0.0);
+        row
+    }
+
+    /// Diagnostics and what was seen, of the beginning of a row.
+    pub(super) fn estimate(self, row: &[f64], fps: f64) -> FrameEstimate {
+        let (diagnostics, seen) = row[..self.header()].split_at(diagnostics::count(self.cameras));
+        FrameEstimate {
+            seen: seen.as_chunks().0.to_vec(),
+            ..diagnostics::estimate(diagnostics, fps).unwrap_or_default()
+        }
+    }
+
+    /// The frame of a row.
+    pub(super) fn record(self, row: &[f64], fps: f64) -> Record {
+        let (mean, rest) = row[self.header()..].split_at(self.dim);
+        let (covariance, moves) = rest.split_at(self.dim * self.dim);
+        let moments = Moments { mean: mean.to_vec(), covariance: covariance.to_vec() };
+        Record { estimate: self.estimate(row, fps), moments, moves: moves.to_vec() }
+    }
+}
