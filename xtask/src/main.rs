@@ -1,6 +1,7 @@
 //! Chores of the workspace: `cargo xtask <command>`. This file is the whole command line; each command has a file of its own.
 
 mod accuracy;
+mod batch;
 mod chart;
 mod coverage;
 mod filter_priors;
@@ -47,6 +48,8 @@ struct Cli {
 enum Command {
     /// Measure accuracy and coverage: the tables of docs/evidence/accuracy.md.
     Accuracy(accuracy::Args),
+    /// Measure what many trials cost beside their tracking, and simulate a cluster: the tables of docs/evidence/batch.md.
+    Batch(batch::Args),
     /// Measure the HMC filter's priors between frames against exact filters: the tables of docs/evidence/filter-priors.md.
     FilterPriors(filter_priors::Args),
     /// Measure how well gait is read from tracked walkers: the tables of docs/evidence/gait.md.
@@ -95,6 +98,7 @@ fn main() -> ExitCode {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap_or(Path::new("."));
     match Cli::parse().command {
         Command::Accuracy(args) => accuracy::run(root, &args),
+        Command::Batch(args) => batch::run(root, &args),
         Command::FilterPriors(args) => filter_priors::run(root, &args),
         Command::Gait(args) => gait::run(root, &args),
         Command::Identifiability(args) => identifiability::run(root, &args),

@@ -36,9 +36,9 @@ pub mod decomposition;
 pub mod fixed_lag;
 pub mod joint_angles;
 pub mod marginals;
-pub mod trajectory_change;
 pub mod pelvis;
 pub mod standing;
+pub mod trajectory_change;
 pub mod visibility;
 pub mod zero;
 

@@ -3,6 +3,7 @@
 //! Flags that are settings come from the one table of settings; a command has the ones that it uses.
 
 use super::answer_args::Answer;
+use super::batch_args::BatchCommand;
 use super::convert_args::ConvertArgs;
 use super::gait_args::GaitArgs;
 use super::help_template::template;
@@ -168,6 +169,16 @@ pub(crate) enum Command {
     Learn {
         #[command(subcommand)]
         what: LearnCommand,
+    },
+    /// Track many trials: plan, run in parts, gather
+    #[command(
+        disable_help_subcommand = true,
+        subcommand_help_heading = "Steps",
+        help_template = template!("sinew batch plan recordings -o study", "sinew batch run study --shard 3/16")
+    )]
+    Batch {
+        #[command(subcommand)]
+        what: BatchCommand,
     },
     /// Show a body as a tree
     #[command(help_template = template!("sinew body h32", "sinew body my_body.toml"))]
@@ -405,7 +416,7 @@ pub(crate) struct TrackArgs {
     #[arg(long, help_heading = "Output", conflicts_with = "force")]
     pub(crate) resume: bool,
     /// Track frames as they come, a line of JSON each, from standard input (-) or tcp:127.0.0.1:PORT
-    #[arg(long, help_heading = "Input", value_name = "FROM", num_args = 0..=1, default_missing_value = "-", hide_short_help = true, conflicts_with_all = ["resume", "sync", "write_calibration"])]
+    #[arg(long, help_heading = "Input", value_name = "FROM", num_args = 0..=1, default_missing_value = "-", hide_short_help = true, conflicts_with_all = ["resume", "sync", "write_calibration", "report"])]
     pub(crate) live: Option<String>,
     /// Seconds of frames for the set-up of a live run that has none [default: 5]
     #[arg(long, help_heading = "Method", value_name = "S", hide_short_help = true, requires = "live")]

@@ -36,6 +36,9 @@ pub(crate) enum Error {
         /// What to give.
         help: &'static str,
     },
+    /// A part of a study that the environment does not say.
+    #[error("no part of the study: {0}")]
+    Shard(String),
     /// A validation without keypoints.
     #[error("no keypoints to hold a prediction against")]
     NothingToValidate,
@@ -84,6 +87,10 @@ pub(crate) enum Written {
     Model,
     /// The table of `predict`.
     Prediction,
+    /// The study of `batch plan`.
+    Study,
+    /// The results of `batch unpack`.
+    Trial,
 }
 
 impl Written {
@@ -94,6 +101,8 @@ impl Written {
             Self::Body => "body file to write",
             Self::Model => "model to write",
             Self::Prediction => "table to write",
+            Self::Study => "folder for the study",
+            Self::Trial => "folder for the results",
         }
     }
 
@@ -104,6 +113,8 @@ impl Written {
             Self::Body => "body.toml",
             Self::Model => "walk.json",
             Self::Prediction => "predicted.csv",
+            Self::Study => "study",
+            Self::Trial => "walk",
         }
     }
 }
@@ -150,6 +161,7 @@ impl Error {
             Self::ForeignFlag { .. } => "leave it out, or put it after the command that it belongs to",
             Self::NoKeypointsToRead { .. } => "give the keypoint folder too, or leave the flag out",
             Self::NothingToSynchronise(_) => "try `--calibration Calib.toml --keypoints pose --fps 60`",
+            Self::Shard(_) => "name it with `--shard I/N`, or give the number of parts with `--shards N`",
             Self::NothingToValidate => "give the keypoints of at least three cameras with `--keypoints`",
             Self::SetupToValidate => "leave `setup` out: each run makes its own from the cameras that it uses",
             Self::TooFewToLeaveOut(_) => "give more cameras, or judge the run by other means (`sinew predict`)",

@@ -4,6 +4,8 @@
 
 mod answer_args;
 mod args;
+mod batch;
+mod batch_args;
 mod body;
 mod convert;
 mod convert_args;
@@ -77,6 +79,7 @@ fn main() -> ExitCode {
         Command::FitShape(args) => fit_shape::run(args, &cli.general, &report),
         Command::Learn { what: LearnCommand::Primitives(args) } => learn::primitives::run(args, &cli.general, &report),
         Command::Learn { what: LearnCommand::Latent(args) } => learn::latent::run(args, &cli.general, &report),
+        Command::Batch { what } => batch::run(what, &cli.general, &report),
         Command::Body { body, answer } => body::run(body, *answer),
         Command::Completions { shell } => manual::completions(*shell),
         Command::Man => manual::man(),

@@ -17,6 +17,8 @@ fn used(command: &str) -> &'static [&'static str] {
         "latent" => &["out", "force", "threads"],
         "simulate" | "primitives" => &["out", "force", "seed", "threads"],
         "convert" => &["force"],
+        "plan" | "unpack" => &["out", "force"],
+        "run" => &["threads"],
         "segment" | "overlay" | "report" | "gait" | "predict" | "fit-shape" => &["out", "force"],
         _ => &[],
     }

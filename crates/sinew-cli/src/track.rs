@@ -42,6 +42,7 @@ pub(crate) fn run(args: &TrackArgs, general: &General, report: &Report) -> Resul
         page: args.report,
         write_calibration: args.write_calibration.clone(),
         settings_file: general.config.clone(),
+        ..Request::default()
     };
     let out = resolved.track().out;
     match sinew_runs::track(&resolved, &request, &terminal)? {
@@ -121,8 +122,8 @@ fn several_people(summary: &PeopleSummary, out: &Path, args: &TrackArgs, report:
         return Ok(interrupted(report));
     }
     let said = |person: &PersonTracked| {
-        let of_whom = person.person;
-        person.failed_diagnostics.iter().for_each(|failed| report.failed(&format!("person {of_whom}: {failed}")));
+        let number = person.person;
+        person.failed_diagnostics.iter().for_each(|failed| report.failed(&format!("person {number}: {failed}")));
         person.trusted
     };
     let trusted = summary.people.iter().map(said).fold(true, |all, one| all && one);

@@ -17,8 +17,8 @@
 //! assert!((gradient[0] * 0.015 + 1.0).abs() < 1e-12);
 //! # Ok::<(), sinew_dynamics::Error>(())
 //! ```
-mod error;
 pub mod backward_pass;
+mod error;
 pub mod factor;
 pub mod first_order;
 pub mod gaussian;

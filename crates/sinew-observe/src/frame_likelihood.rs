@@ -1,10 +1,10 @@
 //! What is bound in a frame: keypoints, silhouettes, or both. Each tracker takes from it what it can use.
 
-use sinew_core::density::{GaussNewton, Global, GradLogDensity, LogDensity, PartLogDensity};
-use sinew_core::lanes::Block;
 use crate::KeypointLikelihood;
 use crate::image_likelihood::ImageLikelihood;
 use crate::soft_silhouette::SoftSilhouette;
+use sinew_core::density::{GaussNewton, Global, GradLogDensity, LogDensity, PartLogDensity};
+use sinew_core::lanes::Block;
 
 /// What a keypoint likelihood is made of in a frame.
 pub type BoundKeypoints = sinew_core::density::Lanes<KeypointLikelihood>;
@@ -198,17 +198,17 @@ impl FrameLikelihood {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::bit_image::BitImage;
+    use crate::contour_map::contour_map;
+    use crate::image_likelihood::{Cues, ImageModel};
     use crate::methods::Score;
+    use crate::soft_silhouette::SoftSilhouetteModel;
+    use crate::solid_body::SolidBody;
+    use crate::{Camera, Detection, KeypointFrame, KeypointModel, Mistakes, Noise, ObservationModel, View};
     use sinew_body::standard::h32;
     use sinew_body::standard_flesh::standard_flesh;
     use sinew_body::{Plan, Proportions, point_positions};
     use sinew_core::lanes::Isa;
-    use crate::bit_image::BitImage;
-    use crate::contour_map::contour_map;
-    use crate::image_likelihood::{Cues, ImageModel};
-    use crate::soft_silhouette::SoftSilhouetteModel;
-    use crate::solid_body::SolidBody;
-    use crate::{Camera, Detection, KeypointFrame, KeypointModel, Mistakes, Noise, ObservationModel, View};
     use std::sync::Arc;
 
     fn camera() -> Camera {

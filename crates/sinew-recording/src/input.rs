@@ -13,6 +13,7 @@ pub mod lag;
 pub mod limbs;
 pub mod live;
 pub mod missing_path;
+pub mod one_after_another;
 pub mod one_person;
 pub mod pictures;
 pub mod recording;

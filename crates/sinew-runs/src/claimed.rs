@@ -3,15 +3,29 @@
 use super::error::Error;
 use super::listener::Listener;
 use sinew::config::TrackConfig;
-use sinew::results::{Claim, claim};
+use sinew::results::{Claim, Disk, Storage, claim_in};
 use std::path::PathBuf;
+use std::sync::Arc;
 
 /// The output folder, for this process alone.
 ///
 /// # Errors
 /// [`Error::Library`] where it is in use, holds results or cannot be made.
 pub fn claimed(config: &TrackConfig, inputs: &[PathBuf], listener: &dyn Listener) -> Result<Claim, Error> {
-    let claim = claim(&config.out, inputs, config.force)?;
+    claimed_in(Arc::new(Disk), config, inputs, listener)
+}
+
+/// As [`claimed`], with files kept in the given storage.
+///
+/// # Errors
+/// As [`claimed`].
+pub fn claimed_in(
+    storage: Arc<dyn Storage>,
+    config: &TrackConfig,
+    inputs: &[PathBuf],
+    listener: &dyn Listener,
+) -> Result<Claim, Error> {
+    let claim = claim_in(storage, &config.out, inputs, config.force)?;
     listener.warnings(stale(&claim).as_slice());
     Ok(claim)
 }

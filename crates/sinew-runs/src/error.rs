@@ -1,6 +1,6 @@
 //! What can go wrong in a whole run, with the exit code and the advice that belong to it.
 
-use std::net::SocketAddr;
+use super::live::LiveError;
 use std::ops::Range;
 use std::path::PathBuf;
 
@@ -38,36 +38,49 @@ pub enum Error {
         /// People there.
         found: usize,
     },
+    /// What is refused of a live run.
+    #[error(transparent)]
+    Live(#[from] LiveError),
     /// The system grants no threads.
     #[error("threads cannot be started: {0}")]
     Threads(rayon::ThreadPoolBuildError),
-    /// A place from which no frames come.
-    #[error("`{0}` is no place for frames to come from; expected `-` or `tcp:127.0.0.1:PORT`")]
-    LivePlace(String),
-    /// A socket that others than this machine reach.
-    #[error("{0} can be reached from elsewhere; frames are taken from this machine only")]
-    NotLoopback(SocketAddr),
-    /// A socket that cannot be had.
-    #[error("tcp:{address} cannot be listened on: {source}")]
-    Listen {
-        /// The address.
-        address: SocketAddr,
-        /// Why.
-        source: std::io::Error,
+    /// A folder without trials.
+    #[error("{} holds no trial: no `sinew.toml` that names keypoints or silhouettes, and no folder `pose` with keypoints", .0.display())]
+    NoTrials(PathBuf),
+    /// A folder that is no study.
+    #[error("{} is not a study: it has no `plan.json` and `tasks.jsonl`", .0.display())]
+    NotAStudy(PathBuf),
+    /// A file of a study that was changed.
+    #[error("{}, line {line}: {problem}", path.display())]
+    StudyFile {
+        /// The file.
+        path: PathBuf,
+        /// Line in it.
+        line: usize,
+        /// What is wrong.
+        problem: String,
     },
-    /// A setting that belongs to a recording on disk.
-    #[error("`{0}` has no use where frames come live")]
-    NotLive(&'static str),
-    /// No frame to be tracked.
-    #[error("no frame came that could be tracked")]
-    NoFrame,
-    /// Fewer frames than the set-up needs.
-    #[error("the frames ended after {found} of {expected} for the set-up")]
-    SetupCutShort {
-        /// Frames that came.
-        found: u64,
-        /// Frames wanted.
-        expected: u64,
+    /// A shard that another process runs.
+    #[error("shard {shard} of {} is being run by another process", study.display())]
+    ShardInUse {
+        /// Which.
+        shard: String,
+        /// Folder of the study.
+        study: PathBuf,
+    },
+    /// A trial without packed results.
+    #[error("{} has no packed results of `{trial}`", study.display())]
+    NotPacked {
+        /// Folder of the study.
+        study: PathBuf,
+        /// Name given.
+        trial: String,
+    },
+    /// Trials that cannot share a set-up.
+    #[error("the trials of `{pool}` have different cameras or keypoints and cannot share a set-up")]
+    UnlikeTrials {
+        /// Name of the pool.
+        pool: String,
     },
     /// A file that would be written over while it is read.
     #[error("{} is both input and output", .0.display())]
@@ -108,15 +121,19 @@ impl Error {
         match self {
             Self::Library(error) => error.exit_code(),
             Self::Tools(error) => error.exit_code(),
+            Self::Live(error) => error.exit_code(),
             Self::Threads(_) => 1,
-            Self::SetupFrames { .. } | Self::NoSuchPerson { .. } | Self::NoFrame | Self::SetupCutShort { .. } => 3,
-            Self::Listen { .. } => 5,
+            Self::SetupFrames { .. }
+            | Self::NoSuchPerson { .. }
+            | Self::UnlikeTrials { .. }
+            | Self::NoTrials(_)
+            | Self::NotPacked { .. } => 3,
+            Self::ShardInUse { .. } => 5,
             Self::NothingToTrack { .. }
+            | Self::NotAStudy(_)
+            | Self::StudyFile { .. }
             | Self::InputIsOutput(_)
-            | Self::ResultIsOutput(_)
-            | Self::LivePlace(_)
-            | Self::NotLoopback(_)
-            | Self::NotLive(_) => 2,
+            | Self::ResultIsOutput(_) => 2,
         }
     }
 
@@ -126,6 +143,7 @@ impl Error {
         let words = match self {
             Self::Library(error) => return error.help(),
             Self::Tools(error) => return error.help(),
+            Self::Live(error) => error.help(),
             Self::Threads(_) => return None,
             Self::NothingToTrack { .. } => TRY,
             Self::SetupFrames { .. } => "`--setup-frames A..B` takes the numbers in the file names, A included, B not",
@@ -133,12 +151,20 @@ impl Error {
                 "`--person` counts from 1 in the order of coming; `sinew inspect` with calibration and keypoints says who is there"
             }
             Self::InputIsOutput(_) | Self::ResultIsOutput(_) => "write to another file",
-            Self::LivePlace(_) => "`--live -` reads standard input, `--live tcp:127.0.0.1:7777` a socket",
-            Self::NotLoopback(_) => "listen on 127.0.0.1 or [::1], and bring frames of other machines there by a tunnel",
-            Self::Listen { .. } => "choose another port; 0 takes one that is free",
-            Self::NotLive(_) => "leave it out, or track a recording without `--live`",
-            Self::NoFrame => "send one line a frame: {\"frame\": 0, \"cameras\": {\"cam1\": {\"people\": [...]}}}",
-            Self::SetupCutShort { .. } => "give a set-up of an earlier run (`--setup`), or fewer seconds (`--setup-seconds`)",
+            Self::NoTrials(_) => {
+                "give each trial a `sinew.toml` with `keypoints = \"pose\"`; what all share stands in one above them"
+            }
+            Self::NotAStudy(_) => "make one with `sinew batch plan TRIALS -o STUDY`",
+            Self::StudyFile { .. } => {
+                "make the plan again with `sinew batch plan TRIALS -o STUDY --force`; what is done stays done"
+            }
+            Self::ShardInUse { .. } => "wait for it, or run another shard",
+            Self::NotPacked { .. } => {
+                "summary.csv of `sinew batch gather` has the names; results that are not packed lie in results/"
+            }
+            Self::UnlikeTrials { .. } => {
+                "give `subject` only to trials with the same cameras and keypoints, or different names"
+            }
         };
         Some(words.to_owned())
     }

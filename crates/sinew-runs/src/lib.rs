@@ -18,6 +18,7 @@
 //! # Ok::<(), Error>(())
 //! ```
 
+pub mod batch;
 pub mod claimed;
 mod error;
 pub mod listener;
@@ -27,6 +28,7 @@ pub mod page;
 mod people;
 mod pieces;
 mod refined_calibration;
+mod request;
 mod resume;
 pub mod settings;
 pub mod threads;
@@ -35,66 +37,19 @@ pub mod whom;
 pub use error::Error;
 pub use one_person::track_alone;
 pub use pieces::{RESUME, calibration, read_from};
+pub use request::{CameTo, Request};
 
 use listener::Listener;
 use one_person::OneRun;
 use pieces::{setup_frames, within};
+use request::Run;
 use settings::reading;
 use sinew::config::Resolved;
 use sinew::input::footage::Footage;
 use sinew::input::one_person::OnePerson;
-use sinew::results::people::PeopleSummary;
 use sinew::results::refuse_inputs;
-use sinew::track::job::{self, Outcome};
-use std::path::{Path, PathBuf};
+use sinew::track::job;
 use whom::{Whom, looked_for};
-
-/// What a run is to do besides tracking.
-#[derive(Clone, Debug, Default)]
-pub struct Request {
-    /// Continue a run that was stopped.
-    pub resume: bool,
-    /// Write the page of the results.
-    pub page: bool,
-    /// Write the calibration as the set-up refined it.
-    pub write_calibration: Option<PathBuf>,
-    /// File of settings that was named, which the run must not replace.
-    pub settings_file: Option<PathBuf>,
-}
-
-/// What a run came to.
-#[derive(Debug)]
-#[non_exhaustive]
-pub enum CameTo {
-    /// One person was tracked.
-    One(Box<Outcome>),
-    /// Results were complete before; their summary.
-    Complete(serde_json::Value),
-    /// Several people were tracked.
-    Several(PeopleSummary),
-}
-
-/// What stays the same over a run, from person to person.
-#[derive(Clone, Copy)]
-pub(crate) struct Run<'a> {
-    resolved: &'a Resolved,
-    request: &'a Request,
-    calibration: &'a Path,
-    read_from: &'a [PathBuf],
-    listener: &'a dyn Listener,
-}
-
-impl Run<'_> {
-    /// Writes the page of the results in a folder, if it is wanted.
-    fn show(&self, out: &Path) -> Result<(), Error> {
-        if self.request.page {
-            let page = out.join(page::PAGE);
-            page::write(out, &page::with_calibration(self.calibration), &page, self.listener)?;
-            self.listener.note(&format!("a page that shows the results: {}", page::opening(&page)));
-        }
-        Ok(())
-    }
-}
 
 /// Tracks the people in a recording into the folder of the settings.
 ///
@@ -113,7 +68,13 @@ pub fn track(resolved: &Resolved, request: &Request, listener: &dyn Listener) ->
         page::refuse_others(&config.out.join(page::PAGE), config.force)?;
     }
     job::check_settings(resolved)?;
-    let claimed = || if request.resume { Ok(None) } else { claimed::claimed(&config, &read_from, listener).map(Some) };
+    let claimed = || {
+        if request.resume {
+            Ok(None)
+        } else {
+            claimed::claimed_in(request.storage(), &config, &read_from, listener).map(Some)
+        }
+    };
     let (claim, whom) = looked_for(resolved, &calibration, listener, claimed)?;
     if request.resume {
         resume::refuse_other_number(&config.out, matches!(whom, Whom::Everybody(_)))?;

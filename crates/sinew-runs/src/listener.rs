@@ -33,6 +33,14 @@ pub struct Deaf {
     stop: Arc<AtomicBool>,
 }
 
+impl Deaf {
+    /// Hears nothing, and ends when somebody else is to end.
+    #[must_use]
+    pub const fn stopped_by(stop: Arc<AtomicBool>) -> Self {
+        Self { stop }
+    }
+}
+
 impl Listener for Deaf {
     fn warning(&self, _: &str) {}
     fn note(&self, _: &str) {}

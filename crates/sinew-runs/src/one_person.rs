@@ -1,13 +1,14 @@
 //! A run of one person: from the beginning, or from where it was stopped.
 
-use super::claimed::claimed;
+use super::claimed::{claimed, claimed_in};
 use super::error::Error;
 use super::listener::{Listener, PassCounter};
 use super::pieces::{FromFootage, RESUME, calibration, setup_frames, within};
+use super::request::{CameTo, Run};
 use super::resume::{Stopped, same_run, stopped_run};
 use super::settings::reading;
 use super::threads::{wanted, with_threads};
-use super::{CameTo, Run, page, people, refined_calibration};
+use super::{page, people, refined_calibration};
 use sinew::config::{Resolved, TrackConfig};
 use sinew::input::footage::Footage;
 use sinew::input::one_person::OnePerson;
@@ -37,7 +38,7 @@ impl OneRun<'_> {
         }
         let (claim, from) = match (claim, request.resume) {
             (Some(claim), _) => (claim, None),
-            (None, false) => (claimed(config, read_from, listener)?, None),
+            (None, false) => (claimed_in(request.storage(), config, read_from, listener)?, None),
             (None, true) => match stopped_run(config, read_from, listener)? {
                 Stopped::Complete(claim, summary) => {
                     let hashes = |source: &S| source.footage().input_hashes();

@@ -7,17 +7,18 @@ use super::error::Error;
 use super::listener::{Counter, Listener, Uncounted};
 use super::page::{self, remove};
 use super::pieces::{setup_frames, within};
+use super::refined_calibration;
+use super::request::Run;
 use super::resume::{Stopped, same_run, stopped_or_begun};
 use super::settings::reading;
 use super::threads::{beside_each_other, wanted, with_threads};
-use super::{Run, refined_calibration};
 use sinew::config::TrackConfig;
 use sinew::input::footage::Footage;
 use sinew::input::one_person::OnePerson;
 use sinew::input::roll::Roll;
 use sinew::input::source::FrameSource as _;
 use sinew::results::people::{PeopleSummary, person_folder};
-use sinew::results::{Claim, OWN_NAMES, RESULT_NAMES, ResultFolder, Summary, claim, claim_to_resume};
+use sinew::results::{Claim, OWN_NAMES, RESULT_NAMES, ResultFolder, Summary, claim, claim_in, claim_to_resume};
 use sinew::track::job::{self, RunPhase, Watch};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
@@ -230,7 +231,7 @@ fn one(
             return Ok(Tracked { complete: true, failed_diagnostics, warnings: vec![], about_recording: vec![] });
         }
         Some(Stopped::At(claim, checkpoint)) => (claim, Some(*checkpoint)),
-        None => (claim(&out, run.read_from, config.force)?, None),
+        None => (claim_in(run.request.storage(), &out, run.read_from, config.force)?, None),
     };
     let outcome = with_threads(threads, || {
         let stop = run.listener.stop();

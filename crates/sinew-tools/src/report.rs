@@ -15,7 +15,7 @@ mod camera_table;
 mod columns;
 mod doubts;
 mod error;
-mod html;
+pub mod html;
 mod packed;
 mod payload;
 pub(crate) mod recorded;

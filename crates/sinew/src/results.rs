@@ -1,7 +1,7 @@
 //! The result folder: estimates in, files out, and the same files read again.
 //!
 //! Enter: a claimed folder, what a run says of itself ([`estimate::RunInfo`]), and one [`estimate::FrameEstimate`] after the other. Leave: the files of [`folder`], written under
-//! provisional names and renamed when they are whole; what a stopped run may be resumed from ([`folder::Written`]); the poses of a finished one ([`tracked`]).
+//! provisional names and renamed when they are whole; what a stopped run may be resumed from ([`folder::Written`]).
 //! Must not know: how a frame was tracked, and by which method.
 
 pub mod error;
@@ -12,7 +12,6 @@ pub mod problem;
 pub mod silhouette_overlap;
 pub mod standing_trial;
 pub mod stored_array;
-pub mod tracked;
 
 mod actions;
 mod chunks;
@@ -25,6 +24,7 @@ mod partial;
 mod pose;
 mod skeleton;
 mod statistics;
+mod stopped;
 mod summary;
 mod table;
 mod tables;
@@ -39,8 +39,9 @@ pub use markers::{REFERENCE_ORDER, order as marker_order};
 pub use partial::Position;
 pub(crate) use partial::{PartialFile, Place};
 pub use pose::{Pose, pose};
+pub use sinew_recording::storage::{Disk, Scratch, Storage, StoredFile};
 pub use skeleton::t_pose;
-pub use sinew_recording::storage::{Disk, Storage, StoredFile};
+pub use stopped::is_stopped;
 pub use summary::{AnglesSummary, CameraSummary, Diagnostics, Ending, Limits, Summary};
 pub use texts::Texts;
 pub use world_turn::WorldTurn;

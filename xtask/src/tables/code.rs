@@ -39,6 +39,7 @@ fn values(setting: &Setting) -> String {
     match setting.kind {
         SettingKind::Path => "path".into(),
         SettingKind::NameOrPath => "name or path".into(),
+        SettingKind::Text => "text".into(),
         SettingKind::Choice(names) => names.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", "),
         SettingKind::Count(least, u64::MAX) => format!("whole, from {least}"),
         SettingKind::Count(least, most) => format!("{least} to {most}"),

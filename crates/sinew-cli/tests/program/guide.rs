@@ -28,8 +28,17 @@ const SHORT: [(&str, &str); 11] = [
 ];
 
 /// Pages of the guide.
-const PAGES: [&str; 8] =
-    ["cameras", "first-recording", "live", "motion-models", "own-recording", "results", "silhouettes", "warnings"];
+const PAGES: [&str; 9] = [
+    "batch",
+    "cameras",
+    "first-recording",
+    "live",
+    "motion-models",
+    "own-recording",
+    "results",
+    "silhouettes",
+    "warnings",
+];
 
 fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
@@ -59,6 +68,16 @@ fn folder(page: &str) -> Trial {
     let trial = Trial { folder: tempfile::tempdir().unwrap() };
     if ["--keypoints pose", "Calib.toml pose", "--images images"].iter().any(|own| page.contains(own)) {
         own_recording(&trial);
+    }
+    if page.contains("batch plan recordings") {
+        own_recording(&trial);
+        fs::create_dir_all(trial.path("recordings/S1/walk")).unwrap();
+        fs::rename(trial.path("pose"), trial.path("recordings/S1/walk/pose")).unwrap();
+        fs::rename(trial.path("Calib.toml"), trial.path("recordings/Calib.toml")).unwrap();
+        let own = "root = true\ncalibration = \"Calib.toml\"\nfps = 30\nlayout = \"BODY_25B\"\n";
+        let short =
+            SHORT.map(|(name, value)| format!("{} = {value}\n", name.trim_start_matches("SINEW_").to_lowercase()));
+        fs::write(trial.path("recordings/sinew.toml"), own.to_owned() + &short.concat()).unwrap();
     }
     trial
 }
@@ -143,6 +162,11 @@ fn the_readme_runs() {
 }
 
 #[test]
+fn many_trials_run() {
+    run_page("docs/guide/batch.md");
+}
+
+#[test]
 fn a_first_recording_runs() {
     run_page("docs/guide/first-recording.md");
 }
@@ -206,7 +230,7 @@ fn sources(folder: &Path, text: &mut String) {
 #[test]
 fn quoted_warnings_match_the_program() {
     let mut program = String::new();
-    ["sinew-formats", "sinew-recording", "sinew-angles", "sinew", "sinew-cli"]
+    ["sinew-formats", "sinew-recording", "sinew-angles", "sinew", "sinew-runs", "sinew-cli"]
         .iter()
         .for_each(|name| sources(&root().join("crates").join(name).join("src"), &mut program));
     let page = read("docs/guide/warnings.md");

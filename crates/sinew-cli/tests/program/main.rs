@@ -6,6 +6,7 @@ mod angles_real;
 mod bad_keypoints;
 mod bad_settings;
 mod bad_silhouette_runs;
+mod batch;
 mod calibrations;
 mod caliscope_real;
 mod checkpoint_fields;

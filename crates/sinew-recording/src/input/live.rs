@@ -247,8 +247,7 @@ mod tests {
     use sinew_formats::layout;
 
     fn cameras() -> LiveCameras {
-        let camera =
-            |name| Camera::look_at(name, [640.0, 480.0], 500.0, [3.0, 0.0, 1.0], [0.0, 0.0, 1.0]).unwrap();
+        let camera = |name| Camera::look_at(name, [640.0, 480.0], 500.0, [3.0, 0.0, 1.0], [0.0, 0.0, 1.0]).unwrap();
         LiveCameras {
             cameras: vec![camera("C1"), camera("C2")],
             calibrated: vec!["C1".into(), "C2".into(), "C3".into()],

@@ -87,8 +87,7 @@ mod tests {
         let queue = Queue::default();
         (0..10).for_each(|number| queue.push(Views { number, seen: vec![] }));
         queue.close();
-        let rest: Vec<u64> =
-            std::iter::from_fn(|| queue.next(|| false, |_| {})).map(|views| views.number).collect();
+        let rest: Vec<u64> = std::iter::from_fn(|| queue.next(|| false, |_| {})).map(|views| views.number).collect();
         assert_eq!((rest, queue.state().skipped), (vec![6, 7, 8, 9], 6));
         queue.push(Views::default());
         assert!(queue.next(|| true, |_| {}).is_none());

@@ -68,7 +68,10 @@ impl Reading {
         let refused = |kind, text| Err((Some(number), kind, text));
         match last {
             Some(last) if number == last => {
-                return refused(Kind::Repeated, format!("{name}: frame {number} came before; one line holds all cameras"));
+                return refused(
+                    Kind::Repeated,
+                    format!("{name}: frame {number} came before; one line holds all cameras"),
+                );
             }
             Some(last) if number < last => {
                 return refused(Kind::Late, format!("{name}: frame {number} came after frame {last}; numbers rise"));

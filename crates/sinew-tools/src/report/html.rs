@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 /// Text that stands for itself, also within quotes.
-pub(super) fn escaped(text: &str) -> String {
+pub fn escaped(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for letter in text.chars() {
         match letter {
@@ -19,7 +19,7 @@ pub(super) fn escaped(text: &str) -> String {
 }
 
 /// Text whose words between backquotes are code.
-pub(super) fn with_code(text: &str) -> String {
+pub fn with_code(text: &str) -> String {
     let parts: Vec<&str> = text.split('`').collect();
     let is_code = |index: usize| index % 2 == 1 && index + 1 < parts.len();
     let part = |(index, part): (usize, &&str)| match is_code(index) {
@@ -31,7 +31,7 @@ pub(super) fn with_code(text: &str) -> String {
 }
 
 /// A table of cells that are HTML; the first of a row heads it.
-pub(super) fn table(caption: &str, heads: &[&str], rows: &[Vec<String>]) -> String {
+pub fn table(caption: &str, heads: &[&str], rows: &[Vec<String>]) -> String {
     let mut out = format!("<div class=\"wide\"><table><caption>{caption}</caption>\n");
     if !heads.is_empty() {
         out.push_str("<thead><tr>");
@@ -54,7 +54,7 @@ pub(super) fn table(caption: &str, heads: &[&str], rows: &[Vec<String>]) -> Stri
 }
 
 /// A template with each `{{name}}` in it replaced by the part of that name; what parts hold is left as it is.
-pub(super) fn filled(template: &str, parts: &[(&str, String)]) -> String {
+pub fn filled(template: &str, parts: &[(&str, String)]) -> String {
     let mut pieces = template.split("{{");
     let mut out = pieces.next().unwrap_or_default().to_owned();
     for piece in pieces {

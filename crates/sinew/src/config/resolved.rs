@@ -133,7 +133,8 @@ impl Resolved {
         let back = [("smooth", self.values.flag("smooth")), ("lag_frames", lagged)];
         let back = back.into_iter().find(|(_, given)| *given).map(|(name, _)| name);
         let learned = back.filter(|_| self.values.get("motion_model").is_some());
-        let smoothed = learned.map(|name| format!("`{name}` goes back over a random walk; leave it or `motion_model` out"));
+        let smoothed =
+            learned.map(|name| format!("`{name}` goes back over a random walk; leave it or `motion_model` out"));
         let twice = (lagged && self.values.flag("smooth"))
             .then(|| "`lag_frames` sees some frames ahead, `smooth` all; leave one of them out".to_owned());
         let takes_latent = self.method().latent != LatentUse::No && self.values.get("latent").is_some();

@@ -26,6 +26,8 @@ pub enum SettingKind {
     Flag,
     /// Frame numbers `A..B`, A included, B not.
     Frames,
+    /// A short text.
+    Text,
     /// A list of names.
     Names,
     /// `auto`, or a direction of three numbers `X,Y,Z`.

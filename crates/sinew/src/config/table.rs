@@ -53,6 +53,7 @@ const FIRST: &[Setting] = &[
     common((INPUT, "cameras", SettingKind::Names, "LIST", "", "cameras to use, a,b,c [default: all]")),
     rare((INPUT, "person", SettingKind::Count(1, 999), "N", "", "track one of several people: the N-th to come, as `sinew inspect` and people/ number them, from 1 on")),
     rare((INPUT, "people", SettingKind::Choice(&["all", "1"]), "WHO", "all", "whom to track: all whom two cameras see for a quarter of a second in all, or 1, the most complete one at the start")),
+    unhashed(rare((INPUT, "subject", SettingKind::Text, "NAME", "", "who is tracked; `sinew batch` pools what is constant over the trials of one subject"))),
     common((INPUT, "trim", SettingKind::Flag, "", "false", "take only the frames that all cameras have")),
     rare((INPUT, "lag", SettingKind::Lags, "LIST", "", "frames that cameras are late, cam_01=1,cam_03=-2.4; `sinew sync` finds them")),
     rare((INPUT, "confidence_scale", POSITIVE, "C", "1", "confidence that means certainty")),

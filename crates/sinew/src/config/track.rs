@@ -56,6 +56,8 @@ pub struct TrackConfig {
     pub everybody: bool,
     /// Number of the person to track, from 1 on in the order of coming; of the most complete at the start where nobody can be followed beforehand.
     pub person: Option<usize>,
+    /// Who is tracked.
+    pub subject: Option<String>,
     /// Whether cameras may begin and end apart.
     pub trim: bool,
     /// Axis of the calibration's world that points up; `+z`, or what the set-up says, if `None`.
@@ -127,6 +129,7 @@ impl Resolved {
             },
             person: self.values.count("person").and_then(|person| usize::try_from(person).ok()),
             everybody: self.tracks_everybody(),
+            subject: self.values.text("subject"),
             trim: self.values.flag("trim"),
             up_axis: self.values.text("up_axis"),
             up: self.values.text("up"),
@@ -159,10 +162,10 @@ impl Resolved {
         is_all && self.values.get("person").is_none() && self.single_person_setting().is_none()
     }
 
-    /// The setting, if any, whose value is of one person: a set-up, a standing trial, masks or a start.
+    /// The setting, if any, whose value is of one person: a set-up, a standing trial, masks, a start or a name.
     #[must_use]
     pub fn single_person_setting(&self) -> Option<&'static str> {
-        ["setup", "silhouettes", "init", "static"].into_iter().find(|key| self.values.get(key).is_some())
+        ["setup", "silhouettes", "init", "static", "subject"].into_iter().find(|key| self.values.get(key).is_some())
     }
 
     /// The same run into another folder.

@@ -82,6 +82,7 @@ fn unexpected(setting: &Setting, shown: &str) -> String {
         SettingKind::Path => "a path in quotes",
         SettingKind::NameOrPath => "a name or a path in quotes",
         SettingKind::Choice(_) => "a name in quotes",
+        SettingKind::Text => "a text in quotes",
         SettingKind::Count(..) => "a whole number",
         SettingKind::Number { .. } => "a number",
         SettingKind::Flag => "true or false",
@@ -141,6 +142,8 @@ pub fn from_text(setting: &Setting, text: &str, folder: &Path) -> Result<Value, 
         SettingKind::Path | SettingKind::NameOrPath if text.is_empty() => Err(unexpected(setting, "empty")),
         SettingKind::Path | SettingKind::NameOrPath => Ok(placed(setting.kind, text, folder)),
         SettingKind::Choice(known) => checked_choice(setting, known, text),
+        SettingKind::Text if text.trim().is_empty() => Err(unexpected(setting, "empty")),
+        SettingKind::Text => Ok(Value::Text(text.trim().into())),
         SettingKind::Count(..) => match text.parse::<u64>() {
             Ok(value) => checked_count(setting, Some(value), text),
             Err(_) => checked_count(setting, None, &shown),
@@ -199,6 +202,7 @@ pub fn from_toml(setting: &Setting, value: &DeValue<'_>, shown: &str, folder: &P
             SettingKind::Path
             | SettingKind::NameOrPath
             | SettingKind::Choice(_)
+            | SettingKind::Text
             | SettingKind::Frames
             | SettingKind::Direction
             | SettingKind::Lags,

@@ -5,9 +5,9 @@
 //! A row a chunk: CRC-32 in hexadecimal, bytes, key. The file itself has a [`super::Position`].
 
 use super::partial::{PartialFile, Place, checksum_of};
-use sinew_recording::storage::Storage;
 use crate::Error;
 use crate::results::problem::Problem;
+use sinew_recording::storage::Storage;
 use std::io::{self, BufRead as _, BufReader, Write as _};
 use std::path::Path;
 use std::sync::Arc;

@@ -9,8 +9,8 @@
 
 use super::error::Occupied;
 use super::problem::{self, Problem};
-use sinew_recording::storage::{Disk, Storage};
 use crate::Error;
+use sinew_recording::storage::{Disk, Storage};
 use std::fs::{self, File, TryLockError};
 use std::io::{Read as _, Seek as _, Write as _};
 use std::path::{Path, PathBuf};
@@ -228,7 +228,7 @@ fn refuse_results(folder: &Path) -> Result<(), Error> {
     Ok(())
 }
 
-fn is_incomplete(folder: &Path) -> bool {
+pub(super) fn is_incomplete(folder: &Path) -> bool {
     let Ok(text) = fs::read_to_string(folder.join("summary.json")) else { return false };
     let summary: Option<serde_json::Value> = serde_json::from_str(&text).ok();
     summary.is_some_and(|summary| summary.get("complete") == Some(&serde_json::Value::Bool(false)))

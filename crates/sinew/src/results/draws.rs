@@ -7,7 +7,6 @@
 use super::chunks::ChunkList;
 use super::error::ResultsError;
 use super::partial::{Place, partial_path, take_back};
-use sinew_recording::storage::Storage;
 use crate::Error;
 use crate::results::estimate::{Carried, EstimateKind, FrameEstimate, RunInfo};
 use serde::{Deserialize, Serialize};
@@ -15,6 +14,7 @@ use sinew_body::{Joint, Plan, point_positions};
 use sinew_core::lanes::Isa;
 use sinew_formats::zarr::inference_data::{self, Run};
 use sinew_formats::zarr::{Constant, DataType, FrameValues, Group, Labels, Store, Variable, Writer};
+use sinew_recording::storage::Storage;
 use std::collections::BTreeSet;
 use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};

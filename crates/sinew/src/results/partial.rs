@@ -5,10 +5,10 @@
 //! While a file grows, its length and a checksum of what was written are known ([`Position`]). A run that is resumed compares them with what is there, cuts what came later, and writes on
 //! behind it. A header that is rewritten at the end, when the number of frames is known, is put back first.
 
-use sinew_recording::storage::{Storage, StoredFile};
 use crate::Error;
 use crate::results::problem::Problem;
 use serde::{Deserialize, Serialize};
+use sinew_recording::storage::{Storage, StoredFile};
 use std::collections::BTreeMap;
 use std::io::{self, BufWriter, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};

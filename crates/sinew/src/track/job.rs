@@ -43,6 +43,22 @@ use keeper::Keeper;
 use run_info::run_info;
 use std::ops::Range;
 
+/// The set-up of a source alone, as `setup.toml` has it, and what is odd about it.
+///
+/// # Errors
+/// Errors of the source and the set-up; an interrupt.
+pub fn set_up<S: FrameSource>(
+    source: &mut S,
+    resolved: &Resolved,
+    watch: &mut Watch<'_>,
+) -> Result<(String, Vec<String>), Error> {
+    let config = resolved.track();
+    let (settings, frames) = (config.settings()?, source.frames());
+    let Checkpoint { setup_toml, warnings, .. } =
+        begun(source, frames, resolved, &config, &settings, watch)?.checkpoint;
+    Ok((setup_toml, warnings))
+}
+
 /// Tracks the frames of a source into a claimed folder, from the first on or from where a run was stopped.
 ///
 /// `inputs` gives the warnings of the source and the hashes of what was read of it so far.

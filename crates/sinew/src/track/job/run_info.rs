@@ -8,10 +8,10 @@ use crate::methods::Gives;
 use crate::results::estimate::{Carried, EstimateKind, RunInfo};
 use crate::results::{Texts, WorldTurn};
 use crate::setup::Setup;
+use crate::track::TRAJECTORIES;
 use crate::track::checkpoint::Checkpoint;
 use crate::track::error::TrackError;
 use crate::track::pipeline::Pipeline;
-use crate::track::TRAJECTORIES;
 use sinew_observe::Camera;
 use sinew_recording::setup::lasting_sources::PointSources;
 

@@ -1,0 +1,151 @@
+//! Many trials: shards, what is missing, trials that fail, packed results, one set-up for a subject.
+
+use crate::common::{Trial, files, trial};
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::Path;
+use std::process::Output;
+
+/// Settings that make a trial short.
+const SETTINGS: &str = "root = true\ncalibration = \"Calib.toml\"\nlayout = \"BODY_25B\"\nfps = 30\nupdates = 4\nburn_in = 1\nchains = 8\nmax_r_hat = 1e9\nmax_r_hat_share = 1.0\nmax_divergent_share = 1.0\ndraws = 8\n";
+
+/// Two trials of anna, which share a set-up, and one of nobody in particular; each of a third of a second.
+fn recordings() -> Trial {
+    let trial = trial(1.0);
+    let root = trial.path("recordings");
+    for (place, name) in ["anna/run", "anna/walk", "other/walk"].iter().enumerate() {
+        for camera in fs::read_dir(trial.path("pose")).unwrap() {
+            let camera = camera.unwrap();
+            let to = root.join(name).join("pose").join(camera.file_name());
+            fs::create_dir_all(&to).unwrap();
+            let mut frames: Vec<_> = fs::read_dir(camera.path()).unwrap().map(|frame| frame.unwrap()).collect();
+            frames.sort_by_key(fs::DirEntry::file_name);
+            for frame in &frames[10 * place..10 * (place + 1)] {
+                fs::copy(frame.path(), to.join(frame.file_name())).unwrap();
+            }
+        }
+    }
+    fs::copy(trial.path("Calib.toml"), root.join("Calib.toml")).unwrap();
+    fs::write(root.join("sinew.toml"), SETTINGS).unwrap();
+    fs::write(root.join("anna/sinew.toml"), "subject = \"anna\"\n").unwrap();
+    trial
+}
+
+fn batch(trial: &Trial, arguments: &[&str]) -> Output {
+    trial.run(&[&["batch"], arguments, &["--no-progress"]].concat())
+}
+
+/// Everything that a run wrote but its times.
+fn results(folder: &Path) -> BTreeMap<String, Vec<u8>> {
+    files(folder).into_iter().filter(|(name, _)| !name.ends_with("timings.json")).collect()
+}
+
+fn answer(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stdout).into_owned()
+}
+
+/// Plans and runs a study by the given commands, and moves it: what a study holds names its folder.
+fn study(trial: &Trial, moved_to: &str, plan: &[&str], runs: &[&[&str]]) {
+    let planned = batch(trial, &[&["plan", "recordings", "-o", "study"], plan].concat());
+    assert_eq!(planned.status.code(), Some(0), "{}", trial.printed(&planned));
+    assert!(answer(&planned).contains("2 trials share 1 set-ups"), "{}", answer(&planned));
+    for run in runs {
+        let output = batch(trial, &[&["run", "study"], *run].concat());
+        assert_eq!(output.status.code(), Some(0), "{}", trial.printed(&output));
+    }
+    let output = batch(trial, &["gather", "study"]);
+    assert_eq!(output.status.code(), Some(0), "{}", trial.printed(&output));
+    fs::rename(trial.path("study"), trial.path(moved_to)).unwrap();
+}
+
+/// Begins a run of the study and kills it once a trial is done.
+fn killed(trial: &Trial, arguments: &[&str], ledger: &str) {
+    let mut child = trial.command(&[&["batch", "run", "study", "-q"], arguments].concat()).spawn().unwrap();
+    let ledger = trial.path("study/ended").join(ledger);
+    while fs::metadata(&ledger).map_or(0, |file| file.len()) == 0 && child.try_wait().unwrap().is_none() {
+        std::thread::sleep(std::time::Duration::from_millis(5));
+    }
+    child.kill().unwrap();
+    child.wait().unwrap();
+}
+
+#[test]
+fn shards_archives_and_a_killed_shard_hold_the_files_of_a_run_in_one_piece() {
+    let trial = recordings();
+    study(&trial, "whole", &[], &[&["--threads=2"]]);
+    assert_eq!(batch(&trial, &["plan", "recordings", "-o", "study"]).status.code(), Some(0));
+    killed(&trial, &["--shard=0/2", "--threads=1"], "0-of-2.jsonl");
+    study(&trial, "parts", &["--force"], &[&["--shard=1/2", "--threads=1"], &["--shard=0/2", "--threads=1"]]);
+    study(&trial, "packed", &["--pack"], &[&["--threads=2"]]);
+    let whole = results(&trial.path("whole/results"));
+    assert!(whole.len() > 100 && whole == results(&trial.path("parts/results")));
+    for name in ["anna/run", "anna/walk", "other/walk"] {
+        let out = format!("unpacked/{name}");
+        let output = batch(&trial, &["unpack", "packed", name, "-o", &out]);
+        assert_eq!(output.status.code(), Some(0), "{}", trial.printed(&output));
+        assert!(results(&trial.path(&out)) == results(&trial.path(&format!("whole/results/{name}"))), "{name}");
+    }
+    assert_eq!(fs::read_dir(trial.path("packed/results")).unwrap().count(), 1);
+    for table in ["summary.csv", "groups.csv"] {
+        let of = |study: &str| fs::read_to_string(trial.path(&format!("{study}/{table}"))).unwrap();
+        assert!(of("whole").lines().count() >= 4 && of("whole") == of("parts") && of("whole") == of("packed"));
+    }
+    // Trials of one subject have one set-up, and with it the same draws of what is constant.
+    let setup = |name: &str| fs::read(trial.path(&format!("whole/results/{name}/setup.toml"))).unwrap();
+    assert!(setup("anna/run") == setup("anna/walk") && setup("anna/run") != setup("other/walk"));
+}
+
+#[test]
+fn a_bad_trial_fails_alone_and_only_what_is_missing_is_run_again() {
+    let trial = recordings();
+    let broken = trial.path("recordings/other/walk/pose/C1_json");
+    let first = fs::read_dir(&broken).unwrap().map(|entry| entry.unwrap().path()).min().unwrap();
+    let text = fs::read_to_string(&first).unwrap();
+    fs::write(&first, "{\"people\": 3}").unwrap();
+    assert_eq!(batch(&trial, &["plan", "recordings", "-o", "study"]).status.code(), Some(0));
+    // A folder that cannot be made is what a full disk is: of one trial.
+    fs::create_dir_all(trial.path("study/results/anna")).unwrap();
+    fs::write(trial.path("study/results/anna/run"), "").unwrap();
+    let output = batch(&trial, &["run", "study"]);
+    let printed = trial.printed(&output);
+    assert_eq!(output.status.code(), Some(1), "{printed}");
+    assert!(answer(&output).contains("1 done, of which 0 doubtful; 2 failed"), "{printed}");
+    assert!(printed.contains("warning: other/walk: ") && printed.contains("warning: anna/run: "), "{printed}");
+    let gathered = batch(&trial, &["gather", "study", "--json"]);
+    let gathered: serde_json::Value = serde_json::from_slice(&gathered.stdout).unwrap();
+    assert_eq!((&gathered["done"], &gathered["failed"]), (&1.into(), &2.into()), "{gathered}");
+    let page = fs::read_to_string(trial.path("study/report.html")).unwrap();
+    assert!(page.contains("other/walk") && page.contains("failed"));
+
+    fs::write(&first, text).unwrap();
+    fs::remove_file(trial.path("study/results/anna/run")).unwrap();
+    // The plan knows another hash of what was mended, and the same of the rest.
+    let refused = batch(&trial, &["plan", "recordings", "-o", "study"]);
+    assert_eq!(refused.status.code(), Some(5), "{}", trial.printed(&refused));
+    assert_eq!(batch(&trial, &["plan", "recordings", "-o", "study", "--force"]).status.code(), Some(0));
+    let again = batch(&trial, &["run", "study"]);
+    assert_eq!(again.status.code(), Some(0), "{}", trial.printed(&again));
+    assert!(answer(&again).contains("1 were done") && answer(&again).contains("2 done"), "{}", answer(&again));
+    let nothing = answer(&batch(&trial, &["run", "study"]));
+    assert!(nothing.contains("3 were done") && nothing.contains("now     0 done"), "{nothing}");
+}
+
+#[test]
+fn folders_that_are_no_studies_are_refused_in_words() {
+    let trial = recordings();
+    fs::create_dir(trial.path("empty")).unwrap();
+    let said = |arguments: &[&str], code: i32, words: &str| {
+        let output = batch(&trial, arguments);
+        let printed = trial.printed(&output);
+        assert!(output.status.code() == Some(code) && printed.contains(words), "{printed}");
+    };
+    said(&["plan", "empty", "-o", "study"], 3, "holds no trial");
+    said(&["plan", "recordings"], 2, "no folder for the study was given");
+    said(&["run", "recordings"], 2, "is not a study");
+    said(&["run", "recordings", "--shard=2/2"], 2, "counted from 0");
+    said(&["gather", "recordings", "--by", "person"], 2, "folder, name, subject, all");
+    fs::create_dir(trial.path("study")).unwrap();
+    fs::write(trial.path("study/plan.json"), "{").unwrap();
+    fs::write(trial.path("study/tasks.jsonl"), "").unwrap();
+    said(&["run", "study"], 2, "plan.json, line 1");
+}

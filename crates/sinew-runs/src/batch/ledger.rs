@@ -1,0 +1,176 @@
+//! What became of the tasks of a study: one line each, on the disk before the next task begins.
+//!
+//! Each shard writes a file of its own; a line that a kill cut short is none.
+
+use crate::Error;
+use serde::{Deserialize, Serialize};
+use sinew::files::read_text;
+use std::collections::HashMap;
+use std::fs::{self, File, TryLockError};
+use std::io::{Seek as _, SeekFrom, Write as _};
+use std::path::{Path, PathBuf};
+
+use super::shard::Shard;
+
+/// Folder of the ledgers in a study.
+const LEDGERS: &str = "ended";
+
+/// Longest ledger that is read, bytes: some million lines.
+const MAX_BYTES: u64 = 1 << 30;
+
+/// How a task ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum TaskEnd {
+    /// Results are there, and nothing doubts them.
+    Done,
+    /// Results are there, and a diagnostic failed.
+    Doubtful,
+    /// There are no results.
+    Failed,
+}
+
+/// Where the results of a task lie in an archive.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Packed {
+    /// Name of the archive in the study.
+    pub archive: String,
+    /// First byte.
+    pub offset: u64,
+    /// Bytes.
+    pub length: u64,
+}
+
+/// A line of a ledger.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct EndedTask {
+    /// Name of the trial.
+    pub trial: String,
+    /// Hash of its inputs and settings.
+    pub hash: String,
+    /// How it ended.
+    pub ended: TaskEnd,
+    /// Exit code that `sinew track` would have had.
+    pub code: u8,
+    /// Why, where it failed or is doubtful.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub why: String,
+    /// Seconds it took in all, set-up and tracking included.
+    pub seconds: f64,
+    /// Seconds of set-up and tracking.
+    pub computing_s: f64,
+    /// When it ended, seconds since 1970.
+    pub at_unix_s: f64,
+    /// Where its results are, if they are not in a folder of their own.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub packed: Option<Packed>,
+}
+
+/// The ledger of a shard, which this process alone may write.
+pub struct Ledger {
+    file: File,
+    path: PathBuf,
+}
+
+impl Ledger {
+    /// Opens the ledger of a shard behind its last whole line.
+    ///
+    /// # Errors
+    /// [`Error::ShardInUse`]; errors of the disk.
+    pub fn open(study: &Path, shard: Shard) -> Result<Self, Error> {
+        let folder = study.join(LEDGERS);
+        fs::create_dir_all(&folder).map_err(sinew::Error::io("create", &folder))?;
+        let path = folder.join(format!("{}-of-{}.jsonl", shard.index, shard.count));
+        let failed = |error| sinew::Error::io("write", &path)(error);
+        let mut file = File::options().read(true).append(true).create(true).open(&path).map_err(failed)?;
+        match file.try_lock() {
+            Ok(()) => {}
+            Err(TryLockError::WouldBlock) => {
+                return Err(Error::ShardInUse { shard: shard.to_string(), study: study.into() });
+            }
+            Err(TryLockError::Error(error)) => return Err(failed(error).into()),
+        }
+        let text = read_text(&path, MAX_BYTES).map_err(sinew::Error::from)?;
+        let whole = text.rfind('\n').map_or(0, |end| end + 1);
+        file.set_len(whole as u64).and_then(|()| file.seek(SeekFrom::End(0))).map_err(failed)?;
+        Ok(Self { file, path })
+    }
+
+    /// Adds a line, and waits until it is on the disk.
+    ///
+    /// # Errors
+    /// Errors of the disk.
+    pub fn add(&mut self, task: &EndedTask) -> Result<(), Error> {
+        let line = serde_json::to_string(task).unwrap_or_default() + "\n";
+        let written = self.file.write_all(line.as_bytes()).and_then(|()| self.file.sync_data());
+        Ok(written.map_err(sinew::Error::io("write", &self.path))?)
+    }
+}
+
+/// The last word on every trial of a study: of several lines the latest.
+///
+/// # Errors
+/// A ledger that cannot be read.
+pub fn ended(study: &Path) -> Result<HashMap<String, EndedTask>, Error> {
+    let folder = study.join(LEDGERS);
+    let mut files: Vec<PathBuf> = fs::read_dir(&folder).into_iter().flatten().flatten().map(|e| e.path()).collect();
+    files.sort();
+    let mut all: HashMap<String, EndedTask> = HashMap::new();
+    for path in files.iter().filter(|path| path.extension().is_some_and(|e| e == "jsonl")) {
+        let text = read_text(path, MAX_BYTES).map_err(sinew::Error::from)?;
+        for task in text.lines().filter_map(|line| serde_json::from_str::<EndedTask>(line).ok()) {
+            if all.get(&task.trial).is_none_or(|known| known.at_unix_s <= task.at_unix_s) {
+                all.insert(task.trial.clone(), task);
+            }
+        }
+    }
+    Ok(all)
+}
+
+impl EndedTask {
+    /// Whether there are results.
+    #[must_use]
+    pub fn is_there(&self) -> bool {
+        self.ended != TaskEnd::Failed
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn task(trial: &str, hash: &str, ended: TaskEnd, at_unix_s: f64) -> EndedTask {
+        let (trial, hash) = (trial.to_owned(), hash.to_owned());
+        let (seconds, computing_s, why, packed) = (1.0, 0.5, String::new(), None);
+        EndedTask { trial, hash, ended, code: 0, why, seconds, computing_s, at_unix_s, packed }
+    }
+
+    #[test]
+    fn the_latest_line_counts_and_a_cut_line_does_not() {
+        let study = tempfile::tempdir().unwrap();
+        let shard = |index| Shard { index, count: 2 };
+        let mut second = Ledger::open(study.path(), shard(1)).unwrap();
+        second.add(&task("a", "old", TaskEnd::Done, 1.0)).unwrap();
+        drop(second);
+        let mut first = Ledger::open(study.path(), shard(0)).unwrap();
+        first.add(&task("a", "new", TaskEnd::Failed, 3.0)).unwrap();
+        first.add(&task("b", "x", TaskEnd::Doubtful, 2.0)).unwrap();
+        let path = study.path().join("ended/1-of-2.jsonl");
+        let mut cut = fs::read(&path).unwrap();
+        cut.extend_from_slice(br#"{"trial":"b","ha"#);
+        fs::write(&path, &cut).unwrap();
+        let all = ended(study.path()).unwrap();
+        assert_eq!((all["a"].hash.as_str(), all["a"].ended), ("new", TaskEnd::Failed));
+        assert_eq!(all["b"].ended, TaskEnd::Doubtful);
+        Ledger::open(study.path(), shard(1)).unwrap().add(&task("b", "x", TaskEnd::Done, 4.0)).unwrap();
+        assert_eq!(ended(study.path()).unwrap()["b"].ended, TaskEnd::Done);
+    }
+
+    #[test]
+    fn a_shard_is_run_by_one_process() {
+        let study = tempfile::tempdir().unwrap();
+        let _first = Ledger::open(study.path(), Shard::WHOLE).unwrap();
+        let second = Ledger::open(study.path(), Shard::WHOLE).err().unwrap();
+        assert!(matches!(second, Error::ShardInUse { .. }), "{second}");
+    }
+}

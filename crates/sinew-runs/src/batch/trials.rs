@@ -1,0 +1,172 @@
+//! Trials below a folder: by their `sinew.toml`, or by the folder `pose` in which Pose2Sim keeps keypoints.
+//!
+//! A file of settings that names keypoints or silhouettes is that of a trial. Settings that it leaves out come from the folders above ([`sinew::config::file`]). A folder with keypoints in `pose` is a
+//! trial without a file of its own.
+
+use crate::Error;
+use sinew::config::file::{FILE_NAME, read};
+use sinew::config::{Resolved, Sources, resolve};
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// Folder in which Pose2Sim keeps the keypoints of a trial.
+const POSE: &str = "pose";
+
+/// Folders in which Pose2Sim keeps the calibration of a session.
+const CALIBRATION: [&str; 3] = ["calibration", "Calibration", "calib"];
+
+/// A trial as it was found.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct FoundTrial {
+    /// Its folder, seen from the root, with `/` between the parts; `.` for the root itself.
+    pub name: String,
+    /// Whether it has a file of settings that names what is tracked.
+    pub has_file: bool,
+}
+
+/// All trials, by name.
+///
+/// # Errors
+/// A folder that cannot be read.
+pub fn find(root: &Path) -> Result<Vec<FoundTrial>, Error> {
+    let mut found = vec![];
+    search(root, Path::new(""), &mut found)?;
+    found.sort_by(|a, b| a.name.cmp(&b.name));
+    Ok(found)
+}
+
+/// Whether no trial lies in or below a folder of that name: inputs of trials, results, hidden folders.
+fn is_passed_over(name: &str) -> bool {
+    let is_input = name == POSE || name.starts_with("pose-") || name.ends_with("_json");
+    is_input || name.starts_with('.') || matches!(name, "sinew-out" | "images" | "silhouettes" | "videos")
+}
+
+fn search(root: &Path, below: &Path, found: &mut Vec<FoundTrial>) -> Result<(), Error> {
+    let folder = root.join(below);
+    let failed = |error| sinew::Error::io("read", &folder)(error);
+    let mut folders = vec![];
+    for entry in fs::read_dir(&folder).map_err(failed)? {
+        let entry = entry.map_err(failed)?;
+        if entry.file_type().map_err(failed)?.is_dir() {
+            folders.push(entry.file_name());
+        }
+    }
+    let is_output = ["summary.json", super::TASKS].iter().any(|name| folder.join(name).is_file());
+    if is_output {
+        return Ok(());
+    }
+    let file = folder.join(FILE_NAME);
+    // A file with mistakes may be that of a trial, which then says what they are.
+    let names_input = file.is_file()
+        && read(&file)
+            .map_or(true, |file| ["keypoints", "silhouettes"].iter().any(|key| file.values.contains_key(key)));
+    if names_input || holds_keypoints(&folder.join(POSE)) {
+        found.push(FoundTrial { name: slashed(below), has_file: names_input });
+    }
+    for name in folders {
+        if !is_passed_over(&name.to_string_lossy()) {
+            search(root, &below.join(name), found)?;
+        }
+    }
+    Ok(())
+}
+
+/// A path below the root with `/` between its parts.
+fn slashed(below: &Path) -> String {
+    let parts: Vec<_> = below.iter().map(|part| part.to_string_lossy()).collect();
+    if parts.is_empty() { ".".into() } else { parts.join("/") }
+}
+
+/// Whether a folder holds keypoints of cameras.
+fn holds_keypoints(folder: &Path) -> bool {
+    let entries = fs::read_dir(folder).into_iter().flatten().flatten();
+    entries.map(|entry| entry.file_name()).any(|name| {
+        let name = name.to_string_lossy();
+        name.ends_with("_json") || name.ends_with(".json") || name.ends_with(".csv")
+    })
+}
+
+impl FoundTrial {
+    /// Its folder.
+    #[must_use]
+    pub fn folder(&self, root: &Path) -> PathBuf {
+        if self.name == "." { root.to_owned() } else { root.join(&self.name) }
+    }
+
+    /// Its settings, from its own file and from those above, with `given` above all.
+    ///
+    /// # Errors
+    /// Mistakes in the files.
+    pub fn settings(&self, root: &Path, given: &[(&'static str, String)]) -> Result<Resolved, Error> {
+        let folder = self.folder(root);
+        let mut flags = given.to_vec();
+        let file = self.has_file.then(|| folder.join(FILE_NAME));
+        if !self.has_file {
+            flags.push(("keypoints", folder.join(POSE).to_string_lossy().into_owned()));
+        }
+        let resolved = resolve(&Sources { flags: flags.clone(), environment: vec![], file: file.clone() })?;
+        let calibration = resolved.track().calibration;
+        let Some(found) = calibration.is_none().then(|| calibration_above(root, &folder)).flatten() else {
+            return Ok(resolved);
+        };
+        flags.push(("calibration", found.to_string_lossy().into_owned()));
+        Ok(resolve(&Sources { flags, environment: vec![], file })?)
+    }
+}
+
+/// The calibration of a session as Pose2Sim keeps it: the one `.toml` in the nearest folder `calibration`, in the trial or above it.
+fn calibration_above(root: &Path, folder: &Path) -> Option<PathBuf> {
+    let above = folder.ancestors().take_while(|folder| folder.starts_with(root));
+    above.flat_map(|folder| CALIBRATION.map(|name| folder.join(name))).find_map(|folder| {
+        let entries = fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
+        let mut files: Vec<PathBuf> = entries.filter(|path| path.extension().is_some_and(|e| e == "toml")).collect();
+        if files.len() == 1 { files.pop() } else { None }
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn write(root: &Path, name: &str, text: &str) {
+        let path = root.join(name);
+        fs::create_dir_all(path.parent().unwrap()).unwrap();
+        fs::write(path, text).unwrap();
+    }
+
+    #[test]
+    fn trials_inherit_settings_from_the_folders_above() {
+        let root = tempfile::tempdir().unwrap();
+        let root = root.path();
+        write(root, "sinew.toml", "root = true\nfps = 60\ncalibration = \"Calib.toml\"\n");
+        write(root, "S2/walk/sinew.toml", "keypoints = \"points\"\n");
+        write(root, "S1/sinew.toml", "subject = \"S1\"\nfps = 50\n");
+        write(root, "S1/run/sinew.toml", "keypoints = \"points\"\nfps = 100\n");
+        write(root, "S1/jump/pose/cam1_json/cam1_0.json", "{}");
+        write(root, "S1/jump/sinew-out/x/pose/c_json/c_0.json", "{}");
+        write(root, "study/tasks.jsonl", "");
+        write(root, "study/results/pose/c_json/c_0.json", "{}");
+        let trials = find(root).unwrap();
+        let names: Vec<&str> = trials.iter().map(|trial| trial.name.as_str()).collect();
+        assert_eq!(names, ["S1/jump", "S1/run", "S2/walk"]);
+        let settings = |index: usize| trials[index].settings(root, &[]).unwrap().track();
+        assert_eq!([0, 1, 2].map(|index| settings(index).fps), [Some(50.0), Some(100.0), Some(60.0)]);
+        assert_eq!(settings(0).calibration, Some(root.join("Calib.toml")));
+        assert_eq!(settings(0).keypoints, Some(root.join("S1/jump/pose")));
+        assert_eq!(settings(2).keypoints, Some(root.join("S2/walk/points")));
+    }
+
+    #[test]
+    fn a_session_of_pose2sim_needs_no_settings() {
+        let root = tempfile::tempdir().unwrap();
+        let root = root.path();
+        write(root, "session/Calibration/Calib_qualisys.toml", "");
+        write(root, "session/P1/T1/pose/cam1_json/cam1_0.json", "{}");
+        let trials = find(root).unwrap();
+        assert_eq!(trials.len(), 1);
+        let config = trials[0].settings(root, &[]).unwrap().track();
+        assert_eq!(config.calibration, Some(root.join("session/Calibration/Calib_qualisys.toml")));
+        write(root, "session/Calibration/other.toml", "");
+        assert_eq!(trials[0].settings(root, &[]).unwrap().track().calibration, None);
+    }
+}

@@ -1,0 +1,67 @@
+//! What a run is to do, and what it came to.
+
+use super::error::Error;
+use super::listener::Listener;
+use super::page;
+use sinew::config::Resolved;
+use sinew::results::people::PeopleSummary;
+use sinew::results::{Disk, Scratch, Storage};
+use sinew::track::job::Outcome;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// What a run is to do besides tracking.
+#[derive(Clone, Debug, Default)]
+pub struct Request {
+    /// Continue a run that was stopped.
+    pub resume: bool,
+    /// Write the page of the results.
+    pub page: bool,
+    /// Write the calibration as the set-up refined it.
+    pub write_calibration: Option<PathBuf>,
+    /// Do not wait for the disk: results are copied to where they stay.
+    pub scratch: bool,
+    /// File of settings that was named, which the run must not replace.
+    pub settings_file: Option<PathBuf>,
+}
+
+impl Request {
+    /// Where files are kept.
+    pub(crate) fn storage(&self) -> Arc<dyn Storage> {
+        if self.scratch { Arc::new(Scratch) } else { Arc::new(Disk) }
+    }
+}
+
+/// What a run came to.
+#[derive(Debug)]
+#[non_exhaustive]
+pub enum CameTo {
+    /// One person was tracked.
+    One(Box<Outcome>),
+    /// Results were complete before; their summary.
+    Complete(serde_json::Value),
+    /// Several people were tracked.
+    Several(PeopleSummary),
+}
+
+/// What stays the same over a run, from person to person.
+#[derive(Clone, Copy)]
+pub(crate) struct Run<'a> {
+    pub(crate) resolved: &'a Resolved,
+    pub(crate) request: &'a Request,
+    pub(crate) calibration: &'a Path,
+    pub(crate) read_from: &'a [PathBuf],
+    pub(crate) listener: &'a dyn Listener,
+}
+
+impl Run<'_> {
+    /// Writes the page of the results in a folder, if it is wanted.
+    pub(crate) fn show(&self, out: &Path) -> Result<(), Error> {
+        if self.request.page {
+            let page = out.join(page::PAGE);
+            page::write(out, &page::with_calibration(self.calibration), &page, self.listener)?;
+            self.listener.note(&format!("a page that shows the results: {}", page::opening(&page)));
+        }
+        Ok(())
+    }
+}
