@@ -7,8 +7,8 @@ use sinew::formats::keypoint_table::KeypointTable;
 use sinew::formats::source_text::decode;
 use sinew::formats::{
     Error, amc, asf, body_toml, bvh, c3d, calib_toml, calibration, caliscope_xy, camera_name, coco_results,
-    deeplabcut_csv, frame_number, keypoint_formats, layout, live_frame, mask, mediapipe_json, mmpose_json, mot, openpose, picture,
-    rtmlib_json, tidy_csv, trc,
+    deeplabcut_csv, frame_number, keypoint_formats, layout, live_frame, mask, mediapipe_json, mmpose_json, mot,
+    openpose, osim_model, picture, point_mapping, rtmlib_json, tidy_csv, trc,
 };
 use std::fmt::Display;
 
@@ -221,6 +221,27 @@ pub fn c3d(data: &[u8]) {
     if c3d::write(&mut written, &file.header, &before).is_ok() {
         let again = c3d::read("written", &written).unwrap_or_else(|error| panic!("{error} in what was written"));
         assert_eq!((again.header.first_frame, positions(&again)), (file.header.first_frame, before));
+    }
+    let mut whole = Vec::new();
+    if c3d::write_whole(&mut whole, &file).is_ok() {
+        let again = c3d::read("written", &whole).unwrap_or_else(|error| panic!("{error} in what was written"));
+        assert_eq!((again.frames.len(), &again.header.markers), (file.frames.len(), &file.header.markers));
+    }
+}
+
+/// Mappings of points.
+pub fn point_mapping(data: &[u8]) {
+    let Some(text) = text("names.toml", data) else { return };
+    if let Some(points) = accepted(point_mapping::read("names.toml", text)) {
+        assert!(!points.is_empty() && points.iter().all(|point| !point.from.is_empty()));
+    }
+}
+
+/// Models of OpenSim.
+pub fn osim_model(data: &[u8]) {
+    let Some(text) = text("a.osim", data) else { return };
+    if let Some(model) = accepted(osim_model::read("a.osim", text)) {
+        assert!(!model.bodies.is_empty());
     }
 }
 

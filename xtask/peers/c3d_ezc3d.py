@@ -6,7 +6,7 @@
 
 SAMPLES is the folder c3d_samples of the shared data. The comparison takes each sample as it is and as each of the three
 processors would have written it, lets ezc3d and `sinew convert` read them, and compares every coordinate. Then
-`sinew convert` writes C3D files, one with 70,000 frames and one with 300 points, which ezc3d reads. The transcoder is
+`sinew convert` writes C3D files: of each sample and processor again with all that it holds, one with 70,000 frames and one with 300 points, which ezc3d reads. The transcoder is
 written here from the format's manual and shares no code with either reader.
 
 ezc3d 1.7.2 differs from the manual in the fourth number of a point: of words it takes the high byte for the residual and
@@ -208,6 +208,40 @@ def by_c3d(path, points, fourth):
     assert largest < 1e-3
 
 
+def kept(what, sinew, c3d, folder, fourth, original):
+    """From C3D to C3D all stays: ezc3d reads the same in what `sinew convert` makes of a file as in the `original`.
+
+    `fourth` (frames x points) are the fourth numbers of the original, which the file must have as well.
+    """
+    target = folder / "whole.c3d"
+    converted(sinew, c3d, target)
+    ours, theirs = opened(target), opened(original)
+    for data in ("points", "analogs"):
+        a, b = ours["data"][data], theirs["data"][data]
+        a, b = (a[:3], b[:3]) if data == "points" else (a, b)
+        assert a.shape == b.shape, (what, data, a.shape, b.shape)
+        seen = np.broadcast_to((fourth.T >= 0)[None], a.shape) if data == "points" else np.isfinite(b)
+        off = np.abs(a - b)[seen].max() / max(np.abs(b)[seen].max(), 1e-12) if seen.any() else 0.0
+        assert off < 1e-6, (what, data, off)
+    points = theirs["data"]["points"].shape
+    assert (fourth_words(target, *points[1:]) == np.where(fourth < 0, -1, fourth)).all(), (what, "residuals and cameras")
+    about = {("POINT", "SCALE"), ("POINT", "DATA_START"), ("POINT", "FRAMES")}
+    differing = []
+    for group in theirs["parameters"]:
+        for name in theirs["parameters"][group]:
+            if name.startswith("__") or (group, name) in about:
+                continue
+            a, b = (file["parameters"][group][name]["value"] for file in (ours, theirs))
+            if not np.array_equal(np.asarray(a), np.asarray(b)):
+                differing.append(f"{group}:{name}")
+    assert not differing, (what, differing)
+    for key in ("eventsTime", "eventsLabel"):
+        if key in theirs["header"].get("events", {}):
+            assert np.array_equal(ours["header"]["events"][key], theirs["header"]["events"][key]), (what, key)
+    count = sum(len(group) for group in theirs["parameters"].values())
+    print(f"  {what}, whole: {points[1]} points, {theirs['data']['analogs'].shape[1]} channels, {count} parameters, events, residuals, cameras")
+
+
 def written(sinew, folder, frames, points):
     """A table of points that `sinew convert` writes as C3D, with a point that is missing now and then."""
     rng = np.random.default_rng(1)
@@ -247,6 +281,7 @@ def main():
                 target = folder / "transcoded.c3d"
                 target.write_bytes(Transcoder(path.read_bytes(), processor).file())
                 compare(name, sinew, target, folder, fourth < 0, path if processor == MIPS else None)
+                kept(name, sinew, target, folder, fourth, path)
                 if processor == MIPS:
                     by_c3d(target, points.transpose(2, 1, 0)[:, :, :3], fourth)
         written(sinew, folder, 70_000, 2)

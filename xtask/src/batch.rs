@@ -3,12 +3,15 @@
 //! Short trials of simulated walkers (tables of keypoints of three cameras, ten frames; each subject's trials share a set-up) go through `sinew batch plan`, `run` and `gather`. Overhead of a trial is the time that it took less set-up and tracking, as the ledger has it: reading, writing, waiting for
 //! the disk, angles of the draws. Memory is the program's own (anonymous pages) at a tenth of the trials and at the end.
 
+mod groups;
 mod queue;
 
 use crate::outcome::{Outcome, exit_code};
 use crate::program::{Program, built, shown};
 use serde_json::Value;
 use sinew::core::random::Stage;
+use sinew::formats::openpose::Keypoint;
+use sinew::observe::Camera;
 use sinew_simulate::adult;
 use sinew_simulate::recording::{Script, SyntheticRecording};
 use sinew_simulate::ring::Ring;
@@ -37,6 +40,12 @@ pub struct Args {
     /// Folder for trials and studies [default: target/batch]
     #[arg(long)]
     out: Option<PathBuf>,
+    /// Only means of angles of so many subjects, against the truth
+    #[arg(long)]
+    groups: Option<usize>,
+    /// Program to run [default: built for release]
+    #[arg(long)]
+    program: Option<PathBuf>,
     /// Only the simulated cluster, with these seconds of computing and of overhead a trial
     #[arg(long, num_args = 2, value_names = ["COMPUTING", "OVERHEAD"])]
     queue: Option<Vec<f64>>,
@@ -54,7 +63,12 @@ fn measured(root: &Path, args: &Args) -> Outcome<()> {
     }
     let folder = args.out.clone().unwrap_or_else(|| root.join("target/batch"));
     fs::create_dir_all(&folder)?;
-    let program = Program { path: built(root)?, folder: folder.clone() };
+    let path = args.program.clone().map_or_else(|| built(root), Ok)?;
+    let program = Program { path, folder: folder.clone() };
+    if let Some(subjects) = args.groups {
+        print!("{}", groups::table(&program, &folder, subjects)?);
+        return Ok(());
+    }
     let trials = folder.join("trials");
     if trials.exists() {
         fs::remove_dir_all(&trials)?;
@@ -90,18 +104,26 @@ fn write_subject(trials: &Path, subject: usize, count: usize) -> Outcome<()> {
     for trial in 0..count {
         let first = (7 * trial) % (frames - FRAMES);
         let own = folder.join(format!("T{trial:05}"));
-        fs::create_dir_all(own.join("points"))?;
-        fs::write(own.join("sinew.toml"), "keypoints = \"points\"\n")?;
         for (camera, keypoints) in walk.cameras.iter().zip(&walk.keypoints) {
-            let text = table(&walk, &keypoints[first..first + FRAMES]);
-            fs::write(own.join("points").join(format!("{}.csv", camera.name)), text)?;
+            write_keypoints(&walk, camera, &keypoints[first..first + FRAMES], &own)?;
         }
     }
     Ok(())
 }
 
-/// Keypoints of a camera as DeepLabCut writes them.
-fn table(walk: &SyntheticRecording, frames: &[Vec<Option<sinew::formats::openpose::Keypoint>>]) -> String {
+/// Writes keypoints of a camera into the folder of a trial, as DeepLabCut does.
+fn write_keypoints(
+    walk: &SyntheticRecording,
+    camera: &Camera,
+    frames: &[Vec<Option<Keypoint>>],
+    trial: &Path,
+) -> Outcome<()> {
+    fs::create_dir_all(trial.join("points"))?;
+    fs::write(trial.join("sinew.toml"), "keypoints = \"points\"\n")?;
+    Ok(fs::write(trial.join("points").join(format!("{}.csv", camera.name)), table(walk, frames))?)
+}
+
+fn table(walk: &SyntheticRecording, frames: &[Vec<Option<Keypoint>>]) -> String {
     let names: Vec<&str> = walk.layout.points.iter().map(|name| name.as_deref().unwrap_or("none")).collect();
     let row = |head: &str, cell: &dyn Fn(&str) -> String| {
         head.to_owned() + &names.iter().map(|name| cell(name)).collect::<String>() + "\n"

@@ -39,6 +39,8 @@ mod straight;
 mod summary;
 mod triangulation;
 
+pub(crate) use angles::true_angles;
+
 use crate::outcome::{Outcome, exit_code};
 use crate::program::{self, Program};
 use crate::store::{Store, Task, run_all};

@@ -24,9 +24,9 @@ mod vector;
 mod visit;
 
 pub use gauss_newton::Inform;
-pub use jacobian::point_jacobian;
+pub use jacobian::{point_jacobian, point_jacobian_each};
 pub use plan::Plan;
-pub use positions::{point_positions, point_positions_block, point_positions_each};
+pub use positions::{point_positions, point_positions_block, point_positions_each, point_positions_into};
 pub use vector::V3;
 pub use visit::{Pass, Visit};
 

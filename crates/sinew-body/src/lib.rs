@@ -38,6 +38,9 @@ mod ten_cones;
 pub mod tree;
 
 pub use error::Error;
-pub use kinematics::{Plan, point_jacobian, point_positions, point_positions_block, point_positions_each};
+pub use kinematics::{
+    Plan, point_jacobian, point_jacobian_each, point_positions, point_positions_block, point_positions_each,
+    point_positions_into,
+};
 pub use standard::Proportions;
 pub use tree::{Axis, Joint, KinematicTree, Link, Point};

@@ -3,10 +3,10 @@
 use crate::standard::Proportions;
 
 /// A size: its name, whether it is a length (else a coordinate of an offset), and its place.
-pub(crate) type Size = (&'static str, bool, fn(&mut Proportions) -> &mut f64);
+pub type Size = (&'static str, bool, fn(&mut Proportions) -> &mut f64);
 
 /// Everything that [`crate::bundle::refine`] may change. Points in the plane of symmetry have no x.
-pub(crate) const SIZES: [Size; 28] = [
+pub const SIZES: [Size; 28] = [
     ("spine", true, |p| &mut p.spine),
     ("shoulder_height", true, |p| &mut p.shoulder_height),
     ("shoulder_half_width", true, |p| &mut p.shoulder_half_width),

@@ -11,7 +11,7 @@
 //! assert!(found.unmeasured.contains(&"shin"));
 //! ```
 
-pub use crate::sizes::scaled;
+pub use crate::sizes::{SIZES, Size, scaled};
 use crate::standard::Proportions;
 
 /// Sizes with what is known about them.

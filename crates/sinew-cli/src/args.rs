@@ -4,7 +4,9 @@
 
 use super::answer_args::Answer;
 use super::batch_args::BatchCommand;
+use super::compare_args::CompareArgs;
 use super::convert_args::ConvertArgs;
+use super::export_args::ExportCommand;
 use super::gait_args::GaitArgs;
 use super::help_template::template;
 use super::learn_args::LearnCommand;
@@ -139,6 +141,25 @@ pub(crate) enum Command {
     /// Events, strides and angles over the cycle of a person who walks, with intervals
     #[command(help_template = template!("sinew gait sinew-out/trial", "sinew gait sinew-out/trial --json -o gait"))]
     Gait(GaitArgs),
+    /// Hold a result against a laboratory's markers, or another program's angles
+    #[command(help_template = template!(
+        "sinew compare sinew-out/trial trial.c3d",
+        "sinew compare sinew-out/trial trial.c3d --names names.toml --json -o beside"
+    ))]
+    Compare(CompareArgs),
+    /// Make a result ready for another program
+    #[command(
+        disable_help_subcommand = true,
+        subcommand_help_heading = "Programs",
+        help_template = template!(
+            "sinew export opensim sinew-out/trial --model Model_Pose2Sim_simple.osim",
+            "sinew export opensim sinew-out/trial -o opensim"
+        )
+    )]
+    Export {
+        #[command(subcommand)]
+        what: ExportCommand,
+    },
     /// Say what a camera that a run did not use should see
     #[command(help_template = template!(
         "sinew predict sinew-out/trial --calibration Calib.toml --camera cam4 -o predicted.csv",

@@ -9,7 +9,7 @@ use super::report::{self, Report};
 use serde_json::json;
 use sinew::results::error::Occupied;
 use sinew::results::write_whole;
-use sinew_tools::motion::{self, Format};
+use sinew_tools::motion::{self, ConvertedMotion, Format, rename_bones};
 
 /// Runs the command.
 pub(crate) fn run(args: &ConvertArgs, general: &General, report: &Report) -> Result<Ended, Error> {
@@ -25,24 +25,35 @@ pub(crate) fn run(args: &ConvertArgs, general: &General, report: &Report) -> Res
     if let Some(fps) = args.fps.filter(|fps| !(*fps > 0.0 && fps.is_finite())) {
         return Err(Error::NotPositive { flag: "fps", value: fps, help: "give frames per second, for example 120" });
     }
-    let motion = motion::read(&args.input, args.skeleton.as_deref(), args.fps)?;
+    let is_c3d = format == Format::C3d && Format::of(&args.input).is_ok_and(|input| input == Format::C3d);
+    let converted =
+        if is_c3d && args.bones.is_none() && args.skeleton.is_none() { again(args)? } else { converted(args, format)? };
     check_free(args, general)?;
-    report.warnings(&motion.warnings);
-    let name = args.output.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
-    write_whole(&args.output, &motion::write(&motion, format, &name).map_err(sinew_tools::Error::from)?)?;
+    report.warnings(&converted.warnings);
+    write_whole(&args.output, &converted.bytes)?;
+    let ConvertedMotion { frames, rate_hz, .. } = converted;
     if args.answer.json {
-        report::answer_json(
-            &json!({ "frames": motion.frames(), "rate_hz": motion.rate_hz, "out": args.output.to_string_lossy() }),
-        )?;
+        report::answer_json(&json!({ "frames": frames, "rate_hz": rate_hz, "out": args.output.to_string_lossy() }))?;
     } else {
-        report::answer(&format!(
-            "{}: {} frames at {} per second",
-            args.output.display(),
-            motion.frames(),
-            motion.rate_hz
-        ))?;
+        report::answer(&format!("{}: {frames} frames at {rate_hz} per second", args.output.display()))?;
     }
     Ok(Ended::Done)
+}
+
+/// A C3D file with all that it holds.
+fn again(args: &ConvertArgs) -> Result<ConvertedMotion, Error> {
+    Ok(motion::rewritten_c3d(&args.input)?)
+}
+
+/// A motion in another format.
+fn converted(args: &ConvertArgs, format: Format) -> Result<ConvertedMotion, Error> {
+    let mut motion = motion::read(&args.input, args.skeleton.as_deref(), args.fps)?;
+    if let Some(bones) = args.bones {
+        rename_bones(&mut motion, bones.names()).map_err(sinew_tools::Error::from)?;
+    }
+    let name = args.output.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+    let bytes = motion::write(&motion, format, &name).map_err(sinew_tools::Error::from)?;
+    Ok(ConvertedMotion { bytes, frames: motion.frames(), rate_hz: motion.rate_hz, warnings: motion.warnings })
 }
 
 /// Refuses to replace a file without `--force`.

@@ -3,6 +3,7 @@
 use super::answer_args::Answer;
 use clap::{Args, ValueEnum};
 use sinew::formats::calibration::CalibrationFormat;
+use sinew_tools::motion::BoneNames;
 use std::path::PathBuf;
 
 #[derive(Args, Debug)]
@@ -16,6 +17,9 @@ pub(crate) struct ConvertArgs {
     /// Program: pose2sim, caliscope, anipose, freemocap, opencv or qualisys
     #[arg(long, value_enum, value_name = "PROGRAM", hide_possible_values = true)]
     pub(crate) to: Option<Program>,
+    /// Names of the bones of our motion.bvh: mixamo, unreal or rigify; it then looks ahead at rest
+    #[arg(long, value_enum, value_name = "NAMES", hide_possible_values = true)]
+    pub(crate) bones: Option<Bones>,
     /// Skeleton of an .amc file
     #[arg(long, value_name = "F.asf")]
     pub(crate) skeleton: Option<PathBuf>,
@@ -24,6 +28,24 @@ pub(crate) struct ConvertArgs {
     pub(crate) fps: Option<f64>,
     #[command(flatten)]
     pub(crate) answer: Answer,
+}
+
+/// Names of bones.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Bones {
+    Mixamo,
+    Unreal,
+    Rigify,
+}
+
+impl Bones {
+    pub(crate) const fn names(self) -> BoneNames {
+        match self {
+            Self::Mixamo => BoneNames::Mixamo,
+            Self::Unreal => BoneNames::Unreal,
+            Self::Rigify => BoneNames::Rigify,
+        }
+    }
 }
 
 /// Programs that calibrations are written for.

@@ -22,6 +22,9 @@ pub(crate) fn run(args: &ConvertArgs, format: CalibrationFormat, report: &Report
     if args.skeleton.is_some() {
         return Err(sinew_tools::Error::from(MotionError::NeedlessSkeleton { path: args.input.clone() }).into());
     }
+    if args.bones.is_some() {
+        return Err(Error::BonesOfCalibration);
+    }
     if args.fps.is_some() {
         return Err(Error::RateOfCalibration);
     }

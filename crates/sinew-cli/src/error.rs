@@ -3,6 +3,9 @@
 /// Everything that ends a command early.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum Error {
+    /// What a comparison or an export refuses.
+    #[error(transparent)]
+    Laboratory(#[from] sinew_laboratory::Error),
     /// What ends a run early.
     #[error(transparent)]
     Runs(#[from] sinew_runs::Error),
@@ -54,6 +57,12 @@ pub(crate) enum Error {
     /// A frame rate for a calibration.
     #[error("a calibration has no frame rate")]
     RateOfCalibration,
+    /// Names of bones for a calibration.
+    #[error("a calibration has no bones")]
+    BonesOfCalibration,
+    /// A scale of a world that is not aligned.
+    #[error("`--scale` is about a world that is aligned, and `--align` leaves it")]
+    ScaleWithoutSpace,
     /// A skeleton for the walk, which has its own.
     #[error("the walk needs no skeleton")]
     SkeletonOfWalk,
@@ -141,6 +150,7 @@ impl Error {
     /// Code with which the program ends; the table is that of [`sinew::Error`].
     pub(crate) const fn exit_code(&self) -> u8 {
         match self {
+            Self::Laboratory(error) => error.exit_code(),
             Self::Runs(error) => error.exit_code(),
             Self::Demo(_) => 1,
             Self::Scene(_) => 3,
@@ -151,6 +161,7 @@ impl Error {
     /// What the user can do about it.
     pub(crate) fn help(&self) -> Option<String> {
         let words = match self {
+            Self::Laboratory(error) => return error.help(),
             Self::Runs(error) => return error.help(),
             Self::Scene(error) => return error.help(),
             Self::NoPlace(written) => {
@@ -167,6 +178,8 @@ impl Error {
             Self::TooFewToLeaveOut(_) => "give more cameras, or judge the run by other means (`sinew predict`)",
             Self::NothingToDraw => "give one file of `sinew learn` or of a run with `--method hppf`, or leave `-o` out",
             Self::RateOfCalibration => "`--fps` belongs to motion files; leave it out",
+            Self::BonesOfCalibration => "`--bones` belongs to motion.bvh; leave it out",
+            Self::ScaleWithoutSpace => "leave it out, or use `--align both` or `--align space`",
             Self::SkeletonOfWalk => "`--skeleton` belongs to .amc files; leave it out",
             Self::CrowdOfMotion => "leave `--motion` or `--people` out",
             Self::TooManyFrames(_) => "ask for less with `--duration` or `--fps`",

@@ -7,12 +7,16 @@ mod args;
 mod batch;
 mod batch_args;
 mod body;
+mod compare;
+mod compare_args;
 mod convert;
 mod convert_args;
 mod convert_calibration;
 mod demo;
 mod ended;
 mod error;
+mod export_args;
+mod export_opensim;
 mod fit_shape;
 mod gait;
 mod gait_args;
@@ -42,6 +46,7 @@ mod validate;
 
 use args::{Cli, Command, General};
 use clap::FromArgMatches as _;
+use export_args::ExportCommand;
 use learn_args::LearnCommand;
 use report::Report;
 use std::process::ExitCode;
@@ -73,6 +78,8 @@ fn main() -> ExitCode {
         Command::Segment(args) => segment::run(args, &cli.general, &report),
         Command::Overlay(args) => overlay::run(args, &cli.general, &report),
         Command::Report(args) => report_page::run(args, &cli.general, &report),
+        Command::Compare(args) => compare::run(args, &cli.general, &report),
+        Command::Export { what: ExportCommand::Opensim(args) } => export_opensim::run(args, &cli.general, &report),
         Command::Gait(args) => gait::run(args, &cli.general, &report),
         Command::Predict(args) => predict::run(args, &cli.general, &report),
         Command::Validate(args) => validate::run(args, &cli.general, &report),

@@ -19,7 +19,9 @@ fn used(command: &str) -> &'static [&'static str] {
         "convert" => &["force"],
         "plan" | "unpack" => &["out", "force"],
         "run" => &["threads"],
-        "segment" | "overlay" | "report" | "gait" | "predict" | "fit-shape" => &["out", "force"],
+        "segment" | "overlay" | "report" | "gait" | "compare" | "opensim" | "predict" | "fit-shape" => {
+            &["out", "force"]
+        }
         _ => &[],
     }
 }

@@ -16,10 +16,11 @@
 //!
 //! Where header and parameters disagree, the header says how frames are laid out and the parameters what they mean.
 //!
-//! Written are points alone, as reals for Intel with scale −1, axes and units as in TRC files
-//! ([`trc_from_world`](crate::trc::trc_from_world)): the fourth number is 0, or −1 for a missing point, whose position is
-//! 0. Residuals, analog channels, events and other parameters are not written. The header and the parameters have a
-//! fixed length, so that they can be written again over themselves once the number of frames is known.
+//! A file that was read is written again with all that it holds, for Intel and of reals ([`write_whole`]). Of other
+//! motions points are written alone, as reals for Intel with scale −1, axes and units as in TRC files
+//! ([`trc_from_world`](crate::trc::trc_from_world)): the fourth number is 0 (no residual was measured), or −1 for a
+//! missing point, whose position is 0. The header and the parameters have a fixed length, so that they can be written
+//! again over themselves once the number of frames is known.
 //!
 //! ```
 //! use sinew_formats::{c3d, trc};
@@ -46,6 +47,7 @@ mod reader;
 mod recording;
 mod screen_axes;
 mod source;
+mod whole_file;
 mod writer;
 mod written_parameters;
 
@@ -55,4 +57,5 @@ pub use processor::Processor;
 pub use reader::read;
 pub use recording::{Analog, AnalogChannel, C3d, C3dHeader, C3dPoint};
 pub use screen_axes::ScreenAxis;
+pub use whole_file::write_whole;
 pub use writer::{write, write_end, write_frame, write_header};

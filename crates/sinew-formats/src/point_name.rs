@@ -46,8 +46,9 @@ const SINGLE: [(&str, &str); 13] = [
 /// Sides as they are written, the longer first.
 const SIDES: [(&str, &str); 4] = [("left", "L"), ("right", "R"), ("l", "L"), ("r", "R")];
 
-/// The name in our layouts.
-pub(crate) fn known_point(name: &str) -> Option<String> {
+/// The name in our layouts; `None` for a name that means no point of them.
+#[must_use]
+pub fn known_point(name: &str) -> Option<String> {
     let folded: String = name.chars().filter(|c| c.is_alphanumeric()).flat_map(char::to_lowercase).collect();
     if let Some((_, point)) = SINGLE.iter().find(|(own, _)| *own == folded) {
         return Some((*point).to_owned());

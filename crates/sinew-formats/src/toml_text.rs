@@ -121,6 +121,17 @@ impl<'a> Table<'a> {
         found
     }
 
+    /// Keys with their values, in the order of the file.
+    pub(crate) fn values(&self) -> Vec<(&'a str, Value<'a>)> {
+        let mut found: Vec<_> = self.table.iter().collect();
+        found.sort_by_key(|(key, _)| key.span().start);
+        let with_name = |(key, value): (&'a Spanned<_>, &'a Spanned<DeValue<'a>>)| {
+            let key = AsRef::<str>::as_ref(key.get_ref());
+            (key, Value { table: *self, key, value })
+        };
+        found.into_iter().map(with_name).collect()
+    }
+
     pub(crate) fn get(&self, key: &'a str) -> Option<Value<'a>> {
         self.table.get(key).map(|value| Value { table: *self, key, value })
     }
@@ -170,7 +181,7 @@ impl<'a> Value<'a> {
         Error::BadValue { place: self.place(), field: self.key.into(), found: self.source(), expected: expected.into() }
     }
 
-    fn as_table(&self) -> Result<Table<'a>, Error> {
+    pub(crate) fn as_table(&self) -> Result<Table<'a>, Error> {
         let table = self.value.get_ref().as_table().ok_or_else(|| self.must_be("a table"))?;
         Ok(Table { offset: self.value.span().start, table, within: None, ..self.table })
     }

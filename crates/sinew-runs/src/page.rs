@@ -5,6 +5,7 @@ use super::listener::Listener;
 use sinew::results::error::Occupied;
 use sinew::results::write_whole;
 use sinew_tools::gait::GAIT_NAMES;
+use sinew_tools::report::COMPARISON_NAMES;
 use sinew_tools::report::{ReportPage, ReportRequest, page};
 use std::io::Read as _;
 use std::path::Path;
@@ -51,13 +52,13 @@ fn is_page(path: &Path) -> bool {
     read.is_ok() && String::from_utf8_lossy(&head).contains(TITLE_END)
 }
 
-/// Removes the page and the gait of results that were replaced.
+/// Removes the page, the gait and the comparison of results that were replaced.
 pub(crate) fn forget_derived(results: &Path) -> Result<(), sinew::Error> {
     let page = results.join(PAGE);
     if is_page(&page) {
         remove(&page)?;
     }
-    GAIT_NAMES.iter().try_for_each(|name| remove(&results.join(name)))
+    GAIT_NAMES.iter().chain(&COMPARISON_NAMES).try_for_each(|name| remove(&results.join(name)))
 }
 
 /// Removes a file or a folder, if it is there.
@@ -72,7 +73,8 @@ pub(crate) fn remove(path: &Path) -> Result<(), sinew::Error> {
 /// What a page is made from where a calibration is all that is known besides.
 #[must_use]
 pub fn with_calibration(calibration: &Path) -> ReportRequest {
-    ReportRequest { calibration: Some(calibration.to_owned()), ..ReportRequest::default() }
+    let file = Some(calibration.to_owned()).filter(|file| !file.as_os_str().is_empty());
+    ReportRequest { calibration: file, ..ReportRequest::default() }
 }
 
 /// The line that opens a page in a browser.

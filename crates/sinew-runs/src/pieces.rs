@@ -48,6 +48,10 @@ impl FromFootage for OnePerson<'_, Footage> {
 /// # Errors
 /// [`Error::NothingToTrack`] with what to try.
 pub fn calibration(config: &TrackConfig) -> Result<PathBuf, Error> {
+    if config.given.is_some() {
+        // Nothing is read from it.
+        return Ok(PathBuf::new());
+    }
     let observation = config.keypoints.is_some() || config.silhouettes.is_some();
     let calibration = config.calibration.clone().filter(|_| observation);
     calibration.ok_or(Error::NothingToTrack { calibration: config.calibration.is_some(), observation })
@@ -56,7 +60,7 @@ pub fn calibration(config: &TrackConfig) -> Result<PathBuf, Error> {
 /// Files and folders that a run reads, with the `file` of its settings, if one was named.
 #[must_use]
 pub fn read_from(config: &TrackConfig, calibration: &Path, file: Option<&Path>) -> Vec<PathBuf> {
-    let mut read_from = vec![calibration.to_owned()];
+    let mut read_from = if config.given.is_some() { vec![] } else { vec![calibration.to_owned()] };
     read_from.extend([&config.keypoints, &config.silhouettes, &config.images].into_iter().flatten().cloned());
     if let Some(Init::Points(path)) = &config.init {
         read_from.push(path.clone());

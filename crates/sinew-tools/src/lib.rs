@@ -29,7 +29,7 @@ pub mod report;
 pub mod result_table;
 pub mod segment;
 pub mod shape_fit;
-mod svg;
+pub mod svg;
 pub mod sync;
 pub mod tracked;
 pub mod validate;

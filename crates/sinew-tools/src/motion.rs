@@ -14,6 +14,7 @@
 //! In between everything is in the world frame (Z up), metres and seconds; BVH files state no unit of length and are taken as metres.
 
 mod acclaim;
+mod bone_names;
 pub(crate) mod c3d_points;
 mod content;
 pub(crate) mod error;
@@ -22,6 +23,8 @@ mod joints;
 mod read;
 mod write;
 
+pub use bone_names::{BoneNames, rename_bones};
+pub use c3d_points::{ConvertedMotion, rewritten_c3d};
 pub use content::{Content, Motion, rate_of};
 pub use error::MotionError;
 pub use format::Format;

@@ -13,13 +13,14 @@ mod angle_words;
 mod bones;
 mod camera_table;
 mod columns;
+mod comparison;
 mod doubts;
 mod error;
 pub mod html;
 mod packed;
 mod payload;
 pub(crate) mod recorded;
-pub(crate) mod result_columns;
+pub mod result_columns;
 mod run_words;
 mod settings_table;
 mod source_bars;
@@ -28,7 +29,9 @@ mod validation;
 mod verdict;
 mod views;
 
+pub use comparison::COMPARISON_NAMES;
 pub use error::ReportError;
+pub use recorded::without_summary;
 
 use crate::Error;
 use html::{escaped, filled};
@@ -96,11 +99,12 @@ pub fn page(folder: &Path, request: &ReportRequest) -> Result<ReportPage, Error>
     let vendor = packed::packed(VENDOR.as_bytes());
     let validated = request.validation.as_deref().map(validation::found).transpose()?;
     let verdict = verdict::verdict(&recorded, validated.as_deref());
+    let beside = comparison::section(folder)?;
     let frames = recorded.numbers.len();
     let mut every = 1;
     loop {
         let payload = packed::packed(&payload::payload(&recorded, &factors, &views, every));
-        let html = assembled(folder, &recorded, &views, every, [&verdict, &payload, &vendor]);
+        let html = assembled(folder, &recorded, &views, every, &beside, [&verdict, &payload, &vendor]);
         if html.len() <= request.largest_bytes || every >= frames {
             return Ok(ReportPage { html, frames, every });
         }
@@ -114,6 +118,7 @@ fn assembled(
     recorded: &Recorded,
     views: &views::Views,
     every: usize,
+    [reference, link]: &[String; 2],
     [verdict, payload, vendor]: [&str; 3],
 ) -> String {
     let title = escaped(&name(folder));
@@ -126,6 +131,8 @@ fn assembled(
         ("directions", views.note()),
         ("doubts", doubts::list(recorded)),
         ("cameras", camera_table::camera_table(recorded)),
+        ("reference", reference.clone()),
+        ("reference_link", link.clone()),
         ("sources", source_bars::bars(&recorded.summary)),
         ("diagnostics", run_words::diagnostics(recorded)),
         ("settings", settings_table::settings_table(&recorded.summary)),

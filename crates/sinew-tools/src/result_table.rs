@@ -28,6 +28,8 @@ pub enum ResultTable {
     GaitParameters,
     /// `gait_cycles.csv`.
     GaitCycles,
+    /// `comparison.csv`.
+    Comparison,
 }
 
 impl ResultTable {
@@ -55,6 +57,8 @@ impl ResultTable {
             Some(Self::GaitParameters)
         } else if has(&["side", "angle", "percent", "cycles", "mean_deg"]) {
             Some(Self::GaitCycles)
+        } else if has(&["name", "axis", "count", "worth"]) {
+            Some(Self::Comparison)
         } else {
             let [frame, time, deviations @ ..] = &columns[..] else { return None };
             let only_deviations = !deviations.is_empty() && deviations.iter().all(|column| column.ends_with("_sd_m"));
@@ -75,6 +79,7 @@ impl ResultTable {
             Self::MarkersSd => "standard deviations of the markers, a row for each frame",
             Self::GaitEvents => "heel strikes and toe offs, a row for each event",
             Self::GaitParameters => "strides of a walk, a row for each, then means and standard deviations",
+            Self::Comparison => "agreement with a reference, a row for each point and axis, or angle",
             Self::GaitCycles => "angles over the gait cycle, a row for each per cent of an angle and side",
         }
     }
@@ -85,7 +90,7 @@ impl ResultTable {
         match self {
             Self::Joints => Some("joint"),
             Self::Keypoints => Some("keypoint"),
-            Self::Angles | Self::State => Some("name"),
+            Self::Angles | Self::State | Self::Comparison => Some("name"),
             Self::Actions => Some("part"),
             Self::GaitEvents => Some("event"),
             Self::GaitParameters => Some("side"),
@@ -97,7 +102,7 @@ impl ResultTable {
     /// Whether its rows belong to frames.
     #[must_use]
     pub const fn has_frames(self) -> bool {
-        !matches!(self, Self::GaitEvents | Self::GaitParameters | Self::GaitCycles)
+        !matches!(self, Self::GaitEvents | Self::GaitParameters | Self::GaitCycles | Self::Comparison)
     }
 }
 
@@ -118,6 +123,7 @@ mod tests {
         check("side,event,point,frame,time_s,time_q05_s,time_q95_s\n", Some(ResultTable::GaitEvents));
         check("row,side,strides,start_s,end_s,step_length_m\n", Some(ResultTable::GaitParameters));
         check("side,angle,percent,cycles,mean_deg,sd_deg\n", Some(ResultTable::GaitCycles));
+        check("name,axis,count,worth,bias_m\n", Some(ResultTable::Comparison));
         check("time_s,RHip_x_m,RHip_y_m,RHip_z_m\n", None);
         check("frame,time_s,RHip_sd_m,knee_deg\n", None);
         check("frame,time_s\n", None);

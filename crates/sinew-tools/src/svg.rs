@@ -1,23 +1,25 @@
 //! Lines, circles, squares, cells and words as SVG.
 
+pub use crate::inspect::latent_plane::ticks;
 use std::fmt::Write as _;
 
 /// Characters of a name that are shown.
 const SHOWN: usize = 40;
 
 /// A picture in the making.
-pub(crate) struct Svg {
+pub struct Svg {
     text: String,
 }
 
 /// A name that is not too long.
-pub(crate) fn clipped(name: &str) -> String {
+#[must_use]
+pub fn clipped(name: &str) -> String {
     name.chars().take(SHOWN).collect()
 }
 
 /// What of words stands at their place.
 #[derive(Clone, Copy)]
-pub(crate) enum Anchor {
+pub enum Anchor {
     /// Their middle.
     Middle,
     /// Their end.
@@ -39,7 +41,8 @@ fn escaped(words: &str) -> String {
 
 impl Svg {
     /// A white picture of that width and height, pixels.
-    pub(crate) fn new(width: f64, height: f64) -> Self {
+    #[must_use]
+    pub fn new(width: f64, height: f64) -> Self {
         let text = format!(
             "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width:.0}\" height=\"{height:.0}\" viewBox=\"0 0 {width:.0} {height:.0}\" font-family=\"sans-serif\">\n<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n"
         );
@@ -51,7 +54,8 @@ impl Svg {
         self.text.push('\n');
     }
 
-    pub(crate) fn text(&mut self, x: f64, y: f64, size: f64, words: &str) {
+    /// Words that begin at a place.
+    pub fn text(&mut self, x: f64, y: f64, size: f64, words: &str) {
         let words = escaped(words);
         self.put(format_args!(
             "<text x=\"{x:.1}\" y=\"{y:.1}\" font-size=\"{size:.0}\" fill=\"#111827\">{words}</text>"
@@ -59,7 +63,7 @@ impl Svg {
     }
 
     /// Words that do not begin at their place.
-    pub(crate) fn label(&mut self, [x, y]: [f64; 2], size: f64, anchor: Anchor, words: &str) {
+    pub fn label(&mut self, [x, y]: [f64; 2], size: f64, anchor: Anchor, words: &str) {
         let (words, anchor) = (escaped(words), anchor.name());
         self.put(format_args!(
             "<text x=\"{x:.1}\" y=\"{y:.1}\" font-size=\"{size:.0}\" fill=\"#111827\" text-anchor=\"{anchor}\">{words}</text>"
@@ -67,46 +71,48 @@ impl Svg {
     }
 
     /// Words that run upwards, their middle at a place.
-    pub(crate) fn upright(&mut self, [x, y]: [f64; 2], size: f64, words: &str) {
+    pub fn upright(&mut self, [x, y]: [f64; 2], size: f64, words: &str) {
         let words = escaped(words);
         self.put(format_args!(
             "<text transform=\"translate({x:.1} {y:.1}) rotate(-90)\" font-size=\"{size:.0}\" fill=\"#111827\" text-anchor=\"middle\">{words}</text>"
         ));
     }
 
-    pub(crate) fn line(&mut self, [x1, y1]: [f64; 2], [x2, y2]: [f64; 2], width: f64, color: &str) {
+    /// A line between two places.
+    pub fn line(&mut self, [x1, y1]: [f64; 2], [x2, y2]: [f64; 2], width: f64, color: &str) {
         self.put(format_args!(
             "<line x1=\"{x1:.1}\" y1=\"{y1:.1}\" x2=\"{x2:.1}\" y2=\"{y2:.1}\" stroke=\"{color}\" stroke-width=\"{width}\" stroke-linecap=\"round\"/>"
         ));
     }
 
-    pub(crate) fn circle(&mut self, [x, y]: [f64; 2], radius: f64, color: &str) {
+    /// A filled circle.
+    pub fn circle(&mut self, [x, y]: [f64; 2], radius: f64, color: &str) {
         self.put(format_args!("<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"{radius}\" fill=\"{color}\"/>"));
     }
 
     /// An empty circle, around a point that is pointed out.
-    pub(crate) fn ring(&mut self, [x, y]: [f64; 2], radius: f64, color: &str) {
+    pub fn ring(&mut self, [x, y]: [f64; 2], radius: f64, color: &str) {
         self.put(format_args!(
             "<circle class=\"ring\" cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"{radius}\" fill=\"none\" stroke=\"{color}\"/>"
         ));
     }
 
     /// An empty square.
-    pub(crate) fn frame(&mut self, x: f64, y: f64, side: f64) {
+    pub fn frame(&mut self, x: f64, y: f64, side: f64) {
         self.put(format_args!(
             "<rect x=\"{x:.1}\" y=\"{y:.1}\" width=\"{side:.1}\" height=\"{side:.1}\" fill=\"none\" stroke=\"#9ca3af\"/>"
         ));
     }
 
     /// A filled square, for one transition.
-    pub(crate) fn square(&mut self, [x, y]: [f64; 2], side: f64, color: &str) {
+    pub fn square(&mut self, [x, y]: [f64; 2], side: f64, color: &str) {
         self.put(format_args!(
             "<rect class=\"t\" x=\"{x:.2}\" y=\"{y:.2}\" width=\"{side:.2}\" height=\"{side:.2}\" fill=\"{color}\"/>"
         ));
     }
 
     /// A line through places.
-    pub(crate) fn polyline(&mut self, places: &[[f64; 2]], width: f64, color: &str) {
+    pub fn polyline(&mut self, places: &[[f64; 2]], width: f64, color: &str) {
         let points: Vec<String> = places.iter().map(|[x, y]| format!("{x:.1},{y:.1}")).collect();
         self.put(format_args!(
             "<polyline points=\"{}\" fill=\"none\" stroke=\"{color}\" stroke-width=\"{width}\"/>",
@@ -115,14 +121,14 @@ impl Svg {
     }
 
     /// A dashed line.
-    pub(crate) fn dashed(&mut self, [x1, y1]: [f64; 2], [x2, y2]: [f64; 2], color: &str) {
+    pub fn dashed(&mut self, [x1, y1]: [f64; 2], [x2, y2]: [f64; 2], color: &str) {
         self.put(format_args!(
             "<line x1=\"{x1:.1}\" y1=\"{y1:.1}\" x2=\"{x2:.1}\" y2=\"{y2:.1}\" stroke=\"{color}\" stroke-dasharray=\"4 3\"/>"
         ));
     }
 
     /// A filled outline that lets through what is below, at an opacity of 0 altogether.
-    pub(crate) fn area(&mut self, outline: &[[f64; 2]], color: &str, opacity: f64) {
+    pub fn area(&mut self, outline: &[[f64; 2]], color: &str, opacity: f64) {
         let points: Vec<String> = outline.iter().map(|[x, y]| format!("{x:.1},{y:.1}")).collect();
         self.put(format_args!(
             "<polygon points=\"{}\" fill=\"{color}\" fill-opacity=\"{opacity:.2}\"/>",
@@ -131,14 +137,15 @@ impl Svg {
     }
 
     /// A filled rectangle that lets through what is below, at an opacity of 0 altogether.
-    pub(crate) fn cell(&mut self, [x, y]: [f64; 2], [width, height]: [f64; 2], color: &str, opacity: f64) {
+    pub fn cell(&mut self, [x, y]: [f64; 2], [width, height]: [f64; 2], color: &str, opacity: f64) {
         self.put(format_args!(
             "<rect x=\"{x:.2}\" y=\"{y:.1}\" width=\"{width:.2}\" height=\"{height:.1}\" fill=\"{color}\" fill-opacity=\"{opacity:.2}\"/>"
         ));
     }
 
     /// The picture.
-    pub(crate) fn done(mut self) -> String {
+    #[must_use]
+    pub fn done(mut self) -> String {
         self.text.push_str("</svg>\n");
         self.text
     }

@@ -59,6 +59,8 @@ fn valid_files_are_read() {
     formats::live_frame::read("valid", &line, &formats::openpose::OpenposeOptions::default()).unwrap();
     formats::calib_toml::read("valid", &text("calib_toml")).unwrap();
     assert_eq!(formats::calibration::read("valid", &text("calibration")).unwrap().cameras.len(), 1);
+    assert_eq!(formats::osim_model::read("valid", &text("osim_model")).unwrap().bodies.len(), 2);
+    assert_eq!(formats::point_mapping::read("valid", &text("point_mapping")).unwrap().len(), 2);
     formats::layout::read("valid", &text("layout")).unwrap();
     formats::body_toml::read("valid", &text("body_toml")).unwrap();
     formats::trc::read("valid", &text("trc")).unwrap();

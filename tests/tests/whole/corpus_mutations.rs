@@ -148,6 +148,8 @@ targets! {
     mmpose_json: 10_000,
     rtmlib_json: 10_000,
     layout: 10_000,
+    osim_model: 10_000,
+    point_mapping: 10_000,
     body_toml: 10_000,
     trc: 10_000,
     c3d: 10_000,

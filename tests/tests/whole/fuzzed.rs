@@ -11,7 +11,7 @@ use std::path::Path;
 pub type Check = fn(&[u8]);
 
 /// Every fuzz target.
-pub const CHECKS: [(&str, Check); 30] = [
+pub const CHECKS: [(&str, Check); 32] = [
     ("openpose", checks::openpose),
     ("live_frame", checks::live_frame),
     ("calib_toml", checks::calib_toml),
@@ -23,6 +23,8 @@ pub const CHECKS: [(&str, Check); 30] = [
     ("mmpose_json", checks::mmpose_json),
     ("rtmlib_json", checks::rtmlib_json),
     ("layout", checks::layout),
+    ("osim_model", checks::osim_model),
+    ("point_mapping", checks::point_mapping),
     ("body_toml", checks::body_toml),
     ("trc", checks::trc),
     ("c3d", checks::c3d),

@@ -8,7 +8,7 @@ use std::collections::BinaryHeap;
 
 const TRIALS: u64 = 1_000_000;
 const WORKERS: u64 = 2000;
-/// Jobs that a scheduler starts in a second: Slurm's developers state 500 and more; half of that on a shared machine.
+/// Jobs that a scheduler starts in a second: an assumption, as is the next.
 const STARTS_PER_S: f64 = 200.0;
 /// Operations on names that a shared file system does in a second, for all.
 const OPERATIONS_PER_S: f64 = 20_000.0;

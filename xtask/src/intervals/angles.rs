@@ -48,10 +48,10 @@ fn grood_suntay([right, forward, up]: Axes, distal: Axes) -> V3 {
 }
 
 /// Angles by their names, degrees.
-pub(super) type Angles = BTreeMap<String, f64>;
+pub(crate) type Angles = BTreeMap<String, f64>;
 
 /// True angles by the names of `angles.csv`.
-pub(super) fn true_angles(body: &KinematicTree, state: &[f64]) -> Outcome<Angles> {
+pub(crate) fn true_angles(body: &KinematicTree, state: &[f64]) -> Outcome<Angles> {
     let posed = pose(body, state);
     let axes = |link: &str| -> Outcome<Axes> {
         let m = posed.rotations[body.link_index(link).ok_or(format!("no {link}"))?];

@@ -5,7 +5,7 @@ use crate::source::lines_with;
 use std::collections::BTreeSet;
 
 /// What each crate may depend on, of ours.
-const ALLOWED: [(&str, &[&str]); 19] = [
+const ALLOWED: [(&str, &[&str]); 20] = [
     ("sinew-core", &[]),
     ("sinew-body", &["sinew-core"]),
     ("sinew-observe", &["sinew-body", "sinew-core"]),
@@ -34,7 +34,9 @@ const ALLOWED: [(&str, &[&str]); 19] = [
         ],
     ),
     ("sinew-runs", &["sinew", "sinew-tools"]),
+    ("sinew-laboratory", &["sinew", "sinew-tools", "sinew-motion", "sinew-core", "sinew-body", "sinew-formats"]),
     ("sinew-cli", &BELOW_THE_PROGRAM),
+    ("sinew-python", &BELOW_PYTHON),
     ("xtask", &["sinew", "sinew-tools", "sinew-motion", "sinew-simulate", "sinew-tests"]),
     ("sinew-tests", &["sinew", "sinew-tools", "sinew-motion", "sinew-simulate", "sinew-invariance", "sinew-latent"]),
 ];
@@ -54,8 +56,9 @@ const LIBRARIES: [&str; 10] = [
 ];
 
 /// What the program may know.
-const BELOW_THE_PROGRAM: [&str; 13] = [
+const BELOW_THE_PROGRAM: [&str; 14] = [
     "sinew",
+    "sinew-laboratory",
     "sinew-runs",
     "sinew-tools",
     "sinew-motion",
@@ -69,6 +72,9 @@ const BELOW_THE_PROGRAM: [&str; 13] = [
     "sinew-formats",
     "sinew-latent",
 ];
+
+/// What the Python package may know.
+const BELOW_PYTHON: [&str; 4] = ["sinew", "sinew-runs", "sinew-tools", "sinew-simulate"];
 
 /// What only a program needs: arguments, manuals, progress bars and interrupts.
 const TERMINAL: [&str; 5] = ["clap", "clap_complete", "clap_mangen", "ctrlc", "indicatif"];

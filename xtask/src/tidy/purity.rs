@@ -52,13 +52,18 @@ pub fn check(workspace: &Workspace) -> Vec<Violation> {
             "sinew-runs" => {
                 forbid(file, &TERMINAL, "the program and xtask", &mut violations);
             }
-            "sinew" | "sinew-recording" | "sinew-tools" => {
+            "sinew" | "sinew-recording" | "sinew-tools" | "sinew-laboratory" | "sinew-python" => {
                 let all = [&TERMINAL[..], &POOLS[..]].concat();
                 forbid(file, &all, "runs, the program and xtask", &mut violations);
             }
             _ => {
                 let all = [&TERMINAL[..], &POOLS[..], &INPUT_AND_OUTPUT[..]].concat();
-                forbid(file, &all, "the library, recordings, tools, runs, the program and xtask", &mut violations);
+                forbid(
+                    file,
+                    &all,
+                    "the library, recordings, tools, the laboratory, runs, the program and xtask",
+                    &mut violations,
+                );
             }
         }
         if library == "sinew-body" {

@@ -3,25 +3,26 @@
 use super::plan::Plan;
 use super::positions::Record;
 use super::vector::{cross_add, load3, v3};
+use sinew_core::lanes::{Block, Isa, Kernel, LANES, Real, dispatch, dispatch_one, get_lane, set_lane};
 
-use sinew_core::lanes::{Isa, Kernel, Real, dispatch_one};
-
-struct Jacobian<'a> {
+struct Jacobian<'a, M> {
     plan: &'a Plan,
-    q: &'a [f64],
-    positions: &'a mut [f64],
-    jacobian: &'a mut [f64],
+    q: &'a [M],
+    positions: &'a mut [M],
+    jacobian: &'a mut [M],
+    ws: &'a mut [M],
 }
 
-impl Kernel<f64> for Jacobian<'_> {
+impl<M: Copy> Kernel<M> for Jacobian<'_, M> {
     #[inline(always)]
-    fn run<V: Real<Mem = f64>>(&mut self) {
+    fn run<V: Real<Mem = M>>(&mut self) {
         let plan = self.plan;
-        let mut ws = vec![0.0; plan.workspace()];
-        let mut pass = plan.pass(&mut ws);
+        let mut pass = plan.pass(self.ws);
         let (out, _) = self.positions.as_chunks_mut::<3>();
         plan.forward::<V, true>(self.q, &mut pass, &mut Record { order: plan.order(), out: &mut *out });
-        self.jacobian.fill(0.0);
+        for entry in &mut *self.jacobian {
+            V::splat(0.0).store(entry);
+        }
         for (&k, &link) in plan.order().iter().zip(&plan.link_of) {
             let point = load3::<V>(&out[k]);
             let mut above = Some(link);
@@ -45,5 +46,20 @@ impl Kernel<f64> for Jacobian<'_> {
 
 /// Positions of all points and their derivatives: `jacobian[(3 k + a) · dof + j] = ∂P_k,a / ∂q_j`. For fitting, not for hot loops.
 pub fn point_jacobian(plan: &Plan, isa: Isa, q: &[f64], positions: &mut [f64], jacobian: &mut [f64]) {
-    dispatch_one(isa, Jacobian { plan, q, positions, jacobian });
+    dispatch_one(isa, Jacobian { plan, q, positions, jacobian, ws: &mut vec![0.0; plan.workspace()] });
+}
+
+/// [`point_jacobian`] of states that stand one after the other, eight at a time; so do their positions (metres) and derivatives.
+pub fn point_jacobian_each(plan: &Plan, isa: Isa, states: &[f64], positions: &mut [f64], jacobians: &mut [f64]) {
+    let (d, width) = (plan.dof(), 3 * plan.points());
+    let (mut block, mut at) = (vec![Block::ZERO; d], vec![Block::ZERO; width]);
+    let (mut by_state, mut ws) = (vec![Block::ZERO; width * d], vec![Block::ZERO; plan.workspace()]);
+    let results = positions.chunks_mut(LANES * width).zip(jacobians.chunks_mut(LANES * width * d));
+    for (states, (positions, jacobians)) in states.chunks(LANES * d).zip(results) {
+        states.chunks_exact(d).enumerate().for_each(|(lane, state)| set_lane(&mut block, lane, state));
+        let (q, ws) = (&block[..], &mut ws[..]);
+        dispatch(isa, Jacobian { plan, q, positions: &mut at, jacobian: &mut by_state, ws });
+        positions.chunks_exact_mut(width).enumerate().for_each(|(lane, out)| get_lane(&at, lane, out));
+        jacobians.chunks_exact_mut(width * d).enumerate().for_each(|(lane, out)| get_lane(&by_state, lane, out));
+    }
 }

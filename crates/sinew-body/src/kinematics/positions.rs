@@ -48,14 +48,19 @@ pub fn point_positions_block(plan: &Plan, isa: Isa, q: &[Block], out: &mut [Bloc
 /// Positions of all points in some states that stand one after the other, eight at a time.
 #[must_use]
 pub fn point_positions_each(plan: &Plan, isa: Isa, states: &[f64]) -> Vec<f64> {
+    let mut points = vec![0.0; states.len() / plan.dof() * 3 * plan.points()];
+    point_positions_into(plan, isa, states, &mut points);
+    points
+}
+
+/// [`point_positions_each`] into the caller's memory, `3 · points` numbers a state.
+pub fn point_positions_into(plan: &Plan, isa: Isa, states: &[f64], out: &mut [f64]) {
     let (d, width) = (plan.dof(), 3 * plan.points());
-    let mut points = vec![0.0; states.len() / d * width];
     let (mut block, mut at) = (vec![Block::ZERO; d], vec![Block::ZERO; width]);
     let mut ws = vec![Block::ZERO; plan.workspace()];
-    for (states, points) in states.chunks(LANES * d).zip(points.chunks_mut(LANES * width)) {
+    for (states, out) in states.chunks(LANES * d).zip(out.chunks_mut(LANES * width)) {
         states.chunks_exact(d).enumerate().for_each(|(lane, state)| set_lane(&mut block, lane, state));
         point_positions_block(plan, isa, &block, &mut at, &mut ws);
-        points.chunks_exact_mut(width).enumerate().for_each(|(lane, points)| get_lane(&at, lane, points));
+        out.chunks_exact_mut(width).enumerate().for_each(|(lane, out)| get_lane(&at, lane, out));
     }
-    points
 }

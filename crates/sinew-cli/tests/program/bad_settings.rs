@@ -128,6 +128,7 @@ fn help_fits_one_screen_and_starts_with_examples() {
         "report",
         "sync",
         "gait",
+        "compare",
         "fit-shape",
         "body",
         "completions",

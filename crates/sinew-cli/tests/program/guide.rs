@@ -28,10 +28,11 @@ const SHORT: [(&str, &str); 11] = [
 ];
 
 /// Pages of the guide.
-const PAGES: [&str; 9] = [
+const PAGES: [&str; 10] = [
     "batch",
     "cameras",
     "first-recording",
+    "laboratory",
     "live",
     "motion-models",
     "own-recording",

@@ -20,6 +20,7 @@ mod guide;
 mod inspect_own_files;
 mod killed_runs;
 mod knees;
+mod laboratory;
 mod lag;
 mod learn;
 mod learn_latent;

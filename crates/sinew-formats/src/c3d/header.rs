@@ -12,10 +12,10 @@ use crate::source_text::shortened;
 const MARK: u8 = 0x50;
 
 /// Word 150 where the header has events.
-const HAS_EVENTS: u16 = 12_345;
+pub(super) const HAS_EVENTS: u16 = 12_345;
 
 /// Events that a header can hold.
-const EVENTS: usize = 18;
+pub(super) const EVENTS: usize = 18;
 
 const INSIDE: &str = "the header";
 

@@ -41,6 +41,7 @@ pub fn read(name: &str, bytes: &[u8]) -> Result<C3d, Error> {
     let frames = frames::read(&source, data_at, layout, range.count, &mut analog.channels, analog.general_scale)?;
     let mut all_events = std::mem::take(&mut header.events);
     all_events.extend(events::events(&groups));
+    let scale = layout.scale.abs();
     let header = C3dHeader {
         rate_hz: rate(&source, &header, &groups)?,
         units: units(&source, &groups, &mut warnings)?,
@@ -55,7 +56,7 @@ pub fn read(name: &str, bytes: &[u8]) -> Result<C3d, Error> {
     }
     let place = || Place::file(name);
     warnings.extend(repeated(&header.markers).map(|name| Warning::RepeatedMarker { place: place(), name }));
-    Ok(C3d { processor: source.processor, header, frames, analog, events: all_events, groups, warnings })
+    Ok(C3d { processor: source.processor, header, scale, frames, analog, events: all_events, groups, warnings })
 }
 
 /// First byte of the frames.

@@ -88,6 +88,8 @@ pub struct C3d {
     pub processor: Processor,
     /// What is said about the points.
     pub header: C3dHeader,
+    /// Factor of words and of residuals, in the unit of the file: |POINT:SCALE|.
+    pub scale: f64,
     /// Points of each frame in the order of the header; `None` is missing.
     pub frames: Vec<Vec<Option<C3dPoint>>>,
     /// Analog channels.

@@ -79,7 +79,7 @@ pub fn write(out: &mut impl Write, header: &C3dHeader, frames: &[Vec<Option<[f64
     write_end(out, header, count)
 }
 
-fn invalid(what: &str) -> io::Error {
+pub(super) fn invalid(what: &str) -> io::Error {
     io::Error::new(io::ErrorKind::InvalidInput, what)
 }
 

@@ -24,7 +24,7 @@ const TEXTS: usize = 255;
 const VALUE_BYTES: usize = 32_000;
 
 /// Blocks that the section's head can count.
-const BLOCKS: usize = 255;
+pub(super) const BLOCKS: usize = 255;
 
 /// The section, in whole blocks, for frames that begin in the block behind it.
 pub(super) fn section(header: &C3dHeader, frames: u32) -> io::Result<Vec<u8>> {

@@ -11,3 +11,4 @@ mod returned;
 mod samples;
 mod storage;
 mod transcoded;
+mod whole;

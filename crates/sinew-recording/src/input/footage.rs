@@ -9,6 +9,7 @@ use super::error::InputError;
 use super::frame::{Frame, FrameImages};
 use super::source::FrameSource;
 use crate::input::pictures::{self, Pictures};
+use crate::input::recording::given::GivenRecording;
 use crate::input::recording::{self, Calibrated, Recording, chosen_cameras};
 use crate::input::silhouettes::{self, Silhouettes};
 use crate::{Error, files};
@@ -43,6 +44,8 @@ pub struct FootageFiles<'a> {
     pub calibration: &'a Path,
     /// Keypoint folder.
     pub keypoints: Option<&'a Path>,
+    /// Cameras and keypoints in memory, in place of these two.
+    pub given: Option<&'a GivenRecording>,
     /// Folder of masks.
     pub silhouettes: Option<&'a Path>,
     /// Folder of images.
@@ -84,9 +87,10 @@ impl Footage {
     pub fn open(files: &FootageFiles<'_>, options: &recording::RecordingOptions) -> Result<Self, Error> {
         let calibration = files.calibration;
         let begins_only = files.init.is_some();
-        let mut footage = match files.keypoints {
-            Some(keypoints) => Self::with_keypoints(Recording::open(calibration, keypoints, options)?),
-            None => Self::without_keypoints(calibration, options)?,
+        let mut footage = match (files.given, files.keypoints) {
+            (Some(given), _) => Self::with_keypoints(Recording::given(given, options)?),
+            (None, Some(keypoints)) => Self::with_keypoints(Recording::open(calibration, keypoints, options)?),
+            (None, None) => Self::without_keypoints(calibration, options)?,
         };
         footage.begins_only = begins_only;
         if let Some(folder) = files.silhouettes {
@@ -111,7 +115,7 @@ impl Footage {
             footage.silhouettes = Some(masks);
         }
         if files.silhouettes.is_some()
-            && (begins_only || files.keypoints.is_none())
+            && (begins_only || footage.keypoints.is_none())
             && let Some(method) = files.needs_gradients
         {
             return Err(InputError::GradientsOfSilhouettes { method }.into());

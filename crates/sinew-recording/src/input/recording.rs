@@ -8,6 +8,7 @@
 
 mod calibrated;
 mod frame_ranges;
+pub mod given;
 pub(super) mod guess;
 pub mod keypoint_camera;
 pub mod keypoint_sources;
@@ -25,6 +26,7 @@ pub use options::RecordingOptions;
 use crate::input::frame::{detected, detections};
 use crate::input::lag::ClockLag;
 use crate::{Error, files};
+use given::GivenRecording;
 use keypoint_camera::KeypointCamera;
 use keypoint_sources::KeypointSource;
 use known_layout::named_layout;
@@ -66,31 +68,34 @@ impl Recording {
     /// What [`sinew_formats::calibration::read`] refuses; folders that do not fit the calibration; cameras that begin or end apart, unless trimmed; an empty selection; a layout
     /// that is unknown or too poor.
     pub fn open(calibration: &Path, keypoints: &Path, options: &RecordingOptions) -> Result<Self, Error> {
-        let Calibrated { cameras, names: calibrated, mut warnings, hash: calibration_hash } =
-            Calibrated::read(calibration)?;
-        let sources = keypoint_sources::sources(keypoints, &calibrated, options.confidence_scale)?;
+        let calibrated = Calibrated::read(calibration)?;
+        let sources = keypoint_sources::sources(keypoints, &calibrated.names, options.confidence_scale)?;
+        Self::from_sources(calibrated, sources, keypoints, options)
+    }
+
+    /// Opens a recording in memory.
+    ///
+    /// # Errors
+    /// As [`Recording::open`], but for files.
+    pub fn given(given: &GivenRecording, options: &RecordingOptions) -> Result<Self, Error> {
+        Self::from_sources(given.calibrated(), given.sources(), Path::new("keypoints"), options)
+    }
+
+    fn from_sources(
+        calibrated: Calibrated,
+        sources: Vec<KeypointSource>,
+        keypoints: &Path,
+        options: &RecordingOptions,
+    ) -> Result<Self, Error> {
+        let Calibrated { cameras, names: calibrated, mut warnings, hash: calibration_hash } = calibrated;
         let (cameras, sources) = match options.cameras.as_deref() {
             Some(names) => (chosen_cameras(cameras, names)?, keypoint_sources::chosen(sources, names)?),
             None => (cameras, sources),
         };
         let said = keypoint_sources::layout(&sources)?;
 
-        let names: Vec<&str> = sources.iter().map(|source| source.name.as_str()).collect();
         check_lags(&options.lag, &calibrated)?;
-        let camera_names: Vec<&str> = cameras.iter().map(|camera| camera.name.as_str()).collect();
-        let matching = camera_name::match_names(&names, &camera_names)?;
-        warnings.extend(matching.warnings(&names, &camera_names).iter().map(ToString::to_string));
-        let mut sources: Vec<Option<KeypointSource>> = sources.into_iter().map(Some).collect();
-        let mut used = Vec::new();
-        let mut listed = Vec::new();
-        for (source, camera) in matching.pairs {
-            let Some(source) = sources.get_mut(source).and_then(Option::take) else { continue };
-            let camera = cameras[camera].resized(options.image_scale);
-            warnings.extend(source.warnings.iter().cloned());
-            let keypoints = source.keypoints(&camera.name, Some(&camera))?;
-            listed.push(keypoints.late_by(lag_of(&options.lag, &camera.name)));
-            used.push(camera);
-        }
+        let (used, listed) = matched(&cameras, sources, options, &mut warnings)?;
         if used.len() == 1 {
             warnings.push("one camera: depth comes from the prior only".into());
         }
@@ -256,6 +261,30 @@ impl Recording {
     pub fn folders(&self) -> Vec<PathBuf> {
         self.keypoints.iter().map(KeypointCamera::source).collect()
     }
+}
+
+/// The cameras with keypoints, resized, and the keypoints of each.
+fn matched(
+    cameras: &[Camera],
+    sources: Vec<KeypointSource>,
+    options: &RecordingOptions,
+    warnings: &mut Vec<String>,
+) -> Result<(Vec<Camera>, Vec<KeypointCamera>), Error> {
+    let names: Vec<&str> = sources.iter().map(|source| source.name.as_str()).collect();
+    let camera_names: Vec<&str> = cameras.iter().map(|camera| camera.name.as_str()).collect();
+    let matching = camera_name::match_names(&names, &camera_names)?;
+    warnings.extend(matching.warnings(&names, &camera_names).iter().map(ToString::to_string));
+    let mut sources: Vec<Option<KeypointSource>> = sources.into_iter().map(Some).collect();
+    let (mut used, mut listed) = (Vec::new(), Vec::new());
+    for (source, camera) in matching.pairs {
+        let Some(source) = sources.get_mut(source).and_then(Option::take) else { continue };
+        let camera = cameras[camera].resized(options.image_scale);
+        warnings.extend(source.warnings.iter().cloned());
+        let keypoints = source.keypoints(&camera.name, Some(&camera))?;
+        listed.push(keypoints.late_by(lag_of(&options.lag, &camera.name)));
+        used.push(camera);
+    }
+    Ok((used, listed))
 }
 
 /// Warnings about frames that are requested or trimmed, and about holes.

@@ -37,11 +37,11 @@ pub(super) fn page(plan: &StudyPlan, gathered: &Gathered, rows: &[Row], statisti
     let parts = [
         ("root", escaped(&plan.root.display().to_string())),
         ("version", escaped(&plan.sinew_version)),
-        ("counts", table("Trials", &["state", "trials", "meaning"], &counts)),
-        ("trials", table("One row a trial", &heads, &shown) + &more),
+        ("counts", table("", &["state", "trials", "meaning"], &counts)),
+        ("trials", table("", &heads, &shown) + &more),
         (
             "groups",
-            if groups.is_empty() { String::new() } else { table("Joint angles by group", &group_heads, &groups) },
+            if groups.is_empty() { "<p>No trial has angles yet.</p>".into() } else { table("", &group_heads, &groups) },
         ),
     ];
     sinew_tools::report::html::filled(TEMPLATE, &parts)

@@ -103,7 +103,8 @@ fn extent(values: impl Iterator<Item = f64>) -> [f64; 2] {
 }
 
 /// Round numbers within an extent, three to six of them.
-pub(crate) fn ticks([low, high]: [f64; 2]) -> Vec<f64> {
+#[must_use]
+pub fn ticks([low, high]: [f64; 2]) -> Vec<f64> {
     let power = 10.0_f64.powf((high - low).log10().floor());
     let within = |step: f64| -> Vec<f64> {
         let first = (low / step).ceil();

@@ -6,7 +6,9 @@
 //! within half a frame of a rate cannot be written; the first is rounded to a whole frame.
 
 use super::content::{Content, Motion};
+use super::error::MotionError;
 use super::format::Format;
+use crate::Error;
 use sinew::files;
 use sinew_formats::c3d::{self, C3d, C3dHeader};
 use sinew_formats::point_table::PointTable;
@@ -14,6 +16,19 @@ use sinew_formats::source_text::MAX_TEXT_BYTES;
 use sinew_formats::trc::trc_from_world;
 use std::io;
 use std::path::Path;
+
+/// A motion as the bytes of a file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ConvertedMotion {
+    /// The file.
+    pub bytes: Vec<u8>,
+    /// Number of frames.
+    pub frames: usize,
+    /// Frames per second.
+    pub rate_hz: f64,
+    /// What was odd.
+    pub warnings: Vec<String>,
+}
 
 /// The file with all that it holds.
 pub(crate) fn file(path: &Path) -> Result<C3d, sinew::Error> {
@@ -45,6 +60,19 @@ pub(crate) fn motion(file: &C3d) -> Motion {
         content: Content::Points(table),
         warnings,
     }
+}
+
+/// A C3D file as another one with all that it holds: points with residuals, analog channels, events, parameters.
+///
+/// # Errors
+/// What the reader refuses, and what a file for Intel cannot hold.
+pub fn rewritten_c3d(path: &Path) -> Result<ConvertedMotion, Error> {
+    let file = file(path)?;
+    let mut bytes = vec![];
+    c3d::write_whole(&mut bytes, &file)
+        .map_err(|refusal| MotionError::Unwritable { format: Format::C3d.name(), refusal })?;
+    let warnings = file.warnings.iter().map(ToString::to_string).collect();
+    Ok(ConvertedMotion { bytes, frames: file.frames.len(), rate_hz: file.header.rate_hz, warnings })
 }
 
 pub(super) fn write(out: &mut Vec<u8>, rate_hz: f64, points: &PointTable) -> io::Result<()> {

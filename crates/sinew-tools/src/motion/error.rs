@@ -66,6 +66,12 @@ pub enum MotionError {
         /// What is possible.
         instead: &'static str,
     },
+    /// Bones that are not ours, to be renamed.
+    #[error("bones are renamed in a skeleton of `sinew track`, which has {wanted}")]
+    OtherBones {
+        /// Bones that it has.
+        wanted: String,
+    },
     /// Names or numbers that the format cannot hold.
     #[error("the motion cannot be written as {format}: {refusal}")]
     Unwritable {
@@ -116,6 +122,7 @@ impl MotionError {
             Self::NoSkeleton { .. } => "give its skeleton with `--skeleton FILE.asf`",
             Self::NoMotion { motions, .. } => return Some(format!("convert {motions}")),
             Self::NoTimes { .. } => "name the column of the times `time_s`, in seconds",
+            Self::OtherBones { .. } => "give motion.bvh of a result folder",
             Self::ReadOnly => "write .bvh instead",
             Self::Impossible { instead, .. } => instead,
             Self::NoPoints { .. } => sinew_motion::NEEDED,

@@ -12,7 +12,8 @@ pub(super) fn packed(bytes: &[u8]) -> String {
     base64(&compress_to_vec_zlib(bytes, LEVEL))
 }
 
-fn base64(bytes: &[u8]) -> String {
+/// Bytes in base64, without line ends.
+pub(super) fn base64(bytes: &[u8]) -> String {
     let mut text = String::with_capacity(bytes.len().div_ceil(3) * 4);
     for three in bytes.chunks(3) {
         let byte = |index: usize| u32::from(three.get(index).copied().unwrap_or(0));

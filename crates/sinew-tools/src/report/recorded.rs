@@ -148,7 +148,8 @@ fn angle((name, series): Named) -> RecordedAngle {
 }
 
 /// Why a folder has no summary.
-pub(crate) fn without_summary(folder: &Path) -> Error {
+#[must_use]
+pub fn without_summary(folder: &Path) -> Error {
     if let Err(error) = std::fs::read_dir(folder) {
         return sinew::Error::io("read", folder)(error).into();
     }

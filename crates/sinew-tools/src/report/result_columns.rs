@@ -9,17 +9,17 @@ use sinew_formats::tidy_csv::{self, Cells};
 use std::path::{Path, PathBuf};
 
 /// A table with its place.
-pub(crate) struct FolderTable {
+pub struct FolderTable {
     path: PathBuf,
     cells: Cells,
 }
 
 /// What the rows of one name hold: a series for each column.
-pub(crate) type Named = (String, Vec<Vec<f64>>);
+pub type Named = (String, Vec<Vec<f64>>);
 
 impl FolderTable {
     /// Reads a table of a folder.
-    pub(crate) fn read(folder: &Path, file: &'static str) -> Result<Self, Error> {
+    pub fn read(folder: &Path, file: &'static str) -> Result<Self, Error> {
         let path = folder.join(file);
         if !path.exists() {
             return Err(ReportError::NoFile { folder: folder.to_owned(), file }.into());
@@ -28,7 +28,7 @@ impl FolderTable {
     }
 
     /// Reads a table.
-    pub(crate) fn open(path: &Path) -> Result<Self, Error> {
+    pub fn open(path: &Path) -> Result<Self, Error> {
         let cells = tidy_csv::read_cells(&path.display().to_string(), &read_text(path, MAX_TEXT_BYTES)?)?;
         Ok(Self { path: path.to_owned(), cells })
     }
@@ -38,7 +38,7 @@ impl FolderTable {
     }
 
     /// Cells of the column of that name.
-    pub(crate) fn texts(&self, wanted: &'static str) -> Result<Vec<String>, Error> {
+    pub fn texts(&self, wanted: &'static str) -> Result<Vec<String>, Error> {
         let place = self.place(wanted)?;
         Ok(self.cells.rows.iter().map(|(_, row)| row[place].clone()).collect())
     }
@@ -63,23 +63,18 @@ impl FolderTable {
     }
 
     /// Numbers of the column of that name.
-    pub(crate) fn column(&self, wanted: &'static str) -> Result<Vec<f64>, Error> {
+    pub fn column(&self, wanted: &'static str) -> Result<Vec<f64>, Error> {
         self.numbers(self.place(wanted)?)
     }
 
     /// Numbers of a column that may be missing.
-    pub(crate) fn optional(&self, wanted: &str) -> Result<Option<Vec<f64>>, Error> {
+    pub fn optional(&self, wanted: &str) -> Result<Option<Vec<f64>>, Error> {
         let place = self.cells.columns.iter().position(|column| column == wanted);
         place.map(|place| self.numbers(place)).transpose()
     }
 
     /// Columns of a table with a row for each name in each of `frames` frames, the names in one order.
-    pub(crate) fn by_name(
-        &self,
-        head: &'static str,
-        wanted: &[&'static str],
-        frames: usize,
-    ) -> Result<Vec<Named>, Error> {
+    pub fn by_name(&self, head: &'static str, wanted: &[&'static str], frames: usize) -> Result<Vec<Named>, Error> {
         let other = || Error::from(ReportError::OtherRun(self.path.clone()));
         let (rows, place) = (&self.cells.rows, self.place(head)?);
         let names = rows.len() / frames.max(1);

@@ -10,9 +10,11 @@ use crate::Error;
 use crate::methods::{self, About, LatentUse, METHODS};
 use sinew_formats::nearest::nearest;
 use sinew_recording::Problems;
+use sinew_recording::input::recording::given::GivenRecording;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// What the program was started with.
 #[derive(Clone, Debug, Default)]
@@ -29,6 +31,8 @@ pub struct Sources {
 #[derive(Clone, Debug, Default)]
 pub struct Resolved {
     pub(super) values: SettingValues,
+    /// Cameras and keypoints in memory, in place of the ones that settings name.
+    pub given: Option<Arc<GivenRecording>>,
     /// Variables that look like settings and are none.
     pub warnings: Vec<String>,
 }

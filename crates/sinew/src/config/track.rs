@@ -17,6 +17,7 @@ use sinew_latent::file::StoredModel;
 use sinew_observe::Noise;
 use sinew_recording::input::footage::{FootageFiles, Init};
 use sinew_recording::input::lag::ClockLag;
+use sinew_recording::input::recording::given::GivenRecording;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -28,6 +29,8 @@ pub struct TrackConfig {
     pub calibration: Option<PathBuf>,
     /// Keypoint folder or file.
     pub keypoints: Option<PathBuf>,
+    /// Cameras and keypoints in memory, in place of these two.
+    pub given: Option<Arc<GivenRecording>>,
     /// Folder of masks.
     pub silhouettes: Option<PathBuf>,
     /// Folder of images.
@@ -105,6 +108,7 @@ impl Resolved {
         TrackConfig {
             calibration: self.values.path("calibration"),
             keypoints: self.values.path("keypoints"),
+            given: self.given.clone(),
             silhouettes: self.values.path("silhouettes"),
             images: self.values.path("images"),
             mask_scale: self.values.number("mask_scale"),
@@ -188,7 +192,7 @@ impl Resolved {
     fn settings(&self) -> Settings {
         let (about, values) = (self.method(), &self.values);
         let begins_only = values.get("init").is_some();
-        let beside_keypoints = values.get("keypoints").is_some() && !begins_only;
+        let beside_keypoints = (values.get("keypoints").is_some() || self.given.is_some()) && !begins_only;
         let usual_score = if beside_keypoints { about.score_beside_keypoints } else { about.score };
         let score = values.text("score").and_then(|name| Score::named(&name)).unwrap_or(usual_score);
         let usual = Settings::default();
@@ -227,6 +231,7 @@ impl TrackConfig {
         FootageFiles {
             calibration,
             keypoints: self.keypoints.as_deref(),
+            given: self.given.as_deref(),
             silhouettes: self.silhouettes.as_deref(),
             images: self.images.as_deref(),
             mask_scale: self.mask_scale,

@@ -42,6 +42,14 @@ enum SourcePlace {
 }
 
 impl KeypointSource {
+    /// Frames in memory of the camera of that name.
+    #[must_use]
+    pub fn given(name: &str, frames: Frames, layout: Option<Layout>) -> Self {
+        let place =
+            SourcePlace::Table { file: name.into(), frames, layout, in_image_shares: false, leaves_out_nobody: false };
+        Self { name: name.into(), warnings: vec![], place }
+    }
+
     /// Keypoints of a camera of that name; coordinates that are shares of the image become pixels of `camera`.
     ///
     /// # Errors

@@ -1,0 +1,229 @@
+//! Bodies: kinematic trees with named points, for batches of poses.
+
+use crate::arrays::{Numbers, array, numbers, room, shaped};
+use crate::background::detached;
+use crate::failure::Failure;
+use numpy::PyArrayDyn;
+use pyo3::prelude::*;
+use rayon::prelude::*;
+use sinew::bodies;
+use sinew::body::subject::{SIZES, scaled};
+use sinew::body::{Joint, KinematicTree, Plan, Proportions, point_jacobian_each, point_positions_into};
+use sinew::core::lanes::{Isa, LANES};
+use sinew::formats::body_toml;
+use sinew::setup::Body;
+use std::collections::BTreeMap;
+
+/// States that a thread takes at a time.
+const STATES_A_TASK: usize = 64 * LANES;
+
+/// A body: a tree of links with degrees of freedom and named points.
+///
+/// Parameters
+/// ----------
+/// name
+///     `h32` (32 degrees of freedom, for real people), `cf28`, `hppf24` or `hapf31`, or a body file (`body.toml`).
+/// scale
+///     Factor on all sizes of an adult of 1.75 m.
+/// sizes
+///     Single sizes in metres, by the names of `Body.sizes`; they override `scale`.
+///
+/// A pose is a vector of `dof` numbers: metres for translations, radians for rotations, in the order of `dof_names`. The world has z up.
+#[pyclass(frozen, name = "Body", module = "sinew")]
+pub(crate) struct PyBody {
+    name: String,
+    pub(crate) body: Body,
+    proportions: Proportions,
+    pub(crate) tree: KinematicTree,
+    plan: Plan,
+}
+
+#[pymethods]
+impl PyBody {
+    #[new]
+    #[pyo3(signature = (name = "h32", *, scale = 1.0, sizes = None))]
+    fn new(name: &str, scale: f64, sizes: Option<BTreeMap<String, f64>>) -> PyResult<Self> {
+        if !(scale > 0.0 && scale.is_finite()) {
+            return Err(Failure::argument(format!("`scale` is {scale}; it must be positive")).into());
+        }
+        let body = bodies::to_track(name).map_err(Failure::from)?;
+        let mut proportions = scaled(&Proportions::default(), scale);
+        for (name, value) in sizes.unwrap_or_default() {
+            set_size(&mut proportions, &name, value)?;
+        }
+        let tree = body.tree(&proportions);
+        if tree.dof() == 0 {
+            return Err(Failure::argument(format!("the body `{name}` has no degree of freedom")).into());
+        }
+        let plan = Plan::with_all_points(&tree);
+        Ok(Self { name: name.into(), body, proportions, tree, plan })
+    }
+
+    /// Name or file of the body.
+    #[getter]
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// Number of degrees of freedom.
+    #[getter]
+    fn dof(&self) -> usize {
+        self.tree.dof()
+    }
+
+    /// Name of every degree of freedom, in the order of a pose: `link.tx` (metres) or `link.rx` (radians).
+    #[getter]
+    fn dof_names(&self) -> Vec<String> {
+        self.tree.dof_names()
+    }
+
+    /// Names of the points, in the order of `positions`.
+    #[getter]
+    fn points(&self) -> Vec<&str> {
+        self.tree.points().iter().map(|point| point.name.as_str()).collect()
+    }
+
+    /// Names of the links, parents before children.
+    #[getter]
+    fn links(&self) -> Vec<&str> {
+        self.tree.links().iter().map(|link| link.name.as_str()).collect()
+    }
+
+    /// Index of each link's parent among `links`; None for the root.
+    #[getter]
+    fn parents(&self) -> Vec<Option<usize>> {
+        self.tree.links().iter().map(|link| link.parent).collect()
+    }
+
+    /// For each degree of freedom the index of its link, `translate` or `rotate`, and the axis (0, 1, 2) of the link's frame so far.
+    #[getter]
+    fn joints(&self) -> Vec<(usize, &'static str, usize)> {
+        let word = |(link, joint)| match joint {
+            Joint::Translate(axis) => (link, "translate", axis.index()),
+            Joint::Rotate(axis) => (link, "rotate", axis.index()),
+        };
+        self.tree.joints().map(word).collect()
+    }
+
+    /// Origin of each link in its parent's frame, (links, 3), metres.
+    #[getter]
+    fn offsets<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+        let links = self.tree.links();
+        array(py, [links.len(), 3], links.iter().flat_map(|link| link.offset).collect())
+    }
+
+    /// Index of the link that carries each point.
+    #[getter]
+    fn point_links(&self) -> Vec<usize> {
+        self.tree.points().iter().map(|point| point.link).collect()
+    }
+
+    /// Place of each point in the frame of its link, (points, 3), metres.
+    #[getter]
+    fn point_offsets<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+        let points = self.tree.points();
+        array(py, [points.len(), 3], points.iter().flat_map(|point| point.offset).collect())
+    }
+
+    /// The sizes that the body was made with, by name, metres. A body of a file has its own.
+    #[getter]
+    fn sizes(&self) -> BTreeMap<&'static str, f64> {
+        let mut proportions = self.proportions;
+        SIZES.iter().map(|(name, _, size)| (*name, *size(&mut proportions))).collect()
+    }
+
+    /// World positions of the points.
+    ///
+    /// Parameters
+    /// ----------
+    /// poses
+    ///     (..., dof), metres and radians.
+    ///
+    /// Returns
+    /// -------
+    /// (..., points, 3), metres. Eight poses are evaluated together, on all threads; the number of threads changes nothing.
+    fn positions<'py>(&self, py: Python<'py>, poses: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+        let poses = self.poses(poses)?;
+        let (states, count) = (poses.values()?, poses.shape().iter().product::<usize>() / self.tree.dof());
+        let (d, width, plan) = (self.tree.dof(), 3 * self.plan.points(), &self.plan);
+        let out = detached(py, || {
+            let mut out = room(&[count, width])?;
+            if width == 0 {
+                return Ok(out);
+            }
+            let parts = states.par_chunks(STATES_A_TASK * d).zip(out.par_chunks_mut(STATES_A_TASK * width));
+            parts.for_each(|(states, out)| point_positions_into(plan, Isa::best(), states, out));
+            Ok(out)
+        })?;
+        array(py, shaped(self.leading(&poses)?, &[self.plan.points(), 3]), out)
+    }
+
+    /// World positions of the points and their derivatives by the degrees of freedom.
+    ///
+    /// Parameters
+    /// ----------
+    /// poses
+    ///     (..., dof), metres and radians.
+    ///
+    /// Returns
+    /// -------
+    /// Positions (..., points, 3) in metres and Jacobians (..., points, 3, dof) in metres per metre or radian.
+    fn jacobian<'py>(
+        &self,
+        py: Python<'py>,
+        poses: &Bound<'py, PyAny>,
+    ) -> PyResult<(Bound<'py, PyArrayDyn<f64>>, Bound<'py, PyArrayDyn<f64>>)> {
+        let poses = self.poses(poses)?;
+        let (states, count) = (poses.values()?, poses.shape().iter().product::<usize>() / self.tree.dof());
+        let (d, width, plan) = (self.tree.dof(), 3 * self.plan.points(), &self.plan);
+        let (positions, jacobians) = detached(py, || {
+            let mut results = (room(&[count, width])?, room(&[count, width, d])?);
+            if width == 0 {
+                return Ok(results);
+            }
+            let parts = results.0.par_chunks_mut(STATES_A_TASK * width);
+            let parts = parts.zip(results.1.par_chunks_mut(STATES_A_TASK * width * d));
+            let parts = states.par_chunks(STATES_A_TASK * d).zip(parts);
+            parts.for_each(|(states, (to, by))| point_jacobian_each(plan, Isa::best(), states, to, by));
+            Ok(results)
+        })?;
+        let (leading, points) = (self.leading(&poses)?, self.plan.points());
+        let positions = array(py, shaped(leading, &[points, 3]), positions)?;
+        Ok((positions, array(py, shaped(leading, &[points, 3, d]), jacobians)?))
+    }
+
+    /// The body as a body file (`body.toml`).
+    pub(crate) fn to_toml(&self) -> String {
+        body_toml::write(&self.tree, self.body.flesh(&self.tree).ok().as_ref())
+    }
+
+    fn __repr__(&self) -> String {
+        let (links, points) = (self.tree.links().len(), self.tree.points().len());
+        format!("Body({:?}: {} degrees of freedom, {links} links, {points} points)", self.name, self.tree.dof())
+    }
+}
+
+impl PyBody {
+    fn poses<'py>(&self, poses: &Bound<'py, PyAny>) -> PyResult<Numbers<'py>> {
+        let poses = numbers("poses", poses)?;
+        self.leading(&poses)?;
+        Ok(poses)
+    }
+
+    fn leading<'a>(&self, poses: &'a Numbers<'_>) -> Result<&'a [usize], Failure> {
+        poses.leading(&[("degrees of freedom", Some(self.tree.dof()))])
+    }
+}
+
+fn set_size(proportions: &mut Proportions, name: &str, value: f64) -> Result<(), Failure> {
+    let Some((_, is_length, size)) = SIZES.iter().find(|(known, _, _)| *known == name) else {
+        let known = SIZES.map(|(name, _, _)| name).join(", ");
+        return Err(Failure::argument(format!("`sizes`: unknown size `{name}`; known: {known}")));
+    };
+    if !value.is_finite() || (*is_length && value <= 0.0) {
+        let due = if *is_length { "positive" } else { "finite" };
+        return Err(Failure::argument(format!("`sizes`: {name} is {value}; it must be {due}")));
+    }
+    *size(proportions) = value;
+    Ok(())
+}

@@ -1,0 +1,166 @@
+//! Whole runs: what `sinew track` does, heard by Python.
+
+use crate::arrays::numbers;
+use crate::background::interruptible;
+use crate::camera::PyCamera;
+use crate::failure::{Failure, USAGE};
+use crate::given::Given;
+use pyo3::prelude::*;
+use sinew::config::table;
+use sinew::formats::nearest::nearest;
+use sinew_runs::listener::{Counter, Listener};
+use sinew_runs::settings::{Given as Settings, settings_with_stated_rate};
+use sinew_runs::{CameTo, Request};
+use std::path::PathBuf;
+use std::sync::atomic::AtomicBool;
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// What is counted: what, unit, done, total.
+type Progress = (&'static str, &'static str, u64, u64);
+
+/// Texts and counts of a run until Python takes them.
+#[derive(Default)]
+struct Heard {
+    texts: Mutex<Vec<(&'static str, String)>>,
+    progress: Mutex<Option<Progress>>,
+    stop: Arc<AtomicBool>,
+}
+
+fn locked<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+impl Heard {
+    fn text(&self, kind: &'static str, text: &str) {
+        locked(&self.texts).push((kind, text.to_owned()));
+    }
+
+    /// Hands everything on: `hear(kind, text)` and `count(what, unit, done, total)`.
+    fn say(&self, py: Python<'_>, hear: &Py<PyAny>, count: &Py<PyAny>) -> PyResult<()> {
+        let texts = std::mem::take(&mut *locked(&self.texts));
+        let progress = locked(&self.progress).take();
+        for text in texts {
+            hear.call1(py, text)?;
+        }
+        progress.map_or(Ok(()), |progress| count.call1(py, progress).map(drop))
+    }
+}
+
+impl Listener for Heard {
+    fn warning(&self, text: &str) {
+        self.text("warning", text);
+    }
+    fn note(&self, text: &str) {
+        self.text("note", text);
+    }
+    fn counter(&self, what: &'static str, unit: &'static str, total: u64) -> Box<dyn Counter + '_> {
+        Box::new(Counted { heard: self, what, unit, total })
+    }
+    fn stop(&self) -> Arc<AtomicBool> {
+        Arc::clone(&self.stop)
+    }
+}
+
+struct Counted<'a> {
+    heard: &'a Heard,
+    what: &'static str,
+    unit: &'static str,
+    total: u64,
+}
+
+impl Counter for Counted<'_> {
+    fn at(&mut self, done: u64) {
+        *locked(&self.heard.progress) = Some((self.what, self.unit, done, self.total));
+    }
+}
+
+/// The settings by name, as they are typed.
+fn named(settings: Vec<(String, String)>) -> Result<Settings, Failure> {
+    let known = |(key, text): (String, String)| match table::find(&key) {
+        Some(setting) => Ok((setting.key, text)),
+        None => {
+            let meant = nearest(&key, table::settings().iter().map(|setting| setting.key));
+            let meant = meant.map(|key| format!("; did you mean `{key}`?")).unwrap_or_default();
+            Err(Failure {
+                code: USAGE,
+                help: Some("docs/reference/settings.md lists all of them".into()),
+                ..Failure::argument(format!("unknown setting `{key}`{meant}"))
+            })
+        }
+    };
+    settings.into_iter().map(known).collect()
+}
+
+/// Names and help of all settings, in the order of the reference.
+#[pyfunction]
+pub(crate) fn setting_names() -> Vec<(&'static str, String)> {
+    table::settings().iter().map(|setting| (setting.key, setting.help.to_string())).collect()
+}
+
+/// Cameras, keypoints, names of the points and the number of the first frame.
+type GivenArrays<'py> = (Vec<PyRef<'py, PyCamera>>, Bound<'py, PyAny>, Option<Vec<Option<String>>>, u64);
+
+/// Tracks; returns the result folder, whether it is complete, and the diagnostics that failed.
+#[pyfunction]
+#[pyo3(signature = (settings, given, config, resume, page, write_calibration, hear, count))]
+#[allow(clippy::too_many_arguments)]
+pub(crate) fn track(
+    py: Python<'_>,
+    settings: Vec<(String, String)>,
+    given: Option<GivenArrays<'_>>,
+    config: Option<PathBuf>,
+    resume: bool,
+    page: bool,
+    write_calibration: Option<PathBuf>,
+    hear: Py<PyAny>,
+    count: Py<PyAny>,
+) -> PyResult<(PathBuf, bool, Vec<String>)> {
+    let settings = named(settings)?;
+    let given = given
+        .map(|(cameras, keypoints, points, first)| {
+            Ok::<_, PyErr>(Given::new(&cameras, numbers("keypoints", &keypoints)?, points, first)?)
+        })
+        .transpose()?;
+    let heard = Heard::default();
+    let resolved = settings_with_stated_rate(&settings, config.as_deref(), &heard);
+    let (_, mut resolved) = resolved.map_err(Failure::from)?;
+    if let Some(given) = given {
+        resolved.given = Some(Arc::new(given.recording(resolved.track().confidence_scale)?));
+    }
+    heard.warnings(&resolved.warnings);
+    heard.warnings(&resolved.idle_flags());
+    let out = resolved.track().out;
+    let request = Request { resume, page, write_calibration, settings_file: config };
+    let came_to = interruptible(
+        py,
+        &heard.stop,
+        |py| heard.say(py, &hear, &count),
+        || {
+            let came_to = sinew_runs::track(&resolved, &request, &heard).map_err(Failure::from)?;
+            if let CameTo::One(outcome) = &came_to {
+                heard.warnings(&outcome.summary.warnings);
+            }
+            Ok(came_to)
+        },
+    )?;
+    let (complete, failed) = ended(&came_to);
+    Ok((out, complete, failed))
+}
+
+/// Whether the run came to its end, and the diagnostics that failed.
+fn ended(came_to: &CameTo) -> (bool, Vec<String>) {
+    match came_to {
+        CameTo::One(outcome) => (outcome.summary.complete, outcome.summary.failed_diagnostics.clone()),
+        CameTo::Complete(summary) => {
+            let failed = summary["failed_diagnostics"].as_array().into_iter().flatten();
+            (true, failed.filter_map(|text| text.as_str()).map(str::to_owned).collect())
+        }
+        CameTo::Several(summary) => {
+            let failed = summary.people.iter().flat_map(|person| {
+                person.failed_diagnostics.iter().map(|failed| format!("person {}: {failed}", person.person))
+            });
+            (summary.complete, failed.collect())
+        }
+        _ => (true, vec![]),
+    }
+}

@@ -1,0 +1,99 @@
+"""Samplers on Gaussians that are known, verbs on weights that are known."""
+
+import numpy as np
+import pytest
+
+import sinew
+
+MEAN = np.array([1.0, -2.0, 0.5])
+COVARIANCE = np.array([[1.0, 0.8, 0.0], [0.8, 2.0, -0.3], [0.0, -0.3, 0.25]])
+PRECISION = np.linalg.inv(COVARIANCE)
+
+
+def gaussian(states):
+    gradient = -(states - MEAN) @ PRECISION
+    return 0.5 * ((states - MEAN) * gradient).sum(axis=1), gradient
+
+
+@pytest.mark.parametrize("sampler", [sinew.samplers.nuts, sinew.samplers.hmc])
+def test_draws_are_of_the_gaussian(sampler):
+    """Mean and covariance within 5 standard errors of the effective number of draws."""
+    found = sampler(gaussian, np.zeros((8, 3)), draws=800, seed=5)
+    assert found.draws.shape == (8, 800, 3)
+    np.testing.assert_allclose(found.lp.ravel(), gaussian(found.draws.reshape(-1, 3))[0], atol=1e-12)
+    draws, sd = found.draws.reshape(-1, 3), np.sqrt(np.diag(COVARIANCE))
+    for j in range(3):
+        series = found.draws[:, :, j]
+        assert sinew.samplers.r_hat(series) < 1.05
+        ess = sinew.samplers.bulk_ess(series)
+        assert ess > 200
+        assert abs(series.mean() - MEAN[j]) < 5 * sd[j] / np.sqrt(ess)
+        ess_of_squares = sinew.samplers.bulk_ess((series - MEAN[j]) ** 2)
+        assert abs(series.var() / COVARIANCE[j, j] - 1) < 5 * np.sqrt(2 / ess_of_squares)
+    assert abs(np.corrcoef(draws.T)[0, 1] - 0.8 / np.sqrt(2)) < 0.1
+    assert not found.diverging.any()
+
+
+def test_the_same_seed_gives_the_same_draws():
+    draws = [sinew.samplers.nuts(gaussian, np.zeros((3, 3)), draws=50, warm_up=170, seed=s).draws for s in (1, 1, 2)]
+    np.testing.assert_array_equal(draws[0], draws[1])
+    assert (draws[0] != draws[2]).any()
+
+
+def test_what_a_density_raises_comes_back():
+    def broken(states):
+        raise LookupError("no such state")
+
+    with pytest.raises(LookupError, match="no such state"):
+        sinew.samplers.nuts(broken, np.zeros((2, 3)))
+    with pytest.raises(sinew.InputError, match=r"returned arrays of the shapes \(8,\) and \(8,\); expected"):
+        sinew.samplers.nuts(lambda states: (states[:, 0], states[:, 0]), np.zeros((2, 3)))
+    with pytest.raises(sinew.InputError, match="chain 0 starts at a log density of -inf"):
+        sinew.samplers.nuts(lambda states: (np.full(len(states), -np.inf), states), np.zeros((2, 3)))
+    with pytest.raises(sinew.UsageError, match="`warm_up` is 3; at least 1 and 170"):
+        sinew.samplers.nuts(gaussian, np.zeros((2, 3)), warm_up=3)
+    with pytest.raises(sinew.InputError, match=r"`starts` has the shape \(3,\); expected \(chains, dim\)"):
+        sinew.samplers.nuts(gaussian, np.zeros(3))
+
+
+def test_weights_are_exponentials_that_sum_to_one():
+    log_weights = np.array([-1000.0, -1001.0, -np.inf])
+    weights, log_sum = sinew.particles.normalise(log_weights)
+    expected = np.array([1, np.exp(-1), 0]) / (1 + np.exp(-1))
+    np.testing.assert_allclose(weights, expected, rtol=1e-14)
+    assert log_sum == pytest.approx(-1000 + np.log1p(np.exp(-1)), rel=1e-14)
+    assert sinew.particles.effective_number(7 * weights) == pytest.approx(1 / (expected**2).sum())
+    with pytest.raises(sinew.InputError, match="all 2 weights are zero"):
+        sinew.particles.normalise([-np.inf, -np.inf])
+
+
+@pytest.mark.parametrize("scheme", ["systematic", "stratified", "residual", "multinomial"])
+def test_resampling_keeps_the_mean_counts(scheme):
+    """Mean counts over 2000 seeds within 5 standard errors of multinomial ones."""
+    weights = np.array([0.5, 0.3, 0.15, 0.05, 0.0])
+    ancestors = [sinew.particles.resample(weights, 10, scheme=scheme, seed=seed) for seed in range(2000)]
+    counts = np.mean([np.bincount(of, minlength=5) for of in ancestors], axis=0)
+    error = np.sqrt(10 * weights * (1 - weights) / 2000)
+    assert (abs(counts - 10 * weights) <= 5 * error).all()
+    assert all((np.diff(of) >= 0).all() for of in ancestors)
+
+
+def test_an_exponent_keeps_the_survivors_that_it_promises():
+    values = np.random.default_rng(1).normal(0, 30, 500)
+    exponent = sinew.particles.tempering_exponent(values, 0.4)
+    weights, _ = sinew.particles.normalise(exponent * values)
+    assert sinew.particles.effective_number(weights) == pytest.approx(200, rel=1e-6)
+    assert sinew.particles.tempering_exponent(np.zeros(5)) == 1.0
+
+
+def test_wrong_weights_are_named():
+    with pytest.raises(sinew.UsageError, match="no memory for an array"):
+        sinew.particles.resample([1.0], 2**60)
+    with pytest.raises(sinew.UsageError, match="no memory for an array"):
+        sinew.samplers.nuts(gaussian, np.zeros((2, 3)), draws=2**60)
+    with pytest.raises(sinew.InputError, match="`weights`: number 1 is -1; none may be negative"):
+        sinew.particles.resample([1, -1])
+    with pytest.raises(sinew.InputError, match="their sum is 0; it must be positive"):
+        sinew.particles.effective_number([0, 0])
+    with pytest.raises(sinew.InputError, match=r"known: .*; did you mean `systematic`\?"):
+        sinew.particles.resample([1], scheme="sistematic")

@@ -1,0 +1,250 @@
+"""Runs from Python: the program's bytes, results over the arrays that were read, stops and resumption."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+import warnings
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import sinew
+
+pytestmark = pytest.mark.filterwarnings("ignore::sinew.SinewWarning", "ignore::sinew.DiagnosticWarning")
+
+FRAMES = (0, 8)
+
+
+def differing(first, second):
+    """Files that are not the same in two folders."""
+    files = [{path.relative_to(top): path.read_bytes() for path in top.rglob("*") if path.is_file()} for top in (first, second)]
+    names = files[0].keys() | files[1].keys()
+    return {str(name) for name in names if files[0].get(name) != files[1].get(name)}
+
+
+def test_files_are_those_of_the_program(program, recording, walk, result, tmp_path):
+    options = f"--layout BODY_25B --fps {walk.rate_hz:g} --frames 0..8 --seed 4 --calibration {recording / 'Calib.toml'}"
+    out = ["--keypoints", str(recording / "pose"), "-o", str(tmp_path / "out")]
+    subprocess.run([program, "track", *options.split(), *out], check=True, capture_output=True)
+    assert differing(result.path, tmp_path / "out") <= {"timings.json"}
+    assert len(list(result.path.iterdir())) > 10
+
+
+def test_arrays_give_what_files_give(recording, walk, result, tmp_path):
+    cameras = sinew.read_calibration(recording / "Calib.toml")
+    options = {"fps": 20, "seed": 4}
+    sinew.track(cameras, walk.keypoints, layout=walk.layout, frames=range(*FRAMES), out=tmp_path / "out", **options)
+    # Paths and hashes of files that are not there.
+    assert differing(result.path, tmp_path / "out") <= {"timings.json", "config.toml", "summary.json"}
+    one = walk.keypoints[:, :, 0]
+    again = sinew.track(recording / "Calib.toml", one, layout="BODY_25B", frames=FRAMES, page=True, setup=result.path / "setup.toml", **options)
+    assert (again.path / "report.html").is_file()
+    assert again.posterior.equals(result.posterior)
+
+
+def test_the_posterior_is_about_the_truth(walk, result):
+    """Mean error of the joints below 25 mm; 90 % bands hold between 75 and 100 %."""
+    joints = result.joints
+    columns = [walk.points.index(name) for name in joints.joint.values]
+    truth = walk.truth[slice(*FRAMES)][:, columns]
+    mean = np.stack([joints[f"{axis}_mean_m"] for axis in "xyz"], -1)
+    assert np.linalg.norm(mean - truth, axis=-1).mean() < 0.025
+    held = [(joints[f"{axis}_q05_m"] < truth[..., k]) & (truth[..., k] < joints[f"{axis}_q95_m"]) for k, axis in enumerate("xyz")]
+    assert 0.75 < np.mean(held) <= 1.0
+    # The draws of the store are those of which the table is made, but for their number.
+    draws = result.posterior.marker_position.mean(["chain", "draw"]).sel(marker=joints.joint.values)
+    assert abs(draws.values - mean).max() < 0.03
+
+
+def test_the_store_is_what_zarr_reads(result):
+    pytest.importorskip("zarr", minversion="3")
+    for name, dataset in result.to_datasets().items():
+        theirs = xr.open_zarr(result.path / "posterior.zarr", group=name, consolidated=False).load()
+        assert dataset.sizes == theirs.sizes
+        for variable in theirs.variables:
+            np.testing.assert_array_equal(dataset[variable].values, theirs[variable].values)
+            assert dataset[variable].dims == theirs[variable].dims
+
+
+def test_arviz_works_on_the_same_arrays(result):
+    arviz = pytest.importorskip("arviz", reason="no arviz")
+    tree = result.to_arviz()
+    assert np.shares_memory(tree["posterior"]["angle"].values, result.posterior.angle.values)
+    assert {"posterior", "sample_stats", "observed_data"} <= set(tree if isinstance(tree, xr.DataTree) else tree.groups())
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        table = arviz.summary(tree, var_names=["root"])
+    assert len(table) == 3 * (FRAMES[1] - FRAMES[0])
+
+
+def test_results_describe_themselves(result):
+    assert result.complete and result.summary["frame_count"] == 8
+    assert result.joints.sizes == {"frame": 8, "joint": 26}
+    assert result.frames.residual_px.shape == (8,)
+    assert set(result.angles.name.values) >= {"hip_flexion_r", "knee_angle_r"}
+    assert result.state.sizes["name"] == 32
+    assert "8 frames, complete" in repr(result)
+    assert isinstance(sinew.read(result.path), sinew.Result)
+
+
+def test_a_temporary_folder_lives_as_long_as_its_result(walk, setup):
+    found = sinew.track(walk.cameras, walk.keypoints, layout=walk.layout, fps=20, frames=(0, 2), setup=setup)
+    path = found.path
+    assert path.is_dir()
+    del found
+    assert not path.exists()
+
+
+def test_several_people_are_results_each(walk, setup):
+    """The second one walks two metres beside, in the same cameras; one of them is tracked alone then."""
+    other = walk.truth + [0.0, 2.0, 0.0]
+    columns = [None if name is None else walk.points.index(name) for name in walk.layout]
+    second = np.full_like(walk.keypoints, np.nan)
+    for view, camera in enumerate(walk.cameras):
+        pixels = camera.project(other)
+        for k, column in enumerate(columns):
+            if column is not None:
+                second[:, view, 0, k] = np.column_stack([pixels[:, column], np.full(len(other), 0.8)])
+    both = np.concatenate([walk.keypoints, second], axis=2)
+    found = sinew.track(walk.cameras, both, layout=walk.layout, fps=20, frames=(0, 8), setup_frames=(0, 8))
+    assert isinstance(found, sinew.People)
+    people = [person for person in found.people if person is not None]
+    assert len(people) == 2
+    apart = [float(person.joints.y_mean_m.mean()) for person in people]
+    assert abs(abs(apart[0] - apart[1]) - 2.0) < 0.1
+    alone = sinew.track(walk.cameras, both, layout=walk.layout, fps=20, frames=(0, 8), person=1, setup=setup)
+    assert isinstance(alone, sinew.Result)
+
+
+def test_progress_and_warnings_are_heard(walk, setup):
+    heard = []
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        sinew.track(
+            walk.cameras,
+            walk.keypoints[:4],
+            layout=walk.layout,
+            setup=setup,
+            progress=lambda *counted: heard.append(counted),
+        )
+    assert any(what == "tracking" and unit == "frames" and total == 4 for what, unit, _, total in heard)
+    assert any("frame rate" in str(of.message) or "fps" in str(of.message) for of in caught)
+
+
+def test_errors_are_those_of_the_program(program, recording, tmp_path):
+    for arguments, settings in [
+        (["--calibration", "Calib.toml", "--keypoints", "nope"], {"calibration": "Calib.toml", "keypoints": "nope"}),
+        (["--calibration", "pose", "--keypoints", "pose"], {"calibration": "pose", "keypoints": "pose"}),
+        (["--calibration", "Calib.toml"], {"calibration": "Calib.toml"}),
+        (
+            ["--calibration", "Calib.toml", "--keypoints", "pose", "--layout", "COCO"],
+            {"calibration": "Calib.toml", "keypoints": "pose", "layout": "COCO"},
+        ),
+    ]:
+        out = str(tmp_path / "out")
+        ended = subprocess.run([program, "track", *arguments, "-o", out], cwd=recording, capture_output=True, text=True)
+        here = Path.cwd()
+        try:
+            os.chdir(recording)
+            with pytest.raises(sinew.SinewError) as raised:
+                sinew.track(**settings, out=out)
+        finally:
+            os.chdir(here)
+        assert raised.value.exit_code == ended.returncode
+        assert f"error: {raised.value}" in ended.stderr
+
+
+@pytest.mark.parametrize(
+    ("settings", "error", "words"),
+    [
+        ({"fpss": 20}, sinew.UsageError, "unknown setting `fpss`; did you mean `fps`?"),
+        ({"fps": -1}, sinew.UsageError, "`fps` is -1"),
+        ({"frames": (0, 1, 2)}, sinew.UsageError, "`frames` has 3 numbers; expected"),
+        ({"resume": True}, sinew.UsageError, "`resume` needs the folder `out`"),
+        ({"layout": ["Nose"]}, sinew.InputError, "expected (frames, cameras = 4, people, points = 1, u v confidence = 3)"),
+    ],
+)
+def test_wrong_settings_are_named(walk, settings, error, words):
+    with pytest.raises(error) as raised:
+        sinew.track(walk.cameras, walk.keypoints, **{"fps": 20, "layout": "BODY_25B"} | settings)
+    assert words in str(raised.value)
+
+
+def test_wrong_arrays_are_named(walk, tmp_path):
+    wrong = walk.keypoints.copy()
+    wrong[3, 1, 0, 7] = [5, 5, 70]
+    with pytest.raises(sinew.InputError, match="frame 3, camera `C2`, person 0, point 7: the confidence is 70"):
+        sinew.track(walk.cameras, wrong, fps=20)
+    with pytest.raises(sinew.InputError, match=r"`keypoints` has the shape \(30, 3, 1, 25, 3\); expected .*cameras = 4"):
+        sinew.track(walk.cameras, walk.keypoints[:, :3], fps=20)
+    with pytest.raises(sinew.InputError, match="`keypoints` is empty"):
+        sinew.track(walk.cameras, walk.keypoints[:0], fps=20)
+    with pytest.raises(sinew.UsageError, match="arrays of keypoints and cameras .* belong together"):
+        sinew.track(None, walk.keypoints, fps=20)
+    with pytest.raises(sinew.UsageError, match="`calibration` holds a str"):
+        sinew.track(["Calib.toml"], walk.keypoints, fps=20)
+    (tmp_path / "summary.json").write_text("{}")
+    (tmp_path / "joints.csv").write_text("")
+    with pytest.raises(sinew.FileError, match="force"):
+        sinew.track(walk.cameras, walk.keypoints, fps=20, out=tmp_path)
+
+
+STOPPED = """
+import sinew, sys, warnings
+warnings.simplefilter("ignore")
+walk = sinew.simulate(duration_s=3, fps=20, seed=3)
+def progress(what, unit, done, total):
+    if what == "tracking":
+        print(done, flush=True)
+options = {"layout": walk.layout, "fps": 20, "setup": sys.argv[1], "progress": progress}
+sinew.track(walk.cameras, walk.keypoints, out=sys.argv[2], resume=len(sys.argv) > 3, **options)
+print("complete", flush=True)
+"""
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="no SIGINT to send")
+def test_ctrl_c_keeps_what_is_done_and_resumes_to_the_same_bytes(setup, tmp_path):
+    def started(*arguments):
+        command = [sys.executable, "-c", STOPPED, str(setup), *map(str, arguments)]
+        return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+
+    run = started(tmp_path / "stopped")
+    assert run.stdout.readline().strip().isdigit()
+    run.send_signal(signal.SIGINT)
+    sent = time.monotonic()
+    _, errors = run.communicate(timeout=60)
+    assert "KeyboardInterrupt" in errors and run.returncode != 0
+    assert time.monotonic() - sent < 20
+    assert (tmp_path / "stopped" / "checkpoint.bin").is_file()
+    resumed, whole = started(tmp_path / "stopped", "resume"), started(tmp_path / "whole")
+    for of in (resumed, whole):
+        output, errors = of.communicate(timeout=240)
+        assert "complete" in output, errors
+    assert differing(tmp_path / "stopped", tmp_path / "whole") <= {"timings.json"}
+
+
+def test_other_threads_run_meanwhile(walk, setup):
+    """A thread of Python counts on while a frame is tracked."""
+    import threading
+
+    counted, over = [0], threading.Event()
+
+    def count():
+        while not over.is_set():
+            counted[0] += 1
+            time.sleep(0.002)
+
+    thread = threading.Thread(target=count)
+    thread.start()
+    try:
+        begun = time.monotonic()
+        sinew.track(walk.cameras, walk.keypoints, layout=walk.layout, fps=20, setup=setup, progress=False)
+        passed = time.monotonic() - begun
+    finally:
+        over.set()
+        thread.join()
+    assert counted[0] > 0.1 * passed / 0.002
